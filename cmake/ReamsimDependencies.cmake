@@ -1,0 +1,27 @@
+# Third-party libraries, all from Debian 12 packages (see run.sh for the list). Their headers count as system headers.
+find_package(PkgConfig REQUIRED)
+find_package(Threads REQUIRED)
+find_package(Eigen3 REQUIRED NO_MODULE)
+find_package(OpenCL REQUIRED)
+find_package(yaml-cpp REQUIRED)
+find_package(assimp REQUIRED)
+find_package(CLI11 REQUIRED)
+find_package(nlohmann_json REQUIRED)
+find_package(OpenSSL REQUIRED COMPONENTS Crypto)
+
+list(APPEND CMAKE_MODULE_PATH "/usr/lib/${CMAKE_LIBRARY_ARCHITECTURE}/cmake/OpenVDB")
+find_package(OpenVDB REQUIRED QUIET)
+
+find_package(ITK REQUIRED QUIET COMPONENTS
+  ITKCommon ITKIOImageBase ITKIONRRD ITKIONIFTI ITKIOMeta ITKIOGDCM ITKSmoothing ITKAnisotropicSmoothing ITKCurvatureFlow
+  ITKImageGrid ITKImageFunction ITKThresholding ITKConnectedComponents ITKMathematicalMorphology
+  ITKBinaryMathematicalMorphology ITKDistanceMap ITKLabelMap)
+
+pkg_check_modules(OSMESA REQUIRED IMPORTED_TARGET osmesa)
+pkg_check_modules(EGL REQUIRED IMPORTED_TARGET egl)
+pkg_check_modules(PANGOCAIRO REQUIRED IMPORTED_TARGET pangocairo)
+
+if(REAMSIM_TESTS)
+  find_package(GTest REQUIRED)
+  include(GoogleTest)
+endif()

@@ -1,0 +1,32 @@
+# Flags that every target of this project is compiled with.
+add_library(reamsim_options INTERFACE)
+target_compile_options(reamsim_options INTERFACE
+  -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion -Werror
+  # Host and kernels must round alike, so no fused multiply-add that the source does not write.
+  -ffp-contract=off)
+target_include_directories(reamsim_options INTERFACE ${PROJECT_SOURCE_DIR})
+target_compile_definitions(reamsim_options INTERFACE REAMSIM_VERSION="${PROJECT_VERSION}")
+
+if(REAMSIM_SANITIZE)
+  add_compile_options(-fsanitize=${REAMSIM_SANITIZE} -fno-omit-frame-pointer)
+  add_link_options(-fsanitize=${REAMSIM_SANITIZE})
+  if(REAMSIM_SANITIZE MATCHES "undefined")
+    add_compile_options(-fno-sanitize-recover=undefined)
+  endif()
+endif()
+
+# reamsim_library(NAME SOURCES ... LINK ...): one static library per folder of sim/, so that the linker enforces the layers.
+function(reamsim_library name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;LINK;PRIVATE" ${ARGN})
+  add_library(${name} STATIC ${ARG_SOURCES})
+  target_link_libraries(${name} PUBLIC ${ARG_LINK} PRIVATE reamsim_options ${ARG_PRIVATE})
+  target_include_directories(${name} PUBLIC ${PROJECT_SOURCE_DIR})
+endfunction()
+
+# reamsim_test(NAME SOURCES ... LINK ...): a GoogleTest program whose cases CTest lists one by one.
+function(reamsim_test name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;LINK" ${ARGN})
+  add_executable(${name} ${ARG_SOURCES})
+  target_link_libraries(${name} PRIVATE reamsim_options ${ARG_LINK} GTest::gmock GTest::gtest_main)
+  gtest_discover_tests(${name} DISCOVERY_TIMEOUT 60 PROPERTIES TIMEOUT 600)
+endfunction()

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <stdexcept>
+#include <string>
+
+namespace reamsim {
+
+/// Where in a user's file a mistake stands. Lines and columns count from 1; 0 means unknown.
+struct SourceLocation {
+  std::string file;
+  int line = 0;
+  int column = 0;
+
+  /// "file:line:column", leaving out what is unknown; empty when nothing is known.
+  [[nodiscard]] std::string text() const;
+};
+
+/// The input is wrong (exit status 2). The message is one line that a user can act on: where, which key, what was
+/// found, what would be right.
+class InputError : public std::runtime_error {
+ public:
+  explicit InputError(const std::string& message) : std::runtime_error(message) {}
+
+  /// "FILE:LINE:COLUMN: KEY: FOUND; EXPECTED". Pass "" for whatever does not apply.
+  InputError(const SourceLocation& where, const std::string& key, const std::string& found,
+             const std::string& expected);
+};
+
+/// The run failed for a reason that is not the input's (exit status 1): disk full, device lost.
+class RunError : public std::runtime_error {
+ public:
+  explicit RunError(const std::string& message) : std::runtime_error(message) {}
+};
+
+/// The user interrupted the run (exit status 130).
+class Interrupted : public std::runtime_error {
+ public:
+  Interrupted() : std::runtime_error("interrupted") {}
+};
+
+}  // namespace reamsim

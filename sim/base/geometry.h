@@ -1,0 +1,32 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <array>
+
+namespace reamsim {
+
+using Vec2 = Eigen::Vector2d;
+using Vec3 = Eigen::Vector3d;
+using Vec3i = Eigen::Vector3i;
+using Mat3 = Eigen::Matrix3d;
+using Quat = Eigen::Quaterniond;
+/// A rigid transform. Every variable of this type is named `target_from_source`.
+using Rigid = Eigen::Isometry3d;
+
+/// Axis-aligned box, mm, in the frame that its owner names.
+struct Aabb {
+  Vec3 min = Vec3::Zero();
+  Vec3 max = Vec3::Zero();
+
+  [[nodiscard]] Vec3 center() const { return 0.5 * (min + max); }
+  [[nodiscard]] Vec3 half() const { return 0.5 * (max - min); }
+  [[nodiscard]] bool empty() const { return (min.array() > max.array()).any(); }
+};
+
+/// The glenoid frame G: origin at the glenoid centre, +z out of the bone along the face normal, +y superior,
+/// right-handed. Lengths in mm.
+struct GlenoidFrame {
+  Rigid bone_from_glenoid = Rigid::Identity();
+};
+
+}  // namespace reamsim

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "sim/bone/voxmap.h"
+
+namespace reamsim {
+
+/// Which voxels went when: (voxel index, frame), unordered.
+using RemovedFrames = std::vector<std::pair<std::int64_t, std::int32_t>>;
+
+/// Text metadata: (name, value).
+using Metadata = std::vector<std::pair<std::string, std::string>>;
+
+/// Writes FloatGrids `density`, `fill`, `surface`, `removed_frame` (design §6) with an isotropic transform in mm, index
+/// (0,0,0) at the centre of voxel (0,0,0). Throws RunError when the file cannot be written.
+void write_bone_vdb(const std::string& path, const Voxmap& voxmap, const RemovedFrames& removed,
+                    const Metadata& metadata);
+
+/// Reads `density` and `fill` back. Throws InputError: no such file, truncated, no such grid, not isotropic, absurdly large.
+Voxmap read_bone_vdb(const std::string& path);
+
+}  // namespace reamsim

@@ -1,0 +1,15 @@
+#pragma once
+
+#include "sim/base/report.h"
+#include "sim/bone/voxmap.h"
+#include "sim/scenario/scenario.h"
+
+namespace reamsim {
+
+/// A CT scan (DICOM folder, NRRD, NIfTI, MetaImage) to a voxmap in LPS mm: crop, filter, threshold, closing, hole
+/// filling, cuts, the piece with the seed; or a label map instead. HU are resampled to `settings.voxel_mm` by averaging
+/// when merging and trilinearly when dividing (paper §3.2), then mapped to density and grade.
+/// Throws InputError: unreadable, truncated, absurdly large, no bone in the crop, seed outside bone.
+Voxmap voxmap_from_ct(const BoneSettings& settings, Report& report);
+
+}  // namespace reamsim

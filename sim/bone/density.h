@@ -1,0 +1,35 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+
+namespace reamsim {
+
+/// Radiodensity to apparent density to grade (design §1, §5).
+/// ρ_ash = ash_slope·HU + ash_offset; ρ = ρ_ash/ash_fraction, clamped to 0…2 g/cm³ (PMC5234499, Table 1: a femur at
+/// 120 kVp; a default, not a scapular calibration). grade = clamp(round(ρ/0.008), 1, 250) inside the bone's mask;
+/// 0 is air.
+struct DensityMapping {
+  double ash_slope_g_cm3_per_hu = 0.0007;
+  double ash_offset_g_cm3 = -0.009;
+  double ash_fraction = 0.6;
+
+  static constexpr double kGradeStep_g_cm3 = 0.008;
+  static constexpr double kMaxDensity_g_cm3 = 2.0;
+  static constexpr int kMaxGrade = 250;
+
+  [[nodiscard]] double density_from_hu(double hu) const {
+    const double density = (ash_slope_g_cm3_per_hu * hu + ash_offset_g_cm3) / ash_fraction;
+    return std::clamp(density, 0.0, kMaxDensity_g_cm3);
+  }
+  [[nodiscard]] double hu_from_density(double density_g_cm3) const {
+    return (density_g_cm3 * ash_fraction - ash_offset_g_cm3) / ash_slope_g_cm3_per_hu;
+  }
+  [[nodiscard]] static std::uint8_t grade_from_density(double density_g_cm3) {
+    return static_cast<std::uint8_t>(std::clamp(std::lround(density_g_cm3 / kGradeStep_g_cm3), 1L, long{kMaxGrade}));
+  }
+  [[nodiscard]] static double density_from_grade(std::uint8_t grade) { return grade * kGradeStep_g_cm3; }
+};
+
+}  // namespace reamsim

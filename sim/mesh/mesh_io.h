@@ -1,0 +1,17 @@
+#pragma once
+
+#include <string>
+
+#include "sim/mesh/triangle_mesh.h"
+
+namespace reamsim {
+
+/// Reads an STL, OBJ or PLY file through assimp, multiplies by `scale` (file units to mm) and joins vertices at
+/// equal positions, so that the triangles of an STL share them.
+/// Throws InputError: no such file, unreadable or truncated, no triangle, NaN or infinite coordinate.
+TriangleMesh read_mesh(const std::string& path, double scale);
+
+/// Writes a binary STL (mm). Throws RunError when the file cannot be written.
+void write_stl(const std::string& path, const TriangleMesh& mesh);
+
+}  // namespace reamsim

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "sim/scenario/scenario.h"
+
+namespace reamsim {
+
+/// Reads and validates a scenario file. `overrides` are "key.path=value" strings (`--set`), applied before validation.
+/// ${VAR} in paths is expanded from the environment; relative paths are relative to the scenario's folder.
+/// Throws InputError naming file, line, column, key, what was found and what would be right.
+Scenario parse_scenario(const std::string& path, const std::vector<std::string>& overrides);
+
+/// The resolved scenario as YAML text: every default filled in. Parsing it again gives the same scenario.
+std::string to_yaml(const Scenario& scenario);
+
+/// assets/scenario.schema.json, generated from the same description of keys that the parser uses.
+std::string scenario_json_schema();
+
+/// The table of keys for docs/formats.md (Markdown), generated from the same description.
+std::string scenario_key_table();
+
+/// Every input file of the scenario, for provenance: (role, absolute path). A DICOM folder appears as a folder.
+std::vector<std::pair<std::string, std::string>> input_files(const Scenario& scenario);
+
+}  // namespace reamsim

@@ -1,0 +1,223 @@
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "sim/base/geometry.h"
+
+namespace reamsim {
+
+// A scenario as plain, validated values. Nothing downstream of the parser reads YAML. Members bear the names of the
+// YAML keys, units included; defaults here are the documented ones. Paths are absolute after parsing.
+
+// ---- bone ------------------------------------------------------------------------------------------------------
+
+/// HU to density; see DensityMapping.
+struct DensitySettings {
+  double ash_slope_g_cm3_per_hu = 0.0007;
+  double ash_offset_g_cm3 = -0.009;
+  double ash_fraction = 0.6;
+};
+
+struct LandmarkSettings {
+  Vec3 glenoid_center_mm = Vec3::Zero();
+  Vec3 trigonum_spinae_mm = Vec3::Zero();
+  Vec3 inferior_angle_mm = Vec3::Zero();
+};
+
+/// The glenoid frame: centre, normal and superior direction, or landmarks; never both.
+struct GlenoidSettings {
+  std::optional<Vec3> center_mm;
+  std::optional<Vec3> normal;
+  std::optional<Vec3> superior;
+  std::optional<LandmarkSettings> landmarks;
+};
+
+/// Shapes for verification, and the parametric glenoid. Which keys apply: docs/formats.md.
+struct PhantomSettings {
+  std::string shape = "glenoid";  ///< half_space | cup | sphere | layered | glenoid
+  double density_g_cm3 = 1.8;     ///< half_space, cup, sphere: uniform
+  Vec3 size_mm{40, 40, 20};       ///< half_space, cup, layered: the block; its top face is z = 0
+  double radius_mm = 20;          ///< sphere; cup: radius of the spherical cup
+  double cup_depth_mm = 4;        ///< cup
+  double cortical_mm = 2;         ///< layered: thickness of the top layer
+  double cortical_density_g_cm3 = 1.8;
+  double trabecular_density_g_cm3 = 0.4;
+  // glenoid
+  double height_mm = 35;            ///< superior–inferior
+  double width_mm = 26;             ///< anterior–posterior, of the lower, wider part
+  double face_radius_mm = 32;       ///< radius of curvature of the concave face
+  double vault_depth_mm = 28;       ///< from face to neck
+  double subchondral_mm = 2.0;      ///< plate under the face, 1.2–2.9
+  double shell_mm = 1.4;            ///< cortical wall of the vault
+  double version_deg = 0;           ///< retroversion positive
+  double inclination_deg = 0;       ///< superior tilt positive
+  double texture = 0.25;            ///< relative amplitude of the trabecular texture
+  int seed = 1;
+};
+
+struct CutSphereSettings {
+  Vec3 center_mm = Vec3::Zero();
+  double radius_mm = 0;
+};
+struct CutPlaneSettings {
+  Vec3 point_mm = Vec3::Zero();
+  Vec3 normal = Vec3::UnitZ();  ///< what lies on this side is removed
+};
+
+struct LabelMapSettings {
+  std::string path;
+  int label = 1;
+};
+
+struct CtSettings {
+  std::string path;  ///< DICOM folder, NRRD, NIfTI or MetaImage
+  std::optional<Vec3> crop_min_mm;
+  std::optional<Vec3> crop_max_mm;
+  std::string filter = "none";  ///< none | median | curvature_anisotropic
+  int median_radius_voxels = 1;
+  int anisotropic_iterations = 5;
+  double anisotropic_conductance = 3;
+  double threshold_hu = 200;
+  double closing_mm = 1.5;
+  bool fill_holes = true;
+  std::optional<Vec3> seed_mm;  ///< the piece that contains it is kept; without it the largest
+  std::vector<CutSphereSettings> cut_spheres;
+  std::vector<CutPlaneSettings> cut_planes;
+  std::optional<LabelMapSettings> label_map;  ///< instead of threshold, closing, filling, seed and cuts
+};
+
+struct MeshBoneSettings {
+  std::string path;
+  double scale = 1;  ///< file units to mm
+  double cortical_mm = 1.5;
+  double cortical_hu = 1500;
+  double trabecular_hu = 300;
+  bool repair = false;
+};
+
+struct VdbBoneSettings {
+  std::string path;
+};
+
+struct PilotHoleSettings {
+  double diameter_mm = 2.5;
+  Vec3 entry_mm = Vec3::Zero();
+  Vec3 axis{0, 0, -1};  ///< the way the drill goes in
+  double depth_mm = 20;
+  std::string frame = "bone";  ///< bone | glenoid: the frame of entry_mm and axis
+};
+
+struct BoneSettings {
+  std::string source;  ///< phantom | ct | mesh | vdb
+  std::string side;    ///< left | right; required where a glenoid frame is
+  double voxel_mm = 0.25;
+  DensitySettings density;
+  GlenoidSettings glenoid;
+  PhantomSettings phantom;
+  CtSettings ct;
+  MeshBoneSettings mesh;
+  VdbBoneSettings vdb;
+  std::optional<PilotHoleSettings> pilot_hole;
+};
+
+// ---- tool ------------------------------------------------------------------------------------------------------
+
+struct ToolSettings {
+  std::string mesh;  ///< STL, OBJ or PLY in the tool frame T
+  double scale = 1;
+  int shell_resolution = 0;      ///< M of the M³ grid; 0 = the least with spacing ≤ half a voxel
+  std::string spin = "envelope"; ///< envelope: the surface that the teeth sweep | resolved: the teeth themselves
+};
+
+// ---- motion ----------------------------------------------------------------------------------------------------
+
+struct PlungeSettings {
+  Vec3 entry_mm = Vec3::Zero();
+  Vec3 axis{0, 0, -1};  ///< the way the tool goes; +z of T is its opposite
+  double approach_mm = 2;
+  double feed_mm_s = 1;
+  double depth_mm = 4;
+  double dwell_s = 0.2;
+  double retract_mm = 6;
+  double retract_mm_s = 10;
+  double spin_rpm = 250;
+};
+
+struct KeyframeSettings {
+  double time_s = 0;
+  Vec3 position_mm = Vec3::Zero();
+  std::optional<Vec3> axis;        ///< +z of T; or
+  std::optional<Quat> quaternion;  ///< w, x, y, z of bone_from_tool
+  double spin_rpm = 0;
+};
+
+struct CsvMotionSettings {
+  std::string path;
+  double spin_rpm = 250;  ///< where the file has no such column
+};
+
+struct MotionSettings {
+  std::string frame = "bone";  ///< bone | glenoid
+  double frame_rate_hz = 1000;
+  std::optional<PlungeSettings> plunge;
+  std::vector<KeyframeSettings> keyframes;
+  std::optional<CsvMotionSettings> csv;
+};
+
+// ---- engine, cutting ---------------------------------------------------------------------------------------------
+
+struct EngineSettings {
+  std::string detector = "direct";
+  std::string device = "auto";  ///< auto | serial | part of an OpenCL device's name
+  int work_group_size = 0;      ///< 0 = chosen from the device
+  int batch_frames = 32;        ///< frames whose results are read back at once
+  double max_step_voxels = 0.5; ///< no point of the tool moves further in a substep
+};
+
+struct CuttingSettings {
+  std::string law = "energy";      ///< energy | per_point
+  std::string erosion = "remove";  ///< remove | wear
+  double specific_energy_j_mm3 = 0.15;
+  double reference_density_g_cm3 = 1.8;
+  double density_exponent = 2;
+  double normal_ratio = 0.5;
+  double speed_floor_mm_s = 10;
+  double force_per_point_n = 0.001;      ///< law: per_point
+  double wear_g_cm3_per_s = 80;          ///< erosion: wear; density that a touched voxel loses per second
+};
+
+// ---- render, output ----------------------------------------------------------------------------------------------
+
+struct RenderSettings {
+  bool enabled = true;
+  std::string context = "osmesa";  ///< osmesa | egl
+  int width_px = 1920;
+  int height_px = 1080;
+  int every_frames = 0;            ///< 0 = ten pictures over the run
+  std::vector<std::string> cameras{"oblique", "glenoid", "section"};  ///< the first names the files without a suffix
+  bool tool = true;
+  double depth_max_mm = 0;         ///< top of the depth legend; 0 = the depth reached
+};
+
+struct OutputSettings {
+  std::string dir;  ///< "" = out/<scenario name> below the working folder
+  bool vti = true;
+};
+
+struct Scenario {
+  int version = 1;
+  std::string name;       ///< the file's stem
+  std::string file;       ///< absolute path of the YAML
+  BoneSettings bone;
+  ToolSettings tool;
+  MotionSettings motion;
+  EngineSettings engine;
+  CuttingSettings cutting;
+  RenderSettings render;
+  OutputSettings output;
+};
+
+}  // namespace reamsim

@@ -1,0 +1,25 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "sim/base/geometry.h"
+#include "sim/mesh/triangle_mesh.h"
+
+namespace reamsim {
+
+/// The points that sample the tool's surface (paper §3.3): centres of the cells of an M³ grid that the surface goes
+/// through, Morton-coded into 32 bits, 10 per axis (x in bit 0). Codes ascend and are unique.
+/// Point of a code (x,y,z): origin_mm + cell_mm·(x + ½, y + ½, z + ½), tool frame T.
+struct PointShell {
+  int resolution = 0;  ///< M, cells per axis, 1…1024
+  double cell_mm = 0;
+  Vec3 origin_mm = Vec3::Zero();
+  std::vector<std::uint32_t> codes;
+};
+
+/// Marks every cell of a `resolution`³ cubic grid round the mesh that a triangle touches (exact triangle–box test).
+/// Throws InputError when resolution is outside 1…1024.
+PointShell voxelise_surface(const TriangleMesh& mesh, int resolution);
+
+}  // namespace reamsim

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <vector>
+
+#include "sim/base/geometry.h"
+
+namespace reamsim {
+
+/// The tool's envelope of revolution: a closed polygon in (r, z) of the tool frame T, r ≥ 0, mm, listed so that the
+/// inside lies to the left (counter-clockwise in an r-right, z-up plot). Edges on the axis r = 0 are not surface.
+struct Profile {
+  std::vector<Vec2> points;
+
+  /// Largest r, mm.
+  [[nodiscard]] double max_radius_mm() const;
+  /// Signed distance to the surface (negative inside), and the outward unit normal (n_r, n_z) at the nearest surface
+  /// point. By brute force over the edges; the reference for the device code.
+  struct Nearest {
+    double distance_mm;
+    Vec2 normal;
+  };
+  [[nodiscard]] Nearest nearest(const Vec2& rz) const;
+  /// Volume of the solid of revolution, mm³ (Pappus).
+  [[nodiscard]] double volume_mm3() const;
+};
+
+}  // namespace reamsim

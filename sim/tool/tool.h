@@ -1,0 +1,27 @@
+#pragma once
+
+#include "sim/base/report.h"
+#include "sim/mesh/triangle_mesh.h"
+#include "sim/scenario/scenario.h"
+#include "sim/tool/point_shell.h"
+#include "sim/tool/profile.h"
+
+namespace reamsim {
+
+/// The reamer, in the tool frame T: origin at the lowest point of the cutting surface on the spin axis, +z out of the
+/// bone towards the drill.
+struct Tool {
+  TriangleMesh mesh;    ///< as it looks, teeth included; for pictures
+  Profile profile;      ///< envelope of revolution about z
+  PointShell shell;     ///< of the envelope (`spin: envelope`) or of the mesh (`spin: resolved`)
+  Aabb bounds;          ///< of the shell's surface, T, mm
+  double reach_mm = 0;  ///< farthest shell point from the origin of T
+};
+
+/// Reads the mesh, finds its envelope of revolution and samples its surface.
+/// `voxel_mm` sets the shell's resolution where the scenario leaves it open (spacing ≤ half a voxel), and is what the
+/// spacing is judged against otherwise: a leaking combination gets a warning.
+/// Throws InputError: unreadable or open mesh, no axis of revolution, shell larger than 1024³.
+Tool load_tool(const ToolSettings& settings, double voxel_mm, Report& report);
+
+}  // namespace reamsim
