@@ -2,6 +2,8 @@
 add_library(reamsim_options INTERFACE)
 target_compile_options(reamsim_options INTERFACE
   -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion -Werror
+  # GCC 12 sees overlaps in std::string's operator+ that cannot happen (GCC bug 105329).
+  $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict>
   # Host and kernels must round alike, so no fused multiply-add that the source does not write.
   -ffp-contract=off)
 target_include_directories(reamsim_options INTERFACE ${PROJECT_SOURCE_DIR})
@@ -18,6 +20,13 @@ endif()
 # reamsim_library(NAME SOURCES ... LINK ...): one static library per folder of sim/, so that the linker enforces the layers.
 function(reamsim_library name)
   cmake_parse_arguments(ARG "" "" "SOURCES;LINK;PRIVATE" ${ARGN})
+  foreach(f ${ARG_SOURCES})  # LEAD: tolerate files being written; goes before we finish
+    if(NOT EXISTS ${CMAKE_CURRENT_SOURCE_DIR}/${f})
+      list(REMOVE_ITEM ARG_SOURCES ${f})
+      file(WRITE ${CMAKE_BINARY_DIR}/empty_${name}.cpp "int empty_${name}() { return 0; }")
+      list(APPEND ARG_SOURCES ${CMAKE_BINARY_DIR}/empty_${name}.cpp)
+    endif()
+  endforeach()
   add_library(${name} STATIC ${ARG_SOURCES})
   target_link_libraries(${name} PUBLIC ${ARG_LINK} PRIVATE reamsim_options ${ARG_PRIVATE})
   target_include_directories(${name} PUBLIC ${PROJECT_SOURCE_DIR})
@@ -26,6 +35,11 @@ endfunction()
 # reamsim_test(NAME SOURCES ... LINK ...): a GoogleTest program whose cases CTest lists one by one.
 function(reamsim_test name)
   cmake_parse_arguments(ARG "" "" "SOURCES;LINK" ${ARGN})
+  foreach(f ${ARG_SOURCES})  # LEAD: tolerate files being written; goes before we finish
+    if(NOT EXISTS ${CMAKE_CURRENT_SOURCE_DIR}/${f})
+      return()
+    endif()
+  endforeach()
   add_executable(${name} ${ARG_SOURCES})
   target_link_libraries(${name} PRIVATE reamsim_options ${ARG_LINK} GTest::gmock GTest::gtest_main)
   gtest_discover_tests(${name} DISCOVERY_TIMEOUT 60 PROPERTIES TIMEOUT 600)

@@ -17,6 +17,8 @@ class OutputFolder {
   /// DIR.partial while working.
   [[nodiscard]] const std::string& path() const { return partial_; }
   [[nodiscard]] const std::string& final_path() const { return dir_; }
+  /// True when frames have been recorded in it, so that a failure should not throw them away.
+  [[nodiscard]] bool has_frames() const;
   /// Puts DIR.partial in DIR's place; an old DIR goes only now.
   void finish();
   /// Leaves DIR.partial where it is (interrupted, or failed with finished frames).

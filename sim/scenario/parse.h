@@ -12,6 +12,15 @@ namespace reamsim {
 /// Throws InputError naming file, line, column, key, what was found and what would be right.
 Scenario parse_scenario(const std::string& path, const std::vector<std::string>& overrides);
 
+/// The `render` section of a resolved scenario (an output folder's scenario.yaml), with overrides. Unlike
+/// parse_scenario() it does not ask for the input files, which may be gone: pictures are made from results alone.
+RenderSettings parse_render_settings(const std::string& path, const std::vector<std::string>& overrides);
+
+/// A bone section made of nothing but a source ("ct" or "mesh"), its path and overrides ("bone.voxel_mm=0.5"), for
+/// `reamsim import`. Validated like a scenario's.
+BoneSettings parse_bone_settings(const std::string& source, const std::string& path,
+                                 const std::vector<std::string>& overrides);
+
 /// The resolved scenario as YAML text: every default filled in. Parsing it again gives the same scenario.
 std::string to_yaml(const Scenario& scenario);
 

@@ -46,15 +46,15 @@ struct PhantomSettings {
   double cortical_density_g_cm3 = 1.8;
   double trabecular_density_g_cm3 = 0.4;
   // glenoid
-  double height_mm = 35;            ///< superior–inferior
-  double width_mm = 26;             ///< anterior–posterior, of the lower, wider part
-  double face_radius_mm = 32;       ///< radius of curvature of the concave face
-  double vault_depth_mm = 28;       ///< from face to neck
-  double subchondral_mm = 2.0;      ///< plate under the face, 1.2–2.9
-  double shell_mm = 1.4;            ///< cortical wall of the vault
-  double version_deg = 0;           ///< retroversion positive
-  double inclination_deg = 0;       ///< superior tilt positive
-  double texture = 0.25;            ///< relative amplitude of the trabecular texture
+  double height_mm = 35;        ///< superior–inferior
+  double width_mm = 26;         ///< anterior–posterior, of the lower, wider part
+  double face_radius_mm = 32;   ///< radius of curvature of the concave face
+  double vault_depth_mm = 28;   ///< from face to neck
+  double subchondral_mm = 2.0;  ///< plate under the face, 1.2–2.9
+  double shell_mm = 1.4;        ///< cortical wall of the vault
+  double version_deg = 0;       ///< retroversion positive
+  double inclination_deg = 0;   ///< superior tilt positive
+  double texture = 0.25;        ///< relative amplitude of the trabecular texture
   int seed = 1;
 };
 
@@ -128,8 +128,8 @@ struct BoneSettings {
 struct ToolSettings {
   std::string mesh;  ///< STL, OBJ or PLY in the tool frame T
   double scale = 1;
-  int shell_resolution = 0;      ///< M of the M³ grid; 0 = the least with spacing ≤ half a voxel
-  std::string spin = "envelope"; ///< envelope: the surface that the teeth sweep | resolved: the teeth themselves
+  int shell_resolution = 0;       ///< M of the M³ grid; 0 = the least with spacing ≤ half a voxel
+  std::string spin = "envelope";  ///< envelope: the surface that the teeth sweep | resolved: the teeth themselves
 };
 
 // ---- motion ----------------------------------------------------------------------------------------------------
@@ -171,10 +171,10 @@ struct MotionSettings {
 
 struct EngineSettings {
   std::string detector = "direct";
-  std::string device = "auto";  ///< auto | serial | part of an OpenCL device's name
-  int work_group_size = 0;      ///< 0 = chosen from the device
-  int batch_frames = 32;        ///< frames whose results are read back at once
-  double max_step_voxels = 0.5; ///< no point of the tool moves further in a substep
+  std::string device = "auto";   ///< auto | serial | part of an OpenCL device's name
+  int work_group_size = 0;       ///< 0 = chosen from the device
+  int batch_frames = 32;         ///< frames whose results are read back at once
+  double max_step_voxels = 0.5;  ///< no point of the tool moves further in a substep
 };
 
 struct CuttingSettings {
@@ -185,8 +185,8 @@ struct CuttingSettings {
   double density_exponent = 2;
   double normal_ratio = 0.5;
   double speed_floor_mm_s = 10;
-  double force_per_point_n = 0.001;      ///< law: per_point
-  double wear_g_cm3_per_s = 80;          ///< erosion: wear; density that a touched voxel loses per second
+  double force_per_point_n = 0.001;  ///< law: per_point
+  double wear_g_cm3_per_s = 80;      ///< erosion: wear; density that a touched voxel loses per second
 };
 
 // ---- render, output ----------------------------------------------------------------------------------------------
@@ -196,10 +196,10 @@ struct RenderSettings {
   std::string context = "osmesa";  ///< osmesa | egl
   int width_px = 1920;
   int height_px = 1080;
-  int every_frames = 0;            ///< 0 = ten pictures over the run
+  int every_frames = 0;                                               ///< 0 = ten pictures over the run
   std::vector<std::string> cameras{"oblique", "glenoid", "section"};  ///< the first names the files without a suffix
   bool tool = true;
-  double depth_max_mm = 0;         ///< top of the depth legend; 0 = the depth reached
+  double depth_max_mm = 0;  ///< top of the depth legend; 0 = the depth reached
 };
 
 struct OutputSettings {
@@ -209,8 +209,8 @@ struct OutputSettings {
 
 struct Scenario {
   int version = 1;
-  std::string name;       ///< the file's stem
-  std::string file;       ///< absolute path of the YAML
+  std::string name;  ///< key `name`; without it the file's stem
+  std::string file;  ///< absolute path of the YAML
   BoneSettings bone;
   ToolSettings tool;
   MotionSettings motion;

@@ -19,7 +19,9 @@ struct PointShell {
 };
 
 /// Marks every cell of a `resolution`³ cubic grid round the mesh that a triangle touches (exact triangle–box test).
-/// Throws InputError when resolution is outside 1…1024.
+/// The cell is the box's longest side over M − 1: that side runs from cell centre to cell centre, x and y are centred
+/// in the grid, and the mesh's lowest z passes through the centres of the lowest cells. Throws InputError when
+/// resolution is outside 1…1024 or the mesh has no extent.
 PointShell voxelise_surface(const TriangleMesh& mesh, int resolution);
 
 }  // namespace reamsim

@@ -6,11 +6,18 @@
 
 namespace reamsim {
 
+/// A profile's point nearer to the spin axis than this counts as on it, mm.
+inline constexpr double kOnAxisMm = 1e-6;
+/// Nearer to the surface than this, the normal is the edge's instead of the direction to the surface, mm.
+inline constexpr double kOnSurfaceMm = 1e-9;
+
 /// The tool's envelope of revolution: a closed polygon in (r, z) of the tool frame T, r ≥ 0, mm, listed so that the
 /// inside lies to the left (counter-clockwise in an r-right, z-up plot). Edges on the axis r = 0 are not surface.
 struct Profile {
   std::vector<Vec2> points;
 
+  /// Whether a point lies on the spin axis; an edge between two such points is not surface.
+  [[nodiscard]] static bool on_axis(const Vec2& rz) { return rz.x() < kOnAxisMm; }
   /// Largest r, mm.
   [[nodiscard]] double max_radius_mm() const;
   /// Signed distance to the surface (negative inside), and the outward unit normal (n_r, n_z) at the nearest surface

@@ -1,0 +1,28 @@
+// Writes the reamers of assets/ as binary STL: `generate_reamers DIR`. assets/README.md says how each is made.
+#include <exception>
+#include <filesystem>
+#include <iostream>
+
+#include "assets/reamer_shapes.h"
+#include "sim/mesh/mesh_io.h"
+#include "sim/tool/revolve.h"
+
+int main(int argc, char** argv) {
+  using namespace reamsim;
+  if (argc != 2) {
+    std::cerr << "usage: generate_reamers DIR\n";
+    return 2;
+  }
+  const std::filesystem::path dir = argv[1];
+  try {
+    std::filesystem::create_directories(dir);
+    write_stl(dir / "reamer_hemispherical.stl", revolve(assets::hemispherical_profile(), assets::kHemisphereSegments));
+    write_stl(dir / "reamer_convex.stl", revolve(assets::convex_profile(), assets::kRingSegments));
+    write_stl(dir / "reamer_flat.stl", revolve(assets::flat_profile(), assets::kRingSegments));
+    write_stl(dir / "reamer_convex_lips.stl", assets::convex_with_lips());
+  } catch (const std::exception& error) {
+    std::cerr << "generate_reamers: " << error.what() << '\n';
+    return 1;
+  }
+  return 0;
+}

@@ -1,0 +1,155 @@
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <numbers>
+#include <vector>
+
+#include "assets/reamer_shapes.h"
+
+namespace reamsim::assets {
+
+namespace {
+
+constexpr int kLips = 6;
+constexpr double kDegree = std::numbers::pi / 180;
+/// How far the face is set back between the lips, and over which radii it reaches that.
+constexpr double kRecessMm = 0.9;
+constexpr double kRecessStartMm = kCannulaRadiusMm, kRecessFullMm = 5;
+/// Angles of one lip's sector. The tool turns towards smaller angles: the cutting edge is at 0, the land behind it,
+/// then the relief falls off; the chip slot before the next lip's edge closes the sector.
+constexpr double kLandEnd = 3 * kDegree, kReliefEnd = 34 * kDegree, kSlotStart = 37 * kDegree;
+/// The lips trail as they go outwards.
+constexpr double kSpiralPerMm = 1.4 * kDegree;
+/// The slot lies between these radii.
+constexpr double kSlotInnerMm = 7.4, kSlotOuterMm = 13.2;
+
+/// Columns of the grid within a sector: fine where the lip is, the slot's edges and the next lip's edge on a column.
+std::vector<double> sector_angles() {
+  std::vector<double> angles{0, 1.5, 3};
+  for (double a = 5.125; a < 37; a += 2.125) angles.push_back(a);
+  for (double a = 37; a < 59; a += 2.2) angles.push_back(a);
+  angles.push_back(59.2);
+  for (double& a : angles) a *= kDegree;
+  return angles;
+}
+
+/// Set-back of the face, mm, at radius r and angle behind the cutting edge.
+double recess(double radius, double angle) {
+  const double radial = std::clamp((radius - kRecessStartMm) / (kRecessFullMm - kRecessStartMm), 0.0, 1.0);
+  const double angular = std::clamp((angle - kLandEnd) / (kReliefEnd - kLandEnd), 0.0, 1.0);
+  return kRecessMm * radial * angular;
+}
+
+/// The generating polygon with, behind each face point of the slot, a point of equal radius on the head's back, so that
+/// the slot's walls join ring to ring.
+struct Rings {
+  std::vector<Vec2> points;
+  std::size_t face_end = 0;                             ///< the rim's ring, last of the face
+  std::size_t slot_face_first = 0, slot_face_last = 0;  ///< rings of the slot's inner and outer wall on the face
+  std::size_t slot_back_first = 0, slot_back_last = 0;  ///< the same on the back: outer wall first
+};
+
+Rings slotted_rings() {
+  const Profile profile = convex_profile();
+  Rings rings;
+  for (const Vec2& p : profile.points) {
+    if (rings.face_end != 0 && rings.points.back().x() > kSlotOuterMm && p.x() < kSlotInnerMm) {
+      const Vec2 from = rings.points.back();
+      rings.slot_back_first = rings.points.size();
+      for (std::size_t i = rings.slot_face_last + 1; i-- > rings.slot_face_first;) {
+        const double radius = rings.points[i].x(), share = (from.x() - radius) / (from.x() - p.x());
+        rings.points.emplace_back(radius, from.y() + share * (p.y() - from.y()));
+      }
+      rings.slot_back_last = rings.points.size() - 1;
+    }
+    rings.points.push_back(p);
+    if (rings.face_end != 0) continue;
+    const std::size_t here = rings.points.size() - 1;
+    if (p.x() < kSlotInnerMm) rings.slot_face_first = here + 1;
+    if (p.x() <= kSlotOuterMm) rings.slot_face_last = here;
+    if (p.x() == kConvexRadiusMm) rings.face_end = here;
+  }
+  return rings;
+}
+
+/// The grid of rings by columns, both closed, as triangles.
+class LipGrid {
+ public:
+  LipGrid() : rings_(slotted_rings()), sector_(sector_angles()) {
+    columns_ = kLips * sector_.size();
+    for (std::size_t ring = 0; ring < rings_.points.size(); ++ring)
+      for (std::size_t column = 0; column < columns_; ++column) mesh_.vertices.push_back(vertex(ring, column));
+  }
+
+  TriangleMesh build() {
+    for (std::size_t ring = 0; ring < rings_.points.size(); ++ring)
+      for (std::size_t column = 0; column < columns_; ++column)
+        if (!(in_slot(column) && crosses_slot(ring)))
+          add_quad(at(ring, column), at(ring, column + 1), at(ring + 1, column + 1), at(ring + 1, column));
+    for (std::size_t column = 0; column < columns_; ++column)
+      if (in_slot(column)) add_slot_walls(column);
+    return mesh_;
+  }
+
+ private:
+  [[nodiscard]] Vec3 vertex(std::size_t ring, std::size_t column) const {
+    const Vec2& rz = rings_.points[ring];
+    const double within = sector_[column % sector_.size()];
+    const double angle =
+        within + 2 * std::numbers::pi / kLips * static_cast<double>(column / sector_.size()) + kSpiralPerMm * rz.x();
+    const double set_back = ring <= rings_.face_end ? recess(rz.x(), within) : 0.0;
+    return {rz.x() * std::cos(angle), rz.x() * std::sin(angle), rz.y() + set_back};
+  }
+
+  [[nodiscard]] std::int32_t at(std::size_t ring, std::size_t column) const {
+    return static_cast<std::int32_t>((ring % rings_.points.size()) * columns_ + column % columns_);
+  }
+
+  /// Whether the slot opens between this column and the next.
+  [[nodiscard]] bool in_slot(std::size_t column) const { return sector_[column % sector_.size()] > kSlotStart - 1e-9; }
+
+  /// Whether the slot opens between this ring and the next.
+  [[nodiscard]] bool crosses_slot(std::size_t ring) const {
+    return (ring >= rings_.slot_face_first && ring < rings_.slot_face_last) ||
+           (ring >= rings_.slot_back_first && ring < rings_.slot_back_last);
+  }
+
+  /// The back ring of the same radius as face ring `ring` of the slot.
+  [[nodiscard]] std::size_t behind(std::size_t ring) const {
+    return rings_.slot_back_last - (ring - rings_.slot_face_first);
+  }
+
+  /// Corners counter-clockwise seen from outside.
+  void add_quad(std::int32_t a, std::int32_t b, std::int32_t c, std::int32_t d) {
+    mesh_.triangles.push_back({a, b, c});
+    mesh_.triangles.push_back({a, c, d});
+  }
+
+  /// A wall takes the place of the quad that is missing beside it, so it runs the shared edges the same way as that
+  /// did.
+  void add_slot_walls(std::size_t column) {
+    const std::size_t inner = rings_.slot_face_first, outer = rings_.slot_face_last;
+    add_quad(at(inner, column), at(inner, column + 1), at(behind(inner), column + 1), at(behind(inner), column));
+    add_quad(at(outer, column + 1), at(outer, column), at(behind(outer), column), at(behind(outer), column + 1));
+    for (std::size_t ring = inner; ring < outer; ++ring) {
+      if (!in_slot(column + columns_ - 1))
+        add_quad(at(ring + 1, column), at(ring, column), at(behind(ring), column), at(behind(ring + 1), column));
+      if (!in_slot(column + 1))
+        add_quad(at(ring, column + 1), at(ring + 1, column + 1), at(behind(ring + 1), column + 1),
+                 at(behind(ring), column + 1));
+    }
+  }
+
+  Rings rings_;
+  std::vector<double> sector_;
+  std::size_t columns_ = 0;
+  TriangleMesh mesh_;
+};
+
+}  // namespace
+
+TriangleMesh convex_with_lips() {
+  return LipGrid().build();
+}
+
+}  // namespace reamsim::assets

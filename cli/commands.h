@@ -1,0 +1,21 @@
+#pragma once
+
+#include <memory>
+
+#include "cli/console.h"
+
+namespace CLI {
+class App;
+}
+
+namespace reamsim {
+
+/// Each adds one command to `app`; the command runs when the arguments are parsed. Commands throw InputError, RunError or
+/// Interrupted, which main() turns into exit statuses (design §6).
+void add_run_command(CLI::App& app, Console& console);
+void add_check_command(CLI::App& app, Console& console);
+void add_render_command(CLI::App& app, Console& console);
+void add_import_command(CLI::App& app, Console& console);
+void add_devices_command(CLI::App& app, Console& console);
+
+}  // namespace reamsim

@@ -1,0 +1,81 @@
+#include "cli/console.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <csignal>
+#include <cstdio>
+
+namespace reamsim {
+
+namespace {
+
+// The one piece of global state: a signal handler can reach nothing else.
+volatile std::sig_atomic_t stop_signal = 0;
+
+void request_stop(int) { stop_signal = 1; }
+
+constexpr int kBarCells = 30;
+constexpr double kRedrawSeconds = 0.1;
+
+}  // namespace
+
+bool stop_requested() { return stop_signal != 0; }
+
+void install_stop_handler() {
+  struct sigaction action = {};
+  action.sa_handler = request_stop;
+  sigaction(SIGINT, &action, nullptr);
+  sigaction(SIGTERM, &action, nullptr);
+  // A full disk or a size limit is reported where the write fails, not by ending the program.
+  std::signal(SIGXFSZ, SIG_IGN);
+  std::signal(SIGPIPE, SIG_IGN);
+}
+
+void Console::say(const std::string& line) const {
+  if (!quiet) std::printf("%s\n", line.c_str());
+  std::fflush(stdout);
+}
+
+void Console::warn(const std::string& line) const { std::fprintf(stderr, "reamsim: warning: %s\n", line.c_str()); }
+
+void Console::tell(Report& report) const {
+  if (verbose) {
+    for (const auto& note : report.notes) say("  " + note);
+  }
+  for (const auto& warning : report.warnings) warn(warning);
+  report = {};
+}
+
+Progress::Progress(const Console& console, std::string stage, std::string unit)
+    : console_(console), stage_(std::move(stage)), unit_(std::move(unit)), terminal_(isatty(STDOUT_FILENO) == 1) {}
+
+void Progress::update(std::int64_t done, std::int64_t total) {
+  if (console_.quiet || total <= 0) return;
+  const double share = static_cast<double>(done) / static_cast<double>(total), seconds = watch_.seconds();
+  const double rate = seconds > 0 ? static_cast<double>(done) / seconds : 0;
+  const double left = rate > 0 ? static_cast<double>(total - done) / rate : 0;
+  const auto d = static_cast<long long>(done), t = static_cast<long long>(total);
+  if (terminal_) {
+    if (done < total && seconds - last_drawn_s_ < kRedrawSeconds) return;
+    last_drawn_s_ = seconds;
+    const int cells = static_cast<int>(share * kBarCells);
+    const std::string bar = std::string(static_cast<std::size_t>(cells), '#') + std::string(static_cast<std::size_t>(kBarCells - cells), '.');
+    std::printf("\r%s [%s] %lld/%lld %s  %.0f/s  %.0f s left \033[K", stage_.c_str(), bar.c_str(), d, t, unit_.c_str(), rate, left);
+    std::fflush(stdout);
+    open_ = true;
+    return;
+  }
+  const int tenth = static_cast<int>(10 * share);
+  if (tenth <= last_tenth_) return;
+  last_tenth_ = tenth;
+  std::printf("%s %lld/%lld %s, %.0f per second, %.0f s left\n", stage_.c_str(), d, t, unit_.c_str(), rate, left);
+  std::fflush(stdout);
+}
+
+void Progress::finish() {
+  if (open_) std::printf("\n");
+  open_ = false;
+}
+
+}  // namespace reamsim

@@ -1,0 +1,47 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "sim/base/report.h"
+#include "sim/base/stopwatch.h"
+
+namespace reamsim {
+
+/// What the program says: results and progress on stdout, warnings and errors on stderr.
+class Console {
+ public:
+  bool quiet = false;
+  bool verbose = false;
+
+  void say(const std::string& line) const;
+  /// "reamsim: warning: ..." on stderr; also when quiet.
+  void warn(const std::string& line) const;
+  /// Notes (only when verbose) and warnings of a stage, then forgets them.
+  void tell(Report& report) const;
+};
+
+/// Progress of one stage: a bar with rate and time left on a terminal, a line every tenth elsewhere, nothing when quiet.
+class Progress {
+ public:
+  Progress(const Console& console, std::string stage, std::string unit);
+  void update(std::int64_t done, std::int64_t total);
+  /// Ends the bar's line.
+  void finish();
+
+ private:
+  const Console& console_;
+  std::string stage_;
+  std::string unit_;
+  bool terminal_;
+  bool open_ = false;
+  int last_tenth_ = 0;
+  double last_drawn_s_ = -1;
+  Stopwatch watch_;
+};
+
+/// True after the user asked to stop (SIGINT, SIGTERM). install_stop_handler() makes it so.
+bool stop_requested();
+void install_stop_handler();
+
+}  // namespace reamsim

@@ -1,0 +1,124 @@
+#include <CLI/CLI.hpp>
+#include <memory>
+#include <optional>
+
+#include "cli/commands.h"
+#include "cli/scenario_options.h"
+#include "render/render.h"
+#include "sim/base/error.h"
+#include "sim/record/output_folder.h"
+#include "sim/run/results.h"
+#include "sim/scenario/parse.h"
+
+namespace reamsim {
+
+namespace {
+
+struct RunOptions {
+  ScenarioOptions scenario;
+  std::string output;
+  bool overwrite = false;
+};
+
+std::string output_dir(const RunOptions& options, const Scenario& scenario) {
+  if (!options.output.empty()) return options.output;
+  return scenario.output.dir.empty() ? "out/" + scenario.name : scenario.output.dir;
+}
+
+/// Keeps the warnings for summary.json, and says them.
+void tell(Report& report, RunFacts& facts, const Console& console) {
+  facts.warnings.insert(facts.warnings.end(), report.warnings.begin(), report.warnings.end());
+  console.tell(report);
+}
+
+void run_frames(Scene& scene, Engine& engine, Recorder& recorder, Report& report, const Console& console) {
+  Progress progress(console, "simulate", "frames");
+  RunControl control;
+  control.progress = [&](std::int64_t done, std::int64_t total) { progress.update(done, total); };
+  control.stop = stop_requested;
+  simulate(scene, engine, recorder, control, report);
+  progress.finish();
+  recorder.close();
+}
+
+double make_pictures(const std::string& dir, const Scenario& scenario, const Console& console) {
+  const Stopwatch watch;
+  write_force_plots(dir);
+  if (!scenario.render.enabled) return watch.seconds();
+  Progress progress(console, "render", "pictures");
+  render_pictures(dir, scenario.render, [&](int done, int total, const std::string&) {
+    progress.update(done, total);
+    if (stop_requested()) throw Interrupted();
+  });
+  progress.finish();
+  return watch.seconds();
+}
+
+void say_summary(const Console& console, const RunTotals& totals, const RunFacts& facts) {
+  char text[256];
+  std::snprintf(text, sizeof text, "removed %.1f mm3, %.2f mm deep; peak axial force %.1f N, peak spin torque %.0f N mm; energy balance %.1e",
+                totals.removed_mm3, totals.max_depth_mm, totals.peak_axial_force_n, totals.peak_spin_torque_nmm, totals.balance);
+  console.say(text);
+  std::snprintf(text, sizeof text, "%.1f s simulated in %.1f s on %s", totals.simulated_s, facts.simulate_s,
+                facts.device.c_str());
+  console.say(text);
+}
+
+/// The whole job: load, simulate, write, draw, and only then put the folder in place.
+void run_in(OutputFolder& folder, const Scenario& scenario, const Console& console) {
+  const Stopwatch load_watch;
+  Report report;
+  RunFacts facts;
+  facts.inputs = input_sums(scenario);
+  Scene scene = load_scene(scenario, report);
+  const std::unique_ptr<Engine> engine = make_engine(scenario, scene.bone.voxmap, scene.tool);
+  facts.device = engine->device();
+  facts.device_bytes = engine->device_bytes();
+  facts.bone_before_mm3 = scene.bone.voxmap.bone_mm3();
+  facts.load_s = load_watch.seconds();
+  tell(report, facts, console);
+
+  Recorder recorder(folder.path());
+  const Stopwatch watch;
+  run_frames(scene, *engine, recorder, report, console);
+  facts.simulate_s = watch.seconds();
+  tell(report, facts, console);
+  write_results(folder.path(), scene, recorder, facts);
+  const double render_s = make_pictures(folder.path(), scenario, console);
+  write_summary(folder.path(), scene, recorder.totals(), facts, render_s);
+  say_summary(console, recorder.totals(), facts);
+}
+
+void run_command(const RunOptions& options, const Console& console) {
+  const Scenario scenario = parse_scenario(options.scenario.file, options.scenario.all_overrides());
+  OutputFolder folder(output_dir(options, scenario), options.overwrite);
+  console.say("reamsim " REAMSIM_VERSION ": " + scenario.name + " -> " + folder.final_path());
+  try {
+    run_in(folder, scenario, console);
+  } catch (const Interrupted&) {
+    folder.keep();
+    console.warn("interrupted; what was finished is in " + folder.path());
+    throw;
+  } catch (const RunError& error) {
+    if (!folder.has_frames()) throw;
+    folder.keep();
+    throw RunError(std::string(error.what()) + "; finished frames are kept in " + folder.path());
+  }
+  folder.finish();
+  console.say("results: " + folder.final_path());
+}
+
+}  // namespace
+
+void add_run_command(CLI::App& app, Console& console) {
+  auto* command = app.add_subcommand("run", "Run a scenario to pictures, force plots and a VDB");
+  auto options = std::make_shared<RunOptions>();
+  options->scenario.add_to(*command);
+  command->add_option("-o,--output", options->output, "Output folder; out/NAME of the scenario without it");
+  command->add_flag("--overwrite", options->overwrite, "Replace the output folder, after success only");
+  command->add_flag("--quiet", console.quiet, "Say nothing but warnings and errors");
+  command->add_flag("--verbose", console.verbose, "Say what each stage did");
+  command->callback([options, &console] { run_command(*options, console); });
+}
+
+}  // namespace reamsim

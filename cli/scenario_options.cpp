@@ -1,0 +1,24 @@
+#include "cli/scenario_options.h"
+
+#include <CLI/CLI.hpp>
+
+namespace reamsim {
+
+void ScenarioOptions::add_to(CLI::App& command) {
+  command.add_option("SCENARIO", file, "Scenario file (YAML)")->required();
+  command.add_option("--set", overrides, "Override a key of the scenario, e.g. bone.voxel_mm=0.4; may be repeated")
+      ->type_name("KEY.PATH=VALUE")
+      ->expected(1)
+      ->take_all();
+  command.add_option("--device", device, "auto, serial, or part of an OpenCL device's name")->type_name("NAME");
+  command.add_option("--engine", engine, "Detector: direct")->type_name("E");
+}
+
+std::vector<std::string> ScenarioOptions::all_overrides() const {
+  std::vector<std::string> all = overrides;
+  if (!device.empty()) all.push_back("engine.device=" + device);
+  if (!engine.empty()) all.push_back("engine.detector=" + engine);
+  return all;
+}
+
+}  // namespace reamsim

@@ -1,0 +1,47 @@
+# Sourced by run.sh and test.sh: installs what is missing and builds a release in build/release.
+# Needs Debian 12 (or a system whose apt has the same packages); sudo only when not root.
+
+root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
+build="$root/build/release"
+
+build_packages=(
+  build-essential cmake ninja-build pkg-config
+  ocl-icd-opencl-dev opencl-headers pocl-opencl-icd libeigen3-dev libosmesa6-dev libegl-dev libgl-dev
+  libopenvdb-dev libtbb-dev libboost-iostreams-dev libassimp-dev libyaml-cpp-dev libinsighttoolkit5-dev
+  libcli11-dev nlohmann-json3-dev libpango1.0-dev libssl-dev zlib1g-dev gnuplot-nox fonts-dejavu-core)
+test_packages=(libgtest-dev libgmock-dev python3-openvdb python3-jsonschema libopenvdb-tools)
+
+say() { printf '\n== %s\n' "$*"; }
+
+# install_missing PACKAGE...: apt-get install of those that are not there.
+install_missing() {
+  local missing=() package
+  for package in "$@"; do
+    dpkg-query -W -f '${db:Status-Status}\n' "$package" 2>/dev/null | grep -qx installed || missing+=("$package")
+  done
+  [ ${#missing[@]} -eq 0 ] && return
+  if ! command -v apt-get >/dev/null; then
+    echo "These packages are missing and there is no apt-get to install them: ${missing[*]}" >&2
+    exit 1
+  fi
+  local as_root=()
+  if [ "$(id -u)" -ne 0 ]; then
+    command -v sudo >/dev/null || { echo "Install as root: apt-get install ${missing[*]}" >&2; exit 1; }
+    as_root=(sudo)
+  fi
+  say "installing ${missing[*]}"
+  "${as_root[@]}" apt-get update -qq
+  "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends "${missing[@]}" >/dev/null
+}
+
+# build_release TESTS TARGET: configures (TESTS=ON or OFF) and builds TARGET.
+build_release() {
+  mkdir -p "$build"
+  say "building in ${build#"$root"/}"
+  # Debian's GDCM and Imath describe programs that are not installed, at length; shown only when configuring fails.
+  if ! (cd "$root" && cmake --preset release -DREAMSIM_TESTS="$1" >"$build/configure.log" 2>&1); then
+    cat "$build/configure.log" >&2
+    exit 1
+  fi
+  cmake --build "$build" --target "$2"
+}

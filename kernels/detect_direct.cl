@@ -1,0 +1,39 @@
+/* Narrow phase of the paper (§3.5): one work-item per shell point. Decode, cull against the VOI, transform, look up. A
+ * touched voxel is claimed once, by a bit, and listed; the order of the list is of no consequence. */
+#ifndef REAMSIM_KERNELS_SHARED_H
+#include "shared.h"
+#endif
+#pragma OPENCL EXTENSION cl_khr_int64_base_atomics : enable
+
+/* codes[point_count]; bone: dense grades, 0 = air or gone; claims: a bit per voxel, all 0 on entry; contacts: room for
+ * min(points, voxels); contact_count[substep]: 0 on entry; sums[substep]. */
+__kernel void detect_direct(__global const uint* codes, const uint point_count, __global const SubstepArgs* args,
+                            const uint substep, __global const uchar* bone, __global uint* claims,
+                            __global uint* contacts, __global uint* contact_count, __global SubstepSums* sums,
+                            __global const ProfileEdge* edges, const int edge_count) {
+  const uint point = get_global_id(0);
+  if (point >= point_count) return;
+  __global const SubstepArgs* a = args + substep;
+
+  const uint code = codes[point];
+  const int x = rs_compact_bits(code), y = rs_compact_bits(code >> 1), z = rs_compact_bits(code >> 2);
+  if (!rs_in_voi(a, x, y, z)) return;
+
+  const int i = rs_voxel_coordinate(a, 0, x, y, z);
+  const int j = rs_voxel_coordinate(a, 1, x, y, z);
+  const int k = rs_voxel_coordinate(a, 2, x, y, z);
+  if (i < 0 || j < 0 || k < 0 || i >= a->dims[0] || j >= a->dims[1] || k >= a->dims[2]) return;
+  const uint e = i + a->dims[0] * (j + (uint)a->dims[1] * k);
+  if (bone[e] == 0) return;
+
+  if (a->law == RS_LAW_PER_POINT) {
+    SubstepSums point_sums = {{0, 0, 0}, {0, 0, 0}, 0, 0, 0, 0};
+    rs_point_force(a, edges, edge_count, x, y, z, &point_sums);
+    for (int c = 0; c < 3; ++c) {
+      atom_add(&sums[substep].force[c], point_sums.force[c]);
+      atom_add(&sums[substep].torque[c], point_sums.torque[c]);
+    }
+  }
+  const uint bit = 1u << (e & 31u);
+  if ((atomic_or(&claims[e >> 5], bit) & bit) == 0) contacts[atomic_inc(&contact_count[substep])] = e;
+}

@@ -1,0 +1,99 @@
+#include "render/bone_surface.h"
+
+#include <openvdb/tools/Interpolation.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace reamsim {
+namespace {
+
+using Accessor = openvdb::FloatGrid::ConstAccessor;
+using openvdb::Vec3d;
+
+double sample(const Accessor& accessor, const Vec3d& point) {
+  return openvdb::tools::BoxSampler::sample(accessor, point);
+}
+
+/// Outward normal: the field's gradient over a wide step, which evens out what is left of the voxels' steps.
+Eigen::Vector3f normal_at(const Accessor& field, const Vec3d& p) {
+  constexpr double kStep = 1.6;
+  Vec3d slope;
+  for (int axis = 0; axis < 3; ++axis) {
+    Vec3d step(0.0);
+    step[axis] = kStep;
+    slope[axis] = sample(field, p + step) - sample(field, p - step);
+  }
+  const double length = slope.length();
+  if (length < 1e-9) return Eigen::Vector3f::UnitZ();
+  return Eigen::Vector3d(slope.x() / length, slope.y() / length, slope.z() / length).cast<float>();
+}
+
+/// Density just below the surface: of the nearest bone voxels, weighted by nearness.
+float density_at(const Voxmap& voxmap, const Eigen::Vector3f& inside) {
+  const Eigen::Vector3f base = inside.array().floor();
+  const Eigen::Vector3f t = inside - base;
+  float sum = 0;
+  float weights = 0;
+  for (int i = 0; i < 8; ++i) {
+    const Vec3i corner = base.cast<int>() + Vec3i(i & 1, i >> 1 & 1, i >> 2);
+    if (!voxmap.grid.contains(corner)) continue;
+    const std::uint8_t grade = voxmap.grade[static_cast<std::size_t>(voxmap.grid.index(corner.x(), corner.y(), corner.z()))];
+    if (grade == 0) continue;
+    const float weight = ((i & 1) ? t.x() : 1 - t.x()) * ((i >> 1 & 1) ? t.y() : 1 - t.y()) * ((i >> 2) ? t.z() : 1 - t.z());
+    sum += weight * static_cast<float>(DensityMapping::density_from_grade(grade));
+    weights += weight;
+  }
+  return weights > 0 ? sum / weights : 0;
+}
+
+/// How surely material is gone at a point of today's surface: there the unreamed bone's field is zero where nothing
+/// happened, and falls to −½ inside.
+float reamed_share(double unreamed_field) {
+  constexpr double kNone = 0.03;
+  constexpr double kSure = 0.13;
+  return static_cast<float>(std::clamp((-unreamed_field - kNone) / (kSure - kNone), 0.0, 1.0));
+}
+
+}  // namespace
+
+BoneSurface make_bone_surface(const Voxmap& voxmap, const SolidField& field, const AmbientLight& ambient,
+                              const UnreamedSurface& unreamed) {
+  const IsoSurface iso = extract_surface(field.grid(), 0);
+  BoneSurface out;
+  out.vertices.resize(iso.points.size() * BoneSurface::kStride);
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, iso.points.size(), 2048), [&](const auto& range) {
+    const Accessor now = field.grid().getConstAccessor();
+    const Accessor before = unreamed.field().getConstAccessor();
+    const Accessor depths = unreamed.depth().getConstAccessor();
+    const double voxel_mm = voxmap.grid.voxel_mm;
+    for (std::size_t i = range.begin(); i < range.end(); ++i) {
+      const Vec3d p(iso.points[i]);
+      const Eigen::Vector3f point(iso.points[i].x(), iso.points[i].y(), iso.points[i].z());
+      const Eigen::Vector3f normal = normal_at(now, p);
+      const float reamed = reamed_share(sample(before, p));
+      const Vec3d in_depth_cells = unreamed.depth().transform().worldToIndex(p * voxel_mm);
+      const double depth = reamed > 0 ? std::max(0.0, sample(depths, in_depth_cells)) : 0.0;
+      const Vec3 mm = voxmap.grid.origin_mm + voxel_mm * (point.cast<double>() + Vec3::Constant(0.5));
+      float* v = out.vertices.data() + i * BoneSurface::kStride;
+      Eigen::Map<Eigen::Vector3f>{v} = mm.cast<float>();
+      Eigen::Map<Eigen::Vector3f>{v + 3} = normal;
+      v[6] = static_cast<float>(depth);
+      v[7] = reamed;
+      v[8] = density_at(voxmap, point - 1.2F * normal);
+      v[9] = ambient.openness(point, normal);
+    }
+  });
+  for (std::size_t i = 0; i < iso.points.size(); ++i) {
+    const float* v = out.vertices.data() + i * BoneSurface::kStride;
+    if (v[7] >= 1) out.deepest_mm = std::max(out.deepest_mm, double{v[6]});
+  }
+  out.indices.reserve(iso.triangles.size() * 3);
+  for (const openvdb::Vec3I& triangle : iso.triangles) {
+    for (int corner = 0; corner < 3; ++corner) out.indices.push_back(triangle[corner]);
+  }
+  return out;
+}
+
+}  // namespace reamsim

@@ -1,0 +1,62 @@
+#include <GL/osmesa.h>
+
+#include <array>
+
+#include "render/context.h"
+#include "render/dynamic_library.h"
+#include "sim/base/error.h"
+
+namespace reamsim {
+namespace {
+
+class OsmesaContext final : public OffscreenContext {
+ public:
+  OsmesaContext()
+      : library_({"libOSMesa.so.8", "libOSMesa.so.6", "libOSMesa.so"}, "OSMesa"),
+        make_current_(library_.function<decltype(&OSMesaMakeCurrent)>("OSMesaMakeCurrent")),
+        destroy_(library_.function<decltype(&OSMesaDestroyContext)>("OSMesaDestroyContext")) {
+    const std::array attributes{OSMESA_FORMAT,  OSMESA_RGBA,
+                                OSMESA_PROFILE, OSMESA_CORE_PROFILE,
+                                OSMESA_CONTEXT_MAJOR_VERSION, 4,
+                                OSMESA_CONTEXT_MINOR_VERSION, 5,
+                                0,              0};
+    const auto create = library_.function<decltype(&OSMesaCreateContextAttribs)>("OSMesaCreateContextAttribs");
+    context_ = create(attributes.data(), nullptr);
+    if (context_ == nullptr) throw RunError("OSMesa cannot make an OpenGL 4.5 core context");
+    try {
+      make_current();
+      const auto address = library_.function<decltype(&OSMesaGetProcAddress)>("OSMesaGetProcAddress");
+      gl_.load([address](const char* name) { return reinterpret_cast<void*>(address(name)); });
+    } catch (...) {
+      destroy_(context_);
+      throw;
+    }
+  }
+
+  ~OsmesaContext() override {
+    make_current_(nullptr, nullptr, GL_UNSIGNED_BYTE, 0, 0);
+    destroy_(context_);
+  }
+
+  void make_current() override {
+    if (make_current_(context_, backing_.data(), GL_UNSIGNED_BYTE, kBackingSide, kBackingSide) == 0) {
+      throw RunError("OSMesa cannot make its context current");
+    }
+  }
+
+ private:
+  // OSMesa insists on a buffer of its own; nothing is drawn into it.
+  static constexpr int kBackingSide = 16;
+
+  DynamicLibrary library_;
+  decltype(&OSMesaMakeCurrent) make_current_;
+  decltype(&OSMesaDestroyContext) destroy_;
+  OSMesaContext context_ = nullptr;
+  std::array<unsigned char, 4 * kBackingSide * kBackingSide> backing_{};
+};
+
+}  // namespace
+
+std::unique_ptr<OffscreenContext> make_osmesa_context() { return std::make_unique<OsmesaContext>(); }
+
+}  // namespace reamsim

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "sim/motion/motion.h"
+
+namespace reamsim {
+
+/// What a picture needs to know of one frame.
+struct ForceRow {
+  std::int64_t frame = 0;
+  double time_s = 0;
+  ToolPose pose;
+  double depth_mm = 0;
+  double axial_force_n = 0;
+  double spin_torque_nmm = 0;
+  double removed_mm3 = 0;  ///< since the start
+};
+
+/// DIR/forces.csv, in ascending frames.
+struct ForceLog {
+  std::vector<ForceRow> rows;
+
+  /// The row of `frame`, or the first row when `frame` lies before it. Throws InputError when the run is shorter.
+  [[nodiscard]] const ForceRow& at(std::int64_t frame, const std::string& path) const;
+};
+
+/// Reads the columns that pictures need, wherever they stand. Throws InputError with file, line and column: no such
+/// file, a column missing, not a number, frames not ascending, no row.
+ForceLog read_force_log(const std::string& path);
+
+}  // namespace reamsim

@@ -1,0 +1,75 @@
+#include "render/results.h"
+
+#include <openvdb/io/File.h>
+#include <openvdb/openvdb.h>
+
+#include <cmath>
+#include <filesystem>
+#include <sstream>
+
+#include "sim/base/error.h"
+#include "sim/bone/bone_vdb.h"
+#include "sim/mesh/mesh_io.h"
+#include "sim/record/snapshot.h"
+
+namespace reamsim {
+namespace {
+
+/// The metadata of the grid `density`; empty when there is none.
+openvdb::MetaMap density_metadata(const std::string& path) {
+  openvdb::initialize();
+  try {
+    openvdb::io::File file(path);
+    file.open(false);
+    const auto grid = file.readGridMetadata("density");
+    return grid ? openvdb::MetaMap(*grid) : openvdb::MetaMap();
+  } catch (const std::exception&) {
+    throw InputError({path, 0, 0}, "density", "its metadata cannot be read", "the reamed.vdb of a run");
+  }
+}
+
+std::string text_of(const openvdb::MetaMap& metadata, const char* name) {
+  const auto found = metadata.getMetadata<openvdb::StringMetadata>(name);
+  return found ? found->value() : std::string();
+}
+
+std::optional<GlenoidFrame> parse_glenoid(const std::string& path, const std::string& text) {
+  if (text.empty()) return std::nullopt;
+  const InputError wrong({path, 0, 0}, "bone_from_glenoid", "found '" + text.substr(0, 60) + "'",
+                         "expected 16 numbers of a rigid transform, row by row");
+  std::istringstream in(text);
+  in.imbue(std::locale::classic());
+  Eigen::Matrix4d matrix;
+  for (int i = 0; i < 16; ++i) {
+    if (!(in >> matrix(i / 4, i % 4)) || !std::isfinite(matrix(i / 4, i % 4))) throw wrong;
+  }
+  const Mat3 turn = matrix.topLeftCorner<3, 3>();
+  if (!(turn * turn.transpose()).isApprox(Mat3::Identity(), 1e-4) || turn.determinant() < 0) throw wrong;
+  GlenoidFrame frame;
+  frame.bone_from_glenoid.matrix() = matrix;
+  return frame;
+}
+
+}  // namespace
+
+RunResults read_results(const std::string& dir) {
+  if (!std::filesystem::is_directory(dir)) {
+    throw InputError({dir, 0, 0}, "", "no such folder", "the output folder of a run");
+  }
+  RunResults out;
+  const std::string bone_path = dir + "/reamed.vdb";
+  out.voxmap = read_bone_vdb(bone_path);
+  const openvdb::MetaMap metadata = density_metadata(bone_path);
+  out.glenoid = parse_glenoid(bone_path, text_of(metadata, "bone_from_glenoid"));
+  out.side = text_of(metadata, "bone_side");
+  out.log_path = dir + "/forces.csv";
+  out.log = read_force_log(out.log_path);
+  out.frames = snapshot_frames(dir);
+  if (out.frames.empty()) {
+    throw InputError({dir + "/snapshots", 0, 0}, "", "no snapshot there", "the output folder of a run");
+  }
+  out.tool = read_mesh(dir + "/snapshots/tool.stl", 1.0);
+  return out;
+}
+
+}  // namespace reamsim

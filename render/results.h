@@ -1,0 +1,30 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "render/force_log.h"
+#include "sim/base/geometry.h"
+#include "sim/bone/voxmap.h"
+#include "sim/mesh/triangle_mesh.h"
+
+namespace reamsim {
+
+/// What a run left in its folder, as far as pictures need it.
+struct RunResults {
+  Voxmap voxmap;  ///< the unreamed bone's grades and the last fill
+  std::optional<GlenoidFrame> glenoid;
+  std::string side;                  ///< "left", "right", or "" where the run did not know
+  std::vector<std::int64_t> frames;  ///< that have a snapshot, ascending
+  ForceLog log;
+  std::string log_path;
+  TriangleMesh tool;  ///< T, mm
+};
+
+/// Reads DIR/reamed.vdb (with `bone_from_glenoid`, 16 numbers row by row, and `bone_side` in the metadata of `density`,
+/// both optional), DIR/snapshots/ and DIR/forces.csv. Throws InputError when one is missing or damaged.
+RunResults read_results(const std::string& dir);
+
+}  // namespace reamsim

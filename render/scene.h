@@ -1,0 +1,55 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "render/bone_surface.h"
+#include "render/camera.h"
+#include "render/cut_face.h"
+#include "render/gl_objects.h"
+#include "render/tool_surface.h"
+
+namespace reamsim {
+
+/// One picture to be drawn.
+struct Shot {
+  Camera camera;
+  double depth_max_mm = 1;      ///< top of the depth colours
+  double contour_mm = 1;        ///< a line on the reamed face at every multiple of this depth
+  double density_max_g_cm3 = 2; ///< top of the density colours
+  std::optional<Rigid> bone_from_spinning_tool;  ///< without it there is no tool
+  const CutFace* cut_face = nullptr;             ///< where the camera cuts the bone open
+};
+
+/// The meshes, shaders and lights; draws shots of one size. Its context must be current.
+class Scene {
+ public:
+  /// Throws RunError when a shader does not compile or the picture is too large.
+  Scene(const Gl& gl, int width_px, int height_px, const ToolSurface& tool);
+  ~Scene();
+
+  void set_bone(const BoneSurface& bone);
+  /// The picture without labels: BGRA, top row first.
+  [[nodiscard]] std::vector<std::uint32_t> draw(const Shot& shot) const;
+
+ private:
+  struct Programs;
+
+  void draw_background() const;
+  void draw_bone(const Shot& shot) const;
+  void draw_cut_face(const Shot& shot) const;
+  void draw_tool(const Shot& shot) const;
+
+  const Gl& gl_;
+  std::unique_ptr<Programs> programs_;
+  GlTarget target_;
+  GlMesh tool_;
+  std::unique_ptr<GlMesh> bone_;
+  GlTexture depth_colors_;
+  GlTexture density_colors_;
+  GLuint empty_array_ = 0;
+};
+
+}  // namespace reamsim

@@ -1,0 +1,7 @@
+in vec2 picture;
+out vec4 color;
+
+const vec3 kTop = vec3(0.957, 0.965, 0.976);
+const vec3 kBottom = vec3(0.800, 0.831, 0.863);
+
+void main() { color = vec4(mix(kBottom, kTop, smoothstep(0.0, 1.0, picture.y)), 1.0); }

@@ -1,0 +1,39 @@
+in vec3 normal;
+in vec4 dressed;
+out vec4 color;
+
+uniform sampler2D depth_colors;
+uniform float depth_max_mm;
+uniform float contour_mm;
+
+const vec3 kSoftBone = vec3(0.62, 0.46, 0.33);
+const vec3 kDenseBone = vec3(0.86, 0.79, 0.66);
+
+// A thin line wherever the depth passes a tick of the legend.
+float contour(float depth_mm) {
+  float steps = depth_mm / contour_mm;
+  float width = max(fwidth(steps), 1e-6);
+  float line = abs(fract(steps - 0.5) - 0.5) / width;
+  float crowded = smoothstep(0.15, 0.4, width);
+  return steps < 0.5 ? 0.0 : (1.0 - smoothstep(0.4, 1.3, line)) * (1.0 - crowded);
+}
+
+void main() {
+  vec3 n = normalize(normal);
+  float open = dressed.w * dressed.w;
+  float reamed = smoothstep(0.35, 0.65, dressed.y);
+
+  vec3 bone = mix(kSoftBone, kDenseBone, smoothstep(0.2, 1.5, dressed.z));
+  float at = clamp(dressed.x / depth_max_mm, 0.0, 1.0);
+  float texels = float(textureSize(depth_colors, 0).x);
+  vec3 map = linear_from_srgb(texture(depth_colors, vec2((at * (texels - 1.0) + 0.5) / texels, 0.5)).rgb);
+  map *= 1.0 - 0.35 * contour(dressed.x);
+
+  vec3 light = sky(n) * open + kKeyColor * wrapped(n, kKeyDirection, 0.25) * mix(0.6, 1.0, open) +
+               kFillColor * wrapped(n, kFillDirection, 0.35) * open + kRimColor * wrapped(n, kRimDirection, 0.0);
+  vec3 shine = highlight(n, kKeyDirection, 0.48, vec3(0.04)) * kKeyColor * open * 1.6;
+  // The reamed face must be readable against the legend, so shading only models its shape.
+  vec3 even = mix(vec3(dot(light, vec3(0.3333))), vec3(1.02), 0.55);
+  vec3 lit = mix(bone * light + shine, map * even + 0.3 * shine, reamed);
+  color = vec4(srgb_from_linear(lit), 1.0);
+}

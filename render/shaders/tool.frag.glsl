@@ -1,0 +1,33 @@
+in vec3 normal;
+out vec4 color;
+
+uniform float opacity_facing;
+uniform float opacity_edge;
+uniform int cut_open;
+
+const vec3 kSteel = vec3(0.62, 0.65, 0.69);
+const vec3 kCutSteel = vec3(0.42, 0.50, 0.60);
+
+// What polished steel mirrors in a studio: bright ceiling panels, a dark horizon, a grey floor.
+vec3 studio(vec3 r) {
+  float panel = smoothstep(0.35, 0.55, r.y) * (0.55 + 0.45 * smoothstep(-0.5, 0.4, -r.x));
+  float side = smoothstep(0.55, 0.8, -r.x) * 0.7;
+  float horizon = 1.0 - exp(-8.0 * r.y * r.y);
+  vec3 floor_color = mix(vec3(0.34, 0.35, 0.37), vec3(0.16, 0.17, 0.19), smoothstep(0.0, 0.8, -r.y));
+  vec3 ceiling_color = vec3(0.45, 0.48, 0.52) + vec3(0.75) * panel;
+  return mix(floor_color, ceiling_color, smoothstep(-0.05, 0.1, r.y)) * mix(0.75, 1.0, horizon) + side;
+}
+
+void main() {
+  if (cut_open == 1 && !gl_FrontFacing) {
+    // Inside of a solid that is cut open: what is seen is its cut.
+    color = vec4(srgb_from_linear(kCutSteel), 0.62);
+    return;
+  }
+  vec3 n = normalize(gl_FrontFacing ? normal : -normal);
+  float facing = clamp(abs(n.z), 0.0, 1.0);
+  float fresnel = pow(1.0 - facing, 2.5);
+  vec3 reflected = reflect(vec3(0.0, 0.0, -1.0), n);
+  vec3 lit = kSteel * (studio(reflected) * 0.75 + sky(n) * 0.5) + highlight(n, kKeyDirection, 0.32, kSteel) * 1.4;
+  color = vec4(srgb_from_linear(lit), mix(opacity_facing, opacity_edge, fresnel));
+}

@@ -1,0 +1,300 @@
+#include "sim/bone/ct/image_file.h"
+
+#include <itkGDCMImageIO.h>
+#include <itkMetaImageIO.h>
+#include <itkNiftiImageIO.h>
+#include <itkNrrdImageIO.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <filesystem>
+#include <limits>
+
+#include "sim/base/error.h"
+#include "sim/bone/ct/quiet.h"
+
+namespace reamsim::ct {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+using Component = itk::IOComponentEnum;
+
+/// Deflate cannot pack better than 1032 : 1, so a file that claims more than this is shorter than its header says.
+constexpr double kMaxCompression = 1032;
+constexpr double kHeaderSlackBytes = 1 << 16;
+
+std::string lower_extension(const std::string& path) {
+  std::string name = fs::path(path).filename().string();
+  std::transform(name.begin(), name.end(), name.begin(), [](unsigned char c) { return std::tolower(c); });
+  if (name.ends_with(".nii.gz")) return ".nii.gz";
+  return fs::path(name).extension().string();
+}
+
+/// What the name promises; used where the content is too damaged to tell.
+std::string format_by_name(const std::string& path) {
+  const std::string extension = lower_extension(path);
+  if (extension == ".nrrd" || extension == ".nhdr") return "NRRD";
+  if (extension == ".nii" || extension == ".nii.gz" || extension == ".hdr" || extension == ".img") return "NIfTI";
+  if (extension == ".mha" || extension == ".mhd") return "MetaImage";
+  if (extension == ".dcm") return "DICOM";
+  return "";
+}
+
+/// Formats whose one file holds header and voxels, so that its length says something about the voxels.
+bool holds_its_voxels(const std::string& path) {
+  const std::string extension = lower_extension(path);
+  return extension == ".nrrd" || extension == ".nii" || extension == ".nii.gz" || extension == ".mha" ||
+         extension == ".dcm";
+}
+
+bool can_read(itk::ImageIOBase& io, const std::string& path) {
+  try {
+    return io.CanReadFile(path.c_str());
+  } catch (const std::exception&) {
+    return false;
+  }
+}
+
+template <typename Value>
+void copy_region(const std::byte* raw, const itk::ImageIORegion& held, const IndexBox& box, float* out) {
+  const auto start = [&](unsigned axis) { return axis < held.GetImageDimension() ? held.GetIndex(axis) : 0; };
+  const std::int64_t row = static_cast<std::int64_t>(held.GetSize(0));
+  const std::int64_t rows = held.GetImageDimension() > 1 ? static_cast<std::int64_t>(held.GetSize(1)) : 1;
+  for (int k = 0; k < box.size.z(); ++k) {
+    for (int j = 0; j < box.size.y(); ++j) {
+      const std::int64_t first =
+          (box.start.x() - start(0)) + row * ((box.start.y() + j - start(1)) + rows * (box.start.z() + k - start(2)));
+      for (int i = 0; i < box.size.x(); ++i) {
+        Value value;
+        std::memcpy(&value, raw + (first + i) * static_cast<std::int64_t>(sizeof(Value)), sizeof(Value));
+        *out++ = static_cast<float>(value);
+      }
+    }
+  }
+}
+
+void copy_as_float(Component type, const std::byte* raw, const itk::ImageIORegion& held, const IndexBox& box,
+                   float* out) {
+  switch (type) {
+    case Component::UCHAR:
+      return copy_region<unsigned char>(raw, held, box, out);
+    case Component::CHAR:
+      return copy_region<signed char>(raw, held, box, out);
+    case Component::USHORT:
+      return copy_region<unsigned short>(raw, held, box, out);
+    case Component::SHORT:
+      return copy_region<short>(raw, held, box, out);
+    case Component::UINT:
+      return copy_region<unsigned int>(raw, held, box, out);
+    case Component::INT:
+      return copy_region<int>(raw, held, box, out);
+    case Component::ULONG:
+      return copy_region<unsigned long>(raw, held, box, out);
+    case Component::LONG:
+      return copy_region<long>(raw, held, box, out);
+    case Component::ULONGLONG:
+      return copy_region<unsigned long long>(raw, held, box, out);
+    case Component::LONGLONG:
+      return copy_region<long long>(raw, held, box, out);
+    case Component::FLOAT:
+      return copy_region<float>(raw, held, box, out);
+    case Component::DOUBLE:
+      return copy_region<double>(raw, held, box, out);
+    default:
+      throw std::invalid_argument("pixel type");  // geometry_of() lets none of these through
+  }
+}
+
+itk::ImageIORegion io_region(const itk::ImageIOBase& io, const IndexBox& box) {
+  itk::ImageIORegion region(io.GetNumberOfDimensions());
+  for (unsigned axis = 0; axis < io.GetNumberOfDimensions(); ++axis) {
+    region.SetIndex(axis, axis < 3 ? box.start[axis] : 0);
+    region.SetSize(axis, axis < 3 ? static_cast<itk::SizeValueType>(box.size[axis]) : 1);
+  }
+  return region;
+}
+
+/// One file of one of the four formats.
+class FileScan : public ScanSource {
+ public:
+  FileScan(const std::string& path, const std::string& key) : path_(path), key_(key) {
+    io_ = open_image_io(path, key, format_);
+    read_header(*io_, path, key, format_);
+    geometry_ = geometry_of(*io_, path, key, false);
+    check_fits_in_memory(static_cast<double>(geometry_.size()), io_->GetComponentSize(), path, key);
+    check_file_length();
+  }
+
+  [[nodiscard]] const ScanGeometry& geometry() const override { return geometry_; }
+  [[nodiscard]] std::string description() const override { return format_ + ", " + pixel_type_of(*io_); }
+  [[nodiscard]] bool is_unsigned() const override { return has_unsigned_pixels(*io_); }
+
+  [[nodiscard]] Scan read(const IndexBox& box) const override {
+    Scan scan{geometry_, std::vector<float>(
+                             static_cast<std::size_t>(std::int64_t{1} * box.size.x() * box.size.y() * box.size.z()))};
+    read_voxels(*io_, geometry_, box, path_, key_, scan.value.data());
+    scan.geometry.dims = box.size;
+    scan.geometry.origin_mm = geometry_.point_mm(box.start.cast<double>());
+    return scan;
+  }
+
+ private:
+  void check_file_length() const {
+    if (!holds_its_voxels(path_)) return;
+    const double claimed = static_cast<double>(geometry_.size()) * io_->GetComponentSize();
+    const double length = static_cast<double>(fs::file_size(path_));
+    if (claimed <= kMaxCompression * length + kHeaderSlackBytes) return;
+    throw InputError({path_}, key_,
+                     "the header claims " + std::to_string(geometry_.size()) + " voxels, but the file has only " +
+                         std::to_string(fs::file_size(path_)) + " bytes",
+                     "the file must be complete");
+  }
+
+  std::string path_;
+  std::string key_;
+  std::string format_;
+  itk::ImageIOBase::Pointer io_;
+  ScanGeometry geometry_;
+};
+
+}  // namespace
+
+itk::ImageIOBase::Pointer open_image_io(const std::string& path, const std::string& key, std::string& format) {
+  const QuietLibraries quiet;
+  const std::pair<const char*, itk::ImageIOBase::Pointer> readers[] = {
+      {"NRRD", itk::NrrdImageIO::New().GetPointer()},
+      {"NIfTI", itk::NiftiImageIO::New().GetPointer()},
+      {"MetaImage", itk::MetaImageIO::New().GetPointer()},
+      {"DICOM", itk::GDCMImageIO::New().GetPointer()}};
+  for (const auto& [name, io] : readers) {
+    if (!can_read(*io, path)) continue;
+    format = name;
+    io->SetFileName(path);
+    return io;
+  }
+  const std::string promised = format_by_name(path);
+  const std::string found = fs::file_size(path) == 0 ? "the file is empty"
+                            : promised.empty()       ? "this is no CT image that can be read"
+                                                     : "the " + promised + " header is damaged or cut off";
+  throw InputError({path}, key, found, "expected a folder of DICOM slices, or an NRRD, NIfTI or MetaImage file");
+}
+
+void read_header(itk::ImageIOBase& io, const std::string& path, const std::string& key, const std::string& format) {
+  const QuietLibraries quiet;
+  try {
+    io.ReadImageInformation();
+  } catch (const std::exception&) {
+    throw InputError({path}, key, "the " + format + " header cannot be read", "it is damaged, or the file is cut off");
+  }
+}
+
+ScanGeometry geometry_of(const itk::ImageIOBase& io, const std::string& path, const std::string& key,
+                         bool allow_slice) {
+  const unsigned dimensions = io.GetNumberOfDimensions();
+  std::string shape;
+  bool volume = dimensions >= (allow_slice ? 2U : 3U);
+  for (unsigned axis = 0; axis < dimensions; ++axis) {
+    shape += (axis == 0 ? "" : "×") + std::to_string(io.GetDimensions(axis));
+    const bool single = io.GetDimensions(axis) == 1;
+    if (axis >= 3 && !single) volume = false;
+    if (axis == 2 && single && !allow_slice) volume = false;
+    if (io.GetDimensions(axis) == 0 || io.GetDimensions(axis) > std::numeric_limits<int>::max()) volume = false;
+  }
+  if (!volume) throw InputError({path}, key, "an image of " + shape + " pixels", "expected a volume, three axes");
+  if (io.GetNumberOfComponents() != 1 || pixel_type_of(io).empty()) {
+    throw InputError({path}, key, std::to_string(io.GetNumberOfComponents()) + " numbers in each voxel",
+                     "expected one integer or real number (HU) in each voxel");
+  }
+  ScanGeometry geometry;
+  geometry.dims = Vec3i::Ones();
+  for (unsigned axis = 0; axis < std::min(dimensions, 3U); ++axis) {
+    geometry.dims[axis] = static_cast<int>(io.GetDimensions(axis));
+    const std::vector<double> direction = io.GetDirection(axis);
+    for (unsigned row = 0; row < std::min<std::size_t>(direction.size(), 3); ++row) {
+      geometry.step_mm(row, axis) = direction[row] * io.GetSpacing(axis);
+    }
+    geometry.origin_mm[axis] = io.GetOrigin(axis);
+  }
+  if (!geometry.step_mm.allFinite() || !geometry.origin_mm.allFinite() ||
+      !(std::abs(geometry.step_mm.determinant()) > 1e-12) || geometry.step_mm.cwiseAbs().maxCoeff() > 1e6) {
+    throw InputError({path}, key, "voxel spacing, axes or origin that are zero, not finite or flat",
+                     "expected a spacing above 0 mm and three independent axes");
+  }
+  return geometry;
+}
+
+std::string pixel_type_of(const itk::ImageIOBase& io) {
+  const std::string bits = std::to_string(8 * io.GetComponentSize());
+  switch (io.GetComponentType()) {
+    case Component::UCHAR:
+    case Component::USHORT:
+    case Component::UINT:
+    case Component::ULONG:
+    case Component::ULONGLONG:
+      return "uint" + bits;
+    case Component::CHAR:
+    case Component::SHORT:
+    case Component::INT:
+    case Component::LONG:
+    case Component::LONGLONG:
+      return "int" + bits;
+    case Component::FLOAT:
+      return "float";
+    case Component::DOUBLE:
+      return "double";
+    default:
+      return "";
+  }
+}
+
+bool has_unsigned_pixels(const itk::ImageIOBase& io) {
+  return pixel_type_of(io).starts_with("uint");
+}
+
+void read_voxels(itk::ImageIOBase& io, const ScanGeometry& geometry, const IndexBox& box, const std::string& path,
+                 const std::string& key, float* out) {
+  const QuietLibraries quiet;
+  io.SetUseStreamedReading(true);
+  try {
+    const itk::ImageIORegion held = io.GenerateStreamableReadRegionFromRequestedRegion(io_region(io, box));
+    const std::size_t bytes = held.GetNumberOfPixels() * io.GetComponentSize();
+    // Not value-initialised: a header that claims too much must not make the machine touch that much memory.
+    const auto raw = std::make_unique_for_overwrite<std::byte[]>(bytes);
+    io.SetIORegion(held);
+    io.Read(raw.get());
+    copy_as_float(io.GetComponentType(), raw.get(), held, box, out);
+  } catch (const std::bad_alloc&) {
+    throw InputError({path}, key, std::to_string(geometry.size()) + " voxels, more than this machine's memory holds",
+                     "use a smaller image");
+  } catch (const std::exception&) {
+    throw InputError({path}, key, "the voxels cannot be read: the file is cut off or damaged",
+                     "the file must be complete");
+  }
+}
+
+void check_fits_in_memory(double voxels, double bytes_per_voxel, const std::string& path, const std::string& key) {
+  const double memory = static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGE_SIZE));
+  if (voxels * bytes_per_voxel <= 0.5 * memory) return;
+  char text[160];
+  std::snprintf(text, sizeof text, "%.3g voxels take %.3g GB, more than half of this machine's memory (%.3g GB)",
+                voxels, voxels * bytes_per_voxel / 1e9, memory / 1e9);
+  throw InputError({path}, key, text, "use fewer voxels, or check that the header is not damaged");
+}
+
+std::unique_ptr<ScanSource> open_scan(const std::string& path, const std::string& key, Report& report) {
+  std::error_code error;
+  const fs::file_status status = fs::status(path, error);
+  if (!fs::exists(status)) throw InputError({path}, key, "no such file or folder", "give a CT image");
+  try {
+    if (fs::is_directory(status)) return open_dicom_folder(path, key, report);
+    return std::make_unique<FileScan>(path, key);
+  } catch (const fs::filesystem_error&) {
+    throw InputError({path}, key, "cannot be opened", "check that it may be read");
+  }
+}
+
+}  // namespace reamsim::ct

@@ -1,0 +1,216 @@
+#include "sim/bone/ct/morphology.h"
+
+#include <itkBinaryBallStructuringElement.h>
+#include <itkBinaryMorphologicalClosingImageFilter.h>
+#include <itkConnectedComponentImageFilter.h>
+#include <itkCurvatureAnisotropicDiffusionImageFilter.h>
+#include <itkDiscreteGaussianImageFilter.h>
+#include <itkFlatStructuringElement.h>
+#include <itkImportImageFilter.h>
+#include <itkMedianImageFilter.h>
+#include <itkRelabelComponentImageFilter.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace reamsim::ct {
+
+namespace {
+
+using FloatImage = itk::Image<float, 3>;
+using MaskImage = itk::Image<std::uint8_t, 3>;
+using LabelImage = itk::Image<std::uint32_t, 3>;
+
+/// An ITK image that looks at `data` without owning it.
+template <typename Value, unsigned Dimensions>
+typename itk::Image<Value, Dimensions>::Pointer view(Value* data, const std::array<int, Dimensions>& dims,
+                                                     const std::array<double, Dimensions>& spacing) {
+  using Importer = itk::ImportImageFilter<Value, Dimensions>;
+  const auto importer = Importer::New();
+  typename Importer::RegionType region;
+  typename Importer::SpacingType step;
+  itk::SizeValueType count = 1;
+  for (unsigned axis = 0; axis < Dimensions; ++axis) {
+    region.SetSize(axis, static_cast<itk::SizeValueType>(dims[axis]));
+    step[axis] = spacing[axis];
+    count *= region.GetSize(axis);
+  }
+  importer->SetRegion(region);
+  importer->SetSpacing(step);
+  importer->SetImportPointer(data, count, false);
+  importer->Update();
+  return importer->GetOutput();
+}
+
+template <typename Value>
+typename itk::Image<Value, 3>::Pointer view(std::vector<Value>& values, const Lattice& lattice) {
+  const Vec3i& d = lattice.dims;
+  const Vec3& s = lattice.spacing_mm;
+  return view<Value, 3>(values.data(), {d.x(), d.y(), d.z()}, {s.x(), s.y(), s.z()});
+}
+
+void copy_back(const FloatImage& filtered, std::vector<float>& values) {
+  std::copy_n(filtered.GetBufferPointer(), values.size(), values.begin());
+}
+
+/// Labels of the connected parts of what is not in the mask.
+template <unsigned Dimensions>
+std::vector<std::uint32_t> label_background(std::vector<std::uint8_t>& background,
+                                            const std::array<int, Dimensions>& dims, std::uint32_t& count) {
+  std::array<double, Dimensions> spacing;
+  spacing.fill(1);
+  const auto label = itk::ConnectedComponentImageFilter<itk::Image<std::uint8_t, Dimensions>,
+                                                        itk::Image<std::uint32_t, Dimensions>>::New();
+  label->SetInput(view<std::uint8_t, Dimensions>(background.data(), dims, spacing));
+  label->Update();
+  count = static_cast<std::uint32_t>(label->GetObjectCount());
+  const std::uint32_t* first = label->GetOutput()->GetBufferPointer();
+  return {first, first + background.size()};
+}
+
+/// One face of the image: the two axes along it, and the place along the third.
+struct Face {
+  int u;
+  int v;
+  int across;
+  int level;
+
+  [[nodiscard]] Vec3i voxel(int i, int j) const {
+    Vec3i out;
+    out[u] = i;
+    out[v] = j;
+    out[across] = level;
+    return out;
+  }
+};
+
+/// Marks the parts of the background that reach the rim of this face: they lead out of the image.
+void mark_open_parts(const std::vector<std::uint32_t>& part, const Lattice& lattice, const Face& face,
+                     std::vector<std::uint8_t>& open) {
+  const int nu = lattice.dims[face.u];
+  const int nv = lattice.dims[face.v];
+  std::vector<std::uint8_t> background(static_cast<std::size_t>(nu) * static_cast<std::size_t>(nv));
+  const auto part_at = [&](int i, int j) {
+    const Vec3i voxel = face.voxel(i, j);
+    return part[lattice.index(voxel.x(), voxel.y(), voxel.z())];
+  };
+  for (int j = 0; j < nv; ++j) {
+    for (int i = 0; i < nu; ++i) background[static_cast<std::size_t>(i + j * std::int64_t{nu})] = part_at(i, j) != 0;
+  }
+  std::uint32_t count = 0;
+  const std::vector<std::uint32_t> region = label_background<2>(background, {nu, nv}, count);
+  std::vector<std::uint8_t> reaches_rim(count + std::size_t{1}, 0);
+  for (int j = 0; j < nv; ++j) {
+    for (int i = 0; i < nu; ++i) {
+      const bool rim = i == 0 || j == 0 || i == nu - 1 || j == nv - 1;
+      if (rim) reaches_rim[region[static_cast<std::size_t>(i + j * std::int64_t{nu})]] = 1;
+    }
+  }
+  for (int j = 0; j < nv; ++j) {
+    for (int i = 0; i < nu; ++i) {
+      const std::uint32_t at = region[static_cast<std::size_t>(i + j * std::int64_t{nu})];
+      if (at != 0 && reaches_rim[at]) open[part_at(i, j)] = 1;
+    }
+  }
+}
+
+}  // namespace
+
+void median_filter(AlignedImage& image, int radius_voxels) {
+  const auto filter = itk::MedianImageFilter<FloatImage, FloatImage>::New();
+  filter->SetInput(view(image.value, image.lattice));
+  filter->SetRadius(static_cast<itk::SizeValueType>(radius_voxels));
+  filter->Update();
+  copy_back(*filter->GetOutput(), image.value);
+}
+
+void curvature_anisotropic_filter(AlignedImage& image, int iterations, double conductance) {
+  // ITK's bound for three dimensions: smallest spacing / 2^(3+1).
+  constexpr double kStableShare = 1.0 / 16;
+  const auto filter = itk::CurvatureAnisotropicDiffusionImageFilter<FloatImage, FloatImage>::New();
+  filter->SetInput(view(image.value, image.lattice));
+  filter->SetNumberOfIterations(static_cast<unsigned>(iterations));
+  filter->SetConductanceParameter(conductance);
+  filter->SetTimeStep(kStableShare * image.lattice.spacing_mm.minCoeff());
+  filter->Update();
+  copy_back(*filter->GetOutput(), image.value);
+}
+
+void gaussian_filter(AlignedImage& image, double sigma_voxels) {
+  const auto filter = itk::DiscreteGaussianImageFilter<FloatImage, FloatImage>::New();
+  filter->SetInput(view(image.value, image.lattice));
+  filter->SetUseImageSpacing(false);
+  filter->SetVariance(sigma_voxels * sigma_voxels);
+  filter->Update();
+  copy_back(*filter->GetOutput(), image.value);
+}
+
+Pieces connected_pieces(const Mask& mask, const Lattice& lattice) {
+  Mask input = mask;
+  const auto label = itk::ConnectedComponentImageFilter<MaskImage, LabelImage>::New();
+  label->SetInput(view(input, lattice));
+  const auto by_size = itk::RelabelComponentImageFilter<LabelImage, LabelImage>::New();
+  by_size->SetInput(label->GetOutput());
+  by_size->Update();
+  Pieces out;
+  const std::uint32_t* first = by_size->GetOutput()->GetBufferPointer();
+  out.label.assign(first, first + input.size());
+  out.list.resize(by_size->GetNumberOfObjects());
+  for (std::size_t n = 0; n < out.list.size(); ++n) {
+    out.list[n] = {static_cast<std::uint32_t>(n + 1), 0, lattice.dims, Vec3i::Constant(-1)};
+  }
+  for (int k = 0; k < lattice.dims.z(); ++k) {
+    for (int j = 0; j < lattice.dims.y(); ++j) {
+      for (int i = 0; i < lattice.dims.x(); ++i) {
+        const std::uint32_t at = out.label[lattice.index(i, j, k)];
+        if (at == 0) continue;
+        Piece& piece = out.list[at - 1];
+        ++piece.voxels;
+        piece.min = piece.min.cwiseMin(Vec3i(i, j, k));
+        piece.max = piece.max.cwiseMax(Vec3i(i, j, k));
+      }
+    }
+  }
+  return out;
+}
+
+void close_mask(Mask& mask, const Lattice& lattice, double radius_mm) {
+  using Ball = itk::FlatStructuringElement<3>;
+  Ball::RadiusType radius;
+  bool moves = false;
+  for (unsigned axis = 0; axis < 3; ++axis) {
+    radius[axis] = static_cast<itk::SizeValueType>(std::lround(radius_mm / lattice.spacing_mm[axis]));
+    moves = moves || radius[axis] > 0;
+  }
+  if (!moves) return;
+  const auto filter = itk::BinaryMorphologicalClosingImageFilter<MaskImage, MaskImage, Ball>::New();
+  filter->SetInput(view(mask, lattice));
+  filter->SetKernel(Ball::Ball(radius));
+  filter->SetForegroundValue(1);
+  filter->SafeBorderOn();
+  filter->Update();
+  std::copy_n(filter->GetOutput()->GetBufferPointer(), mask.size(), mask.begin());
+}
+
+std::int64_t fill_holes(Mask& mask, const Lattice& lattice) {
+  Mask background(mask.size());
+  std::transform(mask.begin(), mask.end(), background.begin(), [](std::uint8_t in) { return in ? 0 : 1; });
+  const Vec3i& d = lattice.dims;
+  std::uint32_t count = 0;
+  const std::vector<std::uint32_t> part = label_background<3>(background, {d.x(), d.y(), d.z()}, count);
+  std::vector<std::uint8_t> open(count + std::size_t{1}, 0);
+  for (int across = 0; across < 3; ++across) {
+    const int u = (across + 1) % 3;
+    const int v = (across + 2) % 3;
+    for (const int level : {0, d[across] - 1}) mark_open_parts(part, lattice, {u, v, across, level}, open);
+  }
+  std::int64_t filled = 0;
+  for (std::size_t at = 0; at < mask.size(); ++at) {
+    if (part[at] == 0 || open[part[at]]) continue;
+    mask[at] = 1;
+    ++filled;
+  }
+  return filled;
+}
+
+}  // namespace reamsim::ct

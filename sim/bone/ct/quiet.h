@@ -1,0 +1,25 @@
+#pragma once
+
+#include <iostream>
+#include <memory>
+#include <sstream>
+
+namespace reamsim::ct {
+
+/// While it lives, ITK, GDCM, MetaIO and NIfTI print nothing. They write warnings about damaged files straight to the
+/// standard streams, where a user must find one line that says what is wrong: the exception's. Not for concurrent use.
+class QuietLibraries {
+ public:
+  QuietLibraries();
+  ~QuietLibraries();
+  QuietLibraries(const QuietLibraries&) = delete;
+  QuietLibraries& operator=(const QuietLibraries&) = delete;
+
+ private:
+  std::ostringstream swallowed_;
+  std::streambuf* cerr_;
+  std::streambuf* cout_;
+  bool itk_warned_;
+};
+
+}  // namespace reamsim::ct

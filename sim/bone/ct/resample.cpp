@@ -1,0 +1,164 @@
+#include "sim/bone/ct/resample.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+
+#include "sim/bone/fill_bricks.h"
+
+namespace reamsim::ct {
+
+namespace {
+
+/// Ratios and places closer than this to a whole number are that number; coordinates of real scans carry rounding.
+constexpr double kRounding = 1e-6;
+
+bool merges(const Lattice& image, const VoxelGrid& grid, int axis) {
+  return grid.voxel_mm >= image.spacing_mm[axis] * (1 - kRounding);
+}
+
+/// Place of a point along an axis, in image voxels: 0 = the lower face of voxel 0, 1 = its upper face.
+double faces_from_mm(const Lattice& image, double mm, int axis) {
+  return (mm - image.origin_mm[axis]) / image.spacing_mm[axis] + 0.5;
+}
+
+AxisWeights average(double from, double to, int count) {
+  const double low = std::clamp<double>(from, 0, count - 1);
+  const double high = std::clamp<double>(to, low, count);
+  AxisWeights out;
+  out.first = static_cast<int>(std::floor(low + kRounding));
+  out.first = std::min(out.first, count - 1);
+  const int last = std::clamp(static_cast<int>(std::ceil(high - kRounding)) - 1, out.first, count - 1);
+  double sum = 0;
+  for (int n = out.first; n <= last; ++n) {
+    const double overlap = std::max(0.0, std::min<double>(high, n + 1) - std::max<double>(low, n));
+    out.weight.push_back(overlap);
+    sum += overlap;
+  }
+  if (sum <= 0) return {out.first, {1.0}};
+  for (double& weight : out.weight) weight /= sum;
+  return out;
+}
+
+AxisWeights interpolate(double centre, int count) {
+  const double place = std::clamp(centre, 0.0, count - 1.0);
+  const int low = static_cast<int>(place);
+  const double share = place - low;
+  if (share < kRounding) return {low, {1.0}};
+  return {low, {1 - share, share}};
+}
+
+}  // namespace
+
+VoxelGrid grid_round(const Lattice& image, const Vec3i& min, const Vec3i& max, double voxel_mm, int margin_voxels) {
+  const Vec3 corner = image.bounds_mm().min;
+  VoxelGrid grid;
+  grid.voxel_mm = voxel_mm;
+  for (int axis = 0; axis < 3; ++axis) {
+    const double low = std::floor(min[axis] * image.spacing_mm[axis] / voxel_mm + kRounding) - margin_voxels;
+    const double high = std::ceil((max[axis] + 1) * image.spacing_mm[axis] / voxel_mm - kRounding) + margin_voxels;
+    const double bricks = std::ceil((high - low) / FillBricks::kSide);
+    if (bricks * FillBricks::kSide > std::numeric_limits<int>::max()) throw std::length_error("voxel grid");
+    grid.dims[axis] = static_cast<int>(bricks) * FillBricks::kSide;
+    grid.origin_mm[axis] = corner[axis] + low * voxel_mm;
+  }
+  return grid;
+}
+
+std::vector<AxisWeights> axis_weights(const Lattice& image, const VoxelGrid& grid, int axis) {
+  std::vector<AxisWeights> out;
+  out.reserve(static_cast<std::size_t>(grid.dims[axis]));
+  const double length = grid.voxel_mm / image.spacing_mm[axis];
+  for (int n = 0; n < grid.dims[axis]; ++n) {
+    const double from = faces_from_mm(image, grid.origin_mm[axis] + n * grid.voxel_mm, axis);
+    out.push_back(merges(image, grid, axis) ? average(from, from + length, image.dims[axis])
+                                            : interpolate(from + 0.5 * length - 0.5, image.dims[axis]));
+  }
+  return out;
+}
+
+SliceResampler::SliceResampler(const AlignedImage& image, const VoxelGrid& grid) : image_(image), grid_(grid) {
+  for (int axis = 0; axis < 3; ++axis) weights_[axis] = axis_weights(image.lattice, grid, axis);
+  const auto nx = static_cast<std::size_t>(image.lattice.dims.x());
+  plane_.resize(nx * static_cast<std::size_t>(image.lattice.dims.y()));
+  rows_.resize(nx * static_cast<std::size_t>(grid.dims.y()));
+  out_.resize(static_cast<std::size_t>(grid.dims.x()) * static_cast<std::size_t>(grid.dims.y()));
+}
+
+const std::vector<double>& SliceResampler::slice(int k) {
+  const Lattice& image = image_.lattice;
+  const auto nx = static_cast<std::size_t>(image.dims.x());
+  std::fill(plane_.begin(), plane_.end(), 0.0);
+  const AxisWeights& along_z = weights_[2][static_cast<std::size_t>(k)];
+  for (std::size_t n = 0; n < along_z.weight.size(); ++n) {
+    const float* from = &image_.value[image.index(0, 0, along_z.first + static_cast<int>(n))];
+    for (std::size_t at = 0; at < plane_.size(); ++at) plane_[at] += along_z.weight[n] * static_cast<double>(from[at]);
+  }
+  std::fill(rows_.begin(), rows_.end(), 0.0);
+  for (std::size_t j = 0; j < weights_[1].size(); ++j) {
+    const AxisWeights& along_y = weights_[1][j];
+    for (std::size_t n = 0; n < along_y.weight.size(); ++n) {
+      const double* from = &plane_[nx * (static_cast<std::size_t>(along_y.first) + n)];
+      for (std::size_t i = 0; i < nx; ++i) rows_[nx * j + i] += along_y.weight[n] * from[i];
+    }
+  }
+  const std::size_t width = weights_[0].size();
+  for (std::size_t j = 0; j < weights_[1].size(); ++j) {
+    for (std::size_t i = 0; i < width; ++i) {
+      const AxisWeights& along_x = weights_[0][i];
+      const double* from = &rows_[nx * j + static_cast<std::size_t>(along_x.first)];
+      double sum = 0;
+      for (std::size_t n = 0; n < along_x.weight.size(); ++n) sum += along_x.weight[n] * from[n];
+      out_[width * j + i] = sum;
+    }
+  }
+  return out_;
+}
+
+InsideTest::InsideTest(const AlignedImage& field, const VoxelGrid& grid) : field_(field) {
+  const Lattice& image = field.lattice;
+  for (int axis = 0; axis < 3; ++axis) {
+    const double length = grid.voxel_mm / image.spacing_mm[axis];
+    // Four samples where voxels are alike, and two for each further image voxel that one takes in.
+    const double wanted = length > 1 + kRounding ? 2 * std::ceil(length - kRounding) : 1;
+    samples_[axis] = static_cast<int>(std::min(wanted, 64.0));
+    for (int n = 0; n < grid.dims[axis] * samples_[axis]; ++n) {
+      const double mm = grid.origin_mm[axis] + grid.voxel_mm * (n + 0.5) / samples_[axis];
+      const double place = std::clamp(faces_from_mm(image, mm, axis) - 0.5, 0.0, image.dims[axis] - 1.0);
+      const int low = std::min(static_cast<int>(place), std::max(image.dims[axis] - 2, 0));
+      sample_[axis].push_back({low, static_cast<float>(place - low)});
+    }
+  }
+}
+
+bool InsideTest::inside(const Sample& x, const Sample& y, const Sample& z) const {
+  const Lattice& image = field_.lattice;
+  const std::size_t step_x = image.dims.x() > 1 ? 1 : 0;
+  const std::size_t step_y = image.dims.y() > 1 ? static_cast<std::size_t>(image.dims.x()) : 0;
+  const std::size_t step_z = image.dims.z() > 1 ? image.index(0, 0, 1) : 0;
+  const float* corner = &field_.value[image.index(x.low, y.low, z.low)];
+  const auto along_x = [&](std::size_t at) { return corner[at] + x.share * (corner[at + step_x] - corner[at]); };
+  const auto along_y = [&](std::size_t at) {
+    const float low = along_x(at);
+    return low + y.share * (along_x(at + step_y) - low);
+  };
+  const float low = along_y(0);
+  return low + z.share * (along_y(step_z) - low) > 0;
+}
+
+bool InsideTest::operator()(int i, int j, int k) const {
+  const int total = samples_[0] * samples_[1] * samples_[2];
+  int hits = 0;
+  for (int c = k * samples_[2]; c < (k + 1) * samples_[2]; ++c) {
+    for (int b = j * samples_[1]; b < (j + 1) * samples_[1]; ++b) {
+      for (int a = i * samples_[0]; a < (i + 1) * samples_[0]; ++a) {
+        hits += inside(sample_[0][static_cast<std::size_t>(a)], sample_[1][static_cast<std::size_t>(b)],
+                       sample_[2][static_cast<std::size_t>(c)]);
+      }
+    }
+  }
+  return 2 * hits >= total && hits > 0;
+}
+
+}  // namespace reamsim::ct

@@ -1,0 +1,62 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "sim/base/geometry.h"
+#include "sim/base/report.h"
+
+namespace reamsim::ct {
+
+/// Where the voxels of an image lie. Voxel (i,j,k) has its centre at origin_mm + step_mm·(i,j,k)ᵀ in LPS mm; the
+/// columns of `step_mm` need be neither along the axes nor perpendicular to one another (a tilted gantry).
+struct ScanGeometry {
+  Vec3i dims = Vec3i::Zero();
+  Mat3 step_mm = Mat3::Identity();
+  Vec3 origin_mm = Vec3::Zero();
+
+  [[nodiscard]] std::int64_t size() const { return std::int64_t{1} * dims.x() * dims.y() * dims.z(); }
+  [[nodiscard]] Vec3 spacing_mm() const { return step_mm.colwise().norm().transpose(); }
+  [[nodiscard]] Vec3 point_mm(const Vec3& index) const { return origin_mm + step_mm * index; }
+  [[nodiscard]] Vec3 index_of(const Vec3& point_mm) const { return step_mm.inverse() * (point_mm - origin_mm); }
+  /// The box, along the axes of LPS, round all voxels (their outer faces).
+  [[nodiscard]] Aabb bounds_mm() const;
+};
+
+/// A box of voxels: from `start`, `size` voxels along each axis.
+struct IndexBox {
+  Vec3i start = Vec3i::Zero();
+  Vec3i size = Vec3i::Zero();
+
+  [[nodiscard]] bool empty() const { return (size.array() <= 0).any(); }
+};
+
+/// Part of an image in memory; value (i,j,k) stands at i + nx·(j + ny·k).
+struct Scan {
+  ScanGeometry geometry;
+  std::vector<float> value;
+};
+
+/// An image on disk whose header has been read; its voxels are read on demand, and only those that are wanted are kept.
+class ScanSource {
+ public:
+  virtual ~ScanSource() = default;
+  [[nodiscard]] virtual const ScanGeometry& geometry() const = 0;
+  /// What it is, for the report: "NRRD, int16".
+  [[nodiscard]] virtual std::string description() const = 0;
+  [[nodiscard]] virtual bool is_unsigned() const = 0;
+  /// The values of the voxels in `box`, which lies inside the image. Throws InputError: truncated, damaged.
+  [[nodiscard]] virtual Scan read(const IndexBox& box) const = 0;
+};
+
+/// Opens a DICOM folder, NRRD, NIfTI or MetaImage. `key` is the scenario key of `path`, for messages.
+/// Throws InputError: no such file, none of these formats, not a volume of single numbers, larger than this machine can
+/// hold, or shorter than its header claims.
+std::unique_ptr<ScanSource> open_scan(const std::string& path, const std::string& key, Report& report);
+
+/// Throws InputError when `voxels` voxels of `bytes_per_voxel` are more than half of this machine's memory.
+void check_fits_in_memory(double voxels, double bytes_per_voxel, const std::string& path, const std::string& key);
+
+}  // namespace reamsim::ct

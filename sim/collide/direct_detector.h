@@ -1,0 +1,25 @@
+#pragma once
+
+#include "sim/collide/detector.h"
+#include "sim/collide/device_state.h"
+
+namespace reamsim {
+
+/// The paper's narrow phase on OpenCL (§3.5): one work-item per shell point.
+class DirectDetector final : public Detector {
+ public:
+  /// `work_group` items per group; the result does not depend on it.
+  DirectDetector(const cl::Device& device, DeviceState& state, std::size_t work_group);
+  void detect(int slot) override;
+  std::vector<double> take_seconds() override;
+
+ private:
+  const cl::Device& device_;
+  std::size_t points_;
+  std::size_t work_group_;
+  cl::Program program_;
+  cl::Kernel kernel_;
+  std::vector<cl::Event> events_;
+};
+
+}  // namespace reamsim

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <vector>
+
+#include "kernels/shared.h"
+#include "sim/bone/voxmap.h"
+#include "sim/tool/tool.h"
+
+namespace reamsim {
+
+/// What the serial engine keeps between detect and cut.
+struct SerialState {
+  const Tool* tool = nullptr;
+  std::vector<ProfileEdge> edges;
+  VoxelGrid grid;
+  std::vector<std::uint8_t> bone;    ///< grade, 0 = air or gone
+  std::vector<std::uint16_t> fill;   ///< dense
+  std::vector<std::int64_t> contacts;
+  std::vector<SubstepArgs> args;     ///< per slot
+  std::vector<SubstepSums> sums;     ///< per slot
+  std::vector<std::pair<std::int64_t, std::int32_t>> removed;  ///< (voxel, frame)
+};
+
+SerialState make_serial_state(const Voxmap& voxmap, const Tool& tool);
+
+}  // namespace reamsim

@@ -1,0 +1,103 @@
+#include "sim/collide/substep.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace reamsim {
+
+// Host and device lay the struct out alike: 8-byte members first, then an even number of ints.
+static_assert(sizeof(SubstepArgs) == 8 * (9 + 3 + 9 + 3 + 3 + 3 + 7 + 3 + 2) + 4 * 12);
+static_assert(sizeof(SubstepSums) == 8 * 10);
+static_assert(sizeof(ProfileEdge) == 8 * 6);
+
+namespace {
+
+std::int64_t fixed_point(double voxels) {
+  return static_cast<std::int64_t>(std::floor(std::ldexp(voxels, RS_POSITION_BITS) + 0.5));
+}
+
+/// Rotation vector (axis times angle) that takes orientation `a` to `b`, in B.
+Vec3 rotation_vector(const Quat& a, const Quat& b) {
+  const Eigen::AngleAxisd turn(b * a.conjugate());
+  const double angle = turn.angle() > M_PI ? turn.angle() - 2 * M_PI : turn.angle();
+  return angle * turn.axis();
+}
+
+/// First and last shell cell along an axis whose centre can lie in [low, high] mm from the shell's corner; a cell more on
+/// either side, because fixed-point positions are rounded.
+std::pair<int, int> cell_range(double low, double high, const PointShell& shell) {
+  const double first = std::floor(low / shell.cell_mm - 0.5) - 1, last = std::ceil(high / shell.cell_mm - 0.5) + 1;
+  const auto clamp = [&](double c) { return static_cast<int>(std::clamp(c, 0.0, shell.resolution - 1.0)); };
+  return {clamp(first), clamp(last)};
+}
+
+}  // namespace
+
+int count_substeps(const ToolPose& a, const ToolPose& b, const Tool& tool, bool spin_resolved, double max_step_mm) {
+  double step = (b.position_mm - a.position_mm).norm() +
+                rotation_vector(a.orientation, b.orientation).norm() * tool.reach_mm;
+  if (spin_resolved) step += std::abs(b.spin_angle_rad - a.spin_angle_rad) * tool.profile.max_radius_mm();
+  return std::max(1, static_cast<int>(std::ceil(step / max_step_mm - 1e-9)));
+}
+
+Substep make_substep(const ToolPose& a, const ToolPose& b, double share_begin, double share_end, double frame_s,
+                     std::int64_t frame) {
+  const ToolPose begin = interpolate(a, b, share_begin);
+  Substep out;
+  out.pose = interpolate(a, b, share_end);
+  out.duration_s = (share_end - share_begin) * frame_s;
+  out.frame = frame;
+  out.origin_velocity_mm_s = (out.pose.position_mm - begin.position_mm) / out.duration_s;
+  const double spin = (out.pose.spin_angle_rad - begin.spin_angle_rad) / out.duration_s;
+  out.angular_velocity = rotation_vector(begin.orientation, out.pose.orientation) / out.duration_s -
+                         spin * (out.pose.orientation * Vec3::UnitZ());
+  return out;
+}
+
+Rigid bone_from_shell(const ToolPose& pose, bool spin_resolved) {
+  Rigid out = pose.bone_from_tool();
+  // Positive spin turns about −z of T (design §1).
+  if (spin_resolved) out.rotate(Eigen::AngleAxisd(-pose.spin_angle_rad, Vec3::UnitZ()));
+  return out;
+}
+
+SubstepArgs make_args(const Substep& substep, const Aabb& voi, const PointShell& shell, const VoxelGrid& grid,
+                      const CuttingSettings& cutting, bool spin_resolved) {
+  SubstepArgs args{};
+  const Rigid shell_pose = bone_from_shell(substep.pose, spin_resolved);
+  const Vec3 first_cell = shell.origin_mm + Vec3::Constant(0.5 * shell.cell_mm);
+  const Vec3 first = (shell_pose * first_cell - grid.origin_mm) / grid.voxel_mm;
+  const Mat3 step = shell_pose.linear() * (shell.cell_mm / grid.voxel_mm);
+  const Mat3 tool_from_bone = substep.pose.orientation.toRotationMatrix().transpose();
+  const Vec3 corner = grid.origin_mm - substep.pose.position_mm;
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3; ++j) {
+      args.voxel_from_cell[3 * i + j] = fixed_point(step(i, j));
+      args.tool_from_bone[3 * i + j] = tool_from_bone(i, j);
+    }
+    args.voxel_origin[i] = fixed_point(first[i]);
+    args.lattice_origin[i] = corner[i];
+    args.origin_velocity[i] = substep.origin_velocity_mm_s[i];
+    args.angular_velocity[i] = substep.angular_velocity[i];
+    args.shell_origin[i] = shell.origin_mm[i];
+    args.dims[i] = grid.dims[i];
+    std::tie(args.voi_min[i], args.voi_max[i]) =
+        cell_range(voi.min[i] - shell.origin_mm[i], voi.max[i] - shell.origin_mm[i], shell);
+  }
+  const double turn = spin_resolved ? -substep.pose.spin_angle_rad : 0;
+  args.shell_turn[0] = std::cos(turn);
+  args.shell_turn[1] = std::sin(turn);
+  args.voxel_mm = grid.voxel_mm;
+  args.duration_s = substep.duration_s;
+  args.speed_floor = cutting.speed_floor_mm_s;
+  args.normal_ratio = cutting.normal_ratio;
+  args.force_per_point = cutting.force_per_point_n;
+  args.wear = cutting.wear_g_cm3_per_s * substep.duration_s;
+  args.cell_mm = shell.cell_mm;
+  args.law = cutting.law == "per_point" ? RS_LAW_PER_POINT : RS_LAW_ENERGY;
+  args.erosion = cutting.erosion == "wear" ? RS_EROSION_WEAR : RS_EROSION_REMOVE;
+  args.frame = static_cast<std::int32_t>(substep.frame);
+  return args;
+}
+
+}  // namespace reamsim

@@ -1,0 +1,50 @@
+#include "sim/cut/device_erosion.h"
+
+namespace reamsim {
+
+namespace embedded {
+extern const char* const kernel_cut_voxels;
+}
+
+namespace {
+
+/// Enough work-items to fill the device: a CPU wants few that do much, a GPU many.
+std::size_t work_items(const cl::DeviceInfo& info) { return info.compute_units * (info.gpu ? 1024 : 64); }
+
+}  // namespace
+
+DeviceErosion::DeviceErosion(const cl::Device& device, DeviceState& state, const EnergyTable& table,
+                             std::size_t work_group)
+    : device_(device),
+      items_(work_items(device.info())),
+      work_group_(work_group),
+      energy_(device, table.energy_mj.size(), "the energy table"),
+      density_(device, table.density_g_cm3.size(), "the density table"),
+      program_(device.build("cut_voxels.cl", embedded::kernel_cut_voxels)),
+      kernel_(program_, "cut_voxels") {
+  energy_.write(device, table.energy_mj.data(), table.energy_mj.size());
+  density_.write(device, table.density_g_cm3.data(), table.density_g_cm3.size());
+  kernel_.set(0, state.args);
+  kernel_.set(2, state.bone);
+  kernel_.set(3, state.fill);
+  kernel_.set(4, static_cast<cl_int>(state.has_fill ? 1 : 0));
+  kernel_.set(5, state.claims);
+  kernel_.set(6, state.contacts);
+  kernel_.set(7, state.contact_count);
+  kernel_.set(8, state.sums);
+  kernel_.set(9, state.removed);
+  kernel_.set(10, state.removed_count);
+  kernel_.set(11, energy_);
+  kernel_.set(12, density_);
+  kernel_.set(13, state.edges);
+  kernel_.set(14, static_cast<cl_int>(state.edges.count()));
+}
+
+void DeviceErosion::cut(int slot) {
+  kernel_.set(1, static_cast<cl_uint>(slot));
+  events_.push_back(kernel_.launch(device_, items_, work_group_));
+}
+
+std::vector<double> DeviceErosion::take_seconds() { return cl::take_seconds(events_); }
+
+}  // namespace reamsim

@@ -1,0 +1,17 @@
+#pragma once
+
+#include <vector>
+
+namespace reamsim {
+
+/// Answers, for each voxel of the contact list: how much goes, what force does that take, what is left? Adds to the sums
+/// of `slot` and empties the contact list. The same for every detector.
+class Erosion {
+ public:
+  virtual ~Erosion() = default;
+  virtual void cut(int slot) = 0;
+  /// Seconds that each call since the last take_seconds() ran, in order. Call it when the engine has finished.
+  virtual std::vector<double> take_seconds() = 0;
+};
+
+}  // namespace reamsim

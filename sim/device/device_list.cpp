@@ -1,0 +1,111 @@
+#include <algorithm>
+#include <cctype>
+#include <string_view>
+
+#include "sim/base/error.h"
+#include "sim/device/opencl.h"
+
+namespace reamsim::cl {
+
+namespace {
+
+template <class Id, class Query>
+std::string info_text(Id id, cl_uint parameter, Query query) {
+  std::size_t size = 0;
+  if (query(id, parameter, 0, nullptr, &size) != CL_SUCCESS || size == 0) return {};
+  std::string text(size, '\0');
+  query(id, parameter, size, text.data(), nullptr);
+  text.resize(text.find('\0') == std::string::npos ? text.size() : text.find('\0'));
+  return text;
+}
+
+template <class T>
+T info_value(cl_device_id id, cl_device_info parameter) {
+  T value{};
+  clGetDeviceInfo(id, parameter, sizeof(T), &value, nullptr);
+  return value;
+}
+
+std::string missing_extensions(cl_device_id id) {
+  const std::string have = " " + info_text(id, CL_DEVICE_EXTENSIONS, clGetDeviceInfo) + " ";
+  std::string missing;
+  for (const char* extension : {"cl_khr_fp64", "cl_khr_int64_base_atomics"}) {
+    if (have.find(std::string(" ") + extension + " ") != std::string::npos) continue;
+    missing += (missing.empty() ? "" : ", ") + std::string(extension);
+  }
+  return missing;
+}
+
+DeviceInfo describe(cl_platform_id platform, cl_device_id id) {
+  DeviceInfo info;
+  info.platform = platform;
+  info.id = id;
+  info.platform_name = info_text(platform, CL_PLATFORM_NAME, clGetPlatformInfo);
+  info.name = info_text(id, CL_DEVICE_NAME, clGetDeviceInfo);
+  info.driver = info_text(id, CL_DRIVER_VERSION, clGetDeviceInfo);
+  info.gpu = (info_value<cl_device_type>(id, CL_DEVICE_TYPE) & CL_DEVICE_TYPE_GPU) != 0;
+  info.compute_units = info_value<cl_uint>(id, CL_DEVICE_MAX_COMPUTE_UNITS);
+  info.max_work_group = info_value<std::size_t>(id, CL_DEVICE_MAX_WORK_GROUP_SIZE);
+  info.global_memory_bytes = info_value<cl_ulong>(id, CL_DEVICE_GLOBAL_MEM_SIZE);
+  info.max_allocation_bytes = info_value<cl_ulong>(id, CL_DEVICE_MAX_MEM_ALLOC_SIZE);
+  info.missing = missing_extensions(id);
+  return info;
+}
+
+std::string lower(std::string text) {
+  std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return std::tolower(c); });
+  return text;
+}
+
+std::string names(const std::vector<DeviceInfo>& devices) {
+  std::string out;
+  for (const auto& device : devices) out += (out.empty() ? "\"" : ", \"") + device.name + "\"";
+  return out;
+}
+
+DeviceInfo choose_automatically(const std::vector<DeviceInfo>& devices) {
+  for (const bool gpu : {true, false}) {
+    for (const auto& device : devices) {
+      if (device.gpu == gpu && device.missing.empty()) return device;
+    }
+  }
+  throw RunError("no OpenCL device has what the engine needs (" + devices.front().name + " lacks " +
+                 devices.front().missing + "); --device serial runs without OpenCL");
+}
+
+}  // namespace
+
+std::vector<DeviceInfo> list_devices() {
+  std::vector<DeviceInfo> devices;
+  cl_uint platform_count = 0;
+  if (clGetPlatformIDs(0, nullptr, &platform_count) != CL_SUCCESS || platform_count == 0) return devices;
+  std::vector<cl_platform_id> platforms(platform_count);
+  check(clGetPlatformIDs(platform_count, platforms.data(), nullptr), "clGetPlatformIDs");
+  for (cl_platform_id platform : platforms) {
+    cl_uint count = 0;
+    if (clGetDeviceIDs(platform, CL_DEVICE_TYPE_ALL, 0, nullptr, &count) != CL_SUCCESS || count == 0) continue;
+    std::vector<cl_device_id> ids(count);
+    check(clGetDeviceIDs(platform, CL_DEVICE_TYPE_ALL, count, ids.data(), nullptr), "clGetDeviceIDs");
+    for (cl_device_id id : ids) devices.push_back(describe(platform, id));
+  }
+  return devices;
+}
+
+DeviceInfo choose_device(const std::string& wanted) {
+  const auto devices = list_devices();
+  if (devices.empty()) {
+    throw RunError(
+        "no OpenCL platform found; install one (Debian: pocl-opencl-icd, or the GPU's driver) or use --device serial");
+  }
+  if (wanted == "auto") return choose_automatically(devices);
+  for (const auto& device : devices) {
+    if (lower(device.name).find(lower(wanted)) == std::string::npos) continue;
+    if (device.missing.empty()) return device;
+    throw InputError({}, "engine.device", "\"" + wanted + "\" is " + device.name + ", which lacks " + device.missing,
+                     "choose another device or serial");
+  }
+  throw InputError({}, "engine.device", "\"" + wanted + "\" matches no OpenCL device",
+                   "expected auto, serial or part of one of " + names(devices));
+}
+
+}  // namespace reamsim::cl

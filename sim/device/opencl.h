@@ -1,0 +1,162 @@
+#pragma once
+
+#define CL_TARGET_OPENCL_VERSION 120
+#include <CL/cl.h>
+
+#include <cstddef>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace reamsim::cl {
+
+/// Throws RunError naming the call and OpenCL's error unless `status` is CL_SUCCESS.
+void check(cl_int status, const char* call);
+
+/// Sole owner of an OpenCL object. Release errors are ignored: a destructor has nobody to tell.
+template <class T, cl_int(CL_API_CALL* Release)(T)>
+class Handle {
+ public:
+  Handle() = default;
+  explicit Handle(T object) : object_(object) {}
+  ~Handle() {
+    if (object_ != nullptr) Release(object_);
+  }
+  Handle(Handle&& other) noexcept : object_(std::exchange(other.object_, nullptr)) {}
+  Handle& operator=(Handle&& other) noexcept {
+    std::swap(object_, other.object_);
+    return *this;
+  }
+  Handle(const Handle&) = delete;
+  Handle& operator=(const Handle&) = delete;
+
+  [[nodiscard]] T get() const { return object_; }
+
+ private:
+  T object_ = nullptr;
+};
+
+using Context = Handle<cl_context, clReleaseContext>;
+using Queue = Handle<cl_command_queue, clReleaseCommandQueue>;
+using Program = Handle<cl_program, clReleaseProgram>;
+using KernelHandle = Handle<cl_kernel, clReleaseKernel>;
+using Memory = Handle<cl_mem, clReleaseMemObject>;
+using Event = Handle<cl_event, clReleaseEvent>;
+
+/// What the engine has to know of a device, and why it can or cannot be used.
+struct DeviceInfo {
+  cl_platform_id platform = nullptr;
+  cl_device_id id = nullptr;
+  std::string platform_name;
+  std::string name;
+  std::string driver;
+  bool gpu = false;
+  unsigned compute_units = 0;
+  std::size_t max_work_group = 0;
+  std::size_t global_memory_bytes = 0;
+  std::size_t max_allocation_bytes = 0;
+  std::string missing;  ///< extensions that the engine needs and the device lacks; empty: usable
+};
+
+/// Every device of every platform; empty where there is no platform.
+std::vector<DeviceInfo> list_devices();
+
+/// The device that `wanted` names: "auto" is the first usable GPU, else the first usable CPU; anything else is part of a
+/// device's name, whatever the case. Throws RunError when there is no OpenCL device at all, InputError when none matches
+/// or the match cannot be used.
+DeviceInfo choose_device(const std::string& wanted);
+
+/// One device with its context and an in-order queue.
+class Device {
+ public:
+  explicit Device(const DeviceInfo& info);
+
+  [[nodiscard]] const DeviceInfo& info() const { return info_; }
+  [[nodiscard]] cl_context context() const { return context_.get(); }
+  [[nodiscard]] cl_command_queue queue() const { return queue_.get(); }
+
+  /// Builds a program from the shared header and one kernel source, embedded under `name` or read from the folder
+  /// REAMSIM_KERNEL_DIR where that is set. Throws RunError with the compiler's log when it does not build.
+  [[nodiscard]] Program build(const std::string& name, const char* embedded_source) const;
+
+  /// Waits until everything enqueued is done.
+  void finish() const;
+
+ private:
+  DeviceInfo info_;
+  Context context_;
+  Queue queue_;
+};
+
+/// A device buffer of `count` elements of T.
+template <class T>
+class Buffer {
+ public:
+  Buffer() = default;
+  Buffer(const Device& device, std::size_t count, const char* what) : count_(count) {
+    memory_ = allocate(device, count * sizeof(T), what);
+  }
+
+  [[nodiscard]] std::size_t count() const { return count_; }
+  [[nodiscard]] std::size_t bytes() const { return count_ * sizeof(T); }
+  [[nodiscard]] cl_mem get() const { return memory_.get(); }
+
+  /// Copies `count` elements from `data`; returns at once when not `blocking` (data must then live until finish()).
+  void write(const Device& device, const T* data, std::size_t count, std::size_t offset = 0, bool blocking = true) {
+    check(clEnqueueWriteBuffer(device.queue(), memory_.get(), blocking ? CL_TRUE : CL_FALSE, offset * sizeof(T),
+                               count * sizeof(T), data, 0, nullptr, nullptr),
+          "clEnqueueWriteBuffer");
+  }
+  void read(const Device& device, T* data, std::size_t count, std::size_t offset = 0) const {
+    check(clEnqueueReadBuffer(device.queue(), memory_.get(), CL_TRUE, offset * sizeof(T), count * sizeof(T), data, 0,
+                              nullptr, nullptr),
+          "clEnqueueReadBuffer");
+  }
+  /// Fills `count` elements with zero bits.
+  void clear(const Device& device, std::size_t count) {
+    const cl_uchar zero = 0;
+    check(clEnqueueFillBuffer(device.queue(), memory_.get(), &zero, 1, 0, count * sizeof(T), 0, nullptr, nullptr),
+          "clEnqueueFillBuffer");
+  }
+
+ private:
+  static Memory allocate(const Device& device, std::size_t bytes, const char* what);
+
+  std::size_t count_ = 0;
+  Memory memory_;
+};
+
+/// Allocates device memory; RunError that says what it was for and what would fit.
+Memory allocate_memory(const Device& device, std::size_t bytes, const char* what);
+
+template <class T>
+Memory Buffer<T>::allocate(const Device& device, std::size_t bytes, const char* what) {
+  return allocate_memory(device, bytes, what);
+}
+
+/// A kernel with its arguments. Arguments stay set between launches.
+class Kernel {
+ public:
+  Kernel() = default;
+  Kernel(const Program& program, const char* name);
+
+  template <class T>
+  void set(cl_uint index, const T& value) {
+    check(clSetKernelArg(kernel_.get(), index, sizeof(T), &value), "clSetKernelArg");
+  }
+  template <class T>
+  void set(cl_uint index, const Buffer<T>& buffer) {
+    const cl_mem memory = buffer.get();
+    check(clSetKernelArg(kernel_.get(), index, sizeof(cl_mem), &memory), "clSetKernelArg");
+  }
+  /// Launches at least `items` work-items in groups of `group`; the event tells when it ran.
+  [[nodiscard]] Event launch(const Device& device, std::size_t items, std::size_t group) const;
+
+ private:
+  KernelHandle kernel_;
+};
+
+/// Seconds that each of these finished kernels ran on the device; forgets the events.
+std::vector<double> take_seconds(std::vector<Event>& events);
+
+}  // namespace reamsim::cl

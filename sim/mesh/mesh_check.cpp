@@ -1,0 +1,145 @@
+#include "sim/mesh/mesh_check.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <numeric>
+
+namespace reamsim {
+
+namespace {
+
+using Triangle = std::array<std::int32_t, 3>;
+
+/// One side of one triangle. `low` < `high`; `forward` when the triangle runs it from low to high.
+struct Side {
+  std::int32_t low = 0;
+  std::int32_t high = 0;
+  bool forward = false;
+  std::size_t triangle = 0;
+};
+
+bool collapsed(const Triangle& t) {
+  return t[0] == t[1] || t[1] == t[2] || t[2] == t[0];
+}
+
+/// Zero area: corners on a line, within what single precision can tell.
+bool flat(const TriangleMesh& mesh, const Triangle& t) {
+  const Vec3 a = mesh.vertices[static_cast<std::size_t>(t[0])];
+  const Vec3 ab = mesh.vertices[static_cast<std::size_t>(t[1])] - a;
+  const Vec3 ac = mesh.vertices[static_cast<std::size_t>(t[2])] - a;
+  return ab.cross(ac).norm() <= 1e-9 * std::max(ab.squaredNorm(), ac.squaredNorm());
+}
+
+std::vector<Side> sorted_sides(const TriangleMesh& mesh) {
+  std::vector<Side> sides;
+  sides.reserve(3 * mesh.triangles.size());
+  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+    const Triangle& t = mesh.triangles[i];
+    if (collapsed(t)) continue;  // it has no sides of its own
+    for (std::size_t c = 0; c < 3; ++c) {
+      const std::int32_t a = t[c];
+      const std::int32_t b = t[(c + 1) % 3];
+      sides.push_back({std::min(a, b), std::max(a, b), a < b, i});
+    }
+  }
+  std::sort(sides.begin(), sides.end(), [](const Side& p, const Side& q) {
+    return std::tie(p.low, p.high, p.triangle) < std::tie(q.low, q.high, q.triangle);
+  });
+  return sides;
+}
+
+/// Pieces that hang together by shared vertices.
+std::size_t count_components(const TriangleMesh& mesh) {
+  std::vector<std::int32_t> parent(mesh.vertices.size());
+  std::iota(parent.begin(), parent.end(), 0);
+  const auto root = [&parent](std::int32_t v) {
+    while (parent[static_cast<std::size_t>(v)] != v) {
+      auto& up = parent[static_cast<std::size_t>(v)];
+      up = parent[static_cast<std::size_t>(up)];
+      v = up;
+    }
+    return v;
+  };
+  std::vector<bool> used(mesh.vertices.size(), false);
+  for (const Triangle& t : mesh.triangles) {
+    for (const std::int32_t v : t) {
+      used[static_cast<std::size_t>(v)] = true;
+      parent[static_cast<std::size_t>(root(v))] = root(t[0]);
+    }
+  }
+  std::size_t count = 0;
+  for (std::size_t v = 0; v < parent.size(); ++v) {
+    if (used[v] && parent[v] == static_cast<std::int32_t>(v)) ++count;
+  }
+  return count;
+}
+
+/// The middle of the edge with the smallest triangle number seen so far.
+struct FirstEdge {
+  std::size_t triangle = SIZE_MAX;
+  std::optional<Vec3> middle_mm;
+
+  void offer(const TriangleMesh& mesh, const Side& side) {
+    if (side.triangle >= triangle) return;
+    triangle = side.triangle;
+    middle_mm =
+        0.5 * (mesh.vertices[static_cast<std::size_t>(side.low)] + mesh.vertices[static_cast<std::size_t>(side.high)]);
+  }
+};
+
+std::string at_text(const std::optional<Vec3>& point) {
+  if (!point) return "";
+  char text[96];
+  std::snprintf(text, sizeof text, " (the first at %.2f, %.2f, %.2f mm)", point->x(), point->y(), point->z());
+  return text;
+}
+
+std::string count_text(std::size_t count, const char* one, const char* many) {
+  return std::to_string(count) + " " + (count == 1 ? one : many);
+}
+
+}  // namespace
+
+MeshDiagnosis diagnose(const TriangleMesh& mesh) {
+  MeshDiagnosis out;
+  FirstEdge hole;
+  FirstEdge nonmanifold;
+  const std::vector<Side> sides = sorted_sides(mesh);
+  for (std::size_t begin = 0; begin < sides.size();) {
+    std::size_t end = begin + 1;
+    while (end < sides.size() && sides[end].low == sides[begin].low && sides[end].high == sides[begin].high) ++end;
+    if (end - begin == 1) {
+      ++out.boundary_edges;
+      hole.offer(mesh, sides[begin]);
+    } else if (end - begin > 2) {
+      ++out.nonmanifold_edges;
+      nonmanifold.offer(mesh, sides[begin]);
+    } else if (sides[begin].forward == sides[begin + 1].forward) {
+      ++out.inconsistent_edges;
+    }
+    begin = end;
+  }
+  out.degenerate_triangles =
+      static_cast<std::size_t>(std::count_if(mesh.triangles.begin(), mesh.triangles.end(),
+                                             [&mesh](const Triangle& t) { return collapsed(t) || flat(mesh, t); }));
+  out.components = count_components(mesh);
+  out.volume_mm3 = mesh.volume_mm3();
+  out.first_hole_mm = hole.middle_mm;
+  out.first_nonmanifold_mm = nonmanifold.middle_mm;
+  return out;
+}
+
+std::string MeshDiagnosis::text() const {
+  std::string out = count_text(boundary_edges, "boundary edge", "boundary edges") + at_text(first_hole_mm) + ", " +
+                    count_text(nonmanifold_edges, "non-manifold edge", "non-manifold edges") +
+                    at_text(first_nonmanifold_mm);
+  if (inconsistent_edges > 0) {
+    out += ", " + count_text(inconsistent_edges, "edge", "edges") + " between triangles that face opposite ways";
+  }
+  if (degenerate_triangles > 0) {
+    out += ", " + count_text(degenerate_triangles, "degenerate triangle", "degenerate triangles");
+  }
+  return out + ", " + count_text(components, "component", "components");
+}
+
+}  // namespace reamsim

@@ -1,0 +1,232 @@
+#include "sim/mesh/mesh_io.h"
+
+#include <assimp/config.h>
+#include <assimp/postprocess.h>
+#include <assimp/scene.h>
+
+#include <assimp/BaseImporter.h>
+#include <algorithm>
+#include <assimp/Importer.hpp>
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <set>
+#include <sstream>
+#include <unordered_map>
+
+#include "sim/base/error.h"
+
+namespace reamsim {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::uintmax_t kMaxFileBytes = std::uintmax_t{2} << 30;
+constexpr std::size_t kStlHeaderBytes = 84;
+constexpr std::size_t kStlTriangleBytes = 50;
+
+[[noreturn]] void fail(const std::string& path, const std::string& found, const std::string& expected) {
+  throw InputError({path, 0, 0}, "", found, expected);
+}
+
+/// "stl", "obj" or "ply".
+std::string checked_extension(const std::string& path) {
+  std::string extension = fs::path(path).extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  if (extension != ".stl" && extension != ".obj" && extension != ".ply") {
+    fail(path, "the extension \"" + extension + "\"", "expected a mesh in .stl, .obj or .ply");
+  }
+  return extension.substr(1);
+}
+
+std::uintmax_t checked_size(const std::string& path) {
+  std::error_code error;
+  const fs::file_status status = fs::status(path, error);
+  if (!fs::exists(status)) fail(path, "no such file", "expected a mesh in .stl, .obj or .ply");
+  if (fs::is_directory(status)) fail(path, "a folder", "expected a mesh in .stl, .obj or .ply");
+  const std::uintmax_t size = fs::file_size(path, error);
+  if (error || !std::ifstream(path).good()) fail(path, "cannot be read", "expected a readable mesh file");
+  if (size == 0) fail(path, "an empty file", "expected a mesh in .stl, .obj or .ply");
+  if (size > kMaxFileBytes) fail(path, "a file of more than 2 GiB", "expected a mesh of at most 2 GiB");
+  return size;
+}
+
+std::string read_start(const std::string& path, std::size_t bytes) {
+  std::ifstream in(path, std::ios::binary);
+  std::string out(bytes, '\0');
+  in.read(out.data(), static_cast<std::streamsize>(bytes));
+  out.resize(static_cast<std::size_t>(std::max<std::streamsize>(in.gcount(), 0)));
+  return out;
+}
+
+/// Binary unless the text of an ASCII STL ("solid ... facet") begins it.
+bool stl_is_binary(const std::string& start) {
+  const std::size_t first = start.find_first_not_of(" \t\r\n");
+  if (first == std::string::npos || start.compare(first, 5, "solid") != 0) return true;
+  return start.find("facet") == std::string::npos && start.find("endsolid") == std::string::npos;
+}
+
+/// What the header of a binary STL claims must be there; assimp trusts it.
+void check_stl(const std::string& path, std::uintmax_t size) {
+  const std::string start = read_start(path, 1024);
+  if (!stl_is_binary(start)) return;
+  if (size < kStlHeaderBytes)
+    fail(path, "a truncated STL of " + std::to_string(size) + " bytes", "expected 84 or more");
+  std::uint32_t count = 0;
+  std::memcpy(&count, start.data() + 80, sizeof count);
+  const std::uintmax_t needed = kStlHeaderBytes + std::uintmax_t{kStlTriangleBytes} * count;
+  if (count == 0) fail(path, "an STL of 0 triangles", "expected a surface");
+  if (size < needed) {
+    fail(path,
+         "a truncated STL: its header claims " + std::to_string(count) + " triangles, the file holds " +
+             std::to_string((size - kStlHeaderBytes) / kStlTriangleBytes),
+         "expected " + std::to_string(needed) + " bytes");
+  }
+}
+
+/// The counts that a PLY header claims must fit into the file; assimp reserves memory for them.
+void check_ply(const std::string& path, std::uintmax_t size) {
+  std::istringstream header(read_start(path, 64 * 1024));
+  std::string line;
+  bool ended = false;
+  std::getline(header, line);
+  if (line.rfind("ply", 0) != 0) fail(path, "no PLY header", "expected a file that begins with \"ply\"");
+  while (!ended && std::getline(header, line)) {
+    std::istringstream words(line);
+    std::string keyword;
+    std::string name;
+    words >> keyword;
+    ended = keyword == "end_header";
+    if (keyword != "element") continue;
+    std::uintmax_t count = 0;
+    if (!(words >> name >> count) || count > size) {
+      fail(path, "a truncated PLY: its header claims more elements \"" + name + "\" than the file can hold",
+           "expected a complete PLY file");
+    }
+  }
+  if (!ended) fail(path, "a PLY header without \"end_header\"", "expected a complete PLY file");
+}
+
+/// Leaves only the reader of `extension`, so that no content makes another of assimp's readers try it.
+void keep_only_reader(Assimp::Importer& importer, const std::string& extension) {
+  for (std::size_t i = importer.GetImporterCount(); i-- > 0;) {
+    Assimp::BaseImporter* reader = importer.GetImporter(i);
+    std::set<std::string> extensions;
+    reader->GetExtensionList(extensions);
+    if (extensions.count(extension) == 0) {
+      importer.UnregisterLoader(reader);
+      delete reader;  // unregistering hands it to us
+    }
+  }
+}
+
+struct PositionHash {
+  std::size_t operator()(const std::array<float, 3>& p) const {
+    std::uint64_t hash = 1469598103934665603ULL;
+    for (const float v : p) hash = (hash ^ std::bit_cast<std::uint32_t>(v)) * 1099511628211ULL;
+    return static_cast<std::size_t>(hash ^ (hash >> 29));
+  }
+};
+
+/// Gathers triangles, giving equal positions one vertex.
+class Joiner {
+ public:
+  Joiner(const std::string& path, double scale) : path_(path), scale_(scale) {}
+
+  void add(const aiMesh& part) {
+    for (unsigned f = 0; f < part.mNumFaces; ++f) {
+      const aiFace& face = part.mFaces[f];
+      if (face.mNumIndices != 3) continue;  // points and lines bound nothing
+      std::array<std::int32_t, 3> triangle{};
+      for (std::size_t c = 0; c < 3; ++c) {
+        const unsigned index = face.mIndices[c];
+        if (index >= part.mNumVertices)
+          fail(path_, "a triangle with a vertex that is not there", "expected a whole mesh");
+        triangle[c] = vertex(part.mVertices[index]);
+      }
+      mesh_.triangles.push_back(triangle);
+    }
+  }
+
+  TriangleMesh take() { return std::move(mesh_); }
+
+ private:
+  std::int32_t vertex(const aiVector3D& v) {
+    if (!std::isfinite(v.x) || !std::isfinite(v.y) || !std::isfinite(v.z)) {
+      fail(path_, "a NaN or infinite coordinate in triangle " + std::to_string(mesh_.triangles.size() + 1),
+           "expected finite numbers");
+    }
+    const std::array<float, 3> key{v.x + 0.0F, v.y + 0.0F, v.z + 0.0F};  // −0 and 0 are one place
+    const auto [found, is_new] = vertex_of_.try_emplace(key, static_cast<std::int32_t>(mesh_.vertices.size()));
+    if (is_new) mesh_.vertices.push_back(scale_ * Vec3(key[0], key[1], key[2]));
+    return found->second;
+  }
+
+  std::string path_;
+  double scale_;
+  TriangleMesh mesh_;
+  std::unordered_map<std::array<float, 3>, std::int32_t, PositionHash> vertex_of_;
+};
+
+void put_float(std::string& out, double value) {
+  const auto narrow = static_cast<float>(value);
+  out.append(reinterpret_cast<const char*>(&narrow), sizeof narrow);
+}
+
+void put_point(std::string& out, const Vec3& p) {
+  for (int axis = 0; axis < 3; ++axis) put_float(out, p[axis]);
+}
+
+}  // namespace
+
+TriangleMesh read_mesh(const std::string& path, double scale) {
+  if (!std::isfinite(scale) || scale <= 0) fail(path, "a scale of " + std::to_string(scale), "expected more than 0");
+  const std::string extension = checked_extension(path);
+  const std::uintmax_t size = checked_size(path);
+  if (extension == "stl") check_stl(path, size);
+  if (extension == "ply") check_ply(path, size);
+  Joiner joiner(path, scale);
+  try {
+    Assimp::Importer importer;
+    keep_only_reader(importer, extension);
+    const aiScene* scene = importer.ReadFile(path, aiProcess_Triangulate);
+    if (scene == nullptr)
+      fail(path, "not a readable " + extension + " mesh (truncated or damaged)", "expected a surface");
+    for (unsigned i = 0; i < scene->mNumMeshes; ++i) joiner.add(*scene->mMeshes[i]);
+  } catch (const std::bad_alloc&) {
+    fail(path, "a mesh that does not fit into memory", "expected a smaller mesh");
+  } catch (const std::length_error&) {
+    fail(path, "a mesh that does not fit into memory", "expected a smaller mesh");
+  }
+  TriangleMesh mesh = joiner.take();
+  if (mesh.triangles.empty()) fail(path, "a mesh of 0 triangles", "expected a surface");
+  return mesh;
+}
+
+void write_stl(const std::string& path, const TriangleMesh& mesh) {
+  std::string bytes = "reamsim, mm";  // must not begin with "solid", which marks an ASCII STL
+  bytes.resize(kStlHeaderBytes - 4, ' ');
+  const auto count = static_cast<std::uint32_t>(mesh.triangles.size());
+  bytes.append(reinterpret_cast<const char*>(&count), sizeof count);
+  bytes.reserve(kStlHeaderBytes + kStlTriangleBytes * mesh.triangles.size());
+  for (const auto& [ia, ib, ic] : mesh.triangles) {
+    const Vec3& a = mesh.vertices[static_cast<std::size_t>(ia)];
+    const Vec3& b = mesh.vertices[static_cast<std::size_t>(ib)];
+    const Vec3& c = mesh.vertices[static_cast<std::size_t>(ic)];
+    put_point(bytes, (b - a).cross(c - a).stableNormalized());
+    put_point(bytes, a);
+    put_point(bytes, b);
+    put_point(bytes, c);
+    bytes.append(2, '\0');
+  }
+  std::ofstream out(path, std::ios::binary | std::ios::trunc);
+  out.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  out.close();
+  if (!out) throw RunError(path + ": cannot be written (folder missing, not writable, or disk full)");
+}
+
+}  // namespace reamsim

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <cstdint>
+
+#include "sim/record/results.h"
+
+namespace reamsim {
+
+/// Sums and extremes over a run, for summary.json.
+struct RunTotals {
+  std::int64_t frames = 0;          ///< rows, the first (frame 0) included
+  std::int64_t contact_frames = 0;  ///< rows with contact
+  std::int64_t first_contact_frame = -1;
+  double simulated_s = 0;
+  double removed_mm3 = 0;
+  double max_depth_mm = 0;
+  double energy_mj = 0;
+  double floor_energy_mj = 0;
+  double balance = 0;
+  double peak_force_n = 0;
+  double peak_axial_force_n = 0;
+  double peak_torque_nmm = 0;
+  double peak_spin_torque_nmm = 0;
+  double broad_phase_s = 0;
+  double detect_s = 0;
+  double cut_s = 0;
+
+  void add(const FrameResult& row);
+  /// Root mean square over the frames in contact; 0 without contact.
+  [[nodiscard]] double rms_force_n() const;
+  [[nodiscard]] double rms_torque_nmm() const;
+
+ private:
+  double force_squares_ = 0;
+  double torque_squares_ = 0;
+};
+
+}  // namespace reamsim

@@ -1,0 +1,96 @@
+#include "sim/record/snapshot.h"
+
+#include <openvdb/io/File.h>
+#include <openvdb/openvdb.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+
+#include "sim/base/error.h"
+
+namespace reamsim {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string snapshot_path(const std::string& dir, std::int64_t frame) {
+  char name[32];
+  std::snprintf(name, sizeof name, "%06lld.vdb", static_cast<long long>(frame));
+  return dir + "/snapshots/" + name;
+}
+
+/// Every voxel of a stored brick, whole ones included, so that a leaf states the whole brick.
+void put_brick(openvdb::FloatGrid& grid, const Vec3i& brick_coord, const FillBricks& fill) {
+  const FillBricks::Brick* brick = fill.brick(brick_coord);
+  const openvdb::Coord corner(8 * brick_coord.x(), 8 * brick_coord.y(), 8 * brick_coord.z());
+  auto* leaf = grid.tree().touchLeaf(corner);
+  for (int z = 0; z < 8; ++z) {
+    for (int y = 0; y < 8; ++y) {
+      for (int x = 0; x < 8; ++x) {
+        const std::uint16_t units =
+            brick == nullptr ? FillBricks::kWhole
+                             : (*brick)[static_cast<std::size_t>(FillBricks::offset_in_brick({x, y, z}))];
+        leaf->setValueOn(corner.offsetBy(x, y, z), static_cast<float>(units) / FillBricks::kWhole);
+      }
+    }
+  }
+}
+
+}  // namespace
+
+void write_snapshot(const std::string& dir, std::int64_t frame, FillBricks& fill) {
+  const std::string path = snapshot_path(dir, frame);
+  openvdb::initialize();
+  auto grid = openvdb::FloatGrid::create(1.0F);
+  grid->setName("fill");
+  for (const Vec3i& brick : fill.take_changed()) put_brick(*grid, brick, fill);
+  try {
+    fs::create_directories(fs::path(path).parent_path());
+    openvdb::io::File file(path);
+    file.write({grid});
+    file.close();
+  } catch (const std::exception&) {
+    throw RunError(path + ": cannot be written; is the disk full or the folder read-only?");
+  }
+}
+
+std::vector<std::int64_t> snapshot_frames(const std::string& dir) {
+  std::vector<std::int64_t> frames;
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(dir + "/snapshots", error)) {
+    const std::string stem = entry.path().stem().string();
+    const bool number = !stem.empty() && std::all_of(stem.begin(), stem.end(), [](char c) { return c >= '0' && c <= '9'; });
+    if (entry.path().extension() == ".vdb" && number && stem.size() < 19) frames.push_back(std::stoll(stem));
+  }
+  std::sort(frames.begin(), frames.end());
+  return frames;
+}
+
+void apply_snapshot(const std::string& dir, std::int64_t frame, FillBricks& fill) {
+  const std::string path = snapshot_path(dir, frame);
+  openvdb::initialize();
+  openvdb::FloatGrid::Ptr grid;
+  try {
+    openvdb::io::File file(path);
+    file.open(false);
+    grid = openvdb::gridPtrCast<openvdb::FloatGrid>(file.readGrid("fill"));
+  } catch (const std::exception&) {
+    grid = nullptr;
+  }
+  if (!grid) throw InputError({path, 0, 0}, "", "not a readable snapshot", "run the scenario again");
+  const Vec3i limit = 8 * fill.brick_dims();
+  for (auto value = grid->cbeginValueOn(); value; ++value) {
+    const openvdb::Coord c = value.getCoord();
+    const Vec3i voxel(c.x(), c.y(), c.z());
+    if ((voxel.array() < 0).any() || (voxel.array() >= limit.array()).any()) {
+      throw InputError({path, 0, 0}, "", "holds a brick outside the bone's lattice", "run the scenario again");
+    }
+    const float units = std::clamp(value.getValue(), 0.0F, 1.0F) * FillBricks::kWhole;
+    fill.set(voxel, static_cast<std::uint16_t>(std::lround(units)));
+  }
+}
+
+}  // namespace reamsim

@@ -1,0 +1,53 @@
+#include "sim/run/engine.h"
+
+#include <utility>
+
+#include "sim/collide/serial_detector.h"
+#include "sim/cut/serial_erosion.h"
+#include "sim/run/device_engine.h"
+
+namespace reamsim {
+
+namespace {
+
+class SerialEngine final : public Engine {
+ public:
+  SerialEngine(const Scenario& scenario, const Voxmap& voxmap, const Tool& tool)
+      : state_(make_serial_state(voxmap, tool)),
+        detector_(state_),
+        erosion_(state_, make_energy_table(scenario.cutting, voxmap.grid.voxel_mm)) {}
+
+  int begin(const SubstepArgs& args) override {
+    state_.args.push_back(args);
+    state_.sums.emplace_back();
+    return static_cast<int>(state_.args.size()) - 1;
+  }
+
+  Detector& detector() override { return detector_; }
+  Erosion& erosion() override { return erosion_; }
+  [[nodiscard]] bool full() const override { return state_.args.size() >= 4096; }
+
+  Batch collect() override {
+    state_.args.clear();
+    return {std::exchange(state_.sums, {}), detector_.take_seconds(), erosion_.take_seconds(),
+            std::exchange(state_.removed, {})};
+  }
+
+  void read_fill(Voxmap& voxmap) override { copy_fill(state_.fill, voxmap); }
+  [[nodiscard]] std::string device() const override { return "serial"; }
+  [[nodiscard]] std::size_t device_bytes() const override { return 0; }
+
+ private:
+  SerialState state_;
+  SerialDetector detector_;
+  SerialErosion erosion_;
+};
+
+}  // namespace
+
+std::unique_ptr<Engine> make_engine(const Scenario& scenario, const Voxmap& voxmap, const Tool& tool) {
+  if (scenario.engine.device == "serial") return std::make_unique<SerialEngine>(scenario, voxmap, tool);
+  return make_device_engine(scenario, voxmap, tool);
+}
+
+}  // namespace reamsim

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "sim/bone/bone_vdb.h"
+#include "sim/collide/detector.h"
+#include "sim/collide/substep.h"
+#include "sim/cut/erosion.h"
+
+namespace reamsim {
+
+/// What a batch of substeps gave, by slot.
+struct Batch {
+  std::vector<SubstepSums> sums;
+  std::vector<double> detect_s;
+  std::vector<double> cut_s;
+  RemovedFrames removed;
+};
+
+/// A detector and an erosion that work on one copy of the bone, with the slots of a batch of substeps.
+class Engine {
+ public:
+  virtual ~Engine() = default;
+  /// Takes a substep's arguments into the next slot, and returns the slot.
+  virtual int begin(const SubstepArgs& args) = 0;
+  virtual Detector& detector() = 0;
+  virtual Erosion& erosion() = 0;
+  /// True when another substep might not find room; collect() empties the batch.
+  [[nodiscard]] virtual bool full() const = 0;
+  /// Waits for every substep of the batch and hands its results over.
+  virtual Batch collect() = 0;
+  /// Brings fill that fell without reaching zero (`wear`) into `voxmap`; voxels that went are in Batch::removed.
+  virtual void read_fill(Voxmap& voxmap) = 0;
+  /// Name of the device, or "serial".
+  [[nodiscard]] virtual std::string device() const = 0;
+  [[nodiscard]] virtual std::size_t device_bytes() const = 0;
+};
+
+/// The engine that the scenario asks for. Throws InputError (no such device, bone too large) or RunError (no OpenCL, a
+/// kernel that does not build).
+std::unique_ptr<Engine> make_engine(const Scenario& scenario, const Voxmap& voxmap, const Tool& tool);
+
+}  // namespace reamsim

@@ -1,0 +1,128 @@
+#include "sim/run/results.h"
+
+#include <sys/resource.h>
+
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "sim/base/error.h"
+#include "sim/mesh/mesh_io.h"
+#include "sim/record/checksum.h"
+#include "sim/record/vti.h"
+#include "sim/scenario/parse.h"
+
+namespace reamsim {
+
+namespace {
+
+void write_text(const std::string& path, const std::string& text) {
+  std::ofstream out(path, std::ios::binary);
+  out << text;
+  out.close();
+  if (!out) throw RunError(path + ": cannot be written; is the disk full or the folder read-only?");
+}
+
+/// bone_from_glenoid as 16 numbers, row-major, that read back to the same values.
+std::string matrix_text(const Rigid& transform) {
+  std::ostringstream out;
+  out.precision(17);
+  for (int i = 0; i < 4; ++i) {
+    for (int j = 0; j < 4; ++j) out << (i + j > 0 ? " " : "") << transform.matrix()(i, j);
+  }
+  return out.str();
+}
+
+/// Provenance that the grids carry. No device and no time: the same scenario gives the same grids.
+Metadata provenance(const Scene& scene, const RunFacts& facts) {
+  Metadata out{{"program", "reamsim " REAMSIM_VERSION}, {"scenario", scene.scenario.name}};
+  for (const auto& input : facts.inputs) {
+    out.emplace_back("input_" + input.role, std::filesystem::path(input.path).filename().string());
+    out.emplace_back("sha256_" + input.role, input.sha256);
+  }
+  if (scene.bone.glenoid) out.emplace_back("bone_from_glenoid", matrix_text(scene.bone.glenoid->bone_from_glenoid));
+  return out;
+}
+
+std::string scenario_head(const RunFacts& facts) {
+  std::string head = "# Resolved by reamsim " REAMSIM_VERSION ": every default filled in. Run on " + facts.device + ".\n";
+  for (const auto& input : facts.inputs) head += "# sha256 " + input.sha256 + "  " + input.role + "  " + input.path + "\n";
+  return head;
+}
+
+/// The most memory that the process has held, MB = 10⁶ bytes.
+double peak_process_mb() {
+  struct rusage usage {};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<double>(usage.ru_maxrss) * 1024 / 1e6;  // Linux counts KiB
+}
+
+nlohmann::ordered_json forces_json(const RunTotals& totals) {
+  return {{"peak_force_n", totals.peak_force_n},
+          {"rms_force_n", totals.rms_force_n()},
+          {"peak_axial_force_n", totals.peak_axial_force_n},
+          {"peak_torque_nmm", totals.peak_torque_nmm},
+          {"rms_torque_nmm", totals.rms_torque_nmm()},
+          {"peak_spin_torque_nmm", totals.peak_spin_torque_nmm}};
+}
+
+nlohmann::ordered_json bone_json(const Scene& scene, const RunTotals& totals, const RunFacts& facts) {
+  const VoxelGrid& grid = scene.bone.voxmap.grid;
+  return {{"voxel_mm", grid.voxel_mm},
+          {"dims", {grid.dims.x(), grid.dims.y(), grid.dims.z()}},
+          {"bone_before_mm3", facts.bone_before_mm3},
+          {"bone_after_mm3", scene.bone.voxmap.bone_mm3()},
+          {"removed_mm3", totals.removed_mm3}};
+}
+
+}  // namespace
+
+std::vector<InputSum> input_sums(const Scenario& scenario) {
+  std::vector<InputSum> sums{{"scenario", scenario.file, sha256_of(scenario.file)}};
+  for (const auto& [role, path] : input_files(scenario)) sums.push_back({role, path, sha256_of(path)});
+  return sums;
+}
+
+void write_results(const std::string& dir, const Scene& scene, const Recorder& recorder, const RunFacts& facts) {
+  write_text(dir + "/scenario.yaml", scenario_head(facts) + to_yaml(scene.scenario));
+  write_stl(dir + "/snapshots/tool.stl", scene.tool.mesh);
+  write_bone_vdb(dir + "/reamed.vdb", scene.bone.voxmap, recorder.removed_frames(), provenance(scene, facts));
+  if (scene.scenario.output.vti) write_vti(dir + "/reamed.vti", scene.bone.voxmap);
+}
+
+void write_summary(const std::string& dir, const Scene& scene, const RunTotals& totals, const RunFacts& facts,
+                   double render_s) {
+  nlohmann::ordered_json json;
+  json["program"] = "reamsim " REAMSIM_VERSION;
+  json["scenario"] = scene.scenario.name;
+  json["device"] = facts.device;
+  json["detector"] = scene.scenario.engine.detector;
+  json["erosion"] = scene.scenario.cutting.erosion;
+  json["law"] = scene.scenario.cutting.law;
+  json["frames"] = totals.frames;
+  json["contact_frames"] = totals.contact_frames;
+  json["first_contact_frame"] = totals.first_contact_frame;
+  json["simulated_s"] = totals.simulated_s;
+  json["removed_mm3"] = totals.removed_mm3;
+  json["max_depth_mm"] = totals.max_depth_mm;
+  json["energy_mj"] = totals.energy_mj;
+  json["floor_energy_mj"] = totals.floor_energy_mj;
+  json["balance"] = totals.balance;
+  json["forces"] = forces_json(totals);
+  json["bone"] = bone_json(scene, totals, facts);
+  json["tool"] = {{"shell_points", scene.tool.shell.codes.size()},
+                  {"shell_resolution", scene.tool.shell.resolution},
+                  {"shell_spacing_mm", scene.tool.shell.cell_mm}};
+  json["timings_s"] = {{"load", facts.load_s},       {"simulate", facts.simulate_s}, {"broad_phase", totals.broad_phase_s},
+                       {"detect", totals.detect_s}, {"cut", totals.cut_s},          {"render", render_s}};
+  json["memory_mb"] = {{"peak_process", peak_process_mb()}, {"device", static_cast<double>(facts.device_bytes) / 1e6}};
+  for (const auto& input : facts.inputs) {
+    json["inputs"].push_back({{"role", input.role}, {"path", input.path}, {"sha256", input.sha256}});
+  }
+  json["warnings"] = facts.warnings;
+  write_text(dir + "/summary.json",
+             json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n");
+}
+
+}  // namespace reamsim

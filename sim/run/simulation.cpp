@@ -1,0 +1,178 @@
+#include "sim/run/simulation.h"
+
+#include <algorithm>
+
+#include "sim/base/error.h"
+#include "sim/base/stopwatch.h"
+#include "sim/collide/broad_phase.h"
+#include "sim/run/frame_ledger.h"
+
+namespace reamsim {
+
+namespace {
+
+/// The box of the voxels with bone, B, mm.
+Aabb bone_box(const Voxmap& voxmap) {
+  Vec3i low = voxmap.grid.dims, high = Vec3i::Constant(-1);
+  for (std::int64_t e = 0; e < voxmap.grid.size(); ++e) {
+    if (voxmap.grade[static_cast<std::size_t>(e)] == 0) continue;
+    const Vec3i voxel = voxmap.grid.coord(e);
+    low = low.cwiseMin(voxel);
+    high = high.cwiseMax(voxel);
+  }
+  const Vec3 corner = voxmap.grid.origin_mm;
+  return {corner + voxmap.grid.voxel_mm * low.cast<double>(),
+          corner + voxmap.grid.voxel_mm * (high + Vec3i::Ones()).cast<double>()};
+}
+
+/// One run of the main loop: the engine's batch, the frames that wait for it, and the energy account.
+class Run {
+ public:
+  Run(Scene& scene, Engine& engine, Recorder& recorder, Report& report)
+      : scene_(scene),
+        engine_(engine),
+        recorder_(recorder),
+        report_(report),
+        bone_box_(bone_box(scene.bone.voxmap)),
+        ledger_(scene.bone.voxmap.grid.voxel_mm3(), scene.motion.frame_s()),
+        resolved_(scene.scenario.tool.spin == "resolved"),
+        max_step_mm_(scene.scenario.engine.max_step_voxels * scene.bone.voxmap.grid.voxel_mm) {}
+
+  void frames(const RunControl& control) {
+    const auto& poses = scene_.motion.poses;
+    const auto last = static_cast<std::int64_t>(poses.size()) - 1;
+    const std::int64_t interval = picture_interval(scene_.scenario.render, last);
+    recorder_.frame(ledger_.close({.before = poses[0], .pose = poses[0], .cut = {}}, {}), {});
+    recorder_.snapshot(0, scene_.bone.voxmap.fill);
+    for (std::int64_t frame = 1; frame <= last; ++frame) {
+      advance(poses[static_cast<std::size_t>(frame) - 1], poses[static_cast<std::size_t>(frame)], frame);
+      const bool picture = frame % interval == 0 || frame == last;
+      if (!picture && std::ssize(pending_) < scene_.scenario.engine.batch_frames) continue;
+      record();
+      if (picture) snapshot(frame);
+      control.progress(frame, last);
+      if (control.stop()) throw Interrupted();
+    }
+    if (!touched_) report_.warn("the tool never touches the bone; check motion, and the glenoid frame if it uses one");
+  }
+
+ private:
+  /// One frame: in each substep, what the broad phase lets through is detected and cut.
+  void advance(const ToolPose& a, const ToolPose& b, std::int64_t frame) {
+    PendingFrame pending{.frame = frame, .before = a, .pose = b, .cut = {}};
+    pending.substeps = count_substeps(a, b, scene_.tool, resolved_, max_step_mm_);
+    for (int i = 0; i < pending.substeps; ++i) {
+      const Stopwatch watch;
+      const Substep substep = make_substep(a, b, double(i) / pending.substeps, double(i + 1) / pending.substeps,
+                                           scene_.motion.frame_s(), frame);
+      const Rigid tool_from_bone = bone_from_shell(substep.pose, resolved_).inverse();
+      const auto voi = broad_phase(scene_.tool.bounds, bone_box_, tool_from_bone);
+      pending.broad_phase_s += watch.seconds();
+      if (!voi) continue;
+      if (engine_.full()) drain();
+      const int slot = engine_.begin(make_args(substep, *voi, scene_.tool.shell, scene_.bone.voxmap.grid,
+                                               scene_.scenario.cutting, resolved_));
+      engine_.detector().detect(slot);
+      engine_.erosion().cut(slot);
+      pending.cut.emplace_back(static_cast<int>(batch_.sums.size()) + slot, substep);
+    }
+    pending_.push_back(std::move(pending));
+  }
+
+  /// Takes what the engine has finished; slots of the frames that wait count on from there.
+  void drain() {
+    Batch part = engine_.collect();
+    const auto append = [](auto& to, const auto& from) { to.insert(to.end(), from.begin(), from.end()); };
+    append(batch_.sums, part.sums);
+    append(batch_.detect_s, part.detect_s);
+    append(batch_.cut_s, part.cut_s);
+    append(batch_.removed, part.removed);
+  }
+
+  /// Closes every frame that waits, and brings the host's bone up to date with the voxels that went.
+  void record() {
+    drain();
+    for (const auto& [voxel, frame] : batch_.removed) {
+      scene_.bone.voxmap.fill.set(scene_.bone.voxmap.grid.coord(voxel), 0);
+    }
+    recorder_.removed(batch_.removed);
+    for (const PendingFrame& pending : pending_) {
+      const FrameResult result = ledger_.close(pending, batch_.sums);
+      FrameTimes times{.broad_phase_s = pending.broad_phase_s};
+      for (const auto& [slot, substep] : pending.cut) {
+        times.detect_s += batch_.detect_s[static_cast<std::size_t>(slot)];
+        times.cut_s += batch_.cut_s[static_cast<std::size_t>(slot)];
+      }
+      watch(result);
+      recorder_.frame(result, times);
+    }
+    pending_.clear();
+    batch_ = {};
+  }
+
+  void snapshot(std::int64_t frame) {
+    engine_.read_fill(scene_.bone.voxmap);
+    recorder_.snapshot(frame, scene_.bone.voxmap.fill);
+  }
+
+  /// Says once what a user may not have meant.
+  void watch(const FrameResult& result) {
+    if (result.contacts == 0) return;
+    const std::string at = "frame " + std::to_string(result.frame);
+    if (!touched_ && result.frame == 1) {
+      report_.warn("the tool starts in contact with the bone: the force of the first frames is not meaningful");
+    }
+    if (!still_ && result.pose.spin_rpm == 0) {
+      report_.warn(at + ": the tool cuts without spin; its force is that of a tool pushed through");
+      still_ = true;
+    }
+    touched_ = true;
+  }
+
+  Scene& scene_;
+  Engine& engine_;
+  Recorder& recorder_;
+  Report& report_;
+  Aabb bone_box_;
+  FrameLedger ledger_;
+  bool resolved_;
+  double max_step_mm_;
+  std::vector<PendingFrame> pending_;
+  Batch batch_;
+  bool touched_ = false;
+  bool still_ = false;
+};
+
+}  // namespace
+
+Scene load_scene(const Scenario& scenario, Report& report) {
+  Scene scene;
+  scene.scenario = scenario;
+  scene.bone = load_bone(scenario.bone, report);
+  scene.tool = load_tool(scenario.tool, scene.bone.voxmap.grid.voxel_mm, report);
+  scene.motion = build_motion(scenario.motion, scene.bone.glenoid, report);
+  return scene;
+}
+
+void simulate(Scene& scene, Engine& engine, Recorder& recorder, const RunControl& control, Report& report) {
+  Run(scene, engine, recorder, report).frames(control);
+}
+
+std::int64_t picture_interval(const RenderSettings& settings, std::int64_t frames) {
+  constexpr std::int64_t kPictures = 10;
+  if (settings.every_frames > 0) return settings.every_frames;
+  return std::max<std::int64_t>(1, (frames + kPictures - 1) / kPictures);
+}
+
+RunCost estimate_cost(const Scene& scene) {
+  const auto& poses = scene.motion.poses;
+  const double max_step_mm = scene.scenario.engine.max_step_voxels * scene.bone.voxmap.grid.voxel_mm;
+  RunCost cost{.frames = std::ssize(poses) - 1};
+  for (std::size_t k = 1; k < poses.size(); ++k) {
+    cost.substeps +=
+        count_substeps(poses[k - 1], poses[k], scene.tool, scene.scenario.tool.spin == "resolved", max_step_mm);
+  }
+  return cost;
+}
+
+}  // namespace reamsim

@@ -1,0 +1,47 @@
+#pragma once
+
+#include <functional>
+
+#include "sim/base/report.h"
+#include "sim/bone/bone.h"
+#include "sim/motion/motion.h"
+#include "sim/record/recorder.h"
+#include "sim/run/engine.h"
+#include "sim/tool/tool.h"
+
+namespace reamsim {
+
+/// What the caller of a run may watch and steer.
+struct RunControl {
+  /// Called after each batch with (frames done, frames in all).
+  std::function<void(std::int64_t, std::int64_t)> progress = [](std::int64_t, std::int64_t) {};
+  /// Asked after each batch; true ends the run with Interrupted.
+  std::function<bool()> stop = [] { return false; };
+};
+
+/// Everything that a run needs, loaded and validated.
+struct Scene {
+  Scenario scenario;
+  Bone bone;
+  Tool tool;
+  Motion motion;
+};
+
+/// Loads bone, tool and motion of a scenario. Throws InputError.
+Scene load_scene(const Scenario& scenario, Report& report);
+
+/// Runs the motion: per substep broad phase → detect → cut, per batch record. `scene.bone` is reamed; rows, snapshots and
+/// timings go to `recorder`. Warns when the tool never touches, starts inside bone, or cuts without spin.
+void simulate(Scene& scene, Engine& engine, Recorder& recorder, const RunControl& control, Report& report);
+
+/// Frames whose state is kept for pictures: 0, every n-th and the last.
+std::int64_t picture_interval(const RenderSettings& settings, std::int64_t frames);
+
+/// What a run will cost, from the motion alone.
+struct RunCost {
+  std::int64_t frames = 0;
+  std::int64_t substeps = 0;
+};
+RunCost estimate_cost(const Scene& scene);
+
+}  // namespace reamsim

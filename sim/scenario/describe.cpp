@@ -1,0 +1,115 @@
+#include "sim/scenario/describe_sections.h"
+#include "sim/scenario/key_visitor.h"
+
+namespace reamsim {
+
+void describe_engine(KeyVisitor& v, EngineSettings& engine) {
+  v.text({.name = "detector",
+          .doc = "How contact is found. direct: one work-item per shell point on a dense voxel array",
+          .choices = {"direct"}},
+         engine.detector);
+  v.text(
+      {.name = "device",
+       .doc = "auto: the OpenCL device that `reamsim devices` marks; serial: the slow reference in plain C++, without "
+              "OpenCL; anything else: part of an OpenCL device's name"},
+      engine.device);
+  v.integer({.name = "work_group_size",
+             .doc = "Work-items per work-group; 0: chosen from the device. Changes the speed, never a result",
+             .range = between(0, 4096)},
+            engine.work_group_size);
+  v.integer({.name = "batch_frames",
+             .doc = "Frames whose results are read back at once. Changes the speed, never a result",
+             .range = between(1, 10000)},
+            engine.batch_frames);
+  v.number({.name = "max_step_voxels",
+            .doc = "No point of the tool moves further in one substep; above 0.5 bone may survive between steps",
+            .range = above(0, 10)},
+           engine.max_step_voxels);
+}
+
+void describe_cutting(KeyVisitor& v, CuttingSettings& cutting) {
+  v.text({.name = "law",
+          .doc = "energy: force from the specific cutting energy of the removed volume; per_point: a given force for "
+                 "each shell point in contact, as in the paper",
+          .choices = {"energy", "per_point"}},
+         cutting.law);
+  v.text({.name = "erosion",
+          .doc = "remove: a touched voxel goes whole; wear: it loses density by the second",
+          .choices = {"remove", "wear"}},
+         cutting.erosion);
+  v.number(
+      {.name = "specific_energy_j_mm3",
+       .doc = "Energy to cut 1 mm³ of bone of the reference density (u0). Uncalibrated; literature spans 0.05 to 0.30",
+       .range = above(0, 10)},
+      cutting.specific_energy_j_mm3);
+  v.number({.name = "reference_density_g_cm3",
+            .doc = "Density at which the specific energy is specific_energy_j_mm3",
+            .range = above(0, 2)},
+           cutting.reference_density_g_cm3);
+  v.number({.name = "density_exponent",
+            .doc = "p in u = u0·(density/reference density)^p; literature spans 1 to 2.5",
+            .range = between(0, 5)},
+           cutting.density_exponent);
+  v.number({.name = "normal_ratio",
+            .doc = "Normal force as a multiple of the tangential force (k_n)",
+            .range = between(0, 10)},
+           cutting.normal_ratio);
+  v.number(
+      {.name = "speed_floor_mm_s",
+       .doc = "The cutting speed counts as at least this much, so that force stays finite where the tool stands still",
+       .range = above(0, 10000)},
+      cutting.speed_floor_mm_s);
+  v.number({.name = "force_per_point_n",
+            .doc = "Force of one shell point in contact; used by `law: per_point` only",
+            .range = between(0, 1000)},
+           cutting.force_per_point_n);
+  v.number({.name = "wear_g_cm3_per_s",
+            .doc = "Density that a touched voxel loses per second; used by `erosion: wear` only",
+            .range = above(0, 1e6)},
+           cutting.wear_g_cm3_per_s);
+}
+
+void describe_render(KeyVisitor& v, RenderSettings& render) {
+  v.flag({.name = "enabled", .doc = "Make pictures"}, render.enabled);
+  v.text({.name = "context", .doc = "What draws: osmesa or egl, both without a display", .choices = {"osmesa", "egl"}},
+         render.context);
+  v.integer({.name = "width_px", .doc = "Width of the pictures", .range = between(64, 16384)}, render.width_px);
+  v.integer({.name = "height_px", .doc = "Height of the pictures", .range = between(64, 16384)}, render.height_px);
+  v.integer({.name = "every_frames",
+             .doc = "Frames from one picture to the next; 0: ten pictures over the run",
+             .range = between(0, 1e9)},
+            render.every_frames);
+  v.choices({.name = "cameras",
+             .doc = "Views, each at most once; the first names its files without a suffix",
+             .choices = {"oblique", "glenoid", "section"}},
+            render.cameras);
+  v.flag({.name = "tool", .doc = "Draw the reamer, see-through"}, render.tool);
+  v.number({.name = "depth_max_mm",
+            .doc = "Top of the depth legend; 0: the depth that the run reaches",
+            .range = between(0, 200)},
+           render.depth_max_mm);
+}
+
+void describe_output(KeyVisitor& v, OutputSettings& output) {
+  v.text({.name = "dir",
+          .doc = "The results' folder; \"\": out/NAME below the folder where reamsim is started. `-o` wins over it",
+          .text = TextKind::output_folder},
+         output.dir);
+  v.flag({.name = "vti", .doc = "Write reamed.vti beside reamed.vdb"}, output.vti);
+}
+
+void describe_scenario(KeyVisitor& v, Scenario& scenario) {
+  v.integer({.name = "version", .doc = "Version of this format", .required = true, .range = between(1, 1)},
+            scenario.version);
+  v.text({.name = "name", .doc = "Names the run in output; without it the file's name without its ending"},
+         scenario.name);
+  v.section({.name = "bone", .doc = "The bone to be reamed", .required = true}, scenario.bone, describe_bone);
+  v.section({.name = "tool", .doc = "The reamer", .required = true}, scenario.tool, describe_tool);
+  v.section({.name = "motion", .doc = "How the reamer moves", .required = true}, scenario.motion, describe_motion);
+  v.section({.name = "engine", .doc = "How contact is computed, and where"}, scenario.engine, describe_engine);
+  v.section({.name = "cutting", .doc = "How bone goes, and what force that takes"}, scenario.cutting, describe_cutting);
+  v.section({.name = "render", .doc = "Pictures"}, scenario.render, describe_render);
+  v.section({.name = "output", .doc = "Where the results go"}, scenario.output, describe_output);
+}
+
+}  // namespace reamsim

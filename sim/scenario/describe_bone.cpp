@@ -1,0 +1,264 @@
+#include "sim/scenario/describe_sections.h"
+
+namespace reamsim {
+
+namespace {
+
+constexpr Range kPosition = between(-10000, 10000);
+constexpr Range kComponent = between(-1e6, 1e6);
+constexpr Range kDensity = above(0, 2);
+constexpr Range kHu = between(-2000, 10000);
+
+void describe_density(KeyVisitor& v, DensitySettings& density) {
+  v.number({.name = "ash_slope_g_cm3_per_hu",
+            .doc = "ash density = slope·HU + offset. From a femur at 120 kVp (PMC5234499, Table 1), not from a scapula",
+            .range = above(0, 0.1)},
+           density.ash_slope_g_cm3_per_hu);
+  v.number({.name = "ash_offset_g_cm3", .doc = "See ash_slope_g_cm3_per_hu", .range = between(-2, 2)},
+           density.ash_offset_g_cm3);
+  v.number({.name = "ash_fraction", .doc = "Ash density over apparent density", .range = between(0.05, 1)},
+           density.ash_fraction);
+}
+
+void describe_landmarks(KeyVisitor& v, LandmarkSettings& landmarks) {
+  v.vector(
+      {.name = "glenoid_center_mm", .doc = "Centre of the glenoid, bone frame", .required = true, .range = kPosition},
+      landmarks.glenoid_center_mm);
+  v.vector({.name = "trigonum_spinae_mm",
+            .doc = "Where the scapular spine meets the medial border, bone frame",
+            .required = true,
+            .range = kPosition},
+           landmarks.trigonum_spinae_mm);
+  v.vector({.name = "inferior_angle_mm",
+            .doc = "Lowest point of the scapula, bone frame",
+            .required = true,
+            .range = kPosition},
+           landmarks.inferior_angle_mm);
+}
+
+void describe_glenoid(KeyVisitor& v, GlenoidSettings& glenoid) {
+  v.optional_vector({.name = "center_mm", .doc = "Origin of the glenoid frame, bone frame", .range = kPosition},
+                    glenoid.center_mm);
+  v.optional_vector({.name = "normal",
+                     .doc = "Out of the bone, along the face normal (+z of the glenoid frame)",
+                     .range = kComponent,
+                     .nonzero = true},
+                    glenoid.normal);
+  v.optional_vector({.name = "superior",
+                     .doc = "Upwards in the patient; its part across the normal is +y",
+                     .range = kComponent,
+                     .nonzero = true},
+                    glenoid.superior);
+  v.optional_section({.name = "landmarks", .doc = "Instead of center_mm, normal and superior"}, glenoid.landmarks,
+                     describe_landmarks);
+  v.group({.names = {"landmarks", "center_mm"}, .one_needed = false});
+  v.group({.names = {"landmarks", "normal"}, .one_needed = false});
+  v.group({.names = {"landmarks", "superior"}, .one_needed = false});
+}
+
+void describe_glenoid_phantom(KeyVisitor& v, PhantomSettings& phantom) {
+  const When glenoid{"shape", {"glenoid"}};
+  v.number({.name = "height_mm", .doc = "Superior to inferior", .range = between(10, 80), .when = glenoid},
+           phantom.height_mm);
+  v.number({.name = "width_mm",
+            .doc = "Anterior to posterior, of the lower, wider part",
+            .range = between(10, 80),
+            .when = glenoid},
+           phantom.width_mm);
+  v.number({.name = "face_radius_mm",
+            .doc = "Radius of curvature of the concave face",
+            .range = between(15, 1000),
+            .when = glenoid},
+           phantom.face_radius_mm);
+  v.number({.name = "vault_depth_mm", .doc = "From face to neck", .range = between(5, 100), .when = glenoid},
+           phantom.vault_depth_mm);
+  v.number({.name = "subchondral_mm",
+            .doc = "Thickness of the plate under the face",
+            .range = between(0.2, 10),
+            .when = glenoid},
+           phantom.subchondral_mm);
+  v.number(
+      {.name = "shell_mm", .doc = "Thickness of the vault's cortical wall", .range = between(0.2, 10), .when = glenoid},
+      phantom.shell_mm);
+  v.number({.name = "version_deg", .doc = "Retroversion positive", .range = between(-45, 45), .when = glenoid},
+           phantom.version_deg);
+  v.number({.name = "inclination_deg", .doc = "Superior tilt positive", .range = between(-45, 45), .when = glenoid},
+           phantom.inclination_deg);
+  v.number({.name = "texture",
+            .doc = "Relative amplitude of the trabecular texture",
+            .range = between(0, 1),
+            .when = glenoid},
+           phantom.texture);
+  v.integer({.name = "seed", .doc = "Seed of the texture", .range = between(0, 2147483647), .when = glenoid},
+            phantom.seed);
+}
+
+void describe_phantom(KeyVisitor& v, PhantomSettings& phantom) {
+  v.text({.name = "shape",
+          .doc = "half_space: a block; cup: a block with a spherical cup; sphere; layered: a block, cortical on "
+                 "trabecular; glenoid: a parametric one. A block's top face is z = 0, its middle x = y = 0",
+          .choices = {"half_space", "cup", "sphere", "layered", "glenoid"}},
+         phantom.shape);
+  v.number({.name = "density_g_cm3",
+            .doc = "Of the whole phantom",
+            .range = kDensity,
+            .when = {"shape", {"half_space", "cup", "sphere"}}},
+           phantom.density_g_cm3);
+  v.vector({.name = "size_mm",
+            .doc = "The block",
+            .range = between(0.5, 1000),
+            .when = {"shape", {"half_space", "cup", "layered"}}},
+           phantom.size_mm);
+  v.number({.name = "radius_mm",
+            .doc = "Of the sphere, or of the spherical cup",
+            .range = between(0.5, 500),
+            .when = {"shape", {"sphere", "cup"}}},
+           phantom.radius_mm);
+  v.number({.name = "cup_depth_mm", .doc = "Depth of the cup", .range = above(0, 500), .when = {"shape", {"cup"}}},
+           phantom.cup_depth_mm);
+  v.number({.name = "cortical_mm",
+            .doc = "Thickness of the top layer",
+            .range = above(0, 500),
+            .when = {"shape", {"layered"}}},
+           phantom.cortical_mm);
+  v.number({.name = "cortical_density_g_cm3",
+            .doc = "Of the dense layer, plate and wall",
+            .range = kDensity,
+            .when = {"shape", {"layered", "glenoid"}}},
+           phantom.cortical_density_g_cm3);
+  v.number({.name = "trabecular_density_g_cm3",
+            .doc = "Of the inside",
+            .range = kDensity,
+            .when = {"shape", {"layered", "glenoid"}}},
+           phantom.trabecular_density_g_cm3);
+  describe_glenoid_phantom(v, phantom);
+}
+
+void describe_label_map(KeyVisitor& v, LabelMapSettings& labels) {
+  v.text({.name = "path",
+          .doc = "NRRD, NIfTI or MetaImage with a label per voxel",
+          .required = true,
+          .text = TextKind::input_file},
+         labels.path);
+  v.integer({.name = "label", .doc = "The label that is the bone", .range = between(1, 2147483647)}, labels.label);
+}
+
+void describe_cut_sphere(KeyVisitor& v, CutSphereSettings& sphere) {
+  v.vector({.name = "center_mm", .doc = "LPS", .required = true, .range = kPosition}, sphere.center_mm);
+  v.number({.name = "radius_mm", .doc = "What lies inside goes", .required = true, .range = above(0, 500)},
+           sphere.radius_mm);
+}
+
+void describe_cut_plane(KeyVisitor& v, CutPlaneSettings& plane) {
+  v.vector({.name = "point_mm", .doc = "A point of the plane, LPS", .required = true, .range = kPosition},
+           plane.point_mm);
+  v.vector(
+      {.name = "normal", .doc = "What lies on this side goes", .required = true, .range = kComponent, .nonzero = true},
+      plane.normal);
+}
+
+void describe_ct(KeyVisitor& v, CtSettings& ct) {
+  constexpr std::string_view kLabels = "label_map";
+  v.text(
+      {.name = "path", .doc = "DICOM folder, NRRD, NIfTI or MetaImage", .required = true, .text = TextKind::input_path},
+      ct.path);
+  v.optional_vector({.name = "crop_min_mm",
+                     .doc = "Lower corner of the part that is used, LPS; with crop_max_mm",
+                     .range = kPosition},
+                    ct.crop_min_mm);
+  v.optional_vector({.name = "crop_max_mm", .doc = "Upper corner, LPS; with crop_min_mm", .range = kPosition},
+                    ct.crop_max_mm);
+  v.text({.name = "filter",
+          .doc = "Noise filter before thresholding",
+          .choices = {"none", "median", "curvature_anisotropic"}},
+         ct.filter);
+  v.integer({.name = "median_radius_voxels", .doc = "Used by `filter: median` only", .range = between(1, 10)},
+            ct.median_radius_voxels);
+  v.integer({.name = "anisotropic_iterations",
+             .doc = "Used by `filter: curvature_anisotropic` only",
+             .range = between(1, 100)},
+            ct.anisotropic_iterations);
+  v.number({.name = "anisotropic_conductance",
+            .doc = "Used by `filter: curvature_anisotropic` only",
+            .range = above(0, 100)},
+           ct.anisotropic_conductance);
+  v.optional_section({.name = kLabels, .doc = "Instead of threshold, closing, filling, seed and cuts"}, ct.label_map,
+                     describe_label_map);
+  v.number({.name = "threshold_hu", .doc = "Bone from here up", .range = kHu, .unless = kLabels}, ct.threshold_hu);
+  v.number({.name = "closing_mm",
+            .doc = "Radius of the closing that bridges gaps in the cortex; 0: none",
+            .range = between(0, 20),
+            .unless = kLabels},
+           ct.closing_mm);
+  v.flag({.name = "fill_holes",
+          .doc = "Fill what the cortex encloses, so that trabecular bone below the threshold stays",
+          .unless = kLabels},
+         ct.fill_holes);
+  v.optional_vector({.name = "seed_mm",
+                     .doc = "The connected piece with this point is kept, LPS; without it the largest",
+                     .range = kPosition,
+                     .unless = kLabels},
+                    ct.seed_mm);
+  v.list({.name = "cut_spheres", .doc = "Spheres that part the bone from its neighbours", .unless = kLabels},
+         ct.cut_spheres, describe_cut_sphere);
+  v.list({.name = "cut_planes", .doc = "Planes that part the bone from its neighbours", .unless = kLabels},
+         ct.cut_planes, describe_cut_plane);
+}
+
+void describe_mesh(KeyVisitor& v, MeshBoneSettings& mesh) {
+  v.text({.name = "path", .doc = "STL, OBJ or PLY", .required = true, .text = TextKind::input_file}, mesh.path);
+  v.number({.name = "scale", .doc = "File units to mm", .range = above(0, 1e6)}, mesh.scale);
+  v.number({.name = "cortical_mm", .doc = "Thickness of the cortical shell", .range = between(0, 50)},
+           mesh.cortical_mm);
+  v.number({.name = "cortical_hu", .doc = "HU of the shell", .range = kHu}, mesh.cortical_hu);
+  v.number({.name = "trabecular_hu", .doc = "HU of the inside", .range = kHu}, mesh.trabecular_hu);
+  v.flag({.name = "repair", .doc = "Take an open or non-manifold mesh as far as that goes, and say what was done"},
+         mesh.repair);
+}
+
+void describe_vdb(KeyVisitor& v, VdbBoneSettings& vdb) {
+  v.text({.name = "path",
+          .doc = "A reamed.vdb, or what `reamsim import` wrote",
+          .required = true,
+          .text = TextKind::input_file},
+         vdb.path);
+}
+
+void describe_pilot_hole(KeyVisitor& v, PilotHoleSettings& hole) {
+  v.number({.name = "diameter_mm", .doc = "Of the drill", .range = above(0, 30)}, hole.diameter_mm);
+  v.vector({.name = "entry_mm", .doc = "Where the hole's axis begins", .range = kPosition}, hole.entry_mm);
+  v.vector({.name = "axis", .doc = "The way the drill goes in", .range = kComponent, .nonzero = true}, hole.axis);
+  v.number({.name = "depth_mm", .doc = "From entry_mm", .range = above(0, 500)}, hole.depth_mm);
+  v.text({.name = "frame", .doc = "Frame of entry_mm and axis", .choices = {"bone", "glenoid"}}, hole.frame);
+}
+
+}  // namespace
+
+void describe_bone(KeyVisitor& v, BoneSettings& bone) {
+  v.text({.name = "source",
+          .doc = "Where the bone comes from",
+          .required = true,
+          .choices = {"phantom", "ct", "mesh", "vdb"}},
+         bone.source);
+  v.text({.name = "side",
+          .doc = "Side of the body; required with a glenoid frame: with bone.glenoid, a glenoid phantom, or a frame: "
+                 "glenoid",
+          .choices = {"left", "right"}},
+         bone.side);
+  v.number({.name = "voxel_mm", .doc = "Side of a voxel. A VDB keeps its own", .range = between(0.01, 5)},
+           bone.voxel_mm);
+  v.section({.name = "density", .doc = "From HU to density"}, bone.density, describe_density);
+  v.section({.name = "glenoid", .doc = "The glenoid frame: center_mm, normal and superior, or landmarks"}, bone.glenoid,
+            describe_glenoid);
+  v.section({.name = "phantom", .doc = "A generated bone", .when = {"source", {"phantom"}}}, bone.phantom,
+            describe_phantom);
+  v.section({.name = "ct", .doc = "A CT scan", .required = true, .when = {"source", {"ct"}}}, bone.ct, describe_ct);
+  v.section({.name = "mesh", .doc = "A closed surface", .required = true, .when = {"source", {"mesh"}}}, bone.mesh,
+            describe_mesh);
+  v.section({.name = "vdb", .doc = "A bone of an earlier run or import", .required = true, .when = {"source", {"vdb"}}},
+            bone.vdb, describe_vdb);
+  v.optional_section({.name = "pilot_hole", .doc = "A hole drilled before the run"}, bone.pilot_hole,
+                     describe_pilot_hole);
+}
+
+}  // namespace reamsim

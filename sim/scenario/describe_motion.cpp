@@ -1,0 +1,91 @@
+#include "sim/scenario/describe_sections.h"
+
+namespace reamsim {
+
+namespace {
+
+// Positions further out than this are mistakes of unit or frame.
+constexpr Range kPosition = between(-10000, 10000);
+constexpr Range kComponent = between(-1e6, 1e6);
+constexpr Range kSpin = between(-20000, 20000);
+
+void describe_plunge(KeyVisitor& v, PlungeSettings& plunge) {
+  v.vector({.name = "entry_mm",
+            .doc = "Where the plunge depth counts from; the tool's origin passes through it",
+            .range = kPosition},
+           plunge.entry_mm);
+  v.vector({.name = "axis",
+            .doc = "The way the tool goes; +z of the tool is its opposite",
+            .range = kComponent,
+            .nonzero = true},
+           plunge.axis);
+  v.number({.name = "approach_mm", .doc = "Path before entry_mm", .range = between(0, 500)}, plunge.approach_mm);
+  v.number({.name = "feed_mm_s", .doc = "Speed along the axis on the way in", .range = above(0, 1000)},
+           plunge.feed_mm_s);
+  v.number({.name = "depth_mm", .doc = "Path beyond entry_mm", .range = between(0, 500)}, plunge.depth_mm);
+  v.number({.name = "dwell_s", .doc = "Time at full depth", .range = between(0, 3600)}, plunge.dwell_s);
+  v.number({.name = "retract_mm", .doc = "Path back", .range = between(0, 1000)}, plunge.retract_mm);
+  v.number({.name = "retract_mm_s", .doc = "Speed on the way back", .range = above(0, 1000)}, plunge.retract_mm_s);
+  v.number({.name = "spin_rpm", .doc = "Spin, clockwise seen from the drill; negative: the other way", .range = kSpin},
+           plunge.spin_rpm);
+}
+
+void describe_keyframe(KeyVisitor& v, KeyframeSettings& key) {
+  v.number(
+      {.name = "time_s", .doc = "When; later than the keyframe before", .required = true, .range = between(0, 1e5)},
+      key.time_s);
+  v.vector({.name = "position_mm", .doc = "The tool's origin", .required = true, .range = kPosition}, key.position_mm);
+  v.optional_vector({.name = "axis",
+                     .doc = "+z of the tool: out of the bone, towards the drill",
+                     .range = kComponent,
+                     .nonzero = true},
+                    key.axis);
+  v.optional_quaternion({.name = "quaternion",
+                         .doc = "Rotation from tool to motion.frame: w, x, y, z; of length 1",
+                         .range = between(-1.01, 1.01)},
+                        key.quaternion);
+  v.group({.names = {"axis", "quaternion"}});
+  v.number({.name = "spin_rpm", .doc = "Spin, clockwise seen from the drill; negative: the other way", .range = kSpin},
+           key.spin_rpm);
+}
+
+void describe_csv(KeyVisitor& v, CsvMotionSettings& csv) {
+  v.text({.name = "path",
+          .doc = "Recorded poses: time_s,x_mm,y_mm,z_mm,qw,qx,qy,qz and optionally spin_rpm",
+          .required = true,
+          .text = TextKind::input_file},
+         csv.path);
+  v.number({.name = "spin_rpm", .doc = "Spin where the file has no such column", .range = kSpin}, csv.spin_rpm);
+}
+
+}  // namespace
+
+void describe_tool(KeyVisitor& v, ToolSettings& tool) {
+  v.text({.name = "mesh", .doc = "STL, OBJ or PLY in the tool frame", .required = true, .text = TextKind::input_file},
+         tool.mesh);
+  v.number({.name = "scale", .doc = "File units to mm", .range = above(0, 1e6)}, tool.scale);
+  v.integer({.name = "shell_resolution",
+             .doc = "M of the M³ grid whose cells sample the surface; 0: the least with spacing up to half a voxel",
+             .range = between(0, 1024)},
+            tool.shell_resolution);
+  v.text({.name = "spin",
+          .doc = "envelope: the surface that the teeth sweep; resolved: the teeth themselves, turning",
+          .choices = {"envelope", "resolved"}},
+         tool.spin);
+}
+
+void describe_motion(KeyVisitor& v, MotionSettings& motion) {
+  v.text({.name = "frame", .doc = "Frame of all positions and directions below", .choices = {"bone", "glenoid"}},
+         motion.frame);
+  v.number({.name = "frame_rate_hz", .doc = "Frames per second; 1000 is the haptic rate", .range = between(1, 100000)},
+           motion.frame_rate_hz);
+  v.optional_section({.name = "plunge", .doc = "Straight in, dwell, straight out"}, motion.plunge, describe_plunge);
+  v.list({.name = "keyframes",
+          .doc = "Two or more poses; between them position and spin go linearly, orientation "
+                 "spherically"},
+         motion.keyframes, describe_keyframe);
+  v.optional_section({.name = "csv", .doc = "Poses from a file"}, motion.csv, describe_csv);
+  v.group({.names = {"plunge", "keyframes", "csv"}});
+}
+
+}  // namespace reamsim

@@ -1,0 +1,17 @@
+#pragma once
+
+#include "sim/scenario/key_visitor.h"
+
+namespace reamsim {
+
+// The parts of describe_scenario(), one per top-level section.
+
+void describe_bone(KeyVisitor& v, BoneSettings& bone);
+void describe_tool(KeyVisitor& v, ToolSettings& tool);
+void describe_motion(KeyVisitor& v, MotionSettings& motion);
+void describe_engine(KeyVisitor& v, EngineSettings& engine);
+void describe_cutting(KeyVisitor& v, CuttingSettings& cutting);
+void describe_render(KeyVisitor& v, RenderSettings& render);
+void describe_output(KeyVisitor& v, OutputSettings& output);
+
+}  // namespace reamsim

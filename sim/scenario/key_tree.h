@@ -1,0 +1,43 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "sim/scenario/key_visitor.h"
+
+namespace reamsim {
+
+/// A key as data: what describe_scenario() says of it, its default, and the keys below it.
+struct KeyNode {
+  enum class Kind { section, list, number, integer, flag, text, choices, vector, quaternion };
+
+  Kind kind = Kind::section;
+  KeyInfo info;
+  std::string path;          ///< "motion.plunge.feed_mm_s"; "motion.keyframes[].time_s" inside a list
+  std::string default_json;  ///< "" = none
+  std::vector<KeyNode> children;
+  std::vector<KeyGroup> groups;
+
+  [[nodiscard]] const KeyNode* find(std::string_view name) const;
+};
+
+/// All keys; the root is a section without a name. Built once.
+const KeyNode& key_tree();
+
+/// The unit in a key's name, "mm/s" for "feed_mm_s"; "" where there is none.
+std::string_view unit_of(std::string_view name);
+
+/// A key's name without its unit, "feed" for "feed_mm_s".
+std::string_view without_unit(std::string_view name);
+
+/// What values a key takes, in words: "a number above 0, up to 5 (mm)", "one of left, right".
+std::string expectation(const KeyInfo& info, KeyNode::Kind kind);
+
+/// A range in words: "above 0, up to 5"; "" where there is none.
+std::string range_text(const Range& range);
+
+/// "a, b or c".
+std::string join_or(const std::vector<std::string_view>& words);
+
+}  // namespace reamsim

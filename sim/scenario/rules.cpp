@@ -1,0 +1,175 @@
+#include "sim/scenario/rules.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "sim/scenario/show.h"
+
+namespace reamsim {
+
+namespace {
+
+/// More frames than this are a mistake of unit: at 1 kHz it is nearly three hours.
+constexpr double kMaxFrames = 1e7;
+
+class Rules {
+ public:
+  Rules(const Scenario& scenario, const KeyLocations& locations) : s_(scenario), at_(locations) {}
+
+  void check() const {
+    check_glenoid();
+    check_side();
+    check_frames_of_reference();
+    if (s_.bone.source == "ct") check_crop();
+    if (s_.bone.source == "phantom") check_phantom();
+    check_keyframes();
+    check_frame_count();
+  }
+
+ private:
+  [[noreturn]] void fail(const std::string& key, const std::string& found, const std::string& expected) const {
+    throw InputError(at_.of(key), key, found, "expected " + expected);
+  }
+  void require(bool fine, const std::string& key, double found, const std::string& expected) const {
+    if (!fine) fail(key, "found " + number_text(found), expected);
+  }
+
+  [[nodiscard]] bool glenoid_given() const {
+    return s_.bone.glenoid.landmarks.has_value() || s_.bone.glenoid.center_mm.has_value();
+  }
+  [[nodiscard]] bool glenoid_phantom() const {
+    return s_.bone.source == "phantom" && s_.bone.phantom.shape == "glenoid";
+  }
+
+  void check_glenoid() const;
+  void check_side() const;
+  void check_frames_of_reference() const;
+  void check_crop() const;
+  void check_phantom() const;
+  void check_keyframes() const;
+  void check_frame_count() const;
+
+  const Scenario& s_;
+  const KeyLocations& at_;
+};
+
+/// Sine of the angle between two directions.
+double sine_between(const Vec3& a, const Vec3& b) {
+  return a.normalized().cross(b.normalized()).norm();
+}
+
+// Below this angle (about half a degree) a direction across another one is noise.
+constexpr double kLeastSine = 0.01;
+
+void Rules::check_glenoid() const {
+  const GlenoidSettings& glenoid = s_.bone.glenoid;
+  if (const auto& marks = glenoid.landmarks) {
+    const Vec3 medial = marks->trigonum_spinae_mm - marks->glenoid_center_mm;
+    const Vec3 inferior = marks->inferior_angle_mm - marks->glenoid_center_mm;
+    const bool apart = medial.norm() > 1 && inferior.norm() > 1;
+    if (!apart || sine_between(medial, inferior) < kLeastSine) {
+      fail("bone.glenoid.landmarks", "found three points on one line or closer than 1 mm",
+           "three points that span a plane");
+    }
+    return;
+  }
+  const bool any = glenoid.center_mm || glenoid.normal || glenoid.superior;
+  if (!any) return;
+  const auto need = [&](bool given, const std::string& name) {
+    if (!given) fail("bone.glenoid." + name, "missing", "center_mm, normal and superior together");
+  };
+  need(glenoid.center_mm.has_value(), "center_mm");
+  need(glenoid.normal.has_value(), "normal");
+  need(glenoid.superior.has_value(), "superior");
+  if (sine_between(*glenoid.normal, *glenoid.superior) < kLeastSine) {
+    fail("bone.glenoid.superior", "found the direction of normal", "a direction across it");
+  }
+}
+
+void Rules::check_side() const {
+  if (!s_.bone.side.empty()) return;
+  const char* why = nullptr;
+  if (glenoid_phantom()) why = "bone.phantom.shape is glenoid";
+  if (glenoid_given()) why = "bone.glenoid is given";
+  if (s_.motion.frame == "glenoid") why = "motion.frame is glenoid";
+  if (s_.bone.pilot_hole && s_.bone.pilot_hole->frame == "glenoid") why = "bone.pilot_hole.frame is glenoid";
+  if (why != nullptr) fail("bone.side", "missing", std::string("left or right, because ") + why);
+}
+
+void Rules::check_frames_of_reference() const {
+  if (glenoid_phantom() || glenoid_given()) return;
+  const std::string expected = "bone, or a glenoid frame in bone.glenoid";
+  if (s_.motion.frame == "glenoid") fail("motion.frame", "found glenoid, and there is no glenoid frame", expected);
+  if (s_.bone.pilot_hole && s_.bone.pilot_hole->frame == "glenoid") {
+    fail("bone.pilot_hole.frame", "found glenoid, and there is no glenoid frame", expected);
+  }
+}
+
+void Rules::check_crop() const {
+  const CtSettings& ct = s_.bone.ct;
+  if (ct.crop_min_mm.has_value() != ct.crop_max_mm.has_value()) {
+    const std::string missing = ct.crop_min_mm ? "bone.ct.crop_max_mm" : "bone.ct.crop_min_mm";
+    fail(missing, "missing", "crop_min_mm and crop_max_mm together");
+  }
+  if (ct.crop_min_mm && (ct.crop_min_mm->array() >= ct.crop_max_mm->array()).any()) {
+    fail("bone.ct.crop_max_mm", "found a corner that is not above crop_min_mm on every axis", "a larger x, y and z");
+  }
+}
+
+void Rules::check_phantom() const {
+  const PhantomSettings& p = s_.bone.phantom;
+  const std::string at = "bone.phantom.";
+  if (p.shape == "cup") {
+    const double half_width = std::min(p.size_mm.x(), p.size_mm.y()) / 2;
+    require(p.cup_depth_mm <= p.radius_mm, at + "cup_depth_mm", p.cup_depth_mm, "no more than radius_mm");
+    require(p.cup_depth_mm < p.size_mm.z(), at + "cup_depth_mm", p.cup_depth_mm, "less than the block's height");
+    const double opening = std::sqrt(p.cup_depth_mm * (2 * p.radius_mm - p.cup_depth_mm));
+    require(opening <= half_width, at + "radius_mm", p.radius_mm,
+            "a cup whose opening (radius " + number_text(opening) + " mm) fits the block");
+  } else if (p.shape == "layered") {
+    require(p.cortical_mm < p.size_mm.z(), at + "cortical_mm", p.cortical_mm, "less than the block's height");
+  } else if (p.shape == "glenoid") {
+    require(p.width_mm <= p.height_mm, at + "width_mm", p.width_mm, "no more than height_mm");
+    require(2 * p.face_radius_mm >= p.height_mm, at + "face_radius_mm", p.face_radius_mm, "at least half of height_mm");
+    require(2 * p.shell_mm < p.width_mm, at + "shell_mm", p.shell_mm, "less than half of width_mm");
+    require(p.subchondral_mm < p.vault_depth_mm, at + "subchondral_mm", p.subchondral_mm, "less than vault_depth_mm");
+  }
+}
+
+void Rules::check_keyframes() const {
+  const auto& keys = s_.motion.keyframes;
+  if (!at_.given("motion.keyframes")) return;
+  if (keys.size() < 2) {
+    fail("motion.keyframes", "found a list of " + std::to_string(keys.size()), "two or more keyframes");
+  }
+  for (std::size_t i = 1; i < keys.size(); ++i) {
+    if (keys[i].time_s > keys[i - 1].time_s) continue;
+    fail("motion.keyframes." + std::to_string(i) + ".time_s", "found " + number_text(keys[i].time_s),
+         "a time after that of the keyframe before it, " + number_text(keys[i - 1].time_s) + " s");
+  }
+}
+
+void Rules::check_frame_count() const {
+  double duration_s = 0;
+  std::string key = "motion.plunge";
+  if (const auto& p = s_.motion.plunge) {
+    duration_s = (p->approach_mm + p->depth_mm) / p->feed_mm_s + p->dwell_s + p->retract_mm / p->retract_mm_s;
+  } else if (!s_.motion.keyframes.empty()) {
+    key = "motion.keyframes";
+    duration_s = s_.motion.keyframes.back().time_s - s_.motion.keyframes.front().time_s;
+  }
+  if (duration_s * s_.motion.frame_rate_hz <= kMaxFrames) return;
+  fail(key,
+       "takes " + number_text(duration_s) + " s, " + number_text(std::ceil(duration_s * s_.motion.frame_rate_hz)) +
+           " frames at frame_rate_hz",
+       "at most " + number_text(kMaxFrames) + " frames");
+}
+
+}  // namespace
+
+void check_rules(const Scenario& scenario, const KeyLocations& locations) {
+  Rules(scenario, locations).check();
+}
+
+}  // namespace reamsim

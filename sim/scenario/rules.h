@@ -1,0 +1,12 @@
+#pragma once
+
+#include "sim/scenario/reader.h"
+#include "sim/scenario/scenario.h"
+
+namespace reamsim {
+
+/// The rules that take more than one key: which go together, what is needed because of another, geometry that cannot
+/// be. Throws InputError at the key that is at fault.
+void check_rules(const Scenario& scenario, const KeyLocations& locations);
+
+}  // namespace reamsim

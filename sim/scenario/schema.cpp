@@ -1,0 +1,138 @@
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "sim/scenario/key_tree.h"
+#include "sim/scenario/parse.h"
+
+namespace reamsim {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+using Kind = KeyNode::Kind;
+
+Json number(double value) {
+  // Whole numbers without ".0", as everyone writes them.
+  const auto whole = static_cast<std::int64_t>(value);
+  return static_cast<double>(whole) == value ? Json(whole) : Json(value);
+}
+
+void add_range(Json& out, const Range& range) {
+  if (std::isfinite(range.min)) out[range.min_excluded ? "exclusiveMinimum" : "minimum"] = number(range.min);
+  if (std::isfinite(range.max)) out["maximum"] = number(range.max);
+}
+
+Json number_type(const KeyNode& key, const char* type) {
+  Json out{{"type", type}};
+  add_range(out, key.info.range);
+  return out;
+}
+
+Json numbers_type(const KeyNode& key, int count) {
+  return {{"type", "array"}, {"items", number_type(key, "number")}, {"minItems", count}, {"maxItems", count}};
+}
+
+Json text_type(const KeyNode& key) {
+  if (!key.info.choices.empty()) return {{"type", "string"}, {"enum", key.info.choices}};
+  if (key.info.text == TextKind::output_folder) return {{"type", "string"}};
+  return {{"type", "string"}, {"minLength", 1}};
+}
+
+Json required(const std::vector<std::string_view>& names) {
+  return {{"required", names}};
+}
+
+/// Forbids, and where it is needed requires, a key that applies with some values of a choice only.
+void add_condition(Json& rules, const KeyNode& key, const KeyNode& section) {
+  const When& when = key.info.when;
+  const KeyNode& choice = *section.find(when.choice);
+  const std::string name(key.info.name);
+  Json chosen{{"properties", {{std::string(when.choice), {{"enum", when.values}}}}}};
+  // Where the choice may be left out, its default decides.
+  const std::string fallback = choice.default_json.empty() ? "" : Json::parse(choice.default_json).get<std::string>();
+  if (std::ranges::find(when.values, fallback) == when.values.end()) chosen["required"] = {when.choice};
+  Json rule{{"if", chosen}};
+  if (key.info.required) rule["then"] = required({key.info.name});
+  rule["else"] = {{"properties", {{name, false}}}};
+  rules.push_back(rule);
+}
+
+void add_group(Json& rules, const KeyGroup& group) {
+  if (group.one_needed) {
+    Json choices = Json::array();
+    for (const auto name : group.names) choices.push_back(required({name}));
+    rules.push_back({{"oneOf", choices}});
+  } else {
+    rules.push_back({{"not", required(group.names)}});
+  }
+}
+
+Json key_schema(const KeyNode& key);
+
+Json section_schema(const KeyNode& section) {
+  Json out{{"type", "object"}, {"additionalProperties", false}};
+  std::vector<std::string_view> needed;
+  Json properties = Json::object();
+  Json rules = Json::array();
+  for (const auto& key : section.children) {
+    properties[std::string(key.info.name)] = key_schema(key);
+    const bool conditional = !key.info.when.values.empty();
+    if (key.info.required && !conditional) needed.push_back(key.info.name);
+    if (conditional) add_condition(rules, key, section);
+    if (!key.info.unless.empty()) rules.push_back({{"not", required({key.info.unless, key.info.name})}});
+  }
+  for (const auto& group : section.groups) add_group(rules, group);
+  if (!needed.empty()) out["required"] = needed;
+  out["properties"] = properties;
+  if (!rules.empty()) out["allOf"] = rules;
+  return out;
+}
+
+Json type_schema(const KeyNode& key) {
+  switch (key.kind) {
+    case Kind::section:
+      return section_schema(key);
+    case Kind::list:
+      return {{"type", "array"}, {"items", section_schema(key)}};
+    case Kind::number:
+      return number_type(key, "number");
+    case Kind::integer:
+      return number_type(key, "integer");
+    case Kind::flag:
+      return {{"type", "boolean"}};
+    case Kind::choices:
+      return {{"type", "array"},
+              {"items", {{"type", "string"}, {"enum", key.info.choices}}},
+              {"minItems", 1},
+              {"uniqueItems", true}};
+    case Kind::vector:
+      return numbers_type(key, 3);
+    case Kind::quaternion:
+      return numbers_type(key, 4);
+    case Kind::text:
+      break;
+  }
+  return text_type(key);
+}
+
+Json key_schema(const KeyNode& key) {
+  const std::string_view unit = unit_of(key.info.name);
+  Json out{{"description", std::string(key.info.doc) + (unit.empty() ? "" : " [" + std::string(unit) + "]")}};
+  out.update(type_schema(key));
+  if (!key.default_json.empty()) out["default"] = Json::parse(key.default_json);
+  return out;
+}
+
+}  // namespace
+
+std::string scenario_json_schema() {
+  Json out{{"$schema", "http://json-schema.org/draft-07/schema#"},
+           {"title", "reamsim scenario"},
+           {"description",
+            "Which bone, which reamer, and how the reamer moves. Made from the parser's own description "
+            "of keys; do not edit."}};
+  out.update(section_schema(key_tree()));
+  return out.dump(2) + "\n";
+}
+
+}  // namespace reamsim

@@ -1,0 +1,135 @@
+#include "sim/scenario/show.h"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <limits>
+#include <nlohmann/json.hpp>
+
+#include "sim/scenario/utf8.h"
+
+namespace reamsim {
+
+namespace {
+
+constexpr std::size_t kShownBytes = 60;
+constexpr std::size_t kShownPathBytes = 300;
+constexpr std::string_view kHex = "0123456789abcdef";
+
+/// One printable line: control characters and broken UTF-8 as \xNN, "..." where it was cut after `limit` bytes.
+std::string cleaned(std::string_view text, std::size_t limit) {
+  const bool cut = text.size() > limit;
+  if (cut) {
+    std::size_t end = limit;
+    while (end > 0 && (text[end] & 0xC0) == 0x80) --end;  // not in the middle of a character
+    text = text.substr(0, end);
+  }
+  std::string out;
+  for (std::size_t i = 0; i < text.size();) {
+    const std::size_t length = utf8_length(text, i);
+    const auto byte = static_cast<unsigned char>(text[i]);
+    if (length == 0 || byte < 0x20 || byte == 0x7f) {
+      out += {'\\', 'x', kHex[byte >> 4], kHex[byte & 15]};
+      ++i;
+    } else {
+      out += text.substr(i, length);
+      i += length;
+    }
+  }
+  return out + (cut ? "..." : "");
+}
+
+bool is_letter(char c) {
+  return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z');
+}
+bool is_digit(char c) {
+  return c >= '0' && c <= '9';
+}
+
+/// Words that some YAML reader or other takes for something else than text.
+bool is_reserved_word(std::string_view text) {
+  static constexpr std::array kWords{"null", "true", "false", "yes", "no", "on", "off", "y", "n"};
+  std::string lower(text);
+  std::ranges::transform(lower, lower.begin(), [](char c) { return (c >= 'A' && c <= 'Z') ? char(c - 'A' + 'a') : c; });
+  return std::ranges::find(kWords, lower) != kWords.end();
+}
+
+}  // namespace
+
+std::string shown_text(std::string_view text) {
+  return "\"" + cleaned(text, kShownBytes) + "\"";
+}
+
+std::string shown_path(std::string_view path) {
+  return cleaned(path, kShownPathBytes);
+}
+
+std::string shown_key(std::string_view key) {
+  const bool plain = !key.empty() && key.size() <= kShownBytes && std::ranges::all_of(key, [](char c) {
+    return is_letter(c) || is_digit(c) || c == '_' || c == '-';
+  });
+  return plain ? std::string(key) : shown_text(key);
+}
+
+std::string shown(const YamlNode& node) {
+  switch (node.kind) {
+    case YamlNode::Kind::null:
+      return "nothing";
+    case YamlNode::Kind::sequence:
+      return "a list of " + std::to_string(node.items.size());
+    case YamlNode::Kind::map:
+      return "a section of keys";
+    case YamlNode::Kind::scalar:
+      break;
+  }
+  const bool word = !node.quoted && (parse_number(node.text) || node.text == "true" || node.text == "false");
+  return word && node.text.size() <= kShownBytes ? node.text : "the text " + shown_text(node.text);
+}
+
+std::string number_text(double value) {
+  std::array<char, 40> buffer{};
+  const auto end = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value).ptr;
+  std::string out(buffer.data(), end);
+  const auto exponent = out.find('e');
+  if (exponent != std::string::npos && out.find('.') == std::string::npos) out.insert(exponent, ".0");
+  return out;
+}
+
+std::optional<double> parse_number(std::string_view text) {
+  const bool negative = text.starts_with('-');
+  if (negative || text.starts_with('+')) text.remove_prefix(1);
+  const double sign = negative ? -1 : 1;
+  if (text == ".inf" || text == ".Inf" || text == ".INF" || text == "inf" || text == "Inf" || text == "infinity") {
+    return sign * std::numeric_limits<double>::infinity();
+  }
+  if (text == ".nan" || text == ".NaN" || text == ".NAN" || text == "nan" || text == "NaN" || text == "NAN") {
+    return std::numeric_limits<double>::quiet_NaN();
+  }
+  if (text.empty() || !(is_digit(text[0]) || text[0] == '.')) return std::nullopt;
+  double value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (end != text.data() + text.size() || error == std::errc::invalid_argument) return std::nullopt;
+  if (error == std::errc::result_out_of_range) {
+    // Too large or too small for a double: from_chars does not say which; the exponent's sign does.
+    return text.find("e-") != text.npos || text.find("E-") != text.npos
+               ? 0.0
+               : sign * std::numeric_limits<double>::infinity();
+  }
+  return sign * value;
+}
+
+std::string json_string(std::string_view text) {
+  return nlohmann::json(std::string(text)).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+}
+
+std::string yaml_scalar(std::string_view text) {
+  const bool plain =
+      !text.empty() && (is_letter(text[0]) || text[0] == '/' || text[0] == '_') && text.back() != ' ' &&
+      !is_reserved_word(text) && std::ranges::all_of(text, [](char c) {
+        return is_letter(c) || is_digit(c) || std::string_view("/_.-+ ()").find(c) != std::string_view::npos;
+      });
+  return plain ? std::string(text) : json_string(text);
+}
+
+}  // namespace reamsim

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "sim/scenario/yaml_tree.h"
+
+namespace reamsim {
+
+/// A user's text for a message: in double quotes, control characters and broken UTF-8 as \xNN, cut after 60 bytes.
+std::string shown_text(std::string_view text);
+
+/// A file name for a message: without quotes, otherwise as shown_text(), cut after 300 bytes.
+std::string shown_path(std::string_view path);
+
+/// A key of the user's for a message: as it is where it is a plain name, else as shown_text().
+std::string shown_key(std::string_view key);
+
+/// What a node is, in words: 0.25, the text "abc", a list of 3, a section of keys, nothing.
+std::string shown(const YamlNode& node);
+
+/// The shortest decimal that reads back as the same double, in a form that every YAML and JSON reader takes for a
+/// number (1.0e+20, not 1e+20).
+std::string number_text(double value);
+
+/// A YAML number, whole text; infinite and NaN where it says so or overflows; nullopt where it is none.
+std::optional<double> parse_number(std::string_view text);
+
+/// A text as a YAML scalar: plain where that is safe, else in double quotes.
+std::string yaml_scalar(std::string_view text);
+
+/// A text as a double-quoted JSON string.
+std::string json_string(std::string_view text);
+
+}  // namespace reamsim

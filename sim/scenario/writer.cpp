@@ -1,0 +1,110 @@
+#include <algorithm>
+#include <map>
+#include <utility>
+
+#include "sim/scenario/key_visitor.h"
+#include "sim/scenario/parse.h"
+#include "sim/scenario/paths.h"
+#include "sim/scenario/show.h"
+
+namespace reamsim {
+
+namespace {
+
+/// Writes every key that applies, in the order of the description.
+class YamlWriter : public KeyVisitor {
+ public:
+  [[nodiscard]] const std::string& yaml() const { return out_; }
+
+  void number(const KeyInfo& info, double& value) override { line(info, number_text(value)); }
+  void integer(const KeyInfo& info, int& value) override { line(info, std::to_string(value)); }
+  void flag(const KeyInfo& info, bool& value) override { line(info, value ? "true" : "false"); }
+
+  void text(const KeyInfo& info, std::string& value) override {
+    if (!info.choices.empty()) levels_.back()[info.name] = value;
+    if (value.empty() && info.text != TextKind::output_folder) return;
+    line(info, yaml_scalar(info.text == TextKind::word ? value : escape_path(value)));
+  }
+
+  void choices(const KeyInfo& info, std::vector<std::string>& values) override {
+    std::string list;
+    for (const auto& value : values) list += (list.empty() ? "" : ", ") + yaml_scalar(value);
+    line(info, "[" + list + "]");
+  }
+
+  void vector(const KeyInfo& info, Vec3& value) override {
+    line(info, "[" + number_text(value.x()) + ", " + number_text(value.y()) + ", " + number_text(value.z()) + "]");
+  }
+  void optional_vector(const KeyInfo& info, std::optional<Vec3>& value) override {
+    if (value) vector(info, *value);
+  }
+  void optional_quaternion(const KeyInfo& info, std::optional<Quat>& value) override {
+    if (!value) return;
+    line(info, "[" + number_text(value->w()) + ", " + number_text(value->x()) + ", " + number_text(value->y()) + ", " +
+                   number_text(value->z()) + "]");
+  }
+  void group(const KeyGroup&) override {}
+
+ protected:
+  bool begin_section(const KeyInfo& info) override {
+    if (!applies(info)) return false;
+    levels_.back()[info.name] = "given";
+    pending_ += indent() + std::string(info.name) + ":\n";
+    levels_.emplace_back();
+    return true;
+  }
+  bool begin_optional_section(const KeyInfo& info, bool has_value) override { return has_value && begin_section(info); }
+  void end_section() override {
+    levels_.pop_back();
+    pending_.clear();  // a section of which nothing was written
+  }
+
+  std::size_t begin_list(const KeyInfo& info, std::size_t size) override {
+    const bool skipped = size == 0 || !applies(info);
+    if (!skipped) pending_ += indent() + std::string(info.name) + ":\n";
+    levels_.emplace_back();
+    return skipped ? 0 : size;
+  }
+  void begin_item(std::size_t) override {
+    levels_.emplace_back();
+    first_of_item_ = true;
+  }
+  void end_list() override { levels_.pop_back(); }
+
+ private:
+  using Level = std::map<std::string_view, std::string>;  // choices and optional sections written so far
+
+  [[nodiscard]] std::string indent() const { return std::string(2 * (levels_.size() - 1), ' '); }
+
+  [[nodiscard]] bool applies(const KeyInfo& info) const {
+    const Level& level = levels_.back();
+    if (!info.unless.empty() && level.contains(info.unless)) return false;
+    if (info.when.values.empty()) return true;
+    const auto chosen = level.find(info.when.choice);
+    return chosen != level.end() && std::ranges::find(info.when.values, chosen->second) != info.when.values.end();
+  }
+
+  void line(const KeyInfo& info, const std::string& value) {
+    if (!applies(info)) return;
+    out_ += std::exchange(pending_, "");
+    std::string start = indent();
+    if (std::exchange(first_of_item_, false)) start.replace(start.size() - 2, 2, "- ");
+    out_ += start + std::string(info.name) + ": " + value + "\n";
+  }
+
+  std::string out_;
+  std::string pending_;  // headings of sections whose first key has not come yet
+  bool first_of_item_ = false;
+  std::vector<Level> levels_{1};
+};
+
+}  // namespace
+
+std::string to_yaml(const Scenario& scenario) {
+  YamlWriter writer;
+  Scenario copy = scenario;
+  describe_scenario(writer, copy);
+  return writer.yaml();
+}
+
+}  // namespace reamsim

@@ -1,0 +1,115 @@
+#include "sim/tool/point_shell.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <string>
+
+#include "sim/base/error.h"
+#include "sim/tool/morton.h"
+#include "sim/tool/triangle_box.h"
+
+namespace reamsim {
+
+namespace {
+
+/// A set of Morton codes as bits, so that reading it back gives the codes ascending and once each. At 1024³ it takes
+/// 128 MiB, of which only the touched pages are real.
+class CodeSet {
+ public:
+  explicit CodeSet(int resolution) {
+    const auto side = std::bit_ceil(static_cast<std::size_t>(resolution));
+    words_.resize((side * side * side + 63) / 64);
+  }
+
+  void insert(std::uint32_t code) { words_[code >> 6] |= std::uint64_t{1} << (code & 63u); }
+
+  [[nodiscard]] std::vector<std::uint32_t> ascending() const {
+    std::size_t count = 0;
+    for (const std::uint64_t word : words_) count += static_cast<std::size_t>(std::popcount(word));
+    std::vector<std::uint32_t> codes;
+    codes.reserve(count);
+    for (std::size_t w = 0; w < words_.size(); ++w)
+      for (std::uint64_t word = words_[w]; word != 0; word &= word - 1)
+        codes.push_back(static_cast<std::uint32_t>(64 * w) + static_cast<std::uint32_t>(std::countr_zero(word)));
+    return codes;
+  }
+
+ private:
+  std::vector<std::uint64_t> words_;
+};
+
+/// A triangle in units of cells from the grid's corner.
+struct GridTriangle {
+  Vec3 a, b, c;
+};
+
+struct CellRange {
+  int first;
+  int last;
+};
+
+/// Cells of 0…resolution−1 that the closed interval [low, high] touches.
+CellRange cells_touched(double low, double high, int resolution) {
+  const double top = resolution - 1;
+  return {static_cast<int>(std::clamp(std::ceil(low) - 1, 0.0, top)),
+          static_cast<int>(std::clamp(std::floor(high), 0.0, top))};
+}
+
+/// Marks the cells that `t` touches, column by column along the axis that its normal is steepest to: in a column the
+/// plane crosses two or three cells only, however large the triangle is.
+void mark_triangle(const GridTriangle& t, int resolution, CodeSet& cells) {
+  const Vec3 normal = (t.b - t.a).cross(t.c - t.a);
+  int w = 0;
+  const double steepest = normal.cwiseAbs().maxCoeff(&w);
+  if (!(steepest > 0)) return;  // no area: in a closed mesh its edges belong to its neighbours as well
+  const int u = (w + 1) % 3, v = (w + 2) % 3;
+  const Vec3 low = t.a.cwiseMin(t.b).cwiseMin(t.c), high = t.a.cwiseMax(t.b).cwiseMax(t.c);
+  const CellRange us = cells_touched(low[u], high[u], resolution), vs = cells_touched(low[v], high[v], resolution);
+  const double spread = 0.5 * (std::abs(normal[u]) + std::abs(normal[v])) / steepest + 1e-6;
+  Vec3i cell;
+  for (cell[u] = us.first; cell[u] <= us.last; ++cell[u]) {
+    for (cell[v] = vs.first; cell[v] <= vs.last; ++cell[v]) {
+      const double du = cell[u] + 0.5 - t.a[u], dv = cell[v] + 0.5 - t.a[v];
+      const double plane = t.a[w] - (normal[u] * du + normal[v] * dv) / normal[w];
+      const double bottom = std::max(low[w], plane - spread), top = std::min(high[w], plane + spread);
+      if (bottom > top) continue;
+      const CellRange ws = cells_touched(bottom, top, resolution);
+      for (cell[w] = ws.first; cell[w] <= ws.last; ++cell[w])
+        if (triangle_touches_box(t.a, t.b, t.c, cell.cast<double>().array() + 0.5, Vec3::Constant(0.5)))
+          cells.insert(morton_encode(cell.x(), cell.y(), cell.z()));
+    }
+  }
+}
+
+/// Lays the grid round the box: the longest side spans from the centres of the first cells to those of the last, x and
+/// y are centred, and the lowest point lies at the centres of the lowest cells, so that a tool's cutting end is sampled
+/// where it is and not half a cell behind.
+PointShell lay_grid(const Aabb& box, int resolution) {
+  PointShell shell;
+  shell.resolution = resolution;
+  shell.cell_mm = (box.max - box.min).maxCoeff() / std::max(1, resolution - 1);
+  shell.origin_mm = box.center() - Vec3::Constant(0.5 * resolution * shell.cell_mm);
+  if (resolution > 1) shell.origin_mm.z() = box.min.z() - 0.5 * shell.cell_mm;
+  return shell;
+}
+
+}  // namespace
+
+PointShell voxelise_surface(const TriangleMesh& mesh, int resolution) {
+  if (resolution < 1 || resolution > kMortonResolution)
+    throw InputError("shell resolution " + std::to_string(resolution) + " is outside 1 to 1024");
+  const Aabb box = mesh.bounds();
+  if (box.empty() || !((box.max - box.min).maxCoeff() > 0))
+    throw InputError("a mesh without extent has no surface to sample");
+  PointShell shell = lay_grid(box, resolution);
+  CodeSet cells(resolution);
+  const auto grid = [&](std::int32_t vertex) -> Vec3 {
+    return (mesh.vertices[static_cast<std::size_t>(vertex)] - shell.origin_mm) / shell.cell_mm;
+  };
+  for (const auto& t : mesh.triangles) mark_triangle({grid(t[0]), grid(t[1]), grid(t[2])}, resolution, cells);
+  shell.codes = cells.ascending();
+  return shell;
+}
+
+}  // namespace reamsim

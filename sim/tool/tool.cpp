@@ -1,0 +1,140 @@
+#include "sim/tool/tool.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <string>
+
+#include "sim/base/error.h"
+#include "sim/mesh/mesh_check.h"
+#include "sim/mesh/mesh_io.h"
+#include "sim/tool/envelope.h"
+#include "sim/tool/leak.h"
+#include "sim/tool/morton.h"
+#include "sim/tool/revolve.h"
+
+namespace reamsim {
+
+namespace {
+
+/// Shell spacing that leaves no voxel behind, in voxels (design §4).
+constexpr double kSafeSpacingVoxels = 0.5;
+/// Share of a cell by which the facets of the revolved envelope may lie inside its circles.
+constexpr double kFacetCells = 0.02;
+/// The centroid may be this share of the largest radius off the axis: below the first silently, above the second the
+/// mesh is not in the tool frame.
+constexpr double kOffAxisWarn = 0.01;
+constexpr double kOffAxisError = 0.1;
+/// The lowest point may be this share of the tool's height away from z = 0 before a warning.
+constexpr double kOffOriginShare = 0.1;
+
+std::string text(double value) {
+  char buffer[32];
+  std::snprintf(buffer, sizeof buffer, "%.4g", value);
+  return buffer;
+}
+
+InputError tool_error(const ToolSettings& settings, const std::string& found, const std::string& expected) {
+  return {SourceLocation{settings.mesh, 0, 0}, "tool.mesh", found, expected};
+}
+
+/// Centroid of the enclosed solid.
+Vec3 centroid(const TriangleMesh& mesh) {
+  Vec3 sum = Vec3::Zero();
+  double volume6 = 0;
+  for (const auto& t : mesh.triangles) {
+    const Vec3 &a = mesh.vertices[static_cast<std::size_t>(t[0])], &b = mesh.vertices[static_cast<std::size_t>(t[1])],
+               &c = mesh.vertices[static_cast<std::size_t>(t[2])];
+    const double v = a.dot(b.cross(c));
+    sum += v * (a + b + c) / 4;
+    volume6 += v;
+  }
+  return sum / volume6;
+}
+
+TriangleMesh read_closed_mesh(const ToolSettings& settings, double voxel_mm, Report& report) {
+  TriangleMesh mesh = read_mesh(settings.mesh, settings.scale);
+  const MeshDiagnosis diagnosis = diagnose(mesh);
+  if (!diagnosis.closed_manifold())
+    throw tool_error(settings, diagnosis.text(), "a tool needs a closed two-manifold surface");
+  const Vec3 size = mesh.bounds().max - mesh.bounds().min;
+  if (!(size.minCoeff() > voxel_mm) || !(std::abs(diagnosis.volume_mm3) > 0))
+    throw tool_error(settings,
+                     "the tool measures " + text(size.x()) + " × " + text(size.y()) + " × " + text(size.z()) + " mm",
+                     "more than a voxel (" + text(voxel_mm) + " mm) each way; is tool.scale right?");
+  if (diagnosis.volume_mm3 < 0) {
+    for (auto& t : mesh.triangles) std::swap(t[1], t[2]);
+    report.warn("tool.mesh: the triangles of " + settings.mesh + " face inwards; turned round");
+  }
+  return mesh;
+}
+
+/// The mesh has to be in the tool frame: turning about z, its cutting end at the origin.
+void check_frame(const ToolSettings& settings, const TriangleMesh& mesh, const Profile& profile, Report& report) {
+  const double off_axis = centroid(mesh).head<2>().norm();
+  const std::string found = "the mesh's centroid is " + text(off_axis) + " mm off the z axis";
+  if (off_axis > kOffAxisError * profile.max_radius_mm())
+    throw tool_error(settings, found, "the tool has to turn about z, +z towards the drill");
+  if (off_axis > kOffAxisWarn * profile.max_radius_mm())
+    report.warn("tool.mesh: " + found + "; it is taken to turn about z all the same");
+  const Aabb box = mesh.bounds();
+  if (std::abs(box.min.z()) > kOffOriginShare * (box.max.z() - box.min.z()))
+    report.warn("tool.mesh: the tool's lowest point is at z = " + text(box.min.z()) +
+                " mm; poses refer to z = 0, which should be the lowest point of the cutting surface");
+}
+
+int least_resolution(const ToolSettings& settings, double extent_mm, double voxel_mm) {
+  const double cells = std::ceil(extent_mm / (kSafeSpacingVoxels * voxel_mm) - 1e-9) + 1;
+  if (cells <= kMortonResolution) return std::max(2, static_cast<int>(cells));
+  const double least_voxel = extent_mm / (kMortonResolution - 1) / kSafeSpacingVoxels;
+  throw InputError("tool.shell_resolution: a spacing of half a voxel (" + text(kSafeSpacingVoxels * voxel_mm) +
+                   " mm) over the tool " + settings.mesh + " (" + text(extent_mm) + " mm) takes " + text(cells) +
+                   " cells per axis and 1024 are possible; bone.voxel_mm of " +
+                   text(std::ceil(least_voxel * 1e4) / 1e4) +
+                   " or more would do, or tool.shell_resolution: 1024 with the leak it warns of");
+}
+
+void warn_of_leak(const PointShell& shell, double voxel_mm, Report& report) {
+  const double spacing = shell.cell_mm / voxel_mm;
+  if (spacing <= kSafeSpacingVoxels * (1 + 1e-9)) return;
+  const std::string bound = spacing > 1 ? "more than " : "about ";
+  report.warn("tool.shell_resolution: the shell's spacing is " + text(spacing) + " voxels; " + bound +
+              text(100 * expected_leak(spacing)) +
+              " % of the swept voxels may be left behind; 0.5 voxels or less leaves none");
+}
+
+}  // namespace
+
+Tool load_tool(const ToolSettings& settings, double voxel_mm, Report& report) {
+  Tool tool;
+  tool.mesh = read_closed_mesh(settings, voxel_mm, report);
+  try {
+    tool.profile = envelope_of_revolution(tool.mesh).profile;
+  } catch (const InputError& error) {
+    throw tool_error(settings, error.what(), "");
+  }
+  check_frame(settings, tool.mesh, tool.profile, report);
+
+  const bool teeth = settings.spin == "resolved";
+  const auto height = std::minmax_element(tool.profile.points.begin(), tool.profile.points.end(),
+                                          [](const Vec2& a, const Vec2& b) { return a.y() < b.y(); });
+  const double radius = tool.profile.max_radius_mm();
+  tool.bounds =
+      teeth ? tool.mesh.bounds() : Aabb{{-radius, -radius, height.first->y()}, {radius, radius, height.second->y()}};
+  const double extent = (tool.bounds.max - tool.bounds.min).maxCoeff();
+  const int resolution =
+      settings.shell_resolution > 0 ? settings.shell_resolution : least_resolution(settings, extent, voxel_mm);
+  const double cell = extent / std::max(1, resolution - 1);
+  tool.shell = voxelise_surface(
+      teeth ? tool.mesh : revolve(tool.profile, segments_for_sagitta(radius, kFacetCells * cell)), resolution);
+  warn_of_leak(tool.shell, voxel_mm, report);
+
+  for (const std::uint32_t code : tool.shell.codes) {
+    const Vec3 point =
+        tool.shell.origin_mm + tool.shell.cell_mm * (morton_decode(code).cast<double>().array() + 0.5).matrix();
+    tool.reach_mm = std::max(tool.reach_mm, point.norm());
+  }
+  return tool;
+}
+
+}  // namespace reamsim

@@ -1,0 +1,88 @@
+#pragma once
+
+#include <cmath>
+#include <random>
+
+#include "sim/run/simulation.h"
+#include "sim/tool/revolve.h"
+
+namespace reamsim::test {
+
+/// A tool made in memory from its profile.
+inline Tool make_tool(const Profile& profile, int resolution) {
+  Tool tool;
+  tool.profile = profile;
+  tool.mesh = revolve(profile, 96);
+  tool.shell = voxelise_surface(tool.mesh, resolution);
+  tool.bounds = tool.mesh.bounds();
+  tool.bounds.min.array() -= tool.shell.cell_mm;
+  tool.bounds.max.array() += tool.shell.cell_mm;
+  for (const Vec3& v : tool.mesh.vertices) tool.reach_mm = std::max(tool.reach_mm, v.norm());
+  return tool;
+}
+
+/// A spherical cap of radius of curvature `radius`, `width` wide and `height` tall, bored to radius `bore`: the shape of
+/// the convex reamer's head, apex at the origin. `bore` 0: no bore.
+inline Profile cap_profile(double radius, double width, double height, double bore) {
+  const auto z = [&](double r) { return radius - std::sqrt(radius * radius - r * r); };
+  const double half = width / 2;
+  Profile profile;
+  constexpr int kSteps = 48;
+  for (int i = 0; i <= kSteps; ++i) {
+    const double r = bore + (half - bore) * i / kSteps;
+    profile.points.emplace_back(r, z(r));
+  }
+  profile.points.emplace_back(half, height);
+  profile.points.emplace_back(bore, height);
+  return profile;
+}
+
+/// A block of uniform density whose top face is z = 0.
+inline Voxmap block(const Vec3& size_mm, double voxel_mm, double density) {
+  VoxelGrid grid;
+  grid.voxel_mm = voxel_mm;
+  grid.dims = (size_mm / voxel_mm).array().round().cast<int>();
+  grid.origin_mm = {-size_mm.x() / 2, -size_mm.y() / 2, -size_mm.z()};
+  Voxmap voxmap(grid);
+  std::fill(voxmap.grade.begin(), voxmap.grade.end(), DensityMapping::grade_from_density(density));
+  return voxmap;
+}
+
+/// Bone with holes and every density, from a seed: nothing about it is regular.
+inline Voxmap random_bone(const Vec3i& dims, double voxel_mm, unsigned seed) {
+  VoxelGrid grid{dims, voxel_mm, {-3.1, -2.7, -1.9}};
+  Voxmap voxmap(grid);
+  std::mt19937 random(seed);
+  for (auto& grade : voxmap.grade) {
+    const auto draw = static_cast<unsigned>(random() % 400);
+    grade = static_cast<std::uint8_t>(draw < 251 ? draw : 0);
+  }
+  return voxmap;
+}
+
+/// A straight path at constant spin.
+inline Motion straight(const Vec3& from, const Vec3& to, int frames, double rate_hz, double rpm,
+                       const Quat& orientation = Quat::Identity()) {
+  Motion motion;
+  motion.frame_rate_hz = rate_hz;
+  for (int k = 0; k <= frames; ++k) {
+    ToolPose pose;
+    pose.position_mm = from + (to - from) * (double(k) / frames);
+    pose.orientation = orientation;
+    pose.spin_rpm = rpm;
+    pose.spin_angle_rad = 2 * M_PI * rpm / 60 * k / rate_hz;
+    motion.poses.push_back(pose);
+  }
+  return motion;
+}
+
+/// Scenario defaults for a scene made in memory.
+inline Scenario quiet_scenario(const std::string& device) {
+  Scenario scenario;
+  scenario.name = "test";
+  scenario.engine.device = device;
+  scenario.render.every_frames = 1'000'000;
+  return scenario;
+}
+
+}  // namespace reamsim::test
