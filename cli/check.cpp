@@ -13,7 +13,9 @@ namespace reamsim {
 
 namespace {
 
-std::string megabytes(std::size_t bytes) { return std::to_string((bytes + 999'999) / 1'000'000) + " MB"; }
+std::string megabytes(std::size_t bytes) {
+  return std::to_string((bytes + 999'999) / 1'000'000) + " MB";
+}
 
 void print_cost(const Console& console, const Scene& scene) {
   const RunCost cost = estimate_cost(scene);

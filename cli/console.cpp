@@ -13,14 +13,18 @@ namespace {
 // The one piece of global state: a signal handler can reach nothing else.
 volatile std::sig_atomic_t stop_signal = 0;
 
-void request_stop(int) { stop_signal = 1; }
+void request_stop(int) {
+  stop_signal = 1;
+}
 
 constexpr int kBarCells = 30;
 constexpr double kRedrawSeconds = 0.1;
 
 }  // namespace
 
-bool stop_requested() { return stop_signal != 0; }
+bool stop_requested() {
+  return stop_signal != 0;
+}
 
 void install_stop_handler() {
   struct sigaction action = {};
@@ -37,7 +41,9 @@ void Console::say(const std::string& line) const {
   std::fflush(stdout);
 }
 
-void Console::warn(const std::string& line) const { std::fprintf(stderr, "reamsim: warning: %s\n", line.c_str()); }
+void Console::warn(const std::string& line) const {
+  std::fprintf(stderr, "reamsim: warning: %s\n", line.c_str());
+}
 
 void Console::tell(Report& report) const {
   if (verbose) {
@@ -60,8 +66,10 @@ void Progress::update(std::int64_t done, std::int64_t total) {
     if (done < total && seconds - last_drawn_s_ < kRedrawSeconds) return;
     last_drawn_s_ = seconds;
     const int cells = static_cast<int>(share * kBarCells);
-    const std::string bar = std::string(static_cast<std::size_t>(cells), '#') + std::string(static_cast<std::size_t>(kBarCells - cells), '.');
-    std::printf("\r%s [%s] %lld/%lld %s  %.0f/s  %.0f s left \033[K", stage_.c_str(), bar.c_str(), d, t, unit_.c_str(), rate, left);
+    const std::string bar = std::string(static_cast<std::size_t>(cells), '#') +
+                            std::string(static_cast<std::size_t>(kBarCells - cells), '.');
+    std::printf("\r%s [%s] %lld/%lld %s  %.0f/s  %.0f s left \033[K", stage_.c_str(), bar.c_str(), d, t, unit_.c_str(),
+                rate, left);
     std::fflush(stdout);
     open_ = true;
     return;

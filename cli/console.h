@@ -21,7 +21,8 @@ class Console {
   void tell(Report& report) const;
 };
 
-/// Progress of one stage: a bar with rate and time left on a terminal, a line every tenth elsewhere, nothing when quiet.
+/// Progress of one stage: a bar with rate and time left on a terminal, a line every tenth elsewhere, nothing when
+/// quiet.
 class Progress {
  public:
   Progress(const Console& console, std::string stage, std::string unit);

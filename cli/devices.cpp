@@ -20,7 +20,8 @@ std::string line(const cl::DeviceInfo& device, cl_device_id chosen) {
 void devices_command(const Console& console) {
   const auto devices = cl::list_devices();
   if (devices.empty()) {
-    console.say("no OpenCL device found; reamsim run needs --device serial (slow), or install one (Debian: pocl-opencl-icd)");
+    console.say(
+        "no OpenCL device found; reamsim run needs --device serial (slow), or install one (Debian: pocl-opencl-icd)");
     return;
   }
   std::string why;

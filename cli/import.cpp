@@ -67,8 +67,9 @@ void import_command(const ImportOptions& options, const Console& console) {
 void add_import_command(CLI::App& app, Console& console) {
   auto* command = app.add_subcommand("import", "Turn a CT or a mesh into a voxmap (VDB) that bone.source: vdb reads");
   auto options = std::make_shared<ImportOptions>();
-  command->add_option("INPUT", options->input,
-                      "DICOM folder, NRRD, NIfTI or MetaImage; STL, OBJ or PLY; or a scenario, whose bone is taken")
+  command
+      ->add_option("INPUT", options->input,
+                   "DICOM folder, NRRD, NIfTI or MetaImage; STL, OBJ or PLY; or a scenario, whose bone is taken")
       ->required();
   command->add_option("-o,--output", options->output, "VDB file to write")->required();
   command

@@ -23,7 +23,9 @@ struct RenderOptions {
 /// The run's own render settings, changed by what the command line says.
 RenderSettings settings_of(const RenderOptions& options) {
   std::vector<std::string> overrides;
-  const auto set = [&](const std::string& key, const std::string& value) { overrides.push_back("render." + key + "=" + value); };
+  const auto set = [&](const std::string& key, const std::string& value) {
+    overrides.push_back("render." + key + "=" + value);
+  };
   if (options.width_px != 0) set("width_px", std::to_string(options.width_px));
   if (options.height_px != 0) set("height_px", std::to_string(options.height_px));
   if (!options.context.empty()) set("context", options.context);
@@ -55,7 +57,9 @@ void add_render_command(CLI::App& app, Console& console) {
   auto* command = app.add_subcommand("render", "Make the pictures of a finished run again, from its results alone");
   auto options = std::make_shared<RenderOptions>();
   command->add_option("DIR", options->dir, "Output folder of a finished run")->required();
-  command->add_option("--camera", options->cameras, "glenoid, oblique or section; may be repeated")->expected(1)->take_all();
+  command->add_option("--camera", options->cameras, "glenoid, oblique or section; may be repeated")
+      ->expected(1)
+      ->take_all();
   command->add_option("--width", options->width_px, "Width in pixels");
   command->add_option("--height", options->height_px, "Height in pixels");
   command->add_option("--context", options->context, "osmesa or egl");

@@ -56,8 +56,10 @@ double make_pictures(const std::string& dir, const Scenario& scenario, const Con
 
 void say_summary(const Console& console, const RunTotals& totals, const RunFacts& facts) {
   char text[256];
-  std::snprintf(text, sizeof text, "removed %.1f mm3, %.2f mm deep; peak axial force %.1f N, peak spin torque %.0f N mm; energy balance %.1e",
-                totals.removed_mm3, totals.max_depth_mm, totals.peak_axial_force_n, totals.peak_spin_torque_nmm, totals.balance);
+  std::snprintf(
+      text, sizeof text,
+      "removed %.1f mm3, %.2f mm deep; peak axial force %.1f N, peak spin torque %.0f N mm; energy balance %.1e",
+      totals.removed_mm3, totals.max_depth_mm, totals.peak_axial_force_n, totals.peak_spin_torque_nmm, totals.balance);
   console.say(text);
   std::snprintf(text, sizeof text, "%.1f s simulated in %.1f s on %s", totals.simulated_s, facts.simulate_s,
                 facts.device.c_str());

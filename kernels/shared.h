@@ -1,6 +1,7 @@
 /* Types and arithmetic that the host and the kernels share. Plain C, compiled by the C++ compiler and by every OpenCL C
- * compiler, so that the serial engine and the devices compute the same bits: positions are fixed-point integers, sums are
- * 64-bit integers, and the doubles in between use only operations that IEEE 754 rounds correctly (no contraction). */
+ * compiler, so that the serial engine and the devices compute the same bits: positions are fixed-point integers, sums
+ * are 64-bit integers, and the doubles in between use only operations that IEEE 754 rounds correctly (no contraction).
+ */
 #ifndef REAMSIM_KERNELS_SHARED_H
 #define REAMSIM_KERNELS_SHARED_H
 
@@ -26,7 +27,8 @@ typedef uint32_t rs_u32;
 #define RS_FLOOR floor
 #endif
 
-/* Fractional bits of a position in voxels. Over 1024 shell cells the rounding of the rotation adds up to 2^-15 voxel. */
+/* Fractional bits of a position in voxels. Over 1024 shell cells the rounding of the rotation adds up to 2^-15 voxel.
+ */
 #define RS_POSITION_BITS 24
 
 /* Least significant digits of the integer sums: N, N·mm, mJ. Room for 3·10^10 N, 5·10^11 N·mm, 2·10^9 mJ a substep. */
@@ -41,26 +43,26 @@ typedef uint32_t rs_u32;
 #define RS_EROSION_REMOVE 0
 #define RS_EROSION_WEAR 1
 
-/* Everything that the stages of one substep need to know; written to the device in one piece before detect (paper §3.5).
- * Lengths in mm, frame B unless said otherwise. */
+/* Everything that the stages of one substep need to know; written to the device in one piece before detect (paper
+ * §3.5). Lengths in mm, frame B unless said otherwise. */
 typedef struct {
-  rs_i64 voxel_from_cell[9]; /* row-major, fixed point: shell cell step to voxels */
-  rs_i64 voxel_origin[3];    /* fixed point: centre of shell cell (0,0,0), in voxels from the lattice's corner */
-  double tool_from_bone[9];  /* row-major rotation */
-  double lattice_origin[3];  /* corner of voxel (0,0,0), relative to the tool's origin */
-  double origin_velocity[3]; /* of the tool's origin, mm/s */
-  double angular_velocity[3];/* spin and tilt, rad/s */
+  rs_i64 voxel_from_cell[9];  /* row-major, fixed point: shell cell step to voxels */
+  rs_i64 voxel_origin[3];     /* fixed point: centre of shell cell (0,0,0), in voxels from the lattice's corner */
+  double tool_from_bone[9];   /* row-major rotation */
+  double lattice_origin[3];   /* corner of voxel (0,0,0), relative to the tool's origin */
+  double origin_velocity[3];  /* of the tool's origin, mm/s */
+  double angular_velocity[3]; /* spin and tilt, rad/s */
   double voxel_mm;
   double duration_s;
-  double speed_floor;        /* mm/s */
-  double normal_ratio;       /* k_n */
-  double force_per_point;    /* N, law per_point */
-  double wear;               /* g/cm3 that a touched voxel loses in this substep */
-  double cell_mm;            /* of the shell */
-  double shell_origin[3];    /* corner of shell cell (0,0,0), tool frame T turned by the spin angle */
-  double shell_turn[2];      /* cosine and sine of the turn that takes shell to T */
+  double speed_floor;     /* mm/s */
+  double normal_ratio;    /* k_n */
+  double force_per_point; /* N, law per_point */
+  double wear;            /* g/cm3 that a touched voxel loses in this substep */
+  double cell_mm;         /* of the shell */
+  double shell_origin[3]; /* corner of shell cell (0,0,0), tool frame T turned by the spin angle */
+  double shell_turn[2];   /* cosine and sine of the turn that takes shell to T */
   rs_i32 dims[3];
-  rs_i32 voi_min[3];         /* shell cells, inclusive */
+  rs_i32 voi_min[3]; /* shell cells, inclusive */
   rs_i32 voi_max[3];
   rs_i32 law;
   rs_i32 erosion;
@@ -83,7 +85,8 @@ typedef struct {
   double normal_r, normal_z;
 } ProfileEdge;
 
-/* ---- Morton codes: 10 bits per axis, x in bit 0 (paper §3.3) ------------------------------------------------------- */
+/* ---- Morton codes: 10 bits per axis, x in bit 0 (paper §3.3) -------------------------------------------------------
+ */
 
 RS_INLINE rs_i32 rs_compact_bits(rs_u32 code) {
   code &= 0x09249249u;
@@ -94,7 +97,8 @@ RS_INLINE rs_i32 rs_compact_bits(rs_u32 code) {
   return (rs_i32)code;
 }
 
-/* ---- Detect: where a shell point lies -------------------------------------------------------------------------------- */
+/* ---- Detect: where a shell point lies
+ * -------------------------------------------------------------------------------- */
 
 /* Voxel coordinate along `axis` of the centre of shell cell (x, y, z). */
 RS_INLINE rs_i32 rs_voxel_coordinate(RS_GLOBAL const SubstepArgs* a, int axis, rs_i32 x, rs_i32 y, rs_i32 z) {
@@ -107,15 +111,16 @@ RS_INLINE int rs_in_voi(RS_GLOBAL const SubstepArgs* a, rs_i32 x, rs_i32 y, rs_i
          z <= a->voi_max[2];
 }
 
-/* ---- The profile's outward normal ------------------------------------------------------------------------------------ */
+/* ---- The profile's outward normal
+ * ------------------------------------------------------------------------------------ */
 
 typedef struct {
   double r, z;
 } RsNormal;
 
-/* Outward unit normal (n_r, n_z) at the profile's point nearest to (r, z): the gradient of the signed distance there, or
- * the edge's normal on the surface itself. Of two edges that share the nearest vertex the one seen more squarely decides
- * the sign. */
+/* Outward unit normal (n_r, n_z) at the profile's point nearest to (r, z): the gradient of the signed distance there,
+ * or the edge's normal on the surface itself. Of two edges that share the nearest vertex the one seen more squarely
+ * decides the sign. */
 RS_INLINE RsNormal rs_profile_normal(RS_GLOBAL const ProfileEdge* edges, rs_i32 count, double r, double z) {
   double best = 1e300, best_side = 0, dr = 0, dz = 0;
   RsNormal normal;
@@ -147,9 +152,12 @@ RS_INLINE RsNormal rs_profile_normal(RS_GLOBAL const ProfileEdge* edges, rs_i32 
   return normal;
 }
 
-/* ---- Cut: what a voxel that loses volume does to the tool (design §5) -------------------------------------------------- */
+/* ---- Cut: what a voxel that loses volume does to the tool (design §5)
+ * -------------------------------------------------- */
 
-RS_INLINE rs_i64 rs_quantise(double value, double scale) { return (rs_i64)RS_FLOOR(value * scale + 0.5); }
+RS_INLINE rs_i64 rs_quantise(double value, double scale) {
+  return (rs_i64)RS_FLOOR(value * scale + 0.5);
+}
 
 /* Fill that a touched voxel of density `density` loses: all of it, or what wears off in this substep. */
 RS_INLINE rs_i32 rs_lost_fill(RS_GLOBAL const SubstepArgs* a, double density, rs_i32 fill) {

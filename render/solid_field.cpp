@@ -55,7 +55,7 @@ std::unique_ptr<Leaf> smoothed_leaf(const Occupancy& occupancy, const Kernel& ke
   for (int z = 0; z < kSide; ++z) {
     smooth_rows(kernel, kGathered, after_z.data() + z * kGathered * kGathered, after_y.data() + z * kSide * kGathered);
   }
-  auto leaf = std::make_unique<Leaf>(openvdb::Coord(brick.x(), brick.y(), brick.z()) * kSide, kAir, true);
+  auto leaf = std::make_unique<Leaf>(openvdb::Coord(brick.x() * kSide, brick.y() * kSide, brick.z() * kSide), kAir, true);
   for (int z = 0; z < kSide; ++z) {
     for (int y = 0; y < kSide; ++y) {
       std::array<float, kSide> row;

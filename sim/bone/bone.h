@@ -18,7 +18,8 @@ struct Bone {
 /// Throws InputError for whatever is wrong with the data; says in `report` what was done (voxels, volumes, pieces).
 Bone load_bone(const BoneSettings& settings, Report& report);
 
-/// The sources behind load_bone(), with voxmap_from_ct() (sim/bone/ct/ct_import.h). Each gives an isotropic voxmap of `settings.voxel_mm` in the frame B.
+/// The sources behind load_bone(), with voxmap_from_ct() (sim/bone/ct/ct_import.h). Each gives an isotropic voxmap of
+/// `settings.voxel_mm` in the frame B.
 Voxmap voxmap_from_mesh(const BoneSettings& settings, Report& report);
 Voxmap voxmap_from_vdb(const BoneSettings& settings, Report& report);
 Bone bone_from_phantom(const BoneSettings& settings, Report& report);

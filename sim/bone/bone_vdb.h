@@ -20,7 +20,8 @@ using Metadata = std::vector<std::pair<std::string, std::string>>;
 void write_bone_vdb(const std::string& path, const Voxmap& voxmap, const RemovedFrames& removed,
                     const Metadata& metadata);
 
-/// Reads `density` and `fill` back. Throws InputError: no such file, truncated, no such grid, not isotropic, absurdly large.
+/// Reads `density` and `fill` back. Throws InputError: no such file, truncated, no such grid, not isotropic, absurdly
+/// large.
 Voxmap read_bone_vdb(const std::string& path);
 
 }  // namespace reamsim

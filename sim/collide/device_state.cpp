@@ -21,7 +21,9 @@ std::size_t removed_room(std::int64_t bone_voxels, const PointShell& shell) {
   return static_cast<std::size_t>(std::min(bone_voxels, std::max(kRemovedRoom, one_substep)));
 }
 
-bool needs_fill(const Voxmap& voxmap, bool wear) { return wear || voxmap.fill.stored_bricks() > 0; }
+bool needs_fill(const Voxmap& voxmap, bool wear) {
+  return wear || voxmap.fill.stored_bricks() > 0;
+}
 
 /// The device's view of the bone: 0 where nothing is left.
 std::vector<cl_uchar> grades_left(const Voxmap& voxmap) {

@@ -13,12 +13,12 @@ struct RemovedVoxel {
   cl_uint frame;
 };
 
-/// What lives on the device between detect and cut, in the paper's layout: the bone as a dense 8-bit array, the shell at
-/// 4 bytes a point; and beside them a claim bit per voxel, the contact list, and one set of arguments and sums per
+/// What lives on the device between detect and cut, in the paper's layout: the bone as a dense 8-bit array, the shell
+/// at 4 bytes a point; and beside them a claim bit per voxel, the contact list, and one set of arguments and sums per
 /// substep of the batch.
 struct DeviceState {
-  cl::Buffer<cl_uchar> bone;     ///< grade, 0 = air or gone
-  cl::Buffer<cl_ushort> fill;    ///< per voxel, or one dummy where every voxel is whole
+  cl::Buffer<cl_uchar> bone;   ///< grade, 0 = air or gone
+  cl::Buffer<cl_ushort> fill;  ///< per voxel, or one dummy where every voxel is whole
   bool has_fill = false;
   cl::Buffer<cl_uint> claims;
   cl::Buffer<cl_uint> codes;

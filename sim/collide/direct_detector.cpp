@@ -29,6 +29,8 @@ void DirectDetector::detect(int slot) {
   events_.push_back(kernel_.launch(device_, points_, work_group_));
 }
 
-std::vector<double> DirectDetector::take_seconds() { return cl::take_seconds(events_); }
+std::vector<double> DirectDetector::take_seconds() {
+  return cl::take_seconds(events_);
+}
 
 }  // namespace reamsim

@@ -23,8 +23,8 @@ Vec3 rotation_vector(const Quat& a, const Quat& b) {
   return angle * turn.axis();
 }
 
-/// First and last shell cell along an axis whose centre can lie in [low, high] mm from the shell's corner; a cell more on
-/// either side, because fixed-point positions are rounded.
+/// First and last shell cell along an axis whose centre can lie in [low, high] mm from the shell's corner; a cell more
+/// on either side, because fixed-point positions are rounded.
 std::pair<int, int> cell_range(double low, double high, const PointShell& shell) {
   const double first = std::floor(low / shell.cell_mm - 0.5) - 1, last = std::ceil(high / shell.cell_mm - 0.5) + 1;
   const auto clamp = [&](double c) { return static_cast<int>(std::clamp(c, 0.0, shell.resolution - 1.0)); };
@@ -34,8 +34,8 @@ std::pair<int, int> cell_range(double low, double high, const PointShell& shell)
 }  // namespace
 
 int count_substeps(const ToolPose& a, const ToolPose& b, const Tool& tool, bool spin_resolved, double max_step_mm) {
-  double step = (b.position_mm - a.position_mm).norm() +
-                rotation_vector(a.orientation, b.orientation).norm() * tool.reach_mm;
+  double step =
+      (b.position_mm - a.position_mm).norm() + rotation_vector(a.orientation, b.orientation).norm() * tool.reach_mm;
   if (spin_resolved) step += std::abs(b.spin_angle_rad - a.spin_angle_rad) * tool.profile.max_radius_mm();
   return std::max(1, static_cast<int>(std::ceil(step / max_step_mm - 1e-9)));
 }

@@ -9,7 +9,9 @@ extern const char* const kernel_cut_voxels;
 namespace {
 
 /// Enough work-items to fill the device: a CPU wants few that do much, a GPU many.
-std::size_t work_items(const cl::DeviceInfo& info) { return info.compute_units * (info.gpu ? 1024 : 64); }
+std::size_t work_items(const cl::DeviceInfo& info) {
+  return info.compute_units * (info.gpu ? 1024 : 64);
+}
 
 }  // namespace
 
@@ -45,6 +47,8 @@ void DeviceErosion::cut(int slot) {
   events_.push_back(kernel_.launch(device_, items_, work_group_));
 }
 
-std::vector<double> DeviceErosion::take_seconds() { return cl::take_seconds(events_); }
+std::vector<double> DeviceErosion::take_seconds() {
+  return cl::take_seconds(events_);
+}
 
 }  // namespace reamsim

@@ -4,8 +4,8 @@
 
 namespace reamsim {
 
-/// Answers, for each voxel of the contact list: how much goes, what force does that take, what is left? Adds to the sums
-/// of `slot` and empties the contact list. The same for every detector.
+/// Answers, for each voxel of the contact list: how much goes, what force does that take, what is left? Adds to the
+/// sums of `slot` and empties the contact list. The same for every detector.
 class Erosion {
  public:
   virtual ~Erosion() = default;

@@ -17,16 +17,26 @@ namespace {
 
 const char* error_name(cl_int status) {
   switch (status) {
-    case CL_DEVICE_NOT_FOUND: return "no device found";
-    case CL_DEVICE_NOT_AVAILABLE: return "device not available";
-    case CL_MEM_OBJECT_ALLOCATION_FAILURE: return "memory allocation failed";
-    case CL_OUT_OF_RESOURCES: return "out of resources";
-    case CL_OUT_OF_HOST_MEMORY: return "out of host memory";
-    case CL_BUILD_PROGRAM_FAILURE: return "build failure";
-    case CL_INVALID_WORK_GROUP_SIZE: return "invalid work-group size";
-    case CL_INVALID_BUFFER_SIZE: return "invalid buffer size";
-    case CL_INVALID_KERNEL_NAME: return "no such kernel in the program";
-    default: return "OpenCL error";
+    case CL_DEVICE_NOT_FOUND:
+      return "no device found";
+    case CL_DEVICE_NOT_AVAILABLE:
+      return "device not available";
+    case CL_MEM_OBJECT_ALLOCATION_FAILURE:
+      return "memory allocation failed";
+    case CL_OUT_OF_RESOURCES:
+      return "out of resources";
+    case CL_OUT_OF_HOST_MEMORY:
+      return "out of host memory";
+    case CL_BUILD_PROGRAM_FAILURE:
+      return "build failure";
+    case CL_INVALID_WORK_GROUP_SIZE:
+      return "invalid work-group size";
+    case CL_INVALID_BUFFER_SIZE:
+      return "invalid buffer size";
+    case CL_INVALID_KERNEL_NAME:
+      return "no such kernel in the program";
+    default:
+      return "OpenCL error";
   }
 }
 
@@ -82,14 +92,17 @@ Program Device::build(const std::string& name, const char* embedded_source) cons
   throw RunError("kernel " + name + " does not build on " + info_.name + ": " + build_log(program.get(), info_.id));
 }
 
-void Device::finish() const { check(clFinish(queue_.get()), "clFinish"); }
+void Device::finish() const {
+  check(clFinish(queue_.get()), "clFinish");
+}
 
 Memory allocate_memory(const Device& device, std::size_t bytes, const char* what) {
   const auto mb = [](std::size_t n) { return std::to_string((n + 999'999) / 1'000'000) + " MB"; };
   const DeviceInfo& info = device.info();
   if (bytes > info.max_allocation_bytes) {
-    throw RunError(std::string(what) + " needs " + mb(bytes) + " in one piece, but " + info.name + " allocates at most " +
-                   mb(info.max_allocation_bytes) + "; use a larger bone.voxel_mm or a smaller crop");
+    throw RunError(std::string(what) + " needs " + mb(bytes) + " in one piece, but " + info.name +
+                   " allocates at most " + mb(info.max_allocation_bytes) +
+                   "; use a larger bone.voxel_mm or a smaller crop");
   }
   cl_int status = CL_SUCCESS;
   Memory memory(clCreateBuffer(device.context(), CL_MEM_READ_WRITE, bytes == 0 ? 1 : bytes, nullptr, &status));

@@ -61,9 +61,9 @@ struct DeviceInfo {
 /// Every device of every platform; empty where there is no platform.
 std::vector<DeviceInfo> list_devices();
 
-/// The device that `wanted` names: "auto" is the first usable GPU, else the first usable CPU; anything else is part of a
-/// device's name, whatever the case. Throws RunError when there is no OpenCL device at all, InputError when none matches
-/// or the match cannot be used.
+/// The device that `wanted` names: "auto" is the first usable GPU, else the first usable CPU; anything else is part of
+/// a device's name, whatever the case. Throws RunError when there is no OpenCL device at all, InputError when none
+/// matches or the match cannot be used.
 DeviceInfo choose_device(const std::string& wanted);
 
 /// One device with its context and an in-order queue.

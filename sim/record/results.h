@@ -11,17 +11,17 @@ namespace reamsim {
 struct FrameResult {
   std::int64_t frame = 0;
   double time_s = 0;
-  ToolPose pose;                     ///< at the end of the frame
-  double depth_mm = 0;               ///< travel along −z of T since first contact
-  Vec3 force_n = Vec3::Zero();       ///< mean over the substeps
-  Vec3 torque_nmm = Vec3::Zero();    ///< about the tool's origin
-  double axial_force_n = 0;          ///< along +z of T
-  double spin_torque_nmm = 0;        ///< resistance to the spin: positive while cutting
-  std::int64_t contacts = 0;         ///< voxels touched
+  ToolPose pose;                   ///< at the end of the frame
+  double depth_mm = 0;             ///< travel along −z of T since first contact
+  Vec3 force_n = Vec3::Zero();     ///< mean over the substeps
+  Vec3 torque_nmm = Vec3::Zero();  ///< about the tool's origin
+  double axial_force_n = 0;        ///< along +z of T
+  double spin_torque_nmm = 0;      ///< resistance to the spin: positive while cutting
+  std::int64_t contacts = 0;       ///< voxels touched
   double removed_mm3 = 0;
   double energy_mj = 0;
   double floor_energy_mj = 0;
-  double balance = 0;                ///< (work done − energy cut)/energy cut, cumulative; 0 before contact
+  double balance = 0;  ///< (work done − energy cut)/energy cut, cumulative; 0 before contact
 };
 
 }  // namespace reamsim

@@ -30,9 +30,9 @@ void put_brick(openvdb::FloatGrid& grid, const Vec3i& brick_coord, const FillBri
   for (int z = 0; z < 8; ++z) {
     for (int y = 0; y < 8; ++y) {
       for (int x = 0; x < 8; ++x) {
-        const std::uint16_t units =
-            brick == nullptr ? FillBricks::kWhole
-                             : (*brick)[static_cast<std::size_t>(FillBricks::offset_in_brick({x, y, z}))];
+        const std::uint16_t units = brick == nullptr
+                                        ? FillBricks::kWhole
+                                        : (*brick)[static_cast<std::size_t>(FillBricks::offset_in_brick({x, y, z}))];
         leaf->setValueOn(corner.offsetBy(x, y, z), static_cast<float>(units) / FillBricks::kWhole);
       }
     }
@@ -62,7 +62,8 @@ std::vector<std::int64_t> snapshot_frames(const std::string& dir) {
   std::error_code error;
   for (const auto& entry : fs::directory_iterator(dir + "/snapshots", error)) {
     const std::string stem = entry.path().stem().string();
-    const bool number = !stem.empty() && std::all_of(stem.begin(), stem.end(), [](char c) { return c >= '0' && c <= '9'; });
+    const bool number =
+        !stem.empty() && std::all_of(stem.begin(), stem.end(), [](char c) { return c >= '0' && c <= '9'; });
     if (entry.path().extension() == ".vdb" && number && stem.size() < 19) frames.push_back(std::stoll(stem));
   }
   std::sort(frames.begin(), frames.end());

@@ -33,8 +33,12 @@ std::string header(const VoxelGrid& grid) {
   return "<?xml version=\"1.0\"?>\n"
          "<VTKFile type=\"ImageData\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\" "
          "compressor=\"vtkZLibDataCompressor\">\n"
-         "<ImageData WholeExtent=\"" + extent + "\" Origin=\"" + origin + "\" Spacing=\"" + spacing + "\">\n"
-         "<Piece Extent=\"" + extent + "\">\n<PointData Scalars=\"density_g_cm3\">\n"
+         "<ImageData WholeExtent=\"" +
+         extent + "\" Origin=\"" + origin + "\" Spacing=\"" + spacing +
+         "\">\n"
+         "<Piece Extent=\"" +
+         extent +
+         "\">\n<PointData Scalars=\"density_g_cm3\">\n"
          "<DataArray type=\"Float32\" Name=\"density_g_cm3\" format=\"appended\" offset=\"0\"/>\n"
          "</PointData>\n</Piece>\n</ImageData>\n<AppendedData encoding=\"raw\">\n_";
 }
@@ -67,7 +71,8 @@ void write_vti(const std::string& path, const Voxmap& voxmap) {
   sizes.resize(3 + blocks);
   std::ofstream out(path, std::ios::binary);
   const auto put = [&](const auto& items) {
-    out.write(reinterpret_cast<const char*>(items.data()), static_cast<std::streamsize>(items.size() * sizeof items[0]));
+    out.write(reinterpret_cast<const char*>(items.data()),
+              static_cast<std::streamsize>(items.size() * sizeof items[0]));
   };
   out << header(voxmap.grid);
   const auto table = out.tellp();

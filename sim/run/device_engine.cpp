@@ -9,8 +9,8 @@ namespace reamsim {
 
 namespace {
 
-/// Group sizes where the scenario leaves the choice: detect is one short item per point; cut strides, and on a CPU wants
-/// several groups, because PoCL hands whole groups to threads.
+/// Group sizes where the scenario leaves the choice: detect is one short item per point; cut strides, and on a CPU
+/// wants several groups, because PoCL hands whole groups to threads.
 std::size_t group_size(const cl::DeviceInfo& info, int wanted, std::size_t otherwise) {
   return std::min(wanted > 0 ? static_cast<std::size_t>(wanted) : otherwise, info.max_work_group);
 }

@@ -19,8 +19,7 @@ FrameResult FrameLedger::close(const PendingFrame& frame, const std::vector<Subs
   for (const auto& [slot, substep] : frame.cut) {
     const SubstepSums& sum = sums[static_cast<std::size_t>(slot)];
     const Vec3 force = scaled(sum.force, RS_FORCE_SCALE), torque = scaled(sum.torque, RS_TORQUE_SCALE);
-    work_mj_ -=
-        (torque.dot(substep.angular_velocity) + force.dot(substep.origin_velocity_mm_s)) * substep.duration_s;
+    work_mj_ -= (torque.dot(substep.angular_velocity) + force.dot(substep.origin_velocity_mm_s)) * substep.duration_s;
     out.force_n += force / frame.substeps;
     out.torque_nmm += torque / frame.substeps;
     out.energy_mj += static_cast<double>(sum.energy) / RS_ENERGY_SCALE;

@@ -18,8 +18,8 @@ struct PendingFrame {
   double broad_phase_s = 0;
 };
 
-/// Turns the integer sums of the substeps into the rows of forces.csv, and keeps the energy account: the work done on the
-/// bone, −Σ(T·ω + F·v)·Δt + E_floor, against the energy of the volume cut, accumulated apart (design §5).
+/// Turns the integer sums of the substeps into the rows of forces.csv, and keeps the energy account: the work done on
+/// the bone, −Σ(T·ω + F·v)·Δt + E_floor, against the energy of the volume cut, accumulated apart (design §5).
 class FrameLedger {
  public:
   FrameLedger(double voxel_mm3, double frame_s) : voxel_mm3_(voxel_mm3), frame_s_(frame_s) {}

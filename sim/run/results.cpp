@@ -46,8 +46,10 @@ Metadata provenance(const Scene& scene, const RunFacts& facts) {
 }
 
 std::string scenario_head(const RunFacts& facts) {
-  std::string head = "# Resolved by reamsim " REAMSIM_VERSION ": every default filled in. Run on " + facts.device + ".\n";
-  for (const auto& input : facts.inputs) head += "# sha256 " + input.sha256 + "  " + input.role + "  " + input.path + "\n";
+  std::string head =
+      "# Resolved by reamsim " REAMSIM_VERSION ": every default filled in. Run on " + facts.device + ".\n";
+  for (const auto& input : facts.inputs)
+    head += "# sha256 " + input.sha256 + "  " + input.role + "  " + input.path + "\n";
   return head;
 }
 
@@ -114,15 +116,15 @@ void write_summary(const std::string& dir, const Scene& scene, const RunTotals& 
   json["tool"] = {{"shell_points", scene.tool.shell.codes.size()},
                   {"shell_resolution", scene.tool.shell.resolution},
                   {"shell_spacing_mm", scene.tool.shell.cell_mm}};
-  json["timings_s"] = {{"load", facts.load_s},       {"simulate", facts.simulate_s}, {"broad_phase", totals.broad_phase_s},
-                       {"detect", totals.detect_s}, {"cut", totals.cut_s},          {"render", render_s}};
+  json["timings_s"] = {
+      {"load", facts.load_s},      {"simulate", facts.simulate_s}, {"broad_phase", totals.broad_phase_s},
+      {"detect", totals.detect_s}, {"cut", totals.cut_s},          {"render", render_s}};
   json["memory_mb"] = {{"peak_process", peak_process_mb()}, {"device", static_cast<double>(facts.device_bytes) / 1e6}};
   for (const auto& input : facts.inputs) {
     json["inputs"].push_back({{"role", input.role}, {"path", input.path}, {"sha256", input.sha256}});
   }
   json["warnings"] = facts.warnings;
-  write_text(dir + "/summary.json",
-             json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n");
+  write_text(dir + "/summary.json", json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n");
 }
 
 }  // namespace reamsim

@@ -28,8 +28,8 @@ struct RunFacts {
   std::vector<std::string> warnings;
 };
 
-/// Writes scenario.yaml (resolved, with the sums in its head), reamed.vdb, reamed.vti and snapshots/tool.stl into `dir`.
-/// Throws RunError when the disk is full.
+/// Writes scenario.yaml (resolved, with the sums in its head), reamed.vdb, reamed.vti and snapshots/tool.stl into
+/// `dir`. Throws RunError when the disk is full.
 void write_results(const std::string& dir, const Scene& scene, const Recorder& recorder, const RunFacts& facts);
 
 /// Writes summary.json into `dir`; `render_s` is the time of pictures and plots, 0 without.

@@ -70,8 +70,8 @@ class Run {
       pending.broad_phase_s += watch.seconds();
       if (!voi) continue;
       if (engine_.full()) drain();
-      const int slot = engine_.begin(make_args(substep, *voi, scene_.tool.shell, scene_.bone.voxmap.grid,
-                                               scene_.scenario.cutting, resolved_));
+      const int slot = engine_.begin(
+          make_args(substep, *voi, scene_.tool.shell, scene_.bone.voxmap.grid, scene_.scenario.cutting, resolved_));
       engine_.detector().detect(slot);
       engine_.erosion().cut(slot);
       pending.cut.emplace_back(static_cast<int>(batch_.sums.size()) + slot, substep);

@@ -30,8 +30,8 @@ struct Scene {
 /// Loads bone, tool and motion of a scenario. Throws InputError.
 Scene load_scene(const Scenario& scenario, Report& report);
 
-/// Runs the motion: per substep broad phase → detect → cut, per batch record. `scene.bone` is reamed; rows, snapshots and
-/// timings go to `recorder`. Warns when the tool never touches, starts inside bone, or cuts without spin.
+/// Runs the motion: per substep broad phase → detect → cut, per batch record. `scene.bone` is reamed; rows, snapshots
+/// and timings go to `recorder`. Warns when the tool never touches, starts inside bone, or cuts without spin.
 void simulate(Scene& scene, Engine& engine, Recorder& recorder, const RunControl& control, Report& report);
 
 /// Frames whose state is kept for pictures: 0, every n-th and the last.

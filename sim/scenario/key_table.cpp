@@ -37,12 +37,13 @@ std::string values_text(const KeyNode& key) {
   std::string out;
   for (const auto choice : key.info.choices) out += (out.empty() ? "`" : ", `") + std::string(choice) + "`";
   if (out.empty()) out = range_text(key.info.range);
-  if (key.info.nonzero) out += ", not all zero";
+  if (key.info.nonzero) out = "not all zero";
   return out;
 }
 
 std::string default_text(const KeyNode& key) {
   if (key.info.required) return "**required**";
+  if (key.kind == Kind::section) return "";
   return key.default_json.empty() ? "none" : "`" + key.default_json + "`";
 }
 

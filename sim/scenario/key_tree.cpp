@@ -161,6 +161,7 @@ std::string expectation(const KeyInfo& info, KeyNode::Kind kind) {
     case KeyNode::Kind::choices:
       return "a list of one or more of " + join_or(info.choices);
     case KeyNode::Kind::vector:
+      if (info.nonzero) return "3 numbers [x, y, z], not all zero, each " + range;
       return "3 numbers [x, y, z]" + (range.empty() ? "" : ", each " + range) +
              (unit.empty() ? "" : " (" + std::string(unit) + ")");
     case KeyNode::Kind::quaternion:

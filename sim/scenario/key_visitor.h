@@ -45,7 +45,7 @@ struct When {
 /// All that is known of one key beside its value: one description for parser, writer, schema and documentation.
 struct KeyInfo {
   std::string_view name;
-  std::string_view doc;
+  std::string_view doc{};
   bool required = false;  ///< where it applies
   Range range{};
   std::vector<std::string_view> choices{};

@@ -44,12 +44,14 @@ YamlNodePtr parse_value(const std::string& text, const YamlMark& mark) {
     const YamlNodePtr node = parse_yaml(text, *mark.override_text);
     const bool block_map = node->kind == YamlNode::Kind::map && !text.starts_with('{');
     const bool comment = node->kind == YamlNode::Kind::null && text.starts_with('#');
-    if (!block_map && !comment) return marked(*node, mark);
+    const bool plain = node->kind == YamlNode::Kind::scalar && !node->quoted;
+    if (!block_map && !comment && !plain) return marked(*node, mark);
   } catch (const InputError&) {
     // Not YAML, so it is meant literally: a device's name may hold ": " or a bracket.
     if (text.starts_with('[') || text.starts_with('{') || text.starts_with('"')) throw;
   }
-  return text_node(text, mark);
+  const std::size_t first = text.find_first_not_of(" \t\n"), last = text.find_last_not_of(" \t\n");
+  return text_node(first == std::string::npos ? "" : text.substr(first, last - first + 1), mark);
 }
 
 Override take_apart(const std::string& assignment) {

@@ -5,10 +5,12 @@
 #include <fstream>
 #include <new>
 #include <system_error>
+#include <utility>
 
 #include "sim/base/error.h"
-#include "sim/scenario/key_visitor.h"
+#include "sim/scenario/describe_sections.h"
 #include "sim/scenario/overrides.h"
+#include "sim/scenario/paths.h"
 #include "sim/scenario/reader.h"
 #include "sim/scenario/rules.h"
 #include "sim/scenario/show.h"
@@ -57,6 +59,22 @@ YamlNodePtr read_document(const std::string& path, const std::vector<std::string
   return document;
 }
 
+std::shared_ptr<YamlNode> text_of(const std::string& text) {
+  auto node = std::make_shared<YamlNode>();
+  node->kind = YamlNode::Kind::scalar;
+  node->text = text;
+  node->quoted = true;
+  return node;
+}
+
+/// A section of one key.
+std::shared_ptr<YamlNode> section_of(const std::string& key, YamlNodePtr value) {
+  auto node = std::make_shared<YamlNode>();
+  node->kind = YamlNode::Kind::map;
+  node->entries.push_back({key, {}, std::move(value)});
+  return node;
+}
+
 }  // namespace
 
 Scenario parse_scenario(const std::string& path, const std::vector<std::string>& overrides) {
@@ -75,6 +93,35 @@ Scenario parse_scenario(const std::string& path, const std::vector<std::string>&
   } catch (const std::bad_alloc&) {
     throw InputError({shown_path(path), 0, 0}, "", "needs more memory than there is", kExpectedFile);
   }
+}
+
+RenderSettings parse_render_settings(const std::string& path, const std::vector<std::string>& overrides) {
+  const YamlNodePtr document = read_document(path, overrides);
+  const std::string file = shown_path(path);
+  reject_unknown_keys(*document, file);
+  ScenarioReader reader(document, file, "");
+  RenderSettings render;
+  reader.section({.name = "render"}, render, describe_render);
+  return render;
+}
+
+BoneSettings parse_bone_settings(const std::string& source, const std::string& path,
+                                 const std::vector<std::string>& overrides) {
+  const std::string file = shown_path(path);
+  YamlNodePtr document = section_of("bone", section_of(source, section_of("path", text_of(escape_path(path)))));
+  document = apply_override(document, "bone.source=" + source);
+  for (const auto& assignment : overrides) {
+    document = apply_override(document, assignment);
+    if (document->entries.size() > 1) {
+      throw InputError("--set " + shown_path(assignment) + ": not a key of the bone; expected bone.key=value");
+    }
+  }
+  reject_unknown_keys(*document, file);
+  ScenarioReader reader(document, file, fs::current_path().string());
+  Scenario scenario;
+  reader.section({.name = "bone"}, scenario.bone, describe_bone);
+  check_rules(scenario, reader.locations());
+  return scenario.bone;
 }
 
 std::vector<std::pair<std::string, std::string>> input_files(const Scenario& scenario) {

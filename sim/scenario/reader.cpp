@@ -182,7 +182,7 @@ void ScenarioReader::optional_vector(const KeyInfo& info, std::optional<Vec3>& v
   // Shorter than this, squared lengths lose their digits.
   constexpr double kShortest = 1e-9;
   if (info.nonzero && value->norm() < kShortest) {
-    reject(info.name, *node, "found a direction of length 0", "3 numbers [x, y, z], not all zero");
+    reject(info.name, *node, "found a direction of length 0", expected);
   }
 }
 

@@ -18,6 +18,10 @@ Json number(double value) {
 }
 
 void add_range(Json& out, const Range& range) {
+  if (range.min == range.max) {
+    out["const"] = number(range.min);
+    return;
+  }
   if (std::isfinite(range.min)) out[range.min_excluded ? "exclusiveMinimum" : "minimum"] = number(range.min);
   if (std::isfinite(range.max)) out["maximum"] = number(range.max);
 }

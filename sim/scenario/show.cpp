@@ -88,8 +88,12 @@ std::string shown(const YamlNode& node) {
 }
 
 std::string number_text(double value) {
-  std::array<char, 40> buffer{};
-  const auto end = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value).ptr;
+  std::array<char, 64> buffer{};
+  // Fixed notation where people would use it; both are the shortest that read back.
+  const double size = std::abs(value);
+  const bool fixed = value == 0 || (size >= 1e-6 && size < 1e15);
+  const auto format = fixed ? std::chars_format::fixed : std::chars_format::scientific;
+  const auto end = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value, format).ptr;
   std::string out(buffer.data(), end);
   const auto exponent = out.find('e');
   if (exponent != std::string::npos && out.find('.') == std::string::npos) out.insert(exponent, ".0");

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <limits>
 #include <string>
+#include <utility>
 
 #include "sim/base/error.h"
 #include "sim/tool/morton.h"
@@ -56,6 +58,26 @@ CellRange cells_touched(double low, double high, int resolution) {
           static_cast<int>(std::clamp(std::floor(high), 0.0, top))};
 }
 
+/// The v coordinates of the triangle where its u lies in [low, high]; empty (first > second) where there are none.
+std::pair<double, double> extent_in_slab(const GridTriangle& t, int u, int v, double low, double high) {
+  std::pair<double, double> extent{std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
+  const Vec3* corners[] = {&t.a, &t.b, &t.c, &t.a};
+  for (int k = 0; k < 3; ++k) {
+    const Vec3 &p = *corners[k], &q = *corners[k + 1];
+    const double along = q[u] - p[u];
+    if (std::max(p[u], q[u]) < low || std::min(p[u], q[u]) > high) continue;
+    double first = 0, last = 1;
+    if (along != 0) {
+      first = std::clamp((low - p[u]) / along, 0.0, 1.0);
+      last = std::clamp((high - p[u]) / along, 0.0, 1.0);
+    }
+    const double v_first = p[v] + first * (q[v] - p[v]), v_last = p[v] + last * (q[v] - p[v]);
+    extent.first = std::min({extent.first, v_first, v_last});
+    extent.second = std::max({extent.second, v_first, v_last});
+  }
+  return extent;
+}
+
 /// Marks the cells that `t` touches, column by column along the axis that its normal is steepest to: in a column the
 /// plane crosses two or three cells only, however large the triangle is.
 void mark_triangle(const GridTriangle& t, int resolution, CodeSet& cells) {
@@ -65,10 +87,15 @@ void mark_triangle(const GridTriangle& t, int resolution, CodeSet& cells) {
   if (!(steepest > 0)) return;  // no area: in a closed mesh its edges belong to its neighbours as well
   const int u = (w + 1) % 3, v = (w + 2) % 3;
   const Vec3 low = t.a.cwiseMin(t.b).cwiseMin(t.c), high = t.a.cwiseMax(t.b).cwiseMax(t.c);
-  const CellRange us = cells_touched(low[u], high[u], resolution), vs = cells_touched(low[v], high[v], resolution);
-  const double spread = 0.5 * (std::abs(normal[u]) + std::abs(normal[v])) / steepest + 1e-6;
+  const CellRange us = cells_touched(low[u], high[u], resolution);
+  // Widens ranges against rounding; the exact test has the last word.
+  constexpr double kSlack = 1e-6;
+  const double spread = 0.5 * (std::abs(normal[u]) + std::abs(normal[v])) / steepest + kSlack;
   Vec3i cell;
   for (cell[u] = us.first; cell[u] <= us.last; ++cell[u]) {
+    const auto [v_low, v_high] = extent_in_slab(t, u, v, cell[u] - kSlack, cell[u] + 1 + kSlack);
+    if (v_low > v_high) continue;
+    const CellRange vs = cells_touched(v_low - kSlack, v_high + kSlack, resolution);
     for (cell[v] = vs.first; cell[v] <= vs.last; ++cell[v]) {
       const double du = cell[u] + 0.5 - t.a[u], dv = cell[v] + 0.5 - t.a[v];
       const double plane = t.a[w] - (normal[u] * du + normal[v] * dv) / normal[w];

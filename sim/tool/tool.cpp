@@ -19,6 +19,8 @@ namespace {
 
 /// Shell spacing that leaves no voxel behind, in voxels (design §4).
 constexpr double kSafeSpacingVoxels = 0.5;
+/// Relative slack of that, for the rounding of coordinates in an STL.
+constexpr double kSpacingSlack = 1e-6;
 /// Share of a cell by which the facets of the revolved envelope may lie inside its circles.
 constexpr double kFacetCells = 0.02;
 /// The centroid may be this share of the largest radius off the axis: below the first silently, above the second the
@@ -84,7 +86,7 @@ void check_frame(const ToolSettings& settings, const TriangleMesh& mesh, const P
 }
 
 int least_resolution(const ToolSettings& settings, double extent_mm, double voxel_mm) {
-  const double cells = std::ceil(extent_mm / (kSafeSpacingVoxels * voxel_mm) - 1e-9) + 1;
+  const double cells = std::ceil(extent_mm / (kSafeSpacingVoxels * voxel_mm) * (1 - kSpacingSlack)) + 1;
   if (cells <= kMortonResolution) return std::max(2, static_cast<int>(cells));
   const double least_voxel = extent_mm / (kMortonResolution - 1) / kSafeSpacingVoxels;
   throw InputError("tool.shell_resolution: a spacing of half a voxel (" + text(kSafeSpacingVoxels * voxel_mm) +
@@ -96,7 +98,7 @@ int least_resolution(const ToolSettings& settings, double extent_mm, double voxe
 
 void warn_of_leak(const PointShell& shell, double voxel_mm, Report& report) {
   const double spacing = shell.cell_mm / voxel_mm;
-  if (spacing <= kSafeSpacingVoxels * (1 + 1e-9)) return;
+  if (spacing <= kSafeSpacingVoxels * (1 + 2 * kSpacingSlack)) return;
   const std::string bound = spacing > 1 ? "more than " : "about ";
   report.warn("tool.shell_resolution: the shell's spacing is " + text(spacing) + " voxels; " + bound +
               text(100 * expected_leak(spacing)) +

@@ -62,7 +62,8 @@ TEST(BroadPhase, EdgeAgainstEdgeNeedsTheCrossProductAxes) {
   // Two bars crossed over each other's edges: no face normal separates them.
   const Aabb bar{{-5, -1, -1}, {5, 1, 1}};
   Rigid a_from_b = Rigid::Identity();
-  a_from_b.linear() = (Eigen::AngleAxisd(M_PI / 2, Vec3::UnitZ()) * Eigen::AngleAxisd(M_PI / 4, Vec3::UnitX()) ).toRotationMatrix();
+  a_from_b.linear() =
+      (Eigen::AngleAxisd(M_PI / 2, Vec3::UnitZ()) * Eigen::AngleAxisd(M_PI / 4, Vec3::UnitX())).toRotationMatrix();
   Rigid turned = Rigid::Identity();
   turned.rotate(Eigen::AngleAxisd(M_PI / 4, Vec3::UnitX()));
   const auto at_height = [&](double z) {

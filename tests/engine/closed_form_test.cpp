@@ -6,7 +6,7 @@
 #include <sstream>
 
 #include "tests/engine/scene_fixture.h"
-#include "tests/engine/temp_dir.h"
+#include "tests/support/temp_dir.h"
 
 namespace reamsim::test {
 namespace {
@@ -59,7 +59,9 @@ Plunge plunge(const std::string& device, double depth, double rate_hz, double vo
   return out;
 }
 
-double c_of(double r) { return 0.5 * (r * std::sqrt(1 - r * r / (kRadius * kRadius)) + kRadius * std::asin(r / kRadius)); }
+double c_of(double r) {
+  return 0.5 * (r * std::sqrt(1 - r * r / (kRadius * kRadius)) + kRadius * std::asin(r / kRadius));
+}
 
 TEST(ClosedForm, SteadyPlungeOfACannulatedConvexReamer) {
   const Plunge p = plunge("auto", 5.4, 200, kVoxel);

@@ -5,7 +5,7 @@
 #include <iostream>
 
 #include "tests/engine/scene_fixture.h"
-#include "tests/engine/temp_dir.h"
+#include "tests/support/temp_dir.h"
 
 namespace reamsim::test {
 namespace {
@@ -127,7 +127,8 @@ TEST(EngineAgreement, RandomScenes) {
   std::mt19937 random(kSeed);
   std::uniform_real_distribution<double> u(-1, 1);
   for (int trial = 0; trial < 12; ++trial) {
-    const Vec3i dims(1 + static_cast<int>(random() % 40), 1 + static_cast<int>(random() % 40), 1 + static_cast<int>(random() % 40));
+    const Vec3i dims(1 + static_cast<int>(random() % 40), 1 + static_cast<int>(random() % 40),
+                     1 + static_cast<int>(random() % 40));
     const auto bone_seed = static_cast<unsigned>(random());
     const int resolution = 1 + static_cast<int>(random() % 50);
     const Quat tilt = Quat(u(random), u(random), u(random), u(random)).normalized();
@@ -156,7 +157,10 @@ TEST(EngineAgreement, OneVoxelOnePoint) {
     s.tool = make_tool(cap_profile(5, 6, 2.5, 0.6), 8);
     s.tool.shell.codes = {s.tool.shell.codes.front()};
     const PointShell& shell = s.tool.shell;
-    const Vec3 point = shell.origin_mm + shell.cell_mm * (Vec3(rs_compact_bits(shell.codes[0]), rs_compact_bits(shell.codes[0] >> 1), rs_compact_bits(shell.codes[0] >> 2)) + Vec3::Constant(0.5));
+    const Vec3 point =
+        shell.origin_mm + shell.cell_mm * (Vec3(rs_compact_bits(shell.codes[0]), rs_compact_bits(shell.codes[0] >> 1),
+                                                rs_compact_bits(shell.codes[0] >> 2)) +
+                                           Vec3::Constant(0.5));
     s.motion = straight(-point + Vec3(0, 0, 2), -point, 10, 100, 60);
     return s;
   };

@@ -21,8 +21,8 @@ inline Tool make_tool(const Profile& profile, int resolution) {
   return tool;
 }
 
-/// A spherical cap of radius of curvature `radius`, `width` wide and `height` tall, bored to radius `bore`: the shape of
-/// the convex reamer's head, apex at the origin. `bore` 0: no bore.
+/// A spherical cap of radius of curvature `radius`, `width` wide and `height` tall, bored to radius `bore`: the shape
+/// of the convex reamer's head, apex at the origin. `bore` 0: no bore.
 inline Profile cap_profile(double radius, double width, double height, double bore) {
   const auto z = [&](double r) { return radius - std::sqrt(radius * radius - r * r); };
   const double half = width / 2;

@@ -58,7 +58,8 @@ TEST(Substep, FixedPointPositionsFollowTheTransform) {
   for (const std::uint32_t code : tool.shell.codes) {
     const int x = rs_compact_bits(code), y = rs_compact_bits(code >> 1), z = rs_compact_bits(code >> 2);
     EXPECT_TRUE(rs_in_voi(&args, x, y, z));
-    const Vec3 p = pose.bone_from_tool() * (tool.shell.origin_mm + tool.shell.cell_mm * Vec3(x + 0.5, y + 0.5, z + 0.5));
+    const Vec3 p =
+        pose.bone_from_tool() * (tool.shell.origin_mm + tool.shell.cell_mm * Vec3(x + 0.5, y + 0.5, z + 0.5));
     const Vec3i exact = grid.voxel_of(p);
     const Vec3i fixed(rs_voxel_coordinate(&args, 0, x, y, z), rs_voxel_coordinate(&args, 1, x, y, z),
                       rs_voxel_coordinate(&args, 2, x, y, z));

@@ -1,6 +1,5 @@
 #include "sim/bone/ct/quiet.h"
 
-#include <gdcmTrace.h>
 #include <itkObject.h>
 #include <nifti1_io.h>
 
@@ -11,9 +10,6 @@ QuietLibraries::QuietLibraries()
       cout_(std::cout.rdbuf(swallowed_.rdbuf())),
       itk_warned_(itk::Object::GetGlobalWarningDisplay()) {
   itk::Object::SetGlobalWarningDisplay(false);
-  gdcm::Trace::WarningOff();
-  gdcm::Trace::ErrorOff();
-  gdcm::Trace::DebugOff();
   nifti_set_debug_level(0);
 }
 

@@ -1,0 +1,87 @@
+# Force plots of a reamsim run: makes forces.png and forces.svg from forces.csv in this folder.
+# Change what you like and run it again here: gnuplot forces.gp
+
+csv = "forces.csv"
+set datafile separator ","
+set encoding utf8
+
+# ---- what the run holds
+stats csv using "time_s" nooutput name "T"
+rows = T_records
+t_min = T_min
+t_max = T_max > T_min ? T_max : T_min + 1
+stats csv using "removed_mm3" nooutput name "V"
+stats csv using "axial_force_n" nooutput name "F"
+stats csv using "spin_torque_nmm" nooutput name "M"
+stats csv using "depth_mm" nooutput name "D"
+
+# Axis limits with some air; a column that is constant (all zero, say) still gets a range.
+low(a, b) = b > a ? a - 0.06 * (b - a) : (a == 0 ? -0.05 : a - 0.1 * abs(a))
+high(a, b) = b > a ? b + 0.08 * (b - a) : (b == 0 ? 1 : b + 0.1 * abs(b))
+min(a, b) = a < b ? a : b
+
+# Force and torque: every frame in a light colour, and the mean over short intervals on top.
+interval = (t_max - t_min) / 250.0
+show_mean = rows > 1500
+bin(t) = (floor((t - t_min) / interval) + 0.5) * interval + t_min
+
+# Okabe and Ito's colours, which any colour vision tells apart
+dark_blue = "#0072b2"
+light_blue = "#b5d3e6"
+dark_red = "#d55e00"
+light_red = "#f3c9ab"
+green = "#009e73"
+purple = "#8c4f86"
+
+set border 3 lw 1.2 lc rgb "#404040"
+set tics nomirror out textcolor rgb "#202020"
+set grid xtics ytics lt 1 lw 0.8 lc rgb "#dcdcdc"
+set xrange [t_min:t_max]
+set mxtics 2
+
+do for [format in "png svg"] {
+  if (format eq "png") {
+    set terminal pngcairo size 1600,1800 background rgb "white" font "DejaVu Sans,20" linewidth 1.6
+    set output "forces.png"
+  } else {
+    set terminal svg size 1000,1125 background rgb "white" font "DejaVu Sans,13" linewidth 1.2 dynamic
+    set output "forces.svg"
+  }
+  set multiplot layout 4,1 margins char 11, char 3, char 4, char 1.5 spacing char 2.2
+  set key top left reverse Left samplen 2 textcolor rgb "#202020"
+  set format x ""
+  unset xlabel
+
+  set ylabel "Axial force (N)" offset 0.5
+  set yrange [low(min(F_min, 0), F_max):high(min(F_min, 0), F_max)]
+  if (show_mean) {
+    plot csv using "time_s":"axial_force_n" with lines lw 0.7 lc rgb light_blue title "each frame", \
+         csv using (bin(column("time_s"))):"axial_force_n" smooth unique with lines lw 2.2 lc rgb dark_blue \
+           title sprintf("mean over %.3g s", interval)
+  } else {
+    plot csv using "time_s":"axial_force_n" with lines lw 2 lc rgb dark_blue notitle
+  }
+
+  set ylabel "Spin torque (N·mm)"
+  set yrange [low(min(M_min, 0), M_max):high(min(M_min, 0), M_max)]
+  if (show_mean) {
+    plot csv using "time_s":"spin_torque_nmm" with lines lw 0.7 lc rgb light_red title "each frame", \
+         csv using (bin(column("time_s"))):"spin_torque_nmm" smooth unique with lines lw 2.2 lc rgb dark_red \
+           title sprintf("mean over %.3g s", interval)
+  } else {
+    plot csv using "time_s":"spin_torque_nmm" with lines lw 2 lc rgb dark_red notitle
+  }
+
+  set ylabel "Removed volume (mm³)"
+  set yrange [low(0, V_sum):high(0, V_sum)]
+  removed = 0.0
+  plot csv using "time_s":(removed = removed + column("removed_mm3")) with lines lw 2.2 lc rgb green notitle
+
+  set format x
+  set xlabel "Time (s)"
+  set ylabel "Depth (mm)"
+  set yrange [low(min(D_min, 0), D_max):high(min(D_min, 0), D_max)]
+  plot csv using "time_s":"depth_mm" with lines lw 2.2 lc rgb purple notitle
+  unset multiplot
+  unset output
+}

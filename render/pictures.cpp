@@ -1,0 +1,211 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <numbers>
+
+#include "render/context.h"
+#include "render/overlay.h"
+#include "render/render.h"
+#include "render/results.h"
+#include "render/scene.h"
+#include "render/subject.h"
+#include "sim/base/error.h"
+#include "sim/record/snapshot.h"
+
+namespace reamsim {
+namespace {
+
+/// What changes from picture to picture: the bone's fill and everything that is derived from it.
+struct BoneState {
+  explicit BoneState(const Voxmap& voxmap)
+      : occupancy(voxmap, Occupancy::State::kCurrent), field(occupancy), ambient(occupancy) {}
+
+  void update(const std::vector<Vec3i>& bricks) {
+    occupancy.update(bricks);
+    field.update(occupancy, bricks);
+    ambient.update(occupancy, bricks);
+  }
+
+  Occupancy occupancy;
+  SolidField field;
+  AmbientLight ambient;
+};
+
+/// A number with `decimals`, never "-0.0".
+std::string fixed(double value, int decimals) {
+  std::array<char, 64> text;
+  const double step = std::pow(10.0, decimals);
+  const double rounded = std::round(value * step) / step;
+  std::snprintf(text.data(), text.size(), "%.*f", decimals, rounded == 0 ? 0.0 : rounded);
+  return text.data();
+}
+
+Rigid spinning(const ToolPose& pose) {
+  // Positive spin turns about −z of T.
+  return pose.bone_from_tool() * Eigen::AngleAxisd(-pose.spin_angle_rad, Vec3::UnitZ());
+}
+
+/// The circle that the tool's widest point sweeps, in B.
+std::vector<Vec3> widest_circle(const TriangleMesh& tool, const Rigid& bone_from_tool) {
+  Vec3 widest = Vec3::Zero();
+  for (const Vec3& v : tool.vertices) {
+    if (v.head<2>().norm() > widest.head<2>().norm()) widest = v;
+  }
+  std::vector<Vec3> circle;
+  constexpr int kPoints = 128;
+  for (int i = 0; i < kPoints; ++i) {
+    const double turn = 2 * std::numbers::pi * i / kPoints;
+    const double radius = widest.head<2>().norm();
+    circle.emplace_back(bone_from_tool * Vec3(radius * std::cos(turn), radius * std::sin(turn), widest.z()));
+  }
+  return circle;
+}
+
+double densest_g_cm3(const Voxmap& voxmap) {
+  const auto densest = std::max_element(voxmap.grade.begin(), voxmap.grade.end());
+  return densest == voxmap.grade.end() ? 0 : DensityMapping::density_from_grade(*densest);
+}
+
+/// Makes all pictures of one run.
+class PictureMaker {
+ public:
+  PictureMaker(const std::string& dir, const RenderSettings& settings, const PictureProgress& progress)
+      : dir_(dir),
+        settings_(settings),
+        progress_(progress),
+        results_(read_results(dir)),
+        unreamed_(results_.voxmap),
+        subject_(make_subject(results_, unreamed_)) {
+    for (const std::string& name : settings.cameras) {
+      cameras_.push_back(make_camera(name, subject_, settings.width_px, settings.height_px));
+    }
+    density_scale_ = scale_up_to(densest_g_cm3(results_.voxmap));
+  }
+
+  void run(Report* report) {
+    std::string fallback;
+    const auto context = make_context(settings_.context, fallback);
+    if (!fallback.empty() && report != nullptr) report->warn(fallback);
+    Scene scene(context->gl(), settings_.width_px, settings_.height_px, make_tool_surface(results_.tool));
+    std::filesystem::create_directories(dir_ + "/frames");
+    final_pictures(scene);
+    frame_pictures(scene);
+  }
+
+ private:
+  /// The last state first: it says how far the depth legend must go.
+  void final_pictures(Scene& scene) {
+    const BoneState state(results_.voxmap);
+    const BoneSurface surface = make_bone_surface(results_.voxmap, state.field, state.ambient, unreamed_);
+    depth_scale_ = settings_.depth_max_mm > 0 ? scale_exactly(settings_.depth_max_mm) : scale_up_to(surface.deepest_mm);
+    scene.set_bone(surface);
+    double most_axial_n = 0;
+    double most_torque_nmm = 0;
+    for (const ForceRow& row : results_.log.rows) {
+      most_axial_n = std::max(most_axial_n, row.axial_force_n);
+      most_torque_nmm = std::max(most_torque_nmm, row.spin_torque_nmm);
+    }
+    Labels labels = common_labels();
+    labels.title = "After reaming";
+    labels.values = {{"deepest", fixed(surface.deepest_mm, 2) + " mm"},
+                     {"removed", fixed(results_.log.rows.back().removed_mm3, 1) + " mm³"},
+                     {"peak axial force", fixed(most_axial_n, 1) + " N"},
+                     {"peak torque", fixed(most_torque_nmm, 1) + " N·mm"}};
+    for (const Camera& camera : cameras_) {
+      picture(scene, state, camera, labels, std::nullopt, dir_ + "/reamed" + suffix(camera) + ".png");
+    }
+  }
+
+  void frame_pictures(Scene& scene) {
+    Voxmap& voxmap = results_.voxmap;
+    voxmap.fill = FillBricks(voxmap.grid.dims);
+    BoneState state(voxmap);
+    for (const std::int64_t frame : results_.frames) {
+      const ForceRow& row = results_.log.at(frame, results_.log_path);
+      apply_snapshot(dir_, frame, voxmap.fill);
+      state.update(voxmap.fill.take_changed());
+      scene.set_bone(make_bone_surface(voxmap, state.field, state.ambient, unreamed_));
+      Labels labels = common_labels();
+      labels.values = {{"time", fixed(row.time_s, 3) + " s"},
+                       {"depth", fixed(row.depth_mm, 2) + " mm"},
+                       {"axial force", fixed(row.axial_force_n, 1) + " N"},
+                       {"torque", fixed(row.spin_torque_nmm, 1) + " N·mm"},
+                       {"removed", fixed(row.removed_mm3, 1) + " mm³"}};
+      std::optional<Rigid> tool;
+      if (settings_.tool) tool = spinning(row.pose);
+      std::array<char, 32> name;
+      std::snprintf(name.data(), name.size(), "%06lld", static_cast<long long>(frame));
+      for (const Camera& camera : cameras_) {
+        picture(scene, state, camera, labels, tool, dir_ + "/frames/" + name.data() + suffix(camera) + ".png");
+      }
+    }
+  }
+
+  void picture(Scene& scene, const BoneState& state, const Camera& camera, Labels labels,
+               const std::optional<Rigid>& tool, const std::string& path) {
+    Shot shot;
+    shot.camera = camera;
+    shot.depth_max_mm = depth_scale_.max;
+    shot.contour_mm = depth_scale_.step;
+    shot.density_max_g_cm3 = density_scale_.max;
+    shot.bone_from_spinning_tool = tool;
+    CutFace cut_face;
+    if (camera.cut_plane) {
+      cut_face = sample_cut_face(results_.voxmap, state.field, camera);
+      shot.cut_face = &cut_face;
+      labels.legends.push_back({"Bone density", "g/cm³", density_colors(), density_scale_});
+    }
+    if (tool && !camera.draws_tool) labels.outlines_mm.push_back(widest_circle(results_.tool, *tool));
+    std::vector<std::uint32_t> pixels = scene.draw(shot);
+    draw_labels(pixels, camera, labels);
+    write_png(path, pixels, camera.width_px, camera.height_px);
+    const int total = static_cast<int>(cameras_.size() * (results_.frames.size() + 1));
+    if (progress_) progress_(++done_, total, path);
+  }
+
+  [[nodiscard]] Labels common_labels() const {
+    Labels labels;
+    labels.legends.push_back({"Reamed depth", "mm", depth_colors(), depth_scale_});
+    if (subject_.anatomical) {
+      labels.directions = {{"superior", subject_.superior}, {"lateral", subject_.outward}};
+      if (subject_.anterior) labels.directions.emplace_back("anterior", *subject_.anterior);
+    }
+    return labels;
+  }
+
+  [[nodiscard]] std::string suffix(const Camera& camera) const {
+    return &camera == &cameras_.front() ? std::string() : "_" + camera.name;
+  }
+
+  std::string dir_;
+  RenderSettings settings_;
+  PictureProgress progress_;
+  RunResults results_;
+  UnreamedSurface unreamed_;
+  Subject subject_;
+  std::vector<Camera> cameras_;
+  Scale depth_scale_;
+  Scale density_scale_;
+  int done_ = 0;
+};
+
+}  // namespace
+
+void render_pictures(const std::string& dir, const RenderSettings& settings, const PictureProgress& progress,
+                     Report* report) {
+  if (settings.cameras.empty()) {
+    throw InputError({}, "render.cameras", "found none", "expected at least one camera");
+  }
+  try {
+    PictureMaker(dir, settings, progress).run(report);
+  } catch (const std::filesystem::filesystem_error& error) {
+    throw RunError(dir + ": " + error.code().message());
+  } catch (const std::bad_alloc&) {
+    throw RunError(dir + ": the pictures need more memory than there is");
+  }
+}
+
+}  // namespace reamsim

@@ -1,0 +1,148 @@
+#include <openvdb/openvdb.h>
+#include <openvdb/tools/MeshToVolume.h>
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include <cmath>
+#include <cstdio>
+
+#include "sim/base/error.h"
+#include "sim/bone/bone.h"
+#include "sim/bone/lattice.h"
+#include "sim/mesh/mesh_check.h"
+#include "sim/mesh/mesh_io.h"
+#include "sim/mesh/mesh_repair.h"
+
+namespace reamsim {
+
+namespace {
+
+constexpr int kMarginVoxels = 4;
+/// A voxelised volume further from the mesh's own than this was flooded, or fills what should be hollow.
+constexpr double kMaxVolumeError = 0.1;
+
+std::string format(const char* pattern, double a, double b = 0, double c = 0) {
+  char text[200];
+  std::snprintf(text, sizeof text, pattern, a, b, c);
+  return text;
+}
+
+/// A mesh for OpenVDB in the lattice's index space, in which voxel centres are whole numbers.
+class IndexSpaceMesh {
+ public:
+  IndexSpaceMesh(const TriangleMesh& mesh, const VoxelGrid& grid) : mesh_(mesh), grid_(grid) {}
+
+  [[nodiscard]] std::size_t polygonCount() const { return mesh_.triangles.size(); }
+  [[nodiscard]] std::size_t pointCount() const { return mesh_.vertices.size(); }
+  [[nodiscard]] std::size_t vertexCount(std::size_t) const { return 3; }
+  void getIndexSpacePoint(std::size_t polygon, std::size_t corner, openvdb::Vec3d& position) const {
+    const Vec3& vertex = mesh_.vertices[static_cast<std::size_t>(mesh_.triangles[polygon][corner])];
+    const Vec3 index = (vertex - grid_.origin_mm) / grid_.voxel_mm - Vec3::Constant(0.5);
+    position = openvdb::Vec3d(index.x(), index.y(), index.z());
+  }
+
+ private:
+  const TriangleMesh& mesh_;
+  const VoxelGrid& grid_;
+};
+
+/// Signed distance in voxels, negative inside, exact down to `inner_voxels` below the surface.
+openvdb::FloatGrid::Ptr signed_distance(const std::string& path, const TriangleMesh& mesh, const VoxelGrid& grid,
+                                        double inner_voxels) {
+  try {
+    openvdb::initialize();
+    const auto transform = openvdb::math::Transform::createLinearTransform(1.0);
+    const auto outer = static_cast<float>(kMarginVoxels - 1);
+    return openvdb::tools::meshToVolume<openvdb::FloatGrid>(IndexSpaceMesh(mesh, grid), *transform, outer,
+                                                            static_cast<float>(inner_voxels));
+  } catch (const std::bad_alloc&) {
+    throw InputError({path, 0, 0}, "", "a mesh whose distance field does not fit into memory",
+                     "expected larger voxels (bone.voxel_mm)");
+  } catch (const openvdb::Exception&) {
+    throw InputError({path, 0, 0}, "", "a mesh that cannot be turned into voxels", "expected a closed surface");
+  }
+}
+
+/// Grades by depth below the surface: cortical down to `cortical_voxels`, trabecular below.
+Voxmap grades_from_distance(const openvdb::FloatGrid& distance, const VoxelGrid& grid, double cortical_voxels,
+                            std::uint8_t cortical, std::uint8_t trabecular) {
+  Voxmap voxmap(grid);
+  tbb::parallel_for(tbb::blocked_range<int>(0, grid.dims.z()), [&](const tbb::blocked_range<int>& slices) {
+    auto read = distance.getConstAccessor();
+    for (int z = slices.begin(); z < slices.end(); ++z) {
+      for (int y = 0; y < grid.dims.y(); ++y) {
+        for (int x = 0; x < grid.dims.x(); ++x) {
+          const double depth = -double{read.getValue({x, y, z})};
+          if (depth <= 0) continue;
+          voxmap.grade[static_cast<std::size_t>(grid.index(x, y, z))] =
+              depth <= cortical_voxels ? cortical : trabecular;
+        }
+      }
+    }
+  });
+  return voxmap;
+}
+
+/// The mesh of the scenario, made fit for meshToVolume or refused.
+TriangleMesh checked_mesh(const MeshBoneSettings& settings, Report& report) {
+  TriangleMesh mesh = read_mesh(settings.path, settings.scale);
+  const MeshDiagnosis found = diagnose(mesh);
+  if (!found.closed_manifold() && !settings.repair) {
+    throw InputError({settings.path, 0, 0}, "", "not a closed surface: " + found.text(),
+                     "expected a closed, two-manifold mesh (mend it, or set bone.mesh.repair: true to try)");
+  }
+  report.note("mesh: " + std::to_string(mesh.triangles.size()) + " triangles, " + found.text());
+  if (!found.closed_manifold()) {
+    const RepairResult done = repair(mesh);
+    report.warn("mesh repaired: " + done.text());
+  } else if (found.components > 1) {
+    report.warn("the mesh has " + std::to_string(found.components) +
+                " separate surfaces; one inside another does not make a cavity");
+  }
+  const double volume_mm3 = mesh.volume_mm3();
+  const double box_mm3 = mesh.bounds().half().prod() * 8;
+  if (std::abs(volume_mm3) <= 1e-9 * box_mm3) {
+    throw InputError({settings.path, 0, 0}, "", "a mesh that encloses no volume", "expected the surface of a solid");
+  }
+  if (volume_mm3 < 0) report.warn("the mesh is inside out (its triangles face inwards); taken the right way round");
+  return mesh;
+}
+
+/// Compares the voxels with the mesh: a leak empties them, a wrong side fills too much.
+void check_volume(const MeshBoneSettings& settings, double voxels_mm3, double mesh_mm3, Report& report) {
+  const double error = std::abs(voxels_mm3 - mesh_mm3) / mesh_mm3;
+  report.note(format("bone volume %.0f mm^3 in voxels, %.0f mm^3 in the mesh", voxels_mm3, mesh_mm3));
+  if (error <= kMaxVolumeError) return;
+  const std::string found = format("%.0f mm^3 in voxels against %.0f mm^3 in the mesh", voxels_mm3, mesh_mm3);
+  if (settings.repair) {
+    throw InputError({settings.path, 0, 0}, "", "the repair failed: " + found,
+                     "expected a mesh whose holes are smaller than a voxel or have a single rim each");
+  }
+  report.warn(found + "; the mesh may overlap itself, or be thinner than a voxel");
+}
+
+}  // namespace
+
+Voxmap voxmap_from_mesh(const BoneSettings& settings, Report& report) {
+  const MeshBoneSettings& bone = settings.mesh;
+  const TriangleMesh mesh = checked_mesh(bone, report);
+  const VoxelGrid grid = lattice_around(bone.path, mesh.bounds(), settings.voxel_mm, kMarginVoxels);
+  const double cortical_voxels = bone.cortical_mm / settings.voxel_mm;
+  const auto distance = signed_distance(bone.path, mesh, grid, cortical_voxels + 2);
+
+  const DensityMapping mapping{settings.density.ash_slope_g_cm3_per_hu, settings.density.ash_offset_g_cm3,
+                               settings.density.ash_fraction};
+  const auto grade = [&mapping](double hu) { return DensityMapping::grade_from_density(mapping.density_from_hu(hu)); };
+  Voxmap voxmap =
+      grades_from_distance(*distance, grid, cortical_voxels, grade(bone.cortical_hu), grade(bone.trabecular_hu));
+  voxmap.mapping = mapping;
+  voxmap.frame = "mesh";
+  if (voxmap.count_bone() == 0) {
+    throw InputError({bone.path, 0, 0}, "bone.voxel_mm", "a mesh in which no voxel has its centre",
+                     "expected smaller voxels, a larger bone.mesh.scale or a closed mesh");
+  }
+  check_volume(bone, voxmap.bone_mm3(), std::abs(mesh.volume_mm3()), report);
+  return voxmap;
+}
+
+}  // namespace reamsim

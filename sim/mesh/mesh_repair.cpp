@@ -1,0 +1,92 @@
+#include "sim/mesh/mesh_repair.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <map>
+#include <set>
+
+namespace reamsim {
+
+namespace {
+
+using Triangle = std::array<std::int32_t, 3>;
+using Loop = std::vector<std::int32_t>;
+
+std::size_t drop_useless(std::vector<Triangle>& triangles) {
+  std::set<Triangle> seen;
+  const std::size_t before = triangles.size();
+  std::erase_if(triangles, [&seen](const Triangle& t) {
+    if (t[0] == t[1] || t[1] == t[2] || t[2] == t[0]) return true;
+    Triangle key = t;
+    std::sort(key.begin(), key.end());
+    return !seen.insert(key).second;
+  });
+  return before - triangles.size();
+}
+
+/// For each rim vertex, where the boundary edges that leave it lead. A rim edge runs against its triangle, so that the
+/// triangles that close the hole face the same way as their neighbours.
+std::multimap<std::int32_t, std::int32_t> rim_edges(const std::vector<Triangle>& triangles) {
+  std::map<std::pair<std::int32_t, std::int32_t>, int> uses;
+  for (const Triangle& t : triangles) {
+    for (std::size_t c = 0; c < 3; ++c) ++uses[std::minmax(t[c], t[(c + 1) % 3])];
+  }
+  std::multimap<std::int32_t, std::int32_t> out;
+  for (const Triangle& t : triangles) {
+    for (std::size_t c = 0; c < 3; ++c) {
+      const std::int32_t a = t[c];
+      const std::int32_t b = t[(c + 1) % 3];
+      if (uses[std::minmax(a, b)] == 1) out.emplace(b, a);
+    }
+  }
+  return out;
+}
+
+/// Walks the rim from its first edge until it comes back or ends; takes the edges walked out of `rim`.
+Loop take_loop(std::multimap<std::int32_t, std::int32_t>& rim) {
+  const std::int32_t start = rim.begin()->first;
+  Loop loop{start};
+  for (std::int32_t at = start;;) {
+    const auto edge = rim.find(at);
+    if (edge == rim.end()) return loop;
+    at = edge->second;
+    rim.erase(edge);
+    if (at == start) return loop;
+    loop.push_back(at);
+  }
+}
+
+}  // namespace
+
+RepairResult repair(TriangleMesh& mesh) {
+  RepairResult out;
+  out.dropped_triangles = drop_useless(mesh.triangles);
+  auto rim = rim_edges(mesh.triangles);
+  while (!rim.empty()) {
+    const Loop loop = take_loop(rim);
+    if (loop.size() < 3) continue;
+    Vec3 middle = Vec3::Zero();
+    for (const std::int32_t v : loop) middle += mesh.vertices[static_cast<std::size_t>(v)];
+    middle /= static_cast<double>(loop.size());
+    const auto hub = static_cast<std::int32_t>(mesh.vertices.size());
+    mesh.vertices.push_back(middle);
+    for (std::size_t i = 0; i < loop.size(); ++i) {
+      mesh.triangles.push_back({loop[i], loop[(i + 1) % loop.size()], hub});
+      const double reach_mm = (mesh.vertices[static_cast<std::size_t>(loop[i])] - middle).norm();
+      out.widest_hole_mm = std::max(out.widest_hole_mm, 2 * reach_mm);
+    }
+    ++out.closed_holes;
+    out.added_triangles += loop.size();
+  }
+  return out;
+}
+
+std::string RepairResult::text() const {
+  char text[200];
+  std::snprintf(text, sizeof text,
+                "%zu useless triangles dropped, %zu holes closed with %zu triangles (the widest %.2f mm across)",
+                dropped_triangles, closed_holes, added_triangles, widest_hole_mm);
+  return text;
+}
+
+}  // namespace reamsim

@@ -1,0 +1,224 @@
+#include <gtest/gtest.h>
+#include <zlib.h>
+
+#include <cstring>
+#include <filesystem>
+
+#include "sim/base/error.h"
+#include "sim/record/checksum.h"
+#include "sim/record/csv_log.h"
+#include "sim/record/output_folder.h"
+#include "sim/record/recorder.h"
+#include "sim/record/snapshot.h"
+#include "sim/record/vti.h"
+#include "tests/support/temp_dir.h"
+
+namespace reamsim::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+TEST(CsvLog, NumbersReadBackToTheSameValue) {
+  const TempDir dir;
+  const std::string path = dir.path() + "/a.csv";
+  CsvLog log(path, "x,y,z");
+  log.row({0.1, 1.0 / 3, -0.0});
+  log.row({1e-300, 123456789, 2});
+  log.close();
+  EXPECT_EQ(file_bytes(path), "x,y,z\n0.1,0.3333333333333333,0\n1e-300,123456789,2\n");
+}
+
+TEST(CsvLog, AFullDiskIsARunError) {
+  EXPECT_THROW(
+      {
+        CsvLog log("/dev/full", "x");
+        log.row({1});
+        log.close();
+      },
+      RunError);
+}
+
+TEST(Checksum, OfAFileAndAFolder) {
+  const TempDir dir;
+  std::ofstream(dir.path() + "/b.dcm") << "abc";
+  // FIPS 180-2, appendix B.1.
+  EXPECT_EQ(sha256_of(dir.path() + "/b.dcm"), "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
+  const std::string one = sha256_of(dir.path());
+  std::ofstream(dir.path() + "/a.dcm") << "more";
+  EXPECT_NE(sha256_of(dir.path()), one);
+  EXPECT_THROW(sha256_of(dir.path() + "/none"), InputError);
+}
+
+TEST(OutputFolder, AppearsOnlyWhenFinished) {
+  const TempDir dir;
+  const std::string out = dir.path() + "/deep/run";
+  {
+    OutputFolder folder(out, false);
+    std::ofstream(folder.path() + "/x") << "1";
+    EXPECT_FALSE(fs::exists(out));
+    folder.finish();
+  }
+  EXPECT_TRUE(fs::exists(out + "/x"));
+  EXPECT_FALSE(fs::exists(out + ".partial"));
+  EXPECT_THROW(OutputFolder(out, false), InputError);
+}
+
+TEST(OutputFolder, LeavesNothingAfterAFailureAndTheOldOneInPlace) {
+  const TempDir dir;
+  const std::string out = dir.path() + "/run";
+  fs::create_directory(out);
+  std::ofstream(out + "/old") << "1";
+  {
+    const OutputFolder folder(out, true);
+    std::ofstream(folder.path() + "/new") << "1";
+  }
+  EXPECT_TRUE(fs::exists(out + "/old"));
+  EXPECT_FALSE(fs::exists(out + ".partial"));
+  {
+    OutputFolder folder(out + "/", true);
+    std::ofstream(folder.path() + "/new") << "1";
+    folder.finish();
+  }
+  EXPECT_FALSE(fs::exists(out + "/old"));
+  EXPECT_TRUE(fs::exists(out + "/new"));
+  EXPECT_FALSE(fs::exists(out + ".old"));
+}
+
+TEST(OutputFolder, KeepsWhatWasInterrupted) {
+  const TempDir dir;
+  const std::string out = dir.path() + "/run";
+  {
+    OutputFolder folder(out, false);
+    folder.keep();
+  }
+  EXPECT_TRUE(fs::exists(out + ".partial"));
+  EXPECT_THROW(OutputFolder(out, false), InputError);  // nothing is lost without being asked
+  const OutputFolder again(out, true);
+  EXPECT_TRUE(fs::exists(again.path()));
+}
+
+TEST(OutputFolder, AFileInTheWay) {
+  const TempDir dir;
+  std::ofstream(dir.path() + "/file") << "1";
+  EXPECT_THROW(OutputFolder(dir.path() + "/file", false), InputError);
+  EXPECT_THROW(OutputFolder(dir.path() + "/file", true), InputError);
+  EXPECT_THROW(OutputFolder(dir.path() + "/file/below", false), InputError);
+  EXPECT_EQ(file_bytes(dir.path() + "/file"), "1");
+}
+
+FillBricks patterned(const Vec3i& dims) {
+  FillBricks fill(dims);
+  for (int i = 0; i < 200; ++i) {
+    fill.set({i % dims.x(), (i * 7) % dims.y(), (i * 3) % dims.z()}, static_cast<std::uint16_t>(i * 327));
+  }
+  return fill;
+}
+
+void expect_equal(const FillBricks& a, const FillBricks& b, const Vec3i& dims) {
+  for (int z = 0; z < dims.z(); ++z) {
+    for (int y = 0; y < dims.y(); ++y) {
+      for (int x = 0; x < dims.x(); ++x) ASSERT_EQ(a.get({x, y, z}), b.get({x, y, z})) << x << ' ' << y << ' ' << z;
+    }
+  }
+}
+
+TEST(Snapshot, ChangesAddUpToTheStateBitForBit) {
+  const TempDir dir;
+  const Vec3i dims(37, 19, 23);
+  FillBricks fill = patterned(dims), replay(dims);
+  write_snapshot(dir.path(), 0, fill);
+  const FillBricks first = fill;
+  for (int i = 0; i < 30; ++i) fill.set({i, 18, 22}, 0);
+  write_snapshot(dir.path(), 40, fill);
+  EXPECT_EQ(snapshot_frames(dir.path()), (std::vector<std::int64_t>{0, 40}));
+  apply_snapshot(dir.path(), 0, replay);
+  expect_equal(replay, first, dims);
+  apply_snapshot(dir.path(), 40, replay);
+  expect_equal(replay, fill, dims);
+  EXPECT_LT(fs::file_size(dir.path() + "/snapshots/000040.vdb"), fs::file_size(dir.path() + "/snapshots/000000.vdb"));
+}
+
+TEST(Snapshot, MissingDamagedOrOfAnotherBone) {
+  const TempDir dir;
+  FillBricks fill = patterned({37, 19, 23});
+  write_snapshot(dir.path(), 1, fill);
+  EXPECT_THROW(apply_snapshot(dir.path(), 2, fill), InputError);
+  FillBricks small({8, 8, 8});
+  EXPECT_THROW(apply_snapshot(dir.path(), 1, small), InputError);
+  const std::string path = dir.path() + "/snapshots/000001.vdb";
+  for (const std::uintmax_t size : {0U, 7U, 60U, 400U}) {
+    fs::resize_file(path, size);
+    EXPECT_THROW(apply_snapshot(dir.path(), 1, fill), InputError) << size << " bytes";
+    write_snapshot(dir.path(), 1, fill);
+  }
+}
+
+TEST(RunTotals, SumsAndExtremes) {
+  RunTotals totals;
+  FrameResult a, b;
+  a.frame = 3;
+  a.contacts = 5;
+  a.force_n = {3, 4, 0};
+  a.axial_force_n = 2;
+  a.removed_mm3 = 1.5;
+  b.frame = 4;
+  b.time_s = 0.004;
+  b.contacts = 1;
+  b.force_n = {0, 0, 1};
+  b.removed_mm3 = 0.5;
+  totals.add({});
+  totals.add(a);
+  totals.add(b);
+  EXPECT_EQ(totals.frames, 3);
+  EXPECT_EQ(totals.contact_frames, 2);
+  EXPECT_EQ(totals.first_contact_frame, 3);
+  EXPECT_DOUBLE_EQ(totals.removed_mm3, 2);
+  EXPECT_DOUBLE_EQ(totals.peak_force_n, 5);
+  EXPECT_DOUBLE_EQ(totals.rms_force_n(), std::sqrt(13.0));
+  EXPECT_DOUBLE_EQ(totals.simulated_s, 0.004);
+}
+
+/// Decodes the appended data of a .vti as VTK's zlib reader does.
+std::vector<float> vti_values(const std::string& bytes) {
+  std::size_t at = bytes.find('_', bytes.find("<AppendedData")) + 1;
+  const auto number = [&] {
+    std::uint64_t value = 0;
+    std::memcpy(&value, bytes.data() + at, sizeof value);
+    at += sizeof value;
+    return value;
+  };
+  const std::uint64_t blocks = number(), full = number(), last = number();
+  std::vector<std::uint64_t> sizes(blocks);
+  for (auto& size : sizes) size = number();
+  std::vector<float> values;
+  for (std::uint64_t b = 0; b < blocks; ++b) {
+    std::vector<float> block((b + 1 == blocks && last != 0 ? last : full) / sizeof(float));
+    uLongf size = block.size() * sizeof(float);
+    EXPECT_EQ(uncompress(reinterpret_cast<Bytef*>(block.data()), &size,
+                         reinterpret_cast<const Bytef*>(bytes.data() + at), sizes[b]),
+              Z_OK);
+    at += sizes[b];
+    values.insert(values.end(), block.begin(), block.end());
+  }
+  return values;
+}
+
+TEST(Vti, HoldsDensityTimesFill) {
+  const TempDir dir;
+  Voxmap voxmap(VoxelGrid{{90, 70, 60}, 0.5, {1, 2, 3}});
+  for (std::size_t e = 0; e < voxmap.grade.size(); ++e) voxmap.grade[e] = static_cast<std::uint8_t>(e % 251);
+  voxmap.fill.set({5, 6, 7}, 32768);
+  write_vti(dir.path() + "/a.vti", voxmap);
+  const std::string bytes = file_bytes(dir.path() + "/a.vti");
+  EXPECT_NE(bytes.find("WholeExtent=\"0 89 0 69 0 59\" Origin=\"1.25 2.25 3.25\" Spacing=\"0.5 0.5 0.5\""),
+            std::string::npos);
+  const auto values = vti_values(bytes);
+  ASSERT_EQ(values.size(), voxmap.grade.size());
+  for (std::size_t e = 0; e < values.size(); ++e) {
+    const double fill = voxmap.fill.get(voxmap.grid.coord(static_cast<std::int64_t>(e))) / 65535.0;
+    ASSERT_FLOAT_EQ(values[e], static_cast<float>(0.008 * voxmap.grade[e] * fill));
+  }
+}
+
+}  // namespace
+}  // namespace reamsim::test
