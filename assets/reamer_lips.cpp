@@ -26,9 +26,9 @@ constexpr double kSlotInnerMm = 7.4, kSlotOuterMm = 13.2;
 /// Columns of the grid within a sector: fine where the lip is, the slot's edges and the next lip's edge on a column.
 std::vector<double> sector_angles() {
   std::vector<double> angles{0, 1.5, 3};
-  for (double a = 5.125; a < 37; a += 2.125) angles.push_back(a);
-  for (double a = 37; a < 59; a += 2.2) angles.push_back(a);
-  angles.push_back(59.2);
+  for (int i = 1; i <= 16; ++i) angles.push_back(3 + 2.125 * i);  // to the slot's start at 37°
+  for (int i = 1; i <= 10; ++i) angles.push_back(37 + 2.2 * i);   // to 59°
+  angles.push_back(59.4);
   for (double& a : angles) a *= kDegree;
   return angles;
 }

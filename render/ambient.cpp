@@ -31,7 +31,8 @@ const std::array<Eigen::Vector3f, 6>& directions() {
 }  // namespace
 
 float& AmbientLight::Level::at(const Vec3i& cell) {
-  return shares[static_cast<std::size_t>(cell.x() + std::int64_t{dims.x()} * (cell.y() + std::int64_t{dims.y()} * cell.z()))];
+  return shares[static_cast<std::size_t>(cell.x() +
+                                         std::int64_t{dims.x()} * (cell.y() + std::int64_t{dims.y()} * cell.z()))];
 }
 
 float AmbientLight::Level::get(int x, int y, int z) const {
@@ -59,7 +60,9 @@ AmbientLight::AmbientLight(const Occupancy& occupancy) : voxel_mm_(occupancy.vox
   for (int level = 0; level < kLevels; ++level) {
     const int cell = kFinestCell << level;
     const Vec3i dims = (voxels.array() + cell - 1) / cell;
-    levels_.push_back({cell, dims, std::vector<float>(static_cast<std::size_t>(std::int64_t{1} * dims.x() * dims.y() * dims.z()), 0.0F)});
+    levels_.push_back(
+        {cell, dims,
+         std::vector<float>(static_cast<std::size_t>(std::int64_t{1} * dims.x() * dims.y() * dims.z()), 0.0F)});
   }
   const Vec3i bricks = occupancy.brick_dims();
   tbb::parallel_for(0, bricks.z(), [&](int z) {
@@ -86,12 +89,14 @@ void AmbientLight::average_brick(const Occupancy& occupancy, const Vec3i& brick)
     occupancy.gather(brick * kSide, kSide, shares.data());
     constexpr float kEach = 1.0F / (kFinestCell * kFinestCell * kFinestCell);
     for (int i = 0; i < FillBricks::kVoxels; ++i) {
-      const int cell = (i % kSide) / kFinestCell + kHalves * ((i / kSide % kSide) / kFinestCell + kHalves * (i / (kSide * kSide) / kFinestCell));
+      const int cell = (i % kSide) / kFinestCell +
+                       kHalves * ((i / kSide % kSide) / kFinestCell + kHalves * (i / (kSide * kSide) / kFinestCell));
       sums[static_cast<std::size_t>(cell)] += kEach * shares[static_cast<std::size_t>(i)];
     }
   }
   for (int i = 0; i < kHalves * kHalves * kHalves; ++i) {
-    levels_[0].at(brick * kHalves + Vec3i(i % kHalves, i / kHalves % kHalves, i / (kHalves * kHalves))) = sums[static_cast<std::size_t>(i)];
+    levels_[0].at(brick * kHalves + Vec3i(i % kHalves, i / kHalves % kHalves, i / (kHalves * kHalves))) =
+        sums[static_cast<std::size_t>(i)];
   }
 }
 

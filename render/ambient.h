@@ -7,8 +7,8 @@
 namespace reamsim {
 
 /// How open the surroundings of a surface point are, from the bone's shares averaged over ever larger cells: light that
-/// comes from everywhere reaches the floor of a cavity less than a free face. It belongs to the bone and not to the view,
-/// so it does not flicker between pictures.
+/// comes from everywhere reaches the floor of a cavity less than a free face. It belongs to the bone and not to the
+/// view, so it does not flicker between pictures.
 class AmbientLight {
  public:
   explicit AmbientLight(const Occupancy& occupancy);

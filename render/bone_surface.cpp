@@ -6,11 +6,17 @@
 #include <algorithm>
 #include <cmath>
 
+#include "render/surface_smoothing.h"
+
 namespace reamsim {
 namespace {
 
 using Accessor = openvdb::FloatGrid::ConstAccessor;
 using openvdb::Vec3d;
+
+constexpr std::size_t kGrain = 2048;
+constexpr int kNormalRounds = 24;  // reaches about five voxels
+constexpr int kEdgeRounds = 4;     // takes the teeth off the reamed face's edge
 
 double sample(const Accessor& accessor, const Vec3d& point) {
   return openvdb::tools::BoxSampler::sample(accessor, point);
@@ -39,9 +45,11 @@ float density_at(const Voxmap& voxmap, const Eigen::Vector3f& inside) {
   for (int i = 0; i < 8; ++i) {
     const Vec3i corner = base.cast<int>() + Vec3i(i & 1, i >> 1 & 1, i >> 2);
     if (!voxmap.grid.contains(corner)) continue;
-    const std::uint8_t grade = voxmap.grade[static_cast<std::size_t>(voxmap.grid.index(corner.x(), corner.y(), corner.z()))];
+    const std::uint8_t grade =
+        voxmap.grade[static_cast<std::size_t>(voxmap.grid.index(corner.x(), corner.y(), corner.z()))];
     if (grade == 0) continue;
-    const float weight = ((i & 1) ? t.x() : 1 - t.x()) * ((i >> 1 & 1) ? t.y() : 1 - t.y()) * ((i >> 2) ? t.z() : 1 - t.z());
+    const float weight =
+        ((i & 1) ? t.x() : 1 - t.x()) * ((i >> 1 & 1) ? t.y() : 1 - t.y()) * ((i >> 2) ? t.z() : 1 - t.z());
     sum += weight * static_cast<float>(DensityMapping::density_from_grade(grade));
     weights += weight;
   }
@@ -56,43 +64,72 @@ float reamed_share(double unreamed_field) {
   return static_cast<float>(std::clamp((-unreamed_field - kNone) / (kSure - kNone), 0.0, 1.0));
 }
 
+/// What is found at each vertex, before it goes into the vertex buffer.
+struct Findings {
+  explicit Findings(std::size_t count) : normal(count), reamed(count), depth_mm(count) {}
+
+  std::vector<Eigen::Vector3f> normal;
+  std::vector<float> reamed;
+  std::vector<float> depth_mm;
+};
+
+Findings look_at_vertices(const std::vector<openvdb::Vec3s>& points, double voxel_mm, const SolidField& field,
+                          const UnreamedSurface& unreamed) {
+  Findings out(points.size());
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, points.size(), kGrain), [&](const auto& range) {
+    const Accessor now = field.grid().getConstAccessor();
+    const Accessor before = unreamed.field().getConstAccessor();
+    const Accessor depths = unreamed.depth().getConstAccessor();
+    for (std::size_t i = range.begin(); i < range.end(); ++i) {
+      const Vec3d p(points[i]);
+      out.normal[i] = normal_at(now, p);
+      out.reamed[i] = reamed_share(sample(before, p));
+      const Vec3d in_depth_cells = unreamed.depth().transform().worldToIndex(p * voxel_mm);
+      if (out.reamed[i] > 0) out.depth_mm[i] = static_cast<float>(std::max(0.0, sample(depths, in_depth_cells)));
+    }
+  });
+  return out;
+}
+
+double deepest_mm(const Findings& found) {
+  float deepest = 0;
+  for (std::size_t i = 0; i < found.reamed.size(); ++i) {
+    if (found.reamed[i] >= 1) deepest = std::max(deepest, found.depth_mm[i]);
+  }
+  return deepest;
+}
+
 }  // namespace
 
 BoneSurface make_bone_surface(const Voxmap& voxmap, const SolidField& field, const AmbientLight& ambient,
                               const UnreamedSurface& unreamed) {
   const IsoSurface iso = extract_surface(field.grid(), 0);
+  const double voxel_mm = voxmap.grid.voxel_mm;
   BoneSurface out;
-  out.vertices.resize(iso.points.size() * BoneSurface::kStride);
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, iso.points.size(), 2048), [&](const auto& range) {
-    const Accessor now = field.grid().getConstAccessor();
-    const Accessor before = unreamed.field().getConstAccessor();
-    const Accessor depths = unreamed.depth().getConstAccessor();
-    const double voxel_mm = voxmap.grid.voxel_mm;
-    for (std::size_t i = range.begin(); i < range.end(); ++i) {
-      const Vec3d p(iso.points[i]);
-      const Eigen::Vector3f point(iso.points[i].x(), iso.points[i].y(), iso.points[i].z());
-      const Eigen::Vector3f normal = normal_at(now, p);
-      const float reamed = reamed_share(sample(before, p));
-      const Vec3d in_depth_cells = unreamed.depth().transform().worldToIndex(p * voxel_mm);
-      const double depth = reamed > 0 ? std::max(0.0, sample(depths, in_depth_cells)) : 0.0;
-      const Vec3 mm = voxmap.grid.origin_mm + voxel_mm * (point.cast<double>() + Vec3::Constant(0.5));
-      float* v = out.vertices.data() + i * BoneSurface::kStride;
-      Eigen::Map<Eigen::Vector3f>{v} = mm.cast<float>();
-      Eigen::Map<Eigen::Vector3f>{v + 3} = normal;
-      v[6] = static_cast<float>(depth);
-      v[7] = reamed;
-      v[8] = density_at(voxmap, point - 1.2F * normal);
-      v[9] = ambient.openness(point, normal);
-    }
-  });
-  for (std::size_t i = 0; i < iso.points.size(); ++i) {
-    const float* v = out.vertices.data() + i * BoneSurface::kStride;
-    if (v[7] >= 1) out.deepest_mm = std::max(out.deepest_mm, double{v[6]});
-  }
   out.indices.reserve(iso.triangles.size() * 3);
   for (const openvdb::Vec3I& triangle : iso.triangles) {
     for (int corner = 0; corner < 3; ++corner) out.indices.push_back(triangle[corner]);
   }
+  Findings found = look_at_vertices(iso.points, voxel_mm, field, unreamed);
+  out.deepest_mm = deepest_mm(found);
+  const Neighbours neighbours(iso.points.size(), out.indices);
+  smooth_normals(neighbours, found.normal, kNormalRounds);
+  smooth_values(neighbours, found.reamed, kEdgeRounds);
+  out.vertices.resize(iso.points.size() * BoneSurface::kStride);
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, iso.points.size(), kGrain), [&](const auto& range) {
+    for (std::size_t i = range.begin(); i < range.end(); ++i) {
+      const Eigen::Vector3f point(iso.points[i].x(), iso.points[i].y(), iso.points[i].z());
+      const Eigen::Vector3f& normal = found.normal[i];
+      const Vec3 mm = voxmap.grid.origin_mm + voxel_mm * (point.cast<double>() + Vec3::Constant(0.5));
+      float* v = out.vertices.data() + i * BoneSurface::kStride;
+      Eigen::Map<Eigen::Vector3f>{v} = mm.cast<float>();
+      Eigen::Map<Eigen::Vector3f>{v + 3} = normal;
+      v[6] = found.depth_mm[i];
+      v[7] = found.reamed[i];
+      v[8] = density_at(voxmap, point - 1.2F * normal);
+      v[9] = ambient.openness(point, normal);
+    }
+  });
   return out;
 }
 

@@ -53,7 +53,8 @@ void frame(Camera& camera, const Mat3& turn, const Subject& subject, bool whole_
   for (const Vec3& p : subject.head_mm) add(p);
   const Vec2 size = (extent.max - extent.min).cwiseMax(5.0);
   const Vec2 middle = 0.5 * (extent.min + extent.max);
-  camera.mm_per_px = std::max(size.x() / (kUsableWidth * camera.width_px), size.y() / (kUsableHeight * camera.height_px));
+  camera.mm_per_px =
+      std::max(size.x() / (kUsableWidth * camera.width_px), size.y() / (kUsableHeight * camera.height_px));
   camera.reach_mm = 2 * subject.reach_mm + 10;
   camera.eye_from_bone.linear() = turn;
   camera.eye_from_bone.translation() = -(turn * subject.focus_mm) - Vec3(middle.x(), middle.y(), 0);
@@ -69,7 +70,9 @@ Eigen::Vector4d section_plane(const Subject& subject) {
   return plane;
 }
 
-double degrees(double angle) { return angle * std::numbers::pi / 180; }
+double degrees(double angle) {
+  return angle * std::numbers::pi / 180;
+}
 
 }  // namespace
 
@@ -93,7 +96,8 @@ const std::vector<std::string>& camera_names() {
 
 Camera make_camera(const std::string& name, const Subject& subject, int width_px, int height_px) {
   if (width_px < 1 || height_px < 1) {
-    throw InputError({}, "render.width_px", "a picture of " + std::to_string(width_px) + " x " + std::to_string(height_px) + " pixels",
+    throw InputError({}, "render.width_px",
+                     "a picture of " + std::to_string(width_px) + " x " + std::to_string(height_px) + " pixels",
                      "expected at least 1 x 1");
   }
   Camera camera;

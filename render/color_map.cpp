@@ -40,8 +40,12 @@ std::vector<float> ColorMap::texels() const {
   return out;
 }
 
-ColorMap depth_colors() { return {viridis()}; }
+ColorMap depth_colors() {
+  return {viridis()};
+}
 
-ColorMap density_colors() { return {radiograph()}; }
+ColorMap density_colors() {
+  return {radiograph()};
+}
 
 }  // namespace reamsim

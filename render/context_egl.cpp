@@ -42,8 +42,7 @@ class EglContext final : public OffscreenContext {
   void open_display() {
     const auto get_display = library_.function<decltype(&eglGetPlatformDisplay)>("eglGetPlatformDisplay");
     const auto initialize = library_.function<decltype(&eglInitialize)>("eglInitialize");
-    display_ =
-        get_display(EGL_PLATFORM_SURFACELESS_MESA, reinterpret_cast<void*>(EGL_DEFAULT_DISPLAY), nullptr);
+    display_ = get_display(EGL_PLATFORM_SURFACELESS_MESA, reinterpret_cast<void*>(EGL_DEFAULT_DISPLAY), nullptr);
     if (display_ == EGL_NO_DISPLAY) throw RunError("EGL has no surfaceless platform (Mesa's)");
     EGLint major = 0;
     EGLint minor = 0;
@@ -61,9 +60,9 @@ class EglContext final : public OffscreenContext {
     if (choose(display_, wanted.data(), &config, 1, &count) != EGL_TRUE || count == 0) {
       throw RunError("EGL has no configuration for OpenGL");
     }
-    const std::array<EGLint, 7> attributes{EGL_CONTEXT_MAJOR_VERSION,       4, EGL_CONTEXT_MINOR_VERSION, 5,
-                                           EGL_CONTEXT_OPENGL_PROFILE_MASK, EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT,
-                                           EGL_NONE};
+    const std::array<EGLint, 7> attributes{
+        EGL_CONTEXT_MAJOR_VERSION,           4,       EGL_CONTEXT_MINOR_VERSION, 5, EGL_CONTEXT_OPENGL_PROFILE_MASK,
+        EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT, EGL_NONE};
     const auto create = library_.function<decltype(&eglCreateContext)>("eglCreateContext");
     context_ = create(display_, config, EGL_NO_CONTEXT, attributes.data());
     if (context_ == EGL_NO_CONTEXT) throw RunError("EGL cannot make an OpenGL 4.5 core context");
@@ -89,6 +88,8 @@ class EglContext final : public OffscreenContext {
 
 }  // namespace
 
-std::unique_ptr<OffscreenContext> make_egl_context() { return std::make_unique<EglContext>(); }
+std::unique_ptr<OffscreenContext> make_egl_context() {
+  return std::make_unique<EglContext>();
+}
 
 }  // namespace reamsim

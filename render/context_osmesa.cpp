@@ -26,11 +26,16 @@ class OsmesaContext final : public OffscreenContext {
       : library_({"libOSMesa.so.8", "libOSMesa.so.6", "libOSMesa.so"}, "OSMesa"),
         make_current_(library_.function<MakeCurrent>("OSMesaMakeCurrent")),
         destroy_(library_.function<DestroyContext>("OSMesaDestroyContext")) {
-    const std::array attributes{OSMESA_FORMAT,  OSMESA_RGBA,
-                                OSMESA_PROFILE, OSMESA_CORE_PROFILE,
-                                OSMESA_CONTEXT_MAJOR_VERSION, 4,
-                                OSMESA_CONTEXT_MINOR_VERSION, 5,
-                                0,              0};
+    const std::array attributes{OSMESA_FORMAT,
+                                OSMESA_RGBA,
+                                OSMESA_PROFILE,
+                                OSMESA_CORE_PROFILE,
+                                OSMESA_CONTEXT_MAJOR_VERSION,
+                                4,
+                                OSMESA_CONTEXT_MINOR_VERSION,
+                                5,
+                                0,
+                                0};
     const auto create = library_.function<CreateContextAttribs>("OSMesaCreateContextAttribs");
     context_ = create(attributes.data(), nullptr);
     if (context_ == nullptr) throw RunError("OSMesa cannot make an OpenGL 4.5 core context");
@@ -68,6 +73,8 @@ class OsmesaContext final : public OffscreenContext {
 
 }  // namespace
 
-std::unique_ptr<OffscreenContext> make_osmesa_context() { return std::make_unique<OsmesaContext>(); }
+std::unique_ptr<OffscreenContext> make_osmesa_context() {
+  return std::make_unique<OsmesaContext>();
+}
 
 }  // namespace reamsim

@@ -21,9 +21,11 @@ float density_at(const Voxmap& voxmap, const Vec3& point) {
   for (int i = 0; i < 8; ++i) {
     const Vec3i corner = base.cast<int>() + Vec3i(i & 1, i >> 1 & 1, i >> 2);
     if (!voxmap.grid.contains(corner)) continue;
-    const std::uint8_t grade = voxmap.grade[static_cast<std::size_t>(voxmap.grid.index(corner.x(), corner.y(), corner.z()))];
+    const std::uint8_t grade =
+        voxmap.grade[static_cast<std::size_t>(voxmap.grid.index(corner.x(), corner.y(), corner.z()))];
     if (grade == 0) continue;
-    const double near = ((i & 1) ? t.x() : 1 - t.x()) * ((i >> 1 & 1) ? t.y() : 1 - t.y()) * ((i >> 2) ? t.z() : 1 - t.z());
+    const double near =
+        ((i & 1) ? t.x() : 1 - t.x()) * ((i >> 1 & 1) ? t.y() : 1 - t.y()) * ((i >> 2) ? t.z() : 1 - t.z());
     const double weight = near * voxmap.fill.get(corner);
     sum += weight * DensityMapping::density_from_grade(grade);
     weights += weight;
@@ -56,7 +58,8 @@ Rectangle visible_rectangle(const Aabb& bone, const Camera& camera) {
   Vec2 low = Vec2::Constant(1e30);
   Vec2 high = Vec2::Constant(-1e30);
   for (int i = 0; i < 8; ++i) {
-    const Vec3 corner((i & 1 ? bone.max : bone.min).x(), (i & 2 ? bone.max : bone.min).y(), (i & 4 ? bone.max : bone.min).z());
+    const Vec3 corner((i & 1 ? bone.max : bone.min).x(), (i & 2 ? bone.max : bone.min).y(),
+                      (i & 4 ? bone.max : bone.min).z());
     const Vec2 at((corner - middle).dot(out.across), (corner - middle).dot(out.upward));
     low = low.cwiseMin(at);
     high = high.cwiseMax(at);
@@ -78,20 +81,24 @@ CutFace sample_cut_face(const Voxmap& voxmap, const SolidField& field, const Cam
   const Rectangle rectangle = visible_rectangle(box, camera);
   CutFace out;
   if ((rectangle.size_mm.array() <= 0).any()) return out;
-  const double step_mm = std::max({camera.mm_per_px, 0.25 * grid.voxel_mm, rectangle.size_mm.maxCoeff() / (kMostTexels - 2)});
+  const double step_mm =
+      std::max({camera.mm_per_px, 0.25 * grid.voxel_mm, rectangle.size_mm.maxCoeff() / (kMostTexels - 2)});
   out.width = static_cast<int>(std::ceil(rectangle.size_mm.x() / step_mm)) + 1;
   out.height = static_cast<int>(std::ceil(rectangle.size_mm.y() / step_mm)) + 1;
   const Vec3 across = out.width * step_mm * rectangle.across;
   const Vec3 upward = out.height * step_mm * rectangle.upward;
-  out.corners_mm = {rectangle.origin_mm, rectangle.origin_mm + across, rectangle.origin_mm + across + upward, rectangle.origin_mm + upward};
+  out.corners_mm = {rectangle.origin_mm, rectangle.origin_mm + across, rectangle.origin_mm + across + upward,
+                    rectangle.origin_mm + upward};
   out.texels.resize(static_cast<std::size_t>(out.width) * out.height * 2);
   tbb::parallel_for(tbb::blocked_range<int>(0, out.height), [&](const auto& rows) {
     const auto accessor = field.grid().getConstAccessor();
     for (int row = rows.begin(); row < rows.end(); ++row) {
       for (int column = 0; column < out.width; ++column) {
-        const Vec3 mm = rectangle.origin_mm + step_mm * ((column + 0.5) * rectangle.across + (row + 0.5) * rectangle.upward);
+        const Vec3 mm =
+            rectangle.origin_mm + step_mm * ((column + 0.5) * rectangle.across + (row + 0.5) * rectangle.upward);
         const Vec3 point = (mm - grid.origin_mm) / grid.voxel_mm - Vec3::Constant(0.5);
-        const float share = -openvdb::tools::BoxSampler::sample(accessor, openvdb::Vec3d(point.x(), point.y(), point.z()));
+        const float share =
+            -openvdb::tools::BoxSampler::sample(accessor, openvdb::Vec3d(point.x(), point.y(), point.z()));
         float* texel = out.texels.data() + 2 * (static_cast<std::size_t>(row) * out.width + column);
         texel[0] = share > -0.45F ? density_at(voxmap, point) : 0.0F;
         texel[1] = share;

@@ -14,7 +14,8 @@ struct CutFace {
   std::array<Vec3, 4> corners_mm;  ///< in B: of texture (0,0), (1,0), (1,1), (0,1)
   int width = 0;
   int height = 0;
-  std::vector<float> texels;  ///< two per place: density of what is left (g/cm³); share of bone less ½, smoothed as the surface is
+  std::vector<float>
+      texels;  ///< two per place: density of what is left (g/cm³); share of bone less ½, smoothed as the surface is
 };
 
 /// Samples the plane of `camera` wherever the picture shows it and there may be bone, one texel per pixel but no finer

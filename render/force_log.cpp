@@ -53,7 +53,8 @@ double number(const SourceLocation& where, std::string_view name, std::string_vi
   return value;
 }
 
-ForceRow parse_row(const SourceLocation& where, const std::array<std::size_t, kColumns>& places, std::string_view line) {
+ForceRow parse_row(const SourceLocation& where, const std::array<std::size_t, kColumns>& places,
+                   std::string_view line) {
   const auto cells = split(line);
   std::array<double, kColumns> v{};
   for (std::size_t i = 0; i < kColumns; ++i) {

@@ -27,8 +27,8 @@ const char* error_name(GLenum code) {
 }  // namespace
 
 void Gl::load(const std::function<void*(const char*)>& address) {
-#define REAMSIM_GL_LOAD(name, type)                                                  \
-  name = reinterpret_cast<type>(address("gl" #name));                                \
+#define REAMSIM_GL_LOAD(name, type)                   \
+  name = reinterpret_cast<type>(address("gl" #name)); \
   if (name == nullptr) throw RunError("this OpenGL has no function gl" #name);
   REAMSIM_GL_FUNCTIONS(REAMSIM_GL_LOAD)
 #undef REAMSIM_GL_LOAD

@@ -53,7 +53,9 @@ GlProgram::GlProgram(const Gl& gl, const std::string& name, const std::vector<co
   throw RunError("the shader '" + name + "' does not link: " + trimmed_log(log.c_str()));
 }
 
-GlProgram::~GlProgram() { gl_.DeleteProgram(id_); }
+GlProgram::~GlProgram() {
+  gl_.DeleteProgram(id_);
+}
 
 GlMesh::GlMesh(const Gl& gl, std::span<const float> vertices, std::span<const int> group_sizes,
                std::span<const std::uint32_t> indices)
@@ -65,8 +67,7 @@ GlMesh::GlMesh(const Gl& gl, std::span<const float> vertices, std::span<const in
   gl.BufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(vertices.size_bytes()), vertices.data(), GL_STATIC_DRAW);
   gl.GenBuffers(1, &indices_);
   gl.BindBuffer(GL_ELEMENT_ARRAY_BUFFER, indices_);
-  gl.BufferData(GL_ELEMENT_ARRAY_BUFFER, static_cast<GLsizeiptr>(indices.size_bytes()), indices.data(),
-                GL_STATIC_DRAW);
+  gl.BufferData(GL_ELEMENT_ARRAY_BUFFER, static_cast<GLsizeiptr>(indices.size_bytes()), indices.data(), GL_STATIC_DRAW);
   int stride = 0;
   for (const int size : group_sizes) stride += size;
   std::size_t offset = 0;
@@ -104,7 +105,9 @@ GlTexture::GlTexture(const Gl& gl, int width, int height, int channels, std::spa
   gl.check("copying a texture to the device");
 }
 
-GlTexture::~GlTexture() { gl_.DeleteTextures(1, &id_); }
+GlTexture::~GlTexture() {
+  gl_.DeleteTextures(1, &id_);
+}
 
 void GlTexture::bind(int unit) const {
   gl_.ActiveTexture(static_cast<GLenum>(GL_TEXTURE0 + unit));

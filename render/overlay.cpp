@@ -91,9 +91,13 @@ class Text {
 };
 
 /// Pixels of this picture per pixel of one 1080 high and at least 1440 wide.
-double unit(const Camera& camera) { return std::min(camera.height_px / 1080.0, camera.width_px / 1440.0); }
+double unit(const Camera& camera) {
+  return std::min(camera.height_px / 1080.0, camera.width_px / 1440.0);
+}
 
-bool labelled(const Camera& camera) { return std::min(camera.width_px, camera.height_px) >= kLeastLabelled_px; }
+bool labelled(const Camera& camera) {
+  return std::min(camera.width_px, camera.height_px) >= kLeastLabelled_px;
+}
 
 void rounded_box(const Canvas& canvas, const Box& box, double radius) {
   cairo_t* c = canvas.get();
@@ -152,7 +156,7 @@ void draw_legend(const Canvas& canvas, const Camera& camera, const Legend& legen
   const Text unit_text(canvas, legend.unit, 0.87 * kText * u);
   const double right = camera.width_px - kMargin * u;
   const double pad = 14 * u;
-  const double width = std::max({title.width, unit_text.width, 110 * u}) + 2 * pad;
+  const double width = 146 * u + 2 * pad;
   const double head = title.height + unit_text.height + 12 * u;
   paper(canvas, {right - width, bar.y - head - pad, width, bar.height + head + 2 * pad + 4 * u}, 8 * u);
   canvas.ink(kInk);
@@ -189,7 +193,9 @@ void draw_scale_bar(const Canvas& canvas, const Camera& camera) {
   Scale exact{length_mm, length_mm};
   const Text text(canvas, exact.label(1) + " mm", kText * u);
   const double width = std::max(bar.width, text.width);
-  paper(canvas, {bar.x - 14 * u, bar.y - text.height - 16 * u, width + 28 * u, text.height + 16 * u + bar.height + 14 * u}, 8 * u);
+  paper(canvas,
+        {bar.x - 14 * u, bar.y - text.height - 16 * u, width + 28 * u, text.height + 16 * u + bar.height + 14 * u},
+        8 * u);
   canvas.ink(kInk);
   cairo_rectangle(c, bar.x, bar.y, bar.width, bar.height);
   cairo_fill(c);
@@ -202,11 +208,11 @@ void draw_directions(const Canvas& canvas, const Camera& camera, const Labels& l
   const double u = unit(camera);
   cairo_t* c = canvas.get();
   const double reach = 62 * u;
-  const Vec2 middle(camera.width_px - kMargin * u - 104 * u, camera.height_px - kMargin * u - 92 * u);
+  const Vec2 middle(camera.width_px - kMargin * u - 150 * u, camera.height_px - kMargin * u - 100 * u);
   for (const auto& [name, direction] : labels.directions) {
     const Vec3 eye = camera.eye_from_bone.linear() * direction;
     Vec2 way(eye.x(), -eye.y());
-    if (way.norm() < 0.25) continue;  // points at the viewer or away
+    if (way.norm() < 0.35) continue;  // points at the viewer or away
     const Vec2 tip = middle + reach * way;
     way.normalize();
     const Vec2 side(-way.y(), way.x());
@@ -257,7 +263,7 @@ Box legend_box(const Camera& camera, int index, int count) {
   const double u = unit(camera);
   const double height = (count == 1 ? 420 : 270) * u;
   const double top = kMargin * u + 84 * u + index * (height + 130 * u);
-  return {camera.width_px - (kMargin + 150) * u, top, 34 * u, height};
+  return {camera.width_px - (kMargin + 160) * u, top, 34 * u, height};
 }
 
 std::pair<Box, double> scale_bar(const Camera& camera) {
@@ -290,7 +296,8 @@ void write_png(const std::string& path, std::vector<std::uint32_t>& pixels, int 
   const Canvas canvas(pixels, width_px, height_px);
   const cairo_status_t status = cairo_surface_write_to_png(canvas.surface(), path.c_str());
   if (status != CAIRO_STATUS_SUCCESS) {
-    throw RunError(path + ": cannot be written (" + cairo_status_to_string(status) + "); is the disk full or the folder read-only?");
+    throw RunError(path + ": cannot be written (" + cairo_status_to_string(status) +
+                   "); is the disk full or the folder read-only?");
   }
 }
 

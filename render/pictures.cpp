@@ -64,11 +64,6 @@ std::vector<Vec3> widest_circle(const TriangleMesh& tool, const Rigid& bone_from
   return circle;
 }
 
-double densest_g_cm3(const Voxmap& voxmap) {
-  const auto densest = std::max_element(voxmap.grade.begin(), voxmap.grade.end());
-  return densest == voxmap.grade.end() ? 0 : DensityMapping::density_from_grade(*densest);
-}
-
 /// Makes all pictures of one run.
 class PictureMaker {
  public:
@@ -82,7 +77,6 @@ class PictureMaker {
     for (const std::string& name : settings.cameras) {
       cameras_.push_back(make_camera(name, subject_, settings.width_px, settings.height_px));
     }
-    density_scale_ = scale_up_to(densest_g_cm3(results_.voxmap));
   }
 
   void run(Report* report) {
@@ -188,7 +182,8 @@ class PictureMaker {
   Subject subject_;
   std::vector<Camera> cameras_;
   Scale depth_scale_;
-  Scale density_scale_;
+  /// The same for every bone, so that pictures of different bones compare.
+  Scale density_scale_ = scale_up_to(DensityMapping::kMaxDensity_g_cm3);
   int done_ = 0;
 };
 

@@ -13,9 +13,9 @@ namespace reamsim {
 using PictureProgress = std::function<void(int, int, const std::string&)>;
 
 /// Makes the pictures of a run from its results alone: DIR/scenario.yaml is not needed; DIR/reamed.vdb (density of the
-/// unreamed bone, and the frame G in its metadata), DIR/snapshots/ (bricks per picture, tool.stl) and DIR/forces.csv are.
-/// Writes DIR/frames/NNNNNN[_camera].png for every snapshot and DIR/reamed[_camera].png, without the tool, for the last;
-/// the first camera of the settings goes without a suffix. Cameras: see camera_names() in render/camera.h.
+/// unreamed bone, and the frame G in its metadata), DIR/snapshots/ (bricks per picture, tool.stl) and DIR/forces.csv
+/// are. Writes DIR/frames/NNNNNN[_camera].png for every snapshot and DIR/reamed[_camera].png, without the tool, for the
+/// last; the first camera of the settings goes without a suffix. Cameras: see camera_names() in render/camera.h.
 /// `report`, where given, gets a warning when the wanted context was not to be had and the other one was used.
 /// Throws InputError when a result is missing or damaged or a camera is unknown, RunError when a picture cannot be made
 /// or written.

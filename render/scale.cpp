@@ -27,7 +27,9 @@ double round_up(double value) {
   return decade * (lead < 1.5 ? 2 : lead < 3 ? 5 : 10);
 }
 
-int Scale::ticks() const { return static_cast<int>(std::floor(max / step + 1e-6)) + 1; }
+int Scale::ticks() const {
+  return static_cast<int>(std::floor(max / step + 1e-6)) + 1;
+}
 
 std::string Scale::label(int tick) const {
   const int decimals = std::clamp(static_cast<int>(std::ceil(-std::log10(step) - kSlack)), 0, 6);
@@ -42,6 +44,8 @@ Scale scale_up_to(double max) {
   return {step * std::ceil(max / step - 1e-6), step};
 }
 
-Scale scale_exactly(double max) { return {max, round_up(max / 8)}; }
+Scale scale_exactly(double max) {
+  return {max, round_up(max / 8)};
+}
 
 }  // namespace reamsim

@@ -23,7 +23,9 @@ namespace {
 /// How far the tool's face is drawn in front of the bone that it touches, which would else show through in patches.
 constexpr double kToolLift_mm = 0.6;
 
-std::vector<const char*> lit(const char* shader) { return {embedded::shader_lighting, shader}; }
+std::vector<const char*> lit(const char* shader) {
+  return {embedded::shader_lighting, shader};
+}
 
 GlTexture color_texture(const Gl& gl, const ColorMap& map) {
   return {gl, static_cast<int>(map.stops.size()), 1, 3, map.texels()};
@@ -60,7 +62,9 @@ Scene::Scene(const Gl& gl, int width_px, int height_px, const ToolSurface& tool)
   gl.GenVertexArrays(1, &empty_array_);
 }
 
-Scene::~Scene() { gl_.DeleteVertexArrays(1, &empty_array_); }
+Scene::~Scene() {
+  gl_.DeleteVertexArrays(1, &empty_array_);
+}
 
 void Scene::set_bone(const BoneSurface& bone) {
   bone_ = std::make_unique<GlMesh>(gl_, bone.vertices, BoneSurface::kGroups, bone.indices);

@@ -16,9 +16,9 @@ namespace reamsim {
 /// One picture to be drawn.
 struct Shot {
   Camera camera;
-  double depth_max_mm = 1;      ///< top of the depth colours
-  double contour_mm = 1;        ///< a line on the reamed face at every multiple of this depth
-  double density_max_g_cm3 = 2; ///< top of the density colours
+  double depth_max_mm = 1;                       ///< top of the depth colours
+  double contour_mm = 1;                         ///< a line on the reamed face at every multiple of this depth
+  double density_max_g_cm3 = 2;                  ///< top of the density colours
   std::optional<Rigid> bone_from_spinning_tool;  ///< without it there is no tool
   const CutFace* cut_face = nullptr;             ///< where the camera cuts the bone open
 };

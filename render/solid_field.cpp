@@ -55,7 +55,8 @@ std::unique_ptr<Leaf> smoothed_leaf(const Occupancy& occupancy, const Kernel& ke
   for (int z = 0; z < kSide; ++z) {
     smooth_rows(kernel, kGathered, after_z.data() + z * kGathered * kGathered, after_y.data() + z * kSide * kGathered);
   }
-  auto leaf = std::make_unique<Leaf>(openvdb::Coord(brick.x() * kSide, brick.y() * kSide, brick.z() * kSide), kAir, true);
+  auto leaf =
+      std::make_unique<Leaf>(openvdb::Coord(brick.x() * kSide, brick.y() * kSide, brick.z() * kSide), kAir, true);
   for (int z = 0; z < kSide; ++z) {
     for (int y = 0; y < kSide; ++y) {
       std::array<float, kSide> row;
@@ -103,7 +104,8 @@ void SolidField::update(const Occupancy& occupancy, const std::vector<Vec3i>& br
     for (int n = 0; n < 27; ++n) {
       const Vec3i near = brick + Vec3i(n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1);
       const Vec3i shifted = near + Vec3i::Ones();
-      const std::int64_t key = shifted.x() + std::int64_t{dims.x()} * (shifted.y() + std::int64_t{dims.y()} * shifted.z());
+      const std::int64_t key =
+          shifted.x() + std::int64_t{dims.x()} * (shifted.y() + std::int64_t{dims.y()} * shifted.z());
       if (seen.insert(key).second) touched.push_back(near);
     }
   }
@@ -140,8 +142,8 @@ IsoSurface extract_surface(const openvdb::FloatGrid& field, double level) {
     for (std::size_t i = 0; i < polygons.numQuads(); ++i) {
       const openvdb::Vec4I& q = polygons.quad(i);
       // The shorter diagonal bends the surface less.
-      const bool first = (out.points[q[0]] - out.points[q[2]]).lengthSqr() <=
-                         (out.points[q[1]] - out.points[q[3]]).lengthSqr();
+      const bool first =
+          (out.points[q[0]] - out.points[q[2]]).lengthSqr() <= (out.points[q[1]] - out.points[q[3]]).lengthSqr();
       out.triangles.push_back(first ? openvdb::Vec3I(q[0], q[1], q[2]) : openvdb::Vec3I(q[0], q[1], q[3]));
       out.triangles.push_back(first ? openvdb::Vec3I(q[0], q[2], q[3]) : openvdb::Vec3I(q[1], q[2], q[3]));
     }

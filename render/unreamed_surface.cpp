@@ -41,8 +41,8 @@ double cell_size_mm(const Voxmap& voxmap) {
   return std::max(voxmap.grid.voxel_mm, std::cbrt(bone_mm3 / kInteriorCells));
 }
 
-/// Depth by closing: the surface is first moved out by kBridge_mm, which shuts narrow holes, and the distance from there
-/// is taken less kBridge_mm. Where no hole is near this is the distance from the surface itself.
+/// Depth by closing: the surface is first moved out by kBridge_mm, which shuts narrow holes, and the distance from
+/// there is taken less kBridge_mm. Where no hole is near this is the distance from the surface itself.
 openvdb::FloatGrid::Ptr depth_grid(const IsoSurface& surface, double voxel_mm, double cell_mm) {
   constexpr double kBridge = UnreamedSurface::kBridge_mm;
   const auto outside = signed_distance(surface, voxel_mm / cell_mm, cell_mm, kBridge / cell_mm + 3, 3.0F);

@@ -6,16 +6,17 @@ uniform sampler2D depth_colors;
 uniform float depth_max_mm;
 uniform float contour_mm;
 
-const vec3 kSoftBone = vec3(0.62, 0.46, 0.33);
-const vec3 kDenseBone = vec3(0.86, 0.79, 0.66);
+const vec3 kSoftBone = vec3(0.55, 0.39, 0.27);
+const vec3 kDenseBone = vec3(0.80, 0.69, 0.53);
 
 // A thin line wherever the depth passes a tick of the legend.
 float contour(float depth_mm) {
   float steps = depth_mm / contour_mm;
   float width = max(fwidth(steps), 1e-6);
   float line = abs(fract(steps - 0.5) - 0.5) / width;
-  float crowded = smoothstep(0.15, 0.4, width);
-  return steps < 0.5 ? 0.0 : (1.0 - smoothstep(0.4, 1.3, line)) * (1.0 - crowded);
+  // Not where lines would run together, nor where the floor is so flat that a line would only trace voxels.
+  float clear = (1.0 - smoothstep(0.15, 0.4, width)) * smoothstep(0.003, 0.010, width);
+  return steps < 0.5 ? 0.0 : (1.0 - smoothstep(0.4, 1.3, line)) * clear;
 }
 
 void main() {

@@ -12,5 +12,8 @@ void main() {
   if (cover <= 0.0) discard;
   float texels = float(textureSize(density_colors, 0).x);
   float x = clamp(here.r / density_max_g_cm3, 0.0, 1.0);
-  color = vec4(texture(density_colors, vec2((x * (texels - 1.0) + 0.5) / texels, 0.5)).rgb, cover);
+  vec3 map = texture(density_colors, vec2((x * (texels - 1.0) + 0.5) / texels, 0.5)).rgb;
+  // A dark line of about two pixels along the edge, so that dense bone stands out from a light background.
+  float edge = 1.0 - smoothstep(1.5, 2.8, here.g / width);
+  color = vec4(mix(map, vec3(0.12, 0.13, 0.16), 0.85 * edge), cover);
 }

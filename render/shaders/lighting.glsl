@@ -4,11 +4,11 @@
 const vec3 kKeyDirection = normalize(vec3(-0.55, 0.70, 0.62));
 const vec3 kFillDirection = normalize(vec3(0.80, 0.10, 0.55));
 const vec3 kRimDirection = normalize(vec3(0.35, 0.55, -0.65));
-const vec3 kKeyColor = vec3(1.00, 0.965, 0.90) * 0.95;
-const vec3 kFillColor = vec3(0.72, 0.82, 1.00) * 0.24;
+const vec3 kKeyColor = vec3(1.00, 0.965, 0.90) * 0.92;
+const vec3 kFillColor = vec3(0.72, 0.82, 1.00) * 0.16;
 const vec3 kRimColor = vec3(0.90, 0.95, 1.00) * 0.30;
-const vec3 kSkyColor = vec3(0.90, 0.95, 1.00) * 0.40;
-const vec3 kGroundColor = vec3(0.80, 0.70, 0.60) * 0.20;
+const vec3 kSkyColor = vec3(0.90, 0.95, 1.00) * 0.30;
+const vec3 kGroundColor = vec3(0.80, 0.70, 0.60) * 0.12;
 
 vec3 linear_from_srgb(vec3 c) { return mix(c / 12.92, pow((c + 0.055) / 1.055, vec3(2.4)), step(0.04045, c)); }
 

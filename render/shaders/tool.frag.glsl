@@ -8,6 +8,8 @@ uniform int cut_open;
 const vec3 kSteel = vec3(0.62, 0.65, 0.69);
 const vec3 kCutSteel = vec3(0.42, 0.50, 0.60);
 
+const float kHatch_px = 18.0;
+
 // What polished steel mirrors in a studio: bright ceiling panels, a dark horizon, a grey floor.
 vec3 studio(vec3 r) {
   float panel = smoothstep(0.35, 0.55, r.y) * (0.55 + 0.45 * smoothstep(-0.5, 0.4, -r.x));
@@ -21,7 +23,8 @@ vec3 studio(vec3 r) {
 void main() {
   if (cut_open == 1 && !gl_FrontFacing) {
     // Inside of a solid that is cut open: what is seen is its cut.
-    color = vec4(srgb_from_linear(kCutSteel), 0.62);
+    float hatch = abs(fract((gl_FragCoord.x + gl_FragCoord.y) / kHatch_px) - 0.5);
+    color = vec4(srgb_from_linear(kCutSteel * (hatch < 0.06 ? 0.6 : 1.0)), 0.55);
     return;
   }
   vec3 n = normalize(gl_FrontFacing ? normal : -normal);

@@ -14,21 +14,38 @@ struct Bone {
   std::optional<GlenoidFrame> glenoid;  ///< from the scenario, or the phantom's own
 };
 
-/// Builds the bone that the scenario asks for (CT, mesh, VDB or phantom) and drills the pilot hole.
+/// Builds the bone that the scenario asks for (CT, mesh, VDB or phantom) and drills the pilot hole. All but a VDB's
+/// lattice are fitted to the bone (fit_to_bone); a VDB keeps its own, so that reaming goes on where it stopped.
 /// Throws InputError for whatever is wrong with the data; says in `report` what was done (voxels, volumes, pieces).
 Bone load_bone(const BoneSettings& settings, Report& report);
 
 /// The sources behind load_bone(), with voxmap_from_ct() (sim/bone/ct/ct_import.h). Each gives an isotropic voxmap of
 /// `settings.voxel_mm` in the frame B.
+
+/// A closed mesh: cortical grade down to `cortical_mm` below the surface, trabecular grade inside. A voxel is bone when
+/// its centre is inside. Throws InputError: unreadable, open or non-manifold (unless `repair`), a repair that flooded,
+/// no volume, absurdly large.
 Voxmap voxmap_from_mesh(const BoneSettings& settings, Report& report);
+/// A VDB of an earlier run or import, or another's with a FloatGrid `density`. Its own voxel size and density mapping
+/// hold. Throws as read_bone_vdb().
 Voxmap voxmap_from_vdb(const BoneSettings& settings, Report& report);
+/// A generated bone in the frame "phantom". Verification blocks have their top face at z = 0 and the glenoid frame at
+/// its centre, +z up; the sphere has its centre at the origin and the glenoid frame at its pole. The glenoid stands in
+/// axes like a patient's (left: +x lateral, right: −x lateral; +y posterior; +z superior), its face centre at the
+/// origin. Throws InputError: shapes that contradict themselves, a glenoid without `side`, absurdly large.
 Bone bone_from_phantom(const BoneSettings& settings, Report& report);
 
 /// The glenoid frame of the scenario, from centre/normal/superior or from landmarks; nullopt where neither is given.
+/// `superior` is made perpendicular to the normal. From landmarks the normal is the Friedman axis (trigonum spinae to
+/// glenoid centre, lateral), and superior lies in the scapular plane, away from the inferior angle. The frame is
+/// right-handed on both sides: +x is posterior on a left scapula, anterior on a right one.
+/// Throws InputError: an incomplete set, zero or parallel directions, landmarks on a line, a side that is not left or
+/// right.
 std::optional<GlenoidFrame> glenoid_frame(const GlenoidSettings& settings, const std::string& side);
 
-/// Sets every voxel whose centre lies in the hole to air; returns the drilled volume in mm³.
-double drill_pilot_hole(Voxmap& voxmap, const PilotHoleSettings& hole);
+/// Sets every voxel whose centre lies in the hole to air; returns the drilled volume in mm³. `glenoid` is needed where
+/// `hole.frame` is glenoid. Throws InputError: no such frame, no direction.
+double drill_pilot_hole(Voxmap& voxmap, const PilotHoleSettings& hole, const std::optional<GlenoidFrame>& glenoid);
 
 /// Shrinks or grows the lattice so that `margin_voxels` of air surround the bone on every side, and the dimensions are
 /// multiples of 8 (whole bricks). Throws InputError when there is no bone.

@@ -9,6 +9,7 @@
 #include "sim/base/error.h"
 #include "sim/bone/bone.h"
 #include "sim/bone/lattice.h"
+#include "sim/bone/sample_phantom.h"
 #include "sim/mesh/mesh_check.h"
 #include "sim/mesh/mesh_io.h"
 #include "sim/mesh/mesh_repair.h"
@@ -130,8 +131,7 @@ Voxmap voxmap_from_mesh(const BoneSettings& settings, Report& report) {
   const double cortical_voxels = bone.cortical_mm / settings.voxel_mm;
   const auto distance = signed_distance(bone.path, mesh, grid, cortical_voxels + 2);
 
-  const DensityMapping mapping{settings.density.ash_slope_g_cm3_per_hu, settings.density.ash_offset_g_cm3,
-                               settings.density.ash_fraction};
+  const DensityMapping mapping = mapping_from(settings.density);
   const auto grade = [&mapping](double hu) { return DensityMapping::grade_from_density(mapping.density_from_hu(hu)); };
   Voxmap voxmap =
       grades_from_distance(*distance, grid, cortical_voxels, grade(bone.cortical_hu), grade(bone.trabecular_hu));

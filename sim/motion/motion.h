@@ -37,7 +37,8 @@ struct Motion {
 /// linearly, and the spin angle is its integral.
 Motion build_motion(const MotionSettings& settings, const std::optional<GlenoidFrame>& glenoid, Report& report);
 
-/// The pose a share `t` (0…1) of the way from `a` to `b`.
+/// The pose a share `t` (0…1) of the way from `a` to `b`: orientation spherically, all else linearly, the spin angle
+/// too (within a frame the spin speed hardly changes).
 ToolPose interpolate(const ToolPose& a, const ToolPose& b, double t);
 
 }  // namespace reamsim

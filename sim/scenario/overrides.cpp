@@ -43,9 +43,9 @@ YamlNodePtr parse_value(const std::string& text, const YamlMark& mark) {
   try {
     const YamlNodePtr node = parse_yaml(text, *mark.override_text);
     const bool block_map = node->kind == YamlNode::Kind::map && !text.starts_with('{');
-    const bool comment = node->kind == YamlNode::Kind::null && text.starts_with('#');
+    const bool nothing = node->kind == YamlNode::Kind::null && text != "null" && text != "~";
     const bool plain = node->kind == YamlNode::Kind::scalar && !node->quoted;
-    if (!block_map && !comment && !plain) return marked(*node, mark);
+    if (!block_map && !nothing && !plain) return marked(*node, mark);
   } catch (const InputError&) {
     // Not YAML, so it is meant literally: a device's name may hold ": " or a bracket.
     if (text.starts_with('[') || text.starts_with('{') || text.starts_with('"')) throw;

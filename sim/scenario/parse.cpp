@@ -1,5 +1,6 @@
 #include "sim/scenario/parse.h"
 
+#include <array>
 #include <cerrno>
 #include <filesystem>
 #include <fstream>
@@ -25,7 +26,7 @@ namespace fs = std::filesystem;
 
 constexpr const char* kExpectedFile = "expected a scenario file (YAML)";
 
-/// The file's text, at most one byte more than a scenario may have.
+/// The file's text; no more than it takes to see that it is too large.
 std::string read_text(const std::string& path) {
   const SourceLocation where{shown_path(path), 0, 0};
   std::error_code error;
@@ -36,13 +37,16 @@ std::string read_text(const std::string& path) {
   if (status.type() == fs::file_type::directory) throw InputError(where, "", "is a folder", kExpectedFile);
   errno = 0;
   std::ifstream stream(path, std::ios::binary);
-  std::string text(YamlLimits::kMaxBytes + 1, '\0');
-  if (stream) stream.read(text.data(), static_cast<std::streamsize>(text.size()));
+  std::string text;
+  std::array<char, 65536> chunk{};
+  while (stream && text.size() <= YamlLimits::kMaxBytes) {
+    stream.read(chunk.data(), chunk.size());
+    text.append(chunk.data(), static_cast<std::size_t>(stream.gcount()));
+  }
   if (!stream.is_open() || stream.bad()) {
     const std::string why = errno == 0 ? "" : " (" + std::generic_category().message(errno) + ")";
     throw InputError(where, "", "cannot be read" + why, kExpectedFile);
   }
-  text.resize(static_cast<std::size_t>(stream.gcount()));
   return text;
 }
 
@@ -126,7 +130,7 @@ BoneSettings parse_bone_settings(const std::string& source, const std::string& p
 
 std::vector<std::pair<std::string, std::string>> input_files(const Scenario& scenario) {
   const BoneSettings& bone = scenario.bone;
-  std::vector<std::pair<std::string, std::string>> files{{"scenario", scenario.file}};
+  std::vector<std::pair<std::string, std::string>> files;
   if (bone.source == "ct") {
     files.emplace_back("bone.ct.path", bone.ct.path);
     if (bone.ct.label_map) files.emplace_back("bone.ct.label_map.path", bone.ct.label_map->path);

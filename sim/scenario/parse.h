@@ -30,7 +30,8 @@ std::string scenario_json_schema();
 /// The table of keys for docs/formats.md (Markdown), generated from the same description.
 std::string scenario_key_table();
 
-/// Every input file of the scenario, for provenance: (role, absolute path). A DICOM folder appears as a folder.
+/// Every file that the scenario names as an input, for provenance: (its key, absolute path). The scenario file itself
+/// is not among them. A DICOM folder appears as a folder.
 std::vector<std::pair<std::string, std::string>> input_files(const Scenario& scenario);
 
 }  // namespace reamsim

@@ -2,6 +2,7 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <filesystem>
 #include <system_error>
@@ -75,6 +76,10 @@ std::string resolve_path(const std::string& text, TextKind kind, const std::stri
   if (text.empty()) return text;
   const fs::path path = fs::path(folder) / expand_variables(text, where, key);
   std::string absolute = path.lexically_normal().string();
+  const auto is_control = [](char c) { return (c >= 0 && c < 0x20) || c == 0x7f; };
+  if (std::ranges::any_of(absolute, is_control)) {
+    throw InputError(where, key, "found the path " + shown_path(absolute), "expected one without control characters");
+  }
   if (absolute.size() > 1 && absolute.back() == '/') absolute.pop_back();
   if (kind != TextKind::output_folder) require_input(absolute, kind, where, key);
   return absolute;

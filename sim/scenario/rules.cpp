@@ -18,6 +18,7 @@ class Rules {
   Rules(const Scenario& scenario, const KeyLocations& locations) : s_(scenario), at_(locations) {}
 
   void check() const {
+    check_name();
     check_glenoid();
     check_side();
     check_frames_of_reference();
@@ -42,6 +43,7 @@ class Rules {
     return s_.bone.source == "phantom" && s_.bone.phantom.shape == "glenoid";
   }
 
+  void check_name() const;
   void check_glenoid() const;
   void check_side() const;
   void check_frames_of_reference() const;
@@ -53,6 +55,12 @@ class Rules {
   const Scenario& s_;
   const KeyLocations& at_;
 };
+
+void Rules::check_name() const {
+  // It names a folder.
+  const bool fine = s_.name.find('/') == std::string::npos && s_.name != "." && s_.name != "..";
+  if (!fine) fail("name", "found " + shown_text(s_.name), "a name that a folder can have, without \"/\"");
+}
 
 /// Sine of the angle between two directions.
 double sine_between(const Vec3& a, const Vec3& b) {

@@ -23,6 +23,14 @@ YamlMark LineIndex::mark(int line, int byte_column) const {
   return {line + 1, static_cast<int>(characters) + 1, nullptr};
 }
 
+YamlMark LineIndex::tab_in_indentation(int line) const {
+  if (line < 0 || static_cast<std::size_t>(line) >= starts_.size()) return {};
+  const std::size_t start = starts_[static_cast<std::size_t>(line)];
+  const std::size_t tab = text_.find_first_not_of(' ', start);
+  const bool found = tab != std::string_view::npos && text_[tab] == '\t';
+  return found ? mark(line, static_cast<int>(tab - start)) : YamlMark{};
+}
+
 void YamlBuilder::fail(const YamlMark& mark, const std::string& found, const std::string& expected) const {
   throw InputError(mark.in(file_), "", found, expected);
 }
@@ -139,7 +147,14 @@ void YamlBuilder::add_to_map(Open& map, const YamlNodePtr& node, const YamlMark&
     if (map.key == "<<") {
       map.merges.push_back(node);
     } else {
-      map.node->entries.push_back({std::move(map.key), map.key_mark, node});
+      YamlNodePtr value = node;
+      if (node->kind == YamlNode::Kind::null) {
+        // yaml-cpp puts a value that is left out where the next thing begins; the key is where the user has to look.
+        auto nothing = std::make_shared<YamlNode>();
+        nothing->mark = map.key_mark;
+        value = nothing;
+      }
+      map.node->entries.push_back({std::move(map.key), map.key_mark, std::move(value)});
     }
     return;
   }

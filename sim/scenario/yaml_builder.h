@@ -17,6 +17,8 @@ class LineIndex {
  public:
   explicit LineIndex(std::string_view text);
   [[nodiscard]] YamlMark mark(int line, int byte_column) const;
+  /// The first tab in the indentation of a line (from 0); line 0 of the mark when there is none.
+  [[nodiscard]] YamlMark tab_in_indentation(int line) const;
 
  private:
   std::string_view text_;

@@ -43,7 +43,6 @@ constexpr std::array kRephrased{
     Rephrased{"illegal EOF in scalar", "a quotation mark that is not closed", "expected its partner before the end"},
     Rephrased{"illegal document indicator in scalar", "a quotation mark that is not closed",
               "expected its partner before the document's end"},
-    Rephrased{"illegal tab", "a tab in the indentation", "expected spaces"},
     Rephrased{"illegal map value", "a \":\" where no key can be",
               "expected one \"key: value\" per line, with even indentation, and texts that hold \": \" in quotes"},
     Rephrased{"illegal map key", "a key where none can be", "expected one \"key: value\" per line"},
@@ -64,6 +63,10 @@ constexpr std::array kRephrased{
 
 [[noreturn]] void throw_syntax_error(const YAML::Exception& error, const LineIndex& lines, const YamlBuilder& builder,
                                      const std::string& file) {
+  const YamlMark tab = lines.tab_in_indentation(error.mark.line);
+  if (tab.line > 0) {
+    throw InputError(tab.in(file), "", "YAML syntax error: a tab in the indentation", "expected spaces");
+  }
   const std::string_view theirs = error.msg;
   YamlMark mark = lines.mark(error.mark.line, error.mark.column);
   const auto match = std::ranges::find_if(kRephrased, [&](const auto& r) { return theirs.starts_with(r.theirs); });

@@ -21,6 +21,7 @@ namespace {
 constexpr double kSafeSpacingVoxels = 0.5;
 /// Relative slack of that, for the rounding of coordinates in an STL.
 constexpr double kSpacingSlack = 1e-6;
+constexpr double kLargestMm = 1000;
 /// Share of a cell by which the facets of the revolved envelope may lie inside its circles.
 constexpr double kFacetCells = 0.02;
 /// The centroid may be this share of the largest radius off the axis: below the first silently, above the second the
@@ -60,10 +61,10 @@ TriangleMesh read_closed_mesh(const ToolSettings& settings, double voxel_mm, Rep
   if (!diagnosis.closed_manifold())
     throw tool_error(settings, diagnosis.text(), "a tool needs a closed two-manifold surface");
   const Vec3 size = mesh.bounds().max - mesh.bounds().min;
-  if (!(size.minCoeff() > voxel_mm) || !(std::abs(diagnosis.volume_mm3) > 0))
-    throw tool_error(settings,
-                     "the tool measures " + text(size.x()) + " × " + text(size.y()) + " × " + text(size.z()) + " mm",
-                     "more than a voxel (" + text(voxel_mm) + " mm) each way; is tool.scale right?");
+  if (!(size.minCoeff() > voxel_mm) || !(size.maxCoeff() < kLargestMm) || !(std::abs(diagnosis.volume_mm3) > 0))
+    throw tool_error(
+        settings, "the tool measures " + text(size.x()) + " × " + text(size.y()) + " × " + text(size.z()) + " mm",
+        "more than a voxel (" + text(voxel_mm) + " mm) and less than a metre is possible; is tool.scale right?");
   if (diagnosis.volume_mm3 < 0) {
     for (auto& t : mesh.triangles) std::swap(t[1], t[2]);
     report.warn("tool.mesh: the triangles of " + settings.mesh + " face inwards; turned round");

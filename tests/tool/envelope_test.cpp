@@ -103,12 +103,23 @@ TEST(SweepOutline, OfSeparateBodiesIsAnError) {
   EXPECT_THROW(sweep_outline(two, 0.02), InputError);
 }
 
-TEST(SweepOutline, FillsClosedHollows) {
-  TriangleMesh hollow = box({-5, -5, 0}, {5, 5, 10});
-  const TriangleMesh inner = box({-2, -2, 4}, {2, 2, 6});
-  for (const auto& t : inner.triangles) hollow.triangles.push_back({t[0] + 8, t[2] + 8, t[1] + 8});
-  hollow.vertices.insert(hollow.vertices.end(), inner.vertices.begin(), inner.vertices.end());
-  EXPECT_NEAR(sweep_outline(hollow, 0.02).volume_mm3(), std::numbers::pi * 50 * 10, 0.5);
+/// `outer` with `inner` taken out of its inside.
+TriangleMesh hollowed(TriangleMesh outer, const TriangleMesh& inner) {
+  const auto first = static_cast<std::int32_t>(outer.vertices.size());
+  for (const auto& t : inner.triangles) outer.triangles.push_back({t[0] + first, t[2] + first, t[1] + first});
+  outer.vertices.insert(outer.vertices.end(), inner.vertices.begin(), inner.vertices.end());
+  return outer;
+}
+
+TEST(SweepOutline, FillsHollowsThatNothingCanReach) {
+  const TriangleMesh ring = revolve({{{2, 4}, {4, 4}, {4, 6}, {2, 6}}}, 180);
+  const Profile outline = sweep_outline(hollowed(box({-5, -5, 0}, {5, 5, 10}), ring), 0.02);
+  EXPECT_NEAR(outline.volume_mm3(), std::numbers::pi * 50 * 10, 0.5);
+}
+
+TEST(SweepOutline, KeepsAHollowOnTheAxis) {
+  const TriangleMesh mesh = hollowed(box({-5, -5, 0}, {5, 5, 10}), box({-2, -2, 4}, {2, 2, 6}));
+  EXPECT_NEAR(sweep_outline(mesh, 0.02).volume_mm3(), std::numbers::pi * (50 * 10 - 4 * 2), 0.5);
 }
 
 TEST(Envelope, OfTheLipsIsTheConvexReamer) {
@@ -118,7 +129,9 @@ TEST(Envelope, OfTheLipsIsTheConvexReamer) {
   EXPECT_FALSE(lips.revolved);
   EXPECT_LT(mismatch_mm(lips.profile, convex.profile), 0.02);
   for (const Vec2& p : lips.profile.points)
-    if (p.y() < 4.15) EXPECT_NEAR((p - Vec2(0, 29)).norm(), 29, 0.02) << "the face of the envelope is the sphere";
+    if (p.y() < 4.15) {
+      EXPECT_NEAR((p - Vec2(0, 29)).norm(), 29, 0.02) << "the face of the envelope is the sphere";
+    }
   RecordProperty("mismatch_um", static_cast<int>(1000 * mismatch_mm(lips.profile, convex.profile)));
 }
 

@@ -7,7 +7,7 @@
 #include "sim/tool/morton.h"
 #include "sim/tool/revolve.h"
 #include "sim/tool/tool.h"
-#include "tests/engine/temp_dir.h"
+#include "tests/support/temp_dir.h"
 #include "tests/tool/reamer_files.h"
 
 namespace reamsim::test {
@@ -64,7 +64,8 @@ TEST_F(LoadTool, EnvelopeFillsTheChipSlotsAndResolvedKeepsThem) {
   settings.spin = "resolved";
   const Tool resolved = load_tool(settings, 0.5, report_);
   const Tool convex = load_tool(shipped("convex", 128), 0.5, report_);
-  EXPECT_NEAR(static_cast<double>(envelope.shell.codes.size()) / convex.shell.codes.size(), 1, 0.02);
+  EXPECT_NEAR(static_cast<double>(envelope.shell.codes.size()) / static_cast<double>(convex.shell.codes.size()), 1,
+              0.02);
   // Shell points within the slots' radii just above the face: all round in the envelope, on the lips otherwise.
   const auto near_face = [](const Tool& tool) {
     int count = 0;
@@ -136,6 +137,8 @@ TEST_F(LoadTool, ScaleMakesMillimetres) {
   EXPECT_NEAR(load_tool(settings, 0.5, report_).profile.max_radius_mm(), 27, 1e-5);
   settings.scale = 0.001;
   EXPECT_THAT(error_of(settings), AllOf(HasSubstr("0.027 × 0.027 × 0.027 mm"), HasSubstr("tool.scale")));
+  settings.scale = 1000;
+  EXPECT_THAT(error_of(settings), AllOf(HasSubstr("2.7e+04 mm"), HasSubstr("less than a metre")));
 }
 
 TEST_F(LoadTool, NamesAFileThatIsNotThere) {

@@ -60,8 +60,12 @@ TEST(TriangleBox, AgreesWithBruteForceSampling) {
       const Vec3 beyond = ((sample(a, b, c, random) - center).cwiseAbs() - half).cwiseMax(0.0);
       nearest = std::min(nearest, beyond.maxCoeff());
     }
-    if (nearest == 0) EXPECT_TRUE(claimed) << "triangle " << i;
-    if (nearest > 0.15) EXPECT_FALSE(claimed) << "triangle " << i << " is " << nearest << " away";
+    if (nearest == 0) {
+      EXPECT_TRUE(claimed) << "triangle " << i;
+    }
+    if (nearest > 0.15) {
+      EXPECT_FALSE(claimed) << "triangle " << i << " is " << nearest << " away";
+    }
     (claimed ? touching : apart) += 1;
   }
   EXPECT_GT(touching, 100);
@@ -82,7 +86,7 @@ TEST(TriangleBox, KnowsTheHardCases) {
 class ShellOf : public testing::TestWithParam<const char*> {};
 
 INSTANTIATE_TEST_SUITE_P(Reamers, ShellOf, testing::Values("convex", "convex_lips", "flat"),
-                         [](const auto& info) { return std::string(info.param); });
+                         [](const auto& reamer_name) { return std::string(reamer_name.param); });
 
 /// Codes as a set: whether a cell is in the shell.
 bool contains(const PointShell& shell, const Vec3i& cell) {
@@ -107,20 +111,20 @@ TEST_P(ShellOf, EverySurfacePointLiesInACellOfTheShell) {
 }
 
 TEST_P(ShellOf, EveryCellIsTouchedByTheSurface) {
+  constexpr int kSide = 14;
   const TriangleMesh mesh = reamer(GetParam());
-  const PointShell shell = voxelise_surface(mesh, 24);
+  const PointShell shell = voxelise_surface(mesh, kSide);
   // By brute force over all triangles, so with another walk than the one under test.
   const Vec3 half = Vec3::Constant(0.5 * shell.cell_mm);
-  std::size_t touched = 0, cells = 0;
+  std::size_t touched = 0;
   Vec3i cell;
-  for (cell.x() = 0; cell.x() < 24; ++cell.x())
-    for (cell.y() = 0; cell.y() < 24; ++cell.y())
-      for (cell.z() = 0; cell.z() < 24; ++cell.z()) {
+  for (cell.x() = 0; cell.x() < kSide; ++cell.x())
+    for (cell.y() = 0; cell.y() < kSide; ++cell.y())
+      for (cell.z() = 0; cell.z() < kSide; ++cell.z()) {
         const Vec3 center = point_of(shell, morton_encode(cell.x(), cell.y(), cell.z()));
         const bool touches = std::any_of(mesh.triangles.begin(), mesh.triangles.end(), [&](const auto& t) {
           return triangle_touches_box(mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]], center, half);
         });
-        ++cells;
         touched += touches ? 1 : 0;
         // Exactly on a cell's face, rounding decides; only clear cases count.
         if (touches != contains(shell, cell)) {
@@ -135,8 +139,8 @@ TEST_P(ShellOf, EveryCellIsTouchedByTheSurface) {
           EXPECT_NE(grown, shrunk) << "cell " << cell.transpose();
         }
       }
-  EXPECT_NEAR(static_cast<double>(touched), static_cast<double>(shell.codes.size()), 0.01 * touched);
-  EXPECT_EQ(cells, 24u * 24 * 24);
+  EXPECT_NEAR(static_cast<double>(touched), static_cast<double>(shell.codes.size()),
+              0.01 * static_cast<double>(touched));
 }
 
 TEST(PointShell, PointsOfASphereLieWithinHalfACellDiagonal) {

@@ -69,7 +69,9 @@ TEST(Profile, DistanceToASphereIsWithinTheChordError) {
     const auto n = p.nearest(at);
     EXPECT_NEAR(n.distance_mm, at.norm() - kRadius, chord_error + 1e-9);
     // Far inside, the nearest of many nearly equal chords may be any; near the surface the normal is radial.
-    if (std::abs(at.norm() - kRadius) < 3) EXPECT_GT(n.normal.dot(at.normalized()), 0.9999) << at.transpose();
+    if (std::abs(at.norm() - kRadius) < 3) {
+      EXPECT_GT(n.normal.dot(at.normalized()), 0.9999) << at.transpose();
+    }
   }
 }
 

@@ -8,7 +8,7 @@
 
 #include "sim/mesh/mesh_check.h"
 #include "sim/tool/generatrix.h"
-#include "tests/engine/temp_dir.h"
+#include "tests/support/temp_dir.h"
 #include "tests/tool/reamer_files.h"
 
 namespace reamsim::test {
@@ -31,7 +31,7 @@ class Reamer : public testing::TestWithParam<Expected> {
 INSTANTIATE_TEST_SUITE_P(Assets, Reamer,
                          testing::Values(Expected{"convex", 15, 30}, Expected{"convex_lips", 15, 30},
                                          Expected{"flat", 13.5, 27}, Expected{"hemispherical", 14, 34}),
-                         [](const auto& info) { return info.param.name; });
+                         [](const auto& expected) { return expected.param.name; });
 
 TEST_P(Reamer, IsClosedAndFacesOutwards) {
   const MeshDiagnosis diagnosis = diagnose(mesh_);

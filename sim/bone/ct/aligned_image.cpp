@@ -13,8 +13,8 @@ namespace {
 constexpr double kAlignedTolerance_voxels = 0.02;
 /// The box round an oblique image holds at most 27 times its voxels unless spacing or axes are absurd.
 constexpr double kMaxGrowth = 100;
-/// A centre on the very face of the crop box counts as inside, whatever the rounding.
-constexpr double kOnFace_mm = 1e-6;
+/// A lattice cell that would hold less of the crop than this share is not added.
+constexpr double kRounding_voxels = 1e-6;
 
 /// For each image axis the LPS axis that it runs along most; the three differ, or the image is treated as oblique.
 std::array<int, 3> dominant_axes(const Mat3& step_mm) {
@@ -99,7 +99,7 @@ AlignedImage resample_oblique(const Scan& scan, const Crop& crop, float outside)
   if (crop.max_mm) box.max = box.max.cwiseMin(*crop.max_mm);
   const Vec3 cells = (box.max - box.min).cwiseQuotient(lattice.spacing_mm);
   if (cells.prod() > kMaxGrowth * static_cast<double>(scan.value.size())) throw std::length_error("oblique lattice");
-  lattice.dims = (cells.array() - kOnFace_mm).ceil().cast<int>().cwiseMax(1);
+  lattice.dims = (cells.array() - kRounding_voxels).ceil().cast<int>().cwiseMax(1);
   lattice.origin_mm = box.min + 0.5 * lattice.spacing_mm;
   out.value.resize(static_cast<std::size_t>(lattice.size()));
   const Mat3 index_from_mm = scan.geometry.step_mm.inverse();
@@ -128,9 +128,8 @@ Aabb ScanGeometry::bounds_mm() const {
   return box;
 }
 
-bool Crop::contains(const Vec3& point_mm) const {
-  return (!min_mm || (point_mm.array() >= min_mm->array() - kOnFace_mm).all()) &&
-         (!max_mm || (point_mm.array() <= max_mm->array() + kOnFace_mm).all());
+ScanGeometry part_of(const ScanGeometry& geometry, const IndexBox& box) {
+  return {box.size, geometry.step_mm, geometry.point_mm(box.start.cast<double>())};
 }
 
 bool is_axis_aligned(const ScanGeometry& geometry) {

@@ -45,8 +45,6 @@ struct AlignedImage {
 struct Crop {
   std::optional<Vec3> min_mm;
   std::optional<Vec3> max_mm;
-
-  [[nodiscard]] bool contains(const Vec3& point_mm) const;
 };
 
 /// Whether the image's axes are those of LPS but for order and sign: no voxel is off by more than 2 % of a voxel.

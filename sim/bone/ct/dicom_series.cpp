@@ -8,6 +8,7 @@
 #include "sim/base/error.h"
 #include "sim/bone/ct/image_file.h"
 #include "sim/bone/ct/quiet.h"
+#include "sim/bone/ct/words.h"
 
 namespace reamsim::ct {
 
@@ -79,8 +80,7 @@ void sort_slices(std::vector<Slice>& slices, const std::string& folder, const st
   for (std::size_t k = 1; k < slices.size(); ++k) {
     const double gap = slices[k].height_mm - slices[k - 1].height_mm;
     if (mean > 0 && std::abs(gap - mean) <= kSpacingTolerance * mean) continue;
-    char text[96];
-    std::snprintf(text, sizeof text, "slices lie %.3f mm apart where the mean is %.3f mm: ", gap, mean);
+    const std::string text = words("slices lie %.3f mm apart where the mean is %.3f mm: ", gap, mean);
     throw InputError({folder}, key, text + slices[k - 1].path + " and " + slices[k].path,
                      "expected evenly spaced slices, none missing and none twice");
   }
@@ -109,19 +109,15 @@ class DicomScan : public ScanSource {
   [[nodiscard]] bool is_unsigned() const override { return is_unsigned_; }
 
   [[nodiscard]] Scan read(const IndexBox& box) const override {
-    const std::int64_t slice_size = std::int64_t{1} * box.size.x() * box.size.y();
-    Scan scan{geometry_, std::vector<float>(static_cast<std::size_t>(slice_size * box.size.z()))};
-    if (slices_.size() == 1) {
-      read_voxels(*reader(0), geometry_, box, slices_[0].path, key_, scan.value.data());
-    } else {
-      const IndexBox in_slice{{box.start.x(), box.start.y(), 0}, {box.size.x(), box.size.y(), 1}};
-      for (int k = 0; k < box.size.z(); ++k) {
-        const std::size_t slice = static_cast<std::size_t>(box.start.z() + k);
-        read_voxels(*reader(slice), geometry_, in_slice, slices_[slice].path, key_, scan.value.data() + k * slice_size);
-      }
+    if (slices_.size() == 1) return {part_of(geometry_, box), read_voxels(*reader(0), box, slices_[0].path, key_)};
+    Scan scan{part_of(geometry_, box), {}};
+    scan.value.reserve(static_cast<std::size_t>(box.voxels()));
+    const IndexBox in_slice{{box.start.x(), box.start.y(), 0}, {box.size.x(), box.size.y(), 1}};
+    for (int k = 0; k < box.size.z(); ++k) {
+      const std::size_t slice = static_cast<std::size_t>(box.start.z() + k);
+      const std::vector<float> values = read_voxels(*reader(slice), in_slice, slices_[slice].path, key_);
+      scan.value.insert(scan.value.end(), values.begin(), values.end());
     }
-    scan.geometry.dims = box.size;
-    scan.geometry.origin_mm = geometry_.point_mm(box.start.cast<double>());
     return scan;
   }
 

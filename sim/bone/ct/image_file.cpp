@@ -11,9 +11,12 @@
 #include <cstring>
 #include <filesystem>
 #include <limits>
+#include <stdexcept>
 
 #include "sim/base/error.h"
+#include "sim/bone/ct/complete.h"
 #include "sim/bone/ct/quiet.h"
+#include "sim/bone/ct/words.h"
 
 namespace reamsim::ct {
 
@@ -118,6 +121,10 @@ itk::ImageIORegion io_region(const itk::ImageIOBase& io, const IndexBox& box) {
   return region;
 }
 
+InputError cut_off(const std::string& path, const std::string& key) {
+  return {{path}, key, "the voxels cannot be read: the file is cut off or damaged", "the file must be complete"};
+}
+
 /// One file of one of the four formats.
 class FileScan : public ScanSource {
  public:
@@ -127,6 +134,7 @@ class FileScan : public ScanSource {
     geometry_ = geometry_of(*io_, path, key, false);
     check_fits_in_memory(static_cast<double>(geometry_.size()), io_->GetComponentSize(), path, key);
     check_file_length();
+    if (format_ == "NIfTI" && !nifti_is_complete(path)) throw cut_off(path, key);
   }
 
   [[nodiscard]] const ScanGeometry& geometry() const override { return geometry_; }
@@ -134,12 +142,7 @@ class FileScan : public ScanSource {
   [[nodiscard]] bool is_unsigned() const override { return has_unsigned_pixels(*io_); }
 
   [[nodiscard]] Scan read(const IndexBox& box) const override {
-    Scan scan{geometry_, std::vector<float>(
-                             static_cast<std::size_t>(std::int64_t{1} * box.size.x() * box.size.y() * box.size.z()))};
-    read_voxels(*io_, geometry_, box, path_, key_, scan.value.data());
-    scan.geometry.dims = box.size;
-    scan.geometry.origin_mm = geometry_.point_mm(box.start.cast<double>());
-    return scan;
+    return {part_of(geometry_, box), read_voxels(*io_, box, path_, key_)};
   }
 
  private:
@@ -187,6 +190,7 @@ void read_header(itk::ImageIOBase& io, const std::string& path, const std::strin
   const QuietLibraries quiet;
   try {
     io.ReadImageInformation();
+    if (says_incomplete(quiet.output())) throw std::length_error("header");
   } catch (const std::exception&) {
     throw InputError({path}, key, "the " + format + " header cannot be read", "it is damaged, or the file is cut off");
   }
@@ -255,33 +259,32 @@ bool has_unsigned_pixels(const itk::ImageIOBase& io) {
   return pixel_type_of(io).starts_with("uint");
 }
 
-void read_voxels(itk::ImageIOBase& io, const ScanGeometry& geometry, const IndexBox& box, const std::string& path,
-                 const std::string& key, float* out) {
+std::vector<float> read_voxels(itk::ImageIOBase& io, const IndexBox& box, const std::string& path,
+                               const std::string& key) {
   const QuietLibraries quiet;
   io.SetUseStreamedReading(true);
   try {
     const itk::ImageIORegion held = io.GenerateStreamableReadRegionFromRequestedRegion(io_region(io, box));
-    const std::size_t bytes = held.GetNumberOfPixels() * io.GetComponentSize();
-    // Not value-initialised: a header that claims too much must not make the machine touch that much memory.
-    const auto raw = std::make_unique_for_overwrite<std::byte[]>(bytes);
+    // Neither array is touched before the file has proved to be as long as its header claims.
+    const auto raw = std::make_unique_for_overwrite<std::byte[]>(held.GetNumberOfPixels() * io.GetComponentSize());
     io.SetIORegion(held);
     io.Read(raw.get());
-    copy_as_float(io.GetComponentType(), raw.get(), held, box, out);
+    if (says_incomplete(quiet.output())) throw std::length_error("voxels");
+    std::vector<float> out(static_cast<std::size_t>(box.voxels()));
+    copy_as_float(io.GetComponentType(), raw.get(), held, box, out.data());
+    return out;
   } catch (const std::bad_alloc&) {
-    throw InputError({path}, key, std::to_string(geometry.size()) + " voxels, more than this machine's memory holds",
-                     "use a smaller image");
+    throw InputError({path}, key, "more voxels than this machine's memory holds", "use a smaller image, or a crop");
   } catch (const std::exception&) {
-    throw InputError({path}, key, "the voxels cannot be read: the file is cut off or damaged",
-                     "the file must be complete");
+    throw cut_off(path, key);
   }
 }
 
 void check_fits_in_memory(double voxels, double bytes_per_voxel, const std::string& path, const std::string& key) {
   const double memory = static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGE_SIZE));
   if (voxels * bytes_per_voxel <= 0.5 * memory) return;
-  char text[160];
-  std::snprintf(text, sizeof text, "%.3g voxels take %.3g GB, more than half of this machine's memory (%.3g GB)",
-                voxels, voxels * bytes_per_voxel / 1e9, memory / 1e9);
+  const std::string text = words("%.3g voxels take %.3g GB, more than half of this machine's memory (%.3g GB)", voxels,
+                                 voxels * bytes_per_voxel / 1e9, memory / 1e9);
   throw InputError({path}, key, text, "use fewer voxels, or check that the header is not damaged");
 }
 

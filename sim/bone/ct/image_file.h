@@ -26,9 +26,9 @@ ScanGeometry geometry_of(const itk::ImageIOBase& io, const std::string& path, co
 std::string pixel_type_of(const itk::ImageIOBase& io);
 bool has_unsigned_pixels(const itk::ImageIOBase& io);
 
-/// Reads `box` as floats into `out`, which has room for all its voxels. Throws InputError: truncated, damaged.
-void read_voxels(itk::ImageIOBase& io, const ScanGeometry& geometry, const IndexBox& box, const std::string& path,
-                 const std::string& key, float* out);
+/// The values of `box` as floats. Throws InputError: truncated, damaged.
+std::vector<float> read_voxels(itk::ImageIOBase& io, const IndexBox& box, const std::string& path,
+                               const std::string& key);
 
 /// A folder of DICOM slices (dicom_series.cpp). Throws InputError: no DICOM in it, slices that do not form a volume.
 std::unique_ptr<ScanSource> open_dicom_folder(const std::string& path, const std::string& key, Report& report);

@@ -3,6 +3,7 @@
 #include <iostream>
 #include <memory>
 #include <sstream>
+#include <string>
 
 namespace reamsim::ct {
 
@@ -14,6 +15,9 @@ class QuietLibraries {
   ~QuietLibraries();
   QuietLibraries(const QuietLibraries&) = delete;
   QuietLibraries& operator=(const QuietLibraries&) = delete;
+
+  /// What they would have printed.
+  [[nodiscard]] std::string output() const { return swallowed_.str(); }
 
  private:
   std::ostringstream swallowed_;

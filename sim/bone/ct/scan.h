@@ -31,7 +31,11 @@ struct IndexBox {
   Vec3i size = Vec3i::Zero();
 
   [[nodiscard]] bool empty() const { return (size.array() <= 0).any(); }
+  [[nodiscard]] std::int64_t voxels() const { return std::int64_t{1} * size.x() * size.y() * size.z(); }
 };
+
+/// Where the voxels of `box` lie.
+ScanGeometry part_of(const ScanGeometry& geometry, const IndexBox& box);
 
 /// Part of an image in memory; value (i,j,k) stands at i + nx·(j + ny·k).
 struct Scan {

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 #include "sim/base/error.h"
+#include "sim/bone/ct/words.h"
 
 namespace reamsim::ct {
 
@@ -14,20 +14,6 @@ namespace {
 constexpr float kLeastField_hu = 1;
 /// Width of the Gaussian on a label map: takes the stairs off, and leaves a plate one voxel thick in place.
 constexpr double kLabelSmoothing_voxels = 0.6;
-
-std::string number(double value, const char* format = "%.1f") {
-  char text[64];
-  std::snprintf(text, sizeof text, format, value);
-  return text;
-}
-
-std::string point_text(const Vec3& p) {
-  return "(" + number(p.x()) + ", " + number(p.y()) + ", " + number(p.z()) + ")";
-}
-
-std::string box_text(const Aabb& box) {
-  return point_text(box.min) + " to " + point_text(box.max) + " mm";
-}
 
 std::int64_t count(const Mask& mask) {
   return std::count(mask.begin(), mask.end(), std::uint8_t{1});
@@ -51,11 +37,11 @@ Mask above_threshold(const AlignedImage& hu, const CtSettings& settings, Report&
     const float highest = *std::max_element(hu.value.begin(), hu.value.end());
     throw InputError({settings.path}, "bone.ct.threshold_hu",
                      "no bone in the crop: the densest of " + std::to_string(mask.size()) + " voxels has " +
-                         number(highest, "%.0f") + " HU, the threshold is " + number(settings.threshold_hu, "%.0f") +
+                         words("%.0f", highest) + " HU, the threshold is " + words("%.0f", settings.threshold_hu) +
                          " HU",
-                     "lower the threshold or move the crop; it spans " + box_text(hu.lattice.bounds_mm()));
+                     "lower the threshold or move the crop; it spans " + box_words(hu.lattice.bounds_mm()));
   }
-  report.note("threshold " + number(settings.threshold_hu, "%.0f") + " HU: " + std::to_string(voxels) + " of " +
+  report.note("threshold " + words("%.0f", settings.threshold_hu) + " HU: " + std::to_string(voxels) + " of " +
               std::to_string(mask.size()) + " voxels at or above");
   return mask;
 }
@@ -115,8 +101,8 @@ SolidPiece choose_piece(const Pieces& pieces, const AlignedImage& hu, const CtSe
   const Vec3i seed = lattice.voxel_of(*settings.seed_mm);
   if (!lattice.contains(seed)) {
     throw InputError({settings.path}, "bone.ct.seed_mm",
-                     point_text(*settings.seed_mm) + " lies outside the image or crop",
-                     "expected a point in " + box_text(lattice.bounds_mm()));
+                     point_words(*settings.seed_mm) + " lies outside the image or crop",
+                     "expected a point in " + box_words(lattice.bounds_mm()));
   }
   for (const Piece& piece : pieces.list) {  // the largest first
     if (!may_contain(piece, seed)) continue;
@@ -125,8 +111,8 @@ SolidPiece choose_piece(const Pieces& pieces, const AlignedImage& hu, const CtSe
   }
   const float there = hu.value[lattice.index(seed.x(), seed.y(), seed.z())];
   throw InputError({settings.path}, "bone.ct.seed_mm",
-                   point_text(*settings.seed_mm) + " lies outside bone: " + number(there, "%.0f") +
-                       " HU there, and no piece above " + number(settings.threshold_hu, "%.0f") + " HU encloses it",
+                   point_words(*settings.seed_mm) + " lies outside bone: " + words("%.0f", there) +
+                       " HU there, and no piece above " + words("%.0f", settings.threshold_hu) + " HU encloses it",
                    "expected a point in LPS mm within the bone to be kept");
 }
 
@@ -151,9 +137,9 @@ void note_pieces(const Pieces& pieces, const SolidPiece& solid, const CtSettings
                  Report& report) {
   const double kept_mm3 = static_cast<double>(count(solid.mask)) * lattice.voxel_mm3();
   report.note(std::to_string(pieces.list.size()) + " connected pieces; kept the " +
-              (settings.seed_mm ? "one with the seed" : "largest") + ", " + number(kept_mm3, "%.0f") +
-              " mm3 when closed (" + std::to_string(solid.closed) + " voxels added by " + number(settings.closing_mm) +
-              " mm) and filled (" + std::to_string(solid.filled) + " voxels)");
+              (settings.seed_mm ? "one with the seed" : "largest") + ", " + words("%.0f", kept_mm3) +
+              " mm3 when closed (" + std::to_string(solid.closed) + " voxels added by " +
+              words("%.1f", settings.closing_mm) + " mm) and filled (" + std::to_string(solid.filled) + " voxels)");
 }
 
 /// Counts and bounds of the bone, and the trabecular part of it.
@@ -188,7 +174,7 @@ BoneField segment_by_threshold(const AlignedImage& hu, const CtSettings& setting
   const std::int64_t removed = apply_cuts(parted, lattice, settings);
   if (removed > 0) {
     report.note("cuts removed " + std::to_string(removed) + " voxels above the threshold, " +
-                number(static_cast<double>(removed) * lattice.voxel_mm3(), "%.0f") + " mm3");
+                words("%.0f", static_cast<double>(removed) * lattice.voxel_mm3()) + " mm3");
   }
   const Pieces pieces = connected_pieces(parted, lattice);
   if (pieces.list.empty()) {
@@ -228,7 +214,7 @@ BoneField segment_by_label(AlignedImage share, const AlignedImage& hu, const CtS
                      "choose a label that the map holds, or move the crop");
   }
   report.note("label " + std::to_string(settings.label_map->label) + ": " + std::to_string(bone.voxels) + " voxels, " +
-              number(static_cast<double>(bone.voxels) * hu.lattice.voxel_mm3(), "%.0f") + " mm3");
+              words("%.0f", static_cast<double>(bone.voxels) * hu.lattice.voxel_mm3()) + " mm3");
   bone.field = std::move(share);
   return bone;
 }

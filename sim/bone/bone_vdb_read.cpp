@@ -1,0 +1,181 @@
+#include <openvdb/openvdb.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "sim/base/error.h"
+#include "sim/bone/bone_vdb.h"
+#include "sim/bone/bone_vdb_keys.h"
+#include "sim/bone/lattice.h"
+#include "sim/bone/vdb_archive.h"
+
+namespace reamsim {
+
+namespace {
+
+[[noreturn]] void fail(const std::string& path, const std::string& found, const std::string& expected) {
+  throw InputError({path, 0, 0}, "", found, expected);
+}
+
+template <class T>
+std::optional<T> metadata_of(const openvdb::FloatGrid& grid, const char* name) {
+  const auto entry = grid.getMetadata<openvdb::TypedMetadata<T>>(name);
+  return entry ? std::optional<T>(entry->value()) : std::nullopt;
+}
+
+/// Edge length of a voxel, mm; InputError unless index axes are bone axes and voxels are cubes.
+double checked_voxel(const std::string& path, const openvdb::FloatGrid& grid) {
+  const std::string expected = "expected cubic voxels along the axes (a uniform scale and a translation)";
+  if (!grid.transform().isLinear()) fail(path, "a grid with a perspective transform", expected);
+  const openvdb::math::Mat4d matrix = grid.transform().baseMap()->getAffineMap()->getMat4();
+  const double voxel_mm = matrix(0, 0);
+  if (!std::isfinite(voxel_mm) || voxel_mm <= 0)
+    fail(path, "a grid that is mirrored, rotated or without size", expected);
+  for (int row = 0; row < 3; ++row) {
+    for (int column = 0; column < 3; ++column) {
+      const double wanted = row == column ? voxel_mm : 0;
+      if (std::abs(matrix(row, column) - wanted) <= 1e-6 * voxel_mm) continue;
+      fail(path, row == column ? "a grid whose voxels are no cubes" : "a grid that is rotated or sheared", expected);
+    }
+    if (!std::isfinite(matrix(3, row))) fail(path, "a grid that is nowhere", expected);
+  }
+  return voxel_mm;
+}
+
+/// A lattice and the index that its voxel (0,0,0) has in the grids.
+struct Placement {
+  VoxelGrid lattice;
+  openvdb::Coord first;
+};
+
+/// The lattice that reamsim wrote into the metadata; nullopt for another program's grid.
+std::optional<Placement> lattice_from_metadata(const openvdb::FloatGrid& grid) {
+  const auto dims = metadata_of<openvdb::Vec3i>(grid, vdb_keys::kDims);
+  const auto origin = metadata_of<openvdb::Vec3d>(grid, vdb_keys::kOrigin);
+  const auto voxel_mm = metadata_of<double>(grid, vdb_keys::kVoxel);
+  if (!dims || !origin || !voxel_mm) return std::nullopt;
+  Placement out;
+  out.lattice.dims = {dims->x(), dims->y(), dims->z()};
+  out.lattice.origin_mm = {origin->x(), origin->y(), origin->z()};
+  out.lattice.voxel_mm = *voxel_mm;
+  return out;
+}
+
+Placement lattice_from_voxels(const openvdb::FloatGrid& grid, const openvdb::CoordBBox& active, double voxel_mm) {
+  Placement out;
+  out.first = active.min();
+  const openvdb::Coord size = active.dim();
+  out.lattice.dims = {size.x(), size.y(), size.z()};
+  out.lattice.voxel_mm = voxel_mm;
+  const openvdb::Vec3d corner = grid.indexToWorld(active.min().asVec3d() - openvdb::Vec3d(0.5));
+  out.lattice.origin_mm = {corner.x(), corner.y(), corner.z()};
+  return out;
+}
+
+/// Checked before anything of its size is allocated.
+Placement checked_placement(const std::string& path, const openvdb::FloatGrid& density) {
+  const double voxel_mm = checked_voxel(path, density);
+  const openvdb::CoordBBox active = density.evalActiveVoxelBoundingBox();
+  if (active.empty()) fail(path, "a grid \"density\" without active voxels", "expected bone");
+  Eigen::Array3d dims;
+  for (int axis = 0; axis < 3; ++axis) dims[axis] = 1.0 + active.max()[axis] - 1.0 * active.min()[axis];
+  check_lattice(path, dims, voxel_mm);
+
+  const std::optional<Placement> written = lattice_from_metadata(density);
+  if (!written) return lattice_from_voxels(density, active, voxel_mm);
+  const VoxelGrid& lattice = written->lattice;
+  check_lattice(path, lattice.dims.cast<double>().array(), voxel_mm);
+  const openvdb::Vec3d corner = density.indexToWorld(openvdb::Vec3d(-0.5));
+  const double shift_mm = (lattice.origin_mm - Vec3(corner.x(), corner.y(), corner.z())).norm();
+  const openvdb::CoordBBox whole({0, 0, 0}, {lattice.dims.x() - 1, lattice.dims.y() - 1, lattice.dims.z() - 1});
+  const bool same = std::abs(lattice.voxel_mm - voxel_mm) <= 1e-6 * voxel_mm && shift_mm <= 1e-3 * voxel_mm;
+  if ((lattice.dims.array() < 1).any() || !whole.isInside(active) || !same) {
+    fail(path, "a lattice in the metadata that contradicts the grid", "expected the metadata that reamsim wrote");
+  }
+  return *written;
+}
+
+void read_grades(const std::string& path, const openvdb::FloatGrid& density, const openvdb::Coord& first,
+                 Voxmap& voxmap) {
+  for (auto value = density.cbeginValueOn(); value; ++value) {
+    if (!std::isfinite(*value)) fail(path, "a density that is NaN or infinite", "expected g/cm^3");
+    if (*value <= 0) continue;
+    const std::uint8_t grade =
+        DensityMapping::grade_from_density(std::min(double{*value}, DensityMapping::kMaxDensity_g_cm3));
+    openvdb::CoordBBox box;
+    value.getBoundingBox(box);
+    box.translate(openvdb::Coord() - first);
+    for (auto c = box.begin(); c; ++c) {
+      voxmap.grade[static_cast<std::size_t>(voxmap.grid.index((*c).x(), (*c).y(), (*c).z()))] = grade;
+    }
+  }
+}
+
+void read_fill(const std::string& path, const openvdb::FloatGrid& fill, const openvdb::Coord& first, Voxmap& voxmap) {
+  auto read = fill.getConstAccessor();
+  const Vec3i& dims = voxmap.grid.dims;
+  std::size_t index = 0;
+  for (int z = 0; z < dims.z(); ++z) {
+    for (int y = 0; y < dims.y(); ++y) {
+      for (int x = 0; x < dims.x(); ++x, ++index) {
+        if (voxmap.grade[index] == 0) continue;
+        const float value = read.getValue(first.offsetBy(x, y, z));
+        if (!(value >= 0 && value <= 1)) fail(path, "a fill outside 0 to 1", "expected the share that is still bone");
+        voxmap.fill.set({x, y, z}, static_cast<std::uint16_t>(std::lround(double{value} * FillBricks::kWhole)));
+      }
+    }
+  }
+}
+
+/// For messages and pictures: printable, short.
+std::string frame_name(const openvdb::FloatGrid& density) {
+  const std::string name = metadata_of<std::string>(density, vdb_keys::kFrame).value_or("unknown");
+  const bool plain =
+      name.size() <= 64 && std::all_of(name.begin(), name.end(), [](unsigned char c) { return c >= 0x20 && c < 0x7F; });
+  return plain ? name : "unknown";
+}
+
+DensityMapping mapping_of(const openvdb::FloatGrid& density) {
+  DensityMapping out;
+  const auto slope = metadata_of<double>(density, vdb_keys::kAshSlope);
+  const auto offset = metadata_of<double>(density, vdb_keys::kAshOffset);
+  const auto fraction = metadata_of<double>(density, vdb_keys::kAshFraction);
+  if (slope && offset && fraction && *slope > 0 && *fraction > 0) out = {*slope, *offset, *fraction};
+  return out;
+}
+
+Voxmap read_voxmap(const std::string& path) {
+  VdbFile file(path);
+  if (!file.has(vdb_keys::kDensity)) {
+    fail(path, "no grid \"density\" (found: " + file.grid_names() + ")", "expected a FloatGrid in g/cm^3");
+  }
+  const openvdb::FloatGrid::Ptr density = file.read(vdb_keys::kDensity);
+  const Placement placement = checked_placement(path, *density);
+  Voxmap voxmap(placement.lattice);
+  voxmap.frame = frame_name(*density);
+  voxmap.mapping = mapping_of(*density);
+  read_grades(path, *density, placement.first, voxmap);
+  if (file.has(vdb_keys::kFill)) {
+    const openvdb::FloatGrid::Ptr fill = file.read(vdb_keys::kFill);
+    if (fill->transform() != density->transform()) {
+      fail(path, "a grid \"fill\" that lies elsewhere than \"density\"", "expected the same transform");
+    }
+    read_fill(path, *fill, placement.first, voxmap);
+  }
+  return voxmap;
+}
+
+}  // namespace
+
+Voxmap read_bone_vdb(const std::string& path) {
+  try {
+    return read_voxmap(path);
+  } catch (const std::bad_alloc&) {
+    fail(path, "a VDB that does not fit into memory", "expected a smaller grid");
+  } catch (const openvdb::Exception&) {
+    fail(path, "a truncated or damaged VDB file", "expected a complete file");
+  }
+}
+
+}  // namespace reamsim

@@ -1,0 +1,16 @@
+#pragma once
+
+#include "sim/base/report.h"
+#include "sim/bone/ct/aligned_image.h"
+#include "sim/bone/ct/segment.h"
+#include "sim/bone/voxmap.h"
+#include "sim/scenario/scenario.h"
+
+namespace reamsim::ct {
+
+/// Resamples HU and bone to voxels of `settings.voxel_mm`, with air all round in whole bricks, and maps HU to density
+/// to grade inside the bone. Throws InputError: too many voxels for this machine, or voxels so large that no bone is
+/// left.
+Voxmap voxelize(const AlignedImage& hu, const BoneField& bone, const BoneSettings& settings, Report& report);
+
+}  // namespace reamsim::ct

@@ -1,0 +1,62 @@
+#include <cmath>
+
+#include "sim/base/error.h"
+#include "sim/bone/bone.h"
+
+namespace reamsim {
+
+namespace {
+
+/// Directions closer than about half a degree say nothing about the third axis.
+constexpr double kLeastSine = 0.01;
+
+[[noreturn]] void fail(const std::string& key, const std::string& found, const std::string& expected) {
+  throw InputError({}, key, found, expected);
+}
+
+Vec3 unit(const Vec3& v, const std::string& key) {
+  const double length = v.norm();
+  if (!std::isfinite(length) || length < 1e-9) fail(key, "a vector without length", "expected a direction");
+  return v / length;
+}
+
+/// +z along `normal`, +y the part of `superior` perpendicular to it.
+GlenoidFrame make_frame(const Vec3& center_mm, const Vec3& normal, const Vec3& superior, const std::string& key) {
+  const Vec3 across = superior - superior.dot(normal) * normal;
+  if (across.norm() < kLeastSine) fail(key, "parallel to the normal", "expected a direction across the glenoid's face");
+  const Vec3 y = across.normalized();
+  GlenoidFrame out;
+  out.bone_from_glenoid.linear() << y.cross(normal), y, normal;
+  out.bone_from_glenoid.translation() = center_mm;
+  return out;
+}
+
+GlenoidFrame frame_from_landmarks(const LandmarkSettings& marks) {
+  const std::string key = "bone.glenoid.landmarks";
+  const Vec3 lateral = unit(marks.glenoid_center_mm - marks.trigonum_spinae_mm, key + ".trigonum_spinae_mm");
+  const Vec3 superior = unit(marks.glenoid_center_mm - marks.inferior_angle_mm, key + ".inferior_angle_mm");
+  const Vec3 across = superior - superior.dot(lateral) * lateral;
+  if (across.norm() < kLeastSine) fail(key, "three points on a line", "expected a triangle: the scapular plane");
+  return make_frame(marks.glenoid_center_mm, lateral, superior, key);
+}
+
+}  // namespace
+
+std::optional<GlenoidFrame> glenoid_frame(const GlenoidSettings& settings, const std::string& side) {
+  const bool any = settings.center_mm || settings.normal || settings.superior;
+  if (!any && !settings.landmarks) return std::nullopt;
+  if (side != "left" && side != "right") {
+    fail("bone.side", side.empty() ? "missing" : "\"" + side + "\"", "a glenoid frame needs left or right");
+  }
+  if (settings.landmarks) {
+    if (any) fail("bone.glenoid", "directions and landmarks", "expected one of them");
+    return frame_from_landmarks(*settings.landmarks);
+  }
+  if (!settings.center_mm) fail("bone.glenoid.center_mm", "missing", "expected the glenoid's centre in mm");
+  if (!settings.normal) fail("bone.glenoid.normal", "missing", "expected the direction out of the face");
+  if (!settings.superior) fail("bone.glenoid.superior", "missing", "expected the superior direction");
+  return make_frame(*settings.center_mm, unit(*settings.normal, "bone.glenoid.normal"),
+                    unit(*settings.superior, "bone.glenoid.superior"), "bone.glenoid.superior");
+}
+
+}  // namespace reamsim

@@ -1,0 +1,65 @@
+#include <cstdio>
+
+#include "sim/base/error.h"
+#include "sim/bone/bone.h"
+#include "sim/bone/bone_vdb.h"
+#include "sim/bone/ct/ct_import.h"
+
+namespace reamsim {
+
+namespace {
+
+/// Room for the smoothing of the surface that pictures and `surface` need.
+constexpr int kMarginVoxels = 4;
+
+Bone bone_from_source(const BoneSettings& settings, Report& report) {
+  if (settings.source == "phantom") {
+    Bone bone = bone_from_phantom(settings, report);
+    bone.voxmap = fit_to_bone(bone.voxmap, kMarginVoxels);
+    return bone;
+  }
+  if (settings.source == "ct") return {fit_to_bone(voxmap_from_ct(settings, report), kMarginVoxels), {}};
+  if (settings.source == "mesh") return {fit_to_bone(voxmap_from_mesh(settings, report), kMarginVoxels), {}};
+  if (settings.source == "vdb") return {voxmap_from_vdb(settings, report), {}};
+  throw InputError({}, "bone.source", "\"" + settings.source + "\"", "expected phantom, ct, mesh or vdb");
+}
+
+void drill(Bone& bone, const PilotHoleSettings& hole, Report& report) {
+  const double drilled_mm3 = drill_pilot_hole(bone.voxmap, hole, bone.glenoid);
+  char text[120];
+  std::snprintf(text, sizeof text, "pilot hole: %.4g mm wide, %.1f mm^3 of bone drilled", hole.diameter_mm,
+                drilled_mm3);
+  if (drilled_mm3 > 0) {
+    report.note(text);
+  } else {
+    report.warn("the pilot hole meets no bone (bone.pilot_hole.entry_mm, axis, depth_mm)");
+  }
+}
+
+}  // namespace
+
+Voxmap voxmap_from_vdb(const BoneSettings& settings, Report& report) {
+  Voxmap voxmap = read_bone_vdb(settings.vdb.path);
+  if (voxmap.grid.voxel_mm != settings.voxel_mm) {
+    char text[120];
+    std::snprintf(text, sizeof text, "voxels of %.6g mm, as in the VDB; bone.voxel_mm does not apply",
+                  voxmap.grid.voxel_mm);
+    report.note(text);
+  }
+  return voxmap;
+}
+
+Bone load_bone(const BoneSettings& settings, Report& report) {
+  Bone bone = bone_from_source(settings, report);
+  if (const auto given = glenoid_frame(settings.glenoid, settings.side)) bone.glenoid = given;
+  if (settings.pilot_hole) drill(bone, *settings.pilot_hole, report);
+  const VoxelGrid& grid = bone.voxmap.grid;
+  char text[200];
+  std::snprintf(text, sizeof text, "bone: %d x %d x %d voxels of %.4g mm, %lld of them bone, %.0f mm^3 in the frame %s",
+                grid.dims.x(), grid.dims.y(), grid.dims.z(), grid.voxel_mm,
+                static_cast<long long>(bone.voxmap.count_bone()), bone.voxmap.bone_mm3(), bone.voxmap.frame.c_str());
+  report.note(text);
+  return bone;
+}
+
+}  // namespace reamsim

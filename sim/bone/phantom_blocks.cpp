@@ -1,0 +1,94 @@
+#include "sim/bone/phantom_blocks.h"
+
+#include <cmath>
+#include <cstdio>
+
+#include "sim/base/error.h"
+#include "sim/bone/lattice.h"
+#include "sim/bone/sample_phantom.h"
+
+namespace reamsim {
+
+namespace {
+
+constexpr int kMarginVoxels = 4;
+
+[[noreturn]] void fail(const std::string& key, const std::string& found, const std::string& expected) {
+  throw InputError({}, "bone.phantom." + key, found, expected);
+}
+
+std::string millimetres(double value_mm) {
+  char text[48];
+  std::snprintf(text, sizeof text, "%.4g mm", value_mm);
+  return text;
+}
+
+/// The block, its top face at z = 0, centred on the z axis.
+Aabb block_mm(const PhantomSettings& phantom) {
+  const Vec3& size = phantom.size_mm;
+  return {{-size.x() / 2, -size.y() / 2, -size.z()}, {size.x() / 2, size.y() / 2, 0}};
+}
+
+bool inside(const Aabb& box, const Vec3& point) {
+  return (point.array() >= box.min.array()).all() && (point.array() <= box.max.array()).all();
+}
+
+GlenoidFrame frame_at(const Vec3& origin_mm) {
+  GlenoidFrame frame;
+  frame.bone_from_glenoid.translation() = origin_mm;
+  return frame;
+}
+
+Bone make_block(const BoneSettings& settings, const DensityField& density_in_block) {
+  const Aabb box = block_mm(settings.phantom);
+  const VoxelGrid grid = lattice_around("bone.phantom.size_mm", box, settings.voxel_mm, kMarginVoxels);
+  const auto density = [&](const Vec3& point) { return inside(box, point) ? density_in_block(point) : kAir; };
+  return {sample_phantom(grid, settings.density, density), frame_at(Vec3::Zero())};
+}
+
+}  // namespace
+
+Bone half_space_phantom(const BoneSettings& settings) {
+  const double density = settings.phantom.density_g_cm3;
+  return make_block(settings, [density](const Vec3&) { return density; });
+}
+
+Bone cup_phantom(const BoneSettings& settings) {
+  const PhantomSettings& phantom = settings.phantom;
+  if (phantom.cup_depth_mm >= phantom.size_mm.z()) {
+    fail("cup_depth_mm", millimetres(phantom.cup_depth_mm),
+         "expected less than the block's " + millimetres(phantom.size_mm.z()));
+  }
+  if (phantom.cup_depth_mm > phantom.radius_mm) {
+    fail("cup_depth_mm", millimetres(phantom.cup_depth_mm),
+         "expected at most the cup's radius of " + millimetres(phantom.radius_mm));
+  }
+  const Vec3 center(0, 0, phantom.radius_mm - phantom.cup_depth_mm);
+  const double radius2 = phantom.radius_mm * phantom.radius_mm;
+  const double density = phantom.density_g_cm3;
+  return make_block(settings,
+                    [=](const Vec3& point) { return (point - center).squaredNorm() < radius2 ? kAir : density; });
+}
+
+Bone layered_phantom(const BoneSettings& settings) {
+  const PhantomSettings& phantom = settings.phantom;
+  if (phantom.cortical_mm > phantom.size_mm.z()) {
+    fail("cortical_mm", millimetres(phantom.cortical_mm),
+         "expected at most the block's " + millimetres(phantom.size_mm.z()));
+  }
+  const double cortical = phantom.cortical_density_g_cm3;
+  const double trabecular = phantom.trabecular_density_g_cm3;
+  const double bottom = -phantom.cortical_mm;
+  return make_block(settings, [=](const Vec3& point) { return point.z() > bottom ? cortical : trabecular; });
+}
+
+Bone sphere_phantom(const BoneSettings& settings) {
+  const double radius = settings.phantom.radius_mm;
+  const Aabb box{Vec3::Constant(-radius), Vec3::Constant(radius)};
+  const VoxelGrid grid = lattice_around("bone.phantom.radius_mm", box, settings.voxel_mm, kMarginVoxels);
+  const double density = settings.phantom.density_g_cm3;
+  const auto field = [=](const Vec3& point) { return point.squaredNorm() <= radius * radius ? density : kAir; };
+  return {sample_phantom(grid, settings.density, field), frame_at({0, 0, radius})};
+}
+
+}  // namespace reamsim

@@ -1,0 +1,140 @@
+#include "sim/bone/phantom_glenoid.h"
+
+#include <cmath>
+#include <cstdio>
+
+#include "sim/base/error.h"
+#include "sim/bone/glenoid_shape.h"
+#include "sim/bone/implicit.h"
+#include "sim/bone/lattice.h"
+#include "sim/bone/sample_phantom.h"
+#include "sim/bone/value_noise.h"
+
+namespace reamsim {
+
+namespace {
+
+constexpr int kMarginVoxels = 4;
+constexpr double kWallVariation = 0.1;  // of the thickness of plate and wall, either way
+constexpr double kWallPatch_mm = 7;     // over this length
+constexpr double kTransition_mm = 0.5;  // from cortical to trabecular density
+constexpr double kTexture_mm = 1.1;     // trabecular spacing of the order of 1 mm, drawn out along the load
+constexpr double kTextureStretch = 2.0;
+constexpr double kPlateReach_mm = 7;  // how far below the plate trabecular bone is denser
+constexpr double kGradientStep_mm = 0.05;
+
+/// Density in anatomical coordinates.
+class GlenoidDensity {
+ public:
+  explicit GlenoidDensity(const PhantomSettings& settings)
+      : settings_(settings), shape_(settings), seed_(static_cast<std::uint32_t>(settings.seed)) {}
+
+  [[nodiscard]] const GlenoidShape& shape() const { return shape_; }
+
+  [[nodiscard]] double at(const Vec3& point) const {
+    if (point.x() < shape_.medial_end_mm()) return kAir;
+    const double solid = shape_.solid(point);
+    if (solid > 0) return kAir;
+    const double below_face_mm = shape_.below_face_mm(point);
+    const double depth_mm = depth(point, solid);
+    const double wall_mm = wall_thickness(point, below_face_mm);
+    const double cortical_share =
+        1 - implicit::smoothstep(wall_mm - kTransition_mm / 2, wall_mm + kTransition_mm / 2, depth_mm);
+    const double soft = trabecular(point, below_face_mm, depth_mm - wall_mm);
+    return soft + cortical_share * (settings_.cortical_density_g_cm3 - soft);
+  }
+
+ private:
+  /// Distance below the surface: the solid's value over its slope, which is not 1 where shapes are blended.
+  [[nodiscard]] double depth(const Vec3& point, double solid) const {
+    const double thickest_mm = 1.5 * std::max(settings_.subchondral_mm, settings_.shell_mm) + kTransition_mm;
+    if (-solid > 2 * thickest_mm) return -solid;
+    Vec3 slope;
+    for (int axis = 0; axis < 3; ++axis) {
+      slope[axis] = (shape_.solid(point + kGradientStep_mm * Vec3::Unit(axis)) - solid) / kGradientStep_mm;
+    }
+    return -solid / std::max(slope.norm(), 0.5);
+  }
+
+  [[nodiscard]] double wall_thickness(const Vec3& point, double below_face_mm) const {
+    const double face =
+        1 - implicit::smoothstep(settings_.subchondral_mm + 1.0, settings_.subchondral_mm + 3.0, below_face_mm);
+    const double mean_mm = settings_.shell_mm + face * (settings_.subchondral_mm - settings_.shell_mm);
+    return mean_mm * (1 + kWallVariation * value_noise(point / kWallPatch_mm, seed_));
+  }
+
+  [[nodiscard]] double trabecular(const Vec3& point, double below_face_mm, double below_wall_mm) const {
+    const double below_plate_mm = std::max(below_face_mm - settings_.subchondral_mm, 0.0);
+    const double gradient =
+        0.7 + 1.0 * std::exp(-below_plate_mm / kPlateReach_mm) + 0.3 * std::exp(-std::max(below_wall_mm, 0.0) / 1.5);
+    const Vec3 cell = Vec3(point.x() / kTextureStretch, point.y(), point.z()) / kTexture_mm;
+    const double texture = 0.65 * value_noise(cell, seed_ + 1) + 0.35 * value_noise(2.1 * cell, seed_ + 2);
+    // Value noise seldom comes near ±1; the factor makes `texture` about twice the relative standard deviation.
+    return settings_.trabecular_density_g_cm3 * gradient * std::max(1 + 1.6 * settings_.texture * texture, 0.05);
+  }
+
+  PhantomSettings settings_;
+  GlenoidShape shape_;
+  std::uint32_t seed_;
+};
+
+[[noreturn]] void fail(const std::string& key, double value_mm, const char* pattern, double limit_mm) {
+  char found[48];
+  char expected[120];
+  std::snprintf(found, sizeof found, "%.4g mm", value_mm);
+  std::snprintf(expected, sizeof expected, pattern, limit_mm);
+  throw InputError({}, "bone.phantom." + key, found, expected);
+}
+
+void check(const BoneSettings& settings) {
+  const PhantomSettings& phantom = settings.phantom;
+  if (settings.side != "left" && settings.side != "right") {
+    throw InputError({}, "bone.side", settings.side.empty() ? "missing" : "\"" + settings.side + "\"",
+                     "a glenoid needs left or right");
+  }
+  if (phantom.width_mm >= phantom.height_mm) {
+    fail("width_mm", phantom.width_mm, "expected less than the height of %.4g mm", phantom.height_mm);
+  }
+  if (phantom.width_mm < 0.4 * phantom.height_mm) {
+    fail("width_mm", phantom.width_mm, "expected at least 0.4 of the height: %.4g mm", 0.4 * phantom.height_mm);
+  }
+  if (phantom.face_radius_mm < 0.55 * phantom.height_mm) {
+    fail("face_radius_mm", phantom.face_radius_mm, "expected at least 0.55 of the height: %.4g mm",
+         0.55 * phantom.height_mm);
+  }
+}
+
+/// Between anatomical coordinates (lateral, superior, anterior) and B (x left, y posterior, z superior), both ways.
+struct Sides {
+  double lateral_sign;
+
+  [[nodiscard]] Vec3 anatomy_from_bone(const Vec3& p) const { return {lateral_sign * p.x(), p.z(), -p.y()}; }
+  [[nodiscard]] Vec3 bone_from_anatomy(const Vec3& p) const { return {lateral_sign * p.x(), -p.z(), p.y()}; }
+};
+
+}  // namespace
+
+Bone glenoid_phantom(const BoneSettings& settings) {
+  check(settings);
+  const GlenoidDensity density(settings.phantom);
+  const Sides sides{settings.side == "left" ? 1.0 : -1.0};
+  const Aabb& bounds = density.shape().bounds_mm();
+  const Vec3 corner = sides.bone_from_anatomy(bounds.min);
+  const Vec3 opposite = sides.bone_from_anatomy(bounds.max);
+  const VoxelGrid grid = lattice_around("bone.phantom", {corner.cwiseMin(opposite), corner.cwiseMax(opposite)},
+                                        settings.voxel_mm, kMarginVoxels);
+  Bone bone;
+  bone.voxmap = sample_phantom(
+      grid, settings.density, [&](const Vec3& point) { return density.at(sides.anatomy_from_bone(point)); },
+      [&](const Vec3& center, double radius_mm) {
+        return density.shape().solid(sides.anatomy_from_bone(center)) > GlenoidShape::kSteepest * radius_mm;
+      });
+  GlenoidSettings face;
+  face.center_mm = Vec3::Zero();
+  face.normal = sides.bone_from_anatomy(density.shape().normal());
+  face.superior = Vec3::UnitZ();
+  bone.glenoid = glenoid_frame(face, settings.side);
+  return bone;
+}
+
+}  // namespace reamsim

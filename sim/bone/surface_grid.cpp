@@ -1,0 +1,131 @@
+#include "sim/bone/surface_grid.h"
+
+#include <openvdb/tools/MeshToVolume.h>
+#include <openvdb/tools/VolumeToMesh.h>
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include <memory>
+
+namespace reamsim {
+
+namespace {
+
+using Leaf = openvdb::FloatTree::LeafNodeType;
+static_assert(Leaf::DIM == FillBricks::kSide);
+
+constexpr int kSide = FillBricks::kSide;
+constexpr int kPadded = kSide + 2;
+constexpr float kHalfBand_voxels = 3.0F;
+
+/// The occupancy (0…65535) of a brick and of one voxel all round it.
+class PaddedBrick {
+ public:
+  PaddedBrick(const Voxmap& voxmap, const Vec3i& brick) {
+    for (int z = 0; z < kPadded; ++z) {
+      for (int y = 0; y < kPadded; ++y) {
+        for (int x = 0; x < kPadded; ++x) {
+          const int value = occupancy(voxmap, kSide * brick + Vec3i(x - 1, y - 1, z - 1));
+          at(x, y, z) = value;
+          some_ = some_ || value != 0;
+          all_ = all_ && value == FillBricks::kWhole;
+        }
+      }
+    }
+  }
+
+  [[nodiscard]] bool empty() const { return !some_; }
+  [[nodiscard]] bool whole() const { return all_; }
+  /// Weights 1-2-1 along each axis: 64 in all.
+  [[nodiscard]] float smoothed(int x, int y, int z) const {
+    int sum = 0;
+    for (int dz = 0; dz < 3; ++dz) {
+      for (int dy = 0; dy < 3; ++dy) {
+        const int row = at(x, y + dy, z + dz) + 2 * at(x + 1, y + dy, z + dz) + at(x + 2, y + dy, z + dz);
+        sum += (dy == 1 ? 2 : 1) * (dz == 1 ? 2 : 1) * row;
+      }
+    }
+    return static_cast<float>(sum) / (64.0F * FillBricks::kWhole);
+  }
+
+ private:
+  static int occupancy(const Voxmap& voxmap, const Vec3i& voxel) {
+    if (!voxmap.grid.contains(voxel)) return 0;
+    const auto index = static_cast<std::size_t>(voxmap.grid.index(voxel.x(), voxel.y(), voxel.z()));
+    return voxmap.grade[index] == 0 ? 0 : voxmap.fill.get(voxel);
+  }
+  [[nodiscard]] const int& at(int x, int y, int z) const {
+    return values_[static_cast<std::size_t>(x + kPadded * (y + kPadded * z))];
+  }
+  int& at(int x, int y, int z) { return values_[static_cast<std::size_t>(x + kPadded * (y + kPadded * z))]; }
+
+  std::array<int, kPadded * kPadded * kPadded> values_{};
+  bool some_ = false;
+  bool all_ = true;
+};
+
+openvdb::Coord leaf_corner(const Vec3i& brick) {
+  return {kSide * brick.x(), kSide * brick.y(), kSide * brick.z()};
+}
+
+/// The leaf of one brick; none where the brick and its surroundings are air.
+std::unique_ptr<Leaf> smoothed_leaf(const Voxmap& voxmap, const Vec3i& brick) {
+  const PaddedBrick padded(voxmap, brick);
+  if (padded.empty()) return nullptr;
+  auto leaf = std::make_unique<Leaf>(leaf_corner(brick), 1.0F, true);
+  if (padded.whole()) return leaf;
+  for (int x = 0; x < kSide; ++x) {
+    for (int y = 0; y < kSide; ++y) {
+      for (int z = 0; z < kSide; ++z) {
+        leaf->setValueOnly(Leaf::coordToOffset({x, y, z}), padded.smoothed(x, y, z));
+      }
+    }
+  }
+  return leaf;
+}
+
+openvdb::FloatGrid::Ptr smoothed_occupancy(const Voxmap& voxmap) {
+  const Vec3i bricks = voxmap.fill.brick_dims() + Vec3i::Constant(2);  // one brick of air all round
+  const auto count = static_cast<std::size_t>(bricks.x()) * static_cast<std::size_t>(bricks.y());
+  auto grid = openvdb::FloatGrid::create(0.0F);
+  grid->setTransform(index_transform(voxmap.grid));
+  for (int z = 0; z < bricks.z(); ++z) {
+    std::vector<std::unique_ptr<Leaf>> leaves(count);
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count), [&](const tbb::blocked_range<std::size_t>& range) {
+      for (std::size_t i = range.begin(); i < range.end(); ++i) {
+        const auto x = static_cast<int>(i % static_cast<std::size_t>(bricks.x()));
+        const auto y = static_cast<int>(i / static_cast<std::size_t>(bricks.x()));
+        leaves[i] = smoothed_leaf(voxmap, Vec3i(x, y, z) - Vec3i::Ones());
+      }
+    });
+    for (auto& leaf : leaves) {
+      if (leaf) grid->tree().addLeaf(leaf.release());
+    }
+  }
+  return grid;
+}
+
+}  // namespace
+
+openvdb::math::Transform::Ptr index_transform(const VoxelGrid& grid) {
+  auto out = openvdb::math::Transform::createLinearTransform(grid.voxel_mm);
+  const Vec3 first = grid.center_mm(0, 0, 0);
+  out->postTranslate(openvdb::Vec3d(first.x(), first.y(), first.z()));
+  return out;
+}
+
+openvdb::FloatGrid::Ptr surface_level_set(const Voxmap& voxmap) {
+  const auto transform = index_transform(voxmap.grid);
+  std::vector<openvdb::Vec3s> points;
+  std::vector<openvdb::Vec3I> triangles;
+  std::vector<openvdb::Vec4I> quads;
+  openvdb::tools::volumeToMesh(*smoothed_occupancy(voxmap), points, triangles, quads, 0.5, 0.0);
+  if (points.empty()) {
+    auto empty = openvdb::createLevelSet<openvdb::FloatGrid>(voxmap.grid.voxel_mm, kHalfBand_voxels);
+    empty->setTransform(transform);
+    return empty;
+  }
+  return openvdb::tools::meshToLevelSet<openvdb::FloatGrid>(*transform, points, triangles, quads, kHalfBand_voxels);
+}
+
+}  // namespace reamsim

@@ -1,0 +1,159 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+
+#include "sim/bone/ct/ct_import.h"
+#include "test_images.h"
+
+namespace reamsim::test {
+namespace {
+
+using ::testing::HasSubstr;
+
+Voxmap import(const std::string& path, double voxel_mm = 1) {
+  Report report;
+  return voxmap_from_ct(settings_for(path, voxel_mm), report);
+}
+
+class Formats : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    write_image<std::int16_t>(egg_, folder_.file("reference.nrrd"));
+    reference_ = import(folder_.file("reference.nrrd"));
+    ASSERT_GT(volume_mm3(reference_), 3000);
+  }
+
+  TempFolder folder_;
+  TestImage egg_ = egg_image();
+  Voxmap reference_;
+};
+
+TEST_F(Formats, EveryFileFormatGivesTheSameVoxmap) {
+  for (const char* name : {"a.nrrd", "a.nhdr", "a.nii", "a.nii.gz", "a.mha", "a.mhd"}) {
+    for (const bool compressed : {false, true}) {
+      const std::string path = folder_.file((compressed ? "packed_" : "plain_") + std::string(name));
+      write_image<std::int16_t>(egg_, path, compressed);
+      expect_same(import(path), reference_, path);
+    }
+  }
+}
+
+TEST_F(Formats, DicomSeriesIsSortedByPositionNotByName) {
+  write_dicom(egg_, folder_.file("series"));
+  expect_same(import(folder_.file("series")), reference_, "DICOM");
+}
+
+TEST_F(Formats, DicomRescaleInterceptCountsInHu) {
+  write_dicom(egg_, folder_.file("series"), -1, -1024);
+  Report report;
+  BoneSettings settings = settings_for(folder_.file("series"), 1);
+  settings.ct.threshold_hu = 200 - 1024;
+  const Voxmap voxmap = voxmap_from_ct(settings, report);
+  EXPECT_NEAR(volume_mm3(voxmap), volume_mm3(reference_), 1e-6);
+  const std::string last = report.notes.back();
+  EXPECT_THAT(last, HasSubstr("HU -")) << "the densest voxel is at 250 - 1024 HU";
+}
+
+TEST_F(Formats, DicomIsReadOnlyWhereTheCropIs) {
+  write_dicom(egg_, folder_.file("series"));
+  Report report;
+  BoneSettings settings = settings_for(folder_.file("series"), 1);
+  settings.ct.crop_max_mm = Vec3(0, 100, 110);
+  const Voxmap cropped = voxmap_from_ct(settings, report);
+  settings.ct.path = folder_.file("reference.nrrd");
+  expect_same(cropped, voxmap_from_ct(settings, report), "crop of DICOM");
+  EXPECT_LT(volume_mm3(cropped), 0.7 * volume_mm3(reference_));
+}
+
+template <typename Value>
+void expect_type(const TempFolder& folder, const TestImage& image, const Voxmap& reference, const std::string& name) {
+  for (const std::string ending : {".nrrd", ".mha", ".nii"}) {
+    const std::string path = folder.file(name + ending);
+    write_image<Value>(image, path);
+    expect_same(import(path), reference, path);
+  }
+}
+
+TEST_F(Formats, EveryPixelTypeGivesTheSameVoxmap) {
+  expect_type<std::uint8_t>(folder_, egg_, reference_, "uint8");
+  expect_type<std::uint16_t>(folder_, egg_, reference_, "uint16");
+  expect_type<std::int32_t>(folder_, egg_, reference_, "int32");
+  expect_type<std::uint32_t>(folder_, egg_, reference_, "uint32");
+  expect_type<float>(folder_, egg_, reference_, "float");
+  expect_type<double>(folder_, egg_, reference_, "double");
+}
+
+TEST_F(Formats, SignedBytesKeepTheirSign) {
+  TestImage image = egg_;
+  for (double& value : image.value) value -= 128;
+  write_image<std::int8_t>(image, folder_.file("int8.nrrd"));
+  BoneSettings settings = settings_for(folder_.file("int8.nrrd"), 1);
+  settings.ct.threshold_hu = 200 - 128;
+  Report report;
+  EXPECT_NEAR(volume_mm3(voxmap_from_ct(settings, report)), volume_mm3(reference_), 1e-6);
+}
+
+TEST_F(Formats, UnsignedPixelsAreWarnedOf) {
+  write_image<std::uint16_t>(egg_, folder_.file("u.nrrd"));
+  Report report;
+  voxmap_from_ct(settings_for(folder_.file("u.nrrd"), 1), report);
+  ASSERT_FALSE(report.warnings.empty());
+  EXPECT_THAT(report.warnings.front(), HasSubstr("unsigned"));
+}
+
+TEST_F(Formats, EveryOrderAndSenseOfTheAxesGivesTheSameVoxmap) {
+  std::array<int, 3> axes{0, 1, 2};
+  int cases = 0;
+  do {
+    for (int bits = 0; bits < 8; ++bits) {
+      const std::array<bool, 3> flip{(bits & 1) != 0, (bits & 2) != 0, (bits & 4) != 0};
+      const std::string name = std::to_string(axes[0]) + std::to_string(axes[1]) + std::to_string(axes[2]) + "_" +
+                               std::to_string(bits) + (cases % 2 == 0 ? ".nrrd" : ".mha");
+      write_image<std::int16_t>(reordered(egg_, axes, flip), folder_.file(name));
+      expect_same(import(folder_.file(name)), reference_, name);
+      ++cases;
+    }
+  } while (std::next_permutation(axes.begin(), axes.end()));
+  EXPECT_EQ(cases, 48);
+}
+
+TEST_F(Formats, RasAndLasNiftiGiveTheSameVoxmap) {
+  // Both x and y reversed is what NIfTI calls RAS; x alone is the other handedness.
+  write_image<std::int16_t>(reordered(egg_, {0, 1, 2}, {true, true, false}), folder_.file("ras.nii.gz"));
+  write_image<std::int16_t>(reordered(egg_, {1, 2, 0}, {true, false, false}), folder_.file("odd.nii.gz"));
+  expect_same(import(folder_.file("ras.nii.gz")), reference_, "RAS");
+  expect_same(import(folder_.file("odd.nii.gz")), reference_, "permuted, reversed");
+}
+
+TEST_F(Formats, ReportSaysWhatWasDone) {
+  Report report;
+  voxmap_from_ct(settings_for(folder_.file("reference.nrrd"), 0.5), report);
+  std::string all;
+  for (const std::string& note : report.notes) all += note + "\n";
+  EXPECT_THAT(all, HasSubstr("NRRD, int16, 26x30x24 voxels of 1x1x1.25 mm"));
+  EXPECT_THAT(all, HasSubstr("threshold 200 HU"));
+  EXPECT_THAT(all, HasSubstr("1 connected pieces"));
+  EXPECT_THAT(all, HasSubstr("mm3"));
+  EXPECT_THAT(all, HasSubstr("HU 100 to 250"));
+}
+
+TEST_F(Formats, VoxmapIsPlacedInWholeBricksWithAirAllRound) {
+  for (const double voxel_mm : {0.3, 0.5, 1.0, 1.7}) {
+    const Voxmap voxmap = import(folder_.file("reference.nrrd"), voxel_mm);
+    EXPECT_EQ(voxmap.grid.dims.x() % 8 + voxmap.grid.dims.y() % 8 + voxmap.grid.dims.z() % 8, 0);
+    EXPECT_EQ(voxmap.grid.voxel_mm, voxel_mm);
+    EXPECT_EQ(voxmap.frame, "LPS");
+    int nearest = 1000;
+    for (std::size_t n = 0; n < voxmap.grade.size(); ++n) {
+      if (voxmap.grade[n] == 0) continue;
+      const Vec3i c = voxmap.grid.coord(static_cast<std::int64_t>(n));
+      nearest = std::min({nearest, c.minCoeff(), (voxmap.grid.dims - Vec3i::Ones() - c).minCoeff()});
+    }
+    EXPECT_GE(nearest, 3) << voxel_mm;
+  }
+}
+
+}  // namespace
+}  // namespace reamsim::test

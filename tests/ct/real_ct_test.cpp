@@ -1,0 +1,150 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+
+#include "sim/bone/ct/ct_import.h"
+#include "test_images.h"
+
+namespace reamsim::test {
+namespace {
+
+using ::testing::HasSubstr;
+
+std::string data_file(const std::string& name) {
+  const char* folder = std::getenv("REAMSIM_DATA");
+  return std::string(folder != nullptr ? folder : REAMSIM_DEFAULT_DATA) + "/" + name;
+}
+
+/// As in trajectories/ct_shoulder.yaml, at 0.8 mm to be quick.
+BoneSettings shoulder(const std::string& path) {
+  BoneSettings settings = settings_for(path, 0.8);
+  CtSettings& ct = settings.ct;
+  ct.crop_min_mm = Vec3(50, 142, -571);
+  ct.crop_max_mm = Vec3(158, 250, -404);
+  ct.filter = "curvature_anisotropic";
+  ct.anisotropic_iterations = 3;
+  ct.anisotropic_conductance = 1.5;
+  ct.threshold_hu = 225;
+  ct.closing_mm = 1.5;
+  ct.cut_spheres.push_back({Vec3(139.2, 163.7, -427.7), 22.3});
+  ct.seed_mm = Vec3(119.6, 182.5, -447.5);
+  return settings;
+}
+
+class RealShoulder : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    const std::string path = data_file("shoulder_ct/shoulder_left.nrrd");
+    if (std::filesystem::exists(path)) voxmap_ = std::make_unique<Voxmap>(voxmap_from_ct(shoulder(path), report_));
+  }
+  static void TearDownTestSuite() { voxmap_.reset(); }
+  void SetUp() override {
+    if (!voxmap_) GTEST_SKIP() << "no " << data_file("shoulder_ct/shoulder_left.nrrd") << "; set REAMSIM_DATA";
+  }
+
+  static inline std::unique_ptr<Voxmap> voxmap_;
+  static inline Report report_;
+  const Vec3 glenoid_{126.9, 175.9, -440.6};  // the data's README
+  const Vec3 normal_ = Vec3(0.611, -0.548, 0.572).normalized();
+  const Vec3 head_{139.2, 163.7, -427.7};
+};
+
+TEST_F(RealShoulder, FaceLiesWhereTheDataSaysItDoes) {
+  // README: the face begins 1.3 to 1.8 mm behind the listed centre, which is good to 2 mm.
+  double height = 10;
+  while (height > -10 && grade_at(*voxmap_, glenoid_ + height * normal_) == 0) height -= 0.05;
+  EXPECT_LT(height, -1.5 + 1.5);
+  EXPECT_GT(height, -1.5 - 1.5);
+  const Vec3 superior = Vec3(-0.54, 0.24, 0.81).normalized();
+  const Vec3 across = superior.cross(normal_).normalized();
+  // The face is concave and 32.6 by 24.5 mm: bone under all of it, air above it.
+  for (const Vec3& p : {Vec3(glenoid_ + 12 * superior), Vec3(glenoid_ - 12 * superior), Vec3(glenoid_ + 8 * across),
+                        Vec3(glenoid_ - 8 * across)}) {
+    EXPECT_NE(grade_at(*voxmap_, p - 4 * normal_), 0) << p.transpose();
+    EXPECT_EQ(grade_at(*voxmap_, p + 5 * normal_), 0) << p.transpose();
+  }
+}
+
+TEST_F(RealShoulder, HumeralHeadIsAbsent) {
+  std::int64_t inside = 0;
+  double nearest = 1e9;
+  for (std::size_t n = 0; n < voxmap_->grade.size(); ++n) {
+    if (voxmap_->grade[n] == 0) continue;
+    const Vec3i c = voxmap_->grid.coord(static_cast<std::int64_t>(n));
+    const double distance = (voxmap_->grid.center_mm(c.x(), c.y(), c.z()) - head_).norm();
+    inside += distance < 21.8;
+    nearest = std::min(nearest, distance);
+  }
+  EXPECT_EQ(inside, 0);
+  EXPECT_NEAR(nearest, 22.8, 0.8) << "the glenoid face is the nearest bone";
+  EXPECT_EQ(grade_at(*voxmap_, head_ + 30 * (head_ - glenoid_).normalized()), 0) << "nor is the rest of the humerus";
+}
+
+TEST_F(RealShoulder, IsAWholeScapula) {
+  EXPECT_GT(volume_mm3(*voxmap_), 50e3);
+  EXPECT_LT(volume_mm3(*voxmap_), 75e3);
+  Vec3i low = voxmap_->grid.dims;
+  Vec3i high = Vec3i::Zero();
+  for (std::size_t n = 0; n < voxmap_->grade.size(); ++n) {
+    if (voxmap_->grade[n] == 0) continue;
+    low = low.cwiseMin(voxmap_->grid.coord(static_cast<std::int64_t>(n)));
+    high = high.cwiseMax(voxmap_->grid.coord(static_cast<std::int64_t>(n)));
+  }
+  const Vec3 extent = (high - low).cast<double>() * voxmap_->grid.voxel_mm;
+  EXPECT_GT(extent.z(), 150) << "from the inferior angle to the acromion";
+  EXPECT_NE(grade_at(*voxmap_, Vec3(138, 210, -406.5)), 0) << "acromion, cut off by the end of the scan";
+  // Ribs, clavicle and humerus are other pieces.
+  EXPECT_THAT(report_.notes[5], HasSubstr("kept the one with the seed"));
+}
+
+TEST_F(RealShoulder, TrabecularInsideOfTheVaultIsKept) {
+  // Straight down the vault from the face: bone all the way, dense first, then trabecular.
+  double plate = 0;
+  double deep = 1e9;
+  for (double depth = 2.5; depth < 18; depth += 0.4) {
+    const std::uint8_t grade = grade_at(*voxmap_, glenoid_ - depth * normal_);
+    EXPECT_NE(grade, 0) << depth;
+    const double hu = voxmap_->mapping.hu_from_density(DensityMapping::density_from_grade(grade));
+    if (depth < 5) plate = std::max(plate, hu);
+    if (depth > 6 && depth < 15) deep = std::min(deep, hu);
+  }
+  EXPECT_GT(plate, 650);
+  EXPECT_LT(deep, 400);
+  // Some of the kept bone is below the threshold that found it.
+  double share = -1;
+  for (const std::string& note : report_.notes) {
+    const std::size_t at = note.find("bone voxels (");
+    if (at != std::string::npos) share = std::stod(note.substr(at + 13));
+  }
+  EXPECT_GT(share, 1.5);
+  EXPECT_LT(share, 15);
+}
+
+TEST(RealBody, Int32NiftiInRasIsReadWithTheRightAxes) {
+  const std::string path = data_file("body_ct/body_3mm_int32.nii.gz");
+  if (!std::filesystem::exists(path)) GTEST_SKIP() << "no " << path << "; set REAMSIM_DATA";
+  Report report;
+  BoneSettings settings = settings_for(path, 3);
+  settings.ct.closing_mm = 0;
+  const Voxmap spine = voxmap_from_ct(settings, report);
+  EXPECT_THAT(report.notes.front(), HasSubstr("NIfTI, int32, 122x101x112 voxels of 3x3x3 mm, axes along LPS"));
+  // 122 × 3 mm wide, 101 × 3 mm deep, 112 × 3 mm high, whatever the order and sense of the axes in the file.
+  const std::string& note = report.notes.front();
+  double low[3];
+  double high[3];
+  const std::string box = note.substr(note.find("LPS, (") + 5);
+  ASSERT_EQ(
+      std::sscanf(box.c_str(), "(%lf, %lf, %lf) to (%lf, %lf, %lf)", low, low + 1, low + 2, high, high + 1, high + 2),
+      6);
+  EXPECT_NEAR(high[0] - low[0], 366, 0.2);
+  EXPECT_NEAR(high[1] - low[1], 303, 0.2);
+  EXPECT_NEAR(high[2] - low[2], 336, 0.2);
+  // The largest bone is the spine, and a spine lies behind (+y) the middle of the body.
+  EXPECT_GT(centroid_mm(spine).y(), 0.5 * (low[1] + high[1]));
+}
+
+}  // namespace
+}  // namespace reamsim::test

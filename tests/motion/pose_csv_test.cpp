@@ -1,0 +1,153 @@
+// Recorded poses: what is read, what is tolerated, and what is refused with file and line.
+#include "sim/motion/pose_csv.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <numbers>
+
+#include "sim/base/error.h"
+#include "tests/support/temp_dir.h"
+
+namespace reamsim::test {
+namespace {
+
+using testing::AllOf;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+const std::string kHeader = "time_s,x_mm,y_mm,z_mm,qw,qx,qy,qz";
+
+class PoseCsv : public testing::Test {
+ protected:
+  CsvMotionSettings saved(const std::string& bytes) {
+    CsvMotionSettings settings;
+    settings.path = dir_.path() + "/poses.csv";
+    std::ofstream(settings.path, std::ios::binary) << bytes;
+    return settings;
+  }
+
+  std::vector<KeyPose> read(const std::string& bytes) { return read_pose_csv(saved(bytes), report_); }
+
+  std::string error_of(const std::string& bytes) { return error_of(saved(bytes)); }
+
+  std::string error_of(const CsvMotionSettings& settings) {
+    try {
+      read_pose_csv(settings, report_);
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "no error";
+  }
+
+  /// A good file whose third line (second row) is `row`.
+  static std::string with_row(const std::string& row) { return kHeader + "\n0,0,0,0,1,0,0,0\n" + row + "\n"; }
+
+  TempDir dir_;
+  Report report_;
+};
+
+TEST_F(PoseCsv, ReadsWhatItSays) {
+  const auto poses = read(kHeader + ",spin_rpm\n0.5,1,2,3,1,0,0,0,100\n1.5,-4e1,+5,.25,0,0,1,0,-200\n");
+  ASSERT_EQ(poses.size(), 2u);
+  EXPECT_EQ(poses[0].time_s, 0.5);
+  EXPECT_EQ(poses[1].pose.position_mm, Vec3(-40, 5, 0.25));
+  EXPECT_EQ(poses[1].pose.orientation.coeffs(), Quat(0, 0, 1, 0).coeffs());
+  EXPECT_EQ(poses[0].pose.spin_rpm, 100);
+  EXPECT_EQ(poses[1].pose.spin_rpm, -200);
+  EXPECT_THAT(report_.warnings, IsEmpty());
+}
+
+TEST_F(PoseCsv, TakesTheSpinFromTheScenarioWhereTheFileHasNone) {
+  CsvMotionSettings settings = saved(with_row("1,0,0,0,1,0,0,0"));
+  settings.spin_rpm = 321;
+  EXPECT_EQ(read_pose_csv(settings, report_)[1].pose.spin_rpm, 321);
+}
+
+TEST_F(PoseCsv, ToleratesWhatSpreadsheetsDo) {
+  const auto poses = read(
+      "\xef\xbb\xbf\r\n\"qw\", qx ,qy,qz,time_s,note,x_mm,y_mm,z_mm\r\n\r\n1,0,0,0, 0 ,start,1,2,3\r\n  \r\n"
+      "1,0,0,0,1,end,4,5,6");
+  ASSERT_EQ(poses.size(), 2u);
+  EXPECT_EQ(poses[1].pose.position_mm, Vec3(4, 5, 6));
+  EXPECT_THAT(report_.notes, ElementsAre(AllOf(HasSubstr("poses.csv:2"), HasSubstr("\"note\""))));
+}
+
+TEST_F(PoseCsv, IsResampledToTheFrameRate) {
+  MotionSettings settings;
+  settings.csv = saved(kHeader + "\n2.00,0,0,0,1,0,0,0\n2.03,3,0,0,1,0,0,0\n2.10,10,0,0,0.7071,0.7071,0,0\n");
+  settings.csv->spin_rpm = 60;
+  settings.frame_rate_hz = 100;
+  const Motion m = build_motion(settings, std::nullopt, report_);
+  ASSERT_EQ(m.poses.size(), 11u);
+  for (std::size_t k = 0; k < m.poses.size(); ++k) {
+    EXPECT_NEAR(m.poses[k].position_mm.x(), static_cast<double>(k), 1e-9);
+    EXPECT_NEAR(m.poses[k].spin_angle_rad, 2 * std::numbers::pi * static_cast<double>(k) / 100, 1e-9);
+  }
+  EXPECT_NEAR(m.poses[3].orientation.angularDistance(Quat::Identity()), 0, 1e-7);
+  EXPECT_NEAR(m.poses[10].orientation.angularDistance(Quat::Identity()), std::numbers::pi / 2, 1e-6);
+  EXPECT_THAT(report_.warnings, IsEmpty()) << "four digits of a quaternion are only rounding";
+}
+
+TEST_F(PoseCsv, NamesFileLineAndFault) {
+  const auto expect = [&](const std::string& row, const std::string& found) {
+    EXPECT_THAT(error_of(with_row(row)), AllOf(HasSubstr("poses.csv:3: "), HasSubstr(found)));
+  };
+  expect("1,0,zero,0,1,0,0,0", "y_mm is \"zero\"");
+  expect("1,0,,0,1,0,0,0", "y_mm is \"\"");
+  expect("1,0,1.5mm,0,1,0,0,0", "y_mm is \"1.5mm\"");
+  expect("1,0,0,nan,1,0,0,0", "z_mm is \"nan\"");
+  expect("1,0,0,inf,1,0,0,0", "z_mm is \"inf\"");
+  expect("1,0,0,1e999,1,0,0,0", "z_mm is \"1e999\"");
+  expect("1,0,0,1e7,1,0,0,0", "z_mm is 1e+07; at most 1e+06 mm");
+  expect("-1,0,0,0,1,0,0,0", "time_s is -1 after 0");
+  expect("0,0,0,0,1,0,0,0", "times must increase");
+  expect("1,0,0,0,0,0,0,0", "the quaternion has length 0");
+  expect("1,0,0,0,1,0,0", "7 fields; the header has 8");
+  expect("1,0,0,0,1,0,0,0,5", "9 fields");
+  expect("1;0;0;0;1;0;0;0", "1 fields");
+}
+
+TEST_F(PoseCsv, RefusesWrongHeaders) {
+  EXPECT_THAT(error_of("time_s,x_mm,y_mm,qw,qx,qy,qz\n"), AllOf(HasSubstr("poses.csv:1"), HasSubstr("no column z_mm")));
+  EXPECT_THAT(error_of("0,0,0,0,1,0,0,0\n1,0,0,0,1,0,0,0\n"), HasSubstr("no column time_s"));
+  EXPECT_THAT(error_of(kHeader + ",qx\n"), HasSubstr("column qx stands twice"));
+  EXPECT_THAT(error_of("time_s,x_cm,y_mm,z_mm,qw,qx,qy,qz\n"), HasSubstr("no column x_mm"));
+}
+
+TEST_F(PoseCsv, RefusesFilesThatHoldNoMotion) {
+  EXPECT_THAT(error_of(""), HasSubstr("the file is empty"));
+  EXPECT_THAT(error_of("\r\n\r\n  \n"), HasSubstr("the file is empty"));
+  EXPECT_THAT(error_of(kHeader + "\n"), AllOf(HasSubstr("0 rows"), HasSubstr("at least two")));
+  EXPECT_THAT(error_of(kHeader + "\n0,0,0,0,1,0,0,0\n"), HasSubstr("1 rows"));
+}
+
+TEST_F(PoseCsv, RefusesWhatIsNoFileOrNoText) {
+  CsvMotionSettings settings;
+  settings.path = dir_.path() + "/absent.csv";
+  EXPECT_THAT(error_of(settings), AllOf(HasSubstr("absent.csv"), HasSubstr("no such file")));
+  settings.path = dir_.path();
+  EXPECT_THAT(error_of(settings), HasSubstr("it is a folder"));
+  EXPECT_THAT(error_of(std::string(100'000, 'x')), HasSubstr("more than 4095 bytes"));
+  EXPECT_THAT(error_of(std::string(1000, '\0')), HasSubstr("no column time_s"));
+  const std::string binary = error_of(
+      "\x7f"
+      "ELF\x01\x02\x03\n\xff\xfe\n");
+  EXPECT_THAT(binary, HasSubstr("no column time_s"));
+  for (const char c : binary) EXPECT_GE(static_cast<unsigned char>(c), ' ') << "one printable line";
+}
+
+TEST_F(PoseCsv, WarnsOfQuaternionsThatAreNoUnitButNotEndlessly) {
+  std::string bytes = kHeader + "\n";
+  for (int i = 0; i < 50; ++i) bytes += std::to_string(i) + ",0,0,0,1.1,0,0,0\n";
+  const auto poses = read(bytes);
+  EXPECT_NEAR(poses[7].pose.orientation.norm(), 1, 1e-15);
+  ASSERT_EQ(report_.warnings.size(), 4u);
+  EXPECT_THAT(report_.warnings[0], AllOf(HasSubstr("poses.csv:2"), HasSubstr("length 1.1")));
+  EXPECT_THAT(report_.warnings[3], HasSubstr("47 more rows"));
+}
+
+}  // namespace
+}  // namespace reamsim::test

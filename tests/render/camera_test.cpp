@@ -1,0 +1,123 @@
+#include "render/camera.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "render/scale.h"
+#include "sim/base/error.h"
+
+namespace reamsim {
+namespace {
+
+/// A left shoulder in LPS: lateral +x, superior +z, so anterior is −y.
+Subject left_shoulder() {
+  Subject subject;
+  subject.focus_mm = Vec3(10, 20, 30);
+  subject.outward = Vec3::UnitX();
+  subject.superior = Vec3::UnitZ();
+  subject.anterior = -Vec3::UnitY();
+  subject.anatomical = true;
+  for (int i = 0; i < 100; ++i) {
+    subject.bone_mm.emplace_back(subject.focus_mm + Vec3(-1 - i % 7, 13 * std::cos(0.7 * i), 17 * std::sin(0.7 * i)));
+  }
+  subject.bone_mm.emplace_back(subject.focus_mm + Vec3(-90, 0, -60));
+  subject.bone_from_tool.linear() << 0, 0, 1, 1, 0, 0, 0, 1, 0;  // +z of T is lateral
+  subject.bone_from_tool.translation() = subject.focus_mm;
+  subject.head_mm = {subject.focus_mm + Vec3(8, 15, 0), subject.focus_mm + Vec3(8, -15, 0)};
+  subject.reach_mm = 150;
+  return subject;
+}
+
+bool in_picture(const Camera& camera, const Vec3& p) {
+  const Vec2 at = camera.pixel(p);
+  return at.x() > 0 && at.y() > 0 && at.x() < camera.width_px && at.y() < camera.height_px;
+}
+
+TEST(CameraTest, FaceOnSuperiorIsUpAndAnteriorOfALeftShoulderIsLeft) {
+  const Subject subject = left_shoulder();
+  const Camera camera = make_camera("glenoid", subject, 1920, 1080);
+  const Vec2 middle = camera.pixel(subject.focus_mm);
+  const Vec2 up = camera.pixel(subject.focus_mm + 10 * subject.superior);
+  const Vec2 front = camera.pixel(subject.focus_mm + 10 * *subject.anterior);
+  EXPECT_NEAR(up.x(), middle.x(), 1e-9);
+  EXPECT_NEAR(middle.y() - up.y(), 10 / camera.mm_per_px, 1e-9);
+  EXPECT_NEAR(middle.x() - front.x(), 10 / camera.mm_per_px, 1e-9);
+  EXPECT_FALSE(camera.draws_tool);
+}
+
+TEST(CameraTest, TheScaleIsTheSameEverywhereInThePicture) {
+  const Subject subject = left_shoulder();
+  for (const std::string& name : camera_names()) {
+    const Camera camera = make_camera(name, subject, 1280, 720);
+    const Mat3 bone_from_eye = camera.eye_from_bone.linear().transpose();
+    for (const Vec3& start : {subject.focus_mm, Vec3(subject.focus_mm + Vec3(-30, 5, 8))}) {
+      for (int axis = 0; axis < 2; ++axis) {
+        const Vec2 moved = camera.pixel(start + 10 * bone_from_eye.col(axis)) - camera.pixel(start);
+        EXPECT_NEAR(moved.norm() * camera.mm_per_px, 10, 1e-9) << name;
+      }
+    }
+  }
+}
+
+TEST(CameraTest, TheGlenoidAndTheToolsHeadAreInThePicture) {
+  const Subject subject = left_shoulder();
+  for (const std::string& name : camera_names()) {
+    for (const auto& [width, height] : {std::pair{1920, 1080}, {400, 900}, {4096, 16}}) {
+      const Camera camera = make_camera(name, subject, width, height);
+      for (std::size_t i = 0; i + 1 < subject.bone_mm.size(); ++i) EXPECT_TRUE(in_picture(camera, subject.bone_mm[i]));
+      for (const Vec3& p : subject.head_mm) EXPECT_TRUE(in_picture(camera, p));
+      EXPECT_EQ(in_picture(camera, subject.bone_mm.back()), name == "overview") << name;
+    }
+  }
+}
+
+TEST(CameraTest, TheSectionPlaneHoldsTheToolsAxisAndIsSeenFromAnterior) {
+  const Subject subject = left_shoulder();
+  const Camera camera = make_camera("section", subject, 800, 600);
+  ASSERT_TRUE(camera.cut_plane);
+  const auto side = [&](const Vec3& p) { return camera.cut_plane->head<3>().dot(p) + (*camera.cut_plane)(3); };
+  EXPECT_NEAR(side(subject.focus_mm), 0, 1e-9);
+  EXPECT_NEAR(side(subject.focus_mm + 40 * subject.bone_from_tool.linear().col(2)), 0, 1e-9);
+  EXPECT_LT(side(subject.focus_mm + *subject.anterior), -0.99);
+  EXPECT_GT(camera.eye_from_bone.linear().row(2).dot(*subject.anterior), 0.9);
+}
+
+TEST(CameraTest, ClipSpaceAndPixelsAgree) {
+  const Subject subject = left_shoulder();
+  const Camera camera = make_camera("oblique", subject, 640, 480);
+  const Vec3 p = subject.focus_mm + Vec3(3, -4, 5);
+  const Eigen::Vector4d clip = camera.clip_from_bone() * p.homogeneous();
+  EXPECT_NEAR((clip.x() + 1) * 320, camera.pixel(p).x(), 1e-9);
+  EXPECT_NEAR((1 - clip.y()) * 240, camera.pixel(p).y(), 1e-9);
+  EXPECT_LT(std::abs(clip.z()), 1);
+}
+
+TEST(CameraTest, UnknownNameAndEmptySizeAreInputErrors) {
+  EXPECT_THROW(make_camera("front", left_shoulder(), 10, 10), InputError);
+  EXPECT_THROW(make_camera("glenoid", left_shoulder(), 0, 10), InputError);
+}
+
+TEST(ScaleTest, TicksAreRoundNumbers) {
+  EXPECT_DOUBLE_EQ(round_down(17), 10);
+  EXPECT_DOUBLE_EQ(round_down(20), 20);
+  EXPECT_DOUBLE_EQ(round_down(0.7), 0.5);
+  EXPECT_DOUBLE_EQ(round_up(0.11), 0.2);
+  EXPECT_DOUBLE_EQ(round_up(6), 10);
+  const Scale scale = scale_up_to(3.02);
+  EXPECT_DOUBLE_EQ(scale.max, 3.5);
+  EXPECT_EQ(scale.ticks(), 8);
+  EXPECT_EQ(scale.label(3), "1.5");
+  EXPECT_EQ(scale_up_to(14).label(1), "2");
+  EXPECT_DOUBLE_EQ(scale_up_to(0).max, 1);
+  EXPECT_DOUBLE_EQ(scale_exactly(4.3).max, 4.3);
+  for (double max = 0.013; max < 900; max *= 1.37) {
+    const Scale any = scale_up_to(max);
+    EXPECT_GE(any.max, max * (1 - 1e-9));
+    EXPECT_GE(any.ticks(), 5) << max;
+    EXPECT_LE(any.ticks(), 9) << max;
+  }
+}
+
+}  // namespace
+}  // namespace reamsim

@@ -1,0 +1,162 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "render/bone_surface.h"
+
+namespace reamsim {
+namespace {
+
+/// A ball of radius 10 mm about the origin, 0.5 mm voxels, whole voxels by their centres.
+Voxmap ball() {
+  VoxelGrid grid;
+  grid.voxel_mm = 0.5;
+  grid.dims = Vec3i(46, 45, 47);  // no multiples of a brick
+  grid.origin_mm = Vec3(-11.5, -11.2, -11.7);
+  Voxmap voxmap(grid);
+  for (int k = 0; k < grid.dims.z(); ++k) {
+    for (int j = 0; j < grid.dims.y(); ++j) {
+      for (int i = 0; i < grid.dims.x(); ++i) {
+        if (grid.center_mm(i, j, k).norm() < 10) voxmap.grade[static_cast<std::size_t>(grid.index(i, j, k))] = 150;
+      }
+    }
+  }
+  return voxmap;
+}
+
+/// Takes away what lies above z = `height`, by shares.
+void plane_off(Voxmap& voxmap, double height_mm) {
+  const VoxelGrid& grid = voxmap.grid;
+  for (int k = 0; k < grid.dims.z(); ++k) {
+    const double left = std::clamp((height_mm - grid.center_mm(0, 0, k).z()) / grid.voxel_mm + 0.5, 0.0, 1.0);
+    for (int j = 0; j < grid.dims.y(); ++j) {
+      for (int i = 0; i < grid.dims.x(); ++i) {
+        voxmap.fill.set({i, j, k}, static_cast<std::uint16_t>(std::lround(left * FillBricks::kWhole)));
+      }
+    }
+  }
+}
+
+struct Vertex {
+  Vec3 position_mm;
+  Vec3 normal;
+  double depth_mm, reamed, density, open;
+};
+
+std::vector<Vertex> vertices(const BoneSurface& surface) {
+  std::vector<Vertex> out;
+  for (std::size_t i = 0; i < surface.vertices.size(); i += BoneSurface::kStride) {
+    const float* v = surface.vertices.data() + i;
+    out.push_back({{v[0], v[1], v[2]}, {v[3], v[4], v[5]}, v[6], v[7], v[8], v[9]});
+  }
+  return out;
+}
+
+BoneSurface surface_of(const Voxmap& voxmap) {
+  const Occupancy occupancy(voxmap, Occupancy::State::kCurrent);
+  return make_bone_surface(voxmap, SolidField(occupancy), AmbientLight(occupancy), UnreamedSurface(voxmap));
+}
+
+TEST(BoneSurfaceTest, ABallIsRoundAndNothingOfItIsReamed) {
+  const BoneSurface surface = surface_of(ball());
+  double volume_mm3 = 0;
+  const auto all = vertices(surface);
+  for (const Vertex& v : all) {
+    EXPECT_NEAR(v.position_mm.norm(), 10, 0.25);
+    EXPECT_GT(v.normal.dot(v.position_mm.normalized()), 0.985);
+    EXPECT_EQ(v.reamed, 0);
+    EXPECT_NEAR(v.density, 1.2, 1e-5);
+    EXPECT_GT(v.open, 0.9);
+  }
+  for (std::size_t i = 0; i < surface.indices.size(); i += 3) {
+    const Vec3& a = all[surface.indices[i]].position_mm;
+    volume_mm3 += a.dot(all[surface.indices[i + 1]].position_mm.cross(all[surface.indices[i + 2]].position_mm)) / 6;
+  }
+  EXPECT_NEAR(volume_mm3, 4.18879 * 1000, 60) << "also wrong when the triangles face inwards";
+}
+
+TEST(BoneSurfaceTest, ACutIsReamedAndAsDeepAsItLiesBelowTheOldSurface) {
+  Voxmap voxmap = ball();
+  plane_off(voxmap, 6);
+  const BoneSurface surface = surface_of(voxmap);
+  EXPECT_NEAR(surface.deepest_mm, 4, 0.15);
+  int on_the_cut = 0;
+  for (const Vertex& v : vertices(surface)) {
+    if (v.position_mm.z() < 5) {
+      EXPECT_EQ(v.reamed, 0);
+    }
+    if (v.position_mm.head<2>().norm() > 6) continue;
+    if (v.position_mm.z() < 0) continue;
+    ++on_the_cut;
+    EXPECT_NEAR(v.position_mm.z(), 6, 0.05);
+    EXPECT_EQ(v.reamed, 1);
+    EXPECT_NEAR(v.depth_mm, 10 - v.position_mm.norm(), 0.2);
+    EXPECT_GT(v.normal.z(), 0.999);
+  }
+  EXPECT_GT(on_the_cut, 300);
+}
+
+TEST(BoneSurfaceTest, APilotHoleIsNoSurfaceToMeasureDepthFrom) {
+  Voxmap voxmap = ball();
+  const VoxelGrid& grid = voxmap.grid;
+  for (int k = 0; k < grid.dims.z(); ++k) {
+    for (int j = 0; j < grid.dims.y(); ++j) {
+      for (int i = 0; i < grid.dims.x(); ++i) {
+        const Vec3 p = grid.center_mm(i, j, k);
+        if (p.z() > -3 && p.head<2>().norm() < 1.25) voxmap.grade[static_cast<std::size_t>(grid.index(i, j, k))] = 0;
+      }
+    }
+  }
+  plane_off(voxmap, 6);
+  int round_the_hole = 0;
+  for (const Vertex& v : vertices(surface_of(voxmap))) {
+    const double radius = v.position_mm.head<2>().norm();
+    if (v.position_mm.z() < 5.8 || radius < 1.9 || radius > 2.6) continue;
+    ++round_the_hole;
+    EXPECT_NEAR(v.depth_mm, 10 - v.position_mm.norm(), 0.5);
+  }
+  EXPECT_GT(round_the_hole, 10);
+}
+
+TEST(BoneSurfaceTest, FollowingChangesGivesTheSameSurfaceAsStartingAfresh) {
+  Voxmap voxmap = ball();
+  Occupancy occupancy(voxmap, Occupancy::State::kCurrent);
+  SolidField field(occupancy);
+  AmbientLight ambient(occupancy);
+  const UnreamedSurface unreamed(voxmap);
+  for (const double height : {8.0, 6.3}) {
+    plane_off(voxmap, height);
+    const auto changed = voxmap.fill.take_changed();
+    occupancy.update(changed);
+    field.update(occupancy, changed);
+    ambient.update(occupancy, changed);
+  }
+  const BoneSurface followed = make_bone_surface(voxmap, field, ambient, unreamed);
+  const BoneSurface fresh = surface_of(voxmap);
+  EXPECT_EQ(followed.vertices, fresh.vertices);
+  EXPECT_EQ(followed.indices, fresh.indices);
+}
+
+TEST(BoneSurfaceTest, TheFloorOfAPitIsDarkerThanAFreeFace) {
+  Voxmap voxmap = ball();
+  const VoxelGrid& grid = voxmap.grid;
+  for (int k = 0; k < grid.dims.z(); ++k) {
+    for (int j = 0; j < grid.dims.y(); ++j) {
+      for (int i = 0; i < grid.dims.x(); ++i) {
+        const Vec3 p = grid.center_mm(i, j, k);
+        if (p.z() > 0 && p.head<2>().norm() < 4) voxmap.grade[static_cast<std::size_t>(grid.index(i, j, k))] = 0;
+      }
+    }
+  }
+  double pit = 1;
+  double face = 0;
+  for (const Vertex& v : vertices(surface_of(voxmap))) {
+    if (v.position_mm.head<2>().norm() < 2 && std::abs(v.position_mm.z()) < 1) pit = std::min(pit, v.open);
+    if (v.position_mm.z() < -9) face = std::max(face, v.open);
+  }
+  EXPECT_LT(pit, 0.75);
+  EXPECT_GT(face, 0.9);
+}
+
+}  // namespace
+}  // namespace reamsim

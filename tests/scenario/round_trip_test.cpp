@@ -1,0 +1,129 @@
+#include <gmock/gmock.h>
+
+#include <random>
+
+#include "sim/scenario/show.h"
+#include "tests/scenario/scenario_fixture.h"
+
+namespace reamsim::test {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+class RoundTrip : public ScenarioTest {
+ protected:
+  /// The resolved text of the scenario, after checking that it parses to the same again.
+  std::string resolved(const std::string& yaml, const std::vector<std::string>& overrides = {}) {
+    const std::string once = to_yaml(parse(yaml, overrides));
+    const std::string twice = to_yaml(parse(once));
+    EXPECT_EQ(once, twice);
+    return once;
+  }
+};
+
+TEST_F(RoundTrip, EveryDefaultIsFilledIn) {
+  const std::string yaml = resolved(kValid);
+  for (const char* line :
+       {"name: s\n", "  density:\n    ash_slope_g_cm3_per_hu: 0.0007\n", "    density_g_cm3: 1.8\n",
+        "  frame_rate_hz: 1000\n", "  detector: direct\n", "  cameras: [oblique, glenoid, section]\n", "  dir: \"\"\n",
+        "    - time_s: 0\n      position_mm: [0, 0, 1]\n", "      spin_rpm: 0\n"}) {
+    EXPECT_THAT(yaml, HasSubstr(line));
+  }
+  EXPECT_THAT(yaml, HasSubstr("  mesh: " + path("tool.stl") + "\n"));
+  EXPECT_THAT(yaml, Not(HasSubstr("plunge"))) << "not given";
+  EXPECT_THAT(yaml, Not(HasSubstr("radius_mm"))) << "does not apply to a half-space";
+}
+
+TEST_F(RoundTrip, EveryPhantom) {
+  const std::string sized = "  phantom:\n    shape: half_space\n    size_mm: [10, 10, 6]\n";
+  for (const std::string phantom :
+       {"{shape: cup, size_mm: [10, 10, 6], radius_mm: 5, cup_depth_mm: 2}",
+        "{shape: sphere, density_g_cm3: 0.123456789}", "{shape: layered, size_mm: [10, 10, 6]}",
+        "{shape: glenoid, version_deg: -12.5, seed: 7}", "{}"}) {
+    resolved(with(kValid, sized, "  side: right\n  phantom: " + phantom + "\n"));
+  }
+}
+
+TEST_F(RoundTrip, EverySource) {
+  write("scan.nrrd", "x");
+  const std::string phantom =
+      "  source: phantom\n  voxel_mm: 0.5\n  phantom:\n    shape: half_space\n    size_mm: [10, 10, 6]\n";
+  const std::string glenoid =
+      "  side: left\n  glenoid: {center_mm: [1.1, 2, 3], normal: [0.611, -0.548, 0.572], superior: [0, 0, 1]}\n"
+      "  pilot_hole: {frame: glenoid, depth_mm: 30}\n";
+  for (const std::string source :
+       {"  source: mesh\n  mesh: {path: tool.stl, scale: 55, repair: true}\n",
+        "  source: vdb\n  vdb: {path: scan.nrrd}\n",
+        "  source: ct\n  ct: {path: scan.nrrd, seed_mm: [1, 2, 3], crop_min_mm: [0, 0, 0], crop_max_mm: [9, 9, 9],\n"
+        "    cut_spheres: [{center_mm: [139.2, 163.7, -427.7], radius_mm: 21.8}, {center_mm: [0, 0, 0], radius_mm: "
+        "1}],\n"
+        "    cut_planes: [{point_mm: [1, 2, 3], normal: [0, 1, 0]}], fill_holes: false}\n",
+        "  source: ct\n  ct: {path: scan.nrrd, label_map: {path: scan.nrrd, label: 3}}\n"}) {
+    const Scenario s = parse(resolved(with(kValid, phantom, source + glenoid)));
+    EXPECT_EQ(*s.bone.glenoid.normal, Vec3(0.611, -0.548, 0.572));
+    EXPECT_EQ(s.bone.pilot_hole->depth_mm, 30);
+    if (s.bone.source == "ct" && !s.bone.ct.label_map) {
+      ASSERT_EQ(s.bone.ct.cut_spheres.size(), 2u);
+      EXPECT_EQ(s.bone.ct.cut_spheres[0].radius_mm, 21.8);
+      EXPECT_FALSE(s.bone.ct.fill_holes);
+    }
+  }
+}
+
+TEST_F(RoundTrip, NumbersAreExact) {
+  std::mt19937_64 random(20261);
+  std::uniform_real_distribution<double> uniform(0.01, 5);
+  for (int i = 0; i < 50; ++i) {
+    Scenario s = parse(kValid);
+    s.bone.voxel_mm = uniform(random);
+    s.motion.keyframes[0].position_mm = Vec3(uniform(random) * 1e-9, -uniform(random) * 1e3, uniform(random) / 3);
+    const Scenario again = parse(to_yaml(s));
+    EXPECT_EQ(again.bone.voxel_mm, s.bone.voxel_mm);
+    EXPECT_EQ(again.motion.keyframes[0].position_mm, s.motion.keyframes[0].position_mm);
+  }
+}
+
+TEST_F(RoundTrip, QuaternionsSettle) {
+  std::mt19937_64 random(20262);
+  std::normal_distribution<double> normal;
+  for (int i = 0; i < 200; ++i) {
+    Quat q(normal(random), normal(random), normal(random), normal(random));
+    q.normalize();
+    const std::string text = "quaternion: [" + number_text(q.w() * 1.001) + ", " + number_text(q.x()) + ", " +
+                             number_text(q.y()) + ", " + number_text(q.z()) + "]}\n";
+    const Scenario s = parse(with(kValid, "axis: [0, 0, 1]}\n", text));
+    EXPECT_NEAR(s.motion.keyframes[0].quaternion->norm(), 1, 1e-15);
+    const Scenario again = parse(to_yaml(s));
+    EXPECT_EQ(again.motion.keyframes[0].quaternion->coeffs(), s.motion.keyframes[0].quaternion->coeffs());
+  }
+}
+
+TEST_F(RoundTrip, OddTexts) {
+  for (const std::string name :
+       {"null", "true", "yes", "3", "a: b", "#x", " x ", "ä ö", "\"q\"", "\\", "-", "~", "on"}) {
+    Scenario s = parse(kValid);
+    s.name = name;
+    EXPECT_EQ(parse(to_yaml(s)).name, name);
+  }
+  write("a ${b} $${c} 'd\".stl", "solid\n");
+  Scenario s = parse(kValid);
+  s.tool.mesh = path("a ${b} $${c} 'd\".stl");
+  EXPECT_EQ(parse(to_yaml(s)).tool.mesh, s.tool.mesh);
+}
+
+TEST_F(RoundTrip, InputFilesAreNamed) {
+  write("scan.nrrd", "x");
+  write("poses.csv", "x");
+  const std::string phantom =
+      "  source: phantom\n  voxel_mm: 0.5\n  phantom:\n    shape: half_space\n    size_mm: [10, 10, 6]\n";
+  const std::string yaml = with(kValid, phantom, "  source: ct\n  ct: {path: scan.nrrd}\n");
+  const Scenario s = parse(yaml, {"motion.keyframes=null", "motion.csv.path=poses.csv"});
+  using Pair = std::pair<std::string, std::string>;
+  EXPECT_THAT(input_files(s),
+              ::testing::ElementsAre(Pair{"bone.ct.path", path("scan.nrrd")}, Pair{"tool.mesh", path("tool.stl")},
+                                     Pair{"motion.csv.path", path("poses.csv")}));
+}
+
+}  // namespace
+}  // namespace reamsim::test

@@ -1,0 +1,185 @@
+#include <gmock/gmock.h>
+
+#include "tests/scenario/scenario_fixture.h"
+
+namespace reamsim::test {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+
+const std::string kPhantom = "  phantom:\n    shape: half_space\n    size_mm: [10, 10, 6]\n";
+
+class Rules : public ScenarioTest {
+ protected:
+  std::string changed(const std::string& from, const std::string& to) const {
+    return complaint(with(kValid, from, to));
+  }
+  /// The complaint about a scenario with this bone section (its lines indented by two).
+  std::string bone(const std::string& lines) const {
+    return changed("  source: phantom\n  voxel_mm: 0.5\n" + kPhantom, lines);
+  }
+};
+
+TEST_F(Rules, KeysOfAnotherSource) {
+  EXPECT_EQ(changed("source: phantom", "source: mesh"),
+            "s.yaml:5:3: bone.phantom: does not apply, because source is mesh; expected it with source: phantom only");
+  EXPECT_EQ(changed("  voxel_mm: 0.5\n", "  mesh: {path: tool.stl}\n"),
+            "s.yaml:4:3: bone.mesh: does not apply, because source is phantom; expected it with source: mesh only");
+}
+
+TEST_F(Rules, SectionOfTheSourceIsNeeded) {
+  EXPECT_THAT(bone("  source: ct\n"), StartsWith("s.yaml:2:1: bone.ct: missing; expected"));
+  EXPECT_THAT(bone("  source: mesh\n"), StartsWith("s.yaml:2:1: bone.mesh: missing; expected"));
+  EXPECT_THAT(bone("  source: vdb\n  vdb: {}\n"), StartsWith("s.yaml:4:3: bone.vdb.path: missing; expected"));
+}
+
+TEST_F(Rules, KeysOfAnotherShape) {
+  EXPECT_EQ(changed("size_mm: [10, 10, 6]", "radius_mm: 3"),
+            "s.yaml:7:5: bone.phantom.radius_mm: does not apply, because shape is half_space; expected it with shape: "
+            "sphere or cup only");
+  EXPECT_THAT(changed("shape: half_space", "shape: sphere"), HasSubstr("bone.phantom.size_mm: does not apply"));
+  EXPECT_THAT(changed("size_mm: [10, 10, 6]", "version_deg: 3"), HasSubstr("bone.phantom.version_deg: does not apply"));
+}
+
+TEST_F(Rules, GeometryOfPhantoms) {
+  EXPECT_EQ(changed(kPhantom, "  phantom: {shape: cup, size_mm: [10, 10, 6], radius_mm: 4, cup_depth_mm: 5}\n"),
+            "s.yaml:5:61: bone.phantom.cup_depth_mm: found 5; expected no more than radius_mm");
+  EXPECT_THAT(
+      changed(kPhantom, "  phantom: {shape: cup, size_mm: [10, 10, 6], radius_mm: 20, cup_depth_mm: 4}\n"),
+      HasSubstr("bone.phantom.radius_mm: found 20; expected a cup whose opening (radius 12 mm) fits the block"));
+  EXPECT_THAT(changed(kPhantom, "  phantom: {shape: layered, size_mm: [10, 10, 6], cortical_mm: 6}\n"),
+              HasSubstr("bone.phantom.cortical_mm: found 6; expected less than the block's height"));
+  EXPECT_THAT(changed(kPhantom, "  side: left\n  phantom: {shape: glenoid, width_mm: 36}\n"),
+              HasSubstr("bone.phantom.width_mm: found 36; expected no more than height_mm"));
+}
+
+TEST_F(Rules, SideIsNeededWithAGlenoid) {
+  EXPECT_EQ(changed(kPhantom, "  phantom: {shape: glenoid}\n"),
+            "s.yaml:2:1: bone.side: missing; expected left or right, because bone.phantom.shape is glenoid");
+  EXPECT_EQ(changed(kPhantom, ""),  // glenoid is the default shape
+            "s.yaml:2:1: bone.side: missing; expected left or right, because bone.phantom.shape is glenoid");
+  EXPECT_EQ(changed(kPhantom, kPhantom + "  glenoid: {center_mm: [0, 0, 0], normal: [0, 0, 1], superior: [0, 1, 0]}\n"),
+            "s.yaml:2:1: bone.side: missing; expected left or right, because bone.glenoid is given");
+  EXPECT_EQ(changed(kPhantom, "  side: left\n  phantom: {shape: glenoid}\n"), "");
+}
+
+TEST_F(Rules, GlenoidFrameIsNeeded) {
+  EXPECT_EQ(
+      complaint(with(with(kValid, "  source: phantom\n", "  source: phantom\n  side: left\n"), "motion:\n",
+                     "motion:\n  frame: glenoid\n")),
+      "s.yaml:12:3: motion.frame: found glenoid, and there is no glenoid frame; expected bone, or a glenoid frame in "
+      "bone.glenoid");
+  EXPECT_THAT(changed(kPhantom, kPhantom + "  side: left\n  pilot_hole: {frame: glenoid}\n"),
+              HasSubstr("bone.pilot_hole.frame: found glenoid, and there is no glenoid frame"));
+}
+
+TEST_F(Rules, GlenoidFrameIsWhole) {
+  const auto glenoid = [&](const std::string& keys) {
+    return changed(kPhantom, kPhantom + "  side: left\n  glenoid: {" + keys + "}\n");
+  };
+  EXPECT_EQ(glenoid("center_mm: [0, 0, 0], normal: [0, 0, 1]"),
+            "s.yaml:9:3: bone.glenoid.superior: missing; expected center_mm, normal and superior together");
+  EXPECT_EQ(glenoid("center_mm: [0, 0, 0], normal: [0, 0, 1], superior: [0, 0, -2]"),
+            "s.yaml:9:54: bone.glenoid.superior: found the direction of normal; expected a direction across it");
+  EXPECT_THAT(glenoid("center_mm: [0, 0, 0], normal: [0, 0, 0], superior: [0, 1, 0]"),
+              HasSubstr("s.yaml:9:43: bone.glenoid.normal: found a direction of length 0"));
+  const std::string marks =
+      "landmarks: {glenoid_center_mm: [0, 0, 0], trigonum_spinae_mm: [90, 0, 0], inferior_angle_mm: ";
+  EXPECT_EQ(glenoid(marks + "[80, -120, 0]}"), "");
+  EXPECT_EQ(glenoid(marks + "[45, 0, 0]}"),
+            "s.yaml:9:13: bone.glenoid.landmarks: found three points on one line or closer than 1 mm; expected three "
+            "points that span a plane");
+  EXPECT_EQ(
+      glenoid("center_mm: [0, 0, 0], " + marks + "[80, -120, 0]}"),
+      "s.yaml:9:13: bone.glenoid.center_mm: given together with landmarks; expected one of landmarks or center_mm");
+}
+
+TEST_F(Rules, OneMotion) {
+  EXPECT_EQ(changed("motion:\n", "motion:\n  plunge: {feed_mm_s: 1}\n"),
+            "s.yaml:12:3: motion.keyframes: given together with plunge; expected one of plunge, keyframes or csv");
+  EXPECT_EQ(complaint(kValid.substr(0, kValid.find("motion:")) + "motion: {frame: bone}\n"),
+            "s.yaml:10:1: motion: none of its keys plunge, keyframes or csv is given; expected exactly one of them");
+}
+
+TEST_F(Rules, Keyframes) {
+  EXPECT_EQ(
+      changed("time_s: 1", "time_s: 0"),
+      "s.yaml:13:8: motion.keyframes.1.time_s: found 0; expected a time after that of the keyframe before it, 0 s");
+  EXPECT_EQ(
+      changed(", axis: [0, 0, 1]}\n", "}\n"),
+      "s.yaml:12:7: motion.keyframes.0: none of its keys axis or quaternion is given; expected exactly one of them");
+  EXPECT_EQ(
+      changed("axis: [0, 0, 1]}\n", "axis: [0, 0, 1], quaternion: [1, 0, 0, 0]}\n"),
+      "s.yaml:12:60: motion.keyframes.0.quaternion: given together with axis; expected one of axis or quaternion");
+  EXPECT_EQ(changed("axis: [0, 0, 1]}\n", "quaternion: [1, 1, 0, 0]}\n"),
+            "s.yaml:12:55: motion.keyframes.0.quaternion: found 4 numbers of length 1.4142135623730951; expected 4 "
+            "numbers [w, x, y, z] of length 1");
+  EXPECT_EQ(
+      changed("axis: [0, 0, 1]}\n", "axis: [0, 0, 0]}\n"),
+      "s.yaml:12:49: motion.keyframes.0.axis: found a direction of length 0; expected 3 numbers [x, y, z], not all "
+      "zero, each -1000 to 1000");
+  EXPECT_EQ(complaint(kValid.substr(0, kValid.find("motion:")) + "motion:\n  keyframes: []\n"),
+            "s.yaml:11:3: motion.keyframes: found a list of 0; expected two or more keyframes");
+}
+
+TEST_F(Rules, RunsThatNeverEnd) {
+  EXPECT_EQ(
+      changed("time_s: 1", "time_s: 100000"),
+      "s.yaml:11:3: motion.keyframes: takes 100000 s, 100000000 frames at frame_rate_hz; expected at most 10000000 "
+      "frames");
+}
+
+TEST_F(Rules, Crop) {
+  write("scan.nrrd", "NRRD0004\n");
+  EXPECT_EQ(bone("  source: ct\n  ct: {path: scan.nrrd, crop_min_mm: [0, 0, 0]}\n"),
+            "s.yaml:4:3: bone.ct.crop_max_mm: missing; expected crop_min_mm and crop_max_mm together");
+  EXPECT_EQ(bone("  source: ct\n  ct: {path: scan.nrrd, crop_min_mm: [0, 0, 0], crop_max_mm: [5, 5, 0]}\n"),
+            "s.yaml:4:49: bone.ct.crop_max_mm: found a corner that is not above crop_min_mm on every axis; expected a "
+            "larger x, y and z");
+}
+
+TEST_F(Rules, LabelMapReplacesSegmentation) {
+  write("scan.nrrd", "NRRD0004\n");
+  EXPECT_EQ(bone("  source: ct\n  ct: {path: scan.nrrd, label_map: {path: scan.nrrd}, threshold_hu: 3}\n"),
+            "s.yaml:4:55: bone.ct.threshold_hu: does not apply, because label_map is given; expected one or the other");
+  EXPECT_EQ(bone("  source: ct\n  ct: {path: scan.nrrd, label_map: {path: scan.nrrd}}\n"), "");
+}
+
+TEST_F(Rules, FilesMustBeThere) {
+  EXPECT_EQ(changed("tool.stl", "nix.stl"),
+            "s.yaml:9:9: tool.mesh: no such file: nix.stl; expected a file that exists");
+  std::filesystem::create_directory(path("folder"));
+  EXPECT_EQ(changed("tool.stl", "folder"), "s.yaml:9:9: tool.mesh: folder is a folder; expected a file");
+  EXPECT_EQ(bone("  source: ct\n  ct: {path: folder}\n"), "") << "a DICOM folder";
+  EXPECT_EQ(bone("  source: vdb\n  vdb: {path: folder}\n"),
+            "s.yaml:4:15: bone.vdb.path: folder is a folder; expected a file");
+  EXPECT_EQ(changed("tool.stl", "/dev/null"),
+            "s.yaml:9:9: tool.mesh: /dev/null cannot be read; expected a file with read permission");
+}
+
+TEST_F(Rules, VariablesInPaths) {
+  ::unsetenv("REAMSIM_TEST_UNSET");
+  EXPECT_EQ(
+      changed("tool.stl", "${REAMSIM_TEST_UNSET}/tool.stl"),
+      "s.yaml:9:9: tool.mesh: the environment variable REAMSIM_TEST_UNSET in \"${REAMSIM_TEST_UNSET}/tool.stl\" is "
+      "not set; expected it to name a folder or file (export REAMSIM_TEST_UNSET=...)");
+  EXPECT_THAT(changed("tool.stl", "\"${not closed\""), StartsWith("s.yaml:9:9: tool.mesh: found \"${not closed\""));
+  EXPECT_THAT(changed("tool.stl", "\"${a b}\""), StartsWith("s.yaml:9:9: tool.mesh: found \"${a b}\""));
+  ::setenv("REAMSIM_TEST_DIR", dir_.c_str(), 1);
+  EXPECT_EQ(parse(with(kValid, "tool.stl", "${REAMSIM_TEST_DIR}/./tool.stl")).tool.mesh, path("tool.stl"));
+  ::unsetenv("REAMSIM_TEST_DIR");
+  write("${x}.stl", "solid\n");
+  EXPECT_EQ(parse(with(kValid, "tool.stl", "$${x}.stl")).tool.mesh, path("${x}.stl"));
+}
+
+TEST_F(Rules, PathsAreRelativeToTheScenario) {
+  const Scenario s = parse(kValid + "output:\n  dir: ../results/\n");
+  EXPECT_EQ(s.tool.mesh, path("tool.stl"));
+  EXPECT_EQ(s.output.dir, std::filesystem::path(dir_).parent_path().string() + "/results");
+  EXPECT_EQ(s.file, path("s.yaml"));
+  EXPECT_EQ(s.name, "s");
+}
+
+}  // namespace
+}  // namespace reamsim::test
