@@ -25,6 +25,12 @@ Aabb bone_box(const Voxmap& voxmap) {
           corner + voxmap.grid.voxel_mm * (high + Vec3i::Ones()).cast<double>()};
 }
 
+/// The box of the shell's points: a point may lie half a cell outside the surface that it samples.
+Aabb shell_box(const Tool& tool) {
+  const Vec3 margin = Vec3::Constant(0.5 * tool.shell.cell_mm);
+  return {tool.bounds.min - margin, tool.bounds.max + margin};
+}
+
 /// One run of the main loop: the engine's batch, the frames that wait for it, and the energy account.
 class Run {
  public:
@@ -33,6 +39,7 @@ class Run {
         engine_(engine),
         recorder_(recorder),
         report_(report),
+        tool_box_(shell_box(scene.tool)),
         bone_box_(bone_box(scene.bone.voxmap)),
         ledger_(scene.bone.voxmap.grid.voxel_mm3(), scene.motion.frame_s()),
         resolved_(scene.scenario.tool.spin == "resolved"),
@@ -66,7 +73,7 @@ class Run {
       const Substep substep = make_substep(a, b, double(i) / pending.substeps, double(i + 1) / pending.substeps,
                                            scene_.motion.frame_s(), frame);
       const Rigid tool_from_bone = bone_from_shell(substep.pose, resolved_).inverse();
-      const auto voi = broad_phase(scene_.tool.bounds, bone_box_, tool_from_bone);
+      const auto voi = broad_phase(tool_box_, bone_box_, tool_from_bone);
       pending.broad_phase_s += watch.seconds();
       if (!voi) continue;
       if (engine_.full()) drain();
@@ -133,6 +140,7 @@ class Run {
   Engine& engine_;
   Recorder& recorder_;
   Report& report_;
+  Aabb tool_box_;
   Aabb bone_box_;
   FrameLedger ledger_;
   bool resolved_;

@@ -106,7 +106,7 @@ void Rules::check_side() const {
 }
 
 void Rules::check_frames_of_reference() const {
-  if (glenoid_phantom() || glenoid_given()) return;
+  if (s_.bone.source == "phantom" || glenoid_given()) return;  // every phantom has its own
   const std::string expected = "bone, or a glenoid frame in bone.glenoid";
   if (s_.motion.frame == "glenoid") fail("motion.frame", "found glenoid, and there is no glenoid frame", expected);
   if (s_.bone.pilot_hole && s_.bone.pilot_hole->frame == "glenoid") {

@@ -128,7 +128,7 @@ struct BoneSettings {
 struct ToolSettings {
   std::string mesh;  ///< STL, OBJ or PLY in the tool frame T
   double scale = 1;
-  int shell_resolution = 0;       ///< M of the M³ grid; 0 = the least with spacing ≤ half a voxel
+  int shell_resolution = 0;       ///< M of the M³ grid; 0 = spacing of 0.47 voxel, which leaks nothing
   std::string spin = "envelope";  ///< envelope: the surface that the teeth sweep | resolved: the teeth themselves
 };
 

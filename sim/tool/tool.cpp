@@ -19,6 +19,10 @@ namespace {
 
 /// Shell spacing that leaves no voxel behind, in voxels (design §4).
 constexpr double kSafeSpacingVoxels = 0.5;
+/// Spacing that the program chooses, in voxels: a little denser than safe, and no simple fraction of a voxel. At
+/// exactly half a voxel, and square to the lattice, every layer of points would reach its next layer of voxels in the
+/// same frame.
+constexpr double kChosenSpacingVoxels = 0.4721;
 /// Relative slack of that, for the rounding of coordinates in an STL.
 constexpr double kSpacingSlack = 1e-6;
 constexpr double kLargestMm = 1000;
@@ -87,8 +91,13 @@ void check_frame(const ToolSettings& settings, const TriangleMesh& mesh, const P
 }
 
 int least_resolution(const ToolSettings& settings, double extent_mm, double voxel_mm) {
-  const double cells = std::ceil(extent_mm / (kSafeSpacingVoxels * voxel_mm) * (1 - kSpacingSlack)) + 1;
-  if (cells <= kMortonResolution) return std::max(2, static_cast<int>(cells));
+  const auto cells_at = [&](double spacing) {
+    return std::ceil(extent_mm / (spacing * voxel_mm) * (1 - kSpacingSlack)) + 1;
+  };
+  const double cells = cells_at(kSafeSpacingVoxels);
+  if (cells <= kMortonResolution) {
+    return static_cast<int>(std::clamp<double>(cells_at(kChosenSpacingVoxels), 2, kMortonResolution));
+  }
   const double least_voxel = extent_mm / (kMortonResolution - 1) / kSafeSpacingVoxels;
   throw InputError("tool.shell_resolution: a spacing of half a voxel (" + text(kSafeSpacingVoxels * voxel_mm) +
                    " mm) over the tool " + settings.mesh + " (" + text(extent_mm) + " mm) takes " + text(cells) +

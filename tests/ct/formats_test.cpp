@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <array>
+#include <filesystem>
+#include <fstream>
 
 #include "sim/bone/ct/ct_import.h"
 #include "test_images.h"
@@ -45,15 +47,43 @@ TEST_F(Formats, DicomSeriesIsSortedByPositionNotByName) {
   expect_same(import(folder_.file("series")), reference_, "DICOM");
 }
 
-TEST_F(Formats, DicomRescaleInterceptCountsInHu) {
-  write_dicom(egg_, folder_.file("series"), -1, -1024);
+/// Gives a stored DICOM file, implicit VR, another value of a tag in group 0028: two characters for two.
+void patch_tag(const std::string& path, int element, const std::string& from, const std::string& to) {
+  std::ifstream in(path, std::ios::binary);
+  std::string bytes{std::istreambuf_iterator<char>(in), {}};
+  const std::string tag{0x28, 0x00, static_cast<char>(element & 255), static_cast<char>(element >> 8), 2, 0, 0, 0};
+  const std::size_t at = bytes.find(tag + from);
+  ASSERT_NE(at, std::string::npos) << path;
+  bytes.replace(at + tag.size(), 2, to);
+  std::ofstream(path, std::ios::binary) << bytes;
+}
+
+TEST_F(Formats, DicomRescaleCountsInHu) {
+  write_dicom(egg_, folder_.file("series"));
+  for (const auto& slice : std::filesystem::directory_iterator(folder_.file("series"))) {
+    patch_tag(slice.path().string(), 0x1052, "0 ", "64");  // intercept
+    patch_tag(slice.path().string(), 0x1053, "1 ", "2 ");  // slope
+  }
   Report report;
   BoneSettings settings = settings_for(folder_.file("series"), 1);
-  settings.ct.threshold_hu = 200 - 1024;
+  settings.ct.threshold_hu = 2 * 200 + 64;
   const Voxmap voxmap = voxmap_from_ct(settings, report);
   EXPECT_NEAR(volume_mm3(voxmap), volume_mm3(reference_), 1e-6);
-  const std::string last = report.notes.back();
-  EXPECT_THAT(last, HasSubstr("HU -")) << "the densest voxel is at 250 - 1024 HU";
+  EXPECT_THAT(report.notes.back(), HasSubstr("HU 264 to 564"));
+}
+
+TEST_F(Formats, DicomFolderMayHoldOtherFilesAndAScout) {
+  write_dicom(egg_, folder_.file("series"));
+  std::ofstream(folder_.file("series/notes.txt")) << "not DICOM";
+  TestImage scout = egg_;
+  scout.dims = {40, 12, 1};
+  scout.sample(knobbed_egg);
+  write_dicom(scout, folder_.file("scout"));
+  std::filesystem::copy(folder_.file("scout/slice001.dcm"), folder_.file("series/a_scout.dcm"));
+  Report report;
+  expect_same(voxmap_from_ct(settings_for(folder_.file("series"), 1), report), reference_, "with a scout");
+  ASSERT_EQ(report.warnings.size(), 1U);
+  EXPECT_THAT(report.warnings[0], HasSubstr("2 DICOM series; the one with the most slices is used (24 slices)"));
 }
 
 TEST_F(Formats, DicomIsReadOnlyWhereTheCropIs) {

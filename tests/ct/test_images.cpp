@@ -112,7 +112,7 @@ template void write_image<std::uint32_t>(const TestImage&, const std::string&, b
 template void write_image<float>(const TestImage&, const std::string&, bool);
 template void write_image<double>(const TestImage&, const std::string&, bool);
 
-void write_dicom(const TestImage& image, const std::string& folder, int skip, double intercept) {
+void write_dicom(const TestImage& image, const std::string& folder, int skip) {
   fs::create_directories(folder);
   for (int k = 0; k < image.dims.z(); ++k) {
     if (k == skip) continue;
@@ -133,8 +133,7 @@ void write_dicom(const TestImage& image, const std::string& folder, int skip, do
     put("0020|000e", "1.2.3.4.5.6");                // series
     put("0020|0052", "1.2.3.4.5.7");                // frame of reference
     put("0020|0013", std::to_string(k + 1));
-    put("0028|1052", std::to_string(intercept));
-    put("0028|1053", "1");
+    put("0028|0004", "MONOCHROME2");
     char name[32];
     std::snprintf(name, sizeof name, "/slice%03d.dcm", image.dims.z() - k);
     write<std::int16_t>(slice, *io, folder + name, false);

@@ -15,8 +15,6 @@ inline Tool make_tool(const Profile& profile, int resolution) {
   tool.mesh = revolve(profile, 96);
   tool.shell = voxelise_surface(tool.mesh, resolution);
   tool.bounds = tool.mesh.bounds();
-  tool.bounds.min.array() -= tool.shell.cell_mm;
-  tool.bounds.max.array() += tool.shell.cell_mm;
   for (const Vec3& v : tool.mesh.vertices) tool.reach_mm = std::max(tool.reach_mm, v.norm());
   return tool;
 }

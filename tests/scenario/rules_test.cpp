@@ -65,13 +65,16 @@ TEST_F(Rules, SideIsNeededWithAGlenoid) {
 }
 
 TEST_F(Rules, GlenoidFrameIsNeeded) {
+  const std::string mesh = "  source: mesh\n  side: left\n  mesh: {path: tool.stl}\n";
   EXPECT_EQ(
-      complaint(with(with(kValid, "  source: phantom\n", "  source: phantom\n  side: left\n"), "motion:\n",
+      complaint(with(with(kValid, "  source: phantom\n  voxel_mm: 0.5\n" + kPhantom, mesh), "motion:\n",
                      "motion:\n  frame: glenoid\n")),
-      "s.yaml:12:3: motion.frame: found glenoid, and there is no glenoid frame; expected bone, or a glenoid frame in "
-      "bone.glenoid");
-  EXPECT_THAT(changed(kPhantom, kPhantom + "  side: left\n  pilot_hole: {frame: glenoid}\n"),
+      "s.yaml:9:3: motion.frame: found glenoid, and there is no glenoid frame; expected bone, or a glenoid frame "
+      "in bone.glenoid");
+  EXPECT_THAT(bone(mesh + "  pilot_hole: {frame: glenoid}\n"),
               HasSubstr("bone.pilot_hole.frame: found glenoid, and there is no glenoid frame"));
+  EXPECT_EQ(changed(kPhantom, kPhantom + "  side: left\n  pilot_hole: {frame: glenoid}\n"), "")
+      << "a phantom has its own";
 }
 
 TEST_F(Rules, GlenoidFrameIsWhole) {

@@ -47,10 +47,11 @@ class LoadTool : public testing::Test {
   Report report_;
 };
 
-TEST_F(LoadTool, ChoosesTheLeastResolutionWithoutALeak) {
+TEST_F(LoadTool, ChoosesAResolutionWithoutALeak) {
   const Tool tool = load_tool(shipped("convex"), 0.25, report_);
-  EXPECT_EQ(tool.shell.resolution, 241) << "30 mm over 240 steps of 0.125 mm";
-  EXPECT_NEAR(tool.shell.cell_mm, 0.125, 1e-6);
+  EXPECT_EQ(tool.shell.resolution, 256) << "30 mm over 255 steps of 0.1176 mm: 0.47 of a voxel";
+  EXPECT_LT(tool.shell.cell_mm, 0.125);
+  EXPECT_NEAR(tool.shell.cell_mm, 30.0 / 255, 1e-6);
   EXPECT_THAT(report_.warnings, IsEmpty());
   EXPECT_NEAR(tool.bounds.max.x(), 15, 1e-5);
   EXPECT_NEAR(tool.bounds.min.y(), -15, 1e-5);

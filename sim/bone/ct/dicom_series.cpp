@@ -1,23 +1,24 @@
 #include <itkGDCMImageIO.h>
-#include <itkGDCMSeriesFileNames.h>
 
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <map>
 
 #include "sim/base/error.h"
+#include "sim/bone/ct/complete.h"
 #include "sim/bone/ct/image_file.h"
 #include "sim/bone/ct/quiet.h"
 #include "sim/bone/ct/words.h"
 
 namespace reamsim::ct {
 
+namespace fs = std::filesystem;
+
 namespace {
 
 /// Neighbouring slices may differ from the mean distance by this share before a slice counts as missing.
 constexpr double kSpacingTolerance = 0.05;
-/// Rows and columns of all slices must be parallel within this (direction cosines times mm).
-constexpr double kAxisTolerance_mm = 1e-3;
 
 struct Slice {
   std::string path;
@@ -25,39 +26,83 @@ struct Slice {
   double height_mm = 0;   ///< of its origin along the slice normal
 };
 
-struct Series {
-  std::string uid;
-  std::vector<std::string> files;
-};
+/// Slices that belong together: the same series number in the files, size, spacing and axes.
+using SeriesKey = std::string;
 
-/// The series with the most slices. Several in a folder are usual (a scout, another kernel), so this is a warning.
-Series choose_series(const std::string& folder, const std::string& key, Report& report) {
-  std::vector<Series> all;
-  try {
-    const QuietLibraries quiet;
-    const auto names = itk::GDCMSeriesFileNames::New();
-    names->SetUseSeriesDetails(true);
-    names->SetInputDirectory(folder);
-    for (const std::string& uid : names->GetSeriesUIDs()) all.push_back({uid, names->GetFileNames(uid)});
-  } catch (const std::exception&) {
-    throw InputError({folder}, key, "the folder cannot be read as DICOM", "expected a folder of DICOM slices");
+/// The files of a folder in the order of their names, so that nothing depends on the file system's order.
+std::vector<std::string> files_in(const std::string& folder) {
+  std::vector<std::string> files;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
+    if (entry.is_regular_file()) files.push_back(entry.path().string());
   }
-  std::erase_if(all, [](const Series& series) { return series.files.empty(); });
-  if (all.empty()) throw InputError({folder}, key, "no DICOM image in this folder", "expected one DICOM series");
-  const auto most = std::max_element(all.begin(), all.end(),
-                                     [](const Series& a, const Series& b) { return a.files.size() < b.files.size(); });
-  if (all.size() > 1) {
-    report.warn(folder + ": " + std::to_string(all.size()) + " DICOM series; the one with the most slices is used (" +
-                std::to_string(most->files.size()) + " slices)");
-  }
-  return *most;
+  std::sort(files.begin(), files.end());
+  return files;
 }
 
-Slice read_slice_header(const std::string& file, const std::string& key) {
-  const auto io = itk::GDCMImageIO::New();
-  io->SetFileName(file);
-  read_header(*io, file, key, "DICOM");
-  return {file, geometry_of(*io, file, key, true), 0};
+bool is_dicom(itk::GDCMImageIO& io, const std::string& file) {
+  const QuietLibraries quiet;
+  try {
+    return io.CanReadFile(file.c_str());
+  } catch (const std::exception&) {
+    return false;
+  }
+}
+
+SeriesKey series_of(itk::GDCMImageIO& io, const ScanGeometry& geometry) {
+  std::string uid;
+  io.GetValueFromTag("0020|000e", uid);
+  std::string key = uid + words(" %dx%d", geometry.dims.x(), geometry.dims.y());
+  for (const double step_mm : geometry.step_mm.leftCols<2>().reshaped())
+    key += words(" %ld", std::lround(1e3 * step_mm));
+  return key;
+}
+
+/// Whether a DICOM file holds an image; reports and plans do not. Throws InputError where the image is cut off.
+bool read_image_header(itk::GDCMImageIO& io, const std::string& file, const std::string& key) {
+  const QuietLibraries quiet;
+  try {
+    io.SetFileName(file);
+    io.ReadImageInformation();
+  } catch (const std::exception&) {
+    return false;
+  }
+  if (says_incomplete(quiet.output())) throw InputError({file}, key, "the slice is cut off", "it must be complete");
+  return true;
+}
+
+/// Each DICOM image of a folder by its series.
+std::map<SeriesKey, std::vector<Slice>> read_headers(const std::string& folder, const std::string& key,
+                                                     Report& report) {
+  std::map<SeriesKey, std::vector<Slice>> series;
+  std::vector<std::string> left_out;
+  for (const std::string& file : files_in(folder)) {
+    const auto io = itk::GDCMImageIO::New();
+    if (!is_dicom(*io, file)) continue;
+    if (!read_image_header(*io, file, key)) {
+      left_out.push_back(file);
+      continue;
+    }
+    const ScanGeometry geometry = geometry_of(*io, file, key, true);
+    series[series_of(*io, geometry)].push_back({file, geometry, 0});
+  }
+  if (!left_out.empty()) {
+    report.warn(folder + ": " + std::to_string(left_out.size()) +
+                " DICOM files without a readable image are left out, " + left_out.front() + " the first");
+  }
+  return series;
+}
+
+/// The series with the most slices. Several in a folder are usual (a scout, another kernel), so this is a warning.
+std::vector<Slice> choose_series(const std::string& folder, const std::string& key, Report& report) {
+  const auto all = read_headers(folder, key, report);
+  if (all.empty()) throw InputError({folder}, key, "no DICOM image in this folder", "expected one DICOM series");
+  const auto most = std::max_element(all.begin(), all.end(),
+                                     [](const auto& a, const auto& b) { return a.second.size() < b.second.size(); });
+  if (all.size() > 1) {
+    report.warn(folder + ": " + std::to_string(all.size()) + " DICOM series; the one with the most slices is used (" +
+                std::to_string(most->second.size()) + " slices)");
+  }
+  return most->second;
 }
 
 /// Slices in the order of their position along the normal of the first, which must be evenly spaced.
@@ -65,15 +110,10 @@ void sort_slices(std::vector<Slice>& slices, const std::string& folder, const st
   const ScanGeometry first = slices.front().geometry;
   const Vec3 normal = first.step_mm.col(0).cross(first.step_mm.col(1)).normalized();
   for (Slice& slice : slices) {
-    const ScanGeometry& own = slice.geometry;
-    const bool parallel =
-        (own.step_mm.leftCols<2>() - first.step_mm.leftCols<2>()).cwiseAbs().maxCoeff() < kAxisTolerance_mm;
-    if (!parallel || own.dims != first.dims || own.dims.z() != 1) {
-      throw InputError({slice.path}, key,
-                       "this slice differs from " + slices.front().path + " in size, spacing or axes",
-                       "expected the slices of one volume only");
+    if (slice.geometry.dims.z() != 1) {
+      throw InputError({slice.path}, key, "a volume by itself, among others", "expected slices, or one file alone");
     }
-    slice.height_mm = normal.dot(own.origin_mm);
+    slice.height_mm = normal.dot(slice.geometry.origin_mm);
   }
   std::sort(slices.begin(), slices.end(), [](const Slice& a, const Slice& b) { return a.height_mm < b.height_mm; });
   const double mean = (slices.back().height_mm - slices.front().height_mm) / static_cast<double>(slices.size() - 1);
@@ -89,13 +129,13 @@ void sort_slices(std::vector<Slice>& slices, const std::string& folder, const st
 class DicomScan : public ScanSource {
  public:
   DicomScan(const std::string& folder, const std::string& key, Report& report) : folder_(folder), key_(key) {
-    const Series series = choose_series(folder, key, report);
-    for (const std::string& file : series.files) slices_.push_back(read_slice_header(file, key));
+    slices_ = choose_series(folder, key, report);
     geometry_ = slices_.front().geometry;
     if (slices_.size() == 1 && geometry_.dims.z() == 1) {
       throw InputError({folder}, key, "one DICOM slice", "expected the slices of a volume, at least two");
     }
     if (slices_.size() > 1) stack_slices();
+    check_fits_in_memory(static_cast<double>(geometry_.size()), sizeof(float), folder_, key_);
     const auto io = reader(0);
     pixel_type_ = pixel_type_of(*io);
     is_unsigned_ = has_unsigned_pixels(*io);
@@ -129,7 +169,6 @@ class DicomScan : public ScanSource {
     // From the positions, not the header's slice thickness; so a tilted gantry comes out as the shear that it is.
     geometry_.step_mm.col(2) = (slices_.back().geometry.origin_mm - slices_.front().geometry.origin_mm) /
                                static_cast<double>(slices_.size() - 1);
-    check_fits_in_memory(static_cast<double>(geometry_.size()), sizeof(float), folder_, key_);
   }
 
   /// A reader per call: every slice has its own rescale slope and intercept.

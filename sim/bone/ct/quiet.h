@@ -23,7 +23,6 @@ class QuietLibraries {
   std::ostringstream swallowed_;
   std::streambuf* cerr_;
   std::streambuf* cout_;
-  bool itk_warned_;
 };
 
 }  // namespace reamsim::ct
