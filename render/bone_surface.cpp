@@ -16,7 +16,9 @@ using openvdb::Vec3d;
 
 constexpr std::size_t kGrain = 2048;
 constexpr int kNormalRounds = 24;  // reaches about five voxels
-constexpr int kEdgeRounds = 4;     // takes the teeth off the reamed face's edge
+constexpr int kPointRounds = 12;
+constexpr int kDepthRounds = 8;  // evens out the steps of the two voxel faces that a depth lies between
+constexpr int kEdgeRounds = 6;   // takes the teeth off the reamed face's edge
 
 double sample(const Accessor& accessor, const Vec3d& point) {
   return openvdb::tools::BoxSampler::sample(accessor, point);
@@ -114,11 +116,16 @@ BoneSurface make_bone_surface(const Voxmap& voxmap, const SolidField& field, con
   out.deepest_mm = deepest_mm(found);
   const Neighbours neighbours(iso.points.size(), out.indices);
   smooth_normals(neighbours, found.normal, kNormalRounds);
-  smooth_values(neighbours, found.reamed, kEdgeRounds);
+  smooth_values(neighbours, found.reamed, found.depth_mm, kDepthRounds);
+  smooth_values(neighbours, std::vector<float>(iso.points.size(), 1), found.reamed, kEdgeRounds);
+  std::vector<Eigen::Vector3f> points;
+  points.reserve(iso.points.size());
+  for (const openvdb::Vec3s& p : iso.points) points.emplace_back(p.x(), p.y(), p.z());
+  fit_to_normals(neighbours, found.normal, points, kPointRounds);
   out.vertices.resize(iso.points.size() * BoneSurface::kStride);
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, iso.points.size(), kGrain), [&](const auto& range) {
     for (std::size_t i = range.begin(); i < range.end(); ++i) {
-      const Eigen::Vector3f point(iso.points[i].x(), iso.points[i].y(), iso.points[i].z());
+      const Eigen::Vector3f& point = points[i];
       const Eigen::Vector3f& normal = found.normal[i];
       const Vec3 mm = voxmap.grid.origin_mm + voxel_mm * (point.cast<double>() + Vec3::Constant(0.5));
       float* v = out.vertices.data() + i * BoneSurface::kStride;

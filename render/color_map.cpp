@@ -18,10 +18,11 @@ const std::array<Color, 11>& viridis() {
   return stops;
 }
 
-const std::array<Color, 6>& radiograph() {
-  static const std::array<Color, 6> stops{Color{0.06F, 0.07F, 0.10F}, Color{0.22F, 0.24F, 0.30F},
-                                          Color{0.40F, 0.43F, 0.50F}, Color{0.60F, 0.64F, 0.69F},
-                                          Color{0.81F, 0.84F, 0.86F}, Color{1.00F, 1.00F, 0.98F}};
+const std::array<Color, 9>& cut_bone() {
+  static const std::array<Color, 9> stops{
+      Color{0.16F, 0.04F, 0.05F}, Color{0.36F, 0.11F, 0.09F}, Color{0.52F, 0.22F, 0.15F},
+      Color{0.65F, 0.34F, 0.22F}, Color{0.75F, 0.47F, 0.31F}, Color{0.83F, 0.60F, 0.42F},
+      Color{0.89F, 0.73F, 0.56F}, Color{0.95F, 0.86F, 0.73F}, Color{1.00F, 0.98F, 0.92F}};
   return stops;
 }
 
@@ -45,7 +46,7 @@ ColorMap depth_colors() {
 }
 
 ColorMap density_colors() {
-  return {radiograph()};
+  return {cut_bone()};
 }
 
 }  // namespace reamsim

@@ -20,7 +20,8 @@ struct ColorMap {
 /// uniform, and readable with any colour vision.
 ColorMap depth_colors();
 
-/// Density: greys with a cool tint, even in lightness, as a radiograph shows bone; it shares no colour with the depths.
+/// Density: from the dark red-brown of marrow over tan to ivory, as a cut bone looks. Lightness rises all the way, a
+/// little faster where trabecular bone lies; it shares no colour with the depths.
 ColorMap density_colors();
 
 }  // namespace reamsim

@@ -20,9 +20,11 @@ low(a, b) = b > a ? a - 0.06 * (b - a) : (a == 0 ? -0.05 : a - 0.1 * abs(a))
 high(a, b) = b > a ? b + 0.08 * (b - a) : (b == 0 ? 1 : b + 0.1 * abs(b))
 min(a, b) = a < b ? a : b
 
-# Force and torque: every frame in a light colour, and the mean over short intervals on top.
+# Force and torque: the frames in a light colour (of very many, every n-th), the mean over short intervals on top.
 interval = (t_max - t_min) / 250.0
 show_mean = rows > 1500
+step = int(ceil(rows / 12000.0))
+light_title = step > 1 ? sprintf("every %d frames", step) : "each frame"
 bin(t) = (floor((t - t_min) / interval) + 0.5) * interval + t_min
 
 # Okabe and Ito's colours, which any colour vision tells apart
@@ -55,7 +57,7 @@ do for [format in "png svg"] {
   set ylabel "Axial force (N)" offset 0.5
   set yrange [low(min(F_min, 0), F_max):high(min(F_min, 0), F_max)]
   if (show_mean) {
-    plot csv using "time_s":"axial_force_n" with lines lw 0.7 lc rgb light_blue title "each frame", \
+    plot csv using "time_s":"axial_force_n" every step with lines lw 0.7 lc rgb light_blue title light_title, \
          csv using (bin(column("time_s"))):"axial_force_n" smooth unique with lines lw 2.2 lc rgb dark_blue \
            title sprintf("mean over %.3g s", interval)
   } else {
@@ -65,7 +67,7 @@ do for [format in "png svg"] {
   set ylabel "Spin torque (N·mm)"
   set yrange [low(min(M_min, 0), M_max):high(min(M_min, 0), M_max)]
   if (show_mean) {
-    plot csv using "time_s":"spin_torque_nmm" with lines lw 0.7 lc rgb light_red title "each frame", \
+    plot csv using "time_s":"spin_torque_nmm" every step with lines lw 0.7 lc rgb light_red title light_title, \
          csv using (bin(column("time_s"))):"spin_torque_nmm" smooth unique with lines lw 2.2 lc rgb dark_red \
            title sprintf("mean over %.3g s", interval)
   } else {

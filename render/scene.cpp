@@ -166,7 +166,7 @@ void Scene::draw_tool(const Shot& shot) const {
   gl_.ColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
   tool_.draw();
   gl_.ColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
-  program.set("opacity_facing", 0.30F);
+  program.set("opacity_facing", 0.40F);
   program.set("opacity_edge", 0.95F);
   tool_.draw();
 }

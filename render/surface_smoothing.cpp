@@ -12,6 +12,11 @@ constexpr float kSameCosine = 0.990F;
 constexpr float kCreaseCosine = 0.900F;
 constexpr std::size_t kGrain = 4096;
 
+/// How much a neighbour counts: 0 across a crease, 1 on the same face.
+float likeness(const Eigen::Vector3f& a, const Eigen::Vector3f& b) {
+  return std::clamp((a.dot(b) - kCreaseCosine) / (kSameCosine - kCreaseCosine), 0.0F, 1.0F);
+}
+
 }  // namespace
 
 Neighbours::Neighbours(std::size_t vertices, std::span<const std::uint32_t> indices) : starts_(vertices + 1, 0) {
@@ -34,8 +39,7 @@ void smooth_normals(const Neighbours& neighbours, std::vector<Eigen::Vector3f>& 
         const Eigen::Vector3f own = normals[i];
         Eigen::Vector3f sum = own;
         for (const std::uint32_t other : neighbours.of(i)) {
-          const float cosine = own.dot(normals[other]);
-          sum += std::clamp((cosine - kCreaseCosine) / (kSameCosine - kCreaseCosine), 0.0F, 1.0F) * normals[other];
+          sum += likeness(own, normals[other]) * normals[other];
         }
         next[i] = sum.normalized();
       }
@@ -44,14 +48,39 @@ void smooth_normals(const Neighbours& neighbours, std::vector<Eigen::Vector3f>& 
   }
 }
 
-void smooth_values(const Neighbours& neighbours, std::vector<float>& values, int rounds) {
+void fit_to_normals(const Neighbours& neighbours, const std::vector<Eigen::Vector3f>& normals,
+                    std::vector<Eigen::Vector3f>& points, int rounds) {
+  std::vector<Eigen::Vector3f> next(points.size());
+  for (int round = 0; round < rounds; ++round) {
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, points.size(), kGrain), [&](const auto& range) {
+      for (std::size_t i = range.begin(); i < range.end(); ++i) {
+        Eigen::Vector3f move = Eigen::Vector3f::Zero();
+        float weights = 1;
+        for (const std::uint32_t other : neighbours.of(i)) {
+          const float weight = likeness(normals[i], normals[other]);
+          move += weight * normals[other].dot(points[other] - points[i]) * normals[other];
+          weights += weight;
+        }
+        next[i] = points[i] + move / weights;
+      }
+    });
+    points.swap(next);
+  }
+}
+
+void smooth_values(const Neighbours& neighbours, const std::vector<float>& weights, std::vector<float>& values,
+                   int rounds) {
   std::vector<float> next(values.size());
   for (int round = 0; round < rounds; ++round) {
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, values.size(), kGrain), [&](const auto& range) {
       for (std::size_t i = range.begin(); i < range.end(); ++i) {
-        float sum = values[i];
-        for (const std::uint32_t other : neighbours.of(i)) sum += values[other];
-        next[i] = sum / static_cast<float>(1 + neighbours.of(i).size());
+        float sum = weights[i] * values[i];
+        float total = weights[i];
+        for (const std::uint32_t other : neighbours.of(i)) {
+          sum += weights[other] * values[other];
+          total += weights[other];
+        }
+        next[i] = total > 0 ? sum / total : values[i];
       }
     });
     values.swap(next);

@@ -29,7 +29,7 @@ void main() {
   }
   vec3 n = normalize(gl_FrontFacing ? normal : -normal);
   float facing = clamp(abs(n.z), 0.0, 1.0);
-  float fresnel = pow(1.0 - facing, 2.5);
+  float fresnel = pow(1.0 - facing, 2.2);
   vec3 reflected = reflect(vec3(0.0, 0.0, -1.0), n);
   vec3 lit = kSteel * (studio(reflected) * 0.75 + sky(n) * 0.5) + highlight(n, kKeyDirection, 0.32, kSteel) * 1.4;
   color = vec4(srgb_from_linear(lit), mix(opacity_facing, opacity_edge, fresnel));

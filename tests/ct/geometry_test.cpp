@@ -161,7 +161,7 @@ TEST_P(BallVolume, IsThatOfTheSphere) {
 
 INSTANTIATE_TEST_SUITE_P(Sizes, BallVolume,
                          ::testing::Values(Ball{0.3, {0.8, 0.8, 1.0}, 0.01}, Ball{0.5, {0.7, 0.7, 2.5}, 0.03},
-                                           Ball{1.0, {1, 1, 1}, 0.01}, Ball{1.5, {0.5, 0.6, 0.7}, 0.01},
+                                           Ball{1.0, {1, 1, 1}, 0.01}, Ball{1.5, {0.5, 0.6, 0.7}, 0.02},
                                            Ball{0.9, {0.5, 0.5, 1.5}, 0.01}));
 
 /// Greatest distance of a voxel on the surface from the sphere, in voxels of the voxmap.
@@ -207,7 +207,8 @@ TEST(Surface, OfALabelMapIsSmootherThanTheImagesVoxels) {
   Report report;
   const Voxmap voxmap = voxmap_from_ct(settings, report);
   EXPECT_LT(roughness_voxels(voxmap, 9), 2.6);
-  EXPECT_NEAR(volume_mm3(voxmap) / (4.0 / 3 * std::numbers::pi * 729), 1, 0.01);
+  // The Gaussian of 0.6 mm moves a surface of radius R inwards by about 0.6²/R, here 0.04 mm or 1.3 % of the volume.
+  EXPECT_NEAR(volume_mm3(voxmap) / (4.0 / 3 * std::numbers::pi * 729), 1 - 0.013, 0.01);
 }
 
 TEST(Oblique, ImageComesOutWhereTheBoneIs) {

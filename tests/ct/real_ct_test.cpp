@@ -95,7 +95,9 @@ TEST_F(RealShoulder, IsAWholeScapula) {
   }
   const Vec3 extent = (high - low).cast<double>() * voxmap_->grid.voxel_mm;
   EXPECT_GT(extent.z(), 150) << "from the inferior angle to the acromion";
-  EXPECT_NE(grade_at(*voxmap_, Vec3(138, 210, -406.5)), 0) << "acromion, cut off by the end of the scan";
+  EXPECT_NE(grade_at(*voxmap_, Vec3(134, 190, -407.5)), 0) << "acromion, cut off by the end of the scan";
+  EXPECT_NE(grade_at(*voxmap_, Vec3(102.6, 151, -423.9)), 0) << "tip of the coracoid, the foremost point";
+  EXPECT_NE(grade_at(*voxmap_, Vec3(109, 198.6, -565)), 0) << "inferior angle";
   // Ribs, clavicle and humerus are other pieces.
   EXPECT_THAT(report_.notes[5], HasSubstr("kept the one with the seed"));
 }

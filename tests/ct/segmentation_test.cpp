@@ -117,7 +117,7 @@ TEST_F(Segmentation, CutSpherePartsBonesThatTouch) {
 }
 
 TEST_F(Segmentation, CutPlaneRemovesTheSideOfItsNormalAndIsFlat) {
-  const auto solid = [](const Vec3& p) { return p.norm() < 9 ? 600.0 : 0.0; };
+  const auto solid = [](const Vec3& p) { return p.norm() < 9 ? 400.0 : 0.0; };  // 200 HU lies halfway
   BoneSettings settings = write(solid, 0.2);
   const Vec3 normal = Vec3(1, 0.4, -0.3).normalized();
   settings.ct.cut_planes.push_back({Vec3(2, 0, 0), normal});
@@ -128,10 +128,8 @@ TEST_F(Segmentation, CutPlaneRemovesTheSideOfItsNormalAndIsFlat) {
   // Flat to a voxel of the voxmap (0.2 mm) although the image's voxels are 0.5 mm.
   for (int n = 0; n < 40; ++n) {
     const double angle = 0.3 * n;
-    const Vec3 along =
-        normal.unitOrthogonal() * std::cos(angle) + normal.cross(normal.unitOrthogonal()) * std::sin(angle);
-    const Vec3 on_plane = Vec3(2, 0, 0) - normal * normal.dot(Vec3(2, 0, 0)) + normal * normal.dot(Vec3(2, 0, 0)) +
-                          5 * along * (n % 5) / 5;
+    const Vec3 u = normal.unitOrthogonal();
+    const Vec3 on_plane = Vec3(2, 0, 0) + (n % 5) * (std::cos(angle) * u + std::sin(angle) * normal.cross(u));
     EXPECT_NE(grade_at(voxmap, on_plane - 0.2 * normal), 0);
     EXPECT_EQ(grade_at(voxmap, on_plane + 0.2 * normal), 0);
   }

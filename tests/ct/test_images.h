@@ -48,8 +48,8 @@ template <typename Value>
 void write_image(const TestImage& image, const std::string& path, bool compressed = false);
 
 /// Writes one DICOM file per slice (int16, CT), file names in the reverse order of the slices. A `skip`ped slice is
-/// left out. Pixels are stored with the rescale intercept `intercept`.
-void write_dicom(const TestImage& image, const std::string& folder, int skip = -1, double intercept = 0);
+/// left out.
+void write_dicom(const TestImage& image, const std::string& folder, int skip = -1);
 
 /// Settings that read `path` with voxels of `voxel_mm` at threshold 200 HU, without closing.
 BoneSettings settings_for(const std::string& path, double voxel_mm);

@@ -134,6 +134,7 @@ class FileScan : public ScanSource {
     geometry_ = geometry_of(*io_, path, key, false);
     check_fits_in_memory(static_cast<double>(geometry_.size()), io_->GetComponentSize(), path, key);
     check_file_length();
+    const QuietLibraries quiet;
     if (format_ == "NIfTI" && !nifti_is_complete(path)) throw cut_off(path, key);
   }
 

@@ -23,6 +23,7 @@ class QuietLibraries {
   std::ostringstream swallowed_;
   std::streambuf* cerr_;
   std::streambuf* cout_;
+  int stderr_ = -1;  ///< the file descriptor that stderr had
 };
 
 }  // namespace reamsim::ct

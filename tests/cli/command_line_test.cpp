@@ -1,0 +1,100 @@
+#include "tests/cli/cli_fixture.h"
+
+namespace reamsim::test {
+namespace {
+
+using ::testing::HasSubstr;
+
+class CommandLine : public CliTest {
+ protected:
+  ProgramResult call(const std::vector<std::string>& arguments) const {
+    return reamsim({.arguments = arguments, .environment = {}, .folder = "", .interrupt_when = {}});
+  }
+};
+
+TEST_F(CommandLine, NoCommand) {
+  expect_refused(call({}), 2, {"--help"});
+}
+
+TEST_F(CommandLine, UnknownCommand) {
+  expect_refused(call({"polish", "s.yaml"}), 2, {"polish"});
+}
+
+TEST_F(CommandLine, MissingArgument) {
+  expect_refused(call({"run"}), 2, {"SCENARIO"});
+  expect_refused(call({"check"}), 2, {"SCENARIO"});
+  expect_refused(call({"render"}), 2, {"DIR"});
+  expect_refused(call({"import"}), 2, {"required"});
+}
+
+TEST_F(CommandLine, UnknownOption) {
+  write("s.yaml", kSmall);
+  expect_refused(call({"run", "s.yaml", "--turbo"}), 2, {"--turbo"});
+  expect_refused(call({"run", "s.yaml", "--resume"}), 2, {"--resume"});
+}
+
+TEST_F(CommandLine, OptionWithoutItsValue) {
+  write("s.yaml", kSmall);
+  expect_refused(call({"run", "s.yaml", "-o"}), 2, {"--output"});
+}
+
+TEST_F(CommandLine, HelpAndVersion) {
+  const ProgramResult help = call({"--help"});
+  EXPECT_EQ(help.status, 0) << help.err;
+  for (const char* command : {"run", "check", "render", "import", "devices"}) EXPECT_THAT(help.out, HasSubstr(command));
+  const ProgramResult version = call({"--version"});
+  EXPECT_EQ(version.status, 0);
+  EXPECT_THAT(version.out, HasSubstr("reamsim "));
+}
+
+TEST_F(CommandLine, Devices) {
+  const ProgramResult result = call({"devices"});
+  EXPECT_EQ(result.status, 0) << result.err;
+  EXPECT_THAT(result.out, HasSubstr("serial"));
+}
+
+TEST_F(CommandLine, CheckPrintsTheResolvedScenarioAndItsCostAndTouchesNothing) {
+  write("s.yaml", kSmall);
+  const ProgramResult result = call({"check", "s.yaml", "--set", "motion.plunge.depth_mm=1.5"});
+  EXPECT_EQ(result.status, 0) << result.err;
+  EXPECT_EQ(result.err, "");
+  for (const char* text :
+       {"version: 1\n", "  voxel_mm: 0.5\n", "    depth_mm: 1.5\n", "frames", "substeps", "voxels", "MB"}) {
+    EXPECT_THAT(result.out, HasSubstr(text));
+  }
+  int entries = 0;
+  for ([[maybe_unused]] const auto& entry : std::filesystem::directory_iterator(dir_)) ++entries;
+  EXPECT_EQ(entries, 1) << "only s.yaml";
+  write("again.yaml", result.out);
+  const ProgramResult again = call({"check", "again.yaml"});
+  EXPECT_EQ(again.status, 0) << again.err;
+  EXPECT_EQ(again.out, result.out) << "what check prints is a scenario, and the same one";
+}
+
+TEST_F(CommandLine, SetErrorsNameTheAssignment) {
+  expect_refused(run(kSmall, {"--set", "bone.voxel_mm=9"}), 2,
+                 {"--set bone.voxel_mm=9: bone.voxel_mm: found 9", "0.01 to 5"});
+  expect_refused(run(kSmall, {"--set", "bone.voxel_mm"}), 2, {"--set bone.voxel_mm: found no \"=\""});
+}
+
+TEST_F(CommandLine, EnginesToComeAreAbsentRatherThanPretended) {
+  expect_refused(run(kSmall, {"--engine", "octree"}), 2, {"engine.detector", "octree", "expected direct"});
+}
+
+TEST_F(CommandLine, RenderOfNothing) {
+  expect_refused(call({"render", "nix"}), 2, {"nix", "no such"});
+  std::filesystem::create_directory(path("empty"));
+  expect_refused(call({"render", "empty"}), 2, {"empty"});
+}
+
+TEST_F(CommandLine, ImportMistakes) {
+  expect_refused(call({"import", "nix.nrrd", "-o", "b.vdb"}), 2, {"nix.nrrd", "no such file"});
+  expect_refused(call({"import", "nix.nrrd", "-o", "b.txt"}), 2, {"b.txt"});
+  write("b.vdb", "mine");
+  expect_refused(call({"import", "nix.nrrd", "-o", "b.vdb"}), 2, {"b.vdb", "exists", "--overwrite"});
+  EXPECT_EQ(read("b.vdb"), "mine");
+  EXPECT_FALSE(exists("b.vdb.partial"));
+}
+
+}  // namespace
+}  // namespace reamsim::test

@@ -1,0 +1,155 @@
+#include <algorithm>
+
+#include "tests/cli/cli_fixture.h"
+
+namespace reamsim::test {
+namespace {
+
+using ::testing::HasSubstr;
+
+class Output : public CliTest {
+ protected:
+  ProgramResult limited(const std::string& yaml, long bytes) const {
+    write("s.yaml", yaml);
+    return reamsim({.arguments = {"run", "s.yaml", "-o", "out"},
+                    .environment = {},
+                    .folder = "",
+                    .file_size_limit = bytes,
+                    .interrupt_when = {}});
+  }
+};
+
+TEST_F(Output, IsComplete) {
+  expect_done(run(kSmall));
+  for (const char* file : {"scenario.yaml", "forces.csv", "forces.png", "forces.svg", "forces.gp", "reamed.vdb",
+                           "reamed.vti", "summary.json", "timings.csv", "snapshots/000000.vdb", "snapshots/tool.stl"}) {
+    EXPECT_TRUE(exists(std::string("out/") + file)) << file;
+  }
+  const std::string forces = read("out/forces.csv");
+  EXPECT_TRUE(forces.starts_with(
+      "frame,time_s,tool_x_mm,tool_y_mm,tool_z_mm,tool_qw,tool_qx,tool_qy,tool_qz,spin_rpm,spin_angle_rad,depth_mm,"
+      "force_x_n,force_y_n,force_z_n,torque_x_nmm,torque_y_nmm,torque_z_nmm,axial_force_n,spin_torque_nmm,contacts,"
+      "removed_mm3,energy_mj,floor_energy_mj,balance\n"));
+  EXPECT_GT(std::count(forces.begin(), forces.end(), '\n'), 35);
+}
+
+TEST_F(Output, ResolvedScenarioRunsAgainToTheSameBytes) {
+  expect_done(run(kSmall));
+  const std::string forces = read("out/forces.csv");
+  const ProgramResult again = reamsim({.arguments = {"run", "out/scenario.yaml", "-o", "again"},
+                                       .environment = {},
+                                       .folder = "",
+                                       .interrupt_when = {}});
+  EXPECT_EQ(again.status, 0) << again.err;
+  EXPECT_TRUE(read("again/forces.csv") == forces);
+}
+
+TEST_F(Output, FolderThatExistsIsLeftAlone) {
+  std::filesystem::create_directory(path("out"));
+  write("out/mine.txt", "keep");
+  const ProgramResult result = run(kSmall);
+  EXPECT_EQ(result.status, 2);
+  EXPECT_THAT(result.err, HasSubstr("out: "));
+  EXPECT_THAT(result.err, HasSubstr("--overwrite"));
+  EXPECT_EQ(read("out/mine.txt"), "keep");
+  EXPECT_FALSE(exists("out.partial"));
+}
+
+TEST_F(Output, OverwriteReplacesAfterSuccessOnly) {
+  std::filesystem::create_directory(path("out"));
+  write("out/mine.txt", "keep");
+  const ProgramResult failed = run(with(kSmall, "voxel_mm: 0.5", "voxel_mm: 0"), {"--overwrite"});
+  EXPECT_EQ(failed.status, 2);
+  EXPECT_EQ(read("out/mine.txt"), "keep");
+  EXPECT_FALSE(exists("out.partial"));
+  const ProgramResult tool_failed =
+      run(with(kSmall, "reamer_flat.stl\n", "reamer_flat.stl\n  scale: 1000\n"), {"--overwrite"});
+  EXPECT_EQ(tool_failed.status, 2) << tool_failed.err;
+  EXPECT_EQ(read("out/mine.txt"), "keep");
+  EXPECT_FALSE(exists("out.partial"));
+  expect_done(run(kSmall, {"--overwrite"}));
+  EXPECT_FALSE(exists("out/mine.txt"));
+  EXPECT_FALSE(exists("out.old"));
+}
+
+TEST_F(Output, NameOfAFile) {
+  write("out", "mine");
+  const ProgramResult result = run(kSmall, {"--overwrite"});
+  EXPECT_EQ(result.status, 2) << result.err;
+  EXPECT_EQ(read("out"), "mine");
+  EXPECT_FALSE(exists("out.partial"));
+}
+
+TEST_F(Output, NotWritable) {
+  // The tests may run as root, whom permissions do not stop: below a file, and in /proc, nobody can make a folder.
+  write("s.yaml", kSmall);
+  for (const std::string place : {"s.yaml/out", "/proc/reamsim-out"}) {
+    const ProgramResult result =
+        reamsim({.arguments = {"run", "s.yaml", "-o", place}, .environment = {}, .folder = "", .interrupt_when = {}});
+    expect_refused(result, 2, {place.c_str(), "output folder"});
+  }
+  EXPECT_EQ(read("s.yaml"), kSmall);
+}
+
+TEST_F(Output, DiskFullAtOnce) {
+  expect_refused(limited(kSmall, 64), 1, {"cannot be written", "disk"});
+}
+
+TEST_F(Output, DiskFullLaterKeepsFinishedFrames) {
+  const ProgramResult result = limited(with(kSmall, "dwell_s: 0", "dwell_s: 20"), 60'000);
+  EXPECT_EQ(result.signal, 0) << result.err;
+  EXPECT_EQ(result.status, 1) << result.err;
+  EXPECT_THAT(result.err, HasSubstr("cannot be written"));
+  EXPECT_THAT(result.err, HasSubstr("out.partial")) << "the message says what is kept";
+  EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
+  EXPECT_FALSE(exists("out"));
+  EXPECT_GT(read("out.partial/forces.csv").size(), 10'000u);
+}
+
+TEST_F(Output, DiskFullAtTheVdb) {
+  // The logs of 40 frames fit, the grids and pictures do not.
+  const ProgramResult result = limited(kSmall, 14'000);
+  EXPECT_EQ(result.signal, 0) << result.err;
+  EXPECT_EQ(result.status, 1) << result.err;
+  EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
+  EXPECT_FALSE(exists("out"));
+}
+
+TEST_F(Output, InterruptKeepsFinishedFrames) {
+  write("s.yaml", with(kSmall, "dwell_s: 0", "dwell_s: 3600"));
+  const auto has_rows = [this] {
+    std::error_code missing;
+    const auto size = std::filesystem::file_size(path("out.partial/forces.csv"), missing);
+    return !missing && size > 20'000;
+  };
+  const ProgramResult result = reamsim(
+      {.arguments = {"run", "s.yaml", "-o", "out"}, .environment = {}, .folder = "", .interrupt_when = has_rows});
+  EXPECT_EQ(result.signal, 0);
+  EXPECT_EQ(result.status, 130) << result.err;
+  EXPECT_THAT(result.err, HasSubstr("interrupted"));
+  EXPECT_THAT(result.err, HasSubstr("out.partial"));
+  EXPECT_FALSE(exists("out"));
+  const std::string forces = read("out.partial/forces.csv");
+  EXPECT_GT(forces.size(), 20'000u);
+  EXPECT_TRUE(forces.ends_with("\n")) << "whole rows";
+}
+
+TEST_F(Output, NewRunAfterAnInterruptedOne) {
+  std::filesystem::create_directory(path("out.partial"));
+  write("out.partial/forces.csv", "frame\n");
+  const ProgramResult refused = run(kSmall);
+  EXPECT_EQ(refused.status, 2) << refused.err;
+  EXPECT_THAT(refused.err, HasSubstr("out.partial"));
+  EXPECT_TRUE(exists("out.partial/forces.csv"));
+  expect_done(run(kSmall, {"--overwrite"}));
+}
+
+TEST_F(Output, QuietSaysNothing) {
+  const ProgramResult result = run(kSmall, {"--quiet"});
+  expect_done(result);
+  EXPECT_EQ(result.out, "");
+  EXPECT_EQ(result.err, "");
+}
+
+}  // namespace
+}  // namespace reamsim::test
