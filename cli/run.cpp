@@ -56,10 +56,11 @@ double make_pictures(const std::string& dir, const Scenario& scenario, const Con
 
 void say_summary(const Console& console, const RunTotals& totals, const RunFacts& facts) {
   char text[256];
-  std::snprintf(
-      text, sizeof text,
-      "removed %.1f mm3, %.2f mm deep; peak axial force %.1f N, peak spin torque %.0f N mm; energy balance %.1e",
-      totals.removed_mm3, totals.max_depth_mm, totals.peak_axial_force_n, totals.peak_spin_torque_nmm, totals.balance);
+  std::snprintf(text, sizeof text,
+                "removed %.1f mm3, %.2f mm deep; peak axial force %.1f N and spin torque %.0f N mm over a layer of "
+                "voxels; energy balance %.1e",
+                totals.removed_mm3, totals.max_depth_mm, totals.peak_layer_axial_force_n,
+                totals.peak_layer_spin_torque_nmm, totals.balance);
   console.say(text);
   std::snprintf(text, sizeof text, "%.1f s simulated in %.1f s on %s", totals.simulated_s, facts.simulate_s,
                 facts.device.c_str());
@@ -80,7 +81,7 @@ void run_in(OutputFolder& folder, const Scenario& scenario, const Console& conso
   facts.load_s = load_watch.seconds();
   tell(report, facts, console);
 
-  Recorder recorder(folder.path());
+  Recorder recorder(folder.path(), scene.bone.voxmap.grid.voxel_mm);
   const Stopwatch watch;
   run_frames(scene, *engine, recorder, report, console);
   facts.simulate_s = watch.seconds();

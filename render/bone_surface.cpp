@@ -15,9 +15,11 @@ using Accessor = openvdb::FloatGrid::ConstAccessor;
 using openvdb::Vec3d;
 
 constexpr std::size_t kGrain = 2048;
-constexpr int kNormalRounds = 24;  // reaches about five voxels
+constexpr int kNormalRounds = 36;      // reaches about six voxels
+constexpr float kBelow_voxels = 1.2F;  // where a vertex's density is read
 constexpr int kPointRounds = 12;
-constexpr int kDepthRounds = 8;  // evens out the steps of the two voxel faces that a depth lies between
+constexpr float kMostMove_voxels = 0.4F;
+constexpr int kDepthRounds = 5;  // evens out the steps of the two voxel faces that a depth lies between
 constexpr int kEdgeRounds = 6;   // takes the teeth off the reamed face's edge
 
 double sample(const Accessor& accessor, const Vec3d& point) {
@@ -101,6 +103,30 @@ double deepest_mm(const Findings& found) {
   return deepest;
 }
 
+/// Evens out what the voxels' steps have left in what was found, and in the points themselves.
+void smooth(const Neighbours& neighbours, Findings& found, std::vector<Eigen::Vector3f>& points) {
+  smooth_normals(neighbours, found.normal, kNormalRounds);
+  smooth_values(neighbours, found.reamed, found.depth_mm, kDepthRounds);
+  smooth_values(neighbours, std::vector<float>(points.size(), 1), found.reamed, kEdgeRounds);
+  fit_to_normals(neighbours, found.normal, points, kPointRounds, kMostMove_voxels);
+}
+
+std::vector<std::uint32_t> flat_indices(const IsoSurface& iso) {
+  std::vector<std::uint32_t> out;
+  out.reserve(iso.triangles.size() * 3);
+  for (const openvdb::Vec3I& triangle : iso.triangles) {
+    for (int corner = 0; corner < 3; ++corner) out.push_back(triangle[corner]);
+  }
+  return out;
+}
+
+std::vector<Eigen::Vector3f> eigen_points(const IsoSurface& iso) {
+  std::vector<Eigen::Vector3f> out;
+  out.reserve(iso.points.size());
+  for (const openvdb::Vec3s& p : iso.points) out.emplace_back(p.x(), p.y(), p.z());
+  return out;
+}
+
 }  // namespace
 
 BoneSurface make_bone_surface(const Voxmap& voxmap, const SolidField& field, const AmbientLight& ambient,
@@ -108,33 +134,22 @@ BoneSurface make_bone_surface(const Voxmap& voxmap, const SolidField& field, con
   const IsoSurface iso = extract_surface(field.grid(), 0);
   const double voxel_mm = voxmap.grid.voxel_mm;
   BoneSurface out;
-  out.indices.reserve(iso.triangles.size() * 3);
-  for (const openvdb::Vec3I& triangle : iso.triangles) {
-    for (int corner = 0; corner < 3; ++corner) out.indices.push_back(triangle[corner]);
-  }
+  out.indices = flat_indices(iso);
   Findings found = look_at_vertices(iso.points, voxel_mm, field, unreamed);
   out.deepest_mm = deepest_mm(found);
-  const Neighbours neighbours(iso.points.size(), out.indices);
-  smooth_normals(neighbours, found.normal, kNormalRounds);
-  smooth_values(neighbours, found.reamed, found.depth_mm, kDepthRounds);
-  smooth_values(neighbours, std::vector<float>(iso.points.size(), 1), found.reamed, kEdgeRounds);
-  std::vector<Eigen::Vector3f> points;
-  points.reserve(iso.points.size());
-  for (const openvdb::Vec3s& p : iso.points) points.emplace_back(p.x(), p.y(), p.z());
-  fit_to_normals(neighbours, found.normal, points, kPointRounds);
-  out.vertices.resize(iso.points.size() * BoneSurface::kStride);
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, iso.points.size(), kGrain), [&](const auto& range) {
+  std::vector<Eigen::Vector3f> points = eigen_points(iso);
+  smooth(Neighbours(points.size(), out.indices), found, points);
+  out.vertices.resize(points.size() * BoneSurface::kStride);
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, points.size(), kGrain), [&](const auto& range) {
     for (std::size_t i = range.begin(); i < range.end(); ++i) {
-      const Eigen::Vector3f& point = points[i];
-      const Eigen::Vector3f& normal = found.normal[i];
-      const Vec3 mm = voxmap.grid.origin_mm + voxel_mm * (point.cast<double>() + Vec3::Constant(0.5));
+      const Vec3 mm = voxmap.grid.origin_mm + voxel_mm * (points[i].cast<double>() + Vec3::Constant(0.5));
       float* v = out.vertices.data() + i * BoneSurface::kStride;
       Eigen::Map<Eigen::Vector3f>{v} = mm.cast<float>();
-      Eigen::Map<Eigen::Vector3f>{v + 3} = normal;
+      Eigen::Map<Eigen::Vector3f>{v + 3} = found.normal[i];
       v[6] = found.depth_mm[i];
       v[7] = found.reamed[i];
-      v[8] = density_at(voxmap, point - 1.2F * normal);
-      v[9] = ambient.openness(point, normal);
+      v[8] = density_at(voxmap, points[i] - kBelow_voxels * found.normal[i]);
+      v[9] = ambient.openness(points[i], found.normal[i]);
     }
   });
   return out;

@@ -63,8 +63,10 @@ void frame(Camera& camera, const Mat3& turn, const Subject& subject, bool whole_
 /// The plane through the tool's axis that faces the viewer of the section best.
 Eigen::Vector4d section_plane(const Subject& subject) {
   const Vec3 axis = subject.bone_from_tool.linear().col(2);
-  Vec3 normal = front_side(subject);
-  normal = (normal - normal.dot(axis) * axis).normalized();
+  // A tool that points at the viewer leaves no choice but to look along the face.
+  const Vec3 front = front_side(subject);
+  const Vec3 wanted = std::abs(front.dot(axis)) < 0.95 ? front : subject.outward;
+  const Vec3 normal = (wanted - wanted.dot(axis) * axis).normalized();
   Eigen::Vector4d plane;
   plane << -normal, normal.dot(subject.bone_from_tool.translation());
   return plane;
@@ -109,7 +111,7 @@ Camera make_camera(const std::string& name, const Subject& subject, int width_px
     camera.draws_tool = false;
     frame(camera, look(subject.outward, subject.superior), subject, false);
   } else if (name == "oblique" || name == "overview") {
-    const Vec3 towards_viewer = 0.66 * subject.outward + 0.60 * front + 0.45 * subject.superior;
+    const Vec3 towards_viewer = 0.72 * subject.outward + 0.58 * front + 0.28 * subject.superior;
     frame(camera, look(towards_viewer, subject.superior), subject, name == "overview");
   } else if (name == "section") {
     camera.cut_plane = section_plane(subject);

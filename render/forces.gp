@@ -19,9 +19,12 @@ stats csv using "depth_mm" nooutput name "D"
 low(a, b) = b > a ? a - 0.06 * (b - a) : (a == 0 ? -0.05 : a - 0.1 * abs(a))
 high(a, b) = b > a ? b + 0.08 * (b - a) : (b == 0 ? 1 : b + 0.1 * abs(b))
 min(a, b) = a < b ? a : b
+max(a, b) = a > b ? a : b
 
 # Force and torque: the frames in a light colour (of very many, every n-th), the mean over short intervals on top.
-interval = (t_max - t_min) / 250.0
+rough = (t_max - t_min) / 250.0
+decade = 10.0 ** floor(log10(rough))
+interval = decade * (rough < 1.5 * decade ? 1 : rough < 3.5 * decade ? 2 : rough < 7.5 * decade ? 5 : 10)
 show_mean = rows > 1500
 step = int(ceil(rows / 12000.0))
 light_title = step > 1 ? sprintf("every %d frames", step) : "each frame"
@@ -59,7 +62,7 @@ do for [format in "png svg"] {
   if (show_mean) {
     plot csv using "time_s":"axial_force_n" every step with lines lw 0.7 lc rgb light_blue title light_title, \
          csv using (bin(column("time_s"))):"axial_force_n" smooth unique with lines lw 2.2 lc rgb dark_blue \
-           title sprintf("mean over %.3g s", interval)
+           title sprintf("mean over %g s", interval)
   } else {
     plot csv using "time_s":"axial_force_n" with lines lw 2 lc rgb dark_blue notitle
   }
@@ -69,7 +72,7 @@ do for [format in "png svg"] {
   if (show_mean) {
     plot csv using "time_s":"spin_torque_nmm" every step with lines lw 0.7 lc rgb light_red title light_title, \
          csv using (bin(column("time_s"))):"spin_torque_nmm" smooth unique with lines lw 2.2 lc rgb dark_red \
-           title sprintf("mean over %.3g s", interval)
+           title sprintf("mean over %g s", interval)
   } else {
     plot csv using "time_s":"spin_torque_nmm" with lines lw 2 lc rgb dark_red notitle
   }
@@ -82,7 +85,9 @@ do for [format in "png svg"] {
   set format x
   set xlabel "Time (s)"
   set ylabel "Depth (mm)"
-  set yrange [low(min(D_min, 0), D_max):high(min(D_min, 0), D_max)]
+  # Drawn back, the tool is far above the bone; that part of the curve leaves the panel.
+  bottom = D_max > 0 ? max(min(D_min, 0), -0.25 * D_max) : min(D_min, 0)
+  set yrange [low(bottom, D_max):high(bottom, D_max)]
   plot csv using "time_s":"depth_mm" with lines lw 2.2 lc rgb purple notitle
   unset multiplot
   unset output

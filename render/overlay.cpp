@@ -18,7 +18,7 @@ struct Color {
 };
 constexpr Color kInk{0.10, 0.12, 0.15, 1};
 constexpr Color kFaintInk{0.28, 0.32, 0.37, 1};
-constexpr Color kPaper{1, 1, 1, 0.72};
+constexpr Color kPaper{1, 1, 1, 0.80};
 constexpr double kMargin = 28;  // all lengths for a picture 1080 pixels high
 constexpr double kText = 23;
 

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
+#include <future>
 #include <memory>
 #include <numbers>
 
@@ -87,6 +88,7 @@ class PictureMaker {
     std::filesystem::create_directories(dir_ + "/frames");
     final_pictures(scene);
     frame_pictures(scene);
+    finish_writing();
   }
 
  private:
@@ -155,9 +157,19 @@ class PictureMaker {
     if (tool && !camera.draws_tool) labels.outlines_mm.push_back(widest_circle(results_.tool, *tool));
     std::vector<std::uint32_t> pixels = scene.draw(shot);
     draw_labels(pixels, camera, labels);
-    write_png(path, pixels, camera.width_px, camera.height_px);
+    finish_writing();
+    writing_path_ = path;
+    writing_ = std::async(std::launch::async, [path, camera, image = std::move(pixels)]() mutable {
+      write_png(path, image, camera.width_px, camera.height_px);
+    });
+  }
+
+  /// Waits for the picture that is being compressed while the next one is drawn; throws what writing it threw.
+  void finish_writing() {
+    if (!writing_.valid()) return;
+    writing_.get();
     const int total = static_cast<int>(cameras_.size() * (results_.frames.size() + 1));
-    if (progress_) progress_(++done_, total, path);
+    if (progress_) progress_(++done_, total, writing_path_);
   }
 
   [[nodiscard]] Labels common_labels() const {
@@ -185,6 +197,8 @@ class PictureMaker {
   /// The same for every bone, so that pictures of different bones compare.
   Scale density_scale_ = scale_up_to(DensityMapping::kMaxDensity_g_cm3);
   int done_ = 0;
+  std::string writing_path_;
+  std::future<void> writing_;
 };
 
 }  // namespace

@@ -22,6 +22,8 @@ namespace {
 
 /// How far the tool's face is drawn in front of the bone that it touches, which would else show through in patches.
 constexpr double kToolLift_mm = 0.6;
+/// Bone behind a cut fades by 1/e over 25 mm.
+constexpr float kHaze_per_mm = 0.04F;
 
 std::vector<const char*> lit(const char* shader) {
   return {embedded::shader_lighting, shader};
@@ -104,10 +106,15 @@ void Scene::draw_bone(const Shot& shot) const {
   program.set("cut_plane", local_plane(shot.camera, Rigid::Identity()));
   program.set("depth_max_mm", static_cast<float>(shot.depth_max_mm));
   program.set("contour_mm", static_cast<float>(shot.contour_mm));
+  program.set("haze_per_mm", shot.camera.cut_plane ? kHaze_per_mm : 0.0F);
   program.set("depth_colors", 0);
   depth_colors_.bind(0);
-  gl_.Enable(GL_CULL_FACE);
-  gl_.CullFace(GL_BACK);
+  if (shot.camera.cut_plane) {
+    gl_.Disable(GL_CULL_FACE);
+  } else {
+    gl_.Enable(GL_CULL_FACE);
+    gl_.CullFace(GL_BACK);
+  }
   bone_->draw();
 }
 
@@ -166,7 +173,7 @@ void Scene::draw_tool(const Shot& shot) const {
   gl_.ColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
   tool_.draw();
   gl_.ColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
-  program.set("opacity_facing", 0.40F);
+  program.set("opacity_facing", 0.38F);
   program.set("opacity_edge", 0.95F);
   tool_.draw();
 }

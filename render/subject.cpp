@@ -14,7 +14,7 @@ const ForceRow& deepest(const ForceLog& log) {
                            [](const ForceRow& a, const ForceRow& b) { return a.depth_mm < b.depth_mm; });
 }
 
-void from_glenoid(Subject& subject, const GlenoidFrame& glenoid, const std::string& side) {
+void from_glenoid(Subject& subject, const GlenoidFrame& glenoid, const std::string& side, const std::string& frame) {
   const Mat3 axes = glenoid.bone_from_glenoid.linear();
   subject.focus_mm = glenoid.bone_from_glenoid.translation();
   subject.outward = axes.col(2);
@@ -23,6 +23,8 @@ void from_glenoid(Subject& subject, const GlenoidFrame& glenoid, const std::stri
   // +x of G is superior × lateral: posterior on a left shoulder, anterior on a right one.
   if (side == "left") subject.anterior = -axes.col(0);
   if (side == "right") subject.anterior = axes.col(0);
+  // In patient coordinates +y is posterior, whatever the side.
+  if (side.empty() && frame == "LPS") subject.anterior = axes(1, 0) > 0 ? Vec3(-axes.col(0)) : Vec3(axes.col(0));
 }
 
 void from_tool(Subject& subject) {
@@ -39,7 +41,7 @@ Subject make_subject(const RunResults& results, const UnreamedSurface& unreamed)
   Subject subject;
   subject.bone_from_tool = deepest(results.log).pose.bone_from_tool();
   if (results.glenoid) {
-    from_glenoid(subject, *results.glenoid, results.side);
+    from_glenoid(subject, *results.glenoid, results.side, results.voxmap.frame);
   } else {
     from_tool(subject);
   }

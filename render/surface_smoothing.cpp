@@ -7,9 +7,9 @@
 namespace reamsim {
 namespace {
 
-/// Neighbours count fully below the first of these cosines' angles and not at all above the second (8° and 26°).
-constexpr float kSameCosine = 0.990F;
-constexpr float kCreaseCosine = 0.900F;
+/// Neighbours count fully below the first of these cosines' angles and not at all above the second (14° and 32°).
+constexpr float kSameCosine = 0.970F;
+constexpr float kCreaseCosine = 0.850F;
 constexpr std::size_t kGrain = 4096;
 
 /// How much a neighbour counts: 0 across a crease, 1 on the same face.
@@ -49,7 +49,8 @@ void smooth_normals(const Neighbours& neighbours, std::vector<Eigen::Vector3f>& 
 }
 
 void fit_to_normals(const Neighbours& neighbours, const std::vector<Eigen::Vector3f>& normals,
-                    std::vector<Eigen::Vector3f>& points, int rounds) {
+                    std::vector<Eigen::Vector3f>& points, int rounds, float most) {
+  const std::vector<Eigen::Vector3f> home = points;
   std::vector<Eigen::Vector3f> next(points.size());
   for (int round = 0; round < rounds; ++round) {
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, points.size(), kGrain), [&](const auto& range) {
@@ -58,10 +59,13 @@ void fit_to_normals(const Neighbours& neighbours, const std::vector<Eigen::Vecto
         float weights = 1;
         for (const std::uint32_t other : neighbours.of(i)) {
           const float weight = likeness(normals[i], normals[other]);
-          move += weight * normals[other].dot(points[other] - points[i]) * normals[other];
+          // A chord of a round surface is perpendicular to the mean of the normals at its ends.
+          const Eigen::Vector3f between = (normals[i] + normals[other]).normalized();
+          move += weight * between.dot(points[other] - points[i]) * between;
           weights += weight;
         }
-        next[i] = points[i] + move / weights;
+        const Eigen::Vector3f away = points[i] + move / weights - home[i];
+        next[i] = home[i] + away * std::min(1.0F, most / std::max(away.norm(), 1e-9F));
       }
     });
     points.swap(next);

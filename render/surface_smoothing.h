@@ -25,12 +25,12 @@ class Neighbours {
 /// neighbours that do not bend away by more than a crease, so that true edges stay sharp.
 void smooth_normals(const Neighbours& neighbours, std::vector<Eigen::Vector3f>& normals, int rounds);
 
-/// Moves points until the surface fits its (smoothed) normals: each goes, `rounds` times, to the mean of where its
-/// neighbours' tangent planes want it along their normals (Sun, Rosin, Martin and Langbein 2007,
-/// doi:10.1109/TVCG.2007.1065, §5, with vertex normals). Takes the voxels' terraces off outlines too; a point moves by
-/// a fraction of a voxel.
+/// Moves points until the surface fits its (smoothed) normals: each goes, `rounds` times, to the mean of where
+/// its neighbours want it, perpendicular to the normals between (after Sun, Rosin, Martin and Langbein 2007,
+/// doi:10.1109/TVCG.2007.1065, §5, with vertex normals), but no farther than `most` from where it was. Takes the
+/// voxels' terraces off outlines too.
 void fit_to_normals(const Neighbours& neighbours, const std::vector<Eigen::Vector3f>& normals,
-                    std::vector<Eigen::Vector3f>& points, int rounds);
+                    std::vector<Eigen::Vector3f>& points, int rounds, float most);
 
 /// A number per vertex becomes, `rounds` times, the mean over itself and its neighbours, weighted; where no weight is,
 /// it stays.

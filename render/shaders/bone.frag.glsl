@@ -5,9 +5,14 @@ out vec4 color;
 uniform sampler2D depth_colors;
 uniform float depth_max_mm;
 uniform float contour_mm;
+uniform float haze_per_mm;  // how fast bone behind a cut fades, 0 = not at all
+
+in float behind_mm;  // the cut plane, or 1 where there is none
 
 const vec3 kSoftBone = vec3(0.55, 0.39, 0.27);
 const vec3 kDenseBone = vec3(0.80, 0.69, 0.53);
+
+const vec3 kHaze = vec3(0.66, 0.70, 0.76);
 
 // A thin line wherever the depth passes a tick of the legend.
 float contour(float depth_mm) {
@@ -20,6 +25,11 @@ float contour(float depth_mm) {
 }
 
 void main() {
+  if (!gl_FrontFacing) {
+    // Seen only through the hair's breadth between a cut face and the surface round it.
+    color = vec4(0.12, 0.13, 0.16, 1.0);
+    return;
+  }
   vec3 n = normalize(normal);
   float open = dressed.w * dressed.w;
   float reamed = smoothstep(0.35, 0.65, dressed.y);
@@ -36,5 +46,7 @@ void main() {
   // The reamed face must be readable against the legend, so shading only models its shape.
   vec3 even = mix(vec3(dot(light, vec3(0.3333))), vec3(1.02), 0.55);
   vec3 lit = mix(bone * light + shine, map * even + 0.3 * shine, reamed);
-  color = vec4(srgb_from_linear(lit), 1.0);
+  // What lies far behind a cut steps back, so that the cut face stands out.
+  float haze = 0.62 * (1.0 - exp(-haze_per_mm * max(behind_mm, 0.0))) * (1.0 - reamed);
+  color = vec4(srgb_from_linear(mix(lit, kHaze, haze)), 1.0);
 }

@@ -9,10 +9,12 @@ uniform vec4 cut_plane;  // what has a negative value is cut away
 
 out vec3 normal;
 out vec4 dressed;
+out float behind_mm;
 
 void main() {
   gl_Position = clip_from_bone * vec4(position_mm, 1.0);
   gl_ClipDistance[0] = dot(cut_plane, vec4(position_mm, 1.0));
   normal = mat3(eye_from_bone) * normal_in_bone;
+  behind_mm = gl_ClipDistance[0];
   dressed = dress;
 }

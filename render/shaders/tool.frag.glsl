@@ -12,12 +12,12 @@ const float kHatch_px = 18.0;
 
 // What polished steel mirrors in a studio: bright ceiling panels, a dark horizon, a grey floor.
 vec3 studio(vec3 r) {
-  float panel = smoothstep(0.35, 0.55, r.y) * (0.55 + 0.45 * smoothstep(-0.5, 0.4, -r.x));
-  float side = smoothstep(0.55, 0.8, -r.x) * 0.7;
-  float horizon = 1.0 - exp(-8.0 * r.y * r.y);
-  vec3 floor_color = mix(vec3(0.34, 0.35, 0.37), vec3(0.16, 0.17, 0.19), smoothstep(0.0, 0.8, -r.y));
-  vec3 ceiling_color = vec3(0.45, 0.48, 0.52) + vec3(0.75) * panel;
-  return mix(floor_color, ceiling_color, smoothstep(-0.05, 0.1, r.y)) * mix(0.75, 1.0, horizon) + side;
+  float panel = smoothstep(0.30, 0.42, r.y) * (1.0 - smoothstep(0.80, 0.92, r.y));
+  float strip = smoothstep(0.45, 0.55, -r.x) * (1.0 - smoothstep(0.75, 0.85, -r.x));
+  float horizon = smoothstep(0.0, 0.28, abs(r.y + 0.05));
+  vec3 below = mix(vec3(0.40, 0.41, 0.43), vec3(0.10, 0.11, 0.13), smoothstep(0.0, 0.9, -r.y));
+  vec3 above = vec3(0.34, 0.38, 0.43) + vec3(1.1) * panel;
+  return mix(below, above, smoothstep(-0.03, 0.05, r.y)) * mix(0.6, 1.0, horizon) + vec3(0.8) * strip;
 }
 
 void main() {

@@ -10,6 +10,7 @@
 #include <optional>
 
 #include "sim/base/error.h"
+#include "sim/bone/trial_run.h"
 
 namespace reamsim {
 
@@ -105,8 +106,9 @@ bool write_grids(const std::string& path, const openvdb::GridCPtrVec& grids, con
   return out.good();
 }
 
-/// Refuses what OpenVDB had better not see. Returns at once for a file of another program.
-void check_bytes(const std::string& path) {
+/// Refuses a file that cannot be read, is no VDB, or is ours and damaged. True when it is ours and whole; false for a
+/// file of another program, of which that cannot be known.
+bool check_bytes(const std::string& path) {
   std::error_code error;
   const fs::file_status status = fs::status(path, error);
   if (!fs::exists(status)) fail(path, "no such file", "expected a VDB file");
@@ -121,7 +123,7 @@ void check_bytes(const std::string& path) {
   if (start.size() < kMagic.size() || std::memcmp(start.data(), kMagic.data(), kMagic.size()) != 0) {
     fail(path, "not a VDB file", "expected an OpenVDB file, as reamsim writes it");
   }
-  if (start.find(kTrailerKey) == std::string::npos) return;
+  if (start.find(kTrailerKey) == std::string::npos) return false;
   const std::string damaged = "a truncated or damaged VDB file (its checksum does not match)";
   if (size < kTrailerBytes) fail(path, damaged, "expected a complete file");
   in.clear();
@@ -130,6 +132,28 @@ void check_bytes(const std::string& path) {
   std::string found(kTrailerBytes, '\0');
   in.read(found.data(), static_cast<std::streamsize>(found.size()));
   if (!in || !sum || found != trailer(*sum)) fail(path, damaged, "expected a complete file");
+  return true;
+}
+
+/// Reads all that is there, as VdbFile will.
+void read_everything(const std::string& path) {
+  openvdb::io::File file(path);
+  file.open(/*delayLoad=*/false);
+  for (auto name = file.beginName(); name != file.endName(); ++name) file.readGrid(*name);
+}
+
+/// For a file without our checksum: tried by a child process first.
+void require_harmless(const std::string& path) {
+  constexpr std::uint64_t kLeastMemory = std::uint64_t{2} << 30;
+  constexpr std::uint64_t kMemoryPerFileByte = 200;  // constant regions pack by about that
+  constexpr int kSeconds = 20;
+  std::error_code error;
+  const std::uintmax_t size = fs::file_size(path, error);
+  const std::uint64_t memory_bytes = kLeastMemory + (error ? 0 : kMemoryPerFileByte * size);
+  const int seconds = kSeconds + static_cast<int>(size >> 25);
+  if (!ends_well_in_child([&path] { read_everything(path); }, memory_bytes, seconds)) {
+    fail(path, "a truncated or damaged VDB file", "expected a complete file");
+  }
 }
 
 }  // namespace
@@ -144,9 +168,9 @@ void write_vdb_file(const std::string& path, const openvdb::GridCPtrVec& grids, 
 }
 
 VdbFile::VdbFile(const std::string& path) : path_(path), file_(path) {
-  check_bytes(path);
+  openvdb::initialize();
+  if (!check_bytes(path)) require_harmless(path);
   try {
-    openvdb::initialize();
     file_.open(/*delayLoad=*/false);  // a mapped file that shrinks would end the program
   } catch (const std::exception&) {
     fail(path, "a truncated or damaged VDB file", "expected a complete file");

@@ -8,7 +8,7 @@ namespace reamsim {
 
 // Files of OpenVDB grids that cannot be damaged unseen. OpenVDB trusts every byte that it reads, so a damaged file may
 // crash it; ours therefore end with a checksum behind what OpenVDB reads, and say so in their metadata. Files of other
-// programs are read without that protection.
+// programs are read by a child process first.
 
 /// Writes the grids and the file's metadata to PATH.tmp and puts it in PATH's place when it is complete. The bytes of
 /// the grids depend on nothing but their contents. Throws RunError when the file cannot be written.

@@ -14,8 +14,11 @@ constexpr const char* kTimingColumns = "frame,broad_phase_ms,detect_ms,cut_ms";
 
 }  // namespace
 
-Recorder::Recorder(const std::string& dir)
-    : dir_(dir), forces_(dir + "/forces.csv", kForceColumns), timings_(dir + "/timings.csv", kTimingColumns) {}
+Recorder::Recorder(const std::string& dir, double voxel_mm)
+    : dir_(dir),
+      forces_(dir + "/forces.csv", kForceColumns),
+      timings_(dir + "/timings.csv", kTimingColumns),
+      totals_(voxel_mm) {}
 
 void Recorder::frame(const FrameResult& r, const FrameTimes& times) {
   const Vec3& p = r.pose.position_mm;

@@ -21,8 +21,8 @@ struct FrameTimes {
 /// Writes what a run gives into its folder while it goes: forces.csv, timings.csv, snapshots/.
 class Recorder {
  public:
-  /// Opens the files in `dir`. Throws RunError when they cannot be written.
-  explicit Recorder(const std::string& dir);
+  /// Opens the files in `dir`; `voxel_mm` is the bone's. Throws RunError when they cannot be written.
+  Recorder(const std::string& dir, double voxel_mm);
 
   void frame(const FrameResult& result, const FrameTimes& times);
   /// Bricks that changed since the last snapshot.

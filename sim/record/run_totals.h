@@ -2,12 +2,17 @@
 
 #include <cstdint>
 
+#include "sim/record/layer_mean.h"
 #include "sim/record/results.h"
 
 namespace reamsim {
 
 /// Sums and extremes over a run, for summary.json.
-struct RunTotals {
+class RunTotals {
+ public:
+  /// `voxel_mm` sets the travel over which layer means are taken.
+  explicit RunTotals(double voxel_mm) : layer_(voxel_mm) {}
+
   std::int64_t frames = 0;          ///< rows, the first (frame 0) included
   std::int64_t contact_frames = 0;  ///< rows with contact
   std::int64_t first_contact_frame = -1;
@@ -17,7 +22,9 @@ struct RunTotals {
   double energy_mj = 0;
   double floor_energy_mj = 0;
   double balance = 0;
-  double peak_force_n = 0;
+  double peak_layer_axial_force_n = 0;    ///< of the means over a voxel of travel
+  double peak_layer_spin_torque_nmm = 0;  ///< likewise
+  double peak_force_n = 0;                ///< of single frames, like those below
   double peak_axial_force_n = 0;
   double peak_torque_nmm = 0;
   double peak_spin_torque_nmm = 0;
@@ -33,6 +40,7 @@ struct RunTotals {
  private:
   double force_squares_ = 0;
   double torque_squares_ = 0;
+  LayerMean layer_;
 };
 
 }  // namespace reamsim

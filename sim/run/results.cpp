@@ -61,7 +61,9 @@ double peak_process_mb() {
 }
 
 nlohmann::ordered_json forces_json(const RunTotals& totals) {
-  return {{"peak_force_n", totals.peak_force_n},
+  return {{"peak_layer_axial_force_n", totals.peak_layer_axial_force_n},
+          {"peak_layer_spin_torque_nmm", totals.peak_layer_spin_torque_nmm},
+          {"peak_force_n", totals.peak_force_n},
           {"rms_force_n", totals.rms_force_n()},
           {"peak_axial_force_n", totals.peak_axial_force_n},
           {"peak_torque_nmm", totals.peak_torque_nmm},

@@ -3,16 +3,15 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <initializer_list>
-#include <iterator>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
 #include "tests/cli/subprocess.h"
+#include "tests/support/temp_dir.h"
 
 namespace reamsim::test {
 
@@ -59,24 +58,11 @@ inline std::string with_bone(const std::string& lines) {
 /// A fresh folder in which the built program is run.
 class CliTest : public ::testing::Test {
  protected:
-  CliTest() {
-    std::string pattern = (std::filesystem::temp_directory_path() / "reamsim-cli-XXXXXX").string();
-    if (mkdtemp(pattern.data()) == nullptr) throw std::runtime_error("cannot make " + pattern);
-    dir_ = pattern;
-  }
-  ~CliTest() override {
-    std::error_code ignored;
-    std::filesystem::remove_all(dir_, ignored);
-  }
-
   std::string path(const std::string& name) const { return dir_ + "/" + name; }
   void write(const std::string& name, const std::string& text) const {
     std::ofstream(path(name), std::ios::binary) << text;
   }
-  std::string read(const std::string& name) const {
-    std::ifstream file(path(name), std::ios::binary);
-    return {std::istreambuf_iterator<char>(file), {}};
-  }
+  std::string read(const std::string& name) const { return file_bytes(path(name)); }
   bool exists(const std::string& name) const { return std::filesystem::exists(path(name)); }
 
   /// Runs `reamsim` in the folder.
@@ -117,7 +103,8 @@ class CliTest : public ::testing::Test {
     EXPECT_FALSE(exists("out.partial"));
   }
 
-  std::string dir_;
+  TempDir temp_;
+  const std::string dir_ = temp_.path();
 };
 
 }  // namespace reamsim::test

@@ -42,7 +42,7 @@ TEST_F(Device, DevicesWithoutOpenCl) {
 }
 
 TEST_F(Device, NameThatMatchesNothing) {
-  expect_refused(run_with({}, "nonexistent"), 2, {"nonexistent", "reamsim devices"});
+  expect_refused(run_with({}, "nonexistent"), 2, {"engine.device", "nonexistent", "serial"});
 }
 
 TEST_F(Device, KernelThatDoesNotBuildShowsItsLog) {

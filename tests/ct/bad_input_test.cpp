@@ -1,5 +1,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cmath>
@@ -58,6 +59,11 @@ TEST_F(BadCt, NoSuchFile) {
 
 TEST_F(BadCt, EmptyFile) {
   EXPECT_THAT(error_of(put("empty.nrrd", "")), HasSubstr("the file is empty"));
+}
+
+TEST_F(BadCt, PipeIsRefusedNotWaitedFor) {
+  ASSERT_EQ(mkfifo(folder_.file("pipe.nrrd").c_str(), 0600), 0);
+  EXPECT_THAT(error_of(folder_.file("pipe.nrrd")), HasSubstr("neither a file nor a folder"));
 }
 
 TEST_F(BadCt, SomethingElse) {
@@ -264,6 +270,21 @@ TEST_F(BadSegmentation, LabelThatTheMapDoesNotHold) {
   EXPECT_THAT(error_of(settings_), HasSubstr("no voxel in the crop has label 7"));
   settings_.ct.label_map->path = folder_.file("absent.nrrd");
   EXPECT_THAT(error_of(settings_), HasSubstr("absent.nrrd: bone.ct.label_map.path: no such file"));
+}
+
+TEST_F(BadCt, DamagedDicomNeverCrashes) {
+  // Bytes on which GDCM's assertions fail: an element that ends with the file, and one with no such type.
+  write_dicom(egg_image(), folder_.file("series"));
+  const std::string bytes = bytes_of(folder_.file("series/slice010.dcm"));
+  for (const std::size_t length : {140U, 150U, 200U, 330U}) {
+    put("series/slice010.dcm", bytes.substr(0, length));
+    EXPECT_THAT(error_of(folder_.file("series")), HasSubstr("series")) << length;
+    EXPECT_THAT(error_of(put("single.dcm", bytes.substr(0, length))), HasSubstr("single.dcm")) << length;
+  }
+  std::string damaged = bytes;
+  damaged.replace(148, 2, "\xff\xfe");  // the type of an element in the first group
+  put("series/slice010.dcm", damaged);
+  EXPECT_THAT(error_of(folder_.file("series")), HasSubstr("series"));
 }
 
 TEST_F(BadCt, DamagedHeadersNeverCrash) {

@@ -6,6 +6,7 @@
 #include <filesystem>
 
 #include "sim/bone/ct/ct_import.h"
+#include "sim/scenario/parse.h"
 #include "test_images.h"
 
 namespace reamsim::test {
@@ -18,27 +19,18 @@ std::string data_file(const std::string& name) {
   return std::string(folder != nullptr ? folder : REAMSIM_DEFAULT_DATA) + "/" + name;
 }
 
-/// As in trajectories/ct_shoulder.yaml, at 0.8 mm to be quick.
-BoneSettings shoulder(const std::string& path) {
-  BoneSettings settings = settings_for(path, 0.8);
-  CtSettings& ct = settings.ct;
-  ct.crop_min_mm = Vec3(50, 142, -571);
-  ct.crop_max_mm = Vec3(158, 250, -404);
-  ct.filter = "curvature_anisotropic";
-  ct.anisotropic_iterations = 3;
-  ct.anisotropic_conductance = 1.5;
-  ct.threshold_hu = 225;
-  ct.closing_mm = 1.5;
-  ct.cut_spheres.push_back({Vec3(139.2, 163.7, -427.7), 22.3});
-  ct.seed_mm = Vec3(119.6, 182.5, -447.5);
-  return settings;
+/// The scenario that the project ships, at 0.8 mm to be quick.
+BoneSettings shoulder(const std::string& data_folder) {
+  setenv("REAMSIM_DATA", data_folder.c_str(), 0);
+  return parse_scenario(REAMSIM_TRAJECTORIES "/ct_shoulder.yaml", {"bone.voxel_mm=0.8"}).bone;
 }
 
 class RealShoulder : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
     const std::string path = data_file("shoulder_ct/shoulder_left.nrrd");
-    if (std::filesystem::exists(path)) voxmap_ = std::make_unique<Voxmap>(voxmap_from_ct(shoulder(path), report_));
+    if (std::filesystem::exists(path))
+      voxmap_ = std::make_unique<Voxmap>(voxmap_from_ct(shoulder(data_file("")), report_));
   }
   static void TearDownTestSuite() { voxmap_.reset(); }
   void SetUp() override {
@@ -100,6 +92,18 @@ TEST_F(RealShoulder, IsAWholeScapula) {
   EXPECT_NE(grade_at(*voxmap_, Vec3(109, 198.6, -565)), 0) << "inferior angle";
   // Ribs, clavicle and humerus are other pieces.
   EXPECT_THAT(report_.notes[5], HasSubstr("kept the one with the seed"));
+}
+
+TEST_F(RealShoulder, TheReamersWayToTheFaceIsFree) {
+  // Along the normal, in the 30 mm wide path of the reamer: nothing but the glenoid itself, whose rim rises 2.5 mm.
+  for (std::size_t n = 0; n < voxmap_->grade.size(); ++n) {
+    if (voxmap_->grade[n] == 0) continue;
+    const Vec3i c = voxmap_->grid.coord(static_cast<std::int64_t>(n));
+    const Vec3 from = voxmap_->grid.center_mm(c.x(), c.y(), c.z()) - glenoid_;
+    const double height = from.dot(normal_);
+    if (height < 3) continue;
+    ASSERT_GT((from - height * normal_).norm(), 25) << height;
+  }
 }
 
 TEST_F(RealShoulder, TrabecularInsideOfTheVaultIsKept) {

@@ -34,7 +34,7 @@ std::vector<Row> rows(const std::string& path) {
 
 struct Plunge {
   std::vector<Row> rows;
-  RunTotals totals;
+  RunTotals totals{1};
   double rate_hz = 0;
 };
 
@@ -50,7 +50,7 @@ Plunge plunge(const std::string& device, double depth, double rate_hz, double vo
   Plunge out;
   out.rate_hz = rate_hz;
   Report report;
-  Recorder recorder(dir.path());
+  Recorder recorder(dir.path(), scene.bone.voxmap.grid.voxel_mm);
   const auto engine = make_engine(scene.scenario, scene.bone.voxmap, scene.tool);
   simulate(scene, *engine, recorder, {}, report);
   recorder.close();
@@ -116,7 +116,7 @@ TEST(ClosedForm, WithdrawalTakesNothing) {
   scene.motion.poses.insert(scene.motion.poses.end(), up.poses.begin() + 1, up.poses.end());
   const TempDir dir;
   Report report;
-  Recorder recorder(dir.path());
+  Recorder recorder(dir.path(), scene.bone.voxmap.grid.voxel_mm);
   const auto engine = make_engine(scene.scenario, scene.bone.voxmap, scene.tool);
   simulate(scene, *engine, recorder, {}, report);
   recorder.close();

@@ -14,7 +14,7 @@ struct Outcome {
   std::string forces;
   RemovedFrames removed;
   std::vector<std::uint16_t> fill;
-  RunTotals totals;
+  RunTotals totals{1};
   Report report;
 };
 
@@ -22,7 +22,7 @@ Outcome run(Scene scene) {
   const TempDir dir;
   Outcome out;
   {
-    Recorder recorder(dir.path());
+    Recorder recorder(dir.path(), scene.bone.voxmap.grid.voxel_mm);
     const auto engine = make_engine(scene.scenario, scene.bone.voxmap, scene.tool);
     simulate(scene, *engine, recorder, {}, out.report);
     recorder.close();

@@ -154,7 +154,7 @@ TEST(Snapshot, MissingDamagedOrOfAnotherBone) {
 }
 
 TEST(RunTotals, SumsAndExtremes) {
-  RunTotals totals;
+  RunTotals totals(1);
   FrameResult a, b;
   a.frame = 3;
   a.contacts = 5;
@@ -176,6 +176,21 @@ TEST(RunTotals, SumsAndExtremes) {
   EXPECT_DOUBLE_EQ(totals.peak_force_n, 5);
   EXPECT_DOUBLE_EQ(totals.rms_force_n(), std::sqrt(13.0));
   EXPECT_DOUBLE_EQ(totals.simulated_s, 0.004);
+}
+
+TEST(LayerMean, SpikesBecomeTheirMeanOverAVoxelOfTravel) {
+  LayerMean mean(0.5);
+  // 0.1 mm a frame: one spike of 50 N in five frames is 10 N on average.
+  for (int k = 0; k < 30; ++k) {
+    const double spike = k % 5 == 3 ? 50 : 0;
+    const auto means = mean.add({0, 0, -0.1 * k}, spike, 2 * spike);
+    if (k < 5) {
+      EXPECT_EQ(means.axial_force_n, 0) << "frame " << k;
+    } else {
+      EXPECT_NEAR(means.axial_force_n, 10, 1e-12) << "frame " << k;
+      EXPECT_NEAR(means.spin_torque_nmm, 20, 1e-12) << "frame " << k;
+    }
+  }
 }
 
 /// Decodes the appended data of a .vti as VTK's zlib reader does.

@@ -83,6 +83,15 @@ TEST(CameraTest, TheSectionPlaneHoldsTheToolsAxisAndIsSeenFromAnterior) {
   EXPECT_GT(camera.eye_from_bone.linear().row(2).dot(*subject.anterior), 0.9);
 }
 
+TEST(CameraTest, AToolThatPointsAtTheViewerStillHasASection) {
+  Subject subject = left_shoulder();
+  subject.bone_from_tool.linear() = Eigen::Quaterniond::FromTwoVectors(Vec3::UnitZ(), *subject.anterior).matrix();
+  const Camera camera = make_camera("section", subject, 800, 600);
+  EXPECT_TRUE(camera.cut_plane->allFinite());
+  EXPECT_NEAR(camera.cut_plane->head<3>().dot(*subject.anterior), 0, 1e-9);
+  EXPECT_TRUE(camera.eye_from_bone.matrix().allFinite());
+}
+
 TEST(CameraTest, ClipSpaceAndPixelsAgree) {
   const Subject subject = left_shoulder();
   const Camera camera = make_camera("oblique", subject, 640, 480);

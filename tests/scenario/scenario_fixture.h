@@ -2,7 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <stdexcept>
@@ -11,6 +10,7 @@
 
 #include "sim/base/error.h"
 #include "sim/scenario/parse.h"
+#include "tests/support/temp_dir.h"
 
 namespace reamsim::test {
 
@@ -35,16 +35,7 @@ inline const std::string kValid =
 /// A fresh folder with a tool in it, and what the parser says of scenarios there.
 class ScenarioTest : public ::testing::Test {
  protected:
-  ScenarioTest() {
-    std::string pattern = (std::filesystem::temp_directory_path() / "reamsim-scenario-XXXXXX").string();
-    if (mkdtemp(pattern.data()) == nullptr) throw std::runtime_error("cannot make " + pattern);
-    dir_ = pattern;
-    write("tool.stl", "solid\nendsolid\n");
-  }
-  ~ScenarioTest() override {
-    std::error_code ignored;
-    std::filesystem::remove_all(dir_, ignored);
-  }
+  ScenarioTest() { write("tool.stl", "solid\nendsolid\n"); }
 
   std::string path(const std::string& name) const { return dir_ + "/" + name; }
   void write(const std::string& name, const std::string& text) const {
@@ -76,7 +67,8 @@ class ScenarioTest : public ::testing::Test {
     return text;
   }
 
-  std::string dir_;
+  TempDir temp_;
+  const std::string dir_ = temp_.path();
 };
 
 /// `text` with one passage replaced; the passage must be there.

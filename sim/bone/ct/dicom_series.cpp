@@ -7,6 +7,7 @@
 
 #include "sim/base/error.h"
 #include "sim/bone/ct/complete.h"
+#include "sim/bone/ct/dicom_probe.h"
 #include "sim/bone/ct/image_file.h"
 #include "sim/bone/ct/quiet.h"
 #include "sim/bone/ct/words.h"
@@ -75,7 +76,9 @@ std::map<SeriesKey, std::vector<Slice>> read_headers(const std::string& folder, 
                                                      Report& report) {
   std::map<SeriesKey, std::vector<Slice>> series;
   std::vector<std::string> left_out;
-  for (const std::string& file : files_in(folder)) {
+  const std::vector<std::string> files = files_in(folder);
+  check_dicom_is_survived(files, key);
+  for (const std::string& file : files) {
     const auto io = itk::GDCMImageIO::New();
     if (!is_dicom(*io, file)) continue;
     if (!read_image_header(*io, file, key)) {

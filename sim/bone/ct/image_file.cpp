@@ -15,6 +15,7 @@
 
 #include "sim/base/error.h"
 #include "sim/bone/ct/complete.h"
+#include "sim/bone/ct/dicom_probe.h"
 #include "sim/bone/ct/quiet.h"
 #include "sim/bone/ct/words.h"
 
@@ -29,6 +30,7 @@ using Component = itk::IOComponentEnum;
 /// Deflate cannot pack better than 1032 : 1, so a file that claims more than this is shorter than its header says.
 constexpr double kMaxCompression = 1032;
 constexpr double kHeaderSlackBytes = 1 << 16;
+constexpr const char* kDicom = "DICOM";
 
 std::string lower_extension(const std::string& path) {
   std::string name = fs::path(path).filename().string();
@@ -43,7 +45,7 @@ std::string format_by_name(const std::string& path) {
   if (extension == ".nrrd" || extension == ".nhdr") return "NRRD";
   if (extension == ".nii" || extension == ".nii.gz" || extension == ".hdr" || extension == ".img") return "NIfTI";
   if (extension == ".mha" || extension == ".mhd") return "MetaImage";
-  if (extension == ".dcm") return "DICOM";
+  if (extension == ".dcm") return kDicom;
   return "";
 }
 
@@ -169,12 +171,13 @@ class FileScan : public ScanSource {
 
 itk::ImageIOBase::Pointer open_image_io(const std::string& path, const std::string& key, std::string& format) {
   const QuietLibraries quiet;
-  const std::pair<const char*, itk::ImageIOBase::Pointer> readers[] = {
+  const std::pair<std::string, itk::ImageIOBase::Pointer> readers[] = {
       {"NRRD", itk::NrrdImageIO::New().GetPointer()},
       {"NIfTI", itk::NiftiImageIO::New().GetPointer()},
       {"MetaImage", itk::MetaImageIO::New().GetPointer()},
-      {"DICOM", itk::GDCMImageIO::New().GetPointer()}};
+      {kDicom, itk::GDCMImageIO::New().GetPointer()}};
   for (const auto& [name, io] : readers) {
+    if (name == kDicom) check_dicom_is_survived({path}, key);
     if (!can_read(*io, path)) continue;
     format = name;
     io->SetFileName(path);
@@ -295,6 +298,9 @@ std::unique_ptr<ScanSource> open_scan(const std::string& path, const std::string
   if (!fs::exists(status)) throw InputError({path}, key, "no such file or folder", "give a CT image");
   try {
     if (fs::is_directory(status)) return open_dicom_folder(path, key, report);
+    if (!fs::is_regular_file(status)) {
+      throw InputError({path}, key, "neither a file nor a folder", "give a CT image");
+    }
     return std::make_unique<FileScan>(path, key);
   } catch (const fs::filesystem_error&) {
     throw InputError({path}, key, "cannot be opened", "check that it may be read");

@@ -14,6 +14,9 @@ namespace {
 /// Ratios and places closer than this to a whole number are that number; coordinates of real scans carry rounding.
 constexpr double kRounding = 1e-6;
 
+/// Sample points of one voxel along one axis, at most.
+constexpr double kMostSamples = 16;
+
 bool merges(const Lattice& image, const VoxelGrid& grid, int axis) {
   return grid.voxel_mm >= image.spacing_mm[axis] * (1 - kRounding);
 }
@@ -120,9 +123,9 @@ InsideTest::InsideTest(const AlignedImage& field, const VoxelGrid& grid) : field
   const Lattice& image = field.lattice;
   for (int axis = 0; axis < 3; ++axis) {
     const double length = grid.voxel_mm / image.spacing_mm[axis];
-    // Four samples where voxels are alike, and two for each further image voxel that one takes in.
+    // Two samples for each image voxel that the voxel takes in, up to a bound that still tells a half from less.
     const double wanted = length > 1 + kRounding ? 2 * std::ceil(length - kRounding) : 1;
-    samples_[axis] = static_cast<int>(std::min(wanted, 64.0));
+    samples_[axis] = static_cast<int>(std::min(wanted, kMostSamples));
     for (int n = 0; n < grid.dims[axis] * samples_[axis]; ++n) {
       const double mm = grid.origin_mm[axis] + grid.voxel_mm * (n + 0.5) / samples_[axis];
       const double place = std::clamp(faces_from_mm(image, mm, axis) - 0.5, 0.0, image.dims[axis] - 1.0);

@@ -1,0 +1,89 @@
+#include "sim/bone/ct/dicom_probe.h"
+
+#include <itkGDCMImageIO.h>
+#include <sys/mman.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <cerrno>
+#include <csignal>
+#include <memory>
+#include <new>
+
+#include "sim/base/error.h"
+#include "sim/bone/ct/image_file.h"
+#include "sim/bone/ct/quiet.h"
+
+namespace reamsim::ct {
+
+namespace {
+
+/// A counter in memory that a child process shares with its parent.
+class SharedCounter {
+ public:
+  SharedCounter() {
+    void* memory = mmap(nullptr, sizeof(Count), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+    if (memory != MAP_FAILED) count_ = new (memory) Count(0);
+  }
+  ~SharedCounter() {
+    if (count_ != nullptr) munmap(count_, sizeof(Count));
+  }
+  SharedCounter(const SharedCounter&) = delete;
+  SharedCounter& operator=(const SharedCounter&) = delete;
+
+  [[nodiscard]] bool usable() const { return count_ != nullptr; }
+  void set(std::size_t value) { count_->store(value); }
+  [[nodiscard]] std::size_t get() const { return count_->load(); }
+
+ private:
+  using Count = std::atomic<std::size_t>;
+  Count* count_ = nullptr;
+};
+
+void read_whole(const std::string& file, const std::string& key) {
+  const auto io = itk::GDCMImageIO::New();
+  if (!io->CanReadFile(file.c_str())) return;
+  io->SetFileName(file);
+  io->ReadImageInformation();
+  const ScanGeometry geometry = geometry_of(*io, file, key, true);
+  check_fits_in_memory(static_cast<double>(geometry.size()), io->GetComponentSize(), file, key);
+  read_voxels(*io, {Vec3i::Zero(), geometry.dims}, file, key);
+}
+
+[[noreturn]] void read_all_and_exit(const std::vector<std::string>& files, const std::string& key,
+                                    SharedCounter& current) {
+  const rlimit no_core{0, 0};
+  setrlimit(RLIMIT_CORE, &no_core);
+  for (const int signal : {SIGABRT, SIGSEGV, SIGBUS, SIGFPE, SIGILL}) std::signal(signal, SIG_DFL);
+  for (std::size_t n = 0; n < files.size(); ++n) {
+    current.set(n);
+    try {
+      read_whole(files[n], key);
+    } catch (...) {
+      continue;  // the reader proper meets it again, and says what it is
+    }
+  }
+  _exit(0);
+}
+
+}  // namespace
+
+void check_dicom_is_survived(const std::vector<std::string>& files, const std::string& key) {
+  SharedCounter current;
+  if (files.empty() || !current.usable()) return;
+  const QuietLibraries quiet;  // the child's last words, too
+  const pid_t child = fork();
+  if (child == 0) read_all_and_exit(files, key, current);
+  if (child < 0) return;
+  int status = 0;
+  while (waitpid(child, &status, 0) < 0) {
+    if (errno != EINTR) return;
+  }
+  if (WIFEXITED(status)) return;
+  throw InputError({files[current.get()]}, key, "the DICOM file is damaged beyond reading",
+                   "the file must be complete");
+}
+
+}  // namespace reamsim::ct

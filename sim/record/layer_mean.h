@@ -1,0 +1,37 @@
+#pragma once
+
+#include <deque>
+
+#include "sim/base/geometry.h"
+
+namespace reamsim {
+
+/// Running means of axial force and spin torque over the last voxel of the tool's travel. Voxels go whole, so single
+/// frames are spikes; a mean over one layer of voxels is what can be compared with a measurement (docs/physics.md).
+class LayerMean {
+ public:
+  explicit LayerMean(double voxel_mm) : voxel_mm_(voxel_mm) {}
+
+  struct Means {
+    double axial_force_n = 0;
+    double spin_torque_nmm = 0;
+  };
+
+  /// Takes the next frame: where the tool is (mm, B), and its force and torque. Returns the means over the frames of
+  /// the last voxel of travel, this one included; zero until the tool has travelled so far.
+  Means add(const Vec3& position_mm, double axial_force_n, double spin_torque_nmm);
+
+ private:
+  struct Frame {
+    double path_mm;  ///< travelled up to the end of the frame
+    Means values;
+  };
+
+  double voxel_mm_;
+  Vec3 last_mm_ = Vec3::Zero();
+  std::deque<Frame> frames_;
+  Means sums_;
+  bool full_ = false;
+};
+
+}  // namespace reamsim

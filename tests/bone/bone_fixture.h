@@ -1,0 +1,42 @@
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <string>
+
+#include "sim/base/error.h"
+#include "sim/bone/bone.h"
+
+namespace reamsim::test {
+
+inline BoneSettings phantom(const std::string& shape, double voxel_mm) {
+  BoneSettings settings;
+  settings.source = "phantom";
+  settings.side = "left";
+  settings.voxel_mm = voxel_mm;
+  settings.phantom.shape = shape;
+  return settings;
+}
+
+/// The message of the InputError that `work` throws, one line; fails the test when it throws none.
+inline std::string input_error(const std::function<void()>& work) {
+  try {
+    work();
+  } catch (const InputError& error) {
+    const std::string text = error.what();
+    EXPECT_EQ(text.find('\n'), std::string::npos) << text;
+    return text;
+  }
+  ADD_FAILURE() << "no InputError";
+  return {};
+}
+
+/// Grade of the voxel that holds a point of B; 0 outside the lattice.
+inline int grade_at(const Voxmap& voxmap, const Vec3& point_mm) {
+  const Vec3i voxel = voxmap.grid.voxel_of(point_mm);
+  if (!voxmap.grid.contains(voxel)) return 0;
+  return voxmap.grade[static_cast<std::size_t>(voxmap.grid.index(voxel.x(), voxel.y(), voxel.z()))];
+}
+
+}  // namespace reamsim::test

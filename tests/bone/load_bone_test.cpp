@@ -1,0 +1,70 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "bone_fixture.h"
+#include "sim/bone/bone_vdb.h"
+#include "tests/support/temp_dir.h"
+
+namespace reamsim::test {
+namespace {
+
+using ::testing::Contains;
+using ::testing::HasSubstr;
+
+TEST(LoadBone, PhantomIsFittedAndReported) {
+  Report report;
+  const Bone bone = load_bone(phantom("sphere", 0.5), report);
+  for (int axis = 0; axis < 3; ++axis) EXPECT_EQ(bone.voxmap.grid.dims[axis] % 8, 0);
+  EXPECT_TRUE(bone.glenoid);
+  EXPECT_THAT(report.notes, Contains(HasSubstr("voxels of 0.5 mm")));
+}
+
+TEST(LoadBone, GlenoidOfTheScenarioReplacesThePhantomsOwn) {
+  BoneSettings settings = phantom("half_space", 1);
+  settings.glenoid.center_mm = Vec3(1, 2, 0);
+  settings.glenoid.normal = Vec3(0, 0, 1);
+  settings.glenoid.superior = Vec3(1, 0, 0);
+  Report report;
+  const Bone bone = load_bone(settings, report);
+  EXPECT_EQ(bone.glenoid->bone_from_glenoid.translation(), Vec3(1, 2, 0));
+}
+
+TEST(LoadBone, DrillsThePilotHole) {
+  BoneSettings settings = phantom("half_space", 0.5);
+  settings.pilot_hole = PilotHoleSettings{};
+  settings.pilot_hole->frame = "glenoid";
+  Report report;
+  EXPECT_EQ(grade_at(load_bone(settings, report).voxmap, {0.1, 0.1, -10}), 0);
+  EXPECT_THAT(report.notes, Contains(HasSubstr("pilot hole")));
+  settings.pilot_hole->entry_mm = {0, 0, 500};
+  load_bone(settings, report);
+  EXPECT_THAT(report.warnings, Contains(HasSubstr("meets no bone")));
+}
+
+TEST(LoadBone, VdbGoesOnWhereItStopped) {
+  const TempDir dir;
+  Report report;
+  Bone bone = load_bone(phantom("sphere", 0.5), report);
+  const Vec3i reamed = bone.voxmap.grid.voxel_of({0, 0, 19.8});
+  bone.voxmap.fill.set(reamed, 777);
+  BoneSettings settings;
+  settings.source = "vdb";
+  settings.vdb.path = dir.path() + "/reamed.vdb";
+  write_bone_vdb(settings.vdb.path, bone.voxmap, {}, {});
+  const Bone again = load_bone(settings, report);
+  EXPECT_EQ(again.voxmap.grid.dims, bone.voxmap.grid.dims);
+  EXPECT_EQ(again.voxmap.grade, bone.voxmap.grade);
+  EXPECT_EQ(again.voxmap.fill.get(reamed), 777);
+  EXPECT_FALSE(again.glenoid);
+  EXPECT_THAT(report.notes, Contains(HasSubstr("as in the VDB")));
+}
+
+TEST(LoadBone, UnknownSource) {
+  BoneSettings settings;
+  settings.source = "photo";
+  Report report;
+  EXPECT_THAT(input_error([&] { load_bone(settings, report); }), HasSubstr("\"photo\""));
+}
+
+}  // namespace
+}  // namespace reamsim::test

@@ -1,0 +1,188 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <numbers>
+
+#include "bone_fixture.h"
+#include "sim/mesh/mesh_io.h"
+#include "tests/support/mesh_shapes.h"
+#include "tests/support/temp_dir.h"
+
+namespace reamsim::test {
+namespace {
+
+using ::testing::Contains;
+using ::testing::HasSubstr;
+
+std::string data_file(const std::string& name) {
+  const char* folder = std::getenv("REAMSIM_DATA");
+  return std::string(folder != nullptr ? folder : REAMSIM_DEFAULT_DATA) + "/" + name;
+}
+
+class MeshBone : public ::testing::Test {
+ protected:
+  BoneSettings settings_for(const TriangleMesh& mesh, double voxel_mm) const {
+    BoneSettings settings;
+    settings.source = "mesh";
+    settings.voxel_mm = voxel_mm;
+    settings.mesh.path = dir_.path() + "/bone.stl";
+    write_stl(settings.mesh.path, mesh);
+    return settings;
+  }
+
+  TempDir dir_;
+  Report report_;
+};
+
+TEST_F(MeshBone, SphereVolumeAndCorticalShell) {
+  BoneSettings settings = settings_for(sphere_mesh({3.1, -7.3, 20.7}, 10, 5), 0.25);
+  settings.mesh.cortical_mm = 2;
+  settings.mesh.cortical_hu = 1500;
+  settings.mesh.trabecular_hu = 300;
+  const Voxmap voxmap = voxmap_from_mesh(settings, report_);
+  const double truth_mm3 = 4.0 / 3 * std::numbers::pi * 1000;
+  EXPECT_NEAR(voxmap.bone_mm3(), truth_mm3, 0.004 * truth_mm3);
+  EXPECT_EQ(voxmap.frame, "mesh");
+
+  const int cortical = DensityMapping::grade_from_density(DensityMapping().density_from_hu(1500));
+  const int trabecular = DensityMapping::grade_from_density(DensityMapping().density_from_hu(300));
+  const auto inner = std::count(voxmap.grade.begin(), voxmap.grade.end(), trabecular);
+  const double inner_radius = std::cbrt(static_cast<double>(inner) * voxmap.grid.voxel_mm3() * 0.75 / std::numbers::pi);
+  EXPECT_NEAR(10 - inner_radius, 2, 0.03);
+  EXPECT_EQ(grade_at(voxmap, {3.1, -7.3, 20.7}), trabecular);
+  EXPECT_EQ(grade_at(voxmap, {3.1 + 9, -7.3, 20.7}), cortical);
+  EXPECT_EQ(grade_at(voxmap, {3.1 + 10.2, -7.3, 20.7}), 0);
+  EXPECT_TRUE(report_.warnings.empty());
+}
+
+TEST_F(MeshBone, BoxIsExact) {
+  const BoneSettings settings = settings_for(box_mesh({0, 0, 0}, {10, 6, 4}), 0.5);
+  EXPECT_DOUBLE_EQ(voxmap_from_mesh(settings, report_).bone_mm3(), 240);
+}
+
+TEST_F(MeshBone, ShellThickerThanTheBoneLeavesNoTrabecularBone) {
+  BoneSettings settings = settings_for(box_mesh({0, 0, 0}, {6, 6, 4}), 0.5);
+  settings.mesh.cortical_mm = 5;
+  const Voxmap voxmap = voxmap_from_mesh(settings, report_);
+  const int cortical = DensityMapping::grade_from_density(DensityMapping().density_from_hu(1500));
+  EXPECT_EQ(std::count(voxmap.grade.begin(), voxmap.grade.end(), cortical), voxmap.count_bone());
+}
+
+TEST_F(MeshBone, ScaleAndDensityMappingOfTheScenario) {
+  BoneSettings settings = settings_for(box_mesh({0, 0, 0}, {1, 1, 1}), 0.5);
+  settings.mesh.scale = 8;
+  settings.density.ash_fraction = 0.9;
+  const Voxmap voxmap = voxmap_from_mesh(settings, report_);
+  EXPECT_DOUBLE_EQ(voxmap.bone_mm3(), 512);
+  EXPECT_EQ(voxmap.mapping.ash_fraction, 0.9);
+  DensityMapping mapping;
+  mapping.ash_fraction = 0.9;
+  EXPECT_EQ(grade_at(voxmap, {4, 4, 4}), DensityMapping::grade_from_density(mapping.density_from_hu(300)));
+}
+
+TEST_F(MeshBone, SameGradesEveryTime) {
+  const BoneSettings settings = settings_for(sphere_mesh({0, 0, 0}, 8, 4), 0.4);
+  const Voxmap first = voxmap_from_mesh(settings, report_);
+  for (int i = 0; i < 3; ++i) EXPECT_EQ(voxmap_from_mesh(settings, report_).grade, first.grade);
+}
+
+TEST_F(MeshBone, InsideOutIsTurnedAndSaid) {
+  const BoneSettings settings = settings_for(inside_out(sphere_mesh({0, 0, 0}, 8, 3)), 0.5);
+  const double truth_mm3 = sphere_mesh({0, 0, 0}, 8, 3).volume_mm3();
+  EXPECT_NEAR(voxmap_from_mesh(settings, report_).bone_mm3(), truth_mm3, 0.01 * truth_mm3);
+  EXPECT_THAT(report_.warnings, Contains(HasSubstr("inside out")));
+}
+
+TEST_F(MeshBone, OpenMeshIsRefusedUntilRepairIsAskedFor) {
+  TriangleMesh mesh = sphere_mesh({0, 0, 0}, 8, 3);
+  const double truth_mm3 = mesh.volume_mm3();
+  mesh.triangles.erase(mesh.triangles.begin() + 40, mesh.triangles.begin() + 42);
+  BoneSettings settings = settings_for(mesh, 0.4);
+  const std::string text = input_error([&] { voxmap_from_mesh(settings, report_); });
+  EXPECT_THAT(text, HasSubstr(settings.mesh.path));
+  EXPECT_THAT(text, HasSubstr("boundary edges (the first at "));
+  EXPECT_THAT(text, HasSubstr("bone.mesh.repair"));
+  settings.mesh.repair = true;
+  EXPECT_NEAR(voxmap_from_mesh(settings, report_).bone_mm3(), truth_mm3, 0.01 * truth_mm3);
+  EXPECT_THAT(report_.warnings, Contains(HasSubstr("holes closed")));
+}
+
+TEST_F(MeshBone, RepairThatCannotWorkIsAnError) {
+  // Two fins that meet nowhere: nothing is enclosed.
+  TriangleMesh mesh;
+  mesh.vertices = {{0, 0, 0}, {10, 0, 0}, {0, 10, 0}, {0, 0, 5}, {10, 0, 5}, {0, 10, 6}};
+  mesh.triangles = {{0, 1, 2}, {3, 4, 5}};
+  BoneSettings settings = settings_for(mesh, 0.5);
+  settings.mesh.repair = true;
+  input_error([&] { voxmap_from_mesh(settings, report_); });
+}
+
+TEST_F(MeshBone, FlatMeshEnclosesNothing) {
+  TriangleMesh mesh;
+  mesh.vertices = {{0, 0, 0}, {10, 0, 0}, {0, 10, 0}};
+  mesh.triangles = {{0, 1, 2}, {0, 2, 1}};
+  const BoneSettings settings = settings_for(mesh, 0.5);
+  EXPECT_THAT(input_error([&] { voxmap_from_mesh(settings, report_); }), HasSubstr("encloses no volume"));
+}
+
+TEST_F(MeshBone, SmallerThanAVoxel) {
+  const BoneSettings settings = settings_for(box_mesh({0.1, 0.1, 0.1}, {0.2, 0.2, 0.2}), 1);
+  EXPECT_THAT(input_error([&] { voxmap_from_mesh(settings, report_); }), HasSubstr("no voxel"));
+}
+
+TEST_F(MeshBone, LatticeThatCannotFit) {
+  BoneSettings settings = settings_for(box_mesh({0, 0, 0}, {100, 100, 100}), 0.001);
+  EXPECT_THAT(input_error([&] { voxmap_from_mesh(settings, report_); }), HasSubstr("would fit"));
+  settings.mesh.scale = 1e30;
+  settings.voxel_mm = 0.5;
+  EXPECT_THAT(input_error([&] { voxmap_from_mesh(settings, report_); }), HasSubstr("would fit"));
+}
+
+TEST_F(MeshBone, TheAdvisedVoxelSizeFits) {
+  BoneSettings settings = settings_for(box_mesh({0, 0, 0}, {1000, 1000, 1000}), 0.01);
+  const std::string text = input_error([&] { voxmap_from_mesh(settings, report_); });
+  const std::string key = "bone.voxel_mm of ";
+  const std::size_t at = text.find(key);
+  ASSERT_NE(at, std::string::npos) << text;
+  const double advised_mm = std::stod(text.substr(at + key.size()));
+  EXPECT_GT(advised_mm, 0.3);  // 1000 mm over some 2048 voxels, or fewer on a small machine
+  EXPECT_LT(advised_mm, 2.5);
+}
+
+TEST_F(MeshBone, RealScapula) {
+  BoneSettings settings;
+  settings.voxel_mm = 0.8;
+  settings.mesh.path = data_file("scapula_mesh/scapula_left.stl");
+  settings.mesh.scale = 55;
+  if (!std::filesystem::exists(settings.mesh.path)) {
+    GTEST_SKIP() << "no " << settings.mesh.path << "; set REAMSIM_DATA";
+  }
+  const double truth_mm3 = read_mesh(settings.mesh.path, 55).volume_mm3();
+  const Voxmap voxmap = voxmap_from_mesh(settings, report_);
+  EXPECT_NEAR(voxmap.bone_mm3(), truth_mm3, 0.005 * truth_mm3);
+  EXPECT_NE(grade_at(voxmap, Vec3(-41.2, 9.2, 36.6) - 5 * Vec3(-0.93, 0.355, -0.08)), 0) << "behind the glenoid";
+  EXPECT_EQ(grade_at(voxmap, Vec3(-41.2, 9.2, 36.6) + 5 * Vec3(-0.93, 0.355, -0.08)), 0) << "in front of it";
+}
+
+TEST_F(MeshBone, RealDirtyScapula) {
+  BoneSettings settings;
+  settings.voxel_mm = 0.6;
+  settings.mesh.path = data_file("dirty_mesh/scapula_open_nonmanifold.stl");
+  settings.mesh.scale = 1000;
+  if (!std::filesystem::exists(settings.mesh.path)) {
+    GTEST_SKIP() << "no " << settings.mesh.path << "; set REAMSIM_DATA";
+  }
+  const std::string text = input_error([&] { voxmap_from_mesh(settings, report_); });
+  EXPECT_THAT(text, HasSubstr("13 boundary edges (the first at "));
+  EXPECT_THAT(text, HasSubstr("23 non-manifold edges"));
+  settings.mesh.repair = true;
+  const Voxmap voxmap = voxmap_from_mesh(settings, report_);
+  EXPECT_GT(voxmap.bone_mm3(), 55e3);
+  EXPECT_LT(voxmap.bone_mm3(), 75e3);
+  EXPECT_THAT(report_.warnings, Contains(HasSubstr("mesh repaired")));
+}
+
+}  // namespace
+}  // namespace reamsim::test

@@ -1,0 +1,50 @@
+#include "sim/mesh/mesh_repair.h"
+
+#include <gtest/gtest.h>
+
+#include "sim/mesh/mesh_check.h"
+#include "tests/support/mesh_shapes.h"
+
+namespace reamsim::test {
+namespace {
+
+TEST(MeshRepair, ClosesAHoleTheRightWayRound) {
+  TriangleMesh mesh = box_mesh({0, 0, 0}, {2, 3, 4});
+  mesh.triangles.erase(mesh.triangles.begin() + 2, mesh.triangles.begin() + 4);  // the whole face z = 4
+  const RepairResult done = repair(mesh);
+  EXPECT_EQ(done.closed_holes, 1U);
+  EXPECT_EQ(done.added_triangles, 4U);
+  EXPECT_NEAR(done.widest_hole_mm, std::hypot(2, 3), 1e-9);
+  const MeshDiagnosis found = diagnose(mesh);
+  EXPECT_TRUE(found.closed_manifold()) << found.text();
+  EXPECT_NEAR(found.volume_mm3, 24, 1e-9);
+}
+
+TEST(MeshRepair, ClosesTwoHolesApart) {
+  TriangleMesh mesh = sphere_mesh({0, 0, 0}, 10, 3);
+  const double before = mesh.volume_mm3();
+  mesh.triangles.erase(mesh.triangles.begin());
+  mesh.triangles.pop_back();
+  EXPECT_EQ(repair(mesh).closed_holes, 2U);
+  EXPECT_TRUE(diagnose(mesh).closed_manifold());
+  EXPECT_NEAR(mesh.volume_mm3(), before, 0.01 * before);
+}
+
+TEST(MeshRepair, DropsRepeatedAndCollapsedTriangles) {
+  TriangleMesh mesh = box_mesh({0, 0, 0}, {1, 1, 1});
+  const auto& [a, b, c] = mesh.triangles[0];
+  mesh.triangles.insert(mesh.triangles.end(), {{b, c, a}, {a, a, c}});
+  EXPECT_EQ(repair(mesh).dropped_triangles, 2U);
+  EXPECT_EQ(mesh.triangles.size(), 12U);
+  EXPECT_TRUE(diagnose(mesh).closed_manifold());
+}
+
+TEST(MeshRepair, LeavesAGoodMeshAlone) {
+  TriangleMesh mesh = box_mesh({0, 0, 0}, {1, 1, 1});
+  const RepairResult done = repair(mesh);
+  EXPECT_EQ(done.closed_holes + done.dropped_triangles + done.added_triangles, 0U);
+  EXPECT_EQ(mesh.triangles, box_mesh({0, 0, 0}, {1, 1, 1}).triangles);
+}
+
+}  // namespace
+}  // namespace reamsim::test
