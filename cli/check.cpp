@@ -17,7 +17,7 @@ std::string megabytes(std::size_t bytes) {
   return std::to_string((bytes + 999'999) / 1'000'000) + " MB";
 }
 
-void print_cost(const Console& console, const Scene& scene) {
+void print_cost(const Console& console, const ReamingScene& scene) {
   const RunCost cost = estimate_cost(scene);
   const VoxelGrid& grid = scene.bone.voxmap.grid;
   const bool wear = scene.scenario.cutting.erosion == "wear";
@@ -38,7 +38,7 @@ void print_cost(const Console& console, const Scene& scene) {
 void check_command(const ScenarioOptions& options, const Console& console) {
   const Scenario scenario = parse_scenario(options.file, options.all_overrides());
   Report report;
-  const Scene scene = load_scene(scenario, report);
+  const ReamingScene scene = load_scene(scenario, report);
   console.say(to_yaml(scenario));
   print_cost(console, scene);
   const auto& poses = scene.motion.poses;

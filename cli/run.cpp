@@ -31,7 +31,7 @@ void tell(Report& report, RunFacts& facts, const Console& console) {
   console.tell(report);
 }
 
-void run_frames(Scene& scene, Engine& engine, Recorder& recorder, Report& report, const Console& console) {
+void run_frames(ReamingScene& scene, Engine& engine, Recorder& recorder, Report& report, const Console& console) {
   Progress progress(console, "simulate", "frames");
   RunControl control;
   control.progress = [&](std::int64_t done, std::int64_t total) { progress.update(done, total); };
@@ -73,7 +73,7 @@ void run_in(OutputFolder& folder, const Scenario& scenario, const Console& conso
   Report report;
   RunFacts facts;
   facts.inputs = input_sums(scenario);
-  Scene scene = load_scene(scenario, report);
+  ReamingScene scene = load_scene(scenario, report);
   const std::unique_ptr<Engine> engine = make_engine(scenario, scene.bone.voxmap, scene.tool);
   facts.device = engine->device();
   facts.device_bytes = engine->device_bytes();

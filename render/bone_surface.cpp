@@ -111,15 +111,6 @@ void smooth(const Neighbours& neighbours, Findings& found, std::vector<Eigen::Ve
   fit_to_normals(neighbours, found.normal, points, kPointRounds, kMostMove_voxels);
 }
 
-std::vector<std::uint32_t> flat_indices(const IsoSurface& iso) {
-  std::vector<std::uint32_t> out;
-  out.reserve(iso.triangles.size() * 3);
-  for (const openvdb::Vec3I& triangle : iso.triangles) {
-    for (int corner = 0; corner < 3; ++corner) out.push_back(triangle[corner]);
-  }
-  return out;
-}
-
 std::vector<Eigen::Vector3f> eigen_points(const IsoSurface& iso) {
   std::vector<Eigen::Vector3f> out;
   out.reserve(iso.points.size());

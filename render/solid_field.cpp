@@ -151,4 +151,13 @@ IsoSurface extract_surface(const openvdb::FloatGrid& field, double level) {
   return out;
 }
 
+std::vector<std::uint32_t> flat_indices(const IsoSurface& surface) {
+  std::vector<std::uint32_t> out;
+  out.reserve(surface.triangles.size() * 3);
+  for (const openvdb::Vec3I& triangle : surface.triangles) {
+    for (int corner = 0; corner < 3; ++corner) out.push_back(triangle[corner]);
+  }
+  return out;
+}
+
 }  // namespace reamsim

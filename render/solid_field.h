@@ -2,6 +2,7 @@
 
 #include <openvdb/openvdb.h>
 
+#include <cstdint>
 #include <vector>
 
 #include "render/occupancy.h"
@@ -36,5 +37,8 @@ struct IsoSurface {
 
 /// The surface where `field` has the value `level`, in the grid's world space.
 IsoSurface extract_surface(const openvdb::FloatGrid& field, double level);
+
+/// Three indices per triangle, one after the other.
+std::vector<std::uint32_t> flat_indices(const IsoSurface& surface);
 
 }  // namespace reamsim

@@ -1,39 +1,46 @@
 #include "render/unreamed_surface.h"
 
+#include <openvdb/tools/Interpolation.h>
 #include <openvdb/tools/MeshToVolume.h>
 #include <openvdb/tools/ValueTransformer.h>
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+#include <unsupported/Eigen/BVH>
+
+#include "render/surface_smoothing.h"
 
 namespace reamsim {
 namespace {
 
-/// The distance grid has about this many cells inside the bone: finer ones cost time and show nothing new, because a
-/// distance varies smoothly between them.
+/// A bone has about this many depth cells inside: finer ones cost time and show nothing new, because a distance varies
+/// smoothly between them.
 constexpr double kInteriorCells = 400'000;
 
-/// A mesh as OpenVDB wants to read it, scaled to `cell`-sized steps.
+using openvdb::Vec3d;
+using Point = Eigen::Vector3d;
+
+/// A point that depth is measured from, as Eigen's tree wants it.
+struct Source {
+  Point at;
+};
+Eigen::AlignedBox3d bounding_box(const Source& source) {
+  return Eigen::AlignedBox3d(source.at);
+}
+using SourceTree = Eigen::KdBVH<double, 3, Source>;
+
+/// A mesh as OpenVDB wants to read it.
 struct MeshInCells {
   const IsoSurface& surface;
-  double scale;
+  double cells_per_unit;
 
   [[nodiscard]] std::size_t polygonCount() const { return surface.triangles.size(); }
   [[nodiscard]] std::size_t pointCount() const { return surface.points.size(); }
   [[nodiscard]] static std::size_t vertexCount(std::size_t /*polygon*/) { return 3; }
-  void getIndexSpacePoint(std::size_t polygon, std::size_t vertex, openvdb::Vec3d& out) const {
-    out = openvdb::Vec3d(surface.points[surface.triangles[polygon][static_cast<int>(vertex)]]) * scale;
+  void getIndexSpacePoint(std::size_t polygon, std::size_t vertex, Vec3d& out) const {
+    out = Vec3d(surface.points[surface.triangles[polygon][static_cast<int>(vertex)]]) * cells_per_unit;
   }
 };
-
-/// Signed distance in mm to a surface whose points times `points_to_cells` are cells of `cell_mm`.
-openvdb::FloatGrid::Ptr signed_distance(const IsoSurface& surface, double points_to_cells, double cell_mm,
-                                        double outside_cells, float inside_cells) {
-  const auto transform = openvdb::math::Transform::createLinearTransform(cell_mm);
-  return openvdb::tools::meshToVolume<openvdb::FloatGrid>(MeshInCells{surface, points_to_cells}, *transform,
-                                                          static_cast<float>(outside_cells), inside_cells);
-}
 
 double cell_size_mm(const Voxmap& voxmap) {
   const auto bone = std::count_if(voxmap.grade.begin(), voxmap.grade.end(), [](std::uint8_t g) { return g != 0; });
@@ -41,17 +48,119 @@ double cell_size_mm(const Voxmap& voxmap) {
   return std::max(voxmap.grid.voxel_mm, std::cbrt(bone_mm3 / kInteriorCells));
 }
 
-/// Depth by closing: the surface is first moved out by kBridge_mm, which shuts narrow holes, and the distance from
-/// there is taken less kBridge_mm. Where no hole is near this is the distance from the surface itself.
-openvdb::FloatGrid::Ptr depth_grid(const IsoSurface& surface, double voxel_mm, double cell_mm) {
-  constexpr double kBridge = UnreamedSurface::kBridge_mm;
-  const auto outside = signed_distance(surface, voxel_mm / cell_mm, cell_mm, kBridge / cell_mm + 3, 3.0F);
-  const IsoSurface moved = extract_surface(*outside, kBridge);
-  auto depth = signed_distance(moved, 1 / cell_mm, cell_mm, 3, std::numeric_limits<float>::max());
-  const auto flip = [](const openvdb::FloatGrid::ValueAllIter& value) {
-    value.setValue(static_cast<float>(-*value - kBridge));
+/// Is this voxel bone that was reamed away?
+bool gone(const Voxmap& voxmap, const Vec3i& voxel) {
+  if (!voxmap.grid.contains(voxel)) return false;
+  const auto index = static_cast<std::size_t>(voxmap.grid.index(voxel.x(), voxel.y(), voxel.z()));
+  return voxmap.grade[index] != 0 && voxmap.fill.get(voxel) < FillBricks::kWhole / 2;
+}
+
+/// The surface moved out by kBridge_mm, which shuts narrow holes, and the slope that it was moved along.
+struct MovedSurface {
+  openvdb::FloatGrid::Ptr distance_mm;
+  IsoSurface surface;
+};
+
+MovedSurface move_out(const IsoSurface& surface, double voxel_mm, double cell_mm) {
+  const auto transform = openvdb::math::Transform::createLinearTransform(cell_mm);
+  const auto outside_cells = static_cast<float>(UnreamedSurface::kBridge_mm / cell_mm + 3);
+  MovedSurface out;
+  out.distance_mm = openvdb::tools::meshToVolume<openvdb::FloatGrid>(MeshInCells{surface, voxel_mm / cell_mm},
+                                                                     *transform, outside_cells, 3.0F);
+  out.surface = extract_surface(*out.distance_mm, UnreamedSurface::kBridge_mm);
+  return out;
+}
+
+/// Marks the points of the moved surface below which the bone is gone.
+std::vector<std::uint8_t> above_gone_bone(const MovedSurface& moved, const Voxmap& voxmap) {
+  const double voxel_mm = voxmap.grid.voxel_mm;
+  const auto accessor = moved.distance_mm->getConstAccessor();
+  const auto distance_at = [&](const Vec3d& mm) {
+    return openvdb::tools::BoxSampler::sample(accessor, moved.distance_mm->worldToIndex(mm));
   };
-  openvdb::tools::foreach (depth->beginValueAll(), flip);
+  std::vector<std::uint8_t> marked(moved.surface.points.size(), 0);
+  for (std::size_t i = 0; i < marked.size(); ++i) {
+    const Vec3d p(moved.surface.points[i]);
+    Vec3d slope;
+    for (int axis = 0; axis < 3; ++axis) {
+      Vec3d step(0.0);
+      step[axis] = 0.5 * moved.distance_mm->voxelSize()[0];
+      slope[axis] = distance_at(p + step) - distance_at(p - step);
+    }
+    if (slope.length() < 1e-9) continue;
+    const Vec3d below = (p - slope.unit() * (UnreamedSurface::kBridge_mm + 0.75 * voxel_mm)) / voxel_mm;
+    const Vec3i voxel = Point(below.x(), below.y(), below.z()).array().round().cast<int>();
+    marked[i] = gone(voxmap, voxel) ? 1 : 0;
+  }
+  return marked;
+}
+
+/// Spreads the marks over the mouths of bridged holes, under which there was no bone to go.
+void spread(std::vector<std::uint8_t>& marked, const Neighbours& neighbours, int rounds) {
+  for (int round = 0; round < rounds; ++round) {
+    std::vector<std::uint8_t> wider = marked;
+    for (std::size_t i = 0; i < marked.size(); ++i) {
+      if (marked[i] == 0) continue;
+      for (const std::uint32_t other : neighbours.of(i)) wider[other] = 1;
+    }
+    marked.swap(wider);
+  }
+}
+
+/// For Eigen's tree: the squared distance from `from` to a point, and to a box at least.
+struct SquaredDistance {
+  using Scalar = double;
+  Point from;
+
+  double minimumOnVolume(const SourceTree::Volume& box) const { return box.squaredExteriorDistance(from); }
+  double minimumOnObject(const Source& source) const { return (source.at - from).squaredNorm(); }
+};
+
+/// An empty grid whose active cells cover every brick that has lost something, and a little more for interpolation.
+openvdb::FloatGrid::Ptr cells_of_changed_bricks(const Voxmap& voxmap, double cell_mm) {
+  auto grid = openvdb::FloatGrid::create(0.0F);
+  grid->setTransform(openvdb::math::Transform::createLinearTransform(cell_mm));
+  const Vec3i bricks = voxmap.fill.brick_dims();
+  const double brick_cells = FillBricks::kSide * voxmap.grid.voxel_mm / cell_mm;
+  for (int z = 0; z < bricks.z(); ++z) {
+    for (int y = 0; y < bricks.y(); ++y) {
+      for (int x = 0; x < bricks.x(); ++x) {
+        if (voxmap.fill.brick({x, y, z}) == nullptr) continue;
+        const Vec3d lower = brick_cells * Vec3d(x, y, z);
+        const openvdb::Coord from = openvdb::Coord::floor(lower - Vec3d(2));
+        const openvdb::Coord to = openvdb::Coord::ceil(lower + Vec3d(brick_cells + 2));
+        grid->denseFill(openvdb::CoordBBox(from, to), 0.0F, true);
+      }
+    }
+  }
+  return grid;
+}
+
+openvdb::FloatGrid::Ptr depth_grid(const IsoSurface& surface, const Voxmap& voxmap) {
+  const double cell_mm = cell_size_mm(voxmap);
+  auto depth = cells_of_changed_bricks(voxmap, cell_mm);
+  if (depth->empty()) return depth;
+  const MovedSurface moved = move_out(surface, voxmap.grid.voxel_mm, cell_mm);
+  std::vector<std::uint8_t> marked = above_gone_bone(moved, voxmap);
+  const std::vector<std::uint32_t> indices = flat_indices(moved.surface);
+  spread(marked, {moved.surface.points.size(), indices},
+         static_cast<int>(std::ceil(2 * UnreamedSurface::kBridge_mm / cell_mm)));
+  std::vector<Source> sources;
+  for (std::size_t i = 0; i < marked.size(); ++i) {
+    const openvdb::Vec3s& p = moved.surface.points[i];
+    if (marked[i] != 0) sources.push_back({Point(p.x(), p.y(), p.z())});
+  }
+  if (sources.empty()) return depth;
+  // Sources stand a cell apart and at least kBridge_mm away, so the nearest of them is as good as the nearest triangle.
+  const SourceTree tree(sources.begin(), sources.end());
+  const auto measure = [&](const openvdb::FloatGrid::ValueOnIter& value) {
+    const Vec3d mm = depth->indexToWorld(value.getCoord());
+    SquaredDistance from{Point(mm.x(), mm.y(), mm.z())};
+    const double distance_mm = std::sqrt(Eigen::BVMinimize(tree, from));
+    value.setValue(static_cast<float>(distance_mm - UnreamedSurface::kBridge_mm));
+  };
+  depth->tree().voxelizeActiveTiles();
+  openvdb::tools::foreach (depth->beginValueOn(), measure);
   return depth;
 }
 
@@ -61,6 +170,6 @@ UnreamedSurface::UnreamedSurface(const Voxmap& voxmap)
     : occupancy_(voxmap, Occupancy::State::kUnreamed),
       field_(occupancy_),
       surface_(extract_surface(field_.grid(), 0)),
-      depth_(depth_grid(surface_, voxmap.grid.voxel_mm, cell_size_mm(voxmap))) {}
+      depth_(depth_grid(surface_, voxmap)) {}
 
 }  // namespace reamsim

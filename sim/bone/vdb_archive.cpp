@@ -106,6 +106,19 @@ bool write_grids(const std::string& path, const openvdb::GridCPtrVec& grids, con
   return out.good();
 }
 
+/// OpenVDB would go on with a warning, and misread.
+void check_version(const std::string& path, const std::string& start) {
+  std::uint32_t version = 0;
+  if (start.size() >= kMagic.size() + sizeof version) {
+    std::memcpy(&version, start.data() + kMagic.size(), sizeof version);
+  }
+  constexpr std::uint32_t kOldest = openvdb::OPENVDB_FILE_VERSION_ROOTNODE_MAP;
+  constexpr std::uint32_t kNewest = openvdb::OPENVDB_FILE_VERSION;
+  if (version >= kOldest && version <= kNewest) return;
+  fail(path, "a VDB of file version " + std::to_string(version),
+       "expected " + std::to_string(kOldest) + " to " + std::to_string(kNewest) + ", or the file is damaged");
+}
+
 /// Refuses a file that cannot be read, is no VDB, or is ours and damaged. True when it is ours and whole; false for a
 /// file of another program, of which that cannot be known.
 bool check_bytes(const std::string& path) {
@@ -123,6 +136,7 @@ bool check_bytes(const std::string& path) {
   if (start.size() < kMagic.size() || std::memcmp(start.data(), kMagic.data(), kMagic.size()) != 0) {
     fail(path, "not a VDB file", "expected an OpenVDB file, as reamsim writes it");
   }
+  check_version(path, start);
   if (start.find(kTrailerKey) == std::string::npos) return false;
   const std::string damaged = "a truncated or damaged VDB file (its checksum does not match)";
   if (size < kTrailerBytes) fail(path, damaged, "expected a complete file");

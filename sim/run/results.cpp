@@ -35,7 +35,7 @@ std::string matrix_text(const Rigid& transform) {
 }
 
 /// Provenance that the grids carry. No device and no time: the same scenario gives the same grids.
-Metadata provenance(const Scene& scene, const RunFacts& facts) {
+Metadata provenance(const ReamingScene& scene, const RunFacts& facts) {
   Metadata out{{"program", "reamsim " REAMSIM_VERSION}, {"scenario", scene.scenario.name}};
   for (const auto& input : facts.inputs) {
     out.emplace_back("input_" + input.role, std::filesystem::path(input.path).filename().string());
@@ -71,7 +71,7 @@ nlohmann::ordered_json forces_json(const RunTotals& totals) {
           {"peak_spin_torque_nmm", totals.peak_spin_torque_nmm}};
 }
 
-nlohmann::ordered_json bone_json(const Scene& scene, const RunTotals& totals, const RunFacts& facts) {
+nlohmann::ordered_json bone_json(const ReamingScene& scene, const RunTotals& totals, const RunFacts& facts) {
   const VoxelGrid& grid = scene.bone.voxmap.grid;
   return {{"voxel_mm", grid.voxel_mm},
           {"dims", {grid.dims.x(), grid.dims.y(), grid.dims.z()}},
@@ -88,14 +88,14 @@ std::vector<InputSum> input_sums(const Scenario& scenario) {
   return sums;
 }
 
-void write_results(const std::string& dir, const Scene& scene, const Recorder& recorder, const RunFacts& facts) {
+void write_results(const std::string& dir, const ReamingScene& scene, const Recorder& recorder, const RunFacts& facts) {
   write_text(dir + "/scenario.yaml", scenario_head(facts) + to_yaml(scene.scenario));
   write_stl(dir + "/snapshots/tool.stl", scene.tool.mesh);
   write_bone_vdb(dir + "/reamed.vdb", scene.bone.voxmap, recorder.removed_frames(), provenance(scene, facts));
   if (scene.scenario.output.vti) write_vti(dir + "/reamed.vti", scene.bone.voxmap);
 }
 
-void write_summary(const std::string& dir, const Scene& scene, const RunTotals& totals, const RunFacts& facts,
+void write_summary(const std::string& dir, const ReamingScene& scene, const RunTotals& totals, const RunFacts& facts,
                    double render_s) {
   nlohmann::ordered_json json;
   json["program"] = "reamsim " REAMSIM_VERSION;

@@ -30,10 +30,10 @@ struct RunFacts {
 
 /// Writes scenario.yaml (resolved, with the sums in its head), reamed.vdb, reamed.vti and snapshots/tool.stl into
 /// `dir`. Throws RunError when the disk is full.
-void write_results(const std::string& dir, const Scene& scene, const Recorder& recorder, const RunFacts& facts);
+void write_results(const std::string& dir, const ReamingScene& scene, const Recorder& recorder, const RunFacts& facts);
 
 /// Writes summary.json into `dir`; `render_s` is the time of pictures and plots, 0 without.
-void write_summary(const std::string& dir, const Scene& scene, const RunTotals& totals, const RunFacts& facts,
+void write_summary(const std::string& dir, const ReamingScene& scene, const RunTotals& totals, const RunFacts& facts,
                    double render_s);
 
 }  // namespace reamsim

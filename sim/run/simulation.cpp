@@ -34,7 +34,7 @@ Aabb shell_box(const Tool& tool) {
 /// One run of the main loop: the engine's batch, the frames that wait for it, and the energy account.
 class Run {
  public:
-  Run(Scene& scene, Engine& engine, Recorder& recorder, Report& report)
+  Run(ReamingScene& scene, Engine& engine, Recorder& recorder, Report& report)
       : scene_(scene),
         engine_(engine),
         recorder_(recorder),
@@ -136,7 +136,7 @@ class Run {
     touched_ = true;
   }
 
-  Scene& scene_;
+  ReamingScene& scene_;
   Engine& engine_;
   Recorder& recorder_;
   Report& report_;
@@ -153,8 +153,8 @@ class Run {
 
 }  // namespace
 
-Scene load_scene(const Scenario& scenario, Report& report) {
-  Scene scene;
+ReamingScene load_scene(const Scenario& scenario, Report& report) {
+  ReamingScene scene;
   scene.scenario = scenario;
   scene.bone = load_bone(scenario.bone, report);
   scene.tool = load_tool(scenario.tool, scene.bone.voxmap.grid.voxel_mm, report);
@@ -162,7 +162,7 @@ Scene load_scene(const Scenario& scenario, Report& report) {
   return scene;
 }
 
-void simulate(Scene& scene, Engine& engine, Recorder& recorder, const RunControl& control, Report& report) {
+void simulate(ReamingScene& scene, Engine& engine, Recorder& recorder, const RunControl& control, Report& report) {
   Run(scene, engine, recorder, report).frames(control);
 }
 
@@ -172,7 +172,7 @@ std::int64_t picture_interval(const RenderSettings& settings, std::int64_t frame
   return std::max<std::int64_t>(1, (frames + kPictures - 1) / kPictures);
 }
 
-RunCost estimate_cost(const Scene& scene) {
+RunCost estimate_cost(const ReamingScene& scene) {
   const auto& poses = scene.motion.poses;
   const double max_step_mm = scene.scenario.engine.max_step_voxels * scene.bone.voxmap.grid.voxel_mm;
   RunCost cost{.frames = std::ssize(poses) - 1};

@@ -20,7 +20,7 @@ struct RunControl {
 };
 
 /// Everything that a run needs, loaded and validated.
-struct Scene {
+struct ReamingScene {
   Scenario scenario;
   Bone bone;
   Tool tool;
@@ -28,11 +28,11 @@ struct Scene {
 };
 
 /// Loads bone, tool and motion of a scenario. Throws InputError.
-Scene load_scene(const Scenario& scenario, Report& report);
+ReamingScene load_scene(const Scenario& scenario, Report& report);
 
 /// Runs the motion: per substep broad phase → detect → cut, per batch record. `scene.bone` is reamed; rows, snapshots
 /// and timings go to `recorder`. Warns when the tool never touches, starts inside bone, or cuts without spin.
-void simulate(Scene& scene, Engine& engine, Recorder& recorder, const RunControl& control, Report& report);
+void simulate(ReamingScene& scene, Engine& engine, Recorder& recorder, const RunControl& control, Report& report);
 
 /// Frames whose state is kept for pictures: 0, every n-th and the last.
 std::int64_t picture_interval(const RenderSettings& settings, std::int64_t frames);
@@ -42,6 +42,6 @@ struct RunCost {
   std::int64_t frames = 0;
   std::int64_t substeps = 0;
 };
-RunCost estimate_cost(const Scene& scene);
+RunCost estimate_cost(const ReamingScene& scene);
 
 }  // namespace reamsim

@@ -157,8 +157,32 @@ void describe_cut_plane(KeyVisitor& v, CutPlaneSettings& plane) {
       plane.normal);
 }
 
+constexpr std::string_view kLabels = "label_map";
+
+/// What a label map replaces.
+void describe_segmentation(KeyVisitor& v, CtSettings& ct) {
+  v.number({.name = "threshold_hu", .doc = "Bone from here up", .range = kHu, .unless = kLabels}, ct.threshold_hu);
+  v.number({.name = "closing_mm",
+            .doc = "Radius of the closing that bridges gaps in the cortex; 0: none",
+            .range = between(0, 20),
+            .unless = kLabels},
+           ct.closing_mm);
+  v.flag({.name = "fill_holes",
+          .doc = "Fill what the cortex encloses, so that trabecular bone below the threshold stays",
+          .unless = kLabels},
+         ct.fill_holes);
+  v.optional_vector({.name = "seed_mm",
+                     .doc = "The connected piece with this point is kept, LPS; without it the largest",
+                     .range = kPosition,
+                     .unless = kLabels},
+                    ct.seed_mm);
+  v.list({.name = "cut_spheres", .doc = "Spheres that part the bone from its neighbours", .unless = kLabels},
+         ct.cut_spheres, describe_cut_sphere);
+  v.list({.name = "cut_planes", .doc = "Planes that part the bone from its neighbours", .unless = kLabels},
+         ct.cut_planes, describe_cut_plane);
+}
+
 void describe_ct(KeyVisitor& v, CtSettings& ct) {
-  constexpr std::string_view kLabels = "label_map";
   v.text(
       {.name = "path", .doc = "DICOM folder, NRRD, NIfTI or MetaImage", .required = true, .text = TextKind::input_path},
       ct.path);
@@ -184,25 +208,7 @@ void describe_ct(KeyVisitor& v, CtSettings& ct) {
            ct.anisotropic_conductance);
   v.optional_section({.name = kLabels, .doc = "Instead of threshold, closing, filling, seed and cuts"}, ct.label_map,
                      describe_label_map);
-  v.number({.name = "threshold_hu", .doc = "Bone from here up", .range = kHu, .unless = kLabels}, ct.threshold_hu);
-  v.number({.name = "closing_mm",
-            .doc = "Radius of the closing that bridges gaps in the cortex; 0: none",
-            .range = between(0, 20),
-            .unless = kLabels},
-           ct.closing_mm);
-  v.flag({.name = "fill_holes",
-          .doc = "Fill what the cortex encloses, so that trabecular bone below the threshold stays",
-          .unless = kLabels},
-         ct.fill_holes);
-  v.optional_vector({.name = "seed_mm",
-                     .doc = "The connected piece with this point is kept, LPS; without it the largest",
-                     .range = kPosition,
-                     .unless = kLabels},
-                    ct.seed_mm);
-  v.list({.name = "cut_spheres", .doc = "Spheres that part the bone from its neighbours", .unless = kLabels},
-         ct.cut_spheres, describe_cut_sphere);
-  v.list({.name = "cut_planes", .doc = "Planes that part the bone from its neighbours", .unless = kLabels},
-         ct.cut_planes, describe_cut_plane);
+  describe_segmentation(v, ct);
 }
 
 void describe_mesh(KeyVisitor& v, MeshBoneSettings& mesh) {

@@ -34,7 +34,8 @@ struct Stretch {
   [[nodiscard]] double length_mm() const { return end_mm - begin_mm; }
 };
 
-Stretch first_run(const Vec3& from, const Vec3& along, double reach_mm, const std::function<bool(const Vec3&)>& inside) {
+Stretch first_run(const Vec3& from, const Vec3& along, double reach_mm,
+                  const std::function<bool(const Vec3&)>& inside) {
   constexpr double kStep_mm = 0.02;
   Stretch out;
   for (double t = 0; t < reach_mm; t += kStep_mm) {
@@ -43,6 +44,11 @@ Stretch first_run(const Vec3& from, const Vec3& along, double reach_mm, const st
     if (!here && out.begin_mm >= 0) return {out.begin_mm, t};
   }
   return out;
+}
+
+/// Away from rim and notch.
+bool well_inside_face(double anterior, double superior) {
+  return std::hypot(anterior / 9, (superior + 2) / 12.5) < 1;
 }
 
 /// Length of dense bone (more than halfway from trabecular to cortical) that a ray meets first.
@@ -55,6 +61,7 @@ TEST(GlenoidPhantom, FaceIsASphereOfTheGivenRadius) {
   const Vec3 center(32, 0, 0);  // default face radius, left: +x is lateral
   for (const double a : {-8.0, 0.0, 8.0}) {
     for (const double s : {-10.0, -4.0, 3.0, 9.0}) {
+      if (!well_inside_face(a, s)) continue;
       const Vec3 along = (Vec3(0, a, s) - center).normalized();
       const Stretch bone = first_run(center, along, 40, [&](const Vec3& p) { return grade_at(voxmap, p) != 0; });
       EXPECT_NEAR(bone.begin_mm, 32, 0.25) << a << ", " << s;
@@ -88,6 +95,7 @@ TEST(GlenoidPhantom, SubchondralPlateIsAsThickAsInLife) {
   int count = 0;
   for (double a = -8; a <= 8; a += 2) {
     for (double s = -12; s <= 10; s += 2) {
+      if (!well_inside_face(a, s)) continue;
       const Vec3 along = (Vec3(0, a, s) - center).normalized();
       const Stretch run = plate(standard().voxmap, center, along);
       EXPECT_GE(run.length_mm(), 1.2) << a << ", " << s;

@@ -40,7 +40,7 @@ struct Plunge {
 
 /// Plunges `depth` mm into the half-space. The frame rate only says how often the steady feed is sampled.
 Plunge plunge(const std::string& device, double depth, double rate_hz, double voxel) {
-  Scene scene;
+  ReamingScene scene;
   scene.scenario = quiet_scenario(device);
   scene.bone.voxmap = block({33, 33, 6}, voxel, kDensity);
   scene.tool = make_tool(cap_profile(kRadius, kWidth, 8, kBore), static_cast<int>(std::ceil(30 / (voxel / 2))) + 1);
@@ -107,7 +107,7 @@ TEST(ClosedForm, CapVolumeAgainstSerialAndAnalytic) {
 }
 
 TEST(ClosedForm, WithdrawalTakesNothing) {
-  Scene scene;
+  ReamingScene scene;
   scene.scenario = quiet_scenario("auto");
   scene.bone.voxmap = block({12, 12, 4}, 0.25, 1.2);
   scene.tool = make_tool(cap_profile(8, 8, 4, 0.5), 80);

@@ -18,7 +18,7 @@ struct Outcome {
   Report report;
 };
 
-Outcome run(Scene scene) {
+Outcome run(ReamingScene scene) {
   const TempDir dir;
   Outcome out;
   {
@@ -44,8 +44,8 @@ void expect_same(const Outcome& a, const Outcome& b) {
 }
 
 /// A tilted tool that comes down askew through bone of every density.
-Scene oblique_scene(const std::string& device) {
-  Scene scene;
+ReamingScene oblique_scene(const std::string& device) {
+  ReamingScene scene;
   scene.scenario = quiet_scenario(device);
   scene.bone.voxmap = random_bone({41, 37, 29}, 0.2, 7);
   scene.tool = make_tool(cap_profile(5, 6, 2.5, 0.6), 61);
@@ -62,7 +62,7 @@ TEST(EngineAgreement, RemoveEqualsTheSerialReference) {
 
 TEST(EngineAgreement, WearEqualsTheSerialReference) {
   const auto scene = [](const std::string& device) {
-    Scene s = oblique_scene(device);
+    ReamingScene s = oblique_scene(device);
     s.scenario.cutting.erosion = "wear";
     s.scenario.cutting.wear_g_cm3_per_s = 30;
     return s;
@@ -76,7 +76,7 @@ TEST(EngineAgreement, WearEqualsTheSerialReference) {
 
 TEST(EngineAgreement, PerPointLawEqualsTheSerialReference) {
   const auto scene = [](const std::string& device) {
-    Scene s = oblique_scene(device);
+    ReamingScene s = oblique_scene(device);
     s.scenario.cutting.law = "per_point";
     return s;
   };
@@ -87,7 +87,7 @@ TEST(EngineAgreement, PerPointLawEqualsTheSerialReference) {
 
 TEST(EngineAgreement, ResolvedSpinEqualsTheSerialReference) {
   const auto scene = [](const std::string& device) {
-    Scene s = oblique_scene(device);
+    ReamingScene s = oblique_scene(device);
     s.scenario.tool.spin = "resolved";
     return s;
   };
@@ -98,7 +98,7 @@ TEST(EngineAgreement, ResolvedSpinEqualsTheSerialReference) {
 
 TEST(EngineAgreement, PartlyReamedBoneEqualsTheSerialReference) {
   const auto scene = [](const std::string& device) {
-    Scene s = oblique_scene(device);
+    ReamingScene s = oblique_scene(device);
     std::mt19937 random(11);
     for (std::int64_t e = 0; e < s.bone.voxmap.grid.size(); e += 3) {
       s.bone.voxmap.fill.set(s.bone.voxmap.grid.coord(e), static_cast<std::uint16_t>(random() % 65536));
@@ -112,7 +112,7 @@ TEST(EngineAgreement, WorkGroupAndBatchDoNotMatter) {
   const Outcome reference = run(oblique_scene("auto"));
   for (const int group : {1, 7, 64, 200}) {
     for (const int batch : {1, 10, 1000}) {
-      Scene scene = oblique_scene("auto");
+      ReamingScene scene = oblique_scene("auto");
       scene.scenario.engine.work_group_size = group;
       scene.scenario.engine.batch_frames = batch;
       SCOPED_TRACE("work group " + std::to_string(group) + ", batch " + std::to_string(batch));
@@ -134,7 +134,7 @@ TEST(EngineAgreement, RandomScenes) {
     const Quat tilt = Quat(u(random), u(random), u(random), u(random)).normalized();
     const Vec3 from(6 * u(random), 6 * u(random), 6 * u(random)), to(2 * u(random), 2 * u(random), 2 * u(random));
     const auto scene = [&](const std::string& device) {
-      Scene s;
+      ReamingScene s;
       s.scenario = quiet_scenario(device);
       s.bone.voxmap = random_bone(dims, 0.25, bone_seed);
       s.bone.voxmap.grade[0] = 100;  // never without bone
@@ -149,7 +149,7 @@ TEST(EngineAgreement, RandomScenes) {
 
 TEST(EngineAgreement, OneVoxelOnePoint) {
   const auto scene = [](const std::string& device) {
-    Scene s;
+    ReamingScene s;
     s.scenario = quiet_scenario(device);
     VoxelGrid grid{{1, 1, 1}, 1.0, {-0.5, -0.5, -0.5}};
     s.bone.voxmap = Voxmap(grid);
@@ -171,7 +171,7 @@ TEST(EngineAgreement, OneVoxelOnePoint) {
 }
 
 TEST(EngineAgreement, ToolFullyInsideTouchesOnlyItsSurface) {
-  Scene scene;
+  ReamingScene scene;
   scene.scenario = quiet_scenario("auto");
   scene.bone.voxmap = block({12, 12, 12}, 0.25, 1.0);
   scene.tool = make_tool(cap_profile(5, 6, 2.5, 0.6), 48);
@@ -189,7 +189,7 @@ TEST(EngineAgreement, ToolFullyInsideTouchesOnlyItsSurface) {
 }
 
 TEST(EngineAgreement, NoContactNoForce) {
-  Scene scene = oblique_scene("auto");
+  ReamingScene scene = oblique_scene("auto");
   scene.motion = straight({0, 0, 60}, {0, 0, 50}, 20, 1000, 250);
   const Outcome outcome = run(scene);
   EXPECT_EQ(outcome.totals.contact_frames, 0);

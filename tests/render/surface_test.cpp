@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "render/bone_surface.h"
@@ -118,12 +119,36 @@ TEST(BoneSurfaceTest, APilotHoleIsNoSurfaceToMeasureDepthFrom) {
   EXPECT_GT(round_the_hole, 10);
 }
 
+TEST(BoneSurfaceTest, TheFarSideOfAThinPlateDoesNotCount) {
+  VoxelGrid grid;
+  grid.voxel_mm = 0.5;
+  grid.dims = Vec3i(48, 48, 24);
+  Voxmap plate(grid);  // 4 mm of bone, 3 mm of it reamed away in the middle
+  for (int k = 4; k < 12; ++k) {
+    for (int j = 4; j < 44; ++j) {
+      for (int i = 4; i < 44; ++i) {
+        plate.grade[static_cast<std::size_t>(grid.index(i, j, k))] = 150;
+        if (k >= 6 && std::hypot(i - 23.5, j - 23.5) < 12) plate.fill.set({i, j, k}, 0);
+      }
+    }
+  }
+  int on_the_floor = 0;
+  for (const Vertex& v : vertices(surface_of(plate))) {
+    if (std::hypot(v.position_mm.x() - 12, v.position_mm.y() - 12) > 4 || v.normal.z() < 0.9) continue;
+    ++on_the_floor;
+    EXPECT_NEAR(v.depth_mm, 6 - v.position_mm.z(), 0.08);  // the old face was at z = 6
+  }
+  EXPECT_GT(on_the_floor, 50);
+}
+
 TEST(BoneSurfaceTest, FollowingChangesGivesTheSameSurfaceAsStartingAfresh) {
+  Voxmap last = ball();
+  plane_off(last, 6.3);
+  const UnreamedSurface unreamed(last);
   Voxmap voxmap = ball();
   Occupancy occupancy(voxmap, Occupancy::State::kCurrent);
   SolidField field(occupancy);
   AmbientLight ambient(occupancy);
-  const UnreamedSurface unreamed(voxmap);
   for (const double height : {8.0, 6.3}) {
     plane_off(voxmap, height);
     const auto changed = voxmap.fill.take_changed();
