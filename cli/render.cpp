@@ -6,6 +6,7 @@
 
 #include "cli/commands.h"
 #include "sim/base/error.h"
+#include "sim/bone/bone_vdb.h"
 #include "sim/scenario/parse.h"
 
 namespace reamsim {
@@ -42,12 +43,17 @@ void render_command(const RenderOptions& options, const Console& console) {
     throw InputError({options.dir, 0, 0}, "", "no such results folder", "expected the output folder of a finished run");
   }
   Progress progress(console, "render", "pictures");
-  render_pictures(options.dir, settings_of(options), [&](int done, int total, const std::string&) {
-    progress.update(done, total);
-    if (stop_requested()) throw Interrupted();
-  });
+  Report report;
+  render_pictures(
+      options.dir, settings_of(options),
+      [&](int done, int total, const std::string&) {
+        progress.update(done, total);
+        if (stop_requested()) throw Interrupted();
+      },
+      &report);
   progress.finish();
-  write_force_plots(options.dir);
+  console.tell(report);
+  write_force_plots(options.dir, read_bone_vdb(options.dir + "/reamed.vdb").grid.voxel_mm);
   console.say("pictures: " + options.dir + "/frames/, " + options.dir + "/reamed.png");
 }
 

@@ -41,15 +41,19 @@ void run_frames(ReamingScene& scene, Engine& engine, Recorder& recorder, Report&
   recorder.close();
 }
 
-double make_pictures(const std::string& dir, const Scenario& scenario, const Console& console) {
+double make_pictures(const std::string& dir, const Scenario& scenario, double voxel_mm, Report& report,
+                     const Console& console) {
   const Stopwatch watch;
-  write_force_plots(dir);
+  write_force_plots(dir, voxel_mm);
   if (!scenario.render.enabled) return watch.seconds();
   Progress progress(console, "render", "pictures");
-  render_pictures(dir, scenario.render, [&](int done, int total, const std::string&) {
-    progress.update(done, total);
-    if (stop_requested()) throw Interrupted();
-  });
+  render_pictures(
+      dir, scenario.render,
+      [&](int done, int total, const std::string&) {
+        progress.update(done, total);
+        if (stop_requested()) throw Interrupted();
+      },
+      &report);
   progress.finish();
   return watch.seconds();
 }
@@ -87,7 +91,8 @@ void run_in(OutputFolder& folder, const Scenario& scenario, const Console& conso
   facts.simulate_s = watch.seconds();
   tell(report, facts, console);
   write_results(folder.path(), scene, recorder, facts);
-  const double render_s = make_pictures(folder.path(), scenario, console);
+  const double render_s = make_pictures(folder.path(), scenario, scene.bone.voxmap.grid.voxel_mm, report, console);
+  tell(report, facts, console);
   write_summary(folder.path(), scene, recorder.totals(), facts, render_s);
   say_summary(console, recorder.totals(), facts);
 }

@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "sim/base/error.h"
+#include "sim/record/layer_mean.h"
 
 namespace reamsim {
 namespace {
@@ -115,6 +116,16 @@ ForceLog read_force_log(const std::string& path) {
   }
   if (log.rows.empty()) throw InputError({path, 0, 0}, "", "has no row", "run the scenario again");
   return log;
+}
+
+void add_layer_means(ForceLog& log, double voxel_mm) {
+  LayerMean mean(voxel_mm);
+  for (ForceRow& row : log.rows) {
+    const auto means = mean.add(row.pose.position_mm, row.axial_force_n, row.spin_torque_nmm);
+    row.layer_axial_force_n = means.axial_force_n;
+    row.layer_spin_torque_nmm = means.spin_torque_nmm;
+    row.layer_frames = means.frames;
+  }
 }
 
 }  // namespace reamsim

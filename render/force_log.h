@@ -16,7 +16,10 @@ struct ForceRow {
   double depth_mm = 0;
   double axial_force_n = 0;
   double spin_torque_nmm = 0;
-  double removed_mm3 = 0;  ///< since the start
+  double removed_mm3 = 0;            ///< since the start
+  double layer_axial_force_n = 0;    ///< mean over the last voxel of travel, see add_layer_means()
+  double layer_spin_torque_nmm = 0;  ///< likewise
+  std::size_t layer_frames = 0;      ///< that these means are over
 };
 
 /// DIR/forces.csv, in ascending frames.
@@ -30,5 +33,8 @@ struct ForceLog {
 /// Reads the columns that pictures need, wherever they stand. Throws InputError with file, line and column: no such
 /// file, a column missing, not a number, frames not ascending, no row.
 ForceLog read_force_log(const std::string& path);
+
+/// Fills in the means over the last voxel of the tool's travel (sim/record/layer_mean.h).
+void add_layer_means(ForceLog& log, double voxel_mm);
 
 }  // namespace reamsim

@@ -21,14 +21,14 @@ high(a, b) = b > a ? b + 0.08 * (b - a) : (b == 0 ? 1 : b + 0.1 * abs(b))
 min(a, b) = a < b ? a : b
 max(a, b) = a > b ? a : b
 
-# Force and torque: the frames in a light colour (of very many, every n-th), the mean over short intervals on top.
-rough = (t_max - t_min) / 250.0
-decade = 10.0 ** floor(log10(rough))
-interval = decade * (rough < 1.5 * decade ? 1 : rough < 3.5 * decade ? 2 : rough < 7.5 * decade ? 5 : 10)
-show_mean = rows > 1500
+# Force and torque: the frames in a light colour (of very many, every n-th), and on top the mean over a layer of voxels.
+# Voxels go whole, so frames are spikes: where they stand far above the mean they leave the panel.
+stats $mean using 2 nooutput name "A"
+stats $mean using 3 nooutput name "B"
+clip(peak, mean) = mean > 0 && peak > 4 * mean ? 4 * mean : peak
+note(peak, mean) = mean > 0 && peak > 4 * mean ? sprintf(" (up to %.3g)", peak) : ""
 step = int(ceil(rows / 12000.0))
 light_title = step > 1 ? sprintf("every %d frames", step) : "each frame"
-bin(t) = (floor((t - t_min) / interval) + 0.5) * interval + t_min
 
 # Okabe and Ito's colours, which any colour vision tells apart
 dark_blue = "#0072b2"
@@ -58,24 +58,18 @@ do for [format in "png svg"] {
   unset xlabel
 
   set ylabel "Axial force (N)" offset 0.5
-  set yrange [low(min(F_min, 0), F_max):high(min(F_min, 0), F_max)]
-  if (show_mean) {
-    plot csv using "time_s":"axial_force_n" every step with lines lw 0.7 lc rgb light_blue title light_title, \
-         csv using (bin(column("time_s"))):"axial_force_n" smooth unique with lines lw 2.2 lc rgb dark_blue \
-           title sprintf("mean over %g s", interval)
-  } else {
-    plot csv using "time_s":"axial_force_n" with lines lw 2 lc rgb dark_blue notitle
-  }
+  top = clip(F_max, A_max)
+  set yrange [low(min(F_min, 0), top):high(min(F_min, 0), top)]
+  plot csv using "time_s":"axial_force_n" every step with lines lw 0.7 lc rgb light_blue \
+         title light_title . note(F_max, A_max), \
+       $mean using 1:2 with lines lw 2.2 lc rgb dark_blue title sprintf("mean over %g mm of travel, one voxel", voxel_mm)
 
   set ylabel "Spin torque (N·mm)"
-  set yrange [low(min(M_min, 0), M_max):high(min(M_min, 0), M_max)]
-  if (show_mean) {
-    plot csv using "time_s":"spin_torque_nmm" every step with lines lw 0.7 lc rgb light_red title light_title, \
-         csv using (bin(column("time_s"))):"spin_torque_nmm" smooth unique with lines lw 2.2 lc rgb dark_red \
-           title sprintf("mean over %g s", interval)
-  } else {
-    plot csv using "time_s":"spin_torque_nmm" with lines lw 2 lc rgb dark_red notitle
-  }
+  top = clip(M_max, B_max)
+  set yrange [low(min(M_min, 0), top):high(min(M_min, 0), top)]
+  plot csv using "time_s":"spin_torque_nmm" every step with lines lw 0.7 lc rgb light_red \
+         title light_title . note(M_max, B_max), \
+       $mean using 1:3 with lines lw 2.2 lc rgb dark_red title sprintf("mean over %g mm of travel, one voxel", voxel_mm)
 
   set ylabel "Removed volume (mm³)"
   set yrange [low(0, V_sum):high(0, V_sum)]

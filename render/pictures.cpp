@@ -75,6 +75,7 @@ class PictureMaker {
         results_(read_results(dir)),
         unreamed_(results_.voxmap),
         subject_(make_subject(results_, unreamed_)) {
+    add_layer_means(results_.log, results_.voxmap.grid.voxel_mm);
     for (const std::string& name : settings.cameras) {
       cameras_.push_back(make_camera(name, subject_, settings.width_px, settings.height_px));
     }
@@ -101,15 +102,15 @@ class PictureMaker {
     double most_axial_n = 0;
     double most_torque_nmm = 0;
     for (const ForceRow& row : results_.log.rows) {
-      most_axial_n = std::max(most_axial_n, row.axial_force_n);
-      most_torque_nmm = std::max(most_torque_nmm, row.spin_torque_nmm);
+      most_axial_n = std::max(most_axial_n, row.layer_axial_force_n);
+      most_torque_nmm = std::max(most_torque_nmm, row.layer_spin_torque_nmm);
     }
     Labels labels = common_labels();
     labels.title = "After reaming";
     labels.values = {{"deepest", fixed(surface.deepest_mm, 2) + " mm"},
                      {"removed", fixed(results_.log.rows.back().removed_mm3, 1) + " mm³"},
-                     {"peak axial force", fixed(most_axial_n, 1) + " N"},
-                     {"peak torque", fixed(most_torque_nmm, 1) + " N·mm"}};
+                     {"peak mean force", fixed(most_axial_n, 1) + " N"},
+                     {"peak mean torque", fixed(most_torque_nmm, 0) + " N·mm"}};
     for (const Camera& camera : cameras_) {
       picture(scene, state, camera, labels, std::nullopt, dir_ + "/reamed" + suffix(camera) + ".png");
     }
@@ -127,8 +128,8 @@ class PictureMaker {
       Labels labels = common_labels();
       labels.values = {{"time", fixed(row.time_s, 3) + " s"},
                        {"depth", fixed(row.depth_mm, 2) + " mm"},
-                       {"axial force", fixed(row.axial_force_n, 1) + " N"},
-                       {"torque", fixed(row.spin_torque_nmm, 1) + " N·mm"},
+                       {"mean axial force", fixed(row.layer_axial_force_n, 1) + " N"},
+                       {"mean torque", fixed(row.layer_spin_torque_nmm, 0) + " N·mm"},
                        {"removed", fixed(row.removed_mm3, 1) + " mm³"}};
       std::optional<Rigid> tool;
       if (settings_.tool) tool = spinning(row.pose);

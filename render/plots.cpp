@@ -9,6 +9,7 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <sstream>
 #include <string>
 
 #include "render/force_log.h"
@@ -91,13 +92,31 @@ std::string on_one_line(std::string text) {
   return first == std::string::npos ? std::string("no message") : text.substr(first, last - first + 1);
 }
 
+/// A gnuplot data block with the means over a voxel of travel, thinned to what a plot can show.
+std::string mean_block(const ForceLog& log, double voxel_mm) {
+  constexpr std::size_t kMostPoints = 2000;
+  const std::size_t step = 1 + log.rows.size() / kMostPoints;
+  std::ostringstream out;
+  out << "# Means over the last " << voxel_mm << " mm of travel: time (s), axial force (N), spin torque (N·mm)\n"
+      << "voxel_mm = " << voxel_mm << "\n$mean << END\n";
+  for (std::size_t i = 0; i < log.rows.size(); i += step) {
+    const ForceRow& row = log.rows[i];
+    // A mean stands in the middle of the frames that it is over.
+    const double middle_s = log.rows[i - row.layer_frames / 2].time_s;
+    out << middle_s << ',' << row.layer_axial_force_n << ',' << row.layer_spin_torque_nmm << '\n';
+  }
+  out << "END\n\n";
+  return out.str();
+}
+
 }  // namespace
 
-void write_force_plots(const std::string& dir) {
-  read_force_log(dir + "/forces.csv");
+void write_force_plots(const std::string& dir, double voxel_mm) {
+  ForceLog log = read_force_log(dir + "/forces.csv");
+  add_layer_means(log, voxel_mm);
   const std::string script_path = dir + "/forces.gp";
   std::ofstream script(script_path, std::ios::binary);
-  script << embedded::plot_script;
+  script << mean_block(log, voxel_mm) << embedded::plot_script;
   script.close();
   if (!script) throw RunError(script_path + ": cannot be written; is the disk full or the folder read-only?");
   std::string words;

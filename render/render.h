@@ -22,8 +22,9 @@ using PictureProgress = std::function<void(int, int, const std::string&)>;
 void render_pictures(const std::string& dir, const RenderSettings& settings, const PictureProgress& progress,
                      Report* report = nullptr);
 
-/// Writes DIR/forces.gp and runs gnuplot on it: DIR/forces.png, DIR/forces.svg from DIR/forces.csv.
+/// Writes DIR/forces.gp and runs gnuplot on it: DIR/forces.png, DIR/forces.svg from DIR/forces.csv. `voxel_mm` is the
+/// travel over which the means are taken that stand beside the single frames.
 /// Throws InputError when forces.csv is missing or damaged, RunError when gnuplot is missing or fails (with its words).
-void write_force_plots(const std::string& dir);
+void write_force_plots(const std::string& dir, double voxel_mm);
 
 }  // namespace reamsim

@@ -28,23 +28,23 @@ std::string format(const char* pattern, double a, double b = 0, double c = 0) {
   return text;
 }
 
-/// A mesh for OpenVDB in the lattice's index space, in which voxel centres are whole numbers.
-class IndexSpaceMesh {
- public:
-  IndexSpaceMesh(const TriangleMesh& mesh, const VoxelGrid& grid) : mesh_(mesh), grid_(grid) {}
+/// A mesh in the lattice's index space, in which voxel centres are whole numbers.
+struct IndexSpaceMesh {
+  std::vector<openvdb::Vec3s> points;
+  std::vector<openvdb::Vec3I> triangles;
 
-  [[nodiscard]] std::size_t polygonCount() const { return mesh_.triangles.size(); }
-  [[nodiscard]] std::size_t pointCount() const { return mesh_.vertices.size(); }
-  [[nodiscard]] std::size_t vertexCount(std::size_t) const { return 3; }
-  void getIndexSpacePoint(std::size_t polygon, std::size_t corner, openvdb::Vec3d& position) const {
-    const Vec3& vertex = mesh_.vertices[static_cast<std::size_t>(mesh_.triangles[polygon][corner])];
-    const Vec3 index = (vertex - grid_.origin_mm) / grid_.voxel_mm - Vec3::Constant(0.5);
-    position = openvdb::Vec3d(index.x(), index.y(), index.z());
+  IndexSpaceMesh(const TriangleMesh& mesh, const VoxelGrid& grid) {
+    points.reserve(mesh.vertices.size());
+    for (const Vec3& vertex : mesh.vertices) {
+      const Vec3 index = (vertex - grid.origin_mm) / grid.voxel_mm - Vec3::Constant(0.5);
+      points.emplace_back(static_cast<float>(index.x()), static_cast<float>(index.y()), static_cast<float>(index.z()));
+    }
+    triangles.reserve(mesh.triangles.size());
+    for (const auto& [a, b, c] : mesh.triangles) {
+      triangles.emplace_back(static_cast<openvdb::Index32>(a), static_cast<openvdb::Index32>(b),
+                             static_cast<openvdb::Index32>(c));
+    }
   }
-
- private:
-  const TriangleMesh& mesh_;
-  const VoxelGrid& grid_;
 };
 
 /// Signed distance in voxels, negative inside, exact down to `inner_voxels` below the surface.
@@ -52,9 +52,14 @@ openvdb::FloatGrid::Ptr signed_distance(const std::string& path, const TriangleM
                                         double inner_voxels) {
   try {
     openvdb::initialize();
+    const IndexSpaceMesh indexed(mesh, grid);
     const auto transform = openvdb::math::Transform::createLinearTransform(1.0);
     const auto outer = static_cast<float>(kMarginVoxels - 1);
-    return openvdb::tools::meshToVolume<openvdb::FloatGrid>(IndexSpaceMesh(mesh, grid), *transform, outer,
+    // This adapter and interrupter are the ones that OpenVDB's library holds compiled; others take minutes to compile.
+    const openvdb::tools::QuadAndTriangleDataAdapter<openvdb::Vec3s, openvdb::Vec3I> adapter(indexed.points,
+                                                                                             indexed.triangles);
+    openvdb::util::NullInterrupter never;
+    return openvdb::tools::meshToVolume<openvdb::FloatGrid>(never, adapter, *transform, outer,
                                                             static_cast<float>(inner_voxels));
   } catch (const std::bad_alloc&) {
     throw InputError({path, 0, 0}, "", "a mesh whose distance field does not fit into memory",

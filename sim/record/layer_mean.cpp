@@ -2,22 +2,35 @@
 
 namespace reamsim {
 
+namespace {
+
+/// A step below this share of the mean step counts as standing still.
+constexpr double kStillShare = 0.01;
+
+}  // namespace
+
+void LayerMean::drop_oldest() {
+  sums_.axial_force_n -= frames_.front().values.axial_force_n;
+  sums_.spin_torque_nmm -= frames_.front().values.spin_torque_nmm;
+  frames_.pop_front();
+}
+
 LayerMean::Means LayerMean::add(const Vec3& position_mm, double axial_force_n, double spin_torque_nmm) {
-  const double path = frames_.empty() ? 0 : frames_.back().path_mm + (position_mm - last_mm_).norm();
+  const double step = frames_.empty() ? 0 : (position_mm - last_mm_).norm();
+  const double path = frames_.empty() ? 0 : frames_.back().path_mm + step;
+  if (full_ && step * static_cast<double>(frames_.size()) < kStillShare * voxel_mm_) drop_oldest();
   last_mm_ = position_mm;
-  frames_.push_back({path, {axial_force_n, spin_torque_nmm}});
+  frames_.push_back({path, {axial_force_n, spin_torque_nmm, 1}});
   sums_.axial_force_n += axial_force_n;
   sums_.spin_torque_nmm += spin_torque_nmm;
   // A frame leaves when the travel since its end alone makes up a voxel.
   while (frames_.size() > 1 && path - frames_.front().path_mm >= voxel_mm_ * (1 - 1e-9)) {
-    sums_.axial_force_n -= frames_.front().values.axial_force_n;
-    sums_.spin_torque_nmm -= frames_.front().values.spin_torque_nmm;
-    frames_.pop_front();
+    drop_oldest();
     full_ = true;
   }
   if (!full_) return {};
   const auto count = static_cast<double>(frames_.size());
-  return {sums_.axial_force_n / count, sums_.spin_torque_nmm / count};
+  return {sums_.axial_force_n / count, sums_.spin_torque_nmm / count, frames_.size()};
 }
 
 }  // namespace reamsim

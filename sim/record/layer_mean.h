@@ -15,13 +15,17 @@ class LayerMean {
   struct Means {
     double axial_force_n = 0;
     double spin_torque_nmm = 0;
+    std::size_t frames = 0;  ///< that the means are over
   };
 
   /// Takes the next frame: where the tool is (mm, B), and its force and torque. Returns the means over the frames of
-  /// the last voxel of travel, this one included; zero until the tool has travelled so far.
+  /// the last voxel of travel, this one included; zero until the tool has travelled so far. While
+  /// the tool stands still the means stay over as many frames as when it stopped.
   Means add(const Vec3& position_mm, double axial_force_n, double spin_torque_nmm);
 
  private:
+  void drop_oldest();
+
   struct Frame {
     double path_mm;  ///< travelled up to the end of the frame
     Means values;

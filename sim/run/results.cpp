@@ -41,6 +41,7 @@ Metadata provenance(const ReamingScene& scene, const RunFacts& facts) {
     out.emplace_back("input_" + input.role, std::filesystem::path(input.path).filename().string());
     out.emplace_back("sha256_" + input.role, input.sha256);
   }
+  if (!scene.scenario.bone.side.empty()) out.emplace_back("bone_side", scene.scenario.bone.side);
   if (scene.bone.glenoid) out.emplace_back("bone_from_glenoid", matrix_text(scene.bone.glenoid->bone_from_glenoid));
   return out;
 }

@@ -193,6 +193,16 @@ TEST(LayerMean, SpikesBecomeTheirMeanOverAVoxelOfTravel) {
   }
 }
 
+TEST(LayerMean, StandingStillForgetsFrameByFrame) {
+  LayerMean mean(0.5);
+  LayerMean::Means means;
+  for (int k = 0; k < 20; ++k) means = mean.add({0, 0, -0.1 * k}, 10, 0);
+  ASSERT_EQ(means.frames, 5U);
+  for (const double expected : {8, 6, 4, 2, 0, 0}) {
+    EXPECT_NEAR(mean.add({0, 0, -1.9}, 0, 0).axial_force_n, expected, 1e-12);
+  }
+}
+
 /// Decodes the appended data of a .vti as VTK's zlib reader does.
 std::vector<float> vti_values(const std::string& bytes) {
   std::size_t at = bytes.find('_', bytes.find("<AppendedData")) + 1;

@@ -191,7 +191,7 @@ TEST_F(Pictures, NumbersStandBesideTheLegendAndInTheCorner) {
   };
   const Box bar = legend_box(camera("oblique"), 0, 1);
   EXPECT_GT(ink_in({bar.x + bar.width + 6, bar.y - 6, 45, bar.height + 12}), 100);
-  EXPECT_GT(ink_in({14, 14, 150, 90}), 200);
+  EXPECT_GT(ink_in({14, 14, 190, 90}), 200);
 }
 
 TEST_F(Pictures, TheSameRunGivesTheSameBytes) {

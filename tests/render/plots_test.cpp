@@ -46,7 +46,7 @@ class Plots : public ::testing::Test {
   }
   void expect_failure(const std::string& words) const {
     try {
-      write_force_plots(dir_.path());
+      write_force_plots(dir_.path(), 0.25);
       ADD_FAILURE() << "no complaint";
     } catch (const RunError& error) {
       EXPECT_THAT(error.what(), ::testing::HasSubstr(words));
@@ -68,7 +68,7 @@ class Plots : public ::testing::Test {
 
 TEST_F(Plots, ARunGivesFourCurves) {
   write_log(dir_.path(), 6000, 1);
-  write_force_plots(dir_.path());
+  write_force_plots(dir_.path(), 0.25);
   expect_plots();
   const std::string svg = test::file_bytes(dir_.path() + "/forces.svg");
   for (const char* label :
@@ -89,16 +89,16 @@ TEST_F(Plots, ARunGivesFourCurves) {
 
 TEST_F(Plots, AllZeroColumnsAndASingleRowHaveAxesToo) {
   write_log(dir_.path(), 2000, 0);
-  write_force_plots(dir_.path());
+  write_force_plots(dir_.path(), 0.25);
   expect_plots();
   write_log(dir_.path(), 1, 0);
-  write_force_plots(dir_.path());
+  write_force_plots(dir_.path(), 0.25);
   expect_plots();
 }
 
 TEST_F(Plots, AHundredThousandRowsAreDrawn) {
   write_log(dir_.path(), 100'000, 1);
-  write_force_plots(dir_.path());
+  write_force_plots(dir_.path(), 0.25);
   expect_plots();
 }
 
@@ -106,14 +106,14 @@ TEST_F(Plots, TheScriptRunsAgainByItselfInAnyFolderName) {
   const std::string dir = dir_.path() + "/a folder with 'quotes' and $signs";
   fs::create_directories(dir);
   write_log(dir, 50, 1);
-  write_force_plots(dir);
+  write_force_plots(dir, 0.25);
   EXPECT_TRUE(fs::exists(dir + "/forces.png"));
 }
 
 TEST_F(Plots, BadDataIsAnInputError) {
-  EXPECT_THROW(write_force_plots(dir_.path()), InputError);
+  EXPECT_THROW(write_force_plots(dir_.path(), 0.25), InputError);
   write_log(dir_.path(), 0, 1);
-  EXPECT_THROW(write_force_plots(dir_.path()), InputError);
+  EXPECT_THROW(write_force_plots(dir_.path(), 0.25), InputError);
 }
 
 TEST_F(Plots, WhatGnuplotSaysIsReported) {
