@@ -63,7 +63,7 @@ void add_render_command(CLI::App& app, Console& console) {
   auto* command = app.add_subcommand("render", "Make the pictures of a finished run again, from its results alone");
   auto options = std::make_shared<RenderOptions>();
   command->add_option("DIR", options->dir, "Output folder of a finished run")->required();
-  command->add_option("--camera", options->cameras, "glenoid, oblique or section; may be repeated")
+  command->add_option("--camera", options->cameras, "glenoid, oblique, section or overview; may be repeated")
       ->expected(1)
       ->take_all();
   command->add_option("--width", options->width_px, "Width in pixels");

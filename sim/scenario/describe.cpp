@@ -81,7 +81,7 @@ void describe_render(KeyVisitor& v, RenderSettings& render) {
             render.every_frames);
   v.choices({.name = "cameras",
              .doc = "Views, each at most once; the first names its files without a suffix",
-             .choices = {"oblique", "glenoid", "section"}},
+             .choices = {"oblique", "glenoid", "section", "overview"}},
             render.cameras);
   v.flag({.name = "tool", .doc = "Draw the reamer, see-through"}, render.tool);
   v.number({.name = "depth_max_mm",
