@@ -121,12 +121,11 @@ TEST_F(BadKey, WordsOutsideTheirList) {
   }
   EXPECT_EQ(complaint(kValid + "cutting:\n  erosion: exact\n"),
             "s.yaml:17:12: cutting.erosion: found the text \"exact\"; expected remove or wear");
-  EXPECT_EQ(
-      changed("enabled: false", "cameras: [oblique, top]"),
-      "s.yaml:15:22: render.cameras: found the text \"top\"; expected a list of one or more of oblique, glenoid or "
-      "section");
+  EXPECT_EQ(changed("enabled: false", "cameras: [oblique, top]"),
+            "s.yaml:15:22: render.cameras: found the text \"top\"; expected a list of one or more of oblique, glenoid, "
+            "section or overview");
   EXPECT_EQ(changed("enabled: false", "cameras: [section, section]"),
-            "s.yaml:15:22: render.cameras: found section twice; expected a list of one or more of oblique, glenoid or "
+            "s.yaml:15:22: render.cameras: found section twice; expected a list of one or more of oblique, glenoid, "
             "section, each once");
   EXPECT_THAT(changed("enabled: false", "cameras: []"), HasSubstr("render.cameras: found a list of 0"));
 }
