@@ -126,7 +126,7 @@ TEST_F(BadKey, WordsOutsideTheirList) {
             "section or overview");
   EXPECT_EQ(changed("enabled: false", "cameras: [section, section]"),
             "s.yaml:15:22: render.cameras: found section twice; expected a list of one or more of oblique, glenoid, "
-            "section, each once");
+            "section or overview, each once");
   EXPECT_THAT(changed("enabled: false", "cameras: []"), HasSubstr("render.cameras: found a list of 0"));
 }
 
