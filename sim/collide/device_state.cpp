@@ -80,8 +80,7 @@ DeviceState make_device_state(const cl::Device& device, const Voxmap& voxmap, co
   state.args = {device, kMaxSlots, "the substeps' arguments"};
   state.sums = {device, kMaxSlots, "the substeps' sums"};
   state.removed_count = {device, 1, "the count of removed voxels"};
-  const auto edges = profile_edges(tool.profile);
-  state.edges = {device, std::max<std::size_t>(1, edges.size()), "the tool's profile"};
+  state.profile = {device, make_profile_table(tool.profile, voxmap.grid.voxel_mm)};
 
   const auto grades = grades_left(voxmap);
   state.bone.write(device, grades.data(), grades.size());
@@ -90,7 +89,6 @@ DeviceState make_device_state(const cl::Device& device, const Voxmap& voxmap, co
     state.fill.write(device, fill.data(), fill.size());
   }
   if (!tool.shell.codes.empty()) state.codes.write(device, tool.shell.codes.data(), tool.shell.codes.size());
-  if (!edges.empty()) state.edges.write(device, edges.data(), edges.size());
   state.claims.clear(device, state.claims.count());
   return state;
 }

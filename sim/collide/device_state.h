@@ -2,6 +2,7 @@
 
 #include "kernels/shared.h"
 #include "sim/bone/voxmap.h"
+#include "sim/collide/profile_table.h"
 #include "sim/device/opencl.h"
 #include "sim/tool/tool.h"
 
@@ -22,7 +23,7 @@ struct DeviceState {
   bool has_fill = false;
   cl::Buffer<cl_uint> claims;
   cl::Buffer<cl_uint> codes;
-  cl::Buffer<ProfileEdge> edges;
+  DeviceProfile profile;
   cl::Buffer<cl_uint> contacts;
   cl::Buffer<cl_uint> contact_count;  ///< per slot
   cl::Buffer<SubstepArgs> args;       ///< per slot
@@ -39,8 +40,5 @@ DeviceState make_device_state(const cl::Device& device, const Voxmap& voxmap, co
 
 /// Device memory that make_device_state() would take, bytes.
 std::size_t device_bytes(const Voxmap& voxmap, const PointShell& shell, bool wear);
-
-/// The profile's edges off the axis with their outward normals, as the cut reads them.
-std::vector<ProfileEdge> profile_edges(const Profile& profile);
 
 }  // namespace reamsim

@@ -20,8 +20,7 @@ DirectDetector::DirectDetector(const cl::Device& device, DeviceState& state, std
   kernel_.set(6, state.contacts);
   kernel_.set(7, state.contact_count);
   kernel_.set(8, state.sums);
-  kernel_.set(9, state.edges);
-  kernel_.set(10, static_cast<cl_int>(state.edges.count()));
+  state.profile.set(kernel_, 9);
 }
 
 void DirectDetector::detect(int slot) {
