@@ -2,6 +2,7 @@
 
 #include "sim/collide/bricked_state.h"
 #include "sim/collide/detector.h"
+#include "sim/collide/device_batch.h"
 
 namespace reamsim {
 
@@ -15,9 +16,8 @@ struct BrickedOptions {
 /// Cells of shell points against bricks of voxels; see kernels/detect_bricked.cl.
 class BrickedDetector final : public Detector {
  public:
-  /// `args` and `sums`: of the batch, per slot.
-  BrickedDetector(const cl::Device& device, BrickedState& state, const cl::Buffer<SubstepArgs>& args,
-                  const cl::Buffer<SubstepSums>& sums, const BrickedOptions& options);
+  BrickedDetector(const cl::Device& device, BrickedState& state, const DeviceBatch& batch,
+                  const BrickedOptions& options);
   void detect(int slot) override;
   std::vector<double> take_seconds() override;
 

@@ -1,6 +1,7 @@
 #include "sim/collide/bricked_state.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cstddef>
 #include <cmath>
@@ -95,11 +96,10 @@ BrickPools plan_pools(const Voxmap& voxmap, bool wear, std::size_t largest_alloc
   return pools;
 }
 
-std::size_t bytes_of(const BrickPools& pools, const Voxmap& voxmap, const PointShell& shell, int slots) {
+std::size_t bytes_of(const BrickPools& pools, const Voxmap& voxmap, const PointShell& shell) {
   const std::size_t bricks = lattice_brick_count(voxmap);
   return pools.bricks * (pools.brick_bytes + 3 * sizeof(cl_uint)) + bricks * sizeof(cl_int) +
-         8 * superbrick_count(lattice_bricks(voxmap)) + 3 * shell.codes.size() +
-         static_cast<std::size_t>(slots) * (sizeof(SubstepArgs) + sizeof(SubstepSums) + sizeof(cl_uint));
+         8 * superbrick_count(lattice_bricks(voxmap)) + 3 * shell.codes.size();
 }
 
 [[noreturn]] void does_not_fit(const cl::Device& device, const Voxmap& voxmap, std::size_t need, std::size_t have) {
@@ -131,16 +131,15 @@ void BrickedState::set_pools(cl::Kernel& kernel, cl_uint first_argument) const {
   }
 }
 
-std::size_t bricked_bytes(const Voxmap& voxmap, const Tool& tool, bool wear, int slots) {
-  return bytes_of(plan_pools(voxmap, wear, SIZE_MAX), voxmap, tool.shell, slots);
+std::size_t bricked_bytes(const Voxmap& voxmap, const Tool& tool, bool wear) {
+  return bytes_of(plan_pools(voxmap, wear, SIZE_MAX), voxmap, tool.shell);
 }
 
-BrickedState make_bricked_state(const cl::Device& device, const Voxmap& voxmap, const Tool& tool, bool wear,
-                                int slots) {
+BrickedState make_bricked_state(const cl::Device& device, const Voxmap& voxmap, const Tool& tool, bool wear) {
   const std::size_t largest = device.info().max_allocation_bytes;
   BrickedState state;
   state.layout = plan_pools(voxmap, wear, largest);
-  const std::size_t need = bytes_of(state.layout, voxmap, tool.shell, slots);
+  const std::size_t need = bytes_of(state.layout, voxmap, tool.shell);
   const std::size_t pools_hold = state.layout.pools == 1 ? SIZE_MAX : kManyPools * largest;
   const std::size_t have = std::min(device.info().global_memory_bytes, pools_hold);
   if (need > have) does_not_fit(device, voxmap, need, have);
@@ -166,7 +165,6 @@ BrickedState make_bricked_state(const cl::Device& device, const Voxmap& voxmap, 
   state.listed = {device, room, "the marks of touched bricks"};
   state.listed.clear(device, room);
   state.touched_list = {device, room, "the list of touched bricks"};
-  state.touched_count = {device, static_cast<std::size_t>(slots), "the counts of touched bricks"};
   state.occupancy = {device, 2 * superbrick_count(bricks), "the bricks' occupancy"};
   upload_bone(device, state, voxmap);
 

@@ -37,7 +37,6 @@ struct BrickedState {
   cl::Buffer<cl_uint> occupancy;               ///< two words per 4×4×4 bricks
   cl::Buffer<cl_uint> listed;                  ///< per slot
   cl::Buffer<cl_uint> touched_list;
-  cl::Buffer<cl_uint> touched_count;           ///< per slot of the batch
   cl::Buffer<ShellCell> cells;
   cl::Buffer<ShellCell> runs;
   cl::Buffer<cl_ushort> offsets;
@@ -47,9 +46,9 @@ struct BrickedState {
   void set_pools(cl::Kernel& kernel, cl_uint first_argument) const;
 };
 
-/// Uploads bone and tool. `slots`: substeps in a batch. Throws InputError that says what would fit; memory is planned
+/// Uploads bone and tool. Throws InputError that says what would fit; memory is planned
 /// before it is taken.
-BrickedState make_bricked_state(const cl::Device& device, const Voxmap& voxmap, const Tool& tool, bool wear, int slots);
+BrickedState make_bricked_state(const cl::Device& device, const Voxmap& voxmap, const Tool& tool, bool wear);
 
 /// Uploads the bone again, as `voxmap` has it. Its bricks must be those that the state was made with.
 void upload_bone(const cl::Device& device, BrickedState& state, const Voxmap& voxmap);
@@ -58,6 +57,6 @@ void upload_bone(const cl::Device& device, BrickedState& state, const Voxmap& vo
 void read_bricked_fill(const cl::Device& device, const BrickedState& state, Voxmap& voxmap);
 
 /// Device memory that make_bricked_state() would take, bytes.
-std::size_t bricked_bytes(const Voxmap& voxmap, const Tool& tool, bool wear, int slots);
+std::size_t bricked_bytes(const Voxmap& voxmap, const Tool& tool, bool wear);
 
 }  // namespace reamsim

@@ -21,7 +21,7 @@ std::string defines(const BrickedState& state, const BrickedOptions& options) {
 
 }  // namespace
 
-BrickedErosion::BrickedErosion(const cl::Device& device, BrickedState& state, const BrickedReport& report,
+BrickedErosion::BrickedErosion(const cl::Device& device, BrickedState& state, const DeviceBatch& batch,
                                const EnergyTable& table, const BrickedOptions& options)
     : device_(device),
       items_(work_items(device.info(), options)),
@@ -32,15 +32,15 @@ BrickedErosion::BrickedErosion(const cl::Device& device, BrickedState& state, co
       kernel_(program_, "cut_bricked") {
   energy_.write(device, table.energy_mj.data(), table.energy_mj.size());
   density_.write(device, table.density_g_cm3.data(), table.density_g_cm3.size());
-  kernel_.set(0, report.args);
+  kernel_.set(0, batch.args());
   kernel_.set(2, state.lattice_of_slot);
   kernel_.set(3, state.listed);
   kernel_.set(4, state.occupancy);
   kernel_.set(5, state.touched_list);
-  kernel_.set(6, state.touched_count);
-  kernel_.set(7, report.sums);
-  kernel_.set(8, report.removed);
-  kernel_.set(9, report.removed_count);
+  kernel_.set(6, batch.contact_count());
+  kernel_.set(7, batch.sums());
+  kernel_.set(8, batch.removed());
+  kernel_.set(9, batch.removed_count());
   kernel_.set(10, energy_);
   kernel_.set(11, density_);
   kernel_.set(12, state.bricks);

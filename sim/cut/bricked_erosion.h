@@ -6,18 +6,10 @@
 
 namespace reamsim {
 
-/// What the cut of `bricked` reports into, per slot of the batch and for the whole of it.
-struct BrickedReport {
-  const cl::Buffer<SubstepArgs>& args;
-  const cl::Buffer<SubstepSums>& sums;
-  const cl::Buffer<RemovedInBrick>& removed;
-  const cl::Buffer<cl_uint>& removed_count;
-};
-
 /// `remove` and `wear` over the list of touched bricks; see kernels/cut_bricked.cl.
 class BrickedErosion final : public Erosion {
  public:
-  BrickedErosion(const cl::Device& device, BrickedState& state, const BrickedReport& report, const EnergyTable& table,
+  BrickedErosion(const cl::Device& device, BrickedState& state, const DeviceBatch& batch, const EnergyTable& table,
                  const BrickedOptions& options);
   void cut(int slot) override;
   std::vector<double> take_seconds() override;
