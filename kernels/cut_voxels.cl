@@ -42,7 +42,7 @@ __kernel void cut_voxels(__global const SubstepArgs* args, const uint substep, _
     if (a->law == RS_LAW_ENERGY) {
       const uint row = e / (uint)a->dims[0];
       rs_voxel_force(a, &profile, (int)(e % (uint)a->dims[0]), (int)(row % (uint)a->dims[1]),
-                     (int)(row / (uint)a->dims[1]), energy, &law);
+                     (int)(row / (uint)a->dims[1]), (float)energy, &law);
     }
     if (has_fill) fill[e] = (ushort)(before - lost);
     if (lost == before) {

@@ -371,11 +371,11 @@ RS_INLINE void rs_add_lanes(SubstepSums* sums, const LaneSums* lanes) {
 
 /* Force of the energetic law for one voxel of the lattice. */
 RS_INLINE void rs_voxel_force(RS_GLOBAL const SubstepArgs* a, const ProfileView* profile, rs_i32 x, rs_i32 y, rs_i32 z,
-                              double energy, LaneSums* sums) {
+                              float energy, LaneSums* sums) {
   float brick[3], p[3];
   rs_brick_in_tool(a, x, y, z, brick);
   rs_voxel_in_tool(a, brick, (float)(x & 7), (float)(y & 7), (float)(z & 7), p);
-  rs_cut_force(a, profile, rs_edges_near(profile, RS_SQRT(p[0] * p[0] + p[1] * p[1]), p[2]), p, (float)energy, sums);
+  rs_cut_force(a, profile, rs_edges_near(profile, RS_SQRT(p[0] * p[0] + p[1] * p[1]), p[2]), p, energy, sums);
 }
 
 /* The paper's way: each touching point pushes the tool back along its inward normal with a given elemental force. Shell
