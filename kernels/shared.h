@@ -217,6 +217,36 @@ RS_INLINE void rs_voxel_lever(RS_GLOBAL const SubstepArgs* a, rs_i32 x, rs_i32 y
   p[2] = a->lattice_origin[2] + (z + 0.5) * a->voxel_mm;
 }
 
+/* ---- Detect: which voxels the solid of revolution holds ------------------------------------------------------------
+ */
+
+/* Whether (r, z), r >= 0, lies in the profile's polygon or on it, by the edges that a ray towards larger r crosses.
+ * Edges on the axis are not in the list; such a ray never crosses them. */
+RS_INLINE int rs_inside_profile(RS_GLOBAL const ProfileEdge* edges, rs_i32 count, double r, double z) {
+  int inside = 0;
+  for (rs_i32 i = 0; i < count; ++i) {
+    const double r0 = edges[i].r0, z0 = edges[i].z0, r1 = edges[i].r1, z1 = edges[i].z1;
+    if ((z < z0 && z < z1) || (z > z0 && z > z1)) continue;
+    const double side = (r - r0) * edges[i].normal_r + (z - z0) * edges[i].normal_z;
+    const int beside = (r < r0 && r < r1) || (r > r0 && r > r1);
+    if (side == 0 && !beside) return 1;
+    /* Half-open in z, so that a ray through a vertex counts one of its two edges. The outward normal of an edge that
+     * goes up points to larger r. */
+    if ((z0 <= z) != (z1 <= z) && (z1 > z0 ? side < 0 : side > 0)) inside = !inside;
+  }
+  return inside;
+}
+
+/* Whether the tool's solid of revolution holds the centre of voxel (x, y, z). */
+RS_INLINE int rs_holds_voxel(RS_GLOBAL const SubstepArgs* a, RS_GLOBAL const ProfileEdge* edges, rs_i32 edge_count,
+                             rs_i32 x, rs_i32 y, rs_i32 z) {
+  double p[3], t[3];
+  rs_voxel_lever(a, x, y, z, p);
+  for (int i = 0; i < 3; ++i)
+    t[i] = a->tool_from_bone[3 * i] * p[0] + a->tool_from_bone[3 * i + 1] * p[1] + a->tool_from_bone[3 * i + 2] * p[2];
+  return rs_inside_profile(edges, edge_count, RS_SQRT(t[0] * t[0] + t[1] * t[1]), t[2]);
+}
+
 /* The paper's way: each touching point pushes the tool back along its inward normal with a given elemental force. */
 RS_INLINE void rs_point_force(RS_GLOBAL const SubstepArgs* a, RS_GLOBAL const ProfileEdge* edges, rs_i32 edge_count,
                               rs_i32 x, rs_i32 y, rs_i32 z, SubstepSums* sums) {

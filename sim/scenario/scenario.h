@@ -170,11 +170,11 @@ struct MotionSettings {
 // ---- engine, cutting ---------------------------------------------------------------------------------------------
 
 struct EngineSettings {
-  std::string detector = "direct";
-  std::string device = "auto";   ///< auto | serial | part of an OpenCL device's name
-  int work_group_size = 0;       ///< 0 = chosen from the device
-  int batch_frames = 32;         ///< frames whose results are read back at once
-  double max_step_voxels = 0.5;  ///< no point of the tool moves further in a substep
+  std::string detector = "direct";  ///< direct | octree | implicit
+  std::string device = "auto";      ///< auto | serial | part of an OpenCL device's name
+  int work_group_size = 0;          ///< 0 = chosen from the device
+  int batch_frames = 32;            ///< frames whose results are read back at once
+  double max_step_voxels = 0.5;     ///< no point of the tool moves further in a substep
 };
 
 struct CuttingSettings {
