@@ -112,7 +112,7 @@ typedef struct {
   float r0, z0, along_r, along_z;
   float inverse_length2;
   float normal_r, normal_z;
-  float unused; /* 32 bytes: half a cache line */
+  float z1; /* exactly the next edge's z0 */
 } ProfileEdge;
 
 /* Which edges can be nearest: a grid of square cells over (r, z), each with a list of edges in ascending order that
@@ -376,6 +376,33 @@ RS_INLINE void rs_voxel_force(RS_GLOBAL const SubstepArgs* a, const ProfileView*
   rs_brick_in_tool(a, x, y, z, brick);
   rs_voxel_in_tool(a, brick, (float)(x & 7), (float)(y & 7), (float)(z & 7), p);
   rs_cut_force(a, profile, rs_edges_near(profile, RS_SQRT(p[0] * p[0] + p[1] * p[1]), p[2]), p, energy, sums);
+}
+
+/* Whether (r, z), r >= 0, lies in the profile's polygon or on it, by the edges that a ray towards larger r crosses.
+ * Edges on the axis are not in the list; such a ray never crosses them. */
+RS_INLINE int rs_inside_profile(const ProfileView* profile, float r, float z) {
+  int inside = 0;
+  const rs_i32 count = (rs_i32)profile->lists[0].count;
+  for (rs_i32 i = 0; i < count; ++i) {
+    RS_GLOBAL const ProfileEdge* e = profile->edges + i;
+    const float r0 = e->r0, r1 = e->r0 + e->along_r, z0 = e->z0, z1 = e->z1;
+    if ((z < z0 && z < z1) || (z > z0 && z > z1)) continue;
+    const float side = (r - r0) * e->normal_r + (z - z0) * e->normal_z;
+    const int beside = (r < r0 && r < r1) || (r > r0 && r > r1);
+    if (side == 0 && !beside) return 1;
+    /* Half-open in z, so that a ray through a vertex counts one of its two edges. The outward normal of an edge that
+     * goes up points to larger r. */
+    if ((z0 <= z) != (z1 <= z) && (z1 > z0 ? side < 0 : side > 0)) inside = !inside;
+  }
+  return inside;
+}
+
+/* Whether the tool's solid of revolution holds the centre of voxel (x, y, z). */
+RS_INLINE int rs_holds_voxel(RS_GLOBAL const SubstepArgs* a, const ProfileView* profile, rs_i32 x, rs_i32 y, rs_i32 z) {
+  float brick[3], p[3];
+  rs_brick_in_tool(a, x, y, z, brick);
+  rs_voxel_in_tool(a, brick, (float)(x & 7), (float)(y & 7), (float)(z & 7), p);
+  return rs_inside_profile(profile, RS_SQRT(p[0] * p[0] + p[1] * p[1]), p[2]);
 }
 
 /* The paper's way: each touching point pushes the tool back along its inward normal with a given elemental force. Shell

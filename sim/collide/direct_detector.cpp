@@ -9,16 +9,18 @@ extern const char* const kernel_detect_direct;
 }
 
 DirectDetector::DirectDetector(const cl::Device& device, const DenseState& state, const DeviceBatch& batch,
-                               std::size_t work_group)
+                               const PointShell& shell, std::size_t work_group)
     : device_(device),
-      points_(state.points),
+      points_(shell.codes.size()),
       work_group_(work_group),
+      codes_(device, std::max<std::size_t>(1, points_), "the point shell"),
       program_(device.build("detect_direct.cl", embedded::kernel_detect_direct)),
       kernel_(program_, "detect_direct") {
-  kernel_.set(0, state.codes);
+  if (points_ > 0) codes_.write(device, shell.codes.data(), points_);
+  kernel_.set(0, codes_);
   kernel_.set(1, static_cast<cl_uint>(points_));
   kernel_.set(2, batch.args());
-  kernel_.set(4, state.bone);
+  kernel_.set(4, state.grades);
   kernel_.set(5, state.claims);
   kernel_.set(6, state.contacts);
   kernel_.set(7, batch.contact_count());

@@ -4,10 +4,13 @@
 namespace reamsim {
 
 void describe_engine(KeyVisitor& v, EngineSettings& engine) {
-  v.text({.name = "detector",
-          .doc = "How contact is found. direct: one work-item per shell point on a dense voxel array",
-          .choices = {"direct"}},
-         engine.detector);
+  v.text(
+      {.name = "detector",
+       .doc = "How contact is found, on dense voxel arrays. direct: one work-item per shell point looks its voxel up "
+              "(Faieghi et al.); octree: one per shell point descends the grid (Zheng et al.); implicit: one per "
+              "voxel against the surface that the tool sweeps, without a shell (Yau et al.)",
+       .choices = {"direct", "octree", "implicit"}},
+      engine.detector);
   v.text(
       {.name = "device",
        .doc = "auto: the OpenCL device that `reamsim devices` marks; serial: the slow reference in plain C++, without "

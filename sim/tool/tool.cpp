@@ -128,11 +128,8 @@ Tool load_tool(const ToolSettings& settings, double voxel_mm, Report& report) {
   check_frame(settings, tool.mesh, tool.profile, report);
 
   const bool teeth = settings.spin == "resolved";
-  const auto height = std::minmax_element(tool.profile.points.begin(), tool.profile.points.end(),
-                                          [](const Vec2& a, const Vec2& b) { return a.y() < b.y(); });
   const double radius = tool.profile.max_radius_mm();
-  tool.bounds =
-      teeth ? tool.mesh.bounds() : Aabb{{-radius, -radius, height.first->y()}, {radius, radius, height.second->y()}};
+  tool.bounds = teeth ? tool.mesh.bounds() : tool.profile.bounds();
   const double extent = (tool.bounds.max - tool.bounds.min).maxCoeff();
   const int resolution =
       settings.shell_resolution > 0 ? settings.shell_resolution : least_resolution(settings, extent, voxel_mm);
