@@ -25,26 +25,6 @@ bool needs_fill(const Voxmap& voxmap, bool wear) {
   return wear || voxmap.fill.stored_bricks() > 0;
 }
 
-/// The device's view of the bone: 0 where nothing is left.
-std::vector<cl_uchar> grades_left(const Voxmap& voxmap) {
-  std::vector<cl_uchar> out(voxmap.grade.begin(), voxmap.grade.end());
-  if (voxmap.fill.stored_bricks() == 0) return out;
-  for (std::int64_t e = 0; e < voxmap.grid.size(); ++e) {
-    if (out[static_cast<std::size_t>(e)] != 0 && voxmap.fill.get(voxmap.grid.coord(e)) == 0) {
-      out[static_cast<std::size_t>(e)] = 0;
-    }
-  }
-  return out;
-}
-
-std::vector<cl_ushort> dense_fill(const Voxmap& voxmap) {
-  std::vector<cl_ushort> out(voxmap.grade.size());
-  for (std::int64_t e = 0; e < voxmap.grid.size(); ++e) {
-    out[static_cast<std::size_t>(e)] = voxmap.fill.get(voxmap.grid.coord(e));
-  }
-  return out;
-}
-
 }  // namespace
 
 std::size_t device_bytes(const Voxmap& voxmap, const PointShell& shell, bool wear) {
@@ -83,10 +63,10 @@ DeviceState make_device_state(const cl::Device& device, const Voxmap& voxmap, co
   const auto edges = profile_edges(tool.profile);
   state.edges = {device, std::max<std::size_t>(1, edges.size()), "the tool's profile"};
 
-  const auto grades = grades_left(voxmap);
+  const std::vector<cl_uchar> grades = dense_grades_left(voxmap);
   state.bone.write(device, grades.data(), grades.size());
   if (state.has_fill) {
-    const auto fill = dense_fill(voxmap);
+    const std::vector<cl_ushort> fill = dense_fill(voxmap);
     state.fill.write(device, fill.data(), fill.size());
   }
   if (!tool.shell.codes.empty()) state.codes.write(device, tool.shell.codes.data(), tool.shell.codes.size());

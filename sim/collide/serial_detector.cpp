@@ -9,14 +9,8 @@ SerialState make_serial_state(const Voxmap& voxmap, const Tool& tool) {
   state.tool = &tool;
   state.edges = profile_edges(tool.profile);
   state.grid = voxmap.grid;
-  state.bone = voxmap.grade;
-  state.fill.assign(voxmap.grade.size(), FillBricks::kWhole);
-  if (voxmap.fill.stored_bricks() == 0) return state;
-  for (std::int64_t e = 0; e < voxmap.grid.size(); ++e) {
-    const auto i = static_cast<std::size_t>(e);
-    state.fill[i] = voxmap.fill.get(voxmap.grid.coord(e));
-    if (state.fill[i] == 0) state.bone[i] = 0;
-  }
+  state.bone = dense_grades_left(voxmap);
+  state.fill = dense_fill(voxmap);
   return state;
 }
 

@@ -95,11 +95,14 @@ class DeviceEngine final : public Engine {
 }  // namespace
 
 void copy_fill(const std::vector<std::uint16_t>& dense, Voxmap& voxmap) {
-  for (std::size_t e = 0; e < dense.size(); ++e) {
-    if (voxmap.grade[e] == 0 || dense[e] == FillBricks::kWhole) continue;
-    const Vec3i voxel = voxmap.grid.coord(static_cast<std::int64_t>(e));
-    if (voxmap.fill.get(voxel) != dense[e]) voxmap.fill.set(voxel, dense[e]);
-  }
+  voxmap.grade.for_each_brick([&](const Vec3i& coord, const GradeBricks::Brick& grades) {
+    for (int offset = 0; offset < GradeBricks::kVoxels; ++offset) {
+      if (grades[static_cast<std::size_t>(offset)] == 0) continue;
+      const Vec3i voxel = BrickLattice::voxel_at(coord, offset);
+      const auto left = dense[static_cast<std::size_t>(voxmap.grid.index(voxel.x(), voxel.y(), voxel.z()))];
+      if (left != FillBricks::kWhole) voxmap.fill.set(voxel, left);
+    }
+  });
 }
 
 std::unique_ptr<Engine> make_device_engine(const Scenario& scenario, const Voxmap& voxmap, const Tool& tool) {

@@ -137,7 +137,7 @@ TEST(EngineAgreement, RandomScenes) {
       ReamingScene s;
       s.scenario = quiet_scenario(device);
       s.bone.voxmap = random_bone(dims, 0.25, bone_seed);
-      s.bone.voxmap.grade[0] = 100;  // never without bone
+      s.bone.voxmap.grade.set({0, 0, 0}, 100);  // never without bone
       s.tool = make_tool(cap_profile(5, 6, 2.5, 0.6), resolution);
       s.motion = straight(from, to, 20, 50, 100, tilt);
       return s;
@@ -153,7 +153,7 @@ TEST(EngineAgreement, OneVoxelOnePoint) {
     s.scenario = quiet_scenario(device);
     VoxelGrid grid{{1, 1, 1}, 1.0, {-0.5, -0.5, -0.5}};
     s.bone.voxmap = Voxmap(grid);
-    s.bone.voxmap.grade[0] = 225;
+    s.bone.voxmap.grade.set({0, 0, 0}, 225);
     s.tool = make_tool(cap_profile(5, 6, 2.5, 0.6), 8);
     s.tool.shell.codes = {s.tool.shell.codes.front()};
     const PointShell& shell = s.tool.shell;
