@@ -57,7 +57,7 @@ void upload_bone(const cl::Device& device, const DensePlan& plan, const Voxmap& 
   const bool same = static_cast<std::size_t>(voxmap.grid.size()) == plan.voxels &&
                     count_unreamed(voxmap) <= plan.unreamed && (plan.fill || !partly_filled(voxmap));
   if (!same) throw RunError("this is not the bone that the engine was made for: its memory was planned for another");
-  const auto grades = grades_left(voxmap);
+  const auto grades = dense_grades_left(voxmap);
   if (plan.layout == VoxelLayout::flagged_hu) {
     upload_hu(device, grades, state.scale, state.hu);
   } else {

@@ -27,7 +27,7 @@ ImplicitDetector::ImplicitDetector(const cl::Device& device, const DenseState& s
 void ImplicitDetector::detect(int slot) {
   const VoxelBox voi = voxel_voi(batch_.args_of(slot), tool_box_, bone_);
   const Vec3i size = voi.size();
-  const cl_int4 first = {{voi.min.x(), voi.min.y(), voi.min.z(), 0}};
+  const cl_int4 first = {{voi.first.x(), voi.first.y(), voi.first.z(), 0}};
   const cl_uint4 count = {
       {static_cast<cl_uint>(size.x()), static_cast<cl_uint>(size.y()), static_cast<cl_uint>(size.z()), 0}};
   kernel_.set(1, static_cast<cl_uint>(slot));

@@ -12,17 +12,6 @@ constexpr double kSlack = 0.05;
 
 }  // namespace
 
-VoxelBox bone_voxels(const Voxmap& voxmap) {
-  VoxelBox box{voxmap.grid.dims, Vec3i::Constant(-1)};
-  for (std::int64_t e = 0; e < voxmap.grid.size(); ++e) {
-    if (voxmap.grade[static_cast<std::size_t>(e)] == 0) continue;
-    const Vec3i voxel = voxmap.grid.coord(e);
-    box.min = box.min.cwiseMin(voxel);
-    box.max = box.max.cwiseMax(voxel);
-  }
-  return box;
-}
-
 VoxelBox voxel_voi(const SubstepArgs& args, const Aabb& tool_box, const VoxelBox& bone) {
   // Row-major read column by column: the transpose, which but for the voxel's size is the inverse.
   const Eigen::Map<const Mat3> transposed(args.tool_from_voxel);
@@ -33,8 +22,8 @@ VoxelBox voxel_voi(const SubstepArgs& args, const Aabb& tool_box, const VoxelBox
   for (int i = 0; i < 3; ++i) {
     // Clamped before the conversion, because a far tool overflows an int.
     const double low = std::ceil(center[i] - half[i]), high = std::floor(center[i] + half[i]);
-    voi.min[i] = static_cast<int>(std::clamp(low, double(bone.min[i]), bone.max[i] + 1.0));
-    voi.max[i] = static_cast<int>(std::clamp(high, bone.min[i] - 1.0, double(bone.max[i])));
+    voi.first[i] = static_cast<int>(std::clamp(low, double(bone.first[i]), bone.last[i] + 1.0));
+    voi.last[i] = static_cast<int>(std::clamp(high, bone.first[i] - 1.0, double(bone.last[i])));
   }
   return voi;
 }

@@ -34,7 +34,7 @@ std::unique_ptr<Detector> make_detector(const cl::Device& device, const Scenario
     return std::make_unique<OctreeDetector>(device, state, batch, tool.shell, voxmap.grid, per_point, group);
   }
   if (scenario.engine.detector == "implicit") {
-    return std::make_unique<ImplicitDetector>(device, state, batch, tool.profile, bone_voxels(voxmap), group);
+    return std::make_unique<ImplicitDetector>(device, state, batch, tool.profile, bone_extent(voxmap), group);
   }
   return std::make_unique<DirectDetector>(device, state, batch, tool.shell, group);
 }

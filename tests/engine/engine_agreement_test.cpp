@@ -106,7 +106,7 @@ TEST_P(DetectorAgreement, RandomScenes) {
     SCOPED_TRACE("trial " + std::to_string(trial));
     agreed([&](ReamingScene& s) {
       s.bone.voxmap = random_bone(dims, 0.25, bone_seed);
-      s.bone.voxmap.grade[0] = 100;  // never without bone
+      s.bone.voxmap.grade.set({0, 0, 0}, 100);  // never without bone
       s.tool = make_tool(cap_profile(5, 6, 2.5, 0.6), resolution);
       s.motion = straight(from, to, 20, 50, 100, tilt);
     });
@@ -116,7 +116,7 @@ TEST_P(DetectorAgreement, RandomScenes) {
 TEST_P(DetectorAgreement, OneVoxel) {
   const Outcome outcome = agreed([](ReamingScene& s) {
     s.bone.voxmap = Voxmap(VoxelGrid{{1, 1, 1}, 1.0, {1.0, -0.5, -0.5}});
-    s.bone.voxmap.grade[0] = 225;
+    s.bone.voxmap.grade.set({0, 0, 0}, 225);
     s.tool = make_tool(cap_profile(5, 6, 2.5, 0.6), 30);
     s.motion = straight({0, 0, 3}, {0, 0, -1}, 40, 100, 60);
   });
@@ -127,7 +127,7 @@ TEST_P(DetectorAgreement, OneVoxel) {
 TEST_P(ShellAgreement, OneVoxelOnePoint) {
   const Outcome outcome = agreed([](ReamingScene& s) {
     s.bone.voxmap = Voxmap(VoxelGrid{{1, 1, 1}, 1.0, {-0.5, -0.5, -0.5}});
-    s.bone.voxmap.grade[0] = 225;
+    s.bone.voxmap.grade.set({0, 0, 0}, 225);
     s.tool = make_tool(cap_profile(5, 6, 2.5, 0.6), 8);
     s.tool.shell.codes = {s.tool.shell.codes.front()};
     const PointShell& shell = s.tool.shell;

@@ -80,7 +80,7 @@ TEST(Implicit, TheVoiHoldsEveryVoxelThatTheToolHolds) {
   std::uniform_real_distribution<double> u(-1, 1);
   const ReamingScene scene = oblique_scene("serial", "implicit");
   const VoxelGrid& grid = scene.bone.voxmap.grid;
-  const VoxelBox bone = bone_voxels(scene.bone.voxmap);
+  const VoxelBox bone = bone_extent(scene.bone.voxmap);
   const auto edges = profile_edges(scene.tool.profile);
   std::int64_t held = 0, looked_at = 0;
   for (int trial = 0; trial < 40; ++trial) {
@@ -95,7 +95,7 @@ TEST(Implicit, TheVoiHoldsEveryVoxelThatTheToolHolds) {
       const Vec3i c = grid.coord(e);
       if (!rs_holds_voxel(&args, edges.data(), static_cast<rs_i32>(edges.size()), c.x(), c.y(), c.z())) continue;
       ++held;
-      EXPECT_TRUE((c.array() >= voi.min.array()).all() && (c.array() <= voi.max.array()).all()) << c.transpose();
+      EXPECT_TRUE((c.array() >= voi.first.array()).all() && (c.array() <= voi.last.array()).all()) << c.transpose();
     }
   }
   EXPECT_GT(held, 10000);

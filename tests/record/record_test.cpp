@@ -231,17 +231,20 @@ std::vector<float> vti_values(const std::string& bytes) {
 TEST(Vti, HoldsDensityTimesFill) {
   const TempDir dir;
   Voxmap voxmap(VoxelGrid{{90, 70, 60}, 0.5, {1, 2, 3}});
-  for (std::size_t e = 0; e < voxmap.grade.size(); ++e) voxmap.grade[e] = static_cast<std::uint8_t>(e % 251);
+  for (std::int64_t e = 0; e < voxmap.grid.size(); ++e) {
+    voxmap.grade.set(voxmap.grid.coord(e), static_cast<std::uint8_t>(e % 251));
+  }
   voxmap.fill.set({5, 6, 7}, 32768);
   write_vti(dir.path() + "/a.vti", voxmap);
   const std::string bytes = file_bytes(dir.path() + "/a.vti");
   EXPECT_NE(bytes.find("WholeExtent=\"0 89 0 69 0 59\" Origin=\"1.25 2.25 3.25\" Spacing=\"0.5 0.5 0.5\""),
             std::string::npos);
   const auto values = vti_values(bytes);
-  ASSERT_EQ(values.size(), voxmap.grade.size());
+  ASSERT_EQ(values.size(), static_cast<std::size_t>(voxmap.grid.size()));
   for (std::size_t e = 0; e < values.size(); ++e) {
-    const double fill = voxmap.fill.get(voxmap.grid.coord(static_cast<std::int64_t>(e))) / 65535.0;
-    ASSERT_FLOAT_EQ(values[e], static_cast<float>(0.008 * voxmap.grade[e] * fill));
+    const Vec3i voxel = voxmap.grid.coord(static_cast<std::int64_t>(e));
+    const double fill = voxmap.fill.get(voxel) / 65535.0;
+    ASSERT_FLOAT_EQ(values[e], static_cast<float>(0.008 * voxmap.grade.get(voxel) * fill));
   }
 }
 
