@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "sim/base/error.h"
+#include "sim/tool/morton.h"
 
 namespace reamsim {
 
@@ -23,6 +24,28 @@ std::size_t removed_room(std::int64_t bone_voxels, const PointShell& shell) {
 
 bool needs_fill(const Voxmap& voxmap, bool wear) {
   return wear || voxmap.fill.stored_bricks() > 0;
+}
+
+bool needs_wide_codes(const PointShell& shell) {
+  return shell.resolution > kNarrowResolution;
+}
+
+std::size_t code_bytes(const PointShell& shell) {
+  return (needs_wide_codes(shell) ? sizeof(cl_ulong) : sizeof(cl_uint)) * shell.codes.size();
+}
+
+void upload_shell(const cl::Device& device, const PointShell& shell, DeviceState& state) {
+  state.points = shell.codes.size();
+  state.wide_codes = needs_wide_codes(shell);
+  state.codes = {device, code_bytes(shell), "the point shell"};
+  const auto write = [&](const auto& codes) {
+    state.codes.write(device, reinterpret_cast<const cl_uchar*>(codes.data()), code_bytes(shell));
+  };
+  if (state.wide_codes) return write(shell.codes);
+  std::vector<cl_uint> narrow(shell.codes.size());
+  std::transform(shell.codes.begin(), shell.codes.end(), narrow.begin(),
+                 [](std::uint64_t code) { return static_cast<cl_uint>(code); });
+  write(narrow);
 }
 
 /// The device's view of the bone: 0 where nothing is left.
@@ -50,7 +73,7 @@ std::vector<cl_ushort> dense_fill(const Voxmap& voxmap) {
 std::size_t device_bytes(const Voxmap& voxmap, const PointShell& shell, bool wear) {
   const auto voxels = static_cast<std::size_t>(voxmap.grid.size());
   const std::int64_t bone = voxmap.count_bone();
-  return voxels + (needs_fill(voxmap, wear) ? 2 * voxels : 0) + voxels / 8 + 4 * shell.codes.size() +
+  return voxels + (needs_fill(voxmap, wear) ? 2 * voxels : 0) + voxels / 8 + code_bytes(shell) +
          4 * contact_room(bone, shell) + sizeof(RemovedVoxel) * removed_room(bone, shell) +
          kMaxSlots * (sizeof(SubstepArgs) + sizeof(SubstepSums) + sizeof(cl_uint));
 }
@@ -73,7 +96,6 @@ DeviceState make_device_state(const cl::Device& device, const Voxmap& voxmap, co
   state.bone = {device, voxels, "the voxmap"};
   state.fill = {device, state.has_fill ? voxels : 1, "the fill of the voxmap"};
   state.claims = {device, voxels / 32 + 1, "the claim bits"};
-  state.codes = {device, std::max<std::size_t>(1, tool.shell.codes.size()), "the point shell"};
   state.contacts = {device, std::max<std::size_t>(1, contact_room(bone, tool.shell)), "the contact list"};
   state.removed = {device, std::max<std::size_t>(1, removed_room(bone, tool.shell)), "the list of removed voxels"};
   state.contact_count = {device, kMaxSlots, "the contact counts"};
@@ -89,7 +111,7 @@ DeviceState make_device_state(const cl::Device& device, const Voxmap& voxmap, co
     const auto fill = dense_fill(voxmap);
     state.fill.write(device, fill.data(), fill.size());
   }
-  if (!tool.shell.codes.empty()) state.codes.write(device, tool.shell.codes.data(), tool.shell.codes.size());
+  upload_shell(device, tool.shell, state);
   if (!edges.empty()) state.edges.write(device, edges.data(), edges.size());
   state.claims.clear(device, state.claims.count());
   return state;

@@ -14,14 +14,16 @@ struct RemovedVoxel {
 };
 
 /// What lives on the device between detect and cut, in the paper's layout: the bone as a dense 8-bit array, the shell
-/// at 4 bytes a point; and beside them a claim bit per voxel, the contact list, and one set of arguments and sums per
-/// substep of the batch.
+/// at 4 bytes a point (8 beyond 1024³); and beside them a claim bit per voxel, the contact list, and one set of
+/// arguments and sums per substep of the batch.
 struct DeviceState {
   cl::Buffer<cl_uchar> bone;   ///< grade, 0 = air or gone
   cl::Buffer<cl_ushort> fill;  ///< per voxel, or one dummy where every voxel is whole
   bool has_fill = false;
   cl::Buffer<cl_uint> claims;
-  cl::Buffer<cl_uint> codes;
+  cl::Buffer<cl_uchar> codes;  ///< of `points` points: 32 bits each, or 64 with wide_codes
+  std::size_t points = 0;
+  bool wide_codes = false;
   cl::Buffer<ProfileEdge> edges;
   cl::Buffer<cl_uint> contacts;
   cl::Buffer<cl_uint> contact_count;  ///< per slot

@@ -8,9 +8,10 @@ extern const char* const kernel_detect_direct;
 
 DirectDetector::DirectDetector(const cl::Device& device, DeviceState& state, std::size_t work_group)
     : device_(device),
-      points_(state.codes.count()),
+      points_(state.points),
       work_group_(work_group),
-      program_(device.build("detect_direct.cl", embedded::kernel_detect_direct)),
+      program_(
+          device.build("detect_direct.cl", embedded::kernel_detect_direct, state.wide_codes ? "-DRS_WIDE_CODES" : "")),
       kernel_(program_, "detect_direct") {
   kernel_.set(0, state.codes);
   kernel_.set(1, static_cast<cl_uint>(points_));

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <iostream>
 
+#include "sim/tool/morton.h"
 #include "tests/engine/scene_fixture.h"
 #include "tests/support/temp_dir.h"
 
@@ -158,9 +159,7 @@ TEST(EngineAgreement, OneVoxelOnePoint) {
     s.tool.shell.codes = {s.tool.shell.codes.front()};
     const PointShell& shell = s.tool.shell;
     const Vec3 point =
-        shell.origin_mm + shell.cell_mm * (Vec3(rs_compact_bits(shell.codes[0]), rs_compact_bits(shell.codes[0] >> 1),
-                                                rs_compact_bits(shell.codes[0] >> 2)) +
-                                           Vec3::Constant(0.5));
+        shell.origin_mm + shell.cell_mm * (morton_decode(shell.codes[0]).cast<double>() + Vec3::Constant(0.5));
     s.motion = straight(-point + Vec3(0, 0, 2), -point, 10, 100, 60);
     return s;
   };
@@ -168,6 +167,24 @@ TEST(EngineAgreement, OneVoxelOnePoint) {
   EXPECT_EQ(device.removed.size(), 1U);
   EXPECT_DOUBLE_EQ(device.totals.removed_mm3, 1.0);
   expect_same(device, run(scene("serial")));
+}
+
+TEST(EngineAgreement, AShellBeyond1024EqualsTheSerialReference) {
+  const auto scene = [](const std::string& device) {
+    ReamingScene s;
+    s.scenario = quiet_scenario(device);
+    s.bone.voxmap = random_bone({41, 37, 29}, 0.2, 23);
+    const Profile needle{{{0, 0}, {0.12, 0.1}, {0.12, 6}, {0, 6}}};
+    s.tool = make_tool(needle, 1500);
+    const Quat tilt(Eigen::AngleAxisd(0.9, Vec3(1, 2, 0.5).normalized()));
+    s.motion = straight({-2, 1, 3}, {-0.5, 0.3, -1}, 12, 100, 250, tilt);
+    return s;
+  };
+  const ReamingScene wide = scene("serial");
+  EXPECT_GT(wide.tool.shell.codes.back(), UINT32_MAX) << "some codes must need more than 32 bits";
+  const Outcome serial = run(wide);
+  EXPECT_GT(serial.totals.removed_mm3, 0.5);
+  expect_same(run(scene("auto")), serial);
 }
 
 TEST(EngineAgreement, ToolFullyInsideTouchesOnlyItsSurface) {
