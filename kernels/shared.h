@@ -46,8 +46,8 @@ typedef rs_i64 rs_sum;
 #define RS_TO_SUM(value) ((rs_i64)(value))
 #endif
 
-/* Fractional bits of a position in voxels. Over 1024 shell cells the rounding of the rotation adds up to 2^-15 voxel.
- */
+/* Fractional bits of a position in voxels. The rounding of the rotation adds up to 2^-15 voxel per shell axis of 1024
+ * cells, to 2^-13 per axis of 4096, the largest; over three axes and with the origin's, to less than 2^-11. */
 #define RS_POSITION_BITS 24
 
 /* Least significant digits of the integer sums: N, N·mm, mJ. Room for 3·10^10 N, 5·10^11 N·mm, 2·10^9 mJ a substep. */
@@ -215,6 +215,17 @@ RS_INLINE rs_i32 rs_compact_bits(rs_u32 code) {
   code = (code ^ (code >> 4)) & 0x0300f00fu;
   code = (code ^ (code >> 8)) & 0xff0000ffu;
   code = (code ^ (code >> 16)) & 0x000003ffu;
+  return (rs_i32)code;
+}
+
+/* The same of a code of 21 bits per axis, for shells of more than 1024 cells per axis. */
+RS_INLINE rs_i32 rs_compact_wide_bits(rs_u64 code) {
+  code &= 0x1249249249249249ul;
+  code = (code ^ (code >> 2)) & 0x10c30c30c30c30c3ul;
+  code = (code ^ (code >> 4)) & 0x100f00f00f00f00ful;
+  code = (code ^ (code >> 8)) & 0x001f0000ff0000fful;
+  code = (code ^ (code >> 16)) & 0x001f00000000fffful;
+  code = (code ^ (code >> 32)) & 0x00000000001ffffful;
   return (rs_i32)code;
 }
 

@@ -5,6 +5,7 @@
 #include <cstdio>
 
 #include "sim/base/error.h"
+#include "sim/tool/morton.h"
 #include "sim/collide/dense_bone.h"
 #include "sim/collide/device_batch.h"
 
@@ -47,7 +48,8 @@ std::size_t DensePlan::fill_bytes() const {
 }
 
 std::size_t DensePlan::shell_bytes() const {
-  return points * (layout == VoxelLayout::flagged_hu ? 3 * sizeof(cl_float) : sizeof(cl_uint));
+  const std::size_t code = wide_codes ? sizeof(cl_ulong) : sizeof(cl_uint);
+  return points * (layout == VoxelLayout::flagged_hu ? 3 * sizeof(cl_float) : code);
 }
 
 std::size_t DensePlan::bytes() const {
@@ -68,6 +70,7 @@ DensePlan plan_dense(const std::string& detector, const Voxmap& voxmap, const To
   plan.voxels = static_cast<std::size_t>(voxmap.grid.size());
   plan.unreamed = count_unreamed(voxmap);
   plan.points = has_shell ? tool.shell.codes.size() : 0;
+  plan.wide_codes = tool.shell.resolution > kNarrowResolution;
   plan.fill = wear || partly_filled(voxmap);
   plan.contacts = std::min(plan.unreamed, has_shell ? plan.points : voxels_in_tool(tool.profile, voxmap.grid.voxel_mm));
   plan.removed = std::min(plan.unreamed, std::max(kRemovedRoom, plan.contacts));

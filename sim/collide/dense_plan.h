@@ -23,6 +23,7 @@ struct DensePlan {
   std::size_t voxels = 0;
   std::size_t unreamed = 0;  ///< voxels that are bone, gone or not
   std::size_t points = 0;    ///< of the shell; 0 where the detector has no use for it
+  bool wide_codes = false;   ///< 8 bytes a Morton code instead of 4: shells of more than 1024 cells an axis
   bool fill = false;         ///< 16 bits a voxel beside the bone; without it every voxel is whole or gone
   std::size_t contacts = 0;  ///< most voxels that one substep can touch: room of the contact list
   std::size_t removed = 0;   ///< room of the list of removed voxels of a batch

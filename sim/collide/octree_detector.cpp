@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "sim/tool/morton.h"
+
 namespace reamsim {
 
 namespace embedded {
@@ -18,8 +20,9 @@ std::string build_options(bool per_point, std::size_t work_group) {
 std::vector<cl_float> cell_numbers(const PointShell& shell) {
   std::vector<cl_float> out;
   out.reserve(3 * shell.codes.size());
-  for (const std::uint32_t code : shell.codes) {
-    for (int axis = 0; axis < 3; ++axis) out.push_back(static_cast<cl_float>(rs_compact_bits(code >> axis)));
+  for (const std::uint64_t code : shell.codes) {
+    const Vec3i cell = morton_decode(code);
+    for (int axis = 0; axis < 3; ++axis) out.push_back(static_cast<cl_float>(cell[axis]));
   }
   return out;
 }

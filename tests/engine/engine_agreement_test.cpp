@@ -3,6 +3,7 @@
 
 #include <iostream>
 
+#include "sim/tool/morton.h"
 #include "tests/engine/outcome.h"
 
 namespace reamsim::test {
@@ -131,13 +132,25 @@ TEST_P(ShellAgreement, OneVoxelOnePoint) {
     s.tool = make_tool(cap_profile(5, 6, 2.5, 0.6), 8);
     s.tool.shell.codes = {s.tool.shell.codes.front()};
     const PointShell& shell = s.tool.shell;
-    const Vec3 cell(rs_compact_bits(shell.codes[0]), rs_compact_bits(shell.codes[0] >> 1),
-                    rs_compact_bits(shell.codes[0] >> 2));
+    const Vec3 cell = morton_decode(shell.codes[0]).cast<double>();
     const Vec3 point = shell.origin_mm + shell.cell_mm * (cell + Vec3::Constant(0.5));
     s.motion = straight(-point + Vec3(0, 0, 2), -point, 10, 100, 60);
   });
   EXPECT_EQ(outcome.removed.size(), 1U);
   EXPECT_DOUBLE_EQ(outcome.totals.removed_mm3, 1.0);
+}
+
+TEST_P(ShellAgreement, AShellBeyond1024) {
+  const Profile needle{{{0, 0}, {0.12, 0.1}, {0.12, 6}, {0, 6}}};
+  const Tool tool = make_tool(needle, 1500);
+  EXPECT_GT(tool.shell.codes.back(), UINT32_MAX) << "some codes must need more than 32 bits";
+  const Outcome outcome = agreed([&](ReamingScene& s) {
+    s.bone.voxmap = random_bone({41, 37, 29}, 0.2, 23);
+    s.tool = tool;
+    const Quat tilt(Eigen::AngleAxisd(0.9, Vec3(1, 2, 0.5).normalized()));
+    s.motion = straight({-2, 1, 3}, {-0.5, 0.3, -1}, 12, 100, 250, tilt);
+  });
+  EXPECT_GT(outcome.totals.removed_mm3, 0.5);
 }
 
 TEST_P(DetectorAgreement, EdgeOn) {

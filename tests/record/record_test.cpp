@@ -9,7 +9,6 @@
 #include "sim/record/csv_log.h"
 #include "sim/record/output_folder.h"
 #include "sim/record/recorder.h"
-#include "sim/record/snapshot.h"
 #include "sim/record/vti.h"
 #include "tests/support/temp_dir.h"
 
@@ -104,53 +103,6 @@ TEST(OutputFolder, AFileInTheWay) {
   EXPECT_THROW(OutputFolder(dir.path() + "/file", true), InputError);
   EXPECT_THROW(OutputFolder(dir.path() + "/file/below", false), InputError);
   EXPECT_EQ(file_bytes(dir.path() + "/file"), "1");
-}
-
-FillBricks patterned(const Vec3i& dims) {
-  FillBricks fill(dims);
-  for (int i = 0; i < 200; ++i) {
-    fill.set({i % dims.x(), (i * 7) % dims.y(), (i * 3) % dims.z()}, static_cast<std::uint16_t>(i * 327));
-  }
-  return fill;
-}
-
-void expect_equal(const FillBricks& a, const FillBricks& b, const Vec3i& dims) {
-  for (int z = 0; z < dims.z(); ++z) {
-    for (int y = 0; y < dims.y(); ++y) {
-      for (int x = 0; x < dims.x(); ++x) ASSERT_EQ(a.get({x, y, z}), b.get({x, y, z})) << x << ' ' << y << ' ' << z;
-    }
-  }
-}
-
-TEST(Snapshot, ChangesAddUpToTheStateBitForBit) {
-  const TempDir dir;
-  const Vec3i dims(37, 19, 23);
-  FillBricks fill = patterned(dims), replay(dims);
-  write_snapshot(dir.path(), 0, fill);
-  const FillBricks first = fill;
-  for (int i = 0; i < 30; ++i) fill.set({i, 18, 22}, 0);
-  write_snapshot(dir.path(), 40, fill);
-  EXPECT_EQ(snapshot_frames(dir.path()), (std::vector<std::int64_t>{0, 40}));
-  apply_snapshot(dir.path(), 0, replay);
-  expect_equal(replay, first, dims);
-  apply_snapshot(dir.path(), 40, replay);
-  expect_equal(replay, fill, dims);
-  EXPECT_LT(fs::file_size(dir.path() + "/snapshots/000040.vdb"), fs::file_size(dir.path() + "/snapshots/000000.vdb"));
-}
-
-TEST(Snapshot, MissingDamagedOrOfAnotherBone) {
-  const TempDir dir;
-  FillBricks fill = patterned({37, 19, 23});
-  write_snapshot(dir.path(), 1, fill);
-  EXPECT_THROW(apply_snapshot(dir.path(), 2, fill), InputError);
-  FillBricks small({8, 8, 8});
-  EXPECT_THROW(apply_snapshot(dir.path(), 1, small), InputError);
-  const std::string path = dir.path() + "/snapshots/000001.vdb";
-  for (const std::uintmax_t size : {0U, 7U, 60U, 400U}) {
-    fs::resize_file(path, size);
-    EXPECT_THROW(apply_snapshot(dir.path(), 1, fill), InputError) << size << " bytes";
-    write_snapshot(dir.path(), 1, fill);
-  }
 }
 
 TEST(RunTotals, SumsAndExtremes) {
