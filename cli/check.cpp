@@ -5,7 +5,7 @@
 
 #include "cli/commands.h"
 #include "cli/scenario_options.h"
-#include "sim/collide/device_state.h"
+#include "sim/run/engine.h"
 #include "sim/run/simulation.h"
 #include "sim/scenario/parse.h"
 
@@ -20,7 +20,6 @@ std::string megabytes(std::size_t bytes) {
 void print_cost(const Console& console, const ReamingScene& scene) {
   const RunCost cost = estimate_cost(scene);
   const VoxelGrid& grid = scene.bone.voxmap.grid;
-  const bool wear = scene.scenario.cutting.erosion == "wear";
   char text[512];
   std::snprintf(text, sizeof text,
                 "# would run: %lld frames (%.3f s at %g Hz), %lld substeps\n"
@@ -31,7 +30,7 @@ void print_cost(const Console& console, const ReamingScene& scene) {
                 grid.dims.z(), grid.voxel_mm, static_cast<long long>(scene.bone.voxmap.count_bone()),
                 scene.bone.voxmap.bone_mm3(), scene.tool.shell.codes.size(), scene.tool.shell.cell_mm);
   console.say(text);
-  console.say("# memory: " + megabytes(device_bytes(scene.bone.voxmap, scene.tool.shell, wear)) +
+  console.say("# memory: " + megabytes(planned_device_bytes(scene.scenario, scene.bone.voxmap, scene.tool)) +
               " on the device, about " + megabytes(scene.bone.voxmap.grade.size() * 8) + " in the program");
 }
 

@@ -1,7 +1,8 @@
 #pragma once
 
+#include "sim/collide/dense_state.h"
 #include "sim/collide/detector.h"
-#include "sim/collide/device_state.h"
+#include "sim/collide/device_batch.h"
 
 namespace reamsim {
 
@@ -9,7 +10,7 @@ namespace reamsim {
 class DirectDetector final : public Detector {
  public:
   /// `work_group` items per group; the result does not depend on it.
-  DirectDetector(const cl::Device& device, DeviceState& state, std::size_t work_group);
+  DirectDetector(const cl::Device& device, const DenseState& state, const DeviceBatch& batch, std::size_t work_group);
   void detect(int slot) override;
   std::vector<double> take_seconds() override;
 

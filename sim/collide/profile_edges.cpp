@@ -1,6 +1,6 @@
 #include <cmath>
 
-#include "sim/collide/device_state.h"
+#include "sim/collide/dense_state.h"
 
 namespace reamsim {
 

@@ -1,24 +1,6 @@
 #include "sim/collide/serial_detector.h"
 
-#include "sim/collide/device_state.h"
-
 namespace reamsim {
-
-SerialState make_serial_state(const Voxmap& voxmap, const Tool& tool) {
-  SerialState state;
-  state.tool = &tool;
-  state.edges = profile_edges(tool.profile);
-  state.grid = voxmap.grid;
-  state.bone = voxmap.grade;
-  state.fill.assign(voxmap.grade.size(), FillBricks::kWhole);
-  if (voxmap.fill.stored_bricks() == 0) return state;
-  for (std::int64_t e = 0; e < voxmap.grid.size(); ++e) {
-    const auto i = static_cast<std::size_t>(e);
-    state.fill[i] = voxmap.fill.get(voxmap.grid.coord(e));
-    if (state.fill[i] == 0) state.bone[i] = 0;
-  }
-  return state;
-}
 
 void SerialDetector::detect(int slot) {
   const Stopwatch watch;

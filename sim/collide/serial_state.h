@@ -23,4 +23,7 @@ struct SerialState {
 
 SerialState make_serial_state(const Voxmap& voxmap, const Tool& tool);
 
+/// Takes the bone as `voxmap` has it.
+void take_bone(const Voxmap& voxmap, SerialState& state);
+
 }  // namespace reamsim

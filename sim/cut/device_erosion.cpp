@@ -15,8 +15,8 @@ std::size_t work_items(const cl::DeviceInfo& info) {
 
 }  // namespace
 
-DeviceErosion::DeviceErosion(const cl::Device& device, DeviceState& state, const EnergyTable& table,
-                             std::size_t work_group)
+DeviceErosion::DeviceErosion(const cl::Device& device, const DenseState& state, const DeviceBatch& batch,
+                             const EnergyTable& table, std::size_t work_group)
     : device_(device),
       items_(work_items(device.info())),
       work_group_(work_group),
@@ -26,16 +26,16 @@ DeviceErosion::DeviceErosion(const cl::Device& device, DeviceState& state, const
       kernel_(program_, "cut_voxels") {
   energy_.write(device, table.energy_mj.data(), table.energy_mj.size());
   density_.write(device, table.density_g_cm3.data(), table.density_g_cm3.size());
-  kernel_.set(0, state.args);
+  kernel_.set(0, batch.args());
   kernel_.set(2, state.bone);
   kernel_.set(3, state.fill);
   kernel_.set(4, static_cast<cl_int>(state.has_fill ? 1 : 0));
   kernel_.set(5, state.claims);
   kernel_.set(6, state.contacts);
-  kernel_.set(7, state.contact_count);
-  kernel_.set(8, state.sums);
-  kernel_.set(9, state.removed);
-  kernel_.set(10, state.removed_count);
+  kernel_.set(7, batch.contact_count());
+  kernel_.set(8, batch.sums());
+  kernel_.set(9, batch.removed());
+  kernel_.set(10, batch.removed_count());
   kernel_.set(11, energy_);
   kernel_.set(12, density_);
   kernel_.set(13, state.edges);

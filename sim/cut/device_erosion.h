@@ -1,6 +1,7 @@
 #pragma once
 
-#include "sim/collide/device_state.h"
+#include "sim/collide/dense_state.h"
+#include "sim/collide/device_batch.h"
 #include "sim/cut/energy_table.h"
 #include "sim/cut/erosion.h"
 
@@ -9,7 +10,8 @@ namespace reamsim {
 /// `remove` and `wear` on OpenCL: work-items stride over the contact list.
 class DeviceErosion final : public Erosion {
  public:
-  DeviceErosion(const cl::Device& device, DeviceState& state, const EnergyTable& table, std::size_t work_group);
+  DeviceErosion(const cl::Device& device, const DenseState& state, const DeviceBatch& batch, const EnergyTable& table,
+                std::size_t work_group);
   void cut(int slot) override;
   std::vector<double> take_seconds() override;
 

@@ -2,9 +2,11 @@
 
 #include <utility>
 
+#include "sim/collide/dense_bone.h"
+#include "sim/collide/dense_plan.h"
 #include "sim/collide/serial_detector.h"
 #include "sim/cut/serial_erosion.h"
-#include "sim/run/device_engine.h"
+#include "sim/run/dense_engine.h"
 
 namespace reamsim {
 
@@ -34,6 +36,7 @@ class SerialEngine final : public Engine {
   }
 
   void read_fill(Voxmap& voxmap) override { copy_fill(state_.fill, voxmap); }
+  void restore(const Voxmap& voxmap) override { take_bone(voxmap, state_); }
   [[nodiscard]] std::string device() const override { return "serial"; }
   [[nodiscard]] std::size_t device_bytes() const override { return 0; }
 
@@ -47,7 +50,12 @@ class SerialEngine final : public Engine {
 
 std::unique_ptr<Engine> make_engine(const Scenario& scenario, const Voxmap& voxmap, const Tool& tool) {
   if (scenario.engine.device == "serial") return std::make_unique<SerialEngine>(scenario, voxmap, tool);
-  return make_device_engine(scenario, voxmap, tool);
+  return make_dense_engine(scenario, voxmap, tool);
+}
+
+std::size_t planned_device_bytes(const Scenario& scenario, const Voxmap& voxmap, const Tool& tool) {
+  if (scenario.engine.device == "serial") return 0;
+  return plan_dense(voxmap, tool, scenario.cutting.erosion == "wear").bytes();
 }
 
 }  // namespace reamsim

@@ -33,6 +33,9 @@ class Engine {
   virtual Batch collect() = 0;
   /// Brings fill that fell without reaching zero (`wear`) into `voxmap`; voxels that went are in Batch::removed.
   virtual void read_fill(Voxmap& voxmap) = 0;
+  /// Puts the bone back as `voxmap` has it, for benchmarks and tests; every batch must have been collected. Throws
+  /// RunError where it is not the voxmap that the engine was made with, reamed or not.
+  virtual void restore(const Voxmap& voxmap) = 0;
   /// Name of the device, or "serial".
   [[nodiscard]] virtual std::string device() const = 0;
   [[nodiscard]] virtual std::size_t device_bytes() const = 0;
@@ -41,5 +44,8 @@ class Engine {
 /// The engine that the scenario asks for. Throws InputError (no such device, bone too large) or RunError (no OpenCL, a
 /// kernel that does not build).
 std::unique_ptr<Engine> make_engine(const Scenario& scenario, const Voxmap& voxmap, const Tool& tool);
+
+/// Device memory that make_engine() would take, bytes; 0 for the serial engine.
+std::size_t planned_device_bytes(const Scenario& scenario, const Voxmap& voxmap, const Tool& tool);
 
 }  // namespace reamsim

@@ -1,58 +1,12 @@
 // The OpenCL engine against the serial reference: same voxels, same forces, same bytes.
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <iostream>
 
-#include "tests/engine/scene_fixture.h"
-#include "tests/support/temp_dir.h"
+#include "tests/engine/outcome.h"
 
 namespace reamsim::test {
 namespace {
-
-struct Outcome {
-  std::string forces;
-  RemovedFrames removed;
-  std::vector<std::uint16_t> fill;
-  RunTotals totals{1};
-  Report report;
-};
-
-Outcome run(ReamingScene scene) {
-  const TempDir dir;
-  Outcome out;
-  {
-    Recorder recorder(dir.path(), scene.bone.voxmap.grid.voxel_mm);
-    const auto engine = make_engine(scene.scenario, scene.bone.voxmap, scene.tool);
-    simulate(scene, *engine, recorder, {}, out.report);
-    recorder.close();
-    out.totals = recorder.totals();
-    out.removed = recorder.removed_frames();
-  }
-  std::sort(out.removed.begin(), out.removed.end());
-  out.forces = file_bytes(dir.path() + "/forces.csv");
-  for (std::int64_t e = 0; e < scene.bone.voxmap.grid.size(); ++e) {
-    out.fill.push_back(scene.bone.voxmap.fill.get(scene.bone.voxmap.grid.coord(e)));
-  }
-  return out;
-}
-
-void expect_same(const Outcome& a, const Outcome& b) {
-  EXPECT_EQ(a.forces, b.forces);
-  EXPECT_EQ(a.removed, b.removed);
-  EXPECT_EQ(a.fill, b.fill);
-}
-
-/// A tilted tool that comes down askew through bone of every density.
-ReamingScene oblique_scene(const std::string& device) {
-  ReamingScene scene;
-  scene.scenario = quiet_scenario(device);
-  scene.bone.voxmap = random_bone({41, 37, 29}, 0.2, 7);
-  scene.tool = make_tool(cap_profile(5, 6, 2.5, 0.6), 61);
-  const Quat tilt(Eigen::AngleAxisd(0.4, Vec3(1, 2, 0.5).normalized()));
-  scene.motion = straight({1.5, 1, 4}, {0.6, 1.4, 0.4}, 40, 100, 250, tilt);
-  return scene;
-}
 
 TEST(EngineAgreement, RemoveEqualsTheSerialReference) {
   const Outcome serial = run(oblique_scene("serial"));

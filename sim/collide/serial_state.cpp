@@ -1,0 +1,22 @@
+#include "sim/collide/serial_state.h"
+
+#include "sim/collide/dense_bone.h"
+#include "sim/collide/dense_state.h"
+
+namespace reamsim {
+
+SerialState make_serial_state(const Voxmap& voxmap, const Tool& tool) {
+  SerialState state;
+  state.tool = &tool;
+  state.edges = profile_edges(tool.profile);
+  take_bone(voxmap, state);
+  return state;
+}
+
+void take_bone(const Voxmap& voxmap, SerialState& state) {
+  state.grid = voxmap.grid;
+  state.bone = grades_left(voxmap);
+  state.fill = dense_fill(voxmap);
+}
+
+}  // namespace reamsim

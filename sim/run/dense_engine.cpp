@@ -1,0 +1,82 @@
+#include "sim/run/dense_engine.h"
+
+#include <algorithm>
+
+#include "sim/collide/dense_bone.h"
+#include "sim/collide/direct_detector.h"
+#include "sim/cut/device_erosion.h"
+
+namespace reamsim {
+
+namespace {
+
+/// Group sizes where the scenario leaves the choice: detect is one short item per point; cut strides, and on a CPU
+/// wants several groups, because PoCL hands whole groups to threads.
+std::size_t group_size(const cl::DeviceInfo& info, int wanted, std::size_t otherwise) {
+  return std::min(wanted > 0 ? static_cast<std::size_t>(wanted) : otherwise, info.max_work_group);
+}
+
+/// The plan, once it is known to fit.
+DensePlan fitting_plan(const cl::DeviceInfo& info, const Scenario& scenario, const Voxmap& voxmap, const Tool& tool) {
+  const DensePlan plan = plan_dense(voxmap, tool, scenario.cutting.erosion == "wear");
+  require_fit(plan, info, voxmap.grid.voxel_mm);
+  return plan;
+}
+
+class DenseEngine final : public Engine {
+ public:
+  DenseEngine(const cl::DeviceInfo& info, const Scenario& scenario, const Voxmap& voxmap, const Tool& tool)
+      : device_(info),
+        plan_(fitting_plan(info, scenario, voxmap, tool)),
+        state_(make_dense_state(device_, plan_, voxmap, tool)),
+        batch_(device_, plan_.removed, plan_.contacts, plan_.unreamed),
+        detector_(device_, state_, batch_, group_size(info, scenario.engine.work_group_size, 256)),
+        erosion_(device_, state_, batch_, make_energy_table(scenario.cutting, voxmap.grid.voxel_mm),
+                 group_size(info, scenario.engine.work_group_size, info.gpu ? 256 : 16)) {}
+
+  int begin(const SubstepArgs& args) override { return batch_.begin(args); }
+  Detector& detector() override { return detector_; }
+  Erosion& erosion() override { return erosion_; }
+  [[nodiscard]] bool full() const override { return batch_.full(); }
+
+  Batch collect() override {
+    DeviceBatch::Results results = batch_.collect();
+    Batch batch;
+    batch.sums = std::move(results.sums);
+    batch.detect_s = detector_.take_seconds();
+    batch.cut_s = erosion_.take_seconds();
+    batch.removed.reserve(results.removed.size());
+    for (const auto& gone : results.removed) {
+      batch.removed.emplace_back(gone.voxel, static_cast<std::int32_t>(gone.frame));
+    }
+    return batch;
+  }
+
+  void read_fill(Voxmap& voxmap) override {
+    if (!state_.has_fill) return;
+    std::vector<cl_ushort> fill(state_.fill.count());
+    state_.fill.read(device_, fill.data(), fill.size());
+    copy_fill(fill, voxmap);
+  }
+
+  void restore(const Voxmap& voxmap) override { upload_bone(device_, plan_, voxmap, state_); }
+
+  [[nodiscard]] std::string device() const override { return device_.info().name; }
+  [[nodiscard]] std::size_t device_bytes() const override { return plan_.bytes(); }
+
+ private:
+  cl::Device device_;
+  DensePlan plan_;
+  DenseState state_;
+  DeviceBatch batch_;
+  DirectDetector detector_;
+  DeviceErosion erosion_;
+};
+
+}  // namespace
+
+std::unique_ptr<Engine> make_dense_engine(const Scenario& scenario, const Voxmap& voxmap, const Tool& tool) {
+  return std::make_unique<DenseEngine>(cl::choose_device(scenario.engine.device), scenario, voxmap, tool);
+}
+
+}  // namespace reamsim

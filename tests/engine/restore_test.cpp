@@ -1,0 +1,48 @@
+// Engine::restore: a run on restored bone is the first run again.
+#include "sim/base/error.h"
+#include "tests/engine/outcome.h"
+
+namespace reamsim::test {
+namespace {
+
+class Restore : public testing::TestWithParam<std::string> {};
+
+TEST_P(Restore, ARestoredEngineRunsAgainAlike) {
+  for (const char* erosion : {"remove", "wear"}) {
+    SCOPED_TRACE(erosion);
+    ReamingScene scene = oblique_scene(GetParam());
+    scene.scenario.cutting.erosion = erosion;
+    const auto engine = make_engine(scene.scenario, scene.bone.voxmap, scene.tool);
+    const Outcome first = run_on(*engine, scene);
+    EXPECT_GT(first.removed.size(), 100U);
+    EXPECT_LT(run_on(*engine, scene).totals.energy_mj, first.totals.energy_mj) << "the bone was gone already";
+    engine->restore(scene.bone.voxmap);
+    expect_same(run_on(*engine, scene), first);
+  }
+}
+
+TEST_P(Restore, TakesTheBoneAsItIsThen) {
+  ReamingScene scene = oblique_scene(GetParam());
+  const auto engine = make_engine(scene.scenario, scene.bone.voxmap, scene.tool);
+  run_on(*engine, scene);
+  for (std::int64_t e = 0; e < scene.bone.voxmap.grid.size(); e += 2) {
+    scene.bone.voxmap.fill.set(scene.bone.voxmap.grid.coord(e), 0);
+  }
+  engine->restore(scene.bone.voxmap);
+  expect_same(run_on(*engine, scene), run(scene));
+}
+
+INSTANTIATE_TEST_SUITE_P(Engines, Restore, testing::Values("serial", "auto"),
+                         [](const auto& tested) { return tested.param; });
+
+TEST(RestoreDense, RefusesBoneThatItsMemoryWasNotPlannedFor) {
+  const ReamingScene scene = oblique_scene("auto");
+  const auto engine = make_engine(scene.scenario, scene.bone.voxmap, scene.tool);
+  EXPECT_THROW(engine->restore(random_bone({41, 37, 28}, 0.2, 7)), RunError);
+  Voxmap worn = scene.bone.voxmap;
+  worn.fill.set({20, 20, 20}, 1000);
+  EXPECT_THROW(engine->restore(worn), RunError);  // made without room for fill
+}
+
+}  // namespace
+}  // namespace reamsim::test
