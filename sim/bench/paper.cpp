@@ -11,7 +11,8 @@ std::optional<double> paper_ms(const char* engine, int voxmap, int shell) {
   if (!row) return std::nullopt;
   if (name == "implicit") return kPaperImplicit[*row];
   if (!column) return std::nullopt;
-  if (name == "octree") return *row < std::size(kPaperOctree) ? std::optional(kPaperOctree[*row][*column]) : std::nullopt;
+  if (name == "octree")
+    return *row < std::size(kPaperOctree) ? std::optional(kPaperOctree[*row][*column]) : std::nullopt;
   return kPaperDirect[*row][*column];
 }
 

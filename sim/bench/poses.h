@@ -17,7 +17,7 @@ const char* name_of(Contact contact);
 /// A way of the reamer into the glenoid face. Lengths mm, frame B; depth is along −z of T, 0 with the reamer's lowest
 /// point on the face.
 struct Approach {
-  double posterior_mm, superior_mm;       ///< where on the face
+  double posterior_mm, superior_mm;        ///< where on the face
   double tilt_posterior_deg, tilt_up_deg;  ///< of the spin axis against the face's normal
   std::array<double, 3> depth_mm;          ///< by Contact, found by find_depth() at 1024³ × 1024³
 };

@@ -5,6 +5,7 @@
 #include "sim/collide/dense_bone.h"
 #include "sim/collide/direct_detector.h"
 #include "sim/cut/device_erosion.h"
+#include "sim/cut/voxel_restorer.h"
 
 namespace reamsim {
 
@@ -32,7 +33,8 @@ class DenseEngine final : public Engine {
         batch_(device_, plan_.removed, plan_.contacts, plan_.unreamed),
         detector_(device_, state_, batch_, group_size(info, scenario.engine.work_group_size, 256)),
         erosion_(device_, state_, batch_, make_energy_table(scenario.cutting, voxmap.grid.voxel_mm),
-                 group_size(info, scenario.engine.work_group_size, info.gpu ? 256 : 16)) {}
+                 group_size(info, scenario.engine.work_group_size, info.gpu ? 256 : 16)),
+        restorer_(device_, state_) {}
 
   int begin(const SubstepArgs& args) override { return batch_.begin(args); }
   Detector& detector() override { return detector_; }
@@ -60,9 +62,13 @@ class DenseEngine final : public Engine {
   }
 
   void restore(const Voxmap& voxmap) override { upload_bone(device_, plan_, voxmap, state_); }
+  void restore_voxels(const Voxmap& voxmap, const RemovedFrames& gone) override { restorer_.restore(voxmap, gone); }
 
   [[nodiscard]] std::string device() const override { return device_.info().name; }
   [[nodiscard]] std::size_t device_bytes() const override { return plan_.bytes(); }
+  [[nodiscard]] StructureBytes structure_bytes() const override {
+    return {state_.bone.bytes() + (state_.has_fill ? state_.fill.bytes() : 0), state_.points * sizeof(cl_uint)};
+  }
 
  private:
   cl::Device device_;
@@ -71,6 +77,7 @@ class DenseEngine final : public Engine {
   DeviceBatch batch_;
   DirectDetector detector_;
   DeviceErosion erosion_;
+  VoxelRestorer restorer_;
 };
 
 }  // namespace

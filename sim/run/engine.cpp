@@ -39,6 +39,7 @@ class SerialEngine final : public Engine {
   void restore(const Voxmap& voxmap) override { take_bone(voxmap, state_); }
   [[nodiscard]] std::string device() const override { return "serial"; }
   [[nodiscard]] std::size_t device_bytes() const override { return 0; }
+  [[nodiscard]] StructureBytes structure_bytes() const override { return {}; }
 
  private:
   SerialState state_;
