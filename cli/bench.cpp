@@ -30,12 +30,20 @@ bench::Plan plan_of(const BenchOptions& options) {
   return plan;
 }
 
-/// Opens the file before minutes of measuring, so that a wrong name is known at once.
-std::ofstream open_json(const std::string& path) {
-  if (path.empty()) return {};
+/// Finds out before minutes of measuring whether the file can be written, and leaves it as it is.
+void require_writable(const std::string& path) {
+  const bool existed = std::filesystem::exists(path);
+  if (!std::ofstream(path, std::ios::binary | std::ios::app)) {
+    throw InputError({path, 0, 0}, "--json", "cannot be written", "expected a file name in a folder that exists");
+  }
+  if (!existed) std::filesystem::remove(path);
+}
+
+void write_json(const std::string& path, const std::string& text) {
   std::ofstream out(path, std::ios::binary);
-  if (out) return out;
-  throw InputError({path, 0, 0}, "--json", "cannot be written", "expected a file name in a folder that exists");
+  out << text;
+  out.close();
+  if (!out) throw RunError(path + ": cannot be written; is the disk full?");
 }
 
 void make_folder(const std::string& path) {
@@ -77,18 +85,14 @@ void bench_command(const BenchOptions& options, const Console& console) {
     console.say(bench::find_depths(bench::kVoxmaps.back(), bench::kShells.back()));
     return;
   }
-  std::ofstream json = open_json(options.json);
+  if (!options.json.empty()) require_writable(options.json);
   make_folder(options.output);
   bench::Watch watch;
   watch.progress = [&](const std::string& stage) { console.say("... " + stage); };
   watch.stop = stop_requested;
   const bench::Findings findings = bench::run_bench(plan, watch);
   console.say("\n" + bench::text_of(findings));
-  if (!options.json.empty()) {
-    json << bench::json_of(findings);
-    json.close();
-    if (!json) throw RunError(options.json + ": cannot be written; is the disk full?");
-  }
+  if (!options.json.empty()) write_json(options.json, bench::json_of(findings));
   BenchPlot plot;
   plot.device = findings.device;
   add_severe(findings, plot);

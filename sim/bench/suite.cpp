@@ -140,6 +140,7 @@ void check_plan(const Plan& plan) {
     throw InputError({}, "--device", "\"serial\" is no OpenCL device",
                      "the benchmark compares programs on an OpenCL device");
   }
+  cl::choose_device(plan.device);
 }
 
 Findings run_bench(const Plan& plan, const Watch& watch) {

@@ -41,7 +41,7 @@ struct Watch {
   std::function<bool()> stop = [] { return false; };
 };
 
-/// Throws InputError where the plan names an engine that does not exist, or the serial device.
+/// Throws InputError where the plan names an engine or a device that does not exist, RunError where there is no OpenCL.
 void check_plan(const Plan& plan);
 /// Runs the plan. Throws InputError (no such engine or device), RunError (no OpenCL; poses that do not touch what they
 /// should), Interrupted. What a device cannot hold is in Findings::skipped.
