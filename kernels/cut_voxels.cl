@@ -23,10 +23,13 @@ __kernel void cut_voxels(__global const SubstepArgs* args, const uint substep, _
                          __global const uint* contacts, __global const uint* contact_count,
                          __global SubstepSums* sums, __global uint2* removed, __global uint* removed_count,
                          __global const double* energy_of_grade, __global const double* density_of_grade,
-                         __global const ProfileEdge* edges, const int edge_count) {
+                         __global const ProfileEdge* edges, __global const ushort* numbers,
+                         __global const EdgeList* lists, __global const ProfileGrid* grid) {
   __global const SubstepArgs* a = args + substep;
   const uint count = contact_count[substep];
+  const ProfileView profile = {edges, numbers, lists, grid};
   SubstepSums part = {{0, 0, 0}, {0, 0, 0}, 0, 0, 0, 0};
+  LaneSums law = {{0, 0, 0}, {0, 0, 0}, 0, 0};
   for (uint c = get_global_id(0); c < count; c += get_global_size(0)) {
     const uint e = contacts[c];
     const uchar grade = bone[e];
@@ -34,13 +37,14 @@ __kernel void cut_voxels(__global const SubstepArgs* args, const uint substep, _
     const int lost = rs_lost_fill(a, density_of_grade[grade], before);
     part.contacts += 1;
     part.removed += lost;
+    const double energy = rs_lost_energy(energy_of_grade[grade], lost);
     if (a->law == RS_LAW_ENERGY) {
-      double lever[3];
+      double p[3];
       const uint row = e / (uint)a->dims[0];
-      rs_voxel_lever(a, e % (uint)a->dims[0], row % (uint)a->dims[1], row / (uint)a->dims[1], lever);
-      rs_cut_force(a, edges, edge_count, lever, energy_of_grade[grade] * lost / RS_WHOLE_FILL, &part);
+      rs_voxel_in_tool(a, e % (uint)a->dims[0], row % (uint)a->dims[1], row / (uint)a->dims[1], p);
+      rs_cut_force(a, &profile, rs_edges_near(&profile, sqrt(p[0] * p[0] + p[1] * p[1]), p[2]), p, energy, &law);
     } else {
-      part.energy += rs_quantise(energy_of_grade[grade] * lost / RS_WHOLE_FILL, RS_ENERGY_SCALE);
+      law.energy += rs_quantise(energy, RS_ENERGY_SCALE);
     }
     if (has_fill) fill[e] = (ushort)(before - lost);
     if (lost == before) {
@@ -49,5 +53,6 @@ __kernel void cut_voxels(__global const SubstepArgs* args, const uint substep, _
     }
     atomic_and(&claims[e >> 5], ~(1u << (e & 31u)));
   }
+  rs_add_lanes(&part, &law);
   if (part.contacts != 0) add_sums(&sums[substep], &part);
 }

@@ -10,7 +10,8 @@
 __kernel void detect_direct(__global const uint* codes, const uint point_count, __global const SubstepArgs* args,
                             const uint substep, __global const uchar* bone, __global uint* claims,
                             __global uint* contacts, __global uint* contact_count, __global SubstepSums* sums,
-                            __global const ProfileEdge* edges, const int edge_count) {
+                            __global const ProfileEdge* edges, __global const ushort* numbers,
+                            __global const EdgeList* lists, __global const ProfileGrid* grid) {
   const uint point = get_global_id(0);
   if (point >= point_count) return;
   __global const SubstepArgs* a = args + substep;
@@ -27,8 +28,9 @@ __kernel void detect_direct(__global const uint* codes, const uint point_count, 
   if (bone[e] == 0) return;
 
   if (a->law == RS_LAW_PER_POINT) {
-    SubstepSums point_sums = {{0, 0, 0}, {0, 0, 0}, 0, 0, 0, 0};
-    rs_point_force(a, edges, edge_count, x, y, z, &point_sums);
+    LaneSums point_sums = {{0, 0, 0}, {0, 0, 0}, 0, 0};
+    const ProfileView profile = {edges, numbers, lists, grid};
+    rs_point_force(a, &profile, x, y, z, &point_sums);
     for (int c = 0; c < 3; ++c) {
       atom_add(&sums[substep].force[c], point_sums.force[c]);
       atom_add(&sums[substep].torque[c], point_sums.torque[c]);

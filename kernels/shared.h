@@ -11,20 +11,46 @@
 typedef long rs_i64;
 typedef int rs_i32;
 typedef uint rs_u32;
+typedef ulong rs_u64;
+typedef ushort rs_u16;
+typedef uchar rs_u8;
 #define RS_GLOBAL __global
 #define RS_INLINE static inline
 #define RS_SQRT sqrt
 #define RS_FLOOR floor
+#define RS_BITS as_long
 #else
 #include <math.h>
 #include <stdint.h>
+#include <string.h>
 typedef int64_t rs_i64;
 typedef int32_t rs_i32;
 typedef uint32_t rs_u32;
+typedef uint64_t rs_u64;
+typedef uint16_t rs_u16;
+typedef uint8_t rs_u8;
 #define RS_GLOBAL
 #define RS_INLINE static inline
 #define RS_SQRT sqrt
 #define RS_FLOOR floor
+RS_INLINE rs_i64 rs_bits(double value) {
+  rs_i64 bits;
+  memcpy(&bits, &value, sizeof bits);
+  return bits;
+}
+#define RS_BITS rs_bits
+#endif
+
+/* The cutting law is written once and compiled for one voxel at a time, or for eight in the lanes of a vector where a
+ * kernel defines RS_LANES 8: the same operations in the same order, so the same bits. */
+#if defined(RS_LANES) && RS_LANES == 8
+typedef double8 rs_real;
+typedef long8 rs_sum;
+#undef RS_BITS
+#define RS_BITS as_long8
+#else
+typedef double rs_real;
+typedef rs_i64 rs_sum;
 #endif
 
 /* Fractional bits of a position in voxels. Over 1024 shell cells the rounding of the rotation adds up to 2^-15 voxel.
@@ -36,6 +62,9 @@ typedef uint32_t rs_u32;
 #define RS_TORQUE_SCALE 16777216.0   /* 2^24 */
 #define RS_ENERGY_SCALE 4294967296.0 /* 2^32 */
 
+/* A single voxel or point gives at most this many units to a sum (2^50: 4·10^6 N, 7·10^7 N·mm, 3·10^5 mJ). */
+#define RS_MOST_UNITS 1125899906842624.0
+
 #define RS_WHOLE_FILL 65535
 
 #define RS_LAW_ENERGY 0
@@ -44,23 +73,21 @@ typedef uint32_t rs_u32;
 #define RS_EROSION_WEAR 1
 
 /* Everything that the stages of one substep need to know; written to the device in one piece before detect (paper
- * §3.5). Lengths in mm, frame B unless said otherwise. */
+ * §3.5). Lengths in mm; velocities and levers in the tool frame T without spin, so that the law needs one rotation. */
 typedef struct {
   rs_i64 voxel_from_cell[9];  /* row-major, fixed point: shell cell step to voxels */
   rs_i64 voxel_origin[3];     /* fixed point: centre of shell cell (0,0,0), in voxels from the lattice's corner */
-  double tool_from_bone[9];   /* row-major rotation */
-  double lattice_origin[3];   /* corner of voxel (0,0,0), relative to the tool's origin */
-  double origin_velocity[3];  /* of the tool's origin, mm/s */
-  double angular_velocity[3]; /* spin and tilt, rad/s */
-  double voxel_mm;
+  double tool_from_voxel[9];  /* row-major: voxel step to mm in T */
+  double tool_origin[3];      /* centre of voxel (0,0,0), T */
+  double origin_velocity[3];  /* of the tool's origin, mm/s, T */
+  double angular_velocity[3]; /* spin and tilt, rad/s, T */
   double duration_s;
   double speed_floor;     /* mm/s */
   double normal_ratio;    /* k_n */
   double force_per_point; /* N, law per_point */
   double wear;            /* g/cm3 that a touched voxel loses in this substep */
   double cell_mm;         /* of the shell */
-  double shell_origin[3]; /* corner of shell cell (0,0,0), tool frame T turned by the spin angle */
-  double shell_turn[2];   /* cosine and sine of the turn that takes shell to T */
+  double shell_origin[3]; /* corner of shell cell (0,0,0), shell frame */
   rs_i32 dims[3];
   rs_i32 voi_min[3]; /* shell cells, inclusive */
   rs_i32 voi_max[3];
@@ -69,7 +96,8 @@ typedef struct {
   rs_i32 frame;
 } SubstepArgs;
 
-/* Integer sums over the voxels of one substep. Force and torque act on the tool, torque about its origin, in B. */
+/* Integer sums over the voxels of one substep. Force and torque act on the tool, torque about its origin; law energy:
+ * in T without spin; law per_point: in the shell's frame, which turns with the teeth where they are resolved. */
 typedef struct {
   rs_i64 force[3];
   rs_i64 torque[3];
@@ -79,14 +107,115 @@ typedef struct {
   rs_i64 contacts; /* voxels */
 } SubstepSums;
 
-/* An edge of the tool's profile in (r, z) of T, mm, with its outward unit normal. */
+/* The sums' first eight, by lane while the law runs. */
 typedef struct {
-  double r0, z0, r1, z1;
+  rs_sum force[3];
+  rs_sum torque[3];
+  rs_sum energy;
+  rs_sum floor_energy;
+} LaneSums;
+
+/* An edge of the tool's profile in (r, z) of T, mm: from (r0, z0) along (along_r, along_z), with 1/length^2 and its
+ * outward unit normal. */
+typedef struct {
+  double r0, z0, along_r, along_z;
+  double inverse_length2;
   double normal_r, normal_z;
+  double unused; /* 64 bytes: one cache line */
 } ProfileEdge;
 
-/* ---- Morton codes: 10 bits per axis, x in bit 0 (paper §3.3) -------------------------------------------------------
- */
+/* Which edges can be nearest: a grid of square cells over (r, z), each with a list of edges in ascending order that
+ * holds the nearest edge of every point within `reach` of the cell. Cells far from the profile, and points off the
+ * grid, use list 0, which holds all edges. */
+typedef struct {
+  double z0; /* mm; r begins at 0 */
+  double per_mm;
+  rs_i32 count_r, count_z;
+} ProfileGrid;
+
+typedef struct {
+  rs_u32 first; /* into the array of edge numbers */
+  rs_u32 count;
+} EdgeList;
+
+/* The tool's profile as a kernel sees it. */
+typedef struct {
+  RS_GLOBAL const ProfileEdge* edges;
+  RS_GLOBAL const rs_u16* numbers;  /* of edges, list after list */
+  RS_GLOBAL const EdgeList* lists;  /* [1 + count_r * count_z]; cell (r, z) has list 1 + r + count_r * z */
+  RS_GLOBAL const ProfileGrid* grid;
+} ProfileView;
+
+/* ---- Bricks: 8x8x8 voxels, stored only where there is bone ---- */
+
+#define RS_BRICK_SIDE 8
+#define RS_BRICK_VOXELS 512
+#define RS_BRICK_WORDS 16 /* of 32 bits, a bit per voxel */
+
+/* A voxel's place in its brick: eight blocks of 4x4x4 voxels, x before y before z in the block and among the blocks, so
+ * that a block is 64 consecutive bits and what a surface touches lies close together. */
+RS_INLINE rs_i32 rs_brick_offset(rs_i32 x, rs_i32 y, rs_i32 z) {
+  return (((x >> 2) & 1) | ((y >> 2) & 1) << 1 | ((z >> 2) & 1) << 2) << 6 | (x & 3) | (y & 3) << 2 | (z & 3) << 4;
+}
+
+RS_INLINE rs_i32 rs_offset_x(rs_i32 offset) {
+  return (offset >> 6 & 1) << 2 | (offset & 3);
+}
+RS_INLINE rs_i32 rs_offset_y(rs_i32 offset) {
+  return (offset >> 7 & 1) << 2 | (offset >> 2 & 3);
+}
+RS_INLINE rs_i32 rs_offset_z(rs_i32 offset) {
+  return (offset >> 8 & 1) << 2 | (offset >> 4 & 3);
+}
+
+/* By rs_brick_offset. RS_BRICK_FILL is defined where voxels can be partly gone. */
+typedef struct {
+  rs_u32 bone[RS_BRICK_WORDS];    /* bit: something is left of the voxel */
+  rs_u32 touched[RS_BRICK_WORDS]; /* bit: the tool touches it in this substep; all 0 between cut and detect */
+  rs_u8 grade[RS_BRICK_VOXELS];
+#ifdef RS_BRICK_FILL
+  rs_u16 fill[RS_BRICK_VOXELS];
+#endif
+} Brick;
+
+/* The bricks stand in RS_POOLS buffers (1 or 16) of 2^RS_POOL_BITS bricks, because devices limit one allocation. */
+#ifdef RS_POOLS
+#if RS_POOLS == 1
+#define RS_POOL_PARAMETERS __global Brick* pool_0
+#define RS_POOL_ARRAY \
+  { pool_0 }
+#else
+#define RS_POOL_PARAMETERS                                                                              \
+  __global Brick *pool_0, __global Brick *pool_1, __global Brick *pool_2, __global Brick *pool_3,       \
+      __global Brick *pool_4, __global Brick *pool_5, __global Brick *pool_6, __global Brick *pool_7,   \
+      __global Brick *pool_8, __global Brick *pool_9, __global Brick *pool_10, __global Brick *pool_11, \
+      __global Brick *pool_12, __global Brick *pool_13, __global Brick *pool_14, __global Brick *pool_15
+#define RS_POOL_ARRAY                                                                                               \
+  {                                                                                                                 \
+    pool_0, pool_1, pool_2, pool_3, pool_4, pool_5, pool_6, pool_7, pool_8, pool_9, pool_10, pool_11, pool_12,      \
+        pool_13, pool_14, pool_15                                                                                   \
+  }
+#endif
+#define RS_POOL_MASK ((1u << RS_POOL_BITS) - 1u)
+#endif
+
+/* A block of the shell's grid with its points: their lowest cell, and how far the highest lies from it. Points are 16-bit
+ * offsets from the lowest cell, 5 bits an axis, x in bit 0. */
+#define RS_CELL_BITS 5
+typedef struct {
+  rs_i32 first[3];
+  rs_i32 span[3];
+  rs_u32 begin; /* of the offsets; a multiple of 16 */
+  rs_u32 count;
+} ShellCell;
+
+/* A voxel that went, as the kernels report it. */
+typedef struct {
+  rs_u32 brick;  /* in the lattice of bricks */
+  rs_u32 detail; /* substep's slot << 9 | place in the brick */
+} RemovedInBrick;
+
+/* ---- Morton codes: 10 bits per axis, x in bit 0 (paper §3.3) ---- */
 
 RS_INLINE rs_i32 rs_compact_bits(rs_u32 code) {
   code &= 0x09249249u;
@@ -97,8 +226,7 @@ RS_INLINE rs_i32 rs_compact_bits(rs_u32 code) {
   return (rs_i32)code;
 }
 
-/* ---- Detect: where a shell point lies
- * -------------------------------------------------------------------------------- */
+/* ---- Detect: where a shell point lies ---- */
 
 /* Voxel coordinate along `axis` of the centre of shell cell (x, y, z). */
 RS_INLINE rs_i32 rs_voxel_coordinate(RS_GLOBAL const SubstepArgs* a, int axis, rs_i32 x, rs_i32 y, rs_i32 z) {
@@ -111,52 +239,55 @@ RS_INLINE int rs_in_voi(RS_GLOBAL const SubstepArgs* a, rs_i32 x, rs_i32 y, rs_i
          z <= a->voi_max[2];
 }
 
-/* ---- The profile's outward normal
- * ------------------------------------------------------------------------------------ */
+/* ---- The profile's outward normal ---- */
 
-typedef struct {
-  double r, z;
-} RsNormal;
-
-/* Outward unit normal (n_r, n_z) at the profile's point nearest to (r, z): the gradient of the signed distance there,
- * or the edge's normal on the surface itself. Of two edges that share the nearest vertex the one seen more squarely
- * decides the sign. */
-RS_INLINE RsNormal rs_profile_normal(RS_GLOBAL const ProfileEdge* edges, rs_i32 count, double r, double z) {
-  double best = 1e300, best_side = 0, dr = 0, dz = 0;
-  RsNormal normal;
-  normal.r = 0;
-  normal.z = -1;
-  for (rs_i32 i = 0; i < count; ++i) {
-    const double er = edges[i].r1 - edges[i].r0, ez = edges[i].z1 - edges[i].z0;
-    const double t = ((r - edges[i].r0) * er + (z - edges[i].z0) * ez) / (er * er + ez * ez);
-    const double qr = t <= 0 ? edges[i].r0 : t >= 1 ? edges[i].r1 : edges[i].r0 + t * er;
-    const double qz = t <= 0 ? edges[i].z0 : t >= 1 ? edges[i].z1 : edges[i].z0 + t * ez;
-    const double pr = r - qr, pz = z - qz;
-    const double d2 = pr * pr + pz * pz;
-    const double side = pr * edges[i].normal_r + pz * edges[i].normal_z;
-    const double abs_side = side < 0 ? -side : side, abs_best = best_side < 0 ? -best_side : best_side;
-    if (d2 < best || (d2 == best && abs_side > abs_best)) {
-      best = d2;
-      best_side = side;
-      dr = pr;
-      dz = pz;
-      normal.r = edges[i].normal_r;
-      normal.z = edges[i].normal_z;
-    }
-  }
-  if (best > 1e-18) {
-    const double d = RS_SQRT(best);
-    normal.r = (best_side < 0 ? -dr : dr) / d;
-    normal.z = (best_side < 0 ? -dz : dz) / d;
-  }
-  return normal;
+/* The list of edges for points within the grid's reach of (r, z). */
+RS_INLINE EdgeList rs_edges_near(const ProfileView* profile, double r, double z) {
+  RS_GLOBAL const ProfileGrid* g = profile->grid;
+  const double cr = r * g->per_mm, cz = (z - g->z0) * g->per_mm;
+  if (!(cr < g->count_r && cz >= 0 && cz < g->count_z)) return profile->lists[0];
+  return profile->lists[1 + (rs_i32)cr + g->count_r * (rs_i32)cz];
 }
 
-/* ---- Cut: what a voxel that loses volume does to the tool (design §5)
- * -------------------------------------------------- */
+/* Outward unit normal (n_r, n_z) at the profile's point nearest to (r, z), of the edges in `list`: the gradient of the
+ * signed distance there, or the edge's normal on the surface itself. Of two edges that share the nearest vertex the one
+ * seen more squarely decides the sign. */
+RS_INLINE void rs_profile_normal(const ProfileView* profile, EdgeList list, rs_real r, rs_real z, rs_real* normal_r,
+                                 rs_real* normal_z) {
+  rs_real best = (rs_real)1e300, best_side = (rs_real)0, dr = (rs_real)0, dz = (rs_real)0;
+  rs_real nr = (rs_real)0, nz = (rs_real)-1;
+  for (rs_u32 i = 0; i < list.count; ++i) {
+    RS_GLOBAL const ProfileEdge* e = profile->edges + profile->numbers[list.first + i];
+    const rs_real vr = r - e->r0, vz = z - e->z0;
+    rs_real t = (vr * e->along_r + vz * e->along_z) * e->inverse_length2;
+    t = t <= 0.0 ? (rs_real)0 : t;
+    t = t >= 1.0 ? (rs_real)1 : t;
+    const rs_real pr = vr - t * e->along_r, pz = vz - t * e->along_z;
+    const rs_real d2 = pr * pr + pz * pz;
+    const rs_real side = pr * e->normal_r + pz * e->normal_z;
+    const rs_real abs_side = side < 0.0 ? -side : side, abs_best = best_side < 0.0 ? -best_side : best_side;
+    /* One comparison more than `&&` needs, but the same for scalars and lanes. */
+    const rs_real tie = d2 == best ? abs_side - abs_best : (rs_real)-1;
+    const rs_real gain = d2 < best ? (rs_real)1 : tie;
+    best = gain > 0.0 ? d2 : best;
+    best_side = gain > 0.0 ? side : best_side;
+    dr = gain > 0.0 ? pr : dr;
+    dz = gain > 0.0 ? pz : dz;
+    nr = gain > 0.0 ? (rs_real)e->normal_r : nr;
+    nz = gain > 0.0 ? (rs_real)e->normal_z : nz;
+  }
+  /* On the surface itself the direction is undefined: the edge's own normal. */
+  const rs_real distance = RS_SQRT(best);
+  const rs_real signed_inverse = (best_side < 0.0 ? (rs_real)-1 : (rs_real)1) / distance;
+  *normal_r = best > 1e-18 ? dr * signed_inverse : nr;
+  *normal_z = best > 1e-18 ? dz * signed_inverse : nz;
+}
 
-RS_INLINE rs_i64 rs_quantise(double value, double scale) {
-  return (rs_i64)RS_FLOOR(value * scale + 0.5);
+/* ---- Cut: what a voxel that loses volume does to the tool (design §5) ---- */
+
+/* Nearest integer, ties to even, of |value * scale| <= RS_MOST_UNITS: adding 1.5*2^52 leaves it in the low bits. */
+RS_INLINE rs_sum rs_quantise(rs_real value, double scale) {
+  return RS_BITS(value * scale + 6755399441055744.0) - (rs_i64)0x4338000000000000;
 }
 
 /* Fill that a touched voxel of density `density` loses: all of it, or what wears off in this substep. */
@@ -166,70 +297,86 @@ RS_INLINE rs_i32 rs_lost_fill(RS_GLOBAL const SubstepArgs* a, double density, rs
   return lost >= fill ? fill : lost < 1 ? 1 : (rs_i32)lost;
 }
 
+/* mJ that a voxel takes which loses `lost` of its fill, when the whole of it would take `whole`. */
+RS_INLINE double rs_lost_energy(double whole, rs_i32 lost) {
+  return lost == RS_WHOLE_FILL ? whole : whole * lost / RS_WHOLE_FILL;
+}
+
 /* Adds force `f` (N) at lever `p` (mm, from the tool's origin) to the sums. */
-RS_INLINE void rs_add_force(SubstepSums* sums, const double* f, const double* p) {
+RS_INLINE void rs_add_force(LaneSums* sums, const rs_real* f, const rs_real* p) {
   for (int i = 0; i < 3; ++i) sums->force[i] += rs_quantise(f[i], RS_FORCE_SCALE);
   sums->torque[0] += rs_quantise(p[1] * f[2] - p[2] * f[1], RS_TORQUE_SCALE);
   sums->torque[1] += rs_quantise(p[2] * f[0] - p[0] * f[2], RS_TORQUE_SCALE);
   sums->torque[2] += rs_quantise(p[0] * f[1] - p[1] * f[0], RS_TORQUE_SCALE);
 }
 
-/* The tool's outward normal, in B, at `p` (mm from the tool's origin, B). Zero radial part on the spin axis. */
-RS_INLINE void rs_normal_at(RS_GLOBAL const SubstepArgs* a, RS_GLOBAL const ProfileEdge* edges, rs_i32 edge_count,
-                            const double* p, double* normal) {
-  double t[3];
-  for (int i = 0; i < 3; ++i)
-    t[i] = a->tool_from_bone[3 * i] * p[0] + a->tool_from_bone[3 * i + 1] * p[1] + a->tool_from_bone[3 * i + 2] * p[2];
-  const double r = RS_SQRT(t[0] * t[0] + t[1] * t[1]);
-  const RsNormal rz = rs_profile_normal(edges, edge_count, r, t[2]);
-  const double x = r > 0 ? rz.r * t[0] / r : 0, y = r > 0 ? rz.r * t[1] / r : 0;
-  for (int i = 0; i < 3; ++i)
-    normal[i] = a->tool_from_bone[i] * x + a->tool_from_bone[3 + i] * y + a->tool_from_bone[6 + i] * rz.z;
+/* The tool's outward normal at `p` (T, mm), of the edges in `list`. Zero radial part on the spin axis. */
+RS_INLINE void rs_normal_at(const ProfileView* profile, EdgeList list, const rs_real* p, rs_real* normal) {
+  const rs_real r = RS_SQRT(p[0] * p[0] + p[1] * p[1]);
+  rs_real radial;
+  rs_profile_normal(profile, list, r, p[2], &radial, &normal[2]);
+  const rs_real share = r > 0.0 ? radial / r : (rs_real)0;
+  normal[0] = share * p[0];
+  normal[1] = share * p[1];
 }
 
-/* Force of the energetic law on the tool for a voxel with centre at `p` (mm from the tool's origin, B) whose loss took
- * `energy` mJ: -F_t·v/|v| - k_n·F_t·n_perp with F_t = E/(max(|v|, v_floor)·dt). A voxel on which the tool does not move
- * takes energy but gives no force; all of it is floor energy. */
-RS_INLINE void rs_cut_force(RS_GLOBAL const SubstepArgs* a, RS_GLOBAL const ProfileEdge* edges, rs_i32 edge_count,
-                            const double* p, double energy, SubstepSums* sums) {
-  RS_GLOBAL const double* w = a->angular_velocity;
-  const double v[3] = {a->origin_velocity[0] + w[1] * p[2] - w[2] * p[1],
-                       a->origin_velocity[1] + w[2] * p[0] - w[0] * p[2],
-                       a->origin_velocity[2] + w[0] * p[1] - w[1] * p[0]};
-  const double speed = RS_SQRT(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
-  const double floored = speed > a->speed_floor ? speed : a->speed_floor;
-  sums->energy += rs_quantise(energy, RS_ENERGY_SCALE);
-  sums->floor_energy += rs_quantise(energy * (1 - speed / floored), RS_ENERGY_SCALE);
-  if (!(speed > 0)) return;
-  double n[3], f[3];
-  rs_normal_at(a, edges, edge_count, p, n);
-  const double tangential = energy / (floored * a->duration_s);
-  const double along = (n[0] * v[0] + n[1] * v[1] + n[2] * v[2]) / (speed * speed);
+/* Centre of voxel (x, y, z) in T, mm. */
+RS_INLINE void rs_voxel_in_tool(RS_GLOBAL const SubstepArgs* a, rs_real x, rs_real y, rs_real z, rs_real* p) {
   for (int i = 0; i < 3; ++i)
-    f[i] = -tangential * (v[i] / speed) - a->normal_ratio * tangential * (n[i] - along * v[i]);
+    p[i] = a->tool_origin[i] + a->tool_from_voxel[3 * i] * x + a->tool_from_voxel[3 * i + 1] * y +
+           a->tool_from_voxel[3 * i + 2] * z;
+}
+
+/* Force of the energetic law on the tool for a voxel with centre at `p` (T, mm) whose loss took `energy` mJ:
+ * -F_t·v/|v| - k_n·F_t·n_perp with F_t = E/(max(|v|, v_floor)·dt). A voxel on which the tool does not move takes energy
+ * but gives no force; all of it is floor energy. `list` holds the profile's edges that can be nearest. */
+RS_INLINE void rs_cut_force(RS_GLOBAL const SubstepArgs* a, const ProfileView* profile, EdgeList list, const rs_real* p,
+                            rs_real energy, LaneSums* sums) {
+  RS_GLOBAL const double* w = a->angular_velocity;
+  const rs_real v[3] = {a->origin_velocity[0] + (w[1] * p[2] - w[2] * p[1]),
+                        a->origin_velocity[1] + (w[2] * p[0] - w[0] * p[2]),
+                        a->origin_velocity[2] + (w[0] * p[1] - w[1] * p[0])};
+  const rs_real speed = RS_SQRT(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+  const rs_real per_speed = (rs_real)1 / speed;
+  const double floor_s = 1 / (a->speed_floor * a->duration_s), per_s = 1 / a->duration_s;
+  const rs_real tangential = energy * (speed > a->speed_floor ? per_speed * per_s : (rs_real)floor_s);
+  const rs_real over_floor = speed > a->speed_floor ? (rs_real)0 : energy * ((rs_real)1 - speed / a->speed_floor);
+  sums->energy += rs_quantise(energy, RS_ENERGY_SCALE);
+  sums->floor_energy += rs_quantise(over_floor, RS_ENERGY_SCALE);
+  rs_real n[3], f[3];
+  rs_normal_at(profile, list, p, n);
+  const rs_real along = (n[0] * v[0] + n[1] * v[1] + n[2] * v[2]) * per_speed;
+  const rs_real normal = a->normal_ratio * tangential;
+  const rs_real against = (tangential - normal * along) * per_speed;
+  for (int i = 0; i < 3; ++i) {
+    f[i] = -(against * v[i]) - normal * n[i];
+    f[i] = speed > 0.0 ? f[i] : (rs_real)0;
+  }
   rs_add_force(sums, f, p);
 }
 
-/* Centre of voxel (x, y, z), mm from the tool's origin, B. */
-RS_INLINE void rs_voxel_lever(RS_GLOBAL const SubstepArgs* a, rs_i32 x, rs_i32 y, rs_i32 z, double* p) {
-  p[0] = a->lattice_origin[0] + (x + 0.5) * a->voxel_mm;
-  p[1] = a->lattice_origin[1] + (y + 0.5) * a->voxel_mm;
-  p[2] = a->lattice_origin[2] + (z + 0.5) * a->voxel_mm;
+#if !defined(RS_LANES)
+RS_INLINE void rs_add_lanes(SubstepSums* sums, const LaneSums* lanes) {
+  for (int i = 0; i < 3; ++i) {
+    sums->force[i] += lanes->force[i];
+    sums->torque[i] += lanes->torque[i];
+  }
+  sums->energy += lanes->energy;
+  sums->floor_energy += lanes->floor_energy;
 }
 
-/* The paper's way: each touching point pushes the tool back along its inward normal with a given elemental force. */
-RS_INLINE void rs_point_force(RS_GLOBAL const SubstepArgs* a, RS_GLOBAL const ProfileEdge* edges, rs_i32 edge_count,
-                              rs_i32 x, rs_i32 y, rs_i32 z, SubstepSums* sums) {
-  const double sx = a->shell_origin[0] + (x + 0.5) * a->cell_mm, sy = a->shell_origin[1] + (y + 0.5) * a->cell_mm;
-  const double t[3] = {a->shell_turn[0] * sx - a->shell_turn[1] * sy, a->shell_turn[1] * sx + a->shell_turn[0] * sy,
+/* The paper's way: each touching point pushes the tool back along its inward normal with a given elemental force. Shell
+ * frame: the profile is the same at every turn of the spin. */
+RS_INLINE void rs_point_force(RS_GLOBAL const SubstepArgs* a, const ProfileView* profile, rs_i32 x, rs_i32 y, rs_i32 z,
+                              LaneSums* sums) {
+  const double p[3] = {a->shell_origin[0] + (x + 0.5) * a->cell_mm, a->shell_origin[1] + (y + 0.5) * a->cell_mm,
                        a->shell_origin[2] + (z + 0.5) * a->cell_mm};
-  double p[3], n[3], f[3];
-  for (int i = 0; i < 3; ++i)
-    p[i] = a->tool_from_bone[i] * t[0] + a->tool_from_bone[3 + i] * t[1] + a->tool_from_bone[6 + i] * t[2];
-  rs_normal_at(a, edges, edge_count, p, n);
+  double n[3], f[3];
+  rs_normal_at(profile, rs_edges_near(profile, RS_SQRT(p[0] * p[0] + p[1] * p[1]), p[2]), p, n);
   for (int i = 0; i < 3; ++i) f[i] = -a->force_per_point * n[i];
   rs_add_force(sums, f, p);
 }
+#endif
 
 /* ---- The published methods of `reamsim bench` (kernels/published_*.cl), which the engines do not use ----------------
  */

@@ -30,10 +30,10 @@ bool touches(const Voxmap& voxmap, const SubstepArgs& args, std::uint32_t code) 
 }  // namespace
 
 const std::array<Approach, 4> kApproaches{{
-    {0, 0, 3, -2, {0, 0, 0}},
-    {-3, 4, 8, -6, {0, 0, 0}},
-    {4, -6, -12, 10, {0, 0, 0}},
-    {1, -3, 18, 15, {0, 0, 0}},
+    {0, 0, 3, -2, {0.7520, 0.0576, -0.4399}},
+    {-3, 4, 8, -6, {0.4102, -0.2905, -0.7692}},
+    {4, -6, -12, 10, {-0.1914, -0.8999, -1.3996}},
+    {1, -3, 18, 15, {-1.0703, -2.2725, -2.8603}},
 }};
 
 const char* name_of(Contact contact) {

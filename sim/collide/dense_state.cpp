@@ -17,12 +17,10 @@ DenseState make_dense_state(const cl::Device& device, const DensePlan& plan, con
   state.codes = {device, at_least_one(plan.points), "the point shell"};
   state.points = plan.points;
   state.contacts = {device, at_least_one(plan.contacts), "the contact list"};
-  const auto edges = profile_edges(tool.profile);
-  state.edges = {device, at_least_one(edges.size()), "the tool's profile"};
+  state.profile = {device, make_profile_table(tool.profile, voxmap.grid.voxel_mm)};
 
   upload_bone(device, plan, voxmap, state);
   if (plan.points > 0) state.codes.write(device, tool.shell.codes.data(), plan.points);
-  if (!edges.empty()) state.edges.write(device, edges.data(), edges.size());
   state.claims.clear(device, state.claims.count());
   return state;
 }

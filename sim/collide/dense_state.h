@@ -2,6 +2,7 @@
 
 #include "kernels/shared.h"
 #include "sim/collide/dense_plan.h"
+#include "sim/collide/profile_table.h"
 
 namespace reamsim {
 
@@ -14,7 +15,7 @@ struct DenseState {
   cl::Buffer<cl_uint> claims;
   cl::Buffer<cl_uint> codes;
   std::size_t points = 0;
-  cl::Buffer<ProfileEdge> edges;
+  DeviceProfile profile;
   cl::Buffer<cl_uint> contacts;
 };
 
@@ -23,8 +24,5 @@ DenseState make_dense_state(const cl::Device& device, const DensePlan& plan, con
 
 /// Writes the bone as `voxmap` has it. Throws RunError where it is not the bone that `plan` was made for.
 void upload_bone(const cl::Device& device, const DensePlan& plan, const Voxmap& voxmap, DenseState& state);
-
-/// The profile's edges off the axis with their outward normals, as the cut reads them.
-std::vector<ProfileEdge> profile_edges(const Profile& profile);
 
 }  // namespace reamsim

@@ -23,8 +23,7 @@ DirectDetector::DirectDetector(const cl::Device& device, const DenseState& state
   kernel_.set(6, state.contacts);
   kernel_.set(7, batch.contact_count());
   kernel_.set(8, batch.sums());
-  kernel_.set(9, state.edges);
-  kernel_.set(10, static_cast<cl_int>(state.edges.count()));
+  state.profile.set(kernel_, 9);
 }
 
 void DirectDetector::detect(int slot) {

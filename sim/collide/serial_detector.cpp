@@ -5,7 +5,8 @@ namespace reamsim {
 void SerialDetector::detect(int slot) {
   const Stopwatch watch;
   const SubstepArgs& args = state_.args[static_cast<std::size_t>(slot)];
-  const auto edge_count = static_cast<rs_i32>(state_.edges.size());
+  const ProfileView profile = state_.profile.view();
+  LaneSums point_sums{};
   for (const std::uint32_t code : state_.tool->shell.codes) {
     const int x = rs_compact_bits(code), y = rs_compact_bits(code >> 1), z = rs_compact_bits(code >> 2);
     const Vec3i voxel(rs_voxel_coordinate(&args, 0, x, y, z), rs_voxel_coordinate(&args, 1, x, y, z),
@@ -14,12 +15,13 @@ void SerialDetector::detect(int slot) {
     const auto e = static_cast<std::size_t>(state_.grid.index(voxel.x(), voxel.y(), voxel.z()));
     if (state_.bone[e] == 0) continue;
     if (args.law == RS_LAW_PER_POINT) {
-      rs_point_force(&args, state_.edges.data(), edge_count, x, y, z, &state_.sums[static_cast<std::size_t>(slot)]);
+      rs_point_force(&args, &profile, x, y, z, &point_sums);
     }
     if (claimed_[e]) continue;
     claimed_[e] = true;
     state_.contacts.push_back(static_cast<std::int64_t>(e));
   }
+  rs_add_lanes(&state_.sums[static_cast<std::size_t>(slot)], &point_sums);
   for (const std::int64_t e : state_.contacts) claimed_[static_cast<std::size_t>(e)] = false;
   seconds_.push_back(watch.seconds());
 }

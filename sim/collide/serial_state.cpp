@@ -1,14 +1,13 @@
 #include "sim/collide/serial_state.h"
 
 #include "sim/collide/dense_bone.h"
-#include "sim/collide/dense_state.h"
 
 namespace reamsim {
 
 SerialState make_serial_state(const Voxmap& voxmap, const Tool& tool) {
   SerialState state;
   state.tool = &tool;
-  state.edges = profile_edges(tool.profile);
+  state.profile = full_profile_table(tool.profile);
   take_bone(voxmap, state);
   return state;
 }

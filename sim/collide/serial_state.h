@@ -2,8 +2,8 @@
 
 #include <vector>
 
-#include "kernels/shared.h"
 #include "sim/bone/voxmap.h"
+#include "sim/collide/profile_table.h"
 #include "sim/tool/tool.h"
 
 namespace reamsim {
@@ -11,7 +11,7 @@ namespace reamsim {
 /// What the serial engine keeps between detect and cut.
 struct SerialState {
   const Tool* tool = nullptr;
-  std::vector<ProfileEdge> edges;
+  ProfileTable profile;
   VoxelGrid grid;
   std::vector<std::uint8_t> bone;   ///< grade, 0 = air or gone
   std::vector<std::uint16_t> fill;  ///< dense

@@ -6,9 +6,8 @@
 namespace reamsim {
 
 // Host and device lay the struct out alike: 8-byte members first, then an even number of ints.
-static_assert(sizeof(SubstepArgs) == 8 * (9 + 3 + 9 + 3 + 3 + 3 + 7 + 3 + 2) + 4 * 12);
+static_assert(sizeof(SubstepArgs) == 8 * (9 + 3 + 9 + 3 + 3 + 3 + 6 + 3) + 4 * 12);
 static_assert(sizeof(SubstepSums) == 8 * 10);
-static_assert(sizeof(ProfileEdge) == 8 * 6);
 
 namespace {
 
@@ -69,25 +68,24 @@ SubstepArgs make_args(const Substep& substep, const Aabb& voi, const PointShell&
   const Vec3 first = (shell_pose * first_cell - grid.origin_mm) / grid.voxel_mm;
   const Mat3 step = shell_pose.linear() * (shell.cell_mm / grid.voxel_mm);
   const Mat3 tool_from_bone = substep.pose.orientation.toRotationMatrix().transpose();
-  const Vec3 corner = grid.origin_mm - substep.pose.position_mm;
+  const Mat3 tool_from_voxel = tool_from_bone * grid.voxel_mm;
+  const Vec3 origin = tool_from_bone * (grid.center_mm(0, 0, 0) - substep.pose.position_mm);
+  const Vec3 velocity = tool_from_bone * substep.origin_velocity_mm_s;
+  const Vec3 turning = tool_from_bone * substep.angular_velocity;
   for (int i = 0; i < 3; ++i) {
     for (int j = 0; j < 3; ++j) {
       args.voxel_from_cell[3 * i + j] = fixed_point(step(i, j));
-      args.tool_from_bone[3 * i + j] = tool_from_bone(i, j);
+      args.tool_from_voxel[3 * i + j] = tool_from_voxel(i, j);
     }
     args.voxel_origin[i] = fixed_point(first[i]);
-    args.lattice_origin[i] = corner[i];
-    args.origin_velocity[i] = substep.origin_velocity_mm_s[i];
-    args.angular_velocity[i] = substep.angular_velocity[i];
+    args.tool_origin[i] = origin[i];
+    args.origin_velocity[i] = velocity[i];
+    args.angular_velocity[i] = turning[i];
     args.shell_origin[i] = shell.origin_mm[i];
     args.dims[i] = grid.dims[i];
     std::tie(args.voi_min[i], args.voi_max[i]) =
         cell_range(voi.min[i] - shell.origin_mm[i], voi.max[i] - shell.origin_mm[i], shell);
   }
-  const double turn = spin_resolved ? -substep.pose.spin_angle_rad : 0;
-  args.shell_turn[0] = std::cos(turn);
-  args.shell_turn[1] = std::sin(turn);
-  args.voxel_mm = grid.voxel_mm;
   args.duration_s = substep.duration_s;
   args.speed_floor = cutting.speed_floor_mm_s;
   args.normal_ratio = cutting.normal_ratio;

@@ -38,8 +38,7 @@ DeviceErosion::DeviceErosion(const cl::Device& device, const DenseState& state, 
   kernel_.set(10, batch.removed_count());
   kernel_.set(11, energy_);
   kernel_.set(12, density_);
-  kernel_.set(13, state.edges);
-  kernel_.set(14, static_cast<cl_int>(state.edges.count()));
+  state.profile.set(kernel_, 13);
 }
 
 void DeviceErosion::cut(int slot) {

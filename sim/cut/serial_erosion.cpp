@@ -6,21 +6,23 @@ void SerialErosion::cut(int slot) {
   const Stopwatch watch;
   const SubstepArgs& args = state_.args[static_cast<std::size_t>(slot)];
   SubstepSums& sums = state_.sums[static_cast<std::size_t>(slot)];
+  const ProfileView profile = state_.profile.view();
+  LaneSums law{};
   for (const std::int64_t e : state_.contacts) {
     const auto i = static_cast<std::size_t>(e);
     const std::uint8_t grade = state_.bone[i];
     const rs_i32 before = state_.fill[i];
     const rs_i32 lost = rs_lost_fill(&args, table_.density_g_cm3[grade], before);
-    const double energy = table_.energy_mj[grade] * lost / RS_WHOLE_FILL;
+    const double energy = rs_lost_energy(table_.energy_mj[grade], lost);
     sums.contacts += 1;
     sums.removed += lost;
     if (args.law == RS_LAW_ENERGY) {
       const Vec3i voxel = state_.grid.coord(e);
-      double lever[3];
-      rs_voxel_lever(&args, voxel.x(), voxel.y(), voxel.z(), lever);
-      rs_cut_force(&args, state_.edges.data(), static_cast<rs_i32>(state_.edges.size()), lever, energy, &sums);
+      double p[3];
+      rs_voxel_in_tool(&args, voxel.x(), voxel.y(), voxel.z(), p);
+      rs_cut_force(&args, &profile, profile.lists[0], p, energy, &law);
     } else {
-      sums.energy += rs_quantise(energy, RS_ENERGY_SCALE);
+      law.energy += rs_quantise(energy, RS_ENERGY_SCALE);
     }
     state_.fill[i] = static_cast<std::uint16_t>(before - lost);
     if (lost == before) {
@@ -28,6 +30,7 @@ void SerialErosion::cut(int slot) {
       state_.removed.emplace_back(e, args.frame);
     }
   }
+  rs_add_lanes(&sums, &law);
   state_.contacts.clear();
   seconds_.push_back(watch.seconds());
 }

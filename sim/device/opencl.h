@@ -76,8 +76,10 @@ class Device {
   [[nodiscard]] cl_command_queue queue() const { return queue_.get(); }
 
   /// Builds a program from the shared header and one kernel source, embedded under `name` or read from the folder
-  /// REAMSIM_KERNEL_DIR where that is set. Throws RunError with the compiler's log when it does not build.
-  [[nodiscard]] Program build(const std::string& name, const char* embedded_source) const;
+  /// REAMSIM_KERNEL_DIR where that is set. `defines`: "-DNAME=VALUE ...". Throws RunError with the compiler's log when
+  /// it does not build.
+  [[nodiscard]] Program build(const std::string& name, const char* embedded_source,
+                              const std::string& defines = "") const;
 
   /// Waits until everything enqueued is done.
   void finish() const;

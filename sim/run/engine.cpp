@@ -2,10 +2,12 @@
 
 #include <utility>
 
+#include "sim/base/error.h"
 #include "sim/collide/dense_bone.h"
 #include "sim/collide/dense_plan.h"
 #include "sim/collide/serial_detector.h"
 #include "sim/cut/serial_erosion.h"
+#include "sim/run/bricked_engine.h"
 #include "sim/run/dense_engine.h"
 
 namespace reamsim {
@@ -51,11 +53,16 @@ class SerialEngine final : public Engine {
 
 std::unique_ptr<Engine> make_engine(const Scenario& scenario, const Voxmap& voxmap, const Tool& tool) {
   if (scenario.engine.device == "serial") return std::make_unique<SerialEngine>(scenario, voxmap, tool);
+  if (scenario.engine.detector == "bricked") return make_bricked_engine(scenario, voxmap, tool);
+  if (scenario.engine.detector != "direct") {
+    throw InputError({}, "engine.detector", "\"" + scenario.engine.detector + "\"", "expected bricked or direct");
+  }
   return make_dense_engine(scenario, voxmap, tool);
 }
 
 std::size_t planned_device_bytes(const Scenario& scenario, const Voxmap& voxmap, const Tool& tool) {
   if (scenario.engine.device == "serial") return 0;
+  if (scenario.engine.detector == "bricked") return bricked_engine_bytes(scenario, voxmap, tool);
   return plan_dense(voxmap, tool, scenario.cutting.erosion == "wear").bytes();
 }
 

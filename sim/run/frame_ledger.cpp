@@ -18,7 +18,9 @@ FrameResult FrameLedger::close(const PendingFrame& frame, const std::vector<Subs
   rs_i64 removed = 0;
   for (const auto& [slot, substep] : frame.cut) {
     const SubstepSums& sum = sums[static_cast<std::size_t>(slot)];
-    const Vec3 force = scaled(sum.force, RS_FORCE_SCALE), torque = scaled(sum.torque, RS_TORQUE_SCALE);
+    const Mat3 bone_from_sums = bone_from_shell(substep.pose, sums_turn_).linear();
+    const Vec3 force = bone_from_sums * scaled(sum.force, RS_FORCE_SCALE);
+    const Vec3 torque = bone_from_sums * scaled(sum.torque, RS_TORQUE_SCALE);
     work_mj_ -= (torque.dot(substep.angular_velocity) + force.dot(substep.origin_velocity_mm_s)) * substep.duration_s;
     out.force_n += force / frame.substeps;
     out.torque_nmm += torque / frame.substeps;

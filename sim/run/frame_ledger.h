@@ -22,7 +22,10 @@ struct PendingFrame {
 /// the bone, −Σ(T·ω + F·v)·Δt + E_floor, against the energy of the volume cut, accumulated apart (design §5).
 class FrameLedger {
  public:
-  FrameLedger(double voxel_mm3, double frame_s) : voxel_mm3_(voxel_mm3), frame_s_(frame_s) {}
+  /// `sums_turn`: the sums of a substep are in the shell's frame, which turns with the teeth (law per_point, spin
+  /// resolved), and not in the tool's without spin.
+  FrameLedger(double voxel_mm3, double frame_s, bool sums_turn)
+      : voxel_mm3_(voxel_mm3), frame_s_(frame_s), sums_turn_(sums_turn) {}
 
   FrameResult close(const PendingFrame& frame, const std::vector<SubstepSums>& sums);
 
@@ -32,6 +35,7 @@ class FrameLedger {
  private:
   double voxel_mm3_;
   double frame_s_;
+  bool sums_turn_;
   double work_mj_ = 0;
   double floor_mj_ = 0;
   double cut_mj_ = 0;

@@ -41,7 +41,8 @@ class Run {
         report_(report),
         tool_box_(shell_box(scene.tool)),
         bone_box_(bone_box(scene.bone.voxmap)),
-        ledger_(scene.bone.voxmap.grid.voxel_mm3(), scene.motion.frame_s()),
+        ledger_(scene.bone.voxmap.grid.voxel_mm3(), scene.motion.frame_s(),
+                scene.scenario.cutting.law == "per_point" && scene.scenario.tool.spin == "resolved"),
         resolved_(scene.scenario.tool.spin == "resolved"),
         max_step_mm_(scene.scenario.engine.max_step_voxels * scene.bone.voxmap.grid.voxel_mm) {}
 

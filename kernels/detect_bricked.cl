@@ -1,0 +1,273 @@
+/* Narrow phase over bricks. The shell's points stand in cells with bounds; a cell that lies outside the VOI, or over
+ * bricks without bone, is passed over as a whole. The points of the others are transformed in 32-bit integers relative to
+ * a window of 32x32x32 voxels round the cell, gathered there as bits, and only then handed to the bricks, so that a brick
+ * sees a few atomic operations instead of one a point. Two shapes over one arithmetic: on a CPU a work-item takes a run of
+ * cells, 16 points in the lanes of a vector; on a GPU a work-group takes a cell, a work-item a point.
+ *
+ * Compiled with RS_POOLS (1 or 16 buffers of bricks) and RS_POOL_BITS (log2 of a buffer's bricks). */
+#ifndef REAMSIM_KERNELS_SHARED_H
+#include "shared.h"
+#endif
+#pragma OPENCL EXTENSION cl_khr_int64_base_atomics : enable
+
+#define WINDOW_SIDE 32
+#define WINDOW_BLOCKS 512 /* of 4x4x4 voxels */
+
+/* The bricks and what finds them. */
+typedef struct {
+  __global const int* slot_of_brick; /* -1: no bone */
+  __global const uint* occupancy;    /* two words per 4x4x4 bricks: bit (x & 3) | (y & 3) << 2 | (z & 3) << 4 */
+  __global uint* listed;             /* per slot: is it in the list of touched bricks? */
+  __global uint* touched_list;
+  __global uint* touched_count; /* of this substep */
+  __global Brick* pools[RS_POOLS];
+  int bricks[3];
+  int superbricks[3];
+} Bricks;
+
+/* Where a cell's points lie: fixed-point corners, and the window's lowest voxel, a multiple of 4. */
+typedef struct {
+  long first[3]; /* fixed point: the centre of the cell's lowest shell cell */
+  int low[3];    /* voxels */
+  int high[3];
+} Reach;
+
+__global Brick* brick_at(const Bricks* b, const int slot) {
+  return b->pools[slot >> RS_POOL_BITS] + ((uint)slot & RS_POOL_MASK);
+}
+
+Reach reach_of(__global const SubstepArgs* a, __global const ShellCell* cell) {
+  Reach reach;
+  for (int i = 0; i < 3; ++i) {
+    __global const long* row = a->voxel_from_cell + 3 * i;
+    const long first = a->voxel_origin[i] + row[0] * cell->first[0] + row[1] * cell->first[1] + row[2] * cell->first[2];
+    long low = first, high = first;
+    for (int j = 0; j < 3; ++j) {
+      const long step = row[j] * cell->span[j];
+      low += min(step, 0L);
+      high += max(step, 0L);
+    }
+    reach.first[i] = first;
+    reach.low[i] = (int)(low >> RS_POSITION_BITS);
+    reach.high[i] = (int)(high >> RS_POSITION_BITS);
+  }
+  return reach;
+}
+
+bool meets_lattice(__global const SubstepArgs* a, const Reach* reach) {
+  bool meets = true;
+  for (int i = 0; i < 3; ++i) meets = meets && reach->high[i] >= 0 && reach->low[i] < a->dims[i];
+  return meets;
+}
+
+bool meets_voi(__global const SubstepArgs* a, __global const ShellCell* cell) {
+  bool meets = true;
+  for (int i = 0; i < 3; ++i)
+    meets = meets && cell->first[i] <= a->voi_max[i] && cell->first[i] + cell->span[i] >= a->voi_min[i];
+  return meets;
+}
+
+/* Four bits: which of the bricks 4s…4s+3 lie in low…high. */
+uint nibble(const int s, const int low, const int high) {
+  const int first = max(low - 4 * s, 0), last = min(high - 4 * s, 3);
+  return ((2u << last) - 1u) & ~((1u << first) - 1u);
+}
+
+/* Is there a brick with bone among those that the box of voxels touches? */
+bool meets_bone(__global const SubstepArgs* a, const Bricks* b, const Reach* reach) {
+  int low[3], high[3];
+  for (int i = 0; i < 3; ++i) {
+    low[i] = max(reach->low[i], 0) >> 3;
+    high[i] = min(reach->high[i], a->dims[i] - 1) >> 3;
+  }
+  uint found = 0;
+  for (int sz = low[2] >> 2; sz <= high[2] >> 2; ++sz) {
+    const uint mz = nibble(sz, low[2], high[2]);
+    for (int sy = low[1] >> 2; sy <= high[1] >> 2; ++sy) {
+      const uint my = nibble(sy, low[1], high[1]);
+      const uint rows = ((my & 1u) | (my & 2u) << 3 | (my & 4u) << 6 | (my & 8u) << 9) * 0xfu;
+      for (int sx = low[0] >> 2; sx <= high[0] >> 2; ++sx) {
+        const uint layer = rows & (nibble(sx, low[0], high[0]) * 0x1111u);
+        __global const uint* words = b->occupancy + 2 * (sx + b->superbricks[0] * (sy + b->superbricks[1] * sz));
+        const uint lower = ((mz & 1u) | (mz & 2u) << 15) * layer, upper = ((mz >> 2 & 1u) | (mz & 8u) << 13) * layer;
+        found |= (words[0] & lower) | (words[1] & upper);
+      }
+    }
+  }
+  return found != 0;
+}
+
+/* Notes that the voxels `bits` of half a block are touched, where they are bone. */
+void touch(const Bricks* b, const int slot, const int word, const uint bits) {
+  __global Brick* brick = brick_at(b, slot);
+  const uint bone = bits & brick->bone[word];
+  if (bone == 0) return;
+  atomic_or(&brick->touched[word], bone);
+  if (atomic_xchg(&b->listed[slot], 1u) == 0) b->touched_list[atomic_inc(b->touched_count)] = (uint)slot;
+}
+
+/* Slot of the brick that holds a block (coordinates in blocks of 4 voxels), or -1. */
+int slot_of_block(const Bricks* b, const int x, const int y, const int z) {
+  const int bx = x >> 1, by = y >> 1, bz = z >> 1;
+  if (bx < 0 || by < 0 || bz < 0 || bx >= b->bricks[0] || by >= b->bricks[1] || bz >= b->bricks[2]) return -1;
+  return b->slot_of_brick[bx + (ulong)b->bricks[0] * (by + (ulong)b->bricks[1] * bz)];
+}
+
+int word_of_block(const int x, const int y, const int z) {
+  return 2 * ((x & 1) | (y & 1) << 1 | (z & 1) << 2);
+}
+
+/* Law per_point: the elemental force of each of the cell's points that lies in bone. */
+void add_point_force(__global const SubstepArgs* a, const Bricks* b, const ProfileView* profile,
+                     __global const ShellCell* cell, const ushort offset, LaneSums* sums) {
+  const int x = cell->first[0] + (offset & 31), y = cell->first[1] + (offset >> 5 & 31),
+            z = cell->first[2] + (offset >> 10);
+  const int i = rs_voxel_coordinate(a, 0, x, y, z), j = rs_voxel_coordinate(a, 1, x, y, z),
+            k = rs_voxel_coordinate(a, 2, x, y, z);
+  const int slot = slot_of_block(b, i >> 2, j >> 2, k >> 2);
+  if (slot < 0) return;
+  const int place = rs_brick_offset(i, j, k);
+  if ((brick_at(b, slot)->bone[place >> 5] >> (place & 31) & 1u) != 0) rs_point_force(a, profile, x, y, z, sums);
+}
+
+void add_sums(__global SubstepSums* total, const LaneSums* part) {
+  for (int c = 0; c < 3; ++c) {
+    atom_add(&total->force[c], part->force[c]);
+    atom_add(&total->torque[c], part->torque[c]);
+  }
+}
+
+#define PARAMETERS                                                                                                  \
+  __global const SubstepArgs *args, const uint substep, __global const ShellCell *cells, const uint cell_count,     \
+      __global const ShellCell *runs, const uint run_cells, __global const ushort *offsets,                         \
+      __global const int *slot_of_brick, __global const uint *occupancy, __global uint *listed,                     \
+      __global uint *touched_list, __global uint *touched_count, __global SubstepSums *sums, const int4 bricks,     \
+      const int culling, __global const ProfileEdge *edges, __global const ushort *numbers,                         \
+      __global const EdgeList *lists, __global const ProfileGrid *grid, RS_POOL_PARAMETERS
+#define BRICKS                                                                                         \
+  {                                                                                                    \
+    slot_of_brick, occupancy, listed, touched_list, touched_count + substep, RS_POOL_ARRAY,               \
+        {bricks.x, bricks.y, bricks.z}, {                                                              \
+      (bricks.x + 3) >> 2, (bricks.y + 3) >> 2, (bricks.z + 3) >> 2                                    \
+    }                                                                                                  \
+  }
+
+#ifdef RS_CPU_SHAPE
+
+/* The points of a cell as bits of the window whose lowest voxel is `origin`. */
+void gather(__global const SubstepArgs* a, __global const ShellCell* cell, __global const ushort* offsets,
+            const Reach* reach, const int* origin, ulong* window) {
+  int base[3], step[9];
+  for (int i = 0; i < 3; ++i) {
+    base[i] = (int)(reach->first[i] - ((long)origin[i] << RS_POSITION_BITS));
+    for (int j = 0; j < 3; ++j) step[3 * i + j] = (int)a->voxel_from_cell[3 * i + j];
+  }
+  for (uint p = cell->begin; p < cell->begin + cell->count; p += 16) {
+    const int16 o = convert_int16(vload16(0, offsets + p));
+    const int16 x = o & 31, y = o >> 5 & 31, z = o >> 10;
+    const int16 i = (base[0] + x * step[0] + y * step[1] + z * step[2]) >> RS_POSITION_BITS;
+    const int16 j = (base[1] + x * step[3] + y * step[4] + z * step[5]) >> RS_POSITION_BITS;
+    const int16 k = (base[2] + x * step[6] + y * step[7] + z * step[8]) >> RS_POSITION_BITS;
+    const int16 block = i >> 2 | (j >> 2) << 3 | (k >> 2) << 6;
+    const int16 bit = (i & 3) | (j & 3) << 2 | (k & 3) << 4;
+    int place[16];
+    vstore16(block << 6 | bit, 0, place);
+    for (int l = 0; l < 16; ++l) window[place[l] >> 6] |= 1ul << (place[l] & 63);
+  }
+}
+
+/* Hands the window's bits to the bricks and leaves it empty. */
+void flush(const Bricks* b, const Reach* reach, const int* origin, ulong* window) {
+  const int ox = origin[0] >> 2, oy = origin[1] >> 2, oz = origin[2] >> 2;
+  const int last_y = (reach->high[1] >> 2) - oy, last_z = (reach->high[2] >> 2) - oz;
+  for (int z = 0; z <= last_z; ++z) {
+    for (int y = 0; y <= last_y; ++y) {
+      ulong* row = window + 8 * (y + 8 * z);
+      const ulong8 blocks = vload8(0, row);
+      if (!any(blocks != 0ul)) continue;
+      vstore8((ulong8)0, 0, row);
+      const ulong* each = (const ulong*)&blocks;
+      for (int x = 0; x < 8; ++x) {
+        if (each[x] == 0) continue;
+        const int slot = slot_of_block(b, ox + x, oy + y, oz + z);
+        if (slot < 0) continue;
+        const int word = word_of_block(ox + x, oy + y, oz + z);
+        touch(b, slot, word, (uint)each[x]);
+        touch(b, slot, word + 1, (uint)(each[x] >> 32));
+      }
+    }
+  }
+}
+
+__kernel void detect_bricked(PARAMETERS) {
+  const uint run = get_global_id(0);
+  const uint first = run * run_cells, last = min(first + run_cells, cell_count);
+  if (first >= cell_count) return;
+  __global const SubstepArgs* a = args + substep;
+  const Bricks b = BRICKS;
+  const ProfileView profile = {edges, numbers, lists, grid};
+  if (culling) {
+    const Reach whole = reach_of(a, runs + run);
+    if (!meets_voi(a, runs + run) || !meets_lattice(a, &whole) || !meets_bone(a, &b, &whole)) return;
+  }
+  ulong window[WINDOW_BLOCKS];
+  for (int w = 0; w < WINDOW_BLOCKS; ++w) window[w] = 0;
+  LaneSums point_sums = {{0, 0, 0}, {0, 0, 0}, 0, 0};
+  for (uint c = first; c < last; ++c) {
+    __global const ShellCell* cell = cells + c;
+    if (culling && !meets_voi(a, cell)) continue;
+    const Reach reach = reach_of(a, cell);
+    if (culling && (!meets_lattice(a, &reach) || !meets_bone(a, &b, &reach))) continue;
+    const int origin[3] = {reach.low[0] & ~3, reach.low[1] & ~3, reach.low[2] & ~3};
+    gather(a, cell, offsets, &reach, origin, window);
+    flush(&b, &reach, origin, window);
+    if (a->law == RS_LAW_PER_POINT)
+      for (uint p = 0; p < cell->count; ++p) add_point_force(a, &b, &profile, cell, offsets[cell->begin + p], &point_sums);
+  }
+  if (a->law == RS_LAW_PER_POINT) add_sums(&sums[substep], &point_sums);
+}
+
+#else
+
+__kernel void detect_bricked(PARAMETERS) {
+  __local uint window[2 * WINDOW_BLOCKS];
+  __global const SubstepArgs* a = args + substep;
+  __global const ShellCell* cell = cells + get_group_id(0);
+  const Bricks b = BRICKS;
+  const ProfileView profile = {edges, numbers, lists, grid};
+  const Reach reach = reach_of(a, cell);
+  /* Every work-item decides alike; none leaves before the barriers. */
+  const bool meets = !culling || (meets_voi(a, cell) && meets_lattice(a, &reach) && meets_bone(a, &b, &reach));
+  const int origin[3] = {reach.low[0] & ~3, reach.low[1] & ~3, reach.low[2] & ~3};
+  for (uint w = get_local_id(0); w < 2 * WINDOW_BLOCKS; w += get_local_size(0)) window[w] = 0;
+  barrier(CLK_LOCAL_MEM_FENCE);
+  LaneSums point_sums = {{0, 0, 0}, {0, 0, 0}, 0, 0};
+  const uint count = meets ? cell->count : 0;
+  for (uint p = get_local_id(0); p < count; p += get_local_size(0)) {
+    const ushort offset = offsets[cell->begin + p];
+    int v[3];
+    for (int i = 0; i < 3; ++i) {
+      __global const long* row = a->voxel_from_cell + 3 * i;
+      const int base = (int)(reach.first[i] - ((long)origin[i] << RS_POSITION_BITS));
+      v[i] = (base + (offset & 31) * (int)row[0] + (offset >> 5 & 31) * (int)row[1] + (offset >> 10) * (int)row[2]) >>
+             RS_POSITION_BITS;
+    }
+    const int block = v[0] >> 2 | (v[1] >> 2) << 3 | (v[2] >> 2) << 6;
+    const int bit = (v[0] & 3) | (v[1] & 3) << 2 | (v[2] & 3) << 4;
+    atomic_or(&window[2 * block + (bit >> 5)], 1u << (bit & 31));
+    if (a->law == RS_LAW_PER_POINT) add_point_force(a, &b, &profile, cell, offset, &point_sums);
+  }
+  barrier(CLK_LOCAL_MEM_FENCE);
+  for (uint w = get_local_id(0); w < 2 * WINDOW_BLOCKS; w += get_local_size(0)) {
+    const uint bits = window[w];
+    if (bits == 0) continue;
+    const int block = (int)(w >> 1);
+    const int x = (origin[0] >> 2) + (block & 7), y = (origin[1] >> 2) + (block >> 3 & 7),
+              z = (origin[2] >> 2) + (block >> 6);
+    const int slot = slot_of_block(&b, x, y, z);
+    if (slot >= 0) touch(&b, slot, word_of_block(x, y, z) + (int)(w & 1u), bits);
+  }
+  if (a->law == RS_LAW_PER_POINT && count != 0) add_sums(&sums[substep], &point_sums);
+}
+
+#endif

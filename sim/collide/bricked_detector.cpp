@@ -1,0 +1,43 @@
+#include "sim/collide/bricked_detector.h"
+
+namespace reamsim {
+
+namespace embedded {
+extern const char* const kernel_detect_bricked;
+}
+
+BrickedDetector::BrickedDetector(const cl::Device& device, BrickedState& state, const DeviceBatch& batch,
+                                 const BrickedOptions& options)
+    : device_(device),
+      items_(options.shape == KernelShape::cpu ? state.runs.count() : state.cells.count() * options.work_group),
+      work_group_(options.work_group),
+      program_(device.build("detect_bricked.cl", embedded::kernel_detect_bricked, state.layout.defines(options.shape))),
+      kernel_(program_, "detect_bricked") {
+  kernel_.set(0, batch.args());
+  kernel_.set(2, state.cells);
+  kernel_.set(3, static_cast<cl_uint>(state.cells.count()));
+  kernel_.set(4, state.runs);
+  kernel_.set(5, static_cast<cl_uint>(kRunCells));
+  kernel_.set(6, state.offsets);
+  kernel_.set(7, state.slot_of_brick);
+  kernel_.set(8, state.occupancy);
+  kernel_.set(9, state.listed);
+  kernel_.set(10, state.touched_list);
+  kernel_.set(11, batch.contact_count());
+  kernel_.set(12, batch.sums());
+  kernel_.set(13, state.bricks);
+  kernel_.set(14, static_cast<cl_int>(options.culling ? 1 : 0));
+  state.profile.set(kernel_, 15);
+  state.set_pools(kernel_, 19);
+}
+
+void BrickedDetector::detect(int slot) {
+  kernel_.set(1, static_cast<cl_uint>(slot));
+  events_.push_back(kernel_.launch(device_, items_, work_group_));
+}
+
+std::vector<double> BrickedDetector::take_seconds() {
+  return cl::take_seconds(events_);
+}
+
+}  // namespace reamsim

@@ -1,0 +1,33 @@
+#pragma once
+
+#include "sim/collide/bricked_state.h"
+#include "sim/collide/detector.h"
+#include "sim/collide/device_batch.h"
+
+namespace reamsim {
+
+/// How the kernels of `bricked` run; the results do not depend on it.
+struct BrickedOptions {
+  KernelShape shape = KernelShape::cpu;
+  std::size_t work_group = 1;
+  bool culling = true;  ///< pass over cells that cannot touch; off only to prove that it changes nothing
+};
+
+/// Cells of shell points against bricks of voxels; see kernels/detect_bricked.cl.
+class BrickedDetector final : public Detector {
+ public:
+  BrickedDetector(const cl::Device& device, BrickedState& state, const DeviceBatch& batch,
+                  const BrickedOptions& options);
+  void detect(int slot) override;
+  std::vector<double> take_seconds() override;
+
+ private:
+  const cl::Device& device_;
+  std::size_t items_;
+  std::size_t work_group_;
+  cl::Program program_;
+  cl::Kernel kernel_;
+  std::vector<cl::Event> events_;
+};
+
+}  // namespace reamsim

@@ -1,0 +1,266 @@
+#include "sim/collide/bricked_state.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cstddef>
+#include <cmath>
+#include <cstring>
+
+#include "sim/base/error.h"
+
+namespace reamsim {
+
+// Host and device lay the structs out alike.
+static_assert(sizeof(Brick) == 2 * 64 + 512);
+static_assert(sizeof(RemovedInBrick) == 8);
+static_assert(FillBricks::kSide == RS_BRICK_SIDE);
+
+namespace {
+
+constexpr int kSide = RS_BRICK_SIDE;
+constexpr int kManyPools = 16;
+constexpr std::size_t kFillBytes = sizeof(rs_u16) * RS_BRICK_VOXELS;
+
+Vec3i lattice_bricks(const Voxmap& voxmap) {
+  return (voxmap.grid.dims.array() + (kSide - 1)) / kSide;
+}
+
+std::size_t lattice_brick_count(const Voxmap& voxmap) {
+  const Vec3i n = lattice_bricks(voxmap);
+  return static_cast<std::size_t>(n.x()) * static_cast<std::size_t>(n.y()) * static_cast<std::size_t>(n.z());
+}
+
+std::size_t superbrick_count(const Vec3i& bricks) {
+  const Vec3i n = (bricks.array() + 3) / 4;
+  return static_cast<std::size_t>(n.x()) * static_cast<std::size_t>(n.y()) * static_cast<std::size_t>(n.z());
+}
+
+bool has_bone(const Voxmap& voxmap, const Vec3i& brick) {
+  const Vec3i low = kSide * brick, high = (low + Vec3i::Constant(kSide)).cwiseMin(voxmap.grid.dims);
+  for (int z = low.z(); z < high.z(); ++z) {
+    for (int y = low.y(); y < high.y(); ++y) {
+      const auto row = voxmap.grade.begin() + voxmap.grid.index(0, y, z);
+      if (std::any_of(row + low.x(), row + high.x(), [](std::uint8_t grade) { return grade != 0; })) return true;
+    }
+  }
+  return false;
+}
+
+/// Calls visit(lattice index, brick coordinates) for each brick with bone, in the lattice's order.
+template <class Visit>
+void for_each_brick(const Voxmap& voxmap, Visit visit) {
+  const Vec3i n = lattice_bricks(voxmap);
+  std::size_t index = 0;
+  for (int z = 0; z < n.z(); ++z) {
+    for (int y = 0; y < n.y(); ++y) {
+      for (int x = 0; x < n.x(); ++x, ++index) {
+        if (has_bone(voxmap, {x, y, z})) visit(index, Vec3i(x, y, z));
+      }
+    }
+  }
+}
+
+/// Writes a brick as the device has it; false where nothing is left in it.
+bool fill_brick(const Voxmap& voxmap, const Vec3i& brick, bool with_fill, cl_uchar* bytes) {
+  Brick out{};
+  std::array<rs_u16, RS_BRICK_VOXELS> fill{};
+  bool left = false;
+  const Vec3i low = kSide * brick, high = (low + Vec3i::Constant(kSide)).cwiseMin(voxmap.grid.dims);
+  for (int z = low.z(); z < high.z(); ++z) {
+    for (int y = low.y(); y < high.y(); ++y) {
+      for (int x = low.x(); x < high.x(); ++x) {
+        const auto place = static_cast<std::size_t>(rs_brick_offset(x, y, z));
+        out.grade[place] = voxmap.grade[static_cast<std::size_t>(voxmap.grid.index(x, y, z))];
+        fill[place] = voxmap.fill.get({x, y, z});
+        if (out.grade[place] == 0 || fill[place] == 0) continue;
+        out.bone[place >> 5] |= 1U << (place & 31U);
+        left = true;
+      }
+    }
+  }
+  std::memcpy(bytes, &out, sizeof out);
+  if (with_fill) std::memcpy(bytes + sizeof out, fill.data(), kFillBytes);
+  return left;
+}
+
+/// Marks a brick as holding bone; its place in the words is that of cut_bricked.cl.
+void occupy(const Vec3i& brick, const Vec3i& superbricks, std::vector<cl_uint>& occupancy) {
+  const Vec3i s = brick / 4;
+  const auto word = static_cast<std::size_t>(
+      2 * (s.x() + std::int64_t{superbricks.x()} * (s.y() + std::int64_t{superbricks.y()} * s.z())));
+  const auto bit = static_cast<unsigned>((brick.x() & 3) | (brick.y() & 3) << 2 | (brick.z() & 3) << 4);
+  occupancy[word + (bit >> 5)] |= 1U << (bit & 31U);
+}
+
+BrickPools plan_pools(const Voxmap& voxmap, bool wear, std::size_t largest_allocation) {
+  BrickPools pools;
+  pools.fill = wear || voxmap.fill.stored_bricks() > 0;
+  pools.brick_bytes = sizeof(Brick) + (pools.fill ? kFillBytes : 0);
+  for_each_brick(voxmap, [&](std::size_t, const Vec3i&) { ++pools.bricks; });
+  pools.bits = 31;
+  if (pools.bricks * pools.brick_bytes <= largest_allocation) return pools;
+  pools.pools = kManyPools;
+  pools.bits = static_cast<int>(std::bit_width(largest_allocation / pools.brick_bytes)) - 1;
+  return pools;
+}
+
+std::size_t bytes_of(const BrickPools& pools, const Voxmap& voxmap, const PointShell& shell) {
+  const std::size_t bricks = lattice_brick_count(voxmap);
+  return pools.bricks * (pools.brick_bytes + 3 * sizeof(cl_uint)) + bricks * sizeof(cl_int) +
+         8 * superbrick_count(lattice_bricks(voxmap)) + 3 * shell.codes.size();
+}
+
+[[noreturn]] void does_not_fit(const cl::Device& device, const Voxmap& voxmap, std::size_t need, std::size_t have) {
+  const double factor = std::cbrt(static_cast<double>(need) / static_cast<double>(have));
+  const auto mb = [](std::size_t bytes) { return std::to_string(bytes / 1'000'000) + " MB"; };
+  throw InputError({}, "bone.voxel_mm", "the bone's bricks need " + mb(need) + " of the " + mb(have) + " of " +
+                                            device.info().name,
+                   "about " + std::to_string(voxmap.grid.voxel_mm * std::max(1.0, factor) * 1.05) + " mm would fit");
+}
+
+template <class T>
+cl::Buffer<T> upload(const cl::Device& device, const std::vector<T>& data, const char* what) {
+  cl::Buffer<T> buffer(device, std::max<std::size_t>(1, data.size()), what);
+  if (!data.empty()) buffer.write(device, data.data(), data.size());
+  return buffer;
+}
+
+}  // namespace
+
+std::string BrickPools::defines(KernelShape shape) const {
+  return "-DRS_POOLS=" + std::to_string(pools) + " -DRS_POOL_BITS=" + std::to_string(bits) +
+         (fill ? " -DRS_BRICK_FILL" : "") + (shape == KernelShape::cpu ? " -DRS_CPU_SHAPE" : "");
+}
+
+void BrickedState::set_pools(cl::Kernel& kernel, cl_uint first_argument) const {
+  for (int i = 0; i < layout.pools; ++i) {
+    // Pools that the bone does not need are never looked up; the argument has to be some buffer.
+    kernel.set(first_argument + static_cast<cl_uint>(i), pools[std::min(static_cast<std::size_t>(i), pools.size() - 1)]);
+  }
+}
+
+std::size_t bricked_bytes(const Voxmap& voxmap, const Tool& tool, bool wear) {
+  return bytes_of(plan_pools(voxmap, wear, SIZE_MAX), voxmap, tool.shell);
+}
+
+BrickedState make_bricked_state(const cl::Device& device, const Voxmap& voxmap, const Tool& tool, bool wear) {
+  const std::size_t largest = device.info().max_allocation_bytes;
+  BrickedState state;
+  state.layout = plan_pools(voxmap, wear, largest);
+  const std::size_t need = bytes_of(state.layout, voxmap, tool.shell);
+  const std::size_t pools_hold = state.layout.pools == 1 ? SIZE_MAX : kManyPools * largest;
+  const std::size_t have = std::min(device.info().global_memory_bytes, pools_hold);
+  if (need > have) does_not_fit(device, voxmap, need, have);
+
+  const Vec3i bricks = lattice_bricks(voxmap);
+  state.bricks = {{bricks.x(), bricks.y(), bricks.z(), 0}};
+  std::vector<cl_int> slot_of_brick(lattice_brick_count(voxmap), -1);
+  std::vector<cl_uint> lattice_of_slot;
+  for_each_brick(voxmap, [&](std::size_t index, const Vec3i&) {
+    slot_of_brick[index] = static_cast<cl_int>(lattice_of_slot.size());
+    lattice_of_slot.push_back(static_cast<cl_uint>(index));
+  });
+  state.slot_of_brick = upload(device, slot_of_brick, "the table of bricks");
+  state.lattice_of_slot = upload(device, lattice_of_slot, "the bricks' places");
+  const std::size_t per_pool =
+      state.layout.pools == 1 ? state.layout.bricks : std::size_t{1} << state.layout.bits;
+  for (std::size_t first = 0; first == 0 || first < state.layout.bricks; first += per_pool) {
+    const std::size_t count = std::max<std::size_t>(1, std::min(per_pool, state.layout.bricks - first));
+    state.pools.emplace_back(device, count * state.layout.brick_bytes, "the bone's bricks");
+    if (per_pool == 0) break;
+  }
+  const std::size_t room = std::max<std::size_t>(1, state.layout.bricks);
+  state.listed = {device, room, "the marks of touched bricks"};
+  state.listed.clear(device, room);
+  state.touched_list = {device, room, "the list of touched bricks"};
+  state.occupancy = {device, 2 * superbrick_count(bricks), "the bricks' occupancy"};
+  upload_bone(device, state, voxmap);
+
+  const ShellCells shell = make_shell_cells(tool.shell, shell_cell_side(tool.shell.cell_mm / voxmap.grid.voxel_mm));
+  state.cells = upload(device, shell.cells, "the shell's cells");
+  state.runs = upload(device, shell.runs, "the shell's cells");
+  state.offsets = upload(device, shell.offsets, "the point shell");
+  state.profile = {device, make_profile_table(tool.profile, voxmap.grid.voxel_mm)};
+  return state;
+}
+
+void upload_bone(const cl::Device& device, BrickedState& state, const Voxmap& voxmap) {
+  constexpr std::size_t kChunk = 4096;  // bricks written at once
+  const std::size_t bytes = state.layout.brick_bytes;
+  std::vector<cl_uchar> chunk(kChunk * bytes);
+  std::vector<cl_uint> occupancy(state.occupancy.count(), 0);
+  const Vec3i superbricks = (lattice_bricks(voxmap).array() + 3) / 4;
+  std::size_t slot = 0, first = 0;
+  const auto flush = [&] {
+    const std::size_t pool = first >> state.layout.bits, within = first & ((std::size_t{1} << state.layout.bits) - 1);
+    if (slot > first) state.pools[pool].write(device, chunk.data(), (slot - first) * bytes, within * bytes);
+    first = slot;
+  };
+  for_each_brick(voxmap, [&](std::size_t, const Vec3i& brick) {
+    if (fill_brick(voxmap, brick, state.layout.fill, chunk.data() + (slot - first) * bytes)) {
+      occupy(brick, superbricks, occupancy);
+    }
+    ++slot;
+    const bool pool_ends = (slot & ((std::size_t{1} << state.layout.bits) - 1)) == 0;
+    if (slot - first == kChunk || pool_ends) flush();
+  });
+  flush();
+  state.occupancy.write(device, occupancy.data(), occupancy.size());
+}
+
+void upload_bricks_of(const cl::Device& device, BrickedState& state, const Voxmap& voxmap,
+                      const RemovedFrames& voxels) {
+  if (voxels.empty()) return;
+  const Vec3i dims = lattice_bricks(voxmap);
+  std::vector<std::int64_t> touched;
+  touched.reserve(voxels.size());
+  for (const auto& [voxel, frame] : voxels) {
+    const Vec3i brick = voxmap.grid.coord(voxel) / kSide;
+    touched.push_back(brick.x() + std::int64_t{dims.x()} * (brick.y() + std::int64_t{dims.y()} * brick.z()));
+  }
+  std::sort(touched.begin(), touched.end());
+  touched.erase(std::unique(touched.begin(), touched.end()), touched.end());
+
+  const std::size_t bytes = state.layout.brick_bytes;
+  const Vec3i superbricks = (dims.array() + 3) / 4;
+  std::vector<cl_int> slots(state.slot_of_brick.count());
+  std::vector<cl_uint> occupancy(state.occupancy.count());
+  state.slot_of_brick.read(device, slots.data(), slots.size());
+  state.occupancy.read(device, occupancy.data(), occupancy.size());
+  std::vector<cl_uchar> record(bytes);
+  for (const std::int64_t index : touched) {
+    const std::int64_t row = index / dims.x();
+    const Vec3i brick(static_cast<int>(index % dims.x()), static_cast<int>(row % dims.y()),
+                      static_cast<int>(row / dims.y()));
+    const auto slot = static_cast<std::size_t>(slots[static_cast<std::size_t>(index)]);
+    const std::size_t pool = slot >> state.layout.bits, within = slot & ((std::size_t{1} << state.layout.bits) - 1);
+    const bool left = fill_brick(voxmap, brick, state.layout.fill, record.data());
+    state.pools[pool].write(device, record.data(), bytes, within * bytes);
+    if (left) occupy(brick, superbricks, occupancy);
+  }
+  state.occupancy.write(device, occupancy.data(), occupancy.size());
+}
+
+void read_bricked_fill(const cl::Device& device, const BrickedState& state, Voxmap& voxmap) {
+  if (!state.layout.fill) return;
+  const std::size_t bytes = state.layout.brick_bytes;
+  std::vector<cl_uchar> record(bytes);
+  std::array<rs_u16, RS_BRICK_VOXELS> fill{};
+  std::size_t slot = 0;
+  for_each_brick(voxmap, [&](std::size_t, const Vec3i& brick) {
+    const std::size_t pool = slot >> state.layout.bits, within = slot & ((std::size_t{1} << state.layout.bits) - 1);
+    state.pools[pool].read(device, record.data(), bytes, within * bytes);
+    std::memcpy(fill.data(), record.data() + sizeof(Brick), kFillBytes);
+    ++slot;
+    for (int place = 0; place < RS_BRICK_VOXELS; ++place) {
+      const Vec3i voxel = kSide * brick + Vec3i(rs_offset_x(place), rs_offset_y(place), rs_offset_z(place));
+      if (!voxmap.grid.contains(voxel)) continue;
+      if (voxmap.grade[static_cast<std::size_t>(voxmap.grid.index(voxel.x(), voxel.y(), voxel.z()))] == 0) continue;
+      const rs_u16 value = fill[static_cast<std::size_t>(place)];
+      if (voxmap.fill.get(voxel) != value) voxmap.fill.set(voxel, value);
+    }
+  });
+}
+
+}  // namespace reamsim

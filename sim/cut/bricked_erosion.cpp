@@ -1,0 +1,60 @@
+#include "sim/cut/bricked_erosion.h"
+
+namespace reamsim {
+
+namespace embedded {
+extern const char* const kernel_cut_bricked;
+}
+
+namespace {
+
+/// Enough to fill the device: on a CPU few items that take many bricks each, on a GPU many groups.
+std::size_t work_items(const cl::DeviceInfo& info, const BrickedOptions& options) {
+  constexpr std::size_t kItemsPerCore = 8, kGroupsPerUnit = 32;
+  return info.compute_units *
+         (options.shape == KernelShape::cpu ? kItemsPerCore : kGroupsPerUnit * options.work_group);
+}
+
+std::string defines(const BrickedState& state, const BrickedOptions& options) {
+  return state.layout.defines(options.shape) + (options.shape == KernelShape::cpu ? " -DRS_LANES=8" : "");
+}
+
+}  // namespace
+
+BrickedErosion::BrickedErosion(const cl::Device& device, BrickedState& state, const DeviceBatch& batch,
+                               const EnergyTable& table, const BrickedOptions& options)
+    : device_(device),
+      items_(work_items(device.info(), options)),
+      work_group_(options.work_group),
+      energy_(device, table.energy_mj.size(), "the energy table"),
+      density_(device, table.density_g_cm3.size(), "the density table"),
+      program_(device.build("cut_bricked.cl", embedded::kernel_cut_bricked, defines(state, options))),
+      kernel_(program_, "cut_bricked") {
+  energy_.write(device, table.energy_mj.data(), table.energy_mj.size());
+  density_.write(device, table.density_g_cm3.data(), table.density_g_cm3.size());
+  kernel_.set(0, batch.args());
+  kernel_.set(2, state.lattice_of_slot);
+  kernel_.set(3, state.listed);
+  kernel_.set(4, state.occupancy);
+  kernel_.set(5, state.touched_list);
+  kernel_.set(6, batch.contact_count());
+  kernel_.set(7, batch.sums());
+  kernel_.set(8, batch.removed());
+  kernel_.set(9, batch.removed_count());
+  kernel_.set(10, energy_);
+  kernel_.set(11, density_);
+  kernel_.set(12, state.bricks);
+  state.profile.set(kernel_, 13);
+  state.set_pools(kernel_, 17);
+}
+
+void BrickedErosion::cut(int slot) {
+  kernel_.set(1, static_cast<cl_uint>(slot));
+  events_.push_back(kernel_.launch(device_, items_, work_group_));
+}
+
+std::vector<double> BrickedErosion::take_seconds() {
+  return cl::take_seconds(events_);
+}
+
+}  // namespace reamsim

@@ -1,0 +1,28 @@
+#pragma once
+
+#include "sim/collide/bricked_detector.h"
+#include "sim/cut/energy_table.h"
+#include "sim/cut/erosion.h"
+
+namespace reamsim {
+
+/// `remove` and `wear` over the list of touched bricks; see kernels/cut_bricked.cl.
+class BrickedErosion final : public Erosion {
+ public:
+  BrickedErosion(const cl::Device& device, BrickedState& state, const DeviceBatch& batch, const EnergyTable& table,
+                 const BrickedOptions& options);
+  void cut(int slot) override;
+  std::vector<double> take_seconds() override;
+
+ private:
+  const cl::Device& device_;
+  std::size_t items_;
+  std::size_t work_group_;
+  cl::Buffer<double> energy_;
+  cl::Buffer<double> density_;
+  cl::Program program_;
+  cl::Kernel kernel_;
+  std::vector<cl::Event> events_;
+};
+
+}  // namespace reamsim
