@@ -11,6 +11,7 @@ stats $severe using 5 nooutput name "P"
 low = 10 ** floor(log10((exists("P_min") && P_min < M_min ? P_min : M_min) * 0.9))
 high = 10 ** ceil(log10((exists("P_max") && P_max > M_max ? P_max : M_max) * 1.1))
 only(i, v) = column(1) == i && column(2) == v
+panels = words(voxmaps) + has_voi + 1
 
 do for [format in "png svg"] {
   if (format eq "png") {
@@ -20,7 +21,7 @@ do for [format in "png svg"] {
     set terminal svg size 1600,1000 background rgb "white" font "DejaVu Sans,15" linewidth 1.4 dynamic
     set output "bench.svg"
   }
-  set multiplot layout 2,3 title "Whole frame in severe contact on " . device . "; dashed: the paper, GTX 970" \
+  set multiplot layout (panels > 3 ? 2 : 1),3 title "Whole frame in severe contact on " . device . "; dashed: the paper, GTX 970" \
     font ",17" margins char 9, char 3, char 4, char 4 spacing char 11, char 5.5
 
   set logscale xy

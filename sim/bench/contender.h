@@ -33,7 +33,7 @@ struct BatchSample {
   double kernel_s = 0;        ///< of it: kernels, by the device's clock
   std::int64_t voxels = 0;    ///< that went; 0 where the program does not count them
   std::int64_t contacts = 0;  ///< points of a published program that counts them
-  Vec3 force = Vec3::Zero();  ///< N, or elemental forces of a published program
+  Vec3 force = Vec3::Zero();  ///< an engine: N, in T; a published program: elemental forces, in B
 };
 
 /// A program that collides and cuts, set up on one arena. Frames change its bone until restore().

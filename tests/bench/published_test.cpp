@@ -26,7 +26,7 @@ class Published : public ::testing::Test {
     const Batch batch = engine->collect();
     Vec3 force;
     for (int i = 0; i < 3; ++i) force[i] = static_cast<double>(batch.sums[0].force[i]) / RS_FORCE_SCALE;
-    return force;
+    return frame.pose.orientation * force;  // the engine sums in T
   }
 
   void expect_near_race_free(Contender& contender) const {
