@@ -1,5 +1,5 @@
 /* Cut over bricks: every touched voxel loses fill, takes energy and pushes back (design §5). Work-items, or on a GPU
- * work-groups, stride over the list of touched bricks, whose length only the device knows. On a CPU (RS_LANES 8) eight
+ * work-groups, stride over the list of touched bricks, whose length only the device knows. On a CPU (RS_LANES 16) sixteen
  * voxels go through the law in the lanes of a vector; on a GPU a work-item takes a voxel.
  *
  * Compiled with RS_POOLS, RS_POOL_BITS and, where voxels can be partly gone, RS_BRICK_FILL. */
@@ -14,25 +14,23 @@ typedef struct {
   __global const double* density;
 } Material;
 
-/* Where the law reports: the removed voxels of the substep, and the counts beside the lanes' sums. */
+/* Where the cut reports: the removed voxels of the substep, and the sums that are not the law's. */
 typedef struct {
-  __global RemovedInBrick* removed;
+  __global RemovedBlock* removed;
   __global uint* removed_count;
   uint brick;
   uint slot;
   long contacts;
   long fill;
+  long energy;
 } Tally;
 
-void report_removed(Tally* tally, const int block, const ulong gone) {
-  const uint count = (uint)popcount(gone);
-  if (count == 0) return;
-  uint at = atomic_add(tally->removed_count, count);
-  for (ulong rest = gone; rest != 0; rest &= rest - 1) {
-    const uint bit = (uint)popcount((rest & -rest) - 1);
-    tally->removed[at].brick = tally->brick;
-    tally->removed[at++].detail = tally->slot << 9 | (uint)block << 6 | bit;
-  }
+void report_removed(Tally* tally, const int block, const uint low, const uint high) {
+  if ((low | high) == 0) return;
+  __global RemovedBlock* record = tally->removed + atomic_inc(tally->removed_count);
+  record->brick = tally->brick;
+  record->detail = tally->slot << 3 | (uint)block;
+  record->gone = low | (ulong)high << 32;
 }
 
 /* What voxel `place` loses, taken off its fill; mJ. `gone` says whether nothing is left. */
@@ -48,9 +46,11 @@ double lose(__global const SubstepArgs* a, __global Brick* brick, const Material
   const int lost = RS_WHOLE_FILL;
   *gone = true;
 #endif
+  const double energy = rs_lost_energy(material->energy[grade], lost);
   tally->contacts += 1;
   tally->fill += lost;
-  return rs_lost_energy(material->energy[grade], lost);
+  tally->energy += rs_energy_units(energy);
+  return energy;
 }
 
 void add_sums(__global SubstepSums* total, const long* part) {
@@ -78,59 +78,89 @@ void clear_if_empty(__global const Brick* brick, __global uint* occupancy, const
 #define PARAMETERS                                                                                                   \
   __global const SubstepArgs *args, const uint substep, __global const uint *lattice_of_slot, __global uint *listed, \
       __global uint *occupancy, __global const uint *touched_list, __global const uint *touched_count,               \
-      __global SubstepSums *sums, __global RemovedInBrick *removed, __global uint *removed_count,                    \
-      __global const double *energy_of_grade, __global const double *density_of_grade, const int4 bricks,            \
+      __global SubstepSums *sums, __global RemovedBlock *removed, __global uint *removed_count,                    \
+      __global const double *energy_of_grade, __global const double *density_of_grade,                               \
+      __global const ulong *bits_of_byte, const int4 bricks,                                                         \
       __global const ProfileEdge *edges, __global const ushort *numbers, __global const EdgeList *lists,             \
       __global const ProfileGrid *grid, RS_POOL_PARAMETERS
 
 #if defined(RS_LANES)
 
-/* The edges that can be nearest to any voxel of a block with lowest voxel (x, y, z). */
-EdgeList edges_near_block(__global const SubstepArgs* a, const ProfileView* profile, const int x, const int y,
-                          const int z) {
-  double p[3];
+/* The edges that can be nearest to any voxel of the brick whose lowest voxel's centre is `corner`, T. */
+EdgeList edges_near_brick(__global const SubstepArgs* a, const ProfileView* profile, const float* corner) {
+  float p[3];
   for (int i = 0; i < 3; ++i) {
     __global const double* row = a->tool_from_voxel + 3 * i;
-    p[i] = a->tool_origin[i] + row[0] * (x + 1.5) + row[1] * (y + 1.5) + row[2] * (z + 1.5);
+    p[i] = corner[i] + (float)(3.5 * (row[0] + row[1] + row[2]));
   }
   return rs_edges_near(profile, sqrt(p[0] * p[0] + p[1] * p[1]), p[2]);
 }
 
-/* The touched voxels `bits` of one block, eight at a time; returns those that are gone. */
-ulong cut_block(__global const SubstepArgs* a, __global Brick* brick, const int block, const int* corner, ulong bits,
-                const Material* material, const ProfileView* profile, LaneSums* sums, Tally* tally) {
-  ulong gone_bits = 0;
-  const EdgeList list = edges_near_block(a, profile, corner[0], corner[1], corner[2]);
-  while (bits != 0) {
-    int bit[8];
-    double energy[8];
-    int lane = 0;
-    for (; lane < 8 && bits != 0; ++lane, bits &= bits - 1) {
-      bool gone;
-      bit[lane] = popcount((bits & -bits) - 1);
-      energy[lane] = lose(a, brick, material, block << 6 | bit[lane], tally, &gone);
-      gone_bits |= (ulong)gone << bit[lane];
-    }
-    for (; lane < 8; ++lane) {
-      bit[lane] = bit[0];
-      energy[lane] = 0;
-    }
-    const int8 at = vload8(0, bit);
-    const double8 whole = vload8(0, energy);
-    if (a->law == RS_LAW_ENERGY) {
-      double8 p[3];
-      rs_voxel_in_tool(a, convert_double8(corner[0] + (at & 3)), convert_double8(corner[1] + (at >> 2 & 3)),
-                       convert_double8(corner[2] + (at >> 4)), p);
-      rs_cut_force(a, profile, list, p, whole, sums);
-    } else {
-      sums->energy += rs_quantise(whole, RS_ENERGY_SCALE);
+/* Lists the places of the touched voxels, in ascending order and padded to a multiple of 16; returns how many.
+ * `bits_of_byte[b]`: the numbers of the bits of b, a byte each, lowest first. */
+int list_places(__global const Brick* brick, __global const ulong* bits_of_byte, ushort* places) {
+  int count = 0;
+  for (int w = 0; w < RS_BRICK_WORDS; ++w) {
+    const uint word = brick->touched[w];
+    if (word == 0) continue;
+    for (int b = 0; b < 4; ++b) {
+      const uint byte = word >> 8 * b & 0xffu;
+      const ushort8 bits = convert_ushort8(as_uchar8(bits_of_byte[byte]));
+      vstore8(bits + (ushort)(32 * w + 8 * b), 0, places + count);
+      count += popcount(byte);
     }
   }
-  return gone_bits;
+  vstore16((ushort16)places[0], 0, places + count);
+  return count;
 }
 
-long add_lanes(const long8 v) {
-  return v.s0 + v.s1 + v.s2 + v.s3 + v.s4 + v.s5 + v.s6 + v.s7;
+/* Takes what the listed voxels lose, and their bits out of the brick where they are gone. */
+void lose_all(__global const SubstepArgs* a, __global Brick* brick, const Material* material, const ushort* places,
+              const int count, float* energies, Tally* tally) {
+#ifdef RS_BRICK_FILL
+  uint gone_words[RS_BRICK_WORDS] = {0};
+#endif
+  for (int i = 0; i < count; ++i) {
+    bool gone;
+    energies[i] = (float)lose(a, brick, material, places[i], tally, &gone);
+#ifdef RS_BRICK_FILL
+    gone_words[places[i] >> 5] |= (uint)gone << (places[i] & 31);
+#endif
+  }
+  vstore16((float16)0.0f, 0, energies + count);
+  for (int block = 0; block < RS_BRICK_WORDS / 2; ++block) {
+#ifdef RS_BRICK_FILL
+    const uint low = gone_words[2 * block], high = gone_words[2 * block + 1];
+#else
+    const uint low = brick->touched[2 * block], high = brick->touched[2 * block + 1];
+#endif
+    brick->bone[2 * block] &= ~low;
+    brick->bone[2 * block + 1] &= ~high;
+    brick->touched[2 * block] = brick->touched[2 * block + 1] = 0;
+    report_removed(tally, block, low, high);
+  }
+}
+
+/* The law for the listed voxels, sixteen at a time. */
+void push_back(__global const SubstepArgs* a, const ProfileView* profile, const int x, const int y, const int z,
+               const ushort* places, const float* energies, const int count, LaneSums* sums) {
+  float corner[3];
+  rs_brick_in_tool(a, x, y, z, corner);
+  const EdgeList list = edges_near_brick(a, profile, corner);
+  for (int i = 0; i < count; i += 16) {
+    const int16 place = convert_int16(vload16(0, places + i));
+    const float16 lx = convert_float16((place >> 6 & 1) << 2 | (place & 3));
+    const float16 ly = convert_float16((place >> 7 & 1) << 2 | (place >> 2 & 3));
+    const float16 lz = convert_float16((place >> 8 & 1) << 2 | (place >> 4 & 3));
+    float16 p[3];
+    rs_voxel_in_tool(a, corner, lx, ly, lz, p);
+    rs_cut_force(a, profile, list, p, vload16(0, energies + i), sums);
+  }
+}
+
+long add_lanes(const long16 v) {
+  const long8 a = v.lo + v.hi;
+  return a.s0 + a.s1 + a.s2 + a.s3 + a.s4 + a.s5 + a.s6 + a.s7;
 }
 
 __kernel void cut_bricked(PARAMETERS) {
@@ -140,9 +170,11 @@ __kernel void cut_bricked(PARAMETERS) {
   const ProfileView profile = {edges, numbers, lists, grid};
   __global Brick* pools[RS_POOLS] = RS_POOL_ARRAY;
   LaneSums lanes;
-  for (int i = 0; i < 3; ++i) lanes.force[i] = lanes.torque[i] = (long8)0;
-  lanes.energy = lanes.floor_energy = (long8)0;
-  Tally tally = {removed, removed_count, 0, substep, 0, 0};
+  for (int i = 0; i < 3; ++i) lanes.force[i] = lanes.torque[i] = (long16)0;
+  lanes.floor_energy = (long16)0;
+  Tally tally = {removed, removed_count, 0, substep, 0, 0, 0};
+  ushort places[RS_BRICK_VOXELS + 16];
+  float energies[RS_BRICK_VOXELS + 16];
   for (uint t = get_global_id(0); t < count; t += get_global_size(0)) {
     const uint slot = touched_list[t];
     __global Brick* brick = pools[slot >> RS_POOL_BITS] + (slot & RS_POOL_MASK);
@@ -150,21 +182,14 @@ __kernel void cut_bricked(PARAMETERS) {
     tally.brick = lattice_of_slot[slot];
     const uint row = tally.brick / (uint)bricks.x;
     const int x = (int)(tally.brick % (uint)bricks.x), y = (int)(row % (uint)bricks.y), z = (int)(row / (uint)bricks.y);
-    for (int block = 0; block < 8; ++block) {
-      const ulong bits = brick->touched[2 * block] | (ulong)brick->touched[2 * block + 1] << 32;
-      if (bits == 0) continue;
-      const int corner[3] = {8 * x + 4 * (block & 1), 8 * y + 4 * (block >> 1 & 1), 8 * z + 4 * (block >> 2)};
-      const ulong gone = cut_block(a, brick, block, corner, bits, &material, &profile, &lanes, &tally);
-      brick->touched[2 * block] = brick->touched[2 * block + 1] = 0;
-      brick->bone[2 * block] &= ~(uint)gone;
-      brick->bone[2 * block + 1] &= ~(uint)(gone >> 32);
-      report_removed(&tally, block, gone);
-    }
+    const int touched = list_places(brick, bits_of_byte, places);
+    lose_all(a, brick, &material, places, touched, energies, &tally);
+    if (a->law == RS_LAW_ENERGY) push_back(a, &profile, 8 * x, 8 * y, 8 * z, places, energies, touched, &lanes);
     clear_if_empty(brick, occupancy, x, y, z, bricks);
   }
   const long part[10] = {add_lanes(lanes.force[0]),  add_lanes(lanes.force[1]),  add_lanes(lanes.force[2]),
                          add_lanes(lanes.torque[0]), add_lanes(lanes.torque[1]), add_lanes(lanes.torque[2]),
-                         add_lanes(lanes.energy),    add_lanes(lanes.floor_energy), tally.fill, tally.contacts};
+                         tally.energy, add_lanes(lanes.floor_energy), tally.fill, tally.contacts};
   if (tally.contacts != 0) add_sums(&sums[substep], part);
 }
 
@@ -175,13 +200,9 @@ bool cut_voxel(__global const SubstepArgs* a, __global Brick* brick, const int p
                const int z, const Material* material, const ProfileView* profile, LaneSums* sums, Tally* tally) {
   bool gone;
   const double energy = lose(a, brick, material, place, tally, &gone);
-  if (a->law == RS_LAW_ENERGY) {
-    double p[3];
-    rs_voxel_in_tool(a, 8 * x + rs_offset_x(place), 8 * y + rs_offset_y(place), 8 * z + rs_offset_z(place), p);
-    rs_cut_force(a, profile, rs_edges_near(profile, sqrt(p[0] * p[0] + p[1] * p[1]), p[2]), p, energy, sums);
-  } else {
-    sums->energy += rs_quantise(energy, RS_ENERGY_SCALE);
-  }
+  if (a->law == RS_LAW_ENERGY)
+    rs_voxel_force(a, profile, 8 * x + rs_offset_x(place), 8 * y + rs_offset_y(place), 8 * z + rs_offset_z(place),
+                   energy, sums);
   return gone;
 }
 
@@ -192,8 +213,8 @@ __kernel void cut_bricked(PARAMETERS) {
   const Material material = {energy_of_grade, density_of_grade};
   const ProfileView profile = {edges, numbers, lists, grid};
   __global Brick* pools[RS_POOLS] = RS_POOL_ARRAY;
-  LaneSums sum = {{0, 0, 0}, {0, 0, 0}, 0, 0};
-  Tally tally = {removed, removed_count, 0, substep, 0, 0};
+  LaneSums sum = {{0, 0, 0}, {0, 0, 0}, 0};
+  Tally tally = {removed, removed_count, 0, substep, 0, 0, 0};
   const uint item = get_local_id(0), items = get_local_size(0);
   /* Every work-item of a group makes the same number of rounds, so that all meet the barriers. */
   for (uint t = get_group_id(0); t < count; t += get_num_groups(0)) {
@@ -214,7 +235,7 @@ __kernel void cut_bricked(PARAMETERS) {
       brick->touched[2 * block] = brick->touched[2 * block + 1] = 0;
       brick->bone[2 * block] &= ~gone_words[2 * block];
       brick->bone[2 * block + 1] &= ~gone_words[2 * block + 1];
-      report_removed(&tally, (int)block, gone_words[2 * block] | (ulong)gone_words[2 * block + 1] << 32);
+      report_removed(&tally, (int)block, gone_words[2 * block], gone_words[2 * block + 1]);
     }
     barrier(CLK_LOCAL_MEM_FENCE | CLK_GLOBAL_MEM_FENCE);
     if (item == 0) {
@@ -223,7 +244,7 @@ __kernel void cut_bricked(PARAMETERS) {
     }
   }
   const long part[10] = {sum.force[0],  sum.force[1], sum.force[2],     sum.torque[0], sum.torque[1],
-                         sum.torque[2], sum.energy,   sum.floor_energy, tally.fill,    tally.contacts};
+                         sum.torque[2], tally.energy, sum.floor_energy, tally.fill,    tally.contacts};
   if (tally.contacts != 0) add_sums(&sums[substep], part);
 }
 

@@ -29,7 +29,7 @@ __kernel void cut_voxels(__global const SubstepArgs* args, const uint substep, _
   const uint count = contact_count[substep];
   const ProfileView profile = {edges, numbers, lists, grid};
   SubstepSums part = {{0, 0, 0}, {0, 0, 0}, 0, 0, 0, 0};
-  LaneSums law = {{0, 0, 0}, {0, 0, 0}, 0, 0};
+  LaneSums law = {{0, 0, 0}, {0, 0, 0}, 0};
   for (uint c = get_global_id(0); c < count; c += get_global_size(0)) {
     const uint e = contacts[c];
     const uchar grade = bone[e];
@@ -38,13 +38,11 @@ __kernel void cut_voxels(__global const SubstepArgs* args, const uint substep, _
     part.contacts += 1;
     part.removed += lost;
     const double energy = rs_lost_energy(energy_of_grade[grade], lost);
+    part.energy += rs_energy_units(energy);
     if (a->law == RS_LAW_ENERGY) {
-      double p[3];
       const uint row = e / (uint)a->dims[0];
-      rs_voxel_in_tool(a, e % (uint)a->dims[0], row % (uint)a->dims[1], row / (uint)a->dims[1], p);
-      rs_cut_force(a, &profile, rs_edges_near(&profile, sqrt(p[0] * p[0] + p[1] * p[1]), p[2]), p, energy, &law);
-    } else {
-      law.energy += rs_quantise(energy, RS_ENERGY_SCALE);
+      rs_voxel_force(a, &profile, (int)(e % (uint)a->dims[0]), (int)(row % (uint)a->dims[1]),
+                     (int)(row / (uint)a->dims[1]), energy, &law);
     }
     if (has_fill) fill[e] = (ushort)(before - lost);
     if (lost == before) {

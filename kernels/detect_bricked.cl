@@ -212,7 +212,7 @@ __kernel void detect_bricked(PARAMETERS) {
   }
   ulong window[WINDOW_BLOCKS];
   for (int w = 0; w < WINDOW_BLOCKS; ++w) window[w] = 0;
-  LaneSums point_sums = {{0, 0, 0}, {0, 0, 0}, 0, 0};
+  LaneSums point_sums = {{0, 0, 0}, {0, 0, 0}, 0};
   for (uint c = first; c < last; ++c) {
     __global const ShellCell* cell = cells + c;
     if (culling && !meets_voi(a, cell)) continue;
@@ -241,7 +241,7 @@ __kernel void detect_bricked(PARAMETERS) {
   const int origin[3] = {reach.low[0] & ~3, reach.low[1] & ~3, reach.low[2] & ~3};
   for (uint w = get_local_id(0); w < 2 * WINDOW_BLOCKS; w += get_local_size(0)) window[w] = 0;
   barrier(CLK_LOCAL_MEM_FENCE);
-  LaneSums point_sums = {{0, 0, 0}, {0, 0, 0}, 0, 0};
+  LaneSums point_sums = {{0, 0, 0}, {0, 0, 0}, 0};
   const uint count = meets ? cell->count : 0;
   for (uint p = get_local_id(0); p < count; p += get_local_size(0)) {
     const ushort offset = offsets[cell->begin + p];

@@ -28,7 +28,7 @@ __kernel void detect_direct(__global const uint* codes, const uint point_count, 
   if (bone[e] == 0) return;
 
   if (a->law == RS_LAW_PER_POINT) {
-    LaneSums point_sums = {{0, 0, 0}, {0, 0, 0}, 0, 0};
+    LaneSums point_sums = {{0, 0, 0}, {0, 0, 0}, 0};
     const ProfileView profile = {edges, numbers, lists, grid};
     rs_point_force(a, &profile, x, y, z, &point_sums);
     for (int c = 0; c < 3; ++c) {

@@ -1,6 +1,7 @@
 /* Types and arithmetic that the host and the kernels share. Plain C, compiled by the C++ compiler and by every OpenCL C
  * compiler, so that the serial engine and the devices compute the same bits: positions are fixed-point integers, sums
- * are 64-bit integers, and the doubles in between use only operations that IEEE 754 rounds correctly (no contraction).
+ * are 64-bit integers, and the floats in between use only operations that are correctly rounded (no contraction). The
+ * cutting law is in single precision, which every GPU is fast in; its sums are exact.
  */
 #ifndef REAMSIM_KERNELS_SHARED_H
 #define REAMSIM_KERNELS_SHARED_H
@@ -18,11 +19,9 @@ typedef uchar rs_u8;
 #define RS_INLINE static inline
 #define RS_SQRT sqrt
 #define RS_FLOOR floor
-#define RS_BITS as_long
 #else
 #include <math.h>
 #include <stdint.h>
-#include <string.h>
 typedef int64_t rs_i64;
 typedef int32_t rs_i32;
 typedef uint32_t rs_u32;
@@ -33,24 +32,18 @@ typedef uint8_t rs_u8;
 #define RS_INLINE static inline
 #define RS_SQRT sqrt
 #define RS_FLOOR floor
-RS_INLINE rs_i64 rs_bits(double value) {
-  rs_i64 bits;
-  memcpy(&bits, &value, sizeof bits);
-  return bits;
-}
-#define RS_BITS rs_bits
 #endif
 
-/* The cutting law is written once and compiled for one voxel at a time, or for eight in the lanes of a vector where a
- * kernel defines RS_LANES 8: the same operations in the same order, so the same bits. */
-#if defined(RS_LANES) && RS_LANES == 8
-typedef double8 rs_real;
-typedef long8 rs_sum;
-#undef RS_BITS
-#define RS_BITS as_long8
+/* The cutting law is written once and compiled for one voxel at a time, or for sixteen in the lanes of a vector where a
+ * kernel defines RS_LANES 16: the same operations in the same order, so the same bits. */
+#if defined(RS_LANES) && RS_LANES == 16
+typedef float16 rs_real;
+typedef long16 rs_sum;
+#define RS_TO_SUM(value) convert_long16(value)
 #else
-typedef double rs_real;
+typedef float rs_real;
 typedef rs_i64 rs_sum;
+#define RS_TO_SUM(value) ((rs_i64)(value))
 #endif
 
 /* Fractional bits of a position in voxels. Over 1024 shell cells the rounding of the rotation adds up to 2^-15 voxel.
@@ -61,9 +54,6 @@ typedef rs_i64 rs_sum;
 #define RS_FORCE_SCALE 268435456.0   /* 2^28 */
 #define RS_TORQUE_SCALE 16777216.0   /* 2^24 */
 #define RS_ENERGY_SCALE 4294967296.0 /* 2^32 */
-
-/* A single voxel or point gives at most this many units to a sum (2^50: 4·10^6 N, 7·10^7 N·mm, 3·10^5 mJ). */
-#define RS_MOST_UNITS 1125899906842624.0
 
 #define RS_WHOLE_FILL 65535
 
@@ -79,15 +69,17 @@ typedef struct {
   rs_i64 voxel_origin[3];     /* fixed point: centre of shell cell (0,0,0), in voxels from the lattice's corner */
   double tool_from_voxel[9];  /* row-major: voxel step to mm in T */
   double tool_origin[3];      /* centre of voxel (0,0,0), T */
-  double origin_velocity[3];  /* of the tool's origin, mm/s, T */
-  double angular_velocity[3]; /* spin and tilt, rad/s, T */
-  double duration_s;
-  double speed_floor;     /* mm/s */
-  double normal_ratio;    /* k_n */
-  double force_per_point; /* N, law per_point */
-  double wear;            /* g/cm3 that a touched voxel loses in this substep */
-  double cell_mm;         /* of the shell */
-  double shell_origin[3]; /* corner of shell cell (0,0,0), shell frame */
+  double shell_origin[3];     /* corner of shell cell (0,0,0), shell frame */
+  double cell_mm;             /* of the shell */
+  double wear;                /* g/cm3 that a touched voxel loses in this substep */
+  float origin_velocity[3];   /* of the tool's origin, mm/s, T */
+  float angular_velocity[3];  /* spin and tilt, rad/s, T */
+  float speed_floor;          /* mm/s */
+  float per_speed_floor;      /* s/mm */
+  float per_duration;         /* 1/s */
+  float floor_rate;           /* 1/(speed floor * duration), 1/mm */
+  float normal_ratio;         /* k_n */
+  float force_per_point;      /* N, law per_point */
   rs_i32 dims[3];
   rs_i32 voi_min[3]; /* shell cells, inclusive */
   rs_i32 voi_max[3];
@@ -107,29 +99,28 @@ typedef struct {
   rs_i64 contacts; /* voxels */
 } SubstepSums;
 
-/* The sums' first eight, by lane while the law runs. */
+/* What the law gives, by lane while it runs. */
 typedef struct {
   rs_sum force[3];
   rs_sum torque[3];
-  rs_sum energy;
   rs_sum floor_energy;
 } LaneSums;
 
 /* An edge of the tool's profile in (r, z) of T, mm: from (r0, z0) along (along_r, along_z), with 1/length^2 and its
  * outward unit normal. */
 typedef struct {
-  double r0, z0, along_r, along_z;
-  double inverse_length2;
-  double normal_r, normal_z;
-  double unused; /* 64 bytes: one cache line */
+  float r0, z0, along_r, along_z;
+  float inverse_length2;
+  float normal_r, normal_z;
+  float unused; /* 32 bytes: half a cache line */
 } ProfileEdge;
 
 /* Which edges can be nearest: a grid of square cells over (r, z), each with a list of edges in ascending order that
  * holds the nearest edge of every point within `reach` of the cell. Cells far from the profile, and points off the
  * grid, use list 0, which holds all edges. */
 typedef struct {
-  double z0; /* mm; r begins at 0 */
-  double per_mm;
+  float z0; /* mm; r begins at 0 */
+  float per_mm;
   rs_i32 count_r, count_z;
 } ProfileGrid;
 
@@ -209,11 +200,12 @@ typedef struct {
   rs_u32 count;
 } ShellCell;
 
-/* A voxel that went, as the kernels report it. */
+/* The voxels of a block that went in a substep, as the kernels report them. */
 typedef struct {
   rs_u32 brick;  /* in the lattice of bricks */
-  rs_u32 detail; /* substep's slot << 9 | place in the brick */
-} RemovedInBrick;
+  rs_u32 detail; /* substep's slot << 3 | block in the brick */
+  rs_u64 gone;   /* a bit per voxel of the block */
+} RemovedBlock;
 
 /* ---- Morton codes: 10 bits per axis, x in bit 0 (paper §3.3) ---- */
 
@@ -242,10 +234,10 @@ RS_INLINE int rs_in_voi(RS_GLOBAL const SubstepArgs* a, rs_i32 x, rs_i32 y, rs_i
 /* ---- The profile's outward normal ---- */
 
 /* The list of edges for points within the grid's reach of (r, z). */
-RS_INLINE EdgeList rs_edges_near(const ProfileView* profile, double r, double z) {
+RS_INLINE EdgeList rs_edges_near(const ProfileView* profile, float r, float z) {
   RS_GLOBAL const ProfileGrid* g = profile->grid;
-  const double cr = r * g->per_mm, cz = (z - g->z0) * g->per_mm;
-  if (!(cr < g->count_r && cz >= 0 && cz < g->count_z)) return profile->lists[0];
+  const float cr = r * g->per_mm, cz = (z - g->z0) * g->per_mm;
+  if (!(cr < (float)g->count_r && cz >= 0 && cz < (float)g->count_z)) return profile->lists[0];
   return profile->lists[1 + (rs_i32)cr + g->count_r * (rs_i32)cz];
 }
 
@@ -254,40 +246,38 @@ RS_INLINE EdgeList rs_edges_near(const ProfileView* profile, double r, double z)
  * seen more squarely decides the sign. */
 RS_INLINE void rs_profile_normal(const ProfileView* profile, EdgeList list, rs_real r, rs_real z, rs_real* normal_r,
                                  rs_real* normal_z) {
-  rs_real best = (rs_real)1e300, best_side = (rs_real)0, dr = (rs_real)0, dz = (rs_real)0;
-  rs_real nr = (rs_real)0, nz = (rs_real)-1;
+  const rs_real zero = (rs_real)0.0f, one = (rs_real)1.0f;
+  rs_real best = (rs_real)1e30f, best_side = zero, dr = zero, dz = zero, nr = zero, nz = -one;
   for (rs_u32 i = 0; i < list.count; ++i) {
     RS_GLOBAL const ProfileEdge* e = profile->edges + profile->numbers[list.first + i];
     const rs_real vr = r - e->r0, vz = z - e->z0;
     rs_real t = (vr * e->along_r + vz * e->along_z) * e->inverse_length2;
-    t = t <= 0.0 ? (rs_real)0 : t;
-    t = t >= 1.0 ? (rs_real)1 : t;
+    t = t > 0.0f ? t : zero;
+    t = t < 1.0f ? t : one;
     const rs_real pr = vr - t * e->along_r, pz = vz - t * e->along_z;
     const rs_real d2 = pr * pr + pz * pz;
     const rs_real side = pr * e->normal_r + pz * e->normal_z;
-    const rs_real abs_side = side < 0.0 ? -side : side, abs_best = best_side < 0.0 ? -best_side : best_side;
+    const rs_real abs_side = side < 0.0f ? -side : side, abs_best = best_side < 0.0f ? -best_side : best_side;
     /* One comparison more than `&&` needs, but the same for scalars and lanes. */
-    const rs_real tie = d2 == best ? abs_side - abs_best : (rs_real)-1;
-    const rs_real gain = d2 < best ? (rs_real)1 : tie;
-    best = gain > 0.0 ? d2 : best;
-    best_side = gain > 0.0 ? side : best_side;
-    dr = gain > 0.0 ? pr : dr;
-    dz = gain > 0.0 ? pz : dz;
-    nr = gain > 0.0 ? (rs_real)e->normal_r : nr;
-    nz = gain > 0.0 ? (rs_real)e->normal_z : nz;
+    const rs_real tie = d2 == best ? abs_side - abs_best : -one;
+    const rs_real gain = d2 < best ? one : tie;
+    best = gain > 0.0f ? d2 : best;
+    best_side = gain > 0.0f ? side : best_side;
+    dr = gain > 0.0f ? pr : dr;
+    dz = gain > 0.0f ? pz : dz;
+    nr = gain > 0.0f ? (rs_real)e->normal_r : nr;
+    nz = gain > 0.0f ? (rs_real)e->normal_z : nz;
   }
   /* On the surface itself the direction is undefined: the edge's own normal. */
-  const rs_real distance = RS_SQRT(best);
-  const rs_real signed_inverse = (best_side < 0.0 ? (rs_real)-1 : (rs_real)1) / distance;
-  *normal_r = best > 1e-18 ? dr * signed_inverse : nr;
-  *normal_z = best > 1e-18 ? dz * signed_inverse : nz;
+  const rs_real signed_inverse = (best_side < 0.0f ? -one : one) / RS_SQRT(best);
+  *normal_r = best > 1e-12f ? dr * signed_inverse : nr;
+  *normal_z = best > 1e-12f ? dz * signed_inverse : nz;
 }
 
 /* ---- Cut: what a voxel that loses volume does to the tool (design §5) ---- */
 
-/* Nearest integer, ties to even, of |value * scale| <= RS_MOST_UNITS: adding 1.5*2^52 leaves it in the low bits. */
-RS_INLINE rs_sum rs_quantise(rs_real value, double scale) {
-  return RS_BITS(value * scale + 6755399441055744.0) - (rs_i64)0x4338000000000000;
+RS_INLINE rs_i64 rs_energy_units(double energy) {
+  return (rs_i64)RS_FLOOR(energy * RS_ENERGY_SCALE + 0.5);
 }
 
 /* Fill that a touched voxel of density `density` loses: all of it, or what wears off in this substep. */
@@ -302,12 +292,16 @@ RS_INLINE double rs_lost_energy(double whole, rs_i32 lost) {
   return lost == RS_WHOLE_FILL ? whole : whole * lost / RS_WHOLE_FILL;
 }
 
-/* Adds force `f` (N) at lever `p` (mm, from the tool's origin) to the sums. */
+/* Adds force `f` (N) at lever `p` (mm, from the tool's origin) to the sums. The scales are powers of two, so that only
+ * what lies below the sums' last digit is dropped. */
 RS_INLINE void rs_add_force(LaneSums* sums, const rs_real* f, const rs_real* p) {
-  for (int i = 0; i < 3; ++i) sums->force[i] += rs_quantise(f[i], RS_FORCE_SCALE);
-  sums->torque[0] += rs_quantise(p[1] * f[2] - p[2] * f[1], RS_TORQUE_SCALE);
-  sums->torque[1] += rs_quantise(p[2] * f[0] - p[0] * f[2], RS_TORQUE_SCALE);
-  sums->torque[2] += rs_quantise(p[0] * f[1] - p[1] * f[0], RS_TORQUE_SCALE);
+  const float force = (float)RS_FORCE_SCALE, torque = (float)RS_TORQUE_SCALE;
+  sums->force[0] += RS_TO_SUM(f[0] * force);
+  sums->force[1] += RS_TO_SUM(f[1] * force);
+  sums->force[2] += RS_TO_SUM(f[2] * force);
+  sums->torque[0] += RS_TO_SUM((p[1] * f[2] - p[2] * f[1]) * torque);
+  sums->torque[1] += RS_TO_SUM((p[2] * f[0] - p[0] * f[2]) * torque);
+  sums->torque[2] += RS_TO_SUM((p[0] * f[1] - p[1] * f[0]) * torque);
 }
 
 /* The tool's outward normal at `p` (T, mm), of the edges in `list`. Zero radial part on the spin axis. */
@@ -315,16 +309,29 @@ RS_INLINE void rs_normal_at(const ProfileView* profile, EdgeList list, const rs_
   const rs_real r = RS_SQRT(p[0] * p[0] + p[1] * p[1]);
   rs_real radial;
   rs_profile_normal(profile, list, r, p[2], &radial, &normal[2]);
-  const rs_real share = r > 0.0 ? radial / r : (rs_real)0;
+  const rs_real share = r > 0.0f ? radial / r : (rs_real)0.0f;
   normal[0] = share * p[0];
   normal[1] = share * p[1];
 }
 
-/* Centre of voxel (x, y, z) in T, mm. */
-RS_INLINE void rs_voxel_in_tool(RS_GLOBAL const SubstepArgs* a, rs_real x, rs_real y, rs_real z, rs_real* p) {
+/* Lowest voxel of the brick that holds voxel (x, y, z): its centre in T, mm. */
+RS_INLINE void rs_brick_in_tool(RS_GLOBAL const SubstepArgs* a, rs_i32 x, rs_i32 y, rs_i32 z, float* p) {
+  const rs_i32 bx = x & ~(RS_BRICK_SIDE - 1), by = y & ~(RS_BRICK_SIDE - 1), bz = z & ~(RS_BRICK_SIDE - 1);
   for (int i = 0; i < 3; ++i)
-    p[i] = a->tool_origin[i] + a->tool_from_voxel[3 * i] * x + a->tool_from_voxel[3 * i + 1] * y +
-           a->tool_from_voxel[3 * i + 2] * z;
+    p[i] = (float)(a->tool_origin[i] + a->tool_from_voxel[3 * i] * bx + a->tool_from_voxel[3 * i + 1] * by +
+                   a->tool_from_voxel[3 * i + 2] * bz);
+}
+
+/* Centre in T of the voxel (x, y, z), counted within its brick, whose lowest voxel's centre is `brick`. From there in
+ * single precision: a lever is off by 10^-5 mm at most. */
+RS_INLINE void rs_voxel_in_tool(RS_GLOBAL const SubstepArgs* a, const float* brick, rs_real x, rs_real y, rs_real z,
+                                rs_real* p) {
+  p[0] = brick[0] + ((float)a->tool_from_voxel[0] * x + (float)a->tool_from_voxel[1] * y +
+                     (float)a->tool_from_voxel[2] * z);
+  p[1] = brick[1] + ((float)a->tool_from_voxel[3] * x + (float)a->tool_from_voxel[4] * y +
+                     (float)a->tool_from_voxel[5] * z);
+  p[2] = brick[2] + ((float)a->tool_from_voxel[6] * x + (float)a->tool_from_voxel[7] * y +
+                     (float)a->tool_from_voxel[8] * z);
 }
 
 /* Force of the energetic law on the tool for a voxel with centre at `p` (T, mm) whose loss took `energy` mJ:
@@ -332,26 +339,24 @@ RS_INLINE void rs_voxel_in_tool(RS_GLOBAL const SubstepArgs* a, rs_real x, rs_re
  * but gives no force; all of it is floor energy. `list` holds the profile's edges that can be nearest. */
 RS_INLINE void rs_cut_force(RS_GLOBAL const SubstepArgs* a, const ProfileView* profile, EdgeList list, const rs_real* p,
                             rs_real energy, LaneSums* sums) {
-  RS_GLOBAL const double* w = a->angular_velocity;
-  const rs_real v[3] = {a->origin_velocity[0] + (w[1] * p[2] - w[2] * p[1]),
-                        a->origin_velocity[1] + (w[2] * p[0] - w[0] * p[2]),
-                        a->origin_velocity[2] + (w[0] * p[1] - w[1] * p[0])};
-  const rs_real speed = RS_SQRT(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
-  const rs_real per_speed = (rs_real)1 / speed;
-  const double floor_s = 1 / (a->speed_floor * a->duration_s), per_s = 1 / a->duration_s;
-  const rs_real tangential = energy * (speed > a->speed_floor ? per_speed * per_s : (rs_real)floor_s);
-  const rs_real over_floor = speed > a->speed_floor ? (rs_real)0 : energy * ((rs_real)1 - speed / a->speed_floor);
-  sums->energy += rs_quantise(energy, RS_ENERGY_SCALE);
-  sums->floor_energy += rs_quantise(over_floor, RS_ENERGY_SCALE);
-  rs_real n[3], f[3];
+  const rs_real zero = (rs_real)0.0f, one = (rs_real)1.0f;
+  RS_GLOBAL const float *w = a->angular_velocity, *v0 = a->origin_velocity;
+  const rs_real vx = v0[0] + (w[1] * p[2] - w[2] * p[1]);
+  const rs_real vy = v0[1] + (w[2] * p[0] - w[0] * p[2]);
+  const rs_real vz = v0[2] + (w[0] * p[1] - w[1] * p[0]);
+  const rs_real speed = RS_SQRT(vx * vx + vy * vy + vz * vz);
+  /* Zero where nothing moves, so that the force is zero and not undefined. */
+  const rs_real per_speed = speed > 0.0f ? one / speed : zero;
+  const rs_real tangential = energy * (speed > a->speed_floor ? per_speed * a->per_duration : (rs_real)a->floor_rate);
+  const rs_real over_floor = speed > a->speed_floor ? zero : energy * (one - speed * a->per_speed_floor);
+  sums->floor_energy += RS_TO_SUM(over_floor * (float)RS_ENERGY_SCALE);
+  rs_real n[3];
   rs_normal_at(profile, list, p, n);
-  const rs_real along = (n[0] * v[0] + n[1] * v[1] + n[2] * v[2]) * per_speed;
-  const rs_real normal = a->normal_ratio * tangential;
+  const rs_real along = (n[0] * vx + n[1] * vy + n[2] * vz) * per_speed;
+  const rs_real normal = speed > 0.0f ? a->normal_ratio * tangential : zero;
   const rs_real against = (tangential - normal * along) * per_speed;
-  for (int i = 0; i < 3; ++i) {
-    f[i] = -(against * v[i]) - normal * n[i];
-    f[i] = speed > 0.0 ? f[i] : (rs_real)0;
-  }
+  const rs_real f[3] = {-(against * vx) - normal * n[0], -(against * vy) - normal * n[1],
+                        -(against * vz) - normal * n[2]};
   rs_add_force(sums, f, p);
 }
 
@@ -361,19 +366,28 @@ RS_INLINE void rs_add_lanes(SubstepSums* sums, const LaneSums* lanes) {
     sums->force[i] += lanes->force[i];
     sums->torque[i] += lanes->torque[i];
   }
-  sums->energy += lanes->energy;
   sums->floor_energy += lanes->floor_energy;
+}
+
+/* Force of the energetic law for one voxel of the lattice. */
+RS_INLINE void rs_voxel_force(RS_GLOBAL const SubstepArgs* a, const ProfileView* profile, rs_i32 x, rs_i32 y, rs_i32 z,
+                              double energy, LaneSums* sums) {
+  float brick[3], p[3];
+  rs_brick_in_tool(a, x, y, z, brick);
+  rs_voxel_in_tool(a, brick, (float)(x & 7), (float)(y & 7), (float)(z & 7), p);
+  rs_cut_force(a, profile, rs_edges_near(profile, RS_SQRT(p[0] * p[0] + p[1] * p[1]), p[2]), p, (float)energy, sums);
 }
 
 /* The paper's way: each touching point pushes the tool back along its inward normal with a given elemental force. Shell
  * frame: the profile is the same at every turn of the spin. */
 RS_INLINE void rs_point_force(RS_GLOBAL const SubstepArgs* a, const ProfileView* profile, rs_i32 x, rs_i32 y, rs_i32 z,
                               LaneSums* sums) {
-  const double p[3] = {a->shell_origin[0] + (x + 0.5) * a->cell_mm, a->shell_origin[1] + (y + 0.5) * a->cell_mm,
-                       a->shell_origin[2] + (z + 0.5) * a->cell_mm};
-  double n[3], f[3];
+  const float p[3] = {(float)(a->shell_origin[0] + (x + 0.5) * a->cell_mm),
+                      (float)(a->shell_origin[1] + (y + 0.5) * a->cell_mm),
+                      (float)(a->shell_origin[2] + (z + 0.5) * a->cell_mm)};
+  float n[3];
   rs_normal_at(profile, rs_edges_near(profile, RS_SQRT(p[0] * p[0] + p[1] * p[1]), p[2]), p, n);
-  for (int i = 0; i < 3; ++i) f[i] = -a->force_per_point * n[i];
+  const float f[3] = {-a->force_per_point * n[0], -a->force_per_point * n[1], -a->force_per_point * n[2]};
   rs_add_force(sums, f, p);
 }
 #endif

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <cstddef>
 #include <cmath>
+#include <cstddef>
 #include <cstring>
 
 #include "sim/base/error.h"
@@ -13,7 +13,7 @@ namespace reamsim {
 
 // Host and device lay the structs out alike.
 static_assert(sizeof(Brick) == 2 * 64 + 512);
-static_assert(sizeof(RemovedInBrick) == 8);
+static_assert(sizeof(RemovedBlock) == 16);
 static_assert(FillBricks::kSide == RS_BRICK_SIDE);
 
 namespace {
@@ -114,8 +114,8 @@ std::size_t bytes_of(const BrickPools& pools, const Voxmap& voxmap, const PointS
 [[noreturn]] void does_not_fit(const cl::Device& device, const Voxmap& voxmap, std::size_t need, std::size_t have) {
   const double factor = std::cbrt(static_cast<double>(need) / static_cast<double>(have));
   const auto mb = [](std::size_t bytes) { return std::to_string(bytes / 1'000'000) + " MB"; };
-  throw InputError({}, "bone.voxel_mm", "the bone's bricks need " + mb(need) + " of the " + mb(have) + " of " +
-                                            device.info().name,
+  throw InputError({}, "bone.voxel_mm",
+                   "the bone's bricks need " + mb(need) + " of the " + mb(have) + " of " + device.info().name,
                    "about " + std::to_string(voxmap.grid.voxel_mm * std::max(1.0, factor) * 1.05) + " mm would fit");
 }
 
@@ -136,7 +136,8 @@ std::string BrickPools::defines(KernelShape shape) const {
 void BrickedState::set_pools(cl::Kernel& kernel, cl_uint first_argument) const {
   for (int i = 0; i < layout.pools; ++i) {
     // Pools that the bone does not need are never looked up; the argument has to be some buffer.
-    kernel.set(first_argument + static_cast<cl_uint>(i), pools[std::min(static_cast<std::size_t>(i), pools.size() - 1)]);
+    kernel.set(first_argument + static_cast<cl_uint>(i),
+               pools[std::min(static_cast<std::size_t>(i), pools.size() - 1)]);
   }
 }
 
@@ -163,8 +164,7 @@ BrickedState make_bricked_state(const cl::Device& device, const Voxmap& voxmap, 
   });
   state.slot_of_brick = upload(device, slot_of_brick, "the table of bricks");
   state.lattice_of_slot = upload(device, lattice_of_slot, "the bricks' places");
-  const std::size_t per_pool =
-      state.layout.pools == 1 ? state.layout.bricks : std::size_t{1} << state.layout.bits;
+  const std::size_t per_pool = state.layout.pools == 1 ? state.layout.bricks : std::size_t{1} << state.layout.bits;
   for (std::size_t first = 0; first == 0 || first < state.layout.bricks; first += per_pool) {
     const std::size_t count = std::max<std::size_t>(1, std::min(per_pool, state.layout.bricks - first));
     state.pools.emplace_back(device, count * state.layout.brick_bytes, "the bone's bricks");

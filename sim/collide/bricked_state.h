@@ -31,12 +31,12 @@ struct BrickPools {
 /// them still hold bone, and the shell's points in cells.
 struct BrickedState {
   BrickPools layout;
-  cl_int4 bricks{};                            ///< of the lattice, along each axis
-  std::vector<cl::Buffer<cl_uchar>> pools;     ///< `Brick` of kernels/shared.h
-  cl::Buffer<cl_int> slot_of_brick;            ///< -1: no bone
+  cl_int4 bricks{};                         ///< of the lattice, along each axis
+  std::vector<cl::Buffer<cl_uchar>> pools;  ///< `Brick` of kernels/shared.h
+  cl::Buffer<cl_int> slot_of_brick;         ///< -1: no bone
   cl::Buffer<cl_uint> lattice_of_slot;
-  cl::Buffer<cl_uint> occupancy;               ///< two words per 4×4×4 bricks
-  cl::Buffer<cl_uint> listed;                  ///< per slot
+  cl::Buffer<cl_uint> occupancy;  ///< two words per 4×4×4 bricks
+  cl::Buffer<cl_uint> listed;     ///< per slot
   cl::Buffer<cl_uint> touched_list;
   cl::Buffer<ShellCell> cells;
   cl::Buffer<ShellCell> runs;

@@ -25,7 +25,7 @@ std::string megabytes(std::size_t bytes) {
 
 std::size_t DensePlan::bytes() const {
   return voxels + (fill ? sizeof(cl_ushort) * voxels : 0) + voxels / 8 + sizeof(cl_uint) * points +
-         sizeof(cl_uint) * contacts + DeviceBatch::bytes(removed);
+         sizeof(cl_uint) * contacts + DeviceBatch::bytes(removed_list());
 }
 
 std::size_t DensePlan::largest_bytes() const {

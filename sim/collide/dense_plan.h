@@ -3,6 +3,7 @@
 #include <cstddef>
 
 #include "sim/bone/voxmap.h"
+#include "sim/collide/device_batch.h"
 #include "sim/device/opencl.h"
 #include "sim/tool/tool.h"
 
@@ -17,6 +18,7 @@ struct DensePlan {
   std::size_t contacts = 0;  ///< most voxels that one substep can touch: room of the contact list
   std::size_t removed = 0;   ///< room of the list of removed voxels of a batch
 
+  [[nodiscard]] DeviceBatch::RemovedList removed_list() const { return {1, removed, contacts, unreamed}; }
   /// Bytes in all, and in the largest single allocation.
   [[nodiscard]] std::size_t bytes() const;
   [[nodiscard]] std::size_t largest_bytes() const;

@@ -4,23 +4,27 @@
 
 namespace reamsim {
 
-DeviceBatch::DeviceBatch(const cl::Device& device, std::size_t removed_room, std::size_t removed_per_substep,
-                         std::size_t removed_in_all)
+DeviceBatch::DeviceBatch(const cl::Device& device, const RemovedList& removed)
     : device_(device),
       args_(device, kMaxSlots, "the substeps' arguments"),
       sums_(device, kMaxSlots, "the substeps' sums"),
       contact_count_(device, kMaxSlots, "the contact counts"),
-      removed_(device, std::max<std::size_t>(1, removed_room), "the list of removed voxels"),
+      removed_(device, std::max<std::size_t>(1, removed.words * removed.room), "the list of removed voxels"),
+      removed_words_(removed.words),
       removed_count_(device, 1, "the count of removed voxels"),
       host_args_(kMaxSlots) {
-  if (removed_room < removed_in_all) {
-    const std::size_t substeps = removed_room / std::max<std::size_t>(1, removed_per_substep);
+  if (removed.room < removed.in_all) {
+    const std::size_t substeps = removed.room / std::max<std::size_t>(1, removed.per_substep);
     slots_ = static_cast<int>(std::clamp<std::size_t>(substeps, 1, kMaxSlots));
   }
-  clear(kMaxSlots);
+  sums_.clear(device_, kMaxSlots);
+  contact_count_.clear(device_, kMaxSlots);
+  removed_count_.clear(device_, 1);
 }
 
 int DeviceBatch::begin(const SubstepArgs& args) {
+  if (removed_waits_) removed_count_.clear(device_, 1);
+  removed_waits_ = false;
   const int slot = used_++;
   const auto at = static_cast<std::size_t>(slot);
   host_args_[at] = args;
@@ -28,31 +32,32 @@ int DeviceBatch::begin(const SubstepArgs& args) {
   return slot;
 }
 
-DeviceBatch::Results DeviceBatch::collect() {
-  device_.finish();
-  Results results;
-  if (used_ == 0) return results;
+std::vector<SubstepSums> DeviceBatch::collect() {
   const auto used = static_cast<std::size_t>(used_);
-  results.sums.resize(used);
-  sums_.read(device_, results.sums.data(), used);
-  cl_uint removed_count = 0;
-  removed_count_.read(device_, &removed_count, 1);
-  results.removed.resize(removed_count);
-  if (removed_count > 0) removed_.read(device_, results.removed.data(), removed_count);
-  clear(used);
+  std::vector<SubstepSums> sums(used);
+  if (used == 0) return sums;
+  sums_.read(device_, sums.data(), used);  // waits: the queue is in order
+  sums_.clear(device_, used);
+  contact_count_.clear(device_, used);
   used_ = 0;
-  return results;
+  removed_waits_ = true;
+  return sums;
 }
 
-std::size_t DeviceBatch::bytes(std::size_t removed_room) {
-  return sizeof(RemovedVoxel) * removed_room + sizeof(cl_uint) +
-         kMaxSlots * (sizeof(SubstepArgs) + sizeof(SubstepSums) + sizeof(cl_uint));
-}
-
-void DeviceBatch::clear(std::size_t slots) {
-  sums_.clear(device_, slots);
-  contact_count_.clear(device_, slots);
+std::vector<cl_ulong> DeviceBatch::take_removed() {
+  if (!removed_waits_) return {};
+  cl_uint count = 0;
+  removed_count_.read(device_, &count, 1);
+  std::vector<cl_ulong> words(count * removed_words_);
+  if (!words.empty()) removed_.read(device_, words.data(), words.size());
   removed_count_.clear(device_, 1);
+  removed_waits_ = false;
+  return words;
+}
+
+std::size_t DeviceBatch::bytes(const RemovedList& removed) {
+  return sizeof(cl_ulong) * removed.words * removed.room + sizeof(cl_uint) +
+         kMaxSlots * (sizeof(SubstepArgs) + sizeof(SubstepSums) + sizeof(cl_uint));
 }
 
 }  // namespace reamsim

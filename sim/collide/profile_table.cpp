@@ -10,32 +10,41 @@
 namespace reamsim {
 
 // Host and device lay the structs out alike.
-static_assert(sizeof(ProfileEdge) == 64);
+static_assert(sizeof(ProfileEdge) == 32);
 static_assert(sizeof(EdgeList) == 8);
-static_assert(sizeof(ProfileGrid) == 24);
+static_assert(sizeof(ProfileGrid) == 16);
 
 namespace {
 
-/// Half the diagonal between the corner voxels' centres of a block, in voxels.
-const double kBlockReach = 1.5 * std::sqrt(3.0);
+/// Half the diagonal between the corner voxels' centres of a brick, in voxels.
+const double kBrickReach = 0.5 * (RS_BRICK_SIDE - 1) * std::sqrt(3.0);
 constexpr double kGridVoxels = 4;
 /// Touched voxels lie within a few voxels of the surface; teeth, resolved, may lie deeper, and use the full list.
 constexpr double kBandVoxels = 8;
-constexpr int kMostCells = 1 << 18;
-/// Slack for the rounding of distances, relative.
-constexpr double kSlack = 1e-9;
+constexpr int kMostCells = 1 << 16;
+/// Parts along each side into which a cell's surroundings are cut to find the edges that can be nearest.
+constexpr int kParts = 8;
+/// Room for the rounding of single precision in the kernels, mm.
+constexpr double kSlack_mm = 1e-3;
 
 ProfileEdge make_edge(const Vec2& a, const Vec2& b) {
   const Vec2 along = b - a;
   const double length = along.norm();
+  const auto f = [](double value) { return static_cast<float>(value); };
   // The inside lies to the left of a → b, so the outward normal points to the right.
-  return {a.x(), a.y(), along.x(), along.y(), 1 / (length * length), along.y() / length, -along.x() / length, 0};
+  return {f(a.x()),
+          f(a.y()),
+          f(along.x()),
+          f(along.y()),
+          f(1 / (length * length)),
+          f(along.y() / length),
+          f(-along.x() / length),
+          0};
 }
 
-double distance(const ProfileEdge& e, double r, double z) {
-  const double vr = r - e.r0, vz = z - e.z0;
-  const double t = std::clamp((vr * e.along_r + vz * e.along_z) * e.inverse_length2, 0.0, 1.0);
-  return std::hypot(vr - t * e.along_r, vz - t * e.along_z);
+double distance(const ProfileEdge& e, const Vec2& rz) {
+  const Vec2 v = rz - Vec2(double{e.r0}, double{e.z0}), along(double{e.along_r}, double{e.along_z});
+  return (v - std::clamp(v.dot(along) * double{e.inverse_length2}, 0.0, 1.0) * along).norm();
 }
 
 /// Lays the grid over the profile and a band round it; cells grow where there would be too many.
@@ -49,26 +58,37 @@ ProfileGrid lay_grid(const Profile& profile, double voxel_mm) {
   const double margin = kBandVoxels * voxel_mm;
   const double width = top_r + margin, height = top_z - low_z + 2 * margin;
   const double cell_mm = std::max(kGridVoxels * voxel_mm, std::sqrt(width * height / kMostCells));
-  return {low_z - margin, 1 / cell_mm, static_cast<rs_i32>(std::ceil(width / cell_mm)),
-          static_cast<rs_i32>(std::ceil(height / cell_mm))};
+  return {static_cast<float>(low_z - margin), static_cast<float>(1 / cell_mm),
+          static_cast<rs_i32>(std::ceil(width / cell_mm)), static_cast<rs_i32>(std::ceil(height / cell_mm))};
 }
 
-/// The edges that can be nearest to a point within `reach_mm` of (r, z); empty where the surface is out of the band.
-void append_list(ProfileTable& table, std::vector<double>& distances, double r, double z, double reach_mm,
-                 double band_mm) {
-  for (std::size_t i = 0; i < table.edges.size(); ++i) distances[i] = distance(table.edges[i], r, z);
-  const double nearest = *std::min_element(distances.begin(), distances.end());
-  if (nearest > band_mm + reach_mm) {
-    table.lists.push_back(table.lists.front());
-    return;
+/// Of `among`, those that can be nearest to a point within `reach_mm` of `center`: distances change by no more than the
+/// way that the point moves.
+std::vector<rs_u16> nearest_within(const ProfileTable& table, const std::vector<rs_u16>& among, const Vec2& center,
+                                   double reach_mm) {
+  std::vector<double> distances;
+  for (const rs_u16 i : among) distances.push_back(distance(table.edges[i], center));
+  const double limit = *std::min_element(distances.begin(), distances.end()) + 2 * reach_mm + kSlack_mm;
+  std::vector<rs_u16> out;
+  for (std::size_t i = 0; i < among.size(); ++i) {
+    if (distances[i] <= limit) out.push_back(among[i]);
   }
-  EdgeList list{static_cast<rs_u32>(table.numbers.size()), 0};
-  for (std::size_t i = 0; i < distances.size(); ++i) {
-    if (distances[i] > (nearest + 2 * reach_mm) * (1 + kSlack)) continue;
-    table.numbers.push_back(static_cast<rs_u16>(i));
-    ++list.count;
+  return out;
+}
+
+/// The same, tighter: for each part of the square round `center`, and all together.
+std::vector<rs_u16> nearest_by_parts(const ProfileTable& table, const std::vector<rs_u16>& among, const Vec2& center,
+                                     double reach_mm) {
+  const std::vector<rs_u16> coarse = nearest_within(table, among, center, reach_mm);
+  const double part = 2 * reach_mm / kParts;
+  std::vector<rs_u16> out;
+  for (int i = 0; i < kParts * kParts && out.size() < coarse.size(); ++i) {
+    const Vec2 at = center + part * Vec2(i % kParts + 0.5, i / kParts + 0.5) - Vec2::Constant(reach_mm);
+    for (const rs_u16 edge : nearest_within(table, coarse, at, std::sqrt(0.5) * part)) out.push_back(edge);
+    std::sort(out.begin(), out.end());
+    out.erase(std::unique(out.begin(), out.end()), out.end());
   }
-  table.lists.push_back(list);
+  return out;
 }
 
 }  // namespace
@@ -94,13 +114,21 @@ ProfileTable make_profile_table(const Profile& profile, double voxel_mm) {
   ProfileTable table = full_profile_table(profile);
   if (table.edges.empty()) return table;
   table.grid = lay_grid(profile, voxel_mm);
-  const double cell_mm = 1 / table.grid.per_mm;
-  const double reach_mm = kBlockReach * voxel_mm + std::sqrt(0.5) * cell_mm;
-  std::vector<double> distances(table.edges.size());
+  const double cell_mm = 1 / double{table.grid.per_mm};
+  const double reach_mm = kBrickReach * voxel_mm + std::sqrt(0.5) * cell_mm + kSlack_mm;
+  const std::vector<rs_u16> all = table.numbers;
   for (int z = 0; z < table.grid.count_z; ++z) {
     for (int r = 0; r < table.grid.count_r; ++r) {
-      append_list(table, distances, (r + 0.5) * cell_mm, table.grid.z0 + (z + 0.5) * cell_mm, reach_mm,
-                  kBandVoxels * voxel_mm);
+      const Vec2 center((r + 0.5) * cell_mm, double{table.grid.z0} + (z + 0.5) * cell_mm);
+      double nearest = std::numeric_limits<double>::infinity();
+      for (const ProfileEdge& edge : table.edges) nearest = std::min(nearest, distance(edge, center));
+      if (nearest > kBandVoxels * voxel_mm + reach_mm) {
+        table.lists.push_back(table.lists.front());
+        continue;
+      }
+      const std::vector<rs_u16> list = nearest_by_parts(table, all, center, reach_mm);
+      table.lists.push_back({static_cast<rs_u32>(table.numbers.size()), static_cast<rs_u32>(list.size())});
+      table.numbers.insert(table.numbers.end(), list.begin(), list.end());
     }
   }
   return table;

@@ -22,7 +22,7 @@ struct ProfileTable {
 /// Every edge in one list: the reference.
 ProfileTable full_profile_table(const Profile& profile);
 
-/// Lists for voxels of `voxel_mm`: each holds for all voxels of a block of 4×4×4 whose centre lies in its cell. Gives
+/// Lists for voxels of `voxel_mm`: each holds for all voxels of a brick whose centre lies in its cell. Gives
 /// the same normals as full_profile_table(), bit for bit. Throws InputError beyond 65535 edges.
 ProfileTable make_profile_table(const Profile& profile, double voxel_mm);
 

@@ -6,7 +6,7 @@
 namespace reamsim {
 
 // Host and device lay the struct out alike: 8-byte members first, then an even number of ints.
-static_assert(sizeof(SubstepArgs) == 8 * (9 + 3 + 9 + 3 + 3 + 3 + 6 + 3) + 4 * 12);
+static_assert(sizeof(SubstepArgs) == 8 * (9 + 3 + 9 + 3 + 3 + 2) + 4 * 24);
 static_assert(sizeof(SubstepSums) == 8 * 10);
 
 namespace {
@@ -79,17 +79,19 @@ SubstepArgs make_args(const Substep& substep, const Aabb& voi, const PointShell&
     }
     args.voxel_origin[i] = fixed_point(first[i]);
     args.tool_origin[i] = origin[i];
-    args.origin_velocity[i] = velocity[i];
-    args.angular_velocity[i] = turning[i];
+    args.origin_velocity[i] = static_cast<float>(velocity[i]);
+    args.angular_velocity[i] = static_cast<float>(turning[i]);
     args.shell_origin[i] = shell.origin_mm[i];
     args.dims[i] = grid.dims[i];
     std::tie(args.voi_min[i], args.voi_max[i]) =
         cell_range(voi.min[i] - shell.origin_mm[i], voi.max[i] - shell.origin_mm[i], shell);
   }
-  args.duration_s = substep.duration_s;
-  args.speed_floor = cutting.speed_floor_mm_s;
-  args.normal_ratio = cutting.normal_ratio;
-  args.force_per_point = cutting.force_per_point_n;
+  args.speed_floor = static_cast<float>(cutting.speed_floor_mm_s);
+  args.per_speed_floor = static_cast<float>(1 / cutting.speed_floor_mm_s);
+  args.per_duration = static_cast<float>(1 / substep.duration_s);
+  args.floor_rate = static_cast<float>(1 / (cutting.speed_floor_mm_s * substep.duration_s));
+  args.normal_ratio = static_cast<float>(cutting.normal_ratio);
+  args.force_per_point = static_cast<float>(cutting.force_per_point_n);
   args.wear = cutting.wear_g_cm3_per_s * substep.duration_s;
   args.cell_mm = shell.cell_mm;
   args.law = cutting.law == "per_point" ? RS_LAW_PER_POINT : RS_LAW_ENERGY;

@@ -1,5 +1,7 @@
 #include "sim/cut/bricked_erosion.h"
 
+#include <array>
+
 namespace reamsim {
 
 namespace embedded {
@@ -11,12 +13,23 @@ namespace {
 /// Enough to fill the device: on a CPU few items that take many bricks each, on a GPU many groups.
 std::size_t work_items(const cl::DeviceInfo& info, const BrickedOptions& options) {
   constexpr std::size_t kItemsPerCore = 8, kGroupsPerUnit = 32;
-  return info.compute_units *
-         (options.shape == KernelShape::cpu ? kItemsPerCore : kGroupsPerUnit * options.work_group);
+  return info.compute_units * (options.shape == KernelShape::cpu ? kItemsPerCore : kGroupsPerUnit * options.work_group);
+}
+
+/// Per byte the numbers of its bits, a byte each, lowest first; then zeros.
+std::array<cl_ulong, 256> bits_of_byte() {
+  std::array<cl_ulong, 256> out{};
+  for (unsigned byte = 0; byte < 256; ++byte) {
+    int at = 0;
+    for (unsigned bit = 0; bit < 8; ++bit) {
+      if ((byte >> bit & 1U) != 0) out[byte] |= cl_ulong{bit} << (8 * at++);
+    }
+  }
+  return out;
 }
 
 std::string defines(const BrickedState& state, const BrickedOptions& options) {
-  return state.layout.defines(options.shape) + (options.shape == KernelShape::cpu ? " -DRS_LANES=8" : "");
+  return state.layout.defines(options.shape) + (options.shape == KernelShape::cpu ? " -DRS_LANES=16" : "");
 }
 
 }  // namespace
@@ -28,10 +41,13 @@ BrickedErosion::BrickedErosion(const cl::Device& device, BrickedState& state, co
       work_group_(options.work_group),
       energy_(device, table.energy_mj.size(), "the energy table"),
       density_(device, table.density_g_cm3.size(), "the density table"),
+      bits_of_byte_(device, 256, "the table of bits"),
       program_(device.build("cut_bricked.cl", embedded::kernel_cut_bricked, defines(state, options))),
       kernel_(program_, "cut_bricked") {
   energy_.write(device, table.energy_mj.data(), table.energy_mj.size());
   density_.write(device, table.density_g_cm3.data(), table.density_g_cm3.size());
+  const auto bits = bits_of_byte();
+  bits_of_byte_.write(device, bits.data(), bits.size());
   kernel_.set(0, batch.args());
   kernel_.set(2, state.lattice_of_slot);
   kernel_.set(3, state.listed);
@@ -43,9 +59,10 @@ BrickedErosion::BrickedErosion(const cl::Device& device, BrickedState& state, co
   kernel_.set(9, batch.removed_count());
   kernel_.set(10, energy_);
   kernel_.set(11, density_);
-  kernel_.set(12, state.bricks);
-  state.profile.set(kernel_, 13);
-  state.set_pools(kernel_, 17);
+  kernel_.set(12, bits_of_byte_);
+  kernel_.set(13, state.bricks);
+  state.profile.set(kernel_, 14);
+  state.set_pools(kernel_, 18);
 }
 
 void BrickedErosion::cut(int slot) {

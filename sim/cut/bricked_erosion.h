@@ -20,6 +20,7 @@ class BrickedErosion final : public Erosion {
   std::size_t work_group_;
   cl::Buffer<double> energy_;
   cl::Buffer<double> density_;
+  cl::Buffer<cl_ulong> bits_of_byte_;
   cl::Program program_;
   cl::Kernel kernel_;
   std::vector<cl::Event> events_;

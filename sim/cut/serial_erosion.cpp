@@ -16,13 +16,10 @@ void SerialErosion::cut(int slot) {
     const double energy = rs_lost_energy(table_.energy_mj[grade], lost);
     sums.contacts += 1;
     sums.removed += lost;
+    sums.energy += rs_energy_units(energy);
     if (args.law == RS_LAW_ENERGY) {
       const Vec3i voxel = state_.grid.coord(e);
-      double p[3];
-      rs_voxel_in_tool(&args, voxel.x(), voxel.y(), voxel.z(), p);
-      rs_cut_force(&args, &profile, profile.lists[0], p, energy, &law);
-    } else {
-      law.energy += rs_quantise(energy, RS_ENERGY_SCALE);
+      rs_voxel_force(&args, &profile, voxel.x(), voxel.y(), voxel.z(), energy, &law);
     }
     state_.fill[i] = static_cast<std::uint16_t>(before - lost);
     if (lost == before) {

@@ -1,6 +1,8 @@
 #include "sim/run/bricked_engine.h"
 
 #include <algorithm>
+#include <bit>
+#include <cstring>
 
 #include "sim/cut/bricked_erosion.h"
 
@@ -8,24 +10,20 @@ namespace reamsim {
 
 namespace {
 
-/// Room for removed voxels that a batch may fill; larger scenes read results back more often instead.
-constexpr std::size_t kRemovedRoom = 4'000'000;
+/// Room for records of removed voxels that a batch may fill; larger scenes read results back more often instead.
+constexpr std::size_t kRemovedRoom = 1'000'000;
 
 bool wears(const Scenario& scenario) {
   return scenario.cutting.erosion == "wear";
 }
 
-/// The list of removed voxels: never longer than the bone, never too short for one substep.
-struct RemovedPlan {
-  std::size_t bone;
-  std::size_t per_substep;
-  std::size_t room;
-
-  RemovedPlan(const Voxmap& voxmap, const Tool& tool)
-      : bone(static_cast<std::size_t>(voxmap.count_bone())),
-        per_substep(std::min(bone, tool.shell.codes.size())),
-        room(std::min(bone, std::max(kRemovedRoom, per_substep))) {}
-};
+/// A record is of a block, which cannot be touched without a point nor go without a voxel.
+DeviceBatch::RemovedList removed_list(const Voxmap& voxmap, const Tool& tool) {
+  const auto bone = static_cast<std::size_t>(voxmap.count_bone());
+  const std::size_t per_substep = std::min(bone, tool.shell.codes.size());
+  return {sizeof(RemovedBlock) / sizeof(cl_ulong), std::min(bone, std::max(kRemovedRoom, per_substep)), per_substep,
+          bone};
+}
 
 BrickedOptions options_for(const cl::DeviceInfo& info, const EngineSettings& engine) {
   BrickedOptions options;
@@ -42,14 +40,13 @@ BrickedOptions options_for(const cl::DeviceInfo& info, const EngineSettings& eng
 
 class BrickedEngine final : public Engine {
  public:
-  BrickedEngine(const cl::DeviceInfo& info, const Scenario& scenario, const Voxmap& voxmap, const Tool& tool,
-                const RemovedPlan& removed)
+  BrickedEngine(const cl::DeviceInfo& info, const Scenario& scenario, const Voxmap& voxmap, const Tool& tool)
       : device_(info),
         bytes_(bricked_engine_bytes(scenario, voxmap, tool)),
         grid_(voxmap.grid),
         bricks_(voxmap.fill.brick_dims()),
         state_(make_bricked_state(device_, voxmap, tool, wears(scenario))),
-        batch_(device_, removed.room, removed.per_substep, removed.bone),
+        batch_(device_, removed_list(voxmap, tool)),
         detector_(device_, state_, batch_, options_for(info, scenario.engine)),
         erosion_(device_, state_, batch_, make_energy_table(scenario.cutting, voxmap.grid.voxel_mm),
                  options_for(info, scenario.engine)) {}
@@ -59,17 +56,17 @@ class BrickedEngine final : public Engine {
   Erosion& erosion() override { return erosion_; }
   [[nodiscard]] bool full() const override { return batch_.full(); }
 
-  Batch collect() override {
-    DeviceBatch::Results results = batch_.collect();
-    Batch batch;
-    batch.sums = std::move(results.sums);
-    batch.detect_s = detector_.take_seconds();
-    batch.cut_s = erosion_.take_seconds();
-    batch.removed.reserve(results.removed.size());
-    for (const auto& gone : results.removed) {
-      batch.removed.emplace_back(voxel_of(gone), batch_.args_of(static_cast<int>(gone.frame >> 9)).frame);
+  Batch collect() override { return {batch_.collect(), detector_.take_seconds(), erosion_.take_seconds()}; }
+
+  RemovedFrames take_removed() override {
+    RemovedFrames removed;
+    const std::vector<cl_ulong> words = batch_.take_removed();
+    for (std::size_t i = 0; i < words.size(); i += 2) {
+      RemovedBlock block;
+      std::memcpy(&block, &words[i], sizeof block);
+      append(block, removed);
     }
-    return batch;
+    return removed;
   }
 
   void read_fill(Voxmap& voxmap) override { read_bricked_fill(device_, state_, voxmap); }
@@ -87,14 +84,20 @@ class BrickedEngine final : public Engine {
   }
 
  private:
-  /// The kernels name a voxel by its brick and its place there (RemovedInBrick of kernels/shared.h).
-  [[nodiscard]] std::int64_t voxel_of(const RemovedVoxel& gone) const {
-    const auto nx = static_cast<cl_uint>(bricks_.x()), ny = static_cast<cl_uint>(bricks_.y());
-    const cl_uint row = gone.voxel / nx;
-    const auto place = static_cast<rs_i32>(gone.frame & (RS_BRICK_VOXELS - 1));
-    return grid_.index(RS_BRICK_SIDE * static_cast<int>(gone.voxel % nx) + rs_offset_x(place),
-                       RS_BRICK_SIDE * static_cast<int>(row % ny) + rs_offset_y(place),
-                       RS_BRICK_SIDE * static_cast<int>(row / ny) + rs_offset_z(place));
+  /// The voxels of a block's record, with the frame of its substep.
+  void append(const RemovedBlock& block, RemovedFrames& removed) const {
+    const auto nx = static_cast<rs_u32>(bricks_.x()), ny = static_cast<rs_u32>(bricks_.y());
+    const rs_u32 row = block.brick / nx;
+    const Vec3i brick(static_cast<int>(block.brick % nx), static_cast<int>(row % ny), static_cast<int>(row / ny));
+    const auto first = static_cast<rs_i32>((block.detail & 7U) << 6);
+    const Vec3i corner = RS_BRICK_SIDE * brick + Vec3i(rs_offset_x(first), rs_offset_y(first), rs_offset_z(first));
+    const std::int32_t frame = batch_.args_of(static_cast<int>(block.detail >> 3)).frame;
+    const std::int64_t base = grid_.index(corner.x(), corner.y(), corner.z());
+    const std::int64_t row_step = grid_.dims.x(), layer_step = row_step * grid_.dims.y();
+    for (rs_u64 rest = block.gone; rest != 0; rest &= rest - 1) {
+      const int bit = std::countr_zero(rest);
+      removed.emplace_back(base + (bit & 3) + row_step * (bit >> 2 & 3) + layer_step * (bit >> 4), frame);
+    }
   }
 
   cl::Device device_;
@@ -111,7 +114,7 @@ class BrickedEngine final : public Engine {
 
 std::unique_ptr<Engine> make_bricked_engine(const cl::DeviceInfo& info, const Scenario& scenario, const Voxmap& voxmap,
                                             const Tool& tool) {
-  return std::make_unique<BrickedEngine>(info, scenario, voxmap, tool, RemovedPlan(voxmap, tool));
+  return std::make_unique<BrickedEngine>(info, scenario, voxmap, tool);
 }
 
 std::unique_ptr<Engine> make_bricked_engine(const Scenario& scenario, const Voxmap& voxmap, const Tool& tool) {
@@ -119,7 +122,7 @@ std::unique_ptr<Engine> make_bricked_engine(const Scenario& scenario, const Voxm
 }
 
 std::size_t bricked_engine_bytes(const Scenario& scenario, const Voxmap& voxmap, const Tool& tool) {
-  return bricked_bytes(voxmap, tool, wears(scenario)) + DeviceBatch::bytes(RemovedPlan(voxmap, tool).room);
+  return bricked_bytes(voxmap, tool, wears(scenario)) + DeviceBatch::bytes(removed_list(voxmap, tool));
 }
 
 }  // namespace reamsim

@@ -1,6 +1,7 @@
 #include "sim/run/dense_engine.h"
 
 #include <algorithm>
+#include <bit>
 
 #include "sim/collide/dense_bone.h"
 #include "sim/collide/direct_detector.h"
@@ -30,7 +31,7 @@ class DenseEngine final : public Engine {
       : device_(info),
         plan_(fitting_plan(info, scenario, voxmap, tool)),
         state_(make_dense_state(device_, plan_, voxmap, tool)),
-        batch_(device_, plan_.removed, plan_.contacts, plan_.unreamed),
+        batch_(device_, plan_.removed_list()),
         detector_(device_, state_, batch_, group_size(info, scenario.engine.work_group_size, 256)),
         erosion_(device_, state_, batch_, make_energy_table(scenario.cutting, voxmap.grid.voxel_mm),
                  group_size(info, scenario.engine.work_group_size, info.gpu ? 256 : 16)),
@@ -41,17 +42,15 @@ class DenseEngine final : public Engine {
   Erosion& erosion() override { return erosion_; }
   [[nodiscard]] bool full() const override { return batch_.full(); }
 
-  Batch collect() override {
-    DeviceBatch::Results results = batch_.collect();
-    Batch batch;
-    batch.sums = std::move(results.sums);
-    batch.detect_s = detector_.take_seconds();
-    batch.cut_s = erosion_.take_seconds();
-    batch.removed.reserve(results.removed.size());
-    for (const auto& gone : results.removed) {
-      batch.removed.emplace_back(gone.voxel, static_cast<std::int32_t>(gone.frame));
+  Batch collect() override { return {batch_.collect(), detector_.take_seconds(), erosion_.take_seconds()}; }
+
+  RemovedFrames take_removed() override {
+    RemovedFrames removed;
+    for (const cl_ulong word : batch_.take_removed()) {
+      const auto gone = std::bit_cast<RemovedVoxel>(word);
+      removed.emplace_back(gone.voxel, static_cast<std::int32_t>(gone.frame));
     }
-    return batch;
+    return removed;
   }
 
   void read_fill(Voxmap& voxmap) override {

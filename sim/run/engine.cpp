@@ -33,9 +33,10 @@ class SerialEngine final : public Engine {
 
   Batch collect() override {
     state_.args.clear();
-    return {std::exchange(state_.sums, {}), detector_.take_seconds(), erosion_.take_seconds(),
-            std::exchange(state_.removed, {})};
+    return {std::exchange(state_.sums, {}), detector_.take_seconds(), erosion_.take_seconds()};
   }
+
+  RemovedFrames take_removed() override { return std::exchange(state_.removed, {}); }
 
   void read_fill(Voxmap& voxmap) override { copy_fill(state_.fill, voxmap); }
   void restore(const Voxmap& voxmap) override { take_bone(voxmap, state_); }

@@ -16,7 +16,6 @@ struct Batch {
   std::vector<SubstepSums> sums;
   std::vector<double> detect_s;
   std::vector<double> cut_s;
-  RemovedFrames removed;
 };
 
 /// What an engine keeps of bone and tool on the device, bytes: the structures that the paper's Table 4 compares,
@@ -38,7 +37,9 @@ class Engine {
   [[nodiscard]] virtual bool full() const = 0;
   /// Waits for every substep of the batch and hands its results over.
   virtual Batch collect() = 0;
-  /// Brings fill that fell without reaching zero (`wear`) into `voxmap`; voxels that went are in Batch::removed.
+  /// The voxels that went in the batch collected last, and when. What is not taken before the next begin() is dropped.
+  virtual RemovedFrames take_removed() = 0;
+  /// Brings fill that fell without reaching zero (`wear`) into `voxmap`; voxels that went are in take_removed().
   virtual void read_fill(Voxmap& voxmap) = 0;
   /// Puts the bone back as `voxmap` has it, for benchmarks and tests; every batch must have been collected. Throws
   /// RunError where it is not the voxmap that the engine was made with, reamed or not.

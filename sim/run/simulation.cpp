@@ -94,16 +94,16 @@ class Run {
     append(batch_.sums, part.sums);
     append(batch_.detect_s, part.detect_s);
     append(batch_.cut_s, part.cut_s);
-    append(batch_.removed, part.removed);
+    append(removed_, engine_.take_removed());
   }
 
   /// Closes every frame that waits, and brings the host's bone up to date with the voxels that went.
   void record() {
     drain();
-    for (const auto& [voxel, frame] : batch_.removed) {
+    for (const auto& [voxel, frame] : removed_) {
       scene_.bone.voxmap.fill.set(scene_.bone.voxmap.grid.coord(voxel), 0);
     }
-    recorder_.removed(batch_.removed);
+    recorder_.removed(removed_);
     for (const PendingFrame& pending : pending_) {
       const FrameResult result = ledger_.close(pending, batch_.sums);
       FrameTimes times{.broad_phase_s = pending.broad_phase_s};
@@ -116,6 +116,7 @@ class Run {
     }
     pending_.clear();
     batch_ = {};
+    removed_.clear();
   }
 
   void snapshot(std::int64_t frame) {
@@ -148,6 +149,7 @@ class Run {
   double max_step_mm_;
   std::vector<PendingFrame> pending_;
   Batch batch_;
+  RemovedFrames removed_;
   bool touched_ = false;
   bool still_ = false;
 };
