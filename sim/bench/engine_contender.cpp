@@ -21,6 +21,7 @@ class EngineContender final : public Contender {
     for (const Substep& frame : frames) enqueue(frame, use_voi, sample);
     collect(sample);
     sample.total_s = watch.seconds();
+    keep_removed();  // bookkeeping of the benchmark
     return sample;
   }
 
@@ -47,7 +48,10 @@ class EngineContender final : public Contender {
     const auto voi = broad_phase(arena_.tool_box, arena_.bone_box, frame.pose.bone_from_tool().inverse());
     sample.broad_s += broad.seconds();
     if (!voi) return;
-    if (engine_->full()) collect(sample);
+    if (engine_->full()) {
+      collect(sample);
+      keep_removed();
+    }
     const Stopwatch upload;
     const VoxelGrid& grid = arena_.voxmap->grid;
     const int slot = engine_->begin(use_voi ? make_args(frame, *voi, arena_.tool->shell, grid, bench_cutting(), false)
@@ -65,7 +69,11 @@ class EngineContender final : public Contender {
       sample.voxels += sums.contacts;
       for (int i = 0; i < 3; ++i) sample.force[i] += static_cast<double>(sums.force[i]) / RS_FORCE_SCALE;
     }
-    removed_.insert(removed_.end(), batch.removed.begin(), batch.removed.end());
+  }
+
+  void keep_removed() {
+    const RemovedFrames removed = engine_->take_removed();
+    removed_.insert(removed_.end(), removed.begin(), removed.end());
   }
 
   Arena arena_;
