@@ -112,26 +112,36 @@ struct Sides {
   [[nodiscard]] Vec3 bone_from_anatomy(const Vec3& p) const { return {lateral_sign * p.x(), -p.z(), p.y()}; }
 };
 
+Sides sides_of(const BoneSettings& settings) {
+  return {settings.side == "left" ? 1.0 : -1.0};
+}
+
 }  // namespace
 
-Bone glenoid_phantom(const BoneSettings& settings) {
+Voxmap sample_glenoid(const BoneSettings& settings, const VoxelGrid& grid) {
   check(settings);
   const GlenoidDensity density(settings.phantom);
-  const Sides sides{settings.side == "left" ? 1.0 : -1.0};
-  const Aabb& bounds = density.shape().bounds_mm();
-  const Vec3 corner = sides.bone_from_anatomy(bounds.min);
-  const Vec3 opposite = sides.bone_from_anatomy(bounds.max);
-  const VoxelGrid grid = lattice_around("bone.phantom", {corner.cwiseMin(opposite), corner.cwiseMax(opposite)},
-                                        settings.voxel_mm, kMarginVoxels);
-  Bone bone;
-  bone.voxmap = sample_phantom(
+  const Sides sides = sides_of(settings);
+  return sample_phantom(
       grid, settings.density, [&](const Vec3& point) { return density.at(sides.anatomy_from_bone(point)); },
       [&](const Vec3& center, double radius_mm) {
         return density.shape().solid(sides.anatomy_from_bone(center)) > GlenoidShape::kSteepest * radius_mm;
       });
+}
+
+Bone glenoid_phantom(const BoneSettings& settings) {
+  check(settings);
+  const GlenoidShape shape(settings.phantom);
+  const Sides sides = sides_of(settings);
+  const Vec3 corner = sides.bone_from_anatomy(shape.bounds_mm().min);
+  const Vec3 opposite = sides.bone_from_anatomy(shape.bounds_mm().max);
+  const VoxelGrid grid = lattice_around("bone.phantom", {corner.cwiseMin(opposite), corner.cwiseMax(opposite)},
+                                        settings.voxel_mm, kMarginVoxels);
+  Bone bone;
+  bone.voxmap = sample_glenoid(settings, grid);
   GlenoidSettings face;
   face.center_mm = Vec3::Zero();
-  face.normal = sides.bone_from_anatomy(density.shape().normal());
+  face.normal = sides.bone_from_anatomy(shape.normal());
   face.superior = Vec3::UnitZ();
   bone.glenoid = glenoid_frame(face, settings.side);
   return bone;

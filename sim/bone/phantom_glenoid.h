@@ -9,4 +9,7 @@ namespace reamsim {
 /// the face normal. Throws InputError: no side, a face radius that the face does not fit on.
 Bone glenoid_phantom(const BoneSettings& settings);
 
+/// The same bone over a lattice that the caller chooses; what lies outside it is cut off. Throws as above.
+Voxmap sample_glenoid(const BoneSettings& settings, const VoxelGrid& grid);
+
 }  // namespace reamsim

@@ -49,6 +49,15 @@ bool fill_brick(const Voxmap& voxmap, const Vec3i& coord, const GradeBricks::Bri
   return left;
 }
 
+/// Marks a brick as holding bone; its place in the words is that of cut_bricked.cl.
+void occupy(const Vec3i& brick, const Vec3i& superbricks, std::vector<cl_uint>& occupancy) {
+  const Vec3i s = brick / 4;
+  const auto word = static_cast<std::size_t>(
+      2 * (s.x() + std::int64_t{superbricks.x()} * (s.y() + std::int64_t{superbricks.y()} * s.z())));
+  const auto bit = static_cast<unsigned>((brick.x() & 3) | (brick.y() & 3) << 2 | (brick.z() & 3) << 4);
+  occupancy[word + (bit >> 5)] |= 1U << (bit & 31U);
+}
+
 BrickPools plan_pools(const Voxmap& voxmap, bool wear, std::size_t largest_allocation) {
   BrickPools pools;
   pools.fill = wear || voxmap.fill.stored_bricks() > 0;
@@ -157,17 +166,46 @@ void upload_bone(const cl::Device& device, BrickedState& state, const Voxmap& vo
   };
   voxmap.grade.for_each_brick([&](const Vec3i& brick, const GradeBricks::Brick& grades) {
     if (fill_brick(voxmap, brick, grades, state.layout.fill, chunk.data() + (slot - first) * bytes)) {
-      const Vec3i s = brick / 4;
-      const auto word = static_cast<std::size_t>(
-          2 * (s.x() + std::int64_t{superbricks.x()} * (s.y() + std::int64_t{superbricks.y()} * s.z())));
-      const auto bit = static_cast<unsigned>((brick.x() & 3) | (brick.y() & 3) << 2 | (brick.z() & 3) << 4);
-      occupancy[word + (bit >> 5)] |= 1U << (bit & 31U);
+      occupy(brick, superbricks, occupancy);
     }
     ++slot;
     const bool pool_ends = (slot & ((std::size_t{1} << state.layout.bits) - 1)) == 0;
     if (slot - first == kChunk || pool_ends) flush();
   });
   flush();
+  state.occupancy.write(device, occupancy.data(), occupancy.size());
+}
+
+void upload_bricks_of(const cl::Device& device, BrickedState& state, const Voxmap& voxmap,
+                      const RemovedFrames& voxels) {
+  if (voxels.empty()) return;
+  const Vec3i dims = lattice_bricks(voxmap);
+  std::vector<std::int64_t> touched;
+  touched.reserve(voxels.size());
+  for (const auto& [voxel, frame] : voxels) {
+    const Vec3i brick = voxmap.grid.coord(voxel) / kSide;
+    touched.push_back(brick.x() + std::int64_t{dims.x()} * (brick.y() + std::int64_t{dims.y()} * brick.z()));
+  }
+  std::sort(touched.begin(), touched.end());
+  touched.erase(std::unique(touched.begin(), touched.end()), touched.end());
+
+  const std::size_t bytes = state.layout.brick_bytes;
+  const Vec3i superbricks = (dims.array() + 3) / 4;
+  std::vector<cl_int> slots(state.slot_of_brick.count());
+  std::vector<cl_uint> occupancy(state.occupancy.count());
+  state.slot_of_brick.read(device, slots.data(), slots.size());
+  state.occupancy.read(device, occupancy.data(), occupancy.size());
+  std::vector<cl_uchar> record(bytes);
+  for (const std::int64_t index : touched) {
+    const std::int64_t row = index / dims.x();
+    const Vec3i brick(static_cast<int>(index % dims.x()), static_cast<int>(row % dims.y()),
+                      static_cast<int>(row / dims.y()));
+    const auto slot = static_cast<std::size_t>(slots[static_cast<std::size_t>(index)]);
+    const std::size_t pool = slot >> state.layout.bits, within = slot & ((std::size_t{1} << state.layout.bits) - 1);
+    const bool left = fill_brick(voxmap, brick, state.layout.fill, record.data());
+    state.pools[pool].write(device, record.data(), bytes, within * bytes);
+    if (left) occupy(brick, superbricks, occupancy);
+  }
   state.occupancy.write(device, occupancy.data(), occupancy.size());
 }
 

@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "sim/bone/bone_vdb.h"
 #include "sim/bone/voxmap.h"
 #include "sim/collide/profile_table.h"
 #include "sim/collide/shell_cells.h"
@@ -52,6 +53,9 @@ BrickedState make_bricked_state(const cl::Device& device, const Voxmap& voxmap, 
 
 /// Uploads the bone again, as `voxmap` has it. Its bricks must be those that the state was made with.
 void upload_bone(const cl::Device& device, BrickedState& state, const Voxmap& voxmap);
+
+/// As upload_bone(), for the bricks of these voxels (VoxelGrid::index) only.
+void upload_bricks_of(const cl::Device& device, BrickedState& state, const Voxmap& voxmap, const RemovedFrames& voxels);
 
 /// Puts every fill that differs from the voxmap's into it.
 void read_bricked_fill(const cl::Device& device, const BrickedState& state, Voxmap& voxmap);

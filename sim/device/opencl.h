@@ -151,6 +151,10 @@ class Kernel {
     const cl_mem memory = buffer.get();
     check(clSetKernelArg(kernel_.get(), index, sizeof(cl_mem), &memory), "clSetKernelArg");
   }
+  /// Gives a __local argument its size.
+  void set_local(cl_uint index, std::size_t bytes) {
+    check(clSetKernelArg(kernel_.get(), index, bytes, nullptr), "clSetKernelArg");
+  }
   /// Launches at least `items` work-items in groups of `group`; the event tells when it ran.
   [[nodiscard]] Event launch(const Device& device, std::size_t items, std::size_t group) const;
 

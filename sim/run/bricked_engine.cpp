@@ -71,8 +71,17 @@ class BrickedEngine final : public Engine {
 
   void read_fill(Voxmap& voxmap) override { read_bricked_fill(device_, state_, voxmap); }
   void restore(const Voxmap& voxmap) override { upload_bone(device_, state_, voxmap); }
+  void restore_voxels(const Voxmap& voxmap, const RemovedFrames& gone) override {
+    upload_bricks_of(device_, state_, voxmap, gone);
+  }
   [[nodiscard]] std::string device() const override { return device_.info().name; }
   [[nodiscard]] std::size_t device_bytes() const override { return bytes_; }
+  [[nodiscard]] StructureBytes structure_bytes() const override {
+    StructureBytes out{state_.slot_of_brick.bytes() + state_.lattice_of_slot.bytes() + state_.occupancy.bytes(),
+                       state_.cells.bytes() + state_.runs.bytes() + state_.offsets.bytes()};
+    for (const auto& pool : state_.pools) out.voxmap += pool.bytes();
+    return out;
+  }
 
  private:
   /// The voxels of a block's record, with the frame of its substep.

@@ -8,6 +8,7 @@
 #include "sim/collide/implicit_detector.h"
 #include "sim/collide/octree_detector.h"
 #include "sim/cut/device_erosion.h"
+#include "sim/cut/voxel_restorer.h"
 
 namespace reamsim {
 
@@ -48,7 +49,8 @@ class DenseEngine final : public Engine {
         batch_(device_, plan_.removed_list()),
         detector_(make_detector(device_, scenario, state_, batch_, voxmap, tool)),
         erosion_(device_, plan_.layout, state_, batch_, make_energy_table(scenario.cutting, voxmap.grid.voxel_mm),
-                 group_size(info, scenario.engine.work_group_size, info.gpu ? 256 : 16)) {}
+                 group_size(info, scenario.engine.work_group_size, info.gpu ? 256 : 16)),
+        restorer_(device_, state_) {}
 
   int begin(const SubstepArgs& args) override { return batch_.begin(args); }
   Detector& detector() override { return *detector_; }
@@ -74,9 +76,13 @@ class DenseEngine final : public Engine {
   }
 
   void restore(const Voxmap& voxmap) override { upload_bone(device_, plan_, voxmap, state_); }
+  void restore_voxels(const Voxmap& voxmap, const RemovedFrames& gone) override { restorer_.restore(voxmap, gone); }
 
   [[nodiscard]] std::string device() const override { return device_.info().name; }
   [[nodiscard]] std::size_t device_bytes() const override { return plan_.bytes(); }
+  [[nodiscard]] StructureBytes structure_bytes() const override {
+    return {state_.bone.bytes() + (state_.has_fill ? state_.fill.bytes() : 0), state_.points * sizeof(cl_uint)};
+  }
 
  private:
   cl::Device device_;
@@ -85,6 +91,7 @@ class DenseEngine final : public Engine {
   DeviceBatch batch_;
   std::unique_ptr<Detector> detector_;
   DeviceErosion erosion_;
+  VoxelRestorer restorer_;
 };
 
 }  // namespace

@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "sim/base/error.h"
 #include "sim/collide/dense_bone.h"
 #include "sim/collide/dense_plan.h"
 #include "sim/collide/serial_detector.h"
@@ -48,6 +49,7 @@ class SerialEngine final : public Engine {
   void restore(const Voxmap& voxmap) override { take_bone(voxmap, state_); }
   [[nodiscard]] std::string device() const override { return "serial"; }
   [[nodiscard]] std::size_t device_bytes() const override { return 0; }
+  [[nodiscard]] StructureBytes structure_bytes() const override { return {}; }
 
  private:
   SerialState state_;
@@ -60,6 +62,9 @@ class SerialEngine final : public Engine {
 std::unique_ptr<Engine> make_engine(const Scenario& scenario, const Voxmap& voxmap, const Tool& tool) {
   if (scenario.engine.device == "serial") return std::make_unique<SerialEngine>(scenario, voxmap, tool);
   if (scenario.engine.detector == "bricked") return make_bricked_engine(scenario, voxmap, tool);
+  if (scenario.engine.detector != "direct") {
+    throw InputError({}, "engine.detector", "\"" + scenario.engine.detector + "\"", "expected bricked or direct");
+  }
   return make_dense_engine(scenario, voxmap, tool);
 }
 

@@ -18,6 +18,13 @@ struct Batch {
   std::vector<double> cut_s;
 };
 
+/// What an engine keeps of bone and tool on the device, bytes: the structures that the paper's Table 4 compares,
+/// without the lists and slots of a batch.
+struct StructureBytes {
+  std::size_t voxmap = 0;
+  std::size_t shell = 0;
+};
+
 /// A detector and an erosion that work on one copy of the bone, with the slots of a batch of substeps.
 class Engine {
  public:
@@ -37,9 +44,12 @@ class Engine {
   /// Puts the bone back as `voxmap` has it, for benchmarks and tests; every batch must have been collected. Throws
   /// RunError where it is not the voxmap that the engine was made with, reamed or not.
   virtual void restore(const Voxmap& voxmap) = 0;
+  /// As restore(), for the voxels of `gone` only; an engine that knows no shorter way restores everything.
+  virtual void restore_voxels(const Voxmap& voxmap, const RemovedFrames& /*gone*/) { restore(voxmap); }
   /// Name of the device, or "serial".
   [[nodiscard]] virtual std::string device() const = 0;
   [[nodiscard]] virtual std::size_t device_bytes() const = 0;
+  [[nodiscard]] virtual StructureBytes structure_bytes() const = 0;
 };
 
 /// The engine that the scenario asks for. Throws InputError (no such device, bone too large) or RunError (no OpenCL, a

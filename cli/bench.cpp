@@ -1,0 +1,123 @@
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <memory>
+
+#include "cli/commands.h"
+#include "render/bench_plot.h"
+#include "sim/base/error.h"
+#include "sim/bench/paper.h"
+#include "sim/bench/suite.h"
+
+namespace reamsim {
+
+namespace {
+
+struct BenchOptions {
+  bool quick = false;
+  bool find_depths = false;
+  std::string json;
+  std::string output = "out/bench";
+  std::string device = "auto";
+  std::vector<std::string> engines;
+};
+
+bench::Plan plan_of(const BenchOptions& options) {
+  bench::Plan plan = options.quick ? bench::quick_plan() : bench::full_plan();
+  plan.device = options.device;
+  if (!options.engines.empty()) plan.engines = options.engines;
+  return plan;
+}
+
+/// Finds out before minutes of measuring whether the file can be written, and leaves it as it is.
+void require_writable(const std::string& path) {
+  const bool existed = std::filesystem::exists(path);
+  if (!std::ofstream(path, std::ios::binary | std::ios::app)) {
+    throw InputError({path, 0, 0}, "--json", "cannot be written", "expected a file name in a folder that exists");
+  }
+  if (!existed) std::filesystem::remove(path);
+}
+
+void write_json(const std::string& path, const std::string& text) {
+  std::ofstream out(path, std::ios::binary);
+  out << text;
+  out.close();
+  if (!out) throw RunError(path + ": cannot be written; is the disk full?");
+}
+
+void make_folder(const std::string& path) {
+  std::error_code error;
+  std::filesystem::create_directories(path, error);
+  if (error) throw InputError({path, 0, 0}, "--output", error.message(), "expected a folder that can be made");
+}
+
+std::string program_of(const bench::Label& label) {
+  return label.engine + (label.variant == "published" ? ", published" : "");
+}
+
+/// Severe contact as curves over the shell, a panel per voxmap. The paper's figures go with the programs that it
+/// measured; what has no shell is a level line.
+void add_severe(const bench::Findings& findings, BenchPlot& plot) {
+  for (const bench::CaseRow& row : findings.cases) {
+    if (row.at.contact != "severe") continue;
+    const bool no_shell = row.at.who.engine == "implicit";
+    const bool measured_there = no_shell || row.at.who.variant == "published";
+    for (const auto& [shell, points] : findings.shell_points) {
+      if (!no_shell && shell != row.at.shell) continue;
+      const auto paper = bench::paper_ms(row.at.who.engine.c_str(), row.at.voxmap, shell);
+      plot.severe.push_back(
+          {program_of(row.at.who), row.at.voxmap, shell, row.ms.median, measured_there ? paper : std::nullopt});
+    }
+  }
+}
+
+void add_voi(const bench::Findings& findings, BenchPlot& plot) {
+  for (const bench::VoiRow& row : findings.voi) {
+    plot.voi.push_back({program_of(row.who), 100 * row.fraction, row.with_ms.median, row.without_ms.median});
+  }
+}
+
+void bench_command(const BenchOptions& options, const Console& console) {
+  const bench::Plan plan = plan_of(options);
+  bench::check_plan(plan);
+  if (options.find_depths) {
+    console.say(bench::find_depths(bench::kVoxmaps.back(), bench::kShells.back()));
+    return;
+  }
+  if (!options.json.empty()) require_writable(options.json);
+  make_folder(options.output);
+  bench::Watch watch;
+  watch.progress = [&](const std::string& stage) { console.say("... " + stage); };
+  watch.stop = stop_requested;
+  const bench::Findings findings = bench::run_bench(plan, watch);
+  console.say("\n" + bench::text_of(findings));
+  if (!options.json.empty()) write_json(options.json, bench::json_of(findings));
+  BenchPlot plot;
+  plot.device = findings.device;
+  add_severe(findings, plot);
+  add_voi(findings, plot);
+  write_bench_plot(options.output, plot);
+  console.say("figure: " + options.output + "/bench.png");
+}
+
+}  // namespace
+
+void add_bench_command(CLI::App& app, Console& console) {
+  auto* command = app.add_subcommand("bench", "Measure every engine on this machine, the paper's tables beside it");
+  auto options = std::make_shared<BenchOptions>();
+  command->add_flag("--quick", options->quick, "Under a minute: severe contact and none, direct and bricked");
+  command->add_option("--json", options->json, "Write what was measured as JSON")->type_name("FILE");
+  command->add_option("-o,--output", options->output,
+                      "Folder for bench.png, bench.svg and bench.gp; out/bench without");
+  command->add_option("--device", options->device, "auto, or part of an OpenCL device's name")->type_name("NAME");
+  command->add_option("--engines", options->engines, "Some of bricked, direct, octree, implicit; all without")
+      ->delimiter(',')
+      ->type_name("E,E");
+  command->add_flag("--quiet", console.quiet, "Say nothing but warnings and errors");
+  // Prints the depths that sim/bench/poses.cpp holds, found anew; for whoever changes the scene.
+  command->add_flag("--find-depths", options->find_depths)->group("");
+  command->callback([options, &console] { bench_command(*options, console); });
+}
+
+}  // namespace reamsim

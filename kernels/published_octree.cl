@@ -1,0 +1,84 @@
+/* Zheng et al. as the paper rebuilt it (§4.3.1), for `reamsim bench` only: points of three floats, voxels of a float HU
+ * and a collision flag. A work-item per point walks from the whole grid down to its voxel, choosing an octant a level;
+ * the forces of all points, also of those outside the bone, are stored and then summed by a parallel reduction. */
+#ifndef REAMSIM_KERNELS_SHARED_H
+#include "shared.h"
+#endif
+
+#define AIR_HU -1000.0f
+
+/* steps[8·level + octant]: what choosing that octant adds to the voxel's index. forces: x, y, z and 1 of a point that
+ * touches, zeros of any other. */
+__kernel void published_octree(__global const float* points, const uint point_count,
+                               __global const PublishedFrame* f, __global const float* hu, __global uchar* collided,
+                               __global const uint* steps, const int levels, __global float* forces) {
+  const uint point = get_global_id(0);
+  if (point >= point_count) return;
+  const float p[3] = {points[3 * point], points[3 * point + 1], points[3 * point + 2]};
+  float d[3], inward[3];
+  for (int axis = 0; axis < 3; ++axis) {
+    __global const float* row = f->voxel_from_cell + 3 * axis;
+    d[axis] = f->voxel_origin[axis] + row[0] * p[0] + row[1] * p[1] + row[2] * p[2];
+    inward[axis] = row[0] * (f->cap_center[0] - p[0]) + row[1] * (f->cap_center[1] - p[1]) +
+                   row[2] * (f->cap_center[2] - p[2]);
+  }
+  float force[4] = {0, 0, 0, 0};
+  const float n = f->side;
+  if (d[0] >= 0 && d[1] >= 0 && d[2] >= 0 && d[0] < n && d[1] < n && d[2] < n) {
+    uint e = 0;
+    float low[3] = {0, 0, 0}, half_side = 0.5f * n;
+    for (int level = 0; level < levels; ++level) {
+      uint octant = 0;
+      for (int axis = 0; axis < 3; ++axis) {
+        if (d[axis] >= low[axis] + half_side) {
+          octant |= 1u << axis;
+          low[axis] += half_side;
+        }
+      }
+      e += steps[8 * level + octant];
+      half_side *= 0.5f;
+    }
+    if (hu[e] > AIR_HU && !collided[e]) {
+      collided[e] = 1;
+      const float scale = 1 / sqrt(inward[0] * inward[0] + inward[1] * inward[1] + inward[2] * inward[2]);
+      for (int axis = 0; axis < 3; ++axis) force[axis] = inward[axis] * scale;
+      force[3] = 1;
+    }
+  }
+  for (int i = 0; i < 4; ++i) forces[4 * point + i] = force[i];
+}
+
+/* Sums `count` forces of `in` to one per group in `out`. `local_sums`: room for a force per work-item. */
+__kernel void published_reduce(__global const float4* in, const uint count, __global float4* out,
+                               __local float4* local_sums) {
+  const uint item = get_local_id(0);
+  float4 sum = (float4)(0, 0, 0, 0);
+  for (uint i = get_global_id(0); i < count; i += get_global_size(0)) sum += in[i];
+  local_sums[item] = sum;
+  for (uint half_group = get_local_size(0) / 2; half_group > 0; half_group /= 2) {
+    barrier(CLK_LOCAL_MEM_FENCE);
+    if (item < half_group) local_sums[item] += local_sums[item + half_group];
+  }
+  if (item == 0) out[get_group_id(0)] = local_sums[0];
+}
+
+/* Voxels whose flag the pass above would raise, so that it can be lowered again; a voxel once per point. */
+__kernel void published_touched(__global const float* points, const uint point_count, __global const PublishedFrame* f,
+                                __global const float* hu, __global uint* touched, __global uint* touched_count) {
+  const uint point = get_global_id(0);
+  if (point >= point_count) return;
+  uint e = 0;
+  for (int axis = 2; axis >= 0; --axis) {
+    __global const float* row = f->voxel_from_cell + 3 * axis;
+    const float d = f->voxel_origin[axis] + row[0] * points[3 * point] + row[1] * points[3 * point + 1] +
+                    row[2] * points[3 * point + 2];
+    if (d < 0 || d >= f->side) return;
+    e = e * f->side + (uint)d;
+  }
+  if (hu[e] > AIR_HU) touched[atomic_inc(touched_count)] = e;
+}
+
+__kernel void published_restore(__global const uint* touched, const uint count, __global uchar* collided) {
+  const uint i = get_global_id(0);
+  if (i < count) collided[touched[i]] = 0;
+}

@@ -1,0 +1,225 @@
+#include "sim/bench/scene.h"
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <mutex>
+#include <numbers>
+
+#include "sim/base/error.h"
+#include "sim/bone/phantom_glenoid.h"
+#include "sim/tool/revolve.h"
+
+namespace reamsim::bench {
+
+namespace {
+
+/// The face looks along +x; behind it the cube reaches into the neck.
+const Vec3 kBoxCornerMm(-30, -20, -20);
+
+VoxelGrid grid_of(int side) {
+  return {Vec3i::Constant(side), kBoxMm / side, kBoxCornerMm};
+}
+
+std::uint8_t grade_at(const Voxmap& voxmap, int x, int y, int z) {
+  return voxmap.grade[static_cast<std::size_t>(voxmap.grid.index(x, y, z))];
+}
+
+void set_row(Voxmap& voxmap, int y, int z, const std::uint8_t* row) {
+  std::copy_n(row, voxmap.grid.dims.x(), voxmap.grade.begin() + voxmap.grid.index(0, y, z));
+}
+
+Voxmap sample(int side) {
+  BoneSettings settings;
+  settings.source = "phantom";
+  settings.side = "left";
+  return sample_glenoid(settings, grid_of(side));
+}
+
+Aabb tight_box(const Voxmap& voxmap) {
+  Vec3i low = voxmap.grid.dims, high = Vec3i::Constant(-1);
+  for (int z = 0; z < voxmap.grid.dims.z(); ++z) {
+    for (int y = 0; y < voxmap.grid.dims.y(); ++y) {
+      for (int x = 0; x < voxmap.grid.dims.x(); ++x) {
+        if (grade_at(voxmap, x, y, z) == 0) continue;
+        low = low.cwiseMin(Vec3i(x, y, z));
+        high = high.cwiseMax(Vec3i(x, y, z));
+      }
+    }
+  }
+  const VoxelGrid& grid = voxmap.grid;
+  return {grid.origin_mm + grid.voxel_mm * low.cast<double>(),
+          grid.origin_mm + grid.voxel_mm * (high + Vec3i::Ones()).cast<double>()};
+}
+
+/// Where a fine voxel's centre lies between two coarse ones: taps and integer weights that add up to 2·factor.
+struct Between {
+  int low, high;
+  int weight_low, weight_high;
+
+  Between(int fine, int factor, int coarse_side) {
+    const int position = 2 * fine + 1 - factor;  // in units of 1/(2·factor) coarse voxel from the first centre
+    const int unit = 2 * factor;
+    const int floor = position >= 0 ? position / unit : -1;
+    weight_high = position - floor * unit;
+    weight_low = unit - weight_high;
+    low = std::clamp(floor, 0, coarse_side - 1);
+    high = std::clamp(floor + 1, 0, coarse_side - 1);
+  }
+};
+
+/// Rows of one layer of the finer voxmap: a voxel is bone where the interpolated share of bone is at least half, with
+/// the mean grade of the bone about it.
+class Refinement {
+ public:
+  Refinement(const Voxmap& coarse, int factor) : coarse_(coarse), factor_(factor), side_(coarse.grid.dims.x()) {}
+
+  /// False where the row is all air.
+  bool row(int y, int z, std::vector<std::uint8_t>& out) {
+    share_.assign(static_cast<std::size_t>(side_), 0);
+    grade_.assign(static_cast<std::size_t>(side_), 0);
+    const Between by(y, factor_, side_), bz(z, factor_, side_);
+    bool any = add(by.low, bz.low, by.weight_low * bz.weight_low);
+    any |= add(by.high, bz.low, by.weight_high * bz.weight_low);
+    any |= add(by.low, bz.high, by.weight_low * bz.weight_high);
+    any |= add(by.high, bz.high, by.weight_high * bz.weight_high);
+    if (!any) return false;
+    const int whole = 8 * factor_ * factor_ * factor_;
+    for (int x = 0; x < side_ * factor_; ++x) {
+      const Between bx(x, factor_, side_);
+      const auto l = static_cast<std::size_t>(bx.low), h = static_cast<std::size_t>(bx.high);
+      const int share = bx.weight_low * share_[l] + bx.weight_high * share_[h];
+      const int grade = bx.weight_low * grade_[l] + bx.weight_high * grade_[h];
+      out[static_cast<std::size_t>(x)] = static_cast<std::uint8_t>(2 * share >= whole ? grade / share : 0);
+    }
+    return true;
+  }
+
+ private:
+  bool add(int y, int z, int weight) {
+    bool any = false;
+    for (int x = 0; x < side_; ++x) {
+      const int grade = grade_at(coarse_, x, y, z);
+      if (grade == 0) continue;
+      share_[static_cast<std::size_t>(x)] += weight;
+      grade_[static_cast<std::size_t>(x)] += weight * grade;
+      any = true;
+    }
+    return any;
+  }
+
+  const Voxmap& coarse_;
+  int factor_;
+  int side_;
+  std::vector<int> share_, grade_;
+};
+
+Voxmap refine(const Voxmap& coarse, int side) {
+  Voxmap fine(grid_of(side));
+  std::mutex writing;
+  tbb::parallel_for(tbb::blocked_range<int>(0, side, 8), [&](const tbb::blocked_range<int>& layers) {
+    Refinement refinement(coarse, side / coarse.grid.dims.x());
+    std::vector<std::uint8_t> row(static_cast<std::size_t>(side));
+    for (int z = layers.begin(); z < layers.end(); ++z) {
+      for (int y = 0; y < side; ++y) {
+        if (!refinement.row(y, z, row)) continue;
+        const std::lock_guard lock(writing);
+        set_row(fine, y, z, row.data());
+      }
+    }
+  });
+  return fine;
+}
+
+/// Mean grade of the bone among factor³ voxels, air where less than half of them are bone.
+std::uint8_t merged(const Voxmap& fine, const Vec3i& first, int factor) {
+  int share = 0, grade = 0;
+  for (int z = 0; z < factor; ++z) {
+    for (int y = 0; y < factor; ++y) {
+      for (int x = 0; x < factor; ++x) {
+        const int g = grade_at(fine, first.x() + x, first.y() + y, first.z() + z);
+        share += g != 0;
+        grade += g;
+      }
+    }
+  }
+  return static_cast<std::uint8_t>(2 * share >= factor * factor * factor ? grade / share : 0);
+}
+
+Voxmap merge(const Voxmap& fine, int side) {
+  Voxmap coarse(grid_of(side));
+  const int factor = fine.grid.dims.x() / side;
+  std::vector<std::uint8_t> row(static_cast<std::size_t>(side));
+  for (int z = 0; z < side; ++z) {
+    for (int y = 0; y < side; ++y) {
+      for (int x = 0; x < side; ++x) row[static_cast<std::size_t>(x)] = merged(fine, factor * Vec3i(x, y, z), factor);
+      set_row(coarse, y, z, row.data());
+    }
+  }
+  return coarse;
+}
+
+/// A hemisphere with its lowest point at the origin, closed by the lid that the shell leaves out.
+Profile hemisphere() {
+  constexpr int kSteps = 96;
+  Profile profile;
+  for (int i = 0; i <= kSteps; ++i) {
+    const double angle = std::numbers::pi / 2 * i / kSteps;
+    profile.points.emplace_back(i == 0 ? 0 : kReamerMm * std::sin(angle), kReamerMm * (1 - std::cos(angle)));
+  }
+  profile.points.back() = {kReamerMm, kReamerMm};
+  profile.points.emplace_back(0, kReamerMm);
+  return profile;
+}
+
+}  // namespace
+
+BoneSeries::BoneSeries(int sampled) : sampled_(sample(sampled)), box_mm_(tight_box(sampled_)) {}
+
+Voxmap BoneSeries::at(int side) const {
+  const int sampled = sampled_.grid.dims.x();
+  Voxmap out = side == sampled ? sampled_ : side > sampled ? refine(sampled_, side) : merge(sampled_, side);
+  out.mapping = sampled_.mapping;
+  out.frame = sampled_.frame;
+  return out;
+}
+
+Aabb BoneSeries::box(int side) const {
+  const VoxelGrid grid = grid_of(side);
+  if (side >= sampled_.grid.dims.x()) return box_mm_;
+  const Vec3 low = ((box_mm_.min - grid.origin_mm) / grid.voxel_mm).array().floor();
+  const Vec3 high = ((box_mm_.max - grid.origin_mm) / grid.voxel_mm).array().ceil();
+  return {grid.origin_mm + grid.voxel_mm * low, grid.origin_mm + grid.voxel_mm * high};
+}
+
+Tool cap_tool(int resolution) {
+  constexpr double kFacetCells = 0.02;
+  const int cells = std::max(2, static_cast<int>(std::lround(kCapShare * resolution)));
+  Tool tool;
+  tool.profile = hemisphere();
+  const double cell_mm = 2 * kReamerMm / (cells - 1);
+  tool.mesh = revolve(tool.profile, segments_for_sagitta(kReamerMm, kFacetCells * cell_mm));
+  tool.bounds = tool.mesh.bounds();
+  TriangleMesh cap = tool.mesh;
+  std::erase_if(cap.triangles, [&](const auto& triangle) {
+    return std::all_of(triangle.begin(), triangle.end(), [&](std::int32_t vertex) {
+      return cap.vertices[static_cast<std::size_t>(vertex)].z() == kReamerMm;
+    });
+  });
+  tool.shell = voxelise_surface(cap, cells);
+  tool.shell.resolution = resolution;  // the codes fill a corner of the larger grid
+  tool.reach_mm = std::numbers::sqrt2 * kReamerMm + cell_mm;
+  return tool;
+}
+
+Aabb shell_box(const Tool& tool) {
+  const Vec3 margin = Vec3::Constant(0.5 * tool.shell.cell_mm);
+  return {tool.bounds.min - margin, tool.bounds.max + margin};
+}
+
+CuttingSettings bench_cutting() {
+  return {};
+}
+
+}  // namespace reamsim::bench

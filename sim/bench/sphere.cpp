@@ -1,0 +1,119 @@
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "sim/base/error.h"
+#include "sim/bench/field.h"
+#include "sim/tool/revolve.h"
+
+namespace reamsim::bench {
+
+namespace {
+
+constexpr double kRadiusMm = 29;
+constexpr double kDepthMm = 4;
+constexpr double kWidthMm = 30;
+constexpr double kSpacingVoxels = 0.4721;  // what `reamsim run` chooses
+constexpr double kFeedMmS = 0.2;
+constexpr double kFrameS = 1e-3;
+constexpr int kWindows = 4;           // over the depth, in which frames are timed at the true feed
+constexpr int kWindowFrames = 16;     // enqueued at once
+constexpr double kStepVoxels = 0.25;  // between the windows
+
+/// A block that the sphere goes into from above; its top face is z = 0, and it lies askew of the tool's axis by shares
+/// of a voxel, so that nothing is regular.
+Voxmap block(double voxel_mm) {
+  const Vec3 size_mm(kWidthMm + 4, kWidthMm + 4, kDepthMm + 2);
+  VoxelGrid grid;
+  grid.voxel_mm = voxel_mm;
+  for (int i = 0; i < 3; ++i) grid.dims[i] = 8 * static_cast<int>(std::ceil(size_mm[i] / voxel_mm / 8));
+  const Vec3 extent = voxel_mm * grid.dims.cast<double>();
+  grid.origin_mm = {-extent.x() / 2 + 0.37 * voxel_mm, -extent.y() / 2 + 0.21 * voxel_mm, -extent.z()};
+  Voxmap voxmap(grid);
+  const std::uint8_t grade = DensityMapping::grade_from_density(1.8);
+  std::fill(voxmap.grade.begin(), voxmap.grade.end(), grade);
+  voxmap.frame = "phantom";
+  return voxmap;
+}
+
+Tool cap(double voxel_mm) {
+  constexpr int kSteps = 64;
+  Tool tool;
+  const double rim = std::asin(kWidthMm / 2 / kRadiusMm);
+  for (int i = 0; i <= kSteps; ++i) {
+    const double angle = rim * i / kSteps;
+    tool.profile.points.emplace_back(kRadiusMm * std::sin(angle), kRadiusMm * (1 - std::cos(angle)));
+  }
+  tool.profile.points.emplace_back(kWidthMm / 2, 8);
+  tool.profile.points.emplace_back(0, 8);
+  const int resolution = static_cast<int>(std::ceil(kWidthMm / (kSpacingVoxels * voxel_mm))) + 1;
+  tool.mesh = revolve(tool.profile, segments_for_sagitta(kWidthMm / 2, 0.02 * kSpacingVoxels * voxel_mm));
+  tool.shell = voxelise_surface(tool.mesh, std::min(resolution, 1024));
+  tool.bounds = tool.mesh.bounds();
+  tool.reach_mm = std::hypot(kWidthMm / 2, 8.0) + tool.shell.cell_mm;
+  return tool;
+}
+
+Substep down_to(double depth_mm) {
+  ToolPose pose;
+  pose.position_mm = {0, 0, -depth_mm};
+  pose.spin_rpm = 250;
+  Substep frame = substep_at(pose);
+  frame.origin_velocity_mm_s = {0, 0, -kFeedMmS};
+  frame.duration_s = kFrameS;
+  return frame;
+}
+
+/// The whole plunge; time per frame of the windows.
+SphereRow plunge(Contender& contender, double voxel_mm, const Watch& watch) {
+  SphereRow row{.engine = contender.label().engine, .erosion = bench_cutting().erosion, .voxel_mm = voxel_mm};
+  const double frame_mm = kFeedMmS * kFrameS, window_mm = kWindowFrames * frame_mm;
+  std::vector<double> ms;
+  std::int64_t voxels = 0;
+  double depth = 0;
+  for (int window = 1; window <= kWindows; ++window) {
+    const double begin = kDepthMm * window / kWindows - window_mm;
+    while (depth < begin) {
+      if (watch.stop()) throw Interrupted();
+      depth = std::min(begin, depth + kStepVoxels * voxel_mm);
+      const Substep frame = down_to(depth);
+      voxels += contender.run({&frame, 1}, true).voxels;
+    }
+    std::vector<Substep> frames;
+    for (int k = 1; k <= kWindowFrames; ++k) frames.push_back(down_to(begin + k * frame_mm));
+    const BatchSample sample = contender.run(frames, true);
+    ms.push_back(1e3 * sample.total_s / kWindowFrames);
+    voxels += sample.voxels;
+    depth = begin + window_mm;
+  }
+  row.ms = spread_of(ms);
+  row.removed_mm3 = static_cast<double>(voxels) * std::pow(voxel_mm, 3);
+  const double cap_mm3 = std::numbers::pi * kDepthMm * kDepthMm * (kRadiusMm - kDepthMm / 3);
+  row.volume_error = row.removed_mm3 / cap_mm3 - 1;
+  return row;
+}
+
+}  // namespace
+
+void measure_spheres(const Plan& plan, const Watch& watch, Findings& findings) {
+  for (const double voxel_mm : plan.sphere_voxels_mm) {
+    const Voxmap bone = block(voxel_mm);
+    const Tool tool = cap(voxel_mm);
+    const Arena arena{&bone, &tool, bone.grid.bounds_mm(), shell_box(tool)};
+    for (const std::string& engine : plan.engines) {
+      watch.progress("plunged sphere, " + engine);
+      try {
+        const auto contender = make_engine_contender(engine, plan.device, arena);
+        findings.spheres.push_back(plunge(*contender, voxel_mm, watch));
+      } catch (const InputError& error) {
+        findings.skipped.push_back(
+            {{{engine, "deterministic"}, bone.grid.dims.x(), tool.shell.resolution, "sphere"}, error.what()});
+      } catch (const RunError& error) {
+        findings.skipped.push_back(
+            {{{engine, "deterministic"}, bone.grid.dims.x(), tool.shell.resolution, "sphere"}, error.what()});
+      }
+    }
+  }
+}
+
+}  // namespace reamsim::bench

@@ -1,0 +1,167 @@
+#include "sim/bench/suite.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <map>
+#include <optional>
+
+#include "sim/base/error.h"
+#include "sim/base/stopwatch.h"
+#include "sim/bench/field.h"
+#include "sim/bench/paper.h"
+
+namespace reamsim::bench {
+
+namespace {
+
+constexpr double kPoseTolerance = 0.05;
+
+std::string size_text(const SizePair& size) {
+  return "voxmap " + std::to_string(size.voxmap) + "³, shell " + std::to_string(size.shell) + "³";
+}
+
+/// Counts what the stored depths touch, and refuses to measure something else than is claimed.
+void verify_poses(const Plan& plan, const Arena& arena, Findings& findings) {
+  const auto points = static_cast<double>(arena.tool->shell.codes.size());
+  for (const Contact contact : kContacts) {
+    int pose = 0;
+    for (const Substep& frame : substeps_of(contact)) {
+      PoseCount count{name_of(contact), pose++, count_touching(*arena.voxmap, *arena.tool, frame),
+                      wanted_points(contact, points)};
+      findings.poses.push_back(count);
+      const double off = std::abs(static_cast<double>(count.points) - count.wanted);
+      if (!plan.verify_poses || off <= kPoseTolerance * count.wanted) continue;
+      throw RunError("pose " + std::to_string(count.pose) + " of the case " + count.contact + " touches " +
+                     std::to_string(count.points) + " points and should touch " +
+                     std::to_string(std::lround(count.wanted)) +
+                     " to within 5 %: the scene is not the one that its "
+                     "depths were found for");
+    }
+  }
+}
+
+/// One run over the plan; keeps the current voxmap and the tools.
+class Bench {
+ public:
+  Bench(const Plan& plan, const Watch& watch) : plan_(plan), watch_(watch) {}
+
+  Findings run() {
+    const Stopwatch stopwatch;
+    check_plan(plan_);
+    const cl::DeviceInfo device = cl::choose_device(plan_.device);
+    findings_.device = device.name;
+    findings_.driver = device.platform_name + " " + device.driver;
+    findings_.compute_units = device.compute_units;
+    findings_.repetitions = plan_.repetitions;
+    watch_.progress("making the bone");
+    series_.emplace(plan_.sampled);
+    for (std::size_t i = 0; i < plan_.sizes.size(); ++i) measure(plan_.sizes[i], i + 1 == plan_.sizes.size());
+    voxmap_ = {};
+    measure_spheres(plan_, watch_, findings_);
+    findings_.seconds = stopwatch.seconds();
+    return std::move(findings_);
+  }
+
+ private:
+  const Tool& tool(int shell) {
+    const auto [place, is_new] = tools_.try_emplace(shell);
+    if (is_new) {
+      place->second = cap_tool(shell);
+      findings_.shell_points.emplace_back(shell, place->second.shell.codes.size());
+    }
+    return place->second;
+  }
+
+  void measure(const SizePair& size, bool last) {
+    if (watch_.stop()) throw Interrupted();
+    watch_.progress(size_text(size));
+    if (voxmap_.grid.dims.x() != size.voxmap) {
+      voxmap_ = {};
+      voxmap_ = series_->at(size.voxmap);
+    }
+    const Tool& reamer = tool(size.shell);
+    const Arena arena{&voxmap_, &reamer, series_->box(size.voxmap), shell_box(reamer)};
+    if (last) verify_poses(plan_, arena, findings_);
+    const bool whole = size.shell == plan_.sizes.back().shell;
+    const Field field = make_field(plan_, arena, size, whole, findings_.skipped);
+    measure_memory(field, findings_);
+    measure_case(plan_, field, Contact::severe, watch_, findings_);
+    if (whole && plan_.light) measure_case(plan_, field, Contact::light, watch_, findings_);
+    if (whole) measure_case(plan_, field, Contact::none, watch_, findings_);
+    if (plan_.details && whole) measure_scatter(plan_, field, watch_, findings_);
+    if (!plan_.details || !last) return;
+    watch_.progress("VOI");
+    measure_voi(plan_, field, watch_, findings_);
+    watch_.progress("batches");
+    measure_batches(plan_, field, watch_, findings_);
+    watch_.progress("plunge");
+    measure_plunge(plan_, field, watch_, findings_);
+  }
+
+  const Plan& plan_;
+  const Watch& watch_;
+  Findings findings_;
+  std::optional<BoneSeries> series_;
+  Voxmap voxmap_;
+  std::map<int, Tool> tools_;
+};
+
+}  // namespace
+
+Plan full_plan() {
+  Plan plan;
+  plan.engines = engine_names();
+  for (const int voxmap : kVoxmaps) {
+    for (const int shell : kShells) plan.sizes.push_back({voxmap, shell});
+  }
+  return plan;
+}
+
+Plan quick_plan() {
+  Plan plan;
+  plan.engines = {"bricked", "direct"};
+  plan.sizes = {{256, 256}, {256, 1024}, {1024, 1024}};
+  plan.light = false;
+  plan.details = false;
+  plan.sphere_voxels_mm = {};
+  return plan;
+}
+
+void check_plan(const Plan& plan) {
+  for (const std::string& engine : plan.engines) {
+    const auto& known = engine_names();
+    if (std::find(known.begin(), known.end(), engine) != known.end()) continue;
+    std::string names;
+    for (const std::string& name : known) names += (names.empty() ? "" : ", ") + name;
+    throw InputError({}, "--engines", "\"" + engine + "\"", "expected some of " + names);
+  }
+  if (plan.device == "serial") {
+    throw InputError({}, "--device", "\"serial\" is no OpenCL device",
+                     "the benchmark compares programs on an OpenCL device");
+  }
+  cl::choose_device(plan.device);
+}
+
+Findings run_bench(const Plan& plan, const Watch& watch) {
+  return Bench(plan, watch).run();
+}
+
+std::string find_depths(int voxmap, int shell) {
+  const Voxmap bone = BoneSeries().at(voxmap);
+  const Tool tool = cap_tool(shell);
+  const auto points = static_cast<double>(tool.shell.codes.size());
+  std::string out;
+  for (const Approach& approach : kApproaches) {
+    char line[128];
+    const auto depth = [&](Contact contact) {
+      return find_depth(bone, tool, approach, wanted_points(contact, points));
+    };
+    std::snprintf(line, sizeof line, "{%.4f, %.4f, %.4f}\n", depth(Contact::severe), depth(Contact::light),
+                  depth(Contact::none));
+    out += line;
+  }
+  return out;
+}
+
+}  // namespace reamsim::bench

@@ -1,0 +1,114 @@
+// The published programs against the engine: same contacts, same force where each point has a voxel to itself.
+#include <gtest/gtest.h>
+
+#include "sim/base/error.h"
+#include "sim/bench/poses.h"
+#include "sim/bench/published.h"
+
+namespace reamsim::bench {
+namespace {
+
+class Published : public ::testing::Test {
+ protected:
+  /// The exact sum of elemental forces over every point that touches, as if none raced.
+  Vec3 race_free_force(const Substep& frame) const {
+    Scenario scenario;
+    scenario.engine.device = "serial";
+    scenario.cutting.law = "per_point";
+    scenario.cutting.force_per_point_n = 1;
+    const auto engine = make_engine(scenario, bone_, tool_);
+    SubstepArgs args = args_without_voi(frame, tool_, bone_.grid);
+    args.law = RS_LAW_PER_POINT;
+    args.force_per_point = 1;
+    const int slot = engine->begin(args);
+    engine->detector().detect(slot);
+    engine->erosion().cut(slot);
+    const Batch batch = engine->collect();
+    Vec3 force;
+    for (int i = 0; i < 3; ++i) force[i] = static_cast<double>(batch.sums[0].force[i]) / RS_FORCE_SCALE;
+    return frame.pose.orientation * force;  // the engine sums in T
+  }
+
+  void expect_near_race_free(Contender& contender) const {
+    for (const Substep& frame : substeps_of(Contact::severe)) {
+      contender.prepare(frame);
+      const BatchSample sample = contender.run({&frame, 1}, true);
+      contender.restore();
+      const auto touching = static_cast<double>(count_touching(bone_, tool_, frame));
+      ASSERT_GT(touching, 300);
+      const Vec3 expected = race_free_force(frame);
+      EXPECT_NEAR((sample.force - expected).norm() / expected.norm(), 0, 0.1);
+      // Float positions and points that share a voxel take some away.
+      EXPECT_LE(static_cast<double>(sample.contacts), 1.01 * touching);
+      EXPECT_GE(static_cast<double>(sample.contacts), 0.85 * touching);
+    }
+  }
+
+  const BoneSeries series_{64};
+  // Voxels far smaller than the shell's spacing, so that hardly two points share one.
+  const Voxmap bone_ = series_.at(256);
+  const Tool tool_ = cap_tool(64);
+  const Arena arena_{&bone_, &tool_, series_.box(256), shell_box(tool_)};
+};
+
+TEST_F(Published, DirectForceIsNearTheRaceFreeOne) {
+  const auto contender = make_published_direct(cl::choose_device("auto"), arena_, true);
+  expect_near_race_free(*contender);
+  EXPECT_EQ(contender->bytes().voxmap, 256U * 256 * 256);
+  EXPECT_EQ(contender->bytes().shell, 4 * tool_.shell.codes.size());
+}
+
+TEST_F(Published, OctreeForceIsNearTheRaceFreeOne) {
+  const auto contender = make_published_octree(cl::choose_device("auto"), arena_);
+  expect_near_race_free(*contender);
+  EXPECT_EQ(contender->bytes().voxmap, 5U * 256 * 256 * 256);
+  EXPECT_EQ(contender->bytes().shell, 12 * tool_.shell.codes.size());
+}
+
+TEST_F(Published, RestoringPutsTheBoneBack) {
+  const Substep frame = substeps_of(Contact::severe)[0];
+  for (const bool octree : {false, true}) {
+    const cl::DeviceInfo device = cl::choose_device("auto");
+    const auto contender = octree ? make_published_octree(device, arena_) : make_published_direct(device, arena_, true);
+    contender->prepare(frame);
+    const auto first = contender->run({&frame, 1}, true).contacts;
+    EXPECT_LT(contender->run({&frame, 1}, true).contacts, first / 100) << "the bone is gone there";
+    contender->restore();
+    contender->prepare(frame);
+    EXPECT_NEAR(static_cast<double>(contender->run({&frame, 1}, true).contacts), static_cast<double>(first),
+                0.05 * static_cast<double>(first));
+  }
+}
+
+TEST_F(Published, EngineRestoresVoxelByVoxel) {
+  const auto contender = make_engine_contender("direct", "auto", arena_);
+  const Substep frame = substeps_of(Contact::severe)[0];
+  const auto first = contender->run({&frame, 1}, true);
+  EXPECT_GT(first.voxels, 300);
+  EXPECT_EQ(contender->run({&frame, 1}, true).voxels, 0);
+  contender->restore();
+  const auto again = contender->run({&frame, 1}, false);
+  EXPECT_EQ(again.voxels, first.voxels) << "with and without VOI";
+  EXPECT_EQ(again.force, first.force);
+}
+
+TEST_F(Published, DescentReachesEveryVoxel) {
+  const auto steps = descent_steps(8);
+  ASSERT_EQ(steps.size(), 3U * 8);
+  for (int x = 0; x < 8; ++x) {
+    for (int z = 0; z < 8; ++z) {
+      const int y = (x + z) % 8;
+      cl_uint e = 0;
+      for (int level = 0; level < 3; ++level) {
+        const int bit = 2 - level;
+        const int octant = (x >> bit & 1) | (y >> bit & 1) << 1 | (z >> bit & 1) << 2;
+        e += steps[static_cast<std::size_t>(8 * level + octant)];
+      }
+      EXPECT_EQ(e, static_cast<cl_uint>(x + 8 * (y + 8 * z)));
+    }
+  }
+  EXPECT_THROW(descent_steps(12), InputError);
+}
+
+}  // namespace
+}  // namespace reamsim::bench

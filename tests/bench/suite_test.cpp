@@ -1,0 +1,120 @@
+// A whole run at a small size: every row is there, and the JSON has the keys that docs/formats.md promises.
+#include "sim/bench/suite.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "sim/base/error.h"
+
+namespace reamsim::bench {
+namespace {
+
+using ::testing::HasSubstr;
+
+Plan small_plan() {
+  Plan plan;
+  plan.engines = engine_names();
+  plan.sizes = {{32, 32}, {64, 32}, {64, 64}};
+  plan.sampled = 64;
+  plan.repetitions = 2;
+  plan.verify_poses = false;
+  plan.plunge_frames = 40;
+  plan.sphere_voxels_mm = {1.0};
+  return plan;
+}
+
+void expect_keys(const nlohmann::json& rows, std::initializer_list<const char*> keys) {
+  ASSERT_TRUE(rows.is_array());
+  ASSERT_FALSE(rows.empty());
+  for (const auto& row : rows) {
+    for (const char* key : keys) EXPECT_TRUE(row.contains(key)) << key << " of " << row;
+  }
+}
+
+TEST(BenchSuite, SpreadIsMedianAndExtremes) {
+  const Spread odd = spread_of({3, 1, 2}), even = spread_of({4, 1, 2, 3});
+  EXPECT_EQ(odd.median, 2);
+  EXPECT_EQ(even.median, 2.5);
+  EXPECT_EQ(even.min, 1);
+  EXPECT_EQ(even.max, 4);
+  EXPECT_EQ(even.samples, 4);
+}
+
+TEST(BenchSuite, SmallRunHasEveryRowAndKey) {
+  const Findings findings = run_bench(small_plan(), {});
+  const auto json = nlohmann::json::parse(json_of(findings));
+  EXPECT_FALSE(json["device"].get<std::string>().empty());
+  expect_keys(json["results"], {"engine", "variant", "voxmap", "shell", "case", "contacts", "median_ms", "min_ms",
+                                "max_ms", "kernel_ms", "ratio_to_direct"});
+  expect_keys(json["memory"], {"engine", "voxmap", "shell", "voxmap_mb", "shell_mb"});
+  expect_keys(json["phases"],
+              {"engine", "variant", "obb_us", "voi_us", "upload_us", "kernel_us", "read_us", "total_us"});
+  expect_keys(json["voi"], {"engine", "variant", "fraction", "contacts", "with_ms", "without_ms"});
+  expect_keys(json["scatter"], {"engine", "variant", "points", "contacts_min", "contacts_max", "force_spread"});
+  expect_keys(json["spheres"], {"engine", "erosion", "voxel_mm", "median_ms", "volume_error"});
+
+  for (const char* contact : {"severe", "light", "none", "plunge"}) {
+    const CaseRow* direct = findings.find({"direct", "published"}, 64, 64, contact);
+    ASSERT_NE(direct, nullptr) << contact;
+    EXPECT_DOUBLE_EQ(direct->ratio_to_direct.value_or(0), 1) << contact;
+    EXPECT_LE(direct->ms.min, direct->ms.median);
+    EXPECT_LE(direct->ms.median, direct->ms.max);
+  }
+  EXPECT_EQ(findings.find({"direct", "deterministic"}, 64, 64, "severe")->ms.samples, 2 * 4);
+  const auto contacts = [&](const char* contact) {
+    return findings.find({"direct", "deterministic"}, 64, 64, contact)->contacts.value_or(-1);
+  };
+  EXPECT_GT(contacts("severe"), 3 * contacts("light"));
+  // Voxels of 0.6 mm reach up to a reamer that stands 0.3 mm clear of the bone at 1024³.
+  EXPECT_LT(contacts("none"), contacts("light") / 2);
+  EXPECT_THAT(text_of(findings), HasSubstr("direct, published, severe contact"));
+}
+
+TEST(BenchSuite, AnEngineIsMeasuredOrListedWithTheReason) {
+  Plan plan = small_plan();
+  plan.details = false;
+  plan.sphere_voxels_mm = {};
+  const Findings findings = run_bench(plan, {});
+  for (const std::string& engine : engine_names()) {
+    const bool measured = findings.find({engine, "deterministic"}, 64, 64, "severe") != nullptr;
+    const bool listed = std::any_of(findings.skipped.begin(), findings.skipped.end(), [&](const Skipped& row) {
+      return row.at.who.engine == engine && row.at.who.variant == "deterministic" && !row.reason.empty();
+    });
+    EXPECT_NE(measured, listed) << engine;
+  }
+}
+
+TEST(BenchSuite, PosesThatTouchSomethingElseAreAnError) {
+  Plan plan = small_plan();
+  plan.verify_poses = true;  // at 64³ a depth found at 1024³ is off by more than 5 %
+  plan.sizes = {{32, 32}};
+  try {
+    run_bench(plan, {});
+    FAIL() << "no error";
+  } catch (const RunError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("points and should touch"));
+  }
+}
+
+TEST(BenchSuite, WrongEngineOrDeviceIsAnInputError) {
+  Plan plan = small_plan();
+  plan.engines = {"direct", "sparse"};
+  EXPECT_THROW(run_bench(plan, {}), InputError);
+  plan = small_plan();
+  plan.device = "serial";
+  EXPECT_THROW(run_bench(plan, {}), InputError);
+  plan.device = "no such device";
+  EXPECT_THROW(run_bench(plan, {}), InputError);
+}
+
+TEST(BenchSuite, StopsWhenAsked) {
+  Watch watch;
+  watch.stop = [] { return true; };
+  EXPECT_THROW(run_bench(small_plan(), watch), Interrupted);
+}
+
+}  // namespace
+}  // namespace reamsim::bench
