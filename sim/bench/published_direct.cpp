@@ -3,7 +3,6 @@
 
 #include "sim/base/stopwatch.h"
 #include "sim/bench/published.h"
-#include "sim/collide/dense_bone.h"
 
 namespace reamsim {
 namespace embedded {
@@ -36,7 +35,9 @@ class PublishedDirect final : public Contender {
         frame_(device_, 1, "the frame"),
         touched_(device_, points_, "the touched voxels"),
         touched_count_(device_, 1, "their number") {
-    codes_.write(device_, arena.tool->shell.codes.data(), points_);
+    // The paper's layout: 4 bytes a point.
+    const std::vector<cl_uint> codes(arena.tool->shell.codes.begin(), arena.tool->shell.codes.end());
+    codes_.write(device_, codes.data(), codes.size());
     upload_bone();
     kernel_.set(0, codes_);
     kernel_.set(1, static_cast<cl_uint>(points_));
@@ -85,7 +86,7 @@ class PublishedDirect final : public Contender {
 
  private:
   void upload_bone() {
-    const auto grades = grades_left(*arena_.voxmap);
+    const auto grades = dense_grades_left(*arena_.voxmap);
     bone_.write(device_, grades.data(), grades.size());
   }
 

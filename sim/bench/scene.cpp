@@ -23,12 +23,39 @@ VoxelGrid grid_of(int side) {
 }
 
 std::uint8_t grade_at(const Voxmap& voxmap, int x, int y, int z) {
-  return voxmap.grade[static_cast<std::size_t>(voxmap.grid.index(x, y, z))];
+  return voxmap.grade.get({x, y, z});
 }
 
-void set_row(Voxmap& voxmap, int y, int z, const std::uint8_t* row) {
-  std::copy_n(row, voxmap.grid.dims.x(), voxmap.grade.begin() + voxmap.grid.index(0, y, z));
-}
+/// The grades of one layer of bricks, 8 voxels high, in the order of the lattice.
+class BrickLayer {
+ public:
+  explicit BrickLayer(int side) : side_(side), grades_(static_cast<std::size_t>(side) * side * GradeBricks::kSide) {}
+
+  std::uint8_t* row(int y, int z) {
+    return grades_.data() + static_cast<std::size_t>(side_) * static_cast<std::size_t>(y + side_ * z);
+  }
+
+  void put_into(Voxmap& voxmap, int layer) {
+    const Vec3i bricks = voxmap.grade.brick_dims();
+    for (int y = 0; y < bricks.y(); ++y) {
+      for (int x = 0; x < bricks.x(); ++x) {
+        GradeBricks::Brick brick;
+        for (int offset = 0; offset < GradeBricks::kVoxels; ++offset) {
+          const Vec3i voxel = BrickLattice::voxel_at({x, y, 0}, offset);
+          const bool inside = voxel.x() < side_ && voxel.y() < side_;
+          brick[static_cast<std::size_t>(offset)] = inside ? row(voxel.y(), voxel.z())[voxel.x()] : 0;
+        }
+        if (std::any_of(brick.begin(), brick.end(), [](std::uint8_t grade) { return grade != 0; })) {
+          voxmap.grade.put({x, y, layer}, brick);
+        }
+      }
+    }
+  }
+
+ private:
+  int side_;
+  std::vector<std::uint8_t> grades_;
+};
 
 Voxmap sample(int side) {
   BoneSettings settings;
@@ -38,19 +65,10 @@ Voxmap sample(int side) {
 }
 
 Aabb tight_box(const Voxmap& voxmap) {
-  Vec3i low = voxmap.grid.dims, high = Vec3i::Constant(-1);
-  for (int z = 0; z < voxmap.grid.dims.z(); ++z) {
-    for (int y = 0; y < voxmap.grid.dims.y(); ++y) {
-      for (int x = 0; x < voxmap.grid.dims.x(); ++x) {
-        if (grade_at(voxmap, x, y, z) == 0) continue;
-        low = low.cwiseMin(Vec3i(x, y, z));
-        high = high.cwiseMax(Vec3i(x, y, z));
-      }
-    }
-  }
+  const VoxelBox voxels = bone_extent(voxmap);
   const VoxelGrid& grid = voxmap.grid;
-  return {grid.origin_mm + grid.voxel_mm * low.cast<double>(),
-          grid.origin_mm + grid.voxel_mm * (high + Vec3i::Ones()).cast<double>()};
+  return {grid.origin_mm + grid.voxel_mm * voxels.first.cast<double>(),
+          grid.origin_mm + grid.voxel_mm * (voxels.last + Vec3i::Ones()).cast<double>()};
 }
 
 /// Where a fine voxel's centre lies between two coarse ones: taps and integer weights that add up to 2·factor.
@@ -76,7 +94,7 @@ class Refinement {
   Refinement(const Voxmap& coarse, int factor) : coarse_(coarse), factor_(factor), side_(coarse.grid.dims.x()) {}
 
   /// False where the row is all air.
-  bool row(int y, int z, std::vector<std::uint8_t>& out) {
+  bool row(int y, int z, std::uint8_t* out) {
     share_.assign(static_cast<std::size_t>(side_), 0);
     grade_.assign(static_cast<std::size_t>(side_), 0);
     const Between by(y, factor_, side_), bz(z, factor_, side_);
@@ -91,7 +109,7 @@ class Refinement {
       const auto l = static_cast<std::size_t>(bx.low), h = static_cast<std::size_t>(bx.high);
       const int share = bx.weight_low * share_[l] + bx.weight_high * share_[h];
       const int grade = bx.weight_low * grade_[l] + bx.weight_high * grade_[h];
-      out[static_cast<std::size_t>(x)] = static_cast<std::uint8_t>(2 * share >= whole ? grade / share : 0);
+      out[x] = static_cast<std::uint8_t>(2 * share >= whole ? grade / share : 0);
     }
     return true;
   }
@@ -118,15 +136,19 @@ class Refinement {
 Voxmap refine(const Voxmap& coarse, int side) {
   Voxmap fine(grid_of(side));
   std::mutex writing;
-  tbb::parallel_for(tbb::blocked_range<int>(0, side, 8), [&](const tbb::blocked_range<int>& layers) {
+  tbb::parallel_for(tbb::blocked_range<int>(0, fine.grade.brick_dims().z(), 1), [&](const auto& layers) {
     Refinement refinement(coarse, side / coarse.grid.dims.x());
-    std::vector<std::uint8_t> row(static_cast<std::size_t>(side));
-    for (int z = layers.begin(); z < layers.end(); ++z) {
-      for (int y = 0; y < side; ++y) {
-        if (!refinement.row(y, z, row)) continue;
-        const std::lock_guard lock(writing);
-        set_row(fine, y, z, row.data());
+    BrickLayer bricks(side);
+    for (int layer = layers.begin(); layer < layers.end(); ++layer) {
+      for (int z = 0; z < GradeBricks::kSide; ++z) {
+        for (int y = 0; y < side; ++y) {
+          std::uint8_t* row = bricks.row(y, z);
+          const bool outside = GradeBricks::kSide * layer + z >= side;
+          if (outside || !refinement.row(y, GradeBricks::kSide * layer + z, row)) std::fill_n(row, side, 0);
+        }
       }
+      const std::lock_guard lock(writing);
+      bricks.put_into(fine, layer);
     }
   });
   return fine;
@@ -150,11 +172,9 @@ std::uint8_t merged(const Voxmap& fine, const Vec3i& first, int factor) {
 Voxmap merge(const Voxmap& fine, int side) {
   Voxmap coarse(grid_of(side));
   const int factor = fine.grid.dims.x() / side;
-  std::vector<std::uint8_t> row(static_cast<std::size_t>(side));
   for (int z = 0; z < side; ++z) {
     for (int y = 0; y < side; ++y) {
-      for (int x = 0; x < side; ++x) row[static_cast<std::size_t>(x)] = merged(fine, factor * Vec3i(x, y, z), factor);
-      set_row(coarse, y, z, row.data());
+      for (int x = 0; x < side; ++x) coarse.grade.set({x, y, z}, merged(fine, factor * Vec3i(x, y, z), factor));
     }
   }
   return coarse;

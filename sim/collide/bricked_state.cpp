@@ -179,30 +179,27 @@ void upload_bone(const cl::Device& device, BrickedState& state, const Voxmap& vo
 void upload_bricks_of(const cl::Device& device, BrickedState& state, const Voxmap& voxmap,
                       const RemovedFrames& voxels) {
   if (voxels.empty()) return;
-  const Vec3i dims = lattice_bricks(voxmap);
-  std::vector<std::int64_t> touched;
+  const BrickLattice lattice = BrickLattice::over(voxmap.grid.dims);
+  std::vector<std::size_t> touched;
   touched.reserve(voxels.size());
   for (const auto& [voxel, frame] : voxels) {
-    const Vec3i brick = voxmap.grid.coord(voxel) / kSide;
-    touched.push_back(brick.x() + std::int64_t{dims.x()} * (brick.y() + std::int64_t{dims.y()} * brick.z()));
+    touched.push_back(lattice.index(BrickLattice::brick_of(voxmap.grid.coord(voxel))));
   }
   std::sort(touched.begin(), touched.end());
   touched.erase(std::unique(touched.begin(), touched.end()), touched.end());
 
   const std::size_t bytes = state.layout.brick_bytes;
-  const Vec3i superbricks = (dims.array() + 3) / 4;
+  const Vec3i superbricks = (lattice.dims.array() + 3) / 4;
   std::vector<cl_int> slots(state.slot_of_brick.count());
   std::vector<cl_uint> occupancy(state.occupancy.count());
   state.slot_of_brick.read(device, slots.data(), slots.size());
   state.occupancy.read(device, occupancy.data(), occupancy.size());
   std::vector<cl_uchar> record(bytes);
-  for (const std::int64_t index : touched) {
-    const std::int64_t row = index / dims.x();
-    const Vec3i brick(static_cast<int>(index % dims.x()), static_cast<int>(row % dims.y()),
-                      static_cast<int>(row / dims.y()));
-    const auto slot = static_cast<std::size_t>(slots[static_cast<std::size_t>(index)]);
+  for (const std::size_t index : touched) {
+    const Vec3i brick = lattice.coord(index);
+    const auto slot = static_cast<std::size_t>(slots[index]);
     const std::size_t pool = slot >> state.layout.bits, within = slot & ((std::size_t{1} << state.layout.bits) - 1);
-    const bool left = fill_brick(voxmap, brick, state.layout.fill, record.data());
+    const bool left = fill_brick(voxmap, brick, *voxmap.grade.brick(brick), state.layout.fill, record.data());
     state.pools[pool].write(device, record.data(), bytes, within * bytes);
     if (left) occupy(brick, superbricks, occupancy);
   }

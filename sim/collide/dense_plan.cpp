@@ -5,9 +5,9 @@
 #include <cstdio>
 
 #include "sim/base/error.h"
-#include "sim/tool/morton.h"
 #include "sim/collide/dense_bone.h"
 #include "sim/collide/device_batch.h"
+#include "sim/tool/morton.h"
 
 namespace reamsim {
 

@@ -2,8 +2,8 @@
 
 #include "kernels/shared.h"
 #include "sim/collide/dense_plan.h"
-#include "sim/collide/profile_table.h"
 #include "sim/collide/hu_scale.h"
+#include "sim/collide/profile_table.h"
 
 namespace reamsim {
 

@@ -22,11 +22,18 @@ struct PutBack {
 
 VoxelRestorer::VoxelRestorer(const cl::Device& device, DenseState& state)
     : device_(device),
-      program_(device.build("restore_voxels.cl", embedded::kernel_restore_voxels)),
+      hu_(state.hu.count() > 0),
+      program_(device.build("restore_voxels.cl", embedded::kernel_restore_voxels, hu_ ? "-DREAMSIM_FLAGGED_HU" : "")),
       kernel_(program_, "restore_voxels") {
-  kernel_.set(2, state.bone);
+  if (hu_) {
+    kernel_.set(2, state.hu);
+  } else {
+    kernel_.set(2, state.grades);
+  }
   kernel_.set(3, state.fill);
   kernel_.set(4, static_cast<cl_int>(state.has_fill ? 1 : 0));
+  kernel_.set(5, state.scale.of_air);
+  kernel_.set(6, state.scale.per_grade);
 }
 
 void VoxelRestorer::restore(const Voxmap& voxmap, const RemovedFrames& gone) {
@@ -35,7 +42,7 @@ void VoxelRestorer::restore(const Voxmap& voxmap, const RemovedFrames& gone) {
   list.reserve(gone.size());
   for (const auto& [voxel, frame] : gone) {
     const cl_uint fill = voxmap.fill.get(voxmap.grid.coord(voxel));
-    const cl_uint grade = fill == 0 ? 0 : voxmap.grade[static_cast<std::size_t>(voxel)];
+    const cl_uint grade = fill == 0 ? 0 : voxmap.grade.get(voxmap.grid.coord(voxel));
     list.push_back({static_cast<cl_uint>(voxel), fill << 8 | grade});
   }
   cl::Buffer<PutBack> buffer(device_, list.size(), "the voxels to put back");

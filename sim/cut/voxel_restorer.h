@@ -14,6 +14,7 @@ class VoxelRestorer {
 
  private:
   const cl::Device& device_;
+  bool hu_;  ///< voxels are kept as HU
   cl::Program program_;
   cl::Kernel kernel_;
 };

@@ -81,7 +81,7 @@ class DenseEngine final : public Engine {
   [[nodiscard]] std::string device() const override { return device_.info().name; }
   [[nodiscard]] std::size_t device_bytes() const override { return plan_.bytes(); }
   [[nodiscard]] StructureBytes structure_bytes() const override {
-    return {state_.bone.bytes() + (state_.has_fill ? state_.fill.bytes() : 0), state_.points * sizeof(cl_uint)};
+    return {plan_.bone_bytes() + plan_.flag_bytes() + plan_.fill_bytes(), plan_.shell_bytes()};
   }
 
  private:

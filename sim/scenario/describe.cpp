@@ -17,11 +17,12 @@ void describe_engine(KeyVisitor& v, EngineSettings& engine) {
        .doc = "auto: the OpenCL device that `reamsim devices` marks; serial: the slow reference in plain C++, without "
               "OpenCL; anything else: part of an OpenCL device's name"},
       engine.device);
-  v.text({.name = "kernel_shape",
-          .doc = "How the kernels of bricked are laid out: cpu, few work-items that do much in vectors; gpu, many that do "
-                 "little; auto, by the device. Changes the speed, never a result",
-          .choices = {"auto", "cpu", "gpu"}},
-         engine.kernel_shape);
+  v.text(
+      {.name = "kernel_shape",
+       .doc = "How the kernels of bricked are laid out: cpu, few work-items that do much in vectors; gpu, many that do "
+              "little; auto, by the device. Changes the speed, never a result",
+       .choices = {"auto", "cpu", "gpu"}},
+      engine.kernel_shape);
   v.flag({.name = "culling",
           .doc = "bricked passes over cells of shell points that cannot touch. Changes the speed, never a result"},
          engine.culling);

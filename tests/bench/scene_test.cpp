@@ -49,7 +49,7 @@ TEST(BenchScene, BoneLiesInItsBox) {
     const Voxmap bone = series.at(side);
     const Aabb box = series.box(side);
     for (std::int64_t e = 0; e < bone.grid.size(); ++e) {
-      if (bone.grade[static_cast<std::size_t>(e)] == 0) continue;
+      if (bone.grade.get(bone.grid.coord(e)) == 0) continue;
       const Vec3i voxel = bone.grid.coord(e);
       const Vec3 center = bone.grid.center_mm(voxel.x(), voxel.y(), voxel.z());
       ASSERT_TRUE((center.array() > box.min.array()).all() && (center.array() < box.max.array()).all()) << side;

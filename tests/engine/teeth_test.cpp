@@ -72,7 +72,7 @@ TEST(Teeth, OneVoxelFeelsTheEnvelopesNormal) {
   scene.scenario = quiet_scenario("auto");
   scene.scenario.tool.spin = "resolved";
   scene.bone.voxmap = Voxmap(VoxelGrid{{1, 1, 1}, kVoxel, at - Vec3::Constant(kVoxel / 2)});
-  scene.bone.voxmap.grade[0] = DensityMapping::grade_from_density(1.8);
+  scene.bone.voxmap.grade.set({0, 0, 0}, DensityMapping::grade_from_density(1.8));
   scene.tool = toothed_reamer(kVoxel);
   scene.motion = straight({0, 0, 0}, {0, 0, 0}, 200, kRateHz, kRpm);
   const double start = angle_behind_a_lip(scene.tool, at, kVoxel);
