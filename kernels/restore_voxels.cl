@@ -1,13 +1,20 @@
-/* Puts back voxels that went, from a list; for benchmarks, which repeat a frame on the same bone. */
+/* Puts back voxels that went, from a list of (voxel, value); for benchmarks, which repeat a frame on the same bone. */
 #ifndef REAMSIM_KERNELS_SHARED_H
 #include "shared.h"
 #endif
 
-/* voxels[count]: index and 16-bit fill above 8-bit grade. */
-__kernel void restore_voxels(__global const uint2* voxels, const uint count, __global uchar* bone,
-                             __global ushort* fill, const int has_fill) {
+__kernel void restore_bytes(__global const uint2* voxels, const uint count, __global uchar* values) {
   const uint i = get_global_id(0);
-  if (i >= count) return;
-  bone[voxels[i].x] = (uchar)(voxels[i].y & 255u);
-  if (has_fill) fill[voxels[i].x] = (ushort)(voxels[i].y >> 8);
+  if (i < count) values[voxels[i].x] = (uchar)voxels[i].y;
+}
+
+__kernel void restore_halves(__global const uint2* voxels, const uint count, __global ushort* values) {
+  const uint i = get_global_id(0);
+  if (i < count) values[voxels[i].x] = (ushort)voxels[i].y;
+}
+
+/* Words of any type, floats by their bits. */
+__kernel void restore_words(__global const uint2* voxels, const uint count, __global uint* values) {
+  const uint i = get_global_id(0);
+  if (i < count) values[voxels[i].x] = voxels[i].y;
 }

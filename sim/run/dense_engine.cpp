@@ -35,7 +35,7 @@ class DenseEngine final : public Engine {
         detector_(device_, state_, batch_, group_size(info, scenario.engine.work_group_size, 256)),
         erosion_(device_, state_, batch_, make_energy_table(scenario.cutting, voxmap.grid.voxel_mm),
                  group_size(info, scenario.engine.work_group_size, info.gpu ? 256 : 16)),
-        restorer_(device_, state_) {}
+        restorer_(device_) {}
 
   int begin(const SubstepArgs& args) override { return batch_.begin(args); }
   Detector& detector() override { return detector_; }
@@ -61,7 +61,14 @@ class DenseEngine final : public Engine {
   }
 
   void restore(const Voxmap& voxmap) override { upload_bone(device_, plan_, voxmap, state_); }
-  void restore_voxels(const Voxmap& voxmap, const RemovedFrames& gone) override { restorer_.restore(voxmap, gone); }
+  void restore_voxels(const Voxmap& voxmap, const RemovedFrames& gone) override {
+    const auto fill = [&](std::int64_t voxel) -> cl_uint { return voxmap.fill.get(voxmap.grid.coord(voxel)); };
+    const auto grade = [&](std::int64_t voxel) -> cl_uint {
+      return fill(voxel) == 0 ? 0 : voxmap.grade[static_cast<std::size_t>(voxel)];
+    };
+    restorer_.put(entries_to_put_back(gone, grade), state_.bone);
+    if (state_.has_fill) restorer_.put(entries_to_put_back(gone, fill), state_.fill);
+  }
 
   [[nodiscard]] std::string device() const override { return device_.info().name; }
   [[nodiscard]] std::size_t device_bytes() const override { return plan_.bytes(); }
