@@ -31,7 +31,8 @@ void print_cost(const Console& console, const ReamingScene& scene) {
                 scene.bone.voxmap.bone_mm3(), scene.tool.shell.codes.size(), scene.tool.shell.cell_mm);
   console.say(text);
   console.say("# memory: " + megabytes(planned_device_bytes(scene.scenario, scene.bone.voxmap, scene.tool)) +
-              " on the device, about " + megabytes(scene.bone.voxmap.grade.size() * 8) + " in the program");
+              " on the device, about " + megabytes(scene.bone.voxmap.grade.bytes() + scene.bone.voxmap.fill.bytes()) +
+              " in the program");
 }
 
 void check_command(const ScenarioOptions& options, const Console& console) {

@@ -8,16 +8,22 @@
 #endif
 #pragma OPENCL EXTENSION cl_khr_int64_base_atomics : enable
 
-/* What a voxel is worth, by grade: mJ for the whole of it, and g/cm3. */
+/* What a voxel is worth, by grade: mJ for the whole of it, also in units of the sum, and g/cm3. */
 typedef struct {
   __global const double* energy;
+  __global const long* units;
   __global const double* density;
 } Material;
+
+/* Records of removed voxels wait until there are some, because all work-items take their places from one counter. */
+#define WAITING 32
 
 /* Where the cut reports: the removed voxels of the substep, and the sums that are not the law's. */
 typedef struct {
   __global RemovedBlock* removed;
   __global uint* removed_count;
+  RemovedBlock waiting[WAITING];
+  uint waiting_count;
   uint brick;
   uint slot;
   long contacts;
@@ -25,33 +31,49 @@ typedef struct {
   long energy;
 } Tally;
 
+void hand_over_removed(Tally* tally) {
+  if (tally->waiting_count == 0) return;
+  __global RemovedBlock* to = tally->removed + atomic_add(tally->removed_count, tally->waiting_count);
+  for (uint i = 0; i < tally->waiting_count; ++i) to[i] = tally->waiting[i];
+  tally->waiting_count = 0;
+}
+
 void report_removed(Tally* tally, const int block, const uint low, const uint high) {
   if ((low | high) == 0) return;
-  __global RemovedBlock* record = tally->removed + atomic_inc(tally->removed_count);
+  if (tally->waiting_count == WAITING) hand_over_removed(tally);
+  RemovedBlock* record = tally->waiting + tally->waiting_count++;
   record->brick = tally->brick;
   record->detail = tally->slot << 3 | (uint)block;
   record->gone = low | (ulong)high << 32;
 }
 
-/* What voxel `place` loses, taken off its fill; mJ. `gone` says whether nothing is left. */
-double lose(__global const SubstepArgs* a, __global Brick* brick, const Material* material, const int place,
-            Tally* tally, bool* gone) {
-  const uchar grade = brick->grade[place];
 #ifdef RS_BRICK_FILL
+/* What voxel `place` loses, taken off its fill; mJ. `gone` says whether nothing is left. */
+float lose(__global const SubstepArgs* a, __global Brick* brick, const Material* material, const int place,
+           Tally* tally, bool* gone) {
+  const uchar grade = brick->grade[place];
   const int before = brick->fill[place];
   const int lost = rs_lost_fill(a, material->density[grade], before);
+  const double energy = rs_lost_energy(material->energy[grade], lost);
   brick->fill[place] = (ushort)(before - lost);
   *gone = lost == before;
-#else
-  const int lost = RS_WHOLE_FILL;
-  *gone = true;
-#endif
-  const double energy = rs_lost_energy(material->energy[grade], lost);
   tally->contacts += 1;
   tally->fill += lost;
   tally->energy += rs_energy_units(energy);
-  return energy;
+  return (float)energy;
 }
+#else
+/* The same where voxels are whole or gone. */
+float lose(__global const SubstepArgs* a, __global Brick* brick, const Material* material, const int place,
+           Tally* tally, bool* gone) {
+  const uchar grade = brick->grade[place];
+  *gone = true;
+  tally->contacts += 1;
+  tally->fill += RS_WHOLE_FILL;
+  tally->energy += material->units[grade];
+  return (float)material->energy[grade];
+}
+#endif
 
 void add_sums(__global SubstepSums* total, const long* part) {
   for (int c = 0; c < 3; ++c) {
@@ -79,7 +101,8 @@ void clear_if_empty(__global const Brick* brick, __global uint* occupancy, const
   __global const SubstepArgs *args, const uint substep, __global const uint *lattice_of_slot, __global uint *listed, \
       __global uint *occupancy, __global const uint *touched_list, __global const uint *touched_count,               \
       __global SubstepSums *sums, __global RemovedBlock *removed, __global uint *removed_count,                    \
-      __global const double *energy_of_grade, __global const double *density_of_grade,                               \
+      __global const double *energy_of_grade, __global const long *units_of_grade,                                   \
+      __global const double *density_of_grade,                                                                       \
       __global const ulong *bits_of_byte, const int4 bricks,                                                         \
       __global const ProfileEdge *edges, __global const ushort *numbers, __global const EdgeList *lists,             \
       __global const ProfileGrid *grid, RS_POOL_PARAMETERS
@@ -122,7 +145,7 @@ void lose_all(__global const SubstepArgs* a, __global Brick* brick, const Materi
 #endif
   for (int i = 0; i < count; ++i) {
     bool gone;
-    energies[i] = (float)lose(a, brick, material, places[i], tally, &gone);
+    energies[i] = lose(a, brick, material, places[i], tally, &gone);
 #ifdef RS_BRICK_FILL
     gone_words[places[i] >> 5] |= (uint)gone << (places[i] & 31);
 #endif
@@ -166,13 +189,18 @@ long add_lanes(const long16 v) {
 __kernel void cut_bricked(PARAMETERS) {
   __global const SubstepArgs* a = args + substep;
   const uint count = touched_count[substep];
-  const Material material = {energy_of_grade, density_of_grade};
+  const Material material = {energy_of_grade, units_of_grade, density_of_grade};
   const ProfileView profile = {edges, numbers, lists, grid};
   __global Brick* pools[RS_POOLS] = RS_POOL_ARRAY;
   LaneSums lanes;
   for (int i = 0; i < 3; ++i) lanes.force[i] = lanes.torque[i] = (long16)0;
   lanes.floor_energy = (long16)0;
-  Tally tally = {removed, removed_count, 0, substep, 0, 0, 0};
+  Tally tally;
+  tally.removed = removed;
+  tally.removed_count = removed_count;
+  tally.slot = substep;
+  tally.waiting_count = 0;
+  tally.contacts = tally.fill = tally.energy = 0;
   ushort places[RS_BRICK_VOXELS + 16];
   float energies[RS_BRICK_VOXELS + 16];
   for (uint t = get_global_id(0); t < count; t += get_global_size(0)) {
@@ -187,6 +215,7 @@ __kernel void cut_bricked(PARAMETERS) {
     if (a->law == RS_LAW_ENERGY) push_back(a, &profile, 8 * x, 8 * y, 8 * z, places, energies, touched, &lanes);
     clear_if_empty(brick, occupancy, x, y, z, bricks);
   }
+  hand_over_removed(&tally);
   const long part[10] = {add_lanes(lanes.force[0]),  add_lanes(lanes.force[1]),  add_lanes(lanes.force[2]),
                          add_lanes(lanes.torque[0]), add_lanes(lanes.torque[1]), add_lanes(lanes.torque[2]),
                          tally.energy, add_lanes(lanes.floor_energy), tally.fill, tally.contacts};
@@ -199,7 +228,7 @@ __kernel void cut_bricked(PARAMETERS) {
 bool cut_voxel(__global const SubstepArgs* a, __global Brick* brick, const int place, const int x, const int y,
                const int z, const Material* material, const ProfileView* profile, LaneSums* sums, Tally* tally) {
   bool gone;
-  const double energy = lose(a, brick, material, place, tally, &gone);
+  const float energy = lose(a, brick, material, place, tally, &gone);
   if (a->law == RS_LAW_ENERGY)
     rs_voxel_force(a, profile, 8 * x + rs_offset_x(place), 8 * y + rs_offset_y(place), 8 * z + rs_offset_z(place),
                    energy, sums);
@@ -210,11 +239,16 @@ __kernel void cut_bricked(PARAMETERS) {
   __local uint gone_words[RS_BRICK_WORDS];
   __global const SubstepArgs* a = args + substep;
   const uint count = touched_count[substep];
-  const Material material = {energy_of_grade, density_of_grade};
+  const Material material = {energy_of_grade, units_of_grade, density_of_grade};
   const ProfileView profile = {edges, numbers, lists, grid};
   __global Brick* pools[RS_POOLS] = RS_POOL_ARRAY;
   LaneSums sum = {{0, 0, 0}, {0, 0, 0}, 0};
-  Tally tally = {removed, removed_count, 0, substep, 0, 0, 0};
+  Tally tally;
+  tally.removed = removed;
+  tally.removed_count = removed_count;
+  tally.slot = substep;
+  tally.waiting_count = 0;
+  tally.contacts = tally.fill = tally.energy = 0;
   const uint item = get_local_id(0), items = get_local_size(0);
   /* Every work-item of a group makes the same number of rounds, so that all meet the barriers. */
   for (uint t = get_group_id(0); t < count; t += get_num_groups(0)) {
@@ -243,6 +277,7 @@ __kernel void cut_bricked(PARAMETERS) {
       clear_if_empty(brick, occupancy, x, y, z, bricks);
     }
   }
+  hand_over_removed(&tally);
   const long part[10] = {sum.force[0],  sum.force[1], sum.force[2],     sum.torque[0], sum.torque[1],
                          sum.torque[2], tally.energy, sum.floor_energy, tally.fill,    tally.contacts};
   if (tally.contacts != 0) add_sums(&sums[substep], part);

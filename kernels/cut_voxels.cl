@@ -5,6 +5,28 @@
 #endif
 #pragma OPENCL EXTENSION cl_khr_int64_base_atomics : enable
 
+/* How the detector keeps a voxel (VoxelLayout of sim/collide/dense_plan.h). By default an 8-bit grade, 0 = air or gone,
+ * and a claim bit; REAMSIM_FLAGGED_HU: a float HU, from which the grade comes back exactly, and a collision flag of a
+ * byte; REAMSIM_BARE_GRADE: an 8-bit grade and no claim. A voxel stands in the list once, so a flag's byte is written
+ * by one work-item; bits share their word. */
+#ifdef REAMSIM_FLAGGED_HU
+typedef float Voxel;
+typedef uchar Claim;
+#define GRADE_OF(voxel) ((uchar)(int)floor(((double)(voxel)-hu_of_air) / hu_per_grade + 0.5))
+#define AIR ((float)hu_of_air)
+#define FORGET_CLAIM(e) claims[e] = 0
+#else
+typedef uchar Voxel;
+typedef uint Claim;
+#define GRADE_OF(voxel) (voxel)
+#define AIR 0
+#ifdef REAMSIM_BARE_GRADE
+#define FORGET_CLAIM(e)
+#else
+#define FORGET_CLAIM(e) atomic_and(&claims[(e) >> 5], ~(1u << ((e)&31u)))
+#endif
+#endif
+
 void add_sums(__global SubstepSums* total, const SubstepSums* part) {
   for (int c = 0; c < 3; ++c) {
     atom_add(&total->force[c], part->force[c]);
@@ -16,15 +38,16 @@ void add_sums(__global SubstepSums* total, const SubstepSums* part) {
   atom_add(&total->contacts, part->contacts);
 }
 
-/* energy_of_grade[256]: mJ for a whole voxel; density_of_grade[256]: g/cm3; fill: 16 bits a voxel, or one dummy entry when
- * every voxel is whole (has_fill = 0); removed: (voxel, frame) of voxels that go. */
-__kernel void cut_voxels(__global const SubstepArgs* args, const uint substep, __global uchar* bone,
-                         __global ushort* fill, const int has_fill, __global uint* claims,
-                         __global const uint* contacts, __global const uint* contact_count,
-                         __global SubstepSums* sums, __global uint2* removed, __global uint* removed_count,
-                         __global const double* energy_of_grade, __global const double* density_of_grade,
-                         __global const ProfileEdge* edges, __global const ushort* numbers,
-                         __global const EdgeList* lists, __global const ProfileGrid* grid) {
+/* energy_of_grade[256]: mJ for a whole voxel; density_of_grade[256]: g/cm3; fill: 16 bits a voxel, or one dummy entry
+ * when every voxel is whole (has_fill = 0); removed: (voxel, frame) of voxels that go; hu_of_air, hu_per_grade: of the
+ * layout that keeps HU. */
+__kernel void cut_voxels(__global const SubstepArgs* args, const uint substep, __global Voxel* bone,
+                         __global ushort* fill, const int has_fill, __global Claim* claims,
+                         __global const uint* contacts, __global const uint* contact_count, __global SubstepSums* sums,
+                         __global uint2* removed, __global uint* removed_count, __global const double* energy_of_grade,
+                         __global const double* density_of_grade, __global const ProfileEdge* edges,
+                         __global const ushort* numbers, __global const EdgeList* lists,
+                         __global const ProfileGrid* grid, const double hu_of_air, const double hu_per_grade) {
   __global const SubstepArgs* a = args + substep;
   const uint count = contact_count[substep];
   const ProfileView profile = {edges, numbers, lists, grid};
@@ -32,7 +55,7 @@ __kernel void cut_voxels(__global const SubstepArgs* args, const uint substep, _
   LaneSums law = {{0, 0, 0}, {0, 0, 0}, 0};
   for (uint c = get_global_id(0); c < count; c += get_global_size(0)) {
     const uint e = contacts[c];
-    const uchar grade = bone[e];
+    const uchar grade = GRADE_OF(bone[e]);
     const int before = has_fill ? fill[e] : RS_WHOLE_FILL;
     const int lost = rs_lost_fill(a, density_of_grade[grade], before);
     part.contacts += 1;
@@ -42,14 +65,14 @@ __kernel void cut_voxels(__global const SubstepArgs* args, const uint substep, _
     if (a->law == RS_LAW_ENERGY) {
       const uint row = e / (uint)a->dims[0];
       rs_voxel_force(a, &profile, (int)(e % (uint)a->dims[0]), (int)(row % (uint)a->dims[1]),
-                     (int)(row / (uint)a->dims[1]), energy, &law);
+                     (int)(row / (uint)a->dims[1]), (float)energy, &law);
     }
     if (has_fill) fill[e] = (ushort)(before - lost);
     if (lost == before) {
-      bone[e] = 0;
+      bone[e] = AIR;
       removed[atomic_inc(removed_count)] = (uint2)(e, (uint)a->frame);
     }
-    atomic_and(&claims[e >> 5], ~(1u << (e & 31u)));
+    FORGET_CLAIM(e);
   }
   rs_add_lanes(&part, &law);
   if (part.contacts != 0) add_sums(&sums[substep], &part);

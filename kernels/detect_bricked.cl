@@ -102,8 +102,9 @@ void touch(const Bricks* b, const int slot, const int word, const uint bits) {
   __global Brick* brick = brick_at(b, slot);
   const uint bone = bits & brick->bone[word];
   if (bone == 0) return;
-  atomic_or(&brick->touched[word], bone);
-  if (atomic_xchg(&b->listed[slot], 1u) == 0) b->touched_list[atomic_inc(b->touched_count)] = (uint)slot;
+  /* Who touches a word first may be the first in the brick. */
+  if (atomic_or(&brick->touched[word], bone) == 0 && atomic_xchg(&b->listed[slot], 1u) == 0)
+    b->touched_list[atomic_inc(b->touched_count)] = (uint)slot;
 }
 
 /* Slot of the brick that holds a block (coordinates in blocks of 4 voxels), or -1. */

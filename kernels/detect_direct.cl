@@ -5,9 +5,17 @@
 #endif
 #pragma OPENCL EXTENSION cl_khr_int64_base_atomics : enable
 
+#ifdef RS_WIDE_CODES /* shells of more than 1024 cells per axis: 8 bytes a point */
+typedef rs_u64 ShellCode;
+#define CELL_COORDINATE rs_compact_wide_bits
+#else /* the paper's layout: 4 bytes a point */
+typedef rs_u32 ShellCode;
+#define CELL_COORDINATE rs_compact_bits
+#endif
+
 /* codes[point_count]; bone: dense grades, 0 = air or gone; claims: a bit per voxel, all 0 on entry; contacts: room for
  * min(points, voxels); contact_count[substep]: 0 on entry; sums[substep]. */
-__kernel void detect_direct(__global const uint* codes, const uint point_count, __global const SubstepArgs* args,
+__kernel void detect_direct(__global const ShellCode* codes, const uint point_count, __global const SubstepArgs* args,
                             const uint substep, __global const uchar* bone, __global uint* claims,
                             __global uint* contacts, __global uint* contact_count, __global SubstepSums* sums,
                             __global const ProfileEdge* edges, __global const ushort* numbers,
@@ -16,8 +24,8 @@ __kernel void detect_direct(__global const uint* codes, const uint point_count, 
   if (point >= point_count) return;
   __global const SubstepArgs* a = args + substep;
 
-  const uint code = codes[point];
-  const int x = rs_compact_bits(code), y = rs_compact_bits(code >> 1), z = rs_compact_bits(code >> 2);
+  const ShellCode code = codes[point];
+  const int x = CELL_COORDINATE(code), y = CELL_COORDINATE(code >> 1), z = CELL_COORDINATE(code >> 2);
   if (!rs_in_voi(a, x, y, z)) return;
 
   const int i = rs_voxel_coordinate(a, 0, x, y, z);

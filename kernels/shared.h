@@ -46,8 +46,8 @@ typedef rs_i64 rs_sum;
 #define RS_TO_SUM(value) ((rs_i64)(value))
 #endif
 
-/* Fractional bits of a position in voxels. Over 1024 shell cells the rounding of the rotation adds up to 2^-15 voxel.
- */
+/* Fractional bits of a position in voxels. The rounding of the rotation adds up to 2^-15 voxel per shell axis of 1024
+ * cells, to 2^-13 per axis of 4096, the largest; over three axes and with the origin's, to less than 2^-11. */
 #define RS_POSITION_BITS 24
 
 /* Least significant digits of the integer sums: N, N·mm, mJ. Room for 3·10^10 N, 5·10^11 N·mm, 2·10^9 mJ a substep. */
@@ -112,7 +112,7 @@ typedef struct {
   float r0, z0, along_r, along_z;
   float inverse_length2;
   float normal_r, normal_z;
-  float unused; /* 32 bytes: half a cache line */
+  float z1; /* exactly the next edge's z0 */
 } ProfileEdge;
 
 /* Which edges can be nearest: a grid of square cells over (r, z), each with a list of edges in ascending order that
@@ -215,6 +215,17 @@ RS_INLINE rs_i32 rs_compact_bits(rs_u32 code) {
   code = (code ^ (code >> 4)) & 0x0300f00fu;
   code = (code ^ (code >> 8)) & 0xff0000ffu;
   code = (code ^ (code >> 16)) & 0x000003ffu;
+  return (rs_i32)code;
+}
+
+/* The same of a code of 21 bits per axis, for shells of more than 1024 cells per axis. */
+RS_INLINE rs_i32 rs_compact_wide_bits(rs_u64 code) {
+  code &= 0x1249249249249249ul;
+  code = (code ^ (code >> 2)) & 0x10c30c30c30c30c3ul;
+  code = (code ^ (code >> 4)) & 0x100f00f00f00f00ful;
+  code = (code ^ (code >> 8)) & 0x001f0000ff0000fful;
+  code = (code ^ (code >> 16)) & 0x001f00000000fffful;
+  code = (code ^ (code >> 32)) & 0x00000000001ffffful;
   return (rs_i32)code;
 }
 
@@ -371,11 +382,38 @@ RS_INLINE void rs_add_lanes(SubstepSums* sums, const LaneSums* lanes) {
 
 /* Force of the energetic law for one voxel of the lattice. */
 RS_INLINE void rs_voxel_force(RS_GLOBAL const SubstepArgs* a, const ProfileView* profile, rs_i32 x, rs_i32 y, rs_i32 z,
-                              double energy, LaneSums* sums) {
+                              float energy, LaneSums* sums) {
   float brick[3], p[3];
   rs_brick_in_tool(a, x, y, z, brick);
   rs_voxel_in_tool(a, brick, (float)(x & 7), (float)(y & 7), (float)(z & 7), p);
-  rs_cut_force(a, profile, rs_edges_near(profile, RS_SQRT(p[0] * p[0] + p[1] * p[1]), p[2]), p, (float)energy, sums);
+  rs_cut_force(a, profile, rs_edges_near(profile, RS_SQRT(p[0] * p[0] + p[1] * p[1]), p[2]), p, energy, sums);
+}
+
+/* Whether (r, z), r >= 0, lies in the profile's polygon or on it, by the edges that a ray towards larger r crosses.
+ * Edges on the axis are not in the list; such a ray never crosses them. */
+RS_INLINE int rs_inside_profile(const ProfileView* profile, float r, float z) {
+  int inside = 0;
+  const rs_i32 count = (rs_i32)profile->lists[0].count;
+  for (rs_i32 i = 0; i < count; ++i) {
+    RS_GLOBAL const ProfileEdge* e = profile->edges + i;
+    const float r0 = e->r0, r1 = e->r0 + e->along_r, z0 = e->z0, z1 = e->z1;
+    if ((z < z0 && z < z1) || (z > z0 && z > z1)) continue;
+    const float side = (r - r0) * e->normal_r + (z - z0) * e->normal_z;
+    const int beside = (r < r0 && r < r1) || (r > r0 && r > r1);
+    if (side == 0 && !beside) return 1;
+    /* Half-open in z, so that a ray through a vertex counts one of its two edges. The outward normal of an edge that
+     * goes up points to larger r. */
+    if ((z0 <= z) != (z1 <= z) && (z1 > z0 ? side < 0 : side > 0)) inside = !inside;
+  }
+  return inside;
+}
+
+/* Whether the tool's solid of revolution holds the centre of voxel (x, y, z). */
+RS_INLINE int rs_holds_voxel(RS_GLOBAL const SubstepArgs* a, const ProfileView* profile, rs_i32 x, rs_i32 y, rs_i32 z) {
+  float brick[3], p[3];
+  rs_brick_in_tool(a, x, y, z, brick);
+  rs_voxel_in_tool(a, brick, (float)(x & 7), (float)(y & 7), (float)(z & 7), p);
+  return rs_inside_profile(profile, RS_SQRT(p[0] * p[0] + p[1] * p[1]), p[2]);
 }
 
 /* The paper's way: each touching point pushes the tool back along its inward normal with a given elemental force. Shell

@@ -49,8 +49,7 @@ float density_at(const Voxmap& voxmap, const Eigen::Vector3f& inside) {
   for (int i = 0; i < 8; ++i) {
     const Vec3i corner = base.cast<int>() + Vec3i(i & 1, i >> 1 & 1, i >> 2);
     if (!voxmap.grid.contains(corner)) continue;
-    const std::uint8_t grade =
-        voxmap.grade[static_cast<std::size_t>(voxmap.grid.index(corner.x(), corner.y(), corner.z()))];
+    const std::uint8_t grade = voxmap.grade.get(corner);
     if (grade == 0) continue;
     const float weight =
         ((i & 1) ? t.x() : 1 - t.x()) * ((i >> 1 & 1) ? t.y() : 1 - t.y()) * ((i >> 2) ? t.z() : 1 - t.z());

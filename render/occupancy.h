@@ -22,7 +22,7 @@ class Occupancy {
   void update(const std::vector<Vec3i>& bricks);
 
   [[nodiscard]] const Voxmap& voxmap() const { return voxmap_; }
-  [[nodiscard]] Vec3i brick_dims() const { return brick_dims_; }
+  [[nodiscard]] Vec3i brick_dims() const { return bricks_.dims; }
   /// Outside the lattice everything is air.
   [[nodiscard]] Kind kind(const Vec3i& brick) const;
   /// Copies the shares of a box of side³ voxels from `lower` on, x fastest, to `out`.
@@ -30,11 +30,10 @@ class Occupancy {
 
  private:
   [[nodiscard]] Kind look_at(const Vec3i& brick) const;
-  [[nodiscard]] std::size_t brick_index(const Vec3i& brick) const;
 
   const Voxmap& voxmap_;
   State state_;
-  Vec3i brick_dims_;
+  BrickLattice bricks_;
   std::vector<Kind> kinds_;
 };
 

@@ -85,15 +85,8 @@ Occupancy::Kind neighbourhood(const Occupancy& occupancy, const Vec3i& brick) {
 }  // namespace
 
 SolidField::SolidField(const Occupancy& occupancy) : grid_(openvdb::FloatGrid::create(kAir)) {
-  std::vector<Vec3i> bricks;
-  const Vec3i dims = occupancy.brick_dims();
-  // One brick more on every side: smoothing carries bone at the lattice's border a little beyond it.
-  for (int z = -1; z <= dims.z(); ++z) {
-    for (int y = -1; y <= dims.y(); ++y) {
-      for (int x = -1; x <= dims.x(); ++x) bricks.emplace_back(x, y, z);
-    }
-  }
-  compute(occupancy, bricks);
+  // One brick round the bone: smoothing carries it a little beyond its own bricks, and the lattice.
+  compute(occupancy, occupancy.voxmap().grade.coords_around());
 }
 
 void SolidField::update(const Occupancy& occupancy, const std::vector<Vec3i>& bricks) {

@@ -43,16 +43,14 @@ struct MeshInCells {
 };
 
 double cell_size_mm(const Voxmap& voxmap) {
-  const auto bone = std::count_if(voxmap.grade.begin(), voxmap.grade.end(), [](std::uint8_t g) { return g != 0; });
-  const double bone_mm3 = static_cast<double>(bone) * voxmap.grid.voxel_mm3();
+  const double bone_mm3 = static_cast<double>(voxmap.grade.count()) * voxmap.grid.voxel_mm3();
   return std::max(voxmap.grid.voxel_mm, std::cbrt(bone_mm3 / kInteriorCells));
 }
 
 /// Is this voxel bone that was reamed away?
 bool gone(const Voxmap& voxmap, const Vec3i& voxel) {
   if (!voxmap.grid.contains(voxel)) return false;
-  const auto index = static_cast<std::size_t>(voxmap.grid.index(voxel.x(), voxel.y(), voxel.z()));
-  return voxmap.grade[index] != 0 && voxmap.fill.get(voxel) < FillBricks::kWhole / 2;
+  return voxmap.grade.get(voxel) != 0 && voxmap.fill.get(voxel) < FillBricks::kWhole / 2;
 }
 
 /// The surface moved out by kBridge_mm, which shuts narrow holes, and the slope that it was moved along.
@@ -120,19 +118,13 @@ struct SquaredDistance {
 openvdb::FloatGrid::Ptr cells_of_changed_bricks(const Voxmap& voxmap, double cell_mm) {
   auto grid = openvdb::FloatGrid::create(0.0F);
   grid->setTransform(openvdb::math::Transform::createLinearTransform(cell_mm));
-  const Vec3i bricks = voxmap.fill.brick_dims();
   const double brick_cells = FillBricks::kSide * voxmap.grid.voxel_mm / cell_mm;
-  for (int z = 0; z < bricks.z(); ++z) {
-    for (int y = 0; y < bricks.y(); ++y) {
-      for (int x = 0; x < bricks.x(); ++x) {
-        if (voxmap.fill.brick({x, y, z}) == nullptr) continue;
-        const Vec3d lower = brick_cells * Vec3d(x, y, z);
-        const openvdb::Coord from = openvdb::Coord::floor(lower - Vec3d(2));
-        const openvdb::Coord to = openvdb::Coord::ceil(lower + Vec3d(brick_cells + 2));
-        grid->denseFill(openvdb::CoordBBox(from, to), 0.0F, true);
-      }
-    }
-  }
+  voxmap.fill.for_each_brick([&](const Vec3i& coord, const FillBricks::Brick&) {
+    const Vec3d lower = brick_cells * Vec3d(coord.x(), coord.y(), coord.z());
+    const openvdb::Coord from = openvdb::Coord::floor(lower - Vec3d(2));
+    const openvdb::Coord to = openvdb::Coord::ceil(lower + Vec3d(brick_cells + 2));
+    grid->denseFill(openvdb::CoordBBox(from, to), 0.0F, true);
+  });
   return grid;
 }
 

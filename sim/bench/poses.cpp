@@ -9,6 +9,7 @@
 
 #include "sim/base/error.h"
 #include "sim/bench/paper.h"
+#include "sim/tool/morton.h"
 
 namespace reamsim::bench {
 
@@ -19,12 +20,13 @@ constexpr double kFrameS = 1e-3;
 constexpr double kFeedMmS = 1;
 constexpr double kSpinRpm = 250;
 
-bool touches(const Voxmap& voxmap, const SubstepArgs& args, std::uint32_t code) {
-  const int x = rs_compact_bits(code), y = rs_compact_bits(code >> 1), z = rs_compact_bits(code >> 2);
+bool touches(const Voxmap& voxmap, const SubstepArgs& args, std::uint64_t code) {
+  const Vec3i cell = morton_decode(code);
+  const int x = cell.x(), y = cell.y(), z = cell.z();
   const Vec3i voxel(rs_voxel_coordinate(&args, 0, x, y, z), rs_voxel_coordinate(&args, 1, x, y, z),
                     rs_voxel_coordinate(&args, 2, x, y, z));
   if (!voxmap.grid.contains(voxel)) return false;
-  return voxmap.grade[static_cast<std::size_t>(voxmap.grid.index(voxel.x(), voxel.y(), voxel.z()))] != 0;
+  return voxmap.grade.get(voxel) != 0;
 }
 
 }  // namespace

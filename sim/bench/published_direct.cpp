@@ -1,9 +1,10 @@
 #include <algorithm>
 #include <utility>
 
+#include "sim/base/error.h"
 #include "sim/base/stopwatch.h"
 #include "sim/bench/published.h"
-#include "sim/collide/dense_bone.h"
+#include "sim/tool/morton.h"
 
 namespace reamsim {
 namespace embedded {
@@ -36,7 +37,7 @@ class PublishedDirect final : public Contender {
         frame_(device_, 1, "the frame"),
         touched_(device_, points_, "the touched voxels"),
         touched_count_(device_, 1, "their number") {
-    codes_.write(device_, arena.tool->shell.codes.data(), points_);
+    upload_codes();
     upload_bone();
     kernel_.set(0, codes_);
     kernel_.set(1, static_cast<cl_uint>(points_));
@@ -84,8 +85,15 @@ class PublishedDirect final : public Contender {
   [[nodiscard]] const Label& label() const override { return label_; }
 
  private:
+  void upload_codes() {
+    const PointShell& shell = arena_.tool->shell;
+    if (shell.resolution > kNarrowResolution) throw InputError("the published shell has at most 1024 cells an edge");
+    const std::vector<cl_uint> codes(shell.codes.begin(), shell.codes.end());
+    codes_.write(device_, codes.data(), codes.size());
+  }
+
   void upload_bone() {
-    const auto grades = grades_left(*arena_.voxmap);
+    const auto grades = dense_grades_left(*arena_.voxmap);
     bone_.write(device_, grades.data(), grades.size());
   }
 

@@ -5,7 +5,6 @@
 #include "sim/base/error.h"
 #include "sim/base/stopwatch.h"
 #include "sim/bench/published.h"
-#include "sim/collide/dense_bone.h"
 #include "sim/tool/morton.h"
 
 namespace reamsim {
@@ -24,7 +23,7 @@ constexpr std::size_t kPartialSums = 64;
 std::vector<float> points_of(const PointShell& shell) {
   std::vector<float> points;
   points.reserve(3 * shell.codes.size());
-  for (const std::uint32_t code : shell.codes) {
+  for (const std::uint64_t code : shell.codes) {
     const Vec3i cell = morton_decode(code);
     for (int i = 0; i < 3; ++i) points.push_back(static_cast<float>(cell[i]));
   }
@@ -102,7 +101,7 @@ class PublishedOctree final : public Contender {
       hu_of_grade[static_cast<std::size_t>(grade)] =
           grade == 0 ? kAirHu : static_cast<float>(mapping.hu_from_density(density));
     }
-    const auto grades = grades_left(*arena_.voxmap);
+    const auto grades = dense_grades_left(*arena_.voxmap);
     constexpr std::size_t kChunk = std::size_t{1} << 22;
     std::vector<float> chunk;
     for (std::size_t first = 0; first < voxels_; first += kChunk) {

@@ -1,14 +1,12 @@
 #include "sim/bench/scene.h"
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
-#include <mutex>
+#include <array>
 #include <numbers>
 
 #include "sim/base/error.h"
 #include "sim/bone/phantom_glenoid.h"
+#include "sim/bone/sample_bricks.h"
 #include "sim/tool/revolve.h"
 
 namespace reamsim::bench {
@@ -23,11 +21,7 @@ VoxelGrid grid_of(int side) {
 }
 
 std::uint8_t grade_at(const Voxmap& voxmap, int x, int y, int z) {
-  return voxmap.grade[static_cast<std::size_t>(voxmap.grid.index(x, y, z))];
-}
-
-void set_row(Voxmap& voxmap, int y, int z, const std::uint8_t* row) {
-  std::copy_n(row, voxmap.grid.dims.x(), voxmap.grade.begin() + voxmap.grid.index(0, y, z));
+  return voxmap.grade.get({x, y, z});
 }
 
 Voxmap sample(int side) {
@@ -69,66 +63,88 @@ struct Between {
   }
 };
 
-/// Rows of one layer of the finer voxmap: a voxel is bone where the interpolated share of bone is at least half, with
-/// the mean grade of the bone about it.
+/// Bricks of the finer voxmap: a voxel is bone where the interpolated share of bone is at least half, with the mean
+/// grade of the bone about it.
 class Refinement {
  public:
   Refinement(const Voxmap& coarse, int factor) : coarse_(coarse), factor_(factor), side_(coarse.grid.dims.x()) {}
 
-  /// False where the row is all air.
-  bool row(int y, int z, std::vector<std::uint8_t>& out) {
-    share_.assign(static_cast<std::size_t>(side_), 0);
-    grade_.assign(static_cast<std::size_t>(side_), 0);
-    const Between by(y, factor_, side_), bz(z, factor_, side_);
-    bool any = add(by.low, bz.low, by.weight_low * bz.weight_low);
-    any |= add(by.high, bz.low, by.weight_high * bz.weight_low);
-    any |= add(by.low, bz.high, by.weight_low * bz.weight_high);
-    any |= add(by.high, bz.high, by.weight_high * bz.weight_high);
-    if (!any) return false;
-    const int whole = 8 * factor_ * factor_ * factor_;
-    for (int x = 0; x < side_ * factor_; ++x) {
-      const Between bx(x, factor_, side_);
-      const auto l = static_cast<std::size_t>(bx.low), h = static_cast<std::size_t>(bx.high);
-      const int share = bx.weight_low * share_[l] + bx.weight_high * share_[h];
-      const int grade = bx.weight_low * grade_[l] + bx.weight_high * grade_[h];
-      out[static_cast<std::size_t>(x)] = static_cast<std::uint8_t>(2 * share >= whole ? grade / share : 0);
+  /// False where the brick is all air.
+  bool brick(const Vec3i& coord, GradeBricks::Brick& out) const {
+    const Vec3i first = kSide * coord;
+    if (all_air_about(first)) return false;
+    bool any = false;
+    for (int z = 0; z < kSide; ++z) {
+      for (int y = 0; y < kSide; ++y) any |= row(first, y, z, &out[static_cast<std::size_t>(kSide * (y + kSide * z))]);
+    }
+    return any;
+  }
+
+ private:
+  static constexpr int kSide = GradeBricks::kSide;
+  /// Share of bone and weighted grade along a line of coarse voxels, as far as a row of a brick can reach.
+  struct Line {
+    std::array<int, kSide + 2> share{}, grade{};
+  };
+
+  [[nodiscard]] bool all_air_about(const Vec3i& first) const {
+    const auto clamped = [&](const Vec3i& voxel) -> Vec3i {
+      return voxel.cwiseMax(0).cwiseMin(Vec3i::Constant(side_ - 1));
+    };
+    const Vec3i low = BrickLattice::brick_of(clamped(first / factor_ - Vec3i::Ones()));
+    const Vec3i high = BrickLattice::brick_of(clamped((first + Vec3i::Constant(kSide)) / factor_ + Vec3i::Ones()));
+    for (int z = low.z(); z <= high.z(); ++z) {
+      for (int y = low.y(); y <= high.y(); ++y) {
+        for (int x = low.x(); x <= high.x(); ++x) {
+          if (coarse_.grade.brick({x, y, z}) != nullptr) return false;
+        }
+      }
     }
     return true;
   }
 
- private:
-  bool add(int y, int z, int weight) {
+  bool row(const Vec3i& first, int y, int z, std::uint8_t* out) const {
+    const Between by(first.y() + y, factor_, side_), bz(first.z() + z, factor_, side_);
+    const int x_low = Between(first.x(), factor_, side_).low;
+    const int x_high = Between(first.x() + kSide - 1, factor_, side_).high;
+    Line line;
+    add(by.low, bz.low, by.weight_low * bz.weight_low, x_low, x_high, line);
+    add(by.high, bz.low, by.weight_high * bz.weight_low, x_low, x_high, line);
+    add(by.low, bz.high, by.weight_low * bz.weight_high, x_low, x_high, line);
+    add(by.high, bz.high, by.weight_high * bz.weight_high, x_low, x_high, line);
+    const int whole = 8 * factor_ * factor_ * factor_;
     bool any = false;
-    for (int x = 0; x < side_; ++x) {
-      const int grade = grade_at(coarse_, x, y, z);
-      if (grade == 0) continue;
-      share_[static_cast<std::size_t>(x)] += weight;
-      grade_[static_cast<std::size_t>(x)] += weight * grade;
+    for (int x = 0; x < kSide; ++x) {
+      const Between bx(first.x() + x, factor_, side_);
+      const auto l = static_cast<std::size_t>(bx.low - x_low), h = static_cast<std::size_t>(bx.high - x_low);
+      const int share = bx.weight_low * line.share[l] + bx.weight_high * line.share[h];
+      const int grade = bx.weight_low * line.grade[l] + bx.weight_high * line.grade[h];
+      if (2 * share < whole) continue;
+      out[x] = static_cast<std::uint8_t>(grade / share);
       any = true;
     }
     return any;
   }
 
+  void add(int y, int z, int weight, int x_low, int x_high, Line& line) const {
+    for (int x = x_low; x <= x_high; ++x) {
+      const int grade = grade_at(coarse_, x, y, z);
+      if (grade == 0) continue;
+      line.share[static_cast<std::size_t>(x - x_low)] += weight;
+      line.grade[static_cast<std::size_t>(x - x_low)] += weight * grade;
+    }
+  }
+
   const Voxmap& coarse_;
   int factor_;
   int side_;
-  std::vector<int> share_, grade_;
 };
 
 Voxmap refine(const Voxmap& coarse, int side) {
   Voxmap fine(grid_of(side));
-  std::mutex writing;
-  tbb::parallel_for(tbb::blocked_range<int>(0, side, 8), [&](const tbb::blocked_range<int>& layers) {
-    Refinement refinement(coarse, side / coarse.grid.dims.x());
-    std::vector<std::uint8_t> row(static_cast<std::size_t>(side));
-    for (int z = layers.begin(); z < layers.end(); ++z) {
-      for (int y = 0; y < side; ++y) {
-        if (!refinement.row(y, z, row)) continue;
-        const std::lock_guard lock(writing);
-        set_row(fine, y, z, row.data());
-      }
-    }
-  });
+  const Refinement refinement(coarse, side / coarse.grid.dims.x());
+  fine.grade = sample_bricks(
+      fine.grid.dims, [&](const Vec3i& coord, GradeBricks::Brick& brick) { return refinement.brick(coord, brick); });
   return fine;
 }
 
@@ -150,11 +166,13 @@ std::uint8_t merged(const Voxmap& fine, const Vec3i& first, int factor) {
 Voxmap merge(const Voxmap& fine, int side) {
   Voxmap coarse(grid_of(side));
   const int factor = fine.grid.dims.x() / side;
-  std::vector<std::uint8_t> row(static_cast<std::size_t>(side));
   for (int z = 0; z < side; ++z) {
     for (int y = 0; y < side; ++y) {
-      for (int x = 0; x < side; ++x) row[static_cast<std::size_t>(x)] = merged(fine, factor * Vec3i(x, y, z), factor);
-      set_row(coarse, y, z, row.data());
+      for (int x = 0; x < side; ++x) {
+        if (const std::uint8_t grade = merged(fine, factor * Vec3i(x, y, z), factor); grade != 0) {
+          coarse.grade.set({x, y, z}, grade);
+        }
+      }
     }
   }
   return coarse;

@@ -4,6 +4,7 @@
 
 #include "sim/base/error.h"
 #include "sim/bench/field.h"
+#include "sim/bone/sample_bricks.h"
 #include "sim/tool/revolve.h"
 
 namespace reamsim::bench {
@@ -31,7 +32,12 @@ Voxmap block(double voxel_mm) {
   grid.origin_mm = {-extent.x() / 2 + 0.37 * voxel_mm, -extent.y() / 2 + 0.21 * voxel_mm, -extent.z()};
   Voxmap voxmap(grid);
   const std::uint8_t grade = DensityMapping::grade_from_density(1.8);
-  std::fill(voxmap.grade.begin(), voxmap.grade.end(), grade);
+  GradeBricks::Brick brick;
+  brick.fill(grade);
+  voxmap.grade = sample_bricks(grid.dims, [&](const Vec3i&, GradeBricks::Brick& out) {
+    out = brick;
+    return true;
+  });
   voxmap.frame = "phantom";
   return voxmap;
 }

@@ -107,25 +107,22 @@ void read_grades(const std::string& path, const openvdb::FloatGrid& density, con
     value.getBoundingBox(box);
     box.translate(openvdb::Coord() - first);
     for (auto c = box.begin(); c; ++c) {
-      voxmap.grade[static_cast<std::size_t>(voxmap.grid.index((*c).x(), (*c).y(), (*c).z()))] = grade;
+      voxmap.grade.set({(*c).x(), (*c).y(), (*c).z()}, grade);
     }
   }
 }
 
 void read_fill(const std::string& path, const openvdb::FloatGrid& fill, const openvdb::Coord& first, Voxmap& voxmap) {
   auto read = fill.getConstAccessor();
-  const Vec3i& dims = voxmap.grid.dims;
-  std::size_t index = 0;
-  for (int z = 0; z < dims.z(); ++z) {
-    for (int y = 0; y < dims.y(); ++y) {
-      for (int x = 0; x < dims.x(); ++x, ++index) {
-        if (voxmap.grade[index] == 0) continue;
-        const float value = read.getValue(first.offsetBy(x, y, z));
-        if (!(value >= 0 && value <= 1)) fail(path, "a fill outside 0 to 1", "expected the share that is still bone");
-        voxmap.fill.set({x, y, z}, static_cast<std::uint16_t>(std::lround(double{value} * FillBricks::kWhole)));
-      }
+  voxmap.grade.for_each_brick([&](const Vec3i& coord, const GradeBricks::Brick& grades) {
+    for (int offset = 0; offset < GradeBricks::kVoxels; ++offset) {
+      if (grades[static_cast<std::size_t>(offset)] == 0) continue;
+      const Vec3i voxel = BrickLattice::voxel_at(coord, offset);
+      const float value = read.getValue(first.offsetBy(voxel.x(), voxel.y(), voxel.z()));
+      if (!(value >= 0 && value <= 1)) fail(path, "a fill outside 0 to 1", "expected the share that is still bone");
+      voxmap.fill.set(voxel, static_cast<std::uint16_t>(std::lround(double{value} * FillBricks::kWhole)));
     }
-  }
+  });
 }
 
 /// For messages and pictures: printable, short.

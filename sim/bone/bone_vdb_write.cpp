@@ -13,55 +13,40 @@ namespace reamsim {
 namespace {
 
 using Leaf = openvdb::FloatTree::LeafNodeType;
-constexpr int kSide = FillBricks::kSide;
+constexpr int kSide = GradeBricks::kSide;
+static_assert(Leaf::DIM == kSide);
 
-/// The value of a voxel with bone: (dense index, voxel).
-using VoxelValue = std::function<float(std::size_t, const Vec3i&)>;
-
-/// Fills a leaf with the active voxels of one brick; false when it has none.
-bool fill_leaf(Leaf& leaf, const Voxmap& voxmap, const Vec3i& first, const VoxelValue& value) {
-  const Vec3i last = (first + Vec3i::Constant(kSide)).cwiseMin(voxmap.grid.dims);
-  bool any = false;
-  for (int z = first.z(); z < last.z(); ++z) {
-    for (int y = first.y(); y < last.y(); ++y) {
-      auto index = static_cast<std::size_t>(voxmap.grid.index(first.x(), y, z));
-      for (int x = first.x(); x < last.x(); ++x, ++index) {
-        if (voxmap.grade[index] == 0) continue;
-        leaf.setValueOn(Leaf::coordToOffset({x, y, z}), value(index, {x, y, z}));
-        any = true;
-      }
-    }
-  }
-  return any;
-}
+/// The value of a voxel with bone: (grade, fill).
+using VoxelValue = std::function<float(std::uint8_t, std::uint16_t)>;
 
 /// A fog volume whose active voxels are those with grade ≠ 0. Bricks and leaves are the same blocks.
 openvdb::FloatGrid::Ptr fog(const Voxmap& voxmap, const VoxelValue& value) {
   auto grid = openvdb::FloatGrid::create(0.0F);
   grid->setGridClass(openvdb::GRID_FOG_VOLUME);
-  const Vec3i& dims = voxmap.grid.dims;
-  auto leaf = std::make_unique<Leaf>();
-  for (int z = 0; z < dims.z(); z += kSide) {
-    for (int y = 0; y < dims.y(); y += kSide) {
-      for (int x = 0; x < dims.x(); x += kSide) {
-        leaf = std::make_unique<Leaf>(openvdb::Coord(x, y, z), 0.0F, false);
-        if (fill_leaf(*leaf, voxmap, {x, y, z}, value)) grid->tree().addLeaf(leaf.release());
-      }
+  voxmap.grade.for_each_brick([&](const Vec3i& coord, const GradeBricks::Brick& grades) {
+    const FillBricks::Brick* fill = voxmap.fill.brick(coord);
+    const Vec3i first = kSide * coord;
+    auto leaf = std::make_unique<Leaf>(openvdb::Coord(first.x(), first.y(), first.z()), 0.0F, false);
+    for (int offset = 0; offset < GradeBricks::kVoxels; ++offset) {
+      const auto at = static_cast<std::size_t>(offset);
+      if (grades[at] == 0) continue;
+      const Vec3i voxel = BrickLattice::voxel_at(coord, offset);
+      leaf->setValueOn(Leaf::coordToOffset({voxel.x(), voxel.y(), voxel.z()}),
+                       value(grades[at], fill == nullptr ? FillBricks::kWhole : (*fill)[at]));
     }
-  }
+    grid->tree().addLeaf(leaf.release());
+  });
   return grid;
 }
 
 openvdb::FloatGrid::Ptr density_grid(const Voxmap& voxmap) {
-  return fog(voxmap, [&voxmap](std::size_t index, const Vec3i&) {
-    return static_cast<float>(DensityMapping::density_from_grade(voxmap.grade[index]));
+  return fog(voxmap, [](std::uint8_t grade, std::uint16_t) {
+    return static_cast<float>(DensityMapping::density_from_grade(grade));
   });
 }
 
 openvdb::FloatGrid::Ptr fill_grid(const Voxmap& voxmap) {
-  return fog(voxmap, [&voxmap](std::size_t, const Vec3i& voxel) {
-    return static_cast<float>(voxmap.fill.get(voxel)) / FillBricks::kWhole;
-  });
+  return fog(voxmap, [](std::uint8_t, std::uint16_t fill) { return static_cast<float>(fill) / FillBricks::kWhole; });
 }
 
 openvdb::FloatGrid::Ptr removed_grid(const Voxmap& voxmap, const RemovedFrames& removed) {

@@ -1,66 +1,55 @@
 #include "sim/bone/fill_bricks.h"
 
+#include <algorithm>
+
 namespace reamsim {
 
-namespace {
-
-Vec3i brick_of(const Vec3i& voxel) {
-  return {voxel.x() >> 3, voxel.y() >> 3, voxel.z() >> 3};
-}
-
-}  // namespace
-
-FillBricks::FillBricks(const Vec3i& dims) : brick_dims_((dims.array() + (kSide - 1)) / kSide) {
-  const std::size_t count = static_cast<std::size_t>(brick_dims_.x()) * static_cast<std::size_t>(brick_dims_.y()) *
-                            static_cast<std::size_t>(brick_dims_.z());
-  slot_of_brick_.assign(count, -1);
-  changed_.assign(count, 0);
-}
-
-std::size_t FillBricks::brick_index(const Vec3i& brick_coord) const {
-  const auto nx = static_cast<std::size_t>(brick_dims_.x());
-  const auto ny = static_cast<std::size_t>(brick_dims_.y());
-  return static_cast<std::size_t>(brick_coord.x()) +
-         nx * (static_cast<std::size_t>(brick_coord.y()) + ny * static_cast<std::size_t>(brick_coord.z()));
+FillBricks::FillBricks(const Vec3i& dims) : lattice_(BrickLattice::over(dims)) {
+  slot_of_brick_.assign(lattice_.count(), -1);
 }
 
 std::uint16_t FillBricks::get(const Vec3i& voxel) const {
-  const Brick* stored = brick(brick_of(voxel));
+  const Brick* stored = brick(BrickLattice::brick_of(voxel));
   return stored == nullptr ? kWhole : (*stored)[static_cast<std::size_t>(offset_in_brick(voxel))];
 }
 
 void FillBricks::set(const Vec3i& voxel, std::uint16_t fill) {
-  const std::size_t index = brick_index(brick_of(voxel));
+  const std::size_t index = lattice_.index(BrickLattice::brick_of(voxel));
   std::int32_t& slot = slot_of_brick_[index];
   if (slot < 0) {
     if (fill == kWhole) return;
     slot = static_cast<std::int32_t>(bricks_.size());
     bricks_.emplace_back().fill(kWhole);
+    is_changed_.push_back(0);
   }
-  std::uint16_t& stored = bricks_[static_cast<std::size_t>(slot)][static_cast<std::size_t>(offset_in_brick(voxel))];
+  const auto at = static_cast<std::size_t>(slot);
+  std::uint16_t& stored = bricks_[at][static_cast<std::size_t>(offset_in_brick(voxel))];
   if (stored == fill) return;
   stored = fill;
-  changed_[index] = 1;
+  if (is_changed_[at] != 0) return;
+  is_changed_[at] = 1;
+  changed_.push_back(index);
 }
 
 const FillBricks::Brick* FillBricks::brick(const Vec3i& brick_coord) const {
-  const std::int32_t slot = slot_of_brick_[brick_index(brick_coord)];
+  const std::int32_t slot = slot_of_brick_[lattice_.index(brick_coord)];
   return slot < 0 ? nullptr : &bricks_[static_cast<std::size_t>(slot)];
 }
 
 std::vector<Vec3i> FillBricks::take_changed() {
+  std::sort(changed_.begin(), changed_.end());
   std::vector<Vec3i> out;
-  std::size_t index = 0;
-  for (int z = 0; z < brick_dims_.z(); ++z) {
-    for (int y = 0; y < brick_dims_.y(); ++y) {
-      for (int x = 0; x < brick_dims_.x(); ++x, ++index) {
-        if (changed_[index] == 0) continue;
-        changed_[index] = 0;
-        out.emplace_back(x, y, z);
-      }
-    }
+  out.reserve(changed_.size());
+  for (const std::size_t index : changed_) {
+    is_changed_[static_cast<std::size_t>(slot_of_brick_[index])] = 0;
+    out.push_back(lattice_.coord(index));
   }
+  changed_.clear();
   return out;
+}
+
+std::size_t FillBricks::bytes() const {
+  return slot_of_brick_.size() * sizeof(std::int32_t) + bricks_.size() * sizeof(Brick);
 }
 
 }  // namespace reamsim

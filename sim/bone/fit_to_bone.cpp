@@ -1,42 +1,58 @@
-#include <algorithm>
-
 #include "sim/base/error.h"
 #include "sim/bone/bone.h"
 #include "sim/bone/lattice.h"
+#include "sim/bone/sample_bricks.h"
 
 namespace reamsim {
 
 namespace {
 
-/// First and last voxel with bone along each axis; first > last where there is none.
-struct BoneExtent {
-  Vec3i first;
-  Vec3i last;
-};
-
-BoneExtent bone_extent(const Voxmap& voxmap) {
-  const VoxelGrid& grid = voxmap.grid;
-  BoneExtent out{grid.dims, Vec3i::Constant(-1)};
-  for (int z = 0; z < grid.dims.z(); ++z) {
-    for (int y = 0; y < grid.dims.y(); ++y) {
-      const auto row = voxmap.grade.begin() + grid.index(0, y, z);
-      const auto end = row + grid.dims.x();
-      const auto begin = std::find_if(row, end, [](std::uint8_t grade) { return grade != 0; });
-      if (begin == end) continue;
-      auto back = end - 1;
-      while (*back == 0) --back;
-      out.first = out.first.cwiseMin(Vec3i(static_cast<int>(begin - row), y, z));
-      out.last = out.last.cwiseMax(Vec3i(static_cast<int>(back - row), y, z));
+/// Whether any brick of `from` holds one of the 8×8×8 voxels from `first` on. Bricks that lie outside hold none.
+bool any_stored(const GradeBricks& from, const Vec3i& first) {
+  const BrickLattice bricks{from.brick_dims()};
+  const auto brick_of = [](int voxel) { return voxel >> 3; };  // rounds down, below 0 as well
+  const Vec3i low = first.unaryExpr(brick_of);
+  const Vec3i high = (first + Vec3i::Constant(GradeBricks::kSide - 1)).eval().unaryExpr(brick_of);
+  for (int z = low.z(); z <= high.z(); ++z) {
+    for (int y = low.y(); y <= high.y(); ++y) {
+      for (int x = low.x(); x <= high.x(); ++x) {
+        if (bricks.contains({x, y, z}) && from.brick({x, y, z}) != nullptr) return true;
+      }
     }
   }
-  return out;
+  return false;
+}
+
+/// One brick of the shifted lattice; voxel (0,0,0) of that lattice is voxel `shift` of `from`.
+bool copy_brick(const Voxmap& from, const Vec3i& shift, const Vec3i& brick_coord, GradeBricks::Brick& out) {
+  const Vec3i first = GradeBricks::kSide * brick_coord + shift;
+  if (!any_stored(from.grade, first)) return false;
+  bool any = false;
+  for (int offset = 0; offset < GradeBricks::kVoxels; ++offset) {
+    const Vec3i voxel = BrickLattice::voxel_at(brick_coord, offset) + shift;
+    if (!from.grid.contains(voxel)) continue;
+    const std::uint8_t grade = from.grade.get(voxel);
+    out[static_cast<std::size_t>(offset)] = grade;
+    any = any || grade != 0;
+  }
+  return any;
+}
+
+void copy_fill_within(const VoxelBox& box, const FillBricks& from, const Vec3i& shift, FillBricks& to) {
+  from.for_each_brick([&](const Vec3i& coord, const FillBricks::Brick& fill) {
+    for (int offset = 0; offset < FillBricks::kVoxels; ++offset) {
+      const Vec3i voxel = BrickLattice::voxel_at(coord, offset);
+      if (!box.contains(voxel)) continue;
+      to.set(voxel - shift, fill[static_cast<std::size_t>(offset)]);
+    }
+  });
 }
 
 }  // namespace
 
 Voxmap fit_to_bone(const Voxmap& voxmap, int margin_voxels) {
-  const BoneExtent extent = bone_extent(voxmap);
-  if ((extent.first.array() > extent.last.array()).any()) {
+  const VoxelBox extent = bone_extent(voxmap);
+  if (extent.empty()) {
     throw InputError({}, "bone", "no bone in the volume", "expected at least one voxel of bone");
   }
   const Vec3i shift = extent.first - Vec3i::Constant(margin_voxels);
@@ -45,20 +61,15 @@ Voxmap fit_to_bone(const Voxmap& voxmap, int margin_voxels) {
   check_lattice("bone", dims.cast<double>().array(), voxmap.grid.voxel_mm);
 
   const VoxelGrid& from = voxmap.grid;
-  Voxmap out(VoxelGrid{dims, from.voxel_mm, from.origin_mm + from.voxel_mm * shift.cast<double>()});
+  Voxmap out;
+  out.grid = {dims, from.voxel_mm, from.origin_mm + from.voxel_mm * shift.cast<double>()};
+  out.grade = sample_bricks(dims, [&](const Vec3i& brick_coord, GradeBricks::Brick& brick) {
+    return copy_brick(voxmap, shift, brick_coord, brick);
+  });
+  out.fill = FillBricks(dims);
+  copy_fill_within(extent, voxmap.fill, shift, out.fill);
   out.mapping = voxmap.mapping;
   out.frame = voxmap.frame;
-  for (int z = extent.first.z(); z <= extent.last.z(); ++z) {
-    for (int y = extent.first.y(); y <= extent.last.y(); ++y) {
-      const auto row = voxmap.grade.begin() + from.index(extent.first.x(), y, z);
-      std::copy(row, row + (extent.last.x() - extent.first.x() + 1),
-                out.grade.begin() + out.grid.index(margin_voxels, y - shift.y(), z - shift.z()));
-      for (int x = extent.first.x(); x <= extent.last.x(); ++x) {
-        const std::uint16_t fill = voxmap.fill.get({x, y, z});
-        if (fill != FillBricks::kWhole) out.fill.set(Vec3i(x, y, z) - shift, fill);
-      }
-    }
-  }
   return out;
 }
 

@@ -1,7 +1,5 @@
 #include <openvdb/openvdb.h>
 #include <openvdb/tools/MeshToVolume.h>
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
 
 #include <cmath>
 #include <cstdio>
@@ -9,6 +7,7 @@
 #include "sim/base/error.h"
 #include "sim/bone/bone.h"
 #include "sim/bone/lattice.h"
+#include "sim/bone/sample_bricks.h"
 #include "sim/bone/sample_phantom.h"
 #include "sim/mesh/mesh_check.h"
 #include "sim/mesh/mesh_io.h"
@@ -69,22 +68,46 @@ openvdb::FloatGrid::Ptr signed_distance(const std::string& path, const TriangleM
   }
 }
 
-/// Grades by depth below the surface: cortical down to `cortical_voxels`, trabecular below.
-Voxmap grades_from_distance(const openvdb::FloatGrid& distance, const VoxelGrid& grid, double cortical_voxels,
-                            std::uint8_t cortical, std::uint8_t trabecular) {
+/// Grades by depth below the surface, voxels: cortical down to `cortical_voxels`, trabecular below.
+struct GradesByDepth {
+  double cortical_voxels;
+  std::uint8_t cortical;
+  std::uint8_t trabecular;
+
+  [[nodiscard]] std::uint8_t grade(float distance) const {
+    const double depth = -double{distance};
+    if (depth <= 0) return 0;
+    return depth <= cortical_voxels ? cortical : trabecular;
+  }
+};
+
+/// One brick; the lattice is made of whole ones. Bricks and the distance grid's leaves are the same blocks.
+bool grade_brick(const openvdb::FloatTree& distance, const GradesByDepth& by_depth, const Vec3i& brick_coord,
+                 GradeBricks::Brick& out) {
+  using Leaf = openvdb::FloatTree::LeafNodeType;
+  static_assert(Leaf::DIM == GradeBricks::kSide);
+  const Vec3i first = GradeBricks::kSide * brick_coord;
+  const openvdb::Coord corner(first.x(), first.y(), first.z());
+  const Leaf* leaf = distance.probeConstLeaf(corner);
+  if (leaf == nullptr) {
+    const std::uint8_t all = by_depth.grade(distance.getValue(corner));
+    if (all != 0) out.fill(all);
+    return all != 0;
+  }
+  bool any = false;
+  for (int offset = 0; offset < GradeBricks::kVoxels; ++offset) {
+    const Vec3i voxel = BrickLattice::voxel_at(Vec3i::Zero(), offset);
+    const std::uint8_t grade = by_depth.grade(leaf->getValue(Leaf::coordToOffset({voxel.x(), voxel.y(), voxel.z()})));
+    out[static_cast<std::size_t>(offset)] = grade;
+    any = any || grade != 0;
+  }
+  return any;
+}
+
+Voxmap grades_from_distance(const openvdb::FloatGrid& distance, const VoxelGrid& grid, const GradesByDepth& by_depth) {
   Voxmap voxmap(grid);
-  tbb::parallel_for(tbb::blocked_range<int>(0, grid.dims.z()), [&](const tbb::blocked_range<int>& slices) {
-    auto read = distance.getConstAccessor();
-    for (int z = slices.begin(); z < slices.end(); ++z) {
-      for (int y = 0; y < grid.dims.y(); ++y) {
-        for (int x = 0; x < grid.dims.x(); ++x) {
-          const double depth = -double{read.getValue({x, y, z})};
-          if (depth <= 0) continue;
-          voxmap.grade[static_cast<std::size_t>(grid.index(x, y, z))] =
-              depth <= cortical_voxels ? cortical : trabecular;
-        }
-      }
-    }
+  voxmap.grade = sample_bricks(grid.dims, [&](const Vec3i& brick_coord, GradeBricks::Brick& brick) {
+    return grade_brick(distance.tree(), by_depth, brick_coord, brick);
   });
   return voxmap;
 }
@@ -139,7 +162,7 @@ Voxmap voxmap_from_mesh(const BoneSettings& settings, Report& report) {
   const DensityMapping mapping = mapping_from(settings.density);
   const auto grade = [&mapping](double hu) { return DensityMapping::grade_from_density(mapping.density_from_hu(hu)); };
   Voxmap voxmap =
-      grades_from_distance(*distance, grid, cortical_voxels, grade(bone.cortical_hu), grade(bone.trabecular_hu));
+      grades_from_distance(*distance, grid, {cortical_voxels, grade(bone.cortical_hu), grade(bone.trabecular_hu)});
   voxmap.mapping = mapping;
   voxmap.frame = "mesh";
   if (voxmap.count_bone() == 0) {

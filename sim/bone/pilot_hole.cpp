@@ -59,9 +59,8 @@ double drill_pilot_hole(Voxmap& voxmap, const PilotHoleSettings& settings, const
   for (int z = first.z(); z <= last.z(); ++z) {
     for (int y = first.y(); y <= last.y(); ++y) {
       for (int x = first.x(); x <= last.x(); ++x) {
-        std::uint8_t& grade = voxmap.grade[static_cast<std::size_t>(grid.index(x, y, z))];
-        if (grade == 0 || !hole.contains(grid.center_mm(x, y, z))) continue;
-        grade = 0;
+        if (voxmap.grade.get({x, y, z}) == 0 || !hole.contains(grid.center_mm(x, y, z))) continue;
+        voxmap.grade.set({x, y, z}, 0);
         drilled += voxmap.fill.get({x, y, z});
       }
     }

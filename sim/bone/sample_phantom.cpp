@@ -1,28 +1,30 @@
 #include "sim/bone/sample_phantom.h"
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
-
 #include <numbers>
+
+#include "sim/bone/sample_bricks.h"
 
 namespace reamsim {
 
 namespace {
 
-constexpr int kSide = FillBricks::kSide;
+constexpr int kSide = GradeBricks::kSide;
 
-void sample_brick(Voxmap& voxmap, const Vec3i& first, const DensityField& field) {
-  const VoxelGrid& grid = voxmap.grid;
+bool sample_brick(const VoxelGrid& grid, const DensityField& field, const Vec3i& brick_coord, GradeBricks::Brick& out) {
+  const Vec3i first = kSide * brick_coord;
   const Vec3i last = (first + Vec3i::Constant(kSide)).cwiseMin(grid.dims);
+  bool any = false;
   for (int z = first.z(); z < last.z(); ++z) {
     for (int y = first.y(); y < last.y(); ++y) {
       for (int x = first.x(); x < last.x(); ++x) {
         const double density = field(grid.center_mm(x, y, z));
         if (density < 0) continue;
-        voxmap.grade[static_cast<std::size_t>(grid.index(x, y, z))] = DensityMapping::grade_from_density(density);
+        out[static_cast<std::size_t>(BrickLattice::offset_of({x, y, z}))] = DensityMapping::grade_from_density(density);
+        any = true;
       }
     }
   }
+  return any;
 }
 
 }  // namespace
@@ -36,17 +38,10 @@ Voxmap sample_phantom(const VoxelGrid& grid, const DensitySettings& density, con
   Voxmap voxmap(grid);
   voxmap.mapping = mapping_from(density);
   voxmap.frame = "phantom";
-  const Vec3i bricks = voxmap.fill.brick_dims();
   const double radius_mm = 0.5 * kSide * grid.voxel_mm * std::numbers::sqrt3;
-  tbb::parallel_for(tbb::blocked_range<int>(0, bricks.z()), [&](const tbb::blocked_range<int>& layers) {
-    for (int z = layers.begin(); z < layers.end(); ++z) {
-      for (int y = 0; y < bricks.y(); ++y) {
-        for (int x = 0; x < bricks.x(); ++x) {
-          const Vec3 center_mm = grid.origin_mm + kSide * grid.voxel_mm * (Vec3(x, y, z) + Vec3::Constant(0.5));
-          if (!all_air(center_mm, radius_mm)) sample_brick(voxmap, kSide * Vec3i(x, y, z), field);
-        }
-      }
-    }
+  voxmap.grade = sample_bricks(grid.dims, [&](const Vec3i& coord, GradeBricks::Brick& brick) {
+    const Vec3 center_mm = grid.origin_mm + kSide * grid.voxel_mm * (coord.cast<double>() + Vec3::Constant(0.5));
+    return !all_air(center_mm, radius_mm) && sample_brick(grid, field, coord, brick);
   });
   return voxmap;
 }

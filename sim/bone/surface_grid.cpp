@@ -5,6 +5,7 @@
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
+#include <algorithm>
 #include <memory>
 
 namespace reamsim {
@@ -22,14 +23,9 @@ constexpr float kHalfBand_voxels = 3.0F;
 class PaddedBrick {
  public:
   PaddedBrick(const Voxmap& voxmap, const Vec3i& brick) {
-    for (int z = 0; z < kPadded; ++z) {
-      for (int y = 0; y < kPadded; ++y) {
-        for (int x = 0; x < kPadded; ++x) {
-          const int value = occupancy(voxmap, kSide * brick + Vec3i(x - 1, y - 1, z - 1));
-          at(x, y, z) = value;
-          some_ = some_ || value != 0;
-          all_ = all_ && value == FillBricks::kWhole;
-        }
+    for (int z = -1; z <= 1; ++z) {
+      for (int y = -1; y <= 1; ++y) {
+        for (int x = -1; x <= 1; ++x) take_part(voxmap, brick, {x, y, z});
       }
     }
   }
@@ -49,10 +45,30 @@ class PaddedBrick {
   }
 
  private:
-  static int occupancy(const Voxmap& voxmap, const Vec3i& voxel) {
-    if (!voxmap.grid.contains(voxel)) return 0;
-    const auto index = static_cast<std::size_t>(voxmap.grid.index(voxel.x(), voxel.y(), voxel.z()));
-    return voxmap.grade[index] == 0 ? 0 : voxmap.fill.get(voxel);
+  /// Takes what this brick needs of its neighbour `step` bricks away: all, a face, an edge or a corner.
+  void take_part(const Voxmap& voxmap, const Vec3i& brick, const Vec3i& step) {
+    const Vec3i from = step.unaryExpr([](int s) { return s < 0 ? -1 : s * kSide; });
+    const Vec3i to = step.unaryExpr([](int s) { return s < 0 ? 0 : kSide + s; });
+    const Vec3i coord = brick + step;
+    const bool inside = BrickLattice{voxmap.grade.brick_dims()}.contains(coord);
+    const GradeBricks::Brick* grades = inside ? voxmap.grade.brick(coord) : nullptr;
+    if (grades == nullptr) {
+      all_ = false;
+      return;
+    }
+    const FillBricks::Brick* fill = voxmap.fill.brick(coord);
+    for (int z = from.z(); z < to.z(); ++z) {
+      for (int y = from.y(); y < to.y(); ++y) {
+        for (int x = from.x(); x < to.x(); ++x) {
+          const auto offset = static_cast<std::size_t>(BrickLattice::offset_of({x, y, z}));
+          const int left = fill == nullptr ? FillBricks::kWhole : (*fill)[offset];
+          const int value = (*grades)[offset] == 0 ? 0 : left;
+          at(x + 1, y + 1, z + 1) = value;
+          some_ = some_ || value != 0;
+          all_ = all_ && value == FillBricks::kWhole;
+        }
+      }
+    }
   }
   [[nodiscard]] const int& at(int x, int y, int z) const {
     return values_[static_cast<std::size_t>(x + kPadded * (y + kPadded * z))];
@@ -85,21 +101,18 @@ std::unique_ptr<Leaf> smoothed_leaf(const Voxmap& voxmap, const Vec3i& brick) {
 }
 
 openvdb::FloatGrid::Ptr smoothed_occupancy(const Voxmap& voxmap) {
-  const Vec3i bricks = voxmap.fill.brick_dims() + Vec3i::Constant(2);  // one brick of air all round
-  const auto count = static_cast<std::size_t>(bricks.x()) * static_cast<std::size_t>(bricks.y());
+  constexpr std::size_t kAtOnce = 1 << 16;
+  const std::vector<Vec3i> bricks = voxmap.grade.coords_around();
   auto grid = openvdb::FloatGrid::create(0.0F);
   grid->setTransform(index_transform(voxmap.grid));
-  for (int z = 0; z < bricks.z(); ++z) {
-    std::vector<std::unique_ptr<Leaf>> leaves(count);
+  std::vector<std::unique_ptr<Leaf>> leaves(std::min(kAtOnce, bricks.size()));
+  for (std::size_t first = 0; first < bricks.size(); first += kAtOnce) {
+    const std::size_t count = std::min(kAtOnce, bricks.size() - first);
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count), [&](const tbb::blocked_range<std::size_t>& range) {
-      for (std::size_t i = range.begin(); i < range.end(); ++i) {
-        const auto x = static_cast<int>(i % static_cast<std::size_t>(bricks.x()));
-        const auto y = static_cast<int>(i / static_cast<std::size_t>(bricks.x()));
-        leaves[i] = smoothed_leaf(voxmap, Vec3i(x, y, z) - Vec3i::Ones());
-      }
+      for (std::size_t i = range.begin(); i < range.end(); ++i) leaves[i] = smoothed_leaf(voxmap, bricks[first + i]);
     });
-    for (auto& leaf : leaves) {
-      if (leaf) grid->tree().addLeaf(leaf.release());
+    for (std::size_t i = 0; i < count; ++i) {
+      if (leaves[i]) grid->tree().addLeaf(leaves[i].release());
     }
   }
   return grid;

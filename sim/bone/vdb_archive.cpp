@@ -181,9 +181,14 @@ void write_vdb_file(const std::string& path, const openvdb::GridCPtrVec& grids, 
   }
 }
 
-VdbFile::VdbFile(const std::string& path) : path_(path), file_(path) {
+VdbFile::VdbFile(const std::string& path, VdbOrigin origin) : path_(path), file_(path) {
   openvdb::initialize();
-  if (!check_bytes(path)) require_harmless(path);
+  if (!check_bytes(path)) {
+    if (origin == VdbOrigin::kReamsim) {
+      fail(path, "a truncated or damaged VDB file (its checksum is missing)", "expected a complete file of reamsim's");
+    }
+    require_harmless(path);
+  }
   try {
     file_.open(/*delayLoad=*/false);  // a mapped file that shrinks would end the program
   } catch (const std::exception&) {

@@ -14,10 +14,14 @@ namespace reamsim {
 /// the grids depend on nothing but their contents. Throws RunError when the file cannot be written.
 void write_vdb_file(const std::string& path, const openvdb::GridCPtrVec& grids, const openvdb::MetaMap& metadata);
 
-/// A VDB file opened for reading. Throws InputError: no such file, a folder, not a VDB, truncated, damaged.
+/// Who may have written a file that is to be read.
+enum class VdbOrigin { kAnyProgram, kReamsim };
+
+/// A VDB file opened for reading. Throws InputError: no such file, a folder, not a VDB, truncated, damaged; with
+/// VdbOrigin::kReamsim also without our checksum, so that OpenVDB never meets bytes that nobody vouches for.
 class VdbFile {
  public:
-  explicit VdbFile(const std::string& path);
+  explicit VdbFile(const std::string& path, VdbOrigin origin = VdbOrigin::kAnyProgram);
 
   [[nodiscard]] bool has(const std::string& grid) const { return file_.hasGrid(grid); }
   /// Names of all grids, for messages.

@@ -22,62 +22,27 @@ constexpr int kSide = RS_BRICK_SIDE;
 constexpr int kManyPools = 16;
 constexpr std::size_t kFillBytes = sizeof(rs_u16) * RS_BRICK_VOXELS;
 
-Vec3i lattice_bricks(const Voxmap& voxmap) {
-  return (voxmap.grid.dims.array() + (kSide - 1)) / kSide;
-}
-
-std::size_t lattice_brick_count(const Voxmap& voxmap) {
-  const Vec3i n = lattice_bricks(voxmap);
-  return static_cast<std::size_t>(n.x()) * static_cast<std::size_t>(n.y()) * static_cast<std::size_t>(n.z());
-}
-
 std::size_t superbrick_count(const Vec3i& bricks) {
   const Vec3i n = (bricks.array() + 3) / 4;
   return static_cast<std::size_t>(n.x()) * static_cast<std::size_t>(n.y()) * static_cast<std::size_t>(n.z());
 }
 
-bool has_bone(const Voxmap& voxmap, const Vec3i& brick) {
-  const Vec3i low = kSide * brick, high = (low + Vec3i::Constant(kSide)).cwiseMin(voxmap.grid.dims);
-  for (int z = low.z(); z < high.z(); ++z) {
-    for (int y = low.y(); y < high.y(); ++y) {
-      const auto row = voxmap.grade.begin() + voxmap.grid.index(0, y, z);
-      if (std::any_of(row + low.x(), row + high.x(), [](std::uint8_t grade) { return grade != 0; })) return true;
-    }
-  }
-  return false;
-}
-
-/// Calls visit(lattice index, brick coordinates) for each brick with bone, in the lattice's order.
-template <class Visit>
-void for_each_brick(const Voxmap& voxmap, Visit visit) {
-  const Vec3i n = lattice_bricks(voxmap);
-  std::size_t index = 0;
-  for (int z = 0; z < n.z(); ++z) {
-    for (int y = 0; y < n.y(); ++y) {
-      for (int x = 0; x < n.x(); ++x, ++index) {
-        if (has_bone(voxmap, {x, y, z})) visit(index, Vec3i(x, y, z));
-      }
-    }
-  }
-}
-
 /// Writes a brick as the device has it; false where nothing is left in it.
-bool fill_brick(const Voxmap& voxmap, const Vec3i& brick, bool with_fill, cl_uchar* bytes) {
+bool fill_brick(const Voxmap& voxmap, const Vec3i& coord, const GradeBricks::Brick& grades, bool with_fill,
+                cl_uchar* bytes) {
   Brick out{};
   std::array<rs_u16, RS_BRICK_VOXELS> fill{};
+  const FillBricks::Brick* fills = voxmap.fill.brick(coord);
   bool left = false;
-  const Vec3i low = kSide * brick, high = (low + Vec3i::Constant(kSide)).cwiseMin(voxmap.grid.dims);
-  for (int z = low.z(); z < high.z(); ++z) {
-    for (int y = low.y(); y < high.y(); ++y) {
-      for (int x = low.x(); x < high.x(); ++x) {
-        const auto place = static_cast<std::size_t>(rs_brick_offset(x, y, z));
-        out.grade[place] = voxmap.grade[static_cast<std::size_t>(voxmap.grid.index(x, y, z))];
-        fill[place] = voxmap.fill.get({x, y, z});
-        if (out.grade[place] == 0 || fill[place] == 0) continue;
-        out.bone[place >> 5] |= 1U << (place & 31U);
-        left = true;
-      }
-    }
+  for (int offset = 0; offset < GradeBricks::kVoxels; ++offset) {
+    const Vec3i voxel = BrickLattice::voxel_at(Vec3i::Zero(), offset);
+    const auto place = static_cast<std::size_t>(rs_brick_offset(voxel.x(), voxel.y(), voxel.z()));
+    const auto at = static_cast<std::size_t>(offset);
+    out.grade[place] = grades[at];
+    fill[place] = fills == nullptr ? FillBricks::kWhole : (*fills)[at];
+    if (out.grade[place] == 0 || fill[place] == 0) continue;
+    out.bone[place >> 5] |= 1U << (place & 31U);
+    left = true;
   }
   std::memcpy(bytes, &out, sizeof out);
   if (with_fill) std::memcpy(bytes + sizeof out, fill.data(), kFillBytes);
@@ -97,7 +62,7 @@ BrickPools plan_pools(const Voxmap& voxmap, bool wear, std::size_t largest_alloc
   BrickPools pools;
   pools.fill = wear || voxmap.fill.stored_bricks() > 0;
   pools.brick_bytes = sizeof(Brick) + (pools.fill ? kFillBytes : 0);
-  for_each_brick(voxmap, [&](std::size_t, const Vec3i&) { ++pools.bricks; });
+  pools.bricks = voxmap.grade.stored_bricks();
   pools.bits = 31;
   if (pools.bricks * pools.brick_bytes <= largest_allocation) return pools;
   pools.pools = kManyPools;
@@ -106,9 +71,9 @@ BrickPools plan_pools(const Voxmap& voxmap, bool wear, std::size_t largest_alloc
 }
 
 std::size_t bytes_of(const BrickPools& pools, const Voxmap& voxmap, const PointShell& shell) {
-  const std::size_t bricks = lattice_brick_count(voxmap);
+  const std::size_t bricks = BrickLattice::over(voxmap.grid.dims).count();
   return pools.bricks * (pools.brick_bytes + 3 * sizeof(cl_uint)) + bricks * sizeof(cl_int) +
-         8 * superbrick_count(lattice_bricks(voxmap)) + 3 * shell.codes.size();
+         8 * superbrick_count(voxmap.grade.brick_dims()) + 3 * shell.codes.size();
 }
 
 [[noreturn]] void does_not_fit(const cl::Device& device, const Voxmap& voxmap, std::size_t need, std::size_t have) {
@@ -154,11 +119,13 @@ BrickedState make_bricked_state(const cl::Device& device, const Voxmap& voxmap, 
   const std::size_t have = std::min(device.info().global_memory_bytes, pools_hold);
   if (need > have) does_not_fit(device, voxmap, need, have);
 
-  const Vec3i bricks = lattice_bricks(voxmap);
+  const Vec3i bricks = voxmap.grade.brick_dims();
   state.bricks = {{bricks.x(), bricks.y(), bricks.z(), 0}};
-  std::vector<cl_int> slot_of_brick(lattice_brick_count(voxmap), -1);
+  std::vector<cl_int> slot_of_brick(BrickLattice::over(voxmap.grid.dims).count(), -1);
   std::vector<cl_uint> lattice_of_slot;
-  for_each_brick(voxmap, [&](std::size_t index, const Vec3i&) {
+  const BrickLattice lattice{bricks};
+  voxmap.grade.for_each_brick([&](const Vec3i& coord, const GradeBricks::Brick&) {
+    const std::size_t index = lattice.index(coord);
     slot_of_brick[index] = static_cast<cl_int>(lattice_of_slot.size());
     lattice_of_slot.push_back(static_cast<cl_uint>(index));
   });
@@ -190,15 +157,15 @@ void upload_bone(const cl::Device& device, BrickedState& state, const Voxmap& vo
   const std::size_t bytes = state.layout.brick_bytes;
   std::vector<cl_uchar> chunk(kChunk * bytes);
   std::vector<cl_uint> occupancy(state.occupancy.count(), 0);
-  const Vec3i superbricks = (lattice_bricks(voxmap).array() + 3) / 4;
+  const Vec3i superbricks = (voxmap.grade.brick_dims().array() + 3) / 4;
   std::size_t slot = 0, first = 0;
   const auto flush = [&] {
     const std::size_t pool = first >> state.layout.bits, within = first & ((std::size_t{1} << state.layout.bits) - 1);
     if (slot > first) state.pools[pool].write(device, chunk.data(), (slot - first) * bytes, within * bytes);
     first = slot;
   };
-  for_each_brick(voxmap, [&](std::size_t, const Vec3i& brick) {
-    if (fill_brick(voxmap, brick, state.layout.fill, chunk.data() + (slot - first) * bytes)) {
+  voxmap.grade.for_each_brick([&](const Vec3i& brick, const GradeBricks::Brick& grades) {
+    if (fill_brick(voxmap, brick, grades, state.layout.fill, chunk.data() + (slot - first) * bytes)) {
       occupy(brick, superbricks, occupancy);
     }
     ++slot;
@@ -212,30 +179,27 @@ void upload_bone(const cl::Device& device, BrickedState& state, const Voxmap& vo
 void upload_bricks_of(const cl::Device& device, BrickedState& state, const Voxmap& voxmap,
                       const RemovedFrames& voxels) {
   if (voxels.empty()) return;
-  const Vec3i dims = lattice_bricks(voxmap);
-  std::vector<std::int64_t> touched;
+  const BrickLattice lattice = BrickLattice::over(voxmap.grid.dims);
+  std::vector<std::size_t> touched;
   touched.reserve(voxels.size());
   for (const auto& [voxel, frame] : voxels) {
-    const Vec3i brick = voxmap.grid.coord(voxel) / kSide;
-    touched.push_back(brick.x() + std::int64_t{dims.x()} * (brick.y() + std::int64_t{dims.y()} * brick.z()));
+    touched.push_back(lattice.index(BrickLattice::brick_of(voxmap.grid.coord(voxel))));
   }
   std::sort(touched.begin(), touched.end());
   touched.erase(std::unique(touched.begin(), touched.end()), touched.end());
 
   const std::size_t bytes = state.layout.brick_bytes;
-  const Vec3i superbricks = (dims.array() + 3) / 4;
+  const Vec3i superbricks = (lattice.dims.array() + 3) / 4;
   std::vector<cl_int> slots(state.slot_of_brick.count());
   std::vector<cl_uint> occupancy(state.occupancy.count());
   state.slot_of_brick.read(device, slots.data(), slots.size());
   state.occupancy.read(device, occupancy.data(), occupancy.size());
   std::vector<cl_uchar> record(bytes);
-  for (const std::int64_t index : touched) {
-    const std::int64_t row = index / dims.x();
-    const Vec3i brick(static_cast<int>(index % dims.x()), static_cast<int>(row % dims.y()),
-                      static_cast<int>(row / dims.y()));
-    const auto slot = static_cast<std::size_t>(slots[static_cast<std::size_t>(index)]);
+  for (const std::size_t index : touched) {
+    const Vec3i brick = lattice.coord(index);
+    const auto slot = static_cast<std::size_t>(slots[index]);
     const std::size_t pool = slot >> state.layout.bits, within = slot & ((std::size_t{1} << state.layout.bits) - 1);
-    const bool left = fill_brick(voxmap, brick, state.layout.fill, record.data());
+    const bool left = fill_brick(voxmap, brick, *voxmap.grade.brick(brick), state.layout.fill, record.data());
     state.pools[pool].write(device, record.data(), bytes, within * bytes);
     if (left) occupy(brick, superbricks, occupancy);
   }
@@ -248,17 +212,15 @@ void read_bricked_fill(const cl::Device& device, const BrickedState& state, Voxm
   std::vector<cl_uchar> record(bytes);
   std::array<rs_u16, RS_BRICK_VOXELS> fill{};
   std::size_t slot = 0;
-  for_each_brick(voxmap, [&](std::size_t, const Vec3i& brick) {
+  voxmap.grade.for_each_brick([&](const Vec3i& brick, const GradeBricks::Brick& grades) {
     const std::size_t pool = slot >> state.layout.bits, within = slot & ((std::size_t{1} << state.layout.bits) - 1);
     state.pools[pool].read(device, record.data(), bytes, within * bytes);
     std::memcpy(fill.data(), record.data() + sizeof(Brick), kFillBytes);
     ++slot;
-    for (int place = 0; place < RS_BRICK_VOXELS; ++place) {
-      const Vec3i voxel = kSide * brick + Vec3i(rs_offset_x(place), rs_offset_y(place), rs_offset_z(place));
-      if (!voxmap.grid.contains(voxel)) continue;
-      if (voxmap.grade[static_cast<std::size_t>(voxmap.grid.index(voxel.x(), voxel.y(), voxel.z()))] == 0) continue;
-      const rs_u16 value = fill[static_cast<std::size_t>(place)];
-      if (voxmap.fill.get(voxel) != value) voxmap.fill.set(voxel, value);
+    for (int offset = 0; offset < GradeBricks::kVoxels; ++offset) {
+      if (grades[static_cast<std::size_t>(offset)] == 0) continue;
+      const Vec3i voxel = BrickLattice::voxel_at(brick, offset);
+      voxmap.fill.set(voxel, fill[static_cast<std::size_t>(rs_brick_offset(voxel.x(), voxel.y(), voxel.z()))]);
     }
   });
 }

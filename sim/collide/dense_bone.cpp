@@ -4,25 +4,6 @@
 
 namespace reamsim {
 
-std::vector<std::uint8_t> grades_left(const Voxmap& voxmap) {
-  std::vector<std::uint8_t> out = voxmap.grade;
-  if (voxmap.fill.stored_bricks() == 0) return out;
-  for (std::int64_t e = 0; e < voxmap.grid.size(); ++e) {
-    std::uint8_t& grade = out[static_cast<std::size_t>(e)];
-    if (grade != 0 && voxmap.fill.get(voxmap.grid.coord(e)) == 0) grade = 0;
-  }
-  return out;
-}
-
-std::vector<std::uint16_t> dense_fill(const Voxmap& voxmap) {
-  std::vector<std::uint16_t> out(static_cast<std::size_t>(voxmap.grid.size()), FillBricks::kWhole);
-  if (voxmap.fill.stored_bricks() == 0) return out;
-  for (std::int64_t e = 0; e < voxmap.grid.size(); ++e) {
-    out[static_cast<std::size_t>(e)] = voxmap.fill.get(voxmap.grid.coord(e));
-  }
-  return out;
-}
-
 bool partly_filled(const Voxmap& voxmap) {
   const Vec3i bricks = voxmap.fill.brick_dims();
   const auto part = [](std::uint16_t fill) { return fill != 0 && fill != FillBricks::kWhole; };
@@ -38,15 +19,18 @@ bool partly_filled(const Voxmap& voxmap) {
 }
 
 std::size_t count_unreamed(const Voxmap& voxmap) {
-  return voxmap.grade.size() - static_cast<std::size_t>(std::count(voxmap.grade.begin(), voxmap.grade.end(), 0));
+  return static_cast<std::size_t>(voxmap.grade.count());
 }
 
 void copy_fill(const std::vector<std::uint16_t>& dense, Voxmap& voxmap) {
-  for (std::size_t e = 0; e < dense.size(); ++e) {
-    if (dense[e] == FillBricks::kWhole || voxmap.grade[e] == 0) continue;
-    const Vec3i voxel = voxmap.grid.coord(static_cast<std::int64_t>(e));
-    if (voxmap.fill.get(voxel) != dense[e]) voxmap.fill.set(voxel, dense[e]);
-  }
+  voxmap.grade.for_each_brick([&](const Vec3i& coord, const GradeBricks::Brick& grades) {
+    for (int offset = 0; offset < GradeBricks::kVoxels; ++offset) {
+      if (grades[static_cast<std::size_t>(offset)] == 0) continue;
+      const Vec3i voxel = BrickLattice::voxel_at(coord, offset);
+      const auto left = dense[static_cast<std::size_t>(voxmap.grid.index(voxel.x(), voxel.y(), voxel.z()))];
+      if (left != FillBricks::kWhole) voxmap.fill.set(voxel, left);
+    }
+  });
 }
 
 }  // namespace reamsim

@@ -11,12 +11,6 @@ namespace reamsim {
 // The voxmap as dense arrays, an entry per voxel in the order of VoxelGrid::index: what the serial engine and the dense
 // device engines work on.
 
-/// Grades as an engine sees them: 0 where there is no bone, or none left.
-std::vector<std::uint8_t> grades_left(const Voxmap& voxmap);
-
-/// The fill of every voxel; whole where nothing is stored.
-std::vector<std::uint16_t> dense_fill(const Voxmap& voxmap);
-
 /// Whether some voxel has lost a part of its fill: neither whole nor gone.
 bool partly_filled(const Voxmap& voxmap);
 

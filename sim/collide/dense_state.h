@@ -3,23 +3,25 @@
 #include "kernels/shared.h"
 #include "sim/collide/dense_plan.h"
 #include "sim/collide/profile_table.h"
+#include "sim/collide/hu_scale.h"
 
 namespace reamsim {
 
-/// What lives on the device between detect and cut, beside the batch, in the paper's layout: the bone as a dense 8-bit
-/// array, the shell at 4 bytes a point; and beside them a claim bit per voxel and the contact list.
+/// What lives on the device between detect and cut, beside the batch and the detector's own shell: the bone as a dense
+/// array in the plan's layout, claims, the contact list and the tool's profile.
 struct DenseState {
-  cl::Buffer<cl_uchar> bone;   ///< grade, 0 = air or gone
-  cl::Buffer<cl_ushort> fill;  ///< per voxel, or one dummy where every voxel is whole
+  cl::Buffer<cl_uchar> grades;      ///< 0 = air or gone; unless the layout is flagged_hu
+  cl::Buffer<cl_float> hu;          ///< HuScale::of_air = air or gone; where the layout is flagged_hu
+  HuScale scale{DensityMapping{}};  ///< of `hu`
+  cl::Buffer<cl_ushort> fill;       ///< per voxel, or one dummy where every voxel is whole
   bool has_fill = false;
-  cl::Buffer<cl_uint> claims;
-  cl::Buffer<cl_uint> codes;
-  std::size_t points = 0;
+  cl::Buffer<cl_uint> claims;  ///< a bit or a byte per voxel, or one dummy word
   DeviceProfile profile;
   cl::Buffer<cl_uint> contacts;
 };
 
-/// Uploads bone and tool. Throws RunError when the device has no room after all.
+/// Uploads bone and profile. Throws RunError when the device has no room after all, InputError when the layout is
+/// flagged_hu and floats cannot tell the voxmap's grades apart by their HU.
 DenseState make_dense_state(const cl::Device& device, const DensePlan& plan, const Voxmap& voxmap, const Tool& tool);
 
 /// Writes the bone as `voxmap` has it. Throws RunError where it is not the bone that `plan` was made for.

@@ -6,11 +6,12 @@
 
 namespace reamsim {
 
-/// The paper's narrow phase on OpenCL (§3.5): one work-item per shell point.
+/// The paper's narrow phase on OpenCL (§3.5): one work-item per shell point, which is kept as a Morton code.
 class DirectDetector final : public Detector {
  public:
   /// `work_group` items per group; the result does not depend on it.
-  DirectDetector(const cl::Device& device, const DenseState& state, const DeviceBatch& batch, std::size_t work_group);
+  DirectDetector(const cl::Device& device, const DenseState& state, const DeviceBatch& batch, const PointShell& shell,
+                 std::size_t work_group);
   void detect(int slot) override;
   std::vector<double> take_seconds() override;
 
@@ -18,6 +19,7 @@ class DirectDetector final : public Detector {
   const cl::Device& device_;
   std::size_t points_;
   std::size_t work_group_;
+  cl::Buffer<cl_uint> codes_;
   cl::Program program_;
   cl::Kernel kernel_;
   std::vector<cl::Event> events_;

@@ -39,7 +39,7 @@ ProfileEdge make_edge(const Vec2& a, const Vec2& b) {
           f(1 / (length * length)),
           f(along.y() / length),
           f(-along.x() / length),
-          0};
+          f(b.y())};
 }
 
 double distance(const ProfileEdge& e, const Vec2& rz) {

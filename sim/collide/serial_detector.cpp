@@ -1,5 +1,7 @@
 #include "sim/collide/serial_detector.h"
 
+#include "sim/tool/morton.h"
+
 namespace reamsim {
 
 void SerialDetector::detect(int slot) {
@@ -7,8 +9,9 @@ void SerialDetector::detect(int slot) {
   const SubstepArgs& args = state_.args[static_cast<std::size_t>(slot)];
   const ProfileView profile = state_.profile.view();
   LaneSums point_sums{};
-  for (const std::uint32_t code : state_.tool->shell.codes) {
-    const int x = rs_compact_bits(code), y = rs_compact_bits(code >> 1), z = rs_compact_bits(code >> 2);
+  for (const std::uint64_t code : state_.tool->shell.codes) {
+    const Vec3i cell = morton_decode(code);
+    const int x = cell.x(), y = cell.y(), z = cell.z();
     const Vec3i voxel(rs_voxel_coordinate(&args, 0, x, y, z), rs_voxel_coordinate(&args, 1, x, y, z),
                       rs_voxel_coordinate(&args, 2, x, y, z));
     if (!state_.grid.contains(voxel)) continue;

@@ -14,7 +14,7 @@ SerialState make_serial_state(const Voxmap& voxmap, const Tool& tool) {
 
 void take_bone(const Voxmap& voxmap, SerialState& state) {
   state.grid = voxmap.grid;
-  state.bone = grades_left(voxmap);
+  state.bone = dense_grades_left(voxmap);
   state.fill = dense_fill(voxmap);
 }
 

@@ -1,5 +1,6 @@
 #include "sim/cut/bricked_erosion.h"
 
+#include <algorithm>
 #include <array>
 
 namespace reamsim {
@@ -40,11 +41,15 @@ BrickedErosion::BrickedErosion(const cl::Device& device, BrickedState& state, co
       items_(work_items(device.info(), options)),
       work_group_(options.work_group),
       energy_(device, table.energy_mj.size(), "the energy table"),
+      units_(device, table.energy_mj.size(), "the energy table"),
       density_(device, table.density_g_cm3.size(), "the density table"),
       bits_of_byte_(device, 256, "the table of bits"),
       program_(device.build("cut_bricked.cl", embedded::kernel_cut_bricked, defines(state, options))),
       kernel_(program_, "cut_bricked") {
   energy_.write(device, table.energy_mj.data(), table.energy_mj.size());
+  std::array<cl_long, 256> units{};
+  std::transform(table.energy_mj.begin(), table.energy_mj.end(), units.begin(), rs_energy_units);
+  units_.write(device, units.data(), units.size());
   density_.write(device, table.density_g_cm3.data(), table.density_g_cm3.size());
   const auto bits = bits_of_byte();
   bits_of_byte_.write(device, bits.data(), bits.size());
@@ -58,11 +63,12 @@ BrickedErosion::BrickedErosion(const cl::Device& device, BrickedState& state, co
   kernel_.set(8, batch.removed());
   kernel_.set(9, batch.removed_count());
   kernel_.set(10, energy_);
-  kernel_.set(11, density_);
-  kernel_.set(12, bits_of_byte_);
-  kernel_.set(13, state.bricks);
-  state.profile.set(kernel_, 14);
-  state.set_pools(kernel_, 18);
+  kernel_.set(11, units_);
+  kernel_.set(12, density_);
+  kernel_.set(13, bits_of_byte_);
+  kernel_.set(14, state.bricks);
+  state.profile.set(kernel_, 15);
+  state.set_pools(kernel_, 19);
 }
 
 void BrickedErosion::cut(int slot) {

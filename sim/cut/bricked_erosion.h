@@ -19,6 +19,7 @@ class BrickedErosion final : public Erosion {
   std::size_t items_;
   std::size_t work_group_;
   cl::Buffer<double> energy_;
+  cl::Buffer<cl_long> units_;
   cl::Buffer<double> density_;
   cl::Buffer<cl_ulong> bits_of_byte_;
   cl::Program program_;

@@ -13,21 +13,31 @@ std::size_t work_items(const cl::DeviceInfo& info) {
   return info.compute_units * (info.gpu ? 1024 : 64);
 }
 
+std::string build_options(VoxelLayout layout) {
+  if (layout == VoxelLayout::flagged_hu) return "-DREAMSIM_FLAGGED_HU";
+  if (layout == VoxelLayout::bare_grade) return "-DREAMSIM_BARE_GRADE";
+  return "";
+}
+
 }  // namespace
 
-DeviceErosion::DeviceErosion(const cl::Device& device, const DenseState& state, const DeviceBatch& batch,
-                             const EnergyTable& table, std::size_t work_group)
+DeviceErosion::DeviceErosion(const cl::Device& device, VoxelLayout layout, const DenseState& state,
+                             const DeviceBatch& batch, const EnergyTable& table, std::size_t work_group)
     : device_(device),
       items_(work_items(device.info())),
       work_group_(work_group),
       energy_(device, table.energy_mj.size(), "the energy table"),
       density_(device, table.density_g_cm3.size(), "the density table"),
-      program_(device.build("cut_voxels.cl", embedded::kernel_cut_voxels)),
+      program_(device.build("cut_voxels.cl", embedded::kernel_cut_voxels, build_options(layout))),
       kernel_(program_, "cut_voxels") {
   energy_.write(device, table.energy_mj.data(), table.energy_mj.size());
   density_.write(device, table.density_g_cm3.data(), table.density_g_cm3.size());
   kernel_.set(0, batch.args());
-  kernel_.set(2, state.bone);
+  if (layout == VoxelLayout::flagged_hu) {
+    kernel_.set(2, state.hu);
+  } else {
+    kernel_.set(2, state.grades);
+  }
   kernel_.set(3, state.fill);
   kernel_.set(4, static_cast<cl_int>(state.has_fill ? 1 : 0));
   kernel_.set(5, state.claims);
@@ -39,6 +49,8 @@ DeviceErosion::DeviceErosion(const cl::Device& device, const DenseState& state, 
   kernel_.set(11, energy_);
   kernel_.set(12, density_);
   state.profile.set(kernel_, 13);
+  kernel_.set(17, state.scale.of_air);
+  kernel_.set(18, state.scale.per_grade);
 }
 
 void DeviceErosion::cut(int slot) {

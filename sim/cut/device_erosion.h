@@ -10,8 +10,8 @@ namespace reamsim {
 /// `remove` and `wear` on OpenCL: work-items stride over the contact list.
 class DeviceErosion final : public Erosion {
  public:
-  DeviceErosion(const cl::Device& device, const DenseState& state, const DeviceBatch& batch, const EnergyTable& table,
-                std::size_t work_group);
+  DeviceErosion(const cl::Device& device, VoxelLayout layout, const DenseState& state, const DeviceBatch& batch,
+                const EnergyTable& table, std::size_t work_group);
   void cut(int slot) override;
   std::vector<double> take_seconds() override;
 

@@ -19,7 +19,7 @@ void SerialErosion::cut(int slot) {
     sums.energy += rs_energy_units(energy);
     if (args.law == RS_LAW_ENERGY) {
       const Vec3i voxel = state_.grid.coord(e);
-      rs_voxel_force(&args, &profile, voxel.x(), voxel.y(), voxel.z(), energy, &law);
+      rs_voxel_force(&args, &profile, voxel.x(), voxel.y(), voxel.z(), static_cast<float>(energy), &law);
     }
     state_.fill[i] = static_cast<std::uint16_t>(before - lost);
     if (lost == before) {

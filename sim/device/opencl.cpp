@@ -80,15 +80,15 @@ Device::Device(const DeviceInfo& info) : info_(info) {
   check(status, "clCreateCommandQueue");
 }
 
-Program Device::build(const std::string& name, const char* embedded_source, const std::string& defines) const {
+Program Device::build(const std::string& name, const char* embedded_source, const std::string& options) const {
   const std::string header = kernel_source("shared.h", embedded::kernel_shared_h);
   const std::string body = kernel_source(name, embedded_source);
   const char* sources[] = {header.c_str(), body.c_str()};
   cl_int status = CL_SUCCESS;
   Program program(clCreateProgramWithSource(context_.get(), 2, sources, nullptr, &status));
   check(status, "clCreateProgramWithSource");
-  const std::string options = "-cl-std=CL1.2 " + defines;
-  status = clBuildProgram(program.get(), 1, &info_.id, options.c_str(), nullptr, nullptr);
+  const std::string all_options = "-cl-std=CL1.2 " + options;
+  status = clBuildProgram(program.get(), 1, &info_.id, all_options.c_str(), nullptr, nullptr);
   if (status == CL_SUCCESS) return program;
   throw RunError("kernel " + name + " does not build on " + info_.name + ": " + build_log(program.get(), info_.id));
 }

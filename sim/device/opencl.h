@@ -76,10 +76,10 @@ class Device {
   [[nodiscard]] cl_command_queue queue() const { return queue_.get(); }
 
   /// Builds a program from the shared header and one kernel source, embedded under `name` or read from the folder
-  /// REAMSIM_KERNEL_DIR where that is set. `defines`: "-DNAME=VALUE ...". Throws RunError with the compiler's log when
-  /// it does not build.
+  /// REAMSIM_KERNEL_DIR where that is set. `options` go to the compiler, such as "-DNAME=1". Throws RunError with the
+  /// compiler's log when it does not build.
   [[nodiscard]] Program build(const std::string& name, const char* embedded_source,
-                              const std::string& defines = "") const;
+                              const std::string& options = "") const;
 
   /// Waits until everything enqueued is done.
   void finish() const;

@@ -1,6 +1,5 @@
 #include "sim/record/snapshot.h"
 
-#include <openvdb/io/File.h>
 #include <openvdb/openvdb.h>
 
 #include <algorithm>
@@ -9,6 +8,7 @@
 #include <filesystem>
 
 #include "sim/base/error.h"
+#include "sim/bone/vdb_archive.h"
 
 namespace reamsim {
 
@@ -47,14 +47,9 @@ void write_snapshot(const std::string& dir, std::int64_t frame, FillBricks& fill
   auto grid = openvdb::FloatGrid::create(1.0F);
   grid->setName("fill");
   for (const Vec3i& brick : fill.take_changed()) put_brick(*grid, brick, fill);
-  try {
-    fs::create_directories(fs::path(path).parent_path());
-    openvdb::io::File file(path);
-    file.write({grid});
-    file.close();
-  } catch (const std::exception&) {
-    throw RunError(path + ": cannot be written; is the disk full or the folder read-only?");
-  }
+  std::error_code ignored;  // a folder that cannot be made is one that cannot be written to
+  fs::create_directories(fs::path(path).parent_path(), ignored);
+  write_vdb_file(path, {grid}, {});
 }
 
 std::vector<std::int64_t> snapshot_frames(const std::string& dir) {
@@ -72,16 +67,7 @@ std::vector<std::int64_t> snapshot_frames(const std::string& dir) {
 
 void apply_snapshot(const std::string& dir, std::int64_t frame, FillBricks& fill) {
   const std::string path = snapshot_path(dir, frame);
-  openvdb::initialize();
-  openvdb::FloatGrid::Ptr grid;
-  try {
-    openvdb::io::File file(path);
-    file.open(false);
-    grid = openvdb::gridPtrCast<openvdb::FloatGrid>(file.readGrid("fill"));
-  } catch (const std::exception&) {
-    grid = nullptr;
-  }
-  if (!grid) throw InputError({path, 0, 0}, "", "not a readable snapshot", "run the scenario again");
+  const openvdb::FloatGrid::Ptr grid = VdbFile(path, VdbOrigin::kReamsim).read("fill");
   const Vec3i limit = 8 * fill.brick_dims();
   for (auto value = grid->cbeginValueOn(); value; ++value) {
     const openvdb::Coord c = value.getCoord();

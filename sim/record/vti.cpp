@@ -43,12 +43,31 @@ std::string header(const VoxelGrid& grid) {
          "</PointData>\n</Piece>\n</ImageData>\n<AppendedData encoding=\"raw\">\n_";
 }
 
+/// Density × fill of `count` voxels along x that lie in one brick; leaves air as it is.
+void put_row(const Voxmap& voxmap, const Vec3i& voxel, std::size_t count, float* out) {
+  const Vec3i brick = BrickLattice::brick_of(voxel);
+  const GradeBricks::Brick* grades = voxmap.grade.brick(brick);
+  if (grades == nullptr) return;
+  const FillBricks::Brick* fills = voxmap.fill.brick(brick);
+  const auto first = static_cast<std::size_t>(BrickLattice::offset_of(voxel));
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::uint8_t grade = (*grades)[first + i];
+    if (grade == 0) continue;
+    const double fill = (fills == nullptr ? FillBricks::kWhole : (*fills)[first + i]) / double{FillBricks::kWhole};
+    out[i] = static_cast<float>(fill * DensityMapping::density_from_grade(grade));
+  }
+}
+
 std::vector<float> density_block(const Voxmap& voxmap, std::size_t begin, std::size_t end) {
   std::vector<float> out(end - begin, 0.0F);
-  for (std::size_t e = begin; e < end; ++e) {
-    if (voxmap.grade[e] == 0) continue;
-    const double fill = voxmap.fill.get(voxmap.grid.coord(static_cast<std::int64_t>(e))) / double{FillBricks::kWhole};
-    out[e - begin] = static_cast<float>(fill * DensityMapping::density_from_grade(voxmap.grade[e]));
+  const int nx = voxmap.grid.dims.x();
+  for (std::size_t e = begin; e < end;) {
+    const Vec3i voxel = voxmap.grid.coord(static_cast<std::int64_t>(e));
+    // The voxels from here on that lie in the same row of the same brick.
+    const int row_end = std::min(nx, (voxel.x() | (GradeBricks::kSide - 1)) + 1);
+    const std::size_t count = std::min(static_cast<std::size_t>(row_end - voxel.x()), end - e);
+    put_row(voxmap, voxel, count, out.data() + (e - begin));
+    e += count;
   }
   return out;
 }
@@ -65,7 +84,7 @@ std::vector<unsigned char> deflated(const std::vector<float>& values) {
 }  // namespace
 
 void write_vti(const std::string& path, const Voxmap& voxmap) {
-  const std::size_t voxels = voxmap.grade.size();
+  const auto voxels = static_cast<std::size_t>(voxmap.grid.size());
   const std::size_t blocks = (voxels + kBlockVoxels - 1) / kBlockVoxels;
   std::vector<std::uint64_t> sizes{blocks, kBlockVoxels * sizeof(float), voxels % kBlockVoxels * sizeof(float)};
   sizes.resize(3 + blocks);

@@ -2,10 +2,10 @@
 
 #include <utility>
 
-#include "sim/base/error.h"
 #include "sim/collide/dense_bone.h"
 #include "sim/collide/dense_plan.h"
 #include "sim/collide/serial_detector.h"
+#include "sim/collide/serial_implicit_detector.h"
 #include "sim/cut/serial_erosion.h"
 #include "sim/run/bricked_engine.h"
 #include "sim/run/dense_engine.h"
@@ -14,11 +14,17 @@ namespace reamsim {
 
 namespace {
 
+std::unique_ptr<Detector> make_serial_detector(const std::string& detector, SerialState& state) {
+  if (detector == "implicit") return std::make_unique<SerialImplicitDetector>(state);
+  return std::make_unique<SerialDetector>(state);
+}
+
+/// The reference of every detector in plain C++: that of `implicit`, or that of those which look shell points up.
 class SerialEngine final : public Engine {
  public:
   SerialEngine(const Scenario& scenario, const Voxmap& voxmap, const Tool& tool)
       : state_(make_serial_state(voxmap, tool)),
-        detector_(state_),
+        detector_(make_serial_detector(scenario.engine.detector, state_)),
         erosion_(state_, make_energy_table(scenario.cutting, voxmap.grid.voxel_mm)) {}
 
   int begin(const SubstepArgs& args) override {
@@ -27,13 +33,13 @@ class SerialEngine final : public Engine {
     return static_cast<int>(state_.args.size()) - 1;
   }
 
-  Detector& detector() override { return detector_; }
+  Detector& detector() override { return *detector_; }
   Erosion& erosion() override { return erosion_; }
   [[nodiscard]] bool full() const override { return state_.args.size() >= 4096; }
 
   Batch collect() override {
     state_.args.clear();
-    return {std::exchange(state_.sums, {}), detector_.take_seconds(), erosion_.take_seconds()};
+    return {std::exchange(state_.sums, {}), detector_->take_seconds(), erosion_.take_seconds()};
   }
 
   RemovedFrames take_removed() override { return std::exchange(state_.removed, {}); }
@@ -46,7 +52,7 @@ class SerialEngine final : public Engine {
 
  private:
   SerialState state_;
-  SerialDetector detector_;
+  std::unique_ptr<Detector> detector_;
   SerialErosion erosion_;
 };
 
@@ -55,16 +61,13 @@ class SerialEngine final : public Engine {
 std::unique_ptr<Engine> make_engine(const Scenario& scenario, const Voxmap& voxmap, const Tool& tool) {
   if (scenario.engine.device == "serial") return std::make_unique<SerialEngine>(scenario, voxmap, tool);
   if (scenario.engine.detector == "bricked") return make_bricked_engine(scenario, voxmap, tool);
-  if (scenario.engine.detector != "direct") {
-    throw InputError({}, "engine.detector", "\"" + scenario.engine.detector + "\"", "expected bricked or direct");
-  }
   return make_dense_engine(scenario, voxmap, tool);
 }
 
 std::size_t planned_device_bytes(const Scenario& scenario, const Voxmap& voxmap, const Tool& tool) {
   if (scenario.engine.device == "serial") return 0;
   if (scenario.engine.detector == "bricked") return bricked_engine_bytes(scenario, voxmap, tool);
-  return plan_dense(voxmap, tool, scenario.cutting.erosion == "wear").bytes();
+  return plan_dense(scenario.engine.detector, voxmap, tool, scenario.cutting.erosion == "wear").bytes();
 }
 
 }  // namespace reamsim

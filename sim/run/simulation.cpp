@@ -13,16 +13,10 @@ namespace {
 
 /// The box of the voxels with bone, B, mm.
 Aabb bone_box(const Voxmap& voxmap) {
-  Vec3i low = voxmap.grid.dims, high = Vec3i::Constant(-1);
-  for (std::int64_t e = 0; e < voxmap.grid.size(); ++e) {
-    if (voxmap.grade[static_cast<std::size_t>(e)] == 0) continue;
-    const Vec3i voxel = voxmap.grid.coord(e);
-    low = low.cwiseMin(voxel);
-    high = high.cwiseMax(voxel);
-  }
+  const VoxelBox voxels = bone_extent(voxmap);
   const Vec3 corner = voxmap.grid.origin_mm;
-  return {corner + voxmap.grid.voxel_mm * low.cast<double>(),
-          corner + voxmap.grid.voxel_mm * (high + Vec3i::Ones()).cast<double>()};
+  return {corner + voxmap.grid.voxel_mm * voxels.first.cast<double>(),
+          corner + voxmap.grid.voxel_mm * (voxels.last + Vec3i::Ones()).cast<double>()};
 }
 
 /// The box of the shell's points: a point may lie half a cell outside the surface that it samples.

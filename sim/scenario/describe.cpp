@@ -4,15 +4,27 @@
 namespace reamsim {
 
 void describe_engine(KeyVisitor& v, EngineSettings& engine) {
-  v.text({.name = "detector",
-          .doc = "How contact is found. direct: one work-item per shell point on a dense voxel array",
-          .choices = {"direct"}},
-         engine.detector);
+  v.text(
+      {.name = "detector",
+       .doc = "How contact is found. bricked: cells of shell points against bricks of voxels, the fast one; on dense "
+              "voxel arrays, direct: one work-item per shell point looks its voxel up (Faieghi et al.); octree: one "
+              "per shell point descends the grid (Zheng et al.); implicit: one per voxel against the surface that the "
+              "tool sweeps, without a shell (Yau et al.)",
+       .choices = {"bricked", "direct", "octree", "implicit"}},
+      engine.detector);
   v.text(
       {.name = "device",
        .doc = "auto: the OpenCL device that `reamsim devices` marks; serial: the slow reference in plain C++, without "
               "OpenCL; anything else: part of an OpenCL device's name"},
       engine.device);
+  v.text({.name = "kernel_shape",
+          .doc = "How the kernels of bricked are laid out: cpu, few work-items that do much in vectors; gpu, many that do "
+                 "little; auto, by the device. Changes the speed, never a result",
+          .choices = {"auto", "cpu", "gpu"}},
+         engine.kernel_shape);
+  v.flag({.name = "culling",
+          .doc = "bricked passes over cells of shell points that cannot touch. Changes the speed, never a result"},
+         engine.culling);
   v.integer({.name = "work_group_size",
              .doc = "Work-items per work-group; 0: chosen from the device. Changes the speed, never a result",
              .range = between(0, 4096)},

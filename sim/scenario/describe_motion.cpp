@@ -64,10 +64,11 @@ void describe_tool(KeyVisitor& v, ToolSettings& tool) {
   v.text({.name = "mesh", .doc = "STL, OBJ or PLY in the tool frame", .required = true, .text = TextKind::input_file},
          tool.mesh);
   v.number({.name = "scale", .doc = "File units to mm", .range = above(0, 1e6)}, tool.scale);
-  v.integer({.name = "shell_resolution",
-             .doc = "M of the M³ grid whose cells sample the surface; 0: a spacing of 0.47 voxel, which leaves none behind",
-             .range = between(0, 1024)},
-            tool.shell_resolution);
+  v.integer(
+      {.name = "shell_resolution",
+       .doc = "M of the M³ grid whose cells sample the surface; 0: a spacing of 0.47 voxel, which leaves none behind",
+       .range = between(0, 4096)},
+      tool.shell_resolution);
   v.text({.name = "spin",
           .doc = "envelope: the surface that the teeth sweep; resolved: the teeth themselves, turning",
           .choices = {"envelope", "resolved"}},

@@ -26,6 +26,7 @@ class Rules {
     if (s_.bone.source == "phantom") check_phantom();
     check_keyframes();
     check_frame_count();
+    check_engine();
   }
 
  private:
@@ -51,6 +52,7 @@ class Rules {
   void check_phantom() const;
   void check_keyframes() const;
   void check_frame_count() const;
+  void check_engine() const;
 
   const Scenario& s_;
   const KeyLocations& at_;
@@ -172,6 +174,14 @@ void Rules::check_frame_count() const {
        "takes " + number_text(duration_s) + " s, " + number_text(std::ceil(duration_s * s_.motion.frame_rate_hz)) +
            " frames at frame_rate_hz",
        "at most " + number_text(kMaxFrames) + " frames");
+}
+
+void Rules::check_engine() const {
+  if (s_.engine.detector != "implicit") return;
+  // It knows the tool by the surface that its teeth sweep, and has no points.
+  const std::string why = ", because engine.detector is implicit";
+  if (s_.tool.spin != "envelope") fail("tool.spin", "found " + s_.tool.spin, "envelope" + why);
+  if (s_.cutting.law != "energy") fail("cutting.law", "found " + s_.cutting.law, "energy" + why);
 }
 
 }  // namespace

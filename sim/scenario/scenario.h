@@ -170,13 +170,13 @@ struct MotionSettings {
 // ---- engine, cutting ---------------------------------------------------------------------------------------------
 
 struct EngineSettings {
-  std::string detector = "bricked";
-  std::string device = "auto";   ///< auto | serial | part of an OpenCL device's name
-  int work_group_size = 0;       ///< 0 = chosen from the device
+  std::string detector = "bricked";   ///< bricked | direct | octree | implicit
+  std::string device = "auto";        ///< auto | serial | part of an OpenCL device's name
   std::string kernel_shape = "auto";  ///< auto | cpu | gpu: of bricked's kernels
   bool culling = true;                ///< bricked passes over cells of points that cannot touch
-  int batch_frames = 32;         ///< frames whose results are read back at once
-  double max_step_voxels = 0.5;  ///< no point of the tool moves further in a substep
+  int work_group_size = 0;            ///< 0 = chosen from the device
+  int batch_frames = 32;              ///< frames whose results are read back at once
+  double max_step_voxels = 0.5;       ///< no point of the tool moves further in a substep
 };
 
 struct CuttingSettings {

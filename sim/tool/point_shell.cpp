@@ -1,6 +1,7 @@
 #include "sim/tool/point_shell.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <limits>
@@ -15,30 +16,50 @@ namespace reamsim {
 
 namespace {
 
-/// A set of Morton codes as bits, so that reading it back gives the codes ascending and once each. At 1024³ it takes
-/// 128 MiB, of which only the touched pages are real.
+/// A set of Morton codes: bits, in blocks of 16³ cells that exist only where the surface passes. Reading it back gives
+/// the codes ascending and once each, because the blocks are found by the codes' high bits.
 class CodeSet {
  public:
   explicit CodeSet(int resolution) {
-    const auto side = std::bit_ceil(static_cast<std::size_t>(resolution));
-    words_.resize((side * side * side + 63) / 64);
+    const auto side = std::max<std::size_t>(kBlockSide, std::bit_ceil(static_cast<std::size_t>(resolution)));
+    block_of_.resize(side * side * side >> kBlockBits, kNoBlock);
   }
 
-  void insert(std::uint32_t code) { words_[code >> 6] |= std::uint64_t{1} << (code & 63u); }
+  void insert(std::uint64_t code) {
+    std::uint32_t& block = block_of_[code >> kBlockBits];
+    if (block == kNoBlock) {
+      block = static_cast<std::uint32_t>(blocks_.size());
+      blocks_.emplace_back();
+    }
+    blocks_[block][(code >> 6) % kBlockWords] |= std::uint64_t{1} << (code % 64);
+  }
 
-  [[nodiscard]] std::vector<std::uint32_t> ascending() const {
+  [[nodiscard]] std::vector<std::uint64_t> ascending() const {
     std::size_t count = 0;
-    for (const std::uint64_t word : words_) count += static_cast<std::size_t>(std::popcount(word));
-    std::vector<std::uint32_t> codes;
+    for (const Block& block : blocks_)
+      for (const std::uint64_t word : block) count += static_cast<std::size_t>(std::popcount(word));
+    std::vector<std::uint64_t> codes;
     codes.reserve(count);
-    for (std::size_t w = 0; w < words_.size(); ++w)
-      for (std::uint64_t word = words_[w]; word != 0; word &= word - 1)
-        codes.push_back(static_cast<std::uint32_t>(64 * w) + static_cast<std::uint32_t>(std::countr_zero(word)));
+    for (std::size_t place = 0; place < block_of_.size(); ++place)
+      if (block_of_[place] != kNoBlock) append(blocks_[block_of_[place]], place << kBlockBits, codes);
     return codes;
   }
 
  private:
-  std::vector<std::uint64_t> words_;
+  static constexpr int kBlockBits = 12;
+  static constexpr std::size_t kBlockSide = 16;
+  static constexpr std::size_t kBlockWords = 64;
+  static constexpr std::uint32_t kNoBlock = UINT32_MAX;
+  using Block = std::array<std::uint64_t, kBlockWords>;
+
+  static void append(const Block& block, std::uint64_t first, std::vector<std::uint64_t>& codes) {
+    for (std::size_t w = 0; w < kBlockWords; ++w)
+      for (std::uint64_t word = block[w]; word != 0; word &= word - 1)
+        codes.push_back(first + 64 * w + static_cast<std::uint64_t>(std::countr_zero(word)));
+  }
+
+  std::vector<std::uint32_t> block_of_;  ///< by the code's high bits
+  std::vector<Block> blocks_;
 };
 
 /// A triangle in units of cells from the grid's corner.
@@ -124,8 +145,9 @@ PointShell lay_grid(const Aabb& box, int resolution) {
 }  // namespace
 
 PointShell voxelise_surface(const TriangleMesh& mesh, int resolution) {
-  if (resolution < 1 || resolution > kMortonResolution)
-    throw InputError("shell resolution " + std::to_string(resolution) + " is outside 1 to 1024");
+  if (resolution < 1 || resolution > kMaxShellResolution)
+    throw InputError("shell resolution " + std::to_string(resolution) + " is outside 1 to " +
+                     std::to_string(kMaxShellResolution));
   const Aabb box = mesh.bounds();
   if (box.empty() || !((box.max - box.min).maxCoeff() > 0))
     throw InputError("a mesh without extent has no surface to sample");

@@ -32,6 +32,17 @@ double Profile::max_radius_mm() const {
   return radius;
 }
 
+Aabb Profile::bounds() const {
+  const double radius = max_radius_mm();
+  Aabb box{{-radius, -radius, std::numeric_limits<double>::infinity()},
+           {radius, radius, -std::numeric_limits<double>::infinity()}};
+  for (const Vec2& p : points) {
+    box.min.z() = std::min(box.min.z(), p.y());
+    box.max.z() = std::max(box.max.z(), p.y());
+  }
+  return box;
+}
+
 Profile::Nearest Profile::nearest(const Vec2& rz) const {
   EdgeDistance best{std::numeric_limits<double>::infinity(), 0, Vec2::Zero(), -Vec2::UnitY()};
   for (std::size_t i = 0; i < points.size(); ++i) {

@@ -20,6 +20,8 @@ struct Profile {
   [[nodiscard]] static bool on_axis(const Vec2& rz) { return rz.x() < kOnAxisMm; }
   /// Largest r, mm.
   [[nodiscard]] double max_radius_mm() const;
+  /// The box of the solid of revolution, T, mm.
+  [[nodiscard]] Aabb bounds() const;
   /// Signed distance to the surface (negative inside), and the outward unit normal (n_r, n_z) at the nearest surface
   /// point. By brute force over the edges; the reference for the device code.
   struct Nearest {

@@ -95,21 +95,23 @@ int least_resolution(const ToolSettings& settings, double extent_mm, double voxe
     return std::ceil(extent_mm / (spacing * voxel_mm) * (1 - kSpacingSlack)) + 1;
   };
   const double cells = cells_at(kSafeSpacingVoxels);
-  if (cells <= kMortonResolution) {
-    return static_cast<int>(std::clamp<double>(cells_at(kChosenSpacingVoxels), 2, kMortonResolution));
+  if (cells <= kMaxShellResolution) {
+    return static_cast<int>(std::clamp<double>(cells_at(kChosenSpacingVoxels), 2, kMaxShellResolution));
   }
-  const double least_voxel = extent_mm / (kMortonResolution - 1) / kSafeSpacingVoxels;
+  const double least_voxel = extent_mm / (kMaxShellResolution - 1) / kSafeSpacingVoxels;
   throw InputError("tool.shell_resolution: a spacing of half a voxel (" + text(kSafeSpacingVoxels * voxel_mm) +
                    " mm) over the tool " + settings.mesh + " (" + text(extent_mm) + " mm) takes " + text(cells) +
-                   " cells per axis and 1024 are possible; bone.voxel_mm of " +
-                   text(std::ceil(least_voxel * 1e4) / 1e4) +
-                   " or more would do, or tool.shell_resolution: 1024 with the leak it warns of");
+                   " cells per axis and " + std::to_string(kMaxShellResolution) + " are possible; bone.voxel_mm of " +
+                   text(std::ceil(least_voxel * 1e4) / 1e4) + " or more would do, or tool.shell_resolution: " +
+                   std::to_string(kMaxShellResolution) + " with the leak it warns of");
 }
 
 void warn_of_leak(const PointShell& shell, double voxel_mm, Report& report) {
   const double spacing = shell.cell_mm / voxel_mm;
   if (spacing <= kSafeSpacingVoxels * (1 + 2 * kSpacingSlack)) return;
-  const std::string bound = spacing > 1 ? "more than " : "about ";
+  const std::string bound = spacing <= kHardlyLeakingSpacing    ? "less than "
+                            : spacing > kLargestMeasuredSpacing ? "more than "
+                                                                : "about ";
   report.warn("tool.shell_resolution: the shell's spacing is " + text(spacing) + " voxels; " + bound +
               text(100 * expected_leak(spacing)) +
               " % of the swept voxels may be left behind; 0.5 voxels or less leaves none");
@@ -128,11 +130,8 @@ Tool load_tool(const ToolSettings& settings, double voxel_mm, Report& report) {
   check_frame(settings, tool.mesh, tool.profile, report);
 
   const bool teeth = settings.spin == "resolved";
-  const auto height = std::minmax_element(tool.profile.points.begin(), tool.profile.points.end(),
-                                          [](const Vec2& a, const Vec2& b) { return a.y() < b.y(); });
   const double radius = tool.profile.max_radius_mm();
-  tool.bounds =
-      teeth ? tool.mesh.bounds() : Aabb{{-radius, -radius, height.first->y()}, {radius, radius, height.second->y()}};
+  tool.bounds = teeth ? tool.mesh.bounds() : tool.profile.bounds();
   const double extent = (tool.bounds.max - tool.bounds.min).maxCoeff();
   const int resolution =
       settings.shell_resolution > 0 ? settings.shell_resolution : least_resolution(settings, extent, voxel_mm);
@@ -141,7 +140,7 @@ Tool load_tool(const ToolSettings& settings, double voxel_mm, Report& report) {
       teeth ? tool.mesh : revolve(tool.profile, segments_for_sagitta(radius, kFacetCells * cell)), resolution);
   warn_of_leak(tool.shell, voxel_mm, report);
 
-  for (const std::uint32_t code : tool.shell.codes) {
+  for (const std::uint64_t code : tool.shell.codes) {
     const Vec3 point =
         tool.shell.origin_mm + tool.shell.cell_mm * (morton_decode(code).cast<double>().array() + 0.5).matrix();
     tool.reach_mm = std::max(tool.reach_mm, point.norm());

@@ -21,7 +21,7 @@ struct Tool {
 /// Reads the mesh, finds its envelope of revolution and samples its surface.
 /// `voxel_mm` sets the shell's resolution where the scenario leaves it open (spacing ≤ half a voxel), and is what the
 /// spacing is judged against otherwise: a leaking combination gets a warning.
-/// Throws InputError: unreadable or open mesh, no axis of revolution, shell larger than 1024³.
+/// Throws InputError: unreadable or open mesh, no axis of revolution, shell larger than 4096³.
 Tool load_tool(const ToolSettings& settings, double voxel_mm, Report& report);
 
 }  // namespace reamsim

@@ -84,8 +84,8 @@ TEST(Layered, CorticalOnTrabecular) {
   settings.phantom.size_mm = {8, 8, 10};
   settings.phantom.cortical_mm = 2;
   const Voxmap voxmap = make(settings).voxmap;
-  const auto cortical = std::count(voxmap.grade.begin(), voxmap.grade.end(), 225);
-  const auto trabecular = std::count(voxmap.grade.begin(), voxmap.grade.end(), 50);
+  const std::int64_t cortical = count_grade(voxmap, 225);
+  const std::int64_t trabecular = count_grade(voxmap, 50);
   EXPECT_EQ(cortical, 32 * 32 * 8);
   EXPECT_EQ(trabecular, 32 * 32 * 32);
   EXPECT_EQ(grade_at(voxmap, {0, 0, -1.9}), 225);

@@ -36,7 +36,14 @@ inline std::string input_error(const std::function<void()>& work) {
 inline int grade_at(const Voxmap& voxmap, const Vec3& point_mm) {
   const Vec3i voxel = voxmap.grid.voxel_of(point_mm);
   if (!voxmap.grid.contains(voxel)) return 0;
-  return voxmap.grade[static_cast<std::size_t>(voxmap.grid.index(voxel.x(), voxel.y(), voxel.z()))];
+  return voxmap.grade.get(voxel);
+}
+
+/// Voxels of one grade.
+inline std::int64_t count_grade(const Voxmap& voxmap, int grade) {
+  std::int64_t count = 0;
+  for_each_bone_voxel(voxmap, [&](const Vec3i&, std::uint8_t its, std::uint16_t) { count += its == grade ? 1 : 0; });
+  return count;
 }
 
 }  // namespace reamsim::test

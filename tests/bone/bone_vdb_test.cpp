@@ -25,7 +25,7 @@ Voxmap ragged_bone(unsigned seed) {
   std::mt19937 random(seed);
   for (std::int64_t e = 0; e < voxmap.grid.size(); ++e) {
     if (random() % 3 == 0) continue;
-    voxmap.grade[static_cast<std::size_t>(e)] = static_cast<std::uint8_t>(1 + random() % 250);
+    voxmap.grade.set(voxmap.grid.coord(e), static_cast<std::uint8_t>(1 + random() % 250));
     if (random() % 4 == 0) voxmap.fill.set(voxmap.grid.coord(e), static_cast<std::uint16_t>(random()));
     if (random() % 40 == 0) voxmap.fill.set(voxmap.grid.coord(e), 0);
   }
@@ -64,8 +64,8 @@ void expect_same(const Voxmap& a, const Voxmap& b) {
   EXPECT_EQ(a.mapping.ash_fraction, b.mapping.ash_fraction);
   ASSERT_EQ(a.grade, b.grade);
   for (std::int64_t e = 0; e < a.grid.size(); ++e) {
-    if (a.grade[static_cast<std::size_t>(e)] == 0) continue;  // fill means nothing in air
     const Vec3i c = a.grid.coord(e);
+    if (a.grade.get(c) == 0) continue;  // fill means nothing in air
     ASSERT_EQ(a.fill.get(c), b.fill.get(c)) << c.transpose();
   }
 }
@@ -84,7 +84,7 @@ TEST_F(BoneVdb, RoundTripBitForBit) {
 TEST_F(BoneVdb, EveryFillAndEveryGradeComesBack) {
   Voxmap bone(VoxelGrid{{256, 256, 1}, 1, Vec3::Zero()});
   for (int i = 0; i < 65536; ++i) {
-    bone.grade[static_cast<std::size_t>(i)] = static_cast<std::uint8_t>(1 + i % 250);
+    bone.grade.set({i % 256, i / 256, 0}, static_cast<std::uint8_t>(1 + i % 250));
     bone.fill.set({i % 256, i / 256, 0}, static_cast<std::uint16_t>(i));
   }
   write_bone_vdb(path(), bone, {}, {});
@@ -166,7 +166,7 @@ TEST_F(BoneVdb, SurfaceFollowsTheFill) {
 
 TEST_F(BoneVdb, NothingLeftIsAnEmptySurface) {
   Voxmap bone(VoxelGrid{{8, 8, 8}, 1, Vec3::Zero()});
-  bone.grade[0] = 100;
+  bone.grade.set({0, 0, 0}, 100);
   bone.fill.set({0, 0, 0}, 0);
   write_bone_vdb(path(), bone, {{0, 1}}, {});
   EXPECT_EQ(grids_of(path())["surface"]->activeVoxelCount(), 0U);

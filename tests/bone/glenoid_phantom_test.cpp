@@ -72,18 +72,16 @@ TEST(GlenoidPhantom, FaceIsASphereOfTheGivenRadius) {
 TEST(GlenoidPhantom, FaceHasTheGivenSizeAndIsWiderBelow) {
   const VoxelGrid& grid = standard().voxmap.grid;
   double low = 0, high = 0, width_below = 0, width_above = 0;
-  for (std::int64_t i = 0; i < grid.size(); ++i) {
-    if (standard().voxmap.grade[static_cast<std::size_t>(i)] == 0) continue;
-    const Vec3i c = grid.coord(i);
+  for_each_bone_voxel(standard().voxmap, [&](const Vec3i& c, std::uint8_t, std::uint16_t) {
     const Vec3 p = grid.center_mm(c.x(), c.y(), c.z());
-    if (p.x() < 0.5 || std::abs(p.y()) > 15) continue;  // the rim stands out of the face's plane; no coracoid
+    if (p.x() < 0.5 || std::abs(p.y()) > 15) return;  // the rim stands out of the face's plane; no coracoid
     if (std::abs(p.y()) < 3) {
       low = std::min(low, p.z());
       if (p.z() < 19) high = std::max(high, p.z());
     }
     if (std::abs(p.z() + 4.5) < 0.2) width_below = std::max(width_below, 2 * std::abs(p.y()));
     if (std::abs(p.z() - 8) < 0.2) width_above = std::max(width_above, 2 * std::abs(p.y()));
-  }
+  });
   EXPECT_NEAR(high - low, 35, 1.5);
   EXPECT_NEAR(width_below, 26, 1.5);
   EXPECT_NEAR(width_above, 18, 2);
@@ -160,7 +158,7 @@ TEST(GlenoidPhantom, LeftAndRightAreMirrorImages) {
   for (std::int64_t i = 0; i < grid.size(); ++i) {
     const Vec3i c = grid.coord(i);
     const Vec3 p = grid.center_mm(c.x(), c.y(), c.z());
-    ASSERT_EQ(left.voxmap.grade[static_cast<std::size_t>(i)], grade_at(right.voxmap, {-p.x(), p.y(), p.z()}));
+    ASSERT_EQ(left.voxmap.grade.get(c), grade_at(right.voxmap, {-p.x(), p.y(), p.z()}));
   }
   const Mat3 l = left.glenoid->bone_from_glenoid.linear();
   const Mat3 r = right.glenoid->bone_from_glenoid.linear();
@@ -211,7 +209,7 @@ TEST(GlenoidPhantom, SkippedBricksHoldNoBone) {
     const Vec3 p = grid.center_mm(c.x(), c.y(), c.z());
     const Vec3 anatomy(p.x(), p.z(), -p.y());
     const bool inside = anatomy.x() >= shape.medial_end_mm() && shape.solid(anatomy) <= 0;
-    ASSERT_EQ(inside, voxmap.grade[static_cast<std::size_t>(e)] != 0) << p.transpose();
+    ASSERT_EQ(inside, voxmap.grade.get(c) != 0) << p.transpose();
   }
 }
 
@@ -224,7 +222,7 @@ TEST(GlenoidPhantom, NoBoneBeyondTheLattice) {
     for (std::int64_t e = 0; e < voxmap.grid.size(); ++e) {
       const Vec3i c = voxmap.grid.coord(e);
       const bool border = (c.array() == 0).any() || (c.array() == voxmap.grid.dims.array() - 1).any();
-      ASSERT_TRUE(!border || voxmap.grade[static_cast<std::size_t>(e)] == 0) << version << ": " << c.transpose();
+      ASSERT_TRUE(!border || voxmap.grade.get(c) == 0) << version << ": " << c.transpose();
     }
   }
 }

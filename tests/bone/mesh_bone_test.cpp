@@ -48,7 +48,7 @@ TEST_F(MeshBone, SphereVolumeAndCorticalShell) {
 
   const int cortical = DensityMapping::grade_from_density(DensityMapping().density_from_hu(1500));
   const int trabecular = DensityMapping::grade_from_density(DensityMapping().density_from_hu(300));
-  const auto inner = std::count(voxmap.grade.begin(), voxmap.grade.end(), trabecular);
+  const std::int64_t inner = count_grade(voxmap, trabecular);
   const double inner_radius = std::cbrt(static_cast<double>(inner) * voxmap.grid.voxel_mm3() * 0.75 / std::numbers::pi);
   EXPECT_NEAR(10 - inner_radius, 2, 0.03);
   EXPECT_EQ(grade_at(voxmap, {3.1, -7.3, 20.7}), trabecular);
@@ -67,7 +67,7 @@ TEST_F(MeshBone, ShellThickerThanTheBoneLeavesNoTrabecularBone) {
   settings.mesh.cortical_mm = 5;
   const Voxmap voxmap = voxmap_from_mesh(settings, report_);
   const int cortical = DensityMapping::grade_from_density(DensityMapping().density_from_hu(1500));
-  EXPECT_EQ(std::count(voxmap.grade.begin(), voxmap.grade.end(), cortical), voxmap.count_bone());
+  EXPECT_EQ(count_grade(voxmap, cortical), voxmap.count_bone());
 }
 
 TEST_F(MeshBone, ScaleAndDensityMappingOfTheScenario) {

@@ -58,7 +58,7 @@ TEST(FillBricks, SaysWhichBricksChanged) {
 TEST(Voxmap, CountsWhatIsLeft) {
   Voxmap voxmap(VoxelGrid{{10, 10, 10}, 0.5, Vec3::Zero()});
   EXPECT_EQ(voxmap.count_bone(), 0);
-  for (int x = 0; x < 4; ++x) voxmap.grade[static_cast<std::size_t>(voxmap.grid.index(x, 2, 3))] = 100;
+  for (int x = 0; x < 4; ++x) voxmap.grade.set({x, 2, 3}, 100);
   voxmap.fill.set({0, 2, 3}, 0);
   voxmap.fill.set({1, 2, 3}, 13107);  // a fifth
   voxmap.fill.set({9, 9, 9}, 5);      // air: means nothing
@@ -69,11 +69,8 @@ TEST(Voxmap, CountsWhatIsLeft) {
 TEST(FitToBone, LeavesTheMarginAndWholeBricks) {
   Voxmap voxmap(VoxelGrid{{40, 40, 40}, 0.5, {1, 2, 3}});
   voxmap.frame = "test";
-  const auto set = [&](const Vec3i& v, std::uint8_t grade) {
-    voxmap.grade[static_cast<std::size_t>(voxmap.grid.index(v.x(), v.y(), v.z()))] = grade;
-  };
-  set({20, 21, 22}, 7);
-  set({39, 21, 22}, 9);
+  voxmap.grade.set({20, 21, 22}, 7);
+  voxmap.grade.set({39, 21, 22}, 9);
   voxmap.fill.set({39, 21, 22}, 1234);
   const Voxmap fitted = fit_to_bone(voxmap, 3);
   EXPECT_EQ(fitted.grid.dims, Vec3i(32, 8, 8));
@@ -84,7 +81,7 @@ TEST(FitToBone, LeavesTheMarginAndWholeBricks) {
     EXPECT_EQ(fitted.fill.get(fitted.grid.voxel_of(center)), voxmap.fill.get(v));
   }
   EXPECT_EQ(fitted.count_bone(), 2);
-  EXPECT_EQ(fitted.grade[static_cast<std::size_t>(fitted.grid.index(3, 3, 3))], 7);
+  EXPECT_EQ(fitted.grade.get({3, 3, 3}), 7);
 }
 
 TEST(FitToBone, NoBoneIsAnError) {

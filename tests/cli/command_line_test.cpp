@@ -77,8 +77,11 @@ TEST_F(CommandLine, SetErrorsNameTheAssignment) {
   expect_refused(run(kSmall, {"--set", "bone.voxel_mm"}), 2, {"--set bone.voxel_mm: found no \"=\""});
 }
 
-TEST_F(CommandLine, EnginesToComeAreAbsentRatherThanPretended) {
-  expect_refused(run(kSmall, {"--engine", "octree"}), 2, {"engine.detector", "octree", "expected direct"});
+TEST_F(CommandLine, EngineIsOneOfTheDetectors) {
+  expect_refused(run(kSmall, {"--engine", "fast"}), 2,
+                 {"engine.detector", "fast", "expected direct, octree or implicit"});
+  expect_refused(run(kSmall, {"--engine", "implicit", "--set", "cutting.law=per_point"}), 2,
+                 {"cutting.law", "per_point", "energy", "implicit"});
 }
 
 TEST_F(CommandLine, RenderOfNothing) {

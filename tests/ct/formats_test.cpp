@@ -176,11 +176,9 @@ TEST_F(Formats, VoxmapIsPlacedInWholeBricksWithAirAllRound) {
     EXPECT_EQ(voxmap.grid.voxel_mm, voxel_mm);
     EXPECT_EQ(voxmap.frame, "LPS");
     int nearest = 1000;
-    for (std::size_t n = 0; n < voxmap.grade.size(); ++n) {
-      if (voxmap.grade[n] == 0) continue;
-      const Vec3i c = voxmap.grid.coord(static_cast<std::int64_t>(n));
+    for_each_bone_voxel(voxmap, [&](const Vec3i& c, std::uint8_t, std::uint16_t) {
       nearest = std::min({nearest, c.minCoeff(), (voxmap.grid.dims - Vec3i::Ones() - c).minCoeff()});
-    }
+    });
     EXPECT_GE(nearest, 3) << voxel_mm;
   }
 }

@@ -172,7 +172,7 @@ double roughness_voxels(const Voxmap& voxmap, double radius) {
     for (int j = 1; j < dims.y() - 1; ++j) {
       for (int i = 1; i < dims.x() - 1; ++i) {
         const double distance = voxmap.grid.center_mm(i, j, k).norm() - radius;
-        const bool bone = voxmap.grade[static_cast<std::size_t>(voxmap.grid.index(i, j, k))] != 0;
+        const bool bone = voxmap.grade.get({i, j, k}) != 0;
         if (bone == (distance > 0)) worst = std::max(worst, std::abs(distance) / voxmap.grid.voxel_mm);
       }
     }

@@ -63,13 +63,11 @@ TEST_F(RealShoulder, FaceLiesWhereTheDataSaysItDoes) {
 TEST_F(RealShoulder, HumeralHeadIsAbsent) {
   std::int64_t inside = 0;
   double nearest = 1e9;
-  for (std::size_t n = 0; n < voxmap_->grade.size(); ++n) {
-    if (voxmap_->grade[n] == 0) continue;
-    const Vec3i c = voxmap_->grid.coord(static_cast<std::int64_t>(n));
+  for_each_bone_voxel(*voxmap_, [&](const Vec3i& c, std::uint8_t, std::uint16_t) {
     const double distance = (voxmap_->grid.center_mm(c.x(), c.y(), c.z()) - head_).norm();
     inside += distance < 21.8;
     nearest = std::min(nearest, distance);
-  }
+  });
   EXPECT_EQ(inside, 0);
   EXPECT_NEAR(nearest, 22.8, 0.8) << "the glenoid face is the nearest bone";
   EXPECT_EQ(grade_at(*voxmap_, head_ + 30 * (head_ - glenoid_).normalized()), 0) << "nor is the rest of the humerus";
@@ -78,14 +76,8 @@ TEST_F(RealShoulder, HumeralHeadIsAbsent) {
 TEST_F(RealShoulder, IsAWholeScapula) {
   EXPECT_GT(volume_mm3(*voxmap_), 50e3);
   EXPECT_LT(volume_mm3(*voxmap_), 75e3);
-  Vec3i low = voxmap_->grid.dims;
-  Vec3i high = Vec3i::Zero();
-  for (std::size_t n = 0; n < voxmap_->grade.size(); ++n) {
-    if (voxmap_->grade[n] == 0) continue;
-    low = low.cwiseMin(voxmap_->grid.coord(static_cast<std::int64_t>(n)));
-    high = high.cwiseMax(voxmap_->grid.coord(static_cast<std::int64_t>(n)));
-  }
-  const Vec3 extent = (high - low).cast<double>() * voxmap_->grid.voxel_mm;
+  const VoxelBox box = bone_extent(*voxmap_);
+  const Vec3 extent = (box.last - box.first).cast<double>() * voxmap_->grid.voxel_mm;
   EXPECT_GT(extent.z(), 150) << "from the inferior angle to the acromion";
   EXPECT_NE(grade_at(*voxmap_, Vec3(134, 190, -407.5)), 0) << "acromion, cut off by the end of the scan";
   EXPECT_NE(grade_at(*voxmap_, Vec3(102.6, 151, -423.9)), 0) << "tip of the coracoid, the foremost point";
@@ -96,14 +88,12 @@ TEST_F(RealShoulder, IsAWholeScapula) {
 
 TEST_F(RealShoulder, TheReamersWayToTheFaceIsFree) {
   // Along the normal, in the 30 mm wide path of the reamer: nothing but the glenoid itself, whose rim rises 2.5 mm.
-  for (std::size_t n = 0; n < voxmap_->grade.size(); ++n) {
-    if (voxmap_->grade[n] == 0) continue;
-    const Vec3i c = voxmap_->grid.coord(static_cast<std::int64_t>(n));
+  for_each_bone_voxel(*voxmap_, [&](const Vec3i& c, std::uint8_t, std::uint16_t) {
     const Vec3 from = voxmap_->grid.center_mm(c.x(), c.y(), c.z()) - glenoid_;
     const double height = from.dot(normal_);
-    if (height < 3) continue;
+    if (height < 3) return;
     ASSERT_GT((from - height * normal_).norm(), 25) << height;
-  }
+  });
 }
 
 TEST_F(RealShoulder, TrabecularInsideOfTheVaultIsKept) {

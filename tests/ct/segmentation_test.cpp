@@ -182,10 +182,10 @@ TEST_F(Segmentation, LabelMapOfAnObliqueImage) {
 double spread(const Voxmap& voxmap, double radius) {
   double sum = 0, squares = 0;
   int count = 0;
-  for (std::size_t n = 0; n < voxmap.grade.size(); ++n) {
-    const Vec3i c = voxmap.grid.coord(static_cast<std::int64_t>(n));
+  for (std::int64_t n = 0; n < voxmap.grid.size(); ++n) {
+    const Vec3i c = voxmap.grid.coord(n);
     if (voxmap.grid.center_mm(c.x(), c.y(), c.z()).norm() > radius) continue;
-    const double grade = voxmap.grade[n];
+    const double grade = voxmap.grade.get(c);
     sum += grade;
     squares += grade * grade;
     ++count;

@@ -159,27 +159,23 @@ void expect_same(const Voxmap& a, const Voxmap& b, const std::string& what) {
 }
 
 double volume_mm3(const Voxmap& voxmap) {
-  return static_cast<double>(voxmap.grade.size() - static_cast<std::size_t>(std::count(
-                                                       voxmap.grade.begin(), voxmap.grade.end(), std::uint8_t{0}))) *
-         voxmap.grid.voxel_mm3();
+  return static_cast<double>(voxmap.grade.count()) * voxmap.grid.voxel_mm3();
 }
 
 Vec3 centroid_mm(const Voxmap& voxmap) {
   Vec3 sum = Vec3::Zero();
   std::int64_t count = 0;
-  for (std::size_t n = 0; n < voxmap.grade.size(); ++n) {
-    if (voxmap.grade[n] == 0) continue;
-    const Vec3i c = voxmap.grid.coord(static_cast<std::int64_t>(n));
+  for_each_bone_voxel(voxmap, [&](const Vec3i& c, std::uint8_t, std::uint16_t) {
     sum += voxmap.grid.center_mm(c.x(), c.y(), c.z());
     ++count;
-  }
+  });
   return sum / static_cast<double>(count);
 }
 
 std::uint8_t grade_at(const Voxmap& voxmap, const Vec3& point_mm) {
   const Vec3i c = voxmap.grid.voxel_of(point_mm);
   if (!voxmap.grid.contains(c)) return 0;
-  return voxmap.grade[static_cast<std::size_t>(voxmap.grid.index(c.x(), c.y(), c.z()))];
+  return voxmap.grade.get(c);
 }
 
 double knobbed_egg(const Vec3& p) {

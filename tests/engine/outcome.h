@@ -51,9 +51,10 @@ inline void expect_same(const Outcome& a, const Outcome& b) {
 }
 
 /// A tilted tool that comes down askew through bone of every density.
-inline ReamingScene oblique_scene(const std::string& device) {
+inline ReamingScene oblique_scene(const std::string& device, const std::string& detector = "direct") {
   ReamingScene scene;
   scene.scenario = quiet_scenario(device);
+  scene.scenario.engine.detector = detector;
   scene.bone.voxmap = random_bone({41, 37, 29}, 0.2, 7);
   scene.tool = make_tool(cap_profile(5, 6, 2.5, 0.6), 61);
   const Quat tilt(Eigen::AngleAxisd(0.4, Vec3(1, 2, 0.5).normalized()));

@@ -1,16 +1,22 @@
 // Engine::restore: a run on restored bone is the first run again.
+#include <tuple>
+
 #include "sim/base/error.h"
 #include "tests/engine/outcome.h"
 
 namespace reamsim::test {
 namespace {
 
-class Restore : public testing::TestWithParam<std::string> {};
+/// Device and detector.
+class Restore : public testing::TestWithParam<std::tuple<std::string, std::string>> {
+ protected:
+  static ReamingScene scene() { return oblique_scene(std::get<0>(GetParam()), std::get<1>(GetParam())); }
+};
 
 TEST_P(Restore, ARestoredEngineRunsAgainAlike) {
   for (const char* erosion : {"remove", "wear"}) {
     SCOPED_TRACE(erosion);
-    ReamingScene scene = oblique_scene(GetParam());
+    ReamingScene scene = Restore::scene();
     scene.scenario.cutting.erosion = erosion;
     const auto engine = make_engine(scene.scenario, scene.bone.voxmap, scene.tool);
     const Outcome first = run_on(*engine, scene);
@@ -22,7 +28,7 @@ TEST_P(Restore, ARestoredEngineRunsAgainAlike) {
 }
 
 TEST_P(Restore, TakesTheBoneAsItIsThen) {
-  ReamingScene scene = oblique_scene(GetParam());
+  ReamingScene scene = Restore::scene();
   const auto engine = make_engine(scene.scenario, scene.bone.voxmap, scene.tool);
   run_on(*engine, scene);
   for (std::int64_t e = 0; e < scene.bone.voxmap.grid.size(); e += 2) {
@@ -32,8 +38,12 @@ TEST_P(Restore, TakesTheBoneAsItIsThen) {
   expect_same(run_on(*engine, scene), run(scene));
 }
 
-INSTANTIATE_TEST_SUITE_P(Engines, Restore, testing::Values("serial", "auto"),
-                         [](const auto& tested) { return tested.param; });
+INSTANTIATE_TEST_SUITE_P(Engines, Restore,
+                         testing::Combine(testing::Values("serial", "auto"),
+                                          testing::Values("direct", "octree", "implicit")),
+                         [](const auto& tested) {
+                           return std::get<0>(tested.param) + "_" + std::get<1>(tested.param);
+                         });
 
 TEST(RestoreDense, RefusesBoneThatItsMemoryWasNotPlannedFor) {
   const ReamingScene scene = oblique_scene("auto");

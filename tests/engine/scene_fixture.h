@@ -42,7 +42,8 @@ inline Voxmap block(const Vec3& size_mm, double voxel_mm, double density) {
   grid.dims = (size_mm / voxel_mm).array().round().cast<int>();
   grid.origin_mm = {-size_mm.x() / 2, -size_mm.y() / 2, -size_mm.z()};
   Voxmap voxmap(grid);
-  std::fill(voxmap.grade.begin(), voxmap.grade.end(), DensityMapping::grade_from_density(density));
+  const std::uint8_t grade = DensityMapping::grade_from_density(density);
+  for (std::int64_t e = 0; e < grid.size(); ++e) voxmap.grade.set(grid.coord(e), grade);
   return voxmap;
 }
 
@@ -51,9 +52,9 @@ inline Voxmap random_bone(const Vec3i& dims, double voxel_mm, unsigned seed) {
   VoxelGrid grid{dims, voxel_mm, {-3.1, -2.7, -1.9}};
   Voxmap voxmap(grid);
   std::mt19937 random(seed);
-  for (auto& grade : voxmap.grade) {
+  for (std::int64_t e = 0; e < grid.size(); ++e) {
     const auto draw = static_cast<unsigned>(random() % 400);
-    grade = static_cast<std::uint8_t>(draw < 251 ? draw : 0);
+    voxmap.grade.set(grid.coord(e), static_cast<std::uint8_t>(draw < 251 ? draw : 0));
   }
   return voxmap;
 }

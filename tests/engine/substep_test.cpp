@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "sim/tool/morton.h"
 #include "tests/engine/scene_fixture.h"
 
 namespace reamsim::test {
@@ -55,8 +56,9 @@ TEST(Substep, FixedPointPositionsFollowTheTransform) {
   substep.duration_s = 1e-3;
   const SubstepArgs args = make_args(substep, tool.bounds, tool.shell, grid, {}, false);
   int differ = 0, total = 0;
-  for (const std::uint32_t code : tool.shell.codes) {
-    const int x = rs_compact_bits(code), y = rs_compact_bits(code >> 1), z = rs_compact_bits(code >> 2);
+  for (const std::uint64_t code : tool.shell.codes) {
+    const Vec3i cell = morton_decode(code);
+    const int x = cell.x(), y = cell.y(), z = cell.z();
     EXPECT_TRUE(rs_in_voi(&args, x, y, z));
     const Vec3 p =
         pose.bone_from_tool() * (tool.shell.origin_mm + tool.shell.cell_mm * Vec3(x + 0.5, y + 0.5, z + 0.5));

@@ -9,7 +9,6 @@
 #include "sim/record/csv_log.h"
 #include "sim/record/output_folder.h"
 #include "sim/record/recorder.h"
-#include "sim/record/snapshot.h"
 #include "sim/record/vti.h"
 #include "tests/support/temp_dir.h"
 
@@ -106,53 +105,6 @@ TEST(OutputFolder, AFileInTheWay) {
   EXPECT_EQ(file_bytes(dir.path() + "/file"), "1");
 }
 
-FillBricks patterned(const Vec3i& dims) {
-  FillBricks fill(dims);
-  for (int i = 0; i < 200; ++i) {
-    fill.set({i % dims.x(), (i * 7) % dims.y(), (i * 3) % dims.z()}, static_cast<std::uint16_t>(i * 327));
-  }
-  return fill;
-}
-
-void expect_equal(const FillBricks& a, const FillBricks& b, const Vec3i& dims) {
-  for (int z = 0; z < dims.z(); ++z) {
-    for (int y = 0; y < dims.y(); ++y) {
-      for (int x = 0; x < dims.x(); ++x) ASSERT_EQ(a.get({x, y, z}), b.get({x, y, z})) << x << ' ' << y << ' ' << z;
-    }
-  }
-}
-
-TEST(Snapshot, ChangesAddUpToTheStateBitForBit) {
-  const TempDir dir;
-  const Vec3i dims(37, 19, 23);
-  FillBricks fill = patterned(dims), replay(dims);
-  write_snapshot(dir.path(), 0, fill);
-  const FillBricks first = fill;
-  for (int i = 0; i < 30; ++i) fill.set({i, 18, 22}, 0);
-  write_snapshot(dir.path(), 40, fill);
-  EXPECT_EQ(snapshot_frames(dir.path()), (std::vector<std::int64_t>{0, 40}));
-  apply_snapshot(dir.path(), 0, replay);
-  expect_equal(replay, first, dims);
-  apply_snapshot(dir.path(), 40, replay);
-  expect_equal(replay, fill, dims);
-  EXPECT_LT(fs::file_size(dir.path() + "/snapshots/000040.vdb"), fs::file_size(dir.path() + "/snapshots/000000.vdb"));
-}
-
-TEST(Snapshot, MissingDamagedOrOfAnotherBone) {
-  const TempDir dir;
-  FillBricks fill = patterned({37, 19, 23});
-  write_snapshot(dir.path(), 1, fill);
-  EXPECT_THROW(apply_snapshot(dir.path(), 2, fill), InputError);
-  FillBricks small({8, 8, 8});
-  EXPECT_THROW(apply_snapshot(dir.path(), 1, small), InputError);
-  const std::string path = dir.path() + "/snapshots/000001.vdb";
-  for (const std::uintmax_t size : {0U, 7U, 60U, 400U}) {
-    fs::resize_file(path, size);
-    EXPECT_THROW(apply_snapshot(dir.path(), 1, fill), InputError) << size << " bytes";
-    write_snapshot(dir.path(), 1, fill);
-  }
-}
-
 TEST(RunTotals, SumsAndExtremes) {
   RunTotals totals(1);
   FrameResult a, b;
@@ -231,17 +183,20 @@ std::vector<float> vti_values(const std::string& bytes) {
 TEST(Vti, HoldsDensityTimesFill) {
   const TempDir dir;
   Voxmap voxmap(VoxelGrid{{90, 70, 60}, 0.5, {1, 2, 3}});
-  for (std::size_t e = 0; e < voxmap.grade.size(); ++e) voxmap.grade[e] = static_cast<std::uint8_t>(e % 251);
+  for (std::int64_t e = 0; e < voxmap.grid.size(); ++e) {
+    voxmap.grade.set(voxmap.grid.coord(e), static_cast<std::uint8_t>(e % 251));
+  }
   voxmap.fill.set({5, 6, 7}, 32768);
   write_vti(dir.path() + "/a.vti", voxmap);
   const std::string bytes = file_bytes(dir.path() + "/a.vti");
   EXPECT_NE(bytes.find("WholeExtent=\"0 89 0 69 0 59\" Origin=\"1.25 2.25 3.25\" Spacing=\"0.5 0.5 0.5\""),
             std::string::npos);
   const auto values = vti_values(bytes);
-  ASSERT_EQ(values.size(), voxmap.grade.size());
+  ASSERT_EQ(values.size(), static_cast<std::size_t>(voxmap.grid.size()));
   for (std::size_t e = 0; e < values.size(); ++e) {
-    const double fill = voxmap.fill.get(voxmap.grid.coord(static_cast<std::int64_t>(e))) / 65535.0;
-    ASSERT_FLOAT_EQ(values[e], static_cast<float>(0.008 * voxmap.grade[e] * fill));
+    const Vec3i voxel = voxmap.grid.coord(static_cast<std::int64_t>(e));
+    const double fill = voxmap.fill.get(voxel) / 65535.0;
+    ASSERT_FLOAT_EQ(values[e], static_cast<float>(0.008 * voxmap.grade.get(voxel) * fill));
   }
 }
 

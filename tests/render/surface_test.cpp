@@ -18,7 +18,7 @@ Voxmap ball() {
   for (int k = 0; k < grid.dims.z(); ++k) {
     for (int j = 0; j < grid.dims.y(); ++j) {
       for (int i = 0; i < grid.dims.x(); ++i) {
-        if (grid.center_mm(i, j, k).norm() < 10) voxmap.grade[static_cast<std::size_t>(grid.index(i, j, k))] = 150;
+        if (grid.center_mm(i, j, k).norm() < 10) voxmap.grade.set({i, j, k}, 150);
       }
     }
   }
@@ -104,7 +104,7 @@ TEST(BoneSurfaceTest, APilotHoleIsNoSurfaceToMeasureDepthFrom) {
     for (int j = 0; j < grid.dims.y(); ++j) {
       for (int i = 0; i < grid.dims.x(); ++i) {
         const Vec3 p = grid.center_mm(i, j, k);
-        if (p.z() > -3 && p.head<2>().norm() < 1.25) voxmap.grade[static_cast<std::size_t>(grid.index(i, j, k))] = 0;
+        if (p.z() > -3 && p.head<2>().norm() < 1.25) voxmap.grade.set({i, j, k}, 0);
       }
     }
   }
@@ -127,7 +127,7 @@ TEST(BoneSurfaceTest, TheFarSideOfAThinPlateDoesNotCount) {
   for (int k = 4; k < 12; ++k) {
     for (int j = 4; j < 44; ++j) {
       for (int i = 4; i < 44; ++i) {
-        plate.grade[static_cast<std::size_t>(grid.index(i, j, k))] = 150;
+        plate.grade.set({i, j, k}, 150);
         if (k >= 6 && std::hypot(i - 23.5, j - 23.5) < 12) plate.fill.set({i, j, k}, 0);
       }
     }
@@ -169,7 +169,7 @@ TEST(BoneSurfaceTest, TheFloorOfAPitIsDarkerThanAFreeFace) {
     for (int j = 0; j < grid.dims.y(); ++j) {
       for (int i = 0; i < grid.dims.x(); ++i) {
         const Vec3 p = grid.center_mm(i, j, k);
-        if (p.z() > 0 && p.head<2>().norm() < 4) voxmap.grade[static_cast<std::size_t>(grid.index(i, j, k))] = 0;
+        if (p.z() > 0 && p.head<2>().norm() < 4) voxmap.grade.set({i, j, k}, 0);
       }
     }
   }

@@ -98,8 +98,8 @@ TEST_F(BadKey, OutOfRange) {
             "s.yaml:7:23: bone.phantom.size_mm: found -6; expected 3 numbers [x, y, z], each 0.5 to 1000 (mm)");
   EXPECT_EQ(changed("enabled: false", "width_px: 99999999999999999999"),
             "s.yaml:15:13: render.width_px: found 99999999999999999999; expected a whole number, 64 to 16384 (px)");
-  EXPECT_EQ(changed("  mesh: tool.stl\n", "  mesh: tool.stl\n  shell_resolution: 1025\n"),
-            "s.yaml:10:21: tool.shell_resolution: found 1025; expected a whole number, 0 to 1024");
+  EXPECT_EQ(changed("  mesh: tool.stl\n", "  mesh: tool.stl\n  shell_resolution: 4097\n"),
+            "s.yaml:10:21: tool.shell_resolution: found 4097; expected a whole number, 0 to 4096");
 }
 
 TEST_F(BadKey, NotFinite) {
@@ -115,10 +115,8 @@ TEST_F(BadKey, NotFinite) {
 TEST_F(BadKey, WordsOutsideTheirList) {
   EXPECT_EQ(changed("source: phantom", "source: xray"),
             "s.yaml:3:11: bone.source: found the text \"xray\"; expected phantom, ct, mesh or vdb");
-  for (const char* engine : {"octree", "implicit", "bricked", "fast"}) {
-    EXPECT_EQ(complaint(kValid + "engine:\n  detector: " + engine + "\n"),
-              "s.yaml:17:13: engine.detector: found the text \"" + std::string(engine) + "\"; expected direct");
-  }
+  EXPECT_EQ(complaint(kValid + "engine:\n  detector: fast\n"),
+            "s.yaml:17:13: engine.detector: found the text \"fast\"; expected direct, octree or implicit");
   EXPECT_EQ(complaint(kValid + "cutting:\n  erosion: exact\n"),
             "s.yaml:17:12: cutting.erosion: found the text \"exact\"; expected remove or wear");
   EXPECT_EQ(changed("enabled: false", "cameras: [oblique, top]"),

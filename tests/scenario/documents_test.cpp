@@ -134,7 +134,7 @@ TEST_F(SchemaTest, AgreesWithTheParser) {
       with(kValid, "enabled: false", "cameras: [oblique, oblique]"),
       with(kValid, "enabled: false", "cameras: []"),
       with(kValid, "enabled: false", "enabled: no"),
-      kValid + "engine: {detector: bricked}\n",
+      kValid + "engine: {detector: fast}\n",
       kValid + "cutting: {speed_floor_mm_s: 0}\n",
       with(kValid, "voxel_mm: 0.5",
            "glenoid: {center_mm: [0, 0, 0], landmarks: {glenoid_center_mm: [0, 0, 0], "

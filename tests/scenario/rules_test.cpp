@@ -66,11 +66,10 @@ TEST_F(Rules, SideIsNeededWithAGlenoid) {
 
 TEST_F(Rules, GlenoidFrameIsNeeded) {
   const std::string mesh = "  source: mesh\n  side: left\n  mesh: {path: tool.stl}\n";
-  EXPECT_EQ(
-      complaint(with(with(kValid, "  source: phantom\n  voxel_mm: 0.5\n" + kPhantom, mesh), "motion:\n",
-                     "motion:\n  frame: glenoid\n")),
-      "s.yaml:9:3: motion.frame: found glenoid, and there is no glenoid frame; expected bone, or a glenoid frame "
-      "in bone.glenoid");
+  EXPECT_EQ(complaint(with(with(kValid, "  source: phantom\n  voxel_mm: 0.5\n" + kPhantom, mesh), "motion:\n",
+                           "motion:\n  frame: glenoid\n")),
+            "s.yaml:9:3: motion.frame: found glenoid, and there is no glenoid frame; expected bone, or a glenoid frame "
+            "in bone.glenoid");
   EXPECT_THAT(bone(mesh + "  pilot_hole: {frame: glenoid}\n"),
               HasSubstr("bone.pilot_hole.frame: found glenoid, and there is no glenoid frame"));
   EXPECT_EQ(changed(kPhantom, kPhantom + "  side: left\n  pilot_hole: {frame: glenoid}\n"), "")
@@ -96,6 +95,18 @@ TEST_F(Rules, GlenoidFrameIsWhole) {
   EXPECT_EQ(
       glenoid("center_mm: [0, 0, 0], " + marks + "[80, -120, 0]}"),
       "s.yaml:9:13: bone.glenoid.center_mm: given together with landmarks; expected one of landmarks or center_mm");
+}
+
+TEST_F(Rules, ImplicitKnowsTheSweptSurfaceOnly) {
+  const std::string implicit = "engine: {detector: implicit}\n";
+  EXPECT_EQ(complaint(kValid + implicit), "");
+  EXPECT_EQ(complaint(kValid + implicit + "cutting: {law: per_point}\n"),
+            "s.yaml:17:11: cutting.law: found per_point; expected energy, because engine.detector is implicit");
+  EXPECT_EQ(complaint(with(kValid, "  mesh: tool.stl\n", "  mesh: tool.stl\n  spin: resolved\n") + implicit),
+            "s.yaml:10:3: tool.spin: found resolved; expected envelope, because engine.detector is implicit");
+  for (const char* detector : {"direct", "octree"}) {
+    EXPECT_EQ(complaint(kValid + "engine: {detector: " + detector + "}\ncutting: {law: per_point}\n"), "");
+  }
 }
 
 TEST_F(Rules, OneMotion) {

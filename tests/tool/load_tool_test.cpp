@@ -70,7 +70,7 @@ TEST_F(LoadTool, EnvelopeFillsTheChipSlotsAndResolvedKeepsThem) {
   // Shell points within the slots' radii just above the face: all round in the envelope, on the lips otherwise.
   const auto near_face = [](const Tool& tool) {
     int count = 0;
-    for (const std::uint32_t code : tool.shell.codes) {
+    for (const std::uint64_t code : tool.shell.codes) {
       const Vec3 p =
           tool.shell.origin_mm + tool.shell.cell_mm * (morton_decode(code).cast<double>().array() + 0.5).matrix();
       const double from_sphere = std::abs((p - Vec3(0, 0, 29)).norm() - 29);
@@ -86,13 +86,27 @@ TEST_F(LoadTool, WarnsOfALeakWithItsSize) {
   load_tool(shipped("convex", 121), 0.25, report_);
   ASSERT_EQ(report_.warnings.size(), 1u);
   EXPECT_THAT(report_.warnings[0],
-              AllOf(HasSubstr("tool.shell_resolution"), HasSubstr("1 voxels"), HasSubstr("4.4 %")));
+              AllOf(HasSubstr("tool.shell_resolution"), HasSubstr("1 voxels"), HasSubstr("about 4.2 %")));
+}
+
+TEST_F(LoadTool, SaysWhetherALeakIsABoundOrAFigure) {
+  load_tool(shipped("convex", 201), 0.25, report_);
+  load_tool(shipped("convex", 31), 0.25, report_);
+  EXPECT_THAT(report_.warnings, testing::ElementsAre(AllOf(HasSubstr("0.6 voxels"), HasSubstr("less than 0.0001 %")),
+                                                     AllOf(HasSubstr("4 voxels"), HasSubstr("more than 86.6 %"))));
 }
 
 TEST_F(LoadTool, SaysWhatWouldDoWhenTheShellIsTooFine) {
-  EXPECT_THAT(error_of(shipped("convex"), 0.05), AllOf(HasSubstr("tool.shell_resolution"), HasSubstr("1201 cells"),
-                                                       HasSubstr("1024"), HasSubstr("bone.voxel_mm of 0.0587")));
-  EXPECT_EQ(load_tool(shipped("convex"), 0.0587, report_).shell.resolution, 1024);
+  EXPECT_THAT(error_of(shipped("convex"), 0.01),
+              AllOf(HasSubstr("tool.shell_resolution"), HasSubstr("takes 6001 cells per axis and 4096 are possible"),
+                    HasSubstr("bone.voxel_mm of 0.0147"), HasSubstr("tool.shell_resolution: 4096 with the leak")));
+}
+
+TEST_F(LoadTool, GoesBeyond1024CellsWhereTheVoxelsAskForIt) {
+  const Tool tool = load_tool(shipped("convex"), 0.05, report_);
+  EXPECT_EQ(tool.shell.resolution, 1272) << "30 mm over 1271 steps of 0.0236 mm: 0.47 of a voxel";
+  EXPECT_GT(tool.shell.codes.back(), UINT32_MAX);
+  EXPECT_THAT(report_.warnings, IsEmpty());
 }
 
 TEST_F(LoadTool, DiagnosesAnOpenMesh) {
@@ -150,11 +164,11 @@ TEST_F(LoadTool, NamesAFileThatIsNotThere) {
 
 TEST(Leak, FollowsTheMeasuredTable) {
   EXPECT_EQ(expected_leak(0.5), 0);
-  EXPECT_DOUBLE_EQ(expected_leak(0.6), 3e-5);
-  EXPECT_DOUBLE_EQ(expected_leak(0.7), 6e-4);
-  EXPECT_DOUBLE_EQ(expected_leak(1.0), 4.4e-2);
-  EXPECT_GT(expected_leak(0.85), expected_leak(0.8));
-  EXPECT_DOUBLE_EQ(expected_leak(3), 4.4e-2);
+  EXPECT_DOUBLE_EQ(expected_leak(0.6), 1e-6);
+  EXPECT_DOUBLE_EQ(expected_leak(0.8), 8e-4);
+  EXPECT_DOUBLE_EQ(expected_leak(1.0), 4.2e-2);
+  EXPECT_DOUBLE_EQ(expected_leak(9), expected_leak(3));
+  for (double s = 0.7; s < 2.9; s += 0.01) EXPECT_GT(expected_leak(s + 0.01), expected_leak(s)) << s;
 }
 
 }  // namespace

@@ -17,7 +17,7 @@ namespace {
 
 constexpr unsigned kSeed = 20200318;
 
-Vec3 point_of(const PointShell& shell, std::uint32_t code) {
+Vec3 point_of(const PointShell& shell, std::uint64_t code) {
   return shell.origin_mm + shell.cell_mm * (morton_decode(code).cast<double>().array() + 0.5).matrix();
 }
 
@@ -25,7 +25,9 @@ TEST(Morton, PutsXInBitZero) {
   EXPECT_EQ(morton_encode(1, 0, 0), 1u);
   EXPECT_EQ(morton_encode(0, 1, 0), 2u);
   EXPECT_EQ(morton_encode(0, 0, 1), 4u);
-  EXPECT_EQ(morton_encode(1023, 1023, 1023), (1u << 30) - 1);
+  EXPECT_EQ(morton_encode(1023, 1023, 1023), (1u << 30) - 1) << "the paper's 32-bit codes up to 1024";
+  constexpr std::uint32_t kLast = (1u << 21) - 1;
+  EXPECT_EQ(morton_encode(kLast, kLast, kLast), (std::uint64_t{1} << 63) - 1);
 }
 
 TEST(Morton, RoundTrips) {
@@ -33,6 +35,12 @@ TEST(Morton, RoundTrips) {
     EXPECT_EQ(compact_bits(spread_bits(v)), v);
     const Vec3i cell = morton_decode(morton_encode(v, 1023 - v, (v * 7) % 1024));
     EXPECT_EQ(cell, Vec3i(static_cast<int>(v), static_cast<int>(1023 - v), static_cast<int>((v * 7) % 1024)));
+  }
+  for (int bit = 0; bit < 21; ++bit) {
+    const std::uint32_t v = 1u << bit;
+    EXPECT_EQ(morton_encode(v, 0, 0), std::uint64_t{1} << (3 * bit));
+    EXPECT_EQ(morton_decode(morton_encode(v, v - 1, 0x1fffff - v)),
+              Vec3i(static_cast<int>(v), static_cast<int>(v - 1), static_cast<int>(0x1fffff - v)));
   }
 }
 
@@ -91,7 +99,7 @@ INSTANTIATE_TEST_SUITE_P(Reamers, ShellOf, testing::Values("convex", "convex_lip
 /// Codes as a set: whether a cell is in the shell.
 bool contains(const PointShell& shell, const Vec3i& cell) {
   if ((cell.array() < 0).any() || (cell.array() >= shell.resolution).any()) return false;
-  const std::uint32_t code = morton_encode(cell.x(), cell.y(), cell.z());
+  const std::uint64_t code = morton_encode(cell.x(), cell.y(), cell.z());
   return std::binary_search(shell.codes.begin(), shell.codes.end(), code);
 }
 
@@ -151,7 +159,7 @@ TEST(PointShell, PointsOfASphereLieWithinHalfACellDiagonal) {
   }
   const PointShell shell = voxelise_surface(revolve(profile, 256), 64);
   const double limit = 0.5 * std::sqrt(3.0) * shell.cell_mm + 10 * (1 - std::cos(std::numbers::pi / 180)) + 1e-3;
-  for (const std::uint32_t code : shell.codes)
+  for (const std::uint64_t code : shell.codes)
     EXPECT_LT(std::abs((point_of(shell, code) - Vec3(0, 0, 10)).norm() - 10), limit);
   // A surface of area A meets about 1.5·A/h² cells: each axis sees its projection, averaged over directions.
   const double expected = 1.5 * 4 * std::numbers::pi * 100 / (shell.cell_mm * shell.cell_mm);
@@ -162,7 +170,7 @@ TEST(PointShell, CodesAscendAndTheCuttingEndIsSampledWhereItIs) {
   const PointShell shell = voxelise_surface(reamer("flat"), 128);
   EXPECT_TRUE(std::is_sorted(shell.codes.begin(), shell.codes.end(), std::less_equal<>()));
   double lowest = 1e9;
-  for (const std::uint32_t code : shell.codes) lowest = std::min(lowest, point_of(shell, code).z());
+  for (const std::uint64_t code : shell.codes) lowest = std::min(lowest, point_of(shell, code).z());
   EXPECT_NEAR(lowest, 0, 1e-9);
   EXPECT_NEAR(shell.cell_mm, 27.0 / 127, 1e-6);
 }
@@ -172,10 +180,18 @@ TEST(PointShell, WorksAtBothEndsOfTheResolution) {
   const PointShell finest = voxelise_surface(reamer("flat"), 1024);
   EXPECT_GT(finest.codes.size(), 3'000'000u);
   EXPECT_LT(finest.codes.back(), 1u << 30);
+  // A needle, so that the finest shell of all stays small: about 1.5·A/h² cells.
+  const double radius = 0.05, length = 10;
+  const PointShell needle =
+      voxelise_surface(revolve({{{0, 0}, {radius, 0}, {radius, length}, {0, length}}}, 128), 4096);
+  const double area = 2 * std::numbers::pi * radius * (length + radius);
+  EXPECT_NEAR(static_cast<double>(needle.codes.size()) * std::pow(needle.cell_mm, 2) / (1.5 * area), 1, 0.2);
+  EXPECT_EQ(morton_decode(needle.codes.back()).z(), 4095);
+  EXPECT_TRUE(std::is_sorted(needle.codes.begin(), needle.codes.end(), std::less_equal<>()));
 }
 
 TEST(PointShell, RefusesOtherResolutions) {
-  for (const int m : {-1, 0, 1025}) EXPECT_THROW(voxelise_surface(reamer("flat"), m), InputError);
+  for (const int m : {-1, 0, 4097}) EXPECT_THROW(voxelise_surface(reamer("flat"), m), InputError);
   EXPECT_THROW(voxelise_surface({}, 64), InputError);
 }
 

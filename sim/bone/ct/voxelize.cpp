@@ -75,8 +75,7 @@ Voxmap voxelize(const AlignedImage& hu, const BoneField& bone, const BoneSetting
       for (int i = 0; i < grid.dims.x(); ++i) {
         if (!in_bone(i, j, k) || !may_be_bone(settings.ct, image, grid.center_mm(i, j, k))) continue;
         const double value = slice[static_cast<std::size_t>(i + std::int64_t{grid.dims.x()} * j)];
-        voxmap.grade[static_cast<std::size_t>(grid.index(i, j, k))] =
-            DensityMapping::grade_from_density(voxmap.mapping.density_from_hu(value));
+        voxmap.grade.set({i, j, k}, DensityMapping::grade_from_density(voxmap.mapping.density_from_hu(value)));
         stats.add(value);
       }
     }

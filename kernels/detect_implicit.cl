@@ -1,0 +1,27 @@
+/* Narrow phase of Yau et al. as Faieghi et al. rebuilt it (2020, §4.3.2): no shell; one work-item per voxel of the VOI,
+ * a box of voxels, against the surface of revolution that the cutting lips sweep. A voxel is touched when its centre
+ * lies in the solid or on its surface. No voxel is tested twice, so none has to be claimed. */
+#ifndef REAMSIM_KERNELS_SHARED_H
+#include "shared.h"
+#endif
+
+/* voi_min, voi_size: lowest voxel of the VOI and how many it has along x, y, z; the fourth is padding. bone: dense
+ * grades, 0 = air or gone; contacts: room for every voxel that the tool can hold; contact_count[substep]: 0 on entry.
+ */
+__kernel void detect_implicit(__global const SubstepArgs* args, const uint substep, const int4 voi_min,
+                              const uint4 voi_size, __global const uchar* bone, __global uint* contacts,
+                              __global uint* contact_count, __global const ProfileEdge* edges,
+                              __global const ushort* numbers, __global const EdgeList* lists,
+                              __global const ProfileGrid* grid) {
+  const size_t item = get_global_id(0);
+  if (item >= (size_t)voi_size.x * voi_size.y * voi_size.z) return;
+  __global const SubstepArgs* a = args + substep;
+  const size_t row = item / voi_size.x;
+  const int i = voi_min.x + (int)(item % voi_size.x);
+  const int j = voi_min.y + (int)(row % voi_size.y);
+  const int k = voi_min.z + (int)(row / voi_size.y);
+  const uint e = i + a->dims[0] * (j + (uint)a->dims[1] * k);
+  if (bone[e] == 0) return;
+  const ProfileView profile = {edges, numbers, lists, grid};
+  if (rs_holds_voxel(a, &profile, i, j, k)) contacts[atomic_inc(&contact_count[substep])] = e;
+}

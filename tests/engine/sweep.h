@@ -1,0 +1,95 @@
+#pragma once
+
+#include <cmath>
+#include <limits>
+
+#include "tests/engine/scene_fixture.h"
+#include "tests/support/temp_dir.h"
+
+namespace reamsim::test {
+
+/// The volume that an envelope of revolution sweeps along a motion, by analysis of its profile alone: no shell, no
+/// voxels. The motion is sampled so finely that it does not matter.
+class SweptVolume {
+ public:
+  /// The tool's origin moves at most `step_mm` from one sample to the next.
+  SweptVolume(const Motion& motion, const Profile& profile, double step_mm)
+      : profile_(profile), radius_mm_(profile.max_radius_mm()) {
+    for (const Vec2& p : profile.points) {
+      bottom_mm_ = std::min(bottom_mm_, p.y());
+      top_mm_ = std::max(top_mm_, p.y());
+    }
+    tool_from_bone_.push_back(motion.poses.front().bone_from_tool().inverse());
+    double since_mm = 0;
+    for (std::size_t k = 1; k < motion.poses.size(); ++k) {
+      const ToolPose &a = motion.poses[k - 1], &b = motion.poses[k];
+      const double way_mm = (b.position_mm - a.position_mm).norm();
+      since_mm += way_mm;
+      if (since_mm < 0.5 * step_mm && k + 1 < motion.poses.size()) continue;
+      since_mm = 0;
+      const int parts = std::max(1, static_cast<int>(std::ceil(way_mm / step_mm)));
+      for (int i = 1; i <= parts; ++i) {
+        tool_from_bone_.push_back(interpolate(a, b, double(i) / parts).bone_from_tool().inverse());
+      }
+    }
+  }
+
+  /// How deep a point of B came to lie inside the envelope, mm: the greatest depth over the samples, or the first one
+  /// beyond `enough_mm`. Negative: never inside.
+  [[nodiscard]] double depth_mm(const Vec3& point, double enough_mm) const {
+    double depth = -std::numeric_limits<double>::infinity();
+    for (const Rigid& pose : tool_from_bone_) {
+      const Vec3 p = pose * point;
+      const double r = std::hypot(p.x(), p.y());
+      if (r > radius_mm_ || p.z() < bottom_mm_ || p.z() > top_mm_) continue;
+      depth = std::max(depth, -profile_.nearest({r, p.z()}).distance_mm);
+      if (depth > enough_mm) break;
+    }
+    return depth;
+  }
+
+ private:
+  const Profile& profile_;
+  double radius_mm_;
+  double bottom_mm_ = std::numeric_limits<double>::infinity();
+  double top_mm_ = -std::numeric_limits<double>::infinity();
+  std::vector<Rigid> tool_from_bone_;
+};
+
+/// What a run left of the voxels that its tool swept.
+struct Leftovers {
+  std::int64_t swept = 0;     ///< voxels whose centres lay deeper inside the tool than asked
+  std::int64_t left = 0;      ///< of these, how many are still bone
+  double deepest_voxels = 0;  ///< how deep the deepest of those lay
+};
+
+/// Reams the scene, and looks for bone whose voxel centres lay more than `deeper_than_voxels` inside the swept volume,
+/// which is sampled every `step_voxels`.
+inline Leftovers ream_and_look(ReamingScene& scene, double deeper_than_voxels, double step_voxels = 0.05) {
+  Leftovers out;
+  {
+    const TempDir dir;
+    Report report;
+    Recorder recorder(dir.path(), scene.bone.voxmap.grid.voxel_mm);
+    const auto engine = make_engine(scene.scenario, scene.bone.voxmap, scene.tool);
+    simulate(scene, *engine, recorder, {}, report);
+    recorder.close();
+  }
+  const VoxelGrid& grid = scene.bone.voxmap.grid;
+  const SweptVolume volume(scene.motion, scene.tool.profile, step_voxels * grid.voxel_mm);
+  const double limit_mm = deeper_than_voxels * grid.voxel_mm;
+  for (std::int64_t e = 0; e < grid.size(); ++e) {
+    const Vec3i c = grid.coord(e);
+    const bool gone = scene.bone.voxmap.fill.get(c) == 0;
+    const double depth_mm =
+        volume.depth_mm(grid.center_mm(c.x(), c.y(), c.z()), gone ? limit_mm : std::numeric_limits<double>::infinity());
+    if (depth_mm <= limit_mm) continue;
+    ++out.swept;
+    if (gone) continue;
+    ++out.left;
+    out.deepest_voxels = std::max(out.deepest_voxels, depth_mm / grid.voxel_mm);
+  }
+  return out;
+}
+
+}  // namespace reamsim::test
