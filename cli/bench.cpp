@@ -97,6 +97,7 @@ void bench_command(const BenchOptions& options, const Console& console) {
   plot.device = findings.device;
   add_severe(findings, plot);
   add_voi(findings, plot);
+  if (plot.severe.empty()) return console.warn("no program could be measured, so there is no figure");
   write_bench_plot(options.output, plot);
   console.say("figure: " + options.output + "/bench.png");
 }

@@ -1,4 +1,4 @@
-/* Puts back voxels that went, from a list; for benchmarks, which repeat a frame on the same bone. */
+/* Puts back voxels that went, from a list of (voxel, value); for benchmarks, which repeat a frame on the same bone. */
 #ifndef REAMSIM_KERNELS_SHARED_H
 #include "shared.h"
 #endif

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "sim/base/error.h"
 #include "sim/base/stopwatch.h"
 #include "sim/bench/published.h"
 
@@ -85,6 +86,13 @@ class PublishedDirect final : public Contender {
   [[nodiscard]] const Label& label() const override { return label_; }
 
  private:
+  void upload_codes() {
+    const PointShell& shell = arena_.tool->shell;
+    if (shell.resolution > kNarrowResolution) throw InputError("the published shell has at most 1024 cells an edge");
+    const std::vector<cl_uint> codes(shell.codes.begin(), shell.codes.end());
+    codes_.write(device_, codes.data(), codes.size());
+  }
+
   void upload_bone() {
     const auto grades = dense_grades_left(*arena_.voxmap);
     bone_.write(device_, grades.data(), grades.size());

@@ -1,14 +1,12 @@
 #include "sim/bench/scene.h"
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
-#include <mutex>
+#include <array>
 #include <numbers>
 
 #include "sim/base/error.h"
 #include "sim/bone/phantom_glenoid.h"
+#include "sim/bone/sample_bricks.h"
 #include "sim/tool/revolve.h"
 
 namespace reamsim::bench {
@@ -87,8 +85,8 @@ struct Between {
   }
 };
 
-/// Rows of one layer of the finer voxmap: a voxel is bone where the interpolated share of bone is at least half, with
-/// the mean grade of the bone about it.
+/// Bricks of the finer voxmap: a voxel is bone where the interpolated share of bone is at least half, with the mean
+/// grade of the bone about it.
 class Refinement {
  public:
   Refinement(const Voxmap& coarse, int factor) : coarse_(coarse), factor_(factor), side_(coarse.grid.dims.x()) {}
@@ -114,23 +112,41 @@ class Refinement {
     return true;
   }
 
- private:
-  bool add(int y, int z, int weight) {
+  bool row(const Vec3i& first, int y, int z, std::uint8_t* out) const {
+    const Between by(first.y() + y, factor_, side_), bz(first.z() + z, factor_, side_);
+    const int x_low = Between(first.x(), factor_, side_).low;
+    const int x_high = Between(first.x() + kSide - 1, factor_, side_).high;
+    Line line;
+    add(by.low, bz.low, by.weight_low * bz.weight_low, x_low, x_high, line);
+    add(by.high, bz.low, by.weight_high * bz.weight_low, x_low, x_high, line);
+    add(by.low, bz.high, by.weight_low * bz.weight_high, x_low, x_high, line);
+    add(by.high, bz.high, by.weight_high * bz.weight_high, x_low, x_high, line);
+    const int whole = 8 * factor_ * factor_ * factor_;
     bool any = false;
-    for (int x = 0; x < side_; ++x) {
-      const int grade = grade_at(coarse_, x, y, z);
-      if (grade == 0) continue;
-      share_[static_cast<std::size_t>(x)] += weight;
-      grade_[static_cast<std::size_t>(x)] += weight * grade;
+    for (int x = 0; x < kSide; ++x) {
+      const Between bx(first.x() + x, factor_, side_);
+      const auto l = static_cast<std::size_t>(bx.low - x_low), h = static_cast<std::size_t>(bx.high - x_low);
+      const int share = bx.weight_low * line.share[l] + bx.weight_high * line.share[h];
+      const int grade = bx.weight_low * line.grade[l] + bx.weight_high * line.grade[h];
+      if (2 * share < whole) continue;
+      out[x] = static_cast<std::uint8_t>(grade / share);
       any = true;
     }
     return any;
   }
 
+  void add(int y, int z, int weight, int x_low, int x_high, Line& line) const {
+    for (int x = x_low; x <= x_high; ++x) {
+      const int grade = grade_at(coarse_, x, y, z);
+      if (grade == 0) continue;
+      line.share[static_cast<std::size_t>(x - x_low)] += weight;
+      line.grade[static_cast<std::size_t>(x - x_low)] += weight * grade;
+    }
+  }
+
   const Voxmap& coarse_;
   int factor_;
   int side_;
-  std::vector<int> share_, grade_;
 };
 
 Voxmap refine(const Voxmap& coarse, int side) {

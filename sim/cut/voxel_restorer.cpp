@@ -1,7 +1,5 @@
 #include "sim/cut/voxel_restorer.h"
 
-#include <vector>
-
 namespace reamsim {
 
 namespace embedded {
@@ -12,15 +10,9 @@ namespace {
 
 constexpr std::size_t kGroup = 64;
 
-/// A voxel as the kernel reads it: index, and 16-bit fill above 8-bit grade.
-struct PutBack {
-  cl_uint voxel;
-  cl_uint fill_and_grade;
-};
-
 }  // namespace
 
-VoxelRestorer::VoxelRestorer(const cl::Device& device, DenseState& state)
+VoxelRestorer::VoxelRestorer(const cl::Device& device)
     : device_(device),
       hu_(state.hu.count() > 0),
       program_(device.build("restore_voxels.cl", embedded::kernel_restore_voxels, hu_ ? "-DREAMSIM_FLAGGED_HU" : "")),

@@ -50,7 +50,7 @@ class DenseEngine final : public Engine {
         detector_(make_detector(device_, scenario, state_, batch_, voxmap, tool)),
         erosion_(device_, plan_.layout, state_, batch_, make_energy_table(scenario.cutting, voxmap.grid.voxel_mm),
                  group_size(info, scenario.engine.work_group_size, info.gpu ? 256 : 16)),
-        restorer_(device_, state_) {}
+        restorer_(device_) {}
 
   int begin(const SubstepArgs& args) override { return batch_.begin(args); }
   Detector& detector() override { return *detector_; }
@@ -76,7 +76,21 @@ class DenseEngine final : public Engine {
   }
 
   void restore(const Voxmap& voxmap) override { upload_bone(device_, plan_, voxmap, state_); }
-  void restore_voxels(const Voxmap& voxmap, const RemovedFrames& gone) override { restorer_.restore(voxmap, gone); }
+  void restore_voxels(const Voxmap& voxmap, const RemovedFrames& gone) override {
+    const auto fill = [&](std::int64_t voxel) -> cl_uint { return voxmap.fill.get(voxmap.grid.coord(voxel)); };
+    const auto grade = [&](std::int64_t voxel) -> cl_uint {
+      return fill(voxel) == 0 ? 0 : voxmap.grade.get(voxmap.grid.coord(voxel));
+    };
+    const auto hu = [&](std::int64_t voxel) {
+      return std::bit_cast<cl_uint>(state_.scale.hu(static_cast<std::uint8_t>(grade(voxel))));
+    };
+    if (plan_.layout == VoxelLayout::flagged_hu) {
+      restorer_.put(entries_to_put_back(gone, hu), state_.hu);
+    } else {
+      restorer_.put(entries_to_put_back(gone, grade), state_.grades);
+    }
+    if (state_.has_fill) restorer_.put(entries_to_put_back(gone, fill), state_.fill);
+  }
 
   [[nodiscard]] std::string device() const override { return device_.info().name; }
   [[nodiscard]] std::size_t device_bytes() const override { return plan_.bytes(); }

@@ -2,7 +2,6 @@
 
 #include <utility>
 
-#include "sim/base/error.h"
 #include "sim/collide/dense_bone.h"
 #include "sim/collide/dense_plan.h"
 #include "sim/collide/serial_detector.h"
@@ -62,9 +61,6 @@ class SerialEngine final : public Engine {
 std::unique_ptr<Engine> make_engine(const Scenario& scenario, const Voxmap& voxmap, const Tool& tool) {
   if (scenario.engine.device == "serial") return std::make_unique<SerialEngine>(scenario, voxmap, tool);
   if (scenario.engine.detector == "bricked") return make_bricked_engine(scenario, voxmap, tool);
-  if (scenario.engine.detector != "direct") {
-    throw InputError({}, "engine.detector", "\"" + scenario.engine.detector + "\"", "expected bricked or direct");
-  }
   return make_dense_engine(scenario, voxmap, tool);
 }
 

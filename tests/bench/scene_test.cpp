@@ -6,6 +6,7 @@
 #include "sim/bench/paper.h"
 #include "sim/bench/poses.h"
 #include "sim/collide/broad_phase.h"
+#include "sim/tool/morton.h"
 
 namespace reamsim::bench {
 namespace {
@@ -25,8 +26,8 @@ TEST(BenchScene, ShellIsAHemisphereWithoutLid) {
   const Tool tool = cap_tool(64);
   const Vec3 center(0, 0, kReamerMm);
   int high = 0;
-  for (const std::uint32_t code : tool.shell.codes) {
-    const Vec3 cell(rs_compact_bits(code), rs_compact_bits(code >> 1), rs_compact_bits(code >> 2));
+  for (const std::uint64_t code : tool.shell.codes) {
+    const Vec3 cell = morton_decode(code).cast<double>();
     const Vec3 point = tool.shell.origin_mm + tool.shell.cell_mm * (cell + Vec3::Constant(0.5));
     EXPECT_NEAR((point - center).norm(), kReamerMm, tool.shell.cell_mm);
     high += point.z() > kReamerMm - 2 * tool.shell.cell_mm ? 1 : 0;
@@ -51,6 +52,7 @@ TEST(BenchScene, BoneLiesInItsBox) {
     for (std::int64_t e = 0; e < bone.grid.size(); ++e) {
       if (bone.grade.get(bone.grid.coord(e)) == 0) continue;
       const Vec3i voxel = bone.grid.coord(e);
+      if (bone.grade.get(voxel) == 0) continue;
       const Vec3 center = bone.grid.center_mm(voxel.x(), voxel.y(), voxel.z());
       ASSERT_TRUE((center.array() > box.min.array()).all() && (center.array() < box.max.array()).all()) << side;
     }
