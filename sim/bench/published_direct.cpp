@@ -4,6 +4,7 @@
 #include "sim/base/error.h"
 #include "sim/base/stopwatch.h"
 #include "sim/bench/published.h"
+#include "sim/tool/morton.h"
 
 namespace reamsim {
 namespace embedded {
@@ -36,9 +37,7 @@ class PublishedDirect final : public Contender {
         frame_(device_, 1, "the frame"),
         touched_(device_, points_, "the touched voxels"),
         touched_count_(device_, 1, "their number") {
-    // The paper's layout: 4 bytes a point.
-    const std::vector<cl_uint> codes(arena.tool->shell.codes.begin(), arena.tool->shell.codes.end());
-    codes_.write(device_, codes.data(), codes.size());
+    upload_codes();
     upload_bone();
     kernel_.set(0, codes_);
     kernel_.set(1, static_cast<cl_uint>(points_));

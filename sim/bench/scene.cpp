@@ -24,37 +24,6 @@ std::uint8_t grade_at(const Voxmap& voxmap, int x, int y, int z) {
   return voxmap.grade.get({x, y, z});
 }
 
-/// The grades of one layer of bricks, 8 voxels high, in the order of the lattice.
-class BrickLayer {
- public:
-  explicit BrickLayer(int side) : side_(side), grades_(static_cast<std::size_t>(side) * side * GradeBricks::kSide) {}
-
-  std::uint8_t* row(int y, int z) {
-    return grades_.data() + static_cast<std::size_t>(side_) * static_cast<std::size_t>(y + side_ * z);
-  }
-
-  void put_into(Voxmap& voxmap, int layer) {
-    const Vec3i bricks = voxmap.grade.brick_dims();
-    for (int y = 0; y < bricks.y(); ++y) {
-      for (int x = 0; x < bricks.x(); ++x) {
-        GradeBricks::Brick brick;
-        for (int offset = 0; offset < GradeBricks::kVoxels; ++offset) {
-          const Vec3i voxel = BrickLattice::voxel_at({x, y, 0}, offset);
-          const bool inside = voxel.x() < side_ && voxel.y() < side_;
-          brick[static_cast<std::size_t>(offset)] = inside ? row(voxel.y(), voxel.z())[voxel.x()] : 0;
-        }
-        if (std::any_of(brick.begin(), brick.end(), [](std::uint8_t grade) { return grade != 0; })) {
-          voxmap.grade.put({x, y, layer}, brick);
-        }
-      }
-    }
-  }
-
- private:
-  int side_;
-  std::vector<std::uint8_t> grades_;
-};
-
 Voxmap sample(int side) {
   BoneSettings settings;
   settings.source = "phantom";
@@ -63,10 +32,19 @@ Voxmap sample(int side) {
 }
 
 Aabb tight_box(const Voxmap& voxmap) {
-  const VoxelBox voxels = bone_extent(voxmap);
+  Vec3i low = voxmap.grid.dims, high = Vec3i::Constant(-1);
+  for (int z = 0; z < voxmap.grid.dims.z(); ++z) {
+    for (int y = 0; y < voxmap.grid.dims.y(); ++y) {
+      for (int x = 0; x < voxmap.grid.dims.x(); ++x) {
+        if (grade_at(voxmap, x, y, z) == 0) continue;
+        low = low.cwiseMin(Vec3i(x, y, z));
+        high = high.cwiseMax(Vec3i(x, y, z));
+      }
+    }
+  }
   const VoxelGrid& grid = voxmap.grid;
-  return {grid.origin_mm + grid.voxel_mm * voxels.first.cast<double>(),
-          grid.origin_mm + grid.voxel_mm * (voxels.last + Vec3i::Ones()).cast<double>()};
+  return {grid.origin_mm + grid.voxel_mm * low.cast<double>(),
+          grid.origin_mm + grid.voxel_mm * (high + Vec3i::Ones()).cast<double>()};
 }
 
 /// Where a fine voxel's centre lies between two coarse ones: taps and integer weights that add up to 2·factor.
@@ -91,23 +69,36 @@ class Refinement {
  public:
   Refinement(const Voxmap& coarse, int factor) : coarse_(coarse), factor_(factor), side_(coarse.grid.dims.x()) {}
 
-  /// False where the row is all air.
-  bool row(int y, int z, std::uint8_t* out) {
-    share_.assign(static_cast<std::size_t>(side_), 0);
-    grade_.assign(static_cast<std::size_t>(side_), 0);
-    const Between by(y, factor_, side_), bz(z, factor_, side_);
-    bool any = add(by.low, bz.low, by.weight_low * bz.weight_low);
-    any |= add(by.high, bz.low, by.weight_high * bz.weight_low);
-    any |= add(by.low, bz.high, by.weight_low * bz.weight_high);
-    any |= add(by.high, bz.high, by.weight_high * bz.weight_high);
-    if (!any) return false;
-    const int whole = 8 * factor_ * factor_ * factor_;
-    for (int x = 0; x < side_ * factor_; ++x) {
-      const Between bx(x, factor_, side_);
-      const auto l = static_cast<std::size_t>(bx.low), h = static_cast<std::size_t>(bx.high);
-      const int share = bx.weight_low * share_[l] + bx.weight_high * share_[h];
-      const int grade = bx.weight_low * grade_[l] + bx.weight_high * grade_[h];
-      out[x] = static_cast<std::uint8_t>(2 * share >= whole ? grade / share : 0);
+  /// False where the brick is all air.
+  bool brick(const Vec3i& coord, GradeBricks::Brick& out) const {
+    const Vec3i first = kSide * coord;
+    if (all_air_about(first)) return false;
+    bool any = false;
+    for (int z = 0; z < kSide; ++z) {
+      for (int y = 0; y < kSide; ++y) any |= row(first, y, z, &out[static_cast<std::size_t>(kSide * (y + kSide * z))]);
+    }
+    return any;
+  }
+
+ private:
+  static constexpr int kSide = GradeBricks::kSide;
+  /// Share of bone and weighted grade along a line of coarse voxels, as far as a row of a brick can reach.
+  struct Line {
+    std::array<int, kSide + 2> share{}, grade{};
+  };
+
+  [[nodiscard]] bool all_air_about(const Vec3i& first) const {
+    const auto clamped = [&](const Vec3i& voxel) -> Vec3i {
+      return voxel.cwiseMax(0).cwiseMin(Vec3i::Constant(side_ - 1));
+    };
+    const Vec3i low = BrickLattice::brick_of(clamped(first / factor_ - Vec3i::Ones()));
+    const Vec3i high = BrickLattice::brick_of(clamped((first + Vec3i::Constant(kSide)) / factor_ + Vec3i::Ones()));
+    for (int z = low.z(); z <= high.z(); ++z) {
+      for (int y = low.y(); y <= high.y(); ++y) {
+        for (int x = low.x(); x <= high.x(); ++x) {
+          if (coarse_.grade.brick({x, y, z}) != nullptr) return false;
+        }
+      }
     }
     return true;
   }
@@ -151,22 +142,9 @@ class Refinement {
 
 Voxmap refine(const Voxmap& coarse, int side) {
   Voxmap fine(grid_of(side));
-  std::mutex writing;
-  tbb::parallel_for(tbb::blocked_range<int>(0, fine.grade.brick_dims().z(), 1), [&](const auto& layers) {
-    Refinement refinement(coarse, side / coarse.grid.dims.x());
-    BrickLayer bricks(side);
-    for (int layer = layers.begin(); layer < layers.end(); ++layer) {
-      for (int z = 0; z < GradeBricks::kSide; ++z) {
-        for (int y = 0; y < side; ++y) {
-          std::uint8_t* row = bricks.row(y, z);
-          const bool outside = GradeBricks::kSide * layer + z >= side;
-          if (outside || !refinement.row(y, GradeBricks::kSide * layer + z, row)) std::fill_n(row, side, 0);
-        }
-      }
-      const std::lock_guard lock(writing);
-      bricks.put_into(fine, layer);
-    }
-  });
+  const Refinement refinement(coarse, side / coarse.grid.dims.x());
+  fine.grade = sample_bricks(
+      fine.grid.dims, [&](const Vec3i& coord, GradeBricks::Brick& brick) { return refinement.brick(coord, brick); });
   return fine;
 }
 
@@ -190,7 +168,11 @@ Voxmap merge(const Voxmap& fine, int side) {
   const int factor = fine.grid.dims.x() / side;
   for (int z = 0; z < side; ++z) {
     for (int y = 0; y < side; ++y) {
-      for (int x = 0; x < side; ++x) coarse.grade.set({x, y, z}, merged(fine, factor * Vec3i(x, y, z), factor));
+      for (int x = 0; x < side; ++x) {
+        if (const std::uint8_t grade = merged(fine, factor * Vec3i(x, y, z), factor); grade != 0) {
+          coarse.grade.set({x, y, z}, grade);
+        }
+      }
     }
   }
   return coarse;

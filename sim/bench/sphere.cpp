@@ -32,10 +32,10 @@ Voxmap block(double voxel_mm) {
   grid.origin_mm = {-extent.x() / 2 + 0.37 * voxel_mm, -extent.y() / 2 + 0.21 * voxel_mm, -extent.z()};
   Voxmap voxmap(grid);
   const std::uint8_t grade = DensityMapping::grade_from_density(1.8);
-  GradeBricks::Brick whole;
-  whole.fill(grade);
-  voxmap.grade = sample_bricks(grid.dims, [&](const Vec3i&, GradeBricks::Brick& brick) {
-    brick = whole;  // the sides are multiples of a brick's
+  GradeBricks::Brick brick;
+  brick.fill(grade);
+  voxmap.grade = sample_bricks(grid.dims, [&](const Vec3i&, GradeBricks::Brick& out) {
+    out = brick;
     return true;
   });
   voxmap.frame = "phantom";

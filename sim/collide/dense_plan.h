@@ -31,8 +31,6 @@ struct DensePlan {
   [[nodiscard]] DeviceBatch::RemovedList removed_list() const { return {1, removed, contacts, unreamed}; }
   [[nodiscard]] std::size_t bone_bytes() const;
   [[nodiscard]] std::size_t claim_bytes() const;
-  /// Collision flags, which belong to the voxels in the layout of Zheng et al.
-  [[nodiscard]] std::size_t flag_bytes() const { return layout == VoxelLayout::flagged_hu ? claim_bytes() : 0; }
   [[nodiscard]] std::size_t fill_bytes() const;
   [[nodiscard]] std::size_t shell_bytes() const;
   /// Bytes in all, and in the largest single allocation.

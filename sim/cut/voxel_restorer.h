@@ -28,7 +28,6 @@ class VoxelRestorer {
   void put(const std::vector<Entry>& entries, cl_mem values, cl::Kernel& kernel);
 
   const cl::Device& device_;
-  bool hu_;  ///< voxels are kept as HU
   cl::Program program_;
   cl::Kernel bytes_, halves_, words_;
 };

@@ -50,7 +50,6 @@ TEST(BenchScene, BoneLiesInItsBox) {
     const Voxmap bone = series.at(side);
     const Aabb box = series.box(side);
     for (std::int64_t e = 0; e < bone.grid.size(); ++e) {
-      if (bone.grade.get(bone.grid.coord(e)) == 0) continue;
       const Vec3i voxel = bone.grid.coord(e);
       if (bone.grade.get(voxel) == 0) continue;
       const Vec3 center = bone.grid.center_mm(voxel.x(), voxel.y(), voxel.z());
