@@ -90,16 +90,20 @@ std::vector<Contender*> all_of(const Field& field) {
 std::vector<std::vector<BatchSample>> take_turns(const std::vector<Contender*>& contenders,
                                                  const std::vector<Substep>& frames, int repetitions, bool use_voi,
                                                  const Watch& watch) {
+  constexpr int kRounds = 2;
   std::vector<std::vector<BatchSample>> samples(contenders.size());
-  for (int repetition = -1; repetition < repetitions; ++repetition) {
+  for (int round = 0; round < kRounds; ++round) {
+    const int timed = repetitions * (round + 1) / kRounds - repetitions * round / kRounds;
     for (const Substep& frame : frames) {
-      if (watch.stop()) throw Interrupted();
-      for (Contender* contender : contenders) contender->prepare(frame);
       for (std::size_t i = 0; i < contenders.size(); ++i) {
-        const BatchSample sample = contenders[i]->run({&frame, 1}, use_voi);
-        if (repetition >= 0) samples[i].push_back(sample);
+        if (watch.stop()) throw Interrupted();
+        for (int repetition = -1; repetition < timed; ++repetition) {
+          contenders[i]->prepare(frame);
+          const BatchSample sample = contenders[i]->run({&frame, 1}, use_voi);
+          if (repetition >= 0) samples[i].push_back(sample);
+          contenders[i]->restore();
+        }
       }
-      for (Contender* contender : contenders) contender->restore();
     }
   }
   return samples;

@@ -25,7 +25,8 @@ struct Field {
 /// to `skipped`. `whole`: with those that have no shell.
 Field make_field(const Plan& plan, const Arena& arena, const SizePair& size, bool whole, std::vector<Skipped>& skipped);
 
-/// Runs the frames one by one, each contender in turn, `repetitions` times after one that warms up; samples by
+/// Runs the frames one by one, each contender in turn, `repetitions` times in two rounds, each after one that warms up:
+/// a frame follows one at the same place, as in a run, where caches hold what the tool is about to touch. Samples by
 /// contender. Throws Interrupted.
 std::vector<std::vector<BatchSample>> take_turns(const std::vector<Contender*>& contenders,
                                                  const std::vector<Substep>& frames, int repetitions, bool use_voi,

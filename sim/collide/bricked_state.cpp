@@ -8,6 +8,7 @@
 #include <cstring>
 
 #include "sim/base/error.h"
+#include "sim/collide/dense_bone.h"
 
 namespace reamsim {
 
@@ -60,7 +61,7 @@ void occupy(const Vec3i& brick, const Vec3i& superbricks, std::vector<cl_uint>& 
 
 BrickPools plan_pools(const Voxmap& voxmap, bool wear, std::size_t largest_allocation) {
   BrickPools pools;
-  pools.fill = wear || voxmap.fill.stored_bricks() > 0;
+  pools.fill = wear || partly_filled(voxmap);
   pools.brick_bytes = sizeof(Brick) + (pools.fill ? kFillBytes : 0);
   pools.bricks = voxmap.grade.stored_bricks();
   pools.bits = 31;
@@ -110,12 +111,14 @@ std::size_t bricked_bytes(const Voxmap& voxmap, const Tool& tool, bool wear) {
   return bytes_of(plan_pools(voxmap, wear, SIZE_MAX), voxmap, tool.shell);
 }
 
-BrickedState make_bricked_state(const cl::Device& device, const Voxmap& voxmap, const Tool& tool, bool wear) {
-  const std::size_t largest = device.info().max_allocation_bytes;
+BrickedState make_bricked_state(const cl::Device& device, const Voxmap& voxmap, const Tool& tool, bool wear,
+                                std::size_t largest_pool) {
+  const std::size_t largest = std::min(device.info().max_allocation_bytes, largest_pool);
   BrickedState state;
   state.layout = plan_pools(voxmap, wear, largest);
   const std::size_t need = bytes_of(state.layout, voxmap, tool.shell);
-  const std::size_t pools_hold = state.layout.pools == 1 ? SIZE_MAX : kManyPools * largest;
+  const std::size_t pools_hold =
+      state.layout.pools == 1 ? SIZE_MAX : kManyPools * (state.layout.brick_bytes << state.layout.bits);
   const std::size_t have = std::min(device.info().global_memory_bytes, pools_hold);
   if (need > have) does_not_fit(device, voxmap, need, have);
 
@@ -153,11 +156,16 @@ BrickedState make_bricked_state(const cl::Device& device, const Voxmap& voxmap, 
 }
 
 void upload_bone(const cl::Device& device, BrickedState& state, const Voxmap& voxmap) {
+  const Vec3i bricks = voxmap.grade.brick_dims();
+  const bool same = bricks == Vec3i(state.bricks.s[0], state.bricks.s[1], state.bricks.s[2]) &&
+                    voxmap.grade.stored_bricks() == state.layout.bricks &&
+                    (state.layout.fill || !partly_filled(voxmap));
+  if (!same) throw RunError("this is not the bone that the engine was made for: its memory was planned for another");
   constexpr std::size_t kChunk = 4096;  // bricks written at once
   const std::size_t bytes = state.layout.brick_bytes;
   std::vector<cl_uchar> chunk(kChunk * bytes);
   std::vector<cl_uint> occupancy(state.occupancy.count(), 0);
-  const Vec3i superbricks = (voxmap.grade.brick_dims().array() + 3) / 4;
+  const Vec3i superbricks = (bricks.array() + 3) / 4;
   std::size_t slot = 0, first = 0;
   const auto flush = [&] {
     const std::size_t pool = first >> state.layout.bits, within = first & ((std::size_t{1} << state.layout.bits) - 1);

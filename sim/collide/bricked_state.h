@@ -47,9 +47,10 @@ struct BrickedState {
   void set_pools(cl::Kernel& kernel, cl_uint first_argument) const;
 };
 
-/// Uploads bone and tool. Throws InputError that says what would fit; memory is planned
-/// before it is taken.
-BrickedState make_bricked_state(const cl::Device& device, const Voxmap& voxmap, const Tool& tool, bool wear);
+/// Uploads bone and tool. No buffer of bricks takes more than `largest_pool` bytes, nor more than the device allocates
+/// in one piece. Throws InputError that says what would fit; memory is planned before it is taken.
+BrickedState make_bricked_state(const cl::Device& device, const Voxmap& voxmap, const Tool& tool, bool wear,
+                                std::size_t largest_pool = SIZE_MAX);
 
 /// Uploads the bone again, as `voxmap` has it. Its bricks must be those that the state was made with.
 void upload_bone(const cl::Device& device, BrickedState& state, const Voxmap& voxmap);

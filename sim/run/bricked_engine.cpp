@@ -40,12 +40,13 @@ BrickedOptions options_for(const cl::DeviceInfo& info, const EngineSettings& eng
 
 class BrickedEngine final : public Engine {
  public:
-  BrickedEngine(const cl::DeviceInfo& info, const Scenario& scenario, const Voxmap& voxmap, const Tool& tool)
+  BrickedEngine(const cl::DeviceInfo& info, const Scenario& scenario, const Voxmap& voxmap, const Tool& tool,
+                std::size_t largest_pool)
       : device_(info),
         bytes_(bricked_engine_bytes(scenario, voxmap, tool)),
         grid_(voxmap.grid),
         bricks_(voxmap.fill.brick_dims()),
-        state_(make_bricked_state(device_, voxmap, tool, wears(scenario))),
+        state_(make_bricked_state(device_, voxmap, tool, wears(scenario), largest_pool)),
         batch_(device_, removed_list(voxmap, tool)),
         detector_(device_, state_, batch_, options_for(info, scenario.engine)),
         erosion_(device_, state_, batch_, make_energy_table(scenario.cutting, voxmap.grid.voxel_mm),
@@ -113,8 +114,8 @@ class BrickedEngine final : public Engine {
 }  // namespace
 
 std::unique_ptr<Engine> make_bricked_engine(const cl::DeviceInfo& info, const Scenario& scenario, const Voxmap& voxmap,
-                                            const Tool& tool) {
-  return std::make_unique<BrickedEngine>(info, scenario, voxmap, tool);
+                                            const Tool& tool, std::size_t largest_pool) {
+  return std::make_unique<BrickedEngine>(info, scenario, voxmap, tool, largest_pool);
 }
 
 std::unique_ptr<Engine> make_bricked_engine(const Scenario& scenario, const Voxmap& voxmap, const Tool& tool) {

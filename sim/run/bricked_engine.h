@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 
 #include "sim/device/opencl.h"
@@ -8,9 +9,10 @@
 
 namespace reamsim {
 
-/// The default engine: `bricked` on `info`. Throws InputError when the bone does not fit.
+/// The default engine: `bricked` on `info`, no buffer of bricks larger than `largest_pool` bytes. Throws InputError when
+/// the bone does not fit.
 std::unique_ptr<Engine> make_bricked_engine(const cl::DeviceInfo& info, const Scenario& scenario, const Voxmap& voxmap,
-                                            const Tool& tool);
+                                            const Tool& tool, std::size_t largest_pool = SIZE_MAX);
 /// The same on the device that the scenario names.
 std::unique_ptr<Engine> make_bricked_engine(const Scenario& scenario, const Voxmap& voxmap, const Tool& tool);
 

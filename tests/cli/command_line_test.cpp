@@ -79,7 +79,7 @@ TEST_F(CommandLine, SetErrorsNameTheAssignment) {
 
 TEST_F(CommandLine, EngineIsOneOfTheDetectors) {
   expect_refused(run(kSmall, {"--engine", "fast"}), 2,
-                 {"engine.detector", "fast", "expected direct, octree or implicit"});
+                 {"engine.detector", "fast", "expected bricked, direct, octree or implicit"});
   expect_refused(run(kSmall, {"--engine", "implicit", "--set", "cutting.law=per_point"}), 2,
                  {"cutting.law", "per_point", "energy", "implicit"});
 }

@@ -37,8 +37,8 @@ std::string name_of(const testing::TestParamInfo<std::string>& tested) {
   return tested.param;
 }
 
-INSTANTIATE_TEST_SUITE_P(Detectors, DetectorAgreement, testing::Values("direct", "octree", "implicit"), name_of);
-INSTANTIATE_TEST_SUITE_P(Detectors, ShellAgreement, testing::Values("direct", "octree"), name_of);
+INSTANTIATE_TEST_SUITE_P(Detectors, DetectorAgreement, testing::ValuesIn(kDetectors), name_of);
+INSTANTIATE_TEST_SUITE_P(Detectors, ShellAgreement, testing::ValuesIn(kShellDetectors), name_of);
 
 TEST_P(DetectorAgreement, Remove) {
   EXPECT_GT(agreed([](ReamingScene&) {}).totals.removed_mm3, 5);

@@ -50,11 +50,27 @@ inline void expect_same(const Outcome& a, const Outcome& b) {
   EXPECT_EQ(a.fill, b.fill);
 }
 
+/// Detectors that have a shell, and the ways in which the kernels of `bricked` can run.
+inline const std::vector<std::string> kShellDetectors = {"direct",           "octree",      "bricked",
+                                                         "bricked_unculled", "bricked_gpu", "bricked_gpu_unculled"};
+inline const std::vector<std::string> kDetectors = [] {
+  std::vector<std::string> all = kShellDetectors;
+  all.emplace_back("implicit");
+  return all;
+}();
+
+/// A name of kDetectors as settings.
+inline void choose_detector(EngineSettings& engine, const std::string& name) {
+  engine.detector = name.substr(0, name.find('_'));
+  engine.kernel_shape = name.find("_gpu") != std::string::npos ? "gpu" : "auto";
+  engine.culling = name.find("_unculled") == std::string::npos;
+}
+
 /// A tilted tool that comes down askew through bone of every density.
-inline ReamingScene oblique_scene(const std::string& device, const std::string& detector = "direct") {
+inline ReamingScene oblique_scene(const std::string& device, const std::string& detector = "bricked") {
   ReamingScene scene;
   scene.scenario = quiet_scenario(device);
-  scene.scenario.engine.detector = detector;
+  choose_detector(scene.scenario.engine, detector);
   scene.bone.voxmap = random_bone({41, 37, 29}, 0.2, 7);
   scene.tool = make_tool(cap_profile(5, 6, 2.5, 0.6), 61);
   const Quat tilt(Eigen::AngleAxisd(0.4, Vec3(1, 2, 0.5).normalized()));

@@ -39,14 +39,17 @@ TEST_P(Restore, TakesTheBoneAsItIsThen) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Engines, Restore,
-                         testing::Combine(testing::Values("serial", "auto"),
-                                          testing::Values("direct", "octree", "implicit")),
+                         testing::Combine(testing::Values("serial", "auto"), testing::ValuesIn(kDetectors)),
                          [](const auto& tested) {
                            return std::get<0>(tested.param) + "_" + std::get<1>(tested.param);
                          });
 
-TEST(RestoreDense, RefusesBoneThatItsMemoryWasNotPlannedFor) {
-  const ReamingScene scene = oblique_scene("auto");
+class RestoreOnDevice : public testing::TestWithParam<std::string> {};
+INSTANTIATE_TEST_SUITE_P(Detectors, RestoreOnDevice, testing::Values("direct", "bricked"),
+                         [](const auto& tested) { return tested.param; });
+
+TEST_P(RestoreOnDevice, RefusesBoneThatItsMemoryWasNotPlannedFor) {
+  const ReamingScene scene = oblique_scene("auto", GetParam());
   const auto engine = make_engine(scene.scenario, scene.bone.voxmap, scene.tool);
   EXPECT_THROW(engine->restore(random_bone({41, 37, 28}, 0.2, 7)), RunError);
   Voxmap worn = scene.bone.voxmap;

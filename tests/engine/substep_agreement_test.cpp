@@ -29,8 +29,9 @@ Touched one_substep(Engine& engine, const SubstepArgs& args) {
   EXPECT_EQ(batch.sums.size(), 1U);
   EXPECT_EQ(batch.detect_s.size(), 1U);
   EXPECT_EQ(batch.cut_s.size(), 1U);
-  std::sort(batch.removed.begin(), batch.removed.end());
-  return {as_array(batch.sums.at(0)), batch.removed};
+  RemovedFrames removed = engine.take_removed();
+  std::sort(removed.begin(), removed.end());
+  return {as_array(batch.sums.at(0)), removed};
 }
 
 SubstepArgs args_at(const ReamingScene& scene, const Substep& substep, const Aabb& voi) {
@@ -58,7 +59,7 @@ std::vector<Touched> all_substeps(const ReamingScene& scene) {
 }
 
 class SubstepAgreement : public testing::TestWithParam<std::string> {};
-INSTANTIATE_TEST_SUITE_P(Detectors, SubstepAgreement, testing::Values("direct", "octree", "implicit"),
+INSTANTIATE_TEST_SUITE_P(Detectors, SubstepAgreement, testing::ValuesIn(kDetectors),
                          [](const auto& tested) { return tested.param; });
 
 TEST_P(SubstepAgreement, EverySubstepTouchesTheReferencesVoxels) {

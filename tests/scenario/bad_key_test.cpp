@@ -116,7 +116,7 @@ TEST_F(BadKey, WordsOutsideTheirList) {
   EXPECT_EQ(changed("source: phantom", "source: xray"),
             "s.yaml:3:11: bone.source: found the text \"xray\"; expected phantom, ct, mesh or vdb");
   EXPECT_EQ(complaint(kValid + "engine:\n  detector: fast\n"),
-            "s.yaml:17:13: engine.detector: found the text \"fast\"; expected direct, octree or implicit");
+            "s.yaml:17:13: engine.detector: found the text \"fast\"; expected bricked, direct, octree or implicit");
   EXPECT_EQ(complaint(kValid + "cutting:\n  erosion: exact\n"),
             "s.yaml:17:12: cutting.erosion: found the text \"exact\"; expected remove or wear");
   EXPECT_EQ(changed("enabled: false", "cameras: [oblique, top]"),

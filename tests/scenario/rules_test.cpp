@@ -104,7 +104,7 @@ TEST_F(Rules, ImplicitKnowsTheSweptSurfaceOnly) {
             "s.yaml:17:11: cutting.law: found per_point; expected energy, because engine.detector is implicit");
   EXPECT_EQ(complaint(with(kValid, "  mesh: tool.stl\n", "  mesh: tool.stl\n  spin: resolved\n") + implicit),
             "s.yaml:10:3: tool.spin: found resolved; expected envelope, because engine.detector is implicit");
-  for (const char* detector : {"direct", "octree"}) {
+  for (const char* detector : {"bricked", "direct", "octree"}) {
     EXPECT_EQ(complaint(kValid + "engine: {detector: " + detector + "}\ncutting: {law: per_point}\n"), "");
   }
 }

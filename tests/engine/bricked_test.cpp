@@ -1,0 +1,119 @@
+// What is particular to `bricked`: its memory plan, pools, cells and lists.
+#include <iostream>
+
+#include "sim/base/error.h"
+#include "sim/collide/bricked_state.h"
+#include "sim/run/bricked_engine.h"
+#include "sim/tool/morton.h"
+#include "tests/engine/outcome.h"
+
+namespace reamsim::test {
+namespace {
+
+TEST(Bricked, BricksInManyPoolsGiveTheSame) {
+  for (const char* shape : {"cpu", "gpu"}) {
+    for (const char* erosion : {"remove", "wear"}) {
+      SCOPED_TRACE(std::string(shape) + ", " + erosion);
+      ReamingScene scene = oblique_scene("auto");
+      scene.scenario.engine.kernel_shape = shape;
+      scene.scenario.cutting.erosion = erosion;
+      const Outcome one = run(scene);
+      EXPECT_GT(one.removed.size(), 100U);
+      // 120 bricks in pools of 8 or, with fill, of 8 larger ones.
+      const std::size_t largest = erosion == std::string("wear") ? 14'000 : 6'000;
+      const auto engine =
+          make_bricked_engine(cl::choose_device("auto"), scene.scenario, scene.bone.voxmap, scene.tool, largest);
+      expect_same(run_on(*engine, scene), one);
+      engine->restore(scene.bone.voxmap);
+      expect_same(run_on(*engine, scene), one);
+      EXPECT_THROW(make_bricked_engine(cl::choose_device("auto"), scene.scenario, scene.bone.voxmap, scene.tool, 700),
+                   InputError)
+          << "16 pools of a brick each do not hold 120";
+    }
+  }
+}
+
+TEST(Bricked, WhatDoesNotFitSaysWhatWould) {
+  cl::DeviceInfo info = cl::choose_device("auto");
+  info.global_memory_bytes = 50'000;
+  const ReamingScene scene = oblique_scene("auto");
+  try {
+    make_bricked_engine(info, scene.scenario, scene.bone.voxmap, scene.tool);
+    FAIL() << "it fits";
+  } catch (const InputError& error) {
+    const std::string text = error.what();
+    EXPECT_NE(text.find("bone.voxel_mm"), std::string::npos) << text;
+    EXPECT_NE(text.find("would fit"), std::string::npos) << text;
+  }
+}
+
+TEST(Bricked, MemoryFollowsTheBoneAndNotTheLattice) {
+  // A block in the corner of a lattice of 1024³: a dense array takes 1074 MB.
+  Voxmap voxmap(VoxelGrid{Vec3i::Constant(1024), 0.05, Vec3::Zero()});
+  for (int z = 0; z < 64; ++z)
+    for (int y = 0; y < 64; ++y)
+      for (int x = 0; x < 64; ++x) voxmap.grade.set({x, y, z}, 100);
+  const Tool tool = make_tool(cap_profile(5, 6, 2.5, 0.6), 61);
+  EXPECT_EQ(voxmap.grade.stored_bricks(), 512U);
+  EXPECT_LT(bricked_bytes(voxmap, tool, false), 12'000'000U);  // 8.4 MB of it the table that finds bricks
+}
+
+TEST(ShellCells, HoldEveryPointOnceWithinTheirBounds) {
+  const Tool tool = make_tool(cap_profile(5, 6, 2.5, 0.6), 150);
+  for (const int side : {1, 2, 8, 16, 32}) {
+    const ShellCells shell = make_shell_cells(tool.shell, side);
+    std::vector<std::uint64_t> codes;
+    for (const ShellCell& cell : shell.cells) {
+      EXPECT_EQ(cell.begin % 16, 0U);
+      for (rs_u32 i = cell.begin; i < cell.begin + cell.count; ++i) {
+        const int offset = shell.offsets[i];
+        const int at[3] = {offset & 31, offset >> 5 & 31, offset >> 10};
+        for (int axis = 0; axis < 3; ++axis) EXPECT_LE(at[axis], cell.span[axis]);
+        codes.push_back(morton_encode(static_cast<std::uint32_t>(cell.first[0] + at[0]),
+                                      static_cast<std::uint32_t>(cell.first[1] + at[1]),
+                                      static_cast<std::uint32_t>(cell.first[2] + at[2])));
+      }
+    }
+    EXPECT_EQ(codes, tool.shell.codes) << "side " << side;
+  }
+}
+
+TEST(ShellCells, ACellFitsTheWindowHoweverItIsTurned) {
+  for (const double ratio : {0.1, 0.4721, 0.9, 1.0, 1.7, 4.0, 16.0}) {
+    const int side = shell_cell_side(ratio);
+    if (side > 1) EXPECT_LE((side - 1) * ratio * std::sqrt(3.0), 28) << ratio;
+    EXPECT_TRUE(side == 32 || (2 * side - 1) * ratio * std::sqrt(3.0) > 28) << ratio << " could be larger";
+  }
+}
+
+TEST(ProfileTable, ListsGiveTheNormalsOfTheFullProfile) {
+  constexpr unsigned kSeed = 99;
+  std::cout << "seed " << kSeed << '\n';
+  std::mt19937 random(kSeed);
+  std::uniform_real_distribution<double> u(0, 1);
+  const Profile profile = cap_profile(29, 36, 9, 1.25);
+  for (const double voxel_mm : {0.05, 0.25, 1.0}) {
+    const ProfileTable full = full_profile_table(profile), table = make_profile_table(profile, voxel_mm);
+    EXPECT_LT(table.numbers.size(), 80 * table.lists.size());
+    const ProfileView all = full.view(), some = table.view();
+    for (int i = 0; i < 20000; ++i) {
+      // A point near the surface, and the brick about it that its list was found for.
+      const auto edge = static_cast<std::size_t>(random() % profile.points.size());
+      const Vec2 a = profile.points[edge], b = profile.points[(edge + 1) % profile.points.size()];
+      const Vec2 near = a + u(random) * (b - a) + 2 * voxel_mm * Vec2(u(random) - 0.5, u(random) - 0.5);
+      const double turn = 2 * M_PI * u(random), away = 6.06 * voxel_mm * u(random);
+      const Vec2 center = near + away * Vec2(std::cos(turn), std::sin(turn));
+      const auto r = static_cast<float>(std::abs(near.x())), z = static_cast<float>(near.y());
+      float expected_r, expected_z, found_r, found_z;
+      rs_profile_normal(&all, all.lists[0], r, z, &expected_r, &expected_z);
+      const EdgeList list =
+          rs_edges_near(&some, static_cast<float>(std::abs(center.x())), static_cast<float>(center.y()));
+      rs_profile_normal(&some, list, r, z, &found_r, &found_z);
+      ASSERT_EQ(found_r, expected_r) << near.transpose();
+      ASSERT_EQ(found_z, expected_z) << near.transpose();
+    }
+  }
+}
+
+}  // namespace
+}  // namespace reamsim::test
