@@ -117,10 +117,13 @@ BrickedState make_bricked_state(const cl::Device& device, const Voxmap& voxmap, 
   BrickedState state;
   state.layout = plan_pools(voxmap, wear, largest);
   const std::size_t need = bytes_of(state.layout, voxmap, tool.shell);
-  const std::size_t pools_hold =
-      state.layout.pools == 1 ? SIZE_MAX : kManyPools * (state.layout.brick_bytes << state.layout.bits);
-  const std::size_t have = std::min(device.info().global_memory_bytes, pools_hold);
-  if (need > have) does_not_fit(device, voxmap, need, have);
+  if (need > device.info().global_memory_bytes) {
+    does_not_fit(device, voxmap, need, device.info().global_memory_bytes);
+  }
+  if (state.layout.pools > 1 && state.layout.bricks > std::size_t{kManyPools} << state.layout.bits) {
+    does_not_fit(device, voxmap, state.layout.bricks * state.layout.brick_bytes,
+                 state.layout.brick_bytes * kManyPools << state.layout.bits);
+  }
 
   const Vec3i bricks = voxmap.grade.brick_dims();
   state.bricks = {{bricks.x(), bricks.y(), bricks.z(), 0}};

@@ -27,7 +27,9 @@ constexpr int kParts = 8;
 /// Room for the rounding of single precision in the kernels, mm.
 constexpr double kSlack_mm = 1e-3;
 
-ProfileEdge make_edge(const Vec2& a, const Vec2& b) {
+/// The edge between two vertices as the kernels have them, in single precision.
+ProfileEdge make_edge(const Vec2& exact_a, const Vec2& exact_b) {
+  const Vec2 a = exact_a.cast<float>().cast<double>(), b = exact_b.cast<float>().cast<double>();
   const Vec2 along = b - a;
   const double length = along.norm();
   const auto f = [](double value) { return static_cast<float>(value); };
@@ -98,7 +100,7 @@ ProfileTable full_profile_table(const Profile& profile) {
   for (std::size_t i = 0; i < profile.points.size(); ++i) {
     const Vec2 a = profile.points[i], b = profile.points[(i + 1) % profile.points.size()];
     const bool on_axis = a.x() == 0 && b.x() == 0;
-    if (a == b || on_axis) continue;
+    if (a.cast<float>() == b.cast<float>() || on_axis) continue;
     table.numbers.push_back(static_cast<rs_u16>(table.edges.size()));
     table.edges.push_back(make_edge(a, b));
   }
