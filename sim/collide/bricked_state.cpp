@@ -126,6 +126,7 @@ BrickedState make_bricked_state(const cl::Device& device, const Voxmap& voxmap, 
   }
 
   const Vec3i bricks = voxmap.grade.brick_dims();
+  state.grid = voxmap.grid;
   state.bricks = {{bricks.x(), bricks.y(), bricks.z(), 0}};
   std::vector<cl_int> slot_of_brick(BrickLattice::over(voxmap.grid.dims).count(), -1);
   std::vector<cl_uint> lattice_of_slot;
@@ -160,8 +161,7 @@ BrickedState make_bricked_state(const cl::Device& device, const Voxmap& voxmap, 
 
 void upload_bone(const cl::Device& device, BrickedState& state, const Voxmap& voxmap) {
   const Vec3i bricks = voxmap.grade.brick_dims();
-  const bool same = bricks == Vec3i(state.bricks.s[0], state.bricks.s[1], state.bricks.s[2]) &&
-                    voxmap.grade.stored_bricks() == state.layout.bricks &&
+  const bool same = voxmap.grid.dims == state.grid.dims && voxmap.grade.stored_bricks() == state.layout.bricks &&
                     (state.layout.fill || !partly_filled(voxmap));
   if (!same) throw RunError("this is not the bone that the engine was made for: its memory was planned for another");
   constexpr std::size_t kChunk = 4096;  // bricks written at once

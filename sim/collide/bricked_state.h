@@ -31,6 +31,7 @@ struct BrickPools {
 /// them still hold bone, and the shell's points in cells.
 struct BrickedState {
   BrickPools layout;
+  VoxelGrid grid;                           ///< of the voxmap
   cl_int4 bricks{};                         ///< of the lattice, along each axis
   std::vector<cl::Buffer<cl_uchar>> pools;  ///< `Brick` of kernels/shared.h
   cl::Buffer<cl_int> slot_of_brick;         ///< -1: no bone

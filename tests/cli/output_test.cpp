@@ -92,8 +92,8 @@ TEST_F(Output, NotWritable) {
 }
 
 TEST_F(Output, DiskFullAtOnce) {
-  // Less than the header of forces.csv; more than the message, which goes to a file too.
-  expect_refused(limited(kSmall, 280), 1, {"forces.csv", "cannot be written", "disk"});
+  // Less than the first file of the results; more than the message, which goes to a file too.
+  expect_refused(limited(kSmall, 280), 1, {"out.partial/", "cannot be written", "disk"});
 }
 
 TEST_F(Output, DiskFullLaterKeepsFinishedFrames) {

@@ -36,7 +36,8 @@ def simulate(program, scenario, out, settings, folder, oclgrind=None, kernels=No
     if oclgrind is None:
         return run([*command, "--device", "serial"], folder), ""
     # --uninitialized is of no use: oclgrind does not count clEnqueueFillBuffer as a write.
-    watch = [oclgrind, "--data-races", "--max-errors", "20", "--log", str(log)]
+    # Unoptimised: it does not know all that the optimiser makes of vectors and structs.
+    watch = [oclgrind, "--data-races", "--build-options", "-cl-opt-disable", "--max-errors", "20", "--log", str(log)]
     environment = {"REAMSIM_KERNEL_DIR": str(kernels)} if kernels else {}
     result = run([*watch, *command, "--device", DEVICE], folder, **environment)
     return result, log.read_text() if log.exists() else ""
