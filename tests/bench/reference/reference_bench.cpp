@@ -151,22 +151,29 @@ void measure(benchmark::State& state, Program& program, Contact contact, std::ve
   state.counters["voxels"] = static_cast<double>(sums.contacts);
 }
 
-double median(std::vector<double> values) {
+struct Spread {
+  double lowest = 0, median = 0;
+};
+
+Spread spread_of(std::vector<double> values) {
   std::sort(values.begin(), values.end());
-  return (values[(values.size() - 1) / 2] + values[values.size() / 2]) / 2;
+  return {values.front(), (values[(values.size() - 1) / 2] + values[values.size() / 2]) / 2};
 }
 
+/// The lowest are printed too, because other programs on the machine only ever add.
 void print_ratios(const Times& times) {
-  std::printf("\nMedians, ms a frame, and times what the C++ frame of an instruction set takes:\n");
+  std::printf("\nms a frame, median (lowest); x: how many times as long bricked takes\n");
   for (const Contact contact : bench::kContacts) {
     const std::string name = bench::name_of(contact);
-    const auto bricked = times.find({name, "bricked"});
-    if (bricked == times.end() || bricked->second.empty()) continue;
-    const double ms = median(bricked->second);
-    std::printf("%-8s bricked %8.3f", name.c_str(), ms);
+    const auto found = times.find({name, "bricked"});
+    if (found == times.end() || found->second.empty()) continue;
+    const Spread bricked = spread_of(found->second);
+    std::printf("%-7s bricked %.3f (%.3f)", name.c_str(), bricked.median, bricked.lowest);
     for (const auto& [key, values] : times) {
       if (key.first != name || key.second == "bricked" || values.empty()) continue;
-      std::printf("   %s %8.3f (%.2f)", key.second.c_str(), median(values), ms / median(values));
+      const Spread other = spread_of(values);
+      std::printf("   %s %.3f (%.3f) %.2fx (%.2fx)", key.second.c_str(), other.median, other.lowest,
+                  bricked.median / other.median, bricked.lowest / other.lowest);
     }
     std::printf("\n");
   }
