@@ -24,5 +24,6 @@ pkg_check_modules(PANGOCAIRO REQUIRED IMPORTED_TARGET pangocairo)
 
 if(REAMSIM_TESTS)
   find_package(GTest REQUIRED)
+  find_package(benchmark REQUIRED)
   include(GoogleTest)
 endif()

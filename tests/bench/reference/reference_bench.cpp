@@ -1,0 +1,225 @@
+// `bricked` against the same frame in C++ without OpenCL, at 1024³ × 1024³: severe contact, light contact, none. A
+// frame is broad phase, arguments, narrow phase, cut, and the sums read; the bone is put back after it, which is not
+// timed.
+//
+//   reference_bench [--benchmark_min_time=S] [--benchmark_filter=severe]
+//
+// Checks first that both compute the same to the last bit. Ends with medians and their ratio; status 1 where they
+// differ.
+#include <benchmark/benchmark.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <map>
+#include <thread>
+
+#include "sim/base/error.h"
+#include "sim/base/stopwatch.h"
+#include "sim/bench/poses.h"
+#include "sim/collide/broad_phase.h"
+#include "sim/run/engine.h"
+#include "tests/bench/reference/reference.h"
+
+namespace reamsim::reference {
+namespace {
+
+using bench::Contact;
+
+constexpr int kSide = 1024;
+/// Read before every frame, so that none finds its bone in the cores' own caches because of how it was put back.
+constexpr std::size_t kSweepBytes = 16 << 20;
+
+struct Arena {
+  bench::BoneSeries series{256};
+  Voxmap bone = series.at(kSide);
+  Tool tool = bench::cap_tool(kSide);
+  Aabb bone_box = series.box(kSide);
+  Aabb tool_box = bench::shell_box(tool);
+};
+
+/// One of the two programs.
+class Program {
+ public:
+  explicit Program(const Arena& arena) : arena_(arena) {}
+  virtual ~Program() = default;
+  virtual SubstepSums collide_and_cut(const SubstepArgs& args) = 0;
+  virtual std::vector<std::int64_t> take_removed() = 0;
+  virtual void restore() = 0;
+
+  SubstepSums frame(const Substep& substep) {
+    const auto voi = broad_phase(arena_.tool_box, arena_.bone_box, substep.pose.bone_from_tool().inverse());
+    if (!voi) return {};
+    return collide_and_cut(
+        make_args(substep, *voi, arena_.tool.shell, arena_.bone.grid, bench::bench_cutting(), false));
+  }
+
+ protected:
+  const Arena& arena_;
+};
+
+class CppProgram final : public Program {
+ public:
+  CppProgram(const Arena& arena, Target target)
+      : Program(arena),
+        reference_(arena.bone, arena.tool, bench::bench_cutting(), target, std::thread::hardware_concurrency()) {}
+  SubstepSums collide_and_cut(const SubstepArgs& args) override { return reference_.run(args); }
+  std::vector<std::int64_t> take_removed() override { return reference_.removed_voxels(); }
+  void restore() override { reference_.restore(); }
+
+ private:
+  Reference reference_;
+};
+
+class BrickedProgram final : public Program {
+ public:
+  explicit BrickedProgram(const Arena& arena)
+      : Program(arena), engine_(make_engine(settings(), arena.bone, arena.tool)) {}
+  SubstepSums collide_and_cut(const SubstepArgs& args) override {
+    const int slot = engine_->begin(args);
+    engine_->detector().detect(slot);
+    engine_->erosion().cut(slot);
+    return engine_->collect().sums.front();
+  }
+  std::vector<std::int64_t> take_removed() override {
+    removed_ = engine_->take_removed();
+    std::vector<std::int64_t> out;
+    for (const auto& [voxel, frame] : removed_) out.push_back(voxel);
+    std::sort(out.begin(), out.end());
+    return out;
+  }
+  void restore() override {
+    const RemovedFrames late = engine_->take_removed();  // empty after take_removed()
+    engine_->restore_voxels(arena_.bone, late.empty() ? removed_ : late);
+    removed_.clear();
+  }
+  [[nodiscard]] std::string device() const { return engine_->device(); }
+
+ private:
+  static Scenario settings() {
+    Scenario scenario;
+    scenario.name = "reference";
+    scenario.engine.detector = "bricked";
+    scenario.cutting = bench::bench_cutting();
+    return scenario;
+  }
+
+  std::unique_ptr<Engine> engine_;
+  RemovedFrames removed_;
+};
+
+/// Throws RunError where two programs do not give the same sums and take the same voxels.
+void check_agreement(Program& expected, Program& program, const std::string& name) {
+  for (const Contact contact : bench::kContacts) {
+    for (const Substep& substep : bench::substeps_of(contact)) {
+      const SubstepSums a = expected.frame(substep), b = program.frame(substep);
+      const bool same = std::memcmp(&a, &b, sizeof a) == 0 && expected.take_removed() == program.take_removed();
+      expected.restore();
+      program.restore();
+      if (!same) throw RunError(name + " differs from bricked in case " + bench::name_of(contact));
+    }
+  }
+}
+
+void sweep_caches() {
+  static std::vector<std::uint64_t> memory(kSweepBytes / sizeof(std::uint64_t), 1);
+  std::uint64_t sum = 0;
+  for (const std::uint64_t word : memory) sum += word;
+  benchmark::DoNotOptimize(sum);
+}
+
+/// Milliseconds a frame, by case and program.
+using Times = std::map<std::pair<std::string, std::string>, std::vector<double>>;
+
+/// An iteration is a frame on each approach; its time is their mean.
+void measure(benchmark::State& state, Program& program, Contact contact, std::vector<double>& times) {
+  const std::vector<Substep> substeps = bench::substeps_of(contact);
+  SubstepSums sums{};
+  for (auto _ : state) {
+    double seconds = 0;
+    for (const Substep& substep : substeps) {
+      sweep_caches();
+      const Stopwatch watch;
+      sums = program.frame(substep);
+      seconds += watch.seconds() / static_cast<double>(substeps.size());
+      program.restore();
+    }
+    state.SetIterationTime(seconds);
+    times.push_back(1e3 * seconds);
+  }
+  state.counters["voxels"] = static_cast<double>(sums.contacts);
+}
+
+struct Spread {
+  double lowest = 0, median = 0;
+};
+
+Spread spread_of(std::vector<double> values) {
+  std::sort(values.begin(), values.end());
+  return {values.front(), (values[(values.size() - 1) / 2] + values[values.size() / 2]) / 2};
+}
+
+/// The lowest are printed too, because other programs on the machine only ever add.
+void print_ratios(const Times& times) {
+  std::printf("\nms a frame, median (lowest); x: how many times as long bricked takes\n");
+  for (const Contact contact : bench::kContacts) {
+    const std::string name = bench::name_of(contact);
+    const auto found = times.find({name, "bricked"});
+    if (found == times.end() || found->second.empty()) continue;
+    const Spread bricked = spread_of(found->second);
+    std::printf("%-7s bricked %.3f (%.3f)", name.c_str(), bricked.median, bricked.lowest);
+    for (const auto& [key, values] : times) {
+      if (key.first != name || key.second == "bricked" || values.empty()) continue;
+      const Spread other = spread_of(values);
+      std::printf("   %s %.3f (%.3f) %.2fx (%.2fx)", key.second.c_str(), other.median, other.lowest,
+                  bricked.median / other.median, bricked.lowest / other.lowest);
+    }
+    std::printf("\n");
+  }
+}
+
+int run() {
+  const Arena arena;
+  BrickedProgram bricked(arena);
+  std::printf("bricked on %s; C++ on %u threads\n", bricked.device().c_str(), std::thread::hardware_concurrency());
+  std::vector<std::pair<std::string, std::unique_ptr<Program>>> programs;
+  for (const Target target : usable_targets()) {
+    programs.emplace_back(name_of(target), std::make_unique<CppProgram>(arena, target));
+    check_agreement(bricked, *programs.back().second, programs.back().first);
+  }
+  std::printf("sums and voxels agree to the last bit in every case\n");
+  Times times;
+  const auto enter = [&](const std::string& name, Program& program, Contact contact) {
+    const std::string label = bench::name_of(contact);
+    auto& into = times[{label, name}];
+    benchmark::RegisterBenchmark(
+        (label + "/" + name).c_str(),
+        [&program, contact, &into](benchmark::State& state) { measure(state, program, contact, into); })
+        ->UseManualTime()
+        ->Unit(benchmark::kMillisecond);
+  };
+  for (const Contact contact : bench::kContacts) {
+    for (const auto& [name, program] : programs) enter(name, *program, contact);
+    enter("bricked", bricked, contact);
+  }
+  benchmark::RunSpecifiedBenchmarks();
+  print_ratios(times);
+  return 0;
+}
+
+}  // namespace
+}  // namespace reamsim::reference
+
+int main(int argc, char** argv) {
+  // As the program itself does, before OpenCL loads.
+  setenv("POCL_AFFINITY", "1", 0);
+  benchmark::Initialize(&argc, argv);
+  if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;
+  try {
+    return reamsim::reference::run();
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "reference_bench: error: %s\n", error.what());
+    return 1;
+  }
+}
