@@ -73,6 +73,14 @@ Placement lattice_from_voxels(const openvdb::FloatGrid& grid, const openvdb::Coo
   return out;
 }
 
+/// The most that bricks with bone can take of a lattice of `voxels`: a leaf may lie across eight bricks.
+double bone_share(const openvdb::FloatGrid& density, double voxels) {
+  constexpr double kAcross = 8;
+  const double in_leaves = static_cast<double>(density.tree().leafCount()) * GradeBricks::kVoxels;
+  const double in_tiles = static_cast<double>(density.activeVoxelCount());
+  return std::min(1.0, (kAcross * in_leaves + in_tiles) / voxels);
+}
+
 /// Checked before anything of its size is allocated.
 Placement checked_placement(const std::string& path, const openvdb::FloatGrid& density) {
   const double voxel_mm = checked_voxel(path, density);
@@ -80,12 +88,13 @@ Placement checked_placement(const std::string& path, const openvdb::FloatGrid& d
   if (active.empty()) fail(path, "a grid \"density\" without active voxels", "expected bone");
   Eigen::Array3d dims;
   for (int axis = 0; axis < 3; ++axis) dims[axis] = 1.0 + active.max()[axis] - 1.0 * active.min()[axis];
-  check_lattice(path, dims, voxel_mm);
+  check_lattice(path, dims, voxel_mm, {.bone_share = bone_share(density, dims.prod())});
 
   const std::optional<Placement> written = lattice_from_metadata(density);
   if (!written) return lattice_from_voxels(density, active, voxel_mm);
   const VoxelGrid& lattice = written->lattice;
-  check_lattice(path, lattice.dims.cast<double>().array(), voxel_mm);
+  const Eigen::Array3d size = lattice.dims.cast<double>().array();
+  check_lattice(path, size, voxel_mm, {.bone_share = bone_share(density, size.prod())});
   const openvdb::Vec3d corner = density.indexToWorld(openvdb::Vec3d(-0.5));
   const double shift_mm = (lattice.origin_mm - Vec3(corner.x(), corner.y(), corner.z())).norm();
   const openvdb::CoordBBox whole({0, 0, 0}, {lattice.dims.x() - 1, lattice.dims.y() - 1, lattice.dims.z() - 1});

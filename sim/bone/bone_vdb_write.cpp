@@ -1,6 +1,6 @@
 #include <openvdb/openvdb.h>
 
-#include <functional>
+#include <memory>
 
 #include "sim/base/error.h"
 #include "sim/bone/bone_vdb.h"
@@ -16,25 +16,37 @@ using Leaf = openvdb::FloatTree::LeafNodeType;
 constexpr int kSide = GradeBricks::kSide;
 static_assert(Leaf::DIM == kSide);
 
-/// The value of a voxel with bone: (grade, fill).
-using VoxelValue = std::function<float(std::uint8_t, std::uint16_t)>;
+openvdb::Coord coord_of(const Vec3i& voxel) {
+  return {voxel.x(), voxel.y(), voxel.z()};
+}
 
-/// A fog volume whose active voxels are those with grade ≠ 0. Bricks and leaves are the same blocks.
-openvdb::FloatGrid::Ptr fog(const Voxmap& voxmap, const VoxelValue& value) {
+/// Puts a leaf in its place; as a tile where it has one value throughout, as in most of a bone's inside.
+void put(std::unique_ptr<Leaf> leaf, openvdb::FloatTree& tree) {
+  float all = 0;
+  bool active = false;
+  if (leaf->isConstant(all, active)) {
+    tree.addTile(1, leaf->origin(), all, active);
+  } else {
+    tree.addLeaf(leaf.release());
+  }
+}
+
+/// A fog volume whose active voxels are those with grade ≠ 0, `value(grade, fill)` each. Bricks and leaves are the same
+/// blocks.
+template <class Value>
+openvdb::FloatGrid::Ptr fog(const Voxmap& voxmap, const Value& value) {
   auto grid = openvdb::FloatGrid::create(0.0F);
   grid->setGridClass(openvdb::GRID_FOG_VOLUME);
   voxmap.grade.for_each_brick([&](const Vec3i& coord, const GradeBricks::Brick& grades) {
     const FillBricks::Brick* fill = voxmap.fill.brick(coord);
-    const Vec3i first = kSide * coord;
-    auto leaf = std::make_unique<Leaf>(openvdb::Coord(first.x(), first.y(), first.z()), 0.0F, false);
+    auto leaf = std::make_unique<Leaf>(coord_of(kSide * coord), 0.0F, false);
     for (int offset = 0; offset < GradeBricks::kVoxels; ++offset) {
       const auto at = static_cast<std::size_t>(offset);
       if (grades[at] == 0) continue;
-      const Vec3i voxel = BrickLattice::voxel_at(coord, offset);
-      leaf->setValueOn(Leaf::coordToOffset({voxel.x(), voxel.y(), voxel.z()}),
+      leaf->setValueOn(Leaf::coordToOffset(coord_of(BrickLattice::voxel_at(Vec3i::Zero(), offset))),
                        value(grades[at], fill == nullptr ? FillBricks::kWhole : (*fill)[at]));
     }
-    grid->tree().addLeaf(leaf.release());
+    put(std::move(leaf), grid->tree());
   });
   return grid;
 }
@@ -53,8 +65,7 @@ openvdb::FloatGrid::Ptr removed_grid(const Voxmap& voxmap, const RemovedFrames& 
   auto grid = openvdb::FloatGrid::create(-1.0F);
   auto write = grid->getAccessor();
   for (const auto& [index, frame] : removed) {
-    const Vec3i voxel = voxmap.grid.coord(index);
-    write.setValueOn({voxel.x(), voxel.y(), voxel.z()}, static_cast<float>(frame));
+    write.setValueOn(coord_of(voxmap.grid.coord(index)), static_cast<float>(frame));
   }
   return grid;
 }
@@ -100,6 +111,7 @@ void write_bone_vdb(const std::string& path, const Voxmap& voxmap, const Removed
   openvdb::initialize();
   try {
     const openvdb::MetaMap common = bone_metadata(voxmap, metadata);
+    const auto surface = surface_level_set(voxmap);  // first: it needs the most memory on the way
     openvdb::GridCPtrVec grids;
     const auto add = [&](const openvdb::FloatGrid::Ptr& grid, const char* name, const char* unit) {
       label(*grid, name, unit, common, voxmap);
@@ -107,7 +119,7 @@ void write_bone_vdb(const std::string& path, const Voxmap& voxmap, const Removed
     };
     add(density_grid(voxmap), vdb_keys::kDensity, "g/cm^3");
     add(fill_grid(voxmap), vdb_keys::kFill, "1");
-    add(surface_level_set(voxmap), vdb_keys::kSurface, "mm");
+    add(surface, vdb_keys::kSurface, "mm");
     add(removed_grid(voxmap, removed), vdb_keys::kRemovedFrame, "frame index");
     write_vdb_file(path, grids, common);
   } catch (const std::bad_alloc&) {

@@ -58,7 +58,9 @@ Voxmap fit_to_bone(const Voxmap& voxmap, int margin_voxels) {
   const Vec3i shift = extent.first - Vec3i::Constant(margin_voxels);
   const Vec3i needed = extent.last - extent.first + Vec3i::Constant(1 + 2 * margin_voxels);
   const Vec3i dims = (needed.array() + (FillBricks::kSide - 1)) / FillBricks::kSide * FillBricks::kSide;
-  check_lattice("bone", dims.cast<double>().array(), voxmap.grid.voxel_mm);
+  const double most_voxels = 2.0 * GradeBricks::kVoxels * static_cast<double>(voxmap.grade.stored_bricks());
+  const Eigen::Array3d size = dims.cast<double>().array();
+  check_lattice("bone", size, voxmap.grid.voxel_mm, {.bone_share = most_voxels / size.prod()});
 
   const VoxelGrid& from = voxmap.grid;
   Voxmap out;

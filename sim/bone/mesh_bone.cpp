@@ -1,6 +1,7 @@
 #include <openvdb/openvdb.h>
 #include <openvdb/tools/MeshToVolume.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 
@@ -18,6 +19,8 @@ namespace reamsim {
 namespace {
 
 constexpr int kMarginVoxels = 4;
+/// Measured: grades, the distance field (a float, the index of the nearest triangle) and their copies on the way.
+constexpr double kBytesPerVoxel = 13;
 /// A voxelised volume further from the mesh's own than this was flooded, or fills what should be hollow.
 constexpr double kMaxVolumeError = 0.1;
 
@@ -137,6 +140,21 @@ TriangleMesh checked_mesh(const MeshBoneSettings& settings, Report& report) {
   return mesh;
 }
 
+/// The most that bricks with bone can take of the mesh's box: its volume, and the bricks that the surface passes. A
+/// surface of area A passes at most √3·A/b² bricks of side b, and a few more where its triangles meet.
+double bone_share(const TriangleMesh& mesh, double voxel_mm) {
+  constexpr double kPassed = 2;
+  double area_mm2 = 0;
+  for (const auto& [a, b, c] : mesh.triangles) {
+    const Vec3& corner = mesh.vertices[static_cast<std::size_t>(a)];
+    const Vec3 along = mesh.vertices[static_cast<std::size_t>(b)] - corner;
+    area_mm2 += 0.5 * along.cross(mesh.vertices[static_cast<std::size_t>(c)] - corner).norm();
+  }
+  const double brick_mm = GradeBricks::kSide * voxel_mm;
+  const double box_mm3 = mesh.bounds().half().prod() * 8;
+  return std::min(1.0, (std::abs(mesh.volume_mm3()) + kPassed * area_mm2 * brick_mm) / box_mm3);
+}
+
 /// Compares the voxels with the mesh: a leak empties them, a wrong side fills too much.
 void check_volume(const MeshBoneSettings& settings, double voxels_mm3, double mesh_mm3, Report& report) {
   const double error = std::abs(voxels_mm3 - mesh_mm3) / mesh_mm3;
@@ -155,7 +173,8 @@ void check_volume(const MeshBoneSettings& settings, double voxels_mm3, double me
 Voxmap voxmap_from_mesh(const BoneSettings& settings, Report& report) {
   const MeshBoneSettings& bone = settings.mesh;
   const TriangleMesh mesh = checked_mesh(bone, report);
-  const VoxelGrid grid = lattice_around(bone.path, mesh.bounds(), settings.voxel_mm, kMarginVoxels);
+  const VoxelGrid grid = lattice_around(bone.path, mesh.bounds(), settings.voxel_mm, kMarginVoxels,
+                                        {bone_share(mesh, settings.voxel_mm), kBytesPerVoxel});
   const double cortical_voxels = bone.cortical_mm / settings.voxel_mm;
   const auto distance = signed_distance(bone.path, mesh, grid, cortical_voxels + 2);
 

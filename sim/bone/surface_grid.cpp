@@ -84,12 +84,18 @@ openvdb::Coord leaf_corner(const Vec3i& brick) {
   return {kSide * brick.x(), kSide * brick.y(), kSide * brick.z()};
 }
 
-/// The leaf of one brick; none where the brick and its surroundings are air.
-std::unique_ptr<Leaf> smoothed_leaf(const Voxmap& voxmap, const Vec3i& brick) {
+/// The smoothed occupancy of one brick: a leaf, or one value all over, 0 or 1. No surface passes between a brick of one
+/// value and its neighbours: where their voxels meet, the smoothed occupancy lies less than a half from that value.
+struct SmoothedBrick {
+  float all = 0;
+  std::unique_ptr<Leaf> leaf;
+};
+
+SmoothedBrick smoothed_brick(const Voxmap& voxmap, const Vec3i& brick) {
   const PaddedBrick padded(voxmap, brick);
-  if (padded.empty()) return nullptr;
-  auto leaf = std::make_unique<Leaf>(leaf_corner(brick), 1.0F, true);
-  if (padded.whole()) return leaf;
+  if (padded.empty()) return {};
+  if (padded.whole()) return {1.0F, nullptr};
+  auto leaf = std::make_unique<Leaf>(leaf_corner(brick), 0.0F, true);
   for (int x = 0; x < kSide; ++x) {
     for (int y = 0; y < kSide; ++y) {
       for (int z = 0; z < kSide; ++z) {
@@ -97,7 +103,7 @@ std::unique_ptr<Leaf> smoothed_leaf(const Voxmap& voxmap, const Vec3i& brick) {
       }
     }
   }
-  return leaf;
+  return {0, std::move(leaf)};
 }
 
 openvdb::FloatGrid::Ptr smoothed_occupancy(const Voxmap& voxmap) {
@@ -105,14 +111,19 @@ openvdb::FloatGrid::Ptr smoothed_occupancy(const Voxmap& voxmap) {
   const std::vector<Vec3i> bricks = voxmap.grade.coords_around();
   auto grid = openvdb::FloatGrid::create(0.0F);
   grid->setTransform(index_transform(voxmap.grid));
-  std::vector<std::unique_ptr<Leaf>> leaves(std::min(kAtOnce, bricks.size()));
+  std::vector<SmoothedBrick> smoothed(std::min(kAtOnce, bricks.size()));
   for (std::size_t first = 0; first < bricks.size(); first += kAtOnce) {
     const std::size_t count = std::min(kAtOnce, bricks.size() - first);
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count), [&](const tbb::blocked_range<std::size_t>& range) {
-      for (std::size_t i = range.begin(); i < range.end(); ++i) leaves[i] = smoothed_leaf(voxmap, bricks[first + i]);
+      for (std::size_t i = range.begin(); i < range.end(); ++i) smoothed[i] = smoothed_brick(voxmap, bricks[first + i]);
     });
     for (std::size_t i = 0; i < count; ++i) {
-      if (leaves[i]) grid->tree().addLeaf(leaves[i].release());
+      if (smoothed[i].leaf) {
+        grid->tree().addLeaf(smoothed[i].leaf.release());
+      } else if (smoothed[i].all != 0) {
+        // Not active: only the leaves are searched for the surface.
+        grid->tree().addTile(1, leaf_corner(bricks[first + i]), smoothed[i].all, false);
+      }
     }
   }
   return grid;

@@ -93,11 +93,15 @@ void write_vti(const std::string& path, const Voxmap& voxmap) {
     out.write(reinterpret_cast<const char*>(items.data()),
               static_cast<std::streamsize>(items.size() * sizeof items[0]));
   };
+  const std::vector<float> air(kBlockVoxels, 0.0F);
+  const std::vector<unsigned char> deflated_air = deflated(air);  // most blocks of a fine lattice
   out << header(voxmap.grid);
   const auto table = out.tellp();
   put(sizes);
   for (std::size_t b = 0; b < blocks; ++b) {
-    const auto block = deflated(density_block(voxmap, b * kBlockVoxels, std::min(voxels, (b + 1) * kBlockVoxels)));
+    const auto values = density_block(voxmap, b * kBlockVoxels, std::min(voxels, (b + 1) * kBlockVoxels));
+    const bool all_air = values.size() == kBlockVoxels && values == air;
+    const auto block = all_air ? deflated_air : deflated(values);
     sizes[3 + b] = block.size();
     put(block);
   }

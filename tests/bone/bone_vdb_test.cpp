@@ -164,6 +164,51 @@ TEST_F(BoneVdb, SurfaceFollowsTheFill) {
   EXPECT_NEAR(whole_mm3 - volume(), 0.75 * 0.5 * 144, 0.2 * 0.75 * 0.5 * 144);
 }
 
+TEST_F(BoneVdb, UniformBricksAreTiles) {
+  Voxmap bone(VoxelGrid{{40, 24, 24}, 0.5, Vec3::Zero()});
+  for (int z = 0; z < 24; ++z) {
+    for (int y = 0; y < 24; ++y) {
+      for (int x = 0; x < 36; ++x) bone.grade.set({x, y, z}, static_cast<std::uint8_t>(x < 20 ? 200 : 90));
+    }
+  }
+  bone.fill.set({9, 9, 9}, 1000);
+  write_bone_vdb(path(), bone, {}, {});
+  auto grids = grids_of(path());
+  const auto density = openvdb::gridPtrCast<openvdb::FloatGrid>(grids["density"]);
+  const auto fill = openvdb::gridPtrCast<openvdb::FloatGrid>(grids["fill"]);
+  // Of five layers of 3×3 bricks one holds two grades, and the last is half full.
+  EXPECT_EQ(density->tree().leafCount(), 18U);
+  EXPECT_EQ(density->tree().activeTileCount(), 27U);
+  EXPECT_EQ(fill->tree().leafCount(), 10U);
+  EXPECT_EQ(fill->tree().activeTileCount(), 35U);
+  for (const auto& grid : {density, fill}) {
+    EXPECT_EQ(grid->activeVoxelCount(), static_cast<openvdb::Index64>(bone.count_bone()));
+    EXPECT_EQ(grid->tree().getValue({36, 0, 0}), 0.0F);
+  }
+  expect_same(bone, read_bone_vdb(path()));
+}
+
+TEST_F(BoneVdb, SurfaceDoesNotDependOnWhereTheBricksLie) {
+  // A cube of ten voxels: with its corner at 7 it wraps a whole brick, the nearest that such a brick comes to a
+  // surface; elsewhere no brick is whole.
+  const auto surface_at = [this](int corner) {
+    Voxmap bone(VoxelGrid{{32, 32, 32}, 1, Vec3::Zero()});
+    for (int z = 0; z < 10; ++z) {
+      for (int y = 0; y < 10; ++y) {
+        for (int x = 0; x < 10; ++x) bone.grade.set({corner + x, corner + y, corner + z}, 100);
+      }
+    }
+    write_bone_vdb(path(), bone, {}, {});
+    return openvdb::gridPtrCast<openvdb::FloatGrid>(grids_of(path())["surface"]);
+  };
+  const auto whole = surface_at(7);
+  const auto parted = surface_at(12);
+  EXPECT_EQ(whole->activeVoxelCount(), parted->activeVoxelCount());
+  for (auto value = whole->cbeginValueOn(); value; ++value) {
+    EXPECT_NEAR(*value, parted->tree().getValue(value.getCoord().offsetBy(5)), 1e-4) << value.getCoord();
+  }
+}
+
 TEST_F(BoneVdb, NothingLeftIsAnEmptySurface) {
   Voxmap bone(VoxelGrid{{8, 8, 8}, 1, Vec3::Zero()});
   bone.grade.set({0, 0, 0}, 100);

@@ -1,11 +1,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 
 #include <cstdlib>
 #include <filesystem>
 #include <numbers>
 
 #include "bone_fixture.h"
+#include "sim/bone/bone_vdb.h"
 #include "sim/mesh/mesh_io.h"
 #include "tests/support/mesh_shapes.h"
 #include "tests/support/temp_dir.h"
@@ -132,12 +134,52 @@ TEST_F(MeshBone, SmallerThanAVoxel) {
   EXPECT_THAT(input_error([&] { voxmap_from_mesh(settings, report_); }), HasSubstr("no voxel"));
 }
 
+/// The most memory that the process has held, bytes.
+std::int64_t peak_bytes() {
+  struct rusage usage {};
+  getrusage(RUSAGE_SELF, &usage);
+  return std::int64_t{1024} * usage.ru_maxrss;
+}
+
 TEST_F(MeshBone, LatticeThatCannotFit) {
   BoneSettings settings = settings_for(box_mesh({0, 0, 0}, {100, 100, 100}), 0.001);
+  const std::int64_t before = peak_bytes();
   EXPECT_THAT(input_error([&] { voxmap_from_mesh(settings, report_); }), HasSubstr("would fit"));
   settings.mesh.scale = 1e30;
   settings.voxel_mm = 0.5;
   EXPECT_THAT(input_error([&] { voxmap_from_mesh(settings, report_); }), HasSubstr("would fit"));
+  EXPECT_LT(peak_bytes() - before, 16'000'000) << "refused before anything is taken";
+}
+
+/// A bar from corner to corner of a cube, as wide as its side, along a diagonal of space.
+TriangleMesh diagonal_bar(double cube_mm, double side_mm) {
+  TriangleMesh bar = box_mesh({-side_mm / 2, -side_mm / 2, 0}, {side_mm / 2, side_mm / 2, std::sqrt(3.0) * cube_mm});
+  const Eigen::Matrix3d turn = Eigen::Quaterniond::FromTwoVectors(Vec3::UnitZ(), Vec3::Ones()).toRotationMatrix();
+  for (Vec3& vertex : bar.vertices) vertex = turn * vertex;
+  return bar;
+}
+
+TEST_F(MeshBone, AThinBoneIn2048CubedCostsWhatItHolds) {
+  const BoneSettings settings = settings_for(diagonal_bar(204, 2), 0.1);
+  const std::int64_t before = peak_bytes();
+  const Bone bone = load_bone(settings, report_);
+  const Voxmap& voxmap = bone.voxmap;
+  EXPECT_GE(voxmap.grid.dims.minCoeff(), 2048);
+  const double truth_mm3 = 204 * std::sqrt(3.0) * 4;
+  EXPECT_NEAR(voxmap.bone_mm3(), truth_mm3, 0.01 * truth_mm3);
+
+  // No stored brick lies further from the bar than its own diagonal, 1.4 mm.
+  const auto most_bricks = static_cast<std::size_t>((204 * std::sqrt(3.0) + 2.8) * 4.8 * 4.8 / (0.8 * 0.8 * 0.8));
+  EXPECT_LT(voxmap.grade.stored_bricks(), most_bricks);
+  const std::size_t table_bytes = sizeof(std::int32_t) * BrickLattice::over(voxmap.grid.dims).count();
+  EXPECT_EQ(voxmap.grade.bytes(), table_bytes + 512 * voxmap.grade.stored_bricks());
+  EXPECT_EQ(voxmap.fill.bytes(), table_bytes);
+
+  write_bone_vdb(dir_.path() + "/bar.vdb", voxmap, {}, {});
+  EXPECT_LT(std::filesystem::file_size(dir_.path() + "/bar.vdb"), 8192 * voxmap.grade.stored_bricks());
+  EXPECT_TRUE(read_bone_vdb(dir_.path() + "/bar.vdb").grade == voxmap.grade);
+  // Eight bytes a voxel of the stored bricks, and the tables three times, against 8.6 GB of dense grades.
+  EXPECT_LT(peak_bytes() - before, 900'000'000);
 }
 
 TEST_F(MeshBone, TheAdvisedVoxelSizeFits) {
