@@ -11,7 +11,7 @@ void ScenarioOptions::add_to(CLI::App& command) {
       ->expected(1)
       ->take_all();
   command.add_option("--device", device, "auto, serial, or part of an OpenCL device's name")->type_name("NAME");
-  command.add_option("--engine", engine, "Detector: direct")->type_name("E");
+  command.add_option("--engine", engine, "Detector: bricked, direct, octree or implicit")->type_name("E");
 }
 
 std::vector<std::string> ScenarioOptions::all_overrides() const {

@@ -48,6 +48,8 @@ DeviceInfo describe(cl_platform_id platform, cl_device_id id) {
   info.max_work_group = info_value<std::size_t>(id, CL_DEVICE_MAX_WORK_GROUP_SIZE);
   info.global_memory_bytes = info_value<cl_ulong>(id, CL_DEVICE_GLOBAL_MEM_SIZE);
   info.max_allocation_bytes = info_value<cl_ulong>(id, CL_DEVICE_MAX_MEM_ALLOC_SIZE);
+  info.rounds_division =
+      (info_value<cl_device_fp_config>(id, CL_DEVICE_SINGLE_FP_CONFIG) & CL_FP_CORRECTLY_ROUNDED_DIVIDE_SQRT) != 0;
   info.missing = missing_extensions(id);
   return info;
 }

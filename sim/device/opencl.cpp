@@ -87,7 +87,8 @@ Program Device::build(const std::string& name, const char* embedded_source, cons
   cl_int status = CL_SUCCESS;
   Program program(clCreateProgramWithSource(context_.get(), 2, sources, nullptr, &status));
   check(status, "clCreateProgramWithSource");
-  const std::string all_options = "-cl-std=CL1.2 " + options;
+  const std::string rounding = info_.rounds_division ? "-cl-fp32-correctly-rounded-divide-sqrt " : "";
+  const std::string all_options = "-cl-std=CL1.2 " + rounding + options;
   status = clBuildProgram(program.get(), 1, &info_.id, all_options.c_str(), nullptr, nullptr);
   if (status == CL_SUCCESS) return program;
   throw RunError("kernel " + name + " does not build on " + info_.name + ": " + build_log(program.get(), info_.id));

@@ -55,7 +55,8 @@ struct DeviceInfo {
   std::size_t max_work_group = 0;
   std::size_t global_memory_bytes = 0;
   std::size_t max_allocation_bytes = 0;
-  std::string missing;  ///< extensions that the engine needs and the device lacks; empty: usable
+  bool rounds_division = false;  ///< can divide and take roots of floats with correct rounding, as the host does
+  std::string missing;           ///< extensions that the engine needs and the device lacks; empty: usable
 };
 
 /// Every device of every platform; empty where there is no platform.
