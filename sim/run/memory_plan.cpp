@@ -10,8 +10,10 @@ namespace {
 
 // Measured on scapulae of 0.15 and 0.075 mm voxels (memory_mb.peak_process of their summaries).
 
-/// The program, its libraries, and the compiler of the kernels.
+/// The program and its libraries.
 constexpr double kProgramBytes = 1e8;
+/// The compiler of the kernels.
+constexpr double kCompilerBytes = 5e7;
 /// For each brick through which the surface passes, while `surface` of reamed.vdb is made: smoothed occupancy,
 /// polygons, distances and the nearest polygons' numbers.
 constexpr double kSurfaceBytes = 16'000;
@@ -48,8 +50,8 @@ std::size_t planned_process_bytes(const ReamingScene& scene, std::size_t device_
   const double voxels = static_cast<double>(voxmap.grade.count());
   const double loading = scene.scenario.bone.source == "mesh" ? kMeshBytesPerVoxel * voxels : 0;
   const bool serial = scene.scenario.engine.device == "serial";
-  const double engine =
-      serial ? kSerialBytes * static_cast<double>(voxmap.grid.size()) : static_cast<double>(device_bytes);
+  const double engine = serial ? kSerialBytes * static_cast<double>(voxmap.grid.size())
+                               : kCompilerBytes + static_cast<double>(device_bytes);
   const double held = static_cast<double>(voxmap.grade.bytes() + voxmap.fill.bytes()) + engine;
   const double most = std::max(loading, held + results_bytes(count_bricks(voxmap.grade)));
   return static_cast<std::size_t>(kProgramBytes + most);
