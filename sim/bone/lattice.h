@@ -6,6 +6,10 @@
 
 namespace reamsim {
 
+/// For each voxel of a mesh's bone while it is made, measured: grades, the distance field (a float and the number of the
+/// nearest triangle) and their copies on the way.
+inline constexpr double kMeshBytesPerVoxel = 13;
+
 /// What of a lattice takes memory while its bone is made.
 struct LatticeLoad {
   double bone_share = 1;       ///< the most that bricks with bone can take of the lattice, 0…1

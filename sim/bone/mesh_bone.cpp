@@ -19,8 +19,6 @@ namespace reamsim {
 namespace {
 
 constexpr int kMarginVoxels = 4;
-/// Measured: grades, the distance field (a float, the index of the nearest triangle) and their copies on the way.
-constexpr double kBytesPerVoxel = 13;
 /// A voxelised volume further from the mesh's own than this was flooded, or fills what should be hollow.
 constexpr double kMaxVolumeError = 0.1;
 
@@ -174,7 +172,7 @@ Voxmap voxmap_from_mesh(const BoneSettings& settings, Report& report) {
   const MeshBoneSettings& bone = settings.mesh;
   const TriangleMesh mesh = checked_mesh(bone, report);
   const VoxelGrid grid = lattice_around(bone.path, mesh.bounds(), settings.voxel_mm, kMarginVoxels,
-                                        {bone_share(mesh, settings.voxel_mm), kBytesPerVoxel});
+                                        {bone_share(mesh, settings.voxel_mm), kMeshBytesPerVoxel});
   const double cortical_voxels = bone.cortical_mm / settings.voxel_mm;
   const auto distance = signed_distance(bone.path, mesh, grid, cortical_voxels + 2);
 

@@ -33,6 +33,26 @@ TEST_F(Output, IsComplete) {
   EXPECT_GT(std::count(forces.begin(), forces.end(), '\n'), 35);
 }
 
+/// The number that follows `key`.
+double number_after(const std::string& text, const std::string& key) {
+  const std::size_t at = text.find(key);
+  EXPECT_NE(at, std::string::npos) << key << " in\n" << text;
+  return at == std::string::npos ? 0 : std::stod(text.substr(at + key.size()));
+}
+
+TEST_F(Output, CheckForetellsTheMemoryThatARunTakes) {
+  const std::string sphere =
+      with_bone("  source: phantom\n  voxel_mm: 0.1\n  phantom:\n    shape: sphere\n    radius_mm: 7\n");
+  expect_done(run(sphere));
+  const ProgramResult check =
+      reamsim({.arguments = {"check", "s.yaml"}, .environment = {}, .folder = "", .interrupt_when = {}});
+  EXPECT_EQ(check.status, 0) << check.err;
+  const double foretold_mb = number_after(check.out, "on the device, about ");
+  const double taken_mb = number_after(read("out/summary.json"), "\"peak_process\": ");
+  EXPECT_GT(foretold_mb, taken_mb / 1.5);
+  EXPECT_LT(foretold_mb, taken_mb * 1.5);
+}
+
 TEST_F(Output, ResolvedScenarioRunsAgainToTheSameBytes) {
   expect_done(run(kSmall));
   const std::string forces = read("out/forces.csv");
