@@ -67,7 +67,8 @@ BrickPools plan_pools(const Voxmap& voxmap, bool wear, std::size_t largest_alloc
   pools.bits = 31;
   if (pools.bricks * pools.brick_bytes <= largest_allocation) return pools;
   pools.pools = kManyPools;
-  pools.bits = static_cast<int>(std::bit_width(largest_allocation / pools.brick_bytes)) - 1;
+  // Where not even one brick fits, make_bricked_state() says so.
+  pools.bits = std::max(0, static_cast<int>(std::bit_width(largest_allocation / pools.brick_bytes)) - 1);
   return pools;
 }
 
@@ -120,7 +121,8 @@ BrickedState make_bricked_state(const cl::Device& device, const Voxmap& voxmap, 
   if (need > device.info().global_memory_bytes) {
     does_not_fit(device, voxmap, need, device.info().global_memory_bytes);
   }
-  if (state.layout.pools > 1 && state.layout.bricks > std::size_t{kManyPools} << state.layout.bits) {
+  const std::size_t room = largest < state.layout.brick_bytes ? 0 : std::size_t{kManyPools} << state.layout.bits;
+  if (state.layout.pools > 1 && state.layout.bricks > room) {
     does_not_fit(device, voxmap, state.layout.bricks * state.layout.brick_bytes,
                  state.layout.brick_bytes * kManyPools << state.layout.bits);
   }
@@ -144,10 +146,10 @@ BrickedState make_bricked_state(const cl::Device& device, const Voxmap& voxmap, 
     state.pools.emplace_back(device, count * state.layout.brick_bytes, "the bone's bricks");
     if (per_pool == 0) break;
   }
-  const std::size_t room = std::max<std::size_t>(1, state.layout.bricks);
-  state.listed = {device, room, "the marks of touched bricks"};
-  state.listed.clear(device, room);
-  state.touched_list = {device, room, "the list of touched bricks"};
+  const std::size_t slots = std::max<std::size_t>(1, state.layout.bricks);
+  state.listed = {device, slots, "the marks of touched bricks"};
+  state.listed.clear(device, slots);
+  state.touched_list = {device, slots, "the list of touched bricks"};
   state.occupancy = {device, 2 * superbrick_count(bricks), "the bricks' occupancy"};
   upload_bone(device, state, voxmap);
 
