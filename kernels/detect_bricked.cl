@@ -10,7 +10,6 @@
 #endif
 #pragma OPENCL EXTENSION cl_khr_int64_base_atomics : enable
 
-#define WINDOW_SIDE 32
 #define WINDOW_BLOCKS 512 /* of 4x4x4 voxels */
 
 /* The bricks and what finds them. */
@@ -25,7 +24,7 @@ typedef struct {
   int superbricks[3];
 } Bricks;
 
-/* Where a cell's points lie: fixed-point corners, and the window's lowest voxel, a multiple of 4. */
+/* Where a cell's points lie: its lowest shell cell, and the box of voxels that holds them all. */
 typedef struct {
   long first[3]; /* fixed point: the centre of the cell's lowest shell cell */
   int low[3];    /* voxels */

@@ -86,10 +86,12 @@ std::size_t bytes_of(const BrickPools& pools, const Voxmap& voxmap, const PointS
                    "about " + std::to_string(voxmap.grid.voxel_mm * std::max(1.0, factor) * 1.05) + " mm would fit");
 }
 
+/// A buffer is never empty: nothing is uploaded as one zero, such as a cell without points.
 template <class T>
-cl::Buffer<T> upload(const cl::Device& device, const std::vector<T>& data, const char* what) {
-  cl::Buffer<T> buffer(device, std::max<std::size_t>(1, data.size()), what);
-  if (!data.empty()) buffer.write(device, data.data(), data.size());
+cl::Buffer<T> upload(const cl::Device& device, std::vector<T> data, const char* what) {
+  if (data.empty()) data.emplace_back();
+  cl::Buffer<T> buffer(device, data.size(), what);
+  buffer.write(device, data.data(), data.size());
   return buffer;
 }
 

@@ -16,8 +16,9 @@ namespace {
 
 constexpr int kLargestSide = 1 << RS_CELL_BITS;
 constexpr std::size_t kLanes = 16;
-/// The window less the three voxels by which its corner is rounded down, and the voxel of the last point.
-constexpr double kWindowVoxels = 32 - 4;
+/// The window less the three voxels by which its corner is rounded down, the voxel of the last point, and a slack for
+/// the rounding of fixed-point steps, which must not carry a point over the window's edge.
+constexpr double kWindowVoxels = 32 - 4 - 0.01;
 
 ShellCell bounds_of(const std::vector<Vec3i>& points) {
   Vec3i low = points.front(), high = points.front();
