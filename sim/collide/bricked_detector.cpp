@@ -8,11 +8,10 @@ extern const char* const kernel_detect_bricked;
 
 BrickedDetector::BrickedDetector(const cl::Device& device, BrickedState& state, const DeviceBatch& batch,
                                  const BrickedOptions& options)
-    : device_(device),
-      items_(options.shape == KernelShape::cpu ? state.runs.count() : state.cells.count() * options.work_group),
-      work_group_(options.work_group),
-      program_(device.build("detect_bricked.cl", embedded::kernel_detect_bricked, state.layout.defines(options.shape))),
-      kernel_(program_, "detect_bricked") {
+    : items_(options.shape == KernelShape::cpu ? state.runs.count() : state.cells.count() * options.work_group),
+      kernel_(device,
+              device.build("detect_bricked.cl", embedded::kernel_detect_bricked, state.layout.defines(options.shape)),
+              "detect_bricked", 1, options.work_group) {
   kernel_.set(0, batch.args());
   kernel_.set(2, state.cells);
   kernel_.set(3, static_cast<cl_uint>(state.cells.count()));
@@ -32,12 +31,7 @@ BrickedDetector::BrickedDetector(const cl::Device& device, BrickedState& state, 
 }
 
 void BrickedDetector::detect(int slot) {
-  kernel_.set(1, static_cast<cl_uint>(slot));
-  events_.push_back(kernel_.launch(device_, items_, work_group_));
-}
-
-std::vector<double> BrickedDetector::take_seconds() {
-  return cl::take_seconds(events_);
+  kernel_.run(slot, items_);
 }
 
 }  // namespace reamsim

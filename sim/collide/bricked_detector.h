@@ -19,15 +19,11 @@ class BrickedDetector final : public Detector {
   BrickedDetector(const cl::Device& device, BrickedState& state, const DeviceBatch& batch,
                   const BrickedOptions& options);
   void detect(int slot) override;
-  std::vector<double> take_seconds() override;
+  std::vector<double> take_seconds() override { return kernel_.take_seconds(); }
 
  private:
-  const cl::Device& device_;
   std::size_t items_;
-  std::size_t work_group_;
-  cl::Program program_;
-  cl::Kernel kernel_;
-  std::vector<cl::Event> events_;
+  cl::SlotKernel kernel_;
 };
 
 }  // namespace reamsim

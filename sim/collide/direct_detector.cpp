@@ -33,12 +33,11 @@ cl::Buffer<cl_uint> upload_codes(const cl::Device& device, const PointShell& she
 
 DirectDetector::DirectDetector(const cl::Device& device, const DenseState& state, const DeviceBatch& batch,
                                const PointShell& shell, std::size_t work_group)
-    : device_(device),
-      points_(shell.codes.size()),
-      work_group_(work_group),
+    : points_(shell.codes.size()),
       codes_(upload_codes(device, shell)),
-      program_(device.build("detect_direct.cl", embedded::kernel_detect_direct, wide(shell) ? "-DRS_WIDE_CODES" : "")),
-      kernel_(program_, "detect_direct") {
+      kernel_(device,
+              device.build("detect_direct.cl", embedded::kernel_detect_direct, wide(shell) ? "-DRS_WIDE_CODES" : ""),
+              "detect_direct", 3, work_group) {
   kernel_.set(0, codes_);
   kernel_.set(1, static_cast<cl_uint>(points_));
   kernel_.set(2, batch.args());
@@ -51,13 +50,7 @@ DirectDetector::DirectDetector(const cl::Device& device, const DenseState& state
 }
 
 void DirectDetector::detect(int slot) {
-  kernel_.set(3, static_cast<cl_uint>(slot));
-  // A launch has at least one item; the kernel lets those beyond the last point go.
-  events_.push_back(kernel_.launch(device_, std::max<std::size_t>(1, points_), work_group_));
-}
-
-std::vector<double> DirectDetector::take_seconds() {
-  return cl::take_seconds(events_);
+  kernel_.run(slot, points_);
 }
 
 }  // namespace reamsim

@@ -13,16 +13,12 @@ class DirectDetector final : public Detector {
   DirectDetector(const cl::Device& device, const DenseState& state, const DeviceBatch& batch, const PointShell& shell,
                  std::size_t work_group);
   void detect(int slot) override;
-  std::vector<double> take_seconds() override;
+  std::vector<double> take_seconds() override { return kernel_.take_seconds(); }
 
  private:
-  const cl::Device& device_;
   std::size_t points_;
-  std::size_t work_group_;
   cl::Buffer<cl_uint> codes_;
-  cl::Program program_;
-  cl::Kernel kernel_;
-  std::vector<cl::Event> events_;
+  cl::SlotKernel kernel_;
 };
 
 }  // namespace reamsim

@@ -10,13 +10,11 @@ extern const char* const kernel_detect_implicit;
 
 ImplicitDetector::ImplicitDetector(const cl::Device& device, const DenseState& state, const DeviceBatch& batch,
                                    const Profile& profile, const VoxelBox& bone, std::size_t work_group)
-    : device_(device),
-      batch_(batch),
+    : batch_(batch),
       tool_box_(profile.bounds()),
       bone_(bone),
-      work_group_(work_group),
-      program_(device.build("detect_implicit.cl", embedded::kernel_detect_implicit)),
-      kernel_(program_, "detect_implicit") {
+      kernel_(device, device.build("detect_implicit.cl", embedded::kernel_detect_implicit), "detect_implicit", 1,
+              work_group) {
   kernel_.set(0, batch.args());
   kernel_.set(4, state.grades);
   kernel_.set(5, state.contacts);
@@ -30,16 +28,11 @@ void ImplicitDetector::detect(int slot) {
   const cl_int4 first = {{voi.first.x(), voi.first.y(), voi.first.z(), 0}};
   const cl_uint4 count = {
       {static_cast<cl_uint>(size.x()), static_cast<cl_uint>(size.y()), static_cast<cl_uint>(size.z()), 0}};
-  kernel_.set(1, static_cast<cl_uint>(slot));
   kernel_.set(2, first);
   kernel_.set(3, count);
   // A launch has at least one item, so that every substep has its time; the kernel lets those beyond the VOI go.
   const auto voxels = static_cast<std::size_t>(size.cast<std::int64_t>().prod());
-  events_.push_back(kernel_.launch(device_, std::max<std::size_t>(1, voxels), work_group_));
-}
-
-std::vector<double> ImplicitDetector::take_seconds() {
-  return cl::take_seconds(events_);
+  kernel_.run(slot, voxels);
 }
 
 }  // namespace reamsim

@@ -15,17 +15,13 @@ class ImplicitDetector final : public Detector {
   ImplicitDetector(const cl::Device& device, const DenseState& state, const DeviceBatch& batch, const Profile& profile,
                    const VoxelBox& bone, std::size_t work_group);
   void detect(int slot) override;
-  std::vector<double> take_seconds() override;
+  std::vector<double> take_seconds() override { return kernel_.take_seconds(); }
 
  private:
-  const cl::Device& device_;
   const DeviceBatch& batch_;
   Aabb tool_box_;  ///< T, mm
   VoxelBox bone_;
-  std::size_t work_group_;
-  cl::Program program_;
-  cl::Kernel kernel_;
-  std::vector<cl::Event> events_;
+  cl::SlotKernel kernel_;
 };
 
 }  // namespace reamsim

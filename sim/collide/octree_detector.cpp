@@ -53,13 +53,13 @@ std::vector<cl_uint4> octree_children(const VoxelGrid& grid) {
 
 OctreeDetector::OctreeDetector(const cl::Device& device, const DenseState& state, const DeviceBatch& batch,
                                const PointShell& shell, const VoxelGrid& grid, bool per_point, std::size_t work_group)
-    : device_(device),
-      count_(shell.codes.size()),
-      work_group_(std::min(work_group, kMostPerGroup)),
+    : count_(shell.codes.size()),
       points_(device, std::max<std::size_t>(1, 3 * count_), "the point shell"),
       children_(device, std::max(1, 8 * octree_levels(grid)), "the look-up tables"),
-      program_(device.build("detect_octree.cl", embedded::kernel_detect_octree, build_options(per_point, work_group_))),
-      kernel_(program_, "detect_octree") {
+      kernel_(device,
+              device.build("detect_octree.cl", embedded::kernel_detect_octree,
+                           build_options(per_point, std::min(work_group, kMostPerGroup))),
+              "detect_octree", 3, std::min(work_group, kMostPerGroup)) {
   const auto points = cell_numbers(shell);
   if (!points.empty()) points_.write(device, points.data(), points.size());
   const auto children = octree_children(grid);
@@ -79,13 +79,7 @@ OctreeDetector::OctreeDetector(const cl::Device& device, const DenseState& state
 }
 
 void OctreeDetector::detect(int slot) {
-  kernel_.set(3, static_cast<cl_uint>(slot));
-  // A launch has at least one item; the kernel takes those beyond the last point for points that touch nothing.
-  events_.push_back(kernel_.launch(device_, std::max<std::size_t>(1, count_), work_group_));
-}
-
-std::vector<double> OctreeDetector::take_seconds() {
-  return cl::take_seconds(events_);
+  kernel_.run(slot, count_);
 }
 
 }  // namespace reamsim

@@ -15,20 +15,16 @@ class OctreeDetector final : public Detector {
   OctreeDetector(const cl::Device& device, const DenseState& state, const DeviceBatch& batch, const PointShell& shell,
                  const VoxelGrid& grid, bool per_point, std::size_t work_group);
   void detect(int slot) override;
-  std::vector<double> take_seconds() override;
+  std::vector<double> take_seconds() override { return kernel_.take_seconds(); }
 
   /// The reduction keeps 48 bytes a work-item in local memory.
   static constexpr std::size_t kMostPerGroup = 256;
 
  private:
-  const cl::Device& device_;
   std::size_t count_;
-  std::size_t work_group_;
   cl::Buffer<cl_float> points_;
   cl::Buffer<cl_uint4> children_;
-  cl::Program program_;
-  cl::Kernel kernel_;
-  std::vector<cl::Event> events_;
+  cl::SlotKernel kernel_;
 };
 
 /// Levels of the descent: the cube round the lattice has 2^levels voxels along a side.

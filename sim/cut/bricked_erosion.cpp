@@ -37,15 +37,13 @@ std::string defines(const BrickedState& state, const BrickedOptions& options) {
 
 BrickedErosion::BrickedErosion(const cl::Device& device, BrickedState& state, const DeviceBatch& batch,
                                const EnergyTable& table, const BrickedOptions& options)
-    : device_(device),
-      items_(work_items(device.info(), options)),
-      work_group_(options.work_group),
+    : items_(work_items(device.info(), options)),
       energy_(device, table.energy_mj.size(), "the energy table"),
       units_(device, table.energy_mj.size(), "the energy table"),
       density_(device, table.density_g_cm3.size(), "the density table"),
       bits_of_byte_(device, 256, "the table of bits"),
-      program_(device.build("cut_bricked.cl", embedded::kernel_cut_bricked, defines(state, options))),
-      kernel_(program_, "cut_bricked") {
+      kernel_(device, device.build("cut_bricked.cl", embedded::kernel_cut_bricked, defines(state, options)),
+              "cut_bricked", 1, options.work_group) {
   energy_.write(device, table.energy_mj.data(), table.energy_mj.size());
   std::array<cl_long, 256> units{};
   std::transform(table.energy_mj.begin(), table.energy_mj.end(), units.begin(), rs_energy_units);
@@ -72,12 +70,7 @@ BrickedErosion::BrickedErosion(const cl::Device& device, BrickedState& state, co
 }
 
 void BrickedErosion::cut(int slot) {
-  kernel_.set(1, static_cast<cl_uint>(slot));
-  events_.push_back(kernel_.launch(device_, items_, work_group_));
-}
-
-std::vector<double> BrickedErosion::take_seconds() {
-  return cl::take_seconds(events_);
+  kernel_.run(slot, items_);
 }
 
 }  // namespace reamsim

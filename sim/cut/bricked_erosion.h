@@ -12,19 +12,15 @@ class BrickedErosion final : public Erosion {
   BrickedErosion(const cl::Device& device, BrickedState& state, const DeviceBatch& batch, const EnergyTable& table,
                  const BrickedOptions& options);
   void cut(int slot) override;
-  std::vector<double> take_seconds() override;
+  std::vector<double> take_seconds() override { return kernel_.take_seconds(); }
 
  private:
-  const cl::Device& device_;
   std::size_t items_;
-  std::size_t work_group_;
   cl::Buffer<double> energy_;
   cl::Buffer<cl_long> units_;
   cl::Buffer<double> density_;
   cl::Buffer<cl_ulong> bits_of_byte_;
-  cl::Program program_;
-  cl::Kernel kernel_;
-  std::vector<cl::Event> events_;
+  cl::SlotKernel kernel_;
 };
 
 }  // namespace reamsim

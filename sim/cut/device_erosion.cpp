@@ -23,13 +23,11 @@ std::string build_options(VoxelLayout layout) {
 
 DeviceErosion::DeviceErosion(const cl::Device& device, VoxelLayout layout, const DenseState& state,
                              const DeviceBatch& batch, const EnergyTable& table, std::size_t work_group)
-    : device_(device),
-      items_(work_items(device.info())),
-      work_group_(work_group),
+    : items_(work_items(device.info())),
       energy_(device, table.energy_mj.size(), "the energy table"),
       density_(device, table.density_g_cm3.size(), "the density table"),
-      program_(device.build("cut_voxels.cl", embedded::kernel_cut_voxels, build_options(layout))),
-      kernel_(program_, "cut_voxels") {
+      kernel_(device, device.build("cut_voxels.cl", embedded::kernel_cut_voxels, build_options(layout)), "cut_voxels",
+              1, work_group) {
   energy_.write(device, table.energy_mj.data(), table.energy_mj.size());
   density_.write(device, table.density_g_cm3.data(), table.density_g_cm3.size());
   kernel_.set(0, batch.args());
@@ -54,12 +52,7 @@ DeviceErosion::DeviceErosion(const cl::Device& device, VoxelLayout layout, const
 }
 
 void DeviceErosion::cut(int slot) {
-  kernel_.set(1, static_cast<cl_uint>(slot));
-  events_.push_back(kernel_.launch(device_, items_, work_group_));
-}
-
-std::vector<double> DeviceErosion::take_seconds() {
-  return cl::take_seconds(events_);
+  kernel_.run(slot, items_);
 }
 
 }  // namespace reamsim

@@ -13,17 +13,13 @@ class DeviceErosion final : public Erosion {
   DeviceErosion(const cl::Device& device, VoxelLayout layout, const DenseState& state, const DeviceBatch& batch,
                 const EnergyTable& table, std::size_t work_group);
   void cut(int slot) override;
-  std::vector<double> take_seconds() override;
+  std::vector<double> take_seconds() override { return kernel_.take_seconds(); }
 
  private:
-  const cl::Device& device_;
   std::size_t items_;
-  std::size_t work_group_;
   cl::Buffer<double> energy_;
   cl::Buffer<double> density_;
-  cl::Program program_;
-  cl::Kernel kernel_;
-  std::vector<cl::Event> events_;
+  cl::SlotKernel kernel_;
 };
 
 }  // namespace reamsim

@@ -166,4 +166,27 @@ class Kernel {
 /// Seconds that each of these finished kernels ran on the device; forgets the events.
 std::vector<double> take_seconds(std::vector<Event>& events);
 
+/// A kernel that runs once per substep, in groups of a fixed size, and is told the substep's slot by one argument.
+class SlotKernel : public Kernel {
+ public:
+  /// The device must outlive the kernel.
+  SlotKernel(const Device& device, const Program& program, const char* name, cl_uint slot_argument, std::size_t group)
+      : Kernel(program, name), device_(device), slot_argument_(slot_argument), group_(group) {}
+
+  /// Enqueues at least `items` work-items for the substep in `slot`; with none, one group, so that every substep has
+  /// its time: kernels let items beyond their range go.
+  void run(int slot, std::size_t items) {
+    set(slot_argument_, static_cast<cl_uint>(slot));
+    events_.push_back(launch(device_, items == 0 ? 1 : items, group_));
+  }
+  /// Seconds of each run since the last call, in order. Call it when the queue has finished.
+  std::vector<double> take_seconds() { return cl::take_seconds(events_); }
+
+ private:
+  const Device& device_;
+  cl_uint slot_argument_;
+  std::size_t group_;
+  std::vector<Event> events_;
+};
+
 }  // namespace reamsim::cl
