@@ -3,8 +3,8 @@
  * voxels go through the law in the lanes of a vector; on a GPU a work-item takes a voxel.
  *
  * Compiled with RS_POOLS, RS_POOL_BITS and, where voxels can be partly gone, RS_BRICK_FILL. */
-#ifndef REAMSIM_KERNELS_SHARED_H
-#include "shared.h"
+#ifndef REAMSIM_KERNELS_CUT_LAW_H
+#include "cut_law.h"
 #endif
 #pragma OPENCL EXTENSION cl_khr_int64_base_atomics : enable
 
@@ -101,11 +101,21 @@ void clear_if_empty(__global const Brick* brick, __global uint* occupancy, const
   __global const SubstepArgs *args, const uint substep, __global const uint *lattice_of_slot, __global uint *listed, \
       __global uint *occupancy, __global const uint *touched_list, __global const uint *touched_count,               \
       __global SubstepSums *sums, __global RemovedBlock *removed, __global uint *removed_count,                    \
+      const uint2 room, __global const uint *removed_before,                                                   \
       __global const double *energy_of_grade, __global const long *units_of_grade,                                   \
       __global const double *density_of_grade,                                                                       \
       __global const ulong *bits_of_byte, const int4 bricks,                                                         \
       __global const ProfileEdge *edges, __global const ushort *numbers, __global const EdgeList *lists,             \
       __global const ProfileGrid *grid, RS_POOL_PARAMETERS
+
+/* Whether the substep has to wait for room in the list of removed voxels. The host learns it from an impossible number of
+ * contacts. */
+bool stalls(const uint2 room, __global const uint* removed_before, __global const uint* touched_count,
+            const uint substep, __global SubstepSums* sums) {
+  const bool stalled = rs_stalls(room.x, room.y, removed_before[substep], touched_count[substep]);
+  if (stalled && get_global_id(0) == 0) sums[substep].contacts = -1;
+  return stalled;
+}
 
 #if defined(RS_LANES)
 
@@ -188,7 +198,8 @@ long add_lanes(const long16 v) {
 
 __kernel void cut_bricked(PARAMETERS) {
   __global const SubstepArgs* a = args + substep;
-  const uint count = touched_count[substep];
+  const bool stalled = stalls(room, removed_before, touched_count, substep, sums);
+  const uint count = stalled ? 0 : touched_count[substep];
   const Material material = {energy_of_grade, units_of_grade, density_of_grade};
   const ProfileView profile = {edges, numbers, lists, grid};
   __global Brick* pools[RS_POOLS] = RS_POOL_ARRAY;
@@ -238,7 +249,8 @@ bool cut_voxel(__global const SubstepArgs* a, __global Brick* brick, const int p
 __kernel void cut_bricked(PARAMETERS) {
   __local uint gone_words[RS_BRICK_WORDS];
   __global const SubstepArgs* a = args + substep;
-  const uint count = touched_count[substep];
+  const bool stalled = stalls(room, removed_before, touched_count, substep, sums);
+  const uint count = stalled ? 0 : touched_count[substep];
   const Material material = {energy_of_grade, units_of_grade, density_of_grade};
   const ProfileView profile = {edges, numbers, lists, grid};
   __global Brick* pools[RS_POOLS] = RS_POOL_ARRAY;

@@ -5,8 +5,8 @@
  * cells, 16 points in the lanes of a vector; on a GPU a work-group takes a cell, a work-item a point.
  *
  * Compiled with RS_POOLS (1 or 16 buffers of bricks) and RS_POOL_BITS (log2 of a buffer's bricks). */
-#ifndef REAMSIM_KERNELS_SHARED_H
-#include "shared.h"
+#ifndef REAMSIM_KERNELS_CUT_LAW_H
+#include "cut_law.h"
 #endif
 #pragma OPENCL EXTENSION cl_khr_int64_base_atomics : enable
 
@@ -142,7 +142,8 @@ void add_sums(__global SubstepSums* total, const LaneSums* part) {
       __global const ShellCell *runs, const uint run_cells, __global const ushort *offsets,                         \
       __global const int *slot_of_brick, __global const uint *occupancy, __global uint *listed,                     \
       __global uint *touched_list, __global uint *touched_count, __global SubstepSums *sums, const int4 bricks,     \
-      const int culling, __global const ProfileEdge *edges, __global const ushort *numbers,                         \
+      const int culling, const uint2 room, __global const uint *removed_count, __global uint *removed_before,   \
+      __global const ProfileEdge *edges, __global const ushort *numbers,                         \
       __global const EdgeList *lists, __global const ProfileGrid *grid, RS_POOL_PARAMETERS
 #define BRICKS                                                                                         \
   {                                                                                                    \
@@ -151,6 +152,12 @@ void add_sums(__global SubstepSums* total, const LaneSums* part) {
       (bricks.x + 3) >> 2, (bricks.y + 3) >> 2, (bricks.z + 3) >> 2                                    \
     }                                                                                                  \
   }
+
+/* Whether the substep before this one waits for room in the list of removed voxels; this one then waits too. */
+bool stalled_before(const uint2 room, __global const uint* removed_before, __global const uint* touched_count,
+                    const uint substep) {
+  return substep > 0 && rs_stalls(room.x, room.y, removed_before[substep - 1], touched_count[substep - 1]);
+}
 
 #ifdef RS_CPU_SHAPE
 
@@ -202,7 +209,9 @@ void flush(const Bricks* b, const Reach* reach, const int* origin, ulong* window
 __kernel void detect_bricked(PARAMETERS) {
   const uint run = get_global_id(0);
   const uint first = run * run_cells, last = min(first + run_cells, cell_count);
-  if (first >= cell_count) return;
+  const bool stalled = stalled_before(room, removed_before, touched_count, substep);
+  if (run == 0) removed_before[substep] = stalled ? RS_STALLED : *removed_count;
+  if (stalled || first >= cell_count) return;
   __global const SubstepArgs* a = args + substep;
   const Bricks b = BRICKS;
   const ProfileView profile = {edges, numbers, lists, grid};
@@ -236,13 +245,15 @@ __kernel void detect_bricked(PARAMETERS) {
   const Bricks b = BRICKS;
   const ProfileView profile = {edges, numbers, lists, grid};
   const Reach reach = reach_of(a, cell);
+  const bool stalled = stalled_before(room, removed_before, touched_count, substep);
+  if (get_global_id(0) == 0) removed_before[substep] = stalled ? RS_STALLED : *removed_count;
   /* Every work-item decides alike; none leaves before the barriers. */
-  const bool meets = !culling || (meets_voi(a, cell) && meets_lattice(a, &reach) && meets_bone(a, &b, &reach));
+  const bool culled = culling && !(meets_voi(a, cell) && meets_lattice(a, &reach) && meets_bone(a, &b, &reach));
   const int origin[3] = {reach.low[0] & ~3, reach.low[1] & ~3, reach.low[2] & ~3};
   for (uint w = get_local_id(0); w < 2 * WINDOW_BLOCKS; w += get_local_size(0)) window[w] = 0;
   barrier(CLK_LOCAL_MEM_FENCE);
   LaneSums point_sums = {{0, 0, 0}, {0, 0, 0}, 0};
-  const uint count = meets ? cell->count : 0;
+  const uint count = stalled || culled ? 0 : cell->count;
   for (uint p = get_local_id(0); p < count; p += get_local_size(0)) {
     const ushort offset = offsets[cell->begin + p];
     int v[3];

@@ -43,9 +43,65 @@ PhaseRow phases_of(const Field& field, const Contender& contender, const std::ve
 
 void set_ratios(Findings& findings) {
   for (CaseRow& row : findings.cases) {
+    if (row.at.contact == "plunge") continue;  // measure_plunge() compares frame by frame
     const CaseRow* direct = findings.find({"direct", "published"}, row.at.voxmap, row.at.shell, row.at.contact);
     if (direct != nullptr && row.ms.median > 0) row.ratio_to_direct = direct->ms.median / row.ms.median;
   }
+}
+
+/// A contender's way through the plunge: mean times of its chunks of frames.
+struct PlungeRun {
+  Contender* contender = nullptr;
+  std::vector<BatchSample> chunks;
+  double spent_s = 0;
+  std::size_t frames = 0;
+
+  /// The two that the ratio is of go all the way, however long it takes.
+  [[nodiscard]] bool goes_on() const {
+    constexpr double kPatience = 20;  // s
+    const Label& who = contender->label();
+    return spent_s <= kPatience || who.engine == "bricked" || is_published_direct();
+  }
+  [[nodiscard]] bool is_published_direct() const {
+    return contender->label().engine == "direct" && contender->label().variant == "published";
+  }
+
+  void run(std::span<const Substep> chunk) {
+    BatchSample sample = contender->run(chunk, true);
+    spent_s += sample.total_s;
+    frames += chunk.size();
+    const auto share = static_cast<double>(chunk.size());
+    sample.total_s /= share;
+    sample.kernel_s /= share;
+    chunks.push_back(sample);
+  }
+};
+
+std::vector<Substep> plunge_frames(const Plan& plan, const Field& field) {
+  const Approach& approach = kApproaches[0];
+  const double step_mm = 0.25 * field.arena.voxmap->grid.voxel_mm;
+  std::vector<Substep> frames;
+  for (int k = 1; k <= plan.plunge_frames; ++k) {
+    frames.push_back(substep_at(pose_at(approach, approach.depth_mm[1] + step_mm * k)));
+  }
+  return frames;
+}
+
+CaseRow plunge_row(const Field& field, const PlungeRun& run, const std::vector<BatchSample>& direct) {
+  const auto total = [](const BatchSample& s) { return 1e3 * s.total_s; };
+  CaseRow row{.at = field.place(*run.contender, "plunge")};
+  if (row.at.who.variant == "deterministic") {
+    double voxels = 0;
+    for (const BatchSample& sample : run.chunks) voxels += static_cast<double>(sample.voxels);
+    row.contacts = voxels / static_cast<double>(run.frames);
+  }
+  row.ms = spread_over(run.chunks, total);
+  row.kernel_ms = spread_over(run.chunks, [](const BatchSample& s) { return 1e3 * s.kernel_s; }).median;
+  if (direct.size() >= run.chunks.size()) {
+    const std::vector<BatchSample> same(direct.begin(), direct.begin() + std::ssize(run.chunks));
+    row.ratio_to_direct = spread_over(same, total).median / row.ms.median;
+  }
+  return row;
 }
 
 }  // namespace
@@ -83,48 +139,28 @@ void measure_memory(const Field& field, Findings& findings) {
 }
 
 void measure_plunge(const Plan& plan, const Field& field, const Watch& watch, Findings& findings) {
-  constexpr int kBatch = 32;        // as `reamsim run` by default
-  constexpr double kPatience = 20;  // s that a contender may take
-  const Approach& approach = kApproaches[0];
-  const double step_mm = 0.25 * field.arena.voxmap->grid.voxel_mm;
-  std::vector<Substep> frames;
-  for (int k = 1; k <= plan.plunge_frames; ++k) {
-    frames.push_back(substep_at(pose_at(approach, approach.depth_mm[1] + step_mm * k)));
-  }
-  const auto contenders = all_of(field);
-  std::vector<std::vector<BatchSample>> samples(contenders.size());
-  std::vector<double> spent(contenders.size(), 0);
-  std::vector<std::size_t> done(contenders.size(), 0);
+  constexpr std::size_t kBatch = 32;  // as `reamsim run` by default
+  const std::vector<Substep> frames = plunge_frames(plan, field);
+  std::vector<PlungeRun> runs;
+  for (Contender* contender : all_of(field)) runs.push_back({.contender = contender, .chunks = {}});
   for (std::size_t first = 0; first < frames.size(); first += kBatch) {
     if (watch.stop()) throw Interrupted();
-    const std::span<const Substep> chunk(&frames[first], std::min<std::size_t>(kBatch, frames.size() - first));
-    for (std::size_t i = 0; i < contenders.size(); ++i) {
-      if (spent[i] > kPatience) continue;
-      BatchSample sample = contenders[i]->run(chunk, true);
-      spent[i] += sample.total_s;
-      done[i] += chunk.size();
-      const auto share = static_cast<double>(chunk.size());
-      sample.total_s /= share;
-      sample.kernel_s /= share;
-      samples[i].push_back(sample);
+    const std::span<const Substep> chunk(&frames[first], std::min(kBatch, frames.size() - first));
+    for (PlungeRun& run : runs) {
+      if (run.goes_on()) run.run(chunk);
     }
   }
-  for (std::size_t i = 0; i < contenders.size(); ++i) {
-    contenders[i]->restore();
-    CaseRow row{.at = field.place(*contenders[i], "plunge")};
-    if (row.at.who.variant == "deterministic") {
-      double voxels = 0;
-      for (const BatchSample& sample : samples[i]) voxels += static_cast<double>(sample.voxels);
-      row.contacts = voxels / static_cast<double>(done[i]);
-    }
-    row.ms = spread_over(samples[i], [](const BatchSample& s) { return 1e3 * s.total_s; });
-    row.kernel_ms = spread_over(samples[i], [](const BatchSample& s) { return 1e3 * s.kernel_s; }).median;
-    findings.cases.push_back(row);
-    if (done[i] == frames.size()) continue;
-    findings.skipped.push_back({row.at, "stopped after " + std::to_string(done[i]) + " of " +
-                                            std::to_string(frames.size()) + " frames, which took 20 s"});
+  const auto direct =
+      std::find_if(runs.begin(), runs.end(), [](const PlungeRun& r) { return r.is_published_direct(); });
+  for (const PlungeRun& run : runs) {
+    run.contender->restore();
+    findings.cases.push_back(
+        plunge_row(field, run, direct == runs.end() ? std::vector<BatchSample>{} : direct->chunks));
+    if (run.frames == frames.size()) continue;
+    findings.skipped.push_back({findings.cases.back().at,
+                                "stopped after " + std::to_string(run.frames) + " of " + std::to_string(frames.size()) +
+                                    " frames, which took 20 s; its ratio is over these frames"});
   }
-  set_ratios(findings);
 }
 
 }  // namespace reamsim::bench

@@ -2,6 +2,7 @@
 
 #include <optional>
 
+#include "kernels/published.h"
 #include "sim/bench/contender.h"
 
 namespace reamsim::bench {

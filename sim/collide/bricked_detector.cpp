@@ -26,8 +26,11 @@ BrickedDetector::BrickedDetector(const cl::Device& device, BrickedState& state, 
   kernel_.set(12, batch.sums());
   kernel_.set(13, state.bricks);
   kernel_.set(14, static_cast<cl_int>(options.culling ? 1 : 0));
-  state.profile.set(kernel_, 15);
-  state.set_pools(kernel_, 19);
+  kernel_.set(15, batch.removed_room());
+  kernel_.set(16, batch.removed_count());
+  kernel_.set(17, batch.removed_before());
+  state.profile.set(kernel_, 18);
+  state.set_pools(kernel_, 22);
 }
 
 void BrickedDetector::detect(int slot) {

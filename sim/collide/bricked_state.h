@@ -33,7 +33,7 @@ struct BrickedState {
   BrickPools layout;
   VoxelGrid grid;                           ///< of the voxmap
   cl_int4 bricks{};                         ///< of the lattice, along each axis
-  std::vector<cl::Buffer<cl_uchar>> pools;  ///< `Brick` of kernels/shared.h
+  std::vector<cl::Buffer<cl_uchar>> pools;  ///< `Brick` of kernels/bricks.h
   cl::Buffer<cl_int> slot_of_brick;         ///< -1: no bone
   cl::Buffer<cl_uint> lattice_of_slot;
   cl::Buffer<cl_uint> occupancy;  ///< two words per 4×4×4 bricks

@@ -1,6 +1,7 @@
 #include "sim/collide/device_batch.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace reamsim {
 
@@ -12,8 +13,10 @@ DeviceBatch::DeviceBatch(const cl::Device& device, const RemovedList& removed)
       removed_(device, std::max<std::size_t>(1, removed.words * removed.room), "the list of removed voxels"),
       removed_words_(removed.words),
       removed_count_(device, 1, "the count of removed voxels"),
+      removed_before_(device, kMaxSlots, "the counts of removed voxels"),
+      room_{{static_cast<cl_uint>(removed.room), static_cast<cl_uint>(removed.per_substep)}},
       host_args_(kMaxSlots) {
-  if (removed.room < removed.in_all) {
+  if (!removed.resumes && removed.room < removed.in_all) {
     const std::size_t substeps = removed.room / std::max<std::size_t>(1, removed.per_substep);
     slots_ = static_cast<int>(std::clamp<std::size_t>(substeps, 1, kMaxSlots));
   }
@@ -32,16 +35,41 @@ int DeviceBatch::begin(const SubstepArgs& args) {
   return slot;
 }
 
+void DeviceBatch::read_sums() {
+  if (!host_sums_.empty()) return;
+  host_sums_.resize(static_cast<std::size_t>(used_));
+  if (used_ > 0) sums_.read(device_, host_sums_.data(), host_sums_.size());  // waits: the queue is in order
+}
+
+int DeviceBatch::stalled() {
+  read_sums();
+  const auto at =
+      std::find_if(host_sums_.begin(), host_sums_.end(), [](const auto& sums) { return sums.contacts < 0; });
+  return at == host_sums_.end() ? -1 : static_cast<int>(at - host_sums_.begin());
+}
+
+std::vector<cl_ulong> DeviceBatch::make_room(int slot) {
+  // What detect summed up for the substep stays; those after it have only their marks.
+  const auto first = static_cast<std::size_t>(slot);
+  host_sums_[first].contacts = 0;
+  std::fill(host_sums_.begin() + slot + 1, host_sums_.end(), SubstepSums{});
+  sums_.write(device_, &host_sums_[first], host_sums_.size() - first, first);
+  host_sums_.clear();
+  removed_waits_ = true;
+  const cl_uint none = 0;
+  removed_before_.write(device_, &none, 1, first);
+  return take_removed();
+}
+
 std::vector<SubstepSums> DeviceBatch::collect() {
+  read_sums();
   const auto used = static_cast<std::size_t>(used_);
-  std::vector<SubstepSums> sums(used);
-  if (used == 0) return sums;
-  sums_.read(device_, sums.data(), used);  // waits: the queue is in order
+  if (used == 0) return {};
   sums_.clear(device_, used);
   contact_count_.clear(device_, used);
   used_ = 0;
   removed_waits_ = true;
-  return sums;
+  return std::exchange(host_sums_, {});
 }
 
 std::vector<cl_ulong> DeviceBatch::take_removed() {
@@ -57,7 +85,7 @@ std::vector<cl_ulong> DeviceBatch::take_removed() {
 
 std::size_t DeviceBatch::bytes(const RemovedList& removed) {
   return sizeof(cl_ulong) * removed.words * removed.room + sizeof(cl_uint) +
-         kMaxSlots * (sizeof(SubstepArgs) + sizeof(SubstepSums) + sizeof(cl_uint));
+         kMaxSlots * (sizeof(SubstepArgs) + sizeof(SubstepSums) + 2 * sizeof(cl_uint));
 }
 
 }  // namespace reamsim

@@ -5,6 +5,7 @@
 #include <limits>
 #include <string>
 
+#include "kernels/bricks.h"
 #include "sim/base/error.h"
 
 namespace reamsim {

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "kernels/shared.h"
+#include "kernels/profile.h"
 #include "sim/device/opencl.h"
 #include "sim/tool/profile.h"
 

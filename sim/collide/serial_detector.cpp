@@ -1,5 +1,6 @@
 #include "sim/collide/serial_detector.h"
 
+#include "kernels/cut_law.h"
 #include "sim/tool/morton.h"
 
 namespace reamsim {

@@ -1,5 +1,7 @@
 #include "sim/collide/serial_implicit_detector.h"
 
+#include "kernels/cut_law.h"
+
 namespace reamsim {
 
 void SerialImplicitDetector::detect(int slot) {

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "kernels/shared.h"
+#include "kernels/bricks.h"
 #include "sim/tool/point_shell.h"
 
 namespace reamsim {

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 
+#include "kernels/cut_law.h"
+
 namespace reamsim {
 
 namespace embedded {
@@ -60,13 +62,15 @@ BrickedErosion::BrickedErosion(const cl::Device& device, BrickedState& state, co
   kernel_.set(7, batch.sums());
   kernel_.set(8, batch.removed());
   kernel_.set(9, batch.removed_count());
-  kernel_.set(10, energy_);
-  kernel_.set(11, units_);
-  kernel_.set(12, density_);
-  kernel_.set(13, bits_of_byte_);
-  kernel_.set(14, state.bricks);
-  state.profile.set(kernel_, 15);
-  state.set_pools(kernel_, 19);
+  kernel_.set(10, batch.removed_room());
+  kernel_.set(11, batch.removed_before());
+  kernel_.set(12, energy_);
+  kernel_.set(13, units_);
+  kernel_.set(14, density_);
+  kernel_.set(15, bits_of_byte_);
+  kernel_.set(16, state.bricks);
+  state.profile.set(kernel_, 17);
+  state.set_pools(kernel_, 21);
 }
 
 void BrickedErosion::cut(int slot) {

@@ -10,7 +10,7 @@ class Erosion {
  public:
   virtual ~Erosion() = default;
   virtual void cut(int slot) = 0;
-  /// Seconds that each call since the last take_seconds() ran, in order. Call it when the engine has finished.
+  /// Seconds that each slot took since the last take_seconds(). Call it when the engine has finished.
   virtual std::vector<double> take_seconds() = 0;
 };
 

@@ -1,5 +1,7 @@
 #include "sim/cut/serial_erosion.h"
 
+#include "kernels/cut_law.h"
+
 namespace reamsim {
 
 void SerialErosion::cut(int slot) {

@@ -9,7 +9,11 @@
 
 namespace reamsim::embedded {
 extern const char* const kernel_shared_h;
-}
+extern const char* const kernel_bricks_h;
+extern const char* const kernel_profile_h;
+extern const char* const kernel_cut_law_h;
+extern const char* const kernel_published_h;
+}  // namespace reamsim::embedded
 
 namespace reamsim::cl {
 
@@ -81,11 +85,14 @@ Device::Device(const DeviceInfo& info) : info_(info) {
 }
 
 Program Device::build(const std::string& name, const char* embedded_source, const std::string& options) const {
-  const std::string header = kernel_source("shared.h", embedded::kernel_shared_h);
-  const std::string body = kernel_source(name, embedded_source);
-  const char* sources[] = {header.c_str(), body.c_str()};
+  // The headers' guards make their #include lines empty: a device has no folder to look in.
+  const std::string text =
+      kernel_source("shared.h", embedded::kernel_shared_h) + kernel_source("bricks.h", embedded::kernel_bricks_h) +
+      kernel_source("profile.h", embedded::kernel_profile_h) + kernel_source("cut_law.h", embedded::kernel_cut_law_h) +
+      kernel_source("published.h", embedded::kernel_published_h) + kernel_source(name, embedded_source);
+  const char* source = text.c_str();
   cl_int status = CL_SUCCESS;
-  Program program(clCreateProgramWithSource(context_.get(), 2, sources, nullptr, &status));
+  Program program(clCreateProgramWithSource(context_.get(), 1, &source, nullptr, &status));
   check(status, "clCreateProgramWithSource");
   const std::string rounding = info_.rounds_division ? "-cl-fp32-correctly-rounded-divide-sqrt " : "";
   const std::string all_options = "-cl-std=CL1.2 " + rounding + options;
@@ -141,6 +148,18 @@ std::vector<double> take_seconds(std::vector<Event>& events) {
   }
   events.clear();
   return seconds;
+}
+
+std::vector<double> SlotKernel::take_seconds() {
+  std::vector<double> by_slot;
+  const std::vector<double> seconds = cl::take_seconds(events_);
+  for (std::size_t i = 0; i < seconds.size(); ++i) {
+    const auto slot = static_cast<std::size_t>(slots_[i]);
+    if (slot >= by_slot.size()) by_slot.resize(slot + 1, 0);
+    by_slot[slot] += seconds[i];
+  }
+  slots_.clear();
+  return by_slot;
 }
 
 }  // namespace reamsim::cl

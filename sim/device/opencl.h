@@ -76,7 +76,7 @@ class Device {
   [[nodiscard]] cl_context context() const { return context_.get(); }
   [[nodiscard]] cl_command_queue queue() const { return queue_.get(); }
 
-  /// Builds a program from the shared header and one kernel source, embedded under `name` or read from the folder
+  /// Builds a program from the shared headers and one kernel source, embedded under `name` or read from the folder
   /// REAMSIM_KERNEL_DIR where that is set. `options` go to the compiler, such as "-DNAME=1". Throws RunError with the
   /// compiler's log when it does not build.
   [[nodiscard]] Program build(const std::string& name, const char* embedded_source,
@@ -177,16 +177,18 @@ class SlotKernel : public Kernel {
   /// its time: kernels let items beyond their range go.
   void run(int slot, std::size_t items) {
     set(slot_argument_, static_cast<cl_uint>(slot));
+    slots_.push_back(slot);
     events_.push_back(launch(device_, items == 0 ? 1 : items, group_));
   }
-  /// Seconds of each run since the last call, in order. Call it when the queue has finished.
-  std::vector<double> take_seconds() { return cl::take_seconds(events_); }
+  /// Seconds by slot since the last call, of all runs of a slot together. Call it when the queue has finished.
+  std::vector<double> take_seconds();
 
  private:
   const Device& device_;
   cl_uint slot_argument_;
   std::size_t group_;
   std::vector<Event> events_;
+  std::vector<int> slots_;  // of the events
 };
 
 }  // namespace reamsim::cl

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cstring>
+#include <utility>
 
 #include "sim/cut/bricked_erosion.h"
 
@@ -10,19 +11,19 @@ namespace reamsim {
 
 namespace {
 
-/// Room for records of removed voxels that a batch may fill; larger scenes read results back more often instead.
-constexpr std::size_t kRemovedRoom = 1'000'000;
-
 bool wears(const Scenario& scenario) {
   return scenario.cutting.erosion == "wear";
 }
 
 /// A record is of a block, which cannot be touched without a point nor go without a voxel.
-DeviceBatch::RemovedList removed_list(const Voxmap& voxmap, const Tool& tool) {
+DeviceBatch::RemovedList removed_list(const Voxmap& voxmap, const Tool& tool, const BrickedLimits& limits) {
   const auto bone = static_cast<std::size_t>(voxmap.count_bone());
   const std::size_t per_substep = std::min(bone, tool.shell.codes.size());
-  return {sizeof(RemovedBlock) / sizeof(cl_ulong), std::min(bone, std::max(kRemovedRoom, per_substep)), per_substep,
-          bone};
+  return {.words = sizeof(RemovedBlock) / sizeof(cl_ulong),
+          .room = std::min(bone, std::max(limits.removed_room, per_substep)),
+          .per_substep = per_substep,
+          .in_all = bone,
+          .resumes = true};
 }
 
 BrickedOptions options_for(const cl::DeviceInfo& info, const EngineSettings& engine) {
@@ -41,13 +42,13 @@ BrickedOptions options_for(const cl::DeviceInfo& info, const EngineSettings& eng
 class BrickedEngine final : public Engine {
  public:
   BrickedEngine(const cl::DeviceInfo& info, const Scenario& scenario, const Voxmap& voxmap, const Tool& tool,
-                std::size_t largest_pool)
+                const BrickedLimits& limits)
       : device_(info),
         bytes_(bricked_engine_bytes(scenario, voxmap, tool)),
         grid_(voxmap.grid),
         bricks_(voxmap.fill.brick_dims()),
-        state_(make_bricked_state(device_, voxmap, tool, wears(scenario), largest_pool)),
-        batch_(device_, removed_list(voxmap, tool)),
+        state_(make_bricked_state(device_, voxmap, tool, wears(scenario), limits.largest_pool)),
+        batch_(device_, removed_list(voxmap, tool, limits)),
         detector_(device_, state_, batch_, options_for(info, scenario.engine)),
         erosion_(device_, state_, batch_, make_energy_table(scenario.cutting, voxmap.grid.voxel_mm),
                  options_for(info, scenario.engine)) {}
@@ -57,17 +58,15 @@ class BrickedEngine final : public Engine {
   Erosion& erosion() override { return erosion_; }
   [[nodiscard]] bool full() const override { return batch_.full(); }
 
-  Batch collect() override { return {batch_.collect(), detector_.take_seconds(), erosion_.take_seconds()}; }
+  Batch collect() override {
+    removed_.clear();
+    for (int slot = batch_.stalled(); slot >= 0; slot = batch_.stalled()) resume(slot);
+    return {batch_.collect(), detector_.take_seconds(), erosion_.take_seconds()};
+  }
 
   RemovedFrames take_removed() override {
-    RemovedFrames removed;
-    const std::vector<cl_ulong> words = batch_.take_removed();
-    for (std::size_t i = 0; i < words.size(); i += 2) {
-      RemovedBlock block;
-      std::memcpy(&block, &words[i], sizeof block);
-      append(block, removed);
-    }
-    return removed;
+    append(batch_.take_removed());
+    return std::exchange(removed_, {});
   }
 
   void read_fill(Voxmap& voxmap) override { read_bricked_fill(device_, state_, voxmap); }
@@ -85,8 +84,26 @@ class BrickedEngine final : public Engine {
   }
 
  private:
+  /// Cuts what waited for room in the list of removed voxels, and runs the substeps after it.
+  void resume(int slot) {
+    append(batch_.make_room(slot));
+    erosion_.cut(slot);
+    for (int later = slot + 1; later < batch_.used(); ++later) {
+      detector_.detect(later);
+      erosion_.cut(later);
+    }
+  }
+
+  void append(const std::vector<cl_ulong>& words) {
+    for (std::size_t i = 0; i < words.size(); i += 2) {
+      RemovedBlock block;
+      std::memcpy(&block, &words[i], sizeof block);
+      append(block);
+    }
+  }
+
   /// The voxels of a block's record, with the frame of its substep.
-  void append(const RemovedBlock& block, RemovedFrames& removed) const {
+  void append(const RemovedBlock& block) {
     const auto nx = static_cast<rs_u32>(bricks_.x()), ny = static_cast<rs_u32>(bricks_.y());
     const rs_u32 row = block.brick / nx;
     const Vec3i brick(static_cast<int>(block.brick % nx), static_cast<int>(row % ny), static_cast<int>(row / ny));
@@ -97,7 +114,7 @@ class BrickedEngine final : public Engine {
     const std::int64_t row_step = grid_.dims.x(), layer_step = row_step * grid_.dims.y();
     for (rs_u64 rest = block.gone; rest != 0; rest &= rest - 1) {
       const int bit = std::countr_zero(rest);
-      removed.emplace_back(base + (bit & 3) + row_step * (bit >> 2 & 3) + layer_step * (bit >> 4), frame);
+      removed_.emplace_back(base + (bit & 3) + row_step * (bit >> 2 & 3) + layer_step * (bit >> 4), frame);
     }
   }
 
@@ -109,13 +126,14 @@ class BrickedEngine final : public Engine {
   DeviceBatch batch_;
   BrickedDetector detector_;
   BrickedErosion erosion_;
+  RemovedFrames removed_;  // of the batch, as far as its list has been read
 };
 
 }  // namespace
 
 std::unique_ptr<Engine> make_bricked_engine(const cl::DeviceInfo& info, const Scenario& scenario, const Voxmap& voxmap,
-                                            const Tool& tool, std::size_t largest_pool) {
-  return std::make_unique<BrickedEngine>(info, scenario, voxmap, tool, largest_pool);
+                                            const Tool& tool, const BrickedLimits& limits) {
+  return std::make_unique<BrickedEngine>(info, scenario, voxmap, tool, limits);
 }
 
 std::unique_ptr<Engine> make_bricked_engine(const Scenario& scenario, const Voxmap& voxmap, const Tool& tool) {
@@ -123,7 +141,7 @@ std::unique_ptr<Engine> make_bricked_engine(const Scenario& scenario, const Voxm
 }
 
 std::size_t bricked_engine_bytes(const Scenario& scenario, const Voxmap& voxmap, const Tool& tool) {
-  return bricked_bytes(voxmap, tool, wears(scenario)) + DeviceBatch::bytes(removed_list(voxmap, tool));
+  return bricked_bytes(voxmap, tool, wears(scenario)) + DeviceBatch::bytes(removed_list(voxmap, tool, {}));
 }
 
 }  // namespace reamsim

@@ -1,5 +1,7 @@
 // What is particular to `bricked`: its memory plan, pools, cells and lists.
+#include <array>
 #include <iostream>
+#include <set>
 
 #include "sim/base/error.h"
 #include "sim/collide/bricked_state.h"
@@ -21,14 +23,43 @@ TEST(Bricked, BricksInManyPoolsGiveTheSame) {
       EXPECT_GT(one.removed.size(), 100U);
       // 120 bricks in pools of 8 or, with fill, of 8 larger ones.
       const std::size_t largest = erosion == std::string("wear") ? 14'000 : 6'000;
-      const auto engine =
-          make_bricked_engine(cl::choose_device("auto"), scene.scenario, scene.bone.voxmap, scene.tool, largest);
+      const auto engine = make_bricked_engine(cl::choose_device("auto"), scene.scenario, scene.bone.voxmap, scene.tool,
+                                              {.largest_pool = largest});
       expect_same(run_on(*engine, scene), one);
       engine->restore(scene.bone.voxmap);
       expect_same(run_on(*engine, scene), one);
-      EXPECT_THROW(make_bricked_engine(cl::choose_device("auto"), scene.scenario, scene.bone.voxmap, scene.tool, 700),
+      EXPECT_THROW(make_bricked_engine(cl::choose_device("auto"), scene.scenario, scene.bone.voxmap, scene.tool,
+                                       {.largest_pool = 700}),
                    InputError)
           << "16 pools of a brick each do not hold 120";
+    }
+  }
+}
+
+/// Records that the voxels of a run take: one for each frame and block of 4×4×4 voxels.
+std::size_t records_of(const RemovedFrames& removed, const VoxelGrid& grid) {
+  std::set<std::array<int, 4>> records;
+  for (const auto& [voxel, frame] : removed) {
+    const Vec3i block = grid.coord(voxel) / 4;
+    records.insert({block.x(), block.y(), block.z(), frame});
+  }
+  return records.size();
+}
+
+TEST(Bricked, AShortListOfRemovedVoxelsGivesTheSame) {
+  for (const char* shape : {"cpu", "gpu"}) {
+    for (const char* law : {"energy", "per_point"}) {
+      SCOPED_TRACE(std::string(shape) + ", " + law);
+      ReamingScene scene = oblique_scene("auto");
+      scene.scenario.engine.kernel_shape = shape;
+      scene.scenario.cutting.law = law;
+      scene.tool = make_tool(cap_profile(5, 6, 2.5, 0.6), 20);
+      const Outcome roomy = run(scene);
+      // Room for what one substep could remove, which the run, a single batch, removes several times over.
+      EXPECT_GT(records_of(roomy.removed, scene.bone.voxmap.grid), 2 * scene.tool.shell.codes.size());
+      const auto engine = make_bricked_engine(cl::choose_device("auto"), scene.scenario, scene.bone.voxmap, scene.tool,
+                                              {.removed_room = 1});
+      expect_same(run_on(*engine, scene), roomy);
     }
   }
 }

@@ -4,6 +4,7 @@
 
 #include <iostream>
 
+#include "kernels/cut_law.h"
 #include "sim/collide/dense_state.h"
 #include "sim/collide/voxel_box.h"
 #include "tests/engine/outcome.h"

@@ -1,5 +1,5 @@
 // The cut of `bricked` in C++: cut_bricked.cl as it runs on a CPU, over the same structures, and the cutting law of
-// kernels/shared.h written again for vectors of the compiler, with the same operations in the same order.
+// kernels/cut_law.h written again for vectors of the compiler, with the same operations in the same order.
 #include "tests/bench/reference/frame.h"
 #include "tests/bench/reference/lanes.h"
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "kernels/shared.h"
+#include "kernels/cut_law.h"
 
 // What the passes of every instruction set share. No inline functions in here, nor in any header that the passes
 // include: the linker keeps one copy of them, which must not hold instructions that the processor lacks.
@@ -9,7 +9,7 @@ namespace reamsim::reference {
 /// Points of the shell's cells are padded to a multiple of this.
 inline constexpr int kPadding = 16;
 
-/// One substep on plain memory: the structures of `bricked` (kernels/shared.h) and what the threads add to. Energetic
+/// One substep on plain memory: the structures of `bricked` (kernels/bricks.h) and what the threads add to. Energetic
 /// law, erosion `remove`, voxels whole or gone.
 struct Frame {
   const SubstepArgs* args;

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "kernels/shared.h"
+#include "kernels/cut_law.h"
 #include "sim/bone/voxmap.h"
 #include "sim/scenario/scenario.h"
 #include "sim/tool/tool.h"

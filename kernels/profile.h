@@ -1,0 +1,125 @@
+/* The tool's profile, its envelope of revolution: a polygon in (r, z) of T, with its outward normal. One arithmetic for
+ * the host, for a work-item, and for sixteen voxels in the lanes of a vector where a kernel defines RS_LANES 16: the
+ * same operations in the same order, so the same bits. */
+#ifndef REAMSIM_KERNELS_PROFILE_H
+#define REAMSIM_KERNELS_PROFILE_H
+
+#ifndef REAMSIM_KERNELS_SHARED_H
+#include "shared.h"
+#endif
+
+#if defined(RS_LANES) && RS_LANES == 16
+typedef float16 rs_real;
+typedef long16 rs_sum;
+#define RS_TO_SUM(value) convert_long16(value)
+#else
+typedef float rs_real;
+typedef rs_i64 rs_sum;
+#define RS_TO_SUM(value) ((rs_i64)(value))
+#endif
+
+/* An edge of the tool's profile in (r, z) of T, mm: from (r0, z0) along (along_r, along_z), with 1/length^2 and its
+ * outward unit normal. */
+typedef struct {
+  float r0, z0, along_r, along_z;
+  float inverse_length2;
+  float normal_r, normal_z;
+  float z1; /* exactly the next edge's z0 */
+} ProfileEdge;
+
+/* Which edges can be nearest: a grid of square cells over (r, z), each with a list of edges in ascending order that
+ * holds the nearest edge of every point within `reach` of the cell. Cells far from the profile, and points off the
+ * grid, use list 0, which holds all edges. */
+typedef struct {
+  float z0; /* mm; r begins at 0 */
+  float per_mm;
+  rs_i32 count_r, count_z;
+} ProfileGrid;
+
+typedef struct {
+  rs_u32 first; /* into the array of edge numbers */
+  rs_u32 count;
+} EdgeList;
+
+/* The tool's profile as a kernel sees it. */
+typedef struct {
+  RS_GLOBAL const ProfileEdge* edges;
+  RS_GLOBAL const rs_u16* numbers;  /* of edges, list after list */
+  RS_GLOBAL const EdgeList* lists;  /* [1 + count_r * count_z]; cell (r, z) has list 1 + r + count_r * z */
+  RS_GLOBAL const ProfileGrid* grid;
+} ProfileView;
+
+/* The list of edges for points within the grid's reach of (r, z). */
+RS_INLINE EdgeList rs_edges_near(const ProfileView* profile, float r, float z) {
+  RS_GLOBAL const ProfileGrid* g = profile->grid;
+  const float cr = r * g->per_mm, cz = (z - g->z0) * g->per_mm;
+  if (!(cr < (float)g->count_r && cz >= 0 && cz < (float)g->count_z)) return profile->lists[0];
+  return profile->lists[1 + (rs_i32)cr + g->count_r * (rs_i32)cz];
+}
+
+/* Outward unit normal (n_r, n_z) at the profile's point nearest to (r, z), of the edges in `list`: the gradient of the
+ * signed distance there, or the edge's normal on the surface itself. Of two edges that share the nearest vertex the one
+ * seen more squarely decides the sign. */
+RS_INLINE void rs_profile_normal(const ProfileView* profile, EdgeList list, rs_real r, rs_real z, rs_real* normal_r,
+                                 rs_real* normal_z) {
+  const rs_real zero = (rs_real)0.0f, one = (rs_real)1.0f;
+  rs_real best = (rs_real)1e30f, best_side = zero, dr = zero, dz = zero, nr = zero, nz = -one;
+  for (rs_u32 i = 0; i < list.count; ++i) {
+    RS_GLOBAL const ProfileEdge* e = profile->edges + profile->numbers[list.first + i];
+    const rs_real vr = r - e->r0, vz = z - e->z0;
+    rs_real t = (vr * e->along_r + vz * e->along_z) * e->inverse_length2;
+    t = t > 0.0f ? t : zero;
+    t = t < 1.0f ? t : one;
+    const rs_real pr = vr - t * e->along_r, pz = vz - t * e->along_z;
+    const rs_real d2 = pr * pr + pz * pz;
+    const rs_real side = pr * e->normal_r + pz * e->normal_z;
+    const rs_real abs_side = side < 0.0f ? -side : side, abs_best = best_side < 0.0f ? -best_side : best_side;
+    /* One comparison more than `&&` needs, but the same for scalars and lanes. */
+    const rs_real tie = d2 == best ? abs_side - abs_best : -one;
+    const rs_real gain = d2 < best ? one : tie;
+    best = gain > 0.0f ? d2 : best;
+    best_side = gain > 0.0f ? side : best_side;
+    dr = gain > 0.0f ? pr : dr;
+    dz = gain > 0.0f ? pz : dz;
+    nr = gain > 0.0f ? (rs_real)e->normal_r : nr;
+    nz = gain > 0.0f ? (rs_real)e->normal_z : nz;
+  }
+  /* On the surface itself the direction is undefined: the edge's own normal. */
+  const rs_real signed_inverse = (best_side < 0.0f ? -one : one) / RS_SQRT(best);
+  *normal_r = best > 1e-12f ? dr * signed_inverse : nr;
+  *normal_z = best > 1e-12f ? dz * signed_inverse : nz;
+}
+
+/* The tool's outward normal at `p` (T, mm), of the edges in `list`. Zero radial part on the spin axis. */
+RS_INLINE void rs_normal_at(const ProfileView* profile, EdgeList list, const rs_real* p, rs_real* normal) {
+  const rs_real r = RS_SQRT(p[0] * p[0] + p[1] * p[1]);
+  rs_real radial;
+  rs_profile_normal(profile, list, r, p[2], &radial, &normal[2]);
+  const rs_real share = r > 0.0f ? radial / r : (rs_real)0.0f;
+  normal[0] = share * p[0];
+  normal[1] = share * p[1];
+}
+
+#if !defined(RS_LANES)
+/* Whether (r, z), r >= 0, lies in the profile's polygon or on it, by the edges that a ray towards larger r crosses.
+ * Edges on the axis are not in the list; such a ray never crosses them. */
+RS_INLINE int rs_inside_profile(const ProfileView* profile, float r, float z) {
+  int inside = 0;
+  const rs_i32 count = (rs_i32)profile->lists[0].count;
+  for (rs_i32 i = 0; i < count; ++i) {
+    RS_GLOBAL const ProfileEdge* e = profile->edges + i;
+    const float r0 = e->r0, r1 = e->r0 + e->along_r, z0 = e->z0, z1 = e->z1;
+    if ((z < z0 && z < z1) || (z > z0 && z > z1)) continue;
+    const float side = (r - r0) * e->normal_r + (z - z0) * e->normal_z;
+    const int beside = (r < r0 && r < r1) || (r > r0 && r > r1);
+    if (side == 0 && !beside) return 1;
+    /* Half-open in z, so that a ray through a vertex counts one of its two edges. The outward normal of an edge that
+     * goes up points to larger r. */
+    if ((z0 <= z) != (z1 <= z) && (z1 > z0 ? side < 0 : side > 0)) inside = !inside;
+  }
+  return inside;
+}
+
+#endif
+
+#endif
