@@ -48,17 +48,17 @@ typedef struct {
       __global Brick *pool_4, __global Brick *pool_5, __global Brick *pool_6, __global Brick *pool_7,   \
       __global Brick *pool_8, __global Brick *pool_9, __global Brick *pool_10, __global Brick *pool_11, \
       __global Brick *pool_12, __global Brick *pool_13, __global Brick *pool_14, __global Brick *pool_15
-#define RS_POOL_ARRAY                                                                                               \
-  {                                                                                                                 \
-    pool_0, pool_1, pool_2, pool_3, pool_4, pool_5, pool_6, pool_7, pool_8, pool_9, pool_10, pool_11, pool_12,      \
-        pool_13, pool_14, pool_15                                                                                   \
+#define RS_POOL_ARRAY                                                                                          \
+  {                                                                                                            \
+    pool_0, pool_1, pool_2, pool_3, pool_4, pool_5, pool_6, pool_7, pool_8, pool_9, pool_10, pool_11, pool_12, \
+        pool_13, pool_14, pool_15                                                                              \
   }
 #endif
 #define RS_POOL_MASK ((1u << RS_POOL_BITS) - 1u)
 #endif
 
-/* A block of the shell's grid with its points: their lowest cell, and how far the highest lies from it. Points are 16-bit
- * offsets from the lowest cell, 5 bits an axis, x in bit 0. */
+/* A block of the shell's grid with its points: their lowest cell, and how far the highest lies from it. Points are
+ * 16-bit offsets from the lowest cell, 5 bits an axis, x in bit 0. */
 #define RS_CELL_BITS 5
 typedef struct {
   rs_i32 first[3];
@@ -74,9 +74,9 @@ typedef struct {
   rs_u64 gone;   /* a bit per voxel of the block */
 } RemovedBlock;
 
-/* The list of records has room for what any one substep can remove, not for every substep of a batch. A substep for which
- * there might be no room is left for the host to resume, and all that follow it with it: detect notes how long the list
- * was before the substep, or RS_STALLED where an earlier one waits already. */
+/* The list of records has room for what any one substep can remove, not for every substep of a batch. A substep for
+ * which there might be no room is left for the host to resume, and all that follow it with it: detect notes how long
+ * the list was before the substep, or RS_STALLED where an earlier one waits already. */
 #define RS_STALLED 0xffffffffu
 
 /* Whether a substep that touches `bricks` bricks has to wait, with `before` records in a list of `records`, when no
@@ -85,5 +85,33 @@ RS_INLINE int rs_stalls(rs_u32 records, rs_u32 per_substep, rs_u32 before, rs_u3
   const rs_u32 most = bricks < per_substep / 8 ? 8 * bricks : per_substep;
   return before == RS_STALLED || before > records - most;
 }
+
+/* ---- Exact erosion: what many substeps share ---- */
+
+/* Substeps that a brick goes through in one visit at most, and so that sums are kept for meanwhile. */
+#define RS_VISIT_SUBSTEPS 64
+
+/* Substeps first…end-1, in which no point near the tool moves further than `shift_mm` from where it is in the first. */
+typedef struct {
+  rs_u32 first;
+  rs_u32 end;
+  float shift_mm;
+} SubstepWindow;
+
+/* Counters of a visit. */
+typedef struct {
+  rs_u32 listed;  /* bricks in reach of the tool */
+  rs_u32 pages;   /* of fill that are in use: 512 fills of a brick that is not whole */
+  rs_u32 removed; /* records of removed blocks */
+} VisitCounts;
+
+/* Signed distances to the tool's surface over cells of (r, z), at their centres: where the tool may be near, at a
+ * glance. */
+typedef struct {
+  float z0; /* mm; r begins at 0 */
+  float per_mm;
+  float slack_mm; /* half a cell's diagonal */
+  rs_i32 count_r, count_z;
+} CoarseGrid;
 
 #endif

@@ -1,10 +1,10 @@
 /* Cut over bricks: every touched voxel loses fill, takes energy and pushes back (design §5). Work-items, or on a GPU
- * work-groups, stride over the list of touched bricks, whose length only the device knows. On a CPU (RS_LANES 16) sixteen
- * voxels go through the law in the lanes of a vector; on a GPU a work-item takes a voxel.
+ * work-groups, stride over the list of touched bricks, whose length only the device knows. On a CPU (RS_LANES 16)
+ * sixteen voxels go through the law in the lanes of a vector; on a GPU a work-item takes a voxel.
  *
  * Compiled with RS_POOLS, RS_POOL_BITS and, where voxels can be partly gone, RS_BRICK_FILL. */
-#ifndef REAMSIM_KERNELS_CUT_LAW_H
-#include "cut_law.h"
+#ifndef REAMSIM_KERNELS_BRICK_REPORT_H
+#include "brick_report.h"
 #endif
 #pragma OPENCL EXTENSION cl_khr_int64_base_atomics : enable
 
@@ -15,37 +15,13 @@ typedef struct {
   __global const double* density;
 } Material;
 
-/* Records of removed voxels wait until there are some, because all work-items take their places from one counter. */
-#define WAITING 32
-
-/* Where the cut reports: the removed voxels of the substep, and the sums that are not the law's. */
+/* What the cut reports besides the law's sums. */
 typedef struct {
-  __global RemovedBlock* removed;
-  __global uint* removed_count;
-  RemovedBlock waiting[WAITING];
-  uint waiting_count;
-  uint brick;
-  uint slot;
+  RemovedReport gone;
   long contacts;
   long fill;
   long energy;
 } Tally;
-
-void hand_over_removed(Tally* tally) {
-  if (tally->waiting_count == 0) return;
-  __global RemovedBlock* to = tally->removed + atomic_add(tally->removed_count, tally->waiting_count);
-  for (uint i = 0; i < tally->waiting_count; ++i) to[i] = tally->waiting[i];
-  tally->waiting_count = 0;
-}
-
-void report_removed(Tally* tally, const int block, const uint low, const uint high) {
-  if ((low | high) == 0) return;
-  if (tally->waiting_count == WAITING) hand_over_removed(tally);
-  RemovedBlock* record = tally->waiting + tally->waiting_count++;
-  record->brick = tally->brick;
-  record->detail = tally->slot << 3 | (uint)block;
-  record->gone = low | (ulong)high << 32;
-}
 
 #ifdef RS_BRICK_FILL
 /* What voxel `place` loses, taken off its fill; mJ. `gone` says whether nothing is left. */
@@ -75,41 +51,18 @@ float lose(__global const SubstepArgs* a, __global Brick* brick, const Material*
 }
 #endif
 
-void add_sums(__global SubstepSums* total, const long* part) {
-  for (int c = 0; c < 3; ++c) {
-    if (part[c] != 0) atom_add(&total->force[c], part[c]);
-    if (part[3 + c] != 0) atom_add(&total->torque[c], part[3 + c]);
-  }
-  atom_add(&total->energy, part[6]);
-  if (part[7] != 0) atom_add(&total->floor_energy, part[7]);
-  atom_add(&total->removed, part[8]);
-  atom_add(&total->contacts, part[9]);
-}
-
-/* Clears the bit of a brick in which nothing is left, so that cells over it are passed over from now on. */
-void clear_if_empty(__global const Brick* brick, __global uint* occupancy, const int x, const int y, const int z,
-                    const int4 bricks) {
-  uint left = 0;
-  for (int w = 0; w < RS_BRICK_WORDS; ++w) left |= brick->bone[w];
-  if (left != 0) return;
-  const int superbrick = (x >> 2) + ((bricks.x + 3) >> 2) * ((y >> 2) + ((bricks.y + 3) >> 2) * (z >> 2));
-  const uint bit = (uint)((x & 3) | (y & 3) << 2 | (z & 3) << 4);
-  atomic_and(&occupancy[2 * superbrick + (bit >> 5)], ~(1u << (bit & 31u)));
-}
-
 #define PARAMETERS                                                                                                   \
   __global const SubstepArgs *args, const uint substep, __global const uint *lattice_of_slot, __global uint *listed, \
       __global uint *occupancy, __global const uint *touched_list, __global const uint *touched_count,               \
-      __global SubstepSums *sums, __global RemovedBlock *removed, __global uint *removed_count,                    \
-      const uint2 room, __global const uint *removed_before,                                                   \
-      __global const double *energy_of_grade, __global const long *units_of_grade,                                   \
-      __global const double *density_of_grade,                                                                       \
-      __global const ulong *bits_of_byte, const int4 bricks,                                                         \
-      __global const ProfileEdge *edges, __global const ushort *numbers, __global const EdgeList *lists,             \
-      __global const ProfileGrid *grid, RS_POOL_PARAMETERS
+      __global SubstepSums *sums, __global RemovedBlock *removed, __global uint *removed_count, const uint2 room,    \
+      __global const uint *removed_before, __global const double *energy_of_grade,                                   \
+      __global const long *units_of_grade, __global const double *density_of_grade,                                  \
+      __global const ulong *bits_of_byte, const int4 bricks, __global const ProfileEdge *edges,                      \
+      __global const ushort *numbers, __global const EdgeList *lists, __global const ProfileGrid *grid,              \
+      RS_POOL_PARAMETERS
 
-/* Whether the substep has to wait for room in the list of removed voxels. The host learns it from an impossible number of
- * contacts. */
+/* Whether the substep has to wait for room in the list of removed voxels. The host learns it from an impossible number
+ * of contacts. */
 bool stalls(const uint2 room, __global const uint* removed_before, __global const uint* touched_count,
             const uint substep, __global SubstepSums* sums) {
   const bool stalled = rs_stalls(room.x, room.y, removed_before[substep], touched_count[substep]);
@@ -148,8 +101,8 @@ int list_places(__global const Brick* brick, __global const ulong* bits_of_byte,
 }
 
 /* Takes what the listed voxels lose, and their bits out of the brick where they are gone. */
-void lose_all(__global const SubstepArgs* a, __global Brick* brick, const Material* material, const ushort* places,
-              const int count, float* energies, Tally* tally) {
+void lose_all(__global const SubstepArgs* a, const uint substep, __global Brick* brick, const Material* material,
+              const ushort* places, const int count, float* energies, Tally* tally) {
 #ifdef RS_BRICK_FILL
   uint gone_words[RS_BRICK_WORDS] = {0};
 #endif
@@ -170,7 +123,7 @@ void lose_all(__global const SubstepArgs* a, __global Brick* brick, const Materi
     brick->bone[2 * block] &= ~low;
     brick->bone[2 * block + 1] &= ~high;
     brick->touched[2 * block] = brick->touched[2 * block + 1] = 0;
-    report_removed(tally, block, low, high);
+    report_removed(&tally->gone, substep, block, low, high);
   }
 }
 
@@ -187,7 +140,9 @@ void push_back(__global const SubstepArgs* a, const ProfileView* profile, const 
     const float16 lz = convert_float16((place >> 8 & 1) << 2 | (place >> 4 & 3));
     float16 p[3];
     rs_voxel_in_tool(a, corner, lx, ly, lz, p);
-    rs_cut_force(a, profile, list, p, vload16(0, energies + i), sums);
+    float16 n[3];
+    rs_tool_nearest(profile, list, p, n);
+    rs_cut_force(a, n, p, vload16(0, energies + i), sums);
   }
 }
 
@@ -207,10 +162,7 @@ __kernel void cut_bricked(PARAMETERS) {
   for (int i = 0; i < 3; ++i) lanes.force[i] = lanes.torque[i] = (long16)0;
   lanes.floor_energy = (long16)0;
   Tally tally;
-  tally.removed = removed;
-  tally.removed_count = removed_count;
-  tally.slot = substep;
-  tally.waiting_count = 0;
+  begin_report(&tally.gone, removed, removed_count);
   tally.contacts = tally.fill = tally.energy = 0;
   ushort places[RS_BRICK_VOXELS + 16];
   float energies[RS_BRICK_VOXELS + 16];
@@ -218,19 +170,27 @@ __kernel void cut_bricked(PARAMETERS) {
     const uint slot = touched_list[t];
     __global Brick* brick = pools[slot >> RS_POOL_BITS] + (slot & RS_POOL_MASK);
     listed[slot] = 0;
-    tally.brick = lattice_of_slot[slot];
-    const uint row = tally.brick / (uint)bricks.x;
-    const int x = (int)(tally.brick % (uint)bricks.x), y = (int)(row % (uint)bricks.y), z = (int)(row / (uint)bricks.y);
+    tally.gone.brick = lattice_of_slot[slot];
+    const uint row = tally.gone.brick / (uint)bricks.x;
+    const int x = (int)(tally.gone.brick % (uint)bricks.x), y = (int)(row % (uint)bricks.y),
+              z = (int)(row / (uint)bricks.y);
     const int touched = list_places(brick, bits_of_byte, places);
-    lose_all(a, brick, &material, places, touched, energies, &tally);
+    lose_all(a, substep, brick, &material, places, touched, energies, &tally);
     if (a->law == RS_LAW_ENERGY) push_back(a, &profile, 8 * x, 8 * y, 8 * z, places, energies, touched, &lanes);
     clear_if_empty(brick, occupancy, x, y, z, bricks);
   }
-  hand_over_removed(&tally);
-  const long part[10] = {add_lanes(lanes.force[0]),  add_lanes(lanes.force[1]),  add_lanes(lanes.force[2]),
-                         add_lanes(lanes.torque[0]), add_lanes(lanes.torque[1]), add_lanes(lanes.torque[2]),
-                         tally.energy, add_lanes(lanes.floor_energy), tally.fill, tally.contacts};
-  if (tally.contacts != 0) add_sums(&sums[substep], part);
+  hand_over_removed(&tally.gone);
+  const long part[10] = {add_lanes(lanes.force[0]),
+                         add_lanes(lanes.force[1]),
+                         add_lanes(lanes.force[2]),
+                         add_lanes(lanes.torque[0]),
+                         add_lanes(lanes.torque[1]),
+                         add_lanes(lanes.torque[2]),
+                         tally.energy,
+                         add_lanes(lanes.floor_energy),
+                         tally.fill,
+                         tally.contacts};
+  if (tally.contacts != 0) add_brick_sums(&sums[substep], part);
 }
 
 #else
@@ -256,19 +216,17 @@ __kernel void cut_bricked(PARAMETERS) {
   __global Brick* pools[RS_POOLS] = RS_POOL_ARRAY;
   LaneSums sum = {{0, 0, 0}, {0, 0, 0}, 0};
   Tally tally;
-  tally.removed = removed;
-  tally.removed_count = removed_count;
-  tally.slot = substep;
-  tally.waiting_count = 0;
+  begin_report(&tally.gone, removed, removed_count);
   tally.contacts = tally.fill = tally.energy = 0;
   const uint item = get_local_id(0), items = get_local_size(0);
   /* Every work-item of a group makes the same number of rounds, so that all meet the barriers. */
   for (uint t = get_group_id(0); t < count; t += get_num_groups(0)) {
     const uint slot = touched_list[t];
     __global Brick* brick = pools[slot >> RS_POOL_BITS] + (slot & RS_POOL_MASK);
-    tally.brick = lattice_of_slot[slot];
-    const uint row = tally.brick / (uint)bricks.x;
-    const int x = (int)(tally.brick % (uint)bricks.x), y = (int)(row % (uint)bricks.y), z = (int)(row / (uint)bricks.y);
+    tally.gone.brick = lattice_of_slot[slot];
+    const uint row = tally.gone.brick / (uint)bricks.x;
+    const int x = (int)(tally.gone.brick % (uint)bricks.x), y = (int)(row % (uint)bricks.y),
+              z = (int)(row / (uint)bricks.y);
     for (uint w = item; w < RS_BRICK_WORDS; w += items) gone_words[w] = 0;
     barrier(CLK_LOCAL_MEM_FENCE | CLK_GLOBAL_MEM_FENCE);
     for (uint place = item; place < RS_BRICK_VOXELS; place += items) {
@@ -281,7 +239,7 @@ __kernel void cut_bricked(PARAMETERS) {
       brick->touched[2 * block] = brick->touched[2 * block + 1] = 0;
       brick->bone[2 * block] &= ~gone_words[2 * block];
       brick->bone[2 * block + 1] &= ~gone_words[2 * block + 1];
-      report_removed(&tally, (int)block, gone_words[2 * block], gone_words[2 * block + 1]);
+      report_removed(&tally.gone, substep, (int)block, gone_words[2 * block], gone_words[2 * block + 1]);
     }
     barrier(CLK_LOCAL_MEM_FENCE | CLK_GLOBAL_MEM_FENCE);
     if (item == 0) {
@@ -289,10 +247,10 @@ __kernel void cut_bricked(PARAMETERS) {
       clear_if_empty(brick, occupancy, x, y, z, bricks);
     }
   }
-  hand_over_removed(&tally);
+  hand_over_removed(&tally.gone);
   const long part[10] = {sum.force[0],  sum.force[1], sum.force[2],     sum.torque[0], sum.torque[1],
                          sum.torque[2], tally.energy, sum.floor_energy, tally.fill,    tally.contacts};
-  if (tally.contacts != 0) add_sums(&sums[substep], part);
+  if (tally.contacts != 0) add_brick_sums(&sums[substep], part);
 }
 
 #endif

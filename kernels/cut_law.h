@@ -17,6 +17,7 @@ typedef struct {
   rs_sum force[3];
   rs_sum torque[3];
   rs_sum floor_energy;
+  rs_sum energy; /* erosion exact; the others add up whole numbers */
 } LaneSums;
 
 RS_INLINE rs_i64 rs_energy_units(double energy) {
@@ -59,19 +60,19 @@ RS_INLINE void rs_brick_in_tool(RS_GLOBAL const SubstepArgs* a, rs_i32 x, rs_i32
  * single precision: a lever is off by 10^-5 mm at most. */
 RS_INLINE void rs_voxel_in_tool(RS_GLOBAL const SubstepArgs* a, const float* brick, rs_real x, rs_real y, rs_real z,
                                 rs_real* p) {
-  p[0] = brick[0] + ((float)a->tool_from_voxel[0] * x + (float)a->tool_from_voxel[1] * y +
-                     (float)a->tool_from_voxel[2] * z);
-  p[1] = brick[1] + ((float)a->tool_from_voxel[3] * x + (float)a->tool_from_voxel[4] * y +
-                     (float)a->tool_from_voxel[5] * z);
-  p[2] = brick[2] + ((float)a->tool_from_voxel[6] * x + (float)a->tool_from_voxel[7] * y +
-                     (float)a->tool_from_voxel[8] * z);
+  p[0] = brick[0] +
+         ((float)a->tool_from_voxel[0] * x + (float)a->tool_from_voxel[1] * y + (float)a->tool_from_voxel[2] * z);
+  p[1] = brick[1] +
+         ((float)a->tool_from_voxel[3] * x + (float)a->tool_from_voxel[4] * y + (float)a->tool_from_voxel[5] * z);
+  p[2] = brick[2] +
+         ((float)a->tool_from_voxel[6] * x + (float)a->tool_from_voxel[7] * y + (float)a->tool_from_voxel[8] * z);
 }
 
 /* Force of the energetic law on the tool for a voxel with centre at `p` (T, mm) whose loss took `energy` mJ:
  * -F_t·v/|v| - k_n·F_t·n_perp with F_t = E/(max(|v|, v_floor)·dt). A voxel on which the tool does not move takes energy
- * but gives no force; all of it is floor energy. `list` holds the profile's edges that can be nearest. */
-RS_INLINE void rs_cut_force(RS_GLOBAL const SubstepArgs* a, const ProfileView* profile, EdgeList list, const rs_real* p,
-                            rs_real energy, LaneSums* sums) {
+ * but gives no force; all of it is floor energy. `n`: the tool's outward normal there. */
+RS_INLINE void rs_cut_force(RS_GLOBAL const SubstepArgs* a, const rs_real* n, const rs_real* p, rs_real energy,
+                            LaneSums* sums) {
   const rs_real zero = (rs_real)0.0f, one = (rs_real)1.0f;
   RS_GLOBAL const float *w = a->angular_velocity, *v0 = a->origin_velocity;
   const rs_real vx = v0[0] + (w[1] * p[2] - w[2] * p[1]);
@@ -83,8 +84,6 @@ RS_INLINE void rs_cut_force(RS_GLOBAL const SubstepArgs* a, const ProfileView* p
   const rs_real tangential = energy * (speed > a->speed_floor ? per_speed * a->per_duration : (rs_real)a->floor_rate);
   const rs_real over_floor = speed > a->speed_floor ? zero : energy * (one - speed * a->per_speed_floor);
   sums->floor_energy += RS_TO_SUM(over_floor * (float)RS_ENERGY_SCALE);
-  rs_real n[3];
-  rs_normal_at(profile, list, p, n);
   const rs_real along = (n[0] * vx + n[1] * vy + n[2] * vz) * per_speed;
   const rs_real normal = speed > 0.0f ? a->normal_ratio * tangential : zero;
   const rs_real against = (tangential - normal * along) * per_speed;
@@ -99,6 +98,7 @@ RS_INLINE void rs_add_lanes(SubstepSums* sums, const LaneSums* lanes) {
     sums->force[i] += lanes->force[i];
     sums->torque[i] += lanes->torque[i];
   }
+  sums->energy += lanes->energy;
   sums->floor_energy += lanes->floor_energy;
 }
 
@@ -108,7 +108,9 @@ RS_INLINE void rs_voxel_force(RS_GLOBAL const SubstepArgs* a, const ProfileView*
   float brick[3], p[3];
   rs_brick_in_tool(a, x, y, z, brick);
   rs_voxel_in_tool(a, brick, (float)(x & 7), (float)(y & 7), (float)(z & 7), p);
-  rs_cut_force(a, profile, rs_edges_near(profile, RS_SQRT(p[0] * p[0] + p[1] * p[1]), p[2]), p, energy, sums);
+  float n[3];
+  rs_tool_nearest(profile, rs_edges_near(profile, RS_SQRT(p[0] * p[0] + p[1] * p[1]), p[2]), p, n);
+  rs_cut_force(a, n, p, energy, sums);
 }
 
 /* Whether the tool's solid of revolution holds the centre of voxel (x, y, z). */
@@ -127,7 +129,7 @@ RS_INLINE void rs_point_force(RS_GLOBAL const SubstepArgs* a, const ProfileView*
                       (float)(a->shell_origin[1] + (y + 0.5) * a->cell_mm),
                       (float)(a->shell_origin[2] + (z + 0.5) * a->cell_mm)};
   float n[3];
-  rs_normal_at(profile, rs_edges_near(profile, RS_SQRT(p[0] * p[0] + p[1] * p[1]), p[2]), p, n);
+  rs_tool_nearest(profile, rs_edges_near(profile, RS_SQRT(p[0] * p[0] + p[1] * p[1]), p[2]), p, n);
   const float f[3] = {-a->force_per_point * n[0], -a->force_per_point * n[1], -a->force_per_point * n[2]};
   rs_add_force(sums, f, p);
 }

@@ -10,21 +10,28 @@
 
 #if defined(RS_LANES) && RS_LANES == 16
 typedef float16 rs_real;
+typedef int16 rs_int;
 typedef long16 rs_sum;
 #define RS_TO_SUM(value) convert_long16(value)
+#define RS_TO_INT(value) convert_int16(value)
+#define RS_TO_REAL(value) convert_float16(value)
 #else
 typedef float rs_real;
+typedef rs_i32 rs_int;
 typedef rs_i64 rs_sum;
 #define RS_TO_SUM(value) ((rs_i64)(value))
+#define RS_TO_INT(value) ((rs_i32)(value))
+#define RS_TO_REAL(value) ((float)(value))
 #endif
 
 /* An edge of the tool's profile in (r, z) of T, mm: from (r0, z0) along (along_r, along_z), with 1/length^2 and its
  * outward unit normal. */
 typedef struct {
   float r0, z0, along_r, along_z;
+  float r1, z1; /* exactly the next edge's r0 and z0 */
   float inverse_length2;
   float normal_r, normal_z;
-  float z1; /* exactly the next edge's z0 */
+  float curvature; /* of the line that the edge is part of, 1/mm; positive where it bulges outwards */
 } ProfileEdge;
 
 /* Which edges can be nearest: a grid of square cells over (r, z), each with a list of edges in ascending order that
@@ -44,8 +51,8 @@ typedef struct {
 /* The tool's profile as a kernel sees it. */
 typedef struct {
   RS_GLOBAL const ProfileEdge* edges;
-  RS_GLOBAL const rs_u16* numbers;  /* of edges, list after list */
-  RS_GLOBAL const EdgeList* lists;  /* [1 + count_r * count_z]; cell (r, z) has list 1 + r + count_r * z */
+  RS_GLOBAL const rs_u16* numbers; /* of edges, list after list */
+  RS_GLOBAL const EdgeList* lists; /* [1 + count_r * count_z]; cell (r, z) has list 1 + r + count_r * z */
   RS_GLOBAL const ProfileGrid* grid;
 } ProfileView;
 
@@ -57,47 +64,68 @@ RS_INLINE EdgeList rs_edges_near(const ProfileView* profile, float r, float z) {
   return profile->lists[1 + (rs_i32)cr + g->count_r * (rs_i32)cz];
 }
 
-/* Outward unit normal (n_r, n_z) at the profile's point nearest to (r, z), of the edges in `list`: the gradient of the
- * signed distance there, or the edge's normal on the surface itself. Of two edges that share the nearest vertex the one
- * seen more squarely decides the sign. */
-RS_INLINE void rs_profile_normal(const ProfileView* profile, EdgeList list, rs_real r, rs_real z, rs_real* normal_r,
-                                 rs_real* normal_z) {
+/* The profile's surface next to a point: the signed distance to it, negative inside, mm, and its outward unit normal.
+ */
+typedef struct {
+  rs_real distance;
+  rs_real normal_r, normal_z;
+  rs_real curvature; /* of the profile, 1/mm */
+} Nearest;
+
+/* What lies nearest to (r, z), of the edges in `list`. The normal is the gradient of the distance; next to an edge that
+ * is the edge's own, exactly. Of two edges that share the nearest vertex the one seen more squarely decides the sign.
+ */
+RS_INLINE Nearest rs_profile_nearest(const ProfileView* profile, EdgeList list, rs_real r, rs_real z) {
   const rs_real zero = (rs_real)0.0f, one = (rs_real)1.0f;
-  rs_real best = (rs_real)1e30f, best_side = zero, dr = zero, dz = zero, nr = zero, nz = -one;
+  rs_real best = (rs_real)1e30f, best_side = zero, beside = zero, dr = zero, dz = zero, nr = zero, nz = -one,
+          curvature = zero;
   for (rs_u32 i = 0; i < list.count; ++i) {
     RS_GLOBAL const ProfileEdge* e = profile->edges + profile->numbers[list.first + i];
     const rs_real vr = r - e->r0, vz = z - e->z0;
-    rs_real t = (vr * e->along_r + vz * e->along_z) * e->inverse_length2;
-    t = t > 0.0f ? t : zero;
+    const rs_real along = (vr * e->along_r + vz * e->along_z) * e->inverse_length2;
+    rs_real t = along > 0.0f ? along : zero;
     t = t < 1.0f ? t : one;
-    const rs_real pr = vr - t * e->along_r, pz = vz - t * e->along_z;
+    /* From a shared vertex both its edges measure the same, so that they tie. */
+    const rs_real pr = t < 1.0f ? vr - t * e->along_r : r - e->r1, pz = t < 1.0f ? vz - t * e->along_z : z - e->z1;
     const rs_real d2 = pr * pr + pz * pz;
     const rs_real side = pr * e->normal_r + pz * e->normal_z;
     const rs_real abs_side = side < 0.0f ? -side : side, abs_best = best_side < 0.0f ? -best_side : best_side;
-    /* One comparison more than `&&` needs, but the same for scalars and lanes. */
-    const rs_real tie = d2 == best ? abs_side - abs_best : -one;
-    const rs_real gain = d2 < best ? one : tie;
+    /* Edges that are as near but for rounding tie. One comparison more than `&&` needs, but the same for scalars and
+     * lanes. */
+    const rs_real rounding = best * 2e-6f + 1e-10f;
+    const rs_real tie = d2 <= best + rounding ? abs_side - abs_best : -one;
+    const rs_real gain = d2 < best - rounding ? one : tie;
     best = gain > 0.0f ? d2 : best;
     best_side = gain > 0.0f ? side : best_side;
+    beside = gain > 0.0f ? (t == along ? one : zero) : beside;
     dr = gain > 0.0f ? pr : dr;
     dz = gain > 0.0f ? pz : dz;
     nr = gain > 0.0f ? (rs_real)e->normal_r : nr;
     nz = gain > 0.0f ? (rs_real)e->normal_z : nz;
+    curvature = gain > 0.0f ? (rs_real)e->curvature : curvature;
   }
-  /* On the surface itself the direction is undefined: the edge's own normal. */
-  const rs_real signed_inverse = (best_side < 0.0f ? -one : one) / RS_SQRT(best);
-  *normal_r = best > 1e-12f ? dr * signed_inverse : nr;
-  *normal_z = best > 1e-12f ? dz * signed_inverse : nz;
+  /* At a vertex the direction is undefined: an edge's own normal. */
+  beside = best > 1e-12f ? beside : one;
+  const rs_real sign = best_side < 0.0f ? -one : one, root = RS_SQRT(best);
+  const rs_real signed_inverse = sign / root;
+  Nearest out;
+  out.distance = beside > 0.0f ? best_side : sign * root;
+  out.normal_r = beside > 0.0f ? nr : dr * signed_inverse;
+  out.normal_z = beside > 0.0f ? nz : dz * signed_inverse;
+  out.curvature = curvature;
+  return out;
 }
 
-/* The tool's outward normal at `p` (T, mm), of the edges in `list`. Zero radial part on the spin axis. */
-RS_INLINE void rs_normal_at(const ProfileView* profile, EdgeList list, const rs_real* p, rs_real* normal) {
+/* What of the tool's surface lies nearest to `p` (T, mm), of the edges in `list`; its outward unit normal in T goes to
+ * `normal`, with no radial part on the spin axis. */
+RS_INLINE Nearest rs_tool_nearest(const ProfileView* profile, EdgeList list, const rs_real* p, rs_real* normal) {
   const rs_real r = RS_SQRT(p[0] * p[0] + p[1] * p[1]);
-  rs_real radial;
-  rs_profile_normal(profile, list, r, p[2], &radial, &normal[2]);
-  const rs_real share = r > 0.0f ? radial / r : (rs_real)0.0f;
+  const Nearest nearest = rs_profile_nearest(profile, list, r, p[2]);
+  const rs_real share = r > 0.0f ? nearest.normal_r / r : (rs_real)0.0f;
   normal[0] = share * p[0];
   normal[1] = share * p[1];
+  normal[2] = nearest.normal_z;
+  return nearest;
 }
 
 #if !defined(RS_LANES)
@@ -108,7 +136,7 @@ RS_INLINE int rs_inside_profile(const ProfileView* profile, float r, float z) {
   const rs_i32 count = (rs_i32)profile->lists[0].count;
   for (rs_i32 i = 0; i < count; ++i) {
     RS_GLOBAL const ProfileEdge* e = profile->edges + i;
-    const float r0 = e->r0, r1 = e->r0 + e->along_r, z0 = e->z0, z1 = e->z1;
+    const float r0 = e->r0, r1 = e->r1, z0 = e->z0, z1 = e->z1;
     if ((z < z0 && z < z1) || (z > z0 && z > z1)) continue;
     const float side = (r - r0) * e->normal_r + (z - z0) * e->normal_z;
     const int beside = (r < r0 && r < r1) || (r > r0 && r > r1);

@@ -1,8 +1,8 @@
-/* Types and arithmetic that the host and the kernels share; with bricks.h, profile.h, cut_law.h and published.h beside it.
- * Plain C, compiled by the C++ compiler and by every OpenCL C compiler, so that the serial engine and the devices compute
- * the same bits: positions are fixed-point integers, sums are 64-bit integers, and the floats in between use only
- * operations that are correctly rounded (no contraction). The cutting law is in single precision, which every GPU is fast
- * in; its sums are exact.
+/* Types and arithmetic that the host and the kernels share; with bricks.h, profile.h, cut_law.h and published.h beside
+ * it. Plain C, compiled by the C++ compiler and by every OpenCL C compiler, so that the serial engine and the devices
+ * compute the same bits: positions are fixed-point integers, sums are 64-bit integers, and the floats in between use
+ * only operations that are correctly rounded (no contraction). The cutting law is in single precision, which every GPU
+ * is fast in; its sums are exact.
  */
 #ifndef REAMSIM_KERNELS_SHARED_H
 #define REAMSIM_KERNELS_SHARED_H
@@ -48,33 +48,39 @@ typedef uint8_t rs_u8;
 
 #define RS_LAW_ENERGY 0
 #define RS_LAW_PER_POINT 1
+#define RS_LAW_NONE 2 /* what goes, goes without force: bone that the tool starts in */
 #define RS_EROSION_REMOVE 0
 #define RS_EROSION_WEAR 1
+#define RS_EROSION_EXACT 2
 
 /* Everything that the stages of one substep need to know; written to the device in one piece before detect (paper
  * §3.5). Lengths in mm; velocities and levers in the tool frame T without spin, so that the law needs one rotation. */
 typedef struct {
-  rs_i64 voxel_from_cell[9];  /* row-major, fixed point: shell cell step to voxels */
-  rs_i64 voxel_origin[3];     /* fixed point: centre of shell cell (0,0,0), in voxels from the lattice's corner */
-  double tool_from_voxel[9];  /* row-major: voxel step to mm in T */
-  double tool_origin[3];      /* centre of voxel (0,0,0), T */
-  double shell_origin[3];     /* corner of shell cell (0,0,0), shell frame */
-  double cell_mm;             /* of the shell */
-  double wear;                /* g/cm3 that a touched voxel loses in this substep */
-  float origin_velocity[3];   /* of the tool's origin, mm/s, T */
-  float angular_velocity[3];  /* spin and tilt, rad/s, T */
-  float speed_floor;          /* mm/s */
-  float per_speed_floor;      /* s/mm */
-  float per_duration;         /* 1/s */
-  float floor_rate;           /* 1/(speed floor * duration), 1/mm */
-  float normal_ratio;         /* k_n */
-  float force_per_point;      /* N, law per_point */
+  rs_i64 voxel_from_cell[9]; /* row-major, fixed point: shell cell step to voxels */
+  rs_i64 voxel_origin[3];    /* fixed point: centre of shell cell (0,0,0), in voxels from the lattice's corner */
+  double tool_from_voxel[9]; /* row-major: voxel step to mm in T */
+  double tool_origin[3];     /* centre of voxel (0,0,0), T */
+  double shell_origin[3];    /* corner of shell cell (0,0,0), shell frame */
+  double cell_mm;            /* of the shell */
+  double wear;               /* g/cm3 that a touched voxel loses in this substep */
+  float origin_velocity[3];  /* of the tool's origin, mm/s, T */
+  float angular_velocity[3]; /* spin and tilt, rad/s, T */
+  float speed_floor;         /* mm/s */
+  float per_speed_floor;     /* s/mm */
+  float per_duration;        /* 1/s */
+  float floor_rate;          /* 1/(speed floor * duration), 1/mm */
+  float normal_ratio;        /* k_n */
+  float force_per_point;     /* N, law per_point */
+  float voxel_mm;
+  float per_voxel_mm; /* 1/mm */
   rs_i32 dims[3];
   rs_i32 voi_min[3]; /* shell cells, inclusive */
   rs_i32 voi_max[3];
   rs_i32 law;
   rs_i32 erosion;
   rs_i32 frame;
+  rs_i32 least_loss; /* fill; less is not worth a cut, erosion exact */
+  rs_i32 unused;     /* keeps the size a multiple of 8 */
 } SubstepArgs;
 
 /* Integer sums over the voxels of one substep. Force and torque act on the tool, torque about its origin; law energy:

@@ -20,6 +20,10 @@ struct Aabb {
 
   [[nodiscard]] Vec3 center() const { return 0.5 * (min + max); }
   [[nodiscard]] Vec3 half() const { return 0.5 * (max - min); }
+  /// The box with `margin` added on every side.
+  [[nodiscard]] Aabb expanded(double margin) const {
+    return {min - Vec3::Constant(margin), max + Vec3::Constant(margin)};
+  }
   [[nodiscard]] bool empty() const { return (min.array() > max.array()).any(); }
 };
 

@@ -15,20 +15,35 @@ std::uint16_t FillBricks::get(const Vec3i& voxel) const {
 
 void FillBricks::set(const Vec3i& voxel, std::uint16_t fill) {
   const std::size_t index = lattice_.index(BrickLattice::brick_of(voxel));
+  if (slot_of_brick_[index] < 0 && fill == kWhole) return;
+  std::uint16_t& stored = bricks_[take_slot(index)][static_cast<std::size_t>(offset_in_brick(voxel))];
+  if (stored == fill) return;
+  stored = fill;
+  note_change(index);
+}
+
+void FillBricks::put(const Vec3i& brick_coord, const Brick& brick) {
+  const std::size_t index = lattice_.index(brick_coord);
+  Brick& stored = bricks_[take_slot(index)];
+  if (stored == brick) return;
+  stored = brick;
+  note_change(index);
+}
+
+std::size_t FillBricks::take_slot(std::size_t index) {
   std::int32_t& slot = slot_of_brick_[index];
   if (slot < 0) {
-    if (fill == kWhole) return;
     slot = static_cast<std::int32_t>(bricks_.size());
     bricks_.emplace_back().fill(kWhole);
     is_changed_.push_back(0);
   }
-  const auto at = static_cast<std::size_t>(slot);
-  std::uint16_t& stored = bricks_[at][static_cast<std::size_t>(offset_in_brick(voxel))];
-  if (stored == fill) return;
-  stored = fill;
-  if (is_changed_[at] != 0) return;
-  is_changed_[at] = 1;
-  changed_.push_back(index);
+  return static_cast<std::size_t>(slot);
+}
+
+void FillBricks::note_change(std::size_t index) {
+  std::uint8_t& changed = is_changed_[static_cast<std::size_t>(slot_of_brick_[index])];
+  if (changed == 0) changed_.push_back(index);
+  changed = 1;
 }
 
 const FillBricks::Brick* FillBricks::brick(const Vec3i& brick_coord) const {

@@ -23,6 +23,8 @@ class FillBricks {
 
   [[nodiscard]] std::uint16_t get(const Vec3i& voxel) const;
   void set(const Vec3i& voxel, std::uint16_t fill);
+  /// A whole brick at once.
+  void put(const Vec3i& brick_coord, const Brick& brick);
 
   /// Number of bricks along each axis: ceil(dims/8).
   [[nodiscard]] Vec3i brick_dims() const { return lattice_.dims; }
@@ -47,6 +49,10 @@ class FillBricks {
   [[nodiscard]] std::size_t bytes() const;
 
  private:
+  /// The slot of a brick, a new one of whole voxels where there was none.
+  std::size_t take_slot(std::size_t index);
+  void note_change(std::size_t index);
+
   BrickLattice lattice_;
   std::vector<std::int32_t> slot_of_brick_;  // -1 = whole
   std::vector<Brick> bricks_;

@@ -59,10 +59,10 @@ void occupy(const Vec3i& brick, const Vec3i& superbricks, std::vector<cl_uint>& 
   occupancy[word + (bit >> 5)] |= 1U << (bit & 31U);
 }
 
-BrickPools plan_pools(const Voxmap& voxmap, bool wear, std::size_t largest_allocation) {
+BrickPools plan_pools(const Voxmap& voxmap, FillStore fill, std::size_t largest_allocation) {
   BrickPools pools;
-  pools.fill = wear || partly_filled(voxmap);
-  pools.brick_bytes = sizeof(Brick) + (pools.fill ? kFillBytes : 0);
+  pools.fill = fill == FillStore::none && partly_filled(voxmap) ? FillStore::bricks : fill;
+  pools.brick_bytes = sizeof(Brick) + (pools.fill == FillStore::bricks ? kFillBytes : 0);
   pools.bricks = voxmap.grade.stored_bricks();
   pools.bits = 31;
   if (pools.bricks * pools.brick_bytes <= largest_allocation) return pools;
@@ -99,7 +99,7 @@ cl::Buffer<T> upload(const cl::Device& device, std::vector<T> data, const char* 
 
 std::string BrickPools::defines(KernelShape shape) const {
   return "-DRS_POOLS=" + std::to_string(pools) + " -DRS_POOL_BITS=" + std::to_string(bits) +
-         (fill ? " -DRS_BRICK_FILL" : "") + (shape == KernelShape::cpu ? " -DRS_CPU_SHAPE" : "");
+         (fill == FillStore::bricks ? " -DRS_BRICK_FILL" : "") + (shape == KernelShape::cpu ? " -DRS_CPU_SHAPE" : "");
 }
 
 void BrickedState::set_pools(cl::Kernel& kernel, cl_uint first_argument) const {
@@ -110,15 +110,15 @@ void BrickedState::set_pools(cl::Kernel& kernel, cl_uint first_argument) const {
   }
 }
 
-std::size_t bricked_bytes(const Voxmap& voxmap, const Tool& tool, bool wear) {
-  return bytes_of(plan_pools(voxmap, wear, SIZE_MAX), voxmap, tool.shell);
+std::size_t bricked_bytes(const Voxmap& voxmap, const Tool& tool, FillStore fill) {
+  return bytes_of(plan_pools(voxmap, fill, SIZE_MAX), voxmap, tool.shell);
 }
 
-BrickedState make_bricked_state(const cl::Device& device, const Voxmap& voxmap, const Tool& tool, bool wear,
+BrickedState make_bricked_state(const cl::Device& device, const Voxmap& voxmap, const Tool& tool, FillStore fill,
                                 std::size_t largest_pool) {
   const std::size_t largest = std::min(device.info().max_allocation_bytes, largest_pool);
   BrickedState state;
-  state.layout = plan_pools(voxmap, wear, largest);
+  state.layout = plan_pools(voxmap, fill, largest);
   const std::size_t need = bytes_of(state.layout, voxmap, tool.shell);
   if (need > device.info().global_memory_bytes) {
     does_not_fit(device, voxmap, need, device.info().global_memory_bytes);
@@ -166,7 +166,7 @@ BrickedState make_bricked_state(const cl::Device& device, const Voxmap& voxmap, 
 void upload_bone(const cl::Device& device, BrickedState& state, const Voxmap& voxmap) {
   const Vec3i bricks = voxmap.grade.brick_dims();
   const bool same = voxmap.grid.dims == state.grid.dims && voxmap.grade.stored_bricks() == state.layout.bricks &&
-                    (state.layout.fill || !partly_filled(voxmap));
+                    (state.layout.fill != FillStore::none || !partly_filled(voxmap));
   if (!same) throw RunError("this is not the bone that the engine was made for: its memory was planned for another");
   constexpr std::size_t kChunk = 4096;  // bricks written at once
   const std::size_t bytes = state.layout.brick_bytes;
@@ -180,7 +180,8 @@ void upload_bone(const cl::Device& device, BrickedState& state, const Voxmap& vo
     first = slot;
   };
   voxmap.grade.for_each_brick([&](const Vec3i& brick, const GradeBricks::Brick& grades) {
-    if (fill_brick(voxmap, brick, grades, state.layout.fill, chunk.data() + (slot - first) * bytes)) {
+    if (fill_brick(voxmap, brick, grades, state.layout.fill == FillStore::bricks,
+                   chunk.data() + (slot - first) * bytes)) {
       occupy(brick, superbricks, occupancy);
     }
     ++slot;
@@ -214,7 +215,8 @@ void upload_bricks_of(const cl::Device& device, BrickedState& state, const Voxma
     const Vec3i brick = lattice.coord(index);
     const auto slot = static_cast<std::size_t>(slots[index]);
     const std::size_t pool = slot >> state.layout.bits, within = slot & ((std::size_t{1} << state.layout.bits) - 1);
-    const bool left = fill_brick(voxmap, brick, *voxmap.grade.brick(brick), state.layout.fill, record.data());
+    const bool left =
+        fill_brick(voxmap, brick, *voxmap.grade.brick(brick), state.layout.fill == FillStore::bricks, record.data());
     state.pools[pool].write(device, record.data(), bytes, within * bytes);
     if (left) occupy(brick, superbricks, occupancy);
   }
@@ -222,7 +224,7 @@ void upload_bricks_of(const cl::Device& device, BrickedState& state, const Voxma
 }
 
 void read_bricked_fill(const cl::Device& device, const BrickedState& state, Voxmap& voxmap) {
-  if (!state.layout.fill) return;
+  if (state.layout.fill != FillStore::bricks) return;
   const std::size_t bytes = state.layout.brick_bytes;
   std::vector<cl_uchar> record(bytes);
   std::array<rs_u16, RS_BRICK_VOXELS> fill{};

@@ -15,13 +15,20 @@ namespace reamsim {
 /// Which shape the kernels of `bricked` take: a work-item that does much, in vectors, or many that do little.
 enum class KernelShape { cpu, gpu };
 
+/// Where the fill of voxels that are partly gone stands.
+enum class FillStore {
+  none,    ///< voxels are whole or gone
+  bricks,  ///< in every brick (`wear`, and bone that has been reamed before)
+  pages    ///< in pages, of the bricks that are not whole (`exact`)
+};
+
 /// How the bricks are laid into buffers: none larger than the device allocates in one piece.
 struct BrickPools {
   int pools = 1;  ///< 1, or 16
   int bits = 0;   ///< log2 of the bricks that a pool holds
   std::size_t bricks = 0;
   std::size_t brick_bytes = 0;
-  bool fill = false;  ///< voxels can be partly gone
+  FillStore fill = FillStore::none;
 
   /// Options that the kernels are compiled with.
   [[nodiscard]] std::string defines(KernelShape shape) const;
@@ -50,7 +57,7 @@ struct BrickedState {
 
 /// Uploads bone and tool. No buffer of bricks takes more than `largest_pool` bytes, nor more than the device allocates
 /// in one piece. Throws InputError that says what would fit; memory is planned before it is taken.
-BrickedState make_bricked_state(const cl::Device& device, const Voxmap& voxmap, const Tool& tool, bool wear,
+BrickedState make_bricked_state(const cl::Device& device, const Voxmap& voxmap, const Tool& tool, FillStore fill,
                                 std::size_t largest_pool = SIZE_MAX);
 
 /// Uploads the bone again, as `voxmap` has it. Its bricks must be those that the state was made with.
@@ -63,6 +70,6 @@ void upload_bricks_of(const cl::Device& device, BrickedState& state, const Voxma
 void read_bricked_fill(const cl::Device& device, const BrickedState& state, Voxmap& voxmap);
 
 /// Device memory that make_bricked_state() would take, bytes.
-std::size_t bricked_bytes(const Voxmap& voxmap, const Tool& tool, bool wear);
+std::size_t bricked_bytes(const Voxmap& voxmap, const Tool& tool, FillStore fill);
 
 }  // namespace reamsim

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <span>
 #include <vector>
 
 #include "kernels/shared.h"
@@ -40,6 +41,10 @@ class DeviceBatch {
   int begin(const SubstepArgs& args);
   /// The arguments that begin() took into a slot of this batch.
   [[nodiscard]] const SubstepArgs& args_of(int slot) const { return host_args_[static_cast<std::size_t>(slot)]; }
+  /// The arguments of the batch's substeps, by slot.
+  [[nodiscard]] std::span<const SubstepArgs> args_used() const {
+    return {host_args_.data(), static_cast<std::size_t>(used_)};
+  }
   /// True when another substep might not find room.
   [[nodiscard]] bool full() const { return used_ >= slots_; }
 

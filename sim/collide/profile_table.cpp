@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <string>
 
 #include "kernels/bricks.h"
@@ -11,7 +12,7 @@
 namespace reamsim {
 
 // Host and device lay the structs out alike.
-static_assert(sizeof(ProfileEdge) == 32);
+static_assert(sizeof(ProfileEdge) == 40);
 static_assert(sizeof(EdgeList) == 8);
 static_assert(sizeof(ProfileGrid) == 16);
 
@@ -35,14 +36,41 @@ ProfileEdge make_edge(const Vec2& exact_a, const Vec2& exact_b) {
   const double length = along.norm();
   const auto f = [](double value) { return static_cast<float>(value); };
   // The inside lies to the left of a → b, so the outward normal points to the right.
-  return {f(a.x()),
-          f(a.y()),
-          f(along.x()),
-          f(along.y()),
-          f(1 / (length * length)),
-          f(along.y() / length),
-          f(-along.x() / length),
-          f(b.y())};
+  return {.r0 = f(a.x()),
+          .z0 = f(a.y()),
+          .along_r = f(along.x()),
+          .along_z = f(along.y()),
+          .r1 = f(b.x()),
+          .z1 = f(b.y()),
+          .inverse_length2 = f(1 / (length * length)),
+          .normal_r = f(along.y() / length),
+          .normal_z = f(-along.x() / length),
+          .curvature = 0};
+}
+
+/// Curvature of a line through `corner` whose points before and after it are given, 1/mm; positive where the outline,
+/// inside on its left, bulges. Nothing where the line has a corner.
+std::optional<double> curvature_at(const Vec2& before, const Vec2& corner, const Vec2& after) {
+  constexpr double kCorner = 0.2;  // rad
+  const Vec2 a = corner - before, b = after - corner;
+  const double turn = std::atan2(a.x() * b.y() - a.y() * b.x(), a.dot(b));
+  if (std::abs(turn) > kCorner) return std::nullopt;
+  return 2 * turn / (a.norm() + b.norm());
+}
+
+/// Curvature of the line that the edge after point `i` is part of, as far as its ends are smooth. On the axis the line
+/// goes on as its mirror image.
+double edge_curvature(const Profile& profile, std::size_t i) {
+  const std::vector<Vec2>& points = profile.points;
+  const std::size_t n = points.size();
+  const auto point = [&](std::size_t k) { return points[k % n]; };
+  const auto mirrored = [](const Vec2& rz) { return Vec2(-rz.x(), rz.y()); };
+  const Vec2 a = point(i), b = point(i + 1);
+  const Vec2 before = Profile::on_axis(a) ? mirrored(b) : point(i + n - 1);
+  const Vec2 after = Profile::on_axis(b) ? mirrored(a) : point(i + 2);
+  const auto begin = curvature_at(before, a, b), end = curvature_at(a, b, after);
+  if (begin && end) return 0.5 * (*begin + *end);
+  return begin ? *begin : end.value_or(0);
 }
 
 double distance(const ProfileEdge& e, const Vec2& rz) {
@@ -104,6 +132,7 @@ ProfileTable full_profile_table(const Profile& profile) {
     if (a.cast<float>() == b.cast<float>() || on_axis) continue;
     table.numbers.push_back(static_cast<rs_u16>(table.edges.size()));
     table.edges.push_back(make_edge(a, b));
+    table.edges.back().curvature = static_cast<float>(edge_curvature(profile, i));
   }
   if (table.edges.size() > std::numeric_limits<rs_u16>::max()) {
     throw InputError({}, "tool.mesh", "a profile of " + std::to_string(table.edges.size()) + " edges",

@@ -6,7 +6,7 @@
 namespace reamsim {
 
 // Host and device lay the struct out alike: 8-byte members first, then an even number of ints.
-static_assert(sizeof(SubstepArgs) == 8 * (9 + 3 + 9 + 3 + 3 + 2) + 4 * 24);
+static_assert(sizeof(SubstepArgs) == 8 * (9 + 3 + 9 + 3 + 3 + 2) + 4 * 28);
 static_assert(sizeof(SubstepSums) == 8 * 10);
 
 namespace {
@@ -28,6 +28,17 @@ std::pair<int, int> cell_range(double low, double high, const PointShell& shell)
   const double first = std::floor(low / shell.cell_mm - 0.5) - 1, last = std::ceil(high / shell.cell_mm - 0.5) + 1;
   const auto clamp = [&](double c) { return static_cast<int>(std::clamp(c, 0.0, shell.resolution - 1.0)); };
   return {clamp(first), clamp(last)};
+}
+
+rs_i32 erosion_of(const CuttingSettings& cutting) {
+  if (cutting.erosion == "exact") return RS_EROSION_EXACT;
+  return cutting.erosion == "wear" ? RS_EROSION_WEAR : RS_EROSION_REMOVE;
+}
+
+/// Fill that positions in single precision, good to kPositionMm, could make a resting tool take off.
+rs_i32 least_loss(double voxel_mm) {
+  constexpr double kPositionMm = 1e-5;
+  return 1 + static_cast<rs_i32>(std::ceil(RS_WHOLE_FILL * kPositionMm / voxel_mm));
 }
 
 }  // namespace
@@ -95,7 +106,10 @@ SubstepArgs make_args(const Substep& substep, const Aabb& voi, const PointShell&
   args.wear = cutting.wear_g_cm3_per_s * substep.duration_s;
   args.cell_mm = shell.cell_mm;
   args.law = cutting.law == "per_point" ? RS_LAW_PER_POINT : RS_LAW_ENERGY;
-  args.erosion = cutting.erosion == "wear" ? RS_EROSION_WEAR : RS_EROSION_REMOVE;
+  args.erosion = erosion_of(cutting);
+  args.voxel_mm = static_cast<float>(grid.voxel_mm);
+  args.per_voxel_mm = static_cast<float>(1 / grid.voxel_mm);
+  args.least_loss = least_loss(grid.voxel_mm);
   args.frame = static_cast<std::int32_t>(substep.frame);
   return args;
 }

@@ -13,12 +13,6 @@ extern const char* const kernel_cut_bricked;
 
 namespace {
 
-/// Enough to fill the device: on a CPU few items that take many bricks each, on a GPU many groups.
-std::size_t work_items(const cl::DeviceInfo& info, const BrickedOptions& options) {
-  constexpr std::size_t kItemsPerCore = 8, kGroupsPerUnit = 32;
-  return info.compute_units * (options.shape == KernelShape::cpu ? kItemsPerCore : kGroupsPerUnit * options.work_group);
-}
-
 /// Per byte the numbers of its bits, a byte each, lowest first; then zeros.
 std::array<cl_ulong, 256> bits_of_byte() {
   std::array<cl_ulong, 256> out{};
@@ -31,20 +25,17 @@ std::array<cl_ulong, 256> bits_of_byte() {
   return out;
 }
 
-std::string defines(const BrickedState& state, const BrickedOptions& options) {
-  return state.layout.defines(options.shape) + (options.shape == KernelShape::cpu ? " -DRS_LANES=16" : "");
-}
-
 }  // namespace
 
 BrickedErosion::BrickedErosion(const cl::Device& device, BrickedState& state, const DeviceBatch& batch,
                                const EnergyTable& table, const BrickedOptions& options)
-    : items_(work_items(device.info(), options)),
+    : items_(cut_items(device.info(), options)),
       energy_(device, table.energy_mj.size(), "the energy table"),
       units_(device, table.energy_mj.size(), "the energy table"),
       density_(device, table.density_g_cm3.size(), "the density table"),
       bits_of_byte_(device, 256, "the table of bits"),
-      kernel_(device, device.build("cut_bricked.cl", embedded::kernel_cut_bricked, defines(state, options)),
+      kernel_(device,
+              device.build("cut_bricked.cl", embedded::kernel_cut_bricked, cut_defines(state.layout, options.shape)),
               "cut_bricked", 1, options.work_group) {
   energy_.write(device, table.energy_mj.data(), table.energy_mj.size());
   std::array<cl_long, 256> units{};

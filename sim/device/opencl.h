@@ -115,6 +115,11 @@ class Buffer {
                               nullptr, nullptr),
           "clEnqueueReadBuffer");
   }
+  /// Takes the first `count` elements of another buffer.
+  void copy(const Device& device, const Buffer& from, std::size_t count) {
+    check(clEnqueueCopyBuffer(device.queue(), from.get(), memory_.get(), 0, 0, count * sizeof(T), 0, nullptr, nullptr),
+          "clEnqueueCopyBuffer");
+  }
   /// Fills `count` elements with zero bits.
   void clear(const Device& device, std::size_t count) {
     const cl_uchar zero = 0;

@@ -47,8 +47,9 @@ void describe_cutting(KeyVisitor& v, CuttingSettings& cutting) {
           .choices = {"energy", "per_point"}},
          cutting.law);
   v.text({.name = "erosion",
-          .doc = "remove: a touched voxel goes whole; wear: it loses density by the second",
-          .choices = {"remove", "wear"}},
+          .doc = "exact: a voxel keeps the part of it that lies outside the tool; remove: a touched voxel goes whole; "
+                 "wear: it loses density by the second",
+          .choices = {"exact", "remove", "wear"}},
          cutting.erosion);
   v.number(
       {.name = "specific_energy_j_mm3",

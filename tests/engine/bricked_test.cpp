@@ -86,7 +86,7 @@ TEST(Bricked, MemoryFollowsTheBoneAndNotTheLattice) {
       for (int x = 0; x < 64; ++x) voxmap.grade.set({x, y, z}, 100);
   const Tool tool = make_tool(cap_profile(5, 6, 2.5, 0.6), 61);
   EXPECT_EQ(voxmap.grade.stored_bricks(), 512U);
-  EXPECT_LT(bricked_bytes(voxmap, tool, false), 12'000'000U);  // 8.4 MB of it the table that finds bricks
+  EXPECT_LT(bricked_bytes(voxmap, tool, FillStore::none), 12'000'000U);  // 8.4 MB of it the table that finds bricks
 }
 
 TEST(ShellCells, HoldEveryPointOnceWithinTheirBounds) {
@@ -117,7 +117,23 @@ TEST(ShellCells, ACellFitsTheWindowHoweverItIsTurned) {
   }
 }
 
-TEST(ProfileTable, ListsGiveTheNormalsOfTheFullProfile) {
+TEST(ProfileTable, DistancesAreThoseOfTheProfile) {
+  // Far outside and inside too, where the nearest point is mostly a vertex, and rounding decides between its two edges.
+  for (const Profile& profile : {cap_profile(5, 6, 2.5, 0.6), cap_profile(29, 36, 9, 1.25)}) {
+    const ProfileTable table = full_profile_table(profile);
+    const ProfileView view = table.view();
+    const double width = 1.3 * profile.max_radius_mm();
+    for (int i = 0; i < 700; ++i) {
+      for (int k = 0; k < 700; ++k) {
+        const float r = static_cast<float>(width * i / 700), z = static_cast<float>(width * (k - 250) / 700);
+        const double expected = profile.nearest({r, z}).distance_mm;
+        ASSERT_NEAR(rs_profile_nearest(&view, view.lists[0], r, z).distance, expected, 2e-5) << r << ", " << z;
+      }
+    }
+  }
+}
+
+TEST(ProfileTable, ListsGiveTheDistancesOfTheFullProfile) {
   constexpr unsigned kSeed = 99;
   std::cout << "seed " << kSeed << '\n';
   std::mt19937 random(kSeed);
@@ -135,13 +151,13 @@ TEST(ProfileTable, ListsGiveTheNormalsOfTheFullProfile) {
       const double turn = 2 * M_PI * u(random), away = 6.06 * voxel_mm * u(random);
       const Vec2 center = near + away * Vec2(std::cos(turn), std::sin(turn));
       const auto r = static_cast<float>(std::abs(near.x())), z = static_cast<float>(near.y());
-      float expected_r, expected_z, found_r, found_z;
-      rs_profile_normal(&all, all.lists[0], r, z, &expected_r, &expected_z);
+      const Nearest expected = rs_profile_nearest(&all, all.lists[0], r, z);
       const EdgeList list =
           rs_edges_near(&some, static_cast<float>(std::abs(center.x())), static_cast<float>(center.y()));
-      rs_profile_normal(&some, list, r, z, &found_r, &found_z);
-      ASSERT_EQ(found_r, expected_r) << near.transpose();
-      ASSERT_EQ(found_z, expected_z) << near.transpose();
+      const Nearest found = rs_profile_nearest(&some, list, r, z);
+      ASSERT_EQ(found.distance, expected.distance) << near.transpose();
+      ASSERT_EQ(found.normal_r, expected.normal_r) << near.transpose();
+      ASSERT_EQ(found.normal_z, expected.normal_z) << near.transpose();
     }
   }
 }

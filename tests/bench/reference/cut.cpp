@@ -23,35 +23,38 @@ struct Tally {
 
 // ---- The law ----
 
-/// Outward unit normal of the profile at the point nearest to (r, z): rs_profile_normal().
+/// Outward unit normal of the profile at the point nearest to (r, z): rs_profile_nearest().
 void profile_normal(const ProfileView& profile, EdgeList list, Reals r, Reals z, Reals& normal_r, Reals& normal_z) {
   const Reals zero = {}, one = zero + 1.0F;
-  Reals best = zero + 1e30F, best_side = zero, dr = zero, dz = zero, nr = zero, nz = -one;
+  Reals best = zero + 1e30F, best_side = zero, beside = zero, dr = zero, dz = zero, nr = zero, nz = -one;
   for (rs_u32 i = 0; i < list.count; ++i) {
     const ProfileEdge& e = profile.edges[profile.numbers[list.first + i]];
     const Reals vr = r - e.r0, vz = z - e.z0;
-    Reals t = (vr * e.along_r + vz * e.along_z) * e.inverse_length2;
-    t = t > 0.0F ? t : zero;
+    const Reals along = (vr * e.along_r + vz * e.along_z) * e.inverse_length2;
+    Reals t = along > 0.0F ? along : zero;
     t = t < 1.0F ? t : one;
-    const Reals pr = vr - t * e.along_r, pz = vz - t * e.along_z;
+    const Reals pr = t < 1.0F ? vr - t * e.along_r : r - e.r1, pz = t < 1.0F ? vz - t * e.along_z : z - e.z1;
     const Reals d2 = pr * pr + pz * pz;
     const Reals side = pr * e.normal_r + pz * e.normal_z;
     const Reals abs_side = side < 0.0F ? -side : side, abs_best = best_side < 0.0F ? -best_side : best_side;
-    const Reals tie = d2 == best ? abs_side - abs_best : -one;
-    const Reals gain = d2 < best ? one : tie;
+    const Reals rounding = best * 2e-6F + 1e-10F;
+    const Reals tie = d2 <= best + rounding ? abs_side - abs_best : -one;
+    const Reals gain = d2 < best - rounding ? one : tie;
     best = gain > 0.0F ? d2 : best;
     best_side = gain > 0.0F ? side : best_side;
+    beside = gain > 0.0F ? (t == along ? one : zero) : beside;
     dr = gain > 0.0F ? pr : dr;
     dz = gain > 0.0F ? pz : dz;
     nr = gain > 0.0F ? zero + e.normal_r : nr;
     nz = gain > 0.0F ? zero + e.normal_z : nz;
   }
   const Reals signed_inverse = (best_side < 0.0F ? -one : one) / root(best);
-  normal_r = best > 1e-12F ? dr * signed_inverse : nr;
-  normal_z = best > 1e-12F ? dz * signed_inverse : nz;
+  beside = best > 1e-12F ? beside : one;
+  normal_r = beside > 0.0F ? nr : dr * signed_inverse;
+  normal_z = beside > 0.0F ? nz : dz * signed_inverse;
 }
 
-/// rs_normal_at().
+/// rs_tool_nearest().
 void normal_at(const ProfileView& profile, EdgeList list, const Reals* p, Reals* normal) {
   const Reals zero = {};
   const Reals r = root(p[0] * p[0] + p[1] * p[1]);

@@ -1,0 +1,284 @@
+/* Exact erosion over bricks (design §4): a voxel keeps the part of it that lies outside the tool. A brick goes through
+ * all substeps of a visit at once, because no voxel depends on another; what it does to the tool falls into the
+ * substeps' slots. Substeps come in windows, in which the tool moves so little that the voxels that it can meet are
+ * found once. On a CPU (RS_LANES 16) sixteen voxels are clipped in the lanes of a vector, a brick to a work-item; on a
+ * GPU a work-group takes a brick, a work-item every so many of its voxels.
+ *
+ * Compiled with RS_POOLS and RS_POOL_BITS. */
+#ifndef REAMSIM_KERNELS_CLIP_H
+#include "clip.h"
+#endif
+#ifndef REAMSIM_KERNELS_BRICK_REPORT_H
+#include "brick_report.h"
+#endif
+
+/* More than positions in single precision are off by, mm. */
+#define POSITION_SLACK 1e-4f
+
+#define SUMS 10 /* of a substep, as add_brick_sums() takes them */
+
+#define PARAMETERS                                                                                              \
+  __global const SubstepArgs *args, __global const SubstepWindow *windows, const uint window_count,             \
+      __global const uint *listed, __global VisitCounts *counts, __global const uint *lattice_of_slot,          \
+      __global uint *occupancy, const int4 bricks, __global int *page_of_slot, __global uint *slot_of_page,     \
+      __global ushort *pages, __global SubstepSums *sums, __global RemovedBlock *removed,                       \
+      __global const float *energy_of_grade, __global const ProfileEdge *edges, __global const ushort *numbers, \
+      __global const EdgeList *lists, __global const ProfileGrid *grid, RS_POOL_PARAMETERS
+
+/* A brick on its way through a visit. */
+typedef struct {
+  __global Brick* brick;
+  uint slot;
+  int x, y, z;     /* its lowest voxel */
+  float corner[3]; /* that voxel's centre in the substep at hand, T */
+  EdgeList list;   /* edges that can be nearest in the substep at hand */
+} Visit;
+
+Visit begin_visit(const uint slot, const uint lattice, const int4 bricks, __global Brick* brick) {
+  Visit v;
+  v.brick = brick;
+  v.slot = slot;
+  const uint row = lattice / (uint)bricks.x;
+  v.x = 8 * (int)(lattice % (uint)bricks.x);
+  v.y = 8 * (int)(row % (uint)bricks.y);
+  v.z = 8 * (int)(row / (uint)bricks.y);
+  return v;
+}
+
+void go_to_substep(__global const SubstepArgs* a, const ProfileView* profile, Visit* v) {
+  rs_brick_in_tool(a, v->x, v->y, v->z, v->corner);
+  float p[3];
+  for (int i = 0; i < 3; ++i) {
+    __global const double* row = a->tool_from_voxel + 3 * i;
+    p[i] = v->corner[i] + (float)(3.5 * (row[0] + row[1] + row[2]));
+  }
+  v->list = rs_edges_near(profile, sqrt(p[0] * p[0] + p[1] * p[1]), p[2]);
+}
+
+/* The brick's page of fill, a new one of whole voxels where it had none. */
+__global ushort* page_of(const uint slot, __global int* page_of_slot, __global uint* slot_of_page,
+                         __global ushort* pages, __global VisitCounts* counts) {
+  int page = page_of_slot[slot];
+  if (page < 0) {
+    page = (int)atomic_inc(&counts->pages);
+    page_of_slot[slot] = page;
+    slot_of_page[page] = slot;
+    for (int i = 0; i < RS_BRICK_VOXELS; ++i) pages[(ulong)page * RS_BRICK_VOXELS + i] = RS_WHOLE_FILL;
+  }
+  return pages + (ulong)page * RS_BRICK_VOXELS;
+}
+
+#if defined(RS_LANES)
+
+/* The voxels of a brick that the tool can meet in a window, padded to a multiple of 16 with ones that have nothing
+ * left. */
+typedef struct {
+  int count;
+  ushort place[RS_BRICK_VOXELS + 16];
+  int fill[RS_BRICK_VOXELS + 16];
+  float energy[RS_BRICK_VOXELS + 16]; /* of the whole voxel, mJ */
+} Candidates;
+
+/* Candidates within `reach` mm outside the surface; what lies inside it goes in any case. */
+void find_candidates(__global const SubstepArgs* a, const ProfileView* profile, const Visit* v, const float reach,
+                     __global const ushort* page, __global const float* energy_of_grade, Candidates* c) {
+  const int16 lane = (int16)(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
+  c->count = 0;
+  /* Eight blocks of 4x4x4 voxels first, then in those that are near, layers of 16 voxels. */
+  const Clip blocks = rs_clip(a, profile, v->list, v->corner, convert_float16((lane & 1) << 2) + 1.5f,
+                              convert_float16((lane & 2) << 1) + 1.5f, convert_float16(lane & 4) + 1.5f);
+  float block_distance[16];
+  vstore16(blocks.distance, 0, block_distance);
+  for (int block = 0; block < 8; ++block) {
+    if (block_distance[block] > reach + 2.6f * a->voxel_mm) continue;
+    const float16 x = convert_float16((block & 1) << 2 | (lane & 3)), y = convert_float16((block & 2) << 1 | lane >> 2);
+    for (int layer = 0; layer < 4; ++layer) {
+      const int first = block << 6 | layer << 4;
+      const uint bone = v->brick->bone[first >> 5] >> (first & 31) & 0xffffu;
+      if (bone == 0) continue;
+      const Clip clip = rs_clip(a, profile, v->list, v->corner, x, y, (float16)(float)((block & 4) | layer));
+      float distance[16];
+      vstore16(clip.distance, 0, distance);
+      for (int l = 0; l < 16; ++l) {
+        const int place = first + l;
+        c->place[c->count] = (ushort)place;
+        c->fill[c->count] = page == 0 ? RS_WHOLE_FILL : page[place];
+        c->energy[c->count] = energy_of_grade[v->brick->grade[place]];
+        c->count += (int)(bone >> l & 1u) & (distance[l] <= reach ? 1 : 0);
+      }
+    }
+  }
+  vstore16((ushort16)0, 0, c->place + c->count);
+  vstore16((int16)0, 0, c->fill + c->count);
+  vstore16((float16)0.0f, 0, c->energy + c->count);
+}
+
+long add_lanes(const long16 v) {
+  const long8 a = v.lo + v.hi;
+  return a.s0 + a.s1 + a.s2 + a.s3 + a.s4 + a.s5 + a.s6 + a.s7;
+}
+
+/* Cuts the candidates in one substep; true where any loses something. */
+bool cut_candidates(__global const SubstepArgs* a, const ProfileView* profile, const Visit* v, const uint substep,
+                    Candidates* c, RemovedReport* report, long* total) {
+  LaneSums lanes;
+  for (int i = 0; i < 3; ++i) lanes.force[i] = lanes.torque[i] = (long16)0;
+  lanes.floor_energy = lanes.energy = (long16)0;
+  int16 fill = 0, contacts = 0;
+  uint gone_words[RS_BRICK_WORDS] = {0};
+  bool any_gone = false;
+  for (int i = 0; i < c->count; i += 16) {
+    const int16 place = convert_int16(vload16(0, c->place + i));
+    const Clip clip = rs_clip(a, profile, v->list, v->corner, convert_float16((place >> 6 & 1) << 2 | (place & 3)),
+                              convert_float16((place >> 7 & 1) << 2 | (place >> 2 & 3)),
+                              convert_float16((place >> 8 & 1) << 2 | (place >> 4 & 3)));
+    const int16 before = vload16(0, c->fill + i);
+    const int16 lost = rs_clip_loss(a, before, rs_fill_outside(a, &clip));
+    if (!any(lost > 0)) continue;
+    rs_clip_force(a, &clip, vload16(0, c->energy + i), lost, &lanes);
+    fill += lost;
+    contacts -= lost > 0;
+    vstore16(before - lost, 0, c->fill + i);
+    const int16 gone = lost > 0 && before == lost;
+    if (!any(gone)) continue;
+    any_gone = true;
+    for (int l = 0; l < 16; ++l) {
+      const int at = c->place[i + l];
+      gone_words[at >> 5] |= (((const int*)&gone)[l] != 0 ? 1u : 0u) << (at & 31);
+    }
+  }
+  int fills[16], touched[16], met = 0;
+  vstore16(fill, 0, fills);
+  vstore16(contacts, 0, touched);
+  for (int l = 0; l < 16; ++l) {
+    total[8] += fills[l];
+    met += touched[l];
+  }
+  if (met == 0) return false;
+  total[9] += met;
+  for (int i = 0; i < 3; ++i) {
+    total[i] += add_lanes(lanes.force[i]);
+    total[3 + i] += add_lanes(lanes.torque[i]);
+  }
+  total[6] += add_lanes(lanes.energy);
+  total[7] += add_lanes(lanes.floor_energy);
+  if (!any_gone) return true;
+  for (int block = 0; block < RS_BRICK_WORDS / 2; ++block) {
+    const uint low = gone_words[2 * block], high = gone_words[2 * block + 1];
+    v->brick->bone[2 * block] &= ~low;
+    v->brick->bone[2 * block + 1] &= ~high;
+    report_removed(report, substep, block, low, high);
+  }
+  return true;
+}
+
+__kernel void cut_exact(PARAMETERS) {
+  const ProfileView profile = {edges, numbers, lists, grid};
+  __global Brick* pools[RS_POOLS] = RS_POOL_ARRAY;
+  const uint first = windows[0].first, end = windows[window_count - 1].end;
+  long totals[RS_VISIT_SUBSTEPS][SUMS];
+  for (uint s = 0; s < end - first; ++s)
+    for (int i = 0; i < SUMS; ++i) totals[s][i] = 0;
+  RemovedReport report;
+  begin_report(&report, removed, &counts->removed);
+  Candidates candidates;
+  for (uint t = get_global_id(0); t < counts->listed; t += get_global_size(0)) {
+    const uint slot = listed[t];
+    report.brick = lattice_of_slot[slot];
+    Visit v = begin_visit(slot, report.brick, bricks, pools[slot >> RS_POOL_BITS] + (slot & RS_POOL_MASK));
+    bool any_cut = false;
+    for (uint w = 0; w < window_count; ++w) {
+      const SubstepWindow window = windows[w];
+      go_to_substep(args + window.first, &profile, &v);
+      const int page = page_of_slot[slot];
+      find_candidates(args + window.first, &profile, &v,
+                      RS_CLIP_REACH * args->voxel_mm + window.shift_mm + POSITION_SLACK,
+                      page < 0 ? 0 : pages + (ulong)page * RS_BRICK_VOXELS, energy_of_grade, &candidates);
+      if (candidates.count == 0) continue;
+      bool cut = false;
+      for (uint s = window.first; s < window.end; ++s) {
+        go_to_substep(args + s, &profile, &v);
+        cut |= cut_candidates(args + s, &profile, &v, s, &candidates, &report, totals[s - first]);
+      }
+      if (!cut) continue;
+      any_cut = true;
+      __global ushort* fills = page_of(slot, page_of_slot, slot_of_page, pages, counts);
+      for (int i = 0; i < candidates.count; ++i) fills[candidates.place[i]] = (ushort)candidates.fill[i];
+    }
+    if (any_cut) clear_if_empty(v.brick, occupancy, v.x >> 3, v.y >> 3, v.z >> 3, bricks);
+  }
+  hand_over_removed(&report);
+  for (uint s = first; s < end; ++s)
+    if (totals[s - first][9] != 0) add_brick_sums(&sums[s], totals[s - first]);
+}
+
+#else
+
+/* What the work-item's voxels of the brick lose in one substep. */
+void cut_voxels(__global const SubstepArgs* a, const ProfileView* profile, const Visit* v, __global ushort* page,
+                __global const float* energy_of_grade, __local uint* gone_words, long* total) {
+  LaneSums sums = {{0, 0, 0}, {0, 0, 0}, 0, 0};
+  for (uint place = get_local_id(0); place < RS_BRICK_VOXELS; place += get_local_size(0)) {
+    if ((v->brick->bone[place >> 5] >> (place & 31u) & 1u) == 0) continue;
+    const int at = (int)place;
+    const Clip clip =
+        rs_clip(a, profile, v->list, v->corner, (float)rs_offset_x(at), (float)rs_offset_y(at), (float)rs_offset_z(at));
+    const int before = page[place];
+    const int lost = rs_clip_loss(a, before, rs_fill_outside(a, &clip));
+    if (lost == 0) continue;
+    rs_clip_force(a, &clip, energy_of_grade[v->brick->grade[place]], lost, &sums);
+    page[place] = (ushort)(before - lost);
+    total[8] += lost;
+    total[9] += 1;
+    if (lost == before) atomic_or(&gone_words[place >> 5], 1u << (place & 31u));
+  }
+  for (int i = 0; i < 3; ++i) {
+    total[i] += sums.force[i];
+    total[3 + i] += sums.torque[i];
+  }
+  total[6] += sums.energy;
+  total[7] += sums.floor_energy;
+}
+
+__kernel void cut_exact(PARAMETERS) {
+  __local uint gone_words[RS_BRICK_WORDS];
+  __local int page_here;
+  const ProfileView profile = {edges, numbers, lists, grid};
+  __global Brick* pools[RS_POOLS] = RS_POOL_ARRAY;
+  const uint first = windows[0].first, end = windows[window_count - 1].end, listed_count = counts->listed;
+  const uint item = get_local_id(0), items = get_local_size(0);
+  RemovedReport report;
+  begin_report(&report, removed, &counts->removed);
+  /* Every work-item of a group makes the same rounds, so that all meet the barriers. */
+  for (uint t = get_group_id(0); t < listed_count; t += get_num_groups(0)) {
+    const uint slot = listed[t];
+    report.brick = lattice_of_slot[slot];
+    Visit v = begin_visit(slot, report.brick, bricks, pools[slot >> RS_POOL_BITS] + (slot & RS_POOL_MASK));
+    if (item == 0) {
+      page_of(slot, page_of_slot, slot_of_page, pages, counts);
+      page_here = page_of_slot[slot];
+    }
+    barrier(CLK_LOCAL_MEM_FENCE | CLK_GLOBAL_MEM_FENCE);
+    __global ushort* page = pages + (ulong)page_here * RS_BRICK_VOXELS;
+    for (uint s = first; s < end; ++s) {
+      for (uint w = item; w < RS_BRICK_WORDS; w += items) gone_words[w] = 0;
+      barrier(CLK_LOCAL_MEM_FENCE | CLK_GLOBAL_MEM_FENCE);
+      long total[SUMS] = {0};
+      go_to_substep(args + s, &profile, &v);
+      cut_voxels(args + s, &profile, &v, page, energy_of_grade, gone_words, total);
+      if (total[9] != 0) add_brick_sums(&sums[s], total);
+      barrier(CLK_LOCAL_MEM_FENCE | CLK_GLOBAL_MEM_FENCE);
+      for (uint block = item; block < 8; block += items) {
+        v.brick->bone[2 * block] &= ~gone_words[2 * block];
+        v.brick->bone[2 * block + 1] &= ~gone_words[2 * block + 1];
+        report_removed(&report, s, (int)block, gone_words[2 * block], gone_words[2 * block + 1]);
+      }
+      barrier(CLK_LOCAL_MEM_FENCE | CLK_GLOBAL_MEM_FENCE);
+    }
+    if (item == 0) clear_if_empty(v.brick, occupancy, v.x >> 3, v.y >> 3, v.z >> 3, bricks);
+    barrier(CLK_LOCAL_MEM_FENCE | CLK_GLOBAL_MEM_FENCE);
+  }
+  hand_over_removed(&report);
+}
+
+#endif

@@ -1,0 +1,56 @@
+/* Broad phase of exact erosion: lists the bricks with bone that the tool's surface can meet in a visit. A work-item
+ * takes a superbrick of 4x4x4 bricks: it is passed over as a whole where it holds no bone or lies far from the surface.
+ */
+#ifndef REAMSIM_KERNELS_BRICK_REPORT_H
+#include "brick_report.h"
+#endif
+
+/* Half diagonals in voxels, of a brick and of 4x4x4 bricks, each with half a voxel's for the voxels that stick out. */
+#define BRICK_RADIUS 7.0f
+#define SUPERBRICK_RADIUS 27.8f
+
+/* Does the surface come within `reach` mm of the point `p` (T)? It may say yes for one that lies a little farther. */
+bool near_surface(const CoarseGrid g, __global const float* distances, const float* p, const float reach) {
+  const float r = (sqrt(p[0] * p[0] + p[1] * p[1])) * g.per_mm, z = (p[2] - g.z0) * g.per_mm;
+  /* Off the grid nothing is near. */
+  if (!(r < (float)g.count_r && z >= 0.0f && z < (float)g.count_z)) return false;
+  return distances[(int)r + g.count_r * (int)z] <= reach + g.slack_mm;
+}
+
+/* The middle of the box of `side` voxels whose lowest voxel is (x, y, z), T. */
+void middle_of(__global const SubstepArgs* a, const int x, const int y, const int z, const int side, float* p) {
+  const double half_side = 0.5 * (side - 1);
+  for (int i = 0; i < 3; ++i) {
+    __global const double* row = a->tool_from_voxel + 3 * i;
+    p[i] = (float)(a->tool_origin[i] + row[0] * (x + half_side) + row[1] * (y + half_side) + row[2] * (z + half_side));
+  }
+}
+
+/* `first_super`, `supers`: box of superbricks that the tool's box meets. `shift_mm`: no point near the tool moves
+ * further from where it is in substep `substep` while the visit lasts. */
+__kernel void reach_exact(__global const SubstepArgs* args, const uint substep, const int4 first_super,
+                          const int4 supers, const float shift_mm, __global const CoarseGrid* coarse,
+                          __global const float* distances, __global const uint* occupancy,
+                          __global const int* slot_of_brick, const int4 bricks, __global uint* listed,
+                          __global VisitCounts* counts) {
+  const uint item = get_global_id(0);
+  if (item >= (uint)supers.x * (uint)supers.y * (uint)supers.z) return;
+  const uint row = item / (uint)supers.x;
+  const int sx = first_super.x + (int)(item % (uint)supers.x), sy = first_super.y + (int)(row % (uint)supers.y),
+            sz = first_super.z + (int)(row / (uint)supers.y);
+  const uint words = 2 * (sx + ((bricks.x + 3) >> 2) * (sy + ((bricks.y + 3) >> 2) * sz));
+  const ulong left = occupancy[words] | (ulong)occupancy[words + 1] << 32;
+  if (left == 0) return;
+  __global const SubstepArgs* a = args + substep;
+  const CoarseGrid g = *coarse;
+  float p[3];
+  middle_of(a, 32 * sx, 32 * sy, 32 * sz, 32, p);
+  if (!near_surface(g, distances, p, SUPERBRICK_RADIUS * a->voxel_mm + shift_mm)) return;
+  for (ulong rest = left; rest != 0; rest &= rest - 1) {
+    const int bit = (int)popcount((rest & -rest) - 1);
+    const int x = 4 * sx + (bit & 3), y = 4 * sy + (bit >> 2 & 3), z = 4 * sz + (bit >> 4);
+    middle_of(a, 8 * x, 8 * y, 8 * z, 8, p);
+    if (!near_surface(g, distances, p, BRICK_RADIUS * a->voxel_mm + shift_mm)) continue;
+    listed[atomic_inc(&counts->listed)] = (uint)slot_of_brick[x + (ulong)bricks.x * (y + (ulong)bricks.y * z)];
+  }
+}
