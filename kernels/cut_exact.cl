@@ -31,7 +31,7 @@ typedef struct {
   uint slot;
   int x, y, z;     /* its lowest voxel */
   float corner[3]; /* that voxel's centre in the substep at hand, T */
-  EdgeList list;   /* edges that can be nearest in the substep at hand */
+  EdgeList list;   /* edges that can be nearest in the window at hand */
 } Visit;
 
 Visit begin_visit(const uint slot, const uint lattice, const int4 bricks, __global Brick* brick) {
@@ -45,8 +45,13 @@ Visit begin_visit(const uint slot, const uint lattice, const int4 bricks, __glob
   return v;
 }
 
-void go_to_substep(__global const SubstepArgs* a, const ProfileView* profile, Visit* v) {
+void go_to_substep(__global const SubstepArgs* a, Visit* v) {
   rs_brick_in_tool(a, v->x, v->y, v->z, v->corner);
+}
+
+/* As well, where a window begins with the substep. */
+void begin_window(__global const SubstepArgs* a, const ProfileView* profile, Visit* v) {
+  go_to_substep(a, v);
   float p[3];
   for (int i = 0; i < 3; ++i) {
     __global const double* row = a->tool_from_voxel + 3 * i;
@@ -77,12 +82,46 @@ typedef struct {
   ushort place[RS_BRICK_VOXELS + 16];
   int fill[RS_BRICK_VOXELS + 16];
   float energy[RS_BRICK_VOXELS + 16]; /* of the whole voxel, mJ */
+  uint skip[RS_BRICK_VOXELS / 16 + 1]; /* of each sixteen: edges that are not near any of them, see EdgeList */
 } Candidates;
 
-/* Candidates within `reach` mm outside the surface; what lies inside it goes in any case. */
-void find_candidates(__global const SubstepArgs* a, const ProfileView* profile, const Visit* v, const float reach,
+float16 offset_x(const int16 place) {
+  return convert_float16((place >> 6 & 1) << 2 | (place & 3));
+}
+float16 offset_y(const int16 place) {
+  return convert_float16((place >> 7 & 1) << 2 | (place >> 2 & 3));
+}
+float16 offset_z(const int16 place) {
+  return convert_float16((place >> 8 & 1) << 2 | (place >> 4 & 3));
+}
+
+/* Edges of the brick's list that are not nearest to any of sixteen voxels while the tool moves by `shift` mm. */
+uint far_edges(__global const SubstepArgs* a, const ProfileView* profile, const Visit* v, const int16 place,
+               const float shift) {
+  if (v->list.count > 32) return 0;
+  float16 p[3], distances[32];
+  rs_voxel_in_tool(a, v->corner, offset_x(place), offset_y(place), offset_z(place), p);
+  const float16 r = sqrt(p[0] * p[0] + p[1] * p[1]);
+  float16 least = (float16)1e30f;
+  for (uint i = 0; i < v->list.count; ++i) {
+    __global const ProfileEdge* e = profile->edges + profile->numbers[v->list.first + i];
+    const float16 vr = r - e->r0, vz = p[2] - e->z0;
+    const float16 t = clamp((vr * e->along_r + vz * e->along_z) * e->inverse_length2, 0.0f, 1.0f);
+    const float16 dr = vr - t * e->along_r, dz = vz - t * e->along_z;
+    distances[i] = sqrt(dr * dr + dz * dz);
+    least = fmin(least, distances[i]);
+  }
+  uint skip = 0;
+  for (uint i = 0; i < v->list.count; ++i)
+    skip |= (any(distances[i] <= least + 2.0f * (shift + POSITION_SLACK)) ? 0u : 1u) << i;
+  return skip;
+}
+
+/* Voxels that the surface can meet while the tool moves by `shift` mm; what lies inside it goes in any case. */
+void find_candidates(__global const SubstepArgs* a, const ProfileView* profile, const Visit* v, const float shift,
                      __global const ushort* page, __global const float* energy_of_grade, Candidates* c) {
   const int16 lane = (int16)(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
+  const float reach = RS_CLIP_REACH * a->voxel_mm + shift + POSITION_SLACK;
   c->count = 0;
   /* Eight blocks of 4x4x4 voxels first, then in those that are near, layers of 16 voxels. */
   const Clip blocks = rs_clip(a, profile, v->list, v->corner, convert_float16((lane & 1) << 2) + 1.5f,
@@ -111,6 +150,8 @@ void find_candidates(__global const SubstepArgs* a, const ProfileView* profile, 
   vstore16((ushort16)0, 0, c->place + c->count);
   vstore16((int16)0, 0, c->fill + c->count);
   vstore16((float16)0.0f, 0, c->energy + c->count);
+  for (int i = 0; i < c->count; i += 16)
+    c->skip[i >> 4] = far_edges(a, profile, v, convert_int16(vload16(0, c->place + i)), shift);
 }
 
 long add_lanes(const long16 v) {
@@ -129,9 +170,9 @@ bool cut_candidates(__global const SubstepArgs* a, const ProfileView* profile, c
   bool any_gone = false;
   for (int i = 0; i < c->count; i += 16) {
     const int16 place = convert_int16(vload16(0, c->place + i));
-    const Clip clip = rs_clip(a, profile, v->list, v->corner, convert_float16((place >> 6 & 1) << 2 | (place & 3)),
-                              convert_float16((place >> 7 & 1) << 2 | (place >> 2 & 3)),
-                              convert_float16((place >> 8 & 1) << 2 | (place >> 4 & 3)));
+    EdgeList list = v->list;
+    list.skip = c->skip[i >> 4];
+    const Clip clip = rs_clip(a, profile, list, v->corner, offset_x(place), offset_y(place), offset_z(place));
     const int16 before = vload16(0, c->fill + i);
     const int16 lost = rs_clip_loss(a, before, rs_fill_outside(a, &clip));
     if (!any(lost > 0)) continue;
@@ -189,15 +230,13 @@ __kernel void cut_exact(PARAMETERS) {
     bool any_cut = false;
     for (uint w = 0; w < window_count; ++w) {
       const SubstepWindow window = windows[w];
-      go_to_substep(args + window.first, &profile, &v);
+      begin_window(args + window.first, &profile, &v);
       const int page = page_of_slot[slot];
-      find_candidates(args + window.first, &profile, &v,
-                      RS_CLIP_REACH * args->voxel_mm + window.shift_mm + POSITION_SLACK,
-                      page < 0 ? 0 : pages + (ulong)page * RS_BRICK_VOXELS, energy_of_grade, &candidates);
+      find_candidates(args + window.first, &profile, &v, window.shift_mm, page < 0 ? 0 : pages + (ulong)page * RS_BRICK_VOXELS, energy_of_grade, &candidates);
       if (candidates.count == 0) continue;
       bool cut = false;
       for (uint s = window.first; s < window.end; ++s) {
-        go_to_substep(args + s, &profile, &v);
+        go_to_substep(args + s, &v);
         cut |= cut_candidates(args + s, &profile, &v, s, &candidates, &report, totals[s - first]);
       }
       if (!cut) continue;
@@ -264,7 +303,7 @@ __kernel void cut_exact(PARAMETERS) {
       for (uint w = item; w < RS_BRICK_WORDS; w += items) gone_words[w] = 0;
       barrier(CLK_LOCAL_MEM_FENCE | CLK_GLOBAL_MEM_FENCE);
       long total[SUMS] = {0};
-      go_to_substep(args + s, &profile, &v);
+      begin_window(args + s, &profile, &v);
       cut_voxels(args + s, &profile, &v, page, energy_of_grade, gone_words, total);
       if (total[9] != 0) add_brick_sums(&sums[s], total);
       barrier(CLK_LOCAL_MEM_FENCE | CLK_GLOBAL_MEM_FENCE);

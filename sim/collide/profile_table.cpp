@@ -8,18 +8,20 @@
 
 #include "kernels/bricks.h"
 #include "sim/base/error.h"
+#include "sim/collide/visit_plan.h"
 
 namespace reamsim {
 
 // Host and device lay the structs out alike.
 static_assert(sizeof(ProfileEdge) == 40);
-static_assert(sizeof(EdgeList) == 8);
+static_assert(sizeof(EdgeList) == 12);
 static_assert(sizeof(ProfileGrid) == 16);
 
 namespace {
 
-/// Half the diagonal between the corner voxels' centres of a brick, in voxels.
-const double kBrickReach = 0.5 * (RS_BRICK_SIDE - 1) * std::sqrt(3.0);
+/// Half the diagonal between the corner voxels' centres of a brick, in voxels, and as far as it moves within a window
+/// of substeps.
+const double kBrickReach = 0.5 * (RS_BRICK_SIDE - 1) * std::sqrt(3.0) + kWindowShiftVoxels;
 constexpr double kGridVoxels = 4;
 /// Touched voxels lie within a few voxels of the surface; teeth, resolved, may lie deeper, and use the full list.
 constexpr double kBandVoxels = 8;
@@ -138,7 +140,7 @@ ProfileTable full_profile_table(const Profile& profile) {
     throw InputError({}, "tool.mesh", "a profile of " + std::to_string(table.edges.size()) + " edges",
                      "at most 65535 are possible");
   }
-  table.lists.push_back({0, static_cast<rs_u32>(table.edges.size())});
+  table.lists.push_back({0, static_cast<rs_u32>(table.edges.size()), 0});
   return table;
 }
 
@@ -159,7 +161,7 @@ ProfileTable make_profile_table(const Profile& profile, double voxel_mm) {
         continue;
       }
       const std::vector<rs_u16> list = nearest_by_parts(table, all, center, reach_mm);
-      table.lists.push_back({static_cast<rs_u32>(table.numbers.size()), static_cast<rs_u32>(list.size())});
+      table.lists.push_back({static_cast<rs_u32>(table.numbers.size()), static_cast<rs_u32>(list.size()), 0});
       table.numbers.insert(table.numbers.end(), list.begin(), list.end());
     }
   }

@@ -8,9 +8,6 @@ namespace reamsim {
 
 namespace {
 
-/// Longest motion within a window, voxels: every voxel that a window can meet is looked at in each of its substeps.
-constexpr double kWindowShiftVoxels = 0.5;
-
 Mat3 tool_from_voxel(const SubstepArgs& args) {
   // Stored row by row.
   return Eigen::Map<const Mat3>(args.tool_from_voxel).transpose();

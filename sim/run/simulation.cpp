@@ -1,6 +1,8 @@
 #include "sim/run/simulation.h"
 
 #include <algorithm>
+#include <iomanip>
+#include <sstream>
 
 #include "sim/base/error.h"
 #include "sim/base/stopwatch.h"
@@ -38,14 +40,15 @@ class Run {
         ledger_(scene.bone.voxmap.grid.voxel_mm3(), scene.motion.frame_s(),
                 scene.scenario.cutting.law == "per_point" && scene.scenario.tool.spin == "resolved"),
         resolved_(scene.scenario.tool.spin == "resolved"),
+        exact_(scene.scenario.cutting.erosion == "exact"),
         max_step_mm_(scene.scenario.engine.max_step_voxels * scene.bone.voxmap.grid.voxel_mm) {}
 
   void frames(const RunControl& control) {
     const auto& poses = scene_.motion.poses;
     const auto last = static_cast<std::int64_t>(poses.size()) - 1;
     const std::int64_t interval = picture_interval(scene_.scenario.render, last);
-    recorder_.frame(ledger_.close({.before = poses[0], .pose = poses[0], .cut = {}}, {}), {});
-    recorder_.snapshot(0, scene_.bone.voxmap.fill);
+    start(poses[0]);
+    snapshot(0);
     for (std::int64_t frame = 1; frame <= last; ++frame) {
       advance(poses[static_cast<std::size_t>(frame) - 1], poses[static_cast<std::size_t>(frame)], frame);
       const bool picture = frame % interval == 0 || frame == last;
@@ -59,6 +62,30 @@ class Run {
   }
 
  private:
+  /// Frame 0. Where voxels are clipped, bone that the tool starts in goes at once and without force: no motion took it.
+  void start(const ToolPose& pose) {
+    PendingFrame pending{.frame = 0, .before = pose, .pose = pose, .cut = {}};
+    if (exact_) {
+      const Substep rest{.pose = pose, .duration_s = scene_.motion.frame_s()};
+      if (const auto voi = broad_phase(tool_box_, bone_box_, bone_from_shell(pose, resolved_).inverse())) {
+        SubstepArgs args =
+            make_args(rest, *voi, scene_.tool.shell, scene_.bone.voxmap.grid, scene_.scenario.cutting, resolved_);
+        args.law = RS_LAW_NONE;
+        enqueue(args, rest, pending);
+      }
+    }
+    pending_.push_back(std::move(pending));
+    record();
+  }
+
+  void enqueue(const SubstepArgs& args, const Substep& substep, PendingFrame& pending) {
+    if (engine_.full()) drain();
+    const int slot = engine_.begin(args);
+    engine_.detector().detect(slot);
+    engine_.erosion().cut(slot);
+    pending.cut.emplace_back(static_cast<int>(batch_.sums.size()) + slot, substep);
+  }
+
   /// One frame: in each substep, what the broad phase lets through is detected and cut.
   void advance(const ToolPose& a, const ToolPose& b, std::int64_t frame) {
     PendingFrame pending{.frame = frame, .before = a, .pose = b, .cut = {}};
@@ -71,12 +98,8 @@ class Run {
       const auto voi = broad_phase(tool_box_, bone_box_, tool_from_bone);
       pending.broad_phase_s += watch.seconds();
       if (!voi) continue;
-      if (engine_.full()) drain();
-      const int slot = engine_.begin(
-          make_args(substep, *voi, scene_.tool.shell, scene_.bone.voxmap.grid, scene_.scenario.cutting, resolved_));
-      engine_.detector().detect(slot);
-      engine_.erosion().cut(slot);
-      pending.cut.emplace_back(static_cast<int>(batch_.sums.size()) + slot, substep);
+      enqueue(make_args(substep, *voi, scene_.tool.shell, scene_.bone.voxmap.grid, scene_.scenario.cutting, resolved_),
+              substep, pending);
     }
     pending_.push_back(std::move(pending));
   }
@@ -122,10 +145,15 @@ class Run {
   void watch(const FrameResult& result) {
     if (result.contacts == 0) return;
     const std::string at = "frame " + std::to_string(result.frame);
-    if (!touched_ && result.frame == 1) {
+    if (result.frame == 0) {
+      std::ostringstream volume;
+      volume << std::setprecision(3) << result.removed_mm3;
+      report_.warn("the tool starts in the bone: " + volume.str() + " mm3 were taken away at frame 0, without force");
+    }
+    if (!touched_ && result.frame == 1 && !exact_) {
       report_.warn("the tool starts in contact with the bone: the force of the first frames is not meaningful");
     }
-    if (!still_ && result.pose.spin_rpm == 0) {
+    if (!still_ && result.frame > 0 && result.pose.spin_rpm == 0) {
       report_.warn(at + ": the tool cuts without spin; its force is that of a tool pushed through");
       still_ = true;
     }
@@ -140,6 +168,7 @@ class Run {
   Aabb bone_box_;
   FrameLedger ledger_;
   bool resolved_;
+  bool exact_;
   double max_step_mm_;
   std::vector<PendingFrame> pending_;
   Batch batch_;
