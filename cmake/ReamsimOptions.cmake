@@ -17,6 +17,14 @@ if(REAMSIM_SANITIZE)
   endif()
 endif()
 
+# How long a test, and a program that a test starts, may take; sanitizers slow everything down.
+set(REAMSIM_TEST_TIMEOUT_S 600)
+set(REAMSIM_PROGRAM_TIMEOUT_S 60)
+if(REAMSIM_SANITIZE)
+  set(REAMSIM_TEST_TIMEOUT_S 6000)
+  set(REAMSIM_PROGRAM_TIMEOUT_S 600)
+endif()
+
 # reamsim_library(NAME SOURCES ... LINK ...): one static library per folder of sim/, so that the linker enforces the layers.
 function(reamsim_library name)
   cmake_parse_arguments(ARG "" "" "SOURCES;LINK;PRIVATE" ${ARGN})
@@ -25,10 +33,15 @@ function(reamsim_library name)
   target_include_directories(${name} PUBLIC ${PROJECT_SOURCE_DIR})
 endfunction()
 
-# reamsim_test(NAME SOURCES ... LINK ...): a GoogleTest program whose cases CTest lists one by one.
+# reamsim_test(NAME SOURCES ... LINK ... [HOST_THREADS]): a GoogleTest program whose cases CTest lists one by one.
+# HOST_THREADS: they use the host's threads and no OpenCL, so that the thread sanitizer can judge them.
 function(reamsim_test name)
-  cmake_parse_arguments(ARG "" "" "SOURCES;LINK" ${ARGN})
+  cmake_parse_arguments(ARG "HOST_THREADS" "" "SOURCES;LINK" ${ARGN})
   add_executable(${name} ${ARG_SOURCES})
   target_link_libraries(${name} PRIVATE reamsim_options ${ARG_LINK} GTest::gmock GTest::gtest_main)
-  gtest_discover_tests(${name} DISCOVERY_TIMEOUT 60 PROPERTIES TIMEOUT 600)
+  set(properties TIMEOUT ${REAMSIM_TEST_TIMEOUT_S})
+  if(ARG_HOST_THREADS)
+    list(APPEND properties LABELS host_threads)
+  endif()
+  gtest_discover_tests(${name} DISCOVERY_TIMEOUT ${REAMSIM_PROGRAM_TIMEOUT_S} PROPERTIES ${properties})
 endfunction()

@@ -1,10 +1,10 @@
 #include "render/ambient.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
+
+#include "sim/base/parallel.h"
 
 namespace reamsim {
 namespace {
@@ -65,7 +65,8 @@ AmbientLight::AmbientLight(const Occupancy& occupancy) : voxel_mm_(occupancy.vox
          std::vector<float>(static_cast<std::size_t>(std::int64_t{1} * dims.x() * dims.y() * dims.z()), 0.0F)});
   }
   const Vec3i bricks = occupancy.brick_dims();
-  tbb::parallel_for(0, bricks.z(), [&](int z) {
+  parallel_items(static_cast<std::size_t>(bricks.z()), [&](std::size_t layer) {
+    const int z = static_cast<int>(layer);
     for (int y = 0; y < bricks.y(); ++y) {
       for (int x = 0; x < bricks.x(); ++x) average_brick(occupancy, {x, y, z});
     }
@@ -104,7 +105,8 @@ void AmbientLight::average_coarse() {
   for (std::size_t level = 1; level < levels_.size(); ++level) {
     const Level& fine = levels_[level - 1];
     Level& coarse = levels_[level];
-    tbb::parallel_for(0, coarse.dims.z(), [&](int z) {
+    parallel_items(static_cast<std::size_t>(coarse.dims.z()), [&](std::size_t layer) {
+      const int z = static_cast<int>(layer);
       for (int y = 0; y < coarse.dims.y(); ++y) {
         for (int x = 0; x < coarse.dims.x(); ++x) {
           float sum = 0;

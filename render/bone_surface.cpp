@@ -1,12 +1,12 @@
 #include "render/bone_surface.h"
 
 #include <openvdb/tools/Interpolation.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
 
 #include "render/surface_smoothing.h"
+#include "sim/base/parallel.h"
 
 namespace reamsim {
 namespace {
@@ -79,11 +79,11 @@ struct Findings {
 Findings look_at_vertices(const std::vector<openvdb::Vec3s>& points, double voxel_mm, const SolidField& field,
                           const UnreamedSurface& unreamed) {
   Findings out(points.size());
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, points.size(), kGrain), [&](const auto& range) {
+  parallel_ranges(points.size(), kGrain, [&](std::size_t begin, std::size_t end) {
     const Accessor now = field.grid().getConstAccessor();
     const Accessor before = unreamed.field().getConstAccessor();
     const Accessor depths = unreamed.depth().getConstAccessor();
-    for (std::size_t i = range.begin(); i < range.end(); ++i) {
+    for (std::size_t i = begin; i < end; ++i) {
       const Vec3d p(points[i]);
       out.normal[i] = normal_at(now, p);
       out.reamed[i] = reamed_share(sample(before, p));
@@ -130,8 +130,8 @@ BoneSurface make_bone_surface(const Voxmap& voxmap, const SolidField& field, con
   std::vector<Eigen::Vector3f> points = eigen_points(iso);
   smooth(Neighbours(points.size(), out.indices), found, points);
   out.vertices.resize(points.size() * BoneSurface::kStride);
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, points.size(), kGrain), [&](const auto& range) {
-    for (std::size_t i = range.begin(); i < range.end(); ++i) {
+  parallel_ranges(points.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
       const Vec3 mm = voxmap.grid.origin_mm + voxel_mm * (points[i].cast<double>() + Vec3::Constant(0.5));
       float* v = out.vertices.data() + i * BoneSurface::kStride;
       Eigen::Map<Eigen::Vector3f>{v} = mm.cast<float>();

@@ -1,10 +1,11 @@
 #include "render/cut_face.h"
 
 #include <openvdb/tools/Interpolation.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
+
+#include "sim/base/parallel.h"
 
 namespace reamsim {
 namespace {
@@ -89,16 +90,16 @@ CutFace sample_cut_face(const Voxmap& voxmap, const SolidField& field, const Cam
   out.corners_mm = {rectangle.origin_mm, rectangle.origin_mm + across, rectangle.origin_mm + across + upward,
                     rectangle.origin_mm + upward};
   out.texels.resize(static_cast<std::size_t>(out.width) * out.height * 2);
-  tbb::parallel_for(tbb::blocked_range<int>(0, out.height), [&](const auto& rows) {
+  parallel_ranges(static_cast<std::size_t>(out.height), 1, [&](std::size_t begin, std::size_t end) {
     const auto accessor = field.grid().getConstAccessor();
-    for (int row = rows.begin(); row < rows.end(); ++row) {
+    for (std::size_t row = begin; row < end; ++row) {
       for (int column = 0; column < out.width; ++column) {
-        const Vec3 mm =
-            rectangle.origin_mm + step_mm * ((column + 0.5) * rectangle.across + (row + 0.5) * rectangle.upward);
+        const Vec3 mm = rectangle.origin_mm + step_mm * ((column + 0.5) * rectangle.across +
+                                                         (static_cast<double>(row) + 0.5) * rectangle.upward);
         const Vec3 point = (mm - grid.origin_mm) / grid.voxel_mm - Vec3::Constant(0.5);
         const float share =
             -openvdb::tools::BoxSampler::sample(accessor, openvdb::Vec3d(point.x(), point.y(), point.z()));
-        float* texel = out.texels.data() + 2 * (static_cast<std::size_t>(row) * out.width + column);
+        float* texel = out.texels.data() + 2 * (row * out.width + column);
         texel[0] = share > -0.45F ? density_at(voxmap, point) : 0.0F;
         texel[1] = share;
       }

@@ -1,16 +1,15 @@
 #include "render/occupancy.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
+
+#include "sim/base/parallel.h"
 
 namespace reamsim {
 
 Occupancy::Occupancy(const Voxmap& voxmap, State state)
     : voxmap_(voxmap), state_(state), bricks_{voxmap.grade.brick_dims()}, kinds_(bricks_.count(), Kind::kEmpty) {
   const std::vector<Vec3i> stored = voxmap.grade.stored_coords();
-  tbb::parallel_for(std::size_t{0}, stored.size(),
-                    [&](std::size_t i) { kinds_[bricks_.index(stored[i])] = look_at(stored[i]); });
+  parallel_items(stored.size(), [&](std::size_t i) { kinds_[bricks_.index(stored[i])] = look_at(stored[i]); });
 }
 
 void Occupancy::update(const std::vector<Vec3i>& bricks) {

@@ -1,11 +1,12 @@
 #include "render/solid_field.h"
 
 #include <openvdb/tools/VolumeToMesh.h>
-#include <tbb/parallel_for.h>
 
 #include <array>
 #include <cmath>
 #include <unordered_set>
+
+#include "sim/base/parallel.h"
 
 namespace reamsim {
 namespace {
@@ -109,7 +110,7 @@ void SolidField::compute(const Occupancy& occupancy, const std::vector<Vec3i>& b
   std::vector<std::unique_ptr<Leaf>> leaves(bricks.size());
   std::vector<Occupancy::Kind> kinds(bricks.size());
   const Kernel kernel = gaussian();
-  tbb::parallel_for(std::size_t{0}, bricks.size(), [&](std::size_t i) {
+  parallel_items(bricks.size(), [&](std::size_t i) {
     kinds[i] = neighbourhood(occupancy, bricks[i]);
     if (kinds[i] == Occupancy::Kind::kMixed) leaves[i] = smoothed_leaf(occupancy, kernel, bricks[i]);
   });

@@ -1,8 +1,8 @@
 #include "render/surface_smoothing.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
+
+#include "sim/base/parallel.h"
 
 namespace reamsim {
 namespace {
@@ -34,8 +34,8 @@ Neighbours::Neighbours(std::size_t vertices, std::span<const std::uint32_t> indi
 void smooth_normals(const Neighbours& neighbours, std::vector<Eigen::Vector3f>& normals, int rounds) {
   std::vector<Eigen::Vector3f> next(normals.size());
   for (int round = 0; round < rounds; ++round) {
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, normals.size(), kGrain), [&](const auto& range) {
-      for (std::size_t i = range.begin(); i < range.end(); ++i) {
+    parallel_ranges(normals.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) {
         const Eigen::Vector3f own = normals[i];
         Eigen::Vector3f sum = own;
         for (const std::uint32_t other : neighbours.of(i)) {
@@ -53,8 +53,8 @@ void fit_to_normals(const Neighbours& neighbours, const std::vector<Eigen::Vecto
   const std::vector<Eigen::Vector3f> home = points;
   std::vector<Eigen::Vector3f> next(points.size());
   for (int round = 0; round < rounds; ++round) {
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, points.size(), kGrain), [&](const auto& range) {
-      for (std::size_t i = range.begin(); i < range.end(); ++i) {
+    parallel_ranges(points.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) {
         Eigen::Vector3f move = Eigen::Vector3f::Zero();
         float weights = 1;
         for (const std::uint32_t other : neighbours.of(i)) {
@@ -76,8 +76,8 @@ void smooth_values(const Neighbours& neighbours, const std::vector<float>& weigh
                    int rounds) {
   std::vector<float> next(values.size());
   for (int round = 0; round < rounds; ++round) {
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, values.size(), kGrain), [&](const auto& range) {
-      for (std::size_t i = range.begin(); i < range.end(); ++i) {
+    parallel_ranges(values.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) {
         float sum = weights[i] * values[i];
         float total = weights[i];
         for (const std::uint32_t other : neighbours.of(i)) {

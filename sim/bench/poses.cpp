@@ -1,13 +1,11 @@
 #include "sim/bench/poses.h"
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_reduce.h>
-
+#include <atomic>
 #include <cmath>
-#include <functional>
 #include <numbers>
 
 #include "sim/base/error.h"
+#include "sim/base/parallel.h"
 #include "sim/bench/paper.h"
 #include "sim/tool/morton.h"
 
@@ -87,12 +85,13 @@ SubstepArgs args_without_voi(const Substep& substep, const Tool& tool, const Vox
 std::int64_t count_touching(const Voxmap& voxmap, const Tool& tool, const Substep& substep) {
   const SubstepArgs args = args_without_voi(substep, tool, voxmap.grid);
   const auto& codes = tool.shell.codes;
-  const auto count = [&](const tbb::blocked_range<std::size_t>& range, std::int64_t sum) {
-    for (std::size_t i = range.begin(); i < range.end(); ++i) sum += touches(voxmap, args, codes[i]) ? 1 : 0;
-    return sum;
-  };
-  return tbb::parallel_reduce(tbb::blocked_range<std::size_t>(0, codes.size(), 8192), std::int64_t{0}, count,
-                              std::plus<>());
+  std::atomic<std::int64_t> total = 0;
+  parallel_ranges(codes.size(), 8192, [&](std::size_t begin, std::size_t end) {
+    std::int64_t sum = 0;
+    for (std::size_t i = begin; i < end; ++i) sum += touches(voxmap, args, codes[i]) ? 1 : 0;
+    total += sum;
+  });
+  return total;
 }
 
 double find_depth(const Voxmap& voxmap, const Tool& tool, const Approach& approach, double wanted) {

@@ -1,9 +1,8 @@
 #include "sim/bone/sample_bricks.h"
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
+
+#include "sim/base/parallel.h"
 
 namespace reamsim {
 
@@ -41,10 +40,8 @@ GradeBricks sample_bricks(const Vec3i& dims, const BrickSampler& sample) {
   std::vector<std::vector<SampledBrick>> sampled(kRowsAtOnce);
   for (std::int64_t first = 0; first < rows; first += kRowsAtOnce) {
     const std::int64_t count = std::min<std::int64_t>(kRowsAtOnce, rows - first);
-    tbb::parallel_for(tbb::blocked_range<std::int64_t>(0, count), [&](const tbb::blocked_range<std::int64_t>& range) {
-      for (std::int64_t i = range.begin(); i < range.end(); ++i) {
-        sampled[static_cast<std::size_t>(i)] = sample_row(coord(first + i), bricks.x(), sample);
-      }
+    parallel_items(static_cast<std::size_t>(count), [&](std::size_t i) {
+      sampled[i] = sample_row(coord(first + static_cast<std::int64_t>(i)), bricks.x(), sample);
     });
     // Stored in the lattice's order by one thread, so that the slots are the same in every run.
     for (std::int64_t i = 0; i < count; ++i) {

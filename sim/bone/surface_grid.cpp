@@ -2,11 +2,11 @@
 
 #include <openvdb/tools/MeshToVolume.h>
 #include <openvdb/tools/VolumeToMesh.h>
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <memory>
+
+#include "sim/base/parallel.h"
 
 namespace reamsim {
 
@@ -114,9 +114,7 @@ openvdb::FloatGrid::Ptr smoothed_occupancy(const Voxmap& voxmap) {
   std::vector<SmoothedBrick> smoothed(std::min(kAtOnce, bricks.size()));
   for (std::size_t first = 0; first < bricks.size(); first += kAtOnce) {
     const std::size_t count = std::min(kAtOnce, bricks.size() - first);
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count), [&](const tbb::blocked_range<std::size_t>& range) {
-      for (std::size_t i = range.begin(); i < range.end(); ++i) smoothed[i] = smoothed_brick(voxmap, bricks[first + i]);
-    });
+    parallel_items(count, [&](std::size_t i) { smoothed[i] = smoothed_brick(voxmap, bricks[first + i]); });
     for (std::size_t i = 0; i < count; ++i) {
       if (smoothed[i].leaf) {
         grid->tree().addLeaf(smoothed[i].leaf.release());

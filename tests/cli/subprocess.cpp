@@ -22,7 +22,7 @@ namespace reamsim::test {
 
 namespace {
 
-constexpr auto kTimeLimit = std::chrono::seconds(60);
+constexpr auto kTimeLimit = std::chrono::seconds(REAMSIM_PROGRAM_TIMEOUT_S);
 constexpr auto kPoll = std::chrono::milliseconds(5);
 
 /// A file without a name that takes what a program writes.
