@@ -25,7 +25,7 @@ class Studies : public CliTest {
     return reamsim({.arguments = {"check", file_of(study)}, .environment = {}, .folder = "", .interrupt_when = {}});
   }
   Result coarse(const std::string& study, const char* voxel_mm = "0.5") const {
-    ProgramCall call{.arguments = {"run", file_of(study), "-o", "out", "--overwrite", "--device", "serial"},
+    ProgramCall call{.arguments = {"run", file_of(study), "-o", "out", "--overwrite"},
                      .environment = {},
                      .folder = "",
                      .interrupt_when = {}};
@@ -71,10 +71,10 @@ TEST_F(Studies, AreAllValid) {
 }
 
 TEST_F(Studies, ConcentricReamCutsNothingButThePlate) {
-  const Result result = coarse("concentric", "0.25");
+  const Result result = coarse("concentric", "0.4");
   EXPECT_GT(result.removed_mm3, 150);
   // 150 N/mm² is the specific energy of the plate, of 1.8 g/cm³; what is under it takes less.
-  EXPECT_NEAR(result.energy_mj / result.removed_mm3, 150, 0.5);
+  EXPECT_NEAR(result.energy_mj / result.removed_mm3, 150, 1.5);
   EXPECT_LT(std::abs(result.balance), 1e-4);
 }
 
