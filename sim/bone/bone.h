@@ -11,7 +11,8 @@ namespace reamsim {
 /// A bone ready to be reamed.
 struct Bone {
   Voxmap voxmap;
-  std::optional<GlenoidFrame> glenoid;  ///< from the scenario, or the phantom's own
+  std::optional<GlenoidFrame> glenoid;                       ///< from the scenario, or the phantom's own
+  std::optional<LandmarkSettings> landmarks = std::nullopt;  ///< in B: from the scenario, or the phantom's own
 };
 
 /// Builds the bone that the scenario asks for (CT, mesh, VDB or phantom) and drills the pilot hole. All but a VDB's
@@ -31,8 +32,9 @@ Voxmap voxmap_from_mesh(const BoneSettings& settings, Report& report);
 Voxmap voxmap_from_vdb(const BoneSettings& settings, Report& report);
 /// A generated bone in the frame "phantom". Verification blocks have their top face at z = 0 and the glenoid frame at
 /// its centre, +z up; the sphere has its centre at the origin and the glenoid frame at its pole. The glenoid stands in
-/// axes like a patient's (left: +x lateral, right: −x lateral; +y posterior; +z superior), its face centre at the
-/// origin. Throws InputError: shapes that contradict themselves, a glenoid without `side`, absurdly large.
+/// axes like a patient's (left: +x lateral, right: −x lateral; +y posterior; +z superior), the centre of its face
+/// before wear at the origin, and has landmarks, which lie beyond the modelled bone. Throws InputError: shapes that
+/// contradict themselves, a glenoid without `side`, absurdly large.
 Bone bone_from_phantom(const BoneSettings& settings, Report& report);
 
 /// The glenoid frame of the scenario, from centre/normal/superior or from landmarks; nullopt where neither is given.

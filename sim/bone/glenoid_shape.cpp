@@ -8,6 +8,8 @@ namespace reamsim {
 
 namespace {
 
+constexpr double kUpperShare = GlenoidFace::kUpperShare;
+
 using implicit::pear;
 using implicit::polygon;
 using implicit::smooth_intersection;
@@ -16,29 +18,23 @@ using implicit::smoothstep;
 using implicit::tapered_rod;
 
 constexpr double kRimBlend_mm = 2.4;       // rounds the rim to a radius of about 1.2 mm
+constexpr double kWornRimBlend_mm = 4;     // where the head has ground the rim to an acute edge
 constexpr double kRimLoss_mm = 0.35;       // what the rounding takes off the outline, given back
 constexpr double kStumpLength_mm = 17;     // of blade, border and spine behind the neck
 constexpr double kReferenceWidth_mm = 26;  // the proportions below were drawn for this face
 constexpr double kReferenceHeight_mm = 35;
 constexpr double kReferenceVault_mm = 28;
 
-double radians(double degrees) {
-  return degrees * std::numbers::pi / 180;
-}
-
 }  // namespace
 
 GlenoidShape::GlenoidShape(const PhantomSettings& settings)
-    : half_width_mm_(settings.width_mm / 2),
+    : face_(settings),
+      half_width_mm_(settings.width_mm / 2),
       height_mm_(settings.height_mm),
       face_radius_mm_(settings.face_radius_mm),
-      vault_depth_mm_(settings.vault_depth_mm) {
-  const double version = radians(settings.version_deg);
-  const double inclination = radians(settings.inclination_deg);
-  normal_ = Vec3(std::cos(version) * std::cos(inclination), std::sin(inclination),
-                 -std::sin(version) * std::cos(inclination));
-  const Vec3 superior = (Vec3::UnitY() - normal_.y() * normal_).normalized();
-  face_from_anatomy_ << normal_.transpose(), superior.transpose(), normal_.cross(superior).transpose();
+      vault_depth_mm_(settings.vault_depth_mm),
+      rim_mm_(settings.walch == "A1" || settings.walch == "A2" ? kWornRimBlend_mm : kRimBlend_mm),
+      posteroinferior_rim_mm_(settings.walch == "C" ? settings.rim_rounding_mm : rim_mm_) {
   place_stumps();
 }
 
@@ -72,7 +68,8 @@ void GlenoidShape::place_stumps() {
   const double reach_mm = std::hypot(half_width_mm_, height_mm_ / 2) + 2;
   const double rim_mm =
       face_radius_mm_ - std::sqrt(std::max(face_radius_mm_ * face_radius_mm_ - reach_mm * reach_mm, 0.0));
-  const double swing_mm = reach_mm * std::sqrt(1 - normal_.x() * normal_.x()) + rim_mm;
+  const double lateral = face_.native_normal().x();
+  const double swing_mm = reach_mm * std::sqrt(1 - lateral * lateral) + rim_mm;
   bounds_mm_.max = bounds_mm_.max.cwiseMax(Vec3(swing_mm + 1, reach_mm + rim_mm, reach_mm + rim_mm));
   bounds_mm_.min = bounds_mm_.min.cwiseMin(Vec3(medial_end_mm_, -reach_mm - rim_mm, -reach_mm - rim_mm));
 }
@@ -80,11 +77,7 @@ void GlenoidShape::place_stumps() {
 /// (normal, superior, anterior) of the face near it, of the body near the neck, bent from one to the other between.
 Vec3 GlenoidShape::in_face(const Vec3& point) const {
   const double turned = smoothstep(-vault_depth_mm_, -0.35 * vault_depth_mm_, point.x());
-  return point + turned * (face_from_anatomy_ * point - point);
-}
-
-double GlenoidShape::below_face_mm(const Vec3& point) const {
-  return (point - face_radius_mm_ * normal_).norm() - face_radius_mm_;
+  return point + turned * (face_.face_from_anatomy() * point - point);
 }
 
 /// The pear from the face's outline to that of the neck, fast behind the rim and slower further in.
@@ -94,13 +87,19 @@ double GlenoidShape::vault(const Vec3& q) const {
   const double narrowing = 1 - std::pow(1 - share, 1.9);
   const double curl_mm = 0.25 * std::max(-depth, 0.0);  // outside the face plane the rim leans in
   const double low_radius = half_width_mm_ * (1 - 0.55 * narrowing) + kRimLoss_mm - curl_mm;
-  const double high_radius = 0.68 * half_width_mm_ * (1 - 0.30 * narrowing) + kRimLoss_mm - curl_mm;
+  const double high_radius = kUpperShare * half_width_mm_ * (1 - 0.30 * narrowing) + kRimLoss_mm - curl_mm;
   const double low = -(height_mm_ / 2 - half_width_mm_) - 0.045 * height_mm_ * narrowing;
-  const double high = height_mm_ / 2 - 0.68 * half_width_mm_ - 0.03 * height_mm_ * narrowing;
+  const double high = height_mm_ / 2 - kUpperShare * half_width_mm_ - 0.03 * height_mm_ * narrowing;
   const double notch_at = (q.y() - 0.19 * height_mm_) / (0.11 * height_mm_);
   const double notch_mm = 0.13 * half_width_mm_ * std::exp(-notch_at * notch_at) *
                           smoothstep(0, 0.5 * half_width_mm_, q.z()) * (1 - narrowing);
   return pear(q.z(), q.y(), low, low_radius, high, high_radius) + notch_mm;
+}
+
+/// Width over which the rim is rounded: everywhere the same, but for the posteroinferior part of a dysplastic face.
+double GlenoidShape::rim_blend_mm(const Vec3& q) const {
+  const double posteroinferior_mm = -0.5 * q.y() - 0.5 * std::numbers::sqrt3 * q.z();
+  return rim_mm_ + (posteroinferior_rim_mm_ - rim_mm_) * smoothstep(0, 0.8 * half_width_mm_, posteroinferior_mm);
 }
 
 /// The thin plate between lateral border, spine and upper edge, hollow in front; thicker towards the neck.
@@ -135,7 +134,7 @@ double GlenoidShape::solid(const Vec3& point) const {
   const double buried_mm = -q.x() - (vault_depth_mm_ + 2);
   double out = smooth_intersection(vault(q), buried_mm, 6.0);
   out = smooth_union(out, stumps(point), 5.0);
-  return smooth_intersection(out, -below_face_mm(point), kRimBlend_mm);
+  return smooth_intersection(out, -face_.below_mm(point), rim_blend_mm(q));
 }
 
 }  // namespace reamsim

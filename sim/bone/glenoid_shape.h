@@ -2,15 +2,15 @@
 
 #include <vector>
 
-#include "sim/base/geometry.h"
-#include "sim/scenario/scenario.h"
+#include "sim/bone/glenoid_face.h"
 
 namespace reamsim {
 
 /// The parametric glenoid as an implicit solid: a pear-shaped, concave face with an anterior notch and a rounded rim,
-/// the vault that narrows to the neck, and the stumps of coracoid, spine, blade and lateral border.
+/// the vault that narrows to the neck, and the stumps of coracoid, spine, blade and lateral border. Wear takes from it;
+/// a dysplastic one (Walch C) has its posteroinferior rim rounded off.
 ///
-/// Anatomical coordinates, mm, origin at the face centre: (lateral, superior, anterior). They are a mirror image of B
+/// Anatomical coordinates of GlenoidFace, mm: (lateral, superior, anterior). They are a mirror image of B
 /// on a right bone, so that one shape serves both sides. Proportions: width and height of the face, depth of the vault
 /// and radius of the face come from the scenario; the rest follows them.
 class GlenoidShape {
@@ -22,10 +22,7 @@ class GlenoidShape {
 
   /// Negative inside the bone, about the distance to its surface near it. The stumps go on beyond medial_end_mm().
   [[nodiscard]] double solid(const Vec3& point) const;
-  /// Distance below the face's sphere, positive into the bone: exact.
-  [[nodiscard]] double below_face_mm(const Vec3& point) const;
-  /// The way out of the face at its centre: lateral, turned by version (posterior positive) and inclination.
-  [[nodiscard]] const Vec3& normal() const { return normal_; }
+  [[nodiscard]] const GlenoidFace& face() const { return face_; }
   /// The plane lateral = this value ends the stumps, mm.
   [[nodiscard]] double medial_end_mm() const { return medial_end_mm_; }
   /// Box that holds the solid up to the medial end.
@@ -43,17 +40,19 @@ class GlenoidShape {
   void place_stumps();
   [[nodiscard]] Vec3 in_face(const Vec3& point) const;
   [[nodiscard]] double vault(const Vec3& in_face) const;
+  [[nodiscard]] double rim_blend_mm(const Vec3& in_face) const;
   [[nodiscard]] double stumps(const Vec3& point) const;
   [[nodiscard]] double blade(const Vec3& point) const;
   [[nodiscard]] double spine(const Vec3& point) const;
 
+  GlenoidFace face_;
   double half_width_mm_;
   double height_mm_;
   double face_radius_mm_;
   double vault_depth_mm_;
+  double rim_mm_;  ///< width over which the rim is rounded
+  double posteroinferior_rim_mm_;
   double medial_end_mm_ = 0;
-  Vec3 normal_;
-  Mat3 face_from_anatomy_;  ///< rows: normal, superior and anterior of the face
   std::vector<Rod> coracoid_;
   Rod border_;
   Rod crest_;

@@ -52,6 +52,7 @@ Voxmap voxmap_from_vdb(const BoneSettings& settings, Report& report) {
 Bone load_bone(const BoneSettings& settings, Report& report) {
   Bone bone = bone_from_source(settings, report);
   if (const auto given = glenoid_frame(settings.glenoid, settings.side)) bone.glenoid = given;
+  if (settings.glenoid.landmarks) bone.landmarks = settings.glenoid.landmarks;
   if (settings.pilot_hole) drill(bone, *settings.pilot_hole, report);
   const VoxelGrid& grid = bone.voxmap.grid;
   char text[200];

@@ -12,7 +12,7 @@ Bone bone_from_phantom(const BoneSettings& settings, Report& report) {
   if (shape == "cup") return cup_phantom(settings);
   if (shape == "sphere") return sphere_phantom(settings);
   if (shape == "layered") return layered_phantom(settings);
-  if (shape == "glenoid") return glenoid_phantom(settings);
+  if (shape == "glenoid") return glenoid_phantom(settings, report);
   throw InputError({}, "bone.phantom.shape", "\"" + shape + "\"",
                    "expected half_space, cup, sphere, layered or glenoid");
 }

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <cstdio>
+#include <numbers>
 
 #include "sim/base/error.h"
 #include "sim/bone/glenoid_shape.h"
@@ -22,6 +23,9 @@ constexpr double kTexture_mm = 1.1;     // trabecular spacing of the order of 1 
 constexpr double kTextureStretch = 2.0;
 constexpr double kPlateReach_mm = 7;  // how far below the plate trabecular bone is denser
 constexpr double kGradientStep_mm = 0.05;
+constexpr double kReferenceHeight_mm = 35;  // of a face whose scapula has the landmarks below
+const Vec3 kTrigonum_mm(-105, 0, 0);
+const Vec3 kInferiorAngle_mm(-80, -110, 0);
 
 /// Density in anatomical coordinates.
 class GlenoidDensity {
@@ -35,7 +39,7 @@ class GlenoidDensity {
     if (point.x() < shape_.medial_end_mm()) return kAir;
     const double solid = shape_.solid(point);
     if (solid > 0) return kAir;
-    const double below_face_mm = shape_.below_face_mm(point);
+    const double below_face_mm = shape_.face().below_mm(point);
     const double depth_mm = depth(point, solid);
     const double wall_mm = wall_thickness(point, below_face_mm);
     const double cortical_share =
@@ -116,6 +120,45 @@ Sides sides_of(const BoneSettings& settings) {
   return {settings.side == "left" ? 1.0 : -1.0};
 }
 
+GlenoidFrame frame_of(const GlenoidFace& face, const Sides& sides, const std::string& side) {
+  GlenoidSettings settings;
+  settings.center_mm = sides.bone_from_anatomy(face.center_mm());
+  settings.normal = sides.bone_from_anatomy(face.normal());
+  settings.superior = Vec3::UnitZ();
+  return *glenoid_frame(settings, side);
+}
+
+/// The Friedman axis is lateral and the scapular plane is that of lateral and superior, so that version and inclination
+/// of the native face are those of the scenario. The modelled bone ends before trigonum and inferior angle.
+LandmarkSettings landmarks_of(const GlenoidFace& face, const Sides& sides, const PhantomSettings& phantom) {
+  const double scale = phantom.height_mm / kReferenceHeight_mm;
+  LandmarkSettings marks;
+  marks.glenoid_center_mm = sides.bone_from_anatomy(face.center_mm());
+  marks.trigonum_spinae_mm = sides.bone_from_anatomy(scale * kTrigonum_mm);
+  marks.inferior_angle_mm = sides.bone_from_anatomy(scale * kInferiorAngle_mm);
+  return marks;
+}
+
+void note_part(Report& report, const char* part, double radius_mm, const Vec3& normal) {
+  constexpr double kDegrees = 180 / std::numbers::pi;
+  char text[160];
+  std::snprintf(text, sizeof text, "%s: radius %.4g mm, retroversion %.2f degrees, superior inclination %.2f degrees",
+                part, radius_mm, kDegrees * version_of(normal), kDegrees * inclination_of(normal));
+  report.note(text);
+}
+
+void describe(const GlenoidFace& face, const PhantomSettings& phantom, Report& report) {
+  if (phantom.walch != "none") report.note("Walch " + phantom.walch);
+  const auto* both = face.biconcavity();
+  if (both == nullptr) return note_part(report, "face", face.balls().back().radius_mm, face.normal());
+  note_part(report, "paleoglenoid", face.balls()[0].radius_mm, face.native_normal());
+  note_part(report, "neoglenoid", face.balls()[1].radius_mm, both->neo_normal);
+  char text[160];
+  std::snprintf(text, sizeof text, "rim to rim: retroversion %.2f degrees, biconcavity %.2f degrees",
+                180 / std::numbers::pi * version_of(face.normal()), 180 / std::numbers::pi * both->angle);
+  report.note(text);
+}
+
 }  // namespace
 
 Voxmap sample_glenoid(const BoneSettings& settings, const VoxelGrid& grid) {
@@ -129,7 +172,7 @@ Voxmap sample_glenoid(const BoneSettings& settings, const VoxelGrid& grid) {
       });
 }
 
-Bone glenoid_phantom(const BoneSettings& settings) {
+Bone glenoid_phantom(const BoneSettings& settings, Report& report) {
   check(settings);
   const GlenoidShape shape(settings.phantom);
   const Sides sides = sides_of(settings);
@@ -139,11 +182,9 @@ Bone glenoid_phantom(const BoneSettings& settings) {
                                         settings.voxel_mm, kMarginVoxels);
   Bone bone;
   bone.voxmap = sample_glenoid(settings, grid);
-  GlenoidSettings face;
-  face.center_mm = Vec3::Zero();
-  face.normal = sides.bone_from_anatomy(shape.normal());
-  face.superior = Vec3::UnitZ();
-  bone.glenoid = glenoid_frame(face, settings.side);
+  bone.glenoid = frame_of(shape.face(), sides, settings.side);
+  bone.landmarks = landmarks_of(shape.face(), sides, settings.phantom);
+  describe(shape.face(), settings.phantom, report);
   return bone;
 }
 

@@ -1,4 +1,5 @@
 #include "sim/scenario/describe_sections.h"
+#include "sim/scenario/walch.h"
 
 namespace reamsim {
 
@@ -56,22 +57,88 @@ void describe_glenoid(KeyVisitor& v, GlenoidSettings& glenoid) {
   v.group({.names = {"landmarks", "superior"}, .one_needed = false});
 }
 
-void describe_glenoid_phantom(KeyVisitor& v, PhantomSettings& phantom) {
+void describe_glenoid_size(KeyVisitor& v, PhantomSettings& phantom) {
   const When glenoid{"shape", {"glenoid"}};
-  v.number({.name = "height_mm", .doc = "Superior to inferior", .range = between(10, 80), .when = glenoid},
+  v.number({.name = "height_mm",
+            .doc = "Superior to inferior",
+            .range = between(10, 80),
+            .when = glenoid,
+            .default_by = "walch"},
            phantom.height_mm);
   v.number({.name = "width_mm",
             .doc = "Anterior to posterior, of the lower, wider part",
             .range = between(10, 80),
-            .when = glenoid},
+            .when = glenoid,
+            .default_by = "walch"},
            phantom.width_mm);
   v.number({.name = "face_radius_mm",
-            .doc = "Radius of curvature of the concave face",
+            .doc = "Radius of curvature of the concave face where it is not worn",
             .range = between(15, 1000),
-            .when = glenoid},
+            .when = glenoid,
+            .default_by = "walch"},
            phantom.face_radius_mm);
   v.number({.name = "vault_depth_mm", .doc = "From face to neck", .range = between(5, 100), .when = glenoid},
            phantom.vault_depth_mm);
+  v.number({.name = "version_deg",
+            .doc = "Of the face before wear, in the scapular frame; retroversion positive",
+            .range = between(-45, 45),
+            .when = glenoid,
+            .default_by = "walch"},
+           phantom.version_deg);
+  v.number({.name = "inclination_deg",
+            .doc = "Of the face before wear, in the scapular frame; superior tilt positive",
+            .range = between(-45, 45),
+            .when = glenoid,
+            .default_by = "walch"},
+           phantom.inclination_deg);
+}
+
+void describe_wear(KeyVisitor& v, PhantomSettings& phantom) {
+  const When biconcave{"walch", {"B2"}};
+  v.number({.name = "medialization_mm",
+            .doc = "How far wear has moved the centre of the face towards the trigonum spinae",
+            .range = between(0, 40),
+            .when = {"walch", {"A1", "A2"}},
+            .default_by = "walch"},
+           phantom.medialization_mm);
+  v.number({.name = "wear_radius_mm",
+            .doc = "Radius of the humeral head that wore the face",
+            .range = between(10, 100),
+            .when = {"walch", {"A1", "A2", "B2"}}},
+           phantom.wear_radius_mm);
+  v.number({.name = "wear_direction_deg",
+            .doc = "Which way the neoglenoid lies from the centre: from posterior (0) towards inferior (90)",
+            .range = between(0, 90),
+            .when = biconcave},
+           phantom.wear_direction_deg);
+  v.number({.name = "wear_ridge_mm",
+            .doc = "Where the neoglenoid begins, from the centre in that direction",
+            .range = between(-20, 20),
+            .when = biconcave},
+           phantom.wear_ridge_mm);
+  v.number({.name = "wear_tilt_deg",
+            .doc = "Angle from the axis of the native face to that of the neoglenoid",
+            .range = above(0, 40),
+            .when = biconcave},
+           phantom.wear_tilt_deg);
+  v.number({.name = "rim_rounding_mm",
+            .doc = "Width over which the deficient posteroinferior rim is rounded off",
+            .range = between(2.4, 20),
+            .when = {"walch", {"C"}}},
+           phantom.rim_rounding_mm);
+}
+
+void describe_glenoid_phantom(KeyVisitor& v, PhantomSettings& phantom) {
+  const When glenoid{"shape", {"glenoid"}};
+  v.text({.name = "walch",
+          .doc = "Wear or dysplasia after Walch, with defaults of its own. none: a healthy face; A1, A2: worn "
+                 "concentrically, a little or deeply; B2: biconcave; C: dysplastic",
+          .choices = {"none", "A1", "A2", "B2", "C"},
+          .when = glenoid},
+         phantom.walch);
+  v.defaults([&phantom] { take_walch_defaults(phantom); });
+  describe_glenoid_size(v, phantom);
+  describe_wear(v, phantom);
   v.number({.name = "subchondral_mm",
             .doc = "Thickness of the plate under the face",
             .range = between(0.2, 10),
@@ -80,10 +147,6 @@ void describe_glenoid_phantom(KeyVisitor& v, PhantomSettings& phantom) {
   v.number(
       {.name = "shell_mm", .doc = "Thickness of the vault's cortical wall", .range = between(0.2, 10), .when = glenoid},
       phantom.shell_mm);
-  v.number({.name = "version_deg", .doc = "Retroversion positive", .range = between(-45, 45), .when = glenoid},
-           phantom.version_deg);
-  v.number({.name = "inclination_deg", .doc = "Superior tilt positive", .range = between(-45, 45), .when = glenoid},
-           phantom.inclination_deg);
   v.number({.name = "texture",
             .doc = "Relative amplitude of the trabecular texture",
             .range = between(0, 1),

@@ -44,7 +44,8 @@ std::string values_text(const KeyNode& key) {
 std::string default_text(const KeyNode& key) {
   if (key.info.required) return "**required**";
   if (key.kind == Kind::section) return "";
-  return key.default_json.empty() ? "none" : "`" + key.default_json + "`";
+  const std::string by = key.info.default_by.empty() ? "" : ", or by `" + std::string(key.info.default_by) + "`";
+  return (key.default_json.empty() ? "none" : "`" + key.default_json + "`") + by;
 }
 
 std::string doc_text(const KeyNode& key, const KeyNode& section) {

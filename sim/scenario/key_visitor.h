@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <optional>
 #include <string>
@@ -50,9 +51,10 @@ struct KeyInfo {
   Range range{};
   std::vector<std::string_view> choices{};
   TextKind text = TextKind::word;
-  bool nonzero = false;       ///< a direction: not all components zero
-  When when{};                ///< empty: always
-  std::string_view unless{};  ///< does not apply where this sibling is given
+  bool nonzero = false;           ///< a direction: not all components zero
+  When when{};                    ///< empty: always
+  std::string_view unless{};      ///< does not apply where this sibling is given
+  std::string_view default_by{};  ///< the choice above that may bring another default (KeyVisitor::defaults)
 };
 
 /// "exactly one of these" or "at most one of these", for sibling keys.
@@ -77,6 +79,9 @@ class KeyVisitor {
   virtual void optional_vector(const KeyInfo& info, std::optional<Vec3>& value) = 0;
   virtual void optional_quaternion(const KeyInfo& info, std::optional<Quat>& value) = 0;
   virtual void group(const KeyGroup& group) = 0;
+  /// The choices above this call may change the defaults of the keys below it: `change` does so. Only a reader needs
+  /// it; whoever writes or lists keys has their values already.
+  virtual void defaults(const std::function<void()>& /*change*/) {}
 
   /// A section that always has a value.
   template <class S>

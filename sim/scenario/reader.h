@@ -45,6 +45,7 @@ class ScenarioReader : public KeyVisitor {
   void optional_vector(const KeyInfo& info, std::optional<Vec3>& value) override;
   void optional_quaternion(const KeyInfo& info, std::optional<Quat>& value) override;
   void group(const KeyGroup& group) override;
+  void defaults(const std::function<void()>& change) override { change(); }
 
  protected:
   bool begin_section(const KeyInfo& info) override;

@@ -56,6 +56,14 @@ struct PhantomSettings {
   double inclination_deg = 0;   ///< superior tilt positive
   double texture = 0.25;        ///< relative amplitude of the trabecular texture
   int seed = 1;
+  // glenoid, worn or dysplastic: which key belongs to which type, docs/physics.md
+  std::string walch = "none";      ///< none | A1 | A2 | B2 | C; gives some keys other defaults (take_walch_defaults)
+  double medialization_mm = 1.5;   ///< A1, A2: how far wear has moved the face's centre towards the trigonum spinae
+  double wear_radius_mm = 24;      ///< A1, A2, B2: of the humeral head that wore the face
+  double wear_direction_deg = 30;  ///< B2: which way the wear goes from the centre, from posterior towards inferior
+  double wear_ridge_mm = 0;        ///< B2: where the worn part begins, from the centre in that direction
+  double wear_tilt_deg = 15;       ///< B2: of the worn part against the axis of the native face
+  double rim_rounding_mm = 12;     ///< C: width of the posteroinferior rim that is rounded off
 };
 
 struct CutSphereSettings {

@@ -123,7 +123,8 @@ Json key_schema(const KeyNode& key) {
   const std::string_view unit = unit_of(key.info.name);
   Json out{{"description", std::string(key.info.doc) + (unit.empty() ? "" : " [" + std::string(unit) + "]")}};
   out.update(type_schema(key));
-  if (!key.default_json.empty()) out["default"] = Json::parse(key.default_json);
+  // A default that depends on another key has no place in a schema.
+  if (!key.default_json.empty() && key.info.default_by.empty()) out["default"] = Json::parse(key.default_json);
   return out;
 }
 

@@ -55,6 +55,13 @@ inline std::string with_bone(const std::string& lines) {
               lines);
 }
 
+/// The number that follows `key`.
+inline double number_after(const std::string& text, const std::string& key) {
+  const std::size_t at = text.find(key);
+  EXPECT_NE(at, std::string::npos) << key << " in\n" << text;
+  return at == std::string::npos ? 0 : std::stod(text.substr(at + key.size()));
+}
+
 /// A fresh folder in which the built program is run.
 class CliTest : public ::testing::Test {
  protected:

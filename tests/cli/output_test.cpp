@@ -33,13 +33,6 @@ TEST_F(Output, IsComplete) {
   EXPECT_GT(std::count(forces.begin(), forces.end(), '\n'), 35);
 }
 
-/// The number that follows `key`.
-double number_after(const std::string& text, const std::string& key) {
-  const std::size_t at = text.find(key);
-  EXPECT_NE(at, std::string::npos) << key << " in\n" << text;
-  return at == std::string::npos ? 0 : std::stod(text.substr(at + key.size()));
-}
-
 TEST_F(Output, CheckForetellsTheMemoryThatARunTakes) {
   const std::string sphere =
       with_bone("  source: phantom\n  voxel_mm: 0.1\n  phantom:\n    shape: sphere\n    radius_mm: 7\n");

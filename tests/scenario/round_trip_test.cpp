@@ -40,9 +40,27 @@ TEST_F(RoundTrip, EveryPhantom) {
   for (const std::string phantom :
        {"{shape: cup, size_mm: [10, 10, 6], radius_mm: 5, cup_depth_mm: 2}",
         "{shape: sphere, density_g_cm3: 0.123456789}", "{shape: layered, size_mm: [10, 10, 6]}",
-        "{shape: glenoid, version_deg: -12.5, seed: 7}", "{}"}) {
+        "{shape: glenoid, version_deg: -12.5, seed: 7}", "{walch: A1}", "{walch: B2, wear_tilt_deg: 20}",
+        "{walch: C, rim_rounding_mm: 5}", "{}"}) {
     resolved(with(kValid, sized, "  side: right\n  phantom: " + phantom + "\n"));
   }
+}
+
+TEST_F(RoundTrip, WalchTypeBringsItsDefaults) {
+  const std::string sized = "  phantom:\n    shape: half_space\n    size_mm: [10, 10, 6]\n";
+  const auto yaml = [&](const std::string& phantom) {
+    return resolved(with(kValid, sized, "  side: right\n  phantom: " + phantom + "\n"));
+  };
+  const std::string healthy = yaml("{}");
+  EXPECT_THAT(healthy, HasSubstr("    walch: none\n    height_mm: 35\n"));
+  EXPECT_THAT(healthy, HasSubstr("    version_deg: 0\n"));
+  EXPECT_THAT(healthy, Not(HasSubstr("wear_radius_mm")));
+  const std::string dysplastic = yaml("{walch: C}");
+  EXPECT_THAT(dysplastic, HasSubstr("    walch: C\n    height_mm: 46\n"));
+  EXPECT_THAT(dysplastic, HasSubstr("    version_deg: 37\n"));
+  // What the scenario gives stands, wherever it is given.
+  const std::string own = yaml("{version_deg: 12, walch: A2, medialization_mm: 4}");
+  EXPECT_THAT(own, HasSubstr("    version_deg: 12\n    inclination_deg: 8\n    medialization_mm: 4\n"));
 }
 
 TEST_F(RoundTrip, EverySource) {

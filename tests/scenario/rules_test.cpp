@@ -42,6 +42,23 @@ TEST_F(Rules, KeysOfAnotherShape) {
   EXPECT_THAT(changed("size_mm: [10, 10, 6]", "version_deg: 3"), HasSubstr("bone.phantom.version_deg: does not apply"));
 }
 
+TEST_F(Rules, KeysOfAnotherWalchType) {
+  const auto said = [&](const std::string& keys) {
+    return changed(kPhantom, "  side: left\n  phantom: {" + keys + "}\n");
+  };
+  EXPECT_EQ(said("walch: B2, wear_ridge_mm: 2, wear_tilt_deg: 12"), "");
+  EXPECT_THAT(
+      said("walch: B2, medialization_mm: 2"),
+      HasSubstr("bone.phantom.medialization_mm: does not apply, because walch is B2; expected it with walch: A1 or "
+                "A2 only"));
+  EXPECT_THAT(said("wear_radius_mm: 25"),
+              HasSubstr("bone.phantom.wear_radius_mm: does not apply, because walch is none"));
+  EXPECT_THAT(said("shape: sphere, walch: A1"),
+              HasSubstr("bone.phantom.walch: does not apply, because shape is sphere"));
+  EXPECT_THAT(said("walch: B3"),
+              HasSubstr("bone.phantom.walch: found the text \"B3\"; expected none, A1, A2, B2 or C"));
+}
+
 TEST_F(Rules, GeometryOfPhantoms) {
   EXPECT_EQ(changed(kPhantom, "  phantom: {shape: cup, size_mm: [10, 10, 6], radius_mm: 4, cup_depth_mm: 5}\n"),
             "s.yaml:5:61: bone.phantom.cup_depth_mm: found 5; expected no more than radius_mm");

@@ -1,0 +1,133 @@
+#include "sim/bone/glenoid_face.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <numbers>
+
+#include "sim/base/error.h"
+#include "sim/bone/implicit.h"
+
+namespace reamsim {
+
+namespace {
+
+double radians(double degrees) {
+  return degrees * std::numbers::pi / 180;
+}
+
+[[noreturn]] void fail(const char* key, const char* unit, double value, const char* pattern, double limit) {
+  char found[48];
+  char expected[120];
+  std::snprintf(found, sizeof found, "%.4g %s", value, unit);
+  std::snprintf(expected, sizeof expected, pattern, limit);
+  throw InputError({}, std::string("bone.phantom.") + key, found, expected);
+}
+
+/// Height of a concave sphere's surface over its lowest point, at a distance from its axis.
+double rise_mm(double radius_mm, double from_axis_mm) {
+  return radius_mm - std::sqrt(radius_mm * radius_mm - from_axis_mm * from_axis_mm);
+}
+
+}  // namespace
+
+double version_of(const Vec3& direction) {
+  return std::atan2(-direction.z(), direction.x());
+}
+
+double inclination_of(const Vec3& direction) {
+  return std::asin(std::clamp(direction.y() / direction.norm(), -1.0, 1.0));
+}
+
+GlenoidFace::GlenoidFace(const PhantomSettings& settings)
+    : half_width_mm_(settings.width_mm / 2), height_mm_(settings.height_mm) {
+  const double version = radians(settings.version_deg);
+  const double inclination = radians(settings.inclination_deg);
+  normal_ = Vec3(std::cos(version) * std::cos(inclination), std::sin(inclination),
+                 -std::sin(version) * std::cos(inclination));
+  const Vec3 superior = (Vec3::UnitY() - normal_.y() * normal_).normalized();
+  face_from_anatomy_ << normal_.transpose(), superior.transpose(), normal_.cross(superior).transpose();
+  balls_ = {{settings.face_radius_mm * normal_, settings.face_radius_mm}};
+  if (settings.walch == "A1" || settings.walch == "A2") wear_concentrically(settings);
+  if (settings.walch == "B2") wear_one_side(settings);
+  place_center();
+}
+
+/// The humeral head, pushed in along the Friedman axis, its centre on a parallel of the native face's axis.
+void GlenoidFace::wear_concentrically(const PhantomSettings& settings) {
+  if (settings.medialization_mm > settings.vault_depth_mm / 2) {
+    fail("medialization_mm", "mm", settings.medialization_mm, "expected at most half of vault_depth_mm: %.4g mm",
+         settings.vault_depth_mm / 2);
+  }
+  balls_.push_back(
+      {settings.wear_radius_mm * normal_ - settings.medialization_mm * Vec3::UnitX(), settings.wear_radius_mm});
+}
+
+/// How far the nominal outline reaches from the centre in a direction of the face.
+double GlenoidFace::outline_mm(double superior, double anterior) const {
+  double inside_mm = 0;
+  double outside_mm = height_mm_;
+  for (int i = 0; i < 60; ++i) {
+    const double middle_mm = (inside_mm + outside_mm) / 2;
+    const double beyond =
+        implicit::pear(middle_mm * anterior, middle_mm * superior, half_width_mm_ - height_mm_ / 2, half_width_mm_,
+                       height_mm_ / 2 - kUpperShare * half_width_mm_, kUpperShare * half_width_mm_);
+    (beyond < 0 ? inside_mm : outside_mm) = middle_mm;
+  }
+  return inside_mm;
+}
+
+/// The humeral head, so that its ball passes through ridge and rim of the neoglenoid. All in the plane of the native
+/// axis and the wear direction.
+void GlenoidFace::wear_one_side(const PhantomSettings& settings) {
+  const double direction = radians(settings.wear_direction_deg);
+  const double tilt = radians(settings.wear_tilt_deg);
+  const double native_mm = settings.face_radius_mm;
+  const double ridge_at_mm = settings.wear_ridge_mm;
+  const Vec3 axis = native_normal();
+  const Vec3 wear =
+      -std::sin(direction) * Vec3(face_from_anatomy_.row(1)) - std::cos(direction) * Vec3(face_from_anatomy_.row(2));
+  const double worn_rim_mm = outline_mm(-std::sin(direction), -std::cos(direction));
+  const double kept_rim_mm = outline_mm(std::sin(direction), std::cos(direction));
+  if (ridge_at_mm <= -0.9 * kept_rim_mm || ridge_at_mm >= 0.9 * worn_rim_mm) {
+    const double limit_mm = ridge_at_mm < 0 ? -0.9 * kept_rim_mm : 0.9 * worn_rim_mm;
+    fail("wear_ridge_mm", "mm", ridge_at_mm, "expected a ridge on the face, short of %.4g mm", limit_mm);
+  }
+  const double chord_mm = (worn_rim_mm - ridge_at_mm) / std::cos(tilt);
+  if (settings.wear_radius_mm < 0.6 * chord_mm) {
+    fail("wear_radius_mm", "mm", settings.wear_radius_mm, "expected at least 0.6 of the neoglenoid's length: %.4g mm",
+         0.6 * chord_mm);
+  }
+  biconcave_ = true;
+  biconcavity_.wear = wear;
+  biconcavity_.ridge_mm = ridge_at_mm * wear + rise_mm(native_mm, ridge_at_mm) * axis;
+  biconcavity_.neo_normal = std::cos(tilt) * axis + std::sin(tilt) * wear;
+  biconcavity_.neo_rim_mm = biconcavity_.ridge_mm + chord_mm * (std::cos(tilt) * wear - std::sin(tilt) * axis);
+  const double half_chord = std::asin(chord_mm / (2 * settings.wear_radius_mm));
+  biconcavity_.angle = tilt + half_chord + std::asin(ridge_at_mm / native_mm);
+  const Vec3 middle_mm = (biconcavity_.ridge_mm + biconcavity_.neo_rim_mm) / 2;
+  balls_.push_back(
+      {middle_mm + settings.wear_radius_mm * std::cos(half_chord) * biconcavity_.neo_normal, settings.wear_radius_mm});
+  const Vec3 kept_mm = -kept_rim_mm * wear + rise_mm(native_mm, kept_rim_mm) * axis;
+  const Vec3 across = biconcavity_.neo_rim_mm - kept_mm;
+  normal_ = (across.dot(wear) * axis - across.dot(axis) * wear).normalized();
+}
+
+void GlenoidFace::place_center() {
+  for (const Ball& ball : balls_) {
+    const double from_axis2 = ball.center_mm.tail<2>().squaredNorm();
+    const double radius2 = ball.radius_mm * ball.radius_mm;
+    if (from_axis2 >= radius2) continue;
+    center_mm_.x() = std::min(center_mm_.x(), ball.center_mm.x() - std::sqrt(radius2 - from_axis2));
+  }
+}
+
+double GlenoidFace::below_mm(const Vec3& point) const {
+  double out = (point - balls_[0].center_mm).norm() - balls_[0].radius_mm;
+  for (std::size_t i = 1; i < balls_.size(); ++i) {
+    out = std::min(out, (point - balls_[i].center_mm).norm() - balls_[i].radius_mm);
+  }
+  return out;
+}
+
+}  // namespace reamsim

@@ -1,0 +1,73 @@
+#pragma once
+
+#include <vector>
+
+#include "sim/base/geometry.h"
+#include "sim/scenario/scenario.h"
+
+namespace reamsim {
+
+/// The joint face of the parametric glenoid. It is what balls of air leave of the bone: one of the native face's
+/// radius, and where the face is worn one of the humeral head's. Everything about it is therefore known in closed form
+/// (docs/physics.md).
+///
+/// Anatomical coordinates, mm, origin at the centre of the native face: (lateral, superior, anterior). Lateral is the
+/// Friedman axis, from the trigonum spinae to the glenoid's centre.
+class GlenoidFace {
+ public:
+  explicit GlenoidFace(const PhantomSettings& settings);
+
+  struct Ball {
+    Vec3 center_mm;
+    double radius_mm = 0;
+  };
+  /// What a biconcave face (B2) has beside its balls.
+  struct Biconcavity {
+    Vec3 ridge_mm;     ///< where the two parts meet, in the plane of axis and wear direction
+    Vec3 neo_rim_mm;   ///< where the neoglenoid ends in that plane
+    Vec3 neo_normal;   ///< of the line from ridge to rim
+    Vec3 wear;         ///< the way the wear goes, across the native axis
+    double angle = 0;  ///< between the two parts' normals at the ridge, radians
+  };
+
+  /// Upper radius of the pear-shaped outline over the lower one, which is half the width.
+  static constexpr double kUpperShare = 0.68;
+
+  /// Distance below the face, positive into the bone: exact.
+  [[nodiscard]] double below_mm(const Vec3& point) const;
+  /// The native face first, then the worn one.
+  [[nodiscard]] const std::vector<Ball>& balls() const { return balls_; }
+  /// Axis of the native face: lateral, turned by version (posterior positive) and inclination.
+  [[nodiscard]] Vec3 native_normal() const { return face_from_anatomy_.row(0); }
+  /// Rows: normal, superior and anterior of the native face.
+  [[nodiscard]] const Mat3& face_from_anatomy() const { return face_from_anatomy_; }
+  /// Normal of the whole face: the native axis, or for a biconcave one that of the line from rim to rim across both
+  /// parts, the intermediate glenoid (Rouleau et al. 2010).
+  [[nodiscard]] const Vec3& normal() const { return normal_; }
+  /// Where the Friedman axis meets the face.
+  [[nodiscard]] const Vec3& center_mm() const { return center_mm_; }
+  /// B2 only; a null pointer otherwise.
+  [[nodiscard]] const Biconcavity* biconcavity() const { return biconcave_ ? &biconcavity_ : nullptr; }
+
+ private:
+  [[nodiscard]] double outline_mm(double superior, double anterior) const;
+  void wear_concentrically(const PhantomSettings& settings);
+  void wear_one_side(const PhantomSettings& settings);
+  void place_center();
+
+  double half_width_mm_;
+  double height_mm_;
+  std::vector<Ball> balls_;
+  Mat3 face_from_anatomy_;
+  Vec3 normal_;
+  Vec3 center_mm_ = Vec3::Zero();
+  Biconcavity biconcavity_;
+  bool biconcave_ = false;
+};
+
+/// Version (retroversion positive) and inclination (superior positive) of a direction in anatomical coordinates,
+/// radians.
+double version_of(const Vec3& direction);
+double inclination_of(const Vec3& direction);
+
+}  // namespace reamsim

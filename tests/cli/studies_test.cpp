@@ -1,0 +1,117 @@
+// The studies of trajectories/ run as they are; here coarsely, for what they claim to show.
+#include <cmath>
+#include <numbers>
+#include <sstream>
+
+#include "tests/cli/cli_fixture.h"
+
+namespace reamsim::test {
+namespace {
+
+using ::testing::HasSubstr;
+
+class Studies : public CliTest {
+ protected:
+  /// What a coarse run of a study left.
+  struct Result {
+    double removed_mm3 = 0;
+    double energy_mj = 0;
+    double rms_torque_nmm = 0;
+    double balance = 0;
+    std::string forces;
+  };
+
+  ProgramResult check(const std::string& study) const {
+    return reamsim({.arguments = {"check", file_of(study)}, .environment = {}, .folder = "", .interrupt_when = {}});
+  }
+  Result coarse(const std::string& study, const char* voxel_mm = "0.5") const {
+    ProgramCall call{.arguments = {"run", file_of(study), "-o", "out", "--overwrite"},
+                     .environment = {},
+                     .folder = "",
+                     .interrupt_when = {}};
+    for (const std::string& change : {std::string("bone.voxel_mm=") + voxel_mm, std::string("motion.frame_rate_hz=50"),
+                                      std::string("render.enabled=false"), std::string("output.vti=false")}) {
+      call.arguments.insert(call.arguments.end(), {"--set", change});
+    }
+    expect_done(reamsim(call));
+    const std::string summary = read("out/summary.json");
+    return {number_after(summary, "\"removed_mm3\": "), number_after(summary, "\"energy_mj\": "),
+            number_after(summary, "\"rms_torque_nmm\": "), number_after(summary, "\"balance\": "),
+            read("out/forces.csv")};
+  }
+  static std::string file_of(const std::string& study) {
+    return std::string(REAMSIM_ROOT "/trajectories/study_") + study + ".yaml";
+  }
+};
+
+/// The number in a row of forces.csv, counted from 1, and a column.
+double field(const std::string& forces, int row, int column) {
+  std::istringstream lines(forces);
+  std::string line;
+  for (int i = 0; i <= row; ++i) std::getline(lines, line);
+  std::istringstream fields(line);
+  std::string text;
+  for (int i = 0; i <= column; ++i) std::getline(fields, text, ',');
+  return std::stod(text);
+}
+
+TEST_F(Studies, AreAllValid) {
+  int found = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(REAMSIM_ROOT "/trajectories")) {
+    if (!entry.path().filename().string().starts_with("study_")) continue;
+    const ProgramResult result = reamsim({.arguments = {"check", entry.path().string(), "--set", "bone.voxel_mm=1"},
+                                          .environment = {},
+                                          .folder = "",
+                                          .interrupt_when = {}});
+    EXPECT_EQ(result.status, 0) << entry.path() << result.err;
+    EXPECT_THAT(result.out, HasSubstr("# Walch "));
+    ++found;
+  }
+  EXPECT_EQ(found, 9);
+}
+
+TEST_F(Studies, ConcentricReamCutsNothingButThePlate) {
+  const Result result = coarse("concentric", "0.4");
+  EXPECT_GT(result.removed_mm3, 150);
+  // 150 N/mm² is the specific energy of the plate, of 1.8 g/cm³; what is under it takes less.
+  EXPECT_NEAR(result.energy_mj / result.removed_mm3, 150, 1.5);
+  EXPECT_LT(std::abs(result.balance), 1e-4);
+}
+
+TEST_F(Studies, EccentricReamTurnsTheFaceByTenDegrees) {
+  EXPECT_THAT(check("eccentric_10deg").out, HasSubstr("retroversion 15.00 degrees, superior inclination 8.00 degrees"));
+  const Result result = coarse("eccentric_10deg", "1");
+  EXPECT_GT(result.removed_mm3, 300);
+  const double w = field(result.forces, 1, 5);
+  const double x = field(result.forces, 1, 6);
+  const double y = field(result.forces, 1, 7);
+  const double z = field(result.forces, 1, 8);
+  // +z of the tool in B, whose axes are those of the scapular frame: x lateral, y posterior, z superior on a left one.
+  const double lateral = 2 * (x * z + w * y);
+  const double posterior = 2 * (y * z - w * x);
+  const double superior = 1 - 2 * (x * x + y * y);
+  EXPECT_NEAR(std::atan2(posterior, lateral) * 180 / std::numbers::pi, 5, 0.01);
+  EXPECT_NEAR(std::asin(superior) * 180 / std::numbers::pi, 8, 0.01);
+}
+
+TEST_F(Studies, FlatReamerTakesMoreOfAUniconcaveAndLessOfABiconcaveFace) {
+  const double uniconcave_convex = coarse("uniconcave_convex").removed_mm3;
+  const double uniconcave_flat = coarse("uniconcave_flat").removed_mm3;
+  const double biconcave_convex = coarse("biconcave_convex").removed_mm3;
+  const double biconcave_flat = coarse("biconcave_flat").removed_mm3;
+  EXPECT_GT(uniconcave_flat, 1.5 * uniconcave_convex);
+  EXPECT_LT(biconcave_flat, 0.85 * biconcave_convex);
+}
+
+TEST_F(Studies, TorqueGoesWithOneOverSpin) {
+  const Result slow = coarse("speed_100rpm");
+  const Result middle = coarse("speed_250rpm");
+  const Result fast = coarse("speed_500rpm");
+  EXPECT_EQ(slow.removed_mm3, fast.removed_mm3);
+  EXPECT_EQ(slow.energy_mj, middle.energy_mj);
+  EXPECT_NEAR(slow.rms_torque_nmm / middle.rms_torque_nmm, 2.5, 0.03);
+  EXPECT_NEAR(slow.rms_torque_nmm / fast.rms_torque_nmm, 5, 0.06);
+}
+
+}  // namespace
+}  // namespace reamsim::test
