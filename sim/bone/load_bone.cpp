@@ -52,6 +52,8 @@ Voxmap voxmap_from_vdb(const BoneSettings& settings, Report& report) {
 Bone load_bone(const BoneSettings& settings, Report& report) {
   Bone bone = bone_from_source(settings, report);
   if (const auto given = glenoid_frame(settings.glenoid, settings.side)) bone.glenoid = given;
+  // With landmarks the glenoid's normal is the Friedman axis.
+  if (settings.glenoid.landmarks) bone.scapula = axes_of(*bone.glenoid, settings.side);
   if (settings.pilot_hole) drill(bone, *settings.pilot_hole, report);
   const VoxelGrid& grid = bone.voxmap.grid;
   char text[200];

@@ -144,6 +144,9 @@ Bone glenoid_phantom(const BoneSettings& settings) {
   face.normal = sides.bone_from_anatomy(shape.normal());
   face.superior = Vec3::UnitZ();
   bone.glenoid = glenoid_frame(face, settings.side);
+  bone.scapula = {.lateral = sides.bone_from_anatomy(Vec3::UnitX()),
+                  .superior = sides.bone_from_anatomy(Vec3::UnitY()),
+                  .anterior = sides.bone_from_anatomy(Vec3::UnitZ())};
   return bone;
 }
 

@@ -82,6 +82,33 @@ void describe_cutting(KeyVisitor& v, CuttingSettings& cutting) {
            cutting.wear_g_cm3_per_s);
 }
 
+namespace {
+
+void describe_implant(KeyVisitor& v, ImplantSettings& implant) {
+  v.number({.name = "backside_radius_mm",
+            .doc = "Radius of its spherical back; 0: flat",
+            .required = true,
+            .range = between(0, 500)},
+           implant.backside_radius_mm);
+  v.number({.name = "diameter_mm",
+            .doc = "Of its footprint, a circle round the reamer's axis; 0: the footprint is the reamed face",
+            .range = between(0, 200)},
+           implant.diameter_mm);
+  v.number({.name = "gap_mm", .doc = "Up to this gap the back counts as seated", .range = above(0, 10)},
+           implant.gap_mm);
+}
+
+}  // namespace
+
+void describe_metrics(KeyVisitor& v, MetricSettings& metrics) {
+  v.number({.name = "dense_g_cm3",
+            .doc = "From this density on bone counts as dense: subchondral plate and cortex; below it as trabecular",
+            .range = above(0, 2)},
+           metrics.dense_g_cm3);
+  v.optional_section({.name = "implant", .doc = "A glenoid component whose seating on the reamed face is measured"},
+                     metrics.implant, describe_implant);
+}
+
 void describe_render(KeyVisitor& v, RenderSettings& render) {
   v.flag({.name = "enabled", .doc = "Make pictures"}, render.enabled);
   v.text({.name = "context", .doc = "What draws: osmesa or egl, both without a display", .choices = {"osmesa", "egl"}},
@@ -121,6 +148,8 @@ void describe_scenario(KeyVisitor& v, Scenario& scenario) {
   v.section({.name = "motion", .doc = "How the reamer moves", .required = true}, scenario.motion, describe_motion);
   v.section({.name = "engine", .doc = "How contact is computed, and where"}, scenario.engine, describe_engine);
   v.section({.name = "cutting", .doc = "How bone goes, and what force that takes"}, scenario.cutting, describe_cutting);
+  v.section({.name = "metrics", .doc = "What summary.json measures of the reamed bone"}, scenario.metrics,
+            describe_metrics);
   v.section({.name = "render", .doc = "Pictures"}, scenario.render, describe_render);
   v.section({.name = "output", .doc = "Where the results go"}, scenario.output, describe_output);
 }

@@ -27,6 +27,7 @@ class Rules {
     check_keyframes();
     check_frame_count();
     check_engine();
+    check_implant();
   }
 
  private:
@@ -53,6 +54,7 @@ class Rules {
   void check_keyframes() const;
   void check_frame_count() const;
   void check_engine() const;
+  void check_implant() const;
 
   const Scenario& s_;
   const KeyLocations& at_;
@@ -182,6 +184,13 @@ void Rules::check_engine() const {
   const std::string why = ", because engine.detector is implicit";
   if (s_.tool.spin != "envelope") fail("tool.spin", "found " + s_.tool.spin, "envelope" + why);
   if (s_.cutting.law != "energy") fail("cutting.law", "found " + s_.cutting.law, "energy" + why);
+}
+
+void Rules::check_implant() const {
+  const auto& implant = s_.metrics.implant;
+  if (!implant || implant->backside_radius_mm == 0) return;
+  require(implant->diameter_mm <= 2 * implant->backside_radius_mm, "metrics.implant.diameter_mm", implant->diameter_mm,
+          "no more than twice backside_radius_mm");
 }
 
 }  // namespace

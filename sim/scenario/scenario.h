@@ -191,6 +191,20 @@ struct CuttingSettings {
   double wear_g_cm3_per_s = 80;      ///< erosion: wear; density that a touched voxel loses per second
 };
 
+// ---- metrics -----------------------------------------------------------------------------------------------------
+
+/// The back of a glenoid component that is to lie on the reamed face.
+struct ImplantSettings {
+  double backside_radius_mm = 0;  ///< 0: flat
+  double diameter_mm = 0;         ///< of the footprint, round the reamer's axis; 0: the reamed face
+  double gap_mm = 0.5;            ///< up to this the implant counts as seated
+};
+
+struct MetricSettings {
+  double dense_g_cm3 = 1;  ///< from here on bone is subchondral or cortical, below trabecular
+  std::optional<ImplantSettings> implant;
+};
+
 // ---- render, output ----------------------------------------------------------------------------------------------
 
 struct RenderSettings {
@@ -218,6 +232,7 @@ struct Scenario {
   MotionSettings motion;
   EngineSettings engine;
   CuttingSettings cutting;
+  MetricSettings metrics;
   RenderSettings render;
   OutputSettings output;
 };
