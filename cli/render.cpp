@@ -42,10 +42,11 @@ void render_command(const RenderOptions& options, const Console& console) {
   if (!std::filesystem::is_directory(options.dir)) {
     throw InputError({options.dir, 0, 0}, "", "no such results folder", "expected the output folder of a finished run");
   }
+  const RenderSettings settings = settings_of(options);
   Progress progress(console, "render", "pictures");
   Report report;
   render_pictures(
-      options.dir, settings_of(options),
+      options.dir, settings,
       [&](int done, int total, const std::string&) {
         progress.update(done, total);
         if (stop_requested()) throw Interrupted();
@@ -54,6 +55,7 @@ void render_command(const RenderOptions& options, const Console& console) {
   progress.finish();
   console.tell(report);
   write_force_plots(options.dir, read_bone_vdb(options.dir + "/reamed.vdb").grid.voxel_mm);
+  write_depth_picture(options.dir, settings.depth_max_mm);
   console.say("pictures: " + options.dir + "/frames/, " + options.dir + "/reamed.png");
 }
 

@@ -45,6 +45,7 @@ double make_pictures(const std::string& dir, const Scenario& scenario, double vo
                      const Console& console) {
   const Stopwatch watch;
   write_force_plots(dir, voxel_mm);
+  write_depth_picture(dir, scenario.render.depth_max_mm);
   if (!scenario.render.enabled) return watch.seconds();
   Progress progress(console, "render", "pictures");
   render_pictures(
@@ -82,6 +83,7 @@ void run_in(OutputFolder& folder, const Scenario& scenario, const Console& conso
   facts.device = engine->device();
   facts.device_bytes = engine->device_bytes();
   facts.bone_before_mm3 = scene.bone.voxmap.bone_mm3();
+  const FillBricks fill_before = scene.bone.voxmap.fill;
   facts.load_s = load_watch.seconds();
   tell(report, facts, console);
 
@@ -90,6 +92,7 @@ void run_in(OutputFolder& folder, const Scenario& scenario, const Console& conso
   run_frames(scene, *engine, recorder, report, console);
   facts.simulate_s = watch.seconds();
   tell(report, facts, console);
+  measure(facts, scene, fill_before, recorder.totals());
   write_results(folder.path(), scene, recorder, facts);
   const double render_s = make_pictures(folder.path(), scenario, scene.bone.voxmap.grid.voxel_mm, report, console);
   tell(report, facts, console);

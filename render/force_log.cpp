@@ -2,11 +2,10 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
-#include <fstream>
 #include <string_view>
 
+#include "render/csv_table.h"
 #include "sim/base/error.h"
 #include "sim/record/layer_mean.h"
 
@@ -19,52 +18,8 @@ constexpr std::array<std::string_view, kColumns> kNames{
     "frame",   "time_s",  "tool_x_mm",      "tool_y_mm", "tool_z_mm",     "tool_qw",         "tool_qx",
     "tool_qy", "tool_qz", "spin_angle_rad", "depth_mm",  "axial_force_n", "spin_torque_nmm", "removed_mm3"};
 
-std::vector<std::string_view> split(std::string_view line) {
-  if (!line.empty() && line.back() == '\r') line.remove_suffix(1);
-  std::vector<std::string_view> cells;
-  for (;;) {
-    const std::size_t comma = line.find(',');
-    cells.push_back(line.substr(0, comma));
-    if (comma == std::string_view::npos) return cells;
-    line.remove_prefix(comma + 1);
-  }
-}
-
-/// Where each wanted column stands.
-std::array<std::size_t, kColumns> find_columns(const std::string& path, std::string_view header) {
-  const auto names = split(header);
-  std::array<std::size_t, kColumns> places{};
-  for (std::size_t i = 0; i < kColumns; ++i) {
-    const auto found = std::find(names.begin(), names.end(), kNames[i]);
-    if (found == names.end()) {
-      throw InputError({path, 1, 0}, std::string(kNames[i]), "no such column", "the forces.csv of a run");
-    }
-    places[i] = static_cast<std::size_t>(found - names.begin());
-  }
-  return places;
-}
-
-double number(const SourceLocation& where, std::string_view name, std::string_view cell) {
-  double value = 0;
-  const auto [end, error] = std::from_chars(cell.data(), cell.data() + cell.size(), value);
-  if (error != std::errc() || end != cell.data() + cell.size() || !std::isfinite(value)) {
-    throw InputError(where, std::string(name), "found '" + std::string(cell.substr(0, 40)) + "'",
-                     "expected a finite number");
-  }
-  return value;
-}
-
-ForceRow parse_row(const SourceLocation& where, const std::array<std::size_t, kColumns>& places,
-                   std::string_view line) {
-  const auto cells = split(line);
-  std::array<double, kColumns> v{};
-  for (std::size_t i = 0; i < kColumns; ++i) {
-    if (places[i] >= cells.size()) {
-      throw InputError(where, std::string(kNames[i]), "the line ends after " + std::to_string(cells.size()) + " cells",
-                       "expected as many as in the header");
-    }
-    v[i] = number(where, kNames[i], cells[places[i]]);
-  }
+/// `v`: a row's numbers, in the order of kNames.
+ForceRow make_row(const SourceLocation& where, const std::vector<double>& v) {
   ForceRow row;
   if (v[kFrame] < 0 || v[kFrame] > 1e15) throw InputError(where, "frame", "out of range", "expected 0 or more");
   row.frame = static_cast<std::int64_t>(v[kFrame]);
@@ -98,17 +53,13 @@ const ForceRow& ForceLog::at(std::int64_t frame, const std::string& path) const 
 }
 
 ForceLog read_force_log(const std::string& path) {
-  std::ifstream in(path, std::ios::binary);
-  std::string line;
-  if (!in || !std::getline(in, line)) throw InputError({path, 0, 0}, "", "cannot be read", "the forces.csv of a run");
-  const auto places = find_columns(path, line);
+  CsvTable table(path, kNames, "the forces.csv of a run");
   ForceLog log;
   double removed_mm3 = 0;
-  for (int number_of_line = 2; std::getline(in, line); ++number_of_line) {
-    if (line.empty()) continue;
-    ForceRow row = parse_row({path, number_of_line, 0}, places, line);
+  for (std::vector<double> values; table.next(values);) {
+    ForceRow row = make_row(table.where(), values);
     if (!log.rows.empty() && row.frame <= log.rows.back().frame) {
-      throw InputError({path, number_of_line, 0}, "frame", "frames do not ascend", "the forces.csv of a run");
+      throw InputError(table.where(), "frame", "frames do not ascend", "the forces.csv of a run");
     }
     removed_mm3 += row.removed_mm3;
     row.removed_mm3 = removed_mm3;

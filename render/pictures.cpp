@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "render/context.h"
+#include "render/fixed_text.h"
 #include "render/overlay.h"
 #include "render/render.h"
 #include "render/results.h"
@@ -34,15 +35,6 @@ struct BoneState {
   SolidField field;
   AmbientLight ambient;
 };
-
-/// A number with `decimals`, never "-0.0".
-std::string fixed(double value, int decimals) {
-  std::array<char, 64> text;
-  const double step = std::pow(10.0, decimals);
-  const double rounded = std::round(value * step) / step;
-  std::snprintf(text.data(), text.size(), "%.*f", decimals, rounded == 0 ? 0.0 : rounded);
-  return text.data();
-}
 
 Rigid spinning(const ToolPose& pose) {
   // Positive spin turns about −z of T.
@@ -107,10 +99,10 @@ class PictureMaker {
     }
     Labels labels = common_labels();
     labels.title = "After reaming";
-    labels.values = {{"deepest", fixed(surface.deepest_mm, 2) + " mm"},
-                     {"removed", fixed(results_.log.rows.back().removed_mm3, 1) + " mm³"},
-                     {"peak mean force", fixed(most_axial_n, 1) + " N"},
-                     {"peak mean torque", fixed(most_torque_nmm, 0) + " N·mm"}};
+    labels.values = {{"deepest", fixed_text(surface.deepest_mm, 2) + " mm"},
+                     {"removed", fixed_text(results_.log.rows.back().removed_mm3, 1) + " mm³"},
+                     {"peak mean force", fixed_text(most_axial_n, 1) + " N"},
+                     {"peak mean torque", fixed_text(most_torque_nmm, 0) + " N·mm"}};
     for (const Camera& camera : cameras_) {
       picture(scene, state, camera, labels, std::nullopt, dir_ + "/reamed" + suffix(camera) + ".png");
     }
@@ -126,11 +118,11 @@ class PictureMaker {
       state.update(voxmap.fill.take_changed());
       scene.set_bone(make_bone_surface(voxmap, state.field, state.ambient, unreamed_));
       Labels labels = common_labels();
-      labels.values = {{"time", fixed(row.time_s, 3) + " s"},
-                       {"depth", fixed(row.depth_mm, 2) + " mm"},
-                       {"mean axial force", fixed(row.layer_axial_force_n, 1) + " N"},
-                       {"mean torque", fixed(row.layer_spin_torque_nmm, 0) + " N·mm"},
-                       {"removed", fixed(row.removed_mm3, 1) + " mm³"}};
+      labels.values = {{"time", fixed_text(row.time_s, 3) + " s"},
+                       {"depth", fixed_text(row.depth_mm, 2) + " mm"},
+                       {"mean axial force", fixed_text(row.layer_axial_force_n, 1) + " N"},
+                       {"mean torque", fixed_text(row.layer_spin_torque_nmm, 0) + " N·mm"},
+                       {"removed", fixed_text(row.removed_mm3, 1) + " mm³"}};
       std::optional<Rigid> tool;
       if (settings_.tool) tool = spinning(row.pose);
       std::array<char, 32> name;

@@ -27,4 +27,9 @@ void render_pictures(const std::string& dir, const RenderSettings& settings, con
 /// Throws InputError when forces.csv is missing or damaged, RunError when gnuplot is missing or fails (with its words).
 void write_force_plots(const std::string& dir, double voxel_mm);
 
+/// Draws DIR/depth_map.csv as DIR/depth_map.png, with the directions that DIR/reamed.vdb knows. `depth_max_mm` ends the
+/// legend; 0: the greatest depth does. No picture when nothing was reamed, or the run wrote no map.
+/// Throws InputError when a file is damaged, RunError when the picture cannot be written.
+void write_depth_picture(const std::string& dir, double depth_max_mm);
+
 }  // namespace reamsim

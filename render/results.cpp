@@ -52,6 +52,13 @@ std::optional<GlenoidFrame> parse_glenoid(const std::string& path, const std::st
 
 }  // namespace
 
+Anatomy read_anatomy(const std::string& dir) {
+  const std::string path = dir + "/reamed.vdb";
+  const openvdb::MetaMap metadata = density_metadata(path);
+  return {.glenoid = parse_glenoid(path, text_of(metadata, "bone_from_glenoid")),
+          .side = text_of(metadata, "bone_side")};
+}
+
 RunResults read_results(const std::string& dir) {
   if (!std::filesystem::is_directory(dir)) {
     throw InputError({dir, 0, 0}, "", "no such folder", "the output folder of a run");
@@ -59,9 +66,9 @@ RunResults read_results(const std::string& dir) {
   RunResults out;
   const std::string bone_path = dir + "/reamed.vdb";
   out.voxmap = read_bone_vdb(bone_path);
-  const openvdb::MetaMap metadata = density_metadata(bone_path);
-  out.glenoid = parse_glenoid(bone_path, text_of(metadata, "bone_from_glenoid"));
-  out.side = text_of(metadata, "bone_side");
+  const Anatomy anatomy = read_anatomy(dir);
+  out.glenoid = anatomy.glenoid;
+  out.side = anatomy.side;
   out.log_path = dir + "/forces.csv";
   out.log = read_force_log(out.log_path);
   out.frames = snapshot_frames(dir);

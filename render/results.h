@@ -23,6 +23,14 @@ struct RunResults {
   TriangleMesh tool;  ///< T, mm
 };
 
+/// What DIR/reamed.vdb says of the bone's directions.
+struct Anatomy {
+  std::optional<GlenoidFrame> glenoid;
+  std::string side;  ///< as in RunResults
+};
+/// Reads metadata only. Throws InputError when it is missing or damaged.
+Anatomy read_anatomy(const std::string& dir);
+
 /// Reads DIR/reamed.vdb (with `bone_from_glenoid`, 16 numbers row by row, and `bone_side` in the metadata of `density`,
 /// both optional), DIR/snapshots/ and DIR/forces.csv. Throws InputError when one is missing or damaged.
 RunResults read_results(const std::string& dir);

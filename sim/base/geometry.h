@@ -33,4 +33,11 @@ struct GlenoidFrame {
   Rigid bone_from_glenoid = Rigid::Identity();
 };
 
+/// The directions of the scapular frame S in B, each of length 1: version and inclination are angles between them.
+struct ScapularAxes {
+  Vec3 lateral = Vec3::UnitX();   ///< along the Friedman axis, from the trigonum spinae to the glenoid's centre
+  Vec3 superior = Vec3::UnitY();  ///< in the scapular plane
+  Vec3 anterior = Vec3::UnitZ();
+};
+
 }  // namespace reamsim

@@ -31,7 +31,8 @@ struct BatchSample {
   double broad_s = 0;         ///< of it: boxes and VOI
   double upload_s = 0;        ///< of it: arguments made and sent
   double kernel_s = 0;        ///< of it: kernels, by the device's clock
-  std::int64_t voxels = 0;    ///< that went; 0 where the program does not count them
+  std::int64_t voxels = 0;    ///< that lost something; 0 where the program does not count them
+  double removed = 0;         ///< voxels that went, partly gone ones as shares; 0 where the program does not count
   std::int64_t contacts = 0;  ///< points of a published program that counts them
   Vec3 force = Vec3::Zero();  ///< an engine: N, in T; a published program: elemental forces, in B
 };
@@ -53,7 +54,7 @@ class Contender {
 
 /// `reamsim run`'s own engine on the device. Throws what make_engine() throws.
 std::unique_ptr<Contender> make_engine_contender(const std::string& engine, const std::string& device,
-                                                 const Arena& arena);
+                                                 const Arena& arena, const std::string& erosion = "remove");
 
 /// The published program of an engine. `count`: count contacts, at the price of one more atomic sum a point. Throws
 /// RunError when the device has no room.

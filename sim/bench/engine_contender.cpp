@@ -10,10 +10,12 @@ namespace {
 
 class EngineContender final : public Contender {
  public:
-  EngineContender(const std::string& engine, const std::string& device, const Arena& arena)
+  EngineContender(const std::string& engine, const std::string& device, const Arena& arena,
+                  const CuttingSettings& cutting)
       : arena_(arena),
+        cutting_(cutting),
         label_{engine, "deterministic"},
-        engine_(make_engine(settings(engine, device), *arena.voxmap, *arena.tool)) {}
+        engine_(make_engine(settings(engine, device, cutting), *arena.voxmap, *arena.tool)) {}
 
   BatchSample run(std::span<const Substep> frames, bool use_voi) override {
     BatchSample sample;
@@ -34,12 +36,12 @@ class EngineContender final : public Contender {
   [[nodiscard]] const Label& label() const override { return label_; }
 
  private:
-  static Scenario settings(const std::string& engine, const std::string& device) {
+  static Scenario settings(const std::string& engine, const std::string& device, const CuttingSettings& cutting) {
     Scenario scenario;
     scenario.name = "bench";
     scenario.engine.detector = engine;
     scenario.engine.device = device;
-    scenario.cutting = bench_cutting();
+    scenario.cutting = cutting;
     return scenario;
   }
 
@@ -54,7 +56,7 @@ class EngineContender final : public Contender {
     }
     const Stopwatch upload;
     const VoxelGrid& grid = arena_.voxmap->grid;
-    const int slot = engine_->begin(use_voi ? make_args(frame, *voi, arena_.tool->shell, grid, bench_cutting(), false)
+    const int slot = engine_->begin(use_voi ? make_args(frame, *voi, arena_.tool->shell, grid, cutting_, false)
                                             : args_without_voi(frame, *arena_.tool, grid));
     sample.upload_s += upload.seconds();
     engine_->detector().detect(slot);
@@ -67,6 +69,7 @@ class EngineContender final : public Contender {
     for (const double s : batch.cut_s) sample.kernel_s += s;
     for (const SubstepSums& sums : batch.sums) {
       sample.voxels += sums.contacts;
+      sample.removed += static_cast<double>(sums.removed) / RS_WHOLE_FILL;
       for (int i = 0; i < 3; ++i) sample.force[i] += static_cast<double>(sums.force[i]) / RS_FORCE_SCALE;
     }
   }
@@ -77,6 +80,7 @@ class EngineContender final : public Contender {
   }
 
   Arena arena_;
+  CuttingSettings cutting_;
   Label label_;
   std::unique_ptr<Engine> engine_;
   RemovedFrames removed_;  ///< since the bone was whole
@@ -85,8 +89,10 @@ class EngineContender final : public Contender {
 }  // namespace
 
 std::unique_ptr<Contender> make_engine_contender(const std::string& engine, const std::string& device,
-                                                 const Arena& arena) {
-  return std::make_unique<EngineContender>(engine, device, arena);
+                                                 const Arena& arena, const std::string& erosion) {
+  CuttingSettings cutting = bench_cutting();
+  cutting.erosion = erosion;
+  return std::make_unique<EngineContender>(engine, device, arena, cutting);
 }
 
 }  // namespace reamsim::bench

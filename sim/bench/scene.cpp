@@ -237,7 +237,9 @@ Aabb shell_box(const Tool& tool) {
 }
 
 CuttingSettings bench_cutting() {
-  return {};
+  CuttingSettings cutting;
+  cutting.erosion = "remove";
+  return cutting;
 }
 
 }  // namespace reamsim::bench

@@ -18,7 +18,7 @@ constexpr double kSpacingVoxels = 0.4721;  // what `reamsim run` chooses
 constexpr double kFeedMmS = 0.2;
 constexpr double kFrameS = 1e-3;
 constexpr int kWindows = 4;           // over the depth, in which frames are timed at the true feed
-constexpr int kWindowFrames = 16;     // enqueued at once
+constexpr int kWindowFrames = 32;     // enqueued at once, as `reamsim run` by default
 constexpr double kStepVoxels = 0.25;  // between the windows
 
 /// A block that the sphere goes into from above; its top face is z = 0, and it lies askew of the tool's axis by shares
@@ -43,7 +43,7 @@ Voxmap block(double voxel_mm) {
 }
 
 Tool cap(double voxel_mm) {
-  constexpr int kSteps = 64;
+  constexpr int kSteps = 256;  // sagitta 0.02 µm
   Tool tool;
   const double rim = std::asin(kWidthMm / 2 / kRadiusMm);
   for (int i = 0; i <= kSteps; ++i) {
@@ -71,11 +71,11 @@ Substep down_to(double depth_mm) {
 }
 
 /// The whole plunge; time per frame of the windows.
-SphereRow plunge(Contender& contender, double voxel_mm, const Watch& watch) {
-  SphereRow row{.engine = contender.label().engine, .erosion = bench_cutting().erosion, .voxel_mm = voxel_mm};
+SphereRow plunge(Contender& contender, const std::string& erosion, double voxel_mm, const Watch& watch) {
+  SphereRow row{.engine = contender.label().engine, .erosion = erosion, .voxel_mm = voxel_mm};
   const double frame_mm = kFeedMmS * kFrameS, window_mm = kWindowFrames * frame_mm;
   std::vector<double> ms;
-  std::int64_t voxels = 0;
+  double voxels = 0;
   double depth = 0;
   for (int window = 1; window <= kWindows; ++window) {
     const double begin = kDepthMm * window / kWindows - window_mm;
@@ -83,20 +83,30 @@ SphereRow plunge(Contender& contender, double voxel_mm, const Watch& watch) {
       if (watch.stop()) throw Interrupted();
       depth = std::min(begin, depth + kStepVoxels * voxel_mm);
       const Substep frame = down_to(depth);
-      voxels += contender.run({&frame, 1}, true).voxels;
+      voxels += contender.run({&frame, 1}, true).removed;
     }
     std::vector<Substep> frames;
     for (int k = 1; k <= kWindowFrames; ++k) frames.push_back(down_to(begin + k * frame_mm));
     const BatchSample sample = contender.run(frames, true);
     ms.push_back(1e3 * sample.total_s / kWindowFrames);
-    voxels += sample.voxels;
+    voxels += sample.removed;
     depth = begin + window_mm;
   }
   row.ms = spread_of(ms);
-  row.removed_mm3 = static_cast<double>(voxels) * std::pow(voxel_mm, 3);
+  row.removed_mm3 = voxels * std::pow(voxel_mm, 3);
   const double cap_mm3 = std::numbers::pi * kDepthMm * kDepthMm * (kRadiusMm - kDepthMm / 3);
   row.volume_error = row.removed_mm3 / cap_mm3 - 1;
   return row;
+}
+
+/// Engine and erosion.
+std::vector<std::pair<std::string, std::string>> sphere_contenders(const Plan& plan) {
+  std::vector<std::pair<std::string, std::string>> out;
+  for (const std::string& engine : plan.engines) {
+    if (engine == "bricked") out.emplace_back(engine, "exact");
+    out.emplace_back(engine, "remove");
+  }
+  return out;
 }
 
 }  // namespace
@@ -106,17 +116,16 @@ void measure_spheres(const Plan& plan, const Watch& watch, Findings& findings) {
     const Voxmap bone = block(voxel_mm);
     const Tool tool = cap(voxel_mm);
     const Arena arena{&bone, &tool, bone.grid.bounds_mm(), shell_box(tool)};
-    for (const std::string& engine : plan.engines) {
-      watch.progress("plunged sphere, " + engine);
+    for (const auto& [engine, erosion] : sphere_contenders(plan)) {
+      watch.progress("plunged sphere, " + engine + ", " + erosion);
+      const Place place{{engine, "deterministic"}, bone.grid.dims.x(), tool.shell.resolution, "sphere"};
       try {
-        const auto contender = make_engine_contender(engine, plan.device, arena);
-        findings.spheres.push_back(plunge(*contender, voxel_mm, watch));
+        const auto contender = make_engine_contender(engine, plan.device, arena, erosion);
+        findings.spheres.push_back(plunge(*contender, erosion, voxel_mm, watch));
       } catch (const InputError& error) {
-        findings.skipped.push_back(
-            {{{engine, "deterministic"}, bone.grid.dims.x(), tool.shell.resolution, "sphere"}, error.what()});
+        findings.skipped.push_back({place, error.what()});
       } catch (const RunError& error) {
-        findings.skipped.push_back(
-            {{{engine, "deterministic"}, bone.grid.dims.x(), tool.shell.resolution, "sphere"}, error.what()});
+        findings.skipped.push_back({place, error.what()});
       }
     }
   }

@@ -168,7 +168,7 @@ std::string spheres_table(const Findings& findings) {
   }
   return table.empty()
              ? ""
-             : table.text("A sphere of 29 mm radius plunged 4 mm at 0.2 mm/s and 1 kHz, frames in batches of 16");
+             : table.text("A sphere of 29 mm radius plunged 4 mm at 0.2 mm/s and 1 kHz, frames in batches of 32");
 }
 
 std::string head(const Findings& findings) {

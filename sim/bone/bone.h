@@ -13,6 +13,7 @@ struct Bone {
   Voxmap voxmap;
   std::optional<GlenoidFrame> glenoid;                       ///< from the scenario, or the phantom's own
   std::optional<LandmarkSettings> landmarks = std::nullopt;  ///< in B: from the scenario, or the phantom's own
+  std::optional<ScapularAxes> scapula = std::nullopt;        ///< of the landmarks
 };
 
 /// Builds the bone that the scenario asks for (CT, mesh, VDB or phantom) and drills the pilot hole. All but a VDB's
@@ -44,6 +45,10 @@ Bone bone_from_phantom(const BoneSettings& settings, Report& report);
 /// Throws InputError: an incomplete set, zero or parallel directions, landmarks on a line, a side that is not left or
 /// right.
 std::optional<GlenoidFrame> glenoid_frame(const GlenoidSettings& settings, const std::string& side);
+
+/// The directions that a glenoid frame would be made of if its normal were the Friedman axis: lateral is its +z. On a
+/// side that is neither left nor right they are those of a left scapula.
+ScapularAxes axes_of(const GlenoidFrame& glenoid, const std::string& side);
 
 /// Sets every voxel whose centre lies in the hole to air; returns the drilled volume in mm³. `glenoid` is needed where
 /// `hole.frame` is glenoid. Throws InputError: no such frame, no direction.

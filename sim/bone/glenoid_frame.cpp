@@ -42,6 +42,13 @@ GlenoidFrame frame_from_landmarks(const LandmarkSettings& marks) {
 
 }  // namespace
 
+ScapularAxes axes_of(const GlenoidFrame& glenoid, const std::string& side) {
+  const Mat3 axes = glenoid.bone_from_glenoid.linear();
+  return {.lateral = axes.col(2),
+          .superior = axes.col(1),
+          .anterior = side == "right" ? Vec3(axes.col(0)) : Vec3(-axes.col(0))};
+}
+
 std::optional<GlenoidFrame> glenoid_frame(const GlenoidSettings& settings, const std::string& side) {
   const bool any = settings.center_mm || settings.normal || settings.superior;
   if (!any && !settings.landmarks) return std::nullopt;

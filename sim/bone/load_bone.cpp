@@ -53,6 +53,12 @@ Bone load_bone(const BoneSettings& settings, Report& report) {
   Bone bone = bone_from_source(settings, report);
   if (const auto given = glenoid_frame(settings.glenoid, settings.side)) bone.glenoid = given;
   if (settings.glenoid.landmarks) bone.landmarks = settings.glenoid.landmarks;
+  if (bone.landmarks) {
+    GlenoidSettings marks;
+    marks.landmarks = bone.landmarks;
+    // With landmarks the glenoid's normal is the Friedman axis.
+    bone.scapula = axes_of(*glenoid_frame(marks, settings.side), settings.side);
+  }
   if (settings.pilot_hole) drill(bone, *settings.pilot_hole, report);
   const VoxelGrid& grid = bone.voxmap.grid;
   char text[200];

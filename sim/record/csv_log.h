@@ -8,7 +8,7 @@
 namespace reamsim {
 
 /// A CSV file with a header line. Numbers are written with the fewest digits that read back to the same value, so the
-/// same run gives the same bytes.
+/// same run gives the same bytes; NaN is an empty cell.
 class CsvLog {
  public:
   /// Throws RunError when the file cannot be made.

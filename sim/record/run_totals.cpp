@@ -12,6 +12,8 @@ void RunTotals::add(const FrameResult& row) {
   energy_mj += row.energy_mj;
   floor_energy_mj += row.floor_energy_mj;
   balance = row.balance;
+  const bool first_contact = row.contacts > 0 && first_contact_frame < 0;
+  if (first_contact || row.depth_mm > max_depth_mm) deepest_pose = row.pose;
   max_depth_mm = std::max(max_depth_mm, row.depth_mm);
   peak_force_n = std::max(peak_force_n, row.force_n.norm());
   peak_axial_force_n = std::max(peak_axial_force_n, row.axial_force_n);
@@ -23,6 +25,11 @@ void RunTotals::add(const FrameResult& row) {
   if (row.contacts == 0) return;
   ++contact_frames;
   if (first_contact_frame < 0) first_contact_frame = row.frame;
+  last_contact_frame = row.frame;
+  sums_.force_n += row.force_n.norm();
+  sums_.torque_nmm += row.torque_nmm.norm();
+  sums_.axial_force_n += row.axial_force_n;
+  sums_.spin_torque_nmm += row.spin_torque_nmm;
   force_squares_ += row.force_n.squaredNorm();
   torque_squares_ += row.torque_nmm.squaredNorm();
 }
@@ -33,6 +40,19 @@ double RunTotals::rms_force_n() const {
 
 double RunTotals::rms_torque_nmm() const {
   return contact_frames == 0 ? 0 : std::sqrt(torque_squares_ / static_cast<double>(contact_frames));
+}
+
+std::int64_t RunTotals::reaming_frames() const {
+  return first_contact_frame < 0 ? 0 : last_contact_frame - first_contact_frame + 1;
+}
+
+RunTotals::Means RunTotals::means() const {
+  if (reaming_frames() == 0) return {};
+  const auto count = static_cast<double>(reaming_frames());
+  return {.force_n = sums_.force_n / count,
+          .torque_nmm = sums_.torque_nmm / count,
+          .axial_force_n = sums_.axial_force_n / count,
+          .spin_torque_nmm = sums_.spin_torque_nmm / count};
 }
 
 }  // namespace reamsim

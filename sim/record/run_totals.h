@@ -16,9 +16,11 @@ class RunTotals {
   std::int64_t frames = 0;          ///< rows, the first (frame 0) included
   std::int64_t contact_frames = 0;  ///< rows with contact
   std::int64_t first_contact_frame = -1;
+  std::int64_t last_contact_frame = -1;
   double simulated_s = 0;
   double removed_mm3 = 0;
   double max_depth_mm = 0;
+  ToolPose deepest_pose;  ///< at the first row with max_depth_mm, no earlier than the first contact
   double energy_mj = 0;
   double floor_energy_mj = 0;
   double balance = 0;
@@ -37,9 +39,24 @@ class RunTotals {
   [[nodiscard]] double rms_force_n() const;
   [[nodiscard]] double rms_torque_nmm() const;
 
+  /// Rows from the first to the last with contact: the reaming time in frames. A row between without contact counts,
+  /// because whether a frame touches depends on how erosion rounds to voxels.
+  [[nodiscard]] std::int64_t reaming_frames() const;
+  /// Means over the reaming time; 0 without contact.
+  struct Means {
+    double force_n = 0;  ///< of the force's length; likewise the torque's
+    double torque_nmm = 0;
+    double axial_force_n = 0;
+    double spin_torque_nmm = 0;
+  };
+  [[nodiscard]] Means means() const;
+  /// Work that the drill did on the bone, −Σ(T·ω + F·v)·Δt, from the energy account.
+  [[nodiscard]] double work_mj() const { return energy_mj * (1 + balance) - floor_energy_mj; }
+
  private:
   double force_squares_ = 0;
   double torque_squares_ = 0;
+  Means sums_;  // rows without contact have no force, so these are sums over the reaming time
   LayerMean layer_;
 };
 

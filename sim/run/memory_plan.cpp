@@ -52,7 +52,8 @@ std::size_t planned_process_bytes(const ReamingScene& scene, std::size_t device_
   const bool serial = scene.scenario.engine.device == "serial";
   const double engine = serial ? kSerialBytes * static_cast<double>(voxmap.grid.size())
                                : kCompilerBytes + static_cast<double>(device_bytes);
-  const double held = static_cast<double>(voxmap.grade.bytes() + voxmap.fill.bytes()) + engine;
+  // The fill twice: as it was when the run began, and as it is.
+  const double held = static_cast<double>(voxmap.grade.bytes() + 2 * voxmap.fill.bytes()) + engine;
   const double most = std::max(loading, held + results_bytes(count_bricks(voxmap.grade)));
   return static_cast<std::size_t>(kProgramBytes + most);
 }

@@ -8,9 +8,11 @@
 #include <sstream>
 
 #include "sim/base/error.h"
+#include "sim/base/stopwatch.h"
 #include "sim/mesh/mesh_io.h"
 #include "sim/record/checksum.h"
 #include "sim/record/vti.h"
+#include "sim/run/metrics_results.h"
 #include "sim/scenario/parse.h"
 
 namespace reamsim {
@@ -66,10 +68,14 @@ nlohmann::ordered_json forces_json(const RunTotals& totals) {
           {"peak_layer_spin_torque_nmm", totals.peak_layer_spin_torque_nmm},
           {"peak_force_n", totals.peak_force_n},
           {"rms_force_n", totals.rms_force_n()},
+          {"mean_force_n", totals.means().force_n},
           {"peak_axial_force_n", totals.peak_axial_force_n},
+          {"mean_axial_force_n", totals.means().axial_force_n},
           {"peak_torque_nmm", totals.peak_torque_nmm},
           {"rms_torque_nmm", totals.rms_torque_nmm()},
-          {"peak_spin_torque_nmm", totals.peak_spin_torque_nmm}};
+          {"mean_torque_nmm", totals.means().torque_nmm},
+          {"peak_spin_torque_nmm", totals.peak_spin_torque_nmm},
+          {"mean_spin_torque_nmm", totals.means().spin_torque_nmm}};
 }
 
 nlohmann::ordered_json bone_json(const ReamingScene& scene, const RunTotals& totals, const RunFacts& facts) {
@@ -94,6 +100,18 @@ void write_results(const std::string& dir, const ReamingScene& scene, const Reco
   write_stl(dir + "/snapshots/tool.stl", scene.tool.mesh);
   write_bone_vdb(dir + "/reamed.vdb", scene.bone.voxmap, recorder.removed_frames(), provenance(scene, facts));
   if (scene.scenario.output.vti) write_vti(dir + "/reamed.vti", scene.bone.voxmap);
+  write_depth_map(dir + "/depth_map.csv", facts.depth_map);
+}
+
+void measure(RunFacts& facts, const ReamingScene& scene, const FillBricks& fill_before, const RunTotals& totals) {
+  const Stopwatch watch;
+  const ReamedBone bone{scene.bone.voxmap, fill_before};
+  const Rigid bone_from_tool = totals.deepest_pose.bone_from_tool();
+  BoneAxes axes{.scapula = scene.bone.scapula, .glenoid = {}};
+  if (scene.bone.glenoid) axes.glenoid = axes_of(*scene.bone.glenoid, scene.scenario.bone.side);
+  facts.metrics = measure_bone(bone, bone_from_tool, axes, scene.scenario.metrics);
+  facts.depth_map = depth_map(bone, scene.bone.glenoid, bone_from_tool);
+  facts.measure_s = watch.seconds();
 }
 
 void write_summary(const std::string& dir, const ReamingScene& scene, const RunTotals& totals, const RunFacts& facts,
@@ -109,19 +127,23 @@ void write_summary(const std::string& dir, const ReamingScene& scene, const RunT
   json["contact_frames"] = totals.contact_frames;
   json["first_contact_frame"] = totals.first_contact_frame;
   json["simulated_s"] = totals.simulated_s;
+  json["reaming_s"] = static_cast<double>(totals.reaming_frames()) * scene.motion.frame_s();
   json["removed_mm3"] = totals.removed_mm3;
   json["max_depth_mm"] = totals.max_depth_mm;
+  json["work_mj"] = totals.work_mj();
   json["energy_mj"] = totals.energy_mj;
   json["floor_energy_mj"] = totals.floor_energy_mj;
   json["balance"] = totals.balance;
   json["forces"] = forces_json(totals);
+  json["metrics"] = metrics_json(facts.metrics);
   json["bone"] = bone_json(scene, totals, facts);
   json["tool"] = {{"shell_points", scene.tool.shell.codes.size()},
                   {"shell_resolution", scene.tool.shell.resolution},
                   {"shell_spacing_mm", scene.tool.shell.cell_mm}};
   json["timings_s"] = {
       {"load", facts.load_s},      {"simulate", facts.simulate_s}, {"broad_phase", totals.broad_phase_s},
-      {"detect", totals.detect_s}, {"cut", totals.cut_s},          {"render", render_s}};
+      {"detect", totals.detect_s}, {"cut", totals.cut_s},          {"measure", facts.measure_s},
+      {"render", render_s}};
   json["memory_mb"] = {{"peak_process", peak_process_mb()}, {"device", static_cast<double>(facts.device_bytes) / 1e6}};
   for (const auto& input : facts.inputs) {
     json["inputs"].push_back({{"role", input.role}, {"path", input.path}, {"sha256", input.sha256}});

@@ -2,6 +2,7 @@
 
 #include <string>
 
+#include "sim/metrics/run_metrics.h"
 #include "sim/record/recorder.h"
 #include "sim/run/simulation.h"
 
@@ -24,12 +25,19 @@ struct RunFacts {
   double bone_before_mm3 = 0;
   double load_s = 0;
   double simulate_s = 0;
+  double measure_s = 0;
   std::vector<InputSum> inputs;
   std::vector<std::string> warnings;
+  BoneMetrics metrics;
+  ColumnMap depth_map;
 };
 
-/// Writes scenario.yaml (resolved, with the sums in its head), reamed.vdb, reamed.vti and snapshots/tool.stl into
-/// `dir`. Throws RunError when the disk is full.
+/// Measures what the run did to the bone: metrics, depth map, and the time that takes. `fill_before`: the bone's fill
+/// when the run began.
+void measure(RunFacts& facts, const ReamingScene& scene, const FillBricks& fill_before, const RunTotals& totals);
+
+/// Writes scenario.yaml (resolved, with the sums in its head), reamed.vdb, reamed.vti, depth_map.csv and
+/// snapshots/tool.stl into `dir`. Throws RunError when the disk is full.
 void write_results(const std::string& dir, const ReamingScene& scene, const Recorder& recorder, const RunFacts& facts);
 
 /// Writes summary.json into `dir`; `render_s` is the time of pictures and plots, 0 without.

@@ -46,11 +46,17 @@ void describe_cutting(KeyVisitor& v, CuttingSettings& cutting) {
                  "each shell point in contact, as in the paper",
           .choices = {"energy", "per_point"}},
          cutting.law);
-  v.text({.name = "erosion",
-          .doc = "exact: a voxel keeps the part of it that lies outside the tool; remove: a touched voxel goes whole; "
-                 "wear: it loses density by the second",
-          .choices = {"exact", "remove", "wear"}},
-         cutting.erosion);
+  v.defaults([&cutting] {
+    if (cutting.law == "per_point") cutting.erosion = "remove";
+  });
+  v.text(
+      {.name = "erosion",
+       .doc = "exact: a voxel keeps the part of it that lies outside the tool's envelope (engine.detector bricked, law "
+              "energy, tool.spin envelope); remove: a touched voxel goes whole, the default where exact is not "
+              "possible; wear: it loses density by the second",
+       .choices = {"exact", "remove", "wear"},
+       .default_by = "engine.detector"},
+      cutting.erosion);
   v.number(
       {.name = "specific_energy_j_mm3",
        .doc = "Energy to cut 1 mm³ of bone of the reference density (u0). Uncalibrated; literature spans 0.05 to 0.30",
@@ -81,6 +87,33 @@ void describe_cutting(KeyVisitor& v, CuttingSettings& cutting) {
             .doc = "Density that a touched voxel loses per second; used by `erosion: wear` only",
             .range = above(0, 1e6)},
            cutting.wear_g_cm3_per_s);
+}
+
+namespace {
+
+void describe_implant(KeyVisitor& v, ImplantSettings& implant) {
+  v.number({.name = "backside_radius_mm",
+            .doc = "Radius of its spherical back; 0: flat",
+            .required = true,
+            .range = between(0, 500)},
+           implant.backside_radius_mm);
+  v.number({.name = "diameter_mm",
+            .doc = "Of its footprint, a circle round the reamer's axis; 0: the footprint is the reamed face",
+            .range = between(0, 200)},
+           implant.diameter_mm);
+  v.number({.name = "gap_mm", .doc = "Up to this gap the back counts as seated", .range = above(0, 10)},
+           implant.gap_mm);
+}
+
+}  // namespace
+
+void describe_metrics(KeyVisitor& v, MetricSettings& metrics) {
+  v.number({.name = "dense_g_cm3",
+            .doc = "From this density on bone counts as dense: subchondral plate and cortex; below it as trabecular",
+            .range = above(0, 2)},
+           metrics.dense_g_cm3);
+  v.optional_section({.name = "implant", .doc = "A glenoid component whose seating on the reamed face is measured"},
+                     metrics.implant, describe_implant);
 }
 
 void describe_render(KeyVisitor& v, RenderSettings& render) {
@@ -121,7 +154,14 @@ void describe_scenario(KeyVisitor& v, Scenario& scenario) {
   v.section({.name = "tool", .doc = "The reamer", .required = true}, scenario.tool, describe_tool);
   v.section({.name = "motion", .doc = "How the reamer moves", .required = true}, scenario.motion, describe_motion);
   v.section({.name = "engine", .doc = "How contact is computed, and where"}, scenario.engine, describe_engine);
+  v.defaults([&scenario] {
+    // Only bricks are clipped, and only along the surface that the teeth sweep.
+    const bool clips = scenario.engine.detector == "bricked" && scenario.tool.spin == "envelope";
+    if (!clips) scenario.cutting.erosion = "remove";
+  });
   v.section({.name = "cutting", .doc = "How bone goes, and what force that takes"}, scenario.cutting, describe_cutting);
+  v.section({.name = "metrics", .doc = "What summary.json measures of the reamed bone"}, scenario.metrics,
+            describe_metrics);
   v.section({.name = "render", .doc = "Pictures"}, scenario.render, describe_render);
   v.section({.name = "output", .doc = "Where the results go"}, scenario.output, describe_output);
 }

@@ -11,6 +11,7 @@ void describe_tool(KeyVisitor& v, ToolSettings& tool);
 void describe_motion(KeyVisitor& v, MotionSettings& motion);
 void describe_engine(KeyVisitor& v, EngineSettings& engine);
 void describe_cutting(KeyVisitor& v, CuttingSettings& cutting);
+void describe_metrics(KeyVisitor& v, MetricSettings& metrics);
 void describe_render(KeyVisitor& v, RenderSettings& render);
 void describe_output(KeyVisitor& v, OutputSettings& output);
 

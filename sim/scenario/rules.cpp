@@ -27,6 +27,8 @@ class Rules {
     check_keyframes();
     check_frame_count();
     check_engine();
+    check_implant();
+    check_exact();
   }
 
  private:
@@ -53,6 +55,8 @@ class Rules {
   void check_keyframes() const;
   void check_frame_count() const;
   void check_engine() const;
+  void check_exact() const;
+  void check_implant() const;
 
   const Scenario& s_;
   const KeyLocations& at_;
@@ -182,6 +186,23 @@ void Rules::check_engine() const {
   const std::string why = ", because engine.detector is implicit";
   if (s_.tool.spin != "envelope") fail("tool.spin", "found " + s_.tool.spin, "envelope" + why);
   if (s_.cutting.law != "energy") fail("cutting.law", "found " + s_.cutting.law, "energy" + why);
+}
+
+void Rules::check_implant() const {
+  const auto& implant = s_.metrics.implant;
+  if (!implant || implant->backside_radius_mm == 0) return;
+  require(implant->diameter_mm <= 2 * implant->backside_radius_mm, "metrics.implant.diameter_mm", implant->diameter_mm,
+          "no more than twice backside_radius_mm");
+}
+
+void Rules::check_exact() const {
+  if (s_.cutting.erosion != "exact") return;
+  const std::string expected = "remove or wear, because ";
+  if (s_.engine.detector != "bricked") {
+    fail("cutting.erosion", "found exact", expected + "engine.detector is " + s_.engine.detector);
+  }
+  if (s_.tool.spin != "envelope") fail("cutting.erosion", "found exact", expected + "tool.spin is " + s_.tool.spin);
+  if (s_.cutting.law != "energy") fail("cutting.erosion", "found exact", expected + "cutting.law is " + s_.cutting.law);
 }
 
 }  // namespace

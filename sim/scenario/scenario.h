@@ -189,7 +189,7 @@ struct EngineSettings {
 
 struct CuttingSettings {
   std::string law = "energy";      ///< energy | per_point
-  std::string erosion = "remove";  ///< remove | wear
+  std::string erosion = "exact";  ///< exact | remove | wear
   double specific_energy_j_mm3 = 0.15;
   double reference_density_g_cm3 = 1.8;
   double density_exponent = 2;
@@ -197,6 +197,20 @@ struct CuttingSettings {
   double speed_floor_mm_s = 10;
   double force_per_point_n = 0.001;  ///< law: per_point
   double wear_g_cm3_per_s = 80;      ///< erosion: wear; density that a touched voxel loses per second
+};
+
+// ---- metrics -----------------------------------------------------------------------------------------------------
+
+/// The back of a glenoid component that is to lie on the reamed face.
+struct ImplantSettings {
+  double backside_radius_mm = 0;  ///< 0: flat
+  double diameter_mm = 0;         ///< of the footprint, round the reamer's axis; 0: the reamed face
+  double gap_mm = 0.5;            ///< up to this the implant counts as seated
+};
+
+struct MetricSettings {
+  double dense_g_cm3 = 1;  ///< from here on bone is subchondral or cortical, below trabecular
+  std::optional<ImplantSettings> implant;
 };
 
 // ---- render, output ----------------------------------------------------------------------------------------------
@@ -226,6 +240,7 @@ struct Scenario {
   MotionSettings motion;
   EngineSettings engine;
   CuttingSettings cutting;
+  MetricSettings metrics;
   RenderSettings render;
   OutputSettings output;
 };

@@ -9,7 +9,30 @@ import sys
 import grids
 
 FILES = """scenario.yaml forces.csv forces.png forces.svg forces.gp reamed.vdb reamed.vti summary.json timings.csv
-           reamed.png reamed_glenoid.png reamed_section.png frames/000000.png snapshots/000000.vdb snapshots/tool.stl"""
+           depth_map.csv depth_map.png reamed.png reamed_glenoid.png reamed_section.png frames/000000.png snapshots/000000.vdb snapshots/tool.stl"""
+
+
+def check_metrics(summary, columns):
+    metrics, removed = summary["metrics"], summary["removed_mm3"]
+    assert abs(metrics["removed"]["total_mm3"] - removed) < 1e-9 * removed
+    parts = metrics["removed"]["trabecular_mm3"] + metrics["removed"]["dense_mm3"]
+    assert abs(parts - removed) < 1e-9 * removed
+    # Columns of less than a tenth of a voxel are left out of the map.
+    raster = sorted({float(c["x_mm"]) for c in columns})
+    pitch = min(b - a for a, b in zip(raster, raster[1:]))
+    mapped = sum(float(c["depth_mm"]) for c in columns) * pitch**2
+    assert abs(mapped - removed) < 2e-3 * removed, f"the depth map holds {mapped} of {removed} mm3"
+    for c in columns:
+        if c["after_z_mm"]:
+            assert abs(float(c["before_z_mm"]) - float(c["after_z_mm"]) - float(c["depth_mm"])) < 2e-6
+    depth = metrics["depth"]
+    assert 0 < depth["mean_mm"] <= depth["p95_mm"] <= depth["max_mm"]
+    assert metrics["face"]["shape"] in ("sphere", "plane")
+    assert 0 < summary["reaming_s"] <= summary["simulated_s"]
+    forces = summary["forces"]
+    assert 0 < forces["mean_force_n"] <= forces["rms_force_n"] <= forces["peak_force_n"]
+    work = summary["work_mj"] + summary["floor_energy_mj"]
+    assert abs(work - summary["energy_mj"]) < 1e-4 * summary["energy_mj"]
 
 
 def main():
@@ -25,6 +48,8 @@ def main():
     assert abs(removed - summary["removed_mm3"]) < 1e-6 * removed
     assert abs(float(rows[-1]["balance"])) < 1e-4, "the energy account does not close"
     assert summary["memory_mb"]["peak_process"] > 1
+
+    check_metrics(summary, list(csv.DictReader((folder / "depth_map.csv").open())))
 
     first = summary["first_contact_frame"]
     for row in rows[:first]:

@@ -3,6 +3,7 @@
 
 #include <cstring>
 #include <filesystem>
+#include <limits>
 
 #include "sim/base/error.h"
 #include "sim/record/checksum.h"
@@ -23,8 +24,9 @@ TEST(CsvLog, NumbersReadBackToTheSameValue) {
   CsvLog log(path, "x,y,z");
   log.row({0.1, 1.0 / 3, -0.0});
   log.row({1e-300, 123456789, 2});
+  log.row({std::numeric_limits<double>::quiet_NaN(), 1, std::numeric_limits<double>::quiet_NaN()});
   log.close();
-  EXPECT_EQ(file_bytes(path), "x,y,z\n0.1,0.3333333333333333,0\n1e-300,123456789,2\n");
+  EXPECT_EQ(file_bytes(path), "x,y,z\n0.1,0.3333333333333333,0\n1e-300,123456789,2\n,1,\n");
 }
 
 TEST(CsvLog, AFullDiskIsARunError) {
@@ -128,6 +130,38 @@ TEST(RunTotals, SumsAndExtremes) {
   EXPECT_DOUBLE_EQ(totals.peak_force_n, 5);
   EXPECT_DOUBLE_EQ(totals.rms_force_n(), std::sqrt(13.0));
   EXPECT_DOUBLE_EQ(totals.simulated_s, 0.004);
+}
+
+TEST(RunTotals, MeansAreOverTheReamingTime) {
+  RunTotals totals(1);
+  EXPECT_EQ(totals.reaming_frames(), 0);
+  EXPECT_EQ(totals.means().force_n, 0);
+  for (int k = 0; k < 10; ++k) {
+    FrameResult row;
+    row.frame = k;
+    row.depth_mm = k < 7 ? 0.5 * k : 0;
+    row.pose.position_mm.z() = -row.depth_mm;
+    // Contact in rows 2, 3 and 5: the reaming time is four rows.
+    if (k == 2 || k == 3 || k == 5) {
+      row.contacts = 1;
+      row.force_n = {3, 0, 4};
+      row.torque_nmm = {0, 0, 8};
+      row.axial_force_n = 4;
+      row.spin_torque_nmm = -8;
+      row.energy_mj = 2;
+      row.floor_energy_mj = 0.5;
+    }
+    row.balance = k < 2 ? 0 : 0.25;
+    totals.add(row);
+  }
+  EXPECT_EQ(totals.reaming_frames(), 4);
+  EXPECT_DOUBLE_EQ(totals.means().force_n, 15.0 / 4);
+  EXPECT_DOUBLE_EQ(totals.means().torque_nmm, 24.0 / 4);
+  EXPECT_DOUBLE_EQ(totals.means().axial_force_n, 12.0 / 4);
+  EXPECT_DOUBLE_EQ(totals.means().spin_torque_nmm, -24.0 / 4);
+  // balance = (work + floor − cut)/cut, so work = 6·1.25 − 1.5.
+  EXPECT_DOUBLE_EQ(totals.work_mj(), 6.0);
+  EXPECT_DOUBLE_EQ(totals.deepest_pose.position_mm.z(), -3);
 }
 
 TEST(LayerMean, SpikesBecomeTheirMeanOverAVoxelOfTravel) {

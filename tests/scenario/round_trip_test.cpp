@@ -63,6 +63,12 @@ TEST_F(RoundTrip, WalchTypeBringsItsDefaults) {
   EXPECT_THAT(own, HasSubstr("    version_deg: 12\n    inclination_deg: 8\n    medialization_mm: 4\n"));
 }
 
+TEST_F(RoundTrip, Metrics) {
+  EXPECT_THAT(resolved(kValid), HasSubstr("metrics:\n  dense_g_cm3: 1\n"));
+  EXPECT_THAT(resolved(kValid, {"metrics.implant.backside_radius_mm=27.5"}),
+              HasSubstr("  implant:\n    backside_radius_mm: 27.5\n    diameter_mm: 0\n    gap_mm: 0.5\n"));
+}
+
 TEST_F(RoundTrip, EverySource) {
   write("scan.nrrd", "x");
   const std::string phantom =

@@ -126,6 +126,28 @@ TEST_F(Rules, ImplicitKnowsTheSweptSurfaceOnly) {
   }
 }
 
+TEST_F(Rules, AnImplantFitsOnItsOwnRadius) {
+  EXPECT_EQ(complaint(kValid + "metrics: {dense_g_cm3: 0.9, implant: {backside_radius_mm: 20, diameter_mm: 40}}\n"),
+            "");
+  EXPECT_EQ(complaint(kValid + "metrics: {implant: {backside_radius_mm: 0, diameter_mm: 40}}\n"), "") << "flat";
+  EXPECT_EQ(complaint(kValid + "metrics: {implant: {backside_radius_mm: 20, diameter_mm: 41}}\n"),
+            "s.yaml:16:45: metrics.implant.diameter_mm: found 41; expected no more than twice backside_radius_mm");
+}
+
+TEST_F(Rules, ValuesOfMetrics) {
+  const auto metrics = [&](const std::string& keys) { return complaint(kValid + "metrics: {" + keys + "}\n"); };
+  EXPECT_EQ(metrics("implant: {}"),
+            "s.yaml:16:11: metrics.implant.backside_radius_mm: missing; expected this key: Radius of its "
+            "spherical back; 0: flat");
+  EXPECT_THAT(metrics("implant: 25"), HasSubstr("s.yaml:16:20: metrics.implant: found 25; expected a section"));
+  EXPECT_THAT(metrics("implant: {backside_radius_mm: -1}"), HasSubstr("metrics.implant.backside_radius_mm: found -1"));
+  EXPECT_THAT(metrics("implant: {backside_radius_mm: big}"), HasSubstr("metrics.implant.backside_radius_mm: found"));
+  EXPECT_THAT(metrics("implant: {backside_radius_mm: 9, gap_mm: 0}"), HasSubstr("metrics.implant.gap_mm: found 0"));
+  EXPECT_THAT(metrics("dense_g_cm3: 0"), HasSubstr("metrics.dense_g_cm3: found 0"));
+  EXPECT_THAT(metrics("dense_g_cm3: 2.5"), HasSubstr("metrics.dense_g_cm3: found 2.5"));
+  EXPECT_THAT(metrics("dense_hu: 800"), HasSubstr("s.yaml:16:11: metrics.dense_hu: unknown key"));
+}
+
 TEST_F(Rules, OneMotion) {
   EXPECT_EQ(changed("motion:\n", "motion:\n  plunge: {feed_mm_s: 1}\n"),
             "s.yaml:12:3: motion.keyframes: given together with plunge; expected one of plunge, keyframes or csv");

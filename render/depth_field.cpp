@@ -1,0 +1,183 @@
+#include "render/depth_field.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "render/csv_table.h"
+
+namespace reamsim {
+
+namespace {
+
+constexpr std::array<std::string_view, 5> kColumnNames{"x_mm", "y_mm", "before_z_mm", "after_z_mm", "depth_mm"};
+/// A raster larger than this is none of ours.
+constexpr double kMostCells = 1e8;
+
+/// The least distance between two different values.
+double least_step(std::vector<double> values) {
+  std::sort(values.begin(), values.end());
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 1; i < values.size(); ++i) {
+    const double step = values[i] - values[i - 1];
+    if (step > 1e-9) least = std::min(least, step);
+  }
+  return least;
+}
+
+}  // namespace
+
+std::vector<DepthField::Row> DepthField::read(const std::string& path) {
+  CsvTable table(path, kColumnNames, "the depth_map.csv of a run");
+  std::vector<Row> rows;
+  for (std::vector<double> v; table.next(v, "after_z_mm");) {
+    rows.push_back({{v[0], v[1]}, {.bone = true, .through = std::isnan(v[3]), .before_mm = v[2], .depth_mm = v[4]}});
+  }
+  return rows;
+}
+
+DepthField::DepthField(const std::string& path) {
+  const std::vector<Row> rows = read(path);
+  if (rows.empty()) return;
+  place(rows, path);
+  keep_holes();
+  smooth();
+  sum_up();
+}
+
+void DepthField::place(const std::vector<Row>& rows, const std::string& path) {
+  std::vector<double> xs;
+  std::vector<double> ys;
+  for (const Row& row : rows) {
+    xs.push_back(row.place_mm.x());
+    ys.push_back(row.place_mm.y());
+  }
+  const double step = std::min(least_step(xs), least_step(ys));
+  pitch_mm_ = std::isfinite(step) ? step : 1;
+  corner_mm_ = {*std::min_element(xs.begin(), xs.end()), *std::min_element(ys.begin(), ys.end())};
+  const Vec2 last(*std::max_element(xs.begin(), xs.end()), *std::max_element(ys.begin(), ys.end()));
+  const Vec2 size = ((last - corner_mm_) / pitch_mm_).array().round() + 1;
+  if (size.prod() > kMostCells) {
+    throw InputError({path, 0, 0}, "", "its columns stand on no raster", "the depth_map.csv of a run");
+  }
+  nx_ = static_cast<int>(size.x());
+  ny_ = static_cast<int>(size.y());
+  cells_.resize(static_cast<std::size_t>(nx_) * static_cast<std::size_t>(ny_));
+  for (const Row& row : rows) {
+    const Vec2 at = ((row.place_mm - corner_mm_) / pitch_mm_).array().round();
+    cells_[static_cast<std::size_t>(at.x()) + static_cast<std::size_t>(nx_) * static_cast<std::size_t>(at.y())] =
+        row.cell;
+  }
+}
+
+/// Columns reamed through that are joined to the air beside the bone, or come within two columns of it, are its rim.
+void DepthField::keep_holes() {
+  constexpr int kEdge = 2;
+  const auto at = [&](int i, int j) -> Cell& {
+    return cells_[static_cast<std::size_t>(i) + static_cast<std::size_t>(nx_) * static_cast<std::size_t>(j)];
+  };
+  std::vector<std::pair<int, int>> rim;
+  const auto look_round = [&](int i, int j, int reach, const auto& visit) {
+    for (int b = j - reach; b <= j + reach; ++b) {
+      for (int a = i - reach; a <= i + reach; ++a) visit(a, b);
+    }
+  };
+  for (int j = 0; j < ny_; ++j) {
+    for (int i = 0; i < nx_; ++i) {
+      bool air_near = false;
+      if (at(i, j).through) look_round(i, j, kEdge, [&](int a, int b) { air_near |= !cell(a, b).bone; });
+      if (air_near) rim.emplace_back(i, j);
+    }
+  }
+  for (std::size_t k = 0; k < rim.size(); ++k) {
+    const auto [i, j] = rim[k];
+    at(i, j).through = false;
+    look_round(i, j, 1, [&](int a, int b) {
+      if (cell(a, b).through) rim.emplace_back(a, b);
+    });
+  }
+}
+
+/// A Gaussian over the reamed columns: steps of whole voxels would make contour lines of every grain.
+void DepthField::smooth() {
+  constexpr int kReach = 4;
+  constexpr double kSigma = 1.8;  // columns
+  std::vector<double> weights;
+  for (int n = -kReach; n <= kReach; ++n) weights.push_back(std::exp(-0.5 * n * n / (kSigma * kSigma)));
+  for (int j = 0; j < ny_; ++j) {
+    for (int i = 0; i < nx_; ++i) {
+      double sum_mm = 0;
+      double sum_weight = 0;
+      for (int n = 0; n < (2 * kReach + 1) * (2 * kReach + 1); ++n) {
+        const int di = n % (2 * kReach + 1);
+        const int dj = n / (2 * kReach + 1);
+        const Cell& its = cell(i + di - kReach, j + dj - kReach);
+        if (its.depth_mm <= 0) continue;
+        const double weight = weights[static_cast<std::size_t>(di)] * weights[static_cast<std::size_t>(dj)];
+        sum_mm += weight * its.depth_mm;
+        sum_weight += weight;
+      }
+      Cell& own = cells_[static_cast<std::size_t>(i) + static_cast<std::size_t>(nx_) * static_cast<std::size_t>(j)];
+      own.smooth_mm = sum_weight > 0 ? sum_mm / sum_weight : 0;
+    }
+  }
+}
+
+void DepthField::sum_up() {
+  double sum_mm = 0;
+  double columns = 0;
+  for (const Cell& its : cells_) {
+    if (its.depth_mm <= 0) continue;
+    deepest_mm_ = std::max(deepest_mm_, its.depth_mm);
+    sum_mm += its.depth_mm;
+    ++columns;
+    if (its.through) through_mm2_ += pitch_mm_ * pitch_mm_;
+  }
+  mean_mm_ = columns > 0 ? sum_mm / columns : 0;
+  area_mm2_ = columns * pitch_mm_ * pitch_mm_;
+}
+
+const DepthField::Cell& DepthField::cell(int i, int j) const {
+  static const Cell outside;
+  if (i < 0 || j < 0 || i >= nx_ || j >= ny_) return outside;
+  return cells_[static_cast<std::size_t>(i) + static_cast<std::size_t>(nx_) * static_cast<std::size_t>(j)];
+}
+
+Vec3 DepthField::normal(int i, int j) const {
+  const auto slope = [&](const Cell& low, const Cell& high) {
+    return low.bone && high.bone ? (high.before_mm - low.before_mm) / (2 * pitch_mm_) : 0.0;
+  };
+  return Vec3(-slope(cell(i - 1, j), cell(i + 1, j)), -slope(cell(i, j - 1), cell(i, j + 1)), 1).normalized();
+}
+
+DepthField::Sample DepthField::at(const Vec2& place_mm) const {
+  const Vec2 index = (place_mm - corner_mm_) / pitch_mm_;
+  const Vec2 lower = index.array().floor();
+  const Vec2 upper_weight = index - lower;
+  Sample out;
+  Vec3 normals = Vec3::Zero();
+  for (int corner = 0; corner < 4; ++corner) {
+    const int i = static_cast<int>(lower.x()) + (corner & 1);
+    const int j = static_cast<int>(lower.y()) + (corner >> 1);
+    const double weight = ((corner & 1) != 0 ? upper_weight.x() : 1 - upper_weight.x()) *
+                          ((corner >> 1) != 0 ? upper_weight.y() : 1 - upper_weight.y());
+    const Cell& its = cell(i, j);
+    if (!its.bone) continue;
+    out.bone += weight;
+    normals += weight * normal(i, j);
+    if (its.depth_mm <= 0) continue;
+    out.reamed += weight;
+    out.depth_mm += weight * its.depth_mm;
+    out.smooth_mm += weight * its.smooth_mm;
+    if (its.through) out.through += weight;
+  }
+  if (out.reamed > 0) {
+    out.depth_mm /= out.reamed;
+    out.smooth_mm /= out.reamed;
+  }
+  if (out.bone > 0) out.normal_before = normals.normalized();
+  return out;
+}
+
+}  // namespace reamsim

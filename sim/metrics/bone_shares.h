@@ -1,0 +1,55 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "sim/bone/voxmap.h"
+
+namespace reamsim {
+
+/// A bone before and after reaming, on one lattice and with one set of grades.
+struct ReamedBone {
+  const Voxmap& after;
+  const FillBricks& fill_before;
+};
+
+/// What part of the space round a point is bone, 0…1.
+struct Shares {
+  double before = 0;
+  double after = 0;
+  double dense = 0;  ///< bone after reaming whose density is at least the threshold
+};
+
+/// The bone's shares between the voxels' centres: linear along each axis, air outside the lattice. Shares integrated
+/// along a line keep the bone's volume, so a surface of partly filled voxels is found to a small part of a voxel.
+/// Not for two threads at once: it remembers the brick that it looked at last.
+class BoneShares {
+ public:
+  /// `dense_g_cm3`: density from which on bone counts as dense.
+  BoneShares(const ReamedBone& bone, double dense_g_cm3);
+
+  /// At a point of B.
+  [[nodiscard]] Shares at(const Vec3& point_mm);
+
+ private:
+  struct BrickView {
+    Vec3i coord = Vec3i::Constant(-1);
+    const GradeBricks::Brick* grade = nullptr;  ///< null: air
+    const FillBricks::Brick* before = nullptr;  ///< null: whole
+    const FillBricks::Brick* after = nullptr;
+  };
+
+  void look_at(const Vec3i& brick);
+  void add(int offset, double weight, Shares& sum) const;
+
+  const ReamedBone bone_;
+  double voxels_per_mm_;
+  BrickLattice bricks_;
+  int dense_grade_;
+  BrickView view_;
+};
+
+/// The least grade whose density is at least `dense_g_cm3`.
+int least_dense_grade(double dense_g_cm3);
+
+}  // namespace reamsim

@@ -1,0 +1,93 @@
+#include "sim/metrics/run_metrics.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "sim/metrics/statistics.h"
+
+namespace reamsim {
+
+namespace {
+
+double degrees(double radians) {
+  return radians * 180 / std::numbers::pi;
+}
+
+std::optional<ReamedDepth> measure_depth(const ColumnMap& map) {
+  std::vector<double> depths;
+  for (const Column& column : map.columns) {
+    const bool reamed = column.state == ColumnState::reamed || column.state == ColumnState::through;
+    if (reamed) depths.push_back(column.depth_mm);
+  }
+  if (depths.empty()) return std::nullopt;
+  return ReamedDepth{.max_mm = *std::max_element(depths.begin(), depths.end()),
+                     .mean_mm = mean(depths),
+                     .p95_mm = quantile(depths, 0.95),
+                     .area_mm2 = static_cast<double>(depths.size()) * map.pitch_mm * map.pitch_mm};
+}
+
+FaceAngles operator-(const FaceAngles& a, const FaceAngles& b) {
+  return {a.version_deg - b.version_deg, a.inclination_deg - b.inclination_deg};
+}
+
+std::optional<FaceOrientation> measure_orientation(const ReamedFace& face, const Vec3& reamer, const BoneAxes& axes) {
+  if (!face.plane || !face.plane_before) return std::nullopt;
+  const Vec3& before = face.plane_before->normal;
+  const Vec3& after = face.plane->normal;
+  FaceOrientation out;
+  if (axes.scapula) {
+    out.before = face_angles(before, *axes.scapula);
+    out.after = face_angles(after, *axes.scapula);
+    out.reamer = face_angles(reamer, *axes.scapula);
+  }
+  const auto& known = axes.scapula ? axes.scapula : axes.glenoid;
+  if (known) out.change = face_angles(after, *known) - face_angles(before, *known);
+  out.turned_deg = degrees(std::atan2(before.cross(after).norm(), before.dot(after)));
+  return out;
+}
+
+}  // namespace
+
+RemovedVolume removed_volume(const ReamedBone& bone, double dense_g_cm3) {
+  const int dense_grade = least_dense_grade(dense_g_cm3);
+  std::int64_t trabecular = 0;  // in 1/65535 of a voxel, so that the order of summing does not matter
+  std::int64_t dense = 0;
+  for_each_cut_voxel(bone, [&](const Vec3i&, std::uint8_t grade, std::uint16_t before, std::uint16_t after) {
+    (grade >= dense_grade ? dense : trabecular) += before - after;
+  });
+  const double unit_mm3 = bone.after.grid.voxel_mm3() / FillBricks::kWhole;
+  return {.total_mm3 = static_cast<double>(trabecular + dense) * unit_mm3,
+          .trabecular_mm3 = static_cast<double>(trabecular) * unit_mm3,
+          .dense_mm3 = static_cast<double>(dense) * unit_mm3};
+}
+
+FaceAngles face_angles(const Vec3& direction, const ScapularAxes& axes) {
+  const double superior = std::clamp(direction.dot(axes.superior), -1.0, 1.0);
+  return {.version_deg = degrees(std::atan2(-direction.dot(axes.anterior), direction.dot(axes.lateral))),
+          .inclination_deg = degrees(std::asin(superior))};
+}
+
+BoneMetrics measure_bone(const ReamedBone& bone, const Rigid& bone_from_tool, const BoneAxes& axes,
+                         const MetricSettings& settings) {
+  BoneMetrics out;
+  const double voxel_mm = bone.after.grid.voxel_mm;
+  out.removed = removed_volume(bone, settings.dense_g_cm3);
+  const double footprint_mm = settings.implant ? settings.implant->diameter_mm : 0;
+  const ColumnMap map = map_columns(bone, bone_from_tool, {.margin_mm = voxel_mm, .radius_mm = footprint_mm / 2});
+  out.depth = measure_depth(map);
+  if (!out.depth) return out;
+  out.face = find_face(map, voxel_mm);
+  out.orientation = measure_orientation(*out.face, bone_from_tool.linear().col(2), axes);
+  out.dense_left = dense_bone_left(bone, map, *out.face, settings.dense_g_cm3);
+  out.perforation = find_perforation(map, voxel_mm);
+  if (settings.implant) out.seating = seat_implant(map, *out.face, *settings.implant, voxel_mm);
+  return out;
+}
+
+ColumnMap depth_map(const ReamedBone& bone, const std::optional<GlenoidFrame>& glenoid, const Rigid& bone_from_tool) {
+  return map_columns(bone, glenoid ? glenoid->bone_from_glenoid : bone_from_tool,
+                     {.margin_mm = kDepthMapMargin_mm, .radius_mm = 0});
+}
+
+}  // namespace reamsim

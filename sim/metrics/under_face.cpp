@@ -1,0 +1,86 @@
+#include "sim/metrics/under_face.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "sim/metrics/statistics.h"
+
+namespace reamsim {
+
+namespace {
+
+constexpr double kStepVoxels = 0.5;
+/// The face is known to within this.
+constexpr double kFaceBandVoxels = 1.5;
+constexpr double kHalf = 0.5;
+constexpr double kNothing = 1e-6;
+
+/// Length of dense bone from `face` on, mm. Its share is integrated from the air above until it ends, so that partly
+/// filled voxels count as far as they are filled.
+double dense_length(BoneShares& shares, const Vec3& face, const Vec3& inward, double voxel_mm, double most_mm) {
+  const double step_mm = kStepVoxels * voxel_mm;
+  const double band_mm = kFaceBandVoxels * voxel_mm;
+  double length_mm = 0;
+  bool inside = false;
+  for (double along_mm = -band_mm; along_mm < most_mm; along_mm += step_mm) {
+    const double share = shares.at(face + along_mm * inward).dense;
+    inside |= share >= kHalf;
+    if (!inside && along_mm > band_mm) return 0;
+    if (!inside && share < kNothing) length_mm = 0;
+    length_mm += share * step_mm;
+    if (inside && share < kHalf) {
+      // The other end: what the interpolation spreads beyond it still counts.
+      for (double tail_mm = along_mm + step_mm; tail_mm < along_mm + 2 * voxel_mm; tail_mm += step_mm) {
+        const double rest = shares.at(face + tail_mm * inward).dense;
+        if (rest >= kHalf || rest < kNothing) break;
+        length_mm += rest * step_mm;
+      }
+      return length_mm;
+    }
+  }
+  return inside ? length_mm : 0;
+}
+
+}  // namespace
+
+std::optional<DenseBoneLeft> dense_bone_left(const ReamedBone& bone, const ColumnMap& map, const ReamedFace& face,
+                                             double dense_g_cm3) {
+  if (!face.plane) return std::nullopt;
+  const VoxelGrid& grid = bone.after.grid;
+  const double most_mm = grid.voxel_mm * grid.dims.cast<double>().norm();
+  BoneShares shares(bone, dense_g_cm3);
+  std::vector<double> lengths;
+  lengths.reserve(face.columns.size());
+  for (const ColumnPlace& place : face.columns) {
+    const Vec3 point = map.in_bone(place.x(), place.y(), map.at(place.x(), place.y()).after_mm);
+    lengths.push_back(dense_length(shares, point, face.inward(point), grid.voxel_mm, most_mm));
+  }
+  const auto bare = std::count(lengths.begin(), lengths.end(), 0.0);
+  return DenseBoneLeft{.mean_mm = mean(lengths),
+                       .least_mm = *std::min_element(lengths.begin(), lengths.end()),
+                       .p05_mm = quantile(lengths, 0.05),
+                       .exposed_percent = 100 * static_cast<double>(bare) / static_cast<double>(lengths.size())};
+}
+
+Perforation find_perforation(const ColumnMap& map, double voxel_mm) {
+  std::vector<std::uint8_t> air(map.columns.size());
+  std::transform(map.columns.begin(), map.columns.end(), air.begin(),
+                 [](const Column& column) { return column.state == ColumnState::air ? 1 : 0; });
+  const int edge = static_cast<int>(std::ceil(kFaceEdgeVoxels * voxel_mm / map.pitch_mm));
+  Perforation out;
+  for (const ColumnGroup& group : group_columns(map, ColumnState::through)) {
+    const double area_mm2 = static_cast<double>(group.columns.size()) * map.pitch_mm * map.pitch_mm;
+    const bool rim =
+        group.reaches_air || std::any_of(group.columns.begin(), group.columns.end(),
+                                         [&](const auto& place) { return marked_nearby(map, air, place, edge); });
+    if (rim) {
+      out.rim_area_mm2 += area_mm2;
+    } else {
+      out.area_mm2 += area_mm2;
+      ++out.holes;
+    }
+  }
+  return out;
+}
+
+}  // namespace reamsim

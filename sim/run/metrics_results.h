@@ -1,0 +1,16 @@
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+
+#include "sim/metrics/run_metrics.h"
+
+namespace reamsim {
+
+/// The object `metrics` of summary.json; what could not be measured is null.
+nlohmann::ordered_json metrics_json(const BoneMetrics& metrics);
+
+/// Writes depth_map.csv: a row for each column that meets bone. Throws RunError when it cannot be written.
+void write_depth_map(const std::string& path, const ColumnMap& map);
+
+}  // namespace reamsim

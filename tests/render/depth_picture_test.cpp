@@ -1,0 +1,134 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <functional>
+
+#include "render/color_map.h"
+#include "render/depth_field.h"
+#include "render/render.h"
+#include "sim/base/error.h"
+#include "tests/render/picture_file.h"
+#include "tests/render/results_fixture.h"
+#include "tests/support/temp_dir.h"
+
+namespace reamsim {
+namespace {
+
+using test::Picture;
+namespace fs = std::filesystem;
+
+constexpr const char* kHeader = "x_mm,y_mm,before_z_mm,after_z_mm,depth_mm\n";
+
+/// A round bone of 9 mm radius; inside 6 mm it is reamed by 1 mm on the left and 2 mm on the right, and through on a
+/// square of 2 mm round (0, 3).
+std::string map_text() {
+  std::string text = kHeader;
+  for (double y = -9.75; y < 10; y += 0.5) {
+    for (double x = -9.75; x < 10; x += 0.5) {
+      const double r = std::hypot(x, y);
+      if (r > 9) continue;
+      const double depth = r > 6 ? 0 : x < 0 ? 1 : 2;
+      const bool through = std::abs(x) < 1 && std::abs(y - 3) < 1;
+      const std::string after = through ? "" : std::to_string(0.1 * x - depth);
+      text += std::to_string(x) + ',' + std::to_string(y) + ',' + std::to_string(0.1 * x) + ',' + after + ',' +
+              std::to_string(depth) + '\n';
+    }
+  }
+  return text;
+}
+
+class DepthPicture : public ::testing::Test {
+ protected:
+  std::string file() const { return dir_.path() + "/depth_map.csv"; }
+  void write(const std::string& text) const { std::ofstream(file(), std::ios::binary) << text; }
+  void expect_complaint(const std::string& text, const std::string& about) const {
+    write(text);
+    try {
+      const DepthField field(file());
+      ADD_FAILURE() << "no complaint about " << about;
+    } catch (const InputError& error) {
+      EXPECT_THAT(error.what(), ::testing::HasSubstr(about));
+    }
+  }
+
+  test::TempDir dir_;
+};
+
+TEST_F(DepthPicture, ReadsItsRaster) {
+  write(map_text());
+  const DepthField field(file());
+  EXPECT_NEAR(field.pitch_mm(), 0.5, 1e-6);
+  EXPECT_DOUBLE_EQ(field.deepest_mm(), 2);
+  EXPECT_NEAR(field.mean_mm(), 1.5, 1e-9);
+  EXPECT_NEAR(field.area_mm2(), 36 * M_PI, 3);
+  EXPECT_DOUBLE_EQ(field.at({-3, 0}).depth_mm, 1);
+  EXPECT_DOUBLE_EQ(field.at({3, 0}).depth_mm, 2);
+  EXPECT_NEAR(field.at({0, 0}).depth_mm, 1.5, 1e-6);
+  EXPECT_DOUBLE_EQ(field.at({3, 0}).reamed, 1);
+  EXPECT_DOUBLE_EQ(field.at({0, 3}).through, 1);
+  EXPECT_DOUBLE_EQ(field.through_mm2(), 4);
+  EXPECT_DOUBLE_EQ(field.at({7.5, 0}).reamed, 0);
+  EXPECT_DOUBLE_EQ(field.at({7.5, 0}).bone, 1);
+  EXPECT_DOUBLE_EQ(field.at({9.9, 9.9}).bone, 0);
+  EXPECT_NEAR(field.at({2, 1}).normal_before.x(), -0.1 / std::sqrt(1.01), 1e-6);
+}
+
+TEST_F(DepthPicture, ShowsDepthBoneHolesAndAir) {
+  write_results(dir_.path(), {});
+  write(map_text());
+  write_depth_picture(dir_.path(), 4);
+  const Picture shown = test::read_picture(dir_.path() + "/depth_map.png");
+  ASSERT_EQ(shown.width, 1600);
+  ASSERT_EQ(shown.height, 1080);
+  const double px_per_mm = 0.57 * 1600 / 18;  // the bone's width
+  const auto color = [&](double x, double y) {
+    return shown.at(static_cast<int>(925 + px_per_mm * x), static_cast<int>(540 - px_per_mm * y));
+  };
+  const auto expected = [](double share) -> Eigen::Vector3i {
+    return (255 * depth_colors().at(share)).array().round().cast<int>();
+  };
+  EXPECT_LE((color(-3, 0.3) - expected(0.25)).cwiseAbs().maxCoeff(), 2);
+  EXPECT_LE((color(3, 0.3) - expected(0.5)).cwiseAbs().maxCoeff(), 2);
+  EXPECT_GT(color(0, 3).x(), 2 * color(0, 3).y()) << "a hole is red";
+  EXPECT_TRUE(test::looks_like_bone(color(-7.5, 0)));
+  EXPECT_GT(color(-8.6, 8.6).minCoeff(), 240) << "air";
+}
+
+TEST_F(DepthPicture, RimThatWasReamedAwayIsNoHole) {
+  std::string text = kHeader;
+  for (int j = 0; j < 12; ++j) {
+    for (int i = 0; i < 12; ++i) {
+      // Through: a strip from the left border to the middle, and one column by itself on the right.
+      const bool through = (j == 6 && i < 6) || (j == 6 && i == 8);
+      text += std::to_string(i) + ',' + std::to_string(j) + (through ? ",0,,2\n" : ",0,-1,1\n");
+    }
+  }
+  write(text);
+  const DepthField field(file());
+  EXPECT_DOUBLE_EQ(field.at({5, 6}).through, 0);
+  EXPECT_DOUBLE_EQ(field.at({8, 6}).through, 1);
+  EXPECT_DOUBLE_EQ(field.through_mm2(), 1);
+}
+
+TEST_F(DepthPicture, NoneWithoutAMapOrADepth) {
+  write_depth_picture(dir_.path(), 0);
+  write(kHeader);
+  write_depth_picture(dir_.path(), 0);
+  write(std::string(kHeader) + "0.5,0.5,1,1,0\n1,0.5,1,1,0\n");
+  write_depth_picture(dir_.path(), 0);
+  EXPECT_FALSE(fs::exists(dir_.path() + "/depth_map.png"));
+}
+
+TEST_F(DepthPicture, DamagedMapsAreInputErrors) {
+  expect_complaint("", "cannot be read");
+  expect_complaint("x_mm,y_mm,before_z_mm,depth_mm\n", "1: after_z_mm: no such column");
+  expect_complaint(std::string(kHeader) + "0,0,1,1\n", "2: depth_mm: the line ends after 4 cells");
+  expect_complaint(std::string(kHeader) + "0,0,,1,1\n", "2: before_z_mm: found ''");
+  expect_complaint(std::string(kHeader) + "0,0,1,nan,1\n", "2: after_z_mm: found 'nan'");
+  expect_complaint(std::string(kHeader) + "0,0,1,1,1\n0.000001,1000000,1,1,1\n1e6,0,1,1,0\n", "stand on no raster");
+}
+
+}  // namespace
+}  // namespace reamsim
