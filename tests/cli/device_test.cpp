@@ -48,12 +48,12 @@ TEST_F(Device, NameThatMatchesNothing) {
 TEST_F(Device, KernelThatDoesNotBuildShowsItsLog) {
   if (!has_opencl()) GTEST_SKIP() << "no OpenCL device here";
   std::filesystem::create_directory(path("kernels"));
-  write("kernels/detect_bricked.cl", "__kernel void detect_bricked(__global int* out) { *out = no_such_name; }\n");
+  write("kernels/cut_exact.cl", "__kernel void cut_exact(__global int* out) { *out = no_such_name; }\n");
   const ProgramResult result = run_with({{"REAMSIM_KERNEL_DIR", path("kernels")}}, "auto");
   EXPECT_EQ(result.signal, 0);
   EXPECT_EQ(result.status, 1) << result.err;
   EXPECT_THAT(result.err, HasSubstr("reamsim: error: "));
-  EXPECT_THAT(result.err, HasSubstr("detect_bricked"));
+  EXPECT_THAT(result.err, HasSubstr("cut_exact"));
   EXPECT_THAT(result.err, HasSubstr("no_such_name")) << "the compiler's log";
   EXPECT_FALSE(exists("out"));
   EXPECT_FALSE(exists("out.partial"));

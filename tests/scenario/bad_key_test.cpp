@@ -117,8 +117,8 @@ TEST_F(BadKey, WordsOutsideTheirList) {
             "s.yaml:3:11: bone.source: found the text \"xray\"; expected phantom, ct, mesh or vdb");
   EXPECT_EQ(complaint(kValid + "engine:\n  detector: fast\n"),
             "s.yaml:17:13: engine.detector: found the text \"fast\"; expected bricked, direct, octree or implicit");
-  EXPECT_EQ(complaint(kValid + "cutting:\n  erosion: exact\n"),
-            "s.yaml:17:12: cutting.erosion: found the text \"exact\"; expected remove or wear");
+  EXPECT_EQ(complaint(kValid + "cutting:\n  erosion: carve\n"),
+            "s.yaml:17:12: cutting.erosion: found the text \"carve\"; expected exact, remove or wear");
   EXPECT_EQ(changed("enabled: false", "cameras: [oblique, top]"),
             "s.yaml:15:22: render.cameras: found the text \"top\"; expected a list of one or more of oblique, glenoid, "
             "section or overview");
