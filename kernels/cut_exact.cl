@@ -82,7 +82,7 @@ typedef struct {
   ushort place[RS_BRICK_VOXELS + 16];
   int fill[RS_BRICK_VOXELS + 16];
   float energy[RS_BRICK_VOXELS + 16]; /* of the whole voxel, mJ */
-  uint skip[RS_BRICK_VOXELS / 16 + 1]; /* of each sixteen: edges that are not near any of them, see EdgeList */
+  EdgeList near[RS_BRICK_VOXELS / 16 + 1]; /* of each sixteen: the edges that can be nearest */
 } Candidates;
 
 float16 offset_x(const int16 place) {
@@ -95,26 +95,33 @@ float16 offset_z(const int16 place) {
   return convert_float16((place >> 8 & 1) << 2 | (place >> 4 & 3));
 }
 
-/* Edges of the brick's list that are not nearest to any of sixteen voxels while the tool moves by `shift` mm. */
-uint far_edges(__global const SubstepArgs* a, const ProfileView* profile, const Visit* v, const int16 place,
-               const float shift) {
-  if (v->list.count > 32) return 0;
-  float16 p[3], distances[32];
+/* Distances of sixteen points (r, z) from an edge. */
+float16 edge_distances(__global const ProfileEdge* e, const float16 r, const float16 z) {
+  const float16 vr = r - e->r0, vz = z - e->z0;
+  const float16 t = clamp((vr * e->along_r + vz * e->along_z) * e->inverse_length2, 0.0f, 1.0f);
+  const float16 dr = vr - t * e->along_r, dz = vz - t * e->along_z;
+  return sqrt(dr * dr + dz * dz);
+}
+
+/* The part of the brick's list from the first to the last edge that can be nearest to any of sixteen voxels while the tool
+ * moves by `shift` mm. Along a smooth profile that is a few edges of many. */
+EdgeList near_edges(__global const SubstepArgs* a, const ProfileView* profile, const Visit* v, const int16 place,
+                    const float shift) {
+  float16 p[3];
   rs_voxel_in_tool(a, v->corner, offset_x(place), offset_y(place), offset_z(place), p);
   const float16 r = sqrt(p[0] * p[0] + p[1] * p[1]);
+  __global const ushort* numbers = profile->numbers + v->list.first;
   float16 least = (float16)1e30f;
+  for (uint i = 0; i < v->list.count; ++i) least = fmin(least, edge_distances(profile->edges + numbers[i], r, p[2]));
+  const float16 limit = least + 2.0f * (shift + POSITION_SLACK);
+  uint begin = v->list.count, end = 0;
   for (uint i = 0; i < v->list.count; ++i) {
-    __global const ProfileEdge* e = profile->edges + profile->numbers[v->list.first + i];
-    const float16 vr = r - e->r0, vz = p[2] - e->z0;
-    const float16 t = clamp((vr * e->along_r + vz * e->along_z) * e->inverse_length2, 0.0f, 1.0f);
-    const float16 dr = vr - t * e->along_r, dz = vz - t * e->along_z;
-    distances[i] = sqrt(dr * dr + dz * dz);
-    least = fmin(least, distances[i]);
+    if (!any(edge_distances(profile->edges + numbers[i], r, p[2]) <= limit)) continue;
+    begin = min(begin, i);
+    end = i + 1;
   }
-  uint skip = 0;
-  for (uint i = 0; i < v->list.count; ++i)
-    skip |= (any(distances[i] <= least + 2.0f * (shift + POSITION_SLACK)) ? 0u : 1u) << i;
-  return skip;
+  const EdgeList near = {v->list.first + begin, end - begin};
+  return near;
 }
 
 /* Voxels that the surface can meet while the tool moves by `shift` mm; what lies inside it goes in any case. */
@@ -151,7 +158,7 @@ void find_candidates(__global const SubstepArgs* a, const ProfileView* profile, 
   vstore16((int16)0, 0, c->fill + c->count);
   vstore16((float16)0.0f, 0, c->energy + c->count);
   for (int i = 0; i < c->count; i += 16)
-    c->skip[i >> 4] = far_edges(a, profile, v, convert_int16(vload16(0, c->place + i)), shift);
+    c->near[i >> 4] = near_edges(a, profile, v, convert_int16(vload16(0, c->place + i)), shift);
 }
 
 long add_lanes(const long16 v) {
@@ -170,9 +177,7 @@ bool cut_candidates(__global const SubstepArgs* a, const ProfileView* profile, c
   bool any_gone = false;
   for (int i = 0; i < c->count; i += 16) {
     const int16 place = convert_int16(vload16(0, c->place + i));
-    EdgeList list = v->list;
-    list.skip = c->skip[i >> 4];
-    const Clip clip = rs_clip(a, profile, list, v->corner, offset_x(place), offset_y(place), offset_z(place));
+    const Clip clip = rs_clip(a, profile, c->near[i >> 4], v->corner, offset_x(place), offset_y(place), offset_z(place));
     const int16 before = vload16(0, c->fill + i);
     const int16 lost = rs_clip_loss(a, before, rs_fill_outside(a, &clip));
     if (!any(lost > 0)) continue;

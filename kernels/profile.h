@@ -46,7 +46,6 @@ typedef struct {
 typedef struct {
   rs_u32 first; /* into the array of edge numbers */
   rs_u32 count;
-  rs_u32 skip; /* bit i: of the first 32 edges, this cannot be nearest where the list is used; 0 in the table */
 } EdgeList;
 
 /* The tool's profile as a kernel sees it. */
@@ -81,7 +80,6 @@ RS_INLINE Nearest rs_profile_nearest(const ProfileView* profile, EdgeList list, 
   rs_real best = (rs_real)1e30f, best_side = zero, beside = zero, dr = zero, dz = zero, nr = zero, nz = -one,
           curvature = zero;
   for (rs_u32 i = 0; i < list.count; ++i) {
-    if (i < 32 && (list.skip >> i & 1u) != 0) continue;
     RS_GLOBAL const ProfileEdge* e = profile->edges + profile->numbers[list.first + i];
     const rs_real vr = r - e->r0, vz = z - e->z0;
     const rs_real along = (vr * e->along_r + vz * e->along_z) * e->inverse_length2;

@@ -14,7 +14,7 @@ namespace reamsim {
 
 // Host and device lay the structs out alike.
 static_assert(sizeof(ProfileEdge) == 40);
-static_assert(sizeof(EdgeList) == 12);
+static_assert(sizeof(EdgeList) == 8);
 static_assert(sizeof(ProfileGrid) == 16);
 
 namespace {
@@ -140,7 +140,7 @@ ProfileTable full_profile_table(const Profile& profile) {
     throw InputError({}, "tool.mesh", "a profile of " + std::to_string(table.edges.size()) + " edges",
                      "at most 65535 are possible");
   }
-  table.lists.push_back({0, static_cast<rs_u32>(table.edges.size()), 0});
+  table.lists.push_back({0, static_cast<rs_u32>(table.edges.size())});
   return table;
 }
 
@@ -161,7 +161,7 @@ ProfileTable make_profile_table(const Profile& profile, double voxel_mm) {
         continue;
       }
       const std::vector<rs_u16> list = nearest_by_parts(table, all, center, reach_mm);
-      table.lists.push_back({static_cast<rs_u32>(table.numbers.size()), static_cast<rs_u32>(list.size()), 0});
+      table.lists.push_back({static_cast<rs_u32>(table.numbers.size()), static_cast<rs_u32>(list.size())});
       table.numbers.insert(table.numbers.end(), list.begin(), list.end());
     }
   }
