@@ -7,7 +7,8 @@
 #include "cut_law.h"
 #endif
 
-/* A surface farther from a voxel's centre does not meet it, voxels: half a diagonal, and what its curvature counts for. */
+/* A surface farther from a voxel's centre does not meet it, voxels: half a diagonal, and what its curvature counts for.
+ */
 #define RS_CLIP_REACH (0.8660254f + 1.0f / 24.0f)
 
 RS_INLINE rs_real rs_abs(rs_real x) {
@@ -69,15 +70,21 @@ RS_INLINE Clip rs_clip(RS_GLOBAL const SubstepArgs* a, const ProfileView* profil
   return clip;
 }
 
-/* Fill that is left of a whole voxel. A bulging surface falls away from its plane: by t^2/2 times the curvature at t
- * from the point of contact, in the mean over a voxel by h^2/24 in each direction. */
-RS_INLINE rs_int rs_fill_outside(RS_GLOBAL const SubstepArgs* a, const Clip* clip) {
-  rs_real n[3]; /* along the lattice's axes */
+/* The tool's plane next to a voxel: its normal `n` along the lattice's axes, and how far the voxel's centre lies
+ * outside it, voxels. A bulging surface falls away from its plane: by t^2/2 times the curvature at t from the point of
+ * contact, in the mean over a voxel by h^2/24 in each direction. */
+RS_INLINE rs_real rs_clip_plane(RS_GLOBAL const SubstepArgs* a, const Clip* clip, rs_real* n) {
   for (int j = 0; j < 3; ++j)
     n[j] = (clip->n[0] * (float)a->tool_from_voxel[j] + clip->n[1] * (float)a->tool_from_voxel[3 + j] +
             clip->n[2] * (float)a->tool_from_voxel[6 + j]) *
            a->per_voxel_mm;
-  const rs_real away = clip->distance * a->per_voxel_mm + clip->curvature * (a->voxel_mm * (1.0f / 24.0f));
+  return clip->distance * a->per_voxel_mm + clip->curvature * (a->voxel_mm * (1.0f / 24.0f));
+}
+
+/* Fill that is left of a whole voxel. */
+RS_INLINE rs_int rs_fill_outside(RS_GLOBAL const SubstepArgs* a, const Clip* clip) {
+  rs_real n[3];
+  const rs_real away = rs_clip_plane(a, clip, n);
   return RS_TO_INT(rs_outside_share(n, away) * (float)RS_WHOLE_FILL + 0.5f);
 }
 
@@ -96,6 +103,46 @@ RS_INLINE void rs_clip_force(RS_GLOBAL const SubstepArgs* a, const Clip* clip, r
   const rs_real energy = whole * (RS_TO_REAL(lost) * (1.0f / (float)RS_WHOLE_FILL));
   sums->energy += RS_TO_SUM(energy * (float)RS_ENERGY_SCALE);
   rs_cut_force(a, clip->n, clip->p, energy, sums);
+}
+
+/* How far the tool is advanced to see what bone it rests against, voxels. */
+#define RS_EDGE_PROBE (1.0f / 64.0f)
+
+/* Where the tool's normal points less than this towards the bone (-z of T), the surface is its side or its back, and
+ * has no lips. */
+#define RS_LEAST_FACING 0.01f
+
+/* Area, mm2, of the tool's face that rests against what is left of a voxel: what the face would take if it went a
+ * little further, over how far that is. Over the voxels round a face it adds up to the face, because their outside
+ * shares do. `left`: the voxel's fill, `outside`: what the tool leaves of a whole voxel. */
+RS_INLINE rs_real rs_resting_area(RS_GLOBAL const SubstepArgs* a, const Clip* clip, rs_int left, rs_int outside) {
+  const rs_real zero = (rs_real)0.0f;
+  rs_real n[3];
+  const rs_real away = rs_clip_plane(a, clip, n);
+  const rs_real share = rs_outside_share(n, away) - rs_outside_share(n, away - RS_EDGE_PROBE);
+  const rs_real area = share * (a->voxel_mm * a->voxel_mm / RS_EDGE_PROBE);
+  const rs_real met = clip->distance <= RS_CLIP_REACH * a->voxel_mm ? area : zero;
+  const rs_real faced = -clip->n[2] > RS_LEAST_FACING ? met : zero;
+  const rs_real touched = left + a->least_loss >= outside ? faced : zero;
+  return left > 0 ? touched : zero;
+}
+
+RS_INLINE int rs_has_edge(RS_GLOBAL const SubstepArgs* a) {
+  return a->edge_tangential > 0.0f && a->law == RS_LAW_ENERGY;
+}
+
+/* Force of the lips' edges on the tool where it rests against a voxel. A surface of revolution that `lips` lips sweep
+ * carries lips/(2·pi·r) mm of lip per mm2. It takes no speed floor, because it does not grow where the tool is slow. */
+RS_INLINE void rs_edge_force(RS_GLOBAL const SubstepArgs* a, const Clip* clip, rs_int left, rs_int outside,
+                             LaneSums* sums) {
+  const rs_real zero = (rs_real)0.0f;
+  const rs_real r = RS_SQRT(clip->p[0] * clip->p[0] + clip->p[1] * clip->p[1]);
+  const rs_real lip = rs_resting_area(a, clip, left, outside) / rs_larger(r, (rs_real)(0.5f * a->voxel_mm));
+  const ToolMotion m = rs_tool_motion(a, clip->p);
+  const rs_real engaged = m.speed > 0.0f ? lip : zero;
+  const rs_real tangential = engaged * a->edge_tangential;
+  sums->energy += RS_TO_SUM(tangential * (m.speed * a->duration) * (float)RS_ENERGY_SCALE);
+  rs_add_resistance(&m, clip->n, clip->p, tangential, engaged * a->edge_normal, sums);
 }
 
 #endif

@@ -160,7 +160,7 @@ __kernel void cut_bricked(PARAMETERS) {
   __global Brick* pools[RS_POOLS] = RS_POOL_ARRAY;
   LaneSums lanes;
   for (int i = 0; i < 3; ++i) lanes.force[i] = lanes.torque[i] = (long16)0;
-  lanes.floor_energy = (long16)0;
+  lanes.floor_energy = lanes.energy = (long16)0;
   Tally tally;
   begin_report(&tally.gone, removed, removed_count);
   tally.contacts = tally.fill = tally.energy = 0;
@@ -186,7 +186,7 @@ __kernel void cut_bricked(PARAMETERS) {
                          add_lanes(lanes.torque[0]),
                          add_lanes(lanes.torque[1]),
                          add_lanes(lanes.torque[2]),
-                         tally.energy,
+                         tally.energy + add_lanes(lanes.energy),
                          add_lanes(lanes.floor_energy),
                          tally.fill,
                          tally.contacts};
@@ -214,7 +214,7 @@ __kernel void cut_bricked(PARAMETERS) {
   const Material material = {energy_of_grade, units_of_grade, density_of_grade};
   const ProfileView profile = {edges, numbers, lists, grid};
   __global Brick* pools[RS_POOLS] = RS_POOL_ARRAY;
-  LaneSums sum = {{0, 0, 0}, {0, 0, 0}, 0};
+  LaneSums sum = {{0, 0, 0}, {0, 0, 0}, 0, 0};
   Tally tally;
   begin_report(&tally.gone, removed, removed_count);
   tally.contacts = tally.fill = tally.energy = 0;
@@ -248,8 +248,16 @@ __kernel void cut_bricked(PARAMETERS) {
     }
   }
   hand_over_removed(&tally.gone);
-  const long part[10] = {sum.force[0],  sum.force[1], sum.force[2],     sum.torque[0], sum.torque[1],
-                         sum.torque[2], tally.energy, sum.floor_energy, tally.fill,    tally.contacts};
+  const long part[10] = {sum.force[0],
+                         sum.force[1],
+                         sum.force[2],
+                         sum.torque[0],
+                         sum.torque[1],
+                         sum.torque[2],
+                         tally.energy + sum.energy,
+                         sum.floor_energy,
+                         tally.fill,
+                         tally.contacts};
   if (tally.contacts != 0) add_brick_sums(&sums[substep], part);
 }
 

@@ -166,7 +166,7 @@ long add_lanes(const long16 v) {
   return a.s0 + a.s1 + a.s2 + a.s3 + a.s4 + a.s5 + a.s6 + a.s7;
 }
 
-/* Cuts the candidates in one substep; true where any loses something. */
+/* Cuts the candidates in one substep, or lets the lips' edges rub on them; true where any loses something. */
 bool cut_candidates(__global const SubstepArgs* a, const ProfileView* profile, const Visit* v, const uint substep,
                     Candidates* c, RemovedReport* report, long* total) {
   LaneSums lanes;
@@ -179,7 +179,8 @@ bool cut_candidates(__global const SubstepArgs* a, const ProfileView* profile, c
     const int16 place = convert_int16(vload16(0, c->place + i));
     const Clip clip = rs_clip(a, profile, c->near[i >> 4], v->corner, offset_x(place), offset_y(place), offset_z(place));
     const int16 before = vload16(0, c->fill + i);
-    const int16 lost = rs_clip_loss(a, before, rs_fill_outside(a, &clip));
+    const int16 outside = rs_fill_outside(a, &clip), lost = rs_clip_loss(a, before, outside);
+    if (rs_has_edge(a)) rs_edge_force(a, &clip, before - lost, outside, &lanes);
     if (!any(lost > 0)) continue;
     rs_clip_force(a, &clip, vload16(0, c->energy + i), lost, &lanes);
     fill += lost;
@@ -200,7 +201,7 @@ bool cut_candidates(__global const SubstepArgs* a, const ProfileView* profile, c
     total[8] += fills[l];
     met += touched[l];
   }
-  if (met == 0) return false;
+  if (met == 0 && !rs_has_edge(a)) return false;
   total[9] += met;
   for (int i = 0; i < 3; ++i) {
     total[i] += add_lanes(lanes.force[i]);
@@ -208,7 +209,7 @@ bool cut_candidates(__global const SubstepArgs* a, const ProfileView* profile, c
   }
   total[6] += add_lanes(lanes.energy);
   total[7] += add_lanes(lanes.floor_energy);
-  if (!any_gone) return true;
+  if (!any_gone) return met > 0;
   for (int block = 0; block < RS_BRICK_WORDS / 2; ++block) {
     const uint low = gone_words[2 * block], high = gone_words[2 * block + 1];
     v->brick->bone[2 * block] &= ~low;
@@ -253,7 +254,7 @@ __kernel void cut_exact(PARAMETERS) {
   }
   hand_over_removed(&report);
   for (uint s = first; s < end; ++s)
-    if (totals[s - first][9] != 0) add_brick_sums(&sums[s], totals[s - first]);
+    if (totals[s - first][9] != 0 || rs_has_edge(args + s)) add_brick_sums(&sums[s], totals[s - first]);
 }
 
 #else
@@ -268,7 +269,8 @@ void cut_voxels(__global const SubstepArgs* a, const ProfileView* profile, const
     const Clip clip =
         rs_clip(a, profile, v->list, v->corner, (float)rs_offset_x(at), (float)rs_offset_y(at), (float)rs_offset_z(at));
     const int before = page[place];
-    const int lost = rs_clip_loss(a, before, rs_fill_outside(a, &clip));
+    const int outside = rs_fill_outside(a, &clip), lost = rs_clip_loss(a, before, outside);
+    if (rs_has_edge(a)) rs_edge_force(a, &clip, before - lost, outside, &sums);
     if (lost == 0) continue;
     rs_clip_force(a, &clip, energy_of_grade[v->brick->grade[place]], lost, &sums);
     page[place] = (ushort)(before - lost);
@@ -310,7 +312,7 @@ __kernel void cut_exact(PARAMETERS) {
       long total[SUMS] = {0};
       begin_window(args + s, &profile, &v);
       cut_voxels(args + s, &profile, &v, page, energy_of_grade, gone_words, total);
-      if (total[9] != 0) add_brick_sums(&sums[s], total);
+      if (total[9] != 0 || rs_has_edge(args + s)) add_brick_sums(&sums[s], total);
       barrier(CLK_LOCAL_MEM_FENCE | CLK_GLOBAL_MEM_FENCE);
       for (uint block = item; block < 8; block += items) {
         v.brick->bone[2 * block] &= ~gone_words[2 * block];

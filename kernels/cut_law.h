@@ -11,13 +11,16 @@
 #ifndef REAMSIM_KERNELS_PROFILE_H
 #include "profile.h"
 #endif
+#ifndef REAMSIM_KERNELS_POWER_H
+#include "power.h"
+#endif
 
 /* What the law gives, by lane while it runs. */
 typedef struct {
   rs_sum force[3];
   rs_sum torque[3];
   rs_sum floor_energy;
-  rs_sum energy; /* erosion exact; the others add up whole numbers */
+  rs_sum energy; /* of erosion exact all; of the others, which add up whole numbers, what the size effect adds */
 } LaneSums;
 
 RS_INLINE rs_i64 rs_energy_units(double energy) {
@@ -68,28 +71,66 @@ RS_INLINE void rs_voxel_in_tool(RS_GLOBAL const SubstepArgs* a, const float* bri
          ((float)a->tool_from_voxel[6] * x + (float)a->tool_from_voxel[7] * y + (float)a->tool_from_voxel[8] * z);
 }
 
+/* How the tool moves at `p` (T, mm): its velocity there, mm/s, and the size of that with its inverse, which is zero
+ * where nothing moves, so that the force is zero and not undefined. */
+typedef struct {
+  rs_real v[3];
+  rs_real speed;
+  rs_real per_speed;
+} ToolMotion;
+
+RS_INLINE ToolMotion rs_tool_motion(RS_GLOBAL const SubstepArgs* a, const rs_real* p) {
+  RS_GLOBAL const float *w = a->angular_velocity, *v0 = a->origin_velocity;
+  ToolMotion m;
+  m.v[0] = v0[0] + (w[1] * p[2] - w[2] * p[1]);
+  m.v[1] = v0[1] + (w[2] * p[0] - w[0] * p[2]);
+  m.v[2] = v0[2] + (w[0] * p[1] - w[1] * p[0]);
+  m.speed = RS_SQRT(m.v[0] * m.v[0] + m.v[1] * m.v[1] + m.v[2] * m.v[2]);
+  m.per_speed = m.speed > 0.0f ? (rs_real)1.0f / m.speed : (rs_real)0.0f;
+  return m;
+}
+
+/* Adds -tangential·v/|v| - normal·n_perp at `p`; only the first does work. `n`: the tool's outward normal there. */
+RS_INLINE void rs_add_resistance(const ToolMotion* m, const rs_real* n, const rs_real* p, rs_real tangential,
+                                 rs_real normal, LaneSums* sums) {
+  const rs_real along = (n[0] * m->v[0] + n[1] * m->v[1] + n[2] * m->v[2]) * m->per_speed;
+  const rs_real against = (tangential - normal * along) * m->per_speed;
+  const rs_real f[3] = {-(against * m->v[0]) - normal * n[0], -(against * m->v[1]) - normal * n[1],
+                        -(against * m->v[2]) - normal * n[2]};
+  rs_add_force(sums, f, p);
+}
+
+/* What the size effect makes of the specific energy: (h0/h)^m with h the chip's thickness, how far the surface goes
+ * along its normal from one lip's passing to the next. The spin moves no surface of revolution along its normal, and is
+ * left out, because it would drown a slow feed in rounding. */
+RS_INLINE rs_real rs_size_factor(RS_GLOBAL const SubstepArgs* a, const rs_real* n, const rs_real* p) {
+  RS_GLOBAL const float *w = a->angular_velocity, *v0 = a->origin_velocity;
+  const rs_real least = (rs_real)a->least_chip, most = (rs_real)a->most_chip;
+  const rs_real advance =
+      n[0] * (v0[0] + w[1] * p[2]) + n[1] * (v0[1] - w[0] * p[2]) + n[2] * (v0[2] + (w[0] * p[1] - w[1] * p[0]));
+  const rs_real chip = (advance < 0.0f ? -advance : advance) * a->chip_per_speed;
+  const rs_real at_least = chip > least ? chip : least;
+  return rs_power(at_least < most ? at_least : most, -a->size_exponent);
+}
+
 /* Force of the energetic law on the tool for a voxel with centre at `p` (T, mm) whose loss took `energy` mJ:
  * -F_t·v/|v| - k_n·F_t·n_perp with F_t = E/(max(|v|, v_floor)·dt). A voxel on which the tool does not move takes energy
- * but gives no force; all of it is floor energy. `n`: the tool's outward normal there. */
+ * but gives no force; all of it is floor energy. `n`: the tool's outward normal there. `energy` is without the size
+ * effect; what that adds goes to the energy's sum here. */
 RS_INLINE void rs_cut_force(RS_GLOBAL const SubstepArgs* a, const rs_real* n, const rs_real* p, rs_real energy,
                             LaneSums* sums) {
   const rs_real zero = (rs_real)0.0f, one = (rs_real)1.0f;
-  RS_GLOBAL const float *w = a->angular_velocity, *v0 = a->origin_velocity;
-  const rs_real vx = v0[0] + (w[1] * p[2] - w[2] * p[1]);
-  const rs_real vy = v0[1] + (w[2] * p[0] - w[0] * p[2]);
-  const rs_real vz = v0[2] + (w[0] * p[1] - w[1] * p[0]);
-  const rs_real speed = RS_SQRT(vx * vx + vy * vy + vz * vz);
-  /* Zero where nothing moves, so that the force is zero and not undefined. */
-  const rs_real per_speed = speed > 0.0f ? one / speed : zero;
-  const rs_real tangential = energy * (speed > a->speed_floor ? per_speed * a->per_duration : (rs_real)a->floor_rate);
-  const rs_real over_floor = speed > a->speed_floor ? zero : energy * (one - speed * a->per_speed_floor);
+  if (a->size_exponent > 0.0f) {
+    const rs_real sized = energy * rs_size_factor(a, n, p);
+    sums->energy += RS_TO_SUM((sized - energy) * (float)RS_ENERGY_SCALE);
+    energy = sized;
+  }
+  const ToolMotion m = rs_tool_motion(a, p);
+  const rs_real tangential =
+      energy * (m.speed > a->speed_floor ? m.per_speed * a->per_duration : (rs_real)a->floor_rate);
+  const rs_real over_floor = m.speed > a->speed_floor ? zero : energy * (one - m.speed * a->per_speed_floor);
   sums->floor_energy += RS_TO_SUM(over_floor * (float)RS_ENERGY_SCALE);
-  const rs_real along = (n[0] * vx + n[1] * vy + n[2] * vz) * per_speed;
-  const rs_real normal = speed > 0.0f ? a->normal_ratio * tangential : zero;
-  const rs_real against = (tangential - normal * along) * per_speed;
-  const rs_real f[3] = {-(against * vx) - normal * n[0], -(against * vy) - normal * n[1],
-                        -(against * vz) - normal * n[2]};
-  rs_add_force(sums, f, p);
+  rs_add_resistance(&m, n, p, tangential, m.speed > 0.0f ? a->normal_ratio * tangential : zero, sums);
 }
 
 #if !defined(RS_LANES)

@@ -52,7 +52,7 @@ __kernel void cut_voxels(__global const SubstepArgs* args, const uint substep, _
   const uint count = contact_count[substep];
   const ProfileView profile = {edges, numbers, lists, grid};
   SubstepSums part = {{0, 0, 0}, {0, 0, 0}, 0, 0, 0, 0};
-  LaneSums law = {{0, 0, 0}, {0, 0, 0}, 0};
+  LaneSums law = {{0, 0, 0}, {0, 0, 0}, 0, 0};
   for (uint c = get_global_id(0); c < count; c += get_global_size(0)) {
     const uint e = contacts[c];
     const uchar grade = GRADE_OF(bone[e]);

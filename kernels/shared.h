@@ -72,7 +72,14 @@ typedef struct {
   float normal_ratio;        /* k_n */
   float force_per_point;     /* N, law per_point */
   float voxel_mm;
-  float per_voxel_mm; /* 1/mm */
+  float per_voxel_mm;   /* 1/mm */
+  float size_exponent;  /* m of the size effect; 0 = none */
+  float chip_per_speed; /* chip thickness over its reference per mm/s of the surface's advance, s/mm */
+  float least_chip;     /* over the reference */
+  float most_chip;
+  float edge_tangential; /* N per mm of envelope, times the radius: lips/2pi times N/mm of lip; 0 = no edge force */
+  float edge_normal;
+  float duration; /* s */
   rs_i32 dims[3];
   rs_i32 voi_min[3]; /* shell cells, inclusive */
   rs_i32 voi_max[3];
@@ -80,7 +87,6 @@ typedef struct {
   rs_i32 erosion;
   rs_i32 frame;
   rs_i32 least_loss; /* fill; less is not worth a cut, erosion exact */
-  rs_i32 unused;     /* keeps the size a multiple of 8 */
 } SubstepArgs;
 
 /* Integer sums over the voxels of one substep. Force and torque act on the tool, torque about its origin; law energy:

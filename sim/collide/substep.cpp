@@ -6,7 +6,7 @@
 namespace reamsim {
 
 // Host and device lay the struct out alike: 8-byte members first, then an even number of ints.
-static_assert(sizeof(SubstepArgs) == 8 * (9 + 3 + 9 + 3 + 3 + 2) + 4 * 28);
+static_assert(sizeof(SubstepArgs) == 8 * (9 + 3 + 9 + 3 + 3 + 2) + 4 * 34);
 static_assert(sizeof(SubstepSums) == 8 * 10);
 
 namespace {
@@ -39,6 +39,24 @@ rs_i32 erosion_of(const CuttingSettings& cutting) {
 rs_i32 least_loss(double voxel_mm) {
   constexpr double kPositionMm = 1e-5;
   return 1 + static_cast<rs_i32>(std::ceil(RS_WHOLE_FILL * kPositionMm / voxel_mm));
+}
+
+/// The options of the force law; zeros where they are off. `turn_rate`: rad/s about the tool's axis, either way round.
+void set_force_options(const CuttingSettings& cutting, double turn_rate, SubstepArgs& args) {
+  constexpr double kTurn = 2 * M_PI;
+  if (const auto& size = cutting.size_effect) {
+    // Without spin no lip comes round again, and the chip is as thick as it may be.
+    constexpr double kLongest_s = 1e9;
+    const double lip_s = turn_rate > 0 ? std::min(kTurn / (size->lips * turn_rate), kLongest_s) : kLongest_s;
+    args.size_exponent = static_cast<float>(size->exponent);
+    args.chip_per_speed = static_cast<float>(lip_s / size->reference_mm);
+    args.least_chip = static_cast<float>(size->least_mm / size->reference_mm);
+    args.most_chip = static_cast<float>(size->most_mm / size->reference_mm);
+  }
+  if (const auto& edge = cutting.edge_force) {
+    args.edge_tangential = static_cast<float>(edge->tangential_n_mm * edge->lips / kTurn);
+    args.edge_normal = static_cast<float>(edge->normal_n_mm * edge->lips / kTurn);
+  }
 }
 
 }  // namespace
@@ -111,6 +129,8 @@ SubstepArgs make_args(const Substep& substep, const Aabb& voi, const PointShell&
   args.per_voxel_mm = static_cast<float>(1 / grid.voxel_mm);
   args.least_loss = least_loss(grid.voxel_mm);
   args.frame = static_cast<std::int32_t>(substep.frame);
+  args.duration = static_cast<float>(substep.duration_s);
+  set_force_options(cutting, std::abs(turning.z()), args);
   return args;
 }
 

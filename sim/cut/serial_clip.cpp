@@ -17,7 +17,8 @@ void SerialClip::cut(int slot) {
     rs_brick_in_tool(&args, voxel.x(), voxel.y(), voxel.z(), corner);
     const Clip clip = rs_clip(&args, &profile, profile.lists[0], corner, static_cast<float>(voxel.x() & 7),
                               static_cast<float>(voxel.y() & 7), static_cast<float>(voxel.z() & 7));
-    const rs_i32 lost = rs_clip_loss(&args, state_.fill[i], rs_fill_outside(&args, &clip));
+    const rs_i32 outside = rs_fill_outside(&args, &clip), lost = rs_clip_loss(&args, state_.fill[i], outside);
+    if (rs_has_edge(&args)) rs_edge_force(&args, &clip, state_.fill[i] - lost, outside, &law);
     if (lost == 0) continue;
     sums.contacts += 1;
     sums.removed += lost;

@@ -14,6 +14,7 @@
 #include "sim/record/vti.h"
 #include "sim/run/metrics_results.h"
 #include "sim/scenario/parse.h"
+#include "sim/scenario/presets.h"
 
 namespace reamsim {
 
@@ -78,6 +79,36 @@ nlohmann::ordered_json forces_json(const RunTotals& totals) {
           {"mean_spin_torque_nmm", totals.means().spin_torque_nmm}};
 }
 
+/// The force law as it ran, for those who cite it.
+nlohmann::ordered_json force_law_json(const CuttingSettings& cutting) {
+  nlohmann::ordered_json json;
+  json["preset"] = cutting.preset.empty() ? nlohmann::ordered_json() : nlohmann::ordered_json(cutting.preset);
+  json["changed_from_preset"] = changed_from_preset(cutting);
+  if (cutting.specific_energy_table.empty()) {
+    json["specific_energy_j_mm3"] = cutting.specific_energy_j_mm3;
+    json["reference_density_g_cm3"] = cutting.reference_density_g_cm3;
+    json["density_exponent"] = cutting.density_exponent;
+  }
+  for (const auto& point : cutting.specific_energy_table) {
+    json["specific_energy_table"].push_back(
+        {{"density_g_cm3", point.density_g_cm3}, {"energy_j_mm3", point.energy_j_mm3}});
+  }
+  json["normal_ratio"] = cutting.normal_ratio;
+  json["friction_share"] = cutting.friction_share;
+  if (const auto& size = cutting.size_effect) {
+    json["size_effect"] = {{"exponent", size->exponent},
+                           {"reference_mm", size->reference_mm},
+                           {"lips", size->lips},
+                           {"least_mm", size->least_mm},
+                           {"most_mm", size->most_mm}};
+  }
+  if (const auto& edge = cutting.edge_force) {
+    json["edge_force"] = {
+        {"tangential_n_mm", edge->tangential_n_mm}, {"normal_n_mm", edge->normal_n_mm}, {"lips", edge->lips}};
+  }
+  return json;
+}
+
 nlohmann::ordered_json bone_json(const ReamingScene& scene, const RunTotals& totals, const RunFacts& facts) {
   const VoxelGrid& grid = scene.bone.voxmap.grid;
   return {{"voxel_mm", grid.voxel_mm},
@@ -123,6 +154,7 @@ void write_summary(const std::string& dir, const ReamingScene& scene, const RunT
   json["detector"] = scene.scenario.engine.detector;
   json["erosion"] = scene.scenario.cutting.erosion;
   json["law"] = scene.scenario.cutting.law;
+  if (scene.scenario.cutting.law == "energy") json["force_law"] = force_law_json(scene.scenario.cutting);
   json["frames"] = totals.frames;
   json["contact_frames"] = totals.contact_frames;
   json["first_contact_frame"] = totals.first_contact_frame;
@@ -133,6 +165,9 @@ void write_summary(const std::string& dir, const ReamingScene& scene, const RunT
   json["work_mj"] = totals.work_mj();
   json["energy_mj"] = totals.energy_mj;
   json["floor_energy_mj"] = totals.floor_energy_mj;
+  if (scene.scenario.cutting.law == "energy") {
+    json["friction_energy_mj"] = scene.scenario.cutting.friction_share * totals.energy_mj;
+  }
   json["balance"] = totals.balance;
   json["forces"] = forces_json(totals);
   json["metrics"] = metrics_json(facts.metrics);

@@ -40,55 +40,6 @@ void describe_engine(KeyVisitor& v, EngineSettings& engine) {
            engine.max_step_voxels);
 }
 
-void describe_cutting(KeyVisitor& v, CuttingSettings& cutting) {
-  v.text({.name = "law",
-          .doc = "energy: force from the specific cutting energy of the removed volume; per_point: a given force for "
-                 "each shell point in contact, as in the paper",
-          .choices = {"energy", "per_point"}},
-         cutting.law);
-  v.defaults([&cutting] {
-    if (cutting.law == "per_point") cutting.erosion = "remove";
-  });
-  v.text(
-      {.name = "erosion",
-       .doc = "exact: a voxel keeps the part of it that lies outside the tool's envelope (engine.detector bricked, law "
-              "energy, tool.spin envelope); remove: a touched voxel goes whole, the default where exact is not "
-              "possible; wear: it loses density by the second",
-       .choices = {"exact", "remove", "wear"},
-       .default_by = "engine.detector"},
-      cutting.erosion);
-  v.number(
-      {.name = "specific_energy_j_mm3",
-       .doc = "Energy to cut 1 mm³ of bone of the reference density (u0). Uncalibrated; literature spans 0.05 to 0.30",
-       .range = above(0, 10)},
-      cutting.specific_energy_j_mm3);
-  v.number({.name = "reference_density_g_cm3",
-            .doc = "Density at which the specific energy is specific_energy_j_mm3",
-            .range = above(0, 2)},
-           cutting.reference_density_g_cm3);
-  v.number({.name = "density_exponent",
-            .doc = "p in u = u0·(density/reference density)^p; literature spans 1 to 2.5",
-            .range = between(0, 5)},
-           cutting.density_exponent);
-  v.number({.name = "normal_ratio",
-            .doc = "Normal force as a multiple of the tangential force (k_n)",
-            .range = between(0, 10)},
-           cutting.normal_ratio);
-  v.number(
-      {.name = "speed_floor_mm_s",
-       .doc = "The cutting speed counts as at least this much, so that force stays finite where the tool stands still",
-       .range = above(0, 10000)},
-      cutting.speed_floor_mm_s);
-  v.number({.name = "force_per_point_n",
-            .doc = "Force of one shell point in contact; used by `law: per_point` only",
-            .range = between(0, 1000)},
-           cutting.force_per_point_n);
-  v.number({.name = "wear_g_cm3_per_s",
-            .doc = "Density that a touched voxel loses per second; used by `erosion: wear` only",
-            .range = above(0, 1e6)},
-           cutting.wear_g_cm3_per_s);
-}
-
 namespace {
 
 void describe_implant(KeyVisitor& v, ImplantSettings& implant) {

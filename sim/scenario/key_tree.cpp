@@ -11,12 +11,13 @@ namespace reamsim {
 namespace {
 
 /// Units as they end a name, longest first.
-constexpr std::array<std::pair<std::string_view, std::string_view>, 12> kUnits{{
+constexpr std::array<std::pair<std::string_view, std::string_view>, 13> kUnits{{
     {"_g_cm3_per_hu", "g/cm³ per HU"},
     {"_g_cm3_per_s", "g/cm³ per s"},
     {"_j_mm3", "J/mm³"},
     {"_g_cm3", "g/cm³"},
     {"_mm_s", "mm/s"},
+    {"_n_mm", "N/mm"},
     {"_rpm", "rpm"},
     {"_deg", "°"},
     {"_mm", "mm"},

@@ -12,6 +12,7 @@
 #include "sim/scenario/describe_sections.h"
 #include "sim/scenario/overrides.h"
 #include "sim/scenario/paths.h"
+#include "sim/scenario/presets.h"
 #include "sim/scenario/reader.h"
 #include "sim/scenario/rules.h"
 #include "sim/scenario/show.h"
@@ -90,6 +91,7 @@ Scenario parse_scenario(const std::string& path, const std::vector<std::string>&
     ScenarioReader reader(document, file, absolute.parent_path().string());
     Scenario scenario;
     describe_scenario(reader, scenario);
+    apply_preset(reader.locations(), scenario.cutting);
     check_rules(scenario, reader.locations());
     scenario.file = absolute.string();
     if (scenario.name.empty()) scenario.name = absolute.stem().string();

@@ -29,6 +29,7 @@ class Rules {
     check_engine();
     check_implant();
     check_exact();
+    check_cutting();
   }
 
  private:
@@ -57,6 +58,7 @@ class Rules {
   void check_engine() const;
   void check_exact() const;
   void check_implant() const;
+  void check_cutting() const;
 
   const Scenario& s_;
   const KeyLocations& at_;
@@ -203,6 +205,25 @@ void Rules::check_exact() const {
   }
   if (s_.tool.spin != "envelope") fail("cutting.erosion", "found exact", expected + "tool.spin is " + s_.tool.spin);
   if (s_.cutting.law != "energy") fail("cutting.erosion", "found exact", expected + "cutting.law is " + s_.cutting.law);
+}
+
+void Rules::check_cutting() const {
+  const CuttingSettings& cutting = s_.cutting;
+  const auto& table = cutting.specific_energy_table;
+  const std::string table_key = "cutting.specific_energy_table";
+  if (at_.given(table_key) && table.size() < 2) {
+    fail(table_key, "found a list of " + std::to_string(table.size()), "two or more points");
+  }
+  for (std::size_t i = 1; i < table.size(); ++i) {
+    require(table[i].density_g_cm3 > table[i - 1].density_g_cm3, table_key + "." + std::to_string(i) + ".density_g_cm3",
+            table[i].density_g_cm3, "more than the point before it, " + number_text(table[i - 1].density_g_cm3));
+  }
+  if (const auto& size = cutting.size_effect) {
+    require(size->least_mm <= size->most_mm, "cutting.size_effect.least_mm", size->least_mm, "no more than most_mm");
+  }
+  if (cutting.edge_force && cutting.law != "energy") {
+    fail("cutting.law", "found " + cutting.law, "energy, because cutting.edge_force is given");
+  }
 }
 
 }  // namespace

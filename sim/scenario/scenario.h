@@ -187,13 +187,40 @@ struct EngineSettings {
   double max_step_voxels = 0.5;       ///< no point of the tool moves further in a substep
 };
 
+/// A point of the table of specific energy over density.
+struct SpecificEnergySettings {
+  double density_g_cm3 = 1;
+  double energy_j_mm3 = 0.05;
+};
+
+/// u·(reference/h)^exponent, h the chip's thickness, kept within least and most.
+struct SizeEffectSettings {
+  double exponent = 0.3;
+  double reference_mm = 0.05;  ///< chip thickness at which the specific energy is as it is without the size effect
+  double least_mm = 0.001;
+  double most_mm = 0.5;
+  int lips = 1;
+};
+
+/// Force per length of engaged lip.
+struct EdgeForceSettings {
+  double tangential_n_mm = 1;
+  double normal_n_mm = 0;
+  int lips = 1;
+};
+
 struct CuttingSettings {
   std::string law = "energy";      ///< energy | per_point
-  std::string erosion = "exact";  ///< exact | remove | wear
+  std::string erosion = "exact";   ///< exact | remove | wear
+  std::string preset;              ///< literature-low | literature-mid | literature-high; "" = none
+  std::vector<SpecificEnergySettings> specific_energy_table;  ///< empty: the power law
   double specific_energy_j_mm3 = 0.15;
   double reference_density_g_cm3 = 1.8;
   double density_exponent = 2;
   double normal_ratio = 0.5;
+  double friction_share = 0;  ///< of the tangential force
+  std::optional<SizeEffectSettings> size_effect;
+  std::optional<EdgeForceSettings> edge_force;
   double speed_floor_mm_s = 10;
   double force_per_point_n = 0.001;  ///< law: per_point
   double wear_g_cm3_per_s = 80;      ///< erosion: wear; density that a touched voxel loses per second

@@ -61,7 +61,10 @@ class YamlWriter : public KeyVisitor {
 
   std::size_t begin_list(const KeyInfo& info, std::size_t size) override {
     const bool skipped = size == 0 || !applies(info);
-    if (!skipped) pending_ += indent() + std::string(info.name) + ":\n";
+    if (!skipped) {
+      levels_.back()[info.name] = "given";
+      pending_ += indent() + std::string(info.name) + ":\n";
+    }
     levels_.emplace_back();
     return skipped ? 0 : size;
   }
@@ -72,7 +75,7 @@ class YamlWriter : public KeyVisitor {
   void end_list() override { levels_.pop_back(); }
 
  private:
-  using Level = std::map<std::string_view, std::string>;  // choices and optional sections written so far
+  using Level = std::map<std::string_view, std::string>;  // choices, sections and lists written so far
 
   [[nodiscard]] std::string indent() const { return std::string(2 * (levels_.size() - 1), ' '); }
 

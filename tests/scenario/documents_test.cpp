@@ -112,6 +112,9 @@ TEST_F(SchemaTest, AgreesWithTheParser) {
       with(kValid, half, "  source: mesh\n  mesh: {path: tool.stl}\n"),
       with(kValid, half, "  source: ct\n  ct: {path: tool.stl, label_map: {path: tool.stl}}\n"),
       with(kValid, "axis: [0, 0, 1]", "quaternion: [1, 0, 0, 0]"),
+      kValid +
+          "cutting: {preset: literature-low, erosion: exact, edge_force: {tangential_n_mm: 1, normal_n_mm: 0, "
+          "lips: 6}}\n",
       to_yaml(parse(kValid)),
   };
   const std::vector<std::string> bad{
@@ -136,6 +139,14 @@ TEST_F(SchemaTest, AgreesWithTheParser) {
       with(kValid, "enabled: false", "enabled: no"),
       kValid + "engine: {detector: fast}\n",
       kValid + "cutting: {speed_floor_mm_s: 0}\n",
+      kValid + "cutting: {preset: literature}\n",
+      kValid +
+          "cutting: {erosion: exact, size_effect: {exponent: 0.3, reference_mm: 0.05, lips: 6}, edge_force: "
+          "{tangential_n_mm: 1, normal_n_mm: 0, lips: 6}}\n",
+      kValid + "cutting: {erosion: wear, edge_force: {tangential_n_mm: 1, normal_n_mm: 0, lips: 6}}\n",
+      kValid +
+          "cutting: {specific_energy_j_mm3: 0.1, specific_energy_table: [{density_g_cm3: 0, energy_j_mm3: 0}, "
+          "{density_g_cm3: 1, energy_j_mm3: 1}]}\n",
       with(kValid, "voxel_mm: 0.5",
            "glenoid: {center_mm: [0, 0, 0], landmarks: {glenoid_center_mm: [0, 0, 0], "
            "trigonum_spinae_mm: [9, 0, 0], inferior_angle_mm: [0, 9, 0]}}"),

@@ -1,0 +1,149 @@
+#include "sim/scenario/describe_sections.h"
+#include "sim/scenario/key_visitor.h"
+
+namespace reamsim {
+
+namespace {
+
+constexpr Range kChip = between(1e-5, 10);  // mm
+
+void describe_lips(KeyVisitor& v, int& lips) {
+  v.integer(
+      {.name = "lips", .doc = "Cutting lips that pass a point in a turn", .required = true, .range = between(1, 1000)},
+      lips);
+}
+
+void describe_specific_energy(KeyVisitor& v, SpecificEnergySettings& point) {
+  v.number({.name = "density_g_cm3", .doc = "Density of the bone", .required = true, .range = between(0, 2)},
+           point.density_g_cm3);
+  v.number({.name = "energy_j_mm3",
+            .doc = "Energy to cut 1 mm³ of bone of that density",
+            .required = true,
+            .range = between(0, 10)},
+           point.energy_j_mm3);
+}
+
+void describe_size_effect(KeyVisitor& v, SizeEffectSettings& size) {
+  v.number({.name = "exponent",
+            .doc = "m in u·(reference/h)^m; 1: the force no longer depends on how thick the chip is",
+            .required = true,
+            .range = above(0, 1)},
+           size.exponent);
+  v.number({.name = "reference_mm",
+            .doc = "Chip thickness at which the specific energy was measured",
+            .required = true,
+            .range = kChip},
+           size.reference_mm);
+  describe_lips(v, size.lips);
+  v.number({.name = "least_mm", .doc = "A thinner chip counts as this thick", .range = kChip}, size.least_mm);
+  v.number({.name = "most_mm", .doc = "A thicker chip counts as this thick", .range = kChip}, size.most_mm);
+}
+
+void describe_edge_force(KeyVisitor& v, EdgeForceSettings& edge) {
+  v.number({.name = "tangential_n_mm",
+            .doc = "Force against the motion per length of engaged lip",
+            .required = true,
+            .range = above(0, 1000)},
+           edge.tangential_n_mm);
+  v.number({.name = "normal_n_mm",
+            .doc = "Force that pushes the tool out of the bone per length of engaged lip",
+            .required = true,
+            .range = between(0, 1000)},
+           edge.normal_n_mm);
+  describe_lips(v, edge.lips);
+}
+
+/// Energy per volume by density: a table, a preset or a power law.
+void describe_specific_energies(KeyVisitor& v, CuttingSettings& cutting) {
+  constexpr std::string_view kTable = "specific_energy_table";
+  v.list({.name = kTable,
+          .doc = "Specific energy over density instead of the power law: two or more points in ascending density, "
+                 "straight lines between them, constant beyond the ends"},
+         cutting.specific_energy_table, describe_specific_energy);
+  v.text({.name = "preset",
+          .doc = "specific_energy_j_mm3, reference_density_g_cm3 and density_exponent from the low end, the middle or "
+                 "the high end of the literature; any of them that is given itself wins",
+          .choices = {"literature-low", "literature-mid", "literature-high"},
+          .unless = kTable},
+         cutting.preset);
+  v.number(
+      {.name = "specific_energy_j_mm3",
+       .doc = "Energy to cut 1 mm³ of bone of the reference density (u0). Uncalibrated; literature spans 0.05 to 0.30",
+       .range = above(0, 10),
+       .unless = kTable},
+      cutting.specific_energy_j_mm3);
+  v.number({.name = "reference_density_g_cm3",
+            .doc = "Density at which the specific energy is specific_energy_j_mm3",
+            .range = above(0, 2),
+            .unless = kTable},
+           cutting.reference_density_g_cm3);
+  v.number({.name = "density_exponent",
+            .doc = "p in u = u0·(density/reference density)^p; literature spans 1 to 2.5",
+            .range = between(0, 5),
+            .unless = kTable},
+           cutting.density_exponent);
+}
+
+/// What the energetic law can have besides.
+void describe_options(KeyVisitor& v, CuttingSettings& cutting) {
+  v.number({.name = "normal_ratio",
+            .doc = "Normal force as a multiple of the tangential force (k_n)",
+            .range = between(0, 10)},
+           cutting.normal_ratio);
+  v.number({.name = "friction_share",
+            .doc = "Part of the tangential force that is friction; it changes no force, and the summary says what "
+                   "energy it takes",
+            .range = between(0, 1),
+            .when = {"law", {"energy"}}},
+           cutting.friction_share);
+  v.group({.names = {"size_effect", "edge_force"}, .one_needed = false});
+  v.optional_section({.name = "size_effect",
+                      .doc = "Thin chips take more energy per volume: u·(reference/h)^exponent, with h how far the "
+                             "surface goes along its normal from one lip to the next. Not with `edge_force`",
+                      .when = {"law", {"energy"}}},
+                     cutting.size_effect, describe_size_effect);
+  v.optional_section(
+      {.name = "edge_force",
+       .doc = "Force per length of lip that rests against bone, cutting or not. Needs `law: energy`; not "
+              "with `size_effect`",
+       .when = {"erosion", {"exact"}}},
+      cutting.edge_force, describe_edge_force);
+}
+
+}  // namespace
+
+void describe_cutting(KeyVisitor& v, CuttingSettings& cutting) {
+  v.text({.name = "law",
+          .doc = "energy: force from the specific cutting energy of the removed volume; per_point: a given force for "
+                 "each shell point in contact, as in the paper",
+          .choices = {"energy", "per_point"}},
+         cutting.law);
+  v.defaults([&cutting] {
+    if (cutting.law == "per_point") cutting.erosion = "remove";
+  });
+  v.text(
+      {.name = "erosion",
+       .doc = "exact: a voxel keeps the part of it that lies outside the tool's envelope (engine.detector bricked, law "
+              "energy, tool.spin envelope); remove: a touched voxel goes whole, the default where exact is not "
+              "possible; wear: it loses density by the second",
+       .choices = {"exact", "remove", "wear"},
+       .default_by = "engine.detector"},
+      cutting.erosion);
+  describe_specific_energies(v, cutting);
+  describe_options(v, cutting);
+  v.number(
+      {.name = "speed_floor_mm_s",
+       .doc = "The cutting speed counts as at least this much, so that force stays finite where the tool stands still",
+       .range = above(0, 10000)},
+      cutting.speed_floor_mm_s);
+  v.number({.name = "force_per_point_n",
+            .doc = "Force of one shell point in contact; used by `law: per_point` only",
+            .range = between(0, 1000)},
+           cutting.force_per_point_n);
+  v.number({.name = "wear_g_cm3_per_s",
+            .doc = "Density that a touched voxel loses per second; used by `erosion: wear` only",
+            .range = above(0, 1e6)},
+           cutting.wear_g_cm3_per_s);
+}
+
+}  // namespace reamsim

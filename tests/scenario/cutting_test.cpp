@@ -1,0 +1,138 @@
+// The section `cutting`: presets, the table of specific energy, and the options of the force law.
+#include <gmock/gmock.h>
+
+#include "sim/scenario/presets.h"
+#include "tests/scenario/scenario_fixture.h"
+
+namespace reamsim::test {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::Not;
+using ::testing::StartsWith;
+
+const std::string kSize = "size_effect: {exponent: 0.3, reference_mm: 0.05, lips: 6}";
+const std::string kEdge = "edge_force: {tangential_n_mm: 1, normal_n_mm: 2, lips: 6}";
+const std::string kTable =
+    "specific_energy_table: [{density_g_cm3: 0, energy_j_mm3: 0}, {density_g_cm3: 1.8, "
+    "energy_j_mm3: 0.2}]";
+
+class Cutting : public ScenarioTest {
+ protected:
+  /// The valid scenario with a section `cutting` of these keys, as lines 16 and 17.
+  static std::string yaml(const std::string& keys) { return kValid + "cutting:\n  {" + keys + "}\n"; }
+  CuttingSettings cutting(const std::string& keys, const std::vector<std::string>& overrides = {}) const {
+    return parse(yaml(keys), overrides).cutting;
+  }
+  std::string bad(const std::string& keys) const { return complaint(yaml(keys)); }
+  /// The resolved scenario, after checking that it resolves to itself.
+  std::string resolved(const std::string& keys) const {
+    const std::string once = to_yaml(parse(yaml(keys)));
+    EXPECT_EQ(to_yaml(parse(once)), once);
+    return once;
+  }
+};
+
+TEST_F(Cutting, OptionsAreOffByDefault) {
+  const CuttingSettings defaults = parse(kValid).cutting;
+  EXPECT_EQ(defaults.preset, "");
+  EXPECT_THAT(defaults.specific_energy_table, IsEmpty());
+  EXPECT_FALSE(defaults.size_effect);
+  EXPECT_FALSE(defaults.edge_force);
+  EXPECT_EQ(defaults.friction_share, 0);
+}
+
+TEST_F(Cutting, Presets) {
+  const CuttingSettings low = cutting("preset: literature-low"), mid = cutting("preset: literature-mid"),
+                        high = cutting("preset: literature-high");
+  EXPECT_EQ(low.specific_energy_j_mm3, 0.05);
+  EXPECT_EQ(low.density_exponent, 2.5);
+  EXPECT_EQ(high.specific_energy_j_mm3, 0.30);
+  EXPECT_EQ(high.density_exponent, 1);
+  const CuttingSettings defaults;
+  EXPECT_EQ(mid.specific_energy_j_mm3, defaults.specific_energy_j_mm3) << "the default is the middle";
+  EXPECT_EQ(mid.density_exponent, defaults.density_exponent);
+  EXPECT_EQ(mid.reference_density_g_cm3, defaults.reference_density_g_cm3);
+  EXPECT_THAT(changed_from_preset(low), IsEmpty());
+  EXPECT_THAT(changed_from_preset(defaults), IsEmpty()) << "no preset";
+}
+
+TEST_F(Cutting, WhatIsGivenWinsOverThePreset) {
+  const CuttingSettings own = cutting("density_exponent: 1.5, preset: literature-high");
+  EXPECT_EQ(own.specific_energy_j_mm3, 0.30);
+  EXPECT_EQ(own.density_exponent, 1.5);
+  EXPECT_THAT(changed_from_preset(own), ElementsAre("density_exponent"));
+  EXPECT_EQ(cutting("preset: literature-high", {"cutting.specific_energy_j_mm3=0.2"}).specific_energy_j_mm3, 0.2);
+  EXPECT_EQ(cutting("density_exponent: 1.5", {"cutting.preset=literature-low"}).specific_energy_j_mm3, 0.05);
+  const std::string yaml = resolved("density_exponent: 1.5, preset: literature-high");
+  EXPECT_THAT(yaml, HasSubstr("  preset: literature-high\n  specific_energy_j_mm3: 0.3\n"));
+  EXPECT_THAT(yaml, HasSubstr("  density_exponent: 1.5\n"));
+}
+
+TEST_F(Cutting, UnknownPreset) {
+  EXPECT_EQ(bad("preset: literature"),
+            "s.yaml:17:12: cutting.preset: found the text \"literature\"; expected literature-low, literature-mid or "
+            "literature-high");
+}
+
+TEST_F(Cutting, TableReplacesThePowerLaw) {
+  const std::string yaml = resolved(kTable + ", " + kSize);
+  EXPECT_THAT(yaml, HasSubstr("  specific_energy_table:\n    - density_g_cm3: 0\n      energy_j_mm3: 0\n"));
+  EXPECT_THAT(yaml, Not(HasSubstr("specific_energy_j_mm3")));
+  EXPECT_THAT(yaml, HasSubstr("  size_effect:\n    exponent: 0.3\n"));
+  for (const std::string key : {"preset: literature-mid", "specific_energy_j_mm3: 0.1", "density_exponent: 2",
+                                "reference_density_g_cm3: 1.8"}) {
+    EXPECT_THAT(bad(kTable + ", " + key),
+                HasSubstr("does not apply, because specific_energy_table is given; expected one or the other"));
+  }
+}
+
+TEST_F(Cutting, TableAscends) {
+  EXPECT_EQ(bad("specific_energy_table: [{density_g_cm3: 1, energy_j_mm3: 0}]"),
+            "s.yaml:17:4: cutting.specific_energy_table: found a list of 1; expected two or more points");
+  EXPECT_THAT(bad("specific_energy_table: []"), HasSubstr("found a list of 0; expected two or more points"));
+  for (const std::string second : {"1", "0.5"}) {
+    EXPECT_THAT(bad("specific_energy_table: [{density_g_cm3: 1, energy_j_mm3: 0}, {density_g_cm3: " + second +
+                    ", energy_j_mm3: 1}]"),
+                HasSubstr("cutting.specific_energy_table.1.density_g_cm3: found " + second +
+                          "; expected more than the point before it, 1"));
+  }
+  EXPECT_THAT(bad("specific_energy_table: [{density_g_cm3: 1}]"), HasSubstr("energy_j_mm3: missing"));
+  EXPECT_THAT(bad("specific_energy_table: [[0, 1], [1, 2]]"), HasSubstr("expected a section of keys"));
+}
+
+TEST_F(Cutting, SizeEffectOrEdgeForce) {
+  EXPECT_EQ(bad(kSize), "");
+  EXPECT_EQ(bad("erosion: exact, " + kEdge), "");
+  EXPECT_EQ(bad("erosion: exact, " + kSize + ", " + kEdge),
+            "s.yaml:17:79: cutting.edge_force: given together with size_effect; expected one of size_effect or "
+            "edge_force");
+}
+
+TEST_F(Cutting, OptionsNeedTheirErosionAndLaw) {
+  EXPECT_THAT(bad("erosion: wear, " + kEdge),
+              HasSubstr("cutting.edge_force: does not apply, because erosion is wear; expected it with erosion: exact "
+                        "only"));
+  EXPECT_EQ(bad("law: per_point, erosion: exact, " + kEdge),
+            "s.yaml:17:4: cutting.law: found per_point; expected energy, because cutting.edge_force is given");
+  EXPECT_THAT(bad("law: per_point, " + kSize), HasSubstr("cutting.size_effect: does not apply, because law is"));
+  EXPECT_THAT(bad("law: per_point, friction_share: 0.2"),
+              HasSubstr("cutting.friction_share: does not apply, because law is"));
+}
+
+TEST_F(Cutting, ValuesOfOptions) {
+  EXPECT_THAT(bad("size_effect: {exponent: 1.5, reference_mm: 0.05, lips: 6}"),
+              HasSubstr("cutting.size_effect.exponent: found 1.5; expected a number, above 0, up to 1"));
+  EXPECT_THAT(bad("size_effect: {exponent: 0.5, reference_mm: 0.05}"),
+              HasSubstr("cutting.size_effect.lips: missing; expected this key"));
+  EXPECT_THAT(bad("size_effect: {exponent: 0.5, reference_mm: 0.05, lips: 6, least_mm: 0.6}"),
+              HasSubstr("cutting.size_effect.least_mm: found 0.6; expected no more than most_mm"));
+  EXPECT_THAT(bad("erosion: exact, edge_force: {tangential_n_mm: 0, normal_n_mm: 1, lips: 6}"),
+              HasSubstr("cutting.edge_force.tangential_n_mm: found 0; expected a number, above 0, up to 1000 (N/mm)"));
+  EXPECT_THAT(bad("friction_share: 1.1"), StartsWith("s.yaml:17:20: cutting.friction_share: found 1.1; expected"));
+}
+
+}  // namespace
+}  // namespace reamsim::test
