@@ -29,12 +29,16 @@ std::string extension(const std::string& path) {
   return text;
 }
 
-/// The bone section: of a scenario, or the defaults for a mesh or a CT with `--set` on top.
+/// The bone section: of a scenario, or the defaults for a mesh or a CT with `--set` on top. Its surface is made as for
+/// a run.
 BoneSettings bone_settings(const ImportOptions& options) {
   const std::string kind = extension(options.input);
-  if (kind == ".yaml" || kind == ".yml") return parse_scenario(options.input, options.overrides).bone;
+  if (kind == ".yaml" || kind == ".yml") {
+    const Scenario scenario = parse_scenario(options.input, options.overrides);
+    return with_surface_voxels(scenario.bone, scenario.cutting);
+  }
   const bool mesh = kind == ".stl" || kind == ".obj" || kind == ".ply";
-  return parse_bone_settings(mesh ? "mesh" : "ct", options.input, options.overrides);
+  return with_surface_voxels(parse_bone_settings(mesh ? "mesh" : "ct", options.input, options.overrides), {});
 }
 
 void import_command(const ImportOptions& options, const Console& console) {

@@ -6,8 +6,8 @@
 
 namespace reamsim {
 
-Occupancy::Occupancy(const Voxmap& voxmap, State state)
-    : voxmap_(voxmap), state_(state), bricks_{voxmap.grade.brick_dims()}, kinds_(bricks_.count(), Kind::kEmpty) {
+Occupancy::Occupancy(const Voxmap& voxmap, const FillBricks& fill)
+    : voxmap_(voxmap), fill_(fill), bricks_{voxmap.grade.brick_dims()}, kinds_(bricks_.count(), Kind::kEmpty) {
   const std::vector<Vec3i> stored = voxmap.grade.stored_coords();
   parallel_items(stored.size(), [&](std::size_t i) { kinds_[bricks_.index(stored[i])] = look_at(stored[i]); });
 }
@@ -23,7 +23,7 @@ Occupancy::Kind Occupancy::kind(const Vec3i& brick) const {
 Occupancy::Kind Occupancy::look_at(const Vec3i& brick) const {
   const GradeBricks::Brick* grades = voxmap_.grade.brick(brick);
   if (grades == nullptr) return Kind::kEmpty;
-  const FillBricks::Brick* fill = state_ == State::kCurrent ? voxmap_.fill.brick(brick) : nullptr;
+  const FillBricks::Brick* fill = fill_.brick(brick);
   bool any_air = false;
   bool any_bone = false;
   for (std::size_t i = 0; i < grades->size(); ++i) {
@@ -53,7 +53,7 @@ void Occupancy::gather(const Vec3i& lower, int side, float* out) const {
           x = end;
           continue;
         }
-        const FillBricks::Brick* fill = state_ == State::kCurrent ? voxmap_.fill.brick(brick) : nullptr;
+        const FillBricks::Brick* fill = fill_.brick(brick);
         for (; x < end; ++x) {
           const auto offset = static_cast<std::size_t>(BrickLattice::offset_of({x, y, z}));
           if ((*grades)[offset] == 0) continue;

@@ -11,12 +11,10 @@ namespace reamsim {
 /// look at their voxels.
 class Occupancy {
  public:
-  /// What counts as bone: the unreamed bone's voxels (grade ≠ 0), or what is left of them.
-  enum class State { kUnreamed, kCurrent };
   enum class Kind : std::uint8_t { kEmpty, kFull, kMixed };
 
-  /// `voxmap` must outlive this.
-  Occupancy(const Voxmap& voxmap, State state);
+  /// `fill`: how much of each voxel counts, such as `voxmap.fill`. Both must outlive this.
+  Occupancy(const Voxmap& voxmap, const FillBricks& fill);
 
   /// Looks again at bricks whose fill has changed.
   void update(const std::vector<Vec3i>& bricks);
@@ -32,7 +30,7 @@ class Occupancy {
   [[nodiscard]] Kind look_at(const Vec3i& brick) const;
 
   const Voxmap& voxmap_;
-  State state_;
+  const FillBricks& fill_;
   BrickLattice bricks_;
   std::vector<Kind> kinds_;
 };

@@ -22,8 +22,7 @@ namespace {
 
 /// What changes from picture to picture: the bone's fill and everything that is derived from it.
 struct BoneState {
-  explicit BoneState(const Voxmap& voxmap)
-      : occupancy(voxmap, Occupancy::State::kCurrent), field(occupancy), ambient(occupancy) {}
+  explicit BoneState(const Voxmap& voxmap) : occupancy(voxmap, voxmap.fill), field(occupancy), ambient(occupancy) {}
 
   void update(const std::vector<Vec3i>& bricks) {
     occupancy.update(bricks);
@@ -65,7 +64,7 @@ class PictureMaker {
         settings_(settings),
         progress_(progress),
         results_(read_results(dir)),
-        unreamed_(results_.voxmap),
+        unreamed_(results_.voxmap, results_.unreamed_fill),
         subject_(make_subject(results_, unreamed_)) {
     add_layer_means(results_.log, results_.voxmap.grid.voxel_mm);
     for (const std::string& name : settings.cameras) {

@@ -3,6 +3,7 @@
 #include <openvdb/io/File.h>
 #include <openvdb/openvdb.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <sstream>
@@ -50,6 +51,19 @@ std::optional<GlenoidFrame> parse_glenoid(const std::string& path, const std::st
   return frame;
 }
 
+/// The fill that the run began with. Voxels without any went in an earlier run: depth is measured from before it.
+FillBricks unreamed_fill(const std::string& dir, std::int64_t first_frame, const Vec3i& dims) {
+  FillBricks out(dims);
+  if (first_frame != 0) return out;
+  apply_snapshot(dir, first_frame, out);
+  for (const Vec3i& coord : out.take_changed()) {
+    FillBricks::Brick brick = *out.brick(coord);
+    std::replace(brick.begin(), brick.end(), std::uint16_t{0}, FillBricks::kWhole);
+    out.put(coord, brick);
+  }
+  return out;
+}
+
 }  // namespace
 
 Anatomy read_anatomy(const std::string& dir) {
@@ -75,6 +89,7 @@ RunResults read_results(const std::string& dir) {
   if (out.frames.empty()) {
     throw InputError({dir + "/snapshots", 0, 0}, "", "no snapshot there", "the output folder of a run");
   }
+  out.unreamed_fill = unreamed_fill(dir, out.frames.front(), out.voxmap.grid.dims);
   out.tool = read_mesh(dir + "/snapshots/tool.stl", 1.0);
   return out;
 }

@@ -15,6 +15,8 @@ namespace reamsim {
 /// What a run left in its folder, as far as pictures need it.
 struct RunResults {
   Voxmap voxmap;  ///< the unreamed bone's grades and the last fill
+  /// What of each voxel at the bone's surface was bone before the run; what an earlier run took away counts as whole.
+  FillBricks unreamed_fill;
   std::optional<GlenoidFrame> glenoid;
   std::string side;                  ///< "left", "right", or "" where the run did not know
   std::vector<std::int64_t> frames;  ///< that have a snapshot, ascending

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <unsupported/Eigen/BVH>
+#include <utility>
 
 #include "render/surface_smoothing.h"
 
@@ -48,9 +49,17 @@ double cell_size_mm(const Voxmap& voxmap) {
 }
 
 /// Is this voxel bone that was reamed away?
-bool gone(const Voxmap& voxmap, const Vec3i& voxel) {
+bool gone(const Voxmap& voxmap, const FillBricks& before, const Vec3i& voxel) {
   if (!voxmap.grid.contains(voxel)) return false;
-  return voxmap.grade.get(voxel) != 0 && voxmap.fill.get(voxel) < FillBricks::kWhole / 2;
+  return voxmap.grade.get(voxel) != 0 && 2 * voxmap.fill.get(voxel) < before.get(voxel);
+}
+
+/// Has any of this brick's voxels lost something?
+bool reamed(const FillBricks::Brick& fill, const FillBricks::Brick* before) {
+  for (std::size_t i = 0; i < fill.size(); ++i) {
+    if (fill[i] < (before == nullptr ? FillBricks::kWhole : (*before)[i])) return true;
+  }
+  return false;
 }
 
 /// The surface moved out by kBridge_mm, which shuts narrow holes, and the slope that it was moved along.
@@ -70,7 +79,7 @@ MovedSurface move_out(const IsoSurface& surface, double voxel_mm, double cell_mm
 }
 
 /// Marks the points of the moved surface below which the bone is gone.
-std::vector<std::uint8_t> above_gone_bone(const MovedSurface& moved, const Voxmap& voxmap) {
+std::vector<std::uint8_t> above_gone_bone(const MovedSurface& moved, const Voxmap& voxmap, const FillBricks& before) {
   const double voxel_mm = voxmap.grid.voxel_mm;
   const auto accessor = moved.distance_mm->getConstAccessor();
   const auto distance_at = [&](const Vec3d& mm) {
@@ -88,7 +97,7 @@ std::vector<std::uint8_t> above_gone_bone(const MovedSurface& moved, const Voxma
     if (slope.length() < 1e-9) continue;
     const Vec3d below = (p - slope.unit() * (UnreamedSurface::kBridge_mm + 0.75 * voxel_mm)) / voxel_mm;
     const Vec3i voxel = Point(below.x(), below.y(), below.z()).array().round().cast<int>();
-    marked[i] = gone(voxmap, voxel) ? 1 : 0;
+    marked[i] = gone(voxmap, before, voxel) ? 1 : 0;
   }
   return marked;
 }
@@ -115,11 +124,12 @@ struct SquaredDistance {
 };
 
 /// An empty grid whose active cells cover every brick that has lost something, and a little more for interpolation.
-openvdb::FloatGrid::Ptr cells_of_changed_bricks(const Voxmap& voxmap, double cell_mm) {
+openvdb::FloatGrid::Ptr cells_of_changed_bricks(const Voxmap& voxmap, const FillBricks& before, double cell_mm) {
   auto grid = openvdb::FloatGrid::create(0.0F);
   grid->setTransform(openvdb::math::Transform::createLinearTransform(cell_mm));
   const double brick_cells = FillBricks::kSide * voxmap.grid.voxel_mm / cell_mm;
-  voxmap.fill.for_each_brick([&](const Vec3i& coord, const FillBricks::Brick&) {
+  voxmap.fill.for_each_brick([&](const Vec3i& coord, const FillBricks::Brick& fill) {
+    if (!reamed(fill, before.brick(coord))) return;
     const Vec3d lower = brick_cells * Vec3d(coord.x(), coord.y(), coord.z());
     const openvdb::Coord from = openvdb::Coord::floor(lower - Vec3d(2));
     const openvdb::Coord to = openvdb::Coord::ceil(lower + Vec3d(brick_cells + 2));
@@ -128,12 +138,12 @@ openvdb::FloatGrid::Ptr cells_of_changed_bricks(const Voxmap& voxmap, double cel
   return grid;
 }
 
-openvdb::FloatGrid::Ptr depth_grid(const IsoSurface& surface, const Voxmap& voxmap) {
+openvdb::FloatGrid::Ptr depth_grid(const IsoSurface& surface, const Voxmap& voxmap, const FillBricks& before) {
   const double cell_mm = cell_size_mm(voxmap);
-  auto depth = cells_of_changed_bricks(voxmap, cell_mm);
+  auto depth = cells_of_changed_bricks(voxmap, before, cell_mm);
   if (depth->empty()) return depth;
   const MovedSurface moved = move_out(surface, voxmap.grid.voxel_mm, cell_mm);
-  std::vector<std::uint8_t> marked = above_gone_bone(moved, voxmap);
+  std::vector<std::uint8_t> marked = above_gone_bone(moved, voxmap, before);
   const std::vector<std::uint32_t> indices = flat_indices(moved.surface);
   spread(marked, {moved.surface.points.size(), indices},
          static_cast<int>(std::ceil(2 * UnreamedSurface::kBridge_mm / cell_mm)));
@@ -158,10 +168,11 @@ openvdb::FloatGrid::Ptr depth_grid(const IsoSurface& surface, const Voxmap& voxm
 
 }  // namespace
 
-UnreamedSurface::UnreamedSurface(const Voxmap& voxmap)
-    : occupancy_(voxmap, Occupancy::State::kUnreamed),
+UnreamedSurface::UnreamedSurface(const Voxmap& voxmap, FillBricks before)
+    : before_(std::move(before)),
+      occupancy_(voxmap, before_),
       field_(occupancy_),
       surface_(extract_surface(field_.grid(), 0)),
-      depth_(depth_grid(surface_, voxmap)) {}
+      depth_(depth_grid(surface_, voxmap, before_)) {}
 
 }  // namespace reamsim

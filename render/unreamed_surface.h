@@ -15,8 +15,13 @@ class UnreamedSurface {
   /// depth is measured from.
   static constexpr double kBridge_mm = 1.8;
 
-  /// `voxmap` with all that the run removes gone from its fill.
-  explicit UnreamedSurface(const Voxmap& voxmap);
+  /// `voxmap` with all that the run removes gone from its fill; `before`: the fill that it began with.
+  UnreamedSurface(const Voxmap& voxmap, FillBricks before);
+  /// Of a bone that began whole.
+  explicit UnreamedSurface(const Voxmap& voxmap) : UnreamedSurface(voxmap, FillBricks(voxmap.grid.dims)) {}
+  // `occupancy_` refers to `before_`.
+  UnreamedSurface(const UnreamedSurface&) = delete;
+  UnreamedSurface& operator=(const UnreamedSurface&) = delete;
 
   /// The unreamed bone's field, voxel index space.
   [[nodiscard]] const openvdb::FloatGrid& field() const { return field_.grid(); }
@@ -28,6 +33,7 @@ class UnreamedSurface {
   [[nodiscard]] const openvdb::FloatGrid& depth() const { return *depth_; }
 
  private:
+  FillBricks before_;
   Occupancy occupancy_;
   SolidField field_;
   IsoSurface surface_;

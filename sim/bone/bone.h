@@ -18,6 +18,7 @@ struct Bone {
 
 /// Builds the bone that the scenario asks for (CT, mesh, VDB or phantom) and drills the pilot hole. All but a VDB's
 /// lattice are fitted to the bone (fit_to_bone); a VDB keeps its own, so that reaming goes on where it stopped.
+/// `settings.surface_voxels` must be decided (with_surface_voxels()); `auto` counts as whole.
 /// Throws InputError for whatever is wrong with the data; says in `report` what was done (voxels, volumes, pieces).
 Bone load_bone(const BoneSettings& settings, Report& report);
 
@@ -25,8 +26,8 @@ Bone load_bone(const BoneSettings& settings, Report& report);
 /// `settings.voxel_mm` in the frame B.
 
 /// A closed mesh: cortical grade down to `cortical_mm` below the surface, trabecular grade inside. A voxel is bone when
-/// its centre is inside. Throws InputError: unreadable, open or non-manifold (unless `repair`), a repair that flooded,
-/// no volume, absurdly large.
+/// its centre is inside, or as far as the surface leaves it. Throws InputError: unreadable, open or non-manifold
+/// (unless `repair`), a repair that flooded, no volume, absurdly large.
 Voxmap voxmap_from_mesh(const BoneSettings& settings, Report& report);
 /// A VDB of an earlier run or import, or another's with a FloatGrid `density`. Its own voxel size and density mapping
 /// hold. Throws as read_bone_vdb().
@@ -50,9 +51,11 @@ std::optional<GlenoidFrame> glenoid_frame(const GlenoidSettings& settings, const
 /// side that is neither left nor right they are those of a left scapula.
 ScapularAxes axes_of(const GlenoidFrame& glenoid, const std::string& side);
 
-/// Sets every voxel whose centre lies in the hole to air; returns the drilled volume in mm³. `glenoid` is needed where
-/// `hole.frame` is glenoid. Throws InputError: no such frame, no direction.
-double drill_pilot_hole(Voxmap& voxmap, const PilotHoleSettings& hole, const std::optional<GlenoidFrame>& glenoid);
+/// Sets every voxel whose centre lies in the hole to air, or takes the part of each that lies in it (`partial`);
+/// returns the drilled volume in mm³. `glenoid` is needed where `hole.frame` is glenoid. Throws InputError: no such
+/// frame, no direction.
+double drill_pilot_hole(Voxmap& voxmap, const PilotHoleSettings& hole, const std::optional<GlenoidFrame>& glenoid,
+                        bool partial = false);
 
 /// Shrinks or grows the lattice so that `margin_voxels` of air surround the bone on every side, and the dimensions are
 /// multiples of 8 (whole bricks). Throws InputError when there is no bone.

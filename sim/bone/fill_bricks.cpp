@@ -30,6 +30,11 @@ void FillBricks::put(const Vec3i& brick_coord, const Brick& brick) {
   note_change(index);
 }
 
+void FillBricks::reserve(std::size_t bricks) {
+  bricks_.reserve(bricks_.size() + bricks);
+  is_changed_.reserve(is_changed_.size() + bricks);
+}
+
 std::size_t FillBricks::take_slot(std::size_t index) {
   std::int32_t& slot = slot_of_brick_[index];
   if (slot < 0) {

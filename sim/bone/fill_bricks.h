@@ -26,6 +26,9 @@ class FillBricks {
   /// A whole brick at once.
   void put(const Vec3i& brick_coord, const Brick& brick);
 
+  /// Makes room for that many bricks more, so that they are not copied while they come.
+  void reserve(std::size_t bricks);
+
   /// Number of bricks along each axis: ceil(dims/8).
   [[nodiscard]] Vec3i brick_dims() const { return lattice_.dims; }
   [[nodiscard]] std::size_t stored_bricks() const { return bricks_.size(); }

@@ -24,8 +24,8 @@ Bone bone_from_source(const BoneSettings& settings, Report& report) {
   throw InputError({}, "bone.source", "\"" + settings.source + "\"", "expected phantom, ct, mesh or vdb");
 }
 
-void drill(Bone& bone, const PilotHoleSettings& hole, Report& report) {
-  const double drilled_mm3 = drill_pilot_hole(bone.voxmap, hole, bone.glenoid);
+void drill(Bone& bone, const PilotHoleSettings& hole, bool partial, Report& report) {
+  const double drilled_mm3 = drill_pilot_hole(bone.voxmap, hole, bone.glenoid, partial);
   char text[120];
   std::snprintf(text, sizeof text, "pilot hole: %.4g mm wide, %.1f mm^3 of bone drilled", hole.diameter_mm,
                 drilled_mm3);
@@ -59,7 +59,7 @@ Bone load_bone(const BoneSettings& settings, Report& report) {
     // With landmarks the glenoid's normal is the Friedman axis.
     bone.scapula = axes_of(*glenoid_frame(marks, settings.side), settings.side);
   }
-  if (settings.pilot_hole) drill(bone, *settings.pilot_hole, report);
+  if (settings.pilot_hole) drill(bone, *settings.pilot_hole, settings.surface_voxels == "partial", report);
   const VoxelGrid& grid = bone.voxmap.grid;
   char text[200];
   std::snprintf(text, sizeof text, "bone: %d x %d x %d voxels of %.4g mm, %lld of them bone, %.0f mm^3 in the frame %s",

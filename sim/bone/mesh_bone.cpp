@@ -4,12 +4,15 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <limits>
 
 #include "sim/base/error.h"
 #include "sim/bone/bone.h"
 #include "sim/bone/lattice.h"
 #include "sim/bone/sample_bricks.h"
 #include "sim/bone/sample_phantom.h"
+#include "sim/bone/surface_share.h"
+#include "sim/bone/surface_voxels.h"
 #include "sim/mesh/mesh_check.h"
 #include "sim/mesh/mesh_io.h"
 #include "sim/mesh/mesh_repair.h"
@@ -113,6 +116,43 @@ Voxmap grades_from_distance(const openvdb::FloatGrid& distance, const VoxelGrid&
   return voxmap;
 }
 
+/// The distance grid between its voxels' centres, by voxel indices.
+class DistanceBetween {
+ public:
+  explicit DistanceBetween(const openvdb::FloatTree& distance) : distance_(distance) {}
+
+  [[nodiscard]] double operator()(const Vec3& index) const {
+    const Vec3 base = index.array().floor();
+    const Vec3 share = index - base;
+    double sum = 0;
+    for (int corner = 0; corner < 8; ++corner) {
+      const Vec3i step(corner & 1, corner >> 1 & 1, corner >> 2);
+      double weight = 1;
+      for (int axis = 0; axis < 3; ++axis) weight *= step[axis] != 0 ? share[axis] : 1 - share[axis];
+      if (weight == 0) continue;  // at the centres themselves, which are asked most
+      const Vec3i at = base.cast<int>() + step;
+      sum += weight * double{distance_.getValue({at.x(), at.y(), at.z()})};
+    }
+    return sum;
+  }
+
+ private:
+  const openvdb::FloatTree& distance_;
+};
+
+/// Fill by the distance of the surface. Densities are those of a depth, so none has air in it.
+void part_surface(const openvdb::FloatTree& distance, const GradesByDepth& by_depth, Voxmap& voxmap) {
+  const DistanceBetween between(distance);
+  const std::uint8_t outermost = by_depth.grade(-std::numeric_limits<float>::min());
+  const auto sample = [&](const Vec3i& voxel, std::uint8_t grade) -> SurfaceVoxel {
+    const double away = double{distance.getValue({voxel.x(), voxel.y(), voxel.z()})};
+    const std::uint8_t bone = grade != 0 ? grade : outermost;
+    if (std::abs(away) > RS_CLIP_REACH) return {away < 0 ? 1.0 : 0.0, bone};
+    return {share_inside(between, voxel.cast<double>(), 1), bone};
+  };
+  part_surface_voxels(sample, voxmap);
+}
+
 /// The mesh of the scenario, made fit for meshToVolume or refused.
 TriangleMesh checked_mesh(const MeshBoneSettings& settings, Report& report) {
   TriangleMesh mesh = read_mesh(settings.path, settings.scale);
@@ -178,14 +218,15 @@ Voxmap voxmap_from_mesh(const BoneSettings& settings, Report& report) {
 
   const DensityMapping mapping = mapping_from(settings.density);
   const auto grade = [&mapping](double hu) { return DensityMapping::grade_from_density(mapping.density_from_hu(hu)); };
-  Voxmap voxmap =
-      grades_from_distance(*distance, grid, {cortical_voxels, grade(bone.cortical_hu), grade(bone.trabecular_hu)});
+  const GradesByDepth by_depth{cortical_voxels, grade(bone.cortical_hu), grade(bone.trabecular_hu)};
+  Voxmap voxmap = grades_from_distance(*distance, grid, by_depth);
   voxmap.mapping = mapping;
   voxmap.frame = "mesh";
   if (voxmap.count_bone() == 0) {
     throw InputError({bone.path, 0, 0}, "bone.voxel_mm", "a mesh in which no voxel has its centre",
                      "expected smaller voxels, a larger bone.mesh.scale or a closed mesh");
   }
+  if (settings.surface_voxels == "partial") part_surface(distance->tree(), by_depth, voxmap);
   check_volume(bone, voxmap.bone_mm3(), std::abs(mesh.volume_mm3()), report);
   return voxmap;
 }

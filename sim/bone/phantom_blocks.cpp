@@ -6,6 +6,7 @@
 #include "sim/base/error.h"
 #include "sim/bone/lattice.h"
 #include "sim/bone/sample_phantom.h"
+#include "sim/bone/surface_share.h"
 
 namespace reamsim {
 
@@ -39,11 +40,30 @@ GlenoidFrame frame_at(const Vec3& origin_mm) {
   return frame;
 }
 
-Bone make_block(const BoneSettings& settings, const DensityField& density_in_block) {
+/// Part of a voxel that lies in a box.
+double share_in_box(const Aabb& box, const Vec3& center_mm, double voxel_mm) {
+  const Vec3 half = Vec3::Constant(voxel_mm / 2);
+  const Vec3 common = (center_mm + half).cwiseMin(box.max) - (center_mm - half).cwiseMax(box.min);
+  return (common.cwiseMax(0) / voxel_mm).prod();
+}
+
+/// `carved`: a solid that was taken out of the block, negative inside it.
+Bone make_block(const BoneSettings& settings, const DensityField& density_in_block,
+                const std::function<double(const Vec3&)>& carved = {}) {
   const Aabb box = block_mm(settings.phantom);
   const VoxelGrid grid = lattice_around("bone.phantom.size_mm", box, settings.voxel_mm, kMarginVoxels);
-  const auto density = [&](const Vec3& point) { return inside(box, point) ? density_in_block(point) : kAir; };
-  return {sample_phantom(grid, settings.density, density), frame_at(Vec3::Zero())};
+  const auto density = [&](const Vec3& point) {
+    return inside(box, point) && !(carved && carved(point) < 0) ? density_in_block(point) : kAir;
+  };
+  PartialField partial;
+  if (settings.surface_voxels == "partial") {
+    partial = [&](const Vec3& center) -> PartialVoxel {
+      const double left = carved ? 1 - share_inside(carved, center, grid.voxel_mm) : 1;
+      return {left * share_in_box(box, center, grid.voxel_mm),
+              density_in_block(center.cwiseMax(box.min).cwiseMin(box.max))};
+    };
+  }
+  return {sample_phantom(grid, settings.density, density, partial), frame_at(Vec3::Zero())};
 }
 
 }  // namespace
@@ -66,8 +86,9 @@ Bone cup_phantom(const BoneSettings& settings) {
   const Vec3 center(0, 0, phantom.radius_mm - phantom.cup_depth_mm);
   const double radius2 = phantom.radius_mm * phantom.radius_mm;
   const double density = phantom.density_g_cm3;
-  return make_block(settings,
-                    [=](const Vec3& point) { return (point - center).squaredNorm() < radius2 ? kAir : density; });
+  return make_block(
+      settings, [density](const Vec3&) { return density; },
+      [=](const Vec3& point) { return (point - center).squaredNorm() - radius2; });
 }
 
 Bone layered_phantom(const BoneSettings& settings) {
@@ -88,7 +109,14 @@ Bone sphere_phantom(const BoneSettings& settings) {
   const VoxelGrid grid = lattice_around("bone.phantom.radius_mm", box, settings.voxel_mm, kMarginVoxels);
   const double density = settings.phantom.density_g_cm3;
   const auto field = [=](const Vec3& point) { return point.squaredNorm() <= radius * radius ? density : kAir; };
-  return {sample_phantom(grid, settings.density, field), frame_at({0, 0, radius})};
+  PartialField partial;
+  if (settings.surface_voxels == "partial") {
+    partial = [=](const Vec3& voxel) -> PartialVoxel {
+      const auto distance = [radius](const Vec3& point) { return point.norm() - radius; };
+      return {share_inside(distance, voxel, grid.voxel_mm), density};
+    };
+  }
+  return {sample_phantom(grid, settings.density, field, partial), frame_at({0, 0, radius})};
 }
 
 }  // namespace reamsim

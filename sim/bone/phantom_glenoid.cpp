@@ -9,6 +9,7 @@
 #include "sim/bone/implicit.h"
 #include "sim/bone/lattice.h"
 #include "sim/bone/sample_phantom.h"
+#include "sim/bone/surface_share.h"
 #include "sim/bone/value_noise.h"
 
 namespace reamsim {
@@ -48,16 +49,48 @@ class GlenoidDensity {
     return soft + cortical_share * (settings_.cortical_density_g_cm3 - soft);
   }
 
+  /// Part of the voxel about a point that is bone, and the density of that bone: at the point itself, or at the surface
+  /// below it.
+  [[nodiscard]] PartialVoxel partial(const Vec3& center, double voxel_mm) const {
+    const double solid = shape_.solid(center);
+    const double reach_mm = GlenoidShape::kSteepest * RS_CLIP_REACH * voxel_mm;
+    const double before_end = std::clamp((center.x() - shape_.medial_end_mm()) / voxel_mm + 0.5, 0.0, 1.0);
+    PartialVoxel out{solid < 0 ? before_end : 0.0, settings_.cortical_density_g_cm3};
+    if (std::abs(solid) > reach_mm) return out;
+    const auto field = [this](const Vec3& point) { return shape_.solid(point); };
+    out.share = before_end * share_inside(field, center, voxel_mm);
+    if (out.share > 0) out.density_g_cm3 = density_below(center, solid);
+    return out;
+  }
+
  private:
-  /// Distance below the surface: the solid's value over its slope, which is not 1 where shapes are blended.
-  [[nodiscard]] double depth(const Vec3& point, double solid) const {
-    const double thickest_mm = 1.5 * std::max(settings_.subchondral_mm, settings_.shell_mm) + kTransition_mm;
-    if (-solid > 2 * thickest_mm) return -solid;
+  /// Density at the surface under a point that lies outside it.
+  [[nodiscard]] double density_below(Vec3 point, double solid) const {
+    constexpr double kBelow_mm = 0.01;
+    constexpr int kSteps = 4;
+    point.x() = std::max(point.x(), shape_.medial_end_mm());
+    for (int step = 0; step < kSteps && solid > 0; ++step) {
+      const Vec3 slope = slope_at(point, solid);
+      point -= (solid / slope.squaredNorm() + kBelow_mm / slope.norm()) * slope;
+      point.x() = std::max(point.x(), shape_.medial_end_mm());
+      solid = shape_.solid(point);
+    }
+    return solid > 0 ? settings_.cortical_density_g_cm3 : at(point);
+  }
+
+  [[nodiscard]] Vec3 slope_at(const Vec3& point, double solid) const {
     Vec3 slope;
     for (int axis = 0; axis < 3; ++axis) {
       slope[axis] = (shape_.solid(point + kGradientStep_mm * Vec3::Unit(axis)) - solid) / kGradientStep_mm;
     }
-    return -solid / std::max(slope.norm(), 0.5);
+    return slope;
+  }
+
+  /// Distance below the surface: the solid's value over its slope, which is not 1 where shapes are blended.
+  [[nodiscard]] double depth(const Vec3& point, double solid) const {
+    const double thickest_mm = 1.5 * std::max(settings_.subchondral_mm, settings_.shell_mm) + kTransition_mm;
+    if (-solid > 2 * thickest_mm) return -solid;
+    return -solid / std::max(slope_at(point, solid).norm(), 0.5);
   }
 
   [[nodiscard]] double wall_thickness(const Vec3& point, double below_face_mm) const {
@@ -165,8 +198,12 @@ Voxmap sample_glenoid(const BoneSettings& settings, const VoxelGrid& grid) {
   check(settings);
   const GlenoidDensity density(settings.phantom);
   const Sides sides = sides_of(settings);
+  PartialField partial;
+  if (settings.surface_voxels == "partial") {
+    partial = [&](const Vec3& center) { return density.partial(sides.anatomy_from_bone(center), grid.voxel_mm); };
+  }
   return sample_phantom(
-      grid, settings.density, [&](const Vec3& point) { return density.at(sides.anatomy_from_bone(point)); },
+      grid, settings.density, [&](const Vec3& point) { return density.at(sides.anatomy_from_bone(point)); }, partial,
       [&](const Vec3& center, double radius_mm) {
         return density.shape().solid(sides.anatomy_from_bone(center)) > GlenoidShape::kSteepest * radius_mm;
       });

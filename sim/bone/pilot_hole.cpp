@@ -2,6 +2,7 @@
 
 #include "sim/base/error.h"
 #include "sim/bone/bone.h"
+#include "sim/bone/surface_share.h"
 
 namespace reamsim {
 
@@ -19,6 +20,12 @@ struct Hole {
     const double along_mm = from_entry.dot(axis);
     if (along_mm < 0 || along_mm > depth_mm) return false;
     return (from_entry - along_mm * axis).squaredNorm() <= radius_mm * radius_mm;
+  }
+  /// Negative in the hole, mm.
+  [[nodiscard]] double distance_mm(const Vec3& point_mm) const {
+    const Vec3 from_entry = point_mm - entry_mm;
+    const double along_mm = from_entry.dot(axis);
+    return std::max({(from_entry - along_mm * axis).norm() - radius_mm, -along_mm, along_mm - depth_mm});
   }
   [[nodiscard]] Aabb bounds_mm() const {
     const Vec3 end_mm = entry_mm + depth_mm * axis;
@@ -43,9 +50,33 @@ Hole hole_in_bone(const PilotHoleSettings& settings, const std::optional<Glenoid
   return hole;
 }
 
+/// Fill that a hole leaves of a whole voxel.
+std::uint16_t fill_beside(const Hole& hole, const VoxelGrid& grid, const Vec3i& voxel, bool partial) {
+  const Vec3 center_mm = grid.center_mm(voxel.x(), voxel.y(), voxel.z());
+  if (!partial) return hole.contains(center_mm) ? 0 : FillBricks::kWhole;
+  const double away_voxels = hole.distance_mm(center_mm) / grid.voxel_mm;
+  if (std::abs(away_voxels) > RS_CLIP_REACH) return away_voxels < 0 ? 0 : FillBricks::kWhole;
+  const auto distance = [&hole](const Vec3& point_mm) { return hole.distance_mm(point_mm); };
+  const double share = 1 - share_inside(distance, center_mm, grid.voxel_mm);
+  return static_cast<std::uint16_t>(std::lround(share * FillBricks::kWhole));
+}
+
+/// Leaves at most `most` of a voxel; returns what that takes from it.
+int lower_fill(Voxmap& voxmap, const Vec3i& voxel, std::uint16_t most) {
+  const int before = voxmap.fill.get(voxel);
+  if (before <= most) return 0;
+  if (most == 0) {
+    voxmap.grade.set(voxel, 0);
+  } else {
+    voxmap.fill.set(voxel, most);
+  }
+  return before - most;
+}
+
 }  // namespace
 
-double drill_pilot_hole(Voxmap& voxmap, const PilotHoleSettings& settings, const std::optional<GlenoidFrame>& glenoid) {
+double drill_pilot_hole(Voxmap& voxmap, const PilotHoleSettings& settings, const std::optional<GlenoidFrame>& glenoid,
+                        bool partial) {
   const Hole hole = hole_in_bone(settings, glenoid);
   const VoxelGrid& grid = voxmap.grid;
   const Aabb box = hole.bounds_mm();
@@ -59,9 +90,10 @@ double drill_pilot_hole(Voxmap& voxmap, const PilotHoleSettings& settings, const
   for (int z = first.z(); z <= last.z(); ++z) {
     for (int y = first.y(); y <= last.y(); ++y) {
       for (int x = first.x(); x <= last.x(); ++x) {
-        if (voxmap.grade.get({x, y, z}) == 0 || !hole.contains(grid.center_mm(x, y, z))) continue;
-        voxmap.grade.set({x, y, z}, 0);
-        drilled += voxmap.fill.get({x, y, z});
+        const Vec3i voxel(x, y, z);
+        if (voxmap.grade.get(voxel) != 0) {
+          drilled += lower_fill(voxmap, voxel, fill_beside(hole, grid, voxel, partial));
+        }
       }
     }
   }

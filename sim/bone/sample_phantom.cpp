@@ -3,6 +3,7 @@
 #include <numbers>
 
 #include "sim/bone/sample_bricks.h"
+#include "sim/bone/surface_voxels.h"
 
 namespace reamsim {
 
@@ -34,7 +35,7 @@ DensityMapping mapping_from(const DensitySettings& density) {
 }
 
 Voxmap sample_phantom(const VoxelGrid& grid, const DensitySettings& density, const DensityField& field,
-                      const AirTest& all_air) {
+                      const PartialField& partial, const AirTest& all_air) {
   Voxmap voxmap(grid);
   voxmap.mapping = mapping_from(density);
   voxmap.frame = "phantom";
@@ -43,6 +44,12 @@ Voxmap sample_phantom(const VoxelGrid& grid, const DensitySettings& density, con
     const Vec3 center_mm = grid.origin_mm + kSide * grid.voxel_mm * (coord.cast<double>() + Vec3::Constant(0.5));
     return !all_air(center_mm, radius_mm) && sample_brick(grid, field, coord, brick);
   });
+  if (!partial) return voxmap;
+  const auto sample = [&](const Vec3i& voxel, std::uint8_t grade) -> SurfaceVoxel {
+    const PartialVoxel found = partial(grid.center_mm(voxel.x(), voxel.y(), voxel.z()));
+    return {found.share, grade != 0 ? grade : DensityMapping::grade_from_density(found.density_g_cm3)};
+  };
+  part_surface_voxels(sample, voxmap);
   return voxmap;
 }
 

@@ -182,7 +182,7 @@ class Run {
 ReamingScene load_scene(const Scenario& scenario, Report& report) {
   ReamingScene scene;
   scene.scenario = scenario;
-  scene.bone = load_bone(scenario.bone, report);
+  scene.bone = load_bone(with_surface_voxels(scenario.bone, scenario.cutting), report);
   scene.tool = load_tool(scenario.tool, scene.bone.voxmap.grid.voxel_mm, report);
   scene.motion = build_motion(scenario.motion, scene.bone.glenoid, report);
   return scene;

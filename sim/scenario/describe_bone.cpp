@@ -316,6 +316,13 @@ void describe_bone(KeyVisitor& v, BoneSettings& bone) {
          bone.side);
   v.number({.name = "voxel_mm", .doc = "Side of a voxel. A VDB keeps its own", .range = between(0.01, 5)},
            bone.voxel_mm);
+  v.text(
+      {.name = "surface_voxels",
+       .doc = "partial: a voxel that the bone's surface passes through holds the part of it that is bone; whole: it is "
+              "bone or air as a whole, as its centre is; auto: partial for `cutting.erosion: exact`, else whole. A VDB "
+              "keeps its own fill",
+       .choices = {"auto", "partial", "whole"}},
+      bone.surface_voxels);
   v.section({.name = "density", .doc = "From HU to density"}, bone.density, describe_density);
   v.section({.name = "glenoid", .doc = "The glenoid frame: center_mm, normal and superior, or landmarks"}, bone.glenoid,
             describe_glenoid);

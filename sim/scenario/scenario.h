@@ -122,6 +122,7 @@ struct BoneSettings {
   std::string source;  ///< phantom | ct | mesh | vdb
   std::string side;    ///< left | right; required where a glenoid frame is
   double voxel_mm = 0.25;
+  std::string surface_voxels = "auto";  ///< auto | partial | whole; see with_surface_voxels()
   DensitySettings density;
   GlenoidSettings glenoid;
   PhantomSettings phantom;
@@ -225,6 +226,12 @@ struct CuttingSettings {
   double force_per_point_n = 0.001;  ///< law: per_point
   double wear_g_cm3_per_s = 80;      ///< erosion: wear; density that a touched voxel loses per second
 };
+
+/// `bone` with `surface_voxels: auto` decided: partial where erosion is exact, which alone makes use of it, else whole.
+inline BoneSettings with_surface_voxels(BoneSettings bone, const CuttingSettings& cutting) {
+  if (bone.surface_voxels == "auto") bone.surface_voxels = cutting.erosion == "exact" ? "partial" : "whole";
+  return bone;
+}
 
 // ---- metrics -----------------------------------------------------------------------------------------------------
 

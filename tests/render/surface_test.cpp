@@ -4,6 +4,8 @@
 #include <cmath>
 
 #include "render/bone_surface.h"
+#include "sim/bone/surface_share.h"
+#include "sim/bone/surface_voxels.h"
 
 namespace reamsim {
 namespace {
@@ -54,7 +56,7 @@ std::vector<Vertex> vertices(const BoneSurface& surface) {
 }
 
 BoneSurface surface_of(const Voxmap& voxmap) {
-  const Occupancy occupancy(voxmap, Occupancy::State::kCurrent);
+  const Occupancy occupancy(voxmap, voxmap.fill);
   return make_bone_surface(voxmap, SolidField(occupancy), AmbientLight(occupancy), UnreamedSurface(voxmap));
 }
 
@@ -74,6 +76,47 @@ TEST(BoneSurfaceTest, ABallIsRoundAndNothingOfItIsReamed) {
     volume_mm3 += a.dot(all[surface.indices[i + 1]].position_mm.cross(all[surface.indices[i + 2]].position_mm)) / 6;
   }
   EXPECT_NEAR(volume_mm3, 4.18879 * 1000, 60) << "also wrong when the triangles face inwards";
+}
+
+/// The ball with partial voxels at its surface.
+Voxmap smooth_ball() {
+  Voxmap voxmap = ball();
+  const auto distance = [](const Vec3& point) { return point.norm() - 10; };
+  const auto sample = [&](const Vec3i& voxel, std::uint8_t) -> SurfaceVoxel {
+    const Vec3 center = voxmap.grid.center_mm(voxel.x(), voxel.y(), voxel.z());
+    return {share_inside(distance, center, voxmap.grid.voxel_mm), 150};
+  };
+  part_surface_voxels(sample, voxmap);
+  return voxmap;
+}
+
+TEST(BoneSurfaceTest, PartialVoxelsAtTheSurfaceAreNotReamedAndMakeItRounder) {
+  const Voxmap voxmap = smooth_ball();
+  const Occupancy occupancy(voxmap, voxmap.fill);
+  const UnreamedSurface unreamed(voxmap, voxmap.fill);
+  const BoneSurface surface = make_bone_surface(voxmap, SolidField(occupancy), AmbientLight(occupancy), unreamed);
+  EXPECT_EQ(surface.deepest_mm, 0);
+  for (const Vertex& v : vertices(surface)) {
+    EXPECT_NEAR(v.position_mm.norm(), 10, 0.05);
+    EXPECT_EQ(v.reamed, 0);
+  }
+}
+
+TEST(BoneSurfaceTest, DepthIsMeasuredFromPartialVoxelsToo) {
+  const Voxmap before = smooth_ball();
+  Voxmap voxmap = before;
+  const VoxelGrid& grid = voxmap.grid;
+  for_each_bone_voxel(before, [&](const Vec3i& voxel, std::uint8_t, std::uint16_t fill) {
+    const double left = std::clamp((6 - grid.center_mm(0, 0, voxel.z()).z()) / grid.voxel_mm + 0.5, 0.0, 1.0);
+    voxmap.fill.set(voxel, std::min(fill, static_cast<std::uint16_t>(std::lround(left * FillBricks::kWhole))));
+  });
+  const Occupancy occupancy(voxmap, voxmap.fill);
+  const UnreamedSurface unreamed(voxmap, before.fill);
+  const BoneSurface surface = make_bone_surface(voxmap, SolidField(occupancy), AmbientLight(occupancy), unreamed);
+  EXPECT_NEAR(surface.deepest_mm, 4, 0.1);
+  for (const Vertex& v : vertices(surface)) {
+    EXPECT_TRUE(v.position_mm.z() >= 4 || v.reamed < 0.01) << v.position_mm.transpose();
+  }
 }
 
 TEST(BoneSurfaceTest, ACutIsReamedAndAsDeepAsItLiesBelowTheOldSurface) {
@@ -146,7 +189,7 @@ TEST(BoneSurfaceTest, FollowingChangesGivesTheSameSurfaceAsStartingAfresh) {
   plane_off(last, 6.3);
   const UnreamedSurface unreamed(last);
   Voxmap voxmap = ball();
-  Occupancy occupancy(voxmap, Occupancy::State::kCurrent);
+  Occupancy occupancy(voxmap, voxmap.fill);
   SolidField field(occupancy);
   AmbientLight ambient(occupancy);
   for (const double height : {8.0, 6.3}) {

@@ -41,6 +41,9 @@ class SliceResampler {
   std::vector<double> out_;
 };
 
+/// The image at a point, interpolated trilinearly; beyond its outermost values these hold.
+double value_at(const AlignedImage& image, const Vec3& point_mm);
+
 /// Says for a voxel of a grid whether at least half of it lies where `field` > 0, the field interpolated trilinearly:
 /// by the sign at the centre along axes that divide, by the share of sample points along axes that merge.
 class InsideTest {

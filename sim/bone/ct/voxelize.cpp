@@ -1,6 +1,7 @@
 #include "sim/bone/ct/voxelize.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <stdexcept>
 
@@ -8,6 +9,8 @@
 #include "sim/bone/ct/resample.h"
 #include "sim/bone/ct/scan.h"
 #include "sim/bone/ct/words.h"
+#include "sim/bone/surface_share.h"
+#include "sim/bone/surface_voxels.h"
 
 namespace reamsim::ct {
 
@@ -50,10 +53,50 @@ bool may_be_bone(const CtSettings& settings, const Aabb& image, const Vec3& poin
   return in_image && (settings.label_map || !is_cut_away(settings, point_mm));
 }
 
-void note_voxmap(const VoxelGrid& grid, const HuStatistics& hu, Report& report) {
+/// Part of a voxel that the cuts and the image's end leave.
+double share_left(const CtSettings& settings, const Aabb& image, const Vec3& center_mm, double voxel_mm) {
+  const Vec3 half = Vec3::Constant(voxel_mm / 2);
+  const Vec3 common = (center_mm + half).cwiseMin(image.max) - (center_mm - half).cwiseMax(image.min);
+  double left = (common.cwiseMax(0) / voxel_mm).prod();
+  if (settings.label_map) return left;
+  for (const CutSphereSettings& sphere : settings.cut_spheres) {
+    const auto distance = [&](const Vec3& point) { return (point - sphere.center_mm).norm() - sphere.radius_mm; };
+    left *= 1 - share_inside(distance, center_mm, voxel_mm);
+  }
+  for (const CutPlaneSettings& plane : settings.cut_planes) {
+    left *=
+        share_inside([&](const Vec3& point) { return plane.normal.dot(point - plane.point_mm); }, center_mm, voxel_mm);
+  }
+  return left;
+}
+
+/// Halvings of a voxel until its parts are no larger than the image's voxels.
+int halvings(const Lattice& image, double voxel_mm) {
+  constexpr double kRounding = 1e-6;
+  constexpr int kMost = 3;
+  const double ratio = voxel_mm / image.spacing_mm.minCoeff();
+  return std::clamp(static_cast<int>(std::ceil(std::log2(ratio) - kRounding)), 0, kMost);
+}
+
+/// Fill by the field's zero, between the image's values. A value at the surface is that of bone and what is beside it,
+/// and the fill says how much is bone; so its grade comes from its neighbours, lest the air count twice.
+void part_surface(const BoneField& bone, const CtSettings& settings, const Aabb& image, Voxmap& voxmap) {
+  const VoxelGrid& grid = voxmap.grid;
+  const int splits = halvings(bone.field.lattice, grid.voxel_mm);
+  const auto outside = [&bone](const Vec3& point) { return -value_at(bone.field, point); };
+  const auto sample = [&](const Vec3i& voxel, std::uint8_t) -> SurfaceVoxel {
+    const Vec3 center = grid.center_mm(voxel.x(), voxel.y(), voxel.z());
+    return {share_inside(outside, center, grid.voxel_mm, splits) * share_left(settings, image, center, grid.voxel_mm),
+            0};
+  };
+  part_surface_voxels(sample, voxmap);
+}
+
+void note_voxmap(const Voxmap& voxmap, const HuStatistics& hu, Report& report) {
+  const VoxelGrid& grid = voxmap.grid;
   report.note(words("voxmap: %dx%dx%d voxels of %g mm; bone %lld voxels, %.0f mm3; HU %.0f to %.0f, mean %.0f",
-                    grid.dims.x(), grid.dims.y(), grid.dims.z(), grid.voxel_mm, static_cast<long long>(hu.voxels),
-                    static_cast<double>(hu.voxels) * grid.voxel_mm3(), hu.least, hu.most,
+                    grid.dims.x(), grid.dims.y(), grid.dims.z(), grid.voxel_mm,
+                    static_cast<long long>(voxmap.count_bone()), voxmap.bone_mm3(), hu.least, hu.most,
                     hu.sum / static_cast<double>(hu.voxels)));
 }
 
@@ -84,7 +127,8 @@ Voxmap voxelize(const AlignedImage& hu, const BoneField& bone, const BoneSetting
     throw InputError({settings.ct.path}, "bone.voxel_mm", "voxels of this size leave nothing of the bone",
                      "use smaller voxels");
   }
-  note_voxmap(grid, stats, report);
+  if (settings.surface_voxels == "partial") part_surface(bone, settings.ct, image, voxmap);
+  note_voxmap(voxmap, stats, report);
   return voxmap;
 }
 
