@@ -28,8 +28,8 @@ class Rules {
     check_frame_count();
     check_engine();
     check_implant();
-    check_exact();
     check_cutting();
+    check_exact();
   }
 
  private:
