@@ -28,10 +28,10 @@ Aabb shell_box(const Tool& tool) {
 /// One run of the main loop: the engine's batch, the frames that wait for it, and the energy account.
 class Run {
  public:
-  Run(ReamingScene& scene, Engine& engine, Recorder& recorder, Report& report)
+  Run(ReamingScene& scene, Engine& engine, FrameSink& sink, Report& report)
       : scene_(scene),
         engine_(engine),
-        recorder_(recorder),
+        sink_(sink),
         report_(report),
         tool_box_(shell_box(scene.tool)),
         bone_box_(bone_box(scene.bone.voxmap)),
@@ -44,8 +44,8 @@ class Run {
     const auto& poses = scene_.motion.poses;
     const auto last = static_cast<std::int64_t>(poses.size()) - 1;
     const std::int64_t interval = picture_interval(scene_.scenario.render, last);
-    recorder_.frame(ledger_.close({.before = poses[0], .pose = poses[0], .cut = {}}, {}), {});
-    recorder_.snapshot(0, scene_.bone.voxmap.fill);
+    sink_.frame(ledger_.close({.before = poses[0], .pose = poses[0], .cut = {}}, {}), {});
+    sink_.snapshot(0, scene_.bone.voxmap.fill);
     for (std::int64_t frame = 1; frame <= last; ++frame) {
       advance(poses[static_cast<std::size_t>(frame) - 1], poses[static_cast<std::size_t>(frame)], frame);
       const bool picture = frame % interval == 0 || frame == last;
@@ -97,7 +97,7 @@ class Run {
     for (const auto& [voxel, frame] : removed_) {
       scene_.bone.voxmap.fill.set(scene_.bone.voxmap.grid.coord(voxel), 0);
     }
-    recorder_.removed(removed_);
+    sink_.removed(removed_);
     for (const PendingFrame& pending : pending_) {
       const FrameResult result = ledger_.close(pending, batch_.sums);
       FrameTimes times{.broad_phase_s = pending.broad_phase_s};
@@ -106,7 +106,7 @@ class Run {
         times.cut_s += batch_.cut_s[static_cast<std::size_t>(slot)];
       }
       watch(result);
-      recorder_.frame(result, times);
+      sink_.frame(result, times);
     }
     pending_.clear();
     batch_ = {};
@@ -115,7 +115,7 @@ class Run {
 
   void snapshot(std::int64_t frame) {
     engine_.read_fill(scene_.bone.voxmap);
-    recorder_.snapshot(frame, scene_.bone.voxmap.fill);
+    sink_.snapshot(frame, scene_.bone.voxmap.fill);
   }
 
   /// Says once what a user may not have meant.
@@ -134,7 +134,7 @@ class Run {
 
   ReamingScene& scene_;
   Engine& engine_;
-  Recorder& recorder_;
+  FrameSink& sink_;
   Report& report_;
   Aabb tool_box_;
   Aabb bone_box_;
@@ -159,8 +159,8 @@ ReamingScene load_scene(const Scenario& scenario, Report& report) {
   return scene;
 }
 
-void simulate(ReamingScene& scene, Engine& engine, Recorder& recorder, const RunControl& control, Report& report) {
-  Run(scene, engine, recorder, report).frames(control);
+void simulate(ReamingScene& scene, Engine& engine, FrameSink& sink, const RunControl& control, Report& report) {
+  Run(scene, engine, sink, report).frames(control);
 }
 
 std::int64_t picture_interval(const RenderSettings& settings, std::int64_t frames) {
