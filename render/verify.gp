@@ -29,10 +29,10 @@ do for [format in "png svg"] {
   do for [p = 1:2] {
     set title title_of[p] font ",16"
     set xlabel "voxel (mm)"
-    set autoscale
-    stats $errors using ($2 == p ? $3 : NaN) nooutput name "X"
-    stats $errors using ($2 == p ? $4 : NaN) nooutput name "Y"
-    if (X_records > 0) {
+    if (curves_in[p] > 0) {
+      set autoscale
+      stats $errors using ($2 == p ? $3 : NaN) nooutput name "X"
+      stats $errors using ($2 == p ? $4 : NaN) nooutput name "Y"
       set xrange [X_min / 1.3:X_max * 1.3]
       # Room for the key below the curves
       set yrange [Y_min / 300:Y_max * 4]

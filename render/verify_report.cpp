@@ -106,7 +106,7 @@ std::string plot_data(const Findings& findings) {
     }
   }
   if (curve == 0) data << "0 0 1 1\n";
-  data << "END\ncurves = " << curve << '\n';
+  data << "END\ncurves = " << curve << "\narray curves_in[2] = [" << places[0] << ", " << places[1] << "]\n";
   for (const char* array : {"name", "panel", "place"}) {
     data << "array " << array << '[' << std::max(1, curve) << "]\n";
   }

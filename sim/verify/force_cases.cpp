@@ -165,44 +165,63 @@ CaseFindings ripple_case(const Setting& setting) {
   return out;
 }
 
+namespace {
+
+constexpr double kLayer_mm = 2, kAround_mm = 1;
+constexpr int kAroundFrames = 400;  // from kAround_mm above the interface to as far below it
+
+/// Rows round the interface of a block with a layer of the first plunge's density on that of the second.
+std::vector<FrameResult> rows_round_interface(const SteadyPlunge& dense, const SteadyPlunge& soft, double voxel_mm,
+                                              const Setting& setting) {
+  constexpr int kApproach = 24;
+  const Voxmap bone = block({18, 18, 4}, voxel_mm, [&](const Vec3& p) {
+    return p.z() > -kLayer_mm ? dense.density_g_cm3 : soft.density_g_cm3;
+  });
+  const double x = 0.12 * voxel_mm, y = 0.21 * voxel_mm, rate = dense.feed_mm_s * kAroundFrames / (2 * kAround_mm);
+  const Motion motion = path(rate, {x, y, kClear_mm},
+                             {{{x, y, -(kLayer_mm - kAround_mm)}, kApproach, dense.rpm},
+                              {{x, y, -(kLayer_mm + kAround_mm)}, kAroundFrames, dense.rpm}});
+  const Reamed reamed = ream(scene_of(bone, make_tool(head_of(dense)), motion), setting);
+  const auto rows = reamed.after(kApproach);
+  return {rows.begin(), rows.end()};
+}
+
+/// How deep the tool is when the torque falls below `torque_nmm`, mm; NaN when it never is above.
+double depth_of_step(const std::vector<FrameResult>& rows, double torque_nmm) {
+  double depth = std::numeric_limits<double>::quiet_NaN();
+  for (const FrameResult& row : rows) {
+    if (row.spin_torque_nmm < torque_nmm) break;
+    depth = -row.pose.position_mm.z();
+  }
+  return depth;
+}
+
+}  // namespace
+
 CaseFindings layered_case(const Setting& setting) {
-  constexpr double kLayer_mm = 2, kDense = 1.8, kSoft = 0.4, kAround_mm = 1, kRpm = 250, kFeed = 0.2;
-  SteadyPlunge dense{std::nullopt, 8, 1.25, kRpm, kFeed, kDense}, soft = dense;
-  soft.density_g_cm3 = kSoft;
+  const SteadyPlunge dense{std::nullopt, 8, 1.25, 250, 0.2, 1.8}, soft{std::nullopt, 8, 1.25, 250, 0.2, 0.4};
   CaseFindings out;
   out.title = "Layered block: the force's step at the interface";
   out.scene = "flat cannulated reamer (a 8, r₀ 1.25 mm) along a lattice axis through 2 mm of 1.8 g/cm³ into 0.4 g/cm³";
-  out.form = "T = π·u(ρ)·(a² − r₀²)·v_f/ω on either side; the step at 2 mm";
+  out.form = "T = π·u(ρ)·(a² − r₀²)·v_f/ω less the feed's work, on either side; the step at 2 mm";
   Ladder above{"torque above the interface", "N·mm", "voxel, mm", dense.full_loads().torque_nmm, {}, {}, {}};
   Ladder below{"torque below the interface", "N·mm", "voxel, mm", soft.full_loads().torque_nmm, {}, {}, {}};
-  double step_mm = std::numeric_limits<double>::quiet_NaN();  // at the finest level
+  double step_mm = 0;  // at the finest level
   for (const double voxel_mm : four_voxels(setting.quick ? 0.125 : 0.0625)) {
-    const Voxmap bone =
-        block({18, 18, 4}, voxel_mm, [=](const Vec3& p) { return p.z() > -kLayer_mm ? kDense : kSoft; });
-    constexpr int kFrames = 400;
-    const double x = 0.12 * voxel_mm, y = 0.21 * voxel_mm, rate = kFeed * kFrames / (2 * kAround_mm);
-    const Motion motion =
-        path(rate, {x, y, kClear_mm},
-             {{{x, y, -(kLayer_mm - kAround_mm)}, 24, kRpm}, {{x, y, -(kLayer_mm + kAround_mm)}, kFrames, kRpm}});
-    const Reamed reamed = ream(scene_of(bone, make_tool(head_of(dense)), motion), setting);
-    const auto rows = reamed.after(24);
-    // Half-way between the two torques, by the frame in which the mean falls below.
-    const double half = 0.5 * (dense.torque_nmm() + soft.torque_nmm());
-    for (const FrameResult& row : rows) {
-      if (row.spin_torque_nmm < half) break;
-      step_mm = -row.pose.position_mm.z();
-    }
-    const auto n = static_cast<std::size_t>(kFrames);
-    above.levels.push_back(
-        level_of(voxel_mm, {{*above.expected, mean_loads(rows.first(n / 2)).spin_torque_nmm}}, *above.expected));
-    below.levels.push_back(
-        level_of(voxel_mm, {{*below.expected, mean_loads(rows.last(n / 2)).spin_torque_nmm}}, *below.expected));
+    const auto rows = rows_round_interface(dense, soft, voxel_mm, setting);
+    const std::span<const FrameResult> all(rows);
+    step_mm = depth_of_step(rows, 0.5 * (dense.torque_nmm() + soft.torque_nmm()));
+    const double torques[] = {mean_loads(all.first(kAroundFrames / 2)).spin_torque_nmm,
+                              mean_loads(all.last(kAroundFrames / 2)).spin_torque_nmm};
+    above.levels.push_back(level_of(voxel_mm, {{*above.expected, torques[0]}}, *above.expected));
+    below.levels.push_back(level_of(voxel_mm, {{*below.expected, torques[1]}}, *below.expected));
   }
-  finish(above);
-  finish(below);
-  for (const Ladder* ladder : {&above, &below}) out.checks.push_back(finest_check(*ladder, kForceBar, kBarReason));
+  for (Ladder* ladder : {&above, &below}) {
+    finish(*ladder);
+    out.checks.push_back(finest_check(*ladder, kForceBar, kBarReason));
+  }
   out.checks.push_back({"depth of the step, finest voxels", "mm", Measure::absolute, kLayer_mm, step_mm,
-                        2 * kAround_mm / 400, "one frame of feed"});
+                        2 * kAround_mm / kAroundFrames, "one frame of feed"});
   out.ladders = {std::move(above), std::move(below)};
   return out;
 }

@@ -95,18 +95,35 @@ CaseFindings time_step_case(const Setting& setting) {
   return out;
 }
 
+namespace {
+
+constexpr SteadyPlunge kHead{12, 5, 1, 250, 0.2, kDensity};
+
+/// Mean loads of the head in full contact, fed along a tilted axis by 1 mm, entering at `entry`. The axial parts and
+/// the volume per second are what counts.
+MeanLoads tilted_plunge(const Tool& tool, double voxel_mm, const Vec3& entry, const Setting& setting) {
+  constexpr double kBegin_mm = 5.5, kTravel_mm = 1;
+  constexpr int kFrames = 200, kDown = 110;
+  const Quat turned(Eigen::AngleAxisd(25 * pi / 180, Vec3(1, 0.4, 0).normalized()));
+  const Vec3 axis = turned * Vec3(0, 0, 1), begin = entry - kBegin_mm * axis, end = begin - kTravel_mm * axis;
+  const double seconds = kTravel_mm / kHead.feed_mm_s;
+  const Motion motion =
+      path(kFrames / seconds, entry + 3 * axis, {{begin, kDown, kHead.rpm, turned}, {end, kFrames, kHead.rpm, turned}});
+  const Reamed reamed = ream(scene_of(block({22, 22, 10}, voxel_mm, kDensity), tool, motion), setting);
+  MeanLoads mean = mean_loads(reamed.after(kDown));
+  mean.removed_mm3 /= seconds;
+  return mean;
+}
+
+}  // namespace
+
 CaseFindings voxel_case(const Setting& setting) {
   CaseFindings out;
-  constexpr SteadyPlunge kHead{12, 5, 1, 250, 0.2, kDensity};
-  constexpr double kTravel_mm = 1;
-  constexpr int kFrames = 200, kDown = 110;
   out.title = "Voxel halving";
   out.scene =
       "cannulated convex head (R 12, a 5, r₀ 1 mm) in full contact, fed along an axis tilted by 25° at random offsets; "
       "means over 1 mm of feed";
   out.form = "as for the steady plunge, its integral over the face";
-  const Quat turned(Eigen::AngleAxisd(25 * pi / 180, Vec3(1, 0.4, 0).normalized()));
-  const Vec3 axis = turned * Vec3(0, 0, 1);
   const Tool tool = make_tool(convex_profile(*kHead.radius_mm, kHead.outer_mm, kHead.bore_mm, 12, 0.05));
   const PlungeLoads loads = kHead.full_loads();
   std::vector<Ladder> ladders = {{"torque", "N·mm", "voxel, mm", loads.torque_nmm, {}, {}, {}},
@@ -116,15 +133,8 @@ CaseFindings voxel_case(const Setting& setting) {
     Offsets offsets(25);
     std::vector<Sample> samples[3];
     for (int run = 0; run < (setting.quick ? 1 : 4); ++run) {
-      const Vec3 entry = offsets.draw(voxel_mm);
-      const double begin = 5.5, end = begin + kTravel_mm;
-      const Motion motion =
-          path(kHead.feed_mm_s * kFrames / kTravel_mm, entry + 3 * axis,
-               {{entry - begin * axis, kDown, kHead.rpm, turned}, {entry - end * axis, kFrames, kHead.rpm, turned}});
-      const Reamed reamed = ream(scene_of(block({22, 22, 10}, voxel_mm, kDensity), tool, motion), setting);
-      const MeanLoads mean = mean_loads(reamed.after(kDown));
-      const double found[] = {mean.spin_torque_nmm, mean.axial_force_n,
-                              mean.removed_mm3 / kTravel_mm * kHead.feed_mm_s};
+      const MeanLoads mean = tilted_plunge(tool, voxel_mm, offsets.draw(voxel_mm), setting);
+      const double found[] = {mean.spin_torque_nmm, mean.axial_force_n, mean.removed_mm3};
       for (std::size_t i = 0; i < ladders.size(); ++i) samples[i].push_back({*ladders[i].expected, found[i]});
     }
     for (std::size_t i = 0; i < ladders.size(); ++i) {

@@ -131,33 +131,42 @@ CaseFindings tilted_cap_case(const Setting& setting) {
   return out;
 }
 
+namespace {
+
+constexpr double kOuter_mm = 8, kLength_mm = 5;
+
+/// A flat-ended cylinder plunged along its axis, at random offsets.
+Level plunged_cylinder(const Tool& tool, double voxel_mm, const Quat& turned, int runs, const Setting& setting) {
+  constexpr int kFrames = 120;
+  constexpr double kAbove_mm = 4;  // clear of the face even when tilted
+  Offsets offsets(kSeed);
+  const Vec3 axis = turned * Vec3(0, 0, 1);
+  std::vector<Sample> samples;
+  for (int i = 0; i < runs; ++i) {
+    const Vec3 offset = offsets.draw(voxel_mm), entry(offset.x(), offset.y(), 0);
+    const double length = kLength_mm + offset.z();
+    const Motion motion = path(kRate_hz, entry + kAbove_mm * axis, {{entry - length * axis, kFrames, 250, turned}});
+    const ReamingScene scene = scene_of(block({24, 24, 11}, voxel_mm, kReferenceDensity_g_cm3), tool, motion);
+    samples.push_back({pi * kOuter_mm * kOuter_mm * length, ream(scene, setting).removed_mm3()});
+  }
+  return level_of(voxel_mm, samples, pi * kOuter_mm * kOuter_mm * kLength_mm);
+}
+
+}  // namespace
+
 CaseFindings cylinder_case(const Setting& setting) {
-  constexpr double kOuter_mm = 8, kLength_mm = 5;
   CaseFindings out;
   out.title = "Cylinder plunge";
   out.scene =
       "flat-ended cylinder of 8 mm radius, along its axis, square to the face and tilted by 20°, 5 mm of the axis in "
       "bone, random offsets";
   out.form = "π·a²·L, L the length of the axis below the face";
-  const double volume = pi * kOuter_mm * kOuter_mm * kLength_mm;
   const Tool tool = make_tool(flat_profile(kOuter_mm, 0, 20));
   for (const double degrees : {0.0, 20.0}) {
-    const Quat turned = tilt(degrees, 0.4);
-    Ladder ladder = volume_ladder(volume);
+    Ladder ladder = volume_ladder(pi * kOuter_mm * kOuter_mm * kLength_mm);
     ladder.quantity += degrees > 0 ? ", tilted" : ", square";
     for (const double voxel_mm : four_voxels(setting.quick ? 0.125 : 0.0625)) {
-      Offsets offsets(kSeed);
-      std::vector<Sample> samples;
-      for (int i = 0; i < (setting.quick ? 2 : 6); ++i) {
-        const Vec3 offset = offsets.draw(voxel_mm), axis = turned * Vec3(0, 0, 1);
-        const double length = kLength_mm + offset.z();
-        const Vec3 entry(offset.x(), offset.y(), 0);
-        const Vec3 from = entry + 4 * axis, to = entry - length * axis;
-        const Motion motion = path(kRate_hz, from, {{to, 120, 250, turned}});
-        const ReamingScene scene = scene_of(block({24, 24, 11}, voxel_mm, kReferenceDensity_g_cm3), tool, motion);
-        samples.push_back({pi * kOuter_mm * kOuter_mm * length, ream(scene, setting).removed_mm3()});
-      }
-      ladder.levels.push_back(level_of(voxel_mm, samples, volume));
+      ladder.levels.push_back(plunged_cylinder(tool, voxel_mm, tilt(degrees, 0.4), setting.quick ? 2 : 6, setting));
     }
     finish(ladder);
     out.checks.push_back(finest_check(ladder, 5e-4, "the rim is a corner, which a single plane in a voxel rounds"));
@@ -171,7 +180,9 @@ CaseFindings sweep_case(const Setting& setting) {
   CaseFindings out;
   out.title = "Sideways sweep";
   out.scene = "ball of 8 mm radius plunged 3 mm, then moved 10 mm sideways at 25° to the lattice in steps of 0.05 mm";
-  out.form = "π·d²·(R − d/3) + L·[R²·acos((R − d)/R) − (R − d)·√(2Rd − d²)]: the part of a capsule below the face";
+  out.form =
+      "π·d²·(R − d/3) + L·[R²·acos((R − d)/R) − (R − d)·√(2Rd − d²)]: "
+      "the part of a capsule below the face";
   const double volume = cap_mm3(kBall_mm, kDeep_mm) + kSweep_mm * segment_mm2(kBall_mm, kDeep_mm);
   const Tool tool = make_tool(ball_profile(kBall_mm, kEdge_mm));
   const Quat turned = tilt(20, 0.7);

@@ -33,7 +33,8 @@ TEST_P(QuickCase, HoldsItsTolerances) {
   for (const Ladder& ladder : found.ladders) EXPECT_EQ(ladder.levels.size(), 4U) << ladder.quantity;
 }
 
-INSTANTIATE_TEST_SUITE_P(Verify, QuickCase, ::testing::ValuesIn(ids()), [](const auto& info) { return info.param; });
+INSTANTIATE_TEST_SUITE_P(Verify, QuickCase, ::testing::ValuesIn(ids()),
+                         [](const auto& chosen) { return chosen.param; });
 
 TEST(Suite, EveryCaseOnce) {
   const auto all = ids();
