@@ -35,9 +35,14 @@ std::string with_unit(const std::string& quantity, const std::string& unit) {
   return unit.empty() ? quantity : quantity + ", " + unit;
 }
 
-/// A relative error as a percentage.
-std::string percent(double share) {
-  return number("%+.2g", 100 * share) + " %";
+/// A relative error as a percentage; one that has a sign with its sign.
+std::string percent(double share, bool has_sign = true) {
+  return number(has_sign ? "%+.2g" : "%.2g", 100 * share) + " %";
+}
+
+std::string error_text(const verify::Level& level) {
+  if (!level.error) return "–";
+  return level.runs > 1 ? "RMS " + percent(*level.error, false) : percent(*level.error);
 }
 
 std::string expected_text(const Check& check) {
@@ -84,9 +89,9 @@ std::string order_text(const std::optional<double>& order) {
 std::string ladder_table(const Ladder& ladder) {
   std::string out = head({ladder.step, with_unit(ladder.quantity, ladder.unit), "closed form", "error", "runs"});
   for (const verify::Level& level : ladder.levels) {
-    const std::string error = level.error ? (level.runs > 1 ? "RMS " : "") + percent(*level.error) : "–";
-    out += row({number("%g", level.step), number("%.8g", level.found),
-                ladder.expected ? number("%.8g", *ladder.expected) : "–", error, std::to_string(level.runs)});
+    out +=
+        row({number("%g", level.step), number("%.8g", level.found),
+             ladder.expected ? number("%.8g", *ladder.expected) : "–", error_text(level), std::to_string(level.runs)});
   }
   out += "\nOrder of the error: " + order_text(ladder.order) +
          "; order from three levels alone: " + order_text(ladder.index.order) + "; grid convergence index " +
@@ -120,7 +125,7 @@ std::string verification_markdown(const Findings& findings) {
       "Roache's, with that order, at most 2, and a safety factor of 1.25; without one, with order 2 and a factor of "
       "3.\n\n![Errors under refinement](verification.png)\n\n";
   for (const CaseFindings& found : findings.cases) {
-    out += "<a id=\"" + found.id + "\"></a>\n## " + found.title + "\n\n" + found.scene +
+    out += "<a id=\"" + found.id + "\"></a>\n## " + found.title + "\n\nScene: " + found.scene +
            ".\n\nClosed form: " + found.form + ".\n\n";
     for (const Ladder& ladder : found.ladders) out += ladder_table(ladder);
     out += checks_table(found);
