@@ -27,12 +27,13 @@ int run(int argc, char** argv) {
   reamsim::add_render_command(app, console);
   reamsim::add_import_command(app, console);
   reamsim::add_bench_command(app, console);
+  reamsim::add_verify_command(app, console);
   reamsim::add_devices_command(app, console);
   // CLI11 would only say that a command is missing.
   const auto named = [&](const CLI::App* command) { return argc > 1 && command->get_name() == argv[1]; };
   if (argc > 1 && argv[1][0] != '-' && app.get_subcommands(named).empty()) {
     const std::string found =
-        std::string(argv[1]) + ": no such command; expected run, check, render, import, bench or devices";
+        std::string(argv[1]) + ": no such command; expected run, check, render, import, bench, verify or devices";
     return complain(found.c_str(), kWrongInput);
   }
   try {

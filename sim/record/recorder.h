@@ -4,30 +4,22 @@
 #include <memory>
 #include <string>
 
-#include "sim/bone/bone_vdb.h"
 #include "sim/record/csv_log.h"
-#include "sim/record/results.h"
+#include "sim/record/frame_sink.h"
 #include "sim/record/run_totals.h"
 
 namespace reamsim {
 
-/// Seconds that the stages of a frame took: broad phase on the host, detect and cut on the device.
-struct FrameTimes {
-  double broad_phase_s = 0;
-  double detect_s = 0;
-  double cut_s = 0;
-};
-
 /// Writes what a run gives into its folder while it goes: forces.csv, timings.csv, snapshots/.
-class Recorder {
+class Recorder final : public FrameSink {
  public:
   /// Opens the files in `dir`; `voxel_mm` is the bone's. Throws RunError when they cannot be written.
   Recorder(const std::string& dir, double voxel_mm);
 
-  void frame(const FrameResult& result, const FrameTimes& times);
+  void frame(const FrameResult& result, const FrameTimes& times) override;
   /// Bricks that changed since the last snapshot.
-  void snapshot(std::int64_t frame, FillBricks& fill);
-  void removed(const RemovedFrames& voxels);
+  void snapshot(std::int64_t frame, FillBricks& fill) override;
+  void removed(const RemovedFrames& voxels) override;
   /// Flushes the logs; RunError when the disk is full.
   void close();
 

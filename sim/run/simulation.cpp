@@ -30,10 +30,10 @@ Aabb shell_box(const Tool& tool) {
 /// One run of the main loop: the engine's batch, the frames that wait for it, and the energy account.
 class Run {
  public:
-  Run(ReamingScene& scene, Engine& engine, Recorder& recorder, Report& report)
+  Run(ReamingScene& scene, Engine& engine, FrameSink& sink, Report& report)
       : scene_(scene),
         engine_(engine),
-        recorder_(recorder),
+        sink_(sink),
         report_(report),
         tool_box_(shell_box(scene.tool)),
         bone_box_(bone_box(scene.bone.voxmap)),
@@ -120,7 +120,7 @@ class Run {
     for (const auto& [voxel, frame] : removed_) {
       scene_.bone.voxmap.fill.set(scene_.bone.voxmap.grid.coord(voxel), 0);
     }
-    recorder_.removed(removed_);
+    sink_.removed(removed_);
     for (const PendingFrame& pending : pending_) {
       const FrameResult result = ledger_.close(pending, batch_.sums);
       FrameTimes times{.broad_phase_s = pending.broad_phase_s};
@@ -129,7 +129,7 @@ class Run {
         times.cut_s += batch_.cut_s[static_cast<std::size_t>(slot)];
       }
       watch(result);
-      recorder_.frame(result, times);
+      sink_.frame(result, times);
     }
     pending_.clear();
     batch_ = {};
@@ -138,7 +138,7 @@ class Run {
 
   void snapshot(std::int64_t frame) {
     engine_.read_fill(scene_.bone.voxmap);
-    recorder_.snapshot(frame, scene_.bone.voxmap.fill);
+    sink_.snapshot(frame, scene_.bone.voxmap.fill);
   }
 
   /// Says once what a user may not have meant.
@@ -162,7 +162,7 @@ class Run {
 
   ReamingScene& scene_;
   Engine& engine_;
-  Recorder& recorder_;
+  FrameSink& sink_;
   Report& report_;
   Aabb tool_box_;
   Aabb bone_box_;
@@ -188,8 +188,8 @@ ReamingScene load_scene(const Scenario& scenario, Report& report) {
   return scene;
 }
 
-void simulate(ReamingScene& scene, Engine& engine, Recorder& recorder, const RunControl& control, Report& report) {
-  Run(scene, engine, recorder, report).frames(control);
+void simulate(ReamingScene& scene, Engine& engine, FrameSink& sink, const RunControl& control, Report& report) {
+  Run(scene, engine, sink, report).frames(control);
 }
 
 std::int64_t picture_interval(const RenderSettings& settings, std::int64_t frames) {

@@ -5,7 +5,7 @@
 #include "sim/base/report.h"
 #include "sim/bone/bone.h"
 #include "sim/motion/motion.h"
-#include "sim/record/recorder.h"
+#include "sim/record/frame_sink.h"
 #include "sim/run/engine.h"
 #include "sim/tool/tool.h"
 
@@ -31,8 +31,8 @@ struct ReamingScene {
 ReamingScene load_scene(const Scenario& scenario, Report& report);
 
 /// Runs the motion: per substep broad phase → detect → cut, per batch record. `scene.bone` is reamed; rows, snapshots
-/// and timings go to `recorder`. Warns when the tool never touches, starts inside bone, or cuts without spin.
-void simulate(ReamingScene& scene, Engine& engine, Recorder& recorder, const RunControl& control, Report& report);
+/// and timings go to `sink`. Warns when the tool never touches, starts inside bone, or cuts without spin.
+void simulate(ReamingScene& scene, Engine& engine, FrameSink& sink, const RunControl& control, Report& report);
 
 /// Frames whose state is kept for pictures: 0, every n-th and the last.
 std::int64_t picture_interval(const RenderSettings& settings, std::int64_t frames);

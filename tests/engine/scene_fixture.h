@@ -3,6 +3,7 @@
 #include <cmath>
 #include <random>
 
+#include "sim/record/recorder.h"
 #include "sim/run/simulation.h"
 #include "sim/tool/revolve.h"
 

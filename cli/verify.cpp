@@ -1,0 +1,73 @@
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <memory>
+
+#include "cli/commands.h"
+#include "render/verify_report.h"
+#include "sim/base/error.h"
+#include "sim/device/opencl.h"
+#include "sim/verify/suite.h"
+
+namespace reamsim {
+
+namespace {
+
+struct VerifyOptions {
+  bool quick = false;
+  std::string output = "out/verify";
+  std::string device = "auto";
+};
+
+void make_folder(const std::string& path) {
+  std::error_code error;
+  std::filesystem::create_directories(path, error);
+  if (error) throw InputError({path, 0, 0}, "--output", error.message(), "expected a folder that can be made");
+}
+
+/// The figures that failed, a line each.
+void tell_failures(const verify::Findings& findings, const Console& console) {
+  for (const verify::CaseFindings& found : findings.cases) {
+    for (const verify::Check& check : found.checks) {
+      if (!check.passed()) console.warn(found.title + ": " + check.quantity + " is out of its tolerance");
+    }
+  }
+}
+
+void verify_command(const VerifyOptions& options, const Console& console) {
+  // Before minutes of reaming: is there such a device, and can the report be written?
+  const std::string device = options.device == "serial" ? "serial" : cl::choose_device(options.device).name;
+  make_folder(options.output);
+  verify::Setting setting;
+  setting.quick = options.quick;
+  setting.device = options.device;
+  setting.progress = [&](const std::string& stage) { console.say("... " + stage); };
+  setting.stop = stop_requested;
+  verify::Findings findings = verify::run_suite(setting);
+  findings.device = device;
+  write_verification(options.output, findings);
+  for (const verify::CaseFindings& found : findings.cases) {
+    console.say((found.passed() ? "pass  " : "FAIL  ") + found.title);
+  }
+  console.say("report: " + options.output + "/verification.md");
+  if (findings.passed()) return;
+  tell_failures(findings, console);
+  throw RunError(std::to_string(findings.failed_checks()) + " figures are out of their tolerance; see " +
+                 options.output + "/verification.md");
+}
+
+}  // namespace
+
+void add_verify_command(CLI::App& app, Console& console) {
+  auto* command =
+      app.add_subcommand("verify", "Hold this build, on this machine, against closed forms; a report to cite");
+  auto options = std::make_shared<VerifyOptions>();
+  command->add_flag("--quick", options->quick, "Under two minutes: coarser voxels, fewer runs");
+  command->add_option("-o,--output", options->output,
+                      "Folder for verification.md, .json, .png and .svg; out/verify without");
+  command->add_option("--device", options->device, "auto, serial, or part of an OpenCL device's name")
+      ->type_name("NAME");
+  command->add_flag("--quiet", console.quiet, "Say nothing but warnings and errors");
+  command->callback([options, &console] { verify_command(*options, console); });
+}
+
+}  // namespace reamsim

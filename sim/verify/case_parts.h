@@ -1,0 +1,77 @@
+#pragma once
+
+#include <random>
+
+#include "sim/verify/convergence.h"
+#include "sim/verify/forms.h"
+#include "sim/verify/reaming.h"
+
+namespace reamsim::verify {
+
+// The cases; see docs/verification.md for what each shows.
+CaseFindings half_space_case(const Setting& setting);
+CaseFindings tilted_cap_case(const Setting& setting);
+CaseFindings cylinder_case(const Setting& setting);
+CaseFindings sweep_case(const Setting& setting);
+CaseFindings layered_case(const Setting& setting);
+CaseFindings steady_case(const Setting& setting);
+CaseFindings ripple_case(const Setting& setting);
+CaseFindings zero_feed_case(const Setting& setting);
+CaseFindings retraction_case(const Setting& setting);
+CaseFindings second_pass_case(const Setting& setting);
+CaseFindings mirrored_case(const Setting& setting);
+CaseFindings moved_case(const Setting& setting);
+CaseFindings rotated_case(const Setting& setting);
+CaseFindings time_step_case(const Setting& setting);
+CaseFindings voxel_case(const Setting& setting);
+CaseFindings energy_case(const Setting& setting);
+
+/// What one run should give, and what it gave.
+struct Sample {
+  double expected = 0;
+  double found = 0;
+};
+
+/// A level of a ladder from its runs, whose closed forms may differ a little from `nominal`.
+inline Level level_of(double step, const std::vector<Sample>& samples, double nominal) {
+  Level level{.step = step, .runs = static_cast<int>(samples.size())};
+  std::vector<double> errors;
+  for (const Sample& sample : samples) {
+    errors.push_back(sample.found / sample.expected - 1);
+    level.found += nominal * sample.found / sample.expected / static_cast<double>(samples.size());
+  }
+  level.error = samples.size() == 1 ? errors.front() : rms(errors);
+  return level;
+}
+
+/// Four voxel sizes, coarsest first, mm.
+inline std::vector<double> four_voxels(double finest_mm) {
+  return {8 * finest_mm, 4 * finest_mm, 2 * finest_mm, finest_mm};
+}
+
+/// The ladder's finest level against its closed form; of several runs the root mean square of their errors.
+inline Check finest_check(const Ladder& ladder, double tolerance, const std::string& reason) {
+  const Level& finest = ladder.levels.back();
+  const std::string where = ladder.quantity + ", finest voxels";
+  if (finest.runs == 1) {
+    return {where, ladder.unit, Measure::relative, *ladder.expected, finest.found, tolerance, reason};
+  }
+  return {"RMS error of the " + where, "", Measure::at_most, tolerance, *finest.error, 0, reason};
+}
+
+/// Offsets within half a step either way, from a seed.
+class Offsets {
+ public:
+  explicit Offsets(unsigned seed) : random_(seed) {}
+  /// Each component within ±step/2.
+  Vec3 draw(double step_mm) {
+    std::uniform_real_distribution<double> u(-0.5, 0.5);
+    const double x = u(random_), y = u(random_), z = u(random_);
+    return step_mm * Vec3(x, y, z);
+  }
+
+ private:
+  std::mt19937 random_;
+};
+
+}  // namespace reamsim::verify

@@ -1,0 +1,88 @@
+// The energy identity of the design (§5), its two sides added up apart, and the energy of the bone that is gone.
+#include <cmath>
+#include <numbers>
+
+#include "sim/verify/case_parts.h"
+
+namespace reamsim::verify {
+
+namespace {
+
+using std::numbers::pi;
+
+constexpr double kVoxel_mm = 0.25, kRate_hz = 500, kLayer_mm = 1.5, kDense = 1.8, kSoft = 0.4;
+
+double layered_density(const Vec3& p) {
+  return p.z() > -kLayer_mm ? kDense : kSoft;
+}
+
+Quat about(const Vec3& axis, double degrees) {
+  return Quat(Eigen::AngleAxisd(degrees * pi / 180, axis.normalized()));
+}
+
+/// Down, sideways at a spin so slow that most of the face is below the speed floor, and tilting.
+Motion every_kind_of_motion() {
+  const Quat first = about({1, 0.4, 0}, 10), last = about({0.2, 1, 0}, 8) * first;
+  return path(
+      kRate_hz, {-1.5, -0.5, 2},
+      {{{-1.5, -0.5, -2}, 120, 250, first}, {{0.5, 0.5, -2}, 80, 20, first}, {{0.5, 0.5, -2.5}, 60, 100, last}});
+}
+
+/// Work that the tool does on the bone in a frame, from its poses and the frame's mean loads: −(T·ω + F·v)·Δt, mJ.
+double work_mj(const ToolPose& before, const FrameResult& row) {
+  const ToolPose& after = row.pose;
+  const Eigen::AngleAxisd tilt(after.orientation * before.orientation.conjugate());
+  const double spin = after.spin_angle_rad - before.spin_angle_rad;
+  const Vec3 turn = tilt.angle() * tilt.axis() - spin * (after.orientation * Vec3::UnitZ());
+  return -(row.torque_nmm.dot(turn) + row.force_n.dot(after.position_mm - before.position_mm));
+}
+
+/// Energy that the bone which is gone takes by the closed form of the law, mJ, and its volume, mm³.
+struct Gone {
+  double energy_mj = 0;
+  double volume_mm3 = 0;
+};
+
+Gone gone_from(const Voxmap& left) {
+  Gone out;
+  for_each_bone_voxel(left, [&](const Vec3i&, std::uint8_t grade, std::uint16_t fill) {
+    const double lost = (1 - double(fill) / FillBricks::kWhole) * left.grid.voxel_mm3();
+    out.volume_mm3 += lost;
+    out.energy_mj += lost * specific_energy(DensityMapping::density_from_grade(grade));
+  });
+  return out;
+}
+
+}  // namespace
+
+CaseFindings energy_case(const Setting& setting) {
+  CaseFindings out;
+  out.title = "Energy";
+  out.scene =
+      "cannulated convex head through two layers: a tilted plunge at 250 rpm, a sideways sweep at 20 rpm, a tilting "
+      "plunge at 100 rpm";
+  out.form = "−Σ(T·ω + F·v)·Δt + E_floor = E_cut = Σu(ρ)·ΔV";
+  const Tool tool = make_tool(convex_profile(12, 5, 1, 8, 0.05));
+  const Reamed reamed =
+      ream(scene_of(block({22, 20, 6}, kVoxel_mm, layered_density), tool, every_kind_of_motion()), setting);
+  double work = 0, floor = 0, cut = 0;
+  for (std::size_t k = 1; k < reamed.rows.size(); ++k) {
+    work += work_mj(reamed.rows[k - 1].pose, reamed.rows[k]);
+    floor += reamed.rows[k].floor_energy_mj;
+    cut += reamed.rows[k].energy_mj;
+  }
+  const Gone gone = gone_from(reamed.left);
+  const std::string bar = "the bar of the project for every run", reported = "";
+  out.checks.push_back({"left side: work of the tool", "mJ", Measure::reported, 0, work, 0, reported});
+  out.checks.push_back({"left side: energy below the speed floor", "mJ", Measure::reported, 0, floor, 0, reported});
+  out.checks.push_back({"left side against right side, E_cut", "mJ", Measure::relative, cut, work + floor, 1e-4, bar});
+  out.checks.push_back(
+      {"balance that the program gives", "", Measure::absolute, 0, reamed.rows.back().balance, 1e-4, bar});
+  out.checks.push_back({"E_cut against the bone that is gone", "mJ", Measure::relative, gone.energy_mj, cut, 1e-5,
+                        "energies are sums in single precision of whole parts of voxels"});
+  out.checks.push_back({"removed volume against the bone that is gone", "mm³", Measure::relative, gone.volume_mm3,
+                        reamed.removed_mm3(), 1e-9, "the same whole numbers"});
+  return out;
+}
+
+}  // namespace reamsim::verify

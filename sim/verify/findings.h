@@ -1,0 +1,82 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace reamsim::verify {
+
+/// How a figure is held against what it should be.
+enum class Measure {
+  relative,  ///< error = found/expected − 1, at most `tolerance` either way
+  absolute,  ///< error = found − expected, in the unit, at most `tolerance` either way
+  at_least,  ///< found ≥ expected, which is a bar and no closed form
+  at_most,   ///< found ≤ expected, likewise
+  reported,  ///< for the record; never fails
+};
+
+/// One figure of a case. NaN never passes.
+struct Check {
+  std::string quantity;
+  std::string unit;
+  Measure measure = Measure::relative;
+  double expected = 0;   ///< closed form, or the bar
+  double found = 0;      ///< what the program gave
+  double tolerance = 0;  ///< of a relative or an absolute error
+  std::string reason;    ///< why this tolerance or bar
+
+  [[nodiscard]] double error() const;
+  [[nodiscard]] bool passed() const;
+};
+
+/// One step of a refinement.
+struct Level {
+  double step = 0;                   ///< voxel size (mm) or frame time (s)
+  double found = 0;                  ///< mean over the level's runs, in the quantity's unit
+  std::optional<double> error = {};  ///< relative to the closed form; of several runs the root mean square
+  int runs = 1;
+};
+
+/// Roache's grid convergence index (1994, J. Fluids Eng. 116:405): a band round the finest level's value in which the
+/// value at step zero should lie.
+struct GridIndex {
+  double share = 0;             ///< of the finest value
+  double safety_factor = 0;     ///< 1.25 where three levels converge monotonically, else 3
+  std::optional<double> order;  ///< observed from three levels, without the closed form; none where not monotonic
+};
+
+/// A quantity under refinement, coarsest level first, each step half of the one before.
+struct Ladder {
+  std::string quantity;
+  std::string unit;
+  std::string step;                ///< name and unit of the step: "voxel, mm"
+  std::optional<double> expected;  ///< none where there is no closed form
+  std::vector<Level> levels;
+  std::optional<double> order;  ///< of the error against the closed form; none without one, or where it is rounding
+  GridIndex index;
+};
+
+/// What a case gave.
+struct CaseFindings {
+  std::string id;
+  std::string title;
+  std::string scene;  ///< what is reamed, and how
+  std::string form;   ///< the closed form, or the invariant
+  std::vector<Ladder> ladders;
+  std::vector<Check> checks;
+  double seconds = 0;
+
+  [[nodiscard]] bool passed() const;
+};
+
+struct Findings {
+  bool quick = false;
+  std::string device;
+  std::vector<CaseFindings> cases;
+  double seconds = 0;
+
+  [[nodiscard]] bool passed() const;
+  [[nodiscard]] int failed_checks() const;
+};
+
+}  // namespace reamsim::verify

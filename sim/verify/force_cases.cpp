@@ -1,0 +1,229 @@
+// Forces with closed forms: a cannulated reamer in full contact.
+#include <cmath>
+#include <cstdio>
+#include <limits>
+#include <numbers>
+
+#include "sim/verify/case_parts.h"
+
+namespace reamsim::verify {
+
+namespace {
+
+constexpr double kClear_mm = 0.1;
+constexpr double kEdge_mm = 0.1;
+constexpr double kHead_mm = 8;  // height of a head
+/// Bars of the project for a steady plunge in full contact at 0.25 mm.
+constexpr double kForceBar = 5e-3, kRippleBar = 2e-3;
+const char* const kBarReason = "the bar of the project";
+
+// The design's example.
+constexpr SteadyPlunge kExample{29, 15, 1.25, 250, 0.2, 1.8};
+
+Profile head_of(const SteadyPlunge& plunge) {
+  return plunge.radius_mm ? convex_profile(*plunge.radius_mm, plunge.outer_mm, plunge.bore_mm, kHead_mm, kEdge_mm)
+                          : flat_profile(plunge.outer_mm, plunge.bore_mm, kHead_mm);
+}
+
+std::string text_of(const SteadyPlunge& p) {
+  char text[128];
+  const std::string face = p.radius_mm ? "R " + std::to_string(static_cast<int>(*p.radius_mm)) : "flat";
+  std::snprintf(text, sizeof text, "%s, a %g mm, %g rpm, %g mm/s", face.c_str(), p.outer_mm, p.rpm, p.feed_mm_s);
+  return text;
+}
+
+/// The steady part of a plunge: rows while the tool feeds by `travel_mm` in `frames` frames, the face fully in contact.
+std::vector<FrameResult> steady_rows(const SteadyPlunge& plunge, double voxel_mm, double travel_mm, int frames,
+                                     const std::string& erosion, const Setting& setting, double tilt_deg = 0) {
+  constexpr double kShellVoxels = 0.4721, kPast_mm = 0.3;
+  // Off the lattice by shares of a voxel, so that nothing is regular.
+  const Vec3 entry(0.12 * voxel_mm, 0.21 * voxel_mm, 0);
+  const double tilt = tilt_deg * std::numbers::pi / 180, slant = plunge.outer_mm * std::tan(tilt);
+  const Quat turned(Eigen::AngleAxisd(tilt, Vec3(1, 0.3, 0).normalized()));
+  const Vec3 axis = turned * Vec3(0, 0, 1);
+  const double begin = plunge.full_contact_mm() + slant + kPast_mm + 0.37 * voxel_mm, end = begin + travel_mm;
+  const double rate = plunge.feed_mm_s * frames / travel_mm, above = slant + kClear_mm;
+  const Motion motion =
+      path(rate, entry + above * axis,
+           {{entry - begin * axis, static_cast<int>(std::ceil(10 * (begin + above))), plunge.rpm, turned},
+            {entry - end * axis, frames, plunge.rpm, turned}});
+  const double width = 2 * (plunge.outer_mm + end * std::tan(tilt)) + 2 + 2 * voxel_mm;
+  const Voxmap bone = block({width, width, end + slant + 1 + voxel_mm}, voxel_mm, plunge.density_g_cm3);
+  const Tool tool =
+      erosion == "exact" ? make_tool(head_of(plunge)) : make_tool(head_of(plunge), kShellVoxels * voxel_mm);
+  const Reamed reamed = ream(scene_of(bone, tool, motion, erosion), setting);
+  const auto steady = reamed.after(reamed.rows.size() - 1 - static_cast<std::size_t>(frames));
+  return {steady.begin(), steady.end()};
+}
+
+Check relative(const std::string& quantity, const std::string& unit, double expected, double found, double tolerance,
+               const std::string& reason) {
+  return {quantity, unit, Measure::relative, expected, found, tolerance, reason};
+}
+
+/// Torque, thrust and removal rate as ladders over the voxel size.
+std::vector<Ladder> steady_ladders(const SteadyPlunge& plunge, const Setting& setting) {
+  std::vector<Ladder> ladders(3);
+  const PlungeLoads loads = plunge.full_loads();
+  ladders[0] = {"torque", "N·mm", "voxel, mm", loads.torque_nmm, {}, {}, {}};
+  ladders[1] = {"thrust", "N", "voxel, mm", loads.thrust_n, {}, {}, {}};
+  ladders[2] = {"removal rate", "mm³/s", "voxel, mm", plunge.removal_mm3_s(), {}, {}, {}};
+  constexpr int kFrames = 64;
+  for (const double voxel_mm : four_voxels(setting.quick ? 0.25 : 0.125)) {
+    const MeanLoads mean = mean_loads(steady_rows(plunge, voxel_mm, voxel_mm, kFrames, "exact", setting));
+    const double found[] = {mean.spin_torque_nmm, mean.axial_force_n, mean.removed_mm3 / voxel_mm * plunge.feed_mm_s};
+    for (std::size_t i = 0; i < ladders.size(); ++i) {
+      ladders[i].levels.push_back(level_of(voxel_mm, {{*ladders[i].expected, found[i]}}, *ladders[i].expected));
+    }
+  }
+  for (Ladder& ladder : ladders) finish(ladder);
+  return ladders;
+}
+
+/// One factor of the example changed at a time, and a flat face.
+std::vector<SteadyPlunge> variations(bool quick) {
+  std::vector<SteadyPlunge> out;
+  const auto vary = [&](auto member, std::vector<double> values) {
+    for (const double value : values) {
+      out.push_back(kExample);
+      out.back().*member = value;
+    }
+  };
+  if (quick) {
+    vary(&SteadyPlunge::outer_mm, {8});
+    vary(&SteadyPlunge::rpm, {100, 500});
+    vary(&SteadyPlunge::feed_mm_s, {1});
+  } else {
+    vary(&SteadyPlunge::outer_mm, {6, 8, 10, 12.5});
+    vary(&SteadyPlunge::rpm, {100, 150, 500, 1000});
+    vary(&SteadyPlunge::feed_mm_s, {0.05, 0.5, 1, 2});
+    vary(&SteadyPlunge::bore_mm, {2, 4});
+    vary(&SteadyPlunge::density_g_cm3, {0.4, 0.8, 1.2});
+  }
+  for (const double radius : {20.0, 40.0}) {
+    out.push_back(kExample);
+    out.back().radius_mm = radius;
+  }
+  out.push_back(kExample);
+  out.back().radius_mm = std::nullopt;
+  return out;
+}
+
+}  // namespace
+
+CaseFindings steady_case(const Setting& setting) {
+  CaseFindings out;
+  out.title = "Torque and thrust in uniform bone";
+  out.scene =
+      "cannulated reamer (r₀ 1.25 mm) fed along its axis in full contact, ρ 1.8 g/cm³; means over one voxel of feed; "
+      "ladders: R 29, a 15 mm, 250 rpm, 0.2 mm/s";
+  out.form = "T = π·u·(a² − r₀²)·v_f/ω; F_z = 2π·k_n·u·(v_f/ω)·[C(a) − C(r₀)] + 2π·u·(v_f/ω)²·ln(a/r₀)";
+  out.ladders = steady_ladders(kExample, setting);
+  const double simple[] = {kExample.torque_nmm(), kExample.thrust_n(), kExample.removal_mm3_s()};
+  for (std::size_t i = 0; i < out.ladders.size(); ++i) {
+    const Ladder& ladder = out.ladders[i];
+    out.checks.push_back(relative(ladder.quantity + ", " + text_of(kExample), ladder.unit, simple[i],
+                                  ladder.levels.back().found, kForceBar, kBarReason));
+  }
+  for (const SteadyPlunge& plunge : variations(setting.quick)) {
+    setting.progress("steady plunge, " + text_of(plunge));
+    constexpr double kVoxel_mm = 0.25;
+    const MeanLoads mean = mean_loads(steady_rows(plunge, kVoxel_mm, kVoxel_mm, 32, "exact", setting));
+    out.checks.push_back(relative("torque, " + text_of(plunge), "N·mm", plunge.torque_nmm(), mean.spin_torque_nmm,
+                                  kForceBar, kBarReason));
+    out.checks.push_back(
+        relative("thrust, " + text_of(plunge), "N", plunge.thrust_n(), mean.axial_force_n, kForceBar, kBarReason));
+  }
+  return out;
+}
+
+CaseFindings ripple_case(const Setting& setting) {
+  constexpr double kVoxel_mm = 0.25, kRate_hz = 1000;
+  CaseFindings out;
+  out.title = "Ripple of a steady plunge";
+  out.scene = "the same reamer at 0.25 mm voxels, 0.2 mm/s and 1 kHz, frame by frame over one voxel of feed";
+  out.form = "0: standard deviation of the torque over its mean";
+  SteadyPlunge flat = kExample;
+  flat.radius_mm = std::nullopt;
+  const int frames = static_cast<int>(std::lround(kVoxel_mm / kExample.feed_mm_s * kRate_hz));
+  const auto ripple = [&](const SteadyPlunge& plunge, const std::string& erosion, double tilt_deg) {
+    setting.progress("ripple, " + text_of(plunge) + ", " + erosion);
+    return torque_ripple(steady_rows(plunge, kVoxel_mm, kVoxel_mm, frames, erosion, setting, tilt_deg));
+  };
+  out.checks.push_back({"convex, axis tilted by 17°, exact", "", Measure::at_most, kRippleBar,
+                        ripple(kExample, "exact", 17), 0, kBarReason});
+  out.checks.push_back({"convex along the lattice, exact", "", Measure::at_most, 1e-2, ripple(kExample, "exact", 0), 0,
+                        "all voxels round the rim meet its corner at once, once per layer"});
+  out.checks.push_back({"flat along the lattice, exact", "", Measure::reported, 0, ripple(flat, "exact", 0), 0,
+                        "0.2 µm a frame is 52 of the 65535 parts of a voxel, and all voxels round together"});
+  out.checks.push_back(
+      {"convex along the lattice, remove", "", Measure::reported, 0, ripple(kExample, "remove", 0), 0, "beside it"});
+  if (!setting.quick) {
+    out.checks.push_back(
+        {"flat along the lattice, remove", "", Measure::reported, 0, ripple(flat, "remove", 0), 0, "beside it"});
+  }
+  return out;
+}
+
+namespace {
+
+constexpr double kLayer_mm = 2, kAround_mm = 1;
+constexpr int kAroundFrames = 400;  // from kAround_mm above the interface to as far below it
+
+/// Rows round the interface of a block with a layer of the first plunge's density on that of the second.
+std::vector<FrameResult> rows_round_interface(const SteadyPlunge& dense, const SteadyPlunge& soft, double voxel_mm,
+                                              const Setting& setting) {
+  constexpr int kApproach = 24;
+  const Voxmap bone = block({18, 18, 4}, voxel_mm, [&](const Vec3& p) {
+    return p.z() > -kLayer_mm ? dense.density_g_cm3 : soft.density_g_cm3;
+  });
+  const double x = 0.12 * voxel_mm, y = 0.21 * voxel_mm, rate = dense.feed_mm_s * kAroundFrames / (2 * kAround_mm);
+  const Motion motion = path(rate, {x, y, kClear_mm},
+                             {{{x, y, -(kLayer_mm - kAround_mm)}, kApproach, dense.rpm},
+                              {{x, y, -(kLayer_mm + kAround_mm)}, kAroundFrames, dense.rpm}});
+  const Reamed reamed = ream(scene_of(bone, make_tool(head_of(dense)), motion), setting);
+  const auto rows = reamed.after(kApproach);
+  return {rows.begin(), rows.end()};
+}
+
+/// How deep the tool is when the torque falls below `torque_nmm`, mm; NaN when it never is above.
+double depth_of_step(const std::vector<FrameResult>& rows, double torque_nmm) {
+  double depth = std::numeric_limits<double>::quiet_NaN();
+  for (const FrameResult& row : rows) {
+    if (row.spin_torque_nmm < torque_nmm) break;
+    depth = -row.pose.position_mm.z();
+  }
+  return depth;
+}
+
+}  // namespace
+
+CaseFindings layered_case(const Setting& setting) {
+  const SteadyPlunge dense{std::nullopt, 8, 1.25, 250, 0.2, 1.8}, soft{std::nullopt, 8, 1.25, 250, 0.2, 0.4};
+  CaseFindings out;
+  out.title = "Layered block: the force's step at the interface";
+  out.scene = "flat cannulated reamer (a 8, r₀ 1.25 mm) along a lattice axis through 2 mm of 1.8 g/cm³ into 0.4 g/cm³";
+  out.form = "T = π·u(ρ)·(a² − r₀²)·v_f/ω less the feed's work, on either side; the step at 2 mm";
+  Ladder above{"torque above the interface", "N·mm", "voxel, mm", dense.full_loads().torque_nmm, {}, {}, {}};
+  Ladder below{"torque below the interface", "N·mm", "voxel, mm", soft.full_loads().torque_nmm, {}, {}, {}};
+  double step_mm = 0;  // at the finest level
+  for (const double voxel_mm : four_voxels(setting.quick ? 0.125 : 0.0625)) {
+    const auto rows = rows_round_interface(dense, soft, voxel_mm, setting);
+    const std::span<const FrameResult> all(rows);
+    step_mm = depth_of_step(rows, 0.5 * (dense.torque_nmm() + soft.torque_nmm()));
+    const double torques[] = {mean_loads(all.first(kAroundFrames / 2)).spin_torque_nmm,
+                              mean_loads(all.last(kAroundFrames / 2)).spin_torque_nmm};
+    above.levels.push_back(level_of(voxel_mm, {{*above.expected, torques[0]}}, *above.expected));
+    below.levels.push_back(level_of(voxel_mm, {{*below.expected, torques[1]}}, *below.expected));
+  }
+  for (Ladder* ladder : {&above, &below}) {
+    finish(*ladder);
+    out.checks.push_back(finest_check(*ladder, kForceBar, kBarReason));
+  }
+  out.checks.push_back({"depth of the step, finest voxels", "mm", Measure::absolute, kLayer_mm, step_mm,
+                        2 * kAround_mm / kAroundFrames, "one frame of feed"});
+  out.ladders = {std::move(above), std::move(below)};
+  return out;
+}
+
+}  // namespace reamsim::verify

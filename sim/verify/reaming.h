@@ -1,0 +1,52 @@
+#pragma once
+
+#include <functional>
+#include <span>
+
+#include "sim/verify/scene.h"
+
+namespace reamsim::verify {
+
+/// Makes the engine of a scene, as make_engine() does.
+using EngineMaker = std::function<std::unique_ptr<Engine>(const Scenario&, const Voxmap&, const Tool&)>;
+
+/// How the suite is run.
+struct Setting {
+  bool quick = true;
+  std::string device = "auto";
+  /// Whoever tests the suite puts an engine with a wrong constant here.
+  EngineMaker engine = make_engine;
+  std::function<void(const std::string&)> progress = [](const std::string&) {};
+  std::function<bool()> stop = [] { return false; };
+};
+
+/// What reaming a scene gave.
+struct Reamed {
+  std::vector<FrameResult> rows;  ///< rows[k] is frame k
+  Voxmap left;
+
+  [[nodiscard]] double removed_mm3() const;
+  /// Rows of the frames after `frame`.
+  [[nodiscard]] std::span<const FrameResult> after(std::size_t frame) const {
+    return std::span(rows).subspan(frame + 1);
+  }
+};
+
+/// Reams the scene through the program's main loop. Throws InputError (no such device), RunError, Interrupted.
+Reamed ream(ReamingScene scene, const Setting& setting);
+
+/// Means over rows.
+struct MeanLoads {
+  Vec3 force_n = Vec3::Zero();
+  Vec3 torque_nmm = Vec3::Zero();
+  double axial_force_n = 0;
+  double spin_torque_nmm = 0;
+  double removed_mm3 = 0;  ///< sum, no mean
+};
+MeanLoads mean_loads(std::span<const FrameResult> rows);
+/// Standard deviation of the rows' spin torque over its mean.
+double torque_ripple(std::span<const FrameResult> rows);
+/// Root mean square.
+double rms(std::span<const double> values);
+
+}  // namespace reamsim::verify

@@ -1,0 +1,125 @@
+#include "sim/verify/scene.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "sim/tool/revolve.h"
+#include "sim/verify/forms.h"
+
+namespace reamsim::verify {
+
+namespace {
+
+/// Radius of a polygon's corners whose chords of `edge_mm` lie in the mean on the circle: a chord is off by a twelfth
+/// of its square over the radius in the mean.
+double corner_radius(double radius_mm, double edge_mm) {
+  return radius_mm + edge_mm * edge_mm / (12 * radius_mm);
+}
+
+}  // namespace
+
+Profile ball_profile(double radius_mm, double edge_mm) {
+  Profile profile;
+  const int steps = static_cast<int>(std::ceil(radius_mm * std::numbers::pi / edge_mm));
+  const double corner = corner_radius(radius_mm, std::numbers::pi * radius_mm / steps);
+  for (int i = 0; i <= steps; ++i) {
+    const double angle = std::numbers::pi * i / steps;
+    const bool pole = i == 0 || i == steps;
+    profile.points.emplace_back(pole ? 0 : corner * std::sin(angle), radius_mm - corner * std::cos(angle));
+  }
+  return profile;
+}
+
+Profile convex_profile(double radius_mm, double outer_mm, double bore_mm, double height_mm, double edge_mm) {
+  Profile profile;
+  const double begin = std::asin(bore_mm / radius_mm), end = std::asin(outer_mm / radius_mm);
+  const int steps = static_cast<int>(std::ceil(radius_mm * (end - begin) / edge_mm));
+  const double corner = corner_radius(radius_mm, radius_mm * (end - begin) / steps);
+  for (int i = 0; i <= steps; ++i) {
+    const double angle = begin + (end - begin) * i / steps;
+    profile.points.emplace_back(corner * std::sin(angle), radius_mm - corner * std::cos(angle));
+  }
+  // Both ends of the face exactly where the walls stand.
+  profile.points.front().x() = bore_mm;
+  profile.points.back().x() = outer_mm;
+  profile.points.emplace_back(outer_mm, height_mm);
+  profile.points.emplace_back(bore_mm, height_mm);
+  return profile;
+}
+
+Profile flat_profile(double outer_mm, double bore_mm, double height_mm) {
+  return {{{bore_mm, 0}, {outer_mm, 0}, {outer_mm, height_mm}, {bore_mm, height_mm}}};
+}
+
+Tool make_tool(const Profile& profile, std::optional<double> shell_spacing_mm) {
+  constexpr int kStandIn = 8;  // cells of a shell that nothing looks at
+  Tool tool;
+  tool.profile = profile;
+  tool.bounds = profile.bounds();
+  const double radius = tool.bounds.max.x(), low = tool.bounds.min.z(), high = tool.bounds.max.z();
+  if (shell_spacing_mm) {
+    const double longest = std::max(2 * radius, high - low);
+    tool.mesh = revolve(profile, segments_for_sagitta(radius, 0.02 * *shell_spacing_mm));
+    tool.shell = voxelise_surface(tool.mesh, static_cast<int>(std::ceil(longest / *shell_spacing_mm)) + 1);
+  } else {
+    tool.mesh = revolve({{{0, low}, {radius, low}, {radius, high}, {0, high}}}, 4 * kStandIn);
+    tool.shell = voxelise_surface(tool.mesh, kStandIn);
+  }
+  for (const Vec2& rz : profile.points) tool.reach_mm = std::max(tool.reach_mm, rz.norm());
+  return tool;
+}
+
+Voxmap block(const Vec3& size_mm, double voxel_mm, const DensityField& field) {
+  VoxelGrid grid;
+  grid.voxel_mm = voxel_mm;
+  for (int i = 0; i < 3; ++i) grid.dims[i] = 2 * static_cast<int>(std::ceil(size_mm[i] / (2 * voxel_mm) - 1e-9));
+  const Vec3 extent_mm = voxel_mm * grid.dims.cast<double>();
+  grid.origin_mm = {-extent_mm.x() / 2, -extent_mm.y() / 2, -extent_mm.z()};
+  return sample_phantom(grid, {}, field);
+}
+
+Voxmap block(const Vec3& size_mm, double voxel_mm, double density_g_cm3) {
+  return block(size_mm, voxel_mm, [=](const Vec3&) { return density_g_cm3; });
+}
+
+Motion path(double rate_hz, const Vec3& from_mm, const std::vector<Leg>& legs) {
+  Motion motion;
+  motion.frame_rate_hz = rate_hz;
+  ToolPose pose;
+  pose.position_mm = from_mm;
+  pose.orientation = legs.front().turned;
+  pose.spin_rpm = legs.front().rpm;
+  motion.poses.push_back(pose);
+  for (const Leg& leg : legs) {
+    const ToolPose begin = motion.poses.back();
+    for (int k = 1; k <= leg.frames; ++k) {
+      const double share = double(k) / leg.frames;
+      pose.position_mm = begin.position_mm + share * (leg.to_mm - begin.position_mm);
+      pose.orientation = begin.orientation.slerp(share, leg.turned);
+      pose.spin_rpm = leg.rpm;
+      pose.spin_angle_rad = begin.spin_angle_rad + angular_speed(leg.rpm) * k / rate_hz;
+      motion.poses.push_back(pose);
+    }
+  }
+  return motion;
+}
+
+Vec3 ball_origin(const Vec3& center_mm, double radius_mm, const Quat& turned) {
+  return center_mm - turned * Vec3(0, 0, radius_mm);
+}
+
+ReamingScene scene_of(Voxmap bone, Tool tool, Motion motion, const std::string& erosion) {
+  ReamingScene scene;
+  scene.scenario.name = "verification";
+  scene.scenario.cutting = stated_cutting(erosion);
+  scene.scenario.render.enabled = false;
+  scene.scenario.render.every_frames = std::numeric_limits<int>::max();
+  scene.bone.voxmap = std::move(bone);
+  scene.tool = std::move(tool);
+  scene.motion = std::move(motion);
+  return scene;
+}
+
+}  // namespace reamsim::verify

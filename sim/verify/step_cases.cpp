@@ -1,0 +1,152 @@
+// What refinement in time and space changes, and what must not change at all.
+#include <cmath>
+#include <numbers>
+
+#include "sim/verify/case_parts.h"
+
+namespace reamsim::verify {
+
+namespace {
+
+using std::numbers::pi;
+
+constexpr double kDensity = 1.8;
+
+// A ball swept sideways.
+constexpr double kBall_mm = 8, kDeep_mm = 3, kSweep_mm = 8, kSpeed_mm_s = 10, kVoxel_mm = 0.5;
+constexpr int kDownFrames = 64;
+
+double swept_mm3() {
+  return cap_mm3(kBall_mm, kDeep_mm) + kSweep_mm * segment_mm2(kBall_mm, kDeep_mm);
+}
+
+ReamingScene swept_ball(double frame_s, std::optional<double> shell_spacing_mm) {
+  const Vec3 way = kSweep_mm * Vec3(std::cos(0.6), std::sin(0.6), 0);
+  const Vec3 start(-0.5 * way.x() + 0.15, -0.5 * way.y() + 0.07, kBall_mm - kDeep_mm);
+  const auto origin = [](const Vec3& center) { return ball_origin(center, kBall_mm, Quat::Identity()); };
+  const int frames = static_cast<int>(std::lround(kSweep_mm / (kSpeed_mm_s * frame_s)));
+  const Motion motion = path(1 / frame_s, origin(start + Vec3(0, 0, kDeep_mm + 0.1)),
+                             {{origin(start), kDownFrames}, {origin(start + way), frames}});
+  return scene_of(block({26, 22, 5}, kVoxel_mm, kDensity), make_tool(ball_profile(kBall_mm, 0.05), shell_spacing_mm),
+                  motion);
+}
+
+/// What the sweep, without the plunge before it, gave.
+struct Sweep {
+  double removed_mm3 = 0;  ///< with the plunge
+  MeanLoads loads;
+};
+
+Sweep sweep_of(const ReamingScene& scene, const Setting& setting) {
+  const Reamed reamed = ream(scene, setting);
+  return {reamed.removed_mm3(), mean_loads(reamed.after(kDownFrames))};
+}
+
+/// What the settings that must not matter change.
+void add_indifference(const Sweep& plain, const Setting& setting, std::vector<Check>& checks) {
+  const std::string reason = "no shell in it, and integer sums: the same numbers";
+  const auto add = [&](const std::string& what, const Sweep& other) {
+    checks.push_back(
+        {"removed volume, " + what, "mm³", Measure::absolute, plain.removed_mm3, other.removed_mm3, 0, reason});
+    checks.push_back({"mean force, " + what, "N", Measure::absolute, plain.loads.force_n.norm(),
+                      other.loads.force_n.norm(), 0, reason});
+  };
+  constexpr double kFrame_s = 4e-3;
+  for (const int batch : {1, 7}) {
+    ReamingScene scene = swept_ball(kFrame_s, {});
+    scene.scenario.engine.batch_frames = batch;
+    add("batches of " + std::to_string(batch), sweep_of(scene, setting));
+  }
+  add("shell of 0.5 mm spacing", sweep_of(swept_ball(kFrame_s, 0.5), setting));
+}
+
+}  // namespace
+
+CaseFindings time_step_case(const Setting& setting) {
+  CaseFindings out;
+  out.title = "Time-step halving";
+  out.scene =
+      "ball of 8 mm radius plunged 3 mm, then moved 8 mm sideways at 10 mm/s, 0.5 mm voxels; frame time halved three "
+      "times; then other batches and another shell";
+  out.form = "volume of the capsule's part below the face; mean loads of the sweep do not change";
+  Ladder volume{"removed volume", "mm³", "frame, s", {}, {}, {}, {}};
+  Ladder torque{"mean spin torque", "N·mm", "frame, s", {}, {}, {}, {}};
+  Ladder force{"mean force", "N", "frame, s", {}, {}, {}, {}};
+  std::vector<Sweep> sweeps;
+  for (const double frame_s : {4e-3, 2e-3, 1e-3, 0.5e-3}) {
+    sweeps.push_back(sweep_of(swept_ball(frame_s, {}), setting));
+    volume.levels.push_back({frame_s, sweeps.back().removed_mm3, {}, 1});
+    torque.levels.push_back({frame_s, sweeps.back().loads.spin_torque_nmm, {}, 1});
+    force.levels.push_back({frame_s, sweeps.back().loads.force_n.norm(), {}, 1});
+  }
+  for (Ladder* ladder : {&volume, &torque, &force}) finish(*ladder);
+  const std::string bar = "the bar of the project";
+  const Sweep &fine = sweeps.back(), &before = sweeps[sweeps.size() - 2];
+  const auto relative = [&](const std::string& what, const std::string& unit, double a, double b) {
+    out.checks.push_back({what + ", 1 ms against 0.5 ms", unit, Measure::relative, b, a, 1e-3, bar});
+  };
+  out.checks.push_back({"removed volume, 0.5 ms", "mm³", Measure::relative, swept_mm3(), fine.removed_mm3, 1e-3,
+                        "0.5 mm voxels on a ball of 8 mm radius; how that falls with the voxel is the sweep's case"});
+  relative("removed volume", "mm³", before.removed_mm3, fine.removed_mm3);
+  relative("mean spin torque", "N·mm", before.loads.spin_torque_nmm, fine.loads.spin_torque_nmm);
+  relative("mean force", "N", before.loads.force_n.norm(), fine.loads.force_n.norm());
+  add_indifference(sweeps[0], setting, out.checks);
+  out.ladders = {std::move(volume), std::move(torque), std::move(force)};
+  return out;
+}
+
+namespace {
+
+constexpr SteadyPlunge kHead{12, 5, 1, 250, 0.2, kDensity};
+
+/// Mean loads of the head in full contact, fed along a tilted axis by 1 mm, entering at `entry`. The axial parts and
+/// the volume per second are what counts.
+MeanLoads tilted_plunge(const Tool& tool, double voxel_mm, const Vec3& entry, const Setting& setting) {
+  constexpr double kBegin_mm = 5.5, kTravel_mm = 1;
+  constexpr int kFrames = 200, kDown = 110;
+  const Quat turned(Eigen::AngleAxisd(25 * pi / 180, Vec3(1, 0.4, 0).normalized()));
+  const Vec3 axis = turned * Vec3(0, 0, 1), begin = entry - kBegin_mm * axis, end = begin - kTravel_mm * axis;
+  const double seconds = kTravel_mm / kHead.feed_mm_s;
+  const Motion motion =
+      path(kFrames / seconds, entry + 3 * axis, {{begin, kDown, kHead.rpm, turned}, {end, kFrames, kHead.rpm, turned}});
+  const Reamed reamed = ream(scene_of(block({22, 22, 10}, voxel_mm, kDensity), tool, motion), setting);
+  MeanLoads mean = mean_loads(reamed.after(kDown));
+  mean.removed_mm3 /= seconds;
+  return mean;
+}
+
+}  // namespace
+
+CaseFindings voxel_case(const Setting& setting) {
+  CaseFindings out;
+  out.title = "Voxel halving";
+  out.scene =
+      "cannulated convex head (R 12, a 5, r₀ 1 mm) in full contact, fed along an axis tilted by 25° at random offsets; "
+      "means over 1 mm of feed";
+  out.form = "as for the steady plunge, its integral over the face";
+  const Tool tool = make_tool(convex_profile(*kHead.radius_mm, kHead.outer_mm, kHead.bore_mm, 12, 0.05));
+  const PlungeLoads loads = kHead.full_loads();
+  std::vector<Ladder> ladders = {{"torque", "N·mm", "voxel, mm", loads.torque_nmm, {}, {}, {}},
+                                 {"thrust", "N", "voxel, mm", loads.thrust_n, {}, {}, {}},
+                                 {"removal rate", "mm³/s", "voxel, mm", kHead.removal_mm3_s(), {}, {}, {}}};
+  for (const double voxel_mm : four_voxels(setting.quick ? 0.125 : 0.0625)) {
+    Offsets offsets(25);
+    std::vector<Sample> samples[3];
+    for (int run = 0; run < (setting.quick ? 1 : 4); ++run) {
+      const MeanLoads mean = tilted_plunge(tool, voxel_mm, offsets.draw(voxel_mm), setting);
+      const double found[] = {mean.spin_torque_nmm, mean.axial_force_n, mean.removed_mm3};
+      for (std::size_t i = 0; i < ladders.size(); ++i) samples[i].push_back({*ladders[i].expected, found[i]});
+    }
+    for (std::size_t i = 0; i < ladders.size(); ++i) {
+      ladders[i].levels.push_back(level_of(voxel_mm, samples[i], *ladders[i].expected));
+    }
+  }
+  for (Ladder& ladder : ladders) {
+    finish(ladder);
+    out.checks.push_back(finest_check(ladder, 5e-3, "the bar of a steady plunge"));
+  }
+  out.ladders = std::move(ladders);
+  return out;
+}
+
+}  // namespace reamsim::verify

@@ -1,0 +1,23 @@
+#pragma once
+
+#include "sim/verify/findings.h"
+#include "sim/verify/reaming.h"
+
+namespace reamsim::verify {
+
+/// A scene with a closed-form answer, or with one that must not change.
+struct Case {
+  const char* id;
+  CaseFindings (*run)(const Setting&);
+};
+
+/// All cases, in the order of the report.
+const std::vector<Case>& cases();
+
+/// Runs one case. Throws InputError when there is no such case or device, RunError, Interrupted.
+CaseFindings run_case(const std::string& id, const Setting& setting);
+
+/// Runs every case. Throws as run_case().
+Findings run_suite(const Setting& setting);
+
+}  // namespace reamsim::verify

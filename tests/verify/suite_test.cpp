@@ -1,0 +1,59 @@
+// The quick suite, case by case: every figure within its tolerance.
+#include "sim/verify/suite.h"
+
+#include <gtest/gtest.h>
+
+#include <set>
+
+#include "sim/base/error.h"
+
+namespace reamsim::verify {
+namespace {
+
+std::vector<std::string> ids() {
+  std::vector<std::string> out;
+  for (const Case& known : cases()) out.emplace_back(known.id);
+  return out;
+}
+
+class QuickCase : public ::testing::TestWithParam<std::string> {};
+
+TEST_P(QuickCase, HoldsItsTolerances) {
+  const CaseFindings found = run_case(GetParam(), {});
+  EXPECT_EQ(found.id, GetParam());
+  EXPECT_FALSE(found.title.empty());
+  EXPECT_FALSE(found.scene.empty());
+  EXPECT_FALSE(found.form.empty());
+  EXPECT_FALSE(found.checks.empty());
+  for (const Check& check : found.checks) {
+    EXPECT_TRUE(check.passed()) << check.quantity << ": expected " << check.expected << ", found " << check.found
+                                << ", error " << check.error() << ", tolerance " << check.tolerance;
+    EXPECT_FALSE(check.measure != Measure::reported && check.reason.empty()) << check.quantity;
+  }
+  for (const Ladder& ladder : found.ladders) EXPECT_EQ(ladder.levels.size(), 4U) << ladder.quantity;
+}
+
+INSTANTIATE_TEST_SUITE_P(Verify, QuickCase, ::testing::ValuesIn(ids()),
+                         [](const auto& chosen) { return chosen.param; });
+
+TEST(Suite, EveryCaseOnce) {
+  const auto all = ids();
+  EXPECT_EQ(std::set<std::string>(all.begin(), all.end()).size(), all.size());
+  EXPECT_GE(all.size(), 14U);
+}
+
+TEST(Suite, WrongCaseOrDeviceIsAnInputError) {
+  EXPECT_THROW(run_case("no_such_case", {}), InputError);
+  Setting setting;
+  setting.device = "no such device";
+  EXPECT_THROW(run_case("energy", setting), InputError);
+}
+
+TEST(Suite, StopsWhenAsked) {
+  Setting setting;
+  setting.stop = [] { return true; };
+  EXPECT_THROW(run_suite(setting), Interrupted);
+}
+
+}  // namespace
+}  // namespace reamsim::verify
