@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "sim/base/error.h"
-#include "sim/motion/number_text.h"
+#include "sim/motion/rounded_text.h"
 
 namespace reamsim {
 
@@ -20,7 +20,7 @@ void require(bool right, const std::string& key, const std::string& found, const
 }
 
 void require_positive(double value, const std::string& key) {
-  require(value > 0 && std::isfinite(value), key, number_text(value), "a number above 0 is needed");
+  require(value > 0 && std::isfinite(value), key, rounded_text(value), "a number above 0 is needed");
 }
 
 Vec3 unit_axis(const Vec3& axis, const std::string& key) {
@@ -43,9 +43,9 @@ Quat orientation_from_axis(const Vec3& tool_z) {
 Quat normalised(const Quat& q, const std::string& where, Report& report) {
   const double norm = q.norm();
   if (!(norm > kLeastNorm) || !std::isfinite(norm))
-    throw InputError(where + ": the quaternion has length " + number_text(norm) + "; a unit quaternion is needed");
+    throw InputError(where + ": the quaternion has length " + rounded_text(norm) + "; a unit quaternion is needed");
   if (std::abs(norm - 1) > kUnitTolerance)
-    report.warn(where + ": the quaternion has length " + number_text(norm) + " and was normalised");
+    report.warn(where + ": the quaternion has length " + rounded_text(norm) + " and was normalised");
   return Quat(q.coeffs() / norm);
 }
 
@@ -56,8 +56,8 @@ std::vector<KeyPose> plunge_poses(const PlungeSettings& plunge) {
   require_positive(plunge.retract_mm_s, "motion.plunge.retract_mm_s");
   const double feed_mm = plunge.approach_mm + plunge.depth_mm;
   require_positive(feed_mm, "motion.plunge.approach_mm + depth_mm");
-  require(plunge.dwell_s >= 0, "motion.plunge.dwell_s", number_text(plunge.dwell_s), "0 or more is needed");
-  require(plunge.retract_mm >= 0, "motion.plunge.retract_mm", number_text(plunge.retract_mm), "0 or more is needed");
+  require(plunge.dwell_s >= 0, "motion.plunge.dwell_s", rounded_text(plunge.dwell_s), "0 or more is needed");
+  require(plunge.retract_mm >= 0, "motion.plunge.retract_mm", rounded_text(plunge.retract_mm), "0 or more is needed");
 
   const Quat orientation = orientation_from_axis(-axis);
   std::vector<KeyPose> poses;
@@ -84,7 +84,7 @@ std::vector<KeyPose> keyframe_poses(const std::vector<KeyframeSettings>& keyfram
     const KeyframeSettings& k = keyframes[i];
     const std::string where = "motion.keyframes[" + std::to_string(i) + "]";
     require(std::isfinite(k.time_s) && (i == 0 || k.time_s > keyframes[i - 1].time_s), where + ".time_s",
-            number_text(k.time_s), "a time after the keyframe before it is needed");
+            rounded_text(k.time_s), "a time after the keyframe before it is needed");
     require(k.position_mm.allFinite(), where + ".position_mm", "not a number", "three finite numbers are needed");
     require(std::isfinite(k.spin_rpm), where + ".spin_rpm", "not a number", "a finite number is needed");
     require(k.axis || k.quaternion, where, "no orientation", "axis (+z of the tool) or quaternion is needed");

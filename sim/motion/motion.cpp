@@ -7,7 +7,7 @@
 
 #include "sim/base/error.h"
 #include "sim/motion/key_poses.h"
-#include "sim/motion/number_text.h"
+#include "sim/motion/rounded_text.h"
 #include "sim/motion/pose_csv.h"
 
 namespace reamsim {
@@ -44,7 +44,7 @@ void start_at_zero(std::vector<KeyPose>& keys, Report& report) {
   const double start = keys.front().time_s;
   if (start == 0) return;
   for (KeyPose& key : keys) key.time_s -= start;
-  report.note("motion: the first pose is at " + number_text(start) + " s; that is time 0 of the simulation");
+  report.note("motion: the first pose is at " + rounded_text(start) + " s; that is time 0 of the simulation");
 }
 
 /// The spin speed is linear from key to key, so each share of a segment turns the tool by its mean speed.
@@ -68,13 +68,13 @@ ToolPose pose_between(const KeyPose& a, const KeyPose& b, double time_s) {
 
 std::size_t count_frames(double end_s, double frame_rate_hz) {
   if (!(frame_rate_hz > 0) || !std::isfinite(frame_rate_hz))
-    throw InputError(SourceLocation{}, "motion.frame_rate_hz", number_text(frame_rate_hz),
+    throw InputError(SourceLocation{}, "motion.frame_rate_hz", rounded_text(frame_rate_hz),
                      "a number above 0 is needed");
   const double frames = std::floor(end_s * frame_rate_hz + kEndSlack) + 1;
   if (!(frames <= kMostFrames))
     throw InputError(
         SourceLocation{}, "motion",
-        number_text(end_s) + " s at " + number_text(frame_rate_hz) + " Hz are " + number_text(frames) + " frames",
+        rounded_text(end_s) + " s at " + rounded_text(frame_rate_hz) + " Hz are " + rounded_text(frames) + " frames",
         "ten million at most are possible; lower motion.frame_rate_hz or shorten the motion");
   return static_cast<std::size_t>(frames);
 }

@@ -10,7 +10,7 @@
 #include <string_view>
 
 #include "sim/base/error.h"
-#include "sim/motion/number_text.h"
+#include "sim/motion/rounded_text.h"
 
 namespace reamsim {
 
@@ -149,8 +149,8 @@ double number(const LineReader& lines, Column column, std::string_view field) {
 
 void check_range(const LineReader& lines, Column column, double value, double most, const std::string& unit) {
   if (std::abs(value) > most)
-    lines.fail(std::string(kNames[column]) + " is " + number_text(value),
-               "at most " + number_text(most) + " " + unit + " is possible");
+    lines.fail(std::string(kNames[column]) + " is " + rounded_text(value),
+               "at most " + rounded_text(most) + " " + unit + " is possible");
 }
 
 KeyPose read_row(const LineReader& lines, const Layout& layout, double default_spin_rpm, Report& row_report) {
@@ -188,7 +188,7 @@ std::vector<KeyPose> read_pose_csv(const CsvMotionSettings& settings, Report& re
     if (poses.size() == kMostRows) lines.fail("more than ten million rows", "record at a lower rate");
     KeyPose pose = read_row(lines, layout, settings.spin_rpm, row_report);
     if (!poses.empty() && !(pose.time_s > poses.back().time_s))
-      lines.fail("time_s is " + number_text(pose.time_s) + " after " + number_text(poses.back().time_s),
+      lines.fail("time_s is " + rounded_text(pose.time_s) + " after " + rounded_text(poses.back().time_s),
                  "times must increase from row to row");
     poses.push_back(pose);
   }

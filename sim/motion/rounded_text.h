@@ -5,6 +5,6 @@
 namespace reamsim {
 
 /// A number as a user would write it, six digits at most: "0.25", "1e+07", "nan".
-std::string number_text(double value);
+std::string rounded_text(double value);
 
 }  // namespace reamsim

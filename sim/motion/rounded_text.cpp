@@ -1,10 +1,10 @@
-#include "sim/motion/number_text.h"
+#include "sim/motion/rounded_text.h"
 
 #include <cstdio>
 
 namespace reamsim {
 
-std::string number_text(double value) {
+std::string rounded_text(double value) {
   char buffer[32];
   std::snprintf(buffer, sizeof buffer, "%.6g", value);
   return buffer;
