@@ -7,8 +7,8 @@
 
 #include "sim/base/error.h"
 #include "sim/motion/key_poses.h"
-#include "sim/motion/rounded_text.h"
 #include "sim/motion/pose_csv.h"
+#include "sim/motion/rounded_text.h"
 
 namespace reamsim {
 

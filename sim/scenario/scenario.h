@@ -211,9 +211,9 @@ struct EdgeForceSettings {
 };
 
 struct CuttingSettings {
-  std::string law = "energy";      ///< energy | per_point
-  std::string erosion = "exact";   ///< exact | remove | wear
-  std::string preset;              ///< literature-low | literature-mid | literature-high; "" = none
+  std::string law = "energy";     ///< energy | per_point
+  std::string erosion = "exact";  ///< exact | remove | wear
+  std::string preset;             ///< literature-low | literature-mid | literature-high; "" = none
   std::vector<SpecificEnergySettings> specific_energy_table;  ///< empty: the power law
   double specific_energy_j_mm3 = 0.15;
   double reference_density_g_cm3 = 1.8;
