@@ -97,7 +97,7 @@ TEST(BoneSurfaceTest, PartialVoxelsAtTheSurfaceAreNotReamedAndMakeItRounder) {
   const BoneSurface surface = make_bone_surface(voxmap, SolidField(occupancy), AmbientLight(occupancy), unreamed);
   EXPECT_EQ(surface.deepest_mm, 0);
   for (const Vertex& v : vertices(surface)) {
-    EXPECT_NEAR(v.position_mm.norm(), 10, 0.06);
+    EXPECT_NEAR(v.position_mm.norm(), 10, 0.08);  // 0.25 above, of whole voxels
     EXPECT_EQ(v.reamed, 0);
   }
 }
