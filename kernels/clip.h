@@ -3,89 +3,147 @@
 #ifndef REAMSIM_KERNELS_CLIP_H
 #define REAMSIM_KERNELS_CLIP_H
 
+#ifndef REAMSIM_KERNELS_CUBE_SHARE_H
+#include "cube_share.h"
+#endif
 #ifndef REAMSIM_KERNELS_CUT_LAW_H
 #include "cut_law.h"
 #endif
+#ifndef REAMSIM_KERNELS_OUTLINE_H
+#include "outline.h"
+#endif
 
-/* A surface farther from a voxel's centre does not meet it, voxels: half a diagonal, and what its curvature counts for.
- */
-#define RS_CLIP_REACH (0.8660254f + 1.0f / 24.0f)
-
-RS_INLINE rs_real rs_abs(rs_real x) {
-  return x < 0.0f ? -x : x;
-}
-RS_INLINE rs_real rs_smaller(rs_real a, rs_real b) {
-  return a < b ? a : b;
-}
-RS_INLINE rs_real rs_larger(rs_real a, rs_real b) {
-  return a < b ? b : a;
-}
-
-/* Part of a unit cube that a plane with unit normal `n` leaves on the side to which n points, when the cube's centre
- * lies `distance` beyond it on that side. The smaller part is a sum of pyramids (Scardovelli and Zaleski 2000, J.
- * Comput. Phys. 164:228, eq. 16-19), written so that no term cancels another where the plane is all but square to an
- * axis. */
-RS_INLINE rs_real rs_outside_share(const rs_real* n, rs_real distance) {
-  const rs_real zero = (rs_real)0.0f, middle = (rs_real)0.5f, least = (rs_real)1e-9f;
-  const rs_real a = rs_abs(n[0]), b = rs_abs(n[1]), c = rs_abs(n[2]);
-  const rs_real per_sum = (rs_real)1.0f / (a + b + c);
-  const rs_real low = rs_smaller(a, b), high = rs_larger(a, b), other = rs_larger(low, c);
-  /* Components in ascending order, their sum 1; `depth` of the plane in the nearest corner, 1/2 through the centre. */
-  const rs_real m1 = rs_larger(rs_smaller(low, c) * per_sum, least);
-  const rs_real m2 = rs_larger(rs_smaller(other, high) * per_sum, least);
-  const rs_real m3 = rs_larger(other, high) * per_sum;
-  const rs_real depth = rs_larger(middle - rs_abs(distance) * per_sum, zero);
-  const rs_real per_6m23 = middle / (3.0f * m2 * m3), per_m1 = (rs_real)1.0f / m1;
-  const rs_real over2 = rs_larger(depth - m2, zero), over3 = rs_larger(depth - m3, zero);
-  const rs_real pyramid = depth * depth * depth * per_m1;
-  const rs_real frustum = 3.0f * depth * (depth - m1) + m1 * m1;
-  const rs_real corners = (over2 * over2 * over2 + over3 * over3 * over3) * per_m1;
-  const rs_real skew = ((depth < m1 ? pyramid : frustum) - corners) * per_6m23;
-  const rs_real slab = (depth - middle * (m1 + m2)) / m3;
-  const rs_real smaller = m1 + m2 <= rs_smaller(depth, m3) ? slab : skew;
-  return distance > 0.0f ? (rs_real)1.0f - smaller : smaller;
-}
-
-/* A voxel against the tool: its centre and the tool's outward normal there (T, mm), how far the surface is (mm,
- * negative inside), and its curvature, both directions together (1/mm, positive where it bulges). */
+/* A voxel against the tool: its centre, the outward unit normal that the force goes by (both T, mm), how far the tool's
+ * surface is (mm, negative inside), and the plane that stands for the surface. Next to a sharp corner of the profile
+ * there are two: of a tool that bulges there (`corner` 1) both bound the inside, of one that is hollow (-1) either. */
 typedef struct {
   rs_real p[3];
   rs_real n[3];
   rs_real distance;
-  rs_real curvature;
+  ClipPlane plane;
+  rs_real corner;
+  ClipPlane other;
 } Clip;
 
-/* The voxel (x, y, z), counted within its brick, whose lowest voxel's centre is `brick` in T. */
-RS_INLINE Clip rs_clip(RS_GLOBAL const SubstepArgs* a, const ProfileView* profile, EdgeList list, const float* brick,
+/* The plane of a surface of the profile next to voxel centre `p`: `nr`, `nz` its normal there, `away` how far the
+ * centre lies beyond it (mm), `curvature` the profile's and `r` where its surface is next to the centre. A bulging
+ * surface falls away from its plane: by t^2/2 times the curvature at t from the point of contact, in the mean over a
+ * voxel by h^2/24 in each direction. Round the axis a surface turns with its radius, which means nothing where that is
+ * smaller than a voxel. */
+RS_INLINE ClipPlane rs_clip_plane(RS_GLOBAL const SubstepArgs* a, const rs_real* p, rs_real nr, rs_real nz,
+                                  rs_real away, rs_real curvature, rs_real r) {
+  const rs_real most = (rs_real)a->per_voxel_mm; /* more is a corner */
+  const rs_real both = curvature + nr / rs_larger(r, (rs_real)(0.5f * a->voxel_mm));
+  const rs_real bulge = rs_larger(rs_smaller(both, most), -most);
+  const rs_real from_axis = RS_SQRT(p[0] * p[0] + p[1] * p[1]);
+  const rs_real share = from_axis > 0.0f ? nr / from_axis : (rs_real)0.0f;
+  const rs_real n[3] = {share * p[0], share * p[1], nz};
+  ClipPlane plane;
+  for (int j = 0; j < 3; ++j)
+    plane.n[j] = (n[0] * (float)a->tool_from_voxel[j] + n[1] * (float)a->tool_from_voxel[3 + j] +
+                  n[2] * (float)a->tool_from_voxel[6 + j]) *
+                 a->per_voxel_mm;
+  plane.nz = nz;
+  plane.away = away * a->per_voxel_mm + bulge * (a->voxel_mm * (1.0f / 24.0f));
+  return plane;
+}
+
+/* Takes `plane` in the lanes that are `there`. */
+RS_INLINE void rs_put_plane(rs_real there, const ClipPlane* plane, ClipPlane* into) {
+  for (int j = 0; j < 3; ++j) into->n[j] = there > 0.0f ? plane->n[j] : into->n[j];
+  into->away = there > 0.0f ? plane->away : into->away;
+  into->nz = there > 0.0f ? plane->nz : into->nz;
+}
+
+/* The voxels among those whose nearest piece is `mine` that the sharp corner between pieces `first` and `second`
+ * reaches take both pieces' planes for theirs. Bone goes where a surface advances along its normal, so that the faces
+ * share the force by how fast they do. `least`: squared distance of the nearest corner so far, mm2. */
+RS_INLINE void rs_take_corner(RS_GLOBAL const SubstepArgs* a, const OutlineView* outline, const NearestPiece* nearest,
+                              rs_i32 mine, rs_i32 first, rs_i32 second, rs_real r, rs_real* least, Clip* clip) {
+  RS_GLOBAL const OutlinePiece *e = outline->pieces + first, *f = outline->pieces + second;
+  /* Both lines as they leave the corner: outward normals, to the right of the way. */
+  const float er = e->along_z1, ez = -e->along_r1, fr = f->along_z0, fz = -f->along_r0;
+  const rs_real zero = (rs_real)0.0f, one = (rs_real)1.0f;
+  const rs_real vr = r - f->r0, vz = clip->p[2] - f->z0;
+  const rs_real d2 = vr * vr + vz * vz;
+  const rs_real nearer = d2 < *least ? one : zero;
+  const rs_real there = nearest->piece == mine ? nearer : zero;
+  if (!RS_ANY(there > 0.0f)) return;
+  *least = there > 0.0f ? d2 : *least;
+  const int bulges = e->along_r1 * f->along_z0 - e->along_z1 * f->along_r0 > 0.0f;
+  clip->corner = there > 0.0f ? (rs_real)(bulges ? 1.0f : -1.0f) : clip->corner;
+  const rs_real at = (rs_real)f->r0;
+  const ClipPlane one_side =
+      rs_clip_plane(a, clip->p, (rs_real)er, (rs_real)ez, vr * er + vz * ez, (rs_real)e->curvature, at);
+  const ClipPlane other_side =
+      rs_clip_plane(a, clip->p, (rs_real)fr, (rs_real)fz, vr * fr + vz * fz, (rs_real)f->curvature, at);
+  rs_put_plane(there, &one_side, &clip->plane);
+  rs_put_plane(there, &other_side, &clip->other);
+  const rs_real per_r = r > 0.0f ? one / r : zero;
+  const rs_real c = clip->p[0] * per_r, s = clip->p[1] * per_r;
+  const rs_real ne[3] = {c * er, s * er, (rs_real)ez};
+  const rs_real nf[3] = {c * fr, s * fr, (rs_real)fz};
+  const rs_real we = rs_larger(rs_advance(a, ne, clip->p), zero), wf = rs_larger(rs_advance(a, nf, clip->p), zero);
+  const rs_real both = we + wf;
+  const rs_real moves = both > 0.0f ? there : zero;
+  for (int j = 0; j < 3; ++j) clip->n[j] = moves > 0.0f ? (we * ne[j] + wf * nf[j]) / both : clip->n[j];
+}
+
+/* The voxel (x, y, z), counted within its brick, whose lowest voxel's centre is `brick` in T: how far the surface is
+ * from its centre, mm. */
+RS_INLINE rs_real rs_clip_distance(RS_GLOBAL const SubstepArgs* a, const OutlineView* outline, EdgeList list,
+                                   const float* brick, rs_real x, rs_real y, rs_real z) {
+  rs_real p[3];
+  rs_voxel_in_tool(a, brick, x, y, z, p);
+  return rs_outline_nearest(outline, list, RS_SQRT(p[0] * p[0] + p[1] * p[1]), p[2]).distance;
+}
+
+/* The tool next to that voxel. */
+RS_INLINE Clip rs_clip(RS_GLOBAL const SubstepArgs* a, const OutlineView* outline, EdgeList list, const float* brick,
                        rs_real x, rs_real y, rs_real z) {
   Clip clip;
   rs_voxel_in_tool(a, brick, x, y, z, clip.p);
-  const Nearest nearest = rs_tool_nearest(profile, list, clip.p, clip.n);
+  const rs_real r = RS_SQRT(clip.p[0] * clip.p[0] + clip.p[1] * clip.p[1]);
+  const NearestPiece nearest = rs_outline_nearest(outline, list, r, clip.p[2]);
+  const rs_real share = r > 0.0f ? nearest.normal_r / r : (rs_real)0.0f;
+  clip.n[0] = share * clip.p[0];
+  clip.n[1] = share * clip.p[1];
+  clip.n[2] = nearest.normal_z;
   clip.distance = nearest.distance;
-  /* Round the axis a surface turns with its radius, which means nothing where that is smaller than a voxel. */
-  const rs_real r = RS_SQRT(clip.p[0] * clip.p[0] + clip.p[1] * clip.p[1]) - nearest.distance * nearest.normal_r;
-  const rs_real most = (rs_real)a->per_voxel_mm; /* more is a corner */
-  const rs_real curvature = nearest.curvature + nearest.normal_r / rs_larger(r, (rs_real)(0.5f * a->voxel_mm));
-  clip.curvature = rs_larger(rs_smaller(curvature, most), -most);
+  clip.plane = rs_clip_plane(a, clip.p, nearest.normal_r, nearest.normal_z, nearest.distance, nearest.curvature,
+                             r - nearest.distance * nearest.normal_r);
+  clip.other = clip.plane;
+  clip.corner = (rs_real)0.0f;
+  const float reach = RS_CLIP_REACH * a->voxel_mm;
+  rs_real least = (rs_real)(reach * reach);
+  for (rs_u32 i = 0; i < list.count; ++i) {
+    const rs_i32 mine = outline->numbers[list.first + i];
+    const rs_i32 before = outline->pieces[mine].before, after = outline->pieces[mine].after;
+    if (before >= 0) rs_take_corner(a, outline, &nearest, mine, before, mine, r, &least, &clip);
+    if (after >= 0) rs_take_corner(a, outline, &nearest, mine, mine, after, r, &least, &clip);
+  }
   return clip;
 }
 
-/* The tool's plane next to a voxel: its normal `n` along the lattice's axes, and how far the voxel's centre lies
- * outside it, voxels. A bulging surface falls away from its plane: by t^2/2 times the curvature at t from the point of
- * contact, in the mean over a voxel by h^2/24 in each direction. */
-RS_INLINE rs_real rs_clip_plane(RS_GLOBAL const SubstepArgs* a, const Clip* clip, rs_real* n) {
-  for (int j = 0; j < 3; ++j)
-    n[j] = (clip->n[0] * (float)a->tool_from_voxel[j] + clip->n[1] * (float)a->tool_from_voxel[3 + j] +
-            clip->n[2] * (float)a->tool_from_voxel[6 + j]) *
-           a->per_voxel_mm;
-  return clip->distance * a->per_voxel_mm + clip->curvature * (a->voxel_mm * (1.0f / 24.0f));
+/* Part of a voxel that the tool leaves when its planes have come `ahead` (voxels) further, the first and the other. */
+RS_INLINE rs_real rs_clip_share(const Clip* clip, float ahead, float other_ahead) {
+  ClipPlane a = clip->plane, b = clip->other;
+  a.away -= ahead;
+  b.away -= other_ahead;
+  const rs_real zero = (rs_real)0.0f, one = (rs_real)1.0f;
+  const rs_real share = rs_outside_share(a.n, a.away);
+  if (!RS_ANY(clip->corner != 0.0f)) return share;
+  const rs_real other = rs_outside_share(b.n, b.away);
+  /* What is counted keeps to what the shares leave possible, so that where one plane alone matters it decides. */
+  const rs_real least = rs_larger(share + other - one, zero), most = rs_smaller(share, other);
+  const rs_real both = rs_larger(rs_smaller(rs_outside_both(&a, &b), most), least);
+  const rs_real cornered = clip->corner > 0.0f ? share + other - both : both;
+  return clip->corner != 0.0f ? cornered : share;
 }
 
 /* Fill that is left of a whole voxel. */
-RS_INLINE rs_int rs_fill_outside(RS_GLOBAL const SubstepArgs* a, const Clip* clip) {
-  rs_real n[3];
-  const rs_real away = rs_clip_plane(a, clip, n);
-  return RS_TO_INT(rs_outside_share(n, away) * (float)RS_WHOLE_FILL + 0.5f);
+RS_INLINE rs_int rs_fill_outside(const Clip* clip) {
+  return RS_TO_INT(rs_clip_share(clip, 0.0f, 0.0f) * (float)RS_WHOLE_FILL + 0.5f);
 }
 
 /* Fill that a voxel with `fill` left loses when the tool leaves `outside` of it: what little the rounding of positions
@@ -112,18 +170,27 @@ RS_INLINE void rs_clip_force(RS_GLOBAL const SubstepArgs* a, const Clip* clip, r
  * has no lips. */
 #define RS_LEAST_FACING 0.01f
 
+/* What of a voxel the tool's plane with normal part `nz` along the spin axis would take if it went a little further,
+ * `outside` being what the tool leaves; nothing where that plane has no lips. */
+RS_INLINE rs_real rs_next_share(const Clip* clip, rs_real nz, rs_real outside, float ahead, float other_ahead) {
+  const rs_real next = outside - rs_clip_share(clip, ahead, other_ahead);
+  return -nz > RS_LEAST_FACING ? next : (rs_real)0.0f;
+}
+
 /* Area, mm2, of the tool's face that rests against what is left of a voxel: what the face would take if it went a
  * little further, over how far that is. Over the voxels round a face it adds up to the face, because their outside
  * shares do. `left`: the voxel's fill, `outside`: what the tool leaves of a whole voxel. */
 RS_INLINE rs_real rs_resting_area(RS_GLOBAL const SubstepArgs* a, const Clip* clip, rs_int left, rs_int outside) {
   const rs_real zero = (rs_real)0.0f;
-  rs_real n[3];
-  const rs_real away = rs_clip_plane(a, clip, n);
-  const rs_real share = rs_outside_share(n, away) - rs_outside_share(n, away - RS_EDGE_PROBE);
+  const rs_real now = rs_clip_share(clip, 0.0f, 0.0f);
+  rs_real share = rs_next_share(clip, clip->plane.nz, now, RS_EDGE_PROBE, 0.0f);
+  if (RS_ANY(clip->corner != 0.0f)) {
+    const rs_real other = rs_next_share(clip, clip->other.nz, now, 0.0f, RS_EDGE_PROBE);
+    share += clip->corner != 0.0f ? other : zero;
+  }
   const rs_real area = share * (a->voxel_mm * a->voxel_mm / RS_EDGE_PROBE);
   const rs_real met = clip->distance <= RS_CLIP_REACH * a->voxel_mm ? area : zero;
-  const rs_real faced = -clip->n[2] > RS_LEAST_FACING ? met : zero;
-  const rs_real touched = left + a->least_loss >= outside ? faced : zero;
+  const rs_real touched = left + a->least_loss >= outside ? met : zero;
   return left > 0 ? touched : zero;
 }
 

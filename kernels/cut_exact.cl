@@ -22,7 +22,7 @@
       __global const uint *listed, __global VisitCounts *counts, __global const uint *lattice_of_slot,          \
       __global uint *occupancy, const int4 bricks, __global int *page_of_slot, __global uint *slot_of_page,     \
       __global ushort *pages, __global SubstepSums *sums, __global RemovedBlock *removed,                       \
-      __global const float *energy_of_grade, __global const ProfileEdge *edges, __global const ushort *numbers, \
+      __global const float *energy_of_grade, __global const OutlinePiece *pieces, __global const ushort *numbers, \
       __global const EdgeList *lists, __global const ProfileGrid *grid, RS_POOL_PARAMETERS
 
 /* A brick on its way through a visit. */
@@ -31,7 +31,7 @@ typedef struct {
   uint slot;
   int x, y, z;     /* its lowest voxel */
   float corner[3]; /* that voxel's centre in the substep at hand, T */
-  EdgeList list;   /* edges that can be nearest in the window at hand */
+  EdgeList list;   /* pieces of the outline that can be nearest in the window at hand */
 } Visit;
 
 Visit begin_visit(const uint slot, const uint lattice, const int4 bricks, __global Brick* brick) {
@@ -50,14 +50,14 @@ void go_to_substep(__global const SubstepArgs* a, Visit* v) {
 }
 
 /* As well, where a window begins with the substep. */
-void begin_window(__global const SubstepArgs* a, const ProfileView* profile, Visit* v) {
+void begin_window(__global const SubstepArgs* a, const OutlineView* outline, Visit* v) {
   go_to_substep(a, v);
   float p[3];
   for (int i = 0; i < 3; ++i) {
     __global const double* row = a->tool_from_voxel + 3 * i;
     p[i] = v->corner[i] + (float)(3.5 * (row[0] + row[1] + row[2]));
   }
-  v->list = rs_edges_near(profile, sqrt(p[0] * p[0] + p[1] * p[1]), p[2]);
+  v->list = rs_pieces_near(outline, sqrt(p[0] * p[0] + p[1] * p[1]), p[2]);
 }
 
 /* The brick's page of fill, a new one of whole voxels where it had none. */
@@ -82,7 +82,7 @@ typedef struct {
   ushort place[RS_BRICK_VOXELS + 16];
   int fill[RS_BRICK_VOXELS + 16];
   float energy[RS_BRICK_VOXELS + 16]; /* of the whole voxel, mJ */
-  EdgeList near[RS_BRICK_VOXELS / 16 + 1]; /* of each sixteen: the edges that can be nearest */
+  EdgeList near[RS_BRICK_VOXELS / 16 + 1]; /* of each sixteen: the pieces that can be nearest */
 } Candidates;
 
 float16 offset_x(const int16 place) {
@@ -95,46 +95,40 @@ float16 offset_z(const int16 place) {
   return convert_float16((place >> 8 & 1) << 2 | (place >> 4 & 3));
 }
 
-/* Distances of sixteen points (r, z) from an edge. */
-float16 edge_distances(__global const ProfileEdge* e, const float16 r, const float16 z) {
-  const float16 vr = r - e->r0, vz = z - e->z0;
-  const float16 t = clamp((vr * e->along_r + vz * e->along_z) * e->inverse_length2, 0.0f, 1.0f);
-  const float16 dr = vr - t * e->along_r, dz = vz - t * e->along_z;
-  return sqrt(dr * dr + dz * dz);
-}
-
-/* The part of the brick's list from the first to the last edge that can be nearest to any of sixteen voxels while the tool
- * moves by `shift` mm. Along a smooth profile that is a few edges of many. */
-EdgeList near_edges(__global const SubstepArgs* a, const ProfileView* profile, const Visit* v, const int16 place,
-                    const float shift) {
+/* The part of the brick's list from the first to the last piece that can be nearest to any of sixteen voxels while the
+ * tool moves by `shift` mm. */
+EdgeList near_pieces(__global const SubstepArgs* a, const OutlineView* outline, const Visit* v, const int16 place,
+                     const float shift) {
+  EdgeList near = v->list;
+  if (near.count <= 1) return near;
   float16 p[3];
   rs_voxel_in_tool(a, v->corner, offset_x(place), offset_y(place), offset_z(place), p);
   const float16 r = sqrt(p[0] * p[0] + p[1] * p[1]);
-  __global const ushort* numbers = profile->numbers + v->list.first;
-  float16 least = (float16)1e30f;
-  for (uint i = 0; i < v->list.count; ++i) least = fmin(least, edge_distances(profile->edges + numbers[i], r, p[2]));
-  const float16 limit = least + 2.0f * (shift + POSITION_SLACK);
-  uint begin = v->list.count, end = 0;
-  for (uint i = 0; i < v->list.count; ++i) {
-    if (!any(edge_distances(profile->edges + numbers[i], r, p[2]) <= limit)) continue;
+  const float16 limit =
+      fabs(rs_outline_nearest(outline, near, r, p[2]).distance) + 2.0f * (shift + POSITION_SLACK);
+  uint begin = near.count, end = 0;
+  for (uint i = 0; i < near.count; ++i) {
+    const EdgeList one = {near.first + i, 1};
+    if (!any(fabs(rs_outline_nearest(outline, one, r, p[2]).distance) <= limit)) continue;
     begin = min(begin, i);
     end = i + 1;
   }
-  const EdgeList near = {v->list.first + begin, end - begin};
+  near.first += begin;
+  near.count = end - begin;
   return near;
 }
 
 /* Voxels that the surface can meet while the tool moves by `shift` mm; what lies inside it goes in any case. */
-void find_candidates(__global const SubstepArgs* a, const ProfileView* profile, const Visit* v, const float shift,
+void find_candidates(__global const SubstepArgs* a, const OutlineView* outline, const Visit* v, const float shift,
                      __global const ushort* page, __global const float* energy_of_grade, Candidates* c) {
   const int16 lane = (int16)(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
   const float reach = RS_CLIP_REACH * a->voxel_mm + shift + POSITION_SLACK;
   c->count = 0;
   /* Eight blocks of 4x4x4 voxels first, then in those that are near, layers of 16 voxels. */
-  const Clip blocks = rs_clip(a, profile, v->list, v->corner, convert_float16((lane & 1) << 2) + 1.5f,
-                              convert_float16((lane & 2) << 1) + 1.5f, convert_float16(lane & 4) + 1.5f);
+  const float16 blocks = rs_clip_distance(a, outline, v->list, v->corner, convert_float16((lane & 1) << 2) + 1.5f,
+                                          convert_float16((lane & 2) << 1) + 1.5f, convert_float16(lane & 4) + 1.5f);
   float block_distance[16];
-  vstore16(blocks.distance, 0, block_distance);
+  vstore16(blocks, 0, block_distance);
   for (int block = 0; block < 8; ++block) {
     if (block_distance[block] > reach + 2.6f * a->voxel_mm) continue;
     const float16 x = convert_float16((block & 1) << 2 | (lane & 3)), y = convert_float16((block & 2) << 1 | lane >> 2);
@@ -142,9 +136,9 @@ void find_candidates(__global const SubstepArgs* a, const ProfileView* profile, 
       const int first = block << 6 | layer << 4;
       const uint bone = v->brick->bone[first >> 5] >> (first & 31) & 0xffffu;
       if (bone == 0) continue;
-      const Clip clip = rs_clip(a, profile, v->list, v->corner, x, y, (float16)(float)((block & 4) | layer));
+      const float16 z = (float16)(float)((block & 4) | layer);
       float distance[16];
-      vstore16(clip.distance, 0, distance);
+      vstore16(rs_clip_distance(a, outline, v->list, v->corner, x, y, z), 0, distance);
       for (int l = 0; l < 16; ++l) {
         const int place = first + l;
         c->place[c->count] = (ushort)place;
@@ -158,7 +152,7 @@ void find_candidates(__global const SubstepArgs* a, const ProfileView* profile, 
   vstore16((int16)0, 0, c->fill + c->count);
   vstore16((float16)0.0f, 0, c->energy + c->count);
   for (int i = 0; i < c->count; i += 16)
-    c->near[i >> 4] = near_edges(a, profile, v, convert_int16(vload16(0, c->place + i)), shift);
+    c->near[i >> 4] = near_pieces(a, outline, v, convert_int16(vload16(0, c->place + i)), shift);
 }
 
 long add_lanes(const long16 v) {
@@ -167,7 +161,7 @@ long add_lanes(const long16 v) {
 }
 
 /* Cuts the candidates in one substep, or lets the lips' edges rub on them; true where any loses something. */
-bool cut_candidates(__global const SubstepArgs* a, const ProfileView* profile, const Visit* v, const uint substep,
+bool cut_candidates(__global const SubstepArgs* a, const OutlineView* outline, const Visit* v, const uint substep,
                     Candidates* c, RemovedReport* report, long* total) {
   LaneSums lanes;
   for (int i = 0; i < 3; ++i) lanes.force[i] = lanes.torque[i] = (long16)0;
@@ -177,9 +171,9 @@ bool cut_candidates(__global const SubstepArgs* a, const ProfileView* profile, c
   bool any_gone = false;
   for (int i = 0; i < c->count; i += 16) {
     const int16 place = convert_int16(vload16(0, c->place + i));
-    const Clip clip = rs_clip(a, profile, c->near[i >> 4], v->corner, offset_x(place), offset_y(place), offset_z(place));
+    const Clip clip = rs_clip(a, outline, c->near[i >> 4], v->corner, offset_x(place), offset_y(place), offset_z(place));
     const int16 before = vload16(0, c->fill + i);
-    const int16 outside = rs_fill_outside(a, &clip), lost = rs_clip_loss(a, before, outside);
+    const int16 outside = rs_fill_outside(&clip), lost = rs_clip_loss(a, before, outside);
     if (rs_has_edge(a)) rs_edge_force(a, &clip, before - lost, outside, &lanes);
     if (!any(lost > 0)) continue;
     rs_clip_force(a, &clip, vload16(0, c->energy + i), lost, &lanes);
@@ -220,7 +214,7 @@ bool cut_candidates(__global const SubstepArgs* a, const ProfileView* profile, c
 }
 
 __kernel void cut_exact(PARAMETERS) {
-  const ProfileView profile = {edges, numbers, lists, grid};
+  const OutlineView outline = {pieces, numbers, lists, grid};
   __global Brick* pools[RS_POOLS] = RS_POOL_ARRAY;
   const uint first = windows[0].first, end = windows[window_count - 1].end;
   long totals[RS_VISIT_SUBSTEPS][SUMS];
@@ -236,14 +230,14 @@ __kernel void cut_exact(PARAMETERS) {
     bool any_cut = false;
     for (uint w = 0; w < window_count; ++w) {
       const SubstepWindow window = windows[w];
-      begin_window(args + window.first, &profile, &v);
+      begin_window(args + window.first, &outline, &v);
       const int page = page_of_slot[slot];
-      find_candidates(args + window.first, &profile, &v, window.shift_mm, page < 0 ? 0 : pages + (ulong)page * RS_BRICK_VOXELS, energy_of_grade, &candidates);
+      find_candidates(args + window.first, &outline, &v, window.shift_mm, page < 0 ? 0 : pages + (ulong)page * RS_BRICK_VOXELS, energy_of_grade, &candidates);
       if (candidates.count == 0) continue;
       bool cut = false;
       for (uint s = window.first; s < window.end; ++s) {
         go_to_substep(args + s, &v);
-        cut |= cut_candidates(args + s, &profile, &v, s, &candidates, &report, totals[s - first]);
+        cut |= cut_candidates(args + s, &outline, &v, s, &candidates, &report, totals[s - first]);
       }
       if (!cut) continue;
       any_cut = true;
@@ -260,16 +254,16 @@ __kernel void cut_exact(PARAMETERS) {
 #else
 
 /* What the work-item's voxels of the brick lose in one substep. */
-void cut_voxels(__global const SubstepArgs* a, const ProfileView* profile, const Visit* v, __global ushort* page,
+void cut_voxels(__global const SubstepArgs* a, const OutlineView* outline, const Visit* v, __global ushort* page,
                 __global const float* energy_of_grade, __local uint* gone_words, long* total) {
   LaneSums sums = {{0, 0, 0}, {0, 0, 0}, 0, 0};
   for (uint place = get_local_id(0); place < RS_BRICK_VOXELS; place += get_local_size(0)) {
     if ((v->brick->bone[place >> 5] >> (place & 31u) & 1u) == 0) continue;
     const int at = (int)place;
     const Clip clip =
-        rs_clip(a, profile, v->list, v->corner, (float)rs_offset_x(at), (float)rs_offset_y(at), (float)rs_offset_z(at));
+        rs_clip(a, outline, v->list, v->corner, (float)rs_offset_x(at), (float)rs_offset_y(at), (float)rs_offset_z(at));
     const int before = page[place];
-    const int outside = rs_fill_outside(a, &clip), lost = rs_clip_loss(a, before, outside);
+    const int outside = rs_fill_outside(&clip), lost = rs_clip_loss(a, before, outside);
     if (rs_has_edge(a)) rs_edge_force(a, &clip, before - lost, outside, &sums);
     if (lost == 0) continue;
     rs_clip_force(a, &clip, energy_of_grade[v->brick->grade[place]], lost, &sums);
@@ -289,7 +283,7 @@ void cut_voxels(__global const SubstepArgs* a, const ProfileView* profile, const
 __kernel void cut_exact(PARAMETERS) {
   __local uint gone_words[RS_BRICK_WORDS];
   __local int page_here;
-  const ProfileView profile = {edges, numbers, lists, grid};
+  const OutlineView outline = {pieces, numbers, lists, grid};
   __global Brick* pools[RS_POOLS] = RS_POOL_ARRAY;
   const uint first = windows[0].first, end = windows[window_count - 1].end, listed_count = counts->listed;
   const uint item = get_local_id(0), items = get_local_size(0);
@@ -310,8 +304,8 @@ __kernel void cut_exact(PARAMETERS) {
       for (uint w = item; w < RS_BRICK_WORDS; w += items) gone_words[w] = 0;
       barrier(CLK_LOCAL_MEM_FENCE | CLK_GLOBAL_MEM_FENCE);
       long total[SUMS] = {0};
-      begin_window(args + s, &profile, &v);
-      cut_voxels(args + s, &profile, &v, page, energy_of_grade, gone_words, total);
+      begin_window(args + s, &outline, &v);
+      cut_voxels(args + s, &outline, &v, page, energy_of_grade, gone_words, total);
       if (total[9] != 0 || rs_has_edge(args + s)) add_brick_sums(&sums[s], total);
       barrier(CLK_LOCAL_MEM_FENCE | CLK_GLOBAL_MEM_FENCE);
       for (uint block = item; block < 8; block += items) {

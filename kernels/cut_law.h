@@ -100,14 +100,18 @@ RS_INLINE void rs_add_resistance(const ToolMotion* m, const rs_real* n, const rs
   rs_add_force(sums, f, p);
 }
 
-/* What the size effect makes of the specific energy: (h0/h)^m with h the chip's thickness, how far the surface goes
- * along its normal from one lip's passing to the next. The spin moves no surface of revolution along its normal, and is
- * left out, because it would drown a slow feed in rounding. */
-RS_INLINE rs_real rs_size_factor(RS_GLOBAL const SubstepArgs* a, const rs_real* n, const rs_real* p) {
+/* How fast a surface of revolution with normal `n` at `p` advances along it, mm/s. The spin moves none along its
+ * normal, and is left out, because it would drown a slow feed in rounding. */
+RS_INLINE rs_real rs_advance(RS_GLOBAL const SubstepArgs* a, const rs_real* n, const rs_real* p) {
   RS_GLOBAL const float *w = a->angular_velocity, *v0 = a->origin_velocity;
+  return n[0] * (v0[0] + w[1] * p[2]) + n[1] * (v0[1] - w[0] * p[2]) + n[2] * (v0[2] + (w[0] * p[1] - w[1] * p[0]));
+}
+
+/* What the size effect makes of the specific energy: (h0/h)^m with h the chip's thickness, how far the surface goes
+ * along its normal from one lip's passing to the next. */
+RS_INLINE rs_real rs_size_factor(RS_GLOBAL const SubstepArgs* a, const rs_real* n, const rs_real* p) {
   const rs_real least = (rs_real)a->least_chip, most = (rs_real)a->most_chip;
-  const rs_real advance =
-      n[0] * (v0[0] + w[1] * p[2]) + n[1] * (v0[1] - w[0] * p[2]) + n[2] * (v0[2] + (w[0] * p[1] - w[1] * p[0]));
+  const rs_real advance = rs_advance(a, n, p);
   const rs_real chip = (advance < 0.0f ? -advance : advance) * a->chip_per_speed;
   const rs_real at_least = chip > least ? chip : least;
   return rs_power(at_least < most ? at_least : most, -a->size_exponent);

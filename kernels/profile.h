@@ -20,10 +20,12 @@ typedef long16 rs_sum;
 #define RS_TO_REAL(value) convert_float16(value)
 #define RS_BITS_OF(real) as_int16(real)
 #define RS_REAL_OF(bits) as_float16(bits)
+#define RS_ANY(condition) any(condition)
 #else
 typedef float rs_real;
 typedef rs_i32 rs_int;
 typedef rs_i64 rs_sum;
+#define RS_ANY(condition) (condition)
 #define RS_TO_SUM(value) ((rs_i64)(value))
 #define RS_TO_INT(value) ((rs_i32)(value))
 #define RS_TO_REAL(value) ((float)(value))
@@ -53,7 +55,6 @@ typedef struct {
   float r1, z1; /* exactly the next edge's r0 and z0 */
   float inverse_length2;
   float normal_r, normal_z;
-  float curvature; /* of the line that the edge is part of, 1/mm; positive where it bulges outwards */
 } ProfileEdge;
 
 /* Which edges can be nearest: a grid of square cells over (r, z), each with a list of edges in ascending order that
@@ -78,12 +79,16 @@ typedef struct {
   RS_GLOBAL const ProfileGrid* grid;
 } ProfileView;
 
+/* Of the grid's lists that for points within its reach of (r, z). */
+RS_INLINE EdgeList rs_list_of_cell(RS_GLOBAL const ProfileGrid* g, RS_GLOBAL const EdgeList* lists, float r, float z) {
+  const float cr = r * g->per_mm, cz = (z - g->z0) * g->per_mm;
+  if (!(cr < (float)g->count_r && cz >= 0 && cz < (float)g->count_z)) return lists[0];
+  return lists[1 + (rs_i32)cr + g->count_r * (rs_i32)cz];
+}
+
 /* The list of edges for points within the grid's reach of (r, z). */
 RS_INLINE EdgeList rs_edges_near(const ProfileView* profile, float r, float z) {
-  RS_GLOBAL const ProfileGrid* g = profile->grid;
-  const float cr = r * g->per_mm, cz = (z - g->z0) * g->per_mm;
-  if (!(cr < (float)g->count_r && cz >= 0 && cz < (float)g->count_z)) return profile->lists[0];
-  return profile->lists[1 + (rs_i32)cr + g->count_r * (rs_i32)cz];
+  return rs_list_of_cell(profile->grid, profile->lists, r, z);
 }
 
 /* The profile's surface next to a point: the signed distance to it, negative inside, mm, and its outward unit normal.
@@ -91,7 +96,6 @@ RS_INLINE EdgeList rs_edges_near(const ProfileView* profile, float r, float z) {
 typedef struct {
   rs_real distance;
   rs_real normal_r, normal_z;
-  rs_real curvature; /* of the profile, 1/mm */
 } Nearest;
 
 /* What lies nearest to (r, z), of the edges in `list`. The normal is the gradient of the distance; next to an edge that
@@ -99,8 +103,7 @@ typedef struct {
  */
 RS_INLINE Nearest rs_profile_nearest(const ProfileView* profile, EdgeList list, rs_real r, rs_real z) {
   const rs_real zero = (rs_real)0.0f, one = (rs_real)1.0f;
-  rs_real best = (rs_real)1e30f, best_side = zero, beside = zero, dr = zero, dz = zero, nr = zero, nz = -one,
-          curvature = zero;
+  rs_real best = (rs_real)1e30f, best_side = zero, beside = zero, dr = zero, dz = zero, nr = zero, nz = -one;
   for (rs_u32 i = 0; i < list.count; ++i) {
     RS_GLOBAL const ProfileEdge* e = profile->edges + profile->numbers[list.first + i];
     const rs_real vr = r - e->r0, vz = z - e->z0;
@@ -124,7 +127,6 @@ RS_INLINE Nearest rs_profile_nearest(const ProfileView* profile, EdgeList list, 
     dz = gain > 0.0f ? pz : dz;
     nr = gain > 0.0f ? (rs_real)e->normal_r : nr;
     nz = gain > 0.0f ? (rs_real)e->normal_z : nz;
-    curvature = gain > 0.0f ? (rs_real)e->curvature : curvature;
   }
   /* At a vertex the direction is undefined: an edge's own normal. */
   beside = best > 1e-12f ? beside : one;
@@ -134,7 +136,6 @@ RS_INLINE Nearest rs_profile_nearest(const ProfileView* profile, EdgeList list, 
   out.distance = beside > 0.0f ? best_side : sign * root;
   out.normal_r = beside > 0.0f ? nr : dr * signed_inverse;
   out.normal_z = beside > 0.0f ? nz : dz * signed_inverse;
-  out.curvature = curvature;
   return out;
 }
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "kernels/clip.h"
+#include "kernels/cube_share.h"
 #include "sim/base/geometry.h"
 
 namespace reamsim {

@@ -11,14 +11,15 @@ struct CoarseDistance {
   std::vector<float> mm;  ///< at the cells' centres
 };
 
-/// Covers every point within the longest reach of kernels/reach_exact.cl of the profile.
-CoarseDistance make_coarse_distance(const Profile& profile, double voxel_mm);
+/// Covers every point within the longest reach of kernels/reach_exact.cl of a surface that lies up to `bulge_mm` from
+/// the profile.
+CoarseDistance make_coarse_distance(const Profile& profile, double bulge_mm, double voxel_mm);
 
 /// The bricks that the tool's surface can meet in a visit; see kernels/reach_exact.cl.
 class ExactReach {
  public:
   ExactReach(const cl::Device& device, const BrickedState& state, const DeviceBatch& batch, const Profile& profile,
-             std::size_t work_group);
+             double bulge_mm, std::size_t work_group);
 
   /// Enqueues the listing of a visit's bricks, and returns how many there are.
   std::size_t list(const VisitPlan& visit, VisitCounts counts);

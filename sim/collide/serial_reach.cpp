@@ -8,7 +8,7 @@ void SerialReach::detect(int slot) {
   const Stopwatch watch;
   const VoxelGrid& grid = state_.grid;
   // A voxel is met by a surface that passes less than its diagonal from its centre.
-  const Aabb tool = state_.tool->profile.bounds().expanded(grid.voxel_mm);
+  const Aabb tool = state_.tool->profile.bounds().expanded(grid.voxel_mm + state_.outline.bulge_mm);
   const VoxelBox all{Vec3i::Zero(), grid.dims - Vec3i::Ones()};
   const VoxelBox box = voxel_voi(state_.args[static_cast<std::size_t>(slot)], tool, all);
   for (int z = box.first.z(); z <= box.last.z(); ++z) {

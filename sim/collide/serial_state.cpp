@@ -8,6 +8,7 @@ SerialState make_serial_state(const Voxmap& voxmap, const Tool& tool) {
   SerialState state;
   state.tool = &tool;
   state.profile = full_profile_table(tool.profile);
+  state.outline = full_outline_table(tool.profile, voxmap.grid.voxel_mm);
   take_bone(voxmap, state);
   return state;
 }

@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "sim/bone/voxmap.h"
+#include "sim/collide/outline_table.h"
 #include "sim/collide/profile_table.h"
 #include "sim/tool/tool.h"
 
@@ -12,6 +13,7 @@ namespace reamsim {
 struct SerialState {
   const Tool* tool = nullptr;
   ProfileTable profile;
+  OutlineTable outline;
   VoxelGrid grid;
   std::vector<std::uint8_t> bone;   ///< grade, 0 = air or gone
   std::vector<std::uint16_t> fill;  ///< dense

@@ -10,12 +10,14 @@ extern const char* const kernel_cut_exact;
 }
 
 ExactCut::ExactCut(const cl::Device& device, const BrickedState& state, const DeviceBatch& batch,
-                   const ExactReach& reach, const EnergyTable& table, const BrickedOptions& options)
+                   const ExactReach& reach, const OutlineTable& outline, const EnergyTable& table,
+                   const BrickedOptions& options)
     : device_(device),
       items_(cut_items(device.info(), options)),
       work_group_(options.work_group),
       energy_(device, table.energy_mj.size(), "the energy table"),
       windows_(device, RS_VISIT_SUBSTEPS, "the windows of a visit"),
+      outline_(device, outline),
       kernel_(device.build("cut_exact.cl", embedded::kernel_cut_exact, cut_defines(state.layout, options.shape)),
               "cut_exact") {
   std::vector<float> energy(table.energy_mj.size());
@@ -31,7 +33,7 @@ ExactCut::ExactCut(const cl::Device& device, const BrickedState& state, const De
   kernel_.set(7, state.bricks);
   kernel_.set(11, batch.sums());
   kernel_.set(13, energy_);
-  state.profile.set(kernel_, 14);
+  outline_.set(kernel_, 14);
   state.set_pools(kernel_, 18);
 }
 

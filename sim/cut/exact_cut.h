@@ -2,6 +2,7 @@
 
 #include "sim/collide/exact_reach.h"
 #include "sim/collide/fill_pages.h"
+#include "sim/collide/outline_table.h"
 #include "sim/cut/energy_table.h"
 
 namespace reamsim {
@@ -10,7 +11,7 @@ namespace reamsim {
 class ExactCut {
  public:
   ExactCut(const cl::Device& device, const BrickedState& state, const DeviceBatch& batch, const ExactReach& reach,
-           const EnergyTable& table, const BrickedOptions& options);
+           const OutlineTable& outline, const EnergyTable& table, const BrickedOptions& options);
 
   /// Records of removed voxels that a visit can make at most.
   [[nodiscard]] static std::size_t most_records(std::size_t listed, int substeps);
@@ -25,6 +26,7 @@ class ExactCut {
   std::size_t work_group_;
   cl::Buffer<float> energy_;
   cl::Buffer<SubstepWindow> windows_;
+  DeviceOutline outline_;
   cl::Kernel kernel_;
   std::vector<cl::Event> events_;
 };

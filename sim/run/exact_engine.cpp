@@ -31,12 +31,14 @@ class ExactEngine final : public Engine {
       : device_(info),
         grid_(voxmap.grid),
         bone_(bone_extent(voxmap)),
-        tool_box_(tool.profile.bounds()),
+        outline_(make_outline_table(tool.profile, voxmap.grid.voxel_mm)),
+        tool_box_(tool.profile.bounds().expanded(outline_.bulge_mm)),
         state_(make_bricked_state(device_, voxmap, tool, FillStore::pages)),
         fill_(make_fill_pages(device_, voxmap)),
         batch_(device_, kNoList),
-        reach_(device_, state_, batch_, tool.profile, choose_options(info, scenario.engine).work_group),
-        cut_(device_, state_, batch_, reach_, make_energy_table(scenario.cutting, voxmap.grid.voxel_mm),
+        reach_(device_, state_, batch_, tool.profile, outline_.bulge_mm,
+               choose_options(info, scenario.engine).work_group),
+        cut_(device_, state_, batch_, reach_, outline_, make_energy_table(scenario.cutting, voxmap.grid.voxel_mm),
              choose_options(info, scenario.engine)),
         records_(device_, 1, "the list of removed voxels") {}
 
@@ -108,6 +110,7 @@ class ExactEngine final : public Engine {
   cl::Device device_;
   VoxelGrid grid_;
   VoxelBox bone_;
+  OutlineTable outline_;
   Aabb tool_box_;
   BrickedState state_;
   FillPages fill_;

@@ -138,6 +138,54 @@ TEST(Exact, CapVolume) {
   EXPECT_GT(cap_error(ball(0.1, 490), 0.25, "remove"), 50 * exact);
 }
 
+/// Mean and standard deviation of a column of forces.csv, over the last `rows` rows.
+std::pair<double, double> statistics_of(const std::string& forces, std::size_t column, std::size_t rows) {
+  std::vector<double> values;
+  std::istringstream lines(forces);
+  std::string line;
+  std::getline(lines, line);
+  while (std::getline(lines, line)) {
+    std::istringstream row(line);
+    std::string cell;
+    for (std::size_t i = 0; i <= column; ++i) std::getline(row, cell, ',');
+    values.push_back(std::stod(cell));
+  }
+  values.erase(values.begin(), values.end() - static_cast<std::ptrdiff_t>(rows));
+  double mean = 0, square = 0;
+  for (const double v : values) mean += v / static_cast<double>(rows);
+  for (const double v : values) square += (v - mean) * (v - mean) / static_cast<double>(rows);
+  return {mean, std::sqrt(square)};
+}
+
+TEST(Exact, ARimAlongTheLatticeTakesTheSameFromEveryLayer) {
+  // All round the rim the layers of voxels are cut at the same phase, so that what one plane per voxel would make of
+  // the corner shows as a ripple. Torque, too, has its closed form (design §5).
+  constexpr double kOuter = 10, kBore = 1.25, kFeed_mm = 0.01, kRpm = 250, kSpin = kRpm * M_PI / 30;
+  constexpr std::size_t kSteady = 150;  // frames: three layers
+  const Profile flat{{{kBore, 0}, {kOuter, 0}, {kOuter, 5}, {kBore, 5}}};
+  for (const Profile& profile : {flat, cap_profile(29, 2 * kOuter, 6, kBore)}) {
+    // Down to a depth of 1.9 mm at the rim, a hundredth of a millimetre a frame.
+    const double rim = profile.points.size() > 4 ? 29 - std::sqrt(29 * 29 - kOuter * kOuter) : 0;
+    const int frames = static_cast<int>(std::round((rim + 2) / kFeed_mm));
+    ReamingScene scene = exact({});
+    scene.scenario = quiet_scenario("auto");
+    scene.scenario.cutting.erosion = "exact";
+    scene.bone.voxmap = block({24, 24, 5}, 0.5, 1.8);
+    scene.tool = make_tool(profile, 64);
+    scene.motion = straight({0.13, 0.07, 0.1}, {0.13, 0.07, 0.1 - frames * kFeed_mm}, frames, 1000, kRpm);
+    const Outcome outcome = run(scene);
+    const double area = M_PI * (kOuter * kOuter - kBore * kBore);
+    const auto [volume, volume_ripple] = statistics_of(outcome.forces, 21, kSteady);
+    const auto [torque, torque_ripple] = statistics_of(outcome.forces, 19, kSteady);
+    std::cout << "volume " << volume / (area * kFeed_mm) - 1 << " off, ripple " << volume_ripple / volume
+              << "; ripple of the torque " << torque_ripple / torque << '\n';
+    EXPECT_NEAR(volume, area * kFeed_mm, 1e-3 * area * kFeed_mm);
+    EXPECT_LT(volume_ripple / volume, 2e-3);
+    EXPECT_NEAR(std::abs(torque), 150 * area * kFeed_mm * 1000 / kSpin, 5e-3 * std::abs(torque));
+    EXPECT_LT(std::abs(torque_ripple / torque), 2e-3);
+  }
+}
+
 TEST(Exact, RestingTurningAndComingBackTakeNothing) {
   const Tool tool = ball(0.3);
   ReamingScene scene = plunged_ball(tool, 0.5, Vec3(0.11, 0.23, 0), Quat(Eigen::AngleAxisd(0.3, Vec3::UnitX())));

@@ -1,0 +1,147 @@
+#include "sim/tool/outline.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <optional>
+#include <span>
+
+namespace reamsim {
+
+namespace {
+
+constexpr std::size_t kLeastVertices = 4;  // any three lie on a circle
+constexpr double kLargestArc = std::numbers::pi / 2;
+
+/// A vector turned by 90° to the right: outwards from the way along an outline.
+Vec2 right_of(const Vec2& v) {
+  return {v.y(), -v.x()};
+}
+
+OutlineArc line(const Vec2& a, const Vec2& b) {
+  const Vec2 along = (b - a).normalized();
+  return {a, b, along, along, 0.5 * (a + b), right_of(along), 0};
+}
+
+/// The circle through three points, if they lie on one: its curvature, positive where the way turns left.
+struct Circle {
+  Vec2 center;
+  double curvature;
+};
+
+std::optional<Circle> circle_through(const Vec2& a, const Vec2& b, const Vec2& c) {
+  const Vec2 u = b - a, v = c - a;
+  const double cross = u.x() * v.y() - u.y() * v.x();
+  if (std::abs(cross) < 1e-9 * u.norm() * v.norm()) return std::nullopt;
+  const Vec2 to_center =
+      Vec2(v.y() * u.squaredNorm() - u.y() * v.squaredNorm(), u.x() * v.squaredNorm() - v.x() * u.squaredNorm()) /
+      (2 * cross);
+  return Circle{a + to_center, std::copysign(1 / to_center.norm(), cross)};
+}
+
+/// The arc through a row of vertices, if all lie on one.
+std::optional<OutlineArc> arc_through(std::span<const Vec2> points) {
+  const auto circle = circle_through(points.front(), points[points.size() / 2], points.back());
+  if (!circle) return std::nullopt;
+  const double radius = 1 / std::abs(circle->curvature), side = std::copysign(1.0, circle->curvature);
+  double turned = 0;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (std::abs((points[i] - circle->center).norm() - radius) > kOnArcMm) return std::nullopt;
+    if (i == 0) continue;
+    const double turn = turn_between(points[i - 1] - circle->center, points[i] - circle->center);
+    if (turn * side <= 0 || std::abs(turn) > kSharpTurn) return std::nullopt;
+    turned += turn;
+  }
+  if (std::abs(turned) > kLargestArc + 1e-6) return std::nullopt;
+  // Outwards from the centre where the outline bulges, towards it where it is hollow.
+  const auto normal_at = [&](const Vec2& p) -> Vec2 { return side * (p - circle->center).normalized(); };
+  const auto along_at = [&](const Vec2& p) -> Vec2 { return -right_of(normal_at(p)); };
+  const Vec2 a = points.front(), b = points.back();
+  const Vec2 normal = (normal_at(a) + normal_at(b)).normalized();
+  return OutlineArc{a, b, along_at(a), along_at(b), circle->center + side * radius * normal, normal, circle->curvature};
+}
+
+/// The profile's vertices in rows that are off the axis and without repeats, each from where an edge follows to where
+/// none does; the last begins anew where the outline is closed off the axis.
+std::vector<std::vector<Vec2>> rows_of(const Profile& profile) {
+  const std::vector<Vec2>& points = profile.points;
+  const std::size_t n = points.size();
+  const auto is_surface = [&](std::size_t i) {
+    const Vec2 &a = points[i % n], &b = points[(i + 1) % n];
+    return a.cast<float>() != b.cast<float>() && !(Profile::on_axis(a) && Profile::on_axis(b));
+  };
+  std::size_t first = 0;
+  while (first < n && is_surface(first + n - 1)) ++first;
+  if (first == n) first = 0;
+  std::vector<std::vector<Vec2>> rows;
+  bool open = false;
+  for (std::size_t k = first; k < first + n; ++k) {
+    const Vec2 &a = points[k % n], &b = points[(k + 1) % n];
+    if (a.cast<float>() == b.cast<float>()) continue;
+    if (!is_surface(k)) {
+      open = false;
+      continue;
+    }
+    if (!open) rows.push_back({a});
+    rows.back().push_back(b);
+    open = true;
+  }
+  return rows;
+}
+
+/// The longest arc that begins with vertex `first` of a row: how many vertices it takes, 0 for none.
+std::size_t longest_arc(std::span<const Vec2> row, std::size_t first) {
+  std::size_t count = 0;
+  for (std::size_t n = kLeastVertices; first + n <= row.size(); ++n) {
+    if (!arc_through(row.subspan(first, n))) break;
+    count = n;
+  }
+  return count;
+}
+
+double sagitta(double curvature, double chord) {
+  return std::abs(curvature) * chord * chord / 8;
+}
+
+}  // namespace
+
+double turn_between(const Vec2& a, const Vec2& b) {
+  return std::atan2(a.x() * b.y() - a.y() * b.x(), a.dot(b));
+}
+
+double OutlineArc::length() const {
+  const double chord = (end - begin).norm();
+  if (curvature == 0) return chord;
+  return 2 / std::abs(curvature) * std::asin(std::min(1.0, 0.5 * chord * std::abs(curvature)));
+}
+
+double OutlineArc::distance(const Vec2& rz) const {
+  const bool before = (rz - begin).dot(along_begin)<0, past = (rz - end).dot(along_end)> 0;
+  if (before || past) return std::min((rz - begin).norm(), (rz - end).norm());
+  const Vec2 w = rz - middle;
+  const double q = curvature * w.squaredNorm() + 2 * w.dot(normal);
+  return std::abs(q / (1 + std::sqrt(std::max(0.0, 1 + curvature * q))));
+}
+
+Outline fit_outline(const Profile& profile) {
+  Outline out;
+  for (const std::vector<Vec2>& row : rows_of(profile)) {
+    for (std::size_t i = 0; i + 1 < row.size();) {
+      const std::size_t count = longest_arc(row, i);
+      if (count == 0) {
+        out.arcs.push_back(line(row[i], row[i + 1]));
+        ++i;
+        continue;
+      }
+      out.arcs.push_back(*arc_through(std::span(row).subspan(i, count)));
+      for (std::size_t k = i; k + 1 < i + count; ++k) {
+        out.bulge_mm =
+            std::max(out.bulge_mm, kOnArcMm + sagitta(out.arcs.back().curvature, (row[k + 1] - row[k]).norm()));
+      }
+      i += count - 1;
+    }
+  }
+  return out;
+}
+
+}  // namespace reamsim
