@@ -59,13 +59,17 @@ RS_INLINE float rs_clip_point(rs_i32 i) {
   return ((float)i + 0.5f) * (1.0f / RS_CLIP_POINTS) - 0.5f;
 }
 
-/* Part of a unit cube that lies beyond both of two planes, by counting RS_CLIP_POINTS^3 points; one within half a
- * spacing of a plane counts in part. */
+/* Part of a unit cube that lies beyond both of two planes, by counting RS_CLIP_POINTS^3 points, a point that has a
+ * plane within half a spacing in part. Of such parts to two planes at right angles the product lies beyond both, to
+ * parallel ones the smaller, to opposite ones what exceeds the whole; at other angles something between by their
+ * cosine. */
 RS_INLINE rs_real rs_outside_both(const ClipPlane* a, const ClipPlane* b) {
   const float spacing = 1.0f / RS_CLIP_POINTS;
   const rs_real zero = (rs_real)0.0f, one = (rs_real)1.0f, middle = (rs_real)0.5f;
   const rs_real per_a = (float)RS_CLIP_POINTS / (rs_abs(a->n[0]) + rs_abs(a->n[1]) + rs_abs(a->n[2]));
   const rs_real per_b = (float)RS_CLIP_POINTS / (rs_abs(b->n[0]) + rs_abs(b->n[1]) + rs_abs(b->n[2]));
+  const rs_real cosine = a->n[0] * b->n[0] + a->n[1] * b->n[1] + a->n[2] * b->n[2];
+  const rs_real alike = rs_larger(cosine, zero), opposed = rs_larger(-cosine, zero);
   rs_real sum = zero;
   for (int i = 0; i < RS_CLIP_POINTS * RS_CLIP_POINTS; ++i) {
     const float y = rs_clip_point(i / RS_CLIP_POINTS), z = rs_clip_point(i % RS_CLIP_POINTS);
@@ -74,7 +78,10 @@ RS_INLINE rs_real rs_outside_both(const ClipPlane* a, const ClipPlane* b) {
       const float x = rs_clip_point(k);
       const rs_real beyond_a = rs_larger(rs_smaller((row_a + a->n[0] * x) * per_a + middle, one), zero);
       const rs_real beyond_b = rs_larger(rs_smaller((row_b + b->n[0] * x) * per_b + middle, one), zero);
-      sum += beyond_a * beyond_b;
+      const rs_real product = beyond_a * beyond_b;
+      const rs_real more = rs_smaller(beyond_a, beyond_b) - product;
+      const rs_real less = product - rs_larger(beyond_a + beyond_b - one, zero);
+      sum += product + (alike * more - opposed * less);
     }
   }
   return sum * (spacing * spacing * spacing);

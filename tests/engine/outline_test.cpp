@@ -172,11 +172,11 @@ TEST(Clip, WhereOnePlaneOfACornerMattersItAloneDecides) {
   clip.corner = 1;
   clip.plane = plane({0, 0, -1}, 0.2);
   clip.other = plane({1, 0, 0}, -0.6);  // the cube lies inside it
-  EXPECT_EQ(rs_clip_share(&clip, 0, 0), rs_outside_share(clip.plane.n, clip.plane.away));
+  EXPECT_FLOAT_EQ(rs_clip_share(&clip, 0, 0), rs_outside_share(clip.plane.n, clip.plane.away));
   clip.other = plane({1, 0, 0}, 0.6);  // or outside, and then outside the tool
   EXPECT_EQ(rs_clip_share(&clip, 0, 0), 1);
   clip.corner = -1;
-  EXPECT_EQ(rs_clip_share(&clip, 0, 0), rs_outside_share(clip.plane.n, clip.plane.away));
+  EXPECT_FLOAT_EQ(rs_clip_share(&clip, 0, 0), rs_outside_share(clip.plane.n, clip.plane.away));
 }
 
 }  // namespace
