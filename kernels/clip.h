@@ -25,19 +25,17 @@ typedef struct {
   ClipPlane other;
 } Clip;
 
-/* The plane of a surface of the profile next to voxel centre `p`: `nr`, `nz` its normal there, `away` how far the
- * centre lies beyond it (mm), `curvature` the profile's and `r` where its surface is next to the centre. A bulging
- * surface falls away from its plane: by t^2/2 times the curvature at t from the point of contact, in the mean over a
- * voxel by h^2/24 in each direction. Round the axis a surface turns with its radius, which means nothing where that is
- * smaller than a voxel. */
-RS_INLINE ClipPlane rs_clip_plane(RS_GLOBAL const SubstepArgs* a, const rs_real* p, rs_real nr, rs_real nz,
-                                  rs_real away, rs_real curvature, rs_real r) {
+/* The plane of a surface next to a voxel centre: `nr`, `nz` its normal, (`c`, `s`) the direction from the spin axis to
+ * the centre, `away` how far the centre lies beyond it (mm), `curvature` the outline's and `per_r` one over the
+ * distance from the axis. A bulging surface falls away from its plane: by t^2/2 times the curvature at t from the point
+ * of contact, in the mean over a voxel by h^2/24 in each direction. Round the axis a surface turns with its radius,
+ * which means nothing where that is smaller than a voxel. */
+RS_INLINE ClipPlane rs_clip_plane(RS_GLOBAL const SubstepArgs* a, rs_real c, rs_real s, rs_real nr, rs_real nz,
+                                  rs_real away, rs_real curvature, rs_real per_r) {
   const rs_real most = (rs_real)a->per_voxel_mm; /* more is a corner */
-  const rs_real both = curvature + nr / rs_larger(r, (rs_real)(0.5f * a->voxel_mm));
+  const rs_real both = curvature + nr * rs_smaller(per_r, most + most);
   const rs_real bulge = rs_larger(rs_smaller(both, most), -most);
-  const rs_real from_axis = RS_SQRT(p[0] * p[0] + p[1] * p[1]);
-  const rs_real share = from_axis > 0.0f ? nr / from_axis : (rs_real)0.0f;
-  const rs_real n[3] = {share * p[0], share * p[1], nz};
+  const rs_real n[3] = {nr * c, nr * s, nz};
   ClipPlane plane;
   for (int j = 0; j < 3; ++j)
     plane.n[j] = (n[0] * (float)a->tool_from_voxel[j] + n[1] * (float)a->tool_from_voxel[3 + j] +
@@ -59,7 +57,8 @@ RS_INLINE void rs_put_plane(rs_real there, const ClipPlane* plane, ClipPlane* in
  * reaches take both pieces' planes for theirs. Bone goes where a surface advances along its normal, so that the faces
  * share the force by how fast they do. `least`: squared distance of the nearest corner so far, mm2. */
 RS_INLINE void rs_take_corner(RS_GLOBAL const SubstepArgs* a, const OutlineView* outline, const NearestPiece* nearest,
-                              rs_i32 mine, rs_i32 first, rs_i32 second, rs_real r, rs_real* least, Clip* clip) {
+                              rs_i32 mine, rs_i32 first, rs_i32 second, rs_real r, rs_real per_r, rs_real* least,
+                              Clip* clip) {
   RS_GLOBAL const OutlinePiece *e = outline->pieces + first, *f = outline->pieces + second;
   /* Both lines as they leave the corner: outward normals, to the right of the way. */
   const float er = e->along_z1, ez = -e->along_r1, fr = f->along_z0, fz = -f->along_r0;
@@ -72,17 +71,14 @@ RS_INLINE void rs_take_corner(RS_GLOBAL const SubstepArgs* a, const OutlineView*
   *least = there > 0.0f ? d2 : *least;
   const int bulges = e->along_r1 * f->along_z0 - e->along_z1 * f->along_r0 > 0.0f;
   clip->corner = there > 0.0f ? (rs_real)(bulges ? 1.0f : -1.0f) : clip->corner;
-  const rs_real at = (rs_real)f->r0;
+  const rs_real c = clip->p[0] * per_r, s = clip->p[1] * per_r;
   const ClipPlane one_side =
-      rs_clip_plane(a, clip->p, (rs_real)er, (rs_real)ez, vr * er + vz * ez, (rs_real)e->curvature, at);
+      rs_clip_plane(a, c, s, (rs_real)er, (rs_real)ez, vr * er + vz * ez, (rs_real)e->curvature, per_r);
   const ClipPlane other_side =
-      rs_clip_plane(a, clip->p, (rs_real)fr, (rs_real)fz, vr * fr + vz * fz, (rs_real)f->curvature, at);
+      rs_clip_plane(a, c, s, (rs_real)fr, (rs_real)fz, vr * fr + vz * fz, (rs_real)f->curvature, per_r);
   rs_put_plane(there, &one_side, &clip->plane);
   rs_put_plane(there, &other_side, &clip->other);
-  const rs_real per_r = r > 0.0f ? one / r : zero;
-  const rs_real c = clip->p[0] * per_r, s = clip->p[1] * per_r;
-  const rs_real ne[3] = {c * er, s * er, (rs_real)ez};
-  const rs_real nf[3] = {c * fr, s * fr, (rs_real)fz};
+  const rs_real ne[3] = {c * er, s * er, (rs_real)ez}, nf[3] = {c * fr, s * fr, (rs_real)fz};
   const rs_real we = rs_larger(rs_advance(a, ne, clip->p), zero), wf = rs_larger(rs_advance(a, nf, clip->p), zero);
   const rs_real both = we + wf;
   const rs_real moves = both > 0.0f ? there : zero;
@@ -105,13 +101,13 @@ RS_INLINE Clip rs_clip(RS_GLOBAL const SubstepArgs* a, const OutlineView* outlin
   rs_voxel_in_tool(a, brick, x, y, z, clip.p);
   const rs_real r = RS_SQRT(clip.p[0] * clip.p[0] + clip.p[1] * clip.p[1]);
   const NearestPiece nearest = rs_outline_nearest(outline, list, r, clip.p[2]);
-  const rs_real share = r > 0.0f ? nearest.normal_r / r : (rs_real)0.0f;
-  clip.n[0] = share * clip.p[0];
-  clip.n[1] = share * clip.p[1];
+  const rs_real per_r = r > 0.0f ? (rs_real)1.0f / r : (rs_real)0.0f;
+  const rs_real c = clip.p[0] * per_r, s = clip.p[1] * per_r;
+  clip.n[0] = nearest.normal_r * c;
+  clip.n[1] = nearest.normal_r * s;
   clip.n[2] = nearest.normal_z;
   clip.distance = nearest.distance;
-  clip.plane = rs_clip_plane(a, clip.p, nearest.normal_r, nearest.normal_z, nearest.distance, nearest.curvature,
-                             r - nearest.distance * nearest.normal_r);
+  clip.plane = rs_clip_plane(a, c, s, nearest.normal_r, nearest.normal_z, nearest.distance, nearest.curvature, per_r);
   clip.other = clip.plane;
   clip.corner = (rs_real)0.0f;
   const float reach = RS_CLIP_REACH * a->voxel_mm;
@@ -119,8 +115,8 @@ RS_INLINE Clip rs_clip(RS_GLOBAL const SubstepArgs* a, const OutlineView* outlin
   for (rs_u32 i = 0; i < list.count; ++i) {
     const rs_i32 mine = outline->numbers[list.first + i];
     const rs_i32 before = outline->pieces[mine].before, after = outline->pieces[mine].after;
-    if (before >= 0) rs_take_corner(a, outline, &nearest, mine, before, mine, r, &least, &clip);
-    if (after >= 0) rs_take_corner(a, outline, &nearest, mine, mine, after, r, &least, &clip);
+    if (before >= 0) rs_take_corner(a, outline, &nearest, mine, before, mine, r, per_r, &least, &clip);
+    if (after >= 0) rs_take_corner(a, outline, &nearest, mine, mine, after, r, per_r, &least, &clip);
   }
   return clip;
 }

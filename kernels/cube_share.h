@@ -34,13 +34,15 @@ RS_INLINE rs_real rs_outside_share(const rs_real* n, rs_real distance) {
   const rs_real m2 = rs_larger(rs_smaller(other, high) * per_sum, least);
   const rs_real m3 = rs_larger(other, high) * per_sum;
   const rs_real depth = rs_larger(middle - rs_abs(distance) * per_sum, zero);
-  const rs_real per_6m23 = middle / (3.0f * m2 * m3), per_m1 = (rs_real)1.0f / m1;
+  /* One division for three. */
+  const rs_real m23 = m2 * m3, per_all = (rs_real)1.0f / (m1 * m23);
+  const rs_real per_m1 = per_all * m23, per_6m23 = per_all * m1 * (rs_real)(1.0f / 6.0f);
   const rs_real over2 = rs_larger(depth - m2, zero), over3 = rs_larger(depth - m3, zero);
   const rs_real pyramid = depth * depth * depth * per_m1;
   const rs_real frustum = 3.0f * depth * (depth - m1) + m1 * m1;
   const rs_real corners = (over2 * over2 * over2 + over3 * over3 * over3) * per_m1;
   const rs_real skew = ((depth < m1 ? pyramid : frustum) - corners) * per_6m23;
-  const rs_real slab = (depth - middle * (m1 + m2)) / m3;
+  const rs_real slab = (depth - middle * (m1 + m2)) * (per_all * (m1 * m2));
   const rs_real smaller = m1 + m2 <= rs_smaller(depth, m3) ? slab : skew;
   return distance > 0.0f ? (rs_real)1.0f - smaller : smaller;
 }

@@ -118,33 +118,66 @@ EdgeList near_pieces(__global const SubstepArgs* a, const OutlineView* outline, 
   return near;
 }
 
-/* Voxels that the surface can meet while the tool moves by `shift` mm; what lies inside it goes in any case. */
+/* Half the width of a voxel along the surface's normal, voxels, and what more it can be while the tool moves by `shift`
+ * voxels: the normal turns with the surface's curvature, and with the tool. Next to an edge of the outline it jumps. */
+float16 half_width(__global const SubstepArgs* a, const OutlineView* outline, const EdgeList list,
+                   const NearestPiece* nearest, const float16 px, const float16 py, const float16 r, const float shift) {
+  const float widest = RS_CLIP_REACH;
+  __global const OutlinePiece* piece = outline->pieces + outline->numbers[list.first];
+  if (list.count > 1 || piece->before >= 0 || piece->after >= 0) return (float16)widest;
+  const float16 per_r = 1.0f / fmax(r, 0.5f * a->voxel_mm);
+  const ClipPlane plane = rs_clip_plane(a, px * per_r, py * per_r, nearest->normal_r, nearest->normal_z,
+                                        nearest->distance, nearest->curvature, per_r);
+  const float16 turn = (fabs(nearest->curvature) + fabs(nearest->normal_r) * per_r) * a->voxel_mm;
+  const float16 width = 0.5f * (fabs(plane.n[0]) + fabs(plane.n[1]) + fabs(plane.n[2]));
+  return fmin(width + (turn * (1.0f / 24.0f) + 0.02f) + shift * (2.0f * turn + 0.1f), widest);
+}
+
+/* How much further than it can matter a voxel's centre lies from the surface, voxels, while the tool moves by `shift`. */
+float16 beyond_reach(__global const SubstepArgs* a, const OutlineView* outline, const Visit* v, const float16 x,
+                     const float16 y, const float16 z, const float shift) {
+  float16 p[3];
+  rs_voxel_in_tool(a, v->corner, x, y, z, p);
+  const float16 r = sqrt(p[0] * p[0] + p[1] * p[1]);
+  const NearestPiece nearest = rs_outline_nearest(outline, v->list, r, p[2]);
+  const float slack = shift + POSITION_SLACK * a->per_voxel_mm;
+  return nearest.distance * a->per_voxel_mm - half_width(a, outline, v->list, &nearest, p[0], p[1], r, slack) - slack;
+}
+
+/* A bit for every lane that holds. */
+uint bits_of(const int16 holds) {
+  const int16 bit =
+      holds & (int16)(1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 1024, 2048, 4096, 8192, 16384, 32768);
+  const int8 eight = bit.lo | bit.hi;
+  const int4 four = eight.lo | eight.hi;
+  const int2 two = four.lo | four.hi;
+  return (uint)(two.x | two.y);
+}
+
+/* Voxels that the surface can meet while the tool moves by `shift` voxels; what lies inside it goes in any case. */
 void find_candidates(__global const SubstepArgs* a, const OutlineView* outline, const Visit* v, const float shift,
                      __global const ushort* page, __global const float* energy_of_grade, Candidates* c) {
   const int16 lane = (int16)(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
-  const float reach = RS_CLIP_REACH * a->voxel_mm + shift + POSITION_SLACK;
   c->count = 0;
   /* Eight blocks of 4x4x4 voxels first, then in those that are near, layers of 16 voxels. */
-  const float16 blocks = rs_clip_distance(a, outline, v->list, v->corner, convert_float16((lane & 1) << 2) + 1.5f,
+  const float16 middle = rs_clip_distance(a, outline, v->list, v->corner, convert_float16((lane & 1) << 2) + 1.5f,
                                           convert_float16((lane & 2) << 1) + 1.5f, convert_float16(lane & 4) + 1.5f);
-  float block_distance[16];
-  vstore16(blocks, 0, block_distance);
+  const uint blocks = bits_of(middle * a->per_voxel_mm <= RS_CLIP_REACH + 2.6f + 0.1f + shift);
   for (int block = 0; block < 8; ++block) {
-    if (block_distance[block] > reach + 2.6f * a->voxel_mm) continue;
+    if ((blocks >> block & 1u) == 0) continue;
     const float16 x = convert_float16((block & 1) << 2 | (lane & 3)), y = convert_float16((block & 2) << 1 | lane >> 2);
     for (int layer = 0; layer < 4; ++layer) {
       const int first = block << 6 | layer << 4;
       const uint bone = v->brick->bone[first >> 5] >> (first & 31) & 0xffffu;
       if (bone == 0) continue;
       const float16 z = (float16)(float)((block & 4) | layer);
-      float distance[16];
-      vstore16(rs_clip_distance(a, outline, v->list, v->corner, x, y, z), 0, distance);
-      for (int l = 0; l < 16; ++l) {
-        const int place = first + l;
+      uint rest = bone & bits_of(beyond_reach(a, outline, v, x, y, z, shift) <= 0.0f);
+      for (; rest != 0; rest &= rest - 1) {
+        const int place = first + (int)popcount((rest & -rest) - 1);
         c->place[c->count] = (ushort)place;
         c->fill[c->count] = page == 0 ? RS_WHOLE_FILL : page[place];
         c->energy[c->count] = energy_of_grade[v->brick->grade[place]];
-        c->count += (int)(bone >> l & 1u) & (distance[l] <= reach ? 1 : 0);
+        ++c->count;
       }
     }
   }
@@ -152,7 +185,7 @@ void find_candidates(__global const SubstepArgs* a, const OutlineView* outline, 
   vstore16((int16)0, 0, c->fill + c->count);
   vstore16((float16)0.0f, 0, c->energy + c->count);
   for (int i = 0; i < c->count; i += 16)
-    c->near[i >> 4] = near_pieces(a, outline, v, convert_int16(vload16(0, c->place + i)), shift);
+    c->near[i >> 4] = near_pieces(a, outline, v, convert_int16(vload16(0, c->place + i)), shift * a->voxel_mm);
 }
 
 long add_lanes(const long16 v) {
@@ -232,7 +265,7 @@ __kernel void cut_exact(PARAMETERS) {
       const SubstepWindow window = windows[w];
       begin_window(args + window.first, &outline, &v);
       const int page = page_of_slot[slot];
-      find_candidates(args + window.first, &outline, &v, window.shift_mm, page < 0 ? 0 : pages + (ulong)page * RS_BRICK_VOXELS, energy_of_grade, &candidates);
+      find_candidates(args + window.first, &outline, &v, window.shift_mm * args->per_voxel_mm, page < 0 ? 0 : pages + (ulong)page * RS_BRICK_VOXELS, energy_of_grade, &candidates);
       if (candidates.count == 0) continue;
       bool cut = false;
       for (uint s = window.first; s < window.end; ++s) {

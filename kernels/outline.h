@@ -33,58 +33,76 @@ typedef struct {
   rs_int piece;
 } NearestPiece;
 
-/* How far the point at w from a piece's middle lies from the piece's circle, mm, on its outer side positive:
- * |w + R n| - R for radius R and normal n there, written so that a line is an arc of no curvature and what is small is
- * no difference of large numbers. `stretch`: |n + w/R|. */
-RS_INLINE rs_real rs_from_arc(RS_GLOBAL const OutlinePiece* e, rs_real wr, rs_real wz, rs_real* stretch) {
+/* A point (r, z) against one piece: the distance of its nearest point, negative inside, and squared; by how much the
+ * point lies on the outer side; the outward direction, to be divided by `length`. */
+typedef struct {
+  rs_real distance, square, side;
+  rs_real r, z, length;
+} PieceDistance;
+
+/* From a piece's circle a point at w from its middle lies |w + R n| - R away, for radius R and normal n there, on its
+ * outer side positive; written so that a line is an arc of no curvature, and what is small is no difference of large
+ * numbers. Past the piece's ends the ends are nearest. */
+RS_INLINE PieceDistance rs_from_piece(RS_GLOBAL const OutlinePiece* e, rs_real r, rs_real z) {
+  const rs_real zero = (rs_real)0.0f, one = (rs_real)1.0f;
+  const rs_real wr = r - e->middle_r, wz = z - e->middle_z;
   const rs_real q = e->curvature * (wr * wr + wz * wz) + 2.0f * (wr * e->normal_r + wz * e->normal_z);
-  const rs_real square = (rs_real)1.0f + e->curvature * q;
-  *stretch = RS_SQRT(square > 0.0f ? square : (rs_real)0.0f);
-  return q / ((rs_real)1.0f + *stretch);
+  const rs_real stretch2 = one + e->curvature * q;
+  const rs_real stretch = RS_SQRT(stretch2 > 0.0f ? stretch2 : zero);
+  const rs_real r0 = r - e->r0, z0 = z - e->z0, r1 = r - e->r1, z1 = z - e->z1;
+  const rs_real past = r1 * e->along_r1 + z1 * e->along_z1, short_of = -(r0 * e->along_r0 + z0 * e->along_z0);
+  const rs_real off = past > short_of ? past : short_of;
+  PieceDistance out;
+  out.side = out.distance = q / (one + stretch);
+  out.square = out.side * out.side;
+  out.r = e->normal_r + e->curvature * wr;
+  out.z = e->normal_z + e->curvature * wz;
+  out.length = stretch;
+  if (!RS_ANY(off > 0.0f)) return out;
+  const rs_real pr = past > 0.0f ? r1 : r0, pz = past > 0.0f ? z1 : z0;
+  const rs_real end_side = past > 0.0f ? r1 * e->along_z1 - z1 * e->along_r1 : r0 * e->along_z0 - z0 * e->along_r0;
+  const rs_real square = pr * pr + pz * pz, root = RS_SQRT(square), away = end_side < 0.0f ? -root : root;
+  out.side = off > 0.0f ? end_side : out.side;
+  out.square = off > 0.0f ? square : out.square;
+  out.distance = off > 0.0f ? away : out.distance;
+  out.r = off > 0.0f ? pr : out.r;
+  out.z = off > 0.0f ? pz : out.z;
+  out.length = off > 0.0f ? away : out.length;
+  return out;
 }
 
 /* What lies nearest to (r, z), of the pieces in `list`. The normal is the gradient of the distance. Of two pieces that
  * are as near but for rounding, as next to a vertex, the one seen more squarely decides the sign. */
 RS_INLINE NearestPiece rs_outline_nearest(const OutlineView* outline, EdgeList list, rs_real r, rs_real z) {
   const rs_real zero = (rs_real)0.0f, one = (rs_real)1.0f;
-  rs_real best = (rs_real)1e30f, best_side = zero, on_best = one, gr = zero, gz = -one, length = one, curvature = zero;
-  rs_int piece = (rs_int)0;
-  for (rs_u32 i = 0; i < list.count; ++i) {
-    const rs_i32 number = outline->numbers[list.first + i];
-    RS_GLOBAL const OutlinePiece* e = outline->pieces + number;
-    const rs_real wr = r - e->middle_r, wz = z - e->middle_z;
-    rs_real stretch;
-    const rs_real from_arc = rs_from_arc(e, wr, wz, &stretch);
-    const rs_real r0 = r - e->r0, z0 = z - e->z0, r1 = r - e->r1, z1 = z - e->z1;
-    const rs_real past = r1 * e->along_r1 + z1 * e->along_z1, short_of = -(r0 * e->along_r0 + z0 * e->along_z0);
-    const rs_real on = (past > short_of ? past : short_of) > 0.0f ? zero : one;
-    const rs_real pr = past > 0.0f ? r1 : r0, pz = past > 0.0f ? z1 : z0;
-    const rs_real end_side = past > 0.0f ? r1 * e->along_z1 - z1 * e->along_r1 : r0 * e->along_z0 - z0 * e->along_r0;
-    const rs_real d2 = on > 0.0f ? from_arc * from_arc : pr * pr + pz * pz;
-    const rs_real side = on > 0.0f ? from_arc : end_side;
-    const rs_real abs_side = side < 0.0f ? -side : side, abs_best = best_side < 0.0f ? -best_side : best_side;
-    const rs_real rounding = best * 2e-6f + 1e-10f;
-    const rs_real tie = d2 <= best + rounding ? abs_side - abs_best : -one;
-    const rs_real gain = d2 < best - rounding ? one : tie;
-    best = gain > 0.0f ? d2 : best;
-    best_side = gain > 0.0f ? side : best_side;
-    on_best = gain > 0.0f ? on : on_best;
-    gr = gain > 0.0f ? (on > 0.0f ? e->normal_r + e->curvature * wr : pr) : gr;
-    gz = gain > 0.0f ? (on > 0.0f ? e->normal_z + e->curvature * wz : pz) : gz;
-    length = gain > 0.0f ? stretch : length;
-    curvature = gain > 0.0f ? (rs_real)e->curvature : curvature;
+  rs_i32 number = outline->numbers[list.first];
+  PieceDistance best = rs_from_piece(outline->pieces + number, r, z);
+  rs_real curvature = (rs_real)outline->pieces[number].curvature;
+  rs_int piece = (rs_int)number;
+  for (rs_u32 i = 1; i < list.count; ++i) {
+    number = outline->numbers[list.first + i];
+    const PieceDistance found = rs_from_piece(outline->pieces + number, r, z);
+    const rs_real side = found.side < 0.0f ? -found.side : found.side;
+    const rs_real best_side = best.side < 0.0f ? -best.side : best.side;
+    const rs_real rounding = best.square * 2e-6f + 1e-10f;
+    const rs_real tie = found.square <= best.square + rounding ? side - best_side : -one;
+    const rs_real gain = found.square < best.square - rounding ? one : tie;
+    best.square = gain > 0.0f ? found.square : best.square;
+    best.side = gain > 0.0f ? found.side : best.side;
+    best.distance = gain > 0.0f ? found.distance : best.distance;
+    best.r = gain > 0.0f ? found.r : best.r;
+    best.z = gain > 0.0f ? found.z : best.z;
+    best.length = gain > 0.0f ? found.length : best.length;
+    curvature = gain > 0.0f ? (rs_real)outline->pieces[number].curvature : curvature;
     piece = gain > 0.0f ? (rs_int)number : piece;
   }
-  const rs_real sign = best_side < 0.0f ? -one : one;
-  const rs_real away = sign * RS_SQRT(best);
   NearestPiece out;
-  out.distance = on_best > 0.0f ? best_side : away;
-  const rs_real divisor = on_best > 0.0f ? length : away;
+  out.distance = best.distance;
   /* In a vertex, or in an arc's centre, every direction is as good as another. */
-  const rs_real known = divisor * divisor > 1e-12f ? one : zero;
-  const rs_real per = one / (known > 0.0f ? divisor : one);
-  out.normal_r = known > 0.0f ? gr * per : zero;
-  out.normal_z = known > 0.0f ? gz * per : -one;
+  const rs_real known = best.length * best.length > 1e-12f ? one : zero;
+  const rs_real per = one / (known > 0.0f ? best.length : one);
+  out.normal_r = known > 0.0f ? best.r * per : zero;
+  out.normal_z = known > 0.0f ? best.z * per : -one;
   out.curvature = curvature;
   out.piece = piece;
   return out;
