@@ -38,9 +38,8 @@ RS_INLINE ClipPlane rs_clip_plane(RS_GLOBAL const SubstepArgs* a, rs_real c, rs_
   const rs_real n[3] = {nr * c, nr * s, nz};
   ClipPlane plane;
   for (int j = 0; j < 3; ++j)
-    plane.n[j] = (n[0] * (float)a->tool_from_voxel[j] + n[1] * (float)a->tool_from_voxel[3 + j] +
-                  n[2] * (float)a->tool_from_voxel[6 + j]) *
-                 a->per_voxel_mm;
+    plane.n[j] = a->lattice_from_tool[3 * j] * n[0] + a->lattice_from_tool[3 * j + 1] * n[1] +
+                 a->lattice_from_tool[3 * j + 2] * n[2];
   plane.nz = nz;
   plane.away = away * a->per_voxel_mm + bulge * (a->voxel_mm * (1.0f / 24.0f));
   return plane;
@@ -94,22 +93,32 @@ RS_INLINE rs_real rs_clip_distance(RS_GLOBAL const SubstepArgs* a, const Outline
   return rs_outline_nearest(outline, list, RS_SQRT(p[0] * p[0] + p[1] * p[1]), p[2]).distance;
 }
 
-/* The tool next to that voxel. */
-RS_INLINE Clip rs_clip(RS_GLOBAL const SubstepArgs* a, const OutlineView* outline, EdgeList list, const float* brick,
-                       rs_real x, rs_real y, rs_real z) {
+/* The tool next to the voxel centre `p` (T, mm), by the nearest piece of its outline alone. */
+RS_INLINE Clip rs_clip_by(RS_GLOBAL const SubstepArgs* a, const NearestPiece* nearest, const rs_real* p,
+                          rs_real per_r) {
+  const rs_real c = p[0] * per_r, s = p[1] * per_r;
   Clip clip;
-  rs_voxel_in_tool(a, brick, x, y, z, clip.p);
-  const rs_real r = RS_SQRT(clip.p[0] * clip.p[0] + clip.p[1] * clip.p[1]);
-  const NearestPiece nearest = rs_outline_nearest(outline, list, r, clip.p[2]);
-  const rs_real per_r = r > 0.0f ? (rs_real)1.0f / r : (rs_real)0.0f;
-  const rs_real c = clip.p[0] * per_r, s = clip.p[1] * per_r;
-  clip.n[0] = nearest.normal_r * c;
-  clip.n[1] = nearest.normal_r * s;
-  clip.n[2] = nearest.normal_z;
-  clip.distance = nearest.distance;
-  clip.plane = rs_clip_plane(a, c, s, nearest.normal_r, nearest.normal_z, nearest.distance, nearest.curvature, per_r);
+  for (int j = 0; j < 3; ++j) clip.p[j] = p[j];
+  clip.n[0] = nearest->normal_r * c;
+  clip.n[1] = nearest->normal_r * s;
+  clip.n[2] = nearest->normal_z;
+  clip.distance = nearest->distance;
+  clip.plane =
+      rs_clip_plane(a, c, s, nearest->normal_r, nearest->normal_z, nearest->distance, nearest->curvature, per_r);
   clip.other = clip.plane;
   clip.corner = (rs_real)0.0f;
+  return clip;
+}
+
+/* The tool next to the voxel (x, y, z), counted within its brick. */
+RS_INLINE Clip rs_clip(RS_GLOBAL const SubstepArgs* a, const OutlineView* outline, EdgeList list, const float* brick,
+                       rs_real x, rs_real y, rs_real z) {
+  rs_real p[3];
+  rs_voxel_in_tool(a, brick, x, y, z, p);
+  const rs_real r = RS_SQRT(p[0] * p[0] + p[1] * p[1]);
+  const rs_real per_r = r > 0.0f ? (rs_real)1.0f / r : (rs_real)0.0f;
+  const NearestPiece nearest = rs_outline_nearest(outline, list, r, p[2]);
+  Clip clip = rs_clip_by(a, &nearest, p, per_r);
   const float reach = RS_CLIP_REACH * a->voxel_mm;
   rs_real least = (rs_real)(reach * reach);
   for (rs_u32 i = 0; i < list.count; ++i) {
@@ -119,6 +128,18 @@ RS_INLINE Clip rs_clip(RS_GLOBAL const SubstepArgs* a, const OutlineView* outlin
     if (after >= 0) rs_take_corner(a, outline, &nearest, mine, mine, after, r, per_r, &least, &clip);
   }
   return clip;
+}
+
+/* The same for a voxel whose nearest piece is `piece`, further from that piece's ends than its reach. */
+RS_INLINE Clip rs_clip_smooth(RS_GLOBAL const SubstepArgs* a, RS_GLOBAL const OutlinePiece* piece, const float* brick,
+                              rs_real x, rs_real y, rs_real z) {
+  rs_real p[3];
+  rs_voxel_in_tool(a, brick, x, y, z, p);
+  const rs_real r = RS_SQRT(p[0] * p[0] + p[1] * p[1]);
+  const rs_real per_r = r > 0.0f ? (rs_real)1.0f / r : (rs_real)0.0f;
+  const PieceDistance away = rs_from_circle(piece, r, p[2]);
+  const NearestPiece nearest = rs_nearest_of(&away, (rs_real)piece->curvature, (rs_int)0);
+  return rs_clip_by(a, &nearest, p, per_r);
 }
 
 /* Part of a voxel that the tool leaves when its planes have come `ahead` (voxels) further, the first and the other. */

@@ -83,6 +83,7 @@ typedef struct {
   int fill[RS_BRICK_VOXELS + 16];
   float energy[RS_BRICK_VOXELS + 16]; /* of the whole voxel, mJ */
   EdgeList near[RS_BRICK_VOXELS / 16 + 1]; /* of each sixteen: the pieces that can be nearest */
+  bool smooth[RS_BRICK_VOXELS / 16 + 1];   /* one piece alone, far from its ends */
 } Candidates;
 
 float16 offset_x(const int16 place) {
@@ -95,27 +96,27 @@ float16 offset_z(const int16 place) {
   return convert_float16((place >> 8 & 1) << 2 | (place >> 4 & 3));
 }
 
-/* The part of the brick's list from the first to the last piece that can be nearest to any of sixteen voxels while the
- * tool moves by `shift` mm. */
-EdgeList near_pieces(__global const SubstepArgs* a, const OutlineView* outline, const Visit* v, const int16 place,
-                     const float shift) {
-  EdgeList near = v->list;
-  if (near.count <= 1) return near;
+/* Of sixteen voxels: the part of the brick's list from the first to the last piece that can be nearest to any of them
+ * while the tool moves by `shift` mm, and whether they lie far from that piece's ends if it is one. */
+void look_near(__global const SubstepArgs* a, const OutlineView* outline, const Visit* v, const int16 place,
+               const float shift, EdgeList* near, bool* smooth) {
+  const EdgeList list = v->list;
   float16 p[3];
   rs_voxel_in_tool(a, v->corner, offset_x(place), offset_y(place), offset_z(place), p);
   const float16 r = sqrt(p[0] * p[0] + p[1] * p[1]);
-  const float16 limit =
-      fabs(rs_outline_nearest(outline, near, r, p[2]).distance) + 2.0f * (shift + POSITION_SLACK);
-  uint begin = near.count, end = 0;
-  for (uint i = 0; i < near.count; ++i) {
-    const EdgeList one = {near.first + i, 1};
+  const float16 limit = fabs(rs_outline_nearest(outline, list, r, p[2]).distance) + 2.0f * (shift + POSITION_SLACK);
+  uint begin = list.count, end = 0;
+  for (uint i = 0; i < list.count; ++i) {
+    const EdgeList one = {list.first + i, 1};
     if (!any(fabs(rs_outline_nearest(outline, one, r, p[2]).distance) <= limit)) continue;
     begin = min(begin, i);
     end = i + 1;
   }
-  near.first += begin;
-  near.count = end - begin;
-  return near;
+  near->first = list.first + begin;
+  near->count = end - begin;
+  __global const OutlinePiece* piece = outline->pieces + outline->numbers[near->first];
+  const float margin = RS_CLIP_REACH * a->voxel_mm + shift + POSITION_SLACK;
+  *smooth = near->count == 1 && all(rs_from_ends(piece, r, p[2]) > margin);
 }
 
 /* Half the width of a voxel along the surface's normal, voxels, and what more it can be while the tool moves by `shift`
@@ -185,7 +186,19 @@ void find_candidates(__global const SubstepArgs* a, const OutlineView* outline, 
   vstore16((int16)0, 0, c->fill + c->count);
   vstore16((float16)0.0f, 0, c->energy + c->count);
   for (int i = 0; i < c->count; i += 16)
-    c->near[i >> 4] = near_pieces(a, outline, v, convert_int16(vload16(0, c->place + i)), shift * a->voxel_mm);
+    look_near(a, outline, v, convert_int16(vload16(0, c->place + i)), shift * a->voxel_mm, c->near + (i >> 4),
+              c->smooth + (i >> 4));
+}
+
+/* What a substep's voxels add up to, lane by lane. */
+typedef struct {
+  LaneSums sums;
+  long16 removed, contacts;
+} SubstepLanes;
+
+void clear_lanes(SubstepLanes* lanes) {
+  for (int i = 0; i < 3; ++i) lanes->sums.force[i] = lanes->sums.torque[i] = (long16)0;
+  lanes->sums.floor_energy = lanes->sums.energy = lanes->removed = lanes->contacts = (long16)0;
 }
 
 long add_lanes(const long16 v) {
@@ -193,66 +206,72 @@ long add_lanes(const long16 v) {
   return a.s0 + a.s1 + a.s2 + a.s3 + a.s4 + a.s5 + a.s6 + a.s7;
 }
 
+void add_up(const SubstepLanes* lanes, long* total) {
+  for (int i = 0; i < 3; ++i) {
+    total[i] = add_lanes(lanes->sums.force[i]);
+    total[3 + i] = add_lanes(lanes->sums.torque[i]);
+  }
+  total[6] = add_lanes(lanes->sums.energy);
+  total[7] = add_lanes(lanes->sums.floor_energy);
+  total[8] = add_lanes(lanes->removed);
+  total[9] = add_lanes(lanes->contacts);
+}
+
+/* Takes note of voxels that have nothing left. */
+void note_gone(const Candidates* c, const int first, const int16 gone, uint* gone_words) {
+  for (uint rest = bits_of(gone); rest != 0; rest &= rest - 1) {
+    const int at = c->place[first + (int)popcount((rest & -rest) - 1)];
+    gone_words[at >> 5] |= 1u << (at & 31);
+  }
+}
+
 /* Cuts the candidates in one substep, or lets the lips' edges rub on them; true where any loses something. */
 bool cut_candidates(__global const SubstepArgs* a, const OutlineView* outline, const Visit* v, const uint substep,
-                    Candidates* c, RemovedReport* report, long* total) {
-  LaneSums lanes;
-  for (int i = 0; i < 3; ++i) lanes.force[i] = lanes.torque[i] = (long16)0;
-  lanes.floor_energy = lanes.energy = (long16)0;
-  int16 fill = 0, contacts = 0;
+                    Candidates* c, RemovedReport* report, SubstepLanes* lanes) {
+  int16 removed = 0, contacts = 0, any_gone = 0;
   uint gone_words[RS_BRICK_WORDS] = {0};
-  bool any_gone = false;
   for (int i = 0; i < c->count; i += 16) {
     const int16 place = convert_int16(vload16(0, c->place + i));
-    const Clip clip = rs_clip(a, outline, c->near[i >> 4], v->corner, offset_x(place), offset_y(place), offset_z(place));
-    const int16 before = vload16(0, c->fill + i);
-    const int16 outside = rs_fill_outside(&clip), lost = rs_clip_loss(a, before, outside);
-    if (rs_has_edge(a)) rs_edge_force(a, &clip, before - lost, outside, &lanes);
-    if (!any(lost > 0)) continue;
-    rs_clip_force(a, &clip, vload16(0, c->energy + i), lost, &lanes);
-    fill += lost;
+    const float16 x = offset_x(place), y = offset_y(place), z = offset_z(place);
+    const EdgeList near = c->near[i >> 4];
+    Clip clip;
+    int16 outside;
+    if (c->smooth[i >> 4]) {
+      clip = rs_clip_smooth(a, outline->pieces + outline->numbers[near.first], v->corner, x, y, z);
+      outside = rs_fill_outside(&clip);
+    } else {
+      clip = rs_clip(a, outline, near, v->corner, x, y, z);
+      outside = rs_fill_outside(&clip);
+    }
+    const int16 before = vload16(0, c->fill + i), lost = rs_clip_loss(a, before, outside);
+    if (rs_has_edge(a)) rs_edge_force(a, &clip, before - lost, outside, &lanes->sums);
+    rs_clip_force(a, &clip, vload16(0, c->energy + i), lost, &lanes->sums);
+    removed += lost;
     contacts -= lost > 0;
     vstore16(before - lost, 0, c->fill + i);
     const int16 gone = lost > 0 && before == lost;
-    if (!any(gone)) continue;
-    any_gone = true;
-    for (int l = 0; l < 16; ++l) {
-      const int at = c->place[i + l];
-      gone_words[at >> 5] |= (((const int*)&gone)[l] != 0 ? 1u : 0u) << (at & 31);
+    any_gone |= gone;
+    if (any(gone)) note_gone(c, i, gone, gone_words);
+  }
+  lanes->removed += convert_long16(removed);
+  lanes->contacts += convert_long16(contacts);
+  if (any(any_gone)) {
+    for (int block = 0; block < RS_BRICK_WORDS / 2; ++block) {
+      const uint low = gone_words[2 * block], high = gone_words[2 * block + 1];
+      v->brick->bone[2 * block] &= ~low;
+      v->brick->bone[2 * block + 1] &= ~high;
+      report_removed(report, substep, block, low, high);
     }
   }
-  int fills[16], touched[16], met = 0;
-  vstore16(fill, 0, fills);
-  vstore16(contacts, 0, touched);
-  for (int l = 0; l < 16; ++l) {
-    total[8] += fills[l];
-    met += touched[l];
-  }
-  if (met == 0 && !rs_has_edge(a)) return false;
-  total[9] += met;
-  for (int i = 0; i < 3; ++i) {
-    total[i] += add_lanes(lanes.force[i]);
-    total[3 + i] += add_lanes(lanes.torque[i]);
-  }
-  total[6] += add_lanes(lanes.energy);
-  total[7] += add_lanes(lanes.floor_energy);
-  if (!any_gone) return met > 0;
-  for (int block = 0; block < RS_BRICK_WORDS / 2; ++block) {
-    const uint low = gone_words[2 * block], high = gone_words[2 * block + 1];
-    v->brick->bone[2 * block] &= ~low;
-    v->brick->bone[2 * block + 1] &= ~high;
-    report_removed(report, substep, block, low, high);
-  }
-  return true;
+  return any(contacts > 0);
 }
 
 __kernel void cut_exact(PARAMETERS) {
   const OutlineView outline = {pieces, numbers, lists, grid};
   __global Brick* pools[RS_POOLS] = RS_POOL_ARRAY;
   const uint first = windows[0].first, end = windows[window_count - 1].end;
-  long totals[RS_VISIT_SUBSTEPS][SUMS];
-  for (uint s = 0; s < end - first; ++s)
-    for (int i = 0; i < SUMS; ++i) totals[s][i] = 0;
+  SubstepLanes lanes[RS_VISIT_SUBSTEPS];
+  for (uint s = 0; s < end - first; ++s) clear_lanes(lanes + s);
   RemovedReport report;
   begin_report(&report, removed, &counts->removed);
   Candidates candidates;
@@ -270,7 +289,7 @@ __kernel void cut_exact(PARAMETERS) {
       bool cut = false;
       for (uint s = window.first; s < window.end; ++s) {
         go_to_substep(args + s, &v);
-        cut |= cut_candidates(args + s, &outline, &v, s, &candidates, &report, totals[s - first]);
+        cut |= cut_candidates(args + s, &outline, &v, s, &candidates, &report, lanes + (s - first));
       }
       if (!cut) continue;
       any_cut = true;
@@ -280,8 +299,11 @@ __kernel void cut_exact(PARAMETERS) {
     if (any_cut) clear_if_empty(v.brick, occupancy, v.x >> 3, v.y >> 3, v.z >> 3, bricks);
   }
   hand_over_removed(&report);
-  for (uint s = first; s < end; ++s)
-    if (totals[s - first][9] != 0 || rs_has_edge(args + s)) add_brick_sums(&sums[s], totals[s - first]);
+  for (uint s = first; s < end; ++s) {
+    long total[SUMS];
+    add_up(lanes + (s - first), total);
+    if (total[9] != 0 || rs_has_edge(args + s)) add_brick_sums(&sums[s], total);
+  }
 }
 
 #else

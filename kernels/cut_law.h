@@ -63,12 +63,9 @@ RS_INLINE void rs_brick_in_tool(RS_GLOBAL const SubstepArgs* a, rs_i32 x, rs_i32
  * single precision: a lever is off by 10^-5 mm at most. */
 RS_INLINE void rs_voxel_in_tool(RS_GLOBAL const SubstepArgs* a, const float* brick, rs_real x, rs_real y, rs_real z,
                                 rs_real* p) {
-  p[0] = brick[0] +
-         ((float)a->tool_from_voxel[0] * x + (float)a->tool_from_voxel[1] * y + (float)a->tool_from_voxel[2] * z);
-  p[1] = brick[1] +
-         ((float)a->tool_from_voxel[3] * x + (float)a->tool_from_voxel[4] * y + (float)a->tool_from_voxel[5] * z);
-  p[2] = brick[2] +
-         ((float)a->tool_from_voxel[6] * x + (float)a->tool_from_voxel[7] * y + (float)a->tool_from_voxel[8] * z);
+  p[0] = brick[0] + (a->tool_step[0] * x + a->tool_step[1] * y + a->tool_step[2] * z);
+  p[1] = brick[1] + (a->tool_step[3] * x + a->tool_step[4] * y + a->tool_step[5] * z);
+  p[2] = brick[2] + (a->tool_step[6] * x + a->tool_step[7] * y + a->tool_step[8] * z);
 }
 
 /* How the tool moves at `p` (T, mm): its velocity there, mm/s, and the size of that with its inverse, which is zero

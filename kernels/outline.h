@@ -42,22 +42,27 @@ typedef struct {
 
 /* From a piece's circle a point at w from its middle lies |w + R n| - R away, for radius R and normal n there, on its
  * outer side positive; written so that a line is an arc of no curvature, and what is small is no difference of large
- * numbers. Past the piece's ends the ends are nearest. */
-RS_INLINE PieceDistance rs_from_piece(RS_GLOBAL const OutlinePiece* e, rs_real r, rs_real z) {
+ * numbers. */
+RS_INLINE PieceDistance rs_from_circle(RS_GLOBAL const OutlinePiece* e, rs_real r, rs_real z) {
   const rs_real zero = (rs_real)0.0f, one = (rs_real)1.0f;
   const rs_real wr = r - e->middle_r, wz = z - e->middle_z;
   const rs_real q = e->curvature * (wr * wr + wz * wz) + 2.0f * (wr * e->normal_r + wz * e->normal_z);
   const rs_real stretch2 = one + e->curvature * q;
-  const rs_real stretch = RS_SQRT(stretch2 > 0.0f ? stretch2 : zero);
-  const rs_real r0 = r - e->r0, z0 = z - e->z0, r1 = r - e->r1, z1 = z - e->z1;
-  const rs_real past = r1 * e->along_r1 + z1 * e->along_z1, short_of = -(r0 * e->along_r0 + z0 * e->along_z0);
-  const rs_real off = past > short_of ? past : short_of;
   PieceDistance out;
-  out.side = out.distance = q / (one + stretch);
+  out.length = RS_SQRT(stretch2 > 0.0f ? stretch2 : zero);
+  out.side = out.distance = q / (one + out.length);
   out.square = out.side * out.side;
   out.r = e->normal_r + e->curvature * wr;
   out.z = e->normal_z + e->curvature * wz;
-  out.length = stretch;
+  return out;
+}
+
+/* Past the piece's ends the ends are nearest. */
+RS_INLINE PieceDistance rs_from_piece(RS_GLOBAL const OutlinePiece* e, rs_real r, rs_real z) {
+  PieceDistance out = rs_from_circle(e, r, z);
+  const rs_real r0 = r - e->r0, z0 = z - e->z0, r1 = r - e->r1, z1 = z - e->z1;
+  const rs_real past = r1 * e->along_r1 + z1 * e->along_z1, short_of = -(r0 * e->along_r0 + z0 * e->along_z0);
+  const rs_real off = past > short_of ? past : short_of;
   if (!RS_ANY(off > 0.0f)) return out;
   const rs_real pr = past > 0.0f ? r1 : r0, pz = past > 0.0f ? z1 : z0;
   const rs_real end_side = past > 0.0f ? r1 * e->along_z1 - z1 * e->along_r1 : r0 * e->along_z0 - z0 * e->along_r0;
@@ -71,10 +76,32 @@ RS_INLINE PieceDistance rs_from_piece(RS_GLOBAL const OutlinePiece* e, rs_real r
   return out;
 }
 
+/* How far the point is from lying past one of a piece's ends, mm. */
+RS_INLINE rs_real rs_from_ends(RS_GLOBAL const OutlinePiece* e, rs_real r, rs_real z) {
+  const rs_real past = (r - e->r1) * e->along_r1 + (z - e->z1) * e->along_z1;
+  const rs_real short_of = -((r - e->r0) * e->along_r0 + (z - e->z0) * e->along_z0);
+  return -(past > short_of ? past : short_of);
+}
+
+/* What a piece is to the point next to it. */
+RS_INLINE NearestPiece rs_nearest_of(const PieceDistance* best, rs_real curvature, rs_int piece) {
+  const rs_real zero = (rs_real)0.0f, one = (rs_real)1.0f;
+  NearestPiece out;
+  out.distance = best->distance;
+  /* In a vertex, or in an arc's centre, every direction is as good as another. */
+  const rs_real known = best->length * best->length > 1e-12f ? one : zero;
+  const rs_real per = one / (known > 0.0f ? best->length : one);
+  out.normal_r = known > 0.0f ? best->r * per : zero;
+  out.normal_z = known > 0.0f ? best->z * per : -one;
+  out.curvature = curvature;
+  out.piece = piece;
+  return out;
+}
+
 /* What lies nearest to (r, z), of the pieces in `list`. The normal is the gradient of the distance. Of two pieces that
  * are as near but for rounding, as next to a vertex, the one seen more squarely decides the sign. */
 RS_INLINE NearestPiece rs_outline_nearest(const OutlineView* outline, EdgeList list, rs_real r, rs_real z) {
-  const rs_real zero = (rs_real)0.0f, one = (rs_real)1.0f;
+  const rs_real one = (rs_real)1.0f;
   rs_i32 number = outline->numbers[list.first];
   PieceDistance best = rs_from_piece(outline->pieces + number, r, z);
   rs_real curvature = (rs_real)outline->pieces[number].curvature;
@@ -96,16 +123,7 @@ RS_INLINE NearestPiece rs_outline_nearest(const OutlineView* outline, EdgeList l
     curvature = gain > 0.0f ? (rs_real)outline->pieces[number].curvature : curvature;
     piece = gain > 0.0f ? (rs_int)number : piece;
   }
-  NearestPiece out;
-  out.distance = best.distance;
-  /* In a vertex, or in an arc's centre, every direction is as good as another. */
-  const rs_real known = best.length * best.length > 1e-12f ? one : zero;
-  const rs_real per = one / (known > 0.0f ? best.length : one);
-  out.normal_r = known > 0.0f ? best.r * per : zero;
-  out.normal_z = known > 0.0f ? best.z * per : -one;
-  out.curvature = curvature;
-  out.piece = piece;
-  return out;
+  return rs_nearest_of(&best, curvature, piece);
 }
 
 /* The list of pieces for points within the grid's reach of (r, z). */

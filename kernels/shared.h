@@ -56,21 +56,23 @@ typedef uint8_t rs_u8;
 /* Everything that the stages of one substep need to know; written to the device in one piece before detect (paper
  * §3.5). Lengths in mm; velocities and levers in the tool frame T without spin, so that the law needs one rotation. */
 typedef struct {
-  rs_i64 voxel_from_cell[9]; /* row-major, fixed point: shell cell step to voxels */
-  rs_i64 voxel_origin[3];    /* fixed point: centre of shell cell (0,0,0), in voxels from the lattice's corner */
-  double tool_from_voxel[9]; /* row-major: voxel step to mm in T */
-  double tool_origin[3];     /* centre of voxel (0,0,0), T */
-  double shell_origin[3];    /* corner of shell cell (0,0,0), shell frame */
-  double cell_mm;            /* of the shell */
-  double wear;               /* g/cm3 that a touched voxel loses in this substep */
-  float origin_velocity[3];  /* of the tool's origin, mm/s, T */
-  float angular_velocity[3]; /* spin and tilt, rad/s, T */
-  float speed_floor;         /* mm/s */
-  float per_speed_floor;     /* s/mm */
-  float per_duration;        /* 1/s */
-  float floor_rate;          /* 1/(speed floor * duration), 1/mm */
-  float normal_ratio;        /* k_n */
-  float force_per_point;     /* N, law per_point */
+  rs_i64 voxel_from_cell[9];  /* row-major, fixed point: shell cell step to voxels */
+  rs_i64 voxel_origin[3];     /* fixed point: centre of shell cell (0,0,0), in voxels from the lattice's corner */
+  double tool_from_voxel[9];  /* row-major: voxel step to mm in T */
+  double tool_origin[3];      /* centre of voxel (0,0,0), T */
+  double shell_origin[3];     /* corner of shell cell (0,0,0), shell frame */
+  double cell_mm;             /* of the shell */
+  double wear;                /* g/cm3 that a touched voxel loses in this substep */
+  float tool_step[9];         /* tool_from_voxel in single precision */
+  float lattice_from_tool[9]; /* row-major: a direction in T along the lattice's axes */
+  float origin_velocity[3];   /* of the tool's origin, mm/s, T */
+  float angular_velocity[3];  /* spin and tilt, rad/s, T */
+  float speed_floor;          /* mm/s */
+  float per_speed_floor;      /* s/mm */
+  float per_duration;         /* 1/s */
+  float floor_rate;           /* 1/(speed floor * duration), 1/mm */
+  float normal_ratio;         /* k_n */
+  float force_per_point;      /* N, law per_point */
   float voxel_mm;
   float per_voxel_mm;   /* 1/mm */
   float size_exponent;  /* m of the size effect; 0 = none */

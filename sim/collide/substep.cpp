@@ -6,7 +6,7 @@
 namespace reamsim {
 
 // Host and device lay the struct out alike: 8-byte members first, then an even number of ints.
-static_assert(sizeof(SubstepArgs) == 8 * (9 + 3 + 9 + 3 + 3 + 2) + 4 * 34);
+static_assert(sizeof(SubstepArgs) == 8 * (9 + 3 + 9 + 3 + 3 + 2) + 4 * 52);
 static_assert(sizeof(SubstepSums) == 8 * 10);
 
 namespace {
@@ -105,6 +105,8 @@ SubstepArgs make_args(const Substep& substep, const Aabb& voi, const PointShell&
     for (int j = 0; j < 3; ++j) {
       args.voxel_from_cell[3 * i + j] = fixed_point(step(i, j));
       args.tool_from_voxel[3 * i + j] = tool_from_voxel(i, j);
+      args.tool_step[3 * i + j] = static_cast<float>(tool_from_voxel(i, j));
+      args.lattice_from_tool[3 * i + j] = static_cast<float>(tool_from_bone(j, i));
     }
     args.voxel_origin[i] = fixed_point(first[i]);
     args.tool_origin[i] = origin[i];
