@@ -10,24 +10,15 @@
 
 namespace reamsim::verify {
 
-namespace {
-
-/// Radius of a polygon's corners whose chords of `edge_mm` lie in the mean on the circle: a chord is off by a twelfth
-/// of its square over the radius in the mean.
-double corner_radius(double radius_mm, double edge_mm) {
-  return radius_mm + edge_mm * edge_mm / (12 * radius_mm);
-}
-
-}  // namespace
+namespace {}  // namespace
 
 Profile ball_profile(double radius_mm, double edge_mm) {
   Profile profile;
   const int steps = static_cast<int>(std::ceil(radius_mm * std::numbers::pi / edge_mm));
-  const double corner = corner_radius(radius_mm, std::numbers::pi * radius_mm / steps);
   for (int i = 0; i <= steps; ++i) {
     const double angle = std::numbers::pi * i / steps;
     const bool pole = i == 0 || i == steps;
-    profile.points.emplace_back(pole ? 0 : corner * std::sin(angle), radius_mm - corner * std::cos(angle));
+    profile.points.emplace_back(pole ? 0 : radius_mm * std::sin(angle), radius_mm - radius_mm * std::cos(angle));
   }
   return profile;
 }
@@ -36,14 +27,10 @@ Profile convex_profile(double radius_mm, double outer_mm, double bore_mm, double
   Profile profile;
   const double begin = std::asin(bore_mm / radius_mm), end = std::asin(outer_mm / radius_mm);
   const int steps = static_cast<int>(std::ceil(radius_mm * (end - begin) / edge_mm));
-  const double corner = corner_radius(radius_mm, radius_mm * (end - begin) / steps);
   for (int i = 0; i <= steps; ++i) {
     const double angle = begin + (end - begin) * i / steps;
-    profile.points.emplace_back(corner * std::sin(angle), radius_mm - corner * std::cos(angle));
+    profile.points.emplace_back(radius_mm * std::sin(angle), radius_mm - radius_mm * std::cos(angle));
   }
-  // Both ends of the face exactly where the walls stand.
-  profile.points.front().x() = bore_mm;
-  profile.points.back().x() = outer_mm;
   profile.points.emplace_back(outer_mm, height_mm);
   profile.points.emplace_back(bore_mm, height_mm);
   return profile;

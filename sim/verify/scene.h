@@ -7,7 +7,7 @@ namespace reamsim::verify {
 
 // ---- tools ------------------------------------------------------------------------------------------------------
 
-// A curve is a polygon of chords of `edge_mm`, its corners set out so far that chords and curve enclose the same.
+// A curve is given by points on it, `edge_mm` apart: exact erosion takes the arc through them (sim/tool/outline.h).
 
 /// A ball that touches z = 0 from above.
 Profile ball_profile(double radius_mm, double edge_mm);

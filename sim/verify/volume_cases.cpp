@@ -39,9 +39,8 @@ Sample plunged_ball(const Tool& tool, double voxel_mm, const Vec3& offset_mm, co
   return {cap_mm3(kRadius_mm, depth), reamed.removed_mm3()};
 }
 
-double finest_voxel(const Setting& setting) {
-  return setting.quick ? 0.25 : 0.125;
-}
+/// At the next finer level the cap's error is the rounding of single precision and of 16 bits of fill.
+constexpr double kFinestVoxel_mm = 0.25;
 
 Ladder volume_ladder(double nominal_mm3) {
   Ladder ladder;
@@ -76,7 +75,7 @@ CaseFindings half_space_case(const Setting& setting) {
   const double cap = cap_mm3(kRadius_mm, kDepth_mm);
   const Tool tool = make_tool(ball_profile(kRadius_mm, kEdge_mm));
   Ladder ladder = volume_ladder(cap);
-  for (const double voxel_mm : four_voxels(finest_voxel(setting))) {
+  for (const double voxel_mm : four_voxels(kFinestVoxel_mm)) {
     const Sample sample = plunged_ball(tool, voxel_mm, Vec3::Zero(), Quat::Identity(), "exact", setting);
     ladder.levels.push_back(level_of(voxel_mm, {sample}, cap));
   }
@@ -114,7 +113,7 @@ CaseFindings tilted_cap_case(const Setting& setting) {
   const Tool tool = make_tool(ball_profile(kRadius_mm, kEdge_mm));
   Ladder ladder = volume_ladder(cap_mm3(kRadius_mm, kDepth_mm));
   double at_bar = std::numeric_limits<double>::quiet_NaN();
-  for (const double voxel_mm : four_voxels(finest_voxel(setting))) {
+  for (const double voxel_mm : four_voxels(kFinestVoxel_mm)) {
     setting.progress("cap under tilt, " + std::to_string(voxel_mm) + " mm");
     ladder.levels.push_back(tilted_level(tool, voxel_mm, tilts, "exact", setting));
     if (voxel_mm == kBarVoxel_mm) at_bar = *ladder.levels.back().error;
