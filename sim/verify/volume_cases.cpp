@@ -168,7 +168,7 @@ CaseFindings cylinder_case(const Setting& setting) {
       ladder.levels.push_back(plunged_cylinder(tool, voxel_mm, tilt(degrees, 0.4), setting.quick ? 2 : 6, setting));
     }
     finish(ladder);
-    out.checks.push_back(finest_check(ladder, 5e-4, "the rim is a corner, which a single plane in a voxel rounds"));
+    out.checks.push_back(finest_check(ladder, kAim, kAimReason));
     out.ladders.push_back(std::move(ladder));
   }
   return out;
