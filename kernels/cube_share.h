@@ -27,13 +27,12 @@ RS_INLINE rs_real rs_larger(rs_real a, rs_real b) {
 RS_INLINE rs_real rs_outside_share(const rs_real* n, rs_real distance) {
   const rs_real zero = (rs_real)0.0f, middle = (rs_real)0.5f, least = (rs_real)1e-9f;
   const rs_real a = rs_abs(n[0]), b = rs_abs(n[1]), c = rs_abs(n[2]);
-  const rs_real per_sum = (rs_real)1.0f / (a + b + c);
   const rs_real low = rs_smaller(a, b), high = rs_larger(a, b), other = rs_larger(low, c);
-  /* Components in ascending order, their sum 1; `depth` of the plane in the nearest corner, 1/2 through the centre. */
-  const rs_real m1 = rs_larger(rs_smaller(low, c) * per_sum, least);
-  const rs_real m2 = rs_larger(rs_smaller(other, high) * per_sum, least);
-  const rs_real m3 = rs_larger(other, high) * per_sum;
-  const rs_real depth = rs_larger(middle - rs_abs(distance) * per_sum, zero);
+  /* Components in ascending order; `depth` of the plane in the nearest corner, half their sum through the centre. */
+  const rs_real m1 = rs_larger(rs_smaller(low, c), least);
+  const rs_real m2 = rs_larger(rs_smaller(other, high), least);
+  const rs_real m3 = rs_larger(other, high);
+  const rs_real depth = rs_larger(middle * (m1 + m2 + m3) - rs_abs(distance), zero);
   /* One division for three. */
   const rs_real m23 = m2 * m3, per_all = (rs_real)1.0f / (m1 * m23);
   const rs_real per_m1 = per_all * m23, per_6m23 = per_all * m1 * (rs_real)(1.0f / 6.0f);

@@ -34,26 +34,38 @@ typedef struct {
 } NearestPiece;
 
 /* A point (r, z) against one piece: the distance of its nearest point, negative inside, and squared; by how much the
- * point lies on the outer side; the outward direction, to be divided by `length`. */
+ * point lies on the outer side; the outward direction, to be multiplied by `scale`. */
 typedef struct {
   rs_real distance, square, side;
-  rs_real r, z, length;
+  rs_real r, z, scale;
 } PieceDistance;
+
+/* Within this share of a circle's radius, less than rounding is left out of the series for roots. */
+#define RS_NEAR_CIRCLE 0.03125f
 
 /* From a piece's circle a point at w from its middle lies |w + R n| - R away, for radius R and normal n there, on its
  * outer side positive; written so that a line is an arc of no curvature, and what is small is no difference of large
- * numbers. */
+ * numbers: with x = q/R, q = w^2/R + 2 w.n, it is q/(1 + sqrt(1 + x)). */
 RS_INLINE PieceDistance rs_from_circle(RS_GLOBAL const OutlinePiece* e, rs_real r, rs_real z) {
   const rs_real zero = (rs_real)0.0f, one = (rs_real)1.0f;
   const rs_real wr = r - e->middle_r, wz = z - e->middle_z;
   const rs_real q = e->curvature * (wr * wr + wz * wz) + 2.0f * (wr * e->normal_r + wz * e->normal_z);
-  const rs_real stretch2 = one + e->curvature * q;
+  const rs_real x = e->curvature * q, size = x < 0.0f ? -x : x;
   PieceDistance out;
-  out.length = RS_SQRT(stretch2 > 0.0f ? stretch2 : zero);
-  out.side = out.distance = q / (one + out.length);
-  out.square = out.side * out.side;
   out.r = e->normal_r + e->curvature * wr;
   out.z = e->normal_z + e->curvature * wz;
+  /* Next to the surface, by series: no root, no division. */
+  out.distance = q * (0.5f + x * (-0.125f + x * (0.0625f + x * (-5.0f / 128.0f + x * (7.0f / 256.0f)))));
+  out.scale = one + x * (-0.5f + x * (0.375f + x * (-0.3125f + x * (35.0f / 128.0f))));
+  if (RS_ANY(size > RS_NEAR_CIRCLE)) {
+    const rs_real root = RS_SQRT(one + x > 0.0f ? one + x : zero);
+    /* In the circle's centre every direction is as good as another. */
+    const rs_real known = root > 1e-6f ? one / root : zero;
+    out.distance = size > RS_NEAR_CIRCLE ? q / (one + root) : out.distance;
+    out.scale = size > RS_NEAR_CIRCLE ? known : out.scale;
+  }
+  out.side = out.distance;
+  out.square = out.distance * out.distance;
   return out;
 }
 
@@ -72,7 +84,9 @@ RS_INLINE PieceDistance rs_from_piece(RS_GLOBAL const OutlinePiece* e, rs_real r
   out.distance = off > 0.0f ? away : out.distance;
   out.r = off > 0.0f ? pr : out.r;
   out.z = off > 0.0f ? pz : out.z;
-  out.length = off > 0.0f ? away : out.length;
+  /* In an end as well. */
+  const rs_real per_away = root > 1e-6f ? (rs_real)1.0f / away : (rs_real)0.0f;
+  out.scale = off > 0.0f ? per_away : out.scale;
   return out;
 }
 
@@ -85,14 +99,11 @@ RS_INLINE rs_real rs_from_ends(RS_GLOBAL const OutlinePiece* e, rs_real r, rs_re
 
 /* What a piece is to the point next to it. */
 RS_INLINE NearestPiece rs_nearest_of(const PieceDistance* best, rs_real curvature, rs_int piece) {
-  const rs_real zero = (rs_real)0.0f, one = (rs_real)1.0f;
+  const rs_real known = best->scale < 0.0f ? -best->scale : best->scale;
   NearestPiece out;
   out.distance = best->distance;
-  /* In a vertex, or in an arc's centre, every direction is as good as another. */
-  const rs_real known = best->length * best->length > 1e-12f ? one : zero;
-  const rs_real per = one / (known > 0.0f ? best->length : one);
-  out.normal_r = known > 0.0f ? best->r * per : zero;
-  out.normal_z = known > 0.0f ? best->z * per : -one;
+  out.normal_r = best->r * best->scale;
+  out.normal_z = known > 0.0f ? best->z * best->scale : (rs_real)-1.0f;
   out.curvature = curvature;
   out.piece = piece;
   return out;
@@ -119,7 +130,7 @@ RS_INLINE NearestPiece rs_outline_nearest(const OutlineView* outline, EdgeList l
     best.distance = gain > 0.0f ? found.distance : best.distance;
     best.r = gain > 0.0f ? found.r : best.r;
     best.z = gain > 0.0f ? found.z : best.z;
-    best.length = gain > 0.0f ? found.length : best.length;
+    best.scale = gain > 0.0f ? found.scale : best.scale;
     curvature = gain > 0.0f ? (rs_real)outline->pieces[number].curvature : curvature;
     piece = gain > 0.0f ? (rs_int)number : piece;
   }
