@@ -4,9 +4,13 @@
  * found once. On a CPU (RS_LANES 16) sixteen voxels are clipped in the lanes of a vector, a brick to a work-item; on a
  * GPU a work-group takes a brick, a work-item every so many of its voxels.
  *
- * Compiled with RS_POOLS and RS_POOL_BITS. */
+ * Compiled with RS_POOLS and RS_POOL_BITS, and with RS_DISTANCE_GRID where the teeth are resolved: the tool's distance
+ * then comes from their grid instead of the envelope's profile. */
 #ifndef REAMSIM_KERNELS_CLIP_H
 #include "clip.h"
+#endif
+#ifndef REAMSIM_KERNELS_DISTANCE_GRID_H
+#include "distance_grid.h"
 #endif
 #ifndef REAMSIM_KERNELS_BRICK_REPORT_H
 #include "brick_report.h"
@@ -23,7 +27,36 @@
       __global uint *occupancy, const int4 bricks, __global int *page_of_slot, __global uint *slot_of_page,     \
       __global ushort *pages, __global SubstepSums *sums, __global RemovedBlock *removed,                       \
       __global const float *energy_of_grade, __global const ProfileEdge *edges, __global const ushort *numbers, \
-      __global const EdgeList *lists, __global const ProfileGrid *grid, RS_POOL_PARAMETERS
+      __global const EdgeList *lists, __global const ProfileGrid *grid, RS_POOL_PARAMETERS TEETH_PARAMETERS
+
+#ifdef RS_DISTANCE_GRID
+#define TEETH_PARAMETERS                                                              \
+  , __global const DistanceLattice *teeth_lattice, __global const uint *teeth_slots, \
+      __global const float *teeth_samples
+#define TEETH_MEMBER DistanceView teeth;
+#define TAKE_TEETH(visit)                                                           \
+  {                                                                                 \
+    const DistanceView teeth = {teeth_lattice, teeth_slots, teeth_samples};         \
+    (visit).teeth = teeth;                                                          \
+  }
+/* Of voxel (x, y, z) of the visit's brick. */
+#define CLIP(a, profile, list, visit, x, y, z) rs_clip_grid(a, &(visit)->teeth, (visit)->corner, x, y, z)
+#define CLIP_DISTANCE(a, profile, list, visit, x, y, z) \
+  rs_clip_grid_distance(a, &(visit)->teeth, (visit)->corner, x, y, z)
+#define TURN_TO_FORCE(profile, list, clip) rs_face_envelope(profile, list, clip)
+#define FARTHER(a, shift) (RS_GRID_STEEPEST * (shift) + RS_GRID_SLACK * (a)->voxel_mm)
+#define ENVELOPE_SLACK(visit) (visit)->teeth.lattice->slack_mm
+#else
+#define TEETH_PARAMETERS
+#define TEETH_MEMBER
+#define TAKE_TEETH(visit)
+#define CLIP(a, profile, list, visit, x, y, z) rs_clip(a, profile, list, (visit)->corner, x, y, z)
+#define CLIP_DISTANCE(a, profile, list, visit, x, y, z) \
+  rs_clip(a, profile, list, (visit)->corner, x, y, z).distance
+#define TURN_TO_FORCE(profile, list, clip)
+#define FARTHER(a, shift) (shift)
+#define ENVELOPE_SLACK(visit) 0.0f
+#endif
 
 /* A brick on its way through a visit. */
 typedef struct {
@@ -32,6 +65,7 @@ typedef struct {
   int x, y, z;     /* its lowest voxel */
   float corner[3]; /* that voxel's centre in the substep at hand, T */
   EdgeList list;   /* edges that can be nearest in the window at hand */
+  TEETH_MEMBER
 } Visit;
 
 Visit begin_visit(const uint slot, const uint lattice, const int4 bricks, __global Brick* brick) {
@@ -128,23 +162,23 @@ EdgeList near_edges(__global const SubstepArgs* a, const ProfileView* profile, c
 void find_candidates(__global const SubstepArgs* a, const ProfileView* profile, const Visit* v, const float shift,
                      __global const ushort* page, __global const float* energy_of_grade, Candidates* c) {
   const int16 lane = (int16)(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
-  const float reach = RS_CLIP_REACH * a->voxel_mm + shift + POSITION_SLACK;
+  const float reach = RS_CLIP_REACH * a->voxel_mm + FARTHER(a, shift) + POSITION_SLACK;
   c->count = 0;
-  /* Eight blocks of 4x4x4 voxels first, then in those that are near, layers of 16 voxels. */
+  /* Eight blocks of 4x4x4 voxels first, by the envelope, which holds the teeth; then in those that are near, layers of 16
+   * voxels. */
   const Clip blocks = rs_clip(a, profile, v->list, v->corner, convert_float16((lane & 1) << 2) + 1.5f,
                               convert_float16((lane & 2) << 1) + 1.5f, convert_float16(lane & 4) + 1.5f);
   float block_distance[16];
   vstore16(blocks.distance, 0, block_distance);
   for (int block = 0; block < 8; ++block) {
-    if (block_distance[block] > reach + 2.6f * a->voxel_mm) continue;
+    if (block_distance[block] > reach + 2.6f * a->voxel_mm + ENVELOPE_SLACK(v)) continue;
     const float16 x = convert_float16((block & 1) << 2 | (lane & 3)), y = convert_float16((block & 2) << 1 | lane >> 2);
     for (int layer = 0; layer < 4; ++layer) {
       const int first = block << 6 | layer << 4;
       const uint bone = v->brick->bone[first >> 5] >> (first & 31) & 0xffffu;
       if (bone == 0) continue;
-      const Clip clip = rs_clip(a, profile, v->list, v->corner, x, y, (float16)(float)((block & 4) | layer));
       float distance[16];
-      vstore16(clip.distance, 0, distance);
+      vstore16(CLIP_DISTANCE(a, profile, v->list, v, x, y, (float16)(float)((block & 4) | layer)), 0, distance);
       for (int l = 0; l < 16; ++l) {
         const int place = first + l;
         c->place[c->count] = (ushort)place;
@@ -157,8 +191,10 @@ void find_candidates(__global const SubstepArgs* a, const ProfileView* profile, 
   vstore16((ushort16)0, 0, c->place + c->count);
   vstore16((int16)0, 0, c->fill + c->count);
   vstore16((float16)0.0f, 0, c->energy + c->count);
+#ifndef RS_DISTANCE_GRID
   for (int i = 0; i < c->count; i += 16)
     c->near[i >> 4] = near_edges(a, profile, v, convert_int16(vload16(0, c->place + i)), shift);
+#endif
 }
 
 long add_lanes(const long16 v) {
@@ -177,11 +213,12 @@ bool cut_candidates(__global const SubstepArgs* a, const ProfileView* profile, c
   bool any_gone = false;
   for (int i = 0; i < c->count; i += 16) {
     const int16 place = convert_int16(vload16(0, c->place + i));
-    const Clip clip = rs_clip(a, profile, c->near[i >> 4], v->corner, offset_x(place), offset_y(place), offset_z(place));
+    Clip clip = CLIP(a, profile, c->near[i >> 4], v, offset_x(place), offset_y(place), offset_z(place));
     const int16 before = vload16(0, c->fill + i);
     const int16 outside = rs_fill_outside(a, &clip), lost = rs_clip_loss(a, before, outside);
     if (rs_has_edge(a)) rs_edge_force(a, &clip, before - lost, outside, &lanes);
     if (!any(lost > 0)) continue;
+    TURN_TO_FORCE(profile, v->list, &clip);
     rs_clip_force(a, &clip, vload16(0, c->energy + i), lost, &lanes);
     fill += lost;
     contacts -= lost > 0;
@@ -233,6 +270,7 @@ __kernel void cut_exact(PARAMETERS) {
     const uint slot = listed[t];
     report.brick = lattice_of_slot[slot];
     Visit v = begin_visit(slot, report.brick, bricks, pools[slot >> RS_POOL_BITS] + (slot & RS_POOL_MASK));
+    TAKE_TEETH(v);
     bool any_cut = false;
     for (uint w = 0; w < window_count; ++w) {
       const SubstepWindow window = windows[w];
@@ -266,12 +304,13 @@ void cut_voxels(__global const SubstepArgs* a, const ProfileView* profile, const
   for (uint place = get_local_id(0); place < RS_BRICK_VOXELS; place += get_local_size(0)) {
     if ((v->brick->bone[place >> 5] >> (place & 31u) & 1u) == 0) continue;
     const int at = (int)place;
-    const Clip clip =
-        rs_clip(a, profile, v->list, v->corner, (float)rs_offset_x(at), (float)rs_offset_y(at), (float)rs_offset_z(at));
+    Clip clip =
+        CLIP(a, profile, v->list, v, (float)rs_offset_x(at), (float)rs_offset_y(at), (float)rs_offset_z(at));
     const int before = page[place];
     const int outside = rs_fill_outside(a, &clip), lost = rs_clip_loss(a, before, outside);
     if (rs_has_edge(a)) rs_edge_force(a, &clip, before - lost, outside, &sums);
     if (lost == 0) continue;
+    TURN_TO_FORCE(profile, v->list, &clip);
     rs_clip_force(a, &clip, energy_of_grade[v->brick->grade[place]], lost, &sums);
     page[place] = (ushort)(before - lost);
     total[8] += lost;
@@ -300,6 +339,7 @@ __kernel void cut_exact(PARAMETERS) {
     const uint slot = listed[t];
     report.brick = lattice_of_slot[slot];
     Visit v = begin_visit(slot, report.brick, bricks, pools[slot >> RS_POOL_BITS] + (slot & RS_POOL_MASK));
+    TAKE_TEETH(v);
     if (item == 0) {
       page_of(slot, page_of_slot, slot_of_page, pages, counts);
       page_here = page_of_slot[slot];

@@ -54,7 +54,7 @@ void find_by_profile(SerialState& state, int slot) {
 void find_in_tool_box(SerialState& state, int slot) {
   const VoxelGrid& grid = state.grid;
   // A voxel is met by a surface that passes less than its diagonal from its centre.
-  const Aabb tool = state.tool->profile.bounds().expanded(grid.voxel_mm);
+  const Aabb tool = state.tool->clip_bounds().expanded(grid.voxel_mm);
   const VoxelBox all{Vec3i::Zero(), grid.dims - Vec3i::Ones()};
   const VoxelBox box = voxel_voi(state.args[static_cast<std::size_t>(slot)], tool, all);
   for (int z = box.first.z(); z <= box.last.z(); ++z) {

@@ -8,6 +8,7 @@ SerialState make_serial_state(const Voxmap& voxmap, const Tool& tool) {
   SerialState state;
   state.tool = &tool;
   state.profile = full_profile_table(tool.profile);
+  if (tool.teeth) state.lattice = distance_lattice(*tool.teeth);
   take_bone(voxmap, state);
   return state;
 }

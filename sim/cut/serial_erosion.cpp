@@ -1,9 +1,25 @@
 #include "sim/cut/serial_erosion.h"
 
-#include "kernels/clip.h"
+#include "kernels/distance_grid.h"
 #include "sim/base/stopwatch.h"
 
 namespace reamsim {
+
+namespace {
+
+/// The tool next to a voxel: by its teeth where these are resolved, else by its envelope.
+Clip clip_of(const SerialState& state, const SubstepArgs& args, const ProfileView& profile, const Vec3i& voxel) {
+  float corner[3];
+  rs_brick_in_tool(&args, voxel.x(), voxel.y(), voxel.z(), corner);
+  const auto x = static_cast<float>(voxel.x() & 7), y = static_cast<float>(voxel.y() & 7),
+             z = static_cast<float>(voxel.z() & 7);
+  if (!state.tool->teeth) return rs_clip(&args, &profile, profile.lists[0], corner, x, y, z);
+  const DistanceGrid& grid = *state.tool->teeth;
+  const DistanceView teeth{&state.lattice, grid.slot_of_brick.data(), grid.samples.data()};
+  return rs_clip_grid(&args, &teeth, corner, x, y, z);
+}
+
+}  // namespace
 
 CutVoxel cut_touched(const EnergyTable& table) {
   return [table](const SerialState& state, const SubstepArgs& args, std::int64_t e, LaneSums& law) {
@@ -26,13 +42,12 @@ CutVoxel cut_by_clipping(const EnergyTable& table) {
     const auto i = static_cast<std::size_t>(e);
     const Vec3i voxel = state.grid.coord(e);
     const ProfileView profile = state.profile.view();
-    float corner[3];
-    rs_brick_in_tool(&args, voxel.x(), voxel.y(), voxel.z(), corner);
-    const Clip clip = rs_clip(&args, &profile, profile.lists[0], corner, static_cast<float>(voxel.x() & 7),
-                              static_cast<float>(voxel.y() & 7), static_cast<float>(voxel.z() & 7));
+    Clip clip = clip_of(state, args, profile, voxel);
     const rs_i32 outside = rs_fill_outside(&args, &clip), lost = rs_clip_loss(&args, state.fill[i], outside);
     if (rs_has_edge(&args)) rs_edge_force(&args, &clip, state.fill[i] - lost, outside, &law);
-    if (lost > 0) rs_clip_force(&args, &clip, static_cast<float>(table.energy_mj[state.bone[i]]), lost, &law);
+    if (lost == 0) return lost;
+    if (state.tool->teeth) rs_face_envelope(&profile, profile.lists[0], &clip);
+    rs_clip_force(&args, &clip, static_cast<float>(table.energy_mj[state.bone[i]]), lost, &law);
     return lost;
   };
 }
