@@ -44,7 +44,7 @@
 #define CLIP_DISTANCE(a, profile, list, visit, x, y, z) \
   rs_clip_grid_distance(a, &(visit)->teeth, (visit)->corner, x, y, z)
 #define TURN_TO_FORCE(profile, list, clip) rs_face_envelope(profile, list, clip)
-#define FARTHER(a, shift) (RS_GRID_STEEPEST * (shift) + RS_GRID_SLACK * (a)->voxel_mm)
+#define STEEPEST RS_GRID_STEEPEST
 #define ENVELOPE_SLACK(visit) (visit)->teeth.lattice->slack_mm
 #else
 #define TEETH_PARAMETERS
@@ -54,7 +54,7 @@
 #define CLIP_DISTANCE(a, profile, list, visit, x, y, z) \
   rs_clip(a, profile, list, (visit)->corner, x, y, z).distance
 #define TURN_TO_FORCE(profile, list, clip)
-#define FARTHER(a, shift) (shift)
+#define STEEPEST 1.0f
 #define ENVELOPE_SLACK(visit) 0.0f
 #endif
 
@@ -162,7 +162,7 @@ EdgeList near_edges(__global const SubstepArgs* a, const ProfileView* profile, c
 void find_candidates(__global const SubstepArgs* a, const ProfileView* profile, const Visit* v, const float shift,
                      __global const ushort* page, __global const float* energy_of_grade, Candidates* c) {
   const int16 lane = (int16)(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
-  const float reach = RS_CLIP_REACH * a->voxel_mm + FARTHER(a, shift) + POSITION_SLACK;
+  const float reach = RS_CLIP_REACH * a->voxel_mm + STEEPEST * shift + POSITION_SLACK;
   c->count = 0;
   /* Eight blocks of 4x4x4 voxels first, by the envelope, which holds the teeth; then in those that are near, layers of 16
    * voxels. */

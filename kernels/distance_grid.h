@@ -13,13 +13,9 @@
 #define RS_GRID_ROW 9
 #define RS_GRID_SAMPLES 729
 
-/* How much steeper than the distance itself the trilinear one can be: by the square root of 3, because along each axis
- * it is no steeper than the distance. */
+/* How steep the trilinear distance can be: the square root of 3, because along each axis it rises by no more than the
+ * way, as its samples do (sim/tool/distance_grid.cpp). */
 #define RS_GRID_STEEPEST 1.7320509f
-
-/* More than the samples are off where they are not measured from the nearest triangle, voxels: next to the surface they
- * are, a voxel away up to 0.04 was found. */
-#define RS_GRID_SLACK 0.15f
 
 typedef struct {
   float origin[3]; /* sample (0,0,0), tool frame with the spin, mm */

@@ -18,11 +18,11 @@ using Leaf = openvdb::FloatTree::LeafNodeType;
 constexpr int kSide = DistanceGrid::kSide, kRow = DistanceGrid::kRow;
 static_assert(Leaf::DIM == kSide);
 
-/// How far from the surface the samples have to be the distance itself, voxels: as far as the middle of a voxel that
-/// the surface meets (0.91, RS_CLIP_REACH in kernels/clip.h; 0.15, RS_GRID_SLACK) can be, the half voxel that it may
-/// move within a window, and twice what the trilinear distance can be off, half a cell's diagonal.
+/// How far from the surface the samples are the distance itself, voxels. A voxel's middle is looked at up to 0.91 away
+/// (RS_CLIP_REACH in kernels/clip.h), and √3 times the half voxel that it may move within a window
+/// (RS_GRID_STEEPEST); the rest is for rounding.
+constexpr double kBandVoxels = 0.91 + 0.87 + 0.07;
 constexpr double kHalfDiagonalCells = 0.8660254;
-constexpr double kBandVoxels = 0.91 + 0.15 + 0.5 + 2 * kHalfDiagonalCells * kGridSpacingVoxels;
 
 /// Host memory for each sample of the band while OpenVDB works: distance, the nearest triangle's number, and copies.
 constexpr double kWorkingBytesPerSample = 13;
@@ -38,6 +38,30 @@ DistanceGrid lay_lattice(const TriangleMesh& mesh, double voxel_mm) {
   grid.bricks = ((box.max - box.min).array() / brick_mm).ceil().cast<int>() + 2;
   grid.origin_mm = box.center() - 0.5 * brick_mm * grid.bricks.cast<double>();
   return grid;
+}
+
+/// OpenVDB measures some distances from a triangle that only lies next to the nearest one, and then they are too large.
+/// Lowers every distance to what its neighbours along the axes allow, a spacing more than theirs. What the kernels look
+/// at within a window rests on that.
+void limit_rise(openvdb::FloatTree& distance) {
+  openvdb::tree::ValueAccessor<const openvdb::FloatTree> accessor(distance);
+  constexpr int kSteps[6][3] = {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};
+  for (bool lowered = true; lowered;) {
+    lowered = false;
+    for (auto leaf = distance.beginLeaf(); leaf; ++leaf) {
+      for (auto value = leaf->beginValueOn(); value; ++value) {
+        const float side = *value < 0 ? -1.0F : 1.0F;
+        float least = side * *value;
+        for (const auto& [x, y, z] : kSteps) {
+          const float neighbour = side * accessor.getValue(value.getCoord().offsetBy(x, y, z));
+          if (neighbour >= 0) least = std::min(least, neighbour + 1);
+        }
+        if (least >= side * *value) continue;
+        value.setValue(side * least);
+        lowered = true;
+      }
+    }
+  }
 }
 
 std::size_t brick_count(const DistanceGrid& grid) {
@@ -167,6 +191,7 @@ DistanceGrid make_distance_grid(const TriangleMesh& mesh, const Profile& envelop
                                                .outer_spacings = band,
                                                .inner_spacings = band,
                                                .exact = true});
+    limit_rise(distance->tree());
     take_bricks(distance->tree(), grid);
   } catch (const std::bad_alloc&) {
     throw InputError("tool.mesh: the teeth's distance grid does not fit into memory; larger voxels (bone.voxel_mm) do");
