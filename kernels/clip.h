@@ -25,6 +25,17 @@ typedef struct {
   ClipPlane other;
 } Clip;
 
+/* The plane with unit normal `n` (T) that a voxel's centre lies `away` voxels beyond. */
+RS_INLINE ClipPlane rs_lattice_plane(RS_GLOBAL const SubstepArgs* a, const rs_real* n, rs_real away) {
+  ClipPlane plane;
+  for (int j = 0; j < 3; ++j)
+    plane.n[j] = a->lattice_from_tool[3 * j] * n[0] + a->lattice_from_tool[3 * j + 1] * n[1] +
+                 a->lattice_from_tool[3 * j + 2] * n[2];
+  plane.nz = n[2];
+  plane.away = away;
+  return plane;
+}
+
 /* The plane of a surface next to a voxel centre: `nr`, `nz` its normal, (`c`, `s`) the direction from the spin axis to
  * the centre, `away` how far the centre lies beyond it (mm), `curvature` the outline's and `per_r` one over the
  * distance from the axis. A bulging surface falls away from its plane: by t^2/2 times the curvature at t from the point
@@ -36,13 +47,7 @@ RS_INLINE ClipPlane rs_clip_plane(RS_GLOBAL const SubstepArgs* a, rs_real c, rs_
   const rs_real both = curvature + nr * rs_smaller(per_r, most + most);
   const rs_real bulge = rs_larger(rs_smaller(both, most), -most);
   const rs_real n[3] = {nr * c, nr * s, nz};
-  ClipPlane plane;
-  for (int j = 0; j < 3; ++j)
-    plane.n[j] = a->lattice_from_tool[3 * j] * n[0] + a->lattice_from_tool[3 * j + 1] * n[1] +
-                 a->lattice_from_tool[3 * j + 2] * n[2];
-  plane.nz = nz;
-  plane.away = away * a->per_voxel_mm + bulge * (a->voxel_mm * (1.0f / 24.0f));
-  return plane;
+  return rs_lattice_plane(a, n, away * a->per_voxel_mm + bulge * (a->voxel_mm * (1.0f / 24.0f)));
 }
 
 /* Takes `plane` in the lanes that are `there`. */

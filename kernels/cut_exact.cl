@@ -4,9 +4,13 @@
  * found once. On a CPU (RS_LANES 16) sixteen voxels are clipped in the lanes of a vector, a brick to a work-item; on a
  * GPU a work-group takes a brick, a work-item every so many of its voxels.
  *
- * Compiled with RS_POOLS and RS_POOL_BITS. */
+ * Compiled with RS_POOLS and RS_POOL_BITS, and with RS_DISTANCE_GRID where the teeth are resolved: the tool's distance
+ * then comes from their grid instead of the envelope's profile. */
 #ifndef REAMSIM_KERNELS_CLIP_H
 #include "clip.h"
+#endif
+#ifndef REAMSIM_KERNELS_DISTANCE_GRID_H
+#include "distance_grid.h"
 #endif
 #ifndef REAMSIM_KERNELS_BRICK_REPORT_H
 #include "brick_report.h"
@@ -23,7 +27,28 @@
       __global uint *occupancy, const int4 bricks, __global int *page_of_slot, __global uint *slot_of_page,     \
       __global ushort *pages, __global SubstepSums *sums, __global RemovedBlock *removed,                       \
       __global const float *energy_of_grade, __global const OutlinePiece *pieces, __global const ushort *numbers, \
-      __global const EdgeList *lists, __global const ProfileGrid *grid, RS_POOL_PARAMETERS
+      __global const EdgeList *lists, __global const ProfileGrid *grid, RS_POOL_PARAMETERS TEETH_PARAMETERS
+
+#ifdef RS_DISTANCE_GRID
+#define TEETH_PARAMETERS                                                              \
+  , __global const DistanceLattice *teeth_lattice, __global const uint *teeth_slots, \
+      __global const float *teeth_samples
+#define TEETH_MEMBER DistanceView teeth;
+#define TAKE_TEETH(visit)                                                           \
+  {                                                                                 \
+    const DistanceView teeth = {teeth_lattice, teeth_slots, teeth_samples};         \
+    (visit).teeth = teeth;                                                          \
+  }
+#define ENVELOPE_SLACK(visit) (visit)->teeth.lattice->slack_mm
+/* The force goes by the envelope's normal. */
+#define TURN_TO_FORCE(outline, list, clip) rs_face_envelope(outline, list, clip)
+#else
+#define TEETH_PARAMETERS
+#define TEETH_MEMBER
+#define TAKE_TEETH(visit)
+#define ENVELOPE_SLACK(visit) 0.0f
+#define TURN_TO_FORCE(outline, list, clip)
+#endif
 
 /* A brick on its way through a visit. */
 typedef struct {
@@ -32,6 +57,7 @@ typedef struct {
   int x, y, z;     /* its lowest voxel */
   float corner[3]; /* that voxel's centre in the substep at hand, T */
   EdgeList list;   /* pieces of the outline that can be nearest in the window at hand */
+  TEETH_MEMBER
 } Visit;
 
 Visit begin_visit(const uint slot, const uint lattice, const int4 bricks, __global Brick* brick) {
@@ -119,6 +145,17 @@ void look_near(__global const SubstepArgs* a, const OutlineView* outline, const 
   *smooth = near->count == 1 && all(rs_from_ends(piece, r, p[2]) > margin);
 }
 
+#ifdef RS_DISTANCE_GRID
+
+/* How much further than it can matter a voxel's centre lies from the teeth, voxels, while the tool moves by `shift`. */
+float16 beyond_reach(__global const SubstepArgs* a, const OutlineView* outline, const Visit* v, const float16 x,
+                     const float16 y, const float16 z, const float shift) {
+  const float slack = RS_CLIP_REACH + RS_GRID_STEEPEST * shift + POSITION_SLACK * a->per_voxel_mm;
+  return rs_clip_grid_distance(a, &v->teeth, v->corner, x, y, z) * a->per_voxel_mm - slack;
+}
+
+#else
+
 /* Half the width of a voxel along the surface's normal, voxels, and what more it can be while the tool moves by `shift`
  * voxels: the normal turns with the surface's curvature, and with the tool. Next to an edge of the outline it jumps. */
 float16 half_width(__global const SubstepArgs* a, const OutlineView* outline, const EdgeList list,
@@ -145,6 +182,8 @@ float16 beyond_reach(__global const SubstepArgs* a, const OutlineView* outline, 
   return nearest.distance * a->per_voxel_mm - half_width(a, outline, v->list, &nearest, p[0], p[1], r, slack) - slack;
 }
 
+#endif
+
 /* A bit for every lane that holds. */
 uint bits_of(const int16 holds) {
   const int16 bit =
@@ -160,10 +199,12 @@ void find_candidates(__global const SubstepArgs* a, const OutlineView* outline, 
                      __global const ushort* page, __global const float* energy_of_grade, Candidates* c) {
   const int16 lane = (int16)(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
   c->count = 0;
-  /* Eight blocks of 4x4x4 voxels first, then in those that are near, layers of 16 voxels. */
+  /* Eight blocks of 4x4x4 voxels first, by the envelope, which holds the teeth; then in those that are near, layers of 16
+   * voxels. */
   const float16 middle = rs_clip_distance(a, outline, v->list, v->corner, convert_float16((lane & 1) << 2) + 1.5f,
                                           convert_float16((lane & 2) << 1) + 1.5f, convert_float16(lane & 4) + 1.5f);
-  const uint blocks = bits_of(middle * a->per_voxel_mm <= RS_CLIP_REACH + 2.6f + 0.1f + shift);
+  const float near = RS_CLIP_REACH + 2.6f + 0.1f + shift + ENVELOPE_SLACK(v) * a->per_voxel_mm;
+  const uint blocks = bits_of(middle * a->per_voxel_mm <= near);
   for (int block = 0; block < 8; ++block) {
     if ((blocks >> block & 1u) == 0) continue;
     const float16 x = convert_float16((block & 1) << 2 | (lane & 3)), y = convert_float16((block & 2) << 1 | lane >> 2);
@@ -185,9 +226,11 @@ void find_candidates(__global const SubstepArgs* a, const OutlineView* outline, 
   vstore16((ushort16)0, 0, c->place + c->count);
   vstore16((int16)0, 0, c->fill + c->count);
   vstore16((float16)0.0f, 0, c->energy + c->count);
+#ifndef RS_DISTANCE_GRID
   for (int i = 0; i < c->count; i += 16)
     look_near(a, outline, v, convert_int16(vload16(0, c->place + i)), shift * a->voxel_mm, c->near + (i >> 4),
               c->smooth + (i >> 4));
+#endif
 }
 
 /* What a substep's voxels add up to, lane by lane. */
@@ -225,26 +268,39 @@ void note_gone(const Candidates* c, const int first, const int16 gone, uint* gon
   }
 }
 
+/* The tool next to sixteen candidates from the i-th on, and the fill that it leaves of whole ones. */
+Clip clip_sixteen(__global const SubstepArgs* a, const OutlineView* outline, const Visit* v, const Candidates* c,
+                  const int i, int16* outside) {
+  const int16 place = convert_int16(vload16(0, c->place + i));
+  const float16 x = offset_x(place), y = offset_y(place), z = offset_z(place);
+  Clip clip;
+#ifdef RS_DISTANCE_GRID
+  clip = rs_clip_grid(a, &v->teeth, v->corner, x, y, z);
+  *outside = rs_fill_outside(&clip);
+#else
+  const EdgeList near = c->near[i >> 4];
+  if (c->smooth[i >> 4]) {
+    clip = rs_clip_smooth(a, outline->pieces + outline->numbers[near.first], v->corner, x, y, z);
+    *outside = rs_fill_outside(&clip);
+  } else {
+    clip = rs_clip(a, outline, near, v->corner, x, y, z);
+    *outside = rs_fill_outside(&clip);
+  }
+#endif
+  return clip;
+}
+
 /* Cuts the candidates in one substep, or lets the lips' edges rub on them; true where any loses something. */
 bool cut_candidates(__global const SubstepArgs* a, const OutlineView* outline, const Visit* v, const uint substep,
                     Candidates* c, RemovedReport* report, SubstepLanes* lanes) {
   int16 removed = 0, contacts = 0, any_gone = 0;
   uint gone_words[RS_BRICK_WORDS] = {0};
   for (int i = 0; i < c->count; i += 16) {
-    const int16 place = convert_int16(vload16(0, c->place + i));
-    const float16 x = offset_x(place), y = offset_y(place), z = offset_z(place);
-    const EdgeList near = c->near[i >> 4];
-    Clip clip;
     int16 outside;
-    if (c->smooth[i >> 4]) {
-      clip = rs_clip_smooth(a, outline->pieces + outline->numbers[near.first], v->corner, x, y, z);
-      outside = rs_fill_outside(&clip);
-    } else {
-      clip = rs_clip(a, outline, near, v->corner, x, y, z);
-      outside = rs_fill_outside(&clip);
-    }
+    Clip clip = clip_sixteen(a, outline, v, c, i, &outside);
     const int16 before = vload16(0, c->fill + i), lost = rs_clip_loss(a, before, outside);
     if (rs_has_edge(a)) rs_edge_force(a, &clip, before - lost, outside, &lanes->sums);
+    TURN_TO_FORCE(outline, v->list, &clip);
     rs_clip_force(a, &clip, vload16(0, c->energy + i), lost, &lanes->sums);
     removed += lost;
     contacts -= lost > 0;
@@ -279,6 +335,7 @@ __kernel void cut_exact(PARAMETERS) {
     const uint slot = listed[t];
     report.brick = lattice_of_slot[slot];
     Visit v = begin_visit(slot, report.brick, bricks, pools[slot >> RS_POOL_BITS] + (slot & RS_POOL_MASK));
+    TAKE_TEETH(v);
     bool any_cut = false;
     for (uint w = 0; w < window_count; ++w) {
       const SubstepWindow window = windows[w];
@@ -308,6 +365,16 @@ __kernel void cut_exact(PARAMETERS) {
 
 #else
 
+/* The tool next to voxel (x, y, z) of the brick. */
+Clip clip_one(__global const SubstepArgs* a, const OutlineView* outline, const Visit* v, const float x, const float y,
+              const float z) {
+#ifdef RS_DISTANCE_GRID
+  return rs_clip_grid(a, &v->teeth, v->corner, x, y, z);
+#else
+  return rs_clip(a, outline, v->list, v->corner, x, y, z);
+#endif
+}
+
 /* What the work-item's voxels of the brick lose in one substep. */
 void cut_voxels(__global const SubstepArgs* a, const OutlineView* outline, const Visit* v, __global ushort* page,
                 __global const float* energy_of_grade, __local uint* gone_words, long* total) {
@@ -315,12 +382,12 @@ void cut_voxels(__global const SubstepArgs* a, const OutlineView* outline, const
   for (uint place = get_local_id(0); place < RS_BRICK_VOXELS; place += get_local_size(0)) {
     if ((v->brick->bone[place >> 5] >> (place & 31u) & 1u) == 0) continue;
     const int at = (int)place;
-    const Clip clip =
-        rs_clip(a, outline, v->list, v->corner, (float)rs_offset_x(at), (float)rs_offset_y(at), (float)rs_offset_z(at));
+    Clip clip = clip_one(a, outline, v, (float)rs_offset_x(at), (float)rs_offset_y(at), (float)rs_offset_z(at));
     const int before = page[place];
     const int outside = rs_fill_outside(&clip), lost = rs_clip_loss(a, before, outside);
     if (rs_has_edge(a)) rs_edge_force(a, &clip, before - lost, outside, &sums);
     if (lost == 0) continue;
+    TURN_TO_FORCE(outline, v->list, &clip);
     rs_clip_force(a, &clip, energy_of_grade[v->brick->grade[place]], lost, &sums);
     page[place] = (ushort)(before - lost);
     total[8] += lost;
@@ -349,6 +416,7 @@ __kernel void cut_exact(PARAMETERS) {
     const uint slot = listed[t];
     report.brick = lattice_of_slot[slot];
     Visit v = begin_visit(slot, report.brick, bricks, pools[slot >> RS_POOL_BITS] + (slot & RS_POOL_MASK));
+    TAKE_TEETH(v);
     if (item == 0) {
       page_of(slot, page_of_slot, slot_of_page, pages, counts);
       page_here = page_of_slot[slot];

@@ -82,6 +82,8 @@ typedef struct {
   float edge_tangential; /* N per mm of envelope, times the radius: lips/2pi times N/mm of lip; 0 = no edge force */
   float edge_normal;
   float duration; /* s */
+  float spin_cos; /* of the teeth's turn about -z of T, where they are resolved */
+  float spin_sin;
   rs_i32 dims[3];
   rs_i32 voi_min[3]; /* shell cells, inclusive */
   rs_i32 voi_max[3];

@@ -1,6 +1,3 @@
-#include <openvdb/openvdb.h>
-#include <openvdb/tools/MeshToVolume.h>
-
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -14,6 +11,7 @@
 #include "sim/bone/surface_share.h"
 #include "sim/bone/surface_voxels.h"
 #include "sim/mesh/mesh_check.h"
+#include "sim/mesh/mesh_distance.h"
 #include "sim/mesh/mesh_io.h"
 #include "sim/mesh/mesh_repair.h"
 
@@ -31,39 +29,14 @@ std::string format(const char* pattern, double a, double b = 0, double c = 0) {
   return text;
 }
 
-/// A mesh in the lattice's index space, in which voxel centres are whole numbers.
-struct IndexSpaceMesh {
-  std::vector<openvdb::Vec3s> points;
-  std::vector<openvdb::Vec3I> triangles;
-
-  IndexSpaceMesh(const TriangleMesh& mesh, const VoxelGrid& grid) {
-    points.reserve(mesh.vertices.size());
-    for (const Vec3& vertex : mesh.vertices) {
-      const Vec3 index = (vertex - grid.origin_mm) / grid.voxel_mm - Vec3::Constant(0.5);
-      points.emplace_back(static_cast<float>(index.x()), static_cast<float>(index.y()), static_cast<float>(index.z()));
-    }
-    triangles.reserve(mesh.triangles.size());
-    for (const auto& [a, b, c] : mesh.triangles) {
-      triangles.emplace_back(static_cast<openvdb::Index32>(a), static_cast<openvdb::Index32>(b),
-                             static_cast<openvdb::Index32>(c));
-    }
-  }
-};
-
 /// Signed distance in voxels, negative inside, exact down to `inner_voxels` below the surface.
 openvdb::FloatGrid::Ptr signed_distance(const std::string& path, const TriangleMesh& mesh, const VoxelGrid& grid,
                                         double inner_voxels) {
   try {
-    openvdb::initialize();
-    const IndexSpaceMesh indexed(mesh, grid);
-    const auto transform = openvdb::math::Transform::createLinearTransform(1.0);
-    const auto outer = static_cast<float>(kMarginVoxels - 1);
-    // This adapter and interrupter are the ones that OpenVDB's library holds compiled; others take minutes to compile.
-    const openvdb::tools::QuadAndTriangleDataAdapter<openvdb::Vec3s, openvdb::Vec3I> adapter(indexed.points,
-                                                                                             indexed.triangles);
-    openvdb::util::NullInterrupter never;
-    return openvdb::tools::meshToVolume<openvdb::FloatGrid>(never, adapter, *transform, outer,
-                                                            static_cast<float>(inner_voxels));
+    return mesh_distance(mesh, {.first_mm = grid.center_mm(0, 0, 0),
+                                .spacing_mm = grid.voxel_mm,
+                                .outer_spacings = kMarginVoxels - 1,
+                                .inner_spacings = inner_voxels});
   } catch (const std::bad_alloc&) {
     throw InputError({path, 0, 0}, "", "a mesh whose distance field does not fit into memory",
                      "expected larger voxels (bone.voxel_mm)");

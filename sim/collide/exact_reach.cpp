@@ -15,18 +15,18 @@ static_assert(sizeof(SubstepWindow) == 12);
 static_assert(sizeof(VisitCounts) == 12);
 static_assert(sizeof(CoarseGrid) == 20);
 
-CoarseDistance make_coarse_distance(const Profile& profile, double bulge_mm, double voxel_mm) {
+CoarseDistance make_coarse_distance(const Profile& profile, double voxel_mm, double slack_mm) {
   constexpr double kSuperbrickVoxels = 27.8;  // SUPERBRICK_RADIUS
   constexpr double kCellVoxels = 4, kMostCells = 1 << 14;
   const Aabb tool = profile.bounds();
-  const double margin = bulge_mm + (kSuperbrickVoxels + kVisitShiftVoxels + kCellVoxels) * voxel_mm;
+  const double margin = (kSuperbrickVoxels + kVisitShiftVoxels + kCellVoxels) * voxel_mm + slack_mm;
   const double width = tool.max.x() + margin, height = tool.max.z() - tool.min.z() + 2 * margin;
   const double cell_mm = std::max(kCellVoxels * voxel_mm, std::sqrt(width * height / kMostCells));
   CoarseDistance out;
   out.grid = {static_cast<float>(tool.min.z() - margin), static_cast<float>(1 / cell_mm),
               // Rounding may put a point into the next cell.
-              static_cast<float>(std::sqrt(0.5) * cell_mm + bulge_mm + 1e-3),
-              static_cast<rs_i32>(std::ceil(width / cell_mm)), static_cast<rs_i32>(std::ceil(height / cell_mm))};
+              static_cast<float>(std::sqrt(0.5) * cell_mm + 1e-3), static_cast<rs_i32>(std::ceil(width / cell_mm)),
+              static_cast<rs_i32>(std::ceil(height / cell_mm))};
   for (int z = 0; z < out.grid.count_z; ++z) {
     for (int r = 0; r < out.grid.count_r; ++r) {
       const Vec2 center((r + 0.5) * cell_mm, tool.min.z() - margin + (z + 0.5) * cell_mm);
@@ -37,14 +37,15 @@ CoarseDistance make_coarse_distance(const Profile& profile, double bulge_mm, dou
 }
 
 ExactReach::ExactReach(const cl::Device& device, const BrickedState& state, const DeviceBatch& batch,
-                       const Profile& profile, double bulge_mm, std::size_t work_group)
+                       const Profile& profile, double slack_mm, std::size_t work_group)
     : device_(device),
       work_group_(work_group),
+      slack_mm_(static_cast<float>(slack_mm)),
       grid_(device, 1, "the tool's distances"),
       listed_(device, std::max<std::size_t>(1, state.layout.bricks), "the list of bricks in reach"),
       counts_(device, 1, "the counts of a visit"),
       kernel_(device.build("reach_exact.cl", embedded::kernel_reach_exact, ""), "reach_exact") {
-  const CoarseDistance coarse = make_coarse_distance(profile, bulge_mm, state.grid.voxel_mm);
+  const CoarseDistance coarse = make_coarse_distance(profile, state.grid.voxel_mm, slack_mm);
   grid_.write(device, &coarse.grid, 1);
   distances_ = {device, coarse.mm.size(), "the tool's distances"};
   distances_.write(device, coarse.mm.data(), coarse.mm.size());
@@ -65,7 +66,7 @@ std::size_t ExactReach::list(const VisitPlan& visit, VisitCounts counts) {
   kernel_.set(1, static_cast<cl_uint>(visit.first));
   kernel_.set(2, cl_int4{{first.x(), first.y(), first.z(), 0}});
   kernel_.set(3, cl_int4{{size.x(), size.y(), size.z(), 0}});
-  kernel_.set(4, visit.shift_mm);
+  kernel_.set(4, visit.shift_mm + slack_mm_);
   const auto items =
       static_cast<std::size_t>(size.x()) * static_cast<std::size_t>(size.y()) * static_cast<std::size_t>(size.z());
   events_.push_back(kernel_.launch(device_, items, work_group_));

@@ -11,15 +11,15 @@ struct CoarseDistance {
   std::vector<float> mm;  ///< at the cells' centres
 };
 
-/// Covers every point within the longest reach of kernels/reach_exact.cl of a surface that lies up to `bulge_mm` from
-/// the profile.
-CoarseDistance make_coarse_distance(const Profile& profile, double bulge_mm, double voxel_mm);
+/// Covers every point within the longest reach of kernels/reach_exact.cl, and `slack_mm` more, of the profile.
+CoarseDistance make_coarse_distance(const Profile& profile, double voxel_mm, double slack_mm);
 
 /// The bricks that the tool's surface can meet in a visit; see kernels/reach_exact.cl.
 class ExactReach {
  public:
+  /// `slack_mm`: a surface that clips may lie so far outside the profile.
   ExactReach(const cl::Device& device, const BrickedState& state, const DeviceBatch& batch, const Profile& profile,
-             double bulge_mm, std::size_t work_group);
+             double slack_mm, std::size_t work_group);
 
   /// Enqueues the listing of a visit's bricks, and returns how many there are.
   std::size_t list(const VisitPlan& visit, VisitCounts counts);
@@ -32,6 +32,7 @@ class ExactReach {
  private:
   const cl::Device& device_;
   std::size_t work_group_;
+  float slack_mm_;
   cl::Buffer<CoarseGrid> grid_;
   cl::Buffer<float> distances_;
   cl::Buffer<cl_uint> listed_;

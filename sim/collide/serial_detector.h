@@ -1,24 +1,35 @@
 #pragma once
 
+#include <functional>
 #include <utility>
 #include <vector>
 
-#include "sim/base/stopwatch.h"
 #include "sim/collide/detector.h"
 #include "sim/collide/serial_state.h"
 
 namespace reamsim {
 
-/// The reference: every shell point in turn, in plain C++. No culling, so that it also checks the VOI.
+/// Appends to `state.contacts` the voxels that the tool touches in the substep of slot `slot`.
+using FindContacts = std::function<void(SerialState& state, int slot)>;
+
+/// The references, in plain C++: the voxels that hold a shell point, each once. No culling, so that it also checks the
+/// VOI.
+FindContacts find_by_points(const SerialState& state);
+/// Of `implicit`: every voxel in turn against the tool's solid of revolution. No culling either.
+void find_by_profile(SerialState& state, int slot);
+/// Of `exact`, which clips what it is given: every voxel of bone in the tool's box.
+void find_in_tool_box(SerialState& state, int slot);
+
+/// Runs one of them.
 class SerialDetector final : public Detector {
  public:
-  explicit SerialDetector(SerialState& state) : state_(state), claimed_(state.bone.size(), false) {}
+  SerialDetector(SerialState& state, FindContacts find) : state_(state), find_(std::move(find)) {}
   void detect(int slot) override;
   std::vector<double> take_seconds() override { return std::exchange(seconds_, {}); }
 
  private:
   SerialState& state_;
-  std::vector<bool> claimed_;
+  FindContacts find_;
   std::vector<double> seconds_;
 };
 

@@ -9,6 +9,7 @@ SerialState make_serial_state(const Voxmap& voxmap, const Tool& tool) {
   state.tool = &tool;
   state.profile = full_profile_table(tool.profile);
   state.outline = full_outline_table(tool.profile, voxmap.grid.voxel_mm);
+  if (tool.teeth) state.lattice = distance_lattice(*tool.teeth);
   take_bone(voxmap, state);
   return state;
 }

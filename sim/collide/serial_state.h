@@ -5,6 +5,7 @@
 #include "sim/bone/voxmap.h"
 #include "sim/collide/outline_table.h"
 #include "sim/collide/profile_table.h"
+#include "sim/collide/teeth_table.h"
 #include "sim/tool/tool.h"
 
 namespace reamsim {
@@ -14,6 +15,7 @@ struct SerialState {
   const Tool* tool = nullptr;
   ProfileTable profile;
   OutlineTable outline;
+  DistanceLattice lattice{};  ///< of the tool's teeth, where they are resolved
   VoxelGrid grid;
   std::vector<std::uint8_t> bone;   ///< grade, 0 = air or gone
   std::vector<std::uint16_t> fill;  ///< dense

@@ -6,7 +6,7 @@
 namespace reamsim {
 
 // Host and device lay the struct out alike: 8-byte members first, then an even number of ints.
-static_assert(sizeof(SubstepArgs) == 8 * (9 + 3 + 9 + 3 + 3 + 2) + 4 * 52);
+static_assert(sizeof(SubstepArgs) == 8 * (9 + 3 + 9 + 3 + 3 + 2) + 4 * 54);
 static_assert(sizeof(SubstepSums) == 8 * 10);
 
 namespace {
@@ -132,6 +132,9 @@ SubstepArgs make_args(const Substep& substep, const Aabb& voi, const PointShell&
   args.least_loss = least_loss(grid.voxel_mm);
   args.frame = static_cast<std::int32_t>(substep.frame);
   args.duration = static_cast<float>(substep.duration_s);
+  const double spin = spin_resolved ? substep.pose.spin_angle_rad : 0;
+  args.spin_cos = static_cast<float>(std::cos(spin));
+  args.spin_sin = static_cast<float>(std::sin(spin));
   set_force_options(cutting, std::abs(turning.z()), args);
   return args;
 }

@@ -18,7 +18,8 @@ struct VisitPlan {
   VoxelBox superbricks;                ///< of 4×4×4 bricks, that the tool's box meets in any of the substeps
 };
 
-/// Longest motion within a window, voxels: every voxel that a window can meet is looked at in each of its substeps.
+/// Longest motion within a window, that of turning teeth included, voxels: every voxel that a window can meet is looked
+/// at in each of its substeps.
 inline constexpr double kWindowShiftVoxels = 0.5;
 /// Longest motion of a visit, voxels: kernels/reach_exact.cl looks that far round the tool.
 inline constexpr double kVisitShiftVoxels = 16;

@@ -11,14 +11,15 @@ extern const char* const kernel_cut_exact;
 
 ExactCut::ExactCut(const cl::Device& device, const BrickedState& state, const DeviceBatch& batch,
                    const ExactReach& reach, const OutlineTable& outline, const EnergyTable& table,
-                   const BrickedOptions& options)
+                   const BrickedOptions& options, const DeviceTeeth* teeth)
     : device_(device),
       items_(cut_items(device.info(), options)),
       work_group_(options.work_group),
       energy_(device, table.energy_mj.size(), "the energy table"),
       windows_(device, RS_VISIT_SUBSTEPS, "the windows of a visit"),
       outline_(device, outline),
-      kernel_(device.build("cut_exact.cl", embedded::kernel_cut_exact, cut_defines(state.layout, options.shape)),
+      kernel_(device.build("cut_exact.cl", embedded::kernel_cut_exact,
+                           cut_defines(state.layout, options.shape) + (teeth != nullptr ? " -DRS_DISTANCE_GRID" : "")),
               "cut_exact") {
   std::vector<float> energy(table.energy_mj.size());
   std::transform(table.energy_mj.begin(), table.energy_mj.end(), energy.begin(),
@@ -35,6 +36,7 @@ ExactCut::ExactCut(const cl::Device& device, const BrickedState& state, const De
   kernel_.set(13, energy_);
   outline_.set(kernel_, 14);
   state.set_pools(kernel_, 18);
+  if (teeth != nullptr) teeth->set(kernel_, 18 + static_cast<cl_uint>(state.layout.pools));
 }
 
 std::size_t ExactCut::most_records(std::size_t listed, int substeps) {

@@ -3,6 +3,7 @@
 #include "sim/collide/exact_reach.h"
 #include "sim/collide/fill_pages.h"
 #include "sim/collide/outline_table.h"
+#include "sim/collide/teeth_table.h"
 #include "sim/cut/energy_table.h"
 
 namespace reamsim {
@@ -10,8 +11,10 @@ namespace reamsim {
 /// `exact` over the bricks in reach; see kernels/cut_exact.cl.
 class ExactCut {
  public:
+  /// `teeth`: what clips instead of the profile; nullptr where the tool runs as its envelope.
   ExactCut(const cl::Device& device, const BrickedState& state, const DeviceBatch& batch, const ExactReach& reach,
-           const OutlineTable& outline, const EnergyTable& table, const BrickedOptions& options);
+           const OutlineTable& outline, const EnergyTable& table, const BrickedOptions& options,
+           const DeviceTeeth* teeth);
 
   /// Records of removed voxels that a visit can make at most.
   [[nodiscard]] static std::size_t most_records(std::size_t listed, int substeps);

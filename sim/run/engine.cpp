@@ -5,9 +5,6 @@
 #include "sim/collide/dense_bone.h"
 #include "sim/collide/dense_plan.h"
 #include "sim/collide/serial_detector.h"
-#include "sim/collide/serial_implicit_detector.h"
-#include "sim/collide/serial_reach.h"
-#include "sim/cut/serial_clip.h"
 #include "sim/cut/serial_erosion.h"
 #include "sim/run/bricked_engine.h"
 #include "sim/run/dense_engine.h"
@@ -17,16 +14,15 @@ namespace reamsim {
 
 namespace {
 
-std::unique_ptr<Detector> make_serial_detector(const Scenario& scenario, SerialState& state) {
-  if (scenario.cutting.erosion == "exact") return std::make_unique<SerialReach>(state);
-  if (scenario.engine.detector == "implicit") return std::make_unique<SerialImplicitDetector>(state);
-  return std::make_unique<SerialDetector>(state);
+FindContacts serial_detection(const Scenario& scenario, const SerialState& state) {
+  if (scenario.cutting.erosion == "exact") return find_in_tool_box;
+  if (scenario.engine.detector == "implicit") return find_by_profile;
+  return find_by_points(state);
 }
 
-std::unique_ptr<Erosion> make_serial_erosion(const Scenario& scenario, SerialState& state, double voxel_mm) {
+CutVoxel serial_cut(const Scenario& scenario, double voxel_mm) {
   const EnergyTable table = make_energy_table(scenario.cutting, voxel_mm);
-  if (scenario.cutting.erosion == "exact") return std::make_unique<SerialClip>(state, table);
-  return std::make_unique<SerialErosion>(state, table);
+  return scenario.cutting.erosion == "exact" ? cut_by_clipping(table) : cut_touched(table);
 }
 
 /// The reference of every detector in plain C++: that of `implicit`, of those which look shell points up, and of
@@ -35,8 +31,8 @@ class SerialEngine final : public Engine {
  public:
   SerialEngine(const Scenario& scenario, const Voxmap& voxmap, const Tool& tool)
       : state_(make_serial_state(voxmap, tool)),
-        detector_(make_serial_detector(scenario, state_)),
-        erosion_(make_serial_erosion(scenario, state_, voxmap.grid.voxel_mm)) {}
+        detector_(state_, serial_detection(scenario, state_)),
+        erosion_(state_, serial_cut(scenario, voxmap.grid.voxel_mm)) {}
 
   int begin(const SubstepArgs& args) override {
     state_.args.push_back(args);
@@ -44,13 +40,13 @@ class SerialEngine final : public Engine {
     return static_cast<int>(state_.args.size()) - 1;
   }
 
-  Detector& detector() override { return *detector_; }
-  Erosion& erosion() override { return *erosion_; }
+  Detector& detector() override { return detector_; }
+  Erosion& erosion() override { return erosion_; }
   [[nodiscard]] bool full() const override { return state_.args.size() >= 4096; }
 
   Batch collect() override {
     state_.args.clear();
-    return {std::exchange(state_.sums, {}), detector_->take_seconds(), erosion_->take_seconds()};
+    return {std::exchange(state_.sums, {}), detector_.take_seconds(), erosion_.take_seconds()};
   }
 
   RemovedFrames take_removed() override { return std::exchange(state_.removed, {}); }
@@ -63,8 +59,8 @@ class SerialEngine final : public Engine {
 
  private:
   SerialState state_;
-  std::unique_ptr<Detector> detector_;
-  std::unique_ptr<Erosion> erosion_;
+  SerialDetector detector_;
+  SerialErosion erosion_;
 };
 
 }  // namespace

@@ -1,6 +1,7 @@
 #include "sim/run/exact_engine.h"
 
 #include <algorithm>
+#include <optional>
 #include <utility>
 
 #include "sim/cut/exact_cut.h"
@@ -25,6 +26,13 @@ class Noted final : public Detector, public Erosion {
   std::vector<double> take_seconds() override { return {}; }
 };
 
+std::optional<DeviceTeeth> make_teeth(const cl::Device& device, const Tool& tool, const Voxmap& voxmap,
+                                      double bulge_mm) {
+  if (!tool.teeth) return std::nullopt;
+  return DeviceTeeth(device, *tool.teeth, voxmap.grid.voxel_mm, bulge_mm,
+                     bricked_bytes(voxmap, tool, FillStore::pages));
+}
+
 class ExactEngine final : public Engine {
  public:
   ExactEngine(const cl::DeviceInfo& info, const Scenario& scenario, const Voxmap& voxmap, const Tool& tool)
@@ -32,14 +40,16 @@ class ExactEngine final : public Engine {
         grid_(voxmap.grid),
         bone_(bone_extent(voxmap)),
         outline_(make_outline_table(tool.profile, voxmap.grid.voxel_mm)),
-        tool_box_(tool.profile.bounds().expanded(outline_.bulge_mm)),
+        tool_box_(tool.clip_bounds().expanded(outline_.bulge_mm)),
         state_(make_bricked_state(device_, voxmap, tool, FillStore::pages)),
         fill_(make_fill_pages(device_, voxmap)),
         batch_(device_, kNoList),
-        reach_(device_, state_, batch_, tool.profile, outline_.bulge_mm,
+        teeth_(make_teeth(device_, tool, voxmap, outline_.bulge_mm)),
+        teeth_bytes_(tool.teeth ? tool.teeth->bytes() : 0),
+        reach_(device_, state_, batch_, tool.profile, tool.clip_slack_mm() + outline_.bulge_mm,
                choose_options(info, scenario.engine).work_group),
         cut_(device_, state_, batch_, reach_, outline_, make_energy_table(scenario.cutting, voxmap.grid.voxel_mm),
-             choose_options(info, scenario.engine)),
+             choose_options(info, scenario.engine), teeth_ ? &*teeth_ : nullptr),
         records_(device_, 1, "the list of removed voxels") {}
 
   int begin(const SubstepArgs& args) override { return batch_.begin(args); }
@@ -77,7 +87,7 @@ class ExactEngine final : public Engine {
   [[nodiscard]] StructureBytes structure_bytes() const override {
     StructureBytes out{state_.slot_of_brick.bytes() + state_.lattice_of_slot.bytes() + state_.occupancy.bytes() +
                            fill_.page_of_slot.bytes() + fill_.slot_of_page.bytes() + fill_.fills.bytes(),
-                       state_.cells.bytes() + state_.runs.bytes() + state_.offsets.bytes()};
+                       state_.cells.bytes() + state_.runs.bytes() + state_.offsets.bytes() + teeth_bytes_};
     for (const auto& pool : state_.pools) out.voxmap += pool.bytes();
     return out;
   }
@@ -115,6 +125,8 @@ class ExactEngine final : public Engine {
   BrickedState state_;
   FillPages fill_;
   DeviceBatch batch_;
+  std::optional<DeviceTeeth> teeth_;
+  std::size_t teeth_bytes_;
   ExactReach reach_;
   ExactCut cut_;
   cl::Buffer<RemovedBlock> records_;
@@ -129,7 +141,8 @@ std::unique_ptr<Engine> make_exact_engine(const Scenario& scenario, const Voxmap
 }
 
 std::size_t exact_engine_bytes(const Scenario& /*scenario*/, const Voxmap& voxmap, const Tool& tool) {
-  return bricked_bytes(voxmap, tool, FillStore::pages) + fill_pages_bytes(voxmap) + DeviceBatch::bytes(kNoList);
+  return bricked_bytes(voxmap, tool, FillStore::pages) + fill_pages_bytes(voxmap) + DeviceBatch::bytes(kNoList) +
+         (tool.teeth ? tool.teeth->bytes() : 0);
 }
 
 }  // namespace reamsim

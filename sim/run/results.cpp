@@ -118,6 +118,21 @@ nlohmann::ordered_json bone_json(const ReamingScene& scene, const RunTotals& tot
           {"removed_mm3", totals.removed_mm3}};
 }
 
+nlohmann::ordered_json tool_json(const Tool& tool) {
+  nlohmann::ordered_json json = {{"shell_points", tool.shell.codes.size()},
+                                 {"shell_resolution", tool.shell.resolution},
+                                 {"shell_spacing_mm", tool.shell.cell_mm}};
+  if (const auto& teeth = tool.teeth) {
+    json["distance_grid"] = {{"spacing_mm", teeth->spacing_mm},
+                             {"bricks", teeth->stored_bricks()},
+                             {"bytes", teeth->bytes()},
+                             {"volume_mm3", teeth->volume_mm3},
+                             {"mesh_volume_mm3", teeth->mesh_mm3},
+                             {"volume_error", teeth->volume_error()}};
+  }
+  return json;
+}
+
 }  // namespace
 
 std::vector<InputSum> input_sums(const Scenario& scenario) {
@@ -172,9 +187,7 @@ void write_summary(const std::string& dir, const ReamingScene& scene, const RunT
   json["forces"] = forces_json(totals);
   json["metrics"] = metrics_json(facts.metrics);
   json["bone"] = bone_json(scene, totals, facts);
-  json["tool"] = {{"shell_points", scene.tool.shell.codes.size()},
-                  {"shell_resolution", scene.tool.shell.resolution},
-                  {"shell_spacing_mm", scene.tool.shell.cell_mm}};
+  json["tool"] = tool_json(scene.tool);
   json["timings_s"] = {
       {"load", facts.load_s},      {"simulate", facts.simulate_s}, {"broad_phase", totals.broad_phase_s},
       {"detect", totals.detect_s}, {"cut", totals.cut_s},          {"measure", facts.measure_s},

@@ -6,8 +6,10 @@
 
 #include "sim/base/error.h"
 #include "sim/base/stopwatch.h"
+#include "sim/bone/lattice.h"
 #include "sim/collide/broad_phase.h"
 #include "sim/run/frame_ledger.h"
+#include "sim/tool/clipped_tool.h"
 
 namespace reamsim {
 
@@ -27,6 +29,13 @@ Aabb shell_box(const Tool& tool) {
   return {tool.bounds.min - margin, tool.bounds.max + margin};
 }
 
+/// Whether the tool's spin moves what cuts. Where voxels are clipped, a surface of revolution is none the less its own
+/// envelope.
+bool turns_with_spin(const ReamingScene& scene) {
+  if (scene.scenario.cutting.erosion == "exact") return scene.tool.teeth.has_value();
+  return scene.scenario.tool.spin == "resolved";
+}
+
 /// One run of the main loop: the engine's batch, the frames that wait for it, and the energy account.
 class Run {
  public:
@@ -39,7 +48,7 @@ class Run {
         bone_box_(bone_box(scene.bone.voxmap)),
         ledger_(scene.bone.voxmap.grid.voxel_mm3(), scene.motion.frame_s(),
                 scene.scenario.cutting.law == "per_point" && scene.scenario.tool.spin == "resolved"),
-        resolved_(scene.scenario.tool.spin == "resolved"),
+        resolved_(turns_with_spin(scene)),
         exact_(scene.scenario.cutting.erosion == "exact"),
         max_step_mm_(scene.scenario.engine.max_step_voxels * scene.bone.voxmap.grid.voxel_mm) {}
 
@@ -183,7 +192,12 @@ ReamingScene load_scene(const Scenario& scenario, Report& report) {
   ReamingScene scene;
   scene.scenario = scenario;
   scene.bone = load_bone(with_surface_voxels(scenario.bone, scenario.cutting), report);
-  scene.tool = load_tool(scenario.tool, scene.bone.voxmap.grid.voxel_mm, report);
+  const double voxel_mm = scene.bone.voxmap.grid.voxel_mm;
+  scene.tool = load_tool(scenario.tool, voxel_mm, report);
+  if (scenario.cutting.erosion == "exact") {
+    constexpr double kGridMemoryShare = 0.25;  // bone, engine and results need the rest
+    ready_for_clipping(scene.tool, scenario.tool, voxel_mm, kGridMemoryShare * machine_memory_bytes(), report);
+  }
   scene.motion = build_motion(scenario.motion, scene.bone.glenoid, report);
   return scene;
 }
@@ -203,8 +217,7 @@ RunCost estimate_cost(const ReamingScene& scene) {
   const double max_step_mm = scene.scenario.engine.max_step_voxels * scene.bone.voxmap.grid.voxel_mm;
   RunCost cost{.frames = std::ssize(poses) - 1};
   for (std::size_t k = 1; k < poses.size(); ++k) {
-    cost.substeps +=
-        count_substeps(poses[k - 1], poses[k], scene.tool, scene.scenario.tool.spin == "resolved", max_step_mm);
+    cost.substeps += count_substeps(poses[k - 1], poses[k], scene.tool, turns_with_spin(scene), max_step_mm);
   }
   return cost;
 }

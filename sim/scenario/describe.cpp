@@ -106,9 +106,8 @@ void describe_scenario(KeyVisitor& v, Scenario& scenario) {
   v.section({.name = "motion", .doc = "How the reamer moves", .required = true}, scenario.motion, describe_motion);
   v.section({.name = "engine", .doc = "How contact is computed, and where"}, scenario.engine, describe_engine);
   v.defaults([&scenario] {
-    // Only bricks are clipped, and only along the surface that the teeth sweep.
-    const bool clips = scenario.engine.detector == "bricked" && scenario.tool.spin == "envelope";
-    if (!clips) scenario.cutting.erosion = "remove";
+    // Only bricks are clipped.
+    if (scenario.engine.detector != "bricked") scenario.cutting.erosion = "remove";
   });
   v.section({.name = "cutting", .doc = "How bone goes, and what force that takes"}, scenario.cutting, describe_cutting);
   v.section({.name = "metrics", .doc = "What summary.json measures of the reamed bone"}, scenario.metrics,

@@ -105,7 +105,7 @@ void describe_options(KeyVisitor& v, CuttingSettings& cutting) {
   v.optional_section(
       {.name = "edge_force",
        .doc = "Force per length of lip that rests against bone, cutting or not. Needs `law: energy`; not "
-              "with `size_effect`",
+              "with `size_effect`, nor with tool.spin resolved",
        .when = {"erosion", {"exact"}}},
       cutting.edge_force, describe_edge_force);
 }
@@ -123,8 +123,8 @@ void describe_cutting(KeyVisitor& v, CuttingSettings& cutting) {
   });
   v.text(
       {.name = "erosion",
-       .doc = "exact: a voxel keeps the part of it that lies outside the tool's envelope (engine.detector bricked, law "
-              "energy, tool.spin envelope); remove: a touched voxel goes whole, the default where exact is not "
+       .doc = "exact: a voxel keeps the part of it that lies outside the tool (engine.detector bricked, law energy); "
+              "remove: a touched voxel goes whole, the default where exact is not "
               "possible; wear: it loses density by the second",
        .choices = {"exact", "remove", "wear"},
        .default_by = "engine.detector"},

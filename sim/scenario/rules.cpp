@@ -203,7 +203,6 @@ void Rules::check_exact() const {
   if (s_.engine.detector != "bricked") {
     fail("cutting.erosion", "found exact", expected + "engine.detector is " + s_.engine.detector);
   }
-  if (s_.tool.spin != "envelope") fail("cutting.erosion", "found exact", expected + "tool.spin is " + s_.tool.spin);
   if (s_.cutting.law != "energy") fail("cutting.erosion", "found exact", expected + "cutting.law is " + s_.cutting.law);
 }
 
@@ -223,6 +222,10 @@ void Rules::check_cutting() const {
   }
   if (cutting.edge_force && cutting.law != "energy") {
     fail("cutting.law", "found " + cutting.law, "energy, because cutting.edge_force is given");
+  }
+  if (cutting.edge_force && s_.tool.spin != "envelope") {
+    // It spreads the lips over the surface that they sweep.
+    fail("tool.spin", "found " + s_.tool.spin, "envelope, because cutting.edge_force is given");
   }
 }
 

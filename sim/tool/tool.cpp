@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 #include <string>
+#include <utility>
 
 #include "sim/base/error.h"
 #include "sim/mesh/mesh_check.h"
@@ -123,7 +124,9 @@ Tool load_tool(const ToolSettings& settings, double voxel_mm, Report& report) {
   Tool tool;
   tool.mesh = read_closed_mesh(settings, voxel_mm, report);
   try {
-    tool.profile = envelope_of_revolution(tool.mesh).profile;
+    Envelope envelope = envelope_of_revolution(tool.mesh);
+    tool.profile = std::move(envelope.profile);
+    tool.revolved = envelope.revolved;
   } catch (const InputError& error) {
     throw tool_error(settings, error.what(), "");
   }

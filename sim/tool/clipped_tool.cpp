@@ -1,0 +1,60 @@
+#include "sim/tool/clipped_tool.h"
+
+#include <cmath>
+#include <cstdio>
+#include <string>
+
+#include "sim/tool/thin_walls.h"
+
+namespace reamsim {
+
+namespace {
+
+void warn_of_thin_walls(const Tool& tool, bool teeth, double voxel_mm, Report& report) {
+  const double limit_mm = kThinWallVoxels * voxel_mm;
+  const auto wall = teeth ? thinnest_wall(tool.mesh, limit_mm) : thinnest_wall(tool.profile, limit_mm);
+  if (!wall) return;
+  char text[240];
+  std::snprintf(
+      text, sizeof text,
+      "tool.mesh: a wall of the tool is %.3g mm thin at (%.3g, %.3g, %.3g) mm, less than two voxels (%.3g mm);"
+      " what it cuts is not exact: voxels of %.3g mm or less would do",
+      wall->thickness_mm, wall->at_mm.x(), wall->at_mm.y(), wall->at_mm.z(), limit_mm,
+      wall->thickness_mm / kThinWallVoxels);
+  report.warn(text);
+}
+
+void report_volume(const DistanceGrid& grid, Report& report) {
+  char text[240];
+  std::snprintf(text, sizeof text,
+                "tool: the teeth's distance grid has %zu bricks, %.3g mm apart, and %.2f mm^3 inside; the mesh has "
+                "%.2f mm^3 (%+.3f %%)",
+                grid.stored_bricks(), grid.spacing_mm, grid.volume_mm3, grid.mesh_mm3, 100 * grid.volume_error());
+  if (std::abs(grid.volume_error()) <= kGridVolumeTolerance) return report.note(text);
+  char tolerance[80];
+  std::snprintf(tolerance, sizeof tolerance, "; more than %.1f %% off: smaller voxels would help",
+                100 * kGridVolumeTolerance);
+  report.warn(std::string(text) + tolerance);
+}
+
+}  // namespace
+
+bool has_turning_teeth(const Tool& tool, const ToolSettings& settings) {
+  return settings.spin == "resolved" && !tool.revolved;
+}
+
+void ready_for_clipping(Tool& tool, const ToolSettings& settings, double voxel_mm, double memory_bytes,
+                        Report& report) {
+  const bool teeth = has_turning_teeth(tool, settings);
+  warn_of_thin_walls(tool, teeth, voxel_mm, report);
+  if (!teeth) {
+    if (settings.spin == "resolved")
+      report.note("tool.spin: resolved, but the mesh is a surface of revolution; it runs as its envelope");
+    return;
+  }
+  require_room_for_grid(plan_distance_grid(tool.mesh, voxel_mm).working_bytes, memory_bytes, voxel_mm, "the machine");
+  tool.teeth = make_distance_grid(tool.mesh, tool.profile, voxel_mm);
+  report_volume(*tool.teeth, report);
+}
+
+}  // namespace reamsim

@@ -1,0 +1,239 @@
+#include "sim/tool/distance_grid.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <new>
+
+#include "sim/base/error.h"
+#include "sim/base/parallel.h"
+#include "sim/mesh/mesh_distance.h"
+#include "sim/tool/envelope.h"
+
+namespace reamsim {
+
+namespace {
+
+using Leaf = openvdb::FloatTree::LeafNodeType;
+constexpr int kSide = DistanceGrid::kSide, kRow = DistanceGrid::kRow;
+static_assert(Leaf::DIM == kSide);
+
+/// How far from the surface the samples are the distance itself, voxels. A voxel's middle is looked at up to 0.91 away
+/// (RS_CLIP_REACH in kernels/clip.h), and √3 times the half voxel that it may move within a window
+/// (RS_GRID_STEEPEST); the rest is for rounding.
+constexpr double kBandVoxels = 0.91 + 0.87 + 0.07;
+constexpr double kHalfDiagonalCells = 0.8660254;
+
+/// Host memory for each sample of the band while OpenVDB works: distance, the nearest triangle's number, and copies.
+constexpr double kWorkingBytesPerSample = 13;
+constexpr double kStoredBytesPerBrick = DistanceGrid::kSamples * sizeof(float);
+
+/// Lays the lattice round the mesh, with a layer of bricks all round that the band does not reach.
+DistanceGrid lay_lattice(const TriangleMesh& mesh, double voxel_mm) {
+  DistanceGrid grid;
+  grid.spacing_mm = kGridSpacingVoxels * voxel_mm;
+  grid.band_mm = kBandVoxels * voxel_mm;
+  const Aabb box = mesh.bounds().expanded(grid.band_mm);
+  const double brick_mm = kSide * grid.spacing_mm;
+  grid.bricks = ((box.max - box.min).array() / brick_mm).ceil().cast<int>() + 2;
+  grid.origin_mm = box.center() - 0.5 * brick_mm * grid.bricks.cast<double>();
+  return grid;
+}
+
+/// OpenVDB measures some distances from a triangle that only lies next to the nearest one, and then they are too large.
+/// Lowers every distance to what its neighbours along the axes allow, a spacing more than theirs. What the kernels look
+/// at within a window rests on that.
+void limit_rise(openvdb::FloatTree& distance) {
+  openvdb::tree::ValueAccessor<const openvdb::FloatTree> accessor(distance);
+  constexpr int kSteps[6][3] = {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};
+  for (bool lowered = true; lowered;) {
+    lowered = false;
+    for (auto leaf = distance.beginLeaf(); leaf; ++leaf) {
+      for (auto value = leaf->beginValueOn(); value; ++value) {
+        const float side = *value < 0 ? -1.0F : 1.0F;
+        float least = side * *value;
+        for (const auto& [x, y, z] : kSteps) {
+          const float neighbour = side * accessor.getValue(value.getCoord().offsetBy(x, y, z));
+          if (neighbour >= 0) least = std::min(least, neighbour + 1);
+        }
+        if (least >= side * *value) continue;
+        value.setValue(side * least);
+        lowered = true;
+      }
+    }
+  }
+}
+
+std::size_t brick_count(const DistanceGrid& grid) {
+  return static_cast<std::size_t>(grid.bricks.x()) * static_cast<std::size_t>(grid.bricks.y()) *
+         static_cast<std::size_t>(grid.bricks.z());
+}
+
+Vec3i brick_at(const DistanceGrid& grid, std::size_t index) {
+  const auto x = static_cast<std::size_t>(grid.bricks.x()), y = static_cast<std::size_t>(grid.bricks.y());
+  return {static_cast<int>(index % x), static_cast<int>(index / x % y), static_cast<int>(index / x / y)};
+}
+
+/// The samples of brick `brick`, mm; false where none lies within the band.
+bool take_samples(const openvdb::FloatTree& distance, const DistanceGrid& grid, const Vec3i& brick, float* samples) {
+  openvdb::tree::ValueAccessor<const openvdb::FloatTree> accessor(distance);
+  const Vec3i first = kSide * brick;
+  const auto spacing = static_cast<float>(grid.spacing_mm), band = static_cast<float>(grid.band_mm);
+  bool near = false;
+  for (int i = 0; i < static_cast<int>(DistanceGrid::kSamples); ++i) {
+    const openvdb::Coord at(first.x() + i % kRow, first.y() + i / kRow % kRow, first.z() + i / (kRow * kRow));
+    samples[i] = std::clamp(accessor.getValue(at) * spacing, -band, band);
+    near = near || std::abs(samples[i]) < band;
+  }
+  return near;
+}
+
+/// Numbers the bricks that the band passes and takes their samples.
+void take_bricks(const openvdb::FloatTree& distance, DistanceGrid& grid) {
+  const auto band = static_cast<float>(grid.band_mm);
+  grid.samples.assign(DistanceGrid::kSamples, band);
+  grid.samples.insert(grid.samples.end(), DistanceGrid::kSamples, -band);
+  std::vector<float> samples(DistanceGrid::kSamples);
+  for (std::size_t i = 0; i < brick_count(grid); ++i) {
+    const Vec3i brick = brick_at(grid, i);
+    const openvdb::Coord first(kSide * brick.x(), kSide * brick.y(), kSide * brick.z());
+    std::uint32_t slot = distance.getValue(first) < 0 ? DistanceGrid::kInside : DistanceGrid::kOutside;
+    if (distance.probeConstLeaf(first) != nullptr && take_samples(distance, grid, brick, samples.data())) {
+      slot = static_cast<std::uint32_t>(grid.stored_bricks());
+      grid.samples.insert(grid.samples.end(), samples.begin(), samples.end());
+    }
+    grid.slot_of_brick.push_back(slot);
+  }
+}
+
+/// Part of a line from `a` to `b` along which a linear distance is negative.
+double negative_share(double a, double b) {
+  if (a >= 0 && b >= 0) return 0;
+  if (a < 0 && b < 0) return 1;
+  return a < 0 ? a / (a - b) : b / (b - a);
+}
+
+/// Part of a cell inside, by lines along x, on which the distance is linear.
+double inside_share(const float* lowest) {
+  constexpr int kLines = 8;
+  constexpr int kAcross[4] = {0, kRow, kRow * kRow, kRow * kRow + kRow};
+  const auto [least, most] = [&] {
+    float low = lowest[0], high = lowest[0];
+    for (const int step : kAcross) {
+      low = std::min({low, lowest[step], lowest[step + 1]});
+      high = std::max({high, lowest[step], lowest[step + 1]});
+    }
+    return std::pair(low, high);
+  }();
+  if (least >= 0) return 0;
+  if (most < 0) return 1;
+  double sum = 0;
+  for (int i = 0; i < kLines * kLines; ++i) {
+    const double y = (i % kLines + 0.5) / kLines, z = (i / kLines + 0.5) / kLines;
+    const double weights[4] = {(1 - y) * (1 - z), y * (1 - z), (1 - y) * z, y * z};
+    double begin = 0, end = 0;
+    for (int k = 0; k < 4; ++k) {
+      begin += weights[k] * double{lowest[kAcross[k]]};
+      end += weights[k] * double{lowest[kAcross[k] + 1]};
+    }
+    sum += negative_share(begin, end);
+  }
+  return sum / (kLines * kLines);
+}
+
+/// Cells inside, of a brick.
+double inside_cells(const float* samples) {
+  double sum = 0;
+  for (int i = 0; i < kSide * kSide * kSide; ++i) {
+    sum += inside_share(samples + i % kSide + kRow * (i / kSide % kSide + kRow * (i / (kSide * kSide))));
+  }
+  return sum;
+}
+
+double inside_volume_mm3(const DistanceGrid& grid) {
+  std::vector<double> cells(grid.stored_bricks());
+  parallel_items(cells.size(), [&](std::size_t slot) {
+    cells[slot] = inside_cells(grid.samples.data() + slot * DistanceGrid::kSamples);
+  });
+  double sum = 0;
+  for (const std::uint32_t slot : grid.slot_of_brick) sum += cells[slot];
+  return sum * std::pow(grid.spacing_mm, 3);
+}
+
+/// Teeth may stick out of the envelope by what its outline is rounded by, and the trilinear distance may be off by half
+/// a cell's diagonal.
+double slack_of(const TriangleMesh& mesh, const Profile& envelope, double spacing_mm) {
+  double out = 0;
+  for (const Vec3& v : mesh.vertices) {
+    out = std::max(out, envelope.nearest({v.head<2>().norm(), v.z()}).distance_mm);
+  }
+  return out + kOutlineStepMm + kHalfDiagonalCells * spacing_mm;
+}
+
+}  // namespace
+
+const float* DistanceGrid::lowest_corner(const Vec3i& cell) const {
+  const Vec3i brick = cell / kSide, at = cell - kSide * brick;
+  const auto index = static_cast<std::size_t>(brick.x()) +
+                     static_cast<std::size_t>(bricks.x()) *
+                         (static_cast<std::size_t>(brick.y()) +
+                          static_cast<std::size_t>(bricks.y()) * static_cast<std::size_t>(brick.z()));
+  return samples.data() + slot_of_brick[index] * kSamples + (at.x() + kRow * (at.y() + kRow * at.z()));
+}
+
+DistanceGrid make_distance_grid(const TriangleMesh& mesh, const Profile& envelope, double voxel_mm) {
+  DistanceGrid grid = lay_lattice(mesh, voxel_mm);
+  // One more than the band, so that a sample that lies on its edge by rounding is a distance as well.
+  const double band = grid.band_mm / grid.spacing_mm + 1;
+  try {
+    const auto distance = mesh_distance(mesh, {.first_mm = grid.origin_mm,
+                                               .spacing_mm = grid.spacing_mm,
+                                               .outer_spacings = band,
+                                               .inner_spacings = band,
+                                               .exact = true});
+    limit_rise(distance->tree());
+    take_bricks(distance->tree(), grid);
+  } catch (const std::bad_alloc&) {
+    throw InputError("tool.mesh: the teeth's distance grid does not fit into memory; larger voxels (bone.voxel_mm) do");
+  } catch (const openvdb::Exception&) {
+    throw InputError("tool.mesh: the teeth's distance cannot be found; expected a closed surface");
+  }
+  grid.slack_mm = slack_of(mesh, envelope, grid.spacing_mm);
+  grid.mesh_mm3 = mesh.volume_mm3();
+  grid.volume_mm3 = inside_volume_mm3(grid);
+  return grid;
+}
+
+DistanceGridPlan plan_distance_grid(const TriangleMesh& mesh, double voxel_mm) {
+  double area_mm2 = 0;
+  for (const auto& [a, b, c] : mesh.triangles) {
+    const Vec3& corner = mesh.vertices[static_cast<std::size_t>(a)];
+    const Vec3 along = mesh.vertices[static_cast<std::size_t>(b)] - corner;
+    area_mm2 += 0.5 * along.cross(mesh.vertices[static_cast<std::size_t>(c)] - corner).norm();
+  }
+  const DistanceGrid lattice = lay_lattice(mesh, voxel_mm);
+  const double brick_mm = kSide * lattice.spacing_mm;
+  // A slab of the band's width meets the bricks whose middle lies within it or half their diagonal from it; where the
+  // surface is bent or has an edge, a few more.
+  constexpr double kDiagonal = 1.7320508, kBent = 1.3;
+  const double lattice_bricks = lattice.bricks.cast<double>().prod();
+  const double bricks = std::min(
+      lattice_bricks, 2 + kBent * area_mm2 * (2 * lattice.band_mm + kDiagonal * brick_mm) / std::pow(brick_mm, 3));
+  const double table = lattice_bricks * sizeof(std::uint32_t);
+  const double kept = bricks * kStoredBytesPerBrick + table;
+  return {.working_bytes = kept + bricks * kSide * kSide * kSide * kWorkingBytesPerSample, .kept_bytes = kept};
+}
+
+void require_room_for_grid(double need_bytes, double have_bytes, double voxel_mm, const std::string& what) {
+  if (need_bytes <= have_bytes) return;
+  // The band's bricks go by the square of the spacing.
+  const double fitting_mm = 1.05 * voxel_mm * std::sqrt(need_bytes / have_bytes);
+  char text[200];
+  std::snprintf(text, sizeof text, "the teeth's distance grid would take %.4g MB and %s has %.4g MB for it",
+                need_bytes / 1e6, what.c_str(), have_bytes / 1e6);
+  char fit[100];
+  std::snprintf(fit, sizeof fit, "voxels of about %.3g mm would fit, or tool.spin: envelope", fitting_mm);
+  throw InputError({}, "bone.voxel_mm", text, fit);
+}
+
+}  // namespace reamsim
