@@ -27,6 +27,12 @@ Aabb shell_box(const Tool& tool) {
   return {tool.bounds.min - margin, tool.bounds.max + margin};
 }
 
+/// Where voxels are clipped, or tested against the surface, no point of the shell looks for them.
+ShellUse shell_use(const Scenario& scenario) {
+  const bool by_surface = scenario.cutting.erosion == "exact" || scenario.engine.detector == "implicit";
+  return by_surface ? ShellUse::extent : ShellUse::touches_voxels;
+}
+
 /// One run of the main loop: the engine's batch, the frames that wait for it, and the energy account.
 class Run {
  public:
@@ -183,7 +189,7 @@ ReamingScene load_scene(const Scenario& scenario, Report& report) {
   ReamingScene scene;
   scene.scenario = scenario;
   scene.bone = load_bone(with_surface_voxels(scenario.bone, scenario.cutting), report);
-  scene.tool = load_tool(scenario.tool, scene.bone.voxmap.grid.voxel_mm, report);
+  scene.tool = load_tool(scenario.tool, scene.bone.voxmap.grid.voxel_mm, shell_use(scenario), report);
   scene.motion = build_motion(scenario.motion, scene.bone.glenoid, report);
   return scene;
 }
