@@ -36,6 +36,12 @@ bool turns_with_spin(const ReamingScene& scene) {
   return scene.scenario.tool.spin == "resolved";
 }
 
+/// Where voxels are clipped, or tested against the surface, no point of the shell looks for them.
+ShellUse shell_use(const Scenario& scenario) {
+  const bool by_surface = scenario.cutting.erosion == "exact" || scenario.engine.detector == "implicit";
+  return by_surface ? ShellUse::extent : ShellUse::touches_voxels;
+}
+
 /// One run of the main loop: the engine's batch, the frames that wait for it, and the energy account.
 class Run {
  public:
@@ -193,7 +199,7 @@ ReamingScene load_scene(const Scenario& scenario, Report& report) {
   scene.scenario = scenario;
   scene.bone = load_bone(with_surface_voxels(scenario.bone, scenario.cutting), report);
   const double voxel_mm = scene.bone.voxmap.grid.voxel_mm;
-  scene.tool = load_tool(scenario.tool, voxel_mm, report);
+  scene.tool = load_tool(scenario.tool, voxel_mm, shell_use(scenario), report);
   if (scenario.cutting.erosion == "exact") {
     constexpr double kGridMemoryShare = 0.25;  // bone, engine and results need the rest
     ready_for_clipping(scene.tool, scenario.tool, voxel_mm, kGridMemoryShare * machine_memory_bytes(), report);

@@ -66,7 +66,8 @@ void describe_tool(KeyVisitor& v, ToolSettings& tool) {
   v.number({.name = "scale", .doc = "File units to mm", .range = above(0, 1e6)}, tool.scale);
   v.integer(
       {.name = "shell_resolution",
-       .doc = "M of the M³ grid whose cells sample the surface; 0: a spacing of 0.47 voxel, which leaves none behind",
+       .doc = "M of the M³ grid whose cells sample the surface; 0: a spacing of 0.47 voxel, which leaves none behind. "
+              "Cuts nothing with erosion exact nor with the detector implicit, which look at the surface itself",
        .range = between(0, 4096)},
       tool.shell_resolution);
   v.text({.name = "spin",

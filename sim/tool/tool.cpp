@@ -24,6 +24,8 @@ constexpr double kSafeSpacingVoxels = 0.5;
 /// exactly half a voxel, and square to the lattice, every layer of points would reach its next layer of voxels in the
 /// same frame.
 constexpr double kChosenSpacingVoxels = 0.4721;
+/// The most cells per axis that the program chooses for a shell which only says how far the tool reaches.
+constexpr int kExtentResolution = 1024;
 /// Relative slack of that, for the rounding of coordinates in an STL.
 constexpr double kSpacingSlack = 1e-6;
 constexpr double kLargestMm = 1000;
@@ -91,13 +93,14 @@ void check_frame(const ToolSettings& settings, const TriangleMesh& mesh, const P
                 " mm; poses refer to z = 0, which should be the lowest point of the cutting surface");
 }
 
-int least_resolution(const ToolSettings& settings, double extent_mm, double voxel_mm) {
+int least_resolution(const ToolSettings& settings, double extent_mm, double voxel_mm, ShellUse use) {
   const auto cells_at = [&](double spacing) {
     return std::ceil(extent_mm / (spacing * voxel_mm) * (1 - kSpacingSlack)) + 1;
   };
+  const int most = use == ShellUse::extent ? kExtentResolution : kMaxShellResolution;
   const double cells = cells_at(kSafeSpacingVoxels);
-  if (cells <= kMaxShellResolution) {
-    return static_cast<int>(std::clamp<double>(cells_at(kChosenSpacingVoxels), 2, kMaxShellResolution));
+  if (cells <= kMaxShellResolution || use == ShellUse::extent) {
+    return static_cast<int>(std::clamp<double>(cells_at(kChosenSpacingVoxels), 2, most));
   }
   const double least_voxel = extent_mm / (kMaxShellResolution - 1) / kSafeSpacingVoxels;
   throw InputError("tool.shell_resolution: a spacing of half a voxel (" + text(kSafeSpacingVoxels * voxel_mm) +
@@ -120,7 +123,7 @@ void warn_of_leak(const PointShell& shell, double voxel_mm, Report& report) {
 
 }  // namespace
 
-Tool load_tool(const ToolSettings& settings, double voxel_mm, Report& report) {
+Tool load_tool(const ToolSettings& settings, double voxel_mm, ShellUse use, Report& report) {
   Tool tool;
   tool.mesh = read_closed_mesh(settings, voxel_mm, report);
   try {
@@ -137,11 +140,11 @@ Tool load_tool(const ToolSettings& settings, double voxel_mm, Report& report) {
   tool.bounds = teeth ? tool.mesh.bounds() : tool.profile.bounds();
   const double extent = (tool.bounds.max - tool.bounds.min).maxCoeff();
   const int resolution =
-      settings.shell_resolution > 0 ? settings.shell_resolution : least_resolution(settings, extent, voxel_mm);
+      settings.shell_resolution > 0 ? settings.shell_resolution : least_resolution(settings, extent, voxel_mm, use);
   const double cell = extent / std::max(1, resolution - 1);
   tool.shell = voxelise_surface(
       teeth ? tool.mesh : revolve(tool.profile, segments_for_sagitta(radius, kFacetCells * cell)), resolution);
-  warn_of_leak(tool.shell, voxel_mm, report);
+  if (use == ShellUse::touches_voxels) warn_of_leak(tool.shell, voxel_mm, report);
 
   for (const std::uint64_t code : tool.shell.codes) {
     const Vec3 point =

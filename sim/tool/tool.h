@@ -28,10 +28,17 @@ struct Tool {
   [[nodiscard]] Aabb clip_bounds() const { return profile.bounds().expanded(clip_slack_mm()); }
 };
 
+/// What a run does with the tool's point shell.
+enum class ShellUse {
+  touches_voxels,  ///< its points find the voxels that go, so that a coarse one leaves bone behind
+  extent,          ///< it only says how far the tool reaches: voxels are found by the surface itself
+};
+
 /// Reads the mesh, finds its envelope of revolution and samples its surface.
 /// `voxel_mm` sets the shell's resolution where the scenario leaves it open (spacing ≤ half a voxel), and is what the
-/// spacing is judged against otherwise: a leaking combination gets a warning.
-/// Throws InputError: unreadable or open mesh, no axis of revolution, shell larger than 4096³.
-Tool load_tool(const ToolSettings& settings, double voxel_mm, Report& report);
+/// spacing is judged against otherwise: a leaking combination gets a warning where the shell touches voxels.
+/// Throws InputError: unreadable or open mesh, no axis of revolution, a shell of more than 4096³ cells that has to
+/// touch voxels.
+Tool load_tool(const ToolSettings& settings, double voxel_mm, ShellUse use, Report& report);
 
 }  // namespace reamsim

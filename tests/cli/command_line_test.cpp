@@ -71,6 +71,17 @@ TEST_F(CommandLine, CheckPrintsTheResolvedScenarioAndItsCostAndTouchesNothing) {
   EXPECT_EQ(again.out, result.out) << "what check prints is a scenario, and the same one";
 }
 
+TEST_F(CommandLine, ACoarseShellLeaksOnlyWhereItCuts) {
+  write("s.yaml", kSmall);
+  const auto check = [&](const std::string& erosion, const std::string& detector) {
+    return call({"check", "s.yaml", "--set", "tool.shell_resolution=12", "--set", "cutting.erosion=" + erosion, "--set",
+                 "engine.detector=" + detector});
+  };
+  EXPECT_EQ(check("exact", "bricked").err, "");
+  EXPECT_EQ(check("remove", "implicit").err, "");
+  EXPECT_THAT(check("remove", "bricked").err, HasSubstr("of the swept voxels may be left behind"));
+}
+
 TEST_F(CommandLine, SetErrorsNameTheAssignment) {
   expect_refused(run(kSmall, {"--set", "bone.voxel_mm=9"}), 2,
                  {"--set bone.voxel_mm=9: bone.voxel_mm: found 9", "0.01 to 5"});

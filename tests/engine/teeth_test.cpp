@@ -18,7 +18,7 @@ Tool toothed_reamer(double voxel_mm) {
   settings.mesh = REAMSIM_ASSETS "/reamer_convex_lips.stl";
   settings.spin = "resolved";
   Report report;
-  Tool tool = load_tool(settings, voxel_mm, report);
+  Tool tool = load_tool(settings, voxel_mm, ShellUse::touches_voxels, report);
   EXPECT_TRUE(report.warnings.empty());
   return tool;
 }

@@ -36,7 +36,7 @@ class LoadTool : public testing::Test {
 
   std::string error_of(const ToolSettings& settings, double voxel_mm = 0.5) {
     try {
-      load_tool(settings, voxel_mm, report_);
+      load_tool(settings, voxel_mm, ShellUse::touches_voxels, report_);
     } catch (const InputError& error) {
       return error.what();
     }
@@ -48,7 +48,7 @@ class LoadTool : public testing::Test {
 };
 
 TEST_F(LoadTool, ChoosesAResolutionWithoutALeak) {
-  const Tool tool = load_tool(shipped("convex"), 0.25, report_);
+  const Tool tool = load_tool(shipped("convex"), 0.25, ShellUse::touches_voxels, report_);
   EXPECT_EQ(tool.shell.resolution, 256) << "30 mm over 255 steps of 0.1176 mm: 0.47 of a voxel";
   EXPECT_LT(tool.shell.cell_mm, 0.125);
   EXPECT_NEAR(tool.shell.cell_mm, 30.0 / 255, 1e-6);
@@ -61,10 +61,10 @@ TEST_F(LoadTool, ChoosesAResolutionWithoutALeak) {
 
 TEST_F(LoadTool, EnvelopeFillsTheChipSlotsAndResolvedKeepsThem) {
   ToolSettings settings = shipped("convex_lips", 128);
-  const Tool envelope = load_tool(settings, 0.5, report_);
+  const Tool envelope = load_tool(settings, 0.5, ShellUse::touches_voxels, report_);
   settings.spin = "resolved";
-  const Tool resolved = load_tool(settings, 0.5, report_);
-  const Tool convex = load_tool(shipped("convex", 128), 0.5, report_);
+  const Tool resolved = load_tool(settings, 0.5, ShellUse::touches_voxels, report_);
+  const Tool convex = load_tool(shipped("convex", 128), 0.5, ShellUse::touches_voxels, report_);
   EXPECT_NEAR(static_cast<double>(envelope.shell.codes.size()) / static_cast<double>(convex.shell.codes.size()), 1,
               0.02);
   // Shell points within the slots' radii just above the face: all round in the envelope, on the lips otherwise.
@@ -83,17 +83,31 @@ TEST_F(LoadTool, EnvelopeFillsTheChipSlotsAndResolvedKeepsThem) {
 }
 
 TEST_F(LoadTool, WarnsOfALeakWithItsSize) {
-  load_tool(shipped("convex", 121), 0.25, report_);
+  load_tool(shipped("convex", 121), 0.25, ShellUse::touches_voxels, report_);
   ASSERT_EQ(report_.warnings.size(), 1u);
   EXPECT_THAT(report_.warnings[0],
               AllOf(HasSubstr("tool.shell_resolution"), HasSubstr("1 voxels"), HasSubstr("about 4.2 %")));
 }
 
 TEST_F(LoadTool, SaysWhetherALeakIsABoundOrAFigure) {
-  load_tool(shipped("convex", 201), 0.25, report_);
-  load_tool(shipped("convex", 31), 0.25, report_);
+  load_tool(shipped("convex", 201), 0.25, ShellUse::touches_voxels, report_);
+  load_tool(shipped("convex", 31), 0.25, ShellUse::touches_voxels, report_);
   EXPECT_THAT(report_.warnings, testing::ElementsAre(AllOf(HasSubstr("0.6 voxels"), HasSubstr("less than 0.0001 %")),
                                                      AllOf(HasSubstr("4 voxels"), HasSubstr("more than 86.6 %"))));
+}
+
+TEST_F(LoadTool, AShellThatTouchesNoVoxelsLeavesNoneBehind) {
+  const Tool tool = load_tool(shipped("convex", 31), 0.25, ShellUse::extent, report_);
+  EXPECT_EQ(tool.shell.resolution, 31);
+  EXPECT_THAT(report_.warnings, IsEmpty());
+}
+
+TEST_F(LoadTool, AShellThatTouchesNoVoxelsMayBeCoarserThanTheyAre) {
+  // Cells of half a voxel would be 6001 an axis, more than are possible.
+  const Tool tool = load_tool(shipped("convex"), 0.01, ShellUse::extent, report_);
+  EXPECT_EQ(tool.shell.resolution, 1024);
+  EXPECT_NEAR(tool.reach_mm, std::hypot(3.5, 30), tool.shell.cell_mm);
+  EXPECT_THAT(report_.warnings, IsEmpty());
 }
 
 TEST_F(LoadTool, SaysWhatWouldDoWhenTheShellIsTooFine) {
@@ -103,7 +117,7 @@ TEST_F(LoadTool, SaysWhatWouldDoWhenTheShellIsTooFine) {
 }
 
 TEST_F(LoadTool, GoesBeyond1024CellsWhereTheVoxelsAskForIt) {
-  const Tool tool = load_tool(shipped("convex"), 0.05, report_);
+  const Tool tool = load_tool(shipped("convex"), 0.05, ShellUse::touches_voxels, report_);
   EXPECT_EQ(tool.shell.resolution, 1272) << "30 mm over 1271 steps of 0.0236 mm: 0.47 of a voxel";
   EXPECT_GT(tool.shell.codes.back(), UINT32_MAX);
   EXPECT_THAT(report_.warnings, IsEmpty());
@@ -125,7 +139,7 @@ TEST_F(LoadTool, RefusesAToolBesideTheAxis) {
 TEST_F(LoadTool, WarnsOfAToolSlightlyOffTheAxis) {
   TriangleMesh off = reamer("flat");
   for (Vec3& p : off.vertices) p.x() += 0.4;
-  const Tool tool = load_tool(saved(off), 0.5, report_);
+  const Tool tool = load_tool(saved(off), 0.5, ShellUse::touches_voxels, report_);
   EXPECT_THAT(report_.warnings, testing::ElementsAre(HasSubstr("0.4 mm off the z axis")));
   EXPECT_NEAR(tool.profile.max_radius_mm(), 13.9, 0.02) << "the envelope of what it sweeps";
 }
@@ -133,7 +147,7 @@ TEST_F(LoadTool, WarnsOfAToolSlightlyOffTheAxis) {
 TEST_F(LoadTool, TurnsAnInsideOutMeshRound) {
   TriangleMesh inverted = reamer("flat");
   for (auto& t : inverted.triangles) std::swap(t[1], t[2]);
-  const Tool tool = load_tool(saved(inverted), 0.5, report_);
+  const Tool tool = load_tool(saved(inverted), 0.5, ShellUse::touches_voxels, report_);
   EXPECT_GT(tool.mesh.volume_mm3(), 0);
   EXPECT_NEAR(tool.profile.volume_mm3(), 3380.2, 1);
   EXPECT_THAT(report_.warnings, testing::ElementsAre(HasSubstr("inwards")));
@@ -142,14 +156,14 @@ TEST_F(LoadTool, TurnsAnInsideOutMeshRound) {
 TEST_F(LoadTool, WarnsWhenTheOriginIsNotAtTheCuttingEnd) {
   TriangleMesh high = reamer("flat");
   for (Vec3& p : high.vertices) p.z() += 20;
-  load_tool(saved(high), 0.5, report_);
+  load_tool(saved(high), 0.5, ShellUse::touches_voxels, report_);
   EXPECT_THAT(report_.warnings, testing::ElementsAre(HasSubstr("lowest point is at z = 20 mm")));
 }
 
 TEST_F(LoadTool, ScaleMakesMillimetres) {
   ToolSettings settings = shipped("flat");
   settings.scale = 2;
-  EXPECT_NEAR(load_tool(settings, 0.5, report_).profile.max_radius_mm(), 27, 1e-5);
+  EXPECT_NEAR(load_tool(settings, 0.5, ShellUse::touches_voxels, report_).profile.max_radius_mm(), 27, 1e-5);
   settings.scale = 0.001;
   EXPECT_THAT(error_of(settings), AllOf(HasSubstr("0.027 × 0.027 × 0.027 mm"), HasSubstr("tool.scale")));
   settings.scale = 1000;
