@@ -6,4 +6,4 @@ source cmake/setup.sh
 install_missing "${build_packages[@]}" "${test_packages[@]}"
 build_release ON all
 say "testing"
-ctest --test-dir "$build" --output-on-failure "$@"
+ctest --test-dir "$build" --output-on-failure --parallel "$(nproc)" "$@"

@@ -5,7 +5,6 @@
 
 #include "cli/commands.h"
 #include "cli/scenario_options.h"
-#include "sim/run/engine.h"
 #include "sim/run/memory_plan.h"
 #include "sim/run/simulation.h"
 #include "sim/scenario/parse.h"
@@ -31,9 +30,9 @@ void print_cost(const Console& console, const ReamingScene& scene) {
                 grid.dims.z(), grid.voxel_mm, static_cast<long long>(scene.bone.voxmap.count_bone()),
                 scene.bone.voxmap.bone_mm3(), scene.tool.shell.codes.size(), scene.tool.shell.cell_mm);
   console.say(text);
-  const std::size_t device_bytes = planned_device_bytes(scene.scenario, scene.bone.voxmap, scene.tool);
-  console.say("# memory: " + megabytes(device_bytes) + " on the device, about " +
-              megabytes(planned_process_bytes(scene, device_bytes)) +
+  const MemoryPlan memory = plan_memory(scene);
+  console.say("# memory: " + megabytes(memory.device_bytes) + " on the device, about " +
+              megabytes(memory.process_bytes) +
               " in the program at most, the device's included where that is the processor; pictures come on top");
 }
 

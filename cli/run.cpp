@@ -81,7 +81,6 @@ void run_in(OutputFolder& folder, const Scenario& scenario, const Console& conso
   ReamingScene scene = load_scene(scenario, report);
   const std::unique_ptr<Engine> engine = make_engine(scenario, scene.bone.voxmap, scene.tool);
   facts.device = engine->device();
-  facts.device_bytes = engine->device_bytes();
   facts.bone_before_mm3 = scene.bone.voxmap.bone_mm3();
   const FillBricks fill_before = scene.bone.voxmap.fill;
   facts.load_s = load_watch.seconds();
@@ -91,6 +90,7 @@ void run_in(OutputFolder& folder, const Scenario& scenario, const Console& conso
   const Stopwatch watch;
   run_frames(scene, *engine, recorder, report, console);
   facts.simulate_s = watch.seconds();
+  facts.device_bytes = engine->device_bytes();
   tell(report, facts, console);
   measure(facts, scene, fill_before, recorder.totals());
   write_results(folder.path(), scene, recorder, facts);

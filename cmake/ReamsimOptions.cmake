@@ -33,15 +33,23 @@ function(reamsim_library name)
   target_include_directories(${name} PUBLIC ${PROJECT_SOURCE_DIR})
 endfunction()
 
-# reamsim_test(NAME SOURCES ... LINK ... [HOST_THREADS]): a GoogleTest program whose cases CTest lists one by one.
-# HOST_THREADS: they use the host's threads and no OpenCL, so that the thread sanitizer can judge them.
+# reamsim_test(NAME SOURCES ... LINK ... [SHARED ...] [HOST_THREADS]): a GoogleTest program whose cases CTest lists one by
+# one, each a process of its own. SHARED: suites whose cases share something that takes long to make; CTest runs each of
+# them as one test. HOST_THREADS: they use the host's threads and no OpenCL, so that the thread sanitizer can judge them.
 function(reamsim_test name)
-  cmake_parse_arguments(ARG "HOST_THREADS" "" "SOURCES;LINK" ${ARGN})
+  cmake_parse_arguments(ARG "HOST_THREADS" "" "SOURCES;LINK;SHARED" ${ARGN})
   add_executable(${name} ${ARG_SOURCES})
   target_link_libraries(${name} PRIVATE reamsim_options ${ARG_LINK} GTest::gmock GTest::gtest_main)
   set(properties TIMEOUT ${REAMSIM_TEST_TIMEOUT_S})
   if(ARG_HOST_THREADS)
     list(APPEND properties LABELS host_threads)
   endif()
-  gtest_discover_tests(${name} DISCOVERY_TIMEOUT ${REAMSIM_PROGRAM_TIMEOUT_S} PROPERTIES ${properties})
+  foreach(suite ${ARG_SHARED})
+    add_test(NAME ${suite} COMMAND ${name} --gtest_filter=${suite}.*)
+    set_tests_properties(${suite} PROPERTIES ${properties} SKIP_REGULAR_EXPRESSION "\\[  SKIPPED \\]")
+  endforeach()
+  list(TRANSFORM ARG_SHARED APPEND ".*")
+  list(JOIN ARG_SHARED ":" shared)
+  gtest_discover_tests(${name}
+    TEST_FILTER "*-${shared}" DISCOVERY_TIMEOUT ${REAMSIM_PROGRAM_TIMEOUT_S} PROPERTIES ${properties})
 endfunction()

@@ -43,6 +43,7 @@ DepthField::DepthField(const std::string& path) {
   place(rows, path);
   keep_holes();
   smooth();
+  find_normals();
   sum_up();
 }
 
@@ -71,7 +72,8 @@ void DepthField::place(const std::vector<Row>& rows, const std::string& path) {
   }
 }
 
-/// Columns reamed through that are joined to the air beside the bone, or come within two columns of it, are its rim.
+/// Columns reamed through that are joined to the bone's edge, or come within two columns of it, are its rim; the bone
+/// ends in air, or where what is beside was not reamed and lies below all that the column lost.
 void DepthField::keep_holes() {
   constexpr int kEdge = 2;
   const auto at = [&](int i, int j) -> Cell& {
@@ -85,9 +87,15 @@ void DepthField::keep_holes() {
   };
   for (int j = 0; j < ny_; ++j) {
     for (int i = 0; i < nx_; ++i) {
-      bool air_near = false;
-      if (at(i, j).through) look_round(i, j, kEdge, [&](int a, int b) { air_near |= !cell(a, b).bone; });
-      if (air_near) rim.emplace_back(i, j);
+      const Cell& own = at(i, j);
+      if (!own.through) continue;
+      const double below_mm = own.before_mm - own.depth_mm - pitch_mm_;
+      bool edge_near = false;
+      look_round(i, j, kEdge, [&](int a, int b) {
+        const Cell& beside = cell(a, b);
+        edge_near |= !beside.bone || (beside.depth_mm <= 0 && beside.before_mm < below_mm);
+      });
+      if (edge_near) rim.emplace_back(i, j);
     }
   }
   for (std::size_t k = 0; k < rim.size(); ++k) {
@@ -144,28 +152,36 @@ const DepthField::Cell& DepthField::cell(int i, int j) const {
   return cells_[static_cast<std::size_t>(i) + static_cast<std::size_t>(nx_) * static_cast<std::size_t>(j)];
 }
 
-Vec3 DepthField::normal(int i, int j) const {
+void DepthField::find_normals() {
   const auto slope = [&](const Cell& low, const Cell& high) {
     return low.bone && high.bone ? (high.before_mm - low.before_mm) / (2 * pitch_mm_) : 0.0;
   };
-  return Vec3(-slope(cell(i - 1, j), cell(i + 1, j)), -slope(cell(i, j - 1), cell(i, j + 1)), 1).normalized();
+  for (int j = 0; j < ny_; ++j) {
+    for (int i = 0; i < nx_; ++i) {
+      const Vec3 normal(-slope(cell(i - 1, j), cell(i + 1, j)), -slope(cell(i, j - 1), cell(i, j + 1)), 1);
+      cells_[static_cast<std::size_t>(i) + static_cast<std::size_t>(nx_) * static_cast<std::size_t>(j)].normal =
+          normal.normalized();
+    }
+  }
+}
+
+std::array<DepthField::Corner, 4> DepthField::corners(const Vec2& place_mm) const {
+  const Vec2 index = (place_mm - corner_mm_) / pitch_mm_;
+  const Vec2 lower = index.array().floor();
+  const Vec2 high = index - lower;
+  const Vec2 low = Vec2::Ones() - high;
+  const int i = static_cast<int>(lower.x()), j = static_cast<int>(lower.y());
+  return {{{cell(i, j), low.x() * low.y()},
+           {cell(i + 1, j), high.x() * low.y()},
+           {cell(i, j + 1), low.x() * high.y()},
+           {cell(i + 1, j + 1), high.x() * high.y()}}};
 }
 
 DepthField::Sample DepthField::at(const Vec2& place_mm) const {
-  const Vec2 index = (place_mm - corner_mm_) / pitch_mm_;
-  const Vec2 lower = index.array().floor();
-  const Vec2 upper_weight = index - lower;
   Sample out;
-  Vec3 normals = Vec3::Zero();
-  for (int corner = 0; corner < 4; ++corner) {
-    const int i = static_cast<int>(lower.x()) + (corner & 1);
-    const int j = static_cast<int>(lower.y()) + (corner >> 1);
-    const double weight = ((corner & 1) != 0 ? upper_weight.x() : 1 - upper_weight.x()) *
-                          ((corner >> 1) != 0 ? upper_weight.y() : 1 - upper_weight.y());
-    const Cell& its = cell(i, j);
+  for (const auto& [its, weight] : corners(place_mm)) {
     if (!its.bone) continue;
     out.bone += weight;
-    normals += weight * normal(i, j);
     if (its.depth_mm <= 0) continue;
     out.reamed += weight;
     out.depth_mm += weight * its.depth_mm;
@@ -176,8 +192,15 @@ DepthField::Sample DepthField::at(const Vec2& place_mm) const {
     out.depth_mm /= out.reamed;
     out.smooth_mm /= out.reamed;
   }
-  if (out.bone > 0) out.normal_before = normals.normalized();
   return out;
+}
+
+Vec3 DepthField::normal_before(const Vec2& place_mm) const {
+  Vec3 sum = Vec3::Zero();
+  for (const auto& [its, weight] : corners(place_mm)) {
+    if (its.bone) sum += weight * its.normal;
+  }
+  return sum.isZero() ? Vec3(Vec3::UnitZ()) : Vec3(sum.normalized());
 }
 
 }  // namespace reamsim

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <optional>
 #include <string>
 #include <vector>
@@ -16,15 +17,16 @@ class DepthField {
 
   /// What a point of the map shows, smooth between the columns' centres.
   struct Sample {
-    double bone = 0;              ///< share of columns with bone round the point, 0…1
-    double reamed = 0;            ///< share of reamed columns, 0…1
-    double through = 0;           ///< share of columns in a hole reamed through the bone, 0…1
-    double depth_mm = 0;          ///< of the reamed columns
-    double smooth_mm = 0;         ///< their depth averaged over neighbours, for contour lines
-    Vec3 normal_before{0, 0, 1};  ///< of the unreamed surface
+    double bone = 0;       ///< share of columns with bone round the point, 0…1
+    double reamed = 0;     ///< share of reamed columns, 0…1
+    double through = 0;    ///< share of columns in a hole reamed through the bone, 0…1
+    double depth_mm = 0;   ///< of the reamed columns
+    double smooth_mm = 0;  ///< their depth averaged over neighbours, for contour lines
   };
   /// `place` in mm, in the map's frame.
   [[nodiscard]] Sample at(const Vec2& place_mm) const;
+  /// Of the unreamed surface there; +z where there is no bone.
+  [[nodiscard]] Vec3 normal_before(const Vec2& place_mm) const;
 
   [[nodiscard]] double pitch_mm() const { return pitch_mm_; }
   [[nodiscard]] Vec2 min_mm() const { return corner_mm_ - Vec2::Constant(0.5 * pitch_mm_); }
@@ -43,6 +45,12 @@ class DepthField {
     double before_mm = 0;
     double depth_mm = 0;
     double smooth_mm = 0;
+    Vec3 normal{0, 0, 1};  ///< of the unreamed surface
+  };
+  /// A corner of the square of columns round a point.
+  struct Corner {
+    const Cell& cell;
+    double weight;
   };
   struct Row {
     Vec2 place_mm;
@@ -54,8 +62,9 @@ class DepthField {
   void keep_holes();
   void smooth();
   void sum_up();
+  void find_normals();
   [[nodiscard]] const Cell& cell(int i, int j) const;
-  [[nodiscard]] Vec3 normal(int i, int j) const;
+  [[nodiscard]] std::array<Corner, 4> corners(const Vec2& place_mm) const;
 
   double pitch_mm_ = 1;
   Vec2 corner_mm_ = Vec2::Zero();

@@ -7,6 +7,7 @@
 #include "render/overlay.h"
 #include "render/render.h"
 #include "render/results.h"
+#include "sim/base/parallel.h"
 
 namespace reamsim {
 
@@ -47,14 +48,20 @@ Camera map_camera(const DepthField& field) {
 class DepthPainter {
  public:
   DepthPainter(const DepthField& field, const Camera& camera, const Scale& scale)
-      : field_(field), camera_(camera), scale_(scale), colors_(depth_colors()) {}
+      : field_(field),
+        camera_(camera),
+        map_from_eye_(camera.eye_from_bone.inverse()),
+        scale_(scale),
+        colors_(depth_colors()) {}
 
   [[nodiscard]] std::vector<std::uint32_t> paint() const {
-    std::vector<std::uint32_t> pixels;
-    pixels.reserve(static_cast<std::size_t>(camera_.width_px) * static_cast<std::size_t>(camera_.height_px));
-    for (int y = 0; y < camera_.height_px; ++y) {
-      for (int x = 0; x < camera_.width_px; ++x) pixels.push_back(packed(pixel(x, y)));
-    }
+    const auto width = static_cast<std::size_t>(camera_.width_px), height = static_cast<std::size_t>(camera_.height_px);
+    std::vector<std::uint32_t> pixels(width * height);
+    parallel_items(height, [&](std::size_t y) {
+      for (std::size_t x = 0; x < width; ++x) {
+        pixels[x + width * y] = packed(pixel(static_cast<int>(x), static_cast<int>(y)));
+      }
+    });
     return pixels;
   }
 
@@ -62,7 +69,7 @@ class DepthPainter {
   [[nodiscard]] Vec2 place(double x_px, double y_px) const {
     const Vec3 eye((x_px - 0.5 * camera_.width_px) * camera_.mm_per_px,
                    (0.5 * camera_.height_px - y_px) * camera_.mm_per_px, 0);
-    return (camera_.eye_from_bone.inverse() * eye).head<2>();
+    return (map_from_eye_ * eye).head<2>();
   }
 
   [[nodiscard]] Rgb pixel(int x, int y) const {
@@ -76,15 +83,15 @@ class DepthPainter {
   [[nodiscard]] Rgb color(const Vec2& at) const {
     const DepthField::Sample sample = field_.at(at);
     if (sample.bone < 0.5) return kPaperRgb;
-    if (sample.reamed < 0.5 * sample.bone) return bone_color(sample);
+    if (sample.reamed < 0.5 * sample.bone) return bone_color(at);
     if (sample.through > 0.5 * sample.reamed) return kHoleRgb;
     const Rgb color = colors_.at(sample.depth_mm / scale_.max).cast<double>();
     return color + contour(at, sample) * (Rgb::Ones() - color);
   }
 
   /// Unreamed bone, lit from the upper left.
-  [[nodiscard]] static Rgb bone_color(const DepthField::Sample& sample) {
-    const double light = sample.normal_before.dot(Vec3(-0.4, 0.5, 0.77).normalized());
+  [[nodiscard]] Rgb bone_color(const Vec2& at) const {
+    const double light = field_.normal_before(at).dot(Vec3(-0.4, 0.5, 0.77).normalized());
     return kBoneRgb * std::clamp(0.55 + 0.45 * light, 0.35, 1.0);
   }
 
@@ -115,6 +122,7 @@ class DepthPainter {
 
   const DepthField& field_;
   const Camera& camera_;
+  Rigid map_from_eye_;
   const Scale& scale_;
   ColorMap colors_;
 };

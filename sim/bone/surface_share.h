@@ -5,6 +5,7 @@
 
 #include "kernels/cube_share.h"
 #include "sim/base/geometry.h"
+#include "sim/bone/field_cross.h"
 
 namespace reamsim {
 
@@ -25,11 +26,12 @@ struct FieldStencil {
 /// Central differences over `step`.
 template <class Field>
 FieldStencil field_stencil(const Field& field, const Vec3& center, double side, double step) {
+  const FieldCross cross = field_cross(field, center, step);
   FieldStencil out;
-  out.value = field(center);
+  out.value = cross.center;
   const double sides = side / step;
   for (int axis = 0; axis < 3; ++axis) {
-    const double before = field(center - step * Vec3::Unit(axis)), after = field(center + step * Vec3::Unit(axis));
+    const double before = cross.before[axis], after = cross.after[axis];
     const double second = before + after - 2 * out.value;
     out.slope[axis] = 0.5 * (after - before) * sides;
     out.bend += second * sides * sides;

@@ -2,12 +2,33 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <cstdio>
+
+#include "sim/base/error.h"
 
 namespace reamsim {
 
 namespace {
 
 constexpr std::size_t kLeastRoom = 64;  // pages
+constexpr std::size_t kFillBytes = sizeof(cl_ushort) * RS_BRICK_VOXELS;
+
+/// Half as much again as is needed, so that a growing cut does not move its pages at every visit.
+std::size_t most_room(std::size_t needed) {
+  return needed + needed / 2;
+}
+
+[[noreturn]] void does_not_fit(const cl::Device& device, std::size_t pages, std::size_t largest, double voxel_mm) {
+  const auto mb = [](std::size_t count) { return std::to_string((count * kFillBytes + 999'999) / 1'000'000) + " MB"; };
+  // What is cut fills a volume.
+  const double factor = std::cbrt(static_cast<double>(pages) / static_cast<double>(std::max<std::size_t>(1, largest)));
+  char voxel[32];
+  std::snprintf(voxel, sizeof voxel, "%.3g", 1.05 * factor * voxel_mm);
+  throw RunError("the fill of cut bricks needs " + mb(pages) + " in one piece so far, but " + device.info().name +
+                 " allocates at most " + mb(largest) + "; bone.voxel_mm of " + voxel +
+                 " or more would fit, or a smaller crop");
+}
 
 std::size_t bricks_with_fill(const Voxmap& voxmap) {
   std::size_t count = 0;
@@ -57,11 +78,13 @@ FillPages make_fill_pages(const cl::Device& device, const Voxmap& voxmap) {
   return fill;
 }
 
-void reserve_pages(const cl::Device& device, std::size_t pages, FillPages& fill) {
-  if (pages <= fill.room()) return;
-  const std::size_t largest = device.info().max_allocation_bytes / (sizeof(cl_ushort) * RS_BRICK_VOXELS);
-  // Half as much again, so that a growing cut does not move its pages at every visit.
-  const std::size_t room = std::max(pages, std::min(largest, fill.room() + fill.room() / 2));
+void reserve_pages(const cl::Device& device, std::size_t pages, double voxel_mm, FillPages& fill) {
+  const std::size_t bricks = fill.page_of_slot.count();
+  const std::size_t needed = std::min(pages, bricks);
+  if (needed <= fill.room()) return;
+  const std::size_t largest = device.info().max_allocation_bytes / kFillBytes;
+  if (needed > largest) does_not_fit(device, needed, largest, voxel_mm);
+  const std::size_t room = std::min({most_room(needed), bricks, largest});
   fill.slot_of_page = grown(device, fill.slot_of_page, room, fill.used, "the table of fill");
   fill.fills = grown(device, fill.fills, room * RS_BRICK_VOXELS, fill.used * RS_BRICK_VOXELS, "the fill of cut bricks");
 }
@@ -89,9 +112,10 @@ void read_pages(const cl::Device& device, const BrickedState& state, const FillP
   }
 }
 
-std::size_t fill_pages_bytes(const Voxmap& voxmap) {
-  return sizeof(cl_int) * voxmap.grade.stored_bricks() +
-         std::max(kLeastRoom, bricks_with_fill(voxmap)) * (sizeof(cl_uint) + sizeof(cl_ushort) * RS_BRICK_VOXELS);
+std::size_t fill_pages_bytes(std::size_t bricks, std::size_t pages) {
+  const std::size_t needed = std::min(bricks, pages), room = std::max(kLeastRoom, std::min(bricks, most_room(needed)));
+  // While room is made the old pages are still there, too few by one at least.
+  return sizeof(cl_int) * bricks + (room + needed) * (sizeof(cl_uint) + kFillBytes);
 }
 
 }  // namespace reamsim

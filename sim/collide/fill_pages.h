@@ -18,13 +18,14 @@ struct FillPages {
 /// The pages of `voxmap`'s bricks that are not whole.
 FillPages make_fill_pages(const cl::Device& device, const Voxmap& voxmap);
 
-/// Makes room for `pages` pages in all; RunError when the device has none.
-void reserve_pages(const cl::Device& device, std::size_t pages, FillPages& fill);
+/// Makes room for `pages` pages in all, or for one for each brick where these are fewer. Throws RunError, with the
+/// voxel size from which on they would fit, when the device has no room.
+void reserve_pages(const cl::Device& device, std::size_t pages, double voxel_mm, FillPages& fill);
 
 /// Puts the pages' fill into the voxmap.
 void read_pages(const cl::Device& device, const BrickedState& state, const FillPages& fill, Voxmap& voxmap);
 
-/// Device memory that make_fill_pages() would take, bytes.
-std::size_t fill_pages_bytes(const Voxmap& voxmap);
+/// The most device memory that the pages of `bricks` bricks take while reserve_pages() makes room for `pages`, bytes.
+std::size_t fill_pages_bytes(std::size_t bricks, std::size_t pages);
 
 }  // namespace reamsim

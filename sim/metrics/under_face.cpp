@@ -14,6 +14,8 @@ constexpr double kStepVoxels = 0.5;
 constexpr double kFaceBandVoxels = 1.5;
 constexpr double kHalf = 0.5;
 constexpr double kNothing = 1e-6;
+/// Heights beside a wall are known to within this.
+constexpr double kStepDownVoxels = 1;
 
 /// Length of dense bone from `face` on, mm. Its share is integrated from the air above until it ends, so that partly
 /// filled voxels count as far as they are filled.
@@ -41,6 +43,20 @@ double dense_length(BoneShares& shares, const Vec3& face, const Vec3& inward, do
   return inside ? length_mm : 0;
 }
 
+/// Whether the bone ends within `reach` columns of one that was reamed through: in air, or over a step down to bone
+/// whose surface lies below all that the column lost, and that the reamer has not come to.
+bool is_at_edge(const ColumnMap& map, const ColumnPlace& place, int reach, double voxel_mm) {
+  const double bottom_mm = map.at(place.x(), place.y()).after_mm;
+  for (int j = std::max(place.y() - reach, 0); j <= std::min(place.y() + reach, map.ny - 1); ++j) {
+    for (int i = std::max(place.x() - reach, 0); i <= std::min(place.x() + reach, map.nx - 1); ++i) {
+      const Column& beside = map.at(i, j);
+      const bool below = beside.state == ColumnState::bone && beside.before_mm < bottom_mm - kStepDownVoxels * voxel_mm;
+      if (beside.state == ColumnState::air || below) return true;
+    }
+  }
+  return false;
+}
+
 }  // namespace
 
 std::optional<DenseBoneLeft> dense_bone_left(const ReamedBone& bone, const ColumnMap& map, const ReamedFace& face,
@@ -63,16 +79,13 @@ std::optional<DenseBoneLeft> dense_bone_left(const ReamedBone& bone, const Colum
 }
 
 Perforation find_perforation(const ColumnMap& map, double voxel_mm) {
-  std::vector<std::uint8_t> air(map.columns.size());
-  std::transform(map.columns.begin(), map.columns.end(), air.begin(),
-                 [](const Column& column) { return column.state == ColumnState::air ? 1 : 0; });
   const int edge = static_cast<int>(std::ceil(kFaceEdgeVoxels * voxel_mm / map.pitch_mm));
   Perforation out;
   for (const ColumnGroup& group : group_columns(map, ColumnState::through)) {
     const double area_mm2 = static_cast<double>(group.columns.size()) * map.pitch_mm * map.pitch_mm;
-    const bool rim =
-        group.reaches_air || std::any_of(group.columns.begin(), group.columns.end(),
-                                         [&](const auto& place) { return marked_nearby(map, air, place, edge); });
+    const bool rim = group.reaches_air ||
+                     std::any_of(group.columns.begin(), group.columns.end(),
+                                 [&](const ColumnPlace& place) { return is_at_edge(map, place, edge, voxel_mm); });
     if (rim) {
       out.rim_area_mm2 += area_mm2;
     } else {

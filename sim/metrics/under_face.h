@@ -19,8 +19,10 @@ std::optional<DenseBoneLeft> dense_bone_left(const ReamedBone& bone, const Colum
 /// Where reaming went right through the bone, in areas across the map's z.
 struct Perforation {
   int holes = 0;
-  double area_mm2 = 0;      ///< of the holes: reamed through, with bone all round
-  double rim_area_mm2 = 0;  ///< reamed away altogether within kFaceEdgeVoxels of the bone's edge or joined to it
+  double area_mm2 = 0;  ///< of the holes: reamed through, with bone all round
+  /// Reamed away altogether within kFaceEdgeVoxels of the bone's edge or joined to it; there is an edge to air, and
+  /// where the surface beside steps down below all that was lost.
+  double rim_area_mm2 = 0;
 };
 Perforation find_perforation(const ColumnMap& map, double voxel_mm);
 

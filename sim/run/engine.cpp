@@ -3,7 +3,6 @@
 #include <utility>
 
 #include "sim/collide/dense_bone.h"
-#include "sim/collide/dense_plan.h"
 #include "sim/collide/serial_detector.h"
 #include "sim/cut/serial_erosion.h"
 #include "sim/run/bricked_engine.h"
@@ -70,13 +69,6 @@ std::unique_ptr<Engine> make_engine(const Scenario& scenario, const Voxmap& voxm
   if (scenario.cutting.erosion == "exact") return make_exact_engine(scenario, voxmap, tool);
   if (scenario.engine.detector == "bricked") return make_bricked_engine(scenario, voxmap, tool);
   return make_dense_engine(scenario, voxmap, tool);
-}
-
-std::size_t planned_device_bytes(const Scenario& scenario, const Voxmap& voxmap, const Tool& tool) {
-  if (scenario.engine.device == "serial") return 0;
-  if (scenario.cutting.erosion == "exact") return exact_engine_bytes(scenario, voxmap, tool);
-  if (scenario.engine.detector == "bricked") return bricked_engine_bytes(scenario, voxmap, tool);
-  return plan_dense(scenario.engine.detector, voxmap, tool, scenario.cutting.erosion == "wear").bytes();
 }
 
 }  // namespace reamsim

@@ -56,7 +56,4 @@ class Engine {
 /// kernel that does not build).
 std::unique_ptr<Engine> make_engine(const Scenario& scenario, const Voxmap& voxmap, const Tool& tool);
 
-/// Device memory that make_engine() would take, bytes; 0 for the serial engine.
-std::size_t planned_device_bytes(const Scenario& scenario, const Voxmap& voxmap, const Tool& tool);
-
 }  // namespace reamsim

@@ -103,7 +103,7 @@ class ExactEngine final : public Engine {
       listed = reach_.list(plan, counts);
     }
     if (listed == 0) return plan;
-    reserve_pages(device_, fill_.used + listed, fill_);
+    reserve_pages(device_, fill_.used + listed, grid_.voxel_mm, fill_);
     const std::size_t records = ExactCut::most_records(listed, plan.end - first);
     if (records > records_.count()) records_ = {device_, records, "the list of removed voxels"};
     cut_.visit(plan, fill_, records_);
@@ -140,9 +140,13 @@ std::unique_ptr<Engine> make_exact_engine(const Scenario& scenario, const Voxmap
   return std::make_unique<ExactEngine>(cl::choose_device(scenario.engine.device), scenario, voxmap, tool);
 }
 
-std::size_t exact_engine_bytes(const Scenario& /*scenario*/, const Voxmap& voxmap, const Tool& tool) {
-  return bricked_bytes(voxmap, tool, FillStore::pages) + fill_pages_bytes(voxmap) + DeviceBatch::bytes(kNoList) +
-         (tool.teeth ? tool.teeth->bytes() : 0);
+std::size_t exact_engine_bytes(const ReamingScene& scene, const ExactForecast& forecast) {
+  const Voxmap& voxmap = scene.bone.voxmap;
+  const std::size_t stored = voxmap.grade.stored_bricks();
+  const std::size_t records = std::min(kMostRecords, ExactCut::most_records(forecast.listed, RS_VISIT_SUBSTEPS));
+  return bricked_bytes(voxmap, scene.tool, FillStore::pages) + sizeof(cl_uint) * stored +
+         fill_pages_bytes(stored, forecast.parted + forecast.listed) + sizeof(RemovedBlock) * records +
+         DeviceBatch::bytes(kNoList) + (scene.tool.teeth ? scene.tool.teeth->bytes() : 0);
 }
 
 }  // namespace reamsim

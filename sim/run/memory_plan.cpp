@@ -3,6 +3,9 @@
 #include <algorithm>
 
 #include "sim/bone/lattice.h"
+#include "sim/collide/dense_plan.h"
+#include "sim/run/bricked_engine.h"
+#include "sim/run/exact_engine.h"
 
 namespace reamsim {
 
@@ -43,19 +46,39 @@ double results_bytes(const BrickCounts& bricks) {
   return std::max(kSurfaceBytes * bricks.parted, grids);
 }
 
+std::size_t planned_device_bytes(const ReamingScene& scene, const ExactForecast& forecast) {
+  const Scenario& scenario = scene.scenario;
+  const Voxmap& voxmap = scene.bone.voxmap;
+  if (scenario.engine.device == "serial") return 0;
+  if (scenario.cutting.erosion == "exact") return exact_engine_bytes(scene, forecast);
+  if (scenario.engine.detector == "bricked") return bricked_engine_bytes(scenario, voxmap, scene.tool);
+  return plan_dense(scenario.engine.detector, voxmap, scene.tool, scenario.cutting.erosion == "wear").bytes();
+}
+
 }  // namespace
 
-std::size_t planned_process_bytes(const ReamingScene& scene, std::size_t device_bytes) {
+MemoryPlan plan_memory(const ReamingScene& scene) {
   const Voxmap& voxmap = scene.bone.voxmap;
+  const bool exact = scene.scenario.cutting.erosion == "exact";
+  const ExactForecast forecast = exact ? forecast_exact(scene) : ExactForecast{};
+  MemoryPlan plan{.device_bytes = planned_device_bytes(scene, forecast)};
+
   const double voxels = static_cast<double>(voxmap.grade.count());
   const double loading = scene.scenario.bone.source == "mesh" ? kMeshBytesPerVoxel * voxels : 0;
   const bool serial = scene.scenario.engine.device == "serial";
   const double engine = serial ? kSerialBytes * static_cast<double>(voxmap.grid.size())
-                               : kCompilerBytes + static_cast<double>(device_bytes);
-  // The fill twice: as it was when the run began, and as it is.
-  const double held = static_cast<double>(voxmap.grade.bytes() + 2 * voxmap.fill.bytes()) + engine;
-  const double most = std::max(loading, held + results_bytes(count_bricks(voxmap.grade)));
-  return static_cast<std::size_t>(kProgramBytes + most);
+                               : kCompilerBytes + static_cast<double>(plan.device_bytes);
+  // The fill as it was when the run began, and as it is.
+  const double fill = std::max(2.0 * static_cast<double>(voxmap.fill.bytes()),
+                               static_cast<double>(voxmap.fill.bytes() + sizeof(FillBricks::Brick) * forecast.parted));
+  BrickCounts bricks = count_bricks(voxmap.grade);
+  // The face that the tool leaves is surface as well.
+  bricks.parted += static_cast<double>(forecast.listed);
+  bricks.mixed += static_cast<double>(forecast.listed);
+  const double held = static_cast<double>(voxmap.grade.bytes()) + fill + engine;
+  const double most = std::max(loading, held + results_bytes(bricks));
+  plan.process_bytes = static_cast<std::size_t>(kProgramBytes + most);
+  return plan;
 }
 
 }  // namespace reamsim

@@ -6,8 +6,11 @@
 
 namespace reamsim {
 
-/// The most memory that a run of the scene will have held when its results are written, pictures apart, bytes; to
-/// within a third, as measured. Counts `device_bytes` in, as if the device were the processor.
-std::size_t planned_process_bytes(const ReamingScene& scene, std::size_t device_bytes);
+/// The most memory that a run of the scene will have held when its results are written, pictures apart.
+struct MemoryPlan {
+  std::size_t device_bytes = 0;  ///< 0 for the serial engine
+  std::size_t process_bytes = 0;  ///< to within a third, as measured; counts the device's as if that were the processor
+};
+MemoryPlan plan_memory(const ReamingScene& scene);
 
 }  // namespace reamsim

@@ -61,6 +61,7 @@ struct Mean {
   double torque = 0;  ///< about the axis, N·mm
   double thrust = 0;  ///< N
   double energy = 0;  ///< a frame, mJ
+  double contacts = 0;
 };
 
 /// Means over the rows of forces.csv from `begin` to before `end`.
@@ -75,6 +76,7 @@ Mean mean_of(const std::string& csv, int begin, int end) {
     for (std::string field; std::getline(fields, field, ',');) v.push_back(std::stod(field));
     out.thrust += v[18] / (end - begin);
     out.torque += v[19] / (end - begin);
+    out.contacts += v[20] / (end - begin);
     out.energy += v[22] / (end - begin);
   }
   return out;
@@ -191,6 +193,9 @@ TEST(EdgeForce, AtRestIsFrictionOfTheLips) {
       EXPECT_NEAR(rest.thrust / thrust, 1, voxel_mm / kRim);
       EXPECT_NEAR(rest.energy / (rest.torque * kOmega / kRateHz), 1, 1e-6) << "all of it is work of the torque";
       EXPECT_LT(std::abs(outcome.totals.balance), 3e-7);
+      // Contacts are voxels that lose something, and what the lips only rub on loses nothing.
+      EXPECT_EQ(rest.contacts, 0);
+      EXPECT_GT(mean_of(outcome.forces, kSlowBegin, kRestBegin).contacts, 0);
     }
   }
 }

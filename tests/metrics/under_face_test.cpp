@@ -104,5 +104,34 @@ TEST(Perforation, AnEdgeReamedAwayIsNoHole) {
   EXPECT_NEAR(found->rim_area_mm2, 5 * 40, 0.02 * 200);
 }
 
+/// A plate of 3 mm that stands 5 mm over a floor as far as x = 5; beyond there is only the floor.
+Block overhang() {
+  Block block({40, 40, 12}, kVoxel, 1.8);
+  block.ream([](const Vec3& p) { return std::max(5 - p.x(), -8 - p.z()); });
+  block.ream([](const Vec3& p) { return std::max({-15 - p.x(), p.z() + 3, -8 - p.z()}); });
+  block.before = block.after.fill;
+  return block;
+}
+
+TEST(Perforation, ARimOverLowerBoneIsNoHole) {
+  Block block = overhang();
+  block.ream([](const Vec3& p) { return std::max({4 - p.x(), std::abs(p.y()) - 5, -4 - p.z()}); });
+  const auto found = block.measure().perforation;
+  ASSERT_TRUE(found);
+  EXPECT_EQ(found->holes, 0);
+  EXPECT_EQ(found->area_mm2, 0);
+  EXPECT_NEAR(found->rim_area_mm2, 1 * 10, 1e-6);
+}
+
+TEST(Perforation, AHoleOverLowerBoneIsOne) {
+  Block block = overhang();
+  block.ream(both(rod({-8, 0, 0}, Vec3::UnitZ(), 2.5), above_plane({0, 0, -4}, Vec3::UnitZ())));
+  const auto found = block.measure().perforation;
+  ASSERT_TRUE(found);
+  EXPECT_EQ(found->holes, 1);
+  EXPECT_NEAR(found->area_mm2, kPi * 6.25, 0.05 * kPi * 6.25);
+  EXPECT_EQ(found->rim_area_mm2, 0);
+}
+
 }  // namespace
 }  // namespace reamsim::test

@@ -72,7 +72,7 @@ TEST_F(DepthPicture, ReadsItsRaster) {
   EXPECT_DOUBLE_EQ(field.at({7.5, 0}).reamed, 0);
   EXPECT_DOUBLE_EQ(field.at({7.5, 0}).bone, 1);
   EXPECT_DOUBLE_EQ(field.at({9.9, 9.9}).bone, 0);
-  EXPECT_NEAR(field.at({2, 1}).normal_before.x(), -0.1 / std::sqrt(1.01), 1e-6);
+  EXPECT_NEAR(field.normal_before({2, 1}).x(), -0.1 / std::sqrt(1.01), 1e-6);
 }
 
 TEST_F(DepthPicture, ShowsDepthBoneHolesAndAir) {

@@ -119,19 +119,17 @@ const std::vector<double>& SliceResampler::slice(int k) {
   return out_;
 }
 
-double value_at(const AlignedImage& image, const Vec3& point_mm) {
-  const Lattice& lattice = image.lattice;
-  const Vec3 most = lattice.dims.cast<double>() - Vec3::Ones();
-  const Vec3 place = (point_mm - lattice.origin_mm).cwiseQuotient(lattice.spacing_mm).cwiseMax(0).cwiseMin(most);
-  const Vec3i low = place.cast<int>().cwiseMin((lattice.dims - Vec3i::Constant(2)).cwiseMax(0));
-  const Vec3 share = place - low.cast<double>();
-  const Vec3i step = (lattice.dims - Vec3i::Ones()).cwiseMin(1);  // an image may be one voxel thick
-  const auto along_x = [&](int j, int k) {
-    const float* from = &image.value[lattice.index(low.x(), low.y() + j * step.y(), low.z() + k * step.z())];
-    return (1 - share.x()) * double{from[0]} + share.x() * double{from[step.x()]};
-  };
-  const auto along_y = [&](int k) { return (1 - share.y()) * along_x(0, k) + share.y() * along_x(1, k); };
-  return (1 - share.z()) * along_y(0) + share.z() * along_y(1);
+NegatedField::NegatedField(const AlignedImage& image)
+    : values_(image.value.data()),
+      origin_mm_(image.lattice.origin_mm),
+      spacing_mm_(image.lattice.spacing_mm),
+      last_(image.lattice.dims.cast<double>() - Vec3::Ones()),
+      last_low_((image.lattice.dims - Vec3i::Constant(2)).cwiseMax(0)),
+      stride_{1, image.lattice.index(0, 1, 0), image.lattice.index(0, 0, 1)} {
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto at = static_cast<std::size_t>(axis);
+    step_[at] = image.lattice.dims[axis] > 1 ? stride_[at] : 0;
+  }
 }
 
 InsideTest::InsideTest(const AlignedImage& field, const VoxelGrid& grid) : field_(field) {

@@ -1,8 +1,11 @@
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <vector>
 
 #include "sim/bone/ct/aligned_image.h"
+#include "sim/bone/field_cross.h"
 #include "sim/bone/voxel_grid.h"
 
 namespace reamsim::ct {
@@ -41,8 +44,63 @@ class SliceResampler {
   std::vector<double> out_;
 };
 
-/// The image at a point, interpolated trilinearly; beyond its outermost values these hold.
-double value_at(const AlignedImage& image, const Vec3& point_mm);
+/// The negative of an image at any point, interpolated trilinearly: a field as share_inside() takes it, whose inside is
+/// where the image is above 0. Beyond the image's outermost values these hold.
+class NegatedField {
+ public:
+  explicit NegatedField(const AlignedImage& image);
+
+  double operator()(const Vec3& point_mm) const { return value(places(point_mm)); }
+
+  /// The values at a point and `step` before and after it along each axis. A step moves along one axis only, so that
+  /// the other two places in the image are found once for all.
+  [[nodiscard]] FieldCross cross(const Vec3& center_mm, double step) const {
+    const Places center = places(center_mm);
+    FieldCross out;
+    out.center = value(center);
+    for (int axis = 0; axis < 3; ++axis) {
+      Places moved = center;
+      moved[static_cast<std::size_t>(axis)] = place(axis, center_mm[axis] - step);
+      out.before[axis] = value(moved);
+      moved[static_cast<std::size_t>(axis)] = place(axis, center_mm[axis] + step);
+      out.after[axis] = value(moved);
+    }
+    return out;
+  }
+
+ private:
+  /// Along one axis: where the lower of two neighbouring values stands, and the share of the upper.
+  struct Place {
+    std::size_t at = 0;
+    double share = 0;
+  };
+  using Places = std::array<Place, 3>;
+
+  [[nodiscard]] Place place(int axis, double mm) const {
+    const double index = std::min(std::max((mm - origin_mm_[axis]) / spacing_mm_[axis], 0.0), last_[axis]);
+    const int low = std::min(static_cast<int>(index), last_low_[axis]);
+    return {stride_[static_cast<std::size_t>(axis)] * static_cast<std::size_t>(low), index - low};
+  }
+  [[nodiscard]] Places places(const Vec3& mm) const { return {place(0, mm.x()), place(1, mm.y()), place(2, mm.z())}; }
+  [[nodiscard]] double value(const Places& p) const {
+    const float* corner = values_ + p[0].at + p[1].at + p[2].at;
+    const auto along_x = [&](std::size_t at) {
+      return (1 - p[0].share) * double{corner[at]} + p[0].share * double{corner[at + step_[0]]};
+    };
+    const auto along_y = [&](std::size_t at) {
+      return (1 - p[1].share) * along_x(at) + p[1].share * along_x(at + step_[1]);
+    };
+    return -((1 - p[2].share) * along_y(0) + p[2].share * along_y(step_[2]));
+  }
+
+  const float* values_;
+  Vec3 origin_mm_;
+  Vec3 spacing_mm_;
+  Vec3 last_;       ///< index of the last value along each axis
+  Vec3i last_low_;  ///< of the last value that has another after it
+  std::array<std::size_t, 3> stride_{};
+  std::array<std::size_t, 3> step_{};  ///< to the upper value; 0 along axes on which the image is one voxel thick
+};
 
 /// Says for a voxel of a grid whether at least half of it lies where `field` > 0, the field interpolated trilinearly:
 /// by the sign at the centre along axes that divide, by the share of sample points along axes that merge.

@@ -83,7 +83,7 @@ int halvings(const Lattice& image, double voxel_mm) {
 void part_surface(const BoneField& bone, const CtSettings& settings, const Aabb& image, Voxmap& voxmap) {
   const VoxelGrid& grid = voxmap.grid;
   const int splits = halvings(bone.field.lattice, grid.voxel_mm);
-  const auto outside = [&bone](const Vec3& point) { return -value_at(bone.field, point); };
+  const NegatedField outside(bone.field);
   const auto sample = [&](const Vec3i& voxel, std::uint8_t) -> SurfaceVoxel {
     const Vec3 center = grid.center_mm(voxel.x(), voxel.y(), voxel.z());
     return {share_inside(outside, center, grid.voxel_mm, splits) * share_left(settings, image, center, grid.voxel_mm),

@@ -1,0 +1,104 @@
+// What `check` says that exact erosion will take, against what it takes.
+#include <gmock/gmock.h>
+
+#include "sim/base/error.h"
+#include "sim/run/exact_engine.h"
+#include "tests/engine/outcome.h"
+
+namespace reamsim::test {
+namespace {
+
+/// A cap that comes down askew into a block of whole bone, 4 mm deep.
+ReamingScene plunge() {
+  ReamingScene scene;
+  scene.scenario = quiet_scenario("auto");
+  scene.scenario.cutting.erosion = "exact";
+  scene.bone.voxmap = block({40, 40, 20}, 0.2, 1.8);
+  scene.tool = make_tool(cap_profile(20, 16, 12, 1), 64);
+  const Quat tilt(Eigen::AngleAxisd(0.2, Vec3(1, 2, 0).normalized()));
+  scene.motion = straight({0, 1, 3}, {0.5, 1, -4}, 200, 1000, 250, tilt);
+  return scene;
+}
+
+std::size_t parted_bricks(const Voxmap& voxmap) {
+  std::size_t count = 0;
+  voxmap.fill.for_each_brick([&](const Vec3i&, const FillBricks::Brick&) { ++count; });
+  return count;
+}
+
+struct Taken {
+  std::size_t pages = 0;
+  std::size_t device_bytes = 0;
+};
+
+Taken taken_by(ReamingScene scene) {
+  const TempDir dir;
+  Recorder recorder(dir.path(), scene.bone.voxmap.grid.voxel_mm);
+  Report report;
+  const auto engine = make_engine(scene.scenario, scene.bone.voxmap, scene.tool);
+  simulate(scene, *engine, recorder, {}, report);
+  recorder.close();
+  return {parted_bricks(scene.bone.voxmap), engine->device_bytes()};
+}
+
+TEST(Forecast, BoundsWhatIsCut) {
+  const ReamingScene scene = plunge();
+  const ExactForecast forecast = forecast_exact(scene);
+  const Taken taken = taken_by(scene);
+  EXPECT_GE(forecast.parted, taken.pages);
+  // A brick's side and more counts round the tool: 1.6 mm and two voxels round a cap of 16 mm that goes 4 mm deep.
+  EXPECT_LE(forecast.parted, 2.5 * static_cast<double>(taken.pages));
+  EXPECT_GE(exact_engine_bytes(scene, forecast), taken.device_bytes);
+  EXPECT_LE(exact_engine_bytes(scene, forecast), 3 * taken.device_bytes);
+}
+
+TEST(Forecast, OfOneJumpAndOfManySteps) {
+  ReamingScene scene = plunge();
+  const ExactForecast slow = forecast_exact(scene);
+  scene.motion.poses = {scene.motion.poses.front(), scene.motion.poses.back()};
+  EXPECT_NEAR(static_cast<double>(forecast_exact(scene).parted), static_cast<double>(slow.parted),
+              0.05 * static_cast<double>(slow.parted));
+}
+
+TEST(Forecast, CountsBricksThatAreNotWholeAlready) {
+  ReamingScene scene = plunge();
+  for (ToolPose& pose : scene.motion.poses) pose.position_mm.z() += 100;  // never comes near
+  EXPECT_EQ(forecast_exact(scene).parted, 0U);
+  scene.bone.voxmap.fill.set({3, 3, 3}, 1000);
+  scene.bone.voxmap.fill.set({100, 3, 3}, 1000);
+  EXPECT_EQ(forecast_exact(scene).parted, 2U);
+  EXPECT_EQ(forecast_exact(scene).listed, 0U);
+}
+
+TEST(FillPages, AreNoMoreThanBricks) {
+  const ReamingScene scene = plunge();
+  const cl::Device device(cl::choose_device("auto"));
+  FillPages fill = make_fill_pages(device, scene.bone.voxmap);
+  const std::size_t bricks = scene.bone.voxmap.grade.stored_bricks();
+  reserve_pages(device, bricks - 1, 0.2, fill);
+  EXPECT_EQ(fill.room(), bricks);
+  reserve_pages(device, 10 * bricks, 0.2, fill);
+  EXPECT_EQ(fill.room(), bricks);
+}
+
+TEST(FillPages, WhatDoesNotFitSaysWhatWould) {
+  const ReamingScene scene = plunge();
+  cl::DeviceInfo info = cl::choose_device("auto");
+  info.max_allocation_bytes = 1024 * 1000;  // 1000 pages
+  const cl::Device device(info);
+  FillPages fill = make_fill_pages(device, scene.bone.voxmap);
+  reserve_pages(device, 900, 0.2, fill);
+  EXPECT_EQ(fill.room(), 1000U);
+  try {
+    reserve_pages(device, 2000, 0.2, fill);
+    FAIL() << "it fits";
+  } catch (const RunError& error) {
+    // 2^(1/3)·1.05·0.2 mm
+    EXPECT_THAT(error.what(),
+                testing::AllOf(testing::HasSubstr("needs 3 MB"), testing::HasSubstr("allocates at most 2 MB"),
+                               testing::HasSubstr("bone.voxel_mm of 0.265 or more would fit")));
+  }
+}
+
+}  // namespace
+}  // namespace reamsim::test
