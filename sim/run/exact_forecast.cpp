@@ -46,7 +46,7 @@ class SweptBricks {
         lattice_(BrickLattice::over(scene.bone.voxmap.grid.dims)),
         marks_(lattice_.count(), BrickMark::air),
         bone_(bone_extent(scene.bone.voxmap)),
-        coarse_(make_coarse_distance(scene.tool.profile, voxel_mm_)) {
+        coarse_(make_coarse_distance(scene.tool.profile, voxel_mm_, scene.tool.clip_slack_mm())) {
     const Voxmap& voxmap = scene.bone.voxmap;
     voxmap.grade.for_each_brick([&](const Vec3i& coord, const GradeBricks::Brick&) {
       const bool parted = voxmap.fill.brick(coord) != nullptr;
@@ -60,7 +60,7 @@ class SweptBricks {
     const Substep rest{.pose = pose, .duration_s = scene_.motion.frame_s()};
     const double met_mm = kBrickRadiusVoxels * voxel_mm_ + slack_mm;
     const double listed_mm = met_mm + visit_shift_mm_ + double{coarse_.grid.slack_mm};
-    const Aabb box = scene_.tool.profile.bounds().expanded(listed_mm);
+    const Aabb box = scene_.tool.clip_bounds().expanded(listed_mm);
     const SubstepArgs args =
         make_args(rest, box, scene_.tool.shell, scene_.bone.voxmap.grid, scene_.scenario.cutting, false);
     const VoxelBox near = voxel_voi(args, box, bone_);

@@ -74,7 +74,8 @@ TEST_F(BadScenario, ToolLargerThanMemoryAllows) {
   expect_refused(changed("reamer_flat.stl\n", "reamer_flat.stl\n  scale: 1000\n"), 2,
                  {"reamer_flat.stl", "tool.scale"});
   expect_refused(
-      run(with(with(kSmall, "reamer_flat.stl\n", "reamer_flat.stl\n  scale: 30\n"), "voxel_mm: 0.5", "voxel_mm: 0.1")),
+      run(with(with(kSmall, "reamer_flat.stl\n", "reamer_flat.stl\n  scale: 30\n"), "voxel_mm: 0.5", "voxel_mm: 0.1") +
+          "cutting: {erosion: remove}\n"),
       2, {"tool", "4096"});
   expect_refused(changed("reamer_flat.stl\n", "reamer_flat.stl\n  shell_resolution: 100000\n"), 2,
                  {"s.yaml:10:21: tool.shell_resolution: found 100000", "0 to 4096"});

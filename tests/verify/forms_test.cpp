@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "sim/tool/outline.h"
 #include "sim/verify/scene.h"
 
 namespace reamsim::verify {
@@ -49,15 +50,17 @@ TEST(Forms, CapAndSegmentBySlices) {
   EXPECT_NEAR(segment_mm2(8, 3), segment, 1e-5);
 }
 
-TEST(Forms, TheToolsPolygonsHoldTheirCurvesVolume) {
-  const double ball = 4.0 / 3 * M_PI * 29 * 29 * 29;
-  EXPECT_NEAR(ball_profile(29, 0.05).volume_mm3() / ball, 1, 2e-8);
-  // Head less cap and core, by cylinders.
-  const double head = M_PI * (15 * 15 - 1.25 * 1.25) * 8 -
-                      (M_PI * 15 * 15 * kExample.full_contact_mm() - cap_mm3(29, kExample.full_contact_mm()));
-  const double sag = 29 - std::sqrt(29 * 29 - 1.25 * 1.25);
-  const double core = M_PI * 1.25 * 1.25 * sag - cap_mm3(29, sag);
-  EXPECT_NEAR(convex_profile(29, 15, 1.25, 8, 0.05).volume_mm3() / (head + core), 1, 1e-7);
+TEST(Forms, TheToolsAreTakenAsTheirCurves) {
+  const Outline ball = fit_outline(ball_profile(29, 0.05));
+  ASSERT_EQ(ball.arcs.size(), 2U);
+  for (const OutlineArc& arc : ball.arcs) EXPECT_NEAR(arc.curvature, 1.0 / 29, 1e-10);
+  const Outline head = fit_outline(convex_profile(29, 15, 1.25, 8, 0.05));
+  ASSERT_EQ(head.arcs.size(), 4U);
+  EXPECT_NEAR(head.arcs[0].curvature, 1.0 / 29, 1e-10);
+  EXPECT_NEAR(head.arcs[0].begin.x(), 1.25, 1e-12);
+  EXPECT_NEAR(head.arcs[0].begin.y(), 29 - std::sqrt(29 * 29 - 1.25 * 1.25), 1e-12);
+  EXPECT_NEAR(head.arcs[0].end.x(), 15, 1e-12);
+  EXPECT_NEAR(head.arcs[0].end.y(), kExample.full_contact_mm(), 1e-12);
 }
 
 }  // namespace
