@@ -21,13 +21,24 @@
 
 #define SUMS 10 /* of a substep, as add_brick_sums() takes them */
 
+/* What a substep's voxels add up to in a work-item, lane by lane. */
+typedef struct {
+#if defined(RS_LANES)
+  LaneSums sums;
+  long16 removed, contacts;
+#else
+  long unused;
+#endif
+} SubstepLanes;
+
 #define PARAMETERS                                                                                              \
   __global const SubstepArgs *args, __global const SubstepWindow *windows, const uint window_count,             \
       __global const uint *listed, __global VisitCounts *counts, __global const uint *lattice_of_slot,          \
       __global uint *occupancy, const int4 bricks, __global int *page_of_slot, __global uint *slot_of_page,     \
       __global ushort *pages, __global SubstepSums *sums, __global RemovedBlock *removed,                       \
       __global const float *energy_of_grade, __global const OutlinePiece *pieces, __global const ushort *numbers, \
-      __global const EdgeList *lists, __global const ProfileGrid *grid, RS_POOL_PARAMETERS TEETH_PARAMETERS
+      __global const EdgeList *lists, __global const ProfileGrid *grid, __global SubstepLanes *lanes_of_item,           \
+      RS_POOL_PARAMETERS TEETH_PARAMETERS
 
 #ifdef RS_DISTANCE_GRID
 #define TEETH_PARAMETERS                                                              \
@@ -233,13 +244,7 @@ void find_candidates(__global const SubstepArgs* a, const OutlineView* outline, 
 #endif
 }
 
-/* What a substep's voxels add up to, lane by lane. */
-typedef struct {
-  LaneSums sums;
-  long16 removed, contacts;
-} SubstepLanes;
-
-void clear_lanes(SubstepLanes* lanes) {
+void clear_lanes(__global SubstepLanes* lanes) {
   for (int i = 0; i < 3; ++i) lanes->sums.force[i] = lanes->sums.torque[i] = (long16)0;
   lanes->sums.floor_energy = lanes->sums.energy = lanes->removed = lanes->contacts = (long16)0;
 }
@@ -249,7 +254,7 @@ long add_lanes(const long16 v) {
   return a.s0 + a.s1 + a.s2 + a.s3 + a.s4 + a.s5 + a.s6 + a.s7;
 }
 
-void add_up(const SubstepLanes* lanes, long* total) {
+void add_up(__global const SubstepLanes* lanes, long* total) {
   for (int i = 0; i < 3; ++i) {
     total[i] = add_lanes(lanes->sums.force[i]);
     total[3 + i] = add_lanes(lanes->sums.torque[i]);
@@ -292,16 +297,17 @@ Clip clip_sixteen(__global const SubstepArgs* a, const OutlineView* outline, con
 
 /* Cuts the candidates in one substep, or lets the lips' edges rub on them; true where any loses something. */
 bool cut_candidates(__global const SubstepArgs* a, const OutlineView* outline, const Visit* v, const uint substep,
-                    Candidates* c, RemovedReport* report, SubstepLanes* lanes) {
+                    Candidates* c, RemovedReport* report, __global SubstepLanes* total) {
+  SubstepLanes lanes = *total;
   int16 removed = 0, contacts = 0, any_gone = 0;
   uint gone_words[RS_BRICK_WORDS] = {0};
   for (int i = 0; i < c->count; i += 16) {
     int16 outside;
     Clip clip = clip_sixteen(a, outline, v, c, i, &outside);
     const int16 before = vload16(0, c->fill + i), lost = rs_clip_loss(a, before, outside);
-    if (rs_has_edge(a)) rs_edge_force(a, &clip, before - lost, outside, &lanes->sums);
+    if (rs_has_edge(a)) rs_edge_force(a, &clip, before - lost, outside, &lanes.sums);
     TURN_TO_FORCE(outline, v->list, &clip);
-    rs_clip_force(a, &clip, vload16(0, c->energy + i), lost, &lanes->sums);
+    rs_clip_force(a, &clip, vload16(0, c->energy + i), lost, &lanes.sums);
     removed += lost;
     contacts -= lost > 0;
     vstore16(before - lost, 0, c->fill + i);
@@ -309,8 +315,9 @@ bool cut_candidates(__global const SubstepArgs* a, const OutlineView* outline, c
     any_gone |= gone;
     if (any(gone)) note_gone(c, i, gone, gone_words);
   }
-  lanes->removed += convert_long16(removed);
-  lanes->contacts += convert_long16(contacts);
+  lanes.removed += convert_long16(removed);
+  lanes.contacts += convert_long16(contacts);
+  *total = lanes;
   if (any(any_gone)) {
     for (int block = 0; block < RS_BRICK_WORDS / 2; ++block) {
       const uint low = gone_words[2 * block], high = gone_words[2 * block + 1];
@@ -326,7 +333,7 @@ __kernel void cut_exact(PARAMETERS) {
   const OutlineView outline = {pieces, numbers, lists, grid};
   __global Brick* pools[RS_POOLS] = RS_POOL_ARRAY;
   const uint first = windows[0].first, end = windows[window_count - 1].end;
-  SubstepLanes lanes[RS_VISIT_SUBSTEPS];
+  __global SubstepLanes* lanes = lanes_of_item + get_global_id(0) * RS_VISIT_SUBSTEPS;
   for (uint s = 0; s < end - first; ++s) clear_lanes(lanes + s);
   RemovedReport report;
   begin_report(&report, removed, &counts->removed);

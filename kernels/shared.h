@@ -17,7 +17,7 @@ typedef ulong rs_u64;
 typedef ushort rs_u16;
 typedef uchar rs_u8;
 #define RS_GLOBAL __global
-#define RS_INLINE static inline __attribute__((always_inline))
+#define RS_INLINE static inline
 #define RS_SQRT sqrt
 #define RS_FLOOR floor
 #else
@@ -30,7 +30,7 @@ typedef uint64_t rs_u64;
 typedef uint16_t rs_u16;
 typedef uint8_t rs_u8;
 #define RS_GLOBAL
-#define RS_INLINE static inline __attribute__((always_inline))
+#define RS_INLINE static inline
 #define RS_SQRT sqrt
 #define RS_FLOOR floor
 #endif

@@ -9,6 +9,20 @@ namespace embedded {
 extern const char* const kernel_cut_exact;
 }
 
+namespace {
+
+/// Sums of a substep in kernels/cut_exact.cl, in the lanes of a vector.
+constexpr std::size_t kLanesOfSubstep = 10 * 16;
+
+/// Every work-item that a launch starts keeps sums for a visit's substeps: groups are whole.
+std::size_t lane_count(std::size_t items, const BrickedOptions& options) {
+  if (options.shape != KernelShape::cpu) return 1;
+  const std::size_t groups = (items + options.work_group - 1) / options.work_group;
+  return groups * options.work_group * RS_VISIT_SUBSTEPS * kLanesOfSubstep;
+}
+
+}  // namespace
+
 ExactCut::ExactCut(const cl::Device& device, const BrickedState& state, const DeviceBatch& batch,
                    const ExactReach& reach, const OutlineTable& outline, const EnergyTable& table,
                    const BrickedOptions& options, const DeviceTeeth* teeth)
@@ -17,6 +31,7 @@ ExactCut::ExactCut(const cl::Device& device, const BrickedState& state, const De
       work_group_(options.work_group),
       energy_(device, table.energy_mj.size(), "the energy table"),
       windows_(device, RS_VISIT_SUBSTEPS, "the windows of a visit"),
+      lanes_(device, lane_count(items_, options), "the sums of a visit"),
       outline_(device, outline),
       kernel_(device.build("cut_exact.cl", embedded::kernel_cut_exact,
                            cut_defines(state.layout, options.shape) + (teeth != nullptr ? " -DRS_DISTANCE_GRID" : "")),
@@ -35,8 +50,9 @@ ExactCut::ExactCut(const cl::Device& device, const BrickedState& state, const De
   kernel_.set(11, batch.sums());
   kernel_.set(13, energy_);
   outline_.set(kernel_, 14);
-  state.set_pools(kernel_, 18);
-  if (teeth != nullptr) teeth->set(kernel_, 18 + static_cast<cl_uint>(state.layout.pools));
+  kernel_.set(18, lanes_);
+  state.set_pools(kernel_, 19);
+  if (teeth != nullptr) teeth->set(kernel_, 19 + static_cast<cl_uint>(state.layout.pools));
 }
 
 std::size_t ExactCut::most_records(std::size_t listed, int substeps) {

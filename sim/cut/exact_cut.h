@@ -29,6 +29,7 @@ class ExactCut {
   std::size_t work_group_;
   cl::Buffer<float> energy_;
   cl::Buffer<SubstepWindow> windows_;
+  cl::Buffer<cl_long> lanes_;
   DeviceOutline outline_;
   cl::Kernel kernel_;
   std::vector<cl::Event> events_;
