@@ -7,7 +7,7 @@
 #include "profile.h"
 #endif
 
-/* A line or an arc of at most 90 degrees from (r0, z0) to (r1, z1), the inside on its left, mm; unit tangents at both
+/* A line or an arc of at most 100 degrees from (r0, z0) to (r1, z1), the inside on its left, mm; unit tangents at both
  * ends; the point in its middle with the outward unit normal there. */
 typedef struct {
   float r0, z0, r1, z1;

@@ -11,7 +11,8 @@ namespace reamsim {
 namespace {
 
 constexpr std::size_t kLeastVertices = 4;  // any three lie on a circle
-constexpr double kLargestArc = std::numbers::pi / 2;
+/// More than a quarter, so that a ball takes two, wherever its vertices lie; beside that any less than half would do.
+constexpr double kLargestArc = std::numbers::pi * 100 / 180;
 
 /// A vector turned by 90° to the right: outwards from the way along an outline.
 Vec2 right_of(const Vec2& v) {

@@ -6,7 +6,7 @@
 
 namespace reamsim {
 
-/// A line or an arc of at most 90° in (r, z) of the tool frame T, mm, the inside on its left.
+/// A line or an arc of at most 100° in (r, z) of the tool frame T, mm, the inside on its left.
 struct OutlineArc {
   Vec2 begin, end;
   Vec2 along_begin, along_end;  ///< unit tangents
