@@ -25,6 +25,13 @@ typedef struct {
   ClipPlane other;
 } Clip;
 
+/* The direction from the spin axis to `p`, r from it; on the axis one is as good as another, but there has to be one,
+ * because a bore's wall may be next to a voxel there. */
+RS_INLINE void rs_from_axis(const rs_real* p, rs_real r, rs_real per_r, rs_real* c, rs_real* s) {
+  *c = r > 0.0f ? p[0] * per_r : (rs_real)1.0f;
+  *s = p[1] * per_r;
+}
+
 /* The plane with unit normal `n` (T) that a voxel's centre lies `away` voxels beyond. */
 RS_INLINE ClipPlane rs_lattice_plane(RS_GLOBAL const SubstepArgs* a, const rs_real* n, rs_real away) {
   ClipPlane plane;
@@ -75,7 +82,8 @@ RS_INLINE void rs_take_corner(RS_GLOBAL const SubstepArgs* a, const OutlineView*
   *least = there > 0.0f ? d2 : *least;
   const int bulges = e->along_r1 * f->along_z0 - e->along_z1 * f->along_r0 > 0.0f;
   clip->corner = there > 0.0f ? (rs_real)(bulges ? 1.0f : -1.0f) : clip->corner;
-  const rs_real c = clip->p[0] * per_r, s = clip->p[1] * per_r;
+  rs_real c, s;
+  rs_from_axis(clip->p, r, per_r, &c, &s);
   const ClipPlane one_side =
       rs_clip_plane(a, c, s, (rs_real)er, (rs_real)ez, vr * er + vz * ez, (rs_real)e->curvature, per_r);
   const ClipPlane other_side =
@@ -99,9 +107,10 @@ RS_INLINE rs_real rs_clip_distance(RS_GLOBAL const SubstepArgs* a, const Outline
 }
 
 /* The tool next to the voxel centre `p` (T, mm), by the nearest piece of its outline alone. */
-RS_INLINE Clip rs_clip_by(RS_GLOBAL const SubstepArgs* a, const NearestPiece* nearest, const rs_real* p,
+RS_INLINE Clip rs_clip_by(RS_GLOBAL const SubstepArgs* a, const NearestPiece* nearest, const rs_real* p, rs_real r,
                           rs_real per_r) {
-  const rs_real c = p[0] * per_r, s = p[1] * per_r;
+  rs_real c, s;
+  rs_from_axis(p, r, per_r, &c, &s);
   Clip clip;
   for (int j = 0; j < 3; ++j) clip.p[j] = p[j];
   clip.n[0] = nearest->normal_r * c;
@@ -123,7 +132,7 @@ RS_INLINE Clip rs_clip(RS_GLOBAL const SubstepArgs* a, const OutlineView* outlin
   const rs_real r = RS_SQRT(p[0] * p[0] + p[1] * p[1]);
   const rs_real per_r = r > 0.0f ? (rs_real)1.0f / r : (rs_real)0.0f;
   const NearestPiece nearest = rs_outline_nearest(outline, list, r, p[2]);
-  Clip clip = rs_clip_by(a, &nearest, p, per_r);
+  Clip clip = rs_clip_by(a, &nearest, p, r, per_r);
   const float reach = RS_CLIP_REACH * a->voxel_mm;
   rs_real least = (rs_real)(reach * reach);
   for (rs_u32 i = 0; i < list.count; ++i) {
@@ -144,7 +153,7 @@ RS_INLINE Clip rs_clip_smooth(RS_GLOBAL const SubstepArgs* a, RS_GLOBAL const Ou
   const rs_real per_r = r > 0.0f ? (rs_real)1.0f / r : (rs_real)0.0f;
   const PieceDistance away = rs_from_circle(piece, r, p[2]);
   const NearestPiece nearest = rs_nearest_of(&away, (rs_real)piece->curvature, (rs_int)0);
-  return rs_clip_by(a, &nearest, p, per_r);
+  return rs_clip_by(a, &nearest, p, r, per_r);
 }
 
 /* Part of a voxel that the tool leaves when its planes have come `ahead` (voxels) further, the first and the other. */

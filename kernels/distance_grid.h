@@ -126,8 +126,10 @@ RS_INLINE void rs_face_envelope(const OutlineView* outline, EdgeList list, Clip*
   const rs_real r = RS_SQRT(clip->p[0] * clip->p[0] + clip->p[1] * clip->p[1]);
   const rs_real per_r = r > 0.0f ? (rs_real)1.0f / r : (rs_real)0.0f;
   const NearestPiece nearest = rs_outline_nearest(outline, list, r, clip->p[2]);
-  clip->n[0] = nearest.normal_r * clip->p[0] * per_r;
-  clip->n[1] = nearest.normal_r * clip->p[1] * per_r;
+  rs_real c, s;
+  rs_from_axis(clip->p, r, per_r, &c, &s);
+  clip->n[0] = nearest.normal_r * c;
+  clip->n[1] = nearest.normal_r * s;
   clip->n[2] = nearest.normal_z;
 }
 

@@ -43,7 +43,7 @@ Voxmap block(double voxel_mm) {
 }
 
 Tool cap(double voxel_mm) {
-  constexpr int kSteps = 64;  // edges of 0.25 mm, sagitta 0.26 µm
+  constexpr int kSteps = 64;  // exact erosion takes the arc through the vertices
   Tool tool;
   const double rim = std::asin(kWidthMm / 2 / kRadiusMm);
   for (int i = 0; i <= kSteps; ++i) {

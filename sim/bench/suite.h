@@ -25,7 +25,7 @@ struct Plan {
   bool light = true;            ///< the case `light`, wherever the shell is the last pair's
   bool details = true;          ///< VOI curve, batches, plunge, scatter
   int plunge_frames = 1000;
-  std::vector<double> sphere_voxels_mm{0.25, 0.1};
+  std::vector<double> sphere_voxels_mm{0.25, 0.1, 0.04};
 };
 
 /// The engines that the bench knows, fastest first.

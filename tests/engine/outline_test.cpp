@@ -167,6 +167,18 @@ TEST(Clip, CornersAgreeWithCountingPoints) {
   EXPECT_LT(worst, 0.02);
 }
 
+TEST(Clip, OnTheAxisABoresWallHasADirection) {
+  const OutlineTable table = full_outline_table(cap_profile(29, 36, 9, 0.4), 1.0);
+  const OutlineView outline = table.view();
+  SubstepArgs args{};
+  args.voxel_mm = args.per_voxel_mm = 1;
+  for (int i = 0; i < 3; ++i) args.tool_step[4 * i] = args.lattice_from_tool[4 * i] = 1;
+  const float axis[3] = {0, 0, 4};
+  const Clip clip = rs_clip(&args, &outline, outline.lists[0], axis, 0, 0, 0);
+  EXPECT_FLOAT_EQ(clip.distance, 0.4F);
+  EXPECT_NEAR(rs_clip_share(&clip, 0, 0), 0.9, 1e-6);
+}
+
 TEST(Clip, WhereOnePlaneOfACornerMattersItAloneDecides) {
   Clip clip{};
   clip.corner = 1;
