@@ -17,6 +17,8 @@ extern const char* const kernel_outline_h;
 extern const char* const kernel_cube_share_h;
 extern const char* const kernel_clip_h;
 extern const char* const kernel_distance_grid_h;
+extern const char* const kernel_visit_h;
+extern const char* const kernel_candidates_h;
 extern const char* const kernel_brick_report_h;
 extern const char* const kernel_published_h;
 }  // namespace reamsim::embedded
@@ -98,6 +100,8 @@ Program Device::build(const std::string& name, const char* embedded_source, cons
       kernel_source("cut_law.h", embedded::kernel_cut_law_h) + kernel_source("outline.h", embedded::kernel_outline_h) +
       kernel_source("cube_share.h", embedded::kernel_cube_share_h) + kernel_source("clip.h", embedded::kernel_clip_h) +
       kernel_source("distance_grid.h", embedded::kernel_distance_grid_h) +
+      kernel_source("visit.h", embedded::kernel_visit_h) +
+      kernel_source("candidates.h", embedded::kernel_candidates_h) +
       kernel_source("brick_report.h", embedded::kernel_brick_report_h) +
       kernel_source("published.h", embedded::kernel_published_h) + kernel_source(name, embedded_source);
   const char* source = text.c_str();

@@ -10,6 +10,7 @@
 #include "sim/collide/broad_phase.h"
 #include "sim/run/frame_ledger.h"
 #include "sim/tool/clipped_tool.h"
+#include "sim/tool/outline.h"
 
 namespace reamsim {
 
@@ -27,6 +28,12 @@ Aabb bone_box(const Voxmap& voxmap) {
 Aabb shell_box(const Tool& tool) {
   const Vec3 margin = Vec3::Constant(0.5 * tool.shell.cell_mm);
   return {tool.bounds.min - margin, tool.bounds.max + margin};
+}
+
+/// The box of what cuts: the shell's points, or the surface itself where voxels are clipped by it.
+Aabb cutting_box(const ReamingScene& scene) {
+  if (scene.scenario.cutting.erosion != "exact") return shell_box(scene.tool);
+  return scene.tool.clip_bounds().expanded(fit_outline(scene.tool.profile).bulge_mm);
 }
 
 /// Whether the tool's spin moves what cuts. Where voxels are clipped, a surface of revolution is none the less its own
@@ -50,7 +57,7 @@ class Run {
         engine_(engine),
         sink_(sink),
         report_(report),
-        tool_box_(shell_box(scene.tool)),
+        tool_box_(cutting_box(scene)),
         bone_box_(bone_box(scene.bone.voxmap)),
         ledger_(scene.bone.voxmap.grid.voxel_mm3(), scene.motion.frame_s(),
                 scene.scenario.cutting.law == "per_point" && scene.scenario.tool.spin == "resolved"),

@@ -1,0 +1,149 @@
+/* Exact erosion on a CPU: the voxels of a brick that the tool can meet in a window of substeps, found once for all of
+ * them. Conservative: a voxel too many costs time and changes nothing. */
+#ifndef REAMSIM_KERNELS_CANDIDATES_H
+#define REAMSIM_KERNELS_CANDIDATES_H
+
+#ifndef REAMSIM_KERNELS_VISIT_H
+#include "visit.h"
+#endif
+
+#if defined(RS_LANES)
+
+/* More than positions in single precision are off by, mm. */
+#define POSITION_SLACK 1e-4f
+
+/* The voxels of a brick that the tool can meet in a window, padded to a multiple of 16 with ones that have nothing
+ * left. */
+typedef struct {
+  int count;
+  ushort place[RS_BRICK_VOXELS + 16];
+  int fill[RS_BRICK_VOXELS + 16];
+  float energy[RS_BRICK_VOXELS + 16]; /* of the whole voxel, mJ */
+  EdgeList near[RS_BRICK_VOXELS / 16 + 1]; /* of each sixteen: the pieces that can be nearest */
+  bool smooth[RS_BRICK_VOXELS / 16 + 1];   /* one piece alone, far from its ends */
+} Candidates;
+
+RS_INLINE float16 offset_x(const int16 place) {
+  return convert_float16((place >> 6 & 1) << 2 | (place & 3));
+}
+RS_INLINE float16 offset_y(const int16 place) {
+  return convert_float16((place >> 7 & 1) << 2 | (place >> 2 & 3));
+}
+RS_INLINE float16 offset_z(const int16 place) {
+  return convert_float16((place >> 8 & 1) << 2 | (place >> 4 & 3));
+}
+
+/* Of sixteen voxels: the part of the brick's list from the first to the last piece that can be nearest to any of them
+ * while the tool moves by `shift` mm, and whether they lie far from that piece's ends if it is one. */
+RS_INLINE void look_near(__global const SubstepArgs* a, const OutlineView* outline, const Visit* v, const int16 place,
+               const float shift, EdgeList* near, bool* smooth) {
+  const EdgeList list = v->list;
+  float16 p[3];
+  rs_voxel_in_tool(a, v->corner, offset_x(place), offset_y(place), offset_z(place), p);
+  const float16 r = sqrt(p[0] * p[0] + p[1] * p[1]);
+  const float16 limit = fabs(rs_outline_nearest(outline, list, r, p[2]).distance) + 2.0f * (shift + POSITION_SLACK);
+  uint begin = list.count, end = 0;
+  for (uint i = 0; i < list.count; ++i) {
+    const EdgeList one = {list.first + i, 1};
+    if (!any(fabs(rs_outline_nearest(outline, one, r, p[2]).distance) <= limit)) continue;
+    begin = min(begin, i);
+    end = i + 1;
+  }
+  near->first = list.first + begin;
+  near->count = end - begin;
+  __global const OutlinePiece* piece = outline->pieces + outline->numbers[near->first];
+  const float margin = RS_CLIP_REACH * a->voxel_mm + shift + POSITION_SLACK;
+  *smooth = near->count == 1 && all(rs_from_ends(piece, r, p[2]) > margin);
+}
+
+#ifdef RS_DISTANCE_GRID
+
+/* How much further than it can matter a voxel's centre lies from the teeth, voxels, while the tool moves by `shift`. */
+RS_INLINE float16 beyond_reach(__global const SubstepArgs* a, const OutlineView* outline, const Visit* v, const float16 x,
+                     const float16 y, const float16 z, const float shift) {
+  const float slack = RS_CLIP_REACH + RS_GRID_STEEPEST * shift + POSITION_SLACK * a->per_voxel_mm;
+  return rs_clip_grid_distance(a, &v->teeth, v->corner, x, y, z) * a->per_voxel_mm - slack;
+}
+
+#else
+
+/* Half the width of a voxel along the surface's normal, voxels, and what more it can be while the tool moves by `shift`
+ * voxels: the normal turns with the surface's curvature, and with the tool. Next to an edge of the outline it jumps. */
+RS_INLINE float16 half_width(__global const SubstepArgs* a, const OutlineView* outline, const EdgeList list,
+                   const NearestPiece* nearest, const float16 px, const float16 py, const float16 r, const float shift) {
+  const float widest = RS_CLIP_REACH;
+  __global const OutlinePiece* piece = outline->pieces + outline->numbers[list.first];
+  if (list.count > 1 || piece->before >= 0 || piece->after >= 0) return (float16)widest;
+  const float16 per_r = 1.0f / fmax(r, 0.5f * a->voxel_mm);
+  const ClipPlane plane = rs_clip_plane(a, px * per_r, py * per_r, nearest->normal_r, nearest->normal_z,
+                                        nearest->distance, nearest->curvature, per_r);
+  const float16 turn = (fabs(nearest->curvature) + fabs(nearest->normal_r) * per_r) * a->voxel_mm;
+  const float16 width = 0.5f * (fabs(plane.n[0]) + fabs(plane.n[1]) + fabs(plane.n[2]));
+  return fmin(width + (turn * (1.0f / 24.0f) + 0.02f) + shift * (2.0f * turn + 0.1f), widest);
+}
+
+/* How much further than it can matter a voxel's centre lies from the surface, voxels, while the tool moves by `shift`. */
+RS_INLINE float16 beyond_reach(__global const SubstepArgs* a, const OutlineView* outline, const Visit* v, const float16 x,
+                     const float16 y, const float16 z, const float shift) {
+  float16 p[3];
+  rs_voxel_in_tool(a, v->corner, x, y, z, p);
+  const float16 r = sqrt(p[0] * p[0] + p[1] * p[1]);
+  const NearestPiece nearest = rs_outline_nearest(outline, v->list, r, p[2]);
+  const float slack = shift + POSITION_SLACK * a->per_voxel_mm;
+  return nearest.distance * a->per_voxel_mm - half_width(a, outline, v->list, &nearest, p[0], p[1], r, slack) - slack;
+}
+
+#endif
+
+/* A bit for every lane that holds. */
+RS_INLINE uint bits_of(const int16 holds) {
+  const int16 bit =
+      holds & (int16)(1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 1024, 2048, 4096, 8192, 16384, 32768);
+  const int8 eight = bit.lo | bit.hi;
+  const int4 four = eight.lo | eight.hi;
+  const int2 two = four.lo | four.hi;
+  return (uint)(two.x | two.y);
+}
+
+/* Voxels that the surface can meet while the tool moves by `shift` voxels; what lies inside it goes in any case. */
+RS_INLINE void find_candidates(__global const SubstepArgs* a, const OutlineView* outline, const Visit* v, const float shift,
+                     __global const ushort* page, __global const float* energy_of_grade, Candidates* c) {
+  const int16 lane = (int16)(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
+  c->count = 0;
+  /* Eight blocks of 4x4x4 voxels first, by the envelope, which holds the teeth; then in those that are near, layers of 16
+   * voxels. */
+  const float16 middle = rs_clip_distance(a, outline, v->list, v->corner, convert_float16((lane & 1) << 2) + 1.5f,
+                                          convert_float16((lane & 2) << 1) + 1.5f, convert_float16(lane & 4) + 1.5f);
+  const float near = RS_CLIP_REACH + 2.6f + 0.1f + shift + ENVELOPE_SLACK(v) * a->per_voxel_mm;
+  const uint blocks = bits_of(middle * a->per_voxel_mm <= near);
+  for (int block = 0; block < 8; ++block) {
+    if ((blocks >> block & 1u) == 0) continue;
+    const float16 x = convert_float16((block & 1) << 2 | (lane & 3)), y = convert_float16((block & 2) << 1 | lane >> 2);
+    for (int layer = 0; layer < 4; ++layer) {
+      const int first = block << 6 | layer << 4;
+      const uint bone = v->brick->bone[first >> 5] >> (first & 31) & 0xffffu;
+      if (bone == 0) continue;
+      const float16 z = (float16)(float)((block & 4) | layer);
+      uint rest = bone & bits_of(beyond_reach(a, outline, v, x, y, z, shift) <= 0.0f);
+      for (; rest != 0; rest &= rest - 1) {
+        const int place = first + (int)popcount((rest & -rest) - 1);
+        c->place[c->count] = (ushort)place;
+        c->fill[c->count] = page == 0 ? RS_WHOLE_FILL : page[place];
+        c->energy[c->count] = energy_of_grade[v->brick->grade[place]];
+        ++c->count;
+      }
+    }
+  }
+  vstore16((ushort16)0, 0, c->place + c->count);
+  vstore16((int16)0, 0, c->fill + c->count);
+  vstore16((float16)0.0f, 0, c->energy + c->count);
+#ifndef RS_DISTANCE_GRID
+  for (int i = 0; i < c->count; i += 16)
+    look_near(a, outline, v, convert_int16(vload16(0, c->place + i)), shift * a->voxel_mm, c->near + (i >> 4),
+              c->smooth + (i >> 4));
+#endif
+}
+
+#endif
+
+#endif
