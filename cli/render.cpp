@@ -45,8 +45,10 @@ void render_command(const RenderOptions& options, const Console& console) {
   const RenderSettings settings = settings_of(options);
   Progress progress(console, "render", "pictures");
   Report report;
+  const double voxel_mm = read_bone_vdb(options.dir + "/reamed.vdb").grid.voxel_mm;
+  const double mean_mm = averaged_travel_mm(parse_cutting_settings(options.dir + "/scenario.yaml"), voxel_mm);
   render_pictures(
-      options.dir, settings,
+      options.dir, settings, mean_mm,
       [&](int done, int total, const std::string&) {
         progress.update(done, total);
         if (stop_requested()) throw Interrupted();
@@ -54,7 +56,7 @@ void render_command(const RenderOptions& options, const Console& console) {
       &report);
   progress.finish();
   console.tell(report);
-  write_force_plots(options.dir, read_bone_vdb(options.dir + "/reamed.vdb").grid.voxel_mm);
+  write_force_plots(options.dir, mean_mm);
   write_depth_picture(options.dir, settings.depth_max_mm);
   console.say("pictures: " + options.dir + "/frames/, " + options.dir + "/reamed.png");
 }

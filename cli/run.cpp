@@ -44,12 +44,13 @@ void run_frames(ReamingScene& scene, Engine& engine, Recorder& recorder, Report&
 double make_pictures(const std::string& dir, const Scenario& scenario, double voxel_mm, Report& report,
                      const Console& console) {
   const Stopwatch watch;
-  write_force_plots(dir, voxel_mm);
+  const double mean_mm = averaged_travel_mm(scenario.cutting, voxel_mm);
+  write_force_plots(dir, mean_mm);
   write_depth_picture(dir, scenario.render.depth_max_mm);
   if (!scenario.render.enabled) return watch.seconds();
   Progress progress(console, "render", "pictures");
   render_pictures(
-      dir, scenario.render,
+      dir, scenario.render, mean_mm,
       [&](int done, int total, const std::string&) {
         progress.update(done, total);
         if (stop_requested()) throw Interrupted();

@@ -69,9 +69,15 @@ ForceLog read_force_log(const std::string& path) {
   return log;
 }
 
-void add_layer_means(ForceLog& log, double voxel_mm) {
-  LayerMean mean(voxel_mm);
+void add_layer_means(ForceLog& log, double travel_mm) {
+  LayerMean mean(travel_mm);
   for (ForceRow& row : log.rows) {
+    if (travel_mm == 0) {
+      row.layer_axial_force_n = row.axial_force_n;
+      row.layer_spin_torque_nmm = row.spin_torque_nmm;
+      row.layer_frames = 1;
+      continue;
+    }
     const auto means = mean.add(row.pose.position_mm, row.axial_force_n, row.spin_torque_nmm);
     row.layer_axial_force_n = means.axial_force_n;
     row.layer_spin_torque_nmm = means.spin_torque_nmm;

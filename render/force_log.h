@@ -34,7 +34,7 @@ struct ForceLog {
 /// file, a column missing, not a number, frames not ascending, no row.
 ForceLog read_force_log(const std::string& path);
 
-/// Fills in the means over the last voxel of the tool's travel (sim/record/layer_mean.h).
-void add_layer_means(ForceLog& log, double voxel_mm);
+/// Fills in the means over the last `travel_mm` of the tool's travel (sim/record/layer_mean.h); 0: each frame's own.
+void add_layer_means(ForceLog& log, double travel_mm);
 
 }  // namespace reamsim

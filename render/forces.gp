@@ -21,8 +21,8 @@ high(a, b) = b > a ? b + 0.08 * (b - a) : (b == 0 ? 1 : b + 0.1 * abs(b))
 min(a, b) = a < b ? a : b
 max(a, b) = a > b ? a : b
 
-# Force and torque: the frames in a light colour (of very many, every n-th), and on top the mean over a layer of voxels.
-# Voxels go whole, so frames are spikes: where they stand far above the mean they leave the panel.
+# Force and torque of every frame (of very many, every n-th). Where voxels go whole, frames are spikes: then they stand
+# in a light colour, on top the mean over a layer of voxels, and what lies far above the mean leaves the panel.
 stats $mean using 2 nooutput name "A"
 stats $mean using 3 nooutput name "B"
 clip(peak, mean) = mean > 0 && peak > 4 * mean ? 4 * mean : peak
@@ -60,16 +60,24 @@ do for [format in "png svg"] {
   set ylabel "Axial force (N)" offset 0.5
   top = clip(F_max, A_max)
   set yrange [low(min(F_min, 0), top):high(min(F_min, 0), top)]
-  plot csv using "time_s":"axial_force_n" every step with lines lw 0.7 lc rgb light_blue \
-         title light_title . note(F_max, A_max), \
-       $mean using 1:2 with lines lw 2.2 lc rgb dark_blue title sprintf("mean over %g mm of travel, one voxel", voxel_mm)
+  if (travel_mm > 0) {
+    plot csv using "time_s":"axial_force_n" every step with lines lw 0.7 lc rgb light_blue \
+           title light_title . note(F_max, A_max), \
+         $mean using 1:2 with lines lw 2.2 lc rgb dark_blue title sprintf("mean over %g mm of travel, one voxel", travel_mm)
+  } else {
+    plot csv using "time_s":"axial_force_n" every step with lines lw 2.2 lc rgb dark_blue notitle
+  }
 
   set ylabel "Spin torque (N·mm)"
   top = clip(M_max, B_max)
   set yrange [low(min(M_min, 0), top):high(min(M_min, 0), top)]
-  plot csv using "time_s":"spin_torque_nmm" every step with lines lw 0.7 lc rgb light_red \
-         title light_title . note(M_max, B_max), \
-       $mean using 1:3 with lines lw 2.2 lc rgb dark_red title sprintf("mean over %g mm of travel, one voxel", voxel_mm)
+  if (travel_mm > 0) {
+    plot csv using "time_s":"spin_torque_nmm" every step with lines lw 0.7 lc rgb light_red \
+           title light_title . note(M_max, B_max), \
+         $mean using 1:3 with lines lw 2.2 lc rgb dark_red title sprintf("mean over %g mm of travel, one voxel", travel_mm)
+  } else {
+    plot csv using "time_s":"spin_torque_nmm" every step with lines lw 2.2 lc rgb dark_red notitle
+  }
 
   set ylabel "Removed volume (mm³)"
   set yrange [low(0, V_sum):high(0, V_sum)]

@@ -59,14 +59,16 @@ std::vector<Vec3> widest_circle(const TriangleMesh& tool, const Rigid& bone_from
 /// Makes all pictures of one run.
 class PictureMaker {
  public:
-  PictureMaker(const std::string& dir, const RenderSettings& settings, const PictureProgress& progress)
+  PictureMaker(const std::string& dir, const RenderSettings& settings, double mean_travel_mm,
+               const PictureProgress& progress)
       : dir_(dir),
         settings_(settings),
+        mean_(mean_travel_mm > 0 ? "mean " : ""),
         progress_(progress),
         results_(read_results(dir)),
         unreamed_(results_.voxmap, results_.unreamed_fill),
         subject_(make_subject(results_, unreamed_)) {
-    add_layer_means(results_.log, results_.voxmap.grid.voxel_mm);
+    add_layer_means(results_.log, mean_travel_mm);
     for (const std::string& name : settings.cameras) {
       cameras_.push_back(make_camera(name, subject_, settings.width_px, settings.height_px));
     }
@@ -100,8 +102,8 @@ class PictureMaker {
     labels.title = "After reaming";
     labels.values = {{"deepest", fixed_text(surface.deepest_mm, 2) + " mm"},
                      {"removed", fixed_text(results_.log.rows.back().removed_mm3, 1) + " mm³"},
-                     {"peak mean force", fixed_text(most_axial_n, 1) + " N"},
-                     {"peak mean torque", fixed_text(most_torque_nmm, 0) + " N·mm"}};
+                     {"peak " + mean_ + "force", fixed_text(most_axial_n, 1) + " N"},
+                     {"peak " + mean_ + "torque", fixed_text(most_torque_nmm, 0) + " N·mm"}};
     for (const Camera& camera : cameras_) {
       picture(scene, state, camera, labels, std::nullopt, dir_ + "/reamed" + suffix(camera) + ".png");
     }
@@ -119,8 +121,8 @@ class PictureMaker {
       Labels labels = common_labels();
       labels.values = {{"time", fixed_text(row.time_s, 3) + " s"},
                        {"depth", fixed_text(row.depth_mm, 2) + " mm"},
-                       {"mean axial force", fixed_text(row.layer_axial_force_n, 1) + " N"},
-                       {"mean torque", fixed_text(row.layer_spin_torque_nmm, 0) + " N·mm"},
+                       {mean_ + "axial force", fixed_text(row.layer_axial_force_n, 1) + " N"},
+                       {mean_ + "torque", fixed_text(row.layer_spin_torque_nmm, 0) + " N·mm"},
                        {"removed", fixed_text(row.removed_mm3, 1) + " mm³"}};
       std::optional<Rigid> tool;
       if (settings_.tool) tool = spinning(row.pose);
@@ -180,6 +182,7 @@ class PictureMaker {
 
   std::string dir_;
   RenderSettings settings_;
+  std::string mean_;  ///< before the names of forces that are means
   PictureProgress progress_;
   RunResults results_;
   UnreamedSurface unreamed_;
@@ -195,13 +198,13 @@ class PictureMaker {
 
 }  // namespace
 
-void render_pictures(const std::string& dir, const RenderSettings& settings, const PictureProgress& progress,
-                     Report* report) {
+void render_pictures(const std::string& dir, const RenderSettings& settings, double mean_travel_mm,
+                     const PictureProgress& progress, Report* report) {
   if (settings.cameras.empty()) {
     throw InputError({}, "render.cameras", "found none", "expected at least one camera");
   }
   try {
-    PictureMaker(dir, settings, progress).run(report);
+    PictureMaker(dir, settings, mean_travel_mm, progress).run(report);
   } catch (const std::filesystem::filesystem_error& error) {
     throw RunError(dir + ": " + error.code().message());
   } catch (const std::bad_alloc&) {

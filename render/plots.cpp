@@ -14,12 +14,13 @@ extern const char* const plot_script;
 namespace {
 
 /// A gnuplot data block with the means over a voxel of travel, thinned to what a plot can show.
-std::string mean_block(const ForceLog& log, double voxel_mm) {
+std::string mean_block(const ForceLog& log, double travel_mm) {
   constexpr std::size_t kMostPoints = 2000;
   const std::size_t step = 1 + log.rows.size() / kMostPoints;
   std::ostringstream out;
-  out << "# Means over the last " << voxel_mm << " mm of travel: time (s), axial force (N), spin torque (N·mm)\n"
-      << "voxel_mm = " << voxel_mm << "\n$mean << END\n";
+  out << "# Means over the last " << travel_mm
+      << " mm of travel (0: every frame for itself): time (s), axial force (N), spin torque (N·mm)\n"
+      << "travel_mm = " << travel_mm << "\n$mean << END\n";
   for (std::size_t i = 0; i < log.rows.size(); i += step) {
     const ForceRow& row = log.rows[i];
     // A mean stands in the middle of the frames that it is over.
@@ -32,10 +33,14 @@ std::string mean_block(const ForceLog& log, double voxel_mm) {
 
 }  // namespace
 
-void write_force_plots(const std::string& dir, double voxel_mm) {
+double averaged_travel_mm(const CuttingSettings& cutting, double voxel_mm) {
+  return cutting.erosion == "exact" ? 0 : voxel_mm;
+}
+
+void write_force_plots(const std::string& dir, double mean_travel_mm) {
   ForceLog log = read_force_log(dir + "/forces.csv");
-  add_layer_means(log, voxel_mm);
-  run_gnuplot(dir, "forces.gp", mean_block(log, voxel_mm) + embedded::plot_script, {"forces.png", "forces.svg"});
+  add_layer_means(log, mean_travel_mm);
+  run_gnuplot(dir, "forces.gp", mean_block(log, mean_travel_mm) + embedded::plot_script, {"forces.png", "forces.svg"});
 }
 
 }  // namespace reamsim

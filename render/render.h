@@ -12,20 +12,25 @@ namespace reamsim {
 /// Called after each picture: (done, total, file).
 using PictureProgress = std::function<void(int, int, const std::string&)>;
 
+/// Over how much of the tool's travel forces are averaged before they are shown, mm: a voxel, because voxels that go
+/// whole make spikes of single frames; nothing where they are clipped, because a mean would only smear contact's ends.
+double averaged_travel_mm(const CuttingSettings& cutting, double voxel_mm);
+
 /// Makes the pictures of a run from its results alone: DIR/scenario.yaml is not needed; DIR/reamed.vdb (density of the
 /// unreamed bone, and the frame G in its metadata), DIR/snapshots/ (bricks per picture, tool.stl) and DIR/forces.csv
 /// are. Writes DIR/frames/NNNNNN[_camera].png for every snapshot and DIR/reamed[_camera].png, without the tool, for the
 /// last; the first camera of the settings goes without a suffix. Cameras: see camera_names() in render/camera.h.
+/// `mean_travel_mm`: forces that pictures name are means over so much of the tool's travel; 0: single frames.
 /// `report`, where given, gets a warning when the wanted context was not to be had and the other one was used.
 /// Throws InputError when a result is missing or damaged or a camera is unknown, RunError when a picture cannot be made
 /// or written.
-void render_pictures(const std::string& dir, const RenderSettings& settings, const PictureProgress& progress,
-                     Report* report = nullptr);
+void render_pictures(const std::string& dir, const RenderSettings& settings, double mean_travel_mm,
+                     const PictureProgress& progress, Report* report = nullptr);
 
-/// Writes DIR/forces.gp and runs gnuplot on it: DIR/forces.png, DIR/forces.svg from DIR/forces.csv. `voxel_mm` is the
-/// travel over which the means are taken that stand beside the single frames.
+/// Writes DIR/forces.gp and runs gnuplot on it: DIR/forces.png, DIR/forces.svg from DIR/forces.csv. `mean_travel_mm`
+/// is the travel over which the means are taken that stand before the single frames; 0: the frames alone.
 /// Throws InputError when forces.csv is missing or damaged, RunError when gnuplot is missing or fails (with its words).
-void write_force_plots(const std::string& dir, double voxel_mm);
+void write_force_plots(const std::string& dir, double mean_travel_mm);
 
 /// Draws DIR/depth_map.csv as DIR/depth_map.png, with the directions that DIR/reamed.vdb knows. `depth_max_mm` ends the
 /// legend; 0: the greatest depth does. No picture when nothing was reamed, or the run wrote no map.

@@ -111,6 +111,15 @@ RenderSettings parse_render_settings(const std::string& path, const std::vector<
   return render;
 }
 
+CuttingSettings parse_cutting_settings(const std::string& path) {
+  const YamlNodePtr document = read_document(path, {});
+  const std::string file = shown_path(path);
+  ScenarioReader reader(document, file, "");
+  CuttingSettings cutting;
+  reader.section({.name = "cutting"}, cutting, describe_cutting);
+  return cutting;
+}
+
 BoneSettings parse_bone_settings(const std::string& source, const std::string& path,
                                  const std::vector<std::string>& overrides) {
   const std::string file = shown_path(path);

@@ -16,6 +16,9 @@ Scenario parse_scenario(const std::string& path, const std::vector<std::string>&
 /// parse_scenario() it does not ask for the input files, which may be gone: pictures are made from results alone.
 RenderSettings parse_render_settings(const std::string& path, const std::vector<std::string>& overrides);
 
+/// The cutting section alone, of a run's resolved scenario. Throws InputError as parse_scenario() does.
+CuttingSettings parse_cutting_settings(const std::string& path);
+
 /// A bone section made of nothing but a source ("ct" or "mesh"), its path and overrides ("bone.voxel_mm=0.5"), for
 /// `reamsim import`. Validated like a scenario's.
 BoneSettings parse_bone_settings(const std::string& source, const std::string& path,

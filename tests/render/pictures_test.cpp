@@ -44,7 +44,7 @@ class Pictures : public ::testing::Test {
   static void SetUpTestSuite() {
     dir_ = new TempDir;
     truth_ = write_results(dir_->path(), {});
-    render_pictures(dir_->path(), small_settings(), nullptr);
+    render_pictures(dir_->path(), small_settings(), 0.25, nullptr);
     const RunResults results = read_results(dir_->path());
     subject_ = new Subject(make_subject(results, UnreamedSurface(results.voxmap)));
   }
@@ -196,7 +196,7 @@ TEST_F(Pictures, NumbersStandBesideTheLegendAndInTheCorner) {
 
 TEST_F(Pictures, TheSameRunGivesTheSameBytes) {
   const std::string before = test::file_bytes(dir_->path() + "/frames/000040_section.png");
-  render_pictures(dir_->path(), small_settings(), nullptr);
+  render_pictures(dir_->path(), small_settings(), 0.25, nullptr);
   EXPECT_EQ(test::file_bytes(dir_->path() + "/frames/000040_section.png"), before);
 }
 
@@ -211,7 +211,7 @@ class OtherPictures : public ::testing::Test {
     settings_.height_px = 240;
     settings_.cameras = {"oblique"};
   }
-  void render() { render_pictures(dir_.path(), settings_, nullptr); }
+  void render() { render_pictures(dir_.path(), settings_, 0.25, nullptr); }
 
   TempDir dir_;
   RenderSettings settings_;
@@ -234,7 +234,7 @@ TEST_F(OtherPictures, OSMesaAndEglGiveTheSamePicture) {
   for (const char* context : {"osmesa", "egl"}) {
     settings_.context = context;
     Report report;
-    render_pictures(dir_.path(), settings_, nullptr, &report);
+    render_pictures(dir_.path(), settings_, 0.25, nullptr, &report);
     if (!report.warnings.empty()) GTEST_SKIP() << "this machine has only one of the two: " << report.warnings.front();
     fs::rename(dir_.path() + "/frames", dir_.path() + "/frames_" + context);
   }
@@ -250,7 +250,7 @@ TEST_F(OtherPictures, ProgressCountsEveryPicture) {
   std::vector<int> done;
   int total = 0;
   settings_.cameras = {"oblique", "glenoid"};
-  render_pictures(dir_.path(), settings_, [&](int now, int all, const std::string& file) {
+  render_pictures(dir_.path(), settings_, 0.25, [&](int now, int all, const std::string& file) {
     done.push_back(now);
     total = all;
     EXPECT_TRUE(fs::exists(file));
@@ -268,7 +268,7 @@ TEST_F(OtherPictures, ARunWithoutGlenoidFrameIsSeenAlongTheTool) {
   options.side = "";
   const FixtureTruth truth = write_results(other.path(), options);
   settings_.cameras = {"glenoid"};
-  render_pictures(other.path(), settings_, nullptr);
+  render_pictures(other.path(), settings_, 0.25, nullptr);
   const RunResults results = read_results(other.path());
   const Subject subject = make_subject(results, UnreamedSurface(results.voxmap));
   EXPECT_FALSE(subject.anatomical);
@@ -283,7 +283,7 @@ TEST_F(OtherPictures, ABoneThatWasNeverTouchedHasNoDepthColour) {
   options.depth_mm = -1;
   write_results(other.path(), options);
   settings_.cameras = {"glenoid"};
-  render_pictures(other.path(), settings_, nullptr);
+  render_pictures(other.path(), settings_, 0.25, nullptr);
   const Picture shown = test::read_picture(other.path() + "/reamed.png");
   EXPECT_TRUE(test::looks_like_bone(shown.at(160, 130)));
 }
@@ -327,7 +327,7 @@ TEST_F(OtherPictures, DamagedResultsAreInputErrors) {
   cut_short("snapshots/000060.vdb");
   cut_short("snapshots/tool.stl");
   EXPECT_NO_THROW(render());
-  EXPECT_THROW(render_pictures(dir + "/nowhere", settings_, nullptr), InputError);
+  EXPECT_THROW(render_pictures(dir + "/nowhere", settings_, 0.25, nullptr), InputError);
 }
 
 TEST_F(OtherPictures, UnknownNamesAreInputErrors) {
