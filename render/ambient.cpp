@@ -118,20 +118,35 @@ void AmbientLight::average_coarse() {
   }
 }
 
+AmbientLight::Look AmbientLight::look_at(std::size_t distance) const {
+  const float reach = kDistances_mm[distance] / static_cast<float>(voxel_mm_);
+  // A cell no wider than about half the distance sees nothing of the flat face that the point lies on.
+  const int wanted = std::ilogb(std::max(reach * 0.5F / kFinestCell, 1.0F));
+  const Level& level = levels_[static_cast<std::size_t>(std::clamp(wanted, 0, kLevels - 1))];
+  return {&level, std::max(reach, 1.5F * static_cast<float>(level.cell_voxels))};
+}
+
+double AmbientLight::reach_voxels() const {
+  double most = 0;
+  for (std::size_t i = 0; i < kDistances_mm.size(); ++i) {
+    const Look look = look_at(i);
+    // A sample mixes cells whose centres are up to a cell away.
+    most = std::max(most, look.offset + 1.5 * look.level->cell_voxels);
+  }
+  return most;
+}
+
 float AmbientLight::openness(const Eigen::Vector3f& point, const Eigen::Vector3f& normal) const {
   const Eigen::Vector3f helper = std::abs(normal.x()) < 0.7F ? Eigen::Vector3f::UnitX() : Eigen::Vector3f::UnitY();
   const Eigen::Vector3f u = normal.cross(helper).normalized();
   const Eigen::Vector3f v = normal.cross(u);
   float closed = 0;
   for (std::size_t i = 0; i < kDistances_mm.size(); ++i) {
-    const float reach = kDistances_mm[i] / static_cast<float>(voxel_mm_);
-    // A cell no wider than about half the distance sees nothing of the flat face that the point lies on.
-    const int wanted = std::ilogb(std::max(reach * 0.5F / kFinestCell, 1.0F));
-    const Level& level = levels_[static_cast<std::size_t>(std::clamp(wanted, 0, kLevels - 1))];
-    const float offset = std::max(reach, 1.5F * static_cast<float>(level.cell_voxels));
+    const Look look = look_at(i);
+    const Level& level = *look.level;
     float sum = 0;
     for (const Eigen::Vector3f& d : directions()) {
-      sum += level.sample(point + offset * (d.x() * u + d.y() * v + d.z() * normal));
+      sum += level.sample(point + look.offset * (d.x() * u + d.y() * v + d.z() * normal));
     }
     closed += kWeights[i] * sum / static_cast<float>(directions().size());
   }

@@ -17,6 +17,8 @@ class AmbientLight {
 
   /// 1 = open, towards 0 = closed in. `point` in voxel index space, `normal` of length 1.
   [[nodiscard]] float openness(const Eigen::Vector3f& point, const Eigen::Vector3f& normal) const;
+  /// Bone that is farther than this from a point does not matter to it.
+  [[nodiscard]] double reach_voxels() const;
 
  private:
   /// Cells of `cell_voxels`³ voxels, x fastest.
@@ -28,6 +30,13 @@ class AmbientLight {
     [[nodiscard]] float get(int x, int y, int z) const;
     [[nodiscard]] float sample(const Eigen::Vector3f& point) const;
   };
+
+  /// Where the i-th of the distances is looked at: in which cells, and how far from the point (voxels).
+  struct Look {
+    const Level* level;
+    float offset;
+  };
+  [[nodiscard]] Look look_at(std::size_t distance) const;
 
   void average_brick(const Occupancy& occupancy, const Vec3i& brick);
   void average_coarse();

@@ -15,11 +15,12 @@ using Accessor = openvdb::FloatGrid::ConstAccessor;
 using openvdb::Vec3d;
 
 constexpr std::size_t kGrain = 2048;
-constexpr int kNormalRounds = 36;      // reaches about six voxels
+constexpr int kNormalRounds = 4;
 constexpr float kBelow_voxels = 1.2F;  // where a vertex's density is read
-constexpr int kPointRounds = 12;
+constexpr int kPointRounds = 2;
+static_assert(kNormalRounds + kPointRounds == kDressReach);
 constexpr float kMostMove_voxels = 0.4F;
-constexpr int kDepthRounds = 5;  // evens out the steps of the two voxel faces that a depth lies between
+constexpr int kDepthRounds = 4;  // evens out the steps of the two voxel faces that a depth lies between
 constexpr int kEdgeRounds = 6;   // takes the teeth off the reamed face's edge
 
 double sample(const Accessor& accessor, const Vec3d& point) {
@@ -67,47 +68,53 @@ float reamed_share(double unreamed_field) {
   return static_cast<float>(std::clamp((-unreamed_field - kNone) / (kSure - kNone), 0.0, 1.0));
 }
 
-/// What is found at each vertex, before it goes into the vertex buffer.
-struct Findings {
-  explicit Findings(std::size_t count) : normal(count), reamed(count), depth_mm(count) {}
+std::vector<Eigen::Vector3f> normals_at(const std::vector<openvdb::Vec3s>& points, const SolidField& field) {
+  std::vector<Eigen::Vector3f> normals(points.size());
+  parallel_ranges(points.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+    const Accessor now = field.grid().getConstAccessor();
+    for (std::size_t i = begin; i < end; ++i) normals[i] = normal_at(now, Vec3d(points[i]));
+  });
+  return normals;
+}
 
-  std::vector<Eigen::Vector3f> normal;
-  std::vector<float> reamed;
+/// What reaming did at each vertex.
+struct Reaming {
+  explicit Reaming(std::size_t count) : share(count), depth_mm(count) {}
+
+  std::vector<float> share;  ///< how surely material is gone
   std::vector<float> depth_mm;
 };
 
-Findings look_at_vertices(const std::vector<openvdb::Vec3s>& points, double voxel_mm, const SolidField& field,
-                          const UnreamedSurface& unreamed) {
-  Findings out(points.size());
+/// `iso`: where the field is zero, which the unreamed bone's field is to be compared with. `points`: where the vertices
+/// have come to, or a depth would show the steps that they have left.
+Reaming reaming_at(const IsoSurface& iso, const std::vector<Eigen::Vector3f>& points, double voxel_mm,
+                   const UnreamedSurface& unreamed) {
+  Reaming out(points.size());
   parallel_ranges(points.size(), kGrain, [&](std::size_t begin, std::size_t end) {
-    const Accessor now = field.grid().getConstAccessor();
     const Accessor before = unreamed.field().getConstAccessor();
     const Accessor depths = unreamed.depth().getConstAccessor();
     for (std::size_t i = begin; i < end; ++i) {
-      const Vec3d p(points[i]);
-      out.normal[i] = normal_at(now, p);
-      out.reamed[i] = reamed_share(sample(before, p));
+      out.share[i] = reamed_share(sample(before, Vec3d(iso.points[i])));
+      const Vec3d p(points[i].x(), points[i].y(), points[i].z());
       const Vec3d in_depth_cells = unreamed.depth().transform().worldToIndex(p * voxel_mm);
-      if (out.reamed[i] > 0) out.depth_mm[i] = static_cast<float>(std::max(0.0, sample(depths, in_depth_cells)));
+      if (out.share[i] > 0) out.depth_mm[i] = static_cast<float>(std::max(0.0, sample(depths, in_depth_cells)));
     }
   });
   return out;
 }
 
-double deepest_mm(const Findings& found) {
+double deepest_mm(const Reaming& reaming) {
   float deepest = 0;
-  for (std::size_t i = 0; i < found.reamed.size(); ++i) {
-    if (found.reamed[i] >= 1) deepest = std::max(deepest, found.depth_mm[i]);
+  for (std::size_t i = 0; i < reaming.share.size(); ++i) {
+    if (reaming.share[i] >= 1) deepest = std::max(deepest, reaming.depth_mm[i]);
   }
   return deepest;
 }
 
-/// Evens out what the voxels' steps have left in what was found, and in the points themselves.
-void smooth(const Neighbours& neighbours, Findings& found, std::vector<Eigen::Vector3f>& points) {
-  smooth_normals(neighbours, found.normal, kNormalRounds);
-  smooth_values(neighbours, found.reamed, found.depth_mm, kDepthRounds);
-  smooth_values(neighbours, std::vector<float>(points.size(), 1), found.reamed, kEdgeRounds);
-  fit_to_normals(neighbours, found.normal, points, kPointRounds, kMostMove_voxels);
+/// Evens out what the voxels' steps have left in what was found.
+void smooth(const Neighbours& neighbours, Reaming& reaming) {
+  smooth_values(neighbours, reaming.share, reaming.depth_mm, kDepthRounds);
+  smooth_values(neighbours, std::vector<float>(reaming.share.size(), 1), reaming.share, kEdgeRounds);
 }
 
 std::vector<Eigen::Vector3f> eigen_points(const IsoSurface& iso) {
@@ -119,30 +126,49 @@ std::vector<Eigen::Vector3f> eigen_points(const IsoSurface& iso) {
 
 }  // namespace
 
-BoneSurface make_bone_surface(const Voxmap& voxmap, const SolidField& field, const AmbientLight& ambient,
-                              const UnreamedSurface& unreamed) {
-  const IsoSurface iso = extract_surface(field.grid(), 0);
-  const double voxel_mm = voxmap.grid.voxel_mm;
+BoneSurface make_bone_surface(const BoneLook& look) {
+  return dress_surface(extract_surface(look.field.grid(), 0), look);
+}
+
+BoneSurface dress_surface(const IsoSurface& iso, const BoneLook& look) {
+  const VoxelGrid& grid = look.voxmap.grid;
   BoneSurface out;
   out.indices = flat_indices(iso);
-  Findings found = look_at_vertices(iso.points, voxel_mm, field, unreamed);
-  out.deepest_mm = deepest_mm(found);
   std::vector<Eigen::Vector3f> points = eigen_points(iso);
-  smooth(Neighbours(points.size(), out.indices), found, points);
+  std::vector<Eigen::Vector3f> normals = normals_at(iso.points, look.field);
+  const Neighbours neighbours(points.size(), out.indices);
+  smooth_normals(neighbours, normals, kNormalRounds);
+  fit_to_normals(neighbours, normals, points, kPointRounds, kMostMove_voxels);
+  Reaming reaming = reaming_at(iso, points, grid.voxel_mm, look.unreamed);
+  out.deepest_mm = deepest_mm(reaming);
+  smooth(neighbours, reaming);
   out.vertices.resize(points.size() * BoneSurface::kStride);
   parallel_ranges(points.size(), kGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
-      const Vec3 mm = voxmap.grid.origin_mm + voxel_mm * (points[i].cast<double>() + Vec3::Constant(0.5));
+      const Vec3 mm = grid.origin_mm + grid.voxel_mm * (points[i].cast<double>() + Vec3::Constant(0.5));
       float* v = out.vertices.data() + i * BoneSurface::kStride;
       Eigen::Map<Eigen::Vector3f>{v} = mm.cast<float>();
-      Eigen::Map<Eigen::Vector3f>{v + 3} = found.normal[i];
-      v[6] = found.depth_mm[i];
-      v[7] = found.reamed[i];
-      v[8] = density_at(voxmap, points[i] - kBelow_voxels * found.normal[i]);
-      v[9] = ambient.openness(points[i], found.normal[i]);
+      Eigen::Map<Eigen::Vector3f>{v + 3} = normals[i];
+      v[6] = reaming.depth_mm[i];
+      v[7] = reaming.share[i];
+      v[8] = density_at(look.voxmap, points[i] - kBelow_voxels * normals[i]);
     }
   });
+  renew_openness(look, out);
   return out;
+}
+
+void renew_openness(const BoneLook& look, BoneSurface& surface) {
+  const VoxelGrid& grid = look.voxmap.grid;
+  parallel_ranges(surface.vertices.size() / BoneSurface::kStride, kGrain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      float* v = surface.vertices.data() + i * BoneSurface::kStride;
+      const Vec3 mm = Eigen::Map<const Eigen::Vector3f>{v}.cast<double>();
+      const Eigen::Vector3f point =
+          ((mm - grid.origin_mm) / grid.voxel_mm).cast<float>() - Eigen::Vector3f::Constant(0.5F);
+      v[9] = look.ambient.openness(point, Eigen::Map<const Eigen::Vector3f>{v + 3});
+    }
+  });
 }
 
 }  // namespace reamsim

@@ -22,8 +22,23 @@ struct BoneSurface {
   double deepest_mm = 0;  ///< of the reamed vertices; 0 when nothing is reamed
 };
 
+/// What a surface is made from.
+struct BoneLook {
+  const Voxmap& voxmap;
+  const SolidField& field;
+  const AmbientLight& ambient;
+  const UnreamedSurface& unreamed;
+};
+
 /// Meshes the bone as it is now and dresses every vertex.
-BoneSurface make_bone_surface(const Voxmap& voxmap, const SolidField& field, const AmbientLight& ambient,
-                              const UnreamedSurface& unreamed);
+BoneSurface make_bone_surface(const BoneLook& look);
+
+/// How many edges from a vertex another one can lie that still moves it.
+constexpr int kDressReach = 6;
+/// Makes the vertices of `iso`, where the field is zero, into those of a picture: moved by up to 0.4 voxel until they
+/// fit their normals, and dressed. Takes over the triangles as they are.
+BoneSurface dress_surface(const IsoSurface& iso, const BoneLook& look);
+/// Looks again how open the surroundings of its vertices are.
+void renew_openness(const BoneLook& look, BoneSurface& surface);
 
 }  // namespace reamsim

@@ -89,7 +89,7 @@ class PictureMaker {
   /// The last state first: it says how far the depth legend must go.
   void final_pictures(Scene& scene) {
     const BoneState state(results_.voxmap);
-    const BoneSurface surface = make_bone_surface(results_.voxmap, state.field, state.ambient, unreamed_);
+    const BoneSurface surface = make_bone_surface({results_.voxmap, state.field, state.ambient, unreamed_});
     depth_scale_ = settings_.depth_max_mm > 0 ? scale_exactly(settings_.depth_max_mm) : scale_up_to(surface.deepest_mm);
     scene.set_bone(surface);
     double most_axial_n = 0;
@@ -117,7 +117,7 @@ class PictureMaker {
       const ForceRow& row = results_.log.at(frame, results_.log_path);
       apply_snapshot(dir_, frame, voxmap.fill);
       state.update(voxmap.fill.take_changed());
-      scene.set_bone(make_bone_surface(voxmap, state.field, state.ambient, unreamed_));
+      scene.set_bone(make_bone_surface({voxmap, state.field, state.ambient, unreamed_}));
       Labels labels = common_labels();
       labels.values = {{"time", fixed_text(row.time_s, 3) + " s"},
                        {"depth", fixed_text(row.depth_mm, 2) + " mm"},

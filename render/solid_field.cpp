@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <unordered_set>
+#include <utility>
 
 #include "sim/base/parallel.h"
 
@@ -125,8 +126,9 @@ void SolidField::compute(const Occupancy& occupancy, const std::vector<Vec3i>& b
   }
 }
 
-IsoSurface extract_surface(const openvdb::FloatGrid& field, double level) {
+IsoSurface extract_surface(const openvdb::FloatGrid& field, double level, openvdb::BoolGrid::ConstPtr where) {
   openvdb::tools::VolumeToMesh mesher(level, 0.0, false);
+  if (where) mesher.setSurfaceMask(std::move(where));
   mesher(field);
   IsoSurface out;
   out.points.assign(mesher.pointList().get(), mesher.pointList().get() + mesher.pointListSize());

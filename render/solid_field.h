@@ -14,7 +14,7 @@ namespace reamsim {
 /// In voxel index space: voxel (i,j,k) has its centre at (i,j,k).
 class SolidField {
  public:
-  static constexpr double kSmoothing_voxels = 1.2;
+  static constexpr double kSmoothing_voxels = 1.0;
 
   explicit SolidField(const Occupancy& occupancy);
 
@@ -35,8 +35,9 @@ struct IsoSurface {
   std::vector<openvdb::Vec3I> triangles;
 };
 
-/// The surface where `field` has the value `level`, in the grid's world space.
-IsoSurface extract_surface(const openvdb::FloatGrid& field, double level);
+/// The surface where `field` has the value `level`, in the grid's world space; with `where`, only that of its active
+/// voxels.
+IsoSurface extract_surface(const openvdb::FloatGrid& field, double level, openvdb::BoolGrid::ConstPtr where = nullptr);
 
 /// Three indices per triangle, one after the other.
 std::vector<std::uint32_t> flat_indices(const IsoSurface& surface);

@@ -1,9 +1,11 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <map>
 
-#include "render/bone_surface.h"
+#include "render/bone_tiles.h"
 #include "sim/bone/surface_share.h"
 #include "sim/bone/surface_voxels.h"
 
@@ -57,7 +59,7 @@ std::vector<Vertex> vertices(const BoneSurface& surface) {
 
 BoneSurface surface_of(const Voxmap& voxmap) {
   const Occupancy occupancy(voxmap, voxmap.fill);
-  return make_bone_surface(voxmap, SolidField(occupancy), AmbientLight(occupancy), UnreamedSurface(voxmap));
+  return make_bone_surface({voxmap, SolidField(occupancy), AmbientLight(occupancy), UnreamedSurface(voxmap)});
 }
 
 TEST(BoneSurfaceTest, ABallIsRoundAndNothingOfItIsReamed) {
@@ -94,7 +96,7 @@ TEST(BoneSurfaceTest, PartialVoxelsAtTheSurfaceAreNotReamedAndMakeItRounder) {
   const Voxmap voxmap = smooth_ball();
   const Occupancy occupancy(voxmap, voxmap.fill);
   const UnreamedSurface unreamed(voxmap, voxmap.fill);
-  const BoneSurface surface = make_bone_surface(voxmap, SolidField(occupancy), AmbientLight(occupancy), unreamed);
+  const BoneSurface surface = make_bone_surface({voxmap, SolidField(occupancy), AmbientLight(occupancy), unreamed});
   EXPECT_EQ(surface.deepest_mm, 0);
   for (const Vertex& v : vertices(surface)) {
     EXPECT_NEAR(v.position_mm.norm(), 10, 0.08);  // 0.25 above, of whole voxels
@@ -112,7 +114,7 @@ TEST(BoneSurfaceTest, DepthIsMeasuredFromPartialVoxelsToo) {
   });
   const Occupancy occupancy(voxmap, voxmap.fill);
   const UnreamedSurface unreamed(voxmap, before.fill);
-  const BoneSurface surface = make_bone_surface(voxmap, SolidField(occupancy), AmbientLight(occupancy), unreamed);
+  const BoneSurface surface = make_bone_surface({voxmap, SolidField(occupancy), AmbientLight(occupancy), unreamed});
   EXPECT_NEAR(surface.deepest_mm, 4, 0.1);
   for (const Vertex& v : vertices(surface)) {
     EXPECT_TRUE(v.position_mm.z() >= 4 || v.reamed < 0.01) << v.position_mm.transpose();
@@ -199,10 +201,82 @@ TEST(BoneSurfaceTest, FollowingChangesGivesTheSameSurfaceAsStartingAfresh) {
     field.update(occupancy, changed);
     ambient.update(occupancy, changed);
   }
-  const BoneSurface followed = make_bone_surface(voxmap, field, ambient, unreamed);
+  const BoneSurface followed = make_bone_surface({voxmap, field, ambient, unreamed});
   const BoneSurface fresh = surface_of(voxmap);
   EXPECT_EQ(followed.vertices, fresh.vertices);
   EXPECT_EQ(followed.indices, fresh.indices);
+}
+
+/// The triangles of a surface by their corners' places in 1/1000 mm, in one order.
+std::vector<std::array<long, 9>> triangles_of(const BoneSurface& surface) {
+  std::vector<std::array<long, 9>> out;
+  for (std::size_t i = 0; i < surface.indices.size(); i += 3) {
+    std::array<std::array<long, 3>, 3> corners;
+    for (std::size_t corner = 0; corner < 3; ++corner) {
+      const float* v = surface.vertices.data() + BoneSurface::kStride * surface.indices[i + corner];
+      for (std::size_t axis = 0; axis < 3; ++axis) corners[corner][axis] = std::lround(1000 * v[axis]);
+    }
+    std::rotate(corners.begin(), std::min_element(corners.begin(), corners.end()), corners.end());
+    std::array<long, 9> flat;
+    for (std::size_t k = 0; k < 9; ++k) flat[k] = corners[k / 3][k % 3];
+    out.push_back(flat);
+  }
+  std::sort(out.begin(), out.end());
+  return out;
+}
+
+BoneSurface joined(const BoneTiles& tiles) {
+  BoneSurface out;
+  for (const BoneSurface& tile : tiles.surfaces()) {
+    const auto first = static_cast<std::uint32_t>(out.vertices.size() / BoneSurface::kStride);
+    out.vertices.insert(out.vertices.end(), tile.vertices.begin(), tile.vertices.end());
+    for (const std::uint32_t index : tile.indices) out.indices.push_back(first + index);
+  }
+  return out;
+}
+
+/// Largest difference of what vertices at the same places (to 1/1000 mm) are dressed with.
+double worst_dress(const BoneSurface& a, const BoneSurface& b) {
+  std::map<std::array<long, 3>, const float*> places;
+  for (std::size_t i = 0; i < a.vertices.size(); i += BoneSurface::kStride) {
+    const float* v = a.vertices.data() + i;
+    places[{std::lround(1000 * v[0]), std::lround(1000 * v[1]), std::lround(1000 * v[2])}] = v;
+  }
+  double worst = 0;
+  for (std::size_t i = 0; i < b.vertices.size(); i += BoneSurface::kStride) {
+    const float* v = b.vertices.data() + i;
+    const auto at = places.find({std::lround(1000 * v[0]), std::lround(1000 * v[1]), std::lround(1000 * v[2])});
+    if (at == places.end()) return 1e9;
+    for (int k = 3; k < 10; ++k) worst = std::max(worst, std::abs(double{v[k]} - at->second[k]));
+  }
+  return worst;
+}
+
+TEST(BoneTilesTest, TogetherTheyAreTheWholeSurfaceAlsoAfterChanges) {
+  Voxmap last = smooth_ball();
+  plane_off(last, 6.3);
+  const UnreamedSurface unreamed(last);
+  Voxmap voxmap = smooth_ball();
+  Occupancy occupancy(voxmap, voxmap.fill);
+  SolidField field(occupancy);
+  AmbientLight ambient(occupancy);
+  const BoneLook look{voxmap, field, ambient, unreamed};
+  BoneTiles tiles(look);
+  voxmap.fill.take_changed();
+  EXPECT_EQ(triangles_of(joined(tiles)), triangles_of(make_bone_surface(look)));
+  for (const double height : {8.0, 6.3}) {
+    plane_off(voxmap, height);
+    const auto changed = voxmap.fill.take_changed();
+    occupancy.update(changed);
+    field.update(occupancy, changed);
+    ambient.update(occupancy, changed);
+    const auto renewed = tiles.update(look, changed);
+    EXPECT_GT(renewed.size(), 0U);
+    const BoneSurface whole = make_bone_surface(look);
+    EXPECT_EQ(triangles_of(joined(tiles)), triangles_of(whole));
+    EXPECT_LT(worst_dress(whole, joined(tiles)), 1e-3);
+    EXPECT_NEAR(tiles.deepest_mm(), whole.deepest_mm, 0.05);
+  }
 }
 
 TEST(BoneSurfaceTest, TheFloorOfAPitIsDarkerThanAFreeFace) {
