@@ -153,6 +153,18 @@ void Scene::draw_tool(const Shot& shot) const {
   program.set("cut_plane", local_plane(shot.camera, bone_from_tool));
   program.set("towards_eye", static_cast<float>(kToolLift_mm / shot.camera.reach_mm));
   program.set("cut_open", cut_open ? 1 : 0);
+  program.set("brushed", shot.steel ? 1 : 0);
+  if (!shot.steel) {
+    draw_see_through(program, cut_open);
+    return;
+  }
+  gl_.Disable(GL_BLEND);
+  gl_.Disable(GL_CULL_FACE);
+  gl_.DepthMask(GL_TRUE);
+  tool_.draw();
+}
+
+void Scene::draw_see_through(const GlProgram& program, bool cut_open) const {
   gl_.Enable(GL_BLEND);
   gl_.Enable(GL_CULL_FACE);
 

@@ -20,6 +20,7 @@ struct Shot {
   double contour_mm = 1;                         ///< a line on the reamed face at every multiple of this depth
   double density_max_g_cm3 = 2;                  ///< top of the density colours
   std::optional<Rigid> bone_from_spinning_tool;  ///< without it there is no tool
+  bool steel = false;                            ///< the tool as opaque brushed steel, not see-through
   const CutFace* cut_face = nullptr;             ///< where the camera cuts the bone open
 };
 
@@ -41,6 +42,7 @@ class Scene {
   void draw_bone(const Shot& shot) const;
   void draw_cut_face(const Shot& shot) const;
   void draw_tool(const Shot& shot) const;
+  void draw_see_through(const GlProgram& program, bool cut_open) const;
 
   const Gl& gl_;
   std::unique_ptr<Programs> programs_;

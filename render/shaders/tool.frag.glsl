@@ -1,9 +1,12 @@
 in vec3 normal;
+in vec3 round_axis;
+in vec2 across_mm;
 out vec4 color;
 
 uniform float opacity_facing;
 uniform float opacity_edge;
 uniform int cut_open;
+uniform int brushed;  // opaque brushed steel instead of see-through
 
 const vec3 kSteel = vec3(0.62, 0.65, 0.69);
 const vec3 kCutSteel = vec3(0.42, 0.50, 0.60);
@@ -20,14 +23,47 @@ vec3 studio(vec3 r) {
   return mix(below, above, smoothstep(-0.03, 0.05, r.y)) * mix(0.6, 1.0, horizon) + vec3(0.8) * strip;
 }
 
+float hash(float x) { return fract(sin(x * 127.1) * 43758.5453); }
+
+// Grooves of the brush: from -1 to 1 over `x`, in steps that fade out where they are finer than a pixel.
+float grooves(float x) {
+  float cell = floor(x);
+  float value = 2.0 * mix(hash(cell), hash(cell + 1.0), smoothstep(0.0, 1.0, x - cell)) - 1.0;
+  return value * (1.0 - smoothstep(0.25, 0.7, fwidth(x)));
+}
+
+// Steel that was brushed while it turned: what it mirrors is smeared across the grooves.
+vec3 brushed_steel(vec3 n) {
+  vec3 along = round_axis - n * dot(round_axis, n);
+  along = length(along) > 1e-4 ? normalize(along) : vec3(1.0, 0.0, 0.0);
+  vec3 across = cross(n, along);
+  float place = across_mm.x + across_mm.y;
+  float groove = 0.6 * grooves(7.0 * place) + 0.4 * grooves(17.0 * place);
+  vec3 mirrored = vec3(0.0);
+  for (int i = -3; i <= 3; ++i) {
+    vec3 tilted = normalize(n + across * (0.085 * float(i) + 0.03 * groove));
+    mirrored += studio(reflect(vec3(0.0, 0.0, -1.0), tilted));
+  }
+  vec3 halfway = normalize(kKeyDirection + vec3(0.0, 0.0, 1.0));
+  float off = dot(along, halfway);
+  // Kajiya and Kay 1989: a fibre shines where the half vector is square to it.
+  float shine = pow(max(1.0 - off * off, 0.0), 40.0) * max(dot(n, kKeyDirection), 0.0);
+  vec3 light = mirrored / 7.0 * 0.62 + sky(n) * 0.55 + kKeyColor * wrapped(n, kKeyDirection, 0.2) * 0.30;
+  return kSteel * (light * (1.0 + 0.10 * groove) + 0.45 * shine);
+}
+
 void main() {
   if (cut_open == 1 && !gl_FrontFacing) {
     // Inside of a solid that is cut open: what is seen is its cut.
     float hatch = abs(fract((gl_FragCoord.x + gl_FragCoord.y) / kHatch_px) - 0.5);
-    color = vec4(srgb_from_linear(kCutSteel * (hatch < 0.06 ? 0.6 : 1.0)), 0.55);
+    color = vec4(srgb_from_linear(kCutSteel * (hatch < 0.06 ? 0.6 : 1.0)), brushed == 1 ? 1.0 : 0.55);
     return;
   }
   vec3 n = normalize(gl_FrontFacing ? normal : -normal);
+  if (brushed == 1) {
+    color = vec4(srgb_from_linear(brushed_steel(n)), 1.0);
+    return;
+  }
   float facing = clamp(abs(n.z), 0.0, 1.0);
   float fresnel = pow(1.0 - facing, 2.2);
   vec3 reflected = reflect(vec3(0.0, 0.0, -1.0), n);
