@@ -6,7 +6,9 @@
 #include <future>
 #include <memory>
 #include <numbers>
+#include <numeric>
 
+#include "render/bone_state.h"
 #include "render/context.h"
 #include "render/fixed_text.h"
 #include "render/overlay.h"
@@ -19,21 +21,6 @@
 
 namespace reamsim {
 namespace {
-
-/// What changes from picture to picture: the bone's fill and everything that is derived from it.
-struct BoneState {
-  explicit BoneState(const Voxmap& voxmap) : occupancy(voxmap, voxmap.fill), field(occupancy), ambient(occupancy) {}
-
-  void update(const std::vector<Vec3i>& bricks) {
-    occupancy.update(bricks);
-    field.update(occupancy, bricks);
-    ambient.update(occupancy, bricks);
-  }
-
-  Occupancy occupancy;
-  SolidField field;
-  AmbientLight ambient;
-};
 
 Rigid spinning(const ToolPose& pose) {
   // Positive spin turns about −z of T.
@@ -80,18 +67,20 @@ class PictureMaker {
     if (!fallback.empty() && report != nullptr) report->warn(fallback);
     Scene scene(context->gl(), settings_.width_px, settings_.height_px, make_tool_surface(results_.tool));
     std::filesystem::create_directories(dir_ + "/frames");
-    final_pictures(scene);
-    frame_pictures(scene);
+    BoneState state(results_.voxmap, unreamed_);
+    final_pictures(scene, state);
+    frame_pictures(scene, state);
     finish_writing();
   }
 
  private:
   /// The last state first: it says how far the depth legend must go.
-  void final_pictures(Scene& scene) {
-    const BoneState state(results_.voxmap);
-    const BoneSurface surface = make_bone_surface({results_.voxmap, state.field, state.ambient, unreamed_});
-    depth_scale_ = settings_.depth_max_mm > 0 ? scale_exactly(settings_.depth_max_mm) : scale_up_to(surface.deepest_mm);
-    scene.set_bone(surface);
+  void final_pictures(Scene& scene, const BoneState& state) {
+    const double deepest_mm = state.tiles().deepest_mm();
+    depth_scale_ = settings_.depth_max_mm > 0 ? scale_exactly(settings_.depth_max_mm) : scale_up_to(deepest_mm);
+    std::vector<std::size_t> all(state.tiles().surfaces().size());
+    std::iota(all.begin(), all.end(), std::size_t{0});
+    scene.set_bone(state.tiles().surfaces(), all);
     double most_axial_n = 0;
     double most_torque_nmm = 0;
     for (const ForceRow& row : results_.log.rows) {
@@ -100,7 +89,7 @@ class PictureMaker {
     }
     Labels labels = common_labels();
     labels.title = "After reaming";
-    labels.values = {{"deepest", fixed_text(surface.deepest_mm, 2) + " mm"},
+    labels.values = {{"deepest", fixed_text(deepest_mm, 2) + " mm"},
                      {"removed", fixed_text(results_.log.rows.back().removed_mm3, 1) + " mm³"},
                      {"peak " + mean_ + "force", fixed_text(most_axial_n, 1) + " N"},
                      {"peak " + mean_ + "torque", fixed_text(most_torque_nmm, 0) + " N·mm"}};
@@ -109,15 +98,13 @@ class PictureMaker {
     }
   }
 
-  void frame_pictures(Scene& scene) {
-    Voxmap& voxmap = results_.voxmap;
-    voxmap.fill = FillBricks(voxmap.grid.dims);
-    BoneState state(voxmap);
+  void frame_pictures(Scene& scene, BoneState& state) {
+    state.rewind();
     for (const std::int64_t frame : results_.frames) {
       const ForceRow& row = results_.log.at(frame, results_.log_path);
-      apply_snapshot(dir_, frame, voxmap.fill);
-      state.update(voxmap.fill.take_changed());
-      scene.set_bone(make_bone_surface({voxmap, state.field, state.ambient, unreamed_}));
+      apply_snapshot(dir_, frame, results_.voxmap.fill);
+      const auto changed = state.follow();
+      scene.set_bone(state.tiles().surfaces(), changed);
       Labels labels = common_labels();
       labels.values = {{"time", fixed_text(row.time_s, 3) + " s"},
                        {"depth", fixed_text(row.depth_mm, 2) + " mm"},
@@ -144,7 +131,7 @@ class PictureMaker {
     shot.bone_from_spinning_tool = tool;
     CutFace cut_face;
     if (camera.cut_plane) {
-      cut_face = sample_cut_face(results_.voxmap, state.field, camera);
+      cut_face = sample_cut_face(results_.voxmap, state.field(), camera);
       shot.cut_face = &cut_face;
       labels.legends.push_back({"Bone density", "g/cm³", density_colors(), density_scale_});
     }

@@ -68,8 +68,14 @@ Scene::~Scene() {
   gl_.DeleteVertexArrays(1, &empty_array_);
 }
 
-void Scene::set_bone(const BoneSurface& bone) {
-  bone_ = std::make_unique<GlMesh>(gl_, bone.vertices, BoneSurface::kGroups, bone.indices);
+void Scene::set_bone(const std::vector<BoneSurface>& tiles, const std::vector<std::size_t>& changed) {
+  bone_.resize(tiles.size());
+  for (const std::size_t tile : changed) {
+    const BoneSurface& surface = tiles[tile];
+    bone_[tile].reset();
+    if (surface.indices.empty()) continue;
+    bone_[tile] = std::make_unique<GlMesh>(gl_, surface.vertices, BoneSurface::kGroups, surface.indices);
+  }
 }
 
 std::vector<std::uint32_t> Scene::draw(const Shot& shot) const {
@@ -82,7 +88,7 @@ std::vector<std::uint32_t> Scene::draw(const Shot& shot) const {
   draw_background();
   gl_.Enable(GL_DEPTH_TEST);
   gl_.DepthFunc(GL_LEQUAL);
-  if (bone_) draw_bone(shot);
+  draw_bone(shot);
   if (shot.cut_face != nullptr && shot.cut_face->width > 0) draw_cut_face(shot);
   if (shot.bone_from_spinning_tool && shot.camera.draws_tool) draw_tool(shot);
   gl_.check("drawing a picture");
@@ -115,7 +121,9 @@ void Scene::draw_bone(const Shot& shot) const {
     gl_.Enable(GL_CULL_FACE);
     gl_.CullFace(GL_BACK);
   }
-  bone_->draw();
+  for (const auto& tile : bone_) {
+    if (tile) tile->draw();
+  }
 }
 
 void Scene::draw_cut_face(const Shot& shot) const {

@@ -31,7 +31,8 @@ class Scene {
   Scene(const Gl& gl, int width_px, int height_px, const ToolSurface& tool);
   ~Scene();
 
-  void set_bone(const BoneSurface& bone);
+  /// Takes over those of the bone's tiles that are others than before.
+  void set_bone(const std::vector<BoneSurface>& tiles, const std::vector<std::size_t>& changed);
   /// The picture without labels: BGRA, top row first.
   [[nodiscard]] std::vector<std::uint32_t> draw(const Shot& shot) const;
 
@@ -48,7 +49,7 @@ class Scene {
   std::unique_ptr<Programs> programs_;
   GlTarget target_;
   GlMesh tool_;
-  std::unique_ptr<GlMesh> bone_;
+  std::vector<std::unique_ptr<GlMesh>> bone_;  ///< by tile; none where it is empty
   GlTexture depth_colors_;
   GlTexture density_colors_;
   GLuint empty_array_ = 0;
