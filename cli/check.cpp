@@ -5,6 +5,8 @@
 
 #include "cli/commands.h"
 #include "cli/scenario_options.h"
+#include "render/render.h"
+#include "sim/base/error.h"
 #include "sim/run/memory_plan.h"
 #include "sim/run/simulation.h"
 #include "sim/scenario/parse.h"
@@ -45,6 +47,11 @@ void check_command(const ScenarioOptions& options, const Console& console) {
   const auto& poses = scene.motion.poses;
   if (std::none_of(poses.begin(), poses.end(), [](const ToolPose& p) { return p.spin_rpm != 0; })) {
     report.warn("the tool never spins; its force would be that of a tool pushed through");
+  }
+  try {
+    require_film_program(scenario.render);
+  } catch (const RunError& error) {
+    report.warn(error.what());
   }
   for (const auto& note : report.notes) console.say("# " + note);
   report.notes.clear();

@@ -1,10 +1,14 @@
 #include "render/render.h"
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <filesystem>
 #include <memory>
+#include <string>
+#include <vector>
 
 #include "cli/commands.h"
+#include "render/camera.h"
 #include "sim/base/error.h"
 #include "sim/bone/bone_vdb.h"
 #include "sim/scenario/parse.h"
@@ -16,13 +20,24 @@ namespace {
 struct RenderOptions {
   std::string dir;
   std::vector<std::string> cameras;
+  std::vector<std::string> only;
   std::string context;
+  std::string film;
+  int film_rate_hz = 0;
+  int turntable_pictures = 0;
   int width_px = 0;
   int height_px = 0;
+
+  [[nodiscard]] bool wants(const char* kind) const {
+    return only.empty() || std::ranges::find(only, kind) != only.end();
+  }
 };
 
-/// The run's own render settings, changed by what the command line says.
-RenderSettings settings_of(const RenderOptions& options) {
+/// What a turntable has where it is asked for and nobody says how many: ten degrees from one to the next.
+constexpr int kTurntablePictures = 36;
+
+/// The run's own render settings, changed by what the command line says of everything but cameras.
+RenderSettings settings_of(const RenderOptions& options, const std::string& own_cameras) {
   std::vector<std::string> overrides;
   const auto set = [&](const std::string& key, const std::string& value) {
     overrides.push_back("render." + key + "=" + value);
@@ -30,19 +45,81 @@ RenderSettings settings_of(const RenderOptions& options) {
   if (options.width_px != 0) set("width_px", std::to_string(options.width_px));
   if (options.height_px != 0) set("height_px", std::to_string(options.height_px));
   if (!options.context.empty()) set("context", options.context);
-  if (!options.cameras.empty()) {
-    std::string list;
-    for (const auto& camera : options.cameras) list += (list.empty() ? "[" : ", ") + camera;
-    set("cameras", list + "]");
-  }
+  if (!options.film.empty()) set("film", options.film);
+  if (options.film_rate_hz != 0) set("film_rate_hz", std::to_string(options.film_rate_hz));
+  if (options.turntable_pictures != 0) set("turntable_pictures", std::to_string(options.turntable_pictures));
+  if (!own_cameras.empty()) set("user_cameras", own_cameras);
   return parse_render_settings(options.dir + "/scenario.yaml", overrides);
+}
+
+bool describes_a_camera(const std::string& option) {
+  return option.starts_with('{');
+}
+
+/// The cameras that the options describe in full, as a YAML list.
+std::string described_cameras(const RenderOptions& options) {
+  std::string list;
+  for (const auto& camera : options.cameras) {
+    if (describes_a_camera(camera)) list += (list.empty() ? "[" : ", ") + camera;
+  }
+  return list.empty() ? list : list + "]";
+}
+
+/// Leaves of the run's cameras those that were asked for by name, and adds those that were described.
+void choose_cameras(const RenderOptions& options, RenderSettings& settings) {
+  const std::vector<UserCamera> known = std::move(settings.user_cameras);
+  settings.cameras.clear();
+  settings.user_cameras.clear();
+  const std::string described = described_cameras(options);
+  if (!described.empty()) settings.user_cameras = settings_of(options, described).user_cameras;
+  std::string names = "glenoid, oblique, section, overview";
+  for (const UserCamera& camera : known) names += ", " + camera.name;
+  const auto taken = [&](const std::string& name) {
+    return std::ranges::find(settings.cameras, name) != settings.cameras.end() ||
+           std::ranges::find(settings.user_cameras, name, &UserCamera::name) != settings.user_cameras.end();
+  };
+  for (const std::string& name : options.cameras) {
+    if (describes_a_camera(name)) continue;
+    if (taken(name)) throw InputError({}, "--camera", "found " + name + " twice", "expected each camera once");
+    const auto own = std::ranges::find(known, name, &UserCamera::name);
+    if (own != known.end()) {
+      settings.user_cameras.push_back(*own);
+    } else if (std::ranges::find(camera_names(), name) != camera_names().end()) {
+      settings.cameras.push_back(name);
+    } else {
+      throw InputError({}, "--camera", "found '" + name + "'",
+                       "expected " + names + ", or a camera in braces: '{name: N, position_mm: [x, y, z]}'");
+    }
+  }
+}
+
+/// Leaves what `--only` names; a film or a turntable that is named so is made, whatever the run's settings say.
+void choose_kinds(const RenderOptions& options, RenderSettings& settings, PictureChoice& choice) {
+  if (options.only.empty()) return;
+  choice.stills = options.wants("pictures");
+  settings.before_after = options.wants("before_after");
+  settings.contact_sheet = options.wants("contact_sheet");
+  if (!options.wants("turntable")) {
+    settings.turntable_pictures = 0;
+  } else if (settings.turntable_pictures == 0) {
+    settings.turntable_pictures = kTurntablePictures;
+  }
+  choice.film = options.wants("film");
+  const bool film_of_turntable = options.wants("turntable") && !options.film.empty();
+  if (!choice.film && !film_of_turntable) settings.film = "none";
+  if (choice.film && settings.film == "none") settings.film = "mp4";
 }
 
 void render_command(const RenderOptions& options, const Console& console) {
   if (!std::filesystem::is_directory(options.dir)) {
     throw InputError({options.dir, 0, 0}, "", "no such results folder", "expected the output folder of a finished run");
   }
-  const RenderSettings settings = settings_of(options);
+  RenderSettings settings = settings_of(options, "");
+  PictureChoice choice;
+  choice.plain_camera = settings.cameras.front();
+  if (!options.cameras.empty()) choose_cameras(options, settings);
+  choose_kinds(options, settings, choice);
+  settings.enabled = true;
   Progress progress(console, "render", "pictures");
   Report report;
   const double voxel_mm = read_bone_vdb(options.dir + "/reamed.vdb").grid.voxel_mm;
@@ -53,12 +130,14 @@ void render_command(const RenderOptions& options, const Console& console) {
         progress.update(done, total);
         if (stop_requested()) throw Interrupted();
       },
-      &report);
+      &report, choice);
   progress.finish();
   console.tell(report);
-  write_force_plots(options.dir, mean_mm);
-  write_depth_picture(options.dir, settings.depth_max_mm);
-  console.say("pictures: " + options.dir + "/frames/, " + options.dir + "/reamed.png");
+  if (options.wants("plots")) {
+    write_force_plots(options.dir, mean_mm);
+    write_depth_picture(options.dir, settings.depth_max_mm);
+  }
+  console.say("pictures: " + options.dir);
 }
 
 }  // namespace
@@ -67,9 +146,22 @@ void add_render_command(CLI::App& app, Console& console) {
   auto* command = app.add_subcommand("render", "Make the pictures of a finished run again, from its results alone");
   auto options = std::make_shared<RenderOptions>();
   command->add_option("DIR", options->dir, "Output folder of a finished run")->required();
-  command->add_option("--camera", options->cameras, "glenoid, oblique, section or overview; may be repeated")
+  command
+      ->add_option("--camera", options->cameras,
+                   "glenoid, oblique, section, overview, a camera of the run's render.user_cameras, or one in "
+                   "braces with the same keys: '{name: N, position_mm: [x, y, z]}'; may be repeated")
       ->expected(1)
       ->take_all();
+  command->add_flag("--film{mp4}", options->film,
+                    "Make a film as well: mp4, or --film=webp, --film=apng; takes ffmpeg");
+  command->add_option("--film-rate", options->film_rate_hz, "Pictures that the film shows per second");
+  command->add_option("--turntable", options->turntable_pictures, "So many pictures round the superior axis as well");
+  command
+      ->add_option("--only", options->only,
+                   "Make nothing but: pictures, before_after, contact_sheet, turntable, film or plots; may be repeated")
+      ->expected(1)
+      ->take_all()
+      ->check(CLI::IsMember({"pictures", "before_after", "contact_sheet", "turntable", "film", "plots"}));
   command->add_option("--width", options->width_px, "Width in pixels");
   command->add_option("--height", options->height_px, "Height in pixels");
   command->add_option("--context", options->context, "osmesa or egl");

@@ -41,13 +41,12 @@ void run_frames(ReamingScene& scene, Engine& engine, Recorder& recorder, Report&
   recorder.close();
 }
 
-double make_pictures(const std::string& dir, const Scenario& scenario, double voxel_mm, Report& report,
-                     const Console& console) {
-  const Stopwatch watch;
+void make_pictures(const std::string& dir, const Scenario& scenario, double voxel_mm, Report& report,
+                   const Console& console) {
   const double mean_mm = averaged_travel_mm(scenario.cutting, voxel_mm);
   write_force_plots(dir, mean_mm);
   write_depth_picture(dir, scenario.render.depth_max_mm);
-  if (!scenario.render.enabled) return watch.seconds();
+  if (!scenario.render.enabled) return;
   Progress progress(console, "render", "pictures");
   render_pictures(
       dir, scenario.render, mean_mm,
@@ -57,7 +56,6 @@ double make_pictures(const std::string& dir, const Scenario& scenario, double vo
       },
       &report);
   progress.finish();
-  return watch.seconds();
 }
 
 void say_summary(const Console& console, const RunTotals& totals, const RunFacts& facts) {
@@ -95,14 +93,24 @@ void run_in(OutputFolder& folder, const Scenario& scenario, const Console& conso
   tell(report, facts, console);
   measure(facts, scene, fill_before, recorder.totals());
   write_results(folder.path(), scene, recorder, facts);
-  const double render_s = make_pictures(folder.path(), scenario, scene.bone.voxmap.grid.voxel_mm, report, console);
-  tell(report, facts, console);
-  write_summary(folder.path(), scene, recorder.totals(), facts, render_s);
+  const Stopwatch render_watch;
+  const auto finish = [&] {
+    tell(report, facts, console);
+    write_summary(folder.path(), scene, recorder.totals(), facts, render_watch.seconds());
+  };
+  try {
+    make_pictures(folder.path(), scenario, scene.bone.voxmap.grid.voxel_mm, report, console);
+  } catch (const RunError&) {
+    finish();  // numbers that are whole are not lost with a picture
+    throw;
+  }
+  finish();
   say_summary(console, recorder.totals(), facts);
 }
 
 void run_command(const RunOptions& options, const Console& console) {
   const Scenario scenario = parse_scenario(options.scenario.file, options.scenario.all_overrides());
+  require_film_program(scenario.render);
   OutputFolder folder(output_dir(options, scenario), options.overwrite);
   console.say("reamsim " REAMSIM_VERSION ": " + scenario.name + " -> " + folder.final_path());
   try {

@@ -154,9 +154,9 @@ void write_depth_picture(const std::string& dir, double depth_max_mm) {
   if (field.deepest_mm() == 0) return;
   const Scale scale = depth_max_mm > 0 ? scale_exactly(depth_max_mm) : scale_up_to(field.deepest_mm());
   const Camera camera = map_camera(field);
-  std::vector<std::uint32_t> pixels = DepthPainter(field, camera, scale).paint();
-  draw_labels(pixels, camera, map_labels(field, read_anatomy(dir), scale));
-  write_png(dir + "/depth_map.png", pixels, camera.width_px, camera.height_px);
+  PixelImage image{camera.width_px, camera.height_px, DepthPainter(field, camera, scale).paint()};
+  draw_labels(image, camera, map_labels(field, read_anatomy(dir), scale));
+  write_png(dir + "/depth_map.png", image);
 }
 
 }  // namespace reamsim

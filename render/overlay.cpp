@@ -1,94 +1,15 @@
 #include "render/overlay.h"
 
-#include <cairo.h>
-#include <pango/pangocairo.h>
-
 #include <algorithm>
 #include <cmath>
-#include <memory>
-#include <numbers>
 
-#include "sim/base/error.h"
+#include "render/canvas.h"
 
 namespace reamsim {
 namespace {
 
-struct Color {
-  double r, g, b, a;
-};
-constexpr Color kInk{0.10, 0.12, 0.15, 1};
-constexpr Color kFaintInk{0.28, 0.32, 0.37, 1};
-constexpr Color kPaper{1, 1, 1, 0.80};
 constexpr double kMargin = 28;  // all lengths for a picture 1080 pixels high
 constexpr double kText = 23;
-
-/// A drawing surface over the picture's pixels.
-class Canvas {
- public:
-  Canvas(std::vector<std::uint32_t>& pixels, int width, int height)
-      : surface_(cairo_image_surface_create_for_data(reinterpret_cast<unsigned char*>(pixels.data()),
-                                                     CAIRO_FORMAT_RGB24, width, height, 4 * width)),
-        cairo_(cairo_create(surface_)) {
-    if (cairo_status(cairo_) != CAIRO_STATUS_SUCCESS) {
-      const std::string reason = cairo_status_to_string(cairo_status(cairo_));
-      release();
-      throw RunError("labels cannot be drawn: " + reason);
-    }
-    cairo_font_options_t* options = cairo_font_options_create();
-    cairo_font_options_set_antialias(options, CAIRO_ANTIALIAS_GRAY);
-    cairo_font_options_set_hint_style(options, CAIRO_HINT_STYLE_NONE);
-    cairo_font_options_set_hint_metrics(options, CAIRO_HINT_METRICS_OFF);
-    cairo_set_font_options(cairo_, options);
-    cairo_font_options_destroy(options);
-  }
-  ~Canvas() { release(); }
-  Canvas(const Canvas&) = delete;
-  Canvas& operator=(const Canvas&) = delete;
-
-  [[nodiscard]] cairo_t* get() const { return cairo_; }
-  [[nodiscard]] cairo_surface_t* surface() const { return surface_; }
-  void ink(const Color& color) const { cairo_set_source_rgba(cairo_, color.r, color.g, color.b, color.a); }
-
- private:
-  void release() {
-    cairo_destroy(cairo_);
-    cairo_surface_destroy(surface_);
-  }
-
-  cairo_surface_t* surface_;
-  cairo_t* cairo_;
-};
-
-/// One line of text, measured and ready to be drawn.
-class Text {
- public:
-  Text(const Canvas& canvas, const std::string& text, double size_px, bool bold = false)
-      : cairo_(canvas.get()), layout_(pango_cairo_create_layout(canvas.get()), g_object_unref) {
-    PangoFontDescription* font = pango_font_description_new();
-    pango_font_description_set_family(font, "DejaVu Sans");
-    pango_font_description_set_weight(font, bold ? PANGO_WEIGHT_BOLD : PANGO_WEIGHT_NORMAL);
-    pango_font_description_set_absolute_size(font, size_px * PANGO_SCALE);
-    pango_layout_set_font_description(layout_.get(), font);
-    pango_font_description_free(font);
-    pango_layout_set_text(layout_.get(), text.c_str(), -1);
-    PangoRectangle logical;
-    pango_layout_get_extents(layout_.get(), nullptr, &logical);
-    width = static_cast<double>(logical.width) / PANGO_SCALE;
-    height = static_cast<double>(logical.height) / PANGO_SCALE;
-  }
-
-  void draw(double x, double y) const {
-    cairo_move_to(cairo_, x, y);
-    pango_cairo_show_layout(cairo_, layout_.get());
-  }
-
-  double width = 0;
-  double height = 0;
-
- private:
-  cairo_t* cairo_;
-  std::unique_ptr<PangoLayout, void (*)(gpointer)> layout_;
-};
 
 /// Pixels of this picture per pixel of one 1080 high and at least 1440 wide.
 double unit(const Camera& camera) {
@@ -99,39 +20,23 @@ bool labelled(const Camera& camera) {
   return std::min(camera.width_px, camera.height_px) >= kLeastLabelled_px;
 }
 
-void rounded_box(const Canvas& canvas, const Box& box, double radius) {
-  cairo_t* c = canvas.get();
-  constexpr double kQuarter = std::numbers::pi / 2;
-  cairo_new_sub_path(c);
-  cairo_arc(c, box.x + box.width - radius, box.y + radius, radius, -kQuarter, 0);
-  cairo_arc(c, box.x + box.width - radius, box.y + box.height - radius, radius, 0, kQuarter);
-  cairo_arc(c, box.x + radius, box.y + box.height - radius, radius, kQuarter, 2 * kQuarter);
-  cairo_arc(c, box.x + radius, box.y + radius, radius, 2 * kQuarter, 3 * kQuarter);
-  cairo_close_path(c);
-}
-
-void paper(const Canvas& canvas, const Box& box, double radius) {
-  rounded_box(canvas, box, radius);
-  canvas.ink(kPaper);
-  cairo_fill(canvas.get());
-}
-
 /// Title and values in the upper left corner.
-void draw_values(const Canvas& canvas, const Camera& camera, const Labels& labels) {
+void draw_values(const Canvas& canvas, const Camera& camera, const Labels& labels, double left_px) {
+  if (labels.title.empty() && labels.values.empty()) return;
   const double u = unit(camera);
   const double pad = 14 * u;
   const double line = 1.42 * kText * u;
   double name_width = 0;
-  double value_width = 0;
+  double value_width = labels.widest_value.empty() ? 0 : TextLine(canvas, labels.widest_value, kText * u).width;
   for (const auto& [name, value] : labels.values) {
-    name_width = std::max(name_width, Text(canvas, name, kText * u).width);
-    value_width = std::max(value_width, Text(canvas, value, kText * u).width);
+    name_width = std::max(name_width, TextLine(canvas, name, kText * u).width);
+    value_width = std::max(value_width, TextLine(canvas, value, kText * u).width);
   }
-  const Text title(canvas, labels.title, kText * u, true);
+  const TextLine title(canvas, labels.title, kText * u, true);
   const double inner = std::max(title.width, name_width + 22 * u + value_width);
   const double lines = static_cast<double>(labels.values.size()) + (labels.title.empty() ? 0 : 1.15);
-  const Box box{kMargin * u, kMargin * u, inner + 2 * pad, lines * line + 1.4 * pad};
-  paper(canvas, box, 8 * u);
+  const Box box{left_px + kMargin * u, kMargin * u, inner + 2 * pad, lines * line + 1.4 * pad};
+  canvas.paper(box, 8 * u);
   double y = box.y + pad * 0.7;
   canvas.ink(kInk);
   if (!labels.title.empty()) {
@@ -140,9 +45,9 @@ void draw_values(const Canvas& canvas, const Camera& camera, const Labels& label
   }
   for (const auto& [name, value] : labels.values) {
     canvas.ink(kFaintInk);
-    Text(canvas, name, kText * u).draw(box.x + pad, y);
+    TextLine(canvas, name, kText * u).draw(box.x + pad, y);
     canvas.ink(kInk);
-    const Text number(canvas, value, kText * u);
+    const TextLine number(canvas, value, kText * u);
     number.draw(box.x + pad + inner - number.width, y);
     y += line;
   }
@@ -152,13 +57,13 @@ void draw_values(const Canvas& canvas, const Camera& camera, const Labels& label
 void draw_legend(const Canvas& canvas, const Camera& camera, const Legend& legend, const Box& bar) {
   const double u = unit(camera);
   cairo_t* c = canvas.get();
-  const Text title(canvas, legend.title, 0.87 * kText * u);
-  const Text unit_text(canvas, legend.unit, 0.87 * kText * u);
+  const TextLine title(canvas, legend.title, 0.87 * kText * u);
+  const TextLine unit_text(canvas, legend.unit, 0.87 * kText * u);
   const double right = camera.width_px - kMargin * u;
   const double pad = 14 * u;
   const double width = 146 * u + 2 * pad;
   const double head = title.height + unit_text.height + 12 * u;
-  paper(canvas, {right - width, bar.y - head - pad, width, bar.height + head + 2 * pad + 4 * u}, 8 * u);
+  canvas.paper({right - width, bar.y - head - pad, width, bar.height + head + 2 * pad + 4 * u}, 8 * u);
   canvas.ink(kInk);
   title.draw(right - width + pad, bar.y - head);
   canvas.ink(kFaintInk);
@@ -181,7 +86,7 @@ void draw_legend(const Canvas& canvas, const Camera& camera, const Legend& legen
     cairo_move_to(c, bar.x + bar.width, y);
     cairo_line_to(c, bar.x + bar.width + 8 * u, y);
     cairo_stroke(c);
-    const Text number(canvas, legend.scale.label(tick), 0.87 * kText * u);
+    const TextLine number(canvas, legend.scale.label(tick), 0.87 * kText * u);
     number.draw(bar.x + bar.width + 14 * u, y - 0.5 * number.height);
   }
 }
@@ -191,11 +96,11 @@ void draw_scale_bar(const Canvas& canvas, const Camera& camera) {
   cairo_t* c = canvas.get();
   const auto [bar, length_mm] = scale_bar(camera);
   Scale exact{length_mm, length_mm};
-  const Text text(canvas, exact.label(1) + " mm", kText * u);
+  const TextLine text(canvas, exact.label(1) + (camera.eye_mm ? " mm at target" : " mm"), kText * u);
   const double width = std::max(bar.width, text.width);
-  paper(canvas,
-        {bar.x - 14 * u, bar.y - text.height - 16 * u, width + 28 * u, text.height + 16 * u + bar.height + 14 * u},
-        8 * u);
+  canvas.paper(
+      {bar.x - 14 * u, bar.y - text.height - 16 * u, width + 28 * u, text.height + 16 * u + bar.height + 14 * u},
+      8 * u);
   canvas.ink(kInk);
   cairo_rectangle(c, bar.x, bar.y, bar.width, bar.height);
   cairo_fill(c);
@@ -229,13 +134,13 @@ void draw_directions(const Canvas& canvas, const Camera& camera, const Labels& l
     cairo_line_to(c, right.x(), right.y());
     cairo_close_path(c);
     cairo_fill(c);
-    const Text text(canvas, name, 0.80 * kText * u);
+    const TextLine text(canvas, name, 0.80 * kText * u);
     const Vec2 at = tip + (14 * u + 0.5 * std::abs(way.x()) * text.width) * way;
     text.draw(at.x() - 0.5 * text.width, at.y() - 0.5 * text.height);
   }
 }
 
-void draw_outlines(const Canvas& canvas, const Camera& camera, const Labels& labels) {
+void stroke_outlines(const Canvas& canvas, const Camera& camera, const Labels& labels) {
   const double u = unit(camera);
   cairo_t* c = canvas.get();
   const double dashes[] = {12 * u, 8 * u};
@@ -246,10 +151,10 @@ void draw_outlines(const Canvas& canvas, const Camera& camera, const Labels& lab
     }
     cairo_close_path(c);
     canvas.ink({1, 1, 1, 0.55});
-    cairo_set_line_width(c, 5 * u);
+    cairo_set_line_width(c, std::max(2.0, 5 * u));
     cairo_stroke_preserve(c);
     canvas.ink({0.15, 0.25, 0.40, 1});
-    cairo_set_line_width(c, 2.4 * u);
+    cairo_set_line_width(c, std::max(1.0, 2.4 * u));
     cairo_set_dash(c, dashes, 2, 0);
     cairo_stroke(c);
     cairo_set_dash(c, nullptr, 0, 0);
@@ -275,30 +180,32 @@ std::pair<Box, double> scale_bar(const Camera& camera) {
   return {{x, camera.height_px - (kMargin + 14) * u - height, length_mm / camera.mm_per_px, height}, length_mm};
 }
 
-void draw_labels(std::vector<std::uint32_t>& pixels, const Camera& camera, const Labels& labels) {
+void draw_labels(PixelImage& image, const Camera& camera, const Labels& labels) {
   if (!labelled(camera)) return;
-  const Canvas canvas(pixels, camera.width_px, camera.height_px);
-  draw_outlines(canvas, camera, labels);
-  draw_values(canvas, camera, labels);
+  const Canvas canvas(image);
+  stroke_outlines(canvas, camera, labels);
+  draw_values(canvas, camera, labels, 0);
   const int count = static_cast<int>(labels.legends.size());
   for (int i = 0; i < count; ++i) {
     draw_legend(canvas, camera, labels.legends[static_cast<std::size_t>(i)], legend_box(camera, i, count));
   }
   draw_scale_bar(canvas, camera);
   draw_directions(canvas, camera, labels);
-  cairo_surface_flush(canvas.surface());
-  if (cairo_status(canvas.get()) != CAIRO_STATUS_SUCCESS) {
-    throw RunError(std::string("labels cannot be drawn: ") + cairo_status_to_string(cairo_status(canvas.get())));
-  }
+  canvas.finish();
 }
 
-void write_png(const std::string& path, std::vector<std::uint32_t>& pixels, int width_px, int height_px) {
-  const Canvas canvas(pixels, width_px, height_px);
-  const cairo_status_t status = cairo_surface_write_to_png(canvas.surface(), path.c_str());
-  if (status != CAIRO_STATUS_SUCCESS) {
-    throw RunError(path + ": cannot be written (" + cairo_status_to_string(status) +
-                   "); is the disk full or the folder read-only?");
-  }
+void draw_outlines(PixelImage& image, const Camera& camera, const Labels& labels) {
+  if (labels.outlines_mm.empty()) return;
+  const Canvas canvas(image);
+  stroke_outlines(canvas, camera, labels);
+  canvas.finish();
+}
+
+void draw_value_box(PixelImage& image, const Camera& camera, const Labels& labels, double left_px) {
+  if (!labelled(camera)) return;
+  const Canvas canvas(image);
+  draw_values(canvas, camera, labels, left_px);
+  canvas.finish();
 }
 
 }  // namespace reamsim

@@ -1,12 +1,12 @@
 #pragma once
 
-#include <cstdint>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "render/camera.h"
 #include "render/color_map.h"
+#include "render/pixel_image.h"
 #include "render/scale.h"
 
 namespace reamsim {
@@ -23,17 +23,10 @@ struct Legend {
 struct Labels {
   std::string title;
   std::vector<std::pair<std::string, std::string>> values;  ///< name and number with unit, one per line
+  std::string widest_value;  ///< room is kept for it, so that the box is as wide in every picture of a run
   std::vector<Legend> legends;
   std::vector<std::pair<std::string, Vec3>> directions;  ///< anatomical directions: name and unit vector in B
   std::vector<std::vector<Vec3>> outlines_mm;            ///< closed dashed lines in B
-};
-
-/// Where each element stands; empty (width 0) when the picture has no room for it. Pixels, y down.
-struct Box {
-  double x = 0;
-  double y = 0;
-  double width = 0;
-  double height = 0;
 };
 
 /// Pictures smaller than this on a side carry no labels: they could not be read.
@@ -44,10 +37,11 @@ Box legend_box(const Camera& camera, int index, int count);
 /// The scale bar, and its length in mm.
 std::pair<Box, double> scale_bar(const Camera& camera);
 
-/// Draws the labels over a picture (BGRA, top row first, width and height of the camera). Throws RunError.
-void draw_labels(std::vector<std::uint32_t>& pixels, const Camera& camera, const Labels& labels);
-
-/// Writes the picture as a PNG. Throws RunError when it cannot be written.
-void write_png(const std::string& path, std::vector<std::uint32_t>& pixels, int width_px, int height_px);
+/// Draws the labels over a picture of the camera's size. Throws RunError.
+void draw_labels(PixelImage& image, const Camera& camera, const Labels& labels);
+/// Draws nothing but the outlines, on a picture of any size. Throws RunError.
+void draw_outlines(PixelImage& image, const Camera& camera, const Labels& labels);
+/// Draws nothing but title and values, their box moved right by `left_px`. Throws RunError.
+void draw_value_box(PixelImage& image, const Camera& camera, const Labels& labels, double left_px);
 
 }  // namespace reamsim

@@ -1,197 +1,237 @@
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <future>
 #include <memory>
-#include <numbers>
-#include <numeric>
 
-#include "render/bone_state.h"
-#include "render/context.h"
+#include "render/before_after.h"
+#include "render/contact_sheet.h"
+#include "render/encoder.h"
+#include "render/film.h"
 #include "render/fixed_text.h"
-#include "render/overlay.h"
 #include "render/render.h"
-#include "render/results.h"
-#include "render/scene.h"
-#include "render/subject.h"
+#include "render/studio.h"
 #include "sim/base/error.h"
-#include "sim/record/snapshot.h"
 
 namespace reamsim {
 namespace {
 
-Rigid spinning(const ToolPose& pose) {
-  // Positive spin turns about −z of T.
-  return pose.bone_from_tool() * Eigen::AngleAxisd(-pose.spin_angle_rad, Vec3::UnitZ());
-}
+using Values = std::vector<std::pair<std::string, std::string>>;
 
-/// The circle that the tool's widest point sweeps, in B.
-std::vector<Vec3> widest_circle(const TriangleMesh& tool, const Rigid& bone_from_tool) {
-  Vec3 widest = Vec3::Zero();
-  for (const Vec3& v : tool.vertices) {
-    if (v.head<2>().norm() > widest.head<2>().norm()) widest = v;
+/// Writes pictures while the next one is drawn, and counts them.
+class PictureWriter {
+ public:
+  PictureWriter(PictureProgress progress, int total) : progress_(std::move(progress)), total_(total) {}
+
+  void write(const std::string& path, PixelImage image) {
+    finish();
+    path_ = path;
+    writing_ = std::async(std::launch::async, [path, image = std::move(image)]() mutable { write_png(path, image); });
   }
-  std::vector<Vec3> circle;
-  constexpr int kPoints = 128;
-  for (int i = 0; i < kPoints; ++i) {
-    const double turn = 2 * std::numbers::pi * i / kPoints;
-    const double radius = widest.head<2>().norm();
-    circle.emplace_back(bone_from_tool * Vec3(radius * std::cos(turn), radius * std::sin(turn), widest.z()));
+
+  /// Waits for the picture that is being compressed; throws what writing it threw.
+  void finish() {
+    if (!writing_.valid()) return;
+    writing_.get();
+    count(path_);
   }
-  return circle;
-}
+
+  /// A picture that went elsewhere.
+  void count(const std::string& path) {
+    if (progress_) progress_(++done_, total_, path);
+  }
+
+ private:
+  PictureProgress progress_;
+  int total_;
+  int done_ = 0;
+  std::string path_;
+  std::future<void> writing_;
+};
 
 /// Makes all pictures of one run.
 class PictureMaker {
  public:
-  PictureMaker(const std::string& dir, const RenderSettings& settings, double mean_travel_mm,
-               const PictureProgress& progress)
+  PictureMaker(const std::string& dir, const RenderSettings& settings, const PictureChoice& choice,
+               double mean_travel_mm, const PictureProgress& progress, Report* report)
       : dir_(dir),
         settings_(settings),
-        mean_(mean_travel_mm > 0 ? "mean " : ""),
-        progress_(progress),
-        results_(read_results(dir)),
-        unreamed_(results_.voxmap, results_.unreamed_fill),
-        subject_(make_subject(results_, unreamed_)) {
-    add_layer_means(results_.log, mean_travel_mm);
-    for (const std::string& name : settings.cameras) {
-      cameras_.push_back(make_camera(name, subject_, settings.width_px, settings.height_px));
-    }
+        choice_(choice),
+        names_(settings.cameras),
+        studio_(dir, settings, mean_travel_mm, report),
+        writer_(progress, 0) {
+    for (const UserCamera& own : settings.user_cameras) names_.push_back(own.name);
+    for (const std::string& name : names_)
+      cameras_.push_back(studio_.camera(name, settings.width_px, settings.height_px));
+    writer_ = PictureWriter(progress, count());
   }
 
-  void run(Report* report) {
-    std::string fallback;
-    const auto context = make_context(settings_.context, fallback);
-    if (!fallback.empty() && report != nullptr) report->warn(fallback);
-    Scene scene(context->gl(), settings_.width_px, settings_.height_px, make_tool_surface(results_.tool));
-    std::filesystem::create_directories(dir_ + "/frames");
-    BoneState state(results_.voxmap, unreamed_);
-    final_pictures(scene, state);
-    frame_pictures(scene, state);
-    finish_writing();
+  void run() {
+    final_pictures();
+    turntable();
+    const bool all_frames = choice_.stills || settings_.contact_sheet || films_run();
+    if (all_frames || settings_.before_after) frame_by_frame(all_frames);
+    writer_.finish();
   }
 
  private:
-  /// The last state first: it says how far the depth legend must go.
-  void final_pictures(Scene& scene, const BoneState& state) {
-    const double deepest_mm = state.tiles().deepest_mm();
-    depth_scale_ = settings_.depth_max_mm > 0 ? scale_exactly(settings_.depth_max_mm) : scale_up_to(deepest_mm);
-    std::vector<std::size_t> all(state.tiles().surfaces().size());
-    std::iota(all.begin(), all.end(), std::size_t{0});
-    scene.set_bone(state.tiles().surfaces(), all);
-    double most_axial_n = 0;
-    double most_torque_nmm = 0;
-    for (const ForceRow& row : results_.log.rows) {
-      most_axial_n = std::max(most_axial_n, row.layer_axial_force_n);
-      most_torque_nmm = std::max(most_torque_nmm, row.layer_spin_torque_nmm);
-    }
-    Labels labels = common_labels();
-    labels.title = "After reaming";
-    labels.values = {{"deepest", fixed_text(deepest_mm, 2) + " mm"},
-                     {"removed", fixed_text(results_.log.rows.back().removed_mm3, 1) + " mm³"},
-                     {"peak " + mean_ + "force", fixed_text(most_axial_n, 1) + " N"},
-                     {"peak " + mean_ + "torque", fixed_text(most_torque_nmm, 0) + " N·mm"}};
-    for (const Camera& camera : cameras_) {
-      picture(scene, state, camera, labels, std::nullopt, dir_ + "/reamed" + suffix(camera) + ".png");
-    }
+  [[nodiscard]] int count() const {
+    const std::size_t frames = studio_.frames().size();
+    std::size_t sum = cameras_.size() * ((choice_.stills ? 1 + frames : 0) + (settings_.before_after ? 1 : 0));
+    sum += static_cast<std::size_t>(settings_.turntable_pictures);
+    return static_cast<int>(sum + (settings_.contact_sheet ? 1 : 0) + (films_run() ? frames : 0));
   }
 
-  void frame_pictures(Scene& scene, BoneState& state) {
-    state.rewind();
-    for (const std::int64_t frame : results_.frames) {
-      const ForceRow& row = results_.log.at(frame, results_.log_path);
-      apply_snapshot(dir_, frame, results_.voxmap.fill);
-      const auto changed = state.follow();
-      scene.set_bone(state.tiles().surfaces(), changed);
-      Labels labels = common_labels();
-      labels.values = {{"time", fixed_text(row.time_s, 3) + " s"},
-                       {"depth", fixed_text(row.depth_mm, 2) + " mm"},
-                       {mean_ + "axial force", fixed_text(row.layer_axial_force_n, 1) + " N"},
-                       {mean_ + "torque", fixed_text(row.layer_spin_torque_nmm, 0) + " N·mm"},
-                       {"removed", fixed_text(row.removed_mm3, 1) + " mm³"}};
-      std::optional<Rigid> tool;
-      if (settings_.tool) tool = spinning(row.pose);
-      std::array<char, 32> name;
-      std::snprintf(name.data(), name.size(), "%06lld", static_cast<long long>(frame));
+  [[nodiscard]] bool films_run() const { return choice_.film && settings_.film != "none"; }
+
+  void final_pictures() {
+    const Values values = final_values();
+    if (choice_.stills) {
       for (const Camera& camera : cameras_) {
-        picture(scene, state, camera, labels, tool, dir_ + "/frames/" + name.data() + suffix(camera) + ".png");
+        PixelImage image = studio_.photograph(camera, std::nullopt);
+        Labels labels = studio_.labels(camera, std::nullopt);
+        labels.title = "After reaming";
+        labels.values = values;
+        draw_labels(image, camera, labels);
+        writer_.write(dir_ + "/reamed" + suffix(camera.name) + ".png", std::move(image));
       }
     }
+    if (!settings_.before_after) return;
+    for (const std::string& name : names_) before_after_.emplace_back(studio_, name, values);
   }
 
-  void picture(Scene& scene, const BoneState& state, const Camera& camera, Labels labels,
-               const std::optional<Rigid>& tool, const std::string& path) {
-    Shot shot;
-    shot.camera = camera;
-    shot.depth_max_mm = depth_scale_.max;
-    shot.contour_mm = depth_scale_.step;
-    shot.density_max_g_cm3 = density_scale_.max;
-    shot.bone_from_spinning_tool = tool;
-    CutFace cut_face;
-    if (camera.cut_plane) {
-      cut_face = sample_cut_face(results_.voxmap, state.field(), camera);
-      shot.cut_face = &cut_face;
-      labels.legends.push_back({"Bone density", "g/cm³", density_colors(), density_scale_});
+  void turntable() {
+    const int pictures = settings_.turntable_pictures;
+    if (pictures == 0) return;
+    std::filesystem::create_directories(dir_ + "/turntable");
+    std::unique_ptr<FilmEncoder> film;
+    if (settings_.film != "none") film = std::make_unique<FilmEncoder>(film_path("turntable"), settings_);
+    for (int i = 0; i < pictures; ++i) {
+      const double turn = static_cast<double>(i) / pictures;
+      const Camera camera = make_turntable_camera(studio_.subject(), turn, settings_.width_px, settings_.height_px);
+      PixelImage image = studio_.photograph(camera, std::nullopt);
+      draw_labels(image, camera, studio_.labels(camera, std::nullopt));
+      if (film) film->add(image);
+      writer_.write(dir_ + "/turntable/" + numbered("%03lld", i) + ".png", std::move(image));
     }
-    if (tool && !camera.draws_tool) labels.outlines_mm.push_back(widest_circle(results_.tool, *tool));
-    std::vector<std::uint32_t> pixels = scene.draw(shot);
-    draw_labels(pixels, camera, labels);
-    finish_writing();
-    writing_path_ = path;
-    writing_ = std::async(std::launch::async, [path, camera, image = std::move(pixels)]() mutable {
-      write_png(path, image, camera.width_px, camera.height_px);
-    });
+    if (film) film->finish();
   }
 
-  /// Waits for the picture that is being compressed while the next one is drawn; throws what writing it threw.
-  void finish_writing() {
-    if (!writing_.valid()) return;
-    writing_.get();
-    const int total = static_cast<int>(cameras_.size() * (results_.frames.size() + 1));
-    if (progress_) progress_(++done_, total, writing_path_);
-  }
-
-  [[nodiscard]] Labels common_labels() const {
-    Labels labels;
-    labels.legends.push_back({"Reamed depth", "mm", depth_colors(), depth_scale_});
-    if (subject_.anatomical) {
-      labels.directions = {{"superior", subject_.superior}, {"lateral", subject_.outward}};
-      if (subject_.anterior) labels.directions.emplace_back("anterior", *subject_.anterior);
+  /// Once through the run, for everything that follows it. `all`: to its end.
+  void frame_by_frame(bool all) {
+    std::optional<ContactSheet> sheet;
+    std::optional<Film> film;
+    if (settings_.contact_sheet) sheet.emplace(studio_, names_.front());
+    if (films_run()) film.emplace(film_path("reamed"), studio_, names_.front());
+    studio_.rewind();
+    for (const std::int64_t frame : studio_.frames()) {
+      studio_.advance_to(frame);
+      before_after_pictures();
+      if (!all) break;
+      if (choice_.stills) frame_pictures(frame);
+      if (sheet) sheet->add(studio_, frame);
+      if (!film) continue;
+      film->add(studio_, studio_.row_of(frame));
+      writer_.count(film_path("reamed"));
     }
-    return labels;
+    if (sheet) writer_.write(dir_ + "/contact_sheet.png", sheet->finish(studio_));
+    if (film) film->finish();
   }
 
-  [[nodiscard]] std::string suffix(const Camera& camera) const {
-    return &camera == &cameras_.front() ? std::string() : "_" + camera.name;
+  /// At the first frame; afterwards there is nothing left to do.
+  void before_after_pictures() {
+    for (const BeforeAfter& pair : before_after_) {
+      writer_.write(dir_ + "/before_after" + suffix(pair.camera()) + ".png", pair.finish(studio_));
+    }
+    before_after_.clear();
+  }
+
+  void frame_pictures(std::int64_t frame) {
+    const ForceRow& row = studio_.row_of(frame);
+    const std::optional<Rigid> tool = studio_.tool_at(row);
+    for (const Camera& camera : cameras_) {
+      PixelImage image = studio_.photograph(camera, tool);
+      Labels labels = studio_.labels(camera, tool);
+      labels.values = frame_values(row);
+      labels.widest_value = widest_value();
+      draw_labels(image, camera, labels);
+      writer_.write(dir_ + "/frames/" + numbered("%06lld", frame) + suffix(camera.name) + ".png", std::move(image));
+    }
+  }
+
+  [[nodiscard]] Values frame_values(const ForceRow& row) const {
+    return {{"time", fixed_text(row.time_s, 3) + " s"},
+            {"depth", fixed_text(row.depth_mm, 2) + " mm"},
+            {studio_.mean() + "axial force", fixed_text(row.layer_axial_force_n, 1) + " N"},
+            {studio_.mean() + "torque", fixed_text(row.layer_spin_torque_nmm, 0) + " N·mm"},
+            {"removed", fixed_text(row.removed_mm3, 1) + " mm³"}};
+  }
+
+  /// The longest value that any picture along the run can show.
+  [[nodiscard]] std::string widest_value() const {
+    std::string widest;
+    for (const ForceRow& row : {studio_.log().rows.back(), most_}) {
+      for (const auto& [name, value] : frame_values(row)) {
+        if (value.size() > widest.size()) widest = value;
+      }
+    }
+    return widest;
+  }
+
+  [[nodiscard]] Values final_values() {
+    for (const ForceRow& row : studio_.log().rows) {
+      most_.layer_axial_force_n = std::max(most_.layer_axial_force_n, row.layer_axial_force_n);
+      most_.layer_spin_torque_nmm = std::max(most_.layer_spin_torque_nmm, row.layer_spin_torque_nmm);
+    }
+    return {{"deepest", fixed_text(studio_.deepest_mm(), 2) + " mm"},
+            {"removed", fixed_text(studio_.log().rows.back().removed_mm3, 1) + " mm³"},
+            {"peak " + studio_.mean() + "force", fixed_text(most_.layer_axial_force_n, 1) + " N"},
+            {"peak " + studio_.mean() + "torque", fixed_text(most_.layer_spin_torque_nmm, 0) + " N·mm"}};
+  }
+
+  [[nodiscard]] static std::string numbered(const char* format, std::int64_t number) {
+    std::array<char, 32> text;
+    std::snprintf(text.data(), text.size(), format, static_cast<long long>(number));
+    return text.data();
+  }
+
+  [[nodiscard]] std::string film_path(const std::string& name) const {
+    return dir_ + "/" + name + film_ending(film_format(settings_.film));
+  }
+
+  [[nodiscard]] std::string suffix(const std::string& camera) const {
+    const std::string& plain = choice_.plain_camera.empty() ? names_.front() : choice_.plain_camera;
+    return camera == plain ? std::string() : "_" + camera;
   }
 
   std::string dir_;
   RenderSettings settings_;
-  std::string mean_;  ///< before the names of forces that are means
-  PictureProgress progress_;
-  RunResults results_;
-  UnreamedSurface unreamed_;
-  Subject subject_;
+  PictureChoice choice_;
+  std::vector<std::string> names_;  ///< of the cameras, the user's last
+  Studio studio_;
   std::vector<Camera> cameras_;
-  Scale depth_scale_;
-  /// The same for every bone, so that pictures of different bones compare.
-  Scale density_scale_ = scale_up_to(DensityMapping::kMaxDensity_g_cm3);
-  int done_ = 0;
-  std::string writing_path_;
-  std::future<void> writing_;
+  ForceRow most_;  ///< the greatest force and torque of the run
+  std::vector<BeforeAfter> before_after_;
+  PictureWriter writer_;
 };
 
 }  // namespace
 
+void require_film_program(const RenderSettings& settings) {
+  if (settings.enabled && settings.film != "none") require_encoder(film_format(settings.film));
+}
+
 void render_pictures(const std::string& dir, const RenderSettings& settings, double mean_travel_mm,
-                     const PictureProgress& progress, Report* report) {
-  if (settings.cameras.empty()) {
+                     const PictureProgress& progress, Report* report, const PictureChoice& choice) {
+  if (settings.cameras.empty() && settings.user_cameras.empty()) {
     throw InputError({}, "render.cameras", "found none", "expected at least one camera");
   }
+  require_film_program(settings);
   try {
-    PictureMaker(dir, settings, mean_travel_mm, progress).run(report);
+    PictureMaker maker(dir, settings, choice, mean_travel_mm, progress, report);
+    std::filesystem::create_directories(dir + "/frames");
+    maker.run();
   } catch (const std::filesystem::filesystem_error& error) {
     throw RunError(dir + ": " + error.code().message());
   } catch (const std::bad_alloc&) {

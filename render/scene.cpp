@@ -54,10 +54,9 @@ struct Scene::Programs {
   GlProgram tool;
 };
 
-Scene::Scene(const Gl& gl, int width_px, int height_px, const ToolSurface& tool)
+Scene::Scene(const Gl& gl, const ToolSurface& tool)
     : gl_(gl),
       programs_(std::make_unique<Programs>(gl)),
-      target_(gl, width_px, height_px),
       tool_(gl, tool.vertices, ToolSurface::kGroups, tool.indices),
       depth_colors_(color_texture(gl, reamsim::depth_colors())),
       density_colors_(color_texture(gl, reamsim::density_colors())) {
@@ -78,8 +77,11 @@ void Scene::set_bone(const std::vector<BoneSurface>& tiles, const std::vector<st
   }
 }
 
-std::vector<std::uint32_t> Scene::draw(const Shot& shot) const {
-  target_.bind();
+PixelImage Scene::draw(const Shot& shot) {
+  const int width_px = shot.camera.width_px;
+  const int height_px = shot.camera.height_px;
+  const GlTarget& target = targets_.try_emplace({width_px, height_px}, gl_, width_px, height_px).first->second;
+  target.bind();
   gl_.Enable(GL_MULTISAMPLE);
   gl_.Enable(GL_CLIP_DISTANCE0);
   gl_.DepthMask(GL_TRUE);
@@ -92,7 +94,7 @@ std::vector<std::uint32_t> Scene::draw(const Shot& shot) const {
   if (shot.cut_face != nullptr && shot.cut_face->width > 0) draw_cut_face(shot);
   if (shot.bone_from_spinning_tool && shot.camera.draws_tool) draw_tool(shot);
   gl_.check("drawing a picture");
-  return target_.read();
+  return {width_px, height_px, target.read()};
 }
 
 void Scene::draw_background() const {
@@ -159,7 +161,7 @@ void Scene::draw_tool(const Shot& shot) const {
               Eigen::Matrix4f((shot.camera.clip_from_bone() * bone_from_tool.matrix()).cast<float>()));
   program.set("eye_from_tool", Eigen::Matrix4f((shot.camera.eye_from_bone * bone_from_tool).matrix().cast<float>()));
   program.set("cut_plane", local_plane(shot.camera, bone_from_tool));
-  program.set("towards_eye", static_cast<float>(kToolLift_mm / shot.camera.reach_mm));
+  program.set("towards_eye", static_cast<float>(kToolLift_mm * shot.camera.clip_lift_per_mm()));
   program.set("cut_open", cut_open ? 1 : 0);
   program.set("brushed", shot.steel ? 1 : 0);
   if (!shot.steel) {

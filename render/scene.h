@@ -1,14 +1,15 @@
 #pragma once
 
-#include <cstdint>
+#include <map>
 #include <memory>
 #include <optional>
-#include <vector>
+#include <utility>
 
 #include "render/bone_surface.h"
 #include "render/camera.h"
 #include "render/cut_face.h"
 #include "render/gl_objects.h"
+#include "render/pixel_image.h"
 #include "render/tool_surface.h"
 
 namespace reamsim {
@@ -24,17 +25,17 @@ struct Shot {
   const CutFace* cut_face = nullptr;             ///< where the camera cuts the bone open
 };
 
-/// The meshes, shaders and lights; draws shots of one size. Its context must be current.
+/// The meshes, shaders and lights. Its context must be current.
 class Scene {
  public:
-  /// Throws RunError when a shader does not compile or the picture is too large.
-  Scene(const Gl& gl, int width_px, int height_px, const ToolSurface& tool);
+  /// Throws RunError when a shader does not compile.
+  Scene(const Gl& gl, const ToolSurface& tool);
   ~Scene();
 
   /// Takes over those of the bone's tiles that are others than before.
   void set_bone(const std::vector<BoneSurface>& tiles, const std::vector<std::size_t>& changed);
-  /// The picture without labels: BGRA, top row first.
-  [[nodiscard]] std::vector<std::uint32_t> draw(const Shot& shot) const;
+  /// The picture without labels, of the camera's size. Throws RunError when that is too large.
+  [[nodiscard]] PixelImage draw(const Shot& shot);
 
  private:
   struct Programs;
@@ -47,7 +48,7 @@ class Scene {
 
   const Gl& gl_;
   std::unique_ptr<Programs> programs_;
-  GlTarget target_;
+  std::map<std::pair<int, int>, GlTarget> targets_;  ///< by width and height
   GlMesh tool_;
   std::vector<std::unique_ptr<GlMesh>> bone_;  ///< by tile; none where it is empty
   GlTexture depth_colors_;

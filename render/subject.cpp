@@ -16,6 +16,7 @@ const ForceRow& deepest(const ForceLog& log) {
 
 void from_glenoid(Subject& subject, const GlenoidFrame& glenoid, const std::string& side, const std::string& frame) {
   const Mat3 axes = glenoid.bone_from_glenoid.linear();
+  subject.bone_from_glenoid = glenoid.bone_from_glenoid;
   subject.focus_mm = glenoid.bone_from_glenoid.translation();
   subject.outward = axes.col(2);
   subject.superior = axes.col(1);

@@ -221,8 +221,10 @@ void simulate(ReamingScene& scene, Engine& engine, FrameSink& sink, const RunCon
 
 std::int64_t picture_interval(const RenderSettings& settings, std::int64_t frames) {
   constexpr std::int64_t kPictures = 10;
+  constexpr std::int64_t kFilmPictures = 150;
   if (settings.every_frames > 0) return settings.every_frames;
-  return std::max<std::int64_t>(1, (frames + kPictures - 1) / kPictures);
+  const std::int64_t pictures = settings.enabled && settings.film != "none" ? kFilmPictures : kPictures;
+  return std::max<std::int64_t>(1, (frames + pictures - 1) / pictures);
 }
 
 RunCost estimate_cost(const ReamingScene& scene) {

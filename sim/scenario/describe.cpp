@@ -56,6 +56,42 @@ void describe_implant(KeyVisitor& v, ImplantSettings& implant) {
            implant.gap_mm);
 }
 
+/// Positions further out than this are mistakes of unit or frame.
+constexpr Range kPlace = between(-10000, 10000);
+
+void describe_user_camera(KeyVisitor& v, UserCamera& camera) {
+  v.text({.name = "name", .doc = "Lower-case letters, digits, _ and -; ends the names of its files", .required = true},
+         camera.name);
+  v.text({.name = "frame", .doc = "Frame of position_mm, target_mm and up", .choices = {"bone", "glenoid"}},
+         camera.frame);
+  v.vector({.name = "position_mm", .doc = "Where the camera stands", .required = true, .range = kPlace},
+           camera.position_mm);
+  v.optional_vector({.name = "target_mm",
+                     .doc = "The middle of the picture; without it the glenoid's centre, or the reamed region",
+                     .range = kPlace},
+                    camera.target_mm);
+  v.optional_vector({.name = "up",
+                     .doc = "Upwards in the picture; without it superior",
+                     .range = between(-1000, 1000),
+                     .nonzero = true},
+                    camera.up);
+  v.text({.name = "projection",
+          .doc = "perspective: as an eye sees, and the scale bar holds at the target's distance only; orthographic: "
+                 "every length to scale",
+          .choices = {"perspective", "orthographic"}},
+         camera.projection);
+  v.number({.name = "fov_deg",
+            .doc = "Angle that the picture's height covers",
+            .range = between(1, 120),
+            .when = {"projection", {"perspective"}}},
+           camera.fov_deg);
+  v.number({.name = "width_mm",
+            .doc = "What the picture's width covers",
+            .range = between(0.1, 10000),
+            .when = {"projection", {"orthographic"}}},
+           camera.width_mm);
+}
+
 }  // namespace
 
 void describe_metrics(KeyVisitor& v, MetricSettings& metrics) {
@@ -74,13 +110,31 @@ void describe_render(KeyVisitor& v, RenderSettings& render) {
   v.integer({.name = "width_px", .doc = "Width of the pictures", .range = between(64, 16384)}, render.width_px);
   v.integer({.name = "height_px", .doc = "Height of the pictures", .range = between(64, 16384)}, render.height_px);
   v.integer({.name = "every_frames",
-             .doc = "Frames from one picture to the next; 0: ten pictures over the run",
+             .doc = "Frames from one picture to the next; 0: ten pictures over the run, 150 where there is a film",
              .range = between(0, 1e9)},
             render.every_frames);
   v.choices({.name = "cameras",
              .doc = "Views, each at most once; the first names its files without a suffix",
              .choices = {"oblique", "glenoid", "section", "overview"}},
             render.cameras);
+  v.list({.name = "user_cameras", .doc = "Cameras of your own; their files end in _NAME"}, render.user_cameras,
+         describe_user_camera);
+  v.flag({.name = "before_after",
+          .doc = "Make before_after.png for every camera: the bone before and after, side by side"},
+         render.before_after);
+  v.flag({.name = "contact_sheet", .doc = "Make contact_sheet.png: the run in up to twenty small pictures"},
+         render.contact_sheet);
+  v.integer({.name = "turntable_pictures",
+             .doc = "Make turntable/NNN.png: so many pictures of the reamed bone, all round its superior axis; 0: none",
+             .range = between(0, 3600)},
+            render.turntable_pictures);
+  v.text({.name = "film",
+          .doc = "Make a film of the pictures of the first camera, with force and torque running beside them, and one "
+                 "of the turntable. Takes ffmpeg",
+          .choices = {"none", "mp4", "webp", "apng"}},
+         render.film);
+  v.integer({.name = "film_rate_hz", .doc = "Pictures that a film shows per second", .range = between(1, 120)},
+            render.film_rate_hz);
   v.flag({.name = "tool", .doc = "Draw the reamer, see-through"}, render.tool);
   v.number({.name = "depth_max_mm",
             .doc = "Top of the depth legend; 0: the depth that the run reaches",

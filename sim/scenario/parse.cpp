@@ -108,6 +108,7 @@ RenderSettings parse_render_settings(const std::string& path, const std::vector<
   ScenarioReader reader(document, file, "");
   RenderSettings render;
   reader.section({.name = "render"}, render, describe_render);
+  check_cameras(render, reader.locations());
   return render;
 }
 

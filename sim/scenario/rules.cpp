@@ -1,6 +1,7 @@
 #include "sim/scenario/rules.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <string>
 
@@ -30,6 +31,7 @@ class Rules {
     check_implant();
     check_cutting();
     check_exact();
+    check_cameras(s_.render, at_);
   }
 
  private:
@@ -119,6 +121,11 @@ void Rules::check_frames_of_reference() const {
   if (s_.motion.frame == "glenoid") fail("motion.frame", "found glenoid, and there is no glenoid frame", expected);
   if (s_.bone.pilot_hole && s_.bone.pilot_hole->frame == "glenoid") {
     fail("bone.pilot_hole.frame", "found glenoid, and there is no glenoid frame", expected);
+  }
+  for (std::size_t i = 0; i < s_.render.user_cameras.size(); ++i) {
+    if (s_.render.user_cameras[i].frame != "glenoid") continue;
+    fail("render.user_cameras." + std::to_string(i) + ".frame", "found glenoid, and there is no glenoid frame",
+         expected);
   }
 }
 
@@ -229,10 +236,52 @@ void Rules::check_cutting() const {
   }
 }
 
+/// A name that tells files apart on any file system.
+bool names_a_file(const std::string& name) {
+  const auto fine = [](char c) { return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_' || c == '-'; };
+  return !name.empty() && name.size() <= 40 && std::ranges::all_of(name, fine);
+}
+
+bool is_built_in(const std::string& camera) {
+  constexpr std::array kBuiltIn{"oblique", "glenoid", "section", "overview"};
+  return std::ranges::find(kBuiltIn, camera) != kBuiltIn.end();
+}
+
+/// Does a camera before this one have its name?
+bool is_taken(const std::vector<UserCamera>& cameras, std::size_t index) {
+  const auto end = cameras.begin() + static_cast<std::ptrdiff_t>(index);
+  return std::any_of(cameras.begin(), end, [&](const UserCamera& c) { return c.name == cameras[index].name; });
+}
+
+// A camera closer to its target than this sees nothing of a bone.
+constexpr double kLeastView_mm = 0.1;
+
 }  // namespace
 
 void check_rules(const Scenario& scenario, const KeyLocations& locations) {
   Rules(scenario, locations).check();
+}
+
+void check_cameras(const RenderSettings& render, const KeyLocations& locations) {
+  for (std::size_t i = 0; i < render.user_cameras.size(); ++i) {
+    const UserCamera& camera = render.user_cameras[i];
+    const auto fail = [&](const char* name, const std::string& found, const std::string& expected) {
+      const std::string key = "render.user_cameras." + std::to_string(i) + "." + name;
+      throw InputError(locations.of(key), key, found, "expected " + expected);
+    };
+    const std::string expected = "up to 40 lower-case letters, digits, _ and -";
+    if (!names_a_file(camera.name)) fail("name", "found " + shown_text(camera.name), expected);
+    if (is_built_in(camera.name)) fail("name", "found the name of a camera that there is already", "another name");
+    if (is_taken(render.user_cameras, i)) fail("name", "found " + camera.name + " twice", "another name");
+    if (!camera.target_mm) continue;  // known only when the bone is
+    const Vec3 view = *camera.target_mm - camera.position_mm;
+    if (view.norm() < kLeastView_mm) {
+      fail("position_mm", "found target_mm", "a place at least " + number_text(kLeastView_mm) + " mm from it");
+    }
+    if (camera.up && sine_between(view, *camera.up) < kLeastSine) {
+      fail("up", "found the direction from position_mm to target_mm", "a direction across it");
+    }
+  }
 }
 
 }  // namespace reamsim

@@ -9,4 +9,8 @@ namespace reamsim {
 /// be. Throws InputError at the key that is at fault.
 void check_rules(const Scenario& scenario, const KeyLocations& locations);
 
+/// Those of the user's cameras: names that files can have, each once; a direction of view, and an up across it.
+/// Throws InputError.
+void check_cameras(const RenderSettings& render, const KeyLocations& locations);
+
 }  // namespace reamsim

@@ -249,13 +249,31 @@ struct MetricSettings {
 
 // ---- render, output ----------------------------------------------------------------------------------------------
 
+/// A camera of the user's own, drawn beside those in `cameras`.
+struct UserCamera {
+  std::string name;            ///< ends the names of its files
+  std::string frame = "bone";  ///< bone | glenoid: of position, target and up
+  Vec3 position_mm = Vec3::Zero();
+  std::optional<Vec3> target_mm;           ///< middle of the picture; without it the glenoid, or the reamed region
+  std::optional<Vec3> up;                  ///< without it superior
+  std::string projection = "perspective";  ///< perspective | orthographic
+  double fov_deg = 30;                     ///< perspective: of the picture's height
+  double width_mm = 60;                    ///< orthographic: of the picture
+};
+
 struct RenderSettings {
   bool enabled = true;
   std::string context = "osmesa";  ///< osmesa | egl
   int width_px = 1920;
   int height_px = 1080;
-  int every_frames = 0;                                               ///< 0 = ten pictures over the run
+  int every_frames = 0;                                               ///< 0 = ten pictures over the run, 150 for a film
   std::vector<std::string> cameras{"oblique", "glenoid", "section"};  ///< the first names the files without a suffix
+  std::vector<UserCamera> user_cameras;
+  bool before_after = true;
+  bool contact_sheet = true;
+  int turntable_pictures = 0;  ///< round the superior axis; 0 = none
+  std::string film = "none";   ///< none | mp4 | webp | apng
+  int film_rate_hz = 25;
   bool tool = true;
   double depth_max_mm = 0;  ///< top of the depth legend; 0 = the depth reached
 };

@@ -349,8 +349,8 @@ TEST_F(OtherPictures, WhatCannotBeDrawnOrWrittenIsARunError) {
   settings_.width_px = 320;
   std::ofstream(dir_.path() + "/frames") << "a file where the folder should be";
   EXPECT_THROW(render(), RunError);
-  std::vector<std::uint32_t> pixels(16);
-  EXPECT_THROW(write_png("/dev/full", pixels, 4, 4), RunError);
+  PixelImage image = plain_image(4, 4, 0);
+  EXPECT_THROW(write_png("/dev/full", image), RunError);
 }
 
 }  // namespace

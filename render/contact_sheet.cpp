@@ -1,0 +1,103 @@
+#include "render/contact_sheet.h"
+
+#include <algorithm>
+
+#include "render/canvas.h"
+#include "render/fixed_text.h"
+
+namespace reamsim {
+namespace {
+
+constexpr int kMostCells = 20;
+constexpr std::uint32_t kPage_rgb = 0xf4f6f9;
+/// Cells are neither flatter nor steeper than this, width over height.
+constexpr double kFlattest = 1.6;
+constexpr double kSteepest = 0.8;
+// What is left free round the cells, as shares of a page 1080 high and at least 1440 wide.
+constexpr double kSide = 28;
+constexpr double kHead = 104;
+constexpr double kFoot = 96;
+constexpr double kLegend = 230;
+constexpr double kGap = 8;
+constexpr double kCaption = 20;
+/// Cells shorter than this carry no caption: it could not be read.
+constexpr int kLeastCaptioned_px = 80;
+
+double page_unit(int width_px, int height_px) {
+  return std::min(height_px / 1080.0, width_px / 1440.0);
+}
+
+}  // namespace
+
+std::vector<std::int64_t> sheet_frames(const std::vector<std::int64_t>& frames) {
+  const std::size_t count = std::min<std::size_t>(frames.size(), kMostCells);
+  if (count < 2) return frames;
+  std::vector<std::int64_t> out;
+  for (std::size_t i = 0; i < count; ++i) {
+    out.push_back(frames[(2 * i * (frames.size() - 1) + count - 1) / (2 * (count - 1))]);
+  }
+  return out;
+}
+
+SheetGrid sheet_grid(int cells, int width_px, int height_px) {
+  const bool bare = std::min(width_px, height_px) < kLeastLabelled_px;
+  const double u = bare ? 0 : page_unit(width_px, height_px);
+  const Box area{kSide * u, kHead * u, width_px - (kSide + kLegend) * u, height_px - (kHead + kFoot) * u};
+  SheetGrid best{1, cells, 1, 1, area, static_cast<int>(kGap * u)};
+  double largest = 0;
+  for (int columns = 1; columns <= cells; ++columns) {
+    const int rows = (cells + columns - 1) / columns;
+    double width = (area.width - (columns - 1) * best.gap_px) / columns;
+    double height = (area.height - (rows - 1) * best.gap_px) / rows;
+    width = std::min(width, kFlattest * height);
+    height = std::min(height, width / kSteepest);
+    if (width * height <= largest) continue;
+    largest = width * height;
+    best.columns = columns;
+    best.rows = rows;
+    best.cell_width_px = std::max(1, static_cast<int>(width));
+    best.cell_height_px = std::max(1, static_cast<int>(height));
+  }
+  return best;
+}
+
+ContactSheet::ContactSheet(const Studio& studio, const std::string& camera)
+    : frames_(sheet_frames(studio.frames())),
+      grid_(sheet_grid(static_cast<int>(frames_.size()), studio.settings().width_px, studio.settings().height_px)),
+      camera_(studio.closer_camera(camera, grid_.cell_width_px, grid_.cell_height_px)),
+      page_(plain_image(studio.settings().width_px, studio.settings().height_px, kPage_rgb)) {}
+
+void ContactSheet::add(Studio& studio, std::int64_t frame) {
+  if (!std::ranges::binary_search(frames_, frame)) return;
+  const ForceRow& row = studio.row_of(frame);
+  const std::optional<Rigid> tool = studio.tool_at(row);
+  PixelImage cell = studio.photograph(camera_, tool);
+  draw_outlines(cell, camera_, studio.labels(camera_, tool));
+  if (cell.height_px >= kLeastCaptioned_px) {
+    const double u = page_unit(page_.width_px, page_.height_px);
+    const Canvas canvas(cell);
+    const TextLine text(canvas, fixed_text(row.time_s, 3) + " s · " + fixed_text(row.depth_mm, 2) + " mm",
+                        kCaption * u);
+    canvas.paper({8 * u, 8 * u, text.width + 16 * u, text.height + 8 * u}, 5 * u);
+    canvas.ink(kInk);
+    text.draw(16 * u, 12 * u);
+    canvas.finish();
+  }
+  const int column = done_ % grid_.columns;
+  const int line = done_ / grid_.columns;
+  page_.paste(cell, static_cast<int>(grid_.area.x) + column * (grid_.cell_width_px + grid_.gap_px),
+              static_cast<int>(grid_.area.y) + line * (grid_.cell_height_px + grid_.gap_px));
+  ++done_;
+}
+
+PixelImage ContactSheet::finish(const Studio& studio) {
+  Camera page = camera_;
+  page.width_px = page_.width_px;
+  page.height_px = page_.height_px;
+  Labels labels = studio.labels(camera_, std::nullopt);
+  labels.title = "Time and depth along the run";
+  draw_labels(page_, page, labels);
+  return std::move(page_);
+}
+
+}  // namespace reamsim

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "render/encoder.h"
+#include "render/force_panel.h"
+#include "render/studio.h"
+
+namespace reamsim {
+
+/// How a film's picture is parted: the bone, and the force plots beside it, or below it where the film stands upright.
+struct FilmLayout {
+  int width_px, height_px;  ///< of the film; even, as H.264 wants them
+  Box bone, panel;          ///< whole pixels; panel.width is 0 where a plot could not be read
+  double unit;              ///< pixels per pixel of a film 1080 high
+};
+FilmLayout film_layout(int width_px, int height_px);
+
+/// The film of a run: a frame per snapshot, with force and torque running beside the bone.
+class Film {
+ public:
+  /// Starts `path`, of the settings' size, rate and format, seen by `camera`. Throws RunError: no ffmpeg.
+  Film(const std::string& path, const Studio& studio, const std::string& camera);
+
+  /// The next frame: what the studio shows now, at this row of the log.
+  void add(Studio& studio, const ForceRow& row);
+  /// Puts the file in place.
+  void finish();
+
+ private:
+  FilmLayout layout_;
+  Camera camera_;
+  std::string widest_value_;
+  std::unique_ptr<ForcePanel> panel_;  ///< none where it could not be read
+  FilmEncoder encoder_;
+};
+
+}  // namespace reamsim

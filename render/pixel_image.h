@@ -1,0 +1,33 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace reamsim {
+
+/// A part of a picture. Pixels, y down; width 0 is nothing.
+struct Box {
+  double x = 0;
+  double y = 0;
+  double width = 0;
+  double height = 0;
+};
+
+/// A picture: BGRA (as Cairo's RGB24 has it), top row first.
+struct PixelImage {
+  int width_px = 0;
+  int height_px = 0;
+  std::vector<std::uint32_t> pixels;
+
+  /// Puts `part` over this picture, its upper left corner at (x, y), 0 or more. What does not fit is left out.
+  void paste(const PixelImage& part, int x, int y);
+};
+
+/// A picture of one colour, 0xRRGGBB.
+PixelImage plain_image(int width_px, int height_px, std::uint32_t rgb);
+
+/// Writes the picture as a PNG. Throws RunError when it cannot be written.
+void write_png(const std::string& path, PixelImage& image);
+
+}  // namespace reamsim

@@ -1,0 +1,229 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+
+#include "render/contact_sheet.h"
+#include "render/render.h"
+#include "render/studio.h"
+#include "sim/base/error.h"
+#include "tests/render/picture_file.h"
+#include "tests/render/results_fixture.h"
+#include "tests/support/temp_dir.h"
+
+namespace reamsim {
+namespace {
+
+using test::Picture;
+namespace fs = std::filesystem;
+
+constexpr int kWidth = 640;
+constexpr int kHeight = 360;
+
+RenderSettings plain_settings() {
+  RenderSettings settings;
+  settings.width_px = kWidth;
+  settings.height_px = kHeight;
+  settings.cameras = {"glenoid"};
+  settings.before_after = false;
+  settings.contact_sheet = false;
+  return settings;
+}
+
+/// Looks at the glenoid's face from 100 mm, superior up.
+UserCamera own_camera() {
+  UserCamera camera;
+  camera.name = "own";
+  camera.frame = "glenoid";
+  camera.position_mm = Vec3(0, 0, 100);
+  camera.target_mm = Vec3::Zero();
+  camera.up = Vec3::UnitY();
+  camera.fov_deg = 30;
+  return camera;
+}
+
+/// What the background is made of: light and a little blue.
+bool is_background(const Eigen::Vector3i& color) {
+  return color.z() >= color.y() && color.y() >= color.x() && color.x() > 190 && color.z() - color.x() < 20;
+}
+
+class Views : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    FixtureOptions options;
+    options.voxel_mm = 1;
+    options.every = 10;  // seven snapshots
+    truth_ = write_results(dir_.path(), options);
+  }
+  void render(const PictureChoice& choice = {}) {
+    render_pictures(dir_.path(), settings_, 0.25, nullptr, nullptr, choice);
+  }
+  [[nodiscard]] Picture picture(const std::string& name) const { return test::read_picture(dir_.path() + "/" + name); }
+
+  test::TempDir dir_;
+  FixtureTruth truth_;
+  RenderSettings settings_ = plain_settings();
+};
+
+TEST_F(Views, BeforeAndAfterAreSeenByTheSameCamera) {
+  settings_.before_after = true;
+  render({.stills = false});
+  EXPECT_FALSE(fs::exists(dir_.path() + "/reamed.png"));
+  const Picture both = picture("before_after.png");
+  ASSERT_EQ(both.width, kWidth);
+  ASSERT_EQ(both.height, kHeight);
+
+  const Studio studio(dir_.path(), settings_, 0.25, nullptr);
+  const int gap = 2;  // of 640 pixels
+  const int half = (kWidth - gap) / 2;
+  const Camera camera = studio.closer_camera("glenoid", half, kHeight);
+  const auto colors_at = [&](const Vec3& glenoid_mm) {
+    const Vec2 at = camera.pixel(truth_.bone_from_glenoid * glenoid_mm);
+    const int x = static_cast<int>(at.x());
+    const int y = static_cast<int>(at.y());
+    EXPECT_TRUE(x >= 0 && x < half);
+    return std::pair(both.at(x, y), both.at(half + gap + x, y));
+  };
+  const auto [whole, reamed] = colors_at(Vec3(4, -4, -2));
+  EXPECT_TRUE(test::looks_like_bone(whole)) << whole.transpose();
+  EXPECT_FALSE(test::looks_like_bone(reamed)) << reamed.transpose();
+  for (const Vec3& untouched : {Vec3(0, -16.5, 0), Vec3(0, 16, 0)}) {
+    const auto [left, right] = colors_at(untouched);
+    EXPECT_TRUE(test::looks_like_bone(left));
+    EXPECT_LE((left - right).cwiseAbs().maxCoeff(), 3);
+  }
+  EXPECT_EQ(both.at(half, kHeight / 2), Eigen::Vector3i(255, 255, 255)) << "the halves are parted";
+}
+
+TEST_F(Views, EachCameraHasItsOwnBeforeAndAfter) {
+  settings_.before_after = true;
+  settings_.cameras = {"oblique", "section"};
+  settings_.user_cameras = {own_camera()};
+  render({.stills = false});
+  for (const char* name : {"before_after.png", "before_after_section.png", "before_after_own.png"}) {
+    EXPECT_EQ(picture(name).width, kWidth) << name;
+  }
+}
+
+TEST_F(Views, AUsersCameraSeesWhatAPinholeSees) {
+  settings_.user_cameras = {own_camera()};
+  render();
+  EXPECT_FALSE(fs::exists(dir_.path() + "/reamed_glenoid.png")) << "the first camera's files have no suffix";
+  EXPECT_TRUE(fs::exists(dir_.path() + "/frames/000030_own.png"));
+  const Picture seen = picture("reamed_own.png");
+  ASSERT_EQ(seen.width, kWidth);
+  const double focal_px = 0.5 * kHeight / std::tan(15 * 3.14159265358979 / 180);
+  const auto color_at = [&](const Vec3& p) {
+    return seen.at(static_cast<int>(0.5 * kWidth + focal_px * p.x() / (100 - p.z())),
+                   static_cast<int>(0.5 * kHeight - focal_px * p.y() / (100 - p.z())));
+  };
+  // The bump on the superior rim is a ball of 3 mm about (0, 15, 0.5).
+  EXPECT_TRUE(test::looks_like_bone(color_at(Vec3(0, 15, 3))));
+  EXPECT_TRUE(test::looks_like_bone(color_at(Vec3(0, 17.2, 0.5))));
+  EXPECT_TRUE(is_background(color_at(Vec3(0, 19.2, 0.5))));
+  EXPECT_TRUE(is_background(color_at(Vec3(0, -19.5, -16)))) << "there is no bump on the inferior rim";
+}
+
+TEST_F(Views, FilesKeepTheirNamesWhenACameraIsDrawnAlone) {
+  settings_.cameras = {"section"};
+  render({.plain_camera = "oblique"});
+  EXPECT_TRUE(fs::exists(dir_.path() + "/reamed_section.png"));
+  EXPECT_FALSE(fs::exists(dir_.path() + "/reamed.png"));
+}
+
+TEST(ContactSheetTest, TwentyFramesAtMostFirstAndLastAmongThem) {
+  const auto count_to = [](std::int64_t last) {
+    std::vector<std::int64_t> frames;
+    for (std::int64_t i = 0; i <= last; ++i) frames.push_back(7 * i);
+    return frames;
+  };
+  EXPECT_EQ(sheet_frames(count_to(0)), count_to(0));
+  EXPECT_EQ(sheet_frames(count_to(10)), count_to(10));
+  EXPECT_EQ(sheet_frames(count_to(19)), count_to(19));
+  const auto many = sheet_frames(count_to(150));
+  ASSERT_EQ(many.size(), 20U);
+  EXPECT_EQ(many.front(), 0);
+  EXPECT_EQ(many.back(), 7 * 150);
+  for (std::size_t i = 1; i < many.size(); ++i) {
+    EXPECT_NEAR(static_cast<double>(many[i] - many[i - 1]), 7 * 150 / 19.0, 7);
+  }
+}
+
+TEST(ContactSheetTest, EveryCellHasItsPlaceOnThePage) {
+  for (const auto& [width, height] : {std::pair{1920, 1080}, {1080, 1920}, {640, 360}, {64, 64}}) {
+    for (int cells = 1; cells <= 20; ++cells) {
+      const SheetGrid grid = sheet_grid(cells, width, height);
+      EXPECT_GE(grid.columns * grid.rows, cells);
+      EXPECT_LT((grid.columns - 1) * grid.rows, cells) << "an empty column";
+      const double right = grid.area.x + grid.columns * (grid.cell_width_px + grid.gap_px) - grid.gap_px;
+      const double bottom = grid.area.y + grid.rows * (grid.cell_height_px + grid.gap_px) - grid.gap_px;
+      EXPECT_LE(right, width);
+      EXPECT_LE(bottom, height);
+    }
+  }
+}
+
+TEST_F(Views, TheContactSheetHasACellPerSnapshot) {
+  settings_.contact_sheet = true;
+  render({.stills = false});
+  const Picture sheet = picture("contact_sheet.png");
+  ASSERT_EQ(sheet.width, kWidth);
+  ASSERT_EQ(sheet.height, kHeight);
+  const SheetGrid grid = sheet_grid(7, kWidth, kHeight);
+  int with_bone = 0;
+  for (int i = 0; i < grid.columns * grid.rows; ++i) {
+    const int x0 = static_cast<int>(grid.area.x) + i % grid.columns * (grid.cell_width_px + grid.gap_px);
+    const int y0 = static_cast<int>(grid.area.y) + i / grid.columns * (grid.cell_height_px + grid.gap_px);
+    int bone = 0;
+    for (int y = y0; y < y0 + grid.cell_height_px; ++y) {
+      for (int x = x0; x < x0 + grid.cell_width_px; ++x) bone += test::looks_like_bone(sheet.at(x, y)) ? 1 : 0;
+    }
+    if (bone > 50) {
+      ++with_bone;
+      EXPECT_EQ(i + 1, with_bone) << "cells are filled by rows";
+    }
+  }
+  EXPECT_EQ(with_bone, 7);
+}
+
+TEST_F(Views, TheTurntableHasItsPicturesAndComesRound) {
+  settings_.turntable_pictures = 4;
+  render({.stills = false});
+  for (const char* name : {"000.png", "001.png", "002.png", "003.png"}) {
+    EXPECT_EQ(picture(std::string("turntable/") + name).width, kWidth) << name;
+  }
+  EXPECT_FALSE(fs::exists(dir_.path() + "/turntable/004.png"));
+  // From the front the reamed face shows, from behind it does not.
+  const auto unlike_bone = [&](const std::string& name) {
+    const Picture seen = picture(name);
+    int green = 0;
+    for (int y = kHeight / 4; y < 3 * kHeight / 4; ++y) {
+      for (int x = kWidth / 3; x < 2 * kWidth / 3; ++x) {
+        const Eigen::Vector3i color = seen.at(x, y);
+        green += color.y() > color.x() + 25 ? 1 : 0;
+      }
+    }
+    return green;
+  };
+  EXPECT_GT(unlike_bone("turntable/000.png"), 500);
+  EXPECT_LT(unlike_bone("turntable/002.png"), 20);
+}
+
+TEST_F(Views, ViewsOfAnySize) {
+  settings_.before_after = settings_.contact_sheet = true;
+  settings_.turntable_pictures = 1;
+  for (const auto& [width, height] : {std::pair{33, 17}, {1, 1}, {321, 641}, {900, 210}}) {
+    settings_.width_px = width;
+    settings_.height_px = height;
+    render({.stills = false});
+    for (const char* name : {"before_after.png", "contact_sheet.png", "turntable/000.png"}) {
+      const Picture seen = picture(name);
+      EXPECT_EQ(seen.width, width) << name;
+      EXPECT_EQ(seen.height, height) << name;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace reamsim
