@@ -5,6 +5,7 @@
 #include "cli/commands.h"
 #include "cli/scenario_options.h"
 #include "render/render.h"
+#include "render/report/report.h"
 #include "sim/base/error.h"
 #include "sim/record/output_folder.h"
 #include "sim/run/results.h"
@@ -98,6 +99,9 @@ void run_in(OutputFolder& folder, const Scenario& scenario, const Console& conso
   const double render_s = make_pictures(folder.path(), scenario, scene.bone.voxmap.grid.voxel_mm, report, console);
   tell(report, facts, console);
   write_summary(folder.path(), scene, recorder.totals(), facts, render_s);
+  if (scenario.render.enabled) {
+    write_report(folder.path(), scenario.render, averaged_travel_mm(scenario.cutting, scene.bone.voxmap.grid.voxel_mm));
+  }
   say_summary(console, recorder.totals(), facts);
 }
 
