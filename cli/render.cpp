@@ -59,7 +59,7 @@ void render_command(const RenderOptions& options, const Console& console) {
   console.tell(report);
   write_force_plots(options.dir, mean_mm);
   write_depth_picture(options.dir, settings.depth_max_mm);
-  write_report(options.dir, settings, mean_mm);
+  if (settings.report) write_report(options.dir, settings, mean_mm);
   console.say("pictures: " + options.dir + "/frames/, " + options.dir + "/reamed.png");
 }
 

@@ -99,7 +99,7 @@ void run_in(OutputFolder& folder, const Scenario& scenario, const Console& conso
   const double render_s = make_pictures(folder.path(), scenario, scene.bone.voxmap.grid.voxel_mm, report, console);
   tell(report, facts, console);
   write_summary(folder.path(), scene, recorder.totals(), facts, render_s);
-  if (scenario.render.enabled) {
+  if (scenario.render.enabled && scenario.render.report) {
     write_report(folder.path(), scenario.render, averaged_travel_mm(scenario.cutting, scene.bone.voxmap.grid.voxel_mm));
   }
   say_summary(console, recorder.totals(), facts);

@@ -45,44 +45,41 @@ std::uint16_t zigzag(std::uint16_t difference) {
   return static_cast<std::uint16_t>((difference << 1) ^ (difference & 0x8000 ? 0xFFFF : 0));
 }
 
-void put_positions(const BoneSurface& surface, const Eigen::AlignedBox3f& box, std::vector<std::uint8_t>& out) {
-  const std::size_t count = vertex_count(surface);
-  const Eigen::Vector3f size = box.sizes().cwiseMax(1e-6F);
-  for (int axis = 0; axis < 3; ++axis) {
-    std::vector<std::uint8_t> high;
-    std::uint16_t before = 0;
-    for (std::size_t i = 0; i < count; ++i) {
-      const float share = (surface.vertices[i * BoneSurface::kStride + axis] - box.min()[axis]) / size[axis];
-      const auto place = static_cast<std::uint16_t>(std::lround(65535 * std::clamp(share, 0.0F, 1.0F)));
-      const std::uint16_t code = zigzag(static_cast<std::uint16_t>(place - before));
-      before = place;
-      out.push_back(static_cast<std::uint8_t>(code & 255));
-      high.push_back(static_cast<std::uint8_t>(code >> 8));
-    }
-    out.insert(out.end(), high.begin(), high.end());
+/// One number of every vertex, 0…65535 from `low` to `low` + `size`.
+void put_numbers16(const BoneSurface& surface, std::size_t part, float low, float size,
+                   std::vector<std::uint8_t>& out) {
+  std::vector<std::uint8_t> high;
+  std::uint16_t before = 0;
+  for (std::size_t i = part; i < surface.vertices.size(); i += BoneSurface::kStride) {
+    const float share = (surface.vertices[i] - low) / size;
+    const auto now = static_cast<std::uint16_t>(std::lround(65535 * std::clamp(share, 0.0F, 1.0F)));
+    const std::uint16_t code = zigzag(static_cast<std::uint16_t>(now - before));
+    before = now;
+    out.push_back(static_cast<std::uint8_t>(code & 255));
+    high.push_back(static_cast<std::uint8_t>(code >> 8));
   }
+  out.insert(out.end(), high.begin(), high.end());
 }
 
-/// The seven bytes of a vertex that are not its place.
-std::array<std::uint8_t, 7> dress(const float* vertex, double depth_max_mm) {
-  std::array<std::uint8_t, 7> out;
+/// The bytes of a vertex for its normal and what it is dressed in but depth.
+std::array<std::uint8_t, 6> dress(const float* vertex) {
+  std::array<std::uint8_t, 6> out;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     out[axis] = static_cast<std::uint8_t>(std::lround(127 * std::clamp(vertex[kNormal + axis], -1.0F, 1.0F)));
   }
-  out[3] = byte_of(vertex[kDepth] / static_cast<float>(depth_max_mm));
-  out[4] = byte_of(vertex[kReamed]);
-  out[5] = byte_of(vertex[kDensity] / static_cast<float>(DensityMapping::kMaxDensity_g_cm3));
-  out[6] = byte_of(vertex[kOpenness]);
+  out[3] = byte_of(vertex[kReamed]);
+  out[4] = byte_of(vertex[kDensity] / static_cast<float>(DensityMapping::kMaxDensity_g_cm3));
+  out[5] = byte_of(vertex[kOpenness]);
   return out;
 }
 
-void put_dress(const BoneSurface& surface, double depth_max_mm, std::vector<std::uint8_t>& out) {
+void put_dress(const BoneSurface& surface, std::vector<std::uint8_t>& out) {
   const std::size_t count = vertex_count(surface);
   const std::size_t from = out.size();
-  out.resize(from + 7 * count);
-  std::array<std::uint8_t, 7> before{};
+  std::array<std::uint8_t, 6> before{};
+  out.resize(from + before.size() * count);
   for (std::size_t i = 0; i < count; ++i) {
-    const auto now = dress(surface.vertices.data() + i * BoneSurface::kStride, depth_max_mm);
+    const auto now = dress(surface.vertices.data() + i * BoneSurface::kStride);
     for (std::size_t part = 0; part < now.size(); ++part) {
       out[from + part * count + i] = static_cast<std::uint8_t>(now[part] - before[part]);
     }
@@ -128,8 +125,11 @@ BoneSurface thinned(const BoneSurface& surface, const MeshBudget& budget) {
 
 std::vector<std::uint8_t> mesh_bytes(const BoneSurface& surface, const Eigen::AlignedBox3f& box, double depth_max_mm) {
   std::vector<std::uint8_t> out;
-  put_positions(surface, box, out);
-  put_dress(surface, depth_max_mm, out);
+  for (int axis = 0; axis < 3; ++axis) {
+    put_numbers16(surface, static_cast<std::size_t>(axis), box.min()[axis], std::max(box.sizes()[axis], 1e-6F), out);
+  }
+  put_numbers16(surface, kDepth, 0, static_cast<float>(depth_max_mm), out);
+  put_dress(surface, out);
   put_corners(surface.indices, out);
   return out;
 }

@@ -14,6 +14,7 @@
 
 #include "render/report/markup.h"
 #include "sim/base/error.h"
+#include "sim/base/parallel.h"
 
 namespace reamsim {
 namespace {
@@ -82,18 +83,17 @@ std::string jpeg_base64(const Image& image) {
 }  // namespace
 
 std::vector<PagePicture> page_pictures(const std::vector<std::string>& paths, int most_px, std::size_t most_bytes) {
-  std::vector<PagePicture> out;
+  std::vector<PagePicture> out(paths.size());
   for (int width = most_px; width >= most_px / 8; width = width * 3 / 4) {
-    out.clear();
+    parallel_items(paths.size(), [&](std::size_t i) {
+      const Image image = scaled(read_png(paths[i]), width);
+      out[i] = {.name = std::filesystem::path(paths[i]).stem().string(),
+                .width_px = cairo_image_surface_get_width(image.get()),
+                .height_px = cairo_image_surface_get_height(image.get()),
+                .jpeg_base64 = jpeg_base64(image)};
+    });
     std::size_t bytes = 0;
-    for (const std::string& path : paths) {
-      const Image image = scaled(read_png(path), width);
-      out.push_back({.name = std::filesystem::path(path).stem().string(),
-                     .width_px = cairo_image_surface_get_width(image.get()),
-                     .height_px = cairo_image_surface_get_height(image.get()),
-                     .jpeg_base64 = jpeg_base64(image)});
-      bytes += out.back().jpeg_base64.size();
-    }
+    for (const PagePicture& picture : out) bytes += picture.jpeg_base64.size();
     if (bytes <= most_bytes) break;
   }
   return out;

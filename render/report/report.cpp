@@ -4,6 +4,7 @@
 #include <array>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <vector>
 
 #include "render/report/bone_data.h"
@@ -122,31 +123,37 @@ std::string text_of(const Json& summary, const char* key, const std::string& pat
   throw InputError({path, 0, 0}, key, "found no text", "expected the summary.json of a run");
 }
 
+/// The data that the page's scripts work on.
+Json script_data(const std::string& dir, const RenderSettings& settings, double mean_travel_mm) {
+  RunResults results = read_results(dir);
+  add_layer_means(results.log, mean_travel_mm);
+  return {{"plot", plot_data(results.log, mean_travel_mm)},
+          {"pictures", frames_json(dir, results, settings.cameras)},
+          {"bone", bone_data(results, settings)}};
+}
+
 std::string page_html(const std::string& dir, const RenderSettings& settings, double mean_travel_mm) {
   const std::string summary_path = dir + "/summary.json", verification_path = dir + "/verification.json";
   const Json summary = read_json(summary_path, "the summary.json of a run");
   const Json verification =
       fs::exists(verification_path) ? read_json(verification_path, "the verification.json of reamsim verify") : Json();
-  RunResults results = read_results(dir);
-  add_layer_means(results.log, mean_travel_mm);
-  Json data{{"plot", plot_data(results.log, mean_travel_mm)},
-            {"pictures", frames_json(dir, results, settings.cameras)},
-            {"bone", bone_data(results, settings)}};
-  return fill_page(embedded::report_page,
-                   {{"title", text_of(summary, "scenario", summary_path)},
-                    {"program", text_of(summary, "program", summary_path)},
-                    {"device", text_of(summary, "device", summary_path)},
-                    {"style", embedded::report_style},
-                    {"warnings", warnings_html(summary, summary_path)},
-                    {"key_figures", key_figures_html(summary, summary_path)},
-                    {"tables", summary_tables_html(summary, summary_path)},
-                    {"figures", pictures_html(dir, settings.cameras.front())},
-                    {"printed_plot", printed_plot_html(dir)},
-                    {"verification", verification_html(summary, verification, summary_path, verification_path)},
-                    {"provenance", provenance_html(summary, summary_path)},
-                    {"scenario", escape_html(read_whole(dir + "/scenario.yaml", "the scenario.yaml of a run"))},
-                    {"data", json_for_script(data)},
-                    {"script", embedded::report_script}});
+  std::map<std::string, std::string> texts{
+      {"title", text_of(summary, "scenario", summary_path)},
+      {"program", text_of(summary, "program", summary_path)},
+      {"device", text_of(summary, "device", summary_path)},
+      {"style", embedded::report_style},
+      {"warnings", warnings_html(summary, summary_path)},
+      {"key_figures", key_figures_html(summary, summary_path)},
+      {"tables", summary_tables_html(summary, summary_path)},
+      {"printed_plot", printed_plot_html(dir)},
+      {"verification", verification_html(summary, verification, summary_path, verification_path)},
+      {"provenance", provenance_html(summary, summary_path)},
+      {"scenario", escape_html(read_whole(dir + "/scenario.yaml", "the scenario.yaml of a run"))},
+      {"script", embedded::report_script}};
+  // What takes long comes when all the rest is known to be right.
+  texts["figures"] = pictures_html(dir, settings.cameras.front());
+  texts["data"] = json_for_script(script_data(dir, settings, mean_travel_mm));
+  return fill_page(embedded::report_page, texts);
 }
 
 }  // namespace

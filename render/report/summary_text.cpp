@@ -25,10 +25,12 @@ struct Table {
   std::span<const Line> lines;
 };
 
+constexpr const char* kPeakForce = "/forces/peak_axial_force_n";
+constexpr const char* kPeakTorque = "/forces/peak_spin_torque_nmm";
 constexpr std::array kKeyFigures{Line{"/removed_mm3", "Bone removed", "mm³"},
                                  Line{"/metrics/depth/max_mm", "Greatest depth", "mm"},
-                                 Line{"/forces/peak_layer_axial_force_n", "Peak axial force", "N"},
-                                 Line{"/forces/peak_layer_spin_torque_nmm", "Peak spin torque", "N·mm"},
+                                 Line{kPeakForce, "Peak axial force", "N"},
+                                 Line{kPeakTorque, "Peak spin torque", "N·mm"},
                                  Line{"/metrics/dense_bone_left/mean_mm", "Dense bone left, mean", "mm"},
                                  Line{"/balance", "Energy balance", ""}};
 
@@ -132,6 +134,11 @@ std::string with_thousands(std::string text) {
   return text;
 }
 
+double rounded(double value, int decimals) {
+  const double step = std::pow(10.0, decimals);
+  return std::round(value * step) / step;
+}
+
 std::string raised(int exponent) {
   static const std::array<const char*, 10> digits{"⁰", "¹", "²", "³", "⁴", "⁵", "⁶", "⁷", "⁸", "⁹"};
   std::string out = exponent < 0 ? "⁻" : "";
@@ -152,8 +159,10 @@ std::string number_text(double value, int digits) {
     std::snprintf(text.data(), text.size(), "%.1f", value / std::pow(10.0, exponent));
     out = std::string(text.data()) + " × 10" + raised(exponent);
   } else {
-    const bool whole = value == std::round(value) && std::abs(value) < 1e15;
-    std::snprintf(text.data(), text.size(), "%.*f", whole ? 0 : std::max(0, digits - 1 - exponent), value);
+    // 0.25 stays 0.25, but 28.996 becomes 29.00: there the zeros say something.
+    int decimals = std::max(0, digits - 1 - exponent);
+    while (decimals > 0 && std::abs(value - rounded(value, decimals - 1)) < 1e-9 * std::abs(value)) --decimals;
+    std::snprintf(text.data(), text.size(), "%.*f", decimals, value);
     out = with_thousands(text.data());
   }
   if (out.front() == '-') out.replace(0, 1, "−");
@@ -161,8 +170,14 @@ std::string number_text(double value, int digits) {
 }
 
 std::string key_figures_html(const Json& summary, const std::string& path) {
+  // Where voxels go whole single frames are spikes, so that pictures and plots show means over a voxel of travel.
+  const bool single_frames = text_at(summary, "erosion", path) == "exact";
   std::string out;
-  for (const Line& line : kKeyFigures) {
+  for (Line line : kKeyFigures) {
+    if (!single_frames && std::string_view(line.pointer) == kPeakForce)
+      line.pointer = "/forces/peak_layer_axial_force_n";
+    if (!single_frames && std::string_view(line.pointer) == kPeakTorque)
+      line.pointer = "/forces/peak_layer_spin_torque_nmm";
     const std::string value = value_text(summary, line, path);
     if (value.empty()) continue;
     out += std::string("<div><dt>") + line.label + "</dt><dd>" + value + unit_html(line.unit) + "</dd></div>\n";

@@ -82,6 +82,7 @@ void describe_render(KeyVisitor& v, RenderSettings& render) {
              .choices = {"oblique", "glenoid", "section", "overview"}},
             render.cameras);
   v.flag({.name = "tool", .doc = "Draw the reamer, see-through"}, render.tool);
+  v.flag({.name = "report", .doc = "Write report.html, a page that holds the run, beside the pictures"}, render.report);
   v.number({.name = "depth_max_mm",
             .doc = "Top of the depth legend; 0: the depth that the run reaches",
             .range = between(0, 200)},

@@ -257,6 +257,7 @@ struct RenderSettings {
   int every_frames = 0;                                               ///< 0 = ten pictures over the run
   std::vector<std::string> cameras{"oblique", "glenoid", "section"};  ///< the first names the files without a suffix
   bool tool = true;
+  bool report = true;       ///< write report.html beside the pictures
   double depth_max_mm = 0;  ///< top of the depth legend; 0 = the depth reached
 };
 

@@ -53,11 +53,14 @@ TEST(Markup, WhatIsPutInIsNotLookedAtAgain) {
 TEST(SummaryText, WritesNumbersForPeople) {
   EXPECT_EQ(number_text(0), "0");
   EXPECT_EQ(number_text(726.6634), "726.7");
-  EXPECT_EQ(number_text(-0.0119), "−0.01190");
+  EXPECT_EQ(number_text(-0.011907), "−0.01191");
   EXPECT_EQ(number_text(27319.31), "27\u2009319");
   EXPECT_EQ(number_text(9999.96), "10\u2009000");
   EXPECT_EQ(number_text(-8.2e-8), "−8.2 × 10⁻⁸");
   EXPECT_EQ(number_text(3301, 15), "3301");
+  EXPECT_EQ(number_text(0.25), "0.25");
+  EXPECT_EQ(number_text(5.000000000000005), "5");
+  EXPECT_EQ(number_text(28.99556), "29.00");
 }
 
 TEST(PictureData, ChoosesEvenlyWithBothEnds) {
@@ -193,24 +196,26 @@ TEST(MeshData, LeavesASmallMeshAsItIs) {
 /// Reads back what mesh_bytes() wrote.
 struct Unpacked {
   Unpacked(const Bytes& bytes, std::size_t vertices, std::size_t corners, const Eigen::AlignedBox3f& box)
-      : places(vertices), dress(vertices) {
-    for (int axis = 0; axis < 3; ++axis) {
-      std::uint16_t place = 0;
+      : places(vertices), depth(vertices), dress(vertices) {
+    for (std::size_t i = 0; i < vertices; ++i) places[i] = box.min();
+    for (std::size_t part = 0; part < 4; ++part) {
+      std::uint16_t value = 0;
       for (std::size_t i = 0; i < vertices; ++i) {
-        const std::size_t low = 2 * static_cast<std::size_t>(axis) * vertices + i;
-        const int code = bytes[low] | bytes[low + vertices] << 8;
-        place = static_cast<std::uint16_t>(place + ((code >> 1) ^ -(code & 1)));
-        places[i][axis] = box.min()[axis] + box.sizes()[axis] * static_cast<float>(place) / 65535;
+        const int code = bytes[2 * part * vertices + i] | bytes[(2 * part + 1) * vertices + i] << 8;
+        value = static_cast<std::uint16_t>(value + ((code >> 1) ^ -(code & 1)));
+        const auto share = static_cast<float>(value) / 65535;
+        if (part < 3) places[i][static_cast<int>(part)] += box.sizes()[static_cast<int>(part)] * share;
+        if (part == 3) depth[i] = share;
       }
     }
-    for (std::size_t part = 0; part < 7; ++part) {
+    for (std::size_t part = 0; part < 6; ++part) {
       std::uint8_t value = 0;
       for (std::size_t i = 0; i < vertices; ++i) {
-        value = static_cast<std::uint8_t>(value + bytes[(6 + part) * vertices + i]);
+        value = static_cast<std::uint8_t>(value + bytes[(8 + part) * vertices + i]);
         dress[i][part] = value;
       }
     }
-    std::size_t at = 13 * vertices;
+    std::size_t at = 14 * vertices;
     std::uint32_t next = 0;
     for (std::size_t i = 0; i < corners; ++i) {
       std::uint32_t below = 0;
@@ -224,7 +229,8 @@ struct Unpacked {
     rest = bytes.size() - at;
   }
   std::vector<Eigen::Vector3f> places;
-  std::vector<std::array<std::uint8_t, 7>> dress;
+  std::vector<float> depth;  // of the greatest
+  std::vector<std::array<std::uint8_t, 6>> dress;
   std::vector<std::uint32_t> indices;
   std::size_t rest = 0;
 };
@@ -244,10 +250,10 @@ TEST(MeshData, BytesReadBackWithinTheirSteps) {
     for (std::size_t axis = 0; axis < 3; ++axis) {
       EXPECT_NEAR(static_cast<std::int8_t>(back.dress[i][axis]), 127 * v[3 + axis], 0.51);
     }
-    EXPECT_NEAR(back.dress[i][3], 255 * v[6] / 2, 0.51);
-    EXPECT_NEAR(back.dress[i][4], 255 * v[7], 0.51);
-    EXPECT_NEAR(back.dress[i][5], 255 * v[8] / 2, 0.51);
-    EXPECT_NEAR(back.dress[i][6], 255 * v[9], 0.51);
+    EXPECT_NEAR(back.depth[i], v[6] / 2, 1e-5);
+    EXPECT_NEAR(back.dress[i][3], 255 * v[7], 0.51);
+    EXPECT_NEAR(back.dress[i][4], 255 * v[8] / 2, 0.51);
+    EXPECT_NEAR(back.dress[i][5], 255 * v[9], 0.51);
   }
 }
 
@@ -257,7 +263,7 @@ TEST(MeshData, PlacesOutsideTheBoxGoToItsEdge) {
   Eigen::AlignedBox3f box(Eigen::Vector3f(0, 0, 0), Eigen::Vector3f(10, 10, 10));
   const Unpacked back(mesh_bytes(surface, box, 2.0), 1, 0, box);
   EXPECT_EQ(back.places[0], Eigen::Vector3f(0, 0, 10));
-  EXPECT_THAT(back.dress[0], ElementsAre(0, 0, 127, 255, 255, 255, 255));
+  EXPECT_THAT(back.dress[0], ElementsAre(0, 0, 127, 255, 255, 255));
 }
 
 }  // namespace

@@ -15,8 +15,8 @@ function planesOf(look) {
   const upwards = side.dot(vector(look.superior)) < 0 ? side.clone().negate() : side;
   const known = look.anatomical && look.anterior !== null;
   return [
-    { name: "along the tool's axis" + (known ? ", from anterior" : ", from the front"), normal: front },
-    { name: "along the tool's axis, from " + (known ? "superior" : "above"), normal: upwards },
+    { name: known ? "seen from anterior" : "seen from the front", normal: front },
+    { name: known ? "seen from superior" : "seen from above", normal: upwards },
     { name: "across the tool's axis", normal: axis },
   ];
 }
@@ -44,6 +44,7 @@ class BoneView {
     this.addCuts();
     this.addKeys();
     this.showLegends();
+    this.lookFrom(vector(bone.look.towards_viewer));  // OrbitControls has looked at the origin
     new ResizeObserver(() => { this.scene.resize(); this.draw(); }).observe(this.canvas);
   }
 
@@ -85,7 +86,7 @@ class BoneView {
 
   addCuts() {
     const select = byId("cut-plane");
-    select.append(new Option("nothing", ""));
+    select.append(new Option("off", ""));
     this.planes.forEach((plane, i) => select.append(new Option(plane.name, i)));
     select.addEventListener("change", () => this.choosePlane());
     byId("cut-offset").addEventListener("input", () => this.moveCut());

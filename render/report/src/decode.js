@@ -12,16 +12,23 @@ export function unpacked(base64) {
   return unzlibSync(bytesOf(base64));
 }
 
+// The `plane`th run of 16-bit numbers, from zigzag differences.
+function numbers16(bytes, plane, count) {
+  const out = new Uint16Array(count);
+  let value = 0;
+  for (let i = 0; i < count; ++i) {
+    const code = bytes[2 * plane * count + i] | (bytes[(2 * plane + 1) * count + i] << 8);
+    value += (code >> 1) ^ -(code & 1);
+    out[i] = value;
+  }
+  return out;
+}
+
 function positions(bytes, count, [low, high]) {
   const out = new Float32Array(3 * count);
   for (let axis = 0; axis < 3; ++axis) {
-    const size = high[axis] - low[axis];
-    let place = 0;
-    for (let i = 0; i < count; ++i) {
-      const code = bytes[2 * axis * count + i] | (bytes[(2 * axis + 1) * count + i] << 8);
-      place = (place + ((code >> 1) ^ -(code & 1))) & 0xffff;
-      out[3 * i + axis] = low[axis] + (size * place) / 65535;
-    }
+    const step = (high[axis] - low[axis]) / 65535;
+    numbers16(bytes, axis, count).forEach((place, i) => { out[3 * i + axis] = low[axis] + step * place; });
   }
   return out;
 }
@@ -56,14 +63,15 @@ function corners(bytes, from, count) {
   return out;
 }
 
-// A mesh: places in mm, normals, what vertices are dressed in (depth, reamed, density, openness), corners.
+// A mesh: places in mm, depths, normals, what else vertices are dressed in (reamed, density, openness), corners.
 export function meshOf(packed, box) {
   const bytes = unpacked(packed.bytes);
   const count = packed.vertices;
   return {
     positions: positions(bytes, count, box),
-    normals: interleaved(bytes, 6 * count, count, 3, Int8Array),
-    dress: interleaved(bytes, 9 * count, count, 4, Uint8Array),
-    indices: corners(bytes, 13 * count, 3 * packed.triangles),
+    depths: numbers16(bytes, 3, count),
+    normals: interleaved(bytes, 8 * count, count, 3, Int8Array),
+    dress: interleaved(bytes, 11 * count, count, 3, Uint8Array),
+    indices: corners(bytes, 14 * count, 3 * packed.triangles),
   };
 }

@@ -20,9 +20,11 @@ export function drawAxes(place, look, camera) {
     const eye = new Vector3(...direction).transformDirection(camera.matrixWorldInverse);
     const [x, y] = [34 * eye.x, -34 * eye.y];
     place.append(element("line", { x1: 0, y1: 0, x2: x, y2: y }));
-    if (Math.hypot(x, y) < 9) continue;  // seen along it: a label would sit on the others
-    const away = 1 + 11 / Math.hypot(x, y);
-    place.append(element("text", { x: x * away, y: y * away + 4 }, name));
+    if (Math.hypot(x, y) < 14) continue;  // seen along it: a label would sit on the others
+    const away = 1 + 7 / Math.hypot(x, y);
+    const anchor = Math.abs(x) < 12 ? "middle" : x > 0 ? "start" : "end";
+    const below = Math.abs(x) < 12 ? (y > 0 ? 10 : -2) : 4;
+    place.append(element("text", { x: x * away, y: y * away + below, "text-anchor": anchor }, name));
   }
 }
 

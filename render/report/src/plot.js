@@ -9,6 +9,12 @@ const panels = [
   { label: "Depth", unit: "mm", column: "depth_mm", color: "#8c4f86" },
 ];
 
+// As in the tables: a true minus, thin spaces between thousands from five digits on.
+const numberText = (v) => {
+  const text = String(Number(v.toPrecision(6))).replace("-", "\u2212");
+  return /^\u2212?\d{5,}$/.test(text) ? text.replace(/\B(?=(\d{3})+$)/g, "\u2009") : text;
+};
+
 // Limits with some air. Far above the mean single frames leave their panel; drawn back, the tool leaves it below.
 function limits(panel, data) {
   const values = data[panel.column];
@@ -32,8 +38,8 @@ function optionsOf(panel, data, isLast, pictureTimes, onMove) {
     scales: { x: { time: false }, y: { range: limits(panel, data) } },
     series,
     axes: [
-      { ...axis, size: isLast ? 44 : 6, ticks: { ...axis.ticks, show: isLast }, values: isLast ? undefined : (u, splits) => splits.map(() => ""), label: isLast ? "Time, s" : undefined, labelSize: 18, labelFont: "12px system-ui, sans-serif" },
-      { ...axis, size: 58, space: 26 },
+      { ...axis, size: isLast ? 44 : 6, ticks: { ...axis.ticks, show: isLast }, values: isLast ? undefined : (u, splits) => splits.map(() => ""), label: isLast ? "Time, s" : undefined, labelSize: 18, labelGap: -6, labelFont: "12px system-ui, sans-serif" },
+      { ...axis, size: 58, space: 26, values: (u, splits) => splits.map((v) => numberText(v)) },
     ],
     cursor: {
       y: false, points: { size: 7, fill: panel.color }, drag: { x: true, y: false },
@@ -68,6 +74,8 @@ export class Plots {
       title.textContent = `${panel.label}, ${panel.unit}${means}`;
       title.style.color = panel.color === "#009e73" ? "#00785a" : panel.color === "#d55e00" ? "#b34f00" : panel.color;
       const box = Object.assign(document.createElement("div"), { className: "panel" });
+      box.setAttribute("role", "img");
+      box.setAttribute("aria-label", `${panel.label} in ${panel.unit} against time`);
       box.append(title);
       place.append(box);
       const columns = [data.time_s, data[panel.column], ...(data[panel.mean] ? [data[panel.mean]] : [])];
@@ -82,7 +90,8 @@ export class Plots {
     for (const chart of this.charts) {
       if (chart.width !== width) chart.setSize({ width, height: chart.height });
     }
-    if (this.row !== undefined) this.moveTo(this.row);
+    // uPlot takes the new size a little later, and the cursor's place depends on it.
+    requestAnimationFrame(() => { if (this.row !== undefined) this.moveTo(this.row); });
   }
 
   moveTo(row) {

@@ -28,11 +28,13 @@ class Run {
     this.addCameras();
     this.addPlay();
     this.plots = new Plots(byId("plots"), plot, pictures.time_s, (row) => this.moveTo(row));
-    this.moveTo(this.rowWithMostForce());
+    this.moveTo(this.rowToStartWith());
   }
 
-  rowWithMostForce() {
-    return this.plot.axial_force_n.reduce((best, force, row, all) => (force > all[best] ? row : best), 0);
+  // The moment of the picture with the greatest force, so that picture and readings agree.
+  rowToStartWith() {
+    const force = this.plot.axial_force_n;
+    return this.pictures.time_s.map((time) => this.rowAt(time)).reduce((best, row) => (force[row] > force[best] ? row : best), 0);
   }
 
   moveTo(row) {
@@ -63,7 +65,7 @@ class Run {
     image.dataset.frame = this.pictures.frames[i];
     image.src = this.urlOf(key, i);
     image.alt = `${names[this.camera.name] ?? this.camera.name} picture of frame ${this.pictures.frames[i]}, ${fixed(this.pictures.time_s[i], 3)} s`;
-    byId("frame-caption").textContent = `Nearest picture: frame ${this.pictures.frames[i]}, ${fixed(this.pictures.time_s[i], 3)} s`;
+    byId("frame-caption").textContent = `The picture nearest to the cursor: frame ${this.pictures.frames[i]}, ${fixed(this.pictures.time_s[i], 3)} s`;
   }
 
   urlOf(key, i) {

@@ -14,7 +14,8 @@ function geometryOf(packed, box) {
   const geometry = new BufferGeometry();
   geometry.setAttribute("position", new BufferAttribute(mesh.positions, 3));
   geometry.setAttribute("normal", new BufferAttribute(mesh.normals, 3, true));
-  geometry.setAttribute("dress", new BufferAttribute(mesh.dress, 4, true));
+  geometry.setAttribute("dress", new BufferAttribute(mesh.dress, 3, true));
+  geometry.setAttribute("depth", new BufferAttribute(mesh.depths, 1, true));
   geometry.setIndex(new BufferAttribute(mesh.indices, 1));
   return geometry;
 }

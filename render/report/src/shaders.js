@@ -17,13 +17,14 @@ float wrapped(vec3 normal, vec3 direction, float wrap) { return max((dot(normal,
 `;
 
 export const boneVertex = `
-in vec4 dress;
+in vec3 dress;  // reamed 0..1, density over 2 g/cm3, openness 0..1
+in float depth;
 out vec3 eye_normal;
-out vec4 dressed;
+out vec4 dressed;  // depth over the legend's end, then as above
 out vec3 place_mm;
 void main() {
   place_mm = position;
-  dressed = dress;
+  dressed = vec4(depth, dress);
   eye_normal = normalMatrix * normal;
   gl_Position = projectionMatrix * modelViewMatrix * vec4(position, 1.0);
 }`;
@@ -55,11 +56,12 @@ float contour(float depth_mm) {
 
 void main() {
   if (dot(cut, vec4(place_mm, 1.0)) < 0.0) discard;
-  if (!gl_FrontFacing) {
+  vec3 n = normalize(eye_normal);
+  // The inside, seen through a cut; not the odd triangle that thinning has turned over.
+  if (!gl_FrontFacing && n.z < -0.1) {
     color = vec4(0.12, 0.13, 0.16, 1.0);
     return;
   }
-  vec3 n = normalize(eye_normal);
   float open = dressed.w * dressed.w;
   float reamed = smoothstep(0.35, 0.65, dressed.y);
   vec3 bone = mix(vec3(0.55, 0.39, 0.27), vec3(0.80, 0.69, 0.53), smoothstep(0.1, 0.75, dressed.z));
@@ -108,6 +110,7 @@ uniform vec3 density_stops[DENSITY_STOPS];
 uniform float top_grade;  // of the colour map's end
 void main() {
   float share = texture(density, (place_mm - origin_mm) / size_mm).r * 255.0 / top_grade;
+  if (share == 0.0) discard;  // far from bone: where the count of faces slipped
   float place = clamp(share, 0.0, 1.0) * float(DENSITY_STOPS - 1);
   int lower = min(int(place), DENSITY_STOPS - 2);
   color = vec4(mix(density_stops[lower], density_stops[lower + 1], place - float(lower)), 1.0);
