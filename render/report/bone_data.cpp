@@ -14,7 +14,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::int64_t kMostDensityCells = 1'500'000;
+constexpr std::int64_t kMostDensityCells = 2'500'000;
 
 template <class Vector>
 Json vector_json(const Vector& v) {

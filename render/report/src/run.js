@@ -65,7 +65,7 @@ class Run {
     image.dataset.frame = this.pictures.frames[i];
     image.src = this.urlOf(key, i);
     image.alt = `${names[this.camera.name] ?? this.camera.name} picture of frame ${this.pictures.frames[i]}, ${fixed(this.pictures.time_s[i], 3)} s`;
-    byId("frame-caption").textContent = `The picture nearest to the cursor: frame ${this.pictures.frames[i]}, ${fixed(this.pictures.time_s[i], 3)} s`;
+    byId("frame-caption").textContent = `Nearest picture: frame ${this.pictures.frames[i]}, ${fixed(this.pictures.time_s[i], 3)}\u00a0s`;
   }
 
   urlOf(key, i) {
