@@ -1,9 +1,16 @@
 #!/usr/bin/env bash
-# Installs what is missing, builds, and runs every test: ./test.sh [ctest arguments].
+# Installs what is missing, builds, and runs the tests: ./test.sh [--all] [ctest arguments]. --all adds those that need a
+# browser (label browser), and installs one.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")"
 source cmake/setup.sh
+browser=OFF
+if [ "${1-}" = --all ]; then
+  browser=ON
+  shift
+  install_missing "${browser_packages[@]}"
+fi
 install_missing "${build_packages[@]}" "${test_packages[@]}"
-build_release ON all
+build_release ON all "-DREAMSIM_BROWSER_TESTS=$browser"
 say "testing"
 ctest --test-dir "$build" --output-on-failure --parallel "$(nproc)" "$@"

@@ -9,6 +9,7 @@
 
 #include "cli/commands.h"
 #include "render/camera.h"
+#include "render/report/report.h"
 #include "sim/base/error.h"
 #include "sim/bone/bone_vdb.h"
 #include "sim/scenario/parse.h"
@@ -137,6 +138,7 @@ void render_command(const RenderOptions& options, const Console& console) {
     write_force_plots(options.dir, mean_mm);
     write_depth_picture(options.dir, settings.depth_max_mm);
   }
+  if (settings.report && options.wants("report")) write_report(options.dir, settings, mean_mm);
   console.say("pictures: " + options.dir);
 }
 

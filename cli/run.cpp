@@ -5,6 +5,7 @@
 #include "cli/commands.h"
 #include "cli/scenario_options.h"
 #include "render/render.h"
+#include "render/report/report.h"
 #include "sim/base/error.h"
 #include "sim/record/output_folder.h"
 #include "sim/run/results.h"
@@ -105,6 +106,9 @@ void run_in(OutputFolder& folder, const Scenario& scenario, const Console& conso
     throw;
   }
   finish();
+  if (scenario.render.enabled && scenario.render.report) {
+    write_report(folder.path(), scenario.render, averaged_travel_mm(scenario.cutting, scene.bone.voxmap.grid.voxel_mm));
+  }
   say_summary(console, recorder.totals(), facts);
 }
 

@@ -8,8 +8,9 @@ build_packages=(
   build-essential cmake ninja-build pkg-config
   ocl-icd-opencl-dev opencl-headers pocl-opencl-icd libeigen3-dev libosmesa6-dev libegl-dev libgl-dev
   libopenvdb-dev libtbb-dev libboost-iostreams-dev libassimp-dev libyaml-cpp-dev libinsighttoolkit5-dev
-  libcli11-dev nlohmann-json3-dev libpango1.0-dev libssl-dev zlib1g-dev gnuplot-nox fonts-dejavu-core)
+  libcli11-dev nlohmann-json3-dev libpango1.0-dev libssl-dev zlib1g-dev libjpeg-dev libmeshoptimizer-dev gnuplot-nox fonts-dejavu-core)
 test_packages=(ffmpeg libgtest-dev libgmock-dev libbenchmark-dev python3-openvdb python3-jsonschema libopenvdb-tools oclgrind)
+browser_packages=(chromium chromium-driver python3-selenium python3-pil)
 
 say() { printf '\n== %s\n' "$*"; }
 
@@ -34,12 +35,12 @@ install_missing() {
   "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends "${missing[@]}" >/dev/null
 }
 
-# build_release TESTS TARGET: configures (TESTS=ON or OFF) and builds TARGET.
+# build_release TESTS TARGET [OPTION...]: configures (TESTS=ON or OFF) with more options of cmake and builds TARGET.
 build_release() {
   mkdir -p "$build"
   say "building in ${build#"$root"/}"
   # Debian's GDCM and Imath describe programs that are not installed, at length; shown only when configuring fails.
-  if ! (cd "$root" && cmake --preset release -DREAMSIM_TESTS="$1" >"$build/configure.log" 2>&1); then
+  if ! (cd "$root" && cmake --preset release -DREAMSIM_TESTS="$1" "${@:3}" >"$build/configure.log" 2>&1); then
     cat "$build/configure.log" >&2
     exit 1
   fi

@@ -275,6 +275,7 @@ struct RenderSettings {
   std::string film = "none";   ///< none | mp4 | webp | apng
   int film_rate_hz = 25;
   bool tool = true;
+  bool report = true;       ///< write report.html beside the pictures
   double depth_max_mm = 0;  ///< top of the depth legend; 0 = the depth reached
 };
 

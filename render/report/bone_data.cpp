@@ -1,0 +1,92 @@
+#include "render/report/bone_data.h"
+
+#include <utility>
+
+#include "render/color_map.h"
+#include "render/report/markup.h"
+#include "render/report/mesh_data.h"
+#include "render/report/volume_data.h"
+#include "render/scale.h"
+#include "render/subject.h"
+
+namespace reamsim {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr std::int64_t kMostDensityCells = 2'500'000;
+
+template <class Vector>
+Json vector_json(const Vector& v) {
+  return {short_number(v.x()), short_number(v.y()), short_number(v.z())};
+}
+
+BoneSurface surface_of(const Voxmap& voxmap, const UnreamedSurface& unreamed) {
+  const Occupancy occupancy(voxmap, voxmap.fill);
+  return thinned(make_bone_surface(voxmap, SolidField(occupancy), AmbientLight(occupancy), unreamed), MeshBudget());
+}
+
+Json mesh_json(const BoneSurface& surface, const Eigen::AlignedBox3f& box, double depth_max_mm) {
+  return {{"vertices", surface.vertices.size() / BoneSurface::kStride},
+          {"triangles", surface.indices.size() / 3},
+          {"bytes", packed_base64(mesh_bytes(surface, box, depth_max_mm))}};
+}
+
+Json volume_json(const DensityVolume& volume) {
+  return {{"dims", {volume.dims.x(), volume.dims.y(), volume.dims.z()}},
+          {"origin_mm", vector_json(volume.origin_mm)},
+          {"cell_mm", volume.cell_mm},
+          {"bytes", packed_base64(volume.grades)}};
+}
+
+Json colors_json(const ColorMap& map, const Scale& scale) {
+  Json json{{"stops", Json::array()}, {"max", scale.max}, {"step", scale.step}, {"ticks", Json::array()}};
+  for (const Eigen::Vector3f& stop : map.stops) json["stops"].push_back(vector_json(stop));
+  for (int tick = 0; tick < scale.ticks(); ++tick) json["ticks"].push_back(scale.label(tick));
+  return json;
+}
+
+/// Directions are of length 1; a direction that nobody knows is null.
+Json look_json(const Subject& subject) {
+  const Camera oblique = make_camera("oblique", subject, 1000, 1000);
+  const Camera section = make_camera("section", subject, 1000, 1000);
+  const Mat3 bone_from_eye = oblique.eye_from_bone.linear().transpose();
+  return {{"focus_mm", vector_json(subject.focus_mm)},
+          {"reach_mm", short_number(subject.reach_mm)},
+          {"height_mm", short_number(1000 * oblique.mm_per_px)},
+          {"towards_viewer", vector_json(bone_from_eye.col(2))},
+          {"outward", vector_json(subject.outward)},
+          {"superior", vector_json(subject.superior)},
+          {"anterior", subject.anterior ? vector_json(*subject.anterior) : Json()},
+          {"anatomical", subject.anatomical},
+          {"axis", vector_json(subject.bone_from_tool.linear().col(2))},
+          {"axis_point_mm", vector_json(subject.bone_from_tool.translation())},
+          {"front", vector_json(-section.cut_plane->head<3>())}};
+}
+
+}  // namespace
+
+Json bone_data(RunResults& results, const RenderSettings& settings) {
+  Voxmap& voxmap = results.voxmap;
+  const UnreamedSurface unreamed(voxmap, results.unreamed_fill);
+  const BoneSurface after = surface_of(voxmap, unreamed);
+  std::swap(voxmap.fill, results.unreamed_fill);
+  const BoneSurface before = surface_of(voxmap, unreamed);
+  std::swap(voxmap.fill, results.unreamed_fill);
+
+  const Scale depth = settings.depth_max_mm > 0 ? scale_exactly(settings.depth_max_mm) : scale_up_to(after.deepest_mm);
+  const Eigen::AlignedBox3f box = bounds_of(before).merged(bounds_of(after));
+  Json json;
+  json["look"] = look_json(make_subject(results, unreamed));
+  json["box_mm"] = {vector_json(box.min()), vector_json(box.max())};
+  json["grade_per_g_cm3"] = DensityMapping::kMaxGrade / DensityMapping::kMaxDensity_g_cm3;
+  json["deepest_mm"] = short_number(after.deepest_mm);
+  json["depth_colors"] = colors_json(depth_colors(), depth);
+  json["density_colors"] = colors_json(density_colors(), scale_up_to(DensityMapping::kMaxDensity_g_cm3));
+  json["before"] = mesh_json(before, box, depth.max);
+  json["after"] = mesh_json(after, box, depth.max);
+  json["density"] = volume_json(density_volume(voxmap, kMostDensityCells));
+  return json;
+}
+
+}  // namespace reamsim

@@ -1,0 +1,112 @@
+#include "render/report/markup.h"
+
+#include <openssl/evp.h>
+#include <zlib.h>
+
+#include <array>
+#include <cstdio>
+#include <cstdlib>
+#include <fstream>
+#include <sstream>
+#include <stdexcept>
+#include <vector>
+
+#include "sim/base/error.h"
+
+namespace reamsim {
+
+std::string escape_html(std::string_view text) {
+  std::string out;
+  out.reserve(text.size());
+  for (const char c : text) {
+    switch (c) {
+      case '&':
+        out += "&amp;";
+        break;
+      case '<':
+        out += "&lt;";
+        break;
+      case '>':
+        out += "&gt;";
+        break;
+      case '"':
+        out += "&quot;";
+        break;
+      case '\'':
+        out += "&#39;";
+        break;
+      default:
+        out += c;
+    }
+  }
+  return out;
+}
+
+std::string base64(std::span<const std::uint8_t> bytes) {
+  std::string out(4 * ((bytes.size() + 2) / 3), '\0');
+  // OpenSSL ends what it writes with a zero, for which a std::string has room; it counts in int.
+  constexpr std::size_t kPiece = 3 << 20;
+  for (std::size_t from = 0; from < bytes.size(); from += kPiece) {
+    const auto piece = bytes.subspan(from, std::min(kPiece, bytes.size() - from));
+    EVP_EncodeBlock(reinterpret_cast<unsigned char*>(out.data() + from / 3 * 4), piece.data(),
+                    static_cast<int>(piece.size()));
+  }
+  return out;
+}
+
+std::string packed_base64(std::span<const std::uint8_t> bytes) {
+  uLongf size = compressBound(static_cast<uLong>(bytes.size()));
+  std::vector<std::uint8_t> packed(size);
+  if (compress2(packed.data(), &size, bytes.data(), static_cast<uLong>(bytes.size()), Z_BEST_COMPRESSION) != Z_OK) {
+    throw RunError("report.html: zlib cannot pack its data");
+  }
+  return base64({packed.data(), size});
+}
+
+std::string json_for_script(const nlohmann::ordered_json& json) {
+  const std::string text = json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+  std::string out;
+  out.reserve(text.size());
+  // "<" can stand in JSON only within a string, where it may be written as an escape.
+  for (const char c : text) {
+    if (c == '<') {
+      out += "\\u003c";
+    } else {
+      out += c;
+    }
+  }
+  return out;
+}
+
+double short_number(double value) {
+  std::array<char, 32> text;
+  std::snprintf(text.data(), text.size(), "%.6g", value);
+  return std::strtod(text.data(), nullptr);
+}
+
+std::string fill_page(std::string_view page, const std::map<std::string, std::string>& texts) {
+  std::string out;
+  for (std::size_t at = 0;;) {
+    const std::size_t open = page.find("{{", at);
+    out += page.substr(at, open == std::string_view::npos ? open : open - at);
+    if (open == std::string_view::npos) return out;
+    const std::size_t close = page.find("}}", open);
+    const std::string name(page.substr(open + 2, close - open - 2));
+    const auto text = texts.find(name);
+    if (close == std::string_view::npos || text == texts.end()) {
+      throw std::logic_error("report page: nothing to put in for " + name);
+    }
+    out += text->second;
+    at = close + 2;
+  }
+}
+
+std::string read_whole(const std::string& path, const std::string& expected) {
+  std::ifstream in(path, std::ios::binary);
+  std::ostringstream text;
+  text << in.rdbuf();
+  if (!in || text.fail()) throw InputError({path, 0, 0}, "", "cannot be read", expected);
+  return text.str();
+}
+
+}  // namespace reamsim

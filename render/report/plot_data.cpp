@@ -1,0 +1,59 @@
+#include "render/report/plot_data.h"
+
+#include <algorithm>
+#include <vector>
+
+#include "render/report/markup.h"
+
+namespace reamsim {
+namespace {
+
+/// More cannot be told apart on a screen.
+constexpr std::size_t kMostBuckets = 1000;
+
+/// The rows to show: of each bucket the first, and those with the extremes.
+std::vector<std::size_t> shown_rows(const std::vector<ForceRow>& rows) {
+  const std::size_t bucket = 1 + (rows.size() - 1) / kMostBuckets;
+  std::vector<std::size_t> out;
+  const auto force = [](const ForceRow& a, const ForceRow& b) { return a.axial_force_n < b.axial_force_n; };
+  const auto torque = [](const ForceRow& a, const ForceRow& b) { return a.spin_torque_nmm < b.spin_torque_nmm; };
+  for (std::size_t from = 0; from < rows.size(); from += bucket) {
+    const auto begin = rows.begin() + static_cast<std::ptrdiff_t>(from);
+    const auto end = rows.begin() + static_cast<std::ptrdiff_t>(std::min(rows.size(), from + bucket));
+    const auto [least_force, most_force] = std::minmax_element(begin, end, force);
+    const auto [least_torque, most_torque] = std::minmax_element(begin, end, torque);
+    std::vector<std::size_t> chosen{from};
+    for (const auto& row : {least_force, most_force, least_torque, most_torque}) {
+      chosen.push_back(static_cast<std::size_t>(row - rows.begin()));
+    }
+    std::sort(chosen.begin(), chosen.end());
+    chosen.erase(std::unique(chosen.begin(), chosen.end()), chosen.end());
+    out.insert(out.end(), chosen.begin(), chosen.end());
+  }
+  if (out.back() != rows.size() - 1) out.push_back(rows.size() - 1);
+  return out;
+}
+
+}  // namespace
+
+nlohmann::ordered_json plot_data(const ForceLog& log, double mean_travel_mm) {
+  nlohmann::ordered_json json{{"mean_travel_mm", mean_travel_mm}};
+  const std::vector<std::size_t> shown = shown_rows(log.rows);
+  const auto column = [&](const char* name, const auto& value) {
+    auto& values = json[name] = nlohmann::ordered_json::array();
+    for (const std::size_t i : shown) values.push_back(value(log.rows[i]));
+  };
+  column("frame", [](const ForceRow& row) { return row.frame; });
+  column("time_s", [](const ForceRow& row) { return short_number(row.time_s); });
+  column("depth_mm", [](const ForceRow& row) { return short_number(row.depth_mm); });
+  column("axial_force_n", [](const ForceRow& row) { return short_number(row.axial_force_n); });
+  column("spin_torque_nmm", [](const ForceRow& row) { return short_number(row.spin_torque_nmm); });
+  column("removed_mm3", [](const ForceRow& row) { return short_number(row.removed_mm3); });
+  if (mean_travel_mm > 0) {
+    column("mean_axial_force_n", [](const ForceRow& row) { return short_number(row.layer_axial_force_n); });
+    column("mean_spin_torque_nmm", [](const ForceRow& row) { return short_number(row.layer_spin_torque_nmm); });
+  }
+  return json;
+}
+
+}  // namespace reamsim

@@ -1,0 +1,173 @@
+#include "render/report/report.h"
+
+#include <algorithm>
+#include <array>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <vector>
+
+#include "render/report/bone_data.h"
+#include "render/report/markup.h"
+#include "render/report/picture_data.h"
+#include "render/report/plot_data.h"
+#include "render/report/summary_text.h"
+#include "render/results.h"
+#include "sim/base/error.h"
+
+namespace reamsim {
+
+namespace embedded {
+extern const char* const report_page;
+extern const char* const report_script;
+extern const char* const report_style;
+}  // namespace embedded
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+namespace fs = std::filesystem;
+
+// So that the page stays well under 15 MB, the 3D view's 4 MB and the curves included. Bytes in base 64.
+constexpr std::size_t kMostPictureBytes = 3'000'000;
+constexpr std::size_t kMostFrameBytes = 5'500'000;
+constexpr int kPicture_px = 1600;
+constexpr int kFrame_px = 960;
+constexpr std::size_t kMostFrames = 120;  // of all cameras together
+
+Json read_json(const std::string& path, const std::string& expected) {
+  Json json = Json::parse(read_whole(path, expected), nullptr, false);
+  if (!json.is_object()) throw InputError({path, 0, 0}, "", "is no JSON object", expected);
+  return json;
+}
+
+/// What a final picture shows, from its file's name; `first`: the camera whose files have no suffix.
+std::string caption_of(const std::string& name, const std::string& first) {
+  if (name == "depth_map") return "What the reamer took, seen along the glenoid's axis";
+  const std::string camera = name == "reamed" ? first : name.substr(std::string("reamed_").size());
+  if (camera == "oblique") return "The reamed bone, oblique";
+  if (camera == "glenoid") return "The reamed bone, face on";
+  if (camera == "section") return "The reamed bone, cut open along the tool's axis";
+  if (camera == "overview") return "The whole bone";
+  return "The reamed bone: " + camera;
+}
+
+/// The final pictures of a folder: reamed.png, the other reamed_*.png by name, depth_map.png.
+std::vector<std::string> final_pictures(const std::string& dir) {
+  std::vector<std::string> out;
+  for (const auto& entry : fs::directory_iterator(dir)) {
+    const std::string name = entry.path().filename().string();
+    if (name.starts_with("reamed_") && name.ends_with(".png")) out.push_back(entry.path().string());
+  }
+  std::sort(out.begin(), out.end());
+  if (fs::exists(dir + "/reamed.png")) out.insert(out.begin(), dir + "/reamed.png");
+  if (fs::exists(dir + "/depth_map.png")) out.push_back(dir + "/depth_map.png");
+  return out;
+}
+
+std::string pictures_html(const std::string& dir, const std::string& first_camera) {
+  std::string out;
+  for (const PagePicture& picture : page_pictures(final_pictures(dir), kPicture_px, kMostPictureBytes)) {
+    const std::string caption = escape_html(caption_of(picture.name, first_camera));
+    out += "<figure><img alt=\"" + caption + "\" width=\"" + std::to_string(picture.width_px) + "\" height=\"" +
+           std::to_string(picture.height_px) + "\" src=\"data:image/jpeg;base64," + picture.jpeg_base64 +
+           "\"><figcaption>" + caption + "</figcaption></figure>\n";
+  }
+  return out;
+}
+
+std::string frame_path(const std::string& dir, std::int64_t frame, const std::string& suffix) {
+  std::array<char, 32> name;
+  std::snprintf(name.data(), name.size(), "%06lld", static_cast<long long>(frame));
+  return dir + "/frames/" + name.data() + suffix + ".png";
+}
+
+/// The pictures along the run: `frames` and `time_s` of those shown, and for each camera that has a picture of all of
+/// them its `name`, `width_px`, `height_px` and `jpegs`.
+Json frames_json(const std::string& dir, const RunResults& results, const std::vector<std::string>& cameras) {
+  Json json{{"frames", Json::array()}, {"time_s", Json::array()}, {"cameras", Json::array()}};
+  std::vector<std::int64_t> frames;
+  for (const std::size_t i :
+       evenly_chosen(results.frames.size(), std::max<std::size_t>(2, kMostFrames / cameras.size()))) {
+    frames.push_back(results.frames[i]);
+    json["frames"].push_back(frames.back());
+    json["time_s"].push_back(short_number(results.log.at(frames.back(), results.log_path).time_s));
+  }
+  for (const std::string& camera : cameras) {
+    std::vector<std::string> paths;
+    for (const std::int64_t frame : frames) {
+      paths.push_back(frame_path(dir, frame, camera == cameras.front() ? "" : "_" + camera));
+    }
+    if (!std::all_of(paths.begin(), paths.end(), [](const std::string& path) { return fs::exists(path); })) continue;
+    const auto pictures = page_pictures(paths, kFrame_px, kMostFrameBytes / cameras.size());
+    Json view{{"name", camera}, {"width_px", pictures.front().width_px}, {"height_px", pictures.front().height_px}};
+    for (const PagePicture& picture : pictures) view["jpegs"].push_back(picture.jpeg_base64);
+    json["cameras"].push_back(std::move(view));
+  }
+  return json;
+}
+
+/// The plot that gnuplot drew, for print; "" without one.
+std::string printed_plot_html(const std::string& dir) {
+  const std::string path = dir + "/forces.png";
+  if (!fs::exists(path)) return "";
+  const std::string png = read_whole(path, "a picture");
+  return "<img class=\"print-only\" alt=\"Force, torque, removed volume and depth against time\" "
+         "src=\"data:image/png;base64," +
+         base64({reinterpret_cast<const std::uint8_t*>(png.data()), png.size()}) + "\">";
+}
+
+/// A text of summary.json, escaped.
+std::string text_of(const Json& summary, const char* key, const std::string& path) {
+  if (summary.contains(key) && summary.at(key).is_string()) return escape_html(summary.at(key).get<std::string>());
+  throw InputError({path, 0, 0}, key, "found no text", "expected the summary.json of a run");
+}
+
+/// The data that the page's scripts work on.
+Json script_data(const std::string& dir, const RenderSettings& settings, double mean_travel_mm) {
+  RunResults results = read_results(dir);
+  add_layer_means(results.log, mean_travel_mm);
+  return {{"plot", plot_data(results.log, mean_travel_mm)},
+          {"pictures", frames_json(dir, results, settings.cameras)},
+          {"bone", bone_data(results, settings)}};
+}
+
+std::string page_html(const std::string& dir, const RenderSettings& settings, double mean_travel_mm) {
+  const std::string summary_path = dir + "/summary.json", verification_path = dir + "/verification.json";
+  const Json summary = read_json(summary_path, "the summary.json of a run");
+  const Json verification =
+      fs::exists(verification_path) ? read_json(verification_path, "the verification.json of reamsim verify") : Json();
+  std::map<std::string, std::string> texts{
+      {"title", text_of(summary, "scenario", summary_path)},
+      {"program", text_of(summary, "program", summary_path)},
+      {"device", text_of(summary, "device", summary_path)},
+      {"style", embedded::report_style},
+      {"warnings", warnings_html(summary, summary_path)},
+      {"key_figures", key_figures_html(summary, summary_path)},
+      {"tables", summary_tables_html(summary, summary_path)},
+      {"printed_plot", printed_plot_html(dir)},
+      {"verification", verification_html(summary, verification, summary_path, verification_path)},
+      {"provenance", provenance_html(summary, summary_path)},
+      {"scenario", escape_html(read_whole(dir + "/scenario.yaml", "the scenario.yaml of a run"))},
+      {"script", embedded::report_script}};
+  // What takes long comes when all the rest is known to be right.
+  texts["figures"] = pictures_html(dir, settings.cameras.front());
+  texts["data"] = json_for_script(script_data(dir, settings, mean_travel_mm));
+  return fill_page(embedded::report_page, texts);
+}
+
+}  // namespace
+
+void write_report(const std::string& dir, const RenderSettings& settings, double mean_travel_mm) {
+  if (settings.cameras.empty()) {
+    throw InputError({}, "render.cameras", "found none", "expected at least one camera");
+  }
+  const std::string page = page_html(dir, settings, mean_travel_mm);
+  const std::string path = dir + "/report.html";
+  std::ofstream out(path, std::ios::binary);
+  out << page;
+  out.close();
+  if (!out) throw RunError(path + ": cannot be written; is the disk full or the folder read-only?");
+}
+
+}  // namespace reamsim

@@ -1,0 +1,77 @@
+// Undoes what render/report/mesh_data.cpp and markup.cpp do.
+import { unzlibSync } from "fflate";
+
+export function bytesOf(base64) {
+  const text = atob(base64);
+  const bytes = new Uint8Array(text.length);
+  for (let i = 0; i < text.length; ++i) bytes[i] = text.charCodeAt(i);
+  return bytes;
+}
+
+export function unpacked(base64) {
+  return unzlibSync(bytesOf(base64));
+}
+
+// The `plane`th run of 16-bit numbers, from zigzag differences.
+function numbers16(bytes, plane, count) {
+  const out = new Uint16Array(count);
+  let value = 0;
+  for (let i = 0; i < count; ++i) {
+    const code = bytes[2 * plane * count + i] | (bytes[(2 * plane + 1) * count + i] << 8);
+    value += (code >> 1) ^ -(code & 1);
+    out[i] = value;
+  }
+  return out;
+}
+
+function positions(bytes, count, [low, high]) {
+  const out = new Float32Array(3 * count);
+  for (let axis = 0; axis < 3; ++axis) {
+    const step = (high[axis] - low[axis]) / 65535;
+    numbers16(bytes, axis, count).forEach((place, i) => { out[3 * i + axis] = low[axis] + step * place; });
+  }
+  return out;
+}
+
+// `parts` planes of 8-bit differences, as the values themselves, interleaved.
+function interleaved(bytes, from, count, parts, Type) {
+  const out = new Type(parts * count);
+  for (let part = 0; part < parts; ++part) {
+    let value = 0;
+    for (let i = 0; i < count; ++i) {
+      value = (value + bytes[from + part * count + i]) & 255;
+      out[parts * i + part] = value;
+    }
+  }
+  return out;
+}
+
+function corners(bytes, from, count) {
+  const out = new Uint32Array(count);
+  let at = from;
+  let next = 0;
+  for (let i = 0; i < count; ++i) {
+    let below = 0;
+    for (let shift = 0; ; shift += 7) {
+      const byte = bytes[at++];
+      below |= (byte & 127) << shift;
+      if (byte < 128) break;
+    }
+    out[i] = next - below;
+    if (below === 0) ++next;
+  }
+  return out;
+}
+
+// A mesh: places in mm, depths, normals, what else vertices are dressed in (reamed, density, openness), corners.
+export function meshOf(packed, box) {
+  const bytes = unpacked(packed.bytes);
+  const count = packed.vertices;
+  return {
+    positions: positions(bytes, count, box),
+    depths: numbers16(bytes, 3, count),
+    normals: interleaved(bytes, 8 * count, count, 3, Int8Array),
+    dress: interleaved(bytes, 11 * count, count, 3, Uint8Array),
+    indices: corners(bytes, 14 * count, 3 * packed.triangles),
+  };
+}

@@ -1,0 +1,104 @@
+// The curves: four panels over one time axis, with one cursor.
+import uPlot from "uplot";
+
+// Okabe and Ito's colours, as in forces.gp.
+const panels = [
+  { label: "Axial force", unit: "N", column: "axial_force_n", color: "#0072b2", light: "#b5d3e6", mean: "mean_axial_force_n" },
+  { label: "Spin torque", unit: "N·mm", column: "spin_torque_nmm", color: "#d55e00", light: "#f3c9ab", mean: "mean_spin_torque_nmm" },
+  { label: "Removed", unit: "mm³", column: "removed_mm3", color: "#009e73" },
+  { label: "Depth", unit: "mm", column: "depth_mm", color: "#8c4f86" },
+];
+
+// As in the tables: a true minus, thin spaces between thousands from five digits on.
+const numberText = (v) => {
+  const text = String(Number(v.toPrecision(6))).replace("-", "\u2212");
+  return /^\u2212?\d{5,}$/.test(text) ? text.replace(/\B(?=(\d{3})+$)/g, "\u2009") : text;
+};
+
+// Limits with some air. Far above the mean single frames leave their panel; drawn back, the tool leaves it below.
+function limits(panel, data) {
+  const values = data[panel.column];
+  const most = (list) => list.reduce((a, b) => Math.max(a, b), -Infinity);
+  let top = most(values);
+  let bottom = Math.min(0, -most(values.map((v) => -v)));
+  if (data[panel.mean]) top = Math.min(top, 4 * most(data[panel.mean]) || top);
+  if (panel.column === "depth_mm" && top > 0) bottom = Math.max(bottom, -0.25 * top);
+  const air = 0.06 * (top - bottom) || 1;
+  return [bottom < 0 ? bottom - air : -air / 2, top + air];
+}
+
+function optionsOf(panel, data, isLast, pictureTimes, onMove) {
+  const line = { stroke: panel.color, width: 2, points: { show: false } };
+  const series = [{}, data[panel.mean] ? { ...line, stroke: panel.light, width: 1 } : line];
+  if (data[panel.mean]) series.push(line);
+  const axis = { stroke: "#333", font: "12px system-ui, sans-serif", grid: { stroke: "#e3e5e8", width: 1 }, ticks: { stroke: "#b9bec5", size: 5 } };
+  return {
+    width: 300, height: isLast ? 168 : 132, legend: { show: false },
+    padding: [14, 8, isLast ? 0 : 8, 0],
+    scales: { x: { time: false }, y: { range: limits(panel, data) } },
+    series,
+    axes: [
+      { ...axis, size: isLast ? 44 : 6, ticks: { ...axis.ticks, show: isLast }, values: isLast ? undefined : (u, splits) => splits.map(() => ""), label: isLast ? "Time, s" : undefined, labelSize: 18, labelGap: -6, labelFont: "12px system-ui, sans-serif" },
+      { ...axis, size: 58, space: 26, values: (u, splits) => splits.map((v) => numberText(v)) },
+    ],
+    cursor: {
+      y: false, points: { size: 7, fill: panel.color }, drag: { x: true, y: false },
+      sync: { key: "run" },
+      bind: { mouseleave: () => null },  // the cursor stays where it was left
+    },
+    hooks: {
+      setCursor: [(u) => { if (u.cursor.event && u.cursor.idx != null) onMove(u.cursor.idx); }],
+      draw: [(u) => { drawTicks(u, pictureTimes); }],
+    },
+  };
+}
+
+// Where there are pictures: short ticks above the panel.
+function drawTicks(u, times) {
+  const { ctx, bbox } = u;
+  ctx.save();
+  ctx.fillStyle = "#8a9099";
+  for (const time of times) {
+    const x = u.valToPos(time, "x", true);
+    if (x >= bbox.left && x <= bbox.left + bbox.width) ctx.fillRect(Math.round(x) - 0.5, bbox.top - 6 * devicePixelRatio, devicePixelRatio, 5 * devicePixelRatio);
+  }
+  ctx.restore();
+}
+
+export class Plots {
+  constructor(place, data, pictureTimes, onMove) {
+    this.data = data;
+    this.charts = panels.map((panel, i) => {
+      const title = Object.assign(document.createElement("div"), { className: "panel-title" });
+      const means = data[panel.mean] ? `; dark: mean over ${data.mean_travel_mm} mm of travel` : "";
+      title.textContent = `${panel.label}, ${panel.unit}${means}`;
+      title.style.color = panel.color === "#009e73" ? "#00785a" : panel.color === "#d55e00" ? "#b34f00" : panel.color;
+      const box = Object.assign(document.createElement("div"), { className: "panel" });
+      box.setAttribute("role", "img");
+      box.setAttribute("aria-label", `${panel.label} in ${panel.unit} against time`);
+      box.append(title);
+      place.append(box);
+      const columns = [data.time_s, data[panel.column], ...(data[panel.mean] ? [data[panel.mean]] : [])];
+      return new uPlot(optionsOf(panel, data, i === panels.length - 1, pictureTimes, onMove), columns, box);
+    });
+    new ResizeObserver(() => this.resize(place.clientWidth)).observe(place);
+    this.resize(place.clientWidth);
+  }
+
+  resize(width) {
+    if (width < 50) return;
+    for (const chart of this.charts) {
+      if (chart.width !== width) chart.setSize({ width, height: chart.height });
+    }
+    // uPlot takes the new size a little later, and the cursor's place depends on it.
+    requestAnimationFrame(() => { if (this.row !== undefined) this.moveTo(this.row); });
+  }
+
+  moveTo(row) {
+    this.row = row;
+    for (const chart of this.charts) {
+      const left = chart.valToPos(this.data.time_s[row], "x");
+      if (Math.abs(chart.cursor.left - left) > 0.5 || chart.cursor.idx !== row) chart.setCursor({ left, top: 10 }, false);
+    }
+  }
+}

@@ -1,0 +1,164 @@
+// The bone before and after, cut open where wanted. Draws when told to, never by itself.
+import {
+  BackSide, BufferAttribute, BufferGeometry, Data3DTexture, DecrementWrapStencilOp, AlwaysStencilFunc, FrontSide, DoubleSide, GLSL3,
+  IncrementWrapStencilOp, KeepStencilOp, LinearFilter, Mesh, NotEqualStencilFunc, OrthographicCamera, PlaneGeometry, RedFormat,
+  Scene, ShaderMaterial, Vector3, Vector4, WebGLRenderer,
+} from "three";
+import { boneFragment, boneVertex, capFragment, capVertex, countFragment } from "./shaders.js";
+import { meshOf, unpacked } from "./decode.js";
+
+const vector = (v) => new Vector3(...v);
+
+function geometryOf(packed, box) {
+  const mesh = meshOf(packed, box);
+  const geometry = new BufferGeometry();
+  geometry.setAttribute("position", new BufferAttribute(mesh.positions, 3));
+  geometry.setAttribute("normal", new BufferAttribute(mesh.normals, 3, true));
+  geometry.setAttribute("dress", new BufferAttribute(mesh.dress, 3, true));
+  geometry.setAttribute("depth", new BufferAttribute(mesh.depths, 1, true));
+  geometry.setIndex(new BufferAttribute(mesh.indices, 1));
+  return geometry;
+}
+
+function densityTexture(volume) {
+  const texture = new Data3DTexture(unpacked(volume.bytes), ...volume.dims);
+  texture.format = RedFormat;
+  texture.minFilter = LinearFilter;
+  texture.magFilter = LinearFilter;
+  texture.unpackAlignment = 1;
+  texture.needsUpdate = true;
+  return texture;
+}
+
+export class BoneScene {
+  constructor(canvas, bone) {
+    this.renderer = new WebGLRenderer({ canvas, antialias: true, stencil: true, alpha: true });
+    this.renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
+    this.focus = vector(bone.look.focus_mm);
+    this.reach = bone.look.reach_mm;
+    this.height = bone.look.height_mm;
+    this.camera = new OrthographicCamera();
+    this.camera.up = vector(bone.look.superior);
+    this.scene = new Scene();
+    this.cut = new Vector4(0, 0, 0, 1);
+    this.addBone(bone);
+    this.addCap(bone);
+    this.look(vector(bone.look.towards_viewer));
+    this.show("after");
+  }
+
+  addBone(bone) {
+    const depth = bone.depth_colors;
+    this.uniforms = {
+      cut: { value: this.cut },
+      depth_stops: { value: depth.stops.map(vector) },
+      depth_max_mm: { value: depth.max },
+      contour_mm: { value: depth.step },
+      shows_depth: { value: 1 },
+    };
+    const material = (fragmentShader, more) =>
+      new ShaderMaterial({
+        glslVersion: GLSL3, vertexShader: boneVertex, fragmentShader, uniforms: this.uniforms,
+        defines: { DEPTH_STOPS: depth.stops.length }, ...more,
+      });
+    // Where a ray meets more back faces than front faces behind the cut, the cut went through bone.
+    const counting = (side, operation) =>
+      material(countFragment, {
+        side, depthWrite: false, depthTest: false, colorWrite: false, stencilWrite: true, stencilFunc: AlwaysStencilFunc,
+        stencilFail: operation, stencilZFail: operation, stencilZPass: operation,
+      });
+    const materials = [
+      counting(BackSide, IncrementWrapStencilOp), counting(FrontSide, DecrementWrapStencilOp),
+      material(boneFragment, { side: DoubleSide }),
+    ];
+    this.states = {};
+    for (const state of ["before", "after"]) {
+      const geometry = geometryOf(bone[state], bone.box_mm);
+      this.states[state] = materials.map((made, i) => {
+        const mesh = new Mesh(geometry, made);
+        mesh.renderOrder = i < 2 ? 1 : 3;
+        mesh.frustumCulled = false;
+        this.scene.add(mesh);
+        return mesh;
+      });
+    }
+  }
+
+  addCap(bone) {
+    const { dims, cell_mm, origin_mm } = bone.density;
+    const colors = bone.density_colors;
+    this.cap = new Mesh(
+      new PlaneGeometry(4 * this.reach, 4 * this.reach),
+      new ShaderMaterial({
+        glslVersion: GLSL3, vertexShader: capVertex, fragmentShader: capFragment, side: DoubleSide,
+        defines: { DENSITY_STOPS: colors.stops.length },
+        uniforms: {
+          density: { value: densityTexture(bone.density) },
+          origin_mm: { value: vector(origin_mm) },
+          size_mm: { value: vector(dims).multiplyScalar(cell_mm) },
+          density_stops: { value: colors.stops.map(vector) },
+          top_grade: { value: bone.grade_per_g_cm3 * colors.max },
+        },
+        stencilWrite: true, stencilRef: 0, stencilFunc: NotEqualStencilFunc, stencilFail: KeepStencilOp,
+        stencilZFail: KeepStencilOp, stencilZPass: KeepStencilOp,
+      }),
+    );
+    this.cap.renderOrder = 2;
+    this.cap.visible = false;
+    this.scene.add(this.cap);
+  }
+
+  show(state) {
+    this.state = state;
+    this.update();
+  }
+
+  update() {
+    for (const [name, [back, front, bone]] of Object.entries(this.states)) {
+      bone.visible = name === this.state;
+      back.visible = front.visible = bone.visible && this.cap.visible;
+    }
+  }
+
+  // Cuts away what lies in front of the plane: `normal` (length 1) points to what goes. null: nothing.
+  cutAlong(normal, point) {
+    this.cap.visible = normal !== null;
+    if (normal === null) {
+      this.cut.set(0, 0, 0, 1);
+    } else {
+      this.cut.set(-normal.x, -normal.y, -normal.z, normal.dot(point));
+      this.cap.position.copy(point);
+      this.cap.lookAt(point.clone().add(normal));
+    }
+    this.update();
+  }
+
+  // Looks at the focus from a direction, at the first scale again.
+  look(towardsViewer) {
+    this.camera.position.copy(this.focus).addScaledVector(towardsViewer, 2 * this.reach + 10);
+    this.camera.zoom = 1;
+    this.camera.lookAt(this.focus);
+    this.resize();
+  }
+
+  resize() {
+    const { clientWidth: width, clientHeight: height } = this.renderer.domElement;
+    if (width === 0 || height === 0) return;
+    this.renderer.setSize(width, height, false);
+    // The square that the pictures show stays in sight, whatever the canvas's shape.
+    const half = 0.5 * this.height * Math.max(1, height / width);
+    Object.assign(this.camera, {
+      left: (-half * width) / height, right: (half * width) / height, top: half, bottom: -half, near: 0.1, far: 5 * this.reach + 20,
+    });
+    this.camera.updateProjectionMatrix();
+  }
+
+  mmPerPixel() {
+    return (this.camera.top - this.camera.bottom) / this.camera.zoom / this.renderer.domElement.clientHeight;
+  }
+
+  draw() {
+    this.camera.updateMatrixWorld();
+    this.renderer.render(this.scene, this.camera);
+  }
+}

@@ -1,0 +1,117 @@
+// The look of render/shaders, in the dialect of WebGL 2. Light in eye space; colours are linear until the end.
+const common = `
+precision highp float;
+const vec3 kKeyDirection = vec3(-0.509, 0.648, 0.574);
+const vec3 kFillDirection = vec3(0.819, 0.102, 0.563);
+const vec3 kKeyColor = vec3(0.92, 0.888, 0.828);
+const vec3 kFillColor = vec3(0.115, 0.131, 0.16);
+const vec3 kSkyColor = vec3(0.27, 0.285, 0.30);
+const vec3 kGroundColor = vec3(0.096, 0.084, 0.072);
+
+vec3 linear_from_srgb(vec3 c) { return mix(c / 12.92, pow((c + 0.055) / 1.055, vec3(2.4)), step(0.04045, c)); }
+vec3 srgb_from_linear(vec3 c) {
+  c = clamp(c, 0.0, 1.0);
+  return mix(12.92 * c, 1.055 * pow(c, vec3(1.0 / 2.4)) - 0.055, step(0.0031308, c));
+}
+float wrapped(vec3 normal, vec3 direction, float wrap) { return max((dot(normal, direction) + wrap) / (1.0 + wrap), 0.0); }
+`;
+
+export const boneVertex = `
+in vec3 dress;  // reamed 0..1, density over 2 g/cm3, openness 0..1
+in float depth;
+out vec3 eye_normal;
+out vec4 dressed;  // depth over the legend's end, then as above
+out vec3 place_mm;
+void main() {
+  place_mm = position;
+  dressed = vec4(depth, dress);
+  eye_normal = normalMatrix * normal;
+  gl_Position = projectionMatrix * modelViewMatrix * vec4(position, 1.0);
+}`;
+
+export const boneFragment = `${common}
+in vec3 eye_normal;
+in vec4 dressed;
+in vec3 place_mm;
+out vec4 color;
+uniform vec4 cut;
+uniform vec3 depth_stops[DEPTH_STOPS];
+uniform float depth_max_mm;
+uniform float contour_mm;
+uniform float shows_depth;
+
+vec3 depth_color(float share) {
+  float place = clamp(share, 0.0, 1.0) * float(DEPTH_STOPS - 1);
+  int lower = min(int(place), DEPTH_STOPS - 2);
+  return linear_from_srgb(mix(depth_stops[lower], depth_stops[lower + 1], place - float(lower)));
+}
+
+float contour(float depth_mm) {
+  float steps = depth_mm / contour_mm;
+  float width = max(fwidth(steps), 1e-6);
+  float line = abs(fract(steps - 0.5) - 0.5) / width;
+  float clear = (1.0 - smoothstep(0.15, 0.4, width)) * smoothstep(0.003, 0.010, width);
+  return steps < 0.5 ? 0.0 : (1.0 - smoothstep(0.4, 1.3, line)) * clear;
+}
+
+void main() {
+  if (dot(cut, vec4(place_mm, 1.0)) < 0.0) discard;
+  vec3 n = normalize(eye_normal);
+  // The inside, seen through a cut; not the odd triangle that thinning has turned over.
+  if (!gl_FrontFacing && n.z < -0.1) {
+    color = vec4(0.12, 0.13, 0.16, 1.0);
+    return;
+  }
+  float open = dressed.w * dressed.w;
+  float reamed = smoothstep(0.35, 0.65, dressed.y);
+  vec3 bone = mix(vec3(0.55, 0.39, 0.27), vec3(0.80, 0.69, 0.53), smoothstep(0.1, 0.75, dressed.z));
+  vec3 light = mix(kGroundColor, kSkyColor, 0.5 + 0.5 * n.y) * open +
+               kKeyColor * wrapped(n, kKeyDirection, 0.25) * mix(0.6, 1.0, open) +
+               kFillColor * wrapped(n, kFillDirection, 0.35) * open;
+  float halfway = max(dot(n, normalize(kKeyDirection + vec3(0.0, 0.0, 1.0))), 0.0);
+  vec3 shine = 0.05 * pow(halfway, 24.0) * kKeyColor * open;
+  float depth_mm = dressed.x * depth_max_mm;
+  vec3 map = depth_color(dressed.x) * (1.0 - 0.35 * contour(depth_mm));
+  // The reamed face must be readable against the legend, so shading only models its shape.
+  vec3 even = mix(vec3(dot(light, vec3(0.3333))), vec3(1.02), 0.55);
+  color = vec4(srgb_from_linear(mix(bone * light + shine, map * even + 0.3 * shine, reamed * shows_depth)), 1.0);
+}`;
+
+// Draws nothing; the stencil buffer counts faces behind the cut.
+export const countFragment = `
+precision highp float;
+in vec3 eye_normal;
+in vec4 dressed;
+in vec3 place_mm;
+out vec4 color;
+uniform vec4 cut;
+void main() {
+  if (dot(cut, vec4(place_mm, 1.0)) < 0.0) discard;
+  color = vec4(0.0);
+}`;
+
+export const capVertex = `
+out vec3 place_mm;
+void main() {
+  vec4 place = modelMatrix * vec4(position, 1.0);
+  place_mm = place.xyz;
+  gl_Position = projectionMatrix * viewMatrix * place;
+}`;
+
+export const capFragment = `
+precision highp float;
+precision highp sampler3D;
+in vec3 place_mm;
+out vec4 color;
+uniform sampler3D density;
+uniform vec3 origin_mm;
+uniform vec3 size_mm;
+uniform vec3 density_stops[DENSITY_STOPS];
+uniform float top_grade;  // of the colour map's end
+void main() {
+  float share = texture(density, (place_mm - origin_mm) / size_mm).r * 255.0 / top_grade;
+  if (share == 0.0) discard;  // far from bone: where the count of faces slipped
+  float place = clamp(share, 0.0, 1.0) * float(DENSITY_STOPS - 1);
+  int lower = min(int(place), DENSITY_STOPS - 2);
+  color = vec4(mix(density_stops[lower], density_stops[lower + 1], place - float(lower)), 1.0);
+}`;

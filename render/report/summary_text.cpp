@@ -1,0 +1,264 @@
+#include "render/report/summary_text.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <span>
+
+#include "render/report/markup.h"
+#include "sim/base/error.h"
+
+namespace reamsim {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// A line of a table: where its value stands in summary.json.
+struct Line {
+  const char* pointer;
+  const char* label;
+  const char* unit;
+};
+struct Table {
+  const char* title;
+  std::span<const Line> lines;
+};
+
+constexpr const char* kPeakForce = "/forces/peak_axial_force_n";
+constexpr const char* kPeakTorque = "/forces/peak_spin_torque_nmm";
+constexpr std::array kKeyFigures{Line{"/removed_mm3", "Bone removed", "mm³"},
+                                 Line{"/metrics/depth/max_mm", "Greatest depth", "mm"},
+                                 Line{kPeakForce, "Peak axial force", "N"},
+                                 Line{kPeakTorque, "Peak spin torque", "N·mm"},
+                                 Line{"/metrics/dense_bone_left/mean_mm", "Dense bone left, mean", "mm"},
+                                 Line{"/balance", "Energy balance", ""}};
+
+constexpr std::array kBone{Line{"/bone/bone_before_mm3", "Bone before", "mm³"},
+                           Line{"/bone/bone_after_mm3", "Bone after", "mm³"},
+                           Line{"/metrics/removed/total_mm3", "Removed", "mm³"},
+                           Line{"/metrics/removed/dense_mm3", "of it dense", "mm³"},
+                           Line{"/metrics/removed/trabecular_mm3", "of it trabecular", "mm³"},
+                           Line{"/bone/voxel_mm", "Voxel", "mm"}};
+constexpr std::array kFace{Line{"/metrics/depth/max_mm", "Depth, greatest", "mm"},
+                           Line{"/metrics/depth/mean_mm", "Depth, mean", "mm"},
+                           Line{"/metrics/depth/p95_mm", "Depth, 95th percentile", "mm"},
+                           Line{"/metrics/depth/area_mm2", "Reamed area", "mm²"},
+                           Line{"/metrics/face/shape", "Shape of the reamed face", ""},
+                           Line{"/metrics/face/sphere/radius_mm", "Radius of the sphere through it", "mm"},
+                           Line{"/metrics/face/sphere/residual_rms_mm", "Residual of that sphere, RMS", "mm"},
+                           Line{"/metrics/face/plane/residual_rms_mm", "Residual of a plane, RMS", "mm"}};
+constexpr std::array kOrientation{Line{"/metrics/orientation/before/version_deg", "Version before", "°"},
+                                  Line{"/metrics/orientation/after/version_deg", "Version after", "°"},
+                                  Line{"/metrics/orientation/change/version_deg", "Version, change", "°"},
+                                  Line{"/metrics/orientation/before/inclination_deg", "Inclination before", "°"},
+                                  Line{"/metrics/orientation/after/inclination_deg", "Inclination after", "°"},
+                                  Line{"/metrics/orientation/change/inclination_deg", "Inclination, change", "°"},
+                                  Line{"/metrics/orientation/reamer/version_deg", "Version of the reamer", "°"},
+                                  Line{"/metrics/orientation/reamer/inclination_deg", "Inclination of the reamer", "°"},
+                                  Line{"/metrics/orientation/turned_deg", "Face turned by", "°"}};
+constexpr std::array kLeft{Line{"/metrics/dense_bone_left/mean_mm", "Dense bone under the face, mean", "mm"},
+                           Line{"/metrics/dense_bone_left/p05_mm", "5th percentile", "mm"},
+                           Line{"/metrics/dense_bone_left/least_mm", "least", "mm"},
+                           Line{"/metrics/dense_bone_left/exposed_percent", "Face without dense bone", "%"},
+                           Line{"/metrics/perforation/perforated", "Perforated", ""},
+                           Line{"/metrics/perforation/holes", "Holes", ""},
+                           Line{"/metrics/perforation/area_mm2", "Area of the holes", "mm²"},
+                           Line{"/metrics/seating/seated_percent", "Implant seated", "%"},
+                           Line{"/metrics/seating/mean_gap_mm", "Gap under the implant, mean", "mm"},
+                           Line{"/metrics/seating/max_gap_mm", "Gap under the implant, greatest", "mm"}};
+constexpr std::array kLoads{
+    Line{"/forces/peak_layer_axial_force_n", "Axial force, peak over a voxel of travel", "N"},
+    Line{"/forces/peak_axial_force_n", "Axial force, peak of a single frame", "N"},
+    Line{"/forces/mean_axial_force_n", "Axial force, mean", "N"},
+    Line{"/forces/peak_layer_spin_torque_nmm", "Spin torque, peak over a voxel of travel", "N·mm"},
+    Line{"/forces/peak_spin_torque_nmm", "Spin torque, peak of a single frame", "N·mm"},
+    Line{"/forces/mean_spin_torque_nmm", "Spin torque, mean", "N·mm"},
+    Line{"/forces/rms_force_n", "Force, RMS of its length", "N"},
+    Line{"/forces/rms_torque_nmm", "Torque, RMS of its length", "N·mm"}};
+constexpr std::array kEnergy{
+    Line{"/work_mj", "Work done by the tool", "mJ"}, Line{"/energy_mj", "Energy of cutting", "mJ"},
+    Line{"/friction_energy_mj", "of it friction", "mJ"}, Line{"/floor_energy_mj", "Energy below the speed floor", "mJ"},
+    Line{"/balance", "Balance, share of the energy of cutting", ""}};
+constexpr std::array kMotion{Line{"/simulated_s", "Simulated time", "s"},
+                             Line{"/reaming_s", "Time in contact", "s"},
+                             Line{"/max_depth_mm", "Travel after first contact", "mm"},
+                             Line{"/frames", "Frames", ""},
+                             Line{"/contact_frames", "Frames in contact", ""},
+                             Line{"/first_contact_frame", "First frame in contact", ""}};
+
+const std::array kTables{Table{"Bone", kBone},
+                         Table{"Reamed face", kFace},
+                         Table{"Orientation", kOrientation},
+                         Table{"Bone left under the face", kLeft},
+                         Table{"Force and torque", kLoads},
+                         Table{"Energy", kEnergy},
+                         Table{"Motion", kMotion}};
+
+InputError wrong(const std::string& path, const std::string& key, const std::string& expected) {
+  return {{path, 0, 0}, key, "found something else there", "expected " + expected};
+}
+
+/// The value of a line as text; "" where the run has none.
+std::string value_text(const Json& summary, const Line& line, const std::string& path) {
+  const Json::json_pointer pointer(line.pointer);
+  const Json value = summary.contains(pointer) ? summary.at(pointer) : Json();
+  if (value.is_null()) return "";
+  if (value.is_boolean()) return value.get<bool>() ? "yes" : "no";
+  if (value.is_string()) return escape_html(value.get<std::string>());
+  if (value.is_number_integer()) return number_text(value.get<double>(), 15);
+  if (value.is_number()) return number_text(value.get<double>());
+  throw wrong(path, line.pointer, "a number");
+}
+
+std::string unit_html(const char* unit) {
+  return *unit == '\0' ? "" : std::string(" <span class=\"unit\">") + unit + "</span>";
+}
+
+/// A text of summary.json, escaped.
+std::string text_at(const Json& summary, const char* key, const std::string& path) {
+  if (!summary.contains(key) || !summary.at(key).is_string()) throw wrong(path, key, "a text");
+  return escape_html(summary.at(key).get<std::string>());
+}
+
+std::string row_html(const std::string& head, const std::string& cell) {
+  return "<tr><th scope=\"row\">" + head + "</th><td>" + cell + "</td></tr>\n";
+}
+
+/// 12345.6 → 12 345.6, with thin spaces.
+std::string with_thousands(std::string text) {
+  const std::size_t point = std::min(text.find('.'), text.size());
+  const std::size_t first = text.front() == '-' ? 1 : 0;
+  if (point - first < 5) return text;
+  for (std::size_t at = point; at > first + 3;) text.insert(at -= 3, "\u2009");
+  return text;
+}
+
+double rounded(double value, int decimals) {
+  const double step = std::pow(10.0, decimals);
+  return std::round(value * step) / step;
+}
+
+std::string raised(int exponent) {
+  static const std::array<const char*, 10> digits{"⁰", "¹", "²", "³", "⁴", "⁵", "⁶", "⁷", "⁸", "⁹"};
+  std::string out = exponent < 0 ? "⁻" : "";
+  for (const char c : std::to_string(std::abs(exponent))) out += digits[static_cast<std::size_t>(c - '0')];
+  return out;
+}
+
+}  // namespace
+
+std::string number_text(double value, int digits) {
+  if (value == 0) return "0";
+  if (!std::isfinite(value)) return "–";
+  std::array<char, 64> text;
+  std::snprintf(text.data(), text.size(), "%.*e", digits - 1, value);
+  const int exponent = std::stoi(std::string(text.data()).substr(std::string_view(text.data()).find('e') + 1));
+  std::string out;
+  if (exponent < -4) {
+    std::snprintf(text.data(), text.size(), "%.1f", value / std::pow(10.0, exponent));
+    out = std::string(text.data()) + " × 10" + raised(exponent);
+  } else {
+    // 0.25 stays 0.25, but 28.996 becomes 29.00: there the zeros say something.
+    int decimals = std::max(0, digits - 1 - exponent);
+    while (decimals > 0 && std::abs(value - rounded(value, decimals - 1)) < 1e-9 * std::abs(value)) --decimals;
+    std::snprintf(text.data(), text.size(), "%.*f", decimals, value);
+    out = with_thousands(text.data());
+  }
+  if (out.front() == '-') out.replace(0, 1, "−");
+  return out;
+}
+
+std::string key_figures_html(const Json& summary, const std::string& path) {
+  // Where voxels go whole single frames are spikes, so that pictures and plots show means over a voxel of travel.
+  const bool single_frames = text_at(summary, "erosion", path) == "exact";
+  std::string out;
+  for (Line line : kKeyFigures) {
+    if (!single_frames && std::string_view(line.pointer) == kPeakForce)
+      line.pointer = "/forces/peak_layer_axial_force_n";
+    if (!single_frames && std::string_view(line.pointer) == kPeakTorque)
+      line.pointer = "/forces/peak_layer_spin_torque_nmm";
+    const std::string value = value_text(summary, line, path);
+    if (value.empty()) continue;
+    out += std::string("<div><dt>") + line.label + "</dt><dd>" + value + unit_html(line.unit) + "</dd></div>\n";
+  }
+  return out;
+}
+
+std::string summary_tables_html(const Json& summary, const std::string& path) {
+  std::string out;
+  for (const Table& table : kTables) {
+    std::string rows;
+    for (const Line& line : table.lines) {
+      const std::string value = value_text(summary, line, path);
+      if (!value.empty()) rows += row_html(line.label, value + unit_html(line.unit));
+    }
+    if (rows.empty()) continue;
+    out += std::string("<table>\n<caption>") + table.title + "</caption>\n<tbody>\n" + rows + "</tbody>\n</table>\n";
+  }
+  return out;
+}
+
+std::string provenance_html(const Json& summary, const std::string& path) {
+  std::string out = "<table class=\"wide\">\n<caption>Program and settings</caption>\n<tbody>\n";
+  out += row_html("Program", text_at(summary, "program", path)) + row_html("Device", text_at(summary, "device", path)) +
+         row_html("Detector", text_at(summary, "detector", path)) +
+         row_html("Erosion", text_at(summary, "erosion", path)) + row_html("Force law", text_at(summary, "law", path)) +
+         "</tbody>\n</table>\n";
+  if (!summary.contains("inputs") || !summary.at("inputs").is_array()) throw wrong(path, "inputs", "a list of files");
+  out +=
+      "<table class=\"wide\">\n<caption>Inputs</caption>\n<thead><tr><th scope=\"col\">Key</th><th scope=\"col\">"
+      "File</th><th scope=\"col\">SHA-256</th></tr></thead>\n<tbody>\n";
+  for (const Json& input : summary.at("inputs")) {
+    const std::string file = text_at(input, "path", path);
+    out += "<tr><th scope=\"row\">" + text_at(input, "role", path) + "</th><td>" + file.substr(file.rfind('/') + 1) +
+           "</td><td><code>" + text_at(input, "sha256", path) + "</code></td></tr>\n";
+  }
+  return out + "</tbody>\n</table>\n";
+}
+
+std::string warnings_html(const Json& summary, const std::string& path) {
+  if (!summary.contains("warnings") || !summary.at("warnings").is_array()) throw wrong(path, "warnings", "a list");
+  if (summary.at("warnings").empty()) return "";
+  std::string out = "<aside class=\"warnings\" aria-label=\"Warnings of the run\">\n<h2>Warnings</h2>\n<ul>\n";
+  for (const Json& warning : summary.at("warnings")) {
+    if (!warning.is_string()) throw wrong(path, "warnings", "a list of texts");
+    out += "<li>" + escape_html(warning.get<std::string>()) + "</li>\n";
+  }
+  return out + "</ul>\n</aside>\n";
+}
+
+std::string verification_html(const Json& summary, const Json& verification, const std::string& summary_path,
+                              const std::string& verification_path) {
+  const Line balance{"/balance", "", ""};
+  std::string out =
+      "<p>Energy balance of this run: <strong>" + value_text(summary, balance, summary_path) +
+      "</strong> of the energy of cutting. It is what the tool's work and the energy that removing the bone "
+      "takes differ by, counted apart; it says that force and removal agree, not that the force law fits "
+      "your bone.</p>\n";
+  if (verification.is_null()) {
+    return out +
+           "<p class=\"status unknown\">Not verified on this machine, as far as this folder knows: run "
+           "<code>reamsim verify</code>, put its verification.json here, and <code>reamsim render</code> this "
+           "folder again.</p>\n";
+  }
+  if (!verification.contains("passed") || !verification.at("passed").is_boolean() || !verification.contains("cases") ||
+      !verification.at("cases").is_array()) {
+    throw wrong(verification_path, "passed", "the verification.json of reamsim verify");
+  }
+  const bool passed = verification.at("passed").get<bool>();
+  out += std::string("<p class=\"status ") +
+         (passed ? "passed\">Verification passed: " : "failed\">Verification FAILED: ") +
+         text_at(verification, "suite", verification_path) + " suite, " +
+         std::to_string(verification.at("cases").size()) + " cases against closed forms and invariants, " +
+         text_at(verification, "program", verification_path) + " on " +
+         text_at(verification, "device", verification_path) + ".</p>\n";
+  for (const char* key : {"program", "device"}) {
+    if (text_at(verification, key, verification_path) != text_at(summary, key, summary_path)) {
+      out += std::string("<p class=\"status unknown\">It was made with another ") + key + " than this run.</p>\n";
+    }
+  }
+  return out;
+}
+
+}  // namespace reamsim

@@ -1,0 +1,193 @@
+#include "render/report/report.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "render/overlay.h"
+#include "sim/base/error.h"
+#include "tests/render/results_fixture.h"
+#include "tests/support/temp_dir.h"
+
+namespace reamsim {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+namespace fs = std::filesystem;
+
+constexpr const char* kHostile = "</script><script>alert(1)</script><!-- \" & '";
+
+std::string read(const std::string& path) {
+  std::ifstream in(path, std::ios::binary);
+  std::ostringstream text;
+  text << in.rdbuf();
+  return text.str();
+}
+
+void write(const std::string& path, const std::string& text) {
+  std::ofstream(path, std::ios::binary) << text;
+}
+
+nlohmann::json small_summary() {
+  return {{"program", "reamsim 9.9.9"},
+          {"scenario", kHostile},
+          {"device", "a device"},
+          {"detector", "bricked"},
+          {"erosion", "exact"},
+          {"law", "energy"},
+          {"removed_mm3", 726.66},
+          {"balance", -8.2e-8},
+          {"metrics", {{"depth", nullptr}, {"perforation", {{"perforated", false}}}}},
+          {"inputs", {{{"role", "scenario"}, {"path", "/home/x/<b>.yaml"}, {"sha256", "abc123"}}}},
+          {"warnings", {"mind the <gap>"}}};
+}
+
+/// The data that the page carries for its scripts.
+nlohmann::json data_of(const std::string& page) {
+  const std::string open = "<script type=\"application/json\" id=\"run-data\">";
+  const std::size_t from = page.find(open) + open.size();
+  return nlohmann::json::parse(page.substr(from, page.find("</script>", from) - from));
+}
+
+/// A run, made once; tests work on copies of its folder.
+class ReportPage : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    run_ = new test::TempDir;
+    write_results(run_->path(), {.voxel_mm = 1.0});
+    write(run_->path() + "/summary.json", small_summary().dump());
+    write(run_->path() + "/scenario.yaml", std::string("version: 1  # ") + kHostile + "\n");
+    fs::create_directory(run_->path() + "/frames");
+    std::vector<std::uint32_t> pixels(160 * 90, 0x00336699);
+    for (const char* name : {"reamed", "reamed_section", "frames/000000", "frames/000020", "frames/000040",
+                             "frames/000060", "frames/000000_section", "frames/000020_section"}) {
+      write_png(run_->path() + "/" + name + ".png", pixels, 160, 90);
+    }
+  }
+  static void TearDownTestSuite() { delete run_; }
+
+  void SetUp() override {
+    fs::copy(run_->path(), dir(), fs::copy_options::recursive | fs::copy_options::overwrite_existing);
+    settings_.cameras = {"oblique", "section"};
+  }
+
+  [[nodiscard]] std::string dir() const { return copy_.path(); }
+  std::string page() {
+    write_report(dir(), settings_, 0);
+    return read(dir() + "/report.html");
+  }
+  void expect_refused(const std::string& part) {
+    try {
+      write_report(dir(), settings_, 0);
+      ADD_FAILURE() << "no error";
+    } catch (const InputError& error) {
+      EXPECT_THAT(error.what(), HasSubstr(part));
+    }
+    EXPECT_FALSE(fs::exists(dir() + "/report.html"));
+  }
+
+  RenderSettings settings_;
+
+ private:
+  static test::TempDir* run_;
+  test::TempDir copy_;
+};
+
+test::TempDir* ReportPage::run_ = nullptr;
+
+TEST_F(ReportPage, HoldsTheRun) {
+  const std::string text = page();
+  EXPECT_THAT(text, HasSubstr("726.7 <span class=\"unit\">mm³"));
+  EXPECT_THAT(text, HasSubstr("−8.2 × 10⁻⁸"));
+  EXPECT_THAT(text, HasSubstr("abc123"));
+  EXPECT_THAT(text, HasSubstr("Perforated</th><td>no"));
+  EXPECT_THAT(text, Not(HasSubstr("Greatest depth"))) << "the run has none";
+  const nlohmann::json data = data_of(text);
+  EXPECT_EQ(data["plot"]["frame"].size(), 60u);
+  EXPECT_EQ(data["pictures"]["frames"], nlohmann::json({0, 20, 40, 60}));
+  ASSERT_EQ(data["pictures"]["cameras"].size(), 1u) << "a camera whose pictures are not all there is left out";
+  EXPECT_EQ(data["pictures"]["cameras"][0]["jpegs"].size(), 4u);
+  EXPECT_EQ(data["pictures"]["cameras"][0]["width_px"], 160);
+  EXPECT_NEAR(data["bone"]["deepest_mm"].get<double>(), 3.0, 0.6);
+  for (const char* state : {"before", "after"}) EXPECT_GT(data["bone"][state]["triangles"], 1000) << state;
+}
+
+TEST_F(ReportPage, NothingFromTheRunBecomesMarkup) {
+  const std::string text = page();
+  EXPECT_THAT(text, Not(HasSubstr("<script>alert")));
+  EXPECT_THAT(text, Not(HasSubstr("<gap>")));
+  EXPECT_THAT(text, Not(HasSubstr("<b>")));
+  EXPECT_THAT(text, HasSubstr("&lt;/script&gt;&lt;script&gt;alert(1)&lt;/script&gt;&lt;!-- &quot; &amp; &#39;"));
+}
+
+TEST_F(ReportPage, AsksForNothing) {
+  const std::string text = page();
+  EXPECT_THAT(text, HasSubstr("Content-Security-Policy\" content=\"default-src 'none'"));
+  const std::string head = text.substr(0, text.find("id=\"run-data\""));
+  for (const char* way : {"src=\"http", "href=\"http", "url(http", "@import"}) EXPECT_THAT(head, Not(HasSubstr(way)));
+}
+
+TEST_F(ReportPage, SameResultsGiveTheSameBytes) {
+  const std::string once = page();
+  EXPECT_EQ(page(), once);
+}
+
+TEST_F(ReportPage, SaysWhatIsKnownOfVerification) {
+  EXPECT_THAT(page(), HasSubstr("Not verified on this machine"));
+  const nlohmann::json verification{
+      {"program", "reamsim 9.9.9"}, {"device", "another"}, {"suite", "full"}, {"passed", true}, {"cases", {1, 2}}};
+  write(dir() + "/verification.json", verification.dump());
+  const std::string passed = page();
+  EXPECT_THAT(passed, HasSubstr("Verification passed: full suite, 2 cases"));
+  EXPECT_THAT(passed, HasSubstr("made with another device"));
+  EXPECT_THAT(passed, Not(HasSubstr("made with another program")));
+  auto failed = verification;
+  failed["passed"] = false;
+  write(dir() + "/verification.json", failed.dump());
+  EXPECT_THAT(page(), HasSubstr("Verification FAILED"));
+}
+
+TEST_F(ReportPage, DoesWithoutPictures) {
+  fs::remove_all(dir() + "/frames");
+  fs::remove(dir() + "/reamed.png");
+  const nlohmann::json data = data_of(page());
+  EXPECT_TRUE(data["pictures"]["cameras"].empty());
+}
+
+TEST_F(ReportPage, RefusesDamagedResults) {
+  write(dir() + "/summary.json", "{\"program\": ");
+  expect_refused("summary.json");
+  write(dir() + "/summary.json", "{}");
+  expect_refused("scenario");
+  auto summary = small_summary();
+  summary["inputs"] = 3;
+  write(dir() + "/summary.json", summary.dump());
+  expect_refused("inputs");
+  summary = small_summary();
+  summary["removed_mm3"] = {1, 2};
+  write(dir() + "/summary.json", summary.dump());
+  expect_refused("removed_mm3");
+}
+
+TEST_F(ReportPage, RefusesADamagedPicture) {
+  write(dir() + "/reamed.png", "no picture");
+  expect_refused("reamed.png");
+}
+
+TEST_F(ReportPage, RefusesADamagedVerification) {
+  write(dir() + "/verification.json", "{\"passed\": \"yes\"}");
+  expect_refused("verification.json");
+}
+
+TEST_F(ReportPage, RefusesAFolderWithoutItsScenario) {
+  fs::remove(dir() + "/scenario.yaml");
+  expect_refused("scenario.yaml");
+}
+
+}  // namespace
+}  // namespace reamsim
