@@ -5,6 +5,8 @@
 #include <memory>
 
 #include "cli/commands.h"
+#include "render/meshes.h"
+#include "render/plots.h"
 #include "sim/base/error.h"
 #include "sim/bone/bone_vdb.h"
 #include "sim/scenario/parse.h"
@@ -55,9 +57,13 @@ void render_command(const RenderOptions& options, const Console& console) {
       },
       &report);
   progress.finish();
-  console.tell(report);
   write_force_plots(options.dir, mean_mm);
+  write_removed_density(options.dir);
+  const std::string scenario = options.dir + "/scenario.yaml";
+  if (parse_tool_spin(scenario) == "resolved") write_torque_spectrum(options.dir);
   write_depth_picture(options.dir, settings.depth_max_mm);
+  if (parse_output_settings(scenario).meshes) write_meshes(options.dir, settings.depth_max_mm, report);
+  console.tell(report);
   console.say("pictures: " + options.dir + "/frames/, " + options.dir + "/reamed.png");
 }
 

@@ -263,6 +263,7 @@ struct RenderSettings {
 struct OutputSettings {
   std::string dir;  ///< "" = out/<scenario name> below the working folder
   bool vti = true;
+  bool meshes = true;
 };
 
 struct Scenario {
