@@ -21,8 +21,8 @@ namespace {
 
 constexpr std::size_t kLeastTurns = 3;   // in a stretch that is worth a spectrum
 constexpr std::size_t kWindowTurns = 8;  // in a window, where there is so much
-constexpr std::size_t kMostPeaks = 6;
-constexpr double kLeastPeak = 0.08;  // of the highest
+constexpr std::size_t kMostPeaks = 4;
+constexpr double kLeastPeak = 0.25;  // of the highest
 
 /// First row and number of rows of the longest stretch with torque. Between two teeth there may be none, but not for a
 /// whole turn.
@@ -88,42 +88,39 @@ std::vector<TorqueSpectrum::Line> welch(const std::vector<double>& values, std::
   return out;
 }
 
-/// The highest lines of which none stands within 0.7 of a turn's frequency of a higher one.
+/// What comes from teeth comes back with every turn, so its lines lie at multiples of the spin. Others are the
+/// raster's: tips that pass from voxel to voxel.
+bool multiple_of_spin(double frequency_hz, double spin_hz) {
+  const double order = frequency_hz / spin_hz;
+  return order > 0.5 && std::abs(order - std::round(order)) < 0.1;
+}
+
+/// The highest lines at multiples of the spin.
 std::vector<TorqueSpectrum::Line> find_peaks(const std::vector<TorqueSpectrum::Line>& lines, double spin_hz) {
   using Line = TorqueSpectrum::Line;
-  std::vector<Line> tops;
-  for (std::size_t i = 1; i + 1 < lines.size(); ++i) {
-    if (lines[i].torque_nmm > lines[i - 1].torque_nmm && lines[i].torque_nmm >= lines[i + 1].torque_nmm)
-      tops.push_back(lines[i]);
-  }
-  std::sort(tops.begin(), tops.end(), [](const Line& a, const Line& b) { return a.torque_nmm > b.torque_nmm; });
   std::vector<Line> out;
-  for (const Line& top : tops) {
-    if (out.size() == kMostPeaks || top.torque_nmm < kLeastPeak * tops.front().torque_nmm) break;
-    const bool near = std::any_of(out.begin(), out.end(), [&](const Line& higher) {
-      return std::abs(higher.frequency_hz - top.frequency_hz) < 0.7 * spin_hz;
-    });
-    if (!near) out.push_back(top);
+  for (std::size_t i = 1; i + 1 < lines.size(); ++i) {
+    const bool top = lines[i].torque_nmm > lines[i - 1].torque_nmm && lines[i].torque_nmm >= lines[i + 1].torque_nmm;
+    if (top && multiple_of_spin(lines[i].frequency_hz, spin_hz)) out.push_back(lines[i]);
   }
+  std::sort(out.begin(), out.end(), [](const Line& a, const Line& b) { return a.torque_nmm > b.torque_nmm; });
+  const auto small = std::find_if(
+      out.begin(), out.end(), [&](const Line& line) { return line.torque_nmm < kLeastPeak * out.front().torque_nmm; });
+  out.resize(std::min(kMostPeaks, static_cast<std::size_t>(small - out.begin())));
   std::sort(out.begin(), out.end(), [](const Line& a, const Line& b) { return a.frequency_hz < b.frequency_hz; });
   return out;
 }
 
-/// "25 Hz" and, on a line below, "6 × spin" where it is a multiple of the spin.
+/// "25.0 Hz" and, on a line below, "6 × spin".
 std::string peak_label(double frequency_hz, double spin_hz) {
-  const double order = frequency_hz / spin_hz;
   char text[64];
-  if (std::abs(order - std::round(order)) < 0.1 && order > 0.5) {
-    std::snprintf(text, sizeof text, "%.4g Hz\\n%.0f × spin", frequency_hz, std::round(order));
-  } else {
-    std::snprintf(text, sizeof text, "%.4g Hz", frequency_hz);
-  }
+  std::snprintf(text, sizeof text, "%.3g Hz\\n%.0f × spin", frequency_hz, std::round(frequency_hz / spin_hz));
   return text;
 }
 
 /// The peaks for the script, and how far its axis goes.
 std::string peaks_block(const TorqueSpectrum& spectrum) {
-  double last_hz = 4 * spectrum.spin_hz;
+  double last_hz = 10 * spectrum.spin_hz;
   std::string out = "# The highest peaks: frequency (Hz), amplitude (N·mm), label\n$peaks << END\n";
   for (const auto& [frequency_hz, torque_nmm] : spectrum.peaks) {
     out += shortest_text(frequency_hz) + "," + shortest_text(torque_nmm) + ",\"" +
@@ -131,7 +128,8 @@ std::string peaks_block(const TorqueSpectrum& spectrum) {
     last_hz = std::max(last_hz, frequency_hz);
   }
   if (spectrum.peaks.empty()) out += "-1,0,\"\"\n";
-  return out + "END\nshown_hz = " + shortest_text(1.25 * last_hz) + "\n\n";
+  return out + "END\n# Where the axis ends; plots/spectrum.csv goes on to half the frame rate.\nshown_hz = " +
+         shortest_text(2 * last_hz) + "\n\n";
 }
 
 }  // namespace

@@ -18,6 +18,6 @@ do for [format in "png svg pdf"] {
   set output "plots/spectrum." . format
   plot csv using "frequency_hz":"spin_torque_nmm" with lines lw 1.2 lc rgb dark_red, \
        $peaks using 1:2 with points pt 7 ps 0.35 lc rgb dark_blue, \
-       $peaks using 1:2:3 with labels offset 0, 1.4 center tc rgb "#202020"
+       $peaks using 1:2:3 with labels offset 0, 1.7 center tc rgb "#202020"
   unset output
 }

@@ -13,7 +13,7 @@ struct TorqueSpectrum {
     double torque_nmm = 0;  ///< amplitude of the sine that would give this line
   };
   std::vector<Line> lines;
-  std::vector<Line> peaks;  ///< the highest, ascending in frequency
+  std::vector<Line> peaks;  ///< the highest at multiples of the spin, ascending in frequency
   double spin_hz = 0;       ///< turns per second while cutting
 };
 
