@@ -25,6 +25,7 @@ int run(int argc, char** argv) {
   reamsim::add_run_command(app, console);
   reamsim::add_check_command(app, console);
   reamsim::add_render_command(app, console);
+  reamsim::add_compare_command(app, console);
   reamsim::add_import_command(app, console);
   reamsim::add_bench_command(app, console);
   reamsim::add_verify_command(app, console);
@@ -33,7 +34,8 @@ int run(int argc, char** argv) {
   const auto named = [&](const CLI::App* command) { return argc > 1 && command->get_name() == argv[1]; };
   if (argc > 1 && argv[1][0] != '-' && app.get_subcommands(named).empty()) {
     const std::string found =
-        std::string(argv[1]) + ": no such command; expected run, check, render, import, bench, verify or devices";
+        std::string(argv[1]) +
+        ": no such command; expected run, check, render, compare, import, bench, verify or devices";
     return complain(found.c_str(), kWrongInput);
   }
   try {

@@ -9,6 +9,8 @@
 
 #include "cli/commands.h"
 #include "render/camera.h"
+#include "render/meshes.h"
+#include "render/plots.h"
 #include "render/report/report.h"
 #include "sim/base/error.h"
 #include "sim/bone/bone_vdb.h"
@@ -133,12 +135,18 @@ void render_command(const RenderOptions& options, const Console& console) {
       },
       &report, choice);
   progress.finish();
-  console.tell(report);
+  const std::string scenario = options.dir + "/scenario.yaml";
   if (options.wants("plots")) {
     write_force_plots(options.dir, mean_mm);
+    write_removed_density(options.dir);
+    if (parse_tool_spin(scenario) == "resolved") write_torque_spectrum(options.dir);
     write_depth_picture(options.dir, settings.depth_max_mm);
   }
+  if (options.wants("meshes") && parse_output_settings(scenario).meshes) {
+    write_meshes(options.dir, settings.depth_max_mm, report);
+  }
   if (settings.report && options.wants("report")) write_report(options.dir, settings, mean_mm);
+  console.tell(report);
   console.say("pictures: " + options.dir);
 }
 
@@ -160,10 +168,12 @@ void add_render_command(CLI::App& app, Console& console) {
   command->add_option("--turntable", options->turntable_pictures, "So many pictures round the superior axis as well");
   command
       ->add_option("--only", options->only,
-                   "Make nothing but: pictures, before_after, contact_sheet, turntable, film or plots; may be repeated")
+                   "Make nothing but: pictures, before_after, contact_sheet, turntable, film, plots, meshes or report; "
+                   "may be repeated")
       ->expected(1)
       ->take_all()
-      ->check(CLI::IsMember({"pictures", "before_after", "contact_sheet", "turntable", "film", "plots"}));
+      ->check(CLI::IsMember(
+          {"pictures", "before_after", "contact_sheet", "turntable", "film", "plots", "meshes", "report"}));
   command->add_option("--width", options->width_px, "Width in pixels");
   command->add_option("--height", options->height_px, "Height in pixels");
   command->add_option("--context", options->context, "osmesa or egl");

@@ -4,6 +4,8 @@
 
 #include "cli/commands.h"
 #include "cli/scenario_options.h"
+#include "render/meshes.h"
+#include "render/plots.h"
 #include "render/render.h"
 #include "render/report/report.h"
 #include "sim/base/error.h"
@@ -42,11 +44,17 @@ void run_frames(ReamingScene& scene, Engine& engine, Recorder& recorder, Report&
   recorder.close();
 }
 
+constexpr const char* kNoSpectrum =
+    "no spectrum of the torque: the tool does not spin, or touches bone for less than four turns";
+
 void make_pictures(const std::string& dir, const Scenario& scenario, double voxel_mm, Report& report,
                    const Console& console) {
   const double mean_mm = averaged_travel_mm(scenario.cutting, voxel_mm);
   write_force_plots(dir, mean_mm);
+  write_removed_density(dir);
+  if (scenario.tool.spin == "resolved" && !write_torque_spectrum(dir)) report.warn(kNoSpectrum);
   write_depth_picture(dir, scenario.render.depth_max_mm);
+  if (scenario.output.meshes) write_meshes(dir, scenario.render.depth_max_mm, report);
   if (!scenario.render.enabled) return;
   Progress progress(console, "render", "pictures");
   render_pictures(

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "render/reamed_share.h"
 #include "render/surface_smoothing.h"
 #include "sim/base/parallel.h"
 
@@ -58,14 +59,6 @@ float density_at(const Voxmap& voxmap, const Eigen::Vector3f& inside) {
     weights += weight;
   }
   return weights > 0 ? sum / weights : 0;
-}
-
-/// How surely material is gone at a point of today's surface: there the unreamed bone's field is zero where nothing
-/// happened, and falls to −½ inside.
-float reamed_share(double unreamed_field) {
-  constexpr double kNone = 0.03;
-  constexpr double kSure = 0.13;
-  return static_cast<float>(std::clamp((-unreamed_field - kNone) / (kSure - kNone), 0.0, 1.0));
 }
 
 std::vector<Eigen::Vector3f> normals_at(const std::vector<openvdb::Vec3s>& points, const SolidField& field) {

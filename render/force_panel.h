@@ -32,7 +32,7 @@ class ForcePanel {
     std::uint32_t rgb;
     Box box;
     double min = 0, max = 1, step = 0.2;  ///< of the axis
-    std::vector<double> low{}, high{};        ///< per column of pixels: extremes of the values in it
+    std::vector<double> low{}, high{};    ///< per column of pixels: extremes of the values in it
   };
 
   void measure(Curve& curve) const;

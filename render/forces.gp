@@ -1,11 +1,5 @@
-# Force plots of a reamsim run: makes forces.png and forces.svg from forces.csv in this folder.
-# Change what you like and run it again here: gnuplot forces.gp
-
-csv = "forces.csv"
-set datafile separator ","
-set encoding utf8
-
 # ---- what the run holds
+csv = "forces.csv"
 stats csv using "time_s" nooutput name "T"
 rows = T_records
 t_min = T_min
@@ -15,12 +9,6 @@ stats csv using "axial_force_n" nooutput name "F"
 stats csv using "spin_torque_nmm" nooutput name "M"
 stats csv using "depth_mm" nooutput name "D"
 
-# Axis limits with some air; a column that is constant (all zero, say) still gets a range.
-low(a, b) = b > a ? a - 0.06 * (b - a) : (a == 0 ? -0.05 : a - 0.1 * abs(a))
-high(a, b) = b > a ? b + 0.08 * (b - a) : (b == 0 ? 1 : b + 0.1 * abs(b))
-min(a, b) = a < b ? a : b
-max(a, b) = a > b ? a : b
-
 # Force and torque of every frame (of very many, every n-th). Where voxels go whole, frames are spikes: then they stand
 # in a light colour, on top the mean over a layer of voxels, and what lies far above the mean leaves the panel.
 stats $mean using 2 nooutput name "A"
@@ -29,68 +17,53 @@ clip(peak, mean) = mean > 0 && peak > 4 * mean ? 4 * mean : peak
 note(peak, mean) = mean > 0 && peak > 4 * mean ? sprintf(" (up to %.3g)", peak) : ""
 step = int(ceil(rows / 12000.0))
 light_title = step > 1 ? sprintf("every %d frames", step) : "each frame"
+mean_title = sprintf("mean over %g mm of travel, one voxel", travel_mm)
 
-# Okabe and Ito's colours, which any colour vision tells apart
-dark_blue = "#0072b2"
-light_blue = "#b5d3e6"
-dark_red = "#d55e00"
-light_red = "#f3c9ab"
-green = "#009e73"
-purple = "#8c4f86"
-
-set border 3 lw 1.2 lc rgb "#404040"
-set tics nomirror out textcolor rgb "#202020"
-set grid xtics ytics lt 1 lw 0.8 lc rgb "#dcdcdc"
 set xrange [t_min:t_max]
 set mxtics 2
+set key top left reverse Left
 
-do for [format in "png svg"] {
-  if (format eq "png") {
-    set terminal pngcairo size 1600,1800 background rgb "white" font "DejaVu Sans,20" linewidth 1.6
-    set output "forces.png"
-  } else {
-    set terminal svg size 1000,1125 background rgb "white" font "DejaVu Sans,13" linewidth 1.2 dynamic
-    set output "forces.svg"
-  }
-  set multiplot layout 4,1 margins char 11, char 3, char 4, char 1.5 spacing char 2.2
-  set key top left reverse Left samplen 2 textcolor rgb "#202020"
+do for [format in "png svg pdf"] {
+  eval "set terminal " . terminal(format, 170, 190)
+  set output "forces." . format
+  set multiplot layout 4,1 margins char 11, char 2, char 3.5, char 1 spacing char 1.8
   set format x ""
   unset xlabel
 
-  set ylabel "Axial force (N)" offset 0.5
+  set ylabel "Axial force (N)" offset -0.4
   top = clip(F_max, A_max)
   set yrange [low(min(F_min, 0), top):high(min(F_min, 0), top)]
   if (travel_mm > 0) {
-    plot csv using "time_s":"axial_force_n" every step with lines lw 0.7 lc rgb light_blue \
+    plot csv using "time_s":"axial_force_n" every step with lines lw 0.6 lc rgb light_blue \
            title light_title . note(F_max, A_max), \
-         $mean using 1:2 with lines lw 2.2 lc rgb dark_blue title sprintf("mean over %g mm of travel, one voxel", travel_mm)
+         $mean using 1:2 with lines lw 1.5 lc rgb dark_blue title mean_title
   } else {
-    plot csv using "time_s":"axial_force_n" every step with lines lw 2.2 lc rgb dark_blue notitle
+    plot csv using "time_s":"axial_force_n" every step with lines lw 1.2 lc rgb dark_blue notitle
   }
 
   set ylabel "Spin torque (N·mm)"
   top = clip(M_max, B_max)
   set yrange [low(min(M_min, 0), top):high(min(M_min, 0), top)]
   if (travel_mm > 0) {
-    plot csv using "time_s":"spin_torque_nmm" every step with lines lw 0.7 lc rgb light_red \
+    plot csv using "time_s":"spin_torque_nmm" every step with lines lw 0.6 lc rgb light_red \
            title light_title . note(M_max, B_max), \
-         $mean using 1:3 with lines lw 2.2 lc rgb dark_red title sprintf("mean over %g mm of travel, one voxel", travel_mm)
+         $mean using 1:3 with lines lw 1.5 lc rgb dark_red title mean_title
   } else {
-    plot csv using "time_s":"spin_torque_nmm" every step with lines lw 2.2 lc rgb dark_red notitle
+    plot csv using "time_s":"spin_torque_nmm" every step with lines lw 1.2 lc rgb dark_red notitle
   }
 
   set ylabel "Removed volume (mm³)"
   set yrange [low(0, V_sum):high(0, V_sum)]
   removed = 0.0
-  plot csv using "time_s":(removed = removed + column("removed_mm3")) with lines lw 2.2 lc rgb green notitle
+  plot csv using "time_s":(removed = removed + column("removed_mm3")) with lines lw 1.5 lc rgb green notitle
 
-  set format x
+  set format x "%g"
   set xlabel "Time (s)"
   set ylabel "Depth (mm)"
   # Drawn back, the tool is far above the bone; that part of the curve leaves the panel.
   bottom = D_max > 0 ? max(min(D_min, 0), -0.25 * D_max) : min(D_min, 0)
   set yrange [low(bottom, D_max):high(bottom, D_max)]
-  plot csv using "time_s":"depth_mm" with lines lw 2.2 lc rgb purple notitle
+  plot csv using "time_s":"depth_mm" with lines lw 1.5 lc rgb purple notitle
   unset multiplot
   unset output
 }

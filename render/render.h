@@ -22,8 +22,8 @@ void require_film_program(const RenderSettings& settings);
 
 /// Which of the pictures are made.
 struct PictureChoice {
-  bool film = true;          ///< of the run, where the settings want films; the turntable's goes by its pictures
-  bool stills = true;        ///< reamed.png and frames/; what else there is, the settings say
+  bool film = true;            ///< of the run, where the settings want films; the turntable's goes by its pictures
+  bool stills = true;          ///< reamed.png and frames/; what else there is, the settings say
   std::string plain_camera{};  ///< the camera whose files have no suffix; "": the first of the settings
 };
 
@@ -40,8 +40,9 @@ struct PictureChoice {
 void render_pictures(const std::string& dir, const RenderSettings& settings, double mean_travel_mm,
                      const PictureProgress& progress, Report* report = nullptr, const PictureChoice& choice = {});
 
-/// Writes DIR/forces.gp and runs gnuplot on it: DIR/forces.png, DIR/forces.svg from DIR/forces.csv. `mean_travel_mm`
-/// is the travel over which the means are taken that stand before the single frames; 0: the frames alone.
+/// Draws DIR/forces.csv with gnuplot: DIR/forces (against time), DIR/plots/forces_depth and DIR/plots/energy, each as
+/// .png, .svg, .pdf and the script .gp. `mean_travel_mm` is the travel over which the means are taken that stand before
+/// the single frames; 0: the frames alone.
 /// Throws InputError when forces.csv is missing or damaged, RunError when gnuplot is missing or fails (with its words).
 void write_force_plots(const std::string& dir, double mean_travel_mm);
 

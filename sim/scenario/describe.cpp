@@ -149,6 +149,7 @@ void describe_output(KeyVisitor& v, OutputSettings& output) {
           .text = TextKind::output_folder},
          output.dir);
   v.flag({.name = "vti", .doc = "Write reamed.vti beside reamed.vdb"}, output.vti);
+  v.flag({.name = "meshes", .doc = "Write the reamed bone's surface as reamed.glb and reamed.stl"}, output.meshes);
 }
 
 void describe_scenario(KeyVisitor& v, Scenario& scenario) {

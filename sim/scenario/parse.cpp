@@ -121,6 +121,21 @@ CuttingSettings parse_cutting_settings(const std::string& path) {
   return cutting;
 }
 
+OutputSettings parse_output_settings(const std::string& path) {
+  const YamlNodePtr document = read_document(path, {});
+  ScenarioReader reader(document, shown_path(path), "");
+  OutputSettings output;
+  reader.section({.name = "output"}, output, describe_output);
+  return output;
+}
+
+std::string parse_tool_spin(const std::string& path) {
+  const YamlNodePtr document = read_document(path, {});
+  const YamlEntry* tool = document->find("tool");
+  const YamlEntry* spin = tool == nullptr ? nullptr : tool->value->find("spin");
+  return spin == nullptr ? ToolSettings().spin : spin->value->text;
+}
+
 BoneSettings parse_bone_settings(const std::string& source, const std::string& path,
                                  const std::vector<std::string>& overrides) {
   const std::string file = shown_path(path);

@@ -19,6 +19,12 @@ RenderSettings parse_render_settings(const std::string& path, const std::vector<
 /// The cutting section alone, of a run's resolved scenario. Throws InputError as parse_scenario() does.
 CuttingSettings parse_cutting_settings(const std::string& path);
 
+/// The output section alone, likewise.
+OutputSettings parse_output_settings(const std::string& path);
+
+/// `tool.spin` alone, likewise; the tool's mesh may be gone.
+std::string parse_tool_spin(const std::string& path);
+
 /// A bone section made of nothing but a source ("ct" or "mesh"), its path and overrides ("bone.voxel_mm=0.5"), for
 /// `reamsim import`. Validated like a scenario's.
 BoneSettings parse_bone_settings(const std::string& source, const std::string& path,

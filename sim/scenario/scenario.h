@@ -282,6 +282,7 @@ struct RenderSettings {
 struct OutputSettings {
   std::string dir;  ///< "" = out/<scenario name> below the working folder
   bool vti = true;
+  bool meshes = true;
 };
 
 struct Scenario {

@@ -2,13 +2,17 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
 
+#include "render/plots.h"
 #include "render/render.h"
 #include "sim/base/error.h"
+#include "sim/bone/bone_vdb.h"
 #include "tests/render/picture_file.h"
+#include "tests/render/results_fixture.h"
 #include "tests/support/temp_dir.h"
 
 namespace reamsim {
@@ -25,7 +29,7 @@ void write_log(const std::string& dir, int rows, double force) {
   for (int i = 1; i <= rows; ++i) {
     const double wave = force * (1 + std::sin(0.9 * i)) * std::min(1.0, i / (0.5 * rows));
     csv << i << ',' << 0.001 * i << ",0,0,0,1,0,0,0,250," << 0.026 * i << ',' << force * 0.0003 * i << ",0,0,0,0,0,0,"
-        << 20 * wave << ',' << 400 * wave << ",10," << 0.02 * wave << ",0,0,0\n";
+        << 20 * wave << ',' << 400 * wave << ",10," << 0.02 * wave << ',' << 1.5 * force << ",0,0\n";
   }
 }
 
@@ -39,10 +43,14 @@ class Plots : public ::testing::Test {
 
   void expect_plots() const {
     const test::Picture plot = test::read_picture(dir_.path() + "/forces.png");
-    EXPECT_EQ(plot.width, 1600);
+    EXPECT_EQ(plot.width, 2008) << "170 mm at 300 dpi";
     EXPECT_EQ(plot.at(2, 2), Eigen::Vector3i(255, 255, 255));
     EXPECT_THAT(test::file_bytes(dir_.path() + "/forces.svg"), ::testing::HasSubstr("</svg>"));
-    EXPECT_TRUE(fs::exists(dir_.path() + "/forces.gp"));
+    for (const char* name : {"/forces", "/plots/forces_depth", "/plots/energy"}) {
+      EXPECT_TRUE(fs::exists(dir_.path() + name + ".gp")) << name;
+      EXPECT_TRUE(fs::exists(dir_.path() + name + ".png")) << name;
+      EXPECT_TRUE(test::file_bytes(dir_.path() + name + ".pdf").starts_with("%PDF")) << name;
+    }
   }
   void expect_failure(const std::string& words) const {
     try {
@@ -115,12 +123,57 @@ TEST_F(Plots, AHundredThousandRowsAreDrawn) {
   expect_plots();
 }
 
-TEST_F(Plots, TheScriptRunsAgainByItselfInAnyFolderName) {
+TEST_F(Plots, TheScriptsRunAgainByThemselvesInAnyFolderName) {
   const std::string dir = dir_.path() + "/a folder with 'quotes' and $signs";
   fs::create_directories(dir);
   write_log(dir, 50, 1);
   write_force_plots(dir, 0.25);
-  EXPECT_TRUE(fs::exists(dir + "/forces.png"));
+  const std::string home = fs::current_path();
+  fs::current_path(dir);
+  for (const std::string name : {"forces", "plots/forces_depth", "plots/energy"}) {
+    for (const char* ending : {".png", ".svg", ".pdf"}) EXPECT_TRUE(fs::remove(name + ending)) << name << ending;
+    EXPECT_EQ(std::system(("gnuplot " + name + ".gp").c_str()), 0) << name;
+    for (const char* ending : {".png", ".svg", ".pdf"}) EXPECT_TRUE(fs::exists(name + ending)) << name << ending;
+  }
+  fs::current_path(home);
+}
+
+TEST_F(Plots, TheEnergyPlotNamesPowerEnergyAndBalance) {
+  write_log(dir_.path(), 600, 1);
+  write_force_plots(dir_.path(), 0);
+  const std::string energy = test::file_bytes(dir_.path() + "/plots/energy.svg");
+  for (const char* label : {"Cutting power (W)", "Energy (J)", "Energy balance", "speed floor"}) {
+    EXPECT_THAT(energy, ::testing::HasSubstr(label));
+  }
+  // Every frame takes 1.5 mJ in 1 ms.
+  EXPECT_THAT(test::file_bytes(dir_.path() + "/plots/energy.gp"), ::testing::HasSubstr(",1.5\n"));
+  EXPECT_THAT(test::file_bytes(dir_.path() + "/plots/forces_depth.svg"), ::testing::HasSubstr("Depth (mm)"));
+}
+
+TEST_F(Plots, WhatWasRemovedIsCountedByDensity) {
+  write_results(dir_.path(), {.voxel_mm = 0.8, .frames = 10, .every = 5});
+  Voxmap after = read_bone_vdb(dir_.path() + "/reamed.vdb");
+  const double after_mm3 = after.bone_mm3();
+  after.fill = FillBricks(after.grid.dims);
+  write_removed_density(dir_.path());
+  std::ifstream csv(dir_.path() + "/plots/removed_density.csv");
+  std::string line;
+  ASSERT_TRUE(std::getline(csv, line));
+  EXPECT_EQ(line, "density_from_g_cm3,density_to_g_cm3,removed_mm3");
+  double sum_mm3 = 0, dense_mm3 = 0;
+  int classes = 0;
+  for (double from = 0, to = 0, removed = 0; std::getline(csv, line); ++classes) {
+    ASSERT_EQ(std::sscanf(line.c_str(), "%lf,%lf,%lf", &from, &to, &removed), 3) << line;
+    sum_mm3 += removed;
+    if (from < 1.55 && 1.55 <= to) dense_mm3 = removed;
+    if (from >= 0.64 && to < 1.5) {
+      EXPECT_EQ(removed, 0) << "there is no such bone: " << line;
+    }
+  }
+  EXPECT_EQ(classes, 50);
+  EXPECT_NEAR(sum_mm3, after.bone_mm3() - after_mm3, 1e-9 * sum_mm3);
+  EXPECT_GT(dense_mm3, 0.3 * sum_mm3) << "the bone's dense outside";
+  EXPECT_GT(fs::file_size(dir_.path() + "/plots/removed_density.pdf"), 1000u);
 }
 
 TEST_F(Plots, BadDataIsAnInputError) {

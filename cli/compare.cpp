@@ -1,0 +1,151 @@
+#include "render/compare.h"
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <set>
+
+#include "cli/commands.h"
+#include "render/render.h"
+#include "sim/base/error.h"
+#include "sim/record/output_folder.h"
+#include "sim/scenario/parse.h"
+
+namespace reamsim {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+struct CompareOptions {
+  std::vector<std::string> dirs;
+  std::string output = "out/compare";
+  bool overwrite = false;
+};
+
+/// What the terminal shows; compare.csv has every number.
+constexpr std::array kShown{"removed_mm3",
+                            "max_depth_mm",
+                            "energy_mj",
+                            "forces.peak_force_n",
+                            "forces.rms_force_n",
+                            "forces.peak_layer_axial_force_n",
+                            "forces.peak_torque_nmm",
+                            "forces.rms_torque_nmm",
+                            "forces.peak_layer_spin_torque_nmm",
+                            "bone.voxel_mm",
+                            "bone.bone_after_mm3",
+                            "simulated_s"};
+
+/// Throws InputError unless each of two or more folders is a run's, and none is named twice.
+void check_folders(const std::vector<std::string>& dirs) {
+  if (dirs.size() < 2) throw InputError({}, "DIR", "found one folder", "expected two or more results folders");
+  std::set<fs::path> seen;
+  for (const std::string& dir : dirs) {
+    std::error_code error;
+    if (!fs::is_directory(dir, error)) {
+      throw InputError({dir, 0, 0}, "", "no such results folder", "expected the output folder of a finished run");
+    }
+    if (!seen.insert(fs::canonical(dir)).second) {
+      throw InputError({dir, 0, 0}, "", "the same folder twice", "expected different runs");
+    }
+    for (const char* file : {"summary.json", "forces.csv", "scenario.yaml"}) {
+      if (fs::is_regular_file(dir + "/" + file, error)) continue;
+      throw InputError({dir, 0, 0}, "", std::string("has no ") + file, "expected the output folder of a finished run");
+    }
+  }
+}
+
+/// The folders' names, or their paths where two have one name.
+std::vector<ComparedRun> label_runs(const std::vector<std::string>& dirs) {
+  std::vector<ComparedRun> runs;
+  std::set<std::string> names;
+  for (const std::string& dir : dirs) {
+    runs.push_back({dir, fs::canonical(dir).filename().string()});
+    names.insert(runs.back().label);
+  }
+  if (names.size() == runs.size()) return runs;
+  for (ComparedRun& run : runs) run.label = run.dir;
+  return runs;
+}
+
+/// Where voxels go whole, single frames are spikes: then forces are shown as the run's own plots show them.
+void set_means(std::vector<ComparedRun>& runs, const std::vector<ComparedMetric>& metrics) {
+  const auto found = std::find_if(metrics.begin(), metrics.end(),
+                                  [](const ComparedMetric& metric) { return metric.key == "bone.voxel_mm"; });
+  for (std::size_t i = 0; i < runs.size(); ++i) {
+    if (found == metrics.end() || !(found->values[i] > 0)) {
+      throw InputError({runs[i].dir + "/summary.json", 0, 0}, "bone.voxel_mm", "missing, or not above 0",
+                       "expected what `reamsim run` wrote");
+    }
+    runs[i].mean_travel_mm =
+        averaged_travel_mm(parse_cutting_settings(runs[i].dir + "/scenario.yaml"), found->values[i]);
+  }
+}
+
+std::string number(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, std::isfinite(value) ? "%.6g" : "-", value);
+  return text;
+}
+
+/// "1.5 (+12.3 %)"
+std::string entry(const ComparedMetric& metric, std::size_t run) {
+  const double relative = metric.relative(run);
+  if (run == 0 || !std::isfinite(relative)) return number(metric.values[run]);
+  char text[32];
+  std::snprintf(text, sizeof text, " (%+.2f %%)", 100 * relative);
+  return number(metric.values[run]) + text;
+}
+
+void say_table(const Console& console, const std::vector<ComparedRun>& runs,
+               const std::vector<ComparedMetric>& metrics) {
+  std::vector<std::vector<std::string>> rows{{"metric"}};
+  for (const ComparedRun& run : runs) rows[0].push_back(run.label);
+  for (const char* key : kShown) {
+    const auto found =
+        std::find_if(metrics.begin(), metrics.end(), [&](const ComparedMetric& metric) { return metric.key == key; });
+    if (found == metrics.end()) continue;
+    rows.push_back({key});
+    for (std::size_t i = 0; i < runs.size(); ++i) rows.back().push_back(entry(*found, i));
+  }
+  std::vector<std::size_t> widths(runs.size() + 1, 0);
+  for (const auto& row : rows) {
+    for (std::size_t i = 0; i < row.size(); ++i) widths[i] = std::max(widths[i], row[i].size());
+  }
+  for (const auto& row : rows) {
+    std::string line = row[0] + std::string(widths[0] - row[0].size(), ' ');
+    for (std::size_t i = 1; i < row.size(); ++i) line += "  " + std::string(widths[i] - row[i].size(), ' ') + row[i];
+    console.say(line);
+  }
+}
+
+void compare_command(const CompareOptions& options, const Console& console) {
+  check_folders(options.dirs);
+  std::vector<ComparedRun> runs = label_runs(options.dirs);
+  const std::vector<ComparedMetric> metrics = compare_summaries(runs);
+  set_means(runs, metrics);
+  OutputFolder folder(options.output, options.overwrite);
+  write_comparison(folder.path(), runs, metrics);
+  folder.finish();
+  say_table(console, runs, metrics);
+  console.say("differences are from " + runs[0].label + "; all numbers: " + folder.final_path() + "/compare.csv");
+}
+
+}  // namespace
+
+void add_compare_command(CLI::App& app, Console& console) {
+  auto* command = app.add_subcommand("compare", "Overlay the curves of finished runs, and tabulate their differences");
+  auto options = std::make_shared<CompareOptions>();
+  command->add_option("DIR", options->dirs, "Output folders of finished runs; differences are from the first")
+      ->required();
+  command->add_option("-o,--output", options->output, "Folder for the figure and the tables; out/compare without");
+  command->add_flag("--overwrite", options->overwrite, "Replace the output folder, after success only");
+  command->add_flag("--quiet", console.quiet, "Say nothing but warnings and errors");
+  command->callback([options, &console] { compare_command(*options, console); });
+}
+
+}  // namespace reamsim

@@ -1,0 +1,57 @@
+# ---- what the run holds
+csv = "forces.csv"
+stats csv using "time_s" nooutput name "T"
+rows = T_records
+t_min = T_min
+t_max = T_max > T_min ? T_max : T_min + 1
+frame_s = rows > 1 && T_max > T_min ? (T_max - T_min) / (rows - 1) : 1
+stats csv using "energy_mj" nooutput name "E"
+stats csv using "floor_energy_mj" nooutput name "L"
+stats $mean using 5 nooutput name "P"
+step = int(ceil(rows / 12000.0))
+
+# The balance divides by what has been cut so far, so that its first frames say little: its scale begins at 1 % of all.
+cut = 0.0
+worst = 0.0
+do_balance(e, b) = (cut = cut + e, cut > 0.01 * E_sum && abs(b) > worst ? (worst = abs(b)) : 0, 0)
+stats csv using (do_balance(column("energy_mj"), column("balance"))) nooutput name "Z"
+power_of_ten = worst > 0 ? int(floor(log10(worst))) : 0
+unit = power_of_ten == 0 ? "" : sprintf(" (10^{%d})", power_of_ten)
+worst_shown = worst > 0 ? worst / 10.0**power_of_ten : 1
+
+set xrange [t_min:t_max]
+set mxtics 2
+set key top left reverse Left
+
+do for [format in "png svg pdf"] {
+  eval "set terminal " . terminal(format, 170, 150)
+  set output "plots/energy." . format
+  set multiplot layout 3,1 margins char 11, char 2, char 3.5, char 1 spacing char 1.8
+  set format x ""
+  unset xlabel
+
+  set ylabel "Cutting power (W)" offset -0.4
+  set yrange [low(0, P_max):high(0, P_max)]
+  plot $mean using 1:5 with lines lw 1.5 lc rgb orange notitle
+
+  set ylabel "Energy (J)"
+  top = max(E_sum, L_sum) / 1000
+  set yrange [low(0, top):high(0, top)]
+  taken = 0.0
+  cut = 0.0
+  slow = 0.0
+  plot csv using "time_s":(taken = taken + column("energy_mj"), taken / 1000) with lines lw 3.5 lc rgb light_blue \
+         title "cutting the bone", \
+       csv using "time_s":(cut = cut + column("energy_mj"), cut * (1 + column("balance")) / 1000) with lines \
+         lw 1 lc rgb dark_blue title "work of the drill, and the speed floor", \
+       csv using "time_s":(slow = slow + column("floor_energy_mj"), slow / 1000) with lines lw 1 dt (6, 4) \
+         lc rgb dark_red title "of it, the speed floor"
+
+  set format x "%g"
+  set xlabel "Time (s)"
+  set ylabel "Energy balance" . unit
+  set yrange [-1.3 * worst_shown:1.3 * worst_shown]
+  plot csv using "time_s":(column("balance") / 10.0**power_of_ten) every step with lines lw 1 lc rgb purple notitle
+  unset multiplot
+  unset output
+}

@@ -1,0 +1,45 @@
+#include "render/meshes.h"
+
+#include <openvdb/io/File.h>
+
+#include <filesystem>
+
+#include "render/glb.h"
+#include "render/reamed_mesh.h"
+#include "render/results.h"
+#include "render/scale.h"
+#include "sim/base/error.h"
+#include "sim/mesh/mesh_io.h"
+
+namespace reamsim {
+namespace {
+
+openvdb::FloatGrid::Ptr read_surface(const std::string& path) {
+  try {
+    openvdb::io::File file(path);
+    file.open(false);
+    auto grid = openvdb::gridPtrCast<openvdb::FloatGrid>(file.readGrid("surface"));
+    if (grid) return grid;
+  } catch (const openvdb::Exception&) {
+  }
+  throw InputError({path, 0, 0}, "surface", "no such grid, or damaged", "the reamed.vdb of a run");
+}
+
+}  // namespace
+
+void write_meshes(const std::string& dir, double depth_max_mm, Report& report) {
+  const RunResults results = read_results(dir);
+  const UnreamedSurface unreamed(results.voxmap, results.unreamed_fill);
+  const ReamedMesh reamed = make_reamed_mesh(*read_surface(dir + "/reamed.vdb"), results.voxmap, unreamed);
+  if (reamed.mesh.triangles.empty()) {
+    std::filesystem::remove(dir + "/reamed.glb");
+    std::filesystem::remove(dir + "/reamed.stl");
+    report.warn("no bone is left to mesh: no reamed.glb and no reamed.stl");
+    return;
+  }
+  const Scale scale = depth_max_mm > 0 ? scale_exactly(depth_max_mm) : scale_up_to(reamed.deepest_mm);
+  write_glb(dir + "/reamed.glb", reamed, scale.max);
+  write_stl(dir + "/reamed.stl", reamed.mesh);
+}
+
+}  // namespace reamsim

@@ -1,0 +1,14 @@
+#pragma once
+
+#include <string>
+
+#include "sim/base/report.h"
+
+namespace reamsim {
+
+/// Writes DIR/reamed.glb (with depth colours that end at `depth_max_mm`; 0: at the greatest depth, as in the pictures)
+/// and DIR/reamed.stl: the surface of DIR/reamed.vdb, closed, B, mm. Where no bone is left neither is written, which
+/// `report` says. Throws InputError when a result is missing or damaged, RunError when a file cannot be written.
+void write_meshes(const std::string& dir, double depth_max_mm, Report& report);
+
+}  // namespace reamsim

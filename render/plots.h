@@ -1,0 +1,27 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace reamsim {
+
+/// Writes what the run took from each class of density as DIR/plots/removed_density.csv, and draws it. Needs
+/// DIR/reamed.vdb and DIR/snapshots/. Throws InputError when one is missing or damaged, RunError when gnuplot fails.
+void write_removed_density(const std::string& dir);
+
+/// Writes the spectrum of the spin torque as DIR/plots/spectrum.csv, and draws it with its peaks named. False, and
+/// nothing written, when the tool does not spin or cuts for less than four turns. Throws as above.
+bool write_torque_spectrum(const std::string& dir);
+
+/// Writes the script DIR/`name`.gp, which begins with a line that says what it makes and how to run it again, goes on
+/// with `data` (gnuplot's own) and the look that all plots share, and ends with `script`; runs it in DIR. Throws
+/// RunError when one of DIR/`name`.png, .svg and .pdf is not there afterwards.
+void draw_plot(const std::string& dir, const std::string& name, const std::string& data, const char* script);
+
+/// Writes `text` to `path`; the folder is made where it is missing. Throws RunError.
+void write_text_file(const std::string& path, const std::string& text);
+
+/// The shortest text that reads back as the same number.
+std::string shortest_text(double value);
+
+}  // namespace reamsim
