@@ -23,7 +23,7 @@ Json vector_json(const Vector& v) {
 
 BoneSurface surface_of(const Voxmap& voxmap, const UnreamedSurface& unreamed) {
   const Occupancy occupancy(voxmap, voxmap.fill);
-  return thinned(make_bone_surface(voxmap, SolidField(occupancy), AmbientLight(occupancy), unreamed), MeshBudget());
+  return thinned(make_bone_surface({voxmap, SolidField(occupancy), AmbientLight(occupancy), unreamed}), MeshBudget());
 }
 
 Json mesh_json(const BoneSurface& surface, const Eigen::AlignedBox3f& box, double depth_max_mm) {
