@@ -95,7 +95,8 @@ PixelImage ContactSheet::finish(const Studio& studio) {
   page.width_px = page_.width_px;
   page.height_px = page_.height_px;
   Labels labels = studio.labels(camera_, std::nullopt);
-  labels.title = "Time and depth along the run";
+  labels.title = "Time and depth of the reamer";
+  labels.scale_share = 0.5 * camera_.width_px / page_.width_px;
   draw_labels(page_, page, labels);
   return std::move(page_);
 }

@@ -34,7 +34,7 @@ void draw_values(const Canvas& canvas, const Camera& camera, const Labels& label
   }
   const TextLine title(canvas, labels.title, kText * u, true);
   const double inner = std::max(title.width, name_width + 22 * u + value_width);
-  const double lines = static_cast<double>(labels.values.size()) + (labels.title.empty() ? 0 : 1.15);
+  const double lines = static_cast<double>(labels.values.size()) + (labels.title.empty() ? 0 : labels.values.empty() ? 1 : 1.15);
   const Box box{left_px + kMargin * u, kMargin * u, inner + 2 * pad, lines * line + 1.4 * pad};
   canvas.paper(box, 8 * u);
   double y = box.y + pad * 0.7;
@@ -91,10 +91,10 @@ void draw_legend(const Canvas& canvas, const Camera& camera, const Legend& legen
   }
 }
 
-void draw_scale_bar(const Canvas& canvas, const Camera& camera) {
+void draw_scale_bar(const Canvas& canvas, const Camera& camera, double share) {
   const double u = unit(camera);
   cairo_t* c = canvas.get();
-  const auto [bar, length_mm] = scale_bar(camera);
+  const auto [bar, length_mm] = scale_bar(camera, share);
   Scale exact{length_mm, length_mm};
   const TextLine text(canvas, exact.label(1) + (camera.eye_mm ? " mm at target" : " mm"), kText * u);
   const double width = std::max(bar.width, text.width);
@@ -171,10 +171,10 @@ Box legend_box(const Camera& camera, int index, int count) {
   return {camera.width_px - (kMargin + 160) * u, top, 34 * u, height};
 }
 
-std::pair<Box, double> scale_bar(const Camera& camera) {
+std::pair<Box, double> scale_bar(const Camera& camera, double share) {
   if (!labelled(camera)) return {{}, 0};
   const double u = unit(camera);
-  const double length_mm = round_down(0.20 * camera.mm_per_px * camera.width_px);
+  const double length_mm = round_down(share * camera.mm_per_px * camera.width_px);
   const double height = 9 * u;
   const double x = (kMargin + 14) * u;
   return {{x, camera.height_px - (kMargin + 14) * u - height, length_mm / camera.mm_per_px, height}, length_mm};
@@ -189,7 +189,7 @@ void draw_labels(PixelImage& image, const Camera& camera, const Labels& labels) 
   for (int i = 0; i < count; ++i) {
     draw_legend(canvas, camera, labels.legends[static_cast<std::size_t>(i)], legend_box(camera, i, count));
   }
-  draw_scale_bar(canvas, camera);
+  draw_scale_bar(canvas, camera, labels.scale_share);
   draw_directions(canvas, camera, labels);
   canvas.finish();
 }

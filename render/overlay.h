@@ -27,6 +27,7 @@ struct Labels {
   std::vector<Legend> legends;
   std::vector<std::pair<std::string, Vec3>> directions;  ///< anatomical directions: name and unit vector in B
   std::vector<std::vector<Vec3>> outlines_mm;            ///< closed dashed lines in B
+  double scale_share = 0.20;                             ///< how much of the picture's width the scale bar may take
 };
 
 /// Pictures smaller than this on a side carry no labels: they could not be read.
@@ -34,8 +35,8 @@ constexpr int kLeastLabelled_px = 200;
 
 /// The colour bar of the `index`-th of `count` legends, without its numbers. Empty when the picture is too small.
 Box legend_box(const Camera& camera, int index, int count);
-/// The scale bar, and its length in mm.
-std::pair<Box, double> scale_bar(const Camera& camera);
+/// The scale bar, and its length in mm: a round number that takes up to this share of the picture's width.
+std::pair<Box, double> scale_bar(const Camera& camera, double share = 0.20);
 
 /// Draws the labels over a picture of the camera's size. Throws RunError.
 void draw_labels(PixelImage& image, const Camera& camera, const Labels& labels);

@@ -1,0 +1,95 @@
+#include "tests/cli/cli_fixture.h"
+
+namespace reamsim::test {
+namespace {
+
+using ::testing::HasSubstr;
+
+/// A run of three pictures, 320 x 240 pixels each.
+const std::string kDrawn = with(kSmall, "  enabled: false\n",
+                                "  enabled: true\n  width_px: 320\n  height_px: 240\n  every_frames: 40\n"
+                                "  cameras: [oblique, section]\n  before_after: false\n  contact_sheet: false\n");
+
+class ViewsOfARun : public CliTest {
+ protected:
+  ProgramResult render(const std::vector<std::string>& more) const {
+    ProgramCall call{.arguments = {"render", "out"}, .environment = {}, .folder = "", .interrupt_when = {}};
+    call.arguments.insert(call.arguments.end(), more.begin(), more.end());
+    return reamsim(call);
+  }
+  /// The program was refused with these words, and the results are still there.
+  void expect_complaint(const ProgramResult& result, const char* words) const {
+    EXPECT_EQ(result.status, 2) << result.err;
+    EXPECT_THAT(result.err, HasSubstr(words));
+    EXPECT_TRUE(exists("out/forces.csv"));
+  }
+};
+
+TEST_F(ViewsOfARun, ACameraDrawnAgainKeepsTheNamesOfItsFiles) {
+  expect_done(run(kDrawn));
+  const std::string oblique = read("out/reamed.png");
+  const std::string section = read("out/reamed_section.png");
+  std::filesystem::remove(path("out/reamed_section.png"));
+  EXPECT_EQ(render({"--camera", "section"}).status, 0);
+  EXPECT_EQ(read("out/reamed.png"), oblique);
+  EXPECT_EQ(read("out/reamed_section.png"), section);
+}
+
+TEST_F(ViewsOfARun, CamerasInBracesOfTheRunAndUnknown) {
+  expect_done(run(kDrawn, {"--set", "render.user_cameras=[{name: mine, position_mm: [0, -40, 30]}]"}));
+  EXPECT_TRUE(exists("out/reamed_mine.png"));
+  std::filesystem::remove(path("out/reamed_mine.png"));
+  EXPECT_EQ(render({"--only", "pictures", "--camera", "mine", "--camera",
+                    "{name: other, position_mm: [0, 0, 50], up: [0, 1, 0], projection: orthographic, width_mm: 20}"})
+                .status,
+            0);
+  EXPECT_TRUE(exists("out/reamed_mine.png"));
+  EXPECT_TRUE(exists("out/reamed_other.png"));
+  expect_complaint(render({"--camera", "theirs"}),
+                   "expected glenoid, oblique, section, overview, mine, or a camera in");
+  expect_complaint(render({"--camera", "mine", "--camera", "mine"}), "found mine twice");
+  expect_complaint(render({"--camera", "{name: other}"}), "user_cameras.0.position_mm: missing");
+  expect_complaint(render({"--camera", "{name: other, position_mm: [0, 0, 5], fov_deg: 500}"}), "fov_deg: found 500");
+  expect_complaint(render({"--only", "posters"}), "posters");
+}
+
+TEST_F(ViewsOfARun, OnlyWhatIsNamedIsMadeAgain) {
+  expect_done(run(kSmall));
+  EXPECT_EQ(
+      render({"--only", "before_after", "--only", "turntable", "--turntable", "2", "--width", "160", "--height", "120"})
+          .status,
+      0);
+  EXPECT_TRUE(exists("out/before_after_section.png"));
+  EXPECT_TRUE(exists("out/turntable/001.png"));
+  EXPECT_FALSE(exists("out/turntable/002.png"));
+  EXPECT_FALSE(exists("out/reamed.png"));
+  EXPECT_FALSE(exists("out/contact_sheet.png"));
+}
+
+TEST_F(ViewsOfARun, AFilmLeavesTheForcesAsTheyAre) {
+  expect_done(run(kDrawn, {"--set", "render.enabled=false"}));
+  const std::string forces = read("out/forces.csv");
+  std::filesystem::remove_all(path("out"));
+  expect_done(
+      run(kDrawn, {"--set", "render.film=mp4", "--set", "render.every_frames=7", "--set", "render.cameras=[oblique]"}));
+  EXPECT_TRUE(exists("out/reamed.mp4"));
+  EXPECT_EQ(read("out/forces.csv"), forces);
+  std::filesystem::remove(path("out/reamed.mp4"));
+  EXPECT_EQ(render({"--only", "film", "--film=webp", "--film-rate", "4"}).status, 0);
+  EXPECT_TRUE(exists("out/reamed.webp"));
+}
+
+TEST_F(ViewsOfARun, WithoutFfmpegARunThatWantsAFilmDoesNotBegin) {
+  write("s.yaml", with(kDrawn, "  enabled: true\n", "  enabled: true\n  film: mp4\n"));
+  const std::map<std::string, std::string> bare{{"PATH", dir_}};
+  expect_refused(
+      reamsim({.arguments = {"run", "s.yaml", "-o", "out"}, .environment = bare, .folder = "", .interrupt_when = {}}),
+      1, {"ffmpeg", "apt-get install"});
+  const ProgramResult check =
+      reamsim({.arguments = {"check", "s.yaml"}, .environment = bare, .folder = "", .interrupt_when = {}});
+  EXPECT_EQ(check.status, 0);
+  EXPECT_THAT(check.err, HasSubstr("warning: a film needs ffmpeg"));
+}
+
+}  // namespace
+}  // namespace reamsim::test
