@@ -34,7 +34,9 @@ void draw_values(const Canvas& canvas, const Camera& camera, const Labels& label
   }
   const TextLine title(canvas, labels.title, kText * u, true);
   const double inner = std::max(title.width, name_width + 22 * u + value_width);
-  const double lines = static_cast<double>(labels.values.size()) + (labels.title.empty() ? 0 : labels.values.empty() ? 1 : 1.15);
+  const double lines = static_cast<double>(labels.values.size()) + (labels.title.empty()    ? 0
+                                                                    : labels.values.empty() ? 1
+                                                                                            : 1.15);
   const Box box{left_px + kMargin * u, kMargin * u, inner + 2 * pad, lines * line + 1.4 * pad};
   canvas.paper(box, 8 * u);
   double y = box.y + pad * 0.7;
