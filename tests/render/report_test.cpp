@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "render/overlay.h"
+#include "render/pixel_image.h"
 #include "sim/base/error.h"
 #include "tests/render/results_fixture.h"
 #include "tests/support/temp_dir.h"
@@ -63,10 +63,10 @@ class ReportPage : public ::testing::Test {
     write(run_->path() + "/summary.json", small_summary().dump());
     write(run_->path() + "/scenario.yaml", std::string("version: 1  # ") + kHostile + "\n");
     fs::create_directory(run_->path() + "/frames");
-    std::vector<std::uint32_t> pixels(160 * 90, 0x00336699);
+    PixelImage picture = plain_image(160, 90, 0x336699);
     for (const char* name : {"reamed", "reamed_section", "frames/000000", "frames/000020", "frames/000040",
                              "frames/000060", "frames/000000_section", "frames/000020_section"}) {
-      write_png(run_->path() + "/" + name + ".png", pixels, 160, 90);
+      write_png(run_->path() + "/" + name + ".png", picture);
     }
   }
   static void TearDownTestSuite() { delete run_; }
