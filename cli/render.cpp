@@ -138,6 +138,7 @@ void render_command(const RenderOptions& options, const Console& console) {
   const std::string scenario = options.dir + "/scenario.yaml";
   if (options.wants("plots")) {
     write_force_plots(options.dir, mean_mm);
+    write_depth_and_energy_plots(options.dir, mean_mm);
     write_removed_density(options.dir);
     if (parse_tool_spin(scenario) == "resolved") write_torque_spectrum(options.dir);
     write_depth_picture(options.dir, settings.depth_max_mm);

@@ -51,11 +51,12 @@ void make_pictures(const std::string& dir, const Scenario& scenario, double voxe
                    const Console& console) {
   const double mean_mm = averaged_travel_mm(scenario.cutting, voxel_mm);
   write_force_plots(dir, mean_mm);
-  write_removed_density(dir);
-  if (scenario.tool.spin == "resolved" && !write_torque_spectrum(dir)) report.warn(kNoSpectrum);
   write_depth_picture(dir, scenario.render.depth_max_mm);
   if (scenario.output.meshes) write_meshes(dir, scenario.render.depth_max_mm, report);
   if (!scenario.render.enabled) return;
+  write_depth_and_energy_plots(dir, mean_mm);
+  write_removed_density(dir);
+  if (scenario.tool.spin == "resolved" && !write_torque_spectrum(dir)) report.warn(kNoSpectrum);
   Progress progress(console, "render", "pictures");
   render_pictures(
       dir, scenario.render, mean_mm,

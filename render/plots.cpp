@@ -62,6 +62,13 @@ std::string mean_block(const ForceLog& log, const std::vector<double>& energy_mj
   return out.str();
 }
 
+/// The data that all plots over time and depth begin with.
+std::string means_of(const std::string& dir, double mean_travel_mm) {
+  ForceLog log = read_force_log(dir + "/forces.csv");
+  add_layer_means(log, mean_travel_mm);
+  return mean_block(log, cutting_energy(dir + "/forces.csv"), mean_travel_mm);
+}
+
 }  // namespace
 
 void write_text_file(const std::string& path, const std::string& text) {
@@ -95,10 +102,11 @@ double averaged_travel_mm(const CuttingSettings& cutting, double voxel_mm) {
 }
 
 void write_force_plots(const std::string& dir, double mean_travel_mm) {
-  ForceLog log = read_force_log(dir + "/forces.csv");
-  add_layer_means(log, mean_travel_mm);
-  const std::string means = mean_block(log, cutting_energy(dir + "/forces.csv"), mean_travel_mm);
-  draw_plot(dir, "forces", means, embedded::plot_script);
+  draw_plot(dir, "forces", means_of(dir, mean_travel_mm), embedded::plot_script);
+}
+
+void write_depth_and_energy_plots(const std::string& dir, double mean_travel_mm) {
+  const std::string means = means_of(dir, mean_travel_mm);
   draw_plot(dir, "plots/forces_depth", means, embedded::depth_plot_script);
   draw_plot(dir, "plots/energy", means, embedded::energy_plot_script);
 }

@@ -5,6 +5,10 @@
 
 namespace reamsim {
 
+/// Draws DIR/plots/forces_depth and DIR/plots/energy from DIR/forces.csv. `mean_travel_mm` as in write_force_plots(),
+/// which see for what is thrown.
+void write_depth_and_energy_plots(const std::string& dir, double mean_travel_mm);
+
 /// Writes what the run took from each class of density as DIR/plots/removed_density.csv, and draws it. Needs
 /// DIR/reamed.vdb and DIR/snapshots/. Throws InputError when one is missing or damaged, RunError when gnuplot fails.
 void write_removed_density(const std::string& dir);

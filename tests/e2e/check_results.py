@@ -8,7 +8,7 @@ import sys
 
 import grids
 
-FILES = """scenario.yaml forces.csv forces.png forces.svg forces.pdf forces.gp reamed.glb reamed.stl reamed.vdb reamed.vti report.html summary.json timings.csv
+FILES = """scenario.yaml forces.csv forces.png forces.svg forces.pdf forces.gp plots/forces_depth.pdf plots/energy.svg plots/removed_density.csv plots/removed_density.gp reamed.glb reamed.stl reamed.vdb reamed.vti report.html summary.json timings.csv
            depth_map.csv depth_map.png reamed.png reamed_glenoid.png reamed_section.png frames/000000.png snapshots/000000.vdb snapshots/tool.stl"""
 
 

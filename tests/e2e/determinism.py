@@ -14,7 +14,8 @@ import grids
 
 def run(program, scenario, out, threads="2", **settings):
     sets = [f"--set={key.replace('__', '.')}={value}" for key, value in settings.items()]
-    command = [program, "run", scenario, "-o", str(out), "--quiet", "--set=render.enabled=false", *sets]
+    command = [program, "run", scenario, "-o", str(out), "--quiet", "--set=render.enabled=false", "--set=output.meshes=false",
+               *sets]
     subprocess.run(command, check=True, env={**os.environ, "POCL_MAX_PTHREAD_COUNT": threads})
     return (out / "forces.csv").read_bytes(), grids.read(str(out / "reamed.vdb"))
 

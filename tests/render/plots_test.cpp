@@ -33,6 +33,12 @@ void write_log(const std::string& dir, int rows, double force) {
   }
 }
 
+/// All that is drawn from forces.csv.
+void draw_all(const std::string& dir, double mean_travel_mm) {
+  write_force_plots(dir, mean_travel_mm);
+  write_depth_and_energy_plots(dir, mean_travel_mm);
+}
+
 class Plots : public ::testing::Test {
  protected:
   void SetUp() override {
@@ -54,7 +60,7 @@ class Plots : public ::testing::Test {
   }
   void expect_failure(const std::string& words) const {
     try {
-      write_force_plots(dir_.path(), 0.25);
+      draw_all(dir_.path(), 0.25);
       ADD_FAILURE() << "no complaint";
     } catch (const RunError& error) {
       EXPECT_THAT(error.what(), ::testing::HasSubstr(words));
@@ -76,7 +82,7 @@ class Plots : public ::testing::Test {
 
 TEST_F(Plots, ARunGivesFourCurves) {
   write_log(dir_.path(), 6000, 1);
-  write_force_plots(dir_.path(), 0.25);
+  draw_all(dir_.path(), 0.25);
   expect_plots();
   const std::string svg = test::file_bytes(dir_.path() + "/forces.svg");
   for (const char* label :
@@ -100,26 +106,26 @@ TEST_F(Plots, FramesSpeakForThemselvesWhereVoxelsAreClipped) {
   cutting.erosion = "exact";
   ASSERT_EQ(averaged_travel_mm(cutting, 0.25), 0);
   write_log(dir_.path(), 2000, 1);
-  write_force_plots(dir_.path(), 0);
+  draw_all(dir_.path(), 0);
   expect_plots();
   EXPECT_THAT(test::file_bytes(dir_.path() + "/forces.svg"), ::testing::Not(::testing::HasSubstr("mean over")));
   cutting.erosion = "remove";
-  write_force_plots(dir_.path(), averaged_travel_mm(cutting, 0.25));
+  draw_all(dir_.path(), averaged_travel_mm(cutting, 0.25));
   EXPECT_THAT(test::file_bytes(dir_.path() + "/forces.svg"), ::testing::HasSubstr("mean over 0.25 mm"));
 }
 
 TEST_F(Plots, AllZeroColumnsAndASingleRowHaveAxesToo) {
   write_log(dir_.path(), 2000, 0);
-  write_force_plots(dir_.path(), 0.25);
+  draw_all(dir_.path(), 0.25);
   expect_plots();
   write_log(dir_.path(), 1, 0);
-  write_force_plots(dir_.path(), 0.25);
+  draw_all(dir_.path(), 0.25);
   expect_plots();
 }
 
 TEST_F(Plots, AHundredThousandRowsAreDrawn) {
   write_log(dir_.path(), 100'000, 1);
-  write_force_plots(dir_.path(), 0.25);
+  draw_all(dir_.path(), 0.25);
   expect_plots();
 }
 
@@ -127,7 +133,7 @@ TEST_F(Plots, TheScriptsRunAgainByThemselvesInAnyFolderName) {
   const std::string dir = dir_.path() + "/a folder with 'quotes' and $signs";
   fs::create_directories(dir);
   write_log(dir, 50, 1);
-  write_force_plots(dir, 0.25);
+  draw_all(dir, 0.25);
   const std::string home = fs::current_path();
   fs::current_path(dir);
   for (const std::string name : {"forces", "plots/forces_depth", "plots/energy"}) {
@@ -140,7 +146,7 @@ TEST_F(Plots, TheScriptsRunAgainByThemselvesInAnyFolderName) {
 
 TEST_F(Plots, TheEnergyPlotNamesPowerEnergyAndBalance) {
   write_log(dir_.path(), 600, 1);
-  write_force_plots(dir_.path(), 0);
+  draw_all(dir_.path(), 0);
   const std::string energy = test::file_bytes(dir_.path() + "/plots/energy.svg");
   for (const char* label : {"Cutting power (W)", "Energy (J)", "Energy balance", "speed floor"}) {
     EXPECT_THAT(energy, ::testing::HasSubstr(label));
@@ -177,9 +183,9 @@ TEST_F(Plots, WhatWasRemovedIsCountedByDensity) {
 }
 
 TEST_F(Plots, BadDataIsAnInputError) {
-  EXPECT_THROW(write_force_plots(dir_.path(), 0.25), InputError);
+  EXPECT_THROW(draw_all(dir_.path(), 0.25), InputError);
   write_log(dir_.path(), 0, 1);
-  EXPECT_THROW(write_force_plots(dir_.path(), 0.25), InputError);
+  EXPECT_THROW(draw_all(dir_.path(), 0.25), InputError);
 }
 
 TEST_F(Plots, WhatGnuplotSaysIsReported) {
