@@ -38,7 +38,7 @@ TEST_F(Output, IsComplete) {
 TEST_F(Output, CheckForetellsTheMemoryThatARunTakes) {
   const std::string sphere =
       with_bone("  source: phantom\n  voxel_mm: 0.1\n  phantom:\n    shape: sphere\n    radius_mm: 7\n");
-  expect_done(run(sphere));
+  expect_done(run(sphere, {"--set", "output.meshes=false"}));
   const ProgramResult check =
       reamsim({.arguments = {"check", "s.yaml"}, .environment = {}, .folder = "", .interrupt_when = {}});
   EXPECT_EQ(check.status, 0) << check.err;

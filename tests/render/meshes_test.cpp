@@ -144,12 +144,13 @@ TEST_F(Meshes, LieWhereTheBoneLiesInMillimetres) {
 }
 
 TEST_F(Meshes, CarryTheDepthAsColourAndAsNumbers) {
+  constexpr double kTop_mm = 3;
   mesh_results({.voxel_mm = 0.6, .frames = 20, .every = 10});
+  write_meshes(dir_.path(), kTop_mm, report_);
   const LoadedGlb loaded = load_glb(glb());
   const std::vector<float> depth_mm = scalars(glb(), "_DEPTH_MM");
   ASSERT_EQ(depth_mm.size(), loaded.mesh.vertices.size());
   const Rigid glenoid_from_bone = truth_.bone_from_glenoid.inverse();
-  const double top_mm = scale_up_to(*std::max_element(depth_mm.begin(), depth_mm.end())).max;
   int floor = 0;
   for (std::size_t i = 0; i < depth_mm.size(); ++i) {
     const Vec3 p = glenoid_from_bone * loaded.mesh.vertices[i];
@@ -162,7 +163,7 @@ TEST_F(Meshes, CarryTheDepthAsColourAndAsNumbers) {
     ++floor;
     const double expected_mm = truth_.deepest_mm + p.head<2>().squaredNorm() * (1 / 64.0 - 1 / 58.0);
     EXPECT_NEAR(depth_mm[i], expected_mm, 0.3) << p.transpose();
-    const Eigen::Vector3f map = depth_colors().at(depth_mm[i] / top_mm);
+    const Eigen::Vector3f map = depth_colors().at(depth_mm[i] / kTop_mm);
     const Eigen::Vector3f shown = loaded.colors[i].unaryExpr(
         [](float c) { return c <= 0.0031308F ? 12.92F * c : 1.055F * std::pow(c, 1 / 2.4F) - 0.055F; });
     EXPECT_LT((shown - map).cwiseAbs().maxCoeff(), 0.01F) << p.transpose();

@@ -44,8 +44,8 @@ TEST_F(CameraRules, KeysOutOfRange) {
             "s.yaml:17:41: render.user_cameras.0.width_mm: does not apply, because projection is perspective; expected "
             "it with projection: orthographic only");
   EXPECT_EQ(camera("name: a, position_mm: [1, 2, 3], up: [0, 0, 0]"),
-            "s.yaml:17:45: render.user_cameras.0.up: found a direction of length 0; expected 3 numbers, -1000 to 1000, "
-            "not all zero");
+            "s.yaml:17:45: render.user_cameras.0.up: found a direction of length 0; expected 3 numbers [x, y, z], not "
+            "all zero, each -1000 to 1000");
 }
 
 TEST_F(CameraRules, AViewThatCannotBe) {
