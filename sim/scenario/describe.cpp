@@ -135,7 +135,7 @@ void describe_render(KeyVisitor& v, RenderSettings& render) {
          render.film);
   v.integer({.name = "film_rate_hz", .doc = "Pictures that a film shows per second", .range = between(1, 120)},
             render.film_rate_hz);
-  v.flag({.name = "tool", .doc = "Draw the reamer, see-through"}, render.tool);
+  v.flag({.name = "tool", .doc = "Draw the reamer: see-through, or as steel where it is cut open"}, render.tool);
   v.flag({.name = "report", .doc = "Write report.html, a page that holds the run, beside the pictures"}, render.report);
   v.number({.name = "depth_max_mm",
             .doc = "Top of the depth legend; 0: the depth that the run reaches",
