@@ -76,7 +76,7 @@ void ContactSheet::add(Studio& studio, std::int64_t frame) {
   if (cell.height_px >= kLeastCaptioned_px) {
     const double u = page_unit(page_.width_px, page_.height_px);
     const Canvas canvas(cell);
-    const TextLine text(canvas, fixed_text(row.time_s, 3) + " s · " + fixed_text(row.depth_mm, 2) + " mm",
+    const TextLine text(canvas, fixed_text(row.time_s, 3) + " s · " + depth_text(row.depth_mm),
                         kCaption * u);
     canvas.paper({8 * u, 8 * u, text.width + 16 * u, text.height + 8 * u}, 5 * u);
     canvas.ink(kInk);

@@ -17,7 +17,7 @@ Box whole(const FilmLayout& layout) {
 
 std::vector<std::pair<std::string, std::string>> film_values(const ForceRow& row) {
   return {{"time", fixed_text(row.time_s, 3) + " s"},
-          {"depth", fixed_text(row.depth_mm, 2) + " mm"},
+          {"depth", depth_text(row.depth_mm)},
           {"removed", fixed_text(row.removed_mm3, 1) + " mm³"}};
 }
 

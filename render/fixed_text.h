@@ -16,4 +16,9 @@ inline std::string fixed_text(double value, int decimals) {
   return text.data();
 }
 
+/// The reamer's travel into the bone, mm, as pictures name it: drawn back behind its first contact, it has no depth.
+inline std::string depth_text(double depth_mm) {
+  return depth_mm < 0 ? "lifted" : fixed_text(depth_mm, 2) + " mm";
+}
+
 }  // namespace reamsim

@@ -162,7 +162,7 @@ class PictureMaker {
 
   [[nodiscard]] Values frame_values(const ForceRow& row) const {
     return {{"time", fixed_text(row.time_s, 3) + " s"},
-            {"depth", fixed_text(row.depth_mm, 2) + " mm"},
+            {"depth", depth_text(row.depth_mm)},
             {studio_.mean() + "axial force", fixed_text(row.layer_axial_force_n, 1) + " N"},
             {studio_.mean() + "torque", fixed_text(row.layer_spin_torque_nmm, 0) + " N·mm"},
             {"removed", fixed_text(row.removed_mm3, 1) + " mm³"}};

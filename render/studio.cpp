@@ -118,7 +118,7 @@ PixelImage Studio::photograph(const Camera& camera, const std::optional<Rigid>& 
   shot.contour_mm = set_->depth_scale.step;
   shot.density_max_g_cm3 = set_->density_scale.max;
   shot.bone_from_spinning_tool = tool;
-  shot.steel = camera.cut_plane.has_value();  // cut open, it hides nothing that the cut does not show
+  shot.steel = camera.cut_plane.has_value();  // solid, as the bone is; other views show the face behind it
   CutFace cut_face;
   if (camera.cut_plane) {
     cut_face = sample_cut_face(set_->results.voxmap, set_->state.field(), camera);

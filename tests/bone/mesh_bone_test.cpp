@@ -118,7 +118,7 @@ TEST_F(MeshBone, RepairThatCannotWorkIsAnError) {
   mesh.triangles = {{0, 1, 2}, {3, 4, 5}};
   BoneSettings settings = settings_for(mesh, 0.5);
   settings.mesh.repair = true;
-  input_error([&] { voxmap_from_mesh(settings, report_); });
+  EXPECT_THAT(input_error([&] { voxmap_from_mesh(settings, report_); }), HasSubstr("encloses no volume"));
 }
 
 TEST_F(MeshBone, FlatMeshEnclosesNothing) {

@@ -5,6 +5,7 @@
 #include <filesystem>
 
 #include "render/contact_sheet.h"
+#include "render/fixed_text.h"
 #include "render/render.h"
 #include "render/studio.h"
 #include "sim/base/error.h"
@@ -65,6 +66,12 @@ class Views : public ::testing::Test {
   FixtureTruth truth_;
   RenderSettings settings_ = plain_settings();
 };
+
+TEST(DepthText, OfAReamerThatIsDrawnBackThereIsNone) {
+  EXPECT_EQ(depth_text(0), "0.00 mm");
+  EXPECT_EQ(depth_text(3.984), "3.98 mm");
+  EXPECT_EQ(depth_text(-8.02), "lifted");
+}
 
 TEST_F(Views, BeforeAndAfterAreSeenByTheSameCamera) {
   settings_.before_after = true;
