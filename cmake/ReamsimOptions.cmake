@@ -5,7 +5,9 @@ target_compile_options(reamsim_options INTERFACE
   # GCC 12 sees overlaps in std::string's operator+ that cannot happen (GCC bug 105329).
   $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict>
   # Host and kernels must round alike, so no fused multiply-add that the source does not write.
-  -ffp-contract=off)
+  -ffp-contract=off
+  # Some libraries ask for it; precompiled headers want it everywhere or nowhere.
+  -pthread)
 target_include_directories(reamsim_options INTERFACE ${PROJECT_SOURCE_DIR})
 target_compile_definitions(reamsim_options INTERFACE REAMSIM_VERSION="${PROJECT_VERSION}")
 
@@ -31,6 +33,7 @@ function(reamsim_library name)
   add_library(${name} STATIC ${ARG_SOURCES})
   target_link_libraries(${name} PUBLIC ${ARG_LINK} PRIVATE reamsim_options ${ARG_PRIVATE})
   target_include_directories(${name} PUBLIC ${PROJECT_SOURCE_DIR})
+  reamsim_precompile(${name} common_headers)
 endfunction()
 
 # reamsim_test(NAME SOURCES ... LINK ... [SHARED ...] [HOST_THREADS]): a GoogleTest program whose cases CTest lists one by
@@ -40,6 +43,8 @@ function(reamsim_test name)
   cmake_parse_arguments(ARG "HOST_THREADS" "" "SOURCES;LINK;SHARED" ${ARGN})
   add_executable(${name} ${ARG_SOURCES})
   target_link_libraries(${name} PRIVATE reamsim_options ${ARG_LINK} GTest::gmock GTest::gtest_main)
+  target_compile_options(${name} PRIVATE ${REAMSIM_QUICK_TO_COMPILE})
+  reamsim_precompile(${name} test_headers)
   set(properties TIMEOUT ${REAMSIM_TEST_TIMEOUT_S})
   if(ARG_HOST_THREADS)
     list(APPEND properties LABELS host_threads)
