@@ -3,6 +3,7 @@
 import io
 import json
 import pathlib
+import subprocess
 import sys
 import tempfile
 import time
@@ -11,6 +12,7 @@ from PIL import Image, ImageChops
 from selenium import webdriver
 from selenium.webdriver.common.by import By
 from selenium.webdriver.common.keys import Keys
+from selenium.webdriver.common.utils import is_connectable
 from selenium.webdriver.support.ui import Select, WebDriverWait
 
 MOST_BYTES = 15_000_000
@@ -22,13 +24,43 @@ FLAGS = [
 ]
 
 
-def open_browser(programs, profile, width, height):
-    options = webdriver.ChromeOptions()
-    for flag in [*FLAGS, f"--user-data-dir={profile}", f"--window-size={width},{height}"]:
-        options.add_argument(flag)
-    options.set_capability("goog:loggingPrefs", {"browser": "ALL", "performance": "ALL"})
-    options.binary_location, chromedriver = programs
-    return webdriver.Chrome(options=options, service=webdriver.chrome.service.Service(chromedriver))
+class Driver(webdriver.chrome.service.Service):
+    """Found by its number: a bare Debian has no /etc/hosts that knows localhost."""
+
+    @property
+    def service_url(self):
+        return f"http://127.0.0.1:{self.port}"
+
+    def is_connectable(self):
+        return is_connectable(self.port, "127.0.0.1")
+
+
+class Browser:
+    """A Chromium of its own profile and the driver that steers it. It is started here and found by its port, because the
+    driver would look for it on localhost."""
+
+    def __init__(self, programs, profile, width, height):
+        chromium, chromedriver = programs
+        self.process = subprocess.Popen(
+            [chromium, *FLAGS, "--remote-debugging-port=0", f"--user-data-dir={profile}", f"--window-size={width},{height}"],
+            stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        options = webdriver.ChromeOptions()
+        options.debugger_address = f"127.0.0.1:{self.port(profile / 'DevToolsActivePort')}"
+        options.set_capability("goog:loggingPrefs", {"browser": "ALL", "performance": "ALL"})
+        self.driver = webdriver.Chrome(options=options, service=Driver(chromedriver))
+
+    def port(self, file):
+        for _ in range(600):
+            assert self.process.poll() is None, f"Chromium ended with status {self.process.returncode}"
+            if file.exists() and file.read_text().count("\n") > 0:
+                return int(file.read_text().split()[0])
+            time.sleep(0.1)
+        raise TimeoutError("Chromium has opened no port within a minute")
+
+    def close(self):
+        self.driver.quit()
+        self.process.terminate()
+        self.process.wait(60)
 
 
 class Page:
@@ -140,7 +172,8 @@ def main():
     assert path.stat().st_size < MOST_BYTES, f"{path.stat().st_size} bytes"
     with tempfile.TemporaryDirectory() as folder:
         for width, height in ((1400, 1000), (400, 800)):
-            driver = open_browser(programs, pathlib.Path(folder) / str(width), width, height)
+            browser = Browser(programs, pathlib.Path(folder) / str(width), width, height)
+            driver = browser.driver
             try:
                 driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride",
                                        {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": False})
@@ -151,7 +184,7 @@ def main():
                 check_names(page)
                 check_loads_alone(driver, path)
             finally:
-                driver.quit()
+                browser.close()
 
 
 main()
