@@ -24,6 +24,7 @@ struct RenderOptions {
   std::string dir;
   std::vector<std::string> cameras;
   std::vector<std::string> only;
+  std::vector<std::string> overrides;
   std::string context;
   std::string film;
   int film_rate_hz = 0;
@@ -41,7 +42,12 @@ constexpr int kTurntablePictures = 36;
 
 /// The run's own render settings, changed by what the command line says of everything but cameras.
 RenderSettings settings_of(const RenderOptions& options, const std::string& own_cameras) {
-  std::vector<std::string> overrides;
+  std::vector<std::string> overrides = options.overrides;
+  for (const std::string& override : overrides) {
+    if (override.starts_with("render.")) continue;
+    throw InputError({}, "--set", "found '" + override + "'",
+                     "expected render.KEY=VALUE: nothing is simulated again, only drawn");
+  }
   const auto set = [&](const std::string& key, const std::string& value) {
     overrides.push_back("render." + key + "=" + value);
   };
@@ -175,6 +181,11 @@ void add_render_command(CLI::App& app, Console& console) {
       ->take_all()
       ->check(CLI::IsMember(
           {"pictures", "before_after", "contact_sheet", "turntable", "film", "plots", "meshes", "report"}));
+  command
+      ->add_option("--set", options->overrides,
+                   "Override a key of the run's render settings, e.g. render.background=transparent; may be repeated")
+      ->expected(1)
+      ->take_all();
   command->add_option("--width", options->width_px, "Width in pixels");
   command->add_option("--height", options->height_px, "Height in pixels");
   command->add_option("--context", options->context, "osmesa or egl");

@@ -47,11 +47,23 @@ float AmbientLight::Level::sample(const Eigen::Vector3f& point) const {
   const Eigen::Vector3f base = p.array().floor();
   const Eigen::Vector3f t = p - base;
   const Vec3i c = base.cast<int>();
+  if ((c.array() >= 0).all() && (c.array() + 1 < dims.array()).all()) return inside(c, t);
   const auto along_x = [&](int y, int z) {
     return (1 - t.x()) * get(c.x(), c.y() + y, c.z() + z) + t.x() * get(c.x() + 1, c.y() + y, c.z() + z);
   };
   const float low = (1 - t.y()) * along_x(0, 0) + t.y() * along_x(1, 0);
   const float high = (1 - t.y()) * along_x(0, 1) + t.y() * along_x(1, 1);
+  return (1 - t.z()) * low + t.z() * high;
+}
+
+float AmbientLight::Level::inside(const Vec3i& c, const Eigen::Vector3f& t) const {
+  const float* corner =
+      &shares[static_cast<std::size_t>(c.x() + std::int64_t{dims.x()} * (c.y() + std::int64_t{dims.y()} * c.z()))];
+  const std::ptrdiff_t row = dims.x();
+  const std::ptrdiff_t layer = row * dims.y();
+  const auto along_x = [&](const float* at) { return (1 - t.x()) * at[0] + t.x() * at[1]; };
+  const float low = (1 - t.y()) * along_x(corner) + t.y() * along_x(corner + row);
+  const float high = (1 - t.y()) * along_x(corner + layer) + t.y() * along_x(corner + layer + row);
   return (1 - t.z()) * low + t.z() * high;
 }
 

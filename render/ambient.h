@@ -29,6 +29,8 @@ class AmbientLight {
     [[nodiscard]] float& at(const Vec3i& cell);
     [[nodiscard]] float get(int x, int y, int z) const;
     [[nodiscard]] float sample(const Eigen::Vector3f& point) const;
+    /// Between eight cells that all lie in the level: the lowest is `c`, and `t` the way to the next ones.
+    [[nodiscard]] float inside(const Vec3i& c, const Eigen::Vector3f& t) const;
   };
 
   /// Where the i-th of the distances is looked at: in which cells, and how far from the point (voxels).

@@ -117,10 +117,26 @@ std::vector<Eigen::Vector3f> eigen_points(const IsoSurface& iso) {
   return out;
 }
 
+/// Calls action(a vertex's numbers, where it is in voxel index space).
+template <typename Action>
+void for_each_vertex(const VoxelGrid& grid, BoneSurface& surface, const Action& action) {
+  parallel_ranges(surface.vertices.size() / BoneSurface::kStride, kGrain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      float* v = surface.vertices.data() + i * BoneSurface::kStride;
+      const Vec3 mm = Eigen::Map<const Eigen::Vector3f>{v}.cast<double>();
+      const Eigen::Vector3f point =
+          ((mm - grid.origin_mm) / grid.voxel_mm).cast<float>() - Eigen::Vector3f::Constant(0.5F);
+      action(v, point);
+    }
+  });
+}
+
 }  // namespace
 
 BoneSurface make_bone_surface(const BoneLook& look) {
-  return dress_surface(extract_surface(look.field.grid(), 0), look);
+  BoneSurface out = dress_surface(extract_surface(look.field.grid(), 0), look);
+  add_density_and_openness(look, out);
+  return out;
 }
 
 BoneSurface dress_surface(const IsoSurface& iso, const BoneLook& look) {
@@ -144,23 +160,22 @@ BoneSurface dress_surface(const IsoSurface& iso, const BoneLook& look) {
       Eigen::Map<Eigen::Vector3f>{v + 3} = normals[i];
       v[6] = reaming.depth_mm[i];
       v[7] = reaming.share[i];
-      v[8] = density_at(look.voxmap, points[i] - kBelow_voxels * normals[i]);
     }
   });
-  renew_openness(look, out);
   return out;
 }
 
+void add_density_and_openness(const BoneLook& look, BoneSurface& surface) {
+  for_each_vertex(look.voxmap.grid, surface, [&](float* v, const Eigen::Vector3f& point) {
+    const Eigen::Map<const Eigen::Vector3f> normal(v + 3);
+    v[8] = density_at(look.voxmap, point - kBelow_voxels * normal);
+    v[9] = look.ambient.openness(point, normal);
+  });
+}
+
 void renew_openness(const BoneLook& look, BoneSurface& surface) {
-  const VoxelGrid& grid = look.voxmap.grid;
-  parallel_ranges(surface.vertices.size() / BoneSurface::kStride, kGrain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      float* v = surface.vertices.data() + i * BoneSurface::kStride;
-      const Vec3 mm = Eigen::Map<const Eigen::Vector3f>{v}.cast<double>();
-      const Eigen::Vector3f point =
-          ((mm - grid.origin_mm) / grid.voxel_mm).cast<float>() - Eigen::Vector3f::Constant(0.5F);
-      v[9] = look.ambient.openness(point, Eigen::Map<const Eigen::Vector3f>{v + 3});
-    }
+  for_each_vertex(look.voxmap.grid, surface, [&](float* v, const Eigen::Vector3f& point) {
+    v[9] = look.ambient.openness(point, Eigen::Map<const Eigen::Vector3f>{v + 3});
   });
 }
 

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "sim/base/parallel.h"
+#include "sim/bone/vdb_grid.h"
 
 namespace reamsim {
 namespace {
@@ -27,7 +28,7 @@ Vec3i lowest(const Vec3i& tile) {
 
 /// A tile's part of the field, and a brick round it.
 openvdb::FloatGrid::Ptr part_of(const openvdb::FloatGrid& field, const Vec3i& lower) {
-  auto part = openvdb::FloatGrid::create(field.background());
+  auto part = make_float_grid(field.background());
   auto from = field.getConstAccessor();
   constexpr int kBricks = BoneTiles::kSideBricks + 2;
   for (int i = 0; i < kBricks * kBricks * kBricks; ++i) {
@@ -44,7 +45,7 @@ openvdb::FloatGrid::Ptr part_of(const openvdb::FloatGrid& field, const Vec3i& lo
 
 /// The cells in which part_of() has the same surface as the whole field.
 openvdb::BoolGrid::Ptr cells_of(const Vec3i& lower) {
-  auto cells = openvdb::BoolGrid::create(false);
+  auto cells = make_bool_grid(false);
   const Vec3i first = lower - Vec3i::Constant(kSide - 1);
   const Vec3i last = lower + Vec3i::Constant(kTileVoxels + kSide - 2);
   cells->denseFill({to_coord(first), to_coord(last)}, true, true);
@@ -124,6 +125,7 @@ BoneSurface BoneTiles::mesh(const BoneLook& look, std::size_t tile) const {
   if (std::find(owned.begin(), owned.end(), true) == owned.end()) return {};
   const BoneSurface all = dress_surface(iso, look);
   BoneSurface out = keep(all, owned);
+  add_density_and_openness(look, out);
   out.deepest_mm = all.deepest_mm;
   return out;
 }

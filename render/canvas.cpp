@@ -8,7 +8,7 @@ namespace reamsim {
 
 Canvas::Canvas(PixelImage& image)
     : surface_(cairo_image_surface_create_for_data(reinterpret_cast<unsigned char*>(image.pixels.data()),
-                                                   CAIRO_FORMAT_RGB24, image.width_px, image.height_px,
+                                                   CAIRO_FORMAT_ARGB32, image.width_px, image.height_px,
                                                    4 * image.width_px)),
       cairo_(cairo_create(surface_)) {
   if (cairo_status(cairo_) != CAIRO_STATUS_SUCCESS) {

@@ -4,11 +4,12 @@
 
 #include "render/canvas.h"
 #include "render/fixed_text.h"
+#include "render/picture_frames.h"
 
 namespace reamsim {
 namespace {
 
-constexpr int kMostCells = 20;
+constexpr std::size_t kMostCells = 20;
 constexpr std::uint32_t kPage_rgb = 0xf4f6f9;
 /// Cells are neither flatter nor steeper than this, width over height.
 constexpr double kFlattest = 1.6;
@@ -28,16 +29,6 @@ double page_unit(int width_px, int height_px) {
 }
 
 }  // namespace
-
-std::vector<std::int64_t> sheet_frames(const std::vector<std::int64_t>& frames) {
-  const std::size_t count = std::min<std::size_t>(frames.size(), kMostCells);
-  if (count < 2) return frames;
-  std::vector<std::int64_t> out;
-  for (std::size_t i = 0; i < count; ++i) {
-    out.push_back(frames[(2 * i * (frames.size() - 1) + count - 1) / (2 * (count - 1))]);
-  }
-  return out;
-}
 
 SheetGrid sheet_grid(int cells, int width_px, int height_px) {
   const bool bare = std::min(width_px, height_px) < kLeastLabelled_px;
@@ -62,7 +53,7 @@ SheetGrid sheet_grid(int cells, int width_px, int height_px) {
 }
 
 ContactSheet::ContactSheet(const Studio& studio, const std::string& camera)
-    : frames_(sheet_frames(studio.frames())),
+    : frames_(evenly_among(studio.frames(), kMostCells)),
       grid_(sheet_grid(static_cast<int>(frames_.size()), studio.settings().width_px, studio.settings().height_px)),
       camera_(studio.closer_camera(camera, grid_.cell_width_px, grid_.cell_height_px)),
       page_(plain_image(studio.settings().width_px, studio.settings().height_px, kPage_rgb)) {}
@@ -76,8 +67,7 @@ void ContactSheet::add(Studio& studio, std::int64_t frame) {
   if (cell.height_px >= kLeastCaptioned_px) {
     const double u = page_unit(page_.width_px, page_.height_px);
     const Canvas canvas(cell);
-    const TextLine text(canvas, fixed_text(row.time_s, 3) + " s · " + depth_text(row.depth_mm),
-                        kCaption * u);
+    const TextLine text(canvas, fixed_text(row.time_s, 3) + " s · " + depth_text(row.depth_mm), kCaption * u);
     canvas.paper({8 * u, 8 * u, text.width + 16 * u, text.height + 8 * u}, 5 * u);
     canvas.ink(kInk);
     text.draw(16 * u, 12 * u);

@@ -18,10 +18,7 @@ struct SheetGrid {
 /// The grid for `cells` cells on a page, with room for title, legend and scale. The cells are as large as they can be.
 SheetGrid sheet_grid(int cells, int width_px, int height_px);
 
-/// The frames that a sheet shows: all, or twenty evenly among them, with the first and the last. Ascending.
-std::vector<std::int64_t> sheet_frames(const std::vector<std::int64_t>& frames);
-
-/// The run on one page: small pictures by one camera, each with its time and depth.
+/// The run on one page: up to twenty small pictures by one camera, each with its time and depth.
 class ContactSheet {
  public:
   /// `camera`: its name. The page has the settings' size.

@@ -7,6 +7,8 @@
 namespace reamsim {
 namespace {
 
+/// Behind transparent pictures.
+constexpr std::uint32_t kPaper_rgb = 0xffffff;
 constexpr double kPanelShare = 0.36;
 /// Smaller panels could not be read.
 constexpr int kLeastPanel_px = 200;
@@ -70,12 +72,15 @@ void Film::add(Studio& studio, const ForceRow& row) {
   Labels labels = studio.labels(camera_, tool);
   labels.values = film_values(row);
   labels.widest_value = widest_value_;
+  labels.force = studio.force_arrow(row);
   draw_labels(bone, camera_, labels);
   if (!panel_) {
-    encoder_.add(bone);
+    PixelImage frame = plain_image(layout_.width_px, layout_.height_px, kPaper_rgb);
+    frame.paste(bone, 0, 0);
+    encoder_.add(frame);
     return;
   }
-  PixelImage frame = plain_image(layout_.width_px, layout_.height_px, 0);
+  PixelImage frame = plain_image(layout_.width_px, layout_.height_px, kPaper_rgb);
   frame.paste(bone, 0, 0);
   frame.paste(panel_->at(row), static_cast<int>(layout_.panel.x), static_cast<int>(layout_.panel.y));
   encoder_.add(frame);

@@ -12,11 +12,31 @@
 namespace reamsim {
 namespace {
 
-enum Column { kFrame, kTime, kX, kY, kZ, kQw, kQx, kQy, kQz, kSpinAngle, kDepth, kAxial, kTorque, kRemoved, kColumns };
+enum Column {
+  kFrame,
+  kTime,
+  kX,
+  kY,
+  kZ,
+  kQw,
+  kQx,
+  kQy,
+  kQz,
+  kSpinAngle,
+  kDepth,
+  kForceX,
+  kForceY,
+  kForceZ,
+  kAxial,
+  kTorque,
+  kRemoved,
+  kColumns
+};
 
 constexpr std::array<std::string_view, kColumns> kNames{
-    "frame",   "time_s",  "tool_x_mm",      "tool_y_mm", "tool_z_mm",     "tool_qw",         "tool_qx",
-    "tool_qy", "tool_qz", "spin_angle_rad", "depth_mm",  "axial_force_n", "spin_torque_nmm", "removed_mm3"};
+    "frame",     "time_s",    "tool_x_mm",     "tool_y_mm",       "tool_z_mm",  "tool_qw",
+    "tool_qx",   "tool_qy",   "tool_qz",       "spin_angle_rad",  "depth_mm",   "force_x_n",
+    "force_y_n", "force_z_n", "axial_force_n", "spin_torque_nmm", "removed_mm3"};
 
 /// `v`: a row's numbers, in the order of kNames.
 ForceRow make_row(const SourceLocation& where, const std::vector<double>& v) {
@@ -32,6 +52,7 @@ ForceRow make_row(const SourceLocation& where, const std::vector<double>& v) {
   row.pose.orientation.normalize();
   row.pose.spin_angle_rad = v[kSpinAngle];
   row.depth_mm = v[kDepth];
+  row.force_n = Vec3(v[kForceX], v[kForceY], v[kForceZ]);
   row.axial_force_n = v[kAxial];
   row.spin_torque_nmm = v[kTorque];
   row.removed_mm3 = v[kRemoved];
@@ -75,12 +96,14 @@ void add_layer_means(ForceLog& log, double travel_mm) {
     if (travel_mm == 0) {
       row.layer_axial_force_n = row.axial_force_n;
       row.layer_spin_torque_nmm = row.spin_torque_nmm;
+      row.layer_force_n = row.force_n;
       row.layer_frames = 1;
       continue;
     }
     const auto means = mean.add(row.pose.position_mm, row.axial_force_n, row.spin_torque_nmm);
     row.layer_axial_force_n = means.axial_force_n;
     row.layer_spin_torque_nmm = means.spin_torque_nmm;
+    row.layer_force_n = means.axial_force_n * (row.pose.orientation * Vec3::UnitZ());
     row.layer_frames = means.frames;
   }
 }

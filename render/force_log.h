@@ -16,10 +16,12 @@ struct ForceRow {
   double depth_mm = 0;
   double axial_force_n = 0;
   double spin_torque_nmm = 0;
-  double removed_mm3 = 0;            ///< since the start
-  double layer_axial_force_n = 0;    ///< mean over the last voxel of travel, see add_layer_means()
-  double layer_spin_torque_nmm = 0;  ///< likewise
-  std::size_t layer_frames = 0;      ///< that these means are over
+  double removed_mm3 = 0;             ///< since the start
+  Vec3 force_n = Vec3::Zero();        ///< of the bone on the tool, in B
+  double layer_axial_force_n = 0;     ///< mean over the last voxel of travel, see add_layer_means()
+  double layer_spin_torque_nmm = 0;   ///< likewise
+  Vec3 layer_force_n = Vec3::Zero();  ///< where it is a mean: its part along the tool's axis
+  std::size_t layer_frames = 0;       ///< that these means are over
 };
 
 /// DIR/forces.csv, in ascending frames.

@@ -114,7 +114,7 @@ void GlTexture::bind(int unit) const {
   gl_.BindTexture(GL_TEXTURE_2D, id_);
 }
 
-GlTarget::GlTarget(const Gl& gl, int width, int height) : gl_(gl), width_(width), height_(height) {
+GlTarget::GlTarget(const Gl& gl, int width, int height, bool multisample) : gl_(gl), width_(width), height_(height) {
   GLint largest = 0;
   GLint samples = 0;
   gl.GetIntegerv(GL_MAX_RENDERBUFFER_SIZE, &largest);
@@ -123,7 +123,7 @@ GlTarget::GlTarget(const Gl& gl, int width, int height) : gl_(gl), width_(width)
     throw RunError("a picture of " + std::to_string(width) + " x " + std::to_string(height) +
                    " pixels cannot be drawn; this OpenGL draws 1 to " + std::to_string(largest) + " on a side");
   }
-  samples = std::min(samples, kSamples);
+  samples = multisample ? std::min(samples, kSamples) : 0;
   gl.GenFramebuffers(2, framebuffers_);
   gl.GenRenderbuffers(3, buffers_);
   attach(framebuffers_[0], buffers_[0], GL_COLOR_ATTACHMENT0, GL_RGBA8, samples);

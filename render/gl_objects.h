@@ -73,11 +73,11 @@ class GlTexture {
   GLuint id_ = 0;
 };
 
-/// What pictures are drawn into: colour and depth with several samples per pixel, and a plain copy to read from.
+/// What pictures are drawn into: colour and depth, and a plain copy to read from.
 class GlTarget {
  public:
-  /// Throws RunError when OpenGL cannot make a picture of this size.
-  GlTarget(const Gl& gl, int width, int height);
+  /// `multisample`: several samples per pixel. Throws RunError when OpenGL cannot make a picture of this size.
+  GlTarget(const Gl& gl, int width, int height, bool multisample);
   ~GlTarget();
   GlTarget(const GlTarget&) = delete;
   GlTarget& operator=(const GlTarget&) = delete;

@@ -10,6 +10,8 @@ namespace {
 
 constexpr double kMargin = 28;  // all lengths for a picture 1080 pixels high
 constexpr double kText = 23;
+constexpr double kLongestArrow = 0.18;  // of the picture's width
+constexpr Ink kForceInk{0.75, 0.10, 0.20, 1};
 
 /// Pixels of this picture per pixel of one 1080 high and at least 1440 wide.
 double unit(const Camera& camera) {
@@ -109,6 +111,48 @@ void draw_scale_bar(const Canvas& canvas, const Camera& camera, double share) {
   text.draw(bar.x + 0.5 * (bar.width - text.width), bar.y - text.height - 6 * u);
 }
 
+/// An arrow with a light rim, so that it shows on bone and on steel. Lengths in pixels.
+void stroke_arrow(const Canvas& canvas, const Vec2& from, const Vec2& to, double width, const Ink& color) {
+  cairo_t* c = canvas.get();
+  const Vec2 way = (to - from).normalized();
+  const Vec2 side(-way.y(), way.x());
+  const Vec2 neck = to - std::min(4.2 * width, (to - from).norm()) * way;
+  const auto line_to = [c](const Vec2& p) { cairo_line_to(c, p.x(), p.y()); };
+  line_to(from + 0.5 * width * side);
+  line_to(neck + 0.5 * width * side);
+  line_to(neck + 1.6 * width * side);
+  line_to(to);
+  line_to(neck - 1.6 * width * side);
+  line_to(neck - 0.5 * width * side);
+  line_to(from - 0.5 * width * side);
+  cairo_close_path(c);
+  canvas.ink({1, 1, 1, 0.9});
+  cairo_set_line_join(c, CAIRO_LINE_JOIN_ROUND);
+  cairo_set_line_width(c, 0.55 * width);
+  cairo_stroke_preserve(c);
+  canvas.ink(color);
+  cairo_fill(c);
+}
+
+/// The force on the tool. Not where it points at the viewer: an arrow that short would say nothing.
+void draw_force(const Canvas& canvas, const Camera& camera, const Labels& labels) {
+  if (!labels.force) return;
+  const double u = unit(camera);
+  const Vec2 from = camera.pixel(labels.force->from_mm);
+  const double longest_mm = kLongestArrow * camera.width_px * camera.mm_per_px;
+  const Vec2 to = camera.pixel(labels.force->from_mm + longest_mm * labels.force->way);
+  if ((to - from).norm() < 14 * u) return;
+  stroke_arrow(canvas, from, to, 9 * u, kForceInk);
+  const TextLine text(canvas, labels.force->text, kText * u, true);
+  const Vec2 way = (to - from).normalized();
+  const Vec2 middle = to + (16 * u + 0.5 * (std::abs(way.x()) * text.width + std::abs(way.y()) * text.height)) * way;
+  const Box box{middle.x() - 0.5 * text.width - 8 * u, middle.y() - 0.5 * text.height - 3 * u, text.width + 16 * u,
+                text.height + 6 * u};
+  canvas.paper(box, 5 * u);
+  canvas.ink(kForceInk);
+  text.draw(box.x + 8 * u, box.y + 3 * u);
+}
+
 /// Arrows that say which way is superior, lateral and anterior, in the lower right corner.
 void draw_directions(const Canvas& canvas, const Camera& camera, const Labels& labels) {
   if (labels.directions.empty()) return;
@@ -186,6 +230,7 @@ void draw_labels(PixelImage& image, const Camera& camera, const Labels& labels) 
   if (!labelled(camera)) return;
   const Canvas canvas(image);
   stroke_outlines(canvas, camera, labels);
+  draw_force(canvas, camera, labels);
   draw_values(canvas, camera, labels, 0);
   const int count = static_cast<int>(labels.legends.size());
   for (int i = 0; i < count; ++i) {

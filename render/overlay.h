@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -19,6 +20,13 @@ struct Legend {
   Scale scale;
 };
 
+/// A force in B: where it acts, and which way, as long as its share of the run's greatest.
+struct ForceArrow {
+  Vec3 from_mm;
+  Vec3 way;
+  std::string text;
+};
+
 /// What is written over a picture.
 struct Labels {
   std::string title;
@@ -27,7 +35,8 @@ struct Labels {
   std::vector<Legend> legends;
   std::vector<std::pair<std::string, Vec3>> directions;  ///< anatomical directions: name and unit vector in B
   std::vector<std::vector<Vec3>> outlines_mm;            ///< closed dashed lines in B
-  double scale_share = 0.20;                             ///< how much of the picture's width the scale bar may take
+  std::optional<ForceArrow> force;
+  double scale_share = 0.20;  ///< how much of the picture's width the scale bar may take
 };
 
 /// Pictures smaller than this on a side carry no labels: they could not be read.

@@ -10,6 +10,7 @@
 #include "render/encoder.h"
 #include "render/film.h"
 #include "render/fixed_text.h"
+#include "render/picture_frames.h"
 #include "render/render.h"
 #include "render/studio.h"
 #include "sim/base/error.h"
@@ -60,6 +61,7 @@ class PictureMaker {
         choice_(choice),
         names_(settings.cameras),
         studio_(dir, settings, mean_travel_mm, report),
+        stills_(still_frames(studio_.frames(), settings)),
         writer_(progress, 0) {
     for (const UserCamera& own : settings.user_cameras) names_.push_back(own.name);
     for (const std::string& name : names_)
@@ -78,7 +80,7 @@ class PictureMaker {
  private:
   [[nodiscard]] int count() const {
     const std::size_t frames = studio_.frames().size();
-    std::size_t sum = cameras_.size() * ((choice_.stills ? 1 + frames : 0) + (settings_.before_after ? 1 : 0));
+    std::size_t sum = cameras_.size() * ((choice_.stills ? 1 + stills_.size() : 0) + (settings_.before_after ? 1 : 0));
     sum += static_cast<std::size_t>(settings_.turntable_pictures);
     return static_cast<int>(sum + (settings_.contact_sheet ? 1 : 0) + (films_run() ? frames : 0));
   }
@@ -112,7 +114,11 @@ class PictureMaker {
       const Camera camera = make_turntable_camera(studio_.subject(), turn, settings_.width_px, settings_.height_px);
       PixelImage image = studio_.photograph(camera, std::nullopt);
       draw_labels(image, camera, studio_.labels(camera, std::nullopt));
-      if (film) film->add(image);
+      if (film) {
+        PixelImage frame = plain_image(image.width_px, image.height_px, 0xffffff);
+        frame.paste(image, 0, 0);
+        film->add(frame);
+      }
       writer_.write(dir_ + "/turntable/" + numbered("%03lld", i) + ".png", std::move(image));
     }
     if (film) film->finish();
@@ -129,7 +135,7 @@ class PictureMaker {
       studio_.advance_to(frame);
       before_after_pictures();
       if (!all) break;
-      if (choice_.stills) frame_pictures(frame);
+      if (choice_.stills && std::ranges::binary_search(stills_, frame)) frame_pictures(frame);
       if (sheet) sheet->add(studio_, frame);
       if (!film) continue;
       film->add(studio_, studio_.row_of(frame));
@@ -154,6 +160,7 @@ class PictureMaker {
       PixelImage image = studio_.photograph(camera, tool);
       Labels labels = studio_.labels(camera, tool);
       labels.values = frame_values(row);
+      labels.force = studio_.force_arrow(row);
       labels.widest_value = widest_value();
       draw_labels(image, camera, labels);
       writer_.write(dir_ + "/frames/" + numbered("%06lld", frame) + suffix(camera.name) + ".png", std::move(image));
@@ -210,6 +217,7 @@ class PictureMaker {
   PictureChoice choice_;
   std::vector<std::string> names_;  ///< of the cameras, the user's last
   Studio studio_;
+  std::vector<std::int64_t> stills_;
   std::vector<Camera> cameras_;
   ForceRow most_;  ///< the greatest force and torque of the run
   std::vector<BeforeAfter> before_after_;

@@ -14,18 +14,22 @@ struct Box {
   double height = 0;
 };
 
-/// A picture: BGRA (as Cairo's RGB24 has it), top row first.
+/// A picture: BGRA, colours times opacity (as Cairo's ARGB32 has it), top row first.
 struct PixelImage {
   int width_px = 0;
   int height_px = 0;
   std::vector<std::uint32_t> pixels;
 
-  /// Puts `part` over this picture, its upper left corner at (x, y), 0 or more. What does not fit is left out.
+  /// Lays `part` over this picture, which shows where it is transparent, its upper left corner at (x, y), 0 or more.
+  /// What does not fit is left out.
   void paste(const PixelImage& part, int x, int y);
 };
 
 /// A picture of one colour, 0xRRGGBB.
 PixelImage plain_image(int width_px, int height_px, std::uint32_t rgb);
+
+/// The picture 1/`times` as wide and as high: every pixel the mean of a square of them.
+PixelImage averaged(PixelImage image, int times);
 
 /// Writes the picture as a PNG. Throws RunError when it cannot be written.
 void write_png(const std::string& path, PixelImage& image);

@@ -20,6 +20,8 @@ extern const char* const shader_tool_frag;
 
 namespace {
 
+/// From here on supersampling alone is smooth enough, and more samples would take memory for nothing.
+constexpr int kPlainFrom = 3;
 /// How far the tool's face is drawn in front of the bone that it touches, which would else show through in patches.
 constexpr double kToolLift_mm = 0.6;
 /// Bone behind a cut fades by 1/e over 25 mm.
@@ -78,30 +80,34 @@ void Scene::set_bone(const std::vector<BoneSurface>& tiles, const std::vector<st
 }
 
 PixelImage Scene::draw(const Shot& shot) {
-  const int width_px = shot.camera.width_px;
-  const int height_px = shot.camera.height_px;
-  const GlTarget& target = targets_.try_emplace({width_px, height_px}, gl_, width_px, height_px).first->second;
+  const int times = shot.supersampling;
+  const int width_px = times * shot.camera.width_px;
+  const int height_px = times * shot.camera.height_px;
+  const bool multisample = times < kPlainFrom;
+  const GlTarget& target =
+      targets_.try_emplace({width_px, height_px}, gl_, width_px, height_px, multisample).first->second;
   target.bind();
   gl_.Enable(GL_MULTISAMPLE);
   gl_.Enable(GL_CLIP_DISTANCE0);
   gl_.DepthMask(GL_TRUE);
   gl_.Clear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
   gl_.BlendFuncSeparate(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA, GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
-  draw_background();
+  if (shot.background != Background::transparent) draw_background(shot.background);
   gl_.Enable(GL_DEPTH_TEST);
   gl_.DepthFunc(GL_LEQUAL);
   draw_bone(shot);
   if (shot.cut_face != nullptr && shot.cut_face->width > 0) draw_cut_face(shot);
   if (shot.bone_from_spinning_tool && shot.camera.draws_tool) draw_tool(shot);
   gl_.check("drawing a picture");
-  return {width_px, height_px, target.read()};
+  return averaged({width_px, height_px, target.read()}, times);
 }
 
-void Scene::draw_background() const {
+void Scene::draw_background(Background background) const {
   gl_.Disable(GL_DEPTH_TEST);
   gl_.Disable(GL_BLEND);
   gl_.Disable(GL_CULL_FACE);
   programs_->background.use();
+  programs_->background.set("white", background == Background::white ? 1 : 0);
   gl_.BindVertexArray(empty_array_);
   gl_.DrawArrays(GL_TRIANGLES, 0, 3);
 }
@@ -115,6 +121,8 @@ void Scene::draw_bone(const Shot& shot) const {
   program.set("depth_max_mm", static_cast<float>(shot.depth_max_mm));
   program.set("contour_mm", static_cast<float>(shot.contour_mm));
   program.set("haze_per_mm", shot.camera.cut_plane ? kHaze_per_mm : 0.0F);
+  program.set("key_direction", shot.key_direction);
+  program.set("samples_per_px", static_cast<float>(shot.supersampling));
   program.set("depth_colors", 0);
   depth_colors_.bind(0);
   if (shot.camera.cut_plane) {
@@ -143,6 +151,7 @@ void Scene::draw_cut_face(const Shot& shot) const {
   program.use();
   program.set("clip_from_bone", Eigen::Matrix4f(shot.camera.clip_from_bone().cast<float>()));
   program.set("density_max_g_cm3", static_cast<float>(shot.density_max_g_cm3));
+  program.set("samples_per_px", static_cast<float>(shot.supersampling));
   program.set("face", 0);
   program.set("density_colors", 1);
   texture.bind(0);
@@ -164,6 +173,8 @@ void Scene::draw_tool(const Shot& shot) const {
   program.set("towards_eye", static_cast<float>(kToolLift_mm * shot.camera.clip_lift_per_mm()));
   program.set("cut_open", cut_open ? 1 : 0);
   program.set("brushed", shot.steel ? 1 : 0);
+  program.set("key_direction", shot.key_direction);
+  program.set("samples_per_px", static_cast<float>(shot.supersampling));
   if (!shot.steel) {
     draw_see_through(program, cut_open);
     return;

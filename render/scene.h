@@ -14,6 +14,9 @@
 
 namespace reamsim {
 
+/// What lies behind the bone.
+enum class Background { studio, white, transparent };
+
 /// One picture to be drawn.
 struct Shot {
   Camera camera;
@@ -23,6 +26,9 @@ struct Shot {
   std::optional<Rigid> bone_from_spinning_tool;  ///< without it there is no tool
   bool steel = false;                            ///< the tool as opaque brushed steel, not see-through
   const CutFace* cut_face = nullptr;             ///< where the camera cuts the bone open
+  Background background = Background::studio;
+  Eigen::Vector3f key_direction = Eigen::Vector3f::UnitZ();  ///< towards the main light, in the eye's axes; unit length
+  int supersampling = 1;                                     ///< drawn so many times as wide and high, and averaged
 };
 
 /// The meshes, shaders and lights. Its context must be current.
@@ -40,7 +46,7 @@ class Scene {
  private:
   struct Programs;
 
-  void draw_background() const;
+  void draw_background(Background background) const;
   void draw_bone(const Shot& shot) const;
   void draw_cut_face(const Shot& shot) const;
   void draw_tool(const Shot& shot) const;

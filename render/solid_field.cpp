@@ -8,6 +8,10 @@
 #include <utility>
 
 #include "sim/base/parallel.h"
+#include "sim/bone/vdb_grid.h"
+
+// OpenVDB's library holds this compiled; it takes a minute to compile again.
+extern template void openvdb::tools::VolumeToMesh::operator()(const openvdb::FloatGrid&);
 
 namespace reamsim {
 namespace {
@@ -86,7 +90,7 @@ Occupancy::Kind neighbourhood(const Occupancy& occupancy, const Vec3i& brick) {
 
 }  // namespace
 
-SolidField::SolidField(const Occupancy& occupancy) : grid_(openvdb::FloatGrid::create(kAir)) {
+SolidField::SolidField(const Occupancy& occupancy) : grid_(make_float_grid(kAir)) {
   // One brick round the bone: smoothing carries it a little beyond its own bricks, and the lattice.
   compute(occupancy, occupancy.voxmap().grade.coords_around());
 }

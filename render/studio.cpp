@@ -7,6 +7,7 @@
 
 #include "render/bone_state.h"
 #include "render/context.h"
+#include "render/fixed_text.h"
 #include "render/results.h"
 #include "render/scene.h"
 #include "render/subject.h"
@@ -19,10 +20,17 @@ namespace {
 
 /// How much closer closer_camera() is.
 constexpr double kCloser = 0.86;
+/// The least share of the run's greatest force that has an arrow.
+constexpr double kLeastArrow = 0.01;
 
 Rigid spinning(const ToolPose& pose) {
   // Positive spin turns about −z of T.
   return pose.bone_from_tool() * Eigen::AngleAxisd(-pose.spin_angle_rad, Vec3::UnitZ());
+}
+
+Background background_named(const std::string& name) {
+  if (name == "white") return Background::white;
+  return name == "transparent" ? Background::transparent : Background::studio;
 }
 
 /// The circle that the tool's widest point sweeps, in B.
@@ -56,6 +64,7 @@ struct Studio::Set {
         deepest_mm(state.tiles().deepest_mm()),
         density_scale(scale_up_to(DensityMapping::kMaxDensity_g_cm3)) {
     add_layer_means(results.log, mean_travel_mm);
+    for (const ForceRow& row : results.log.rows) most_force_n = std::max(most_force_n, row.layer_force_n.norm());
   }
 
   std::string dir;
@@ -66,6 +75,7 @@ struct Studio::Set {
   Subject subject;
   BoneState state;
   double deepest_mm;
+  double most_force_n = 0;
   std::unique_ptr<OffscreenContext> context;
   std::unique_ptr<Scene> scene;
   Scale depth_scale;
@@ -118,7 +128,11 @@ PixelImage Studio::photograph(const Camera& camera, const std::optional<Rigid>& 
   shot.contour_mm = set_->depth_scale.step;
   shot.density_max_g_cm3 = set_->density_scale.max;
   shot.bone_from_spinning_tool = tool;
-  shot.steel = camera.cut_plane.has_value();  // solid, as the bone is; other views show the face behind it
+  // Solid where it is cut open, as the bone is; other views show the face behind it unless the user wants steel.
+  shot.steel = camera.cut_plane || set_->settings.tool_look == "steel";
+  shot.background = background_named(set_->settings.background);
+  shot.key_direction = set_->settings.light.normalized().cast<float>();
+  shot.supersampling = set_->settings.supersampling;
   CutFace cut_face;
   if (camera.cut_plane) {
     cut_face = sample_cut_face(set_->results.voxmap, set_->state.field(), camera);
@@ -166,6 +180,12 @@ const RenderSettings& Studio::settings() const {
 
 double Studio::deepest_mm() const {
   return set_->deepest_mm;
+}
+
+std::optional<ForceArrow> Studio::force_arrow(const ForceRow& row) const {
+  const double force_n = row.layer_force_n.norm();
+  if (!set_->settings.force_arrow || force_n == 0 || force_n < kLeastArrow * set_->most_force_n) return std::nullopt;
+  return ForceArrow{row.pose.position_mm, row.layer_force_n / set_->most_force_n, fixed_text(force_n, 1) + " N"};
 }
 
 const std::string& Studio::mean() const {

@@ -37,6 +37,8 @@ class Studio {
   /// The labels that each picture of this camera has: legends and directions; and the tool's outline, face on.
   [[nodiscard]] Labels labels(const Camera& camera, const std::optional<Rigid>& tool) const;
 
+  /// The bone's force on the tool, from the tool's tip; none where the settings want none or there is next to none.
+  [[nodiscard]] std::optional<ForceArrow> force_arrow(const ForceRow& row) const;
   /// The tool's pose in a row of the log; none where the settings want none.
   [[nodiscard]] std::optional<Rigid> tool_at(const ForceRow& row) const;
   /// The log's row of a frame that has a snapshot. Throws InputError when the log is shorter.

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "render/surface_smoothing.h"
+#include "sim/bone/vdb_grid.h"
 
 namespace reamsim {
 namespace {
@@ -29,19 +30,6 @@ Eigen::AlignedBox3d bounding_box(const Source& source) {
   return Eigen::AlignedBox3d(source.at);
 }
 using SourceTree = Eigen::KdBVH<double, 3, Source>;
-
-/// A mesh as OpenVDB wants to read it.
-struct MeshInCells {
-  const IsoSurface& surface;
-  double cells_per_unit;
-
-  [[nodiscard]] std::size_t polygonCount() const { return surface.triangles.size(); }
-  [[nodiscard]] std::size_t pointCount() const { return surface.points.size(); }
-  [[nodiscard]] static std::size_t vertexCount(std::size_t /*polygon*/) { return 3; }
-  void getIndexSpacePoint(std::size_t polygon, std::size_t vertex, Vec3d& out) const {
-    out = Vec3d(surface.points[surface.triangles[polygon][static_cast<int>(vertex)]]) * cells_per_unit;
-  }
-};
 
 double cell_size_mm(const Voxmap& voxmap) {
   const double bone_mm3 = static_cast<double>(voxmap.grade.count()) * voxmap.grid.voxel_mm3();
@@ -72,8 +60,12 @@ MovedSurface move_out(const IsoSurface& surface, double voxel_mm, double cell_mm
   const auto transform = openvdb::math::Transform::createLinearTransform(cell_mm);
   const auto outside_cells = static_cast<float>(UnreamedSurface::kBridge_mm / cell_mm + 3);
   MovedSurface out;
-  out.distance_mm = openvdb::tools::meshToVolume<openvdb::FloatGrid>(MeshInCells{surface, voxel_mm / cell_mm},
-                                                                     *transform, outside_cells, 3.0F);
+  std::vector<openvdb::Vec3s> in_cells = surface.points;
+  for (openvdb::Vec3s& p : in_cells) p *= static_cast<float>(voxel_mm / cell_mm);
+  // This adapter and interrupter are the ones that OpenVDB's library holds compiled; others take minutes to compile.
+  const openvdb::tools::QuadAndTriangleDataAdapter<openvdb::Vec3s, openvdb::Vec3I> mesh(in_cells, surface.triangles);
+  openvdb::util::NullInterrupter never;
+  out.distance_mm = openvdb::tools::meshToVolume<openvdb::FloatGrid>(never, mesh, *transform, outside_cells, 3.0F);
   out.surface = extract_surface(*out.distance_mm, UnreamedSurface::kBridge_mm);
   return out;
 }
@@ -125,7 +117,7 @@ struct SquaredDistance {
 
 /// An empty grid whose active cells cover every brick that has lost something, and a little more for interpolation.
 openvdb::FloatGrid::Ptr cells_of_changed_bricks(const Voxmap& voxmap, const FillBricks& before, double cell_mm) {
-  auto grid = openvdb::FloatGrid::create(0.0F);
+  auto grid = make_float_grid(0.0F);
   grid->setTransform(openvdb::math::Transform::createLinearTransform(cell_mm));
   const double brick_cells = FillBricks::kSide * voxmap.grid.voxel_mm / cell_mm;
   voxmap.fill.for_each_brick([&](const Vec3i& coord, const FillBricks::Brick& fill) {

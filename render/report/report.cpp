@@ -86,10 +86,11 @@ std::string frame_path(const std::string& dir, std::int64_t frame, const std::st
 /// them its `name`, `width_px`, `height_px` and `jpegs`.
 Json frames_json(const std::string& dir, const RunResults& results, const std::vector<std::string>& cameras) {
   Json json{{"frames", Json::array()}, {"time_s", Json::array()}, {"cameras", Json::array()}};
+  std::vector<std::int64_t> drawn = results.frames;
+  std::erase_if(drawn, [&](std::int64_t frame) { return !fs::exists(frame_path(dir, frame, "")); });
   std::vector<std::int64_t> frames;
-  for (const std::size_t i :
-       evenly_chosen(results.frames.size(), std::max<std::size_t>(2, kMostFrames / cameras.size()))) {
-    frames.push_back(results.frames[i]);
+  for (const std::size_t i : evenly_chosen(drawn.size(), std::max<std::size_t>(2, kMostFrames / cameras.size()))) {
+    frames.push_back(drawn[i]);
     json["frames"].push_back(frames.back());
     json["time_s"].push_back(short_number(results.log.at(frames.back(), results.log_path).time_s));
   }

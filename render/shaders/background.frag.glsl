@@ -4,4 +4,6 @@ out vec4 color;
 const vec3 kTop = vec3(0.957, 0.965, 0.976);
 const vec3 kBottom = vec3(0.800, 0.831, 0.863);
 
-void main() { color = vec4(mix(kBottom, kTop, smoothstep(0.0, 1.0, picture.y)), 1.0); }
+uniform int white;
+
+void main() { color = vec4(white == 1 ? vec3(1.0) : mix(kBottom, kTop, smoothstep(0.0, 1.0, picture.y)), 1.0); }

@@ -17,7 +17,7 @@ const vec3 kHaze = vec3(0.66, 0.70, 0.76);
 // A thin line wherever the depth passes a tick of the legend.
 float contour(float depth_mm) {
   float steps = depth_mm / contour_mm;
-  float width = max(fwidth(steps), 1e-6);
+  float width = max(fwidth(steps) * samples_per_px, 1e-6);
   float line = abs(fract(steps - 0.5) - 0.5) / width;
   // Not where lines would run together, nor where the floor is so flat that a line would only trace voxels.
   float clear = (1.0 - smoothstep(0.15, 0.4, width)) * smoothstep(0.003, 0.010, width);
@@ -40,9 +40,9 @@ void main() {
   vec3 map = linear_from_srgb(texture(depth_colors, vec2((at * (texels - 1.0) + 0.5) / texels, 0.5)).rgb);
   map *= 1.0 - 0.35 * contour(dressed.x);
 
-  vec3 light = sky(n) * open + kKeyColor * wrapped(n, kKeyDirection, 0.25) * mix(0.6, 1.0, open) +
+  vec3 light = sky(n) * open + kKeyColor * wrapped(n, key_direction, 0.25) * mix(0.6, 1.0, open) +
                kFillColor * wrapped(n, kFillDirection, 0.35) * open + kRimColor * wrapped(n, kRimDirection, 0.0);
-  vec3 shine = highlight(n, kKeyDirection, 0.48, vec3(0.04)) * kKeyColor * open * 1.6;
+  vec3 shine = highlight(n, key_direction, 0.48, vec3(0.04)) * kKeyColor * open * 1.6;
   // The reamed face must be readable against the legend, so shading only models its shape.
   vec3 even = mix(vec3(dot(light, vec3(0.3333))), vec3(1.02), 0.55);
   vec3 lit = mix(bone * light + shine, map * even + 0.3 * shine, reamed);

@@ -1,7 +1,9 @@
 // Shared by every fragment shader: light in eye space (x right, y up, z towards the viewer), linear colours.
 #version 450 core
 
-const vec3 kKeyDirection = normalize(vec3(-0.55, 0.70, 0.62));
+uniform vec3 key_direction;  // towards the key light
+uniform float samples_per_px;  // along a side; 1 without supersampling
+
 const vec3 kFillDirection = normalize(vec3(0.80, 0.10, 0.55));
 const vec3 kRimDirection = normalize(vec3(0.35, 0.55, -0.65));
 const vec3 kKeyColor = vec3(1.00, 0.965, 0.90) * 0.92;

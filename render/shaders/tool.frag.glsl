@@ -11,7 +11,7 @@ uniform int brushed;  // opaque brushed steel instead of see-through
 const vec3 kSteel = vec3(0.62, 0.65, 0.69);
 const vec3 kCutSteel = vec3(0.42, 0.50, 0.60);
 
-const float kHatch_px = 18.0;
+const float kHatch_px = 18.0;  // of the finished picture
 
 // What polished steel mirrors in a studio: bright ceiling panels, a dark horizon, a grey floor.
 vec3 studio(vec3 r) {
@@ -44,18 +44,18 @@ vec3 brushed_steel(vec3 n) {
     vec3 tilted = normalize(n + across * (0.085 * float(i) + 0.03 * groove));
     mirrored += studio(reflect(vec3(0.0, 0.0, -1.0), tilted));
   }
-  vec3 halfway = normalize(kKeyDirection + vec3(0.0, 0.0, 1.0));
+  vec3 halfway = normalize(key_direction + vec3(0.0, 0.0, 1.0));
   float off = dot(along, halfway);
   // Kajiya and Kay 1989: a fibre shines where the half vector is square to it.
-  float shine = pow(max(1.0 - off * off, 0.0), 40.0) * max(dot(n, kKeyDirection), 0.0);
-  vec3 light = mirrored / 7.0 * 0.62 + sky(n) * 0.55 + kKeyColor * wrapped(n, kKeyDirection, 0.2) * 0.30;
+  float shine = pow(max(1.0 - off * off, 0.0), 40.0) * max(dot(n, key_direction), 0.0);
+  vec3 light = mirrored / 7.0 * 0.62 + sky(n) * 0.55 + kKeyColor * wrapped(n, key_direction, 0.2) * 0.30;
   return kSteel * (light * (1.0 + 0.10 * groove) + 0.45 * shine);
 }
 
 void main() {
   if (cut_open == 1 && !gl_FrontFacing) {
     // Inside of a solid that is cut open: what is seen is its cut.
-    float hatch = abs(fract((gl_FragCoord.x + gl_FragCoord.y) / kHatch_px) - 0.5);
+    float hatch = abs(fract((gl_FragCoord.x + gl_FragCoord.y) / (kHatch_px * samples_per_px)) - 0.5);
     color = vec4(srgb_from_linear(kCutSteel * (hatch < 0.06 ? 0.6 : 1.0)), brushed == 1 ? 1.0 : 0.55);
     return;
   }
@@ -67,6 +67,6 @@ void main() {
   float facing = clamp(abs(n.z), 0.0, 1.0);
   float fresnel = pow(1.0 - facing, 2.2);
   vec3 reflected = reflect(vec3(0.0, 0.0, -1.0), n);
-  vec3 lit = kSteel * (studio(reflected) * 0.75 + sky(n) * 0.5) + highlight(n, kKeyDirection, 0.32, kSteel) * 1.4;
+  vec3 lit = kSteel * (studio(reflected) * 0.75 + sky(n) * 0.5) + highlight(n, key_direction, 0.32, kSteel) * 1.4;
   color = vec4(srgb_from_linear(lit), mix(opacity_facing, opacity_edge, fresnel));
 }

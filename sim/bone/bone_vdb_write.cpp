@@ -7,6 +7,7 @@
 #include "sim/bone/bone_vdb_keys.h"
 #include "sim/bone/surface_grid.h"
 #include "sim/bone/vdb_archive.h"
+#include "sim/bone/vdb_grid.h"
 
 namespace reamsim {
 
@@ -35,7 +36,7 @@ void put(std::unique_ptr<Leaf> leaf, openvdb::FloatTree& tree) {
 /// blocks.
 template <class Value>
 openvdb::FloatGrid::Ptr fog(const Voxmap& voxmap, const Value& value) {
-  auto grid = openvdb::FloatGrid::create(0.0F);
+  auto grid = make_float_grid(0.0F);
   grid->setGridClass(openvdb::GRID_FOG_VOLUME);
   voxmap.grade.for_each_brick([&](const Vec3i& coord, const GradeBricks::Brick& grades) {
     const FillBricks::Brick* fill = voxmap.fill.brick(coord);
@@ -62,7 +63,7 @@ openvdb::FloatGrid::Ptr fill_grid(const Voxmap& voxmap) {
 }
 
 openvdb::FloatGrid::Ptr removed_grid(const Voxmap& voxmap, const RemovedFrames& removed) {
-  auto grid = openvdb::FloatGrid::create(-1.0F);
+  auto grid = make_float_grid(-1.0F);
   auto write = grid->getAccessor();
   for (const auto& [index, frame] : removed) {
     write.setValueOn(coord_of(voxmap.grid.coord(index)), static_cast<float>(frame));

@@ -7,6 +7,7 @@
 #include <memory>
 
 #include "sim/base/parallel.h"
+#include "sim/bone/vdb_grid.h"
 
 namespace reamsim {
 
@@ -109,7 +110,7 @@ SmoothedBrick smoothed_brick(const Voxmap& voxmap, const Vec3i& brick) {
 openvdb::FloatGrid::Ptr smoothed_occupancy(const Voxmap& voxmap) {
   constexpr std::size_t kAtOnce = 1 << 16;
   const std::vector<Vec3i> bricks = voxmap.grade.coords_around();
-  auto grid = openvdb::FloatGrid::create(0.0F);
+  auto grid = make_float_grid(0.0F);
   grid->setTransform(index_transform(voxmap.grid));
   std::vector<SmoothedBrick> smoothed(std::min(kAtOnce, bricks.size()));
   for (std::size_t first = 0; first < bricks.size(); first += kAtOnce) {
@@ -143,7 +144,8 @@ openvdb::FloatGrid::Ptr surface_level_set(const Voxmap& voxmap) {
   std::vector<openvdb::Vec4I> quads;
   openvdb::tools::volumeToMesh(*smoothed_occupancy(voxmap), points, triangles, quads, 0.5, 0.0);
   if (points.empty()) {
-    auto empty = openvdb::createLevelSet<openvdb::FloatGrid>(voxmap.grid.voxel_mm, kHalfBand_voxels);
+    auto empty = make_float_grid(static_cast<float>(voxmap.grid.voxel_mm) * kHalfBand_voxels);
+    empty->setGridClass(openvdb::GRID_LEVEL_SET);
     empty->setTransform(transform);
     return empty;
   }

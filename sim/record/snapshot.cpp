@@ -9,6 +9,7 @@
 
 #include "sim/base/error.h"
 #include "sim/bone/vdb_archive.h"
+#include "sim/bone/vdb_grid.h"
 
 namespace reamsim {
 
@@ -44,7 +45,7 @@ void put_brick(openvdb::FloatGrid& grid, const Vec3i& brick_coord, const FillBri
 void write_snapshot(const std::string& dir, std::int64_t frame, FillBricks& fill) {
   const std::string path = snapshot_path(dir, frame);
   openvdb::initialize();
-  auto grid = openvdb::FloatGrid::create(1.0F);
+  auto grid = make_float_grid(1.0F);
   grid->setName("fill");
   for (const Vec3i& brick : fill.take_changed()) put_brick(*grid, brick, fill);
   std::error_code ignored;  // a folder that cannot be made is one that cannot be written to

@@ -110,7 +110,7 @@ void describe_render(KeyVisitor& v, RenderSettings& render) {
   v.integer({.name = "width_px", .doc = "Width of the pictures", .range = between(64, 16384)}, render.width_px);
   v.integer({.name = "height_px", .doc = "Height of the pictures", .range = between(64, 16384)}, render.height_px);
   v.integer({.name = "every_frames",
-             .doc = "Frames from one picture to the next; 0: ten pictures over the run, 150 where there is a film",
+             .doc = "Frames from one picture to the next; 0: ten pictures over the run, and a film of 150",
              .range = between(0, 1e9)},
             render.every_frames);
   v.choices({.name = "cameras",
@@ -135,7 +135,28 @@ void describe_render(KeyVisitor& v, RenderSettings& render) {
          render.film);
   v.integer({.name = "film_rate_hz", .doc = "Pictures that a film shows per second", .range = between(1, 120)},
             render.film_rate_hz);
-  v.flag({.name = "tool", .doc = "Draw the reamer: see-through, or as steel where it is cut open"}, render.tool);
+  v.flag({.name = "tool", .doc = "Draw the reamer"}, render.tool);
+  v.text({.name = "tool_look",
+          .doc = "How the reamer looks: see-through, or as brushed steel; where it is cut open it is always steel",
+          .choices = {"see-through", "steel"}},
+         render.tool_look);
+  v.flag({.name = "force_arrow",
+          .doc = "Draw the bone's force on the reamer as an arrow with its magnitude, in pictures along the run"},
+         render.force_arrow);
+  v.text({.name = "background",
+          .doc = "What lies behind the bone. Films, contact sheet and report show white instead of nothing",
+          .choices = {"studio", "white", "transparent"}},
+         render.background);
+  v.vector({.name = "light",
+            .doc = "Where the main light comes from, as the picture is seen: right, up, towards the viewer",
+            .range = between(-1000, 1000),
+            .nonzero = true},
+           render.light);
+  v.integer({.name = "supersampling",
+             .doc = "Draw pictures so many times as wide and as high and average, for smoother edges and lines; "
+                    "time and memory go with its square",
+             .range = between(1, 4)},
+            render.supersampling);
   v.flag({.name = "report", .doc = "Write report.html, a page that holds the run, beside the pictures"}, render.report);
   v.number({.name = "depth_max_mm",
             .doc = "Top of the depth legend; 0: the depth that the run reaches",

@@ -266,7 +266,7 @@ struct RenderSettings {
   std::string context = "osmesa";  ///< osmesa | egl
   int width_px = 1920;
   int height_px = 1080;
-  int every_frames = 0;                                               ///< 0 = ten pictures over the run, 150 for a film
+  int every_frames = 0;                                               ///< 0 = ten pictures over the run, and a film of 150
   std::vector<std::string> cameras{"oblique", "glenoid", "section"};  ///< the first names the files without a suffix
   std::vector<UserCamera> user_cameras;
   bool before_after = true;
@@ -275,8 +275,13 @@ struct RenderSettings {
   std::string film = "none";   ///< none | mp4 | webp | apng
   int film_rate_hz = 25;
   bool tool = true;
-  bool report = true;       ///< write report.html beside the pictures
-  double depth_max_mm = 0;  ///< top of the depth legend; 0 = the depth reached
+  std::string tool_look = "see-through";  ///< see-through | steel
+  bool force_arrow = true;                ///< in pictures along the run
+  std::string background = "studio";      ///< studio | white | transparent
+  Vec3 light{-0.55, 0.70, 0.62};          ///< where the key light comes from: right, up, towards the viewer
+  int supersampling = 1;                  ///< a picture is drawn so many times as wide and as high, and averaged
+  bool report = true;                     ///< write report.html beside the pictures
+  double depth_max_mm = 0;                ///< top of the depth legend; 0 = the depth reached
 };
 
 struct OutputSettings {

@@ -10,6 +10,7 @@
 #include <random>
 
 #include "bone_fixture.h"
+#include "sim/bone/vdb_grid.h"
 #include "tests/support/temp_dir.h"
 
 namespace reamsim::test {
@@ -239,7 +240,7 @@ TEST_F(BoneVdb, GridsDoNotDependOnTheThreads) {
 }
 
 TEST_F(BoneVdb, DensityAloneIsWholeBone) {
-  auto grid = openvdb::FloatGrid::create(0.0F);
+  auto grid = make_float_grid(0.0F);
   grid->setTransform(openvdb::math::Transform::createLinearTransform(0.5));
   grid->tree().setValueOn({-3, 5, 7}, 1.8F);
   grid->tree().setValueOn({4, 5, 8}, 0.4F);
@@ -255,7 +256,7 @@ TEST_F(BoneVdb, DensityAloneIsWholeBone) {
 
 TEST_F(BoneVdb, RefusesOtherTransforms) {
   const auto text_for = [&](const openvdb::math::Mat4d& matrix) {
-    auto grid = openvdb::FloatGrid::create(0.0F);
+    auto grid = make_float_grid(0.0F);
     grid->setTransform(openvdb::math::Transform::createLinearTransform(matrix));
     grid->tree().setValueOn({1, 1, 1}, 1.0F);
     write_foreign(grid, "density");
@@ -273,16 +274,16 @@ TEST_F(BoneVdb, RefusesOtherTransforms) {
 }
 
 TEST_F(BoneVdb, RefusesOtherContents) {
-  auto absurd = openvdb::FloatGrid::create(0.0F);
+  auto absurd = make_float_grid(0.0F);
   absurd->tree().setValueOn({0, 0, 0}, 1.0F);
   absurd->tree().setValueOn({2000000000, 2000000000, -2000000000}, 1.0F);
   write_foreign(absurd, "density");
   EXPECT_THAT(input_error([&] { read_bone_vdb(path()); }), HasSubstr("lattice"));
 
-  write_foreign(openvdb::FloatGrid::create(0.0F), "density");
+  write_foreign(make_float_grid(0.0F), "density");
   EXPECT_THAT(input_error([&] { read_bone_vdb(path()); }), HasSubstr("without active voxels"));
 
-  auto other = openvdb::FloatGrid::create(0.0F);
+  auto other = make_float_grid(0.0F);
   write_foreign(other, "smoke");
   EXPECT_THAT(input_error([&] { read_bone_vdb(path()); }), HasSubstr("found: smoke"));
 
@@ -291,7 +292,7 @@ TEST_F(BoneVdb, RefusesOtherContents) {
   write_foreign(wrong_type, "density");
   EXPECT_THAT(input_error([&] { read_bone_vdb(path()); }), HasSubstr("expected a FloatGrid"));
 
-  auto not_a_number = openvdb::FloatGrid::create(0.0F);
+  auto not_a_number = make_float_grid(0.0F);
   not_a_number->tree().setValueOn({0, 0, 0}, NAN);
   write_foreign(not_a_number, "density");
   EXPECT_THAT(input_error([&] { read_bone_vdb(path()); }), HasSubstr("NaN"));

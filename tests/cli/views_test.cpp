@@ -66,6 +66,18 @@ TEST_F(ViewsOfARun, OnlyWhatIsNamedIsMadeAgain) {
   EXPECT_FALSE(exists("out/contact_sheet.png"));
 }
 
+TEST_F(ViewsOfARun, RenderKeysAreSetAndNoOthers) {
+  expect_done(run(kDrawn));
+  const std::string plain = read("out/reamed.png");
+  EXPECT_EQ(render({"--only", "pictures", "--set", "render.background=white"}).status, 0);
+  EXPECT_NE(read("out/reamed.png"), plain);
+  EXPECT_EQ(render({"--only", "pictures"}).status, 0);
+  EXPECT_EQ(read("out/reamed.png"), plain);
+  expect_complaint(render({"--set", "render.background=green"}), "render.background: found green");
+  expect_complaint(render({"--set", "render.supersampling=9"}), "render.supersampling: found 9");
+  expect_complaint(render({"--set", "bone.voxel_mm=1"}), "expected render.KEY=VALUE");
+}
+
 TEST_F(ViewsOfARun, AFilmLeavesTheForcesAsTheyAre) {
   expect_done(run(kDrawn, {"--set", "render.enabled=false"}));
   const std::string forces = read("out/forces.csv");

@@ -8,6 +8,7 @@
 #include <filesystem>
 
 #include "sim/base/error.h"
+#include "sim/bone/vdb_grid.h"
 #include "tests/support/temp_dir.h"
 
 namespace reamsim::test {
@@ -105,7 +106,7 @@ TEST_F(DamagedSnapshot, EveryFlippedByteIsAnInputError) {
 }
 
 TEST_F(DamagedSnapshot, AFileOfAnotherProgramIsNotTrusted) {
-  openvdb::io::File(path_).write({openvdb::FloatGrid::create(1.0F)});
+  openvdb::io::File(path_).write({make_float_grid(1.0F)});
   EXPECT_THAT(error_of(file_bytes(path_)), HasSubstr("checksum is missing"));
 }
 

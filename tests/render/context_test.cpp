@@ -15,7 +15,7 @@ class Contexts : public ::testing::TestWithParam<Maker> {};
 
 /// A picture filled with one colour.
 std::vector<std::uint32_t> cleared(const Gl& gl, float red) {
-  const GlTarget target(gl, 5, 3);
+  const GlTarget target(gl, 5, 3, true);
   target.bind();
   gl.ClearColor(red, 0.0F, 1.0F, 1.0F);
   gl.Clear(GL_COLOR_BUFFER_BIT);
@@ -30,8 +30,8 @@ TEST_P(Contexts, DrawsIntoAPictureOfItsOwn) {
     GTEST_SKIP() << error.what();
   }
   EXPECT_EQ(cleared(context->gl(), 1.0F), std::vector<std::uint32_t>(15, 0xFFFF00FF));
-  EXPECT_THROW(GlTarget(context->gl(), 0, 4), RunError);
-  EXPECT_THROW(GlTarget(context->gl(), 1 << 20, 4), RunError);
+  EXPECT_THROW(GlTarget(context->gl(), 0, 4, true), RunError);
+  EXPECT_THROW(GlTarget(context->gl(), 1 << 20, 4, true), RunError);
   EXPECT_THROW(GlProgram(context->gl(), "broken", {"#version 450 core\nvoid main() { oops }"},
                          {"#version 450 core\nvoid main() {}"}),
                RunError);

@@ -12,8 +12,8 @@ namespace reamsim {
 namespace {
 
 constexpr const char* kHeader =
-    "frame,time_s,tool_x_mm,tool_y_mm,tool_z_mm,tool_qw,tool_qx,tool_qy,tool_qz,spin_angle_rad,depth_mm,axial_force_n,"
-    "spin_torque_nmm,removed_mm3\n";
+    "frame,time_s,tool_x_mm,tool_y_mm,tool_z_mm,tool_qw,tool_qx,tool_qy,tool_qz,spin_angle_rad,depth_mm,force_x_n,"
+    "force_y_n,force_z_n,axial_force_n,spin_torque_nmm,removed_mm3\n";
 
 class ForceLogFile : public ::testing::Test {
  protected:
@@ -35,12 +35,13 @@ class ForceLogFile : public ::testing::Test {
 };
 
 TEST_F(ForceLogFile, RowsAreReadAndVolumesSummed) {
-  const ForceLog log = read(std::string(kHeader) + "1,0.001,1,2,3,1,0,0,0,0.5,0.1,10,100,2.5\r\n" +
-                            "2,0.002,1,2,3,0,0,0,1,0.6,0.2,11,110,1.5\n");
+  const ForceLog log = read(std::string(kHeader) + "1,0.001,1,2,3,1,0,0,0,0.5,0.1,3,4,5,10,100,2.5\r\n" +
+                            "2,0.002,1,2,3,0,0,0,1,0.6,0.2,6,7,8,11,110,1.5\n");
   ASSERT_EQ(log.rows.size(), 2U);
   EXPECT_EQ(log.rows[1].frame, 2);
   EXPECT_DOUBLE_EQ(log.rows[1].removed_mm3, 4.0);
   EXPECT_DOUBLE_EQ(log.rows[1].axial_force_n, 11);
+  EXPECT_EQ(log.rows[1].force_n, Vec3(6, 7, 8));
   EXPECT_DOUBLE_EQ(log.rows[1].pose.orientation.z(), 1);
   EXPECT_EQ(&log.at(0, path_), &log.rows[0]);
   EXPECT_EQ(&log.at(2, path_), &log.rows[1]);
@@ -50,7 +51,7 @@ TEST_F(ForceLogFile, RowsAreReadAndVolumesSummed) {
 TEST_F(ForceLogFile, ColumnsMayStandAnywhere) {
   const ForceLog log = read(
       "removed_mm3,other,frame,time_s,tool_x_mm,tool_y_mm,tool_z_mm,tool_qw,tool_qx,tool_qy,tool_qz,spin_angle_rad,"
-      "depth_mm,axial_force_n,spin_torque_nmm\n7,x,1,0.5,0,0,0,1,0,0,0,0,0,0,0\n");
+      "depth_mm,axial_force_n,spin_torque_nmm,force_x_n,force_y_n,force_z_n\n7,x,1,0.5,0,0,0,1,0,0,0,0,0,0,0,0,0,0\n");
   EXPECT_DOUBLE_EQ(log.rows[0].removed_mm3, 7);
   EXPECT_DOUBLE_EQ(log.rows[0].time_s, 0.5);
 }
@@ -60,12 +61,12 @@ TEST_F(ForceLogFile, MistakesAreNamedWithTheirLine) {
   expect_complaint("", "forces.csv");
   expect_complaint("frame,time_s\n1,2\n", "tool_x_mm");
   expect_complaint(kHeader, "no row");
-  const std::string good = std::string(kHeader) + "1,0,0,0,0,1,0,0,0,0,0,0,0,0\n";
-  expect_complaint(good + "2,0,0,oops,0,1,0,0,0,0,0,0,0,0\n", "forces.csv:3: tool_y_mm: found 'oops'");
-  expect_complaint(good + "2,0,0,nan,0,1,0,0,0,0,0,0,0,0\n", "tool_y_mm");
+  const std::string good = std::string(kHeader) + "1,0,0,0,0,1,0,0,0,0,0,0,0,0,0,0,0\n";
+  expect_complaint(good + "2,0,0,oops,0,1,0,0,0,0,0,0,0,0,0,0,0\n", "forces.csv:3: tool_y_mm: found 'oops'");
+  expect_complaint(good + "2,0,0,nan,0,1,0,0,0,0,0,0,0,0,0,0,0\n", "tool_y_mm");
   expect_complaint(good + "2,0,0,0\n", "forces.csv:3");
-  expect_complaint(good + "1,0,0,0,0,1,0,0,0,0,0,0,0,0\n", "ascend");
-  expect_complaint(good + "2,0,0,0,0,1,1,0,0,0,0,0,0,0\n", "quaternion");
+  expect_complaint(good + "1,0,0,0,0,1,0,0,0,0,0,0,0,0,0,0,0\n", "ascend");
+  expect_complaint(good + "2,0,0,0,0,1,1,0,0,0,0,0,0,0,0,0,0\n", "quaternion");
 }
 
 }  // namespace

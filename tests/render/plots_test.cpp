@@ -125,8 +125,9 @@ TEST_F(Plots, AllZeroColumnsAndASingleRowHaveAxesToo) {
 
 TEST_F(Plots, AHundredThousandRowsAreDrawn) {
   write_log(dir_.path(), 100'000, 1);
-  draw_all(dir_.path(), 0.25);
-  expect_plots();
+  write_force_plots(dir_.path(), 0.25);
+  const test::Picture plot = test::read_picture(dir_.path() + "/forces.png");
+  EXPECT_GT(plot.width, 1000);
 }
 
 TEST_F(Plots, TheScriptsRunAgainByThemselvesInAnyFolderName) {

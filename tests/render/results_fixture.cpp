@@ -161,10 +161,11 @@ FixtureTruth write_results(const std::string& dir, const FixtureOptions& options
     const double now_mm3 = bone.bone_mm3();
     const Vec3 at = truth.bone_from_glenoid * Vec3(0, 0, lowest);
     const double force = std::max(0.0, -lowest) * 15;
+    const Vec3 push = force * truth.bone_from_glenoid.linear().col(2);
     csv << frame << ',' << 0.05 * frame << ',' << at.x() << ',' << at.y() << ',' << at.z() << ',' << orientation.w()
         << ',' << orientation.x() << ',' << orientation.y() << ',' << orientation.z() << ",250," << 1.3 * frame << ','
-        << std::max(0.0, -lowest) << ",0,0,0,0,0,0," << force << ',' << 17 * force << ",100," << before_mm3 - now_mm3
-        << ",0,0,0\n";
+        << std::max(0.0, -lowest) << ',' << push.x() << ',' << push.y() << ',' << push.z() << ",0,0,0," << force << ','
+        << 17 * force << ",100," << before_mm3 - now_mm3 << ",0,0,0\n";
     before_mm3 = now_mm3;
   }
   Metadata metadata;

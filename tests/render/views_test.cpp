@@ -6,6 +6,7 @@
 
 #include "render/contact_sheet.h"
 #include "render/fixed_text.h"
+#include "render/picture_frames.h"
 #include "render/render.h"
 #include "render/studio.h"
 #include "sim/base/error.h"
@@ -145,10 +146,10 @@ TEST(ContactSheetTest, TwentyFramesAtMostFirstAndLastAmongThem) {
     for (std::int64_t i = 0; i <= last; ++i) frames.push_back(7 * i);
     return frames;
   };
-  EXPECT_EQ(sheet_frames(count_to(0)), count_to(0));
-  EXPECT_EQ(sheet_frames(count_to(10)), count_to(10));
-  EXPECT_EQ(sheet_frames(count_to(19)), count_to(19));
-  const auto many = sheet_frames(count_to(150));
+  EXPECT_EQ(evenly_among(count_to(0), 20), count_to(0));
+  EXPECT_EQ(evenly_among(count_to(10), 20), count_to(10));
+  EXPECT_EQ(evenly_among(count_to(19), 20), count_to(19));
+  const auto many = evenly_among(count_to(150), 20);
   ASSERT_EQ(many.size(), 20U);
   EXPECT_EQ(many.front(), 0);
   EXPECT_EQ(many.back(), 7 * 150);

@@ -1,0 +1,125 @@
+// How long pictures of 1920 x 1080 take, each with its labels: of the states along a run (the bone changes, is meshed
+// where it changed, and drawn), of the last state, supersampled, and written as PNG.
+//
+//   picture_bench [RESULTS] [--benchmark_filter=...]
+//
+// RESULTS is the folder of a run that has pictures; without it a glenoid on 512³ voxels is reamed first, by formula.
+#include <benchmark/benchmark.h>
+
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include "render/studio.h"
+#include "sim/base/error.h"
+#include "tests/render/results_fixture.h"
+#include "tests/support/temp_dir.h"
+
+namespace reamsim {
+namespace {
+
+constexpr int kSide = 512;
+constexpr double kFixtureSide_mm = 46;
+
+RenderSettings settings_with(int supersampling) {
+  RenderSettings settings;
+  settings.supersampling = supersampling;
+  return settings;
+}
+
+Camera camera_of(const Studio& studio, const std::string& name) {
+  return studio.camera(name, studio.settings().width_px, studio.settings().height_px);
+}
+
+PixelImage picture(Studio& studio, const Camera& camera, const ForceRow& row) {
+  const std::optional<Rigid> tool = studio.tool_at(row);
+  PixelImage image = studio.photograph(camera, tool);
+  Labels labels = studio.labels(camera, tool);
+  labels.force = studio.force_arrow(row);
+  draw_labels(image, camera, labels);
+  return image;
+}
+
+/// From the results on disk to the first picture.
+void opening(benchmark::State& state, const std::string& dir) {
+  for (auto _ : state) {
+    Studio studio(dir, settings_with(1), 0, nullptr);
+    benchmark::DoNotOptimize(studio.photograph(camera_of(studio, "oblique"), std::nullopt));
+  }
+}
+
+void frame_of_a_run(benchmark::State& state, const std::string& dir) {
+  Studio studio(dir, settings_with(1), 0, nullptr);
+  const Camera camera = camera_of(studio, "oblique");
+  const auto& frames = studio.frames();
+  studio.rewind();
+  studio.advance_to(frames.front());
+  std::size_t next = 1;
+  for (auto _ : state) {
+    if (next == frames.size()) {
+      state.PauseTiming();
+      studio.rewind();
+      studio.advance_to(frames.front());
+      next = 1;
+      state.ResumeTiming();
+    }
+    studio.advance_to(frames[next]);
+    benchmark::DoNotOptimize(picture(studio, camera, studio.row_of(frames[next])));
+    ++next;
+  }
+}
+
+void last_state(benchmark::State& state, const std::string& dir, const std::string& camera_name, int supersampling) {
+  Studio studio(dir, settings_with(supersampling), 0, nullptr);
+  const Camera camera = camera_of(studio, camera_name);
+  for (auto _ : state) benchmark::DoNotOptimize(picture(studio, camera, studio.log().rows.back()));
+}
+
+void written(benchmark::State& state, const std::string& dir, const std::string& to) {
+  Studio studio(dir, settings_with(1), 0, nullptr);
+  PixelImage image = picture(studio, camera_of(studio, "oblique"), studio.log().rows.back());
+  for (auto _ : state) write_png(to + "/picture.png", image);
+}
+
+void register_all(const std::string& dir, const std::string& scratch) {
+  const auto add = [](const char* name, auto run) {
+    benchmark::RegisterBenchmark(name, run)->Unit(benchmark::kMillisecond)->UseRealTime();
+  };
+  add("opening", [dir](benchmark::State& s) { opening(s, dir); });
+  add("frame_of_a_run", [dir](benchmark::State& s) { frame_of_a_run(s, dir); });
+  add("oblique", [dir](benchmark::State& s) { last_state(s, dir, "oblique", 1); });
+  add("section", [dir](benchmark::State& s) { last_state(s, dir, "section", 1); });
+  add("oblique_supersampled_2", [dir](benchmark::State& s) { last_state(s, dir, "oblique", 2); });
+  add("oblique_supersampled_4", [dir](benchmark::State& s) { last_state(s, dir, "oblique", 4); });
+  add("png", [dir, scratch](benchmark::State& s) { written(s, dir, scratch); });
+}
+
+int main_of(int argc, char** argv) {
+  benchmark::Initialize(&argc, argv);
+  const test::TempDir scratch;
+  std::string dir = argc > 1 ? argv[1] : "";
+  if (dir.empty()) {
+    dir = scratch.path();
+    FixtureOptions options;
+    options.voxel_mm = kFixtureSide_mm / kSide;
+    options.every = 5;
+    write_results(dir, options);
+  }
+  register_all(dir, scratch.path());
+  benchmark::RunSpecifiedBenchmarks();
+  benchmark::Shutdown();
+  return 0;
+}
+
+}  // namespace
+}  // namespace reamsim
+
+int main(int argc, char** argv) {
+  try {
+    return reamsim::main_of(argc, argv);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "picture_bench: %s\n", error.what());
+    return 1;
+  }
+}
