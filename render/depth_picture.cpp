@@ -117,7 +117,7 @@ class DepthPainter {
     const auto channel = [](double value) {
       return static_cast<std::uint32_t>(std::lround(255 * std::clamp(value, 0.0, 1.0)));
     };
-    return channel(color.x()) << 16 | channel(color.y()) << 8 | channel(color.z());
+    return 0xff000000U | channel(color.x()) << 16 | channel(color.y()) << 8 | channel(color.z());
   }
 
   const DepthField& field_;
