@@ -1,0 +1,42 @@
+#!/usr/bin/env bash
+# Makes docs/images/gallery again, the pictures of docs/gallery.md: docs/make_gallery.sh [WORK FOLDER]. Takes a built reamsim
+# (./run.sh), ffmpeg, and REAMSIM_DATA, the folder that holds the CT and the mesh. Some ten minutes on two cores.
+set -euo pipefail
+root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
+reamsim=${REAMSIM:-$root/build/release/cli/reamsim}
+work=${1:-$root/out/gallery}
+to=$root/docs/images/gallery
+: "${REAMSIM_DATA:?the folder that holds shoulder_ct and scapula_mesh}"
+mkdir -p "$to" "$work"
+
+# make SCENARIO [--set KEY=VALUE...]: runs it into $work/SCENARIO.
+make() { "$reamsim" run "$root/trajectories/$1.yaml" -o "$work/$1" --overwrite --quiet "${@:2}"; }
+# draw SCENARIO OPTION...: draws it again, in other ways.
+draw() { "$reamsim" render "$work/$1" --quiet "${@:2}"; }
+# keep FILE NAME [WIDTH]: shrinks a picture into the gallery.
+keep() { ffmpeg -v error -y -i "$work/$1" -vf "scale=${3:-1200}:-1:flags=area" -q:v 4 "$to/$2.jpg"; }
+# frame SCENARIO N [SUFFIX]: the N-th picture along the run.
+frame() { (cd "$work" && find "$1/frames" -regex '.*/[0-9]+'"${3-}"'\.png' | sort | sed -n "$2p"); }
+
+make default
+keep default/reamed.png default_oblique
+keep default/contact_sheet.png default_contact_sheet
+keep "$(frame default 8 _section)" default_section
+draw default --only pictures --camera oblique --set render.tool_look=steel --set render.supersampling=2
+keep "$(frame default 8)" default_steel
+make ct_shoulder
+keep "$(frame ct_shoulder 8 _section)" ct_section
+keep ct_shoulder/before_after.png ct_before_after
+keep ct_shoulder/depth_map.png ct_depth_map 900
+keep ct_shoulder/forces.png ct_forces 900
+draw ct_shoulder --only pictures --set render.background=white --set render.supersampling=2 \
+  --camera '{name: hero, frame: glenoid, position_mm: [45, 25, 85], fov_deg: 32}'
+keep ct_shoulder/reamed_hero.png ct_hero
+make mesh_scapula --set 'render.cameras=[overview, section]'
+keep mesh_scapula/reamed.png mesh_overview
+for reamer in convex flat; do
+  make study_biconcave_$reamer --set 'render.cameras=[section, glenoid]'
+  keep study_biconcave_$reamer/before_after.png biconcave_${reamer}
+done
+"$reamsim" compare "$work/study_biconcave_convex" "$work/study_biconcave_flat" -o "$work/compare" --overwrite --quiet
+keep compare/compare.png biconcave_compare 900
