@@ -94,6 +94,7 @@ Json frames_json(const std::string& dir, const RunResults& results, const std::v
     json["frames"].push_back(frames.back());
     json["time_s"].push_back(short_number(results.log.at(frames.back(), results.log_path).time_s));
   }
+  if (frames.empty()) return json;
   for (const std::string& camera : cameras) {
     std::vector<std::string> paths;
     for (const std::int64_t frame : frames) {
