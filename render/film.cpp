@@ -68,7 +68,7 @@ Film::Film(const std::string& path, const Studio& studio, const std::string& cam
 
 void Film::add(Studio& studio, const ForceRow& row) {
   const std::optional<Rigid> tool = studio.tool_at(row);
-  PixelImage bone = studio.photograph(camera_, tool);
+  PixelImage bone = studio.film_frame(camera_, tool);
   Labels labels = studio.labels(camera_, tool);
   labels.values = film_values(row);
   labels.widest_value = widest_value_;

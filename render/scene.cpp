@@ -1,8 +1,10 @@
 #include "render/scene.h"
 
 #include <array>
+#include <utility>
 
 #include "render/color_map.h"
+#include "render/edge_filter.h"
 
 namespace reamsim {
 
@@ -83,9 +85,9 @@ PixelImage Scene::draw(const Shot& shot) {
   const int times = shot.supersampling;
   const int width_px = times * shot.camera.width_px;
   const int height_px = times * shot.camera.height_px;
-  const bool multisample = times < kPlainFrom;
+  const bool multisample = times < kPlainFrom && shot.edges == Edges::sampled;
   const GlTarget& target =
-      targets_.try_emplace({width_px, height_px}, gl_, width_px, height_px, multisample).first->second;
+      targets_.try_emplace({width_px, height_px, multisample}, gl_, width_px, height_px, multisample).first->second;
   target.bind();
   gl_.Enable(GL_MULTISAMPLE);
   gl_.Enable(GL_CLIP_DISTANCE0);
@@ -99,7 +101,9 @@ PixelImage Scene::draw(const Shot& shot) {
   if (shot.cut_face != nullptr && shot.cut_face->width > 0) draw_cut_face(shot);
   if (shot.bone_from_spinning_tool && shot.camera.draws_tool) draw_tool(shot);
   gl_.check("drawing a picture");
-  return averaged({width_px, height_px, target.read()}, times);
+  PixelImage image{width_px, height_px, target.read()};
+  if (shot.edges == Edges::smoothed) image = edges_smoothed(image);
+  return averaged(std::move(image), times);
 }
 
 void Scene::draw_background(Background background) const {

@@ -3,7 +3,7 @@
 #include <map>
 #include <memory>
 #include <optional>
-#include <utility>
+#include <tuple>
 
 #include "render/bone_surface.h"
 #include "render/camera.h"
@@ -17,6 +17,10 @@ namespace reamsim {
 /// What lies behind the bone.
 enum class Background { studio, white, transparent };
 
+/// How edges are kept from being jagged: by four samples per pixel, or, at half the price, by smoothing them
+/// afterwards.
+enum class Edges { sampled, smoothed };
+
 /// One picture to be drawn.
 struct Shot {
   Camera camera;
@@ -29,6 +33,7 @@ struct Shot {
   Background background = Background::studio;
   Eigen::Vector3f key_direction = Eigen::Vector3f::UnitZ();  ///< towards the main light, in the eye's axes; unit length
   int supersampling = 1;                                     ///< drawn so many times as wide and high, and averaged
+  Edges edges = Edges::sampled;
 };
 
 /// The meshes, shaders and lights. Its context must be current.
@@ -54,7 +59,7 @@ class Scene {
 
   const Gl& gl_;
   std::unique_ptr<Programs> programs_;
-  std::map<std::pair<int, int>, GlTarget> targets_;  ///< by width and height
+  std::map<std::tuple<int, int, bool>, GlTarget> targets_;  ///< by width, height and whether it is multisampled
   GlMesh tool_;
   std::vector<std::unique_ptr<GlMesh>> bone_;  ///< by tile; none where it is empty
   GlTexture depth_colors_;

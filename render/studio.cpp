@@ -122,6 +122,14 @@ Camera Studio::closer_camera(const std::string& name, int width_px, int height_p
 }
 
 PixelImage Studio::photograph(const Camera& camera, const std::optional<Rigid>& tool) {
+  return draw(camera, tool, false);
+}
+
+PixelImage Studio::film_frame(const Camera& camera, const std::optional<Rigid>& tool) {
+  return draw(camera, tool, true);
+}
+
+PixelImage Studio::draw(const Camera& camera, const std::optional<Rigid>& tool, bool for_film) {
   Shot shot;
   shot.camera = camera;
   shot.depth_max_mm = set_->depth_scale.max;
@@ -133,6 +141,7 @@ PixelImage Studio::photograph(const Camera& camera, const std::optional<Rigid>& 
   shot.background = background_named(set_->settings.background);
   shot.key_direction = set_->settings.light.normalized().cast<float>();
   shot.supersampling = set_->settings.supersampling;
+  shot.edges = for_film ? Edges::smoothed : Edges::sampled;
   CutFace cut_face;
   if (camera.cut_plane) {
     cut_face = sample_cut_face(set_->results.voxmap, set_->state.field(), camera);

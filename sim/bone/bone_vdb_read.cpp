@@ -14,7 +14,7 @@ namespace reamsim {
 
 namespace {
 
-[[noreturn]] void fail(const std::string& path, const std::string& found, const std::string& expected) {
+[[noreturn]] void fail_reading(const std::string& path, const std::string& found, const std::string& expected) {
   throw InputError({path, 0, 0}, "", found, expected);
 }
 
@@ -27,18 +27,19 @@ std::optional<T> metadata_of(const openvdb::FloatGrid& grid, const char* name) {
 /// Edge length of a voxel, mm; InputError unless index axes are bone axes and voxels are cubes.
 double checked_voxel(const std::string& path, const openvdb::FloatGrid& grid) {
   const std::string expected = "expected cubic voxels along the axes (a uniform scale and a translation)";
-  if (!grid.transform().isLinear()) fail(path, "a grid with a perspective transform", expected);
+  if (!grid.transform().isLinear()) fail_reading(path, "a grid with a perspective transform", expected);
   const openvdb::math::Mat4d matrix = grid.transform().baseMap()->getAffineMap()->getMat4();
   const double voxel_mm = matrix(0, 0);
   if (!std::isfinite(voxel_mm) || voxel_mm <= 0)
-    fail(path, "a grid that is mirrored, rotated or without size", expected);
+    fail_reading(path, "a grid that is mirrored, rotated or without size", expected);
   for (int row = 0; row < 3; ++row) {
     for (int column = 0; column < 3; ++column) {
       const double wanted = row == column ? voxel_mm : 0;
       if (std::abs(matrix(row, column) - wanted) <= 1e-6 * voxel_mm) continue;
-      fail(path, row == column ? "a grid whose voxels are no cubes" : "a grid that is rotated or sheared", expected);
+      fail_reading(path, row == column ? "a grid whose voxels are no cubes" : "a grid that is rotated or sheared",
+                   expected);
     }
-    if (!std::isfinite(matrix(3, row))) fail(path, "a grid that is nowhere", expected);
+    if (!std::isfinite(matrix(3, row))) fail_reading(path, "a grid that is nowhere", expected);
   }
   return voxel_mm;
 }
@@ -85,7 +86,7 @@ double bone_share(const openvdb::FloatGrid& density, double voxels) {
 Placement checked_placement(const std::string& path, const openvdb::FloatGrid& density) {
   const double voxel_mm = checked_voxel(path, density);
   const openvdb::CoordBBox active = density.evalActiveVoxelBoundingBox();
-  if (active.empty()) fail(path, "a grid \"density\" without active voxels", "expected bone");
+  if (active.empty()) fail_reading(path, "a grid \"density\" without active voxels", "expected bone");
   Eigen::Array3d dims;
   for (int axis = 0; axis < 3; ++axis) dims[axis] = 1.0 + active.max()[axis] - 1.0 * active.min()[axis];
   check_lattice(path, dims, voxel_mm, {.bone_share = bone_share(density, dims.prod())});
@@ -100,7 +101,8 @@ Placement checked_placement(const std::string& path, const openvdb::FloatGrid& d
   const openvdb::CoordBBox whole({0, 0, 0}, {lattice.dims.x() - 1, lattice.dims.y() - 1, lattice.dims.z() - 1});
   const bool same = std::abs(lattice.voxel_mm - voxel_mm) <= 1e-6 * voxel_mm && shift_mm <= 1e-3 * voxel_mm;
   if ((lattice.dims.array() < 1).any() || !whole.isInside(active) || !same) {
-    fail(path, "a lattice in the metadata that contradicts the grid", "expected the metadata that reamsim wrote");
+    fail_reading(path, "a lattice in the metadata that contradicts the grid",
+                 "expected the metadata that reamsim wrote");
   }
   return *written;
 }
@@ -108,7 +110,7 @@ Placement checked_placement(const std::string& path, const openvdb::FloatGrid& d
 void read_grades(const std::string& path, const openvdb::FloatGrid& density, const openvdb::Coord& first,
                  Voxmap& voxmap) {
   for (auto value = density.cbeginValueOn(); value; ++value) {
-    if (!std::isfinite(*value)) fail(path, "a density that is NaN or infinite", "expected g/cm^3");
+    if (!std::isfinite(*value)) fail_reading(path, "a density that is NaN or infinite", "expected g/cm^3");
     if (*value <= 0) continue;
     const std::uint8_t grade =
         DensityMapping::grade_from_density(std::min(double{*value}, DensityMapping::kMaxDensity_g_cm3));
@@ -128,7 +130,8 @@ void read_fill(const std::string& path, const openvdb::FloatGrid& fill, const op
       if (grades[static_cast<std::size_t>(offset)] == 0) continue;
       const Vec3i voxel = BrickLattice::voxel_at(coord, offset);
       const float value = read.getValue(first.offsetBy(voxel.x(), voxel.y(), voxel.z()));
-      if (!(value >= 0 && value <= 1)) fail(path, "a fill outside 0 to 1", "expected the share that is still bone");
+      if (!(value >= 0 && value <= 1))
+        fail_reading(path, "a fill outside 0 to 1", "expected the share that is still bone");
       voxmap.fill.set(voxel, static_cast<std::uint16_t>(std::lround(double{value} * FillBricks::kWhole)));
     }
   });
@@ -154,7 +157,7 @@ DensityMapping mapping_of(const openvdb::FloatGrid& density) {
 Voxmap read_voxmap(const std::string& path) {
   VdbFile file(path);
   if (!file.has(vdb_keys::kDensity)) {
-    fail(path, "no grid \"density\" (found: " + file.grid_names() + ")", "expected a FloatGrid in g/cm^3");
+    fail_reading(path, "no grid \"density\" (found: " + file.grid_names() + ")", "expected a FloatGrid in g/cm^3");
   }
   const openvdb::FloatGrid::Ptr density = file.read(vdb_keys::kDensity);
   const Placement placement = checked_placement(path, *density);
@@ -165,7 +168,7 @@ Voxmap read_voxmap(const std::string& path) {
   if (file.has(vdb_keys::kFill)) {
     const openvdb::FloatGrid::Ptr fill = file.read(vdb_keys::kFill);
     if (fill->transform() != density->transform()) {
-      fail(path, "a grid \"fill\" that lies elsewhere than \"density\"", "expected the same transform");
+      fail_reading(path, "a grid \"fill\" that lies elsewhere than \"density\"", "expected the same transform");
     }
     read_fill(path, *fill, placement.first, voxmap);
   }
@@ -178,9 +181,9 @@ Voxmap read_bone_vdb(const std::string& path) {
   try {
     return read_voxmap(path);
   } catch (const std::bad_alloc&) {
-    fail(path, "a VDB that does not fit into memory", "expected a smaller grid");
+    fail_reading(path, "a VDB that does not fit into memory", "expected a smaller grid");
   } catch (const openvdb::Exception&) {
-    fail(path, "a truncated or damaged VDB file", "expected a complete file");
+    fail_reading(path, "a truncated or damaged VDB file", "expected a complete file");
   }
 }
 

@@ -14,8 +14,7 @@ namespace reamsim {
 namespace {
 
 using Leaf = openvdb::FloatTree::LeafNodeType;
-constexpr int kSide = GradeBricks::kSide;
-static_assert(Leaf::DIM == kSide);
+static_assert(Leaf::DIM == GradeBricks::kSide);
 
 openvdb::Coord coord_of(const Vec3i& voxel) {
   return {voxel.x(), voxel.y(), voxel.z()};
@@ -40,7 +39,7 @@ openvdb::FloatGrid::Ptr fog(const Voxmap& voxmap, const Value& value) {
   grid->setGridClass(openvdb::GRID_FOG_VOLUME);
   voxmap.grade.for_each_brick([&](const Vec3i& coord, const GradeBricks::Brick& grades) {
     const FillBricks::Brick* fill = voxmap.fill.brick(coord);
-    auto leaf = std::make_unique<Leaf>(coord_of(kSide * coord), 0.0F, false);
+    auto leaf = std::make_unique<Leaf>(coord_of(GradeBricks::kSide * coord), 0.0F, false);
     for (int offset = 0; offset < GradeBricks::kVoxels; ++offset) {
       const auto at = static_cast<std::size_t>(offset);
       if (grades[at] == 0) continue;

@@ -6,8 +6,11 @@
 
 namespace reamsim {
 
-/// For each voxel of a mesh's bone while it is made, measured: grades, the distance field (a float and the number of the
-/// nearest triangle) and their copies on the way.
+/// Room round a bone for the smoothing of the surface that pictures and `surface` need.
+inline constexpr int kMarginVoxels = 4;
+
+/// For each voxel of a mesh's bone while it is made, measured: grades, the distance field (a float and the number of
+/// the nearest triangle) and their copies on the way.
 inline constexpr double kMeshBytesPerVoxel = 13;
 
 /// What of a lattice takes memory while its bone is made.

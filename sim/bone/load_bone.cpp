@@ -4,13 +4,11 @@
 #include "sim/bone/bone.h"
 #include "sim/bone/bone_vdb.h"
 #include "sim/bone/ct/ct_import.h"
+#include "sim/bone/lattice.h"
 
 namespace reamsim {
 
 namespace {
-
-/// Room for the smoothing of the surface that pictures and `surface` need.
-constexpr int kMarginVoxels = 4;
 
 Bone bone_from_source(const BoneSettings& settings, Report& report) {
   if (settings.source == "phantom") {

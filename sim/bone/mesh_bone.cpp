@@ -19,7 +19,6 @@ namespace reamsim {
 
 namespace {
 
-constexpr int kMarginVoxels = 4;
 /// A voxelised volume further from the mesh's own than this was flooded, or fills what should be hollow.
 constexpr double kMaxVolumeError = 0.1;
 

@@ -12,9 +12,7 @@ namespace reamsim {
 
 namespace {
 
-constexpr int kMarginVoxels = 4;
-
-[[noreturn]] void fail(const std::string& key, const std::string& found, const std::string& expected) {
+[[noreturn]] void fail_block(const std::string& key, const std::string& found, const std::string& expected) {
   throw InputError({}, "bone.phantom." + key, found, expected);
 }
 
@@ -76,12 +74,12 @@ Bone half_space_phantom(const BoneSettings& settings) {
 Bone cup_phantom(const BoneSettings& settings) {
   const PhantomSettings& phantom = settings.phantom;
   if (phantom.cup_depth_mm >= phantom.size_mm.z()) {
-    fail("cup_depth_mm", millimetres(phantom.cup_depth_mm),
-         "expected less than the block's " + millimetres(phantom.size_mm.z()));
+    fail_block("cup_depth_mm", millimetres(phantom.cup_depth_mm),
+               "expected less than the block's " + millimetres(phantom.size_mm.z()));
   }
   if (phantom.cup_depth_mm > phantom.radius_mm) {
-    fail("cup_depth_mm", millimetres(phantom.cup_depth_mm),
-         "expected at most the cup's radius of " + millimetres(phantom.radius_mm));
+    fail_block("cup_depth_mm", millimetres(phantom.cup_depth_mm),
+               "expected at most the cup's radius of " + millimetres(phantom.radius_mm));
   }
   const Vec3 center(0, 0, phantom.radius_mm - phantom.cup_depth_mm);
   const double radius2 = phantom.radius_mm * phantom.radius_mm;
@@ -94,8 +92,8 @@ Bone cup_phantom(const BoneSettings& settings) {
 Bone layered_phantom(const BoneSettings& settings) {
   const PhantomSettings& phantom = settings.phantom;
   if (phantom.cortical_mm > phantom.size_mm.z()) {
-    fail("cortical_mm", millimetres(phantom.cortical_mm),
-         "expected at most the block's " + millimetres(phantom.size_mm.z()));
+    fail_block("cortical_mm", millimetres(phantom.cortical_mm),
+               "expected at most the block's " + millimetres(phantom.size_mm.z()));
   }
   const double cortical = phantom.cortical_density_g_cm3;
   const double trabecular = phantom.trabecular_density_g_cm3;

@@ -16,7 +16,6 @@ namespace reamsim {
 
 namespace {
 
-constexpr int kMarginVoxels = 4;
 constexpr double kWallVariation = 0.1;  // of the thickness of plate and wall, either way
 constexpr double kWallPatch_mm = 7;     // over this length
 constexpr double kTransition_mm = 0.5;  // from cortical to trabecular density

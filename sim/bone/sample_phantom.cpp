@@ -9,11 +9,9 @@ namespace reamsim {
 
 namespace {
 
-constexpr int kSide = GradeBricks::kSide;
-
 bool sample_brick(const VoxelGrid& grid, const DensityField& field, const Vec3i& brick_coord, GradeBricks::Brick& out) {
-  const Vec3i first = kSide * brick_coord;
-  const Vec3i last = (first + Vec3i::Constant(kSide)).cwiseMin(grid.dims);
+  const Vec3i first = GradeBricks::kSide * brick_coord;
+  const Vec3i last = (first + Vec3i::Constant(GradeBricks::kSide)).cwiseMin(grid.dims);
   bool any = false;
   for (int z = first.z(); z < last.z(); ++z) {
     for (int y = first.y(); y < last.y(); ++y) {
@@ -39,9 +37,10 @@ Voxmap sample_phantom(const VoxelGrid& grid, const DensitySettings& density, con
   Voxmap voxmap(grid);
   voxmap.mapping = mapping_from(density);
   voxmap.frame = "phantom";
-  const double radius_mm = 0.5 * kSide * grid.voxel_mm * std::numbers::sqrt3;
+  const double radius_mm = 0.5 * GradeBricks::kSide * grid.voxel_mm * std::numbers::sqrt3;
   voxmap.grade = sample_bricks(grid.dims, [&](const Vec3i& coord, GradeBricks::Brick& brick) {
-    const Vec3 center_mm = grid.origin_mm + kSide * grid.voxel_mm * (coord.cast<double>() + Vec3::Constant(0.5));
+    const Vec3 center_mm =
+        grid.origin_mm + GradeBricks::kSide * grid.voxel_mm * (coord.cast<double>() + Vec3::Constant(0.5));
     return !all_air(center_mm, radius_mm) && sample_brick(grid, field, coord, brick);
   });
   if (!partial) return voxmap;

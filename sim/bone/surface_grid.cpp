@@ -16,8 +16,7 @@ namespace {
 using Leaf = openvdb::FloatTree::LeafNodeType;
 static_assert(Leaf::DIM == FillBricks::kSide);
 
-constexpr int kSide = FillBricks::kSide;
-constexpr int kPadded = kSide + 2;
+constexpr int kPadded = FillBricks::kSide + 2;
 constexpr float kHalfBand_voxels = 3.0F;
 
 /// The occupancy (0…65535) of a brick and of one voxel all round it.
@@ -48,8 +47,8 @@ class PaddedBrick {
  private:
   /// Takes what this brick needs of its neighbour `step` bricks away: all, a face, an edge or a corner.
   void take_part(const Voxmap& voxmap, const Vec3i& brick, const Vec3i& step) {
-    const Vec3i from = step.unaryExpr([](int s) { return s < 0 ? -1 : s * kSide; });
-    const Vec3i to = step.unaryExpr([](int s) { return s < 0 ? 0 : kSide + s; });
+    const Vec3i from = step.unaryExpr([](int s) { return s < 0 ? -1 : s * FillBricks::kSide; });
+    const Vec3i to = step.unaryExpr([](int s) { return s < 0 ? 0 : FillBricks::kSide + s; });
     const Vec3i coord = brick + step;
     const bool inside = BrickLattice{voxmap.grade.brick_dims()}.contains(coord);
     const GradeBricks::Brick* grades = inside ? voxmap.grade.brick(coord) : nullptr;
@@ -82,7 +81,7 @@ class PaddedBrick {
 };
 
 openvdb::Coord leaf_corner(const Vec3i& brick) {
-  return {kSide * brick.x(), kSide * brick.y(), kSide * brick.z()};
+  return {FillBricks::kSide * brick.x(), FillBricks::kSide * brick.y(), FillBricks::kSide * brick.z()};
 }
 
 /// The smoothed occupancy of one brick: a leaf, or one value all over, 0 or 1. No surface passes between a brick of one
@@ -97,9 +96,9 @@ SmoothedBrick smoothed_brick(const Voxmap& voxmap, const Vec3i& brick) {
   if (padded.empty()) return {};
   if (padded.whole()) return {1.0F, nullptr};
   auto leaf = std::make_unique<Leaf>(leaf_corner(brick), 0.0F, true);
-  for (int x = 0; x < kSide; ++x) {
-    for (int y = 0; y < kSide; ++y) {
-      for (int z = 0; z < kSide; ++z) {
+  for (int x = 0; x < FillBricks::kSide; ++x) {
+    for (int y = 0; y < FillBricks::kSide; ++y) {
+      for (int z = 0; z < FillBricks::kSide; ++z) {
         leaf->setValueOnly(Leaf::coordToOffset({x, y, z}), padded.smoothed(x, y, z));
       }
     }

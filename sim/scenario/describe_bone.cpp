@@ -5,8 +5,6 @@ namespace reamsim {
 
 namespace {
 
-constexpr Range kPosition = between(-10000, 10000);
-constexpr Range kComponent = between(-1000, 1000);  // of a direction, which need not have length 1
 constexpr Range kDensity = above(0, 2);
 constexpr Range kHu = between(-2000, 10000);
 

@@ -4,9 +4,6 @@ namespace reamsim {
 
 namespace {
 
-// Positions further out than this are mistakes of unit or frame.
-constexpr Range kPosition = between(-10000, 10000);
-constexpr Range kComponent = between(-1000, 1000);  // of a direction, which need not have length 1
 constexpr Range kSpin = between(-20000, 20000);
 
 void describe_plunge(KeyVisitor& v, PlungeSettings& plunge) {

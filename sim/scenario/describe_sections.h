@@ -4,6 +4,11 @@
 
 namespace reamsim {
 
+/// Of positions in mm; those further out are mistakes of unit or frame.
+constexpr Range kPosition = between(-10000, 10000);
+/// Of a direction's components; it need not have length 1.
+constexpr Range kComponent = between(-1000, 1000);
+
 // The parts of describe_scenario(), one per top-level section.
 
 void describe_bone(KeyVisitor& v, BoneSettings& bone);

@@ -11,11 +11,6 @@ namespace {
 using std::numbers::pi;
 using ::testing::HasSubstr;
 
-Bone make(const BoneSettings& settings) {
-  Report report;
-  return bone_from_phantom(settings, report);
-}
-
 TEST(HalfSpace, IsTheBlockExactly) {
   BoneSettings settings = phantom("half_space", 0.25);
   settings.phantom.size_mm = {10, 12, 5};

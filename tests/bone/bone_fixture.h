@@ -19,6 +19,11 @@ inline BoneSettings phantom(const std::string& shape, double voxel_mm) {
   return settings;
 }
 
+inline Bone make(const BoneSettings& settings) {
+  Report report;
+  return bone_from_phantom(settings, report);
+}
+
 /// The message of the InputError that `work` throws, one line; fails the test when it throws none.
 inline std::string input_error(const std::function<void()>& work) {
   try {

@@ -12,11 +12,6 @@ namespace {
 
 using ::testing::HasSubstr;
 
-Bone make(const BoneSettings& settings) {
-  Report report;
-  return bone_from_phantom(settings, report);
-}
-
 /// The default left glenoid at 0.25 mm, made once.
 const Bone& standard() {
   static const Bone bone = make(phantom("glenoid", 0.25));

@@ -25,11 +25,6 @@ BoneSettings walch(const std::string& type, double voxel_mm = kVoxel_mm) {
   return settings;
 }
 
-Bone make(const BoneSettings& settings) {
-  Report report;
-  return bone_from_phantom(settings, report);
-}
-
 /// The left bone of a type with its defaults, made once.
 const Bone& standard(const std::string& type) {
   static std::map<std::string, Bone> bones;

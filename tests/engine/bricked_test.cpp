@@ -9,7 +9,7 @@
 #include "sim/tool/morton.h"
 #include "tests/engine/outcome.h"
 
-namespace reamsim::test {
+namespace reamsim::test::bricked_tests {
 namespace {
 
 TEST(Bricked, BricksInManyPoolsGiveTheSame) {
@@ -163,4 +163,4 @@ TEST(ProfileTable, ListsGiveTheDistancesOfTheFullProfile) {
 }
 
 }  // namespace
-}  // namespace reamsim::test
+}  // namespace reamsim::test::bricked_tests

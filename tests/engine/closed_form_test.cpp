@@ -8,7 +8,7 @@
 #include "tests/engine/scene_fixture.h"
 #include "tests/support/temp_dir.h"
 
-namespace reamsim::test {
+namespace reamsim::test::closed_form_tests {
 namespace {
 
 constexpr double kRadius = 29, kWidth = 30, kBore = 1.25, kRpm = 250, kFeed = 0.2, kDensity = 1.8, kVoxel = 0.25;
@@ -134,4 +134,4 @@ TEST(ClosedForm, WithdrawalTakesNothing) {
 }
 
 }  // namespace
-}  // namespace reamsim::test
+}  // namespace reamsim::test::closed_form_tests

@@ -8,7 +8,7 @@
 #include "sim/collide/octree_detector.h"
 #include "tests/engine/outcome.h"
 
-namespace reamsim::test {
+namespace reamsim::test::dense_plan_tests {
 namespace {
 
 using testing::HasSubstr;
@@ -115,4 +115,4 @@ TEST(HuScale, EveryGradeComesBackFromItsHu) {
 }
 
 }  // namespace
-}  // namespace reamsim::test
+}  // namespace reamsim::test::dense_plan_tests

@@ -6,7 +6,7 @@
 #include "sim/tool/morton.h"
 #include "tests/engine/outcome.h"
 
-namespace reamsim::test {
+namespace reamsim::test::engine_agreement_tests {
 namespace {
 
 /// Runs a scene on the serial reference and on the device, with the detector under test.
@@ -215,4 +215,4 @@ TEST_P(DetectorAgreement, NoContactNoForce) {
 }
 
 }  // namespace
-}  // namespace reamsim::test
+}  // namespace reamsim::test::engine_agreement_tests

@@ -5,7 +5,7 @@
 #include "kernels/clip.h"
 #include "tests/engine/outcome.h"
 
-namespace reamsim::test {
+namespace reamsim::test::exact_tests {
 namespace {
 
 /// The same share by slicing the cube and integrating the part of each slice in closed form would hide the same
@@ -221,4 +221,4 @@ TEST(Exact, BoneThatTheToolStartsInGoesWithoutForce) {
 }
 
 }  // namespace
-}  // namespace reamsim::test
+}  // namespace reamsim::test::exact_tests

@@ -6,7 +6,7 @@
 #include "tests/engine/outcome.h"
 #include "tests/support/mesh_shapes.h"
 
-namespace reamsim::test {
+namespace reamsim::test::first_contact_tests {
 namespace {
 
 constexpr double kRadius_mm = 29;
@@ -96,4 +96,4 @@ TEST(FirstContact, GrowsWithoutStepsOnASurfaceAskewToTheVoxels) {
 }
 
 }  // namespace
-}  // namespace reamsim::test
+}  // namespace reamsim::test::first_contact_tests

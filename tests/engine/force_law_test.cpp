@@ -6,7 +6,7 @@
 #include "sim/cut/energy_table.h"
 #include "tests/engine/outcome.h"
 
-namespace reamsim::test {
+namespace reamsim::test::force_law_tests {
 namespace {
 
 constexpr double kRadius = 29, kRim = 15, kBore = 1.25, kRpm = 250, kOmega = kRpm * 2 * M_PI / 60;
@@ -273,4 +273,4 @@ TEST_P(ForceOptions, TheBatchDoesNotMatter) {
 }
 
 }  // namespace
-}  // namespace reamsim::test
+}  // namespace reamsim::test::force_law_tests

@@ -6,7 +6,7 @@
 #include "sim/run/exact_engine.h"
 #include "tests/engine/outcome.h"
 
-namespace reamsim::test {
+namespace reamsim::test::forecast_tests {
 namespace {
 
 /// A cap that comes down askew into a block of whole bone, 4 mm deep.
@@ -102,4 +102,4 @@ TEST(FillPages, WhatDoesNotFitSaysWhatWould) {
 }
 
 }  // namespace
-}  // namespace reamsim::test
+}  // namespace reamsim::test::forecast_tests

@@ -9,7 +9,7 @@
 #include "sim/collide/voxel_box.h"
 #include "tests/engine/outcome.h"
 
-namespace reamsim::test {
+namespace reamsim::test::implicit_tests {
 namespace {
 
 constexpr unsigned kSeed = 20200416;
@@ -164,4 +164,4 @@ TEST(Implicit, SidewaysMoveDiffersFromDirectOnlyByTheSweptSurface) {
 }
 
 }  // namespace
-}  // namespace reamsim::test
+}  // namespace reamsim::test::implicit_tests

@@ -7,7 +7,7 @@
 #include "sim/tool/leak.h"
 #include "tests/engine/sweep.h"
 
-namespace reamsim::test {
+namespace reamsim::test::leak_tests {
 namespace {
 
 constexpr double kVoxel = 0.1;
@@ -117,4 +117,4 @@ TEST(Leak, IsAboutWhatIsWarnedOf) {
 }
 
 }  // namespace
-}  // namespace reamsim::test
+}  // namespace reamsim::test::leak_tests

@@ -5,7 +5,7 @@
 #include "sim/collide/outline_table.h"
 #include "tests/engine/outcome.h"
 
-namespace reamsim::test {
+namespace reamsim::test::outline_tests {
 namespace {
 
 constexpr double kRadius = 29, kHalf = 18, kTop = 9, kBore = 1.25;
@@ -192,4 +192,4 @@ TEST(Clip, WhereOnePlaneOfACornerMattersItAloneDecides) {
 }
 
 }  // namespace
-}  // namespace reamsim::test
+}  // namespace reamsim::test::outline_tests

@@ -7,7 +7,7 @@
 #include "tests/engine/outcome.h"
 #include "tests/support/gear_mesh.h"
 
-namespace reamsim::test {
+namespace reamsim::test::resolved_teeth_tests {
 namespace {
 
 Tool toothed_tool(const TriangleMesh& mesh, double voxel_mm, bool by_grid = true) {
@@ -194,4 +194,4 @@ TEST(ResolvedTeeth, TheSamePathAgainTakesNothing) {
 }
 
 }  // namespace
-}  // namespace reamsim::test
+}  // namespace reamsim::test::resolved_teeth_tests

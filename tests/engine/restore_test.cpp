@@ -4,7 +4,7 @@
 #include "sim/base/error.h"
 #include "tests/engine/outcome.h"
 
-namespace reamsim::test {
+namespace reamsim::test::restore_tests {
 namespace {
 
 /// Device and detector.
@@ -58,4 +58,4 @@ TEST_P(RestoreOnDevice, RefusesBoneThatItsMemoryWasNotPlannedFor) {
 }
 
 }  // namespace
-}  // namespace reamsim::test
+}  // namespace reamsim::test::restore_tests

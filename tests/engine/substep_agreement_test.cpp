@@ -4,7 +4,7 @@
 #include "sim/collide/broad_phase.h"
 #include "tests/engine/outcome.h"
 
-namespace reamsim::test {
+namespace reamsim::test::substep_agreement_tests {
 namespace {
 
 using Sums = std::array<rs_i64, 10>;
@@ -90,4 +90,4 @@ TEST_P(SubstepAgreement, AnEmptyVolumeOfInterestTouchesNothing) {
 }
 
 }  // namespace
-}  // namespace reamsim::test
+}  // namespace reamsim::test::substep_agreement_tests

@@ -5,7 +5,7 @@
 #include "sim/tool/morton.h"
 #include "tests/engine/scene_fixture.h"
 
-namespace reamsim::test {
+namespace reamsim::test::substep_tests {
 namespace {
 
 TEST(Substep, NoPointMovesFurtherThanTheStep) {
@@ -74,4 +74,4 @@ TEST(Substep, FixedPointPositionsFollowTheTransform) {
 }
 
 }  // namespace
-}  // namespace reamsim::test
+}  // namespace reamsim::test::substep_tests

@@ -8,7 +8,7 @@
 #include "sim/tool/morton.h"
 #include "tests/engine/sweep.h"
 
-namespace reamsim::test {
+namespace reamsim::test::teeth_tests {
 namespace {
 
 constexpr double kRadius = 29;  // of the face of reamer_convex_lips: six lips, a slot before each
@@ -131,4 +131,4 @@ TEST(Teeth, ATurnTakesAsManySubstepsAsTheRimIsHalfVoxelsLong) {
 }
 
 }  // namespace
-}  // namespace reamsim::test
+}  // namespace reamsim::test::teeth_tests

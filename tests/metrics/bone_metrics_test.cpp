@@ -1,6 +1,5 @@
 #include <gtest/gtest.h>
 
-#include <numbers>
 #include <numeric>
 
 #include "sim/metrics/statistics.h"
@@ -8,9 +7,6 @@
 
 namespace reamsim::test {
 namespace {
-
-constexpr double kPi = std::numbers::pi;
-constexpr double kVoxel = 0.5;
 
 double radians(double degrees) {
   return degrees * kPi / 180;

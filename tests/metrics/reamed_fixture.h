@@ -2,10 +2,14 @@
 
 #include <cmath>
 #include <functional>
+#include <numbers>
 
 #include "sim/metrics/run_metrics.h"
 
 namespace reamsim::test {
+
+inline constexpr double kPi = std::numbers::pi;
+inline constexpr double kVoxel = 0.5;
 
 /// Distance of a point of B from a solid, mm: negative inside; its slope is at most 1.
 using Solid = std::function<double(const Vec3&)>;

@@ -1,14 +1,10 @@
 #include <gtest/gtest.h>
 
-#include <numbers>
-
 #include "tests/metrics/reamed_fixture.h"
 
 namespace reamsim::test {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-constexpr double kVoxel = 0.5;
 constexpr double kRadius = 29;
 constexpr double kRim = 12;  // of the face, mm
 

@@ -1,14 +1,9 @@
 #include <gtest/gtest.h>
 
-#include <numbers>
-
 #include "tests/metrics/reamed_fixture.h"
 
 namespace reamsim::test {
 namespace {
-
-constexpr double kPi = std::numbers::pi;
-constexpr double kVoxel = 0.5;
 
 /// Two millimetres of cortex on trabecular bone.
 Block layered() {

@@ -11,7 +11,7 @@
 namespace reamsim {
 namespace {
 
-constexpr const char* kHeader =
+constexpr const char* kLogHeader =
     "frame,time_s,tool_x_mm,tool_y_mm,tool_z_mm,tool_qw,tool_qx,tool_qy,tool_qz,spin_angle_rad,depth_mm,force_x_n,"
     "force_y_n,force_z_n,axial_force_n,spin_torque_nmm,removed_mm3\n";
 
@@ -35,7 +35,7 @@ class ForceLogFile : public ::testing::Test {
 };
 
 TEST_F(ForceLogFile, RowsAreReadAndVolumesSummed) {
-  const ForceLog log = read(std::string(kHeader) + "1,0.001,1,2,3,1,0,0,0,0.5,0.1,3,4,5,10,100,2.5\r\n" +
+  const ForceLog log = read(std::string(kLogHeader) + "1,0.001,1,2,3,1,0,0,0,0.5,0.1,3,4,5,10,100,2.5\r\n" +
                             "2,0.002,1,2,3,0,0,0,1,0.6,0.2,6,7,8,11,110,1.5\n");
   ASSERT_EQ(log.rows.size(), 2U);
   EXPECT_EQ(log.rows[1].frame, 2);
@@ -60,8 +60,8 @@ TEST_F(ForceLogFile, MistakesAreNamedWithTheirLine) {
   EXPECT_THROW((void)read_force_log(dir_.path() + "/none.csv"), InputError);
   expect_complaint("", "forces.csv");
   expect_complaint("frame,time_s\n1,2\n", "tool_x_mm");
-  expect_complaint(kHeader, "no row");
-  const std::string good = std::string(kHeader) + "1,0,0,0,0,1,0,0,0,0,0,0,0,0,0,0,0\n";
+  expect_complaint(kLogHeader, "no row");
+  const std::string good = std::string(kLogHeader) + "1,0,0,0,0,1,0,0,0,0,0,0,0,0,0,0,0\n";
   expect_complaint(good + "2,0,0,oops,0,1,0,0,0,0,0,0,0,0,0,0,0\n", "forces.csv:3: tool_y_mm: found 'oops'");
   expect_complaint(good + "2,0,0,nan,0,1,0,0,0,0,0,0,0,0,0,0,0\n", "tool_y_mm");
   expect_complaint(good + "2,0,0,0\n", "forces.csv:3");

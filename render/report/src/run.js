@@ -44,9 +44,17 @@ class Run {
     const text = `${fixed(this.plot.time_s[row], 3)} s`;
     byId("time-value").textContent = text;
     this.slider.setAttribute("aria-valuetext", `${text}, axial force ${fixed(this.plot.axial_force_n[row], 1)} newton`);
-    readings.forEach(([, column, digits], i) => { this.cells[i].textContent = fixed(this.plot[column][row], digits); });
+    readings.forEach((reading, i) => this.showReading(reading, this.cells[i]));
     this.plots.moveTo(row);
     this.showPicture();
+  }
+
+  // A reamer that is drawn back has no depth.
+  showReading([, column, digits, unit], [value, unitCell]) {
+    const number = this.plot[column][this.row];
+    const lifted = column === "depth_mm" && number < 0;
+    value.textContent = lifted ? "lifted" : fixed(number, digits);
+    unitCell.textContent = lifted ? "" : ` ${unit}`;
   }
 
   // The picture nearest in time.
@@ -76,14 +84,15 @@ class Run {
   }
 
   addReadings() {
-    this.cells = readings.map(([label, , , unit]) => {
+    this.cells = readings.map(([label]) => {
       const box = document.createElement("div");
       const value = document.createElement("span");
+      const unit = Object.assign(document.createElement("span"), { className: "unit" });
       const cell = document.createElement("dd");
-      cell.append(value, Object.assign(document.createElement("span"), { className: "unit", textContent: ` ${unit}` }));
+      cell.append(value, unit);
       box.append(Object.assign(document.createElement("dt"), { textContent: label }), cell);
       byId("readings").append(box);
-      return value;
+      return [value, unit];
     });
   }
 

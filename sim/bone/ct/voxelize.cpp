@@ -72,10 +72,10 @@ double share_left(const CtSettings& settings, const Aabb& image, const Vec3& cen
 
 /// Halvings of a voxel until its parts are no larger than the image's voxels.
 int halvings(const Lattice& image, double voxel_mm) {
-  constexpr double kRounding = 1e-6;
+  constexpr double kRoundingOfLog = 1e-6;
   constexpr int kMost = 3;
   const double ratio = voxel_mm / image.spacing_mm.minCoeff();
-  return std::clamp(static_cast<int>(std::ceil(std::log2(ratio) - kRounding)), 0, kMost);
+  return std::clamp(static_cast<int>(std::ceil(std::log2(ratio) - kRoundingOfLog)), 0, kMost);
 }
 
 /// Fill by the field's zero, between the image's values. A value at the surface is that of bone and what is beside it,
