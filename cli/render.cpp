@@ -12,8 +12,8 @@
 #include "render/meshes.h"
 #include "render/plots.h"
 #include "render/report/report.h"
+#include "render/results.h"
 #include "sim/base/error.h"
-#include "sim/bone/bone_vdb.h"
 #include "sim/scenario/parse.h"
 
 namespace reamsim {
@@ -131,10 +131,11 @@ void render_command(const RenderOptions& options, const Console& console) {
   settings.enabled = true;
   Progress progress(console, "render", "pictures");
   Report report;
-  const double voxel_mm = read_bone_vdb(options.dir + "/reamed.vdb").grid.voxel_mm;
+  const FinishedRun run(options.dir);
+  const double voxel_mm = run.results().voxmap.grid.voxel_mm;
   const double mean_mm = averaged_travel_mm(parse_cutting_settings(options.dir + "/scenario.yaml"), voxel_mm);
   render_pictures(
-      options.dir, settings, mean_mm,
+      run, settings, mean_mm,
       [&](int done, int total, const std::string&) {
         progress.update(done, total);
         if (stop_requested()) throw Interrupted();
@@ -150,9 +151,9 @@ void render_command(const RenderOptions& options, const Console& console) {
     write_depth_picture(options.dir, settings.depth_max_mm);
   }
   if (options.wants("meshes") && parse_output_settings(scenario).meshes) {
-    write_meshes(options.dir, settings.depth_max_mm, report);
+    write_meshes(run, settings.depth_max_mm, report);
   }
-  if (settings.report && options.wants("report")) write_report(options.dir, settings, mean_mm);
+  if (settings.report && options.wants("report")) write_report(run, settings, mean_mm);
   console.tell(report);
   console.say("pictures: " + options.dir);
 }

@@ -47,19 +47,20 @@ void run_frames(ReamingScene& scene, Engine& engine, Recorder& recorder, Report&
 constexpr const char* kNoSpectrum =
     "no spectrum of the torque: the tool does not spin, or touches bone for less than four turns";
 
-void make_pictures(const std::string& dir, const Scenario& scenario, double voxel_mm, Report& report,
+void make_pictures(const FinishedRun& run, const Scenario& scenario, double voxel_mm, Report& report,
                    const Console& console) {
+  const std::string& dir = run.dir();
   const double mean_mm = averaged_travel_mm(scenario.cutting, voxel_mm);
   write_force_plots(dir, mean_mm);
   write_depth_picture(dir, scenario.render.depth_max_mm);
-  if (scenario.output.meshes) write_meshes(dir, scenario.render.depth_max_mm, report);
+  if (scenario.output.meshes) write_meshes(run, scenario.render.depth_max_mm, report);
   if (!scenario.render.enabled) return;
   write_depth_and_energy_plots(dir, mean_mm);
   write_removed_density(dir);
   if (scenario.tool.spin == "resolved" && !write_torque_spectrum(dir)) report.warn(kNoSpectrum);
   Progress progress(console, "render", "pictures");
   render_pictures(
-      dir, scenario.render, mean_mm,
+      run, scenario.render, mean_mm,
       [&](int done, int total, const std::string&) {
         progress.update(done, total);
         if (stop_requested()) throw Interrupted();
@@ -108,15 +109,16 @@ void run_in(OutputFolder& folder, const Scenario& scenario, const Console& conso
     tell(report, facts, console);
     write_summary(folder.path(), scene, recorder.totals(), facts, render_watch.seconds());
   };
+  const FinishedRun finished(folder.path());
   try {
-    make_pictures(folder.path(), scenario, scene.bone.voxmap.grid.voxel_mm, report, console);
+    make_pictures(finished, scenario, scene.bone.voxmap.grid.voxel_mm, report, console);
   } catch (const RunError&) {
     finish();  // numbers that are whole are not lost with a picture
     throw;
   }
   finish();
   if (scenario.render.enabled && scenario.render.report) {
-    write_report(folder.path(), scenario.render, averaged_travel_mm(scenario.cutting, scene.bone.voxmap.grid.voxel_mm));
+    write_report(finished, scenario.render, averaged_travel_mm(scenario.cutting, scene.bone.voxmap.grid.voxel_mm));
   }
   say_summary(console, recorder.totals(), facts);
 }

@@ -27,10 +27,10 @@ openvdb::FloatGrid::Ptr read_surface(const std::string& path) {
 
 }  // namespace
 
-void write_meshes(const std::string& dir, double depth_max_mm, Report& report) {
-  const RunResults results = read_results(dir);
-  const UnreamedSurface unreamed(results.voxmap, results.unreamed_fill);
-  const ReamedMesh reamed = make_reamed_mesh(*read_surface(dir + "/reamed.vdb"), results.voxmap, unreamed);
+void write_meshes(const FinishedRun& run, double depth_max_mm, Report& report) {
+  const std::string& dir = run.dir();
+  const Voxmap& voxmap = run.results().voxmap;
+  const ReamedMesh reamed = make_reamed_mesh(*read_surface(dir + "/reamed.vdb"), voxmap, run.unreamed());
   if (reamed.mesh.triangles.empty()) {
     std::filesystem::remove(dir + "/reamed.glb");
     std::filesystem::remove(dir + "/reamed.stl");

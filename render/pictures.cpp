@@ -54,13 +54,13 @@ class PictureWriter {
 /// Makes all pictures of one run.
 class PictureMaker {
  public:
-  PictureMaker(const std::string& dir, const RenderSettings& settings, const PictureChoice& choice,
+  PictureMaker(const FinishedRun& run, const RenderSettings& settings, const PictureChoice& choice,
                double mean_travel_mm, const PictureProgress& progress, Report* report)
-      : dir_(dir),
+      : dir_(run.dir()),
         settings_(settings),
         choice_(choice),
         names_(settings.cameras),
-        studio_(dir, settings, mean_travel_mm, report),
+        studio_(run, settings, mean_travel_mm, report),
         stills_(still_frames(studio_.frames(), settings)),
         writer_(progress, 0) {
     for (const UserCamera& own : settings.user_cameras) names_.push_back(own.name);
@@ -230,14 +230,15 @@ void require_film_program(const RenderSettings& settings) {
   if (settings.enabled && settings.film != "none") require_encoder(film_format(settings.film));
 }
 
-void render_pictures(const std::string& dir, const RenderSettings& settings, double mean_travel_mm,
+void render_pictures(const FinishedRun& run, const RenderSettings& settings, double mean_travel_mm,
                      const PictureProgress& progress, Report* report, const PictureChoice& choice) {
   if (settings.cameras.empty() && settings.user_cameras.empty()) {
     throw InputError({}, "render.cameras", "found none", "expected at least one camera");
   }
   require_film_program(settings);
+  const std::string& dir = run.dir();
   try {
-    PictureMaker maker(dir, settings, choice, mean_travel_mm, progress, report);
+    PictureMaker maker(run, settings, choice, mean_travel_mm, progress, report);
     std::filesystem::create_directories(dir + "/frames");
     maker.run();
   } catch (const std::filesystem::filesystem_error& error) {

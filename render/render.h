@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "render/finished_run.h"
 #include "sim/base/report.h"
 #include "sim/scenario/scenario.h"
 
@@ -37,7 +38,7 @@ struct PictureChoice {
 /// `report`, where given, gets a warning when the wanted context was not to be had and the other one was used.
 /// Throws InputError when a result is missing or damaged or a camera is unknown, RunError when a picture cannot be made
 /// or written.
-void render_pictures(const std::string& dir, const RenderSettings& settings, double mean_travel_mm,
+void render_pictures(const FinishedRun& run, const RenderSettings& settings, double mean_travel_mm,
                      const PictureProgress& progress, Report* report = nullptr, const PictureChoice& choice = {});
 
 /// Draws DIR/forces.csv with gnuplot: DIR/forces (against time), DIR/plots/forces_depth and DIR/plots/energy, each as

@@ -77,7 +77,8 @@ void Scene::set_bone(const std::vector<BoneSurface>& tiles, const std::vector<st
     const BoneSurface& surface = tiles[tile];
     bone_[tile].reset();
     if (surface.indices.empty()) continue;
-    bone_[tile] = std::make_unique<GlMesh>(gl_, surface.vertices, BoneSurface::kGroups, surface.indices);
+    bone_[tile] = std::unique_ptr<Tile>(
+        new Tile{{gl_, surface.vertices, BoneSurface::kGroups, surface.indices}, tile_bounds(surface)});
   }
 }
 
@@ -136,7 +137,7 @@ void Scene::draw_bone(const Shot& shot) const {
     gl_.CullFace(GL_BACK);
   }
   for (const auto& tile : bone_) {
-    if (tile) tile->draw();
+    if (tile && may_be_seen(tile->bounds, shot.camera)) tile->mesh.draw();
   }
 }
 

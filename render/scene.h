@@ -10,6 +10,7 @@
 #include "render/cut_face.h"
 #include "render/gl_objects.h"
 #include "render/pixel_image.h"
+#include "render/tile_bounds.h"
 #include "render/tool_surface.h"
 
 namespace reamsim {
@@ -50,6 +51,10 @@ class Scene {
 
  private:
   struct Programs;
+  struct Tile {
+    GlMesh mesh;
+    TileBounds bounds;
+  };
 
   void draw_background(Background background) const;
   void draw_bone(const Shot& shot) const;
@@ -61,7 +66,7 @@ class Scene {
   std::unique_ptr<Programs> programs_;
   std::map<std::tuple<int, int, bool>, GlTarget> targets_;  ///< by width, height and whether it is multisampled
   GlMesh tool_;
-  std::vector<std::unique_ptr<GlMesh>> bone_;  ///< by tile; none where it is empty
+  std::vector<std::unique_ptr<Tile>> bone_;  ///< none where a tile is empty
   GlTexture depth_colors_;
   GlTexture density_colors_;
   GLuint empty_array_ = 0;

@@ -53,25 +53,29 @@ std::vector<Vec3> widest_circle(const TriangleMesh& tool, const Rigid& bone_from
 
 /// Everything that stands in the studio.
 struct Studio::Set {
-  Set(const std::string& folder, const RenderSettings& wanted, double mean_travel_mm)
-      : dir(folder),
+  Set(const FinishedRun& finished, const RenderSettings& wanted, double mean_travel_mm)
+      : run(finished),
         settings(wanted),
         mean(mean_travel_mm > 0 ? "mean " : ""),
-        results(read_results(folder)),
-        unreamed(results.voxmap, results.unreamed_fill),
-        subject(make_subject(results, unreamed)),
-        state(results.voxmap, unreamed),
+        results(run.results()),
+        last_fill(results.voxmap.fill),
+        subject(make_subject(results, run.unreamed())),
+        state(results.voxmap, run.unreamed()),
         deepest_mm(state.tiles().deepest_mm()),
         density_scale(scale_up_to(DensityMapping::kMaxDensity_g_cm3)) {
     add_layer_means(results.log, mean_travel_mm);
     for (const ForceRow& row : results.log.rows) most_force_n = std::max(most_force_n, row.layer_force_n.norm());
   }
 
-  std::string dir;
+  ~Set() { results.voxmap.fill = std::move(last_fill); }
+  Set(const Set&) = delete;
+  Set& operator=(const Set&) = delete;
+
+  FinishedRun run;
   RenderSettings settings;
   std::string mean;
-  RunResults results;
-  UnreamedSurface unreamed;
+  RunResults& results;
+  FillBricks last_fill;
   Subject subject;
   BoneState state;
   double deepest_mm;
@@ -83,8 +87,8 @@ struct Studio::Set {
   Scale density_scale;
 };
 
-Studio::Studio(const std::string& dir, const RenderSettings& settings, double mean_travel_mm, Report* report)
-    : set_(std::make_unique<Set>(dir, settings, mean_travel_mm)) {
+Studio::Studio(const FinishedRun& run, const RenderSettings& settings, double mean_travel_mm, Report* report)
+    : set_(std::make_unique<Set>(run, settings, mean_travel_mm)) {
   std::string fallback;
   set_->context = make_context(settings.context, fallback);
   if (!fallback.empty() && report != nullptr) report->warn(fallback);
@@ -102,7 +106,7 @@ void Studio::rewind() {
 }
 
 void Studio::advance_to(std::int64_t frame) {
-  apply_snapshot(set_->dir, frame, set_->results.voxmap.fill);
+  apply_snapshot(set_->run.dir(), frame, set_->results.voxmap.fill);
   const auto changed = set_->state.follow();
   set_->scene->set_bone(set_->state.tiles().surfaces(), changed);
 }

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "render/camera.h"
+#include "render/finished_run.h"
 #include "render/force_log.h"
 #include "render/overlay.h"
 #include "render/render.h"
@@ -17,9 +18,9 @@ namespace reamsim {
 /// it goes through the snapshots from the first.
 class Studio {
  public:
-  /// Reads DIR and shows the last state. `report`, where given, gets the warning of make_context(). Throws as
-  /// render_pictures() does.
-  Studio(const std::string& dir, const RenderSettings& settings, double mean_travel_mm, Report* report);
+  /// Shows the last state, to which the run's fill returns when the studio closes. `report`, where given, gets the
+  /// warning of make_context(). Throws as render_pictures() does.
+  Studio(const FinishedRun& run, const RenderSettings& settings, double mean_travel_mm, Report* report);
   ~Studio();
 
   /// Back to the bone before the first snapshot.

@@ -66,9 +66,8 @@ Json look_json(const Subject& subject) {
 
 }  // namespace
 
-Json bone_data(RunResults& results, const RenderSettings& settings) {
+Json bone_data(RunResults& results, const UnreamedSurface& unreamed, const RenderSettings& settings) {
   Voxmap& voxmap = results.voxmap;
-  const UnreamedSurface unreamed(voxmap, results.unreamed_fill);
   const BoneSurface after = surface_of(voxmap, unreamed);
   std::swap(voxmap.fill, results.unreamed_fill);
   const BoneSurface before = surface_of(voxmap, unreamed);

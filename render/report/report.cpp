@@ -126,15 +126,16 @@ std::string text_of(const Json& summary, const char* key, const std::string& pat
 }
 
 /// The data that the page's scripts work on.
-Json script_data(const std::string& dir, const RenderSettings& settings, double mean_travel_mm) {
-  RunResults results = read_results(dir);
+Json script_data(const FinishedRun& run, const RenderSettings& settings, double mean_travel_mm) {
+  RunResults& results = run.results();
   add_layer_means(results.log, mean_travel_mm);
   return {{"plot", plot_data(results.log, mean_travel_mm)},
-          {"pictures", frames_json(dir, results, settings.cameras)},
-          {"bone", bone_data(results, settings)}};
+          {"pictures", frames_json(run.dir(), results, settings.cameras)},
+          {"bone", bone_data(results, run.unreamed(), settings)}};
 }
 
-std::string page_html(const std::string& dir, const RenderSettings& settings, double mean_travel_mm) {
+std::string page_html(const FinishedRun& run, const RenderSettings& settings, double mean_travel_mm) {
+  const std::string& dir = run.dir();
   const std::string summary_path = dir + "/summary.json", verification_path = dir + "/verification.json";
   const Json summary = read_json(summary_path, "the summary.json of a run");
   const Json verification =
@@ -154,18 +155,18 @@ std::string page_html(const std::string& dir, const RenderSettings& settings, do
       {"script", embedded::report_script}};
   // What takes long comes when all the rest is known to be right.
   texts["figures"] = pictures_html(dir, settings.cameras.front());
-  texts["data"] = json_for_script(script_data(dir, settings, mean_travel_mm));
+  texts["data"] = json_for_script(script_data(run, settings, mean_travel_mm));
   return fill_page(embedded::report_page, texts);
 }
 
 }  // namespace
 
-void write_report(const std::string& dir, const RenderSettings& settings, double mean_travel_mm) {
+void write_report(const FinishedRun& run, const RenderSettings& settings, double mean_travel_mm) {
   if (settings.cameras.empty()) {
     throw InputError({}, "render.cameras", "found none", "expected at least one camera");
   }
-  const std::string page = page_html(dir, settings, mean_travel_mm);
-  const std::string path = dir + "/report.html";
+  const std::string page = page_html(run, settings, mean_travel_mm);
+  const std::string path = run.dir() + "/report.html";
   std::ofstream out(path, std::ios::binary);
   out << page;
   out.close();

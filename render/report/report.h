@@ -1,7 +1,6 @@
 #pragma once
 
-#include <string>
-
+#include "render/finished_run.h"
 #include "sim/scenario/scenario.h"
 
 namespace reamsim {
@@ -11,6 +10,6 @@ namespace reamsim {
 /// pictures reamed*.png and frames/, and verification.json where somebody put one there; pictures that are missing are
 /// left out. The same results give the same bytes. `settings` says how the pictures were made; `mean_travel_mm` as for
 /// render_pictures(). Throws InputError when a result is missing or damaged, RunError when the page cannot be written.
-void write_report(const std::string& dir, const RenderSettings& settings, double mean_travel_mm);
+void write_report(const FinishedRun& run, const RenderSettings& settings, double mean_travel_mm);
 
 }  // namespace reamsim

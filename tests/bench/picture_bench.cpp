@@ -1,5 +1,5 @@
-// How long pictures of 1920 x 1080 take, each with its labels: of the states along a run (the bone changes, is meshed
-// where it changed, and drawn), of the last state, supersampled, and written as PNG.
+// How long pictures of 1920 x 1080 take, each with its labels: of the states along a run, for a film and as pictures
+// (the bone changes, is meshed where it changed, and drawn), of the last state, supersampled, and written as PNG.
 //
 //   picture_bench [RESULTS] [--benchmark_filter=...]
 //
@@ -32,9 +32,9 @@ Camera camera_of(const Studio& studio, const std::string& name) {
   return studio.camera(name, studio.settings().width_px, studio.settings().height_px);
 }
 
-PixelImage picture(Studio& studio, const Camera& camera, const ForceRow& row) {
+PixelImage picture(Studio& studio, const Camera& camera, const ForceRow& row, bool for_film = false) {
   const std::optional<Rigid> tool = studio.tool_at(row);
-  PixelImage image = studio.photograph(camera, tool);
+  PixelImage image = for_film ? studio.film_frame(camera, tool) : studio.photograph(camera, tool);
   Labels labels = studio.labels(camera, tool);
   labels.force = studio.force_arrow(row);
   draw_labels(image, camera, labels);
@@ -49,7 +49,7 @@ void opening(benchmark::State& state, const std::string& dir) {
   }
 }
 
-void frame_of_a_run(benchmark::State& state, const std::string& dir) {
+void frame_of_a_run(benchmark::State& state, const std::string& dir, bool for_film) {
   Studio studio(dir, settings_with(1), 0, nullptr);
   const Camera camera = camera_of(studio, "oblique");
   const auto& frames = studio.frames();
@@ -65,15 +65,16 @@ void frame_of_a_run(benchmark::State& state, const std::string& dir) {
       state.ResumeTiming();
     }
     studio.advance_to(frames[next]);
-    benchmark::DoNotOptimize(picture(studio, camera, studio.row_of(frames[next])));
+    benchmark::DoNotOptimize(picture(studio, camera, studio.row_of(frames[next]), for_film));
     ++next;
   }
 }
 
-void last_state(benchmark::State& state, const std::string& dir, const std::string& camera_name, int supersampling) {
+void last_state(benchmark::State& state, const std::string& dir, const std::string& camera_name, int supersampling,
+                bool for_film = false) {
   Studio studio(dir, settings_with(supersampling), 0, nullptr);
   const Camera camera = camera_of(studio, camera_name);
-  for (auto _ : state) benchmark::DoNotOptimize(picture(studio, camera, studio.log().rows.back()));
+  for (auto _ : state) benchmark::DoNotOptimize(picture(studio, camera, studio.log().rows.back(), for_film));
 }
 
 void written(benchmark::State& state, const std::string& dir, const std::string& to) {
@@ -87,7 +88,9 @@ void register_all(const std::string& dir, const std::string& scratch) {
     benchmark::RegisterBenchmark(name, run)->Unit(benchmark::kMillisecond)->UseRealTime();
   };
   add("opening", [dir](benchmark::State& s) { opening(s, dir); });
-  add("frame_of_a_run", [dir](benchmark::State& s) { frame_of_a_run(s, dir); });
+  add("frame_of_a_film", [dir](benchmark::State& s) { frame_of_a_run(s, dir, true); });
+  add("picture_of_a_run", [dir](benchmark::State& s) { frame_of_a_run(s, dir, false); });
+  add("oblique_for_film", [dir](benchmark::State& s) { last_state(s, dir, "oblique", 1, true); });
   add("oblique", [dir](benchmark::State& s) { last_state(s, dir, "oblique", 1); });
   add("section", [dir](benchmark::State& s) { last_state(s, dir, "section", 1); });
   add("oblique_supersampled_2", [dir](benchmark::State& s) { last_state(s, dir, "oblique", 2); });

@@ -9,6 +9,7 @@
 #include <sstream>
 
 #include "render/pixel_image.h"
+#include "render/studio.h"
 #include "sim/base/error.h"
 #include "tests/render/results_fixture.h"
 #include "tests/support/temp_dir.h"
@@ -115,6 +116,20 @@ TEST_F(ReportPage, HoldsTheRun) {
   EXPECT_EQ(data["pictures"]["cameras"][0]["width_px"], 160);
   EXPECT_NEAR(data["bone"]["deepest_mm"].get<double>(), 3.0, 0.6);
   for (const char* state : {"before", "after"}) EXPECT_GT(data["bone"][state]["triangles"], 1000) << state;
+}
+
+TEST_F(ReportPage, IsTheSameAfterPicturesOfTheSameRun) {
+  const std::string alone = page();
+  const FinishedRun run(dir());
+  {
+    // Left in the midst of the run.
+    Studio studio(run, settings_, 0, nullptr);
+    studio.rewind();
+    studio.advance_to(studio.frames().at(0));
+    studio.advance_to(studio.frames().at(1));
+  }
+  write_report(run, settings_, 0);
+  EXPECT_TRUE(read(dir() + "/report.html") == alone);
 }
 
 TEST_F(ReportPage, NothingFromTheRunBecomesMarkup) {
