@@ -69,13 +69,17 @@ void make_pictures(const FinishedRun& run, const Scenario& scenario, double voxe
   progress.finish();
 }
 
-void say_summary(const Console& console, const RunTotals& totals, const RunFacts& facts) {
+/// `mean_mm`: the travel over which pictures and plots show means; the sentence shows the same forces as they do.
+void say_summary(const Console& console, const RunTotals& totals, const RunFacts& facts, double mean_mm) {
+  const bool means = mean_mm > 0;
   char text[256];
   std::snprintf(text, sizeof text,
-                "removed %.1f mm3, %.2f mm deep; peak axial force %.1f N and spin torque %.0f N mm over a layer of "
-                "voxels; energy balance %.1e",
-                totals.removed_mm3, totals.max_depth_mm, totals.peak_layer_axial_force_n,
-                totals.peak_layer_spin_torque_nmm, totals.balance);
+                "removed %.1f mm3, %.2f mm deep; peak axial force %.1f N and spin torque %.0f N mm%s; "
+                "energy balance %.1e",
+                totals.removed_mm3, totals.max_depth_mm,
+                means ? totals.peak_layer_axial_force_n : totals.peak_axial_force_n,
+                means ? totals.peak_layer_spin_torque_nmm : totals.peak_spin_torque_nmm,
+                means ? " over a layer of voxels" : "", totals.balance);
   console.say(text);
   std::snprintf(text, sizeof text, "%.1f s simulated in %.1f s on %s", totals.simulated_s, facts.simulate_s,
                 facts.device.c_str());
@@ -117,10 +121,9 @@ void run_in(OutputFolder& folder, const Scenario& scenario, const Console& conso
     throw;
   }
   finish();
-  if (scenario.render.enabled && scenario.render.report) {
-    write_report(finished, scenario.render, averaged_travel_mm(scenario.cutting, scene.bone.voxmap.grid.voxel_mm));
-  }
-  say_summary(console, recorder.totals(), facts);
+  const double mean_mm = averaged_travel_mm(scenario.cutting, scene.bone.voxmap.grid.voxel_mm);
+  if (scenario.render.enabled && scenario.render.report) write_report(finished, scenario.render, mean_mm);
+  say_summary(console, recorder.totals(), facts, mean_mm);
 }
 
 void run_command(const RunOptions& options, const Console& console) {

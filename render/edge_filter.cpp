@@ -14,7 +14,7 @@ namespace {
 constexpr float kLeastStep = 10;                // smaller steps cannot be seen
 constexpr float kLeastShareOfBrightest = 0.1F;  // nor can these beside something bright
 constexpr int kMostSteps_px = 16;               // how far an edge is followed either way
-constexpr float kSoftening = 0.75F;              // of single pixels
+constexpr float kSoftening = 0.75F;             // of single pixels
 constexpr std::size_t kGrain_rows = 16;
 
 /// How bright each pixel of a picture is on white paper.

@@ -266,7 +266,7 @@ struct RenderSettings {
   std::string context = "osmesa";  ///< osmesa | egl
   int width_px = 1920;
   int height_px = 1080;
-  int every_frames = 0;                                               ///< 0 = ten pictures over the run, and a film of 150
+  int every_frames = 0;  ///< 0 = ten pictures over the run, and a film of 150
   std::vector<std::string> cameras{"oblique", "glenoid", "section"};  ///< the first names the files without a suffix
   std::vector<UserCamera> user_cameras;
   bool before_after = true;

@@ -73,7 +73,8 @@ TEST_F(ViewsOfARun, RenderKeysAreSetAndNoOthers) {
   EXPECT_NE(read("out/reamed.png"), plain);
   EXPECT_EQ(render({"--only", "pictures"}).status, 0);
   EXPECT_EQ(read("out/reamed.png"), plain);
-  expect_complaint(render({"--set", "render.background=green"}), "render.background: found the text \"green\"; expected studio, white or transparent");
+  expect_complaint(render({"--set", "render.background=green"}),
+                   "render.background: found the text \"green\"; expected studio, white or transparent");
   expect_complaint(render({"--set", "render.supersampling=9"}), "render.supersampling: found 9");
   expect_complaint(render({"--set", "bone.voxel_mm=1"}), "expected render.KEY=VALUE");
 }
