@@ -1,5 +1,3 @@
-#include "render/render.h"
-
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <filesystem>
@@ -8,9 +6,8 @@
 #include <vector>
 
 #include "cli/commands.h"
+#include "cli/outputs.h"
 #include "render/camera.h"
-#include "render/meshes.h"
-#include "render/plots.h"
 #include "render/report/report.h"
 #include "render/results.h"
 #include "sim/base/error.h"
@@ -129,30 +126,20 @@ void render_command(const RenderOptions& options, const Console& console) {
   if (!options.cameras.empty()) choose_cameras(options, settings);
   choose_kinds(options, settings, choice);
   settings.enabled = true;
-  Progress progress(console, "render", "pictures");
+  const std::string scenario = options.dir + "/scenario.yaml";
   Report report;
   const FinishedRun run(options.dir);
   const double voxel_mm = run.results().voxmap.grid.voxel_mm;
-  const double mean_mm = averaged_travel_mm(parse_cutting_settings(options.dir + "/scenario.yaml"), voxel_mm);
-  render_pictures(
-      run, settings, mean_mm,
-      [&](int done, int total, const std::string&) {
-        progress.update(done, total);
-        if (stop_requested()) throw Interrupted();
-      },
-      &report, choice);
-  progress.finish();
-  const std::string scenario = options.dir + "/scenario.yaml";
-  if (options.wants("plots")) {
-    write_force_plots(options.dir, mean_mm);
-    write_depth_and_energy_plots(options.dir, mean_mm);
-    write_removed_density(options.dir);
-    if (parse_tool_spin(scenario) == "resolved") write_torque_spectrum(options.dir);
-    write_depth_picture(options.dir, settings.depth_max_mm);
-  }
-  if (options.wants("meshes") && parse_output_settings(scenario).meshes) {
-    write_meshes(run, settings.depth_max_mm, report);
-  }
+  const double mean_mm = averaged_travel_mm(parse_cutting_settings(scenario), voxel_mm);
+  make_outputs(run,
+               {.settings = settings,
+                .choice = choice,
+                .mean_travel_mm = mean_mm,
+                .force_plots = options.wants("plots"),
+                .all_plots = options.wants("plots"),
+                .torque_spectrum = parse_tool_spin(scenario) == "resolved",
+                .meshes = options.wants("meshes") && parse_output_settings(scenario).meshes},
+               report, console);
   if (settings.report && options.wants("report")) write_report(run, settings, mean_mm);
   console.tell(report);
   console.say("pictures: " + options.dir);

@@ -1,12 +1,11 @@
 #include <CLI/CLI.hpp>
+#include <future>
 #include <memory>
 #include <optional>
 
 #include "cli/commands.h"
+#include "cli/outputs.h"
 #include "cli/scenario_options.h"
-#include "render/meshes.h"
-#include "render/plots.h"
-#include "render/render.h"
 #include "render/report/report.h"
 #include "sim/base/error.h"
 #include "sim/record/output_folder.h"
@@ -44,29 +43,13 @@ void run_frames(ReamingScene& scene, Engine& engine, Recorder& recorder, Report&
   recorder.close();
 }
 
-constexpr const char* kNoSpectrum =
-    "no spectrum of the torque: the tool does not spin, or touches bone for less than four turns";
-
-void make_pictures(const FinishedRun& run, const Scenario& scenario, double voxel_mm, Report& report,
-                   const Console& console) {
-  const std::string& dir = run.dir();
-  const double mean_mm = averaged_travel_mm(scenario.cutting, voxel_mm);
-  write_force_plots(dir, mean_mm);
-  write_depth_picture(dir, scenario.render.depth_max_mm);
-  if (scenario.output.meshes) write_meshes(run, scenario.render.depth_max_mm, report);
-  if (!scenario.render.enabled) return;
-  write_depth_and_energy_plots(dir, mean_mm);
-  write_removed_density(dir);
-  if (scenario.tool.spin == "resolved" && !write_torque_spectrum(dir)) report.warn(kNoSpectrum);
-  Progress progress(console, "render", "pictures");
-  render_pictures(
-      run, scenario.render, mean_mm,
-      [&](int done, int total, const std::string&) {
-        progress.update(done, total);
-        if (stop_requested()) throw Interrupted();
-      },
-      &report);
-  progress.finish();
+Outputs outputs_of(const Scenario& scenario, double mean_mm) {
+  return {.settings = scenario.render,
+          .mean_travel_mm = mean_mm,
+          .pictures = scenario.render.enabled,
+          .all_plots = scenario.render.enabled,
+          .torque_spectrum = scenario.tool.spin == "resolved",
+          .meshes = scenario.output.meshes};
 }
 
 /// `mean_mm`: the travel over which pictures and plots show means; the sentence shows the same forces as they do.
@@ -86,6 +69,15 @@ void say_summary(const Console& console, const RunTotals& totals, const RunFacts
   console.say(text);
 }
 
+using UnreamedLater = std::future<std::shared_ptr<const UnreamedBone>>;
+
+/// Begins what drawing needs of the bone as it is now, on a thread of its own beside the simulation, which leaves alone
+/// what is read of `scene`; that outlives the future.
+UnreamedLater prepare_drawing(const ReamingScene& scene, const FillBricks& fill_before) {
+  return std::async(std::launch::async,
+                    [&voxmap = scene.bone.voxmap, fill_before] { return make_unreamed_bone(voxmap, fill_before); });
+}
+
 /// The whole job: load, simulate, write, draw, and only then put the folder in place.
 void run_in(OutputFolder& folder, const Scenario& scenario, const Console& console) {
   const Stopwatch load_watch;
@@ -100,6 +92,7 @@ void run_in(OutputFolder& folder, const Scenario& scenario, const Console& conso
   facts.load_s = load_watch.seconds();
   tell(report, facts, console);
 
+  UnreamedLater unreamed = prepare_drawing(scene, fill_before);
   Recorder recorder(folder.path(), scene.bone.voxmap.grid.voxel_mm);
   const Stopwatch watch;
   run_frames(scene, *engine, recorder, report, console);
@@ -113,15 +106,15 @@ void run_in(OutputFolder& folder, const Scenario& scenario, const Console& conso
     tell(report, facts, console);
     write_summary(folder.path(), scene, recorder.totals(), facts, render_watch.seconds());
   };
-  const FinishedRun finished(folder.path());
+  const FinishedRun finished(folder.path(), scene.bone.voxmap, unreamed.get());
+  const double mean_mm = averaged_travel_mm(scenario.cutting, scene.bone.voxmap.grid.voxel_mm);
   try {
-    make_pictures(finished, scenario, scene.bone.voxmap.grid.voxel_mm, report, console);
+    make_outputs(finished, outputs_of(scenario, mean_mm), report, console);
   } catch (const RunError&) {
     finish();  // numbers that are whole are not lost with a picture
     throw;
   }
   finish();
-  const double mean_mm = averaged_travel_mm(scenario.cutting, scene.bone.voxmap.grid.voxel_mm);
   if (scenario.render.enabled && scenario.render.report) write_report(finished, scenario.render, mean_mm);
   say_summary(console, recorder.totals(), facts, mean_mm);
 }

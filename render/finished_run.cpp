@@ -8,9 +8,20 @@
 
 namespace reamsim {
 
+std::shared_ptr<const UnreamedBone> make_unreamed_bone(const Voxmap& voxmap, const FillBricks& fill_before) {
+  return std::make_shared<UnreamedBone>(voxmap, with_gone_voxels_whole(fill_before));
+}
+
+struct FinishedRun::AtHand {
+  Voxmap voxmap;
+  std::shared_ptr<const UnreamedBone> unreamed;
+};
+
 struct FinishedRun::Loaded {
   explicit Loaded(const std::string& dir)
       : results(read_results(dir)), unreamed(results.voxmap, results.unreamed_fill) {}
+  Loaded(const std::string& dir, AtHand at_hand)
+      : results(read_results(dir, std::move(at_hand.voxmap))), unreamed(std::move(at_hand.unreamed), results.voxmap) {}
 
   RunResults results;
   UnreamedSurface unreamed;
@@ -18,10 +29,14 @@ struct FinishedRun::Loaded {
 
 struct FinishedRun::Folder {
   std::string dir;
+  std::optional<AtHand> at_hand;  ///< until it is loaded
   std::optional<Loaded> loaded;
 };
 
-FinishedRun::FinishedRun(std::string dir) : folder_(new Folder{std::move(dir), std::nullopt}) {}
+FinishedRun::FinishedRun(std::string dir) : folder_(new Folder{std::move(dir), std::nullopt, std::nullopt}) {}
+
+FinishedRun::FinishedRun(std::string dir, const Voxmap& voxmap, std::shared_ptr<const UnreamedBone> unreamed)
+    : folder_(new Folder{std::move(dir), AtHand{voxmap, std::move(unreamed)}, std::nullopt}) {}
 
 const std::string& FinishedRun::dir() const {
   return folder_->dir;
@@ -36,8 +51,15 @@ const UnreamedSurface& FinishedRun::unreamed() const {
 }
 
 FinishedRun::Loaded& FinishedRun::loaded() const {
-  if (!folder_->loaded) folder_->loaded.emplace(folder_->dir);
-  return *folder_->loaded;
+  Folder& folder = *folder_;
+  if (folder.loaded) return *folder.loaded;
+  if (folder.at_hand) {
+    folder.loaded.emplace(folder.dir, std::move(*folder.at_hand));
+    folder.at_hand.reset();
+  } else {
+    folder.loaded.emplace(folder.dir);
+  }
+  return *folder.loaded;
 }
 
 }  // namespace reamsim

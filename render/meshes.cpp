@@ -29,8 +29,9 @@ openvdb::FloatGrid::Ptr read_surface(const std::string& path) {
 
 void write_meshes(const FinishedRun& run, double depth_max_mm, Report& report) {
   const std::string& dir = run.dir();
-  const Voxmap& voxmap = run.results().voxmap;
-  const ReamedMesh reamed = make_reamed_mesh(*read_surface(dir + "/reamed.vdb"), voxmap, run.unreamed());
+  const RunResults& results = run.results();
+  const ReamedMesh reamed =
+      make_reamed_mesh(*read_surface(dir + "/reamed.vdb"), results.voxmap.grid, results.bone_mm3, run.unreamed());
   if (reamed.mesh.triangles.empty()) {
     std::filesystem::remove(dir + "/reamed.glb");
     std::filesystem::remove(dir + "/reamed.stl");

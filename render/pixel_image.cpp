@@ -4,9 +4,6 @@
 #include <array>
 #include <cstddef>
 
-#include "render/canvas.h"
-#include "sim/base/error.h"
-
 namespace reamsim {
 
 namespace {
@@ -61,15 +58,6 @@ PixelImage averaged(PixelImage image, int times) {
     }
   }
   return out;
-}
-
-void write_png(const std::string& path, PixelImage& image) {
-  const Canvas canvas(image);
-  const cairo_status_t status = cairo_surface_write_to_png(canvas.surface(), path.c_str());
-  if (status != CAIRO_STATUS_SUCCESS) {
-    throw RunError(path + ": cannot be written (" + cairo_status_to_string(status) +
-                   "); is the disk full or the folder read-only?");
-  }
 }
 
 }  // namespace reamsim

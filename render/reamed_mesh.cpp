@@ -105,11 +105,12 @@ void find_depths(ReamedMesh& out, const VoxelGrid& grid, const UnreamedSurface& 
 
 }  // namespace
 
-ReamedMesh make_reamed_mesh(const openvdb::FloatGrid& surface, const Voxmap& voxmap, const UnreamedSurface& unreamed) {
+ReamedMesh make_reamed_mesh(const openvdb::FloatGrid& surface, const VoxelGrid& grid, double bone_mm3,
+                            const UnreamedSurface& unreamed) {
   ReamedMesh out;
-  out.mesh = mesh_of_volume(surface, voxmap.bone_mm3(), voxmap.grid.voxel_mm);
+  out.mesh = mesh_of_volume(surface, bone_mm3, grid.voxel_mm);
   out.normals = vertex_normals(out.mesh);
-  find_depths(out, voxmap.grid, unreamed);
+  find_depths(out, grid, unreamed);
   return out;
 }
 

@@ -22,8 +22,9 @@ struct ReamedMesh {
 
 /// Meshes `surface`, the level set of reamed.vdb (mm, negative inside), and asks `unreamed` for the depth of each
 /// vertex. The level is not 0 but the one, some hundredths of a voxel away, at which the mesh encloses the volume that
-/// `voxmap` has left: smoothing rounds edges off, and they would be missing. Closed also where the lattice cuts the
-/// bone; empty where none is left.
-ReamedMesh make_reamed_mesh(const openvdb::FloatGrid& surface, const Voxmap& voxmap, const UnreamedSurface& unreamed);
+/// is left, `bone_mm3`: smoothing rounds edges off, and they would be missing. Closed also where the lattice, `grid`,
+/// cuts the bone; empty where none is left.
+ReamedMesh make_reamed_mesh(const openvdb::FloatGrid& surface, const VoxelGrid& grid, double bone_mm3,
+                            const UnreamedSurface& unreamed);
 
 }  // namespace reamsim

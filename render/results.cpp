@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <sstream>
 
+#include "render/unreamed_bone.h"
 #include "sim/base/error.h"
 #include "sim/bone/bone_vdb.h"
 #include "sim/mesh/mesh_io.h"
@@ -51,17 +52,12 @@ std::optional<GlenoidFrame> parse_glenoid(const std::string& path, const std::st
   return frame;
 }
 
-/// The fill that the run began with. Voxels without any went in an earlier run: depth is measured from before it.
+/// The fill that the run began with, as UnreamedBone wants it.
 FillBricks unreamed_fill(const std::string& dir, std::int64_t first_frame, const Vec3i& dims) {
   FillBricks out(dims);
   if (first_frame != 0) return out;
   apply_snapshot(dir, first_frame, out);
-  for (const Vec3i& coord : out.take_changed()) {
-    FillBricks::Brick brick = *out.brick(coord);
-    std::replace(brick.begin(), brick.end(), std::uint16_t{0}, FillBricks::kWhole);
-    out.put(coord, brick);
-  }
-  return out;
+  return with_gone_voxels_whole(out);
 }
 
 }  // namespace
@@ -77,9 +73,13 @@ RunResults read_results(const std::string& dir) {
   if (!std::filesystem::is_directory(dir)) {
     throw InputError({dir, 0, 0}, "", "no such folder", "the output folder of a run");
   }
+  return read_results(dir, read_bone_vdb(dir + "/reamed.vdb"));
+}
+
+RunResults read_results(const std::string& dir, Voxmap voxmap) {
   RunResults out;
-  const std::string bone_path = dir + "/reamed.vdb";
-  out.voxmap = read_bone_vdb(bone_path);
+  out.voxmap = std::move(voxmap);
+  out.bone_mm3 = out.voxmap.bone_mm3();
   const Anatomy anatomy = read_anatomy(dir);
   out.glenoid = anatomy.glenoid;
   out.side = anatomy.side;

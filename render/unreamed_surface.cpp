@@ -1,7 +1,6 @@
 #include "render/unreamed_surface.h"
 
 #include <openvdb/tools/Interpolation.h>
-#include <openvdb/tools/MeshToVolume.h>
 #include <openvdb/tools/ValueTransformer.h>
 
 #include <algorithm>
@@ -15,10 +14,6 @@
 namespace reamsim {
 namespace {
 
-/// A bone has about this many depth cells inside: finer ones cost time and show nothing new, because a distance varies
-/// smoothly between them.
-constexpr double kInteriorCells = 400'000;
-
 using openvdb::Vec3d;
 using Point = Eigen::Vector3d;
 
@@ -30,11 +25,6 @@ Eigen::AlignedBox3d bounding_box(const Source& source) {
   return Eigen::AlignedBox3d(source.at);
 }
 using SourceTree = Eigen::KdBVH<double, 3, Source>;
-
-double cell_size_mm(const Voxmap& voxmap) {
-  const double bone_mm3 = static_cast<double>(voxmap.grade.count()) * voxmap.grid.voxel_mm3();
-  return std::max(voxmap.grid.voxel_mm, std::cbrt(bone_mm3 / kInteriorCells));
-}
 
 /// Is this voxel bone that was reamed away?
 bool gone(const Voxmap& voxmap, const FillBricks& before, const Vec3i& voxel) {
@@ -50,28 +40,9 @@ bool reamed(const FillBricks::Brick& fill, const FillBricks::Brick* before) {
   return false;
 }
 
-/// The surface moved out by kBridge_mm, which shuts narrow holes, and the slope that it was moved along.
-struct MovedSurface {
-  openvdb::FloatGrid::Ptr distance_mm;
-  IsoSurface surface;
-};
-
-MovedSurface move_out(const IsoSurface& surface, double voxel_mm, double cell_mm) {
-  const auto transform = openvdb::math::Transform::createLinearTransform(cell_mm);
-  const auto outside_cells = static_cast<float>(UnreamedSurface::kBridge_mm / cell_mm + 3);
-  MovedSurface out;
-  std::vector<openvdb::Vec3s> in_cells = surface.points;
-  for (openvdb::Vec3s& p : in_cells) p *= static_cast<float>(voxel_mm / cell_mm);
-  // This adapter and interrupter are the ones that OpenVDB's library holds compiled; others take minutes to compile.
-  const openvdb::tools::QuadAndTriangleDataAdapter<openvdb::Vec3s, openvdb::Vec3I> mesh(in_cells, surface.triangles);
-  openvdb::util::NullInterrupter never;
-  out.distance_mm = openvdb::tools::meshToVolume<openvdb::FloatGrid>(never, mesh, *transform, outside_cells, 3.0F);
-  out.surface = extract_surface(*out.distance_mm, UnreamedSurface::kBridge_mm);
-  return out;
-}
-
 /// Marks the points of the moved surface below which the bone is gone.
-std::vector<std::uint8_t> above_gone_bone(const MovedSurface& moved, const Voxmap& voxmap, const FillBricks& before) {
+std::vector<std::uint8_t> above_gone_bone(const UnreamedBone& bone, const Voxmap& voxmap) {
+  const MovedSurface& moved = bone.moved();
   const double voxel_mm = voxmap.grid.voxel_mm;
   const auto accessor = moved.distance_mm->getConstAccessor();
   const auto distance_at = [&](const Vec3d& mm) {
@@ -87,9 +58,9 @@ std::vector<std::uint8_t> above_gone_bone(const MovedSurface& moved, const Voxma
       slope[axis] = distance_at(p + step) - distance_at(p - step);
     }
     if (slope.length() < 1e-9) continue;
-    const Vec3d below = (p - slope.unit() * (UnreamedSurface::kBridge_mm + 0.75 * voxel_mm)) / voxel_mm;
+    const Vec3d below = (p - slope.unit() * (UnreamedBone::kBridge_mm + 0.75 * voxel_mm)) / voxel_mm;
     const Vec3i voxel = Point(below.x(), below.y(), below.z()).array().round().cast<int>();
-    marked[i] = gone(voxmap, before, voxel) ? 1 : 0;
+    marked[i] = gone(voxmap, bone.before(), voxel) ? 1 : 0;
   }
   return marked;
 }
@@ -130,15 +101,13 @@ openvdb::FloatGrid::Ptr cells_of_changed_bricks(const Voxmap& voxmap, const Fill
   return grid;
 }
 
-openvdb::FloatGrid::Ptr depth_grid(const IsoSurface& surface, const Voxmap& voxmap, const FillBricks& before) {
-  const double cell_mm = cell_size_mm(voxmap);
-  auto depth = cells_of_changed_bricks(voxmap, before, cell_mm);
+openvdb::FloatGrid::Ptr depth_grid(const UnreamedBone& bone, const Voxmap& voxmap) {
+  const MovedSurface& moved = bone.moved();
+  auto depth = cells_of_changed_bricks(voxmap, bone.before(), moved.cell_mm);
   if (depth->empty()) return depth;
-  const MovedSurface moved = move_out(surface, voxmap.grid.voxel_mm, cell_mm);
-  std::vector<std::uint8_t> marked = above_gone_bone(moved, voxmap, before);
-  const std::vector<std::uint32_t> indices = flat_indices(moved.surface);
-  spread(marked, {moved.surface.points.size(), indices},
-         static_cast<int>(std::ceil(2 * UnreamedSurface::kBridge_mm / cell_mm)));
+  std::vector<std::uint8_t> marked = above_gone_bone(bone, voxmap);
+  spread(marked, {moved.surface.points.size(), flat_indices(moved.surface)},
+         static_cast<int>(std::ceil(2 * UnreamedBone::kBridge_mm / moved.cell_mm)));
   std::vector<Source> sources;
   for (std::size_t i = 0; i < marked.size(); ++i) {
     const openvdb::Vec3s& p = moved.surface.points[i];
@@ -151,7 +120,7 @@ openvdb::FloatGrid::Ptr depth_grid(const IsoSurface& surface, const Voxmap& voxm
     const Vec3d mm = depth->indexToWorld(value.getCoord());
     SquaredDistance from{Point(mm.x(), mm.y(), mm.z())};
     const double distance_mm = std::sqrt(Eigen::BVMinimize(tree, from));
-    value.setValue(static_cast<float>(distance_mm - UnreamedSurface::kBridge_mm));
+    value.setValue(static_cast<float>(distance_mm - UnreamedBone::kBridge_mm));
   };
   depth->tree().voxelizeActiveTiles();
   openvdb::tools::foreach (depth->beginValueOn(), measure);
@@ -160,11 +129,10 @@ openvdb::FloatGrid::Ptr depth_grid(const IsoSurface& surface, const Voxmap& voxm
 
 }  // namespace
 
+UnreamedSurface::UnreamedSurface(std::shared_ptr<const UnreamedBone> bone, const Voxmap& voxmap)
+    : bone_(std::move(bone)), depth_(depth_grid(*bone_, voxmap)) {}
+
 UnreamedSurface::UnreamedSurface(const Voxmap& voxmap, FillBricks before)
-    : before_(std::move(before)),
-      occupancy_(voxmap, before_),
-      field_(occupancy_),
-      surface_(extract_surface(field_.grid(), 0)),
-      depth_(depth_grid(surface_, voxmap, before_)) {}
+    : UnreamedSurface(std::make_shared<UnreamedBone>(voxmap, std::move(before)), voxmap) {}
 
 }  // namespace reamsim

@@ -2,41 +2,34 @@
 
 #include <openvdb/openvdb.h>
 
-#include "render/occupancy.h"
-#include "render/solid_field.h"
+#include <memory>
+
+#include "render/unreamed_bone.h"
 
 namespace reamsim {
 
-/// The bone before reaming: where material has gone, and how deep below the old surface the new one lies. Made once per
-/// run, from the run's last state.
+/// Where material has gone from a bone, and how deep below the old surface the new one lies. Made once per run, from
+/// the run's last state.
 class UnreamedSurface {
  public:
-  /// Holes and slits up to twice this wide (a pilot hole, a cannula's core hole, a vessel) do not count as surface that
-  /// depth is measured from.
-  static constexpr double kBridge_mm = 1.8;
-
-  /// `voxmap` with all that the run removes gone from its fill; `before`: the fill that it began with.
+  /// `voxmap`: with all that the run removes gone from its fill.
+  UnreamedSurface(std::shared_ptr<const UnreamedBone> bone, const Voxmap& voxmap);
+  /// `before`: as in UnreamedBone.
   UnreamedSurface(const Voxmap& voxmap, FillBricks before);
   /// Of a bone that began whole.
   explicit UnreamedSurface(const Voxmap& voxmap) : UnreamedSurface(voxmap, FillBricks(voxmap.grid.dims)) {}
-  // `occupancy_` refers to `before_`.
-  UnreamedSurface(const UnreamedSurface&) = delete;
-  UnreamedSurface& operator=(const UnreamedSurface&) = delete;
 
   /// The unreamed bone's field, voxel index space.
-  [[nodiscard]] const openvdb::FloatGrid& field() const { return field_.grid(); }
+  [[nodiscard]] const openvdb::FloatGrid& field() const { return bone_->field().grid(); }
   /// Its surface, voxel index space.
-  [[nodiscard]] const IsoSurface& surface() const { return surface_; }
+  [[nodiscard]] const IsoSurface& surface() const { return bone_->surface(); }
   /// Distance in mm from the part of the unreamed surface that was reamed away, so that neither the far side of a thin
   /// bone nor the wall beside the tool counts. Known wherever material went, in the space of voxel indices times
   /// voxel_mm; 0 elsewhere.
   [[nodiscard]] const openvdb::FloatGrid& depth() const { return *depth_; }
 
  private:
-  FillBricks before_;
-  Occupancy occupancy_;
-  SolidField field_;
-  IsoSurface surface_;
+  std::shared_ptr<const UnreamedBone> bone_;
   openvdb::FloatGrid::Ptr depth_;
 };
 

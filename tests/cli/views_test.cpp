@@ -1,3 +1,5 @@
+#include <map>
+
 #include "tests/cli/cli_fixture.h"
 
 namespace reamsim::test {
@@ -33,6 +35,44 @@ TEST_F(ViewsOfARun, ACameraDrawnAgainKeepsTheNamesOfItsFiles) {
   EXPECT_EQ(render({"--camera", "section"}).status, 0);
   EXPECT_EQ(read("out/reamed.png"), oblique);
   EXPECT_EQ(read("out/reamed_section.png"), section);
+}
+
+/// Every file of a folder, by its path in it, with its bytes.
+std::map<std::string, std::string> files_of(const std::string& dir) {
+  std::map<std::string, std::string> out;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(dir)) {
+    if (!entry.is_regular_file()) continue;
+    out[std::filesystem::relative(entry.path(), dir).string()] = file_bytes(entry.path().string());
+  }
+  return out;
+}
+
+// The run draws from what it holds, the later one from the folder; and the bone of the second run has been reamed
+// before.
+TEST_F(ViewsOfARun, DrawnAgainFromTheFolderIsTheSameToTheByte) {
+  const std::string glenoid = with(kDrawn, "shape: half_space\n    size_mm: [10, 10, 6]", "shape: glenoid");
+  const std::string twice = with(with(glenoid, "  source: phantom\n  voxel_mm: 0.5\n  phantom:\n    shape: glenoid\n",
+                                      "  source: vdb\n  vdb: {path: first.vdb}\n"),
+                                 "depth_mm: 1\n", "depth_mm: 2\n");
+  for (const std::string& scenario :
+       {glenoid, with(glenoid, "engine:\n", "cutting:\n  erosion: remove\nengine:\n"), twice}) {
+    expect_done(run(scenario, {"--set", "render.contact_sheet=true", "--set", "render.before_after=true"}));
+    const auto before = files_of(path("out"));
+    for (const char* name : {"reamed.png", "reamed_section.png", "before_after.png", "contact_sheet.png", "reamed.glb",
+                             "reamed.stl", "depth_map.png", "report.html", "plots/removed_density.csv"}) {
+      ASSERT_TRUE(before.contains(name)) << name;
+      std::filesystem::remove(path("out/" + std::string(name)));
+    }
+    EXPECT_EQ(render({}).status, 0);
+    const auto again = files_of(path("out"));
+    ASSERT_EQ(again.size(), before.size());
+    for (const auto& [name, bytes] : before) {
+      // gnuplot writes the time into its PDF.
+      if (!name.ends_with(".pdf")) EXPECT_TRUE(again.contains(name) && again.at(name) == bytes) << name;
+    }
+    std::filesystem::rename(path("out/reamed.vdb"), path("first.vdb"));
+    std::filesystem::remove_all(path("out"));
+  }
 }
 
 TEST_F(ViewsOfARun, CamerasInBracesOfTheRunAndUnknown) {

@@ -188,7 +188,8 @@ TEST_F(Meshes, BoneThatTheLatticeCutsIsClosedThere) {
   for (int i = 0; i < grid.dims.prod(); ++i) {
     voxmap.grade.set({i % 24, i / 24 % 20, i / 480}, 200);
   }
-  const ReamedMesh reamed = make_reamed_mesh(*surface_level_set(voxmap), voxmap, UnreamedSurface(voxmap));
+  const ReamedMesh reamed =
+      make_reamed_mesh(*surface_level_set(voxmap), voxmap.grid, voxmap.bone_mm3(), UnreamedSurface(voxmap));
   expect_solid(reamed.mesh, voxmap.bone_mm3());
   EXPECT_NEAR(diagnose(reamed.mesh).volume_mm3, 24 * 20 * 17 * 0.125, 0.001 * 24 * 20 * 17 * 0.125);
 }
