@@ -46,12 +46,6 @@ void write_json(const std::string& path, const std::string& text) {
   if (!out) throw RunError(path + ": cannot be written; is the disk full?");
 }
 
-void make_folder(const std::string& path) {
-  std::error_code error;
-  std::filesystem::create_directories(path, error);
-  if (error) throw InputError({path, 0, 0}, "--output", error.message(), "expected a folder that can be made");
-}
-
 std::string program_of(const bench::Label& label) {
   return label.engine + (label.variant == "published" ? ", published" : "");
 }

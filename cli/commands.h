@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <string>
 
 #include "cli/console.h"
 
@@ -20,5 +21,8 @@ void add_import_command(CLI::App& app, Console& console);
 void add_bench_command(CLI::App& app, Console& console);
 void add_verify_command(CLI::App& app, Console& console);
 void add_devices_command(CLI::App& app, Console& console);
+
+/// Makes the folder that `--output` names, where there is none. Throws InputError.
+void make_folder(const std::string& path);
 
 }  // namespace reamsim

@@ -1,5 +1,4 @@
 #include <CLI/CLI.hpp>
-#include <filesystem>
 #include <memory>
 
 #include "cli/commands.h"
@@ -17,12 +16,6 @@ struct VerifyOptions {
   std::string output = "out/verify";
   std::string device = "auto";
 };
-
-void make_folder(const std::string& path) {
-  std::error_code error;
-  std::filesystem::create_directories(path, error);
-  if (error) throw InputError({path, 0, 0}, "--output", error.message(), "expected a folder that can be made");
-}
 
 /// The figures that failed, a line each.
 void tell_failures(const verify::Findings& findings, const Console& console) {

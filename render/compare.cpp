@@ -105,7 +105,7 @@ std::string curves_csv(const std::vector<ComparedRun>& runs) {
 }
 
 /// In gnuplot's double quotes.
-std::string quoted(const std::string& text) {
+std::string gnuplot_text(const std::string& text) {
   std::string out = "\"";
   for (const char c : text) {
     if (c == '"' || c == '\\') out += '\\';
@@ -116,7 +116,7 @@ std::string quoted(const std::string& text) {
 
 std::string labels_block(const std::vector<ComparedRun>& runs) {
   std::string out = "runs = " + std::to_string(runs.size()) + "\narray label[runs] = [";
-  for (std::size_t i = 0; i < runs.size(); ++i) out += (i == 0 ? "" : ", ") + quoted(runs[i].label);
+  for (std::size_t i = 0; i < runs.size(); ++i) out += (i == 0 ? "" : ", ") + gnuplot_text(runs[i].label);
   return out + "]\n\n";
 }
 

@@ -9,13 +9,13 @@
 namespace reamsim {
 namespace {
 
-constexpr std::size_t kMostCells = 20;
+constexpr std::size_t kMostFrames = 20;
 constexpr std::uint32_t kPage_rgb = 0xf4f6f9;
 /// Cells are neither flatter nor steeper than this, width over height.
 constexpr double kFlattest = 1.6;
 constexpr double kSteepest = 0.8;
 // What is left free round the cells, as shares of a page 1080 high and at least 1440 wide.
-constexpr double kSide = 28;
+constexpr double kMargin = 28;
 constexpr double kHead = 104;
 constexpr double kFoot = 96;
 constexpr double kLegend = 230;
@@ -33,7 +33,7 @@ double page_unit(int width_px, int height_px) {
 SheetGrid sheet_grid(int cells, int width_px, int height_px) {
   const bool bare = std::min(width_px, height_px) < kLeastLabelled_px;
   const double u = bare ? 0 : page_unit(width_px, height_px);
-  const Box area{kSide * u, kHead * u, width_px - (kSide + kLegend) * u, height_px - (kHead + kFoot) * u};
+  const Box area{kMargin * u, kHead * u, width_px - (kMargin + kLegend) * u, height_px - (kHead + kFoot) * u};
   SheetGrid best{1, cells, 1, 1, area, static_cast<int>(kGap * u)};
   double largest = 0;
   for (int columns = 1; columns <= cells; ++columns) {
@@ -53,7 +53,7 @@ SheetGrid sheet_grid(int cells, int width_px, int height_px) {
 }
 
 ContactSheet::ContactSheet(const Studio& studio, const std::string& camera)
-    : frames_(evenly_among(studio.frames(), kMostCells)),
+    : frames_(evenly_among(studio.frames(), kMostFrames)),
       grid_(sheet_grid(static_cast<int>(frames_.size()), studio.settings().width_px, studio.settings().height_px)),
       camera_(studio.closer_camera(camera, grid_.cell_width_px, grid_.cell_height_px)),
       page_(plain_image(studio.settings().width_px, studio.settings().height_px, kPage_rgb)) {}

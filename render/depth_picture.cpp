@@ -16,11 +16,11 @@ namespace {
 constexpr int kWidth_px = 1600;
 constexpr int kHeight_px = 1080;
 /// What the map may fill of the picture, and how far right of its middle: between the values and the legend.
-constexpr double kUsableWidth = 0.57;
-constexpr double kUsableHeight = 0.95;
+constexpr double kMapWidth = 0.57;
+constexpr double kMapHeight = 0.95;
 constexpr double kShift_px = 125;
 /// Samples per pixel along each axis, against jagged edges.
-constexpr int kSamples = 2;
+constexpr int kMapSamples = 2;
 constexpr double kContourWidth_px = 1.3;
 /// Where the depth changes less than this, mm per mm, it counts as level.
 constexpr double kTerrace = 0.01;
@@ -39,7 +39,7 @@ Camera map_camera(const DepthField& field) {
   camera.name = "depth_map";
   camera.width_px = kWidth_px;
   camera.height_px = kHeight_px;
-  camera.mm_per_px = std::max(size.x() / (kUsableWidth * kWidth_px), size.y() / (kUsableHeight * kHeight_px));
+  camera.mm_per_px = std::max(size.x() / (kMapWidth * kWidth_px), size.y() / (kMapHeight * kHeight_px));
   camera.eye_from_bone.translation() = Vec3(kShift_px * camera.mm_per_px - middle.x(), -middle.y(), 0);
   return camera;
 }
@@ -74,10 +74,10 @@ class DepthPainter {
 
   [[nodiscard]] Rgb pixel(int x, int y) const {
     Rgb sum = Rgb::Zero();
-    for (int n = 0; n < kSamples * kSamples; ++n) {
-      sum += color(place(x + (n % kSamples + 0.5) / kSamples, y + (n / kSamples + 0.5) / kSamples));
+    for (int n = 0; n < kMapSamples * kMapSamples; ++n) {
+      sum += color(place(x + (n % kMapSamples + 0.5) / kMapSamples, y + (n / kMapSamples + 0.5) / kMapSamples));
     }
-    return sum / (kSamples * kSamples);
+    return sum / (kMapSamples * kMapSamples);
   }
 
   [[nodiscard]] Rgb color(const Vec2& at) const {

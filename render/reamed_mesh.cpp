@@ -12,9 +12,9 @@
 namespace reamsim {
 namespace {
 
-constexpr std::size_t kGrain = 2048;
-constexpr int kDepthRounds = 5;  // evens out the voxels' steps in what is found at the vertices
-constexpr int kCorrections = 2;  // of the level; the second is for thin bone, whose area changes with the first
+constexpr std::size_t kMeshGrain = 2048;
+constexpr int kMeshDepthRounds = 5;  // evens out the voxels' steps in what is found at the vertices
+constexpr int kCorrections = 2;      // of the level; the second is for thin bone, whose area changes with the first
 constexpr double kMostShift_voxels = 0.5;
 
 TriangleMesh mesh_at(const openvdb::FloatGrid& surface, double level_mm) {
@@ -83,7 +83,7 @@ void find_depths(ReamedMesh& out, const VoxelGrid& grid, const UnreamedSurface& 
   const std::size_t count = out.mesh.vertices.size();
   out.depth_mm.assign(count, 0);
   out.reamed.assign(count, 0);
-  parallel_ranges(count, kGrain, [&](std::size_t begin, std::size_t end) {
+  parallel_ranges(count, kMeshGrain, [&](std::size_t begin, std::size_t end) {
     const auto before = unreamed.field().getConstAccessor();
     const auto depths = unreamed.depth().getConstAccessor();
     for (std::size_t i = begin; i < end; ++i) {
@@ -99,8 +99,8 @@ void find_depths(ReamedMesh& out, const VoxelGrid& grid, const UnreamedSurface& 
     if (out.reamed[i] >= 1) out.deepest_mm = std::max(out.deepest_mm, double{out.depth_mm[i]});
   }
   const Neighbours neighbours(count, corner_indices(out.mesh));
-  smooth_values(neighbours, out.reamed, out.depth_mm, kDepthRounds);
-  smooth_values(neighbours, std::vector<float>(count, 1), out.reamed, kDepthRounds);
+  smooth_values(neighbours, out.reamed, out.depth_mm, kMeshDepthRounds);
+  smooth_values(neighbours, std::vector<float>(count, 1), out.reamed, kMeshDepthRounds);
 }
 
 }  // namespace

@@ -16,9 +16,9 @@ extern template void openvdb::tools::VolumeToMesh::operator()(const openvdb::Flo
 namespace reamsim {
 namespace {
 
-constexpr int kSide = FillBricks::kSide;
+constexpr int kBrickSide = FillBricks::kSide;
 constexpr int kReach = 3;  // of the kernel: 2.5 standard deviations
-constexpr int kGathered = kSide + 2 * kReach;
+constexpr int kGathered = kBrickSide + 2 * kReach;
 constexpr float kAir = 0.5F;
 constexpr float kBone = -0.5F;
 
@@ -38,9 +38,9 @@ Kernel gaussian() {
   return kernel;
 }
 
-/// Smooths along the slowest axis of a box of `rows` × `cells` values, and leaves `kSide` of the `kGathered` rows.
+/// Smooths along the slowest axis of a box of `rows` × `cells` values, and leaves `kBrickSide` of the `kGathered` rows.
 void smooth_rows(const Kernel& kernel, int cells, const float* in, float* out) {
-  for (int row = 0; row < kSide; ++row) {
+  for (int row = 0; row < kBrickSide; ++row) {
     float* to = out + static_cast<std::ptrdiff_t>(row) * cells;
     std::fill(to, to + cells, 0.0F);
     for (int tap = 0; tap < static_cast<int>(kernel.size()); ++tap) {
@@ -54,20 +54,21 @@ void smooth_rows(const Kernel& kernel, int cells, const float* in, float* out) {
 /// The field of one brick.
 std::unique_ptr<Leaf> smoothed_leaf(const Occupancy& occupancy, const Kernel& kernel, const Vec3i& brick) {
   std::array<float, kGathered * kGathered * kGathered> shares;
-  occupancy.gather(brick * kSide - Vec3i::Constant(kReach), kGathered, shares.data());
-  std::array<float, kSide * kGathered * kGathered> after_z;
+  occupancy.gather(brick * kBrickSide - Vec3i::Constant(kReach), kGathered, shares.data());
+  std::array<float, kBrickSide * kGathered * kGathered> after_z;
   smooth_rows(kernel, kGathered * kGathered, shares.data(), after_z.data());
-  std::array<float, kSide * kSide * kGathered> after_y;
-  for (int z = 0; z < kSide; ++z) {
-    smooth_rows(kernel, kGathered, after_z.data() + z * kGathered * kGathered, after_y.data() + z * kSide * kGathered);
+  std::array<float, kBrickSide * kBrickSide * kGathered> after_y;
+  for (int z = 0; z < kBrickSide; ++z) {
+    smooth_rows(kernel, kGathered, after_z.data() + z * kGathered * kGathered,
+                after_y.data() + z * kBrickSide * kGathered);
   }
-  auto leaf =
-      std::make_unique<Leaf>(openvdb::Coord(brick.x() * kSide, brick.y() * kSide, brick.z() * kSide), kAir, true);
-  for (int z = 0; z < kSide; ++z) {
-    for (int y = 0; y < kSide; ++y) {
-      std::array<float, kSide> row;
-      smooth_rows(kernel, 1, after_y.data() + kGathered * (y + kSide * z), row.data());
-      for (int x = 0; x < kSide; ++x) {
+  auto leaf = std::make_unique<Leaf>(
+      openvdb::Coord(brick.x() * kBrickSide, brick.y() * kBrickSide, brick.z() * kBrickSide), kAir, true);
+  for (int z = 0; z < kBrickSide; ++z) {
+    for (int y = 0; y < kBrickSide; ++y) {
+      std::array<float, kBrickSide> row;
+      smooth_rows(kernel, 1, after_y.data() + kGathered * (y + kBrickSide * z), row.data());
+      for (int x = 0; x < kBrickSide; ++x) {
         leaf->setValueOnly(Leaf::coordToOffset(openvdb::Coord(x, y, z)), 0.5F - row[static_cast<std::size_t>(x)]);
       }
     }
@@ -121,7 +122,7 @@ void SolidField::compute(const Occupancy& occupancy, const std::vector<Vec3i>& b
   });
   auto& tree = grid_->tree();
   for (std::size_t i = 0; i < bricks.size(); ++i) {
-    const openvdb::Coord origin(bricks[i].x() * kSide, bricks[i].y() * kSide, bricks[i].z() * kSide);
+    const openvdb::Coord origin(bricks[i].x() * kBrickSide, bricks[i].y() * kBrickSide, bricks[i].z() * kBrickSide);
     if (leaves[i]) {
       tree.addLeaf(leaves[i].release());
     } else {

@@ -10,7 +10,7 @@ namespace {
 /// Neighbours count fully below the first of these cosines' angles and not at all above the second (14° and 32°).
 constexpr float kSameCosine = 0.970F;
 constexpr float kCreaseCosine = 0.850F;
-constexpr std::size_t kGrain = 4096;
+constexpr std::size_t kSmoothingGrain = 4096;
 
 /// How much a neighbour counts: 0 across a crease, 1 on the same face.
 float likeness(const Eigen::Vector3f& a, const Eigen::Vector3f& b) {
@@ -34,7 +34,7 @@ Neighbours::Neighbours(std::size_t vertices, std::span<const std::uint32_t> indi
 void smooth_normals(const Neighbours& neighbours, std::vector<Eigen::Vector3f>& normals, int rounds) {
   std::vector<Eigen::Vector3f> next(normals.size());
   for (int round = 0; round < rounds; ++round) {
-    parallel_ranges(normals.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+    parallel_ranges(normals.size(), kSmoothingGrain, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) {
         const Eigen::Vector3f own = normals[i];
         Eigen::Vector3f sum = own;
@@ -53,7 +53,7 @@ void fit_to_normals(const Neighbours& neighbours, const std::vector<Eigen::Vecto
   const std::vector<Eigen::Vector3f> home = points;
   std::vector<Eigen::Vector3f> next(points.size());
   for (int round = 0; round < rounds; ++round) {
-    parallel_ranges(points.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+    parallel_ranges(points.size(), kSmoothingGrain, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) {
         Eigen::Vector3f move = Eigen::Vector3f::Zero();
         float weights = 1;
@@ -76,7 +76,7 @@ void smooth_values(const Neighbours& neighbours, const std::vector<float>& weigh
                    int rounds) {
   std::vector<float> next(values.size());
   for (int round = 0; round < rounds; ++round) {
-    parallel_ranges(values.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+    parallel_ranges(values.size(), kSmoothingGrain, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) {
         float sum = weights[i] * values[i];
         float total = weights[i];

@@ -15,8 +15,8 @@ constexpr double kRadiusMm = 29;
 constexpr double kDepthMm = 4;
 constexpr double kWidthMm = 30;
 constexpr double kSpacingVoxels = 0.4721;  // what `reamsim run` chooses
-constexpr double kFeedMmS = 0.2;
-constexpr double kFrameS = 1e-3;
+constexpr double kSphereFeedMmS = 0.2;
+constexpr double kSphereFrameS = 1e-3;
 constexpr int kWindows = 4;           // over the depth, in which frames are timed at the true feed
 constexpr int kWindowFrames = 32;     // enqueued at once, as `reamsim run` by default
 constexpr double kStepVoxels = 0.25;  // between the windows
@@ -65,15 +65,15 @@ Substep down_to(double depth_mm) {
   pose.position_mm = {0, 0, -depth_mm};
   pose.spin_rpm = 250;
   Substep frame = substep_at(pose);
-  frame.origin_velocity_mm_s = {0, 0, -kFeedMmS};
-  frame.duration_s = kFrameS;
+  frame.origin_velocity_mm_s = {0, 0, -kSphereFeedMmS};
+  frame.duration_s = kSphereFrameS;
   return frame;
 }
 
 /// The whole plunge; time per frame of the windows.
 SphereRow plunge(Contender& contender, const std::string& erosion, double voxel_mm, const Watch& watch) {
   SphereRow row{.engine = contender.label().engine, .erosion = erosion, .voxel_mm = voxel_mm};
-  const double frame_mm = kFeedMmS * kFrameS, window_mm = kWindowFrames * frame_mm;
+  const double frame_mm = kSphereFeedMmS * kSphereFrameS, window_mm = kWindowFrames * frame_mm;
   std::vector<double> ms;
   double voxels = 0;
   double depth = 0;

@@ -23,7 +23,7 @@ constexpr double kTexture_mm = 1.1;     // trabecular spacing of the order of 1 
 constexpr double kTextureStretch = 2.0;
 constexpr double kPlateReach_mm = 7;  // how far below the plate trabecular bone is denser
 constexpr double kGradientStep_mm = 0.05;
-constexpr double kReferenceHeight_mm = 35;  // of a face whose scapula has the landmarks below
+constexpr double kScapulaHeight_mm = 35;  // of a face whose scapula has the landmarks below
 const Vec3 kTrigonum_mm(-105, 0, 0);
 const Vec3 kInferiorAngle_mm(-80, -110, 0);
 
@@ -163,7 +163,7 @@ GlenoidFrame frame_of(const GlenoidFace& face, const Sides& sides, const std::st
 /// The Friedman axis is lateral and the scapular plane is that of lateral and superior, so that version and inclination
 /// of the native face are those of the scenario. The modelled bone ends before trigonum and inferior angle.
 LandmarkSettings landmarks_of(const GlenoidFace& face, const Sides& sides, const PhantomSettings& phantom) {
-  const double scale = phantom.height_mm / kReferenceHeight_mm;
+  const double scale = phantom.height_mm / kScapulaHeight_mm;
   LandmarkSettings marks;
   marks.glenoid_center_mm = sides.bone_from_anatomy(face.center_mm());
   marks.trigonum_spinae_mm = sides.bone_from_anatomy(scale * kTrigonum_mm);

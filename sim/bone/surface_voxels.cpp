@@ -11,7 +11,7 @@ namespace reamsim {
 namespace {
 
 constexpr int kSide = BrickLattice::kSide;
-constexpr int kPadded = kSide + 2;
+constexpr int kPaddedSide = kSide + 2;
 
 /// A voxel that is no longer as it was.
 struct ChangedVoxel {
@@ -26,7 +26,7 @@ struct ChangedBrick {
 };
 
 std::size_t padded_index(int x, int y, int z) {
-  return static_cast<std::size_t>(x + kPadded * (y + kPadded * z));
+  return static_cast<std::size_t>(x + kPaddedSide * (y + kPaddedSide * z));
 }
 
 /// Which voxels of a brick, and of one voxel all round it, are bone; air outside the lattice.
@@ -57,7 +57,7 @@ class BoneAbout {
   }
 
  private:
-  using Marks = std::array<std::uint8_t, kPadded * kPadded * kPadded>;
+  using Marks = std::array<std::uint8_t, kPaddedSide * kPaddedSide * kPaddedSide>;
 
   void take_part(const GradeBricks::Brick& from, const Vec3i& step) {
     const Vec3i low = step.unaryExpr([](int s) { return s < 0 ? kSide - 1 : 0; });

@@ -12,7 +12,7 @@ namespace reamsim {
 namespace {
 
 constexpr std::size_t kLeastRoom = 64;  // pages
-constexpr std::size_t kFillBytes = sizeof(cl_ushort) * RS_BRICK_VOXELS;
+constexpr std::size_t kPageBytes = sizeof(cl_ushort) * RS_BRICK_VOXELS;
 
 /// Half as much again as is needed, so that a growing cut does not move its pages at every visit.
 std::size_t most_room(std::size_t needed) {
@@ -20,7 +20,7 @@ std::size_t most_room(std::size_t needed) {
 }
 
 [[noreturn]] void does_not_fit(const cl::Device& device, std::size_t pages, std::size_t largest, double voxel_mm) {
-  const auto mb = [](std::size_t count) { return std::to_string((count * kFillBytes + 999'999) / 1'000'000) + " MB"; };
+  const auto mb = [](std::size_t count) { return std::to_string((count * kPageBytes + 999'999) / 1'000'000) + " MB"; };
   // What is cut fills a volume.
   const double factor = std::cbrt(static_cast<double>(pages) / static_cast<double>(std::max<std::size_t>(1, largest)));
   char voxel[32];
@@ -82,7 +82,7 @@ void reserve_pages(const cl::Device& device, std::size_t pages, double voxel_mm,
   const std::size_t bricks = fill.page_of_slot.count();
   const std::size_t needed = std::min(pages, bricks);
   if (needed <= fill.room()) return;
-  const std::size_t largest = device.info().max_allocation_bytes / kFillBytes;
+  const std::size_t largest = device.info().max_allocation_bytes / kPageBytes;
   if (needed > largest) does_not_fit(device, needed, largest, voxel_mm);
   const std::size_t room = std::min({most_room(needed), bricks, largest});
   fill.slot_of_page = grown(device, fill.slot_of_page, room, fill.used, "the table of fill");
@@ -115,7 +115,7 @@ void read_pages(const cl::Device& device, const BrickedState& state, const FillP
 std::size_t fill_pages_bytes(std::size_t bricks, std::size_t pages) {
   const std::size_t needed = std::min(bricks, pages), room = std::max(kLeastRoom, std::min(bricks, most_room(needed)));
   // While room is made the old pages are still there, too few by one at least.
-  return sizeof(cl_int) * bricks + (room + needed) * (sizeof(cl_uint) + kFillBytes);
+  return sizeof(cl_int) * bricks + (room + needed) * (sizeof(cl_uint) + kPageBytes);
 }
 
 }  // namespace reamsim

@@ -12,7 +12,7 @@ namespace {
 constexpr double kStepVoxels = 0.5;
 /// The face is known to within this.
 constexpr double kFaceBandVoxels = 1.5;
-constexpr double kHalf = 0.5;
+constexpr double kHalfShare = 0.5;
 constexpr double kNothing = 1e-6;
 /// Heights beside a wall are known to within this.
 constexpr double kStepDownVoxels = 1;
@@ -26,15 +26,15 @@ double dense_length(BoneShares& shares, const Vec3& face, const Vec3& inward, do
   bool inside = false;
   for (double along_mm = -band_mm; along_mm < most_mm; along_mm += step_mm) {
     const double share = shares.at(face + along_mm * inward).dense;
-    inside |= share >= kHalf;
+    inside |= share >= kHalfShare;
     if (!inside && along_mm > band_mm) return 0;
     if (!inside && share < kNothing) length_mm = 0;
     length_mm += share * step_mm;
-    if (inside && share < kHalf) {
+    if (inside && share < kHalfShare) {
       // The other end: what the interpolation spreads beyond it still counts.
       for (double tail_mm = along_mm + step_mm; tail_mm < along_mm + 2 * voxel_mm; tail_mm += step_mm) {
         const double rest = shares.at(face + tail_mm * inward).dense;
-        if (rest >= kHalf || rest < kNothing) break;
+        if (rest >= kHalfShare || rest < kNothing) break;
         length_mm += rest * step_mm;
       }
       return length_mm;

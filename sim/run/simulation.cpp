@@ -69,8 +69,8 @@ class Run {
     const auto& poses = scene_.motion.poses;
     const auto last = static_cast<std::int64_t>(poses.size()) - 1;
     const std::int64_t interval = picture_interval(scene_.scenario.render, last);
+    snapshot(0);  // the bone as it came, whatever the tool starts in
     start(poses[0]);
-    snapshot(0);
     for (std::int64_t frame = 1; frame <= last; ++frame) {
       advance(poses[static_cast<std::size_t>(frame) - 1], poses[static_cast<std::size_t>(frame)], frame);
       const bool picture = frame % interval == 0 || frame == last;

@@ -19,7 +19,7 @@ class PngFile : public testing::Test {
     PixelImage out = plain_image(61, 43, 0);
     for (std::size_t i = 0; i < out.pixels.size(); ++i) {
       const auto noise = i % 3 == 0 ? static_cast<std::uint32_t>(random()) : 0x102030U + static_cast<std::uint32_t>(i);
-      const std::uint32_t alpha = opaque ? 255 : i % 7 * 42;
+      const std::uint32_t alpha = opaque ? 255 : static_cast<std::uint32_t>(i % 7 * 42);
       std::uint32_t pixel = alpha << 24;
       for (int shift = 0; shift < 24; shift += 8) pixel |= (noise >> shift & 255U) * alpha / 255 << shift;
       out.pixels[i] = pixel;

@@ -20,13 +20,13 @@ namespace {
 using test::Picture;
 namespace fs = std::filesystem;
 
-constexpr int kWidth = 640;
-constexpr int kHeight = 360;
+constexpr int kViewWidth = 640;
+constexpr int kViewHeight = 360;
 
 RenderSettings plain_settings() {
   RenderSettings settings;
-  settings.width_px = kWidth;
-  settings.height_px = kHeight;
+  settings.width_px = kViewWidth;
+  settings.height_px = kViewHeight;
   settings.cameras = {"glenoid"};
   settings.before_after = false;
   settings.contact_sheet = false;
@@ -46,7 +46,7 @@ UserCamera own_camera() {
 }
 
 /// What the background is made of: light and a little blue.
-bool is_background(const Eigen::Vector3i& color) {
+bool is_studio(const Eigen::Vector3i& color) {
   return color.z() >= color.y() && color.y() >= color.x() && color.x() > 190 && color.z() - color.x() < 20;
 }
 
@@ -79,13 +79,13 @@ TEST_F(Views, BeforeAndAfterAreSeenByTheSameCamera) {
   render({.stills = false});
   EXPECT_FALSE(fs::exists(dir_.path() + "/reamed.png"));
   const Picture both = picture("before_after.png");
-  ASSERT_EQ(both.width, kWidth);
-  ASSERT_EQ(both.height, kHeight);
+  ASSERT_EQ(both.width, kViewWidth);
+  ASSERT_EQ(both.height, kViewHeight);
 
   const Studio studio(dir_.path(), settings_, 0.25, nullptr);
   const int gap = 2;  // of 640 pixels
-  const int half = (kWidth - gap) / 2;
-  const Camera camera = studio.closer_camera("glenoid", half, kHeight);
+  const int half = (kViewWidth - gap) / 2;
+  const Camera camera = studio.closer_camera("glenoid", half, kViewHeight);
   const auto colors_at = [&](const Vec3& glenoid_mm) {
     const Vec2 at = camera.pixel(truth_.bone_from_glenoid * glenoid_mm);
     const int x = static_cast<int>(at.x());
@@ -101,7 +101,7 @@ TEST_F(Views, BeforeAndAfterAreSeenByTheSameCamera) {
     EXPECT_TRUE(test::looks_like_bone(left));
     EXPECT_LE((left - right).cwiseAbs().maxCoeff(), 3);
   }
-  EXPECT_EQ(both.at(half, kHeight / 2), Eigen::Vector3i(255, 255, 255)) << "the halves are parted";
+  EXPECT_EQ(both.at(half, kViewHeight / 2), Eigen::Vector3i(255, 255, 255)) << "the halves are parted";
 }
 
 TEST_F(Views, EachCameraHasItsOwnBeforeAndAfter) {
@@ -110,7 +110,7 @@ TEST_F(Views, EachCameraHasItsOwnBeforeAndAfter) {
   settings_.user_cameras = {own_camera()};
   render({.stills = false});
   for (const char* name : {"before_after.png", "before_after_section.png", "before_after_own.png"}) {
-    EXPECT_EQ(picture(name).width, kWidth) << name;
+    EXPECT_EQ(picture(name).width, kViewWidth) << name;
   }
 }
 
@@ -120,17 +120,17 @@ TEST_F(Views, AUsersCameraSeesWhatAPinholeSees) {
   EXPECT_FALSE(fs::exists(dir_.path() + "/reamed_glenoid.png")) << "the first camera's files have no suffix";
   EXPECT_TRUE(fs::exists(dir_.path() + "/frames/000030_own.png"));
   const Picture seen = picture("reamed_own.png");
-  ASSERT_EQ(seen.width, kWidth);
-  const double focal_px = 0.5 * kHeight / std::tan(15 * 3.14159265358979 / 180);
+  ASSERT_EQ(seen.width, kViewWidth);
+  const double focal_px = 0.5 * kViewHeight / std::tan(15 * 3.14159265358979 / 180);
   const auto color_at = [&](const Vec3& p) {
-    return seen.at(static_cast<int>(0.5 * kWidth + focal_px * p.x() / (100 - p.z())),
-                   static_cast<int>(0.5 * kHeight - focal_px * p.y() / (100 - p.z())));
+    return seen.at(static_cast<int>(0.5 * kViewWidth + focal_px * p.x() / (100 - p.z())),
+                   static_cast<int>(0.5 * kViewHeight - focal_px * p.y() / (100 - p.z())));
   };
   // The bump on the superior rim is a ball of 3 mm about (0, 15, 0.5).
   EXPECT_TRUE(test::looks_like_bone(color_at(Vec3(0, 15, 3))));
   EXPECT_TRUE(test::looks_like_bone(color_at(Vec3(0, 17.2, 0.5))));
-  EXPECT_TRUE(is_background(color_at(Vec3(0, 19.2, 0.5))));
-  EXPECT_TRUE(is_background(color_at(Vec3(0, -19.5, -16)))) << "there is no bump on the inferior rim";
+  EXPECT_TRUE(is_studio(color_at(Vec3(0, 19.2, 0.5))));
+  EXPECT_TRUE(is_studio(color_at(Vec3(0, -19.5, -16)))) << "there is no bump on the inferior rim";
 }
 
 TEST_F(Views, FilesKeepTheirNamesWhenACameraIsDrawnAlone) {
@@ -176,9 +176,9 @@ TEST_F(Views, TheContactSheetHasACellPerSnapshot) {
   settings_.contact_sheet = true;
   render({.stills = false});
   const Picture sheet = picture("contact_sheet.png");
-  ASSERT_EQ(sheet.width, kWidth);
-  ASSERT_EQ(sheet.height, kHeight);
-  const SheetGrid grid = sheet_grid(7, kWidth, kHeight);
+  ASSERT_EQ(sheet.width, kViewWidth);
+  ASSERT_EQ(sheet.height, kViewHeight);
+  const SheetGrid grid = sheet_grid(7, kViewWidth, kViewHeight);
   int with_bone = 0;
   for (int i = 0; i < grid.columns * grid.rows; ++i) {
     const int x0 = static_cast<int>(grid.area.x) + i % grid.columns * (grid.cell_width_px + grid.gap_px);
@@ -199,15 +199,15 @@ TEST_F(Views, TheTurntableHasItsPicturesAndComesRound) {
   settings_.turntable_pictures = 4;
   render({.stills = false});
   for (const char* name : {"000.png", "001.png", "002.png", "003.png"}) {
-    EXPECT_EQ(picture(std::string("turntable/") + name).width, kWidth) << name;
+    EXPECT_EQ(picture(std::string("turntable/") + name).width, kViewWidth) << name;
   }
   EXPECT_FALSE(fs::exists(dir_.path() + "/turntable/004.png"));
   // From the front the reamed face shows, from behind it does not.
   const auto unlike_bone = [&](const std::string& name) {
     const Picture seen = picture(name);
     int green = 0;
-    for (int y = kHeight / 4; y < 3 * kHeight / 4; ++y) {
-      for (int x = kWidth / 3; x < 2 * kWidth / 3; ++x) {
+    for (int y = kViewHeight / 4; y < 3 * kViewHeight / 4; ++y) {
+      for (int x = kViewWidth / 3; x < 2 * kViewWidth / 3; ++x) {
         const Eigen::Vector3i color = seen.at(x, y);
         green += color.y() > color.x() + 25 ? 1 : 0;
       }
