@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 #include "render/csv_table.h"
 
@@ -26,6 +27,13 @@ double least_step(std::vector<double> values) {
   return least;
 }
 
+/// Weights of a Gaussian of `sigma` columns, for the columns -reach…reach.
+std::vector<double> gaussian(double sigma, int reach) {
+  std::vector<double> out;
+  for (int n = -reach; n <= reach; ++n) out.push_back(std::exp(-0.5 * n * n / (sigma * sigma)));
+  return out;
+}
+
 }  // namespace
 
 std::vector<DepthField::Row> DepthField::read(const std::string& path) {
@@ -43,6 +51,7 @@ DepthField::DepthField(const std::string& path) {
   place(rows, path);
   keep_holes();
   smooth();
+  round_off();
   find_normals();
   sum_up();
 }
@@ -111,8 +120,7 @@ void DepthField::keep_holes() {
 void DepthField::smooth() {
   constexpr int kReach = 4;
   constexpr double kSigma = 1.8;  // columns
-  std::vector<double> weights;
-  for (int n = -kReach; n <= kReach; ++n) weights.push_back(std::exp(-0.5 * n * n / (kSigma * kSigma)));
+  const std::vector<double> weights = gaussian(kSigma, kReach);
   for (int j = 0; j < ny_; ++j) {
     for (int i = 0; i < nx_; ++i) {
       double sum_mm = 0;
@@ -129,6 +137,38 @@ void DepthField::smooth() {
       Cell& own = cells_[static_cast<std::size_t>(i) + static_cast<std::size_t>(nx_) * static_cast<std::size_t>(j)];
       own.smooth_mm = sum_weight > 0 ? sum_mm / sum_weight : 0;
     }
+  }
+}
+
+/// A Gaussian over what columns are, along one axis and then along the other.
+void DepthField::round_off() {
+  constexpr int kReach = 5;
+  constexpr double kSigma = 1.6;  // columns
+  const std::vector<double> weights = gaussian(kSigma, kReach);
+  const double sum = std::accumulate(weights.begin(), weights.end(), 0.0);
+  const auto own_shares = [](const Cell& its) { return Shares{double(its.bone), double(its.depth_mm > 0)}; };
+  std::vector<Shares> along_x(cells_.size());
+  const auto blurred = [&](int i, int j, const Eigen::Vector2i& step, const auto& shares) {
+    Shares out;
+    for (int n = -kReach; n <= kReach; ++n) {
+      const Shares its = shares(i + n * step.x(), j + n * step.y());
+      const double weight = weights[static_cast<std::size_t>(n + kReach)] / sum;
+      out.bone += weight * its.bone;
+      out.reamed += weight * its.reamed;
+    }
+    return out;
+  };
+  const auto index = [&](int i, int j) {
+    return static_cast<std::size_t>(i) + static_cast<std::size_t>(nx_) * static_cast<std::size_t>(j);
+  };
+  for (int j = 0; j < ny_; ++j) {
+    for (int i = 0; i < nx_; ++i) {
+      along_x[index(i, j)] = blurred(i, j, {1, 0}, [&](int a, int b) { return own_shares(cell(a, b)); });
+    }
+  }
+  const auto in_between = [&](int i, int j) { return j < 0 || j >= ny_ ? Shares{} : along_x[index(i, j)]; };
+  for (int j = 0; j < ny_; ++j) {
+    for (int i = 0; i < nx_; ++i) cells_[index(i, j)].shares = blurred(i, j, {0, 1}, in_between);
   }
 }
 
@@ -153,12 +193,17 @@ const DepthField::Cell& DepthField::cell(int i, int j) const {
 }
 
 void DepthField::find_normals() {
-  const auto slope = [&](const Cell& low, const Cell& high) {
-    return low.bone && high.bone ? (high.before_mm - low.before_mm) / (2 * pitch_mm_) : 0.0;
+  // At the bone's edge by the one side that has bone.
+  const auto slope = [&](const Cell& low, const Cell& own, const Cell& high) {
+    const Cell& from = low.bone ? low : own;
+    const Cell& to = high.bone ? high : own;
+    const int steps = (low.bone ? 1 : 0) + (high.bone ? 1 : 0);
+    return own.bone && steps > 0 ? (to.before_mm - from.before_mm) / (steps * pitch_mm_) : 0.0;
   };
   for (int j = 0; j < ny_; ++j) {
     for (int i = 0; i < nx_; ++i) {
-      const Vec3 normal(-slope(cell(i - 1, j), cell(i + 1, j)), -slope(cell(i, j - 1), cell(i, j + 1)), 1);
+      const Cell& own = cell(i, j);
+      const Vec3 normal(-slope(cell(i - 1, j), own, cell(i + 1, j)), -slope(cell(i, j - 1), own, cell(i, j + 1)), 1);
       cells_[static_cast<std::size_t>(i) + static_cast<std::size_t>(nx_) * static_cast<std::size_t>(j)].normal =
           normal.normalized();
     }
@@ -179,18 +224,27 @@ std::array<DepthField::Corner, 4> DepthField::corners(const Vec2& place_mm) cons
 
 DepthField::Sample DepthField::at(const Vec2& place_mm) const {
   Sample out;
+  double reamed = 0;
+  double near = 0;
+  double near_mm = 0;
   for (const auto& [its, weight] : corners(place_mm)) {
-    if (!its.bone) continue;
-    out.bone += weight;
+    out.bone += weight * its.shares.bone;
+    out.reamed += weight * its.shares.reamed;
+    if (its.through) out.through += weight;  // as it is: the smallest hole counts
+    if (its.smooth_mm > 0) {
+      near += weight;
+      near_mm += weight * its.smooth_mm;
+    }
     if (its.depth_mm <= 0) continue;
-    out.reamed += weight;
+    reamed += weight;
     out.depth_mm += weight * its.depth_mm;
     out.smooth_mm += weight * its.smooth_mm;
-    if (its.through) out.through += weight;
   }
-  if (out.reamed > 0) {
-    out.depth_mm /= out.reamed;
-    out.smooth_mm /= out.reamed;
+  if (reamed > 0) {
+    out.depth_mm /= reamed;
+    out.smooth_mm /= reamed;
+  } else if (near > 0) {  // where the outline leaves the reamed columns
+    out.depth_mm = out.smooth_mm = near_mm / near;
   }
   return out;
 }

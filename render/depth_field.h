@@ -17,7 +17,7 @@ class DepthField {
 
   /// What a point of the map shows, smooth between the columns' centres.
   struct Sample {
-    double bone = 0;       ///< share of columns with bone round the point, 0…1
+    double bone = 0;       ///< share of columns with bone round the point, 0…1; half of it is the bone's outline
     double reamed = 0;     ///< share of reamed columns, 0…1
     double through = 0;    ///< share of columns in a hole reamed through the bone, 0…1
     double depth_mm = 0;   ///< of the reamed columns
@@ -39,9 +39,15 @@ class DepthField {
   [[nodiscard]] double through_mm2() const { return through_mm2_; }
 
  private:
+  /// Shares of the columns round a column, weighted by nearness: outlines by them do not go along the columns' edges.
+  struct Shares {
+    double bone = 0;
+    double reamed = 0;
+  };
   struct Cell {
     bool bone = false;
     bool through = false;
+    Shares shares{};
     double before_mm = 0;
     double depth_mm = 0;
     double smooth_mm = 0;
@@ -61,6 +67,7 @@ class DepthField {
   void place(const std::vector<Row>& rows, const std::string& path);
   void keep_holes();
   void smooth();
+  void round_off();
   void sum_up();
   void find_normals();
   [[nodiscard]] const Cell& cell(int i, int j) const;

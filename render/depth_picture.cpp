@@ -22,6 +22,8 @@ constexpr double kShift_px = 125;
 /// Samples per pixel along each axis, against jagged edges.
 constexpr int kMapSamples = 2;
 constexpr double kContourWidth_px = 1.3;
+/// Contour lines end where fewer columns round a point are reamed: past there the mean depth is not that of the place.
+constexpr double kWellInside = 0.75;
 /// Where the depth changes less than this, mm per mm, it counts as level.
 constexpr double kTerrace = 0.01;
 
@@ -104,7 +106,7 @@ class DepthPainter {
     for (int axis = 0; axis < 2; ++axis) {
       const DepthField::Sample low = field_.at(at - h * Vec2::Unit(axis));
       const DepthField::Sample high = field_.at(at + h * Vec2::Unit(axis));
-      if (low.reamed < 1 || high.reamed < 1) return 0;
+      if (low.reamed < kWellInside || high.reamed < kWellInside) return 0;
       slope[axis] = (high.smooth_mm - low.smooth_mm) / (2 * h);
     }
     // A terrace that lies at a whole step is no line.
