@@ -21,8 +21,9 @@ constexpr float kBelow_voxels = 1.2F;  // where a vertex's density is read
 constexpr int kPointRounds = 2;
 static_assert(kNormalRounds + kPointRounds == kDressReach);
 constexpr float kMostMove_voxels = 0.4F;
-constexpr int kDepthRounds = 4;  // evens out the steps of the two voxel faces that a depth lies between
-constexpr int kEdgeRounds = 6;   // takes the teeth off the reamed face's edge
+constexpr int kDepthRounds = 4;         // evens out the steps of the two voxel faces that a depth lies between
+constexpr float kSurelyReamed = 0.99F;  // where material is less surely gone is the edge of what was reamed
+constexpr int kEdgeRounds = 6;          // takes the teeth off the reamed face's edge
 
 double sample(const Accessor& accessor, const Vec3d& point) {
   return openvdb::tools::BoxSampler::sample(accessor, point);
@@ -70,6 +71,12 @@ std::vector<Eigen::Vector3f> normals_at(const std::vector<openvdb::Vec3s>& point
   return normals;
 }
 
+/// Depth at a point of the space of voxel indices times voxel_mm, by an accessor of unreamed.depth().
+float depth_at(const UnreamedSurface& unreamed, const Accessor& depths, const Eigen::Vector3f& point_mm) {
+  const Vec3d cell = unreamed.depth().transform().worldToIndex(Vec3d(point_mm.x(), point_mm.y(), point_mm.z()));
+  return static_cast<float>(std::max(0.0, sample(depths, cell)));
+}
+
 /// What reaming did at each vertex.
 struct Reaming {
   explicit Reaming(std::size_t count) : share(count), depth_mm(count) {}
@@ -88,20 +95,10 @@ Reaming reaming_at(const IsoSurface& iso, const std::vector<Eigen::Vector3f>& po
     const Accessor depths = unreamed.depth().getConstAccessor();
     for (std::size_t i = begin; i < end; ++i) {
       out.share[i] = reamed_share(sample(before, Vec3d(iso.points[i])));
-      const Vec3d p(points[i].x(), points[i].y(), points[i].z());
-      const Vec3d in_depth_cells = unreamed.depth().transform().worldToIndex(p * voxel_mm);
-      if (out.share[i] > 0) out.depth_mm[i] = static_cast<float>(std::max(0.0, sample(depths, in_depth_cells)));
+      if (out.share[i] > 0) out.depth_mm[i] = depth_at(unreamed, depths, points[i] * static_cast<float>(voxel_mm));
     }
   });
   return out;
-}
-
-double deepest_mm(const Reaming& reaming) {
-  float deepest = 0;
-  for (std::size_t i = 0; i < reaming.share.size(); ++i) {
-    if (reaming.share[i] >= 1) deepest = std::max(deepest, reaming.depth_mm[i]);
-  }
-  return deepest;
 }
 
 /// Evens out what the voxels' steps have left in what was found.
@@ -135,7 +132,7 @@ void for_each_vertex(const VoxelGrid& grid, BoneSurface& surface, const Action& 
 
 BoneSurface make_bone_surface(const BoneLook& look) {
   BoneSurface out = dress_surface(extract_surface(look.field.grid(), 0), look);
-  add_density_and_openness(look, out);
+  complete(look, out);
   return out;
 }
 
@@ -149,7 +146,6 @@ BoneSurface dress_surface(const IsoSurface& iso, const BoneLook& look) {
   smooth_normals(neighbours, normals, kNormalRounds);
   fit_to_normals(neighbours, normals, points, kPointRounds, kMostMove_voxels);
   Reaming reaming = reaming_at(iso, points, grid.voxel_mm, look.unreamed);
-  out.deepest_mm = deepest_mm(reaming);
   smooth(neighbours, reaming);
   out.vertices.resize(points.size() * BoneSurface::kStride);
   parallel_ranges(points.size(), kGrain, [&](std::size_t begin, std::size_t end) {
@@ -165,12 +161,22 @@ BoneSurface dress_surface(const IsoSurface& iso, const BoneLook& look) {
   return out;
 }
 
-void add_density_and_openness(const BoneLook& look, BoneSurface& surface) {
+void complete(const BoneLook& look, BoneSurface& surface) {
   for_each_vertex(look.voxmap.grid, surface, [&](float* v, const Eigen::Vector3f& point) {
     const Eigen::Map<const Eigen::Vector3f> normal(v + 3);
     v[8] = density_at(look.voxmap, point - kBelow_voxels * normal);
     v[9] = look.ambient.openness(point, normal);
   });
+  surface.deepest_mm = 0;
+  const VoxelGrid& grid = look.voxmap.grid;
+  const Vec3 first_center = grid.origin_mm + Vec3::Constant(0.5 * grid.voxel_mm);
+  const Accessor depths = look.unreamed.depth().getConstAccessor();
+  for (std::size_t i = 0; i < surface.vertices.size(); i += BoneSurface::kStride) {
+    const float* v = surface.vertices.data() + i;
+    if (v[7] <= kSurelyReamed) continue;
+    const Eigen::Vector3f point_mm = (Eigen::Map<const Eigen::Vector3f>{v}.cast<double>() - first_center).cast<float>();
+    surface.deepest_mm = std::max(surface.deepest_mm, double{depth_at(look.unreamed, depths, point_mm)});
+  }
 }
 
 void renew_openness(const BoneLook& look, BoneSurface& surface) {

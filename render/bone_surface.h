@@ -19,7 +19,7 @@ struct BoneSurface {
 
   std::vector<float> vertices;
   std::vector<std::uint32_t> indices;
-  double deepest_mm = 0;  ///< of the reamed vertices; 0 when nothing is reamed
+  double deepest_mm = 0;  ///< at the reamed vertices, before depth is evened out; 0 when nothing is reamed
 };
 
 /// What a surface is made from.
@@ -36,11 +36,11 @@ BoneSurface make_bone_surface(const BoneLook& look);
 /// How many edges from a vertex another one can lie that still moves it.
 constexpr int kDressReach = 6;
 /// Makes the vertices of `iso`, where the field is zero, into those of a picture: moved by up to 0.4 voxel until they
-/// fit their normals, with their reaming. Takes over the triangles as they are. Density and openness, which no
-/// neighbour has a part in, are left 0.
+/// fit their normals, with their reaming. Takes over the triangles as they are. What no neighbour has a part in is left
+/// to complete().
 BoneSurface dress_surface(const IsoSurface& iso, const BoneLook& look);
-/// Gives every vertex its density and its openness.
-void add_density_and_openness(const BoneLook& look, BoneSurface& surface);
+/// Gives every vertex its density and its openness, and the surface its greatest depth.
+void complete(const BoneLook& look, BoneSurface& surface);
 /// Looks again how open the surroundings of its vertices are.
 void renew_openness(const BoneLook& look, BoneSurface& surface);
 

@@ -123,10 +123,8 @@ BoneSurface BoneTiles::mesh(const BoneLook& look, std::size_t tile) const {
   std::vector<bool> owned(iso.triangles.size());
   for (std::size_t i = 0; i < owned.size(); ++i) owned[i] = owns(lower, iso, iso.triangles[i]);
   if (std::find(owned.begin(), owned.end(), true) == owned.end()) return {};
-  const BoneSurface all = dress_surface(iso, look);
-  BoneSurface out = keep(all, owned);
-  add_density_and_openness(look, out);
-  out.deepest_mm = all.deepest_mm;
+  BoneSurface out = keep(dress_surface(iso, look), owned);
+  complete(look, out);
   return out;
 }
 

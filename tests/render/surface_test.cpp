@@ -275,7 +275,7 @@ TEST(BoneTilesTest, TogetherTheyAreTheWholeSurfaceAlsoAfterChanges) {
     const BoneSurface whole = make_bone_surface(look);
     EXPECT_EQ(triangles_of(joined(tiles)), triangles_of(whole));
     EXPECT_LT(worst_dress(whole, joined(tiles)), 1e-3);
-    EXPECT_NEAR(tiles.deepest_mm(), whole.deepest_mm, 0.05);
+    EXPECT_NEAR(tiles.deepest_mm(), whole.deepest_mm, 1e-3);
   }
 }
 
