@@ -1,63 +1,63 @@
 #include "sim/base/parallel.h"
 
 #include <tbb/blocked_range.h>
+#include <tbb/global_control.h>
 #include <tbb/parallel_for.h>
 
 #ifdef REAMSIM_THREAD_SANITIZER
-#include <sanitizer/tsan_interface.h>
+#include <algorithm>
+#include <atomic>
+#include <exception>
+#include <mutex>
+#include <thread>
+#include <vector>
 #endif
 
 namespace reamsim {
 
+#ifdef REAMSIM_THREAD_SANITIZER
+
 namespace {
 
-/// Tells the thread sanitizer in which order oneTBB lets things happen; does nothing in other builds. Only what oneTBB
-/// promises is told: the caller comes before every range, and every range before the caller goes on. Ranges are not
-/// ordered among each other, so races between them are still found.
-class HandOver {
- public:
-#ifdef REAMSIM_THREAD_SANITIZER
-  void give() {
-    __tsan_release(this);
-  }
-  void take() {
-    __tsan_acquire(this);
-  }
-#else
-  void give() {}
-  void take() {}
-#endif
-};
+constexpr std::size_t kThreads = 4;
 
-/// Gives when it goes out of scope, also by an exception.
-class GiveAtEnd {
- public:
-  explicit GiveAtEnd(HandOver& hand_over) : hand_over_(hand_over) {}
-  GiveAtEnd(const GiveAtEnd&) = delete;
-  GiveAtEnd& operator=(const GiveAtEnd&) = delete;
-  ~GiveAtEnd() { hand_over_.give(); }
-
- private:
-  HandOver& hand_over_;
-};
+/// Debian's oneTBB is not instrumented, so the sanitizer would take every hand-over in it for a race. While this lives
+/// it hands nothing to other threads, whoever uses it.
+const tbb::global_control no_threads_of_onetbb(tbb::global_control::max_allowed_parallelism, 1);
 
 }  // namespace
 
 void parallel_ranges(std::size_t count, std::size_t grain, const RangeBody& body) {
-  HandOver to_ranges, to_caller;
-  to_ranges.give();
-  const auto run = [&](const tbb::blocked_range<std::size_t>& range) {
-    to_ranges.take();
-    const GiveAtEnd end(to_caller);
-    body(range.begin(), range.end());
+  const std::size_t ranges = std::max<std::size_t>(1, count / std::max<std::size_t>(1, grain));
+  std::atomic<std::size_t> next = 0;
+  std::mutex guard;
+  std::exception_ptr failure;
+  const auto work = [&] {
+    try {
+      for (std::size_t i; count > 0 && (i = next.fetch_add(1, std::memory_order_relaxed)) < ranges;) {
+        body(count * i / ranges, count * (i + 1) / ranges);
+      }
+    } catch (...) {
+      const std::scoped_lock lock(guard);
+      failure = std::current_exception();
+      next = ranges;
+    }
   };
-  try {
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, grain), run);
-  } catch (...) {
-    to_caller.take();
-    throw;
+  {
+    std::vector<std::jthread> helpers;
+    for (std::size_t i = 1; i < std::min(kThreads, ranges); ++i) helpers.emplace_back(work);
+    work();
   }
-  to_caller.take();
+  if (failure) std::rethrow_exception(failure);
 }
+
+#else
+
+void parallel_ranges(std::size_t count, std::size_t grain, const RangeBody& body) {
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, grain),
+                    [&](const tbb::blocked_range<std::size_t>& range) { body(range.begin(), range.end()); });
+}
+
+#endif
 
 }  // namespace reamsim

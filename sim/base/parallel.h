@@ -9,8 +9,8 @@ namespace reamsim {
 using RangeBody = std::function<void(std::size_t begin, std::size_t end)>;
 
 /// Splits the items 0…count − 1 into ranges and runs `body` on all of them with the host's threads; returns when the
-/// last one is done. The only way in which this project hands work to oneTBB, so that the thread sanitizer, which
-/// cannot look into Debian's oneTBB, is told of the hand-over in one place.
+/// last one is done. The only way in which this project hands work to oneTBB: under the thread sanitizer, which cannot
+/// look into Debian's oneTBB, plain threads do it instead, and oneTBB has none.
 /// @param count how many items there are
 /// @param grain items that are not worth splitting further: a range has at least half as many, where there are enough
 /// @param body called from several threads at once, in no order

@@ -1,10 +1,9 @@
 #include "sim/bone/surface_voxels.h"
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
+
+#include "sim/base/parallel.h"
 
 namespace reamsim {
 
@@ -12,6 +11,7 @@ namespace {
 
 constexpr int kSide = BrickLattice::kSide;
 constexpr int kPaddedSide = kSide + 2;
+constexpr std::size_t kBricksAtOnce = 16;
 
 /// A voxel that is no longer as it was.
 struct ChangedVoxel {
@@ -112,12 +112,9 @@ std::vector<ChangedBrick> sample_surface(const SurfaceSampler& sample, const Vox
   for (const Vec3i& coord : voxmap.grade.coords_around()) {
     if (lattice.contains(coord)) out.push_back({coord, {}});
   }
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, out.size(), 16),
-                    [&](const tbb::blocked_range<std::size_t>& range) {
-                      for (std::size_t i = range.begin(); i < range.end(); ++i) {
-                        out[i] = sample_brick(sample, voxmap, out[i].coord);
-                      }
-                    });
+  parallel_ranges(out.size(), kBricksAtOnce, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) out[i] = sample_brick(sample, voxmap, out[i].coord);
+  });
   std::erase_if(out, [](const ChangedBrick& brick) { return brick.voxels.empty(); });
   return out;
 }
@@ -162,15 +159,14 @@ std::uint8_t grade_from_neighbours(const Voxmap& voxmap, const Vec3i& voxel) {
 }
 
 void find_grades(const Voxmap& voxmap, std::vector<ChangedBrick>& changed) {
-  tbb::parallel_for(
-      tbb::blocked_range<std::size_t>(0, changed.size(), 16), [&](const tbb::blocked_range<std::size_t>& range) {
-        for (std::size_t i = range.begin(); i < range.end(); ++i) {
-          for (ChangedVoxel& voxel : changed[i].voxels) {
-            if (voxel.fill == 0 || voxel.grade != 0) continue;
-            voxel.grade = grade_from_neighbours(voxmap, BrickLattice::voxel_at(changed[i].coord, voxel.offset));
-          }
-        }
-      });
+  parallel_ranges(changed.size(), kBricksAtOnce, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      for (ChangedVoxel& voxel : changed[i].voxels) {
+        if (voxel.fill == 0 || voxel.grade != 0) continue;
+        voxel.grade = grade_from_neighbours(voxmap, BrickLattice::voxel_at(changed[i].coord, voxel.offset));
+      }
+    }
+  });
 }
 
 }  // namespace

@@ -38,7 +38,7 @@ TEST(Parallel, HandsWhatABodyThrowsToTheCaller) {
   EXPECT_THROW(parallel_items(1000, fail), std::runtime_error);
 }
 
-/// The thread sanitizer reports this one if it is not told that the caller's writes come before every range, and the
+/// The thread sanitizer reports this one unless it sees that the caller's writes come before every range, and the
 /// ranges' writes before the caller goes on.
 TEST(Parallel, OrdersTheCallerBeforeTheRangesAndAfterThem) {
   std::vector<std::size_t> value(10000, 0);
