@@ -34,6 +34,12 @@ std::vector<double> gaussian(double sigma, int reach) {
   return out;
 }
 
+/// Leaves `share` above or below the half of `all`.
+void keep_side(bool above, double all, double& share) {
+  constexpr double kOff = 0.02;
+  share = above ? std::max(share, (0.5 + kOff) * all) : std::min(share, (0.5 - kOff) * all);
+}
+
 }  // namespace
 
 std::vector<DepthField::Row> DepthField::read(const std::string& path) {
@@ -140,7 +146,8 @@ void DepthField::smooth() {
   }
 }
 
-/// A Gaussian over what columns are, along one axis and then along the other.
+/// A Gaussian over what columns are, along one axis and then along the other; but no column changes sides, so that a
+/// core of a column or two stays.
 void DepthField::round_off() {
   constexpr int kReach = 5;
   constexpr double kSigma = 1.6;  // columns
@@ -168,7 +175,12 @@ void DepthField::round_off() {
   }
   const auto in_between = [&](int i, int j) { return j < 0 || j >= ny_ ? Shares{} : along_x[index(i, j)]; };
   for (int j = 0; j < ny_; ++j) {
-    for (int i = 0; i < nx_; ++i) cells_[index(i, j)].shares = blurred(i, j, {0, 1}, in_between);
+    for (int i = 0; i < nx_; ++i) {
+      Cell& own = cells_[index(i, j)];
+      own.shares = blurred(i, j, {0, 1}, in_between);
+      keep_side(own.bone, 1, own.shares.bone);
+      keep_side(own.depth_mm > 0, own.shares.bone, own.shares.reamed);
+    }
   }
 }
 

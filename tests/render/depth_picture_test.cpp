@@ -101,6 +101,26 @@ TEST_F(DepthPicture, OutlinesAreRound) {
   EXPECT_LT(bone_off_mm, 0.08);
 }
 
+TEST_F(DepthPicture, NoColumnChangesSides) {
+  std::string text = kHeader;
+  const auto reamed = [](int i, int j) { return (i != 4 || j != 4) && i != 8; };
+  for (int j = 0; j < 12; ++j) {
+    for (int i = 0; i < 12; ++i) {
+      const std::string at = std::to_string(i) + ',' + std::to_string(j);
+      if (i != 10) text += at + (reamed(i, j) ? ",0,-1,1\n" : ",0,0,0\n");
+    }
+  }
+  write(text);
+  const DepthField field(file());
+  for (int j = 0; j < 12; ++j) {
+    for (int i = 0; i < 12; ++i) {
+      const DepthField::Sample at = field.at(Vec2(i, j));
+      EXPECT_EQ(at.bone > 0.5, i != 10) << i << ' ' << j;
+      EXPECT_EQ(at.reamed > 0.5 * at.bone, i != 10 && reamed(i, j)) << i << ' ' << j;
+    }
+  }
+}
+
 TEST_F(DepthPicture, ShowsDepthBoneHolesAndAir) {
   write_results(dir_.path(), {});
   write(map_text());
