@@ -1,7 +1,7 @@
 #include <CLI/CLI.hpp>
 #include <future>
 #include <memory>
-#include <optional>
+#include <new>
 
 #include "cli/commands.h"
 #include "cli/outputs.h"
@@ -72,8 +72,9 @@ void say_summary(const Console& console, const RunTotals& totals, const RunFacts
 using UnreamedLater = std::future<std::shared_ptr<const UnreamedBone>>;
 
 /// Begins what drawing needs of the bone as it is now, on a thread of its own beside the simulation, which leaves alone
-/// what is read of `scene`; that outlives the future.
+/// what is read of `scene`; that outlives the future. Not valid where the scenario wants nothing drawn.
 UnreamedLater prepare_drawing(const ReamingScene& scene, const FillBricks& fill_before) {
+  if (!scene.scenario.render.enabled && !scene.scenario.output.meshes) return {};
   return std::async(std::launch::async,
                     [&voxmap = scene.bone.voxmap, fill_before] { return make_unreamed_bone(voxmap, fill_before); });
 }
@@ -106,13 +107,17 @@ void run_in(OutputFolder& folder, const Scenario& scenario, const Console& conso
     tell(report, facts, console);
     write_summary(folder.path(), scene, recorder.totals(), facts, render_watch.seconds());
   };
-  const FinishedRun finished(folder.path(), scene.bone.voxmap, unreamed.get());
+  FinishedRun finished(folder.path());
   const double mean_mm = averaged_travel_mm(scenario.cutting, scene.bone.voxmap.grid.voxel_mm);
   try {
+    if (unreamed.valid()) finished = FinishedRun(folder.path(), scene.bone.voxmap, unreamed.get());
     make_outputs(finished, outputs_of(scenario, mean_mm), report, console);
   } catch (const RunError&) {
     finish();  // numbers that are whole are not lost with a picture
     throw;
+  } catch (const std::bad_alloc&) {
+    finish();
+    throw RunError(folder.path() + ": pictures and meshes need more memory than there is");
   }
   finish();
   if (scenario.render.enabled && scenario.render.report) write_report(finished, scenario.render, mean_mm);
