@@ -19,7 +19,7 @@ constexpr double kSphereFeedMmS = 0.2;
 constexpr double kSphereFrameS = 1e-3;
 constexpr int kWindows = 4;           // over the depth, in which frames are timed at the true feed
 constexpr int kWindowFrames = 32;     // enqueued at once, as `reamsim run` by default
-constexpr double kStepVoxels = 0.25;  // between the windows
+constexpr double kStepVoxels = 0.25;  // between the windows, where the shell's points have to miss no voxel
 
 /// A block that the sphere goes into from above; its top face is z = 0, and it lies askew of the tool's axis by shares
 /// of a voxel, so that nothing is regular.
@@ -77,11 +77,13 @@ SphereRow plunge(Contender& contender, const std::string& erosion, double voxel_
   std::vector<double> ms;
   double voxels = 0;
   double depth = 0;
+  // The whole cap at once is no other: what the tool holds at a depth, it has held on the straight way there too.
+  const double step_mm = row.engine == "implicit" ? kDepthMm : kStepVoxels * voxel_mm;
   for (int window = 1; window <= kWindows; ++window) {
     const double begin = kDepthMm * window / kWindows - window_mm;
     while (depth < begin) {
       if (watch.stop()) throw Interrupted();
-      depth = std::min(begin, depth + kStepVoxels * voxel_mm);
+      depth = std::min(begin, depth + step_mm);
       const Substep frame = down_to(depth);
       voxels += contender.run({&frame, 1}, true).removed;
     }
