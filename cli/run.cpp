@@ -57,7 +57,7 @@ void say_summary(const Console& console, const RunTotals& totals, const RunFacts
   const bool means = mean_mm > 0;
   char text[256];
   std::snprintf(text, sizeof text,
-                "removed %.1f mm3, %.2f mm deep; peak axial force %.1f N and spin torque %.0f N mm%s; "
+                "removed %.1f mm3, tool %.2f mm deep; peak axial force %.1f N and spin torque %.0f N mm%s; "
                 "energy balance %.1e",
                 totals.removed_mm3, totals.max_depth_mm,
                 means ? totals.peak_layer_axial_force_n : totals.peak_axial_force_n,

@@ -54,7 +54,7 @@ do for [format in "png svg pdf"] {
     set format y ""
     unset ylabel
     set xrange [0:high(0, D_max)]
-    if (panel == 3) { set xlabel "Depth (mm)" }
+    if (panel == 3) { set xlabel "Tool depth (mm)" }
     plot for [i = 1:runs] csv using (touching(i, column("depth_mm"))):(column(column_of[panel])) with lines lw width(i) \
          lc rgb color(i) notitle
   }

@@ -19,7 +19,7 @@ Box whole(const FilmLayout& layout) {
 
 std::vector<std::pair<std::string, std::string>> film_values(const ForceRow& row) {
   return {{"time", fixed_text(row.time_s, 3) + " s"},
-          {"depth", depth_text(row.depth_mm)},
+          {"tool depth", depth_text(row.depth_mm)},
           {"removed", fixed_text(row.removed_mm3, 1) + " mm³"}};
 }
 

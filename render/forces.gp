@@ -59,7 +59,7 @@ do for [format in "png svg pdf"] {
 
   set format x "%g"
   set xlabel "Time (s)"
-  set ylabel "Depth (mm)"
+  set ylabel "Tool depth (mm)"
   # Drawn back, the tool is far above the bone; that part of the curve leaves the panel.
   bottom = D_max > 0 ? max(min(D_min, 0), -0.25 * D_max) : min(D_min, 0)
   set yrange [low(bottom, D_max):high(bottom, D_max)]

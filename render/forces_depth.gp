@@ -50,7 +50,7 @@ do for [format in "png svg pdf"] {
   }
 
   set format x "%g"
-  set xlabel "Depth (mm)"
+  set xlabel "Tool depth (mm)"
   set ylabel "Removed volume (mm³)"
   set yrange [low(0, V_sum):high(0, V_sum)]
   removed = 0.0

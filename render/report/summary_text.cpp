@@ -28,7 +28,7 @@ struct Table {
 constexpr const char* kPeakForce = "/forces/peak_axial_force_n";
 constexpr const char* kPeakTorque = "/forces/peak_spin_torque_nmm";
 constexpr std::array kKeyFigures{Line{"/removed_mm3", "Bone removed", "mm³"},
-                                 Line{"/metrics/depth/max_mm", "Greatest depth", "mm"},
+                                 Line{"/metrics/depth/max_mm", "Greatest depth along the axis", "mm"},
                                  Line{kPeakForce, "Peak axial force", "N"},
                                  Line{kPeakTorque, "Peak spin torque", "N·mm"},
                                  Line{"/metrics/dense_bone_left/mean_mm", "Dense bone left, mean", "mm"},
@@ -40,7 +40,7 @@ constexpr std::array kBone{Line{"/bone/bone_before_mm3", "Bone before", "mm³"},
                            Line{"/metrics/removed/dense_mm3", "of it dense", "mm³"},
                            Line{"/metrics/removed/trabecular_mm3", "of it trabecular", "mm³"},
                            Line{"/bone/voxel_mm", "Voxel", "mm"}};
-constexpr std::array kFace{Line{"/metrics/depth/max_mm", "Depth, greatest", "mm"},
+constexpr std::array kFace{Line{"/metrics/depth/max_mm", "Depth along the axis, greatest", "mm"},
                            Line{"/metrics/depth/mean_mm", "Depth, mean", "mm"},
                            Line{"/metrics/depth/p95_mm", "Depth, 95th percentile", "mm"},
                            Line{"/metrics/depth/area_mm2", "Reamed area", "mm²"},
@@ -82,7 +82,7 @@ constexpr std::array kEnergy{
     Line{"/balance", "Balance, share of the energy of cutting", ""}};
 constexpr std::array kMotion{Line{"/simulated_s", "Simulated time", "s"},
                              Line{"/reaming_s", "Time in contact", "s"},
-                             Line{"/max_depth_mm", "Travel after first contact", "mm"},
+                             Line{"/max_depth_mm", "Tool depth, from first contact", "mm"},
                              Line{"/frames", "Frames", ""},
                              Line{"/contact_frames", "Frames in contact", ""},
                              Line{"/first_contact_frame", "First frame in contact", ""}};

@@ -6,7 +6,7 @@ const panels = [
   { label: "Axial force", unit: "N", column: "axial_force_n", color: "#0072b2", light: "#b5d3e6", mean: "mean_axial_force_n" },
   { label: "Spin torque", unit: "N·mm", column: "spin_torque_nmm", color: "#d55e00", light: "#f3c9ab", mean: "mean_spin_torque_nmm" },
   { label: "Removed", unit: "mm³", column: "removed_mm3", color: "#009e73" },
-  { label: "Depth", unit: "mm", column: "depth_mm", color: "#8c4f86" },
+  { label: "Tool depth", unit: "mm", column: "depth_mm", color: "#8c4f86" },
 ];
 
 // As in the tables: a true minus, thin spaces between thousands from five digits on.

@@ -6,7 +6,7 @@ const byId = (id) => document.getElementById(id);
 const names = { oblique: "Oblique", glenoid: "Face on", section: "Section", overview: "Overview" };
 
 const readings = [
-  ["Time", "time_s", 3, "s"], ["Depth", "depth_mm", 2, "mm"], ["Axial force", "axial_force_n", 1, "N"],
+  ["Time", "time_s", 3, "s"], ["Tool depth", "depth_mm", 2, "mm"], ["Axial force", "axial_force_n", 1, "N"],
   ["Spin torque", "spin_torque_nmm", 0, "N·mm"], ["Removed", "removed_mm3", 1, "mm³"],
 ];
 
