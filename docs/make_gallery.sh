@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Makes docs/images/gallery again, the pictures of docs/gallery.md: docs/make_gallery.sh [WORK FOLDER]. Takes a built reamsim
-# (./run.sh), ffmpeg, and REAMSIM_DATA, the folder that holds the CT and the mesh. Some ten minutes on two cores.
+# (./run.sh), ffmpeg, and REAMSIM_DATA, the folder that holds the CT and the mesh. Some five minutes on two cores.
 set -euo pipefail
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 reamsim=${REAMSIM:-$root/build/release/cli/reamsim}
@@ -21,6 +21,7 @@ frame() { (cd "$work" && find "$1/frames" -regex '.*/[0-9]+'"${3-}"'\.png' | sor
 make default
 keep default/reamed.png default_oblique
 keep default/contact_sheet.png default_contact_sheet
+ffmpeg -v error -y -i "$work/default/reamed.png" -vf scale=1280:-1:flags=area "$root/docs/images/default.png"  # the README's
 keep "$(frame default 8 _section)" default_section
 draw default --only pictures --camera oblique --set render.tool_look=steel --set render.supersampling=2
 keep "$(frame default 8)" default_steel

@@ -22,7 +22,7 @@ int half_width_px(int width_px) {
 
 BeforeAfter::BeforeAfter(Studio& studio, const std::string& camera,
                          std::vector<std::pair<std::string, std::string>> values)
-    : camera_(studio.closer_camera(camera, half_width_px(studio.settings().width_px), studio.settings().height_px)),
+    : camera_(studio.camera(camera, half_width_px(studio.settings().width_px), studio.settings().height_px)),
       values_(std::move(values)),
       after_(studio.photograph(camera_, std::nullopt)) {}
 

@@ -4,9 +4,9 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <numeric>
 
 #include "render/csv_table.h"
+#include "render/soft_outline.h"
 
 namespace reamsim {
 
@@ -32,12 +32,6 @@ std::vector<double> gaussian(double sigma, int reach) {
   std::vector<double> out;
   for (int n = -reach; n <= reach; ++n) out.push_back(std::exp(-0.5 * n * n / (sigma * sigma)));
   return out;
-}
-
-/// Leaves `share` above or below the half of `all`.
-void keep_side(bool above, double all, double& share) {
-  constexpr double kOff = 0.02;
-  share = above ? std::max(share, (0.5 + kOff) * all) : std::min(share, (0.5 - kOff) * all);
 }
 
 }  // namespace
@@ -122,15 +116,19 @@ void DepthField::keep_holes() {
   }
 }
 
-/// A Gaussian over the reamed columns: steps of whole voxels would make contour lines of every grain.
+/// A Gaussian over the reamed columns: steps of whole voxels would make contour lines of every grain. And a far
+/// narrower one, which is next to what the nearest of them has.
 void DepthField::smooth() {
   constexpr int kReach = 4;
-  constexpr double kSigma = 1.8;  // columns
+  constexpr double kSigma = 1.8;   // columns
+  constexpr double kNarrower = 9;  // its variance, as a part of the other's
   const std::vector<double> weights = gaussian(kSigma, kReach);
   for (int j = 0; j < ny_; ++j) {
     for (int i = 0; i < nx_; ++i) {
       double sum_mm = 0;
       double sum_weight = 0;
+      double near_mm = 0;
+      double near_weight = 0;
       for (int n = 0; n < (2 * kReach + 1) * (2 * kReach + 1); ++n) {
         const int di = n % (2 * kReach + 1);
         const int dj = n / (2 * kReach + 1);
@@ -139,49 +137,26 @@ void DepthField::smooth() {
         const double weight = weights[static_cast<std::size_t>(di)] * weights[static_cast<std::size_t>(dj)];
         sum_mm += weight * its.depth_mm;
         sum_weight += weight;
+        near_mm += std::pow(weight, kNarrower) * its.depth_mm;
+        near_weight += std::pow(weight, kNarrower);
       }
       Cell& own = cells_[static_cast<std::size_t>(i) + static_cast<std::size_t>(nx_) * static_cast<std::size_t>(j)];
       own.smooth_mm = sum_weight > 0 ? sum_mm / sum_weight : 0;
+      own.near_mm = near_weight > 0 ? near_mm / near_weight : 0;
     }
   }
 }
 
-/// A Gaussian over what columns are, along one axis and then along the other; but no column changes sides, so that a
-/// core of a column or two stays.
 void DepthField::round_off() {
-  constexpr int kReach = 5;
-  constexpr double kSigma = 1.6;  // columns
-  const std::vector<double> weights = gaussian(kSigma, kReach);
-  const double sum = std::accumulate(weights.begin(), weights.end(), 0.0);
-  const auto own_shares = [](const Cell& its) { return Shares{double(its.bone), double(its.depth_mm > 0)}; };
-  std::vector<Shares> along_x(cells_.size());
-  const auto blurred = [&](int i, int j, const Eigen::Vector2i& step, const auto& shares) {
-    Shares out;
-    for (int n = -kReach; n <= kReach; ++n) {
-      const Shares its = shares(i + n * step.x(), j + n * step.y());
-      const double weight = weights[static_cast<std::size_t>(n + kReach)] / sum;
-      out.bone += weight * its.bone;
-      out.reamed += weight * its.reamed;
-    }
-    return out;
-  };
-  const auto index = [&](int i, int j) {
-    return static_cast<std::size_t>(i) + static_cast<std::size_t>(nx_) * static_cast<std::size_t>(j);
-  };
-  for (int j = 0; j < ny_; ++j) {
-    for (int i = 0; i < nx_; ++i) {
-      along_x[index(i, j)] = blurred(i, j, {1, 0}, [&](int a, int b) { return own_shares(cell(a, b)); });
-    }
+  CellMask bone{nx_, ny_, {}};
+  CellMask reamed{nx_, ny_, {}};
+  for (const Cell& its : cells_) {
+    bone.in.push_back(its.bone ? 1 : 0);
+    reamed.in.push_back(its.depth_mm > 0 ? 1 : 0);
   }
-  const auto in_between = [&](int i, int j) { return j < 0 || j >= ny_ ? Shares{} : along_x[index(i, j)]; };
-  for (int j = 0; j < ny_; ++j) {
-    for (int i = 0; i < nx_; ++i) {
-      Cell& own = cells_[index(i, j)];
-      own.shares = blurred(i, j, {0, 1}, in_between);
-      keep_side(own.bone, 1, own.shares.bone);
-      keep_side(own.depth_mm > 0, own.shares.bone, own.shares.reamed);
-    }
-  }
+  const std::vector<double> of_bone = soft_outline(bone, std::vector<double>(cells_.size(), 1.0));
+  const std::vector<double> of_reamed = soft_outline(reamed, of_bone);
+  for (std::size_t i = 0; i < cells_.size(); ++i) cells_[i].shares = {of_bone[i], of_reamed[i]};
 }
 
 void DepthField::sum_up() {
@@ -243,9 +218,9 @@ DepthField::Sample DepthField::at(const Vec2& place_mm) const {
     out.bone += weight * its.shares.bone;
     out.reamed += weight * its.shares.reamed;
     if (its.through) out.through += weight;  // as it is: the smallest hole counts
-    if (its.smooth_mm > 0) {
+    if (its.near_mm > 0) {
       near += weight;
-      near_mm += weight * its.smooth_mm;
+      near_mm += weight * its.near_mm;
     }
     if (its.depth_mm <= 0) continue;
     reamed += weight;

@@ -51,6 +51,7 @@ class DepthField {
     double before_mm = 0;
     double depth_mm = 0;
     double smooth_mm = 0;
+    double near_mm = 0;    ///< depth of the nearest reamed columns, where outlines leave them
     Vec3 normal{0, 0, 1};  ///< of the unreamed surface
   };
   /// A corner of the square of columns round a point.

@@ -138,7 +138,7 @@ Labels map_labels(const DepthField& field, const Anatomy& anatomy, const Scale& 
   if (field.through_mm2() > 0) {
     labels.values.emplace_back("hole (red)", fixed_text(field.through_mm2(), 1) + " mm²");
   }
-  labels.legends.push_back({"Reamed depth", "mm", depth_colors(), scale});
+  labels.legends.push_back({"Depth", "mm along axis", depth_colors(), scale});
   if (!anatomy.glenoid) return labels;
   labels.directions = {{"superior", Vec3::UnitY()}};
   // +x of G is superior × lateral: posterior on a left shoulder, anterior on a right one.

@@ -191,7 +191,7 @@ class PictureMaker {
       most_.layer_axial_force_n = std::max(most_.layer_axial_force_n, row.layer_axial_force_n);
       most_.layer_spin_torque_nmm = std::max(most_.layer_spin_torque_nmm, row.layer_spin_torque_nmm);
     }
-    return {{"deepest below surface", fixed_text(studio_.deepest_mm(), 2) + " mm"},
+    return {{"reamed depth", fixed_text(studio_.deepest_mm(), 2) + " mm"},
             {"removed", fixed_text(studio_.log().rows.back().removed_mm3, 1) + " mm³"},
             {"peak " + studio_.mean() + "force", fixed_text(most_.layer_axial_force_n, 1) + " N"},
             {"peak " + studio_.mean() + "torque", fixed_text(most_.layer_spin_torque_nmm, 0) + " N·mm"}};

@@ -31,7 +31,8 @@ PixelImage plain_image(int width_px, int height_px, std::uint32_t rgb);
 /// The picture 1/`times` as wide and as high: every pixel the mean of a square of them.
 PixelImage averaged(PixelImage image, int times);
 
-/// Writes the picture as a PNG: RGB where all of it is opaque, RGBA otherwise. Throws RunError when it cannot be written.
+/// Writes the picture as a PNG: RGB where all of it is opaque, RGBA otherwise. Throws RunError when it cannot be
+/// written.
 void write_png(const std::string& path, const PixelImage& image);
 
 }  // namespace reamsim

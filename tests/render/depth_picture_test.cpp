@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <fstream>
 #include <functional>
+#include <set>
 
 #include "render/color_map.h"
 #include "render/depth_field.h"
@@ -101,24 +102,60 @@ TEST_F(DepthPicture, OutlinesAreRound) {
   EXPECT_LT(bone_off_mm, 0.08);
 }
 
-TEST_F(DepthPicture, NoColumnChangesSides) {
+TEST_F(DepthPicture, PatchesOfAColumnOrMoreStay) {
+  using Columns = std::set<std::pair<int, int>>;
+  const Columns cores{{5, 5}, {10, 10}, {11, 10}, {10, 11}};  // not reamed, where all round them is
+  const Columns spots{{19, 5}, {19, 12}, {20, 13}};           // reamed, where nothing else is
+  const Columns holes{{5, 16}, {19, 18}};                     // without bone
+  const Columns islands{{26, 5}, {26, 12}, {27, 13}};         // of bone
+  const auto bone = [&](int i, int j) { return (i < 23 && !holes.contains({i, j})) || islands.contains({i, j}); };
+  const auto reamed = [&](int i, int j) {
+    return bone(i, j) && ((i < 16 && !cores.contains({i, j})) || spots.contains({i, j}));
+  };
   std::string text = kHeader;
-  const auto reamed = [](int i, int j) { return (i != 4 || j != 4) && i != 8; };
-  for (int j = 0; j < 12; ++j) {
-    for (int i = 0; i < 12; ++i) {
-      const std::string at = std::to_string(i) + ',' + std::to_string(j);
-      if (i != 10) text += at + (reamed(i, j) ? ",0,-1,1\n" : ",0,0,0\n");
+  for (int j = 0; j < 24; ++j) {
+    for (int i = 0; i < 30; ++i) {
+      if (bone(i, j)) text += std::to_string(i) + ',' + std::to_string(j) + (reamed(i, j) ? ",0,-1,1\n" : ",0,0,0\n");
     }
   }
   write(text);
   const DepthField field(file());
-  for (int j = 0; j < 12; ++j) {
-    for (int i = 0; i < 12; ++i) {
+  for (const Columns& patches : {cores, spots, holes, islands}) {
+    for (const auto& [i, j] : patches) {
       const DepthField::Sample at = field.at(Vec2(i, j));
-      EXPECT_EQ(at.bone > 0.5, i != 10) << i << ' ' << j;
-      EXPECT_EQ(at.reamed > 0.5 * at.bone, i != 10 && reamed(i, j)) << i << ' ' << j;
+      EXPECT_EQ(at.bone > 0.5, bone(i, j)) << i << ' ' << j;
+      EXPECT_EQ(bone(i, j) && at.reamed > 0.5 * at.bone, reamed(i, j)) << i << ' ' << j;
     }
   }
+}
+
+// A core of five columns, a cross: its outline has to be nearer to a circle than the cross is, 0.27 columns RMS.
+TEST_F(DepthPicture, ACoreOfFewColumnsIsRound) {
+  std::string text = kHeader;
+  for (int j = -12; j <= 12; ++j) {
+    for (int i = -12; i <= 12; ++i) {
+      text += std::to_string(i) + ',' + std::to_string(j) + (std::abs(i) + std::abs(j) > 1 ? ",0,-1,1\n" : ",0,0,0\n");
+    }
+  }
+  write(text);
+  const DepthField field(file());
+  double sum = 0;
+  double squares = 0;
+  constexpr int kDirections = 90;
+  for (int n = 0; n < kDirections; ++n) {
+    const double angle = 2 * M_PI * n / kDirections;
+    const auto core = [&](double radius) {
+      const DepthField::Sample at = field.at(radius * Vec2(std::cos(angle), std::sin(angle)));
+      return at.reamed < 0.5 * at.bone;
+    };
+    double radius = 0;
+    while (radius < 6 && core(radius)) radius += 0.01;
+    sum += radius / kDirections;
+    squares += radius * radius / kDirections;
+  }
+  std::cout << "radius " << sum << ", off by " << std::sqrt(squares - sum * sum) << " columns\n";
+  EXPECT_NEAR(sum, std::sqrt(5 / M_PI), 0.4);
+  EXPECT_LT(std::sqrt(squares - sum * sum), 0.12);
 }
 
 TEST_F(DepthPicture, ShowsDepthBoneHolesAndAir) {

@@ -85,7 +85,7 @@ TEST_F(Views, BeforeAndAfterAreSeenByTheSameCamera) {
   const Studio studio(dir_.path(), settings_, 0.25, nullptr);
   const int gap = 2;  // of 640 pixels
   const int half = (kViewWidth - gap) / 2;
-  const Camera camera = studio.closer_camera("glenoid", half, kViewHeight);
+  const Camera camera = studio.camera("glenoid", half, kViewHeight);
   const auto colors_at = [&](const Vec3& glenoid_mm) {
     const Vec2 at = camera.pixel(truth_.bone_from_glenoid * glenoid_mm);
     const int x = static_cast<int>(at.x());
