@@ -86,7 +86,7 @@ TEST_F(Plots, ARunGivesFourCurves) {
   expect_plots();
   const std::string svg = test::file_bytes(dir_.path() + "/forces.svg");
   for (const char* label :
-       {"Axial force (N)", "Spin torque (N·mm)", "Removed volume (mm³)", "Depth (mm)", "Time (s)"}) {
+       {"Axial force (N)", "Spin torque (N·mm)", "Removed volume (mm³)", "Tool depth (mm)", "Time (s)"}) {
     EXPECT_THAT(svg, ::testing::HasSubstr(label));
   }
   // Every curve's colour is there, each in its own quarter.
@@ -154,7 +154,7 @@ TEST_F(Plots, TheEnergyPlotNamesPowerEnergyAndBalance) {
   }
   // Every frame takes 1.5 mJ in 1 ms.
   EXPECT_THAT(test::file_bytes(dir_.path() + "/plots/energy.gp"), ::testing::HasSubstr(",1.5\n"));
-  EXPECT_THAT(test::file_bytes(dir_.path() + "/plots/forces_depth.svg"), ::testing::HasSubstr("Depth (mm)"));
+  EXPECT_THAT(test::file_bytes(dir_.path() + "/plots/forces_depth.svg"), ::testing::HasSubstr("Tool depth (mm)"));
 }
 
 TEST_F(Plots, WhatWasRemovedIsCountedByDensity) {
