@@ -29,13 +29,16 @@ void make_figures(const FinishedRun& run, const Outputs& outputs, Report& report
 
 void make_pictures(const FinishedRun& run, const Outputs& outputs, Report& report, const Console& console) {
   Progress progress(console, "render", "pictures");
-  render_pictures(
-      run, outputs.settings, outputs.mean_travel_mm,
-      [&](int done, int total, const std::string&) {
-        progress.update(done, total);
-        if (stop_requested()) throw Interrupted();
-      },
-      &report, outputs.choice);
+  const auto tell = [&](int done, int total, const std::string&) {
+    progress.update(done, total);
+    if (stop_requested()) throw Interrupted();
+  };
+  const auto& [settings, choice, mean_mm] = std::tie(outputs.settings, outputs.choice, outputs.mean_travel_mm);
+  if (outputs.photographer != nullptr) {
+    render_pictures(run, settings, mean_mm, tell, &report, choice, *outputs.photographer);
+  } else {
+    render_pictures(run, settings, mean_mm, tell, &report, choice);
+  }
   progress.finish();
 }
 

@@ -2,6 +2,7 @@
 
 #include "cli/console.h"
 #include "render/finished_run.h"
+#include "render/photographer.h"
 #include "render/render.h"
 
 namespace reamsim {
@@ -16,6 +17,7 @@ struct Outputs {
   bool all_plots = true;      ///< forces over depth, energy, density of what was removed
   bool torque_spectrum = true;
   bool meshes = true;
+  Photographer* photographer = nullptr;  ///< who has begun with the pictures, if anybody has
 };
 
 /// Makes them, with progress on the console. Plots and meshes are made beside the pictures, on a thread of their own:

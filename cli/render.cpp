@@ -129,7 +129,7 @@ void render_command(const RenderOptions& options, const Console& console) {
   const std::string scenario = options.dir + "/scenario.yaml";
   Report report;
   const FinishedRun run(options.dir);
-  const double voxel_mm = run.results().voxmap.grid.voxel_mm;
+  const double voxel_mm = run.results().bone->grid.voxel_mm;
   const double mean_mm = averaged_travel_mm(parse_cutting_settings(scenario), voxel_mm);
   make_outputs(run,
                {.settings = settings,

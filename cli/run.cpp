@@ -1,9 +1,9 @@
 #include <CLI/CLI.hpp>
-#include <future>
 #include <memory>
 #include <new>
 
 #include "cli/commands.h"
+#include "cli/drawing.h"
 #include "cli/outputs.h"
 #include "cli/scenario_options.h"
 #include "render/report/report.h"
@@ -33,23 +33,29 @@ void tell(Report& report, RunFacts& facts, const Console& console) {
   console.tell(report);
 }
 
-void run_frames(ReamingScene& scene, Engine& engine, Recorder& recorder, Report& report, const Console& console) {
+/// `drawing`, where there is any, hears which frames are written.
+void run_frames(ReamingScene& scene, Engine& engine, Recorder& recorder, Drawing* drawing, Report& report,
+                const Console& console) {
   Progress progress(console, "simulate", "frames");
   RunControl control;
-  control.progress = [&](std::int64_t done, std::int64_t total) { progress.update(done, total); };
+  control.progress = [&](std::int64_t done, std::int64_t total) {
+    if (drawing != nullptr) drawing->snapshots.reached(done);
+    progress.update(done, total);
+  };
   control.stop = stop_requested;
   simulate(scene, engine, recorder, control, report);
   progress.finish();
   recorder.close();
 }
 
-Outputs outputs_of(const Scenario& scenario, double mean_mm) {
+Outputs outputs_of(const Scenario& scenario, double mean_mm, Drawing* drawing) {
   return {.settings = scenario.render,
           .mean_travel_mm = mean_mm,
           .pictures = scenario.render.enabled,
           .all_plots = scenario.render.enabled,
           .torque_spectrum = scenario.tool.spin == "resolved",
-          .meshes = scenario.output.meshes};
+          .meshes = scenario.output.meshes,
+          .photographer = drawing != nullptr ? drawing->photographer.get() : nullptr};
 }
 
 /// `mean_mm`: the travel over which pictures and plots show means; the sentence shows the same forces as they do.
@@ -69,16 +75,6 @@ void say_summary(const Console& console, const RunTotals& totals, const RunFacts
   console.say(text);
 }
 
-using UnreamedLater = std::future<std::shared_ptr<const UnreamedBone>>;
-
-/// Begins what drawing needs of the bone as it is now, on a thread of its own beside the simulation, which leaves alone
-/// what is read of `scene`; that outlives the future. Not valid where the scenario wants nothing drawn.
-UnreamedLater prepare_drawing(const ReamingScene& scene, const FillBricks& fill_before) {
-  if (!scene.scenario.render.enabled && !scene.scenario.output.meshes) return {};
-  return std::async(std::launch::async,
-                    [&voxmap = scene.bone.voxmap, fill_before] { return make_unreamed_bone(voxmap, fill_before); });
-}
-
 /// The whole job: load, simulate, write, draw, and only then put the folder in place.
 void run_in(OutputFolder& folder, const Scenario& scenario, const Console& console) {
   const Stopwatch load_watch;
@@ -93,10 +89,11 @@ void run_in(OutputFolder& folder, const Scenario& scenario, const Console& conso
   facts.load_s = load_watch.seconds();
   tell(report, facts, console);
 
-  UnreamedLater unreamed = prepare_drawing(scene, fill_before);
+  write_tool(folder.path(), scene.tool);
+  const std::unique_ptr<Drawing> drawing = begin_drawing(scene, folder.path());
   Recorder recorder(folder.path(), scene.bone.voxmap.grid.voxel_mm);
   const Stopwatch watch;
-  run_frames(scene, *engine, recorder, report, console);
+  run_frames(scene, *engine, recorder, drawing.get(), report, console);
   facts.simulate_s = watch.seconds();
   facts.device_bytes = engine->device_bytes();
   tell(report, facts, console);
@@ -107,11 +104,10 @@ void run_in(OutputFolder& folder, const Scenario& scenario, const Console& conso
     tell(report, facts, console);
     write_summary(folder.path(), scene, recorder.totals(), facts, render_watch.seconds());
   };
-  FinishedRun finished(folder.path());
+  const FinishedRun finished = drawing ? FinishedRun(drawing->run) : FinishedRun(folder.path());
   const double mean_mm = averaged_travel_mm(scenario.cutting, scene.bone.voxmap.grid.voxel_mm);
   try {
-    if (unreamed.valid()) finished = FinishedRun(folder.path(), scene.bone.voxmap, unreamed.get());
-    make_outputs(finished, outputs_of(scenario, mean_mm), report, console);
+    make_outputs(finished, outputs_of(scenario, mean_mm, drawing.get()), report, console);
   } catch (const RunError&) {
     finish();  // numbers that are whole are not lost with a picture
     throw;

@@ -1,7 +1,8 @@
 #include "render/before_after.h"
 
 #include <algorithm>
-#include <utility>
+
+#include "render/pixel_image.h"
 
 namespace reamsim {
 namespace {
@@ -20,25 +21,24 @@ int half_width_px(int width_px) {
 
 }  // namespace
 
-BeforeAfter::BeforeAfter(Studio& studio, const std::string& camera,
-                         std::vector<std::pair<std::string, std::string>> values)
-    : camera_(studio.camera(camera, half_width_px(studio.settings().width_px), studio.settings().height_px)),
-      values_(std::move(values)),
-      after_(studio.photograph(camera_, std::nullopt)) {}
+Camera half_camera(const RunView& view, const std::string& name) {
+  return view.camera(name, half_width_px(view.settings().width_px), view.settings().height_px);
+}
 
-PixelImage BeforeAfter::finish(Studio& studio) const {
-  Camera page = camera_;
-  page.width_px = studio.settings().width_px;
+PixelImage before_and_after(const RunView& view, const Camera& half, const PixelImage& before, const PixelImage& after,
+                            const std::vector<std::pair<std::string, std::string>>& values) {
+  Camera page = half;
+  page.width_px = view.settings().width_px;
   PixelImage image = plain_image(page.width_px, page.height_px, kGap_rgb);
-  image.paste(studio.photograph(camera_, std::nullopt), 0, 0);
-  const int right_px = page.width_px - after_.width_px;
-  image.paste(after_, right_px, 0);
-  Labels labels = studio.labels(camera_, std::nullopt);
+  image.paste(before, 0, 0);
+  const int right_px = page.width_px - after.width_px;
+  image.paste(after, right_px, 0);
+  Labels labels = view.labels(half, std::nullopt);
   labels.title = "Before reaming";
   draw_labels(image, page, labels);
   Labels of_right;
   of_right.title = "After reaming";
-  of_right.values = values_;
+  of_right.values = values;
   draw_value_box(image, page, of_right, right_px);
   return image;
 }

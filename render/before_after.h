@@ -1,28 +1,19 @@
 #pragma once
 
 #include <string>
+#include <utility>
 #include <vector>
 
-#include "render/studio.h"
+#include "render/run_view.h"
 
 namespace reamsim {
 
-/// One picture with the bone before and after, side by side, seen by one camera.
-class BeforeAfter {
- public:
-  /// Takes the right half: the bone that the studio shows now. `camera`: its name. `values`: name and number with
-  /// unit, one per line, for that half.
-  BeforeAfter(Studio& studio, const std::string& camera, std::vector<std::pair<std::string, std::string>> values);
+/// The camera called `name` for one half of a picture with the bone before and after, side by side. The whole has the
+/// settings' size.
+Camera half_camera(const RunView& view, const std::string& name);
 
-  /// Takes the left half and returns the whole, of the size that the settings say.
-  [[nodiscard]] PixelImage finish(Studio& studio) const;
-  /// The camera's name.
-  [[nodiscard]] const std::string& camera() const { return camera_.name; }
-
- private:
-  Camera camera_;
-  std::vector<std::pair<std::string, std::string>> values_;
-  PixelImage after_;
-};
+/// Puts such a picture together from its halves. `values`: name and number with unit, one per line, for the right one.
+PixelImage before_and_after(const RunView& view, const Camera& half, const PixelImage& before, const PixelImage& after,
+                            const std::vector<std::pair<std::string, std::string>>& values);
 
 }  // namespace reamsim

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <optional>
 #include <vector>
 
 #include "render/ambient.h"
@@ -13,13 +12,15 @@ namespace reamsim {
 /// What changes from picture to picture: the bone's fill and everything that is derived from it.
 class BoneState {
  public:
-  /// Both outlive this.
-  BoneState(Voxmap& voxmap, const UnreamedSurface& unreamed);
+  /// Of `voxmap` the lattice and the grades count. Both outlive this.
+  BoneState(const Voxmap& voxmap, FillBricks fill, const UnreamedSurface& unreamed);
+  BoneState(const BoneState&) = delete;
+  BoneState& operator=(const BoneState&) = delete;
 
-  /// Follows the voxmap's fill. Returns the tiles whose surfaces are others now.
+  /// What is left of the bone. After changes, follow().
+  [[nodiscard]] FillBricks& fill() { return fill_; }
+  /// Follows the fill. Returns the tiles whose surfaces are others now.
   std::vector<std::size_t> follow();
-  /// Puts the bone back to before the first snapshot; seen at the next follow().
-  void rewind();
 
   [[nodiscard]] const BoneTiles& tiles() const { return tiles_; }
   [[nodiscard]] const SolidField& field() const { return field_; }
@@ -27,13 +28,13 @@ class BoneState {
  private:
   [[nodiscard]] BoneLook look() const { return {voxmap_, field_, ambient_, unreamed_}; }
 
-  Voxmap& voxmap_;
+  const Voxmap& voxmap_;
+  FillBricks fill_;
   const UnreamedSurface& unreamed_;
   Occupancy occupancy_;
   SolidField field_;
   AmbientLight ambient_;
   BoneTiles tiles_;
-  std::optional<FillBricks> rewound_from_;  ///< what the surfaces still show after rewind()
 };
 
 }  // namespace reamsim

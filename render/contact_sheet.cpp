@@ -28,6 +28,11 @@ double page_unit(int width_px, int height_px) {
   return std::min(height_px / 1080.0, width_px / 1440.0);
 }
 
+SheetGrid grid_of(const RunView& view) {
+  const auto cells = static_cast<int>(ContactSheet::frames_on(view).size());
+  return sheet_grid(cells, view.settings().width_px, view.settings().height_px);
+}
+
 }  // namespace
 
 SheetGrid sheet_grid(int cells, int width_px, int height_px) {
@@ -52,18 +57,23 @@ SheetGrid sheet_grid(int cells, int width_px, int height_px) {
   return best;
 }
 
-ContactSheet::ContactSheet(const Studio& studio, const std::string& camera)
-    : frames_(evenly_among(studio.frames(), kMostFrames)),
-      grid_(sheet_grid(static_cast<int>(frames_.size()), studio.settings().width_px, studio.settings().height_px)),
-      camera_(studio.closer_camera(camera, grid_.cell_width_px, grid_.cell_height_px)),
-      page_(plain_image(studio.settings().width_px, studio.settings().height_px, kPage_rgb)) {}
+std::vector<std::int64_t> ContactSheet::frames_on(const RunView& view) {
+  return evenly_among(view.frames(), kMostFrames);
+}
 
-void ContactSheet::add(Studio& studio, std::int64_t frame) {
-  if (!std::ranges::binary_search(frames_, frame)) return;
-  const ForceRow& row = studio.row_of(frame);
-  const std::optional<Rigid> tool = studio.tool_at(row);
-  PixelImage cell = studio.photograph(camera_, tool);
-  draw_outlines(cell, camera_, studio.labels(camera_, tool));
+Camera ContactSheet::cell_camera(const RunView& view, const std::string& name) {
+  const SheetGrid grid = grid_of(view);
+  return view.closer_camera(name, grid.cell_width_px, grid.cell_height_px);
+}
+
+ContactSheet::ContactSheet(const RunView& view, const Camera& cell)
+    : view_(view),
+      grid_(grid_of(view)),
+      camera_(cell),
+      page_(plain_image(view.settings().width_px, view.settings().height_px, kPage_rgb)) {}
+
+void ContactSheet::add(PixelImage cell, const ForceRow& row) {
+  draw_outlines(cell, camera_, view_.labels(camera_, view_.tool_at(row.frame)));
   if (cell.height_px >= kLeastCaptioned_px) {
     const double u = page_unit(page_.width_px, page_.height_px);
     const Canvas canvas(cell);
@@ -80,11 +90,11 @@ void ContactSheet::add(Studio& studio, std::int64_t frame) {
   ++done_;
 }
 
-PixelImage ContactSheet::finish(const Studio& studio) {
+PixelImage ContactSheet::finish() {
   Camera page = camera_;
   page.width_px = page_.width_px;
   page.height_px = page_.height_px;
-  Labels labels = studio.labels(camera_, std::nullopt);
+  Labels labels = view_.labels(camera_, std::nullopt);
   labels.title = "Time and depth of the reamer";
   labels.scale_share = 0.5 * camera_.width_px / page_.width_px;
   draw_labels(page_, page, labels);

@@ -4,7 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "render/studio.h"
+#include "render/force_log.h"
+#include "render/run_view.h"
 
 namespace reamsim {
 
@@ -21,16 +22,21 @@ SheetGrid sheet_grid(int cells, int width_px, int height_px);
 /// The run on one page: up to twenty small pictures by one camera, each with its time and depth.
 class ContactSheet {
  public:
-  /// `camera`: its name. The page has the settings' size.
-  ContactSheet(const Studio& studio, const std::string& camera);
+  /// The frames that have a cell, ascending.
+  static std::vector<std::int64_t> frames_on(const RunView& view);
+  /// The camera called `name`, for a cell of the sheet.
+  static Camera cell_camera(const RunView& view, const std::string& name);
 
-  /// Takes a cell's picture when this frame is on the sheet.
-  void add(Studio& studio, std::int64_t frame);
+  /// Of cells by that camera. The page has the settings' size. `view` outlives the sheet.
+  ContactSheet(const RunView& view, const Camera& cell);
+
+  /// The next cell, of the frame at this row of the log.
+  void add(PixelImage photograph, const ForceRow& row);
   /// The page, with its labels.
-  [[nodiscard]] PixelImage finish(const Studio& studio);
+  [[nodiscard]] PixelImage finish();
 
  private:
-  std::vector<std::int64_t> frames_;
+  const RunView& view_;
   SheetGrid grid_;
   Camera camera_;  ///< of a cell
   PixelImage page_;

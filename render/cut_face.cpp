@@ -14,7 +14,7 @@ constexpr int kMostTexels = 4096;  // on a side
 
 /// Density of the bone that is left round a point (voxel index space): the mean over the eight nearest voxels, each
 /// weighted by nearness and by how much of it is bone, so that air beside it does not thin the cut's edge.
-float density_at(const Voxmap& voxmap, const Vec3& point) {
+float density_at(const Voxmap& voxmap, const FillBricks& fill, const Vec3& point) {
   const Vec3 base = point.array().floor();
   const Vec3 t = point - base;
   double sum = 0;
@@ -26,7 +26,7 @@ float density_at(const Voxmap& voxmap, const Vec3& point) {
     if (grade == 0) continue;
     const double near =
         ((i & 1) ? t.x() : 1 - t.x()) * ((i >> 1 & 1) ? t.y() : 1 - t.y()) * ((i >> 2) ? t.z() : 1 - t.z());
-    const double weight = near * voxmap.fill.get(corner);
+    const double weight = near * fill.get(corner);
     sum += weight * DensityMapping::density_from_grade(grade);
     weights += weight;
   }
@@ -73,7 +73,7 @@ Rectangle visible_rectangle(const Aabb& bone, const Camera& camera) {
 
 }  // namespace
 
-CutFace sample_cut_face(const Voxmap& voxmap, const SolidField& field, const Camera& camera) {
+CutFace sample_cut_face(const Voxmap& voxmap, const FillBricks& fill, const SolidField& field, const Camera& camera) {
   const VoxelGrid& grid = voxmap.grid;
   Aabb box = grid.bounds_mm();
   box.min.array() -= 3 * grid.voxel_mm;
@@ -100,7 +100,7 @@ CutFace sample_cut_face(const Voxmap& voxmap, const SolidField& field, const Cam
         const float share =
             -openvdb::tools::BoxSampler::sample(accessor, openvdb::Vec3d(point.x(), point.y(), point.z()));
         float* texel = out.texels.data() + 2 * (row * out.width + column);
-        texel[0] = share > -0.45F ? density_at(voxmap, point) : 0.0F;
+        texel[0] = share > -0.45F ? density_at(voxmap, fill, point) : 0.0F;
         texel[1] = share;
       }
     }

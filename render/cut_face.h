@@ -18,8 +18,9 @@ struct CutFace {
       texels;  ///< two per place: density of what is left (g/cm³); share of bone less ½, smoothed as the surface is
 };
 
-/// Samples the plane of `camera` wherever the picture shows it and there may be bone, one texel per pixel but no finer
-/// than a quarter of a voxel. Empty (width 0) when the plane misses the bone.
-CutFace sample_cut_face(const Voxmap& voxmap, const SolidField& field, const Camera& camera);
+/// Samples, of a bone with `voxmap`'s lattice and grades and this `fill`, the plane of `camera` wherever the picture
+/// shows it and there may be bone, one texel per pixel but no finer than a quarter of a voxel. Empty (width 0) when the
+/// plane misses the bone.
+CutFace sample_cut_face(const Voxmap& voxmap, const FillBricks& fill, const SolidField& field, const Camera& camera);
 
 }  // namespace reamsim

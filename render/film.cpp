@@ -56,33 +56,32 @@ FilmLayout film_layout(int width_px, int height_px) {
   return out;
 }
 
-Film::Film(const std::string& path, const Studio& studio, const std::string& camera)
-    : layout_(film_layout(studio.settings().width_px, studio.settings().height_px)),
-      camera_(studio.camera(camera, static_cast<int>(layout_.bone.width), static_cast<int>(layout_.bone.height))),
-      widest_value_(widest_value(studio.log())),
-      encoder_(path, studio.settings()) {
+Camera film_camera(const RunView& view, const std::string& name) {
+  const Box bone = film_layout(view.settings().width_px, view.settings().height_px).bone;
+  return view.camera(name, static_cast<int>(bone.width), static_cast<int>(bone.height));
+}
+
+Film::Film(const std::string& path, const RunView& view, const Captions& captions, const Camera& camera)
+    : view_(view),
+      captions_(captions),
+      layout_(film_layout(view.settings().width_px, view.settings().height_px)),
+      camera_(camera),
+      widest_value_(widest_value(captions.log())),
+      encoder_(path, view.settings()) {
   if (layout_.panel.width == 0) return;
-  panel_ = std::make_unique<ForcePanel>(studio.log(), studio.mean(), static_cast<int>(layout_.panel.width),
+  panel_ = std::make_unique<ForcePanel>(captions.log(), captions.mean(), static_cast<int>(layout_.panel.width),
                                         static_cast<int>(layout_.panel.height), layout_.unit);
 }
 
-void Film::add(Studio& studio, const ForceRow& row) {
-  const std::optional<Rigid> tool = studio.tool_at(row);
-  PixelImage bone = studio.film_frame(camera_, tool);
-  Labels labels = studio.labels(camera_, tool);
+void Film::add(PixelImage bone, const ForceRow& row) {
+  Labels labels = view_.labels(camera_, view_.tool_at(row.frame));
   labels.values = film_values(row);
   labels.widest_value = widest_value_;
-  labels.force = studio.force_arrow(row);
+  labels.force = captions_.arrow(row);
   draw_labels(bone, camera_, labels);
-  if (!panel_) {
-    PixelImage frame = plain_image(layout_.width_px, layout_.height_px, kPaper_rgb);
-    frame.paste(bone, 0, 0);
-    encoder_.add(frame);
-    return;
-  }
   PixelImage frame = plain_image(layout_.width_px, layout_.height_px, kPaper_rgb);
   frame.paste(bone, 0, 0);
-  frame.paste(panel_->at(row), static_cast<int>(layout_.panel.x), static_cast<int>(layout_.panel.y));
+  if (panel_) frame.paste(panel_->at(row), static_cast<int>(layout_.panel.x), static_cast<int>(layout_.panel.y));
   encoder_.add(frame);
 }
 

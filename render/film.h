@@ -3,9 +3,10 @@
 #include <memory>
 #include <string>
 
+#include "render/captions.h"
 #include "render/encoder.h"
 #include "render/force_panel.h"
-#include "render/studio.h"
+#include "render/run_view.h"
 
 namespace reamsim {
 
@@ -16,19 +17,24 @@ struct FilmLayout {
   double unit;              ///< pixels per pixel of a film 1080 high
 };
 FilmLayout film_layout(int width_px, int height_px);
+/// The camera called `name`, for the bone's part of the film.
+Camera film_camera(const RunView& view, const std::string& name);
 
 /// The film of a run: a frame per snapshot, with force and torque running beside the bone.
 class Film {
  public:
-  /// Starts `path`, of the settings' size, rate and format, seen by `camera`. Throws RunError: no ffmpeg.
-  Film(const std::string& path, const Studio& studio, const std::string& camera);
+  /// Starts `path`, of the settings' size, rate and format, seen by `camera`. Throws RunError: no ffmpeg. `view` and
+  /// `captions` outlive it.
+  Film(const std::string& path, const RunView& view, const Captions& captions, const Camera& camera);
 
-  /// The next frame: what the studio shows now, at this row of the log.
-  void add(Studio& studio, const ForceRow& row);
+  /// The next frame: the bone at this row of the log.
+  void add(PixelImage bone, const ForceRow& row);
   /// Puts the file in place.
   void finish();
 
  private:
+  const RunView& view_;
+  const Captions& captions_;
   FilmLayout layout_;
   Camera camera_;
   std::string widest_value_;

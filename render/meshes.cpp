@@ -7,7 +7,8 @@
 #include "render/glb.h"
 #include "render/reamed_mesh.h"
 #include "render/results.h"
-#include "render/scale.h"
+#include "render/run_view.h"
+#include "render/unreamed_surface.h"
 #include "sim/base/error.h"
 #include "sim/mesh/mesh_io.h"
 
@@ -30,16 +31,15 @@ openvdb::FloatGrid::Ptr read_surface(const std::string& path) {
 void write_meshes(const FinishedRun& run, double depth_max_mm, Report& report) {
   const std::string& dir = run.dir();
   const RunResults& results = run.results();
-  const ReamedMesh reamed =
-      make_reamed_mesh(*read_surface(dir + "/reamed.vdb"), results.voxmap.grid, results.bone_mm3, run.unreamed());
+  const ReamedMesh reamed = make_reamed_mesh(*read_surface(dir + "/reamed.vdb"), results.bone->grid, results.bone_mm3,
+                                             run.planned().unreamed());
   if (reamed.mesh.triangles.empty()) {
     std::filesystem::remove(dir + "/reamed.glb");
     std::filesystem::remove(dir + "/reamed.stl");
     report.warn("no bone is left to mesh: no reamed.glb and no reamed.stl");
     return;
   }
-  const Scale scale = depth_max_mm > 0 ? scale_exactly(depth_max_mm) : scale_up_to(reamed.deepest_mm);
-  write_glb(dir + "/reamed.glb", reamed, scale.max);
+  write_glb(dir + "/reamed.glb", reamed, depth_scale(run.planned(), depth_max_mm).max);
   write_stl(dir + "/reamed.stl", reamed.mesh);
 }
 

@@ -5,7 +5,7 @@
 
 namespace reamsim {
 
-/// Writes DIR/reamed.glb (with depth colours that end at `depth_max_mm`; 0: at the greatest depth, as in the pictures)
+/// Writes DIR/reamed.glb (with depth colours that end at `depth_max_mm`; 0: where those of the pictures do)
 /// and DIR/reamed.stl: the surface of DIR/reamed.vdb, closed, B, mm. Where no bone is left neither is written, which
 /// `report` says. Throws InputError when a result is missing or damaged, RunError when a file cannot be written.
 void write_meshes(const FinishedRun& run, double depth_max_mm, Report& report);

@@ -3,22 +3,21 @@
 #include <cstdio>
 #include <filesystem>
 #include <future>
-#include <memory>
+#include <limits>
 
 #include "render/before_after.h"
+#include "render/captions.h"
 #include "render/contact_sheet.h"
 #include "render/encoder.h"
 #include "render/film.h"
-#include "render/fixed_text.h"
-#include "render/picture_frames.h"
+#include "render/photographer.h"
+#include "render/picture_list.h"
 #include "render/render.h"
-#include "render/studio.h"
+#include "render/results.h"
 #include "sim/base/error.h"
 
 namespace reamsim {
 namespace {
-
-using Values = std::vector<std::pair<std::string, std::string>>;
 
 /// Writes pictures while the next one is drawn, and counts them.
 class PictureWriter {
@@ -51,150 +50,101 @@ class PictureWriter {
   std::future<void> writing_;
 };
 
-/// Makes all pictures of one run.
+/// Makes the pictures of a run from its photographs, in the order in which they come.
 class PictureMaker {
  public:
   PictureMaker(const FinishedRun& run, const RenderSettings& settings, const PictureChoice& choice,
-               double mean_travel_mm, const PictureProgress& progress, Report* report)
+               double mean_travel_mm, const PictureProgress& progress)
       : dir_(run.dir()),
-        settings_(settings),
-        choice_(choice),
-        names_(settings.cameras),
-        studio_(run, settings, mean_travel_mm, report),
-        stills_(still_frames(studio_.frames(), settings)),
-        writer_(progress, 0) {
-    for (const UserCamera& own : settings.user_cameras) names_.push_back(own.name);
-    for (const std::string& name : names_)
-      cameras_.push_back(studio_.camera(name, settings.width_px, settings.height_px));
-    writer_ = PictureWriter(progress, count());
+        results_(run.results()),
+        view_(run.planned(), settings),
+        list_(view_, choice),
+        plain_camera_(choice.plain_camera.empty() ? list_.names.front() : choice.plain_camera),
+        captions_(results_.log, mean_travel_mm, settings.force_arrow),
+        widest_(captions_.widest()),
+        before_(list_.halves.size()),
+        writer_(progress, list_.pictures(view_)) {
+    std::filesystem::create_directories(dir_ + "/frames");
+    if (!list_.turntable.empty()) std::filesystem::create_directories(dir_ + "/turntable");
+    if (list_.sheet) sheet_.emplace(view_, *list_.sheet);
+    if (list_.film) film_.emplace(film_path("reamed"), view_, captions_, *list_.film);
   }
 
-  void run() {
-    final_pictures();
-    turntable();
-    const bool all_frames = choice_.stills || settings_.contact_sheet || films_run();
-    if (all_frames || settings_.before_after) frame_by_frame(all_frames);
-    writer_.finish();
+  void take(Photo photo) {
+    switch (photo.of) {
+      case Photo::Of::before:
+        before_[photo.camera] = std::move(photo.image);
+        break;
+      case Photo::Of::frame:
+        frame(std::move(photo));
+        break;
+      case Photo::Of::sheet:
+        sheet_->add(std::move(photo.image), row_of(photo.frame));
+        if (photo.frame == list_.sheet_frames.back()) writer_.write(dir_ + "/contact_sheet.png", sheet_->finish());
+        break;
+      case Photo::Of::film:
+        film_frame(std::move(photo));
+        break;
+      case Photo::Of::after:
+        after(std::move(photo));
+        break;
+      case Photo::Of::after_half:
+        writer_.write(dir_ + "/before_after" + suffix(photo.camera) + ".png",
+                      before_and_after(view_, list_.halves[photo.camera], before_[photo.camera], photo.image,
+                                       captions_.after(photo.deepest_mm)));
+        break;
+      case Photo::Of::turntable:
+        turntable(std::move(photo));
+        break;
+    }
   }
+
+  void finish() { writer_.finish(); }
 
  private:
-  [[nodiscard]] int count() const {
-    const std::size_t frames = studio_.frames().size();
-    std::size_t sum = cameras_.size() * ((choice_.stills ? 1 + stills_.size() : 0) + (settings_.before_after ? 1 : 0));
-    sum += static_cast<std::size_t>(settings_.turntable_pictures);
-    return static_cast<int>(sum + (settings_.contact_sheet ? 1 : 0) + (films_run() ? frames : 0));
+  [[nodiscard]] const ForceRow& row_of(std::int64_t frame) const {
+    return captions_.log().at(frame, results_.log_path);
   }
 
-  [[nodiscard]] bool films_run() const { return choice_.film && settings_.film != "none"; }
+  void frame(Photo photo) {
+    const Camera& camera = list_.cameras[photo.camera];
+    const ForceRow& row = row_of(photo.frame);
+    Labels labels = view_.labels(camera, view_.tool_at(photo.frame));
+    labels.values = captions_.at(row);
+    labels.force = captions_.arrow(row);
+    labels.widest_value = widest_;
+    draw_labels(photo.image, camera, labels);
+    writer_.write(dir_ + "/frames/" + numbered("%06lld", photo.frame) + suffix(photo.camera) + ".png",
+                  std::move(photo.image));
+  }
 
-  void final_pictures() {
-    const Values values = final_values();
-    if (choice_.stills) {
-      for (const Camera& camera : cameras_) {
-        PixelImage image = studio_.photograph(camera, std::nullopt);
-        Labels labels = studio_.labels(camera, std::nullopt);
-        labels.title = "After reaming";
-        labels.values = values;
-        draw_labels(image, camera, labels);
-        writer_.write(dir_ + "/reamed" + suffix(camera.name) + ".png", std::move(image));
-      }
+  void film_frame(Photo photo) {
+    film_->add(std::move(photo.image), row_of(photo.frame));
+    writer_.count(film_path("reamed"));
+    if (photo.frame == view_.frames().back()) film_->finish();
+  }
+
+  void after(Photo photo) {
+    const Camera& camera = list_.cameras[photo.camera];
+    Labels labels = view_.labels(camera, std::nullopt);
+    labels.title = "After reaming";
+    labels.values = captions_.after(photo.deepest_mm);
+    draw_labels(photo.image, camera, labels);
+    writer_.write(dir_ + "/reamed" + suffix(photo.camera) + ".png", std::move(photo.image));
+  }
+
+  void turntable(Photo photo) {
+    const Camera& camera = list_.turntable[photo.camera];
+    draw_labels(photo.image, camera, view_.labels(camera, std::nullopt));
+    if (view_.settings().film != "none") {
+      if (!turntable_film_) turntable_film_.emplace(film_path("turntable"), view_.settings());
+      PixelImage frame = plain_image(photo.image.width_px, photo.image.height_px, 0xffffff);
+      frame.paste(photo.image, 0, 0);
+      turntable_film_->add(frame);
+      if (photo.camera + 1 == list_.turntable.size()) turntable_film_->finish();
     }
-    if (!settings_.before_after) return;
-    for (const std::string& name : names_) before_after_.emplace_back(studio_, name, values);
-  }
-
-  void turntable() {
-    const int pictures = settings_.turntable_pictures;
-    if (pictures == 0) return;
-    std::filesystem::create_directories(dir_ + "/turntable");
-    std::unique_ptr<FilmEncoder> film;
-    if (settings_.film != "none") film = std::make_unique<FilmEncoder>(film_path("turntable"), settings_);
-    for (int i = 0; i < pictures; ++i) {
-      const double turn = static_cast<double>(i) / pictures;
-      const Camera camera = make_turntable_camera(studio_.subject(), turn, settings_.width_px, settings_.height_px);
-      PixelImage image = studio_.photograph(camera, std::nullopt);
-      draw_labels(image, camera, studio_.labels(camera, std::nullopt));
-      if (film) {
-        PixelImage frame = plain_image(image.width_px, image.height_px, 0xffffff);
-        frame.paste(image, 0, 0);
-        film->add(frame);
-      }
-      writer_.write(dir_ + "/turntable/" + numbered("%03lld", i) + ".png", std::move(image));
-    }
-    if (film) film->finish();
-  }
-
-  /// Once through the run, for everything that follows it. `all`: to its end.
-  void frame_by_frame(bool all) {
-    std::optional<ContactSheet> sheet;
-    std::optional<Film> film;
-    if (settings_.contact_sheet) sheet.emplace(studio_, names_.front());
-    if (films_run()) film.emplace(film_path("reamed"), studio_, names_.front());
-    studio_.rewind();
-    for (const std::int64_t frame : studio_.frames()) {
-      studio_.advance_to(frame);
-      before_after_pictures();
-      if (!all) break;
-      if (choice_.stills && std::ranges::binary_search(stills_, frame)) frame_pictures(frame);
-      if (sheet) sheet->add(studio_, frame);
-      if (!film) continue;
-      film->add(studio_, studio_.row_of(frame));
-      writer_.count(film_path("reamed"));
-    }
-    if (sheet) writer_.write(dir_ + "/contact_sheet.png", sheet->finish(studio_));
-    if (film) film->finish();
-  }
-
-  /// At the first frame; afterwards there is nothing left to do.
-  void before_after_pictures() {
-    for (const BeforeAfter& pair : before_after_) {
-      writer_.write(dir_ + "/before_after" + suffix(pair.camera()) + ".png", pair.finish(studio_));
-    }
-    before_after_.clear();
-  }
-
-  void frame_pictures(std::int64_t frame) {
-    const ForceRow& row = studio_.row_of(frame);
-    const std::optional<Rigid> tool = studio_.tool_at(row);
-    for (const Camera& camera : cameras_) {
-      PixelImage image = studio_.photograph(camera, tool);
-      Labels labels = studio_.labels(camera, tool);
-      labels.values = frame_values(row);
-      labels.force = studio_.force_arrow(row);
-      labels.widest_value = widest_value();
-      draw_labels(image, camera, labels);
-      writer_.write(dir_ + "/frames/" + numbered("%06lld", frame) + suffix(camera.name) + ".png", std::move(image));
-    }
-  }
-
-  [[nodiscard]] Values frame_values(const ForceRow& row) const {
-    return {{"time", fixed_text(row.time_s, 3) + " s"},
-            {"tool depth", depth_text(row.depth_mm)},
-            {studio_.mean() + "axial force", fixed_text(row.layer_axial_force_n, 1) + " N"},
-            {studio_.mean() + "torque", fixed_text(row.layer_spin_torque_nmm, 0) + " N·mm"},
-            {"removed", fixed_text(row.removed_mm3, 1) + " mm³"}};
-  }
-
-  /// The longest value that any picture along the run can show.
-  [[nodiscard]] std::string widest_value() const {
-    std::string widest;
-    for (const ForceRow& row : {studio_.log().rows.back(), most_}) {
-      for (const auto& [name, value] : frame_values(row)) {
-        if (value.size() > widest.size()) widest = value;
-      }
-    }
-    return widest;
-  }
-
-  [[nodiscard]] Values final_values() {
-    for (const ForceRow& row : studio_.log().rows) {
-      most_.layer_axial_force_n = std::max(most_.layer_axial_force_n, row.layer_axial_force_n);
-      most_.layer_spin_torque_nmm = std::max(most_.layer_spin_torque_nmm, row.layer_spin_torque_nmm);
-    }
-    return {{"reamed depth", fixed_text(studio_.deepest_mm(), 2) + " mm"},
-            {"removed", fixed_text(studio_.log().rows.back().removed_mm3, 1) + " mm³"},
-            {"peak " + studio_.mean() + "force", fixed_text(most_.layer_axial_force_n, 1) + " N"},
-            {"peak " + studio_.mean() + "torque", fixed_text(most_.layer_spin_torque_nmm, 0) + " N·mm"}};
+    writer_.write(dir_ + "/turntable/" + numbered("%03lld", static_cast<std::int64_t>(photo.camera)) + ".png",
+                  std::move(photo.image));
   }
 
   [[nodiscard]] static std::string numbered(const char* format, std::int64_t number) {
@@ -204,25 +154,34 @@ class PictureMaker {
   }
 
   [[nodiscard]] std::string film_path(const std::string& name) const {
-    return dir_ + "/" + name + film_ending(film_format(settings_.film));
+    return dir_ + "/" + name + film_ending(film_format(view_.settings().film));
   }
 
-  [[nodiscard]] std::string suffix(const std::string& camera) const {
-    const std::string& plain = choice_.plain_camera.empty() ? names_.front() : choice_.plain_camera;
-    return camera == plain ? std::string() : "_" + camera;
+  [[nodiscard]] std::string suffix(std::size_t camera) const {
+    const std::string& name = list_.names[camera];
+    return name == plain_camera_ ? std::string() : "_" + name;
   }
 
   std::string dir_;
-  RenderSettings settings_;
-  PictureChoice choice_;
-  std::vector<std::string> names_;  ///< of the cameras, the user's last
-  Studio studio_;
-  std::vector<std::int64_t> stills_;
-  std::vector<Camera> cameras_;
-  ForceRow most_;  ///< the greatest force and torque of the run
-  std::vector<BeforeAfter> before_after_;
+  const RunResults& results_;
+  RunView view_;
+  PictureList list_;
+  std::string plain_camera_;
+  Captions captions_;
+  std::string widest_;  ///< of the values in pictures along the run
+  std::vector<PixelImage> before_;
+  std::optional<ContactSheet> sheet_;
+  std::optional<Film> film_;
+  std::optional<FilmEncoder> turntable_film_;
   PictureWriter writer_;
 };
+
+void require_possible(const RenderSettings& settings) {
+  if (settings.cameras.empty() && settings.user_cameras.empty()) {
+    throw InputError({}, "render.cameras", "found none", "expected at least one camera");
+  }
+  require_film_program(settings);
+}
 
 }  // namespace
 
@@ -232,15 +191,23 @@ void require_film_program(const RenderSettings& settings) {
 
 void render_pictures(const FinishedRun& run, const RenderSettings& settings, double mean_travel_mm,
                      const PictureProgress& progress, Report* report, const PictureChoice& choice) {
-  if (settings.cameras.empty() && settings.user_cameras.empty()) {
-    throw InputError({}, "render.cameras", "found none", "expected at least one camera");
-  }
-  require_film_program(settings);
+  require_possible(settings);
+  SnapshotFeed snapshots;
+  snapshots.reached(std::numeric_limits<std::int64_t>::max());
+  Photographer photographer(run.planned(), settings, choice, snapshots);
+  render_pictures(run, settings, mean_travel_mm, progress, report, choice, photographer);
+}
+
+void render_pictures(const FinishedRun& run, const RenderSettings& settings, double mean_travel_mm,
+                     const PictureProgress& progress, Report* report, const PictureChoice& choice,
+                     Photographer& photographer) {
+  require_possible(settings);
   const std::string& dir = run.dir();
   try {
-    PictureMaker maker(run, settings, choice, mean_travel_mm, progress, report);
-    std::filesystem::create_directories(dir + "/frames");
-    maker.run();
+    PictureMaker maker(run, settings, choice, mean_travel_mm, progress);
+    while (std::optional<Photo> photo = photographer.next()) maker.take(std::move(*photo));
+    if (report != nullptr && !photographer.warning().empty()) report->warn(photographer.warning());
+    maker.finish();
   } catch (const std::filesystem::filesystem_error& error) {
     throw RunError(dir + ": " + error.code().message());
   } catch (const std::bad_alloc&) {

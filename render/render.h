@@ -10,6 +10,8 @@
 
 namespace reamsim {
 
+class Photographer;
+
 /// Called after each picture: (done, total, file).
 using PictureProgress = std::function<void(int, int, const std::string&)>;
 
@@ -40,6 +42,10 @@ struct PictureChoice {
 /// or written.
 void render_pictures(const FinishedRun& run, const RenderSettings& settings, double mean_travel_mm,
                      const PictureProgress& progress, Report* report = nullptr, const PictureChoice& choice = {});
+/// The same, with photographs that were begun with the same settings and choice while the run went on.
+void render_pictures(const FinishedRun& run, const RenderSettings& settings, double mean_travel_mm,
+                     const PictureProgress& progress, Report* report, const PictureChoice& choice,
+                     Photographer& photographer);
 
 /// Draws DIR/forces.csv with gnuplot: DIR/forces (against time), DIR/plots/forces_depth and DIR/plots/energy, each as
 /// .png, .svg, .pdf and the script .gp. `mean_travel_mm` is the travel over which the means are taken that stand before

@@ -8,7 +8,6 @@
 #include <filesystem>
 #include <sstream>
 
-#include "render/unreamed_bone.h"
 #include "sim/base/error.h"
 #include "sim/bone/bone_vdb.h"
 #include "sim/mesh/mesh_io.h"
@@ -69,29 +68,49 @@ Anatomy read_anatomy(const std::string& dir) {
           .side = text_of(metadata, "bone_side")};
 }
 
+RunResults read_results(const std::string& dir, std::shared_ptr<const Voxmap> bone) {
+  RunResults out;
+  out.bone_mm3 = bone->bone_mm3();
+  out.bone = std::move(bone);
+  out.log_path = dir + "/forces.csv";
+  out.log = read_force_log(out.log_path);
+  return out;
+}
+
 RunResults read_results(const std::string& dir) {
   if (!std::filesystem::is_directory(dir)) {
     throw InputError({dir, 0, 0}, "", "no such folder", "the output folder of a run");
   }
-  return read_results(dir, read_bone_vdb(dir + "/reamed.vdb"));
+  return read_results(dir, std::make_shared<const Voxmap>(read_bone_vdb(dir + "/reamed.vdb")));
 }
 
-RunResults read_results(const std::string& dir, Voxmap voxmap) {
-  RunResults out;
-  out.voxmap = std::move(voxmap);
-  out.bone_mm3 = out.voxmap.bone_mm3();
+RunPlan read_plan(const std::string& dir, const RunResults& results) {
+  RunPlan out;
+  out.dir = dir;
+  out.bone = results.bone;
   const Anatomy anatomy = read_anatomy(dir);
   out.glenoid = anatomy.glenoid;
   out.side = anatomy.side;
-  out.log_path = dir + "/forces.csv";
-  out.log = read_force_log(out.log_path);
   out.frames = snapshot_frames(dir);
   if (out.frames.empty()) {
     throw InputError({dir + "/snapshots", 0, 0}, "", "no snapshot there", "the output folder of a run");
   }
-  out.unreamed_fill = unreamed_fill(dir, out.frames.front(), out.voxmap.grid.dims);
-  out.tool = read_mesh(dir + "/snapshots/tool.stl", 1.0);
+  for (const std::int64_t frame : out.frames) static_cast<void>(results.row_of(frame));
+  for (const ForceRow& row : results.log.rows) {
+    out.pose_frames.push_back(row.frame);
+    out.poses.push_back(row.pose);
+  }
+  out.unreamed_fill = unreamed_fill(dir, out.frames.front(), out.bone->grid.dims);
+  out.tool = read_tool(dir);
   return out;
+}
+
+std::string tool_path(const std::string& dir) {
+  return dir + "/snapshots/tool.stl";
+}
+
+TriangleMesh read_tool(const std::string& dir) {
+  return read_mesh(tool_path(dir), 1.0);
 }
 
 }  // namespace reamsim

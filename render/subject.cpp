@@ -9,11 +9,6 @@ namespace {
 /// The tool's head: what lies no farther than this above its lowest point. The shaft may leave the picture.
 constexpr double kHead_mm = 12;
 
-const ForceRow& deepest(const ForceLog& log) {
-  return *std::max_element(log.rows.begin(), log.rows.end(),
-                           [](const ForceRow& a, const ForceRow& b) { return a.depth_mm < b.depth_mm; });
-}
-
 void from_glenoid(Subject& subject, const GlenoidFrame& glenoid, const std::string& side, const std::string& frame) {
   const Mat3 axes = glenoid.bone_from_glenoid.linear();
   subject.bone_from_glenoid = glenoid.bone_from_glenoid;
@@ -38,28 +33,28 @@ void from_tool(Subject& subject) {
 
 }  // namespace
 
-Subject make_subject(const RunResults& results, const UnreamedSurface& unreamed) {
+Subject make_subject(const RunPlan& plan, const ToolPose& deepest, const UnreamedSurface& unreamed) {
   Subject subject;
-  subject.bone_from_tool = deepest(results.log).pose.bone_from_tool();
-  if (results.glenoid) {
-    from_glenoid(subject, *results.glenoid, results.side, results.voxmap.frame);
+  subject.bone_from_tool = deepest.bone_from_tool();
+  if (plan.glenoid) {
+    from_glenoid(subject, *plan.glenoid, plan.side, plan.bone->frame);
   } else {
     from_tool(subject);
   }
-  const VoxelGrid& grid = results.voxmap.grid;
+  const VoxelGrid& grid = plan.bone->grid;
   for (const openvdb::Vec3s& p : unreamed.surface().points) {
     const Vec3 index(p.x(), p.y(), p.z());
     subject.bone_mm.emplace_back(grid.origin_mm + grid.voxel_mm * (index + Vec3::Constant(0.5)));
     subject.reach_mm = std::max(subject.reach_mm, (subject.bone_mm.back() - subject.focus_mm).norm());
   }
   double tool_reach_mm = 0;
-  double lowest_mm = results.tool.bounds().min.z();
-  for (const Vec3& v : results.tool.vertices) {
+  double lowest_mm = plan.tool.bounds().min.z();
+  for (const Vec3& v : plan.tool.vertices) {
     tool_reach_mm = std::max(tool_reach_mm, v.norm());
     if (v.z() < lowest_mm + kHead_mm) subject.head_mm.push_back(subject.bone_from_tool * v);
   }
-  for (const ForceRow& row : results.log.rows) {
-    const double away_mm = (row.pose.position_mm - subject.focus_mm).norm() + tool_reach_mm;
+  for (const ToolPose& pose : plan.poses) {
+    const double away_mm = (pose.position_mm - subject.focus_mm).norm() + tool_reach_mm;
     subject.reach_mm = std::max(subject.reach_mm, away_mm);
   }
   return subject;

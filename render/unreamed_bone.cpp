@@ -2,7 +2,6 @@
 
 #include <openvdb/tools/MeshToVolume.h>
 
-#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -37,16 +36,6 @@ MovedSurface move_out(const IsoSurface& surface, double voxel_mm, double cell_mm
 }
 
 }  // namespace
-
-FillBricks with_gone_voxels_whole(const FillBricks& fill) {
-  FillBricks out = fill;
-  fill.for_each_brick([&](const Vec3i& coord, const FillBricks::Brick& brick) {
-    FillBricks::Brick whole = brick;
-    std::replace(whole.begin(), whole.end(), std::uint16_t{0}, FillBricks::kWhole);
-    out.put(coord, whole);
-  });
-  return out;
-}
 
 UnreamedBone::UnreamedBone(const Voxmap& voxmap, FillBricks before)
     : before_(std::move(before)),

@@ -41,7 +41,4 @@ class UnreamedBone {
   MovedSurface moved_;
 };
 
-/// A fill with every voxel that an earlier run took away whole again: depth is measured from before it.
-FillBricks with_gone_voxels_whole(const FillBricks& fill);
-
 }  // namespace reamsim

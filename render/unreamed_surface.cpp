@@ -27,9 +27,9 @@ Eigen::AlignedBox3d bounding_box(const Source& source) {
 using SourceTree = Eigen::KdBVH<double, 3, Source>;
 
 /// Is this voxel bone that was reamed away?
-bool gone(const Voxmap& voxmap, const FillBricks& before, const Vec3i& voxel) {
+bool gone(const Voxmap& voxmap, const FillBricks& last, const FillBricks& before, const Vec3i& voxel) {
   if (!voxmap.grid.contains(voxel)) return false;
-  return voxmap.grade.get(voxel) != 0 && 2 * voxmap.fill.get(voxel) < before.get(voxel);
+  return voxmap.grade.get(voxel) != 0 && 2 * last.get(voxel) < before.get(voxel);
 }
 
 /// Has any of this brick's voxels lost something?
@@ -41,7 +41,7 @@ bool reamed(const FillBricks::Brick& fill, const FillBricks::Brick* before) {
 }
 
 /// Marks the points of the moved surface below which the bone is gone.
-std::vector<std::uint8_t> above_gone_bone(const UnreamedBone& bone, const Voxmap& voxmap) {
+std::vector<std::uint8_t> above_gone_bone(const UnreamedBone& bone, const Voxmap& voxmap, const FillBricks& last) {
   const MovedSurface& moved = bone.moved();
   const double voxel_mm = voxmap.grid.voxel_mm;
   const auto accessor = moved.distance_mm->getConstAccessor();
@@ -60,7 +60,7 @@ std::vector<std::uint8_t> above_gone_bone(const UnreamedBone& bone, const Voxmap
     if (slope.length() < 1e-9) continue;
     const Vec3d below = (p - slope.unit() * (UnreamedBone::kBridge_mm + 0.75 * voxel_mm)) / voxel_mm;
     const Vec3i voxel = Point(below.x(), below.y(), below.z()).array().round().cast<int>();
-    marked[i] = gone(voxmap, bone.before(), voxel) ? 1 : 0;
+    marked[i] = gone(voxmap, last, bone.before(), voxel) ? 1 : 0;
   }
   return marked;
 }
@@ -87,11 +87,12 @@ struct SquaredDistance {
 };
 
 /// An empty grid whose active cells cover every brick that has lost something, and a little more for interpolation.
-openvdb::FloatGrid::Ptr cells_of_changed_bricks(const Voxmap& voxmap, const FillBricks& before, double cell_mm) {
+openvdb::FloatGrid::Ptr cells_of_changed_bricks(double voxel_mm, const FillBricks& last, const FillBricks& before,
+                                                double cell_mm) {
   auto grid = make_float_grid(0.0F);
   grid->setTransform(openvdb::math::Transform::createLinearTransform(cell_mm));
-  const double brick_cells = FillBricks::kSide * voxmap.grid.voxel_mm / cell_mm;
-  voxmap.fill.for_each_brick([&](const Vec3i& coord, const FillBricks::Brick& fill) {
+  const double brick_cells = FillBricks::kSide * voxel_mm / cell_mm;
+  last.for_each_brick([&](const Vec3i& coord, const FillBricks::Brick& fill) {
     if (!reamed(fill, before.brick(coord))) return;
     const Vec3d lower = brick_cells * Vec3d(coord.x(), coord.y(), coord.z());
     const openvdb::Coord from = openvdb::Coord::floor(lower - Vec3d(2));
@@ -101,11 +102,11 @@ openvdb::FloatGrid::Ptr cells_of_changed_bricks(const Voxmap& voxmap, const Fill
   return grid;
 }
 
-openvdb::FloatGrid::Ptr depth_grid(const UnreamedBone& bone, const Voxmap& voxmap) {
+openvdb::FloatGrid::Ptr depth_grid(const UnreamedBone& bone, const Voxmap& voxmap, const FillBricks& last) {
   const MovedSurface& moved = bone.moved();
-  auto depth = cells_of_changed_bricks(voxmap, bone.before(), moved.cell_mm);
+  auto depth = cells_of_changed_bricks(voxmap.grid.voxel_mm, last, bone.before(), moved.cell_mm);
   if (depth->empty()) return depth;
-  std::vector<std::uint8_t> marked = above_gone_bone(bone, voxmap);
+  std::vector<std::uint8_t> marked = above_gone_bone(bone, voxmap, last);
   spread(marked, {moved.surface.points.size(), flat_indices(moved.surface)},
          static_cast<int>(std::ceil(2 * UnreamedBone::kBridge_mm / moved.cell_mm)));
   std::vector<Source> sources;
@@ -127,12 +128,35 @@ openvdb::FloatGrid::Ptr depth_grid(const UnreamedBone& bone, const Voxmap& voxma
   return depth;
 }
 
+/// By the voxels that have lost something and whose middle is still bone: the surface passes above it, at a distance of
+/// (the share left − ½) voxels.
+double deepest_of(const openvdb::FloatGrid& depth, const Voxmap& voxmap, const FillBricks& last,
+                  const FillBricks& before) {
+  const double voxel_mm = voxmap.grid.voxel_mm;
+  const auto depths = depth.getConstAccessor();
+  double deepest_mm = 0;
+  last.for_each_brick([&](const Vec3i& coord, const FillBricks::Brick& fill) {
+    if (!reamed(fill, before.brick(coord))) return;
+    for (int offset = 0; offset < BrickLattice::kVoxels; ++offset) {
+      const Vec3i voxel = BrickLattice::voxel_at(coord, offset);
+      const std::uint16_t left = fill[static_cast<std::size_t>(offset)];
+      if (2 * left < FillBricks::kWhole || left >= before.get(voxel) || voxmap.grade.get(voxel) == 0) continue;
+      const Vec3d mm = voxel_mm * Vec3d(voxel.x(), voxel.y(), voxel.z());
+      const double below_mm = voxel_mm * (static_cast<double>(left) / FillBricks::kWhole - 0.5);
+      deepest_mm = std::max(deepest_mm, openvdb::tools::BoxSampler::sample(depths, depth.worldToIndex(mm)) - below_mm);
+    }
+  });
+  return deepest_mm;
+}
+
 }  // namespace
 
-UnreamedSurface::UnreamedSurface(std::shared_ptr<const UnreamedBone> bone, const Voxmap& voxmap)
-    : bone_(std::move(bone)), depth_(depth_grid(*bone_, voxmap)) {}
+UnreamedSurface::UnreamedSurface(std::shared_ptr<const UnreamedBone> bone, const Voxmap& voxmap, const FillBricks& last)
+    : bone_(std::move(bone)),
+      depth_(depth_grid(*bone_, voxmap, last)),
+      deepest_mm_(deepest_of(*depth_, voxmap, last, bone_->before())) {}
 
 UnreamedSurface::UnreamedSurface(const Voxmap& voxmap, FillBricks before)
-    : UnreamedSurface(std::make_shared<UnreamedBone>(voxmap, std::move(before)), voxmap) {}
+    : UnreamedSurface(std::make_shared<UnreamedBone>(voxmap, std::move(before)), voxmap, voxmap.fill) {}
 
 }  // namespace reamsim

@@ -8,13 +8,13 @@
 
 namespace reamsim {
 
-/// Where material has gone from a bone, and how deep below the old surface the new one lies. Made once per run, from
-/// the run's last state.
+/// Where material goes from a bone, and how deep below the old surface the new one lies. Made once per run, from the
+/// state that the run ends in, or is foreseen to end in.
 class UnreamedSurface {
  public:
-  /// `voxmap`: with all that the run removes gone from its fill.
-  UnreamedSurface(std::shared_ptr<const UnreamedBone> bone, const Voxmap& voxmap);
-  /// `before`: as in UnreamedBone.
+  /// Of `voxmap` the lattice and the grades count; `last`: the fill from which all that the run removes is gone.
+  UnreamedSurface(std::shared_ptr<const UnreamedBone> bone, const Voxmap& voxmap, const FillBricks& last);
+  /// The last fill is the voxmap's. `before`: as in UnreamedBone.
   UnreamedSurface(const Voxmap& voxmap, FillBricks before);
   /// Of a bone that began whole.
   explicit UnreamedSurface(const Voxmap& voxmap) : UnreamedSurface(voxmap, FillBricks(voxmap.grid.dims)) {}
@@ -27,10 +27,13 @@ class UnreamedSurface {
   /// bone nor the wall beside the tool counts. Known wherever material went, in the space of voxel indices times
   /// voxel_mm; 0 elsewhere.
   [[nodiscard]] const openvdb::FloatGrid& depth() const { return *depth_; }
+  /// The greatest depth of the last state's surface, mm; 0 where nothing is reamed.
+  [[nodiscard]] double deepest_mm() const { return deepest_mm_; }
 
  private:
   std::shared_ptr<const UnreamedBone> bone_;
   openvdb::FloatGrid::Ptr depth_;
+  double deepest_mm_;
 };
 
 }  // namespace reamsim

@@ -1,13 +1,12 @@
 #include "render/report/bone_data.h"
 
-#include <utility>
-
 #include "render/color_map.h"
 #include "render/report/markup.h"
 #include "render/report/mesh_data.h"
 #include "render/report/volume_data.h"
-#include "render/scale.h"
-#include "render/subject.h"
+#include "render/results.h"
+#include "render/run_view.h"
+#include "render/unreamed_surface.h"
 
 namespace reamsim {
 namespace {
@@ -21,8 +20,8 @@ Json vector_json(const Vector& v) {
   return {short_number(v.x()), short_number(v.y()), short_number(v.z())};
 }
 
-BoneSurface surface_of(const Voxmap& voxmap, const UnreamedSurface& unreamed) {
-  const Occupancy occupancy(voxmap, voxmap.fill);
+BoneSurface surface_of(const Voxmap& voxmap, const FillBricks& fill, const UnreamedSurface& unreamed) {
+  const Occupancy occupancy(voxmap, fill);
   return thinned(make_bone_surface({voxmap, SolidField(occupancy), AmbientLight(occupancy), unreamed}), MeshBudget());
 }
 
@@ -66,17 +65,15 @@ Json look_json(const Subject& subject) {
 
 }  // namespace
 
-Json bone_data(RunResults& results, const UnreamedSurface& unreamed, const RenderSettings& settings) {
-  Voxmap& voxmap = results.voxmap;
-  const BoneSurface after = surface_of(voxmap, unreamed);
-  std::swap(voxmap.fill, results.unreamed_fill);
-  const BoneSurface before = surface_of(voxmap, unreamed);
-  std::swap(voxmap.fill, results.unreamed_fill);
-
-  const Scale depth = settings.depth_max_mm > 0 ? scale_exactly(settings.depth_max_mm) : scale_up_to(after.deepest_mm);
+Json bone_data(const FinishedRun& run, const RenderSettings& settings) {
+  const PlannedRun& planned = run.planned();
+  const Voxmap& voxmap = *run.results().bone;
+  const BoneSurface after = surface_of(voxmap, voxmap.fill, planned.unreamed());
+  const BoneSurface before = surface_of(voxmap, planned.plan().unreamed_fill, planned.unreamed());
+  const Scale depth = depth_scale(planned, settings.depth_max_mm);
   const Eigen::AlignedBox3f box = bounds_of(before).merged(bounds_of(after));
   Json json;
-  json["look"] = look_json(make_subject(results, unreamed));
+  json["look"] = look_json(planned.subject());
   json["box_mm"] = {vector_json(box.min()), vector_json(box.max())};
   json["grade_per_g_cm3"] = DensityMapping::kMaxGrade / DensityMapping::kMaxDensity_g_cm3;
   json["deepest_mm"] = short_number(after.deepest_mm);

@@ -84,15 +84,16 @@ std::string frame_path(const std::string& dir, std::int64_t frame, const std::st
 
 /// The pictures along the run: `frames` and `time_s` of those shown, and for each camera that has a picture of all of
 /// them its `name`, `width_px`, `height_px` and `jpegs`.
-Json frames_json(const std::string& dir, const RunResults& results, const std::vector<std::string>& cameras) {
+Json frames_json(const FinishedRun& run, const std::vector<std::string>& cameras) {
   Json json{{"frames", Json::array()}, {"time_s", Json::array()}, {"cameras", Json::array()}};
-  std::vector<std::int64_t> drawn = results.frames;
+  const std::string& dir = run.dir();
+  std::vector<std::int64_t> drawn = run.planned().plan().frames;
   std::erase_if(drawn, [&](std::int64_t frame) { return !fs::exists(frame_path(dir, frame, "")); });
   std::vector<std::int64_t> frames;
   for (const std::size_t i : evenly_chosen(drawn.size(), std::max<std::size_t>(2, kMostFrames / cameras.size()))) {
     frames.push_back(drawn[i]);
     json["frames"].push_back(frames.back());
-    json["time_s"].push_back(short_number(results.log.at(frames.back(), results.log_path).time_s));
+    json["time_s"].push_back(short_number(run.results().row_of(frames.back()).time_s));
   }
   if (frames.empty()) return json;
   for (const std::string& camera : cameras) {
@@ -127,11 +128,11 @@ std::string text_of(const Json& summary, const char* key, const std::string& pat
 
 /// The data that the page's scripts work on.
 Json script_data(const FinishedRun& run, const RenderSettings& settings, double mean_travel_mm) {
-  RunResults& results = run.results();
-  add_layer_means(results.log, mean_travel_mm);
-  return {{"plot", plot_data(results.log, mean_travel_mm)},
-          {"pictures", frames_json(run.dir(), results, settings.cameras)},
-          {"bone", bone_data(results, run.unreamed(), settings)}};
+  ForceLog log = run.results().log;
+  add_layer_means(log, mean_travel_mm);
+  return {{"plot", plot_data(log, mean_travel_mm)},
+          {"pictures", frames_json(run, settings.cameras)},
+          {"bone", bone_data(run, settings)}};
 }
 
 std::string page_html(const FinishedRun& run, const RenderSettings& settings, double mean_travel_mm) {

@@ -141,9 +141,16 @@ std::vector<InputSum> input_sums(const Scenario& scenario) {
   return sums;
 }
 
+void write_tool(const std::string& dir, const Tool& tool) {
+  const std::string folder = dir + "/snapshots";
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (error) throw RunError(folder + ": " + error.message());
+  write_stl(folder + "/tool.stl", tool.mesh);
+}
+
 void write_results(const std::string& dir, const ReamingScene& scene, const Recorder& recorder, const RunFacts& facts) {
   write_text(dir + "/scenario.yaml", scenario_head(facts) + to_yaml(scene.scenario));
-  write_stl(dir + "/snapshots/tool.stl", scene.tool.mesh);
   write_bone_vdb(dir + "/reamed.vdb", scene.bone.voxmap, recorder.removed_frames(), provenance(scene, facts));
   if (scene.scenario.output.vti) write_vti(dir + "/reamed.vti", scene.bone.voxmap);
   write_depth_map(dir + "/depth_map.csv", facts.depth_map);

@@ -36,8 +36,12 @@ struct RunFacts {
 /// when the run began.
 void measure(RunFacts& facts, const ReamingScene& scene, const FillBricks& fill_before, const RunTotals& totals);
 
-/// Writes scenario.yaml (resolved, with the sums in its head), reamed.vdb, reamed.vti, depth_map.csv and
-/// snapshots/tool.stl into `dir`. Throws RunError when the disk is full.
+/// Writes snapshots/tool.stl into `dir`, which drawing reads beside the simulation. Throws RunError when the disk is
+/// full.
+void write_tool(const std::string& dir, const Tool& tool);
+
+/// Writes scenario.yaml (resolved, with the sums in its head), reamed.vdb, reamed.vti and depth_map.csv into `dir`.
+/// Throws RunError when the disk is full.
 void write_results(const std::string& dir, const ReamingScene& scene, const Recorder& recorder, const RunFacts& facts);
 
 /// Writes summary.json into `dir`; `render_s` is the time of pictures and plots, 0 without.

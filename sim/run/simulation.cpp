@@ -68,12 +68,12 @@ class Run {
   void frames(const RunControl& control) {
     const auto& poses = scene_.motion.poses;
     const auto last = static_cast<std::int64_t>(poses.size()) - 1;
-    const std::int64_t interval = picture_interval(scene_.scenario.render, last);
+    const std::vector<std::int64_t> pictures = picture_frames(scene_.scenario.render, last);
     snapshot(0);  // the bone as it came, whatever the tool starts in
     start(poses[0]);
     for (std::int64_t frame = 1; frame <= last; ++frame) {
       advance(poses[static_cast<std::size_t>(frame) - 1], poses[static_cast<std::size_t>(frame)], frame);
-      const bool picture = frame % interval == 0 || frame == last;
+      const bool picture = std::ranges::binary_search(pictures, frame);
       if (!picture && std::ssize(pending_) < scene_.scenario.engine.batch_frames) continue;
       record();
       if (picture) snapshot(frame);
@@ -219,12 +219,16 @@ void simulate(ReamingScene& scene, Engine& engine, FrameSink& sink, const RunCon
   Run(scene, engine, sink, report).frames(control);
 }
 
-std::int64_t picture_interval(const RenderSettings& settings, std::int64_t frames) {
+std::vector<std::int64_t> picture_frames(const RenderSettings& settings, std::int64_t last) {
   constexpr std::int64_t kPictures = 10;
   constexpr std::int64_t kFilmPictures = 150;
-  if (settings.every_frames > 0) return settings.every_frames;
   const std::int64_t pictures = settings.enabled && settings.film != "none" ? kFilmPictures : kPictures;
-  return std::max<std::int64_t>(1, (frames + pictures - 1) / pictures);
+  const std::int64_t spread = std::max<std::int64_t>(1, (last + pictures - 1) / pictures);
+  const std::int64_t interval = settings.every_frames > 0 ? settings.every_frames : spread;
+  std::vector<std::int64_t> out;
+  for (std::int64_t frame = 0; frame < last; frame += interval) out.push_back(frame);
+  out.push_back(last);
+  return out;
 }
 
 RunCost estimate_cost(const ReamingScene& scene) {

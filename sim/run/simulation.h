@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cstdint>
 #include <functional>
+#include <vector>
 
 #include "sim/base/report.h"
 #include "sim/bone/bone.h"
@@ -34,8 +36,8 @@ ReamingScene load_scene(const Scenario& scenario, Report& report);
 /// and timings go to `sink`. Warns when the tool never touches, starts inside bone, or cuts without spin.
 void simulate(ReamingScene& scene, Engine& engine, FrameSink& sink, const RunControl& control, Report& report);
 
-/// Frames whose state is kept for pictures: 0, every n-th and the last.
-std::int64_t picture_interval(const RenderSettings& settings, std::int64_t frames);
+/// Frames whose state is kept for pictures: 0, every n-th and the last, which is `last`. Ascending.
+std::vector<std::int64_t> picture_frames(const RenderSettings& settings, std::int64_t last);
 
 /// What a run will cost, from the motion alone.
 struct RunCost {

@@ -11,8 +11,8 @@
 #include <memory>
 #include <string>
 
-#include "render/studio.h"
 #include "sim/base/error.h"
+#include "tests/render/opened_run.h"
 #include "tests/render/results_fixture.h"
 #include "tests/support/temp_dir.h"
 
@@ -28,15 +28,13 @@ RenderSettings settings_with(int supersampling) {
   return settings;
 }
 
-Camera camera_of(const Studio& studio, const std::string& name) {
-  return studio.camera(name, studio.settings().width_px, studio.settings().height_px);
-}
+using test::OpenedRun;
 
-PixelImage picture(Studio& studio, const Camera& camera, const ForceRow& row, bool for_film = false) {
-  const std::optional<Rigid> tool = studio.tool_at(row);
-  PixelImage image = for_film ? studio.film_frame(camera, tool) : studio.photograph(camera, tool);
-  Labels labels = studio.labels(camera, tool);
-  labels.force = studio.force_arrow(row);
+PixelImage picture(OpenedRun& run, const Camera& camera, const ForceRow& row, bool for_film = false) {
+  const std::optional<Rigid> tool = run.view.tool_at(row.frame);
+  PixelImage image = for_film ? run.studio.film_frame(camera, tool) : run.studio.photograph(camera, tool);
+  Labels labels = run.view.labels(camera, tool);
+  labels.force = run.captions.arrow(row);
   draw_labels(image, camera, labels);
   return image;
 }
@@ -44,42 +42,43 @@ PixelImage picture(Studio& studio, const Camera& camera, const ForceRow& row, bo
 /// From the results on disk to the first picture.
 void opening(benchmark::State& state, const std::string& dir) {
   for (auto _ : state) {
-    Studio studio(dir, settings_with(1), 0, nullptr);
-    benchmark::DoNotOptimize(studio.photograph(camera_of(studio, "oblique"), std::nullopt));
+    OpenedRun run(dir, settings_with(1));
+    benchmark::DoNotOptimize(run.studio.photograph(run.camera("oblique"), std::nullopt));
   }
 }
 
 void frame_of_a_run(benchmark::State& state, const std::string& dir, bool for_film) {
-  Studio studio(dir, settings_with(1), 0, nullptr);
-  const Camera camera = camera_of(studio, "oblique");
-  const auto& frames = studio.frames();
-  studio.rewind();
-  studio.advance_to(frames.front());
+  const RenderSettings settings = settings_with(1);
+  auto run = std::make_unique<OpenedRun>(dir, settings);
+  const Camera camera = run->camera("oblique");
+  const std::vector<std::int64_t> frames = run->view.frames();
   std::size_t next = 1;
   for (auto _ : state) {
     if (next == frames.size()) {
       state.PauseTiming();
-      studio.rewind();
-      studio.advance_to(frames.front());
+      run.reset();
+      run = std::make_unique<OpenedRun>(dir, settings);
       next = 1;
       state.ResumeTiming();
     }
-    studio.advance_to(frames[next]);
-    benchmark::DoNotOptimize(picture(studio, camera, studio.row_of(frames[next]), for_film));
+    run->studio.advance_to(frames[next]);
+    benchmark::DoNotOptimize(picture(*run, camera, run->captions.log().at(frames[next], dir), for_film));
     ++next;
   }
 }
 
 void last_state(benchmark::State& state, const std::string& dir, const std::string& camera_name, int supersampling,
                 bool for_film = false) {
-  Studio studio(dir, settings_with(supersampling), 0, nullptr);
-  const Camera camera = camera_of(studio, camera_name);
-  for (auto _ : state) benchmark::DoNotOptimize(picture(studio, camera, studio.log().rows.back(), for_film));
+  OpenedRun run(dir, settings_with(supersampling));
+  run.studio.advance_to_last();
+  const Camera camera = run.camera(camera_name);
+  for (auto _ : state) benchmark::DoNotOptimize(picture(run, camera, run.last_row(), for_film));
 }
 
 void written(benchmark::State& state, const std::string& dir, const std::string& to) {
-  Studio studio(dir, settings_with(1), 0, nullptr);
-  PixelImage image = picture(studio, camera_of(studio, "oblique"), studio.log().rows.back());
+  OpenedRun run(dir, settings_with(1));
+  run.studio.advance_to_last();
+  PixelImage image = picture(run, run.camera("oblique"), run.last_row());
   for (auto _ : state) write_png(to + "/picture.png", image);
 }
 

@@ -58,7 +58,8 @@ TEST_F(Compare, RunsOfOtherFrameRatesBonesAndErosionsCompare) {
   EXPECT_THAT(result.out, HasSubstr("removed_mm3"));
   EXPECT_THAT(result.out, HasSubstr("fine, \"deep\""));
   const std::string svg = read("out/compare.svg");
-  for (const char* words : {"coarse", "Axial force (N)", "Spin torque", "Removed volume", "Time (s)", "Tool depth (mm)"}) {
+  for (const char* words :
+       {"coarse", "Axial force (N)", "Spin torque", "Removed volume", "Time (s)", "Tool depth (mm)"}) {
     EXPECT_THAT(svg, HasSubstr(words));
   }
   const std::string curves = read("out/curves.csv");

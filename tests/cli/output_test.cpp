@@ -113,7 +113,8 @@ TEST_F(Output, DiskFullAtOnce) {
 }
 
 TEST_F(Output, DiskFullLaterKeepsFinishedFrames) {
-  const ProgramResult result = limited(with(kSmall, "dwell_s: 0", "dwell_s: 20"), 60'000);
+  // The tool's mesh of 144 kB fits, the log of 6,000 frames does not.
+  const ProgramResult result = limited(with(kSmall, "dwell_s: 0", "dwell_s: 60"), 150'000);
   EXPECT_EQ(result.signal, 0) << result.err;
   EXPECT_EQ(result.status, 1) << result.err;
   EXPECT_THAT(result.err, HasSubstr("cannot be written"));
@@ -124,8 +125,8 @@ TEST_F(Output, DiskFullLaterKeepsFinishedFrames) {
 }
 
 TEST_F(Output, DiskFullAtTheVdb) {
-  // The logs of 40 frames fit, the grids and pictures do not.
-  const ProgramResult result = limited(kSmall, 14'000);
+  // The logs of 40 frames and the tool's mesh fit, the grid of twice as much bone does not.
+  const ProgramResult result = limited(with(kSmall, "[10, 10, 6]", "[20, 20, 20]"), 150'000);
   EXPECT_EQ(result.signal, 0) << result.err;
   EXPECT_EQ(result.status, 1) << result.err;
   EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <functional>
 
-#include "render/studio.h"
+#include "tests/render/opened_run.h"
 #include "tests/render/picture_file.h"
 #include "tests/render/results_fixture.h"
 #include "tests/support/temp_dir.h"
@@ -98,12 +98,13 @@ TEST(EdgeFilter, AFilmsFrameLooksLikeThePicture) {
   RenderSettings settings;
   settings.width_px = 720;
   settings.height_px = 480;
-  Studio studio(dir.path(), settings, 0, nullptr);
+  test::OpenedRun opened(dir.path(), settings);
+  opened.studio.advance_to_last();
   for (const char* name : {"oblique", "section"}) {
-    const Camera camera = studio.camera(name, settings.width_px, settings.height_px);
-    const auto tool = studio.tool_at(studio.log().rows.back());
-    PixelImage sampled = studio.photograph(camera, tool);
-    PixelImage smoothed = studio.film_frame(camera, tool);
+    const Camera camera = opened.camera(name);
+    const auto tool = opened.view.tool_at(opened.last_row().frame);
+    PixelImage sampled = opened.studio.photograph(camera, tool);
+    PixelImage smoothed = opened.studio.film_frame(camera, tool);
     write_png(dir.path() + "/sampled.png", sampled);
     write_png(dir.path() + "/smoothed.png", smoothed);
     const test::Picture a = test::read_picture(dir.path() + "/sampled.png");

@@ -10,7 +10,7 @@
 #include <map>
 
 #include "render/render.h"
-#include "render/studio.h"
+#include "tests/render/opened_run.h"
 #include "tests/render/picture_file.h"
 #include "tests/render/results_fixture.h"
 #include "tests/support/temp_dir.h"
@@ -61,10 +61,11 @@ class Golden : public ::testing::Test {
   /// The same for the last state, drawn in parts; `spoil` may change the photograph or the labels.
   template <typename Spoil>
   static double difference_after(const std::string& camera_name, const std::string& name, Spoil spoil) {
-    Studio studio(dir_->path(), golden_settings(), 0, nullptr);
-    const Camera camera = studio.camera(camera_name, golden_settings().width_px, golden_settings().height_px);
-    PixelImage image = studio.photograph(camera, std::nullopt);
-    Labels labels = studio.labels(camera, std::nullopt);
+    test::OpenedRun opened(dir_->path(), golden_settings());
+    opened.studio.advance_to_last();
+    const Camera camera = opened.camera(camera_name);
+    PixelImage image = opened.studio.photograph(camera, std::nullopt);
+    Labels labels = opened.view.labels(camera, std::nullopt);
     spoil(image, labels);
     draw_labels(image, camera, labels);
     const std::string file = dir_->path() + "/spoiled.png";

@@ -7,9 +7,9 @@
 #include <fstream>
 
 #include "render/color_map.h"
+#include "render/finished_run.h"
 #include "render/overlay.h"
 #include "render/render.h"
-#include "render/results.h"
 #include "render/subject.h"
 #include "sim/base/error.h"
 #include "tests/render/picture_file.h"
@@ -45,8 +45,7 @@ class Pictures : public ::testing::Test {
     dir_ = new TempDir;
     truth_ = write_results(dir_->path(), {});
     render_pictures(dir_->path(), small_settings(), 0.25, nullptr);
-    const RunResults results = read_results(dir_->path());
-    subject_ = new Subject(make_subject(results, UnreamedSurface(results.voxmap)));
+    subject_ = new Subject(FinishedRun(dir_->path()).planned().subject());
   }
   static void TearDownTestSuite() {
     delete subject_;
@@ -270,8 +269,8 @@ TEST_F(OtherPictures, ARunWithoutGlenoidFrameIsSeenAlongTheTool) {
   const FixtureTruth truth = write_results(other.path(), options);
   settings_.cameras = {"glenoid"};
   render_pictures(other.path(), settings_, 0.25, nullptr);
-  const RunResults results = read_results(other.path());
-  const Subject subject = make_subject(results, UnreamedSurface(results.voxmap));
+  const FinishedRun run(other.path());
+  const Subject& subject = run.planned().subject();
   EXPECT_FALSE(subject.anatomical);
   EXPECT_GT(subject.outward.dot(truth.bone_from_glenoid.linear().col(2)), 0.999);
 }

@@ -8,7 +8,7 @@
 #include "render/fixed_text.h"
 #include "render/picture_frames.h"
 #include "render/render.h"
-#include "render/studio.h"
+#include "render/run_view.h"
 #include "sim/base/error.h"
 #include "tests/render/picture_file.h"
 #include "tests/render/results_fixture.h"
@@ -82,10 +82,10 @@ TEST_F(Views, BeforeAndAfterAreSeenByTheSameCamera) {
   ASSERT_EQ(both.width, kViewWidth);
   ASSERT_EQ(both.height, kViewHeight);
 
-  const Studio studio(dir_.path(), settings_, 0.25, nullptr);
+  const RunView view(FinishedRun(dir_.path()).planned(), settings_);
   const int gap = 2;  // of 640 pixels
   const int half = (kViewWidth - gap) / 2;
-  const Camera camera = studio.camera("glenoid", half, kViewHeight);
+  const Camera camera = view.camera("glenoid", half, kViewHeight);
   const auto colors_at = [&](const Vec3& glenoid_mm) {
     const Vec2 at = camera.pixel(truth_.bone_from_glenoid * glenoid_mm);
     const int x = static_cast<int>(at.x());

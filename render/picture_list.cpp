@@ -1,0 +1,36 @@
+#include "render/picture_list.h"
+
+#include "render/before_after.h"
+#include "render/contact_sheet.h"
+#include "render/film.h"
+#include "render/picture_frames.h"
+
+namespace reamsim {
+
+PictureList::PictureList(const RunView& view, const PictureChoice& choice)
+    : names(view.settings().cameras), stills(choice.stills) {
+  const RenderSettings& settings = view.settings();
+  for (const UserCamera& own : settings.user_cameras) names.push_back(own.name);
+  for (const std::string& name : names) {
+    cameras.push_back(view.camera(name, settings.width_px, settings.height_px));
+    if (settings.before_after) halves.push_back(half_camera(view, name));
+  }
+  if (stills) still_frames = reamsim::still_frames(view.frames(), settings);
+  if (settings.contact_sheet) {
+    sheet_frames = ContactSheet::frames_on(view);
+    sheet = ContactSheet::cell_camera(view, names.front());
+  }
+  if (choice.film && settings.film != "none") film = film_camera(view, names.front());
+  for (int i = 0; i < settings.turntable_pictures; ++i) {
+    const double turn = static_cast<double>(i) / settings.turntable_pictures;
+    turntable.push_back(make_turntable_camera(view.run().subject(), turn, settings.width_px, settings.height_px));
+  }
+}
+
+int PictureList::pictures(const RunView& view) const {
+  std::size_t sum = turntable.size() + halves.size() + (sheet ? 1 : 0) + (film ? view.frames().size() : 0);
+  if (stills) sum += cameras.size() * (1 + still_frames.size());
+  return static_cast<int>(sum);
+}
+
+}  // namespace reamsim

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "render/render.h"
+#include "render/run_view.h"
+
+namespace reamsim {
+
+/// Which photographs the pictures of a run are made from.
+struct PictureList {
+  /// Throws InputError where a camera cannot be made.
+  PictureList(const RunView& view, const PictureChoice& choice);
+
+  [[nodiscard]] bool along_the_run() const { return !still_frames.empty() || !sheet_frames.empty() || film; }
+  /// How many pictures there will be, each frame of a film counted.
+  [[nodiscard]] int pictures(const RunView& view) const;
+
+  std::vector<std::string> names;          ///< of the cameras, the user's last
+  bool stills = false;                     ///< of the run's frames and of its last state
+  std::vector<Camera> cameras;             ///< of the stills
+  std::vector<std::int64_t> still_frames;  ///< ascending
+  std::vector<Camera> halves;              ///< of pictures of before and after; none where those are not wanted
+  std::optional<Camera> sheet;             ///< of the contact sheet's cells
+  std::vector<std::int64_t> sheet_frames;  ///< ascending
+  std::optional<Camera> film;
+  std::vector<Camera> turntable;
+};
+
+}  // namespace reamsim
