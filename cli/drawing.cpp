@@ -20,7 +20,8 @@ RunPlan plan_of(const ReamingScene& scene, const std::string& dir) {
   RunPlan plan;
   plan.dir = dir;
   plan.bone = {std::shared_ptr<void>(), &scene.bone.voxmap};  // owned by the scene
-  plan.unreamed_fill = with_gone_voxels_whole(scene.bone.voxmap.fill);
+  plan.fill_before = scene.bone.voxmap.fill;
+  plan.whole_voxels = scene.scenario.cutting.erosion != "exact";
   plan.glenoid = scene.bone.glenoid;
   plan.side = scene.scenario.bone.side;
   plan.poses = scene.motion.poses;

@@ -46,6 +46,7 @@ void run_frames(ReamingScene& scene, Engine& engine, Recorder& recorder, Drawing
   simulate(scene, engine, recorder, control, report);
   progress.finish();
   recorder.close();
+  if (drawing != nullptr) drawing->snapshots.reached(std::ssize(scene.motion.poses) - 1);  // also where that is frame 0
 }
 
 Outputs outputs_of(const Scenario& scenario, double mean_mm, Drawing* drawing) {

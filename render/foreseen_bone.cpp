@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <optional>
 
 #include "sim/base/parallel.h"
@@ -12,6 +13,8 @@ namespace {
 
 /// The tool is looked at wherever it turns round, and each time that it may have moved so far, voxels.
 constexpr double kStepVoxels = 0.5;
+/// It dwells, and does not turn, where it moves by less than this part of such a step.
+constexpr double kLeastStep = 0.1;
 /// Half a brick's diagonal and a little more than half a voxel's, voxels.
 constexpr double kBrickRadiusVoxels = 8;
 /// Of the table of distances, voxels.
@@ -95,7 +98,7 @@ std::vector<Stop> stops_along(const std::vector<ToolPose>& poses, const Aabb& to
     const double way_mm = (poses[k].position_mm - last->position_mm).norm() +
                           last->orientation.angularDistance(poses[k].orientation) * reach_mm;
     const auto parts = static_cast<std::int64_t>(std::ceil(way_mm / step_mm));
-    if (parts == 0 || (parts == 1 && !turns_at(poses, k))) continue;
+    if (way_mm < kLeastStep * step_mm || (parts == 1 && !turns_at(poses, k))) continue;
     for (std::int64_t i = 1; i < parts; ++i) {
       stop(interpolate(*last, poses[k], static_cast<double>(i) / static_cast<double>(parts)), k);
     }
@@ -104,6 +107,12 @@ std::vector<Stop> stops_along(const std::vector<ToolPose>& poses, const Aabb& to
   }
   return out;
 }
+
+/// A stop that comes near to a brick.
+struct NearStop {
+  const Stop* stop;
+  double middle_mm;  ///< from the tool to the brick's middle
+};
 
 /// What one brick of bone loses.
 struct BrickLoss {
@@ -115,10 +124,12 @@ struct BrickLoss {
 /// Goes through the bone brick by brick.
 class Foresight {
  public:
-  Foresight(const Voxmap& voxmap, const FillBricks& before, const Profile& tool, const std::vector<ToolPose>& poses)
+  Foresight(const Voxmap& voxmap, const FillBricks& before, const Profile& tool, const std::vector<ToolPose>& poses,
+            bool whole_voxels)
       : grid_(voxmap.grid),
         grade_(voxmap.grade),
         before_(before),
+        whole_voxels_(whole_voxels),
         table_(tool, voxmap.grid.voxel_mm),
         stops_(stops_along(poses, tool.bounds().expanded(table_.margin_mm()), kStepVoxels * voxmap.grid.voxel_mm)) {}
 
@@ -144,24 +155,22 @@ class Foresight {
   [[nodiscard]] std::optional<BrickLoss> loss_of(const Vec3i& coord) const {
     const Vec3 middle = middle_of(coord);
     const double radius_mm = kBrickRadiusVoxels * grid_.voxel_mm;
-    std::vector<std::pair<const Stop*, double>> near;
-    double least_mm = radius_mm;
+    std::vector<NearStop> near;
     for (const Stop& stop : stops_) {
       if (!contains(stop.box, middle)) continue;
       const double mm = table_.at(stop.tool_from_bone * middle);
-      if (mm >= radius_mm) continue;
-      near.emplace_back(&stop, mm);
-      least_mm = std::min(least_mm, mm);
+      if (mm < radius_mm) near.push_back({&stop, mm});
     }
     if (near.empty()) return std::nullopt;
+    const NearStop& nearest = *std::ranges::min_element(near, {}, &NearStop::middle_mm);
     const double reached_mm = 0.5 * BrickLattice::kSide * grid_.voxel_mm;
-    const auto reached = std::ranges::find_if(near, [&](const auto& stop) { return stop.second < reached_mm; });
-    BrickLoss loss{coord, {}, (reached == near.end() ? near.back() : *reached).first->pose};
-    return cut(near, least_mm < -radius_mm, loss) ? std::optional(loss) : std::nullopt;
+    const auto reached = std::ranges::find_if(near, [&](const NearStop& at) { return at.middle_mm < reached_mm; });
+    BrickLoss loss{coord, {}, (reached == near.end() ? nearest : *reached).stop->pose};
+    return cut(near, nearest.middle_mm < -radius_mm, loss) ? std::optional(loss) : std::nullopt;
   }
 
   /// Fills in what is left. Returns whether anything goes.
-  bool cut(const std::vector<std::pair<const Stop*, double>>& near, bool whole, BrickLoss& loss) const {
+  bool cut(const std::vector<NearStop>& near, bool whole, BrickLoss& loss) const {
     const GradeBricks::Brick& grades = *grade_.brick(loss.coord);
     const FillBricks::Brick* before = before_.brick(loss.coord);
     bool any = false;
@@ -178,17 +187,29 @@ class Foresight {
     return any;
   }
 
-  /// The share of a voxel that no stop covers: by the distance of its middle from the nearest.
-  [[nodiscard]] double share_left(const Vec3i& voxel, const std::vector<std::pair<const Stop*, double>>& near) const {
+  [[nodiscard]] double share_left(const Vec3i& voxel, const std::vector<NearStop>& near) const {
     const Vec3 middle = grid_.center_mm(voxel.x(), voxel.y(), voxel.z());
+    const double distance = distance_mm(middle, near) / grid_.voxel_mm;
+    if (!whole_voxels_) return std::clamp(0.5 + distance, 0.0, 1.0);
+    if (std::abs(distance) > 0.5 * std::numbers::sqrt3) return distance > 0 ? 1 : 0;
+    for (int i = 0; i < 8; ++i) {
+      const Vec3 corner(i & 1, i >> 1 & 1, i >> 2);
+      if (distance_mm(middle + grid_.voxel_mm * (corner - Vec3::Constant(0.5)), near) < 0) return 0;
+    }
+    return 1;
+  }
+
+  /// From the nearest of these stops, and at most a voxel.
+  [[nodiscard]] double distance_mm(const Vec3& point, const std::vector<NearStop>& near) const {
     double least_mm = grid_.voxel_mm;
-    for (const auto& [stop, brick_mm] : near) least_mm = std::min(least_mm, table_.at(stop->tool_from_bone * middle));
-    return std::clamp(0.5 + least_mm / grid_.voxel_mm, 0.0, 1.0);
+    for (const NearStop& at : near) least_mm = std::min(least_mm, table_.at(at.stop->tool_from_bone * point));
+    return least_mm;
   }
 
   const VoxelGrid& grid_;
   const GradeBricks& grade_;
   const FillBricks& before_;
+  bool whole_voxels_;
   DistanceTable table_;
   std::vector<Stop> stops_;
 };
@@ -210,15 +231,14 @@ const ToolPose& deepest_from(const std::vector<ToolPose>& poses, std::size_t con
 }  // namespace
 
 ForeseenBone foresee(const Voxmap& voxmap, const FillBricks& before, const Profile& tool,
-                     const std::vector<ToolPose>& poses) {
+                     const std::vector<ToolPose>& poses, bool whole_voxels) {
   ForeseenBone out{.fill = before, .deepest = poses.front()};
   std::size_t contact = poses.size();
-  for (const BrickLoss& loss : Foresight(voxmap, before, tool, poses).losses()) {
+  for (const BrickLoss& loss : Foresight(voxmap, before, tool, poses, whole_voxels).losses()) {
     out.fill.put(loss.coord, loss.fill);
     contact = std::min(contact, loss.first_pose);
   }
-  out.touched = contact < poses.size();
-  if (out.touched) out.deepest = deepest_from(poses, contact);
+  if (contact < poses.size()) out.deepest = deepest_from(poses, contact);
   return out;
 }
 

@@ -13,8 +13,9 @@
 namespace reamsim {
 namespace {
 
-/// The share of the machine's memory that photographs may take until somebody takes them.
+/// The share of the machine's memory that photographs may take until somebody takes them, and the most.
 constexpr double kWaitingShare = 1.0 / 16;
+constexpr double kMostWaiting_bytes = 1e9;
 
 /// Thrown where a photographer is to stop; never leaves its thread.
 struct Stopped {};
@@ -27,6 +28,7 @@ class Session {
 
   /// `warning` gets the studio's, before the first photograph is handed on.
   void take_all(std::string& warning) {
+    if (list_.pictures(view_) == 0) return;
     wait_for(view_.frames().front());
     Studio studio(view_);
     warning = studio.warning();
@@ -121,7 +123,7 @@ class Photographer::Thread {
   }
 
   SnapshotFeed& snapshots_;
-  PhotoQueue queue_{static_cast<std::size_t>(kWaitingShare * machine_memory_bytes())};
+  PhotoQueue queue_{static_cast<std::size_t>(std::min(kMostWaiting_bytes, kWaitingShare* machine_memory_bytes()))};
   std::string warning_;
   std::thread thread_;  ///< last, because it uses the others
 };

@@ -13,7 +13,8 @@ namespace reamsim {
 
 /// Takes all photographs that a run's pictures are made from, on a thread of its own: as soon as a snapshot is written,
 /// beside the simulation. Labels need the log and are for others to draw. It goes once through the run, and stops for a
-/// while where the photographs that nobody has taken from it come to a sixteenth of the machine's memory.
+/// while where the photographs that nobody has taken from it come to a sixteenth of the machine's memory, or a
+/// gigabyte.
 class Photographer {
  public:
   /// Begins. `snapshots` outlives it.

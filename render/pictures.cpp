@@ -205,8 +205,9 @@ void render_pictures(const FinishedRun& run, const RenderSettings& settings, dou
   const std::string& dir = run.dir();
   try {
     PictureMaker maker(run, settings, choice, mean_travel_mm, progress);
-    while (std::optional<Photo> photo = photographer.next()) maker.take(std::move(*photo));
+    std::optional<Photo> photo = photographer.next();
     if (report != nullptr && !photographer.warning().empty()) report->warn(photographer.warning());
+    for (; photo; photo = photographer.next()) maker.take(std::move(*photo));
     maker.finish();
   } catch (const std::filesystem::filesystem_error& error) {
     throw RunError(dir + ": " + error.code().message());

@@ -15,7 +15,8 @@ namespace {
 
 ForeseenBone foresee(const RunPlan& plan) {
   try {
-    return foresee(*plan.bone, plan.unreamed_fill, envelope_of_revolution(plan.tool).profile, plan.poses);
+    return foresee(*plan.bone, plan.fill_before, envelope_of_revolution(plan.tool).profile, plan.poses,
+                   plan.whole_voxels);
   } catch (const InputError& error) {
     throw InputError({tool_path(plan.dir), 0, 0}, "", error.what(), "expected the tool of a run");
   }
@@ -26,7 +27,8 @@ ForeseenBone foresee(const RunPlan& plan) {
 struct PlannedRun::Made {
   explicit Made(const RunPlan& plan) : Made(plan, foresee(plan)) {}
   Made(const RunPlan& plan, const ForeseenBone& foreseen)
-      : unreamed(std::make_shared<UnreamedBone>(*plan.bone, plan.unreamed_fill), *plan.bone, foreseen.fill),
+      : unreamed(std::make_shared<UnreamedBone>(*plan.bone, with_gone_voxels_whole(plan.fill_before)), *plan.bone,
+                 foreseen.fill),
         subject(make_subject(plan, foreseen.deepest, unreamed)) {}
 
   UnreamedSurface unreamed;

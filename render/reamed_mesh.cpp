@@ -95,9 +95,6 @@ void find_depths(ReamedMesh& out, const VoxelGrid& grid, const UnreamedSurface& 
       out.depth_mm[i] = static_cast<float>(std::max(0.0, double{openvdb::tools::BoxSampler::sample(depths, cell)}));
     }
   });
-  for (std::size_t i = 0; i < count; ++i) {
-    if (out.reamed[i] >= 1) out.deepest_mm = std::max(out.deepest_mm, double{out.depth_mm[i]});
-  }
   const Neighbours neighbours(count, corner_indices(out.mesh));
   smooth_values(neighbours, out.reamed, out.depth_mm, kMeshDepthRounds);
   smooth_values(neighbours, std::vector<float>(count, 1), out.reamed, kMeshDepthRounds);

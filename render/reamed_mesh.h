@@ -17,7 +17,6 @@ struct ReamedMesh {
   std::vector<Eigen::Vector3f> normals;  ///< outward, of length 1, per vertex
   std::vector<float> depth_mm;           ///< below the unreamed surface, per vertex; 0 where nothing was reamed
   std::vector<float> reamed;             ///< how surely material is gone there, 0…1, per vertex
-  double deepest_mm = 0;                 ///< of the reamed vertices
 };
 
 /// Meshes `surface`, the level set of reamed.vdb (mm, negative inside), and asks `unreamed` for the depth of each

@@ -51,21 +51,23 @@ std::optional<GlenoidFrame> parse_glenoid(const std::string& path, const std::st
   return frame;
 }
 
-/// The fill that the run began with, as UnreamedBone wants it.
-FillBricks unreamed_fill(const std::string& dir, std::int64_t first_frame, const Vec3i& dims) {
+Anatomy anatomy_of(const std::string& path, const openvdb::MetaMap& metadata) {
+  return {.glenoid = parse_glenoid(path, text_of(metadata, "bone_from_glenoid")),
+          .side = text_of(metadata, "bone_side")};
+}
+
+/// The fill that the run began with.
+FillBricks fill_before(const std::string& dir, std::int64_t first_frame, const Vec3i& dims) {
   FillBricks out(dims);
-  if (first_frame != 0) return out;
-  apply_snapshot(dir, first_frame, out);
-  return with_gone_voxels_whole(out);
+  if (first_frame == 0) apply_snapshot(dir, first_frame, out);
+  return out;
 }
 
 }  // namespace
 
 Anatomy read_anatomy(const std::string& dir) {
   const std::string path = dir + "/reamed.vdb";
-  const openvdb::MetaMap metadata = density_metadata(path);
-  return {.glenoid = parse_glenoid(path, text_of(metadata, "bone_from_glenoid")),
-          .side = text_of(metadata, "bone_side")};
+  return anatomy_of(path, density_metadata(path));
 }
 
 RunResults read_results(const std::string& dir, std::shared_ptr<const Voxmap> bone) {
@@ -88,9 +90,13 @@ RunPlan read_plan(const std::string& dir, const RunResults& results) {
   RunPlan out;
   out.dir = dir;
   out.bone = results.bone;
-  const Anatomy anatomy = read_anatomy(dir);
+  const std::string path = dir + "/reamed.vdb";
+  const openvdb::MetaMap metadata = density_metadata(path);
+  const Anatomy anatomy = anatomy_of(path, metadata);
   out.glenoid = anatomy.glenoid;
   out.side = anatomy.side;
+  const std::string erosion = text_of(metadata, "erosion");
+  out.whole_voxels = erosion == "remove" || erosion == "wear";
   out.frames = snapshot_frames(dir);
   if (out.frames.empty()) {
     throw InputError({dir + "/snapshots", 0, 0}, "", "no snapshot there", "the output folder of a run");
@@ -100,7 +106,7 @@ RunPlan read_plan(const std::string& dir, const RunResults& results) {
     out.pose_frames.push_back(row.frame);
     out.poses.push_back(row.pose);
   }
-  out.unreamed_fill = unreamed_fill(dir, out.frames.front(), out.bone->grid.dims);
+  out.fill_before = fill_before(dir, out.frames.front(), out.bone->grid.dims);
   out.tool = read_tool(dir);
   return out;
 }

@@ -36,8 +36,8 @@ RunResults read_results(const std::string& dir, std::shared_ptr<const Voxmap> bo
 RunResults read_results(const std::string& dir);
 
 /// Finds out what the plan was: from DIR/reamed.vdb (of which `results` has the grids; with `bone_from_glenoid`, 16
-/// numbers row by row, and `bone_side` in the metadata of `density`, both optional), DIR/snapshots/ and the log. Throws
-/// InputError when something is missing or damaged.
+/// numbers row by row, `bone_side` and `erosion` in the metadata of `density`, all optional), DIR/snapshots/ and the
+/// log. Throws InputError when something is missing or damaged.
 RunPlan read_plan(const std::string& dir, const RunResults& results);
 
 /// The file in `dir` that the tool is read from, and its mesh.

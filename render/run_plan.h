@@ -15,9 +15,9 @@ namespace reamsim {
 /// All that photographs of a run need beside its snapshots, and all of it known before the simulation begins.
 struct RunPlan {
   std::string dir;                     ///< where the snapshots are, or will be
-  std::shared_ptr<const Voxmap> bone;  ///< its lattice and grades, which no run changes; its fill is not read
-  /// What of each voxel at the bone's surface is bone before the run; what an earlier run took away counts as whole.
-  FillBricks unreamed_fill;
+  std::shared_ptr<const Voxmap> bone;  ///< its lattice and grades, which no run changes; its fill means nothing here
+  FillBricks fill_before;              ///< that the run begins with
+  bool whole_voxels = false;           ///< the run takes voxels whole, not in parts
   std::optional<GlenoidFrame> glenoid;
   std::string side;                       ///< "left", "right", or "" where nobody knows
   std::vector<std::int64_t> frames;       ///< that have a snapshot, ascending

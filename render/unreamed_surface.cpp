@@ -128,22 +128,31 @@ openvdb::FloatGrid::Ptr depth_grid(const UnreamedBone& bone, const Voxmap& voxma
   return depth;
 }
 
-/// By the voxels that have lost something and whose middle is still bone: the surface passes above it, at a distance of
-/// (the share left − ½) voxels.
+/// By the pairs of neighbours of which one's middle is gone and the other's is still bone: the surface passes between
+/// them. It is above the latter's middle by (its share left − ½) voxels, or, where that one is whole, by (½ + the
+/// other's share) voxels.
 double deepest_of(const openvdb::FloatGrid& depth, const Voxmap& voxmap, const FillBricks& last,
                   const FillBricks& before) {
   const double voxel_mm = voxmap.grid.voxel_mm;
   const auto depths = depth.getConstAccessor();
+  const auto share = [&](const Vec3i& voxel) { return static_cast<double>(last.get(voxel)) / FillBricks::kWhole; };
   double deepest_mm = 0;
+  const auto look_at = [&](const Vec3i& gone_voxel, const Vec3i& kept) {
+    if (!voxmap.grid.contains(kept) || voxmap.grade.get(kept) == 0 || share(kept) < 0.5) return;
+    const double above_voxels = share(kept) < 1 ? share(kept) - 0.5 : 0.5 + share(gone_voxel);
+    const Vec3d mm = voxel_mm * Vec3d(kept.x(), kept.y(), kept.z());
+    const double depth_mm = openvdb::tools::BoxSampler::sample(depths, depth.worldToIndex(mm));
+    deepest_mm = std::max(deepest_mm, depth_mm - above_voxels * voxel_mm);
+  };
   last.for_each_brick([&](const Vec3i& coord, const FillBricks::Brick& fill) {
     if (!reamed(fill, before.brick(coord))) return;
     for (int offset = 0; offset < BrickLattice::kVoxels; ++offset) {
       const Vec3i voxel = BrickLattice::voxel_at(coord, offset);
-      const std::uint16_t left = fill[static_cast<std::size_t>(offset)];
-      if (2 * left < FillBricks::kWhole || left >= before.get(voxel) || voxmap.grade.get(voxel) == 0) continue;
-      const Vec3d mm = voxel_mm * Vec3d(voxel.x(), voxel.y(), voxel.z());
-      const double below_mm = voxel_mm * (static_cast<double>(left) / FillBricks::kWhole - 0.5);
-      deepest_mm = std::max(deepest_mm, openvdb::tools::BoxSampler::sample(depths, depth.worldToIndex(mm)) - below_mm);
+      if (!gone(voxmap, last, before, voxel)) continue;
+      for (int axis = 0; axis < 3; ++axis) {
+        look_at(voxel, voxel + Vec3i::Unit(axis));
+        look_at(voxel, voxel - Vec3i::Unit(axis));
+      }
     }
   });
   return deepest_mm;

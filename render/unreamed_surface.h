@@ -19,13 +19,15 @@ class UnreamedSurface {
   /// Of a bone that began whole.
   explicit UnreamedSurface(const Voxmap& voxmap) : UnreamedSurface(voxmap, FillBricks(voxmap.grid.dims)) {}
 
-  /// The unreamed bone's field, voxel index space.
+  /// The unreamed bone's fill.
+  [[nodiscard]] const FillBricks& before() const { return bone_->before(); }
+  /// Its field, voxel index space.
   [[nodiscard]] const openvdb::FloatGrid& field() const { return bone_->field().grid(); }
   /// Its surface, voxel index space.
   [[nodiscard]] const IsoSurface& surface() const { return bone_->surface(); }
   /// Distance in mm from the part of the unreamed surface that was reamed away, so that neither the far side of a thin
-  /// bone nor the wall beside the tool counts. Known wherever material went, in the space of voxel indices times
-  /// voxel_mm; 0 elsewhere.
+  /// bone nor the wall beside the tool counts. Known wherever material is gone from the last state, in the space of
+  /// voxel indices times voxel_mm; 0 elsewhere.
   [[nodiscard]] const openvdb::FloatGrid& depth() const { return *depth_; }
   /// The greatest depth of the last state's surface, mm; 0 where nothing is reamed.
   [[nodiscard]] double deepest_mm() const { return deepest_mm_; }

@@ -39,7 +39,9 @@ std::string matrix_text(const Rigid& transform) {
 
 /// Provenance that the grids carry. No device and no time: the same scenario gives the same grids.
 Metadata provenance(const ReamingScene& scene, const RunFacts& facts) {
-  Metadata out{{"program", "reamsim " REAMSIM_VERSION}, {"scenario", scene.scenario.name}};
+  Metadata out{{"program", "reamsim " REAMSIM_VERSION},
+               {"scenario", scene.scenario.name},
+               {"erosion", scene.scenario.cutting.erosion}};
   for (const auto& input : facts.inputs) {
     out.emplace_back("input_" + input.role, std::filesystem::path(input.path).filename().string());
     out.emplace_back("sha256_" + input.role, input.sha256);

@@ -159,7 +159,7 @@ void describe_render(KeyVisitor& v, RenderSettings& render) {
             render.supersampling);
   v.flag({.name = "report", .doc = "Write report.html, a page that holds the run, beside the pictures"}, render.report);
   v.number({.name = "depth_max_mm",
-            .doc = "Top of the depth legend; 0: the depth that the run reaches",
+            .doc = "Top of the depth legend; 0: just above the depth that motion and tool foresee",
             .range = between(0, 200)},
            render.depth_max_mm);
 }

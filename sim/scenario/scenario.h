@@ -281,7 +281,7 @@ struct RenderSettings {
   Vec3 light{-0.55, 0.70, 0.62};          ///< where the key light comes from: right, up, towards the viewer
   int supersampling = 1;                  ///< a picture is drawn so many times as wide and as high, and averaged
   bool report = true;                     ///< write report.html beside the pictures
-  double depth_max_mm = 0;                ///< top of the depth legend; 0 = the depth reached
+  double depth_max_mm = 0;                ///< top of the depth legend; 0 = the depth foreseen
 };
 
 struct OutputSettings {

@@ -37,6 +37,18 @@ TEST_F(ViewsOfARun, ACameraDrawnAgainKeepsTheNamesOfItsFiles) {
   EXPECT_EQ(read("out/reamed_section.png"), section);
 }
 
+TEST_F(ViewsOfARun, ARunOfOneFrameHasItsPictures) {
+  const std::size_t plunge = kDrawn.find("  plunge:\n");
+  const std::string moved = kDrawn.substr(0, plunge) +
+                            "  keyframes:\n"
+                            "    - {time_s: 0, position_mm: [0, 0, -1], axis: [0, 0, 1], spin_rpm: 250}\n"
+                            "    - {time_s: 0.5, position_mm: [0, 0, -1.2], axis: [0, 0, 1], spin_rpm: 250}\n" +
+                            kDrawn.substr(kDrawn.find("render:\n"));
+  expect_done(run(with(moved, "frame_rate_hz: 100", "frame_rate_hz: 1")));
+  EXPECT_TRUE(exists("out/frames/000000.png"));
+  EXPECT_TRUE(exists("out/reamed.png"));
+}
+
 /// Every file of a folder, by its path in it, with its bytes.
 std::map<std::string, std::string> files_of(const std::string& dir) {
   std::map<std::string, std::string> out;
