@@ -102,9 +102,11 @@ Reaming reaming_at(const IsoSurface& iso, const std::vector<Eigen::Vector3f>& po
 }
 
 /// Evens out what the voxels' steps have left in what was found.
-void smooth(const Neighbours& neighbours, Reaming& reaming) {
-  smooth_values(neighbours, reaming.share, reaming.depth_mm, kDepthRounds);
-  smooth_values(neighbours, std::vector<float>(reaming.share.size(), 1), reaming.share, kEdgeRounds);
+void smooth(const Neighbours& neighbours, const std::vector<Eigen::Vector3f>& points, Reaming& reaming) {
+  if (std::ranges::all_of(reaming.share, [](float share) { return share == 0; })) return;
+  const std::vector<float> even = even_weights(neighbours, points);
+  smooth_values(neighbours, even, reaming.share, reaming.depth_mm, kDepthRounds);
+  smooth_values(neighbours, even, std::vector<float>(reaming.share.size(), 1), reaming.share, kEdgeRounds);
 }
 
 std::vector<Eigen::Vector3f> eigen_points(const IsoSurface& iso) {
@@ -146,7 +148,7 @@ BoneSurface dress_surface(const IsoSurface& iso, const BoneLook& look) {
   smooth_normals(neighbours, normals, kNormalRounds);
   fit_to_normals(neighbours, normals, points, kPointRounds, kMostMove_voxels);
   Reaming reaming = reaming_at(iso, points, grid.voxel_mm, look.unreamed);
-  smooth(neighbours, reaming);
+  smooth(neighbours, points, reaming);
   out.vertices.resize(points.size() * BoneSurface::kStride);
   parallel_ranges(points.size(), kGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {

@@ -4,8 +4,10 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <random>
 
 #include "render/bone_tiles.h"
+#include "render/surface_smoothing.h"
 #include "sim/bone/surface_share.h"
 #include "sim/bone/surface_voxels.h"
 
@@ -184,6 +186,70 @@ TEST(BoneSurfaceTest, TheFarSideOfAThinPlateDoesNotCount) {
     EXPECT_NEAR(v.depth_mm, 3, 0.2);
   }
   EXPECT_GT(on_the_floor, 50);
+}
+
+/// A square of side 10 in uneven triangles: vertices of a lattice that are moved at random.
+struct UnevenSquare {
+  static constexpr int kSide = 11;
+
+  UnevenSquare() {
+    std::mt19937 random(kSeed);
+    std::uniform_real_distribution<float> shift(-0.35F, 0.35F);
+    for (int j = 0; j < kSide; ++j) {
+      for (int i = 0; i < kSide; ++i) {
+        points.emplace_back(static_cast<float>(i) + shift(random), static_cast<float>(j) + shift(random), 0.0F);
+      }
+    }
+    for (int j = 0; j + 1 < kSide; ++j) {
+      for (int i = 0; i + 1 < kSide; ++i) {
+        const auto a = static_cast<std::uint32_t>(i + kSide * j);
+        const std::uint32_t b = a + 1, c = a + kSide, d = c + 1;
+        for (const std::uint32_t corner : {a, b, d, a, d, c}) indices.push_back(corner);
+      }
+    }
+  }
+  /// So far from the edge that the edge's vertices, which have too few neighbours, come to nothing in `rounds`.
+  [[nodiscard]] static bool inside(std::size_t vertex, int rounds) {
+    const int i = static_cast<int>(vertex) % kSide, j = static_cast<int>(vertex) / kSide;
+    return std::min({i, j, kSide - 1 - i, kSide - 1 - j}) > rounds;
+  }
+
+  static constexpr unsigned kSeed = 7;
+  std::vector<Eigen::Vector3f> points;
+  std::vector<std::uint32_t> indices;
+};
+
+TEST(SurfaceSmoothing, WhatChangesEvenlyIsLeftAloneOnUnevenTriangles) {
+  constexpr int kRounds = 3;
+  const UnevenSquare square;
+  const Neighbours neighbours(square.points.size(), square.indices);
+  const std::vector<float> ones(square.points.size(), 1);
+  std::vector<float> slope;
+  for (const Eigen::Vector3f& p : square.points) slope.push_back(2 * p.x() - 3 * p.y() + 5);
+  std::vector<float> even = slope;
+  std::vector<float> equal = slope;
+  smooth_values(neighbours, even_weights(neighbours, square.points), ones, even, kRounds);
+  smooth_values(neighbours, std::vector<float>(neighbours.count(), 1), ones, equal, kRounds);
+  float worst_equal = 0;
+  for (std::size_t i = 0; i < slope.size(); ++i) {
+    if (!UnevenSquare::inside(i, kRounds)) continue;
+    EXPECT_NEAR(even[i], slope[i], 1e-4) << "vertex " << i << ", seed " << UnevenSquare::kSeed;
+    worst_equal = std::max(worst_equal, std::abs(equal[i] - slope[i]));
+  }
+  EXPECT_GT(worst_equal, 0.3F) << "equal weights would move the lines";
+}
+
+TEST(SurfaceSmoothing, NoiseIsEvenedOut) {
+  const UnevenSquare square;
+  const Neighbours neighbours(square.points.size(), square.indices);
+  std::vector<float> values;
+  for (std::size_t i = 0; i < square.points.size(); ++i) values.push_back(i % 2 == 0 ? 1.0F : -1.0F);
+  smooth_values(neighbours, even_weights(neighbours, square.points), std::vector<float>(values.size(), 1), values, 4);
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    if (UnevenSquare::inside(i, 4)) {
+      EXPECT_LT(std::abs(values[i]), 0.3F) << "vertex " << i;
+    }
+  }
 }
 
 TEST(BoneSurfaceTest, FollowingChangesGivesTheSameSurfaceAsStartingAfresh) {
