@@ -9,6 +9,7 @@
 #include "sim/base/error.h"
 #include "sim/bench/paper.h"
 #include "sim/bench/suite.h"
+#include "sim/record/output_folder.h"
 
 namespace reamsim {
 
@@ -20,6 +21,7 @@ struct BenchOptions {
   std::string json;
   std::string output = "out/bench";
   std::string device = "auto";
+  bool overwrite = false;
   std::vector<std::string> engines;
 };
 
@@ -30,8 +32,17 @@ bench::Plan plan_of(const BenchOptions& options) {
   return plan;
 }
 
+/// Whether the file is what write_json() wrote.
+bool is_benchmark(const std::string& path) {
+  std::string start(256, '\0');
+  std::ifstream in(path, std::ios::binary);
+  in.read(start.data(), static_cast<std::streamsize>(start.size()));
+  return start.starts_with("{\n  \"program\": \"reamsim ");
+}
+
 /// Finds out before minutes of measuring whether the file can be written, and leaves it as it is.
-void require_writable(const std::string& path) {
+void require_writable(const std::string& path, bool overwrite) {
+  require_replaceable_file(path, "--json", overwrite, is_benchmark, {});
   const bool existed = std::filesystem::exists(path);
   if (!std::ofstream(path, std::ios::binary | std::ios::app)) {
     throw InputError({path, 0, 0}, "--json", "cannot be written", "expected a file name in a folder that exists");
@@ -79,8 +90,9 @@ void bench_command(const BenchOptions& options, const Console& console) {
     console.say(bench::find_depths(bench::kVoxmaps.back(), bench::kShells.back()));
     return;
   }
-  if (!options.json.empty()) require_writable(options.json);
-  make_folder(options.output);
+  if (!options.json.empty()) require_writable(options.json, options.overwrite);
+  OutputFolder folder(
+      {.dir = options.output, .kind = ResultKind::benchmark, .overwrite = options.overwrite, .inputs = {}});
   bench::Watch watch;
   watch.progress = [&](const std::string& stage) { console.say("... " + stage); };
   watch.stop = stop_requested;
@@ -92,8 +104,9 @@ void bench_command(const BenchOptions& options, const Console& console) {
   add_severe(findings, plot);
   add_voi(findings, plot);
   if (plot.severe.empty()) return console.warn("no program could be measured, so there is no figure");
-  write_bench_plot(options.output, plot);
-  console.say("figure: " + options.output + "/bench.png");
+  write_bench_plot(folder.path(), plot);
+  folder.finish();
+  console.say("figure: " + folder.final_path() + "/bench.png");
 }
 
 }  // namespace
@@ -105,6 +118,7 @@ void add_bench_command(CLI::App& app, Console& console) {
   command->add_option("--json", options->json, "Write what was measured as JSON")->type_name("FILE");
   command->add_option("-o,--output", options->output,
                       "Folder for bench.png, bench.svg and bench.gp; out/bench without");
+  command->add_flag("--overwrite", options->overwrite, "Replace an existing figure and JSON file");
   command->add_option("--device", options->device, "auto, or part of an OpenCL device's name")->type_name("NAME");
   command->add_option("--engines", options->engines, "Some of bricked, direct, octree, implicit; all without")
       ->delimiter(',')

@@ -22,7 +22,4 @@ void add_bench_command(CLI::App& app, Console& console);
 void add_verify_command(CLI::App& app, Console& console);
 void add_devices_command(CLI::App& app, Console& console);
 
-/// Makes the folder that `--output` names, where there is none. Throws InputError.
-void make_folder(const std::string& path);
-
 }  // namespace reamsim

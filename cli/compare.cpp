@@ -128,7 +128,8 @@ void compare_command(const CompareOptions& options, const Console& console) {
   std::vector<ComparedRun> runs = label_runs(options.dirs);
   const std::vector<ComparedMetric> metrics = compare_summaries(runs);
   set_means(runs, metrics);
-  OutputFolder folder(options.output, options.overwrite);
+  OutputFolder folder(
+      {.dir = options.output, .kind = ResultKind::comparison, .overwrite = options.overwrite, .inputs = options.dirs});
   write_comparison(folder.path(), runs, metrics);
   folder.finish();
   say_table(console, runs, metrics);
@@ -143,7 +144,7 @@ void add_compare_command(CLI::App& app, Console& console) {
   command->add_option("DIR", options->dirs, "Output folders of finished runs; differences are from the first")
       ->required();
   command->add_option("-o,--output", options->output, "Folder for the figure and the tables; out/compare without");
-  command->add_flag("--overwrite", options->overwrite, "Replace the output folder, after success only");
+  command->add_flag("--overwrite", options->overwrite, "Replace an existing comparison once this one succeeds");
   command->add_flag("--quiet", console.quiet, "Say nothing but warnings and errors");
   command->callback([options, &console] { compare_command(*options, console); });
 }

@@ -7,7 +7,9 @@
 #include "sim/base/error.h"
 #include "sim/bone/bone.h"
 #include "sim/bone/bone_vdb.h"
+#include "sim/bone/vdb_archive.h"
 #include "sim/record/checksum.h"
+#include "sim/record/output_folder.h"
 #include "sim/scenario/parse.h"
 
 namespace reamsim {
@@ -45,24 +47,17 @@ void import_command(const ImportOptions& options, const Console& console) {
   if (extension(options.output) != ".vdb") {
     throw InputError({options.output, 0, 0}, "", "not a .vdb file", "expected -o NAME.vdb");
   }
-  if (fs::exists(options.output) && !options.overwrite) {
-    throw InputError({options.output, 0, 0}, "", "exists already", "choose another name, or add --overwrite");
-  }
+  require_replaceable_file(options.output, "-o", options.overwrite, is_vdb_of_reamsim, {options.input});
   const BoneSettings settings = bone_settings(options);
+  require_replaceable_file(options.output, "-o", options.overwrite, is_vdb_of_reamsim,
+                           {settings.ct.path, settings.mesh.path, settings.vdb.path});
   Report report;
   const Bone bone = load_bone(settings, report);
   for (const auto& note : report.notes) console.say(note);
   report.notes.clear();
   console.tell(report);
-  const std::string partial = options.output + ".partial";
-  try {
-    write_bone_vdb(partial, bone.voxmap, {},
-                   {{"source", fs::path(options.input).filename().string()}, {"sha256", sha256_of(options.input)}});
-  } catch (...) {
-    fs::remove(partial);
-    throw;
-  }
-  fs::rename(partial, options.output);
+  write_bone_vdb(options.output, bone.voxmap, {},
+                 {{"source", fs::path(options.input).filename().string()}, {"sha256", sha256_of(options.input)}});
   console.say("wrote " + options.output);
 }
 

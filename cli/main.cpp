@@ -1,8 +1,11 @@
+#include <fcntl.h>
+#include <unistd.h>
+
 #include <CLI/CLI.hpp>
+#include <cerrno>
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
-#include <new>
 
 #include "cli/commands.h"
 #include "sim/base/error.h"
@@ -11,15 +14,24 @@ namespace {
 
 constexpr int kFailed = 1, kWrongInput = 2, kInterrupted = 130;
 
-int complain(const char* message, int status) {
-  std::fprintf(stderr, "reamsim: error: %s\n", message);
+int complain(const std::string& message, int status) {
+  std::fprintf(stderr, "reamsim: error: %s\n", message.c_str());
   return status;
+}
+
+/// Where standard input, output or error is closed, the next file that is opened would take its place, and console text
+/// would go into that file.
+void open_standard_streams() {
+  for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
+    if (fcntl(stream, F_GETFD) == -1 && errno == EBADF) open("/dev/null", O_RDWR);
+  }
 }
 
 /// Parses the arguments, which runs the command.
 int run(int argc, char** argv) {
   CLI::App app{"reamsim reams a bone on a computer: a scenario in; pictures, force plots and a VDB out."};
-  app.set_version_flag("--version", "reamsim " REAMSIM_VERSION);
+  app.set_version_flag("--version", "reamsim " REAMSIM_VERSION
+                                    "\nLicensed under the Apache License, Version 2.0. Copyright the reamsim authors.");
   app.require_subcommand(1);
   reamsim::Console console;
   reamsim::add_run_command(app, console);
@@ -36,14 +48,13 @@ int run(int argc, char** argv) {
     const std::string found =
         std::string(argv[1]) +
         ": no such command; expected run, check, render, compare, import, bench, verify or devices";
-    return complain(found.c_str(), kWrongInput);
+    return complain(found, kWrongInput);
   }
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return app.exit(error);  // --help, --version
-    const std::string hint = std::string(error.what()) + "; see reamsim --help";
-    return complain(hint.c_str(), kWrongInput);
+    return complain(std::string(error.what()) + "; see reamsim --help", kWrongInput);
   }
   return 0;
 }
@@ -51,6 +62,7 @@ int run(int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  open_standard_streams();
   // PoCL's worker threads keep their caches only when they stay on their cores; must be set before OpenCL loads.
   setenv("POCL_AFFINITY", "1", 0);
   reamsim::install_stop_handler();
@@ -58,13 +70,9 @@ int main(int argc, char** argv) {
     return run(argc, argv);
   } catch (const reamsim::InputError& error) {
     return complain(error.what(), kWrongInput);
-  } catch (const reamsim::RunError& error) {
-    return complain(error.what(), kFailed);
-  } catch (const reamsim::Interrupted&) {
-    return complain("interrupted", kInterrupted);
-  } catch (const std::bad_alloc&) {
-    return complain("out of memory; use a larger bone.voxel_mm or a smaller crop", kFailed);
-  } catch (const std::exception&) {
-    return complain("internal error; please report it with the scenario", kFailed);
+  } catch (const reamsim::Interrupted& error) {
+    return complain(error.what(), kInterrupted);
+  } catch (const std::exception& error) {
+    return complain(reamsim::message_of(error), kFailed);
   }
 }

@@ -27,6 +27,12 @@ std::string output_dir(const RunOptions& options, const Scenario& scenario) {
   return scenario.output.dir.empty() ? "out/" + scenario.name : scenario.output.dir;
 }
 
+std::vector<std::string> files_read(const Scenario& scenario) {
+  std::vector<std::string> files{scenario.file};
+  for (const auto& [role, path] : input_files(scenario)) files.push_back(path);
+  return files;
+}
+
 /// Keeps the warnings for summary.json, and says them.
 void tell(Report& report, RunFacts& facts, const Console& console) {
   facts.warnings.insert(facts.warnings.end(), report.warnings.begin(), report.warnings.end());
@@ -124,7 +130,10 @@ void run_in(OutputFolder& folder, const Scenario& scenario, const Console& conso
 void run_command(const RunOptions& options, const Console& console) {
   const Scenario scenario = parse_scenario(options.scenario.file, options.scenario.all_overrides());
   require_film_program(scenario.render);
-  OutputFolder folder(output_dir(options, scenario), options.overwrite);
+  OutputFolder folder({.dir = output_dir(options, scenario),
+                       .kind = ResultKind::run,
+                       .overwrite = options.overwrite,
+                       .inputs = files_read(scenario)});
   console.say("reamsim " REAMSIM_VERSION ": " + scenario.name + " -> " + folder.final_path());
   try {
     run_in(folder, scenario, console);
@@ -132,10 +141,10 @@ void run_command(const RunOptions& options, const Console& console) {
     folder.keep();
     console.warn("interrupted; what was finished is in " + folder.path());
     throw;
-  } catch (const RunError& error) {
+  } catch (const std::exception& error) {
     if (!folder.has_frames()) throw;
     folder.keep();
-    throw RunError(std::string(error.what()) + "; finished frames are kept in " + folder.path());
+    throw RunError(message_of(error) + "; finished frames are kept in " + folder.path());
   }
   folder.finish();
   console.say("results: " + folder.final_path());
@@ -148,7 +157,7 @@ void add_run_command(CLI::App& app, Console& console) {
   auto options = std::make_shared<RunOptions>();
   options->scenario.add_to(*command);
   command->add_option("-o,--output", options->output, "Output folder; out/NAME of the scenario without it");
-  command->add_flag("--overwrite", options->overwrite, "Replace the output folder, after success only");
+  command->add_flag("--overwrite", options->overwrite, "Replace an existing results folder once the run succeeds");
   command->add_flag("--quiet", console.quiet, "Say nothing but warnings and errors");
   command->add_flag("--verbose", console.verbose, "Say what each stage did");
   command->callback([options, &console] { run_command(*options, console); });

@@ -5,6 +5,7 @@
 #include "render/verify_report.h"
 #include "sim/base/error.h"
 #include "sim/device/opencl.h"
+#include "sim/record/output_folder.h"
 #include "sim/verify/suite.h"
 
 namespace reamsim {
@@ -15,6 +16,7 @@ struct VerifyOptions {
   bool quick = false;
   std::string output = "out/verify";
   std::string device = "auto";
+  bool overwrite = false;
 };
 
 /// The figures that failed, a line each.
@@ -29,7 +31,8 @@ void tell_failures(const verify::Findings& findings, const Console& console) {
 void verify_command(const VerifyOptions& options, const Console& console) {
   // Before minutes of reaming: is there such a device, and can the report be written?
   const std::string device = options.device == "serial" ? "serial" : cl::choose_device(options.device).name;
-  make_folder(options.output);
+  OutputFolder folder(
+      {.dir = options.output, .kind = ResultKind::verification, .overwrite = options.overwrite, .inputs = {}});
   verify::Setting setting;
   setting.quick = options.quick;
   setting.device = options.device;
@@ -37,15 +40,16 @@ void verify_command(const VerifyOptions& options, const Console& console) {
   setting.stop = stop_requested;
   verify::Findings findings = verify::run_suite(setting);
   findings.device = device;
-  write_verification(options.output, findings);
+  write_verification(folder.path(), findings);
+  folder.finish();
   for (const verify::CaseFindings& found : findings.cases) {
     console.say((found.passed() ? "pass  " : "FAIL  ") + found.title);
   }
-  console.say("report: " + options.output + "/verification.md");
+  const std::string report = folder.final_path() + "/verification.md";
+  console.say("report: " + report);
   if (findings.passed()) return;
   tell_failures(findings, console);
-  throw RunError(std::to_string(findings.failed_checks()) + " figures are out of their tolerance; see " +
-                 options.output + "/verification.md");
+  throw RunError(std::to_string(findings.failed_checks()) + " figures are out of their tolerance; see " + report);
 }
 
 }  // namespace
@@ -57,6 +61,7 @@ void add_verify_command(CLI::App& app, Console& console) {
   command->add_flag("--quick", options->quick, "Under two minutes: coarser voxels, fewer runs");
   command->add_option("-o,--output", options->output,
                       "Folder for verification.md, .json, .png and .svg; out/verify without");
+  command->add_flag("--overwrite", options->overwrite, "Replace an existing report once this one is complete");
   command->add_option("--device", options->device, "auto, serial, or part of an OpenCL device's name")
       ->type_name("NAME");
   command->add_flag("--quiet", console.quiet, "Say nothing but warnings and errors");

@@ -22,7 +22,7 @@ do for [format in "png svg"] {
     set output "bench.svg"
   }
   set multiplot layout (panels > 3 ? 2 : 1),3 title "Whole frame in severe contact on " . device . "; dashed: the paper, GTX 970" \
-    font ",17" margins char 9, char 3, char 4, char 4 spacing char 11, char 5.5
+    noenhanced font ",17" margins char 9, char 3, char 4, char 4 spacing char 11, char 5.5
 
   set logscale xy
   set xrange [56:1170]
@@ -65,7 +65,7 @@ do for [format in "png svg"] {
   set xrange [0:1]
   set yrange [0:1]
   set key center left Left reverse samplen 3 spacing 1.4 textcolor rgb "#202020" font ",15"
-  plot for [i = 1:programs] NaN with linespoints pt 7 lw 2 lc rgb color[i] title name[i], \
+  plot for [i = 1:programs] NaN with linespoints pt 7 lw 2 lc rgb color[i] title name[i] noenhanced, \
        NaN with linespoints pt 6 lw 1.6 dt 2 lc rgb "#606060" title "the paper, same method"
   unset multiplot
   unset output

@@ -17,15 +17,6 @@ namespace {
 /// Okabe and Ito's colours, which any colour vision tells apart.
 constexpr const char* kColors[] = {"#009e73", "#0072b2", "#56b4e9", "#d55e00", "#e69f00", "#8c4f86", "#404040"};
 
-/// Text between double quotes for gnuplot: no quotes, no backslashes, no enhanced-text marks.
-std::string quoted(const std::string& text) {
-  std::string out = "\"";
-  for (const char c : text) {
-    if (c != '"' && c != '\\' && c != '{' && c != '}' && c != '^' && c != '_' && c != '@' && c != '&') out += c;
-  }
-  return out + "\"";
-}
-
 std::vector<std::string> programs_of(const BenchPlot& plot) {
   std::vector<std::string> programs;
   for (const auto& point : plot.severe) {
@@ -60,12 +51,12 @@ std::string data_of(const BenchPlot& plot) {
   out << "END\nprograms = " << programs.size() << "\narray name[" << std::max<std::size_t>(1, programs.size())
       << "]\narray color[" << std::max<std::size_t>(1, programs.size()) << "]\n";
   for (std::size_t i = 0; i < programs.size(); ++i) {
-    out << "name[" << i + 1 << "] = " << quoted(programs[i]) << "\ncolor[" << i + 1 << "] = \""
+    out << "name[" << i + 1 << "] = " << gnuplot_string(programs[i]) << "\ncolor[" << i + 1 << "] = \""
         << kColors[i % std::size(kColors)] << "\"\n";
   }
   out << "voxmaps = \"";
   for (const int voxmap : voxmaps) out << voxmap << ' ';
-  out << "\"\nhas_voi = " << (plot.voi.empty() ? 0 : 1) << "\ndevice = " << quoted(plot.device) << "\n\n";
+  out << "\"\nhas_voi = " << (plot.voi.empty() ? 0 : 1) << "\ndevice = " << gnuplot_string(plot.device) << "\n\n";
   return out.str();
 }
 

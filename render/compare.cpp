@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "render/force_log.h"
+#include "render/gnuplot.h"
 #include "render/plots.h"
 #include "sim/base/error.h"
 
@@ -104,19 +105,9 @@ std::string curves_csv(const std::vector<ComparedRun>& runs) {
   return out;
 }
 
-/// In gnuplot's double quotes.
-std::string gnuplot_text(const std::string& text) {
-  std::string out = "\"";
-  for (const char c : text) {
-    if (c == '"' || c == '\\') out += '\\';
-    out += static_cast<unsigned char>(c) < ' ' ? ' ' : c;
-  }
-  return out + "\"";
-}
-
 std::string labels_block(const std::vector<ComparedRun>& runs) {
   std::string out = "runs = " + std::to_string(runs.size()) + "\narray label[runs] = [";
-  for (std::size_t i = 0; i < runs.size(); ++i) out += (i == 0 ? "" : ", ") + gnuplot_text(runs[i].label);
+  for (std::size_t i = 0; i < runs.size(); ++i) out += (i == 0 ? "" : ", ") + gnuplot_string(runs[i].label);
   return out + "]\n\n";
 }
 

@@ -107,11 +107,13 @@ void DepthField::keep_holes() {
       if (edge_near) rim.emplace_back(i, j);
     }
   }
+  for (const auto& [i, j] : rim) at(i, j).through = false;
   for (std::size_t k = 0; k < rim.size(); ++k) {
     const auto [i, j] = rim[k];
-    at(i, j).through = false;
     look_round(i, j, 1, [&](int a, int b) {
-      if (cell(a, b).through) rim.emplace_back(a, b);
+      if (!cell(a, b).through) return;
+      at(a, b).through = false;  // so that it is queued only once
+      rim.emplace_back(a, b);
     });
   }
 }

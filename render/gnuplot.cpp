@@ -55,7 +55,7 @@ class Pipe {
   std::array<int, 2> ends_{-1, -1};
 };
 
-/// Runs `gnuplot SCRIPT` in `dir`; its words on stderr come back in `words`. Returns what waitpid() gives.
+/// Runs `gnuplot -d SCRIPT` in `dir`; its words on stderr come back in `words`. Returns what waitpid() gives.
 int spawn_gnuplot(const std::string& dir, std::string script, std::string& words) {
   Pipe pipe;
   posix_spawn_file_actions_t actions;
@@ -65,7 +65,8 @@ int spawn_gnuplot(const std::string& dir, std::string script, std::string& words
   posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
   posix_spawn_file_actions_adddup2(&actions, pipe.write_end(), STDERR_FILENO);
   std::string program = "gnuplot";
-  std::array<char*, 3> arguments{program.data(), script.data(), nullptr};
+  std::string plain = "-d";  // without the user's own settings, which could change the figures
+  std::array<char*, 4> arguments{program.data(), plain.data(), script.data(), nullptr};
   pid_t child = 0;
   const int error = posix_spawnp(&child, "gnuplot", &actions, nullptr, arguments.data(), environ);
   posix_spawn_file_actions_destroy(&actions);
@@ -86,6 +87,15 @@ std::string on_one_line(std::string text) {
 }
 
 }  // namespace
+
+std::string gnuplot_string(const std::string& text) {
+  std::string out = "'";
+  for (const char c : text) {
+    if (c == '\'') out += '\'';
+    out += static_cast<unsigned char>(c) < ' ' || c == 0x7f ? ' ' : c;
+  }
+  return out + "'";
+}
 
 void run_gnuplot(const std::string& dir, const std::string& script, const std::string& text,
                  const std::vector<std::string>& pictures) {

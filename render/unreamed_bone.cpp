@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "render/occupancy.h"
+#include "sim/bone/vdb_grid.h"
 
 namespace reamsim {
 namespace {
@@ -24,7 +25,11 @@ MovedSurface move_out(const IsoSurface& surface, double voxel_mm, double cell_mm
   const auto outside_cells = static_cast<float>(UnreamedBone::kBridge_mm / cell_mm + 3);
   MovedSurface out;
   out.cell_mm = cell_mm;
-  if (surface.triangles.empty()) return out;
+  if (surface.triangles.empty()) {  // no bone, or less than a voxel of it
+    out.distance_mm = make_float_grid(outside_cells * static_cast<float>(cell_mm));
+    out.distance_mm->setTransform(transform);
+    return out;
+  }
   std::vector<openvdb::Vec3s> in_cells = surface.points;
   for (openvdb::Vec3s& p : in_cells) p *= static_cast<float>(voxel_mm / cell_mm);
   // This adapter and interrupter are the ones that OpenVDB's library holds compiled; others take minutes to compile.

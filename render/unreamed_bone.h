@@ -6,8 +6,8 @@
 
 namespace reamsim {
 
-/// The surface moved out, which shuts narrow holes, and the distances that it was moved along. Empty where there is no
-/// bone.
+/// The surface moved out, which shuts narrow holes, and the distances that it was moved along. Where there is no
+/// surface, there is none here either, and every distance is the background.
 struct MovedSurface {
   double cell_mm = 0;
   openvdb::FloatGrid::Ptr distance_mm;  ///< from the surface; cells of `cell_mm`

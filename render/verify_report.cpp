@@ -101,7 +101,7 @@ std::string plot_data(const Findings& findings) {
         const double error = 100 * std::abs(level.error.value_or(0));
         data << curve << ' ' << panel_of(ladder) << ' ' << level.step << ' ' << std::max(error, 1e-7) << '\n';
       }
-      names << "name[" << curve << "] = \"" << found.title << ": " << ladder.quantity << "\"\npanel[" << curve
+      names << "name[" << curve << "] = " << gnuplot_string(found.title + ": " + ladder.quantity) << "\npanel[" << curve
             << "] = " << panel_of(ladder) << "\nplace[" << curve << "] = " << ++places[panel_of(ladder) - 1] << '\n';
     }
   }

@@ -1,5 +1,7 @@
 #include "sim/base/error.h"
 
+#include <new>
+
 namespace reamsim {
 
 std::string SourceLocation::text() const {
@@ -25,5 +27,16 @@ std::string compose(const SourceLocation& where, const std::string& key, const s
 InputError::InputError(const SourceLocation& where, const std::string& key, const std::string& found,
                        const std::string& expected)
     : std::runtime_error(compose(where, key, found, expected)) {}
+
+std::string message_of(const std::exception& error) {
+  const bool ours = dynamic_cast<const InputError*>(&error) != nullptr ||
+                    dynamic_cast<const RunError*>(&error) != nullptr ||
+                    dynamic_cast<const Interrupted*>(&error) != nullptr;
+  if (ours) return error.what();
+  if (dynamic_cast<const std::bad_alloc*>(&error) != nullptr) {
+    return "out of memory; use a larger bone.voxel_mm or a smaller crop";
+  }
+  return "internal error; please report it with the scenario";
+}
 
 }  // namespace reamsim

@@ -38,4 +38,7 @@ class Interrupted : public std::runtime_error {
   Interrupted() : std::runtime_error("interrupted") {}
 };
 
+/// What to tell the user of an exception, on one line.
+std::string message_of(const std::exception& error);
+
 }  // namespace reamsim

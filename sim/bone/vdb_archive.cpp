@@ -172,6 +172,15 @@ void require_harmless(const std::string& path) {
 
 }  // namespace
 
+bool is_vdb_of_reamsim(const std::string& path) {
+  std::string start(kKeySearchBytes, '\0');
+  std::ifstream in(path, std::ios::binary);
+  in.read(start.data(), static_cast<std::streamsize>(start.size()));
+  start.resize(static_cast<std::size_t>(in.gcount()));
+  return start.starts_with(std::string_view(kMagic.data(), kMagic.size())) &&
+         start.find(kTrailerKey) != std::string::npos;
+}
+
 void write_vdb_file(const std::string& path, const openvdb::GridCPtrVec& grids, const openvdb::MetaMap& metadata) {
   openvdb::MetaMap marked(metadata);
   marked.insertMeta(kTrailerKey, openvdb::StringMetadata(kTrailerValue));

@@ -14,6 +14,9 @@ namespace reamsim {
 /// the grids depend on nothing but their contents. Throws RunError when the file cannot be written.
 void write_vdb_file(const std::string& path, const openvdb::GridCPtrVec& grids, const openvdb::MetaMap& metadata);
 
+/// Whether a file begins like those that write_vdb_file() writes, complete or not. Reads no further.
+bool is_vdb_of_reamsim(const std::string& path);
+
 /// Who may have written a file that is to be read.
 enum class VdbOrigin { kAnyProgram, kReamsim };
 

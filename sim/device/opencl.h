@@ -52,7 +52,7 @@ struct DeviceInfo {
   std::string driver;
   bool gpu = false;
   unsigned compute_units = 0;
-  std::size_t max_work_group = 0;
+  std::size_t max_work_group = 0;  ///< work-items that one of our kernels may have in a group
   std::size_t global_memory_bytes = 0;
   std::size_t max_allocation_bytes = 0;
   bool rounds_division = false;  ///< can divide and take roots of floats with correct rounding, as the host does

@@ -1,6 +1,16 @@
 #include "sim/record/output_folder.h"
 
+#include <fcntl.h>
+#include <pwd.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstdio>
+#include <cstdlib>
 #include <filesystem>
+#include <fstream>
 
 #include "sim/base/error.h"
 
@@ -10,57 +20,156 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// A forces.csv longer than this holds rows, not only its header.
-constexpr std::uintmax_t kHeaderBytes = 1024;
+[[noreturn]] void refuse(const std::string& path, const std::string& found, const std::string& expected) {
+  throw InputError({path, 0, 0}, "output folder", found, expected);
+}
 
-std::string without_trailing_slash(const std::string& dir) {
-  const fs::path path = fs::absolute(dir).lexically_normal();
-  return path.has_filename() ? path.string() : path.parent_path().string();
+/// Absolute, links resolved as far as the path exists, without a slash at its end.
+std::string resolved(const std::string& path) {
+  std::error_code error;
+  fs::path out = fs::weakly_canonical(fs::absolute(path), error);
+  if (error) out = fs::absolute(path).lexically_normal();
+  return out.has_filename() ? out.string() : out.parent_path().string();
+}
+
+/// Is `path` the folder itself or somewhere below it?
+bool lies_in(const std::string& path, const std::string& folder) {
+  const fs::path inner(path), outer(folder);
+  return std::mismatch(outer.begin(), outer.end(), inner.begin(), inner.end()).first == outer.end();
+}
+
+std::vector<std::string> homes() {
+  std::vector<std::string> out{"/"};
+  if (const char* home = std::getenv("HOME"); home != nullptr && *home != '\0') out.emplace_back(home);
+  if (const passwd* user = getpwuid(geteuid()); user != nullptr && user->pw_dir != nullptr) {
+    out.emplace_back(user->pw_dir);
+  }
+  return out;
+}
+
+/// Throws InputError where replacing or removing `dir` would take away a folder that somebody stands in, lives in or
+/// reads from.
+void require_harmless(const std::string& dir, const std::vector<std::string>& inputs) {
+  std::error_code error;
+  const std::string choose = "choose another folder with -o";
+  if (const fs::path here = fs::current_path(error); !error && lies_in(here.string(), dir)) {
+    refuse(dir, "holds the current folder", choose);
+  }
+  for (const std::string& home : homes()) {
+    if (lies_in(resolved(home), dir)) refuse(dir, "is or holds a home folder", choose);
+  }
+  for (const std::string& input : inputs) {
+    if (lies_in(resolved(input), dir)) refuse(dir, "holds the input " + input, choose);
+  }
+}
+
+bool is_mount_point(const std::string& dir) {
+  struct statx facts {};
+  if (statx(AT_FDCWD, dir.c_str(), AT_SYMLINK_NOFOLLOW, STATX_TYPE, &facts) != 0) return false;
+  return (facts.stx_attributes & STATX_ATTR_MOUNT_ROOT) != 0;
+}
+
+void require_no_link(const std::string& dir) {
+  if (!fs::is_symlink(dir)) return;
+  refuse(dir, "is a link that leads nowhere", "remove it, or choose another folder with -o");
+}
+
+/// Throws InputError unless `dir` holds nothing but what a command of this kind writes. `must_be_marked`: and is a
+/// finished folder of that kind, or empty.
+void require_ours(const std::string& dir, ResultKind kind, bool must_be_marked) {
+  const std::string expected = "only a folder that reamsim made is replaced: choose another with -o";
+  require_no_link(dir);
+  if (!fs::is_directory(dir)) refuse(dir, "is a file", "choose a folder with -o");
+  if (is_mount_point(dir)) refuse(dir, "is a mount point", "choose a folder below it with -o");
+  if (const auto foreign = foreign_entry(dir, kind)) refuse(dir, "holds " + *foreign, expected);
+  if (must_be_marked && !fs::is_empty(dir) && !is_marked(dir, kind)) refuse(dir, "is no finished folder", expected);
+}
+
+/// Exchanges two folders at once, where the file system can. Returns 0 or an error number.
+int exchange(const std::string& a, const std::string& b) {
+  return renameat2(AT_FDCWD, a.c_str(), AT_FDCWD, b.c_str(), RENAME_EXCHANGE) == 0 ? 0 : errno;
+}
+
+/// Puts `partial` in the place of the folder `dir`, and returns where the old one is now. Throws std::system_error.
+std::string replace(const std::string& partial, const std::string& dir) {
+  const int error = exchange(partial, dir);
+  if (error == 0) return partial;
+  if (error != EINVAL && error != ENOSYS) throw std::system_error(error, std::generic_category());
+  std::string old = dir + ".old-XXXXXX";
+  if (mkdtemp(old.data()) == nullptr) throw std::system_error(errno, std::generic_category());
+  fs::rename(dir, old);
+  std::error_code failed;
+  fs::rename(partial, dir, failed);
+  if (!failed) return old;
+  fs::rename(old, dir);
+  throw std::system_error(failed);
 }
 
 }  // namespace
 
-OutputFolder::OutputFolder(const std::string& dir, bool overwrite)
-    : dir_(without_trailing_slash(dir)), partial_(dir_ + ".partial"), overwrite_(overwrite) {
+OutputFolder::OutputFolder(const OutputRequest& request)
+    : kind_(request.kind), dir_(resolved(request.dir)), partial_(dir_ + ".partial"), overwrite_(request.overwrite) {
   std::error_code error;
-  if (fs::exists(dir_, error) && !overwrite) {
-    throw InputError({dir_, 0, 0}, "output folder", "exists already", "choose another with -o, or add --overwrite");
+  for (const std::string& place : {dir_, partial_}) {
+    if (!fs::exists(fs::symlink_status(place, error))) continue;
+    require_no_link(place);
+    require_harmless(place, request.inputs);
+    if (!overwrite_) {
+      refuse(place, place == dir_ ? "exists already" : "is left from an earlier, unfinished run",
+             "choose another with -o, or add --overwrite");
+    }
+    require_ours(place, kind_, place == dir_);
   }
-  if (fs::exists(dir_, error) && !fs::is_directory(dir_, error)) {
-    throw InputError({dir_, 0, 0}, "output folder", "is a file", "choose a folder with -o");
-  }
-  if (fs::exists(partial_, error) && !overwrite) {
-    throw InputError({partial_, 0, 0}, "output folder", "is left from an earlier, unfinished run",
-                     "remove it, choose another with -o, or add --overwrite");
-  }
-  fs::remove_all(partial_, error);
+  remove_results(partial_, kind_);
   fs::create_directories(partial_, error);
   if (error || !fs::is_directory(partial_, error)) {
-    throw InputError({partial_, 0, 0}, "output folder", "cannot be made", "choose a writable place with -o");
+    refuse(partial_, "cannot be made", "choose a writable place with -o");
   }
 }
 
 OutputFolder::~OutputFolder() {
-  if (keep_) return;
-  std::error_code ignored;
-  fs::remove_all(partial_, ignored);
+  if (!keep_) remove_results(partial_, kind_);
 }
 
 bool OutputFolder::has_frames() const {
-  std::error_code missing;
-  const auto size = fs::file_size(partial_ + "/forces.csv", missing);
-  return !missing && size > kHeaderBytes;
+  std::ifstream forces(partial_ + "/forces.csv", std::ios::binary);
+  std::string header;
+  return std::getline(forces, header) && forces.peek() != std::ifstream::traits_type::eof();
 }
 
 void OutputFolder::finish() {
+  keep_ = true;  // complete, so never removed again
+  std::string why;
+  try {
+    if (!overwrite_ || !fs::exists(dir_)) {
+      fs::rename(partial_, dir_);
+      return;
+    }
+    require_ours(dir_, kind_, true);  // it may have changed meanwhile
+    remove_results(replace(partial_, dir_), kind_);
+    return;
+  } catch (const std::system_error& error) {
+    why = dir_ + ": cannot be put in place (" + error.code().message() + ")";
+  } catch (const InputError& error) {
+    why = error.what();
+  }
+  throw RunError(why + "; the results are complete in " + partial_);
+}
+
+void require_replaceable_file(const std::string& path, const std::string& key, bool overwrite,
+                              bool (*is_ours)(const std::string&), const std::vector<std::string>& inputs) {
+  const auto fail = [&](const std::string& found, const std::string& expected) {
+    throw InputError({path, 0, 0}, key, found, expected);
+  };
   std::error_code error;
-  const std::string old = dir_ + ".old";
-  const bool replaces = overwrite_ && fs::exists(dir_, error);
-  if (replaces) fs::rename(dir_, old, error);
-  if (!error) fs::rename(partial_, dir_, error);
-  if (error) throw RunError(dir_ + ": cannot put the finished results there (" + error.message() + ")");
-  keep_ = true;
-  if (replaces) fs::remove_all(old, error);
+  if (!fs::exists(fs::symlink_status(path, error))) return;
+  for (const std::string& input : inputs) {
+    if (fs::equivalent(input, path, error)) fail("is an input", "choose another name");
+  }
+  if (fs::is_directory(path, error)) fail("is a folder", "expected the name of a file");
+  if (!fs::is_regular_file(path, error)) fail("is not a file", "choose another name");
+  if (!overwrite) fail("exists already", "choose another name, or add --overwrite");
+  if (!is_ours(path)) fail("is not a file that reamsim wrote", "choose another name");
 }
 
 }  // namespace reamsim

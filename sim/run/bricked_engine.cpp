@@ -106,7 +106,7 @@ std::unique_ptr<Engine> make_bricked_engine(const cl::DeviceInfo& info, const Sc
 }
 
 std::unique_ptr<Engine> make_bricked_engine(const Scenario& scenario, const Voxmap& voxmap, const Tool& tool) {
-  return make_bricked_engine(cl::choose_device(scenario.engine.device), scenario, voxmap, tool);
+  return make_bricked_engine(device_for(scenario.engine), scenario, voxmap, tool);
 }
 
 std::size_t bricked_engine_bytes(const Scenario& scenario, const Voxmap& voxmap, const Tool& tool) {

@@ -113,7 +113,7 @@ class DenseEngine final : public Engine {
 }  // namespace
 
 std::unique_ptr<Engine> make_dense_engine(const Scenario& scenario, const Voxmap& voxmap, const Tool& tool) {
-  return std::make_unique<DenseEngine>(cl::choose_device(scenario.engine.device), scenario, voxmap, tool);
+  return std::make_unique<DenseEngine>(device_for(scenario.engine), scenario, voxmap, tool);
 }
 
 }  // namespace reamsim

@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "sim/base/error.h"
 #include "sim/collide/dense_bone.h"
 #include "sim/collide/serial_detector.h"
 #include "sim/cut/serial_erosion.h"
@@ -63,6 +64,15 @@ class SerialEngine final : public Engine {
 };
 
 }  // namespace
+
+cl::DeviceInfo device_for(const EngineSettings& engine) {
+  cl::DeviceInfo info = cl::choose_device(engine.device);
+  if (engine.work_group_size > 0 && static_cast<std::size_t>(engine.work_group_size) > info.max_work_group) {
+    throw InputError({}, "engine.work_group_size", "found " + std::to_string(engine.work_group_size),
+                     "expected at most " + std::to_string(info.max_work_group) + " on " + info.name);
+  }
+  return info;
+}
 
 std::unique_ptr<Engine> make_engine(const Scenario& scenario, const Voxmap& voxmap, const Tool& tool) {
   if (scenario.engine.device == "serial") return std::make_unique<SerialEngine>(scenario, voxmap, tool);

@@ -8,6 +8,7 @@
 #include "sim/collide/detector.h"
 #include "sim/collide/substep.h"
 #include "sim/cut/erosion.h"
+#include "sim/device/opencl.h"
 
 namespace reamsim {
 
@@ -55,5 +56,9 @@ class Engine {
 /// The engine that the scenario asks for. Throws InputError (no such device, bone too large) or RunError (no OpenCL, a
 /// kernel that does not build).
 std::unique_ptr<Engine> make_engine(const Scenario& scenario, const Voxmap& voxmap, const Tool& tool);
+
+/// The device that the scenario asks for. Throws InputError (no such device, a work-group too large for it) or RunError
+/// (no OpenCL).
+cl::DeviceInfo device_for(const EngineSettings& engine);
 
 }  // namespace reamsim

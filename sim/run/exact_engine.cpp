@@ -137,7 +137,7 @@ class ExactEngine final : public Engine {
 }  // namespace
 
 std::unique_ptr<Engine> make_exact_engine(const Scenario& scenario, const Voxmap& voxmap, const Tool& tool) {
-  return std::make_unique<ExactEngine>(cl::choose_device(scenario.engine.device), scenario, voxmap, tool);
+  return std::make_unique<ExactEngine>(device_for(scenario.engine), scenario, voxmap, tool);
 }
 
 std::size_t exact_engine_bytes(const ReamingScene& scene, const ExactForecast& forecast) {

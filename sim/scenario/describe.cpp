@@ -26,10 +26,12 @@ void describe_engine(KeyVisitor& v, EngineSettings& engine) {
   v.flag({.name = "culling",
           .doc = "bricked passes over cells of shell points that cannot touch. Changes the speed, never a result"},
          engine.culling);
-  v.integer({.name = "work_group_size",
-             .doc = "Work-items per work-group; 0: chosen from the device. Changes the speed, never a result",
-             .range = between(0, 4096)},
-            engine.work_group_size);
+  v.integer(
+      {.name = "work_group_size",
+       .doc = "Work-items per work-group, at most what the device can have (256 on a processor); 0: chosen from the "
+              "device. Changes the speed, never a result",
+       .range = between(0, 4096)},
+      engine.work_group_size);
   v.integer({.name = "batch_frames",
              .doc = "Frames whose results are read back at once. Changes the speed, never a result",
              .range = between(1, 10000)},

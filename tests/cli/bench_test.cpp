@@ -27,7 +27,7 @@ TEST_F(BenchCommand, FolderThatCannotBeMade) {
   write("file", "not a folder");
   const ProgramResult result = reamsim(
       {.arguments = {"bench", "--quick", "-o", "file/out"}, .environment = {}, .folder = "", .interrupt_when = {}});
-  expect_refused(result, 2, {"file/out", "--output"});
+  expect_refused(result, 2, {"file/out", "output folder"});
 }
 
 }  // namespace

@@ -45,6 +45,8 @@ TEST_F(CommandLine, HelpAndVersion) {
   const ProgramResult version = call({"--version"});
   EXPECT_EQ(version.status, 0);
   EXPECT_THAT(version.out, HasSubstr("reamsim "));
+  EXPECT_THAT(version.out, HasSubstr("Apache License, Version 2.0"));
+  EXPECT_THAT(version.out, HasSubstr("Copyright the reamsim authors"));
 }
 
 TEST_F(CommandLine, Devices) {

@@ -95,15 +95,29 @@ TEST_F(Compare, DamagedResultsAreRefusedAndNothingIsWritten) {
 TEST_F(Compare, AnOldFolderIsLeftAloneWithoutOverwrite) {
   make_run("one", kSmall);
   make_run("two", with(kSmall, "depth_mm: 1", "depth_mm: 1.2"));
-  std::filesystem::create_directory(path("out"));
-  write("out/mine.txt", "keep");
+  ASSERT_EQ(compare({"one", "two"}).status, 0);
+  write("out/compare.csv", "old");
   const ProgramResult refused = compare({"one", "two"});
   EXPECT_EQ(refused.status, 2);
   EXPECT_THAT(refused.err, HasSubstr("--overwrite"));
-  EXPECT_EQ(read("out/mine.txt"), "keep");
+  EXPECT_EQ(read("out/compare.csv"), "old");
   EXPECT_EQ(compare({"one", "two"}, {"--overwrite", "--quiet"}).status, 0);
-  EXPECT_FALSE(exists("out/mine.txt"));
+  EXPECT_NE(read("out/compare.csv"), "old");
   EXPECT_TRUE(exists("out/compare.png"));
+}
+
+TEST_F(Compare, AFoldersNameRunsNoCommand) {
+  make_run("one", kSmall);
+  for (const std::string name :
+       {"z`touch PWN` $(touch PWN) 'touch PWN'", "@PWN \"; system 'touch PWN' #", "a'\nb{:Bold c}"}) {
+    std::filesystem::copy(path("one"), path(name), std::filesystem::copy_options::recursive);
+    const ProgramResult result = compare({"one", name});
+    EXPECT_EQ(result.status, 0) << result.err;
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(dir_)) {
+      EXPECT_NE(entry.path().filename(), "PWN") << name << ": " << entry.path();
+    }
+    std::filesystem::remove_all(path("out"));
+  }
 }
 
 }  // namespace

@@ -72,19 +72,19 @@ TEST_F(Output, FolderThatExistsIsLeftAlone) {
 }
 
 TEST_F(Output, OverwriteReplacesAfterSuccessOnly) {
-  std::filesystem::create_directory(path("out"));
-  write("out/mine.txt", "keep");
+  expect_done(run(kSmall));
+  const std::string first = read("out/forces.csv");
   const ProgramResult failed = run(with(kSmall, "voxel_mm: 0.5", "voxel_mm: 0"), {"--overwrite"});
   EXPECT_EQ(failed.status, 2);
-  EXPECT_EQ(read("out/mine.txt"), "keep");
+  EXPECT_EQ(read("out/forces.csv"), first);
   EXPECT_FALSE(exists("out.partial"));
   const ProgramResult tool_failed =
       run(with(kSmall, "reamer_flat.stl\n", "reamer_flat.stl\n  scale: 1000\n"), {"--overwrite"});
   EXPECT_EQ(tool_failed.status, 2) << tool_failed.err;
-  EXPECT_EQ(read("out/mine.txt"), "keep");
+  EXPECT_EQ(read("out/forces.csv"), first);
   EXPECT_FALSE(exists("out.partial"));
-  expect_done(run(kSmall, {"--overwrite"}));
-  EXPECT_FALSE(exists("out/mine.txt"));
+  expect_done(run(with(kSmall, "depth_mm: 1", "depth_mm: 1.5"), {"--overwrite"}));
+  EXPECT_NE(read("out/forces.csv"), first);
   EXPECT_FALSE(exists("out.old"));
 }
 

@@ -90,7 +90,11 @@ pid_t spawn(const std::string& program, const ProgramCall& call, const Capture& 
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
   posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
-  posix_spawn_file_actions_adddup2(&actions, out.descriptor(), STDOUT_FILENO);
+  if (call.closed_output) {
+    posix_spawn_file_actions_addclose(&actions, STDOUT_FILENO);
+  } else {
+    posix_spawn_file_actions_adddup2(&actions, out.descriptor(), STDOUT_FILENO);
+  }
   posix_spawn_file_actions_adddup2(&actions, err.descriptor(), STDERR_FILENO);
   if (!call.folder.empty()) posix_spawn_file_actions_addchdir_np(&actions, call.folder.c_str());
   const FileSizeLimit limit(call.file_size_limit);
@@ -102,11 +106,11 @@ pid_t spawn(const std::string& program, const ProgramCall& call, const Capture& 
   return pid;
 }
 
-int wait_for(pid_t pid, const std::function<bool()>& interrupt_when) {
+int wait_for(pid_t pid, const std::function<bool()>& interrupt_when, rusage& usage) {
   const auto start = std::chrono::steady_clock::now();
   bool interrupted = false, killed = false;
   int status = 0;
-  while (waitpid(pid, &status, WNOHANG) == 0) {
+  while (wait4(pid, &status, WNOHANG, &usage) == 0) {
     if (interrupt_when && !interrupted && interrupt_when()) {
       kill(pid, SIGINT);
       interrupted = true;
@@ -124,8 +128,10 @@ int wait_for(pid_t pid, const std::function<bool()>& interrupt_when) {
 
 ProgramResult run_program(const std::string& program, const ProgramCall& call) {
   Capture out, err;
-  const int status = wait_for(spawn(program, call, out, err), call.interrupt_when);
+  rusage usage{};
+  const int status = wait_for(spawn(program, call, out, err), call.interrupt_when, usage);
   ProgramResult result;
+  result.peak_mb = static_cast<double>(usage.ru_maxrss) * 1024 / 1e6;  // Linux counts KiB
   if (WIFEXITED(status)) result.status = WEXITSTATUS(status);
   if (WIFSIGNALED(status)) result.signal = WTERMSIG(status);
   result.out = out.text();

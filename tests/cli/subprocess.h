@@ -16,6 +16,7 @@ struct ProgramCall {
   std::string folder;                              ///< its working folder; "" = ours
   long file_size_limit = -1;                       ///< bytes that it may write into one file; -1 = no limit
   std::function<bool()> interrupt_when;            ///< SIGINT is sent once this is true
+  bool closed_output = false;                      ///< started with standard output closed
 };
 
 /// How it ended. A program that runs longer than a minute is killed.
@@ -24,6 +25,7 @@ struct ProgramResult {
   int signal = 0;
   std::string out;
   std::string err;
+  double peak_mb = 0;  ///< the most memory that it held, MB = 10⁶ bytes
 };
 
 /// Starts a program, waits for it, and returns what it wrote.

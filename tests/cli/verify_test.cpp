@@ -17,7 +17,7 @@ TEST_F(VerifyCommand, UnknownDevice) {
 
 TEST_F(VerifyCommand, FolderThatCannotBeMade) {
   write("file", "not a folder");
-  expect_refused(verify({"-o", "file/out"}), 2, {"file/out", "--output"});
+  expect_refused(verify({"-o", "file/out"}), 2, {"file/out", "output folder"});
 }
 
 }  // namespace

@@ -1,3 +1,4 @@
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <zlib.h>
 
@@ -50,60 +51,102 @@ TEST(Checksum, OfAFileAndAFolder) {
   EXPECT_THROW(sha256_of(dir.path() + "/none"), InputError);
 }
 
+OutputRequest request(const std::string& dir, bool overwrite) {
+  return {.dir = dir, .kind = ResultKind::run, .overwrite = overwrite, .inputs = {}};
+}
+
 TEST(OutputFolder, AppearsOnlyWhenFinished) {
   const TempDir dir;
   const std::string out = dir.path() + "/deep/run";
   {
-    OutputFolder folder(out, false);
-    std::ofstream(folder.path() + "/x") << "1";
+    OutputFolder folder(request(out, false));
+    std::ofstream(folder.path() + "/summary.json") << "1";
     EXPECT_FALSE(fs::exists(out));
     folder.finish();
   }
-  EXPECT_TRUE(fs::exists(out + "/x"));
+  EXPECT_TRUE(fs::exists(out + "/summary.json"));
   EXPECT_FALSE(fs::exists(out + ".partial"));
-  EXPECT_THROW(OutputFolder(out, false), InputError);
+  EXPECT_THROW(OutputFolder(request(out, false)), InputError);
 }
 
 TEST(OutputFolder, LeavesNothingAfterAFailureAndTheOldOneInPlace) {
   const TempDir dir;
   const std::string out = dir.path() + "/run";
   fs::create_directory(out);
-  std::ofstream(out + "/old") << "1";
+  std::ofstream(out + "/summary.json") << "old";
   {
-    const OutputFolder folder(out, true);
-    std::ofstream(folder.path() + "/new") << "1";
+    const OutputFolder folder(request(out, true));
+    std::ofstream(folder.path() + "/forces.csv") << "1";
   }
-  EXPECT_TRUE(fs::exists(out + "/old"));
+  EXPECT_EQ(file_bytes(out + "/summary.json"), "old");
   EXPECT_FALSE(fs::exists(out + ".partial"));
   {
-    OutputFolder folder(out + "/", true);
-    std::ofstream(folder.path() + "/new") << "1";
+    OutputFolder folder(request(out + "/", true));
+    std::ofstream(folder.path() + "/scenario.yaml") << "new";
     folder.finish();
   }
-  EXPECT_FALSE(fs::exists(out + "/old"));
-  EXPECT_TRUE(fs::exists(out + "/new"));
-  EXPECT_FALSE(fs::exists(out + ".old"));
+  EXPECT_FALSE(fs::exists(out + "/summary.json"));
+  EXPECT_EQ(file_bytes(out + "/scenario.yaml"), "new");
+  EXPECT_EQ(std::distance(fs::directory_iterator(dir.path()), fs::directory_iterator()), 1) << "nothing beside it";
+}
+
+TEST(OutputFolder, WhatIsNotOursIsNeverRemoved) {
+  const TempDir dir;
+  const std::string out = dir.path() + "/run";
+  {
+    const OutputFolder folder(request(out, false));
+    std::ofstream(folder.path() + "/forces.csv") << "1";
+    std::ofstream(folder.path() + "/thesis.tex") << "mine";
+  }
+  EXPECT_EQ(file_bytes(out + ".partial/thesis.tex"), "mine");
+  EXPECT_FALSE(fs::exists(out + ".partial/forces.csv"));
+}
+
+TEST(OutputFolder, FinishedResultsStayWhereTheyCannotBePutInPlace) {
+  const TempDir dir;
+  const std::string out = dir.path() + "/run";
+  const auto expect_kept = [&](bool overwrite, const std::string& found) {
+    {
+      OutputFolder folder(request(out, overwrite));
+      std::ofstream(folder.path() + "/summary.json") << "done";
+      fs::create_directory(out);  // meanwhile
+      std::ofstream(out + "/thesis.tex") << "mine";
+      try {
+        folder.finish();
+        FAIL() << "expected an error";
+      } catch (const RunError& error) {
+        EXPECT_THAT(error.what(), ::testing::HasSubstr(out + ".partial"));
+        EXPECT_THAT(error.what(), ::testing::HasSubstr(found));
+      }
+    }
+    EXPECT_EQ(file_bytes(out + ".partial/summary.json"), "done");
+    EXPECT_EQ(file_bytes(out + "/thesis.tex"), "mine");
+    fs::remove_all(out);
+    fs::remove_all(out + ".partial");
+  };
+  expect_kept(false, "not empty");
+  expect_kept(true, "thesis.tex");
 }
 
 TEST(OutputFolder, KeepsWhatWasInterrupted) {
   const TempDir dir;
   const std::string out = dir.path() + "/run";
   {
-    OutputFolder folder(out, false);
+    OutputFolder folder(request(out, false));
     folder.keep();
   }
   EXPECT_TRUE(fs::exists(out + ".partial"));
-  EXPECT_THROW(OutputFolder(out, false), InputError);  // nothing is lost without being asked
-  const OutputFolder again(out, true);
+  EXPECT_THROW(OutputFolder(request(out, false)), InputError);  // nothing is lost without being asked
+  const OutputFolder again(request(out, true));
   EXPECT_TRUE(fs::exists(again.path()));
 }
 
 TEST(OutputFolder, AFileInTheWay) {
   const TempDir dir;
   std::ofstream(dir.path() + "/file") << "1";
-  EXPECT_THROW(OutputFolder(dir.path() + "/file", false), InputError);
-  EXPECT_THROW(OutputFolder(dir.path() + "/file", true), InputError);
-  EXPECT_THROW(OutputFolder(dir.path() + "/file/below", false), InputError);
+  EXPECT_THROW(OutputFolder(request(dir.path() + "/file", false)), InputError);
+  EXPECT_THROW(OutputFolder(request(dir.path() + "/file", true)), InputError);
+  EXPECT_THROW(OutputFolder(request(dir.path() + "/file/below", false)), InputError);
   EXPECT_EQ(file_bytes(dir.path() + "/file"), "1");
 }
 

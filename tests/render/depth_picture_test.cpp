@@ -76,6 +76,22 @@ TEST_F(DepthPicture, ReadsItsRaster) {
   EXPECT_NEAR(field.normal_before({2, 1}).x(), -0.1 / std::sqrt(1.01), 1e-6);
 }
 
+// Each column of a wide breach is taken up once: queued again by each of its neighbours they would fill the memory.
+TEST_F(DepthPicture, ABreachThatReachesTheRimIsNoHoleHoweverWide) {
+  constexpr int kSide = 1000;
+  std::string text = "x_mm,y_mm,before_z_mm,after_z_mm,depth_mm\n";
+  for (int j = 0; j < kSide; ++j) {
+    for (int i = 0; i < kSide; ++i) {
+      const bool bridge = i == kSide / 2 && j > kSide / 4;  // bone that parts the breach, not quite
+      text += std::to_string(i) + "," + std::to_string(j) + (bridge ? ",0,-1,1\n" : ",0,,3\n");
+    }
+  }
+  write(text);
+  const DepthField field(file());
+  EXPECT_EQ(field.through_mm2(), 0);
+  EXPECT_EQ(field.deepest_mm(), 3);
+}
+
 // The columns are squares of half a millimetre: their own edges stand 0.14 and 0.13 mm off the circles, RMS.
 TEST_F(DepthPicture, OutlinesAreRound) {
   write(map_text());
