@@ -17,7 +17,7 @@ constexpr std::size_t kBricksAtOnce = 16;
 struct ChangedVoxel {
   std::uint16_t offset;  ///< in its brick
   std::uint16_t fill;
-  std::uint8_t grade;  ///< 0: of its neighbours
+  std::uint8_t grade;
 };
 
 struct ChangedBrick {
@@ -129,52 +129,11 @@ void put_fill(const std::vector<ChangedBrick>& changed, Voxmap& voxmap) {
   }
 }
 
-struct MeanGrade {
-  int sum = 0;
-  int count = 0;
-
-  void add(std::uint8_t grade) {
-    sum += grade;
-    ++count;
-  }
-  [[nodiscard]] int value() const { return count == 0 ? 0 : (2 * sum + count) / (2 * count); }
-};
-
-/// The grade of a voxel at the surface whose own value is too low.
-std::uint8_t grade_from_neighbours(const Voxmap& voxmap, const Vec3i& voxel) {
-  MeanGrade whole, partial;
-  const Vec3i low = (voxel - Vec3i::Ones()).cwiseMax(0);
-  const Vec3i high = (voxel + Vec3i::Ones()).cwiseMin(voxmap.grid.dims - Vec3i::Ones());
-  for (int z = low.z(); z <= high.z(); ++z) {
-    for (int y = low.y(); y <= high.y(); ++y) {
-      for (int x = low.x(); x <= high.x(); ++x) {
-        const std::uint8_t grade = voxmap.grade.get({x, y, z});
-        if (grade == 0) continue;
-        (voxmap.fill.get({x, y, z}) == FillBricks::kWhole ? whole : partial).add(grade);
-      }
-    }
-  }
-  const int own = voxmap.grade.get(voxel);
-  return static_cast<std::uint8_t>(std::max({whole.value(), partial.value(), own, 1}));
-}
-
-void find_grades(const Voxmap& voxmap, std::vector<ChangedBrick>& changed) {
-  parallel_ranges(changed.size(), kBricksAtOnce, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      for (ChangedVoxel& voxel : changed[i].voxels) {
-        if (voxel.fill == 0 || voxel.grade != 0) continue;
-        voxel.grade = grade_from_neighbours(voxmap, BrickLattice::voxel_at(changed[i].coord, voxel.offset));
-      }
-    }
-  });
-}
-
 }  // namespace
 
 void part_surface_voxels(const SurfaceSampler& sample, Voxmap& voxmap) {
   std::vector<ChangedBrick> changed = sample_surface(sample, voxmap);
   put_fill(changed, voxmap);
-  find_grades(voxmap, changed);
   for (const ChangedBrick& brick : changed) {
     for (const ChangedVoxel& changed_voxel : brick.voxels) {
       const Vec3i voxel = BrickLattice::voxel_at(brick.coord, changed_voxel.offset);

@@ -9,7 +9,7 @@ namespace reamsim {
 /// What a bone's source knows of a voxel at its surface.
 struct SurfaceVoxel {
   double share = 0;        ///< of its volume that is bone, 0…1
-  std::uint8_t grade = 0;  ///< of that bone; 0: not known, because the source's values mix it with the air beside it
+  std::uint8_t grade = 0;  ///< of that bone; not 0 where there is any
 };
 
 /// Looks at a voxel whose grade is `grade`, 0 where its centre lies outside. Called from several threads at once.
@@ -17,10 +17,6 @@ using SurfaceSampler = std::function<SurfaceVoxel(const Vec3i& voxel, std::uint8
 
 /// Gives each voxel at the bone's surface (one of the 27 round it is bone, and one is not) the fill that `sample`
 /// finds, so that a voxel just outside becomes bone with the little that reaches into it (design §4).
-///
-/// Where the sampler knows no grade, the voxel's own value is too low, since it counts the air in it: it takes the mean
-/// grade of its neighbours that are bone throughout; or of those that are so in part, or its own, if these are denser,
-/// as in a cortex thinner than two voxels.
 /// `voxmap` must be whole. The result does not depend on the threads.
 void part_surface_voxels(const SurfaceSampler& sample, Voxmap& voxmap);
 

@@ -220,6 +220,14 @@ void describe_cut_plane(KeyVisitor& v, CutPlaneSettings& plane) {
 
 constexpr std::string_view kLabels = "label_map";
 
+void describe_point_spread(KeyVisitor& v, CtSettings& ct) {
+  v.number({.name = "psf_mm",
+            .doc = "Full width of the scanner's point spread, within which a voxel at the bone's boundary counts what "
+                   "lies outside; 0: the voxel spacing along each axis",
+            .range = between(0, 10)},
+           ct.psf_mm);
+}
+
 /// What a label map replaces.
 void describe_segmentation(KeyVisitor& v, CtSettings& ct) {
   v.number({.name = "threshold_hu", .doc = "Bone from here up", .range = kHu, .unless = kLabels}, ct.threshold_hu);
@@ -269,6 +277,7 @@ void describe_ct(KeyVisitor& v, CtSettings& ct) {
            ct.anisotropic_conductance);
   v.optional_section({.name = kLabels, .doc = "Instead of threshold, closing, filling, seed and cuts"}, ct.label_map,
                      describe_label_map);
+  describe_point_spread(v, ct);
   describe_segmentation(v, ct);
 }
 

@@ -89,6 +89,7 @@ struct CtSettings {
   int anisotropic_iterations = 5;
   double anisotropic_conductance = 3;
   double threshold_hu = 200;
+  double psf_mm = 0;  ///< full width of the point spread; 0: the voxel spacing along each axis
   double closing_mm = 1.5;
   bool fill_holes = true;
   std::optional<Vec3> seed_mm;  ///< the piece that contains it is kept; without it the largest

@@ -20,6 +20,11 @@ struct Lattice {
   [[nodiscard]] std::size_t index(int i, int j, int k) const {
     return static_cast<std::size_t>(i + std::int64_t{dims.x()} * (j + std::int64_t{dims.y()} * k));
   }
+  /// The voxel that stands at `index`.
+  [[nodiscard]] Vec3i voxel_at(std::size_t index) const {
+    const auto nx = static_cast<std::size_t>(dims.x()), ny = static_cast<std::size_t>(dims.y());
+    return {static_cast<int>(index % nx), static_cast<int>(index / nx % ny), static_cast<int>(index / nx / ny)};
+  }
   [[nodiscard]] Vec3 center_mm(int i, int j, int k) const { return origin_mm + spacing_mm.cwiseProduct(Vec3(i, j, k)); }
   [[nodiscard]] double voxel_mm3() const { return spacing_mm.prod(); }
   /// The outer faces of the outermost voxels.

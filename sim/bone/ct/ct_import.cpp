@@ -9,6 +9,7 @@
 
 #include "sim/base/error.h"
 #include "sim/bone/ct/aligned_image.h"
+#include "sim/bone/ct/boundary_density.h"
 #include "sim/bone/ct/morphology.h"
 #include "sim/bone/ct/scan.h"
 #include "sim/bone/ct/segment.h"
@@ -151,6 +152,13 @@ void note_trabecular(const ct::BoneField& bone, double threshold_hu, Report& rep
                         threshold_hu));
 }
 
+void note_boundary(const ct::BoundaryDensity& boundary, Report& report) {
+  report.note(ct::words(
+      "partial volume: the density of %lld boundary voxels comes from the bone below them; in %.1f %% of "
+      "them the cortex is thinner than the scan resolves, and the density is a lower bound (noise %.0f HU)",
+      static_cast<long long>(boundary.boundary_voxels), 100 * boundary.unresolved_fraction(), boundary.noise_hu));
+}
+
 }  // namespace
 
 Voxmap voxmap_from_ct(const BoneSettings& settings, Report& report) {
@@ -166,6 +174,9 @@ Voxmap voxmap_from_ct(const BoneSettings& settings, Report& report) {
             ? ct::segment_by_label(read_label(ct_settings, source->geometry(), report), hu, ct_settings, report)
             : ct::segment_by_threshold(hu, ct_settings, report);
     note_trabecular(bone, ct_settings.threshold_hu, report);
+    note_boundary(
+        ct::correct_boundary(hu, bone, ct_settings.psf_mm, ct::resampling_reach(hu.lattice, settings.voxel_mm)),
+        report);
     return ct::voxelize(hu, bone, settings, report);
   } catch (const InputError&) {
     throw;

@@ -119,6 +119,24 @@ const std::vector<double>& SliceResampler::slice(int k) {
   return out_;
 }
 
+double SliceResampler::at(const Vec3i& voxel) const {
+  const auto weights = [&](int axis) -> const AxisWeights& {
+    return weights_[axis][static_cast<std::size_t>(voxel[axis])];
+  };
+  const AxisWeights &x = weights(0), &y = weights(1), &z = weights(2);
+  double sum = 0;
+  for (std::size_t k = 0; k < z.weight.size(); ++k) {
+    for (std::size_t j = 0; j < y.weight.size(); ++j) {
+      const float* row =
+          &image_.value[image_.lattice.index(x.first, y.first + static_cast<int>(j), z.first + static_cast<int>(k))];
+      for (std::size_t i = 0; i < x.weight.size(); ++i) {
+        sum += z.weight[k] * y.weight[j] * x.weight[i] * static_cast<double>(row[i]);
+      }
+    }
+  }
+  return sum;
+}
+
 NegatedField::NegatedField(const AlignedImage& image)
     : values_(image.value.data()),
       origin_mm_(image.lattice.origin_mm),

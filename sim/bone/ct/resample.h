@@ -34,6 +34,8 @@ class SliceResampler {
 
   /// Values of slice k; value (i,j) stands at i + nx·j. Valid until the next call.
   const std::vector<double>& slice(int k);
+  /// The value of one voxel. Reads nothing that slice() changes, so threads may call it.
+  [[nodiscard]] double at(const Vec3i& voxel) const;
 
  private:
   const AlignedImage& image_;

@@ -70,6 +70,10 @@ double share_left(const CtSettings& settings, const Aabb& image, const Vec3& cen
   return left;
 }
 
+std::uint8_t grade_from_hu(double hu, const DensityMapping& mapping) {
+  return DensityMapping::grade_from_density(mapping.density_from_hu(hu));
+}
+
 /// Halvings of a voxel until its parts are no larger than the image's voxels.
 int halvings(const Lattice& image, double voxel_mm) {
   constexpr double kRoundingOfLog = 1e-6;
@@ -78,16 +82,19 @@ int halvings(const Lattice& image, double voxel_mm) {
   return std::clamp(static_cast<int>(std::ceil(std::log2(ratio) - kRoundingOfLog)), 0, kMost);
 }
 
-/// Fill by the field's zero, between the image's values. A value at the surface is that of bone and what is beside it,
-/// and the fill says how much is bone; so its grade comes from its neighbours, lest the air count twice.
-void part_surface(const BoneField& bone, const CtSettings& settings, const Aabb& image, Voxmap& voxmap) {
+/// Fill by the field's zero, between the image's values; grades by the image, which holds the bone's own radiodensity
+/// on both sides of the boundary.
+void part_surface(const BoneField& bone, const SliceResampler& hu, const CtSettings& settings, const Aabb& image,
+                  Voxmap& voxmap) {
   const VoxelGrid& grid = voxmap.grid;
   const int splits = halvings(bone.field.lattice, grid.voxel_mm);
   const NegatedField outside(bone.field);
-  const auto sample = [&](const Vec3i& voxel, std::uint8_t) -> SurfaceVoxel {
+  const auto sample = [&](const Vec3i& voxel, std::uint8_t grade) -> SurfaceVoxel {
     const Vec3 center = grid.center_mm(voxel.x(), voxel.y(), voxel.z());
-    return {share_inside(outside, center, grid.voxel_mm, splits) * share_left(settings, image, center, grid.voxel_mm),
-            0};
+    const double part = share_inside(outside, center, grid.voxel_mm, splits);
+    if (part == 0) return {0, grade};
+    return {part * share_left(settings, image, center, grid.voxel_mm),
+            grade != 0 ? grade : grade_from_hu(hu.at(voxel), voxmap.mapping)};
   };
   part_surface_voxels(sample, voxmap);
 }
@@ -101,6 +108,10 @@ void note_voxmap(const Voxmap& voxmap, const HuStatistics& hu, Report& report) {
 }
 
 }  // namespace
+
+int resampling_reach(const Lattice& image, double voxel_mm) {
+  return kFieldReach + static_cast<int>(std::ceil(voxel_mm / image.spacing_mm.minCoeff()));
+}
 
 Voxmap voxelize(const AlignedImage& hu, const BoneField& bone, const BoneSettings& settings, Report& report) {
   const VoxelGrid grid = grid_of(hu.lattice, bone, settings);
@@ -118,7 +129,7 @@ Voxmap voxelize(const AlignedImage& hu, const BoneField& bone, const BoneSetting
       for (int i = 0; i < grid.dims.x(); ++i) {
         if (!in_bone(i, j, k) || !may_be_bone(settings.ct, image, grid.center_mm(i, j, k))) continue;
         const double value = slice[static_cast<std::size_t>(i + std::int64_t{grid.dims.x()} * j)];
-        voxmap.grade.set({i, j, k}, DensityMapping::grade_from_density(voxmap.mapping.density_from_hu(value)));
+        voxmap.grade.set({i, j, k}, grade_from_hu(value, voxmap.mapping));
         stats.add(value);
       }
     }
@@ -127,7 +138,7 @@ Voxmap voxelize(const AlignedImage& hu, const BoneField& bone, const BoneSetting
     throw InputError({settings.ct.path}, "bone.voxel_mm", "voxels of this size leave nothing of the bone",
                      "use smaller voxels");
   }
-  if (settings.surface_voxels == "partial") part_surface(bone, settings.ct, image, voxmap);
+  if (settings.surface_voxels == "partial") part_surface(bone, resampled, settings.ct, image, voxmap);
   note_voxmap(voxmap, stats, report);
   return voxmap;
 }

@@ -8,6 +8,9 @@
 
 namespace reamsim::ct {
 
+/// How far from the bone resampling to voxels of `voxel_mm` reads, image voxels.
+int resampling_reach(const Lattice& image, double voxel_mm);
+
 /// Resamples HU and bone to voxels of `settings.voxel_mm`, with air all round in whole bricks, and maps HU to density
 /// to grade inside the bone. Throws InputError: too many voxels for this machine, or voxels so large that no bone is
 /// left.

@@ -1,0 +1,211 @@
+// The density of bone at its surface, where a CT's voxels mix it with what lies beside it, against blocks whose density
+// is known. Specific cutting energy goes with the square of density, so that is what is compared.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <iostream>
+#include <numbers>
+#include <random>
+
+#include "sim/bone/ct/ct_import.h"
+#include "sim/bone/surface_share.h"
+#include "test_images.h"
+
+namespace reamsim::test {
+namespace {
+
+using Profile = std::function<double(double depth_mm)>;
+
+/// A block whose radiodensity depends on the depth below a tilted face only, as a scanner with voxel averaging sees it.
+struct Block {
+  Profile hu = [](double) { return 1000.0; };
+  double outside_hu = 0;
+  double threshold_hu = 200;
+  double tilt_deg = 0;
+  double offset_mm = 0;  ///< of the face from a voxel's centre
+  Vec3 spacing_mm = Vec3::Ones();
+  double noise_hu = 0;
+  unsigned seed = 0;
+  double extent_mm = 26;
+  double thickness_mm = 22;
+  double step_mm = 22;  ///< where the profile is not straight
+
+  [[nodiscard]] Vec3 outward() const {
+    const double tilt = tilt_deg * std::numbers::pi / 180;
+    return Vec3(std::sin(tilt) * 0.8, std::sin(tilt) * 0.6, std::cos(tilt));
+  }
+  [[nodiscard]] Vec3 face_mm() const { return Vec3(0.13, 0.21, 5 + offset_mm); }
+  [[nodiscard]] double depth_mm(const Vec3& p) const { return outward().dot(face_mm() - p); }
+};
+
+/// Mean over the voxel.
+double voxel_mean(const Block& block, const Vec3& center) {
+  const double reach = 0.5 * block.outward().cwiseAbs().dot(block.spacing_mm);
+  const double depth = block.depth_mm(center);
+  const auto crosses = [&](double mm) { return std::abs(depth - mm) < reach + 1e-9; };
+  if (!crosses(0) && !crosses(block.step_mm) && !crosses(block.thickness_mm)) {  // straight over the voxel
+    return depth < 0 || depth > block.thickness_mm ? block.outside_hu : block.hu(depth);
+  }
+  constexpr int kPerAxis = 6, kAcross = 24;
+  double sum = 0;
+  for (int n = 0; n < kPerAxis * kPerAxis * kAcross; ++n) {
+    const Vec3 step((n % kPerAxis + 0.5) / kPerAxis - 0.5, (n / kPerAxis % kPerAxis + 0.5) / kPerAxis - 0.5,
+                    (n / kPerAxis / kPerAxis + 0.5) / kAcross - 0.5);
+    const double at = block.depth_mm(center + block.spacing_mm.cwiseProduct(step));
+    sum += at < 0 || at > block.thickness_mm ? block.outside_hu : block.hu(at);
+  }
+  return sum / (kPerAxis * kPerAxis * kAcross);
+}
+
+class BoundaryDensity : public ::testing::Test {
+ protected:
+  Voxmap import(const Block& block, double voxel_mm) {
+    TestImage image;
+    image.spacing_mm = block.spacing_mm;
+    const double half = block.extent_mm / 2;
+    image.origin_mm = Vec3(-half, -half, -half);
+    image.dims = (block.extent_mm * block.spacing_mm.cwiseInverse()).array().round().cast<int>();
+    std::mt19937 random(block.seed);
+    std::normal_distribution<double> noise(0, 1);
+    image.sample([&](const Vec3& p) {
+      const double hu = voxel_mean(block, p);
+      return block.noise_hu == 0 ? hu : hu + block.noise_hu * noise(random);
+    });
+    write_image<float>(image, folder_.file("block.nrrd"));
+    BoneSettings settings = settings_for(folder_.file("block.nrrd"), voxel_mm);
+    settings.ct.threshold_hu = block.threshold_hu;
+    settings.surface_voxels = "partial";
+    report_ = {};
+    return voxmap_from_ct(settings, report_);
+  }
+
+  /// Energy per volume of the bone down to `depth_mm` below the true face, over that of the truth, less 1.
+  double energy_error(const Block& block, const Voxmap& voxmap, double depth_mm) const {
+    const Vec3 n = block.outward(), u = n.unitOrthogonal(), w = n.cross(u);
+    constexpr double kRadius_mm = 6, kStep_mm = 0.11;
+    double energy = 0, volume = 0;
+    for (double a = -kRadius_mm; a <= kRadius_mm; a += kStep_mm * 3) {
+      for (double b = -kRadius_mm; b <= kRadius_mm; b += kStep_mm * 3) {
+        for (double d = -1.5; d < depth_mm; d += kStep_mm / 4) {
+          const Vec3 p = block.face_mm() + a * u + b * w - d * n;
+          const Vec3i voxel = voxmap.grid.voxel_of(p);
+          const std::uint8_t grade = voxmap.grade.get(voxel);
+          if (grade == 0) continue;
+          const double part = static_cast<double>(voxmap.fill.get(voxel)) / FillBricks::kWhole;
+          energy += part * std::pow(DensityMapping::density_from_grade(grade), 2);
+          volume += part;
+        }
+      }
+    }
+    double truth = 0;
+    constexpr int kParts = 1000;
+    for (int i = 0; i < kParts; ++i) {
+      truth += std::pow(DensityMapping().density_from_hu(block.hu((i + 0.5) / kParts * depth_mm)), 2) / kParts;
+    }
+    return energy / volume / truth - 1;
+  }
+
+  double error(const Block& block, double voxel_mm, double depth_mm) {
+    return energy_error(block, import(block, voxel_mm), depth_mm);
+  }
+
+  TempFolder folder_;
+  Report report_;
+};
+
+TEST_F(BoundaryDensity, OfAUniformBlockHoldsAtEveryVoxelSize) {
+  double worst = 0;
+  for (const double outside_hu : {-1000.0, 0.0, 60.0}) {
+    for (const double spacing_mm : {0.6, 1.0}) {
+      for (const double offset : {0.0, 0.31, 0.74}) {
+        for (const double tilt_deg : {0.0, 30.0}) {
+          Block block;
+          block.outside_hu = outside_hu;
+          block.spacing_mm = Vec3::Constant(spacing_mm);
+          block.offset_mm = offset * spacing_mm;
+          block.tilt_deg = tilt_deg;
+          for (const double voxel_mm : {1.0, 0.5, 0.25}) {
+            const Voxmap voxmap = import(block, voxel_mm);
+            for (const double depth_mm : {1.0, 5.0}) {
+              const double found = energy_error(block, voxmap, depth_mm);
+              worst = std::max(worst, std::abs(found));
+              EXPECT_NEAR(found, 0, 0.02)
+                  << "outside " << outside_hu << " HU, scan " << spacing_mm << " mm, offset " << offset << ", "
+                  << tilt_deg << " deg, voxels " << voxel_mm << " mm, " << depth_mm << " mm deep";
+            }
+          }
+        }
+      }
+    }
+  }
+  std::cout << "worst " << 100 * worst << " %\n";
+}
+
+TEST_F(BoundaryDensity, HoldsOnVoxelsThatAreNoCubes) {
+  for (const double offset_mm : {0.0, 0.2, 0.55}) {
+    Block block;
+    block.hu = [](double) { return 1500.0; };
+    block.spacing_mm = Vec3(0.5, 0.5, 1.25);
+    block.offset_mm = offset_mm;
+    EXPECT_NEAR(error(block, 0.25, 1), 0, 0.02) << offset_mm;
+    block.tilt_deg = 50;
+    EXPECT_NEAR(error(block, 0.25, 1), 0, 0.02) << offset_mm << ", tilted";
+  }
+}
+
+TEST_F(BoundaryDensity, OfARampFollowsItToTheSurface) {
+  for (const bool dense_outside : {false, true}) {
+    for (const double spacing_mm : {0.6, 1.0}) {
+      for (const double offset : {0.0, 0.31, 0.74}) {
+        for (const double tilt_deg : {0.0, 30.0}) {
+          Block block;
+          block.hu = [=](double depth_mm) { return dense_outside ? 1200 - 40 * depth_mm : 400 + 40 * depth_mm; };
+          block.thickness_mm = 20;
+          block.spacing_mm = Vec3::Constant(spacing_mm);
+          block.offset_mm = offset * spacing_mm;
+          block.tilt_deg = tilt_deg;
+          for (const double voxel_mm : {1.0, 0.5, 0.25}) {
+            EXPECT_NEAR(error(block, voxel_mm, 5), 0, 0.02)
+                << (dense_outside ? "dense outside" : "dense inside") << ", scan " << spacing_mm << " mm, offset "
+                << offset << ", " << tilt_deg << " deg, voxels " << voxel_mm << " mm";
+          }
+        }
+      }
+    }
+  }
+}
+
+TEST_F(BoundaryDensity, OfADensePlateIsKept) {
+  for (const double offset : {0.0, 0.31, 0.74}) {
+    Block block;
+    block.hu = [](double depth_mm) { return depth_mm < 2 ? 1600.0 : 400.0; };
+    block.step_mm = 2;
+    block.spacing_mm = Vec3::Constant(0.8);
+    block.offset_mm = 0.8 * offset;
+    for (const double voxel_mm : {0.8, 0.4, 0.2}) {
+      const double found = error(block, voxel_mm, 1.5);
+      std::cout << "plate, offset " << offset << ", voxels " << voxel_mm << " mm: " << 100 * found << " %\n";
+      EXPECT_NEAR(found, 0, 0.10) << offset << ", voxels " << voxel_mm << " mm";
+    }
+  }
+}
+
+TEST_F(BoundaryDensity, NoiseIsNotAmplified) {
+  double sum = 0;
+  constexpr int kSeeds = 6;
+  for (unsigned seed = 1; seed <= kSeeds; ++seed) {
+    Block block;
+    block.noise_hu = 50;
+    block.seed = seed;
+    block.offset_mm = 0.13 * seed;
+    const double found = error(block, 0.5, 1);
+    std::cout << "seed " << seed << ": " << 100 * found << " %\n";
+    sum += found;
+  }
+  EXPECT_NEAR(sum / kSeeds, 0, 0.02);
+}
+
+}  // namespace
+}  // namespace reamsim::test
