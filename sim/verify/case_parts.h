@@ -25,6 +25,10 @@ CaseFindings rotated_case(const Setting& setting);
 CaseFindings time_step_case(const Setting& setting);
 CaseFindings voxel_case(const Setting& setting);
 CaseFindings energy_case(const Setting& setting);
+CaseFindings ct_uniform_case(const Setting& setting);
+CaseFindings ct_ramp_case(const Setting& setting);
+CaseFindings ct_plate_case(const Setting& setting);
+CaseFindings ct_force_case(const Setting& setting);
 
 /// What one run should give, and what it gave.
 struct Sample {

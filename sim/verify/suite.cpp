@@ -29,6 +29,8 @@ const std::vector<Case>& cases() {
       {"mirrored", mirrored_case},     {"moved", moved_case},
       {"rotated", rotated_case},       {"time_step", time_step_case},
       {"voxel", voxel_case},           {"energy", energy_case},
+      {"ct_uniform", ct_uniform_case}, {"ct_ramp", ct_ramp_case},
+      {"ct_plate", ct_plate_case},     {"ct_force", ct_force_case},
   };
   return all;
 }

@@ -161,23 +161,27 @@ void note_boundary(const ct::BoundaryDensity& boundary, Report& report) {
 
 }  // namespace
 
+Voxmap voxmap_from_scan(const ct::ScanSource& source, const BoneSettings& settings, Report& report) {
+  const CtSettings& ct_settings = settings.ct;
+  ct::AlignedImage hu = read_cropped(source, ct_settings, ct_settings.path, kPathKey, std::nullopt, report);
+  note_crop(hu, source, report);
+  filter(hu, ct_settings, report);
+  const ct::BoneField bone =
+      ct_settings.label_map
+          ? ct::segment_by_label(read_label(ct_settings, source.geometry(), report), hu, ct_settings, report)
+          : ct::segment_by_threshold(hu, ct_settings, report);
+  note_trabecular(bone, ct_settings.threshold_hu, report);
+  note_boundary(
+      ct::correct_boundary(hu, bone, ct_settings.psf_mm, ct::resampling_reach(hu.lattice, settings.voxel_mm)), report);
+  return ct::voxelize(hu, bone, settings, report);
+}
+
 Voxmap voxmap_from_ct(const BoneSettings& settings, Report& report) {
   const CtSettings& ct_settings = settings.ct;
   try {
     const auto source = ct::open_scan(ct_settings.path, kPathKey, report);
     note_image(*source, ct_settings.path, report);
-    ct::AlignedImage hu = read_cropped(*source, ct_settings, ct_settings.path, kPathKey, std::nullopt, report);
-    note_crop(hu, *source, report);
-    filter(hu, ct_settings, report);
-    const ct::BoneField bone =
-        ct_settings.label_map
-            ? ct::segment_by_label(read_label(ct_settings, source->geometry(), report), hu, ct_settings, report)
-            : ct::segment_by_threshold(hu, ct_settings, report);
-    note_trabecular(bone, ct_settings.threshold_hu, report);
-    note_boundary(
-        ct::correct_boundary(hu, bone, ct_settings.psf_mm, ct::resampling_reach(hu.lattice, settings.voxel_mm)),
-        report);
-    return ct::voxelize(hu, bone, settings, report);
+    return voxmap_from_scan(*source, settings, report);
   } catch (const InputError&) {
     throw;
   } catch (const std::bad_alloc&) {

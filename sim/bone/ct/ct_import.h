@@ -1,6 +1,7 @@
 #pragma once
 
 #include "sim/base/report.h"
+#include "sim/bone/ct/scan.h"
 #include "sim/bone/voxmap.h"
 #include "sim/scenario/scenario.h"
 
@@ -11,5 +12,8 @@ namespace reamsim {
 /// when merging and trilinearly when dividing (paper §3.2), then mapped to density and grade.
 /// Throws InputError: unreadable, truncated, absurdly large, no bone in the crop, seed outside bone.
 Voxmap voxmap_from_ct(const BoneSettings& settings, Report& report);
+
+/// The same for a scan that is open; `settings.ct.path` only names it in messages.
+Voxmap voxmap_from_scan(const ct::ScanSource& source, const BoneSettings& settings, Report& report);
 
 }  // namespace reamsim

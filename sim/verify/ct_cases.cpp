@@ -1,0 +1,218 @@
+// Bone from a CT: what the scan's voxels mix at the bone's surface must not show in energy or force, at any voxel size.
+#include <cmath>
+#include <numbers>
+
+#include "sim/verify/case_parts.h"
+#include "sim/verify/ct_slab.h"
+
+namespace reamsim::verify {
+
+namespace {
+
+using std::numbers::pi;
+
+constexpr double kRate_hz = 500, kRpm = 250, kFeed_mm_s = 20, kStart_mm = 2;
+constexpr const char* kBar = "the project's bar for a CT";
+
+/// Energy and volume of a plunge, summed as far as a depth.
+struct Removed {
+  double energy_mj = 0;
+  double volume_mm3 = 0;
+
+  [[nodiscard]] double per_mm3() const { return energy_mj / volume_mm3; }
+};
+
+Quat along(const Vec3& direction) {
+  return Quat::FromTwoVectors(Vec3::UnitZ(), direction);
+}
+
+/// A flat-ended cylinder down the face's normal to each of the depths, which rise.
+std::vector<Removed> plunge(const CtSlab& slab, double voxel_mm, const std::vector<double>& depths_mm,
+                            const Setting& setting) {
+  const Vec3 n = slab.outward();
+  std::vector<Leg> legs;
+  double from = -kStart_mm;
+  for (const double depth : depths_mm) {
+    const int frames = static_cast<int>(std::lround((depth - from) / kFeed_mm_s * kRate_hz));
+    legs.push_back({slab.face_mm() - depth * n, frames, kRpm, along(n)});
+    from = depth;
+  }
+  const Tool tool = make_tool(flat_profile(slab.radius_mm, 0, slab.depth_mm + 4));
+  const Reamed reamed = ream(
+      scene_of(scan_and_import(slab, voxel_mm), tool, path(kRate_hz, slab.face_mm() + kStart_mm * n, legs)), setting);
+  std::vector<Removed> out;
+  Removed sum;
+  std::size_t row = 0;
+  for (const Leg& leg : legs) {
+    for (int k = 0; k < leg.frames; ++k) {
+      ++row;
+      sum.energy_mj += reamed.rows[row].energy_mj;
+      sum.volume_mm3 += reamed.rows[row].removed_mm3;
+    }
+    out.push_back(sum);
+  }
+  return out;
+}
+
+/// The largest error found, with where it was.
+struct Worst {
+  double error = 0;
+  std::string where;
+  int runs = 0;
+
+  void add(double found, double expected, const std::string& place) {
+    ++runs;
+    const double relative = found / expected - 1;
+    if (std::abs(relative) <= std::abs(error)) return;
+    error = relative;
+    where = place;
+  }
+};
+
+std::string number(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%g", value);
+  return text;
+}
+
+std::string place(const CtSlab& slab, double voxel_mm) {
+  return "scan " + number(slab.spacing_mm) + " mm, offset " + number(slab.offset_voxels) + ", tilt " +
+         number(slab.tilt_deg) + "°, voxels " + number(voxel_mm) + " mm";
+}
+
+/// Calls visit(slab, voxel) for spacings, offsets, tilts and voxel sizes; the quick suite has a part of them.
+template <class Visit>
+void for_each_scan(CtSlab slab, const Setting& setting, const Visit& visit) {
+  const std::vector<double> spacings = setting.quick ? std::vector{1.0} : std::vector{0.6, 1.0};
+  const std::vector<double> offsets = setting.quick ? std::vector{0.31, 0.74} : std::vector{0.0, 0.31, 0.74};
+  const std::vector<double> voxels = setting.quick ? std::vector{1.0, 0.5} : std::vector{1.0, 0.5, 0.25};
+  for (const double spacing_mm : spacings) {
+    for (const double offset : offsets) {
+      for (const double tilt_deg : {0.0, 30.0}) {
+        slab.spacing_mm = spacing_mm;
+        slab.offset_voxels = offset;
+        slab.tilt_deg = tilt_deg;
+        for (const double voxel_mm : voxels) visit(slab, voxel_mm);
+      }
+    }
+  }
+}
+
+Check worst_check(const std::string& quantity, const Worst& worst, double tolerance) {
+  return {quantity + ", worst of " + std::to_string(worst.runs) + " (" + worst.where + ")",
+          "",
+          Measure::absolute,
+          0,
+          worst.error,
+          tolerance,
+          kBar};
+}
+
+}  // namespace
+
+CaseFindings ct_uniform_case(const Setting& setting) {
+  CaseFindings out;
+  out.title = "CT of a uniform slab";
+  out.scene =
+      "slab of 1000 HU in soft tissue of 40 HU, voxel averages at odd offsets and tilts; a flat reamer of 5 mm radius "
+      "plunged along the face's normal";
+  out.form = "energy per removed volume = u(ρ(HU))";
+  Worst shallow, deep;
+  for_each_scan({.hu = [](double) { return 1000.0; }}, setting, [&](const CtSlab& slab, double voxel_mm) {
+    const std::vector<Removed> removed = plunge(slab, voxel_mm, {1, 5}, setting);
+    shallow.add(removed[0].per_mm3(), slab.specific_energy_to(1), place(slab, voxel_mm));
+    deep.add(removed[1].per_mm3(), slab.specific_energy_to(5), place(slab, voxel_mm));
+  });
+  out.checks.push_back(worst_check("energy per volume, 1 mm deep", shallow, 0.02));
+  out.checks.push_back(worst_check("energy per volume, 5 mm deep", deep, 0.02));
+  return out;
+}
+
+CaseFindings ct_ramp_case(const Setting& setting) {
+  CaseFindings out;
+  out.title = "CT of a density ramp";
+  out.scene =
+      "slab whose radiodensity runs from 400 to 1200 HU over 20 mm, the dense side up or down, reamed 5 mm deep";
+  out.form = "energy per removed volume = mean of u(ρ(HU)) over the depth";
+  for (const bool dense_up : {false, true}) {
+    Worst worst;
+    const auto hu = [=](double depth) { return dense_up ? 1200 - 40 * depth : 400 + 40 * depth; };
+    for_each_scan({.hu = hu}, setting, [&](const CtSlab& slab, double voxel_mm) {
+      worst.add(plunge(slab, voxel_mm, {5}, setting)[0].per_mm3(), slab.specific_energy_to(5), place(slab, voxel_mm));
+    });
+    out.checks.push_back(
+        worst_check(std::string("energy per volume, ") + (dense_up ? "dense" : "soft") + " side up", worst, 0.02));
+  }
+  return out;
+}
+
+CaseFindings ct_plate_case(const Setting& setting) {
+  CaseFindings out;
+  out.title = "CT of a dense plate";
+  out.scene = "plate of 1600 HU on 400 HU, scanned at 0.8 mm; three quarters of its thickness are reamed";
+  out.form = "energy per removed volume = u(ρ(1600 HU))";
+  const std::vector<double> thicknesses =
+      setting.quick ? std::vector{1.0, 2.0} : std::vector{0.4, 0.8, 1.0, 1.2, 1.6, 2.0, 2.4, 3.2};
+  const std::vector<double> voxels = setting.quick ? std::vector{0.8, 0.4} : std::vector{0.8, 0.4, 0.2};
+  for (const double thickness_mm : thicknesses) {
+    Worst worst;
+    double mean = 0;
+    for (const double offset : {0.0, 0.31, 0.74}) {
+      CtSlab slab{.hu = [=](double depth) { return depth < thickness_mm ? 1600.0 : 400.0; }};
+      slab.breaks_mm = {thickness_mm};
+      slab.spacing_mm = 0.8;
+      slab.offset_voxels = offset;
+      for (const double voxel_mm : voxels) {
+        const double expected = specific_energy(DensityMapping().density_from_hu(1600));
+        const double found = plunge(slab, voxel_mm, {0.75 * thickness_mm}, setting)[0].per_mm3();
+        worst.add(found, expected, place(slab, voxel_mm));
+        mean += found / expected - 1;
+      }
+    }
+    const std::string plate = "energy per volume, plate of " + number(thickness_mm) + " mm";
+    const bool has_bar = thickness_mm == 2;
+    out.checks.push_back({plate + ", worst of " + std::to_string(worst.runs) + " (" + worst.where + ")", "",
+                          has_bar ? Measure::absolute : Measure::reported, 0, worst.error, 0.10, has_bar ? kBar : ""});
+    out.checks.push_back({plate + ", mean", "", Measure::reported, 0, mean / worst.runs, 0, ""});
+  }
+  return out;
+}
+
+CaseFindings ct_force_case(const Setting& setting) {
+  CaseFindings out;
+  out.title = "Torque and thrust in a CT";
+  out.scene =
+      "slab of 1000 HU scanned at 1 mm, face at 0.31 voxels and tilted by 30°; convex head of 29 mm radius, 8 mm wide, "
+      "bored to 1.25 mm, fed at 0.5 mm/s and 250 rpm in full contact, voxels halved";
+  out.form = "the law's integral over the face";
+  CtSlab slab{.hu = [](double) { return 1000.0; }};
+  slab.offset_voxels = 0.31;
+  slab.tilt_deg = 30;
+  const double density =
+      DensityMapping::density_from_grade(DensityMapping::grade_from_density(DensityMapping().density_from_hu(1000)));
+  const SteadyPlunge form{
+      .radius_mm = 29, .outer_mm = 4, .bore_mm = 1.25, .rpm = kRpm, .feed_mm_s = 0.5, .density_g_cm3 = density};
+  const PlungeLoads expected = form.full_loads();
+  const Tool tool = make_tool(convex_profile(29, 4, 1.25, 8, 0.1));
+  const Vec3 n = slab.outward();
+  Ladder torque{"mean spin torque", "N·mm", "voxel, mm", expected.torque_nmm, {}, {}, {}};
+  Ladder thrust{"mean thrust", "N", "voxel, mm", expected.thrust_n, {}, {}, {}};
+  for (const double voxel_mm : four_voxels(0.25)) {
+    constexpr int kDown = 100, kSteady = 400;
+    const Motion motion =
+        path(200, slab.face_mm() + n,
+             {{slab.face_mm() - 2 * n, kDown, kRpm, along(n)}, {slab.face_mm() - 3 * n, kSteady, kRpm, along(n)}});
+    const Reamed reamed = ream(scene_of(scan_and_import(slab, voxel_mm), tool, motion), setting);
+    const MeanLoads loads = mean_loads(reamed.after(kDown));
+    torque.levels.push_back(level_of(voxel_mm, {{expected.torque_nmm, loads.spin_torque_nmm}}, expected.torque_nmm));
+    thrust.levels.push_back(level_of(voxel_mm, {{expected.thrust_n, loads.axial_force_n}}, expected.thrust_n));
+  }
+  for (Ladder* ladder : {&torque, &thrust}) {
+    finish(*ladder);
+    out.checks.push_back(finest_check(*ladder, 0.01, "the slab's grade is rounded to 0.4 %"));
+    out.ladders.push_back(*ladder);
+  }
+  return out;
+}
+
+}  // namespace reamsim::verify
