@@ -15,6 +15,8 @@ CaseFindings cylinder_case(const Setting& setting);
 CaseFindings sweep_case(const Setting& setting);
 CaseFindings layered_case(const Setting& setting);
 CaseFindings steady_case(const Setting& setting);
+CaseFindings ratio_case(const Setting& setting);
+CaseFindings half_face_case(const Setting& setting);
 CaseFindings ripple_case(const Setting& setting);
 CaseFindings zero_feed_case(const Setting& setting);
 CaseFindings retraction_case(const Setting& setting);
@@ -46,6 +48,12 @@ inline Level level_of(double step, const std::vector<Sample>& samples, double no
   }
   level.error = samples.size() == 1 ? errors.front() : rms(errors);
   return level;
+}
+
+/// A figure against its closed form.
+inline Check relative_check(const std::string& quantity, const std::string& unit, double expected, double found,
+                            double tolerance, const std::string& reason) {
+  return {quantity, unit, Measure::relative, expected, found, tolerance, reason};
 }
 
 /// Four voxel sizes, coarsest first, mm.

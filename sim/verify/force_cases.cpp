@@ -1,65 +1,18 @@
 // Forces with closed forms: a cannulated reamer in full contact.
 #include <cmath>
-#include <cstdio>
 #include <limits>
-#include <numbers>
 
 #include "sim/verify/case_parts.h"
+#include "sim/verify/plunge.h"
 
 namespace reamsim::verify {
 
 namespace {
 
 constexpr double kClear_mm = 0.1;
-constexpr double kEdge_mm = 0.1;
-constexpr double kHead_mm = 8;  // height of a head
 /// Bars of the project for a steady plunge in full contact at 0.25 mm.
 constexpr double kForceBar = 5e-3, kRippleBar = 2e-3;
 const char* const kBarReason = "the bar of the project";
-
-// The design's example.
-constexpr SteadyPlunge kExample{29, 15, 1.25, 250, 0.2, 1.8};
-
-Profile head_of(const SteadyPlunge& plunge) {
-  return plunge.radius_mm ? convex_profile(*plunge.radius_mm, plunge.outer_mm, plunge.bore_mm, kHead_mm, kEdge_mm)
-                          : flat_profile(plunge.outer_mm, plunge.bore_mm, kHead_mm);
-}
-
-std::string text_of(const SteadyPlunge& p) {
-  char text[128];
-  const std::string face = p.radius_mm ? "R " + std::to_string(static_cast<int>(*p.radius_mm)) : "flat";
-  std::snprintf(text, sizeof text, "%s, a %g mm, %g rpm, %g mm/s", face.c_str(), p.outer_mm, p.rpm, p.feed_mm_s);
-  return text;
-}
-
-/// The steady part of a plunge: rows while the tool feeds by `travel_mm` in `frames` frames, the face fully in contact.
-std::vector<FrameResult> steady_rows(const SteadyPlunge& plunge, double voxel_mm, double travel_mm, int frames,
-                                     const std::string& erosion, const Setting& setting, double tilt_deg = 0) {
-  constexpr double kShellVoxels = 0.4721, kPast_mm = 0.3;
-  // Off the lattice by shares of a voxel, so that nothing is regular.
-  const Vec3 entry(0.12 * voxel_mm, 0.21 * voxel_mm, 0);
-  const double tilt = tilt_deg * std::numbers::pi / 180, slant = plunge.outer_mm * std::tan(tilt);
-  const Quat turned(Eigen::AngleAxisd(tilt, Vec3(1, 0.3, 0).normalized()));
-  const Vec3 axis = turned * Vec3(0, 0, 1);
-  const double begin = plunge.full_contact_mm() + slant + kPast_mm + 0.37 * voxel_mm, end = begin + travel_mm;
-  const double rate = plunge.feed_mm_s * frames / travel_mm, above = slant + kClear_mm;
-  const Motion motion =
-      path(rate, entry + above * axis,
-           {{entry - begin * axis, static_cast<int>(std::ceil(10 * (begin + above))), plunge.rpm, turned},
-            {entry - end * axis, frames, plunge.rpm, turned}});
-  const double width = 2 * (plunge.outer_mm + end * std::tan(tilt)) + 2 + 2 * voxel_mm;
-  const Voxmap bone = block({width, width, end + slant + 1 + voxel_mm}, voxel_mm, plunge.density_g_cm3);
-  const Tool tool =
-      erosion == "exact" ? make_tool(head_of(plunge)) : make_tool(head_of(plunge), kShellVoxels * voxel_mm);
-  const Reamed reamed = ream(scene_of(bone, tool, motion, erosion), setting);
-  const auto steady = reamed.after(reamed.rows.size() - 1 - static_cast<std::size_t>(frames));
-  return {steady.begin(), steady.end()};
-}
-
-Check relative(const std::string& quantity, const std::string& unit, double expected, double found, double tolerance,
-               const std::string& reason) {
-  return {quantity, unit, Measure::relative, expected, found, tolerance, reason};
-}
 
 /// Torque, thrust and removal rate as ladders over the voxel size.
 std::vector<Ladder> steady_ladders(const SteadyPlunge& plunge, const Setting& setting) {
@@ -70,7 +23,8 @@ std::vector<Ladder> steady_ladders(const SteadyPlunge& plunge, const Setting& se
   ladders[2] = {"removal rate", "mm³/s", "voxel, mm", plunge.removal_mm3_s(), {}, {}, {}};
   constexpr int kFrames = 64;
   for (const double voxel_mm : four_voxels(setting.quick ? 0.25 : 0.125)) {
-    const MeanLoads mean = mean_loads(steady_rows(plunge, voxel_mm, voxel_mm, kFrames, "exact", setting));
+    const MeanLoads mean =
+        mean_loads(steady_rows({.plunge = plunge, .voxel_mm = voxel_mm, .frames = kFrames}, setting));
     const double found[] = {mean.spin_torque_nmm, mean.axial_force_n, mean.removed_mm3 / voxel_mm * plunge.feed_mm_s};
     for (std::size_t i = 0; i < ladders.size(); ++i) {
       ladders[i].levels.push_back(level_of(voxel_mm, {{*ladders[i].expected, found[i]}}, *ladders[i].expected));
@@ -122,17 +76,16 @@ CaseFindings steady_case(const Setting& setting) {
   const double simple[] = {kExample.torque_nmm(), kExample.thrust_n(), kExample.removal_mm3_s()};
   for (std::size_t i = 0; i < out.ladders.size(); ++i) {
     const Ladder& ladder = out.ladders[i];
-    out.checks.push_back(relative(ladder.quantity + ", " + text_of(kExample), ladder.unit, simple[i],
-                                  ladder.levels.back().found, kForceBar, kBarReason));
+    out.checks.push_back(relative_check(ladder.quantity + ", " + text_of(kExample), ladder.unit, simple[i],
+                                        ladder.levels.back().found, kForceBar, kBarReason));
   }
   for (const SteadyPlunge& plunge : variations(setting.quick)) {
     setting.progress("steady plunge, " + text_of(plunge));
-    constexpr double kVoxel_mm = 0.25;
-    const MeanLoads mean = mean_loads(steady_rows(plunge, kVoxel_mm, kVoxel_mm, 32, "exact", setting));
-    out.checks.push_back(relative("torque, " + text_of(plunge), "N·mm", plunge.torque_nmm(), mean.spin_torque_nmm,
-                                  kForceBar, kBarReason));
-    out.checks.push_back(
-        relative("thrust, " + text_of(plunge), "N", plunge.thrust_n(), mean.axial_force_n, kForceBar, kBarReason));
+    const MeanLoads mean = mean_loads(steady_rows({.plunge = plunge}, setting));
+    out.checks.push_back(relative_check("torque, " + text_of(plunge), "N·mm", plunge.torque_nmm(), mean.spin_torque_nmm,
+                                        kForceBar, kBarReason));
+    out.checks.push_back(relative_check("thrust, " + text_of(plunge), "N", plunge.thrust_n(), mean.axial_force_n,
+                                        kForceBar, kBarReason));
   }
   return out;
 }
@@ -148,7 +101,9 @@ CaseFindings ripple_case(const Setting& setting) {
   const int frames = static_cast<int>(std::lround(kVoxel_mm / kExample.feed_mm_s * kRate_hz));
   const auto ripple = [&](const SteadyPlunge& plunge, const std::string& erosion, double tilt_deg) {
     setting.progress("ripple, " + text_of(plunge) + ", " + erosion);
-    return torque_ripple(steady_rows(plunge, kVoxel_mm, kVoxel_mm, frames, erosion, setting, tilt_deg));
+    return torque_ripple(steady_rows(
+        {.plunge = plunge, .voxel_mm = kVoxel_mm, .frames = frames, .erosion = erosion, .tilt_deg = tilt_deg},
+        setting));
   };
   out.checks.push_back({"convex, axis tilted by 17°, exact", "", Measure::at_most, kRippleBar,
                         ripple(kExample, "exact", 17), 0, kBarReason});

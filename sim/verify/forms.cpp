@@ -58,22 +58,60 @@ double SteadyPlunge::thrust_n() const {
          2 * pi * u * per_radian * per_radian * std::log(outer_mm / bore_mm);
 }
 
+double SteadyPlunge::ratio_mm() const {
+  return (outer_mm * outer_mm - bore_mm * bore_mm) /
+         (2 * kNormalRatio * (face_integral(*this, outer_mm) - face_integral(*this, bore_mm)));
+}
+
 PlungeLoads SteadyPlunge::full_loads() const {
+  const HalfFaceLoads half = full_half_face();
+  return {2 * half.torque_nmm, 2 * half.thrust_n};
+}
+
+HalfFaceLoads SteadyPlunge::half_face() const {
+  const double per_mm = specific_energy(density_g_cm3) * feed_mm_s / angular_speed(rpm);
+  const double squares = outer_mm * outer_mm - bore_mm * bore_mm;
+  const double flat = outer_mm - bore_mm, bent = face_integral(*this, outer_mm) - face_integral(*this, bore_mm);
+  HalfFaceLoads out;
+  out.torque_nmm = torque_nmm() / 2;
+  out.thrust_n = thrust_n() / 2;
+  out.along_e_n = radius_mm ? -kNormalRatio * per_mm * squares / *radius_mm : 0;
+  out.along_t_n = 2 * per_mm * flat;
+  out.about_e_nmm = radius_mm ? -2 * per_mm * *radius_mm * (flat - bent) : 0;
+  out.about_t_nmm = -kNormalRatio * per_mm * squares;
+  return out;
+}
+
+HalfFaceLoads SteadyPlunge::full_half_face() const {
   constexpr int kParts = 2000;  // of Simpson's rule; even
   const double u = specific_energy(density_g_cm3), omega = angular_speed(rpm);
-  PlungeLoads sum;
+  HalfFaceLoads sum;
   for (int i = 0; i <= kParts; ++i) {
     const double r = bore_mm + (outer_mm - bore_mm) * i / kParts;
-    const double slope = radius_mm ? std::sqrt(1 - r * r / (*radius_mm * *radius_mm)) : 1;  // −n_z of the face
+    // −n_z and n_r of the face, and its height.
+    const double slope = radius_mm ? std::sqrt(1 - r * r / (*radius_mm * *radius_mm)) : 1;
+    const double radial = radius_mm ? r / *radius_mm : 0, z = radius_mm ? *radius_mm * (1 - slope) : 0;
     const double speed = std::hypot(omega * r, feed_mm_s);
-    // F_t of a ring dr, then its parts along the spin and the axis. n·v̂ = v_f·slope/|v|.
-    const double tangential = u * feed_mm_s * 2 * pi * r / speed, into = feed_mm_s * slope / speed;
+    // F_t of a ring dr per radian, then its parts along the spin, outwards and along the axis. n·v̂ = v_f·slope/|v|.
+    const double per_radian = u * feed_mm_s * r / speed, into = feed_mm_s * slope / speed;
+    const double spin = per_radian * (omega * r / speed) * (1 - kNormalRatio * into);
+    const double outward = -kNormalRatio * per_radian * radial;
+    const double axial = per_radian * (feed_mm_s / speed + kNormalRatio * (slope - into * feed_mm_s / speed));
     const double weight = i == 0 || i == kParts ? 1 : i % 2 == 1 ? 4 : 2;
-    sum.torque_nmm += weight * r * tangential * (omega * r / speed) * (1 - kNormalRatio * into);
-    sum.thrust_n += weight * tangential * (feed_mm_s / speed + kNormalRatio * (slope - into * feed_mm_s / speed));
+    sum.torque_nmm += weight * pi * r * spin;
+    sum.thrust_n += weight * pi * axial;
+    // ∫cos φ dφ = 2 over the half; the same with sin is 0.
+    sum.along_e_n += weight * 2 * outward;
+    sum.along_t_n += weight * 2 * spin;
+    sum.about_e_nmm += weight * -2 * z * spin;
+    sum.about_t_nmm += weight * 2 * (z * outward - r * axial);
   }
   const double third = (outer_mm - bore_mm) / kParts / 3;
-  return {sum.torque_nmm * third, sum.thrust_n * third};
+  for (double* load :
+       {&sum.torque_nmm, &sum.thrust_n, &sum.along_e_n, &sum.along_t_n, &sum.about_e_nmm, &sum.about_t_nmm}) {
+    *load *= third;
+  }
+  return sum;
 }
 
 double SteadyPlunge::removal_mm3_s() const {

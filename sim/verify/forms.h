@@ -32,6 +32,17 @@ struct PlungeLoads {
   double thrust_n = 0;
 };
 
+/// Loads of a face of which one half is over bone: the half towards e, which lies across the axis. t lies a quarter
+/// turn further, counter-clockwise seen from the drive; spin turns clockwise (design §1).
+struct HalfFaceLoads {
+  double torque_nmm = 0;   ///< against the spin
+  double thrust_n = 0;     ///< out of the bone
+  double along_e_n = 0;    ///< of the normal parts: away from the bone, so negative
+  double along_t_n = 0;    ///< of the tangential parts
+  double about_e_nmm = 0;  ///< moment about the tool's origin
+  double about_t_nmm = 0;
+};
+
 /// A cannulated reamer fed along its axis in full contact in uniform bone (design §5).
 struct SteadyPlunge {
   std::optional<double> radius_mm = {};  ///< R of the spherical face; none: flat
@@ -48,6 +59,14 @@ struct SteadyPlunge {
   /// The law's integral over the face by quadrature, which these two approach for v_f ≪ ωr: the spin's work is less by
   /// that of the feed, thrust·v_f.
   [[nodiscard]] PlungeLoads full_loads() const;
+  /// Torque over thrust while v_f ≪ ωr, mm: (a² − r₀²)/(2·k_n·[C(a) − C(r₀)]). No density and no energy is in it.
+  [[nodiscard]] double ratio_mm() const;
+  /// Half of the face over bone: torque and thrust half of the above;
+  /// F·e = −k_n·u·(v_f/ω)·(a² − r₀²)/R (flat: 0), F·t = 2u·(v_f/ω)·(a − r₀);
+  /// M·e = −2u·(v_f/ω)·R·[(a − r₀) − (C(a) − C(r₀))] (flat: 0), M·t = −k_n·u·(v_f/ω)·(a² − r₀²).
+  [[nodiscard]] HalfFaceLoads half_face() const;
+  /// The law's integral over the half face by quadrature, which these approach for v_f ≪ ωr.
+  [[nodiscard]] HalfFaceLoads full_half_face() const;
   /// π·(a² − r₀²)·v_f, mm³/s.
   [[nodiscard]] double removal_mm3_s() const;
   /// Depth from which on the face is in contact out to a, mm.

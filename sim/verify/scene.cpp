@@ -10,8 +10,6 @@
 
 namespace reamsim::verify {
 
-namespace {}  // namespace
-
 Profile ball_profile(double radius_mm, double edge_mm) {
   Profile profile;
   const int steps = static_cast<int>(std::ceil(radius_mm * std::numbers::pi / edge_mm));
@@ -58,13 +56,17 @@ Tool make_tool(const Profile& profile, std::optional<double> shell_spacing_mm) {
   return tool;
 }
 
-Voxmap block(const Vec3& size_mm, double voxel_mm, const DensityField& field) {
+VoxelGrid block_grid(const Vec3& size_mm, double voxel_mm) {
   VoxelGrid grid;
   grid.voxel_mm = voxel_mm;
   for (int i = 0; i < 3; ++i) grid.dims[i] = 2 * static_cast<int>(std::ceil(size_mm[i] / (2 * voxel_mm) - 1e-9));
   const Vec3 extent_mm = voxel_mm * grid.dims.cast<double>();
   grid.origin_mm = {-extent_mm.x() / 2, -extent_mm.y() / 2, -extent_mm.z()};
-  return sample_phantom(grid, {}, field);
+  return grid;
+}
+
+Voxmap block(const Vec3& size_mm, double voxel_mm, const DensityField& field) {
+  return sample_phantom(block_grid(size_mm, voxel_mm), {}, field);
 }
 
 Voxmap block(const Vec3& size_mm, double voxel_mm, double density_g_cm3) {

@@ -22,6 +22,8 @@ Tool make_tool(const Profile& profile, std::optional<double> shell_spacing_mm = 
 
 // ---- bones -----------------------------------------------------------------------------------------------------
 
+/// The lattice of a block whose top face is z = 0, its middle at x = y = 0.
+VoxelGrid block_grid(const Vec3& size_mm, double voxel_mm);
 /// A block whose top face is z = 0, its middle at x = y = 0, of the density that `field` (g/cm³) has at the voxels'
 /// centres. Extents are rounded up to whole voxels, an even number of them in x and y.
 Voxmap block(const Vec3& size_mm, double voxel_mm, const DensityField& field);

@@ -21,16 +21,14 @@ CaseFindings timed(const Case& chosen, const Setting& setting) {
 
 const std::vector<Case>& cases() {
   static const std::vector<Case> all = {
-      {"half_space", half_space_case}, {"tilted_cap", tilted_cap_case},
-      {"cylinder", cylinder_case},     {"sweep", sweep_case},
-      {"layered", layered_case},       {"steady", steady_case},
-      {"ripple", ripple_case},         {"zero_feed", zero_feed_case},
-      {"retraction", retraction_case}, {"second_pass", second_pass_case},
-      {"mirrored", mirrored_case},     {"moved", moved_case},
-      {"rotated", rotated_case},       {"time_step", time_step_case},
-      {"voxel", voxel_case},           {"energy", energy_case},
-      {"ct_uniform", ct_uniform_case}, {"ct_ramp", ct_ramp_case},
-      {"ct_plate", ct_plate_case},     {"ct_force", ct_force_case},
+      {"half_space", half_space_case}, {"tilted_cap", tilted_cap_case}, {"cylinder", cylinder_case},
+      {"sweep", sweep_case},           {"layered", layered_case},       {"steady", steady_case},
+      {"ratio", ratio_case},           {"half_face", half_face_case},   {"ripple", ripple_case},
+      {"zero_feed", zero_feed_case},   {"retraction", retraction_case}, {"second_pass", second_pass_case},
+      {"mirrored", mirrored_case},     {"moved", moved_case},           {"rotated", rotated_case},
+      {"time_step", time_step_case},   {"voxel", voxel_case},           {"energy", energy_case},
+      {"ct_uniform", ct_uniform_case}, {"ct_ramp", ct_ramp_case},       {"ct_plate", ct_plate_case},
+      {"ct_force", ct_force_case},
   };
   return all;
 }

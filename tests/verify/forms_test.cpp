@@ -38,6 +38,59 @@ TEST(Forms, TheFullIntegralTendsToTheClosedForms) {
   EXPECT_NEAR(slow.full_loads().thrust_n / slow.thrust_n(), 1, 1e-6);
 }
 
+TEST(Forms, TorqueOverThrustHasNoDensityInIt) {
+  EXPECT_NEAR(kExample.ratio_mm(), 17.12, 0.005);
+  for (const double density : {0.3, 1.0, 1.8}) {
+    SteadyPlunge slow = kExample;
+    slow.density_g_cm3 = density;
+    slow.feed_mm_s = 1e-4;
+    const PlungeLoads loads = slow.full_loads();
+    EXPECT_NEAR(loads.torque_nmm / loads.thrust_n / kExample.ratio_mm(), 1, 1e-4) << density;
+  }
+}
+
+TEST(Forms, HalfAFaceByElements) {
+  // The law, element by element over the half with x > 0: F = −F_t·v̂ − k_n·F_t·n⊥ at its place.
+  constexpr int kRings = 400, kSectors = 400;
+  SteadyPlunge plunge = kExample;
+  plunge.feed_mm_s = 0.5;
+  const double omega = angular_speed(plunge.rpm), u = specific_energy(plunge.density_g_cm3);
+  Vec3 force = Vec3::Zero(), moment = Vec3::Zero();
+  for (int i = 0; i < kRings; ++i) {
+    const double dr = (15 - 1.25) / kRings, r = 1.25 + (i + 0.5) * dr;
+    for (int j = 0; j < kSectors; ++j) {
+      const double step = M_PI / kSectors, phi = -M_PI / 2 + (j + 0.5) * step;
+      const Vec3 place(r * std::cos(phi), r * std::sin(phi), 29 - std::sqrt(29 * 29 - r * r));
+      const Vec3 velocity = Vec3(0, 0, -omega).cross(place) + Vec3(0, 0, -plunge.feed_mm_s);
+      const Vec3 along = velocity.normalized(), normal = (place - Vec3(0, 0, 29)) / 29;
+      const double tangential = u * plunge.feed_mm_s * r * dr * step / velocity.norm();
+      const Vec3 part = -tangential * along - kNormalRatio * tangential * (normal - normal.dot(along) * along);
+      force += part;
+      moment += place.cross(part);
+    }
+  }
+  const HalfFaceLoads half = plunge.full_half_face();
+  EXPECT_NEAR(half.along_e_n / force.x(), 1, 1e-4);
+  EXPECT_NEAR(half.along_t_n / force.y(), 1, 1e-4);
+  EXPECT_NEAR(half.thrust_n / force.z(), 1, 1e-4);
+  EXPECT_NEAR(half.about_e_nmm / moment.x(), 1, 1e-4);
+  EXPECT_NEAR(half.about_t_nmm / moment.y(), 1, 1e-4);
+  EXPECT_NEAR(half.torque_nmm / moment.z(), 1, 1e-4) << "the bone turns the tool back, about +z";
+}
+
+TEST(Forms, TheHalfFacesIntegralTendsToItsClosedForms) {
+  SteadyPlunge slow = kExample;
+  slow.feed_mm_s = 1e-4;
+  const HalfFaceLoads half = slow.half_face(), full = slow.full_half_face();
+  EXPECT_NEAR(full.torque_nmm / half.torque_nmm, 1, 1e-4);
+  EXPECT_NEAR(full.thrust_n / half.thrust_n, 1, 1e-4);
+  EXPECT_NEAR(full.along_e_n / half.along_e_n, 1, 1e-4);
+  EXPECT_NEAR(full.along_t_n / half.along_t_n, 1, 1e-4);
+  EXPECT_NEAR(full.about_e_nmm / half.about_e_nmm, 1, 1e-4);
+  EXPECT_NEAR(full.about_t_nmm / half.about_t_nmm, 1, 1e-4);
+  EXPECT_NEAR(half.about_t_nmm, 29 * half.along_e_n, 1e-9) << "normals meet in the sphere's centre";
+}
+
 TEST(Forms, CapAndSegmentBySlices) {
   constexpr int kSlices = 100000;
   double cap = 0, segment = 0;

@@ -103,6 +103,24 @@ TEST(WrongConstant, NormalRatioTwoPerCentTooLarge) {
   const auto failed = failures("steady", fault);
   EXPECT_FALSE(failed.empty());
   EXPECT_TRUE(std::all_of(failed.begin(), failed.end(), [](const auto& what) { return what.starts_with("thrust"); }));
+  EXPECT_FALSE(failures("ratio", fault).empty());
+}
+
+TEST(WrongConstant, TorqueOverThrustSaysNothingOfTheSpecificEnergy) {
+  Fault fault;
+  fault.sums = [](SubstepSums& sums) { scale_loads(sums, 2); };
+  EXPECT_TRUE(failures("ratio", fault).empty());
+}
+
+TEST(WrongConstant, ALateralForceOnePerCentTooLarge) {
+  // In full contact it cancels, so that the steady plunge does not see it.
+  Fault fault;
+  fault.sums = [](SubstepSums& sums) {
+    scale(sums.force[0], 1.01);
+    scale(sums.force[1], 1.01);
+  };
+  EXPECT_TRUE(failures("steady", fault).empty());
+  EXPECT_FALSE(failures("half_face", fault).empty());
 }
 
 TEST(WrongConstant, SpeedFloorAtTwentyInsteadOfTen) {

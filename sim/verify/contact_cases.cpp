@@ -1,0 +1,167 @@
+// What does not depend on the bone's density, and what a face only half over bone feels.
+#include <cmath>
+#include <cstdio>
+#include <numbers>
+
+#include "sim/verify/case_parts.h"
+#include "sim/verify/plunge.h"
+
+namespace reamsim::verify {
+
+namespace {
+
+constexpr double kForceBar = 5e-3;  // of a steady plunge at 0.25 mm
+const char* const kBarReason = "the bar of the project";
+
+/// The example with one factor changed; a flat face with `radius_mm` 0.
+SteadyPlunge changed(double SteadyPlunge::*member, double value) {
+  SteadyPlunge out = kExample;
+  out.*member = value;
+  return out;
+}
+
+SteadyPlunge with_radius(std::optional<double> radius_mm) {
+  SteadyPlunge out = kExample;
+  out.radius_mm = radius_mm;
+  return out;
+}
+
+std::vector<SteadyPlunge> ratio_plunges(bool quick) {
+  std::vector<SteadyPlunge> out = {kExample, changed(&SteadyPlunge::density_g_cm3, 0.4),
+                                   changed(&SteadyPlunge::density_g_cm3, 1.0), with_radius(std::nullopt)};
+  if (quick) return out;
+  for (const double outer_mm : {8.0, 12.5}) out.push_back(changed(&SteadyPlunge::outer_mm, outer_mm));
+  for (const double rpm : {100.0, 500.0}) out.push_back(changed(&SteadyPlunge::rpm, rpm));
+  for (const double feed_mm_s : {0.05, 0.5}) out.push_back(changed(&SteadyPlunge::feed_mm_s, feed_mm_s));
+  for (const double radius_mm : {20.0, 40.0}) out.push_back(with_radius(radius_mm));
+  return out;
+}
+
+std::string with_density(const SteadyPlunge& plunge) {
+  char text[32];
+  std::snprintf(text, sizeof text, ", %g g/cm³", plunge.density_g_cm3);
+  return text_of(plunge) + text;
+}
+
+double measured_ratio_mm(const PlungeRun& run, const Setting& setting) {
+  const MeanLoads mean = mean_loads(steady_rows(run, setting));
+  return mean.spin_torque_nmm / mean.axial_force_n;
+}
+
+/// e and t of a half face (HalfFaceLoads) in B, for a tool that stands upright.
+struct HalfAxes {
+  Vec3 e;
+  Vec3 t;
+};
+HalfAxes half_axes(double toward_deg) {
+  const double angle = toward_deg * std::numbers::pi / 180;
+  return {{std::cos(angle), std::sin(angle), 0}, {-std::sin(angle), std::cos(angle), 0}};
+}
+
+HalfFaceLoads measured_half(const PlungeRun& run, const Setting& setting) {
+  const HalfAxes axes = half_axes(*run.half_toward_deg);
+  const MeanLoads mean = mean_loads(steady_rows(run, setting));
+  return {mean.spin_torque_nmm,     mean.axial_force_n,          mean.force_n.dot(axes.e),
+          mean.force_n.dot(axes.t), mean.torque_nmm.dot(axes.e), mean.torque_nmm.dot(axes.t)};
+}
+
+/// A load of the half face, its name and its unit.
+struct HalfLoad {
+  const char* name;
+  const char* unit;
+  double HalfFaceLoads::*member;
+};
+constexpr HalfLoad kHalfLoads[] = {
+    {"torque", "N·mm", &HalfFaceLoads::torque_nmm}, {"thrust", "N", &HalfFaceLoads::thrust_n},
+    {"F·e", "N", &HalfFaceLoads::along_e_n},        {"F·t", "N", &HalfFaceLoads::along_t_n},
+    {"M·e", "N·mm", &HalfFaceLoads::about_e_nmm},   {"M·t", "N·mm", &HalfFaceLoads::about_t_nmm}};
+
+/// The loads of one half face against the closed forms.
+std::vector<Check> half_checks(const PlungeRun& run, const Setting& setting) {
+  char text[64];
+  std::snprintf(text, sizeof text, ", e at %g°", *run.half_toward_deg);
+  const std::string where = text_of(run.plunge) + text;
+  setting.progress("half face, " + where);
+  const HalfFaceLoads expected = run.plunge.half_face(), found = measured_half(run, setting);
+  std::vector<Check> out;
+  for (const HalfLoad& load : kHalfLoads) {
+    const double form = expected.*load.member;
+    const std::string quantity = std::string(load.name) + ", " + where;
+    if (form != 0) {
+      out.push_back(relative_check(quantity, load.unit, form, found.*load.member, kForceBar, kBarReason));
+    } else {
+      // A flat face has no such load: a fraction of the load across it.
+      const bool force = load.member == &HalfFaceLoads::along_e_n;
+      const double scale = force ? expected.along_t_n : expected.about_t_nmm;
+      out.push_back(
+          {quantity, load.unit, Measure::absolute, 0, found.*load.member, kForceBar * std::abs(scale), kBarReason});
+    }
+  }
+  return out;
+}
+
+/// The lateral force as ladders over the voxel size, against the law's integral.
+std::vector<Ladder> half_ladders(const Setting& setting) {
+  std::vector<Ladder> ladders;
+  const HalfFaceLoads expected = kExample.full_half_face();
+  for (const HalfLoad& load : kHalfLoads) {
+    ladders.push_back({load.name, load.unit, "voxel, mm", expected.*load.member, {}, {}, {}});
+  }
+  for (const double voxel_mm : four_voxels(setting.quick ? 0.25 : 0.125)) {
+    const HalfFaceLoads found =
+        measured_half({.plunge = kExample, .voxel_mm = voxel_mm, .half_toward_deg = 25}, setting);
+    for (std::size_t i = 0; i < ladders.size(); ++i) {
+      const double form = *ladders[i].expected;
+      ladders[i].levels.push_back(level_of(voxel_mm, {{form, found.*kHalfLoads[i].member}}, form));
+    }
+  }
+  for (Ladder& ladder : ladders) finish(ladder);
+  return ladders;
+}
+
+}  // namespace
+
+CaseFindings ratio_case(const Setting& setting) {
+  CaseFindings out;
+  out.title = "Torque over thrust does not depend on the bone";
+  out.scene = "the reamers of the steady plunge in full contact, in bone of several densities; 0.25 mm voxels";
+  out.form = "T/F_z = (a² − r₀²)/(2·k_n·[C(a) − C(r₀)] + 2·(v_f/ω)·ln(a/r₀)); without its last term while v_f ≪ ω·r₀";
+  for (const SteadyPlunge& plunge : ratio_plunges(setting.quick)) {
+    setting.progress("ratio, " + with_density(plunge));
+    const double found = measured_ratio_mm({.plunge = plunge}, setting);
+    out.checks.push_back(relative_check("T/F_z, " + with_density(plunge), "mm", plunge.torque_nmm() / plunge.thrust_n(),
+                                        found, kForceBar, kBarReason));
+    out.checks.push_back({"T/F_z of the slow feed's limit, " + with_density(plunge), "mm", Measure::reported,
+                          plunge.ratio_mm(), found, 0, "beside it"});
+  }
+  const double tilted = measured_ratio_mm({.plunge = kExample, .tilt_deg = 17}, setting);
+  out.checks.push_back(relative_check("T/F_z, axis tilted by 17°", "mm", kExample.torque_nmm() / kExample.thrust_n(),
+                                      tilted, kForceBar, kBarReason));
+  return out;
+}
+
+CaseFindings half_face_case(const Setting& setting) {
+  CaseFindings out;
+  out.title = "Half of the face over bone";
+  out.scene =
+      "the steady plunge beside a wall: bone only on the side of a plane through the axis to which e points, t a "
+      "quarter turn further; the plane lies askew to the lattice; ladders: e at 25°";
+  out.form =
+      "torque and thrust half of full contact; F·t = 2u·(v_f/ω)·(a − r₀); F·e = −k_n·u·(v_f/ω)·(a² − r₀²)/R; "
+      "M·t = R·F·e; M·e = −2u·(v_f/ω)·R·[(a − r₀) − (C(a) − C(r₀))]";
+  out.ladders = half_ladders(setting);
+  std::vector<PlungeRun> runs = {{.plunge = kExample, .half_toward_deg = 0},
+                                 {.plunge = kExample, .half_toward_deg = 25},
+                                 {.plunge = with_radius(std::nullopt), .half_toward_deg = 25}};
+  if (!setting.quick) {
+    runs.push_back({.plunge = kExample, .half_toward_deg = 137});
+    runs.push_back({.plunge = changed(&SteadyPlunge::bore_mm, 4), .half_toward_deg = 25});
+    runs.push_back({.plunge = with_radius(20), .half_toward_deg = 25});
+  }
+  for (const PlungeRun& run : runs) {
+    for (Check& check : half_checks(run, setting)) out.checks.push_back(std::move(check));
+  }
+  return out;
+}
+
+}  // namespace reamsim::verify

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "sim/verify/forms.h"
+#include "sim/verify/reaming.h"
+
+namespace reamsim::verify {
+
+/// The design's example (design §5).
+inline constexpr SteadyPlunge kExample{29, 15, 1.25, 250, 0.2, 1.8};
+
+/// The head of the plunge's reamer.
+Profile head_of(const SteadyPlunge& plunge);
+/// "R 29, a 15 mm, 250 rpm, 0.2 mm/s".
+std::string text_of(const SteadyPlunge& plunge);
+
+/// A steady plunge and how it is sampled.
+struct PlungeRun {
+  SteadyPlunge plunge = {};
+  double voxel_mm = 0.25;
+  int frames = 32;  ///< over one voxel of feed
+  std::string erosion = "exact";
+  double tilt_deg = 0;  ///< of the axis against the lattice
+  /// Bone only on one side of a plane through the axis: where (cos, sin) of this angle in the tool's x and y points.
+  /// None: bone under the whole face.
+  std::optional<double> half_toward_deg = {};
+};
+
+/// Rows over one voxel of feed, the face in contact out to its rim.
+std::vector<FrameResult> steady_rows(const PlungeRun& run, const Setting& setting);
+
+}  // namespace reamsim::verify
