@@ -45,7 +45,7 @@ class GlenoidDensity {
     const double cortical_share =
         1 - implicit::smoothstep(wall_mm - kTransition_mm / 2, wall_mm + kTransition_mm / 2, depth_mm);
     const double soft = trabecular(point, below_face_mm, depth_mm - wall_mm);
-    return soft + cortical_share * (settings_.cortical_density_g_cm3 - soft);
+    return soft + cortical_share * (dense(below_face_mm) - soft);
   }
 
   /// Part of the voxel about a point that is bone, and the density of that bone: at the point itself, or at the surface
@@ -74,7 +74,7 @@ class GlenoidDensity {
       point.x() = std::max(point.x(), shape_.medial_end_mm());
       solid = shape_.solid(point);
     }
-    return solid > 0 ? settings_.cortical_density_g_cm3 : at(point);
+    return solid > 0 ? dense(shape_.face().below_mm(point)) : at(point);
   }
 
   [[nodiscard]] Vec3 slope_at(const Vec3& point, double solid) const {
@@ -92,10 +92,20 @@ class GlenoidDensity {
     return -solid / std::max(slope_at(point, solid).norm(), 0.5);
   }
 
+  /// 1 in the plate and the rim round it, 0 in the vault's wall.
+  [[nodiscard]] double plate_fraction(double below_face_mm) const {
+    return 1 - implicit::smoothstep(settings_.subchondral_mm + 1.0, settings_.subchondral_mm + 3.0, below_face_mm);
+  }
+
+  /// Density of plate and wall.
+  [[nodiscard]] double dense(double below_face_mm) const {
+    const double wall = settings_.cortical_density_g_cm3;
+    return wall + plate_fraction(below_face_mm) * (settings_.subchondral_density_g_cm3 - wall);
+  }
+
   [[nodiscard]] double wall_thickness(const Vec3& point, double below_face_mm) const {
-    const double face =
-        1 - implicit::smoothstep(settings_.subchondral_mm + 1.0, settings_.subchondral_mm + 3.0, below_face_mm);
-    const double mean_mm = settings_.shell_mm + face * (settings_.subchondral_mm - settings_.shell_mm);
+    const double mean_mm =
+        settings_.shell_mm + plate_fraction(below_face_mm) * (settings_.subchondral_mm - settings_.shell_mm);
     return mean_mm * (1 + kWallVariation * value_noise(point / kWallPatch_mm, seed_));
   }
 

@@ -137,6 +137,11 @@ void describe_glenoid_phantom(KeyVisitor& v, PhantomSettings& phantom) {
   v.defaults([&phantom] { take_walch_defaults(phantom); });
   describe_glenoid_size(v, phantom);
   describe_wear(v, phantom);
+  v.number({.name = "subchondral_density_g_cm3",
+            .doc = "Of the plate under the face; the default is that of one scanned shoulder",
+            .range = kDensity,
+            .when = glenoid},
+           phantom.subchondral_density_g_cm3);
   v.number({.name = "subchondral_mm",
             .doc = "Thickness of the plate under the face",
             .range = between(0.2, 10),
@@ -183,12 +188,12 @@ void describe_phantom(KeyVisitor& v, PhantomSettings& phantom) {
             .when = {"shape", {"layered"}}},
            phantom.cortical_mm);
   v.number({.name = "cortical_density_g_cm3",
-            .doc = "Of the dense layer, plate and wall",
+            .doc = "Of the dense layer; of a glenoid's cortical wall",
             .range = kDensity,
             .when = {"shape", {"layered", "glenoid"}}},
            phantom.cortical_density_g_cm3);
   v.number({.name = "trabecular_density_g_cm3",
-            .doc = "Of the inside",
+            .doc = "Of the inside; in a glenoid twice as much under the plate and 0.7 times as much deep in the vault",
             .range = kDensity,
             .when = {"shape", {"layered", "glenoid"}}},
            phantom.trabecular_density_g_cm3);

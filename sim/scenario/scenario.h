@@ -45,7 +45,8 @@ struct PhantomSettings {
   double cortical_mm = 2;         ///< layered: thickness of the top layer
   double cortical_density_g_cm3 = 1.8;
   double trabecular_density_g_cm3 = 0.4;
-  // glenoid
+  // glenoid; docs/physics.md says where its densities come from
+  double subchondral_density_g_cm3 = 1.1;
   double height_mm = 35;        ///< superior–inferior
   double width_mm = 26;         ///< anterior–posterior, of the lower, wider part
   double face_radius_mm = 32;   ///< radius of curvature of the concave face

@@ -46,9 +46,11 @@ bool well_inside_face(double anterior, double superior) {
   return std::hypot(anterior / 9, (superior + 2) / 12.5) < 1;
 }
 
-/// Length of dense bone (more than halfway from trabecular to cortical) that a ray meets first.
+/// Length of dense bone that a ray meets first: from the metrics' default threshold on, which lies between the plate
+/// and what is under it.
 Stretch plate(const Voxmap& voxmap, const Vec3& from, const Vec3& along) {
-  return first_run(from, along, 45, [&](const Vec3& p) { return density_at(voxmap, p) > 1.25; });
+  return first_run(from, along, 45,
+                   [&](const Vec3& p) { return density_at(voxmap, p) > MetricSettings{}.dense_g_cm3; });
 }
 
 TEST(GlenoidPhantom, FaceIsASphereOfTheGivenRadius) {
@@ -98,6 +100,24 @@ TEST(GlenoidPhantom, SubchondralPlateIsAsThickAsInLife) {
     }
   }
   EXPECT_NEAR(sum / count, 2.0, 0.15);
+}
+
+TEST(GlenoidPhantom, PlateAndWallHaveDensitiesOfTheirOwn) {
+  const Voxmap& voxmap = standard().voxmap;
+  const Vec3 center(32, 0, 0);
+  for (const double a : {-6.0, 0.0, 6.0}) {
+    for (const double s : {-8.0, 0.0, 6.0}) {
+      const Vec3 along = (Vec3(0, a, s) - center).normalized();
+      EXPECT_NEAR(density_at(voxmap, center + 33 * along), 1.1, 0.005) << a << ", " << s;
+    }
+  }
+  for (const double depth : {8.0, 12.0, 16.0}) {
+    const Stretch wall = plate(voxmap, {-depth, 14, -4}, {0, -1, 0});
+    EXPECT_NEAR(density_at(voxmap, {-depth, 14 - wall.begin_mm - 0.6, -4}), 1.8, 0.01) << depth;
+  }
+  BoneSettings settings = phantom("glenoid", 0.5);
+  settings.phantom.subchondral_density_g_cm3 = 0.8;
+  EXPECT_NEAR(density_at(make(settings).voxmap, {-1, 0, 0}), 0.8, 0.005);
 }
 
 TEST(GlenoidPhantom, CorticalWallOfTheVault) {

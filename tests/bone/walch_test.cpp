@@ -236,14 +236,14 @@ TEST(Walch, VersionOfEachPartOfABiconcaveFace) {
   EXPECT_LT(version_deg(bone, "left", whole), neo_version);
 }
 
-/// Length of dense bone (more than halfway from trabecular to cortical) along the face's normal.
+/// Length of dense bone along the face's normal, from the metrics' default threshold on.
 double plate_mm(const Voxmap& voxmap, const Vec3& from, const Vec3& inward) {
   constexpr double kStep_mm = 0.02;
   double out = 0;
   // Half a voxel in, where the voxel of `from` is bone whatever the rounding.
   const auto dense = [&](double at_mm) {
     const int grade = grade_at(voxmap, from + at_mm * inward);
-    return DensityMapping::density_from_grade(static_cast<std::uint8_t>(grade)) > 1.25;
+    return DensityMapping::density_from_grade(static_cast<std::uint8_t>(grade)) > MetricSettings{}.dense_g_cm3;
   };
   while (out < kVoxel_mm || dense(out)) out += kStep_mm;
   return out;
