@@ -111,8 +111,9 @@ class GlenoidDensity {
 
   [[nodiscard]] double trabecular(const Vec3& point, double below_face_mm, double below_wall_mm) const {
     const double below_plate_mm = std::max(below_face_mm - settings_.subchondral_mm, 0.0);
-    const double gradient =
-        0.7 + 1.0 * std::exp(-below_plate_mm / kPlateReach_mm) + 0.3 * std::exp(-std::max(below_wall_mm, 0.0) / 1.5);
+    const double denser =
+        std::exp(-below_plate_mm / kPlateReach_mm) + 0.3 * std::exp(-std::max(below_wall_mm, 0.0) / 1.5) - 0.3;
+    const double gradient = 1 + settings_.trabecular_gradient * denser;
     const Vec3 cell = Vec3(point.x() / kTextureStretch, point.y(), point.z()) / kTexture_mm;
     const double texture = 0.65 * value_noise(cell, seed_ + 1) + 0.35 * value_noise(2.1 * cell, seed_ + 2);
     // Value noise seldom comes near ±1; the factor makes `texture` about twice the relative standard deviation.

@@ -150,6 +150,12 @@ void describe_glenoid_phantom(KeyVisitor& v, PhantomSettings& phantom) {
   v.number(
       {.name = "shell_mm", .doc = "Thickness of the vault's cortical wall", .range = between(0.2, 10), .when = glenoid},
       phantom.shell_mm);
+  v.number({.name = "trabecular_gradient",
+            .doc = "1: trabecular bone is twice as dense as trabecular_density_g_cm3 under the plate and 0.7 times as "
+                   "dense deep in the vault; 0: one density throughout",
+            .range = between(0, 1),
+            .when = glenoid},
+           phantom.trabecular_gradient);
   v.number({.name = "texture",
             .doc = "Relative amplitude of the trabecular texture",
             .range = between(0, 1),
@@ -193,7 +199,7 @@ void describe_phantom(KeyVisitor& v, PhantomSettings& phantom) {
             .when = {"shape", {"layered", "glenoid"}}},
            phantom.cortical_density_g_cm3);
   v.number({.name = "trabecular_density_g_cm3",
-            .doc = "Of the inside; in a glenoid twice as much under the plate and 0.7 times as much deep in the vault",
+            .doc = "Of the inside; in a glenoid as trabecular_gradient says",
             .range = kDensity,
             .when = {"shape", {"layered", "glenoid"}}},
            phantom.trabecular_density_g_cm3);

@@ -61,14 +61,16 @@ void describe_specific_energies(KeyVisitor& v, CuttingSettings& cutting) {
                  "straight lines between them, constant beyond the ends"},
          cutting.specific_energy_table, describe_specific_energy);
   v.text({.name = "preset",
-          .doc = "specific_energy_j_mm3, reference_density_g_cm3 and density_exponent from the low end, the middle or "
-                 "the high end of the literature; any of them that is given itself wins",
+          .doc = "specific_energy_j_mm3, reference_density_g_cm3 and density_exponent at the low end, the middle or "
+                 "the high end of the ranges that this project assumes; they do not bound the result. Any of the "
+                 "three that is given itself wins",
           .choices = {"literature-low", "literature-mid", "literature-high"},
           .unless = kTable},
          cutting.preset);
   v.number(
       {.name = "specific_energy_j_mm3",
-       .doc = "Energy to cut 1 mm³ of bone of the reference density (u0). Uncalibrated; literature spans 0.05 to 0.30",
+       .doc = "Energy to cut 1 mm³ of bone of the reference density (u0). Uncalibrated; 0.05 to 0.30 is assumed, thin "
+              "chips take more",
        .range = above(0, 10),
        .unless = kTable},
       cutting.specific_energy_j_mm3);
@@ -78,7 +80,7 @@ void describe_specific_energies(KeyVisitor& v, CuttingSettings& cutting) {
             .unless = kTable},
            cutting.reference_density_g_cm3);
   v.number({.name = "density_exponent",
-            .doc = "p in u = u0·(density/reference density)^p; literature spans 1 to 2.5",
+            .doc = "p in u = u0·(density/reference density)^p; 1 to 2.5 is assumed",
             .range = between(0, 5),
             .unless = kTable},
            cutting.density_exponent);

@@ -8,8 +8,9 @@ namespace reamsim {
 
 namespace {
 
-/// The specific energy u0·(density/1.8)^p at the ends and in the middle of what the literature spans. A high exponent
-/// makes soft bone cheap to cut, so the least energy goes with the highest exponent.
+/// The specific energy u0·(density/1.8)^p at the ends and in the middle of the ranges that the project assumes
+/// (docs/physics.md, section 4; no bounds of a result). A high exponent makes soft bone cheap to cut, so the least
+/// energy goes with the highest exponent.
 struct Preset {
   std::string_view name;
   double specific_energy_j_mm3;

@@ -47,15 +47,16 @@ struct PhantomSettings {
   double trabecular_density_g_cm3 = 0.4;
   // glenoid; docs/physics.md says where its densities come from
   double subchondral_density_g_cm3 = 1.1;
-  double height_mm = 35;        ///< superior–inferior
-  double width_mm = 26;         ///< anterior–posterior, of the lower, wider part
-  double face_radius_mm = 32;   ///< radius of curvature of the concave face
-  double vault_depth_mm = 28;   ///< from face to neck
-  double subchondral_mm = 2.0;  ///< plate under the face, 1.2–2.9
-  double shell_mm = 1.4;        ///< cortical wall of the vault
-  double version_deg = 0;       ///< retroversion positive
-  double inclination_deg = 0;   ///< superior tilt positive
-  double texture = 0.25;        ///< relative amplitude of the trabecular texture
+  double height_mm = 35;           ///< superior–inferior
+  double width_mm = 26;            ///< anterior–posterior, of the lower, wider part
+  double face_radius_mm = 32;      ///< radius of curvature of the concave face
+  double vault_depth_mm = 28;      ///< from face to neck
+  double subchondral_mm = 2.0;     ///< plate under the face, 1.2–2.9
+  double shell_mm = 1.4;           ///< cortical wall of the vault
+  double version_deg = 0;          ///< retroversion positive
+  double inclination_deg = 0;      ///< superior tilt positive
+  double trabecular_gradient = 1;  ///< how much denser trabecular bone is under the plate than deep; 0: even
+  double texture = 0.25;           ///< relative amplitude of the trabecular texture
   int seed = 1;
   // glenoid, worn or dysplastic: which key belongs to which type, docs/physics.md
   std::string walch = "none";      ///< none | A1 | A2 | B2 | C; gives some keys other defaults (take_walch_defaults)

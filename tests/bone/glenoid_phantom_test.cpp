@@ -120,6 +120,21 @@ TEST(GlenoidPhantom, PlateAndWallHaveDensitiesOfTheirOwn) {
   EXPECT_NEAR(density_at(make(settings).voxmap, {-1, 0, 0}), 0.8, 0.005);
 }
 
+TEST(GlenoidPhantom, UniformFoamHasOneDensity) {
+  for (const std::string surface : {"whole", "partial"}) {
+    BoneSettings settings = phantom("glenoid", 0.8);
+    settings.surface_voxels = surface;
+    settings.phantom.cortical_density_g_cm3 = 0.32;
+    settings.phantom.subchondral_density_g_cm3 = 0.32;
+    settings.phantom.trabecular_density_g_cm3 = 0.32;
+    settings.phantom.trabecular_gradient = 0;
+    settings.phantom.texture = 0;
+    const Voxmap foam = make(settings).voxmap;
+    EXPECT_GT(foam.count_bone(), 10000);
+    EXPECT_EQ(count_grade(foam, 40), foam.count_bone()) << surface;
+  }
+}
+
 TEST(GlenoidPhantom, CorticalWallOfTheVault) {
   for (const double depth : {8.0, 12.0, 16.0, 20.0}) {
     for (const double side : {-1.0, 1.0}) {
