@@ -27,18 +27,10 @@ struct CompareOptions {
 };
 
 /// What the terminal shows; compare.csv has every number.
-constexpr std::array kShown{"removed_mm3",
-                            "max_depth_mm",
-                            "energy_mj",
-                            "forces.peak_force_n",
-                            "forces.rms_force_n",
-                            "forces.peak_layer_axial_force_n",
-                            "forces.peak_torque_nmm",
-                            "forces.rms_torque_nmm",
-                            "forces.peak_layer_spin_torque_nmm",
-                            "bone.voxel_mm",
-                            "bone.bone_after_mm3",
-                            "simulated_s"};
+constexpr std::array kShown{
+    "removed_mm3",         "headline.depth_mm",  "headline.peak_axial_force_n", "headline.peak_spin_torque_nmm",
+    "energy_mj",           "forces.rms_force_n", "forces.rms_torque_nmm",       "bone.voxel_mm",
+    "bone.bone_after_mm3", "simulated_s"};
 
 /// Throws InputError unless each of two or more folders is a run's, and none is named twice.
 void check_folders(const std::vector<std::string>& dirs) {

@@ -65,17 +65,13 @@ Outputs outputs_of(const Scenario& scenario, double mean_mm, Drawing* drawing) {
           .photographer = drawing != nullptr ? drawing->photographer.get() : nullptr};
 }
 
-/// `mean_mm`: the travel over which pictures and plots show means; the sentence shows the same forces as they do.
+/// Closes the run with the same figures, in the same words, as its pictures, plots, summary and report.
 void say_summary(const Console& console, const RunTotals& totals, const RunFacts& facts, double mean_mm) {
-  const bool means = mean_mm > 0;
+  const Headline run = totals.headline(mean_mm > 0);
   char text[256];
-  std::snprintf(text, sizeof text,
-                "removed %.1f mm3, tool %.2f mm deep; peak axial force %.1f N and spin torque %.0f N mm%s; "
-                "energy balance %.1e",
-                totals.removed_mm3, totals.max_depth_mm,
-                means ? totals.peak_layer_axial_force_n : totals.peak_axial_force_n,
-                means ? totals.peak_layer_spin_torque_nmm : totals.peak_spin_torque_nmm,
-                means ? " over a layer of voxels" : "", totals.balance);
+  std::snprintf(text, sizeof text, "removed %.1f mm3; %s %s mm; %s %s N, %s %s N mm; energy balance %.1e",
+                totals.removed_mm3, Headline::kDepthName, run.depth_text().c_str(), run.force_name().c_str(),
+                run.force_text().c_str(), run.torque_name().c_str(), run.torque_text().c_str(), totals.balance);
   console.say(text);
   std::snprintf(text, sizeof text, "%.1f s simulated in %.1f s on %s", totals.simulated_s, facts.simulate_s,
                 facts.device.c_str());

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "render/fixed_text.h"
+#include "sim/base/fixed_text.h"
 
 namespace reamsim {
 namespace {
@@ -26,7 +26,7 @@ Captions::Values Captions::at(const ForceRow& row) const {
   return {{"time", fixed_text(row.time_s, 3) + " s"},
           {"tool depth", depth_text(row.depth_mm)},
           {mean_ + "axial force", fixed_text(row.layer_axial_force_n, 1) + " N"},
-          {mean_ + "torque", fixed_text(row.layer_spin_torque_nmm, 0) + " N·mm"},
+          {mean_ + "spin torque", fixed_text(row.layer_spin_torque_nmm, 0) + " N·mm"},
           {"removed", fixed_text(row.removed_mm3, 1) + " mm³"}};
 }
 
@@ -41,16 +41,20 @@ std::string Captions::widest() const {
 }
 
 Captions::Values Captions::after(double deepest_mm) const {
-  return {{"reamed depth", fixed_text(deepest_mm, 2) + " mm"},
+  const Headline run = headline();
+  return {{Headline::kDepthName, run.depth_text() + " mm"},
+          {run.force_name(), run.force_text() + " N"},
+          {run.torque_name(), run.torque_text() + " N·mm"},
           {"removed", fixed_text(log_.rows.back().removed_mm3, 1) + " mm³"},
-          {"peak " + mean_ + "force", fixed_text(most_.layer_axial_force_n, 1) + " N"},
-          {"peak " + mean_ + "torque", fixed_text(most_.layer_spin_torque_nmm, 0) + " N·mm"}};
+          {"greatest reamed depth", fixed_text(deepest_mm, 2) + " mm"}};
 }
 
 std::optional<ForceArrow> Captions::arrow(const ForceRow& row) const {
   const double force_n = row.layer_force_n.norm();
   if (!arrows_ || force_n == 0 || force_n < kLeastArrow * most_force_n_) return std::nullopt;
-  return ForceArrow{row.pose.position_mm, row.layer_force_n / most_force_n_, fixed_text(force_n, 1) + " N"};
+  // The whole force, or where it is a mean its axial part.
+  const std::string name = mean_.empty() ? "resultant " : mean_ + "axial force ";
+  return ForceArrow{row.pose.position_mm, row.layer_force_n / most_force_n_, name + fixed_text(force_n, 1) + " N"};
 }
 
 }  // namespace reamsim

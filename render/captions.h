@@ -31,6 +31,8 @@ class Captions {
 
   /// With the means filled in.
   [[nodiscard]] const ForceLog& log() const { return log_; }
+  /// What the final pictures and the plots say of the whole run.
+  [[nodiscard]] Headline headline() const { return headline_of(log_, !mean_.empty()); }
   /// Stands before the names of forces that are means.
   [[nodiscard]] const std::string& mean() const { return mean_; }
 

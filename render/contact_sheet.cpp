@@ -3,8 +3,8 @@
 #include <algorithm>
 
 #include "render/canvas.h"
-#include "render/fixed_text.h"
 #include "render/picture_frames.h"
+#include "sim/base/fixed_text.h"
 
 namespace reamsim {
 namespace {
@@ -95,7 +95,7 @@ PixelImage ContactSheet::finish() {
   page.width_px = page_.width_px;
   page.height_px = page_.height_px;
   Labels labels = view_.labels(camera_, std::nullopt);
-  labels.title = "Time and depth of the reamer";
+  labels.title = "Time and tool depth";
   labels.scale_share = 0.5 * camera_.width_px / page_.width_px;
   draw_labels(page_, page, labels);
   return std::move(page_);

@@ -3,10 +3,10 @@
 #include <filesystem>
 
 #include "render/depth_field.h"
-#include "render/fixed_text.h"
 #include "render/overlay.h"
 #include "render/render.h"
 #include "render/results.h"
+#include "sim/base/fixed_text.h"
 #include "sim/base/parallel.h"
 
 namespace reamsim {
@@ -132,7 +132,7 @@ class DepthPainter {
 Labels map_labels(const DepthField& field, const Anatomy& anatomy, const Scale& scale) {
   Labels labels;
   labels.title = anatomy.glenoid ? "Depth along the glenoid's axis" : "Depth along the reamer's axis";
-  labels.values = {{"deepest", fixed_text(field.deepest_mm(), 2) + " mm"},
+  labels.values = {{"deepest along axis", fixed_text(field.deepest_mm(), 2) + " mm"},
                    {"mean", fixed_text(field.mean_mm(), 2) + " mm"},
                    {"reamed area", fixed_text(field.area_mm2(), 0) + " mm²"}};
   if (field.through_mm2() > 0) {

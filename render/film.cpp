@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "render/fixed_text.h"
+#include "sim/base/fixed_text.h"
 
 namespace reamsim {
 namespace {

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "sim/motion/motion.h"
+#include "sim/record/headline.h"
 
 namespace reamsim {
 
@@ -35,6 +36,9 @@ struct ForceLog {
 /// Reads the columns that pictures need, wherever they stand. Throws InputError with file, line and column: no such
 /// file, a column missing, not a number, frames not ascending, no row.
 ForceLog read_force_log(const std::string& path);
+
+/// What stands first of a run, by its log with the means filled in. `means`: they are over a voxel of travel.
+Headline headline_of(const ForceLog& log, bool means);
 
 /// Fills in the means over the last `travel_mm` of the tool's travel (sim/record/layer_mean.h); 0: each frame's own.
 void add_layer_means(ForceLog& log, double travel_mm);

@@ -5,8 +5,8 @@
 #include <limits>
 
 #include "render/canvas.h"
-#include "render/fixed_text.h"
 #include "render/scale.h"
+#include "sim/base/fixed_text.h"
 
 namespace reamsim {
 namespace {
@@ -38,7 +38,7 @@ ForcePanel::ForcePanel(const ForceLog& log, const std::string& mean, int width_p
       background_(plain_image(width_px, height_px, kSheet_rgb)) {
   // Blue and vermilion of Okabe and Ito (2008), as in the plots: apart for any colour vision.
   curves_.push_back({mean + "axial force", "N", &ForceRow::layer_axial_force_n, 1, 0x0072b2, {}});
-  curves_.push_back({mean + "torque", "N·mm", &ForceRow::layer_spin_torque_nmm, 0, 0xd55e00, {}});
+  curves_.push_back({mean + "spin torque", "N·mm", &ForceRow::layer_spin_torque_nmm, 0, 0xd55e00, {}});
   const double height = (height_px - (kTop + kBetween + kBottom) * unit) / 2;
   double y = kTop * unit;
   for (Curve& curve : curves_) {

@@ -31,6 +31,7 @@ do for [format in "png svg pdf"] {
   unset xlabel
 
   set ylabel "Axial force (N)" offset -0.4
+  set label 1 headline_force at graph 0.99, graph 0.94 right front
   top = clip(F_max, A_max)
   set yrange [low(min(F_min, 0), top):high(min(F_min, 0), top)]
   if (travel_mm > 0) {
@@ -42,6 +43,7 @@ do for [format in "png svg pdf"] {
   }
 
   set ylabel "Spin torque (N·mm)"
+  set label 1 headline_torque
   top = clip(M_max, B_max)
   set yrange [low(min(M_min, 0), top):high(min(M_min, 0), top)]
   if (travel_mm > 0) {
@@ -52,6 +54,7 @@ do for [format in "png svg pdf"] {
     plot csv using "time_s":"spin_torque_nmm" every step with lines lw 1.2 lc rgb dark_red notitle
   }
 
+  unset label 1
   set ylabel "Removed volume (mm³)"
   set yrange [low(0, V_sum):high(0, V_sum)]
   removed = 0.0
@@ -63,7 +66,9 @@ do for [format in "png svg pdf"] {
   # Drawn back, the tool is far above the bone; that part of the curve leaves the panel.
   bottom = D_max > 0 ? max(min(D_min, 0), -0.25 * D_max) : min(D_min, 0)
   set yrange [low(bottom, D_max):high(bottom, D_max)]
+  set label 1 headline_depth at graph 0.99, graph 0.94 right front
   plot csv using "time_s":"depth_mm" with lines lw 1.5 lc rgb purple notitle
+  unset label 1
   unset multiplot
   unset output
 }

@@ -28,6 +28,7 @@ do for [format in "png svg pdf"] {
   unset xlabel
 
   set ylabel "Axial force (N)" offset -0.4
+  set label 1 headline_force at graph 0.99, graph 0.94 right front
   top = clip(F_max, A_max)
   set yrange [low(min(F_min, 0), top):high(min(F_min, 0), top)]
   if (travel_mm > 0) {
@@ -39,6 +40,7 @@ do for [format in "png svg pdf"] {
   }
 
   set ylabel "Spin torque (N·mm)"
+  set label 1 headline_torque
   top = clip(M_max, B_max)
   set yrange [low(min(M_min, 0), top):high(min(M_min, 0), top)]
   if (travel_mm > 0) {
@@ -50,12 +52,14 @@ do for [format in "png svg pdf"] {
   }
 
   set format x "%g"
+  set label 1 headline_depth
   set xlabel "Tool depth (mm)"
   set ylabel "Removed volume (mm³)"
   set yrange [low(0, V_sum):high(0, V_sum)]
   removed = 0.0
   plot csv using "depth_mm":(removed = removed + column("removed_mm3"), touching(removed)) with lines lw 1.5 \
          lc rgb green notitle
+  unset label 1
   unset multiplot
   unset output
 }

@@ -45,8 +45,14 @@ double mean_power_w(const ForceLog& log, const std::vector<double>& energy_mj, s
 std::string mean_block(const ForceLog& log, const std::vector<double>& energy_mj, double travel_mm) {
   constexpr std::size_t kMostPoints = 2000;
   const std::size_t step = 1 + log.rows.size() / kMostPoints;
+  const Headline run = headline_of(log, travel_mm > 0);
   std::ostringstream out;
-  out << "# Means over the last " << travel_mm
+  out << "# What stands first of this run, as in its pictures, summary.json and report\n"
+      << "headline_force = " << gnuplot_string(run.force_name() + " " + run.force_text() + " N") << '\n'
+      << "headline_torque = " << gnuplot_string(run.torque_name() + " " + run.torque_text() + " N·mm") << '\n'
+      << "headline_depth = " << gnuplot_string(std::string(Headline::kDepthName) + " " + run.depth_text() + " mm")
+      << "\n\n"
+      << "# Means over the last " << travel_mm
       << " mm of travel (0: every frame for itself): time (s), axial force (N), spin torque (N·mm), depth (mm), "
          "cutting "
          "power (W)\n"

@@ -4,10 +4,12 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <optional>
 #include <span>
 
 #include "render/report/markup.h"
 #include "sim/base/error.h"
+#include "sim/record/headline.h"
 
 namespace reamsim {
 namespace {
@@ -25,12 +27,7 @@ struct Table {
   std::span<const Line> lines;
 };
 
-constexpr const char* kPeakForce = "/forces/peak_axial_force_n";
-constexpr const char* kPeakTorque = "/forces/peak_spin_torque_nmm";
 constexpr std::array kKeyFigures{Line{"/removed_mm3", "Bone removed", "mm³"},
-                                 Line{"/metrics/depth/max_mm", "Greatest depth along the axis", "mm"},
-                                 Line{kPeakForce, "Peak axial force", "N"},
-                                 Line{kPeakTorque, "Peak spin torque", "N·mm"},
                                  Line{"/metrics/dense_bone_left/mean_mm", "Dense bone left, mean", "mm"},
                                  Line{"/balance", "Energy balance", ""}};
 
@@ -48,15 +45,24 @@ constexpr std::array kFace{Line{"/metrics/depth/max_mm", "Depth along the axis, 
                            Line{"/metrics/face/sphere/radius_mm", "Radius of the sphere through it", "mm"},
                            Line{"/metrics/face/sphere/residual_rms_mm", "Residual of that sphere, RMS", "mm"},
                            Line{"/metrics/face/plane/residual_rms_mm", "Residual of a plane, RMS", "mm"}};
-constexpr std::array kOrientation{Line{"/metrics/orientation/before/version_deg", "Version before", "°"},
-                                  Line{"/metrics/orientation/after/version_deg", "Version after", "°"},
-                                  Line{"/metrics/orientation/change/version_deg", "Version, change", "°"},
-                                  Line{"/metrics/orientation/before/inclination_deg", "Inclination before", "°"},
-                                  Line{"/metrics/orientation/after/inclination_deg", "Inclination after", "°"},
-                                  Line{"/metrics/orientation/change/inclination_deg", "Inclination, change", "°"},
-                                  Line{"/metrics/orientation/reamer/version_deg", "Version of the reamer", "°"},
-                                  Line{"/metrics/orientation/reamer/inclination_deg", "Inclination of the reamer", "°"},
-                                  Line{"/metrics/orientation/turned_deg", "Face turned by", "°"}};
+constexpr std::array kOrientation{
+    Line{"/metrics/orientation/native/version_deg", "Version, native face", "°"},
+    Line{"/metrics/orientation/reamed/version_deg", "Version, reamed face", "°"},
+    Line{"/metrics/orientation/retroversion_corrected_deg", "Retroversion corrected", "°"},
+    Line{"/metrics/orientation/native/inclination_deg", "Inclination, native face", "°"},
+    Line{"/metrics/orientation/reamed/inclination_deg", "Inclination, reamed face", "°"},
+    Line{"/metrics/orientation/inclination_corrected_deg", "Inclination corrected", "°"},
+    Line{"/metrics/orientation/native_reason", "No native orientation", ""},
+    Line{"/metrics/orientation/reamed_reason", "No reamed orientation", ""},
+    Line{"/metrics/orientation/native_shape", "Shape of the native face", ""},
+    Line{"/metrics/orientation/reamed_shape", "Shape of the reamed face", ""},
+    Line{"/metrics/joint_line/medialization_mm", "Medialization of the joint line", "mm"},
+    Line{"/metrics/joint_line/medialization_reason", "No medialization", ""},
+    Line{"/metrics/joint_line/reamed_fraction", "Fraction of the face reamed", ""},
+    Line{"/metrics/orientation/reamer/version_deg", "Version of the reamer", "°"},
+    Line{"/metrics/orientation/reamer/inclination_deg", "Inclination of the reamer", "°"},
+    Line{"/metrics/orientation/turned_deg", "Face turned by", "°"},
+    Line{"/metrics/orientation/inclination_convention", "Inclination is", ""}};
 constexpr std::array kLeft{Line{"/metrics/dense_bone_left/mean_mm", "Dense bone under the face, mean", "mm"},
                            Line{"/metrics/dense_bone_left/p05_mm", "5th percentile", "mm"},
                            Line{"/metrics/dense_bone_left/least_mm", "least", "mm"},
@@ -169,18 +175,55 @@ std::string number_text(double value, int digits) {
   return out;
 }
 
-std::string key_figures_html(const Json& summary, const std::string& path) {
-  // Where voxels go whole single frames are spikes, so that pictures and plots show means over a voxel of travel.
-  const bool single_frames = text_at(summary, "erosion", path) == "exact";
+namespace {
+
+std::string figure_html(std::string name, const std::string& value, const char* unit) {
+  name.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(name.front())));
+  return "<div><dt>" + name + "</dt><dd>" + value + unit_html(unit) + "</dd></div>\n";
+}
+
+/// A number of summary.json; nothing where it has none. Throws InputError where something else stands there.
+std::optional<double> number_at(const Json& summary, const char* pointer, const std::string& path) {
+  const Json::json_pointer at(pointer);
+  if (!summary.contains(at) || summary.at(at).is_null()) return std::nullopt;
+  if (!summary.at(at).is_number()) throw wrong(path, pointer, "a number");
+  return summary.at(at).get<double>();
+}
+
+/// Force, torque and depth as pictures, plots and the run's closing line show them.
+std::string headline_html(const Json& summary, const std::string& path) {
+  Headline run{.means = text_at(summary, "erosion", path) != "exact"};
+  // Runs of earlier versions have the same numbers, but no section for them.
+  const auto force = run.means ? "/forces/peak_layer_axial_force_n" : "/forces/peak_axial_force_n";
+  const auto torque = run.means ? "/forces/peak_layer_spin_torque_nmm" : "/forces/peak_spin_torque_nmm";
+  const auto first_of = [&](const char* pointer, const char* earlier) {
+    const auto number = number_at(summary, pointer, path);
+    return number ? number : number_at(summary, earlier, path);
+  };
   std::string out;
-  for (Line line : kKeyFigures) {
-    if (!single_frames && std::string_view(line.pointer) == kPeakForce)
-      line.pointer = "/forces/peak_layer_axial_force_n";
-    if (!single_frames && std::string_view(line.pointer) == kPeakTorque)
-      line.pointer = "/forces/peak_layer_spin_torque_nmm";
+  if (const auto depth = first_of("/headline/depth_mm", "/max_depth_mm")) {
+    run.tool_depth_mm = *depth;
+    out += figure_html(Headline::kDepthName, run.depth_text(), "mm");
+  }
+  if (const auto peak = first_of("/headline/peak_axial_force_n", force)) {
+    run.peak_axial_force_n = *peak;
+    out += figure_html(run.force_name(), run.force_text(), "N");
+  }
+  if (const auto peak = first_of("/headline/peak_spin_torque_nmm", torque)) {
+    run.peak_spin_torque_nmm = *peak;
+    out += figure_html(run.torque_name(), run.torque_text(), "N·mm");
+  }
+  return out;
+}
+
+}  // namespace
+
+std::string key_figures_html(const Json& summary, const std::string& path) {
+  std::string out = headline_html(summary, path);
+  for (const Line& line : kKeyFigures) {
     const std::string value = value_text(summary, line, path);
     if (value.empty()) continue;
-    out += std::string("<div><dt>") + line.label + "</dt><dd>" + value + unit_html(line.unit) + "</dd></div>\n";
+    out += figure_html(line.label, value, line.unit);
   }
   return out;
 }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <vector>
 
 #include "sim/base/report.h"
 #include "sim/bone/voxmap.h"
@@ -14,6 +15,7 @@ struct Bone {
   std::optional<GlenoidFrame> glenoid;                       ///< from the scenario, or the phantom's own
   std::optional<LandmarkSettings> landmarks = std::nullopt;  ///< in B: from the scenario, or the phantom's own
   std::optional<ScapularAxes> scapula = std::nullopt;        ///< of the landmarks
+  std::vector<Vec3> rim_mm{};  ///< of the joint face, in B, in order: from the scenario, or the phantom's own
 };
 
 /// Builds the bone that the scenario asks for (CT, mesh, VDB or phantom) and drills the pilot hole. All but a VDB's

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "sim/base/geometry.h"
@@ -35,6 +36,8 @@ class GlenoidFace {
 
   /// Distance below the face, positive into the bone: exact.
   [[nodiscard]] double below_mm(const Vec3& point) const;
+  /// The point of the face at a place across the native axis, superior and anterior of it; nothing beside the balls.
+  [[nodiscard]] std::optional<Vec3> at(double superior, double anterior) const;
   /// The native face first, then the worn one.
   [[nodiscard]] const std::vector<Ball>& balls() const { return balls_; }
   /// Axis of the native face: lateral, turned by version (posterior positive) and inclination.

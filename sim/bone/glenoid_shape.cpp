@@ -128,6 +128,26 @@ double GlenoidShape::stumps(const Vec3& point) const {
   return smooth_union(out, body, 4.0);
 }
 
+std::vector<Vec3> GlenoidShape::rim_mm() const {
+  constexpr int kPoints = 120;
+  std::vector<Vec3> out;
+  for (int k = 0; k < kPoints; ++k) {
+    const double angle = 2 * std::numbers::pi * k / kPoints;
+    const auto at = [&](double from_axis_mm) {
+      return face_.at(from_axis_mm * std::sin(angle), from_axis_mm * std::cos(angle));
+    };
+    double inside_mm = 0;
+    double outside_mm = height_mm_;
+    for (int i = 0; i < 50; ++i) {
+      const double middle_mm = (inside_mm + outside_mm) / 2;
+      const std::optional<Vec3> point = at(middle_mm);
+      (point && vault(in_face(*point)) < 0 ? inside_mm : outside_mm) = middle_mm;
+    }
+    if (const std::optional<Vec3> point = at(inside_mm)) out.push_back(*point);
+  }
+  return out;
+}
+
 double GlenoidShape::solid(const Vec3& point) const {
   const Vec3 q = in_face(point);
   // The vault ends inside the body, where the pear of the neck is buried.

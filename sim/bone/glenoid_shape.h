@@ -23,6 +23,8 @@ class GlenoidShape {
   /// Negative inside the bone, about the distance to its surface near it. The stumps go on beyond medial_end_mm().
   [[nodiscard]] double solid(const Vec3& point) const;
   [[nodiscard]] const GlenoidFace& face() const { return face_; }
+  /// The edge of the face before the rim is rounded, in order round it, mm.
+  [[nodiscard]] std::vector<Vec3> rim_mm() const;
   /// The plane lateral = this value ends the stumps, mm.
   [[nodiscard]] double medial_end_mm() const { return medial_end_mm_; }
   /// Box that holds the solid up to the medial end.

@@ -22,6 +22,37 @@ Bone bone_from_source(const BoneSettings& settings, Report& report) {
   throw InputError({}, "bone.source", "\"" + settings.source + "\"", "expected phantom, ct, mesh or vdb");
 }
 
+/// Whether both bone and air lie within a cube about a point: there is a surface near it.
+bool has_surface_near(const Voxmap& voxmap, const Vec3& point_mm, double within_mm) {
+  const VoxelGrid& grid = voxmap.grid;
+  // One voxel beyond the lattice stands for all the air there.
+  const Vec3i first = grid.voxel_of(point_mm - Vec3::Constant(within_mm)).cwiseMax(-1);
+  const Vec3i last = grid.voxel_of(point_mm + Vec3::Constant(within_mm)).cwiseMin(grid.dims);
+  bool bone = false;
+  bool air = false;
+  for (int z = first.z(); z <= last.z(); ++z) {
+    for (int y = first.y(); y <= last.y(); ++y) {
+      for (int x = first.x(); x <= last.x() && !(bone && air); ++x) {
+        (grid.contains(Vec3i(x, y, z)) && voxmap.grade.get({x, y, z}) != 0 ? bone : air) = true;
+      }
+    }
+  }
+  return bone && air;
+}
+
+/// The rim that a scenario gives must be this bone's. Throws InputError.
+void require_surface_near(const Voxmap& voxmap, const std::vector<Vec3>& rim_mm) {
+  constexpr double kWithin_mm = 5;
+  for (std::size_t i = 0; i < rim_mm.size(); ++i) {
+    const Vec3& p = rim_mm[i];
+    if (has_surface_near(voxmap, p, kWithin_mm)) continue;
+    char found[120];
+    std::snprintf(found, sizeof found, "point %zu, (%.6g, %.6g, %.6g), has no surface of the bone within %g mm", i + 1,
+                  p.x(), p.y(), p.z(), kWithin_mm);
+    throw InputError({}, "bone.glenoid.rim_mm", found, "expected points on the rim of the joint face, bone frame");
+  }
+}
+
 void drill(Bone& bone, const PilotHoleSettings& hole, bool partial, Report& report) {
   const double drilled_mm3 = drill_pilot_hole(bone.voxmap, hole, bone.glenoid, partial);
   char text[120];
@@ -51,6 +82,10 @@ Bone load_bone(const BoneSettings& settings, Report& report) {
   Bone bone = bone_from_source(settings, report);
   if (const auto given = glenoid_frame(settings.glenoid, settings.side)) bone.glenoid = given;
   if (settings.glenoid.landmarks) bone.landmarks = settings.glenoid.landmarks;
+  if (!settings.glenoid.rim_mm.empty()) {
+    require_surface_near(bone.voxmap, settings.glenoid.rim_mm);
+    bone.rim_mm = settings.glenoid.rim_mm;
+  }
   if (bone.landmarks) {
     GlenoidSettings marks;
     marks.landmarks = bone.landmarks;

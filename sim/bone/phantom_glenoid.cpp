@@ -231,6 +231,7 @@ Bone glenoid_phantom(const BoneSettings& settings, Report& report) {
   bone.voxmap = sample_glenoid(settings, grid);
   bone.glenoid = frame_of(shape.face(), sides, settings.side);
   bone.landmarks = landmarks_of(shape.face(), sides, settings.phantom);
+  for (const Vec3& point : shape.rim_mm()) bone.rim_mm.push_back(sides.bone_from_anatomy(point));
   describe(shape.face(), settings.phantom, report);
   return bone;
 }

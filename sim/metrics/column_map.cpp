@@ -31,6 +31,8 @@ Aabb box_of_cut(const ReamedBone& bone, const Rigid& map_from_bone) {
   return box;
 }
 
+}  // namespace
+
 /// One column's shares from above to below, and what they say.
 class ColumnScan {
  public:
@@ -44,17 +46,9 @@ class ColumnScan {
 
   /// The column whose highest sample is at `top` of B; `down` has length 1.
   Column scan(const Vec3& top, const Vec3& down) {
-    double bone = 0;
-    double gone = 0;
-    for (std::size_t i = 0; i < before_.size(); ++i) {
-      const Shares here = shares_.at(top + static_cast<double>(i) * step_mm_ * down);
-      before_[i] = here.before;
-      after_[i] = here.after;
-      bone += here.before;
-      gone += here.before - here.after;
-    }
+    const double bone = sample(top, down);
     Column out;
-    out.depth_mm = gone * step_mm_;
+    out.depth_mm = removed_mm_;
     if (out.depth_mm >= kLeastDepthVoxels * voxel_mm_) {
       measure_reamed(out);
     } else if (bone * step_mm_ >= kHalf * voxel_mm_) {
@@ -66,7 +60,29 @@ class ColumnScan {
     return out;
   }
 
+  /// What the same column shows of the unreamed bone.
+  std::optional<SurfaceColumn> scan_surface(const Vec3& top, const Vec3& down) {
+    const double bone = sample(top, down);
+    if (before_.front() > kTrace || bone * step_mm_ < kHalf * voxel_mm_) return std::nullopt;
+    return SurfaceColumn{.height_mm = top_surface(), .depth_mm = removed_mm_};
+  }
+
  private:
+  /// Reads the shares along a column; returns the sum of the bone's before.
+  double sample(const Vec3& top, const Vec3& down) {
+    double bone = 0;
+    double gone = 0;
+    for (std::size_t i = 0; i < before_.size(); ++i) {
+      const Shares here = shares_.at(top + static_cast<double>(i) * step_mm_ * down);
+      before_[i] = here.before;
+      after_[i] = here.after;
+      bone += here.before;
+      gone += here.before - here.after;
+    }
+    removed_mm_ = gone * step_mm_;
+    return bone;
+  }
+
   [[nodiscard]] double gone(std::size_t i) const { return before_[i] - after_[i]; }
   [[nodiscard]] double height(std::size_t i) const { return top_mm_ - static_cast<double>(i) * step_mm_; }
 
@@ -121,9 +137,12 @@ class ColumnScan {
   double voxel_mm_;
   double top_mm_;
   double step_mm_ = 0;
+  double removed_mm_ = 0;  ///< of the column that was sampled last
   std::vector<double> before_;
   std::vector<double> after_;
 };
+
+namespace {
 
 /// Columns stand at (i + ½)·pitch from the map's origin; the least and the last i for a stretch, both inside.
 std::pair<int, int> columns_over(double from_mm, double to_mm, double pitch_mm) {
@@ -131,6 +150,16 @@ std::pair<int, int> columns_over(double from_mm, double to_mm, double pitch_mm) 
 }
 
 }  // namespace
+
+SurfaceProbe::SurfaceProbe(const ReamedBone& bone, const Rigid& bone_from_map, double top_mm, double bottom_mm)
+    : scan_(std::make_unique<ColumnScan>(bone, top_mm, bottom_mm)), bone_from_map_(bone_from_map), top_mm_(top_mm) {}
+
+SurfaceProbe::~SurfaceProbe() = default;
+
+std::optional<SurfaceColumn> SurfaceProbe::at(const Vec2& place_mm) {
+  const Vec3 top = bone_from_map_ * Vec3(place_mm.x(), place_mm.y(), top_mm_);
+  return scan_->scan_surface(top, -bone_from_map_.linear().col(2));
+}
 
 ColumnMap map_columns(const ReamedBone& bone, const Rigid& bone_from_map, const MapRoom& room) {
   ColumnMap map;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -59,6 +60,28 @@ inline constexpr int kMostColumns = 320;
 struct MapRoom {
   double margin_mm = 0;  ///< round that region
   double radius_mm = 0;  ///< at least this far from x = y = 0
+};
+
+class ColumnScan;
+
+/// What a line of sight meets first, before reaming.
+struct SurfaceColumn {
+  double height_mm = 0;  ///< of the unreamed surface
+  double depth_mm = 0;   ///< length of bone that went, over the whole line of sight
+};
+
+/// Lines of sight along −z of `bone_from_map`, from `top_mm` down to `bottom_mm`.
+class SurfaceProbe {
+ public:
+  SurfaceProbe(const ReamedBone& bone, const Rigid& bone_from_map, double top_mm, double bottom_mm);
+  ~SurfaceProbe();
+  /// Nothing where the line meets no bone, or begins in it.
+  [[nodiscard]] std::optional<SurfaceColumn> at(const Vec2& place_mm);
+
+ private:
+  std::unique_ptr<ColumnScan> scan_;
+  Rigid bone_from_map_;
+  double top_mm_;
 };
 
 /// The map of the region that lost bone. No columns when none was lost.

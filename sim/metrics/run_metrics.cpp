@@ -31,19 +31,49 @@ FaceAngles operator-(const FaceAngles& a, const FaceAngles& b) {
   return {a.version_deg - b.version_deg, a.inclination_deg - b.inclination_deg};
 }
 
-std::optional<FaceOrientation> measure_orientation(const ReamedFace& face, const Vec3& reamer, const BoneAxes& axes) {
+double angle_deg(const Vec3& a, const Vec3& b) {
+  return degrees(std::atan2(a.cross(b).norm(), a.dot(b)));
+}
+
+std::optional<PlaneOrientation> orientation_of_planes(const ReamedFace& face, const BoneAxes& axes) {
   if (!face.plane || !face.plane_before) return std::nullopt;
   const Vec3& before = face.plane_before->normal;
   const Vec3& after = face.plane->normal;
-  FaceOrientation out;
+  PlaneOrientation out;
   if (axes.scapula) {
     out.before = face_angles(before, *axes.scapula);
     out.after = face_angles(after, *axes.scapula);
-    out.reamer = face_angles(reamer, *axes.scapula);
   }
   const auto& known = axes.scapula ? axes.scapula : axes.glenoid;
   if (known) out.change = face_angles(after, *known) - face_angles(before, *known);
-  out.turned_deg = degrees(std::atan2(before.cross(after).norm(), before.dot(after)));
+  out.turned_deg = angle_deg(before, after);
+  return out;
+}
+
+Measured<FaceAngles> angles_of(const Measured<FaceAxis>& axis, const std::optional<ScapularAxes>& frame,
+                               const char* without_frame) {
+  if (!axis.value) return {.value = {}, .reason = axis.reason};
+  if (!frame) return {.value = {}, .reason = without_frame};
+  return {.value = face_angles(axis.value->direction, *frame), .reason = ""};
+}
+
+FaceOrientation measure_orientation(const JointLine& line, const ReamedFace& face, const Vec3& reamer,
+                                    const BoneAxes& axes) {
+  constexpr const char* kNoScapula = "version and inclination need the scapular frame: give bone.glenoid.landmarks";
+  FaceOrientation out;
+  out.native = angles_of(line.native, axes.scapula, kNoScapula);
+  out.reamed = angles_of(line.reamed, axes.scapula, kNoScapula);
+  if (axes.scapula) out.reamer = face_angles(reamer, *axes.scapula);
+  const auto& known = axes.scapula ? axes.scapula : axes.glenoid;
+  const auto native = angles_of(line.native, known, "there is neither a scapular nor a glenoid frame");
+  const auto reamed = angles_of(line.reamed, known, "");
+  if (native.value && reamed.value) {
+    out.corrected.value = *native.value - *reamed.value;
+    out.turned_deg = angle_deg(line.native.value->direction, line.reamed.value->direction);
+  } else {
+    out.corrected.reason = native.value ? "reamed face: " + reamed.reason : "native face: " + native.reason;
+  }
+  out.planes = orientation_of_planes(face, axes);
   return out;
 }
 
@@ -62,12 +92,6 @@ RemovedVolume removed_volume(const ReamedBone& bone, double dense_g_cm3) {
           .dense_mm3 = static_cast<double>(dense) * unit_mm3};
 }
 
-FaceAngles face_angles(const Vec3& direction, const ScapularAxes& axes) {
-  const double superior = std::clamp(direction.dot(axes.superior), -1.0, 1.0);
-  return {.version_deg = degrees(std::atan2(-direction.dot(axes.anterior), direction.dot(axes.lateral))),
-          .inclination_deg = degrees(std::asin(superior))};
-}
-
 BoneMetrics measure_bone(const ReamedBone& bone, const Rigid& bone_from_tool, const BoneAxes& axes,
                          const MetricSettings& settings) {
   BoneMetrics out;
@@ -78,7 +102,8 @@ BoneMetrics measure_bone(const ReamedBone& bone, const Rigid& bone_from_tool, co
   out.depth = measure_depth(map);
   if (!out.depth) return out;
   out.face = find_face(map, voxel_mm);
-  out.orientation = measure_orientation(*out.face, bone_from_tool.linear().col(2), axes);
+  out.joint_line = measure_joint_line(bone, map, *out.face, axes);
+  out.orientation = measure_orientation(*out.joint_line, *out.face, bone_from_tool.linear().col(2), axes);
   out.dense_left = dense_bone_left(bone, map, *out.face, settings.dense_g_cm3);
   out.perforation = find_perforation(map, voxel_mm);
   if (settings.implant) out.seating = seat_implant(map, *out.face, *settings.implant, voxel_mm);

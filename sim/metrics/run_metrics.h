@@ -3,6 +3,7 @@
 #include <optional>
 
 #include "sim/bone/bone.h"
+#include "sim/metrics/joint_line.h"
 #include "sim/metrics/reamed_face.h"
 #include "sim/metrics/seating.h"
 #include "sim/metrics/under_face.h"
@@ -25,19 +26,25 @@ struct ReamedDepth {
   double area_mm2 = 0;  ///< reamed, across the axis
 };
 
-/// Version and inclination of a direction out of a face, degrees; retroversion and superior tilt are positive.
-struct FaceAngles {
-  double version_deg = 0;
-  double inclination_deg = 0;
-};
-
-/// Which way the face looks. Angles of the faces are those of the planes fitted to them.
-struct FaceOrientation {
+/// Which way the planes look that are fitted to the reamed columns, before and after. A plane through a part of a bowl
+/// leans as that part does: this is no orientation of the face (see FaceOrientation).
+struct PlaneOrientation {
   std::optional<FaceAngles> before;  ///< in the scapular frame, so only where it is known; likewise:
   std::optional<FaceAngles> after;
-  std::optional<FaceAngles> reamer;  ///< of the reamer's axis
   std::optional<FaceAngles> change;  ///< after less before; in the glenoid frame where there is no scapular frame
-  double turned_deg = 0;             ///< the angle between the face before and after
+  double turned_deg = 0;             ///< the angle between the planes
+};
+
+/// Which way the face looks, by the axes of JointLine.
+struct FaceOrientation {
+  Measured<FaceAngles> native;  ///< in the scapular frame; likewise:
+  Measured<FaceAngles> reamed;
+  std::optional<FaceAngles> reamer;  ///< of the reamer's axis
+  /// Native less reamed: positive where retroversion or superior tilt became less. In the glenoid frame where there is
+  /// no scapular frame.
+  Measured<FaceAngles> corrected;
+  std::optional<double> turned_deg;  ///< the angle between both axes
+  std::optional<PlaneOrientation> planes;
 };
 
 /// What reaming did to the bone.
@@ -46,22 +53,14 @@ struct BoneMetrics {
   // Nothing of what follows where no column of bone lost anything.
   std::optional<ReamedDepth> depth;
   std::optional<ReamedFace> face;
+  std::optional<JointLine> joint_line;
   std::optional<FaceOrientation> orientation;
   std::optional<DenseBoneLeft> dense_left;
   std::optional<Perforation> perforation;
   std::optional<Seating> seating;  ///< only for an implant
 };
 
-/// A bone's own directions, as far as they are known.
-struct BoneAxes {
-  std::optional<ScapularAxes> scapula;
-  std::optional<ScapularAxes> glenoid;  ///< of the glenoid frame, see axes_of()
-};
-
 RemovedVolume removed_volume(const ReamedBone& bone, double dense_g_cm3);
-
-/// Version and inclination of a unit vector, in the convention of bone.phantom.version_deg and inclination_deg.
-FaceAngles face_angles(const Vec3& direction, const ScapularAxes& axes);
 
 /// `bone_from_tool`: the tool where it was deepest; the metrics look along its −z.
 BoneMetrics measure_bone(const ReamedBone& bone, const Rigid& bone_from_tool, const BoneAxes& axes,

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 
+#include "sim/record/headline.h"
 #include "sim/record/layer_mean.h"
 #include "sim/record/results.h"
 
@@ -50,6 +51,8 @@ class RunTotals {
     double spin_torque_nmm = 0;
   };
   [[nodiscard]] Means means() const;
+  /// `means`: of the means over a voxel of travel, as where voxels go whole.
+  [[nodiscard]] Headline headline(bool means) const;
   /// Work that the drill did on the bone, −Σ(T·ω + F·v)·Δt, from the energy account.
   [[nodiscard]] double work_mj() const { return energy_mj * (1 + balance) - floor_energy_mj; }
 

@@ -66,6 +66,16 @@ double peak_process_mb() {
   return static_cast<double>(usage.ru_maxrss) * 1024 / 1e6;  // Linux counts KiB
 }
 
+nlohmann::ordered_json headline_json(const Headline& headline) {
+  return {{"force_name", headline.force_name()},
+          {"peak_axial_force_n", headline.peak_axial_force_n},
+          {"peak_spin_torque_nmm", headline.peak_spin_torque_nmm},
+          {"force_definition", headline.force_definition()},
+          {"depth_name", Headline::kDepthName},
+          {"depth_mm", headline.tool_depth_mm},
+          {"depth_definition", Headline::depth_definition()}};
+}
+
 nlohmann::ordered_json forces_json(const RunTotals& totals) {
   return {{"peak_layer_axial_force_n", totals.peak_layer_axial_force_n},
           {"peak_layer_spin_torque_nmm", totals.peak_layer_spin_torque_nmm},
@@ -163,7 +173,12 @@ void measure(RunFacts& facts, const ReamingScene& scene, const FillBricks& fill_
   const ReamedBone bone{scene.bone.voxmap, fill_before};
   const Rigid bone_from_tool = totals.deepest_pose.bone_from_tool();
   BoneAxes axes{.scapula = scene.bone.scapula, .glenoid = {}};
-  if (scene.bone.glenoid) axes.glenoid = axes_of(*scene.bone.glenoid, scene.scenario.bone.side);
+  axes.rim_mm = scene.bone.rim_mm;
+  if (scene.bone.glenoid) {
+    axes.glenoid = axes_of(*scene.bone.glenoid, scene.scenario.bone.side);
+    axes.face_center_mm = scene.bone.glenoid->bone_from_glenoid.translation();
+  }
+  if (scene.bone.landmarks) axes.face_center_mm = scene.bone.landmarks->glenoid_center_mm;
   facts.metrics = measure_bone(bone, bone_from_tool, axes, scene.scenario.metrics);
   facts.depth_map = depth_map(bone, scene.bone.glenoid, bone_from_tool);
   facts.measure_s = watch.seconds();
@@ -179,6 +194,8 @@ void write_summary(const std::string& dir, const ReamingScene& scene, const RunT
   json["erosion"] = scene.scenario.cutting.erosion;
   json["law"] = scene.scenario.cutting.law;
   if (scene.scenario.cutting.law == "energy") json["force_law"] = force_law_json(scene.scenario.cutting);
+  // Single frames are spikes where voxels go whole.
+  json["headline"] = headline_json(totals.headline(scene.scenario.cutting.erosion != "exact"));
   json["frames"] = totals.frames;
   json["contact_frames"] = totals.contact_frames;
   json["first_contact_frame"] = totals.first_contact_frame;

@@ -6,6 +6,7 @@ namespace reamsim {
 namespace {
 
 constexpr Range kDensity = above(0, 2);
+constexpr int kLeastRimPoints = 6;
 constexpr Range kHu = between(-2000, 10000);
 
 void describe_density(KeyVisitor& v, DensitySettings& density) {
@@ -50,6 +51,13 @@ void describe_glenoid(KeyVisitor& v, GlenoidSettings& glenoid) {
                     glenoid.superior);
   v.optional_section({.name = "landmarks", .doc = "Instead of center_mm, normal and superior"}, glenoid.landmarks,
                      describe_landmarks);
+  v.points(
+      {.name = "rim_mm",
+       .doc = "Points on the rim of the joint face before reaming, bone frame, in order round it, at least 6: they "
+              "delimit the face whose orientation and area are measured. Without them a glenoid phantom's own rim",
+       .range = kPosition,
+       .least_points = kLeastRimPoints},
+      glenoid.rim_mm);
   v.group({.names = {"landmarks", "center_mm"}, .one_needed = false});
   v.group({.names = {"landmarks", "normal"}, .one_needed = false});
   v.group({.names = {"landmarks", "superior"}, .one_needed = false});
@@ -342,8 +350,9 @@ void describe_bone(KeyVisitor& v, BoneSettings& bone) {
        .choices = {"auto", "partial", "whole"}},
       bone.surface_voxels);
   v.section({.name = "density", .doc = "From HU to density"}, bone.density, describe_density);
-  v.section({.name = "glenoid", .doc = "The glenoid frame: center_mm, normal and superior, or landmarks"}, bone.glenoid,
-            describe_glenoid);
+  v.section({.name = "glenoid",
+             .doc = "The glenoid frame (center_mm, normal and superior, or landmarks), and the rim of the face"},
+            bone.glenoid, describe_glenoid);
   v.section({.name = "phantom", .doc = "A generated bone", .when = {"source", {"phantom"}}}, bone.phantom,
             describe_phantom);
   v.section({.name = "ct", .doc = "A CT scan", .required = true, .when = {"source", {"ct"}}}, bone.ct, describe_ct);

@@ -23,6 +23,8 @@ std::string type_text(const KeyNode& key) {
       return "list of words";
     case Kind::vector:
       return "3 numbers";
+    case Kind::points:
+      return "list of points, 3 numbers each";
     case Kind::quaternion:
       return "4 numbers";
     case Kind::text:

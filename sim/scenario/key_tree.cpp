@@ -58,6 +58,7 @@ class TreeBuilder : public KeyVisitor {
   }
   void vector(const KeyInfo& info, Vec3& value) override { leaf(info, KeyNode::Kind::vector, vector_json(value)); }
   void optional_vector(const KeyInfo& info, std::optional<Vec3>&) override { leaf(info, KeyNode::Kind::vector, ""); }
+  void points(const KeyInfo& info, std::vector<Vec3>&) override { leaf(info, KeyNode::Kind::points, ""); }
   void optional_quaternion(const KeyInfo& info, std::optional<Quat>&) override {
     leaf(info, KeyNode::Kind::quaternion, "");
   }
@@ -165,6 +166,9 @@ std::string expectation(const KeyInfo& info, KeyNode::Kind kind) {
       if (info.nonzero) return "3 numbers [x, y, z], not all zero, each " + range;
       return "3 numbers [x, y, z]" + (range.empty() ? "" : ", each " + range) +
              (unit.empty() ? "" : " (" + std::string(unit) + ")");
+    case KeyNode::Kind::points:
+      return "a list of " + std::to_string(info.least_points) + " or more points [[x, y, z], ...]" +
+             (range.empty() ? "" : ", each number " + range) + (unit.empty() ? "" : " (" + std::string(unit) + ")");
     case KeyNode::Kind::quaternion:
       return "4 numbers [w, x, y, z] of length 1";
     case KeyNode::Kind::text:

@@ -54,6 +54,7 @@ struct KeyInfo {
   bool nonzero = false;           ///< a direction: not all components zero
   When when{};                    ///< empty: always
   std::string_view unless{};      ///< does not apply where this sibling is given
+  int least_points = 1;           ///< of a list of points
   std::string_view default_by{};  ///< the choice above that may bring another default (KeyVisitor::defaults)
 };
 
@@ -77,6 +78,8 @@ class KeyVisitor {
   virtual void choices(const KeyInfo& info, std::vector<std::string>& values) = 0;
   virtual void vector(const KeyInfo& info, Vec3& value) = 0;
   virtual void optional_vector(const KeyInfo& info, std::optional<Vec3>& value) = 0;
+  /// A list of vectors; empty = not given.
+  virtual void points(const KeyInfo& info, std::vector<Vec3>& values) = 0;
   virtual void optional_quaternion(const KeyInfo& info, std::optional<Quat>& value) = 0;
   virtual void group(const KeyGroup& group) = 0;
   /// The choices above this call may change the defaults of the keys below it: `change` does so. Only a reader needs

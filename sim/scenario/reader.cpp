@@ -186,6 +186,20 @@ void ScenarioReader::optional_vector(const KeyInfo& info, std::optional<Vec3>& v
   }
 }
 
+void ScenarioReader::points(const KeyInfo& info, std::vector<Vec3>& values) {
+  const YamlNodePtr node = take(info);
+  if (!node) return;
+  const std::string expected = expectation(info, KeyNode::Kind::points);
+  if (node->kind != YamlNode::Kind::sequence || std::ssize(node->items) < info.least_points) {
+    reject(info.name, *node, "found " + shown(*node), expected);
+  }
+  values.clear();
+  for (const auto& item : node->items) {
+    const std::vector<double> numbers = components(info, *item, 3, expected);
+    values.emplace_back(numbers[0], numbers[1], numbers[2]);
+  }
+}
+
 void ScenarioReader::optional_quaternion(const KeyInfo& info, std::optional<Quat>& value) {
   const YamlNodePtr node = take(info);
   if (!node) return;

@@ -43,6 +43,7 @@ class ScenarioReader : public KeyVisitor {
   void choices(const KeyInfo& info, std::vector<std::string>& values) override;
   void vector(const KeyInfo& info, Vec3& value) override;
   void optional_vector(const KeyInfo& info, std::optional<Vec3>& value) override;
+  void points(const KeyInfo& info, std::vector<Vec3>& values) override;
   void optional_quaternion(const KeyInfo& info, std::optional<Quat>& value) override;
   void group(const KeyGroup& group) override;
   void defaults(const std::function<void()>& change) override { change(); }

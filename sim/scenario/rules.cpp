@@ -21,6 +21,7 @@ class Rules {
   void check() const {
     check_name();
     check_glenoid();
+    check_rim(s_.bone.glenoid.rim_mm, at_);
     check_side();
     check_frames_of_reference();
     if (s_.bone.source == "ct") check_crop();

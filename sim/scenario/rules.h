@@ -13,4 +13,8 @@ void check_rules(const Scenario& scenario, const KeyLocations& locations);
 /// Throws InputError.
 void check_cameras(const RenderSettings& render, const KeyLocations& locations);
 
+/// Those of bone.glenoid.rim_mm: of a joint face's size, not on a line, in order round it. Throws
+/// InputError.
+void check_rim(const std::vector<Vec3>& rim_mm, const KeyLocations& locations);
+
 }  // namespace reamsim

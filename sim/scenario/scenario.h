@@ -33,6 +33,7 @@ struct GlenoidSettings {
   std::optional<Vec3> normal;
   std::optional<Vec3> superior;
   std::optional<LandmarkSettings> landmarks;
+  std::vector<Vec3> rim_mm;  ///< edge of the joint face before reaming, in order round it; empty: not given
 };
 
 /// Shapes for verification, and the parametric glenoid. Which keys apply: docs/formats.md.

@@ -111,6 +111,8 @@ Json type_schema(const KeyNode& key) {
               {"uniqueItems", true}};
     case Kind::vector:
       return numbers_type(key, 3);
+    case Kind::points:
+      return {{"type", "array"}, {"items", numbers_type(key, 3)}, {"minItems", key.info.least_points}};
     case Kind::quaternion:
       return numbers_type(key, 4);
     case Kind::text:

@@ -38,6 +38,15 @@ class YamlWriter : public KeyVisitor {
   void optional_vector(const KeyInfo& info, std::optional<Vec3>& value) override {
     if (value) vector(info, *value);
   }
+  void points(const KeyInfo& info, std::vector<Vec3>& values) override {
+    if (values.empty()) return;
+    std::string list;
+    for (const Vec3& p : values) {
+      list += (list.empty() ? "[" : ", [") + number_text(p.x()) + ", " + number_text(p.y()) + ", " +
+              number_text(p.z()) + "]";
+    }
+    line(info, "[" + list + "]");
+  }
   void optional_quaternion(const KeyInfo& info, std::optional<Quat>& value) override {
     if (!value) return;
     line(info, "[" + number_text(value->w()) + ", " + number_text(value->x()) + ", " + number_text(value->y()) + ", " +

@@ -8,6 +8,7 @@
 namespace reamsim::test {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::Contains;
 using ::testing::HasSubstr;
 
@@ -57,6 +58,25 @@ TEST(LoadBone, VdbGoesOnWhereItStopped) {
   EXPECT_EQ(again.voxmap.fill.get(reamed), 777);
   EXPECT_FALSE(again.glenoid);
   EXPECT_THAT(report.notes, Contains(HasSubstr("as in the VDB")));
+}
+
+TEST(LoadBone, TheRimIsThePhantomsOwnOrTheScenarios) {
+  BoneSettings settings = phantom("glenoid", 1);
+  Report report;
+  const Bone own = load_bone(settings, report);
+  ASSERT_GT(own.rim_mm.size(), 60u);
+  for (const Vec3& point : own.rim_mm) {
+    EXPECT_NEAR((point - Vec3(32, 0, 0)).norm(), 32, 1e-9) << "on the face";
+    EXPECT_GT(point.tail<2>().norm(), 8);
+    EXPECT_LT(std::abs(point.y()), 13.5);
+    EXPECT_LT(std::abs(point.z()), 18);
+  }
+  for (std::size_t i = 0; i < own.rim_mm.size(); i += 12) settings.glenoid.rim_mm.push_back(own.rim_mm[i]);
+  EXPECT_EQ(load_bone(settings, report).rim_mm, settings.glenoid.rim_mm);
+  settings.glenoid.rim_mm[2] += Vec3(20, 0, 0);
+  EXPECT_THAT(input_error([&] { load_bone(settings, report); }),
+              AllOf(HasSubstr("bone.glenoid.rim_mm: point 3, ("), HasSubstr("no surface of the bone within 5 mm")));
+  EXPECT_TRUE(load_bone(phantom("sphere", 1), report).rim_mm.empty());
 }
 
 TEST(LoadBone, UnknownSource) {

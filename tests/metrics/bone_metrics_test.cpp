@@ -100,20 +100,26 @@ TEST(BoneMetrics, ATiltedPlaneHasKnownVersionAndInclination) {
   EXPECT_FALSE(found.face->spherical);
   EXPECT_LT(found.face->plane->rms_mm, 0.02 * kVoxel);
   EXPECT_NEAR((found.face->plane->point_mm - middle).dot(normal), 0, 0.01);
-  ASSERT_TRUE(found.orientation->before && found.orientation->after && found.orientation->change);
-  EXPECT_NEAR(found.orientation->before->version_deg, 0, 0.05);
-  EXPECT_NEAR(found.orientation->before->inclination_deg, 0, 0.05);
-  EXPECT_NEAR(found.orientation->after->version_deg, 10, 0.05);
-  EXPECT_NEAR(found.orientation->after->inclination_deg, 6, 0.05);
-  EXPECT_NEAR(found.orientation->change->version_deg, 10, 0.1);
+  ASSERT_TRUE(found.orientation->planes);
+  const PlaneOrientation& planes = *found.orientation->planes;
+  ASSERT_TRUE(planes.before && planes.after && planes.change);
+  EXPECT_NEAR(planes.before->version_deg, 0, 0.05);
+  EXPECT_NEAR(planes.before->inclination_deg, 0, 0.05);
+  EXPECT_NEAR(planes.after->version_deg, 10, 0.05);
+  EXPECT_NEAR(planes.after->inclination_deg, 6, 0.05);
+  EXPECT_NEAR(planes.change->version_deg, 10, 0.1);
+  EXPECT_NEAR(planes.turned_deg, 180 / kPi * std::acos(normal.z()), 0.05);
+  ASSERT_TRUE(found.orientation->reamed.value) << found.orientation->reamed.reason;
+  EXPECT_NEAR(found.orientation->reamed.value->version_deg, 10, 0.05);
+  EXPECT_NEAR(found.orientation->reamed.value->inclination_deg, 6, 0.05);
   EXPECT_NEAR(found.orientation->reamer->version_deg, 10, 1e-9);
   EXPECT_NEAR(found.orientation->reamer->inclination_deg, 6, 1e-9);
-  EXPECT_NEAR(found.orientation->turned_deg, 180 / kPi * std::acos(normal.z()), 0.05);
 
   const BoneMetrics unknown = block.measure(bone_from_tool, {}, {.scapula = {}, .glenoid = axes});
-  EXPECT_FALSE(unknown.orientation->before || unknown.orientation->after || unknown.orientation->reamer);
-  EXPECT_NEAR(unknown.orientation->change->inclination_deg, 6, 0.1);
-  EXPECT_FALSE(block.measure(bone_from_tool).orientation->change);
+  EXPECT_FALSE(unknown.orientation->planes->before || unknown.orientation->planes->after);
+  EXPECT_FALSE(unknown.orientation->reamed.value || unknown.orientation->reamer);
+  EXPECT_NEAR(unknown.orientation->planes->change->inclination_deg, 6, 0.1);
+  EXPECT_FALSE(block.measure(bone_from_tool).orientation->planes->change);
 }
 
 TEST(BoneMetrics, FaceAnglesAreThoseOfTheGlenoidPhantom) {

@@ -107,7 +107,7 @@ TEST_F(ReportPage, HoldsTheRun) {
   EXPECT_THAT(text, HasSubstr("−8.2 × 10⁻⁸"));
   EXPECT_THAT(text, HasSubstr("abc123"));
   EXPECT_THAT(text, HasSubstr("Perforated</th><td>no"));
-  EXPECT_THAT(text, Not(HasSubstr("Greatest depth"))) << "the run has none";
+  EXPECT_THAT(text, Not(HasSubstr("<dt>Tool depth"))) << "the run has none";
   const nlohmann::json data = data_of(text);
   EXPECT_EQ(data["plot"]["frame"].size(), 60u);
   EXPECT_EQ(data["pictures"]["frames"], nlohmann::json({0, 20, 40, 60}));

@@ -5,11 +5,11 @@
 #include <filesystem>
 
 #include "render/contact_sheet.h"
-#include "render/fixed_text.h"
 #include "render/picture_frames.h"
 #include "render/render.h"
 #include "render/run_view.h"
 #include "sim/base/error.h"
+#include "sim/base/fixed_text.h"
 #include "tests/render/picture_file.h"
 #include "tests/render/results_fixture.h"
 #include "tests/support/temp_dir.h"

@@ -74,7 +74,8 @@ TEST_F(RoundTrip, EverySource) {
   const std::string phantom =
       "  source: phantom\n  voxel_mm: 0.5\n  phantom:\n    shape: half_space\n    size_mm: [10, 10, 6]\n";
   const std::string glenoid =
-      "  side: left\n  glenoid: {center_mm: [1.1, 2, 3], normal: [0.611, -0.548, 0.572], superior: [0, 0, 1]}\n"
+      "  side: left\n  glenoid: {center_mm: [1.1, 2, 3], normal: [0.611, -0.548, 0.572], superior: [0, 0, 1],\n"
+      "    rim_mm: [[13.5, 0, 0], [9, 9, 1], [0, 17, 0], [-9, 9, 1], [-13, 0, 0], [0, -17, 0]]}\n"
       "  pilot_hole: {frame: glenoid, depth_mm: 30}\n";
   for (const std::string source :
        {"  source: mesh\n  mesh: {path: tool.stl, scale: 55, repair: true}\n",
@@ -86,6 +87,8 @@ TEST_F(RoundTrip, EverySource) {
         "  source: ct\n  ct: {path: scan.nrrd, label_map: {path: scan.nrrd, label: 3}}\n"}) {
     const Scenario s = parse(resolved(with(kValid, phantom, source + glenoid)));
     EXPECT_EQ(*s.bone.glenoid.normal, Vec3(0.611, -0.548, 0.572));
+    ASSERT_EQ(s.bone.glenoid.rim_mm.size(), 6u);
+    EXPECT_EQ(s.bone.glenoid.rim_mm[0], Vec3(13.5, 0, 0));
     EXPECT_EQ(s.bone.pilot_hole->depth_mm, 30);
     if (s.bone.source == "ct" && !s.bone.ct.label_map) {
       ASSERT_EQ(s.bone.ct.cut_spheres.size(), 2u);

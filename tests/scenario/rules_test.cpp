@@ -93,6 +93,27 @@ TEST_F(Rules, GlenoidFrameIsNeeded) {
       << "a phantom has its own";
 }
 
+TEST_F(Rules, TheRimGoesOnceRoundAFace) {
+  const auto rim = [&](const std::string& points) {
+    return changed(kPhantom, kPhantom + "  glenoid: {rim_mm: [" + points + "]}\n");
+  };
+  EXPECT_EQ(rim("[13, 0, 0], [9, 9, 1], [0, 17, 0], [-9, 9, 1], [-13, 0, 0], [0, -17, 0]"), "");
+  EXPECT_EQ(rim("[13, 0, 0], [0, -17, 0], [-13, 0, 0], [-9, 9, 1], [0, 17, 0], [9, 9, 1]"), "") << "either way round";
+  EXPECT_THAT(
+      rim("[13, 0, 0], [9, 9, 1], [0, 17, 0], [-9, 9, 1], [-13, 0, 0]"),
+      HasSubstr("bone.glenoid.rim_mm: found a list of 5; expected a list of 6 or more points [[x, y, z], ...]"));
+  EXPECT_THAT(rim("[13, 0, 0], [9, 9], [0, 17, 0], [-9, 9, 1], [-13, 0, 0], [0, -17, 0]"),
+              HasSubstr("bone.glenoid.rim_mm: found a list of 2"));
+  EXPECT_THAT(rim("[13, 0, 0], [0, 17, 0], [9, 9, 1], [-9, 9, 1], [-13, 0, 0], [0, -17, 0]"),
+              HasSubstr("bone.glenoid.rim_mm: found point 3 out of order"));
+  EXPECT_THAT(rim("[13, 0, 0], [9, 9, 1], [9, 9, 1], [0, 17, 0], [-13, 0, 0], [0, -17, 0]"),
+              HasSubstr("bone.glenoid.rim_mm: found point 3 out of order"));
+  EXPECT_THAT(rim("[13, 0, 0], [9, 0, 0], [0, 0, 0], [-9, 0, 0], [-13, 0, 0], [-20, 0, 0]"),
+              HasSubstr("bone.glenoid.rim_mm: found points on one line"));
+  EXPECT_THAT(rim("[1.3, 0, 0], [0.9, 0.9, 1], [0, 1.7, 0], [-0.9, 0.9, 0], [-1.3, 0, 0], [0, -1.7, 0]"),
+              HasSubstr("bone.glenoid.rim_mm: found a rim 3.4 mm long"));
+}
+
 TEST_F(Rules, GlenoidFrameIsWhole) {
   const auto glenoid = [&](const std::string& keys) {
     return changed(kPhantom, kPhantom + "  side: left\n  glenoid: {" + keys + "}\n");

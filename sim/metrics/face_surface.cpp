@@ -1,0 +1,190 @@
+#include "sim/metrics/face_surface.h"
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "sim/metrics/reamed_face.h"
+#include "sim/metrics/statistics.h"
+
+namespace reamsim {
+
+namespace {
+
+constexpr double kTrimmedFraction = 0.75;  // of the points that decide, at first
+constexpr double kNormalMad = 1.4826;      // standard deviation over median absolute deviation, of normal errors
+constexpr double kFarDeviations = 2.5;
+constexpr double kLeastDeviation_mm = 1e-6;
+constexpr int kMostRounds = 50;
+constexpr double kCorrelationVoxels = 3;
+constexpr double kSignificant = 15.1;  // F(1, ∞) at one error in 10,000
+
+double degrees_of(double radians) {
+  return radians * 180 / std::numbers::pi;
+}
+
+double distance_of(const PlaneFit& plane, const Vec3& point) {
+  return (point - plane.point_mm).dot(plane.normal);
+}
+
+double distance_of(const SphereFit& sphere, const Vec3& point) {
+  return (point - sphere.center_mm).norm() - sphere.radius_mm;
+}
+
+template <class Fit>
+std::vector<double> distances_of(const Fit& fit, const std::vector<Vec3>& points) {
+  std::vector<double> out;
+  out.reserve(points.size());
+  for (const Vec3& point : points) out.push_back(std::abs(distance_of(fit, point)));
+  return out;
+}
+
+std::vector<Vec3> nearer_than(const std::vector<Vec3>& points, const std::vector<double>& distances, double most) {
+  std::vector<Vec3> out;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (distances[i] <= most) out.push_back(points[i]);
+  }
+  return out;
+}
+
+/// A fit, the points that it is of, and the mean square of the nearest kTrimmedFraction of all points.
+template <class Fit>
+struct RobustFit {
+  Fit fit;
+  std::vector<Vec3> fitted_mm;
+  double trimmed_mean_square = 0;
+};
+
+template <class Fit>
+double trimmed_mean_square(const Fit& fit, const std::vector<Vec3>& points) {
+  std::vector<double> distances = distances_of(fit, points);
+  std::sort(distances.begin(), distances.end());
+  const auto count = static_cast<std::size_t>(kTrimmedFraction * static_cast<double>(points.size()));
+  double squares = 0;
+  for (std::size_t i = 0; i < count; ++i) squares += distances[i] * distances[i];
+  return squares / static_cast<double>(count);
+}
+
+/// `make` fits to points. Nothing where it finds nothing.
+template <class Fit, class Make>
+std::optional<RobustFit<Fit>> fit_robustly(const std::vector<Vec3>& points, const Make& make) {
+  std::optional<Fit> fit = make(points);
+  if (!fit) return std::nullopt;
+  std::vector<Vec3> kept;
+  const auto refit = [&](const auto& limit) {
+    for (int round = 0; round < kMostRounds; ++round) {
+      const std::vector<double> distances = distances_of(*fit, points);
+      std::vector<Vec3> near = nearer_than(points, distances, limit(distances));
+      if (near == kept) return;
+      const std::optional<Fit> better = make(near);
+      if (!better) return;
+      fit = better;
+      kept = std::move(near);
+    }
+  };
+  refit([](const std::vector<double>& distances) { return quantile(distances, kTrimmedFraction); });
+  refit([](const std::vector<double>& distances) {
+    return kFarDeviations * std::max(kNormalMad * quantile(distances, 0.5), kLeastDeviation_mm);
+  });
+  return RobustFit<Fit>{*fit, std::move(kept), trimmed_mean_square(*fit, points)};
+}
+
+/// Standard error of the direction from a point at `distance_mm` to the sphere's centre, from the fit's covariance.
+double sphere_error_rad(const FaceSurface& surface, const Vec3& direction, double distance_mm) {
+  Eigen::Matrix4d products = Eigen::Matrix4d::Zero();
+  for (const Vec3& p : surface.fitted_mm) {
+    Eigen::Vector4d row;
+    row << (p - surface.sphere->center_mm).normalized(), 1;
+    products += row * row.transpose();
+  }
+  const double count = static_cast<double>(surface.fitted_mm.size());
+  const double square = surface.rms_mm * surface.rms_mm * count / surface.independent;
+  const Eigen::Matrix4d covariance = square * products.inverse();
+  const Mat3 center = covariance.topLeftCorner<3, 3>();
+  const double across = center.trace() - direction.dot(center * direction);
+  return std::isfinite(across) ? std::sqrt(std::max(across, 0.0)) / distance_mm : std::numbers::pi;
+}
+
+/// Likewise of the plane's normal at a point: the normal's own, and what a curvature that hides in the residual turns
+/// it by between the points' middle and there.
+double plane_error_rad(const FaceSurface& surface, const Vec3& point_mm) {
+  const PlaneFit& plane = surface.plane;
+  Mat3 spread = Mat3::Zero();
+  for (const Vec3& p : surface.fitted_mm) spread += (p - plane.point_mm) * (p - plane.point_mm).transpose();
+  spread /= static_cast<double>(surface.fitted_mm.size());
+  const Eigen::SelfAdjointEigenSolver<Mat3> axes(spread);
+  const double narrow_mm2 = axes.eigenvalues()(1);
+  const double own = surface.rms_mm / std::sqrt(surface.independent * narrow_mm2);
+  // A paraboloid of curvature c over a disc leaves a residual of 0.29·c·(mean square of the distance from its middle).
+  constexpr double kDisc = 0.289;
+  const double curvature = surface.rms_mm / (kDisc * (narrow_mm2 + axes.eigenvalues()(2)));
+  const Vec3 away = point_mm - plane.point_mm;
+  return std::hypot(own, curvature * (away - away.dot(plane.normal) * plane.normal).norm());
+}
+
+}  // namespace
+
+std::optional<FaceSurface> fit_face(const FacePoints& face, const Vec3& outward) {
+  const std::vector<Vec3>& points = face.points_mm;
+  if (points.size() < kLeastFacePoints) return std::nullopt;
+  auto plane = fit_robustly<PlaneFit>(points, [&](const std::vector<Vec3>& some) { return fit_plane(some, outward); });
+  if (!plane) return std::nullopt;
+  auto sphere = fit_robustly<SphereFit>(points, fit_sphere);
+  FaceSurface out;
+  out.plane = plane->fit;
+  out.points = points.size();
+  const double patch_mm = kCorrelationVoxels * face.voxel_mm;
+  const double independent_share = std::min(1.0, face.point_mm2 / (patch_mm * patch_mm));
+  if (sphere) {
+    out.sphere = sphere->fit;
+    const double gain = plane->trimmed_mean_square - sphere->trimmed_mean_square;
+    const double freedom = independent_share * kTrimmedFraction * static_cast<double>(points.size()) - 4;
+    const double flat_mm = kFlatVoxels * face.voxel_mm;
+    out.spherical = freedom > 0 && gain * freedom > kSignificant * sphere->trimmed_mean_square &&
+                    plane->trimmed_mean_square > flat_mm * flat_mm;
+    out.concave = (sphere->fit.center_mm - out.plane.point_mm).dot(outward) > 0;
+  }
+  out.fitted_mm = std::move(out.spherical ? sphere->fitted_mm : plane->fitted_mm);
+  out.rms_mm = out.spherical ? sphere->fit.rms_mm : plane->fit.rms_mm;
+  const double count = static_cast<double>(out.fitted_mm.size());
+  out.fitted_fraction = count / static_cast<double>(points.size());
+  out.independent = std::max(1.0, independent_share * count);
+  return out;
+}
+
+std::optional<FaceAxis> axis_through(const FaceSurface& surface, const Vec3& point) {
+  if (!surface.spherical) {
+    const Vec3& normal = surface.plane.normal;
+    const Vec3 on_plane = point - distance_of(surface.plane, point) * normal;
+    return FaceAxis{on_plane, normal, degrees_of(plane_error_rad(surface, on_plane))};
+  }
+  const SphereFit& sphere = *surface.sphere;
+  const Vec3 away = point - sphere.center_mm;
+  constexpr double kNextToCenter = 0.5;
+  if (away.norm() < kNextToCenter * sphere.radius_mm) return std::nullopt;
+  const Vec3 unit = away.normalized();
+  return FaceAxis{sphere.center_mm + sphere.radius_mm * unit, surface.concave ? Vec3(-unit) : unit,
+                  degrees_of(sphere_error_rad(surface, unit, away.norm()))};
+}
+
+std::optional<Vec3> meeting_point(const FaceSurface& surface, const Vec3& on_line, const Vec3& direction) {
+  if (!surface.spherical) {
+    const double slope = direction.dot(surface.plane.normal);
+    constexpr double kGrazing = 0.1;
+    if (std::abs(slope) < kGrazing) return std::nullopt;
+    return on_line - distance_of(surface.plane, on_line) / slope * direction;
+  }
+  const Vec3 from = on_line - surface.sphere->center_mm;
+  const double along = from.dot(direction);
+  const double radius = surface.sphere->radius_mm;
+  const double inside = radius * radius - (from - along * direction).squaredNorm();
+  if (inside <= 0) return std::nullopt;
+  const Vec3 near = on_line - (along + std::sqrt(inside)) * direction;
+  const Vec3 far = on_line - (along - std::sqrt(inside)) * direction;
+  const Vec3& middle = surface.plane.point_mm;
+  return (near - middle).norm() <= (far - middle).norm() ? near : far;
+}
+
+}  // namespace reamsim

@@ -1,0 +1,135 @@
+#include "sim/metrics/joint_line.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <numbers>
+
+namespace reamsim {
+
+namespace {
+
+constexpr const char* kNoRim =
+    "the rim of the joint face is not known: give bone.glenoid.rim_mm (a glenoid phantom has its own)";
+
+std::string text_of(const char* format, double value) {
+  char text[200];
+  std::snprintf(text, sizeof text, format, value);
+  return text;
+}
+
+/// A native face rougher than this is no sphere: mm, or a voxel where that is more. A reamed one: a voxel.
+constexpr double kRoughest_mm = 1;
+
+/// Why a surface is no face that has an axis; "" where it is one.
+std::string fault_of(const std::optional<FaceSurface>& surface, double roughest_mm) {
+  if (!surface) return "the face is too small to fit a surface to";
+  if (surface->fitted_fraction < kLeastFittedFraction) {
+    return text_of("the face is no single sphere or plane: only %.0f %% of it lies on the one that fits best",
+                   100 * surface->fitted_fraction);
+  }
+  if (surface->rms_mm > roughest_mm) {
+    return text_of("the face is no single sphere or plane: the best one leaves a residual of %.2f mm", surface->rms_mm);
+  }
+  return "";
+}
+
+Measured<FaceAxis> checked(const std::optional<FaceAxis>& axis) {
+  if (!axis) return {.value = {}, .reason = "the face's sphere is as small as its distance from the face's centre"};
+  if (!(axis->error_deg <= kMostAxisError_deg)) {
+    return {.value = {},
+            .reason = text_of("the face is too small or too rough: its axis has a standard error of %.1f degrees",
+                              axis->error_deg)};
+  }
+  return {.value = axis, .reason = ""};
+}
+
+Measured<FaceAxis> native_axis(const NativeFace& face, const std::optional<Vec3>& center_mm, double voxel_mm) {
+  if (std::string fault = fault_of(face.surface, std::max(kRoughest_mm, voxel_mm)); !fault.empty())
+    return {.value = {}, .reason = fault};
+  // Without a centre of its own a face has the middle of its points.
+  return checked(axis_through(*face.surface, center_mm.value_or(face.surface->plane.point_mm)));
+}
+
+Measured<FaceAxis> reamed_axis(const std::optional<FaceSurface>& surface, const Rigid& bone_from_tool,
+                               double voxel_mm) {
+  if (std::string fault = fault_of(surface, voxel_mm); !fault.empty()) return {.value = {}, .reason = fault};
+  const auto meets = meeting_point(*surface, bone_from_tool.translation(), bone_from_tool.linear().col(2));
+  if (!meets) return {.value = {}, .reason = "the reamer's axis does not meet the surface through the reamed face"};
+  return checked(axis_through(*surface, *meets));
+}
+
+/// Whether a point lies on the reamed face: most columns about it are reamed, and next to none is reamed through. The
+/// core that a cannulated reamer leaves standing is narrower than what is looked at.
+std::string fault_at(const ColumnMap& map, const Vec3& point_mm) {
+  constexpr double kAbout_mm = 3;
+  constexpr double kMost = 0.5;
+  constexpr double kNextToNone = 0.1;
+  const Vec3 place = map.bone_from_map.inverse() * point_mm;
+  int all = 0;
+  int reamed = 0;
+  int through = 0;
+  for (int j = 0; j < map.ny; ++j) {
+    for (int i = 0; i < map.nx; ++i) {
+      if ((map.center_mm(i, j) - place.head<2>()).norm() > kAbout_mm) continue;
+      ++all;
+      reamed += map.at(i, j).state == ColumnState::reamed ? 1 : 0;
+      through += map.at(i, j).state == ColumnState::through ? 1 : 0;
+    }
+  }
+  const double columns = std::numbers::pi * kAbout_mm * kAbout_mm / (map.pitch_mm * map.pitch_mm);
+  if (through > kNextToNone * columns) return "the bone is reamed through where the Friedman axis meets it";
+  if (all == 0 || reamed < kMost * columns) return "the Friedman axis meets the bone outside the reamed face";
+  return "";
+}
+
+Measured<double> medialization(const JointLine& line, const ColumnMap& map, const BoneAxes& axes) {
+  const auto none = [](const std::string& reason) { return Measured<double>{.value = {}, .reason = reason}; };
+  if (!axes.scapula || !axes.face_center_mm) return none("the Friedman axis needs bone.glenoid.landmarks");
+  if (!line.native.value) return none("native face: " + line.native.reason);
+  if (!line.reamed.value) return none("reamed face: " + line.reamed.reason);
+  const Vec3& lateral = axes.scapula->lateral;
+  const auto before = meeting_point(*line.native_face->surface, *axes.face_center_mm, lateral);
+  const auto after = meeting_point(*line.reamed_surface, *axes.face_center_mm, lateral);
+  if (!before || !after) return none("the Friedman axis does not meet the surface through the face");
+  if (std::string fault = fault_at(map, *after); !fault.empty()) return none(fault);
+  return {.value = (*before - *after).dot(lateral), .reason = ""};
+}
+
+}  // namespace
+
+FaceAngles face_angles(const Vec3& direction, const ScapularAxes& axes) {
+  constexpr double kDegrees = 180 / std::numbers::pi;
+  const double superior = std::clamp(direction.dot(axes.superior), -1.0, 1.0);
+  return {.version_deg = kDegrees * std::atan2(-direction.dot(axes.anterior), direction.dot(axes.lateral)),
+          .inclination_deg = kDegrees * std::asin(superior)};
+}
+
+JointLine measure_joint_line(const ReamedBone& bone, const ColumnMap& map, const ReamedFace& face,
+                             const BoneAxes& axes) {
+  JointLine out;
+  const double voxel_mm = bone.after.grid.voxel_mm;
+  const Vec3 reamer = map.bone_from_map.linear().col(2);
+  FacePoints points{.points_mm = {}, .point_mm2 = map.pitch_mm * map.pitch_mm, .voxel_mm = voxel_mm};
+  for (const ColumnPlace& place : face.columns) {
+    points.points_mm.push_back(map.in_bone(place.x(), place.y(), map.at(place.x(), place.y()).after_mm));
+  }
+  out.reamed_surface = fit_face(points, reamer);
+  out.reamed = reamed_axis(out.reamed_surface, map.bone_from_map, voxel_mm);
+  const Vec3 outward = axes.scapula ? axes.scapula->lateral : axes.glenoid ? axes.glenoid->lateral : reamer;
+  if (const auto outline = FaceOutline::of(axes.rim_mm, outward)) {
+    out.native_face = measure_native_face(bone, *outline);
+    out.native = native_axis(*out.native_face, axes.face_center_mm, voxel_mm);
+    if (out.native_face->area_mm2 > 0) {
+      out.reamed_fraction.value = out.native_face->reamed_mm2 / out.native_face->area_mm2;
+    } else {
+      out.reamed_fraction.reason = "no bone lies within the rim of the face";
+    }
+  } else {
+    out.native.reason = out.reamed_fraction.reason = kNoRim;
+  }
+  out.medialization_mm = medialization(out, map, axes);
+  return out;
+}
+
+}  // namespace reamsim

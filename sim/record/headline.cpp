@@ -1,0 +1,28 @@
+#include "sim/record/headline.h"
+
+#include "sim/base/fixed_text.h"
+
+namespace reamsim {
+
+std::string Headline::force_text() const {
+  return fixed_text(peak_axial_force_n, 1);
+}
+
+std::string Headline::torque_text() const {
+  return fixed_text(peak_spin_torque_nmm, 0);
+}
+
+std::string Headline::depth_text() const {
+  return fixed_text(tool_depth_mm, 2);
+}
+
+std::string Headline::force_definition() const {
+  return std::string("greatest part of the force along the tool's axis, and greatest torque about it, ") +
+         (means ? "of the means over one voxel of travel" : "of a single frame");
+}
+
+std::string Headline::depth_definition() {
+  return "greatest travel of the tool along its axis since first contact";
+}
+
+}  // namespace reamsim
