@@ -39,7 +39,8 @@ BoneSettings bone_settings(const ImportOptions& options) {
     const Scenario scenario = parse_scenario(options.input, options.overrides);
     return with_surface_voxels(scenario.bone, scenario.cutting);
   }
-  const bool mesh = kind == ".stl" || kind == ".obj" || kind == ".ply";
+  // VTK's surfaces are refused as meshes are, with what to do.
+  const bool mesh = kind == ".stl" || kind == ".obj" || kind == ".ply" || kind == ".vtp" || kind == ".vtk";
   return with_surface_voxels(parse_bone_settings(mesh ? "mesh" : "ct", options.input, options.overrides), {});
 }
 

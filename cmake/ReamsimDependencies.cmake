@@ -21,6 +21,9 @@ find_package(ITK REQUIRED QUIET COMPONENTS
   ITKImageGrid ITKImageFunction ITKThresholding ITKConnectedComponents ITKMathematicalMorphology
   ITKBinaryMathematicalMorphology ITKDistanceMap ITKLabelMap)
 
+# ITK reads DICOM through GDCM and brings its libraries; its headers serve to read tags without pixels.
+find_path(GDCM_HEADERS gdcmReader.h PATH_SUFFIXES gdcm-3.0 gdcm REQUIRED)
+
 pkg_check_modules(OSMESA REQUIRED IMPORTED_TARGET osmesa)
 pkg_check_modules(EGL REQUIRED IMPORTED_TARGET egl)
 pkg_check_modules(PANGOCAIRO REQUIRED IMPORTED_TARGET pangocairo)

@@ -6,6 +6,7 @@
 #include "sim/base/error.h"
 #include "sim/bone/bone.h"
 #include "sim/bone/lattice.h"
+#include "sim/bone/mesh_unit.h"
 #include "sim/bone/sample_bricks.h"
 #include "sim/bone/sample_phantom.h"
 #include "sim/bone/surface_share.h"
@@ -183,6 +184,8 @@ void check_volume(const MeshBoneSettings& settings, double voxels_mm3, double me
 Voxmap voxmap_from_mesh(const BoneSettings& settings, Report& report) {
   const MeshBoneSettings& bone = settings.mesh;
   const TriangleMesh mesh = checked_mesh(bone, report);
+  const bool has_glenoid = settings.glenoid.center_mm || settings.glenoid.landmarks;
+  check_mesh_unit(bone.path, mesh.bounds(), bone.scale, has_glenoid, report);
   const VoxelGrid grid = lattice_around(bone.path, mesh.bounds(), settings.voxel_mm, kMarginVoxels,
                                         {bone_share(mesh, settings.voxel_mm), kMeshBytesPerVoxel});
   const double cortical_voxels = bone.cortical_mm / settings.voxel_mm;

@@ -32,11 +32,20 @@ constexpr std::size_t kStlTriangleBytes = 50;
   throw InputError({path, 0, 0}, "", found, expected);
 }
 
+[[noreturn]] void refuse_vtk(const std::string& path) {
+  fail(path, "a VTK file",
+       "save its surface as STL or PLY: in ParaView with File > Save Data, or in Python with PyVista: "
+       "pyvista.read(\"bone.vtp\").extract_surface().triangulate().save(\"bone.stl\")");
+}
+
 /// "stl", "obj" or "ply".
 std::string checked_extension(const std::string& path) {
   std::string extension = fs::path(path).extension().string();
   std::transform(extension.begin(), extension.end(), extension.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  // PolyData, the other data sets of VTK, and their parallel and composite forms.
+  const std::set<std::string> vtk{".vtk", ".vtp", ".vtu", ".vts", ".vtr", ".vti", ".vtm", ".pvtp", ".pvtu"};
+  if (vtk.contains(extension) && fs::is_regular_file(path)) refuse_vtk(path);
   if (extension != ".stl" && extension != ".obj" && extension != ".ply") {
     fail(path, "the extension \"" + extension + "\"", "expected a mesh in .stl, .obj or .ply");
   }
@@ -61,6 +70,12 @@ std::string read_start(const std::string& path, std::size_t bytes) {
   in.read(out.data(), static_cast<std::streamsize>(bytes));
   out.resize(static_cast<std::size_t>(std::max<std::streamsize>(in.gcount(), 0)));
   return out;
+}
+
+/// VTK's own formats, legacy and XML, whatever the file's name.
+void check_is_not_vtk(const std::string& path) {
+  const std::string start = read_start(path, 256);
+  if (start.starts_with("# vtk DataFile") || start.find("<VTKFile") != std::string::npos) refuse_vtk(path);
 }
 
 /// Binary unless the text of an ASCII STL ("solid ... facet") begins it.
@@ -187,6 +202,7 @@ TriangleMesh read_mesh(const std::string& path, double scale) {
   if (!std::isfinite(scale) || scale <= 0) fail(path, "a scale of " + std::to_string(scale), "expected more than 0");
   const std::string extension = checked_extension(path);
   const std::uintmax_t size = checked_size(path);
+  check_is_not_vtk(path);
   if (extension == "stl") check_stl(path, size);
   if (extension == "ply") check_ply(path, size);
   Joiner joiner(path, scale);

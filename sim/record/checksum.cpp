@@ -53,13 +53,13 @@ std::string file_sum(const fs::path& path) {
 std::string sha256_of(const std::string& path) {
   if (!fs::is_directory(path)) return file_sum(path);
   std::vector<fs::path> files;
-  for (const auto& entry : fs::directory_iterator(path)) {
+  for (const auto& entry : fs::recursive_directory_iterator(path, fs::directory_options::skip_permission_denied)) {
     if (entry.is_regular_file()) files.push_back(entry.path());
   }
   std::sort(files.begin(), files.end());
   Sha256 sum;
   for (const auto& file : files) {
-    const std::string line = file.filename().string() + " " + file_sum(file) + "\n";
+    const std::string line = file.lexically_relative(path).string() + " " + file_sum(file) + "\n";
     sum.add(line.data(), line.size());
   }
   return sum.hex();

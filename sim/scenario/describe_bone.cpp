@@ -215,12 +215,21 @@ void describe_phantom(KeyVisitor& v, PhantomSettings& phantom) {
 }
 
 void describe_label_map(KeyVisitor& v, LabelMapSettings& labels) {
-  v.text({.name = "path",
-          .doc = "NRRD, NIfTI or MetaImage with a label per voxel",
-          .required = true,
-          .text = TextKind::input_file},
-         labels.path);
-  v.integer({.name = "label", .doc = "The label that is the bone", .range = between(1, 2147483647)}, labels.label);
+  v.text(
+      {.name = "path",
+       .doc = "NRRD (.seg.nrrd of 3D Slicer, layers included), NIfTI or MetaImage with a label per voxel, on any grid",
+       .required = true,
+       .text = TextKind::input_file},
+      labels.path);
+  v.names({.name = "label",
+           .doc = "The label that is the bone: a number, or the name of a segment as the file gives it, case aside. "
+                  "Several in a list are one bone"},
+          labels.label);
+  v.number({.name = "refine_mm",
+            .doc = "The mask's surface moves to the isosurface of refine_hu where that is no further; 0: it stays",
+            .range = between(0, 5)},
+           labels.refine_mm);
+  v.number({.name = "refine_hu", .doc = "Used with refine_mm only", .range = kHu}, labels.refine_hu);
 }
 
 void describe_cut_sphere(KeyVisitor& v, CutSphereSettings& sphere) {
@@ -271,9 +280,19 @@ void describe_segmentation(KeyVisitor& v, CtSettings& ct) {
 }
 
 void describe_ct(KeyVisitor& v, CtSettings& ct) {
+  v.text({.name = "path",
+          .doc = "DICOM folder (searched with its subfolders), DICOMDIR, NRRD, NIfTI or MetaImage",
+          .required = true,
+          .text = TextKind::input_path},
+         ct.path);
   v.text(
-      {.name = "path", .doc = "DICOM folder, NRRD, NIfTI or MetaImage", .required = true, .text = TextKind::input_path},
-      ct.path);
+      {.name = "series",
+       .doc = "Of a DICOM folder: series UID, or number in the list that `check` gives; without it the CT series with "
+              "the most slices",
+       .number_too = true},
+      ct.series);
+  v.text({.name = "modality", .doc = "What a DICOM series may be; any: also what is not CT", .choices = {"ct", "any"}},
+         ct.modality);
   v.optional_vector({.name = "crop_min_mm",
                      .doc = "Lower corner of the part that is used, LPS; with crop_max_mm",
                      .range = kPosition},

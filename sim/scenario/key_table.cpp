@@ -21,6 +21,8 @@ std::string type_text(const KeyNode& key) {
       return "true or false";
     case Kind::choices:
       return "list of words";
+    case Kind::names:
+      return "name or whole number, or a list of them";
     case Kind::vector:
       return "3 numbers";
     case Kind::points:

@@ -56,6 +56,11 @@ class TreeBuilder : public KeyVisitor {
     for (const auto& value : values) json += (json.empty() ? "" : ", ") + json_string(value);
     leaf(info, KeyNode::Kind::choices, "[" + json + "]");
   }
+  void names(const KeyInfo& info, std::vector<std::string>& values) override {
+    const std::string& first = values.front();  // a default is one
+    const bool number = first.find_first_not_of("0123456789") == std::string::npos;
+    leaf(info, KeyNode::Kind::names, number ? first : json_string(first));
+  }
   void vector(const KeyInfo& info, Vec3& value) override { leaf(info, KeyNode::Kind::vector, vector_json(value)); }
   void optional_vector(const KeyInfo& info, std::optional<Vec3>&) override { leaf(info, KeyNode::Kind::vector, ""); }
   void points(const KeyInfo& info, std::vector<Vec3>&) override { leaf(info, KeyNode::Kind::points, ""); }
@@ -162,6 +167,8 @@ std::string expectation(const KeyInfo& info, KeyNode::Kind kind) {
       return "true or false";
     case KeyNode::Kind::choices:
       return "a list of one or more of " + join_or(info.choices);
+    case KeyNode::Kind::names:
+      return "a name or a whole number, or a list of them";
     case KeyNode::Kind::vector:
       if (info.nonzero) return "3 numbers [x, y, z], not all zero, each " + range;
       return "3 numbers [x, y, z]" + (range.empty() ? "" : ", each " + range) +

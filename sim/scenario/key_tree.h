@@ -10,7 +10,7 @@ namespace reamsim {
 
 /// A key as data: what describe_scenario() says of it, its default, and the keys below it.
 struct KeyNode {
-  enum class Kind { section, list, number, integer, flag, text, choices, vector, points, quaternion };
+  enum class Kind { section, list, number, integer, flag, text, choices, names, vector, points, quaternion };
 
   Kind kind = Kind::section;
   KeyInfo info;

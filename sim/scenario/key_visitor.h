@@ -51,6 +51,7 @@ struct KeyInfo {
   Range range{};
   std::vector<std::string_view> choices{};
   TextKind text = TextKind::word;
+  bool number_too = false;        ///< a text that may look like a number
   bool nonzero = false;           ///< a direction: not all components zero
   When when{};                    ///< empty: always
   std::string_view unless{};      ///< does not apply where this sibling is given
@@ -76,6 +77,8 @@ class KeyVisitor {
   /// A text: one of `info.choices`, a path or a free word, as `info` says. "" = not given.
   virtual void text(const KeyInfo& info, std::string& value) = 0;
   virtual void choices(const KeyInfo& info, std::vector<std::string>& values) = 0;
+  /// One name or whole number, or a list of them.
+  virtual void names(const KeyInfo& info, std::vector<std::string>& values) = 0;
   virtual void vector(const KeyInfo& info, Vec3& value) = 0;
   virtual void optional_vector(const KeyInfo& info, std::optional<Vec3>& value) = 0;
   /// A list of vectors; empty = not given.

@@ -1,6 +1,8 @@
 #include "sim/scenario/parse.h"
 
+#include <algorithm>
 #include <array>
+#include <cctype>
 #include <cerrno>
 #include <filesystem>
 #include <fstream>
@@ -78,6 +80,13 @@ std::shared_ptr<YamlNode> section_of(const std::string& key, YamlNodePtr value) 
   node->kind = YamlNode::Kind::map;
   node->entries.push_back({key, {}, std::move(value)});
   return node;
+}
+
+/// What a CT is read from: for a DICOMDIR the folder that it indexes.
+std::string ct_input(const std::string& path) {
+  std::string name = fs::path(path).filename().string();
+  std::transform(name.begin(), name.end(), name.begin(), [](unsigned char c) { return std::tolower(c); });
+  return name == "dicomdir" && fs::is_regular_file(path) ? fs::path(path).parent_path().string() : path;
 }
 
 }  // namespace
@@ -159,7 +168,7 @@ std::vector<std::pair<std::string, std::string>> input_files(const Scenario& sce
   const BoneSettings& bone = scenario.bone;
   std::vector<std::pair<std::string, std::string>> files;
   if (bone.source == "ct") {
-    files.emplace_back("bone.ct.path", bone.ct.path);
+    files.emplace_back("bone.ct.path", ct_input(bone.ct.path));
     if (bone.ct.label_map) files.emplace_back("bone.ct.label_map.path", bone.ct.label_map->path);
   }
   if (bone.source == "mesh") files.emplace_back("bone.mesh.path", bone.mesh.path);

@@ -115,8 +115,9 @@ void ScenarioReader::flag(const KeyInfo& info, bool& value) {
 std::string ScenarioReader::checked_text(const KeyInfo& info, const YamlNode& node) const {
   const std::string expected = expectation(info, KeyNode::Kind::text);
   if (node.kind != YamlNode::Kind::scalar) reject(info.name, node, "found " + shown(node), expected);
-  const bool other_type = !node.quoted && !node.mark.override_text &&
-                          (parse_number(node.text) || node.text == "true" || node.text == "false");
+  const bool number = !info.number_too && parse_number(node.text);
+  const bool other_type =
+      !node.quoted && !node.mark.override_text && (number || node.text == "true" || node.text == "false");
   if (other_type)
     reject(info.name, node, "found " + shown(node), expected + " (in quotes where it looks like a number)");
   if (node.text.empty() && info.text != TextKind::output_folder) reject(info.name, node, "found \"\"", expected);
@@ -155,6 +156,24 @@ void ScenarioReader::choices(const KeyInfo& info, std::vector<std::string>& valu
     }
     values.push_back(item->text);
   }
+}
+
+void ScenarioReader::names(const KeyInfo& info, std::vector<std::string>& values) {
+  const YamlNodePtr node = take(info);
+  if (!node) return;
+  const std::string expected = expectation(info, KeyNode::Kind::names);
+  const auto add = [&](const YamlNode& item) {
+    const bool plain_number = item.kind == YamlNode::Kind::scalar && !item.quoted && parse_number(item.text);
+    const bool whole = item.text.find_first_not_of("0123456789") == std::string::npos;
+    if (plain_number && !whole) reject(info.name, item, "found " + shown(item), expected);
+    KeyInfo name = info;
+    name.number_too = true;
+    values.push_back(checked_text(name, item));
+  };
+  values.clear();
+  if (node->kind != YamlNode::Kind::sequence) return add(*node);
+  if (node->items.empty()) reject(info.name, *node, "found " + shown(*node), expected);
+  for (const auto& item : node->items) add(*item);
 }
 
 std::vector<double> ScenarioReader::components(const KeyInfo& info, const YamlNode& node, std::size_t count,

@@ -41,6 +41,7 @@ class ScenarioReader : public KeyVisitor {
   void flag(const KeyInfo& info, bool& value) override;
   void text(const KeyInfo& info, std::string& value) override;
   void choices(const KeyInfo& info, std::vector<std::string>& values) override;
+  void names(const KeyInfo& info, std::vector<std::string>& values) override;
   void vector(const KeyInfo& info, Vec3& value) override;
   void optional_vector(const KeyInfo& info, std::optional<Vec3>& value) override;
   void points(const KeyInfo& info, std::vector<Vec3>& values) override;

@@ -80,11 +80,15 @@ struct CutPlaneSettings {
 
 struct LabelMapSettings {
   std::string path;
-  int label = 1;
+  std::vector<std::string> label{"1"};  ///< whole numbers or names of segments; several are one bone
+  double refine_mm = 0;                 ///< the mask's surface moves to the isosurface of refine_hu if that is so near
+  double refine_hu = 200;
 };
 
 struct CtSettings {
-  std::string path;  ///< DICOM folder, NRRD, NIfTI or MetaImage
+  std::string path;             ///< DICOM folder, NRRD, NIfTI or MetaImage
+  std::string series;           ///< of a DICOM folder: UID, or number in the list of series; "" = the largest
+  std::string modality = "ct";  ///< ct | any: what a DICOM series may be
   std::optional<Vec3> crop_min_mm;
   std::optional<Vec3> crop_max_mm;
   std::string filter = "none";  ///< none | median | curvature_anisotropic

@@ -36,8 +36,16 @@ Json numbers_type(const KeyNode& key, int count) {
   return {{"type", "array"}, {"items", number_type(key, "number")}, {"minItems", count}, {"maxItems", count}};
 }
 
+/// A name or a whole number, or a list of them.
+Json names_type() {
+  const Json name{{"type", {"string", "integer"}}, {"minLength", 1}, {"minimum", 0}};
+  Json list{{"type", "array"}, {"items", name}, {"minItems", 1}};
+  return {{"anyOf", Json::array({name, list})}};
+}
+
 Json text_type(const KeyNode& key) {
   if (!key.info.choices.empty()) return {{"type", "string"}, {"enum", key.info.choices}};
+  if (key.info.number_too) return {{"type", {"string", "integer"}}, {"minLength", 1}};
   if (key.info.text == TextKind::output_folder) return {{"type", "string"}};
   return {{"type", "string"}, {"minLength", 1}};
 }
@@ -109,6 +117,8 @@ Json type_schema(const KeyNode& key) {
               {"items", {{"type", "string"}, {"enum", key.info.choices}}},
               {"minItems", 1},
               {"uniqueItems", true}};
+    case Kind::names:
+      return names_type();
     case Kind::vector:
       return numbers_type(key, 3);
     case Kind::points:

@@ -23,7 +23,14 @@ class YamlWriter : public KeyVisitor {
   void text(const KeyInfo& info, std::string& value) override {
     if (!info.choices.empty()) levels_.back()[info.name] = value;
     if (value.empty() && info.text != TextKind::output_folder) return;
-    line(info, yaml_scalar(info.text == TextKind::word ? value : escape_path(value)));
+    line(info,
+         info.number_too ? name_scalar(value) : yaml_scalar(info.text == TextKind::word ? value : escape_path(value)));
+  }
+
+  void names(const KeyInfo& info, std::vector<std::string>& values) override {
+    std::string list;
+    for (const auto& value : values) list += (list.empty() ? "" : ", ") + name_scalar(value);
+    line(info, values.size() == 1 ? list : "[" + list + "]");
   }
 
   void choices(const KeyInfo& info, std::vector<std::string>& values) override {
@@ -84,6 +91,11 @@ class YamlWriter : public KeyVisitor {
   void end_list() override { levels_.pop_back(); }
 
  private:
+  /// A whole number stays one.
+  static std::string name_scalar(const std::string& value) {
+    return value.find_first_not_of("0123456789") == std::string::npos ? value : yaml_scalar(value);
+  }
+
   using Level = std::map<std::string_view, std::string>;  // choices, sections and lists written so far
 
   [[nodiscard]] std::string indent() const { return std::string(2 * (levels_.size() - 1), ' '); }

@@ -193,6 +193,61 @@ TEST_F(MeshBone, TheAdvisedVoxelSizeFits) {
   EXPECT_LT(advised_mm, 2.5);
 }
 
+TEST_F(MeshBone, UnitThatMakesABoneWithAGlenoidTooSmallOrLargeIsRefused) {
+  struct Case {
+    double length;
+    const char* likely;
+  };
+  // The file's length, and what the message must advise.
+  for (const auto& [length, likely] :
+       {Case{0.153, "set bone.mesh.scale: 1000 if the file is in metres (153 mm)"},
+        Case{15.3, "set bone.mesh.scale: 10 if the file is in centimetres (153 mm)"},
+        Case{6.02, "set bone.mesh.scale: 25.4 if the file is in inches (153 mm)"},
+        Case{153000, "set bone.mesh.scale: 0.001 if the file is in micrometres (153 mm)"},
+        Case{401, "set bone.mesh.scale: about 0.37 for a scapula of 150 mm"},
+        Case{2.78, "or about 54 for a scapula of 150 mm"}}) {
+    BoneSettings settings = settings_for(box_mesh({0, 0, 0}, {length / 3, length / 4, length}), 0.5);
+    settings.side = "left";
+    settings.glenoid.center_mm = Vec3(0, 0, 0);
+    const std::string text = input_error([&] { voxmap_from_mesh(settings, report_); });
+    EXPECT_THAT(text, HasSubstr("bone.mesh.scale: the mesh is ")) << length;
+    EXPECT_THAT(text, HasSubstr("a bone with a glenoid is 20 to 400 mm")) << length;
+    EXPECT_THAT(text, HasSubstr(likely)) << length;
+  }
+}
+
+TEST_F(MeshBone, UnitIsCheckedAfterTheScale) {
+  BoneSettings settings = settings_for(box_mesh({0, 0, 0}, {1, 0.5, 2.78}), 0.5);
+  settings.glenoid.landmarks = LandmarkSettings{};
+  settings.mesh.scale = 55;
+  EXPECT_NO_THROW(voxmap_from_mesh(settings, report_));
+  settings.mesh.scale = 5;
+  EXPECT_THAT(
+      input_error([&] { voxmap_from_mesh(settings, report_); }),
+      HasSubstr("the mesh is 13.9 mm long, and a bone with a glenoid is 20 to 400 mm; set bone.mesh.scale: 25.4 "
+                "if the file is in inches (71 mm), 10 if the file is in centimetres (28 mm), or about 54"));
+}
+
+TEST_F(MeshBone, WithoutAGlenoidASmallMeshIsOnlyWarnedOf) {
+  const BoneSettings settings = settings_for(box_mesh({0, 0, 0}, {1, 1, 2.78}), 0.5);
+  EXPECT_GT(voxmap_from_mesh(settings, report_).bone_mm3(), 2);
+  EXPECT_THAT(report_.warnings,
+              Contains(HasSubstr("the mesh is 2.78 mm long; if that is not so, set bone.mesh.scale")));
+}
+
+TEST_F(MeshBone, RealScapulaInItsOwnUnitIsRefusedWithTheScale) {
+  BoneSettings settings;
+  settings.mesh.path = data_file("scapula_mesh/scapula_left.stl");
+  if (!std::filesystem::exists(settings.mesh.path)) {
+    GTEST_SKIP() << "no " << settings.mesh.path << "; set REAMSIM_DATA";
+  }
+  settings.glenoid.center_mm = Vec3(0, 0, 0);
+  const std::string text = input_error([&] { voxmap_from_mesh(settings, report_); });
+  const std::string key = "or about ";
+  ASSERT_THAT(text, HasSubstr(key));
+  EXPECT_NEAR(std::stod(text.substr(text.find(key) + key.size())), 55, 0.08 * 55) << text;
+}
+
 TEST_F(MeshBone, RealScapula) {
   BoneSettings settings;
   settings.voxel_mm = 0.8;

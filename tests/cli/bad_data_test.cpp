@@ -99,6 +99,40 @@ TEST_F(BadData, MeshOfUnknownKind) {
   expect_mesh_refused("mesh.txt", "hello\n", {"mesh.txt"});
 }
 
+TEST_F(BadData, VtkIsRefusedWithTheConversion) {
+  const std::string xml = "<?xml version=\"1.0\"?>\n<VTKFile type=\"PolyData\" version=\"1.0\">\n";
+  expect_mesh_refused("bone.vtp", xml, {"bone.vtp", "VTK", "STL or PLY", "ParaView"});
+  expect_refused(run(ct_bone("bone.vtp")), 2, {"bone.vtp", "VTK", "NRRD"});
+  const ProgramResult imported = reamsim(
+      {.arguments = {"import", "bone.vtp", "-o", "b.vdb"}, .environment = {}, .folder = "", .interrupt_when = {}});
+  expect_refused(imported, 2, {"bone.vtp", "STL or PLY"});
+  EXPECT_FALSE(exists("b.vdb"));
+}
+
+TEST_F(BadData, MeshInTheWrongUnit) {
+  write("scapula.stl", cube_stl(0.153));
+  const std::string glenoid =
+      "  side: left\n  glenoid: {center_mm: [0, 0, 0], normal: [0, 0, 1], superior: [0, 1, 0]}\n";
+  const std::string mesh = with_bone("  source: mesh\n  voxel_mm: 1\n  mesh: {path: scapula.stl}\n" + glenoid);
+  expect_refused(run(mesh), 2, {"scapula.stl", "set bone.mesh.scale: 1000 if the file is in metres"});
+}
+
+TEST_F(BadData, LabelMaps) {
+  write("scan.nrrd", block_nrrd());
+  write("labels.nrrd", block_nrrd());
+  // The block's values are labels of a kind: 1000 is the bone.
+  expect_done(run(ct_bone("scan.nrrd", ", label_map: {path: labels.nrrd, label: 1000}"),
+                  {"--set", "motion.plunge.entry_mm=[10, 10, 15]"}));
+  std::filesystem::remove_all(path("out"));
+  expect_refused(run(ct_bone("scan.nrrd", ", label_map: {path: labels.nrrd, label: 7}")), 2,
+                 {"labels.nrrd", "bone.ct.label_map.label", "no voxel in the crop has label 7"});
+  expect_refused(run(ct_bone("scan.nrrd", ", label_map: {path: labels.nrrd, label: [scapula_left]}")), 2,
+                 {"labels.nrrd", "'scapula_left'", "names no segments"});
+  write("away.nrrd", with(block_nrrd(), "space origin: (0,0,0)", "space origin: (9,90,9)"));
+  expect_refused(run(ct_bone("scan.nrrd", ", label_map: {path: away.nrrd, label: 1000}")), 2,
+                 {"away.nrrd", "does not meet the image", "(8.5, 89.5, 8.5)", "(-0.5, -0.5, -0.5)"});
+}
+
 TEST_F(BadData, TruncatedStl) {
   const std::string text = cube_stl(10);
   expect_mesh_refused("half.stl", text.substr(0, text.size() / 2), {"half.stl"});

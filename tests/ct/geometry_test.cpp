@@ -203,7 +203,7 @@ TEST(Surface, OfALabelMapIsSmootherThanTheImagesVoxels) {
   image.sample([](const Vec3&) { return 400; });
   write_image<std::int16_t>(image, folder.file("ct.nrrd"));
   BoneSettings settings = settings_for(folder.file("ct.nrrd"), 0.2);
-  settings.ct.label_map = LabelMapSettings{folder.file("label.nrrd"), 3};
+  settings.ct.label_map = LabelMapSettings{.path = folder.file("label.nrrd"), .label = {"3"}};
   Report report;
   const Voxmap voxmap = voxmap_from_ct(settings, report);
   EXPECT_LT(roughness_voxels(voxmap, 9), 2.6);

@@ -152,7 +152,7 @@ TEST_F(Segmentation, LabelMapReplacesThresholdSeedAndCuts) {
   TestImage labels = image_;
   labels.sample([](const Vec3& p) { return p.norm() < 9 ? 2 : ((p - Vec3(18, 0, 0)).norm() < 7 ? 5 : 0); });
   write_image<std::uint8_t>(labels, folder_.file("labels.nii.gz"));
-  settings.ct.label_map = LabelMapSettings{folder_.file("labels.nii.gz"), 5};
+  settings.ct.label_map = LabelMapSettings{.path = folder_.file("labels.nii.gz"), .label = {"5"}};
   settings.ct.threshold_hu = 5000;  // none of these counts now
   settings.ct.cut_spheres.push_back({Vec3(18, 0, 0), 20});
   settings.ct.seed_mm = Vec3(0, 0, 0);
@@ -173,7 +173,7 @@ TEST_F(Segmentation, LabelMapOfAnObliqueImage) {
   image.sample([](const Vec3& p) { return p.norm() < 8 ? 4 : 0; });
   write_image<std::int16_t>(image, folder_.file("labels.nrrd"));
   BoneSettings settings = settings_for(folder_.file("ct.nii"), 0.5);
-  settings.ct.label_map = LabelMapSettings{folder_.file("labels.nrrd"), 4};
+  settings.ct.label_map = LabelMapSettings{.path = folder_.file("labels.nrrd"), .label = {"4"}};
   const Voxmap voxmap = import(settings);
   EXPECT_NEAR(volume_mm3(voxmap) / ball(8), 1, 0.03);
   EXPECT_LT(centroid_mm(voxmap).norm(), 0.1);

@@ -10,6 +10,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <fstream>
+#include <sstream>
 #include <stdexcept>
 
 namespace reamsim::test {
@@ -112,7 +114,7 @@ template void write_image<std::uint32_t>(const TestImage&, const std::string&, b
 template void write_image<float>(const TestImage&, const std::string&, bool);
 template void write_image<double>(const TestImage&, const std::string&, bool);
 
-void write_dicom(const TestImage& image, const std::string& folder, int skip) {
+void write_dicom(const TestImage& image, const std::string& folder, int skip, const DicomTags& tags) {
   fs::create_directories(folder);
   for (int k = 0; k < image.dims.z(); ++k) {
     if (k == skip) continue;
@@ -123,21 +125,74 @@ void write_dicom(const TestImage& image, const std::string& folder, int skip) {
     slice.value.assign(image.value.begin() + k * size, image.value.begin() + (k + 1) * size);
     const auto io = itk::GDCMImageIO::New();
     io->KeepOriginalUIDOn();
-    itk::MetaDataDictionary& tags = io->GetMetaDataDictionary();
+    itk::MetaDataDictionary& dictionary = io->GetMetaDataDictionary();
     const auto put = [&](const char* tag, const std::string& text) {
-      itk::EncapsulateMetaData<std::string>(tags, tag, text);
+      if (!text.empty()) itk::EncapsulateMetaData<std::string>(dictionary, tag, text);
     };
-    put("0008|0060", "CT");
+    put("0008|0060", tags.modality);
+    put("0008|103e", tags.description);
+    put("0018|1210", tags.kernel);
+    put("0020|0011", std::to_string(tags.number));
     put("0008|0016", "1.2.840.10008.5.1.4.1.1.2");  // CT image storage
     put("0020|000d", "1.2.3.4.5");                  // study
-    put("0020|000e", "1.2.3.4.5.6");                // series
-    put("0020|0052", "1.2.3.4.5.7");                // frame of reference
+    put("0020|000e", tags.series);
+    put("0020|0052", "1.2.3.4.5.7");  // frame of reference
     put("0020|0013", std::to_string(k + 1));
     put("0028|0004", "MONOCHROME2");
     char name[32];
-    std::snprintf(name, sizeof name, "/slice%03d.dcm", image.dims.z() - k);
-    write<std::int16_t>(slice, *io, folder + name, false);
+    std::snprintf(name, sizeof name, "/slice%03d", image.dims.z() - k);
+    write<std::int16_t>(slice, *io, folder + name + ".dcm", false);
+    if (tags.ending != ".dcm") fs::rename(folder + name + ".dcm", folder + name + tags.ending);
   }
+}
+
+void patch_file(const std::string& path, const std::string& from, const std::string& to) {
+  std::ifstream in(path, std::ios::binary);
+  std::string bytes{std::istreambuf_iterator<char>(in), {}};
+  ASSERT_EQ(from.size(), to.size());
+  ASSERT_NE(bytes.find(from), std::string::npos) << path;
+  for (std::size_t at = bytes.find(from); at != std::string::npos; at = bytes.find(from, at + 1)) {
+    bytes.replace(at, to.size(), to);
+  }
+  std::ofstream(path, std::ios::binary) << bytes;
+}
+
+void write_seg_nrrd(const std::vector<TestImage>& layers, const std::string& path, const std::string& header_lines) {
+  const TestImage& first = layers.front();
+  const bool layered = layers.size() > 1;
+  std::ostringstream out;
+  out.precision(17);
+  const auto put = [&out](const Vec3& v) { out << " (" << v.x() << "," << v.y() << "," << v.z() << ")"; };
+  out << "NRRD0004\ntype: unsigned char\ndimension: " << (layered ? 4 : 3)
+      << "\nspace: left-posterior-superior\nsizes:";
+  if (layered) out << " " << layers.size();
+  out << " " << first.dims.x() << " " << first.dims.y() << " " << first.dims.z() << "\nspace directions:";
+  if (layered) out << " none";
+  for (int axis = 0; axis < 3; ++axis) put(first.direction.col(axis) * first.spacing_mm[axis]);
+  out << "\nkinds:" << (layered ? " list" : "") << " domain domain domain\nencoding: raw\nspace origin:";
+  put(first.origin_mm);
+  out << "\n" << header_lines << "\n";
+  for (std::size_t n = 0; n < first.value.size(); ++n) {
+    for (const TestImage& layer : layers) out.put(static_cast<char>(layer.value[n]));
+  }
+  std::ofstream(path, std::ios::binary) << out.str();
+}
+
+TestImage cropped(const TestImage& image, const Vec3i& start, const Vec3i& size) {
+  TestImage out = image;
+  out.dims = size;
+  out.origin_mm = image.point_mm(start.x(), start.y(), start.z());
+  out.value.clear();
+  for (int k = 0; k < size.z(); ++k) {
+    for (int j = 0; j < size.y(); ++j) {
+      for (int i = 0; i < size.x(); ++i) {
+        const Vec3i c = start + Vec3i(i, j, k);
+        out.value.push_back(
+            image.value[static_cast<std::size_t>(c.x() + image.dims.x() * (c.y() + image.dims.y() * c.z()))]);
+      }
+    }
+  }
+  return out;
 }
 
 BoneSettings settings_for(const std::string& path, double voxel_mm) {

@@ -47,9 +47,29 @@ TestImage reordered(const TestImage& image, const std::array<int, 3>& axes, cons
 template <typename Value>
 void write_image(const TestImage& image, const std::string& path, bool compressed = false);
 
-/// Writes one DICOM file per slice (int16, CT), file names in the reverse order of the slices. A `skip`ped slice is
-/// left out.
-void write_dicom(const TestImage& image, const std::string& folder, int skip = -1);
+/// What DICOM files say beside their pixels.
+struct DicomTags {
+  std::string series = "1.2.3.4.5.6";
+  int number = 1;
+  std::string description{};
+  std::string kernel{};
+  std::string modality = "CT";
+  std::string ending = ".dcm";  ///< of the files' names
+};
+
+/// Writes one DICOM file per slice (int16), file names in the reverse order of the slices. A `skip`ped slice is left
+/// out.
+void write_dicom(const TestImage& image, const std::string& folder, int skip = -1, const DicomTags& tags = {});
+
+/// Replaces every occurrence of a text in a file by one as long.
+void patch_file(const std::string& path, const std::string& from, const std::string& to);
+
+/// Writes an NRRD of unsigned bytes by hand, with one byte per layer in each voxel and more header lines, as 3D Slicer
+/// writes .seg.nrrd. One layer: three axes.
+void write_seg_nrrd(const std::vector<TestImage>& layers, const std::string& path, const std::string& header_lines);
+
+/// The voxels of a box of an image: from `start`, `size` along each axis.
+TestImage cropped(const TestImage& image, const Vec3i& start, const Vec3i& size);
 
 /// Settings that read `path` with voxels of `voxel_mm` at threshold 200 HU, without closing.
 BoneSettings settings_for(const std::string& path, double voxel_mm);

@@ -48,6 +48,11 @@ TEST(Checksum, OfAFileAndAFolder) {
   const std::string one = sha256_of(dir.path());
   std::ofstream(dir.path() + "/a.dcm") << "more";
   EXPECT_NE(sha256_of(dir.path()), one);
+  const std::string flat = sha256_of(dir.path());
+  std::filesystem::create_directory(dir.path() + "/sub");
+  EXPECT_EQ(sha256_of(dir.path()), flat);
+  std::ofstream(dir.path() + "/sub/c.dcm") << "deep";
+  EXPECT_NE(sha256_of(dir.path()), flat) << "DICOM lies in subfolders as well";
   EXPECT_THROW(sha256_of(dir.path() + "/none"), InputError);
 }
 

@@ -111,6 +111,9 @@ TEST_F(SchemaTest, AgreesWithTheParser) {
       with(kValid, half, "  source: phantom\n  side: left\n"),
       with(kValid, half, "  source: mesh\n  mesh: {path: tool.stl}\n"),
       with(kValid, half, "  source: ct\n  ct: {path: tool.stl, label_map: {path: tool.stl}}\n"),
+      with(kValid, half, "  source: ct\n  ct: {path: tool.stl, label_map: {path: tool.stl, label: 3}, series: 2}\n"),
+      with(kValid, half,
+           "  source: ct\n  ct: {path: tool.stl, label_map: {path: tool.stl, label: [3, scapula]}, series: 1.2.8}\n"),
       with(kValid, "axis: [0, 0, 1]", "quaternion: [1, 0, 0, 0]"),
       kValid +
           "cutting: {preset: literature-low, erosion: exact, edge_force: {tangential_n_mm: 1, normal_n_mm: 0, "
@@ -131,6 +134,9 @@ TEST_F(SchemaTest, AgreesWithTheParser) {
       with(kValid, "    shape: half_space\n", ""),
       with(kValid, half, "  source: ct\n"),
       with(kValid, half, "  source: ct\n  ct: {path: tool.stl, label_map: {path: tool.stl}, seed_mm: [1, 2, 3]}\n"),
+      with(kValid, half, "  source: ct\n  ct: {path: tool.stl, label_map: {path: tool.stl, label: []}}\n"),
+      with(kValid, half, "  source: ct\n  ct: {path: tool.stl, label_map: {path: tool.stl, label: 1.5}}\n"),
+      with(kValid, half, "  source: ct\n  ct: {path: tool.stl, modality: mr}\n"),
       with(kValid, "[10, 10, 6]", "[10, 10]"),
       with(kValid, "motion:\n", "motion:\n  plunge: {feed_mm_s: 1}\n"),
       with(kValid, "axis: [0, 0, 1]}\n", "axis: [0, 0, 1], quaternion: [1, 0, 0, 0]}\n"),

@@ -84,7 +84,9 @@ TEST_F(RoundTrip, EverySource) {
         "    cut_spheres: [{center_mm: [139.2, 163.7, -427.7], radius_mm: 21.8}, {center_mm: [0, 0, 0], radius_mm: "
         "1}],\n"
         "    cut_planes: [{point_mm: [1, 2, 3], normal: [0, 1, 0]}], fill_holes: false}\n",
-        "  source: ct\n  ct: {path: scan.nrrd, label_map: {path: scan.nrrd, label: 3}}\n"}) {
+        "  source: ct\n  ct: {path: scan.nrrd, label_map: {path: scan.nrrd, label: 3}}\n",
+        "  source: ct\n  ct: {path: scan.nrrd, series: 2, modality: any,\n"
+        "    label_map: {path: scan.nrrd, label: [7, \"scapula: left\", \"8\"], refine_mm: 1}}\n"}) {
     const Scenario s = parse(resolved(with(kValid, phantom, source + glenoid)));
     EXPECT_EQ(*s.bone.glenoid.normal, Vec3(0.611, -0.548, 0.572));
     ASSERT_EQ(s.bone.glenoid.rim_mm.size(), 6u);
@@ -94,6 +96,11 @@ TEST_F(RoundTrip, EverySource) {
       ASSERT_EQ(s.bone.ct.cut_spheres.size(), 2u);
       EXPECT_EQ(s.bone.ct.cut_spheres[0].radius_mm, 21.8);
       EXPECT_FALSE(s.bone.ct.fill_holes);
+    }
+    if (s.bone.ct.series == "2") {
+      EXPECT_EQ(s.bone.ct.modality, "any");
+      EXPECT_EQ(s.bone.ct.label_map->label, (std::vector<std::string>{"7", "scapula: left", "8"}));
+      EXPECT_EQ(s.bone.ct.label_map->refine_mm, 1);
     }
   }
 }

@@ -228,6 +228,23 @@ TEST_F(Rules, LabelMapReplacesSegmentation) {
   EXPECT_EQ(bone("  source: ct\n  ct: {path: scan.nrrd, label_map: {path: scan.nrrd}}\n"), "");
 }
 
+TEST_F(Rules, LabelsAreNamesOrWholeNumbers) {
+  write("scan.nrrd", "NRRD0004\n");
+  const auto label = [&](const std::string& text) {
+    return bone("  source: ct\n  ct: {path: scan.nrrd, label_map: {path: scan.nrrd, label: " + text + "}}\n");
+  };
+  for (const char* fine : {"3", "scapula_left", "[scapula_left, 3]", "\"3\""}) EXPECT_EQ(label(fine), "") << fine;
+  const std::string expected = "expected a name or a whole number, or a list of them";
+  for (const char* wrong : {"1.5", "-1", "[]", "[1.5]", "{a: 1}", "[[1]]", "\"\""}) {
+    EXPECT_THAT(label(wrong), StartsWith("s.yaml:4:")) << wrong;
+    EXPECT_THAT(label(wrong), ::testing::HasSubstr("bone.ct.label_map.label: found ")) << wrong;
+  }
+  EXPECT_THAT(label("1.5"), ::testing::HasSubstr(expected));
+  EXPECT_EQ(bone("  source: ct\n  ct: {path: scan.nrrd, series: 1.2.840.113619.2}\n"), "");
+  EXPECT_EQ(bone("  source: ct\n  ct: {path: scan.nrrd, series: 2}\n"), "");
+  EXPECT_THAT(bone("  source: ct\n  ct: {path: scan.nrrd, modality: MR}\n"), ::testing::HasSubstr("ct or any"));
+}
+
 TEST_F(Rules, FilesMustBeThere) {
   EXPECT_EQ(changed("tool.stl", "nix.stl"),
             "s.yaml:9:9: tool.mesh: no such file: nix.stl; expected a file that exists");

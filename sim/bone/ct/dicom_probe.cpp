@@ -13,6 +13,7 @@
 #include <new>
 
 #include "sim/base/error.h"
+#include "sim/bone/ct/dicom_header.h"
 #include "sim/bone/ct/image_file.h"
 #include "sim/bone/ct/quiet.h"
 
@@ -52,15 +53,17 @@ void read_whole(const std::string& file, const std::string& key) {
   read_voxels(*io, {Vec3i::Zero(), geometry.dims}, file, key);
 }
 
-[[noreturn]] void read_all_and_exit(const std::vector<std::string>& files, const std::string& key,
-                                    SharedCounter& current) {
+/// Reads the files from `first` on and exits.
+template <typename Read>
+[[noreturn]] void read_all_and_exit(const std::vector<std::string>& files, std::size_t first, SharedCounter& current,
+                                    const Read& read) {
   const rlimit no_core{0, 0};
   setrlimit(RLIMIT_CORE, &no_core);
   for (const int signal : {SIGABRT, SIGSEGV, SIGBUS, SIGFPE, SIGILL}) std::signal(signal, SIG_DFL);
-  for (std::size_t n = 0; n < files.size(); ++n) {
+  for (std::size_t n = first; n < files.size(); ++n) {
     current.set(n);
     try {
-      read_whole(files[n], key);
+      read(files[n]);
     } catch (...) {
       continue;  // the reader proper meets it again, and says what it is
     }
@@ -68,22 +71,40 @@ void read_whole(const std::string& file, const std::string& key) {
   _exit(0);
 }
 
+/// The first file from `first` on whose reading ends a child process; files.size() where none does.
+template <typename Read>
+std::size_t first_that_kills(const std::vector<std::string>& files, std::size_t first, const Read& read) {
+  SharedCounter current;
+  if (first >= files.size() || !current.usable()) return files.size();
+  const QuietLibraries quiet;  // the child's last words, too
+  const pid_t child = fork();
+  if (child == 0) read_all_and_exit(files, first, current, read);
+  if (child < 0) return files.size();
+  int status = 0;
+  while (waitpid(child, &status, 0) < 0) {
+    if (errno != EINTR) return files.size();
+  }
+  return WIFEXITED(status) ? files.size() : current.get();
+}
+
 }  // namespace
 
 void check_dicom_is_survived(const std::vector<std::string>& files, const std::string& key) {
-  SharedCounter current;
-  if (files.empty() || !current.usable()) return;
-  const QuietLibraries quiet;  // the child's last words, too
-  const pid_t child = fork();
-  if (child == 0) read_all_and_exit(files, key, current);
-  if (child < 0) return;
-  int status = 0;
-  while (waitpid(child, &status, 0) < 0) {
-    if (errno != EINTR) return;
+  const std::size_t killed = first_that_kills(files, 0, [&key](const std::string& file) { read_whole(file, key); });
+  if (killed == files.size()) return;
+  throw InputError({files[killed]}, key, "the DICOM file is damaged beyond reading", "the file must be complete");
+}
+
+std::vector<bool> dicom_headers_survived(const std::vector<std::string>& files) {
+  const auto read = [](const std::string& file) {
+    DicomHeader header;
+    read_dicom_header(file, header);
+  };
+  std::vector<bool> out(files.size(), true);
+  for (std::size_t n = first_that_kills(files, 0, read); n < files.size(); n = first_that_kills(files, n + 1, read)) {
+    out[n] = false;
   }
-  if (WIFEXITED(status)) return;
-  throw InputError({files[current.get()]}, key, "the DICOM file is damaged beyond reading",
-                   "the file must be complete");
+  return out;
 }
 
 }  // namespace reamsim::ct

@@ -10,4 +10,7 @@ namespace reamsim::ct {
 /// wrong with a file is left to the reader proper. Costs a second reading.
 void check_dicom_is_survived(const std::vector<std::string>& files, const std::string& key);
 
+/// For each file whether reading its header leaves a child process alive.
+std::vector<bool> dicom_headers_survived(const std::vector<std::string>& files);
+
 }  // namespace reamsim::ct

@@ -1,6 +1,7 @@
 #include "sim/bone/ct/image_file.h"
 
 #include <itkGDCMImageIO.h>
+#include <itkMetaDataObject.h>
 #include <itkMetaImageIO.h>
 #include <itkNiftiImageIO.h>
 #include <itkNrrdImageIO.h>
@@ -10,6 +11,7 @@
 #include <cmath>
 #include <cstring>
 #include <filesystem>
+#include <fstream>
 #include <limits>
 #include <stdexcept>
 
@@ -56,6 +58,15 @@ bool holds_its_voxels(const std::string& path) {
          extension == ".dcm";
 }
 
+/// VTK's own formats, legacy and XML.
+bool is_vtk(const std::string& path) {
+  std::ifstream in(path, std::ios::binary);
+  std::string start(256, '\0');
+  in.read(start.data(), static_cast<std::streamsize>(start.size()));
+  start.resize(static_cast<std::size_t>(in.gcount()));
+  return start.starts_with("# vtk DataFile") || start.find("<VTKFile") != std::string::npos;
+}
+
 bool can_read(itk::ImageIOBase& io, const std::string& path) {
   try {
     return io.CanReadFile(path.c_str());
@@ -64,8 +75,15 @@ bool can_read(itk::ImageIOBase& io, const std::string& path) {
   }
 }
 
+/// Which of the numbers that a voxel holds.
+struct Layer {
+  int at = 0;
+  int of = 1;
+};
+
 template <typename Value>
-void copy_region(const std::byte* raw, const itk::ImageIORegion& held, const IndexBox& box, float* out) {
+void copy_region(const std::byte* raw, const itk::ImageIORegion& held, const IndexBox& box, const Layer& layer,
+                 float* out) {
   const auto start = [&](unsigned axis) { return axis < held.GetImageDimension() ? held.GetIndex(axis) : 0; };
   const std::int64_t row = static_cast<std::int64_t>(held.GetSize(0));
   const std::int64_t rows = held.GetImageDimension() > 1 ? static_cast<std::int64_t>(held.GetSize(1)) : 1;
@@ -75,7 +93,8 @@ void copy_region(const std::byte* raw, const itk::ImageIORegion& held, const Ind
           (box.start.x() - start(0)) + row * ((box.start.y() + j - start(1)) + rows * (box.start.z() + k - start(2)));
       for (int i = 0; i < box.size.x(); ++i) {
         Value value;
-        std::memcpy(&value, raw + (first + i) * static_cast<std::int64_t>(sizeof(Value)), sizeof(Value));
+        const std::int64_t number = (first + i) * layer.of + layer.at;
+        std::memcpy(&value, raw + number * static_cast<std::int64_t>(sizeof(Value)), sizeof(Value));
         *out++ = static_cast<float>(value);
       }
     }
@@ -83,32 +102,32 @@ void copy_region(const std::byte* raw, const itk::ImageIORegion& held, const Ind
 }
 
 void copy_as_float(Component type, const std::byte* raw, const itk::ImageIORegion& held, const IndexBox& box,
-                   float* out) {
+                   const Layer& layer, float* out) {
   switch (type) {
     case Component::UCHAR:
-      return copy_region<unsigned char>(raw, held, box, out);
+      return copy_region<unsigned char>(raw, held, box, layer, out);
     case Component::CHAR:
-      return copy_region<signed char>(raw, held, box, out);
+      return copy_region<signed char>(raw, held, box, layer, out);
     case Component::USHORT:
-      return copy_region<unsigned short>(raw, held, box, out);
+      return copy_region<unsigned short>(raw, held, box, layer, out);
     case Component::SHORT:
-      return copy_region<short>(raw, held, box, out);
+      return copy_region<short>(raw, held, box, layer, out);
     case Component::UINT:
-      return copy_region<unsigned int>(raw, held, box, out);
+      return copy_region<unsigned int>(raw, held, box, layer, out);
     case Component::INT:
-      return copy_region<int>(raw, held, box, out);
+      return copy_region<int>(raw, held, box, layer, out);
     case Component::ULONG:
-      return copy_region<unsigned long>(raw, held, box, out);
+      return copy_region<unsigned long>(raw, held, box, layer, out);
     case Component::LONG:
-      return copy_region<long>(raw, held, box, out);
+      return copy_region<long>(raw, held, box, layer, out);
     case Component::ULONGLONG:
-      return copy_region<unsigned long long>(raw, held, box, out);
+      return copy_region<unsigned long long>(raw, held, box, layer, out);
     case Component::LONGLONG:
-      return copy_region<long long>(raw, held, box, out);
+      return copy_region<long long>(raw, held, box, layer, out);
     case Component::FLOAT:
-      return copy_region<float>(raw, held, box, out);
+      return copy_region<float>(raw, held, box, layer, out);
     case Component::DOUBLE:
-      return copy_region<double>(raw, held, box, out);
+      return copy_region<double>(raw, held, box, layer, out);
     default:
       throw std::invalid_argument("pixel type");  // geometry_of() lets none of these through
   }
@@ -127,14 +146,15 @@ InputError cut_off(const std::string& path, const std::string& key) {
   return {{path}, key, "the voxels cannot be read: the file is cut off or damaged", "the file must be complete"};
 }
 
-/// One file of one of the four formats.
-class FileScan : public ScanSource {
+/// One file of NRRD, NIfTI or MetaImage.
+class FileScan : public LabelSource {
  public:
-  FileScan(const std::string& path, const std::string& key) : path_(path), key_(key) {
+  FileScan(const std::string& path, const std::string& key, bool allow_layers) : path_(path), key_(key) {
     io_ = open_image_io(path, key, format_);
     read_header(*io_, path, key, format_);
-    geometry_ = geometry_of(*io_, path, key, false);
-    check_fits_in_memory(static_cast<double>(geometry_.size()), io_->GetComponentSize(), path, key);
+    if (format_ == kDicom) refuse_single_dicom();
+    geometry_ = geometry_of(*io_, path, key, false, allow_layers);
+    check_fits_in_memory(static_cast<double>(geometry_.size()), bytes_per_voxel(), path, key);
     check_file_length();
     const QuietLibraries quiet;
     if (format_ == "NIfTI" && !nifti_is_complete(path)) throw cut_off(path, key);
@@ -143,15 +163,41 @@ class FileScan : public ScanSource {
   [[nodiscard]] const ScanGeometry& geometry() const override { return geometry_; }
   [[nodiscard]] std::string description() const override { return format_ + ", " + pixel_type_of(*io_); }
   [[nodiscard]] bool is_unsigned() const override { return has_unsigned_pixels(*io_); }
+  [[nodiscard]] Scan read(const IndexBox& box) const override { return read_layer(box, 0); }
 
-  [[nodiscard]] Scan read(const IndexBox& box) const override {
-    return {part_of(geometry_, box), read_voxels(*io_, box, path_, key_)};
+  [[nodiscard]] int layers() const override { return static_cast<int>(io_->GetNumberOfComponents()); }
+  [[nodiscard]] bool has_whole_numbers() const override {
+    return io_->GetComponentType() != Component::FLOAT && io_->GetComponentType() != Component::DOUBLE;
+  }
+  [[nodiscard]] Scan read_layer(const IndexBox& box, int layer) const override {
+    return {part_of(geometry_, box), read_voxels(*io_, box, path_, key_, layer)};
+  }
+  [[nodiscard]] std::map<std::string, std::string> metadata() const override {
+    const itk::MetaDataDictionary& dictionary = io_->GetMetaDataDictionary();
+    std::map<std::string, std::string> out;
+    for (const std::string& name : dictionary.GetKeys()) {
+      std::string value;
+      if (itk::ExposeMetaData<std::string>(dictionary, name, value)) out[name] = value;
+    }
+    return out;
   }
 
  private:
+  [[nodiscard]] double bytes_per_voxel() const {
+    return static_cast<double>(io_->GetComponentSize()) * io_->GetNumberOfComponents();
+  }
+
+  [[noreturn]] void refuse_single_dicom() const {
+    if (io_->GetNumberOfDimensions() > 2 && io_->GetDimensions(2) > 1) {
+      throw InputError({path_}, key_, "a multi-frame DICOM file",
+                       "convert it to NRRD or NIfTI (3D Slicer, dcm2niix), or export single slices");
+    }
+    throw InputError({path_}, key_, "a single DICOM slice", "give the folder that holds the series");
+  }
+
   void check_file_length() const {
     if (!holds_its_voxels(path_)) return;
-    const double claimed = static_cast<double>(geometry_.size()) * io_->GetComponentSize();
+    const double claimed = static_cast<double>(geometry_.size()) * bytes_per_voxel();
     const double length = static_cast<double>(fs::file_size(path_));
     if (claimed <= kMaxCompression * length + kHeaderSlackBytes) return;
     throw InputError({path_}, key_,
@@ -166,6 +212,24 @@ class FileScan : public ScanSource {
   itk::ImageIOBase::Pointer io_;
   ScanGeometry geometry_;
 };
+
+/// The kind of an existing path. Throws InputError where there is none.
+fs::file_status checked_status(const std::string& path, const std::string& key, const char* expected) {
+  std::error_code error;
+  const fs::file_status status = fs::status(path, error);
+  if (!fs::exists(status)) throw InputError({path}, key, "no such file or folder", expected);
+  if (!fs::is_directory(status) && !fs::is_regular_file(status)) {
+    throw InputError({path}, key, "neither a file nor a folder", expected);
+  }
+  return status;
+}
+
+/// The index that clinics put beside the folders of a study.
+bool is_dicomdir(const std::string& path) {
+  std::string name = fs::path(path).filename().string();
+  std::transform(name.begin(), name.end(), name.begin(), [](unsigned char c) { return std::tolower(c); });
+  return name == "dicomdir";
+}
 
 }  // namespace
 
@@ -184,6 +248,11 @@ itk::ImageIOBase::Pointer open_image_io(const std::string& path, const std::stri
     return io;
   }
   const std::string promised = format_by_name(path);
+  if (is_vtk(path)) {
+    throw InputError(
+        {path}, key, "a VTK file",
+        "save it as NRRD, NIfTI or MetaImage (ParaView, 3D Slicer); a surface goes to bone.mesh, as STL or PLY");
+  }
   const std::string found = fs::file_size(path) == 0 ? "the file is empty"
                             : promised.empty()       ? "this is no CT image that can be read"
                                                      : "the " + promised + " header is damaged or cut off";
@@ -200,8 +269,8 @@ void read_header(itk::ImageIOBase& io, const std::string& path, const std::strin
   }
 }
 
-ScanGeometry geometry_of(const itk::ImageIOBase& io, const std::string& path, const std::string& key,
-                         bool allow_slice) {
+ScanGeometry geometry_of(const itk::ImageIOBase& io, const std::string& path, const std::string& key, bool allow_slice,
+                         bool allow_layers) {
   const unsigned dimensions = io.GetNumberOfDimensions();
   std::string shape;
   bool volume = dimensions >= (allow_slice ? 2U : 3U);
@@ -213,7 +282,8 @@ ScanGeometry geometry_of(const itk::ImageIOBase& io, const std::string& path, co
     if (io.GetDimensions(axis) == 0 || io.GetDimensions(axis) > std::numeric_limits<int>::max()) volume = false;
   }
   if (!volume) throw InputError({path}, key, "an image of " + shape + " pixels", "expected a volume, three axes");
-  if (io.GetNumberOfComponents() != 1 || pixel_type_of(io).empty()) {
+  const bool several = io.GetNumberOfComponents() != 1 && !allow_layers;
+  if (several || io.GetNumberOfComponents() == 0 || pixel_type_of(io).empty()) {
     throw InputError({path}, key, std::to_string(io.GetNumberOfComponents()) + " numbers in each voxel",
                      "expected one integer or real number (HU) in each voxel");
   }
@@ -264,18 +334,20 @@ bool has_unsigned_pixels(const itk::ImageIOBase& io) {
 }
 
 std::vector<float> read_voxels(itk::ImageIOBase& io, const IndexBox& box, const std::string& path,
-                               const std::string& key) {
+                               const std::string& key, int layer) {
   const QuietLibraries quiet;
   io.SetUseStreamedReading(true);
   try {
     const itk::ImageIORegion held = io.GenerateStreamableReadRegionFromRequestedRegion(io_region(io, box));
     // Neither array is touched before the file has proved to be as long as its header claims.
-    const auto raw = std::make_unique_for_overwrite<std::byte[]>(held.GetNumberOfPixels() * io.GetComponentSize());
+    const auto raw = std::make_unique_for_overwrite<std::byte[]>(held.GetNumberOfPixels() * io.GetComponentSize() *
+                                                                 io.GetNumberOfComponents());
     io.SetIORegion(held);
     io.Read(raw.get());
     if (says_incomplete(quiet.output())) throw std::length_error("voxels");
     std::vector<float> out(static_cast<std::size_t>(box.voxels()));
-    copy_as_float(io.GetComponentType(), raw.get(), held, box, out.data());
+    const Layer wanted{layer, static_cast<int>(io.GetNumberOfComponents())};
+    copy_as_float(io.GetComponentType(), raw.get(), held, box, wanted, out.data());
     return out;
   } catch (const std::bad_alloc&) {
     throw InputError({path}, key, "more voxels than this machine's memory holds", "use a smaller image, or a crop");
@@ -292,16 +364,25 @@ void check_fits_in_memory(double voxels, double bytes_per_voxel, const std::stri
   throw InputError({path}, key, text, "use fewer voxels, or check that the header is not damaged");
 }
 
-std::unique_ptr<ScanSource> open_scan(const std::string& path, const std::string& key, Report& report) {
-  std::error_code error;
-  const fs::file_status status = fs::status(path, error);
-  if (!fs::exists(status)) throw InputError({path}, key, "no such file or folder", "give a CT image");
+std::unique_ptr<ScanSource> open_scan(const std::string& path, const std::string& key, const DicomChoice& choice,
+                                      Report& report) {
+  const bool folder = fs::is_directory(checked_status(path, key, "give a CT image"));
   try {
-    if (fs::is_directory(status)) return open_dicom_folder(path, key, report);
-    if (!fs::is_regular_file(status)) {
-      throw InputError({path}, key, "neither a file nor a folder", "give a CT image");
-    }
-    return std::make_unique<FileScan>(path, key);
+    if (folder) return open_dicom_folder(path, key, choice, report);
+    if (is_dicomdir(path)) return open_dicom_folder(fs::path(path).parent_path().string(), key, choice, report);
+    auto scan = std::make_unique<FileScan>(path, key, false);
+    if (choice.series.empty()) return scan;
+    throw InputError({path}, "bone.ct.series", "given for a file that is no DICOM folder", "leave it out");
+  } catch (const fs::filesystem_error&) {
+    throw InputError({path}, key, "cannot be opened", "check that it may be read");
+  }
+}
+
+std::unique_ptr<LabelSource> open_labels(const std::string& path, const std::string& key) {
+  const char* expected = "give a label map: NRRD, NIfTI or MetaImage";
+  if (fs::is_directory(checked_status(path, key, expected))) throw InputError({path}, key, "a folder", expected);
+  try {
+    return std::make_unique<FileScan>(path, key, true);
   } catch (const fs::filesystem_error&) {
     throw InputError({path}, key, "cannot be opened", "check that it may be read");
   }

@@ -19,18 +19,20 @@ itk::ImageIOBase::Pointer open_image_io(const std::string& path, const std::stri
 void read_header(itk::ImageIOBase& io, const std::string& path, const std::string& key, const std::string& format);
 
 /// Geometry by the header. Throws InputError unless the image is a volume (or a slice, where `allow_slice`) of single
-/// numbers.
-ScanGeometry geometry_of(const itk::ImageIOBase& io, const std::string& path, const std::string& key, bool allow_slice);
+/// numbers (or of several, where `allow_layers`).
+ScanGeometry geometry_of(const itk::ImageIOBase& io, const std::string& path, const std::string& key, bool allow_slice,
+                         bool allow_layers = false);
 
 /// "int16", "float", ...
 std::string pixel_type_of(const itk::ImageIOBase& io);
 bool has_unsigned_pixels(const itk::ImageIOBase& io);
 
-/// The values of `box` as floats. Throws InputError: truncated, damaged.
+/// The values of `box` as floats, the one at `layer` where voxels hold several. Throws InputError: truncated, damaged.
 std::vector<float> read_voxels(itk::ImageIOBase& io, const IndexBox& box, const std::string& path,
-                               const std::string& key);
+                               const std::string& key, int layer = 0);
 
-/// A folder of DICOM slices (dicom_series.cpp). Throws InputError: no DICOM in it, slices that do not form a volume.
-std::unique_ptr<ScanSource> open_dicom_folder(const std::string& path, const std::string& key, Report& report);
+/// A folder of DICOM slices (dicom_scan.cpp). Throws InputError: no DICOM in it, slices that do not form a volume.
+std::unique_ptr<ScanSource> open_dicom_folder(const std::string& path, const std::string& key,
+                                              const DicomChoice& choice, Report& report);
 
 }  // namespace reamsim::ct

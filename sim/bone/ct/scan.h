@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <string>
 #include <vector>
@@ -55,10 +56,31 @@ class ScanSource {
   [[nodiscard]] virtual Scan read(const IndexBox& box) const = 0;
 };
 
+/// A label map on disk: an image whose voxels may hold several numbers each, its layers.
+class LabelSource : public ScanSource {
+ public:
+  [[nodiscard]] virtual int layers() const = 0;
+  [[nodiscard]] virtual bool has_whole_numbers() const = 0;
+  /// As read(), of one layer.
+  [[nodiscard]] virtual Scan read_layer(const IndexBox& box, int layer) const = 0;
+  /// What the file says by key, as NRRD does: "Segment0_Name" and the like.
+  [[nodiscard]] virtual std::map<std::string, std::string> metadata() const = 0;
+};
+
+/// Which DICOM series of a folder to read.
+struct DicomChoice {
+  std::string series;  ///< UID, or number in the list of series from 1; empty: the largest
+  bool any_modality = false;
+};
+
 /// Opens a DICOM folder, NRRD, NIfTI or MetaImage. `key` is the scenario key of `path`, for messages.
 /// Throws InputError: no such file, none of these formats, not a volume of single numbers, larger than this machine can
-/// hold, or shorter than its header claims.
-std::unique_ptr<ScanSource> open_scan(const std::string& path, const std::string& key, Report& report);
+/// hold, or shorter than its header claims; of DICOM see choose_series() and stack_slices().
+std::unique_ptr<ScanSource> open_scan(const std::string& path, const std::string& key, const DicomChoice& choice,
+                                      Report& report);
+
+/// Opens an NRRD, NIfTI or MetaImage. Throws InputError as open_scan() does.
+std::unique_ptr<LabelSource> open_labels(const std::string& path, const std::string& key);
 
 /// Throws InputError when `voxels` voxels of `bytes_per_voxel` are more than half of this machine's memory.
 void check_fits_in_memory(double voxels, double bytes_per_voxel, const std::string& path, const std::string& key);

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "sim/base/error.h"
+#include "sim/bone/ct/refine_mask.h"
 #include "sim/bone/ct/words.h"
 
 namespace reamsim::ct {
@@ -201,19 +202,22 @@ BoneField segment_by_threshold(const AlignedImage& hu, const CtSettings& setting
   return bone;
 }
 
-BoneField segment_by_label(AlignedImage share, const AlignedImage& hu, const CtSettings& settings, Report& report) {
+BoneField segment_by_label(LabelImages labels, const AlignedImage& hu, const CtSettings& settings, Report& report) {
+  const LabelMapSettings& map = *settings.label_map;
+  AlignedImage& share = labels.share;
   gaussian_filter(share, kLabelSmoothing_voxels);
   for (float& value : share.value) value -= 0.5F;
+  if (map.refine_mm > 0) refine_to_isosurface(share, labels.other, hu, map.refine_hu, map.refine_mm, report);
   Mask mask(share.value.size());
   std::transform(share.value.begin(), share.value.end(), mask.begin(), [](float value) { return value > 0 ? 1 : 0; });
   BoneField bone;
   measure(bone, mask, hu, settings.threshold_hu);
   if (bone.voxels == 0) {
-    throw InputError({settings.label_map->path}, "bone.ct.label_map.label",
-                     "no voxel in the crop has label " + std::to_string(settings.label_map->label),
-                     "choose a label that the map holds, or move the crop");
+    throw InputError({map.path}, "bone.ct.label_map.label",
+                     "label " + words_of_labels(map.label) + " is thinner than a voxel everywhere in the crop",
+                     "choose another label, or move the crop");
   }
-  report.note("label " + std::to_string(settings.label_map->label) + ": " + std::to_string(bone.voxels) + " voxels, " +
+  report.note("label " + words_of_labels(map.label) + ": " + std::to_string(bone.voxels) + " voxels, " +
               words("%.0f", static_cast<double>(bone.voxels) * hu.lattice.voxel_mm3()) + " mm3");
   bone.field = std::move(share);
   return bone;

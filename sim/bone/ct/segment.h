@@ -4,6 +4,7 @@
 
 #include "sim/base/report.h"
 #include "sim/bone/ct/aligned_image.h"
+#include "sim/bone/ct/label_map.h"
 #include "sim/bone/ct/morphology.h"
 #include "sim/scenario/scenario.h"
 
@@ -31,9 +32,9 @@ bool is_cut_away(const CtSettings& settings, const Vec3& point_mm);
 /// Throws InputError: nothing above the threshold, all of it cut away, seed outside the crop or outside bone.
 BoneField segment_by_threshold(const AlignedImage& hu, const CtSettings& settings, Report& report);
 
-/// `share` is 1 where the label map has the label and 0 elsewhere. The field is that share after a slight Gaussian,
-/// minus a half, because a bare 0/1 step shows the voxels as stairs.
+/// The field is the labels' share after a slight Gaussian, minus a half, because a bare 0/1 step shows the voxels as
+/// stairs; or, on request, what refine_to_isosurface() makes of it.
 /// Throws InputError when no voxel has the label.
-BoneField segment_by_label(AlignedImage share, const AlignedImage& hu, const CtSettings& settings, Report& report);
+BoneField segment_by_label(LabelImages labels, const AlignedImage& hu, const CtSettings& settings, Report& report);
 
 }  // namespace reamsim::ct

@@ -1,0 +1,224 @@
+#include "sim/bone/ct/dicom_stack.h"
+
+#include <itkGDCMImageIO.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "sim/base/error.h"
+#include "sim/bone/ct/complete.h"
+#include "sim/bone/ct/dicom_probe.h"
+#include "sim/bone/ct/image_file.h"
+#include "sim/bone/ct/quiet.h"
+#include "sim/bone/ct/words.h"
+
+namespace reamsim::ct {
+
+namespace {
+
+/// Neighbouring slices may differ from the usual distance by this fraction before a slice counts as missing.
+constexpr double kSpacingTolerance = 0.05;
+/// Slices closer than this fraction of the usual distance are two of the same place.
+constexpr double kSamePlace = 0.01;
+/// Axes of slices that differ by less than this fraction of a pixel's side are the same.
+constexpr double kSameAxes = 2e-3;
+/// A slice may be off the line through the first and the last by this fraction of a pixel.
+constexpr double kStraight_pixels = 0.5;
+
+struct Slice {
+  const DicomHeader* header = nullptr;
+  ScanGeometry geometry;  ///< the file's own; z from its header, which need not be the distance to the next slice
+  double height_mm = 0;   ///< of its origin along the slice normal
+
+  [[nodiscard]] const std::string& path() const { return header->path; }
+};
+
+using Stack = std::vector<Slice>;
+
+void check_image(const DicomHeader& header, const std::string& key) {
+  if (header.frames > 1) {
+    throw InputError({header.path}, key, words("a multi-frame DICOM file (%d frames)", header.frames),
+                     "convert it to NRRD or NIfTI (3D Slicer, dcm2niix), or export single slices");
+  }
+  if (header.photometric == "MONOCHROME1") {
+    throw InputError({header.path}, key, "MONOCHROME1: its grey values are inverted, so they are no HU",
+                     "expected MONOCHROME2, as CT slices have; export the original series");
+  }
+  if (!header.position_mm) {
+    throw InputError({header.path}, key, "a slice without a position (0020,0032)", "export the original series");
+  }
+}
+
+ScanGeometry slice_geometry(const std::string& path, const std::string& key) {
+  const auto io = itk::GDCMImageIO::New();
+  const QuietLibraries quiet;
+  try {
+    io->SetFileName(path);
+    io->ReadImageInformation();
+  } catch (const std::exception&) {
+    throw InputError({path}, key, "the slice cannot be read: it is cut off or damaged", "it must be complete");
+  }
+  if (says_incomplete(quiet.output())) throw InputError({path}, key, "the slice is cut off", "it must be complete");
+  return geometry_of(*io, path, key, true);
+}
+
+bool belong_together(const ScanGeometry& a, const ScanGeometry& b) {
+  const double side = a.step_mm.leftCols<2>().colwise().norm().minCoeff();
+  return a.dims == b.dims && (a.step_mm - b.step_mm).leftCols<2>().cwiseAbs().maxCoeff() <= kSameAxes * side;
+}
+
+/// Slices of one size, spacing and orientation each, the largest such group first.
+std::vector<Stack> groups_of(const DicomSeries& series, const std::string& key) {
+  std::vector<Stack> groups;
+  for (const DicomHeader& header : series.images) {
+    check_image(header, key);
+    const Slice slice{&header, slice_geometry(header.path, key), 0};
+    const auto group = std::ranges::find_if(
+        groups, [&](const Stack& g) { return belong_together(g.front().geometry, slice.geometry); });
+    if (group == groups.end()) {
+      groups.push_back({slice});
+    } else {
+      group->push_back(slice);
+    }
+  }
+  std::ranges::stable_sort(groups, [](const Stack& a, const Stack& b) { return a.size() > b.size(); });
+  return groups;
+}
+
+std::string difference(const ScanGeometry& stray, const ScanGeometry& usual) {
+  if (stray.dims != usual.dims) {
+    return words("%dx%d pixels where the others have %dx%d", stray.dims.x(), stray.dims.y(), usual.dims.x(),
+                 usual.dims.y());
+  }
+  const Vec3 a = stray.spacing_mm();
+  const Vec3 b = usual.spacing_mm();
+  if ((a - b).head<2>().cwiseAbs().maxCoeff() > kSameAxes * b.head<2>().minCoeff()) {
+    return words("pixels of %.4gx%.4g mm where the others have %.4gx%.4g mm", a.x(), a.y(), b.x(), b.y());
+  }
+  return "another orientation than the others";
+}
+
+/// A copy of a slice (the same instance) goes; two slices in one place are an error.
+void drop_copies(Stack& stack, double usual_mm, const std::string& key, Report& report) {
+  Stack kept{stack.front()};
+  int copies = 0;
+  for (std::size_t n = 1; n < stack.size(); ++n) {
+    const Slice& before = kept.back();
+    const bool same_place = stack[n].height_mm - before.height_mm <= kSamePlace * usual_mm;
+    if (!same_place) {
+      kept.push_back(stack[n]);
+      continue;
+    }
+    const std::string& instance = stack[n].header->instance_uid;
+    if (instance.empty() || instance != before.header->instance_uid) {
+      throw InputError({stack[n].path()}, key, "lies in the same place as " + before.path(),
+                       "expected each slice once; a series that holds two volumes must be parted into two folders");
+    }
+    ++copies;
+  }
+  if (copies > 0) report.warn(std::to_string(copies) + " copies of DICOM slices are left out");
+  stack = std::move(kept);
+}
+
+/// The distance that most neighbours have, without those in the same place.
+double usual_distance(const Stack& stack) {
+  std::vector<double> gap;
+  for (std::size_t n = 1; n < stack.size(); ++n) gap.push_back(stack[n].height_mm - stack[n - 1].height_mm);
+  std::ranges::sort(gap);
+  const auto first = std::ranges::lower_bound(gap, kSamePlace * gap.back());
+  const auto left = gap.end() - first;
+  return *(first + left / 2);
+}
+
+/// What of the rest of the series, or of the damaged files, may be the missing slice.
+std::string suspect(double low_mm, double high_mm, const Vec3& normal, const ScanGeometry& usual,
+                    const std::vector<Stack>& groups, const std::vector<std::string>& damaged) {
+  for (std::size_t g = 1; g < groups.size(); ++g) {
+    for (const Slice& slice : groups[g]) {
+      const double height = normal.dot(slice.geometry.origin_mm);
+      if (height > low_mm && height < high_mm) {
+        return "; " + slice.path() + " lies there and has " + difference(slice.geometry, usual);
+      }
+    }
+  }
+  return damaged.empty() ? "" : "; " + damaged.front() + " is damaged";
+}
+
+void check_distances(const std::vector<Stack>& groups, double usual_mm, const Vec3& normal,
+                     const std::vector<std::string>& damaged, const std::string& key) {
+  const Stack& stack = groups.front();
+  for (std::size_t k = 1; k < stack.size(); ++k) {
+    const double gap = stack[k].height_mm - stack[k - 1].height_mm;
+    if (std::abs(gap - usual_mm) <= kSpacingTolerance * usual_mm) continue;
+    const std::string found = words("slices lie %.3f mm apart where most lie %.3f mm apart: ", gap, usual_mm) +
+                              stack[k - 1].path() + " and " + stack[k].path();
+    const long missing = std::lround(gap / usual_mm) - 1;
+    const std::string between = missing == 1  ? "a slice is missing between them"
+                                : missing > 1 ? std::to_string(missing) + " slices are missing between them"
+                                              : "expected evenly spaced slices";
+    throw InputError(
+        {stack[k].path()}, key, found,
+        between + suspect(stack[k - 1].height_mm, stack[k].height_mm, normal, stack.front().geometry, groups, damaged));
+  }
+}
+
+void check_straight(const Stack& stack, const Vec3& step_mm, const std::string& key) {
+  const double side = stack.front().geometry.step_mm.leftCols<2>().colwise().norm().minCoeff();
+  for (std::size_t k = 0; k < stack.size(); ++k) {
+    const Vec3 due = stack.front().geometry.origin_mm + static_cast<double>(k) * step_mm;
+    const double off = (stack[k].geometry.origin_mm - due).norm();
+    if (off <= kStraight_pixels * std::max(side, kSpacingTolerance * step_mm.norm())) continue;
+    throw InputError({stack[k].path()}, key, words("the slice is displaced by %.2f mm against its neighbours", off),
+                     "expected slices in a row; export the original series");
+  }
+}
+
+void warn_of_strays(const std::vector<Stack>& groups, Report& report) {
+  std::size_t count = 0;
+  for (std::size_t g = 1; g < groups.size(); ++g) count += groups[g].size();
+  if (count == 0) return;
+  const Slice& stray = groups[1].front();
+  report.warn(std::to_string(count) + " images of the DICOM series are left out; the first is " + stray.path() +
+              " and has " + difference(stray.geometry, groups[0].front().geometry));
+}
+
+}  // namespace
+
+DicomStack stack_slices(const DicomSeries& series, const std::vector<std::string>& damaged, const std::string& key,
+                        Report& report) {
+  std::vector<std::string> files;
+  for (const DicomHeader& header : series.images) files.push_back(header.path);
+  check_dicom_is_survived(files, key);
+  std::vector<Stack> groups = groups_of(series, key);
+  Stack& stack = groups.front();
+  if (groups.size() > 1 && groups[1].size() == stack.size() && stack.size() > 1) {
+    throw InputError({groups[1].front().path()}, key,
+                     "the series holds two stacks of " + std::to_string(stack.size()) + " slices: this one has " +
+                         difference(groups[1].front().geometry, stack.front().geometry),
+                     "put the stack that is wanted into a folder of its own");
+  }
+  if (stack.size() < 2) {
+    throw InputError({stack.front().path()}, key, "one DICOM slice",
+                     "expected the slices of a volume, at least two of one size and orientation");
+  }
+  const ScanGeometry first = stack.front().geometry;
+  const Vec3 normal = first.step_mm.col(0).cross(first.step_mm.col(1)).normalized();
+  for (Slice& slice : stack) slice.height_mm = normal.dot(slice.geometry.origin_mm);
+  std::ranges::stable_sort(stack, {}, &Slice::height_mm);
+  const double usual_mm = usual_distance(stack);
+  drop_copies(stack, usual_mm, key, report);
+  check_distances(groups, usual_mm, normal, damaged, key);
+  warn_of_strays(groups, report);
+
+  DicomStack out;
+  for (const Slice& slice : stack) out.path.push_back(slice.path());
+  out.geometry = stack.front().geometry;
+  out.geometry.dims.z() = static_cast<int>(stack.size());
+  // From the positions, not the header's slice thickness; so a tilted gantry comes out as the shear that it is.
+  out.geometry.step_mm.col(2) =
+      (stack.back().geometry.origin_mm - stack.front().geometry.origin_mm) / static_cast<double>(stack.size() - 1);
+  check_straight(stack, out.geometry.step_mm.col(2), key);
+  return out;
+}
+
+}  // namespace reamsim::ct

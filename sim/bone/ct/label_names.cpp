@@ -1,0 +1,176 @@
+#include "sim/bone/ct/label_names.h"
+
+#include <nifti1_io.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <memory>
+
+#include "sim/base/error.h"
+#include "sim/bone/ct/quiet.h"
+
+namespace reamsim::ct {
+
+namespace {
+
+constexpr const char* kLabelChoiceKey = "bone.ct.label_map.label";
+/// Names that a message lists; TotalSegmentator has 117.
+constexpr std::size_t kMostNames = 40;
+
+bool is_whole_number(const std::string& text) {
+  return !text.empty() && text.find_first_not_of("0123456789") == std::string::npos;
+}
+
+std::string lower(std::string text) {
+  std::ranges::transform(text, text.begin(), [](unsigned char c) { return std::tolower(c); });
+  return text;
+}
+
+/// A name for a message: one line of printable characters; bytes of UTF-8 stay.
+std::string printable(std::string text) {
+  for (char& c : text) {
+    if ((c >= 0 && c < 0x20) || c == 0x7f) c = '?';
+  }
+  return text;
+}
+
+double number_or(const std::map<std::string, std::string>& metadata, const std::string& key, double fallback) {
+  const auto found = metadata.find(key);
+  if (found == metadata.end()) return fallback;
+  char* rest = nullptr;
+  const double number = std::strtod(found->second.c_str(), &rest);
+  return rest == found->second.c_str() ? fallback : number;
+}
+
+std::string names_of(const std::vector<NamedSegment>& segments) {
+  std::string out;
+  for (std::size_t n = 0; n < std::min(segments.size(), kMostNames); ++n) {
+    out += (n == 0 ? "" : ", ") + printable(segments[n].name);
+  }
+  if (segments.size() > kMostNames) out += ", and " + std::to_string(segments.size() - kMostNames) + " more";
+  return out;
+}
+
+LabelValue find_name(const std::string& wanted, const std::vector<NamedSegment>& segments, const std::string& path) {
+  std::vector<LabelValue> found;
+  for (const NamedSegment& segment : segments) {
+    if (lower(segment.name) == lower(wanted)) found.push_back(segment.label);
+  }
+  if (found.size() == 1) return found.front();
+  if (found.size() > 1) {
+    throw InputError({path}, kLabelChoiceKey, "'" + wanted + "' names " + std::to_string(found.size()) + " segments",
+                     "rename one of them; the map has " + names_of(segments));
+  }
+  if (segments.empty()) {
+    throw InputError({path}, kLabelChoiceKey, "'" + wanted + "', but the label map names no segments",
+                     "give the label's number, or a .seg.nrrd with SegmentN_Name");
+  }
+  throw InputError({path}, kLabelChoiceKey, "no segment is named '" + wanted + "'",
+                   "expected one of " + names_of(segments) + ", or a label's number");
+}
+
+LabelValue find_number(const std::string& wanted, const std::vector<NamedSegment>& segments, int layers,
+                       const std::string& path) {
+  const double value = std::strtod(wanted.c_str(), nullptr);
+  if (value == 0) {
+    throw InputError({path}, kLabelChoiceKey, "label 0 is the background", "expected a label above 0, or a name");
+  }
+  if (layers == 1) return {0, value};
+  std::vector<NamedSegment> found;
+  std::ranges::copy_if(segments, std::back_inserter(found),
+                       [value](const NamedSegment& segment) { return segment.label.value == value; });
+  if (found.size() == 1) return found.front().label;
+  const std::string in_layers = " of a label map with " + std::to_string(layers) + " layers";
+  if (segments.empty()) {
+    throw InputError({path}, kLabelChoiceKey, "label " + wanted + in_layers + ", none of which is named",
+                     "expected one number in each voxel, or SegmentN_Name, SegmentN_Layer and SegmentN_LabelValue");
+  }
+  if (found.empty()) {
+    throw InputError({path}, kLabelChoiceKey, "no segment has label " + wanted,
+                     "choose a segment by its name: " + names_of(segments));
+  }
+  throw InputError({path}, kLabelChoiceKey,
+                   "label " + wanted + " stands for " + std::to_string(found.size()) + " segments" + in_layers,
+                   "choose one by its name: " + names_of(found));
+}
+
+/// The value of attribute `name` in the opening tag `tag`; "" where it has none.
+std::string attribute(const std::string& tag, const std::string& name) {
+  const std::size_t at = tag.find(name + "=\"");
+  if (at == std::string::npos) return "";
+  const std::size_t from = at + name.size() + 2;
+  const std::size_t end = tag.find('"', from);
+  return end == std::string::npos ? "" : tag.substr(from, end - from);
+}
+
+void add_xml_labels(const std::string& xml, std::vector<NamedSegment>& out) {
+  for (std::size_t at = xml.find("<Label "); at != std::string::npos; at = xml.find("<Label ", at + 1)) {
+    const std::size_t open_end = xml.find('>', at);
+    const std::size_t close = xml.find("</Label>", at);
+    if (open_end == std::string::npos || close == std::string::npos || open_end > close) return;
+    const std::string key = attribute(xml.substr(at, open_end - at), "Key");
+    if (!is_whole_number(key)) continue;
+    std::string name = xml.substr(open_end + 1, close - open_end - 1);
+    if (name.starts_with("<![CDATA[") && name.ends_with("]]>")) name = name.substr(9, name.size() - 12);
+    out.push_back({name, {0, std::strtod(key.c_str(), nullptr)}});
+  }
+}
+
+}  // namespace
+
+std::vector<NamedSegment> segments_of_nrrd(const std::map<std::string, std::string>& metadata, int layers) {
+  std::vector<NamedSegment> out;
+  for (int n = 0;; ++n) {
+    const std::string prefix = "Segment" + std::to_string(n) + "_";
+    const auto id = metadata.find(prefix + "ID");
+    auto name = metadata.find(prefix + "Name");
+    if (name == metadata.end()) name = id;
+    if (name == metadata.end()) break;
+    const bool has_layer = metadata.contains(prefix + "Layer");
+    const double layer = has_layer ? number_or(metadata, prefix + "Layer", 0) : (layers > 1 ? n : 0);
+    out.push_back(
+        {name->second, {static_cast<int>(std::clamp(layer, 0.0, 1e6)), number_or(metadata, prefix + "LabelValue", 1)}});
+  }
+  return out;
+}
+
+std::vector<NamedSegment> segments_of_nifti(const std::string& path) {
+  const QuietLibraries quiet;
+  std::vector<NamedSegment> out;
+  if (!is_nifti_file(path.c_str())) return out;
+  const std::unique_ptr<nifti_image, decltype(&nifti_image_free)> header(nifti_image_read(path.c_str(), 0),
+                                                                         &nifti_image_free);
+  if (!header) return out;
+  for (int n = 0; n < header->num_ext; ++n) {
+    const nifti1_extension& extension = header->ext_list[n];
+    constexpr int kHead = 8;  // size and code, which the size includes
+    if (extension.edata == nullptr || extension.esize <= kHead) continue;
+    add_xml_labels(std::string(extension.edata, static_cast<std::size_t>(extension.esize - kHead)), out);
+  }
+  return out;
+}
+
+std::vector<LabelValue> find_labels(const std::vector<std::string>& wanted, const std::vector<NamedSegment>& segments,
+                                    int layers, const std::string& path) {
+  std::vector<LabelValue> out;
+  for (const std::string& label : wanted) {
+    const LabelValue found =
+        is_whole_number(label) ? find_number(label, segments, layers, path) : find_name(label, segments, path);
+    if (found.layer >= layers) {
+      throw InputError({path}, kLabelChoiceKey,
+                       "'" + label + "' stands in layer " + std::to_string(found.layer) + ", but the label map has " +
+                           std::to_string(layers),
+                       "the file is damaged; export it again");
+    }
+    out.push_back(found);
+  }
+  return out;
+}
+
+std::string words_of_labels(const std::vector<std::string>& labels) {
+  std::string out;
+  for (const std::string& label : labels) out += (out.empty() ? "" : ", ") + printable(label);
+  return out;
+}
+
+}  // namespace reamsim::ct

@@ -1,0 +1,72 @@
+#include "sim/bone/mesh_unit.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <vector>
+
+#include "sim/base/error.h"
+
+namespace reamsim {
+
+namespace {
+
+struct LengthRange {
+  double least_mm;
+  double most_mm;
+
+  [[nodiscard]] bool contains(double mm) const { return mm >= least_mm && mm <= most_mm; }
+};
+
+/// From a glenoid cut out of its bone to the longest bone that has one, with room.
+constexpr LengthRange kBoneWithGlenoid{20, 400};
+/// Without a frame: beyond this a mistake of unit is likely.
+constexpr LengthRange kAnySolid{10, 400};
+/// Superior to inferior, of an adult; what a scale is estimated from where no unit fits.
+constexpr double kScapula_mm = 150;
+
+struct LengthUnit {
+  const char* name;
+  double mm;
+};
+constexpr std::array kUnits{LengthUnit{"metres", 1000}, LengthUnit{"centimetres", 10}, LengthUnit{"inches", 25.4},
+                            LengthUnit{"micrometres", 0.001}};
+
+template <typename... Values>
+std::string print(const char* pattern, Values... values) {
+  char text[200];
+  std::snprintf(text, sizeof text, pattern, values...);
+  return text;
+}
+
+/// The units that bring the length into the range, the one nearest to a scapula's first.
+std::vector<LengthUnit> units_that_fit(double file_length, const LengthRange& range) {
+  std::vector<LengthUnit> out;
+  std::ranges::copy_if(kUnits, std::back_inserter(out),
+                       [&](const LengthUnit& unit) { return range.contains(unit.mm * file_length); });
+  const auto distance = [&](const LengthUnit& unit) { return std::abs(std::log(unit.mm * file_length / kScapula_mm)); };
+  std::ranges::sort(out, {}, distance);
+  return out;
+}
+
+}  // namespace
+
+void check_mesh_unit(const std::string& path, const Aabb& bounds_mm, double scale, bool has_glenoid, Report& report) {
+  const double length_mm = (bounds_mm.max - bounds_mm.min).maxCoeff();
+  if ((has_glenoid ? kBoneWithGlenoid : kAnySolid).contains(length_mm)) return;
+  std::string advice = "set bone.mesh.scale: ";
+  for (const LengthUnit& unit : units_that_fit(length_mm / scale, kBoneWithGlenoid)) {
+    advice += print("%g if the file is in %s (%.0f mm), ", unit.mm, unit.name, unit.mm * length_mm / scale);
+  }
+  if (advice.ends_with(", ")) advice += "or ";
+  advice += print("about %.2g for a scapula of %.0f mm", kScapula_mm * scale / length_mm, kScapula_mm);
+  const std::string found = print("the mesh is %.3g mm long", length_mm);
+  if (!has_glenoid) return report.warn(path + ": " + found + "; if that is not so, " + advice);
+  throw InputError({path, 0, 0}, "bone.mesh.scale",
+                   found + print(", and a bone with a glenoid is %.0f to %.0f mm", kBoneWithGlenoid.least_mm,
+                                 kBoneWithGlenoid.most_mm),
+                   advice);
+}
+
+}  // namespace reamsim

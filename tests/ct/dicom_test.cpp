@@ -1,0 +1,209 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "sim/base/error.h"
+#include "sim/bone/ct/ct_import.h"
+#include "test_images.h"
+
+namespace reamsim::test {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+/// DICOM as clinics export it.
+class Dicom : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    write_image<std::int16_t>(egg_, folder_.file("reference.nrrd"));
+    reference_ = import("reference.nrrd");
+    report_ = {};
+  }
+
+  Voxmap import(const std::string& name) { return voxmap_from_ct(settings(name), report_); }
+  BoneSettings settings(const std::string& name) const {
+    BoneSettings out = settings_for(folder_.file(name), 1);
+    out.ct.series = series_;
+    out.ct.modality = modality_;
+    return out;
+  }
+  std::string error_of(const std::string& name) {
+    try {
+      import(name);
+    } catch (const InputError& error) {
+      const std::string message = error.what();
+      EXPECT_THAT(message, Not(HasSubstr("\n")));
+      return message;
+    }
+    ADD_FAILURE() << "no error for " << name;
+    return "";
+  }
+  void expect_egg(const std::string& name) { expect_same(import(name), reference_, name); }
+  void write(const std::string& name, const std::string& bytes) const {
+    std::ofstream(folder_.file(name), std::ios::binary) << bytes;
+  }
+  /// The egg, displaced: another volume.
+  TestImage other() const {
+    TestImage out = egg_;
+    out.sample([](const Vec3& p) { return knobbed_egg(p + Vec3(2, 0, 0)); });
+    return out;
+  }
+
+  TempFolder folder_;
+  TestImage egg_ = egg_image();
+  Voxmap reference_;
+  Report report_;
+  std::string series_;
+  std::string modality_ = "ct";
+};
+
+TEST_F(Dicom, SubfoldersAndFilesWithoutExtensionAreFound) {
+  write_dicom(egg_, folder_.file("cd/PA000001/ST000001/SE000001"), -1, {.ending = ""});
+  write("cd/DICOMDIR", std::string(128, '\0') + "DICM");
+  write("cd/autorun.inf", "[autorun]");
+  expect_egg("cd");
+  expect_egg("cd/DICOMDIR");
+}
+
+TEST_F(Dicom, FilesThatAreNoSlicesDoNotStopASeries) {
+  write_dicom(egg_, folder_.file("cd/a"));
+  write("cd/report.pdf", "%PDF-1.4 ...");
+  write("cd/readme", "no image");
+  write("cd/empty", "");
+  write("cd/damaged", std::string(128, '\0') + "DICM" + std::string("\x02\0\0\0UL\x04\0\xff\xff", 10));
+  // A structured report: a DICOM file without pixels.
+  write_dicom(cropped(egg_, {0, 0, 0}, {26, 30, 1}), folder_.file("sr"));
+  patch_file(folder_.file("sr/slice001.dcm"), std::string("\x28\0\x10\0", 4), std::string("\x28\0\x0f\0", 4));
+  fs::copy(folder_.file("sr/slice001.dcm"), folder_.file("cd/report.dcm"));
+  expect_egg("cd");
+}
+
+TEST_F(Dicom, SeriesAreListedAndTheLargestCtIsTaken) {
+  write_dicom(egg_, folder_.file("cd/a"), -1,
+              {.series = "1.2.7", .number = 3, .description = "Bone", .kernel = "B60s"});
+  write_dicom(cropped(other(), {0, 0, 0}, {26, 30, 20}), folder_.file("cd/b"), -1,
+              {.series = "1.2.8", .number = 2, .description = "Soft", .kernel = "B30f"});
+  write_dicom(egg_, folder_.file("cd/c"), -1, {.series = "1.2.9", .number = 9, .modality = "PT"});
+  expect_egg("cd");
+  ASSERT_EQ(report_.warnings.size(), 1U);
+  EXPECT_THAT(report_.warnings[0],
+              AllOf(HasSubstr("3 DICOM series; the one with the most slices is used (24 slices), UID 1.2.7"),
+                    HasSubstr("1: UID 1.2.8, \"Soft\", CT, 20 slices of 26x30, 1x1x1.25 mm, kernel B30f; 2: UID 1.2.7"),
+                    HasSubstr("3: UID 1.2.9, \"\", PT, 24 slices")));
+}
+
+TEST_F(Dicom, ASeriesIsChosenByUidOrNumber) {
+  write_dicom(egg_, folder_.file("cd/a"), -1, {.series = "1.2.8", .number = 2});
+  write_dicom(other(), folder_.file("cd/b"), -1, {.series = "1.2.7", .number = 3});
+  write_image<std::int16_t>(other(), folder_.file("other.nrrd"));
+  series_ = "";
+  EXPECT_THAT(error_of("cd"), AllOf(HasSubstr("bone.ct.series: missing, and two DICOM series have 24 slices"),
+                                    HasSubstr("1: UID 1.2.8"), HasSubstr("2: UID 1.2.7")));
+  series_ = "1";
+  expect_egg("cd");
+  series_ = "1.2.8";
+  expect_egg("cd");
+  series_ = "1.2.7";
+  const Voxmap by_uid = import("cd");
+  series_ = "2";
+  expect_same(import("cd"), by_uid, "2");
+  EXPECT_GT((by_uid.grid.origin_mm - reference_.grid.origin_mm).norm(), 1.5) << "the displaced egg";
+  for (const std::string wrong : {"0", "3", "1.2.9", "999999999"}) {
+    series_ = wrong;
+    EXPECT_THAT(error_of("cd"),
+                AllOf(HasSubstr("bone.ct.series: no DICOM series '" + wrong + "'"), HasSubstr("1 to 2: 1: UID 1.2.8")));
+  }
+  series_ = "1";
+  EXPECT_THAT(error_of("other.nrrd"), HasSubstr("bone.ct.series: given for a file that is no DICOM folder"));
+}
+
+TEST_F(Dicom, OfAsManySlicesTheFinerOnesAreTaken) {
+  write_dicom(egg_, folder_.file("cd/a"), -1, {.series = "1.2.8"});
+  TestImage coarse = egg_;
+  coarse.spacing_mm = {1, 1, 2};
+  coarse.sample(knobbed_egg);
+  write_dicom(coarse, folder_.file("cd/b"), -1, {.series = "1.2.7"});
+  expect_egg("cd");
+  EXPECT_EQ(report_.warnings.size(), 1U);
+}
+
+TEST_F(Dicom, AnotherModalityIsRefusedUnlessAskedFor) {
+  write_dicom(egg_, folder_.file("mr"), -1, {.modality = "MR"});
+  EXPECT_THAT(error_of("mr"),
+              AllOf(HasSubstr("bone.ct.modality: the series is MR, not CT"), HasSubstr("bone.ct.modality: any")));
+  series_ = "1";
+  EXPECT_THAT(error_of("mr"), HasSubstr("the series is MR"));
+  series_ = "";
+  modality_ = "any";
+  expect_egg("mr");
+  ASSERT_EQ(report_.warnings.size(), 1U);
+  EXPECT_THAT(report_.warnings[0], HasSubstr("modality MR, not CT"));
+  modality_ = "ct";
+  write_dicom(egg_, folder_.file("two/a"), -1, {.series = "1.2.8", .modality = "MR"});
+  write_dicom(egg_, folder_.file("two/b"), -1, {.series = "1.2.7", .modality = "PT"});
+  EXPECT_THAT(error_of("two"), HasSubstr("none of the 2 DICOM series is CT"));
+}
+
+TEST_F(Dicom, Monochrome1IsRefused) {
+  write_dicom(egg_, folder_.file("cd"));
+  for (const auto& file : fs::directory_iterator(folder_.file("cd"))) {
+    patch_file(file.path().string(), "MONOCHROME2", "MONOCHROME1");
+  }
+  EXPECT_THAT(error_of("cd"), AllOf(HasSubstr("slice001.dcm"), HasSubstr("MONOCHROME1"), HasSubstr("inverted")));
+}
+
+TEST_F(Dicom, MessagesNameTheSlice) {
+  write_dicom(egg_, folder_.file("gap"), 9);
+  EXPECT_THAT(error_of("gap"), AllOf(HasSubstr("slices lie 2.500 mm apart where most lie 1.250 mm apart"),
+                                     HasSubstr("slice016.dcm and "), HasSubstr("slice014.dcm"),
+                                     HasSubstr("a slice is missing between them")));
+  write_dicom(egg_, folder_.file("size"), 9);
+  TestImage small = cropped(egg_, {0, 0, 9}, {26, 20, 1});
+  write_dicom(small, folder_.file("one"));
+  fs::copy(folder_.file("one/slice001.dcm"), folder_.file("size/odd.dcm"));
+  EXPECT_THAT(error_of("size"), HasSubstr("odd.dcm lies there and has 26x20 pixels where the others have 26x30"));
+  write_dicom(egg_, folder_.file("turn"), 9);
+  TestImage turned = cropped(egg_, {0, 0, 9}, {26, 30, 1});
+  turned.direction.col(0) = Vec3(0.98, 0.199, 0).normalized();
+  turned.direction.col(1) = Vec3::UnitZ().cross(turned.direction.col(0));
+  fs::remove_all(folder_.file("one"));
+  write_dicom(turned, folder_.file("one"));
+  fs::copy(folder_.file("one/slice001.dcm"), folder_.file("turn/odd.dcm"));
+  EXPECT_THAT(error_of("turn"), HasSubstr("odd.dcm lies there and has another orientation than the others"));
+}
+
+TEST_F(Dicom, ADamagedSliceIsNamedWhereItIsMissing) {
+  write_dicom(egg_, folder_.file("cd"));
+  fs::resize_file(folder_.file("cd/slice010.dcm"), 150);
+  EXPECT_THAT(error_of("cd"),
+              AllOf(HasSubstr("slice011.dcm and "), HasSubstr("slice009.dcm"), HasSubstr("slice010.dcm is damaged")));
+  write_dicom(egg_, folder_.file("half"));
+  const std::string slice = folder_.file("half/slice010.dcm");
+  fs::resize_file(slice, fs::file_size(slice) / 2);
+  EXPECT_THAT(error_of("half"), HasSubstr("slice010.dcm"));
+}
+
+TEST_F(Dicom, SlicesInOnePlace) {
+  write_dicom(egg_, folder_.file("cd"));
+  fs::copy(folder_.file("cd/slice010.dcm"), folder_.file("cd/copy_of_10.dcm"));
+  expect_egg("cd");
+  ASSERT_EQ(report_.warnings.size(), 1U);
+  EXPECT_THAT(report_.warnings[0], HasSubstr("1 copies of DICOM slices are left out"));
+  write_dicom(other(), folder_.file("again"));
+  fs::copy(folder_.file("again/slice010.dcm"), folder_.file("cd/phase_2.dcm"));
+  fs::remove(folder_.file("cd/copy_of_10.dcm"));
+  EXPECT_THAT(error_of("cd"),
+              AllOf(HasSubstr("phase_2.dcm"), HasSubstr("lies in the same place as"), HasSubstr("slice010.dcm")));
+}
+
+TEST_F(Dicom, ASingleFileIsNoVolume) {
+  write_dicom(egg_, folder_.file("cd"));
+  EXPECT_THAT(error_of("cd/slice010.dcm"), HasSubstr("a single DICOM slice; give the folder that holds the series"));
+}
+
+}  // namespace
+}  // namespace reamsim::test
