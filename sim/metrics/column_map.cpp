@@ -64,7 +64,11 @@ class ColumnScan {
   std::optional<SurfaceColumn> scan_surface(const Vec3& top, const Vec3& down) {
     const double bone = sample(top, down);
     if (before_.front() > kTrace || bone * step_mm_ < kHalf * voxel_mm_) return std::nullopt;
-    return SurfaceColumn{.height_mm = top_surface(), .depth_mm = removed_mm_};
+    const double height_mm = top_surface();
+    // Blurred as shares are, half of them stands where the limit of what was reamed does. Not in the surface's own
+    // voxels: there a cut takes nothing before it leaves less than there was.
+    const Shares there = shares_.at(top + (top_mm_ - height_mm + kHalf * voxel_mm_) * down);
+    return SurfaceColumn{.height_mm = height_mm, .reamed = there.after < kHalf * there.before};
   }
 
  private:

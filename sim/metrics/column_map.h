@@ -67,7 +67,7 @@ class ColumnScan;
 /// What a line of sight meets first, before reaming.
 struct SurfaceColumn {
   double height_mm = 0;  ///< of the unreamed surface
-  double depth_mm = 0;   ///< length of bone that went, over the whole line of sight
+  bool reamed = false;   ///< less than half of the bone is left half a voxel below it
 };
 
 /// Lines of sight along −z of `bone_from_map`, from `top_mm` down to `bottom_mm`.

@@ -1,7 +1,5 @@
 #include "sim/metrics/face_surface.h"
 
-#include <Eigen/Eigenvalues>
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -19,6 +17,7 @@ constexpr double kFarDeviations = 2.5;
 constexpr double kLeastDeviation_mm = 1e-6;
 constexpr int kMostRounds = 50;
 constexpr double kCorrelationVoxels = 3;
+constexpr int kSectors = 8;
 constexpr double kSignificant = 15.1;  // F(1, ∞) at one error in 10,000
 
 double degrees_of(double radians) {
@@ -91,37 +90,55 @@ std::optional<RobustFit<Fit>> fit_robustly(const std::vector<Vec3>& points, cons
   return RobustFit<Fit>{*fit, std::move(kept), trimmed_mean_square(*fit, points)};
 }
 
-/// Standard error of the direction from a point at `distance_mm` to the sphere's centre, from the fit's covariance.
-double sphere_error_rad(const FaceSurface& surface, const Vec3& direction, double distance_mm) {
-  Eigen::Matrix4d products = Eigen::Matrix4d::Zero();
-  for (const Vec3& p : surface.fitted_mm) {
-    Eigen::Vector4d row;
-    row << (p - surface.sphere->center_mm).normalized(), 1;
-    products += row * row.transpose();
-  }
-  const double count = static_cast<double>(surface.fitted_mm.size());
-  const double square = surface.rms_mm * surface.rms_mm * count / surface.independent;
-  const Eigen::Matrix4d covariance = square * products.inverse();
-  const Mat3 center = covariance.topLeftCorner<3, 3>();
-  const double across = center.trace() - direction.dot(center * direction);
-  return std::isfinite(across) ? std::sqrt(std::max(across, 0.0)) / distance_mm : std::numbers::pi;
+/// The way out of the bone at a point, by a sphere or plane.
+Vec3 direction_at(const SphereFit& sphere, bool concave, const Vec3& point) {
+  const Vec3 away = (point - sphere.center_mm).normalized();
+  return concave ? Vec3(-away) : away;
 }
 
-/// Likewise of the plane's normal at a point: the normal's own, and what a curvature that hides in the residual turns
-/// it by between the points' middle and there.
-double plane_error_rad(const FaceSurface& surface, const Vec3& point_mm) {
+/// The fitted points without those of one of kSectors sectors round their middle.
+std::vector<Vec3> without_sector(const FaceSurface& surface, int sector) {
+  const Vec3 across = surface.plane.normal.unitOrthogonal();
+  const Vec3 other = surface.plane.normal.cross(across);
+  std::vector<Vec3> out;
+  for (const Vec3& p : surface.fitted_mm) {
+    const Vec3 from = p - surface.plane.point_mm;
+    const double turn = std::atan2(from.dot(other), from.dot(across)) / (2 * std::numbers::pi) + 0.5;
+    if (std::min(static_cast<int>(turn * kSectors), kSectors - 1) != sector) out.push_back(p);
+  }
+  return out;
+}
+
+/// Standard error of the direction at a point by the jackknife over sectors of the face (Efron 1982, The jackknife, the
+/// bootstrap and other resampling plans): it sees errors that neighbours share, and a face that is not of this shape.
+double jackknife_error_rad(const FaceSurface& surface, const Vec3& point) {
+  std::vector<Vec3> directions;
+  for (int sector = 0; sector < kSectors; ++sector) {
+    const std::vector<Vec3> rest = without_sector(surface, sector);
+    if (surface.spherical) {
+      if (const auto sphere = fit_sphere(rest)) directions.push_back(direction_at(*sphere, surface.concave, point));
+    } else if (const auto plane = fit_plane(rest, surface.plane.normal)) {
+      directions.push_back(plane->normal);
+    }
+  }
+  if (directions.size() < kSectors) return std::numbers::pi;
+  Vec3 mean = Vec3::Zero();
+  for (const Vec3& d : directions) mean += d / kSectors;
+  double squares = 0;
+  for (const Vec3& d : directions) squares += (d - mean).squaredNorm();
+  return std::sqrt(squares * (kSectors - 1) / kSectors);
+}
+
+/// What a curvature that hides in a plane's residual turns its normal by, between the points' middle and a point.
+double hidden_curvature_rad(const FaceSurface& surface, const Vec3& point) {
   const PlaneFit& plane = surface.plane;
-  Mat3 spread = Mat3::Zero();
-  for (const Vec3& p : surface.fitted_mm) spread += (p - plane.point_mm) * (p - plane.point_mm).transpose();
-  spread /= static_cast<double>(surface.fitted_mm.size());
-  const Eigen::SelfAdjointEigenSolver<Mat3> axes(spread);
-  const double narrow_mm2 = axes.eigenvalues()(1);
-  const double own = surface.rms_mm / std::sqrt(surface.independent * narrow_mm2);
-  // A paraboloid of curvature c over a disc leaves a residual of 0.29·c·(mean square of the distance from its middle).
+  double squares = 0;
+  for (const Vec3& p : surface.fitted_mm) squares += (p - plane.point_mm).squaredNorm();
+  squares /= static_cast<double>(surface.fitted_mm.size());
+  // A paraboloid of curvature c over a disc leaves a residual of 0.289·c·(mean square of the distance from its middle).
   constexpr double kDisc = 0.289;
-  const double curvature = surface.rms_mm / (kDisc * (narrow_mm2 + axes.eigenvalues()(2)));
-  const Vec3 away = point_mm - plane.point_mm;
-  return std::hypot(own, curvature * (away - away.dot(plane.normal) * plane.normal).norm());
+  const Vec3 away = point - plane.point_mm;
+  return surface.rms_mm / (kDisc * squares) * (away - away.dot(plane.normal) * plane.normal).norm();
 }
 
 }  // namespace
@@ -150,7 +167,6 @@ std::optional<FaceSurface> fit_face(const FacePoints& face, const Vec3& outward)
   out.rms_mm = out.spherical ? sphere->fit.rms_mm : plane->fit.rms_mm;
   const double count = static_cast<double>(out.fitted_mm.size());
   out.fitted_fraction = count / static_cast<double>(points.size());
-  out.independent = std::max(1.0, independent_share * count);
   return out;
 }
 
@@ -158,15 +174,17 @@ std::optional<FaceAxis> axis_through(const FaceSurface& surface, const Vec3& poi
   if (!surface.spherical) {
     const Vec3& normal = surface.plane.normal;
     const Vec3 on_plane = point - distance_of(surface.plane, point) * normal;
-    return FaceAxis{on_plane, normal, degrees_of(plane_error_rad(surface, on_plane))};
+    return FaceAxis{
+        on_plane, normal,
+        degrees_of(std::hypot(jackknife_error_rad(surface, on_plane), hidden_curvature_rad(surface, on_plane)))};
   }
   const SphereFit& sphere = *surface.sphere;
   const Vec3 away = point - sphere.center_mm;
   constexpr double kNextToCenter = 0.5;
   if (away.norm() < kNextToCenter * sphere.radius_mm) return std::nullopt;
   const Vec3 unit = away.normalized();
-  return FaceAxis{sphere.center_mm + sphere.radius_mm * unit, surface.concave ? Vec3(-unit) : unit,
-                  degrees_of(sphere_error_rad(surface, unit, away.norm()))};
+  return FaceAxis{sphere.center_mm + sphere.radius_mm * unit, direction_at(sphere, surface.concave, point),
+                  degrees_of(jackknife_error_rad(surface, point))};
 }
 
 std::optional<Vec3> meeting_point(const FaceSurface& surface, const Vec3& on_line, const Vec3& direction) {

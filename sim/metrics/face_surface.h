@@ -21,7 +21,6 @@ struct FaceSurface {
   std::size_t points = 0;      ///< given
   double fitted_fraction = 0;  ///< of the points that lie on the surface, so that it was fitted to them
   double rms_mm = 0;           ///< of these
-  double independent = 1;      ///< fitted points whose errors are independent of each other, estimated
   std::vector<Vec3> fitted_mm;
 };
 

@@ -111,7 +111,12 @@ JointLine measure_joint_line(const ReamedBone& bone, const ColumnMap& map, const
   const double voxel_mm = bone.after.grid.voxel_mm;
   const Vec3 reamer = map.bone_from_map.linear().col(2);
   FacePoints points{.points_mm = {}, .point_mm2 = map.pitch_mm * map.pitch_mm, .voxel_mm = voxel_mm};
-  for (const ColumnPlace& place : face.columns) {
+  // More points than this tell no more of a surface.
+  constexpr std::size_t kMostPoints = 3000;
+  const std::size_t step = 1 + face.columns.size() / kMostPoints;
+  points.point_mm2 *= static_cast<double>(step);
+  for (std::size_t i = 0; i < face.columns.size(); i += step) {
+    const ColumnPlace& place = face.columns[i];
     points.points_mm.push_back(map.in_bone(place.x(), place.y(), map.at(place.x(), place.y()).after_mm));
   }
   out.reamed_surface = fit_face(points, reamer);

@@ -93,7 +93,7 @@ NativeFace measure_native_face(const ReamedBone& bone, const FaceOutline& outlin
     if (!cell) return;
     const double area_mm2 = cell_mm2 * raster.stretch(i, j);
     out.area_mm2 += area_mm2;
-    if (cell->depth_mm >= kLeastLossVoxels * voxel_mm) out.reamed_mm2 += area_mm2;
+    if (cell->reamed) out.reamed_mm2 += area_mm2;
     if (outline.inside_mm(raster.place_mm(i, j)) >= margin_mm) points.points_mm.push_back(raster.in_bone(i, j));
   });
   out.surface = fit_face(points, outline.bone_from_outline().linear().col(2));
