@@ -19,7 +19,7 @@ std::string text_of(const char* format, double value) {
 }
 
 /// A native face rougher than this is no sphere: mm, or a voxel where that is more. A reamed one: a voxel.
-constexpr double kRoughest_mm = 1;
+constexpr double kRoughest_mm = 0.5;
 
 /// Why a surface is no face that has an axis; "" where it is one.
 std::string fault_of(const std::optional<FaceSurface>& surface, double roughest_mm) {
