@@ -61,7 +61,9 @@ CaseFindings energy_case(const Setting& setting) {
   out.scene =
       "cannulated convex head through two layers: a tilted plunge at 250 rpm, a sideways sweep at 20 rpm, a tilting "
       "plunge at 100 rpm";
-  out.form = "−Σ(T·ω + F·v)·Δt + E_floor = E_cut = Σu(ρ)·ΔV";
+  out.form =
+      "−Σ(T·ω + F·v)·Δt + E_floor = E_cut = Σu(ρ)·ΔV; an identity of the law, so it checks the bookkeeping and not the "
+      "bone";
   const Tool tool = make_tool(convex_profile(12, 5, 1, 8, 0.05));
   const Reamed reamed =
       ream(scene_of(block({22, 20, 6}, kVoxel_mm, layered_density), tool, every_kind_of_motion()), setting);
