@@ -1,61 +1,119 @@
+#include <unistd.h>
+
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
 #include <memory>
 
 #include "cli/commands.h"
+#include "cli/picture_count.h"
 #include "cli/scenario_options.h"
 #include "render/render.h"
 #include "sim/base/error.h"
+#include "sim/base/mistake_list.h"
+#include "sim/base/stopwatch.h"
+#include "sim/run/contact_forecast.h"
 #include "sim/run/memory_plan.h"
 #include "sim/run/simulation.h"
+#include "sim/run/time_plan.h"
 #include "sim/scenario/parse.h"
 
 namespace reamsim {
 
 namespace {
 
+/// So long frames are timed for.
+constexpr double kTiming_s = 1;
+/// A picture of 1920 × 1080, measured on two cores; docs/formats.md says how.
+constexpr double kPicture_s = 0.25;
+
 std::string megabytes(std::size_t bytes) {
   return std::to_string((bytes + 999'999) / 1'000'000) + " MB";
 }
 
-void print_cost(const Console& console, const ReamingScene& scene) {
+void note_cost(const ReamingScene& scene, Report& report) {
   const RunCost cost = estimate_cost(scene);
   const VoxelGrid& grid = scene.bone.voxmap.grid;
-  char text[512];
-  std::snprintf(text, sizeof text,
-                "# would run: %lld frames (%.3f s at %g Hz), %lld substeps\n"
-                "# bone: %d x %d x %d voxels of %g mm, %lld with bone (%.1f mm3)\n"
-                "# tool: %zu shell points, %g mm apart",
+  char text[256];
+  std::snprintf(text, sizeof text, "would run: %lld frames (%.3f s at %g Hz), %lld substeps",
                 static_cast<long long>(cost.frames), static_cast<double>(cost.frames) * scene.motion.frame_s(),
-                scene.motion.frame_rate_hz, static_cast<long long>(cost.substeps), grid.dims.x(), grid.dims.y(),
-                grid.dims.z(), grid.voxel_mm, static_cast<long long>(scene.bone.voxmap.count_bone()),
-                scene.bone.voxmap.bone_mm3(), scene.tool.shell.codes.size(), scene.tool.shell.cell_mm);
-  console.say(text);
+                scene.motion.frame_rate_hz, static_cast<long long>(cost.substeps));
+  report.note(text);
+  std::snprintf(text, sizeof text, "bone: %d x %d x %d voxels of %g mm, %lld with bone (%.1f mm3)", grid.dims.x(),
+                grid.dims.y(), grid.dims.z(), grid.voxel_mm, static_cast<long long>(scene.bone.voxmap.count_bone()),
+                scene.bone.voxmap.bone_mm3());
+  report.note(text);
+  std::snprintf(text, sizeof text, "tool: %zu shell points, %g mm apart", scene.tool.shell.codes.size(),
+                scene.tool.shell.cell_mm);
+  report.note(text);
   const MemoryPlan memory = plan_memory(scene);
-  console.say("# memory: " + megabytes(memory.device_bytes) + " on the device, about " +
-              megabytes(memory.process_bytes) +
+  report.note("memory: " + megabytes(memory.device_bytes) + " on the device, about " + megabytes(memory.process_bytes) +
               " in the program at most, the device's included where that is the processor; pictures come on top");
 }
 
-void check_command(const ScenarioOptions& options, const Console& console) {
-  const Scenario scenario = parse_scenario(options.file, options.all_overrides());
-  Report report;
-  const ReamingScene scene = load_scene(scenario, report);
-  console.say(to_yaml(scenario));
-  print_cost(console, scene);
+/// Reams the scene's bone. The engine's own mistakes come to light here as well.
+void note_time(ReamingScene& scene, double load_s, MistakeList& mistakes, Report& report) {
+  char text[256];
+  const RenderSettings& render = scene.scenario.render;
+  const int pictures = render.enabled ? count_pictures(scene) : 0;
+  const double pixels = double(render.width_px) * render.height_px * render.supersampling * render.supersampling;
+  try {
+    const Stopwatch watch;
+    std::unique_ptr<Engine> engine;
+    if (!mistakes.attempt([&] { engine = load_engine(scene); })) return;
+    load_s += watch.seconds();
+    const TimePlan plan = plan_time(scene, *engine, kTiming_s);
+    std::snprintf(text, sizeof text, "time: about %.2g s to simulate (%lld frames in %d windows timed on %s)",
+                  plan.simulate_s, static_cast<long long>(plan.timed_frames), plan.windows, engine->device().c_str());
+    report.note(text);
+    std::snprintf(text, sizeof text,
+                  "time: about %.2g s for %d pictures, drawn while it simulates and after; %.2g s to load",
+                  pictures * kPicture_s * pixels / (1920 * 1080), pictures, load_s);
+    report.note(text);
+  } catch (const RunError& error) {
+    report.warn(std::string("the engine cannot be started, so time is not estimated: ") + error.what());
+  }
+}
+
+void warn_of_settings(const ReamingScene& scene, Report& report) {
   const auto& poses = scene.motion.poses;
   if (std::none_of(poses.begin(), poses.end(), [](const ToolPose& p) { return p.spin_rpm != 0; })) {
     report.warn("the tool never spins; its force would be that of a tool pushed through");
   }
   try {
-    require_film_program(scenario.render);
+    require_film_program(scene.scenario.render);
   } catch (const RunError& error) {
     report.warn(error.what());
   }
-  for (const auto& note : report.notes) console.say("# " + note);
-  report.notes.clear();
-  console.tell(report);
+}
+
+/// As comments, so that the scenario below them stays one.
+void say_findings(const Report& report, const Console& console) {
+  for (const std::string& warning : report.warnings) console.say("# warning: " + warning);
+  for (const std::string& note : report.notes) console.say("# " + note);
+}
+
+void check_command(const ScenarioOptions& options, const Console& console) {
+  const Stopwatch load_watch;
+  const Scenario scenario = parse_scenario(options.file, options.all_overrides());
+  Report found;
+  MistakeList mistakes;
+  ReamingScene scene = load_scene(scenario, found, mistakes);
+  const double load_s = load_watch.seconds();
+  warn_of_contact(scene, forecast_contact(scene), found);
+  warn_of_settings(scene, found);
+  Report report{.notes = {}, .warnings = found.warnings};
+  note_cost(scene, report);
+  note_time(scene, load_s, mistakes, report);
+  if (scene.bone.segmentation) report.note(sentence_of(*scene.bone.segmentation));
+  report.notes.insert(report.notes.end(), found.notes.begin(), found.notes.end());
+  // On a terminal standard error would say them a second time.
+  if (isatty(STDOUT_FILENO) == 0 || console.quiet) {
+    for (const std::string& warning : report.warnings) console.warn(warning);
+  }
+  say_findings(report, console);
+  mistakes.throw_if_any();
+  console.say(to_yaml(scene.scenario));
 }
 
 }  // namespace

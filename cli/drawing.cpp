@@ -23,7 +23,7 @@ RunPlan plan_of(const ReamingScene& scene, const std::string& dir) {
   plan.fill_before = scene.bone.voxmap.fill;
   plan.whole_voxels = scene.scenario.cutting.erosion != "exact";
   plan.glenoid = scene.bone.glenoid;
-  plan.side = scene.scenario.bone.side;
+  plan.side = scene.bone.side;
   plan.poses = scene.motion.poses;
   for (ToolPose& pose : plan.poses) pose = as_logged(pose);
   for (std::int64_t k = 0; k < std::ssize(plan.poses); ++k) plan.pose_frames.push_back(k);

@@ -7,6 +7,7 @@
 #include "sim/base/error.h"
 #include "sim/bone/bone.h"
 #include "sim/bone/bone_vdb.h"
+#include "sim/bone/frame_check.h"
 #include "sim/bone/vdb_archive.h"
 #include "sim/record/checksum.h"
 #include "sim/record/output_folder.h"
@@ -31,17 +32,33 @@ std::string extension(const std::string& path) {
   return text;
 }
 
-/// The bone section: of a scenario, or the defaults for a mesh or a CT with `--set` on top. Its surface is made as for
-/// a run.
-BoneSettings bone_settings(const ImportOptions& options) {
+/// Of the scenario, or of the defaults for a mesh or a CT with `--set` on top, what concerns the bone. Its surface is
+/// made as for a run.
+Scenario scenario_of(const ImportOptions& options) {
   const std::string kind = extension(options.input);
+  Scenario scenario;
   if (kind == ".yaml" || kind == ".yml") {
-    const Scenario scenario = parse_scenario(options.input, options.overrides);
-    return with_surface_voxels(scenario.bone, scenario.cutting);
+    scenario = parse_scenario(options.input, options.overrides);
+  } else {
+    // VTK's surfaces are refused as meshes are, with what to do.
+    const bool mesh = kind == ".stl" || kind == ".obj" || kind == ".ply" || kind == ".vtp" || kind == ".vtk";
+    scenario.bone = parse_bone_settings(mesh ? "mesh" : "ct", options.input, options.overrides);
   }
-  // VTK's surfaces are refused as meshes are, with what to do.
-  const bool mesh = kind == ".stl" || kind == ".obj" || kind == ".ply" || kind == ".vtp" || kind == ".vtk";
-  return with_surface_voxels(parse_bone_settings(mesh ? "mesh" : "ct", options.input, options.overrides), {});
+  scenario.bone = with_surface_voxels(scenario.bone, scenario.cutting);
+  return scenario;
+}
+
+/// Throws InputError also for a glenoid frame that contradicts the bone: it goes into the file.
+Bone load_checked(const Scenario& scenario, Report& report) {
+  try {
+    Bone bone = load_bone(scenario.bone, report);
+    MistakeList mistakes;
+    check_glenoid_frame(bone, scenario.bone, mistakes, report);
+    mistakes.throw_if_any();
+    return bone;
+  } catch (const InputError& error) {
+    throw scenario.keys.located(error);
+  }
 }
 
 void import_command(const ImportOptions& options, const Console& console) {
@@ -49,16 +66,19 @@ void import_command(const ImportOptions& options, const Console& console) {
     throw InputError({options.output, 0, 0}, "", "not a .vdb file", "expected -o NAME.vdb");
   }
   require_replaceable_file(options.output, "-o", options.overwrite, is_vdb_of_reamsim, {options.input});
-  const BoneSettings settings = bone_settings(options);
+  const Scenario scenario = scenario_of(options);
+  const BoneSettings& settings = scenario.bone;
   require_replaceable_file(options.output, "-o", options.overwrite, is_vdb_of_reamsim,
                            {settings.ct.path, settings.mesh.path, settings.vdb.path});
   Report report;
-  const Bone bone = load_bone(settings, report);
+  const Bone bone = load_checked(scenario, report);
   for (const auto& note : report.notes) console.say(note);
   report.notes.clear();
   console.tell(report);
-  write_bone_vdb(options.output, bone.voxmap, {},
-                 {{"source", fs::path(options.input).filename().string()}, {"sha256", sha256_of(options.input)}});
+  Metadata metadata{{"source", fs::path(options.input).filename().string()}, {"sha256", sha256_of(options.input)}};
+  const Metadata anatomy = metadata_of({bone.glenoid, bone.landmarks, bone.side});
+  metadata.insert(metadata.end(), anatomy.begin(), anatomy.end());
+  write_bone_vdb(options.output, bone.voxmap, {}, metadata);
   console.say("wrote " + options.output);
 }
 

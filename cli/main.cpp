@@ -69,7 +69,8 @@ int main(int argc, char** argv) {
   try {
     return run(argc, argv);
   } catch (const reamsim::InputError& error) {
-    return complain(error.what(), kWrongInput);
+    for (const reamsim::Mistake& mistake : error.mistakes()) complain(mistake.line(), kWrongInput);
+    return kWrongInput;
   } catch (const reamsim::Interrupted& error) {
     return complain(error.what(), kInterrupted);
   } catch (const std::exception& error) {

@@ -7,8 +7,10 @@
 #include "cli/outputs.h"
 #include "cli/scenario_options.h"
 #include "render/report/report.h"
+#include "render/segmentation_picture.h"
 #include "sim/base/error.h"
 #include "sim/record/output_folder.h"
+#include "sim/run/contact_forecast.h"
 #include "sim/run/results.h"
 #include "sim/scenario/parse.h"
 
@@ -40,8 +42,8 @@ void tell(Report& report, RunFacts& facts, const Console& console) {
 }
 
 /// `drawing`, where there is any, hears which frames are written.
-void run_frames(ReamingScene& scene, Engine& engine, Recorder& recorder, Drawing* drawing, Report& report,
-                const Console& console) {
+void run_frames(ReamingScene& scene, Engine& engine, Recorder& recorder, Drawing* drawing,
+                const ContactForecast& contact, Report& report, const Console& console) {
   Progress progress(console, "simulate", "frames");
   RunControl control;
   control.progress = [&](std::int64_t done, std::int64_t total) {
@@ -49,6 +51,7 @@ void run_frames(ReamingScene& scene, Engine& engine, Recorder& recorder, Drawing
     progress.update(done, total);
   };
   control.stop = stop_requested;
+  control.foretold_no_contact = !contact.meets;
   simulate(scene, engine, recorder, control, report);
   progress.finish();
   recorder.close();
@@ -78,6 +81,18 @@ void say_summary(const Console& console, const RunTotals& totals, const RunFacts
   console.say(text);
 }
 
+/// What a user should see before anything is simulated: what the bone was made of, and what the motion will do to it.
+ContactForecast tell_of_scene(const ReamingScene& scene, const std::string& dir, Report& report,
+                              const Console& console) {
+  if (const auto& segmentation = scene.bone.segmentation) {
+    console.say(sentence_of(*segmentation));
+    if (scene.scenario.render.enabled) write_segmentation_picture(dir, *segmentation);
+  }
+  const ContactForecast contact = forecast_contact(scene);
+  warn_of_contact(scene, contact, report);
+  return contact;
+}
+
 /// The whole job: load, simulate, write, draw, and only then put the folder in place.
 void run_in(OutputFolder& folder, const Scenario& scenario, const Console& console) {
   const Stopwatch load_watch;
@@ -85,18 +100,19 @@ void run_in(OutputFolder& folder, const Scenario& scenario, const Console& conso
   RunFacts facts;
   facts.inputs = input_sums(scenario);
   ReamingScene scene = load_scene(scenario, report);
-  const std::unique_ptr<Engine> engine = make_engine(scenario, scene.bone.voxmap, scene.tool);
+  const ContactForecast contact = tell_of_scene(scene, folder.path(), report, console);
+  tell(report, facts, console);
+  const std::unique_ptr<Engine> engine = load_engine(scene);
   facts.device = engine->device();
   facts.bone_before_mm3 = scene.bone.voxmap.bone_mm3();
   const FillBricks fill_before = scene.bone.voxmap.fill;
   facts.load_s = load_watch.seconds();
-  tell(report, facts, console);
 
   write_tool(folder.path(), scene.tool);
   const std::unique_ptr<Drawing> drawing = begin_drawing(scene, folder.path());
   Recorder recorder(folder.path(), scene.bone.voxmap.grid.voxel_mm);
   const Stopwatch watch;
-  run_frames(scene, *engine, recorder, drawing.get(), report, console);
+  run_frames(scene, *engine, recorder, drawing.get(), contact, report, console);
   facts.simulate_s = watch.seconds();
   facts.device_bytes = engine->device_bytes();
   tell(report, facts, console);

@@ -4,12 +4,11 @@
 #include <openvdb/openvdb.h>
 
 #include <algorithm>
-#include <cmath>
 #include <filesystem>
-#include <sstream>
 
 #include "sim/base/error.h"
 #include "sim/bone/bone_vdb.h"
+#include "sim/bone/stored_anatomy.h"
 #include "sim/mesh/mesh_io.h"
 #include "sim/record/snapshot.h"
 
@@ -34,25 +33,8 @@ std::string text_of(const openvdb::MetaMap& metadata, const char* name) {
   return found ? found->value() : std::string();
 }
 
-std::optional<GlenoidFrame> parse_glenoid(const std::string& path, const std::string& text) {
-  if (text.empty()) return std::nullopt;
-  const InputError wrong({path, 0, 0}, "bone_from_glenoid", "found '" + text.substr(0, 60) + "'",
-                         "expected 16 numbers of a rigid transform, row by row");
-  std::istringstream in(text);
-  in.imbue(std::locale::classic());
-  Eigen::Matrix4d matrix;
-  for (int i = 0; i < 16; ++i) {
-    if (!(in >> matrix(i / 4, i % 4)) || !std::isfinite(matrix(i / 4, i % 4))) throw wrong;
-  }
-  const Mat3 turn = matrix.topLeftCorner<3, 3>();
-  if (!(turn * turn.transpose()).isApprox(Mat3::Identity(), 1e-4) || turn.determinant() < 0) throw wrong;
-  GlenoidFrame frame;
-  frame.bone_from_glenoid.matrix() = matrix;
-  return frame;
-}
-
 Anatomy anatomy_of(const std::string& path, const openvdb::MetaMap& metadata) {
-  return {.glenoid = parse_glenoid(path, text_of(metadata, "bone_from_glenoid")),
+  return {.glenoid = parse_stored_glenoid(path, text_of(metadata, "bone_from_glenoid")),
           .side = text_of(metadata, "bone_side")};
 }
 

@@ -44,6 +44,7 @@ Json read_json(const std::string& path, const std::string& expected) {
 /// What a final picture shows, from its file's name; `first`: the camera whose files have no suffix.
 std::string caption_of(const std::string& name, const std::string& first) {
   if (name == "depth_map") return "What the reamer took, seen along the glenoid's axis";
+  if (name == "segmentation") return "The CT with the outline of the segmented bone, in three planes";
   const std::string camera = name == "reamed" ? first : name.substr(std::string("reamed_").size());
   if (camera == "oblique") return "The reamed bone, oblique";
   if (camera == "glenoid") return "The reamed bone, face on";
@@ -52,7 +53,7 @@ std::string caption_of(const std::string& name, const std::string& first) {
   return "The reamed bone: " + camera;
 }
 
-/// The final pictures of a folder: reamed.png, the other reamed_*.png by name, depth_map.png.
+/// The final pictures of a folder: reamed.png, the other reamed_*.png by name, depth_map.png, segmentation.png.
 std::vector<std::string> final_pictures(const std::string& dir) {
   std::vector<std::string> out;
   for (const auto& entry : fs::directory_iterator(dir)) {
@@ -61,7 +62,9 @@ std::vector<std::string> final_pictures(const std::string& dir) {
   }
   std::sort(out.begin(), out.end());
   if (fs::exists(dir + "/reamed.png")) out.insert(out.begin(), dir + "/reamed.png");
-  if (fs::exists(dir + "/depth_map.png")) out.push_back(dir + "/depth_map.png");
+  for (const char* name : {"/depth_map.png", "/segmentation.png"}) {
+    if (fs::exists(dir + name)) out.push_back(dir + name);
+  }
   return out;
 }
 

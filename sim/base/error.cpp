@@ -1,6 +1,7 @@
 #include "sim/base/error.h"
 
 #include <new>
+#include <utility>
 
 namespace reamsim {
 
@@ -11,10 +12,7 @@ std::string SourceLocation::text() const {
   return out;
 }
 
-namespace {
-
-std::string compose(const SourceLocation& where, const std::string& key, const std::string& found,
-                    const std::string& expected) {
+std::string Mistake::line() const {
   std::string out = where.text();
   if (!key.empty()) out += (out.empty() ? "" : ": ") + key;
   if (!found.empty()) out += (out.empty() ? "" : ": ") + found;
@@ -22,11 +20,23 @@ std::string compose(const SourceLocation& where, const std::string& key, const s
   return out;
 }
 
+namespace {
+
+std::string lines_of(const std::vector<Mistake>& mistakes) {
+  std::string out;
+  for (const Mistake& mistake : mistakes) out += (out.empty() ? "" : "\n") + mistake.line();
+  return out;
+}
+
 }  // namespace
 
 InputError::InputError(const SourceLocation& where, const std::string& key, const std::string& found,
                        const std::string& expected)
-    : std::runtime_error(compose(where, key, found, expected)) {}
+    : InputError(std::vector<Mistake>(1, Mistake{where, key, found, expected})) {}
+
+InputError::InputError(std::vector<Mistake> mistakes)
+    : std::runtime_error(lines_of(mistakes)),
+      mistakes_(std::make_shared<const std::vector<Mistake>>(std::move(mistakes))) {}
 
 std::string message_of(const std::exception& error) {
   const bool ours = dynamic_cast<const InputError*>(&error) != nullptr ||

@@ -1,7 +1,9 @@
 #pragma once
 
+#include <memory>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 namespace reamsim {
 
@@ -15,15 +17,34 @@ struct SourceLocation {
   [[nodiscard]] std::string text() const;
 };
 
+/// One mistake in the input.
+struct Mistake {
+  SourceLocation where;
+  std::string key;
+  std::string found;
+  std::string expected;
+
+  /// "FILE:LINE:COLUMN: KEY: FOUND; EXPECTED", without what is empty: one line.
+  [[nodiscard]] std::string line() const;
+};
+
 /// The input is wrong (exit status 2). The message is one line that a user can act on: where, which key, what was
-/// found, what would be right.
+/// found, what would be right; or several such lines, where several mistakes were collected (sim/base/mistake_list.h).
 class InputError : public std::runtime_error {
  public:
-  explicit InputError(const std::string& message) : std::runtime_error(message) {}
+  explicit InputError(const std::string& message) : InputError({}, "", message, "") {}
 
   /// "FILE:LINE:COLUMN: KEY: FOUND; EXPECTED". Pass "" for whatever does not apply.
   InputError(const SourceLocation& where, const std::string& key, const std::string& found,
              const std::string& expected);
+
+  /// `mistakes`: one or more.
+  explicit InputError(std::vector<Mistake> mistakes);
+
+  [[nodiscard]] const std::vector<Mistake>& mistakes() const { return *mistakes_; }
+
+ private:
+  std::shared_ptr<const std::vector<Mistake>> mistakes_;  // shared, so that copying an exception cannot throw
 };
 
 /// The run failed for a reason that is not the input's (exit status 1): disk full, device lost.

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "sim/base/report.h"
+#include "sim/bone/segmentation.h"
 #include "sim/bone/voxmap.h"
 #include "sim/scenario/scenario.h"
 
@@ -12,14 +13,17 @@ namespace reamsim {
 /// A bone ready to be reamed.
 struct Bone {
   Voxmap voxmap;
-  std::optional<GlenoidFrame> glenoid;                       ///< from the scenario, or the phantom's own
-  std::optional<LandmarkSettings> landmarks = std::nullopt;  ///< in B: from the scenario, or the phantom's own
+  std::optional<GlenoidFrame> glenoid;                       ///< from the scenario, or the phantom's own, or the VDB's
+  std::optional<LandmarkSettings> landmarks = std::nullopt;  ///< in B: likewise
   std::optional<ScapularAxes> scapula = std::nullopt;        ///< of the landmarks
+  std::string side{};                                        ///< left | right | "": from the scenario, or the VDB's
+  std::optional<Segmentation> segmentation = std::nullopt;   ///< of a CT
   std::vector<Vec3> rim_mm{};  ///< of the joint face, in B, in order: from the scenario, or the phantom's own
 };
 
 /// Builds the bone that the scenario asks for (CT, mesh, VDB or phantom) and drills the pilot hole. All but a VDB's
 /// lattice are fitted to the bone (fit_to_bone); a VDB keeps its own, so that reaming goes on where it stopped.
+/// A glenoid frame is not held against the bone here: check_glenoid_frame() does that.
 /// `settings.surface_voxels` must be decided (with_surface_voxels()); `auto` counts as whole.
 /// Throws InputError for whatever is wrong with the data; says in `report` what was done (voxels, volumes, pieces).
 Bone load_bone(const BoneSettings& settings, Report& report);
@@ -32,8 +36,9 @@ Bone load_bone(const BoneSettings& settings, Report& report);
 /// (unless `repair`), a repair that flooded, no volume, absurdly large.
 Voxmap voxmap_from_mesh(const BoneSettings& settings, Report& report);
 /// A VDB of an earlier run or import, or another's with a FloatGrid `density`. Its own voxel size and density mapping
-/// hold. Throws as read_bone_vdb().
-Voxmap voxmap_from_vdb(const BoneSettings& settings, Report& report);
+/// hold, and where the scenario does not say otherwise its glenoid frame, landmarks and side. Throws as
+/// read_stored_bone().
+Bone bone_from_vdb(const BoneSettings& settings, Report& report);
 /// A generated bone in the frame "phantom". Verification blocks have their top face at z = 0 and the glenoid frame at
 /// its centre, +z up; the sphere has its centre at the origin and the glenoid frame at its pole. The glenoid stands in
 /// axes like a patient's (left: +x lateral, right: −x lateral; +y posterior; +z superior), the centre of its face

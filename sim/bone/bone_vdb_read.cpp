@@ -8,6 +8,7 @@
 #include "sim/bone/bone_vdb.h"
 #include "sim/bone/bone_vdb_keys.h"
 #include "sim/bone/lattice.h"
+#include "sim/bone/stored_anatomy.h"
 #include "sim/bone/vdb_archive.h"
 
 namespace reamsim {
@@ -19,7 +20,7 @@ namespace {
 }
 
 template <class T>
-std::optional<T> metadata_of(const openvdb::FloatGrid& grid, const char* name) {
+std::optional<T> value_of(const openvdb::FloatGrid& grid, const char* name) {
   const auto entry = grid.getMetadata<openvdb::TypedMetadata<T>>(name);
   return entry ? std::optional<T>(entry->value()) : std::nullopt;
 }
@@ -52,9 +53,9 @@ struct Placement {
 
 /// The lattice that reamsim wrote into the metadata; nullopt for another program's grid.
 std::optional<Placement> lattice_from_metadata(const openvdb::FloatGrid& grid) {
-  const auto dims = metadata_of<openvdb::Vec3i>(grid, vdb_keys::kDims);
-  const auto origin = metadata_of<openvdb::Vec3d>(grid, vdb_keys::kOrigin);
-  const auto voxel_mm = metadata_of<double>(grid, vdb_keys::kVoxel);
+  const auto dims = value_of<openvdb::Vec3i>(grid, vdb_keys::kDims);
+  const auto origin = value_of<openvdb::Vec3d>(grid, vdb_keys::kOrigin);
+  const auto voxel_mm = value_of<double>(grid, vdb_keys::kVoxel);
   if (!dims || !origin || !voxel_mm) return std::nullopt;
   Placement out;
   out.lattice.dims = {dims->x(), dims->y(), dims->z()};
@@ -139,7 +140,7 @@ void read_fill(const std::string& path, const openvdb::FloatGrid& fill, const op
 
 /// For messages and pictures: printable, short.
 std::string frame_name(const openvdb::FloatGrid& density) {
-  const std::string name = metadata_of<std::string>(density, vdb_keys::kFrame).value_or("unknown");
+  const std::string name = value_of<std::string>(density, vdb_keys::kFrame).value_or("unknown");
   const bool plain =
       name.size() <= 64 && std::all_of(name.begin(), name.end(), [](unsigned char c) { return c >= 0x20 && c < 0x7F; });
   return plain ? name : "unknown";
@@ -147,20 +148,29 @@ std::string frame_name(const openvdb::FloatGrid& density) {
 
 DensityMapping mapping_of(const openvdb::FloatGrid& density) {
   DensityMapping out;
-  const auto slope = metadata_of<double>(density, vdb_keys::kAshSlope);
-  const auto offset = metadata_of<double>(density, vdb_keys::kAshOffset);
-  const auto fraction = metadata_of<double>(density, vdb_keys::kAshFraction);
+  const auto slope = value_of<double>(density, vdb_keys::kAshSlope);
+  const auto offset = value_of<double>(density, vdb_keys::kAshOffset);
+  const auto fraction = value_of<double>(density, vdb_keys::kAshFraction);
   if (slope && offset && fraction && *slope > 0 && *fraction > 0) out = {*slope, *offset, *fraction};
   return out;
 }
 
-Voxmap read_voxmap(const std::string& path) {
+StoredAnatomy anatomy_of(const std::string& path, const openvdb::FloatGrid& density) {
+  const auto text = [&](const char* key) { return value_of<std::string>(density, key).value_or(""); };
+  return {.glenoid = parse_stored_glenoid(path, text(vdb_keys::kGlenoid)),
+          .landmarks = parse_stored_landmarks(path, text(vdb_keys::kLandmarks)),
+          .side = checked_stored_side(path, text(vdb_keys::kSide))};
+}
+
+/// `anatomy`, where it is asked for, gets what the file says of it.
+Voxmap read_voxmap(const std::string& path, StoredAnatomy* anatomy) {
   VdbFile file(path);
   if (!file.has(vdb_keys::kDensity)) {
     fail_reading(path, "no grid \"density\" (found: " + file.grid_names() + ")", "expected a FloatGrid in g/cm^3");
   }
   const openvdb::FloatGrid::Ptr density = file.read(vdb_keys::kDensity);
   const Placement placement = checked_placement(path, *density);
+  if (anatomy != nullptr) *anatomy = anatomy_of(path, *density);
   Voxmap voxmap(placement.lattice);
   voxmap.frame = frame_name(*density);
   voxmap.mapping = mapping_of(*density);
@@ -175,16 +185,26 @@ Voxmap read_voxmap(const std::string& path) {
   return voxmap;
 }
 
-}  // namespace
-
-Voxmap read_bone_vdb(const std::string& path) {
+Voxmap read_guarded(const std::string& path, StoredAnatomy* anatomy) {
   try {
-    return read_voxmap(path);
+    return read_voxmap(path, anatomy);
   } catch (const std::bad_alloc&) {
     fail_reading(path, "a VDB that does not fit into memory", "expected a smaller grid");
   } catch (const openvdb::Exception&) {
     fail_reading(path, "a truncated or damaged VDB file", "expected a complete file");
   }
+}
+
+}  // namespace
+
+Voxmap read_bone_vdb(const std::string& path) {
+  return read_guarded(path, nullptr);
+}
+
+StoredBone read_stored_bone(const std::string& path) {
+  StoredBone out;
+  out.voxmap = read_guarded(path, &out.anatomy);
+  return out;
 }
 
 }  // namespace reamsim

@@ -1,4 +1,6 @@
 #include <cstdio>
+#include <numbers>
+#include <utility>
 
 #include "sim/base/error.h"
 #include "sim/bone/bone.h"
@@ -16,9 +18,14 @@ Bone bone_from_source(const BoneSettings& settings, Report& report) {
     bone.voxmap = fit_to_bone(bone.voxmap, kMarginVoxels);
     return bone;
   }
-  if (settings.source == "ct") return {fit_to_bone(voxmap_from_ct(settings, report), kMarginVoxels), {}};
+  if (settings.source == "ct") {
+    Bone bone;
+    bone.segmentation.emplace();
+    bone.voxmap = fit_to_bone(voxmap_from_ct(settings, report, &*bone.segmentation), kMarginVoxels);
+    return bone;
+  }
   if (settings.source == "mesh") return {fit_to_bone(voxmap_from_mesh(settings, report), kMarginVoxels), {}};
-  if (settings.source == "vdb") return {voxmap_from_vdb(settings, report), {}};
+  if (settings.source == "vdb") return bone_from_vdb(settings, report);
   throw InputError({}, "bone.source", "\"" + settings.source + "\"", "expected phantom, ct, mesh or vdb");
 }
 
@@ -65,33 +72,63 @@ void drill(Bone& bone, const PilotHoleSettings& hole, bool partial, Report& repo
   }
 }
 
+/// Says where the scenario, which wins, contradicts what the VDB knows.
+void note_contradictions(const BoneSettings& settings, const StoredAnatomy& stored, Report& report) {
+  char text[200];
+  if (!settings.side.empty() && !stored.side.empty() && settings.side != stored.side) {
+    report.note("bone.side is " + settings.side + ", the VDB says " + stored.side + "; the scenario's is used");
+  }
+  const auto given = stored.glenoid
+                         ? glenoid_frame(settings.glenoid, settings.side.empty() ? stored.side : settings.side)
+                         : std::nullopt;
+  if (!given) return;
+  const Rigid apart = stored.glenoid->bone_from_glenoid.inverse() * given->bone_from_glenoid;
+  const double angle_deg = Eigen::AngleAxisd(apart.linear()).angle() * 180 / std::numbers::pi;
+  const double shift_mm = apart.translation().norm();
+  if (shift_mm < 0.01 && angle_deg < 0.01) return;
+  std::snprintf(text, sizeof text,
+                "bone.glenoid differs from the VDB's frame by %.2f mm and %.2f degrees; the scenario's is used",
+                shift_mm, angle_deg);
+  report.note(text);
+}
+
+/// With landmarks the normal is the Friedman axis.
+void set_scapula(Bone& bone) {
+  if (!bone.landmarks) return;
+  GlenoidSettings marks;  // glenoid_frame() asks for the side
+  marks.landmarks = bone.landmarks;
+  bone.scapula = axes_of(*glenoid_frame(marks, bone.side), bone.side);
+}
+
 }  // namespace
 
-Voxmap voxmap_from_vdb(const BoneSettings& settings, Report& report) {
-  Voxmap voxmap = read_bone_vdb(settings.vdb.path);
-  if (voxmap.grid.voxel_mm != settings.voxel_mm) {
+Bone bone_from_vdb(const BoneSettings& settings, Report& report) {
+  StoredBone stored = read_stored_bone(settings.vdb.path);
+  note_contradictions(settings, stored.anatomy, report);
+  Bone bone{std::move(stored.voxmap), stored.anatomy.glenoid, stored.anatomy.landmarks};
+  bone.side = stored.anatomy.side;
+  if (stored.anatomy.glenoid && !settings.glenoid.center_mm && !settings.glenoid.landmarks) {
+    report.note("glenoid frame from the VDB");
+  }
+  if (bone.voxmap.grid.voxel_mm != settings.voxel_mm) {
     char text[120];
     std::snprintf(text, sizeof text, "voxels of %.6g mm, as in the VDB; bone.voxel_mm does not apply",
-                  voxmap.grid.voxel_mm);
+                  bone.voxmap.grid.voxel_mm);
     report.note(text);
   }
-  return voxmap;
+  return bone;
 }
 
 Bone load_bone(const BoneSettings& settings, Report& report) {
   Bone bone = bone_from_source(settings, report);
-  if (const auto given = glenoid_frame(settings.glenoid, settings.side)) bone.glenoid = given;
+  if (!settings.side.empty()) bone.side = settings.side;
+  if (const auto given = glenoid_frame(settings.glenoid, bone.side)) bone.glenoid = given;
   if (settings.glenoid.landmarks) bone.landmarks = settings.glenoid.landmarks;
   if (!settings.glenoid.rim_mm.empty()) {
     require_surface_near(bone.voxmap, settings.glenoid.rim_mm);
     bone.rim_mm = settings.glenoid.rim_mm;
   }
-  if (bone.landmarks) {
-    GlenoidSettings marks;
-    marks.landmarks = bone.landmarks;
-    // With landmarks the glenoid's normal is the Friedman axis.
-    bone.scapula = axes_of(*glenoid_frame(marks, settings.side), settings.side);
-  }
+  set_scapula(bone);
   if (settings.pilot_hole) drill(bone, *settings.pilot_hole, settings.surface_voxels == "partial", report);
   const VoxelGrid& grid = bone.voxmap.grid;
   char text[200];

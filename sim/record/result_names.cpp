@@ -21,7 +21,8 @@ Names names_of_run() {
   const std::string camera = "(_[a-z0-9_-]+)?";           // as render.user_cameras are named
   const std::string unfinished = "(\\.tmp|\\.partial)?";  // what an interrupted write leaves
   const std::string files =
-      "scenario\\.yaml|summary\\.json|verification\\.json|timings\\.csv|report\\.html|contact_sheet\\.png|"
+      "scenario\\.yaml|summary\\.json|verification\\.json|timings\\.csv|report\\.html|segmentation\\.png|contact_"
+      "sheet\\.png|"
       "forces\\.(csv|gp|png|svg|pdf)|depth_map\\.(csv|png)|reamed\\.(vdb|vti|glb|stl)|"
       "(reamed|turntable)\\.(mp4|webp|apng)|snapshots/([0-9]+\\.vdb|tool\\.stl)|turntable/[0-9]+\\.png|"
       "plots/(forces_depth|energy|removed_density|spectrum)\\.(csv|gp|png|svg|pdf)";

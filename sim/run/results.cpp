@@ -5,7 +5,6 @@
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
-#include <sstream>
 
 #include "sim/base/error.h"
 #include "sim/base/stopwatch.h"
@@ -27,16 +26,6 @@ void write_text(const std::string& path, const std::string& text) {
   if (!out) throw RunError(path + ": cannot be written; is the disk full or the folder read-only?");
 }
 
-/// bone_from_glenoid as 16 numbers, row-major, that read back to the same values.
-std::string matrix_text(const Rigid& transform) {
-  std::ostringstream out;
-  out.precision(17);
-  for (int i = 0; i < 4; ++i) {
-    for (int j = 0; j < 4; ++j) out << (i + j > 0 ? " " : "") << transform.matrix()(i, j);
-  }
-  return out.str();
-}
-
 /// Provenance that the grids carry. No device and no time: the same scenario gives the same grids.
 Metadata provenance(const ReamingScene& scene, const RunFacts& facts) {
   Metadata out{{"program", "reamsim " REAMSIM_VERSION},
@@ -46,8 +35,8 @@ Metadata provenance(const ReamingScene& scene, const RunFacts& facts) {
     out.emplace_back("input_" + input.role, std::filesystem::path(input.path).filename().string());
     out.emplace_back("sha256_" + input.role, input.sha256);
   }
-  if (!scene.scenario.bone.side.empty()) out.emplace_back("bone_side", scene.scenario.bone.side);
-  if (scene.bone.glenoid) out.emplace_back("bone_from_glenoid", matrix_text(scene.bone.glenoid->bone_from_glenoid));
+  const Metadata anatomy = metadata_of({scene.bone.glenoid, scene.bone.landmarks, scene.bone.side});
+  out.insert(out.end(), anatomy.begin(), anatomy.end());
   return out;
 }
 
@@ -130,6 +119,32 @@ nlohmann::ordered_json bone_json(const ReamingScene& scene, const RunTotals& tot
           {"removed_mm3", totals.removed_mm3}};
 }
 
+/// What separated the bone from the rest of the scan.
+nlohmann::ordered_json segmentation_json(const Segmentation& s) {
+  nlohmann::ordered_json json;
+  json["method"] = s.method;
+  json["threshold_hu"] = s.threshold_hu;
+  json["bone_mm3"] = s.bone_mm3;
+  json["below_threshold_fraction"] = s.below_threshold_fraction;
+  json["density_lower_bound_fraction"] = s.lower_bound_fraction;
+  json["noise_hu"] = s.noise_hu;
+  if (s.method == "threshold") {
+    json["pieces"] = s.pieces;
+    json["kept"] = s.by_seed ? "seed" : "largest";
+    json["kept_rank"] = s.kept_rank;
+    json["kept_piece_mm3"] = s.kept_piece_mm3;
+    json["largest_piece_mm3"] = s.largest_mm3;
+    json["second_piece_mm3"] = s.second_mm3;
+    json["dropped_mm3"] = s.dropped_mm3;
+    json["cut_mm3"] = s.cut_mm3;
+    json["closed_mm3"] = s.closed_mm3;
+    json["filled_mm3"] = s.filled_mm3;
+  }
+  const Vec3& p = s.planes_through_mm;
+  json["planes_through_mm"] = {p.x(), p.y(), p.z()};
+  return json;
+}
+
 nlohmann::ordered_json tool_json(const Tool& tool) {
   nlohmann::ordered_json json = {{"shell_points", tool.shell.codes.size()},
                                  {"shell_resolution", tool.shell.resolution},
@@ -175,7 +190,7 @@ void measure(RunFacts& facts, const ReamingScene& scene, const FillBricks& fill_
   BoneAxes axes{.scapula = scene.bone.scapula, .glenoid = {}};
   axes.rim_mm = scene.bone.rim_mm;
   if (scene.bone.glenoid) {
-    axes.glenoid = axes_of(*scene.bone.glenoid, scene.scenario.bone.side);
+    axes.glenoid = axes_of(*scene.bone.glenoid, scene.bone.side);
     axes.face_center_mm = scene.bone.glenoid->bone_from_glenoid.translation();
   }
   if (scene.bone.landmarks) axes.face_center_mm = scene.bone.landmarks->glenoid_center_mm;
@@ -213,6 +228,7 @@ void write_summary(const std::string& dir, const ReamingScene& scene, const RunT
   json["forces"] = forces_json(totals);
   json["metrics"] = metrics_json(facts.metrics);
   json["bone"] = bone_json(scene, totals, facts);
+  if (scene.bone.segmentation) json["segmentation"] = segmentation_json(*scene.bone.segmentation);
   json["tool"] = tool_json(scene.tool);
   json["timings_s"] = {
       {"load", facts.load_s},      {"simulate", facts.simulate_s}, {"broad_phase", totals.broad_phase_s},

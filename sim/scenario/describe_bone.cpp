@@ -356,7 +356,7 @@ void describe_bone(KeyVisitor& v, BoneSettings& bone) {
          bone.source);
   v.text({.name = "side",
           .doc = "Side of the body; required with a glenoid frame: with bone.glenoid, a glenoid phantom, or a frame: "
-                 "glenoid",
+                 "glenoid. Without it a VDB's own side applies",
           .choices = {"left", "right"}},
          bone.side);
   v.number({.name = "voxel_mm", .doc = "Side of a voxel. A VDB keeps its own", .range = between(0.01, 5)},
@@ -369,9 +369,12 @@ void describe_bone(KeyVisitor& v, BoneSettings& bone) {
        .choices = {"auto", "partial", "whole"}},
       bone.surface_voxels);
   v.section({.name = "density", .doc = "From HU to density"}, bone.density, describe_density);
-  v.section({.name = "glenoid",
-             .doc = "The glenoid frame (center_mm, normal and superior, or landmarks), and the rim of the face"},
-            bone.glenoid, describe_glenoid);
+  v.section(
+      {.name = "glenoid",
+       .doc =
+           "The glenoid frame (center_mm, normal and superior, or landmarks), and the rim of the face. Without a frame "
+           "a phantom's or a VDB's own applies"},
+      bone.glenoid, describe_glenoid);
   v.section({.name = "phantom", .doc = "A generated bone", .when = {"source", {"phantom"}}}, bone.phantom,
             describe_phantom);
   v.section({.name = "ct", .doc = "A CT scan", .required = true, .when = {"source", {"ct"}}}, bone.ct, describe_ct);

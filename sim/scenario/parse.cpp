@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "sim/base/error.h"
+#include "sim/base/mistake_list.h"
 #include "sim/scenario/describe_sections.h"
 #include "sim/scenario/overrides.h"
 #include "sim/scenario/paths.h"
@@ -62,7 +63,11 @@ YamlNodePtr read_document(const std::string& path, const std::vector<std::string
   if (document->kind != YamlNode::Kind::map) {
     throw InputError(document->mark.in(file), "", "found " + shown(*document), "expected \"key: value\" lines");
   }
-  for (const auto& assignment : overrides) document = apply_override(document, assignment);
+  MistakeList mistakes;
+  for (const auto& assignment : overrides) {
+    mistakes.attempt([&] { document = apply_override(document, assignment); });
+  }
+  mistakes.throw_if_any();
   return document;
 }
 
@@ -95,14 +100,17 @@ Scenario parse_scenario(const std::string& path, const std::vector<std::string>&
   try {
     const YamlNodePtr document = read_document(path, overrides);
     const std::string file = shown_path(path);
-    reject_unknown_keys(*document, file);
+    MistakeList mistakes;
+    reject_unknown_keys(*document, file, mistakes);
     const fs::path absolute = fs::absolute(path).lexically_normal();
-    ScenarioReader reader(document, file, absolute.parent_path().string());
+    ScenarioReader reader(document, file, absolute.parent_path().string(), mistakes);
     Scenario scenario;
     describe_scenario(reader, scenario);
     apply_preset(reader.locations(), scenario.cutting);
-    check_rules(scenario, reader.locations());
+    check_rules(scenario, reader.locations(), mistakes);
+    mistakes.throw_if_any();
     scenario.file = absolute.string();
+    scenario.keys = reader.locations();
     if (scenario.name.empty()) scenario.name = absolute.stem().string();
     return scenario;
   } catch (const std::bad_alloc&) {
@@ -113,10 +121,12 @@ Scenario parse_scenario(const std::string& path, const std::vector<std::string>&
 RenderSettings parse_render_settings(const std::string& path, const std::vector<std::string>& overrides) {
   const YamlNodePtr document = read_document(path, overrides);
   const std::string file = shown_path(path);
-  reject_unknown_keys(*document, file);
-  ScenarioReader reader(document, file, "");
+  MistakeList mistakes;
+  reject_unknown_keys(*document, file, mistakes);
+  ScenarioReader reader(document, file, "", mistakes);
   RenderSettings render;
   reader.section({.name = "render"}, render, describe_render);
+  mistakes.throw_if_any();
   check_cameras(render, reader.locations());
   return render;
 }
@@ -124,17 +134,21 @@ RenderSettings parse_render_settings(const std::string& path, const std::vector<
 CuttingSettings parse_cutting_settings(const std::string& path) {
   const YamlNodePtr document = read_document(path, {});
   const std::string file = shown_path(path);
-  ScenarioReader reader(document, file, "");
+  MistakeList mistakes;
+  ScenarioReader reader(document, file, "", mistakes);
   CuttingSettings cutting;
   reader.section({.name = "cutting"}, cutting, describe_cutting);
+  mistakes.throw_if_any();
   return cutting;
 }
 
 OutputSettings parse_output_settings(const std::string& path) {
   const YamlNodePtr document = read_document(path, {});
-  ScenarioReader reader(document, shown_path(path), "");
+  MistakeList mistakes;
+  ScenarioReader reader(document, shown_path(path), "", mistakes);
   OutputSettings output;
   reader.section({.name = "output"}, output, describe_output);
+  mistakes.throw_if_any();
   return output;
 }
 
@@ -156,11 +170,13 @@ BoneSettings parse_bone_settings(const std::string& source, const std::string& p
       throw InputError("--set " + shown_path(assignment) + ": not a key of the bone; expected bone.key=value");
     }
   }
-  reject_unknown_keys(*document, file);
-  ScenarioReader reader(document, file, fs::current_path().string());
+  MistakeList mistakes;
+  reject_unknown_keys(*document, file, mistakes);
+  ScenarioReader reader(document, file, fs::current_path().string(), mistakes);
   Scenario scenario;
   reader.section({.name = "bone"}, scenario.bone, describe_bone);
-  check_rules(scenario, reader.locations());
+  check_rules(scenario, reader.locations(), mistakes);
+  mistakes.throw_if_any();
   return scenario.bone;
 }
 

@@ -10,23 +10,13 @@
 
 namespace reamsim {
 
-void KeyLocations::set(const std::string& path, const SourceLocation& where, bool given) {
-  places_[path] = {where, given};
-}
-
-SourceLocation KeyLocations::of(const std::string& path) const {
-  const auto found = places_.find(path);
-  return found == places_.end() ? SourceLocation{} : found->second.where;
-}
-
-bool KeyLocations::given(const std::string& path) const {
-  const auto found = places_.find(path);
-  return found != places_.end() && found->second.given;
-}
-
-ScenarioReader::ScenarioReader(YamlNodePtr document, std::string file, std::string folder)
-    : file_(std::move(file)), folder_(std::move(folder)) {
-  levels_.push_back({std::move(document), "", {file_, 0, 0}, {}});
+ScenarioReader::ScenarioReader(YamlNodePtr document, std::string file, std::string folder, MistakeList& mistakes)
+    : file_(std::move(file)), folder_(std::move(folder)), mistakes_(mistakes) {
+  Level top;
+  top.node = std::move(document);
+  top.where = {file_, 0, 0};
+  top.has_unknown = mistakes.has_key_in("");
+  levels_.push_back(std::move(top));
 }
 
 std::string ScenarioReader::path_of(std::string_view name) const {
@@ -39,43 +29,53 @@ void ScenarioReader::reject(std::string_view key, const YamlNode& node, const st
   throw InputError(node.mark.in(file_), path_of(key), found, "expected " + expected);
 }
 
-bool ScenarioReader::applies(const KeyInfo& info, std::string& why_not) const {
+ScenarioReader::Applies ScenarioReader::applies(const KeyInfo& info, std::string& why_not) const {
   const Level& level = levels_.back();
   if (!info.when.values.empty()) {
+    if (level.unknown_choices.contains(info.when.choice)) return Applies::unknown;
     const auto chosen = level.chosen.find(info.when.choice);
     const std::string value = chosen == level.chosen.end() ? "" : chosen->second;
     if (std::ranges::find(info.when.values, value) == info.when.values.end()) {
       why_not = std::string(info.when.choice) + " is " + value + "; expected it with " + std::string(info.when.choice) +
                 ": " + join_or(info.when.values) + " only";
-      return false;
+      return Applies::no;
     }
   }
   if (!info.unless.empty() && level.node && level.node->find(info.unless) != nullptr) {
     why_not = std::string(info.unless) + " is given; expected one or the other";
-    return false;
+    return Applies::no;
   }
-  return true;
+  return Applies::yes;
+}
+
+void ScenarioReader::take_missing(const KeyInfo& info) {
+  Level& level = levels_.back();
+  const KeyNode::Kind kind = info.choices.empty() ? KeyNode::Kind::section : KeyNode::Kind::text;
+  const std::string expected = info.choices.empty() ? std::string(info.doc) : expectation(info, kind);
+  const InputError error(level.where, path_of(info.name), "missing", "expected this key: " + expected);
+  if (!info.choices.empty()) level.unknown_choices.insert(info.name);
+  if (level.has_unknown) return;
+  if (info.when.values.empty()) throw error;
+  level.missing.push_back({info.when.choice, error});
 }
 
 YamlNodePtr ScenarioReader::take(const KeyInfo& info) {
-  const Level& level = levels_.back();
+  Level& level = levels_.back();
   const YamlEntry* entry = level.node ? level.node->find(info.name) : nullptr;
   const std::string path = path_of(info.name);
+  const SourceLocation where = entry == nullptr ? level.where : entry->mark.in(file_);
+  locations_.set(path, where, entry != nullptr);
   std::string why_not;
-  const bool fits = applies(info, why_not);
+  const Applies fits = applies(info, why_not);
+  if (level.skipped || fits == Applies::unknown) return nullptr;
   if (entry == nullptr) {
-    locations_.set(path, level.where, false);
-    if (info.required && fits) {
-      const KeyNode::Kind kind = info.choices.empty() ? KeyNode::Kind::section : KeyNode::Kind::text;
-      const std::string expected = info.choices.empty() ? std::string(info.doc) : expectation(info, kind);
-      throw InputError(level.where, path, "missing", "expected this key: " + expected);
-    }
+    if (level.has_unknown) mistakes_.doubt(path);
+    if (info.required && fits == Applies::yes) take_missing(info);
     return nullptr;
   }
-  const SourceLocation where = entry->mark.in(file_);
-  locations_.set(path, where, true);
-  if (!fits) throw InputError(where, path, "does not apply, because " + why_not, "");
-  return entry->value;
+  if (fits == Applies::yes) return entry->value;
+  if (!info.when.values.empty()) level.contradicted.insert(info.when.choice);
+  throw InputError(where, path, "does not apply, because " + why_not, "");
 }
 
 double ScenarioReader::checked_number(const KeyInfo& info, const YamlNode& node, const std::string& expected) const {
@@ -88,28 +88,34 @@ double ScenarioReader::checked_number(const KeyInfo& info, const YamlNode& node,
 }
 
 void ScenarioReader::number(const KeyInfo& info, double& value) {
-  const YamlNodePtr node = take(info);
-  if (node) value = checked_number(info, *node, expectation(info, KeyNode::Kind::number));
+  mistakes_.attempt([&] {
+    const YamlNodePtr node = take(info);
+    if (node) value = checked_number(info, *node, expectation(info, KeyNode::Kind::number));
+  });
 }
 
 void ScenarioReader::integer(const KeyInfo& info, int& value) {
-  const YamlNodePtr node = take(info);
-  if (!node) return;
-  const std::string expected = expectation(info, KeyNode::Kind::integer);
-  const double number = checked_number(info, *node, expected);
-  const bool digits_only = node->text.find_first_not_of("+-0123456789") == std::string::npos;
-  if (!digits_only) reject(info.name, *node, "found " + shown(*node), expected);
-  value = static_cast<int>(number);
+  mistakes_.attempt([&] {
+    const YamlNodePtr node = take(info);
+    if (!node) return;
+    const std::string expected = expectation(info, KeyNode::Kind::integer);
+    const double number = checked_number(info, *node, expected);
+    const bool digits_only = node->text.find_first_not_of("+-0123456789") == std::string::npos;
+    if (!digits_only) reject(info.name, *node, "found " + shown(*node), expected);
+    value = static_cast<int>(number);
+  });
 }
 
 void ScenarioReader::flag(const KeyInfo& info, bool& value) {
-  const YamlNodePtr node = take(info);
-  if (!node) return;
-  const bool plain = node->kind == YamlNode::Kind::scalar && !node->quoted;
-  if (!plain || (node->text != "true" && node->text != "false")) {
-    reject(info.name, *node, "found " + shown(*node), expectation(info, KeyNode::Kind::flag));
-  }
-  value = node->text == "true";
+  mistakes_.attempt([&] {
+    const YamlNodePtr node = take(info);
+    if (!node) return;
+    const bool plain = node->kind == YamlNode::Kind::scalar && !node->quoted;
+    if (!plain || (node->text != "true" && node->text != "false")) {
+      reject(info.name, *node, "found " + shown(*node), expectation(info, KeyNode::Kind::flag));
+    }
+    value = node->text == "true";
+  });
 }
 
 std::string ScenarioReader::checked_text(const KeyInfo& info, const YamlNode& node) const {
@@ -128,34 +134,46 @@ std::string ScenarioReader::checked_text(const KeyInfo& info, const YamlNode& no
   return node.text;
 }
 
+void ScenarioReader::read_text(const KeyInfo& info, std::string& value) {
+  const YamlNodePtr node = take(info);
+  if (!node) return;
+  const std::string text = checked_text(info, *node);
+  const bool known = info.choices.empty() || std::ranges::find(info.choices, text) != info.choices.end();
+  if (!known) reject(info.name, *node, "found " + shown(*node), expectation(info, KeyNode::Kind::text));
+  const SourceLocation where = node->mark.in(file_);
+  value = info.text == TextKind::word ? text : resolve_path(text, info.text, folder_, where, path_of(info.name));
+}
+
 void ScenarioReader::text(const KeyInfo& info, std::string& value) {
-  if (const YamlNodePtr node = take(info)) {
-    const std::string text = checked_text(info, *node);
-    const bool known = info.choices.empty() || std::ranges::find(info.choices, text) != info.choices.end();
-    if (!known) reject(info.name, *node, "found " + shown(*node), expectation(info, KeyNode::Kind::text));
-    const SourceLocation where = node->mark.in(file_);
-    value = info.text == TextKind::word ? text : resolve_path(text, info.text, folder_, where, path_of(info.name));
-  }
-  if (!info.choices.empty()) levels_.back().chosen[info.name] = value;
+  const bool fine = mistakes_.attempt([&] { read_text(info, value); });
+  if (info.choices.empty()) return;
+  Level& level = levels_.back();
+  if (!fine || level.skipped) level.unknown_choices.insert(info.name);
+  level.chosen[info.name] = value;
 }
 
 void ScenarioReader::choices(const KeyInfo& info, std::vector<std::string>& values) {
+  mistakes_.attempt([&] { read_choices(info, values); });
+}
+
+void ScenarioReader::read_choices(const KeyInfo& info, std::vector<std::string>& values) {
   const YamlNodePtr node = take(info);
   if (!node) return;
   const std::string expected = expectation(info, KeyNode::Kind::choices);
   if (node->kind != YamlNode::Kind::sequence || node->items.empty()) {
     reject(info.name, *node, "found " + shown(*node), expected);
   }
-  values.clear();
+  std::vector<std::string> found;
   for (const auto& item : node->items) {
     const bool known =
         item->kind == YamlNode::Kind::scalar && std::ranges::find(info.choices, item->text) != info.choices.end();
     if (!known) reject(info.name, *item, "found " + shown(*item), expected);
-    if (std::ranges::find(values, item->text) != values.end()) {
+    if (std::ranges::find(found, item->text) != found.end()) {
       reject(info.name, *item, "found " + item->text + " twice", expected + ", each once");
     }
-    values.push_back(item->text);
+    found.push_back(item->text);
   }
+  values = found;
 }
 
 void ScenarioReader::names(const KeyInfo& info, std::vector<std::string>& values) {
@@ -193,16 +211,19 @@ void ScenarioReader::vector(const KeyInfo& info, Vec3& value) {
 }
 
 void ScenarioReader::optional_vector(const KeyInfo& info, std::optional<Vec3>& value) {
-  const YamlNodePtr node = take(info);
-  if (!node) return;
-  const std::string expected = expectation(info, KeyNode::Kind::vector);
-  const std::vector<double> numbers = components(info, *node, 3, expected);
-  value = Vec3(numbers[0], numbers[1], numbers[2]);
-  // Shorter than this, squared lengths lose their digits.
-  constexpr double kShortest = 1e-9;
-  if (info.nonzero && value->norm() < kShortest) {
-    reject(info.name, *node, "found a direction of length 0", expected);
-  }
+  mistakes_.attempt([&] {
+    const YamlNodePtr node = take(info);
+    if (!node) return;
+    const std::string expected = expectation(info, KeyNode::Kind::vector);
+    const std::vector<double> numbers = components(info, *node, 3, expected);
+    const Vec3 found(numbers[0], numbers[1], numbers[2]);
+    // Shorter than this, squared lengths lose their digits.
+    constexpr double kShortest = 1e-9;
+    if (info.nonzero && found.norm() < kShortest) {
+      reject(info.name, *node, "found a direction of length 0", expected);
+    }
+    value = found;
+  });
 }
 
 void ScenarioReader::points(const KeyInfo& info, std::vector<Vec3>& values) {
@@ -220,6 +241,10 @@ void ScenarioReader::points(const KeyInfo& info, std::vector<Vec3>& values) {
 }
 
 void ScenarioReader::optional_quaternion(const KeyInfo& info, std::optional<Quat>& value) {
+  mistakes_.attempt([&] { read_quaternion(info, value); });
+}
+
+void ScenarioReader::read_quaternion(const KeyInfo& info, std::optional<Quat>& value) {
   const YamlNodePtr node = take(info);
   if (!node) return;
   const std::string expected = expectation(info, KeyNode::Kind::quaternion);
@@ -236,7 +261,12 @@ void ScenarioReader::optional_quaternion(const KeyInfo& info, std::optional<Quat
 }
 
 void ScenarioReader::group(const KeyGroup& group) {
+  mistakes_.attempt([&] { check_group(group); });
+}
+
+void ScenarioReader::check_group(const KeyGroup& group) const {
   const Level& level = levels_.back();
+  if (level.skipped) return;
   std::vector<std::string_view> found;
   SourceLocation second;
   for (const auto name : group.names) {
@@ -249,27 +279,42 @@ void ScenarioReader::group(const KeyGroup& group) {
     throw InputError(second, path_of(found.back()), "given together with " + std::string(found.front()),
                      "expected one of " + join_or(group.names));
   }
-  if (found.empty() && group.one_needed) {
+  if (found.empty() && group.one_needed && !level.has_unknown) {
     const std::string& path = level.path;
     throw InputError(level.where, path, "none of its keys " + join_or(group.names) + " is given",
                      "expected exactly one of them");
   }
 }
 
-void ScenarioReader::push(const KeyInfo& info, YamlNodePtr node) {
-  const std::string path = path_of(info.name);
-  const SourceLocation where = locations_.of(path);
-  levels_.push_back({std::move(node), path, where, {}});
+void ScenarioReader::push(const KeyInfo& info, YamlNodePtr node, bool skipped) {
+  Level level;
+  level.node = std::move(node);
+  level.path = path_of(info.name);
+  level.where = locations_.of(level.path);
+  level.skipped = skipped || levels_.back().skipped;
+  level.has_unknown = mistakes_.has_key_in(level.path);
+  levels_.push_back(std::move(level));
+}
+
+void ScenarioReader::pop() {
+  for (const MissingByChoice& missing : levels_.back().missing) {
+    if (!levels_.back().contradicted.contains(missing.choice)) mistakes_.add(missing.error);
+  }
+  levels_.pop_back();
 }
 
 bool ScenarioReader::begin_section(const KeyInfo& info) {
   std::string why_not;
-  const YamlNodePtr node = take(info);
-  if (!applies(info, why_not)) return false;
-  if (node && node->kind != YamlNode::Kind::map) {
-    reject(info.name, *node, "found " + shown(*node), expectation(info, KeyNode::Kind::section));
-  }
-  push(info, node);
+  YamlNodePtr node;
+  const bool fine = mistakes_.attempt([&] {
+    node = take(info);
+    if (node && node->kind != YamlNode::Kind::map) {
+      reject(info.name, *node, "found " + shown(*node), expectation(info, KeyNode::Kind::section));
+    }
+  });
+  if (applies(info, why_not) != Applies::yes) return false;
+  // The keys of a required section that is missing are not missing as well.
+  push(info, fine ? node : nullptr, !fine || (info.required && !node));
   return true;
 }
 
@@ -277,38 +322,46 @@ bool ScenarioReader::begin_optional_section(const KeyInfo& info, bool) {
   const Level& level = levels_.back();
   const bool given = level.node && level.node->find(info.name) != nullptr;
   if (!given) {
-    take(info);
+    mistakes_.attempt([&] { take(info); });
     return false;
   }
   return begin_section(info);
 }
 
 void ScenarioReader::end_section() {
-  levels_.pop_back();
+  pop();
 }
 
 std::size_t ScenarioReader::begin_list(const KeyInfo& info, std::size_t) {
-  const YamlNodePtr node = take(info);
-  if (node && node->kind != YamlNode::Kind::sequence) {
-    reject(info.name, *node, "found " + shown(*node), expectation(info, KeyNode::Kind::list));
-  }
-  push(info, node);
-  return node ? node->items.size() : 0;
+  YamlNodePtr node;
+  const bool fine = mistakes_.attempt([&] {
+    node = take(info);
+    if (node && node->kind != YamlNode::Kind::sequence) {
+      reject(info.name, *node, "found " + shown(*node), expectation(info, KeyNode::Kind::list));
+    }
+  });
+  push(info, fine ? node : nullptr, !fine);
+  return fine && node ? node->items.size() : 0;
 }
 
 void ScenarioReader::begin_item(std::size_t index) {
   const YamlNodePtr item = levels_.back().node->items[index];
-  const std::string path = levels_.back().path + "." + std::to_string(index);
-  const SourceLocation where = item->mark.in(file_);
-  if (item->kind != YamlNode::Kind::map) {
-    throw InputError(where, path, "found " + shown(*item), "expected a section of keys");
+  Level level;
+  level.path = levels_.back().path + "." + std::to_string(index);
+  level.where = item->mark.in(file_);
+  level.skipped = item->kind != YamlNode::Kind::map;
+  level.has_unknown = mistakes_.has_key_in(level.path);
+  if (level.skipped) {
+    mistakes_.add(InputError(level.where, level.path, "found " + shown(*item), "expected a section of keys"));
+  } else {
+    level.node = item;
   }
-  locations_.set(path, where, true);
-  levels_.push_back({item, path, where, {}});
+  locations_.set(level.path, level.where, true);
+  levels_.push_back(std::move(level));
 }
 
 void ScenarioReader::end_list() {
-  levels_.pop_back();
+  pop();
 }
 
 }  // namespace reamsim

@@ -1,38 +1,28 @@
 #pragma once
 
 #include <map>
+#include <set>
 #include <string>
 #include <vector>
 
-#include "sim/base/error.h"
+#include "sim/base/mistake_list.h"
+#include "sim/scenario/key_locations.h"
 #include "sim/scenario/key_visitor.h"
 #include "sim/scenario/yaml_tree.h"
 
 namespace reamsim {
 
-/// Where each key of a scenario stands, by path ("motion.keyframes.0.time_s"); a key that is absent stands where its
-/// section does.
-class KeyLocations {
- public:
-  void set(const std::string& path, const SourceLocation& where, bool given);
-  [[nodiscard]] SourceLocation of(const std::string& path) const;
-  /// Whether the file (or --set) has the key.
-  [[nodiscard]] bool given(const std::string& path) const;
-
- private:
-  struct Place {
-    SourceLocation where;
-    bool given = false;
-  };
-  std::map<std::string, Place> places_;
-};
-
-/// Reads the values of a document whose keys are all known. Each key is checked by itself (type, range, choice, where
-/// it applies); rules between keys are check_rules()'s. Paths are expanded and made absolute.
+/// Reads the values of a document whose unknown keys are reported already. Each key is checked by itself (type, range,
+/// choice, where it applies); rules between keys are check_rules()'s. Paths are expanded and made absolute.
+///
+/// A mistake is put on the list, and reading goes on with the default in its place. What would only follow from a
+/// mistake is not reported: keys that apply with a choice that is wrong or missing, keys that are missing beside an
+/// unknown one (which is probably the same key with a typing error), and whatever is in a section that is none.
 class ScenarioReader : public KeyVisitor {
  public:
-  /// `folder` is what relative paths are relative to; `file` stands in messages.
-  ScenarioReader(YamlNodePtr document, std::string file, std::string folder);
+  /// `folder` is what relative paths are relative to; `file` stands in messages. `mistakes` outlives the reader, and
+  /// has what reject_unknown_keys() found.
+  ScenarioReader(YamlNodePtr document, std::string file, std::string folder, MistakeList& mistakes);
 
   [[nodiscard]] const KeyLocations& locations() const { return locations_; }
 
@@ -58,18 +48,37 @@ class ScenarioReader : public KeyVisitor {
   void end_list() override;
 
  private:
+  /// A key that is missing because a choice says so; not a mistake where a key that is there contradicts the choice.
+  struct MissingByChoice {
+    std::string_view choice;
+    InputError error;
+  };
   /// A section, list or item that is being read; its node is null where the document does not have it.
   struct Level {
     YamlNodePtr node;
     std::string path;
     SourceLocation where;
+    bool skipped = false;                            // wrong as a whole: its keys are not looked at
+    bool has_unknown = false;                        // a key that is missing may be the unknown one
     std::map<std::string_view, std::string> chosen;  // values of the choices read so far
+    std::set<std::string_view> unknown_choices;      // those whose value is wrong or missing
+    std::set<std::string_view> contradicted;         // choices with which a key that is given does not go
+    std::vector<MissingByChoice> missing;
   };
 
-  /// The value of a key, or nullptr where it is absent. Throws where it is needed, or may not stand here.
+  enum class Applies { yes, no, unknown };
+
+  /// The value of a key, or nullptr where it is absent, or nothing can be said of it. Throws where it is needed, or
+  /// may not stand here.
   YamlNodePtr take(const KeyInfo& info);
-  [[nodiscard]] bool applies(const KeyInfo& info, std::string& why_not) const;
-  void push(const KeyInfo& info, YamlNodePtr node);
+  void take_missing(const KeyInfo& info);
+  [[nodiscard]] Applies applies(const KeyInfo& info, std::string& why_not) const;
+  void read_text(const KeyInfo& info, std::string& value);
+  void read_choices(const KeyInfo& info, std::vector<std::string>& values);
+  void read_quaternion(const KeyInfo& info, std::optional<Quat>& value);
+  void check_group(const KeyGroup& group) const;
+  void push(const KeyInfo& info, YamlNodePtr node, bool skipped);
+  void pop();
   [[nodiscard]] std::string path_of(std::string_view name) const;
   [[nodiscard]] std::vector<double> components(const KeyInfo& info, const YamlNode& node, std::size_t count,
                                                const std::string& expected) const;
@@ -82,6 +91,7 @@ class ScenarioReader : public KeyVisitor {
   std::string folder_;
   std::vector<Level> levels_;
   KeyLocations locations_;
+  MistakeList& mistakes_;
 };
 
 }  // namespace reamsim

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <initializer_list>
 #include <string>
+#include <string_view>
 
 #include "sim/scenario/show.h"
 
@@ -16,26 +18,39 @@ constexpr double kMaxFrames = 1e7;
 
 class Rules {
  public:
-  Rules(const Scenario& scenario, const KeyLocations& locations) : s_(scenario), at_(locations) {}
+  Rules(const Scenario& scenario, const KeyLocations& locations, MistakeList& mistakes)
+      : s_(scenario), at_(locations), mistakes_(mistakes) {}
 
   void check() const {
-    check_name();
-    check_glenoid();
-    check_rim(s_.bone.glenoid.rim_mm, at_);
-    check_side();
-    check_frames_of_reference();
-    if (s_.bone.source == "ct") check_crop();
-    if (s_.bone.source == "phantom") check_phantom();
-    check_keyframes();
-    check_frame_count();
-    check_engine();
-    check_implant();
-    check_cutting();
-    check_exact();
-    check_cameras(s_.render, at_);
+    rule({"name"}, &Rules::check_name);
+    rule({"bone.glenoid"}, &Rules::check_glenoid);
+    rule({"bone.glenoid.rim_mm"}, &Rules::check_rim_points);
+    rule({"bone.source", "bone.side", "bone.glenoid", "bone.phantom.shape", "bone.pilot_hole", "motion.frame"},
+         &Rules::check_side);
+    rule({"bone.source", "bone.glenoid", "motion.frame"}, &Rules::check_motion_frame);
+    rule({"bone.source", "bone.glenoid", "bone.pilot_hole"}, &Rules::check_pilot_hole_frame);
+    rule({"bone.source", "bone.glenoid", "render.user_cameras"}, &Rules::check_camera_frames);
+    if (s_.bone.source == "ct") rule({"bone.ct"}, &Rules::check_crop);
+    if (s_.bone.source == "phantom") rule({"bone.phantom"}, &Rules::check_phantom);
+    rule({"motion"}, &Rules::check_keyframes);
+    rule({"motion"}, &Rules::check_frame_count);
+    rule({"engine.detector", "tool.spin"}, &Rules::check_spin_of_implicit);
+    rule({"engine.detector", "cutting.law"}, &Rules::check_law_of_implicit);
+    rule({"metrics.implant"}, &Rules::check_implant);
+    rule({"cutting.specific_energy_table"}, &Rules::check_energy_table);
+    rule({"cutting.size_effect"}, &Rules::check_size_effect);
+    rule({"cutting", "tool.spin"}, &Rules::check_edge_force);
+    rule({"cutting", "engine.detector"}, &Rules::check_exact);
+    rule({"render.user_cameras"}, &Rules::check_user_cameras);
   }
 
  private:
+  /// Looks at a rule of these keys, unless one of them has a mistake of its own.
+  void rule(std::initializer_list<std::string_view> keys, void (Rules::*look)() const) const {
+    const auto wrong = [this](std::string_view key) { return mistakes_.concerns(key); };
+    if (std::ranges::none_of(keys, wrong)) mistakes_.attempt([&] { (this->*look)(); });
+  }
+
   [[noreturn]] void fail(const std::string& key, const std::string& found, const std::string& expected) const {
     throw InputError(at_.of(key), key, found, "expected " + expected);
   }
@@ -52,19 +67,28 @@ class Rules {
 
   void check_name() const;
   void check_glenoid() const;
+  void check_rim_points() const { check_rim(s_.bone.glenoid.rim_mm, at_); }
   void check_side() const;
-  void check_frames_of_reference() const;
+  void need_glenoid_frame(const std::string& key) const;
+  void check_motion_frame() const;
+  void check_pilot_hole_frame() const;
+  void check_camera_frames() const;
   void check_crop() const;
   void check_phantom() const;
   void check_keyframes() const;
   void check_frame_count() const;
-  void check_engine() const;
+  void check_spin_of_implicit() const;
+  void check_law_of_implicit() const;
   void check_exact() const;
   void check_implant() const;
-  void check_cutting() const;
+  void check_energy_table() const;
+  void check_size_effect() const;
+  void check_edge_force() const;
+  void check_user_cameras() const { check_cameras(s_.render, at_); }
 
   const Scenario& s_;
   const KeyLocations& at_;
+  MistakeList& mistakes_;
 };
 
 void Rules::check_name() const {
@@ -107,7 +131,8 @@ void Rules::check_glenoid() const {
 }
 
 void Rules::check_side() const {
-  if (!s_.bone.side.empty()) return;
+  // A VDB may know its side, which is seen when it is read.
+  if (!s_.bone.side.empty() || s_.bone.source == "vdb") return;
   const char* why = nullptr;
   if (glenoid_phantom()) why = "bone.phantom.shape is glenoid";
   if (glenoid_given()) why = "bone.glenoid is given";
@@ -116,17 +141,24 @@ void Rules::check_side() const {
   if (why != nullptr) fail("bone.side", "missing", std::string("left or right, because ") + why);
 }
 
-void Rules::check_frames_of_reference() const {
-  if (s_.bone.source == "phantom" || glenoid_given()) return;  // every phantom has its own
-  const std::string expected = "bone, or a glenoid frame in bone.glenoid";
-  if (s_.motion.frame == "glenoid") fail("motion.frame", "found glenoid, and there is no glenoid frame", expected);
-  if (s_.bone.pilot_hole && s_.bone.pilot_hole->frame == "glenoid") {
-    fail("bone.pilot_hole.frame", "found glenoid, and there is no glenoid frame", expected);
-  }
+void Rules::need_glenoid_frame(const std::string& key) const {
+  // Every phantom has its own, and a VDB may have one.
+  if (s_.bone.source == "phantom" || s_.bone.source == "vdb" || glenoid_given()) return;
+  fail(key, "found glenoid, and there is no glenoid frame", "bone, or a glenoid frame in bone.glenoid");
+}
+
+void Rules::check_motion_frame() const {
+  if (s_.motion.frame == "glenoid") need_glenoid_frame("motion.frame");
+}
+
+void Rules::check_pilot_hole_frame() const {
+  if (s_.bone.pilot_hole && s_.bone.pilot_hole->frame == "glenoid") need_glenoid_frame("bone.pilot_hole.frame");
+}
+
+void Rules::check_camera_frames() const {
   for (std::size_t i = 0; i < s_.render.user_cameras.size(); ++i) {
     if (s_.render.user_cameras[i].frame != "glenoid") continue;
-    fail("render.user_cameras." + std::to_string(i) + ".frame", "found glenoid, and there is no glenoid frame",
-         expected);
+    need_glenoid_frame("render.user_cameras." + std::to_string(i) + ".frame");
   }
 }
 
@@ -190,12 +222,16 @@ void Rules::check_frame_count() const {
        "at most " + number_text(kMaxFrames) + " frames");
 }
 
-void Rules::check_engine() const {
-  if (s_.engine.detector != "implicit") return;
-  // It knows the tool by the surface that its teeth sweep, and has no points.
-  const std::string why = ", because engine.detector is implicit";
-  if (s_.tool.spin != "envelope") fail("tool.spin", "found " + s_.tool.spin, "envelope" + why);
-  if (s_.cutting.law != "energy") fail("cutting.law", "found " + s_.cutting.law, "energy" + why);
+// The detector `implicit` knows the tool by the surface that its teeth sweep, and has no points.
+
+void Rules::check_spin_of_implicit() const {
+  if (s_.engine.detector != "implicit" || s_.tool.spin == "envelope") return;
+  fail("tool.spin", "found " + s_.tool.spin, "envelope, because engine.detector is implicit");
+}
+
+void Rules::check_law_of_implicit() const {
+  if (s_.engine.detector != "implicit" || s_.cutting.law == "energy") return;
+  fail("cutting.law", "found " + s_.cutting.law, "energy, because engine.detector is implicit");
 }
 
 void Rules::check_implant() const {
@@ -214,9 +250,8 @@ void Rules::check_exact() const {
   if (s_.cutting.law != "energy") fail("cutting.erosion", "found exact", expected + "cutting.law is " + s_.cutting.law);
 }
 
-void Rules::check_cutting() const {
-  const CuttingSettings& cutting = s_.cutting;
-  const auto& table = cutting.specific_energy_table;
+void Rules::check_energy_table() const {
+  const auto& table = s_.cutting.specific_energy_table;
   const std::string table_key = "cutting.specific_energy_table";
   if (at_.given(table_key) && table.size() < 2) {
     fail(table_key, "found a list of " + std::to_string(table.size()), "two or more points");
@@ -225,9 +260,16 @@ void Rules::check_cutting() const {
     require(table[i].density_g_cm3 > table[i - 1].density_g_cm3, table_key + "." + std::to_string(i) + ".density_g_cm3",
             table[i].density_g_cm3, "more than the point before it, " + number_text(table[i - 1].density_g_cm3));
   }
-  if (const auto& size = cutting.size_effect) {
-    require(size->least_mm <= size->most_mm, "cutting.size_effect.least_mm", size->least_mm, "no more than most_mm");
-  }
+}
+
+void Rules::check_size_effect() const {
+  const auto& size = s_.cutting.size_effect;
+  if (!size) return;
+  require(size->least_mm <= size->most_mm, "cutting.size_effect.least_mm", size->least_mm, "no more than most_mm");
+}
+
+void Rules::check_edge_force() const {
+  const CuttingSettings& cutting = s_.cutting;
   if (cutting.edge_force && cutting.law != "energy") {
     fail("cutting.law", "found " + cutting.law, "energy, because cutting.edge_force is given");
   }
@@ -259,8 +301,8 @@ constexpr double kLeastView_mm = 0.1;
 
 }  // namespace
 
-void check_rules(const Scenario& scenario, const KeyLocations& locations) {
-  Rules(scenario, locations).check();
+void check_rules(const Scenario& scenario, const KeyLocations& locations, MistakeList& mistakes) {
+  Rules(scenario, locations, mistakes).check();
 }
 
 void check_cameras(const RenderSettings& render, const KeyLocations& locations) {

@@ -6,8 +6,9 @@
 namespace reamsim {
 
 /// The rules that take more than one key: which go together, what is needed because of another, geometry that cannot
-/// be. Throws InputError at the key that is at fault.
-void check_rules(const Scenario& scenario, const KeyLocations& locations);
+/// be. Each rule that is broken puts its mistake on the list, at the key that is at fault; a rule of keys that have a
+/// mistake already is not looked at.
+void check_rules(const Scenario& scenario, const KeyLocations& locations, MistakeList& mistakes);
 
 /// Those of the user's cameras: names that files can have, each once; a direction of view, and an up across it.
 /// Throws InputError.

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "sim/base/geometry.h"
+#include "sim/scenario/key_locations.h"
 
 namespace reamsim {
 
@@ -128,7 +129,7 @@ struct PilotHoleSettings {
 
 struct BoneSettings {
   std::string source;  ///< phantom | ct | mesh | vdb
-  std::string side;    ///< left | right; required where a glenoid frame is
+  std::string side;    ///< left | right; required where a glenoid frame is, unless a VDB knows it
   double voxel_mm = 0.25;
   std::string surface_voxels = "auto";  ///< auto | partial | whole; see with_surface_voxels()
   DensitySettings density;
@@ -300,8 +301,9 @@ struct OutputSettings {
 
 struct Scenario {
   int version = 1;
-  std::string name;  ///< key `name`; without it the file's stem
-  std::string file;  ///< absolute path of the YAML
+  std::string name;   ///< key `name`; without it the file's stem
+  std::string file;   ///< absolute path of the YAML
+  KeyLocations keys;  ///< where they stand in it, for messages
   BoneSettings bone;
   ToolSettings tool;
   MotionSettings motion;

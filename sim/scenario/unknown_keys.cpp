@@ -5,7 +5,6 @@
 #include <numeric>
 #include <optional>
 
-#include "sim/base/error.h"
 #include "sim/scenario/show.h"
 
 namespace reamsim {
@@ -82,25 +81,30 @@ const KeyNode* elsewhere(const KeyNode& section, std::string_view name) {
   return nullptr;
 }
 
-void check(const YamlNode& node, const KeyNode& section, const std::string& path, const std::string& file);
+class UnknownKeys {
+ public:
+  UnknownKeys(const std::string& file, MistakeList& mistakes) : file_(file), mistakes_(mistakes) {}
 
-void check_list(const YamlNode& node, const KeyNode& list, const std::string& path, const std::string& file) {
-  for (std::size_t i = 0; i < node.items.size(); ++i) {
-    check(*node.items[i], list, path + "." + std::to_string(i), file);
-  }
-}
-
-void check(const YamlNode& node, const KeyNode& section, const std::string& path, const std::string& file) {
-  for (const auto& entry : node.entries) {
-    const std::string entry_path = path + (path.empty() ? "" : ".") + shown_key(entry.key);
-    const KeyNode* key = section.find(entry.key);
-    if (key == nullptr) {
-      throw InputError(entry.mark.in(file), entry_path, "unknown key", suggest_key(section, entry.key));
+  void find(const YamlNode& node, const KeyNode& section, const std::string& path) const {
+    for (const auto& entry : node.entries) {
+      const std::string entry_path = path + (path.empty() ? "" : ".") + shown_key(entry.key);
+      const KeyNode* key = section.find(entry.key);
+      if (key == nullptr) {
+        mistakes_.add(InputError(entry.mark.in(file_), entry_path, "unknown key", suggest_key(section, entry.key)));
+        continue;
+      }
+      if (key->kind == KeyNode::Kind::section) find(*entry.value, *key, entry_path);
+      if (key->kind != KeyNode::Kind::list) continue;
+      for (std::size_t i = 0; i < entry.value->items.size(); ++i) {
+        find(*entry.value->items[i], *key, entry_path + "." + std::to_string(i));
+      }
     }
-    if (key->kind == KeyNode::Kind::section) check(*entry.value, *key, entry_path, file);
-    if (key->kind == KeyNode::Kind::list) check_list(*entry.value, *key, entry_path, file);
   }
-}
+
+ private:
+  const std::string& file_;
+  MistakeList& mistakes_;
+};
 
 }  // namespace
 
@@ -117,8 +121,8 @@ std::string suggest_key(const KeyNode& section, const std::string& unknown) {
   return "expected one of " + join_or(names);
 }
 
-void reject_unknown_keys(const YamlNode& document, const std::string& file) {
-  check(document, key_tree(), "", file);
+void reject_unknown_keys(const YamlNode& document, const std::string& file, MistakeList& mistakes) {
+  UnknownKeys(file, mistakes).find(document, key_tree(), "");
 }
 
 }  // namespace reamsim

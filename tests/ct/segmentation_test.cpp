@@ -12,6 +12,7 @@
 namespace reamsim::test {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::HasSubstr;
 
 /// Two balls along x, 9 mm and 7 mm in radius, dense (600) outside and trabecular (80, below the threshold) inside,
@@ -114,6 +115,65 @@ TEST_F(Segmentation, CutSpherePartsBonesThatTouch) {
   EXPECT_GT(volume_mm3(voxmap), 0.95 * ball(9));
   EXPECT_LT(volume_mm3(voxmap), ball(9));
   EXPECT_THAT(notes(), HasSubstr("cuts removed"));
+}
+
+TEST_F(Segmentation, WhatWasDoneIsThereAsData) {
+  BoneSettings settings = write(two_bones(2));
+  reamsim::Segmentation done;
+  voxmap_from_ct(settings, report_, &done);
+  EXPECT_EQ(done.method, "threshold");
+  EXPECT_EQ(done.pieces, 2);
+  EXPECT_FALSE(done.by_seed);
+  EXPECT_EQ(done.kept_rank, 1);
+  EXPECT_NEAR(done.bone_mm3 / ball(9), 1, 0.03);
+  EXPECT_NEAR(done.filled_mm3 / ball(6.5), 1, 0.05) << "the trabecular inside";
+  EXPECT_NEAR(done.below_threshold_fraction, ball(6.5) / ball(9), 0.02);
+  EXPECT_NEAR(done.kept_piece_mm3 + done.closed_mm3 + done.filled_mm3, done.bone_mm3, 1e-6);
+  EXPECT_NEAR(done.second_mm3 / (ball(7) - ball(4.5)), 1, 0.05);
+  EXPECT_NEAR(done.dropped_mm3, done.second_mm3, 1e-6);
+  EXPECT_EQ(done.cut_mm3, 0);
+
+  settings.ct.seed_mm = Vec3(18, 0, 0);
+  settings.ct.cut_spheres.push_back({Vec3(18, 0, 7), 2});
+  voxmap_from_ct(settings, report_, &done);
+  EXPECT_TRUE(done.by_seed);
+  EXPECT_EQ(done.kept_rank, 2);
+  EXPECT_GT(done.cut_mm3, 10);
+  EXPECT_NEAR(done.dropped_mm3, done.largest_mm3, 1e-6);
+}
+
+TEST_F(Segmentation, WithoutASeedASecondLargePieceIsWarnedOf) {
+  BoneSettings settings = write(two_bones(2));
+  import(settings);
+  ASSERT_EQ(report_.warnings.size(), 1U);
+  EXPECT_THAT(report_.warnings[0], AllOf(HasSubstr("bone.ct.seed_mm"), HasSubstr("the second largest has ")));
+  settings.ct.seed_mm = Vec3(0, 0, 0);
+  report_ = {};
+  import(settings);
+  EXPECT_TRUE(report_.warnings.empty());
+}
+
+TEST_F(Segmentation, PlanesGoThroughTheSeedAsARadiologistLooks) {
+  BoneSettings settings = write(two_bones(2));
+  settings.ct.seed_mm = Vec3(0.25, 1.25, -2.25);  // a voxel's centre: (23, 25, 18)
+  reamsim::Segmentation done;
+  voxmap_from_ct(settings, report_, &done);
+  ASSERT_EQ(done.planes.size(), 3U);
+  const auto expect = [&](const ScanPlane& plane, const char* name, int columns, int rows, const Vec2& through) {
+    EXPECT_EQ(plane.name, name);
+    EXPECT_EQ(plane.columns, columns);
+    EXPECT_EQ(plane.rows, rows);
+    EXPECT_EQ(plane.through, through) << name;
+    const std::size_t at = plane.at(static_cast<int>(through.x()), static_cast<int>(through.y()));
+    EXPECT_EQ(plane.hu[at], 80) << name;
+    EXPECT_GT(plane.field[at], 0) << name;
+    EXPECT_LT(plane.field[plane.at(columns - 1, 0)], 0) << name << ": air, or the other bone";
+  };
+  expect(done.planes[0], "axial", 76, 46, {23, 25});
+  expect(done.planes[1], "coronal", 76, 46, {23, 45 - 18});
+  expect(done.planes[2], "sagittal", 46, 46, {25, 45 - 18});
+  EXPECT_EQ(done.planes[0].left, "R") << "the patient's right is on the left";
+  EXPECT_EQ(done.planes[1].top, "S");
 }
 
 TEST_F(Segmentation, CutPlaneRemovesTheSideOfItsNormalAndIsFlat) {

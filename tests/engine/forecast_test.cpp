@@ -1,8 +1,12 @@
 // What `check` says that exact erosion will take, against what it takes.
 #include <gmock/gmock.h>
 
+#include <cmath>
+#include <numbers>
+
 #include "sim/base/error.h"
 #include "sim/collide/fill_pages.h"
+#include "sim/run/contact_forecast.h"
 #include "sim/run/exact_engine.h"
 #include "tests/engine/outcome.h"
 
@@ -69,6 +73,49 @@ TEST(Forecast, CountsBricksThatAreNotWholeAlready) {
   scene.bone.voxmap.fill.set({100, 3, 3}, 1000);
   EXPECT_EQ(forecast_exact(scene).parted, 2U);
   EXPECT_EQ(forecast_exact(scene).listed, 0U);
+}
+
+/// The cap of plunge(), upright.
+ReamingScene upright(const Vec3& from, const Vec3& to) {
+  ReamingScene scene = plunge();
+  scene.motion = straight(from, to, 200, 1000, 250, Quat::Identity());
+  return scene;
+}
+
+TEST(ContactForecast, HowCloseTheToolComes) {
+  const ContactForecast above = forecast_contact(upright({0, 1, 9}, {0, 1, 6}));
+  EXPECT_FALSE(above.meets);
+  EXPECT_NEAR(above.nearest_mm, 6, 0.1);
+  EXPECT_GE(above.frame, 195);
+  EXPECT_LT((above.bone_mm - Vec3(0, 1, -0.1)).norm(), 3) << "under the rim of the bore";
+  EXPECT_EQ(above.start_mm3, 0);
+  // It flies past: 3 mm over the block in the middle of its way, far from it at both ends.
+  const ContactForecast past = forecast_contact(upright({-90, 0, 3}, {90, 0, 3}));
+  EXPECT_FALSE(past.meets);
+  EXPECT_NEAR(past.nearest_mm, 3, 0.1);
+  EXPECT_NEAR(static_cast<double>(past.frame), 100, 32);
+  // And as far past its edge: the tool has a radius of 8 mm.
+  const ContactForecast beside = forecast_contact(upright({20 + 8 + 5, 0, 4}, {20 + 8 + 5, 0, -14}));
+  EXPECT_FALSE(beside.meets);
+  EXPECT_NEAR(beside.nearest_mm, 5, 0.1);
+}
+
+TEST(ContactForecast, MeetsWhatItTouches) {
+  EXPECT_TRUE(forecast_contact(upright({0, 1, 9}, {0, 1, -0.05})).meets);
+  EXPECT_TRUE(forecast_contact(upright({-90, 0, -0.3}, {90, 0, -0.3})).meets) << "only on the way";
+  EXPECT_TRUE(forecast_contact(plunge()).meets);
+}
+
+TEST(ContactForecast, WhatAStartInTheBoneTakesAway) {
+  ReamingScene scene = upright({0, 0, -4}, {0, 0, -5});
+  // A sphere's cap of 20 mm radius out to 8 mm, 4 mm deep, without its bore of 1 mm radius.
+  const auto under_sphere = [](double r) { return 10 * r * r + std::pow(400 - r * r, 1.5) / 3; };
+  const double cap_mm3 = std::numbers::pi * (4 * (64 - 1) - 2 * (under_sphere(8) - under_sphere(1)));
+  const ContactForecast forecast = forecast_contact(scene);
+  EXPECT_NEAR(forecast.start_mm3 / cap_mm3, 1, 0.01);
+  scene.bone.voxmap.grade = GradeBricks(scene.bone.voxmap.grid.dims);
+  EXPECT_EQ(forecast_contact(scene).start_mm3, 0) << "no bone";
+  EXPECT_FALSE(forecast_contact(scene).meets);
 }
 
 TEST(FillPages, AreNoMoreThanBricks) {

@@ -67,7 +67,7 @@ TEST_F(BadFile, NeverShowsTheLibrarysPrefix) {
 TEST_F(BadFile, ColumnsCountCharacters) {
   EXPECT_EQ(complaint(with(kValid, "source: phantom", "\"söurce\": phantom")),
             "s.yaml:3:3: bone.\"söurce\": unknown key; did you mean source?");
-  EXPECT_EQ(complaint("version: 1\nbone: {side: \"ä\", vöxel_mm: 1}\n").substr(0, 12), "s.yaml:2:19:");
+  EXPECT_THAT(complaint("version: 1\nbone: {side: \"ä\", vöxel_mm: 1}\n"), HasSubstr("s.yaml:2:19:"));
 }
 
 TEST_F(BadFile, BinaryGarbage) {

@@ -12,6 +12,7 @@
 #include "sim/bone/ct/label_map.h"
 #include "sim/bone/ct/morphology.h"
 #include "sim/bone/ct/scan.h"
+#include "sim/bone/ct/scan_planes.h"
 #include "sim/bone/ct/segment.h"
 #include "sim/bone/ct/voxelize.h"
 #include "sim/bone/ct/words.h"
@@ -109,9 +110,27 @@ void note_boundary(const ct::BoundaryDensity& boundary, Report& report) {
       static_cast<long long>(boundary.boundary_voxels), 100 * boundary.unresolved_fraction(), boundary.noise_hu));
 }
 
+/// Where a person looks first: the seed, else the glenoid, else the middle of the bone.
+Vec3 point_of_interest(const BoneSettings& settings, const ct::BoneField& bone) {
+  if (settings.ct.seed_mm) return *settings.ct.seed_mm;
+  if (settings.glenoid.center_mm) return *settings.glenoid.center_mm;
+  if (settings.glenoid.landmarks) return settings.glenoid.landmarks->glenoid_center_mm;
+  const ct::Lattice& lattice = bone.field.lattice;
+  return 0.5 * (lattice.center_mm(bone.min.x(), bone.min.y(), bone.min.z()) +
+                lattice.center_mm(bone.max.x(), bone.max.y(), bone.max.z()));
+}
+
+Segmentation segmentation_of(const ct::AlignedImage& hu, const ct::BoneField& bone, const BoneSettings& settings) {
+  Segmentation out = bone.facts;
+  out.planes_through_mm = point_of_interest(settings, bone);
+  out.planes = ct::scan_planes(hu, bone, settings.ct, out.planes_through_mm);
+  return out;
+}
+
 }  // namespace
 
-Voxmap voxmap_from_scan(const ct::ScanSource& source, const BoneSettings& settings, Report& report) {
+Voxmap voxmap_from_scan(const ct::ScanSource& source, const BoneSettings& settings, Report& report,
+                        Segmentation* segmentation) {
   const CtSettings& ct_settings = settings.ct;
   const ct::IndexBox box = cropped_box(source, ct_settings);
   ct::AlignedImage hu = read_cropped(source, box, ct_settings, report);
@@ -122,18 +141,24 @@ Voxmap voxmap_from_scan(const ct::ScanSource& source, const BoneSettings& settin
                                                    ct_settings, report)
                             : ct::segment_by_threshold(hu, ct_settings, report);
   note_trabecular(bone, ct_settings.threshold_hu, report);
-  note_boundary(ct::correct_boundary(hu, bone, ct_settings.psf_mm, ct::resampling_reach(hu.lattice, settings.voxel_mm)),
-                report);
+  if (segmentation != nullptr) *segmentation = segmentation_of(hu, bone, settings);
+  const ct::BoundaryDensity boundary =
+      ct::correct_boundary(hu, bone, ct_settings.psf_mm, ct::resampling_reach(hu.lattice, settings.voxel_mm));
+  note_boundary(boundary, report);
+  if (segmentation != nullptr) {
+    segmentation->lower_bound_fraction = boundary.unresolved_fraction();
+    segmentation->noise_hu = boundary.noise_hu;
+  }
   return ct::voxelize(hu, bone, settings, report);
 }
 
-Voxmap voxmap_from_ct(const BoneSettings& settings, Report& report) {
+Voxmap voxmap_from_ct(const BoneSettings& settings, Report& report, Segmentation* segmentation) {
   const CtSettings& ct_settings = settings.ct;
   try {
     const ct::DicomChoice choice{ct_settings.series, ct_settings.modality == "any"};
     const auto source = ct::open_scan(ct_settings.path, kPathKey, choice, report);
     note_image(*source, ct_settings.path, report);
-    return voxmap_from_scan(*source, settings, report);
+    return voxmap_from_scan(*source, settings, report, segmentation);
   } catch (const InputError&) {
     throw;
   } catch (const std::bad_alloc&) {

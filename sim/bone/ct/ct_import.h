@@ -2,6 +2,7 @@
 
 #include "sim/base/report.h"
 #include "sim/bone/ct/scan.h"
+#include "sim/bone/segmentation.h"
 #include "sim/bone/voxmap.h"
 #include "sim/scenario/scenario.h"
 
@@ -11,9 +12,11 @@ namespace reamsim {
 /// filling, cuts, the piece with the seed; or a label map instead. HU are resampled to `settings.voxel_mm` by averaging
 /// when merging and trilinearly when dividing (paper §3.2), then mapped to density and grade.
 /// Throws InputError: unreadable, truncated, absurdly large, no bone in the crop, seed outside bone.
-Voxmap voxmap_from_ct(const BoneSettings& settings, Report& report);
+/// `segmentation`, where it is asked for, gets what was done, with pictures' planes through the seed.
+Voxmap voxmap_from_ct(const BoneSettings& settings, Report& report, Segmentation* segmentation = nullptr);
 
 /// The same for a scan that is open; `settings.ct.path` only names it in messages.
-Voxmap voxmap_from_scan(const ct::ScanSource& source, const BoneSettings& settings, Report& report);
+Voxmap voxmap_from_scan(const ct::ScanSource& source, const BoneSettings& settings, Report& report,
+                        Segmentation* segmentation = nullptr);
 
 }  // namespace reamsim

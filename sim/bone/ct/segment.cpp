@@ -64,6 +64,7 @@ struct SolidPiece {
   Vec3i start = Vec3i::Zero();
   Lattice lattice;
   Mask mask;
+  Piece piece;
   std::int64_t closed = 0;
   std::int64_t filled = 0;
 
@@ -75,6 +76,7 @@ struct SolidPiece {
 
 SolidPiece solidify(const Pieces& pieces, const Piece& piece, const Lattice& lattice, const CtSettings& settings) {
   SolidPiece out;
+  out.piece = piece;
   const Vec3i room = (settings.closing_mm * lattice.spacing_mm.cwiseInverse()).array().ceil().cast<int>() + 2;
   out.start = (piece.min - room).cwiseMax(0);
   const Vec3i end = (piece.max + room + Vec3i::Ones()).cwiseMin(lattice.dims);
@@ -143,6 +145,44 @@ void note_pieces(const Pieces& pieces, const SolidPiece& solid, const CtSettings
               words("%.1f", settings.closing_mm) + " mm) and filled (" + std::to_string(solid.filled) + " voxels)");
 }
 
+Segmentation facts_of(const Pieces& pieces, const SolidPiece& solid, std::int64_t cut, const CtSettings& settings,
+                      const Lattice& lattice) {
+  const auto mm3 = [&](std::int64_t voxels) { return static_cast<double>(voxels) * lattice.voxel_mm3(); };
+  std::int64_t all = 0;
+  for (const Piece& piece : pieces.list) all += piece.voxels;
+  Segmentation out;
+  out.method = "threshold";
+  out.pieces = std::ssize(pieces.list);
+  out.by_seed = settings.seed_mm.has_value();
+  out.kept_rank = solid.piece.label;  // pieces are numbered by size
+  out.kept_piece_mm3 = mm3(solid.piece.voxels);
+  out.largest_mm3 = mm3(pieces.list[0].voxels);
+  out.second_mm3 = pieces.list.size() > 1 ? mm3(pieces.list[1].voxels) : 0;
+  out.dropped_mm3 = mm3(all - solid.piece.voxels);
+  out.cut_mm3 = mm3(cut);
+  out.closed_mm3 = mm3(solid.closed);
+  out.filled_mm3 = mm3(solid.filled);
+  return out;
+}
+
+/// Without a seed nobody said which bone is meant.
+void warn_of_second(const Segmentation& facts, Report& report) {
+  constexpr double kAnotherBone = 0.05;  // smaller pieces are noise, calcifications, ribs' ends
+  if (facts.by_seed || facts.second_mm3 < kAnotherBone * facts.largest_mm3) return;
+  report.warn(
+      words("no bone.ct.seed_mm: the largest piece is kept, %.0f mm3; the second largest has %.0f mm3 and may "
+            "be the bone that is meant: give a seed inside the bone",
+            facts.largest_mm3, facts.second_mm3));
+}
+
+/// The sums of `facts` that every way of segmentation has.
+void finish_facts(BoneField& bone, const Lattice& lattice, double threshold_hu) {
+  bone.facts.threshold_hu = threshold_hu;
+  bone.facts.bone_mm3 = static_cast<double>(bone.voxels) * lattice.voxel_mm3();
+  bone.facts.below_threshold_fraction =
+      bone.voxels > 0 ? static_cast<double>(bone.inside_below) / static_cast<double>(bone.voxels) : 0;
+}
+
 /// Counts and bounds of the bone, and the trabecular part of it.
 void measure(BoneField& bone, const Mask& mask, const AlignedImage& hu, double threshold_hu) {
   bone.min = hu.lattice.dims;
@@ -191,7 +231,10 @@ BoneField segment_by_threshold(const AlignedImage& hu, const CtSettings& setting
     kept[lattice.index(to.x(), to.y(), to.z())] = solid.mask[at];
   });
   BoneField bone;
+  bone.facts = facts_of(pieces, solid, removed, settings, lattice);
+  warn_of_second(bone.facts, report);
   measure(bone, kept, hu, settings.threshold_hu);
+  finish_facts(bone, lattice, settings.threshold_hu);
   const Mask rim = cut_rim(kept, dense, parted, lattice);
   bone.field.lattice = lattice;
   bone.field.value.resize(hu.value.size());
@@ -217,6 +260,8 @@ BoneField segment_by_label(LabelImages labels, const AlignedImage& hu, const CtS
                      "label " + words_of_labels(map.label) + " is thinner than a voxel everywhere in the crop",
                      "choose another label, or move the crop");
   }
+  bone.facts.method = "label_map";
+  finish_facts(bone, hu.lattice, settings.threshold_hu);
   report.note("label " + words_of_labels(map.label) + ": " + std::to_string(bone.voxels) + " voxels, " +
               words("%.0f", static_cast<double>(bone.voxels) * hu.lattice.voxel_mm3()) + " mm3");
   bone.field = std::move(share);

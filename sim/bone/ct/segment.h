@@ -6,6 +6,7 @@
 #include "sim/bone/ct/aligned_image.h"
 #include "sim/bone/ct/label_map.h"
 #include "sim/bone/ct/morphology.h"
+#include "sim/bone/segmentation.h"
 #include "sim/scenario/scenario.h"
 
 namespace reamsim::ct {
@@ -18,6 +19,7 @@ struct BoneField {
   std::int64_t inside_below = 0;  ///< of these, below the threshold: trabecular bone and marrow
   Vec3i min = Vec3i::Zero();      ///< corners of the bone's bounding box, both inside
   Vec3i max = Vec3i::Zero();
+  Segmentation facts;  ///< all but the planes
 };
 
 /// Whether a cut sphere or plane takes this point away.

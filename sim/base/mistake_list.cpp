@@ -1,0 +1,55 @@
+#include "sim/base/mistake_list.h"
+
+#include <algorithm>
+#include <functional>
+#include <string>
+#include <tuple>
+
+namespace reamsim {
+
+namespace {
+
+/// More than these tell a user nothing new.
+constexpr std::size_t kMostShown = 50;
+
+/// Whether `key` is `above` or lies below it.
+bool lies_in(std::string_view key, std::string_view above) {
+  return key.starts_with(above) && (key.size() == above.size() || key[above.size()] == '.');
+}
+
+}  // namespace
+
+void MistakeList::add(const InputError& error) {
+  mistakes_.insert(mistakes_.end(), error.mistakes().begin(), error.mistakes().end());
+}
+
+bool MistakeList::concerns(std::string_view key) const {
+  const auto related = [&](std::string_view other) { return lies_in(other, key) || lies_in(key, other); };
+  return std::ranges::any_of(mistakes_, related, &Mistake::key) || std::ranges::any_of(doubted_, related);
+}
+
+bool MistakeList::has_key_in(std::string_view section) const {
+  return std::ranges::any_of(mistakes_, [&](const Mistake& mistake) {
+    const std::string_view key = mistake.key;
+    const std::size_t dot = key.rfind('.');
+    return (dot == std::string_view::npos ? std::string_view() : key.substr(0, dot)) == section;
+  });
+}
+
+void MistakeList::throw_if_any() const {
+  if (mistakes_.empty()) return;
+  std::vector<Mistake> sorted = mistakes_;
+  const auto place = [](const Mistake& m) {  // what has no line comes last
+    return std::make_tuple(m.where.line == 0, std::cref(m.where.file), m.where.line, m.where.column);
+  };
+  std::ranges::stable_sort(sorted, [&](const Mistake& a, const Mistake& b) { return place(a) < place(b); });
+  if (sorted.size() > kMostShown) {
+    Mistake rest;
+    rest.found = "and " + std::to_string(sorted.size() - kMostShown) + " mistakes more";
+    sorted.resize(kMostShown);
+    sorted.push_back(rest);
+  }
+  throw InputError(std::move(sorted));
+}
+
+}  // namespace reamsim

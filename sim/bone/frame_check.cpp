@@ -1,0 +1,195 @@
+#include "sim/bone/frame_check.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+#include <numbers>
+#include <utility>
+#include <vector>
+
+namespace reamsim {
+
+namespace {
+
+/// A centre further from the bone than this is no glenoid's: a joint gap has some mm, a worn face is bone itself.
+constexpr double kFarthestCenter_mm = 10;
+/// Bone is looked at this far beyond the distance of the centre from the surface.
+constexpr double kLook_mm = 8;
+/// With more bone ahead than this multiple of that behind, the normal points inwards; half a space leaves 1 for a
+/// normal along its face, 0 for one square to it.
+constexpr double kInward = 1.5;
+/// A normal further from the direction out of the bone is doubtful; faces that wear has tilted stay well below.
+constexpr double kOblique_deg = 50;
+/// A centroid nearer to the middle of the ball says nothing, in radii.
+constexpr double kLeastCentroid = 0.05;
+/// Below this, a component of a direction says nothing (about 6°).
+constexpr double kLeastComponent = 0.1;
+
+bool is_bone(const Voxmap& voxmap, const Vec3i& voxel) {
+  return voxmap.grid.contains(voxel) && voxmap.grade.get(voxel) != 0;
+}
+
+bool has_air_beside(const Voxmap& voxmap, const Vec3i& voxel) {
+  for (int axis = 0; axis < 3; ++axis) {
+    for (const int step : {-1, 1}) {
+      if (!is_bone(voxmap, voxel + step * Vec3i::Unit(axis))) return true;
+    }
+  }
+  return false;
+}
+
+/// The stored bricks, the nearest to a point first, with a bound below their distance.
+std::vector<std::pair<double, Vec3i>> bricks_by_distance(const Voxmap& voxmap, const Vec3& point_mm) {
+  const double side_mm = BrickLattice::kSide * voxmap.grid.voxel_mm;
+  std::vector<std::pair<double, Vec3i>> out;
+  for (const Vec3i& coord : voxmap.grade.stored_coords()) {
+    const Vec3 low = voxmap.grid.origin_mm + side_mm * coord.cast<double>();
+    const Vec3 nearest = point_mm.cwiseMax(low).cwiseMin(low + Vec3::Constant(side_mm));
+    out.emplace_back((nearest - point_mm).norm(), coord);
+  }
+  std::ranges::stable_sort(out, {}, [](const auto& entry) { return entry.first; });
+  return out;
+}
+
+std::string words(const char* format, auto... values) {
+  char text[300];
+  std::snprintf(text, sizeof text, format, values...);
+  return text;
+}
+
+std::string vector_words(const Vec3& v, const char* format) {
+  return words(format, v.x(), v.y(), v.z());
+}
+
+/// The keys that a frame came from, for messages.
+struct FrameKeys {
+  std::string center, normal, superior;
+};
+
+FrameKeys keys_of(const BoneSettings& settings) {
+  const std::string at = "bone.glenoid.";
+  if (settings.glenoid.landmarks) {
+    return {at + "landmarks.glenoid_center_mm", at + "landmarks.trigonum_spinae_mm",
+            at + "landmarks.inferior_angle_mm"};
+  }
+  if (settings.glenoid.center_mm) return {at + "center_mm", at + "normal", at + "superior"};
+  return {"bone.vdb.path", "bone.vdb.path", "bone.vdb.path"};  // the file's own
+}
+
+void check_center(const NearestSurface& nearest, const Vec3& center_mm, const FrameKeys& keys) {
+  if (nearest.distance_mm <= kFarthestCenter_mm) return;
+  throw InputError({}, keys.center,
+                   "found " + vector_words(center_mm, "(%.1f, %.1f, %.1f)") + words(", %.1f mm ", nearest.distance_mm) +
+                       (nearest.inside ? "inside" : "outside") + " the bone's surface",
+                   words("expected the centre of the glenoid face, within %g mm of the bone; the nearest point of the "
+                         "surface is ",
+                         kFarthestCenter_mm) +
+                       vector_words(nearest.point_mm, "(%.1f, %.1f, %.1f)"));
+}
+
+void check_normal(const BoneRound& bone, const Vec3& normal, const FrameKeys& keys, Report& report) {
+  const double angle_deg = std::acos(std::clamp(normal.dot(bone.outward), -1.0, 1.0)) * 180 / std::numbers::pi;
+  if (bone.outward == Vec3::Zero() || angle_deg <= kOblique_deg) return;
+  const std::string found = words(
+      "%.0f mm3 of bone within %.1f mm of the glenoid's centre lie ahead of the normal and "
+      "%.0f mm3 behind it",
+      bone.ahead_mm3, bone.radius_mm, bone.behind_mm3);
+  if (bone.ahead_mm3 > kInward * bone.behind_mm3) {
+    const bool landmarks = keys.normal.ends_with("trigonum_spinae_mm");
+    throw InputError({}, keys.normal, "the glenoid's normal points into the bone: " + found,
+                     landmarks ? "expected the trigonum spinae medial to the glenoid's centre"
+                               : "expected the direction out of the bone; its opposite is " +
+                                     vector_words(-normal, "[%.3f, %.3f, %.3f]"));
+  }
+  report.warn("the glenoid's normal is about " + words("%.0f", angle_deg) +
+              " degrees away from the direction out of the bone (" + keys.normal + "): " + found);
+}
+
+/// Whether axes mean what they mean in a patient: a mesh, a phantom and another program's VDB have their own.
+bool in_patient_frame(const Bone& bone, const BoneSettings& settings) {
+  return bone.voxmap.frame == "LPS" && (settings.source == "ct" || settings.source == "vdb");
+}
+
+void check_anatomy(const Bone& bone, const FrameKeys& keys, Report& report) {
+  const Mat3 axes = bone.glenoid->bone_from_glenoid.linear();
+  const double left = axes(0, 2), up = axes(2, 1);
+  const std::string specimen = "; this may be meant only where the scan is not of a patient in the standard position";
+  const bool contradicts =
+      (bone.side == "left" && left < -kLeastComponent) || (bone.side == "right" && left > kLeastComponent);
+  if (contradicts) {
+    report.warn("bone.side is " + bone.side + ", but the glenoid's normal points to the patient's " +
+                (left > 0 ? "left" : "right") + words(" (x = %.2f in LPS)", left) + ", as on a " +
+                (left > 0 ? "left" : "right") + " shoulder; check bone.side and " + keys.normal + specimen);
+  }
+  if (up < -kLeastComponent) {
+    report.warn("the glenoid's superior direction points down" + words(" (z = %.2f in LPS)", up) + "; check " +
+                keys.superior + specimen);
+  }
+}
+
+}  // namespace
+
+std::optional<NearestSurface> nearest_surface(const Voxmap& voxmap, const Vec3& point_mm) {
+  const VoxelGrid& grid = voxmap.grid;
+  NearestSurface out{.point_mm = {}, .distance_mm = std::numeric_limits<double>::infinity(), .inside = false};
+  for (const auto& [bound_mm, coord] : bricks_by_distance(voxmap, point_mm)) {
+    if (bound_mm > out.distance_mm) break;
+    const GradeBricks::Brick& grades = *voxmap.grade.brick(coord);
+    for (int offset = 0; offset < GradeBricks::kVoxels; ++offset) {
+      if (grades[static_cast<std::size_t>(offset)] == 0) continue;
+      const Vec3i voxel = BrickLattice::voxel_at(coord, offset);
+      const Vec3 center = grid.center_mm(voxel.x(), voxel.y(), voxel.z());
+      const double distance_mm = (center - point_mm).norm();
+      if (distance_mm >= out.distance_mm || !has_air_beside(voxmap, voxel)) continue;
+      out.distance_mm = distance_mm;
+      out.point_mm = center;
+    }
+  }
+  if (!std::isfinite(out.distance_mm)) return std::nullopt;
+  out.inside = is_bone(voxmap, grid.voxel_of(point_mm));
+  return out;
+}
+
+BoneRound bone_round(const Voxmap& voxmap, const Vec3& point_mm, const Vec3& normal, double radius_mm) {
+  constexpr int kSamples = 30;  // along the radius, at most
+  const double step_mm = std::max(voxmap.grid.voxel_mm, radius_mm / kSamples);
+  const int reach = static_cast<int>(radius_mm / step_mm);
+  BoneRound out{.radius_mm = radius_mm};
+  Vec3 sum = Vec3::Zero();
+  std::int64_t ahead = 0, behind = 0;
+  for (int z = -reach; z <= reach; ++z) {
+    for (int y = -reach; y <= reach; ++y) {
+      for (int x = -reach; x <= reach; ++x) {
+        const Vec3 offset = step_mm * Vec3(x, y, z);
+        if (offset.norm() > radius_mm || !is_bone(voxmap, voxmap.grid.voxel_of(point_mm + offset))) continue;
+        (offset.dot(normal) > 0 ? ahead : behind) += 1;
+        sum += offset;
+      }
+    }
+  }
+  const double sample_mm3 = step_mm * step_mm * step_mm;
+  out.ahead_mm3 = static_cast<double>(ahead) * sample_mm3;
+  out.behind_mm3 = static_cast<double>(behind) * sample_mm3;
+  const double centroid_mm = sum.norm() / std::max(1.0, static_cast<double>(ahead + behind));
+  if (centroid_mm > kLeastCentroid * radius_mm) out.outward = -sum.normalized();
+  return out;
+}
+
+void check_glenoid_frame(const Bone& bone, const BoneSettings& settings, MistakeList& mistakes, Report& report) {
+  const bool given = settings.glenoid.center_mm || settings.glenoid.landmarks;
+  if (!bone.glenoid || (bone.voxmap.frame == "phantom" && !given)) return;
+  const FrameKeys keys = keys_of(settings);
+  const Rigid& frame = bone.glenoid->bone_from_glenoid;
+  const Vec3 center_mm = frame.translation(), normal = frame.linear().col(2);
+  if (const auto nearest = nearest_surface(bone.voxmap, center_mm)) {
+    const bool near = mistakes.attempt([&] { check_center(*nearest, center_mm, keys); });
+    if (near) {
+      const BoneRound round = bone_round(bone.voxmap, center_mm, normal, nearest->distance_mm + kLook_mm);
+      mistakes.attempt([&] { check_normal(round, normal, keys, report); });
+    }
+  }
+  if (in_patient_frame(bone, settings)) check_anatomy(bone, keys, report);
+}
+
+}  // namespace reamsim

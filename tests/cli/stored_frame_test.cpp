@@ -1,0 +1,72 @@
+// A bone that goes on in a second run, from the VDB of the first or of `reamsim import`.
+#include "tests/cli/cli_fixture.h"
+#include "tests/cli/data_files.h"
+
+namespace reamsim::test {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+
+const std::string kRest =
+    "tool:\n  mesh: " REAMSIM_ROOT
+    "/assets/reamer_flat.stl\n"
+    "motion:\n  frame: glenoid\n  frame_rate_hz: 50\n"
+    "  plunge: {approach_mm: 2, feed_mm_s: 4, depth_mm: 1, dwell_s: 0, retract_mm: 2, retract_mm_s: 20}\n"
+    "render:\n  enabled: false\nengine:\n  device: serial\n";
+const std::string kScan =
+    "version: 1\nbone:\n  source: ct\n  side: left\n  voxel_mm: 1\n  ct: {path: scan.nrrd}\n"
+    "  glenoid: {center_mm: [14.5, 10, 10], normal: [1, 0, 0], superior: [0, 0, 1]}\n" +
+    kRest;
+
+class StoredFrame : public CliTest {
+ protected:
+  StoredFrame() { write("scan.nrrd", block_nrrd()); }
+
+  static std::string vdb_scenario(const std::string& file) {
+    return "version: 1\nbone:\n  source: vdb\n  vdb: {path: " + file + "}\n" + kRest;
+  }
+  ProgramResult call(const std::vector<std::string>& arguments) const {
+    return reamsim({.arguments = arguments, .environment = {}, .folder = "", .interrupt_when = {}});
+  }
+};
+
+TEST_F(StoredFrame, ASecondRunGoesOnFromTheFirst) {
+  expect_done(run(kScan));
+  std::filesystem::rename(path("out"), path("first"));
+  const ProgramResult again = run(vdb_scenario("first/reamed.vdb"), {"--set", "motion.plunge.depth_mm=2"});
+  expect_done(again);
+  EXPECT_THAT(read("out/scenario.yaml"), HasSubstr("  side: left\n"));
+  // The second takes another millimetre off the same face.
+  const double first_mm3 = number_after(read("first/summary.json"), "\"removed_mm3\": ");
+  const double second_mm3 = number_after(read("out/summary.json"), "\"removed_mm3\": ");
+  EXPECT_GT(first_mm3, 50);
+  EXPECT_NEAR(second_mm3 / first_mm3, 1, 0.6);
+  std::filesystem::rename(path("out"), path("second"));
+  const ProgramResult resolved = call({"check", "second/scenario.yaml"});
+  EXPECT_EQ(resolved.status, 0) << resolved.err;
+}
+
+TEST_F(StoredFrame, ImportOfAScenarioWritesFrameAndSide) {
+  write("s.yaml", kScan);
+  const ProgramResult made = call({"import", "s.yaml", "-o", "bone.vdb"});
+  ASSERT_EQ(made.status, 0) << made.err;
+  write("v.yaml", vdb_scenario("bone.vdb"));
+  const ProgramResult checked = call({"check", "v.yaml"});
+  EXPECT_EQ(checked.status, 0) << checked.err;
+  EXPECT_THAT(checked.out, AllOf(HasSubstr("# glenoid frame from the VDB"), HasSubstr("  side: left\n")));
+}
+
+TEST_F(StoredFrame, ImportRefusesAFrameThatContradictsTheBone) {
+  write("s.yaml", with(kScan, "normal: [1, 0, 0]", "normal: [-1, 0, 0]"));
+  expect_refused(call({"import", "s.yaml", "-o", "bone.vdb"}), 2, {"s.yaml:7:", "points into the bone"});
+  EXPECT_FALSE(exists("bone.vdb"));
+}
+
+TEST_F(StoredFrame, AFileWithoutAFrameIsSaidAtTheKey) {
+  ASSERT_EQ(call({"import", "scan.nrrd", "-o", "bare.vdb"}).status, 0);
+  expect_refused(run(vdb_scenario("bare.vdb")), 2, {"s.yaml:8:", "motion.frame", "no glenoid frame"});
+}
+
+}  // namespace
+}  // namespace reamsim::test
