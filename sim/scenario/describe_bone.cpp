@@ -285,12 +285,12 @@ void describe_ct(KeyVisitor& v, CtSettings& ct) {
           .required = true,
           .text = TextKind::input_path},
          ct.path);
-  v.text(
-      {.name = "series",
-       .doc = "Of a DICOM folder: series UID, or number in the list that `check` gives; without it the CT series with "
-              "the most slices",
-       .number_too = true},
-      ct.series);
+  v.text({.name = "series",
+          .doc = "Of a DICOM folder: series UID, or number in the list that a warning gives where there are several; "
+                 "without it the CT series with "
+                 "the most slices",
+          .number_too = true},
+         ct.series);
   v.text({.name = "modality", .doc = "What a DICOM series may be; any: also what is not CT", .choices = {"ct", "any"}},
          ct.modality);
   v.optional_vector({.name = "crop_min_mm",

@@ -180,11 +180,25 @@ TEST_F(Dicom, ADamagedSliceIsNamedWhereItIsMissing) {
   write_dicom(egg_, folder_.file("cd"));
   fs::resize_file(folder_.file("cd/slice010.dcm"), 150);
   EXPECT_THAT(error_of("cd"),
-              AllOf(HasSubstr("slice011.dcm and "), HasSubstr("slice009.dcm"), HasSubstr("slice010.dcm is damaged")));
+              AllOf(HasSubstr("slice011.dcm and "), HasSubstr("slice009.dcm"), HasSubstr("slice010.dcm was left out")));
   write_dicom(egg_, folder_.file("half"));
   const std::string slice = folder_.file("half/slice010.dcm");
   fs::resize_file(slice, fs::file_size(slice) / 2);
   EXPECT_THAT(error_of("half"), HasSubstr("slice010.dcm"));
+}
+
+TEST_F(Dicom, PicturesInASeriesAreLeftOut) {
+  // A dose report with the series' own UID: an image without a place.
+  write_dicom(egg_, folder_.file("cd"));
+  write_dicom(cropped(egg_, {0, 0, 0}, {26, 30, 1}), folder_.file("one"));
+  const std::string picture = folder_.file("cd/dose_report.dcm");
+  fs::copy(folder_.file("one/slice001.dcm"), picture);
+  patch_file(picture, std::string("\x20\0\x32\0", 4), std::string("\x20\0\x31\0", 4));
+  expect_egg("cd");
+  ASSERT_EQ(report_.warnings.size(), 1U);
+  EXPECT_THAT(report_.warnings[0],
+              AllOf(HasSubstr("images of the DICOM series that are no slices, left out: 1, the first is "),
+                    HasSubstr("dose_report.dcm")));
 }
 
 TEST_F(Dicom, SlicesInOnePlace) {
@@ -192,10 +206,14 @@ TEST_F(Dicom, SlicesInOnePlace) {
   fs::copy(folder_.file("cd/slice010.dcm"), folder_.file("cd/copy_of_10.dcm"));
   expect_egg("cd");
   ASSERT_EQ(report_.warnings.size(), 1U);
-  EXPECT_THAT(report_.warnings[0], HasSubstr("1 copies of DICOM slices are left out"));
+  EXPECT_THAT(report_.warnings[0], HasSubstr("copies of DICOM slices left out: 1"));
   write_dicom(other(), folder_.file("again"));
   fs::copy(folder_.file("again/slice010.dcm"), folder_.file("cd/phase_2.dcm"));
   fs::remove(folder_.file("cd/copy_of_10.dcm"));
+  fs::create_directory(folder_.file("twice"));
+  fs::copy(folder_.file("cd/slice010.dcm"), folder_.file("twice/a"));
+  fs::copy(folder_.file("cd/slice010.dcm"), folder_.file("twice/b"));
+  EXPECT_THAT(error_of("twice"), HasSubstr("one DICOM slice"));
   EXPECT_THAT(error_of("cd"),
               AllOf(HasSubstr("phase_2.dcm"), HasSubstr("lies in the same place as"), HasSubstr("slice010.dcm")));
 }

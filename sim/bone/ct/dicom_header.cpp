@@ -73,7 +73,7 @@ class DicomValues {
 
 constexpr const char* kCtStorage = "1.2.840.10008.5.1.4.1.1.2";
 
-void fill(const DicomValues& values, DicomHeader& header) {
+void fill_header(const DicomValues& values, DicomHeader& header) {
   header.series_uid = values.text(0x0020, 0x000e);
   header.instance_uid = values.text(0x0008, 0x0018);
   header.description = values.text(0x0008, 0x103e);
@@ -118,7 +118,7 @@ DicomKind read_dicom_header(const std::string& path, DicomHeader& header) {
   header.rows = values.short_integer(0x0028, 0x0010);
   header.columns = values.short_integer(0x0028, 0x0011);
   if (header.rows == 0 || header.columns == 0) return DicomKind::no_image;
-  fill(values, header);
+  fill_header(values, header);
   return DicomKind::image;
 }
 

@@ -51,14 +51,20 @@ std::string words_of(const DicomSeries& series) {
 }
 
 bool equally_good(const DicomSeries& a, const DicomSeries& b) {
-  return a.images.size() == b.images.size() &&
+  return a.slices() == b.slices() &&
          ((a.spacing_mm - b.spacing_mm).cwiseAbs().array() <= kSameSpacing * a.spacing_mm.array()).all();
 }
 
 /// The larger first; of two with as many slices the finer one.
 bool is_better(const DicomSeries& a, const DicomSeries& b) {
-  if (a.images.size() != b.images.size()) return a.images.size() > b.images.size();
+  if (a.slices() != b.slices()) return a.slices() > b.slices();
   return a.spacing_mm.prod() < b.spacing_mm.prod();
+}
+
+/// Grey slices with places; screenshots and renderings are not.
+bool may_be_a_volume(const DicomSeries& series) {
+  const DicomHeader& first = series.images.front();
+  return first.photometric.starts_with("MONOCHROME") && (first.position_mm || first.frames > 1);
 }
 
 const DicomSeries& named_series(const std::vector<DicomSeries>& all, const std::string& name,
@@ -90,6 +96,8 @@ std::vector<const DicomSeries*> candidates_of(const DicomFolder& found, const Di
   for (const DicomSeries& series : found.series) {
     if (choice.any_modality || series.modality == "CT") out.push_back(&series);
   }
+  const auto is_none = [](const DicomSeries* series) { return !may_be_a_volume(*series); };
+  if (!std::ranges::all_of(out, is_none)) std::erase_if(out, is_none);
   if (out.empty() && found.series.size() == 1) check_modality(found.series.front(), choice, folder);
   if (out.empty()) {
     throw InputError({folder}, kModalityKey,
@@ -101,6 +109,12 @@ std::vector<const DicomSeries*> candidates_of(const DicomFolder& found, const Di
 }
 
 }  // namespace
+
+int DicomSeries::slices() const {
+  int out = 0;
+  for (const DicomHeader& image : images) out += std::clamp(image.frames, 1, 1'000'000);
+  return out;
+}
 
 DicomFolder find_dicom_series(const std::string& folder, const std::string& key, Report& report) {
   DicomFolder out;
@@ -114,8 +128,8 @@ DicomFolder find_dicom_series(const std::string& folder, const std::string& key,
     if (kind == DicomKind::image) by_uid[header.series_uid].push_back(std::move(header));
   }
   if (!out.damaged.empty()) {
-    report.warn(folder + ": " + std::to_string(out.damaged.size()) +
-                " damaged DICOM files are left out, the first is " + out.damaged.front());
+    report.warn(folder + ": damaged DICOM files left out: " + std::to_string(out.damaged.size()) + ", the first is " +
+                out.damaged.front());
   }
   for (auto& [uid, images] : by_uid) out.series.push_back(series_from(uid, std::move(images)));
   std::ranges::stable_sort(out.series, {}, [](const DicomSeries& s) { return std::tie(s.number, s.uid); });
@@ -148,14 +162,14 @@ const DicomSeries& choose_series(const DicomFolder& found, const DicomChoice& ch
   if (candidates.size() > 1 && equally_good(best, *candidates[1])) {
     throw InputError(
         {folder}, kSeriesKey,
-        "missing, and two DICOM series have " + std::to_string(best.images.size()) + " slices of the same spacing",
+        "missing, and two DICOM series have " + std::to_string(best.slices()) + " slices of the same spacing",
         "choose one by its UID or number: " + list_of(found.series));
   }
   if (found.series.size() > 1) {
-    const std::string why =
-        candidates.size() > 1 ? "; the one with the most slices is used (" : "; the only one of modality CT is used (";
+    const std::string why = candidates.size() > 1 ? "; the one with the most slices is used ("
+                                                  : "; the only one that is a CT volume is used (";
     report.warn(folder + ": " + std::to_string(found.series.size()) + " DICOM series" + why +
-                std::to_string(best.images.size()) + " slices), UID " + best.uid +
+                std::to_string(best.slices()) + " slices), UID " + best.uid +
                 "; choose another with bone.ct.series: " + list_of(found.series));
   }
   return best;

@@ -19,6 +19,9 @@ struct DicomSeries {
   std::vector<DicomHeader> images;
   /// Pixels, and the median distance of neighbouring slices; 0 where the files do not say.
   Vec3 spacing_mm = Vec3::Zero();
+
+  /// Files, or frames where files hold several.
+  [[nodiscard]] int slices() const;
 };
 
 struct DicomFolder {

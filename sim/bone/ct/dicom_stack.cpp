@@ -35,17 +35,50 @@ struct Slice {
 
 using Stack = std::vector<Slice>;
 
-void check_image(const DicomHeader& header, const std::string& key) {
+/// Whether an image may be a slice at all; screenshots, dose reports and multi-frame files are not.
+bool may_be_slice(const DicomHeader& header) {
+  return header.frames <= 1 && header.photometric.starts_with("MONOCHROME") && header.position_mm;
+}
+
+[[noreturn]] void refuse_image(const DicomHeader& header, const std::string& key) {
+  const SourceLocation where{header.path};
   if (header.frames > 1) {
-    throw InputError({header.path}, key, words("a multi-frame DICOM file (%d frames)", header.frames),
+    throw InputError(where, key, words("a multi-frame DICOM file (%d frames)", header.frames),
                      "convert it to NRRD or NIfTI (3D Slicer, dcm2niix), or export single slices");
   }
-  if (header.photometric == "MONOCHROME1") {
-    throw InputError({header.path}, key, "MONOCHROME1: its grey values are inverted, so they are no HU",
-                     "expected MONOCHROME2, as CT slices have; export the original series");
-  }
   if (!header.position_mm) {
-    throw InputError({header.path}, key, "a slice without a position (0020,0032)", "export the original series");
+    throw InputError(where, key, "an image without a position (0020,0032)", "export the original series");
+  }
+  throw InputError(where, key, "pixels of kind '" + header.photometric + "'",
+                   "expected MONOCHROME2, as CT slices have; export the original series");
+}
+
+/// The images that may be slices. The others are left out with a warning, and added to `left_out`.
+std::vector<const DicomHeader*> slices_among(const DicomSeries& series, std::vector<std::string>& left_out,
+                                             const std::string& key, Report& report) {
+  std::vector<const DicomHeader*> out;
+  std::vector<std::string> others;
+  for (const DicomHeader& header : series.images) {
+    if (may_be_slice(header)) {
+      out.push_back(&header);
+    } else {
+      others.push_back(header.path);
+    }
+  }
+  if (out.empty()) refuse_image(series.images.front(), key);
+  if (!others.empty()) {
+    report.warn("images of the DICOM series that are no slices, left out: " + std::to_string(others.size()) +
+                ", the first is " + others.front());
+    left_out.insert(left_out.begin(), others.begin(), others.end());
+  }
+  return out;
+}
+
+void check_grey_values(const Stack& stack, const std::string& key) {
+  for (const Slice& slice : stack) {
+    if (slice.header->photometric != "MONOCHROME1") continue;
+    throw InputError({slice.path()}, key, "MONOCHROME1: its grey values are inverted, so they are no HU",
+                     "expected MONOCHROME2, as CT slices have; export the original series");
   }
 }
 
@@ -68,11 +101,10 @@ bool belong_together(const ScanGeometry& a, const ScanGeometry& b) {
 }
 
 /// Slices of one size, spacing and orientation each, the largest such group first.
-std::vector<Stack> groups_of(const DicomSeries& series, const std::string& key) {
+std::vector<Stack> groups_of(const std::vector<const DicomHeader*>& slices, const std::string& key) {
   std::vector<Stack> groups;
-  for (const DicomHeader& header : series.images) {
-    check_image(header, key);
-    const Slice slice{&header, slice_geometry(header.path, key), 0};
+  for (const DicomHeader* header : slices) {
+    const Slice slice{header, slice_geometry(header->path, key), 0};
     const auto group = std::ranges::find_if(
         groups, [&](const Stack& g) { return belong_together(g.front().geometry, slice.geometry); });
     if (group == groups.end()) {
@@ -116,7 +148,7 @@ void drop_copies(Stack& stack, double usual_mm, const std::string& key, Report& 
     }
     ++copies;
   }
-  if (copies > 0) report.warn(std::to_string(copies) + " copies of DICOM slices are left out");
+  if (copies > 0) report.warn("copies of DICOM slices left out: " + std::to_string(copies));
   stack = std::move(kept);
 }
 
@@ -132,7 +164,7 @@ double usual_distance(const Stack& stack) {
 
 /// What of the rest of the series, or of the damaged files, may be the missing slice.
 std::string suspect(double low_mm, double high_mm, const Vec3& normal, const ScanGeometry& usual,
-                    const std::vector<Stack>& groups, const std::vector<std::string>& damaged) {
+                    const std::vector<Stack>& groups, const std::vector<std::string>& left_out) {
   for (std::size_t g = 1; g < groups.size(); ++g) {
     for (const Slice& slice : groups[g]) {
       const double height = normal.dot(slice.geometry.origin_mm);
@@ -141,11 +173,11 @@ std::string suspect(double low_mm, double high_mm, const Vec3& normal, const Sca
       }
     }
   }
-  return damaged.empty() ? "" : "; " + damaged.front() + " is damaged";
+  return left_out.empty() ? "" : "; " + left_out.front() + " was left out";
 }
 
 void check_distances(const std::vector<Stack>& groups, double usual_mm, const Vec3& normal,
-                     const std::vector<std::string>& damaged, const std::string& key) {
+                     const std::vector<std::string>& left_out, const std::string& key) {
   const Stack& stack = groups.front();
   for (std::size_t k = 1; k < stack.size(); ++k) {
     const double gap = stack[k].height_mm - stack[k - 1].height_mm;
@@ -156,9 +188,9 @@ void check_distances(const std::vector<Stack>& groups, double usual_mm, const Ve
     const std::string between = missing == 1  ? "a slice is missing between them"
                                 : missing > 1 ? std::to_string(missing) + " slices are missing between them"
                                               : "expected evenly spaced slices";
-    throw InputError(
-        {stack[k].path()}, key, found,
-        between + suspect(stack[k - 1].height_mm, stack[k].height_mm, normal, stack.front().geometry, groups, damaged));
+    throw InputError({stack[k].path()}, key, found,
+                     between + suspect(stack[k - 1].height_mm, stack[k].height_mm, normal, stack.front().geometry,
+                                       groups, left_out));
   }
 }
 
@@ -178,36 +210,45 @@ void warn_of_strays(const std::vector<Stack>& groups, Report& report) {
   for (std::size_t g = 1; g < groups.size(); ++g) count += groups[g].size();
   if (count == 0) return;
   const Slice& stray = groups[1].front();
-  report.warn(std::to_string(count) + " images of the DICOM series are left out; the first is " + stray.path() +
+  report.warn("images of the DICOM series left out: " + std::to_string(count) + ", the first is " + stray.path() +
               " and has " + difference(stray.geometry, groups[0].front().geometry));
+}
+
+void check_count(const std::vector<Stack>& groups, const std::string& key) {
+  const Stack& stack = groups.front();
+  if (stack.size() < 2) {
+    throw InputError({stack.front().path()}, key, "one DICOM slice",
+                     "expected the slices of a volume, at least two of one size and orientation");
+  }
+  if (groups.size() == 1 || groups[1].size() < stack.size()) return;
+  const Slice& second = groups[1].front();
+  throw InputError({second.path()}, key,
+                   "the series holds two stacks of " + std::to_string(stack.size()) + " slices: this one has " +
+                       difference(second.geometry, stack.front().geometry),
+                   "put the stack that is wanted into a folder of its own");
 }
 
 }  // namespace
 
 DicomStack stack_slices(const DicomSeries& series, const std::vector<std::string>& damaged, const std::string& key,
                         Report& report) {
+  std::vector<std::string> left_out = damaged;
+  const std::vector<const DicomHeader*> slices = slices_among(series, left_out, key, report);
   std::vector<std::string> files;
-  for (const DicomHeader& header : series.images) files.push_back(header.path);
+  for (const DicomHeader* header : slices) files.push_back(header->path);
   check_dicom_is_survived(files, key);
-  std::vector<Stack> groups = groups_of(series, key);
+  std::vector<Stack> groups = groups_of(slices, key);
+  check_count(groups, key);
   Stack& stack = groups.front();
-  if (groups.size() > 1 && groups[1].size() == stack.size() && stack.size() > 1) {
-    throw InputError({groups[1].front().path()}, key,
-                     "the series holds two stacks of " + std::to_string(stack.size()) + " slices: this one has " +
-                         difference(groups[1].front().geometry, stack.front().geometry),
-                     "put the stack that is wanted into a folder of its own");
-  }
-  if (stack.size() < 2) {
-    throw InputError({stack.front().path()}, key, "one DICOM slice",
-                     "expected the slices of a volume, at least two of one size and orientation");
-  }
+  check_grey_values(stack, key);
   const ScanGeometry first = stack.front().geometry;
   const Vec3 normal = first.step_mm.col(0).cross(first.step_mm.col(1)).normalized();
   for (Slice& slice : stack) slice.height_mm = normal.dot(slice.geometry.origin_mm);
   std::ranges::stable_sort(stack, {}, &Slice::height_mm);
   const double usual_mm = usual_distance(stack);
   drop_copies(stack, usual_mm, key, report);
-  check_distances(groups, usual_mm, normal, damaged, key);
+  check_count(groups, key);
+  check_distances(groups, usual_mm, normal, left_out, key);
   warn_of_strays(groups, report);
 
   DicomStack out;

@@ -21,7 +21,7 @@ bool is_whole_number(const std::string& text) {
   return !text.empty() && text.find_first_not_of("0123456789") == std::string::npos;
 }
 
-std::string lower(std::string text) {
+std::string in_lower_case(std::string text) {
   std::ranges::transform(text, text.begin(), [](unsigned char c) { return std::tolower(c); });
   return text;
 }
@@ -54,7 +54,7 @@ std::string names_of(const std::vector<NamedSegment>& segments) {
 LabelValue find_name(const std::string& wanted, const std::vector<NamedSegment>& segments, const std::string& path) {
   std::vector<LabelValue> found;
   for (const NamedSegment& segment : segments) {
-    if (lower(segment.name) == lower(wanted)) found.push_back(segment.label);
+    if (in_lower_case(segment.name) == in_lower_case(wanted)) found.push_back(segment.label);
   }
   if (found.size() == 1) return found.front();
   if (found.size() > 1) {

@@ -17,7 +17,7 @@ constexpr float kLeastRefined_hu = 1;
 constexpr double kMarch = 0.25;
 
 /// Every voxel with a marked one at most `reach` voxels away along each axis.
-Mask spread(const Mask& mask, const Lattice& lattice, const Vec3i& reach) {
+Mask spread_along_axes(const Mask& mask, const Lattice& lattice, const Vec3i& reach) {
   Mask from = mask;
   Mask to(mask.size());
   for (int axis = 0; axis < 3; ++axis) {
@@ -65,8 +65,8 @@ class Refinement {
     const Vec3i reach = (reach_mm_ * lattice_.spacing_mm.cwiseInverse()).array().ceil().cast<int>() + 1;
     Mask air(mask_.size());
     std::ranges::transform(mask_, air.begin(), [](std::uint8_t in) { return in ? 0 : 1; });
-    const Mask near_bone = spread(mask_, lattice_, reach);
-    const Mask near_air = spread(air, lattice_, reach);
+    const Mask near_bone = spread_along_axes(mask_, lattice_, reach);
+    const Mask near_air = spread_along_axes(air, lattice_, reach);
     Mask out = mask_;
     for (int k = 0; k < lattice_.dims.z(); ++k) {
       for (int j = 0; j < lattice_.dims.y(); ++j) {
