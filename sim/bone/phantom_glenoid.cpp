@@ -67,7 +67,10 @@ class GlenoidDensity {
   [[nodiscard]] double density_below(Vec3 point, double solid) const {
     constexpr double kBelow_mm = 0.01;
     constexpr int kSteps = 4;
-    point.x() = std::max(point.x(), shape_.medial_end_mm());
+    if (point.x() < shape_.medial_end_mm()) {
+      point.x() = shape_.medial_end_mm();
+      solid = shape_.solid(point);  // what is bone beyond the end may be air at it
+    }
     for (int step = 0; step < kSteps && solid > 0; ++step) {
       const Vec3 slope = slope_at(point, solid);
       point -= (solid / slope.squaredNorm() + kBelow_mm / slope.norm()) * slope;
