@@ -22,6 +22,8 @@ mean_title = sprintf("mean over %g mm of travel, one voxel", travel_mm)
 set xrange [t_min:t_max]
 set mxtics 2
 set key top left reverse Left
+# Below the key, where there is one.
+label_y = travel_mm > 0 ? 0.72 : 0.93
 
 do for [format in "png svg pdf"] {
   eval "set terminal " . terminal(format, 170, 190)
@@ -31,7 +33,7 @@ do for [format in "png svg pdf"] {
   unset xlabel
 
   set ylabel "Axial force (N)" offset -0.4
-  set label 1 headline_force at graph 0.99, graph 0.94 right front
+  set label 1 headline_force at graph 0.012, graph label_y left front
   top = clip(F_max, A_max)
   set yrange [low(min(F_min, 0), top):high(min(F_min, 0), top)]
   if (travel_mm > 0) {
@@ -66,7 +68,7 @@ do for [format in "png svg pdf"] {
   # Drawn back, the tool is far above the bone; that part of the curve leaves the panel.
   bottom = D_max > 0 ? max(min(D_min, 0), -0.25 * D_max) : min(D_min, 0)
   set yrange [low(bottom, D_max):high(bottom, D_max)]
-  set label 1 headline_depth at graph 0.99, graph 0.94 right front
+  set label 1 headline_depth at graph 0.012, graph 0.93 left front
   plot csv using "time_s":"depth_mm" with lines lw 1.5 lc rgb purple notitle
   unset label 1
   unset multiplot

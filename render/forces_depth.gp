@@ -19,6 +19,8 @@ mean_title = sprintf("mean over %g mm of travel, one voxel", travel_mm)
 set xrange [min(D_min > 0 ? D_min : 0, 0):high(0, D_max)]
 set mxtics 2
 set key top left reverse Left
+# Below the key, where there is one.
+label_y = travel_mm > 0 ? 0.72 : 0.93
 
 do for [format in "png svg pdf"] {
   eval "set terminal " . terminal(format, 85, 150)
@@ -28,7 +30,7 @@ do for [format in "png svg pdf"] {
   unset xlabel
 
   set ylabel "Axial force (N)" offset -0.4
-  set label 1 headline_force at graph 0.99, graph 0.94 right front
+  set label 1 headline_force at graph 0.012, graph label_y left front
   top = clip(F_max, A_max)
   set yrange [low(min(F_min, 0), top):high(min(F_min, 0), top)]
   if (travel_mm > 0) {
@@ -52,7 +54,7 @@ do for [format in "png svg pdf"] {
   }
 
   set format x "%g"
-  set label 1 headline_depth
+  set label 1 headline_depth at graph 0.012, graph 0.93 left front
   set xlabel "Tool depth (mm)"
   set ylabel "Removed volume (mm³)"
   set yrange [low(0, V_sum):high(0, V_sum)]

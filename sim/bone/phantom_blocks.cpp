@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <cstdio>
+#include <numbers>
 
 #include "sim/base/error.h"
 #include "sim/bone/lattice.h"
@@ -84,9 +85,16 @@ Bone cup_phantom(const BoneSettings& settings) {
   const Vec3 center(0, 0, phantom.radius_mm - phantom.cup_depth_mm);
   const double radius2 = phantom.radius_mm * phantom.radius_mm;
   const double density = phantom.density_g_cm3;
-  return make_block(
+  Bone bone = make_block(
       settings, [density](const Vec3&) { return density; },
       [=](const Vec3& point) { return (point - center).squaredNorm() - radius2; });
+  const double opening_mm = std::sqrt(std::max(radius2 - center.z() * center.z(), 0.0));
+  constexpr int kRimPoints = 120;
+  for (int i = 0; i < kRimPoints; ++i) {
+    const double angle = 2 * std::numbers::pi * i / kRimPoints;
+    bone.rim_mm.emplace_back(opening_mm * std::cos(angle), opening_mm * std::sin(angle), 0);
+  }
+  return bone;
 }
 
 Bone layered_phantom(const BoneSettings& settings) {

@@ -10,7 +10,7 @@ namespace reamsim {
 namespace {
 
 constexpr const char* kNoRim =
-    "the rim of the joint face is not known: give bone.glenoid.rim_mm (a glenoid phantom has its own)";
+    "the rim of the joint face is not known: give bone.glenoid.rim_mm (glenoid and cup phantoms have their own)";
 
 std::string text_of(const char* format, double value) {
   char text[200];

@@ -54,7 +54,8 @@ void describe_glenoid(KeyVisitor& v, GlenoidSettings& glenoid) {
   v.points(
       {.name = "rim_mm",
        .doc = "Points on the rim of the joint face before reaming, bone frame, in order round it, at least 6: they "
-              "delimit the face whose orientation and area are measured. Without them a glenoid phantom's own rim",
+              "delimit the face whose orientation and area are measured. Without them that of the phantom, for a "
+              "glenoid or cup",
        .range = kPosition,
        .least_points = kLeastRimPoints},
       glenoid.rim_mm);

@@ -55,6 +55,17 @@ TEST(Cup, TakesTheCapOutOfTheBlock) {
   EXPECT_NE(grade_at(bone.voxmap, {0, 0, -4.2}), 0);
 }
 
+TEST(Cup, ItsRimLiesOnTheTopFaceAndTheSphere) {
+  BoneSettings settings = phantom("cup", 0.5);
+  settings.phantom.cup_depth_mm = 4;
+  const Bone bone = make(settings);
+  ASSERT_GE(bone.rim_mm.size(), 100u);
+  for (const Vec3& point : bone.rim_mm) {
+    EXPECT_EQ(point.z(), 0);
+    EXPECT_NEAR((point - Vec3(0, 0, settings.phantom.radius_mm - 4)).norm(), settings.phantom.radius_mm, 1e-9);
+  }
+}
+
 TEST(Cup, TooDeepForTheBlockOrItself) {
   BoneSettings settings = phantom("cup", 1);
   settings.phantom.cup_depth_mm = 25;
