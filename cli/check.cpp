@@ -25,7 +25,7 @@ namespace {
 /// So long frames are timed for.
 constexpr double kTiming_s = 1;
 /// A picture of 1920 × 1080, measured on two cores; docs/formats.md says how.
-constexpr double kPicture_s = 0.25;
+constexpr double kPicture_s = 0.4;
 
 std::string megabytes(std::size_t bytes) {
   return std::to_string((bytes + 999'999) / 1'000'000) + " MB";

@@ -15,8 +15,8 @@ namespace {
 
 /// The program and its libraries.
 constexpr double kProgramBytes = 1e8;
-/// The compiler of the kernels.
-constexpr double kCompilerBytes = 5e7;
+/// The compiler of the kernels, and what the heap keeps of the loading of the bone.
+constexpr double kCompilerBytes = 9e7;
 /// For each brick through which the surface passes, while `surface` of reamed.vdb is made: smoothed occupancy,
 /// polygons, distances and the nearest polygons' numbers.
 constexpr double kSurfaceBytes = 16'000;

@@ -22,13 +22,17 @@ class BatchTimes : public FrameSink {
  public:
   void frame(const FrameResult& result, const FrameTimes&) override {
     frames_ = result.frame;
-    if (begins_) ends_.emplace_back(watch_.seconds(), 0);
+    last_s_ = watch_.seconds();
+    if (begins_) ends_.emplace_back(last_s_, 0);
     ends_.back().second = frames_;
     begins_ = frames_ == 0;  // the start is a batch of its own
   }
   /// The next frame belongs to another batch.
   void end_batch() { begins_ = true; }
-  void snapshot(std::int64_t, FillBricks&) override {}
+  void snapshot(std::int64_t, FillBricks&) override {
+    read_s_ = std::max(read_s_, watch_.seconds() - last_s_);
+    last_s_ = watch_.seconds();
+  }
   void removed(const RemovedFrames&) override {}
 
   /// Of the fastest batch: the first may have to wait for kernels that are compiled.
@@ -41,9 +45,13 @@ class BatchTimes : public FrameSink {
     return best;
   }
   [[nodiscard]] std::int64_t frames() const { return frames_; }
+  /// The longest that reading the bone for a snapshot took.
+  [[nodiscard]] double read_s() const { return read_s_; }
 
  private:
   Stopwatch watch_;
+  double last_s_ = 0;
+  double read_s_ = 0;
   bool begins_ = true;
   std::int64_t frames_ = 0;
   std::vector<std::pair<double, std::int64_t>> ends_;  // when each came, and its last frame
@@ -76,6 +84,7 @@ TimePlan plan_time(ReamingScene& scene, Engine& engine, double budget_s) {
   const auto all = static_cast<std::int64_t>(poses.size()) - 1;
   const std::int64_t window = std::min(all, kWindowFrames);
   std::vector<Timed> timed;
+  double read_s = 0;
   const Stopwatch watch;
   for (int i = 0; i < kWindows && window > 0 && watch.seconds() < budget_s; ++i) {
     const std::int64_t first = (all - window) * i / (kWindows - 1);
@@ -92,12 +101,17 @@ TimePlan plan_time(ReamingScene& scene, Engine& engine, double budget_s) {
     } catch (const Interrupted&) {
       // Enough of it is timed.
     }
+    read_s = std::max(read_s, times.read_s());
     if (times.frames() == 0) continue;
     timed.push_back(
         {static_cast<double>(first) + 0.5 * static_cast<double>(times.frames()), times.seconds_per_frame()});
     plan.timed_frames += times.frames();
   }
-  if (!timed.empty()) plan.simulate_s = seconds_of(timed, static_cast<double>(all));
+  if (!timed.empty()) {
+    // A snapshot is read, and then written to disk, which takes about as long again.
+    const auto snapshots = static_cast<double>(picture_frames(asked.render, all).size());
+    plan.simulate_s = seconds_of(timed, static_cast<double>(all)) + 2 * snapshots * read_s;
+  }
   plan.windows = static_cast<int>(timed.size());
   scene.motion.poses = poses;
   scene.scenario = asked;

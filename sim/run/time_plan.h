@@ -8,7 +8,7 @@ namespace reamsim {
 
 /// How long the frames of a run will take, extrapolated from some of them.
 struct TimePlan {
-  double simulate_s = 0;          ///< all frames, pictures and writing apart
+  double simulate_s = 0;          ///< all frames and their snapshots, pictures and results apart
   std::int64_t timed_frames = 0;  ///< of which windows were timed
   int windows = 0;
 };

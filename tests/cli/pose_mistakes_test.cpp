@@ -136,7 +136,7 @@ TEST_F(PoseMistakes, MemoryStaysPlannedWhateverThePose) {
     const double taken_mb = number_after(read("out/summary.json"), "\"peak_process\": ");
     RecordProperty(std::string("foretold_mb ") + entry, std::to_string(foretold_mb));
     RecordProperty(std::string("taken_mb ") + entry, std::to_string(taken_mb));
-    EXPECT_LT(taken_mb, foretold_mb * 1.5) << entry;
+    EXPECT_LT(taken_mb, foretold_mb) << entry;
     EXPECT_GT(taken_mb, foretold_mb / 2) << entry;
   }
 }

@@ -57,6 +57,23 @@ TEST_F(StoredFrame, ImportOfAScenarioWritesFrameAndSide) {
   EXPECT_THAT(checked.out, AllOf(HasSubstr("# glenoid frame from the VDB"), HasSubstr("  side: left\n")));
 }
 
+TEST_F(StoredFrame, WhatSegmentationDidIsSaidAndShown) {
+  const std::string yaml = with(kScan, "enabled: false", "{width_px: 64, height_px: 64, cameras: [glenoid]}");
+  const ProgramResult done = run(with(yaml, "render:\n  {", "render: {"));
+  expect_done(done);
+  EXPECT_THAT(done.out,
+              HasSubstr("segmentation: threshold 200 HU, 1 pieces, kept the largest (number 1 by size); 1000 mm3"));
+  const std::string summary = read("out/summary.json");
+  EXPECT_EQ(number_after(summary, "\"pieces\": "), 1);
+  EXPECT_EQ(number_after(summary, "\"below_threshold_fraction\": "), 0);
+  EXPECT_THAT(summary, HasSubstr("\"kept\": \"largest\""));
+  EXPECT_TRUE(exists("out/segmentation.png"));
+  EXPECT_THAT(read("out/report.html"), AllOf(HasSubstr("outline of the segmented bone"), HasSubstr("Segmented bone")));
+  expect_done(run(with(yaml, "render:\n  {", "render: {"), {"--overwrite"}));
+  write("v.yaml", vdb_scenario("out/reamed.vdb"));
+  EXPECT_THAT(call({"check", "v.yaml"}).out, ::testing::Not(HasSubstr("segmentation:"))) << "a VDB has none";
+}
+
 TEST_F(StoredFrame, ImportRefusesAFrameThatContradictsTheBone) {
   write("s.yaml", with(kScan, "normal: [1, 0, 0]", "normal: [-1, 0, 0]"));
   expect_refused(call({"import", "s.yaml", "-o", "bone.vdb"}), 2, {"s.yaml:7:", "points into the bone"});
