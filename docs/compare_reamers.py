@@ -56,10 +56,11 @@ def contact_areas(curve):
     """(depth, area of the face in contact across the axis), mm and mm²."""
     last = curve[-1][0] - WINDOW_MM
     depths = [0.05 * i for i in range(1, int(last / 0.05))]
-    return [
-        (d, (volume_at(curve, d + WINDOW_MM) - volume_at(curve, max(d - WINDOW_MM, 0))) / (d + WINDOW_MM - max(d - WINDOW_MM, 0)))
-        for d in depths
-    ]
+    out = []
+    for depth in depths:
+        low, high = max(depth - WINDOW_MM, 0), depth + WINDOW_MM
+        out.append((depth, (volume_at(curve, high) - volume_at(curve, low)) / (high - low)))
+    return out
 
 
 def depth_of_contact(curve, fraction):
@@ -87,22 +88,26 @@ def to_end_points(program, voxel_mm):
     curves = {}
     for face in FACES:
         for reamer in REAMERS:
-            curve, summary, _ = run(program, face, reamer, {"bone.voxel_mm": voxel_mm, "motion.plunge.depth_mm": DEEP_MM})
+            settings = {"bone.voxel_mm": voxel_mm, "motion.plunge.depth_mm": DEEP_MM}
+            curve, summary, _ = run(program, face, reamer, settings)
             curves[face, reamer] = curve
             # Travel from the entry point to first contact.
             entry[face, reamer] = DEEP_MM - summary["max_depth_mm"]
     rules = [("3 mm beyond first contact", lambda c: 3.0)]
-    rules += [(f"{percent} % of the largest contact", lambda c, p=percent: depth_of_contact(c, p / 100)) for percent in (80, 95)]
+    for percent in (80, 95):
+        rules.append((f"{percent} % of the largest contact", lambda c, p=percent: depth_of_contact(c, p / 100)))
     print("| end point | face | reamer | depth, mm | removed, mm³ | reamed face, true area, mm² |")
     print("|---|---|---|---|---|---|")
     for name, rule in rules:
         for face in FACES:
             for reamer in REAMERS:
                 depth = rule(curves[face, reamer])
-                plunge = entry[face, reamer] + depth
-                _, summary, columns = run(program, face, reamer, {"bone.voxel_mm": voxel_mm, "motion.plunge.depth_mm": f"{plunge:.4f}"})
+                plunge = f"{entry[face, reamer] + depth:.4f}"
+                settings = {"bone.voxel_mm": voxel_mm, "motion.plunge.depth_mm": plunge}
+                _, summary, columns = run(program, face, reamer, settings)
                 area = true_area_mm2(columns, reamer, voxel_mm)
-                print(f"| {name} | {face} | {reamer} | {depth:.2f} | {summary['removed_mm3']:.0f} | {area:.0f} |", flush=True)
+                figures = f"{depth:.2f} | {summary['removed_mm3']:.0f} | {area:.0f}"
+                print(f"| {name} | {face} | {reamer} | {figures} |", flush=True)
 
 
 def to_corrections(program, voxel_mm):
