@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <numbers>
 
 #include "sim/metrics/statistics.h"
@@ -67,7 +68,13 @@ FaceOrientation measure_orientation(const JointLine& line, const ReamedFace& fac
   const auto& known = axes.scapula ? axes.scapula : axes.glenoid;
   const auto native = angles_of(line.native, known, "there is neither a scapular nor a glenoid frame");
   const auto reamed = angles_of(line.reamed, known, "");
-  if (native.value && reamed.value) {
+  const double fraction = line.reamed_fraction.value.value_or(0);
+  if (native.value && reamed.value && fraction < kLeastReamedFraction) {
+    char text[120];
+    std::snprintf(text, sizeof text, "only %.0f %% of the face was reamed: the rest looks where it did",
+                  100 * fraction);
+    out.corrected.reason = text;
+  } else if (native.value && reamed.value) {
     out.corrected.value = *native.value - *reamed.value;
     out.turned_deg = angle_deg(line.native.value->direction, line.reamed.value->direction);
   } else {

@@ -35,13 +35,16 @@ struct PlaneOrientation {
   double turned_deg = 0;             ///< the angle between the planes
 };
 
+/// With less of it reamed a face has not been turned.
+inline constexpr double kLeastReamedFraction = 0.5;
+
 /// Which way the face looks, by the axes of JointLine.
 struct FaceOrientation {
   Measured<FaceAngles> native;  ///< in the scapular frame; likewise:
   Measured<FaceAngles> reamed;
   std::optional<FaceAngles> reamer;  ///< of the reamer's axis
   /// Native less reamed: positive where retroversion or superior tilt became less. In the glenoid frame where there is
-  /// no scapular frame.
+  /// no scapular frame. Nothing where less than kLeastReamedFraction of the face was reamed.
   Measured<FaceAngles> corrected;
   std::optional<double> turned_deg;  ///< the angle between both axes
   std::optional<PlaneOrientation> planes;

@@ -236,6 +236,7 @@ TEST(JointLine, WithoutLandmarksOnlyTheChangeIsKnown) {
 /// Only the reamer's edge meets the face: what it leaves is too little to tell an axis from, or tells the right one.
 TEST(JointLine, AFaceThatIsHardlyReamedSaysNothingWrong) {
   int measured = 0;
+  int half_reamed = 0;
   for (const double beside_mm : {6.0, 12.0, 17.0, 20.0}) {
     Glenoid phantom(glenoid("none", "left", 5, 6, 0.5));
     const FaceAngles aim{-12, 6};
@@ -252,9 +253,16 @@ TEST(JointLine, AFaceThatIsHardlyReamedSaysNothingWrong) {
     }
     const Measured<double>& medial = found.joint_line->medialization_mm;
     EXPECT_TRUE(beside_mm < 15 || !medial.value);
+    const Measured<FaceAngles>& corrected = found.orientation->corrected;
+    if (found.orientation->reamed.value && *found.joint_line->reamed_fraction.value < 0.5) {
+      EXPECT_FALSE(corrected.value);
+      EXPECT_THAT(corrected.reason, HasSubstr("% of the face was reamed"));
+      ++half_reamed;
+    }
     EXPECT_NE(medial.value.has_value(), !medial.reason.empty());
   }
   EXPECT_GT(measured, 0);
+  EXPECT_GT(half_reamed, 0);
 }
 
 /// A plate 3 mm thick with a glenoid's frame, and a face 30 mm wide on top.
