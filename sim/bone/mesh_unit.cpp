@@ -25,6 +25,7 @@ constexpr LengthRange kBoneWithGlenoid{20, 400};
 constexpr LengthRange kAnySolid{10, 400};
 /// Superior to inferior, of an adult; what a scale is estimated from where no unit fits.
 constexpr double kScapula_mm = 150;
+constexpr LengthRange kScapulas{100, 220};
 
 struct LengthUnit {
   const char* name;
@@ -50,18 +51,30 @@ std::vector<LengthUnit> units_that_fit(double file_length, const LengthRange& ra
   return out;
 }
 
+/// The scales that would fit, the likeliest first: a unit's, unless none gives about a scapula.
+std::string scale_advice(double file_length) {
+  std::vector<std::string> scales;
+  const std::vector<LengthUnit> units = units_that_fit(file_length, kBoneWithGlenoid);
+  for (const LengthUnit& unit : units) {
+    scales.push_back(print("%g if the file is in %s (%.0f mm)", unit.mm, unit.name, unit.mm * file_length));
+  }
+  const std::string estimate = print("about %.2g for a scapula of %.0f mm", kScapula_mm / file_length, kScapula_mm);
+  const bool unit_is_likely = !units.empty() && kScapulas.contains(units.front().mm * file_length);
+  scales.insert(unit_is_likely ? scales.end() : scales.begin(), estimate);
+  std::string out = "set bone.mesh.scale: ";
+  for (std::size_t n = 0; n < scales.size(); ++n) {
+    out += (n == 0 ? "" : n + 1 < scales.size() ? ", " : " or ") + scales[n];
+  }
+  return out;
+}
+
 }  // namespace
 
 void check_mesh_unit(const std::string& path, const Aabb& bounds_mm, double scale, bool has_glenoid, Report& report) {
   const double length_mm = (bounds_mm.max - bounds_mm.min).maxCoeff();
   if ((has_glenoid ? kBoneWithGlenoid : kAnySolid).contains(length_mm)) return;
-  std::string advice = "set bone.mesh.scale: ";
-  for (const LengthUnit& unit : units_that_fit(length_mm / scale, kBoneWithGlenoid)) {
-    advice += print("%g if the file is in %s (%.0f mm), ", unit.mm, unit.name, unit.mm * length_mm / scale);
-  }
-  if (advice.ends_with(", ")) advice += "or ";
-  advice += print("about %.2g for a scapula of %.0f mm", kScapula_mm * scale / length_mm, kScapula_mm);
   const std::string found = print("the mesh is %.3g mm long", length_mm);
+  const std::string advice = scale_advice(length_mm / scale);
   if (!has_glenoid) return report.warn(path + ": " + found + "; if that is not so, " + advice);
   throw InputError({path, 0, 0}, "bone.mesh.scale",
                    found + print(", and a bone with a glenoid is %.0f to %.0f mm", kBoneWithGlenoid.least_mm,

@@ -205,7 +205,7 @@ TEST_F(MeshBone, UnitThatMakesABoneWithAGlenoidTooSmallOrLargeIsRefused) {
         Case{6.02, "set bone.mesh.scale: 25.4 if the file is in inches (153 mm)"},
         Case{153000, "set bone.mesh.scale: 0.001 if the file is in micrometres (153 mm)"},
         Case{401, "set bone.mesh.scale: about 0.37 for a scapula of 150 mm"},
-        Case{2.78, "or about 54 for a scapula of 150 mm"}}) {
+        Case{2.78, "set bone.mesh.scale: about 54 for a scapula of 150 mm, 25.4 if the file is in inches"}}) {
     BoneSettings settings = settings_for(box_mesh({0, 0, 0}, {length / 3, length / 4, length}), 0.5);
     settings.side = "left";
     settings.glenoid.center_mm = Vec3(0, 0, 0);
@@ -224,8 +224,8 @@ TEST_F(MeshBone, UnitIsCheckedAfterTheScale) {
   settings.mesh.scale = 5;
   EXPECT_THAT(
       input_error([&] { voxmap_from_mesh(settings, report_); }),
-      HasSubstr("the mesh is 13.9 mm long, and a bone with a glenoid is 20 to 400 mm; set bone.mesh.scale: 25.4 "
-                "if the file is in inches (71 mm), 10 if the file is in centimetres (28 mm), or about 54"));
+      HasSubstr("the mesh is 13.9 mm long, and a bone with a glenoid is 20 to 400 mm; set bone.mesh.scale: about 54 "
+                "for a scapula of 150 mm, 25.4 if the file is in inches (71 mm) or 10 if the file is in centimetres"));
 }
 
 TEST_F(MeshBone, WithoutAGlenoidASmallMeshIsOnlyWarnedOf) {
@@ -243,7 +243,7 @@ TEST_F(MeshBone, RealScapulaInItsOwnUnitIsRefusedWithTheScale) {
   }
   settings.glenoid.center_mm = Vec3(0, 0, 0);
   const std::string text = input_error([&] { voxmap_from_mesh(settings, report_); });
-  const std::string key = "or about ";
+  const std::string key = "scale: about ";
   ASSERT_THAT(text, HasSubstr(key));
   EXPECT_NEAR(std::stod(text.substr(text.find(key) + key.size())), 55, 0.08 * 55) << text;
 }
