@@ -218,6 +218,51 @@ TEST_F(Dicom, SlicesInOnePlace) {
               AllOf(HasSubstr("phase_2.dcm"), HasSubstr("lies in the same place as"), HasSubstr("slice010.dcm")));
 }
 
+/// An element of a DICOM file, explicit VR, little endian.
+std::string element(unsigned group, unsigned number, const std::string& vr, std::string value) {
+  const auto put = [](std::size_t n, int bytes) {
+    std::string out;
+    for (int b = 0; b < bytes; ++b) out.push_back(static_cast<char>(n >> (8 * b) & 255));
+    return out;
+  };
+  if (value.size() % 2 != 0) value.push_back(vr == "UI" ? '\0' : ' ');
+  const bool long_length = vr == "OB" || vr == "OW";
+  return put(group, 2) + put(number, 2) + vr + (long_length ? put(0, 2) + put(value.size(), 4) : put(value.size(), 2)) +
+         value;
+}
+
+/// An enhanced CT of `frames` frames of 4×4 pixels in one file.
+std::string enhanced_ct(int frames) {
+  const std::string explicit_little = "1.2.840.10008.1.2.1";
+  const std::string storage = "1.2.840.10008.5.1.4.1.1.2.1";
+  const auto us = [](int n) { return std::string{static_cast<char>(n), '\0'}; };
+  const std::string meta =
+      element(2, 2, "UI", storage) + element(2, 3, "UI", "1.2.3.9") + element(2, 0x10, "UI", explicit_little);
+  std::string out = std::string(128, '\0') + "DICM" +
+                    element(2, 0, "UL", std::string{static_cast<char>(meta.size()), '\0', '\0', '\0'}) + meta;
+  out += element(8, 0x16, "UI", storage) + element(8, 0x18, "UI", "1.2.3.9") + element(8, 0x60, "CS", "CT");
+  out += element(0x20, 0xd, "UI", "1.2.3") + element(0x20, 0xe, "UI", "1.2.3.4");
+  out += element(0x28, 2, "US", us(1)) + element(0x28, 4, "CS", "MONOCHROME2") +
+         element(0x28, 8, "IS", std::to_string(frames)) + element(0x28, 0x10, "US", us(4)) +
+         element(0x28, 0x11, "US", us(4)) + element(0x28, 0x100, "US", us(16)) + element(0x28, 0x101, "US", us(16)) +
+         element(0x28, 0x102, "US", us(15)) + element(0x28, 0x103, "US", us(1));
+  return out + element(0x7fe0, 0x10, "OW", std::string(static_cast<std::size_t>(frames) * 32, '\1'));
+}
+
+TEST_F(Dicom, AnEnhancedMultiFrameFileIsRefused) {
+  fs::create_directory(folder_.file("cd"));
+  write("cd/IM0001", enhanced_ct(30));
+  const auto refusal = AllOf(HasSubstr("IM0001"), HasSubstr("a multi-frame DICOM file"),
+                             HasSubstr("convert it to NRRD or NIfTI (3D Slicer, dcm2niix), or export single slices"));
+  EXPECT_THAT(error_of("cd"), refusal);
+  EXPECT_THAT(error_of("cd/IM0001"), refusal);
+  // It is not passed over for a smaller series without a word.
+  write_dicom(egg_, folder_.file("cd/slices"), -1, {.series = "1.2.8"});
+  EXPECT_THAT(error_of("cd"), refusal);
+  series_ = "1.2.8";
+  expect_egg("cd");
+}
+
 TEST_F(Dicom, ASingleFileIsNoVolume) {
   write_dicom(egg_, folder_.file("cd"));
   EXPECT_THAT(error_of("cd/slice010.dcm"), HasSubstr("a single DICOM slice; give the folder that holds the series"));
