@@ -8,7 +8,8 @@ namespace reamsim {
 
 /// Reads an STL, OBJ or PLY file through assimp, multiplies by `scale` (file units to mm) and joins vertices at
 /// equal positions, so that the triangles of an STL share them.
-/// Throws InputError: no such file, a VTK file (with how to convert it), unreadable or truncated, no triangle, NaN or infinite coordinate.
+/// Throws InputError: no such file, a VTK file (with how to convert it), unreadable or truncated, no triangle, NaN or
+/// infinite coordinate.
 TriangleMesh read_mesh(const std::string& path, double scale);
 
 /// Writes a binary STL (mm). Throws RunError when the file cannot be written.
