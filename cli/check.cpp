@@ -62,7 +62,8 @@ void note_time(ReamingScene& scene, double load_s, MistakeList& mistakes, Report
     std::unique_ptr<Engine> engine;
     if (!mistakes.attempt([&] { engine = load_engine(scene); })) return;
     load_s += watch.seconds();
-    const TimePlan plan = plan_time(scene, *engine, kTiming_s);
+    TimePlan plan;
+    if (!mistakes.attempt([&] { plan = plan_time(scene, *engine, kTiming_s); })) return;
     std::snprintf(text, sizeof text, "time: about %.2g s to simulate (%lld frames in %d windows timed on %s)",
                   plan.simulate_s, static_cast<long long>(plan.timed_frames), plan.windows, engine->device().c_str());
     report.note(text);

@@ -73,48 +73,54 @@ double seconds_of(const std::vector<Timed>& timed, double frames) {
   return sum;
 }
 
+/// Runs the frames that the scene has now, as many as `most_s` allows.
+BatchTimes time_window(ReamingScene& scene, Engine& engine, double most_s) {
+  BatchTimes times;
+  Report unheard;
+  RunControl control;
+  const Stopwatch watch;
+  control.progress = [&](std::int64_t, std::int64_t) { times.end_batch(); };
+  control.stop = [&] { return watch.seconds() > most_s; };
+  try {
+    simulate(scene, engine, times, control, unheard);
+  } catch (const Interrupted&) {
+    // Enough of it is timed.
+  }
+  return times;
+}
+
 }  // namespace
 
 TimePlan plan_time(ReamingScene& scene, Engine& engine, double budget_s) {
-  TimePlan plan;
   const std::vector<ToolPose> poses = std::move(scene.motion.poses);
   const Scenario asked = scene.scenario;
   scene.scenario.render.every_frames = std::numeric_limits<int>::max();  // no snapshots on the way
   if (asked.engine.device == "serial") scene.scenario.engine.batch_frames = kSerialBatch;
   const auto all = static_cast<std::int64_t>(poses.size()) - 1;
   const std::int64_t window = std::min(all, kWindowFrames);
+  const auto first_of = [&](int i) { return (all - window) * i / (kWindows - 1); };
+  TimePlan plan;
   std::vector<Timed> timed;
   double read_s = 0;
   const Stopwatch watch;
   for (int i = 0; i < kWindows && window > 0 && watch.seconds() < budget_s; ++i) {
-    const std::int64_t first = (all - window) * i / (kWindows - 1);
-    if (i > 0 && first == (all - window) * (i - 1) / (kWindows - 1)) continue;  // a run shorter than the windows
+    const std::int64_t first = first_of(i);
+    if (i > 0 && first == first_of(i - 1)) continue;  // a run shorter than the windows
     scene.motion.poses.assign(poses.begin() + first, poses.begin() + first + window + 1);
-    BatchTimes times;
-    Report unheard;
-    RunControl control;
-    const Stopwatch of_window;
-    control.progress = [&](std::int64_t, std::int64_t) { times.end_batch(); };
-    control.stop = [&] { return of_window.seconds() > budget_s / kWindows; };
-    try {
-      simulate(scene, engine, times, control, unheard);
-    } catch (const Interrupted&) {
-      // Enough of it is timed.
-    }
+    const BatchTimes times = time_window(scene, engine, budget_s / kWindows);
     read_s = std::max(read_s, times.read_s());
-    if (times.frames() == 0) continue;
-    timed.push_back(
-        {static_cast<double>(first) + 0.5 * static_cast<double>(times.frames()), times.seconds_per_frame()});
+    const auto frames = static_cast<double>(times.frames());
+    if (frames == 0) continue;
+    timed.push_back({static_cast<double>(first) + 0.5 * frames, times.seconds_per_frame()});
     plan.timed_frames += times.frames();
-  }
-  if (!timed.empty()) {
-    // A snapshot is read, and then written to disk, which takes about as long again.
-    const auto snapshots = static_cast<double>(picture_frames(asked.render, all).size());
-    plan.simulate_s = seconds_of(timed, static_cast<double>(all)) + 2 * snapshots * read_s;
   }
   plan.windows = static_cast<int>(timed.size());
   scene.motion.poses = poses;
   scene.scenario = asked;
+  if (timed.empty()) return plan;
+  // A snapshot is read, and then written to disk, which takes about as long again.
+  const auto snapshots = static_cast<double>(picture_frames(asked.render, all).size());
+  plan.simulate_s = seconds_of(timed, static_cast<double>(all)) + 2 * snapshots * read_s;
   return plan;
 }
 

@@ -177,6 +177,27 @@ TEST_F(PoseMistakes, AMeshHasNoSidesOfItsOwn) {
   EXPECT_EQ(check(yaml).err, "");
 }
 
+TEST_F(PoseMistakes, OnARealShoulder) {
+  const char* given = std::getenv("REAMSIM_DATA");
+  const std::string data = given != nullptr ? given : REAMSIM_ROOT "/../shared/data";
+  if (!std::filesystem::exists(data + "/shoulder_ct/shoulder_left.nrrd")) {
+    GTEST_SKIP() << "no real data in " << data << "; set REAMSIM_DATA to the folder that holds it";
+  }
+  const auto said = [&](const std::string& set) {
+    std::vector<std::string> arguments{"check", REAMSIM_ROOT "/trajectories/ct_shoulder.yaml",
+                                       "--set", "bone.voxel_mm=0.8",
+                                       "--set", "render.enabled=false"};
+    if (!set.empty()) arguments.insert(arguments.end(), {"--set", set});
+    return reamsim(
+        {.arguments = arguments, .environment = {{"REAMSIM_DATA", data}}, .folder = "", .interrupt_when = {}});
+  };
+  EXPECT_EQ(said("").err, "") << "as it is, there is nothing to be said";
+  EXPECT_THAT(said("bone.side=right").err, AllOf(HasSubstr("points to the patient's left"), HasSubstr("x = 0.61")));
+  EXPECT_THAT(said("bone.glenoid.superior=[0.54, -0.24, -0.81]").err, HasSubstr("superior direction points down"));
+  expect_refused(said("bone.glenoid.normal=[-0.611, 0.548, -0.572]"), 2, {"bone.glenoid.normal", "into the bone"});
+  expect_refused(said("bone.glenoid.center_mm=[139.1, 165, -429.2]"), 2, {"bone.glenoid.center_mm", "mm outside"});
+}
+
 TEST_F(PoseMistakes, FindingsComeBeforeTheScenario) {
   const ProgramResult result = check(with(cube_scenario(kRight), "plunge: {", "plunge: {spin_rpm: 0, "));
   EXPECT_EQ(result.status, 0) << result.err;
