@@ -143,8 +143,11 @@ std::string text_at(const Json& summary, const char* key, const std::string& pat
   return escape_html(summary.at(key).get<std::string>());
 }
 
-std::string row_html(const std::string& head, const std::string& cell) {
-  return "<tr><th scope=\"row\">" + head + "</th><td>" + cell + "</td></tr>\n";
+/// A text that is longer than a number wraps.
+std::string row_html(const std::string& head, const std::string& cell, const char* unit = "") {
+  constexpr std::size_t kLongestNumber = 24;  // bytes
+  const char* const kind = cell.size() > kLongestNumber ? "<td class=\"words\">" : "<td>";
+  return "<tr><th scope=\"row\">" + head + "</th>" + kind + cell + unit_html(unit) + "</td></tr>\n";
 }
 
 /// 12345.6 → 12 345.6, with thin spaces.
@@ -250,7 +253,7 @@ std::string summary_tables_html(const Json& summary, const std::string& path) {
     std::string rows;
     for (const Line& line : table.lines) {
       const std::string value = value_text(summary, line, path);
-      if (!value.empty()) rows += row_html(line.label, value + unit_html(line.unit));
+      if (!value.empty()) rows += row_html(line.label, value, line.unit);
     }
     if (rows.empty()) continue;
     out += std::string("<table>\n<caption>") + table.title + "</caption>\n<tbody>\n" + rows + "</tbody>\n</table>\n";

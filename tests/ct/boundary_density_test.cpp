@@ -61,7 +61,8 @@ double voxel_mean(const Block& block, const Vec3& center) {
 
 class BoundaryDensity : public ::testing::Test {
  protected:
-  Voxmap import(const Block& block, double voxel_mm) {
+  /// `by_label`: segmented by a label map, 1 in the voxels of which at least half is bone.
+  Voxmap import(const Block& block, double voxel_mm, bool by_label = false) {
     TestImage image;
     image.spacing_mm = block.spacing_mm;
     const double half = block.extent_mm / 2;
@@ -77,6 +78,14 @@ class BoundaryDensity : public ::testing::Test {
     BoneSettings settings = settings_for(folder_.file("block.nrrd"), voxel_mm);
     settings.ct.threshold_hu = block.threshold_hu;
     settings.surface_voxels = "partial";
+    if (by_label) {
+      Block mask = block;
+      mask.hu = [](double) { return 1.0; };
+      mask.outside_hu = 0;
+      image.sample([&](const Vec3& p) { return voxel_mean(mask, p) >= 0.5 ? 1 : 0; });
+      write_image<std::uint8_t>(image, folder_.file("label.nrrd"));
+      settings.ct.label_map = LabelMapSettings{.path = folder_.file("label.nrrd"), .label = {"1"}};
+    }
     report_ = {};
     return voxmap_from_ct(settings, report_);
   }
@@ -152,6 +161,21 @@ TEST_F(BoundaryDensity, HoldsOnVoxelsThatAreNoCubes) {
     EXPECT_NEAR(error(block, 0.25, 1), 0, 0.02) << offset_mm;
     block.tilt_deg = 50;
     EXPECT_NEAR(error(block, 0.25, 1), 0, 0.02) << offset_mm << ", tilted";
+  }
+}
+
+TEST_F(BoundaryDensity, HoldsWithALabelMapToo) {
+  for (const double outside_hu : {-1000.0, 60.0}) {
+    for (const double offset_mm : {0.0, 0.31, 0.74}) {
+      Block block;
+      block.outside_hu = outside_hu;
+      block.offset_mm = offset_mm;
+      block.tilt_deg = 20;
+      for (const double voxel_mm : {1.0, 0.25}) {
+        EXPECT_NEAR(energy_error(block, import(block, voxel_mm, true), 1), 0, 0.02)
+            << "outside " << outside_hu << " HU, offset " << offset_mm << ", voxels " << voxel_mm << " mm";
+      }
+    }
   }
 }
 

@@ -56,7 +56,7 @@ TEST_P(DetectorAgreement, Wear) {
 }
 
 TEST_P(ShellAgreement, PerPointLaw) {
-  for (const int group : {0, 1, 7, 200, 1024}) {
+  for (const int group : {0, 1, 7, 200, 256}) {
     SCOPED_TRACE("work group " + std::to_string(group));
     const Outcome outcome = agreed([&](ReamingScene& s) {
       s.scenario.cutting.law = "per_point";
