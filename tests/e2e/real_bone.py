@@ -36,8 +36,8 @@ def main():
     tenth = (last - first) // 10
     assert mean_force(first, first + tenth) < 0.6 * mean_force(first + 4 * tenth, first + 6 * tenth), "force should rise"
 
-    # Energy per volume says how dense the bone is that goes: most in the layer under the face (in a CT partial volume
-    # thins the face itself), less deeper, in trabecular bone.
+    # Energy per volume says how dense the bone is that goes: most in the subchondral plate,
+    # less deeper, in trabecular bone.
     def specific_energy(begin, end):
         return sum(r["energy_mj"] for r in rows[begin:end]) / sum(r["removed_mm3"] for r in rows[begin:end])
 

@@ -1,0 +1,40 @@
+"""ct_voxel_size.py REAMSIM SCENARIO DATA: force and energy on a real CT do not depend on the voxel size. Exits with 77
+(skipped) without the data."""
+
+import json
+import os
+import pathlib
+import subprocess
+import sys
+import tempfile
+
+
+def run(program, scenario, data, out, voxel_mm):
+    sets = [f"--set=bone.voxel_mm={voxel_mm}", "--set=motion.plunge.depth_mm=2.2", "--set=motion.frame_rate_hz=250",
+            "--set=render.enabled=false", "--set=output.meshes=false", "--set=output.vti=false"]
+    subprocess.run([program, "run", scenario, "-o", str(out), "--quiet", *sets], check=True,
+                   env={**os.environ, "REAMSIM_DATA": data})
+    return json.loads((out / "summary.json").read_text())
+
+
+def main():
+    program, scenario, default_data = sys.argv[1:4]
+    data = os.environ.get("REAMSIM_DATA", default_data)
+    if not pathlib.Path(data).is_dir():
+        print(f"skipped: no real data in {data}; set REAMSIM_DATA to the folder that holds it")
+        sys.exit(77)
+    with tempfile.TemporaryDirectory() as folder:
+        coarse, fine = (run(program, scenario, data, pathlib.Path(folder) / str(v), v) for v in (0.4, 0.2))
+
+    def difference(value):
+        return value(fine) / value(coarse) - 1
+
+    bars = {"mean thrust": (lambda s: s["forces"]["mean_axial_force_n"], 0.03),
+            "peak thrust": (lambda s: s["forces"]["peak_axial_force_n"], 0.01),
+            "energy per removed volume": (lambda s: s["energy_mj"] / s["removed_mm3"], 0.005)}
+    for name, (value, bar) in bars.items():
+        print(f"{name}: {value(coarse):.3f} at 0.4 mm, {value(fine):.3f} at 0.2 mm, {100 * difference(value):+.2f} %")
+        assert abs(difference(value)) < bar, f"{name} depends on the voxel size"
+
+
+main()
