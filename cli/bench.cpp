@@ -115,9 +115,11 @@ void add_bench_command(CLI::App& app, Console& console) {
   auto* command = app.add_subcommand("bench", "Measure every engine on this machine, the paper's tables beside it");
   auto options = std::make_shared<BenchOptions>();
   command->add_flag("--quick", options->quick, "Under a minute: severe contact and none, direct and bricked");
-  command->add_option("--json", options->json, "Write what was measured as JSON")->type_name("FILE");
-  command->add_option("-o,--output", options->output,
-                      "Folder for bench.png, bench.svg and bench.gp; out/bench without");
+  command->add_option("--json", options->json, "Write what was measured as JSON")
+      ->check(refuse_empty)
+      ->type_name("FILE");
+  command->add_option("-o,--output", options->output, "Folder for bench.png, bench.svg and bench.gp; out/bench without")
+      ->check(refuse_empty);
   command->add_flag("--overwrite", options->overwrite, "Replace an existing figure and JSON file");
   command->add_option("--device", options->device, "auto, or part of an OpenCL device's name")->type_name("NAME");
   command->add_option("--engines", options->engines, "Some of bricked, direct, octree, implicit; all without")

@@ -22,4 +22,9 @@ void add_bench_command(CLI::App& app, Console& console);
 void add_verify_command(CLI::App& app, Console& console);
 void add_devices_command(CLI::App& app, Console& console);
 
+/// For CLI11's check(): refuses the name "".
+inline std::string refuse_empty(const std::string& name) {
+  return name.empty() ? "found an empty name; expected a file or folder" : "";
+}
+
 }  // namespace reamsim

@@ -135,7 +135,8 @@ void add_compare_command(CLI::App& app, Console& console) {
   auto options = std::make_shared<CompareOptions>();
   command->add_option("DIR", options->dirs, "Output folders of finished runs; differences are from the first")
       ->required();
-  command->add_option("-o,--output", options->output, "Folder for the figure and the tables; out/compare without");
+  command->add_option("-o,--output", options->output, "Folder for the figure and the tables; out/compare without")
+      ->check(refuse_empty);
   command->add_flag("--overwrite", options->overwrite, "Replace an existing comparison once this one succeeds");
   command->add_flag("--quiet", console.quiet, "Say nothing but warnings and errors");
   command->callback([options, &console] { compare_command(*options, console); });

@@ -91,7 +91,7 @@ void add_import_command(CLI::App& app, Console& console) {
       ->add_option("INPUT", options->input,
                    "DICOM folder, NRRD, NIfTI or MetaImage; STL, OBJ or PLY; or a scenario, whose bone is taken")
       ->required();
-  command->add_option("-o,--output", options->output, "VDB file to write")->required();
+  command->add_option("-o,--output", options->output, "VDB file to write")->required()->check(refuse_empty);
   command
       ->add_option("--set", options->overrides,
                    "A key of the bone section, e.g. bone.voxel_mm=0.5 or bone.ct.threshold_hu=250; may be repeated")

@@ -168,7 +168,8 @@ void add_run_command(CLI::App& app, Console& console) {
   auto* command = app.add_subcommand("run", "Run a scenario to pictures, force plots and a VDB");
   auto options = std::make_shared<RunOptions>();
   options->scenario.add_to(*command);
-  command->add_option("-o,--output", options->output, "Output folder; out/NAME of the scenario without it");
+  command->add_option("-o,--output", options->output, "Output folder; out/NAME of the scenario without it")
+      ->check(refuse_empty);
   command->add_flag("--overwrite", options->overwrite, "Replace an existing results folder once the run succeeds");
   command->add_flag("--quiet", console.quiet, "Say nothing but warnings and errors");
   command->add_flag("--verbose", console.verbose, "Say what each stage did");

@@ -59,8 +59,10 @@ void add_verify_command(CLI::App& app, Console& console) {
       app.add_subcommand("verify", "Hold this build, on this machine, against closed forms; a report to cite");
   auto options = std::make_shared<VerifyOptions>();
   command->add_flag("--quick", options->quick, "Under two minutes: coarser voxels, fewer runs");
-  command->add_option("-o,--output", options->output,
-                      "Folder for verification.md, .json, .png and .svg; out/verify without");
+  command
+      ->add_option("-o,--output", options->output,
+                   "Folder for verification.md, .json, .png and .svg; out/verify without")
+      ->check(refuse_empty);
   command->add_flag("--overwrite", options->overwrite, "Replace an existing report once this one is complete");
   command->add_option("--device", options->device, "auto, serial, or part of an OpenCL device's name")
       ->type_name("NAME");

@@ -71,7 +71,7 @@ bool is_mount_point(const std::string& dir) {
 
 void require_no_link(const std::string& dir) {
   if (!fs::is_symlink(dir)) return;
-  refuse(dir, "is a link that leads nowhere", "remove it, or choose another folder with -o");
+  refuse(dir, "is a link", "remove it, or choose another folder with -o");
 }
 
 /// Throws InputError unless `dir` holds nothing but what a command of this kind writes. `must_be_marked`: and is a

@@ -136,6 +136,16 @@ TEST_F(Overwrite, ADanglingLinkIsRefusedBeforeAnyWork) {
   expect_kept(".", {"run", "s.yaml", "-o", "link", "--overwrite"}, {"link", "is a link"});
 }
 
+TEST_F(Overwrite, AnEmptyNameIsRefused) {
+  write("s.yaml", kSmall);
+  for (const std::vector<std::string>& command :
+       {std::vector<std::string>{"run", "s.yaml"}, {"verify", "--quick"}, {"bench", "--quick"}, {"import", "s.yaml"}}) {
+    std::vector<std::string> arguments = command;
+    arguments.insert(arguments.end(), {"-o", ""});
+    expect_kept(".", arguments, {"empty"});
+  }
+}
+
 TEST_F(Overwrite, AnOlderFolderBesideItDoesNotMatter) {
   expect_done(run(kSmall));
   fs::create_directory(path("out.old"));

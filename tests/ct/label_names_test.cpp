@@ -36,6 +36,16 @@ TEST(LabelNames, OfSlicersLayers) {
   EXPECT_EQ(segments[1].name, "Segment_2") << "the ID where there is no name";
 }
 
+TEST(LabelNames, ALayerOrAValueThatIsNoWholeNumberIsNoOtherOne) {
+  const std::vector<std::pair<std::string, std::string>> damaged{
+      {"Segment0_Layer", "-1"}, {"Segment0_Layer", "1.5"}, {"Segment0_Layer", "x"}, {"Segment0_LabelValue", "abc"}};
+  for (const auto& [key, text] : damaged) {
+    const auto segments = segments_of_nrrd({{"Segment0_Name", "a"}, {key, text}}, 2);
+    ASSERT_EQ(segments.size(), 1U);
+    EXPECT_GE(segments[0].label.layer, 2) << key << " " << text << ": no layer of the map";
+  }
+}
+
 TEST(LabelNames, OlderFilesHaveALayerPerSegment) {
   const auto segments = segments_of_nrrd({{"Segment0_Name", "a"}, {"Segment1_Name", "b"}}, 2);
   ASSERT_EQ(segments.size(), 2U);

@@ -34,12 +34,16 @@ std::string printable(std::string text) {
   return text;
 }
 
-double number_or(const std::map<std::string, std::string>& metadata, const std::string& key, double fallback) {
+/// Stands for what is no whole number: no map has that many layers, so a segment with it is refused as damaged.
+constexpr int kNoWholeNumber = 1'000'000;
+
+/// A whole number of the metadata; `otherwise` where there is none, kNoWholeNumber where it is something else.
+int whole_number_or(const std::map<std::string, std::string>& metadata, const std::string& key, int otherwise) {
   const auto found = metadata.find(key);
-  if (found == metadata.end()) return fallback;
-  char* rest = nullptr;
-  const double number = std::strtod(found->second.c_str(), &rest);
-  return rest == found->second.c_str() ? fallback : number;
+  if (found == metadata.end()) return otherwise;
+  const std::string text = found->second.substr(0, found->second.find_last_not_of(" \t\r") + 1);
+  if (!is_whole_number(text)) return kNoWholeNumber;
+  return static_cast<int>(std::min(std::strtod(text.c_str(), nullptr), double{kNoWholeNumber}));
 }
 
 std::string names_of(const std::vector<NamedSegment>& segments) {
@@ -126,10 +130,9 @@ std::vector<NamedSegment> segments_of_nrrd(const std::map<std::string, std::stri
     auto name = metadata.find(prefix + "Name");
     if (name == metadata.end()) name = id;
     if (name == metadata.end()) break;
-    const bool has_layer = metadata.contains(prefix + "Layer");
-    const double layer = has_layer ? number_or(metadata, prefix + "Layer", 0) : (layers > 1 ? n : 0);
-    out.push_back(
-        {name->second, {static_cast<int>(std::clamp(layer, 0.0, 1e6)), number_or(metadata, prefix + "LabelValue", 1)}});
+    const int layer = whole_number_or(metadata, prefix + "Layer", layers > 1 ? n : 0);
+    const int value = whole_number_or(metadata, prefix + "LabelValue", 1);
+    out.push_back({name->second, {value == kNoWholeNumber ? kNoWholeNumber : layer, static_cast<double>(value)}});
   }
   return out;
 }
