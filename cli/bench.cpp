@@ -5,7 +5,7 @@
 #include <memory>
 
 #include "cli/commands.h"
-#include "render/bench_plot.h"
+#include "render/plots/bench_plot.h"
 #include "sim/base/error.h"
 #include "sim/bench/paper.h"
 #include "sim/bench/suite.h"

@@ -1,4 +1,5 @@
-#include "render/compare.h"
+#include "render/plots/compare.h"
+#include "render/plots/plots.h"
 
 #include <CLI/CLI.hpp>
 #include <algorithm>

@@ -1,6 +1,7 @@
 #include "cli/drawing.h"
 
-#include "render/results.h"
+#include "render/pictures/results.h"
+#include "sim/scenario/picture_frames.h"
 
 namespace reamsim {
 

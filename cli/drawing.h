@@ -4,8 +4,8 @@
 #include <string>
 
 #include "render/photographer.h"
-#include "render/planned_run.h"
-#include "render/snapshot_feed.h"
+#include "render/pictures/planned_run.h"
+#include "render/pictures/snapshot_feed.h"
 #include "sim/run/simulation.h"
 
 namespace reamsim {

@@ -2,8 +2,9 @@
 
 #include <future>
 
-#include "render/meshes.h"
-#include "render/plots.h"
+#include "render/pictures/depth_picture.h"
+#include "render/pictures/meshes.h"
+#include "render/plots/plots.h"
 #include "sim/base/error.h"
 
 namespace reamsim {

@@ -1,8 +1,9 @@
 #pragma once
 
 #include "cli/console.h"
-#include "render/finished_run.h"
 #include "render/photographer.h"
+#include "render/pictures/finished_run.h"
+#include "render/plots/plots.h"
 #include "render/render.h"
 
 namespace reamsim {

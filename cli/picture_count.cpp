@@ -1,6 +1,6 @@
 #include "cli/picture_count.h"
 
-#include "render/picture_frames.h"
+#include "sim/scenario/picture_frames.h"
 
 namespace reamsim {
 

@@ -7,9 +7,10 @@
 
 #include "cli/commands.h"
 #include "cli/outputs.h"
-#include "render/camera.h"
+#include "render/gl/camera.h"
+#include "render/pictures/results.h"
+#include "render/plots/plots.h"
 #include "render/report/report.h"
-#include "render/results.h"
 #include "sim/base/error.h"
 #include "sim/scenario/parse.h"
 

@@ -6,12 +6,14 @@
 #include "cli/drawing.h"
 #include "cli/outputs.h"
 #include "cli/scenario_options.h"
+#include "render/pictures/segmentation_picture.h"
+#include "render/plots/plots.h"
 #include "render/report/report.h"
-#include "render/segmentation_picture.h"
 #include "sim/base/error.h"
+#include "sim/predict/contact_forecast.h"
 #include "sim/record/output_folder.h"
-#include "sim/run/contact_forecast.h"
-#include "sim/run/results.h"
+#include "sim/record/summary.h"
+#include "sim/run/measure.h"
 #include "sim/scenario/parse.h"
 
 namespace reamsim {

@@ -2,7 +2,7 @@
 #include <memory>
 
 #include "cli/commands.h"
-#include "render/verify_report.h"
+#include "render/report/verify_report.h"
 #include "sim/base/error.h"
 #include "sim/device/opencl.h"
 #include "sim/record/output_folder.h"

@@ -18,7 +18,7 @@ typedef struct {
   int count;
   ushort place[RS_BRICK_VOXELS + 16];
   int fill[RS_BRICK_VOXELS + 16];
-  float energy[RS_BRICK_VOXELS + 16]; /* of the whole voxel, mJ */
+  float energy[RS_BRICK_VOXELS + 16];      /* of the whole voxel, mJ */
   EdgeList near[RS_BRICK_VOXELS / 16 + 1]; /* of each sixteen: the pieces that can be nearest */
   bool smooth[RS_BRICK_VOXELS / 16 + 1];   /* one piece alone, far from its ends */
 } Candidates;
@@ -36,7 +36,7 @@ RS_INLINE float16 offset_z(const int16 place) {
 /* Of sixteen voxels: the part of the brick's list from the first to the last piece that can be nearest to any of them
  * while the tool moves by `shift` mm, and whether they lie far from that piece's ends if it is one. */
 RS_INLINE void look_near(__global const SubstepArgs* a, const OutlineView* outline, const Visit* v, const int16 place,
-               const float shift, EdgeList* near, bool* smooth) {
+                         const float shift, EdgeList* near, bool* smooth) {
   const EdgeList list = v->list;
   float16 p[3];
   rs_voxel_in_tool(a, v->corner, offset_x(place), offset_y(place), offset_z(place), p);
@@ -59,8 +59,8 @@ RS_INLINE void look_near(__global const SubstepArgs* a, const OutlineView* outli
 #ifdef RS_DISTANCE_GRID
 
 /* How much further than it can matter a voxel's centre lies from the teeth, voxels, while the tool moves by `shift`. */
-RS_INLINE float16 beyond_reach(__global const SubstepArgs* a, const OutlineView* outline, const Visit* v, const float16 x,
-                     const float16 y, const float16 z, const float shift) {
+RS_INLINE float16 beyond_reach(__global const SubstepArgs* a, const OutlineView* outline, const Visit* v,
+                               const float16 x, const float16 y, const float16 z, const float shift) {
   const float slack = RS_CLIP_REACH + RS_GRID_STEEPEST * shift + POSITION_SLACK * a->per_voxel_mm;
   return rs_clip_grid_distance(a, &v->teeth, v->corner, x, y, z) * a->per_voxel_mm - slack;
 }
@@ -70,7 +70,8 @@ RS_INLINE float16 beyond_reach(__global const SubstepArgs* a, const OutlineView*
 /* Half the width of a voxel along the surface's normal, voxels, and what more it can be while the tool moves by `shift`
  * voxels: the normal turns with the surface's curvature, and with the tool. Next to an edge of the outline it jumps. */
 RS_INLINE float16 half_width(__global const SubstepArgs* a, const OutlineView* outline, const EdgeList list,
-                   const NearestPiece* nearest, const float16 px, const float16 py, const float16 r, const float shift) {
+                             const NearestPiece* nearest, const float16 px, const float16 py, const float16 r,
+                             const float shift) {
   const float widest = RS_CLIP_REACH;
   __global const OutlinePiece* piece = outline->pieces + outline->numbers[list.first];
   if (list.count > 1 || piece->before >= 0 || piece->after >= 0) return (float16)widest;
@@ -82,9 +83,10 @@ RS_INLINE float16 half_width(__global const SubstepArgs* a, const OutlineView* o
   return fmin(width + (turn * (1.0f / 24.0f) + 0.02f) + shift * (2.0f * turn + 0.1f), widest);
 }
 
-/* How much further than it can matter a voxel's centre lies from the surface, voxels, while the tool moves by `shift`. */
-RS_INLINE float16 beyond_reach(__global const SubstepArgs* a, const OutlineView* outline, const Visit* v, const float16 x,
-                     const float16 y, const float16 z, const float shift) {
+/* How much further than it can matter a voxel's centre lies from the surface, voxels, while the tool moves by `shift`.
+ */
+RS_INLINE float16 beyond_reach(__global const SubstepArgs* a, const OutlineView* outline, const Visit* v,
+                               const float16 x, const float16 y, const float16 z, const float shift) {
   float16 p[3];
   rs_voxel_in_tool(a, v->corner, x, y, z, p);
   const float16 r = sqrt(p[0] * p[0] + p[1] * p[1]);
@@ -97,8 +99,7 @@ RS_INLINE float16 beyond_reach(__global const SubstepArgs* a, const OutlineView*
 
 /* A bit for every lane that holds. */
 RS_INLINE uint bits_of(const int16 holds) {
-  const int16 bit =
-      holds & (int16)(1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 1024, 2048, 4096, 8192, 16384, 32768);
+  const int16 bit = holds & (int16)(1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 1024, 2048, 4096, 8192, 16384, 32768);
   const int8 eight = bit.lo | bit.hi;
   const int4 four = eight.lo | eight.hi;
   const int2 two = four.lo | four.hi;
@@ -106,12 +107,13 @@ RS_INLINE uint bits_of(const int16 holds) {
 }
 
 /* Voxels that the surface can meet while the tool moves by `shift` voxels; what lies inside it goes in any case. */
-RS_INLINE void find_candidates(__global const SubstepArgs* a, const OutlineView* outline, const Visit* v, const float shift,
-                     __global const ushort* page, __global const float* energy_of_grade, Candidates* c) {
+RS_INLINE void find_candidates(__global const SubstepArgs* a, const OutlineView* outline, const Visit* v,
+                               const float shift, __global const ushort* page, __global const float* energy_of_grade,
+                               Candidates* c) {
   const int16 lane = (int16)(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
   c->count = 0;
-  /* Eight blocks of 4x4x4 voxels first, by the envelope, which holds the teeth; then in those that are near, layers of 16
-   * voxels. */
+  /* Eight blocks of 4x4x4 voxels first, by the envelope, which holds the teeth; then in those that are near, layers of
+   * 16 voxels. */
   const float16 middle = rs_clip_distance(a, outline, v->list, v->corner, convert_float16((lane & 1) << 2) + 1.5f,
                                           convert_float16((lane & 2) << 1) + 1.5f, convert_float16(lane & 4) + 1.5f);
   const float near = RS_CLIP_REACH + 2.6f + 0.1f + shift + ENVELOPE_SLACK(v) * a->per_voxel_mm;

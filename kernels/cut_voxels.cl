@@ -5,7 +5,7 @@
 #endif
 #pragma OPENCL EXTENSION cl_khr_int64_base_atomics : enable
 
-/* How the detector keeps a voxel (VoxelLayout of sim/collide/dense_plan.h). By default an 8-bit grade, 0 = air or gone,
+/* How the detector keeps a voxel (VoxelLayout of sim/engine/dense/dense_plan.h). By default an 8-bit grade, 0 = air or gone,
  * and a claim bit; REAMSIM_FLAGGED_HU: a float HU, from which the grade comes back exactly, and a collision flag of a
  * byte; REAMSIM_BARE_GRADE: an 8-bit grade and no claim. A voxel stands in the list once, so a flag's byte is written
  * by one work-item; bits share their word. */

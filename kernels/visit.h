@@ -11,14 +11,13 @@
 #endif
 
 #ifdef RS_DISTANCE_GRID
-#define TEETH_PARAMETERS                                                              \
-  , __global const DistanceLattice *teeth_lattice, __global const uint *teeth_slots, \
-      __global const float *teeth_samples
+#define TEETH_PARAMETERS \
+  , __global const DistanceLattice *teeth_lattice, __global const uint *teeth_slots, __global const float *teeth_samples
 #define TEETH_MEMBER DistanceView teeth;
-#define TAKE_TEETH(visit)                                                           \
-  {                                                                                 \
-    const DistanceView teeth = {teeth_lattice, teeth_slots, teeth_samples};         \
-    (visit).teeth = teeth;                                                          \
+#define TAKE_TEETH(visit)                                                   \
+  {                                                                         \
+    const DistanceView teeth = {teeth_lattice, teeth_slots, teeth_samples}; \
+    (visit).teeth = teeth;                                                  \
   }
 #define ENVELOPE_SLACK(visit) (visit)->teeth.lattice->slack_mm
 /* The force goes by the envelope's normal. */
@@ -69,7 +68,7 @@ RS_INLINE void begin_window(__global const SubstepArgs* a, const OutlineView* ou
 
 /* The brick's page of fill, a new one of whole voxels where it had none. */
 RS_INLINE __global ushort* page_of(const uint slot, __global int* page_of_slot, __global uint* slot_of_page,
-                         __global ushort* pages, __global VisitCounts* counts) {
+                                   __global ushort* pages, __global VisitCounts* counts) {
   int page = page_of_slot[slot];
   if (page < 0) {
     page = (int)atomic_inc(&counts->pages);

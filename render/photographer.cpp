@@ -5,10 +5,10 @@
 #include <thread>
 #include <utility>
 
-#include "render/photo_queue.h"
 #include "render/picture_list.h"
-#include "render/studio.h"
-#include "sim/bone/lattice.h"
+#include "render/pictures/photo_queue.h"
+#include "render/pictures/studio.h"
+#include "sim/bone/voxmap/lattice.h"
 
 namespace reamsim {
 namespace {

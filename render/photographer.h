@@ -4,10 +4,10 @@
 #include <optional>
 #include <string>
 
-#include "render/photo_queue.h"
-#include "render/planned_run.h"
+#include "render/pictures/photo_queue.h"
+#include "render/pictures/planned_run.h"
+#include "render/pictures/snapshot_feed.h"
 #include "render/render.h"
-#include "render/snapshot_feed.h"
 
 namespace reamsim {
 

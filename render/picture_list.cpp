@@ -1,9 +1,9 @@
 #include "render/picture_list.h"
 
-#include "render/before_after.h"
-#include "render/contact_sheet.h"
-#include "render/film.h"
-#include "render/picture_frames.h"
+#include "render/film/film.h"
+#include "render/pictures/before_after.h"
+#include "render/pictures/contact_sheet.h"
+#include "sim/scenario/picture_frames.h"
 
 namespace reamsim {
 

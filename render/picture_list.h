@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "render/pictures/run_view.h"
 #include "render/render.h"
-#include "render/run_view.h"
 
 namespace reamsim {
 

@@ -1,12 +1,12 @@
 #include "render/report/bone_data.h"
 
-#include "render/color_map.h"
+#include "render/pictures/results.h"
+#include "render/pictures/run_view.h"
 #include "render/report/markup.h"
 #include "render/report/mesh_data.h"
 #include "render/report/volume_data.h"
-#include "render/results.h"
-#include "render/run_view.h"
-#include "render/unreamed_surface.h"
+#include "render/surface/color_map.h"
+#include "render/surface/unreamed_surface.h"
 
 namespace reamsim {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "render/finished_run.h"
+#include "render/pictures/finished_run.h"
 #include "sim/scenario/scenario.h"
 
 namespace reamsim {

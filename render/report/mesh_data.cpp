@@ -6,7 +6,7 @@
 #include <array>
 #include <cmath>
 
-#include "sim/bone/density.h"
+#include "sim/bone/voxmap/density.h"
 
 namespace reamsim {
 namespace {

@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <vector>
 
-#include "render/bone_surface.h"
+#include "render/surface/bone_surface.h"
 
 namespace reamsim {
 

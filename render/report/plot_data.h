@@ -2,7 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "render/force_log.h"
+#include "sim/record/force_log.h"
 
 namespace reamsim {
 

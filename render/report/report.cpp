@@ -7,12 +7,12 @@
 #include <map>
 #include <vector>
 
+#include "render/pictures/results.h"
 #include "render/report/bone_data.h"
 #include "render/report/markup.h"
 #include "render/report/picture_data.h"
 #include "render/report/plot_data.h"
 #include "render/report/summary_text.h"
-#include "render/results.h"
 #include "sim/base/error.h"
 
 namespace reamsim {

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "render/finished_run.h"
+#include "render/pictures/finished_run.h"
 #include "sim/scenario/scenario.h"
 
 namespace reamsim {

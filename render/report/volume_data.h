@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "sim/bone/voxmap.h"
+#include "sim/bone/voxmap/voxmap.h"
 
 namespace reamsim {
 

@@ -5,9 +5,9 @@
 #include <string>
 
 #include "sim/bench/scene.h"
-#include "sim/collide/broad_phase.h"
 #include "sim/device/opencl.h"
-#include "sim/run/engine.h"
+#include "sim/engine/common/broad_phase.h"
+#include "sim/engine/common/engine.h"
 
 namespace reamsim::bench {
 

@@ -3,6 +3,7 @@
 #include "sim/base/stopwatch.h"
 #include "sim/bench/contender.h"
 #include "sim/bench/poses.h"
+#include "sim/engine/make_engine.h"
 
 namespace reamsim::bench {
 

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "sim/bone/voxmap.h"
-#include "sim/collide/substep.h"
+#include "sim/bone/voxmap/voxmap.h"
+#include "sim/engine/common/substep.h"
 #include "sim/tool/tool.h"
 
 namespace reamsim::bench {

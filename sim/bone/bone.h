@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "sim/base/report.h"
-#include "sim/bone/segmentation.h"
-#include "sim/bone/voxmap.h"
+#include "sim/bone/ct/segmentation.h"
+#include "sim/bone/voxmap/voxmap.h"
 #include "sim/scenario/scenario.h"
 
 namespace reamsim {

@@ -4,9 +4,9 @@
 
 #include "sim/base/error.h"
 #include "sim/bone/bone.h"
-#include "sim/bone/bone_vdb.h"
 #include "sim/bone/ct/ct_import.h"
-#include "sim/bone/lattice.h"
+#include "sim/bone/vdb/bone_vdb.h"
+#include "sim/bone/voxmap/lattice.h"
 
 namespace reamsim {
 

@@ -5,9 +5,9 @@
 #include <numbers>
 
 #include "sim/base/error.h"
-#include "sim/bone/lattice.h"
 #include "sim/bone/sample_phantom.h"
-#include "sim/bone/surface_share.h"
+#include "sim/bone/voxmap/lattice.h"
+#include "sim/bone/voxmap/surface_share.h"
 
 namespace reamsim {
 

@@ -7,10 +7,10 @@
 #include "sim/base/error.h"
 #include "sim/bone/glenoid_shape.h"
 #include "sim/bone/implicit.h"
-#include "sim/bone/lattice.h"
 #include "sim/bone/sample_phantom.h"
-#include "sim/bone/surface_share.h"
 #include "sim/bone/value_noise.h"
+#include "sim/bone/voxmap/lattice.h"
+#include "sim/bone/voxmap/surface_share.h"
 
 namespace reamsim {
 

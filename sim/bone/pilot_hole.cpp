@@ -2,7 +2,7 @@
 
 #include "sim/base/error.h"
 #include "sim/bone/bone.h"
-#include "sim/bone/surface_share.h"
+#include "sim/bone/voxmap/surface_share.h"
 
 namespace reamsim {
 

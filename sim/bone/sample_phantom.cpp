@@ -2,8 +2,8 @@
 
 #include <numbers>
 
-#include "sim/bone/sample_bricks.h"
-#include "sim/bone/surface_voxels.h"
+#include "sim/bone/voxmap/sample_bricks.h"
+#include "sim/bone/voxmap/surface_voxels.h"
 
 namespace reamsim {
 

@@ -2,7 +2,7 @@
 
 #include <functional>
 
-#include "sim/bone/voxmap.h"
+#include "sim/bone/voxmap/voxmap.h"
 #include "sim/scenario/scenario.h"
 
 namespace reamsim {

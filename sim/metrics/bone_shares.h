@@ -3,7 +3,7 @@
 #include <array>
 #include <cstdint>
 
-#include "sim/bone/voxmap.h"
+#include "sim/bone/voxmap/voxmap.h"
 
 namespace reamsim {
 

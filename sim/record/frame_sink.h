@@ -2,8 +2,8 @@
 
 #include <cstdint>
 
-#include "sim/bone/bone_vdb.h"
-#include "sim/bone/fill_bricks.h"
+#include "sim/bone/vdb/bone_vdb.h"
+#include "sim/bone/voxmap/fill_bricks.h"
 #include "sim/record/results.h"
 
 namespace reamsim {

@@ -8,8 +8,8 @@
 #include <filesystem>
 
 #include "sim/base/error.h"
-#include "sim/bone/vdb_archive.h"
-#include "sim/bone/vdb_grid.h"
+#include "sim/bone/vdb/vdb_archive.h"
+#include "sim/bone/vdb/vdb_grid.h"
 
 namespace reamsim {
 

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "sim/bone/fill_bricks.h"
-#include "sim/bone/voxmap.h"
+#include "sim/bone/voxmap/fill_bricks.h"
+#include "sim/bone/voxmap/voxmap.h"
 
 namespace reamsim {
 

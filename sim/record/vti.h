@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "sim/bone/voxmap.h"
+#include "sim/bone/voxmap/voxmap.h"
 
 namespace reamsim {
 

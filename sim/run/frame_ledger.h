@@ -3,7 +3,7 @@
 #include <optional>
 #include <vector>
 
-#include "sim/collide/substep.h"
+#include "sim/engine/common/substep.h"
 #include "sim/record/results.h"
 
 namespace reamsim {

@@ -6,11 +6,10 @@
 
 #include "sim/base/error.h"
 #include "sim/base/stopwatch.h"
-#include "sim/bone/frame_check.h"
-#include "sim/bone/lattice.h"
-#include "sim/collide/broad_phase.h"
+#include "sim/engine/common/broad_phase.h"
+#include "sim/engine/make_engine.h"
 #include "sim/run/frame_ledger.h"
-#include "sim/tool/clipped_tool.h"
+#include "sim/scenario/picture_frames.h"
 #include "sim/tool/outline.h"
 
 namespace reamsim {
@@ -42,12 +41,6 @@ Aabb cutting_box(const ReamingScene& scene) {
 bool turns_with_spin(const ReamingScene& scene) {
   if (scene.scenario.cutting.erosion == "exact") return scene.tool.teeth.has_value();
   return scene.scenario.tool.spin == "resolved";
-}
-
-/// Where voxels are clipped, or tested against the surface, no point of the shell looks for them.
-ShellUse shell_use(const Scenario& scenario) {
-  const bool by_surface = scenario.cutting.erosion == "exact" || scenario.engine.detector == "implicit";
-  return by_surface ? ShellUse::extent : ShellUse::touches_voxels;
 }
 
 /// One run of the main loop: the engine's batch, the frames that wait for it, and the energy account.
@@ -204,66 +197,6 @@ class Run {
 
 }  // namespace
 
-namespace {
-
-void load_tool_of(ReamingScene& scene, double voxel_mm, Report& report) {
-  const Scenario& scenario = scene.scenario;
-  scene.tool = load_tool(scenario.tool, voxel_mm, shell_use(scenario), report);
-  if (scenario.cutting.erosion != "exact") return;
-  constexpr double kGridMemoryShare = 0.25;  // bone, engine and results need the rest
-  ready_for_clipping(scene.tool, scenario.tool, voxel_mm, kGridMemoryShare * machine_memory_bytes(), report);
-}
-
-/// What the rules cannot know of a VDB before it is read.
-void check_camera_frames(const ReamingScene& scene) {
-  const auto& cameras = scene.scenario.render.user_cameras;
-  for (std::size_t i = 0; i < cameras.size() && !scene.bone.glenoid; ++i) {
-    if (cameras[i].frame != "glenoid") continue;
-    throw InputError({}, "render.user_cameras." + std::to_string(i) + ".frame",
-                     "found glenoid, and the bone has no glenoid frame", "expected bone, or a frame in bone.glenoid");
-  }
-}
-
-}  // namespace
-
-ReamingScene load_scene(const Scenario& scenario, Report& report, MistakeList& frame_mistakes) {
-  ReamingScene scene;
-  scene.scenario = scenario;
-  MistakeList mistakes;
-  // Each part is loaded whatever became of the others, so that all their mistakes come to light.
-  const bool bone = mistakes.attempt([&] {
-    scene.bone = load_bone(with_surface_voxels(scenario.bone, scenario.cutting), report);
-    scene.scenario.bone.side = scene.bone.side;
-  });
-  const double voxel_mm = bone ? scene.bone.voxmap.grid.voxel_mm : scenario.bone.voxel_mm;
-  mistakes.attempt([&] { load_tool_of(scene, voxel_mm, report); });
-  if (bone || scenario.motion.frame != "glenoid") {
-    mistakes.attempt([&] { scene.motion = build_motion(scenario.motion, scene.bone.glenoid, report); });
-  }
-  if (bone) mistakes.attempt([&] { check_camera_frames(scene); });
-  MistakeList frame;
-  if (bone) check_glenoid_frame(scene.bone, scenario.bone, frame, report);
-  const auto located = [&](const MistakeList& found, MistakeList& to) {
-    try {
-      found.throw_if_any();
-    } catch (const InputError& error) {
-      to.add(scenario.keys.located(error));
-    }
-  };
-  MistakeList all;
-  located(mistakes, all);
-  located(frame, all.empty() ? frame_mistakes : all);
-  all.throw_if_any();
-  return scene;
-}
-
-ReamingScene load_scene(const Scenario& scenario, Report& report) {
-  MistakeList mistakes;
-  ReamingScene scene = load_scene(scenario, report, mistakes);
-  mistakes.throw_if_any();
-  return scene;
-}
-
 std::unique_ptr<Engine> load_engine(const ReamingScene& scene) {
   try {
     return make_engine(scene.scenario, scene.bone.voxmap, scene.tool);
@@ -274,18 +207,6 @@ std::unique_ptr<Engine> load_engine(const ReamingScene& scene) {
 
 void simulate(ReamingScene& scene, Engine& engine, FrameSink& sink, const RunControl& control, Report& report) {
   Run(scene, engine, sink, report).frames(control);
-}
-
-std::vector<std::int64_t> picture_frames(const RenderSettings& settings, std::int64_t last) {
-  constexpr std::int64_t kPictures = 10;
-  constexpr std::int64_t kFilmPictures = 150;
-  const std::int64_t pictures = settings.enabled && settings.film != "none" ? kFilmPictures : kPictures;
-  const std::int64_t spread = std::max<std::int64_t>(1, (last + pictures - 1) / pictures);
-  const std::int64_t interval = settings.every_frames > 0 ? settings.every_frames : spread;
-  std::vector<std::int64_t> out;
-  for (std::int64_t frame = 0; frame < last; frame += interval) out.push_back(frame);
-  out.push_back(last);
-  return out;
 }
 
 RunCost estimate_cost(const ReamingScene& scene) {

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "sim/verify/findings.h"
+#include "sim/record/verification.h"
 
 namespace reamsim::verify {
 

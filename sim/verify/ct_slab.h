@@ -3,7 +3,7 @@
 #include <functional>
 #include <vector>
 
-#include "sim/bone/voxmap.h"
+#include "sim/bone/voxmap/voxmap.h"
 #include "sim/verify/forms.h"
 
 namespace reamsim::verify {

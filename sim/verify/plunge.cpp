@@ -4,7 +4,7 @@
 #include <cstdio>
 #include <numbers>
 
-#include "sim/bone/surface_share.h"
+#include "sim/bone/voxmap/surface_share.h"
 
 namespace reamsim::verify {
 

@@ -3,6 +3,7 @@
 #include <functional>
 #include <span>
 
+#include "sim/engine/make_engine.h"
 #include "sim/verify/scene.h"
 
 namespace reamsim::verify {

@@ -4,6 +4,7 @@
 #include "sim/base/error.h"
 #include "sim/bench/poses.h"
 #include "sim/bench/published.h"
+#include "sim/engine/make_engine.h"
 
 namespace reamsim::bench {
 namespace {

@@ -10,8 +10,8 @@
 
 #include "sim/base/error.h"
 #include "sim/bench/poses.h"
-#include "sim/collide/broad_phase.h"
-#include "sim/run/engine.h"
+#include "sim/engine/common/broad_phase.h"
+#include "sim/engine/make_engine.h"
 
 namespace reamsim {
 

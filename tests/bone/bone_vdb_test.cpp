@@ -1,4 +1,4 @@
-#include "sim/bone/bone_vdb.h"
+#include "sim/bone/vdb/bone_vdb.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -10,7 +10,7 @@
 #include <random>
 
 #include "bone_fixture.h"
-#include "sim/bone/vdb_grid.h"
+#include "sim/bone/vdb/vdb_grid.h"
 #include "tests/support/temp_dir.h"
 
 namespace reamsim::test {

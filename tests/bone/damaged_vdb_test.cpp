@@ -5,7 +5,7 @@
 #include <random>
 
 #include "bone_fixture.h"
-#include "sim/bone/bone_vdb.h"
+#include "sim/bone/vdb/bone_vdb.h"
 #include "tests/support/temp_dir.h"
 
 namespace reamsim::test {

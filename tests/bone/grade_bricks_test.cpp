@@ -1,12 +1,12 @@
-#include "sim/bone/grade_bricks.h"
+#include "sim/bone/voxmap/grade_bricks.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <random>
 
-#include "sim/bone/sample_bricks.h"
-#include "sim/bone/voxel_grid.h"
+#include "sim/bone/voxmap/sample_bricks.h"
+#include "sim/bone/voxmap/voxel_grid.h"
 
 namespace reamsim::test {
 namespace {

@@ -1,4 +1,4 @@
-#include "sim/bone/lattice.h"
+#include "sim/bone/voxmap/lattice.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "bone_fixture.h"
-#include "sim/bone/bone_vdb.h"
+#include "sim/bone/vdb/bone_vdb.h"
 #include "tests/support/temp_dir.h"
 
 namespace reamsim::test {

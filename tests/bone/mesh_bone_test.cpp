@@ -7,7 +7,7 @@
 #include <numbers>
 
 #include "bone_fixture.h"
-#include "sim/bone/bone_vdb.h"
+#include "sim/bone/vdb/bone_vdb.h"
 #include "sim/mesh/mesh_io.h"
 #include "tests/support/mesh_shapes.h"
 #include "tests/support/temp_dir.h"

@@ -7,7 +7,7 @@
 #include <numbers>
 
 #include "bone_fixture.h"
-#include "sim/bone/surface_share.h"
+#include "sim/bone/voxmap/surface_share.h"
 #include "sim/mesh/mesh_io.h"
 #include "tests/support/mesh_shapes.h"
 #include "tests/support/temp_dir.h"

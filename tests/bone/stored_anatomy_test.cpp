@@ -3,8 +3,8 @@
 #include <gtest/gtest.h>
 
 #include "bone_fixture.h"
-#include "sim/bone/bone_vdb.h"
-#include "sim/bone/stored_anatomy.h"
+#include "sim/bone/vdb/bone_vdb.h"
+#include "sim/bone/vdb/stored_anatomy.h"
 #include "tests/support/temp_dir.h"
 
 namespace reamsim::test {

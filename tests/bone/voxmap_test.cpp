@@ -1,4 +1,4 @@
-#include "sim/bone/voxmap.h"
+#include "sim/bone/voxmap/voxmap.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

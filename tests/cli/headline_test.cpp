@@ -1,9 +1,9 @@
 // One force, one torque and one depth: what a run prints of them, wherever it does.
 #include <nlohmann/json.hpp>
 
-#include "render/captions.h"
-#include "render/force_log.h"
+#include "render/pictures/captions.h"
 #include "sim/base/fixed_text.h"
+#include "sim/record/force_log.h"
 #include "tests/cli/cli_fixture.h"
 
 namespace reamsim::test {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "sim/base/geometry.h"
-#include "sim/bone/voxmap.h"
+#include "sim/bone/voxmap/voxmap.h"
 #include "sim/scenario/scenario.h"
 
 namespace reamsim::test {

@@ -4,8 +4,8 @@
 #include <set>
 
 #include "sim/base/error.h"
-#include "sim/collide/bricked_state.h"
-#include "sim/run/bricked_engine.h"
+#include "sim/engine/bricked/bricked_engine.h"
+#include "sim/engine/bricked/bricked_state.h"
 #include "sim/tool/morton.h"
 #include "tests/engine/outcome.h"
 

@@ -1,4 +1,4 @@
-#include "sim/collide/broad_phase.h"
+#include "sim/engine/common/broad_phase.h"
 
 #include <gtest/gtest.h>
 

@@ -1,11 +1,12 @@
 // The published memory layouts, and what happens when they do not fit.
-#include "sim/collide/dense_plan.h"
+#include "sim/engine/dense/dense_plan.h"
+#include "sim/engine/make_engine.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "sim/base/error.h"
-#include "sim/collide/octree_detector.h"
+#include "sim/engine/dense/octree_detector.h"
 #include "tests/engine/outcome.h"
 
 namespace reamsim::test::dense_plan_tests {

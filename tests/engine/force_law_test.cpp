@@ -3,7 +3,7 @@
 #include <sstream>
 
 #include "kernels/power.h"
-#include "sim/cut/energy_table.h"
+#include "sim/engine/common/energy_table.h"
 #include "tests/engine/outcome.h"
 
 namespace reamsim::test::force_law_tests {

@@ -5,9 +5,11 @@
 #include <numbers>
 
 #include "sim/base/error.h"
-#include "sim/collide/fill_pages.h"
-#include "sim/run/contact_forecast.h"
-#include "sim/run/exact_engine.h"
+#include "sim/engine/exact/exact_engine.h"
+#include "sim/engine/exact/fill_pages.h"
+#include "sim/engine/make_engine.h"
+#include "sim/plan/exact_forecast.h"
+#include "sim/predict/contact_forecast.h"
 #include "tests/engine/outcome.h"
 
 namespace reamsim::test::forecast_tests {
@@ -53,8 +55,8 @@ TEST(Forecast, BoundsWhatIsCut) {
   EXPECT_GE(forecast.parted, taken.pages);
   // A brick's side and more counts round the tool: 1.6 mm and two voxels round a cap of 16 mm that goes 4 mm deep.
   EXPECT_LE(forecast.parted, 2.5 * static_cast<double>(taken.pages));
-  EXPECT_GE(exact_engine_bytes(scene, forecast), taken.device_bytes);
-  EXPECT_LE(exact_engine_bytes(scene, forecast), 3 * taken.device_bytes);
+  EXPECT_GE(exact_engine_bytes(scene.bone.voxmap, scene.tool, forecast), taken.device_bytes);
+  EXPECT_LE(exact_engine_bytes(scene.bone.voxmap, scene.tool, forecast), 3 * taken.device_bytes);
 }
 
 TEST(Forecast, OfOneJumpAndOfManySteps) {

@@ -5,8 +5,8 @@
 #include <iostream>
 
 #include "kernels/cut_law.h"
-#include "sim/collide/dense_state.h"
-#include "sim/collide/voxel_box.h"
+#include "sim/engine/common/voxel_box.h"
+#include "sim/engine/dense/dense_state.h"
 #include "tests/engine/outcome.h"
 
 namespace reamsim::test::implicit_tests {

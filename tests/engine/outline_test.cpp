@@ -2,7 +2,7 @@
 #include <iostream>
 
 #include "kernels/clip.h"
-#include "sim/collide/outline_table.h"
+#include "sim/engine/common/outline_table.h"
 #include "tests/engine/outcome.h"
 
 namespace reamsim::test::outline_tests {

@@ -1,4 +1,4 @@
-#include "sim/collide/substep.h"
+#include "sim/engine/common/substep.h"
 
 #include <gtest/gtest.h>
 

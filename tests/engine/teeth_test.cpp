@@ -5,6 +5,7 @@
 #include <fstream>
 #include <sstream>
 
+#include "sim/engine/make_engine.h"
 #include "sim/tool/morton.h"
 #include "tests/engine/sweep.h"
 

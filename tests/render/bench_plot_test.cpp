@@ -1,4 +1,4 @@
-#include "render/bench_plot.h"
+#include "render/plots/bench_plot.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

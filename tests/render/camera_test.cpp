@@ -1,10 +1,10 @@
-#include "render/camera.h"
+#include "render/gl/camera.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "render/scale.h"
+#include "render/pictures/scale.h"
 #include "sim/base/error.h"
 
 namespace reamsim {

@@ -1,9 +1,9 @@
-#include "render/context.h"
+#include "render/gl/context.h"
 
 #include <gtest/gtest.h>
 
-#include "render/dynamic_library.h"
-#include "render/gl_objects.h"
+#include "render/gl/dynamic_library.h"
+#include "render/gl/gl_objects.h"
 #include "sim/base/error.h"
 
 namespace reamsim {

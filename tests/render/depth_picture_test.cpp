@@ -6,9 +6,10 @@
 #include <functional>
 #include <set>
 
-#include "render/color_map.h"
-#include "render/depth_field.h"
+#include "render/pictures/depth_field.h"
+#include "render/pictures/depth_picture.h"
 #include "render/render.h"
+#include "render/surface/color_map.h"
 #include "sim/base/error.h"
 #include "tests/render/picture_file.h"
 #include "tests/render/results_fixture.h"

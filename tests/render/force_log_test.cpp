@@ -1,4 +1,4 @@
-#include "render/force_log.h"
+#include "sim/record/force_log.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "render/pixel_image.h"
+#include "render/gl/pixel_image.h"
 #include "render/render.h"
 #include "tests/render/picture_file.h"
 #include "tests/render/results_fixture.h"

@@ -11,13 +11,13 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
-#include "render/color_map.h"
-#include "render/meshes.h"
-#include "render/reamed_mesh.h"
-#include "render/scale.h"
+#include "render/pictures/meshes.h"
+#include "render/pictures/scale.h"
+#include "render/surface/color_map.h"
+#include "render/surface/reamed_mesh.h"
 #include "sim/base/error.h"
-#include "sim/bone/bone_vdb.h"
-#include "sim/bone/surface_grid.h"
+#include "sim/bone/vdb/bone_vdb.h"
+#include "sim/bone/vdb/surface_grid.h"
 #include "sim/mesh/mesh_check.h"
 #include "sim/mesh/mesh_io.h"
 #include "tests/render/results_fixture.h"

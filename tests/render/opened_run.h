@@ -2,10 +2,10 @@
 
 #include <string>
 
-#include "render/captions.h"
-#include "render/finished_run.h"
-#include "render/results.h"
-#include "render/studio.h"
+#include "render/pictures/captions.h"
+#include "render/pictures/finished_run.h"
+#include "render/pictures/results.h"
+#include "render/pictures/studio.h"
 
 namespace reamsim::test {
 

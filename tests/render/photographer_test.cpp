@@ -7,7 +7,7 @@
 #include <fstream>
 #include <thread>
 
-#include "render/finished_run.h"
+#include "render/pictures/finished_run.h"
 #include "sim/base/error.h"
 #include "tests/render/results_fixture.h"
 #include "tests/support/temp_dir.h"

@@ -6,11 +6,11 @@
 #include <filesystem>
 #include <fstream>
 
-#include "render/color_map.h"
-#include "render/finished_run.h"
-#include "render/overlay.h"
+#include "render/pictures/finished_run.h"
+#include "render/pictures/overlay.h"
+#include "render/pictures/subject.h"
 #include "render/render.h"
-#include "render/subject.h"
+#include "render/surface/color_map.h"
 #include "sim/base/error.h"
 #include "tests/render/picture_file.h"
 #include "tests/render/results_fixture.h"

@@ -7,10 +7,10 @@
 #include <filesystem>
 #include <fstream>
 
-#include "render/plots.h"
+#include "render/plots/plots.h"
 #include "render/render.h"
 #include "sim/base/error.h"
-#include "sim/bone/bone_vdb.h"
+#include "sim/bone/vdb/bone_vdb.h"
 #include "tests/render/picture_file.h"
 #include "tests/render/results_fixture.h"
 #include "tests/support/temp_dir.h"

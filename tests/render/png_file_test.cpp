@@ -3,7 +3,7 @@
 
 #include <random>
 
-#include "render/canvas.h"
+#include "render/pictures/canvas.h"
 #include "sim/base/error.h"
 #include "tests/render/picture_file.h"
 #include "tests/support/temp_dir.h"

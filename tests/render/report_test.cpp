@@ -8,8 +8,8 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "render/pixel_image.h"
-#include "render/studio.h"
+#include "render/gl/pixel_image.h"
+#include "render/pictures/studio.h"
 #include "sim/base/error.h"
 #include "tests/render/results_fixture.h"
 #include "tests/support/temp_dir.h"

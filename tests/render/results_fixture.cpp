@@ -7,7 +7,7 @@
 #include <numbers>
 #include <sstream>
 
-#include "sim/bone/bone_vdb.h"
+#include "sim/bone/vdb/bone_vdb.h"
 #include "sim/mesh/mesh_io.h"
 #include "sim/record/snapshot.h"
 

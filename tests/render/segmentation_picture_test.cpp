@@ -1,4 +1,4 @@
-#include "render/segmentation_picture.h"
+#include "render/pictures/segmentation_picture.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "render/spectrum.h"
+#include "render/plots/spectrum.h"
 
 #include <gtest/gtest.h>
 

@@ -6,10 +6,10 @@
 #include <map>
 #include <random>
 
-#include "render/bone_tiles.h"
-#include "render/surface_smoothing.h"
-#include "sim/bone/surface_share.h"
-#include "sim/bone/surface_voxels.h"
+#include "render/surface/bone_tiles.h"
+#include "render/surface/surface_smoothing.h"
+#include "sim/bone/voxmap/surface_share.h"
+#include "sim/bone/voxmap/surface_voxels.h"
 
 namespace reamsim {
 namespace {

@@ -1,5 +1,5 @@
 // Which parts of a surface are left out of a picture, against each of their triangles.
-#include "render/tile_bounds.h"
+#include "render/gl/tile_bounds.h"
 
 #include <gtest/gtest.h>
 

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "render/camera.h"
+#include "render/gl/camera.h"
 #include "sim/base/error.h"
 
 namespace reamsim {

@@ -1,4 +1,4 @@
-#include "render/verify_report.h"
+#include "render/report/verify_report.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -4,12 +4,12 @@
 #include <cmath>
 #include <filesystem>
 
-#include "render/contact_sheet.h"
-#include "render/picture_frames.h"
+#include "render/pictures/contact_sheet.h"
+#include "render/pictures/run_view.h"
 #include "render/render.h"
-#include "render/run_view.h"
 #include "sim/base/error.h"
 #include "sim/base/fixed_text.h"
+#include "sim/scenario/picture_frames.h"
 #include "tests/render/picture_file.h"
 #include "tests/render/results_fixture.h"
 #include "tests/support/temp_dir.h"

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "sim/engine/make_engine.h"
 #include "sim/verify/suite.h"
 
 namespace reamsim::verify {

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "sim/bone/ct/aligned_image.h"
-#include "sim/bone/field_cross.h"
-#include "sim/bone/voxel_grid.h"
+#include "sim/bone/voxmap/field_cross.h"
+#include "sim/bone/voxmap/voxel_grid.h"
 
 namespace reamsim::ct {
 

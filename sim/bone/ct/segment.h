@@ -6,7 +6,7 @@
 #include "sim/bone/ct/aligned_image.h"
 #include "sim/bone/ct/label_map.h"
 #include "sim/bone/ct/morphology.h"
-#include "sim/bone/segmentation.h"
+#include "sim/bone/ct/segmentation.h"
 #include "sim/scenario/scenario.h"
 
 namespace reamsim::ct {

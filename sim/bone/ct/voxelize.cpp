@@ -9,8 +9,8 @@
 #include "sim/bone/ct/resample.h"
 #include "sim/bone/ct/scan.h"
 #include "sim/bone/ct/words.h"
-#include "sim/bone/surface_share.h"
-#include "sim/bone/surface_voxels.h"
+#include "sim/bone/voxmap/surface_share.h"
+#include "sim/bone/voxmap/surface_voxels.h"
 
 namespace reamsim::ct {
 

@@ -3,7 +3,7 @@
 #include "sim/base/report.h"
 #include "sim/bone/ct/aligned_image.h"
 #include "sim/bone/ct/segment.h"
-#include "sim/bone/voxmap.h"
+#include "sim/bone/voxmap/voxmap.h"
 #include "sim/scenario/scenario.h"
 
 namespace reamsim::ct {

@@ -5,9 +5,9 @@
 #include <bit>
 
 #include "sim/base/error.h"
-#include "sim/collide/profile_table.h"
-#include "sim/collide/shell_cells.h"
-#include "sim/cut/energy_table.h"
+#include "sim/engine/bricked/shell_cells.h"
+#include "sim/engine/common/energy_table.h"
+#include "sim/engine/common/profile_table.h"
 #include "tests/bench/reference/frame.h"
 #include "tests/bench/reference/workers.h"
 

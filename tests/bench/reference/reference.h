@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "kernels/cut_law.h"
-#include "sim/bone/voxmap.h"
+#include "sim/bone/voxmap/voxmap.h"
 #include "sim/scenario/scenario.h"
 #include "sim/tool/tool.h"
 

@@ -18,8 +18,8 @@
 #include "sim/base/error.h"
 #include "sim/base/stopwatch.h"
 #include "sim/bench/poses.h"
-#include "sim/collide/broad_phase.h"
-#include "sim/run/engine.h"
+#include "sim/engine/common/broad_phase.h"
+#include "sim/engine/make_engine.h"
 #include "tests/bench/reference/reference.h"
 
 namespace reamsim::reference {

@@ -1,0 +1,53 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "render/gl/pixel_image.h"
+#include "sim/record/force_log.h"
+
+namespace reamsim {
+
+/// Axial force and spin torque against time, as they stand beside a film's pictures: the whole run pale, what has been
+/// strong, and a cursor. Axes are the run's, so nothing rescales.
+class ForcePanel {
+ public:
+  /// Draws what stays. `mean`: before the names of forces that are means. Sizes in pixels; `unit`: pixels per pixel of
+  /// a film 1080 high. `log` outlives the panel. Throws RunError.
+  ForcePanel(const ForceLog& log, const std::string& mean, int width_px, int height_px, double unit);
+
+  /// The panel at the time of a row of the log. Throws RunError.
+  [[nodiscard]] PixelImage at(const ForceRow& row) const;
+
+  /// Where the two curves are drawn: force, torque.
+  [[nodiscard]] const Box& plot(int curve) const { return curves_.at(static_cast<std::size_t>(curve)).box; }
+  /// Pixels from the panel's left edge.
+  [[nodiscard]] double x_of(double time_s) const;
+
+ private:
+  struct Curve {
+    std::string title, unit;
+    double ForceRow::*value;
+    int decimals;
+    std::uint32_t rgb;
+    Box box;
+    double min = 0, max = 1, step = 0.2;  ///< of the axis
+    std::vector<double> low{}, high{};    ///< per column of pixels: extremes of the values in it
+  };
+
+  void measure(Curve& curve) const;
+  void draw_frame(const Curve& curve);
+  void draw_time_axis();
+  /// Draws the curve up to a column.
+  void draw_curve(const class Canvas& canvas, const Curve& curve, std::size_t columns, double opacity) const;
+  [[nodiscard]] double y_of(const Curve& curve, double value) const;
+
+  const ForceLog& log_;
+  double unit_;
+  double first_s_ = 0;
+  double last_s_ = 1;
+  std::vector<Curve> curves_;
+  PixelImage background_;
+};
+
+}  // namespace reamsim

@@ -1,0 +1,233 @@
+#include "render/gl/camera.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "sim/base/error.h"
+
+namespace reamsim {
+namespace {
+
+/// The share of the picture that the subject may fill; the rest is for text, legends and the scale bar.
+constexpr double kUsableHeight = 0.84;
+constexpr double kUsableWidth = 0.60;
+/// Bone within this distance of the focus has to be in the picture: half a large glenoid and its rim.
+constexpr double kGlenoidReach_mm = 20;
+/// A user's camera stands at least so far from its target, and its up makes at least this sine with its view.
+constexpr double kLeastView_mm = 0.1;
+constexpr double kLeastSine = 0.01;
+
+/// Turns so that the viewer stands in the direction `towards_viewer`, with `up` up.
+Mat3 look(const Vec3& towards_viewer, const Vec3& up) {
+  const Vec3 z = towards_viewer.normalized();
+  const Vec3 x = up.cross(z).normalized();
+  Mat3 eye_from_bone;
+  eye_from_bone.row(0) = x.transpose();
+  eye_from_bone.row(1) = z.cross(x).transpose();
+  eye_from_bone.row(2) = z.transpose();
+  return eye_from_bone;
+}
+
+/// The direction from which an oblique view looks: anterior where it is known, else to the right of the face.
+Vec3 front_side(const Subject& subject) {
+  return subject.anterior ? *subject.anterior : Vec3(subject.superior.cross(subject.outward));
+}
+
+struct Extent {
+  Vec2 min = Vec2::Constant(std::numeric_limits<double>::max());
+  Vec2 max = Vec2::Constant(std::numeric_limits<double>::lowest());
+
+  void add(const Vec2& p) {
+    min = min.cwiseMin(p);
+    max = max.cwiseMax(p);
+  }
+};
+
+/// Chooses scale and middle so that the points to be seen fit into the usable part of the picture.
+void frame(Camera& camera, const Mat3& turn, const Subject& subject, bool whole_bone) {
+  Extent extent;
+  const auto add = [&](const Vec3& p) { extent.add((turn * (p - subject.focus_mm)).head<2>()); };
+  add(subject.focus_mm);
+  for (const Vec3& p : subject.bone_mm) {
+    if (whole_bone || (p - subject.focus_mm).norm() < kGlenoidReach_mm) add(p);
+  }
+  for (const Vec3& p : subject.head_mm) add(p);
+  const Vec2 size = (extent.max - extent.min).cwiseMax(5.0);
+  const Vec2 middle = 0.5 * (extent.min + extent.max);
+  camera.mm_per_px =
+      std::max(size.x() / (kUsableWidth * camera.width_px), size.y() / (kUsableHeight * camera.height_px));
+  camera.reach_mm = 2 * subject.reach_mm + 10;
+  camera.eye_from_bone.linear() = turn;
+  camera.eye_from_bone.translation() = -(turn * subject.focus_mm) - Vec3(middle.x(), middle.y(), 0);
+}
+
+/// The plane through the tool's axis that faces the viewer of the section best.
+Eigen::Vector4d section_plane(const Subject& subject) {
+  const Vec3 axis = subject.bone_from_tool.linear().col(2);
+  // A tool that points at the viewer leaves no choice but to look along the face.
+  const Vec3 front = front_side(subject);
+  const Vec3 wanted = std::abs(front.dot(axis)) < 0.95 ? front : subject.outward;
+  const Vec3 normal = (wanted - wanted.dot(axis) * axis).normalized();
+  Eigen::Vector4d plane;
+  plane << -normal, normal.dot(subject.bone_from_tool.translation());
+  return plane;
+}
+
+/// Depth in clip space before the division by w: slope·z + offset, z in the eye's coordinates.
+struct DepthRow {
+  double slope, offset;
+};
+
+DepthRow depth_row(const Camera& camera) {
+  if (!camera.eye_mm) return {-1 / camera.reach_mm, 0};
+  // An eye in the midst of things still needs some way to the first that it can see.
+  constexpr double kNearest = 0.002;
+  const double eye_mm = *camera.eye_mm;
+  const double near = std::max(eye_mm - camera.reach_mm, kNearest * eye_mm);
+  const double far = eye_mm + camera.reach_mm;
+  const double slope = -(far + near) / (eye_mm * (far - near));
+  return {slope, far / eye_mm - slope * (eye_mm - far)};
+}
+
+void check_size(int width_px, int height_px) {
+  if (width_px >= 1 && height_px >= 1) return;
+  throw InputError({}, "render.width_px",
+                   "a picture of " + std::to_string(width_px) + " x " + std::to_string(height_px) + " pixels",
+                   "expected at least 1 x 1");
+}
+
+/// The direction that is up for a user's camera that names none: superior, or outward for who looks along that.
+Vec3 natural_up(const Subject& subject, const Vec3& view) {
+  return std::abs(view.normalized().dot(subject.superior)) < 0.99 ? subject.superior : subject.outward;
+}
+
+double degrees(double angle) {
+  return angle * std::numbers::pi / 180;
+}
+
+}  // namespace
+
+Eigen::Matrix4d Camera::clip_from_bone() const {
+  Eigen::Matrix4d clip_from_eye = Eigen::Matrix4d::Identity();
+  clip_from_eye(0, 0) = 2 / (mm_per_px * width_px);
+  clip_from_eye(1, 1) = 2 / (mm_per_px * height_px);
+  const DepthRow depth = depth_row(*this);
+  clip_from_eye(2, 2) = depth.slope;
+  clip_from_eye(2, 3) = depth.offset;
+  if (eye_mm) clip_from_eye(3, 2) = -1 / *eye_mm;
+  return clip_from_eye * eye_from_bone.matrix();
+}
+
+double Camera::clip_lift_per_mm() const {
+  // The slope of (slope·z + offset)/w over z is this over w², with w = 1 − z/eye_mm.
+  const DepthRow depth = depth_row(*this);
+  return -(depth.slope + (eye_mm ? depth.offset / *eye_mm : 0));
+}
+
+Vec2 Camera::pixel(const Vec3& point_mm) const {
+  const Vec3 eye = eye_from_bone * point_mm;
+  const double shrink = eye_mm ? 1 - eye.z() / *eye_mm : 1;
+  return {0.5 * width_px + eye.x() / mm_per_px / shrink, 0.5 * height_px - eye.y() / mm_per_px / shrink};
+}
+
+const std::vector<std::string>& camera_names() {
+  static const std::vector<std::string> names{"glenoid", "oblique", "section", "overview"};
+  return names;
+}
+
+Camera make_camera(const std::string& name, const Subject& subject, int width_px, int height_px) {
+  check_size(width_px, height_px);
+  Camera camera;
+  camera.name = name;
+  camera.width_px = width_px;
+  camera.height_px = height_px;
+  const Vec3 front = front_side(subject);
+  if (name == "glenoid") {
+    camera.draws_tool = false;
+    frame(camera, look(subject.outward, subject.superior), subject, false);
+  } else if (name == "oblique" || name == "overview") {
+    const Vec3 towards_viewer = 0.72 * subject.outward + 0.58 * front + 0.28 * subject.superior;
+    frame(camera, look(towards_viewer, subject.superior), subject, name == "overview");
+  } else if (name == "section") {
+    camera.cut_plane = section_plane(subject);
+    const Vec3 facing = -camera.cut_plane->head<3>();
+    // A little from lateral, so that the reamed face shows behind its cut edge.
+    const Vec3 towards_viewer = std::cos(degrees(16)) * facing + std::sin(degrees(16)) * subject.outward;
+    frame(camera, look(towards_viewer, subject.superior), subject, false);
+  } else {
+    std::string known;
+    for (const std::string& other : camera_names()) known += (known.empty() ? "" : ", ") + other;
+    throw InputError({}, "render.cameras", "found '" + name + "'", "expected one of " + known);
+  }
+  return camera;
+}
+
+Camera make_user_camera(const UserCamera& wanted, const Subject& subject, int width_px, int height_px) {
+  check_size(width_px, height_px);
+  const std::string key = "render.user_cameras (" + wanted.name + ")";
+  Rigid bone_from_frame = Rigid::Identity();
+  if (wanted.frame == "glenoid") {
+    if (!subject.bone_from_glenoid) {
+      throw InputError({}, key, "frame is glenoid, and the results have no glenoid frame", "expected frame: bone");
+    }
+    bone_from_frame = *subject.bone_from_glenoid;
+  }
+  const Vec3 position_mm = bone_from_frame * wanted.position_mm;
+  const Vec3 target_mm = wanted.target_mm ? Vec3(bone_from_frame * *wanted.target_mm) : subject.focus_mm;
+  const Vec3 towards_viewer = position_mm - target_mm;
+  const Vec3 up = wanted.up ? Vec3(bone_from_frame.linear() * *wanted.up) : natural_up(subject, towards_viewer);
+  if (towards_viewer.norm() < kLeastView_mm || up.normalized().cross(towards_viewer.normalized()).norm() < kLeastSine) {
+    throw InputError({}, key, "found it in the middle of its own picture, or looking along up",
+                     "expected another position_mm, target_mm or up");
+  }
+  Camera camera;
+  camera.name = wanted.name;
+  camera.width_px = width_px;
+  camera.height_px = height_px;
+  camera.eye_from_bone.linear() = look(towards_viewer, up);
+  camera.eye_from_bone.translation() = -(camera.eye_from_bone.linear() * target_mm);
+  camera.reach_mm = subject.reach_mm + (target_mm - subject.focus_mm).norm() + 10;
+  if (wanted.projection == "perspective") {
+    camera.eye_mm = towards_viewer.norm();
+    camera.mm_per_px = 2 * *camera.eye_mm * std::tan(degrees(wanted.fov_deg) / 2) / height_px;
+  } else {
+    camera.mm_per_px = wanted.width_mm / width_px;
+  }
+  return camera;
+}
+
+Camera make_turntable_camera(const Subject& subject, double turn, int width_px, int height_px) {
+  check_size(width_px, height_px);
+  constexpr double kFromAbove_deg = 15;
+  const Vec3& up = subject.superior;
+  double radius_mm = 5;
+  double low_mm = -5;
+  double high_mm = 5;
+  for (const Vec3& p : subject.bone_mm) {
+    const Vec3 from_focus = p - subject.focus_mm;
+    if (from_focus.norm() > kGlenoidReach_mm) continue;
+    const double height_mm = from_focus.dot(up);
+    radius_mm = std::max(radius_mm, (from_focus - height_mm * up).norm());
+    low_mm = std::min(low_mm, height_mm);
+    high_mm = std::max(high_mm, height_mm);
+  }
+  const double sine = std::sin(degrees(kFromAbove_deg));
+  const double cosine = std::cos(degrees(kFromAbove_deg));
+  const double tall_mm = cosine * (high_mm - low_mm) + 2 * sine * radius_mm;
+  const double angle = 2 * std::numbers::pi * turn;
+  const Vec3 level = std::cos(angle) * subject.outward + std::sin(angle) * up.cross(subject.outward);
+  Camera camera;
+  camera.name = "turntable";
+  camera.width_px = width_px;
+  camera.height_px = height_px;
+  camera.mm_per_px = std::max(2 * radius_mm / (kUsableWidth * width_px), tall_mm / (kUsableHeight * height_px));
+  camera.reach_mm = 2 * subject.reach_mm + 10;
+  camera.eye_from_bone.linear() = look(cosine * level + sine * up, up);
+  const Vec3 middle_mm = subject.focus_mm + 0.5 * (low_mm + high_mm) * up;
+  camera.eye_from_bone.translation() = -(camera.eye_from_bone.linear() * middle_mm);
+  return camera;
+}
+
+}  // namespace reamsim

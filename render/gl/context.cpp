@@ -1,0 +1,28 @@
+#include "render/gl/context.h"
+
+#include "sim/base/error.h"
+
+namespace reamsim {
+
+std::unique_ptr<OffscreenContext> make_context(const std::string& name, std::string& fallback) {
+  fallback.clear();
+  if (name != "osmesa" && name != "egl") {
+    throw InputError({}, "render.context", "found '" + name + "'", "expected osmesa or egl");
+  }
+  const bool osmesa_first = name == "osmesa";
+  std::string first_reason;
+  try {
+    return osmesa_first ? make_osmesa_context() : make_egl_context();
+  } catch (const RunError& error) {
+    first_reason = error.what();
+  }
+  try {
+    auto other = osmesa_first ? make_egl_context() : make_osmesa_context();
+    fallback = first_reason + "; pictures are drawn with " + (osmesa_first ? "egl" : "osmesa") + " instead";
+    return other;
+  } catch (const RunError& error) {
+    throw RunError("no off-screen OpenGL context: " + first_reason + "; " + error.what());
+  }
+}
+
+}  // namespace reamsim

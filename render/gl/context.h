@@ -1,0 +1,39 @@
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "render/gl/gl.h"
+
+namespace reamsim {
+
+/// An OpenGL 4.5 core context without a window, current on the thread that made it for as long as it lives.
+/// Pictures are drawn into framebuffer objects, so the context itself has no size.
+class OffscreenContext {
+ public:
+  virtual ~OffscreenContext() = default;
+  OffscreenContext(const OffscreenContext&) = delete;
+  OffscreenContext& operator=(const OffscreenContext&) = delete;
+
+  /// The OpenGL functions of this context.
+  [[nodiscard]] const Gl& gl() const { return gl_; }
+  /// Makes this context current on the calling thread, after another one was.
+  virtual void make_current() = 0;
+
+ protected:
+  OffscreenContext() = default;
+  Gl gl_;
+};
+
+/// Mesa's software rasteriser through libOSMesa. Throws RunError: no library, no OpenGL 4.5.
+std::unique_ptr<OffscreenContext> make_osmesa_context();
+
+/// EGL on Mesa's surfaceless platform. Throws RunError: no library, no such platform, no OpenGL 4.5.
+std::unique_ptr<OffscreenContext> make_egl_context();
+
+/// The context called `name`: "osmesa" or "egl". When the machine has no such context and the other one works, that one
+/// is made, and `fallback` says so (empty otherwise); the two give the same pictures on Mesa.
+/// Throws InputError for another name, RunError (naming both reasons) when neither works.
+std::unique_ptr<OffscreenContext> make_context(const std::string& name, std::string& fallback);
+
+}  // namespace reamsim

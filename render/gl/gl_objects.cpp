@@ -1,0 +1,174 @@
+#include "render/gl/gl_objects.h"
+
+#include <algorithm>
+#include <array>
+
+#include "sim/base/error.h"
+
+namespace reamsim {
+namespace {
+
+constexpr int kSamples = 4;
+
+std::string trimmed_log(std::string log) {
+  std::replace(log.begin(), log.end(), '\n', ' ');
+  while (!log.empty() && (log.back() == '\0' || log.back() == ' ')) log.pop_back();
+  return log;
+}
+
+GLuint compile(const Gl& gl, const std::string& name, GLenum type, const std::vector<const char*>& texts) {
+  const GLuint shader = gl.CreateShader(type);
+  gl.ShaderSource(shader, static_cast<GLsizei>(texts.size()), texts.data(), nullptr);
+  gl.CompileShader(shader);
+  GLint done = 0;
+  gl.GetShaderiv(shader, GL_COMPILE_STATUS, &done);
+  if (done == GL_TRUE) return shader;
+  GLint length = 0;
+  gl.GetShaderiv(shader, GL_INFO_LOG_LENGTH, &length);
+  std::string log(static_cast<std::size_t>(std::max(length, 1)), '\0');
+  gl.GetShaderInfoLog(shader, length, nullptr, log.data());
+  gl.DeleteShader(shader);
+  throw RunError("the shader '" + name + "' does not compile: " + trimmed_log(log));
+}
+
+}  // namespace
+
+GlProgram::GlProgram(const Gl& gl, const std::string& name, const std::vector<const char*>& vertex,
+                     const std::vector<const char*>& fragment)
+    : gl_(gl) {
+  const GLuint vertex_id = compile(gl, name, GL_VERTEX_SHADER, vertex);
+  const GLuint fragment_id = compile(gl, name, GL_FRAGMENT_SHADER, fragment);
+  id_ = gl.CreateProgram();
+  gl.AttachShader(id_, vertex_id);
+  gl.AttachShader(id_, fragment_id);
+  gl.LinkProgram(id_);
+  gl.DeleteShader(vertex_id);
+  gl.DeleteShader(fragment_id);
+  GLint done = 0;
+  gl.GetProgramiv(id_, GL_LINK_STATUS, &done);
+  if (done == GL_TRUE) return;
+  std::string log(1024, '\0');
+  gl.GetProgramInfoLog(id_, static_cast<GLsizei>(log.size()), nullptr, log.data());
+  gl.DeleteProgram(id_);
+  throw RunError("the shader '" + name + "' does not link: " + trimmed_log(log.c_str()));
+}
+
+GlProgram::~GlProgram() {
+  gl_.DeleteProgram(id_);
+}
+
+GlMesh::GlMesh(const Gl& gl, std::span<const float> vertices, std::span<const int> group_sizes,
+               std::span<const std::uint32_t> indices)
+    : gl_(gl), count_(static_cast<GLsizei>(indices.size())) {
+  gl.GenVertexArrays(1, &array_);
+  gl.BindVertexArray(array_);
+  gl.GenBuffers(1, &vertices_);
+  gl.BindBuffer(GL_ARRAY_BUFFER, vertices_);
+  gl.BufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(vertices.size_bytes()), vertices.data(), GL_STATIC_DRAW);
+  gl.GenBuffers(1, &indices_);
+  gl.BindBuffer(GL_ELEMENT_ARRAY_BUFFER, indices_);
+  gl.BufferData(GL_ELEMENT_ARRAY_BUFFER, static_cast<GLsizeiptr>(indices.size_bytes()), indices.data(), GL_STATIC_DRAW);
+  int stride = 0;
+  for (const int size : group_sizes) stride += size;
+  std::size_t offset = 0;
+  GLuint attribute = 0;
+  for (const int size : group_sizes) {
+    gl.VertexAttribPointer(attribute, size, GL_FLOAT, GL_FALSE, static_cast<GLsizei>(stride * sizeof(float)),
+                           reinterpret_cast<const void*>(offset));
+    gl.EnableVertexAttribArray(attribute++);
+    offset += static_cast<std::size_t>(size) * sizeof(float);
+  }
+  gl.check("copying a mesh to the device");
+}
+
+GlMesh::~GlMesh() {
+  gl_.DeleteVertexArrays(1, &array_);
+  gl_.DeleteBuffers(1, &vertices_);
+  gl_.DeleteBuffers(1, &indices_);
+}
+
+void GlMesh::draw() const {
+  gl_.BindVertexArray(array_);
+  gl_.DrawElements(GL_TRIANGLES, count_, GL_UNSIGNED_INT, nullptr);
+}
+
+GlTexture::GlTexture(const Gl& gl, int width, int height, int channels, std::span<const float> texels) : gl_(gl) {
+  gl.GenTextures(1, &id_);
+  gl.BindTexture(GL_TEXTURE_2D, id_);
+  gl.PixelStorei(GL_UNPACK_ALIGNMENT, 1);
+  gl.TexImage2D(GL_TEXTURE_2D, 0, channels == 2 ? GL_RG32F : GL_RGB32F, width, height, 0,
+                channels == 2 ? GL_RG : GL_RGB, GL_FLOAT, texels.data());
+  gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
+  gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
+  gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
+  gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
+  gl.check("copying a texture to the device");
+}
+
+GlTexture::~GlTexture() {
+  gl_.DeleteTextures(1, &id_);
+}
+
+void GlTexture::bind(int unit) const {
+  gl_.ActiveTexture(static_cast<GLenum>(GL_TEXTURE0 + unit));
+  gl_.BindTexture(GL_TEXTURE_2D, id_);
+}
+
+GlTarget::GlTarget(const Gl& gl, int width, int height, bool multisample) : gl_(gl), width_(width), height_(height) {
+  GLint largest = 0;
+  GLint samples = 0;
+  gl.GetIntegerv(GL_MAX_RENDERBUFFER_SIZE, &largest);
+  gl.GetIntegerv(GL_MAX_SAMPLES, &samples);
+  if (width < 1 || height < 1 || width > largest || height > largest) {
+    throw RunError("a picture of " + std::to_string(width) + " x " + std::to_string(height) +
+                   " pixels cannot be drawn; this OpenGL draws 1 to " + std::to_string(largest) + " on a side");
+  }
+  samples = multisample ? std::min(samples, kSamples) : 0;
+  gl.GenFramebuffers(2, framebuffers_);
+  gl.GenRenderbuffers(3, buffers_);
+  attach(framebuffers_[0], buffers_[0], GL_COLOR_ATTACHMENT0, GL_RGBA8, samples);
+  attach(framebuffers_[0], buffers_[1], GL_DEPTH_ATTACHMENT, GL_DEPTH_COMPONENT24, samples);
+  attach(framebuffers_[1], buffers_[2], GL_COLOR_ATTACHMENT0, GL_RGBA8, 0);
+  for (const GLuint framebuffer : framebuffers_) {
+    gl.BindFramebuffer(GL_FRAMEBUFFER, framebuffer);
+    if (gl.CheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE || gl.GetError() != GL_NO_ERROR) {
+      throw RunError("OpenGL cannot make a picture of " + std::to_string(width) + " x " + std::to_string(height) +
+                     " pixels");
+    }
+  }
+}
+
+GlTarget::~GlTarget() {
+  gl_.DeleteFramebuffers(2, framebuffers_);
+  gl_.DeleteRenderbuffers(3, buffers_);
+}
+
+void GlTarget::attach(GLuint framebuffer, GLuint buffer, GLenum attachment, GLenum format, int samples) const {
+  gl_.BindFramebuffer(GL_FRAMEBUFFER, framebuffer);
+  gl_.BindRenderbuffer(GL_RENDERBUFFER, buffer);
+  gl_.RenderbufferStorageMultisample(GL_RENDERBUFFER, samples, format, width_, height_);
+  gl_.FramebufferRenderbuffer(GL_FRAMEBUFFER, attachment, GL_RENDERBUFFER, buffer);
+}
+
+void GlTarget::bind() const {
+  gl_.BindFramebuffer(GL_FRAMEBUFFER, framebuffers_[0]);
+  gl_.Viewport(0, 0, width_, height_);
+}
+
+std::vector<std::uint32_t> GlTarget::read() const {
+  gl_.BindFramebuffer(GL_READ_FRAMEBUFFER, framebuffers_[0]);
+  gl_.BindFramebuffer(GL_DRAW_FRAMEBUFFER, framebuffers_[1]);
+  gl_.BlitFramebuffer(0, 0, width_, height_, 0, 0, width_, height_, GL_COLOR_BUFFER_BIT, GL_NEAREST);
+  gl_.BindFramebuffer(GL_READ_FRAMEBUFFER, framebuffers_[1]);
+  std::vector<std::uint32_t> pixels(static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_));
+  gl_.PixelStorei(GL_PACK_ALIGNMENT, 1);
+  gl_.ReadPixels(0, 0, width_, height_, GL_BGRA, GL_UNSIGNED_INT_8_8_8_8_REV, pixels.data());
+  gl_.check("reading a picture back");
+  for (int row = 0; row < height_ / 2; ++row) {
+    const auto lower = pixels.begin() + std::ptrdiff_t{width_} * row;
+    std::swap_ranges(lower, lower + width_, pixels.begin() + std::ptrdiff_t{width_} * (height_ - 1 - row));
+  }
+  return pixels;
+}
+
+}  // namespace reamsim

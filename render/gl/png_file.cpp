@@ -1,0 +1,78 @@
+// Cairo writes PNGs too, but in the slowest way that the format knows, which took a fifth of a run's time.
+#include <png.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+
+#include "render/gl/pixel_image.h"
+#include "sim/base/error.h"
+
+namespace reamsim {
+
+namespace {
+
+/// Colours as they are, not times opacity; as PNG has them.
+struct Rows {
+  int channels;  ///< 3, or 4 with the opacity
+  std::vector<std::uint8_t> bytes;
+};
+
+std::uint8_t without_opacity(std::uint32_t color, std::uint32_t alpha) {
+  return static_cast<std::uint8_t>(alpha == 0 ? 0 : std::min((255 * color + alpha / 2) / alpha, 255U));
+}
+
+Rows rows_of(const PixelImage& image) {
+  const bool opaque = std::ranges::all_of(image.pixels, [](std::uint32_t pixel) { return pixel >> 24 == 255; });
+  Rows out{opaque ? 3 : 4, {}};
+  out.bytes.reserve(image.pixels.size() * static_cast<std::size_t>(out.channels));
+  for (const std::uint32_t pixel : image.pixels) {
+    const std::uint32_t alpha = pixel >> 24;
+    for (const int shift : {16, 8, 0}) out.bytes.push_back(without_opacity(pixel >> shift & 255U, alpha));
+    if (!opaque) out.bytes.push_back(static_cast<std::uint8_t>(alpha));
+  }
+  return out;
+}
+
+/// Compresses the rows into `file`; false where that fails. Nothing in here may need a destructor: libpng leaves it by
+/// longjmp(). Runs of equal bytes after Paeth's prediction, and no search for longer matches: a quarter of the time of
+/// zlib's default for files a tenth larger.
+bool compress(std::FILE* file, const PixelImage& image, const Rows& rows) {
+  const auto fail = [](png_structp png, png_const_charp) { png_longjmp(png, 1); };
+  png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr, fail, [](png_structp, png_const_charp) {});
+  if (png == nullptr) return false;
+  png_infop info = png_create_info_struct(png);
+  if (info == nullptr || setjmp(png_jmpbuf(png)) != 0) {
+    png_destroy_write_struct(&png, &info);
+    return false;
+  }
+  png_init_io(png, file);
+  png_set_filter(png, PNG_FILTER_TYPE_BASE, PNG_FILTER_PAETH);
+  constexpr int kRunLengths = 3;  // zlib's Z_RLE
+  png_set_compression_strategy(png, kRunLengths);
+  const auto width = static_cast<png_uint_32>(image.width_px), height = static_cast<png_uint_32>(image.height_px);
+  png_set_IHDR(png, info, width, height, 8, rows.channels == 3 ? PNG_COLOR_TYPE_RGB : PNG_COLOR_TYPE_RGBA,
+               PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
+  png_write_info(png, info);
+  const std::size_t stride = std::size_t{width} * static_cast<std::size_t>(rows.channels);
+  for (png_uint_32 y = 0; y < height; ++y) png_write_row(png, rows.bytes.data() + stride * y);
+  png_write_end(png, info);
+  png_destroy_write_struct(&png, &info);
+  return true;
+}
+
+}  // namespace
+
+void write_png(const std::string& path, const PixelImage& image) {
+  errno = 0;
+  const Rows rows = rows_of(image);
+  std::FILE* file = std::fopen(path.c_str(), "wb");
+  const bool written = file != nullptr && compress(file, image, rows);
+  const bool closed = file != nullptr && std::fclose(file) == 0;
+  if (written && closed) return;
+  throw RunError(path + ": cannot be written (" + (errno != 0 ? std::strerror(errno) : "no PNG can hold it") +
+                 "); is the disk full or the folder read-only?");
+}
+
+}  // namespace reamsim

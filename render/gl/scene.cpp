@@ -1,0 +1,219 @@
+#include "render/gl/scene.h"
+
+#include <array>
+#include <utility>
+
+#include "render/gl/edge_filter.h"
+#include "render/surface/color_map.h"
+
+namespace reamsim {
+
+namespace embedded {
+extern const char* const shader_lighting;
+extern const char* const shader_background_vert;
+extern const char* const shader_background_frag;
+extern const char* const shader_bone_vert;
+extern const char* const shader_bone_frag;
+extern const char* const shader_cut_face_vert;
+extern const char* const shader_cut_face_frag;
+extern const char* const shader_tool_vert;
+extern const char* const shader_tool_frag;
+}  // namespace embedded
+
+namespace {
+
+/// From here on supersampling alone is smooth enough, and more samples would take memory for nothing.
+constexpr int kPlainFrom = 3;
+/// How far the tool's face is drawn in front of the bone that it touches, which would else show through in patches.
+constexpr double kToolLift_mm = 0.6;
+/// Bone behind a cut fades by 1/e over 25 mm.
+constexpr float kHaze_per_mm = 0.04F;
+
+std::vector<const char*> lit(const char* shader) {
+  return {embedded::shader_lighting, shader};
+}
+
+GlTexture color_texture(const Gl& gl, const ColorMap& map) {
+  return {gl, static_cast<int>(map.stops.size()), 1, 3, map.texels()};
+}
+
+/// The plane in the coordinates of `bone_from_local`'s source; cuts nothing away where the camera has none.
+Eigen::Vector4f local_plane(const Camera& camera, const Rigid& bone_from_local) {
+  if (!camera.cut_plane) return {0, 0, 0, 1};
+  return (bone_from_local.matrix().transpose() * *camera.cut_plane).cast<float>();
+}
+
+}  // namespace
+
+struct Scene::Programs {
+  explicit Programs(const Gl& gl)
+      : background(gl, "background", {embedded::shader_background_vert}, lit(embedded::shader_background_frag)),
+        bone(gl, "bone", {embedded::shader_bone_vert}, lit(embedded::shader_bone_frag)),
+        cut_face(gl, "cut_face", {embedded::shader_cut_face_vert}, lit(embedded::shader_cut_face_frag)),
+        tool(gl, "tool", {embedded::shader_tool_vert}, lit(embedded::shader_tool_frag)) {}
+
+  GlProgram background;
+  GlProgram bone;
+  GlProgram cut_face;
+  GlProgram tool;
+};
+
+Scene::Scene(const Gl& gl, const ToolSurface& tool)
+    : gl_(gl),
+      programs_(std::make_unique<Programs>(gl)),
+      tool_(gl, tool.vertices, ToolSurface::kGroups, tool.indices),
+      depth_colors_(color_texture(gl, reamsim::depth_colors())),
+      density_colors_(color_texture(gl, reamsim::density_colors())) {
+  gl.GenVertexArrays(1, &empty_array_);
+}
+
+Scene::~Scene() {
+  gl_.DeleteVertexArrays(1, &empty_array_);
+}
+
+void Scene::set_bone(const std::vector<BoneSurface>& tiles, const std::vector<std::size_t>& changed) {
+  bone_.resize(tiles.size());
+  for (const std::size_t tile : changed) {
+    const BoneSurface& surface = tiles[tile];
+    bone_[tile].reset();
+    if (surface.indices.empty()) continue;
+    bone_[tile] = std::unique_ptr<Tile>(
+        new Tile{{gl_, surface.vertices, BoneSurface::kGroups, surface.indices}, tile_bounds(surface)});
+  }
+}
+
+PixelImage Scene::draw(const Shot& shot) {
+  const int times = shot.supersampling;
+  const int width_px = times * shot.camera.width_px;
+  const int height_px = times * shot.camera.height_px;
+  const bool multisample = times < kPlainFrom && shot.edges == Edges::sampled;
+  const GlTarget& target =
+      targets_.try_emplace({width_px, height_px, multisample}, gl_, width_px, height_px, multisample).first->second;
+  target.bind();
+  gl_.Enable(GL_MULTISAMPLE);
+  gl_.Enable(GL_CLIP_DISTANCE0);
+  gl_.DepthMask(GL_TRUE);
+  gl_.Clear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
+  gl_.BlendFuncSeparate(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA, GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
+  if (shot.background != Background::transparent) draw_background(shot.background);
+  gl_.Enable(GL_DEPTH_TEST);
+  gl_.DepthFunc(GL_LEQUAL);
+  draw_bone(shot);
+  if (shot.cut_face != nullptr && shot.cut_face->width > 0) draw_cut_face(shot);
+  if (shot.bone_from_spinning_tool && shot.camera.draws_tool) draw_tool(shot);
+  gl_.check("drawing a picture");
+  PixelImage image{width_px, height_px, target.read()};
+  if (shot.edges == Edges::smoothed) image = edges_smoothed(image);
+  return averaged(std::move(image), times);
+}
+
+void Scene::draw_background(Background background) const {
+  gl_.Disable(GL_DEPTH_TEST);
+  gl_.Disable(GL_BLEND);
+  gl_.Disable(GL_CULL_FACE);
+  programs_->background.use();
+  programs_->background.set("white", background == Background::white ? 1 : 0);
+  gl_.BindVertexArray(empty_array_);
+  gl_.DrawArrays(GL_TRIANGLES, 0, 3);
+}
+
+void Scene::draw_bone(const Shot& shot) const {
+  const GlProgram& program = programs_->bone;
+  program.use();
+  program.set("clip_from_bone", Eigen::Matrix4f(shot.camera.clip_from_bone().cast<float>()));
+  program.set("eye_from_bone", Eigen::Matrix4f(shot.camera.eye_from_bone.matrix().cast<float>()));
+  program.set("cut_plane", local_plane(shot.camera, Rigid::Identity()));
+  program.set("depth_max_mm", static_cast<float>(shot.depth_max_mm));
+  program.set("contour_mm", static_cast<float>(shot.contour_mm));
+  program.set("haze_per_mm", shot.camera.cut_plane ? kHaze_per_mm : 0.0F);
+  program.set("key_direction", shot.key_direction);
+  program.set("samples_per_px", static_cast<float>(shot.supersampling));
+  program.set("depth_colors", 0);
+  depth_colors_.bind(0);
+  if (shot.camera.cut_plane) {
+    gl_.Disable(GL_CULL_FACE);
+  } else {
+    gl_.Enable(GL_CULL_FACE);
+    gl_.CullFace(GL_BACK);
+  }
+  for (const auto& tile : bone_) {
+    if (tile && may_be_seen(tile->bounds, shot.camera)) tile->mesh.draw();
+  }
+}
+
+void Scene::draw_cut_face(const Shot& shot) const {
+  const CutFace& face = *shot.cut_face;
+  const GlTexture texture(gl_, face.width, face.height, 2, face.texels);
+  std::vector<float> vertices;
+  constexpr std::array<float, 8> kPlaces{0, 0, 1, 0, 1, 1, 0, 1};
+  for (std::size_t i = 0; i < face.corners_mm.size(); ++i) {
+    for (const double value : face.corners_mm[i]) vertices.push_back(static_cast<float>(value));
+    vertices.insert(vertices.end(), {kPlaces[2 * i], kPlaces[2 * i + 1]});
+  }
+  const std::array<std::uint32_t, 6> indices{0, 1, 2, 0, 2, 3};
+  const GlMesh quad(gl_, vertices, std::array{3, 2}, indices);
+  const GlProgram& program = programs_->cut_face;
+  program.use();
+  program.set("clip_from_bone", Eigen::Matrix4f(shot.camera.clip_from_bone().cast<float>()));
+  program.set("density_max_g_cm3", static_cast<float>(shot.density_max_g_cm3));
+  program.set("samples_per_px", static_cast<float>(shot.supersampling));
+  program.set("face", 0);
+  program.set("density_colors", 1);
+  texture.bind(0);
+  density_colors_.bind(1);
+  gl_.Disable(GL_CULL_FACE);
+  gl_.Enable(GL_BLEND);
+  quad.draw();
+}
+
+void Scene::draw_tool(const Shot& shot) const {
+  const Rigid& bone_from_tool = *shot.bone_from_spinning_tool;
+  const bool cut_open = shot.camera.cut_plane.has_value();
+  const GlProgram& program = programs_->tool;
+  program.use();
+  program.set("clip_from_tool",
+              Eigen::Matrix4f((shot.camera.clip_from_bone() * bone_from_tool.matrix()).cast<float>()));
+  program.set("eye_from_tool", Eigen::Matrix4f((shot.camera.eye_from_bone * bone_from_tool).matrix().cast<float>()));
+  program.set("cut_plane", local_plane(shot.camera, bone_from_tool));
+  program.set("towards_eye", static_cast<float>(kToolLift_mm * shot.camera.clip_lift_per_mm()));
+  program.set("cut_open", cut_open ? 1 : 0);
+  program.set("brushed", shot.steel ? 1 : 0);
+  program.set("key_direction", shot.key_direction);
+  program.set("samples_per_px", static_cast<float>(shot.supersampling));
+  if (!shot.steel) {
+    draw_see_through(program, cut_open);
+    return;
+  }
+  gl_.Disable(GL_BLEND);
+  gl_.Disable(GL_CULL_FACE);
+  gl_.DepthMask(GL_TRUE);
+  tool_.draw();
+}
+
+void Scene::draw_see_through(const GlProgram& program, bool cut_open) const {
+  gl_.Enable(GL_BLEND);
+  gl_.Enable(GL_CULL_FACE);
+
+  // First what faces away, all of it and faintly: the inside of the far walls.
+  gl_.CullFace(cut_open ? GL_BACK : GL_FRONT);
+  gl_.DepthMask(GL_FALSE);
+  program.set("opacity_facing", 0.10F);
+  program.set("opacity_edge", 0.45F);
+  tool_.draw();
+
+  // Then only the nearest layer: its depth alone, and its colour where the depth is the same.
+  if (cut_open) {
+    gl_.Disable(GL_CULL_FACE);
+  } else {
+    gl_.CullFace(GL_BACK);
+  }
+  gl_.DepthMask(GL_TRUE);
+  gl_.ColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
+  tool_.draw();
+  gl_.ColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+  program.set("opacity_facing", 0.38F);
+  program.set("opacity_edge", 0.95F);
+  tool_.draw();
+}
+
+}  // namespace reamsim

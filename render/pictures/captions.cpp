@@ -1,0 +1,60 @@
+#include "render/pictures/captions.h"
+
+#include <algorithm>
+
+#include "sim/base/fixed_text.h"
+
+namespace reamsim {
+namespace {
+
+/// The least share of the run's greatest force that has an arrow.
+constexpr double kLeastArrow = 0.01;
+
+}  // namespace
+
+Captions::Captions(ForceLog log, double mean_travel_mm, bool arrows)
+    : log_(std::move(log)), mean_(mean_travel_mm > 0 ? "mean " : ""), arrows_(arrows) {
+  add_layer_means(log_, mean_travel_mm);
+  for (const ForceRow& row : log_.rows) {
+    most_force_n_ = std::max(most_force_n_, row.layer_force_n.norm());
+    most_.layer_axial_force_n = std::max(most_.layer_axial_force_n, row.layer_axial_force_n);
+    most_.layer_spin_torque_nmm = std::max(most_.layer_spin_torque_nmm, row.layer_spin_torque_nmm);
+  }
+}
+
+Captions::Values Captions::at(const ForceRow& row) const {
+  return {{"time", fixed_text(row.time_s, 3) + " s"},
+          {"tool depth", depth_text(row.depth_mm)},
+          {mean_ + "axial force", fixed_text(row.layer_axial_force_n, 1) + " N"},
+          {mean_ + "spin torque", fixed_text(row.layer_spin_torque_nmm, 0) + " N·mm"},
+          {"removed", fixed_text(row.removed_mm3, 1) + " mm³"}};
+}
+
+std::string Captions::widest() const {
+  std::string widest;
+  for (const ForceRow& row : {log_.rows.back(), most_}) {
+    for (const auto& [name, value] : at(row)) {
+      if (value.size() > widest.size()) widest = value;
+    }
+  }
+  return widest;
+}
+
+Captions::Values Captions::after(double deepest_mm) const {
+  const Headline run = headline();
+  return {{Headline::kDepthName, run.depth_text() + " mm"},
+          {run.force_name(), run.force_text() + " N"},
+          {run.torque_name(), run.torque_text() + " N·mm"},
+          {"removed", fixed_text(log_.rows.back().removed_mm3, 1) + " mm³"},
+          {"greatest reamed depth", fixed_text(deepest_mm, 2) + " mm"}};
+}
+
+std::optional<ForceArrow> Captions::arrow(const ForceRow& row) const {
+  const double force_n = row.layer_force_n.norm();
+  if (!arrows_ || force_n == 0 || force_n < kLeastArrow * most_force_n_) return std::nullopt;
+  // The whole force, or where it is a mean its axial part.
+  const std::string name = mean_.empty() ? "resultant " : mean_ + "axial force ";
+  return ForceArrow{row.pose.position_mm, row.layer_force_n / most_force_n_, name + fixed_text(force_n, 1) + " N"};
+}
+
+}  // namespace reamsim

@@ -1,0 +1,104 @@
+#include "render/pictures/contact_sheet.h"
+
+#include <algorithm>
+
+#include "render/pictures/canvas.h"
+#include "sim/base/fixed_text.h"
+#include "sim/scenario/picture_frames.h"
+
+namespace reamsim {
+namespace {
+
+constexpr std::size_t kMostFrames = 20;
+constexpr std::uint32_t kPage_rgb = 0xf4f6f9;
+/// Cells are neither flatter nor steeper than this, width over height.
+constexpr double kFlattest = 1.6;
+constexpr double kSteepest = 0.8;
+// What is left free round the cells, as shares of a page 1080 high and at least 1440 wide.
+constexpr double kMargin = 28;
+constexpr double kHead = 104;
+constexpr double kFoot = 96;
+constexpr double kLegend = 230;
+constexpr double kGap = 8;
+constexpr double kCaption = 20;
+/// Cells shorter than this carry no caption: it could not be read.
+constexpr int kLeastCaptioned_px = 80;
+
+double page_unit(int width_px, int height_px) {
+  return std::min(height_px / 1080.0, width_px / 1440.0);
+}
+
+SheetGrid grid_of(const RunView& view) {
+  const auto cells = static_cast<int>(ContactSheet::frames_on(view).size());
+  return sheet_grid(cells, view.settings().width_px, view.settings().height_px);
+}
+
+}  // namespace
+
+SheetGrid sheet_grid(int cells, int width_px, int height_px) {
+  const bool bare = std::min(width_px, height_px) < kLeastLabelled_px;
+  const double u = bare ? 0 : page_unit(width_px, height_px);
+  const Box area{kMargin * u, kHead * u, width_px - (kMargin + kLegend) * u, height_px - (kHead + kFoot) * u};
+  SheetGrid best{1, cells, 1, 1, area, static_cast<int>(kGap * u)};
+  double largest = 0;
+  for (int columns = 1; columns <= cells; ++columns) {
+    const int rows = (cells + columns - 1) / columns;
+    double width = (area.width - (columns - 1) * best.gap_px) / columns;
+    double height = (area.height - (rows - 1) * best.gap_px) / rows;
+    width = std::min(width, kFlattest * height);
+    height = std::min(height, width / kSteepest);
+    if (width * height <= largest) continue;
+    largest = width * height;
+    best.columns = columns;
+    best.rows = rows;
+    best.cell_width_px = std::max(1, static_cast<int>(width));
+    best.cell_height_px = std::max(1, static_cast<int>(height));
+  }
+  return best;
+}
+
+std::vector<std::int64_t> ContactSheet::frames_on(const RunView& view) {
+  return evenly_among(view.frames(), kMostFrames);
+}
+
+Camera ContactSheet::cell_camera(const RunView& view, const std::string& name) {
+  const SheetGrid grid = grid_of(view);
+  return view.closer_camera(name, grid.cell_width_px, grid.cell_height_px);
+}
+
+ContactSheet::ContactSheet(const RunView& view, const Camera& cell)
+    : view_(view),
+      grid_(grid_of(view)),
+      camera_(cell),
+      page_(plain_image(view.settings().width_px, view.settings().height_px, kPage_rgb)) {}
+
+void ContactSheet::add(PixelImage cell, const ForceRow& row) {
+  draw_outlines(cell, camera_, view_.labels(camera_, view_.tool_at(row.frame)));
+  if (cell.height_px >= kLeastCaptioned_px) {
+    const double u = page_unit(page_.width_px, page_.height_px);
+    const Canvas canvas(cell);
+    const TextLine text(canvas, fixed_text(row.time_s, 3) + " s · " + depth_text(row.depth_mm), kCaption * u);
+    canvas.paper({8 * u, 8 * u, text.width + 16 * u, text.height + 8 * u}, 5 * u);
+    canvas.ink(kInk);
+    text.draw(16 * u, 12 * u);
+    canvas.finish();
+  }
+  const int column = done_ % grid_.columns;
+  const int line = done_ / grid_.columns;
+  page_.paste(cell, static_cast<int>(grid_.area.x) + column * (grid_.cell_width_px + grid_.gap_px),
+              static_cast<int>(grid_.area.y) + line * (grid_.cell_height_px + grid_.gap_px));
+  ++done_;
+}
+
+PixelImage ContactSheet::finish() {
+  Camera page = camera_;
+  page.width_px = page_.width_px;
+  page.height_px = page_.height_px;
+  Labels labels = view_.labels(camera_, std::nullopt);
+  labels.title = "Time and tool depth";
+  labels.scale_share = 0.5 * camera_.width_px / page_.width_px;
+  draw_labels(page_, page, labels);
+  return std::move(page_);
+}
+
+}  // namespace reamsim

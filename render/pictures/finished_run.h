@@ -1,0 +1,34 @@
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "render/pictures/planned_run.h"
+
+namespace reamsim {
+
+struct RunResults;
+
+/// The folder of a finished run, and what pictures, meshes and the report all need of it: read and computed when it is
+/// first asked for, and only once. Copies share it. Where one is wanted, a folder's path will do.
+class FinishedRun {
+ public:
+  FinishedRun(std::string dir);  // not explicit on purpose
+  /// Of a plan that has just been run, whose bone now is as the run left it. Faster, and no other for it.
+  explicit FinishedRun(const PlannedRun& planned);
+
+  [[nodiscard]] const std::string& dir() const;
+  // These throw as read_results() and read_plan() do.
+  [[nodiscard]] const RunResults& results() const;
+  [[nodiscard]] const PlannedRun& planned() const;
+
+ private:
+  struct Loaded;
+  struct Folder;
+
+  [[nodiscard]] const Loaded& loaded() const;
+
+  std::shared_ptr<Folder> folder_;  ///< keeps OpenVDB out of this header
+};
+
+}  // namespace reamsim

@@ -1,0 +1,58 @@
+#pragma once
+
+#include <condition_variable>
+#include <cstdint>
+#include <deque>
+#include <exception>
+#include <mutex>
+#include <optional>
+
+#include "render/gl/pixel_image.h"
+
+namespace reamsim {
+
+/// One photograph of a run, without labels.
+struct Photo {
+  enum class Of {
+    before,      ///< the left half of a picture with before and after; by camera
+    frame,       ///< a frame of the run; by camera
+    sheet,       ///< a cell of the contact sheet
+    film,        ///< a frame of the film
+    after,       ///< the last state; by camera
+    after_half,  ///< the right half of a picture with before and after; by camera
+    turntable,   ///< the last state; by turn
+  };
+  Of of;
+  std::size_t camera = 0;  ///< which one of those in PictureList, or which turn
+  std::int64_t frame = 0;  ///< of the run
+  double deepest_mm = 0;   ///< of what it shows
+  PixelImage image;
+};
+
+/// Photographs on their way from one thread to another. All members may be called by any thread.
+class PhotoQueue {
+ public:
+  /// Has room for photographs of so many bytes, and at least for one.
+  explicit PhotoQueue(std::size_t most_bytes) : most_bytes_(most_bytes) {}
+
+  /// Waits for room. Returns false where nobody takes any more.
+  bool push(Photo photo);
+  /// There will be no more. `why`, where not null, is thrown by pop() once the queue is empty.
+  void end(std::exception_ptr why);
+  /// Waits for the next one; none after the last.
+  std::optional<Photo> pop();
+  /// Nobody will take any more.
+  void close();
+
+ private:
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::deque<Photo> photos_;
+  std::size_t bytes_ = 0;
+  std::size_t most_bytes_;
+  bool ended_ = false;
+  bool closed_ = false;
+  std::exception_ptr why_;
+};
+
+}  // namespace reamsim

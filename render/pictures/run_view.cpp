@@ -1,0 +1,81 @@
+#include "render/pictures/run_view.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "render/surface/unreamed_surface.h"
+#include "sim/bone/voxmap/density.h"
+
+namespace reamsim {
+namespace {
+
+/// How much closer closer_camera() is.
+constexpr double kCloser = 0.86;
+
+Rigid spinning(const ToolPose& pose) {
+  // Positive spin turns about −z of T.
+  return pose.bone_from_tool() * Eigen::AngleAxisd(-pose.spin_angle_rad, Vec3::UnitZ());
+}
+
+/// The circle that the tool's widest point sweeps, in B.
+std::vector<Vec3> widest_circle(const TriangleMesh& tool, const Rigid& bone_from_tool) {
+  Vec3 widest = Vec3::Zero();
+  for (const Vec3& v : tool.vertices) {
+    if (v.head<2>().norm() > widest.head<2>().norm()) widest = v;
+  }
+  std::vector<Vec3> circle;
+  constexpr int kPoints = 128;
+  for (int i = 0; i < kPoints; ++i) {
+    const double turn = 2 * std::numbers::pi * i / kPoints;
+    const double radius = widest.head<2>().norm();
+    circle.emplace_back(bone_from_tool * Vec3(radius * std::cos(turn), radius * std::sin(turn), widest.z()));
+  }
+  return circle;
+}
+
+}  // namespace
+
+Scale depth_scale(const PlannedRun& run, double depth_max_mm) {
+  return depth_max_mm > 0 ? scale_exactly(depth_max_mm) : scale_up_to(run.unreamed().deepest_mm());
+}
+
+RunView::RunView(const PlannedRun& run, const RenderSettings& settings)
+    : run_(run),
+      settings_(settings),
+      depth_scale_(reamsim::depth_scale(run, settings.depth_max_mm)),
+      density_scale_(scale_up_to(DensityMapping::kMaxDensity_g_cm3)) {}
+
+Camera RunView::camera(const std::string& name, int width_px, int height_px) const {
+  for (const UserCamera& own : settings_.user_cameras) {
+    if (own.name == name) return make_user_camera(own, run_.subject(), width_px, height_px);
+  }
+  return make_camera(name, run_.subject(), width_px, height_px);
+}
+
+Camera RunView::closer_camera(const std::string& name, int width_px, int height_px) const {
+  Camera out = camera(name, width_px, height_px);
+  const auto is_it = [&](const UserCamera& own) { return own.name == name; };
+  if (std::ranges::none_of(settings_.user_cameras, is_it)) out.mm_per_px *= kCloser;
+  return out;
+}
+
+std::optional<Rigid> RunView::tool_at(std::int64_t frame) const {
+  if (!settings_.tool) return std::nullopt;
+  return spinning(run_.plan().pose_at(frame));
+}
+
+Labels RunView::labels(const Camera& camera, const std::optional<Rigid>& tool) const {
+  Labels labels;
+  labels.legends.push_back({"Reamed depth", "mm", depth_colors(), depth_scale_});
+  if (camera.cut_plane) labels.legends.push_back({"Bone density", "g/cm³", density_colors(), density_scale_});
+  const Subject& subject = run_.subject();
+  if (subject.anatomical) {
+    labels.directions = {{"superior", subject.superior}, {"lateral", subject.outward}};
+    if (subject.anterior) labels.directions.emplace_back("anterior", *subject.anterior);
+  }
+  if (tool && !camera.draws_tool) labels.outlines_mm.push_back(widest_circle(run_.plan().tool, *tool));
+  return labels;
+}
+
+}  // namespace reamsim

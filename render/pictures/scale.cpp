@@ -1,0 +1,51 @@
+#include "render/pictures/scale.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+
+namespace reamsim {
+namespace {
+
+/// Room for rounding, so that 0.1 · 30 counts as 3.
+constexpr double kSlack = 1e-9;
+
+}  // namespace
+
+double round_down(double value) {
+  const double decade = std::pow(10.0, std::floor(std::log10(value) + kSlack));
+  const double lead = value / decade;
+  return decade * (lead >= 5 - kSlack ? 5 : lead >= 2 - kSlack ? 2 : 1);
+}
+
+double round_up(double value) {
+  const double below = round_down(value);
+  if (below >= value * (1 - kSlack)) return below;
+  const double decade = std::pow(10.0, std::floor(std::log10(below) + kSlack));
+  const double lead = below / decade;
+  return decade * (lead < 1.5 ? 2 : lead < 3 ? 5 : 10);
+}
+
+int Scale::ticks() const {
+  return static_cast<int>(std::floor(max / step + 1e-6)) + 1;
+}
+
+std::string Scale::label(int tick) const {
+  const int decimals = std::clamp(static_cast<int>(std::ceil(-std::log10(step) - kSlack)), 0, 6);
+  std::array<char, 64> text;
+  std::snprintf(text.data(), text.size(), "%.*f", decimals, tick * step);
+  return text.data();
+}
+
+Scale scale_up_to(double max) {
+  if (!(max > 0) || !std::isfinite(max)) return {1, 0.2};
+  const double step = round_up(max / 8);
+  return {step * std::ceil(max / step - 1e-6), step};
+}
+
+Scale scale_exactly(double max) {
+  return {max, round_up(max / 8)};
+}
+
+}  // namespace reamsim

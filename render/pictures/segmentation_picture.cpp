@@ -1,0 +1,194 @@
+#include "render/pictures/segmentation_picture.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+
+#include "render/pictures/canvas.h"
+#include "render/pictures/scale.h"
+#include "sim/base/parallel.h"
+
+namespace reamsim {
+
+namespace {
+
+constexpr int kWidth_px = 1920;
+constexpr int kMostHeight_px = 1400;
+constexpr int kGap_px = 24;
+constexpr int kHead_px = 44;
+constexpr int kFoot_px = 64;
+constexpr double kText_px = 20;
+constexpr double kOutline_px = 1.6;
+/// The window in which radiologists look at bone: black at its lower end, white at its upper end.
+constexpr double kBlack_hu = -450, kWhite_hu = 1050;
+constexpr std::uint32_t kPaperRgb = 0xf7f7f9;
+constexpr Ink kOutlineInk{0.90, 0.62, 0.0, 1};  // Okabe and Ito's orange
+constexpr Ink kMarkInk{0.34, 0.71, 0.91, 1};    // and their sky blue
+constexpr Ink kLetterInk{1, 1, 1, 0.9};
+
+double width_mm(const ScanPlane& plane) {
+  return plane.columns * plane.spacing_mm.x();
+}
+double height_mm(const ScanPlane& plane) {
+  return plane.rows * plane.spacing_mm.y();
+}
+
+/// One plane and where it stands in the picture.
+struct Panel {
+  const ScanPlane& plane;
+  double px_per_mm;
+  int x, y, width, height;
+
+  /// Pixels of the centre of a column and row.
+  [[nodiscard]] double px_x(double column) const { return x + (column + 0.5) * plane.spacing_mm.x() * px_per_mm; }
+  [[nodiscard]] double px_y(double row) const { return y + (row + 0.5) * plane.spacing_mm.y() * px_per_mm; }
+};
+
+std::vector<Panel> panels_of(const std::vector<ScanPlane>& planes) {
+  double all_mm = 0, tallest_mm = 0;
+  for (const ScanPlane& plane : planes) {
+    all_mm += width_mm(plane);
+    tallest_mm = std::max(tallest_mm, height_mm(plane));
+  }
+  const double room_px = kWidth_px - kGap_px * (static_cast<double>(planes.size()) + 1);
+  const double scale = std::min(room_px / all_mm, (kMostHeight_px - kHead_px - kFoot_px) / tallest_mm);
+  std::vector<Panel> out;
+  double x = kGap_px + 0.5 * (room_px - scale * all_mm);
+  for (const ScanPlane& plane : planes) {
+    const int width = std::max(1, static_cast<int>(scale * width_mm(plane)));
+    const int height = std::max(1, static_cast<int>(scale * height_mm(plane)));
+    out.push_back({plane, scale, static_cast<int>(x), kHead_px, width, height});
+    x += width + kGap_px;
+  }
+  return out;
+}
+
+/// HU between the centres of four voxels.
+double hu_at(const ScanPlane& plane, double column, double row) {
+  const double c = std::clamp(column, 0.0, plane.columns - 1.0), r = std::clamp(row, 0.0, plane.rows - 1.0);
+  const int c0 = static_cast<int>(c), r0 = static_cast<int>(r);
+  const int c1 = std::min(c0 + 1, plane.columns - 1), r1 = std::min(r0 + 1, plane.rows - 1);
+  const double u = c - c0, v = r - r0;
+  const auto hu = [&](int i, int j) { return double{plane.hu[plane.at(i, j)]}; };
+  return (1 - v) * ((1 - u) * hu(c0, r0) + u * hu(c1, r0)) + v * ((1 - u) * hu(c0, r1) + u * hu(c1, r1));
+}
+
+void paint(const Panel& panel, PixelImage& image) {
+  const ScanPlane& plane = panel.plane;
+  parallel_items(static_cast<std::size_t>(panel.height), [&](std::size_t line) {
+    const double row = (static_cast<double>(line) + 0.5) / (panel.px_per_mm * plane.spacing_mm.y()) - 0.5;
+    const std::size_t start = (static_cast<std::size_t>(panel.y) + line) * static_cast<std::size_t>(image.width_px);
+    for (int i = 0; i < panel.width; ++i) {
+      const double column = (i + 0.5) / (panel.px_per_mm * plane.spacing_mm.x()) - 0.5;
+      const double bright = (hu_at(plane, column, row) - kBlack_hu) / (kWhite_hu - kBlack_hu);
+      const auto gray = static_cast<std::uint32_t>(std::lround(255 * std::clamp(bright, 0.0, 1.0)));
+      image.pixels[start + static_cast<std::size_t>(panel.x + i)] = 0xff000000U | gray << 16 | gray << 8 | gray;
+    }
+  });
+}
+
+/// Where the field's zero crosses the square between four voxel centres (marching squares).
+void outline_square(const Canvas& canvas, const Panel& panel, int column, int row) {
+  constexpr std::array<std::array<int, 2>, 4> kCorner{{{0, 0}, {1, 0}, {1, 1}, {0, 1}}};
+  const ScanPlane& plane = panel.plane;
+  std::array<double, 4> value{};
+  for (std::size_t i = 0; i < 4; ++i) {
+    value[i] = double{plane.field[plane.at(column + kCorner[i][0], row + kCorner[i][1])]};
+  }
+  std::array<Vec2, 4> crossing;
+  std::size_t crossings = 0;
+  for (std::size_t i = 0; i < 4; ++i) {
+    const std::size_t next = (i + 1) % 4;
+    if ((value[i] > 0) == (value[next] > 0)) continue;
+    const double share = value[i] / (value[i] - value[next]);
+    const Vec2 a(column + kCorner[i][0], row + kCorner[i][1]), b(column + kCorner[next][0], row + kCorner[next][1]);
+    crossing[crossings++] = a + share * (b - a);
+  }
+  // With four crossings the middle decides which two corners hang together.
+  const double middle = value[0] + value[1] + value[2] + value[3];
+  const std::size_t shift = crossings == 4 && (middle > 0) == (value[0] > 0) ? 1 : 0;
+  for (std::size_t i = 0; i + 1 < crossings; i += 2) {
+    const Vec2 &from = crossing[(i + shift) % crossings], &to = crossing[(i + shift + 1) % crossings];
+    cairo_move_to(canvas.get(), panel.px_x(from.x()), panel.px_y(from.y()));
+    cairo_line_to(canvas.get(), panel.px_x(to.x()), panel.px_y(to.y()));
+  }
+}
+
+void outline(const Canvas& canvas, const Panel& panel) {
+  canvas.ink(kOutlineInk);
+  cairo_set_line_width(canvas.get(), kOutline_px);
+  cairo_set_line_cap(canvas.get(), CAIRO_LINE_CAP_ROUND);
+  for (int row = 0; row + 1 < panel.plane.rows; ++row) {
+    for (int column = 0; column + 1 < panel.plane.columns; ++column) outline_square(canvas, panel, column, row);
+  }
+  cairo_stroke(canvas.get());
+}
+
+/// A ring about the point that the planes share.
+void mark(const Canvas& canvas, const Panel& panel) {
+  constexpr double kRadius_px = 7;
+  canvas.ink(kMarkInk);
+  cairo_set_line_width(canvas.get(), 2.5);
+  cairo_arc(canvas.get(), panel.px_x(panel.plane.through.x()), panel.px_y(panel.plane.through.y()), kRadius_px, 0,
+            2 * M_PI);
+  cairo_stroke(canvas.get());
+}
+
+void letter(const Canvas& canvas, const Panel& panel) {
+  canvas.ink(kInk);
+  TextLine(canvas, panel.plane.name, kText_px, true).draw(panel.x, panel.y - 32);
+  canvas.ink(kLetterInk);
+  const TextLine left(canvas, panel.plane.left, kText_px), right(canvas, panel.plane.right, kText_px);
+  const TextLine top(canvas, panel.plane.top, kText_px), bottom(canvas, panel.plane.bottom, kText_px);
+  const double middle_x = panel.x + 0.5 * panel.width, middle_y = panel.y + 0.5 * (panel.height - left.height);
+  left.draw(panel.x + 6, middle_y);
+  right.draw(panel.x + panel.width - right.width - 6, middle_y);
+  top.draw(middle_x - 0.5 * top.width, panel.y + 4);
+  bottom.draw(middle_x - 0.5 * bottom.width, panel.y + panel.height - bottom.height - 4);
+}
+
+std::string legend_of(const Segmentation& segmentation) {
+  const Vec3& p = segmentation.planes_through_mm;
+  char text[200];
+  std::snprintf(text, sizeof text, "outline: segmented bone (%s); ring: %s, LPS (%.1f, %.1f, %.1f) mm",
+                segmentation.method == "label_map" ? "label map" : "threshold",
+                segmentation.by_seed ? "the seed" : "where the planes meet", p.x(), p.y(), p.z());
+  return text;
+}
+
+void draw_foot(const Canvas& canvas, const Panel& panel, const std::string& legend, int height_px) {
+  const double bar_mm = round_down(200 / panel.px_per_mm), bar_px = bar_mm * panel.px_per_mm;
+  const double y = height_px - 0.5 * kFoot_px;
+  canvas.ink(kInk);
+  cairo_rectangle(canvas.get(), kGap_px, y, bar_px, 4);
+  cairo_fill(canvas.get());
+  char text[32];
+  std::snprintf(text, sizeof text, "%g mm", bar_mm);
+  const TextLine length(canvas, text, kText_px);
+  length.draw(kGap_px + bar_px + 12, y + 2 - 0.5 * length.height);
+  const TextLine words(canvas, legend, kText_px);
+  words.draw(kWidth_px - kGap_px - words.width, y + 2 - 0.5 * words.height);
+}
+
+}  // namespace
+
+void write_segmentation_picture(const std::string& dir, const Segmentation& segmentation) {
+  if (segmentation.planes.empty()) return;
+  const std::vector<Panel> panels = panels_of(segmentation.planes);
+  int tallest = 0;
+  for (const Panel& panel : panels) tallest = std::max(tallest, panel.height);
+  PixelImage image = plain_image(kWidth_px, kHead_px + tallest + kFoot_px, kPaperRgb);
+  for (const Panel& panel : panels) paint(panel, image);
+  const Canvas canvas(image);
+  for (const Panel& panel : panels) {
+    outline(canvas, panel);
+    mark(canvas, panel);
+    letter(canvas, panel);
+  }
+  draw_foot(canvas, panels.front(), legend_of(segmentation), image.height_px);
+  canvas.finish();
+  write_png(dir + "/segmentation.png", image);
+}
+
+}  // namespace reamsim

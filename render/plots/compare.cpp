@@ -1,0 +1,141 @@
+#include "render/plots/compare.h"
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <limits>
+#include <map>
+#include <nlohmann/json.hpp>
+
+#include "render/plots/gnuplot.h"
+#include "render/plots/plots.h"
+#include "sim/base/error.h"
+#include "sim/record/force_log.h"
+
+namespace reamsim {
+
+namespace embedded {
+extern const char* const compare_script;
+}
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+
+Json read_summary(const std::string& path) {
+  std::ifstream in(path, std::ios::binary);
+  if (!in) throw InputError({path, 0, 0}, "", "cannot be read", "expected the results folder of a finished run");
+  const Json summary = Json::parse(in, nullptr, false);
+  if (!summary.is_object() || !summary.contains("removed_mm3") || !summary.contains("forces")) {
+    throw InputError({path, 0, 0}, "", "damaged, or no summary of a run", "expected what `reamsim run` wrote");
+  }
+  return summary;
+}
+
+/// Calls visit(key, number) for every number below `json`.
+template <class Visit>
+void for_each_number(const Json& json, const std::string& key, const Visit& visit) {
+  if (json.is_number()) visit(key, json.get<double>());
+  if (!json.is_structured()) return;
+  std::size_t place = 0;
+  for (const auto& [name, value] : json.items()) {
+    const std::string below = json.is_array() ? key + "[" + std::to_string(place++) + "]"
+                              : key.empty()   ? name
+                                              : key + "." + name;
+    for_each_number(value, below, visit);
+  }
+}
+
+/// "a, ""b""" in quotes, where a CSV needs them.
+std::string cell(const std::string& text) {
+  if (text.find_first_of(",\"\n") == std::string::npos) return text;
+  std::string out = "\"";
+  for (const char c : text) out += c == '"' ? std::string("\"\"") : std::string(1, c);
+  return out + "\"";
+}
+
+std::string number_cell(double value) {
+  return std::isfinite(value) ? shortest_text(value) : std::string();
+}
+
+std::string metrics_csv(const std::vector<ComparedRun>& runs, const std::vector<ComparedMetric>& metrics) {
+  std::string out = "metric,run,value,difference,relative_difference\n";
+  for (const ComparedMetric& metric : metrics) {
+    for (std::size_t i = 0; i < runs.size(); ++i) {
+      out += metric.key + "," + cell(runs[i].label) + "," + number_cell(metric.values[i]) + "," +
+             number_cell(metric.difference(i)) + "," + number_cell(metric.relative(i)) + "\n";
+    }
+  }
+  return out;
+}
+
+/// Frames with less force than this share of the greatest say nothing over depth: a tooth may graze bone on the way
+/// out.
+constexpr double kLeastForce = 0.01;
+
+double greatest_axial_n(const ForceLog& log) {
+  double most = 0;
+  for (const ForceRow& row : log.rows) most = std::max(most, std::abs(row.layer_axial_force_n));
+  return most;
+}
+
+/// The curves of all runs, thinned to what a plot can show.
+std::string curves_csv(const std::vector<ComparedRun>& runs) {
+  constexpr std::size_t kMostPoints = 3000;
+  std::string out = "run,time_s,depth_mm,contact,axial_force_n,spin_torque_nmm,removed_mm3\n";
+  for (std::size_t r = 0; r < runs.size(); ++r) {
+    ForceLog log = read_force_log(runs[r].dir + "/forces.csv");
+    add_layer_means(log, runs[r].mean_travel_mm);
+    const double least_n = kLeastForce * greatest_axial_n(log);
+    const std::size_t step = 1 + log.rows.size() / kMostPoints;
+    for (std::size_t i = 0; i < log.rows.size(); i += step) {
+      const ForceRow& row = log.rows[i];
+      const ForceRow& middle = log.rows[i - row.layer_frames / 2];
+      const bool contact = std::abs(row.layer_axial_force_n) > least_n;
+      out += std::to_string(r + 1);
+      for (const double value : {middle.time_s, middle.depth_mm, contact ? 1.0 : 0.0, row.layer_axial_force_n,
+                                 row.layer_spin_torque_nmm, middle.removed_mm3}) {
+        out += "," + shortest_text(value);
+      }
+      out += "\n";
+    }
+  }
+  return out;
+}
+
+std::string labels_block(const std::vector<ComparedRun>& runs) {
+  std::string out = "runs = " + std::to_string(runs.size()) + "\narray label[runs] = [";
+  for (std::size_t i = 0; i < runs.size(); ++i) out += (i == 0 ? "" : ", ") + gnuplot_string(runs[i].label);
+  return out + "]\n\n";
+}
+
+}  // namespace
+
+double ComparedMetric::relative(std::size_t i) const {
+  return values[0] == 0 ? kNone : difference(i) / std::abs(values[0]);
+}
+
+std::vector<ComparedMetric> compare_summaries(const std::vector<ComparedRun>& runs) {
+  std::vector<ComparedMetric> out;
+  std::map<std::string, std::size_t> places;
+  for (std::size_t i = 0; i < runs.size(); ++i) {
+    for_each_number(read_summary(runs[i].dir + "/summary.json"), "", [&](const std::string& key, double value) {
+      const auto [found, is_new] = places.try_emplace(key, out.size());
+      if (is_new) out.push_back({key, std::vector<double>(runs.size(), kNone)});
+      out[found->second].values[i] = value;
+    });
+  }
+  return out;
+}
+
+void write_comparison(const std::string& dir, const std::vector<ComparedRun>& runs,
+                      const std::vector<ComparedMetric>& metrics) {
+  const std::string curves = curves_csv(runs);
+  write_text_file(dir + "/compare.csv", metrics_csv(runs, metrics));
+  write_text_file(dir + "/curves.csv", curves);
+  draw_plot(dir, "compare", labels_block(runs), embedded::compare_script);
+}
+
+}  // namespace reamsim

@@ -1,0 +1,119 @@
+#include "render/plots/plots.h"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include "render/plots/gnuplot.h"
+#include "sim/base/csv.h"
+#include "sim/base/error.h"
+#include "sim/record/force_log.h"
+
+namespace reamsim {
+
+namespace embedded {
+extern const char* const plot_style;
+extern const char* const plot_script;
+extern const char* const depth_plot_script;
+extern const char* const energy_plot_script;
+}  // namespace embedded
+
+namespace {
+
+/// What cutting has taken from the start to each row, mJ.
+std::vector<double> cutting_energy(const std::string& path) {
+  constexpr std::array<std::string_view, 1> kName{"energy_mj"};
+  CsvTable table(path, kName, "the forces.csv of a run");
+  std::vector<double> out;
+  double sum_mj = 0;
+  for (std::vector<double> values; table.next(values);) out.push_back(sum_mj += values[0]);
+  return out;
+}
+
+/// W, over the last `frames` frames up to row `i`.
+double mean_power_w(const ForceLog& log, const std::vector<double>& energy_mj, std::size_t i, std::size_t frames) {
+  const std::size_t first = i - std::min(i, frames);
+  const double time_s = log.rows[i].time_s - log.rows[first].time_s;
+  return time_s > 0 ? (energy_mj[i] - energy_mj[first]) / time_s / 1000 : 0;
+}
+
+/// A gnuplot data block with the means over a voxel of travel, thinned to what a plot can show.
+std::string mean_block(const ForceLog& log, const std::vector<double>& energy_mj, double travel_mm) {
+  constexpr std::size_t kMostPoints = 2000;
+  const std::size_t step = 1 + log.rows.size() / kMostPoints;
+  const Headline run = headline_of(log, travel_mm > 0);
+  std::ostringstream out;
+  out << "# What stands first of this run, as in its pictures, summary.json and report\n"
+      << "headline_force = " << gnuplot_string(run.force_name() + " " + run.force_text() + " N") << '\n'
+      << "headline_torque = " << gnuplot_string(run.torque_name() + " " + run.torque_text() + " N·mm") << '\n'
+      << "headline_depth = " << gnuplot_string(std::string(Headline::kDepthName) + " " + run.depth_text() + " mm")
+      << "\n\n"
+      << "# Means over the last " << travel_mm
+      << " mm of travel (0: every frame for itself): time (s), axial force (N), spin torque (N·mm), depth (mm), "
+         "cutting "
+         "power (W)\n"
+      << "travel_mm = " << travel_mm << "\n$mean << END\n";
+  for (std::size_t i = 0; i < log.rows.size(); i += step) {
+    const ForceRow& row = log.rows[i];
+    // A mean stands in the middle of the frames that it is over.
+    const ForceRow& middle = log.rows[i - row.layer_frames / 2];
+    out << middle.time_s << ',' << row.layer_axial_force_n << ',' << row.layer_spin_torque_nmm << ',' << middle.depth_mm
+        << ',' << mean_power_w(log, energy_mj, i, std::max(step, row.layer_frames)) << '\n';
+  }
+  out << "END\n\n";
+  return out.str();
+}
+
+/// The data that all plots over time and depth begin with.
+std::string means_of(const std::string& dir, double mean_travel_mm) {
+  ForceLog log = read_force_log(dir + "/forces.csv");
+  add_layer_means(log, mean_travel_mm);
+  return mean_block(log, cutting_energy(dir + "/forces.csv"), mean_travel_mm);
+}
+
+}  // namespace
+
+void write_text_file(const std::string& path, const std::string& text) {
+  std::error_code error;
+  std::filesystem::create_directories(std::filesystem::path(path).parent_path(), error);
+  std::ofstream out(path, std::ios::binary);
+  out << text;
+  out.close();
+  if (!out) throw RunError(path + ": cannot be written; is the disk full or the folder read-only?");
+}
+
+std::string shortest_text(double value) {
+  std::array<char, 32> text;
+  const auto end = std::to_chars(text.data(), text.data() + text.size(), value).ptr;
+  return {text.data(), end};
+}
+
+void draw_plot(const std::string& dir, const std::string& name, const std::string& data, const char* script) {
+  const std::string head = "# Makes " + name +
+                           ".png, .svg and .pdf. Change what you like, and run it again in the folder of the "
+                           "results:\n# gnuplot " +
+                           name + ".gp\n\n";
+  std::error_code error;
+  std::filesystem::create_directories(std::filesystem::path(dir + "/" + name).parent_path(), error);
+  run_gnuplot(dir, name + ".gp", head + data + embedded::plot_style + script,
+              {name + ".png", name + ".svg", name + ".pdf"});
+}
+
+double averaged_travel_mm(const CuttingSettings& cutting, double voxel_mm) {
+  return cutting.erosion == "exact" ? 0 : voxel_mm;
+}
+
+void write_force_plots(const std::string& dir, double mean_travel_mm) {
+  draw_plot(dir, "forces", means_of(dir, mean_travel_mm), embedded::plot_script);
+}
+
+void write_depth_and_energy_plots(const std::string& dir, double mean_travel_mm) {
+  const std::string means = means_of(dir, mean_travel_mm);
+  draw_plot(dir, "plots/forces_depth", means, embedded::depth_plot_script);
+  draw_plot(dir, "plots/energy", means, embedded::energy_plot_script);
+}
+
+}  // namespace reamsim

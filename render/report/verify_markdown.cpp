@@ -1,0 +1,136 @@
+#include <cmath>
+#include <cstdio>
+
+#include "render/report/verify_report.h"
+
+namespace reamsim {
+
+namespace {
+
+using verify::CaseFindings;
+using verify::Check;
+using verify::Findings;
+using verify::Ladder;
+using verify::Measure;
+
+std::string number(const char* pattern, double value) {
+  char text[64];
+  std::snprintf(text, sizeof text, pattern, value);
+  return text;
+}
+
+std::string row(const std::vector<std::string>& cells) {
+  std::string out = "|";
+  for (const std::string& cell : cells) out += " " + cell + " |";
+  return out + "\n";
+}
+
+std::string head(const std::vector<std::string>& cells) {
+  std::string rule = "|";
+  for (std::size_t i = 0; i < cells.size(); ++i) rule += "---|";
+  return row(cells) + rule + "\n";
+}
+
+std::string with_unit(const std::string& quantity, const std::string& unit) {
+  return unit.empty() ? quantity : quantity + ", " + unit;
+}
+
+/// A relative error as a percentage; one that has a sign with its sign.
+std::string percent(double share, bool has_sign = true) {
+  return number(has_sign ? "%+.2g" : "%.2g", 100 * share) + " %";
+}
+
+std::string error_text(const verify::Level& level) {
+  if (!level.error) return "–";
+  return level.runs > 1 ? "RMS " + percent(*level.error, false) : percent(*level.error);
+}
+
+std::string expected_text(const Check& check) {
+  switch (check.measure) {
+    case Measure::at_least:
+      return "≥ " + number("%.6g", check.expected);
+    case Measure::at_most:
+      return "≤ " + number("%.6g", check.expected);
+    case Measure::reported:
+      return "–";
+    default:
+      return number("%.8g", check.expected);
+  }
+}
+
+std::string error_text(const Check& check) {
+  if (check.measure == Measure::relative) return percent(check.error());
+  return check.measure == Measure::absolute ? number("%.2g", check.error()) : "–";
+}
+
+std::string tolerance_text(const Check& check) {
+  if (check.measure == Measure::relative) return "±" + number("%.2g", 100 * check.tolerance) + " %";
+  return check.measure == Measure::absolute ? "±" + number("%.2g", check.tolerance) : "–";
+}
+
+std::string verdict(const Check& check) {
+  if (check.measure == Measure::reported) return "–";
+  return check.passed() ? "pass" : "**FAIL**";
+}
+
+std::string checks_table(const CaseFindings& findings) {
+  std::string out = head({"figure", "closed form or bar", "result", "error", "tolerance", "", "why this tolerance"});
+  for (const Check& check : findings.checks) {
+    out += row({with_unit(check.quantity, check.unit), expected_text(check), number("%.8g", check.found),
+                error_text(check), tolerance_text(check), verdict(check), check.reason});
+  }
+  return out + "\n";
+}
+
+std::string order_text(const std::optional<double>& order) {
+  return order ? number("%.2f", *order) : "none";
+}
+
+std::string ladder_table(const Ladder& ladder) {
+  std::string out = head({ladder.step, with_unit(ladder.quantity, ladder.unit), "closed form", "error", "runs"});
+  for (const verify::Level& level : ladder.levels) {
+    out +=
+        row({number("%g", level.step), number("%.8g", level.found),
+             ladder.expected ? number("%.8g", *ladder.expected) : "–", error_text(level), std::to_string(level.runs)});
+  }
+  out += "\nOrder of the error: " + order_text(ladder.order) +
+         "; order from three levels alone: " + order_text(ladder.index.order) + "; grid convergence index " +
+         number("%.2g", 100 * ladder.index.share) + " % (safety factor " + number("%.2f", ladder.index.safety_factor) +
+         ").\n\n";
+  return out;
+}
+
+std::string summary_table(const Findings& findings) {
+  std::string out = head({"case", "", "figures", "failed"});
+  for (const CaseFindings& found : findings.cases) {
+    int failed = 0;
+    for (const Check& check : found.checks) failed += check.passed() ? 0 : 1;
+    out += row({"[" + found.title + "](#" + found.id + ")", found.passed() ? "pass" : "**FAIL**",
+                std::to_string(found.checks.size()), std::to_string(failed)});
+  }
+  return out + "\n";
+}
+
+}  // namespace
+
+std::string verification_markdown(const Findings& findings) {
+  std::string out = "# Verification of reamsim " REAMSIM_VERSION "\n\n";
+  out += std::string(findings.quick ? "Quick" : "Full") + " suite on " + findings.device + ", erosion `exact`: " +
+         (findings.passed() ? "every case passed" : std::to_string(findings.failed_checks()) + " figures FAILED") +
+         ". Took " + number("%.0f", findings.seconds) + " s.\n\n" + summary_table(findings);
+  out +=
+      "Errors are relative to the closed form unless they have a unit. The order of an error is its slope over the "
+      "step, both logarithmic, by least squares; \"none\" where it is no more than rounding. The order from three "
+      "levels knows no closed form; \"none\" where they do not converge monotonically. The grid convergence index is "
+      "Roache's, with that order, at most 2, and a safety factor of 1.25; without one, with order 2 and a factor of "
+      "3.\n\n![Errors under refinement](verification.png)\n\n";
+  for (const CaseFindings& found : findings.cases) {
+    out += "<a id=\"" + found.id + "\"></a>\n## " + found.title + "\n\nScene: " + found.scene +
+           ".\n\nClosed form: " + found.form + ".\n\n";
+    for (const Ladder& ladder : found.ladders) out += ladder_table(ladder);
+    out += checks_table(found);
+  }
+  return out;
+}
+
+}  // namespace reamsim

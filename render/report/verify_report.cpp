@@ -1,0 +1,145 @@
+#include "render/report/verify_report.h"
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "render/plots/gnuplot.h"
+#include "sim/base/error.h"
+
+namespace reamsim {
+
+namespace embedded {
+extern const char* const verify_plot_script;
+}
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+using verify::CaseFindings;
+using verify::Check;
+using verify::Findings;
+using verify::Ladder;
+using verify::Measure;
+
+const char* name_of(Measure measure) {
+  switch (measure) {
+    case Measure::relative:
+      return "relative";
+    case Measure::absolute:
+      return "absolute";
+    case Measure::at_least:
+      return "at_least";
+    case Measure::at_most:
+      return "at_most";
+    case Measure::reported:
+      return "reported";
+  }
+  return "";
+}
+
+Json or_null(const std::optional<double>& value) {
+  return value ? Json(*value) : Json(nullptr);
+}
+
+Json check_json(const Check& check) {
+  Json out{{"quantity", check.quantity}, {"unit", check.unit}, {"measure", name_of(check.measure)}};
+  out["expected"] = check.measure == Measure::reported ? Json(nullptr) : Json(check.expected);
+  out["found"] = check.found;
+  const bool toleranced = check.measure == Measure::relative || check.measure == Measure::absolute;
+  out["error"] = toleranced ? Json(check.error()) : Json(nullptr);
+  out["tolerance"] = toleranced ? Json(check.tolerance) : Json(nullptr);
+  out["reason"] = check.reason;
+  out["passed"] = check.passed();
+  return out;
+}
+
+Json ladder_json(const Ladder& ladder) {
+  Json out{{"quantity", ladder.quantity}, {"unit", ladder.unit}, {"step", ladder.step}};
+  out["expected"] = or_null(ladder.expected);
+  out["levels"] = Json::array();
+  for (const verify::Level& level : ladder.levels) {
+    out["levels"].push_back(
+        {{"step", level.step}, {"found", level.found}, {"error", or_null(level.error)}, {"runs", level.runs}});
+  }
+  out["order"] = or_null(ladder.order);
+  out["order_of_three"] = or_null(ladder.index.order);
+  out["grid_convergence_index"] = ladder.index.share;
+  out["safety_factor"] = ladder.index.safety_factor;
+  return out;
+}
+
+Json case_json(const CaseFindings& found) {
+  Json out{{"id", found.id}, {"title", found.title}, {"scene", found.scene}, {"closed_form", found.form}};
+  out["passed"] = found.passed();
+  out["seconds"] = found.seconds;
+  out["ladders"] = Json::array();
+  for (const Ladder& ladder : found.ladders) out["ladders"].push_back(ladder_json(ladder));
+  out["checks"] = Json::array();
+  for (const Check& check : found.checks) out["checks"].push_back(check_json(check));
+  return out;
+}
+
+/// Which panel of the figure shows a ladder: volumes, or loads.
+int panel_of(const Ladder& ladder) {
+  return ladder.unit.starts_with("mm³") ? 1 : 2;
+}
+
+/// The data that the script plots: a curve per ladder with a closed form, its errors in per cent.
+std::string plot_data(const Findings& findings) {
+  std::ostringstream data, names;
+  int curve = 0, places[2] = {0, 0};
+  // Place of a curve within its panel, which chooses its colour.
+  data << "# curve, panel, step, |error| in %\n$errors << END\n";
+  for (const CaseFindings& found : findings.cases) {
+    for (const Ladder& ladder : found.ladders) {
+      if (!ladder.expected) continue;
+      ++curve;
+      for (const verify::Level& level : ladder.levels) {
+        const double error = 100 * std::abs(level.error.value_or(0));
+        data << curve << ' ' << panel_of(ladder) << ' ' << level.step << ' ' << std::max(error, 1e-7) << '\n';
+      }
+      names << "name[" << curve << "] = " << gnuplot_string(found.title + ": " + ladder.quantity) << "\npanel[" << curve
+            << "] = " << panel_of(ladder) << "\nplace[" << curve << "] = " << ++places[panel_of(ladder) - 1] << '\n';
+    }
+  }
+  if (curve == 0) data << "0 0 1 1\n";
+  data << "END\ncurves = " << curve << "\narray curves_in[2] = [" << places[0] << ", " << places[1] << "]\n";
+  for (const char* array : {"name", "panel", "place"}) {
+    data << "array " << array << '[' << std::max(1, curve) << "]\n";
+  }
+  return data.str() + names.str() + "\n";
+}
+
+void write_text(const std::string& path, const std::string& text) {
+  std::ofstream out(path, std::ios::binary);
+  out << text;
+  out.close();
+  if (!out) throw RunError(path + ": cannot be written; is the disk full or the folder read-only?");
+}
+
+}  // namespace
+
+std::string verification_json(const Findings& findings) {
+  Json out;
+  out["program"] = "reamsim " REAMSIM_VERSION;
+  out["device"] = findings.device;
+  out["suite"] = findings.quick ? "quick" : "full";
+  out["passed"] = findings.passed();
+  out["failed_checks"] = findings.failed_checks();
+  out["seconds"] = findings.seconds;
+  out["cases"] = Json::array();
+  for (const CaseFindings& found : findings.cases) out["cases"].push_back(case_json(found));
+  return out.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+void write_verification(const std::string& dir, const Findings& findings) {
+  write_text(dir + "/verification.json", verification_json(findings));
+  write_text(dir + "/verification.md", verification_markdown(findings));
+  run_gnuplot(dir, "verification.gp", plot_data(findings) + embedded::verify_plot_script,
+              {"verification.png", "verification.svg"});
+}
+
+}  // namespace reamsim

@@ -1,0 +1,164 @@
+#include "render/surface/solid_field.h"
+
+#include <openvdb/tools/VolumeToMesh.h>
+
+#include <array>
+#include <cmath>
+#include <unordered_set>
+#include <utility>
+
+#include "sim/base/parallel.h"
+#include "sim/bone/vdb/vdb_grid.h"
+
+// OpenVDB's library holds this compiled; it takes a minute to compile again.
+extern template void openvdb::tools::VolumeToMesh::operator()(const openvdb::FloatGrid&);
+
+namespace reamsim {
+namespace {
+
+constexpr int kBrickSide = FillBricks::kSide;
+constexpr int kReach = 3;  // of the kernel: 2.5 standard deviations
+constexpr int kGathered = kBrickSide + 2 * kReach;
+constexpr float kAir = 0.5F;
+constexpr float kBone = -0.5F;
+
+using Kernel = std::array<float, 2 * kReach + 1>;
+using Leaf = openvdb::FloatTree::LeafNodeType;
+
+Kernel gaussian() {
+  Kernel kernel;
+  double sum = 0;
+  for (int i = -kReach; i <= kReach; ++i) {
+    sum += std::exp(-0.5 * i * i / (SolidField::kSmoothing_voxels * SolidField::kSmoothing_voxels));
+  }
+  for (int i = -kReach; i <= kReach; ++i) {
+    const double weight = std::exp(-0.5 * i * i / (SolidField::kSmoothing_voxels * SolidField::kSmoothing_voxels));
+    kernel[static_cast<std::size_t>(i + kReach)] = static_cast<float>(weight / sum);
+  }
+  return kernel;
+}
+
+/// Smooths along the slowest axis of a box of `rows` × `cells` values, and leaves `kBrickSide` of the `kGathered` rows.
+void smooth_rows(const Kernel& kernel, int cells, const float* in, float* out) {
+  for (int row = 0; row < kBrickSide; ++row) {
+    float* to = out + static_cast<std::ptrdiff_t>(row) * cells;
+    std::fill(to, to + cells, 0.0F);
+    for (int tap = 0; tap < static_cast<int>(kernel.size()); ++tap) {
+      const float* from = in + static_cast<std::ptrdiff_t>(row + tap) * cells;
+      const float weight = kernel[static_cast<std::size_t>(tap)];
+      for (int i = 0; i < cells; ++i) to[i] += weight * from[i];
+    }
+  }
+}
+
+/// The field of one brick.
+std::unique_ptr<Leaf> smoothed_leaf(const Occupancy& occupancy, const Kernel& kernel, const Vec3i& brick) {
+  std::array<float, kGathered * kGathered * kGathered> shares;
+  occupancy.gather(brick * kBrickSide - Vec3i::Constant(kReach), kGathered, shares.data());
+  std::array<float, kBrickSide * kGathered * kGathered> after_z;
+  smooth_rows(kernel, kGathered * kGathered, shares.data(), after_z.data());
+  std::array<float, kBrickSide * kBrickSide * kGathered> after_y;
+  for (int z = 0; z < kBrickSide; ++z) {
+    smooth_rows(kernel, kGathered, after_z.data() + z * kGathered * kGathered,
+                after_y.data() + z * kBrickSide * kGathered);
+  }
+  auto leaf = std::make_unique<Leaf>(
+      openvdb::Coord(brick.x() * kBrickSide, brick.y() * kBrickSide, brick.z() * kBrickSide), kAir, true);
+  for (int z = 0; z < kBrickSide; ++z) {
+    for (int y = 0; y < kBrickSide; ++y) {
+      std::array<float, kBrickSide> row;
+      smooth_rows(kernel, 1, after_y.data() + kGathered * (y + kBrickSide * z), row.data());
+      for (int x = 0; x < kBrickSide; ++x) {
+        leaf->setValueOnly(Leaf::coordToOffset(openvdb::Coord(x, y, z)), 0.5F - row[static_cast<std::size_t>(x)]);
+      }
+    }
+  }
+  return leaf;
+}
+
+/// What the 27 bricks round this one have in common, or kMixed.
+Occupancy::Kind neighbourhood(const Occupancy& occupancy, const Vec3i& brick) {
+  const Occupancy::Kind own = occupancy.kind(brick);
+  for (int z = -1; z <= 1; ++z) {
+    for (int y = -1; y <= 1; ++y) {
+      for (int x = -1; x <= 1; ++x) {
+        if (occupancy.kind(brick + Vec3i(x, y, z)) != own) return Occupancy::Kind::kMixed;
+      }
+    }
+  }
+  return own;
+}
+
+}  // namespace
+
+SolidField::SolidField(const Occupancy& occupancy) : grid_(make_float_grid(kAir)) {
+  // One brick round the bone: smoothing carries it a little beyond its own bricks, and the lattice.
+  compute(occupancy, occupancy.voxmap().grade.coords_around());
+}
+
+void SolidField::update(const Occupancy& occupancy, const std::vector<Vec3i>& bricks) {
+  std::vector<Vec3i> touched;
+  const Vec3i dims = occupancy.brick_dims() + Vec3i::Constant(2);
+  std::unordered_set<std::int64_t> seen;
+  for (const Vec3i& brick : bricks) {
+    for (int n = 0; n < 27; ++n) {
+      const Vec3i near = brick + Vec3i(n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1);
+      const Vec3i shifted = near + Vec3i::Ones();
+      const std::int64_t key =
+          shifted.x() + std::int64_t{dims.x()} * (shifted.y() + std::int64_t{dims.y()} * shifted.z());
+      if (seen.insert(key).second) touched.push_back(near);
+    }
+  }
+  compute(occupancy, touched);
+}
+
+void SolidField::compute(const Occupancy& occupancy, const std::vector<Vec3i>& bricks) {
+  std::vector<std::unique_ptr<Leaf>> leaves(bricks.size());
+  std::vector<Occupancy::Kind> kinds(bricks.size());
+  const Kernel kernel = gaussian();
+  parallel_items(bricks.size(), [&](std::size_t i) {
+    kinds[i] = neighbourhood(occupancy, bricks[i]);
+    if (kinds[i] == Occupancy::Kind::kMixed) leaves[i] = smoothed_leaf(occupancy, kernel, bricks[i]);
+  });
+  auto& tree = grid_->tree();
+  for (std::size_t i = 0; i < bricks.size(); ++i) {
+    const openvdb::Coord origin(bricks[i].x() * kBrickSide, bricks[i].y() * kBrickSide, bricks[i].z() * kBrickSide);
+    if (leaves[i]) {
+      tree.addLeaf(leaves[i].release());
+    } else {
+      tree.addTile(1, origin, kinds[i] == Occupancy::Kind::kFull ? kBone : kAir, false);
+    }
+  }
+}
+
+IsoSurface extract_surface(const openvdb::FloatGrid& field, double level, openvdb::BoolGrid::ConstPtr where) {
+  openvdb::tools::VolumeToMesh mesher(level, 0.0, false);
+  if (where) mesher.setSurfaceMask(std::move(where));
+  mesher(field);
+  IsoSurface out;
+  out.points.assign(mesher.pointList().get(), mesher.pointList().get() + mesher.pointListSize());
+  for (std::size_t pool = 0; pool < mesher.polygonPoolListSize(); ++pool) {
+    const auto& polygons = mesher.polygonPoolList()[pool];
+    for (std::size_t i = 0; i < polygons.numTriangles(); ++i) out.triangles.push_back(polygons.triangle(i));
+    for (std::size_t i = 0; i < polygons.numQuads(); ++i) {
+      const openvdb::Vec4I& q = polygons.quad(i);
+      // The shorter diagonal bends the surface less.
+      const bool first =
+          (out.points[q[0]] - out.points[q[2]]).lengthSqr() <= (out.points[q[1]] - out.points[q[3]]).lengthSqr();
+      out.triangles.push_back(first ? openvdb::Vec3I(q[0], q[1], q[2]) : openvdb::Vec3I(q[0], q[1], q[3]));
+      out.triangles.push_back(first ? openvdb::Vec3I(q[0], q[2], q[3]) : openvdb::Vec3I(q[1], q[2], q[3]));
+    }
+  }
+  return out;
+}
+
+std::vector<std::uint32_t> flat_indices(const IsoSurface& surface) {
+  std::vector<std::uint32_t> out;
+  out.reserve(surface.triangles.size() * 3);
+  for (const openvdb::Vec3I& triangle : surface.triangles) {
+    for (int corner = 0; corner < 3; ++corner) out.push_back(triangle[corner]);
+  }
+  return out;
+}
+
+}  // namespace reamsim

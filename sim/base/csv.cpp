@@ -1,0 +1,68 @@
+#include "sim/base/csv.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <limits>
+
+namespace reamsim {
+
+namespace {
+
+std::vector<std::string_view> split(std::string_view line) {
+  if (!line.empty() && line.back() == '\r') line.remove_suffix(1);
+  std::vector<std::string_view> cells;
+  for (;;) {
+    const std::size_t comma = line.find(',');
+    cells.push_back(line.substr(0, comma));
+    if (comma == std::string_view::npos) return cells;
+    line.remove_prefix(comma + 1);
+  }
+}
+
+double number(const SourceLocation& where, std::string_view name, std::string_view cell) {
+  double value = 0;
+  const auto [end, error] = std::from_chars(cell.data(), cell.data() + cell.size(), value);
+  if (error != std::errc() || end != cell.data() + cell.size() || !std::isfinite(value)) {
+    throw InputError(where, std::string(name), "found '" + std::string(cell.substr(0, 40)) + "'",
+                     "expected a finite number");
+  }
+  return value;
+}
+
+}  // namespace
+
+CsvTable::CsvTable(const std::string& path, std::span<const std::string_view> names, std::string expected)
+    : path_(path), names_(names.begin(), names.end()), in_(path, std::ios::binary) {
+  std::string header;
+  if (!in_ || !std::getline(in_, header)) throw InputError({path, 0, 0}, "", "cannot be read", expected);
+  const auto found_names = split(header);
+  for (const std::string_view name : names_) {
+    const auto found = std::find(found_names.begin(), found_names.end(), name);
+    if (found == found_names.end()) throw InputError({path, 1, 0}, std::string(name), "no such column", expected);
+    places_.push_back(static_cast<std::size_t>(found - found_names.begin()));
+  }
+}
+
+bool CsvTable::next(std::vector<double>& values, std::string_view may_be_empty) {
+  std::string line;
+  do {
+    if (!std::getline(in_, line)) return false;
+    ++line_;
+  } while (line.empty());
+  const auto cells = split(line);
+  values.clear();
+  for (std::size_t i = 0; i < names_.size(); ++i) {
+    if (places_[i] >= cells.size()) {
+      throw InputError(where(), std::string(names_[i]),
+                       "the line ends after " + std::to_string(cells.size()) + " cells",
+                       "expected as many as in the header");
+    }
+    const std::string_view cell = cells[places_[i]];
+    const bool empty = cell.empty() && names_[i] == may_be_empty;
+    values.push_back(empty ? std::numeric_limits<double>::quiet_NaN() : number(where(), names_[i], cell));
+  }
+  return true;
+}
+
+}  // namespace reamsim

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "sim/bone/voxmap/voxmap.h"
+#include "sim/scenario/scenario.h"
+
+namespace reamsim {
+
+/// Which voxels went when: (voxel index, frame), unordered.
+using RemovedFrames = std::vector<std::pair<std::int64_t, std::int32_t>>;
+
+/// Text metadata: (name, value).
+using Metadata = std::vector<std::pair<std::string, std::string>>;
+
+/// Writes FloatGrids `density`, `fill`, `surface`, `removed_frame` (design §6) with an isotropic transform in mm, index
+/// (0,0,0) at the centre of voxel (0,0,0). Throws RunError when the file cannot be written.
+void write_bone_vdb(const std::string& path, const Voxmap& voxmap, const RemovedFrames& removed,
+                    const Metadata& metadata);
+
+/// What a VDB says of the bone's anatomy, in B.
+struct StoredAnatomy {
+  std::optional<GlenoidFrame> glenoid;
+  std::optional<LandmarkSettings> landmarks;
+  std::string side;  ///< left | right | "" where it is not known
+};
+
+/// The same as text metadata, for write_bone_vdb(): `bone_side`, `bone_from_glenoid`, `scapula_landmarks_mm`.
+Metadata metadata_of(const StoredAnatomy& anatomy);
+
+struct StoredBone {
+  Voxmap voxmap;
+  StoredAnatomy anatomy;
+};
+
+/// Reads `density`, `fill` and the anatomy back. Throws as read_bone_vdb(), and InputError for an anatomy that is
+/// damaged.
+StoredBone read_stored_bone(const std::string& path);
+
+/// Reads `density` and `fill` back. Throws InputError: no such file, truncated, no such grid, not isotropic, absurdly
+/// large.
+Voxmap read_bone_vdb(const std::string& path);
+
+}  // namespace reamsim

@@ -1,0 +1,210 @@
+#include <openvdb/openvdb.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "sim/base/error.h"
+#include "sim/bone/vdb/bone_vdb.h"
+#include "sim/bone/vdb/bone_vdb_keys.h"
+#include "sim/bone/vdb/stored_anatomy.h"
+#include "sim/bone/vdb/vdb_archive.h"
+#include "sim/bone/voxmap/lattice.h"
+
+namespace reamsim {
+
+namespace {
+
+[[noreturn]] void fail_reading(const std::string& path, const std::string& found, const std::string& expected) {
+  throw InputError({path, 0, 0}, "", found, expected);
+}
+
+template <class T>
+std::optional<T> value_of(const openvdb::FloatGrid& grid, const char* name) {
+  const auto entry = grid.getMetadata<openvdb::TypedMetadata<T>>(name);
+  return entry ? std::optional<T>(entry->value()) : std::nullopt;
+}
+
+/// Edge length of a voxel, mm; InputError unless index axes are bone axes and voxels are cubes.
+double checked_voxel(const std::string& path, const openvdb::FloatGrid& grid) {
+  const std::string expected = "expected cubic voxels along the axes (a uniform scale and a translation)";
+  if (!grid.transform().isLinear()) fail_reading(path, "a grid with a perspective transform", expected);
+  const openvdb::math::Mat4d matrix = grid.transform().baseMap()->getAffineMap()->getMat4();
+  const double voxel_mm = matrix(0, 0);
+  if (!std::isfinite(voxel_mm) || voxel_mm <= 0)
+    fail_reading(path, "a grid that is mirrored, rotated or without size", expected);
+  for (int row = 0; row < 3; ++row) {
+    for (int column = 0; column < 3; ++column) {
+      const double wanted = row == column ? voxel_mm : 0;
+      if (std::abs(matrix(row, column) - wanted) <= 1e-6 * voxel_mm) continue;
+      fail_reading(path, row == column ? "a grid whose voxels are no cubes" : "a grid that is rotated or sheared",
+                   expected);
+    }
+    if (!std::isfinite(matrix(3, row))) fail_reading(path, "a grid that is nowhere", expected);
+  }
+  return voxel_mm;
+}
+
+/// A lattice and the index that its voxel (0,0,0) has in the grids.
+struct Placement {
+  VoxelGrid lattice;
+  openvdb::Coord first;
+};
+
+/// The lattice that reamsim wrote into the metadata; nullopt for another program's grid.
+std::optional<Placement> lattice_from_metadata(const openvdb::FloatGrid& grid) {
+  const auto dims = value_of<openvdb::Vec3i>(grid, vdb_keys::kDims);
+  const auto origin = value_of<openvdb::Vec3d>(grid, vdb_keys::kOrigin);
+  const auto voxel_mm = value_of<double>(grid, vdb_keys::kVoxel);
+  if (!dims || !origin || !voxel_mm) return std::nullopt;
+  Placement out;
+  out.lattice.dims = {dims->x(), dims->y(), dims->z()};
+  out.lattice.origin_mm = {origin->x(), origin->y(), origin->z()};
+  out.lattice.voxel_mm = *voxel_mm;
+  return out;
+}
+
+Placement lattice_from_voxels(const openvdb::FloatGrid& grid, const openvdb::CoordBBox& active, double voxel_mm) {
+  Placement out;
+  out.first = active.min();
+  const openvdb::Coord size = active.dim();
+  out.lattice.dims = {size.x(), size.y(), size.z()};
+  out.lattice.voxel_mm = voxel_mm;
+  const openvdb::Vec3d corner = grid.indexToWorld(active.min().asVec3d() - openvdb::Vec3d(0.5));
+  out.lattice.origin_mm = {corner.x(), corner.y(), corner.z()};
+  return out;
+}
+
+/// The most that bricks with bone can take of a lattice of `voxels`: a leaf may lie across eight bricks.
+double bone_share(const openvdb::FloatGrid& density, double voxels) {
+  constexpr double kAcross = 8;
+  const double in_leaves = static_cast<double>(density.tree().leafCount()) * GradeBricks::kVoxels;
+  const double in_tiles = static_cast<double>(density.activeVoxelCount());
+  return std::min(1.0, (kAcross * in_leaves + in_tiles) / voxels);
+}
+
+/// Checked before anything of its size is allocated.
+Placement checked_placement(const std::string& path, const openvdb::FloatGrid& density) {
+  const double voxel_mm = checked_voxel(path, density);
+  const openvdb::CoordBBox active = density.evalActiveVoxelBoundingBox();
+  if (active.empty()) fail_reading(path, "a grid \"density\" without active voxels", "expected bone");
+  Eigen::Array3d dims;
+  for (int axis = 0; axis < 3; ++axis) dims[axis] = 1.0 + active.max()[axis] - 1.0 * active.min()[axis];
+  check_lattice(path, dims, voxel_mm, {.bone_share = bone_share(density, dims.prod())});
+
+  const std::optional<Placement> written = lattice_from_metadata(density);
+  if (!written) return lattice_from_voxels(density, active, voxel_mm);
+  const VoxelGrid& lattice = written->lattice;
+  const Eigen::Array3d size = lattice.dims.cast<double>().array();
+  check_lattice(path, size, voxel_mm, {.bone_share = bone_share(density, size.prod())});
+  const openvdb::Vec3d corner = density.indexToWorld(openvdb::Vec3d(-0.5));
+  const double shift_mm = (lattice.origin_mm - Vec3(corner.x(), corner.y(), corner.z())).norm();
+  const openvdb::CoordBBox whole({0, 0, 0}, {lattice.dims.x() - 1, lattice.dims.y() - 1, lattice.dims.z() - 1});
+  const bool same = std::abs(lattice.voxel_mm - voxel_mm) <= 1e-6 * voxel_mm && shift_mm <= 1e-3 * voxel_mm;
+  if ((lattice.dims.array() < 1).any() || !whole.isInside(active) || !same) {
+    fail_reading(path, "a lattice in the metadata that contradicts the grid",
+                 "expected the metadata that reamsim wrote");
+  }
+  return *written;
+}
+
+void read_grades(const std::string& path, const openvdb::FloatGrid& density, const openvdb::Coord& first,
+                 Voxmap& voxmap) {
+  for (auto value = density.cbeginValueOn(); value; ++value) {
+    if (!std::isfinite(*value)) fail_reading(path, "a density that is NaN or infinite", "expected g/cm^3");
+    if (*value <= 0) continue;
+    const std::uint8_t grade =
+        DensityMapping::grade_from_density(std::min(double{*value}, DensityMapping::kMaxDensity_g_cm3));
+    openvdb::CoordBBox box;
+    value.getBoundingBox(box);
+    box.translate(openvdb::Coord() - first);
+    for (auto c = box.begin(); c; ++c) {
+      voxmap.grade.set({(*c).x(), (*c).y(), (*c).z()}, grade);
+    }
+  }
+}
+
+void read_fill(const std::string& path, const openvdb::FloatGrid& fill, const openvdb::Coord& first, Voxmap& voxmap) {
+  auto read = fill.getConstAccessor();
+  voxmap.grade.for_each_brick([&](const Vec3i& coord, const GradeBricks::Brick& grades) {
+    for (int offset = 0; offset < GradeBricks::kVoxels; ++offset) {
+      if (grades[static_cast<std::size_t>(offset)] == 0) continue;
+      const Vec3i voxel = BrickLattice::voxel_at(coord, offset);
+      const float value = read.getValue(first.offsetBy(voxel.x(), voxel.y(), voxel.z()));
+      if (!(value >= 0 && value <= 1))
+        fail_reading(path, "a fill outside 0 to 1", "expected the share that is still bone");
+      voxmap.fill.set(voxel, static_cast<std::uint16_t>(std::lround(double{value} * FillBricks::kWhole)));
+    }
+  });
+}
+
+/// For messages and pictures: printable, short.
+std::string frame_name(const openvdb::FloatGrid& density) {
+  const std::string name = value_of<std::string>(density, vdb_keys::kFrame).value_or("unknown");
+  const bool plain =
+      name.size() <= 64 && std::all_of(name.begin(), name.end(), [](unsigned char c) { return c >= 0x20 && c < 0x7F; });
+  return plain ? name : "unknown";
+}
+
+DensityMapping mapping_of(const openvdb::FloatGrid& density) {
+  DensityMapping out;
+  const auto slope = value_of<double>(density, vdb_keys::kAshSlope);
+  const auto offset = value_of<double>(density, vdb_keys::kAshOffset);
+  const auto fraction = value_of<double>(density, vdb_keys::kAshFraction);
+  if (slope && offset && fraction && *slope > 0 && *fraction > 0) out = {*slope, *offset, *fraction};
+  return out;
+}
+
+StoredAnatomy anatomy_of(const std::string& path, const openvdb::FloatGrid& density) {
+  const auto text = [&](const char* key) { return value_of<std::string>(density, key).value_or(""); };
+  return {.glenoid = parse_stored_glenoid(path, text(vdb_keys::kGlenoid)),
+          .landmarks = parse_stored_landmarks(path, text(vdb_keys::kLandmarks)),
+          .side = checked_stored_side(path, text(vdb_keys::kSide))};
+}
+
+/// `anatomy`, where it is asked for, gets what the file says of it.
+Voxmap read_voxmap(const std::string& path, StoredAnatomy* anatomy) {
+  VdbFile file(path);
+  if (!file.has(vdb_keys::kDensity)) {
+    fail_reading(path, "no grid \"density\" (found: " + file.grid_names() + ")", "expected a FloatGrid in g/cm^3");
+  }
+  const openvdb::FloatGrid::Ptr density = file.read(vdb_keys::kDensity);
+  const Placement placement = checked_placement(path, *density);
+  if (anatomy != nullptr) *anatomy = anatomy_of(path, *density);
+  Voxmap voxmap(placement.lattice);
+  voxmap.frame = frame_name(*density);
+  voxmap.mapping = mapping_of(*density);
+  read_grades(path, *density, placement.first, voxmap);
+  if (file.has(vdb_keys::kFill)) {
+    const openvdb::FloatGrid::Ptr fill = file.read(vdb_keys::kFill);
+    if (fill->transform() != density->transform()) {
+      fail_reading(path, "a grid \"fill\" that lies elsewhere than \"density\"", "expected the same transform");
+    }
+    read_fill(path, *fill, placement.first, voxmap);
+  }
+  return voxmap;
+}
+
+Voxmap read_guarded(const std::string& path, StoredAnatomy* anatomy) {
+  try {
+    return read_voxmap(path, anatomy);
+  } catch (const std::bad_alloc&) {
+    fail_reading(path, "a VDB that does not fit into memory", "expected a smaller grid");
+  } catch (const openvdb::Exception&) {
+    fail_reading(path, "a truncated or damaged VDB file", "expected a complete file");
+  }
+}
+
+}  // namespace
+
+Voxmap read_bone_vdb(const std::string& path) {
+  return read_guarded(path, nullptr);
+}
+
+StoredBone read_stored_bone(const std::string& path) {
+  StoredBone out;
+  out.voxmap = read_guarded(path, &out.anatomy);
+  return out;
+}
+
+}  // namespace reamsim

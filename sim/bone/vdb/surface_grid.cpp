@@ -1,0 +1,154 @@
+#include "sim/bone/vdb/surface_grid.h"
+
+#include <openvdb/tools/MeshToVolume.h>
+#include <openvdb/tools/VolumeToMesh.h>
+
+#include <algorithm>
+#include <memory>
+
+#include "sim/base/parallel.h"
+#include "sim/bone/vdb/vdb_grid.h"
+
+namespace reamsim {
+
+namespace {
+
+using Leaf = openvdb::FloatTree::LeafNodeType;
+static_assert(Leaf::DIM == FillBricks::kSide);
+
+constexpr int kPadded = FillBricks::kSide + 2;
+constexpr float kHalfBand_voxels = 3.0F;
+
+/// The occupancy (0…65535) of a brick and of one voxel all round it.
+class PaddedBrick {
+ public:
+  PaddedBrick(const Voxmap& voxmap, const Vec3i& brick) {
+    for (int z = -1; z <= 1; ++z) {
+      for (int y = -1; y <= 1; ++y) {
+        for (int x = -1; x <= 1; ++x) take_part(voxmap, brick, {x, y, z});
+      }
+    }
+  }
+
+  [[nodiscard]] bool empty() const { return !some_; }
+  [[nodiscard]] bool whole() const { return all_; }
+  /// Weights 1-2-1 along each axis: 64 in all.
+  [[nodiscard]] float smoothed(int x, int y, int z) const {
+    int sum = 0;
+    for (int dz = 0; dz < 3; ++dz) {
+      for (int dy = 0; dy < 3; ++dy) {
+        const int row = at(x, y + dy, z + dz) + 2 * at(x + 1, y + dy, z + dz) + at(x + 2, y + dy, z + dz);
+        sum += (dy == 1 ? 2 : 1) * (dz == 1 ? 2 : 1) * row;
+      }
+    }
+    return static_cast<float>(sum) / (64.0F * FillBricks::kWhole);
+  }
+
+ private:
+  /// Takes what this brick needs of its neighbour `step` bricks away: all, a face, an edge or a corner.
+  void take_part(const Voxmap& voxmap, const Vec3i& brick, const Vec3i& step) {
+    const Vec3i from = step.unaryExpr([](int s) { return s < 0 ? -1 : s * FillBricks::kSide; });
+    const Vec3i to = step.unaryExpr([](int s) { return s < 0 ? 0 : FillBricks::kSide + s; });
+    const Vec3i coord = brick + step;
+    const bool inside = BrickLattice{voxmap.grade.brick_dims()}.contains(coord);
+    const GradeBricks::Brick* grades = inside ? voxmap.grade.brick(coord) : nullptr;
+    if (grades == nullptr) {
+      all_ = false;
+      return;
+    }
+    const FillBricks::Brick* fill = voxmap.fill.brick(coord);
+    for (int z = from.z(); z < to.z(); ++z) {
+      for (int y = from.y(); y < to.y(); ++y) {
+        for (int x = from.x(); x < to.x(); ++x) {
+          const auto offset = static_cast<std::size_t>(BrickLattice::offset_of({x, y, z}));
+          const int left = fill == nullptr ? FillBricks::kWhole : (*fill)[offset];
+          const int value = (*grades)[offset] == 0 ? 0 : left;
+          at(x + 1, y + 1, z + 1) = value;
+          some_ = some_ || value != 0;
+          all_ = all_ && value == FillBricks::kWhole;
+        }
+      }
+    }
+  }
+  [[nodiscard]] const int& at(int x, int y, int z) const {
+    return values_[static_cast<std::size_t>(x + kPadded * (y + kPadded * z))];
+  }
+  int& at(int x, int y, int z) { return values_[static_cast<std::size_t>(x + kPadded * (y + kPadded * z))]; }
+
+  std::array<int, kPadded * kPadded * kPadded> values_{};
+  bool some_ = false;
+  bool all_ = true;
+};
+
+openvdb::Coord leaf_corner(const Vec3i& brick) {
+  return {FillBricks::kSide * brick.x(), FillBricks::kSide * brick.y(), FillBricks::kSide * brick.z()};
+}
+
+/// The smoothed occupancy of one brick: a leaf, or one value all over, 0 or 1. No surface passes between a brick of one
+/// value and its neighbours: where their voxels meet, the smoothed occupancy lies less than a half from that value.
+struct SmoothedBrick {
+  float all = 0;
+  std::unique_ptr<Leaf> leaf;
+};
+
+SmoothedBrick smoothed_brick(const Voxmap& voxmap, const Vec3i& brick) {
+  const PaddedBrick padded(voxmap, brick);
+  if (padded.empty()) return {};
+  if (padded.whole()) return {1.0F, nullptr};
+  auto leaf = std::make_unique<Leaf>(leaf_corner(brick), 0.0F, true);
+  for (int x = 0; x < FillBricks::kSide; ++x) {
+    for (int y = 0; y < FillBricks::kSide; ++y) {
+      for (int z = 0; z < FillBricks::kSide; ++z) {
+        leaf->setValueOnly(Leaf::coordToOffset({x, y, z}), padded.smoothed(x, y, z));
+      }
+    }
+  }
+  return {0, std::move(leaf)};
+}
+
+openvdb::FloatGrid::Ptr smoothed_occupancy(const Voxmap& voxmap) {
+  constexpr std::size_t kAtOnce = 1 << 16;
+  const std::vector<Vec3i> bricks = voxmap.grade.coords_around();
+  auto grid = make_float_grid(0.0F);
+  grid->setTransform(index_transform(voxmap.grid));
+  std::vector<SmoothedBrick> smoothed(std::min(kAtOnce, bricks.size()));
+  for (std::size_t first = 0; first < bricks.size(); first += kAtOnce) {
+    const std::size_t count = std::min(kAtOnce, bricks.size() - first);
+    parallel_items(count, [&](std::size_t i) { smoothed[i] = smoothed_brick(voxmap, bricks[first + i]); });
+    for (std::size_t i = 0; i < count; ++i) {
+      if (smoothed[i].leaf) {
+        grid->tree().addLeaf(smoothed[i].leaf.release());
+      } else if (smoothed[i].all != 0) {
+        // Not active: only the leaves are searched for the surface.
+        grid->tree().addTile(1, leaf_corner(bricks[first + i]), smoothed[i].all, false);
+      }
+    }
+  }
+  return grid;
+}
+
+}  // namespace
+
+openvdb::math::Transform::Ptr index_transform(const VoxelGrid& grid) {
+  auto out = openvdb::math::Transform::createLinearTransform(grid.voxel_mm);
+  const Vec3 first = grid.center_mm(0, 0, 0);
+  out->postTranslate(openvdb::Vec3d(first.x(), first.y(), first.z()));
+  return out;
+}
+
+openvdb::FloatGrid::Ptr surface_level_set(const Voxmap& voxmap) {
+  const auto transform = index_transform(voxmap.grid);
+  std::vector<openvdb::Vec3s> points;
+  std::vector<openvdb::Vec3I> triangles;
+  std::vector<openvdb::Vec4I> quads;
+  openvdb::tools::volumeToMesh(*smoothed_occupancy(voxmap), points, triangles, quads, 0.5, 0.0);
+  if (points.empty()) {
+    auto empty = make_float_grid(static_cast<float>(voxmap.grid.voxel_mm) * kHalfBand_voxels);
+    empty->setGridClass(openvdb::GRID_LEVEL_SET);
+    empty->setTransform(transform);
+    return empty;
+  }
+  return openvdb::tools::meshToLevelSet<openvdb::FloatGrid>(*transform, points, triangles, quads, kHalfBand_voxels);
+}
+
+}  // namespace reamsim

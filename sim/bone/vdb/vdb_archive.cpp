@@ -1,0 +1,228 @@
+#include "sim/bone/vdb/vdb_archive.h"
+
+#include <zlib.h>
+
+#include <array>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <optional>
+
+#include "sim/base/error.h"
+#include "sim/bone/vdb/trial_run.h"
+
+namespace reamsim {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Metadata of a file that ends with a trailer. Names are written in order, so it stands near the beginning.
+constexpr const char* kTrailerKey = "_reamsim_trailer";
+constexpr const char* kTrailerValue = "CRC-32 of all bytes before it";
+constexpr std::size_t kKeySearchBytes = 1 << 16;
+constexpr const char* kTrailerFormat = "REAMSIM-CRC32 %08lx\n";
+constexpr std::size_t kTrailerBytes = 23;
+/// The first eight bytes of any VDB file.
+constexpr std::array<char, 8> kMagic{0x20, 0x42, 0x44, 0x56, 0, 0, 0, 0};
+
+[[noreturn]] void fail(const std::string& path, const std::string& found, const std::string& expected) {
+  throw InputError({path, 0, 0}, "", found, expected);
+}
+
+/// Opens up OpenVDB's archive for a stream whose state we can watch; its File ignores a full disk.
+class StreamArchive : public openvdb::io::Archive {
+ public:
+  void write_to(std::ostream& out, const openvdb::GridCPtrVec& grids, const openvdb::MetaMap& metadata) const {
+    openvdb::io::Archive::write(out, grids, /*seekable=*/true, metadata);
+  }
+};
+
+/// CRC-32 of the first `bytes` bytes; nullopt when they cannot all be read.
+std::optional<uLong> checksum(std::istream& in, std::uintmax_t bytes) {
+  uLong sum = crc32_z(0, nullptr, 0);
+  std::vector<char> block(1 << 20);
+  while (bytes > 0) {
+    const auto wanted = static_cast<std::streamsize>(std::min<std::uintmax_t>(bytes, block.size()));
+    if (!in.read(block.data(), wanted)) return std::nullopt;
+    sum = crc32_z(sum, reinterpret_cast<const Bytef*>(block.data()), static_cast<z_size_t>(wanted));
+    bytes -= static_cast<std::uintmax_t>(wanted);
+  }
+  return sum;
+}
+
+std::string trailer(uLong sum) {
+  char text[kTrailerBytes + 1];
+  std::snprintf(text, sizeof text, kTrailerFormat, sum & 0xFFFFFFFFUL);
+  return text;
+}
+
+/// Removes the file unless told that it is complete.
+class PartialFile {
+ public:
+  explicit PartialFile(std::string path) : path_(std::move(path)) {}
+  ~PartialFile() {
+    std::error_code ignored;
+    if (!path_.empty()) fs::remove(path_, ignored);
+  }
+  PartialFile(const PartialFile&) = delete;
+  PartialFile& operator=(const PartialFile&) = delete;
+
+  [[nodiscard]] const std::string& path() const { return path_; }
+  [[nodiscard]] bool move_to(const std::string& path) {
+    std::error_code error;
+    fs::rename(path_, path, error);
+    if (error) return false;
+    path_.clear();
+    return true;
+  }
+
+ private:
+  std::string path_;
+};
+
+bool append_trailer(const std::string& path) {
+  std::ifstream in(path, std::ios::binary);
+  std::error_code error;
+  const std::uintmax_t bytes = fs::file_size(path, error);
+  if (error) return false;
+  const std::optional<uLong> sum = checksum(in, bytes);
+  std::ofstream out(path, std::ios::binary | std::ios::app);
+  if (sum) out << trailer(*sum);
+  out.close();
+  return sum && out.good();
+}
+
+bool write_grids(const std::string& path, const openvdb::GridCPtrVec& grids, const openvdb::MetaMap& metadata) {
+  std::ofstream out(path, std::ios::binary | std::ios::trunc);
+  if (!out) return false;
+  try {
+    StreamArchive().write_to(out, grids, metadata);
+  } catch (const std::exception&) {  // OpenVDB's own words say nothing about the file
+    return false;
+  }
+  out.close();
+  return out.good();
+}
+
+/// OpenVDB would go on with a warning, and misread.
+void check_version(const std::string& path, const std::string& start) {
+  std::uint32_t version = 0;
+  if (start.size() >= kMagic.size() + sizeof version) {
+    std::memcpy(&version, start.data() + kMagic.size(), sizeof version);
+  }
+  constexpr std::uint32_t kOldest = openvdb::OPENVDB_FILE_VERSION_ROOTNODE_MAP;
+  constexpr std::uint32_t kNewest = openvdb::OPENVDB_FILE_VERSION;
+  if (version >= kOldest && version <= kNewest) return;
+  fail(path, "a VDB of file version " + std::to_string(version),
+       "expected " + std::to_string(kOldest) + " to " + std::to_string(kNewest) + ", or the file is damaged");
+}
+
+/// Refuses a file that cannot be read, is no VDB, or is ours and damaged. True when it is ours and whole; false for a
+/// file of another program, of which that cannot be known.
+bool check_bytes(const std::string& path) {
+  std::error_code error;
+  const fs::file_status status = fs::status(path, error);
+  if (!fs::exists(status)) fail(path, "no such file", "expected a VDB file");
+  if (!fs::is_regular_file(status)) fail(path, "not a file", "expected a VDB file");
+  const std::uintmax_t size = fs::file_size(path, error);
+  std::ifstream in(path, std::ios::binary);
+  if (error || !in) fail(path, "cannot be read", "expected a readable VDB file");
+  if (size == 0) fail(path, "an empty file", "expected a VDB file");
+
+  std::string start(std::min<std::uintmax_t>(size, kKeySearchBytes), '\0');
+  in.read(start.data(), static_cast<std::streamsize>(start.size()));
+  if (start.size() < kMagic.size() || std::memcmp(start.data(), kMagic.data(), kMagic.size()) != 0) {
+    fail(path, "not a VDB file", "expected an OpenVDB file, as reamsim writes it");
+  }
+  check_version(path, start);
+  if (start.find(kTrailerKey) == std::string::npos) return false;
+  const std::string damaged = "a truncated or damaged VDB file (its checksum does not match)";
+  if (size < kTrailerBytes) fail(path, damaged, "expected a complete file");
+  in.clear();
+  in.seekg(0);
+  const std::optional<uLong> sum = checksum(in, size - kTrailerBytes);
+  std::string found(kTrailerBytes, '\0');
+  in.read(found.data(), static_cast<std::streamsize>(found.size()));
+  if (!in || !sum || found != trailer(*sum)) fail(path, damaged, "expected a complete file");
+  return true;
+}
+
+/// Reads all that is there, as VdbFile will.
+void read_everything(const std::string& path) {
+  openvdb::io::File file(path);
+  file.open(/*delayLoad=*/false);
+  for (auto name = file.beginName(); name != file.endName(); ++name) file.readGrid(*name);
+}
+
+/// For a file without our checksum: tried by a child process first.
+void require_harmless(const std::string& path) {
+  constexpr std::uint64_t kLeastMemory = std::uint64_t{2} << 30;
+  constexpr std::uint64_t kMemoryPerFileByte = 200;  // constant regions pack by about that
+  constexpr int kSeconds = 20;
+  std::error_code error;
+  const std::uintmax_t size = fs::file_size(path, error);
+  const std::uint64_t memory_bytes = kLeastMemory + (error ? 0 : kMemoryPerFileByte * size);
+  const int seconds = kSeconds + static_cast<int>(size >> 25);
+  if (!ends_well_in_child([&path] { read_everything(path); }, memory_bytes, seconds)) {
+    fail(path, "a truncated or damaged VDB file", "expected a complete file");
+  }
+}
+
+}  // namespace
+
+bool is_vdb_of_reamsim(const std::string& path) {
+  std::string start(kKeySearchBytes, '\0');
+  std::ifstream in(path, std::ios::binary);
+  in.read(start.data(), static_cast<std::streamsize>(start.size()));
+  start.resize(static_cast<std::size_t>(in.gcount()));
+  return start.starts_with(std::string_view(kMagic.data(), kMagic.size())) &&
+         start.find(kTrailerKey) != std::string::npos;
+}
+
+void write_vdb_file(const std::string& path, const openvdb::GridCPtrVec& grids, const openvdb::MetaMap& metadata) {
+  openvdb::MetaMap marked(metadata);
+  marked.insertMeta(kTrailerKey, openvdb::StringMetadata(kTrailerValue));
+  PartialFile partial(path + ".tmp");
+  if (!write_grids(partial.path(), grids, marked) || !append_trailer(partial.path()) || !partial.move_to(path)) {
+    throw RunError(path + ": cannot be written (folder missing, not writable, or disk full)");
+  }
+}
+
+VdbFile::VdbFile(const std::string& path, VdbOrigin origin) : path_(path), file_(path) {
+  openvdb::initialize();
+  if (!check_bytes(path)) {
+    if (origin == VdbOrigin::kReamsim) {
+      fail(path, "a truncated or damaged VDB file (its checksum is missing)", "expected a complete file of reamsim's");
+    }
+    require_harmless(path);
+  }
+  try {
+    file_.open(/*delayLoad=*/false);  // a mapped file that shrinks would end the program
+  } catch (const std::exception&) {
+    fail(path, "a truncated or damaged VDB file", "expected a complete file");
+  }
+}
+
+std::string VdbFile::grid_names() const {
+  std::string out;
+  for (auto name = file_.beginName(); name != file_.endName(); ++name) {
+    out += (out.empty() ? "" : ", ") + *name;
+  }
+  return out.empty() ? "none" : out;
+}
+
+openvdb::FloatGrid::Ptr VdbFile::read(const std::string& grid) {
+  openvdb::GridBase::Ptr any;
+  try {
+    any = file_.readGrid(grid);
+  } catch (const std::exception&) {
+    fail(path_, "a truncated or damaged grid \"" + grid + "\"", "expected a complete VDB file");
+  }
+  auto out = openvdb::gridPtrCast<openvdb::FloatGrid>(any);
+  if (!out) fail(path_, "a grid \"" + grid + "\" of type " + (any ? any->valueType() : "none"), "expected a FloatGrid");
+  return out;
+}
+
+}  // namespace reamsim

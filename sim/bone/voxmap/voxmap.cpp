@@ -1,0 +1,63 @@
+#include "sim/bone/voxmap/voxmap.h"
+
+namespace reamsim {
+
+namespace {
+
+/// Whether every voxel of a brick lies in a box.
+bool covers(const VoxelBox& box, const Vec3i& brick_coord) {
+  const Vec3i first = GradeBricks::kSide * brick_coord;
+  const Vec3i last = first + Vec3i::Constant(GradeBricks::kSide - 1);
+  return box.contains(first) && box.contains(last);
+}
+
+}  // namespace
+
+std::int64_t Voxmap::count_bone() const {
+  std::int64_t count = 0;
+  for_each_bone_voxel(*this, [&count](const Vec3i&, std::uint8_t, std::uint16_t left) { count += left != 0 ? 1 : 0; });
+  return count;
+}
+
+double Voxmap::bone_mm3() const {
+  std::int64_t sum = 0;  // in 1/65535 of a voxel, so that the order of summing does not matter
+  for_each_bone_voxel(*this, [&sum](const Vec3i&, std::uint8_t, std::uint16_t left) { sum += left; });
+  return static_cast<double>(sum) / FillBricks::kWhole * grid.voxel_mm3();
+}
+
+VoxelBox bone_extent(const Voxmap& voxmap) {
+  VoxelBox out{voxmap.grid.dims, Vec3i::Constant(-1)};
+  voxmap.grade.for_each_brick([&](const Vec3i& coord, const GradeBricks::Brick& grades) {
+    if (covers(out, coord)) return;
+    for (int offset = 0; offset < GradeBricks::kVoxels; ++offset) {
+      if (grades[static_cast<std::size_t>(offset)] == 0) continue;
+      const Vec3i voxel = BrickLattice::voxel_at(coord, offset);
+      out.first = out.first.cwiseMin(voxel);
+      out.last = out.last.cwiseMax(voxel);
+    }
+  });
+  return out;
+}
+
+std::vector<std::uint8_t> dense_grades_left(const Voxmap& voxmap) {
+  std::vector<std::uint8_t> out(static_cast<std::size_t>(voxmap.grid.size()), 0);
+  for_each_bone_voxel(voxmap, [&](const Vec3i& voxel, std::uint8_t grade, std::uint16_t left) {
+    if (left != 0) out[static_cast<std::size_t>(voxmap.grid.index(voxel.x(), voxel.y(), voxel.z()))] = grade;
+  });
+  return out;
+}
+
+std::vector<std::uint16_t> dense_fill(const Voxmap& voxmap) {
+  std::vector<std::uint16_t> out(static_cast<std::size_t>(voxmap.grid.size()), FillBricks::kWhole);
+  voxmap.fill.for_each_brick([&](const Vec3i& coord, const FillBricks::Brick& fill) {
+    for (int offset = 0; offset < FillBricks::kVoxels; ++offset) {
+      const Vec3i voxel = BrickLattice::voxel_at(coord, offset);
+      if (!voxmap.grid.contains(voxel)) continue;
+      out[static_cast<std::size_t>(voxmap.grid.index(voxel.x(), voxel.y(), voxel.z()))] =
+          fill[static_cast<std::size_t>(offset)];
+    }
+  });
+  return out;
+}
+
+}  // namespace reamsim

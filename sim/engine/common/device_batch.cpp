@@ -1,0 +1,91 @@
+#include "sim/engine/common/device_batch.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace reamsim {
+
+DeviceBatch::DeviceBatch(const cl::Device& device, const RemovedList& removed)
+    : device_(device),
+      args_(device, kMaxSlots, "the substeps' arguments"),
+      sums_(device, kMaxSlots, "the substeps' sums"),
+      contact_count_(device, kMaxSlots, "the contact counts"),
+      removed_(device, std::max<std::size_t>(1, removed.words * removed.room), "the list of removed voxels"),
+      removed_words_(removed.words),
+      removed_count_(device, 1, "the count of removed voxels"),
+      removed_before_(device, kMaxSlots, "the counts of removed voxels"),
+      room_{{static_cast<cl_uint>(removed.room), static_cast<cl_uint>(removed.per_substep)}},
+      host_args_(kMaxSlots) {
+  if (!removed.resumes && removed.room < removed.in_all) {
+    const std::size_t substeps = removed.room / std::max<std::size_t>(1, removed.per_substep);
+    slots_ = static_cast<int>(std::clamp<std::size_t>(substeps, 1, kMaxSlots));
+  }
+  sums_.clear(device_, kMaxSlots);
+  contact_count_.clear(device_, kMaxSlots);
+  removed_count_.clear(device_, 1);
+}
+
+int DeviceBatch::begin(const SubstepArgs& args) {
+  if (removed_waits_) removed_count_.clear(device_, 1);
+  removed_waits_ = false;
+  const int slot = used_++;
+  const auto at = static_cast<std::size_t>(slot);
+  host_args_[at] = args;
+  args_.write(device_, &host_args_[at], 1, at, false);
+  return slot;
+}
+
+void DeviceBatch::read_sums() {
+  if (!host_sums_.empty()) return;
+  host_sums_.resize(static_cast<std::size_t>(used_));
+  if (used_ > 0) sums_.read(device_, host_sums_.data(), host_sums_.size());  // waits: the queue is in order
+}
+
+int DeviceBatch::stalled() {
+  read_sums();
+  const auto at =
+      std::find_if(host_sums_.begin(), host_sums_.end(), [](const auto& sums) { return sums.contacts < 0; });
+  return at == host_sums_.end() ? -1 : static_cast<int>(at - host_sums_.begin());
+}
+
+std::vector<cl_ulong> DeviceBatch::make_room(int slot) {
+  // What detect summed up for the substep stays; those after it have only their marks.
+  const auto first = static_cast<std::size_t>(slot);
+  host_sums_[first].contacts = 0;
+  std::fill(host_sums_.begin() + slot + 1, host_sums_.end(), SubstepSums{});
+  sums_.write(device_, &host_sums_[first], host_sums_.size() - first, first);
+  host_sums_.clear();
+  removed_waits_ = true;
+  const cl_uint none = 0;
+  removed_before_.write(device_, &none, 1, first);
+  return take_removed();
+}
+
+std::vector<SubstepSums> DeviceBatch::collect() {
+  read_sums();
+  const auto used = static_cast<std::size_t>(used_);
+  if (used == 0) return {};
+  sums_.clear(device_, used);
+  contact_count_.clear(device_, used);
+  used_ = 0;
+  removed_waits_ = true;
+  return std::exchange(host_sums_, {});
+}
+
+std::vector<cl_ulong> DeviceBatch::take_removed() {
+  if (!removed_waits_) return {};
+  cl_uint count = 0;
+  removed_count_.read(device_, &count, 1);
+  std::vector<cl_ulong> words(count * removed_words_);
+  if (!words.empty()) removed_.read(device_, words.data(), words.size());
+  removed_count_.clear(device_, 1);
+  removed_waits_ = false;
+  return words;
+}
+
+std::size_t DeviceBatch::bytes(const RemovedList& removed) {
+  return sizeof(cl_ulong) * removed.words * removed.room + sizeof(cl_uint) +
+         kMaxSlots * (sizeof(SubstepArgs) + sizeof(SubstepSums) + 2 * sizeof(cl_uint));
+}
+
+}  // namespace reamsim

@@ -1,0 +1,119 @@
+#include "sim/engine/common/outline_table.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <limits>
+#include <string>
+
+#include "sim/base/error.h"
+
+namespace reamsim {
+
+// Host and device lay the struct out alike.
+static_assert(sizeof(OutlinePiece) == 60);
+
+namespace {
+
+OutlinePiece piece_of(const OutlineArc& arc) {
+  const auto f = [](double value) { return static_cast<float>(value); };
+  return {.r0 = f(arc.begin.x()),
+          .z0 = f(arc.begin.y()),
+          .r1 = f(arc.end.x()),
+          .z1 = f(arc.end.y()),
+          .along_r0 = f(arc.along_begin.x()),
+          .along_z0 = f(arc.along_begin.y()),
+          .along_r1 = f(arc.along_end.x()),
+          .along_z1 = f(arc.along_end.y()),
+          .middle_r = f(arc.middle.x()),
+          .middle_z = f(arc.middle.y()),
+          .normal_r = f(arc.normal.x()),
+          .normal_z = f(arc.normal.y()),
+          .curvature = f(arc.curvature),
+          .before = -1,
+          .after = -1};
+}
+
+/// Whether the outline goes on from `a` to `b`; an edge on the axis between them is in no table.
+bool joined(const OutlineArc& a, const OutlineArc& b) {
+  return a.end == b.begin;
+}
+
+bool sharp(const OutlineArc& a, const OutlineArc& b) {
+  return joined(a, b) && std::abs(turn_between(a.along_end, b.along_begin)) > kSharpTurn;
+}
+
+/// Length of the smooth line that begins with arc `i` and goes forwards (`step` 1) or backwards (-1), mm.
+double smooth_length(const std::vector<OutlineArc>& arcs, std::size_t i, int step) {
+  double length = 0;
+  for (std::size_t k = 0; k < arcs.size(); ++k) {
+    length += arcs[i].length();
+    const std::size_t next = (i + arcs.size() + static_cast<std::size_t>(step)) % arcs.size();
+    const OutlineArc &a = arcs[step > 0 ? i : next], &b = arcs[step > 0 ? next : i];
+    if (!joined(a, b) || sharp(a, b)) break;
+    i = next;
+  }
+  return length;
+}
+
+/// Notes the sharp corners. Where a line at one were shorter than a voxel, a third plane would cut the same voxel.
+void mark_corners(const std::vector<OutlineArc>& arcs, double voxel_mm, std::vector<OutlinePiece>& pieces) {
+  for (std::size_t i = 0; i < arcs.size(); ++i) {
+    const std::size_t next = (i + 1) % arcs.size();
+    if (next == i || !sharp(arcs[i], arcs[next])) continue;
+    if (std::min(smooth_length(arcs, i, -1), smooth_length(arcs, next, 1)) < voxel_mm) continue;
+    pieces[i].after = static_cast<rs_i32>(next);
+    pieces[next].before = static_cast<rs_i32>(i);
+  }
+}
+
+/// The pieces alone.
+OutlineTable table_of(const Outline& outline, double voxel_mm) {
+  OutlineTable table;
+  if (outline.arcs.size() > std::numeric_limits<rs_u16>::max()) {
+    throw InputError({}, "tool.mesh", "a profile of " + std::to_string(outline.arcs.size()) + " lines and arcs",
+                     "at most 65535 are possible");
+  }
+  std::transform(outline.arcs.begin(), outline.arcs.end(), std::back_inserter(table.pieces), piece_of);
+  mark_corners(outline.arcs, voxel_mm, table.pieces);
+  table.bulge_mm = outline.bulge_mm;
+  return table;
+}
+
+}  // namespace
+
+OutlineTable full_outline_table(const Profile& profile, double voxel_mm) {
+  OutlineTable table = table_of(fit_outline(profile), voxel_mm);
+  for (std::size_t i = 0; i < table.pieces.size(); ++i) table.near.numbers.push_back(static_cast<rs_u16>(i));
+  table.near.lists.push_back({0, static_cast<rs_u32>(table.pieces.size())});
+  return table;
+}
+
+OutlineTable make_outline_table(const Profile& profile, double voxel_mm) {
+  const Outline outline = fit_outline(profile);
+  OutlineTable table = table_of(outline, voxel_mm);
+  table.near = make_nearest_lists(
+      profile, outline.arcs.size(), [&](std::size_t i, const Vec2& rz) { return outline.arcs[i].distance(rz); },
+      voxel_mm);
+  return table;
+}
+
+DeviceOutline::DeviceOutline(const cl::Device& device, const OutlineTable& table)
+    : pieces_(device, table.pieces.size(), "the tool's outline"),
+      numbers_(device, table.near.numbers.size(), "the tool's outline"),
+      lists_(device, table.near.lists.size(), "the tool's outline"),
+      grid_(device, 1, "the tool's outline") {
+  pieces_.write(device, table.pieces.data(), table.pieces.size());
+  numbers_.write(device, table.near.numbers.data(), table.near.numbers.size());
+  lists_.write(device, table.near.lists.data(), table.near.lists.size());
+  grid_.write(device, &table.near.grid, 1);
+}
+
+void DeviceOutline::set(cl::Kernel& kernel, cl_uint first_argument) const {
+  kernel.set(first_argument, pieces_);
+  kernel.set(first_argument + 1, numbers_);
+  kernel.set(first_argument + 2, lists_);
+  kernel.set(first_argument + 3, grid_);
+}
+
+}  // namespace reamsim

@@ -1,0 +1,142 @@
+#include "sim/engine/common/substep.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace reamsim {
+
+// Host and device lay the struct out alike: 8-byte members first, then an even number of ints.
+static_assert(sizeof(SubstepArgs) == 8 * (9 + 3 + 9 + 3 + 3 + 2) + 4 * 54);
+static_assert(sizeof(SubstepSums) == 8 * 10);
+
+namespace {
+
+std::int64_t fixed_point(double voxels) {
+  return static_cast<std::int64_t>(std::floor(std::ldexp(voxels, RS_POSITION_BITS) + 0.5));
+}
+
+/// Rotation vector (axis times angle) that takes orientation `a` to `b`, in B.
+Vec3 rotation_vector(const Quat& a, const Quat& b) {
+  const Eigen::AngleAxisd turn(b * a.conjugate());
+  const double angle = turn.angle() > M_PI ? turn.angle() - 2 * M_PI : turn.angle();
+  return angle * turn.axis();
+}
+
+/// First and last shell cell along an axis whose centre can lie in [low, high] mm from the shell's corner; a cell more
+/// on either side, because fixed-point positions are rounded.
+std::pair<int, int> cell_range(double low, double high, const PointShell& shell) {
+  const double first = std::floor(low / shell.cell_mm - 0.5) - 1, last = std::ceil(high / shell.cell_mm - 0.5) + 1;
+  const auto clamp = [&](double c) { return static_cast<int>(std::clamp(c, 0.0, shell.resolution - 1.0)); };
+  return {clamp(first), clamp(last)};
+}
+
+rs_i32 erosion_of(const CuttingSettings& cutting) {
+  if (cutting.erosion == "exact") return RS_EROSION_EXACT;
+  return cutting.erosion == "wear" ? RS_EROSION_WEAR : RS_EROSION_REMOVE;
+}
+
+/// Fill that positions in single precision, good to kPositionMm, could make a resting tool take off.
+rs_i32 least_loss(double voxel_mm) {
+  constexpr double kPositionMm = 1e-5;
+  return 1 + static_cast<rs_i32>(std::ceil(RS_WHOLE_FILL * kPositionMm / voxel_mm));
+}
+
+/// The options of the force law; zeros where they are off. `turn_rate`: rad/s about the tool's axis, either way round.
+void set_force_options(const CuttingSettings& cutting, double turn_rate, SubstepArgs& args) {
+  constexpr double kTurn = 2 * M_PI;
+  if (const auto& size = cutting.size_effect) {
+    // Without spin no lip comes round again, and the chip is as thick as it may be.
+    constexpr double kLongest_s = 1e9;
+    const double lip_s = turn_rate > 0 ? std::min(kTurn / (size->lips * turn_rate), kLongest_s) : kLongest_s;
+    args.size_exponent = static_cast<float>(size->exponent);
+    args.chip_per_speed = static_cast<float>(lip_s / size->reference_mm);
+    args.least_chip = static_cast<float>(size->least_mm / size->reference_mm);
+    args.most_chip = static_cast<float>(size->most_mm / size->reference_mm);
+  }
+  if (const auto& edge = cutting.edge_force) {
+    args.edge_tangential = static_cast<float>(edge->tangential_n_mm * edge->lips / kTurn);
+    args.edge_normal = static_cast<float>(edge->normal_n_mm * edge->lips / kTurn);
+  }
+}
+
+}  // namespace
+
+int count_substeps(const ToolPose& a, const ToolPose& b, const Tool& tool, bool spin_resolved, double max_step_mm) {
+  double step =
+      (b.position_mm - a.position_mm).norm() + rotation_vector(a.orientation, b.orientation).norm() * tool.reach_mm;
+  if (spin_resolved) step += std::abs(b.spin_angle_rad - a.spin_angle_rad) * tool.profile.max_radius_mm();
+  return std::max(1, static_cast<int>(std::ceil(step / max_step_mm - 1e-9)));
+}
+
+Substep make_substep(const ToolPose& a, const ToolPose& b, double share_begin, double share_end, double frame_s,
+                     std::int64_t frame) {
+  const ToolPose begin = interpolate(a, b, share_begin);
+  Substep out;
+  out.pose = interpolate(a, b, share_end);
+  out.duration_s = (share_end - share_begin) * frame_s;
+  out.frame = frame;
+  out.origin_velocity_mm_s = (out.pose.position_mm - begin.position_mm) / out.duration_s;
+  const double spin = (out.pose.spin_angle_rad - begin.spin_angle_rad) / out.duration_s;
+  out.angular_velocity = rotation_vector(begin.orientation, out.pose.orientation) / out.duration_s -
+                         spin * (out.pose.orientation * Vec3::UnitZ());
+  return out;
+}
+
+Rigid bone_from_shell(const ToolPose& pose, bool spin_resolved) {
+  Rigid out = pose.bone_from_tool();
+  // Positive spin turns about −z of T (design §1).
+  if (spin_resolved) out.rotate(Eigen::AngleAxisd(-pose.spin_angle_rad, Vec3::UnitZ()));
+  return out;
+}
+
+SubstepArgs make_args(const Substep& substep, const Aabb& voi, const PointShell& shell, const VoxelGrid& grid,
+                      const CuttingSettings& cutting, bool spin_resolved) {
+  SubstepArgs args{};
+  const Rigid shell_pose = bone_from_shell(substep.pose, spin_resolved);
+  const Vec3 first_cell = shell.origin_mm + Vec3::Constant(0.5 * shell.cell_mm);
+  const Vec3 first = (shell_pose * first_cell - grid.origin_mm) / grid.voxel_mm;
+  const Mat3 step = shell_pose.linear() * (shell.cell_mm / grid.voxel_mm);
+  const Mat3 tool_from_bone = substep.pose.orientation.toRotationMatrix().transpose();
+  const Mat3 tool_from_voxel = tool_from_bone * grid.voxel_mm;
+  const Vec3 origin = tool_from_bone * (grid.center_mm(0, 0, 0) - substep.pose.position_mm);
+  const Vec3 velocity = tool_from_bone * substep.origin_velocity_mm_s;
+  const Vec3 turning = tool_from_bone * substep.angular_velocity;
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3; ++j) {
+      args.voxel_from_cell[3 * i + j] = fixed_point(step(i, j));
+      args.tool_from_voxel[3 * i + j] = tool_from_voxel(i, j);
+      args.tool_step[3 * i + j] = static_cast<float>(tool_from_voxel(i, j));
+      args.lattice_from_tool[3 * i + j] = static_cast<float>(tool_from_bone(j, i));
+    }
+    args.voxel_origin[i] = fixed_point(first[i]);
+    args.tool_origin[i] = origin[i];
+    args.origin_velocity[i] = static_cast<float>(velocity[i]);
+    args.angular_velocity[i] = static_cast<float>(turning[i]);
+    args.shell_origin[i] = shell.origin_mm[i];
+    args.dims[i] = grid.dims[i];
+    std::tie(args.voi_min[i], args.voi_max[i]) =
+        cell_range(voi.min[i] - shell.origin_mm[i], voi.max[i] - shell.origin_mm[i], shell);
+  }
+  args.speed_floor = static_cast<float>(cutting.speed_floor_mm_s);
+  args.per_speed_floor = static_cast<float>(1 / cutting.speed_floor_mm_s);
+  args.per_duration = static_cast<float>(1 / substep.duration_s);
+  args.floor_rate = static_cast<float>(1 / (cutting.speed_floor_mm_s * substep.duration_s));
+  args.normal_ratio = static_cast<float>(cutting.normal_ratio);
+  args.force_per_point = static_cast<float>(cutting.force_per_point_n);
+  args.wear = cutting.wear_g_cm3_per_s * substep.duration_s;
+  args.cell_mm = shell.cell_mm;
+  args.law = cutting.law == "per_point" ? RS_LAW_PER_POINT : RS_LAW_ENERGY;
+  args.erosion = erosion_of(cutting);
+  args.voxel_mm = static_cast<float>(grid.voxel_mm);
+  args.per_voxel_mm = static_cast<float>(1 / grid.voxel_mm);
+  args.least_loss = least_loss(grid.voxel_mm);
+  args.frame = static_cast<std::int32_t>(substep.frame);
+  args.duration = static_cast<float>(substep.duration_s);
+  const double spin = spin_resolved ? substep.pose.spin_angle_rad : 0;
+  args.spin_cos = static_cast<float>(std::cos(spin));
+  args.spin_sin = static_cast<float>(std::sin(spin));
+  set_force_options(cutting, std::abs(turning.z()), args);
+  return args;
+}
+
+}  // namespace reamsim

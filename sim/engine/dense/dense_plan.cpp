@@ -1,0 +1,102 @@
+#include "sim/engine/dense/dense_plan.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "sim/base/error.h"
+#include "sim/engine/common/dense_bone.h"
+#include "sim/engine/common/device_batch.h"
+#include "sim/tool/morton.h"
+
+namespace reamsim {
+
+namespace {
+
+/// Room for removed voxels that a batch may fill; larger scenes read results back more often instead.
+constexpr std::size_t kRemovedRoom = 4'000'000;
+
+constexpr std::size_t kMostVoxels = std::size_t{1} << 32;
+
+std::string megabytes(std::size_t bytes) {
+  return std::to_string((bytes + 999'999) / 1'000'000) + " MB";
+}
+
+/// Most voxels whose centres the tool can hold, whatever its pose: they are disjoint, and lie in the tool's box grown
+/// by half a voxel's diagonal on every side.
+std::size_t voxels_in_tool(const Profile& profile, double voxel_mm) {
+  const Aabb box = profile.bounds();
+  const Vec3 grown = (box.max - box.min) / voxel_mm + Vec3::Constant(std::sqrt(3.0));
+  return static_cast<std::size_t>(std::ceil(std::min(grown.prod(), static_cast<double>(kMostVoxels))));
+}
+
+}  // namespace
+
+std::size_t DensePlan::bone_bytes() const {
+  return voxels * (layout == VoxelLayout::flagged_hu ? sizeof(cl_float) : sizeof(cl_uchar));
+}
+
+std::size_t DensePlan::claim_bytes() const {
+  constexpr std::size_t kBitsPerWord = 32, kFlagsPerWord = 4;
+  if (layout == VoxelLayout::claimed_grade) return sizeof(cl_uint) * (voxels / kBitsPerWord + 1);
+  if (layout == VoxelLayout::flagged_hu) return sizeof(cl_uint) * (voxels / kFlagsPerWord + 1);
+  return 0;
+}
+
+std::size_t DensePlan::fill_bytes() const {
+  return fill ? sizeof(cl_ushort) * voxels : 0;
+}
+
+std::size_t DensePlan::shell_bytes() const {
+  const std::size_t code = wide_codes ? sizeof(cl_ulong) : sizeof(cl_uint);
+  return points * (layout == VoxelLayout::flagged_hu ? 3 * sizeof(cl_float) : code);
+}
+
+std::size_t DensePlan::bytes() const {
+  return bone_bytes() + claim_bytes() + fill_bytes() + shell_bytes() + sizeof(cl_uint) * contacts +
+         DeviceBatch::bytes(removed_list());
+}
+
+std::size_t DensePlan::largest_bytes() const {
+  return std::max({bone_bytes(), claim_bytes(), fill_bytes(), shell_bytes(), sizeof(cl_uint) * contacts,
+                   sizeof(RemovedVoxel) * removed});
+}
+
+DensePlan plan_dense(const std::string& detector, const Voxmap& voxmap, const Tool& tool, bool wear) {
+  DensePlan plan;
+  if (detector == "octree") plan.layout = VoxelLayout::flagged_hu;
+  if (detector == "implicit") plan.layout = VoxelLayout::bare_grade;
+  const bool has_shell = plan.layout != VoxelLayout::bare_grade;
+  plan.voxels = static_cast<std::size_t>(voxmap.grid.size());
+  plan.unreamed = count_unreamed(voxmap);
+  plan.points = has_shell ? tool.shell.codes.size() : 0;
+  plan.wide_codes = tool.shell.resolution > kNarrowResolution;
+  plan.fill = wear || partly_filled(voxmap);
+  plan.contacts = std::min(plan.unreamed, has_shell ? plan.points : voxels_in_tool(tool.profile, voxmap.grid.voxel_mm));
+  plan.removed = std::min(plan.unreamed, std::max(kRemovedRoom, plan.contacts));
+  return plan;
+}
+
+void require_fit(const DensePlan& plan, const cl::DeviceInfo& device, double voxel_mm) {
+  const auto share = [](std::size_t need, std::size_t have) {
+    return static_cast<double>(need) / static_cast<double>(std::max<std::size_t>(1, have));
+  };
+  const double most = std::max({share(plan.voxels, kMostVoxels), share(plan.bytes(), device.global_memory_bytes),
+                                share(plan.largest_bytes(), device.max_allocation_bytes)});
+  if (most <= 1) return;
+  // Memory grows with the inverse cube of the voxel; a little more, because the bone is rounded to whole voxels.
+  constexpr double kMargin = 1.02;
+  char fits[96];
+  std::snprintf(fits, sizeof fits, "a bone.voxel_mm of about %.3g or more would fit",
+                voxel_mm * std::cbrt(most) * kMargin);
+  throw InputError({}, "bone.voxel_mm",
+                   "found a voxmap of " + std::to_string(plan.voxels) +
+                       " voxels, of which a dense engine numbers at most " + std::to_string(kMostVoxels) +
+                       "; it needs " + megabytes(plan.bytes()) + " on the device and " +
+                       megabytes(plan.largest_bytes()) + " of it in one piece, and " + device.name + " has " +
+                       megabytes(device.global_memory_bytes) + " and allocates at most " +
+                       megabytes(device.max_allocation_bytes) + " in one piece",
+                   std::string(fits) + ", or engine.detector bricked, which keeps only bricks with bone");
+}
+
+}  // namespace reamsim

@@ -1,0 +1,17 @@
+#include "sim/engine/make_engine.h"
+
+#include "sim/engine/bricked/bricked_engine.h"
+#include "sim/engine/dense/dense_engine.h"
+#include "sim/engine/exact/exact_engine.h"
+#include "sim/engine/serial/serial_engine.h"
+
+namespace reamsim {
+
+std::unique_ptr<Engine> make_engine(const Scenario& scenario, const Voxmap& voxmap, const Tool& tool) {
+  if (scenario.engine.device == "serial") return make_serial_engine(scenario, voxmap, tool);
+  if (scenario.cutting.erosion == "exact") return make_exact_engine(scenario, voxmap, tool);
+  if (scenario.engine.detector == "bricked") return make_bricked_engine(scenario, voxmap, tool);
+  return make_dense_engine(scenario, voxmap, tool);
+}
+
+}  // namespace reamsim

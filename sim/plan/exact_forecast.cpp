@@ -1,0 +1,131 @@
+#include "sim/plan/exact_forecast.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "sim/engine/common/voxel_box.h"
+#include "sim/engine/exact/exact_reach.h"
+
+namespace reamsim {
+
+namespace {
+
+/// The tool is looked at each time that it may have moved so far, voxels.
+constexpr double kStepVoxels = 2;
+/// Half a brick's diagonal with half a voxel's, as in kernels/reach_exact.cl.
+constexpr double kBrickRadiusVoxels = 7;
+
+enum class BrickMark : std::uint8_t { air, whole, parted };
+
+/// No point of the tool goes further from one pose to the other, mm; its spin does not move an envelope.
+double longest_way(const ToolPose& a, const ToolPose& b, const Tool& tool) {
+  return (b.position_mm - a.position_mm).norm() + a.orientation.angularDistance(b.orientation) * tool.reach_mm;
+}
+
+/// As far as the tool can move in a visit, mm.
+double visit_shift(const ReamingScene& scene) {
+  const double voxel_mm = scene.bone.voxmap.grid.voxel_mm;
+  double substep_mm = 0;
+  const auto& poses = scene.motion.poses;
+  for (std::size_t k = 1; k < poses.size(); ++k) {
+    substep_mm = std::max(substep_mm, longest_way(poses[k - 1], poses[k], scene.tool));
+  }
+  substep_mm = std::min(substep_mm, scene.scenario.engine.max_step_voxels * voxel_mm);
+  return std::min(RS_VISIT_SUBSTEPS * substep_mm, kVisitShiftVoxels * voxel_mm);
+}
+
+/// Bricks of the lattice, and which of them the tool has come to.
+class SweptBricks {
+ public:
+  explicit SweptBricks(const ReamingScene& scene)
+      : scene_(scene),
+        visit_shift_mm_(visit_shift(scene)),
+        voxel_mm_(scene.bone.voxmap.grid.voxel_mm),
+        lattice_(BrickLattice::over(scene.bone.voxmap.grid.dims)),
+        marks_(lattice_.count(), BrickMark::air),
+        bone_(bone_extent(scene.bone.voxmap)),
+        coarse_(make_coarse_distance(scene.tool.profile, voxel_mm_, scene.tool.clip_slack_mm())) {
+    const Voxmap& voxmap = scene.bone.voxmap;
+    voxmap.grade.for_each_brick([&](const Vec3i& coord, const GradeBricks::Brick&) {
+      const bool parted = voxmap.fill.brick(coord) != nullptr;
+      marks_[lattice_.index(coord)] = parted ? BrickMark::parted : BrickMark::whole;
+      out_.parted += parted ? 1 : 0;
+    });
+  }
+
+  /// The tool in one pose, and wherever it is within `slack_mm` of that.
+  void take(const ToolPose& pose, double slack_mm) {
+    const Substep rest{.pose = pose, .duration_s = scene_.motion.frame_s()};
+    const double met_mm = kBrickRadiusVoxels * voxel_mm_ + slack_mm;
+    const double listed_mm = met_mm + visit_shift_mm_ + double{coarse_.grid.slack_mm};
+    const Aabb box = scene_.tool.clip_bounds().expanded(listed_mm);
+    const SubstepArgs args =
+        make_args(rest, box, scene_.tool.shell, scene_.bone.voxmap.grid, scene_.scenario.cutting, false);
+    const VoxelBox near = voxel_voi(args, box, bone_);
+    if (near.empty()) return;
+    const Vec3i first = near.first / BrickLattice::kSide, last = near.last / BrickLattice::kSide;
+    std::size_t listed = 0;
+    for (int z = first.z(); z <= last.z(); ++z) {
+      for (int y = first.y(); y <= last.y(); ++y) {
+        for (int x = first.x(); x <= last.x(); ++x) {
+          BrickMark& mark = marks_[lattice_.index({x, y, z})];
+          if (mark == BrickMark::air) continue;
+          const double distance_mm = distance(args, {x, y, z}, met_mm);
+          listed += std::abs(distance_mm) <= listed_mm ? 1 : 0;
+          if (distance_mm > met_mm || mark == BrickMark::parted) continue;
+          ++out_.parted;
+          mark = BrickMark::parted;
+        }
+      }
+    }
+    out_.listed = std::max(out_.listed, listed);
+  }
+
+  [[nodiscard]] const ExactForecast& forecast() const { return out_; }
+
+ private:
+  /// Of a brick's middle from the tool's surface, mm, negative inside: close to `limit_mm` as the profile has it,
+  /// elsewhere as the coarse grid does.
+  [[nodiscard]] double distance(const SubstepArgs& args, const Vec3i& brick, double limit_mm) const {
+    const Vec3 middle = (BrickLattice::kSide * brick).cast<double>() + Vec3::Constant(0.5 * (BrickLattice::kSide - 1));
+    // Stored row by row.
+    const Mat3 turn = Eigen::Map<const Mat3>(args.tool_from_voxel).transpose();
+    const Vec3 p = turn * middle + Eigen::Map<const Vec3>(args.tool_origin);
+    const Vec2 rz(p.head<2>().norm(), p.z());
+    const CoarseGrid& g = coarse_.grid;
+    const int r = static_cast<int>(rz.x() * g.per_mm), z = static_cast<int>(std::floor((rz.y() - g.z0) * g.per_mm));
+    if (r >= g.count_r || z < 0 || z >= g.count_z) return std::numeric_limits<double>::infinity();
+    const double coarse = coarse_.mm[static_cast<std::size_t>(r + g.count_r * z)];
+    return std::abs(coarse - limit_mm) > g.slack_mm ? coarse : scene_.tool.profile.nearest(rz).distance_mm;
+  }
+
+  const ReamingScene& scene_;
+  double visit_shift_mm_;
+  double voxel_mm_;
+  BrickLattice lattice_;
+  std::vector<BrickMark> marks_;
+  VoxelBox bone_;
+  CoarseDistance coarse_;
+  ExactForecast out_;
+};
+
+}  // namespace
+
+ExactForecast forecast_exact(const ReamingScene& scene) {
+  SweptBricks swept(scene);
+  const auto& poses = scene.motion.poses;
+  const double step_mm = kStepVoxels * scene.bone.voxmap.grid.voxel_mm;
+  const ToolPose* last = &poses.front();
+  swept.take(*last, step_mm);
+  for (const ToolPose& pose : poses) {
+    const int parts = static_cast<int>(std::ceil(longest_way(*last, pose, scene.tool) / step_mm));
+    if (parts <= 1) continue;
+    for (int i = 1; i <= parts; ++i) swept.take(interpolate(*last, pose, double(i) / parts), step_mm);
+    last = &pose;
+  }
+  return swept.forecast();
+}
+
+}  // namespace reamsim

@@ -1,0 +1,128 @@
+#include "sim/plan/time_plan.h"
+
+#include <algorithm>
+#include <limits>
+#include <utility>
+#include <vector>
+
+#include "sim/base/error.h"
+#include "sim/base/stopwatch.h"
+#include "sim/scenario/picture_frames.h"
+
+namespace reamsim {
+
+namespace {
+
+constexpr int kWindows = 10;
+constexpr std::int64_t kWindowFrames = 64;
+/// The serial engine takes so long for a frame that its batches are made small.
+constexpr int kSerialBatch = 4;
+
+/// Notes when batches of frames are finished.
+class BatchTimes : public FrameSink {
+ public:
+  void frame(const FrameResult& result, const FrameTimes&) override {
+    frames_ = result.frame;
+    last_s_ = watch_.seconds();
+    if (begins_) ends_.emplace_back(last_s_, 0);
+    ends_.back().second = frames_;
+    begins_ = frames_ == 0;  // the start is a batch of its own
+  }
+  /// The next frame belongs to another batch.
+  void end_batch() { begins_ = true; }
+  void snapshot(std::int64_t, FillBricks&) override {
+    read_s_ = std::max(read_s_, watch_.seconds() - last_s_);
+    last_s_ = watch_.seconds();
+  }
+  void removed(const RemovedFrames&) override {}
+
+  /// Of the fastest batch: the first may have to wait for kernels that are compiled.
+  [[nodiscard]] double seconds_per_frame() const {
+    double best = std::numeric_limits<double>::infinity();
+    for (std::size_t i = 1; i < ends_.size(); ++i) {
+      const auto frames = static_cast<double>(ends_[i].second - ends_[i - 1].second);
+      if (frames > 0) best = std::min(best, (ends_[i].first - ends_[i - 1].first) / frames);
+    }
+    return best;
+  }
+  [[nodiscard]] std::int64_t frames() const { return frames_; }
+  /// The longest that reading the bone for a snapshot took.
+  [[nodiscard]] double read_s() const { return read_s_; }
+
+ private:
+  Stopwatch watch_;
+  double last_s_ = 0;
+  double read_s_ = 0;
+  bool begins_ = true;
+  std::int64_t frames_ = 0;
+  std::vector<std::pair<double, std::int64_t>> ends_;  // when each came, and its last frame
+};
+
+/// A window's place in the motion and what a frame of it takes.
+struct Timed {
+  double frame;
+  double seconds_per_frame;
+};
+
+/// The area under the lines between the windows, and level ones before the first and behind the last.
+double seconds_of(const std::vector<Timed>& timed, double frames) {
+  double sum = timed.front().frame * timed.front().seconds_per_frame +
+               (frames - timed.back().frame) * timed.back().seconds_per_frame;
+  for (std::size_t i = 1; i < timed.size(); ++i) {
+    sum += 0.5 * (timed[i].frame - timed[i - 1].frame) * (timed[i].seconds_per_frame + timed[i - 1].seconds_per_frame);
+  }
+  return sum;
+}
+
+/// Runs the frames that the scene has now, as many as `most_s` allows.
+BatchTimes time_window(ReamingScene& scene, Engine& engine, double most_s) {
+  BatchTimes times;
+  Report unheard;
+  RunControl control;
+  const Stopwatch watch;
+  control.progress = [&](std::int64_t, std::int64_t) { times.end_batch(); };
+  control.stop = [&] { return watch.seconds() > most_s; };
+  try {
+    simulate(scene, engine, times, control, unheard);
+  } catch (const Interrupted&) {
+    // Enough of it is timed.
+  }
+  return times;
+}
+
+}  // namespace
+
+TimePlan plan_time(ReamingScene& scene, Engine& engine, double budget_s) {
+  const std::vector<ToolPose> poses = std::move(scene.motion.poses);
+  const Scenario asked = scene.scenario;
+  scene.scenario.render.every_frames = std::numeric_limits<int>::max();  // no snapshots on the way
+  if (asked.engine.device == "serial") scene.scenario.engine.batch_frames = kSerialBatch;
+  const auto all = static_cast<std::int64_t>(poses.size()) - 1;
+  const std::int64_t window = std::min(all, kWindowFrames);
+  const auto first_of = [&](int i) { return (all - window) * i / (kWindows - 1); };
+  TimePlan plan;
+  std::vector<Timed> timed;
+  double read_s = 0;
+  const Stopwatch watch;
+  for (int i = 0; i < kWindows && window > 0 && watch.seconds() < budget_s; ++i) {
+    const std::int64_t first = first_of(i);
+    if (i > 0 && first == first_of(i - 1)) continue;  // a run shorter than the windows
+    scene.motion.poses.assign(poses.begin() + first, poses.begin() + first + window + 1);
+    const BatchTimes times = time_window(scene, engine, budget_s / kWindows);
+    read_s = std::max(read_s, times.read_s());
+    const auto frames = static_cast<double>(times.frames());
+    if (frames == 0) continue;
+    timed.push_back({static_cast<double>(first) + 0.5 * frames, times.seconds_per_frame()});
+    plan.timed_frames += times.frames();
+  }
+  plan.windows = static_cast<int>(timed.size());
+  scene.motion.poses = poses;
+  scene.scenario = asked;
+  if (timed.empty()) return plan;
+  // A snapshot is read, and then written to disk, which takes about as long again.
+  const auto snapshots = static_cast<double>(picture_frames(asked.render, all).size());
+  plan.simulate_s = seconds_of(timed, static_cast<double>(all)) + 2 * snapshots * read_s;
+  return plan;
+}
+
+}  // namespace reamsim

@@ -1,0 +1,195 @@
+#include "sim/predict/contact_forecast.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+#include <vector>
+
+namespace reamsim {
+
+namespace {
+
+/// Half a brick's diagonal, voxels.
+constexpr double kBrickRadius_voxels = 0.5 * BrickLattice::kSide * 1.7320508;
+/// The tool is looked at each time that it may have moved so far, voxels.
+constexpr double kStep_voxels = 0.5;
+
+/// A brick with bone left, and how close the tool comes to its middle.
+struct Brick {
+  Vec3i coord;
+  Vec3 middle_mm;
+  double least_mm = std::numeric_limits<double>::infinity();
+};
+
+/// The way of a tool, as a length along which no point of it moves faster than 1.
+class Way {
+ public:
+  explicit Way(const ReamingScene& scene) : poses_(scene.motion.poses), ends_mm_(poses_.size(), 0) {
+    for (std::size_t k = 1; k < poses_.size(); ++k) {
+      const ToolPose &a = poses_[k - 1], &b = poses_[k];
+      const double turn_mm = a.orientation.angularDistance(b.orientation) * scene.tool.reach_mm;
+      ends_mm_[k] = ends_mm_[k - 1] + (b.position_mm - a.position_mm).norm() + turn_mm;
+    }
+  }
+
+  [[nodiscard]] double length_mm() const { return ends_mm_.back(); }
+  /// The frame that ends the part in which `at_mm` lies.
+  [[nodiscard]] std::size_t frame_at(double at_mm) const {
+    const auto end = std::ranges::lower_bound(ends_mm_, at_mm);
+    return std::min(static_cast<std::size_t>(end - ends_mm_.begin()), poses_.size() - 1);
+  }
+  [[nodiscard]] Rigid tool_from_bone(double at_mm) const {
+    const std::size_t k = frame_at(at_mm);
+    if (k == 0) return poses_[0].bone_from_tool().inverse();
+    const double part_mm = ends_mm_[k] - ends_mm_[k - 1];
+    const double share = part_mm > 0 ? (at_mm - ends_mm_[k - 1]) / part_mm : 1;
+    return interpolate(poses_[k - 1], poses_[k], std::clamp(share, 0.0, 1.0)).bone_from_tool().inverse();
+  }
+
+ private:
+  const std::vector<ToolPose>& poses_;
+  std::vector<double> ends_mm_;
+};
+
+/// A bone that is no more than its voxels, and a tool that is no more than its profile.
+class ContactSearch {
+ public:
+  explicit ContactSearch(const ReamingScene& scene)
+      : voxmap_(scene.bone.voxmap), profile_(scene.tool.profile), voxel_mm_(voxmap_.grid.voxel_mm), way_(scene) {
+    voxmap_.grade.for_each_brick([&](const Vec3i& coord, const GradeBricks::Brick&) {
+      const Vec3 middle =
+          voxmap_.grid.origin_mm + voxel_mm_ * BrickLattice::kSide * (coord.cast<double>() + Vec3::Constant(0.5));
+      bricks_.push_back({coord, middle});
+    });
+  }
+
+  /// Bone in the tool at its first pose, mm³.
+  [[nodiscard]] double start_mm3() const {
+    const Rigid tool_from_bone = way_.tool_from_bone(0);
+    double voxels = 0;
+    for (const Brick& brick : bricks_) {
+      if (distance_mm(tool_from_bone, brick.middle_mm) > radius_mm()) continue;
+      for_each_voxel_left(brick.coord, [&](const Vec3& center_mm, double fill) {
+        // The part of a voxel that lies in the tool, with the tool's surface as a plane.
+        voxels += fill * std::clamp(0.5 - distance_mm(tool_from_bone, center_mm) / voxel_mm_, 0.0, 1.0);
+      });
+    }
+    return voxels * voxmap_.grid.voxel_mm3();
+  }
+
+  /// The closest that the tool comes to a voxel's face, mm; 0 or less where it meets it.
+  void find_nearest(ContactForecast& out) {
+    double bound_mm = std::numeric_limits<double>::infinity();  // some bone comes at least as close as this
+    for (Brick& brick : bricks_) {
+      follow(brick.middle_mm, [&](double mm, double) {
+        brick.least_mm = std::min(brick.least_mm, mm);
+        bound_mm = std::min(bound_mm, mm + radius_mm());
+        return bound_mm > 0 ? bound_mm + radius_mm() : 0;
+      });
+      if (bound_mm > 0) continue;
+      out.meets = true;  // a whole brick goes through the tool
+      return;
+    }
+    std::ranges::stable_sort(bricks_, {}, &Brick::least_mm);
+    double best_mm = std::numeric_limits<double>::infinity();
+    for (const Brick& brick : bricks_) {
+      if (brick.least_mm - radius_mm() - kStep_voxels * voxel_mm_ > best_mm) break;
+      for_each_voxel_left(brick.coord, [&](const Vec3& center_mm, double) {
+        if (best_mm <= 0) return;
+        follow(center_mm, [&](double mm, double at_mm) {
+          const double gap_mm = mm - 0.5 * voxel_mm_;
+          if (gap_mm < best_mm) {
+            best_mm = gap_mm;
+            out.frame = static_cast<std::int64_t>(way_.frame_at(at_mm));
+            out.bone_mm = center_mm;
+          }
+          return best_mm > 0 ? best_mm + 0.5 * voxel_mm_ : 0;
+        });
+      });
+      if (best_mm <= 0) break;
+    }
+    out.meets = best_mm <= 0;
+    out.nearest_mm = std::max(0.0, best_mm);
+  }
+
+ private:
+  [[nodiscard]] double radius_mm() const { return kBrickRadius_voxels * voxel_mm_; }
+
+  [[nodiscard]] double distance_mm(const Rigid& tool_from_bone, const Vec3& point_mm) const {
+    const Vec3 p = tool_from_bone * point_mm;
+    return profile_.nearest({p.head<2>().norm(), p.z()}).distance_mm;
+  }
+
+  /// Looks at the tool's distance from a point along the way. `look`(distance, place) says below which distance it
+  /// matters, 0 when enough is known. Where the distance is more, the tool has to go at least the difference before it
+  /// can matter, so that much of the way is passed over.
+  template <class Look>
+  void follow(const Vec3& point_mm, const Look& look) const {
+    double at_mm = 0;
+    for (;;) {
+      const double mm = distance_mm(way_.tool_from_bone(at_mm), point_mm);
+      const double bound_mm = look(mm, at_mm);
+      if (bound_mm <= 0 || at_mm >= way_.length_mm()) return;
+      at_mm = std::min(way_.length_mm(), at_mm + std::max(kStep_voxels * voxel_mm_, mm - bound_mm));
+    }
+  }
+
+  /// Calls visit(centre, fill 0…1) for the voxels of a brick in which bone is left.
+  template <class Visit>
+  void for_each_voxel_left(const Vec3i& coord, const Visit& visit) const {
+    const GradeBricks::Brick& grades = *voxmap_.grade.brick(coord);
+    const FillBricks::Brick* fills = voxmap_.fill.brick(coord);
+    for (int offset = 0; offset < GradeBricks::kVoxels; ++offset) {
+      const auto at = static_cast<std::size_t>(offset);
+      const std::uint16_t fill = fills == nullptr ? FillBricks::kWhole : (*fills)[at];
+      if (grades[at] == 0 || fill == 0) continue;
+      const Vec3i voxel = BrickLattice::voxel_at(coord, offset);
+      visit(voxmap_.grid.center_mm(voxel.x(), voxel.y(), voxel.z()), static_cast<double>(fill) / FillBricks::kWhole);
+    }
+  }
+
+  const Voxmap& voxmap_;
+  const Profile& profile_;
+  double voxel_mm_;
+  Way way_;
+  std::vector<Brick> bricks_;
+};
+
+}  // namespace
+
+ContactForecast forecast_contact(const ReamingScene& scene) {
+  ContactForecast out;
+  if (scene.motion.poses.empty()) return out;
+  ContactSearch search(scene);
+  out.start_mm3 = search.start_mm3();
+  // What a tool meets at its start it meets.
+  if (out.start_mm3 > scene.bone.voxmap.grid.voxel_mm3()) {
+    out.meets = true;
+  } else {
+    search.find_nearest(out);
+  }
+  return out;
+}
+
+void warn_of_contact(const ReamingScene& scene, const ContactForecast& forecast, Report& report) {
+  char text[300];
+  if (forecast.start_mm3 > scene.bone.voxmap.grid.voxel_mm3()) {
+    const bool exact = scene.scenario.cutting.erosion == "exact";
+    std::snprintf(text, sizeof text,
+                  "the tool starts in the bone: about %.3g mm3 of bone lie in it at its first pose%s",
+                  forecast.start_mm3,
+                  exact ? ", and are removed without force" : ", so the force of the first frames is not meaningful");
+    report.warn(std::string(text) + "; start further out (motion)");
+  }
+  if (!forecast.meets) {
+    const Vec3& p = forecast.bone_mm;
+    std::snprintf(text, sizeof text,
+                  "the tool never meets the bone: it comes no closer than %.2f mm, in frame %lld, to the bone at "
+                  "(%.1f, %.1f, %.1f) mm; check motion, and the glenoid frame if it uses one",
+                  forecast.nearest_mm, static_cast<long long>(forecast.frame), p.x(), p.y(), p.z());
+    report.warn(text);
+  }
+}
+
+}  // namespace reamsim

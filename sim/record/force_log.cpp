@@ -1,0 +1,121 @@
+#include "sim/record/force_log.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <string_view>
+
+#include "sim/base/csv.h"
+#include "sim/base/error.h"
+#include "sim/record/layer_mean.h"
+
+namespace reamsim {
+namespace {
+
+enum ForceColumn {
+  kFrame,
+  kTime,
+  kX,
+  kY,
+  kZ,
+  kQw,
+  kQx,
+  kQy,
+  kQz,
+  kSpinAngle,
+  kDepth,
+  kForceX,
+  kForceY,
+  kForceZ,
+  kAxial,
+  kTorque,
+  kRemoved,
+  kColumns
+};
+
+constexpr std::array<std::string_view, kColumns> kNames{
+    "frame",     "time_s",    "tool_x_mm",     "tool_y_mm",       "tool_z_mm",  "tool_qw",
+    "tool_qx",   "tool_qy",   "tool_qz",       "spin_angle_rad",  "depth_mm",   "force_x_n",
+    "force_y_n", "force_z_n", "axial_force_n", "spin_torque_nmm", "removed_mm3"};
+
+/// `v`: a row's numbers, in the order of kNames.
+ForceRow make_row(const SourceLocation& where, const std::vector<double>& v) {
+  ForceRow row;
+  if (v[kFrame] < 0 || v[kFrame] > 1e15) throw InputError(where, "frame", "out of range", "expected 0 or more");
+  row.frame = static_cast<std::int64_t>(v[kFrame]);
+  row.time_s = v[kTime];
+  row.pose.position_mm = Vec3(v[kX], v[kY], v[kZ]);
+  row.pose.orientation = Quat(v[kQw], v[kQx], v[kQy], v[kQz]);
+  if (std::abs(row.pose.orientation.norm() - 1) > 1e-3) {
+    throw InputError(where, "tool_qw", "the quaternion is not of length 1", "expected a rotation");
+  }
+  row.pose.orientation.normalize();
+  row.pose.spin_angle_rad = v[kSpinAngle];
+  row.depth_mm = v[kDepth];
+  row.force_n = Vec3(v[kForceX], v[kForceY], v[kForceZ]);
+  row.axial_force_n = v[kAxial];
+  row.spin_torque_nmm = v[kTorque];
+  row.removed_mm3 = v[kRemoved];
+  return row;
+}
+
+}  // namespace
+
+const ForceRow& ForceLog::at(std::int64_t frame, const std::string& path) const {
+  const auto after = std::upper_bound(rows.begin(), rows.end(), frame,
+                                      [](std::int64_t wanted, const ForceRow& row) { return wanted < row.frame; });
+  if (after == rows.begin()) return rows.front();
+  const ForceRow& row = *std::prev(after);
+  if (row.frame != frame) {
+    throw InputError({path, 0, 0}, "frame", "there is no row for frame " + std::to_string(frame) + " of snapshots/",
+                     "run the scenario again");
+  }
+  return row;
+}
+
+ForceLog read_force_log(const std::string& path) {
+  CsvTable table(path, kNames, "the forces.csv of a run");
+  ForceLog log;
+  double removed_mm3 = 0;
+  for (std::vector<double> values; table.next(values);) {
+    ForceRow row = make_row(table.where(), values);
+    if (!log.rows.empty() && row.frame <= log.rows.back().frame) {
+      throw InputError(table.where(), "frame", "frames do not ascend", "the forces.csv of a run");
+    }
+    removed_mm3 += row.removed_mm3;
+    row.removed_mm3 = removed_mm3;
+    log.rows.push_back(row);
+  }
+  if (log.rows.empty()) throw InputError({path, 0, 0}, "", "has no row", "run the scenario again");
+  return log;
+}
+
+void add_layer_means(ForceLog& log, double travel_mm) {
+  LayerMean mean(travel_mm);
+  for (ForceRow& row : log.rows) {
+    if (travel_mm == 0) {
+      row.layer_axial_force_n = row.axial_force_n;
+      row.layer_spin_torque_nmm = row.spin_torque_nmm;
+      row.layer_force_n = row.force_n;
+      row.layer_frames = 1;
+      continue;
+    }
+    const auto means = mean.add(row.pose.position_mm, row.axial_force_n, row.spin_torque_nmm);
+    row.layer_axial_force_n = means.axial_force_n;
+    row.layer_spin_torque_nmm = means.spin_torque_nmm;
+    row.layer_force_n = means.axial_force_n * (row.pose.orientation * Vec3::UnitZ());
+    row.layer_frames = means.frames;
+  }
+}
+
+Headline headline_of(const ForceLog& log, bool means) {
+  Headline out{.means = means};
+  for (const ForceRow& row : log.rows) {
+    out.peak_axial_force_n = std::max(out.peak_axial_force_n, row.layer_axial_force_n);
+    out.peak_spin_torque_nmm = std::max(out.peak_spin_torque_nmm, row.layer_spin_torque_nmm);
+    out.tool_depth_mm = std::max(out.tool_depth_mm, row.depth_mm);
+  }
+  return out;
+}
+
+}  // namespace reamsim

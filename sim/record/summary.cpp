@@ -1,0 +1,229 @@
+#include "sim/record/summary.h"
+
+#include <sys/resource.h>
+
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "sim/base/error.h"
+#include "sim/base/stopwatch.h"
+#include "sim/mesh/mesh_io.h"
+#include "sim/record/checksum.h"
+#include "sim/record/metrics_file.h"
+#include "sim/record/vti.h"
+#include "sim/scenario/parse.h"
+#include "sim/scenario/presets.h"
+
+namespace reamsim {
+
+namespace {
+
+void write_text(const std::string& path, const std::string& text) {
+  std::ofstream out(path, std::ios::binary);
+  out << text;
+  out.close();
+  if (!out) throw RunError(path + ": cannot be written; is the disk full or the folder read-only?");
+}
+
+/// Provenance that the grids carry. No device and no time: the same scenario gives the same grids.
+Metadata provenance(const ReamingScene& scene, const RunFacts& facts) {
+  Metadata out{{"program", "reamsim " REAMSIM_VERSION},
+               {"scenario", scene.scenario.name},
+               {"erosion", scene.scenario.cutting.erosion}};
+  for (const auto& input : facts.inputs) {
+    out.emplace_back("input_" + input.role, std::filesystem::path(input.path).filename().string());
+    out.emplace_back("sha256_" + input.role, input.sha256);
+  }
+  const Metadata anatomy = metadata_of({scene.bone.glenoid, scene.bone.landmarks, scene.bone.side});
+  out.insert(out.end(), anatomy.begin(), anatomy.end());
+  return out;
+}
+
+std::string scenario_head(const RunFacts& facts) {
+  std::string head =
+      "# Resolved by reamsim " REAMSIM_VERSION ": every default filled in. Run on " + facts.device + ".\n";
+  for (const auto& input : facts.inputs)
+    head += "# sha256 " + input.sha256 + "  " + input.role + "  " + input.path + "\n";
+  return head;
+}
+
+/// The most memory that the process has held, MB = 10⁶ bytes.
+double peak_process_mb() {
+  struct rusage usage {};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<double>(usage.ru_maxrss) * 1024 / 1e6;  // Linux counts KiB
+}
+
+nlohmann::ordered_json headline_json(const Headline& headline) {
+  return {{"force_name", headline.force_name()},
+          {"peak_axial_force_n", headline.peak_axial_force_n},
+          {"peak_spin_torque_nmm", headline.peak_spin_torque_nmm},
+          {"force_definition", headline.force_definition()},
+          {"depth_name", Headline::kDepthName},
+          {"depth_mm", headline.tool_depth_mm},
+          {"depth_definition", Headline::depth_definition()}};
+}
+
+nlohmann::ordered_json forces_json(const RunTotals& totals) {
+  return {{"peak_layer_axial_force_n", totals.peak_layer_axial_force_n},
+          {"peak_layer_spin_torque_nmm", totals.peak_layer_spin_torque_nmm},
+          {"peak_force_n", totals.peak_force_n},
+          {"rms_force_n", totals.rms_force_n()},
+          {"mean_force_n", totals.means().force_n},
+          {"peak_axial_force_n", totals.peak_axial_force_n},
+          {"mean_axial_force_n", totals.means().axial_force_n},
+          {"peak_torque_nmm", totals.peak_torque_nmm},
+          {"rms_torque_nmm", totals.rms_torque_nmm()},
+          {"mean_torque_nmm", totals.means().torque_nmm},
+          {"peak_spin_torque_nmm", totals.peak_spin_torque_nmm},
+          {"mean_spin_torque_nmm", totals.means().spin_torque_nmm}};
+}
+
+/// The force law as it ran, for those who cite it.
+nlohmann::ordered_json force_law_json(const CuttingSettings& cutting) {
+  nlohmann::ordered_json json;
+  json["preset"] = cutting.preset.empty() ? nlohmann::ordered_json() : nlohmann::ordered_json(cutting.preset);
+  json["changed_from_preset"] = changed_from_preset(cutting);
+  if (cutting.specific_energy_table.empty()) {
+    json["specific_energy_j_mm3"] = cutting.specific_energy_j_mm3;
+    json["reference_density_g_cm3"] = cutting.reference_density_g_cm3;
+    json["density_exponent"] = cutting.density_exponent;
+  }
+  for (const auto& point : cutting.specific_energy_table) {
+    json["specific_energy_table"].push_back(
+        {{"density_g_cm3", point.density_g_cm3}, {"energy_j_mm3", point.energy_j_mm3}});
+  }
+  json["normal_ratio"] = cutting.normal_ratio;
+  json["friction_share"] = cutting.friction_share;
+  if (const auto& size = cutting.size_effect) {
+    json["size_effect"] = {{"exponent", size->exponent},
+                           {"reference_mm", size->reference_mm},
+                           {"lips", size->lips},
+                           {"least_mm", size->least_mm},
+                           {"most_mm", size->most_mm}};
+  }
+  if (const auto& edge = cutting.edge_force) {
+    json["edge_force"] = {
+        {"tangential_n_mm", edge->tangential_n_mm}, {"normal_n_mm", edge->normal_n_mm}, {"lips", edge->lips}};
+  }
+  return json;
+}
+
+nlohmann::ordered_json bone_json(const ReamingScene& scene, const RunTotals& totals, const RunFacts& facts) {
+  const VoxelGrid& grid = scene.bone.voxmap.grid;
+  return {{"voxel_mm", grid.voxel_mm},
+          {"dims", {grid.dims.x(), grid.dims.y(), grid.dims.z()}},
+          {"bone_before_mm3", facts.bone_before_mm3},
+          {"bone_after_mm3", scene.bone.voxmap.bone_mm3()},
+          {"removed_mm3", totals.removed_mm3}};
+}
+
+/// What separated the bone from the rest of the scan.
+nlohmann::ordered_json segmentation_json(const Segmentation& s) {
+  nlohmann::ordered_json json;
+  json["method"] = s.method;
+  json["threshold_hu"] = s.threshold_hu;
+  json["bone_mm3"] = s.bone_mm3;
+  json["below_threshold_fraction"] = s.below_threshold_fraction;
+  json["density_lower_bound_fraction"] = s.lower_bound_fraction;
+  json["noise_hu"] = s.noise_hu;
+  if (s.method == "threshold") {
+    json["pieces"] = s.pieces;
+    json["kept"] = s.by_seed ? "seed" : "largest";
+    json["kept_rank"] = s.kept_rank;
+    json["kept_piece_mm3"] = s.kept_piece_mm3;
+    json["largest_piece_mm3"] = s.largest_mm3;
+    json["second_piece_mm3"] = s.second_mm3;
+    json["dropped_mm3"] = s.dropped_mm3;
+    json["cut_mm3"] = s.cut_mm3;
+    json["closed_mm3"] = s.closed_mm3;
+    json["filled_mm3"] = s.filled_mm3;
+  }
+  const Vec3& p = s.planes_through_mm;
+  json["planes_through_mm"] = {p.x(), p.y(), p.z()};
+  return json;
+}
+
+nlohmann::ordered_json tool_json(const Tool& tool) {
+  nlohmann::ordered_json json = {{"shell_points", tool.shell.codes.size()},
+                                 {"shell_resolution", tool.shell.resolution},
+                                 {"shell_spacing_mm", tool.shell.cell_mm}};
+  if (const auto& teeth = tool.teeth) {
+    json["distance_grid"] = {{"spacing_mm", teeth->spacing_mm},
+                             {"bricks", teeth->stored_bricks()},
+                             {"bytes", teeth->bytes()},
+                             {"volume_mm3", teeth->volume_mm3},
+                             {"mesh_volume_mm3", teeth->mesh_mm3},
+                             {"volume_error", teeth->volume_error()}};
+  }
+  return json;
+}
+
+}  // namespace
+
+std::vector<InputSum> input_sums(const Scenario& scenario) {
+  std::vector<InputSum> sums{{"scenario", scenario.file, sha256_of(scenario.file)}};
+  for (const auto& [role, path] : input_files(scenario)) sums.push_back({role, path, sha256_of(path)});
+  return sums;
+}
+
+void write_tool(const std::string& dir, const Tool& tool) {
+  const std::string folder = dir + "/snapshots";
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (error) throw RunError(folder + ": " + error.message());
+  write_stl(folder + "/tool.stl", tool.mesh);
+}
+
+void write_results(const std::string& dir, const ReamingScene& scene, const Recorder& recorder, const RunFacts& facts) {
+  write_text(dir + "/scenario.yaml", scenario_head(facts) + to_yaml(scene.scenario));
+  write_bone_vdb(dir + "/reamed.vdb", scene.bone.voxmap, recorder.removed_frames(), provenance(scene, facts));
+  if (scene.scenario.output.vti) write_vti(dir + "/reamed.vti", scene.bone.voxmap);
+  write_depth_map(dir + "/depth_map.csv", facts.depth_map);
+}
+
+void write_summary(const std::string& dir, const ReamingScene& scene, const RunTotals& totals, const RunFacts& facts,
+                   double render_s) {
+  nlohmann::ordered_json json;
+  json["program"] = "reamsim " REAMSIM_VERSION;
+  json["scenario"] = scene.scenario.name;
+  json["device"] = facts.device;
+  json["detector"] = scene.scenario.engine.detector;
+  json["erosion"] = scene.scenario.cutting.erosion;
+  json["law"] = scene.scenario.cutting.law;
+  if (scene.scenario.cutting.law == "energy") json["force_law"] = force_law_json(scene.scenario.cutting);
+  // Single frames are spikes where voxels go whole.
+  json["headline"] = headline_json(totals.headline(scene.scenario.cutting.erosion != "exact"));
+  json["frames"] = totals.frames;
+  json["contact_frames"] = totals.contact_frames;
+  json["first_contact_frame"] = totals.first_contact_frame;
+  json["simulated_s"] = totals.simulated_s;
+  json["reaming_s"] = static_cast<double>(totals.reaming_frames()) * scene.motion.frame_s();
+  json["removed_mm3"] = totals.removed_mm3;
+  json["max_depth_mm"] = totals.max_depth_mm;
+  json["work_mj"] = totals.work_mj();
+  json["energy_mj"] = totals.energy_mj;
+  json["floor_energy_mj"] = totals.floor_energy_mj;
+  if (scene.scenario.cutting.law == "energy") {
+    json["friction_energy_mj"] = scene.scenario.cutting.friction_share * totals.energy_mj;
+  }
+  json["balance"] = totals.balance;
+  json["forces"] = forces_json(totals);
+  json["metrics"] = metrics_json(facts.metrics);
+  json["bone"] = bone_json(scene, totals, facts);
+  if (scene.bone.segmentation) json["segmentation"] = segmentation_json(*scene.bone.segmentation);
+  json["tool"] = tool_json(scene.tool);
+  json["timings_s"] = {
+      {"load", facts.load_s},      {"simulate", facts.simulate_s}, {"broad_phase", totals.broad_phase_s},
+      {"detect", totals.detect_s}, {"cut", totals.cut_s},          {"measure", facts.measure_s},
+      {"render", render_s}};
+  json["memory_mb"] = {{"peak_process", peak_process_mb()}, {"device", static_cast<double>(facts.device_bytes) / 1e6}};
+  for (const auto& input : facts.inputs) {
+    json["inputs"].push_back({{"role", input.role}, {"path", input.path}, {"sha256", input.sha256}});
+  }
+  json["warnings"] = facts.warnings;
+  write_text(dir + "/summary.json", json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n");
+}
+
+}  // namespace reamsim

@@ -1,0 +1,47 @@
+#pragma once
+
+#include <string>
+
+#include "sim/metrics/run_metrics.h"
+#include "sim/record/recorder.h"
+#include "sim/scene/scene.h"
+
+namespace reamsim {
+
+/// An input file with its role and sum.
+struct InputSum {
+  std::string role;
+  std::string path;
+  std::string sha256;
+};
+
+/// Sums of every input of the scenario, the scenario file first. Throws InputError when one cannot be read.
+std::vector<InputSum> input_sums(const Scenario& scenario);
+
+/// What a run took, for summary.json.
+struct RunFacts {
+  std::string device;
+  std::size_t device_bytes = 0;
+  double bone_before_mm3 = 0;
+  double load_s = 0;
+  double simulate_s = 0;
+  double measure_s = 0;
+  std::vector<InputSum> inputs;
+  std::vector<std::string> warnings;
+  BoneMetrics metrics;
+  ColumnMap depth_map;
+};
+
+/// Writes snapshots/tool.stl into `dir`, which drawing reads beside the simulation. Throws RunError when the disk is
+/// full.
+void write_tool(const std::string& dir, const Tool& tool);
+
+/// Writes scenario.yaml (resolved, with the sums in its head), reamed.vdb, reamed.vti and depth_map.csv into `dir`.
+/// Throws RunError when the disk is full.
+void write_results(const std::string& dir, const ReamingScene& scene, const Recorder& recorder, const RunFacts& facts);
+
+/// Writes summary.json into `dir`; `render_s` is the time of pictures and plots, 0 without.
+void write_summary(const std::string& dir, const ReamingScene& scene, const RunTotals& totals, const RunFacts& facts,
+                   double render_s);
+
+}  // namespace reamsim

@@ -1,0 +1,76 @@
+#include "sim/scene/scene.h"
+
+#include "sim/base/error.h"
+#include "sim/bone/frame_check.h"
+#include "sim/bone/voxmap/lattice.h"
+#include "sim/tool/clipped_tool.h"
+
+namespace reamsim {
+
+namespace {
+
+/// Where voxels are clipped, or tested against the surface, no point of the shell looks for them.
+ShellUse shell_use(const Scenario& scenario) {
+  const bool by_surface = scenario.cutting.erosion == "exact" || scenario.engine.detector == "implicit";
+  return by_surface ? ShellUse::extent : ShellUse::touches_voxels;
+}
+
+void load_tool_of(ReamingScene& scene, double voxel_mm, Report& report) {
+  const Scenario& scenario = scene.scenario;
+  scene.tool = load_tool(scenario.tool, voxel_mm, shell_use(scenario), report);
+  if (scenario.cutting.erosion != "exact") return;
+  constexpr double kGridMemoryShare = 0.25;  // bone, engine and results need the rest
+  ready_for_clipping(scene.tool, scenario.tool, voxel_mm, kGridMemoryShare * machine_memory_bytes(), report);
+}
+
+/// What the rules cannot know of a VDB before it is read.
+void check_camera_frames(const ReamingScene& scene) {
+  const auto& cameras = scene.scenario.render.user_cameras;
+  for (std::size_t i = 0; i < cameras.size() && !scene.bone.glenoid; ++i) {
+    if (cameras[i].frame != "glenoid") continue;
+    throw InputError({}, "render.user_cameras." + std::to_string(i) + ".frame",
+                     "found glenoid, and the bone has no glenoid frame", "expected bone, or a frame in bone.glenoid");
+  }
+}
+
+}  // namespace
+
+ReamingScene load_scene(const Scenario& scenario, Report& report, MistakeList& frame_mistakes) {
+  ReamingScene scene;
+  scene.scenario = scenario;
+  MistakeList mistakes;
+  // Each part is loaded whatever became of the others, so that all their mistakes come to light.
+  const bool bone = mistakes.attempt([&] {
+    scene.bone = load_bone(with_surface_voxels(scenario.bone, scenario.cutting), report);
+    scene.scenario.bone.side = scene.bone.side;
+  });
+  const double voxel_mm = bone ? scene.bone.voxmap.grid.voxel_mm : scenario.bone.voxel_mm;
+  mistakes.attempt([&] { load_tool_of(scene, voxel_mm, report); });
+  if (bone || scenario.motion.frame != "glenoid") {
+    mistakes.attempt([&] { scene.motion = build_motion(scenario.motion, scene.bone.glenoid, report); });
+  }
+  if (bone) mistakes.attempt([&] { check_camera_frames(scene); });
+  MistakeList frame;
+  if (bone) check_glenoid_frame(scene.bone, scenario.bone, frame, report);
+  const auto located = [&](const MistakeList& found, MistakeList& to) {
+    try {
+      found.throw_if_any();
+    } catch (const InputError& error) {
+      to.add(scenario.keys.located(error));
+    }
+  };
+  MistakeList all;
+  located(mistakes, all);
+  located(frame, all.empty() ? frame_mistakes : all);
+  all.throw_if_any();
+  return scene;
+}
+
+ReamingScene load_scene(const Scenario& scenario, Report& report) {
+  MistakeList mistakes;
+  ReamingScene scene = load_scene(scenario, report, mistakes);
+  mistakes.throw_if_any();
+  return scene;
+}
+
+}  // namespace reamsim
