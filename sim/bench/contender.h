@@ -29,7 +29,7 @@ struct Label {
 struct BatchSample {
   double total_s = 0;         ///< broad phase, arguments, kernels and results read
   double broad_s = 0;         ///< of it: boxes and VOI
-  double upload_s = 0;        ///< of it: arguments made and sent
+  double upload_s = 0;        ///< of it: arguments made and sent, kernels enqueued
   double kernel_s = 0;        ///< of it: kernels, by the device's clock
   std::int64_t voxels = 0;    ///< that lost something; 0 where the program does not count them
   double removed = 0;         ///< voxels that went, partly gone ones as shares; 0 where the program does not count

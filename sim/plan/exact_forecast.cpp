@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "sim/engine/common/voxel_box.h"
-#include "sim/engine/exact/exact_reach.h"
+#include "sim/engine/exact/list_bricks.h"
 
 namespace reamsim {
 
@@ -14,7 +14,7 @@ namespace {
 
 /// The tool is looked at each time that it may have moved so far, voxels.
 constexpr double kStepVoxels = 2;
-/// Half a brick's diagonal with half a voxel's, as in kernels/reach_exact.cl.
+/// Half a brick's diagonal with half a voxel's, as in kernels/list_bricks.cl.
 constexpr double kBrickRadiusVoxels = 7;
 
 enum class BrickMark : std::uint8_t { air, whole, parted };

@@ -98,10 +98,8 @@ class Run {
 
   void enqueue(const SubstepArgs& args, const Substep& substep, PendingFrame& pending) {
     if (engine_.full()) drain();
-    const int slot = engine_.begin(args);
-    engine_.detector().detect(slot);
-    engine_.erosion().cut(slot);
-    pending.cut.emplace_back(static_cast<int>(batch_.sums.size()) + slot, substep);
+    engine_.enqueue(args);
+    pending.cut.emplace_back(enqueued_++, substep);
   }
 
   /// One frame: in each substep, what the broad phase lets through is detected and cut.
@@ -124,11 +122,10 @@ class Run {
 
   /// Takes what the engine has finished; slots of the frames that wait count on from there.
   void drain() {
-    Batch part = engine_.collect();
+    const Batch part = engine_.collect();
     const auto append = [](auto& to, const auto& from) { to.insert(to.end(), from.begin(), from.end()); };
     append(batch_.sums, part.sums);
-    append(batch_.detect_s, part.detect_s);
-    append(batch_.cut_s, part.cut_s);
+    append(batch_.times, part.times);
     append(removed_, engine_.take_removed());
   }
 
@@ -143,14 +140,15 @@ class Run {
       const FrameResult result = ledger_.close(pending, batch_.sums);
       FrameTimes times{.broad_phase_s = pending.broad_phase_s};
       for (const auto& [slot, substep] : pending.cut) {
-        times.detect_s += batch_.detect_s[static_cast<std::size_t>(slot)];
-        times.cut_s += batch_.cut_s[static_cast<std::size_t>(slot)];
+        times.detect_s += batch_.times[slot].detect_s;
+        times.cut_s += batch_.times[slot].cut_s;
       }
       watch(result);
       sink_.frame(result, times);
     }
     pending_.clear();
     batch_ = {};
+    enqueued_ = 0;
     removed_.clear();
   }
 
@@ -189,7 +187,8 @@ class Run {
   bool exact_;
   double max_step_mm_;
   std::vector<PendingFrame> pending_;
-  Batch batch_;
+  Batch batch_;               ///< of the frames that wait
+  std::size_t enqueued_ = 0;  ///< substeps of these frames
   RemovedFrames removed_;
   bool touched_ = false;
   bool still_ = false;

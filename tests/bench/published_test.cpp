@@ -22,9 +22,7 @@ class Published : public ::testing::Test {
     SubstepArgs args = args_without_voi(frame, tool_, bone_.grid);
     args.law = RS_LAW_PER_POINT;
     args.force_per_point = 1;
-    const int slot = engine->begin(args);
-    engine->detector().detect(slot);
-    engine->erosion().cut(slot);
+    engine->enqueue(args);
     const Batch batch = engine->collect();
     Vec3 force;
     for (int i = 0; i < 3; ++i) force[i] = static_cast<double>(batch.sums[0].force[i]) / RS_FORCE_SCALE;

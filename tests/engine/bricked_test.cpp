@@ -121,7 +121,7 @@ TEST(ProfileTable, DistancesAreThoseOfTheProfile) {
   // Far outside and inside too, where the nearest point is mostly a vertex, and rounding decides between its two edges.
   for (const Profile& profile : {cap_profile(5, 6, 2.5, 0.6), cap_profile(29, 36, 9, 1.25)}) {
     const ProfileTable table = full_profile_table(profile);
-    const ProfileView view = table.view();
+    const ProfileView view = view_of(table);
     const double width = 1.3 * profile.max_radius_mm();
     for (int i = 0; i < 700; ++i) {
       for (int k = 0; k < 700; ++k) {
@@ -141,8 +141,8 @@ TEST(ProfileTable, ListsGiveTheDistancesOfTheFullProfile) {
   const Profile profile = cap_profile(29, 36, 9, 1.25);
   for (const double voxel_mm : {0.05, 0.25, 1.0}) {
     const ProfileTable full = full_profile_table(profile), table = make_profile_table(profile, voxel_mm);
-    EXPECT_LT(table.numbers.size(), 80 * table.lists.size());
-    const ProfileView all = full.view(), some = table.view();
+    EXPECT_LT(table.near.numbers.size(), 80 * table.near.lists.size());
+    const ProfileView all = view_of(full), some = view_of(table);
     for (int i = 0; i < 20000; ++i) {
       // A point near the surface, and the brick about it that its list was found for.
       const auto edge = static_cast<std::size_t>(random() % profile.points.size());

@@ -28,7 +28,7 @@ std::vector<Profile> profiles() {
 
 bool inside(const Profile& profile, double r, double z) {
   const ProfileTable table = full_profile_table(profile);
-  const ProfileView view = table.view();
+  const ProfileView view = view_of(table);
   return rs_inside_profile(&view, static_cast<float>(r), static_cast<float>(z)) != 0;
 }
 
@@ -84,7 +84,7 @@ TEST(Implicit, TheVoiHoldsEveryVoxelThatTheToolHolds) {
   const VoxelGrid& grid = scene.bone.voxmap.grid;
   const VoxelBox bone = bone_extent(scene.bone.voxmap);
   const ProfileTable table = full_profile_table(scene.tool.profile);
-  const ProfileView profile = table.view();
+  const ProfileView profile = view_of(table);
   std::int64_t held = 0, looked_at = 0;
   for (int trial = 0; trial < 40; ++trial) {
     Substep substep;

@@ -23,13 +23,10 @@ Sums as_array(const SubstepSums& s) {
 }
 
 Touched one_substep(Engine& engine, const SubstepArgs& args) {
-  const int slot = engine.begin(args);
-  engine.detector().detect(slot);
-  engine.erosion().cut(slot);
+  engine.enqueue(args);
   Batch batch = engine.collect();
   EXPECT_EQ(batch.sums.size(), 1U);
-  EXPECT_EQ(batch.detect_s.size(), 1U);
-  EXPECT_EQ(batch.cut_s.size(), 1U);
+  EXPECT_EQ(batch.times.size(), 1U);
   RemovedFrames removed = engine.take_removed();
   std::sort(removed.begin(), removed.end());
   return {as_array(batch.sums.at(0)), removed};

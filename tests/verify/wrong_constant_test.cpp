@@ -20,18 +20,16 @@ class FaultyEngine final : public Engine {
  public:
   FaultyEngine(std::unique_ptr<Engine> engine, Fault fault) : engine_(std::move(engine)), fault_(std::move(fault)) {}
 
-  int begin(const SubstepArgs& args) override {
+  void enqueue(const SubstepArgs& args) override {
     SubstepArgs faulty = args;
     fault_.args(faulty);
-    return engine_->begin(faulty);
+    engine_->enqueue(faulty);
   }
   Batch collect() override {
     Batch batch = engine_->collect();
     for (SubstepSums& sums : batch.sums) fault_.sums(sums);
     return batch;
   }
-  Detector& detector() override { return engine_->detector(); }
-  Erosion& erosion() override { return engine_->erosion(); }
   [[nodiscard]] bool full() const override { return engine_->full(); }
   RemovedFrames take_removed() override { return engine_->take_removed(); }
   void read_fill(Voxmap& voxmap) override { engine_->read_fill(voxmap); }

@@ -4,7 +4,7 @@
 #include <cstring>
 #include <utility>
 
-#include "sim/engine/bricked/bricked_erosion.h"
+#include "sim/engine/bricked/cut_bricked.h"
 #include "sim/engine/common/engine_device.h"
 #include "sim/engine/common/removed_blocks.h"
 
@@ -36,19 +36,21 @@ class BrickedEngine final : public Engine {
         grid_(voxmap.grid),
         state_(make_bricked_state(device_, voxmap, tool, fill_store(scenario), limits.largest_pool)),
         batch_(device_, removed_list(voxmap, tool, limits)),
-        detector_(device_, state_, batch_, choose_options(info, scenario.engine)),
-        erosion_(device_, state_, batch_, make_energy_table(scenario.cutting, voxmap.grid.voxel_mm),
-                 choose_options(info, scenario.engine)) {}
+        detect_(device_, state_, batch_, choose_options(info, scenario.engine)),
+        cut_(device_, state_, batch_, make_energy_table(scenario.cutting, voxmap.grid.voxel_mm),
+             choose_options(info, scenario.engine)) {}
 
-  int begin(const SubstepArgs& args) override { return batch_.begin(args); }
-  Detector& detector() override { return detector_; }
-  Erosion& erosion() override { return erosion_; }
+  void enqueue(const SubstepArgs& args) override {
+    const int slot = batch_.begin(args);
+    detect_.enqueue(slot);
+    cut_.enqueue(slot);
+  }
   [[nodiscard]] bool full() const override { return batch_.full(); }
 
   Batch collect() override {
     removed_.clear();
     for (int slot = batch_.stalled(); slot >= 0; slot = batch_.stalled()) resume(slot);
-    return {batch_.collect(), detector_.take_seconds(), erosion_.take_seconds()};
+    return {batch_.collect(), stage_times(detect_.take_seconds(), cut_.take_seconds())};
   }
 
   RemovedFrames take_removed() override {
@@ -56,28 +58,23 @@ class BrickedEngine final : public Engine {
     return std::exchange(removed_, {});
   }
 
-  void read_fill(Voxmap& voxmap) override { read_bricked_fill(device_, state_, voxmap); }
-  void restore(const Voxmap& voxmap) override { upload_bone(device_, state_, voxmap); }
-  void restore_voxels(const Voxmap& voxmap, const RemovedFrames& gone) override {
-    upload_bricks_of(device_, state_, voxmap, gone);
+  void read_fill(Voxmap& voxmap) override { read_brick_fill(device_, state_.bone, voxmap); }
+  void restore(const Voxmap& voxmap) override { upload_bone(device_, voxmap, state_.bone); }
+  void restore_voxels(const Voxmap& voxmap, const RemovedFrames& removed) override {
+    upload_bricks_of(device_, voxmap, removed, state_.bone);
   }
   [[nodiscard]] std::string device() const override { return device_.info().name; }
   [[nodiscard]] std::size_t device_bytes() const override { return bytes_; }
-  [[nodiscard]] StructureBytes structure_bytes() const override {
-    StructureBytes out{state_.slot_of_brick.bytes() + state_.lattice_of_slot.bytes() + state_.occupancy.bytes(),
-                       state_.cells.bytes() + state_.runs.bytes() + state_.offsets.bytes()};
-    for (const auto& pool : state_.pools) out.voxmap += pool.bytes();
-    return out;
-  }
+  [[nodiscard]] StructureBytes structure_bytes() const override { return {state_.bone.bytes(), state_.shell_bytes()}; }
 
  private:
   /// Cuts what waited for room in the list of removed voxels, and runs the substeps after it.
   void resume(int slot) {
     append(batch_.make_room(slot));
-    erosion_.cut(slot);
+    cut_.enqueue(slot);
     for (int later = slot + 1; later < batch_.used(); ++later) {
-      detector_.detect(later);
-      erosion_.cut(later);
+      detect_.enqueue(later);
+      cut_.enqueue(later);
     }
   }
 
@@ -94,8 +91,8 @@ class BrickedEngine final : public Engine {
   VoxelGrid grid_;
   BrickedState state_;
   DeviceBatch batch_;
-  BrickedDetector detector_;
-  BrickedErosion erosion_;
+  DetectBricked detect_;
+  CutBricked cut_;
   RemovedFrames removed_;  // of the batch, as far as its list has been read
 };
 

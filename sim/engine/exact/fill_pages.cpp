@@ -89,12 +89,12 @@ void reserve_pages(const cl::Device& device, std::size_t pages, double voxel_mm,
   fill.fills = grown(device, fill.fills, room * RS_BRICK_VOXELS, fill.used * RS_BRICK_VOXELS, "the fill of cut bricks");
 }
 
-void read_pages(const cl::Device& device, const BrickedState& state, const FillPages& fill, Voxmap& voxmap) {
+void read_pages(const cl::Device& device, const DeviceBricks& bone, const FillPages& fill, Voxmap& voxmap) {
   if (fill.used == 0) return;
   constexpr std::size_t kChunk = 1024;  // pages read at once
-  std::vector<cl_uint> slots(fill.used), lattice(state.lattice_of_slot.count());
+  std::vector<cl_uint> slots(fill.used), lattice(bone.lattice_of_slot.count());
   fill.slot_of_page.read(device, slots.data(), slots.size());
-  state.lattice_of_slot.read(device, lattice.data(), lattice.size());
+  bone.lattice_of_slot.read(device, lattice.data(), lattice.size());
   const BrickLattice bricks = BrickLattice::over(voxmap.grid.dims);
   std::vector<cl_ushort> pages(kChunk * RS_BRICK_VOXELS);
   for (std::size_t first = 0; first < fill.used; first += kChunk) {

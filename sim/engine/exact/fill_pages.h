@@ -1,6 +1,6 @@
 #pragma once
 
-#include "sim/engine/bricked/bricked_state.h"
+#include "sim/engine/common/device_bricks.h"
 
 namespace reamsim {
 
@@ -12,6 +12,7 @@ struct FillPages {
   cl::Buffer<cl_ushort> fills;       ///< by rs_brick_offset within a page
   std::size_t used = 0;              ///< pages
 
+  [[nodiscard]] std::size_t bytes() const { return page_of_slot.bytes() + slot_of_page.bytes() + fills.bytes(); }
   [[nodiscard]] std::size_t room() const { return slot_of_page.count(); }
 };
 
@@ -23,7 +24,7 @@ FillPages make_fill_pages(const cl::Device& device, const Voxmap& voxmap);
 void reserve_pages(const cl::Device& device, std::size_t pages, double voxel_mm, FillPages& fill);
 
 /// Puts the pages' fill into the voxmap.
-void read_pages(const cl::Device& device, const BrickedState& state, const FillPages& fill, Voxmap& voxmap);
+void read_pages(const cl::Device& device, const DeviceBricks& bone, const FillPages& fill, Voxmap& voxmap);
 
 /// The most device memory that the pages of `bricks` bricks take while reserve_pages() makes room for `pages`, bytes.
 std::size_t fill_pages_bytes(std::size_t bricks, std::size_t pages);

@@ -2,9 +2,10 @@
 
 #include <utility>
 
+#include "sim/base/stopwatch.h"
 #include "sim/engine/common/dense_bone.h"
-#include "sim/engine/serial/serial_detector.h"
-#include "sim/engine/serial/serial_erosion.h"
+#include "sim/engine/serial/cut_contacts.h"
+#include "sim/engine/serial/find_contacts.h"
 
 namespace reamsim {
 
@@ -21,32 +22,27 @@ CutVoxel serial_cut(const Scenario& scenario, double voxel_mm) {
   return scenario.cutting.erosion == "exact" ? cut_by_clipping(table) : cut_touched(table);
 }
 
-/// The reference of every detector in plain C++: that of `implicit`, of those which look shell points up, and of
-/// `exact`.
+/// The reference of every engine in plain C++: that of `implicit`, of those which look shell points up, and of `exact`.
 class SerialEngine final : public Engine {
  public:
   SerialEngine(const Scenario& scenario, const Voxmap& voxmap, const Tool& tool)
       : state_(make_serial_state(voxmap, tool)),
-        detector_(state_, serial_detection(scenario, state_)),
-        erosion_(state_, serial_cut(scenario, voxmap.grid.voxel_mm)) {}
+        find_(serial_detection(scenario, state_)),
+        cut_(serial_cut(scenario, voxmap.grid.voxel_mm)) {}
 
-  int begin(const SubstepArgs& args) override {
-    state_.args.push_back(args);
-    state_.sums.emplace_back();
-    return static_cast<int>(state_.args.size()) - 1;
+  void enqueue(const SubstepArgs& args) override {
+    SubstepSums& sums = batch_.sums.emplace_back();
+    StageTimes& times = batch_.times.emplace_back();
+    const Stopwatch watch;
+    find_(state_, args, sums);
+    times.detect_s = watch.seconds();
+    cut_contacts(state_, args, cut_, sums);
+    times.cut_s = watch.seconds() - times.detect_s;
   }
 
-  Detector& detector() override { return detector_; }
-  Erosion& erosion() override { return erosion_; }
-  [[nodiscard]] bool full() const override { return state_.args.size() >= 4096; }
-
-  Batch collect() override {
-    state_.args.clear();
-    return {std::exchange(state_.sums, {}), detector_.take_seconds(), erosion_.take_seconds()};
-  }
-
+  [[nodiscard]] bool full() const override { return batch_.sums.size() >= 4096; }
+  Batch collect() override { return std::exchange(batch_, {}); }
   RemovedFrames take_removed() override { return std::exchange(state_.removed, {}); }
-
   void read_fill(Voxmap& voxmap) override { copy_fill(state_.fill, voxmap); }
   void restore(const Voxmap& voxmap) override { take_bone(voxmap, state_); }
   [[nodiscard]] std::string device() const override { return "serial"; }
@@ -55,8 +51,9 @@ class SerialEngine final : public Engine {
 
  private:
   SerialState state_;
-  SerialDetector detector_;
-  SerialErosion erosion_;
+  FindContacts find_;
+  CutVoxel cut_;
+  Batch batch_;
 };
 
 }  // namespace

@@ -20,8 +20,6 @@ struct SerialState {
   std::vector<std::uint8_t> bone;   ///< grade, 0 = air or gone
   std::vector<std::uint16_t> fill;  ///< dense
   std::vector<std::int64_t> contacts;
-  std::vector<SubstepArgs> args;                               ///< per slot
-  std::vector<SubstepSums> sums;                               ///< per slot
   std::vector<std::pair<std::int64_t, std::int32_t>> removed;  ///< (voxel, frame)
 };
 

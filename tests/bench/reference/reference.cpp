@@ -123,7 +123,7 @@ struct Reference::State {
     frame.energy = energy.energy_mj.data();
     frame.units = units.data();
     frame.bits_of_byte = bits.data();
-    frame.profile = profile.view();
+    frame.profile = view_of(profile);
     frame.listed = listed.data();
     frame.touched_list = touched_list.data();
     frame.removed = removed.data();
