@@ -13,7 +13,7 @@ namespace reamsim::bench {
 
 /// What a frame meets: the bone, the tool and their boxes. The voxmap and the tool are the caller's.
 struct Arena {
-  const Voxmap* voxmap = nullptr;
+  const FilledVoxmap* voxmap = nullptr;
   const Tool* tool = nullptr;
   Aabb bone_box;  ///< B, mm
   Aabb tool_box;  ///< T, mm

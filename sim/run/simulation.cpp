@@ -52,12 +52,12 @@ class Run {
         sink_(sink),
         report_(report),
         tool_box_(cutting_box(scene)),
-        bone_box_(bone_box(scene.bone.voxmap)),
-        ledger_(scene.bone.voxmap.grid.voxel_mm3(), scene.motion.frame_s(),
+        bone_box_(bone_box(*scene.bone.voxmap)),
+        ledger_(scene.bone.voxmap->grid.voxel_mm3(), scene.motion.frame_s(),
                 scene.scenario.cutting.law == "per_point" && scene.scenario.tool.spin == "resolved"),
         resolved_(turns_with_spin(scene)),
         exact_(scene.scenario.cutting.erosion == "exact"),
-        max_step_mm_(scene.scenario.engine.max_step_voxels * scene.bone.voxmap.grid.voxel_mm) {}
+        max_step_mm_(scene.scenario.engine.max_step_voxels * scene.bone.voxmap->grid.voxel_mm) {}
 
   void frames(const RunControl& control) {
     const auto& poses = scene_.motion.poses;
@@ -87,7 +87,7 @@ class Run {
       const Substep rest{.pose = pose, .duration_s = scene_.motion.frame_s()};
       if (const auto voi = broad_phase(tool_box_, bone_box_, bone_from_shell(pose, resolved_).inverse())) {
         SubstepArgs args =
-            make_args(rest, *voi, scene_.tool.shell, scene_.bone.voxmap.grid, scene_.scenario.cutting, resolved_);
+            make_args(rest, *voi, scene_.tool.shell, scene_.bone.voxmap->grid, scene_.scenario.cutting, resolved_);
         args.law = RS_LAW_NONE;
         enqueue(args, rest, pending);
       }
@@ -114,7 +114,7 @@ class Run {
       const auto voi = broad_phase(tool_box_, bone_box_, tool_from_bone);
       pending.broad_phase_s += watch.seconds();
       if (!voi) continue;
-      enqueue(make_args(substep, *voi, scene_.tool.shell, scene_.bone.voxmap.grid, scene_.scenario.cutting, resolved_),
+      enqueue(make_args(substep, *voi, scene_.tool.shell, scene_.bone.voxmap->grid, scene_.scenario.cutting, resolved_),
               substep, pending);
     }
     pending_.push_back(std::move(pending));
@@ -133,7 +133,7 @@ class Run {
   void record() {
     drain();
     for (const auto& [voxel, frame] : removed_) {
-      scene_.bone.voxmap.fill.set(scene_.bone.voxmap.grid.coord(voxel), 0);
+      scene_.bone.fill.set(scene_.bone.voxmap->grid.coord(voxel), 0);
     }
     sink_.removed(removed_);
     for (const PendingFrame& pending : pending_) {
@@ -153,8 +153,8 @@ class Run {
   }
 
   void snapshot(std::int64_t frame) {
-    engine_.read_fill(scene_.bone.voxmap);
-    sink_.snapshot(frame, scene_.bone.voxmap.fill);
+    engine_.read_fill(*scene_.bone.voxmap, scene_.bone.fill);
+    sink_.snapshot(frame, scene_.bone.fill);
   }
 
   /// Says once what a user may not have meant.
@@ -198,7 +198,7 @@ class Run {
 
 std::unique_ptr<Engine> load_engine(const ReamingScene& scene) {
   try {
-    return make_engine(scene.scenario, scene.bone.voxmap, scene.tool);
+    return make_engine(scene.scenario, scene.bone, scene.tool);
   } catch (const InputError& error) {
     throw scene.scenario.keys.located(error);
   }
@@ -210,7 +210,7 @@ void simulate(ReamingScene& scene, Engine& engine, FrameSink& sink, const RunCon
 
 RunCost estimate_cost(const ReamingScene& scene) {
   const auto& poses = scene.motion.poses;
-  const double max_step_mm = scene.scenario.engine.max_step_voxels * scene.bone.voxmap.grid.voxel_mm;
+  const double max_step_mm = scene.scenario.engine.max_step_voxels * scene.bone.voxmap->grid.voxel_mm;
   RunCost cost{.frames = std::ssize(poses) - 1};
   for (std::size_t k = 1; k < poses.size(); ++k) {
     cost.substeps += count_substeps(poses[k - 1], poses[k], scene.tool, turns_with_spin(scene), max_step_mm);

@@ -52,7 +52,7 @@ TEST(FillBricks, SaysWhichBricksChanged) {
   EXPECT_THAT(fill.take_changed(), ElementsAre(Vec3i(2, 0, 0)));
   const auto* brick = fill.brick({0, 1, 2});
   ASSERT_NE(brick, nullptr);
-  EXPECT_EQ((*brick)[static_cast<std::size_t>(FillBricks::offset_in_brick({1, 9, 16}))], 7);
+  EXPECT_EQ((*brick)[static_cast<std::size_t>(BrickLattice::offset_of({1, 9, 16}))], 7);
 }
 
 TEST(Voxmap, CountsWhatIsLeft) {

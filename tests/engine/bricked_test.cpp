@@ -56,7 +56,7 @@ TEST(Bricked, AShortListOfRemovedVoxelsGivesTheSame) {
       scene.tool = make_tool(cap_profile(5, 6, 2.5, 0.6), 20);
       const Outcome roomy = run(scene);
       // Room for what one substep could remove, which the run, a single batch, removes several times over.
-      EXPECT_GT(records_of(roomy.removed, scene.bone.voxmap.grid), 2 * scene.tool.shell.codes.size());
+      EXPECT_GT(records_of(roomy.removed, scene.bone.voxmap->grid), 2 * scene.tool.shell.codes.size());
       const auto engine = make_bricked_engine(cl::choose_device("auto"), scene.scenario, scene.bone.voxmap, scene.tool,
                                               {.removed_room = 1});
       expect_same(run_on(*engine, scene), roomy);

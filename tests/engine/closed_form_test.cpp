@@ -50,8 +50,8 @@ Plunge plunge(const std::string& device, double depth, double rate_hz, double vo
   Plunge out;
   out.rate_hz = rate_hz;
   Report report;
-  Recorder recorder(dir.path(), scene.bone.voxmap.grid.voxel_mm);
-  const auto engine = make_engine(scene.scenario, scene.bone.voxmap, scene.tool);
+  Recorder recorder(dir.path(), scene.bone.voxmap->grid.voxel_mm);
+  const auto engine = make_engine(scene.scenario, scene.bone, scene.tool);
   simulate(scene, *engine, recorder, {}, report);
   recorder.close();
   out.totals = recorder.totals();
@@ -116,8 +116,8 @@ TEST(ClosedForm, WithdrawalTakesNothing) {
   scene.motion.poses.insert(scene.motion.poses.end(), up.poses.begin() + 1, up.poses.end());
   const TempDir dir;
   Report report;
-  Recorder recorder(dir.path(), scene.bone.voxmap.grid.voxel_mm);
-  const auto engine = make_engine(scene.scenario, scene.bone.voxmap, scene.tool);
+  Recorder recorder(dir.path(), scene.bone.voxmap->grid.voxel_mm);
+  const auto engine = make_engine(scene.scenario, scene.bone, scene.tool);
   simulate(scene, *engine, recorder, {}, report);
   recorder.close();
   const auto all = rows(dir.path() + "/forces.csv");

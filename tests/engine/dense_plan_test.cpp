@@ -111,8 +111,8 @@ TEST(HuScale, EveryGradeComesBackFromItsHu) {
   lost.ash_offset_g_cm3 = -1e6;
   EXPECT_FALSE(HuScale(lost).exact());
   ReamingScene scene = oblique_scene("auto", "octree");
-  scene.bone.voxmap.mapping = lost;
-  EXPECT_THROW(make_engine(scene.scenario, scene.bone.voxmap, scene.tool), InputError);
+  scene.bone.voxmap->mapping = lost;
+  EXPECT_THROW(make_engine(scene.scenario, scene.bone, scene.tool), InputError);
 }
 
 }  // namespace

@@ -73,8 +73,8 @@ TEST_P(ShellAgreement, ResolvedSpin) {
 TEST_P(DetectorAgreement, PartlyReamedBone) {
   agreed([](ReamingScene& s) {
     std::mt19937 random(11);
-    for (std::int64_t e = 0; e < s.bone.voxmap.grid.size(); e += 3) {
-      s.bone.voxmap.fill.set(s.bone.voxmap.grid.coord(e), static_cast<std::uint16_t>(random() % 65536));
+    for (std::int64_t e = 0; e < s.bone.voxmap->grid.size(); e += 3) {
+      s.bone.fill.set(s.bone.voxmap->grid.coord(e), static_cast<std::uint16_t>(random() % 65536));
     }
   });
 }
@@ -107,7 +107,7 @@ TEST_P(DetectorAgreement, RandomScenes) {
     SCOPED_TRACE("trial " + std::to_string(trial));
     agreed([&](ReamingScene& s) {
       s.bone.voxmap = random_bone(dims, 0.25, bone_seed);
-      s.bone.voxmap.grade.set({0, 0, 0}, 100);  // never without bone
+      s.bone.voxmap->grade.set({0, 0, 0}, 100);  // never without bone
       s.tool = make_tool(cap_profile(5, 6, 2.5, 0.6), resolution);
       s.motion = straight(from, to, 20, 50, 100, tilt);
     });
@@ -117,7 +117,7 @@ TEST_P(DetectorAgreement, RandomScenes) {
 TEST_P(DetectorAgreement, OneVoxel) {
   const Outcome outcome = agreed([](ReamingScene& s) {
     s.bone.voxmap = Voxmap(VoxelGrid{{1, 1, 1}, 1.0, {1.0, -0.5, -0.5}});
-    s.bone.voxmap.grade.set({0, 0, 0}, 225);
+    s.bone.voxmap->grade.set({0, 0, 0}, 225);
     s.tool = make_tool(cap_profile(5, 6, 2.5, 0.6), 30);
     s.motion = straight({0, 0, 3}, {0, 0, -1}, 40, 100, 60);
   });
@@ -128,7 +128,7 @@ TEST_P(DetectorAgreement, OneVoxel) {
 TEST_P(ShellAgreement, OneVoxelOnePoint) {
   const Outcome outcome = agreed([](ReamingScene& s) {
     s.bone.voxmap = Voxmap(VoxelGrid{{1, 1, 1}, 1.0, {-0.5, -0.5, -0.5}});
-    s.bone.voxmap.grade.set({0, 0, 0}, 225);
+    s.bone.voxmap->grade.set({0, 0, 0}, 225);
     s.tool = make_tool(cap_profile(5, 6, 2.5, 0.6), 8);
     s.tool.shell.codes = {s.tool.shell.codes.front()};
     const PointShell& shell = s.tool.shell;
@@ -198,8 +198,8 @@ TEST_P(ShellAgreement, ToolFullyInsideTouchesOnlyItsSurface) {
   scene.tool = make_tool(cap_profile(5, 6, 2.5, 0.6), 48);
   scene.motion = straight({0, 0, -6}, {0, 0, -6.1}, 1, 1000, 250);
   for (const auto& [voxel, frame] : run(scene).removed) {
-    const Vec3i c = scene.bone.voxmap.grid.coord(voxel);
-    const Vec3 p = scene.bone.voxmap.grid.center_mm(c.x(), c.y(), c.z()) - Vec3(0, 0, -6.1);
+    const Vec3i c = scene.bone.voxmap->grid.coord(voxel);
+    const Vec3 p = scene.bone.voxmap->grid.center_mm(c.x(), c.y(), c.z()) - Vec3(0, 0, -6.1);
     const double distance = scene.tool.profile.nearest({std::hypot(p.x(), p.y()), p.z()}).distance_mm;
     // A touched voxel holds a point, which lies within half a cell's diagonal of the surface.
     EXPECT_LT(std::abs(distance), std::sqrt(3.0) * (0.25 + scene.tool.shell.cell_mm) / 2 + 0.02);

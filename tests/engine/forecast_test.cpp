@@ -40,9 +40,9 @@ struct Taken {
 
 Taken taken_by(ReamingScene scene) {
   const TempDir dir;
-  Recorder recorder(dir.path(), scene.bone.voxmap.grid.voxel_mm);
+  Recorder recorder(dir.path(), scene.bone.voxmap->grid.voxel_mm);
   Report report;
-  const auto engine = make_engine(scene.scenario, scene.bone.voxmap, scene.tool);
+  const auto engine = make_engine(scene.scenario, scene.bone, scene.tool);
   simulate(scene, *engine, recorder, {}, report);
   recorder.close();
   return {parted_bricks(scene.bone.voxmap), engine->device_bytes()};
@@ -71,8 +71,8 @@ TEST(Forecast, CountsBricksThatAreNotWholeAlready) {
   ReamingScene scene = plunge();
   for (ToolPose& pose : scene.motion.poses) pose.position_mm.z() += 100;  // never comes near
   EXPECT_EQ(forecast_exact(scene).parted, 0U);
-  scene.bone.voxmap.fill.set({3, 3, 3}, 1000);
-  scene.bone.voxmap.fill.set({100, 3, 3}, 1000);
+  scene.bone.fill.set({3, 3, 3}, 1000);
+  scene.bone.fill.set({100, 3, 3}, 1000);
   EXPECT_EQ(forecast_exact(scene).parted, 2U);
   EXPECT_EQ(forecast_exact(scene).listed, 0U);
 }
@@ -115,7 +115,7 @@ TEST(ContactForecast, WhatAStartInTheBoneTakesAway) {
   const double cap_mm3 = std::numbers::pi * (4 * (64 - 1) - 2 * (under_sphere(8) - under_sphere(1)));
   const ContactForecast forecast = forecast_contact(scene);
   EXPECT_NEAR(forecast.start_mm3 / cap_mm3, 1, 0.01);
-  scene.bone.voxmap.grade = GradeBricks(scene.bone.voxmap.grid.dims);
+  scene.bone.voxmap->grade = GradeBricks(scene.bone.voxmap->grid.dims);
   EXPECT_EQ(forecast_contact(scene).start_mm3, 0) << "no bone";
   EXPECT_FALSE(forecast_contact(scene).meets);
 }
@@ -124,7 +124,7 @@ TEST(FillPages, AreNoMoreThanBricks) {
   const ReamingScene scene = plunge();
   const cl::Device device(cl::choose_device("auto"));
   FillPages fill = make_fill_pages(device, scene.bone.voxmap);
-  const std::size_t bricks = scene.bone.voxmap.grade.stored_bricks();
+  const std::size_t bricks = scene.bone.voxmap->grade.stored_bricks();
   reserve_pages(device, bricks - 1, 0.2, fill);
   EXPECT_EQ(fill.room(), bricks);
   reserve_pages(device, 10 * bricks, 0.2, fill);

@@ -81,8 +81,8 @@ TEST(Implicit, TheVoiHoldsEveryVoxelThatTheToolHolds) {
   std::mt19937 random(kSeed);
   std::uniform_real_distribution<double> u(-1, 1);
   const ReamingScene scene = oblique_scene("serial", "implicit");
-  const VoxelGrid& grid = scene.bone.voxmap.grid;
-  const VoxelBox bone = bone_extent(scene.bone.voxmap);
+  const VoxelGrid& grid = scene.bone.voxmap->grid;
+  const VoxelBox bone = bone_extent(*scene.bone.voxmap);
   const ProfileTable table = full_profile_table(scene.tool.profile);
   const ProfileView profile = view_of(table);
   std::int64_t held = 0, looked_at = 0;
@@ -120,7 +120,7 @@ double swept_distance(const ReamingScene& scene, const Vec3& point) {
 
 /// What `direct` and `implicit` leave differently lies by the surface that the tool swept.
 void expect_close(ReamingScene scene) {
-  const double voxel = scene.bone.voxmap.grid.voxel_mm;
+  const double voxel = scene.bone.voxmap->grid.voxel_mm;
   scene.tool = make_tool(scene.tool.profile, static_cast<int>(6 / (0.47 * voxel)) + 2);
   ASSERT_LE(scene.tool.shell.cell_mm, 0.5 * voxel);
   scene.scenario.engine.detector = "direct";
@@ -130,11 +130,11 @@ void expect_close(ReamingScene scene) {
   EXPECT_GT(implicit.removed.size(), 500U);
   int more = 0;
   double farthest_out = 0, farthest_in = 0;
-  for (std::int64_t e = 0; e < scene.bone.voxmap.grid.size(); ++e) {
+  for (std::int64_t e = 0; e < scene.bone.voxmap->grid.size(); ++e) {
     const auto i = static_cast<std::size_t>(e);
     if (direct.fill[i] == implicit.fill[i]) continue;
-    const Vec3i c = scene.bone.voxmap.grid.coord(e);
-    const double distance = swept_distance(scene, scene.bone.voxmap.grid.center_mm(c.x(), c.y(), c.z())) / voxel;
+    const Vec3i c = scene.bone.voxmap->grid.coord(e);
+    const double distance = swept_distance(scene, scene.bone.voxmap->grid.center_mm(c.x(), c.y(), c.z())) / voxel;
     farthest_out = std::max(farthest_out, distance);
     farthest_in = std::max(farthest_in, -distance);
     more += direct.fill[i] == 0;

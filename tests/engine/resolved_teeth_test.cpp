@@ -123,7 +123,7 @@ constexpr double kInner = 4, kOuter = 6, kVoxel = 0.5, kFeedPerTurn = 0.25;
 ReamingScene plunge(double from_x, int turns, bool resolved, double voxel_mm = kVoxel) {
   ReamingScene scene = exact_scene("auto", resolved);
   scene.bone.voxmap = block({14, 14, 3}, voxel_mm, 1.2);
-  scene.bone.voxmap.grid.origin_mm.x() = from_x;
+  scene.bone.voxmap->grid.origin_mm.x() = from_x;
   const TriangleMesh mesh = gear_mesh(kTeeth, kInner, kOuter, 5);
   scene.tool = toothed_tool(mesh, voxel_mm, resolved);
   const double down = kFeedPerTurn * turns;

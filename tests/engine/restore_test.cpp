@@ -19,7 +19,7 @@ TEST_P(Restore, ARestoredEngineRunsAgainAlike) {
     SCOPED_TRACE(erosion);
     ReamingScene scene = Restore::scene();
     scene.scenario.cutting.erosion = erosion;
-    const auto engine = make_engine(scene.scenario, scene.bone.voxmap, scene.tool);
+    const auto engine = make_engine(scene.scenario, scene.bone, scene.tool);
     const Outcome first = run_on(*engine, scene);
     EXPECT_GT(first.removed.size(), 100U);
     EXPECT_LT(run_on(*engine, scene).totals.energy_mj, first.totals.energy_mj) << "the bone was gone already";
@@ -30,10 +30,10 @@ TEST_P(Restore, ARestoredEngineRunsAgainAlike) {
 
 TEST_P(Restore, TakesTheBoneAsItIsThen) {
   ReamingScene scene = Restore::scene();
-  const auto engine = make_engine(scene.scenario, scene.bone.voxmap, scene.tool);
+  const auto engine = make_engine(scene.scenario, scene.bone, scene.tool);
   run_on(*engine, scene);
-  for (std::int64_t e = 0; e < scene.bone.voxmap.grid.size(); e += 2) {
-    scene.bone.voxmap.fill.set(scene.bone.voxmap.grid.coord(e), 0);
+  for (std::int64_t e = 0; e < scene.bone.voxmap->grid.size(); e += 2) {
+    scene.bone.fill.set(scene.bone.voxmap->grid.coord(e), 0);
   }
   engine->restore(scene.bone.voxmap);
   expect_same(run_on(*engine, scene), run(scene));
@@ -51,7 +51,7 @@ INSTANTIATE_TEST_SUITE_P(Detectors, RestoreOnDevice, testing::Values("direct", "
 
 TEST_P(RestoreOnDevice, RefusesBoneThatItsMemoryWasNotPlannedFor) {
   const ReamingScene scene = oblique_scene("auto", GetParam());
-  const auto engine = make_engine(scene.scenario, scene.bone.voxmap, scene.tool);
+  const auto engine = make_engine(scene.scenario, scene.bone, scene.tool);
   EXPECT_THROW(engine->restore(random_bone({41, 37, 28}, 0.2, 7)), RunError);
   Voxmap worn = scene.bone.voxmap;
   worn.fill.set({20, 20, 20}, 1000);

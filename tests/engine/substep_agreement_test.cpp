@@ -33,13 +33,13 @@ Touched one_substep(Engine& engine, const SubstepArgs& args) {
 }
 
 SubstepArgs args_at(const ReamingScene& scene, const Substep& substep, const Aabb& voi) {
-  return make_args(substep, voi, scene.tool.shell, scene.bone.voxmap.grid, scene.scenario.cutting, false);
+  return make_args(substep, voi, scene.tool.shell, scene.bone.voxmap->grid, scene.scenario.cutting, false);
 }
 
 /// Every substep of the scene's motion, each collected by itself.
 std::vector<Touched> all_substeps(const ReamingScene& scene) {
-  const auto engine = make_engine(scene.scenario, scene.bone.voxmap, scene.tool);
-  const double step = scene.scenario.engine.max_step_voxels * scene.bone.voxmap.grid.voxel_mm;
+  const auto engine = make_engine(scene.scenario, scene.bone, scene.tool);
+  const double step = scene.scenario.engine.max_step_voxels * scene.bone.voxmap->grid.voxel_mm;
   const Vec3 margin = Vec3::Constant(scene.tool.shell.cell_mm);
   const Aabb tool_box{scene.tool.bounds.min - margin, scene.tool.bounds.max + margin};
   std::vector<Touched> out;
@@ -49,7 +49,7 @@ std::vector<Touched> all_substeps(const ReamingScene& scene) {
     for (int i = 0; i < n; ++i) {
       const Substep substep = make_substep(a, b, double(i) / n, double(i + 1) / n, scene.motion.frame_s(), 1);
       const auto voi =
-          broad_phase(tool_box, scene.bone.voxmap.grid.bounds_mm(), bone_from_shell(substep.pose, false).inverse());
+          broad_phase(tool_box, scene.bone.voxmap->grid.bounds_mm(), bone_from_shell(substep.pose, false).inverse());
       if (voi) out.push_back(one_substep(*engine, args_at(scene, substep, *voi)));
     }
   }
@@ -76,7 +76,7 @@ TEST_P(SubstepAgreement, EverySubstepTouchesTheReferencesVoxels) {
 
 TEST_P(SubstepAgreement, AnEmptyVolumeOfInterestTouchesNothing) {
   ReamingScene scene = oblique_scene("auto", GetParam());
-  const auto engine = make_engine(scene.scenario, scene.bone.voxmap, scene.tool);
+  const auto engine = make_engine(scene.scenario, scene.bone, scene.tool);
   for (const double far : {40.0, -40.0, 1e5, -1e7}) {
     Substep substep;
     substep.pose.position_mm = Vec3(far, 1, 2);

@@ -73,7 +73,7 @@ TEST(Teeth, OneVoxelFeelsTheEnvelopesNormal) {
   scene.scenario = quiet_scenario("auto");
   scene.scenario.tool.spin = "resolved";
   scene.bone.voxmap = Voxmap(VoxelGrid{{1, 1, 1}, kVoxel, at - Vec3::Constant(kVoxel / 2)});
-  scene.bone.voxmap.grade.set({0, 0, 0}, DensityMapping::grade_from_density(1.8));
+  scene.bone.voxmap->grade.set({0, 0, 0}, DensityMapping::grade_from_density(1.8));
   scene.tool = toothed_reamer(kVoxel);
   scene.motion = straight({0, 0, 0}, {0, 0, 0}, 200, kRateHz, kRpm);
   const double start = angle_behind_a_lip(scene.tool, at, kVoxel);
@@ -81,7 +81,7 @@ TEST(Teeth, OneVoxelFeelsTheEnvelopesNormal) {
   const TempDir dir;
   Report report;
   Recorder recorder(dir.path(), kVoxel);
-  const auto engine = make_engine(scene.scenario, scene.bone.voxmap, scene.tool);
+  const auto engine = make_engine(scene.scenario, scene.bone, scene.tool);
   simulate(scene, *engine, recorder, {}, report);
   recorder.close();
   const auto contacts = contacts_of(dir.path() + "/forces.csv");

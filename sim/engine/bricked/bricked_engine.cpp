@@ -17,27 +17,27 @@ FillStore fill_store(const Scenario& scenario) {
 }
 
 /// A record is of a block, which cannot be touched without a point nor go without a voxel.
-DeviceBatch::RemovedList removed_list(const Voxmap& voxmap, const Tool& tool, const BrickedLimits& limits) {
-  const auto bone = static_cast<std::size_t>(voxmap.count_bone());
-  const std::size_t per_substep = std::min(bone, tool.shell.codes.size());
+DeviceBatch::RemovedList removed_list(const BoneView& bone, const Tool& tool, const BrickedLimits& limits) {
+  const auto voxels = static_cast<std::size_t>(bone.count_bone());
+  const std::size_t per_substep = std::min(voxels, tool.shell.codes.size());
   return {.words = sizeof(RemovedBlock) / sizeof(cl_ulong),
-          .room = std::min(bone, std::max(limits.removed_room, per_substep)),
+          .room = std::min(voxels, std::max(limits.removed_room, per_substep)),
           .per_substep = per_substep,
-          .in_all = bone,
+          .in_all = voxels,
           .resumes = true};
 }
 
 class BrickedEngine final : public Engine {
  public:
-  BrickedEngine(const cl::DeviceInfo& info, const Scenario& scenario, const Voxmap& voxmap, const Tool& tool,
+  BrickedEngine(const cl::DeviceInfo& info, const Scenario& scenario, const BoneView& bone, const Tool& tool,
                 const BrickedLimits& limits)
       : device_(info),
-        bytes_(bricked_engine_bytes(scenario, voxmap, tool)),
-        grid_(voxmap.grid),
-        state_(make_bricked_state(device_, voxmap, tool, fill_store(scenario), limits.largest_pool)),
-        batch_(device_, removed_list(voxmap, tool, limits)),
+        bytes_(bricked_engine_bytes(scenario, bone, tool)),
+        grid_(bone.voxmap.grid),
+        state_(make_bricked_state(device_, bone, tool, fill_store(scenario), limits.largest_pool)),
+        batch_(device_, removed_list(bone, tool, limits)),
         detect_(device_, state_, batch_, choose_options(info, scenario.engine)),
-        cut_(device_, state_, batch_, make_energy_table(scenario.cutting, voxmap.grid.voxel_mm),
+        cut_(device_, state_, batch_, make_energy_table(scenario.cutting, bone.voxmap.grid.voxel_mm),
              choose_options(info, scenario.engine)) {}
 
   void enqueue(const SubstepArgs& args) override {
@@ -58,10 +58,12 @@ class BrickedEngine final : public Engine {
     return std::exchange(removed_, {});
   }
 
-  void read_fill(Voxmap& voxmap) override { read_brick_fill(device_, state_.bone, voxmap); }
-  void restore(const Voxmap& voxmap) override { upload_bone(device_, voxmap, state_.bone); }
-  void restore_voxels(const Voxmap& voxmap, const RemovedFrames& removed) override {
-    upload_bricks_of(device_, voxmap, removed, state_.bone);
+  void read_fill(const Voxmap& voxmap, FillBricks& fill) override {
+    read_brick_fill(device_, state_.bone, voxmap, fill);
+  }
+  void restore(const BoneView& bone) override { upload_bone(device_, bone, state_.bone); }
+  void restore_voxels(const BoneView& bone, const RemovedFrames& removed) override {
+    upload_bricks_of(device_, bone, removed, state_.bone);
   }
   [[nodiscard]] std::string device() const override { return device_.info().name; }
   [[nodiscard]] std::size_t device_bytes() const override { return bytes_; }
@@ -98,17 +100,17 @@ class BrickedEngine final : public Engine {
 
 }  // namespace
 
-std::unique_ptr<Engine> make_bricked_engine(const cl::DeviceInfo& info, const Scenario& scenario, const Voxmap& voxmap,
+std::unique_ptr<Engine> make_bricked_engine(const cl::DeviceInfo& info, const Scenario& scenario, const BoneView& bone,
                                             const Tool& tool, const BrickedLimits& limits) {
-  return std::make_unique<BrickedEngine>(info, scenario, voxmap, tool, limits);
+  return std::make_unique<BrickedEngine>(info, scenario, bone, tool, limits);
 }
 
-std::unique_ptr<Engine> make_bricked_engine(const Scenario& scenario, const Voxmap& voxmap, const Tool& tool) {
-  return make_bricked_engine(device_for(scenario.engine), scenario, voxmap, tool);
+std::unique_ptr<Engine> make_bricked_engine(const Scenario& scenario, const BoneView& bone, const Tool& tool) {
+  return make_bricked_engine(device_for(scenario.engine), scenario, bone, tool);
 }
 
-std::size_t bricked_engine_bytes(const Scenario& scenario, const Voxmap& voxmap, const Tool& tool) {
-  return bricked_bytes(voxmap, tool, fill_store(scenario)) + DeviceBatch::bytes(removed_list(voxmap, tool, {}));
+std::size_t bricked_engine_bytes(const Scenario& scenario, const BoneView& bone, const Tool& tool) {
+  return bricked_bytes(bone, tool, fill_store(scenario)) + DeviceBatch::bytes(removed_list(bone, tool, {}));
 }
 
 }  // namespace reamsim

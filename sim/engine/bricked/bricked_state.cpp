@@ -7,29 +7,30 @@ namespace reamsim {
 namespace {
 
 /// Of the lists of touched bricks and of the shell.
-std::size_t bytes_beside_bone(const Voxmap& voxmap, const Tool& tool) {
-  return 2 * sizeof(cl_uint) * voxmap.grade.stored_bricks() + 3 * tool.shell.codes.size();
+std::size_t bytes_beside_bone(const BoneView& bone, const Tool& tool) {
+  return 2 * sizeof(cl_uint) * bone.voxmap.grade.stored_bricks() + 3 * tool.shell.codes.size();
 }
 
 }  // namespace
 
-std::size_t bricked_bytes(const Voxmap& voxmap, const Tool& tool, FillStore fill) {
-  return device_bricks_bytes(voxmap, fill) + bytes_beside_bone(voxmap, tool);
+std::size_t bricked_bytes(const BoneView& bone, const Tool& tool, FillStore fill) {
+  return device_bricks_bytes(bone, fill) + bytes_beside_bone(bone, tool);
 }
 
-BrickedState make_bricked_state(const cl::Device& device, const Voxmap& voxmap, const Tool& tool, FillStore fill,
+BrickedState make_bricked_state(const cl::Device& device, const BoneView& bone, const Tool& tool, FillStore fill,
                                 std::size_t largest_pool) {
   BrickedState state;
-  state.bone = make_device_bricks(device, voxmap, fill, bytes_beside_bone(voxmap, tool), largest_pool);
+  state.bone = make_device_bricks(device, bone, fill, bytes_beside_bone(bone, tool), largest_pool);
   const std::size_t slots = std::max<std::size_t>(1, state.bone.layout.bricks);
   state.listed = {device, slots, "the marks of touched bricks"};
   state.listed.clear(device, slots);
   state.touched_list = {device, slots, "the list of touched bricks"};
-  const ShellCells shell = make_shell_cells(tool.shell, shell_cell_side(tool.shell.cell_mm / voxmap.grid.voxel_mm));
+  const ShellCells shell =
+      make_shell_cells(tool.shell, shell_cell_side(tool.shell.cell_mm / bone.voxmap.grid.voxel_mm));
   state.cells = cl::upload(device, shell.cells, "the shell's cells");
   state.runs = cl::upload(device, shell.runs, "the shell's cells");
   state.offsets = cl::upload(device, shell.offsets, "the point shell");
-  state.profile = {device, make_profile_table(tool.profile, voxmap.grid.voxel_mm)};
+  state.profile = {device, make_profile_table(tool.profile, bone.voxmap.grid.voxel_mm)};
   return state;
 }
 

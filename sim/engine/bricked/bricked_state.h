@@ -22,10 +22,10 @@ struct BrickedState {
 };
 
 /// Uploads bone and tool; throws as make_device_bricks() does.
-BrickedState make_bricked_state(const cl::Device& device, const Voxmap& voxmap, const Tool& tool, FillStore fill,
+BrickedState make_bricked_state(const cl::Device& device, const BoneView& bone, const Tool& tool, FillStore fill,
                                 std::size_t largest_pool = SIZE_MAX);
 
 /// Device memory that make_bricked_state() would take, bytes.
-std::size_t bricked_bytes(const Voxmap& voxmap, const Tool& tool, FillStore fill);
+std::size_t bricked_bytes(const BoneView& bone, const Tool& tool, FillStore fill);
 
 }  // namespace reamsim

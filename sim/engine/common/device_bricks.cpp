@@ -29,11 +29,11 @@ std::size_t superbrick_count(const Vec3i& bricks) {
 }
 
 /// Writes a brick as the device has it; false where nothing is left in it.
-bool fill_brick(const Voxmap& voxmap, const Vec3i& coord, const GradeBricks::Brick& grades, bool with_fill,
+bool fill_brick(const BoneView& bone, const Vec3i& coord, const GradeBricks::Brick& grades, bool with_fill,
                 cl_uchar* bytes) {
   Brick out{};
   std::array<rs_u16, RS_BRICK_VOXELS> fill{};
-  const FillBricks::Brick* fills = voxmap.fill.brick(coord);
+  const FillBricks::Brick* fills = bone.fill.brick(coord);
   bool left = false;
   for (int offset = 0; offset < GradeBricks::kVoxels; ++offset) {
     const Vec3i voxel = BrickLattice::voxel_at(Vec3i::Zero(), offset);
@@ -59,11 +59,11 @@ void occupy(const Vec3i& brick, const Vec3i& superbricks, std::vector<cl_uint>& 
   occupancy[word + (bit >> 5)] |= 1U << (bit & 31U);
 }
 
-BrickLayout plan_layout(const Voxmap& voxmap, FillStore fill, std::size_t largest_allocation) {
+BrickLayout plan_layout(const BoneView& bone, FillStore fill, std::size_t largest_allocation) {
   BrickLayout layout;
-  layout.fill = fill == FillStore::none && partly_filled(voxmap) ? FillStore::bricks : fill;
+  layout.fill = fill == FillStore::none && partly_filled(bone.fill) ? FillStore::bricks : fill;
   layout.brick_bytes = sizeof(Brick) + (layout.fill == FillStore::bricks ? kFillBytes : 0);
-  layout.bricks = voxmap.grade.stored_bricks();
+  layout.bricks = bone.voxmap.grade.stored_bricks();
   layout.bits = 31;
   if (layout.bricks * layout.brick_bytes <= largest_allocation) return layout;
   layout.pools = kManyPools;
@@ -72,18 +72,18 @@ BrickLayout plan_layout(const Voxmap& voxmap, FillStore fill, std::size_t larges
   return layout;
 }
 
-std::size_t bytes_of(const BrickLayout& layout, const Voxmap& voxmap) {
-  const std::size_t bricks = BrickLattice::over(voxmap.grid.dims).count();
+std::size_t bytes_of(const BrickLayout& layout, const BoneView& bone) {
+  const std::size_t bricks = BrickLattice::over(bone.voxmap.grid.dims).count();
   return layout.bricks * (layout.brick_bytes + sizeof(cl_uint)) + bricks * sizeof(cl_int) +
-         8 * superbrick_count(voxmap.grade.brick_dims());
+         8 * superbrick_count(bone.voxmap.grade.brick_dims());
 }
 
-[[noreturn]] void does_not_fit(const cl::Device& device, const Voxmap& voxmap, std::size_t need, std::size_t have) {
+[[noreturn]] void does_not_fit(const cl::Device& device, const BoneView& bone, std::size_t need, std::size_t have) {
   const double factor = std::cbrt(static_cast<double>(need) / static_cast<double>(have));
   const auto mb = [](std::size_t bytes) { return std::to_string(bytes / 1'000'000) + " MB"; };
-  throw InputError({}, "bone.voxel_mm",
-                   "the bone's bricks need " + mb(need) + " of the " + mb(have) + " of " + device.info().name,
-                   "about " + std::to_string(voxmap.grid.voxel_mm * std::max(1.0, factor) * 1.05) + " mm would fit");
+  throw InputError(
+      {}, "bone.voxel_mm", "the bone's bricks need " + mb(need) + " of the " + mb(have) + " of " + device.info().name,
+      "about " + std::to_string(bone.voxmap.grid.voxel_mm * std::max(1.0, factor) * 1.05) + " mm would fit");
 }
 
 }  // namespace
@@ -99,32 +99,32 @@ std::size_t DeviceBricks::bytes() const {
   return out;
 }
 
-std::size_t device_bricks_bytes(const Voxmap& voxmap, FillStore fill) {
-  return bytes_of(plan_layout(voxmap, fill, SIZE_MAX), voxmap);
+std::size_t device_bricks_bytes(const BoneView& bone, FillStore fill) {
+  return bytes_of(plan_layout(bone, fill, SIZE_MAX), bone);
 }
 
-DeviceBricks make_device_bricks(const cl::Device& device, const Voxmap& voxmap, FillStore fill, std::size_t other_bytes,
+DeviceBricks make_device_bricks(const cl::Device& device, const BoneView& bone, FillStore fill, std::size_t other_bytes,
                                 std::size_t largest_pool) {
   const std::size_t largest = std::min(device.info().max_allocation_bytes, largest_pool);
   DeviceBricks out;
-  out.layout = plan_layout(voxmap, fill, largest);
-  const std::size_t need = bytes_of(out.layout, voxmap) + other_bytes;
+  out.layout = plan_layout(bone, fill, largest);
+  const std::size_t need = bytes_of(out.layout, bone) + other_bytes;
   if (need > device.info().global_memory_bytes) {
-    does_not_fit(device, voxmap, need, device.info().global_memory_bytes);
+    does_not_fit(device, bone, need, device.info().global_memory_bytes);
   }
   const std::size_t room = largest < out.layout.brick_bytes ? 0 : std::size_t{kManyPools} << out.layout.bits;
   if (out.layout.pools > 1 && out.layout.bricks > room) {
-    does_not_fit(device, voxmap, out.layout.bricks * out.layout.brick_bytes,
+    does_not_fit(device, bone, out.layout.bricks * out.layout.brick_bytes,
                  out.layout.brick_bytes * kManyPools << out.layout.bits);
   }
 
-  const Vec3i bricks = voxmap.grade.brick_dims();
-  out.grid = voxmap.grid;
+  const Vec3i bricks = bone.voxmap.grade.brick_dims();
+  out.grid = bone.voxmap.grid;
   out.dims = {{bricks.x(), bricks.y(), bricks.z(), 0}};
-  std::vector<cl_int> slot_of_brick(BrickLattice::over(voxmap.grid.dims).count(), -1);
+  std::vector<cl_int> slot_of_brick(BrickLattice::over(bone.voxmap.grid.dims).count(), -1);
   std::vector<cl_uint> lattice_of_slot;
   const BrickLattice lattice{bricks};
-  voxmap.grade.for_each_brick([&](const Vec3i& coord, const GradeBricks::Brick&) {
+  bone.voxmap.grade.for_each_brick([&](const Vec3i& coord, const GradeBricks::Brick&) {
     const std::size_t index = lattice.index(coord);
     slot_of_brick[index] = static_cast<cl_int>(lattice_of_slot.size());
     lattice_of_slot.push_back(static_cast<cl_uint>(index));
@@ -138,14 +138,14 @@ DeviceBricks make_device_bricks(const cl::Device& device, const Voxmap& voxmap, 
     if (per_pool == 0) break;
   }
   out.occupancy = {device, 2 * superbrick_count(bricks), "the bricks' occupancy"};
-  upload_bone(device, voxmap, out);
+  upload_bone(device, bone, out);
   return out;
 }
 
-void upload_bone(const cl::Device& device, const Voxmap& voxmap, DeviceBricks& out) {
-  const Vec3i bricks = voxmap.grade.brick_dims();
-  const bool same = voxmap.grid.dims == out.grid.dims && voxmap.grade.stored_bricks() == out.layout.bricks &&
-                    (out.layout.fill != FillStore::none || !partly_filled(voxmap));
+void upload_bone(const cl::Device& device, const BoneView& bone, DeviceBricks& out) {
+  const Vec3i bricks = bone.voxmap.grade.brick_dims();
+  const bool same = bone.voxmap.grid.dims == out.grid.dims && bone.voxmap.grade.stored_bricks() == out.layout.bricks &&
+                    (out.layout.fill != FillStore::none || !partly_filled(bone.fill));
   if (!same) throw RunError("this is not the bone that the engine was made for: its memory was planned for another");
   constexpr std::size_t kChunk = 4096;  // bricks written at once
   const std::size_t bytes = out.layout.brick_bytes;
@@ -158,9 +158,8 @@ void upload_bone(const cl::Device& device, const Voxmap& voxmap, DeviceBricks& o
     if (slot > first) out.pools[pool].write(device, chunk.data(), (slot - first) * bytes, within * bytes);
     first = slot;
   };
-  voxmap.grade.for_each_brick([&](const Vec3i& brick, const GradeBricks::Brick& grades) {
-    if (fill_brick(voxmap, brick, grades, out.layout.fill == FillStore::bricks,
-                   chunk.data() + (slot - first) * bytes)) {
+  bone.voxmap.grade.for_each_brick([&](const Vec3i& brick, const GradeBricks::Brick& grades) {
+    if (fill_brick(bone, brick, grades, out.layout.fill == FillStore::bricks, chunk.data() + (slot - first) * bytes)) {
       occupy(brick, superbricks, occupancy);
     }
     ++slot;
@@ -171,13 +170,13 @@ void upload_bone(const cl::Device& device, const Voxmap& voxmap, DeviceBricks& o
   out.occupancy.write(device, occupancy.data(), occupancy.size());
 }
 
-void upload_bricks_of(const cl::Device& device, const Voxmap& voxmap, const RemovedFrames& voxels, DeviceBricks& out) {
+void upload_bricks_of(const cl::Device& device, const BoneView& bone, const RemovedFrames& voxels, DeviceBricks& out) {
   if (voxels.empty()) return;
-  const BrickLattice lattice = BrickLattice::over(voxmap.grid.dims);
+  const BrickLattice lattice = BrickLattice::over(bone.voxmap.grid.dims);
   std::vector<std::size_t> touched;
   touched.reserve(voxels.size());
   for (const auto& [voxel, frame] : voxels) {
-    touched.push_back(lattice.index(BrickLattice::brick_of(voxmap.grid.coord(voxel))));
+    touched.push_back(lattice.index(BrickLattice::brick_of(bone.voxmap.grid.coord(voxel))));
   }
   std::sort(touched.begin(), touched.end());
   touched.erase(std::unique(touched.begin(), touched.end()), touched.end());
@@ -194,14 +193,14 @@ void upload_bricks_of(const cl::Device& device, const Voxmap& voxmap, const Remo
     const auto slot = static_cast<std::size_t>(slots[index]);
     const std::size_t pool = slot >> out.layout.bits, within = slot & ((std::size_t{1} << out.layout.bits) - 1);
     const bool left =
-        fill_brick(voxmap, brick, *voxmap.grade.brick(brick), out.layout.fill == FillStore::bricks, record.data());
+        fill_brick(bone, brick, *bone.voxmap.grade.brick(brick), out.layout.fill == FillStore::bricks, record.data());
     out.pools[pool].write(device, record.data(), bytes, within * bytes);
     if (left) occupy(brick, superbricks, occupancy);
   }
   out.occupancy.write(device, occupancy.data(), occupancy.size());
 }
 
-void read_brick_fill(const cl::Device& device, const DeviceBricks& out, Voxmap& voxmap) {
+void read_brick_fill(const cl::Device& device, const DeviceBricks& out, const Voxmap& voxmap, FillBricks& left) {
   if (out.layout.fill != FillStore::bricks) return;
   const std::size_t bytes = out.layout.brick_bytes;
   std::vector<cl_uchar> record(bytes);
@@ -215,7 +214,7 @@ void read_brick_fill(const cl::Device& device, const DeviceBricks& out, Voxmap& 
     for (int offset = 0; offset < GradeBricks::kVoxels; ++offset) {
       if (grades[static_cast<std::size_t>(offset)] == 0) continue;
       const Vec3i voxel = BrickLattice::voxel_at(brick, offset);
-      voxmap.fill.set(voxel, fill[static_cast<std::size_t>(rs_brick_offset(voxel.x(), voxel.y(), voxel.z()))]);
+      left.set(voxel, fill[static_cast<std::size_t>(rs_brick_offset(voxel.x(), voxel.y(), voxel.z()))]);
     }
   });
 }

@@ -55,20 +55,20 @@ struct DeviceBricks {
 /// Uploads the bone. No buffer of bricks takes more than `largest_pool` bytes, nor more than the device allocates in
 /// one piece. `other_bytes`: what the engine is going to take beside. Throws InputError that says what would fit;
 /// memory is planned before it is taken.
-DeviceBricks make_device_bricks(const cl::Device& device, const Voxmap& voxmap, FillStore fill, std::size_t other_bytes,
+DeviceBricks make_device_bricks(const cl::Device& device, const BoneView& bone, FillStore fill, std::size_t other_bytes,
                                 std::size_t largest_pool = SIZE_MAX);
 
 /// Device memory that make_device_bricks() would take, bytes.
-std::size_t device_bricks_bytes(const Voxmap& voxmap, FillStore fill);
+std::size_t device_bricks_bytes(const BoneView& bone, FillStore fill);
 
 /// Uploads the bone again, as `voxmap` has it. Its bricks must be those that `bricks` was made with; else RunError.
-void upload_bone(const cl::Device& device, const Voxmap& voxmap, DeviceBricks& bricks);
+void upload_bone(const cl::Device& device, const BoneView& bone, DeviceBricks& bricks);
 
 /// As upload_bone(), for the bricks of these voxels (VoxelGrid::index) only.
-void upload_bricks_of(const cl::Device& device, const Voxmap& voxmap, const RemovedFrames& voxels,
+void upload_bricks_of(const cl::Device& device, const BoneView& bone, const RemovedFrames& voxels,
                       DeviceBricks& bricks);
 
-/// Puts every fill that the bricks hold and that differs from the voxmap's into it.
-void read_brick_fill(const cl::Device& device, const DeviceBricks& bricks, Voxmap& voxmap);
+/// Puts every fill that the bricks hold into `fill`.
+void read_brick_fill(const cl::Device& device, const DeviceBricks& bricks, const Voxmap& voxmap, FillBricks& fill);
 
 }  // namespace reamsim

@@ -42,13 +42,14 @@ class Engine {
   virtual Batch collect() = 0;
   /// The voxels removed in the batch collected last, and when. What is not taken before the next enqueue() is dropped.
   virtual RemovedFrames take_removed() = 0;
-  /// Brings fill that fell without reaching zero into `voxmap`; voxels removed whole are in take_removed().
-  virtual void read_fill(Voxmap& voxmap) = 0;
-  /// Puts the bone back as `voxmap` has it, for benchmarks and tests; every batch must have been collected. Throws
-  /// RunError where it is not the voxmap that the engine was made with, reamed or not.
-  virtual void restore(const Voxmap& voxmap) = 0;
+  /// Brings fill that fell without reaching zero into `fill`; voxels removed whole are in take_removed(). `voxmap`:
+  /// what the engine was made with.
+  virtual void read_fill(const Voxmap& voxmap, FillBricks& fill) = 0;
+  /// Sets the bone to `bone`, for benchmarks and tests; every batch must have been collected. Throws RunError where it
+  /// is not the voxmap that the engine was made with, reamed or not.
+  virtual void restore(const BoneView& bone) = 0;
   /// As restore(), for the voxels of `removed` only; an engine that knows no shorter way restores everything.
-  virtual void restore_voxels(const Voxmap& voxmap, const RemovedFrames& /*removed*/) { restore(voxmap); }
+  virtual void restore_voxels(const BoneView& bone, const RemovedFrames& /*removed*/) { restore(bone); }
   /// Name of the device, or "serial".
   [[nodiscard]] virtual std::string device() const = 0;
   /// Device memory of the bone, the tool, the batch and its lists, bytes.

@@ -22,34 +22,34 @@ std::size_t group_size(const cl::DeviceInfo& info, int wanted, std::size_t other
 }
 
 /// The plan, once it is known to fit.
-DensePlan fitting_plan(const cl::DeviceInfo& info, const Scenario& scenario, const Voxmap& voxmap, const Tool& tool) {
-  const DensePlan plan = plan_dense(scenario.engine.detector, voxmap, tool, scenario.cutting.erosion == "wear");
-  require_fit(plan, info, voxmap.grid.voxel_mm);
+DensePlan fitting_plan(const cl::DeviceInfo& info, const Scenario& scenario, const BoneView& bone, const Tool& tool) {
+  const DensePlan plan = plan_dense(scenario.engine.detector, bone, tool, scenario.cutting.erosion == "wear");
+  require_fit(plan, info, bone.voxmap.grid.voxel_mm);
   return plan;
 }
 
 std::unique_ptr<Detection> make_detection(const cl::Device& device, const Scenario& scenario, const DenseState& state,
-                                          const DeviceBatch& batch, const Voxmap& voxmap, const Tool& tool) {
+                                          const DeviceBatch& batch, const BoneView& bone, const Tool& tool) {
   const std::size_t group = group_size(device.info(), scenario.engine.work_group_size, 256);
   if (scenario.engine.detector == "octree") {
     const bool per_point = scenario.cutting.law == "per_point";
-    return std::make_unique<DetectOctree>(device, state, batch, tool.shell, voxmap.grid, per_point, group);
+    return std::make_unique<DetectOctree>(device, state, batch, tool.shell, bone.voxmap.grid, per_point, group);
   }
   if (scenario.engine.detector == "implicit") {
-    return std::make_unique<DetectImplicit>(device, state, batch, tool.profile, bone_extent(voxmap), group);
+    return std::make_unique<DetectImplicit>(device, state, batch, tool.profile, bone_extent(bone.voxmap), group);
   }
   return std::make_unique<DetectDirect>(device, state, batch, tool.shell, group);
 }
 
 class DenseEngine final : public Engine {
  public:
-  DenseEngine(const cl::DeviceInfo& info, const Scenario& scenario, const Voxmap& voxmap, const Tool& tool)
+  DenseEngine(const cl::DeviceInfo& info, const Scenario& scenario, const BoneView& bone, const Tool& tool)
       : device_(info),
-        plan_(fitting_plan(info, scenario, voxmap, tool)),
-        state_(make_dense_state(device_, plan_, voxmap, tool)),
+        plan_(fitting_plan(info, scenario, bone, tool)),
+        state_(make_dense_state(device_, plan_, bone, tool)),
         batch_(device_, plan_.removed_list()),
-        detect_(make_detection(device_, scenario, state_, batch_, voxmap, tool)),
-        cut_(device_, plan_.layout, state_, batch_, make_energy_table(scenario.cutting, voxmap.grid.voxel_mm),
+        detect_(make_detection(device_, scenario, state_, batch_, bone, tool)),
+        cut_(device_, plan_.layout, state_, batch_, make_energy_table(scenario.cutting, bone.voxmap.grid.voxel_mm),
              group_size(info, scenario.engine.work_group_size, info.gpu ? 256 : 16)),
         restorer_(device_) {}
 
@@ -74,18 +74,18 @@ class DenseEngine final : public Engine {
     return removed;
   }
 
-  void read_fill(Voxmap& voxmap) override {
+  void read_fill(const Voxmap& voxmap, FillBricks& fill) override {
     if (!state_.has_fill) return;
-    std::vector<cl_ushort> fill(state_.fill.count());
-    state_.fill.read(device_, fill.data(), fill.size());
-    copy_fill(fill, voxmap);
+    std::vector<cl_ushort> dense(state_.fill.count());
+    state_.fill.read(device_, dense.data(), dense.size());
+    copy_fill(dense, voxmap, fill);
   }
 
-  void restore(const Voxmap& voxmap) override { upload_bone(device_, plan_, voxmap, state_); }
-  void restore_voxels(const Voxmap& voxmap, const RemovedFrames& removed) override {
-    const auto fill = [&](std::int64_t voxel) -> cl_uint { return voxmap.fill.get(voxmap.grid.coord(voxel)); };
+  void restore(const BoneView& bone) override { upload_bone(device_, plan_, bone, state_); }
+  void restore_voxels(const BoneView& bone, const RemovedFrames& removed) override {
+    const auto fill = [&](std::int64_t voxel) -> cl_uint { return bone.fill.get(bone.voxmap.grid.coord(voxel)); };
     const auto grade = [&](std::int64_t voxel) -> cl_uint {
-      return fill(voxel) == 0 ? 0 : voxmap.grade.get(voxmap.grid.coord(voxel));
+      return fill(voxel) == 0 ? 0 : bone.voxmap.grade.get(bone.voxmap.grid.coord(voxel));
     };
     const auto hu = [&](std::int64_t voxel) {
       return std::bit_cast<cl_uint>(state_.scale.hu(static_cast<std::uint8_t>(grade(voxel))));
@@ -118,8 +118,8 @@ class DenseEngine final : public Engine {
 
 }  // namespace
 
-std::unique_ptr<Engine> make_dense_engine(const Scenario& scenario, const Voxmap& voxmap, const Tool& tool) {
-  return std::make_unique<DenseEngine>(device_for(scenario.engine), scenario, voxmap, tool);
+std::unique_ptr<Engine> make_dense_engine(const Scenario& scenario, const BoneView& bone, const Tool& tool) {
+  return std::make_unique<DenseEngine>(device_for(scenario.engine), scenario, bone, tool);
 }
 
 }  // namespace reamsim

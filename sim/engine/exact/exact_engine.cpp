@@ -18,33 +18,33 @@ constexpr std::size_t kMostRecords = 8'000'000;
 /// A batch needs no list of its own: every visit has one.
 constexpr DeviceBatch::RemovedList kNoList{.words = 1, .room = 1, .per_substep = 1, .in_all = 1};
 
-std::size_t page_table_bytes(const Voxmap& voxmap) {
-  return sizeof(cl_int) * voxmap.grade.stored_bricks();
+std::size_t page_table_bytes(const BoneView& bone) {
+  return sizeof(cl_int) * bone.voxmap.grade.stored_bricks();
 }
 
-std::optional<DeviceTeeth> make_teeth(const cl::Device& device, const Tool& tool, const Voxmap& voxmap,
+std::optional<DeviceTeeth> make_teeth(const cl::Device& device, const Tool& tool, const BoneView& bone,
                                       double bulge_mm) {
   if (!tool.teeth) return std::nullopt;
-  return DeviceTeeth(device, *tool.teeth, voxmap.grid.voxel_mm, bulge_mm,
-                     device_bricks_bytes(voxmap, FillStore::pages));
+  return DeviceTeeth(device, *tool.teeth, bone.voxmap.grid.voxel_mm, bulge_mm,
+                     device_bricks_bytes(bone, FillStore::pages));
 }
 
 class ExactEngine final : public Engine {
  public:
-  ExactEngine(const cl::DeviceInfo& info, const Scenario& scenario, const Voxmap& voxmap, const Tool& tool)
+  ExactEngine(const cl::DeviceInfo& info, const Scenario& scenario, const BoneView& bone, const Tool& tool)
       : device_(info),
-        grid_(voxmap.grid),
-        extent_(bone_extent(voxmap)),
-        outline_(make_outline_table(tool.profile, voxmap.grid.voxel_mm)),
+        grid_(bone.voxmap.grid),
+        extent_(bone_extent(bone.voxmap)),
+        outline_(make_outline_table(tool.profile, bone.voxmap.grid.voxel_mm)),
         tool_box_(tool.clip_bounds().expanded(outline_.bulge_mm)),
-        bricks_(make_device_bricks(device_, voxmap, FillStore::pages, page_table_bytes(voxmap))),
-        fill_(make_fill_pages(device_, voxmap)),
+        bricks_(make_device_bricks(device_, bone, FillStore::pages, page_table_bytes(bone))),
+        fill_(make_fill_pages(device_, bone)),
         batch_(device_, kNoList),
-        teeth_(make_teeth(device_, tool, voxmap, outline_.bulge_mm)),
+        teeth_(make_teeth(device_, tool, bone, outline_.bulge_mm)),
         teeth_bytes_(tool.teeth ? tool.teeth->bytes() : 0),
         list_(device_, bricks_, batch_, tool.profile, tool.clip_slack_mm() + outline_.bulge_mm,
               choose_options(info, scenario.engine).work_group),
-        cut_(device_, bricks_, batch_, list_, outline_, make_energy_table(scenario.cutting, voxmap.grid.voxel_mm),
+        cut_(device_, bricks_, batch_, list_, outline_, make_energy_table(scenario.cutting, bone.voxmap.grid.voxel_mm),
              choose_options(info, scenario.engine), teeth_ ? &*teeth_ : nullptr),
         records_(device_, 1, "the list of removed voxels") {}
 
@@ -70,10 +70,10 @@ class ExactEngine final : public Engine {
   }
 
   RemovedFrames take_removed() override { return std::exchange(removed_, {}); }
-  void read_fill(Voxmap& voxmap) override { read_pages(device_, bricks_, fill_, voxmap); }
-  void restore(const Voxmap& voxmap) override {
-    upload_bone(device_, voxmap, bricks_);
-    fill_ = make_fill_pages(device_, voxmap);
+  void read_fill(const Voxmap& /*voxmap*/, FillBricks& fill) override { read_pages(device_, bricks_, fill_, fill); }
+  void restore(const BoneView& bone) override {
+    upload_bone(device_, bone, bricks_);
+    fill_ = make_fill_pages(device_, bone);
   }
   [[nodiscard]] std::string device() const override { return device_.info().name; }
   [[nodiscard]] std::size_t device_bytes() const override {
@@ -128,14 +128,14 @@ class ExactEngine final : public Engine {
 
 }  // namespace
 
-std::unique_ptr<Engine> make_exact_engine(const Scenario& scenario, const Voxmap& voxmap, const Tool& tool) {
-  return std::make_unique<ExactEngine>(device_for(scenario.engine), scenario, voxmap, tool);
+std::unique_ptr<Engine> make_exact_engine(const Scenario& scenario, const BoneView& bone, const Tool& tool) {
+  return std::make_unique<ExactEngine>(device_for(scenario.engine), scenario, bone, tool);
 }
 
-std::size_t exact_engine_bytes(const Voxmap& voxmap, const Tool& tool, const ExactForecast& forecast) {
-  const std::size_t stored = voxmap.grade.stored_bricks();
+std::size_t exact_engine_bytes(const BoneView& bone, const Tool& tool, const ExactForecast& forecast) {
+  const std::size_t stored = bone.voxmap.grade.stored_bricks();
   const std::size_t records = std::min(kMostRecords, CutExact::most_records(forecast.listed, RS_VISIT_SUBSTEPS));
-  return device_bricks_bytes(voxmap, FillStore::pages) + sizeof(cl_uint) * stored +
+  return device_bricks_bytes(bone, FillStore::pages) + sizeof(cl_uint) * stored +
          fill_pages_bytes(stored, forecast.parted + forecast.listed) + sizeof(RemovedBlock) * records +
          DeviceBatch::bytes(kNoList) + (tool.teeth ? tool.teeth->bytes() : 0);
 }

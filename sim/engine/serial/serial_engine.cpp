@@ -25,10 +25,10 @@ CutVoxel serial_cut(const Scenario& scenario, double voxel_mm) {
 /// The reference of every engine in plain C++: that of `implicit`, of those which look shell points up, and of `exact`.
 class SerialEngine final : public Engine {
  public:
-  SerialEngine(const Scenario& scenario, const Voxmap& voxmap, const Tool& tool)
-      : state_(make_serial_state(voxmap, tool)),
+  SerialEngine(const Scenario& scenario, const BoneView& bone, const Tool& tool)
+      : state_(make_serial_state(bone, tool)),
         find_(serial_detection(scenario, state_)),
-        cut_(serial_cut(scenario, voxmap.grid.voxel_mm)) {}
+        cut_(serial_cut(scenario, bone.voxmap.grid.voxel_mm)) {}
 
   void enqueue(const SubstepArgs& args) override {
     SubstepSums& sums = batch_.sums.emplace_back();
@@ -43,8 +43,8 @@ class SerialEngine final : public Engine {
   [[nodiscard]] bool full() const override { return batch_.sums.size() >= 4096; }
   Batch collect() override { return std::exchange(batch_, {}); }
   RemovedFrames take_removed() override { return std::exchange(state_.removed, {}); }
-  void read_fill(Voxmap& voxmap) override { copy_fill(state_.fill, voxmap); }
-  void restore(const Voxmap& voxmap) override { take_bone(voxmap, state_); }
+  void read_fill(const Voxmap& voxmap, FillBricks& fill) override { copy_fill(state_.fill, voxmap, fill); }
+  void restore(const BoneView& bone) override { take_bone(bone, state_); }
   [[nodiscard]] std::string device() const override { return "serial"; }
   [[nodiscard]] std::size_t device_bytes() const override { return 0; }
   [[nodiscard]] StructureBytes structure_bytes() const override { return {}; }
@@ -58,8 +58,8 @@ class SerialEngine final : public Engine {
 
 }  // namespace
 
-std::unique_ptr<Engine> make_serial_engine(const Scenario& scenario, const Voxmap& voxmap, const Tool& tool) {
-  return std::make_unique<SerialEngine>(scenario, voxmap, tool);
+std::unique_ptr<Engine> make_serial_engine(const Scenario& scenario, const BoneView& bone, const Tool& tool) {
+  return std::make_unique<SerialEngine>(scenario, bone, tool);
 }
 
 }  // namespace reamsim

@@ -23,9 +23,9 @@ struct SerialState {
   std::vector<std::pair<std::int64_t, std::int32_t>> removed;  ///< (voxel, frame)
 };
 
-SerialState make_serial_state(const Voxmap& voxmap, const Tool& tool);
+SerialState make_serial_state(const BoneView& bone, const Tool& tool);
 
 /// Takes the bone as `voxmap` has it.
-void take_bone(const Voxmap& voxmap, SerialState& state);
+void take_bone(const BoneView& bone, SerialState& state);
 
 }  // namespace reamsim
