@@ -8,6 +8,11 @@
 #define RS_BRICK_VOXELS 512
 #define RS_BRICK_WORDS 16 /* of 32 bits, a bit per voxel */
 
+/* Half diagonals in voxels, of a brick and of 4x4x4 bricks, rounded up: no point of their voxels lies further from
+ * their middle. The second one has half a voxel's diagonal more. */
+#define RS_BRICK_RADIUS 7.0f
+#define RS_SUPERBRICK_RADIUS 27.8f
+
 /* A voxel's place in its brick: eight blocks of 4x4x4 voxels, x before y before z in the block and among the blocks, so
  * that a block is 64 consecutive bits and what a surface touches lies close together. */
 RS_INLINE rs_i32 rs_brick_offset(rs_i32 x, rs_i32 y, rs_i32 z) {

@@ -3,10 +3,6 @@
  */
 #include "brick_report.h"
 
-/* Half diagonals in voxels, of a brick and of 4x4x4 bricks, each with half a voxel's for the voxels that stick out. */
-#define BRICK_RADIUS 7.0f
-#define SUPERBRICK_RADIUS 27.8f
-
 /* Does the surface come within `reach` mm of the point `p` (T)? It may say yes for one that lies a little farther. */
 bool near_surface(const CoarseGrid g, __global const float* distances, const float* p, const float reach) {
   const float r = (sqrt(p[0] * p[0] + p[1] * p[1])) * g.per_mm, z = (p[2] - g.z0) * g.per_mm;
@@ -43,12 +39,12 @@ __kernel void list_bricks(__global const SubstepArgs* args, const uint substep, 
   const CoarseGrid g = *coarse;
   float p[3];
   middle_of(a, 32 * sx, 32 * sy, 32 * sz, 32, p);
-  if (!near_surface(g, distances, p, SUPERBRICK_RADIUS * a->voxel_mm + shift_mm)) return;
+  if (!near_surface(g, distances, p, RS_SUPERBRICK_RADIUS * a->voxel_mm + shift_mm)) return;
   for (ulong rest = left; rest != 0; rest &= rest - 1) {
     const int bit = (int)popcount((rest & -rest) - 1);
     const int x = 4 * sx + (bit & 3), y = 4 * sy + (bit >> 2 & 3), z = 4 * sz + (bit >> 4);
     middle_of(a, 8 * x, 8 * y, 8 * z, 8, p);
-    if (!near_surface(g, distances, p, BRICK_RADIUS * a->voxel_mm + shift_mm)) continue;
+    if (!near_surface(g, distances, p, RS_BRICK_RADIUS * a->voxel_mm + shift_mm)) continue;
     listed[atomic_inc(&counts->listed)] = (uint)slot_of_brick[x + (ulong)bricks.x * (y + (ulong)bricks.y * z)];
   }
 }

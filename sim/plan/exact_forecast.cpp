@@ -5,6 +5,8 @@
 #include <limits>
 #include <vector>
 
+#include "sim/motion/tool_path.h"
+
 #include "sim/engine/common/voxel_box.h"
 #include "sim/engine/exact/list_bricks.h"
 
@@ -14,15 +16,7 @@ namespace {
 
 /// The tool is looked at each time that it may have moved so far, voxels.
 constexpr double kStepVoxels = 2;
-/// Half a brick's diagonal with half a voxel's, as in kernels/list_bricks.cl.
-constexpr double kBrickRadiusVoxels = 7;
-
 enum class BrickMark : std::uint8_t { air, whole, parted };
-
-/// No point of the tool goes further from one pose to the other, mm; its spin does not move an envelope.
-double longest_way(const ToolPose& a, const ToolPose& b, const Tool& tool) {
-  return (b.position_mm - a.position_mm).norm() + a.orientation.angularDistance(b.orientation) * tool.reach_mm;
-}
 
 /// As far as the tool can move in a visit, mm.
 double visit_shift(const ReamingScene& scene) {
@@ -30,10 +24,15 @@ double visit_shift(const ReamingScene& scene) {
   double substep_mm = 0;
   const auto& poses = scene.motion.poses;
   for (std::size_t k = 1; k < poses.size(); ++k) {
-    substep_mm = std::max(substep_mm, longest_way(poses[k - 1], poses[k], scene.tool));
+    substep_mm = std::max(substep_mm, motion_bound_mm(poses[k - 1], poses[k], scene.tool.reach_mm));
   }
   substep_mm = std::min(substep_mm, scene.scenario.engine.max_step_voxels * voxel_mm);
   return std::min(RS_VISIT_SUBSTEPS * substep_mm, kVisitShiftVoxels * voxel_mm);
+}
+
+/// How far a point may lie from its sample, mm.
+double slack_of(const DistanceTable& table) {
+  return std::sqrt(0.5) * table.pitch_mm + 1e-3;
 }
 
 /// Bricks of the lattice, and which of them the tool has come to.
@@ -46,7 +45,7 @@ class SweptBricks {
         lattice_(BrickLattice::over(scene.bone.voxmap->grid.dims)),
         marks_(lattice_.count(), BrickMark::air),
         bone_(bone_extent(*scene.bone.voxmap)),
-        coarse_(make_coarse_distance(scene.tool.profile, voxel_mm_, scene.tool.clip_slack_mm())) {
+        coarse_(brick_distances(scene.tool.profile, voxel_mm_, scene.tool.clip_slack_mm())) {
     const Voxmap& voxmap = *scene.bone.voxmap;
     voxmap.grade.for_each_brick([&](const Vec3i& coord, const GradeBricks::Brick&) {
       const bool parted = scene.bone.fill.brick(coord) != nullptr;
@@ -58,8 +57,8 @@ class SweptBricks {
   /// The tool in one pose, and wherever it is within `slack_mm` of that.
   void take(const ToolPose& pose, double slack_mm) {
     const Substep rest{.pose = pose, .duration_s = scene_.motion.frame_s()};
-    const double met_mm = kBrickRadiusVoxels * voxel_mm_ + slack_mm;
-    const double listed_mm = met_mm + visit_shift_mm_ + double{coarse_.grid.slack_mm};
+    const double met_mm = RS_BRICK_RADIUS * voxel_mm_ + slack_mm;
+    const double listed_mm = met_mm + visit_shift_mm_ + slack_of(coarse_);
     const Aabb box = scene_.tool.clip_bounds().expanded(listed_mm);
     const SubstepArgs args =
         make_args(rest, box, scene_.tool.shell, scene_.bone.voxmap->grid, scene_.scenario.cutting, false);
@@ -94,11 +93,8 @@ class SweptBricks {
     const Mat3 turn = Eigen::Map<const Mat3>(args.tool_from_voxel).transpose();
     const Vec3 p = turn * middle + Eigen::Map<const Vec3>(args.tool_origin);
     const Vec2 rz(p.head<2>().norm(), p.z());
-    const CoarseGrid& g = coarse_.grid;
-    const int r = static_cast<int>(rz.x() * g.per_mm), z = static_cast<int>(std::floor((rz.y() - g.z0) * g.per_mm));
-    if (r >= g.count_r || z < 0 || z >= g.count_z) return std::numeric_limits<double>::infinity();
-    const double coarse = coarse_.mm[static_cast<std::size_t>(r + g.count_r * z)];
-    return std::abs(coarse - limit_mm) > g.slack_mm ? coarse : scene_.tool.profile.nearest(rz).distance_mm;
+    const double coarse = coarse_.nearest(rz);
+    return std::abs(coarse - limit_mm) > slack_of(coarse_) ? coarse : scene_.tool.profile.nearest(rz).distance_mm;
   }
 
   const ReamingScene& scene_;
@@ -107,7 +103,7 @@ class SweptBricks {
   BrickLattice lattice_;
   std::vector<BrickMark> marks_;
   VoxelBox bone_;
-  CoarseDistance coarse_;
+  DistanceTable coarse_;
   ExactForecast out_;
 };
 
@@ -117,14 +113,7 @@ ExactForecast forecast_exact(const ReamingScene& scene) {
   SweptBricks swept(scene);
   const auto& poses = scene.motion.poses;
   const double step_mm = kStepVoxels * scene.bone.voxmap->grid.voxel_mm;
-  const ToolPose* last = &poses.front();
-  swept.take(*last, step_mm);
-  for (const ToolPose& pose : poses) {
-    const int parts = static_cast<int>(std::ceil(longest_way(*last, pose, scene.tool) / step_mm));
-    if (parts <= 1) continue;
-    for (int i = 1; i <= parts; ++i) swept.take(interpolate(*last, pose, double(i) / parts), step_mm);
-    last = &pose;
-  }
+  for (const PathStop& stop : stops_along(poses, scene.tool.reach_mm, step_mm)) swept.take(stop.pose, step_mm);
   return swept.forecast();
 }
 

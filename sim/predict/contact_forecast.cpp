@@ -6,6 +6,8 @@
 #include <limits>
 #include <vector>
 
+#include "sim/motion/tool_path.h"
+
 namespace reamsim {
 
 namespace {
@@ -22,36 +24,6 @@ struct Brick {
   double least_mm = std::numeric_limits<double>::infinity();
 };
 
-/// The way of a tool, as a length along which no point of it moves faster than 1.
-class Way {
- public:
-  explicit Way(const ReamingScene& scene) : poses_(scene.motion.poses), ends_mm_(poses_.size(), 0) {
-    for (std::size_t k = 1; k < poses_.size(); ++k) {
-      const ToolPose &a = poses_[k - 1], &b = poses_[k];
-      const double turn_mm = a.orientation.angularDistance(b.orientation) * scene.tool.reach_mm;
-      ends_mm_[k] = ends_mm_[k - 1] + (b.position_mm - a.position_mm).norm() + turn_mm;
-    }
-  }
-
-  [[nodiscard]] double length_mm() const { return ends_mm_.back(); }
-  /// The frame that ends the part in which `at_mm` lies.
-  [[nodiscard]] std::size_t frame_at(double at_mm) const {
-    const auto end = std::ranges::lower_bound(ends_mm_, at_mm);
-    return std::min(static_cast<std::size_t>(end - ends_mm_.begin()), poses_.size() - 1);
-  }
-  [[nodiscard]] Rigid tool_from_bone(double at_mm) const {
-    const std::size_t k = frame_at(at_mm);
-    if (k == 0) return poses_[0].bone_from_tool().inverse();
-    const double part_mm = ends_mm_[k] - ends_mm_[k - 1];
-    const double share = part_mm > 0 ? (at_mm - ends_mm_[k - 1]) / part_mm : 1;
-    return interpolate(poses_[k - 1], poses_[k], std::clamp(share, 0.0, 1.0)).bone_from_tool().inverse();
-  }
-
- private:
-  const std::vector<ToolPose>& poses_;
-  std::vector<double> ends_mm_;
-};
-
 /// A bone that is no more than its voxels, and a tool that is no more than its profile.
 class ContactSearch {
  public:
@@ -60,7 +32,7 @@ class ContactSearch {
         fill_(scene.bone.fill),
         profile_(scene.tool.profile),
         voxel_mm_(voxmap_.grid.voxel_mm),
-        way_(scene) {
+        path_(scene.motion.poses, scene.tool.reach_mm) {
     voxmap_.grade.for_each_brick([&](const Vec3i& coord, const GradeBricks::Brick&) {
       const Vec3 middle =
           voxmap_.grid.origin_mm + voxel_mm_ * BrickLattice::kSide * (coord.cast<double>() + Vec3::Constant(0.5));
@@ -70,13 +42,13 @@ class ContactSearch {
 
   /// Bone in the tool at its first pose, mm³.
   [[nodiscard]] double start_mm3() const {
-    const Rigid tool_from_bone = way_.tool_from_bone(0);
+    const Rigid first = tool_from_bone(0);
     double voxels = 0;
     for (const Brick& brick : bricks_) {
-      if (distance_mm(tool_from_bone, brick.middle_mm) > radius_mm()) continue;
+      if (distance_mm(first, brick.middle_mm) > radius_mm()) continue;
       for_each_voxel_left(brick.coord, [&](const Vec3& center_mm, double fill) {
         // The part of a voxel that lies in the tool, with the tool's surface as a plane.
-        voxels += fill * std::clamp(0.5 - distance_mm(tool_from_bone, center_mm) / voxel_mm_, 0.0, 1.0);
+        voxels += fill * std::clamp(0.5 - distance_mm(first, center_mm) / voxel_mm_, 0.0, 1.0);
       });
     }
     return voxels * voxmap_.grid.voxel_mm3();
@@ -105,7 +77,7 @@ class ContactSearch {
           const double gap_mm = mm - 0.5 * voxel_mm_;
           if (gap_mm < best_mm) {
             best_mm = gap_mm;
-            out.frame = static_cast<std::int64_t>(way_.frame_at(at_mm));
+            out.frame = static_cast<std::int64_t>(path_.frame_at(at_mm));
             out.bone_mm = center_mm;
           }
           return best_mm > 0 ? best_mm + 0.5 * voxel_mm_ : 0;
@@ -120,6 +92,8 @@ class ContactSearch {
  private:
   [[nodiscard]] double radius_mm() const { return kBrickRadius_voxels * voxel_mm_; }
 
+  [[nodiscard]] Rigid tool_from_bone(double at_mm) const { return path_.pose_at(at_mm).bone_from_tool().inverse(); }
+
   [[nodiscard]] double distance_mm(const Rigid& tool_from_bone, const Vec3& point_mm) const {
     const Vec3 p = tool_from_bone * point_mm;
     return profile_.nearest({p.head<2>().norm(), p.z()}).distance_mm;
@@ -132,10 +106,10 @@ class ContactSearch {
   void follow(const Vec3& point_mm, const Look& look) const {
     double at_mm = 0;
     for (;;) {
-      const double mm = distance_mm(way_.tool_from_bone(at_mm), point_mm);
+      const double mm = distance_mm(tool_from_bone(at_mm), point_mm);
       const double bound_mm = look(mm, at_mm);
-      if (bound_mm <= 0 || at_mm >= way_.length_mm()) return;
-      at_mm = std::min(way_.length_mm(), at_mm + std::max(kStep_voxels * voxel_mm_, mm - bound_mm));
+      if (bound_mm <= 0 || at_mm >= path_.length_mm()) return;
+      at_mm = std::min(path_.length_mm(), at_mm + std::max(kStep_voxels * voxel_mm_, mm - bound_mm));
     }
   }
 
@@ -157,7 +131,7 @@ class ContactSearch {
   const FillBricks& fill_;
   const Profile& profile_;
   double voxel_mm_;
-  Way way_;
+  ToolPath path_;
   std::vector<Brick> bricks_;
 };
 

@@ -6,66 +6,34 @@
 #include <numbers>
 #include <optional>
 
+#include "kernels/bricks.h"
 #include "sim/base/parallel.h"
+#include "sim/motion/tool_path.h"
+#include "sim/tool/distance_table.h"
 
 namespace reamsim {
 namespace {
 
-/// The tool is looked at wherever it turns round, and each time that it may have moved so far, voxels.
+/// Between two looks at the tool no point of it moves further, voxels.
 constexpr double kStepVoxels = 0.5;
-/// It dwells, and does not turn, where it moves by less than this part of such a step.
-constexpr double kLeastStep = 0.1;
-/// Half a brick's diagonal and a little more than half a voxel's, voxels.
-constexpr double kBrickRadiusVoxels = 8;
 /// Of the table of distances, voxels.
 constexpr double kTablePitchVoxels = 0.5;
 
-/// The tool's signed distance in (r, z) of T, from a table: exact but for a fraction of a voxel at corners.
-class DistanceTable {
- public:
-  DistanceTable(const Profile& tool, double voxel_mm)
-      : pitch_mm_(kTablePitchVoxels * voxel_mm), margin_mm_((kBrickRadiusVoxels + 1) * voxel_mm) {
-    const Aabb box = tool.bounds().expanded(margin_mm_);
-    low_z_mm_ = box.min.z();
-    columns_ = static_cast<int>(std::ceil(box.max.x() / pitch_mm_)) + 2;
-    rows_ = static_cast<int>(std::ceil((box.max.z() - low_z_mm_) / pitch_mm_)) + 2;
-    mm_.resize(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_));
-    parallel_items(static_cast<std::size_t>(rows_), [&](std::size_t row) {
-      for (int i = 0; i < columns_; ++i) {
-        const Vec2 rz(i * pitch_mm_, low_z_mm_ + static_cast<double>(row) * pitch_mm_);
-        mm_[row * static_cast<std::size_t>(columns_) + static_cast<std::size_t>(i)] =
-            static_cast<float>(tool.nearest(rz).distance_mm);
-      }
-    });
-  }
+/// Beyond the tool's box, voxels: farther away than any voxel of a brick that the tool comes to.
+constexpr double kMarginVoxels = 9;
 
-  /// Infinity farther away than any voxel of a brick that the tool comes to.
-  [[nodiscard]] double at(const Vec3& point_t) const {
-    const double r = point_t.head<2>().norm() / pitch_mm_;
-    const double z = (point_t.z() - low_z_mm_) / pitch_mm_;
-    if (z < 0 || z >= rows_ - 1 || r >= columns_ - 1) return std::numeric_limits<double>::infinity();
-    const auto column = static_cast<std::size_t>(r), row = static_cast<std::size_t>(z);
-    const double u = r - static_cast<double>(column), v = z - static_cast<double>(row);
-    const float* corner = mm_.data() + row * static_cast<std::size_t>(columns_) + column;
-    const double low = (1 - u) * double{corner[0]} + u * double{corner[1]};
-    const double high = (1 - u) * double{corner[columns_]} + u * double{corner[columns_ + 1]};
-    return (1 - v) * low + v * high;
-  }
-  [[nodiscard]] double margin_mm() const { return margin_mm_; }
-
- private:
-  double pitch_mm_;
-  double margin_mm_;
-  double low_z_mm_ = 0;
-  int columns_ = 0;
-  int rows_ = 0;
-  std::vector<float> mm_;  ///< row by row, r fastest
-};
+/// The tool's distances, exact but for a fraction of a voxel at corners.
+DistanceTable distances_of(const Profile& tool, double voxel_mm) {
+  const double pitch_mm = kTablePitchVoxels * voxel_mm;
+  const Aabb box = tool.bounds().expanded(kMarginVoxels * voxel_mm);
+  return make_distance_table(tool, {0, box.min.z()}, pitch_mm, static_cast<int>(std::ceil(box.max.x() / pitch_mm)) + 2,
+                             static_cast<int>(std::ceil((box.max.z() - box.min.z()) / pitch_mm)) + 2);
+}
 
 /// The tool somewhere on its way.
 struct Stop {
   Rigid tool_from_bone;
-  Aabb box;              ///< of the tool in B, with the table's margin
+  Aabb box;              ///< of the tool in B, with the margin
   std::size_t pose = 0;  ///< the one that it leads to
 };
 
@@ -79,31 +47,13 @@ bool contains(const Aabb& box, const Vec3& p) {
   return (p.array() >= box.min.array()).all() && (p.array() <= box.max.array()).all();
 }
 
-/// Whether the tool stops or turns back at a pose, as it does where it is deepest.
-bool turns_at(const std::vector<ToolPose>& poses, std::size_t k) {
-  const Vec3 come = poses[k].position_mm - poses[k - 1].position_mm;
-  return k + 1 == poses.size() || come.dot(poses[k + 1].position_mm - poses[k].position_mm) <= 0;
-}
-
-std::vector<Stop> stops_along(const std::vector<ToolPose>& poses, const Aabb& tool_box, double step_mm) {
+/// `tool_box`: T, with the margin.
+std::vector<Stop> looks_along(const std::vector<ToolPose>& poses, const Aabb& tool_box, double step_mm) {
   const double reach_mm = tool_box.min.cwiseAbs().cwiseMax(tool_box.max.cwiseAbs()).norm();
   std::vector<Stop> out;
-  const auto stop = [&](const ToolPose& pose, std::size_t index) {
-    const Rigid bone_from_tool = pose.bone_from_tool();
-    out.push_back({bone_from_tool.inverse(), box_in_bone(tool_box, bone_from_tool), index});
-  };
-  stop(poses.front(), 0);
-  const ToolPose* last = &poses.front();
-  for (std::size_t k = 1; k < poses.size(); ++k) {
-    const double way_mm = (poses[k].position_mm - last->position_mm).norm() +
-                          last->orientation.angularDistance(poses[k].orientation) * reach_mm;
-    const auto parts = static_cast<std::int64_t>(std::ceil(way_mm / step_mm));
-    if (way_mm < kLeastStep * step_mm || (parts == 1 && !turns_at(poses, k))) continue;
-    for (std::int64_t i = 1; i < parts; ++i) {
-      stop(interpolate(*last, poses[k], static_cast<double>(i) / static_cast<double>(parts)), k);
-    }
-    stop(poses[k], k);
-    last = &poses[k];
+  for (const PathStop& stop : stops_along(poses, reach_mm, step_mm)) {
+    const Rigid bone_from_tool = stop.pose.bone_from_tool();
+    out.push_back({bone_from_tool.inverse(), box_in_bone(tool_box, bone_from_tool), stop.frame});
   }
   return out;
 }
@@ -130,8 +80,9 @@ class Foresight {
         grade_(voxmap.grade),
         before_(before),
         whole_voxels_(whole_voxels),
-        table_(tool, voxmap.grid.voxel_mm),
-        stops_(stops_along(poses, tool.bounds().expanded(table_.margin_mm()), kStepVoxels * voxmap.grid.voxel_mm)) {}
+        table_(distances_of(tool, voxmap.grid.voxel_mm)),
+        stops_(looks_along(poses, tool.bounds().expanded(kMarginVoxels * voxmap.grid.voxel_mm),
+                           kStepVoxels * voxmap.grid.voxel_mm)) {}
 
   [[nodiscard]] std::vector<BrickLoss> losses() const {
     std::vector<Vec3i> bricks = grade_.stored_coords();
@@ -154,11 +105,11 @@ class Foresight {
 
   [[nodiscard]] std::optional<BrickLoss> loss_of(const Vec3i& coord) const {
     const Vec3 middle = middle_of(coord);
-    const double radius_mm = kBrickRadiusVoxels * grid_.voxel_mm;
+    const double radius_mm = RS_BRICK_RADIUS * grid_.voxel_mm;
     std::vector<NearStop> near;
     for (const Stop& stop : stops_) {
       if (!contains(stop.box, middle)) continue;
-      const double mm = table_.at(stop.tool_from_bone * middle);
+      const double mm = distance_at(stop.tool_from_bone * middle);
       if (mm < radius_mm) near.push_back({&stop, mm});
     }
     if (near.empty()) return std::nullopt;
@@ -199,10 +150,14 @@ class Foresight {
     return 1;
   }
 
+  [[nodiscard]] double distance_at(const Vec3& point_t) const {
+    return table_.at({point_t.head<2>().norm(), point_t.z()});
+  }
+
   /// From the nearest of these stops, and at most a voxel.
   [[nodiscard]] double distance_mm(const Vec3& point, const std::vector<NearStop>& near) const {
     double least_mm = grid_.voxel_mm;
-    for (const NearStop& at : near) least_mm = std::min(least_mm, table_.at(at.stop->tool_from_bone * point));
+    for (const NearStop& at : near) least_mm = std::min(least_mm, distance_at(at.stop->tool_from_bone * point));
     return least_mm;
   }
 

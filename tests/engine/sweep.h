@@ -3,6 +3,7 @@
 #include <cmath>
 #include <limits>
 
+#include "sim/motion/tool_path.h"
 #include "tests/engine/scene_fixture.h"
 #include "tests/support/temp_dir.h"
 
@@ -12,25 +13,15 @@ namespace reamsim::test {
 /// voxels. The motion is sampled so finely that it does not matter.
 class SweptVolume {
  public:
-  /// The tool's origin moves at most `step_mm` from one sample to the next.
+  /// No point of the tool moves further than `step_mm` from one sample to the next.
   SweptVolume(const Motion& motion, const Profile& profile, double step_mm)
       : profile_(profile), radius_mm_(profile.max_radius_mm()) {
     for (const Vec2& p : profile.points) {
       bottom_mm_ = std::min(bottom_mm_, p.y());
       top_mm_ = std::max(top_mm_, p.y());
     }
-    tool_from_bone_.push_back(motion.poses.front().bone_from_tool().inverse());
-    double since_mm = 0;
-    for (std::size_t k = 1; k < motion.poses.size(); ++k) {
-      const ToolPose &a = motion.poses[k - 1], &b = motion.poses[k];
-      const double way_mm = (b.position_mm - a.position_mm).norm();
-      since_mm += way_mm;
-      if (since_mm < 0.5 * step_mm && k + 1 < motion.poses.size()) continue;
-      since_mm = 0;
-      const int parts = std::max(1, static_cast<int>(std::ceil(way_mm / step_mm)));
-      for (int i = 1; i <= parts; ++i) {
-        tool_from_bone_.push_back(interpolate(a, b, double(i) / parts).bone_from_tool().inverse());
-      }
+    for (const PathStop& stop : stops_along(motion.poses, profile.bounds().max.norm(), step_mm)) {
+      tool_from_bone_.push_back(stop.pose.bone_from_tool().inverse());
     }
   }
 

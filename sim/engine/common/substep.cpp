@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sim/motion/tool_path.h"
+
 namespace reamsim {
 
 // Host and device lay the struct out alike: 8-byte members first, then an even number of ints.
@@ -13,13 +15,6 @@ namespace {
 
 std::int64_t fixed_point(double voxels) {
   return static_cast<std::int64_t>(std::floor(std::ldexp(voxels, RS_POSITION_BITS) + 0.5));
-}
-
-/// Rotation vector (axis times angle) that takes orientation `a` to `b`, in B.
-Vec3 rotation_vector(const Quat& a, const Quat& b) {
-  const Eigen::AngleAxisd turn(b * a.conjugate());
-  const double angle = turn.angle() > M_PI ? turn.angle() - 2 * M_PI : turn.angle();
-  return angle * turn.axis();
 }
 
 /// First and last shell cell along an axis whose centre can lie in [low, high] mm from the shell's corner; a cell more
@@ -62,8 +57,7 @@ void set_force_options(const CuttingSettings& cutting, double turn_rate, Substep
 }  // namespace
 
 int count_substeps(const ToolPose& a, const ToolPose& b, const Tool& tool, bool spin_resolved, double max_step_mm) {
-  double step =
-      (b.position_mm - a.position_mm).norm() + rotation_vector(a.orientation, b.orientation).norm() * tool.reach_mm;
+  double step = motion_bound_mm(a, b, tool.reach_mm);
   if (spin_resolved) step += std::abs(b.spin_angle_rad - a.spin_angle_rad) * tool.profile.max_radius_mm();
   return std::max(1, static_cast<int>(std::ceil(step / max_step_mm - 1e-9)));
 }

@@ -15,26 +15,26 @@ static_assert(sizeof(SubstepWindow) == 12);
 static_assert(sizeof(VisitCounts) == 12);
 static_assert(sizeof(CoarseGrid) == 20);
 
-CoarseDistance make_coarse_distance(const Profile& profile, double voxel_mm, double slack_mm) {
-  constexpr double kSuperbrickVoxels = 27.8;  // SUPERBRICK_RADIUS
+DistanceTable brick_distances(const Profile& profile, double voxel_mm, double slack_mm) {
   constexpr double kCellVoxels = 4, kMostCells = 1 << 14;
   const Aabb tool = profile.bounds();
-  const double margin = (kSuperbrickVoxels + kVisitShiftVoxels + kCellVoxels) * voxel_mm + slack_mm;
+  const double margin = (double{RS_SUPERBRICK_RADIUS} + kVisitShiftVoxels + kCellVoxels) * voxel_mm + slack_mm;
   const double width = tool.max.x() + margin, height = tool.max.z() - tool.min.z() + 2 * margin;
   const double cell_mm = std::max(kCellVoxels * voxel_mm, std::sqrt(width * height / kMostCells));
-  CoarseDistance out;
-  out.grid = {static_cast<float>(tool.min.z() - margin), static_cast<float>(1 / cell_mm),
-              // Rounding may put a point into the next cell.
-              static_cast<float>(std::sqrt(0.5) * cell_mm + 1e-3), static_cast<rs_i32>(std::ceil(width / cell_mm)),
-              static_cast<rs_i32>(std::ceil(height / cell_mm))};
-  for (int z = 0; z < out.grid.count_z; ++z) {
-    for (int r = 0; r < out.grid.count_r; ++r) {
-      const Vec2 center((r + 0.5) * cell_mm, tool.min.z() - margin + (z + 0.5) * cell_mm);
-      out.mm.push_back(static_cast<float>(profile.nearest(center).distance_mm));
-    }
-  }
-  return out;
+  return make_distance_table(profile, Vec2(0, tool.min.z() - margin) + Vec2::Constant(0.5 * cell_mm), cell_mm,
+                             static_cast<int>(std::ceil(width / cell_mm)),
+                             static_cast<int>(std::ceil(height / cell_mm)));
 }
+
+namespace {
+
+CoarseGrid grid_of(const DistanceTable& table) {
+  constexpr double kRounding_mm = 1e-3;  // may put a point into the next cell
+  return {static_cast<float>(table.first.y() - 0.5 * table.pitch_mm), static_cast<float>(1 / table.pitch_mm),
+          static_cast<float>(std::sqrt(0.5) * table.pitch_mm + kRounding_mm), table.count_r, table.count_z};
+}
+
+}  // namespace
 
 ListBricks::ListBricks(const cl::Device& device, const DeviceBricks& bone, const DeviceBatch& batch,
                        const Profile& profile, double slack_mm, std::size_t work_group)
@@ -45,10 +45,10 @@ ListBricks::ListBricks(const cl::Device& device, const DeviceBricks& bone, const
       listed_(device, std::max<std::size_t>(1, bone.layout.bricks), "the list of bricks in reach"),
       counts_(device, 1, "the counts of a visit"),
       kernel_(device.build("list_bricks.cl", embedded::kernel_list_bricks, ""), "list_bricks") {
-  const CoarseDistance coarse = make_coarse_distance(profile, bone.grid.voxel_mm, slack_mm);
-  grid_.write(device, &coarse.grid, 1);
-  distances_ = {device, coarse.mm.size(), "the tool's distances"};
-  distances_.write(device, coarse.mm.data(), coarse.mm.size());
+  const DistanceTable table = brick_distances(profile, bone.grid.voxel_mm, slack_mm);
+  const CoarseGrid grid = grid_of(table);
+  grid_.write(device, &grid, 1);
+  distances_ = cl::upload(device, table.mm, "the tool's distances");
   kernel_.set(Argument::args, batch.args());
   kernel_.set(Argument::coarse, grid_);
   kernel_.set(Argument::distances, distances_);

@@ -3,17 +3,13 @@
 #include "sim/engine/common/device_batch.h"
 #include "sim/engine/common/device_bricks.h"
 #include "sim/engine/exact/visit_plan.h"
+#include "sim/tool/distance_table.h"
 
 namespace reamsim {
 
-/// Signed distances to a tool's surface over coarse cells of (r, z); see CoarseGrid in kernels/bricks.h.
-struct CoarseDistance {
-  CoarseGrid grid{};
-  std::vector<float> mm;  ///< at the cells' centres
-};
-
-/// Covers every point within the longest reach of kernels/list_bricks.cl, and `slack_mm` more, of the profile.
-CoarseDistance make_coarse_distance(const Profile& profile, double voxel_mm, double slack_mm);
+/// Distances for lists of bricks: they cover every point within the longest reach of kernels/list_bricks.cl, and
+/// `slack_mm` more, of the profile. A cell of the kernel's has its sample in the middle.
+DistanceTable brick_distances(const Profile& profile, double voxel_mm, double slack_mm);
 
 /// The bricks that the tool's surface can meet in a visit; see kernels/list_bricks.cl.
 class ListBricks {
