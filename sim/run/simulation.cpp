@@ -43,10 +43,10 @@ bool turns_with_spin(const ReamingScene& scene) {
   return scene.scenario.tool.spin == "resolved";
 }
 
-/// One run of the main loop: the engine's batch, the frames that wait for it, and the energy account.
-class Run {
+/// A scene's run through an engine: the batch, the frames that wait for it, and the energy account.
+class Simulation {
  public:
-  Run(ReamingScene& scene, Engine& engine, FrameSink& sink, Report& report)
+  Simulation(ReamingScene& scene, Engine& engine, FrameSink& sink, Report& report)
       : scene_(scene),
         engine_(engine),
         sink_(sink),
@@ -59,16 +59,20 @@ class Run {
         exact_(scene.scenario.cutting.erosion == "exact"),
         max_step_mm_(scene.scenario.engine.max_step_voxels * scene.bone.voxmap->grid.voxel_mm) {}
 
-  void frames(const RunControl& control) {
-    const auto& poses = scene_.motion.poses;
-    const auto last = static_cast<std::int64_t>(poses.size()) - 1;
+  /// The main loop. Substeps of several frames are one batch, which ends with a frame that has a picture.
+  void run(const RunControl& control) {
+    const auto last = std::ssize(scene_.motion.poses) - 1;
     const std::vector<std::int64_t> pictures = picture_frames(scene_.scenario.render, last);
-    snapshot(0);  // the bone as it came, whatever the tool starts in
-    start(poses[0]);
+    snapshot(0);  // the bone before the first pose removes any
+    start();
     for (std::int64_t frame = 1; frame <= last; ++frame) {
-      advance(poses[static_cast<std::size_t>(frame) - 1], poses[static_cast<std::size_t>(frame)], frame);
+      PendingFrame& pending = open_frame(frame);
+      for (const Substep& substep : substeps_of(pending)) {
+        if (const auto voi = broad_phase(substep, pending)) enqueue(substep, *voi, pending);
+      }
       const bool picture = std::ranges::binary_search(pictures, frame);
       if (!picture && std::ssize(pending_) < scene_.scenario.engine.batch_frames) continue;
+      collect();
       record();
       if (picture) snapshot(frame);
       control.progress(frame, last);
@@ -80,48 +84,57 @@ class Run {
   }
 
  private:
-  /// Frame 0. Where voxels are clipped, bone that the tool starts in goes at once and without force: no motion took it.
-  void start(const ToolPose& pose) {
-    PendingFrame pending{.frame = 0, .before = pose, .pose = pose, .cut = {}};
+  /// Frame 0. Where voxels are clipped, bone in the tool's first pose is removed at once and without force: no motion
+  /// removed it.
+  void start() {
+    PendingFrame& pending = open_frame(0);
+    const Substep rest{.pose = pending.pose, .duration_s = scene_.motion.frame_s()};
     if (exact_) {
-      const Substep rest{.pose = pose, .duration_s = scene_.motion.frame_s()};
-      if (const auto voi = broad_phase(tool_box_, bone_box_, bone_from_shell(pose, resolved_).inverse())) {
-        SubstepArgs args =
-            make_args(rest, *voi, scene_.tool.shell, scene_.bone.voxmap->grid, scene_.scenario.cutting, resolved_);
-        args.law = RS_LAW_NONE;
-        enqueue(args, rest, pending);
-      }
+      if (const auto voi = broad_phase(rest, pending)) enqueue(rest, *voi, pending, RS_LAW_NONE);
     }
-    pending_.push_back(std::move(pending));
+    collect();
     record();
   }
 
-  void enqueue(const SubstepArgs& args, const Substep& substep, PendingFrame& pending) {
-    if (engine_.full()) drain();
+  PendingFrame& open_frame(std::int64_t frame) {
+    const auto& poses = scene_.motion.poses;
+    const ToolPose& before = poses[static_cast<std::size_t>(std::max<std::int64_t>(frame - 1, 0))];
+    return pending_.emplace_back(
+        PendingFrame{.frame = frame, .before = before, .pose = poses[static_cast<std::size_t>(frame)], .cut = {}});
+  }
+
+  std::vector<Substep> substeps_of(PendingFrame& pending) const {
+    const int n = count_substeps(pending.before, pending.pose, scene_.tool, resolved_, max_step_mm_);
+    pending.substeps = n;
+    std::vector<Substep> out;
+    for (int i = 0; i < n; ++i) {
+      out.push_back(make_substep(pending.before, pending.pose, double(i) / n, double(i + 1) / n,
+                                 scene_.motion.frame_s(), pending.frame));
+    }
+    return out;
+  }
+
+  /// The volume of interest in the shell's frame; none where the tool cannot touch bone.
+  std::optional<Aabb> broad_phase(const Substep& substep, PendingFrame& pending) const {
+    const Stopwatch watch;
+    const Rigid shell_from_bone = bone_from_shell(substep.pose, resolved_).inverse();
+    const std::optional<Aabb> voi = reamsim::broad_phase(tool_box_, bone_box_, shell_from_bone);
+    pending.broad_phase_s += watch.seconds();
+    return voi;
+  }
+
+  /// `law`: instead of the scenario's, where it is given.
+  void enqueue(const Substep& substep, const Aabb& voi, PendingFrame& pending, std::optional<rs_i32> law = {}) {
+    if (engine_.full()) collect();
+    SubstepArgs args =
+        make_args(substep, voi, scene_.tool.shell, scene_.bone.voxmap->grid, scene_.scenario.cutting, resolved_);
+    if (law) args.law = *law;
     engine_.enqueue(args);
     pending.cut.emplace_back(enqueued_++, substep);
   }
 
-  /// One frame: in each substep, what the broad phase lets through is detected and cut.
-  void advance(const ToolPose& a, const ToolPose& b, std::int64_t frame) {
-    PendingFrame pending{.frame = frame, .before = a, .pose = b, .cut = {}};
-    pending.substeps = count_substeps(a, b, scene_.tool, resolved_, max_step_mm_);
-    for (int i = 0; i < pending.substeps; ++i) {
-      const Stopwatch watch;
-      const Substep substep = make_substep(a, b, double(i) / pending.substeps, double(i + 1) / pending.substeps,
-                                           scene_.motion.frame_s(), frame);
-      const Rigid tool_from_bone = bone_from_shell(substep.pose, resolved_).inverse();
-      const auto voi = broad_phase(tool_box_, bone_box_, tool_from_bone);
-      pending.broad_phase_s += watch.seconds();
-      if (!voi) continue;
-      enqueue(make_args(substep, *voi, scene_.tool.shell, scene_.bone.voxmap->grid, scene_.scenario.cutting, resolved_),
-              substep, pending);
-    }
-    pending_.push_back(std::move(pending));
-  }
-
-  /// Takes what the engine has finished; slots of the frames that wait count on from there.
-  void drain() {
+  /// Takes what the engine gives for the substeps enqueued so far.
+  void collect() {
     const Batch part = engine_.collect();
     const auto append = [](auto& to, const auto& from) { to.insert(to.end(), from.begin(), from.end()); };
     append(batch_.sums, part.sums);
@@ -129,9 +142,8 @@ class Run {
     append(removed_, engine_.take_removed());
   }
 
-  /// Closes every frame that waits, and brings the host's bone up to date with the voxels that went.
+  /// Closes the frames of the batch: the bone's fill, rows, and removed voxels.
   void record() {
-    drain();
     for (const auto& [voxel, frame] : removed_) {
       scene_.bone.fill.set(scene_.bone.voxmap->grid.coord(voxel), 0);
     }
@@ -139,9 +151,9 @@ class Run {
     for (const PendingFrame& pending : pending_) {
       const FrameResult result = ledger_.close(pending, batch_.sums);
       FrameTimes times{.broad_phase_s = pending.broad_phase_s};
-      for (const auto& [slot, substep] : pending.cut) {
-        times.detect_s += batch_.times[slot].detect_s;
-        times.cut_s += batch_.times[slot].cut_s;
+      for (const auto& [place, substep] : pending.cut) {
+        times.detect_s += batch_.times[place].detect_s;
+        times.cut_s += batch_.times[place].cut_s;
       }
       watch(result);
       sink_.frame(result, times);
@@ -205,7 +217,7 @@ std::unique_ptr<Engine> load_engine(const ReamingScene& scene) {
 }
 
 void simulate(ReamingScene& scene, Engine& engine, FrameSink& sink, const RunControl& control, Report& report) {
-  Run(scene, engine, sink, report).frames(control);
+  Simulation(scene, engine, sink, report).run(control);
 }
 
 RunCost estimate_cost(const ReamingScene& scene) {
