@@ -95,7 +95,7 @@ def to_end_points(program, voxel_mm):
             entry[face, reamer] = DEEP_MM - summary["max_depth_mm"]
     rules = [("3 mm beyond first contact", lambda c: 3.0)]
     for percent in (80, 95):
-        rules.append((f"{percent} % of the largest contact", lambda c, p=percent: depth_of_contact(c, p / 100)))
+        rules.append((f"{percent} % of the maximum contact", lambda c, p=percent: depth_of_contact(c, p / 100)))
     print("| end point | face | reamer | depth, mm | removed, mm³ | reamed face, true area, mm² |")
     print("|---|---|---|---|---|---|")
     for name, rule in rules:
@@ -111,7 +111,7 @@ def to_end_points(program, voxel_mm):
 
 
 def to_corrections(program, voxel_mm):
-    """The uniconcave face with the axis turned about the superior axis, to 95 % of the largest contact."""
+    """The uniconcave face with the axis inclined about the superior axis, to 95 % of the maximum contact."""
     print("\n| correction | reamer | depth, mm | removed, mm³ |\n|---|---|---|---|")
     for degrees in (0, 5, 10):
         for reamer in REAMERS:

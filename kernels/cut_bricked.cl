@@ -1,4 +1,4 @@
-/* Cut over bricks: every touched voxel loses fill, takes energy and pushes back (design §5). Work-items, or on a GPU
+/* Cut over bricks: a touched voxel loses fill, takes energy, exerts force (docs/physics.md, 4). Work-items, or on a GPU
  * work-groups, stride over the list of touched bricks, whose length only the device knows. On a CPU (RS_LANES 16)
  * sixteen voxels go through the law in the lanes of a vector; on a GPU a work-item takes a voxel.
  *

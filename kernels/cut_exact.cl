@@ -1,4 +1,4 @@
-/* Exact erosion over bricks (design §4): a voxel keeps the part of it that lies outside the tool. A brick goes through
+/* Exact erosion over bricks (docs/physics.md, 3): a voxel keeps the part outside the tool. A brick goes through
  * all substeps of a visit at once, because no voxel depends on another; what it does to the tool falls into the
  * substeps' slots. Substeps come in windows, in which the tool moves so little that the voxels that it can meet are
  * found once. On a CPU (RS_LANES 16) sixteen voxels are clipped in the lanes of a vector, a brick to a work-item; on a

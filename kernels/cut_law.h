@@ -1,4 +1,4 @@
-/* What a voxel that loses volume does to the tool (design §5), once for the host and for every kernel. */
+/* What a voxel that loses volume does to the tool (docs/physics.md, 4), once for the host and for every kernel. */
 #ifndef REAMSIM_KERNELS_CUT_LAW_H
 #define REAMSIM_KERNELS_CUT_LAW_H
 

@@ -1,4 +1,4 @@
-/* Cut: every voxel of the contact list loses fill, takes energy and pushes back (design §5). Work-items stride over the
+/* Cut: every listed voxel loses fill, takes energy, exerts a force (docs/physics.md, 4). Work-items stride over the
  * list, whose length only the device knows, so that nothing waits for the host. */
 #include "cut_law.h"
 #pragma OPENCL EXTENSION cl_khr_int64_base_atomics : enable

@@ -119,7 +119,7 @@ RS_INLINE Clip rs_clip_grid(RS_GLOBAL const SubstepArgs* a, const DistanceView* 
   return clip;
 }
 
-/* The teeth push back as the surface that they sweep: the force's normal is the envelope's (design §5). */
+/* The teeth push back as the surface that they sweep: the force's normal is the envelope's (docs/physics.md, 4). */
 RS_INLINE void rs_face_envelope(const OutlineView* outline, EdgeList list, Clip* clip) {
   const rs_real r = RS_SQRT(clip->p[0] * clip->p[0] + clip->p[1] * clip->p[1]);
   const rs_real per_r = r > 0.0f ? (rs_real)1.0f / r : (rs_real)0.0f;

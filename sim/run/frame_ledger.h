@@ -20,7 +20,7 @@ struct PendingFrame {
 };
 
 /// Turns the integer sums of the substeps into the rows of forces.csv, and keeps the energy account: the work done on
-/// the bone, −Σ(T·ω + F·v)·Δt + E_floor, against the energy of the volume cut, accumulated apart (design §5).
+/// the bone, −Σ(T·ω + F·v)·Δt + E_floor, against the energy of the volume cut, accumulated apart (docs/physics.md, 5).
 class FrameLedger {
  public:
   /// `sums_turn`: the sums of a substep are in the shell's frame, which turns with the teeth (law per_point, spin

@@ -18,7 +18,7 @@ namespace reamsim {
 
 namespace {
 
-/// Shell spacing that leaves no voxel behind, in voxels (design §4).
+/// Shell spacing that leaves no voxel behind, in voxels (docs/physics.md, 2).
 constexpr double kSafeSpacingVoxels = 0.5;
 /// Spacing that the program chooses, in voxels: a little denser than safe, and no simple fraction of a voxel. At
 /// exactly half a voxel, and square to the lattice, every layer of points would reach its next layer of voxels in the

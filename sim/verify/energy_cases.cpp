@@ -1,4 +1,4 @@
-// The energy identity of the design (§5), its two sides added up apart, and the energy of the bone that is gone.
+// The energy identity (docs/physics.md, 5), its two sides added up apart, and the energy of the removed bone.
 #include <cmath>
 #include <numbers>
 

@@ -39,7 +39,7 @@ double segment_mm2(double radius_mm, double depth_mm) {
 
 namespace {
 
-/// C(r) of the design: ∫ cos θ dr along the face from the axis to r, with θ the slope of the face.
+/// C(r) of docs/physics.md, 6: ∫ cos θ dr along the face from the axis to r, with θ the slope of the face.
 double face_integral(const SteadyPlunge& plunge, double r) {
   if (!plunge.radius_mm) return r;
   const double radius = *plunge.radius_mm;

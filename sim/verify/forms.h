@@ -33,7 +33,7 @@ struct PlungeLoads {
 };
 
 /// Loads of a face of which one half is over bone: the half towards e, which lies across the axis. t lies a quarter
-/// turn further, counter-clockwise seen from the drive; spin turns clockwise (design §1).
+/// turn further, counter-clockwise seen from the drive; spin turns clockwise (docs/formats.md).
 struct HalfFaceLoads {
   double torque_nmm = 0;   ///< against the spin
   double thrust_n = 0;     ///< out of the bone
@@ -43,7 +43,7 @@ struct HalfFaceLoads {
   double about_t_nmm = 0;
 };
 
-/// A cannulated reamer fed along its axis in full contact in uniform bone (design §5).
+/// A cannulated reamer fed along its axis in full contact in uniform bone (docs/physics.md, 6).
 struct SteadyPlunge {
   std::optional<double> radius_mm = {};  ///< R of the spherical face; none: flat
   double outer_mm = 0;                   ///< a

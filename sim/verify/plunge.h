@@ -9,7 +9,7 @@
 
 namespace reamsim::verify {
 
-/// The design's example (design §5).
+/// The example of docs/physics.md, 6.
 inline constexpr SteadyPlunge kExample{29, 15, 1.25, 250, 0.2, 1.8};
 
 /// The head of the plunge's reamer.

@@ -11,7 +11,7 @@ namespace {
 
 using std::numbers::pi;
 
-// The reamer of the design's example.
+// The reamer of the example in docs/physics.md, 6.
 constexpr double kRadius_mm = 29, kDepth_mm = 4;
 constexpr double kEdge_mm = 0.05;
 constexpr double kRate_hz = 1000;

@@ -1,4 +1,4 @@
-// Analytic truth: a cannulated convex reamer plunged into a uniform half-space (design §5).
+// Analytic truth: a cannulated convex reamer plunged into a uniform half-space (docs/physics.md, 6).
 #include <gtest/gtest.h>
 
 #include <fstream>
@@ -69,7 +69,7 @@ TEST(ClosedForm, SteadyPlungeOfACannulatedConvexReamer) {
   const double torque = M_PI * u * (a * a - kBore * kBore) * kFeed / omega;
   const double thrust = 2 * M_PI * 0.5 * u * (kFeed / omega) * (c_of(a) - c_of(kBore)) +
                         2 * M_PI * u * (kFeed / omega) * (kFeed / omega) * std::log(a / kBore);
-  EXPECT_NEAR(torque, 804.4, 0.1);  // the design's figures
+  EXPECT_NEAR(torque, 804.4, 0.1);  // docs/physics.md, 6
   EXPECT_NEAR(thrust, 47.1, 0.1);
 
   // The last whole voxel layer of full contact.

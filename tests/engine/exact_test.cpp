@@ -159,7 +159,7 @@ std::pair<double, double> statistics_of(const std::string& forces, std::size_t c
 
 TEST(Exact, ARimAlongTheLatticeTakesTheSameFromEveryLayer) {
   // All round the rim the layers of voxels are cut at the same phase, so that what one plane per voxel would make of
-  // the corner shows as a ripple. Torque, too, has its closed form (design §5).
+  // the corner shows as a ripple. Torque, too, has its closed form (docs/physics.md, 6).
   constexpr double kOuter = 10, kBore = 1.25, kFeed_mm = 0.01, kRate_hz = 20, kRpm = 250, kSpin = kRpm * M_PI / 30;
   constexpr std::size_t kSteady = 150;  // frames: six layers
   const Profile flat{{{kBore, 0}, {kOuter, 0}, {kOuter, 5}, {kBore, 5}}};

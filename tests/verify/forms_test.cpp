@@ -1,4 +1,4 @@
-// The suite's closed forms against the design's figures, and against plain numerical integrals.
+// The suite's closed forms against the figures of docs/physics.md, 6, and against plain numerical integrals.
 #include "sim/verify/forms.h"
 
 #include <gtest/gtest.h>

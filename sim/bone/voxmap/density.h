@@ -6,7 +6,7 @@
 
 namespace reamsim {
 
-/// Radiodensity to apparent density to grade (design §1, §5).
+/// Radiodensity to apparent density to grade (docs/physics.md, 1).
 /// ρ_ash = ash_slope·HU + ash_offset; ρ = ρ_ash/ash_fraction, clamped to 0…2 g/cm³ (PMC5234499, Table 1: a femur at
 /// 120 kVp; a default, not a scapular calibration). grade = clamp(round(ρ/0.008), 1, 250) inside the bone's mask;
 /// 0 is air.

@@ -78,7 +78,7 @@ Substep make_substep(const ToolPose& a, const ToolPose& b, double share_begin, d
 
 Rigid bone_from_shell(const ToolPose& pose, bool spin_resolved) {
   Rigid out = pose.bone_from_tool();
-  // Positive spin turns about −z of T (design §1).
+  // Positive spin turns about −z of T (docs/formats.md).
   if (spin_resolved) out.rotate(Eigen::AngleAxisd(-pose.spin_angle_rad, Vec3::UnitZ()));
   return out;
 }
