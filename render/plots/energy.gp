@@ -41,11 +41,11 @@ do for [format in "png svg pdf"] {
   cut = 0.0
   slow = 0.0
   plot csv using "time_s":(taken = taken + column("energy_mj"), taken / 1000) with lines lw 3.5 lc rgb light_blue \
-         title "cutting the bone", \
+         title "cutting energy", \
        csv using "time_s":(cut = cut + column("energy_mj"), cut * (1 + column("balance")) / 1000) with lines \
-         lw 1 lc rgb dark_blue title "work of the drill, and the speed floor", \
+         lw 1 lc rgb dark_blue title "work of the drive + speed-floor energy", \
        csv using "time_s":(slow = slow + column("floor_energy_mj"), slow / 1000) with lines lw 1 dt (6, 4) \
-         lc rgb dark_red title "of it, the speed floor"
+         lc rgb dark_red title "speed-floor energy"
 
   set format x "%g"
   set xlabel "Time (s)"

@@ -149,7 +149,7 @@ TEST_F(Plots, TheEnergyPlotNamesPowerEnergyAndBalance) {
   write_log(dir_.path(), 600, 1);
   draw_all(dir_.path(), 0);
   const std::string energy = test::file_bytes(dir_.path() + "/plots/energy.svg");
-  for (const char* label : {"Cutting power (W)", "Energy (J)", "Energy balance", "speed floor"}) {
+  for (const char* label : {"Cutting power (W)", "Energy (J)", "Energy balance", "speed-floor energy"}) {
     EXPECT_THAT(energy, ::testing::HasSubstr(label));
   }
   // Every frame takes 1.5 mJ in 1 ms.

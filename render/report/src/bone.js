@@ -17,12 +17,12 @@ function planesOf(look) {
   return [
     { name: known ? "seen from anterior" : "seen from the front", normal: front },
     { name: known ? "seen from superior" : "seen from above", normal: upwards },
-    { name: "across the tool's axis", normal: axis },
+    { name: "perpendicular to the tool axis", normal: axis },
   ];
 }
 
 function viewsOf(look) {
-  const views = [["Oblique", vector(look.towards_viewer)], [look.anatomical ? "Face on" : "Along the axis", vector(look.outward)]];
+  const views = [["Oblique", vector(look.towards_viewer)], [look.anatomical ? "En face" : "Along the axis", vector(look.outward)]];
   // A little from lateral, so that the reamed face shows behind its cut edge.
   const front = vector(look.front).multiplyScalar(0.96).addScaledVector(vector(look.outward), 0.28).normalize();
   views.push([look.anterior ? "Anterior" : "Front", front], [look.anatomical ? "Superior" : "Above", vector(look.superior)]);
@@ -117,7 +117,7 @@ class BoneView {
     const plane = this.planes[byId("cut-plane").value];
     const offset = Number(byId("cut-offset").value);
     byId("cut-value").textContent = plane === undefined ? "–" : `${offset.toFixed(1).replace("-", "−")} mm`;
-    byId("cut-offset").setAttribute("aria-valuetext", `${offset.toFixed(1)} mm from the tool's axis`);
+    byId("cut-offset").setAttribute("aria-valuetext", `${offset.toFixed(1)} mm from the tool axis`);
     if (plane === undefined) {
       this.scene.cutAlong(null);
     } else {
@@ -173,7 +173,7 @@ export function showBone(bone) {
     new BoneView(bone);
   } catch (error) {
     const note = Object.assign(document.createElement("p"), { className: "note" });
-    note.textContent = `This browser cannot draw the bone in 3D (${error.message}); the pictures below show it.`;
+    note.textContent = `This browser cannot show the 3D view (${error.message}). The pictures below show the bone.`;
     document.querySelector("#bone .bone").replaceChildren(note);
   }
 }

@@ -3,7 +3,7 @@ import { Plots } from "./plot.js";
 import { bytesOf } from "./decode.js";
 
 const byId = (id) => document.getElementById(id);
-const names = { oblique: "Oblique", glenoid: "Face on", section: "Section", overview: "Overview" };
+const names = { oblique: "Oblique", glenoid: "En face", section: "Section", overview: "Overview" };
 
 const readings = [
   ["Time", "time_s", 3, "s"], ["Tool depth", "depth_mm", 2, "mm"], ["Axial force", "axial_force_n", 1, "N"],
