@@ -15,8 +15,8 @@ class Published : public ::testing::Test {
   Vec3 race_free_force(const Substep& frame) const {
     Scenario scenario;
     scenario.engine.device = "serial";
-    scenario.cutting.law = "per_point";
-    scenario.cutting.erosion = "remove";
+    scenario.cutting.law = CuttingLaw::per_point;
+    scenario.cutting.erosion = ErosionMode::remove;
     scenario.cutting.force_per_point_n = 1;
     const auto engine = make_engine(scenario, bone_, tool_);
     SubstepArgs args = args_without_voi(frame, tool_, bone_.grid);

@@ -32,7 +32,7 @@ struct Scene {
 std::unique_ptr<Engine> bricked(const Scene& scene) {
   Scenario scenario;
   scenario.name = "reference";
-  scenario.engine.detector = "bricked";
+  scenario.engine.detector = EngineKind::bricked;
   scenario.cutting = bench::bench_cutting();
   return make_engine(scenario, scene.bone, scene.tool);
 }
@@ -102,8 +102,8 @@ TEST(BenchReference, RestoredBoneGivesTheSameFrameAgain) {
 TEST(BenchReference, RefusesWhatItDoesNotCompute) {
   const Scene scene;
   CuttingSettings wear = bench::bench_cutting(), per_point = wear;
-  wear.erosion = "wear";
-  per_point.law = "per_point";
+  wear.erosion = ErosionMode::wear;
+  per_point.law = CuttingLaw::per_point;
   EXPECT_THROW(Reference(scene.bone, scene.tool, wear, Target::plain, 1), RunError);
   EXPECT_THROW(Reference(scene.bone, scene.tool, per_point, Target::plain, 1), RunError);
 }

@@ -10,10 +10,10 @@
 
 namespace reamsim::test {
 
-inline BoneSettings phantom(const std::string& shape, double voxel_mm) {
+inline BoneSettings phantom(PhantomShape shape, double voxel_mm) {
   BoneSettings settings;
-  settings.source = "phantom";
-  settings.side = "left";
+  settings.source = BoneSource::phantom;
+  settings.side = BodySide::left;
   settings.voxel_mm = voxel_mm;
   settings.phantom.shape = shape;
   return settings;

@@ -135,7 +135,7 @@ TEST_F(BoneVdb, SumOfFillIsTheBoneVolume) {
 }
 
 TEST_F(BoneVdb, SurfaceIsThatOfTheSphere) {
-  BoneSettings settings = phantom("sphere", 0.5);
+  BoneSettings settings = phantom(PhantomShape::sphere, 0.5);
   settings.phantom.radius_mm = 8;
   Report report;
   write_bone_vdb(path(), load_bone(settings, report).voxmap, {}, {});
@@ -149,7 +149,7 @@ TEST_F(BoneVdb, SurfaceIsThatOfTheSphere) {
 
 TEST_F(BoneVdb, SurfaceFollowsTheFill) {
   // A block whose top layer is a quarter full: the surface stands lower than that of the whole block.
-  BoneSettings settings = phantom("half_space", 0.5);
+  BoneSettings settings = phantom(PhantomShape::half_space, 0.5);
   settings.phantom.size_mm = {12, 12, 6};
   Report report;
   Voxmap bone = load_bone(settings, report).voxmap;
@@ -220,7 +220,7 @@ TEST_F(BoneVdb, NothingLeftIsAnEmptySurface) {
 }
 
 TEST_F(BoneVdb, GridsDoNotDependOnTheThreads) {
-  BoneSettings settings = phantom("glenoid", 0.8);
+  BoneSettings settings = phantom(PhantomShape::glenoid, 0.8);
   Report report;
   const Voxmap bone = load_bone(settings, report).voxmap;
   write_bone_vdb(path("many.vdb"), bone, {}, {});

@@ -16,7 +16,7 @@ using ::testing::HasSubstr;
 class DamagedVdb : public ::testing::Test {
  protected:
   void SetUp() override {
-    BoneSettings settings = phantom("sphere", 0.5);
+    BoneSettings settings = phantom(PhantomShape::sphere, 0.5);
     settings.phantom.radius_mm = 4;
     Report report;
     bone_ = load_bone(settings, report).voxmap;

@@ -14,7 +14,7 @@ using ::testing::HasSubstr;
 
 /// The default left glenoid at 0.25 mm, made once.
 const Bone& standard() {
-  static const Bone bone = make(phantom("glenoid", 0.25));
+  static const Bone bone = make(phantom(PhantomShape::glenoid, 0.25));
   return bone;
 }
 
@@ -115,14 +115,14 @@ TEST(GlenoidPhantom, PlateAndWallHaveDensitiesOfTheirOwn) {
     const Stretch wall = plate(voxmap, {-depth, 14, -4}, {0, -1, 0});
     EXPECT_NEAR(density_at(voxmap, {-depth, 14 - wall.begin_mm - 0.6, -4}), 1.8, 0.01) << depth;
   }
-  BoneSettings settings = phantom("glenoid", 0.5);
+  BoneSettings settings = phantom(PhantomShape::glenoid, 0.5);
   settings.phantom.subchondral_density_g_cm3 = 0.8;
   EXPECT_NEAR(density_at(make(settings).voxmap, {-1, 0, 0}), 0.8, 0.005);
 }
 
 TEST(GlenoidPhantom, UniformFoamHasOneDensity) {
-  for (const std::string surface : {"whole", "partial"}) {
-    BoneSettings settings = phantom("glenoid", 0.8);
+  for (const SurfaceVoxels surface : {SurfaceVoxels::whole, SurfaceVoxels::partial}) {
+    BoneSettings settings = phantom(PhantomShape::glenoid, 0.8);
     settings.surface_voxels = surface;
     settings.phantom.cortical_density_g_cm3 = 0.32;
     settings.phantom.subchondral_density_g_cm3 = 0.32;
@@ -131,7 +131,7 @@ TEST(GlenoidPhantom, UniformFoamHasOneDensity) {
     settings.phantom.texture = 0;
     const Voxmap foam = make(settings).voxmap;
     EXPECT_GT(foam.count_bone(), 10000);
-    EXPECT_EQ(count_grade(foam, 40), foam.count_bone()) << surface;
+    EXPECT_EQ(count_grade(foam, 40), foam.count_bone()) << name_of(surface);
   }
 }
 
@@ -177,11 +177,11 @@ TEST(GlenoidPhantom, TrabecularBoneThinsOutBehindThePlate) {
 }
 
 TEST(GlenoidPhantom, LeftAndRightAreMirrorImages) {
-  BoneSettings settings = phantom("glenoid", 0.5);
+  BoneSettings settings = phantom(PhantomShape::glenoid, 0.5);
   settings.phantom.version_deg = 7;
   settings.phantom.inclination_deg = 9;
   const Bone left = make(settings);
-  settings.side = "right";
+  settings.side = BodySide::right;
   const Bone right = make(settings);
   EXPECT_EQ(left.voxmap.count_bone(), right.voxmap.count_bone());
   const VoxelGrid& grid = left.voxmap.grid;
@@ -198,7 +198,7 @@ TEST(GlenoidPhantom, LeftAndRightAreMirrorImages) {
 }
 
 TEST(GlenoidPhantom, VersionAndInclinationTurnTheFace) {
-  BoneSettings settings = phantom("glenoid", 0.5);
+  BoneSettings settings = phantom(PhantomShape::glenoid, 0.5);
   settings.phantom.version_deg = 12;
   settings.phantom.inclination_deg = 8;
   const Bone bone = make(settings);
@@ -218,7 +218,7 @@ TEST(GlenoidPhantom, VersionAndInclinationTurnTheFace) {
 }
 
 TEST(GlenoidPhantom, SameSeedSameBoneOtherSeedOtherTexture) {
-  BoneSettings settings = phantom("glenoid", 0.5);
+  BoneSettings settings = phantom(PhantomShape::glenoid, 0.5);
   const Voxmap first = make(settings).voxmap;
   EXPECT_EQ(first.grade, make(settings).voxmap.grade);
   settings.phantom.seed = 2;
@@ -228,7 +228,7 @@ TEST(GlenoidPhantom, SameSeedSameBoneOtherSeedOtherTexture) {
 }
 
 TEST(GlenoidPhantom, SkippedBricksHoldNoBone) {
-  BoneSettings settings = phantom("glenoid", 0.5);
+  BoneSettings settings = phantom(PhantomShape::glenoid, 0.5);
   settings.phantom.version_deg = 25;
   settings.phantom.inclination_deg = -20;
   const Voxmap voxmap = make(settings).voxmap;
@@ -245,7 +245,7 @@ TEST(GlenoidPhantom, SkippedBricksHoldNoBone) {
 
 TEST(GlenoidPhantom, NoBoneBeyondTheLattice) {
   for (const double version : {-30.0, 0.0, 30.0}) {
-    BoneSettings settings = phantom("glenoid", 1);
+    BoneSettings settings = phantom(PhantomShape::glenoid, 1);
     settings.phantom.version_deg = version;
     settings.phantom.inclination_deg = 0.7 * version;
     const Voxmap voxmap = make(settings).voxmap;
@@ -258,10 +258,10 @@ TEST(GlenoidPhantom, NoBoneBeyondTheLattice) {
 }
 
 TEST(GlenoidPhantom, RefusesWhatHasNoShape) {
-  BoneSettings settings = phantom("glenoid", 1);
-  settings.side.clear();
+  BoneSettings settings = phantom(PhantomShape::glenoid, 1);
+  settings.side = BodySide::unknown;
   EXPECT_THAT(input_error([&] { make(settings); }), HasSubstr("bone.side: missing"));
-  settings.side = "left";
+  settings.side = BodySide::left;
   settings.phantom.face_radius_mm = 15;
   EXPECT_THAT(input_error([&] { make(settings); }), HasSubstr("bone.phantom.face_radius_mm: 15 mm"));
   settings.phantom.face_radius_mm = 32;

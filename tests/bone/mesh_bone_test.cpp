@@ -27,7 +27,7 @@ class MeshBone : public ::testing::Test {
  protected:
   BoneSettings settings_for(const TriangleMesh& mesh, double voxel_mm) const {
     BoneSettings settings;
-    settings.source = "mesh";
+    settings.source = BoneSource::mesh;
     settings.voxel_mm = voxel_mm;
     settings.mesh.path = dir_.path() + "/bone.stl";
     write_stl(settings.mesh.path, mesh);
@@ -207,7 +207,7 @@ TEST_F(MeshBone, UnitThatMakesABoneWithAGlenoidTooSmallOrLargeIsRefused) {
         Case{401, "set bone.mesh.scale: about 0.37 for a scapula of 150 mm"},
         Case{2.78, "set bone.mesh.scale: about 54 for a scapula of 150 mm, 25.4 if the file is in inches"}}) {
     BoneSettings settings = settings_for(box_mesh({0, 0, 0}, {length / 3, length / 4, length}), 0.5);
-    settings.side = "left";
+    settings.side = BodySide::left;
     settings.glenoid.center_mm = Vec3(0, 0, 0);
     const std::string text = input_error([&] { voxmap_from_mesh(settings, report_); });
     EXPECT_THAT(text, HasSubstr("bone.mesh.scale: the mesh is ")) << length;

@@ -13,7 +13,7 @@ using ::testing::HasSubstr;
 
 Bone block() {
   Report report;
-  BoneSettings settings = phantom("half_space", 0.25);
+  BoneSettings settings = phantom(PhantomShape::half_space, 0.25);
   settings.phantom.size_mm = {20, 20, 16};
   return bone_from_phantom(settings, report);
 }
@@ -61,7 +61,7 @@ TEST(PilotHole, InTheGlenoidFrame) {
   frame.bone_from_glenoid.linear() << 0, 0, 1, 1, 0, 0, 0, 1, 0;  // +z of G is +x of B
   frame.bone_from_glenoid.translation() = Vec3(10, 0, -8);
   PilotHoleSettings hole;
-  hole.frame = "glenoid";
+  hole.frame = PoseFrame::glenoid;
   hole.diameter_mm = 3;
   hole.depth_mm = 6;
   EXPECT_GT(drill_pilot_hole(bone.voxmap, hole, frame), 40);
@@ -79,9 +79,9 @@ TEST(PilotHole, FarAwayMeetsNothing) {
 TEST(PilotHole, NeedsAFrameAndADirection) {
   Bone bone = block();
   PilotHoleSettings hole;
-  hole.frame = "glenoid";
+  hole.frame = PoseFrame::glenoid;
   EXPECT_THAT(input_error([&] { drill_pilot_hole(bone.voxmap, hole, {}); }), HasSubstr("bone.pilot_hole.frame"));
-  hole.frame = "bone";
+  hole.frame = PoseFrame::bone;
   hole.axis = Vec3::Zero();
   EXPECT_THAT(input_error([&] { drill_pilot_hole(bone.voxmap, hole, {}); }), HasSubstr("bone.pilot_hole.axis"));
 }

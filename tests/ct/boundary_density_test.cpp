@@ -77,7 +77,7 @@ class BoundaryDensity : public ::testing::Test {
     write_image<float>(image, folder_.file("block.nrrd"));
     BoneSettings settings = settings_for(folder_.file("block.nrrd"), voxel_mm);
     settings.ct.threshold_hu = block.threshold_hu;
-    settings.surface_voxels = "partial";
+    settings.surface_voxels = SurfaceVoxels::partial;
     if (by_label) {
       Block mask = block;
       mask.hu = [](double) { return 1.0; };

@@ -58,7 +58,7 @@ class Dicom : public ::testing::Test {
   Voxmap reference_;
   Report report_;
   std::string series_;
-  std::string modality_ = "ct";
+  Modality modality_ = Modality::ct;
 };
 
 TEST_F(Dicom, SubfoldersAndFilesWithoutExtensionAreFound) {
@@ -138,11 +138,11 @@ TEST_F(Dicom, AnotherModalityIsRefusedUnlessAskedFor) {
   series_ = "1";
   EXPECT_THAT(error_of("mr"), HasSubstr("the series is MR"));
   series_ = "";
-  modality_ = "any";
+  modality_ = Modality::any;
   expect_egg("mr");
   ASSERT_EQ(report_.warnings.size(), 1U);
   EXPECT_THAT(report_.warnings[0], HasSubstr("modality MR, not CT"));
-  modality_ = "ct";
+  modality_ = Modality::ct;
   write_dicom(egg_, folder_.file("two/a"), -1, {.series = "1.2.8", .modality = "MR"});
   write_dicom(egg_, folder_.file("two/b"), -1, {.series = "1.2.7", .modality = "PT"});
   EXPECT_THAT(error_of("two"), HasSubstr("none of the 2 DICOM series is CT"));

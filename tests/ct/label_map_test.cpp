@@ -42,7 +42,7 @@ class LabelMap : public ::testing::Test {
 
   BoneSettings settings(const std::string& name, const std::vector<std::string>& label) const {
     BoneSettings out = settings_for(folder_.file("ct.nrrd"), 0.7);
-    out.surface_voxels = "partial";
+    out.surface_voxels = SurfaceVoxels::partial;
     out.ct.label_map = LabelMapSettings{.path = folder_.file(name), .label = label};
     return out;
   }

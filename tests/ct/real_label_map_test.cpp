@@ -56,7 +56,7 @@ class RealLabelMap : public ::testing::Test {
 
   static Voxmap import(const std::string& name, const std::vector<std::string>& label) {
     BoneSettings settings = settings_for(scan_path(), 0.8);
-    settings.surface_voxels = "partial";
+    settings.surface_voxels = SurfaceVoxels::partial;
     settings.ct.crop_min_mm = Vec3(85, 140, -480);  // round the glenoid
     settings.ct.crop_max_mm = Vec3(150, 205, -415);
     settings.ct.label_map = LabelMapSettings{.path = shared_->folder.file(name), .label = label};

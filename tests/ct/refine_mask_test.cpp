@@ -38,7 +38,7 @@ class RefineMask : public ::testing::Test {
     image.sample(mask);
     write_image<std::uint8_t>(image, folder_.file("mask.nrrd"));
     BoneSettings out = settings_for(folder_.file("ct.nrrd"), 0.5);
-    out.surface_voxels = "partial";
+    out.surface_voxels = SurfaceVoxels::partial;
     out.ct.label_map = LabelMapSettings{.path = folder_.file("mask.nrrd"), .label = {"1"}};
     out.ct.label_map->refine_hu = 350;
     return out;

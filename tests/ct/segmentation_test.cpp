@@ -263,12 +263,12 @@ TEST_F(Segmentation, FiltersTakeTheNoiseOutAndLeaveTheEdge) {
   });
   const double raw = spread(import(settings), 6);
   ASSERT_GT(raw, 5) << "seed " << kSeed;
-  for (const std::string filter : {"median", "curvature_anisotropic"}) {
+  for (const CtFilter filter : {CtFilter::median, CtFilter::curvature_anisotropic}) {
     settings.ct.filter = filter;
     const Voxmap voxmap = import(settings);
-    EXPECT_LT(spread(voxmap, 6), 0.6 * raw) << filter;
-    EXPECT_NEAR(volume_mm3(voxmap) / ball(9), 1, 0.03) << filter;
-    EXPECT_THAT(notes(), HasSubstr(filter == "median" ? "median filter, radius 1" : "curvature anisotropic"));
+    EXPECT_LT(spread(voxmap, 6), 0.6 * raw) << name_of(filter);
+    EXPECT_NEAR(volume_mm3(voxmap) / ball(9), 1, 0.03) << name_of(filter);
+    EXPECT_THAT(notes(), HasSubstr(filter == CtFilter::median ? "median filter, radius 1" : "curvature anisotropic"));
   }
 }
 

@@ -197,7 +197,7 @@ TestImage cropped(const TestImage& image, const Vec3i& start, const Vec3i& size)
 
 BoneSettings settings_for(const std::string& path, double voxel_mm) {
   BoneSettings settings;
-  settings.source = "ct";
+  settings.source = BoneSource::ct;
   settings.voxel_mm = voxel_mm;
   settings.ct.path = path;
   settings.ct.threshold_hu = 200;

@@ -13,16 +13,16 @@ namespace reamsim::test::bricked_tests {
 namespace {
 
 TEST(Bricked, BricksInManyPoolsGiveTheSame) {
-  for (const char* shape : {"cpu", "gpu"}) {
-    for (const char* erosion : {"remove", "wear"}) {
-      SCOPED_TRACE(std::string(shape) + ", " + erosion);
+  for (const KernelShape shape : {KernelShape::cpu, KernelShape::gpu}) {
+    for (const ErosionMode erosion : {ErosionMode::remove, ErosionMode::wear}) {
+      SCOPED_TRACE(name_of(shape) + ", " + name_of(erosion));
       ReamingScene scene = oblique_scene("auto");
       scene.scenario.engine.kernel_shape = shape;
       scene.scenario.cutting.erosion = erosion;
       const Outcome one = run(scene);
       EXPECT_GT(one.removed.size(), 100U);
       // 120 bricks in pools of 8 or, with fill, of 8 larger ones.
-      const std::size_t largest = erosion == std::string("wear") ? 14'000 : 6'000;
+      const std::size_t largest = erosion == ErosionMode::wear ? 14'000 : 6'000;
       const auto engine = make_bricked_engine(cl::choose_device("auto"), scene.scenario, scene.bone.voxmap, scene.tool,
                                               {.largest_pool = largest});
       expect_same(run_on(*engine, scene), one);
@@ -47,9 +47,9 @@ std::size_t records_of(const RemovedFrames& removed, const VoxelGrid& grid) {
 }
 
 TEST(Bricked, AShortListOfRemovedVoxelsGivesTheSame) {
-  for (const char* shape : {"cpu", "gpu"}) {
-    for (const char* law : {"energy", "per_point"}) {
-      SCOPED_TRACE(std::string(shape) + ", " + law);
+  for (const KernelShape shape : {KernelShape::cpu, KernelShape::gpu}) {
+    for (const CuttingLaw law : {CuttingLaw::energy, CuttingLaw::per_point}) {
+      SCOPED_TRACE(name_of(shape) + ", " + name_of(law));
       ReamingScene scene = oblique_scene("auto");
       scene.scenario.engine.kernel_shape = shape;
       scene.scenario.cutting.law = law;

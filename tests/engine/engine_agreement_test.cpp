@@ -46,7 +46,7 @@ TEST_P(DetectorAgreement, Remove) {
 
 TEST_P(DetectorAgreement, Wear) {
   const Outcome outcome = agreed([](ReamingScene& s) {
-    s.scenario.cutting.erosion = "wear";
+    s.scenario.cutting.erosion = ErosionMode::wear;
     s.scenario.cutting.wear_g_cm3_per_s = 30;
   });
   EXPECT_GT(outcome.totals.removed_mm3, 1);
@@ -59,7 +59,7 @@ TEST_P(ShellAgreement, PerPointLaw) {
   for (const int group : {0, 1, 7, 200, 256}) {
     SCOPED_TRACE("work group " + std::to_string(group));
     const Outcome outcome = agreed([&](ReamingScene& s) {
-      s.scenario.cutting.law = "per_point";
+      s.scenario.cutting.law = CuttingLaw::per_point;
       s.scenario.engine.work_group_size = group;
     });
     EXPECT_GT(outcome.totals.peak_force_n, 0);
@@ -67,7 +67,7 @@ TEST_P(ShellAgreement, PerPointLaw) {
 }
 
 TEST_P(ShellAgreement, ResolvedSpin) {
-  EXPECT_GT(agreed([](ReamingScene& s) { s.scenario.tool.spin = "resolved"; }).totals.removed_mm3, 5);
+  EXPECT_GT(agreed([](ReamingScene& s) { s.scenario.tool.spin = ToolSpin::resolved; }).totals.removed_mm3, 5);
 }
 
 TEST_P(DetectorAgreement, PartlyReamedBone) {

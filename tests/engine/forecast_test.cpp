@@ -19,7 +19,7 @@ namespace {
 ReamingScene plunge() {
   ReamingScene scene;
   scene.scenario = quiet_scenario("auto");
-  scene.scenario.cutting.erosion = "exact";
+  scene.scenario.cutting.erosion = ErosionMode::exact;
   scene.bone.voxmap = block({40, 40, 20}, 0.2, 1.8);
   scene.tool = make_tool(cap_profile(20, 16, 12, 1), 64);
   const Quat tilt(Eigen::AngleAxisd(0.2, Vec3(1, 2, 0).normalized()));

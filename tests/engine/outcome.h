@@ -61,8 +61,8 @@ inline const std::vector<std::string> kDetectors = [] {
 
 /// A name of kDetectors as settings.
 inline void choose_detector(EngineSettings& engine, const std::string& name) {
-  engine.detector = name.substr(0, name.find('_'));
-  engine.kernel_shape = name.find("_gpu") != std::string::npos ? "gpu" : "auto";
+  engine.detector = *from_name<EngineKind>(name.substr(0, name.find('_')));
+  engine.kernel_shape = name.find("_gpu") != std::string::npos ? KernelShape::gpu : KernelShape::automatic;
   engine.culling = name.find("_unculled") == std::string::npos;
 }
 

@@ -24,8 +24,8 @@ Tool toothed_tool(const TriangleMesh& mesh, double voxel_mm, bool by_grid = true
 ReamingScene exact_scene(const std::string& device, bool resolved = true) {
   ReamingScene scene;
   scene.scenario = quiet_scenario(device);
-  scene.scenario.cutting.erosion = "exact";
-  scene.scenario.tool.spin = resolved ? "resolved" : "envelope";
+  scene.scenario.cutting.erosion = ErosionMode::exact;
+  scene.scenario.tool.spin = resolved ? ToolSpin::resolved : ToolSpin::envelope;
   return scene;
 }
 
@@ -59,9 +59,9 @@ ReamingScene oblique_gear(const std::string& device) {
 TEST(ResolvedTeeth, EqualTheSerialReference) {
   const Outcome serial = run(oblique_gear("serial"));
   EXPECT_GT(serial.removed.size(), 100U);
-  for (const char* shape : {"cpu", "gpu"}) {
+  for (const KernelShape shape : {KernelShape::cpu, KernelShape::gpu}) {
     for (const int batch : {1, 7, 1000}) {
-      SCOPED_TRACE(std::string(shape) + ", batch " + std::to_string(batch));
+      SCOPED_TRACE(name_of(shape) + ", batch " + std::to_string(batch));
       ReamingScene scene = oblique_gear("auto");
       scene.scenario.engine.kernel_shape = shape;
       scene.scenario.engine.batch_frames = batch;

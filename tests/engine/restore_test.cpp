@@ -15,8 +15,8 @@ class Restore : public testing::TestWithParam<std::tuple<std::string, std::strin
 };
 
 TEST_P(Restore, ARestoredEngineRunsAgainAlike) {
-  for (const char* erosion : {"remove", "wear"}) {
-    SCOPED_TRACE(erosion);
+  for (const ErosionMode erosion : {ErosionMode::remove, ErosionMode::wear}) {
+    SCOPED_TRACE(name_of(erosion));
     ReamingScene scene = Restore::scene();
     scene.scenario.cutting.erosion = erosion;
     const auto engine = make_engine(scene.scenario, scene.bone.voxmap, scene.tool);

@@ -81,7 +81,7 @@ inline Scenario quiet_scenario(const std::string& device) {
   Scenario scenario;
   scenario.name = "test";
   scenario.engine.device = device;
-  scenario.cutting.erosion = "remove";
+  scenario.cutting.erosion = ErosionMode::remove;
   scenario.render.every_frames = 1'000'000;
   return scenario;
 }

@@ -103,13 +103,13 @@ TEST_F(Plots, ARunGivesFourCurves) {
 
 TEST_F(Plots, FramesSpeakForThemselvesWhereVoxelsAreClipped) {
   CuttingSettings cutting;
-  cutting.erosion = "exact";
+  cutting.erosion = ErosionMode::exact;
   ASSERT_EQ(averaged_travel_mm(cutting, 0.25), 0);
   write_log(dir_.path(), 2000, 1);
   draw_all(dir_.path(), 0);
   expect_plots();
   EXPECT_THAT(test::file_bytes(dir_.path() + "/forces.svg"), ::testing::Not(::testing::HasSubstr("mean over")));
-  cutting.erosion = "remove";
+  cutting.erosion = ErosionMode::remove;
   draw_all(dir_.path(), averaged_travel_mm(cutting, 0.25));
   EXPECT_THAT(test::file_bytes(dir_.path() + "/forces.svg"), ::testing::HasSubstr("mean over 0.25 mm"));
 }

@@ -171,7 +171,7 @@ FixtureTruth write_results(const std::string& dir, const FixtureOptions& options
   Metadata metadata;
   if (options.glenoid) metadata.emplace_back("bone_from_glenoid", matrix_text(truth.bone_from_glenoid));
   metadata.emplace_back("erosion", options.whole_voxels ? "remove" : "exact");
-  if (!options.side.empty()) metadata.emplace_back("bone_side", options.side);
+  if (options.side != BodySide::unknown) metadata.emplace_back("bone_side", name_of(options.side));
   write_bone_vdb(dir + "/reamed.vdb", bone, {}, metadata);
   write_stl(dir + "/snapshots/tool.stl", make_tool());
   return truth;

@@ -8,12 +8,10 @@
 #include "sim/device/opencl.h"
 #include "sim/engine/bricked/shell_cells.h"
 #include "sim/engine/common/profile_table.h"
+#include "sim/scenario/choices.h"
 #include "sim/tool/tool.h"
 
 namespace reamsim {
-
-/// Which shape the kernels of `bricked` take: a work-item that does much, in vectors, or many that do little.
-enum class KernelShape { cpu, gpu };
 
 /// Where the fill of voxels that are partly gone stands.
 enum class FillStore {

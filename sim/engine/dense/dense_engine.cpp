@@ -23,7 +23,8 @@ std::size_t group_size(const cl::DeviceInfo& info, int wanted, std::size_t other
 
 /// The plan, once it is known to fit.
 DensePlan fitting_plan(const cl::DeviceInfo& info, const Scenario& scenario, const Voxmap& voxmap, const Tool& tool) {
-  const DensePlan plan = plan_dense(scenario.engine.detector, voxmap, tool, scenario.cutting.erosion == "wear");
+  const DensePlan plan =
+      plan_dense(scenario.engine.detector, voxmap, tool, scenario.cutting.erosion == ErosionMode::wear);
   require_fit(plan, info, voxmap.grid.voxel_mm);
   return plan;
 }
@@ -31,11 +32,11 @@ DensePlan fitting_plan(const cl::DeviceInfo& info, const Scenario& scenario, con
 std::unique_ptr<Detector> make_detector(const cl::Device& device, const Scenario& scenario, const DenseState& state,
                                         const DeviceBatch& batch, const Voxmap& voxmap, const Tool& tool) {
   const std::size_t group = group_size(device.info(), scenario.engine.work_group_size, 256);
-  if (scenario.engine.detector == "octree") {
-    const bool per_point = scenario.cutting.law == "per_point";
+  if (scenario.engine.detector == EngineKind::octree) {
+    const bool per_point = scenario.cutting.law == CuttingLaw::per_point;
     return std::make_unique<OctreeDetector>(device, state, batch, tool.shell, voxmap.grid, per_point, group);
   }
-  if (scenario.engine.detector == "implicit") {
+  if (scenario.engine.detector == EngineKind::implicit) {
     return std::make_unique<ImplicitDetector>(device, state, batch, tool.profile, bone_extent(voxmap), group);
   }
   return std::make_unique<DirectDetector>(device, state, batch, tool.shell, group);

@@ -147,9 +147,9 @@ struct Reference::State {
 
 Reference::Reference(const Voxmap& voxmap, const Tool& tool, const CuttingSettings& cutting, Target target,
                      unsigned threads) {
-  if (cutting.law != "energy" || cutting.erosion != "remove") {
-    throw RunError("the reference knows law energy and erosion remove only, not " + cutting.law + " and " +
-                   cutting.erosion);
+  if (cutting.law != CuttingLaw::energy || cutting.erosion != ErosionMode::remove) {
+    throw RunError("the reference knows law energy and erosion remove only, not " + name_of(cutting.law) + " and " +
+                   name_of(cutting.erosion));
   }
   if (voxmap.fill.stored_bricks() > 0) throw RunError("the reference takes bone of whole voxels only");
   state_ = std::make_unique<State>(voxmap, tool, cutting, target, threads);

@@ -100,7 +100,7 @@ class BrickedProgram final : public Program {
   static Scenario settings() {
     Scenario scenario;
     scenario.name = "reference";
-    scenario.engine.detector = "bricked";
+    scenario.engine.detector = EngineKind::bricked;
     scenario.cutting = bench::bench_cutting();
     return scenario;
   }
