@@ -33,15 +33,15 @@ std::string megabytes(std::size_t bytes) {
 
 void note_cost(const ReamingScene& scene, Report& report) {
   const RunCost cost = estimate_cost(scene);
-  const VoxelGrid& grid = scene.bone.voxmap.grid;
+  const VoxelGrid& grid = scene.bone.voxmap->grid;
   char text[256];
   std::snprintf(text, sizeof text, "would run: %lld frames (%.3f s at %g Hz), %lld substeps",
                 static_cast<long long>(cost.frames), static_cast<double>(cost.frames) * scene.motion.frame_s(),
                 scene.motion.frame_rate_hz, static_cast<long long>(cost.substeps));
   report.note(text);
   std::snprintf(text, sizeof text, "bone: %d x %d x %d voxels of %g mm, %lld with bone (%.1f mm3)", grid.dims.x(),
-                grid.dims.y(), grid.dims.z(), grid.voxel_mm, static_cast<long long>(scene.bone.voxmap.count_bone()),
-                scene.bone.voxmap.bone_mm3());
+                grid.dims.y(), grid.dims.z(), grid.voxel_mm, static_cast<long long>(scene.bone.view().count_bone()),
+                scene.bone.view().bone_mm3());
   report.note(text);
   std::snprintf(text, sizeof text, "tool: %zu shell points, %g mm apart", scene.tool.shell.codes.size(),
                 scene.tool.shell.cell_mm);

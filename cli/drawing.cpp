@@ -20,8 +20,8 @@ ToolPose as_logged(ToolPose pose) {
 RunPlan plan_of(const ReamingScene& scene, const std::string& dir) {
   RunPlan plan;
   plan.dir = dir;
-  plan.bone = {std::shared_ptr<void>(), &scene.bone.voxmap};  // owned by the scene
-  plan.fill_before = scene.bone.voxmap.fill;
+  plan.bone = scene.bone.voxmap;
+  plan.fill_before = scene.bone.fill;
   plan.whole_voxels = scene.scenario.cutting.erosion != ErosionMode::exact;
   plan.glenoid = scene.bone.glenoid;
   plan.side = scene.bone.side;

@@ -78,7 +78,7 @@ void import_command(const ImportOptions& options, const Console& console) {
   Metadata metadata{{"source", fs::path(options.input).filename().string()}, {"sha256", sha256_of(options.input)}};
   const Metadata anatomy = metadata_of({bone.glenoid, bone.landmarks, bone.side});
   metadata.insert(metadata.end(), anatomy.begin(), anatomy.end());
-  write_bone_vdb(options.output, bone.voxmap, {}, metadata);
+  write_bone_vdb(options.output, bone, {}, metadata);
   console.say("wrote " + options.output);
 }
 

@@ -106,13 +106,13 @@ void run_in(OutputFolder& folder, const Scenario& scenario, const Console& conso
   tell(report, facts, console);
   const std::unique_ptr<Engine> engine = load_engine(scene);
   facts.device = engine->device();
-  facts.bone_before_mm3 = scene.bone.voxmap.bone_mm3();
-  const FillBricks fill_before = scene.bone.voxmap.fill;
+  facts.bone_before_mm3 = scene.bone.view().bone_mm3();
+  const FillBricks fill_before = scene.bone.fill;
   facts.load_s = load_watch.seconds();
 
   write_tool(folder.path(), scene.tool);
   const std::unique_ptr<Drawing> drawing = begin_drawing(scene, folder.path());
-  Recorder recorder(folder.path(), scene.bone.voxmap.grid.voxel_mm);
+  Recorder recorder(folder.path(), scene.bone.voxmap->grid.voxel_mm);
   const Stopwatch watch;
   run_frames(scene, *engine, recorder, drawing.get(), contact, report, console);
   facts.simulate_s = watch.seconds();
@@ -125,8 +125,8 @@ void run_in(OutputFolder& folder, const Scenario& scenario, const Console& conso
     tell(report, facts, console);
     write_summary(folder.path(), scene, recorder.totals(), facts, render_watch.seconds());
   };
-  const FinishedRun finished = drawing ? FinishedRun(drawing->run) : FinishedRun(folder.path());
-  const double mean_mm = averaged_travel_mm(scenario.cutting, scene.bone.voxmap.grid.voxel_mm);
+  const FinishedRun finished = drawing ? FinishedRun(drawing->run, scene.bone.fill) : FinishedRun(folder.path());
+  const double mean_mm = averaged_travel_mm(scenario.cutting, scene.bone.voxmap->grid.voxel_mm);
   try {
     make_outputs(finished, outputs_of(scenario, mean_mm, drawing.get()), report, console);
   } catch (const RunError&) {

@@ -2,9 +2,7 @@
 #ifndef REAMSIM_KERNELS_BRICK_REPORT_H
 #define REAMSIM_KERNELS_BRICK_REPORT_H
 
-#ifndef REAMSIM_KERNELS_CUT_LAW_H
 #include "cut_law.h"
-#endif
 #pragma OPENCL EXTENSION cl_khr_int64_base_atomics : enable
 
 /* Records of removed voxels wait until there are some, because all work-items take their places from one counter. */

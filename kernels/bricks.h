@@ -2,9 +2,7 @@
 #ifndef REAMSIM_KERNELS_BRICKS_H
 #define REAMSIM_KERNELS_BRICKS_H
 
-#ifndef REAMSIM_KERNELS_SHARED_H
 #include "shared.h"
-#endif
 
 #define RS_BRICK_SIDE 8
 #define RS_BRICK_VOXELS 512

@@ -3,9 +3,7 @@
 #ifndef REAMSIM_KERNELS_CANDIDATES_H
 #define REAMSIM_KERNELS_CANDIDATES_H
 
-#ifndef REAMSIM_KERNELS_VISIT_H
 #include "visit.h"
-#endif
 
 #if defined(RS_LANES)
 

@@ -3,15 +3,9 @@
 #ifndef REAMSIM_KERNELS_CLIP_H
 #define REAMSIM_KERNELS_CLIP_H
 
-#ifndef REAMSIM_KERNELS_CUBE_SHARE_H
 #include "cube_share.h"
-#endif
-#ifndef REAMSIM_KERNELS_CUT_LAW_H
 #include "cut_law.h"
-#endif
-#ifndef REAMSIM_KERNELS_OUTLINE_H
 #include "outline.h"
-#endif
 
 /* A voxel against the tool: its centre, the outward unit normal that the force goes by (both T, mm), how far the tool's
  * surface is (mm, negative inside), and the plane that stands for the surface. Next to a sharp corner of the profile

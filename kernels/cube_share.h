@@ -2,9 +2,7 @@
 #ifndef REAMSIM_KERNELS_CUBE_SHARE_H
 #define REAMSIM_KERNELS_CUBE_SHARE_H
 
-#ifndef REAMSIM_KERNELS_PROFILE_H
 #include "profile.h"
-#endif
 
 /* A surface farther from a voxel's centre does not meet it, voxels: half a diagonal, and what its curvature counts for.
  */

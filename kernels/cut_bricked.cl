@@ -3,9 +3,7 @@
  * sixteen voxels go through the law in the lanes of a vector; on a GPU a work-item takes a voxel.
  *
  * Compiled with RS_POOLS, RS_POOL_BITS and, where voxels can be partly gone, RS_BRICK_FILL. */
-#ifndef REAMSIM_KERNELS_BRICK_REPORT_H
 #include "brick_report.h"
-#endif
 #pragma OPENCL EXTENSION cl_khr_int64_base_atomics : enable
 
 /* What a voxel is worth, by grade: mJ for the whole of it, also in units of the sum, and g/cm3. */

@@ -6,12 +6,8 @@
  *
  * Compiled with RS_POOLS and RS_POOL_BITS, and with RS_DISTANCE_GRID where the teeth are resolved: the tool's distance
  * then comes from their grid instead of the envelope's profile. */
-#ifndef REAMSIM_KERNELS_CANDIDATES_H
 #include "candidates.h"
-#endif
-#ifndef REAMSIM_KERNELS_BRICK_REPORT_H
 #include "brick_report.h"
-#endif
 
 #define SUMS 10 /* of a substep, as add_brick_sums() takes them */
 

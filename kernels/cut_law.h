@@ -2,18 +2,10 @@
 #ifndef REAMSIM_KERNELS_CUT_LAW_H
 #define REAMSIM_KERNELS_CUT_LAW_H
 
-#ifndef REAMSIM_KERNELS_SHARED_H
-#include "shared.h"
-#endif
-#ifndef REAMSIM_KERNELS_BRICKS_H
 #include "bricks.h"
-#endif
-#ifndef REAMSIM_KERNELS_PROFILE_H
-#include "profile.h"
-#endif
-#ifndef REAMSIM_KERNELS_POWER_H
 #include "power.h"
-#endif
+#include "profile.h"
+#include "shared.h"
 
 /* What the law gives, by lane while it runs. */
 typedef struct {

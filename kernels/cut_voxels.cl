@@ -1,8 +1,6 @@
 /* Cut: every voxel of the contact list loses fill, takes energy and pushes back (design §5). Work-items stride over the
  * list, whose length only the device knows, so that nothing waits for the host. */
-#ifndef REAMSIM_KERNELS_CUT_LAW_H
 #include "cut_law.h"
-#endif
 #pragma OPENCL EXTENSION cl_khr_int64_base_atomics : enable
 
 /* How the detector keeps a voxel (VoxelLayout of sim/engine/dense/dense_plan.h). By default an 8-bit grade, 0 = air or gone,

@@ -5,9 +5,7 @@
  * cells, 16 points in the lanes of a vector; on a GPU a work-group takes a cell, a work-item a point.
  *
  * Compiled with RS_POOLS (1 or 16 buffers of bricks) and RS_POOL_BITS (log2 of a buffer's bricks). */
-#ifndef REAMSIM_KERNELS_CUT_LAW_H
 #include "cut_law.h"
-#endif
 #pragma OPENCL EXTENSION cl_khr_int64_base_atomics : enable
 
 #define WINDOW_BLOCKS 512 /* of 4x4x4 voxels */

@@ -1,8 +1,6 @@
 /* Narrow phase of the paper (§3.5): one work-item per shell point. Decode, cull against the VOI, transform, look up. A
  * touched voxel is claimed once, by a bit, and listed; the order of the list is of no consequence. */
-#ifndef REAMSIM_KERNELS_CUT_LAW_H
 #include "cut_law.h"
-#endif
 #pragma OPENCL EXTENSION cl_khr_int64_base_atomics : enable
 
 #ifdef RS_WIDE_CODES /* shells of more than 1024 cells per axis: 8 bytes a point */

@@ -1,9 +1,7 @@
 /* Narrow phase of Yau et al. as Faieghi et al. rebuilt it (2020, §4.3.2): no shell; one work-item per voxel of the VOI,
  * a box of voxels, against the surface of revolution that the cutting lips sweep. A voxel is touched when its centre
  * lies in the solid or on its surface. No voxel is tested twice, so none has to be claimed. */
-#ifndef REAMSIM_KERNELS_CUT_LAW_H
 #include "cut_law.h"
-#endif
 
 /* voi_min, voi_size: lowest voxel of the VOI and how many it has along x, y, z; the fourth is padding. bone: dense
  * grades, 0 = air or gone; contacts: room for every voxel that the tool can hold; contact_count[substep]: 0 on entry.

@@ -9,9 +9,7 @@
  * the corner is the point's voxel, and the steps add up to the voxel's index.
  *
  * Floats hold the points' cell numbers exactly, so that positions come from the same integers as in every detector. */
-#ifndef REAMSIM_KERNELS_CUT_LAW_H
 #include "cut_law.h"
-#endif
 #pragma OPENCL EXTENSION cl_khr_int64_base_atomics : enable
 
 /* Index of voxel (i, j, k), found from the root downwards. The voxel lies in the lattice. */

@@ -4,9 +4,7 @@
 #ifndef REAMSIM_KERNELS_DISTANCE_GRID_H
 #define REAMSIM_KERNELS_DISTANCE_GRID_H
 
-#ifndef REAMSIM_KERNELS_CLIP_H
 #include "clip.h"
-#endif
 
 /* A brick holds the samples at all corners of its cells, so that a cell needs one brick: 9 along an axis. */
 #define RS_GRID_SIDE 8

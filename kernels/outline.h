@@ -3,9 +3,7 @@
 #ifndef REAMSIM_KERNELS_OUTLINE_H
 #define REAMSIM_KERNELS_OUTLINE_H
 
-#ifndef REAMSIM_KERNELS_PROFILE_H
 #include "profile.h"
-#endif
 
 /* A line or an arc of at most 100 degrees from (r0, z0) to (r1, z1), the inside on its left, mm; unit tangents at both
  * ends; the point in its middle with the outward unit normal there. */

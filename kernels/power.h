@@ -2,9 +2,7 @@
 #ifndef REAMSIM_KERNELS_POWER_H
 #define REAMSIM_KERNELS_POWER_H
 
-#ifndef REAMSIM_KERNELS_PROFILE_H
 #include "profile.h"
-#endif
 
 /* log2(x), x > 0 and not subnormal, good to 10^-7: exponent, and the series of artanh for the mantissa in 2^(-1/2) ..
  * 2^(1/2). */

@@ -4,9 +4,7 @@
 #ifndef REAMSIM_KERNELS_PROFILE_H
 #define REAMSIM_KERNELS_PROFILE_H
 
-#ifndef REAMSIM_KERNELS_SHARED_H
 #include "shared.h"
-#endif
 #ifndef __OPENCL_C_VERSION__
 #include <string.h>
 #endif

@@ -2,9 +2,7 @@
 #ifndef REAMSIM_KERNELS_PUBLISHED_H
 #define REAMSIM_KERNELS_PUBLISHED_H
 
-#ifndef REAMSIM_KERNELS_SHARED_H
 #include "shared.h"
-#endif
 
 /* Least significant digit of the published atomic sums: the paper's large N. Forces there are in units of the elemental
  * force. */

@@ -1,9 +1,7 @@
 /* The paper's narrow phase as published (§3.5), for `reamsim bench` only: one racing pass in float. A work-item per
  * point decodes, culls, transforms, looks up, empties the voxel at once and adds its elemental force. Two points in one
  * voxel race: whether both, or only the first, push back depends on the moment. */
-#ifndef REAMSIM_KERNELS_PUBLISHED_H
 #include "published.h"
-#endif
 #pragma OPENCL EXTENSION cl_khr_int64_base_atomics : enable
 
 /* Index of the voxel that point (x, y, z) lies in; UINT_MAX outside the VOI or the bone's lattice. */

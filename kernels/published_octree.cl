@@ -1,9 +1,7 @@
 /* Zheng et al. as the paper rebuilt it (§4.3.1), for `reamsim bench` only: points of three floats, voxels of a float HU
  * and a collision flag. A work-item per point walks from the whole grid down to its voxel, choosing an octant a level;
  * the forces of all points, also of those outside the bone, are stored and then summed by a parallel reduction. */
-#ifndef REAMSIM_KERNELS_PUBLISHED_H
 #include "published.h"
-#endif
 
 #define AIR_HU -1000.0f
 

@@ -1,7 +1,5 @@
 /* Puts back voxels that went, from a list of (voxel, value); for benchmarks, which repeat a frame on the same bone. */
-#ifndef REAMSIM_KERNELS_SHARED_H
 #include "shared.h"
-#endif
 
 __kernel void restore_bytes(__global const uint2* voxels, const uint count, __global uchar* values) {
   const uint i = get_global_id(0);

@@ -3,12 +3,8 @@
 #ifndef REAMSIM_KERNELS_VISIT_H
 #define REAMSIM_KERNELS_VISIT_H
 
-#ifndef REAMSIM_KERNELS_BRICKS_H
 #include "bricks.h"
-#endif
-#ifndef REAMSIM_KERNELS_DISTANCE_GRID_H
 #include "distance_grid.h"
-#endif
 
 #ifdef RS_DISTANCE_GRID
 #define TEETH_PARAMETERS \

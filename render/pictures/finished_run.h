@@ -14,8 +14,8 @@ struct RunResults;
 class FinishedRun {
  public:
   FinishedRun(std::string dir);  // not explicit on purpose
-  /// Of a plan that has just been run, whose bone now is as the run left it. Faster, and no other for it.
-  explicit FinishedRun(const PlannedRun& planned);
+  /// Of a plan that has just been run and left this fill. Faster, and no other for it.
+  FinishedRun(const PlannedRun& planned, FillBricks fill);
 
   [[nodiscard]] const std::string& dir() const;
   // These throw as read_results() and read_plan() do.

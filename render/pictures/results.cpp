@@ -52,10 +52,11 @@ Anatomy read_anatomy(const std::string& dir) {
   return anatomy_of(path, density_metadata(path));
 }
 
-RunResults read_results(const std::string& dir, std::shared_ptr<const Voxmap> bone) {
+RunResults read_results(const std::string& dir, std::shared_ptr<const Voxmap> bone, FillBricks fill) {
   RunResults out;
-  out.bone_mm3 = bone->bone_mm3();
+  out.bone_mm3 = BoneView(*bone, fill).bone_mm3();
   out.bone = std::move(bone);
+  out.fill = std::move(fill);
   out.log_path = dir + "/forces.csv";
   out.log = read_force_log(out.log_path);
   return out;
@@ -65,7 +66,9 @@ RunResults read_results(const std::string& dir) {
   if (!std::filesystem::is_directory(dir)) {
     throw InputError({dir, 0, 0}, "", "no such folder", "the output folder of a run");
   }
-  return read_results(dir, std::make_shared<const Voxmap>(read_bone_vdb(dir + "/reamed.vdb")));
+  FilledVoxmap bone = read_bone_vdb(dir + "/reamed.vdb");
+  FillBricks fill = std::move(bone.fill);
+  return read_results(dir, std::make_shared<const Voxmap>(std::move(bone)), std::move(fill));
 }
 
 RunPlan read_plan(const std::string& dir, const RunResults& results) {

@@ -13,8 +13,9 @@ namespace reamsim {
 
 /// What a run left in its folder, as far as pictures need it, beside its plan.
 struct RunResults {
-  std::shared_ptr<const Voxmap> bone;  ///< the unreamed bone's grades and the last fill
-  double bone_mm3 = 0;                 ///< what that fill leaves
+  std::shared_ptr<const Voxmap> bone;
+  FillBricks fill;      ///< that the run leaves
+  double bone_mm3 = 0;  ///< what that fill leaves
   ForceLog log;
   std::string log_path;
 
@@ -31,7 +32,7 @@ struct Anatomy {
 Anatomy read_anatomy(const std::string& dir);
 
 /// Reads DIR/forces.csv, of a run whose last bone is at hand. Throws InputError when it is missing or damaged.
-RunResults read_results(const std::string& dir, std::shared_ptr<const Voxmap> bone);
+RunResults read_results(const std::string& dir, std::shared_ptr<const Voxmap> bone, FillBricks fill);
 /// The same with the bone of DIR/reamed.vdb.
 RunResults read_results(const std::string& dir);
 

@@ -29,7 +29,7 @@ FillBricks fill_before(const std::string& dir, const Vec3i& dims) {
   return before;
 }
 
-Histogram removed_by_density(const Voxmap& voxmap, const FillBricks& before) {
+Histogram removed_by_density(const FilledVoxmap& voxmap, const FillBricks& before) {
   Histogram out{};
   voxmap.fill.for_each_brick([&](const Vec3i& coord, const FillBricks::Brick& after) {
     const GradeBricks::Brick* grades = voxmap.grade.brick(coord);
@@ -48,7 +48,7 @@ Histogram removed_by_density(const Voxmap& voxmap, const FillBricks& before) {
 }  // namespace
 
 void write_removed_density(const std::string& dir) {
-  const Voxmap voxmap = read_bone_vdb(dir + "/reamed.vdb");
+  const FilledVoxmap voxmap = read_bone_vdb(dir + "/reamed.vdb");
   const Histogram removed = removed_by_density(voxmap, fill_before(dir, voxmap.grid.dims));
   std::string csv = "density_from_g_cm3,density_to_g_cm3,removed_mm3\n";
   for (std::size_t i = 0; i < kClasses; ++i) {

@@ -68,7 +68,7 @@ Json look_json(const Subject& subject) {
 Json bone_data(const FinishedRun& run, const RenderSettings& settings) {
   const PlannedRun& planned = run.planned();
   const Voxmap& voxmap = *run.results().bone;
-  const BoneSurface after = surface_of(voxmap, voxmap.fill, planned.unreamed());
+  const BoneSurface after = surface_of(voxmap, run.results().fill, planned.unreamed());
   const BoneSurface before = surface_of(voxmap, planned.unreamed().before(), planned.unreamed());
   const Scale depth = depth_scale(planned, settings.depth_max_mm);
   const Eigen::AlignedBox3f box = bounds_of(before).merged(bounds_of(after));

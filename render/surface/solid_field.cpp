@@ -93,7 +93,7 @@ Occupancy::Kind neighbourhood(const Occupancy& occupancy, const Vec3i& brick) {
 
 SolidField::SolidField(const Occupancy& occupancy) : grid_(make_float_grid(kAir)) {
   // One brick round the bone: smoothing carries it a little beyond its own bricks, and the lattice.
-  compute(occupancy, occupancy.voxmap().grade.coords_around());
+  compute(occupancy, coords_around(occupancy.voxmap().grade));
 }
 
 void SolidField::update(const Occupancy& occupancy, const std::vector<Vec3i>& bricks) {

@@ -165,7 +165,7 @@ UnreamedSurface::UnreamedSurface(std::shared_ptr<const UnreamedBone> bone, const
       depth_(depth_grid(*bone_, voxmap, last)),
       deepest_mm_(deepest_of(*depth_, voxmap, last, bone_->before())) {}
 
-UnreamedSurface::UnreamedSurface(const Voxmap& voxmap, FillBricks before)
+UnreamedSurface::UnreamedSurface(const FilledVoxmap& voxmap, FillBricks before)
     : UnreamedSurface(std::make_shared<UnreamedBone>(voxmap, std::move(before)), voxmap, voxmap.fill) {}
 
 }  // namespace reamsim

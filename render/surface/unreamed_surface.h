@@ -15,9 +15,9 @@ class UnreamedSurface {
   /// Of `voxmap` the lattice and the grades count; `last`: the fill from which all that the run removes is gone.
   UnreamedSurface(std::shared_ptr<const UnreamedBone> bone, const Voxmap& voxmap, const FillBricks& last);
   /// The last fill is the voxmap's. `before`: as in UnreamedBone.
-  UnreamedSurface(const Voxmap& voxmap, FillBricks before);
+  UnreamedSurface(const FilledVoxmap& voxmap, FillBricks before);
   /// Of a bone that began whole.
-  explicit UnreamedSurface(const Voxmap& voxmap) : UnreamedSurface(voxmap, FillBricks(voxmap.grid.dims)) {}
+  explicit UnreamedSurface(const FilledVoxmap& voxmap) : UnreamedSurface(voxmap, FillBricks(voxmap.grid.dims)) {}
 
   /// The unreamed bone's fill.
   [[nodiscard]] const FillBricks& before() const { return bone_->before(); }

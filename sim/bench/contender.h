@@ -13,7 +13,7 @@ namespace reamsim::bench {
 
 /// What a frame meets: the bone, the tool and their boxes. The voxmap and the tool are the caller's.
 struct Arena {
-  const Voxmap* voxmap = nullptr;
+  const FilledVoxmap* voxmap = nullptr;
   const Tool* tool = nullptr;
   Aabb bone_box;  ///< B, mm
   Aabb tool_box;  ///< T, mm
@@ -29,7 +29,7 @@ struct Label {
 struct BatchSample {
   double total_s = 0;         ///< broad phase, arguments, kernels and results read
   double broad_s = 0;         ///< of it: boxes and VOI
-  double upload_s = 0;        ///< of it: arguments made and sent
+  double upload_s = 0;        ///< of it: arguments made and sent, kernels enqueued
   double kernel_s = 0;        ///< of it: kernels, by the device's clock
   std::int64_t voxels = 0;    ///< that lost something; 0 where the program does not count them
   double removed = 0;         ///< voxels that went, partly gone ones as shares; 0 where the program does not count

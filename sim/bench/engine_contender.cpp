@@ -57,17 +57,14 @@ class EngineContender final : public Contender {
     }
     const Stopwatch upload;
     const VoxelGrid& grid = arena_.voxmap->grid;
-    const int slot = engine_->begin(use_voi ? make_args(frame, *voi, arena_.tool->shell, grid, cutting_, false)
-                                            : args_without_voi(frame, *arena_.tool, grid));
+    engine_->enqueue(use_voi ? make_args(frame, *voi, arena_.tool->shell, grid, cutting_, false)
+                             : args_without_voi(frame, *arena_.tool, grid));
     sample.upload_s += upload.seconds();
-    engine_->detector().detect(slot);
-    engine_->erosion().cut(slot);
   }
 
   void collect(BatchSample& sample) {
     const Batch batch = engine_->collect();
-    for (const double s : batch.detect_s) sample.kernel_s += s;
-    for (const double s : batch.cut_s) sample.kernel_s += s;
+    for (const StageTimes& times : batch.times) sample.kernel_s += times.detect_s + times.cut_s;
     for (const SubstepSums& sums : batch.sums) {
       sample.voxels += sums.contacts;
       sample.removed += static_cast<double>(sums.removed) / RS_WHOLE_FILL;

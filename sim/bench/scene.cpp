@@ -24,7 +24,7 @@ std::uint8_t grade_at(const Voxmap& voxmap, int x, int y, int z) {
   return voxmap.grade.get({x, y, z});
 }
 
-Voxmap sample(int side) {
+FilledVoxmap sample(int side) {
   BoneSettings settings;
   settings.source = BoneSource::phantom;
   settings.side = BodySide::left;
@@ -140,8 +140,8 @@ class Refinement {
   int side_;
 };
 
-Voxmap refine(const Voxmap& coarse, int side) {
-  Voxmap fine(grid_of(side));
+FilledVoxmap refine(const Voxmap& coarse, int side) {
+  FilledVoxmap fine(grid_of(side));
   const Refinement refinement(coarse, side / coarse.grid.dims.x());
   fine.grade = sample_bricks(
       fine.grid.dims, [&](const Vec3i& coord, GradeBricks::Brick& brick) { return refinement.brick(coord, brick); });
@@ -163,8 +163,8 @@ std::uint8_t merged(const Voxmap& fine, const Vec3i& first, int factor) {
   return static_cast<std::uint8_t>(2 * share >= factor * factor * factor ? grade / share : 0);
 }
 
-Voxmap merge(const Voxmap& fine, int side) {
-  Voxmap coarse(grid_of(side));
+FilledVoxmap merge(const Voxmap& fine, int side) {
+  FilledVoxmap coarse(grid_of(side));
   const int factor = fine.grid.dims.x() / side;
   for (int z = 0; z < side; ++z) {
     for (int y = 0; y < side; ++y) {
@@ -195,9 +195,9 @@ Profile hemisphere() {
 
 BoneSeries::BoneSeries(int sampled) : sampled_(sample(sampled)), box_mm_(tight_box(sampled_)) {}
 
-Voxmap BoneSeries::at(int side) const {
+FilledVoxmap BoneSeries::at(int side) const {
   const int sampled = sampled_.grid.dims.x();
-  Voxmap out = side == sampled ? sampled_ : side > sampled ? refine(sampled_, side) : merge(sampled_, side);
+  FilledVoxmap out = side == sampled ? sampled_ : side > sampled ? refine(sampled_, side) : merge(sampled_, side);
   out.mapping = sampled_.mapping;
   out.frame = sampled_.frame;
   return out;

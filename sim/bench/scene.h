@@ -20,12 +20,12 @@ class BoneSeries {
   explicit BoneSeries(int sampled = 256);
 
   /// `side`: a power of two. Takes no more than a few seconds at 1024.
-  [[nodiscard]] Voxmap at(int side) const;
+  [[nodiscard]] FilledVoxmap at(int side) const;
   /// The box of the bone in B, mm, as the broad phase sees it at this resolution.
   [[nodiscard]] Aabb box(int side) const;
 
  private:
-  Voxmap sampled_;
+  FilledVoxmap sampled_;
   Aabb box_mm_;
 };
 

@@ -23,14 +23,14 @@ constexpr double kStepVoxels = 0.25;  // between the windows, where the shell's 
 
 /// A block that the sphere goes into from above; its top face is z = 0, and it lies askew of the tool's axis by shares
 /// of a voxel, so that nothing is regular.
-Voxmap block(double voxel_mm) {
+FilledVoxmap block(double voxel_mm) {
   const Vec3 size_mm(kWidthMm + 4, kWidthMm + 4, kDepthMm + 2);
   VoxelGrid grid;
   grid.voxel_mm = voxel_mm;
   for (int i = 0; i < 3; ++i) grid.dims[i] = 8 * static_cast<int>(std::ceil(size_mm[i] / voxel_mm / 8));
   const Vec3 extent = voxel_mm * grid.dims.cast<double>();
   grid.origin_mm = {-extent.x() / 2 + 0.37 * voxel_mm, -extent.y() / 2 + 0.21 * voxel_mm, -extent.z()};
-  Voxmap voxmap(grid);
+  FilledVoxmap voxmap(grid);
   const std::uint8_t grade = DensityMapping::grade_from_density(1.8);
   GradeBricks::Brick brick;
   brick.fill(grade);
@@ -115,7 +115,7 @@ std::vector<std::pair<std::string, ErosionMode>> sphere_contenders(const Plan& p
 
 void measure_spheres(const Plan& plan, const Watch& watch, Findings& findings) {
   for (const double voxel_mm : plan.sphere_voxels_mm) {
-    const Voxmap bone = block(voxel_mm);
+    const FilledVoxmap bone = block(voxel_mm);
     const Tool tool = cap(voxel_mm);
     const Arena arena{&bone, &tool, bone.grid.bounds_mm(), shell_box(tool)};
     for (const auto& [engine, erosion] : sphere_contenders(plan)) {

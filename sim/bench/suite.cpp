@@ -103,7 +103,7 @@ class Bench {
   const Watch& watch_;
   Findings findings_;
   std::optional<BoneSeries> series_;
-  Voxmap voxmap_;
+  FilledVoxmap voxmap_;
   std::map<int, Tool> tools_;
 };
 
@@ -148,7 +148,7 @@ Findings run_bench(const Plan& plan, const Watch& watch) {
 }
 
 std::string find_depths(int voxmap, int shell) {
-  const Voxmap bone = BoneSeries().at(voxmap);
+  const FilledVoxmap bone = BoneSeries().at(voxmap);
   const Tool tool = cap_tool(shell);
   const auto points = static_cast<double>(tool.shell.codes.size());
   std::string out;

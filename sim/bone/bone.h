@@ -1,5 +1,6 @@
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -12,13 +13,25 @@ namespace reamsim {
 
 /// A bone ready to be reamed.
 struct Bone {
-  Voxmap voxmap;
+  std::shared_ptr<const Voxmap> voxmap;                      ///< before reaming; whoever looks at it may share it
+  FillBricks fill;                                           ///< live: what a run leaves of each voxel
   std::optional<GlenoidFrame> glenoid;                       ///< from the scenario, or the phantom's own, or the VDB's
   std::optional<LandmarkSettings> landmarks = std::nullopt;  ///< in B: likewise
   std::optional<ScapularAxes> scapula = std::nullopt;        ///< of the landmarks
   BodySide side = BodySide::unknown;                         ///< left | right | "": from the scenario, or the VDB's
   std::optional<Segmentation> segmentation = std::nullopt;   ///< of a CT
   std::vector<Vec3> rim_mm{};  ///< of the joint face, in B, in order: from the scenario, or the phantom's own
+
+  Bone() = default;
+  explicit Bone(FilledVoxmap&& voxels, std::optional<GlenoidFrame> frame = {}) : glenoid(std::move(frame)) {
+    set_voxels(std::move(voxels));
+  }
+
+  [[nodiscard]] BoneView view() const { return {*voxmap, fill}; }
+  operator BoneView() const { return view(); }  // not explicit on purpose
+  void set_voxels(FilledVoxmap&& voxels);
+  /// Takes voxmap and fill out, to change them; set_voxels() puts them back. Nobody may share the voxmap yet.
+  [[nodiscard]] FilledVoxmap take_voxels();
 };
 
 /// Builds the bone that the scenario asks for (CT, mesh, VDB or phantom) and drills the pilot hole. All but a VDB's
@@ -34,7 +47,7 @@ Bone load_bone(const BoneSettings& settings, Report& report);
 /// A closed mesh: cortical grade down to `cortical_mm` below the surface, trabecular grade inside. A voxel is bone when
 /// its centre is inside, or as far as the surface leaves it. Throws InputError: unreadable, open or non-manifold
 /// (unless `repair`), a repair that flooded, no volume, absurdly large.
-Voxmap voxmap_from_mesh(const BoneSettings& settings, Report& report);
+FilledVoxmap voxmap_from_mesh(const BoneSettings& settings, Report& report);
 /// A VDB of an earlier run or import, or another's with a FloatGrid `density`. Its own voxel size and density mapping
 /// hold, and where the scenario does not say otherwise its glenoid frame, landmarks and side. Throws as
 /// read_stored_bone().
@@ -61,11 +74,11 @@ ScapularAxes axes_of(const GlenoidFrame& glenoid, BodySide side);
 /// Sets every voxel whose centre lies in the hole to air, or takes the part of each that lies in it (`partial`);
 /// returns the drilled volume in mm³. `glenoid` is needed where `hole.frame` is glenoid. Throws InputError: no such
 /// frame, no direction.
-double drill_pilot_hole(Voxmap& voxmap, const PilotHoleSettings& hole, const std::optional<GlenoidFrame>& glenoid,
+double drill_pilot_hole(FilledVoxmap& voxmap, const PilotHoleSettings& hole, const std::optional<GlenoidFrame>& glenoid,
                         bool partial = false);
 
 /// Shrinks or grows the lattice so that `margin_voxels` of air surround the bone on every side, and the dimensions are
 /// multiples of 8 (whole bricks). Throws InputError when there is no bone.
-Voxmap fit_to_bone(const Voxmap& voxmap, int margin_voxels);
+FilledVoxmap fit_to_bone(const FilledVoxmap& voxmap, int margin_voxels);
 
 }  // namespace reamsim

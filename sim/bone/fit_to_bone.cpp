@@ -50,7 +50,7 @@ void copy_fill_within(const VoxelBox& box, const FillBricks& from, const Vec3i& 
 
 }  // namespace
 
-Voxmap fit_to_bone(const Voxmap& voxmap, int margin_voxels) {
+FilledVoxmap fit_to_bone(const FilledVoxmap& voxmap, int margin_voxels) {
   const VoxelBox extent = bone_extent(voxmap);
   if (extent.empty()) {
     throw InputError({}, "bone", "no bone in the volume", "expected at least one voxel of bone");
@@ -63,7 +63,7 @@ Voxmap fit_to_bone(const Voxmap& voxmap, int margin_voxels) {
   check_lattice("bone", size, voxmap.grid.voxel_mm, {.bone_share = most_voxels / size.prod()});
 
   const VoxelGrid& from = voxmap.grid;
-  Voxmap out;
+  FilledVoxmap out;
   out.grid = {dims, from.voxel_mm, from.origin_mm + from.voxel_mm * shift.cast<double>()};
   out.grade = sample_bricks(dims, [&](const Vec3i& brick_coord, GradeBricks::Brick& brick) {
     return copy_brick(voxmap, shift, brick_coord, brick);

@@ -108,7 +108,7 @@ void check_normal(const BoneRound& bone, const Vec3& normal, const FrameKeys& ke
 
 /// Whether axes mean what they mean in a patient: a mesh, a phantom and another program's VDB have their own.
 bool in_patient_frame(const Bone& bone, const BoneSettings& settings) {
-  return bone.voxmap.frame == "LPS" && (settings.source == BoneSource::ct || settings.source == BoneSource::vdb);
+  return bone.voxmap->frame == "LPS" && (settings.source == BoneSource::ct || settings.source == BoneSource::vdb);
 }
 
 void check_anatomy(const Bone& bone, const FrameKeys& keys, Report& report) {
@@ -178,14 +178,14 @@ BoneRound bone_round(const Voxmap& voxmap, const Vec3& point_mm, const Vec3& nor
 
 void check_glenoid_frame(const Bone& bone, const BoneSettings& settings, MistakeList& mistakes, Report& report) {
   const bool given = settings.glenoid.center_mm || settings.glenoid.landmarks;
-  if (!bone.glenoid || (bone.voxmap.frame == "phantom" && !given)) return;
+  if (!bone.glenoid || (bone.voxmap->frame == "phantom" && !given)) return;
   const FrameKeys keys = keys_of(settings);
   const Rigid& frame = bone.glenoid->bone_from_glenoid;
   const Vec3 center_mm = frame.translation(), normal = frame.linear().col(2);
-  if (const auto nearest = nearest_surface(bone.voxmap, center_mm)) {
+  if (const auto nearest = nearest_surface(*bone.voxmap, center_mm)) {
     const bool near = mistakes.attempt([&] { check_center(*nearest, center_mm, keys); });
     if (near) {
-      const BoneRound round = bone_round(bone.voxmap, center_mm, normal, nearest->distance_mm + kLook_mm);
+      const BoneRound round = bone_round(*bone.voxmap, center_mm, normal, nearest->distance_mm + kLook_mm);
       mistakes.attempt([&] { check_normal(round, normal, keys, report); });
     }
   }

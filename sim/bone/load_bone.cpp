@@ -15,16 +15,16 @@ namespace {
 Bone bone_from_source(const BoneSettings& settings, Report& report) {
   if (settings.source == BoneSource::phantom) {
     Bone bone = bone_from_phantom(settings, report);
-    bone.voxmap = fit_to_bone(bone.voxmap, kMarginVoxels);
+    bone.set_voxels(fit_to_bone(bone.take_voxels(), kMarginVoxels));
     return bone;
   }
   if (settings.source == BoneSource::ct) {
     Bone bone;
     bone.segmentation.emplace();
-    bone.voxmap = fit_to_bone(voxmap_from_ct(settings, report, &*bone.segmentation), kMarginVoxels);
+    bone.set_voxels(fit_to_bone(voxmap_from_ct(settings, report, &*bone.segmentation), kMarginVoxels));
     return bone;
   }
-  if (settings.source == BoneSource::mesh) return {fit_to_bone(voxmap_from_mesh(settings, report), kMarginVoxels), {}};
+  if (settings.source == BoneSource::mesh) return Bone(fit_to_bone(voxmap_from_mesh(settings, report), kMarginVoxels));
   return bone_from_vdb(settings, report);
 }
 
@@ -60,7 +60,9 @@ void require_surface_near(const Voxmap& voxmap, const std::vector<Vec3>& rim_mm)
 }
 
 void drill(Bone& bone, const PilotHoleSettings& hole, bool partial, Report& report) {
-  const double drilled_mm3 = drill_pilot_hole(bone.voxmap, hole, bone.glenoid, partial);
+  FilledVoxmap voxels = bone.take_voxels();
+  const double drilled_mm3 = drill_pilot_hole(voxels, hole, bone.glenoid, partial);
+  bone.set_voxels(std::move(voxels));
   char text[120];
   std::snprintf(text, sizeof text, "pilot hole: %.4g mm wide, %.1f mm^3 of bone drilled", hole.diameter_mm,
                 drilled_mm3);
@@ -102,18 +104,34 @@ void set_scapula(Bone& bone) {
 
 }  // namespace
 
+void Bone::set_voxels(FilledVoxmap&& voxels) {
+  fill = std::move(voxels.fill);
+  voxmap = std::make_shared<Voxmap>(std::move(static_cast<Voxmap&>(voxels)));
+}
+
+FilledVoxmap Bone::take_voxels() {
+  FilledVoxmap out;
+  // Made by set_voxels() as a Voxmap that may change.
+  static_cast<Voxmap&>(out) = std::move(const_cast<Voxmap&>(*voxmap));
+  out.fill = std::move(fill);
+  voxmap.reset();
+  return out;
+}
+
 Bone bone_from_vdb(const BoneSettings& settings, Report& report) {
   StoredBone stored = read_stored_bone(settings.vdb.path);
   note_contradictions(settings, stored.anatomy, report);
-  Bone bone{std::move(stored.voxmap), stored.anatomy.glenoid, stored.anatomy.landmarks};
+  Bone bone(std::move(stored.voxmap));
+  bone.glenoid = stored.anatomy.glenoid;
+  bone.landmarks = stored.anatomy.landmarks;
   bone.side = stored.anatomy.side;
   if (stored.anatomy.glenoid && !settings.glenoid.center_mm && !settings.glenoid.landmarks) {
     report.note("glenoid frame from the VDB");
   }
-  if (bone.voxmap.grid.voxel_mm != settings.voxel_mm) {
+  if (bone.voxmap->grid.voxel_mm != settings.voxel_mm) {
     char text[120];
     std::snprintf(text, sizeof text, "voxels of %.6g mm, as in the VDB; bone.voxel_mm does not apply",
-                  bone.voxmap.grid.voxel_mm);
+                  bone.voxmap->grid.voxel_mm);
     report.note(text);
   }
   return bone;
@@ -125,16 +143,16 @@ Bone load_bone(const BoneSettings& settings, Report& report) {
   if (const auto given = glenoid_frame(settings.glenoid, bone.side)) bone.glenoid = given;
   if (settings.glenoid.landmarks) bone.landmarks = settings.glenoid.landmarks;
   if (!settings.glenoid.rim_mm.empty()) {
-    require_surface_near(bone.voxmap, settings.glenoid.rim_mm);
+    require_surface_near(*bone.voxmap, settings.glenoid.rim_mm);
     bone.rim_mm = settings.glenoid.rim_mm;
   }
   set_scapula(bone);
   if (settings.pilot_hole) drill(bone, *settings.pilot_hole, settings.surface_voxels == SurfaceVoxels::partial, report);
-  const VoxelGrid& grid = bone.voxmap.grid;
+  const VoxelGrid& grid = bone.voxmap->grid;
   char text[200];
   std::snprintf(text, sizeof text, "bone: %d x %d x %d voxels of %.4g mm, %lld of them bone, %.0f mm^3 in the frame %s",
                 grid.dims.x(), grid.dims.y(), grid.dims.z(), grid.voxel_mm,
-                static_cast<long long>(bone.voxmap.count_bone()), bone.voxmap.bone_mm3(), bone.voxmap.frame.c_str());
+                static_cast<long long>(bone.view().count_bone()), bone.view().bone_mm3(), bone.voxmap->frame.c_str());
   report.note(text);
   return bone;
 }

@@ -81,8 +81,9 @@ bool grade_brick(const openvdb::FloatTree& distance, const GradesByDepth& by_dep
   return any;
 }
 
-Voxmap grades_from_distance(const openvdb::FloatGrid& distance, const VoxelGrid& grid, const GradesByDepth& by_depth) {
-  Voxmap voxmap(grid);
+FilledVoxmap grades_from_distance(const openvdb::FloatGrid& distance, const VoxelGrid& grid,
+                                  const GradesByDepth& by_depth) {
+  FilledVoxmap voxmap(grid);
   voxmap.grade = sample_bricks(grid.dims, [&](const Vec3i& brick_coord, GradeBricks::Brick& brick) {
     return grade_brick(distance.tree(), by_depth, brick_coord, brick);
   });
@@ -114,7 +115,7 @@ class DistanceBetween {
 };
 
 /// Fill by the distance of the surface. Densities are those of a depth, so none has air in it.
-void part_surface(const openvdb::FloatTree& distance, const GradesByDepth& by_depth, Voxmap& voxmap) {
+void part_surface(const openvdb::FloatTree& distance, const GradesByDepth& by_depth, FilledVoxmap& voxmap) {
   const DistanceBetween between(distance);
   const std::uint8_t outermost = by_depth.grade(-std::numeric_limits<float>::min());
   const auto sample = [&](const Vec3i& voxel, std::uint8_t grade) -> SurfaceVoxel {
@@ -181,7 +182,7 @@ void check_volume(const MeshBoneSettings& settings, double voxels_mm3, double me
 
 }  // namespace
 
-Voxmap voxmap_from_mesh(const BoneSettings& settings, Report& report) {
+FilledVoxmap voxmap_from_mesh(const BoneSettings& settings, Report& report) {
   const MeshBoneSettings& bone = settings.mesh;
   const TriangleMesh mesh = checked_mesh(bone, report);
   const bool has_glenoid = settings.glenoid.center_mm || settings.glenoid.landmarks;
@@ -194,7 +195,7 @@ Voxmap voxmap_from_mesh(const BoneSettings& settings, Report& report) {
   const DensityMapping mapping = mapping_from(settings.density);
   const auto grade = [&mapping](double hu) { return DensityMapping::grade_from_density(mapping.density_from_hu(hu)); };
   const GradesByDepth by_depth{cortical_voxels, grade(bone.cortical_hu), grade(bone.trabecular_hu)};
-  Voxmap voxmap = grades_from_distance(*distance, grid, by_depth);
+  FilledVoxmap voxmap = grades_from_distance(*distance, grid, by_depth);
   voxmap.mapping = mapping;
   voxmap.frame = "mesh";
   if (voxmap.count_bone() == 0) {

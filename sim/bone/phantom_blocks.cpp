@@ -62,7 +62,7 @@ Bone make_block(const BoneSettings& settings, const DensityField& density_in_blo
               density_in_block(center.cwiseMax(box.min).cwiseMin(box.max))};
     };
   }
-  return {sample_phantom(grid, settings.density, density, partial), frame_at(Vec3::Zero())};
+  return Bone(sample_phantom(grid, settings.density, density, partial), frame_at(Vec3::Zero()));
 }
 
 }  // namespace
@@ -122,7 +122,7 @@ Bone sphere_phantom(const BoneSettings& settings) {
       return {share_inside(distance, voxel, grid.voxel_mm), density};
     };
   }
-  return {sample_phantom(grid, settings.density, field, partial), frame_at({0, 0, radius})};
+  return Bone(sample_phantom(grid, settings.density, field, partial), frame_at({0, 0, radius}));
 }
 
 }  // namespace reamsim

@@ -204,7 +204,7 @@ void describe(const GlenoidFace& face, const PhantomSettings& phantom, Report& r
 
 }  // namespace
 
-Voxmap sample_glenoid(const BoneSettings& settings, const VoxelGrid& grid) {
+FilledVoxmap sample_glenoid(const BoneSettings& settings, const VoxelGrid& grid) {
   check(settings);
   const GlenoidDensity density(settings.phantom);
   const Sides sides = sides_of(settings);
@@ -228,7 +228,7 @@ Bone glenoid_phantom(const BoneSettings& settings, Report& report) {
   const VoxelGrid grid = lattice_around("bone.phantom", {corner.cwiseMin(opposite), corner.cwiseMax(opposite)},
                                         settings.voxel_mm, kMarginVoxels);
   Bone bone;
-  bone.voxmap = sample_glenoid(settings, grid);
+  bone.set_voxels(sample_glenoid(settings, grid));
   bone.glenoid = frame_of(shape.face(), sides, settings.side);
   bone.landmarks = landmarks_of(shape.face(), sides, settings.phantom);
   for (const Vec3& point : shape.rim_mm()) bone.rim_mm.push_back(sides.bone_from_anatomy(point));

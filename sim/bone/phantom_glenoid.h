@@ -11,6 +11,6 @@ namespace reamsim {
 Bone glenoid_phantom(const BoneSettings& settings, Report& report);
 
 /// The same bone over a lattice that the caller chooses; what lies outside it is cut off. Throws as above.
-Voxmap sample_glenoid(const BoneSettings& settings, const VoxelGrid& grid);
+FilledVoxmap sample_glenoid(const BoneSettings& settings, const VoxelGrid& grid);
 
 }  // namespace reamsim

@@ -62,7 +62,7 @@ std::uint16_t fill_beside(const Hole& hole, const VoxelGrid& grid, const Vec3i& 
 }
 
 /// Leaves at most `most` of a voxel; returns what that takes from it.
-int lower_fill(Voxmap& voxmap, const Vec3i& voxel, std::uint16_t most) {
+int lower_fill(FilledVoxmap& voxmap, const Vec3i& voxel, std::uint16_t most) {
   const int before = voxmap.fill.get(voxel);
   if (before <= most) return 0;
   if (most == 0) {
@@ -75,8 +75,8 @@ int lower_fill(Voxmap& voxmap, const Vec3i& voxel, std::uint16_t most) {
 
 }  // namespace
 
-double drill_pilot_hole(Voxmap& voxmap, const PilotHoleSettings& settings, const std::optional<GlenoidFrame>& glenoid,
-                        bool partial) {
+double drill_pilot_hole(FilledVoxmap& voxmap, const PilotHoleSettings& settings,
+                        const std::optional<GlenoidFrame>& glenoid, bool partial) {
   const Hole hole = hole_in_bone(settings, glenoid);
   const VoxelGrid& grid = voxmap.grid;
   const Aabb box = hole.bounds_mm();

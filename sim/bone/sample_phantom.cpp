@@ -32,9 +32,9 @@ DensityMapping mapping_from(const DensitySettings& density) {
   return {density.ash_slope_g_cm3_per_hu, density.ash_offset_g_cm3, density.ash_fraction};
 }
 
-Voxmap sample_phantom(const VoxelGrid& grid, const DensitySettings& density, const DensityField& field,
-                      const PartialField& partial, const AirTest& all_air) {
-  Voxmap voxmap(grid);
+FilledVoxmap sample_phantom(const VoxelGrid& grid, const DensitySettings& density, const DensityField& field,
+                            const PartialField& partial, const AirTest& all_air) {
+  FilledVoxmap voxmap(grid);
   voxmap.mapping = mapping_from(density);
   voxmap.frame = "phantom";
   const double radius_mm = 0.5 * GradeBricks::kSide * grid.voxel_mm * std::numbers::sqrt3;

@@ -24,7 +24,7 @@ using PartialField = std::function<PartialVoxel(const Vec3& center_mm)>;
 
 /// Density to grade at every voxel's centre, in the frame "phantom". Whole bricks are left out where `all_air` says so.
 /// Voxels at the surface are whole without `partial`. The result does not depend on the threads.
-Voxmap sample_phantom(
+FilledVoxmap sample_phantom(
     const VoxelGrid& grid, const DensitySettings& density, const DensityField& field, const PartialField& partial = {},
     const AirTest& all_air = [](const Vec3&, double) { return false; });
 

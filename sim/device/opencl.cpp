@@ -7,22 +7,6 @@
 
 #include "sim/base/error.h"
 
-namespace reamsim::embedded {
-extern const char* const kernel_shared_h;
-extern const char* const kernel_bricks_h;
-extern const char* const kernel_profile_h;
-extern const char* const kernel_power_h;
-extern const char* const kernel_cut_law_h;
-extern const char* const kernel_outline_h;
-extern const char* const kernel_cube_share_h;
-extern const char* const kernel_clip_h;
-extern const char* const kernel_distance_grid_h;
-extern const char* const kernel_visit_h;
-extern const char* const kernel_candidates_h;
-extern const char* const kernel_brick_report_h;
-extern const char* const kernel_published_h;
-}  // namespace reamsim::embedded
-
 namespace reamsim::cl {
 
 namespace {
@@ -60,14 +44,6 @@ std::string read_text(const std::filesystem::path& path) {
   return text.str();
 }
 
-/// The source of a kernel file: the embedded text, or the file in REAMSIM_KERNEL_DIR.
-std::string kernel_source(const std::string& file, const char* embedded_source) {
-  const char* dir = std::getenv("REAMSIM_KERNEL_DIR");
-  if (dir == nullptr || *dir == '\0') return embedded_source;
-  const auto path = std::filesystem::path(dir) / file;
-  return std::filesystem::exists(path) ? read_text(path) : embedded_source;
-}
-
 std::string build_log(cl_program program, cl_device_id device) {
   std::size_t size = 0;
   clGetProgramBuildInfo(program, device, CL_PROGRAM_BUILD_LOG, 0, nullptr, &size);
@@ -92,24 +68,19 @@ Device::Device(const DeviceInfo& info) : info_(info) {
   check(status, "clCreateCommandQueue");
 }
 
-Program Device::build(const std::string& name, const char* embedded_source, const std::string& options) const {
-  // The headers' guards make their #include lines empty: a device has no folder to look in.
-  const std::string text =
-      kernel_source("shared.h", embedded::kernel_shared_h) + kernel_source("bricks.h", embedded::kernel_bricks_h) +
-      kernel_source("profile.h", embedded::kernel_profile_h) + kernel_source("power.h", embedded::kernel_power_h) +
-      kernel_source("cut_law.h", embedded::kernel_cut_law_h) + kernel_source("outline.h", embedded::kernel_outline_h) +
-      kernel_source("cube_share.h", embedded::kernel_cube_share_h) + kernel_source("clip.h", embedded::kernel_clip_h) +
-      kernel_source("distance_grid.h", embedded::kernel_distance_grid_h) +
-      kernel_source("visit.h", embedded::kernel_visit_h) +
-      kernel_source("candidates.h", embedded::kernel_candidates_h) +
-      kernel_source("brick_report.h", embedded::kernel_brick_report_h) +
-      kernel_source("published.h", embedded::kernel_published_h) + kernel_source(name, embedded_source);
-  const char* source = text.c_str();
+Program Device::build(const std::string& name, const char* source, const std::string& options) const {
+  std::string text, folder_option;
+  const char* folder = std::getenv("REAMSIM_KERNEL_DIR");
+  if (folder != nullptr && *folder != '\0' && std::filesystem::exists(std::filesystem::path(folder) / name)) {
+    text = read_text(std::filesystem::path(folder) / name);
+    folder_option = "-I " + std::string(folder) + " ";
+    source = text.c_str();
+  }
   cl_int status = CL_SUCCESS;
   Program program(clCreateProgramWithSource(context_.get(), 1, &source, nullptr, &status));
   check(status, "clCreateProgramWithSource");
   const std::string rounding = info_.rounds_division ? "-cl-fp32-correctly-rounded-divide-sqrt " : "";
-  const std::string all_options = "-cl-std=CL1.2 " + rounding + options;
+  const std::string all_options = "-cl-std=CL1.2 " + folder_option + rounding + options;
   status = clBuildProgram(program.get(), 1, &info_.id, all_options.c_str(), nullptr, nullptr);
   if (status == CL_SUCCESS) return program;
   throw RunError("kernel " + name + " does not build on " + info_.name + ": " + build_log(program.get(), info_.id));

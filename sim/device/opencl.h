@@ -76,11 +76,10 @@ class Device {
   [[nodiscard]] cl_context context() const { return context_.get(); }
   [[nodiscard]] cl_command_queue queue() const { return queue_.get(); }
 
-  /// Builds a program from the shared headers and one kernel source, embedded under `name` or read from the folder
-  /// REAMSIM_KERNEL_DIR where that is set. `options` go to the compiler, such as "-DNAME=1". Throws RunError with the
-  /// compiler's log when it does not build.
-  [[nodiscard]] Program build(const std::string& name, const char* embedded_source,
-                              const std::string& options = "") const;
+  /// Builds a program from its source, or, where the environment variable REAMSIM_KERNEL_DIR names a folder with a file
+  /// `name`, from that file. `options` go to the compiler, such as "-DNAME=1". Throws RunError with the compiler's log
+  /// when it does not build.
+  [[nodiscard]] Program build(const std::string& name, const char* source, const std::string& options = "") const;
 
   /// Waits until everything enqueued is done.
   void finish() const;
@@ -142,24 +141,40 @@ Memory Buffer<T>::allocate(const Device& device, std::size_t bytes, const char* 
   return allocate_memory(device, bytes, what);
 }
 
-/// A kernel with its arguments. Arguments stay set between launches.
+/// A buffer of these elements. It is never empty: no element is uploaded as one of zeros.
+template <class T>
+Buffer<T> upload(const Device& device, std::vector<T> data, const char* what) {
+  if (data.empty()) data.emplace_back();
+  Buffer<T> buffer(device, data.size(), what);
+  buffer.write(device, data.data(), data.size());
+  return buffer;
+}
+
+/// A kernel with its arguments, which stay set between launches. A launcher names its kernel's parameters by an enum,
+/// in the order in which the kernel declares them.
 class Kernel {
  public:
   Kernel() = default;
   Kernel(const Program& program, const char* name);
 
-  template <class T>
-  void set(cl_uint index, const T& value) {
-    check(clSetKernelArg(kernel_.get(), index, sizeof(T), &value), "clSetKernelArg");
+  template <class Argument, class T>
+  void set(Argument argument, const T& value) {
+    check(clSetKernelArg(kernel_.get(), static_cast<cl_uint>(argument), sizeof(T), &value), "clSetKernelArg");
   }
-  template <class T>
-  void set(cl_uint index, const Buffer<T>& buffer) {
-    const cl_mem memory = buffer.get();
-    check(clSetKernelArg(kernel_.get(), index, sizeof(cl_mem), &memory), "clSetKernelArg");
+  template <class Argument, class T>
+  void set(Argument argument, const Buffer<T>& buffer) {
+    set(argument, buffer.get());
+  }
+  /// Sets arguments that follow one another, the first of them `first`.
+  template <class Argument, class... T>
+  void set_from(Argument first, const T&... values) {
+    auto argument = static_cast<cl_uint>(first);
+    (set(argument++, values), ...);
   }
   /// Gives a __local argument its size.
-  void set_local(cl_uint index, std::size_t bytes) {
-    check(clSetKernelArg(kernel_.get(), index, bytes, nullptr), "clSetKernelArg");
+  template <class Argument>
+  void set_local(Argument argument, std::size_t bytes) {
+    check(clSetKernelArg(kernel_.get(), static_cast<cl_uint>(argument), bytes, nullptr), "clSetKernelArg");
   }
   /// Launches at least `items` work-items in groups of `group`; the event tells when it ran.
   [[nodiscard]] Event launch(const Device& device, std::size_t items, std::size_t group) const;
@@ -175,8 +190,9 @@ std::vector<double> take_seconds(std::vector<Event>& events);
 class SlotKernel : public Kernel {
  public:
   /// The device must outlive the kernel.
-  SlotKernel(const Device& device, const Program& program, const char* name, cl_uint slot_argument, std::size_t group)
-      : Kernel(program, name), device_(device), slot_argument_(slot_argument), group_(group) {}
+  template <class Argument>
+  SlotKernel(const Device& device, const Program& program, const char* name, Argument slot, std::size_t group)
+      : Kernel(program, name), device_(device), slot_argument_(static_cast<cl_uint>(slot)), group_(group) {}
 
   /// Enqueues at least `items` work-items for the substep in `slot`; with none, one group, so that every substep has
   /// its time: kernels let items beyond their range go.

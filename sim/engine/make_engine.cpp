@@ -7,11 +7,11 @@
 
 namespace reamsim {
 
-std::unique_ptr<Engine> make_engine(const Scenario& scenario, const Voxmap& voxmap, const Tool& tool) {
-  if (scenario.engine.device == "serial") return make_serial_engine(scenario, voxmap, tool);
-  if (scenario.cutting.erosion == ErosionMode::exact) return make_exact_engine(scenario, voxmap, tool);
-  if (scenario.engine.detector == EngineKind::bricked) return make_bricked_engine(scenario, voxmap, tool);
-  return make_dense_engine(scenario, voxmap, tool);
+std::unique_ptr<Engine> make_engine(const Scenario& scenario, const BoneView& bone, const Tool& tool) {
+  if (scenario.engine.device == "serial") return make_serial_engine(scenario, bone, tool);
+  if (scenario.cutting.erosion == ErosionMode::exact) return make_exact_engine(scenario, bone, tool);
+  if (scenario.engine.detector == EngineKind::bricked) return make_bricked_engine(scenario, bone, tool);
+  return make_dense_engine(scenario, bone, tool);
 }
 
 }  // namespace reamsim

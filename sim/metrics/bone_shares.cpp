@@ -12,17 +12,17 @@ int least_dense_grade(double dense_g_cm3) {
 
 BoneShares::BoneShares(const ReamedBone& bone, double dense_g_cm3)
     : bone_(bone),
-      voxels_per_mm_(1 / bone.after.grid.voxel_mm),
-      bricks_(BrickLattice::over(bone.after.grid.dims)),
+      voxels_per_mm_(1 / bone.voxmap.grid.voxel_mm),
+      bricks_(BrickLattice::over(bone.voxmap.grid.dims)),
       dense_grade_(least_dense_grade(dense_g_cm3)) {}
 
 void BoneShares::look_at(const Vec3i& brick) {
   if (brick == view_.coord) return;
   view_ = {.coord = brick};
   if (!bricks_.contains(brick)) return;
-  view_.grade = bone_.after.grade.brick(brick);
+  view_.grade = bone_.voxmap.grade.brick(brick);
   view_.before = bone_.fill_before.brick(brick);
-  view_.after = bone_.after.fill.brick(brick);
+  view_.after = bone_.fill_after.brick(brick);
 }
 
 void BoneShares::add(int offset, double weight, Shares& sum) const {
@@ -37,7 +37,7 @@ void BoneShares::add(int offset, double weight, Shares& sum) const {
 }
 
 Shares BoneShares::at(const Vec3& point_mm) {
-  const Vec3 place = (point_mm - bone_.after.grid.origin_mm) * voxels_per_mm_ - Vec3::Constant(0.5);
+  const Vec3 place = (point_mm - bone_.voxmap.grid.origin_mm) * voxels_per_mm_ - Vec3::Constant(0.5);
   const Vec3 lower = place.array().floor();
   const Vec3 high = place - lower;
   const Vec3 low = Vec3::Ones() - high;

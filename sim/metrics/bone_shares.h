@@ -9,8 +9,9 @@ namespace reamsim {
 
 /// A bone before and after reaming, on one lattice and with one set of grades.
 struct ReamedBone {
-  const Voxmap& after;
+  const Voxmap& voxmap;
   const FillBricks& fill_before;
+  const FillBricks& fill_after;
 };
 
 /// What part of the space round a point is bone, 0…1.

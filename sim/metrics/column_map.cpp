@@ -22,7 +22,7 @@ constexpr int kSheetVoxels = 2;
 Aabb box_of_cut(const ReamedBone& bone, const Rigid& map_from_bone) {
   constexpr double kFar = std::numeric_limits<double>::infinity();
   Aabb box{Vec3::Constant(kFar), Vec3::Constant(-kFar)};
-  const VoxelGrid& grid = bone.after.grid;
+  const VoxelGrid& grid = bone.voxmap.grid;
   for_each_cut_voxel(bone, [&](const Vec3i& voxel, std::uint8_t, std::uint16_t, std::uint16_t) {
     const Vec3 place = map_from_bone * grid.center_mm(voxel.x(), voxel.y(), voxel.z());
     box.min = box.min.cwiseMin(place);
@@ -37,7 +37,7 @@ Aabb box_of_cut(const ReamedBone& bone, const Rigid& map_from_bone) {
 class ColumnScan {
  public:
   ColumnScan(const ReamedBone& bone, double top_mm, double bottom_mm)
-      : shares_(bone, DensityMapping::kMaxDensity_g_cm3), voxel_mm_(bone.after.grid.voxel_mm), top_mm_(top_mm) {
+      : shares_(bone, DensityMapping::kMaxDensity_g_cm3), voxel_mm_(bone.voxmap.grid.voxel_mm), top_mm_(top_mm) {
     step_mm_ = voxel_mm_ / kSamplesPerVoxel;
     const double steps = std::ceil((top_mm - bottom_mm) / step_mm_);
     before_.resize(static_cast<std::size_t>(steps) + 1);
@@ -170,7 +170,7 @@ ColumnMap map_columns(const ReamedBone& bone, const Rigid& bone_from_map, const 
   map.bone_from_map = bone_from_map;
   const Aabb box = box_of_cut(bone, bone_from_map.inverse());
   if (box.empty()) return map;
-  const double voxel_mm = bone.after.grid.voxel_mm;
+  const double voxel_mm = bone.voxmap.grid.voxel_mm;
   const Vec3 margin = Vec3::Constant(room.margin_mm + voxel_mm);
   const Vec3 from = (box.min - margin).cwiseMin(-room.radius_mm);
   const Vec3 to = (box.max + margin).cwiseMax(room.radius_mm);

@@ -90,8 +90,8 @@ ColumnMap map_columns(const ReamedBone& bone, const Rigid& bone_from_map, const 
 /// Calls visit(voxel, grade, fill before, fill after) for every voxel with bone that lost some.
 template <class Visit>
 void for_each_cut_voxel(const ReamedBone& bone, const Visit& visit) {
-  bone.after.fill.for_each_brick([&](const Vec3i& coord, const FillBricks::Brick& after) {
-    const GradeBricks::Brick* grades = bone.after.grade.brick(coord);
+  bone.fill_after.for_each_brick([&](const Vec3i& coord, const FillBricks::Brick& after) {
+    const GradeBricks::Brick* grades = bone.voxmap.grade.brick(coord);
     if (grades == nullptr) return;
     const FillBricks::Brick* before = bone.fill_before.brick(coord);
     for (int offset = 0; offset < FillBricks::kVoxels; ++offset) {

@@ -108,7 +108,7 @@ FaceAngles face_angles(const Vec3& direction, const ScapularAxes& axes) {
 JointLine measure_joint_line(const ReamedBone& bone, const ColumnMap& map, const ReamedFace& face,
                              const BoneAxes& axes) {
   JointLine out;
-  const double voxel_mm = bone.after.grid.voxel_mm;
+  const double voxel_mm = bone.voxmap.grid.voxel_mm;
   const Vec3 reamer = map.bone_from_map.linear().col(2);
   FacePoints points{.points_mm = {}, .point_mm2 = map.pitch_mm * map.pitch_mm, .voxel_mm = voxel_mm};
   // More points than this tell no more of a surface.

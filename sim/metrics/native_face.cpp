@@ -18,7 +18,7 @@ class FaceRaster {
  public:
   FaceRaster(const ReamedBone& bone, const FaceOutline& outline) : outline_(outline) {
     const Aabb& box = outline.box_mm();
-    const double voxel_mm = bone.after.grid.voxel_mm;
+    const double voxel_mm = bone.voxmap.grid.voxel_mm;
     pitch_mm_ = std::max({voxel_mm, kFacePitch_mm, (box.max - box.min).head<2>().maxCoeff() / kMostColumns});
     first_ = (box.min.head<2>() / pitch_mm_).array().floor().cast<int>();
     const Eigen::Vector2i last = (box.max.head<2>() / pitch_mm_).array().floor().cast<int>();
@@ -83,7 +83,7 @@ class FaceRaster {
 
 NativeFace measure_native_face(const ReamedBone& bone, const FaceOutline& outline) {
   FaceRaster raster(bone, outline);
-  const double voxel_mm = bone.after.grid.voxel_mm;
+  const double voxel_mm = bone.voxmap.grid.voxel_mm;
   const double cell_mm2 = raster.pitch_mm() * raster.pitch_mm();
   const double margin_mm = std::min(kRimMargin_mm, outline.inner_radius_mm() / 4);
   NativeFace out;

@@ -93,7 +93,7 @@ RemovedVolume removed_volume(const ReamedBone& bone, double dense_g_cm3) {
   for_each_cut_voxel(bone, [&](const Vec3i&, std::uint8_t grade, std::uint16_t before, std::uint16_t after) {
     (grade >= dense_grade ? dense : trabecular) += before - after;
   });
-  const double unit_mm3 = bone.after.grid.voxel_mm3() / FillBricks::kWhole;
+  const double unit_mm3 = bone.voxmap.grid.voxel_mm3() / FillBricks::kWhole;
   return {.total_mm3 = static_cast<double>(trabecular + dense) * unit_mm3,
           .trabecular_mm3 = static_cast<double>(trabecular) * unit_mm3,
           .dense_mm3 = static_cast<double>(dense) * unit_mm3};
@@ -102,7 +102,7 @@ RemovedVolume removed_volume(const ReamedBone& bone, double dense_g_cm3) {
 BoneMetrics measure_bone(const ReamedBone& bone, const Rigid& bone_from_tool, const BoneAxes& axes,
                          const MetricSettings& settings) {
   BoneMetrics out;
-  const double voxel_mm = bone.after.grid.voxel_mm;
+  const double voxel_mm = bone.voxmap.grid.voxel_mm;
   out.removed = removed_volume(bone, settings.dense_g_cm3);
   const double footprint_mm = settings.implant ? settings.implant->diameter_mm : 0;
   const ColumnMap map = map_columns(bone, bone_from_tool, {.margin_mm = voxel_mm, .radius_mm = footprint_mm / 2});

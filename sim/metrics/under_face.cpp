@@ -62,7 +62,7 @@ bool is_at_edge(const ColumnMap& map, const ColumnPlace& place, int reach, doubl
 std::optional<DenseBoneLeft> dense_bone_left(const ReamedBone& bone, const ColumnMap& map, const ReamedFace& face,
                                              double dense_g_cm3) {
   if (!face.plane) return std::nullopt;
-  const VoxelGrid& grid = bone.after.grid;
+  const VoxelGrid& grid = bone.voxmap.grid;
   const double most_mm = grid.voxel_mm * grid.dims.cast<double>().norm();
   BoneShares shares(bone, dense_g_cm3);
   std::vector<double> lengths;

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "sim/engine/common/voxel_box.h"
-#include "sim/engine/exact/exact_reach.h"
+#include "sim/engine/exact/list_bricks.h"
 
 namespace reamsim {
 
@@ -14,7 +14,7 @@ namespace {
 
 /// The tool is looked at each time that it may have moved so far, voxels.
 constexpr double kStepVoxels = 2;
-/// Half a brick's diagonal with half a voxel's, as in kernels/reach_exact.cl.
+/// Half a brick's diagonal with half a voxel's, as in kernels/list_bricks.cl.
 constexpr double kBrickRadiusVoxels = 7;
 
 enum class BrickMark : std::uint8_t { air, whole, parted };
@@ -26,7 +26,7 @@ double longest_way(const ToolPose& a, const ToolPose& b, const Tool& tool) {
 
 /// As far as the tool can move in a visit, mm.
 double visit_shift(const ReamingScene& scene) {
-  const double voxel_mm = scene.bone.voxmap.grid.voxel_mm;
+  const double voxel_mm = scene.bone.voxmap->grid.voxel_mm;
   double substep_mm = 0;
   const auto& poses = scene.motion.poses;
   for (std::size_t k = 1; k < poses.size(); ++k) {
@@ -42,14 +42,14 @@ class SweptBricks {
   explicit SweptBricks(const ReamingScene& scene)
       : scene_(scene),
         visit_shift_mm_(visit_shift(scene)),
-        voxel_mm_(scene.bone.voxmap.grid.voxel_mm),
-        lattice_(BrickLattice::over(scene.bone.voxmap.grid.dims)),
+        voxel_mm_(scene.bone.voxmap->grid.voxel_mm),
+        lattice_(BrickLattice::over(scene.bone.voxmap->grid.dims)),
         marks_(lattice_.count(), BrickMark::air),
-        bone_(bone_extent(scene.bone.voxmap)),
+        bone_(bone_extent(*scene.bone.voxmap)),
         coarse_(make_coarse_distance(scene.tool.profile, voxel_mm_, scene.tool.clip_slack_mm())) {
-    const Voxmap& voxmap = scene.bone.voxmap;
+    const Voxmap& voxmap = *scene.bone.voxmap;
     voxmap.grade.for_each_brick([&](const Vec3i& coord, const GradeBricks::Brick&) {
-      const bool parted = voxmap.fill.brick(coord) != nullptr;
+      const bool parted = scene.bone.fill.brick(coord) != nullptr;
       marks_[lattice_.index(coord)] = parted ? BrickMark::parted : BrickMark::whole;
       out_.parted += parted ? 1 : 0;
     });
@@ -62,7 +62,7 @@ class SweptBricks {
     const double listed_mm = met_mm + visit_shift_mm_ + double{coarse_.grid.slack_mm};
     const Aabb box = scene_.tool.clip_bounds().expanded(listed_mm);
     const SubstepArgs args =
-        make_args(rest, box, scene_.tool.shell, scene_.bone.voxmap.grid, scene_.scenario.cutting, false);
+        make_args(rest, box, scene_.tool.shell, scene_.bone.voxmap->grid, scene_.scenario.cutting, false);
     const VoxelBox near = voxel_voi(args, box, bone_);
     if (near.empty()) return;
     const Vec3i first = near.first / BrickLattice::kSide, last = near.last / BrickLattice::kSide;
@@ -116,7 +116,7 @@ class SweptBricks {
 ExactForecast forecast_exact(const ReamingScene& scene) {
   SweptBricks swept(scene);
   const auto& poses = scene.motion.poses;
-  const double step_mm = kStepVoxels * scene.bone.voxmap.grid.voxel_mm;
+  const double step_mm = kStepVoxels * scene.bone.voxmap->grid.voxel_mm;
   const ToolPose* last = &poses.front();
   swept.take(*last, step_mm);
   for (const ToolPose& pose : poses) {

@@ -48,18 +48,17 @@ double results_bytes(const BrickCounts& bricks) {
 
 std::size_t planned_device_bytes(const ReamingScene& scene, const ExactForecast& forecast) {
   const Scenario& scenario = scene.scenario;
-  const Voxmap& voxmap = scene.bone.voxmap;
+  const BoneView bone = scene.bone;
   if (scenario.engine.device == "serial") return 0;
-  if (scenario.cutting.erosion == ErosionMode::exact) return exact_engine_bytes(voxmap, scene.tool, forecast);
-  if (scenario.engine.detector == EngineKind::bricked) return bricked_engine_bytes(scenario, voxmap, scene.tool);
-  return plan_dense(scenario.engine.detector, voxmap, scene.tool, scenario.cutting.erosion == ErosionMode::wear)
-      .bytes();
+  if (scenario.cutting.erosion == ErosionMode::exact) return exact_engine_bytes(bone, scene.tool, forecast);
+  if (scenario.engine.detector == EngineKind::bricked) return bricked_engine_bytes(scenario, bone, scene.tool);
+  return plan_dense(scenario.engine.detector, bone, scene.tool, scenario.cutting.erosion == ErosionMode::wear).bytes();
 }
 
 }  // namespace
 
 MemoryPlan plan_memory(const ReamingScene& scene) {
-  const Voxmap& voxmap = scene.bone.voxmap;
+  const Voxmap& voxmap = *scene.bone.voxmap;
   const bool exact = scene.scenario.cutting.erosion == ErosionMode::exact;
   const ExactForecast forecast = exact ? forecast_exact(scene) : ExactForecast{};
   MemoryPlan plan{.device_bytes = planned_device_bytes(scene, forecast)};
@@ -70,8 +69,9 @@ MemoryPlan plan_memory(const ReamingScene& scene) {
   const double engine = serial ? kSerialBytes * static_cast<double>(voxmap.grid.size())
                                : kCompilerBytes + static_cast<double>(plan.device_bytes);
   // The fill as it was when the run began, and as it is.
-  const double fill = std::max(2.0 * static_cast<double>(voxmap.fill.bytes()),
-                               static_cast<double>(voxmap.fill.bytes() + sizeof(FillBricks::Brick) * forecast.parted));
+  const double fill =
+      std::max(2.0 * static_cast<double>(scene.bone.fill.bytes()),
+               static_cast<double>(scene.bone.fill.bytes() + sizeof(FillBricks::Brick) * forecast.parted));
   BrickCounts bricks = count_bricks(voxmap.grade);
   // The face that the tool leaves is surface as well.
   bricks.parted += static_cast<double>(forecast.listed);

@@ -56,7 +56,11 @@ class Way {
 class ContactSearch {
  public:
   explicit ContactSearch(const ReamingScene& scene)
-      : voxmap_(scene.bone.voxmap), profile_(scene.tool.profile), voxel_mm_(voxmap_.grid.voxel_mm), way_(scene) {
+      : voxmap_(*scene.bone.voxmap),
+        fill_(scene.bone.fill),
+        profile_(scene.tool.profile),
+        voxel_mm_(voxmap_.grid.voxel_mm),
+        way_(scene) {
     voxmap_.grade.for_each_brick([&](const Vec3i& coord, const GradeBricks::Brick&) {
       const Vec3 middle =
           voxmap_.grid.origin_mm + voxel_mm_ * BrickLattice::kSide * (coord.cast<double>() + Vec3::Constant(0.5));
@@ -139,7 +143,7 @@ class ContactSearch {
   template <class Visit>
   void for_each_voxel_left(const Vec3i& coord, const Visit& visit) const {
     const GradeBricks::Brick& grades = *voxmap_.grade.brick(coord);
-    const FillBricks::Brick* fills = voxmap_.fill.brick(coord);
+    const FillBricks::Brick* fills = fill_.brick(coord);
     for (int offset = 0; offset < GradeBricks::kVoxels; ++offset) {
       const auto at = static_cast<std::size_t>(offset);
       const std::uint16_t fill = fills == nullptr ? FillBricks::kWhole : (*fills)[at];
@@ -150,6 +154,7 @@ class ContactSearch {
   }
 
   const Voxmap& voxmap_;
+  const FillBricks& fill_;
   const Profile& profile_;
   double voxel_mm_;
   Way way_;
@@ -164,7 +169,7 @@ ContactForecast forecast_contact(const ReamingScene& scene) {
   ContactSearch search(scene);
   out.start_mm3 = search.start_mm3();
   // What a tool meets at its start it meets.
-  if (out.start_mm3 > scene.bone.voxmap.grid.voxel_mm3()) {
+  if (out.start_mm3 > scene.bone.voxmap->grid.voxel_mm3()) {
     out.meets = true;
   } else {
     search.find_nearest(out);
@@ -174,7 +179,7 @@ ContactForecast forecast_contact(const ReamingScene& scene) {
 
 void warn_of_contact(const ReamingScene& scene, const ContactForecast& forecast, Report& report) {
   char text[300];
-  if (forecast.start_mm3 > scene.bone.voxmap.grid.voxel_mm3()) {
+  if (forecast.start_mm3 > scene.bone.voxmap->grid.voxel_mm3()) {
     const bool exact = scene.scenario.cutting.erosion == ErosionMode::exact;
     std::snprintf(text, sizeof text,
                   "the tool starts in the bone: about %.3g mm3 of bone lie in it at its first pose%s",

@@ -3,7 +3,7 @@
 #include <cstdint>
 
 #include "sim/bone/vdb/bone_vdb.h"
-#include "sim/bone/voxmap/fill_bricks.h"
+#include "sim/bone/voxmap/sparse_bricks.h"
 #include "sim/record/results.h"
 
 namespace reamsim {

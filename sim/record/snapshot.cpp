@@ -33,7 +33,7 @@ void put_brick(openvdb::FloatGrid& grid, const Vec3i& brick_coord, const FillBri
       for (int x = 0; x < 8; ++x) {
         const std::uint16_t units = brick == nullptr
                                         ? FillBricks::kWhole
-                                        : (*brick)[static_cast<std::size_t>(FillBricks::offset_in_brick({x, y, z}))];
+                                        : (*brick)[static_cast<std::size_t>(BrickLattice::offset_of({x, y, z}))];
         leaf->setValueOn(corner.offsetBy(x, y, z), static_cast<float>(units) / FillBricks::kWhole);
       }
     }

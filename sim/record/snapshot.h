@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "sim/bone/voxmap/fill_bricks.h"
+#include "sim/bone/voxmap/sparse_bricks.h"
 #include "sim/bone/voxmap/voxmap.h"
 
 namespace reamsim {

@@ -112,11 +112,11 @@ nlohmann::ordered_json force_law_json(const CuttingSettings& cutting) {
 }
 
 nlohmann::ordered_json bone_json(const ReamingScene& scene, const RunTotals& totals, const RunFacts& facts) {
-  const VoxelGrid& grid = scene.bone.voxmap.grid;
+  const VoxelGrid& grid = scene.bone.voxmap->grid;
   return {{"voxel_mm", grid.voxel_mm},
           {"dims", {grid.dims.x(), grid.dims.y(), grid.dims.z()}},
           {"bone_before_mm3", facts.bone_before_mm3},
-          {"bone_after_mm3", scene.bone.voxmap.bone_mm3()},
+          {"bone_after_mm3", scene.bone.view().bone_mm3()},
           {"removed_mm3", totals.removed_mm3}};
 }
 
@@ -179,8 +179,8 @@ void write_tool(const std::string& dir, const Tool& tool) {
 
 void write_results(const std::string& dir, const ReamingScene& scene, const Recorder& recorder, const RunFacts& facts) {
   write_text(dir + "/scenario.yaml", scenario_head(facts) + to_yaml(scene.scenario));
-  write_bone_vdb(dir + "/reamed.vdb", scene.bone.voxmap, recorder.removed_frames(), provenance(scene, facts));
-  if (scene.scenario.output.vti) write_vti(dir + "/reamed.vti", scene.bone.voxmap);
+  write_bone_vdb(dir + "/reamed.vdb", scene.bone, recorder.removed_frames(), provenance(scene, facts));
+  if (scene.scenario.output.vti) write_vti(dir + "/reamed.vti", scene.bone);
   write_depth_map(dir + "/depth_map.csv", facts.depth_map);
 }
 

@@ -44,11 +44,11 @@ std::string header(const VoxelGrid& grid) {
 }
 
 /// Density × fill of `count` voxels along x that lie in one brick; leaves air as it is.
-void put_row(const Voxmap& voxmap, const Vec3i& voxel, std::size_t count, float* out) {
+void put_row(const BoneView& bone, const Vec3i& voxel, std::size_t count, float* out) {
   const Vec3i brick = BrickLattice::brick_of(voxel);
-  const GradeBricks::Brick* grades = voxmap.grade.brick(brick);
+  const GradeBricks::Brick* grades = bone.voxmap.grade.brick(brick);
   if (grades == nullptr) return;
-  const FillBricks::Brick* fills = voxmap.fill.brick(brick);
+  const FillBricks::Brick* fills = bone.fill.brick(brick);
   const auto first = static_cast<std::size_t>(BrickLattice::offset_of(voxel));
   for (std::size_t i = 0; i < count; ++i) {
     const std::uint8_t grade = (*grades)[first + i];
@@ -58,15 +58,15 @@ void put_row(const Voxmap& voxmap, const Vec3i& voxel, std::size_t count, float*
   }
 }
 
-std::vector<float> density_block(const Voxmap& voxmap, std::size_t begin, std::size_t end) {
+std::vector<float> density_block(const BoneView& bone, std::size_t begin, std::size_t end) {
   std::vector<float> out(end - begin, 0.0F);
-  const int nx = voxmap.grid.dims.x();
+  const int nx = bone.voxmap.grid.dims.x();
   for (std::size_t e = begin; e < end;) {
-    const Vec3i voxel = voxmap.grid.coord(static_cast<std::int64_t>(e));
+    const Vec3i voxel = bone.voxmap.grid.coord(static_cast<std::int64_t>(e));
     // The voxels from here on that lie in the same row of the same brick.
     const int row_end = std::min(nx, (voxel.x() | (GradeBricks::kSide - 1)) + 1);
     const std::size_t count = std::min(static_cast<std::size_t>(row_end - voxel.x()), end - e);
-    put_row(voxmap, voxel, count, out.data() + (e - begin));
+    put_row(bone, voxel, count, out.data() + (e - begin));
     e += count;
   }
   return out;
@@ -83,8 +83,8 @@ std::vector<unsigned char> deflated(const std::vector<float>& values) {
 
 }  // namespace
 
-void write_vti(const std::string& path, const Voxmap& voxmap) {
-  const auto voxels = static_cast<std::size_t>(voxmap.grid.size());
+void write_vti(const std::string& path, const BoneView& bone) {
+  const auto voxels = static_cast<std::size_t>(bone.voxmap.grid.size());
   const std::size_t blocks = (voxels + kBlockVoxels - 1) / kBlockVoxels;
   std::vector<std::uint64_t> sizes{blocks, kBlockVoxels * sizeof(float), voxels % kBlockVoxels * sizeof(float)};
   sizes.resize(3 + blocks);
@@ -95,11 +95,11 @@ void write_vti(const std::string& path, const Voxmap& voxmap) {
   };
   const std::vector<float> air(kBlockVoxels, 0.0F);
   const std::vector<unsigned char> deflated_air = deflated(air);  // most blocks of a fine lattice
-  out << header(voxmap.grid);
+  out << header(bone.voxmap.grid);
   const auto table = out.tellp();
   put(sizes);
   for (std::size_t b = 0; b < blocks; ++b) {
-    const auto values = density_block(voxmap, b * kBlockVoxels, std::min(voxels, (b + 1) * kBlockVoxels));
+    const auto values = density_block(bone, b * kBlockVoxels, std::min(voxels, (b + 1) * kBlockVoxels));
     const bool all_air = values.size() == kBlockVoxels && values == air;
     const auto block = all_air ? deflated_air : deflated(values);
     sizes[3 + b] = block.size();

@@ -9,6 +9,6 @@ namespace reamsim {
 /// Writes density × fill (g/cm³, float32) at the voxel centres as a VTK ImageData file, zlib-compressed, for readers
 /// without OpenVDB (ParaView, 3D Slicer, PyVista). Written block by block, a few MB at a time; readers need 4 bytes for
 /// every voxel of the lattice, air included. Throws RunError when the file cannot be written.
-void write_vti(const std::string& path, const Voxmap& voxmap);
+void write_vti(const std::string& path, const BoneView& bone);
 
 }  // namespace reamsim

@@ -17,7 +17,7 @@ FrameResult FrameLedger::close(const PendingFrame& frame, const std::vector<Subs
   out.pose = frame.pose;
   rs_i64 removed = 0;
   for (const auto& [slot, substep] : frame.cut) {
-    const SubstepSums& sum = sums[static_cast<std::size_t>(slot)];
+    const SubstepSums& sum = sums[slot];
     const Mat3 bone_from_sums = bone_from_shell(substep.pose, sums_turn_).linear();
     const Vec3 force = bone_from_sums * scaled(sum.force, RS_FORCE_SCALE);
     const Vec3 torque = bone_from_sums * scaled(sum.torque, RS_TORQUE_SCALE);

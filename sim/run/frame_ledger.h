@@ -14,7 +14,8 @@ struct PendingFrame {
   ToolPose before;  ///< pose at the start of the frame
   ToolPose pose;    ///< pose at its end
   int substeps = 1;
-  std::vector<std::pair<int, Substep>> cut;  ///< (slot, substep) of those that the broad phase let through
+  std::vector<std::pair<std::size_t, Substep>>
+      cut;  ///< (place in the batch, substep) of those that the broad phase let through
   double broad_phase_s = 0;
 };
 

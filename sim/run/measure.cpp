@@ -6,7 +6,7 @@ namespace reamsim {
 
 void measure(RunFacts& facts, const ReamingScene& scene, const FillBricks& fill_before, const RunTotals& totals) {
   const Stopwatch watch;
-  const ReamedBone bone{scene.bone.voxmap, fill_before};
+  const ReamedBone bone{*scene.bone.voxmap, fill_before, scene.bone.fill};
   const Rigid bone_from_tool = totals.deepest_pose.bone_from_tool();
   BoneAxes axes{.scapula = scene.bone.scapula, .glenoid = {}};
   axes.rim_mm = scene.bone.rim_mm;

@@ -52,12 +52,12 @@ class Run {
         sink_(sink),
         report_(report),
         tool_box_(cutting_box(scene)),
-        bone_box_(bone_box(scene.bone.voxmap)),
-        ledger_(scene.bone.voxmap.grid.voxel_mm3(), scene.motion.frame_s(),
+        bone_box_(bone_box(*scene.bone.voxmap)),
+        ledger_(scene.bone.voxmap->grid.voxel_mm3(), scene.motion.frame_s(),
                 scene.scenario.cutting.law == CuttingLaw::per_point && scene.scenario.tool.spin == ToolSpin::resolved),
         resolved_(turns_with_spin(scene)),
         exact_(scene.scenario.cutting.erosion == ErosionMode::exact),
-        max_step_mm_(scene.scenario.engine.max_step_voxels * scene.bone.voxmap.grid.voxel_mm) {}
+        max_step_mm_(scene.scenario.engine.max_step_voxels * scene.bone.voxmap->grid.voxel_mm) {}
 
   void frames(const RunControl& control) {
     const auto& poses = scene_.motion.poses;
@@ -87,7 +87,7 @@ class Run {
       const Substep rest{.pose = pose, .duration_s = scene_.motion.frame_s()};
       if (const auto voi = broad_phase(tool_box_, bone_box_, bone_from_shell(pose, resolved_).inverse())) {
         SubstepArgs args =
-            make_args(rest, *voi, scene_.tool.shell, scene_.bone.voxmap.grid, scene_.scenario.cutting, resolved_);
+            make_args(rest, *voi, scene_.tool.shell, scene_.bone.voxmap->grid, scene_.scenario.cutting, resolved_);
         args.law = RS_LAW_NONE;
         enqueue(args, rest, pending);
       }
@@ -98,10 +98,8 @@ class Run {
 
   void enqueue(const SubstepArgs& args, const Substep& substep, PendingFrame& pending) {
     if (engine_.full()) drain();
-    const int slot = engine_.begin(args);
-    engine_.detector().detect(slot);
-    engine_.erosion().cut(slot);
-    pending.cut.emplace_back(static_cast<int>(batch_.sums.size()) + slot, substep);
+    engine_.enqueue(args);
+    pending.cut.emplace_back(enqueued_++, substep);
   }
 
   /// One frame: in each substep, what the broad phase lets through is detected and cut.
@@ -116,7 +114,7 @@ class Run {
       const auto voi = broad_phase(tool_box_, bone_box_, tool_from_bone);
       pending.broad_phase_s += watch.seconds();
       if (!voi) continue;
-      enqueue(make_args(substep, *voi, scene_.tool.shell, scene_.bone.voxmap.grid, scene_.scenario.cutting, resolved_),
+      enqueue(make_args(substep, *voi, scene_.tool.shell, scene_.bone.voxmap->grid, scene_.scenario.cutting, resolved_),
               substep, pending);
     }
     pending_.push_back(std::move(pending));
@@ -124,11 +122,10 @@ class Run {
 
   /// Takes what the engine has finished; slots of the frames that wait count on from there.
   void drain() {
-    Batch part = engine_.collect();
+    const Batch part = engine_.collect();
     const auto append = [](auto& to, const auto& from) { to.insert(to.end(), from.begin(), from.end()); };
     append(batch_.sums, part.sums);
-    append(batch_.detect_s, part.detect_s);
-    append(batch_.cut_s, part.cut_s);
+    append(batch_.times, part.times);
     append(removed_, engine_.take_removed());
   }
 
@@ -136,27 +133,28 @@ class Run {
   void record() {
     drain();
     for (const auto& [voxel, frame] : removed_) {
-      scene_.bone.voxmap.fill.set(scene_.bone.voxmap.grid.coord(voxel), 0);
+      scene_.bone.fill.set(scene_.bone.voxmap->grid.coord(voxel), 0);
     }
     sink_.removed(removed_);
     for (const PendingFrame& pending : pending_) {
       const FrameResult result = ledger_.close(pending, batch_.sums);
       FrameTimes times{.broad_phase_s = pending.broad_phase_s};
       for (const auto& [slot, substep] : pending.cut) {
-        times.detect_s += batch_.detect_s[static_cast<std::size_t>(slot)];
-        times.cut_s += batch_.cut_s[static_cast<std::size_t>(slot)];
+        times.detect_s += batch_.times[slot].detect_s;
+        times.cut_s += batch_.times[slot].cut_s;
       }
       watch(result);
       sink_.frame(result, times);
     }
     pending_.clear();
     batch_ = {};
+    enqueued_ = 0;
     removed_.clear();
   }
 
   void snapshot(std::int64_t frame) {
-    engine_.read_fill(scene_.bone.voxmap);
-    sink_.snapshot(frame, scene_.bone.voxmap.fill);
+    engine_.read_fill(*scene_.bone.voxmap, scene_.bone.fill);
+    sink_.snapshot(frame, scene_.bone.fill);
   }
 
   /// Says once what a user may not have meant.
@@ -189,7 +187,8 @@ class Run {
   bool exact_;
   double max_step_mm_;
   std::vector<PendingFrame> pending_;
-  Batch batch_;
+  Batch batch_;               ///< of the frames that wait
+  std::size_t enqueued_ = 0;  ///< substeps of these frames
   RemovedFrames removed_;
   bool touched_ = false;
   bool still_ = false;
@@ -199,7 +198,7 @@ class Run {
 
 std::unique_ptr<Engine> load_engine(const ReamingScene& scene) {
   try {
-    return make_engine(scene.scenario, scene.bone.voxmap, scene.tool);
+    return make_engine(scene.scenario, scene.bone, scene.tool);
   } catch (const InputError& error) {
     throw scene.scenario.keys.located(error);
   }
@@ -211,7 +210,7 @@ void simulate(ReamingScene& scene, Engine& engine, FrameSink& sink, const RunCon
 
 RunCost estimate_cost(const ReamingScene& scene) {
   const auto& poses = scene.motion.poses;
-  const double max_step_mm = scene.scenario.engine.max_step_voxels * scene.bone.voxmap.grid.voxel_mm;
+  const double max_step_mm = scene.scenario.engine.max_step_voxels * scene.bone.voxmap->grid.voxel_mm;
   RunCost cost{.frames = std::ssize(poses) - 1};
   for (std::size_t k = 1; k < poses.size(); ++k) {
     cost.substeps += count_substeps(poses[k - 1], poses[k], scene.tool, turns_with_spin(scene), max_step_mm);

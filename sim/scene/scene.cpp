@@ -45,7 +45,7 @@ ReamingScene load_scene(const Scenario& scenario, Report& report, MistakeList& f
     scene.bone = load_bone(with_surface_voxels(scenario.bone, scenario.cutting), report);
     scene.scenario.bone.side = scene.bone.side;
   });
-  const double voxel_mm = bone ? scene.bone.voxmap.grid.voxel_mm : scenario.bone.voxel_mm;
+  const double voxel_mm = bone ? scene.bone.voxmap->grid.voxel_mm : scenario.bone.voxel_mm;
   mistakes.attempt([&] { load_tool_of(scene, voxel_mm, report); });
   if (bone || scenario.motion.frame != PoseFrame::glenoid) {
     mistakes.attempt([&] { scene.motion = build_motion(scenario.motion, scene.bone.glenoid, report); });

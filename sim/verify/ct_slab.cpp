@@ -85,7 +85,7 @@ double CtSlab::specific_energy_to(double depth) const {
   return sum / kParts;
 }
 
-Voxmap scan_and_import(const CtSlab& slab, double voxel_mm) {
+FilledVoxmap scan_and_import(const CtSlab& slab, double voxel_mm) {
   BoneSettings settings;
   settings.source = BoneSource::ct;
   settings.voxel_mm = voxel_mm;

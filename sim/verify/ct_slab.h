@@ -30,6 +30,6 @@ inline constexpr double kSoftTissue_hu = 40;
 inline constexpr double kSlabThreshold_hu = 226;
 
 /// Scans the slab and imports it at `voxel_mm`, as `bone.source: ct` does.
-Voxmap scan_and_import(const CtSlab& slab, double voxel_mm);
+FilledVoxmap scan_and_import(const CtSlab& slab, double voxel_mm);
 
 }  // namespace reamsim::verify

@@ -43,10 +43,10 @@ struct Gone {
   double volume_mm3 = 0;
 };
 
-Gone gone_from(const Voxmap& left) {
+Gone gone_from(const BoneView& left) {
   Gone out;
   for_each_bone_voxel(left, [&](const Vec3i&, std::uint8_t grade, std::uint16_t fill) {
-    const double lost = (1 - double(fill) / FillBricks::kWhole) * left.grid.voxel_mm3();
+    const double lost = (1 - double(fill) / FillBricks::kWhole) * left.voxmap.grid.voxel_mm3();
     out.volume_mm3 += lost;
     out.energy_mj += lost * specific_energy(DensityMapping::density_from_grade(grade));
   });

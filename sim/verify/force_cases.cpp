@@ -129,7 +129,7 @@ constexpr int kAroundFrames = 400;  // from kAround_mm above the interface to as
 std::vector<FrameResult> rows_round_interface(const SteadyPlunge& dense, const SteadyPlunge& soft, double voxel_mm,
                                               const Setting& setting) {
   constexpr int kApproach = 24;
-  const Voxmap bone = block({18, 18, 4}, voxel_mm, [&](const Vec3& p) {
+  const FilledVoxmap bone = block({18, 18, 4}, voxel_mm, [&](const Vec3& p) {
     return p.z() > -kLayer_mm ? dense.density_g_cm3 : soft.density_g_cm3;
   });
   const double x = 0.12 * voxel_mm, y = 0.21 * voxel_mm, rate = dense.feed_mm_s * kAroundFrames / (2 * kAround_mm);

@@ -114,7 +114,7 @@ CaseFindings second_pass_case(const Setting& setting) {
   ReamingScene scene =
       scene_of(block({24, 24, 8}, kVoxel_mm, kDensity), head(), path(kRate_hz, {0.03, 0.05, 2.5}, {down, side}));
   const Reamed first = ream(scene, setting);
-  scene.bone.voxmap = first.left;
+  scene.bone = first.left;
   const Reamed second = ream(std::move(scene), setting);
   add_nothing(second.after(0), first.removed_mm3(), out.checks);
   return out;
@@ -152,10 +152,10 @@ double uneven_density(const Vec3& p) {
 constexpr double kChangedBlock_mm = 20;
 
 /// The uneven block under a change that takes the lattice's directions to each other.
-Voxmap changed_block(const Change& change) {
+FilledVoxmap changed_block(const Change& change) {
   const Mat3 back = change.turn.transpose();
-  Voxmap bone = block({kChangedBlock_mm, kChangedBlock_mm, 8}, kVoxel_mm,
-                      [&](const Vec3& p) { return uneven_density(back * p); });
+  FilledVoxmap bone = block({kChangedBlock_mm, kChangedBlock_mm, 8}, kVoxel_mm,
+                            [&](const Vec3& p) { return uneven_density(back * p); });
   bone.grid.origin_mm += change.shift;
   return bone;
 }

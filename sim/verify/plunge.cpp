@@ -15,8 +15,8 @@ constexpr double kEdge_mm = 0.1;
 constexpr double kHead_mm = 8;  // height of a head
 
 /// The block of `size_mm` less what lies behind the plane through `point_mm` with the normal `inward`.
-Voxmap half_block(const Vec3& size_mm, double voxel_mm, double density_g_cm3, const Vec3& point_mm,
-                  const Vec3& inward) {
+FilledVoxmap half_block(const Vec3& size_mm, double voxel_mm, double density_g_cm3, const Vec3& point_mm,
+                        const Vec3& inward) {
   const VoxelGrid grid = block_grid(size_mm, voxel_mm);
   const auto behind = [=](const Vec3& p) { return (point_mm - p).dot(inward); };
   return sample_phantom(
@@ -31,7 +31,7 @@ Vec3 entry_mm(double voxel_mm) {
   return {0.12 * voxel_mm, 0.21 * voxel_mm, 0};
 }
 
-Voxmap bone_of(const PlungeRun& run, const Vec3& size_mm) {
+FilledVoxmap bone_of(const PlungeRun& run, const Vec3& size_mm) {
   const double density = run.plunge.density_g_cm3;
   if (!run.half_toward_deg) return block(size_mm, run.voxel_mm, density);
   const double angle = *run.half_toward_deg * std::numbers::pi / 180;
@@ -67,7 +67,7 @@ std::vector<FrameResult> steady_rows(const PlungeRun& run, const Setting& settin
            {{entry - begin * axis, static_cast<int>(std::ceil(10 * (begin + above))), plunge.rpm, turned},
             {entry - end * axis, run.frames, plunge.rpm, turned}});
   const double width = 2 * (plunge.outer_mm + end * std::tan(tilt)) + 2 + 2 * voxel_mm;
-  const Voxmap bone = bone_of(run, {width, width, end + slant + 1 + voxel_mm});
+  const FilledVoxmap bone = bone_of(run, {width, width, end + slant + 1 + voxel_mm});
   const Tool tool = run.erosion == ErosionMode::exact ? make_tool(head_of(plunge))
                                                       : make_tool(head_of(plunge), kShellVoxels * voxel_mm);
   const Reamed reamed = ream(scene_of(bone, tool, motion, run.erosion), setting);

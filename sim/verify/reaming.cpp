@@ -27,13 +27,13 @@ double Reamed::removed_mm3() const {
 
 Reamed ream(ReamingScene scene, const Setting& setting) {
   scene.scenario.engine.device = setting.device;
-  const auto engine = setting.engine(scene.scenario, scene.bone.voxmap, scene.tool);
+  const auto engine = setting.engine(scene.scenario, scene.bone, scene.tool);
   Rows sink;
   Report report;
   RunControl control;
   control.stop = setting.stop;
   simulate(scene, *engine, sink, control, report);
-  return {std::move(sink.rows), std::move(scene.bone.voxmap)};
+  return {std::move(sink.rows), std::move(scene.bone)};
 }
 
 MeanLoads mean_loads(std::span<const FrameResult> rows) {

@@ -9,7 +9,7 @@
 namespace reamsim::verify {
 
 /// Makes the engine of a scene, as make_engine() does.
-using EngineMaker = std::function<std::unique_ptr<Engine>(const Scenario&, const Voxmap&, const Tool&)>;
+using EngineMaker = std::function<std::unique_ptr<Engine>(const Scenario&, const BoneView&, const Tool&)>;
 
 /// How the suite is run.
 struct Setting {
@@ -24,7 +24,7 @@ struct Setting {
 /// What reaming a scene gave.
 struct Reamed {
   std::vector<FrameResult> rows;  ///< rows[k] is frame k
-  Voxmap left;
+  Bone left;
 
   [[nodiscard]] double removed_mm3() const;
   /// Rows of the frames after `frame`.

@@ -65,11 +65,11 @@ VoxelGrid block_grid(const Vec3& size_mm, double voxel_mm) {
   return grid;
 }
 
-Voxmap block(const Vec3& size_mm, double voxel_mm, const DensityField& field) {
+FilledVoxmap block(const Vec3& size_mm, double voxel_mm, const DensityField& field) {
   return sample_phantom(block_grid(size_mm, voxel_mm), {}, field);
 }
 
-Voxmap block(const Vec3& size_mm, double voxel_mm, double density_g_cm3) {
+FilledVoxmap block(const Vec3& size_mm, double voxel_mm, double density_g_cm3) {
   return block(size_mm, voxel_mm, [=](const Vec3&) { return density_g_cm3; });
 }
 
@@ -99,13 +99,13 @@ Vec3 ball_origin(const Vec3& center_mm, double radius_mm, const Quat& turned) {
   return center_mm - turned * Vec3(0, 0, radius_mm);
 }
 
-ReamingScene scene_of(Voxmap bone, Tool tool, Motion motion, ErosionMode erosion) {
+ReamingScene scene_of(FilledVoxmap bone, Tool tool, Motion motion, ErosionMode erosion) {
   ReamingScene scene;
   scene.scenario.name = "verification";
   scene.scenario.cutting = stated_cutting(erosion);
   scene.scenario.render.enabled = false;
   scene.scenario.render.every_frames = std::numeric_limits<int>::max();
-  scene.bone.voxmap = std::move(bone);
+  scene.bone.set_voxels(std::move(bone));
   scene.tool = std::move(tool);
   scene.motion = std::move(motion);
   return scene;

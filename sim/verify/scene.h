@@ -26,9 +26,9 @@ Tool make_tool(const Profile& profile, std::optional<double> shell_spacing_mm = 
 VoxelGrid block_grid(const Vec3& size_mm, double voxel_mm);
 /// A block whose top face is z = 0, its middle at x = y = 0, of the density that `field` (g/cm³) has at the voxels'
 /// centres. Extents are rounded up to whole voxels, an even number of them in x and y.
-Voxmap block(const Vec3& size_mm, double voxel_mm, const DensityField& field);
+FilledVoxmap block(const Vec3& size_mm, double voxel_mm, const DensityField& field);
 /// Of one density.
-Voxmap block(const Vec3& size_mm, double voxel_mm, double density_g_cm3);
+FilledVoxmap block(const Vec3& size_mm, double voxel_mm, double density_g_cm3);
 
 // ---- paths -----------------------------------------------------------------------------------------------------
 
@@ -47,6 +47,6 @@ Motion path(double rate_hz, const Vec3& from_mm, const std::vector<Leg>& legs);
 Vec3 ball_origin(const Vec3& center_mm, double radius_mm, const Quat& turned);
 
 /// The scene with the suite's cutting law.
-ReamingScene scene_of(Voxmap bone, Tool tool, Motion motion, ErosionMode erosion = ErosionMode::exact);
+ReamingScene scene_of(FilledVoxmap bone, Tool tool, Motion motion, ErosionMode erosion = ErosionMode::exact);
 
 }  // namespace reamsim::verify

@@ -22,9 +22,7 @@ class Published : public ::testing::Test {
     SubstepArgs args = args_without_voi(frame, tool_, bone_.grid);
     args.law = RS_LAW_PER_POINT;
     args.force_per_point = 1;
-    const int slot = engine->begin(args);
-    engine->detector().detect(slot);
-    engine->erosion().cut(slot);
+    engine->enqueue(args);
     const Batch batch = engine->collect();
     Vec3 force;
     for (int i = 0; i < 3; ++i) force[i] = static_cast<double>(batch.sums[0].force[i]) / RS_FORCE_SCALE;
@@ -48,7 +46,7 @@ class Published : public ::testing::Test {
 
   const BoneSeries series_{64};
   // Voxels far smaller than the shell's spacing, so that hardly two points share one.
-  const Voxmap bone_ = series_.at(256);
+  const FilledVoxmap bone_ = series_.at(256);
   const Tool tool_ = cap_tool(64);
   const Arena arena_{&bone_, &tool_, series_.box(256), shell_box(tool_)};
 };

@@ -25,7 +25,7 @@ namespace {
 using bench::Contact;
 
 struct Scene {
-  Voxmap bone = bench::BoneSeries(64).at(256);
+  FilledVoxmap bone = bench::BoneSeries(64).at(256);
   Tool tool = bench::cap_tool(256);
 };
 
@@ -43,10 +43,8 @@ struct Outcome {
 };
 
 Outcome run(Engine& engine, const SubstepArgs& args) {
-  const int slot = engine.begin(args);
-  engine.detector().detect(slot);
-  engine.erosion().cut(slot);
-  Outcome out{engine.collect().sums.at(static_cast<std::size_t>(slot)), {}};
+  engine.enqueue(args);
+  Outcome out{engine.collect().sums.at(0), {}};
   for (const auto& [voxel, frame] : engine.take_removed()) out.gone.push_back(voxel);
   std::sort(out.gone.begin(), out.gone.end());
   return out;

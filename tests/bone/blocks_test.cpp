@@ -16,13 +16,13 @@ TEST(HalfSpace, IsTheBlockExactly) {
   settings.phantom.size_mm = {10, 12, 5};
   settings.phantom.density_g_cm3 = 1.8;
   const Bone bone = make(settings);
-  EXPECT_DOUBLE_EQ(bone.voxmap.bone_mm3(), 10 * 12 * 5);
-  EXPECT_EQ(bone.voxmap.frame, "phantom");
-  EXPECT_EQ(grade_at(bone.voxmap, {0, 0, -0.01}), 225);
-  EXPECT_EQ(grade_at(bone.voxmap, {0, 0, 0.01}), 0);
-  EXPECT_EQ(grade_at(bone.voxmap, {4.99, 5.99, -4.99}), 225);
-  EXPECT_EQ(grade_at(bone.voxmap, {5.01, 0, -1}), 0);
-  EXPECT_EQ(bone.voxmap.grid.dims.x() % 8, 0);
+  EXPECT_DOUBLE_EQ(bone.view().bone_mm3(), 10 * 12 * 5);
+  EXPECT_EQ(bone.voxmap->frame, "phantom");
+  EXPECT_EQ(grade_at(bone, {0, 0, -0.01}), 225);
+  EXPECT_EQ(grade_at(bone, {0, 0, 0.01}), 0);
+  EXPECT_EQ(grade_at(bone, {4.99, 5.99, -4.99}), 225);
+  EXPECT_EQ(grade_at(bone, {5.01, 0, -1}), 0);
+  EXPECT_EQ(bone.voxmap->grid.dims.x() % 8, 0);
 }
 
 TEST(HalfSpace, GlenoidFrameStandsOnTheTopFace) {
@@ -34,7 +34,7 @@ TEST(HalfSpace, GlenoidFrameStandsOnTheTopFace) {
 TEST(HalfSpace, MarrowIsNotAir) {
   BoneSettings settings = phantom(PhantomShape::half_space, 1);
   settings.phantom.density_g_cm3 = 0;
-  EXPECT_EQ(grade_at(make(settings).voxmap, {0, 0, -1}), 1);
+  EXPECT_EQ(grade_at(make(settings), {0, 0, -1}), 1);
 }
 
 TEST(HalfSpace, LatticeThatCannotFit) {
@@ -50,9 +50,9 @@ TEST(Cup, TakesTheCapOutOfTheBlock) {
   settings.phantom.cup_depth_mm = 4;
   const Bone bone = make(settings);
   const double cap_mm3 = pi * 4 * 4 * (3 * 20 - 4) / 3;
-  EXPECT_NEAR(bone.voxmap.bone_mm3(), 32 * 32 * 8 - cap_mm3, 0.005 * cap_mm3);
-  EXPECT_EQ(grade_at(bone.voxmap, {0, 0, -3.8}), 0);
-  EXPECT_NE(grade_at(bone.voxmap, {0, 0, -4.2}), 0);
+  EXPECT_NEAR(bone.view().bone_mm3(), 32 * 32 * 8 - cap_mm3, 0.005 * cap_mm3);
+  EXPECT_EQ(grade_at(bone, {0, 0, -3.8}), 0);
+  EXPECT_NE(grade_at(bone, {0, 0, -4.2}), 0);
 }
 
 TEST(Cup, ItsRimLiesOnTheTopFaceAndTheSphere) {
@@ -80,7 +80,7 @@ TEST(Sphere, VolumeAndPole) {
   settings.phantom.radius_mm = 10;
   const Bone bone = make(settings);
   const double truth_mm3 = 4.0 / 3 * pi * 1000;
-  EXPECT_NEAR(bone.voxmap.bone_mm3(), truth_mm3, 0.002 * truth_mm3);
+  EXPECT_NEAR(bone.view().bone_mm3(), truth_mm3, 0.002 * truth_mm3);
   ASSERT_TRUE(bone.glenoid);
   EXPECT_NEAR((bone.glenoid->bone_from_glenoid.translation() - Vec3(0, 0, 10)).norm(), 0, 1e-12);
 }
@@ -89,7 +89,7 @@ TEST(Layered, CorticalOnTrabecular) {
   BoneSettings settings = phantom(PhantomShape::layered, 0.25);
   settings.phantom.size_mm = {8, 8, 10};
   settings.phantom.cortical_mm = 2;
-  const Voxmap voxmap = make(settings).voxmap;
+  const FilledVoxmap voxmap = make(settings).take_voxels();
   const std::int64_t cortical = count_grade(voxmap, 225);
   const std::int64_t trabecular = count_grade(voxmap, 50);
   EXPECT_EQ(cortical, 32 * 32 * 8);

@@ -15,7 +15,7 @@ using ::testing::HasSubstr;
 TEST(LoadBone, PhantomIsFittedAndReported) {
   Report report;
   const Bone bone = load_bone(phantom(PhantomShape::sphere, 0.5), report);
-  for (int axis = 0; axis < 3; ++axis) EXPECT_EQ(bone.voxmap.grid.dims[axis] % 8, 0);
+  for (int axis = 0; axis < 3; ++axis) EXPECT_EQ(bone.voxmap->grid.dims[axis] % 8, 0);
   EXPECT_TRUE(bone.glenoid);
   EXPECT_THAT(report.notes, Contains(HasSubstr("voxels of 0.5 mm")));
 }
@@ -35,7 +35,7 @@ TEST(LoadBone, DrillsThePilotHole) {
   settings.pilot_hole = PilotHoleSettings{};
   settings.pilot_hole->frame = PoseFrame::glenoid;
   Report report;
-  EXPECT_EQ(grade_at(load_bone(settings, report).voxmap, {0.1, 0.1, -10}), 0);
+  EXPECT_EQ(grade_at(load_bone(settings, report), {0.1, 0.1, -10}), 0);
   EXPECT_THAT(report.notes, Contains(HasSubstr("pilot hole")));
   settings.pilot_hole->entry_mm = {0, 0, 500};
   load_bone(settings, report);
@@ -46,16 +46,16 @@ TEST(LoadBone, VdbGoesOnWhereItStopped) {
   const TempDir dir;
   Report report;
   Bone bone = load_bone(phantom(PhantomShape::sphere, 0.5), report);
-  const Vec3i reamed = bone.voxmap.grid.voxel_of({0, 0, 19.8});
-  bone.voxmap.fill.set(reamed, 777);
+  const Vec3i reamed = bone.voxmap->grid.voxel_of({0, 0, 19.8});
+  bone.fill.set(reamed, 777);
   BoneSettings settings;
   settings.source = BoneSource::vdb;
   settings.vdb.path = dir.path() + "/reamed.vdb";
-  write_bone_vdb(settings.vdb.path, bone.voxmap, {}, {});
+  write_bone_vdb(settings.vdb.path, bone, {}, {});
   const Bone again = load_bone(settings, report);
-  EXPECT_EQ(again.voxmap.grid.dims, bone.voxmap.grid.dims);
-  EXPECT_EQ(again.voxmap.grade, bone.voxmap.grade);
-  EXPECT_EQ(again.voxmap.fill.get(reamed), 777);
+  EXPECT_EQ(again.voxmap->grid.dims, bone.voxmap->grid.dims);
+  EXPECT_EQ(again.voxmap->grade, bone.voxmap->grade);
+  EXPECT_EQ(again.fill.get(reamed), 777);
   EXPECT_FALSE(again.glenoid);
   EXPECT_THAT(report.notes, Contains(HasSubstr("as in the VDB")));
 }

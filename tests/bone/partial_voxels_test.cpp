@@ -24,7 +24,7 @@ using Errors = std::array<double, kVoxels_mm.size()>;
 double volume(BoneSettings settings, SurfaceVoxels surface_voxels) {
   settings.surface_voxels = surface_voxels;
   Report report;
-  return load_bone(settings, report).voxmap.bone_mm3();
+  return load_bone(settings, report).view().bone_mm3();
 }
 
 /// Root mean square over bones of the relative error of the volume, by voxel size.
@@ -116,7 +116,7 @@ TEST_F(PartialMesh, BoxOnTheLatticeStaysWholeButForItsEdges) {
   BoneSettings settings = settings_for(box_mesh({0, 0, 0}, {10, 6, 4}), 0.5);
   settings.surface_voxels = SurfaceVoxels::partial;
   Report report;
-  const Voxmap voxmap = load_bone(settings, report).voxmap;
+  const FilledVoxmap voxmap = load_bone(settings, report).take_voxels();
   EXPECT_NEAR(voxmap.bone_mm3(), 240, 0.01 * 240);  // its edges are rounded
   EXPECT_EQ(grade_at(voxmap, {5, 3, 4.1}), 0) << "nothing outside a face";
   EXPECT_EQ(voxmap.fill.get(voxmap.grid.voxel_of({5, 3, 3.9})), FillBricks::kWhole);
@@ -125,9 +125,9 @@ TEST_F(PartialMesh, BoxOnTheLatticeStaysWholeButForItsEdges) {
 TEST_F(PartialMesh, VoxelsJustOutsideAreCorticalAndHoldLittle) {
   BoneSettings settings = settings_for(sphere_mesh({0.1, 0.2, 0.3}, 9, 5), 0.5);
   Report report;
-  const Voxmap whole = load_bone(settings, report).voxmap;
+  const FilledVoxmap whole = load_bone(settings, report).take_voxels();
   settings.surface_voxels = SurfaceVoxels::partial;
-  const Voxmap voxmap = load_bone(settings, report).voxmap;
+  const FilledVoxmap voxmap = load_bone(settings, report).take_voxels();
   const int cortical = DensityMapping::grade_from_density(DensityMapping().density_from_hu(settings.mesh.cortical_hu));
   std::int64_t outside = 0;
   for_each_bone_voxel(voxmap, [&](const Vec3i& voxel, std::uint8_t grade, std::uint16_t fill) {
@@ -149,9 +149,9 @@ TEST_F(PartialMesh, SameFillEveryTime) {
   BoneSettings settings = settings_for(sphere_mesh({0, 0, 0}, 8, 4), 0.4);
   settings.surface_voxels = SurfaceVoxels::partial;
   Report report;
-  const Voxmap first = load_bone(settings, report).voxmap;
+  const FilledVoxmap first = load_bone(settings, report).take_voxels();
   for (int i = 0; i < 3; ++i) {
-    const Voxmap again = load_bone(settings, report).voxmap;
+    const FilledVoxmap again = load_bone(settings, report).take_voxels();
     EXPECT_EQ(again.grade, first.grade);
     EXPECT_EQ(dense_fill(again), dense_fill(first));
   }
@@ -219,10 +219,10 @@ TEST(PartialHole, TakesTheCylinderOutOfTheVoxels) {
   const double truth_mm3 = pi * 4 * 8;
   Report report;
   Bone bone = bone_from_phantom(settings, report);
-  const double before_mm3 = bone.voxmap.bone_mm3();
-  const double drilled_mm3 = drill_pilot_hole(bone.voxmap, hole, {}, true);
+  const double before_mm3 = bone.view().bone_mm3();
+  const double drilled_mm3 = drill_pilot_hole(bone, hole, {}, true);
   EXPECT_NEAR(drilled_mm3, truth_mm3, 0.002 * truth_mm3);
-  EXPECT_NEAR(before_mm3 - bone.voxmap.bone_mm3(), drilled_mm3, 1e-6);
+  EXPECT_NEAR(before_mm3 - bone.view().bone_mm3(), drilled_mm3, 1e-6);
 }
 
 }  // namespace

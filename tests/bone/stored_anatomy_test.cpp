@@ -22,7 +22,7 @@ class StoredBoneTest : public ::testing::Test {
     BoneSettings settings;
     settings.source = BoneSource::vdb;
     settings.vdb.path = dir_.path() + "/bone.vdb";
-    write_bone_vdb(settings.vdb.path, original_.voxmap, {}, metadata);
+    write_bone_vdb(settings.vdb.path, original_, {}, metadata);
     return settings;
   }
   [[nodiscard]] Metadata anatomy() const {

@@ -85,15 +85,15 @@ std::vector<Patch> patches_of(const GlenoidFace& face) {
 
 /// Points of the face in a patch: halfway between a voxel of bone and its lateral neighbour of air, so right on
 /// average. `margin_mm` keeps them away from the other part.
-std::vector<Vec3> face_points(const Voxmap& voxmap, const GlenoidFace& face, const Patch& patch, double margin_mm) {
-  const VoxelGrid& grid = voxmap.grid;
+std::vector<Vec3> face_points(const BoneView& bone, const GlenoidFace& face, const Patch& patch, double margin_mm) {
+  const VoxelGrid& grid = bone.voxmap.grid;
   const Vec3i first = grid.voxel_of(to_bone(patch.middle_mm) - Vec3::Constant(10));
   const Vec3i last = grid.voxel_of(to_bone(patch.middle_mm) + Vec3::Constant(10));
   std::vector<Vec3> out;
   for (int z = first.z(); z <= last.z(); ++z) {
     for (int y = first.y(); y <= last.y(); ++y) {
       for (int x = first.x(); x <= last.x(); ++x) {
-        if (voxmap.grade.get({x, y, z}) == 0 || voxmap.grade.get({x + 1, y, z}) != 0) continue;
+        if (bone.voxmap.grade.get({x, y, z}) == 0 || bone.voxmap.grade.get({x + 1, y, z}) != 0) continue;
         const Vec3 p = to_anatomy(0.5 * (grid.center_mm(x, y, z) + grid.center_mm(x + 1, y, z)));
         bool own = patch.holds(p);
         for (std::size_t i = 0; i < face.balls().size(); ++i) {
@@ -135,7 +135,7 @@ Sphere fitted_sphere(const std::vector<Vec3>& points, const Vec3& start) {
 
 /// Sphere through a patch of the bone's face, in anatomical coordinates, found from the voxels alone.
 Sphere sphere_of(const Bone& bone, const GlenoidFace& face, std::size_t patch) {
-  const std::vector<Vec3> points = face_points(bone.voxmap, face, patches_of(face)[patch], 0.3);
+  const std::vector<Vec3> points = face_points(bone, face, patches_of(face)[patch], 0.3);
   EXPECT_GT(points.size(), 500u);
   return fitted_sphere(points, {20, 0, 0});
 }
@@ -238,12 +238,12 @@ TEST(Walch, VersionOfEachPartOfABiconcaveFace) {
 }
 
 /// Length of dense bone along the face's normal, from the metrics' default threshold on.
-double plate_mm(const Voxmap& voxmap, const Vec3& from, const Vec3& inward) {
+double plate_mm(const BoneView& bone, const Vec3& from, const Vec3& inward) {
   constexpr double kStep_mm = 0.02;
   double out = 0;
   // Half a voxel in, where the voxel of `from` is bone whatever the rounding.
   const auto dense = [&](double at_mm) {
-    const int grade = grade_at(voxmap, from + at_mm * inward);
+    const int grade = grade_at(bone, from + at_mm * inward);
     return DensityMapping::density_from_grade(static_cast<std::uint8_t>(grade)) > MetricSettings{}.dense_g_cm3;
   };
   while (out < kVoxel_mm || dense(out)) out += kStep_mm;
@@ -260,9 +260,9 @@ TEST(Walch, PlateFollowsTheWornFace) {
       Patch inner = patch;
       inner.across_mm = 2.5;
       inner.along_mm = 4;
-      for (const Vec3& p : face_points(standard(type).voxmap, face, inner, 1.2)) {
+      for (const Vec3& p : face_points(standard(type), face, inner, 1.2)) {
         const Vec3 inward = (p - face.balls()[patch.part].center_mm).normalized();
-        const double here_mm = plate_mm(standard(type).voxmap, to_bone(p), to_bone(inward));
+        const double here_mm = plate_mm(standard(type), to_bone(p), to_bone(inward));
         EXPECT_GE(here_mm, 1.2) << name_of(type) << " at " << p.transpose();
         EXPECT_LE(here_mm, 2.9) << name_of(type) << " at " << p.transpose();
         sum_mm += here_mm;
@@ -278,8 +278,8 @@ TEST(Walch, WearOnlyTakes) {
   for (const Walch type : {Walch::a1, Walch::a2, Walch::b2}) {
     BoneSettings healthy = walch(type, 0.5);
     healthy.phantom.walch = Walch::none;
-    const Voxmap before = make(healthy).voxmap;
-    const Voxmap worn = make(walch(type, 0.5)).voxmap;
+    const FilledVoxmap before = make(healthy).take_voxels();
+    const FilledVoxmap worn = make(walch(type, 0.5)).take_voxels();
     ASSERT_EQ(before.grid.dims, worn.grid.dims);
     std::int64_t gone = 0;
     for (std::int64_t i = 0; i < before.grid.size(); ++i) {
@@ -299,11 +299,11 @@ TEST(Walch, RightIsTheMirrorImage) {
     const Bone left = make(settings);
     settings.side = BodySide::right;
     const Bone right = make(settings);
-    const VoxelGrid& grid = left.voxmap.grid;
+    const VoxelGrid& grid = left.voxmap->grid;
     for (std::int64_t i = 0; i < grid.size(); ++i) {
       const Vec3i c = grid.coord(i);
       const Vec3 p = grid.center_mm(c.x(), c.y(), c.z());
-      ASSERT_EQ(left.voxmap.grade.get(c), grade_at(right.voxmap, {-p.x(), p.y(), p.z()}));
+      ASSERT_EQ(left.voxmap->grade.get(c), grade_at(right, {-p.x(), p.y(), p.z()}));
     }
     const Vec3 l = left.glenoid->bone_from_glenoid.linear().col(2);
     const Vec3 r = right.glenoid->bone_from_glenoid.linear().col(2);
@@ -315,7 +315,7 @@ TEST(Walch, RightIsTheMirrorImage) {
 TEST(Walch, LatticeHoldsAllOfIt) {
   for (const Walch type : {Walch::a1, Walch::a2, Walch::b2, Walch::c}) {
     const BoneSettings settings = walch(type, 0.5);
-    const Voxmap voxmap = make(settings).voxmap;
+    const FilledVoxmap voxmap = make(settings).take_voxels();
     const GlenoidShape shape(settings.phantom);
     for (std::int64_t e = 0; e < voxmap.grid.size(); ++e) {
       const Vec3i c = voxmap.grid.coord(e);

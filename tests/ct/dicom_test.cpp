@@ -24,7 +24,7 @@ class Dicom : public ::testing::Test {
     report_ = {};
   }
 
-  Voxmap import(const std::string& name) { return voxmap_from_ct(settings(name), report_); }
+  FilledVoxmap import(const std::string& name) { return voxmap_from_ct(settings(name), report_); }
   BoneSettings settings(const std::string& name) const {
     BoneSettings out = settings_for(folder_.file(name), 1);
     out.ct.series = series_;
@@ -55,7 +55,7 @@ class Dicom : public ::testing::Test {
 
   TempFolder folder_;
   TestImage egg_ = egg_image();
-  Voxmap reference_;
+  FilledVoxmap reference_;
   Report report_;
   std::string series_;
   Modality modality_ = Modality::ct;
@@ -108,7 +108,7 @@ TEST_F(Dicom, ASeriesIsChosenByUidOrNumber) {
   series_ = "1.2.8";
   expect_egg("cd");
   series_ = "1.2.7";
-  const Voxmap by_uid = import("cd");
+  const FilledVoxmap by_uid = import("cd");
   series_ = "2";
   expect_same(import("cd"), by_uid, "2");
   EXPECT_GT((by_uid.grid.origin_mm - reference_.grid.origin_mm).norm(), 1.5) << "the displaced egg";

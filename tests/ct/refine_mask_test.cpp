@@ -78,7 +78,7 @@ TEST_F(RefineMask, TrabecularBoneUnderTheCortexStays) {
   EXPECT_NEAR(volume(settings, 1.5) / mask, 1, 0.04);
   BoneSettings one = settings;
   one.ct.label_map->refine_mm = 1.5;
-  const Voxmap voxmap = voxmap_from_ct(one, report_);
+  const FilledVoxmap voxmap = voxmap_from_ct(one, report_);
   for (const double radius : {0.0, 3.0, 5.5, 6.5, 7.0}) EXPECT_NE(grade_at(voxmap, Vec3(0, radius, 0)), 0) << radius;
 }
 

@@ -217,7 +217,7 @@ double volume_mm3(const Voxmap& voxmap) {
   return static_cast<double>(voxmap.grade.count()) * voxmap.grid.voxel_mm3();
 }
 
-Vec3 centroid_mm(const Voxmap& voxmap) {
+Vec3 centroid_mm(const FilledVoxmap& voxmap) {
   Vec3 sum = Vec3::Zero();
   std::int64_t count = 0;
   for_each_bone_voxel(voxmap, [&](const Vec3i& c, std::uint8_t, std::uint16_t) {

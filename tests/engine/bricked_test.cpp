@@ -23,14 +23,14 @@ TEST(Bricked, BricksInManyPoolsGiveTheSame) {
       EXPECT_GT(one.removed.size(), 100U);
       // 120 bricks in pools of 8 or, with fill, of 8 larger ones.
       const std::size_t largest = erosion == ErosionMode::wear ? 14'000 : 6'000;
-      const auto engine = make_bricked_engine(cl::choose_device("auto"), scene.scenario, scene.bone.voxmap, scene.tool,
+      const auto engine = make_bricked_engine(cl::choose_device("auto"), scene.scenario, scene.bone, scene.tool,
                                               {.largest_pool = largest});
       expect_same(run_on(*engine, scene), one);
-      engine->restore(scene.bone.voxmap);
+      engine->restore(scene.bone);
       expect_same(run_on(*engine, scene), one);
-      EXPECT_THROW(make_bricked_engine(cl::choose_device("auto"), scene.scenario, scene.bone.voxmap, scene.tool,
-                                       {.largest_pool = 700}),
-                   InputError)
+      EXPECT_THROW(
+          make_bricked_engine(cl::choose_device("auto"), scene.scenario, scene.bone, scene.tool, {.largest_pool = 700}),
+          InputError)
           << "16 pools of a brick each do not hold 120";
     }
   }
@@ -56,9 +56,9 @@ TEST(Bricked, AShortListOfRemovedVoxelsGivesTheSame) {
       scene.tool = make_tool(cap_profile(5, 6, 2.5, 0.6), 20);
       const Outcome roomy = run(scene);
       // Room for what one substep could remove, which the run, a single batch, removes several times over.
-      EXPECT_GT(records_of(roomy.removed, scene.bone.voxmap.grid), 2 * scene.tool.shell.codes.size());
-      const auto engine = make_bricked_engine(cl::choose_device("auto"), scene.scenario, scene.bone.voxmap, scene.tool,
-                                              {.removed_room = 1});
+      EXPECT_GT(records_of(roomy.removed, scene.bone.voxmap->grid), 2 * scene.tool.shell.codes.size());
+      const auto engine =
+          make_bricked_engine(cl::choose_device("auto"), scene.scenario, scene.bone, scene.tool, {.removed_room = 1});
       expect_same(run_on(*engine, scene), roomy);
     }
   }
@@ -69,7 +69,7 @@ TEST(Bricked, WhatDoesNotFitSaysWhatWould) {
   info.global_memory_bytes = 50'000;
   const ReamingScene scene = oblique_scene("auto");
   try {
-    make_bricked_engine(info, scene.scenario, scene.bone.voxmap, scene.tool);
+    make_bricked_engine(info, scene.scenario, scene.bone, scene.tool);
     FAIL() << "it fits";
   } catch (const InputError& error) {
     const std::string text = error.what();
@@ -80,7 +80,7 @@ TEST(Bricked, WhatDoesNotFitSaysWhatWould) {
 
 TEST(Bricked, MemoryFollowsTheBoneAndNotTheLattice) {
   // A block in the corner of a lattice of 1024³: a dense array takes 1074 MB.
-  Voxmap voxmap(VoxelGrid{Vec3i::Constant(1024), 0.05, Vec3::Zero()});
+  FilledVoxmap voxmap(VoxelGrid{Vec3i::Constant(1024), 0.05, Vec3::Zero()});
   for (int z = 0; z < 64; ++z)
     for (int y = 0; y < 64; ++y)
       for (int x = 0; x < 64; ++x) voxmap.grade.set({x, y, z}, 100);
@@ -121,7 +121,7 @@ TEST(ProfileTable, DistancesAreThoseOfTheProfile) {
   // Far outside and inside too, where the nearest point is mostly a vertex, and rounding decides between its two edges.
   for (const Profile& profile : {cap_profile(5, 6, 2.5, 0.6), cap_profile(29, 36, 9, 1.25)}) {
     const ProfileTable table = full_profile_table(profile);
-    const ProfileView view = table.view();
+    const ProfileView view = view_of(table);
     const double width = 1.3 * profile.max_radius_mm();
     for (int i = 0; i < 700; ++i) {
       for (int k = 0; k < 700; ++k) {
@@ -141,8 +141,8 @@ TEST(ProfileTable, ListsGiveTheDistancesOfTheFullProfile) {
   const Profile profile = cap_profile(29, 36, 9, 1.25);
   for (const double voxel_mm : {0.05, 0.25, 1.0}) {
     const ProfileTable full = full_profile_table(profile), table = make_profile_table(profile, voxel_mm);
-    EXPECT_LT(table.numbers.size(), 80 * table.lists.size());
-    const ProfileView all = full.view(), some = table.view();
+    EXPECT_LT(table.near.numbers.size(), 80 * table.near.lists.size());
+    const ProfileView all = view_of(full), some = view_of(table);
     for (int i = 0; i < 20000; ++i) {
       // A point near the surface, and the brick about it that its list was found for.
       const auto edge = static_cast<std::size_t>(random() % profile.points.size());

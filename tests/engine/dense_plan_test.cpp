@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "sim/base/error.h"
-#include "sim/engine/dense/octree_detector.h"
+#include "sim/engine/dense/detect_octree.h"
 #include "tests/engine/outcome.h"
 
 namespace reamsim::test::dense_plan_tests {
@@ -34,7 +34,7 @@ std::string refusal(const DensePlan& plan, const cl::DeviceInfo& device) {
 TEST(DensePlan, KeepsThePublishedLayouts) {
   const ReamingScene scene = oblique_scene("auto");
   const std::size_t voxels = 41 * 37 * 29, points = scene.tool.shell.codes.size();
-  const auto plan = [&](EngineKind detector) { return plan_dense(detector, scene.bone.voxmap, scene.tool, false); };
+  const auto plan = [&](EngineKind detector) { return plan_dense(detector, scene.bone, scene.tool, false); };
   EXPECT_EQ(plan(EngineKind::direct).bone_bytes(), voxels);
   EXPECT_EQ(plan(EngineKind::direct).shell_bytes(), 4 * points);
   EXPECT_EQ(plan(EngineKind::octree).bone_bytes(), 4 * voxels);
@@ -49,7 +49,7 @@ TEST(DensePlan, SaysWhatWouldFit) {
   const ReamingScene scene = oblique_scene("auto");
   for (const EngineKind detector : {EngineKind::direct, EngineKind::octree, EngineKind::implicit}) {
     SCOPED_TRACE(name_of(detector));
-    const DensePlan plan = plan_dense(detector, scene.bone.voxmap, scene.tool, true);
+    const DensePlan plan = plan_dense(detector, scene.bone, scene.tool, true);
     EXPECT_EQ(refusal(plan, device_with(plan.bytes(), plan.largest_bytes())), "");
     for (const auto& small :
          {device_with(plan.bytes() - 1, plan.bytes()), device_with(plan.bytes(), plan.largest_bytes() - 1)}) {
@@ -73,8 +73,8 @@ TEST(DensePlan, VoxelsAreNumberedIn32Bits) {
 
 TEST(DensePlan, TheContactListHoldsWhateverTheToolCanHold) {
   ReamingScene scene = oblique_scene("serial", "implicit");
-  scene.bone.voxmap = block({16, 16, 16}, 0.25, 1.0);
-  const DensePlan plan = plan_dense(EngineKind::implicit, scene.bone.voxmap, scene.tool, false);
+  scene.bone.set_voxels(block({16, 16, 16}, 0.25, 1.0));
+  const DensePlan plan = plan_dense(EngineKind::implicit, scene.bone, scene.tool, false);
   EXPECT_LT(plan.contacts, plan.unreamed);
   // Jumps right inside, turned so that the box's diagonals lie along the lattice.
   const Quat turn(Eigen::AngleAxisd(0.7, Vec3(1, 1, 0).normalized()));
@@ -111,8 +111,10 @@ TEST(HuScale, EveryGradeComesBackFromItsHu) {
   lost.ash_offset_g_cm3 = -1e6;
   EXPECT_FALSE(HuScale(lost).exact());
   ReamingScene scene = oblique_scene("auto", "octree");
-  scene.bone.voxmap.mapping = lost;
-  EXPECT_THROW(make_engine(scene.scenario, scene.bone.voxmap, scene.tool), InputError);
+  FilledVoxmap voxels = scene.bone.take_voxels();
+  voxels.mapping = lost;
+  scene.bone.set_voxels(std::move(voxels));
+  EXPECT_THROW(make_engine(scene.scenario, scene.bone, scene.tool), InputError);
 }
 
 }  // namespace

@@ -98,7 +98,7 @@ ReamingScene plunged_ball(const Tool& tool, double voxel_mm, const Vec3& offset_
   ReamingScene scene = exact({});
   scene.scenario = quiet_scenario(device);
   scene.scenario.cutting.erosion = ErosionMode::exact;
-  scene.bone.voxmap = block({34, 34, 8}, voxel_mm, 1.8);
+  scene.bone.set_voxels(block({34, 34, 8}, voxel_mm, 1.8));
   scene.tool = tool;
   const auto origin = [&](double depth) -> Vec3 {
     return offset_mm + Vec3(0, 0, 29 - depth) - turned * Vec3(0, 0, 29);
@@ -170,7 +170,7 @@ TEST(Exact, ARimAlongTheLatticeTakesTheSameFromEveryLayer) {
     ReamingScene scene = exact({});
     scene.scenario = quiet_scenario("auto");
     scene.scenario.cutting.erosion = ErosionMode::exact;
-    scene.bone.voxmap = block({24, 24, 5}, 0.25, 1.8);
+    scene.bone.set_voxels(block({24, 24, 5}, 0.25, 1.8));
     scene.tool = make_tool(profile, 64);
     scene.motion = straight({0.13, 0.07, 0.1}, {0.13, 0.07, 0.1 - frames * kFeed_mm}, frames, kRate_hz, kRpm);
     const Outcome outcome = run(scene);

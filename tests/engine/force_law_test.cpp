@@ -92,7 +92,7 @@ ReamingScene plunge(const Face& face, const CuttingSettings& cutting, double vox
   scene.scenario = quiet_scenario("auto");
   scene.scenario.cutting = cutting;
   scene.scenario.cutting.erosion = ErosionMode::exact;
-  scene.bone.voxmap = block({33, 33, 6}, voxel_mm, 1.8);
+  scene.bone.set_voxels(block({33, 33, 6}, voxel_mm, 1.8));
   scene.tool = make_tool(face.profile, 64);
   std::vector<double> depths;
   for (int k = 0; k <= kFast; ++k) depths.push_back(-0.1 + (kFull + 0.1) * k / kFast);

@@ -28,7 +28,7 @@ std::vector<Profile> profiles() {
 
 bool inside(const Profile& profile, double r, double z) {
   const ProfileTable table = full_profile_table(profile);
-  const ProfileView view = table.view();
+  const ProfileView view = view_of(table);
   return rs_inside_profile(&view, static_cast<float>(r), static_cast<float>(z)) != 0;
 }
 
@@ -81,10 +81,10 @@ TEST(Implicit, TheVoiHoldsEveryVoxelThatTheToolHolds) {
   std::mt19937 random(kSeed);
   std::uniform_real_distribution<double> u(-1, 1);
   const ReamingScene scene = oblique_scene("serial", "implicit");
-  const VoxelGrid& grid = scene.bone.voxmap.grid;
-  const VoxelBox bone = bone_extent(scene.bone.voxmap);
+  const VoxelGrid& grid = scene.bone.voxmap->grid;
+  const VoxelBox bone = bone_extent(*scene.bone);
   const ProfileTable table = full_profile_table(scene.tool.profile);
-  const ProfileView profile = table.view();
+  const ProfileView profile = view_of(table);
   std::int64_t held = 0, looked_at = 0;
   for (int trial = 0; trial < 40; ++trial) {
     Substep substep;
@@ -120,7 +120,7 @@ double swept_distance(const ReamingScene& scene, const Vec3& point) {
 
 /// What `direct` and `implicit` leave differently lies by the surface that the tool swept.
 void expect_close(ReamingScene scene) {
-  const double voxel = scene.bone.voxmap.grid.voxel_mm;
+  const double voxel = scene.bone.voxmap->grid.voxel_mm;
   scene.tool = make_tool(scene.tool.profile, static_cast<int>(6 / (0.47 * voxel)) + 2);
   ASSERT_LE(scene.tool.shell.cell_mm, 0.5 * voxel);
   scene.scenario.engine.detector = EngineKind::direct;
@@ -130,11 +130,11 @@ void expect_close(ReamingScene scene) {
   EXPECT_GT(implicit.removed.size(), 500U);
   int more = 0;
   double farthest_out = 0, farthest_in = 0;
-  for (std::int64_t e = 0; e < scene.bone.voxmap.grid.size(); ++e) {
+  for (std::int64_t e = 0; e < scene.bone.voxmap->grid.size(); ++e) {
     const auto i = static_cast<std::size_t>(e);
     if (direct.fill[i] == implicit.fill[i]) continue;
-    const Vec3i c = scene.bone.voxmap.grid.coord(e);
-    const double distance = swept_distance(scene, scene.bone.voxmap.grid.center_mm(c.x(), c.y(), c.z())) / voxel;
+    const Vec3i c = scene.bone.voxmap->grid.coord(e);
+    const double distance = swept_distance(scene, scene.bone.voxmap->grid.center_mm(c.x(), c.y(), c.z())) / voxel;
     farthest_out = std::max(farthest_out, distance);
     farthest_in = std::max(farthest_in, -distance);
     more += direct.fill[i] == 0;
@@ -151,14 +151,14 @@ void expect_close(ReamingScene scene) {
 
 TEST(Implicit, PlungeDiffersFromDirectOnlyByTheSweptSurface) {
   ReamingScene scene = oblique_scene("auto");
-  scene.bone.voxmap = block({8, 8, 4}, 0.2, 1.2);
+  scene.bone.set_voxels(block({8, 8, 4}, 0.2, 1.2));
   scene.motion = straight({0.03, 0.05, 0.4}, {0.03, 0.05, -1.7}, 60, 100, 250);
   expect_close(scene);
 }
 
 TEST(Implicit, SidewaysMoveDiffersFromDirectOnlyByTheSweptSurface) {
   ReamingScene scene = oblique_scene("auto");
-  scene.bone.voxmap = block({12, 8, 4}, 0.2, 1.2);
+  scene.bone.set_voxels(block({12, 8, 4}, 0.2, 1.2));
   scene.motion = straight({-10, 0.05, -1.03}, {2, 0.4, -1.03}, 120, 100, 250);
   expect_close(scene);
 }

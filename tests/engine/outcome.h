@@ -25,7 +25,7 @@ inline Outcome run_on(Engine& engine, ReamingScene scene) {
   const TempDir dir;
   Outcome out;
   {
-    Recorder recorder(dir.path(), scene.bone.voxmap.grid.voxel_mm);
+    Recorder recorder(dir.path(), scene.bone.voxmap->grid.voxel_mm);
     simulate(scene, engine, recorder, {}, out.report);
     recorder.close();
     out.totals = recorder.totals();
@@ -33,14 +33,14 @@ inline Outcome run_on(Engine& engine, ReamingScene scene) {
   }
   std::sort(out.removed.begin(), out.removed.end());
   out.forces = file_bytes(dir.path() + "/forces.csv");
-  for (std::int64_t e = 0; e < scene.bone.voxmap.grid.size(); ++e) {
-    out.fill.push_back(scene.bone.voxmap.fill.get(scene.bone.voxmap.grid.coord(e)));
+  for (std::int64_t e = 0; e < scene.bone.voxmap->grid.size(); ++e) {
+    out.fill.push_back(scene.bone.fill.get(scene.bone.voxmap->grid.coord(e)));
   }
   return out;
 }
 
 inline Outcome run(const ReamingScene& scene) {
-  const auto engine = make_engine(scene.scenario, scene.bone.voxmap, scene.tool);
+  const auto engine = make_engine(scene.scenario, scene.bone, scene.tool);
   return run_on(*engine, scene);
 }
 
@@ -71,7 +71,7 @@ inline ReamingScene oblique_scene(const std::string& device, const std::string& 
   ReamingScene scene;
   scene.scenario = quiet_scenario(device);
   choose_detector(scene.scenario.engine, detector);
-  scene.bone.voxmap = random_bone({41, 37, 29}, 0.2, 7);
+  scene.bone.set_voxels(random_bone({41, 37, 29}, 0.2, 7));
   scene.tool = make_tool(cap_profile(5, 6, 2.5, 0.6), 61);
   const Quat tilt(Eigen::AngleAxisd(0.4, Vec3(1, 2, 0.5).normalized()));
   scene.motion = straight({1.5, 1, 4}, {0.6, 1.4, 0.4}, 40, 100, 250, tilt);

@@ -59,7 +59,7 @@ TEST(Outline, WhatLiesOnNoCircleStaysLines) {
 
 TEST(Outline, DistancesAndNormalsAreThoseOfTheCap) {
   const OutlineTable table = full_outline_table(cap(), 0.25);
-  const OutlineView view = table.view();
+  const OutlineView view = view_of(table);
   double worst = 0, worst_normal = 0;
   for (int i = 1; i < 600; ++i) {
     for (int k = 0; k < 600; ++k) {
@@ -88,7 +88,7 @@ TEST(Outline, ListsGiveTheDistancesOfTheWhole) {
   const Profile profile = cap();
   for (const double voxel_mm : {0.05, 0.25, 1.0}) {
     const OutlineTable full = full_outline_table(profile, voxel_mm), table = make_outline_table(profile, voxel_mm);
-    const OutlineView all = full.view(), some = table.view();
+    const OutlineView all = view_of(full), some = view_of(table);
     for (int i = 0; i < 20000; ++i) {
       const auto edge = static_cast<std::size_t>(random() % profile.points.size());
       const Vec2 a = profile.points[edge], b = profile.points[(edge + 1) % profile.points.size()];
@@ -169,7 +169,7 @@ TEST(Clip, CornersAgreeWithCountingPoints) {
 
 TEST(Clip, OnTheAxisABoresWallHasADirection) {
   const OutlineTable table = full_outline_table(cap_profile(29, 36, 9, 0.4), 1.0);
-  const OutlineView outline = table.view();
+  const OutlineView outline = view_of(table);
   SubstepArgs args{};
   args.voxel_mm = args.per_voxel_mm = 1;
   for (int i = 0; i < 3; ++i) args.tool_step[4 * i] = args.lattice_from_tool[4 * i] = 1;

@@ -23,26 +23,23 @@ Sums as_array(const SubstepSums& s) {
 }
 
 Touched one_substep(Engine& engine, const SubstepArgs& args) {
-  const int slot = engine.begin(args);
-  engine.detector().detect(slot);
-  engine.erosion().cut(slot);
+  engine.enqueue(args);
   Batch batch = engine.collect();
   EXPECT_EQ(batch.sums.size(), 1U);
-  EXPECT_EQ(batch.detect_s.size(), 1U);
-  EXPECT_EQ(batch.cut_s.size(), 1U);
+  EXPECT_EQ(batch.times.size(), 1U);
   RemovedFrames removed = engine.take_removed();
   std::sort(removed.begin(), removed.end());
   return {as_array(batch.sums.at(0)), removed};
 }
 
 SubstepArgs args_at(const ReamingScene& scene, const Substep& substep, const Aabb& voi) {
-  return make_args(substep, voi, scene.tool.shell, scene.bone.voxmap.grid, scene.scenario.cutting, false);
+  return make_args(substep, voi, scene.tool.shell, scene.bone.voxmap->grid, scene.scenario.cutting, false);
 }
 
 /// Every substep of the scene's motion, each collected by itself.
 std::vector<Touched> all_substeps(const ReamingScene& scene) {
-  const auto engine = make_engine(scene.scenario, scene.bone.voxmap, scene.tool);
-  const double step = scene.scenario.engine.max_step_voxels * scene.bone.voxmap.grid.voxel_mm;
+  const auto engine = make_engine(scene.scenario, scene.bone, scene.tool);
+  const double step = scene.scenario.engine.max_step_voxels * scene.bone.voxmap->grid.voxel_mm;
   const Vec3 margin = Vec3::Constant(scene.tool.shell.cell_mm);
   const Aabb tool_box{scene.tool.bounds.min - margin, scene.tool.bounds.max + margin};
   std::vector<Touched> out;
@@ -52,7 +49,7 @@ std::vector<Touched> all_substeps(const ReamingScene& scene) {
     for (int i = 0; i < n; ++i) {
       const Substep substep = make_substep(a, b, double(i) / n, double(i + 1) / n, scene.motion.frame_s(), 1);
       const auto voi =
-          broad_phase(tool_box, scene.bone.voxmap.grid.bounds_mm(), bone_from_shell(substep.pose, false).inverse());
+          broad_phase(tool_box, scene.bone.voxmap->grid.bounds_mm(), bone_from_shell(substep.pose, false).inverse());
       if (voi) out.push_back(one_substep(*engine, args_at(scene, substep, *voi)));
     }
   }
@@ -79,7 +76,7 @@ TEST_P(SubstepAgreement, EverySubstepTouchesTheReferencesVoxels) {
 
 TEST_P(SubstepAgreement, AnEmptyVolumeOfInterestTouchesNothing) {
   ReamingScene scene = oblique_scene("auto", GetParam());
-  const auto engine = make_engine(scene.scenario, scene.bone.voxmap, scene.tool);
+  const auto engine = make_engine(scene.scenario, scene.bone, scene.tool);
   for (const double far : {40.0, -40.0, 1e5, -1e7}) {
     Substep substep;
     substep.pose.position_mm = Vec3(far, 1, 2);

@@ -70,17 +70,17 @@ inline Leftovers ream_and_look(ReamingScene& scene, double deeper_than_voxels, d
   {
     const TempDir dir;
     Report report;
-    Recorder recorder(dir.path(), scene.bone.voxmap.grid.voxel_mm);
-    const auto engine = make_engine(scene.scenario, scene.bone.voxmap, scene.tool);
+    Recorder recorder(dir.path(), scene.bone.voxmap->grid.voxel_mm);
+    const auto engine = make_engine(scene.scenario, scene.bone, scene.tool);
     simulate(scene, *engine, recorder, {}, report);
     recorder.close();
   }
-  const VoxelGrid& grid = scene.bone.voxmap.grid;
+  const VoxelGrid& grid = scene.bone.voxmap->grid;
   const SweptVolume volume(scene.motion, scene.tool.profile, step_voxels * grid.voxel_mm);
   const double limit_mm = deeper_than_voxels * grid.voxel_mm;
   for (std::int64_t e = 0; e < grid.size(); ++e) {
     const Vec3i c = grid.coord(e);
-    const bool gone = scene.bone.voxmap.fill.get(c) == 0;
+    const bool gone = scene.bone.fill.get(c) == 0;
     const double depth_mm =
         volume.depth_mm(grid.center_mm(c.x(), c.y(), c.z()), gone ? limit_mm : std::numeric_limits<double>::infinity());
     if (depth_mm <= limit_mm) continue;

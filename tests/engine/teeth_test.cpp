@@ -72,8 +72,8 @@ TEST(Teeth, OneVoxelFeelsTheEnvelopesNormal) {
   ReamingScene scene;
   scene.scenario = quiet_scenario("auto");
   scene.scenario.tool.spin = ToolSpin::resolved;
-  scene.bone.voxmap = Voxmap(VoxelGrid{{1, 1, 1}, kVoxel, at - Vec3::Constant(kVoxel / 2)});
-  scene.bone.voxmap.grade.set({0, 0, 0}, DensityMapping::grade_from_density(1.8));
+  const std::uint8_t grade = DensityMapping::grade_from_density(1.8);
+  scene.bone.set_voxels(one_voxel(kVoxel, at - Vec3::Constant(kVoxel / 2), grade));
   scene.tool = toothed_reamer(kVoxel);
   scene.motion = straight({0, 0, 0}, {0, 0, 0}, 200, kRateHz, kRpm);
   const double start = angle_behind_a_lip(scene.tool, at, kVoxel);
@@ -81,7 +81,7 @@ TEST(Teeth, OneVoxelFeelsTheEnvelopesNormal) {
   const TempDir dir;
   Report report;
   Recorder recorder(dir.path(), kVoxel);
-  const auto engine = make_engine(scene.scenario, scene.bone.voxmap, scene.tool);
+  const auto engine = make_engine(scene.scenario, scene.bone, scene.tool);
   simulate(scene, *engine, recorder, {}, report);
   recorder.close();
   const auto contacts = contacts_of(dir.path() + "/forces.csv");
@@ -104,7 +104,7 @@ TEST(Teeth, NothingIsLeftOfWhatTheySweep) {
   ReamingScene scene;
   scene.scenario = quiet_scenario("auto");
   scene.scenario.tool.spin = ToolSpin::resolved;
-  scene.bone.voxmap = block({20, 20, 2.5}, kVoxel, 1.2);
+  scene.bone.set_voxels(block({20, 20, 2.5}, kVoxel, 1.2));
   scene.tool = toothed_reamer(kVoxel);
   constexpr double kRateHz = 200, kAbove = 0.1;
   const int frames = static_cast<int>((kDepth + kAbove) / kFeed * kRateHz);
@@ -121,7 +121,7 @@ TEST(Teeth, NothingIsLeftOfWhatTheySweep) {
 TEST(Teeth, ATurnTakesAsManySubstepsAsTheRimIsHalfVoxelsLong) {
   ReamingScene scene;
   scene.scenario = quiet_scenario("serial");
-  scene.bone.voxmap = block({4, 4, 2}, 0.5, 1.2);
+  scene.bone.set_voxels(block({4, 4, 2}, 0.5, 1.2));
   scene.tool = toothed_reamer(0.5);
   scene.motion = straight({0, 0, 9}, {0, 0, 9}, 100, 100, 60);
   EXPECT_EQ(estimate_cost(scene).substeps, 100) << "the envelope does not move";

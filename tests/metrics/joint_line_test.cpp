@@ -24,7 +24,7 @@ struct Glenoid {
   explicit Glenoid(const BoneSettings& settings) {
     Report report;
     bone = load_bone(settings, report);
-    before = bone.voxmap.fill;
+    before = bone.fill;
   }
 
   /// A direction out of the face with this version and inclination, in B.
@@ -38,14 +38,14 @@ struct Glenoid {
 
   void ream(const Solid& solid) {
     std::vector<std::pair<Vec3i, std::uint16_t>> changed;
-    for_each_bone_voxel(bone.voxmap, [&](const Vec3i& voxel, std::uint8_t, std::uint16_t fill) {
-      const VoxelGrid& grid = bone.voxmap.grid;
+    for_each_bone_voxel(bone, [&](const Vec3i& voxel, std::uint8_t, std::uint16_t fill) {
+      const VoxelGrid& grid = bone.voxmap->grid;
       const Vec3 place = grid.center_mm(voxel.x(), voxel.y(), voxel.z());
       const double outside = share_outside(solid, place, grid.voxel_mm);
       const auto most = static_cast<std::uint16_t>(std::lround(outside * FillBricks::kWhole));
       if (most < fill) changed.emplace_back(voxel, most);
     });
-    for (const auto& [voxel, fill] : changed) bone.voxmap.fill.set(voxel, fill);
+    for (const auto& [voxel, fill] : changed) bone.fill.set(voxel, fill);
   }
   /// The convex reamer with a bore, its lowest point at `apex`, looking along `axis` out of the bone.
   void ream_convex(const Vec3& apex, const Vec3& axis) {
@@ -64,7 +64,7 @@ struct Glenoid {
     return out;
   }
   [[nodiscard]] BoneMetrics measure(const BoneAxes& known) const {
-    return measure_bone({bone.voxmap, before}, pose, known, {});
+    return measure_bone({*bone.voxmap, before, bone.fill}, pose, known, {});
   }
   [[nodiscard]] BoneMetrics measure() const { return measure(axes()); }
 
@@ -143,7 +143,7 @@ TEST_P(SphericalFace, TheNativeJointLineIsWhereWearHasMovedIt) {
   const Glenoid phantom(settings);
   const auto outline = FaceOutline::of(phantom.bone.rim_mm, phantom.bone.scapula->lateral);
   ASSERT_TRUE(outline);
-  const NativeFace face = measure_native_face({phantom.bone.voxmap, phantom.before}, *outline);
+  const NativeFace face = measure_native_face({*phantom.bone.voxmap, phantom.before, phantom.bone.fill}, *outline);
   const Vec3& lateral = phantom.bone.scapula->lateral;
   const auto meets = meeting_point(*face.surface, Vec3::Zero(), lateral);
   ASSERT_TRUE(meets);

@@ -159,7 +159,7 @@ TEST_F(Plots, TheEnergyPlotNamesPowerEnergyAndBalance) {
 
 TEST_F(Plots, WhatWasRemovedIsCountedByDensity) {
   write_results(dir_.path(), {.voxel_mm = 0.8, .frames = 10, .every = 5});
-  Voxmap after = read_bone_vdb(dir_.path() + "/reamed.vdb");
+  FilledVoxmap after = read_bone_vdb(dir_.path() + "/reamed.vdb");
   const double after_mm3 = after.bone_mm3();
   after.fill = FillBricks(after.grid.dims);
   write_removed_density(dir_.path());

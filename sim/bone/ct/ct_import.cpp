@@ -126,8 +126,8 @@ Segmentation segmentation_of(const ct::AlignedImage& hu, const ct::BoneField& bo
 
 }  // namespace
 
-Voxmap voxmap_from_scan(const ct::ScanSource& source, const BoneSettings& settings, Report& report,
-                        Segmentation* segmentation) {
+FilledVoxmap voxmap_from_scan(const ct::ScanSource& source, const BoneSettings& settings, Report& report,
+                              Segmentation* segmentation) {
   const CtSettings& ct_settings = settings.ct;
   const ct::IndexBox box = cropped_box(source, ct_settings);
   ct::AlignedImage hu = read_cropped(source, box, ct_settings, report);
@@ -149,7 +149,7 @@ Voxmap voxmap_from_scan(const ct::ScanSource& source, const BoneSettings& settin
   return ct::voxelize(hu, bone, settings, report);
 }
 
-Voxmap voxmap_from_ct(const BoneSettings& settings, Report& report, Segmentation* segmentation) {
+FilledVoxmap voxmap_from_ct(const BoneSettings& settings, Report& report, Segmentation* segmentation) {
   const CtSettings& ct_settings = settings.ct;
   try {
     const ct::DicomChoice choice{ct_settings.series, ct_settings.modality == Modality::any};

@@ -13,10 +13,10 @@ namespace reamsim {
 /// when merging and trilinearly when dividing (paper §3.2), then mapped to density and grade.
 /// Throws InputError: unreadable, truncated, absurdly large, no bone in the crop, seed outside bone.
 /// `segmentation`, where it is asked for, gets what was done, with pictures' planes through the seed.
-Voxmap voxmap_from_ct(const BoneSettings& settings, Report& report, Segmentation* segmentation = nullptr);
+FilledVoxmap voxmap_from_ct(const BoneSettings& settings, Report& report, Segmentation* segmentation = nullptr);
 
 /// The same for a scan that is open; `settings.ct.path` only names it in messages.
-Voxmap voxmap_from_scan(const ct::ScanSource& source, const BoneSettings& settings, Report& report,
-                        Segmentation* segmentation = nullptr);
+FilledVoxmap voxmap_from_scan(const ct::ScanSource& source, const BoneSettings& settings, Report& report,
+                              Segmentation* segmentation = nullptr);
 
 }  // namespace reamsim

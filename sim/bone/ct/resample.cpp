@@ -5,7 +5,7 @@
 #include <limits>
 #include <stdexcept>
 
-#include "sim/bone/voxmap/fill_bricks.h"
+#include "sim/bone/voxmap/sparse_bricks.h"
 
 namespace reamsim::ct {
 

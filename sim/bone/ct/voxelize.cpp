@@ -85,7 +85,7 @@ int halvings(const Lattice& image, double voxel_mm) {
 /// Fill by the field's zero, between the image's values; grades by the image, which holds the bone's own radiodensity
 /// on both sides of the boundary.
 void part_surface(const BoneField& bone, const SliceResampler& hu, const CtSettings& settings, const Aabb& image,
-                  Voxmap& voxmap) {
+                  FilledVoxmap& voxmap) {
   const VoxelGrid& grid = voxmap.grid;
   const int splits = halvings(bone.field.lattice, grid.voxel_mm);
   const NegatedField outside(bone.field);
@@ -99,7 +99,7 @@ void part_surface(const BoneField& bone, const SliceResampler& hu, const CtSetti
   part_surface_voxels(sample, voxmap);
 }
 
-void note_voxmap(const Voxmap& voxmap, const HuStatistics& hu, Report& report) {
+void note_voxmap(const FilledVoxmap& voxmap, const HuStatistics& hu, Report& report) {
   const VoxelGrid& grid = voxmap.grid;
   report.note(words("voxmap: %dx%dx%d voxels of %g mm; bone %lld voxels, %.0f mm3; HU %.0f to %.0f, mean %.0f",
                     grid.dims.x(), grid.dims.y(), grid.dims.z(), grid.voxel_mm,
@@ -113,9 +113,9 @@ int resampling_reach(const Lattice& image, double voxel_mm) {
   return kFieldReach + static_cast<int>(std::ceil(voxel_mm / image.spacing_mm.minCoeff()));
 }
 
-Voxmap voxelize(const AlignedImage& hu, const BoneField& bone, const BoneSettings& settings, Report& report) {
+FilledVoxmap voxelize(const AlignedImage& hu, const BoneField& bone, const BoneSettings& settings, Report& report) {
   const VoxelGrid grid = grid_of(hu.lattice, bone, settings);
-  Voxmap voxmap(grid);
+  FilledVoxmap voxmap(grid);
   voxmap.mapping = {settings.density.ash_slope_g_cm3_per_hu, settings.density.ash_offset_g_cm3,
                     settings.density.ash_fraction};
   voxmap.frame = "LPS";

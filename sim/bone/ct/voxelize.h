@@ -14,6 +14,6 @@ int resampling_reach(const Lattice& image, double voxel_mm);
 /// Resamples HU and bone to voxels of `settings.voxel_mm`, with air all round in whole bricks, and maps HU to density
 /// to grade inside the bone. Throws InputError: too many voxels for this machine, or voxels so large that no bone is
 /// left.
-Voxmap voxelize(const AlignedImage& hu, const BoneField& bone, const BoneSettings& settings, Report& report);
+FilledVoxmap voxelize(const AlignedImage& hu, const BoneField& bone, const BoneSettings& settings, Report& report);
 
 }  // namespace reamsim::ct

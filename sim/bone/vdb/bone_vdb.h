@@ -19,7 +19,7 @@ using Metadata = std::vector<std::pair<std::string, std::string>>;
 
 /// Writes FloatGrids `density`, `fill`, `surface`, `removed_frame` (design §6) with an isotropic transform in mm, index
 /// (0,0,0) at the centre of voxel (0,0,0). Throws RunError when the file cannot be written.
-void write_bone_vdb(const std::string& path, const Voxmap& voxmap, const RemovedFrames& removed,
+void write_bone_vdb(const std::string& path, const BoneView& bone, const RemovedFrames& removed,
                     const Metadata& metadata);
 
 /// What a VDB says of the bone's anatomy, in B.
@@ -33,7 +33,7 @@ struct StoredAnatomy {
 Metadata metadata_of(const StoredAnatomy& anatomy);
 
 struct StoredBone {
-  Voxmap voxmap;
+  FilledVoxmap voxmap;
   StoredAnatomy anatomy;
 };
 
@@ -43,6 +43,6 @@ StoredBone read_stored_bone(const std::string& path);
 
 /// Reads `density` and `fill` back. Throws InputError: no such file, truncated, no such grid, not isotropic, absurdly
 /// large.
-Voxmap read_bone_vdb(const std::string& path);
+FilledVoxmap read_bone_vdb(const std::string& path);
 
 }  // namespace reamsim

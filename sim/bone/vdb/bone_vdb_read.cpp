@@ -109,7 +109,7 @@ Placement checked_placement(const std::string& path, const openvdb::FloatGrid& d
 }
 
 void read_grades(const std::string& path, const openvdb::FloatGrid& density, const openvdb::Coord& first,
-                 Voxmap& voxmap) {
+                 FilledVoxmap& voxmap) {
   for (auto value = density.cbeginValueOn(); value; ++value) {
     if (!std::isfinite(*value)) fail_reading(path, "a density that is NaN or infinite", "expected g/cm^3");
     if (*value <= 0) continue;
@@ -124,7 +124,8 @@ void read_grades(const std::string& path, const openvdb::FloatGrid& density, con
   }
 }
 
-void read_fill(const std::string& path, const openvdb::FloatGrid& fill, const openvdb::Coord& first, Voxmap& voxmap) {
+void read_fill(const std::string& path, const openvdb::FloatGrid& fill, const openvdb::Coord& first,
+               FilledVoxmap& voxmap) {
   auto read = fill.getConstAccessor();
   voxmap.grade.for_each_brick([&](const Vec3i& coord, const GradeBricks::Brick& grades) {
     for (int offset = 0; offset < GradeBricks::kVoxels; ++offset) {
@@ -163,7 +164,7 @@ StoredAnatomy anatomy_of(const std::string& path, const openvdb::FloatGrid& dens
 }
 
 /// `anatomy`, where it is asked for, gets what the file says of it.
-Voxmap read_voxmap(const std::string& path, StoredAnatomy* anatomy) {
+FilledVoxmap read_voxmap(const std::string& path, StoredAnatomy* anatomy) {
   VdbFile file(path);
   if (!file.has(vdb_keys::kDensity)) {
     fail_reading(path, "no grid \"density\" (found: " + file.grid_names() + ")", "expected a FloatGrid in g/cm^3");
@@ -171,7 +172,7 @@ Voxmap read_voxmap(const std::string& path, StoredAnatomy* anatomy) {
   const openvdb::FloatGrid::Ptr density = file.read(vdb_keys::kDensity);
   const Placement placement = checked_placement(path, *density);
   if (anatomy != nullptr) *anatomy = anatomy_of(path, *density);
-  Voxmap voxmap(placement.lattice);
+  FilledVoxmap voxmap(placement.lattice);
   voxmap.frame = frame_name(*density);
   voxmap.mapping = mapping_of(*density);
   read_grades(path, *density, placement.first, voxmap);
@@ -185,7 +186,7 @@ Voxmap read_voxmap(const std::string& path, StoredAnatomy* anatomy) {
   return voxmap;
 }
 
-Voxmap read_guarded(const std::string& path, StoredAnatomy* anatomy) {
+FilledVoxmap read_guarded(const std::string& path, StoredAnatomy* anatomy) {
   try {
     return read_voxmap(path, anatomy);
   } catch (const std::bad_alloc&) {
@@ -197,7 +198,7 @@ Voxmap read_guarded(const std::string& path, StoredAnatomy* anatomy) {
 
 }  // namespace
 
-Voxmap read_bone_vdb(const std::string& path) {
+FilledVoxmap read_bone_vdb(const std::string& path) {
   return read_guarded(path, nullptr);
 }
 

@@ -34,11 +34,11 @@ void put(std::unique_ptr<Leaf> leaf, openvdb::FloatTree& tree) {
 /// A fog volume whose active voxels are those with grade ≠ 0, `value(grade, fill)` each. Bricks and leaves are the same
 /// blocks.
 template <class Value>
-openvdb::FloatGrid::Ptr fog(const Voxmap& voxmap, const Value& value) {
+openvdb::FloatGrid::Ptr fog(const BoneView& bone, const Value& value) {
   auto grid = make_float_grid(0.0F);
   grid->setGridClass(openvdb::GRID_FOG_VOLUME);
-  voxmap.grade.for_each_brick([&](const Vec3i& coord, const GradeBricks::Brick& grades) {
-    const FillBricks::Brick* fill = voxmap.fill.brick(coord);
+  bone.voxmap.grade.for_each_brick([&](const Vec3i& coord, const GradeBricks::Brick& grades) {
+    const FillBricks::Brick* fill = bone.fill.brick(coord);
     auto leaf = std::make_unique<Leaf>(coord_of(GradeBricks::kSide * coord), 0.0F, false);
     for (int offset = 0; offset < GradeBricks::kVoxels; ++offset) {
       const auto at = static_cast<std::size_t>(offset);
@@ -51,26 +51,26 @@ openvdb::FloatGrid::Ptr fog(const Voxmap& voxmap, const Value& value) {
   return grid;
 }
 
-openvdb::FloatGrid::Ptr density_grid(const Voxmap& voxmap) {
-  return fog(voxmap, [](std::uint8_t grade, std::uint16_t) {
+openvdb::FloatGrid::Ptr density_grid(const BoneView& bone) {
+  return fog(bone, [](std::uint8_t grade, std::uint16_t) {
     return static_cast<float>(DensityMapping::density_from_grade(grade));
   });
 }
 
-openvdb::FloatGrid::Ptr fill_grid(const Voxmap& voxmap) {
-  return fog(voxmap, [](std::uint8_t, std::uint16_t fill) { return static_cast<float>(fill) / FillBricks::kWhole; });
+openvdb::FloatGrid::Ptr fill_grid(const BoneView& bone) {
+  return fog(bone, [](std::uint8_t, std::uint16_t fill) { return static_cast<float>(fill) / FillBricks::kWhole; });
 }
 
-openvdb::FloatGrid::Ptr removed_grid(const Voxmap& voxmap, const RemovedFrames& removed) {
+openvdb::FloatGrid::Ptr removed_grid(const BoneView& bone, const RemovedFrames& removed) {
   auto grid = make_float_grid(-1.0F);
   auto write = grid->getAccessor();
   for (const auto& [index, frame] : removed) {
-    write.setValueOn(coord_of(voxmap.grid.coord(index)), static_cast<float>(frame));
+    write.setValueOn(coord_of(bone.voxmap.grid.coord(index)), static_cast<float>(frame));
   }
   return grid;
 }
 
-openvdb::MetaMap bone_metadata(const Voxmap& voxmap, const Metadata& extra) {
+openvdb::MetaMap bone_metadata(const BoneView& bone, const Metadata& extra) {
   openvdb::MetaMap out;
   for (const auto& [name, value] : extra) {
     if (!name.empty()) out.insertMeta(name, openvdb::StringMetadata(value));
@@ -79,48 +79,48 @@ openvdb::MetaMap bone_metadata(const Voxmap& voxmap, const Metadata& extra) {
     out.removeMeta(name);  // whatever its type, ours is what the reader relies on
     out.insertMeta(name, value);
   };
-  const VoxelGrid& grid = voxmap.grid;
+  const VoxelGrid& grid = bone.voxmap.grid;
   const Vec3& origin = grid.origin_mm;
   set(vdb_keys::kCreator, openvdb::StringMetadata("reamsim " REAMSIM_VERSION));
-  set(vdb_keys::kFrame, openvdb::StringMetadata(voxmap.frame));
+  set(vdb_keys::kFrame, openvdb::StringMetadata(bone.voxmap.frame));
   set(vdb_keys::kLengthUnit, openvdb::StringMetadata("mm"));
   set(vdb_keys::kDims, openvdb::Vec3IMetadata({grid.dims.x(), grid.dims.y(), grid.dims.z()}));
   set(vdb_keys::kOrigin, openvdb::Vec3DMetadata({origin.x(), origin.y(), origin.z()}));
   set(vdb_keys::kVoxel, openvdb::DoubleMetadata(grid.voxel_mm));
-  set(vdb_keys::kAshSlope, openvdb::DoubleMetadata(voxmap.mapping.ash_slope_g_cm3_per_hu));
-  set(vdb_keys::kAshOffset, openvdb::DoubleMetadata(voxmap.mapping.ash_offset_g_cm3));
-  set(vdb_keys::kAshFraction, openvdb::DoubleMetadata(voxmap.mapping.ash_fraction));
+  set(vdb_keys::kAshSlope, openvdb::DoubleMetadata(bone.voxmap.mapping.ash_slope_g_cm3_per_hu));
+  set(vdb_keys::kAshOffset, openvdb::DoubleMetadata(bone.voxmap.mapping.ash_offset_g_cm3));
+  set(vdb_keys::kAshFraction, openvdb::DoubleMetadata(bone.voxmap.mapping.ash_fraction));
   return out;
 }
 
 void label(openvdb::FloatGrid& grid, const char* name, const char* unit, const openvdb::MetaMap& metadata,
-           const Voxmap& voxmap) {
+           const BoneView& bone) {
   for (auto entry = metadata.beginMeta(); entry != metadata.endMeta(); ++entry) {
     if (!grid[entry->first]) grid.insertMeta(entry->first, *entry->second);
   }
   grid.setName(name);
   grid.setCreator("reamsim " REAMSIM_VERSION);
-  grid.setTransform(index_transform(voxmap.grid));
+  grid.setTransform(index_transform(bone.voxmap.grid));
   grid.insertMeta(vdb_keys::kUnit, openvdb::StringMetadata(unit));
 }
 
 }  // namespace
 
-void write_bone_vdb(const std::string& path, const Voxmap& voxmap, const RemovedFrames& removed,
+void write_bone_vdb(const std::string& path, const BoneView& bone, const RemovedFrames& removed,
                     const Metadata& metadata) {
   openvdb::initialize();
   try {
-    const openvdb::MetaMap common = bone_metadata(voxmap, metadata);
-    const auto surface = surface_level_set(voxmap);  // first: it needs the most memory on the way
+    const openvdb::MetaMap common = bone_metadata(bone, metadata);
+    const auto surface = surface_level_set(bone);  // first: it needs the most memory on the way
     openvdb::GridCPtrVec grids;
     const auto add = [&](const openvdb::FloatGrid::Ptr& grid, const char* name, const char* unit) {
-      label(*grid, name, unit, common, voxmap);
+      label(*grid, name, unit, common, bone);
       grids.push_back(grid);
     };
-    add(density_grid(voxmap), vdb_keys::kDensity, "g/cm^3");
-    add(fill_grid(voxmap), vdb_keys::kFill, "1");
+    add(density_grid(bone), vdb_keys::kDensity, "g/cm^3");
+    add(fill_grid(bone), vdb_keys::kFill, "1");
     add(surface, vdb_keys::kSurface, "mm");
-    add(removed_grid(voxmap, removed), vdb_keys::kRemovedFrame, "frame index");
+    add(removed_grid(bone, removed), vdb_keys::kRemovedFrame, "frame index");
     write_vdb_file(path, grids, common);
   } catch (const std::bad_alloc&) {
     throw RunError(path + ": cannot be written (not enough memory for its grids)");

@@ -22,10 +22,10 @@ constexpr float kHalfBand_voxels = 3.0F;
 /// The occupancy (0…65535) of a brick and of one voxel all round it.
 class PaddedBrick {
  public:
-  PaddedBrick(const Voxmap& voxmap, const Vec3i& brick) {
+  PaddedBrick(const BoneView& bone, const Vec3i& brick) {
     for (int z = -1; z <= 1; ++z) {
       for (int y = -1; y <= 1; ++y) {
-        for (int x = -1; x <= 1; ++x) take_part(voxmap, brick, {x, y, z});
+        for (int x = -1; x <= 1; ++x) take_part(bone, brick, {x, y, z});
       }
     }
   }
@@ -46,17 +46,17 @@ class PaddedBrick {
 
  private:
   /// Takes what this brick needs of its neighbour `step` bricks away: all, a face, an edge or a corner.
-  void take_part(const Voxmap& voxmap, const Vec3i& brick, const Vec3i& step) {
+  void take_part(const BoneView& bone, const Vec3i& brick, const Vec3i& step) {
     const Vec3i from = step.unaryExpr([](int s) { return s < 0 ? -1 : s * FillBricks::kSide; });
     const Vec3i to = step.unaryExpr([](int s) { return s < 0 ? 0 : FillBricks::kSide + s; });
     const Vec3i coord = brick + step;
-    const bool inside = BrickLattice{voxmap.grade.brick_dims()}.contains(coord);
-    const GradeBricks::Brick* grades = inside ? voxmap.grade.brick(coord) : nullptr;
+    const bool inside = BrickLattice{bone.voxmap.grade.brick_dims()}.contains(coord);
+    const GradeBricks::Brick* grades = inside ? bone.voxmap.grade.brick(coord) : nullptr;
     if (grades == nullptr) {
       all_ = false;
       return;
     }
-    const FillBricks::Brick* fill = voxmap.fill.brick(coord);
+    const FillBricks::Brick* fill = bone.fill.brick(coord);
     for (int z = from.z(); z < to.z(); ++z) {
       for (int y = from.y(); y < to.y(); ++y) {
         for (int x = from.x(); x < to.x(); ++x) {
@@ -91,8 +91,8 @@ struct SmoothedBrick {
   std::unique_ptr<Leaf> leaf;
 };
 
-SmoothedBrick smoothed_brick(const Voxmap& voxmap, const Vec3i& brick) {
-  const PaddedBrick padded(voxmap, brick);
+SmoothedBrick smoothed_brick(const BoneView& bone, const Vec3i& brick) {
+  const PaddedBrick padded(bone, brick);
   if (padded.empty()) return {};
   if (padded.whole()) return {1.0F, nullptr};
   auto leaf = std::make_unique<Leaf>(leaf_corner(brick), 0.0F, true);
@@ -106,15 +106,15 @@ SmoothedBrick smoothed_brick(const Voxmap& voxmap, const Vec3i& brick) {
   return {0, std::move(leaf)};
 }
 
-openvdb::FloatGrid::Ptr smoothed_occupancy(const Voxmap& voxmap) {
+openvdb::FloatGrid::Ptr smoothed_occupancy(const BoneView& bone) {
   constexpr std::size_t kAtOnce = 1 << 16;
-  const std::vector<Vec3i> bricks = voxmap.grade.coords_around();
+  const std::vector<Vec3i> bricks = coords_around(bone.voxmap.grade);
   auto grid = make_float_grid(0.0F);
-  grid->setTransform(index_transform(voxmap.grid));
+  grid->setTransform(index_transform(bone.voxmap.grid));
   std::vector<SmoothedBrick> smoothed(std::min(kAtOnce, bricks.size()));
   for (std::size_t first = 0; first < bricks.size(); first += kAtOnce) {
     const std::size_t count = std::min(kAtOnce, bricks.size() - first);
-    parallel_items(count, [&](std::size_t i) { smoothed[i] = smoothed_brick(voxmap, bricks[first + i]); });
+    parallel_items(count, [&](std::size_t i) { smoothed[i] = smoothed_brick(bone, bricks[first + i]); });
     for (std::size_t i = 0; i < count; ++i) {
       if (smoothed[i].leaf) {
         grid->tree().addLeaf(smoothed[i].leaf.release());
@@ -136,14 +136,14 @@ openvdb::math::Transform::Ptr index_transform(const VoxelGrid& grid) {
   return out;
 }
 
-openvdb::FloatGrid::Ptr surface_level_set(const Voxmap& voxmap) {
-  const auto transform = index_transform(voxmap.grid);
+openvdb::FloatGrid::Ptr surface_level_set(const BoneView& bone) {
+  const auto transform = index_transform(bone.voxmap.grid);
   std::vector<openvdb::Vec3s> points;
   std::vector<openvdb::Vec3I> triangles;
   std::vector<openvdb::Vec4I> quads;
-  openvdb::tools::volumeToMesh(*smoothed_occupancy(voxmap), points, triangles, quads, 0.5, 0.0);
+  openvdb::tools::volumeToMesh(*smoothed_occupancy(bone), points, triangles, quads, 0.5, 0.0);
   if (points.empty()) {
-    auto empty = make_float_grid(static_cast<float>(voxmap.grid.voxel_mm) * kHalfBand_voxels);
+    auto empty = make_float_grid(static_cast<float>(bone.voxmap.grid.voxel_mm) * kHalfBand_voxels);
     empty->setGridClass(openvdb::GRID_LEVEL_SET);
     empty->setTransform(transform);
     return empty;

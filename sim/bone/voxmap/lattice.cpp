@@ -9,7 +9,7 @@
 #include <limits>
 
 #include "sim/base/error.h"
-#include "sim/bone/voxmap/fill_bricks.h"
+#include "sim/bone/voxmap/sparse_bricks.h"
 
 namespace reamsim {
 

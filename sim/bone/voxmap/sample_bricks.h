@@ -2,7 +2,7 @@
 
 #include <functional>
 
-#include "sim/bone/voxmap/grade_bricks.h"
+#include "sim/bone/voxmap/sparse_bricks.h"
 
 namespace reamsim {
 

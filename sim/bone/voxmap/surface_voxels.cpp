@@ -109,7 +109,7 @@ ChangedBrick sample_brick(const SurfaceSampler& sample, const Voxmap& voxmap, co
 std::vector<ChangedBrick> sample_surface(const SurfaceSampler& sample, const Voxmap& voxmap) {
   const BrickLattice lattice{voxmap.grade.brick_dims()};
   std::vector<ChangedBrick> out;
-  for (const Vec3i& coord : voxmap.grade.coords_around()) {
+  for (const Vec3i& coord : coords_around(voxmap.grade)) {
     if (lattice.contains(coord)) out.push_back({coord, {}});
   }
   parallel_ranges(out.size(), kBricksAtOnce, [&](std::size_t begin, std::size_t end) {
@@ -119,8 +119,7 @@ std::vector<ChangedBrick> sample_surface(const SurfaceSampler& sample, const Vox
   return out;
 }
 
-void put_fill(const std::vector<ChangedBrick>& changed, Voxmap& voxmap) {
-  voxmap.fill.reserve(changed.size());
+void put_fill(const std::vector<ChangedBrick>& changed, FilledVoxmap& voxmap) {
   for (const ChangedBrick& brick : changed) {
     FillBricks::Brick fill;
     fill.fill(FillBricks::kWhole);
@@ -131,7 +130,7 @@ void put_fill(const std::vector<ChangedBrick>& changed, Voxmap& voxmap) {
 
 }  // namespace
 
-void part_surface_voxels(const SurfaceSampler& sample, Voxmap& voxmap) {
+void part_surface_voxels(const SurfaceSampler& sample, FilledVoxmap& voxmap) {
   std::vector<ChangedBrick> changed = sample_surface(sample, voxmap);
   put_fill(changed, voxmap);
   for (const ChangedBrick& brick : changed) {

@@ -18,6 +18,6 @@ using SurfaceSampler = std::function<SurfaceVoxel(const Vec3i& voxel, std::uint8
 /// Gives each voxel at the bone's surface (one of the 27 round it is bone, and one is not) the fill that `sample`
 /// finds, so that a voxel just outside becomes bone with the little that reaches into it (design §4).
 /// `voxmap` must be whole. The result does not depend on the threads.
-void part_surface_voxels(const SurfaceSampler& sample, Voxmap& voxmap);
+void part_surface_voxels(const SurfaceSampler& sample, FilledVoxmap& voxmap);
 
 }  // namespace reamsim

@@ -1,5 +1,7 @@
 #include "sim/bone/voxmap/voxmap.h"
 
+#include <algorithm>
+
 namespace reamsim {
 
 namespace {
@@ -13,16 +15,16 @@ bool covers(const VoxelBox& box, const Vec3i& brick_coord) {
 
 }  // namespace
 
-std::int64_t Voxmap::count_bone() const {
+std::int64_t BoneView::count_bone() const {
   std::int64_t count = 0;
   for_each_bone_voxel(*this, [&count](const Vec3i&, std::uint8_t, std::uint16_t left) { count += left != 0 ? 1 : 0; });
   return count;
 }
 
-double Voxmap::bone_mm3() const {
+double BoneView::bone_mm3() const {
   std::int64_t sum = 0;  // in 1/65535 of a voxel, so that the order of summing does not matter
   for_each_bone_voxel(*this, [&sum](const Vec3i&, std::uint8_t, std::uint16_t left) { sum += left; });
-  return static_cast<double>(sum) / FillBricks::kWhole * grid.voxel_mm3();
+  return static_cast<double>(sum) / FillBricks::kWhole * voxmap.grid.voxel_mm3();
 }
 
 VoxelBox bone_extent(const Voxmap& voxmap) {
@@ -39,21 +41,48 @@ VoxelBox bone_extent(const Voxmap& voxmap) {
   return out;
 }
 
-std::vector<std::uint8_t> dense_grades_left(const Voxmap& voxmap) {
-  std::vector<std::uint8_t> out(static_cast<std::size_t>(voxmap.grid.size()), 0);
-  for_each_bone_voxel(voxmap, [&](const Vec3i& voxel, std::uint8_t grade, std::uint16_t left) {
-    if (left != 0) out[static_cast<std::size_t>(voxmap.grid.index(voxel.x(), voxel.y(), voxel.z()))] = grade;
+std::vector<Vec3i> coords_around(const GradeBricks& grades) {
+  const BrickLattice wider{grades.brick_dims() + Vec3i::Constant(2)};
+  std::vector<bool> near(wider.count(), false);
+  grades.for_each_brick([&](const Vec3i& coord, const GradeBricks::Brick&) {
+    for (int z = 0; z < 3; ++z) {
+      for (int y = 0; y < 3; ++y) {
+        const std::size_t row = wider.index(coord + Vec3i(0, y, z));
+        for (std::size_t x = 0; x < 3; ++x) near[row + x] = true;
+      }
+    }
+  });
+  std::vector<Vec3i> out;
+  for (std::size_t i = 0; i < near.size(); ++i) {
+    if (near[i]) out.emplace_back(wider.coord(i) - Vec3i::Ones());
+  }
+  return out;
+}
+
+bool partly_filled(const FillBricks& fill) {
+  bool part = false;
+  fill.for_each_brick([&part](const Vec3i&, const FillBricks::Brick& brick) {
+    part = part || std::any_of(brick.begin(), brick.end(),
+                               [](std::uint16_t left) { return left != 0 && left != FillBricks::kWhole; });
+  });
+  return part;
+}
+
+std::vector<std::uint8_t> dense_grades_left(const BoneView& bone) {
+  std::vector<std::uint8_t> out(static_cast<std::size_t>(bone.voxmap.grid.size()), 0);
+  for_each_bone_voxel(bone, [&](const Vec3i& voxel, std::uint8_t grade, std::uint16_t left) {
+    if (left != 0) out[static_cast<std::size_t>(bone.voxmap.grid.index(voxel.x(), voxel.y(), voxel.z()))] = grade;
   });
   return out;
 }
 
-std::vector<std::uint16_t> dense_fill(const Voxmap& voxmap) {
-  std::vector<std::uint16_t> out(static_cast<std::size_t>(voxmap.grid.size()), FillBricks::kWhole);
-  voxmap.fill.for_each_brick([&](const Vec3i& coord, const FillBricks::Brick& fill) {
+std::vector<std::uint16_t> dense_fill(const BoneView& bone) {
+  std::vector<std::uint16_t> out(static_cast<std::size_t>(bone.voxmap.grid.size()), FillBricks::kWhole);
+  bone.fill.for_each_brick([&](const Vec3i& coord, const FillBricks::Brick& fill) {
     for (int offset = 0; offset < FillBricks::kVoxels; ++offset) {
       const Vec3i voxel = BrickLattice::voxel_at(coord, offset);
-      if (!voxmap.grid.contains(voxel)) continue;
-      out[static_cast<std::size_t>(voxmap.grid.index(voxel.x(), voxel.y(), voxel.z()))] =
+      if (!bone.voxmap.grid.contains(voxel)) continue;
+      out[static_cast<std::size_t>(bone.voxmap.grid.index(voxel.x(), voxel.y(), voxel.z()))] =
           fill[static_cast<std::size_t>(offset)];
     }
   });

@@ -5,24 +5,29 @@
 #include <vector>
 
 #include "sim/bone/voxmap/density.h"
-#include "sim/bone/voxmap/fill_bricks.h"
-#include "sim/bone/voxmap/grade_bricks.h"
+#include "sim/bone/voxmap/sparse_bricks.h"
 #include "sim/bone/voxmap/voxel_grid.h"
 
 namespace reamsim {
 
-/// The bone as voxels (paper §3.2: the voxmap). `grade` is the density of the unreamed bone and never changes in a
-/// run; `fill` is what is left of each voxel.
+/// The bone before reaming, as voxels (paper §3.2: the voxmap). Nothing changes it once it is made.
 struct Voxmap {
   VoxelGrid grid;
-  GradeBricks grade;  ///< 0 = air
-  FillBricks fill;
+  GradeBricks grade;  ///< density of each voxel; 0 = air
   DensityMapping mapping;
   std::string frame = "LPS";  ///< the bone frame B: "LPS" for CT, "mesh" for a mesh, "phantom"
 
   Voxmap() = default;
-  /// All air, all whole.
-  explicit Voxmap(const VoxelGrid& lattice) : grid(lattice), grade(lattice.dims), fill(lattice.dims) {}
+  /// All air.
+  explicit Voxmap(const VoxelGrid& lattice) : grid(lattice), grade(lattice.dims) {}
+};
+
+/// A bone to look at: its voxmap, and the fill that is left of each voxel. Both must outlive the view.
+struct BoneView {
+  const Voxmap& voxmap;
+  const FillBricks& fill;
+
+  BoneView(const Voxmap& voxels, const FillBricks& fill_left) : voxmap(voxels), fill(fill_left) {}
 
   /// Voxels with bone left: grade ≠ 0 and fill ≠ 0.
   [[nodiscard]] std::int64_t count_bone() const;
@@ -30,11 +35,24 @@ struct Voxmap {
   [[nodiscard]] double bone_mm3() const;
 };
 
+/// A voxmap and the fill of its voxels while a bone is made, or as a file has it.
+struct FilledVoxmap : Voxmap {
+  FillBricks fill;  ///< means nothing where the grade is 0
+
+  FilledVoxmap() = default;
+  /// All air, all whole.
+  explicit FilledVoxmap(const VoxelGrid& lattice) : Voxmap(lattice), fill(lattice.dims) {}
+
+  operator BoneView() const { return {*this, fill}; }  // not explicit on purpose
+  [[nodiscard]] std::int64_t count_bone() const { return BoneView(*this, fill).count_bone(); }
+  [[nodiscard]] double bone_mm3() const { return BoneView(*this, fill).bone_mm3(); }
+};
+
 /// Calls visit(voxel, grade, fill) for every voxel with grade ≠ 0, brick by brick.
 template <class Visit>
-void for_each_bone_voxel(const Voxmap& voxmap, const Visit& visit) {
-  voxmap.grade.for_each_brick([&](const Vec3i& coord, const GradeBricks::Brick& grades) {
-    const FillBricks::Brick* fill = voxmap.fill.brick(coord);
+void for_each_bone_voxel(const BoneView& bone, const Visit& visit) {
+  bone.voxmap.grade.for_each_brick([&](const Vec3i& coord, const GradeBricks::Brick& grades) {
+    const FillBricks::Brick* fill = bone.fill.brick(coord);
     for (int offset = 0; offset < GradeBricks::kVoxels; ++offset) {
       const auto at = static_cast<std::size_t>(offset);
       if (grades[at] == 0) continue;
@@ -59,9 +77,16 @@ struct VoxelBox {
 /// The box of the voxels with grade ≠ 0.
 VoxelBox bone_extent(const Voxmap& voxmap);
 
+/// Bricks that hold bone or touch such a brick, if only by a corner, x fastest. They reach one brick beyond the lattice
+/// on every side.
+std::vector<Vec3i> coords_around(const GradeBricks& grades);
+
+/// Whether some voxel has lost a part of its fill: neither whole nor removed.
+bool partly_filled(const FillBricks& fill);
+
 /// The grade of each voxel where bone is left, 0 elsewhere; grid.size() entries, for engines that keep the bone dense.
-std::vector<std::uint8_t> dense_grades_left(const Voxmap& voxmap);
+std::vector<std::uint8_t> dense_grades_left(const BoneView& bone);
 /// The fill of each voxel, air included; grid.size() entries.
-std::vector<std::uint16_t> dense_fill(const Voxmap& voxmap);
+std::vector<std::uint16_t> dense_fill(const BoneView& bone);
 
 }  // namespace reamsim

@@ -17,12 +17,12 @@ struct BrickedLimits {
 };
 
 /// The default engine: `bricked` on `info`. Throws InputError when the bone does not fit.
-std::unique_ptr<Engine> make_bricked_engine(const cl::DeviceInfo& info, const Scenario& scenario, const Voxmap& voxmap,
+std::unique_ptr<Engine> make_bricked_engine(const cl::DeviceInfo& info, const Scenario& scenario, const BoneView& bone,
                                             const Tool& tool, const BrickedLimits& limits = {});
 /// The same on the device that the scenario names.
-std::unique_ptr<Engine> make_bricked_engine(const Scenario& scenario, const Voxmap& voxmap, const Tool& tool);
+std::unique_ptr<Engine> make_bricked_engine(const Scenario& scenario, const BoneView& bone, const Tool& tool);
 
 /// Device memory that make_bricked_engine() would take, bytes.
-std::size_t bricked_engine_bytes(const Scenario& scenario, const Voxmap& voxmap, const Tool& tool);
+std::size_t bricked_engine_bytes(const Scenario& scenario, const BoneView& bone, const Tool& tool);
 
 }  // namespace reamsim

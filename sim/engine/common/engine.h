@@ -4,17 +4,21 @@
 #include <vector>
 
 #include "sim/bone/vdb/bone_vdb.h"
-#include "sim/engine/common/detector.h"
-#include "sim/engine/common/erosion.h"
+#include "sim/bone/voxmap/voxmap.h"
 #include "sim/engine/common/substep.h"
 
 namespace reamsim {
 
-/// What a batch of substeps gave, by slot.
+/// Seconds that a substep took: finding the voxels or bricks that the tool reaches, and cutting them.
+struct StageTimes {
+  double detect_s = 0;
+  double cut_s = 0;
+};
+
+/// What the substeps of a batch gave, in the order in which they were enqueued.
 struct Batch {
   std::vector<SubstepSums> sums;
-  std::vector<double> detect_s;
-  std::vector<double> cut_s;
+  std::vector<StageTimes> times;
 };
 
 /// What an engine keeps of bone and tool on the device, bytes: the structures that the paper's Table 4 compares,
@@ -24,31 +28,40 @@ struct StructureBytes {
   std::size_t shell = 0;
 };
 
-/// A detector and an erosion that work on one copy of the bone, with the slots of a batch of substeps.
+/// Moves the tool through the bone, substep by substep, on a copy of the bone of its own: sums forces and energy, and
+/// removes bone. Each engine's file names its stages.
 class Engine {
  public:
   virtual ~Engine() = default;
-  /// Takes a substep's arguments into the next slot, and returns the slot.
-  virtual int begin(const SubstepArgs& args) = 0;
-  virtual Detector& detector() = 0;
-  virtual Erosion& erosion() = 0;
+  /// Takes the next substep of the batch. Its work may be done at any time until collect() returns. The batch must not
+  /// be full.
+  virtual void enqueue(const SubstepArgs& args) = 0;
   /// True when another substep might not find room; collect() empties the batch.
   [[nodiscard]] virtual bool full() const = 0;
-  /// Waits for every substep of the batch and hands its results over.
+  /// Finishes every substep of the batch, and hands its results over.
   virtual Batch collect() = 0;
-  /// The voxels that went in the batch collected last, and when. What is not taken before the next begin() is dropped.
+  /// The voxels removed in the batch collected last, and when. What is not taken before the next enqueue() is dropped.
   virtual RemovedFrames take_removed() = 0;
-  /// Brings fill that fell without reaching zero (`wear`) into `voxmap`; voxels that went are in take_removed().
-  virtual void read_fill(Voxmap& voxmap) = 0;
-  /// Puts the bone back as `voxmap` has it, for benchmarks and tests; every batch must have been collected. Throws
-  /// RunError where it is not the voxmap that the engine was made with, reamed or not.
-  virtual void restore(const Voxmap& voxmap) = 0;
-  /// As restore(), for the voxels of `gone` only; an engine that knows no shorter way restores everything.
-  virtual void restore_voxels(const Voxmap& voxmap, const RemovedFrames& /*gone*/) { restore(voxmap); }
+  /// Brings fill that fell without reaching zero into `fill`; voxels removed whole are in take_removed(). `voxmap`:
+  /// what the engine was made with.
+  virtual void read_fill(const Voxmap& voxmap, FillBricks& fill) = 0;
+  /// Sets the bone to `bone`, for benchmarks and tests; every batch must have been collected. Throws RunError where it
+  /// is not the voxmap that the engine was made with, reamed or not.
+  virtual void restore(const BoneView& bone) = 0;
+  /// As restore(), for the voxels of `removed` only; an engine that knows no shorter way restores everything.
+  virtual void restore_voxels(const BoneView& bone, const RemovedFrames& /*removed*/) { restore(bone); }
   /// Name of the device, or "serial".
   [[nodiscard]] virtual std::string device() const = 0;
+  /// Device memory of the bone, the tool, the batch and its lists, bytes.
   [[nodiscard]] virtual std::size_t device_bytes() const = 0;
   [[nodiscard]] virtual StructureBytes structure_bytes() const = 0;
 };
+
+/// Times of two stages, each by slot.
+inline std::vector<StageTimes> stage_times(const std::vector<double>& detect_s, const std::vector<double>& cut_s) {
+  std::vector<StageTimes> out;
+  for (std::size_t i = 0; i < cut_s.size(); ++i) out.push_back({detect_s[i], cut_s[i]});
+  return out;
+}
 
 }  // namespace reamsim

@@ -98,22 +98,4 @@ OutlineTable make_outline_table(const Profile& profile, double voxel_mm) {
   return table;
 }
 
-DeviceOutline::DeviceOutline(const cl::Device& device, const OutlineTable& table)
-    : pieces_(device, table.pieces.size(), "the tool's outline"),
-      numbers_(device, table.near.numbers.size(), "the tool's outline"),
-      lists_(device, table.near.lists.size(), "the tool's outline"),
-      grid_(device, 1, "the tool's outline") {
-  pieces_.write(device, table.pieces.data(), table.pieces.size());
-  numbers_.write(device, table.near.numbers.data(), table.near.numbers.size());
-  lists_.write(device, table.near.lists.data(), table.near.lists.size());
-  grid_.write(device, &table.near.grid, 1);
-}
-
-void DeviceOutline::set(cl::Kernel& kernel, cl_uint first_argument) const {
-  kernel.set(first_argument, pieces_);
-  kernel.set(first_argument + 1, numbers_);
-  kernel.set(first_argument + 2, lists_);
-  kernel.set(first_argument + 3, grid_);
-}
-
 }  // namespace reamsim

@@ -47,45 +47,24 @@ ProfileTable full_profile_table(const Profile& profile) {
     const Vec2 a = profile.points[i], b = profile.points[(i + 1) % profile.points.size()];
     const bool on_axis = a.x() == 0 && b.x() == 0;
     if (a.cast<float>() == b.cast<float>() || on_axis) continue;
-    table.numbers.push_back(static_cast<rs_u16>(table.edges.size()));
-    table.edges.push_back(make_edge(a, b));
+    table.near.numbers.push_back(static_cast<rs_u16>(table.pieces.size()));
+    table.pieces.push_back(make_edge(a, b));
   }
-  if (table.edges.size() > std::numeric_limits<rs_u16>::max()) {
-    throw InputError({}, "tool.mesh", "a profile of " + std::to_string(table.edges.size()) + " edges",
+  if (table.pieces.size() > std::numeric_limits<rs_u16>::max()) {
+    throw InputError({}, "tool.mesh", "a profile of " + std::to_string(table.pieces.size()) + " edges",
                      "at most 65535 are possible");
   }
-  table.lists.push_back({0, static_cast<rs_u32>(table.edges.size())});
+  table.near.lists.push_back({0, static_cast<rs_u32>(table.pieces.size())});
   return table;
 }
 
 ProfileTable make_profile_table(const Profile& profile, double voxel_mm) {
   ProfileTable table = full_profile_table(profile);
-  if (table.edges.empty()) return table;
-  NearestLists lists = make_nearest_lists(
-      profile, table.edges.size(), [&](std::size_t i, const Vec2& rz) { return distance(table.edges[i], rz); },
+  if (table.pieces.empty()) return table;
+  table.near = make_nearest_lists(
+      profile, table.pieces.size(), [&](std::size_t i, const Vec2& rz) { return distance(table.pieces[i], rz); },
       voxel_mm);
-  table.numbers = std::move(lists.numbers);
-  table.lists = std::move(lists.lists);
-  table.grid = lists.grid;
   return table;
-}
-
-DeviceProfile::DeviceProfile(const cl::Device& device, const ProfileTable& table)
-    : edges_(device, std::max<std::size_t>(1, table.edges.size()), "the tool's profile"),
-      numbers_(device, std::max<std::size_t>(1, table.numbers.size()), "the tool's profile"),
-      lists_(device, table.lists.size(), "the tool's profile"),
-      grid_(device, 1, "the tool's profile") {
-  if (!table.edges.empty()) edges_.write(device, table.edges.data(), table.edges.size());
-  if (!table.numbers.empty()) numbers_.write(device, table.numbers.data(), table.numbers.size());
-  lists_.write(device, table.lists.data(), table.lists.size());
-  grid_.write(device, &table.grid, 1);
-}
-
-void DeviceProfile::set(cl::Kernel& kernel, cl_uint first_argument) const {
-  kernel.set(first_argument, edges_);
-  kernel.set(first_argument + 1, numbers_);
-  kernel.set(first_argument + 2, lists_);
-  kernel.set(first_argument + 3, grid_);
 }
 
 }  // namespace reamsim

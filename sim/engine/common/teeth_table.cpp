@@ -37,10 +37,4 @@ DeviceTeeth::DeviceTeeth(const cl::Device& device, const DistanceGrid& grid, dou
   samples_.write(device, grid.samples.data(), grid.samples.size());
 }
 
-void DeviceTeeth::set(cl::Kernel& kernel, cl_uint first_argument) const {
-  kernel.set(first_argument, lattice_);
-  kernel.set(first_argument + 1, slots_);
-  kernel.set(first_argument + 2, samples_);
-}
-
 }  // namespace reamsim

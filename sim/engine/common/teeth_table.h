@@ -19,7 +19,10 @@ class DeviceTeeth {
   DeviceTeeth(const cl::Device& device, const DistanceGrid& grid, double voxel_mm, double bulge_mm,
               std::size_t taken_bytes);
   /// Sets three arguments: lattice, slots, samples.
-  void set(cl::Kernel& kernel, cl_uint first_argument) const;
+  template <class Argument>
+  void set(cl::Kernel& kernel, Argument first) const {
+    kernel.set_from(first, lattice_, slots_, samples_);
+  }
 
  private:
   cl::Buffer<DistanceLattice> lattice_;

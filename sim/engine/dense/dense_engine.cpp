@@ -5,11 +5,11 @@
 
 #include "sim/engine/common/dense_bone.h"
 #include "sim/engine/common/engine_device.h"
-#include "sim/engine/dense/device_erosion.h"
-#include "sim/engine/dense/direct_detector.h"
-#include "sim/engine/dense/implicit_detector.h"
-#include "sim/engine/dense/octree_detector.h"
-#include "sim/engine/dense/voxel_restorer.h"
+#include "sim/engine/dense/cut_voxels.h"
+#include "sim/engine/dense/detect_direct.h"
+#include "sim/engine/dense/detect_implicit.h"
+#include "sim/engine/dense/detect_octree.h"
+#include "sim/engine/dense/restore_voxels.h"
 
 namespace reamsim {
 
@@ -22,44 +22,49 @@ std::size_t group_size(const cl::DeviceInfo& info, int wanted, std::size_t other
 }
 
 /// The plan, once it is known to fit.
-DensePlan fitting_plan(const cl::DeviceInfo& info, const Scenario& scenario, const Voxmap& voxmap, const Tool& tool) {
+DensePlan fitting_plan(const cl::DeviceInfo& info, const Scenario& scenario, const BoneView& bone, const Tool& tool) {
   const DensePlan plan =
-      plan_dense(scenario.engine.detector, voxmap, tool, scenario.cutting.erosion == ErosionMode::wear);
-  require_fit(plan, info, voxmap.grid.voxel_mm);
+      plan_dense(scenario.engine.detector, bone, tool, scenario.cutting.erosion == ErosionMode::wear);
+  require_fit(plan, info, bone.voxmap.grid.voxel_mm);
   return plan;
 }
 
-std::unique_ptr<Detector> make_detector(const cl::Device& device, const Scenario& scenario, const DenseState& state,
-                                        const DeviceBatch& batch, const Voxmap& voxmap, const Tool& tool) {
+std::unique_ptr<Detection> make_detection(const cl::Device& device, const Scenario& scenario, const DenseState& state,
+                                          const DeviceBatch& batch, const BoneView& bone, const Tool& tool) {
   const std::size_t group = group_size(device.info(), scenario.engine.work_group_size, 256);
   if (scenario.engine.detector == EngineKind::octree) {
     const bool per_point = scenario.cutting.law == CuttingLaw::per_point;
-    return std::make_unique<OctreeDetector>(device, state, batch, tool.shell, voxmap.grid, per_point, group);
+    return std::make_unique<DetectOctree>(device, state, batch, tool.shell, bone.voxmap.grid, per_point, group);
   }
   if (scenario.engine.detector == EngineKind::implicit) {
-    return std::make_unique<ImplicitDetector>(device, state, batch, tool.profile, bone_extent(voxmap), group);
+    return std::make_unique<DetectImplicit>(device, state, batch, tool.profile, bone_extent(bone.voxmap), group);
   }
-  return std::make_unique<DirectDetector>(device, state, batch, tool.shell, group);
+  return std::make_unique<DetectDirect>(device, state, batch, tool.shell, group);
 }
 
 class DenseEngine final : public Engine {
  public:
-  DenseEngine(const cl::DeviceInfo& info, const Scenario& scenario, const Voxmap& voxmap, const Tool& tool)
+  DenseEngine(const cl::DeviceInfo& info, const Scenario& scenario, const BoneView& bone, const Tool& tool)
       : device_(info),
-        plan_(fitting_plan(info, scenario, voxmap, tool)),
-        state_(make_dense_state(device_, plan_, voxmap, tool)),
+        plan_(fitting_plan(info, scenario, bone, tool)),
+        state_(make_dense_state(device_, plan_, bone, tool)),
         batch_(device_, plan_.removed_list()),
-        detector_(make_detector(device_, scenario, state_, batch_, voxmap, tool)),
-        erosion_(device_, plan_.layout, state_, batch_, make_energy_table(scenario.cutting, voxmap.grid.voxel_mm),
-                 group_size(info, scenario.engine.work_group_size, info.gpu ? 256 : 16)),
+        detect_(make_detection(device_, scenario, state_, batch_, bone, tool)),
+        cut_(device_, plan_.layout, state_, batch_, make_energy_table(scenario.cutting, bone.voxmap.grid.voxel_mm),
+             group_size(info, scenario.engine.work_group_size, info.gpu ? 256 : 16)),
         restorer_(device_) {}
 
-  int begin(const SubstepArgs& args) override { return batch_.begin(args); }
-  Detector& detector() override { return *detector_; }
-  Erosion& erosion() override { return erosion_; }
+  void enqueue(const SubstepArgs& args) override {
+    const int slot = batch_.begin(args);
+    detect_->enqueue(slot);
+    cut_.enqueue(slot);
+  }
   [[nodiscard]] bool full() const override { return batch_.full(); }
 
-  Batch collect() override { return {batch_.collect(), detector_->take_seconds(), erosion_.take_seconds()}; }
+  Batch collect() override {
+    std::vector<SubstepSums> sums = batch_.collect();
+    return {std::move(sums), stage_times(detect_->take_seconds(), cut_.take_seconds())};
+  }
 
   RemovedFrames take_removed() override {
     RemovedFrames removed;
@@ -70,28 +75,28 @@ class DenseEngine final : public Engine {
     return removed;
   }
 
-  void read_fill(Voxmap& voxmap) override {
+  void read_fill(const Voxmap& voxmap, FillBricks& fill) override {
     if (!state_.has_fill) return;
-    std::vector<cl_ushort> fill(state_.fill.count());
-    state_.fill.read(device_, fill.data(), fill.size());
-    copy_fill(fill, voxmap);
+    std::vector<cl_ushort> dense(state_.fill.count());
+    state_.fill.read(device_, dense.data(), dense.size());
+    copy_fill(dense, voxmap, fill);
   }
 
-  void restore(const Voxmap& voxmap) override { upload_bone(device_, plan_, voxmap, state_); }
-  void restore_voxels(const Voxmap& voxmap, const RemovedFrames& gone) override {
-    const auto fill = [&](std::int64_t voxel) -> cl_uint { return voxmap.fill.get(voxmap.grid.coord(voxel)); };
+  void restore(const BoneView& bone) override { upload_bone(device_, plan_, bone, state_); }
+  void restore_voxels(const BoneView& bone, const RemovedFrames& removed) override {
+    const auto fill = [&](std::int64_t voxel) -> cl_uint { return bone.fill.get(bone.voxmap.grid.coord(voxel)); };
     const auto grade = [&](std::int64_t voxel) -> cl_uint {
-      return fill(voxel) == 0 ? 0 : voxmap.grade.get(voxmap.grid.coord(voxel));
+      return fill(voxel) == 0 ? 0 : bone.voxmap.grade.get(bone.voxmap.grid.coord(voxel));
     };
     const auto hu = [&](std::int64_t voxel) {
       return std::bit_cast<cl_uint>(state_.scale.hu(static_cast<std::uint8_t>(grade(voxel))));
     };
     if (plan_.layout == VoxelLayout::flagged_hu) {
-      restorer_.put(entries_to_put_back(gone, hu), state_.hu);
+      restorer_.put(entries_to_put_back(removed, hu), state_.hu);
     } else {
-      restorer_.put(entries_to_put_back(gone, grade), state_.grades);
+      restorer_.put(entries_to_put_back(removed, grade), state_.grades);
     }
-    if (state_.has_fill) restorer_.put(entries_to_put_back(gone, fill), state_.fill);
+    if (state_.has_fill) restorer_.put(entries_to_put_back(removed, fill), state_.fill);
   }
 
   [[nodiscard]] std::string device() const override { return device_.info().name; }
@@ -107,15 +112,15 @@ class DenseEngine final : public Engine {
   DensePlan plan_;
   DenseState state_;
   DeviceBatch batch_;
-  std::unique_ptr<Detector> detector_;
-  DeviceErosion erosion_;
+  std::unique_ptr<Detection> detect_;
+  CutVoxels cut_;
   VoxelRestorer restorer_;
 };
 
 }  // namespace
 
-std::unique_ptr<Engine> make_dense_engine(const Scenario& scenario, const Voxmap& voxmap, const Tool& tool) {
-  return std::make_unique<DenseEngine>(device_for(scenario.engine), scenario, voxmap, tool);
+std::unique_ptr<Engine> make_dense_engine(const Scenario& scenario, const BoneView& bone, const Tool& tool) {
+  return std::make_unique<DenseEngine>(device_for(scenario.engine), scenario, bone, tool);
 }
 
 }  // namespace reamsim

@@ -62,17 +62,18 @@ std::size_t DensePlan::largest_bytes() const {
                    sizeof(RemovedVoxel) * removed});
 }
 
-DensePlan plan_dense(EngineKind detector, const Voxmap& voxmap, const Tool& tool, bool wear) {
+DensePlan plan_dense(EngineKind detector, const BoneView& bone, const Tool& tool, bool wear) {
   DensePlan plan;
   if (detector == EngineKind::octree) plan.layout = VoxelLayout::flagged_hu;
   if (detector == EngineKind::implicit) plan.layout = VoxelLayout::bare_grade;
   const bool has_shell = plan.layout != VoxelLayout::bare_grade;
-  plan.voxels = static_cast<std::size_t>(voxmap.grid.size());
-  plan.unreamed = count_unreamed(voxmap);
+  plan.voxels = static_cast<std::size_t>(bone.voxmap.grid.size());
+  plan.unreamed = static_cast<std::size_t>(bone.voxmap.grade.count());
   plan.points = has_shell ? tool.shell.codes.size() : 0;
   plan.wide_codes = tool.shell.resolution > kNarrowResolution;
-  plan.fill = wear || partly_filled(voxmap);
-  plan.contacts = std::min(plan.unreamed, has_shell ? plan.points : voxels_in_tool(tool.profile, voxmap.grid.voxel_mm));
+  plan.fill = wear || partly_filled(bone.fill);
+  plan.contacts =
+      std::min(plan.unreamed, has_shell ? plan.points : voxels_in_tool(tool.profile, bone.voxmap.grid.voxel_mm));
   plan.removed = std::min(plan.unreamed, std::max(kRemovedRoom, plan.contacts));
   return plan;
 }

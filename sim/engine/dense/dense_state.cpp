@@ -29,12 +29,12 @@ void upload_hu(const cl::Device& device, const std::vector<std::uint8_t>& grades
 
 }  // namespace
 
-DenseState make_dense_state(const cl::Device& device, const DensePlan& plan, const Voxmap& voxmap, const Tool& tool) {
+DenseState make_dense_state(const cl::Device& device, const DensePlan& plan, const BoneView& bone, const Tool& tool) {
   const auto at_least_one = [](std::size_t count) { return std::max<std::size_t>(1, count); };
   DenseState state;
   state.has_fill = plan.fill;
   if (plan.layout == VoxelLayout::flagged_hu) {
-    state.scale = HuScale(voxmap.mapping);
+    state.scale = HuScale(bone.voxmap.mapping);
     if (!state.scale.exact()) {
       throw InputError({}, "bone.density", "found a mapping whose HU a float rounds to more than a grade",
                        "another mapping, or another engine.detector than octree, which keeps HU");
@@ -46,25 +46,26 @@ DenseState make_dense_state(const cl::Device& device, const DensePlan& plan, con
   state.fill = {device, plan.fill ? plan.voxels : 1, "the fill of the voxmap"};
   state.claims = {device, at_least_one(plan.claim_bytes() / sizeof(cl_uint)), "the voxels' claims"};
   state.contacts = {device, at_least_one(plan.contacts), "the contact list"};
-  state.profile = {device, make_profile_table(tool.profile, voxmap.grid.voxel_mm)};
+  state.profile = {device, make_profile_table(tool.profile, bone.voxmap.grid.voxel_mm)};
 
-  upload_bone(device, plan, voxmap, state);
+  upload_bone(device, plan, bone, state);
   state.claims.clear(device, state.claims.count());
   return state;
 }
 
-void upload_bone(const cl::Device& device, const DensePlan& plan, const Voxmap& voxmap, DenseState& state) {
-  const bool same = static_cast<std::size_t>(voxmap.grid.size()) == plan.voxels &&
-                    count_unreamed(voxmap) <= plan.unreamed && (plan.fill || !partly_filled(voxmap));
+void upload_bone(const cl::Device& device, const DensePlan& plan, const BoneView& bone, DenseState& state) {
+  const bool same = static_cast<std::size_t>(bone.voxmap.grid.size()) == plan.voxels &&
+                    static_cast<std::size_t>(bone.voxmap.grade.count()) <= plan.unreamed &&
+                    (plan.fill || !partly_filled(bone.fill));
   if (!same) throw RunError("this is not the bone that the engine was made for: its memory was planned for another");
-  const auto grades = dense_grades_left(voxmap);
+  const auto grades = dense_grades_left(bone);
   if (plan.layout == VoxelLayout::flagged_hu) {
     upload_hu(device, grades, state.scale, state.hu);
   } else {
     state.grades.write(device, grades.data(), grades.size());
   }
   if (!plan.fill) return;
-  const auto fill = dense_fill(voxmap);
+  const auto fill = dense_fill(bone);
   state.fill.write(device, fill.data(), fill.size());
 }
 

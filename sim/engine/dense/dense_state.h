@@ -22,9 +22,9 @@ struct DenseState {
 
 /// Uploads bone and profile. Throws RunError when the device has no room after all, InputError when the layout is
 /// flagged_hu and floats cannot tell the voxmap's grades apart by their HU.
-DenseState make_dense_state(const cl::Device& device, const DensePlan& plan, const Voxmap& voxmap, const Tool& tool);
+DenseState make_dense_state(const cl::Device& device, const DensePlan& plan, const BoneView& bone, const Tool& tool);
 
 /// Writes the bone as `voxmap` has it. Throws RunError where it is not the bone that `plan` was made for.
-void upload_bone(const cl::Device& device, const DensePlan& plan, const Voxmap& voxmap, DenseState& state);
+void upload_bone(const cl::Device& device, const DensePlan& plan, const BoneView& bone, DenseState& state);
 
 }  // namespace reamsim

@@ -6,7 +6,7 @@
 
 #include "sim/engine/common/engine_device.h"
 #include "sim/engine/common/removed_blocks.h"
-#include "sim/engine/exact/exact_cut.h"
+#include "sim/engine/exact/cut_exact.h"
 
 namespace reamsim {
 
@@ -18,57 +18,51 @@ constexpr std::size_t kMostRecords = 8'000'000;
 /// A batch needs no list of its own: every visit has one.
 constexpr DeviceBatch::RemovedList kNoList{.words = 1, .room = 1, .per_substep = 1, .in_all = 1};
 
-/// Detect and cut only take note of a substep: its bricks are found and cut when the batch is collected, together with
-/// those of the substeps round it.
-class Noted final : public Detector, public Erosion {
- public:
-  void detect(int /*slot*/) override {}
-  void cut(int /*slot*/) override {}
-  std::vector<double> take_seconds() override { return {}; }
-};
+std::size_t page_table_bytes(const BoneView& bone) {
+  return sizeof(cl_int) * bone.voxmap.grade.stored_bricks();
+}
 
-std::optional<DeviceTeeth> make_teeth(const cl::Device& device, const Tool& tool, const Voxmap& voxmap,
+std::optional<DeviceTeeth> make_teeth(const cl::Device& device, const Tool& tool, const BoneView& bone,
                                       double bulge_mm) {
   if (!tool.teeth) return std::nullopt;
-  return DeviceTeeth(device, *tool.teeth, voxmap.grid.voxel_mm, bulge_mm,
-                     bricked_bytes(voxmap, tool, FillStore::pages));
+  return DeviceTeeth(device, *tool.teeth, bone.voxmap.grid.voxel_mm, bulge_mm,
+                     device_bricks_bytes(bone, FillStore::pages));
 }
 
 class ExactEngine final : public Engine {
  public:
-  ExactEngine(const cl::DeviceInfo& info, const Scenario& scenario, const Voxmap& voxmap, const Tool& tool)
+  ExactEngine(const cl::DeviceInfo& info, const Scenario& scenario, const BoneView& bone, const Tool& tool)
       : device_(info),
-        grid_(voxmap.grid),
-        bone_(bone_extent(voxmap)),
-        outline_(make_outline_table(tool.profile, voxmap.grid.voxel_mm)),
+        grid_(bone.voxmap.grid),
+        extent_(bone_extent(bone.voxmap)),
+        outline_(make_outline_table(tool.profile, bone.voxmap.grid.voxel_mm)),
         tool_box_(tool.clip_bounds().expanded(outline_.bulge_mm)),
-        state_(make_bricked_state(device_, voxmap, tool, FillStore::pages)),
-        fill_(make_fill_pages(device_, voxmap)),
+        bricks_(make_device_bricks(device_, bone, FillStore::pages, page_table_bytes(bone))),
+        fill_(make_fill_pages(device_, bone)),
         batch_(device_, kNoList),
-        teeth_(make_teeth(device_, tool, voxmap, outline_.bulge_mm)),
+        teeth_(make_teeth(device_, tool, bone, outline_.bulge_mm)),
         teeth_bytes_(tool.teeth ? tool.teeth->bytes() : 0),
-        reach_(device_, state_, batch_, tool.profile, tool.clip_slack_mm() + outline_.bulge_mm,
-               choose_options(info, scenario.engine).work_group),
-        cut_(device_, state_, batch_, reach_, outline_, make_energy_table(scenario.cutting, voxmap.grid.voxel_mm),
+        list_(device_, bricks_, batch_, tool.profile, tool.clip_slack_mm() + outline_.bulge_mm,
+              choose_options(info, scenario.engine).work_group),
+        cut_(device_, bricks_, batch_, list_, outline_, make_energy_table(scenario.cutting, bone.voxmap.grid.voxel_mm),
              choose_options(info, scenario.engine), teeth_ ? &*teeth_ : nullptr),
         records_(device_, 1, "the list of removed voxels") {}
 
-  int begin(const SubstepArgs& args) override { return batch_.begin(args); }
-  Detector& detector() override { return noted_; }
-  Erosion& erosion() override { return noted_; }
+  /// Takes the substep's arguments alone: its bricks are listed and cut when the batch is collected, together with
+  /// those of the substeps round it.
+  void enqueue(const SubstepArgs& args) override { batch_.begin(args); }
   [[nodiscard]] bool full() const override { return batch_.full(); }
 
+  /// Visit by visit: the bricks that the tool's surface can reach are listed, and cut in all substeps of the visit.
   Batch collect() override {
     Batch out;
-    const auto used = static_cast<std::size_t>(batch_.used());
-    out.detect_s.resize(used);
-    out.cut_s.resize(used);
     removed_.clear();
+    out.times.resize(static_cast<std::size_t>(batch_.used()));
     for (int first = 0; first < batch_.used();) {
       const VisitPlan plan = visit(first);
-      const double share = 1.0 / (plan.end - plan.first);
-      std::fill(out.detect_s.begin() + plan.first, out.detect_s.begin() + plan.end, reach_.take_seconds() * share);
-      std::fill(out.cut_s.begin() + plan.first, out.cut_s.begin() + plan.end, cut_.take_seconds() * share);
+      const double per_substep = 1.0 / (plan.end - plan.first);
+      const StageTimes times{list_.take_seconds() * per_substep, cut_.take_seconds() * per_substep};
+      std::fill(out.times.begin() + plan.first, out.times.begin() + plan.end, times);
       first = plan.end;
     }
     out.sums = batch_.collect();
@@ -76,39 +70,37 @@ class ExactEngine final : public Engine {
   }
 
   RemovedFrames take_removed() override { return std::exchange(removed_, {}); }
-  void read_fill(Voxmap& voxmap) override { read_pages(device_, state_, fill_, voxmap); }
-  void restore(const Voxmap& voxmap) override {
-    upload_bone(device_, state_, voxmap);
-    fill_ = make_fill_pages(device_, voxmap);
+  void read_fill(const Voxmap& /*voxmap*/, FillBricks& fill) override { read_pages(device_, bricks_, fill_, fill); }
+  void restore(const BoneView& bone) override {
+    upload_bone(device_, bone, bricks_);
+    fill_ = make_fill_pages(device_, bone);
   }
   [[nodiscard]] std::string device() const override { return device_.info().name; }
   [[nodiscard]] std::size_t device_bytes() const override {
-    return structure_bytes().voxmap + structure_bytes().shell + records_.bytes() + DeviceBatch::bytes(kNoList);
+    return bricks_.bytes() + fill_.bytes() + records_.bytes() + DeviceBatch::bytes(kNoList) + list_.listed().bytes() +
+           teeth_bytes_;
   }
+  /// There is no shell in it: where teeth are resolved, their distance grid stands for the tool.
   [[nodiscard]] StructureBytes structure_bytes() const override {
-    StructureBytes out{state_.slot_of_brick.bytes() + state_.lattice_of_slot.bytes() + state_.occupancy.bytes() +
-                           fill_.page_of_slot.bytes() + fill_.slot_of_page.bytes() + fill_.fills.bytes(),
-                       state_.cells.bytes() + state_.runs.bytes() + state_.offsets.bytes() + teeth_bytes_};
-    for (const auto& pool : state_.pools) out.voxmap += pool.bytes();
-    return out;
+    return {bricks_.bytes() + fill_.bytes(), teeth_bytes_};
   }
 
  private:
   /// Takes every brick in reach through the substeps from `first` on, as many as one visit can, and returns the visit.
   VisitPlan visit(int first) {
-    VisitPlan plan = plan_visit(batch_.args_used(), first, RS_VISIT_SUBSTEPS, tool_box_, bone_);
+    VisitPlan plan = plan_visit(batch_.args_used(), first, RS_VISIT_SUBSTEPS, tool_box_, extent_);
     VisitCounts counts{.listed = 0, .pages = static_cast<rs_u32>(fill_.used), .removed = 0};
-    std::size_t listed = reach_.list(plan, counts);
-    while (ExactCut::most_records(listed, plan.end - first) > kMostRecords && plan.end - first > 1) {
-      plan = plan_visit(batch_.args_used(), first, (plan.end - first) / 2, tool_box_, bone_);
-      listed = reach_.list(plan, counts);
+    std::size_t listed = list_.list(plan, counts);
+    while (CutExact::most_records(listed, plan.end - first) > kMostRecords && plan.end - first > 1) {
+      plan = plan_visit(batch_.args_used(), first, (plan.end - first) / 2, tool_box_, extent_);
+      listed = list_.list(plan, counts);
     }
     if (listed == 0) return plan;
     reserve_pages(device_, fill_.used + listed, grid_.voxel_mm, fill_);
-    const std::size_t records = ExactCut::most_records(listed, plan.end - first);
+    const std::size_t records = CutExact::most_records(listed, plan.end - first);
     if (records > records_.count()) records_ = {device_, records, "the list of removed voxels"};
-    cut_.visit(plan, fill_, records_);
-    reach_.counts().read(device_, &counts, 1);
+    cut_.enqueue(plan, fill_, records_);
+    list_.counts().read(device_, &counts, 1);
     fill_.used = counts.pages;
     std::vector<RemovedBlock> blocks(counts.removed);
     if (!blocks.empty()) records_.read(device_, blocks.data(), blocks.size());
@@ -120,31 +112,30 @@ class ExactEngine final : public Engine {
 
   cl::Device device_;
   VoxelGrid grid_;
-  VoxelBox bone_;
+  VoxelBox extent_;
   OutlineTable outline_;
   Aabb tool_box_;
-  BrickedState state_;
+  DeviceBricks bricks_;
   FillPages fill_;
   DeviceBatch batch_;
   std::optional<DeviceTeeth> teeth_;
   std::size_t teeth_bytes_;
-  ExactReach reach_;
-  ExactCut cut_;
+  ListBricks list_;
+  CutExact cut_;
   cl::Buffer<RemovedBlock> records_;
   RemovedFrames removed_;
-  Noted noted_;
 };
 
 }  // namespace
 
-std::unique_ptr<Engine> make_exact_engine(const Scenario& scenario, const Voxmap& voxmap, const Tool& tool) {
-  return std::make_unique<ExactEngine>(device_for(scenario.engine), scenario, voxmap, tool);
+std::unique_ptr<Engine> make_exact_engine(const Scenario& scenario, const BoneView& bone, const Tool& tool) {
+  return std::make_unique<ExactEngine>(device_for(scenario.engine), scenario, bone, tool);
 }
 
-std::size_t exact_engine_bytes(const Voxmap& voxmap, const Tool& tool, const ExactForecast& forecast) {
-  const std::size_t stored = voxmap.grade.stored_bricks();
-  const std::size_t records = std::min(kMostRecords, ExactCut::most_records(forecast.listed, RS_VISIT_SUBSTEPS));
-  return bricked_bytes(voxmap, tool, FillStore::pages) + sizeof(cl_uint) * stored +
+std::size_t exact_engine_bytes(const BoneView& bone, const Tool& tool, const ExactForecast& forecast) {
+  const std::size_t stored = bone.voxmap.grade.stored_bricks();
+  const std::size_t records = std::min(kMostRecords, CutExact::most_records(forecast.listed, RS_VISIT_SUBSTEPS));
+  return device_bricks_bytes(bone, FillStore::pages) + sizeof(cl_uint) * stored +
          fill_pages_bytes(stored, forecast.parted + forecast.listed) + sizeof(RemovedBlock) * records +
          DeviceBatch::bytes(kNoList) + (tool.teeth ? tool.teeth->bytes() : 0);
 }

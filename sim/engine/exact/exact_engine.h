@@ -15,9 +15,9 @@ struct ExactForecast {
 };
 
 /// `erosion: exact` over bricks, on the device that the scenario names. Throws InputError when the bone does not fit.
-std::unique_ptr<Engine> make_exact_engine(const Scenario& scenario, const Voxmap& voxmap, const Tool& tool);
+std::unique_ptr<Engine> make_exact_engine(const Scenario& scenario, const BoneView& bone, const Tool& tool);
 
 /// Device memory that the engine will take at most while it cuts as forecast, bytes.
-std::size_t exact_engine_bytes(const Voxmap& voxmap, const Tool& tool, const ExactForecast& forecast);
+std::size_t exact_engine_bytes(const BoneView& bone, const Tool& tool, const ExactForecast& forecast);
 
 }  // namespace reamsim

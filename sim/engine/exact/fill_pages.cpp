@@ -30,10 +30,11 @@ std::size_t most_room(std::size_t needed) {
                  " or more would fit, or a smaller crop");
 }
 
-std::size_t bricks_with_fill(const Voxmap& voxmap) {
+std::size_t bricks_with_fill(const BoneView& bone) {
   std::size_t count = 0;
-  voxmap.fill.for_each_brick(
-      [&](const Vec3i& coord, const FillBricks::Brick&) { count += voxmap.grade.brick(coord) != nullptr ? 1 : 0; });
+  bone.fill.for_each_brick([&](const Vec3i& coord, const FillBricks::Brick&) {
+    count += bone.voxmap.grade.brick(coord) != nullptr ? 1 : 0;
+  });
   return count;
 }
 
@@ -47,15 +48,15 @@ cl::Buffer<T> grown(const cl::Device& device, const cl::Buffer<T>& old, std::siz
 
 }  // namespace
 
-FillPages make_fill_pages(const cl::Device& device, const Voxmap& voxmap) {
+FillPages make_fill_pages(const cl::Device& device, const BoneView& bone) {
   FillPages fill;
-  fill.used = bricks_with_fill(voxmap);
+  fill.used = bricks_with_fill(bone);
   const std::size_t room = std::max(kLeastRoom, fill.used);
   std::vector<cl_int> page_of_slot;
   std::vector<cl_uint> slot_of_page;
   std::vector<cl_ushort> fills;
-  voxmap.grade.for_each_brick([&](const Vec3i& coord, const GradeBricks::Brick&) {
-    const FillBricks::Brick* brick = voxmap.fill.brick(coord);
+  bone.voxmap.grade.for_each_brick([&](const Vec3i& coord, const GradeBricks::Brick&) {
+    const FillBricks::Brick* brick = bone.fill.brick(coord);
     const auto slot = static_cast<cl_uint>(page_of_slot.size());
     page_of_slot.push_back(brick == nullptr ? -1 : static_cast<cl_int>(slot_of_page.size()));
     if (brick == nullptr) return;
@@ -89,25 +90,25 @@ void reserve_pages(const cl::Device& device, std::size_t pages, double voxel_mm,
   fill.fills = grown(device, fill.fills, room * RS_BRICK_VOXELS, fill.used * RS_BRICK_VOXELS, "the fill of cut bricks");
 }
 
-void read_pages(const cl::Device& device, const BrickedState& state, const FillPages& fill, Voxmap& voxmap) {
-  if (fill.used == 0) return;
+void read_pages(const cl::Device& device, const DeviceBricks& bricks, const FillPages& pages, FillBricks& fill) {
+  if (pages.used == 0) return;
   constexpr std::size_t kChunk = 1024;  // pages read at once
-  std::vector<cl_uint> slots(fill.used), lattice(state.lattice_of_slot.count());
-  fill.slot_of_page.read(device, slots.data(), slots.size());
-  state.lattice_of_slot.read(device, lattice.data(), lattice.size());
-  const BrickLattice bricks = BrickLattice::over(voxmap.grid.dims);
-  std::vector<cl_ushort> pages(kChunk * RS_BRICK_VOXELS);
-  for (std::size_t first = 0; first < fill.used; first += kChunk) {
-    const std::size_t count = std::min(kChunk, fill.used - first);
-    fill.fills.read(device, pages.data(), count * RS_BRICK_VOXELS, first * RS_BRICK_VOXELS);
+  std::vector<cl_uint> slots(pages.used), places(bricks.lattice_of_slot.count());
+  pages.slot_of_page.read(device, slots.data(), slots.size());
+  bricks.lattice_of_slot.read(device, places.data(), places.size());
+  const BrickLattice lattice = BrickLattice::over(bricks.grid.dims);
+  std::vector<cl_ushort> chunk(kChunk * RS_BRICK_VOXELS);
+  for (std::size_t first = 0; first < pages.used; first += kChunk) {
+    const std::size_t count = std::min(kChunk, pages.used - first);
+    pages.fills.read(device, chunk.data(), count * RS_BRICK_VOXELS, first * RS_BRICK_VOXELS);
     for (std::size_t page = 0; page < count; ++page) {
-      const cl_ushort* from = pages.data() + page * RS_BRICK_VOXELS;
+      const cl_ushort* from = chunk.data() + page * RS_BRICK_VOXELS;
       FillBricks::Brick brick{};
       for (int offset = 0; offset < FillBricks::kVoxels; ++offset) {
         const Vec3i voxel = BrickLattice::voxel_at(Vec3i::Zero(), offset);
         brick[static_cast<std::size_t>(offset)] = from[rs_brick_offset(voxel.x(), voxel.y(), voxel.z())];
       }
-      voxmap.fill.put(bricks.coord(lattice[slots[first + page]]), brick);
+      fill.put(lattice.coord(places[slots[first + page]]), brick);
     }
   }
 }

@@ -19,7 +19,7 @@ struct VisitPlan {
   VoxelBox superbricks;                ///< of 4×4×4 bricks, that the tool's box meets in any of the substeps
 };
 
-/// Longest motion of a visit, voxels: kernels/reach_exact.cl looks that far round the tool.
+/// Longest motion of a visit, voxels: kernels/list_bricks.cl looks that far round the tool.
 inline constexpr double kVisitShiftVoxels = 16;
 
 /// Plans a visit of at most `most` substeps that begins with the one in slot `first`. `tool_box`: T, mm; `bone`: voxels

@@ -2,9 +2,10 @@
 
 #include <utility>
 
+#include "sim/base/stopwatch.h"
 #include "sim/engine/common/dense_bone.h"
-#include "sim/engine/serial/serial_detector.h"
-#include "sim/engine/serial/serial_erosion.h"
+#include "sim/engine/serial/cut_contacts.h"
+#include "sim/engine/serial/find_contacts.h"
 
 namespace reamsim {
 
@@ -21,48 +22,44 @@ CutVoxel serial_cut(const Scenario& scenario, double voxel_mm) {
   return scenario.cutting.erosion == ErosionMode::exact ? cut_by_clipping(table) : cut_touched(table);
 }
 
-/// The reference of every detector in plain C++: that of `implicit`, of those which look shell points up, and of
-/// `exact`.
+/// The reference of every engine in plain C++: that of `implicit`, of those which look shell points up, and of `exact`.
 class SerialEngine final : public Engine {
  public:
-  SerialEngine(const Scenario& scenario, const Voxmap& voxmap, const Tool& tool)
-      : state_(make_serial_state(voxmap, tool)),
-        detector_(state_, serial_detection(scenario, state_)),
-        erosion_(state_, serial_cut(scenario, voxmap.grid.voxel_mm)) {}
+  SerialEngine(const Scenario& scenario, const BoneView& bone, const Tool& tool)
+      : state_(make_serial_state(bone, tool)),
+        find_(serial_detection(scenario, state_)),
+        cut_(serial_cut(scenario, bone.voxmap.grid.voxel_mm)) {}
 
-  int begin(const SubstepArgs& args) override {
-    state_.args.push_back(args);
-    state_.sums.emplace_back();
-    return static_cast<int>(state_.args.size()) - 1;
+  void enqueue(const SubstepArgs& args) override {
+    SubstepSums& sums = batch_.sums.emplace_back();
+    StageTimes& times = batch_.times.emplace_back();
+    const Stopwatch watch;
+    find_(state_, args, sums);
+    times.detect_s = watch.seconds();
+    cut_contacts(state_, args, cut_, sums);
+    times.cut_s = watch.seconds() - times.detect_s;
   }
 
-  Detector& detector() override { return detector_; }
-  Erosion& erosion() override { return erosion_; }
-  [[nodiscard]] bool full() const override { return state_.args.size() >= 4096; }
-
-  Batch collect() override {
-    state_.args.clear();
-    return {std::exchange(state_.sums, {}), detector_.take_seconds(), erosion_.take_seconds()};
-  }
-
+  [[nodiscard]] bool full() const override { return batch_.sums.size() >= 4096; }
+  Batch collect() override { return std::exchange(batch_, {}); }
   RemovedFrames take_removed() override { return std::exchange(state_.removed, {}); }
-
-  void read_fill(Voxmap& voxmap) override { copy_fill(state_.fill, voxmap); }
-  void restore(const Voxmap& voxmap) override { take_bone(voxmap, state_); }
+  void read_fill(const Voxmap& voxmap, FillBricks& fill) override { copy_fill(state_.fill, voxmap, fill); }
+  void restore(const BoneView& bone) override { take_bone(bone, state_); }
   [[nodiscard]] std::string device() const override { return "serial"; }
   [[nodiscard]] std::size_t device_bytes() const override { return 0; }
   [[nodiscard]] StructureBytes structure_bytes() const override { return {}; }
 
  private:
   SerialState state_;
-  SerialDetector detector_;
-  SerialErosion erosion_;
+  FindContacts find_;
+  CutVoxel cut_;
+  Batch batch_;
 };
 
 }  // namespace
 
-std::unique_ptr<Engine> make_serial_engine(const Scenario& scenario, const Voxmap& voxmap, const Tool& tool) {
-  return std::make_unique<SerialEngine>(scenario, voxmap, tool);
+std::unique_ptr<Engine> make_serial_engine(const Scenario& scenario, const BoneView& bone, const Tool& tool) {
+  return std::make_unique<SerialEngine>(scenario, bone, tool);
 }
 
 }  // namespace reamsim

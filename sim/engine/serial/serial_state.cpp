@@ -4,20 +4,20 @@
 
 namespace reamsim {
 
-SerialState make_serial_state(const Voxmap& voxmap, const Tool& tool) {
+SerialState make_serial_state(const BoneView& bone, const Tool& tool) {
   SerialState state;
   state.tool = &tool;
   state.profile = full_profile_table(tool.profile);
-  state.outline = full_outline_table(tool.profile, voxmap.grid.voxel_mm);
+  state.outline = full_outline_table(tool.profile, bone.voxmap.grid.voxel_mm);
   if (tool.teeth) state.lattice = distance_lattice(*tool.teeth);
-  take_bone(voxmap, state);
+  take_bone(bone, state);
   return state;
 }
 
-void take_bone(const Voxmap& voxmap, SerialState& state) {
-  state.grid = voxmap.grid;
-  state.bone = dense_grades_left(voxmap);
-  state.fill = dense_fill(voxmap);
+void take_bone(const BoneView& bone, SerialState& state) {
+  state.grid = bone.voxmap.grid;
+  state.bone = dense_grades_left(bone);
+  state.fill = dense_fill(bone);
 }
 
 }  // namespace reamsim

@@ -20,14 +20,12 @@ struct SerialState {
   std::vector<std::uint8_t> bone;   ///< grade, 0 = air or gone
   std::vector<std::uint16_t> fill;  ///< dense
   std::vector<std::int64_t> contacts;
-  std::vector<SubstepArgs> args;                               ///< per slot
-  std::vector<SubstepSums> sums;                               ///< per slot
   std::vector<std::pair<std::int64_t, std::int32_t>> removed;  ///< (voxel, frame)
 };
 
-SerialState make_serial_state(const Voxmap& voxmap, const Tool& tool);
+SerialState make_serial_state(const BoneView& bone, const Tool& tool);
 
 /// Takes the bone as `voxmap` has it.
-void take_bone(const Voxmap& voxmap, SerialState& state);
+void take_bone(const BoneView& bone, SerialState& state);
 
 }  // namespace reamsim

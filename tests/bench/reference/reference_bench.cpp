@@ -33,7 +33,7 @@ constexpr std::size_t kSweepBytes = 16 << 20;
 
 struct Arena {
   bench::BoneSeries series{256};
-  Voxmap bone = series.at(kSide);
+  FilledVoxmap bone = series.at(kSide);
   Tool tool = bench::cap_tool(kSide);
   Aabb bone_box = series.box(kSide);
   Aabb tool_box = bench::shell_box(tool);
@@ -77,9 +77,7 @@ class BrickedProgram final : public Program {
   explicit BrickedProgram(const Arena& arena)
       : Program(arena), engine_(make_engine(settings(), arena.bone, arena.tool)) {}
   SubstepSums collide_and_cut(const SubstepArgs& args) override {
-    const int slot = engine_->begin(args);
-    engine_->detector().detect(slot);
-    engine_->erosion().cut(slot);
+    engine_->enqueue(args);
     return engine_->collect().sums.front();
   }
   std::vector<std::int64_t> take_removed() override {

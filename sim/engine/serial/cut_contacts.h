@@ -1,12 +1,9 @@
 #pragma once
 
 #include <functional>
-#include <utility>
-#include <vector>
 
 #include "kernels/cut_law.h"
 #include "sim/engine/common/energy_table.h"
-#include "sim/engine/common/erosion.h"
 #include "sim/engine/serial/serial_state.h"
 
 namespace reamsim {
@@ -20,17 +17,7 @@ CutVoxel cut_touched(const EnergyTable& table);
 /// The reference for `exact`.
 CutVoxel cut_by_clipping(const EnergyTable& table);
 
-/// Cuts every voxel of the contact list in turn.
-class SerialErosion final : public Erosion {
- public:
-  SerialErosion(SerialState& state, CutVoxel cut) : state_(state), cut_(std::move(cut)) {}
-  void cut(int slot) override;
-  std::vector<double> take_seconds() override { return std::exchange(seconds_, {}); }
-
- private:
-  SerialState& state_;
-  CutVoxel cut_;
-  std::vector<double> seconds_;
-};
+/// Cuts every voxel of the contact list in turn, adds to `sums`, and empties the list.
+void cut_contacts(SerialState& state, const SubstepArgs& args, const CutVoxel& cut, SubstepSums& sums);
 
 }  // namespace reamsim

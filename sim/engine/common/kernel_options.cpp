@@ -1,11 +1,11 @@
-#include "sim/engine/bricked/bricked_options.h"
+#include "sim/engine/common/kernel_options.h"
 
 #include <algorithm>
 
 namespace reamsim {
 
-BrickedOptions choose_options(const cl::DeviceInfo& info, const EngineSettings& engine) {
-  BrickedOptions options;
+KernelOptions choose_options(const cl::DeviceInfo& info, const EngineSettings& engine) {
+  KernelOptions options;
   const bool gpu =
       engine.kernel_shape == KernelShape::gpu || (engine.kernel_shape == KernelShape::automatic && info.gpu);
   options.shape = gpu ? KernelShape::gpu : KernelShape::cpu;
@@ -18,13 +18,17 @@ BrickedOptions choose_options(const cl::DeviceInfo& info, const EngineSettings& 
   return options;
 }
 
-std::size_t cut_items(const cl::DeviceInfo& info, const BrickedOptions& options) {
+std::size_t cut_items(const cl::DeviceInfo& info, const KernelOptions& options) {
   constexpr std::size_t kItemsPerCore = 8, kGroupsPerUnit = 32;
   return info.compute_units * (options.shape == KernelShape::cpu ? kItemsPerCore : kGroupsPerUnit * options.work_group);
 }
 
-std::string cut_defines(const BrickPools& layout, KernelShape shape) {
-  return layout.defines(shape) + (shape == KernelShape::cpu ? " -DRS_LANES=16" : "");
+std::string kernel_defines(const BrickLayout& layout, KernelShape shape) {
+  return layout.defines() + (shape == KernelShape::cpu ? " -DRS_CPU_SHAPE" : "");
+}
+
+std::string cut_defines(const BrickLayout& layout, KernelShape shape) {
+  return kernel_defines(layout, shape) + (shape == KernelShape::cpu ? " -DRS_LANES=16" : "");
 }
 
 }  // namespace reamsim

@@ -1,7 +1,6 @@
-#include "sim/engine/serial/serial_erosion.h"
+#include "sim/engine/serial/cut_contacts.h"
 
 #include "kernels/distance_grid.h"
-#include "sim/base/stopwatch.h"
 
 namespace reamsim {
 
@@ -30,7 +29,7 @@ CutVoxel cut_touched(const EnergyTable& table) {
     law.energy += rs_energy_units(energy);
     if (args.law == RS_LAW_ENERGY) {
       const Vec3i voxel = state.grid.coord(e);
-      const ProfileView profile = state.profile.view();
+      const ProfileView profile = view_of(state.profile);
       rs_voxel_force(&args, &profile, voxel.x(), voxel.y(), voxel.z(), static_cast<float>(energy), &law);
     }
     return lost;
@@ -41,7 +40,7 @@ CutVoxel cut_by_clipping(const EnergyTable& table) {
   return [table](const SerialState& state, const SubstepArgs& args, std::int64_t e, LaneSums& law) {
     const auto i = static_cast<std::size_t>(e);
     const Vec3i voxel = state.grid.coord(e);
-    const OutlineView outline = state.outline.view();
+    const OutlineView outline = view_of(state.outline);
     Clip clip = clip_of(state, args, outline, voxel);
     const rs_i32 outside = rs_fill_outside(&clip), lost = rs_clip_loss(&args, state.fill[i], outside);
     if (rs_has_edge(&args)) rs_edge_force(&args, &clip, state.fill[i] - lost, outside, &law);
@@ -52,26 +51,22 @@ CutVoxel cut_by_clipping(const EnergyTable& table) {
   };
 }
 
-void SerialErosion::cut(int slot) {
-  const Stopwatch watch;
-  const SubstepArgs& args = state_.args[static_cast<std::size_t>(slot)];
-  SubstepSums& sums = state_.sums[static_cast<std::size_t>(slot)];
+void cut_contacts(SerialState& state, const SubstepArgs& args, const CutVoxel& cut, SubstepSums& sums) {
   LaneSums law{};
-  for (const std::int64_t e : state_.contacts) {
+  for (const std::int64_t e : state.contacts) {
     const auto i = static_cast<std::size_t>(e);
-    const rs_i32 lost = cut_(state_, args, e, law);
+    const rs_i32 lost = cut(state, args, e, law);
     if (lost == 0) continue;
     sums.contacts += 1;
     sums.removed += lost;
-    state_.fill[i] = static_cast<std::uint16_t>(state_.fill[i] - lost);
-    if (state_.fill[i] == 0) {
-      state_.bone[i] = 0;
-      state_.removed.emplace_back(e, args.frame);
+    state.fill[i] = static_cast<std::uint16_t>(state.fill[i] - lost);
+    if (state.fill[i] == 0) {
+      state.bone[i] = 0;
+      state.removed.emplace_back(e, args.frame);
     }
   }
   rs_add_lanes(&sums, &law);
-  state_.contacts.clear();
-  seconds_.push_back(watch.seconds());
+  state.contacts.clear();
 }
 
 }  // namespace reamsim

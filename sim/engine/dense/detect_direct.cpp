@@ -1,4 +1,4 @@
-#include "sim/engine/dense/direct_detector.h"
+#include "sim/engine/dense/detect_direct.h"
 
 #include <algorithm>
 
@@ -31,25 +31,25 @@ cl::Buffer<cl_uint> upload_codes(const cl::Device& device, const PointShell& she
 
 }  // namespace
 
-DirectDetector::DirectDetector(const cl::Device& device, const DenseState& state, const DeviceBatch& batch,
-                               const PointShell& shell, std::size_t work_group)
+DetectDirect::DetectDirect(const cl::Device& device, const DenseState& state, const DeviceBatch& batch,
+                           const PointShell& shell, std::size_t work_group)
     : points_(shell.codes.size()),
       codes_(upload_codes(device, shell)),
       kernel_(device,
               device.build("detect_direct.cl", embedded::kernel_detect_direct, wide(shell) ? "-DRS_WIDE_CODES" : ""),
-              "detect_direct", 3, work_group) {
-  kernel_.set(0, codes_);
-  kernel_.set(1, static_cast<cl_uint>(points_));
-  kernel_.set(2, batch.args());
-  kernel_.set(4, state.grades);
-  kernel_.set(5, state.claims);
-  kernel_.set(6, state.contacts);
-  kernel_.set(7, batch.contact_count());
-  kernel_.set(8, batch.sums());
-  state.profile.set(kernel_, 9);
+              "detect_direct", Argument::substep, work_group) {
+  kernel_.set(Argument::codes, codes_);
+  kernel_.set(Argument::point_count, static_cast<cl_uint>(points_));
+  kernel_.set(Argument::args, batch.args());
+  kernel_.set(Argument::bone, state.grades);
+  kernel_.set(Argument::claims, state.claims);
+  kernel_.set(Argument::contacts, state.contacts);
+  kernel_.set(Argument::contact_count, batch.contact_count());
+  kernel_.set(Argument::sums, batch.sums());
+  state.profile.set(kernel_, Argument::edges);
 }
 
-void DirectDetector::detect(int slot) {
+void DetectDirect::enqueue(int slot) {
   kernel_.run(slot, points_);
 }
 

@@ -1,9 +1,7 @@
 /* Broad phase of exact erosion: lists the bricks with bone that the tool's surface can meet in a visit. A work-item
  * takes a superbrick of 4x4x4 bricks: it is passed over as a whole where it holds no bone or lies far from the surface.
  */
-#ifndef REAMSIM_KERNELS_BRICK_REPORT_H
 #include "brick_report.h"
-#endif
 
 /* Half diagonals in voxels, of a brick and of 4x4x4 bricks, each with half a voxel's for the voxels that stick out. */
 #define BRICK_RADIUS 7.0f
@@ -28,7 +26,7 @@ void middle_of(__global const SubstepArgs* a, const int x, const int y, const in
 
 /* `first_super`, `supers`: box of superbricks that the tool's box meets. `shift_mm`: no point near the tool moves
  * further from where it is in substep `substep` while the visit lasts. */
-__kernel void reach_exact(__global const SubstepArgs* args, const uint substep, const int4 first_super,
+__kernel void list_bricks(__global const SubstepArgs* args, const uint substep, const int4 first_super,
                           const int4 supers, const float shift_mm, __global const CoarseGrid* coarse,
                           __global const float* distances, __global const uint* occupancy,
                           __global const int* slot_of_brick, const int4 bricks, __global uint* listed,

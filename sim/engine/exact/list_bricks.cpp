@@ -1,4 +1,4 @@
-#include "sim/engine/exact/exact_reach.h"
+#include "sim/engine/exact/list_bricks.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,7 @@
 namespace reamsim {
 
 namespace embedded {
-extern const char* const kernel_reach_exact;
+extern const char* const kernel_list_bricks;
 }
 
 // Host and device lay the structs out alike.
@@ -36,37 +36,37 @@ CoarseDistance make_coarse_distance(const Profile& profile, double voxel_mm, dou
   return out;
 }
 
-ExactReach::ExactReach(const cl::Device& device, const BrickedState& state, const DeviceBatch& batch,
+ListBricks::ListBricks(const cl::Device& device, const DeviceBricks& bone, const DeviceBatch& batch,
                        const Profile& profile, double slack_mm, std::size_t work_group)
     : device_(device),
       work_group_(work_group),
       slack_mm_(static_cast<float>(slack_mm)),
       grid_(device, 1, "the tool's distances"),
-      listed_(device, std::max<std::size_t>(1, state.layout.bricks), "the list of bricks in reach"),
+      listed_(device, std::max<std::size_t>(1, bone.layout.bricks), "the list of bricks in reach"),
       counts_(device, 1, "the counts of a visit"),
-      kernel_(device.build("reach_exact.cl", embedded::kernel_reach_exact, ""), "reach_exact") {
-  const CoarseDistance coarse = make_coarse_distance(profile, state.grid.voxel_mm, slack_mm);
+      kernel_(device.build("list_bricks.cl", embedded::kernel_list_bricks, ""), "list_bricks") {
+  const CoarseDistance coarse = make_coarse_distance(profile, bone.grid.voxel_mm, slack_mm);
   grid_.write(device, &coarse.grid, 1);
   distances_ = {device, coarse.mm.size(), "the tool's distances"};
   distances_.write(device, coarse.mm.data(), coarse.mm.size());
-  kernel_.set(0, batch.args());
-  kernel_.set(5, grid_);
-  kernel_.set(6, distances_);
-  kernel_.set(7, state.occupancy);
-  kernel_.set(8, state.slot_of_brick);
-  kernel_.set(9, state.bricks);
-  kernel_.set(10, listed_);
-  kernel_.set(11, counts_);
+  kernel_.set(Argument::args, batch.args());
+  kernel_.set(Argument::coarse, grid_);
+  kernel_.set(Argument::distances, distances_);
+  kernel_.set(Argument::occupancy, bone.occupancy);
+  kernel_.set(Argument::slot_of_brick, bone.slot_of_brick);
+  kernel_.set(Argument::bricks, bone.dims);
+  kernel_.set(Argument::listed, listed_);
+  kernel_.set(Argument::counts, counts_);
 }
 
-std::size_t ExactReach::list(const VisitPlan& visit, VisitCounts counts) {
+std::size_t ListBricks::list(const VisitPlan& visit, VisitCounts counts) {
   counts_.write(device_, &counts, 1);
   if (visit.superbricks.empty()) return 0;
   const Vec3i first = visit.superbricks.first, size = visit.superbricks.size();
-  kernel_.set(1, static_cast<cl_uint>(visit.first));
-  kernel_.set(2, cl_int4{{first.x(), first.y(), first.z(), 0}});
-  kernel_.set(3, cl_int4{{size.x(), size.y(), size.z(), 0}});
-  kernel_.set(4, visit.shift_mm + slack_mm_);
+  kernel_.set(Argument::substep, static_cast<cl_uint>(visit.first));
+  kernel_.set(Argument::first_super, cl_int4{{first.x(), first.y(), first.z(), 0}});
+  kernel_.set(Argument::supers, cl_int4{{size.x(), size.y(), size.z(), 0}});
+  kernel_.set(Argument::shift_mm, visit.shift_mm + slack_mm_);
   const auto items =
       static_cast<std::size_t>(size.x()) * static_cast<std::size_t>(size.y()) * static_cast<std::size_t>(size.z());
   events_.push_back(kernel_.launch(device_, items, work_group_));
@@ -74,7 +74,7 @@ std::size_t ExactReach::list(const VisitPlan& visit, VisitCounts counts) {
   return counts.listed;
 }
 
-double ExactReach::take_seconds() {
+double ListBricks::take_seconds() {
   const std::vector<double> seconds = cl::take_seconds(events_);
   return std::accumulate(seconds.begin(), seconds.end(), 0.0);
 }

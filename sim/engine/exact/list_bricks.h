@@ -1,6 +1,7 @@
 #pragma once
 
-#include "sim/engine/bricked/bricked_detector.h"
+#include "sim/engine/common/device_batch.h"
+#include "sim/engine/common/device_bricks.h"
 #include "sim/engine/exact/visit_plan.h"
 
 namespace reamsim {
@@ -11,14 +12,14 @@ struct CoarseDistance {
   std::vector<float> mm;  ///< at the cells' centres
 };
 
-/// Covers every point within the longest reach of kernels/reach_exact.cl, and `slack_mm` more, of the profile.
+/// Covers every point within the longest reach of kernels/list_bricks.cl, and `slack_mm` more, of the profile.
 CoarseDistance make_coarse_distance(const Profile& profile, double voxel_mm, double slack_mm);
 
-/// The bricks that the tool's surface can meet in a visit; see kernels/reach_exact.cl.
-class ExactReach {
+/// The bricks that the tool's surface can meet in a visit; see kernels/list_bricks.cl.
+class ListBricks {
  public:
   /// `slack_mm`: a surface that clips may lie so far outside the profile.
-  ExactReach(const cl::Device& device, const BrickedState& state, const DeviceBatch& batch, const Profile& profile,
+  ListBricks(const cl::Device& device, const DeviceBricks& bone, const DeviceBatch& batch, const Profile& profile,
              double slack_mm, std::size_t work_group);
 
   /// Enqueues the listing of a visit's bricks, and returns how many there are.
@@ -30,6 +31,22 @@ class ExactReach {
   [[nodiscard]] const cl::Buffer<VisitCounts>& counts() const { return counts_; }
 
  private:
+  /// The parameters of the kernel, in its order.
+  enum class Argument : cl_uint {
+    args,
+    substep,
+    first_super,
+    supers,
+    shift_mm,
+    coarse,
+    distances,
+    occupancy,
+    slot_of_brick,
+    bricks,
+    listed,
+    counts
+  };
+
   const cl::Device& device_;
   std::size_t work_group_;
   float slack_mm_;

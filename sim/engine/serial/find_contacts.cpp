@@ -1,7 +1,6 @@
-#include "sim/engine/serial/serial_detector.h"
+#include "sim/engine/serial/find_contacts.h"
 
 #include "kernels/cut_law.h"
-#include "sim/base/stopwatch.h"
 #include "sim/engine/common/voxel_box.h"
 #include "sim/tool/morton.h"
 
@@ -10,9 +9,8 @@ namespace reamsim {
 namespace {
 
 /// `claimed`: by voxel, all false before and after.
-void find_claiming(SerialState& state, int slot, std::vector<bool>& claimed) {
-  const SubstepArgs& args = state.args[static_cast<std::size_t>(slot)];
-  const ProfileView profile = state.profile.view();
+void find_claiming(SerialState& state, const SubstepArgs& args, std::vector<bool>& claimed, SubstepSums& sums) {
+  const ProfileView profile = view_of(state.profile);
   LaneSums point_sums{};
   for (const std::uint64_t code : state.tool->shell.codes) {
     const Vec3i cell = morton_decode(code);
@@ -29,21 +27,21 @@ void find_claiming(SerialState& state, int slot, std::vector<bool>& claimed) {
     claimed[e] = true;
     state.contacts.push_back(static_cast<std::int64_t>(e));
   }
-  rs_add_lanes(&state.sums[static_cast<std::size_t>(slot)], &point_sums);
+  rs_add_lanes(&sums, &point_sums);
   for (const std::int64_t e : state.contacts) claimed[static_cast<std::size_t>(e)] = false;
 }
 
 }  // namespace
 
 FindContacts find_by_points(const SerialState& made_for) {
-  return [claimed = std::vector<bool>(made_for.bone.size(), false)](SerialState& state, int slot) mutable {
-    find_claiming(state, slot, claimed);
+  return [claimed = std::vector<bool>(made_for.bone.size(), false)](SerialState& state, const SubstepArgs& args,
+                                                                    SubstepSums& sums) mutable {
+    find_claiming(state, args, claimed, sums);
   };
 }
 
-void find_by_profile(SerialState& state, int slot) {
-  const SubstepArgs& args = state.args[static_cast<std::size_t>(slot)];
-  const ProfileView profile = state.profile.view();
+void find_by_profile(SerialState& state, const SubstepArgs& args, SubstepSums& /*sums*/) {
+  const ProfileView profile = view_of(state.profile);
   for (std::int64_t e = 0; e < state.grid.size(); ++e) {
     if (state.bone[static_cast<std::size_t>(e)] == 0) continue;
     const Vec3i voxel = state.grid.coord(e);
@@ -51,12 +49,12 @@ void find_by_profile(SerialState& state, int slot) {
   }
 }
 
-void find_in_tool_box(SerialState& state, int slot) {
+void find_in_tool_box(SerialState& state, const SubstepArgs& args, SubstepSums& /*sums*/) {
   const VoxelGrid& grid = state.grid;
   // A voxel is met by a surface that passes less than its diagonal from its centre.
   const Aabb tool = state.tool->clip_bounds().expanded(grid.voxel_mm + state.outline.bulge_mm);
   const VoxelBox all{Vec3i::Zero(), grid.dims - Vec3i::Ones()};
-  const VoxelBox box = voxel_voi(state.args[static_cast<std::size_t>(slot)], tool, all);
+  const VoxelBox box = voxel_voi(args, tool, all);
   for (int z = box.first.z(); z <= box.last.z(); ++z) {
     for (int y = box.first.y(); y <= box.last.y(); ++y) {
       for (int x = box.first.x(); x <= box.last.x(); ++x) {
@@ -65,12 +63,6 @@ void find_in_tool_box(SerialState& state, int slot) {
       }
     }
   }
-}
-
-void SerialDetector::detect(int slot) {
-  const Stopwatch watch;
-  find_(state_, slot);
-  seconds_.push_back(watch.seconds());
 }
 
 }  // namespace reamsim

@@ -1,4 +1,4 @@
-#include "sim/engine/dense/octree_detector.h"
+#include "sim/engine/dense/detect_octree.h"
 
 #include <algorithm>
 
@@ -51,34 +51,34 @@ std::vector<cl_uint4> octree_children(const VoxelGrid& grid) {
   return children;
 }
 
-OctreeDetector::OctreeDetector(const cl::Device& device, const DenseState& state, const DeviceBatch& batch,
-                               const PointShell& shell, const VoxelGrid& grid, bool per_point, std::size_t work_group)
+DetectOctree::DetectOctree(const cl::Device& device, const DenseState& state, const DeviceBatch& batch,
+                           const PointShell& shell, const VoxelGrid& grid, bool per_point, std::size_t work_group)
     : count_(shell.codes.size()),
       points_(device, std::max<std::size_t>(1, 3 * count_), "the point shell"),
       children_(device, std::max(1, 8 * octree_levels(grid)), "the look-up tables"),
       kernel_(device,
               device.build("detect_octree.cl", embedded::kernel_detect_octree,
                            build_options(per_point, std::min(work_group, kMostPerGroup))),
-              "detect_octree", 3, std::min(work_group, kMostPerGroup)) {
+              "detect_octree", Argument::substep, std::min(work_group, kMostPerGroup)) {
   const auto points = cell_numbers(shell);
   if (!points.empty()) points_.write(device, points.data(), points.size());
   const auto children = octree_children(grid);
   if (!children.empty()) children_.write(device, children.data(), children.size());
-  kernel_.set(0, points_);
-  kernel_.set(1, static_cast<cl_uint>(count_));
-  kernel_.set(2, batch.args());
-  kernel_.set(4, state.hu);
-  kernel_.set(5, static_cast<cl_float>(state.scale.of_air));
-  kernel_.set(6, state.claims);
-  kernel_.set(7, state.contacts);
-  kernel_.set(8, batch.contact_count());
-  kernel_.set(9, batch.sums());
-  state.profile.set(kernel_, 10);
-  kernel_.set(14, children_);
-  kernel_.set(15, static_cast<cl_int>(octree_levels(grid)));
+  kernel_.set(Argument::points, points_);
+  kernel_.set(Argument::point_count, static_cast<cl_uint>(count_));
+  kernel_.set(Argument::args, batch.args());
+  kernel_.set(Argument::hu, state.hu);
+  kernel_.set(Argument::hu_of_air, static_cast<cl_float>(state.scale.of_air));
+  kernel_.set(Argument::flags, state.claims);
+  kernel_.set(Argument::contacts, state.contacts);
+  kernel_.set(Argument::contact_count, batch.contact_count());
+  kernel_.set(Argument::sums, batch.sums());
+  state.profile.set(kernel_, Argument::edges);
+  kernel_.set(Argument::children, children_);
+  kernel_.set(Argument::levels, static_cast<cl_int>(octree_levels(grid)));
 }
 
-void OctreeDetector::detect(int slot) {
+void DetectOctree::enqueue(int slot) {
   kernel_.run(slot, count_);
 }
 

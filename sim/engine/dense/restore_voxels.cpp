@@ -1,4 +1,4 @@
-#include "sim/engine/dense/voxel_restorer.h"
+#include "sim/engine/dense/restore_voxels.h"
 
 namespace reamsim {
 
@@ -23,9 +23,7 @@ void VoxelRestorer::put(const std::vector<Entry>& entries, cl_mem values, cl::Ke
   if (entries.empty()) return;
   cl::Buffer<Entry> list(device_, entries.size(), "the voxels to put back");
   list.write(device_, entries.data(), entries.size());
-  kernel.set(0, list);
-  kernel.set(1, static_cast<cl_uint>(entries.size()));
-  kernel.set(2, values);
+  kernel.set_from(0, list, static_cast<cl_uint>(entries.size()), values);
   const cl::Event done = kernel.launch(device_, entries.size(), kGroup);
   device_.finish();
 }

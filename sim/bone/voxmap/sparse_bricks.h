@@ -1,0 +1,189 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include "sim/bone/voxmap/brick_lattice.h"
+
+namespace reamsim {
+
+/// One value per voxel of a lattice, stored in bricks of 8×8×8 voxels. Bricks whose voxels all are `kAbsent` take no
+/// memory but their place in the table. Voxels beyond the lattice in the last bricks hold whatever is put there.
+template <class T, T kAbsent>
+class SparseBricks {
+ public:
+  static constexpr int kSide = BrickLattice::kSide;
+  static constexpr int kVoxels = BrickLattice::kVoxels;
+  using Brick = std::array<T, kVoxels>;
+
+  SparseBricks() = default;
+  /// All absent. `dims`: voxels along each axis.
+  explicit SparseBricks(const Vec3i& dims) : lattice_(BrickLattice::over(dims)), slot_of_brick_(lattice_.count(), -1) {}
+
+  [[nodiscard]] T get(const Vec3i& voxel) const {
+    const Brick* brick = this->brick(BrickLattice::brick_of(voxel));
+    return brick == nullptr ? kAbsent : (*brick)[static_cast<std::size_t>(BrickLattice::offset_of(voxel))];
+  }
+
+  /// Returns whether the value is another than before.
+  bool set(const Vec3i& voxel, T value) {
+    std::int32_t& slot = slot_of_brick_[lattice_.index(BrickLattice::brick_of(voxel))];
+    if (slot < 0) {
+      if (value == kAbsent) return false;
+      slot = take_slot();
+    }
+    Brick& brick = stored(slot);
+    T& old = brick[static_cast<std::size_t>(BrickLattice::offset_of(voxel))];
+    if (std::exchange(old, value) == value) return false;
+    if (value == kAbsent && all_absent(brick)) free_slot(slot);
+    return true;
+  }
+
+  /// Replaces a brick; coordinates in bricks. Returns whether it is another than before.
+  bool put(const Vec3i& brick_coord, const Brick& brick) {
+    std::int32_t& slot = slot_of_brick_[lattice_.index(brick_coord)];
+    const bool absent = all_absent(brick);
+    if (slot < 0 ? absent : stored(slot) == brick) return false;
+    if (absent) {
+      free_slot(slot);
+      return true;
+    }
+    if (slot < 0) slot = take_slot();
+    stored(slot) = brick;
+    return true;
+  }
+
+  /// Bricks along each axis.
+  [[nodiscard]] Vec3i brick_dims() const { return lattice_.dims; }
+  [[nodiscard]] const BrickLattice& lattice() const { return lattice_; }
+  [[nodiscard]] std::size_t stored_bricks() const { return used_ - free_.size(); }
+  /// A stored brick, or nullptr where all is absent.
+  [[nodiscard]] const Brick* brick(const Vec3i& brick_coord) const {
+    const std::int32_t slot = slot_of_brick_[lattice_.index(brick_coord)];
+    return slot < 0 ? nullptr : &stored(slot);
+  }
+
+  /// Calls visit(brick coordinates, brick) for every stored brick, x fastest.
+  template <class Visit>
+  void for_each_brick(const Visit& visit) const {
+    if (used_ == 0) return;
+    for (std::size_t i = 0; i < slot_of_brick_.size(); ++i) {
+      if (slot_of_brick_[i] >= 0) visit(lattice_.coord(i), stored(slot_of_brick_[i]));
+    }
+  }
+  /// Coordinates of the stored bricks, x fastest.
+  [[nodiscard]] std::vector<Vec3i> stored_coords() const {
+    std::vector<Vec3i> out;
+    out.reserve(stored_bricks());
+    for_each_brick([&out](const Vec3i& coord, const Brick&) { out.push_back(coord); });
+    return out;
+  }
+  /// Voxels that are not absent.
+  [[nodiscard]] std::int64_t count() const {
+    std::int64_t out = 0;
+    for_each_brick(
+        [&out](const Vec3i&, const Brick& brick) { out += kVoxels - std::count(brick.begin(), brick.end(), kAbsent); });
+    return out;
+  }
+  [[nodiscard]] std::size_t bytes() const {
+    return slot_of_brick_.size() * sizeof(std::int32_t) + used_ * sizeof(Brick);
+  }
+
+  /// The same lattice and the same values.
+  bool operator==(const SparseBricks& other) const {
+    if (lattice_.dims != other.lattice_.dims || stored_bricks() != other.stored_bricks()) return false;
+    for (std::size_t i = 0; i < slot_of_brick_.size(); ++i) {
+      const std::int32_t slot = slot_of_brick_[i], its = other.slot_of_brick_[i];
+      if ((slot < 0) != (its < 0)) return false;
+      if (slot >= 0 && stored(slot) != other.stored(its)) return false;
+    }
+    return true;
+  }
+
+ private:
+  // Pages of 2 MB, because a single vector that grows would hold all bricks twice.
+  static constexpr std::size_t kPageBricks = (std::size_t{1} << 21) / sizeof(Brick);
+
+  static bool all_absent(const Brick& brick) {
+    return std::all_of(brick.begin(), brick.end(), [](T value) { return value == kAbsent; });
+  }
+  [[nodiscard]] const Brick& stored(std::int32_t slot) const {
+    const auto at = static_cast<std::size_t>(slot);
+    return pages_[at / kPageBricks][at % kPageBricks];
+  }
+  Brick& stored(std::int32_t slot) { return const_cast<Brick&>(std::as_const(*this).stored(slot)); }
+
+  std::int32_t take_slot() {
+    if (!free_.empty()) {
+      const std::int32_t slot = free_.back();
+      free_.pop_back();
+      stored(slot).fill(kAbsent);
+      return slot;
+    }
+    if (used_ % kPageBricks == 0) pages_.emplace_back().reserve(kPageBricks);
+    pages_.back().emplace_back().fill(kAbsent);
+    return static_cast<std::int32_t>(used_++);
+  }
+  void free_slot(std::int32_t& slot) {
+    if (slot >= 0) free_.push_back(slot);
+    slot = -1;
+  }
+
+  BrickLattice lattice_;
+  std::vector<std::int32_t> slot_of_brick_;  // -1 = all absent
+  std::vector<std::vector<Brick>> pages_;
+  std::size_t used_ = 0;            // bricks in the pages
+  std::vector<std::int32_t> free_;  // of these, the ones whose brick became absent
+};
+
+/// The grade of each voxel, 0 = air (DensityMapping).
+using GradeBricks = SparseBricks<std::uint8_t, 0>;
+
+/// The fill of each voxel: the fraction of it that is still bone, in units of 1/65535. It notes which bricks change.
+class FillBricks : private SparseBricks<std::uint16_t, 65535> {
+ public:
+  using Bricks = SparseBricks<std::uint16_t, 65535>;
+  using Bricks::Brick, Bricks::kSide, Bricks::kVoxels;
+  using Bricks::bytes, Bricks::for_each_brick;
+  using Bricks::get, Bricks::brick, Bricks::brick_dims, Bricks::stored_bricks;
+  static constexpr std::uint16_t kWhole = 65535;
+
+  FillBricks() = default;
+  /// All whole. `dims`: voxels along each axis.
+  explicit FillBricks(const Vec3i& dims) : Bricks(dims) {}
+
+  void set(const Vec3i& voxel, std::uint16_t fill) {
+    if (Bricks::set(voxel, fill)) note_change(lattice().index(BrickLattice::brick_of(voxel)));
+  }
+  /// Coordinates in bricks.
+  void put(const Vec3i& brick_coord, const Brick& brick) {
+    if (Bricks::put(brick_coord, brick)) note_change(lattice().index(brick_coord));
+  }
+
+  /// Bricks that changed since the last call, x fastest, and forgets them.
+  std::vector<Vec3i> take_changed() {
+    std::sort(changed_.begin(), changed_.end());
+    std::vector<Vec3i> out;
+    out.reserve(changed_.size());
+    for (const std::size_t index : std::exchange(changed_, {})) {
+      is_changed_[index] = false;
+      out.push_back(lattice().coord(index));
+    }
+    return out;
+  }
+
+ private:
+  void note_change(std::size_t index) {
+    if (is_changed_.empty()) is_changed_.resize(lattice().count());
+    if (!is_changed_[index]) changed_.push_back(index);
+    is_changed_[index] = true;
+  }
+
+  std::vector<bool> is_changed_;      // by brick; empty before the first change
+  std::vector<std::size_t> changed_;  // places in the lattice
+};
+
+}  // namespace reamsim

@@ -1,0 +1,222 @@
+#include "sim/engine/common/device_bricks.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstddef>
+#include <cstring>
+
+#include "sim/base/error.h"
+#include "sim/engine/common/dense_bone.h"
+
+namespace reamsim {
+
+// Host and device lay the structs out alike.
+static_assert(sizeof(Brick) == 2 * 64 + 512);
+static_assert(sizeof(RemovedBlock) == 16);
+static_assert(FillBricks::kSide == RS_BRICK_SIDE);
+
+namespace {
+
+constexpr int kSide = RS_BRICK_SIDE;
+constexpr int kManyPools = 16;
+constexpr std::size_t kFillBytes = sizeof(rs_u16) * RS_BRICK_VOXELS;
+
+std::size_t superbrick_count(const Vec3i& bricks) {
+  const Vec3i n = (bricks.array() + 3) / 4;
+  return static_cast<std::size_t>(n.x()) * static_cast<std::size_t>(n.y()) * static_cast<std::size_t>(n.z());
+}
+
+/// Writes a brick as the device has it; false where nothing is left in it.
+bool fill_brick(const BoneView& bone, const Vec3i& coord, const GradeBricks::Brick& grades, bool with_fill,
+                cl_uchar* bytes) {
+  Brick out{};
+  std::array<rs_u16, RS_BRICK_VOXELS> fill{};
+  const FillBricks::Brick* fills = bone.fill.brick(coord);
+  bool left = false;
+  for (int offset = 0; offset < GradeBricks::kVoxels; ++offset) {
+    const Vec3i voxel = BrickLattice::voxel_at(Vec3i::Zero(), offset);
+    const auto place = static_cast<std::size_t>(rs_brick_offset(voxel.x(), voxel.y(), voxel.z()));
+    const auto at = static_cast<std::size_t>(offset);
+    out.grade[place] = grades[at];
+    fill[place] = fills == nullptr ? FillBricks::kWhole : (*fills)[at];
+    if (out.grade[place] == 0 || fill[place] == 0) continue;
+    out.bone[place >> 5] |= 1U << (place & 31U);
+    left = true;
+  }
+  std::memcpy(bytes, &out, sizeof out);
+  if (with_fill) std::memcpy(bytes + sizeof out, fill.data(), kFillBytes);
+  return left;
+}
+
+/// Marks a brick as holding bone; its place in the words is that of cut_bricked.cl.
+void occupy(const Vec3i& brick, const Vec3i& superbricks, std::vector<cl_uint>& occupancy) {
+  const Vec3i s = brick / 4;
+  const auto word = static_cast<std::size_t>(
+      2 * (s.x() + std::int64_t{superbricks.x()} * (s.y() + std::int64_t{superbricks.y()} * s.z())));
+  const auto bit = static_cast<unsigned>((brick.x() & 3) | (brick.y() & 3) << 2 | (brick.z() & 3) << 4);
+  occupancy[word + (bit >> 5)] |= 1U << (bit & 31U);
+}
+
+BrickLayout plan_layout(const BoneView& bone, FillStore fill, std::size_t largest_allocation) {
+  BrickLayout layout;
+  layout.fill = fill == FillStore::none && partly_filled(bone.fill) ? FillStore::bricks : fill;
+  layout.brick_bytes = sizeof(Brick) + (layout.fill == FillStore::bricks ? kFillBytes : 0);
+  layout.bricks = bone.voxmap.grade.stored_bricks();
+  layout.bits = 31;
+  if (layout.bricks * layout.brick_bytes <= largest_allocation) return layout;
+  layout.pools = kManyPools;
+  // Where not even one brick fits, make_bricked_state() says so.
+  layout.bits = std::max(0, static_cast<int>(std::bit_width(largest_allocation / layout.brick_bytes)) - 1);
+  return layout;
+}
+
+std::size_t bytes_of(const BrickLayout& layout, const BoneView& bone) {
+  const std::size_t bricks = BrickLattice::over(bone.voxmap.grid.dims).count();
+  return layout.bricks * (layout.brick_bytes + sizeof(cl_uint)) + bricks * sizeof(cl_int) +
+         8 * superbrick_count(bone.voxmap.grade.brick_dims());
+}
+
+[[noreturn]] void does_not_fit(const cl::Device& device, const BoneView& bone, std::size_t need, std::size_t have) {
+  const double factor = std::cbrt(static_cast<double>(need) / static_cast<double>(have));
+  const auto mb = [](std::size_t bytes) { return std::to_string(bytes / 1'000'000) + " MB"; };
+  throw InputError(
+      {}, "bone.voxel_mm", "the bone's bricks need " + mb(need) + " of the " + mb(have) + " of " + device.info().name,
+      "about " + std::to_string(bone.voxmap.grid.voxel_mm * std::max(1.0, factor) * 1.05) + " mm would fit");
+}
+
+}  // namespace
+
+std::string BrickLayout::defines() const {
+  return "-DRS_POOLS=" + std::to_string(pools) + " -DRS_POOL_BITS=" + std::to_string(bits) +
+         (fill == FillStore::bricks ? " -DRS_BRICK_FILL" : "");
+}
+
+std::size_t DeviceBricks::bytes() const {
+  std::size_t out = slot_of_brick.bytes() + lattice_of_slot.bytes() + occupancy.bytes();
+  for (const auto& pool : pools) out += pool.bytes();
+  return out;
+}
+
+std::size_t device_bricks_bytes(const BoneView& bone, FillStore fill) {
+  return bytes_of(plan_layout(bone, fill, SIZE_MAX), bone);
+}
+
+DeviceBricks make_device_bricks(const cl::Device& device, const BoneView& bone, FillStore fill, std::size_t other_bytes,
+                                std::size_t largest_pool) {
+  const std::size_t largest = std::min(device.info().max_allocation_bytes, largest_pool);
+  DeviceBricks out;
+  out.layout = plan_layout(bone, fill, largest);
+  const std::size_t need = bytes_of(out.layout, bone) + other_bytes;
+  if (need > device.info().global_memory_bytes) {
+    does_not_fit(device, bone, need, device.info().global_memory_bytes);
+  }
+  const std::size_t room = largest < out.layout.brick_bytes ? 0 : std::size_t{kManyPools} << out.layout.bits;
+  if (out.layout.pools > 1 && out.layout.bricks > room) {
+    does_not_fit(device, bone, out.layout.bricks * out.layout.brick_bytes,
+                 out.layout.brick_bytes * kManyPools << out.layout.bits);
+  }
+
+  const Vec3i bricks = bone.voxmap.grade.brick_dims();
+  out.grid = bone.voxmap.grid;
+  out.dims = {{bricks.x(), bricks.y(), bricks.z(), 0}};
+  std::vector<cl_int> slot_of_brick(BrickLattice::over(bone.voxmap.grid.dims).count(), -1);
+  std::vector<cl_uint> lattice_of_slot;
+  const BrickLattice lattice{bricks};
+  bone.voxmap.grade.for_each_brick([&](const Vec3i& coord, const GradeBricks::Brick&) {
+    const std::size_t index = lattice.index(coord);
+    slot_of_brick[index] = static_cast<cl_int>(lattice_of_slot.size());
+    lattice_of_slot.push_back(static_cast<cl_uint>(index));
+  });
+  out.slot_of_brick = cl::upload(device, slot_of_brick, "the table of bricks");
+  out.lattice_of_slot = cl::upload(device, lattice_of_slot, "the bricks' places");
+  const std::size_t per_pool = out.layout.pools == 1 ? out.layout.bricks : std::size_t{1} << out.layout.bits;
+  for (std::size_t first = 0; first == 0 || first < out.layout.bricks; first += per_pool) {
+    const std::size_t count = std::max<std::size_t>(1, std::min(per_pool, out.layout.bricks - first));
+    out.pools.emplace_back(device, count * out.layout.brick_bytes, "the bone's bricks");
+    if (per_pool == 0) break;
+  }
+  out.occupancy = {device, 2 * superbrick_count(bricks), "the bricks' occupancy"};
+  upload_bone(device, bone, out);
+  return out;
+}
+
+void upload_bone(const cl::Device& device, const BoneView& bone, DeviceBricks& out) {
+  const Vec3i bricks = bone.voxmap.grade.brick_dims();
+  const bool same = bone.voxmap.grid.dims == out.grid.dims && bone.voxmap.grade.stored_bricks() == out.layout.bricks &&
+                    (out.layout.fill != FillStore::none || !partly_filled(bone.fill));
+  if (!same) throw RunError("this is not the bone that the engine was made for: its memory was planned for another");
+  constexpr std::size_t kChunk = 4096;  // bricks written at once
+  const std::size_t bytes = out.layout.brick_bytes;
+  std::vector<cl_uchar> chunk(kChunk * bytes);
+  std::vector<cl_uint> occupancy(out.occupancy.count(), 0);
+  const Vec3i superbricks = (bricks.array() + 3) / 4;
+  std::size_t slot = 0, first = 0;
+  const auto flush = [&] {
+    const std::size_t pool = first >> out.layout.bits, within = first & ((std::size_t{1} << out.layout.bits) - 1);
+    if (slot > first) out.pools[pool].write(device, chunk.data(), (slot - first) * bytes, within * bytes);
+    first = slot;
+  };
+  bone.voxmap.grade.for_each_brick([&](const Vec3i& brick, const GradeBricks::Brick& grades) {
+    if (fill_brick(bone, brick, grades, out.layout.fill == FillStore::bricks, chunk.data() + (slot - first) * bytes)) {
+      occupy(brick, superbricks, occupancy);
+    }
+    ++slot;
+    const bool pool_ends = (slot & ((std::size_t{1} << out.layout.bits) - 1)) == 0;
+    if (slot - first == kChunk || pool_ends) flush();
+  });
+  flush();
+  out.occupancy.write(device, occupancy.data(), occupancy.size());
+}
+
+void upload_bricks_of(const cl::Device& device, const BoneView& bone, const RemovedFrames& voxels, DeviceBricks& out) {
+  if (voxels.empty()) return;
+  const BrickLattice lattice = BrickLattice::over(bone.voxmap.grid.dims);
+  std::vector<std::size_t> touched;
+  touched.reserve(voxels.size());
+  for (const auto& [voxel, frame] : voxels) {
+    touched.push_back(lattice.index(BrickLattice::brick_of(bone.voxmap.grid.coord(voxel))));
+  }
+  std::sort(touched.begin(), touched.end());
+  touched.erase(std::unique(touched.begin(), touched.end()), touched.end());
+
+  const std::size_t bytes = out.layout.brick_bytes;
+  const Vec3i superbricks = (lattice.dims.array() + 3) / 4;
+  std::vector<cl_int> slots(out.slot_of_brick.count());
+  std::vector<cl_uint> occupancy(out.occupancy.count());
+  out.slot_of_brick.read(device, slots.data(), slots.size());
+  out.occupancy.read(device, occupancy.data(), occupancy.size());
+  std::vector<cl_uchar> record(bytes);
+  for (const std::size_t index : touched) {
+    const Vec3i brick = lattice.coord(index);
+    const auto slot = static_cast<std::size_t>(slots[index]);
+    const std::size_t pool = slot >> out.layout.bits, within = slot & ((std::size_t{1} << out.layout.bits) - 1);
+    const bool left =
+        fill_brick(bone, brick, *bone.voxmap.grade.brick(brick), out.layout.fill == FillStore::bricks, record.data());
+    out.pools[pool].write(device, record.data(), bytes, within * bytes);
+    if (left) occupy(brick, superbricks, occupancy);
+  }
+  out.occupancy.write(device, occupancy.data(), occupancy.size());
+}
+
+void read_brick_fill(const cl::Device& device, const DeviceBricks& out, const Voxmap& voxmap, FillBricks& left) {
+  if (out.layout.fill != FillStore::bricks) return;
+  const std::size_t bytes = out.layout.brick_bytes;
+  std::vector<cl_uchar> record(bytes);
+  std::array<rs_u16, RS_BRICK_VOXELS> fill{};
+  std::size_t slot = 0;
+  voxmap.grade.for_each_brick([&](const Vec3i& brick, const GradeBricks::Brick& grades) {
+    const std::size_t pool = slot >> out.layout.bits, within = slot & ((std::size_t{1} << out.layout.bits) - 1);
+    out.pools[pool].read(device, record.data(), bytes, within * bytes);
+    std::memcpy(fill.data(), record.data() + sizeof(Brick), kFillBytes);
+    ++slot;
+    for (int offset = 0; offset < GradeBricks::kVoxels; ++offset) {
+      if (grades[static_cast<std::size_t>(offset)] == 0) continue;
+      const Vec3i voxel = BrickLattice::voxel_at(brick, offset);
+      left.set(voxel, fill[static_cast<std::size_t>(rs_brick_offset(voxel.x(), voxel.y(), voxel.z()))]);
+    }
+  });
+}
+
+}  // namespace reamsim
