@@ -22,7 +22,7 @@ RunPlan plan_of(const ReamingScene& scene, const std::string& dir) {
   plan.dir = dir;
   plan.bone = scene.bone.voxmap;
   plan.fill_before = scene.bone.fill;
-  plan.whole_voxels = scene.scenario.cutting.erosion != "exact";
+  plan.whole_voxels = scene.scenario.cutting.erosion != ErosionMode::exact;
   plan.glenoid = scene.bone.glenoid;
   plan.side = scene.bone.side;
   plan.poses = scene.motion.poses;

@@ -11,7 +11,7 @@ int count_pictures(const ReamingScene& scene) {
   std::size_t sum = cameras * (1 + still_frames(frames, render).size());
   if (render.before_after) sum += cameras;
   if (render.contact_sheet) ++sum;
-  if (render.film != "none") sum += frames.size();
+  if (render.film != FilmFormat::none) sum += frames.size();
   return static_cast<int>(sum) + render.turntable_pictures;
 }
 

@@ -82,7 +82,7 @@ void choose_cameras(const RenderOptions& options, RenderSettings& settings) {
   std::string names = "glenoid, oblique, section, overview";
   for (const UserCamera& camera : known) names += ", " + camera.name;
   const auto taken = [&](const std::string& name) {
-    return std::ranges::find(settings.cameras, name) != settings.cameras.end() ||
+    return std::ranges::count(names_of(settings.cameras), name) > 0 ||
            std::ranges::find(settings.user_cameras, name, &UserCamera::name) != settings.user_cameras.end();
   };
   for (const std::string& name : options.cameras) {
@@ -91,8 +91,8 @@ void choose_cameras(const RenderOptions& options, RenderSettings& settings) {
     const auto own = std::ranges::find(known, name, &UserCamera::name);
     if (own != known.end()) {
       settings.user_cameras.push_back(*own);
-    } else if (std::ranges::find(camera_names(), name) != camera_names().end()) {
-      settings.cameras.push_back(name);
+    } else if (const auto view = from_name<CameraView>(name)) {
+      settings.cameras.push_back(*view);
     } else {
       throw InputError({}, "--camera", "found '" + name + "'",
                        "expected " + names + ", or a camera in braces: '{name: N, position_mm: [x, y, z]}'");
@@ -113,8 +113,8 @@ void choose_kinds(const RenderOptions& options, RenderSettings& settings, Pictur
   }
   choice.film = options.wants("film");
   const bool film_of_turntable = options.wants("turntable") && !options.film.empty();
-  if (!choice.film && !film_of_turntable) settings.film = "none";
-  if (choice.film && settings.film == "none") settings.film = "mp4";
+  if (!choice.film && !film_of_turntable) settings.film = FilmFormat::none;
+  if (choice.film && settings.film == FilmFormat::none) settings.film = FilmFormat::mp4;
 }
 
 void render_command(const RenderOptions& options, const Console& console) {
@@ -123,7 +123,7 @@ void render_command(const RenderOptions& options, const Console& console) {
   }
   RenderSettings settings = settings_of(options, "");
   PictureChoice choice;
-  choice.plain_camera = settings.cameras.front();
+  choice.plain_camera = name_of(settings.cameras.front());
   if (!options.cameras.empty()) choose_cameras(options, settings);
   choose_kinds(options, settings, choice);
   settings.enabled = true;
@@ -138,7 +138,7 @@ void render_command(const RenderOptions& options, const Console& console) {
                 .mean_travel_mm = mean_mm,
                 .force_plots = options.wants("plots"),
                 .all_plots = options.wants("plots"),
-                .torque_spectrum = parse_tool_spin(scenario) == "resolved",
+                .torque_spectrum = parse_tool_spin(scenario) == ToolSpin::resolved,
                 .meshes = options.wants("meshes") && parse_output_settings(scenario).meshes},
                report, console);
   if (settings.report && options.wants("report")) write_report(run, settings, mean_mm);

@@ -65,7 +65,7 @@ Outputs outputs_of(const Scenario& scenario, double mean_mm, Drawing* drawing) {
           .mean_travel_mm = mean_mm,
           .pictures = scenario.render.enabled,
           .all_plots = scenario.render.enabled,
-          .torque_spectrum = scenario.tool.spin == "resolved",
+          .torque_spectrum = scenario.tool.spin == ToolSpin::resolved,
           .meshes = scenario.output.meshes,
           .photographer = drawing != nullptr ? drawing->photographer.get() : nullptr};
 }

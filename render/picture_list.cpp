@@ -8,7 +8,7 @@
 namespace reamsim {
 
 PictureList::PictureList(const RunView& view, const PictureChoice& choice)
-    : names(view.settings().cameras), stills(choice.stills) {
+    : names(names_of(view.settings().cameras)), stills(choice.stills) {
   const RenderSettings& settings = view.settings();
   for (const UserCamera& own : settings.user_cameras) names.push_back(own.name);
   for (const std::string& name : names) {
@@ -20,7 +20,7 @@ PictureList::PictureList(const RunView& view, const PictureChoice& choice)
     sheet_frames = ContactSheet::frames_on(view);
     sheet = ContactSheet::cell_camera(view, names.front());
   }
-  if (choice.film && settings.film != "none") film = film_camera(view, names.front());
+  if (choice.film && settings.film != FilmFormat::none) film = film_camera(view, names.front());
   for (int i = 0; i < settings.turntable_pictures; ++i) {
     const double turn = static_cast<double>(i) / settings.turntable_pictures;
     turntable.push_back(make_turntable_camera(view.run().subject(), turn, settings.width_px, settings.height_px));

@@ -136,7 +136,7 @@ class PictureMaker {
   void turntable(Photo photo) {
     const Camera& camera = list_.turntable[photo.camera];
     draw_labels(photo.image, camera, view_.labels(camera, std::nullopt));
-    if (view_.settings().film != "none") {
+    if (view_.settings().film != FilmFormat::none) {
       if (!turntable_film_) turntable_film_.emplace(film_path("turntable"), view_.settings());
       PixelImage frame = plain_image(photo.image.width_px, photo.image.height_px, 0xffffff);
       frame.paste(photo.image, 0, 0);
@@ -154,7 +154,7 @@ class PictureMaker {
   }
 
   [[nodiscard]] std::string film_path(const std::string& name) const {
-    return dir_ + "/" + name + film_ending(film_format(view_.settings().film));
+    return dir_ + "/" + name + film_ending(view_.settings().film);
   }
 
   [[nodiscard]] std::string suffix(std::size_t camera) const {
@@ -186,7 +186,7 @@ void require_possible(const RenderSettings& settings) {
 }  // namespace
 
 void require_film_program(const RenderSettings& settings) {
-  if (settings.enabled && settings.film != "none") require_encoder(film_format(settings.film));
+  if (settings.enabled && settings.film != FilmFormat::none) require_encoder(settings.film);
 }
 
 void render_pictures(const FinishedRun& run, const RenderSettings& settings, double mean_travel_mm,

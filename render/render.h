@@ -29,7 +29,7 @@ struct PictureChoice {
 /// Makes the pictures of a run from its results alone: DIR/scenario.yaml is not needed; DIR/reamed.vdb (density of the
 /// unreamed bone, and the frame G in its metadata), DIR/snapshots/ (bricks per picture, tool.stl) and DIR/forces.csv
 /// are. Writes DIR/frames/NNNNNN[_camera].png for every snapshot and DIR/reamed[_camera].png, without the tool, for the
-/// last; the first camera of the settings goes without a suffix. Cameras: see camera_names() in render/gl/camera.h, and
+/// last; the first camera of the settings goes without a suffix. Cameras: see render/gl/camera.h, and
 /// the user's own. What else the settings say: DIR/before_after[_camera].png, DIR/contact_sheet.png,
 /// DIR/turntable/NNN.png, and films of the frames and the turntable, DIR/reamed.mp4 and DIR/turntable.mp4 (or .webp,
 /// .apng). `mean_travel_mm`: forces that pictures name are means over so much of the tool's travel; 0: single frames.

@@ -22,10 +22,9 @@ namespace reamsim {
 namespace {
 
 struct FormatFacts {
-  std::string_view name, ending, encoder;
+  std::string_view ending, encoder;
 };
-constexpr std::array<FormatFacts, 3> kFormats{
-    {{"mp4", ".mp4", "libx264"}, {"webp", ".webp", "libwebp_anim"}, {"apng", ".apng", "apng"}}};
+constexpr std::array<FormatFacts, 4> kFormats{{{}, {".mp4", "libx264"}, {".webp", "libwebp_anim"}, {".apng", "apng"}}};
 
 const FormatFacts& facts_of(FilmFormat format) {
   return kFormats[static_cast<std::size_t>(format)];
@@ -85,6 +84,8 @@ std::string contents(int fd) {
 
 std::vector<std::string> encoder_arguments(FilmFormat format, int frames_per_s) {
   switch (format) {
+    case FilmFormat::none:
+      break;
     case FilmFormat::mp4:
       // A fixed number of threads and no version in the file: the same pictures give the same film everywhere. A key
       // frame a second, so that a player finds any frame fast. The matrix is said, or players guess by the size.
@@ -126,13 +127,6 @@ int even_px(int px) {
   return std::max(2, px / 2 * 2);
 }
 
-FilmFormat film_format(const std::string& name) {
-  const auto found = std::ranges::find(kFormats, name, &FormatFacts::name);
-  if (found == kFormats.end())
-    throw InputError({}, "render.film", "found '" + name + "'", "expected mp4, webp or apng");
-  return static_cast<FilmFormat>(found - kFormats.begin());
-}
-
 std::string film_ending(FilmFormat format) {
   return std::string(facts_of(format).ending);
 }
@@ -152,8 +146,8 @@ void require_encoder(FilmFormat format) {
   }
   const std::string encoder(facts_of(format).encoder);
   if (list.find(" " + encoder + " ") == std::string::npos) {
-    throw RunError("the ffmpeg on this machine cannot write " + std::string(facts_of(format).name) +
-                   ", because it has no encoder " + encoder + "; install another, or choose another render.film");
+    throw RunError("the ffmpeg on this machine cannot write " + name_of(format) + ", because it has no encoder " +
+                   encoder + "; install another, or choose another render.film");
   }
 }
 
@@ -179,7 +173,7 @@ FilmEncoder::FilmEncoder(const std::string& path, const RenderSettings& settings
                                      "-i",
                                      "pipe:0",
                                      "-an"};
-  for (auto& argument : encoder_arguments(film_format(settings.film), settings.film_rate_hz))
+  for (auto& argument : encoder_arguments(settings.film, settings.film_rate_hz))
     arguments.push_back(std::move(argument));
   arguments.insert(arguments.end(), {"-fflags", "+bitexact", "-flags:v", "+bitexact", "-y", "file:" + partial_path_});
   int error = 0;

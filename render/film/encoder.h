@@ -9,11 +9,6 @@
 
 namespace reamsim {
 
-/// The kinds of film: mp4 (H.264, plays anywhere), webp and apng (animated pictures for web pages).
-enum class FilmFormat { mp4, webp, apng };
-
-/// "mp4", "webp" or "apng". Throws InputError.
-FilmFormat film_format(const std::string& name);
 /// What a file of this format ends in: ".mp4", ".webp", ".apng".
 std::string film_ending(FilmFormat format);
 

@@ -132,34 +132,25 @@ Vec2 Camera::pixel(const Vec3& point_mm) const {
   return {0.5 * width_px + eye.x() / mm_per_px / shrink, 0.5 * height_px - eye.y() / mm_per_px / shrink};
 }
 
-const std::vector<std::string>& camera_names() {
-  static const std::vector<std::string> names{"glenoid", "oblique", "section", "overview"};
-  return names;
-}
-
-Camera make_camera(const std::string& name, const Subject& subject, int width_px, int height_px) {
+Camera make_camera(CameraView view, const Subject& subject, int width_px, int height_px) {
   check_size(width_px, height_px);
   Camera camera;
-  camera.name = name;
+  camera.name = name_of(view);
   camera.width_px = width_px;
   camera.height_px = height_px;
   const Vec3 front = front_side(subject);
-  if (name == "glenoid") {
+  if (view == CameraView::glenoid) {
     camera.draws_tool = false;
     frame(camera, look(subject.outward, subject.superior), subject, false);
-  } else if (name == "oblique" || name == "overview") {
+  } else if (view == CameraView::oblique || view == CameraView::overview) {
     const Vec3 towards_viewer = 0.72 * subject.outward + 0.58 * front + 0.28 * subject.superior;
-    frame(camera, look(towards_viewer, subject.superior), subject, name == "overview");
-  } else if (name == "section") {
+    frame(camera, look(towards_viewer, subject.superior), subject, view == CameraView::overview);
+  } else {
     camera.cut_plane = section_plane(subject);
     const Vec3 facing = -camera.cut_plane->head<3>();
     // A little from lateral, so that the reamed face shows behind its cut edge.
     const Vec3 towards_viewer = std::cos(degrees(16)) * facing + std::sin(degrees(16)) * subject.outward;
     frame(camera, look(towards_viewer, subject.superior), subject, false);
-  } else {
-    std::string known;
-    for (const std::string& other : camera_names()) known += (known.empty() ? "" : ", ") + other;
-    throw InputError({}, "render.cameras", "found '" + name + "'", "expected one of " + known);
   }
   return camera;
 }
@@ -168,7 +159,7 @@ Camera make_user_camera(const UserCamera& wanted, const Subject& subject, int wi
   check_size(width_px, height_px);
   const std::string key = "render.user_cameras (" + wanted.name + ")";
   Rigid bone_from_frame = Rigid::Identity();
-  if (wanted.frame == "glenoid") {
+  if (wanted.frame == PoseFrame::glenoid) {
     if (!subject.bone_from_glenoid) {
       throw InputError({}, key, "frame is glenoid, and the results have no glenoid frame", "expected frame: bone");
     }
@@ -189,7 +180,7 @@ Camera make_user_camera(const UserCamera& wanted, const Subject& subject, int wi
   camera.eye_from_bone.linear() = look(towards_viewer, up);
   camera.eye_from_bone.translation() = -(camera.eye_from_bone.linear() * target_mm);
   camera.reach_mm = subject.reach_mm + (target_mm - subject.focus_mm).norm() + 10;
-  if (wanted.projection == "perspective") {
+  if (wanted.projection == Projection::perspective) {
     camera.eye_mm = towards_viewer.norm();
     camera.mm_per_px = 2 * *camera.eye_mm * std::tan(degrees(wanted.fov_deg) / 2) / height_px;
   } else {

@@ -43,13 +43,10 @@ struct Camera {
   [[nodiscard]] Vec2 pixel(const Vec3& point_mm) const;
 };
 
-/// The names that make_camera() knows: glenoid, oblique, section, overview.
-const std::vector<std::string>& camera_names();
-
 /// glenoid: face on, superior up, only the tool's outline. oblique: from lateral, anterior and superior. section: cut
 /// open through the tool's axis, seen from anterior. overview: the oblique view of the whole bone.
-/// Throws InputError for another name or a size below one pixel.
-Camera make_camera(const std::string& name, const Subject& subject, int width_px, int height_px);
+/// Throws InputError for a size below one pixel.
+Camera make_camera(CameraView view, const Subject& subject, int width_px, int height_px);
 
 /// The user's own camera. Throws InputError where it needs a glenoid frame and there is none, or looks along `up`.
 Camera make_user_camera(const UserCamera& wanted, const Subject& subject, int width_px, int height_px);

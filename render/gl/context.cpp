@@ -4,12 +4,9 @@
 
 namespace reamsim {
 
-std::unique_ptr<OffscreenContext> make_context(const std::string& name, std::string& fallback) {
+std::unique_ptr<OffscreenContext> make_context(RenderContext wanted, std::string& fallback) {
   fallback.clear();
-  if (name != "osmesa" && name != "egl") {
-    throw InputError({}, "render.context", "found '" + name + "'", "expected osmesa or egl");
-  }
-  const bool osmesa_first = name == "osmesa";
+  const bool osmesa_first = wanted == RenderContext::osmesa;
   std::string first_reason;
   try {
     return osmesa_first ? make_osmesa_context() : make_egl_context();

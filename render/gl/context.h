@@ -4,6 +4,7 @@
 #include <string>
 
 #include "render/gl/gl.h"
+#include "sim/scenario/choices.h"
 
 namespace reamsim {
 
@@ -31,9 +32,9 @@ std::unique_ptr<OffscreenContext> make_osmesa_context();
 /// EGL on Mesa's surfaceless platform. Throws RunError: no library, no such platform, no OpenGL 4.5.
 std::unique_ptr<OffscreenContext> make_egl_context();
 
-/// The context called `name`: "osmesa" or "egl". When the machine has no such context and the other one works, that one
+/// The context that is `wanted`. When the machine has no such context and the other one works, that one
 /// is made, and `fallback` says so (empty otherwise); the two give the same pictures on Mesa.
-/// Throws InputError for another name, RunError (naming both reasons) when neither works.
-std::unique_ptr<OffscreenContext> make_context(const std::string& name, std::string& fallback);
+/// Throws RunError (naming both reasons) when neither works.
+std::unique_ptr<OffscreenContext> make_context(RenderContext wanted, std::string& fallback);
 
 }  // namespace reamsim

@@ -12,11 +12,9 @@
 #include "render/gl/tile_bounds.h"
 #include "render/surface/bone_surface.h"
 #include "render/surface/tool_surface.h"
+#include "sim/scenario/choices.h"
 
 namespace reamsim {
-
-/// What lies behind the bone.
-enum class Background { studio, white, transparent };
 
 /// How edges are kept from being jagged: by four samples per pixel, or, at half the price, by smoothing them
 /// afterwards.

@@ -143,8 +143,8 @@ Labels map_labels(const DepthField& field, const Anatomy& anatomy, const Scale& 
   if (!anatomy.glenoid) return labels;
   labels.directions = {{"superior", Vec3::UnitY()}};
   // +x of G is superior × lateral: posterior on a left shoulder, anterior on a right one.
-  if (anatomy.side == "left") labels.directions.emplace_back("anterior", -Vec3::UnitX());
-  if (anatomy.side == "right") labels.directions.emplace_back("anterior", Vec3::UnitX());
+  if (anatomy.side == BodySide::left) labels.directions.emplace_back("anterior", -Vec3::UnitX());
+  if (anatomy.side == BodySide::right) labels.directions.emplace_back("anterior", Vec3::UnitX());
   return labels;
 }
 

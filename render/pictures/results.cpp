@@ -35,7 +35,7 @@ std::string text_of(const openvdb::MetaMap& metadata, const char* name) {
 
 Anatomy anatomy_of(const std::string& path, const openvdb::MetaMap& metadata) {
   return {.glenoid = parse_stored_glenoid(path, text_of(metadata, "bone_from_glenoid")),
-          .side = text_of(metadata, "bone_side")};
+          .side = checked_stored_side(path, text_of(metadata, "bone_side"))};
 }
 
 /// The fill that the run began with.
@@ -80,8 +80,8 @@ RunPlan read_plan(const std::string& dir, const RunResults& results) {
   const Anatomy anatomy = anatomy_of(path, metadata);
   out.glenoid = anatomy.glenoid;
   out.side = anatomy.side;
-  const std::string erosion = text_of(metadata, "erosion");
-  out.whole_voxels = erosion == "remove" || erosion == "wear";
+  const auto erosion = from_name<ErosionMode>(text_of(metadata, "erosion"));
+  out.whole_voxels = erosion == ErosionMode::remove || erosion == ErosionMode::wear;
   out.frames = snapshot_frames(dir);
   if (out.frames.empty()) {
     throw InputError({dir + "/snapshots", 0, 0}, "", "no snapshot there", "the output folder of a run");

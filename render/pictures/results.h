@@ -26,7 +26,7 @@ struct RunResults {
 /// What DIR/reamed.vdb says of the bone's directions.
 struct Anatomy {
   std::optional<GlenoidFrame> glenoid;
-  std::string side;  ///< as in RunPlan
+  BodySide side = BodySide::unknown;  ///< as in RunPlan
 };
 /// Reads metadata only. Throws InputError when it is missing or damaged.
 Anatomy read_anatomy(const std::string& dir);

@@ -19,7 +19,7 @@ struct RunPlan {
   FillBricks fill_before;              ///< that the run begins with
   bool whole_voxels = false;           ///< the run takes voxels whole, not in parts
   std::optional<GlenoidFrame> glenoid;
-  std::string side;                       ///< "left", "right", or "" where nobody knows
+  BodySide side = BodySide::unknown;      ///< "left", "right", or "" where nobody knows
   std::vector<std::int64_t> frames;       ///< that have a snapshot, ascending
   std::vector<std::int64_t> pose_frames;  ///< the frames of `poses`, ascending; with all of `frames` from the first on
   std::vector<ToolPose> poses;

@@ -50,7 +50,7 @@ Camera RunView::camera(const std::string& name, int width_px, int height_px) con
   for (const UserCamera& own : settings_.user_cameras) {
     if (own.name == name) return make_user_camera(own, run_.subject(), width_px, height_px);
   }
-  return make_camera(name, run_.subject(), width_px, height_px);
+  return make_camera(from_name<CameraView>(name).value(), run_.subject(), width_px, height_px);
 }
 
 Camera RunView::closer_camera(const std::string& name, int width_px, int height_px) const {

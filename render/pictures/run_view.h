@@ -17,7 +17,7 @@ class RunView {
   /// Throws as PlannedRun does.
   RunView(const PlannedRun& run, const RenderSettings& settings);
 
-  /// A camera by its name: one of camera_names() or the user's. Throws InputError.
+  /// A camera by its name: a CameraView's or the user's. Throws InputError.
   [[nodiscard]] Camera camera(const std::string& name, int width_px, int height_px) const;
   /// The same a little closer, for pictures without labels of their own; a user's camera stays as it is.
   [[nodiscard]] Camera closer_camera(const std::string& name, int width_px, int height_px) const;

@@ -10,11 +10,6 @@
 namespace reamsim {
 namespace {
 
-Background background_named(const std::string& name) {
-  if (name == "white") return Background::white;
-  return name == "transparent" ? Background::transparent : Background::studio;
-}
-
 FillBricks first_fill(const RunPlan& plan) {
   FillBricks fill(plan.bone->grid.dims);
   apply_snapshot(plan.dir, plan.frames.front(), fill);
@@ -71,8 +66,8 @@ PixelImage Studio::draw(const Camera& camera, const std::optional<Rigid>& tool, 
   shot.density_max_g_cm3 = view_.density_scale().max;
   shot.bone_from_spinning_tool = tool;
   // Solid where it is cut open, as the bone is; other views show the face behind it unless the user wants steel.
-  shot.steel = camera.cut_plane || settings.tool_look == "steel";
-  shot.background = background_named(settings.background);
+  shot.steel = camera.cut_plane || settings.tool_look == ToolLook::steel;
+  shot.background = settings.background;
   shot.key_direction = settings.light.normalized().cast<float>();
   shot.supersampling = settings.supersampling;
   shot.edges = for_film ? Edges::smoothed : Edges::sampled;

@@ -9,7 +9,7 @@ namespace {
 /// The tool's head: what lies no farther than this above its lowest point. The shaft may leave the picture.
 constexpr double kHead_mm = 12;
 
-void from_glenoid(Subject& subject, const GlenoidFrame& glenoid, const std::string& side, const std::string& frame) {
+void from_glenoid(Subject& subject, const GlenoidFrame& glenoid, BodySide side, const std::string& frame) {
   const Mat3 axes = glenoid.bone_from_glenoid.linear();
   subject.bone_from_glenoid = glenoid.bone_from_glenoid;
   subject.focus_mm = glenoid.bone_from_glenoid.translation();
@@ -17,10 +17,11 @@ void from_glenoid(Subject& subject, const GlenoidFrame& glenoid, const std::stri
   subject.superior = axes.col(1);
   subject.anatomical = true;
   // +x of G is superior × lateral: posterior on a left shoulder, anterior on a right one.
-  if (side == "left") subject.anterior = -axes.col(0);
-  if (side == "right") subject.anterior = axes.col(0);
+  if (side == BodySide::left) subject.anterior = -axes.col(0);
+  if (side == BodySide::right) subject.anterior = axes.col(0);
   // In patient coordinates +y is posterior, whatever the side.
-  if (side.empty() && frame == "LPS") subject.anterior = axes(1, 0) > 0 ? Vec3(-axes.col(0)) : Vec3(axes.col(0));
+  if (side == BodySide::unknown && frame == "LPS")
+    subject.anterior = axes(1, 0) > 0 ? Vec3(-axes.col(0)) : Vec3(axes.col(0));
 }
 
 void from_tool(Subject& subject) {

@@ -103,7 +103,7 @@ void draw_plot(const std::string& dir, const std::string& name, const std::strin
 }
 
 double averaged_travel_mm(const CuttingSettings& cutting, double voxel_mm) {
-  return cutting.erosion == "exact" ? 0 : voxel_mm;
+  return cutting.erosion == ErosionMode::exact ? 0 : voxel_mm;
 }
 
 void write_force_plots(const std::string& dir, double mean_travel_mm) {

@@ -47,8 +47,8 @@ Json colors_json(const ColorMap& map, const Scale& scale) {
 
 /// Directions are of length 1; a direction that nobody knows is null.
 Json look_json(const Subject& subject) {
-  const Camera oblique = make_camera("oblique", subject, 1000, 1000);
-  const Camera section = make_camera("section", subject, 1000, 1000);
+  const Camera oblique = make_camera(CameraView::oblique, subject, 1000, 1000);
+  const Camera section = make_camera(CameraView::section, subject, 1000, 1000);
   const Mat3 bone_from_eye = oblique.eye_from_bone.linear().transpose();
   return {{"focus_mm", vector_json(subject.focus_mm)},
           {"reach_mm", short_number(subject.reach_mm)},

@@ -46,10 +46,11 @@ std::string caption_of(const std::string& name, const std::string& first) {
   if (name == "depth_map") return "What the reamer took, seen along the glenoid's axis";
   if (name == "segmentation") return "The CT with the outline of the segmented bone, in three planes";
   const std::string camera = name == "reamed" ? first : name.substr(std::string("reamed_").size());
-  if (camera == "oblique") return "The reamed bone, oblique";
-  if (camera == "glenoid") return "The reamed bone, face on";
-  if (camera == "section") return "The reamed bone, cut open along the tool's axis";
-  if (camera == "overview") return "The whole bone";
+  const auto view = from_name<CameraView>(camera);
+  if (view == CameraView::oblique) return "The reamed bone, oblique";
+  if (view == CameraView::glenoid) return "The reamed bone, face on";
+  if (view == CameraView::section) return "The reamed bone, cut open along the tool's axis";
+  if (view == CameraView::overview) return "The whole bone";
   return "The reamed bone: " + camera;
 }
 
@@ -134,7 +135,7 @@ Json script_data(const FinishedRun& run, const RenderSettings& settings, double 
   ForceLog log = run.results().log;
   add_layer_means(log, mean_travel_mm);
   return {{"plot", plot_data(log, mean_travel_mm)},
-          {"pictures", frames_json(run, settings.cameras)},
+          {"pictures", frames_json(run, names_of(settings.cameras))},
           {"bone", bone_data(run, settings)}};
 }
 
@@ -158,7 +159,7 @@ std::string page_html(const FinishedRun& run, const RenderSettings& settings, do
       {"scenario", escape_html(read_whole(dir + "/scenario.yaml", "the scenario.yaml of a run"))},
       {"script", embedded::report_script}};
   // What takes long comes when all the rest is known to be right.
-  texts["figures"] = pictures_html(dir, settings.cameras.front());
+  texts["figures"] = pictures_html(dir, name_of(settings.cameras.front()));
   texts["data"] = json_for_script(script_data(run, settings, mean_travel_mm));
   return fill_page(embedded::report_page, texts);
 }

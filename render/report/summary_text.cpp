@@ -10,6 +10,7 @@
 #include "render/report/markup.h"
 #include "sim/base/error.h"
 #include "sim/record/headline.h"
+#include "sim/scenario/choices.h"
 
 namespace reamsim {
 namespace {
@@ -211,7 +212,7 @@ std::optional<double> number_at(const Json& summary, const char* pointer, const 
 
 /// Force, torque and depth as pictures, plots and the run's closing line show them.
 std::string headline_html(const Json& summary, const std::string& path) {
-  Headline run{.means = text_at(summary, "erosion", path) != "exact"};
+  Headline run{.means = from_name<ErosionMode>(text_at(summary, "erosion", path)) != ErosionMode::exact};
   // Runs of earlier versions have the same numbers, but no section for them.
   const auto force = run.means ? "/forces/peak_layer_axial_force_n" : "/forces/peak_axial_force_n";
   const auto torque = run.means ? "/forces/peak_layer_spin_torque_nmm" : "/forces/peak_spin_torque_nmm";

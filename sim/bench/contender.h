@@ -54,7 +54,7 @@ class Contender {
 
 /// `reamsim run`'s own engine on the device. Throws what make_engine() throws.
 std::unique_ptr<Contender> make_engine_contender(const std::string& engine, const std::string& device,
-                                                 const Arena& arena, const std::string& erosion = "remove");
+                                                 const Arena& arena, ErosionMode erosion = ErosionMode::remove);
 
 /// The published program of an engine. `count`: count contacts, at the price of one more atomic sum a point. Throws
 /// RunError when the device has no room.

@@ -40,7 +40,7 @@ class EngineContender final : public Contender {
   static Scenario settings(const std::string& engine, const std::string& device, const CuttingSettings& cutting) {
     Scenario scenario;
     scenario.name = "bench";
-    scenario.engine.detector = engine;
+    scenario.engine.detector = *from_name<EngineKind>(engine);
     scenario.engine.device = device;
     scenario.cutting = cutting;
     return scenario;
@@ -87,7 +87,7 @@ class EngineContender final : public Contender {
 }  // namespace
 
 std::unique_ptr<Contender> make_engine_contender(const std::string& engine, const std::string& device,
-                                                 const Arena& arena, const std::string& erosion) {
+                                                 const Arena& arena, ErosionMode erosion) {
   CuttingSettings cutting = bench_cutting();
   cutting.erosion = erosion;
   return std::make_unique<EngineContender>(engine, device, arena, cutting);

@@ -84,7 +84,7 @@ struct ScatterRow {
 /// The plunged sphere of a verification: time per frame at 0.2 mm/s and 1 kHz, and the volume's error.
 struct SphereRow {
   std::string engine;
-  std::string erosion = {};
+  ErosionMode erosion = {};
   double voxel_mm = 0;
   Spread ms = {};
   double removed_mm3 = 0;

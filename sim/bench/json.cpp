@@ -108,7 +108,7 @@ std::string json_of(const Findings& findings) {
   });
   out["scatter"] = list(findings.scatter, scatter_json);
   out["spheres"] = list(findings.spheres, [](const SphereRow& row) {
-    Json json{{"engine", row.engine}, {"erosion", row.erosion}, {"voxel_mm", row.voxel_mm}};
+    Json json{{"engine", row.engine}, {"erosion", name_of(row.erosion)}, {"voxel_mm", row.voxel_mm}};
     add_spread(json, row.ms);
     json["removed_mm3"] = row.removed_mm3;
     json["volume_error"] = row.volume_error;

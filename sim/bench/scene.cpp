@@ -26,8 +26,8 @@ std::uint8_t grade_at(const Voxmap& voxmap, int x, int y, int z) {
 
 FilledVoxmap sample(int side) {
   BoneSettings settings;
-  settings.source = "phantom";
-  settings.side = "left";
+  settings.source = BoneSource::phantom;
+  settings.side = BodySide::left;
   return sample_glenoid(settings, grid_of(side));
 }
 
@@ -238,7 +238,7 @@ Aabb shell_box(const Tool& tool) {
 
 CuttingSettings bench_cutting() {
   CuttingSettings cutting;
-  cutting.erosion = "remove";
+  cutting.erosion = ErosionMode::remove;
   return cutting;
 }
 

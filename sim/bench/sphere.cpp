@@ -71,7 +71,7 @@ Substep down_to(double depth_mm) {
 }
 
 /// The whole plunge; time per frame of the windows.
-SphereRow plunge(Contender& contender, const std::string& erosion, double voxel_mm, const Watch& watch) {
+SphereRow plunge(Contender& contender, ErosionMode erosion, double voxel_mm, const Watch& watch) {
   SphereRow row{.engine = contender.label().engine, .erosion = erosion, .voxel_mm = voxel_mm};
   const double frame_mm = kSphereFeedMmS * kSphereFrameS, window_mm = kWindowFrames * frame_mm;
   std::vector<double> ms;
@@ -102,11 +102,11 @@ SphereRow plunge(Contender& contender, const std::string& erosion, double voxel_
 }
 
 /// Engine and erosion.
-std::vector<std::pair<std::string, std::string>> sphere_contenders(const Plan& plan) {
-  std::vector<std::pair<std::string, std::string>> out;
+std::vector<std::pair<std::string, ErosionMode>> sphere_contenders(const Plan& plan) {
+  std::vector<std::pair<std::string, ErosionMode>> out;
   for (const std::string& engine : plan.engines) {
-    if (engine == "bricked") out.emplace_back(engine, "exact");
-    out.emplace_back(engine, "remove");
+    if (engine == "bricked") out.emplace_back(engine, ErosionMode::exact);
+    out.emplace_back(engine, ErosionMode::remove);
   }
   return out;
 }
@@ -119,7 +119,7 @@ void measure_spheres(const Plan& plan, const Watch& watch, Findings& findings) {
     const Tool tool = cap(voxel_mm);
     const Arena arena{&bone, &tool, bone.grid.bounds_mm(), shell_box(tool)};
     for (const auto& [engine, erosion] : sphere_contenders(plan)) {
-      watch.progress("plunged sphere, " + engine + ", " + erosion);
+      watch.progress("plunged sphere, " + engine + ", " + name_of(erosion));
       const Place place{{engine, "deterministic"}, bone.grid.dims.x(), tool.shell.resolution, "sphere"};
       try {
         const auto contender = make_engine_contender(engine, plan.device, arena, erosion);

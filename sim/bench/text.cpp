@@ -163,8 +163,8 @@ std::string spheres_table(const Findings& findings) {
   TextTable table;
   table.add({"engine", "erosion", "voxel mm", "ms per frame", "min – max", "removed mm³", "volume error"});
   for (const SphereRow& row : findings.spheres) {
-    table.add({row.engine, row.erosion, format("%g", row.voxel_mm), format("%.4f", row.ms.median), range(row.ms),
-               format("%.1f", row.removed_mm3), format("%+.3f %%", 100 * row.volume_error)});
+    table.add({row.engine, name_of(row.erosion), format("%g", row.voxel_mm), format("%.4f", row.ms.median),
+               range(row.ms), format("%.1f", row.removed_mm3), format("%+.3f %%", 100 * row.volume_error)});
   }
   return table.empty()
              ? ""

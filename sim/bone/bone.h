@@ -18,7 +18,7 @@ struct Bone {
   std::optional<GlenoidFrame> glenoid;                       ///< from the scenario, or the phantom's own, or the VDB's
   std::optional<LandmarkSettings> landmarks = std::nullopt;  ///< in B: likewise
   std::optional<ScapularAxes> scapula = std::nullopt;        ///< of the landmarks
-  std::string side{};                                        ///< left | right | "": from the scenario, or the VDB's
+  BodySide side = BodySide::unknown;                         ///< left | right | "": from the scenario, or the VDB's
   std::optional<Segmentation> segmentation = std::nullopt;   ///< of a CT
   std::vector<Vec3> rim_mm{};  ///< of the joint face, in B, in order: from the scenario, or the phantom's own
 
@@ -65,11 +65,11 @@ Bone bone_from_phantom(const BoneSettings& settings, Report& report);
 /// right-handed on both sides: +x is posterior on a left scapula, anterior on a right one.
 /// Throws InputError: an incomplete set, zero or parallel directions, landmarks on a line, a side that is not left or
 /// right.
-std::optional<GlenoidFrame> glenoid_frame(const GlenoidSettings& settings, const std::string& side);
+std::optional<GlenoidFrame> glenoid_frame(const GlenoidSettings& settings, BodySide side);
 
 /// The directions that a glenoid frame would be made of if its normal were the Friedman axis: lateral is its +z. On a
 /// side that is neither left nor right they are those of a left scapula.
-ScapularAxes axes_of(const GlenoidFrame& glenoid, const std::string& side);
+ScapularAxes axes_of(const GlenoidFrame& glenoid, BodySide side);
 
 /// Sets every voxel whose centre lies in the hole to air, or takes the part of each that lies in it (`partial`);
 /// returns the drilled volume in mm³. `glenoid` is needed where `hole.frame` is glenoid. Throws InputError: no such

@@ -108,17 +108,17 @@ void check_normal(const BoneRound& bone, const Vec3& normal, const FrameKeys& ke
 
 /// Whether axes mean what they mean in a patient: a mesh, a phantom and another program's VDB have their own.
 bool in_patient_frame(const Bone& bone, const BoneSettings& settings) {
-  return bone.voxmap->frame == "LPS" && (settings.source == "ct" || settings.source == "vdb");
+  return bone.voxmap->frame == "LPS" && (settings.source == BoneSource::ct || settings.source == BoneSource::vdb);
 }
 
 void check_anatomy(const Bone& bone, const FrameKeys& keys, Report& report) {
   const Mat3 axes = bone.glenoid->bone_from_glenoid.linear();
   const double left = axes(0, 2), up = axes(2, 1);
   const std::string specimen = "; this may be meant only where the scan is not of a patient in the standard position";
-  const bool contradicts =
-      (bone.side == "left" && left < -kLeastComponent) || (bone.side == "right" && left > kLeastComponent);
+  const bool contradicts = (bone.side == BodySide::left && left < -kLeastComponent) ||
+                           (bone.side == BodySide::right && left > kLeastComponent);
   if (contradicts) {
-    report.warn("bone.side is " + bone.side + ", but the glenoid's normal points to the patient's " +
+    report.warn("bone.side is " + name_of(bone.side) + ", but the glenoid's normal points to the patient's " +
                 (left > 0 ? "left" : "right") + words(" (x = %.2f in LPS)", left) + ", as on a " +
                 (left > 0 ? "left" : "right") + " shoulder; check bone.side and " + keys.normal + specimen);
   }

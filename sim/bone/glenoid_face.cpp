@@ -48,8 +48,8 @@ GlenoidFace::GlenoidFace(const PhantomSettings& settings)
   const Vec3 superior = (Vec3::UnitY() - normal_.y() * normal_).normalized();
   face_from_anatomy_ << normal_.transpose(), superior.transpose(), normal_.cross(superior).transpose();
   balls_ = {{settings.face_radius_mm * normal_, settings.face_radius_mm}};
-  if (settings.walch == "A1" || settings.walch == "A2") wear_concentrically(settings);
-  if (settings.walch == "B2") wear_one_side(settings);
+  if (settings.walch == Walch::a1 || settings.walch == Walch::a2) wear_concentrically(settings);
+  if (settings.walch == Walch::b2) wear_one_side(settings);
   place_center();
 }
 

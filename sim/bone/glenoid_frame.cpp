@@ -43,19 +43,17 @@ GlenoidFrame frame_from_landmarks(const LandmarkSettings& marks) {
 
 }  // namespace
 
-ScapularAxes axes_of(const GlenoidFrame& glenoid, const std::string& side) {
+ScapularAxes axes_of(const GlenoidFrame& glenoid, BodySide side) {
   const Mat3 axes = glenoid.bone_from_glenoid.linear();
   return {.lateral = axes.col(2),
           .superior = axes.col(1),
-          .anterior = side == "right" ? Vec3(axes.col(0)) : Vec3(-axes.col(0))};
+          .anterior = side == BodySide::right ? Vec3(axes.col(0)) : Vec3(-axes.col(0))};
 }
 
-std::optional<GlenoidFrame> glenoid_frame(const GlenoidSettings& settings, const std::string& side) {
+std::optional<GlenoidFrame> glenoid_frame(const GlenoidSettings& settings, BodySide side) {
   const bool any = settings.center_mm || settings.normal || settings.superior;
   if (!any && !settings.landmarks) return std::nullopt;
-  if (side != "left" && side != "right") {
-    fail_frame("bone.side", side.empty() ? "missing" : "\"" + side + "\"", "a glenoid frame needs left or right");
-  }
+  if (side == BodySide::unknown) fail_frame("bone.side", "missing", "a glenoid frame needs left or right");
   if (settings.landmarks) {
     if (any) fail_frame("bone.glenoid", "directions and landmarks", "expected one of them");
     return frame_from_landmarks(*settings.landmarks);

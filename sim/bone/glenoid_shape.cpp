@@ -33,8 +33,8 @@ GlenoidShape::GlenoidShape(const PhantomSettings& settings)
       height_mm_(settings.height_mm),
       face_radius_mm_(settings.face_radius_mm),
       vault_depth_mm_(settings.vault_depth_mm),
-      rim_mm_(settings.walch == "A1" || settings.walch == "A2" ? kWornRimBlend_mm : kRimBlend_mm),
-      posteroinferior_rim_mm_(settings.walch == "C" ? settings.rim_rounding_mm : rim_mm_) {
+      rim_mm_(settings.walch == Walch::a1 || settings.walch == Walch::a2 ? kWornRimBlend_mm : kRimBlend_mm),
+      posteroinferior_rim_mm_(settings.walch == Walch::c ? settings.rim_rounding_mm : rim_mm_) {
   place_stumps();
 }
 

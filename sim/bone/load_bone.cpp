@@ -13,20 +13,19 @@ namespace reamsim {
 namespace {
 
 Bone bone_from_source(const BoneSettings& settings, Report& report) {
-  if (settings.source == "phantom") {
+  if (settings.source == BoneSource::phantom) {
     Bone bone = bone_from_phantom(settings, report);
     bone.set_voxels(fit_to_bone(bone.take_voxels(), kMarginVoxels));
     return bone;
   }
-  if (settings.source == "ct") {
+  if (settings.source == BoneSource::ct) {
     Bone bone;
     bone.segmentation.emplace();
     bone.set_voxels(fit_to_bone(voxmap_from_ct(settings, report, &*bone.segmentation), kMarginVoxels));
     return bone;
   }
-  if (settings.source == "mesh") return Bone(fit_to_bone(voxmap_from_mesh(settings, report), kMarginVoxels));
-  if (settings.source == "vdb") return bone_from_vdb(settings, report);
-  throw InputError({}, "bone.source", "\"" + settings.source + "\"", "expected phantom, ct, mesh or vdb");
+  if (settings.source == BoneSource::mesh) return Bone(fit_to_bone(voxmap_from_mesh(settings, report), kMarginVoxels));
+  return bone_from_vdb(settings, report);
 }
 
 /// Whether both bone and air lie within a cube about a point: there is a surface near it.
@@ -77,12 +76,13 @@ void drill(Bone& bone, const PilotHoleSettings& hole, bool partial, Report& repo
 /// Says where the scenario, which wins, contradicts what the VDB knows.
 void note_contradictions(const BoneSettings& settings, const StoredAnatomy& stored, Report& report) {
   char text[200];
-  if (!settings.side.empty() && !stored.side.empty() && settings.side != stored.side) {
-    report.note("bone.side is " + settings.side + ", the VDB says " + stored.side + "; the scenario's is used");
+  if (settings.side != BodySide::unknown && stored.side != BodySide::unknown && settings.side != stored.side) {
+    report.note("bone.side is " + name_of(settings.side) + ", the VDB says " + name_of(stored.side) +
+                "; the scenario's is used");
   }
-  const auto given = stored.glenoid
-                         ? glenoid_frame(settings.glenoid, settings.side.empty() ? stored.side : settings.side)
-                         : std::nullopt;
+  const auto given =
+      stored.glenoid ? glenoid_frame(settings.glenoid, settings.side == BodySide::unknown ? stored.side : settings.side)
+                     : std::nullopt;
   if (!given) return;
   const Rigid apart = stored.glenoid->bone_from_glenoid.inverse() * given->bone_from_glenoid;
   const double angle_deg = Eigen::AngleAxisd(apart.linear()).angle() * 180 / std::numbers::pi;
@@ -139,7 +139,7 @@ Bone bone_from_vdb(const BoneSettings& settings, Report& report) {
 
 Bone load_bone(const BoneSettings& settings, Report& report) {
   Bone bone = bone_from_source(settings, report);
-  if (!settings.side.empty()) bone.side = settings.side;
+  if (settings.side != BodySide::unknown) bone.side = settings.side;
   if (const auto given = glenoid_frame(settings.glenoid, bone.side)) bone.glenoid = given;
   if (settings.glenoid.landmarks) bone.landmarks = settings.glenoid.landmarks;
   if (!settings.glenoid.rim_mm.empty()) {
@@ -147,7 +147,7 @@ Bone load_bone(const BoneSettings& settings, Report& report) {
     bone.rim_mm = settings.glenoid.rim_mm;
   }
   set_scapula(bone);
-  if (settings.pilot_hole) drill(bone, *settings.pilot_hole, settings.surface_voxels == "partial", report);
+  if (settings.pilot_hole) drill(bone, *settings.pilot_hole, settings.surface_voxels == SurfaceVoxels::partial, report);
   const VoxelGrid& grid = bone.voxmap->grid;
   char text[200];
   std::snprintf(text, sizeof text, "bone: %d x %d x %d voxels of %.4g mm, %lld of them bone, %.0f mm^3 in the frame %s",

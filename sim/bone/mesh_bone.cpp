@@ -202,7 +202,7 @@ FilledVoxmap voxmap_from_mesh(const BoneSettings& settings, Report& report) {
     throw InputError({bone.path, 0, 0}, "bone.voxel_mm", "a mesh in which no voxel has its centre",
                      "expected smaller voxels, a larger bone.mesh.scale or a closed mesh");
   }
-  if (settings.surface_voxels == "partial") part_surface(distance->tree(), by_depth, voxmap);
+  if (settings.surface_voxels == SurfaceVoxels::partial) part_surface(distance->tree(), by_depth, voxmap);
   check_volume(bone, voxmap.bone_mm3(), std::abs(mesh.volume_mm3()), report);
   return voxmap;
 }

@@ -1,4 +1,3 @@
-#include "sim/base/error.h"
 #include "sim/bone/bone.h"
 #include "sim/bone/phantom_blocks.h"
 #include "sim/bone/phantom_glenoid.h"
@@ -6,15 +5,13 @@
 namespace reamsim {
 
 Bone bone_from_phantom(const BoneSettings& settings, Report& report) {
-  const std::string& shape = settings.phantom.shape;
-  report.note("phantom: " + shape);
-  if (shape == "half_space") return half_space_phantom(settings);
-  if (shape == "cup") return cup_phantom(settings);
-  if (shape == "sphere") return sphere_phantom(settings);
-  if (shape == "layered") return layered_phantom(settings);
-  if (shape == "glenoid") return glenoid_phantom(settings, report);
-  throw InputError({}, "bone.phantom.shape", "\"" + shape + "\"",
-                   "expected half_space, cup, sphere, layered or glenoid");
+  const PhantomShape shape = settings.phantom.shape;
+  report.note("phantom: " + name_of(shape));
+  if (shape == PhantomShape::half_space) return half_space_phantom(settings);
+  if (shape == PhantomShape::cup) return cup_phantom(settings);
+  if (shape == PhantomShape::sphere) return sphere_phantom(settings);
+  if (shape == PhantomShape::layered) return layered_phantom(settings);
+  return glenoid_phantom(settings, report);
 }
 
 }  // namespace reamsim

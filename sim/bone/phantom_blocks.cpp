@@ -55,7 +55,7 @@ Bone make_block(const BoneSettings& settings, const DensityField& density_in_blo
     return inside(box, point) && !(carved && carved(point) < 0) ? density_in_block(point) : kAir;
   };
   PartialField partial;
-  if (settings.surface_voxels == "partial") {
+  if (settings.surface_voxels == SurfaceVoxels::partial) {
     partial = [&](const Vec3& center) -> PartialVoxel {
       const double left = carved ? 1 - share_inside(carved, center, grid.voxel_mm) : 1;
       return {left * share_in_box(box, center, grid.voxel_mm),
@@ -116,7 +116,7 @@ Bone sphere_phantom(const BoneSettings& settings) {
   const double density = settings.phantom.density_g_cm3;
   const auto field = [=](const Vec3& point) { return point.squaredNorm() <= radius * radius ? density : kAir; };
   PartialField partial;
-  if (settings.surface_voxels == "partial") {
+  if (settings.surface_voxels == SurfaceVoxels::partial) {
     partial = [=](const Vec3& voxel) -> PartialVoxel {
       const auto distance = [radius](const Vec3& point) { return point.norm() - radius; };
       return {share_inside(distance, voxel, grid.voxel_mm), density};

@@ -138,10 +138,7 @@ class GlenoidDensity {
 
 void check(const BoneSettings& settings) {
   const PhantomSettings& phantom = settings.phantom;
-  if (settings.side != "left" && settings.side != "right") {
-    throw InputError({}, "bone.side", settings.side.empty() ? "missing" : "\"" + settings.side + "\"",
-                     "a glenoid needs left or right");
-  }
+  if (settings.side == BodySide::unknown) throw InputError({}, "bone.side", "missing", "a glenoid needs left or right");
   if (phantom.width_mm >= phantom.height_mm) {
     fail("width_mm", phantom.width_mm, "expected less than the height of %.4g mm", phantom.height_mm);
   }
@@ -163,10 +160,10 @@ struct Sides {
 };
 
 Sides sides_of(const BoneSettings& settings) {
-  return {settings.side == "left" ? 1.0 : -1.0};
+  return {settings.side == BodySide::left ? 1.0 : -1.0};
 }
 
-GlenoidFrame frame_of(const GlenoidFace& face, const Sides& sides, const std::string& side) {
+GlenoidFrame frame_of(const GlenoidFace& face, const Sides& sides, BodySide side) {
   GlenoidSettings settings;
   settings.center_mm = sides.bone_from_anatomy(face.center_mm());
   settings.normal = sides.bone_from_anatomy(face.normal());
@@ -194,7 +191,7 @@ void note_part(Report& report, const char* part, double radius_mm, const Vec3& n
 }
 
 void describe(const GlenoidFace& face, const PhantomSettings& phantom, Report& report) {
-  if (phantom.walch != "none") report.note("Walch " + phantom.walch);
+  if (phantom.walch != Walch::none) report.note("Walch " + name_of(phantom.walch));
   const auto* both = face.biconcavity();
   if (both == nullptr) return note_part(report, "face", face.balls().back().radius_mm, face.normal());
   note_part(report, "paleoglenoid", face.balls()[0].radius_mm, face.native_normal());
@@ -212,7 +209,7 @@ FilledVoxmap sample_glenoid(const BoneSettings& settings, const VoxelGrid& grid)
   const GlenoidDensity density(settings.phantom);
   const Sides sides = sides_of(settings);
   PartialField partial;
-  if (settings.surface_voxels == "partial") {
+  if (settings.surface_voxels == SurfaceVoxels::partial) {
     partial = [&](const Vec3& center) { return density.partial(sides.anatomy_from_bone(center), grid.voxel_mm); };
   }
   return sample_phantom(

@@ -40,7 +40,7 @@ Hole hole_in_bone(const PilotHoleSettings& settings, const std::optional<Glenoid
     throw InputError({}, "bone.pilot_hole.axis", "a vector without length", "expected the way the drill goes in");
   }
   Hole hole{settings.entry_mm, settings.axis / length, settings.diameter_mm / 2, settings.depth_mm};
-  if (settings.frame != "glenoid") return hole;
+  if (settings.frame != PoseFrame::glenoid) return hole;
   if (!glenoid) {
     throw InputError({}, "bone.pilot_hole.frame", "\"glenoid\" for a bone without a glenoid frame",
                      "expected bone.glenoid, or the frame bone");

@@ -9,8 +9,8 @@ namespace reamsim {
 
 std::unique_ptr<Engine> make_engine(const Scenario& scenario, const BoneView& bone, const Tool& tool) {
   if (scenario.engine.device == "serial") return make_serial_engine(scenario, bone, tool);
-  if (scenario.cutting.erosion == "exact") return make_exact_engine(scenario, bone, tool);
-  if (scenario.engine.detector == "bricked") return make_bricked_engine(scenario, bone, tool);
+  if (scenario.cutting.erosion == ErosionMode::exact) return make_exact_engine(scenario, bone, tool);
+  if (scenario.engine.detector == EngineKind::bricked) return make_bricked_engine(scenario, bone, tool);
   return make_dense_engine(scenario, bone, tool);
 }
 

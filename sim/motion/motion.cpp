@@ -28,7 +28,7 @@ std::vector<KeyPose> read_key_poses(const MotionSettings& settings, Report& repo
 
 void to_bone_frame(std::vector<KeyPose>& keys, const MotionSettings& settings,
                    const std::optional<GlenoidFrame>& glenoid) {
-  if (settings.frame != "glenoid") return;
+  if (settings.frame != PoseFrame::glenoid) return;
   if (!glenoid)
     throw InputError(SourceLocation{}, "motion.frame", "glenoid, but the bone has no glenoid frame",
                      "give bone.glenoid, or motion.frame: bone");

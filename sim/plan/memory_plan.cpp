@@ -50,21 +50,21 @@ std::size_t planned_device_bytes(const ReamingScene& scene, const ExactForecast&
   const Scenario& scenario = scene.scenario;
   const BoneView bone = scene.bone;
   if (scenario.engine.device == "serial") return 0;
-  if (scenario.cutting.erosion == "exact") return exact_engine_bytes(bone, scene.tool, forecast);
-  if (scenario.engine.detector == "bricked") return bricked_engine_bytes(scenario, bone, scene.tool);
-  return plan_dense(scenario.engine.detector, bone, scene.tool, scenario.cutting.erosion == "wear").bytes();
+  if (scenario.cutting.erosion == ErosionMode::exact) return exact_engine_bytes(bone, scene.tool, forecast);
+  if (scenario.engine.detector == EngineKind::bricked) return bricked_engine_bytes(scenario, bone, scene.tool);
+  return plan_dense(scenario.engine.detector, bone, scene.tool, scenario.cutting.erosion == ErosionMode::wear).bytes();
 }
 
 }  // namespace
 
 MemoryPlan plan_memory(const ReamingScene& scene) {
   const Voxmap& voxmap = *scene.bone.voxmap;
-  const bool exact = scene.scenario.cutting.erosion == "exact";
+  const bool exact = scene.scenario.cutting.erosion == ErosionMode::exact;
   const ExactForecast forecast = exact ? forecast_exact(scene) : ExactForecast{};
   MemoryPlan plan{.device_bytes = planned_device_bytes(scene, forecast)};
 
   const double voxels = static_cast<double>(voxmap.grade.count());
-  const double loading = scene.scenario.bone.source == "mesh" ? kMeshBytesPerVoxel * voxels : 0;
+  const double loading = scene.scenario.bone.source == BoneSource::mesh ? kMeshBytesPerVoxel * voxels : 0;
   const bool serial = scene.scenario.engine.device == "serial";
   const double engine = serial ? kSerialBytes * static_cast<double>(voxmap.grid.size())
                                : kCompilerBytes + static_cast<double>(plan.device_bytes);

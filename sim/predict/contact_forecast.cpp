@@ -154,7 +154,7 @@ ContactForecast forecast_contact(const ReamingScene& scene) {
 void warn_of_contact(const ReamingScene& scene, const ContactForecast& forecast, Report& report) {
   char text[300];
   if (forecast.start_mm3 > scene.bone.voxmap->grid.voxel_mm3()) {
-    const bool exact = scene.scenario.cutting.erosion == "exact";
+    const bool exact = scene.scenario.cutting.erosion == ErosionMode::exact;
     std::snprintf(text, sizeof text,
                   "the tool starts in the bone: about %.3g mm3 of bone lie in it at its first pose%s",
                   forecast.start_mm3,

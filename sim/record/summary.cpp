@@ -30,7 +30,7 @@ void write_text(const std::string& path, const std::string& text) {
 Metadata provenance(const ReamingScene& scene, const RunFacts& facts) {
   Metadata out{{"program", "reamsim " REAMSIM_VERSION},
                {"scenario", scene.scenario.name},
-               {"erosion", scene.scenario.cutting.erosion}};
+               {"erosion", name_of(scene.scenario.cutting.erosion)}};
   for (const auto& input : facts.inputs) {
     out.emplace_back("input_" + input.role, std::filesystem::path(input.path).filename().string());
     out.emplace_back("sha256_" + input.role, input.sha256);
@@ -83,7 +83,8 @@ nlohmann::ordered_json forces_json(const RunTotals& totals) {
 /// The force law as it ran, for those who cite it.
 nlohmann::ordered_json force_law_json(const CuttingSettings& cutting) {
   nlohmann::ordered_json json;
-  json["preset"] = cutting.preset.empty() ? nlohmann::ordered_json() : nlohmann::ordered_json(cutting.preset);
+  json["preset"] =
+      cutting.preset == EnergyPreset::none ? nlohmann::ordered_json() : nlohmann::ordered_json(name_of(cutting.preset));
   json["changed_from_preset"] = changed_from_preset(cutting);
   if (cutting.specific_energy_table.empty()) {
     json["specific_energy_j_mm3"] = cutting.specific_energy_j_mm3;
@@ -189,12 +190,12 @@ void write_summary(const std::string& dir, const ReamingScene& scene, const RunT
   json["program"] = "reamsim " REAMSIM_VERSION;
   json["scenario"] = scene.scenario.name;
   json["device"] = facts.device;
-  json["detector"] = scene.scenario.engine.detector;
-  json["erosion"] = scene.scenario.cutting.erosion;
-  json["law"] = scene.scenario.cutting.law;
-  if (scene.scenario.cutting.law == "energy") json["force_law"] = force_law_json(scene.scenario.cutting);
+  json["detector"] = name_of(scene.scenario.engine.detector);
+  json["erosion"] = name_of(scene.scenario.cutting.erosion);
+  json["law"] = name_of(scene.scenario.cutting.law);
+  if (scene.scenario.cutting.law == CuttingLaw::energy) json["force_law"] = force_law_json(scene.scenario.cutting);
   // Single frames are spikes where voxels go whole.
-  json["headline"] = headline_json(totals.headline(scene.scenario.cutting.erosion != "exact"));
+  json["headline"] = headline_json(totals.headline(scene.scenario.cutting.erosion != ErosionMode::exact));
   json["frames"] = totals.frames;
   json["contact_frames"] = totals.contact_frames;
   json["first_contact_frame"] = totals.first_contact_frame;
@@ -205,7 +206,7 @@ void write_summary(const std::string& dir, const ReamingScene& scene, const RunT
   json["work_mj"] = totals.work_mj();
   json["energy_mj"] = totals.energy_mj;
   json["floor_energy_mj"] = totals.floor_energy_mj;
-  if (scene.scenario.cutting.law == "energy") {
+  if (scene.scenario.cutting.law == CuttingLaw::energy) {
     json["friction_energy_mj"] = scene.scenario.cutting.friction_share * totals.energy_mj;
   }
   json["balance"] = totals.balance;

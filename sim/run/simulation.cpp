@@ -32,15 +32,15 @@ Aabb shell_box(const Tool& tool) {
 
 /// The box of what cuts: the shell's points, or the surface itself where voxels are clipped by it.
 Aabb cutting_box(const ReamingScene& scene) {
-  if (scene.scenario.cutting.erosion != "exact") return shell_box(scene.tool);
+  if (scene.scenario.cutting.erosion != ErosionMode::exact) return shell_box(scene.tool);
   return scene.tool.clip_bounds().expanded(fit_outline(scene.tool.profile).bulge_mm);
 }
 
 /// Whether the tool's spin moves what cuts. Where voxels are clipped, a surface of revolution is none the less its own
 /// envelope.
 bool turns_with_spin(const ReamingScene& scene) {
-  if (scene.scenario.cutting.erosion == "exact") return scene.tool.teeth.has_value();
-  return scene.scenario.tool.spin == "resolved";
+  if (scene.scenario.cutting.erosion == ErosionMode::exact) return scene.tool.teeth.has_value();
+  return scene.scenario.tool.spin == ToolSpin::resolved;
 }
 
 /// A scene's run through an engine: the batch, the frames that wait for it, and the energy account.
@@ -54,9 +54,9 @@ class Simulation {
         tool_box_(cutting_box(scene)),
         bone_box_(bone_box(*scene.bone.voxmap)),
         ledger_(scene.bone.voxmap->grid.voxel_mm3(), scene.motion.frame_s(),
-                scene.scenario.cutting.law == "per_point" && scene.scenario.tool.spin == "resolved"),
+                scene.scenario.cutting.law == CuttingLaw::per_point && scene.scenario.tool.spin == ToolSpin::resolved),
         resolved_(turns_with_spin(scene)),
-        exact_(scene.scenario.cutting.erosion == "exact"),
+        exact_(scene.scenario.cutting.erosion == ErosionMode::exact),
         max_step_mm_(scene.scenario.engine.max_step_voxels * scene.bone.voxmap->grid.voxel_mm) {}
 
   /// The main loop. Substeps of several frames are one batch, which ends with a frame that has a picture.

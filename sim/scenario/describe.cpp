@@ -4,24 +4,22 @@
 namespace reamsim {
 
 void describe_engine(KeyVisitor& v, EngineSettings& engine) {
-  v.text(
+  v.choice(
       {.name = "detector",
        .doc = "How contact is found. bricked: cells of shell points against bricks of voxels, the fast one; on dense "
               "voxel arrays, direct: one work-item per shell point looks its voxel up (Faieghi et al.); octree: one "
               "per shell point descends the grid (Zheng et al.); implicit: one per voxel against the surface that the "
-              "tool sweeps, without a shell (Yau et al.)",
-       .choices = {"bricked", "direct", "octree", "implicit"}},
+              "tool sweeps, without a shell (Yau et al.)"},
       engine.detector);
   v.text(
       {.name = "device",
        .doc = "auto: the OpenCL device that `reamsim devices` marks; serial: the slow reference in plain C++, without "
               "OpenCL; anything else: part of an OpenCL device's name"},
       engine.device);
-  v.text(
+  v.choice(
       {.name = "kernel_shape",
        .doc = "How the kernels of bricked are laid out: cpu, few work-items that do much in vectors; gpu, many that do "
-              "little; auto, by the device. Changes the speed, never a result",
-       .choices = {"auto", "cpu", "gpu"}},
+              "little; auto, by the device. Changes the speed, never a result"},
       engine.kernel_shape);
   v.flag({.name = "culling",
           .doc = "bricked passes over cells of shell points that cannot touch. Changes the speed, never a result"},
@@ -64,8 +62,7 @@ constexpr Range kPlace = between(-10000, 10000);
 void describe_user_camera(KeyVisitor& v, UserCamera& camera) {
   v.text({.name = "name", .doc = "Lower-case letters, digits, _ and -; ends the names of its files", .required = true},
          camera.name);
-  v.text({.name = "frame", .doc = "Frame of position_mm, target_mm and up", .choices = {"bone", "glenoid"}},
-         camera.frame);
+  v.choice({.name = "frame", .doc = "Frame of position_mm, target_mm and up"}, camera.frame);
   v.vector({.name = "position_mm", .doc = "Where the camera stands", .required = true, .range = kPlace},
            camera.position_mm);
   v.optional_vector({.name = "target_mm",
@@ -77,11 +74,10 @@ void describe_user_camera(KeyVisitor& v, UserCamera& camera) {
                      .range = between(-1000, 1000),
                      .nonzero = true},
                     camera.up);
-  v.text({.name = "projection",
-          .doc = "perspective: as an eye sees, and the scale bar holds at the target's distance only; orthographic: "
-                 "every length to scale",
-          .choices = {"perspective", "orthographic"}},
-         camera.projection);
+  v.choice({.name = "projection",
+            .doc = "perspective: as an eye sees, and the scale bar holds at the target's distance only; orthographic: "
+                   "every length to scale"},
+           camera.projection);
   v.number({.name = "fov_deg",
             .doc = "Angle that the picture's height covers",
             .range = between(1, 120),
@@ -107,18 +103,15 @@ void describe_metrics(KeyVisitor& v, MetricSettings& metrics) {
 
 void describe_render(KeyVisitor& v, RenderSettings& render) {
   v.flag({.name = "enabled", .doc = "Make pictures"}, render.enabled);
-  v.text({.name = "context", .doc = "What draws: osmesa or egl, both without a display", .choices = {"osmesa", "egl"}},
-         render.context);
+  v.choice({.name = "context", .doc = "What draws: osmesa or egl, both without a display"}, render.context);
   v.integer({.name = "width_px", .doc = "Width of the pictures", .range = between(64, 16384)}, render.width_px);
   v.integer({.name = "height_px", .doc = "Height of the pictures", .range = between(64, 16384)}, render.height_px);
   v.integer({.name = "every_frames",
              .doc = "Frames from one picture to the next; 0: ten pictures over the run, and a film of 150",
              .range = between(0, 1e9)},
             render.every_frames);
-  v.choices({.name = "cameras",
-             .doc = "Views, each at most once; the first names its files without a suffix",
-             .choices = {"oblique", "glenoid", "section", "overview"}},
-            render.cameras);
+  v.choice_list({.name = "cameras", .doc = "Views, each at most once; the first names its files without a suffix"},
+                render.cameras);
   v.list({.name = "user_cameras", .doc = "Cameras of your own; their files end in _NAME"}, render.user_cameras,
          describe_user_camera);
   v.flag({.name = "before_after",
@@ -130,25 +123,23 @@ void describe_render(KeyVisitor& v, RenderSettings& render) {
              .doc = "Make turntable/NNN.png: so many pictures of the reamed bone, all round its superior axis; 0: none",
              .range = between(0, 3600)},
             render.turntable_pictures);
-  v.text({.name = "film",
-          .doc = "Make a film of the pictures of the first camera, with force and torque running beside them, and one "
-                 "of the turntable. Takes ffmpeg",
-          .choices = {"none", "mp4", "webp", "apng"}},
-         render.film);
+  v.choice(
+      {.name = "film",
+       .doc = "Make a film of the pictures of the first camera, with force and torque running beside them, and one "
+              "of the turntable. Takes ffmpeg"},
+      render.film);
   v.integer({.name = "film_rate_hz", .doc = "Pictures that a film shows per second", .range = between(1, 120)},
             render.film_rate_hz);
   v.flag({.name = "tool", .doc = "Draw the reamer"}, render.tool);
-  v.text({.name = "tool_look",
-          .doc = "How the reamer looks: see-through, or as brushed steel; where it is cut open it is always steel",
-          .choices = {"see-through", "steel"}},
-         render.tool_look);
+  v.choice({.name = "tool_look",
+            .doc = "How the reamer looks: see-through, or as brushed steel; where it is cut open it is always steel"},
+           render.tool_look);
   v.flag({.name = "force_arrow",
           .doc = "Draw the bone's force on the reamer as an arrow with its magnitude, in pictures along the run"},
          render.force_arrow);
-  v.text({.name = "background",
-          .doc = "What lies behind the bone. Films, contact sheet and report show white instead of nothing",
-          .choices = {"studio", "white", "transparent"}},
-         render.background);
+  v.choice({.name = "background",
+            .doc = "What lies behind the bone. Films, contact sheet and report show white instead of nothing"},
+           render.background);
   v.vector({.name = "light",
             .doc = "Where the main light comes from, as the picture is seen: right, up, towards the viewer",
             .range = between(-1000, 1000),
@@ -186,7 +177,7 @@ void describe_scenario(KeyVisitor& v, Scenario& scenario) {
   v.section({.name = "engine", .doc = "How contact is computed, and where"}, scenario.engine, describe_engine);
   v.defaults([&scenario] {
     // Only bricks are clipped.
-    if (scenario.engine.detector != "bricked") scenario.cutting.erosion = "remove";
+    if (scenario.engine.detector != EngineKind::bricked) scenario.cutting.erosion = ErosionMode::remove;
   });
   v.section({.name = "cutting", .doc = "How bone goes, and what force that takes"}, scenario.cutting, describe_cutting);
   v.section({.name = "metrics", .doc = "What summary.json measures of the reamed bone"}, scenario.metrics,

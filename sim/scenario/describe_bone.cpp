@@ -137,12 +137,11 @@ void describe_wear(KeyVisitor& v, PhantomSettings& phantom) {
 
 void describe_glenoid_phantom(KeyVisitor& v, PhantomSettings& phantom) {
   const When glenoid{"shape", {"glenoid"}};
-  v.text({.name = "walch",
-          .doc = "Wear or dysplasia after Walch, with defaults of its own. none: a healthy face; A1, A2: worn "
-                 "concentrically, a little or deeply; B2: biconcave; C: dysplastic",
-          .choices = {"none", "A1", "A2", "B2", "C"},
-          .when = glenoid},
-         phantom.walch);
+  v.choice({.name = "walch",
+            .doc = "Wear or dysplasia after Walch, with defaults of its own. none: a healthy face; A1, A2: worn "
+                   "concentrically, a little or deeply; B2: biconcave; C: dysplastic",
+            .when = glenoid},
+           phantom.walch);
   v.defaults([&phantom] { take_walch_defaults(phantom); });
   describe_glenoid_size(v, phantom);
   describe_wear(v, phantom);
@@ -175,11 +174,10 @@ void describe_glenoid_phantom(KeyVisitor& v, PhantomSettings& phantom) {
 }
 
 void describe_phantom(KeyVisitor& v, PhantomSettings& phantom) {
-  v.text({.name = "shape",
-          .doc = "half_space: a block; cup: a block with a spherical cup; sphere; layered: a block, cortical on "
-                 "trabecular; glenoid: a parametric one. A block's top face is z = 0, its middle x = y = 0",
-          .choices = {"half_space", "cup", "sphere", "layered", "glenoid"}},
-         phantom.shape);
+  v.choice({.name = "shape",
+            .doc = "half_space: a block; cup: a block with a spherical cup; sphere; layered: a block, cortical on "
+                   "trabecular; glenoid: a parametric one. A block's top face is z = 0, its middle x = y = 0"},
+           phantom.shape);
   v.number({.name = "density_g_cm3",
             .doc = "Of the whole phantom",
             .range = kDensity,
@@ -292,18 +290,14 @@ void describe_ct(KeyVisitor& v, CtSettings& ct) {
                  "the most slices",
           .number_too = true},
          ct.series);
-  v.text({.name = "modality", .doc = "What a DICOM series may be; any: also what is not CT", .choices = {"ct", "any"}},
-         ct.modality);
+  v.choice({.name = "modality", .doc = "What a DICOM series may be; any: also what is not CT"}, ct.modality);
   v.optional_vector({.name = "crop_min_mm",
                      .doc = "Lower corner of the part that is used, LPS; with crop_max_mm",
                      .range = kPosition},
                     ct.crop_min_mm);
   v.optional_vector({.name = "crop_max_mm", .doc = "Upper corner, LPS; with crop_min_mm", .range = kPosition},
                     ct.crop_max_mm);
-  v.text({.name = "filter",
-          .doc = "Noise filter before thresholding",
-          .choices = {"none", "median", "curvature_anisotropic"}},
-         ct.filter);
+  v.choice({.name = "filter", .doc = "Noise filter before thresholding"}, ct.filter);
   v.integer({.name = "median_radius_voxels", .doc = "Used by `filter: median` only", .range = between(1, 10)},
             ct.median_radius_voxels);
   v.integer({.name = "anisotropic_iterations",
@@ -344,30 +338,24 @@ void describe_pilot_hole(KeyVisitor& v, PilotHoleSettings& hole) {
   v.vector({.name = "entry_mm", .doc = "Where the hole's axis begins", .range = kPosition}, hole.entry_mm);
   v.vector({.name = "axis", .doc = "The way the drill goes in", .range = kComponent, .nonzero = true}, hole.axis);
   v.number({.name = "depth_mm", .doc = "From entry_mm", .range = above(0, 500)}, hole.depth_mm);
-  v.text({.name = "frame", .doc = "Frame of entry_mm and axis", .choices = {"bone", "glenoid"}}, hole.frame);
+  v.choice({.name = "frame", .doc = "Frame of entry_mm and axis"}, hole.frame);
 }
 
 }  // namespace
 
 void describe_bone(KeyVisitor& v, BoneSettings& bone) {
-  v.text({.name = "source",
-          .doc = "Where the bone comes from",
-          .required = true,
-          .choices = {"phantom", "ct", "mesh", "vdb"}},
-         bone.source);
-  v.text({.name = "side",
-          .doc = "Side of the body; required with a glenoid frame: with bone.glenoid, a glenoid phantom, or a frame: "
-                 "glenoid. Without it a VDB's own side applies",
-          .choices = {"left", "right"}},
-         bone.side);
+  v.choice({.name = "source", .doc = "Where the bone comes from", .required = true}, bone.source);
+  v.choice({.name = "side",
+            .doc = "Side of the body; required with a glenoid frame: with bone.glenoid, a glenoid phantom, or a frame: "
+                   "glenoid. Without it a VDB's own side applies"},
+           bone.side);
   v.number({.name = "voxel_mm", .doc = "Side of a voxel. A VDB keeps its own", .range = between(0.01, 5)},
            bone.voxel_mm);
-  v.text(
+  v.choice(
       {.name = "surface_voxels",
        .doc = "partial: a voxel that the bone's surface passes through holds the part of it that is bone; whole: it is "
               "bone or air as a whole, as its centre is; auto: partial for `cutting.erosion: exact`, else whole. A VDB "
-              "keeps its own fill",
-       .choices = {"auto", "partial", "whole"}},
+              "keeps its own fill"},
       bone.surface_voxels);
   v.section({.name = "density", .doc = "From HU to density"}, bone.density, describe_density);
   v.section(

@@ -60,13 +60,12 @@ void describe_specific_energies(KeyVisitor& v, CuttingSettings& cutting) {
           .doc = "Specific energy over density instead of the power law: two or more points in ascending density, "
                  "straight lines between them, constant beyond the ends"},
          cutting.specific_energy_table, describe_specific_energy);
-  v.text({.name = "preset",
-          .doc = "specific_energy_j_mm3, reference_density_g_cm3 and density_exponent at the low end, the middle or "
-                 "the high end of the ranges that this project assumes; they do not bound the result. Any of the "
-                 "three that is given itself wins",
-          .choices = {"literature-low", "literature-mid", "literature-high"},
-          .unless = kTable},
-         cutting.preset);
+  v.choice({.name = "preset",
+            .doc = "specific_energy_j_mm3, reference_density_g_cm3 and density_exponent at the low end, the middle or "
+                   "the high end of the ranges that this project assumes; they do not bound the result. Any of the "
+                   "three that is given itself wins",
+            .unless = kTable},
+           cutting.preset);
   v.number(
       {.name = "specific_energy_j_mm3",
        .doc = "Energy to cut 1 mm³ of bone of the reference density (u0). Uncalibrated; 0.05 to 0.30 is assumed, thin "
@@ -115,20 +114,18 @@ void describe_options(KeyVisitor& v, CuttingSettings& cutting) {
 }  // namespace
 
 void describe_cutting(KeyVisitor& v, CuttingSettings& cutting) {
-  v.text({.name = "law",
-          .doc = "energy: force from the specific cutting energy of the removed volume; per_point: a given force for "
-                 "each shell point in contact, as in the paper",
-          .choices = {"energy", "per_point"}},
-         cutting.law);
+  v.choice({.name = "law",
+            .doc = "energy: force from the specific cutting energy of the removed volume; per_point: a given force for "
+                   "each shell point in contact, as in the paper"},
+           cutting.law);
   v.defaults([&cutting] {
-    if (cutting.law == "per_point") cutting.erosion = "remove";
+    if (cutting.law == CuttingLaw::per_point) cutting.erosion = ErosionMode::remove;
   });
-  v.text(
+  v.choice(
       {.name = "erosion",
        .doc = "exact: a voxel keeps the part of it that lies outside the tool (engine.detector bricked, law energy); "
               "remove: a touched voxel goes whole, the default where exact is not "
               "possible; wear: it loses density by the second",
-       .choices = {"exact", "remove", "wear"},
        .default_by = "engine.detector"},
       cutting.erosion);
   describe_specific_energies(v, cutting);

@@ -67,15 +67,13 @@ void describe_tool(KeyVisitor& v, ToolSettings& tool) {
               "Cuts nothing with erosion exact nor with the detector implicit, which look at the surface itself",
        .range = between(0, 4096)},
       tool.shell_resolution);
-  v.text({.name = "spin",
-          .doc = "envelope: the surface that the teeth sweep; resolved: the teeth themselves, turning",
-          .choices = {"envelope", "resolved"}},
-         tool.spin);
+  v.choice(
+      {.name = "spin", .doc = "envelope: the surface that the teeth sweep; resolved: the teeth themselves, turning"},
+      tool.spin);
 }
 
 void describe_motion(KeyVisitor& v, MotionSettings& motion) {
-  v.text({.name = "frame", .doc = "Frame of all positions and directions below", .choices = {"bone", "glenoid"}},
-         motion.frame);
+  v.choice({.name = "frame", .doc = "Frame of all positions and directions below"}, motion.frame);
   v.number({.name = "frame_rate_hz", .doc = "Frames per second; 1000 is the haptic rate", .range = between(1, 100000)},
            motion.frame_rate_hz);
   v.optional_section({.name = "plunge", .doc = "Straight in, dwell, straight out"}, motion.plunge, describe_plunge);

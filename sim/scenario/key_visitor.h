@@ -77,6 +77,21 @@ class KeyVisitor {
   /// A text: one of `info.choices`, a path or a free word, as `info` says. "" = not given.
   virtual void text(const KeyInfo& info, std::string& value) = 0;
   virtual void choices(const KeyInfo& info, std::vector<std::string>& values) = 0;
+  /// One of the names of an enum.
+  template <class E>
+  void choice(const KeyInfo& info, E& value) {
+    std::string name = name_of(value);
+    text(with_choices<E>(info), name);
+    value = *from_name<E>(name);
+  }
+  /// One or more of the names of an enum, each at most once.
+  template <class E>
+  void choice_list(const KeyInfo& info, std::vector<E>& values) {
+    std::vector<std::string> names = names_of(values);
+    choices(with_choices<E>(info), names);
+    values.clear();
+    for (const std::string& name : names) values.push_back(*from_name<E>(name));
+  }
   /// One name or whole number, or a list of them.
   virtual void names(const KeyInfo& info, std::vector<std::string>& values) = 0;
   virtual void vector(const KeyInfo& info, Vec3& value) = 0;
@@ -128,6 +143,15 @@ class KeyVisitor {
   virtual std::size_t begin_list(const KeyInfo& info, std::size_t size) = 0;
   virtual void begin_item(std::size_t index) = 0;
   virtual void end_list() = 0;
+
+ private:
+  template <class E>
+  static KeyInfo with_choices(KeyInfo info) {
+    for (const std::string_view name : kChoiceNames<E>) {
+      if (!name.empty()) info.choices.push_back(name);
+    }
+    return info;
+  }
 };
 
 /// The one description of all keys: path, type, range or choices, whether required, and what each means. Units are

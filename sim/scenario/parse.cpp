@@ -152,11 +152,11 @@ OutputSettings parse_output_settings(const std::string& path) {
   return output;
 }
 
-std::string parse_tool_spin(const std::string& path) {
+ToolSpin parse_tool_spin(const std::string& path) {
   const YamlNodePtr document = read_document(path, {});
   const YamlEntry* tool = document->find("tool");
   const YamlEntry* spin = tool == nullptr ? nullptr : tool->value->find("spin");
-  return spin == nullptr ? ToolSettings().spin : spin->value->text;
+  return spin == nullptr ? ToolSettings().spin : from_name<ToolSpin>(spin->value->text).value_or(ToolSettings().spin);
 }
 
 BoneSettings parse_bone_settings(const std::string& source, const std::string& path,
@@ -183,12 +183,12 @@ BoneSettings parse_bone_settings(const std::string& source, const std::string& p
 std::vector<std::pair<std::string, std::string>> input_files(const Scenario& scenario) {
   const BoneSettings& bone = scenario.bone;
   std::vector<std::pair<std::string, std::string>> files;
-  if (bone.source == "ct") {
+  if (bone.source == BoneSource::ct) {
     files.emplace_back("bone.ct.path", ct_input(bone.ct.path));
     if (bone.ct.label_map) files.emplace_back("bone.ct.label_map.path", bone.ct.label_map->path);
   }
-  if (bone.source == "mesh") files.emplace_back("bone.mesh.path", bone.mesh.path);
-  if (bone.source == "vdb") files.emplace_back("bone.vdb.path", bone.vdb.path);
+  if (bone.source == BoneSource::mesh) files.emplace_back("bone.mesh.path", bone.mesh.path);
+  if (bone.source == BoneSource::vdb) files.emplace_back("bone.vdb.path", bone.vdb.path);
   files.emplace_back("tool.mesh", scenario.tool.mesh);
   if (scenario.motion.csv) files.emplace_back("motion.csv.path", scenario.motion.csv->path);
   return files;

@@ -23,7 +23,7 @@ CuttingSettings parse_cutting_settings(const std::string& path);
 OutputSettings parse_output_settings(const std::string& path);
 
 /// `tool.spin` alone, likewise; the tool's mesh may be gone.
-std::string parse_tool_spin(const std::string& path);
+ToolSpin parse_tool_spin(const std::string& path);
 
 /// A bone section made of nothing but a source ("ct" or "mesh"), its path and overrides ("bone.voxel_mm=0.5"), for
 /// `reamsim import`. Validated like a scenario's.

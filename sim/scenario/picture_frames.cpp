@@ -12,7 +12,7 @@ constexpr std::size_t kStillsBesideFilm = 11;
 std::vector<std::int64_t> picture_frames(const RenderSettings& settings, std::int64_t last) {
   constexpr std::int64_t kPictures = 10;
   constexpr std::int64_t kFilmPictures = 150;
-  const std::int64_t pictures = settings.enabled && settings.film != "none" ? kFilmPictures : kPictures;
+  const std::int64_t pictures = settings.enabled && settings.film != FilmFormat::none ? kFilmPictures : kPictures;
   const std::int64_t spread = std::max<std::int64_t>(1, (last + pictures - 1) / pictures);
   const std::int64_t interval = settings.every_frames > 0 ? settings.every_frames : spread;
   std::vector<std::int64_t> out;
@@ -32,7 +32,8 @@ std::vector<std::int64_t> evenly_among(const std::vector<std::int64_t>& frames, 
 }
 
 std::vector<std::int64_t> still_frames(const std::vector<std::int64_t>& frames, const RenderSettings& settings) {
-  return settings.film != "none" && settings.every_frames == 0 ? evenly_among(frames, kStillsBesideFilm) : frames;
+  return settings.film != FilmFormat::none && settings.every_frames == 0 ? evenly_among(frames, kStillsBesideFilm)
+                                                                         : frames;
 }
 
 }  // namespace reamsim

@@ -12,12 +12,13 @@ namespace {
 /// (docs/physics.md, section 4; no bounds of a result). A high exponent makes soft bone cheap to cut, so the least
 /// energy goes with the highest exponent.
 struct Preset {
-  std::string_view name;
+  EnergyPreset name;
   double specific_energy_j_mm3;
   double density_exponent;
 };
-constexpr std::array<Preset, 3> kPresets{
-    {{"literature-low", 0.05, 2.5}, {"literature-mid", 0.15, 2}, {"literature-high", 0.30, 1}}};
+constexpr std::array<Preset, 3> kPresets{{{EnergyPreset::literature_low, 0.05, 2.5},
+                                          {EnergyPreset::literature_mid, 0.15, 2},
+                                          {EnergyPreset::literature_high, 0.30, 1}}};
 constexpr double kReferenceDensity = 1.8;
 
 /// A key that presets set, and its value in one of them.
@@ -27,7 +28,7 @@ struct PresetKey {
   double value;
 };
 
-std::vector<PresetKey> keys_of(const std::string& preset) {
+std::vector<PresetKey> keys_of(EnergyPreset preset) {
   const auto* const found = std::ranges::find(kPresets, preset, &Preset::name);
   if (found == kPresets.end()) return {};
   return {{"specific_energy_j_mm3", &CuttingSettings::specific_energy_j_mm3, found->specific_energy_j_mm3},

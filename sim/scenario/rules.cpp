@@ -1,7 +1,6 @@
 #include "sim/scenario/rules.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <initializer_list>
 #include <string>
@@ -30,8 +29,8 @@ class Rules {
     rule({"bone.source", "bone.glenoid", "motion.frame"}, &Rules::check_motion_frame);
     rule({"bone.source", "bone.glenoid", "bone.pilot_hole"}, &Rules::check_pilot_hole_frame);
     rule({"bone.source", "bone.glenoid", "render.user_cameras"}, &Rules::check_camera_frames);
-    if (s_.bone.source == "ct") rule({"bone.ct"}, &Rules::check_crop);
-    if (s_.bone.source == "phantom") rule({"bone.phantom"}, &Rules::check_phantom);
+    if (s_.bone.source == BoneSource::ct) rule({"bone.ct"}, &Rules::check_crop);
+    if (s_.bone.source == BoneSource::phantom) rule({"bone.phantom"}, &Rules::check_phantom);
     rule({"motion"}, &Rules::check_keyframes);
     rule({"motion"}, &Rules::check_frame_count);
     rule({"engine.detector", "tool.spin"}, &Rules::check_spin_of_implicit);
@@ -62,7 +61,7 @@ class Rules {
     return s_.bone.glenoid.landmarks.has_value() || s_.bone.glenoid.center_mm.has_value();
   }
   [[nodiscard]] bool glenoid_phantom() const {
-    return s_.bone.source == "phantom" && s_.bone.phantom.shape == "glenoid";
+    return s_.bone.source == BoneSource::phantom && s_.bone.phantom.shape == PhantomShape::glenoid;
   }
 
   void check_name() const;
@@ -132,32 +131,33 @@ void Rules::check_glenoid() const {
 
 void Rules::check_side() const {
   // A VDB may know its side, which is seen when it is read.
-  if (!s_.bone.side.empty() || s_.bone.source == "vdb") return;
+  if (s_.bone.side != BodySide::unknown || s_.bone.source == BoneSource::vdb) return;
   const char* why = nullptr;
   if (glenoid_phantom()) why = "bone.phantom.shape is glenoid";
   if (glenoid_given()) why = "bone.glenoid is given";
-  if (s_.motion.frame == "glenoid") why = "motion.frame is glenoid";
-  if (s_.bone.pilot_hole && s_.bone.pilot_hole->frame == "glenoid") why = "bone.pilot_hole.frame is glenoid";
+  if (s_.motion.frame == PoseFrame::glenoid) why = "motion.frame is glenoid";
+  if (s_.bone.pilot_hole && s_.bone.pilot_hole->frame == PoseFrame::glenoid) why = "bone.pilot_hole.frame is glenoid";
   if (why != nullptr) fail("bone.side", "missing", std::string("left or right, because ") + why);
 }
 
 void Rules::need_glenoid_frame(const std::string& key) const {
   // Every phantom has its own, and a VDB may have one.
-  if (s_.bone.source == "phantom" || s_.bone.source == "vdb" || glenoid_given()) return;
+  if (s_.bone.source == BoneSource::phantom || s_.bone.source == BoneSource::vdb || glenoid_given()) return;
   fail(key, "found glenoid, and there is no glenoid frame", "bone, or a glenoid frame in bone.glenoid");
 }
 
 void Rules::check_motion_frame() const {
-  if (s_.motion.frame == "glenoid") need_glenoid_frame("motion.frame");
+  if (s_.motion.frame == PoseFrame::glenoid) need_glenoid_frame("motion.frame");
 }
 
 void Rules::check_pilot_hole_frame() const {
-  if (s_.bone.pilot_hole && s_.bone.pilot_hole->frame == "glenoid") need_glenoid_frame("bone.pilot_hole.frame");
+  if (s_.bone.pilot_hole && s_.bone.pilot_hole->frame == PoseFrame::glenoid)
+    need_glenoid_frame("bone.pilot_hole.frame");
 }
 
 void Rules::check_camera_frames() const {
   for (std::size_t i = 0; i < s_.render.user_cameras.size(); ++i) {
-    if (s_.render.user_cameras[i].frame != "glenoid") continue;
+    if (s_.render.user_cameras[i].frame != PoseFrame::glenoid) continue;
     need_glenoid_frame("render.user_cameras." + std::to_string(i) + ".frame");
   }
 }
@@ -176,16 +176,16 @@ void Rules::check_crop() const {
 void Rules::check_phantom() const {
   const PhantomSettings& p = s_.bone.phantom;
   const std::string at = "bone.phantom.";
-  if (p.shape == "cup") {
+  if (p.shape == PhantomShape::cup) {
     const double half_width = std::min(p.size_mm.x(), p.size_mm.y()) / 2;
     require(p.cup_depth_mm <= p.radius_mm, at + "cup_depth_mm", p.cup_depth_mm, "no more than radius_mm");
     require(p.cup_depth_mm < p.size_mm.z(), at + "cup_depth_mm", p.cup_depth_mm, "less than the block's height");
     const double opening = std::sqrt(p.cup_depth_mm * (2 * p.radius_mm - p.cup_depth_mm));
     require(opening <= half_width, at + "radius_mm", p.radius_mm,
             "a cup whose opening (radius " + number_text(opening) + " mm) fits the block");
-  } else if (p.shape == "layered") {
+  } else if (p.shape == PhantomShape::layered) {
     require(p.cortical_mm < p.size_mm.z(), at + "cortical_mm", p.cortical_mm, "less than the block's height");
-  } else if (p.shape == "glenoid") {
+  } else if (p.shape == PhantomShape::glenoid) {
     require(p.width_mm <= p.height_mm, at + "width_mm", p.width_mm, "no more than height_mm");
     require(2 * p.face_radius_mm >= p.height_mm, at + "face_radius_mm", p.face_radius_mm, "at least half of height_mm");
     require(2 * p.shell_mm < p.width_mm, at + "shell_mm", p.shell_mm, "less than half of width_mm");
@@ -225,13 +225,13 @@ void Rules::check_frame_count() const {
 // The detector `implicit` knows the tool by the surface that its teeth sweep, and has no points.
 
 void Rules::check_spin_of_implicit() const {
-  if (s_.engine.detector != "implicit" || s_.tool.spin == "envelope") return;
-  fail("tool.spin", "found " + s_.tool.spin, "envelope, because engine.detector is implicit");
+  if (s_.engine.detector != EngineKind::implicit || s_.tool.spin == ToolSpin::envelope) return;
+  fail("tool.spin", "found " + name_of(s_.tool.spin), "envelope, because engine.detector is implicit");
 }
 
 void Rules::check_law_of_implicit() const {
-  if (s_.engine.detector != "implicit" || s_.cutting.law == "energy") return;
-  fail("cutting.law", "found " + s_.cutting.law, "energy, because engine.detector is implicit");
+  if (s_.engine.detector != EngineKind::implicit || s_.cutting.law == CuttingLaw::energy) return;
+  fail("cutting.law", "found " + name_of(s_.cutting.law), "energy, because engine.detector is implicit");
 }
 
 void Rules::check_implant() const {
@@ -242,12 +242,13 @@ void Rules::check_implant() const {
 }
 
 void Rules::check_exact() const {
-  if (s_.cutting.erosion != "exact") return;
+  if (s_.cutting.erosion != ErosionMode::exact) return;
   const std::string expected = "remove or wear, because ";
-  if (s_.engine.detector != "bricked") {
-    fail("cutting.erosion", "found exact", expected + "engine.detector is " + s_.engine.detector);
+  if (s_.engine.detector != EngineKind::bricked) {
+    fail("cutting.erosion", "found exact", expected + "engine.detector is " + name_of(s_.engine.detector));
   }
-  if (s_.cutting.law != "energy") fail("cutting.erosion", "found exact", expected + "cutting.law is " + s_.cutting.law);
+  if (s_.cutting.law != CuttingLaw::energy)
+    fail("cutting.erosion", "found exact", expected + "cutting.law is " + name_of(s_.cutting.law));
 }
 
 void Rules::check_energy_table() const {
@@ -270,12 +271,12 @@ void Rules::check_size_effect() const {
 
 void Rules::check_edge_force() const {
   const CuttingSettings& cutting = s_.cutting;
-  if (cutting.edge_force && cutting.law != "energy") {
-    fail("cutting.law", "found " + cutting.law, "energy, because cutting.edge_force is given");
+  if (cutting.edge_force && cutting.law != CuttingLaw::energy) {
+    fail("cutting.law", "found " + name_of(cutting.law), "energy, because cutting.edge_force is given");
   }
-  if (cutting.edge_force && s_.tool.spin != "envelope") {
+  if (cutting.edge_force && s_.tool.spin != ToolSpin::envelope) {
     // It spreads the lips over the surface that they sweep.
-    fail("tool.spin", "found " + s_.tool.spin, "envelope, because cutting.edge_force is given");
+    fail("tool.spin", "found " + name_of(s_.tool.spin), "envelope, because cutting.edge_force is given");
   }
 }
 
@@ -283,11 +284,6 @@ void Rules::check_edge_force() const {
 bool names_a_file(const std::string& name) {
   const auto fine = [](char c) { return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_' || c == '-'; };
   return !name.empty() && name.size() <= 40 && std::ranges::all_of(name, fine);
-}
-
-bool is_built_in(const std::string& camera) {
-  constexpr std::array kBuiltIn{"oblique", "glenoid", "section", "overview"};
-  return std::ranges::find(kBuiltIn, camera) != kBuiltIn.end();
 }
 
 /// Does a camera before this one have its name?
@@ -314,7 +310,8 @@ void check_cameras(const RenderSettings& render, const KeyLocations& locations) 
     };
     const std::string expected = "up to 40 lower-case letters, digits, _ and -";
     if (!names_a_file(camera.name)) fail("name", "found " + shown_text(camera.name), expected);
-    if (is_built_in(camera.name)) fail("name", "found the name of a camera that there is already", "another name");
+    if (from_name<CameraView>(camera.name))
+      fail("name", "found the name of a camera that there is already", "another name");
     if (is_taken(render.user_cameras, i)) fail("name", "found " + camera.name + " twice", "another name");
     if (!camera.target_mm) continue;  // known only when the bone is
     const Vec3 view = *camera.target_mm - camera.position_mm;

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "sim/base/geometry.h"
+#include "sim/scenario/choices.h"
 #include "sim/scenario/key_locations.h"
 
 namespace reamsim {
@@ -39,12 +40,12 @@ struct GlenoidSettings {
 
 /// Shapes for verification, and the parametric glenoid. Which keys apply: docs/formats.md.
 struct PhantomSettings {
-  std::string shape = "glenoid";  ///< half_space | cup | sphere | layered | glenoid
-  double density_g_cm3 = 1.8;     ///< half_space, cup, sphere: uniform
-  Vec3 size_mm{40, 40, 20};       ///< half_space, cup, layered: the block; its top face is z = 0
-  double radius_mm = 20;          ///< sphere; cup: radius of the spherical cup
-  double cup_depth_mm = 4;        ///< cup
-  double cortical_mm = 2;         ///< layered: thickness of the top layer
+  PhantomShape shape = PhantomShape::glenoid;
+  double density_g_cm3 = 1.8;  ///< half_space, cup, sphere: uniform
+  Vec3 size_mm{40, 40, 20};    ///< half_space, cup, layered: the block; its top face is z = 0
+  double radius_mm = 20;       ///< sphere; cup: radius of the spherical cup
+  double cup_depth_mm = 4;     ///< cup
+  double cortical_mm = 2;      ///< layered: thickness of the top layer
   double cortical_density_g_cm3 = 1.8;
   double trabecular_density_g_cm3 = 0.4;
   // glenoid; docs/physics.md says where its densities come from
@@ -61,7 +62,7 @@ struct PhantomSettings {
   double texture = 0.25;           ///< relative amplitude of the trabecular texture
   int seed = 1;
   // glenoid, worn or dysplastic: which key belongs to which type, docs/physics.md
-  std::string walch = "none";      ///< none | A1 | A2 | B2 | C; gives some keys other defaults (take_walch_defaults)
+  Walch walch = Walch::none;       ///< gives some keys other defaults (take_walch_defaults)
   double medialization_mm = 1.5;   ///< A1, A2: how far wear has moved the face's centre towards the trigonum spinae
   double wear_radius_mm = 24;      ///< A1, A2, B2: of the humeral head that wore the face
   double wear_direction_deg = 30;  ///< B2: which way the wear goes from the centre, from posterior towards inferior
@@ -87,12 +88,12 @@ struct LabelMapSettings {
 };
 
 struct CtSettings {
-  std::string path;             ///< DICOM folder, NRRD, NIfTI or MetaImage
-  std::string series;           ///< of a DICOM folder: UID, or number in the list of series; "" = the largest
-  std::string modality = "ct";  ///< ct | any: what a DICOM series may be
+  std::string path;                  ///< DICOM folder, NRRD, NIfTI or MetaImage
+  std::string series;                ///< of a DICOM folder: UID, or number in the list of series; "" = the largest
+  Modality modality = Modality::ct;  ///< what a DICOM series may be
   std::optional<Vec3> crop_min_mm;
   std::optional<Vec3> crop_max_mm;
-  std::string filter = "none";  ///< none | median | curvature_anisotropic
+  CtFilter filter = CtFilter::none;
   int median_radius_voxels = 1;
   int anisotropic_iterations = 5;
   double anisotropic_conductance = 3;
@@ -124,14 +125,14 @@ struct PilotHoleSettings {
   Vec3 entry_mm = Vec3::Zero();
   Vec3 axis{0, 0, -1};  ///< the way the drill goes in
   double depth_mm = 20;
-  std::string frame = "bone";  ///< bone | glenoid: the frame of entry_mm and axis
+  PoseFrame frame = PoseFrame::bone;  ///< the frame of entry_mm and axis
 };
 
 struct BoneSettings {
-  std::string source;  ///< phantom | ct | mesh | vdb
-  std::string side;    ///< left | right; required where a glenoid frame is, unless a VDB knows it
+  BoneSource source = BoneSource::phantom;
+  BodySide side = BodySide::unknown;  ///< left | right; required where a glenoid frame is, unless a VDB knows it
   double voxel_mm = 0.25;
-  std::string surface_voxels = "auto";  ///< auto | partial | whole; see with_surface_voxels()
+  SurfaceVoxels surface_voxels = SurfaceVoxels::automatic;  ///< see with_surface_voxels()
   DensitySettings density;
   GlenoidSettings glenoid;
   PhantomSettings phantom;
@@ -146,8 +147,8 @@ struct BoneSettings {
 struct ToolSettings {
   std::string mesh;  ///< STL, OBJ or PLY in the tool frame T
   double scale = 1;
-  int shell_resolution = 0;       ///< M of the M³ grid; 0 = spacing of 0.47 voxel, which leaks nothing
-  std::string spin = "envelope";  ///< envelope: the surface that the teeth sweep | resolved: the teeth themselves
+  int shell_resolution = 0;            ///< M of the M³ grid; 0 = spacing of 0.47 voxel, which leaks nothing
+  ToolSpin spin = ToolSpin::envelope;  ///< envelope: the surface that the teeth sweep | resolved: the teeth themselves
 };
 
 // ---- motion ----------------------------------------------------------------------------------------------------
@@ -178,7 +179,7 @@ struct CsvMotionSettings {
 };
 
 struct MotionSettings {
-  std::string frame = "bone";  ///< bone | glenoid
+  PoseFrame frame = PoseFrame::bone;
   double frame_rate_hz = 1000;
   std::optional<PlungeSettings> plunge;
   std::vector<KeyframeSettings> keyframes;
@@ -188,13 +189,13 @@ struct MotionSettings {
 // ---- engine, cutting ---------------------------------------------------------------------------------------------
 
 struct EngineSettings {
-  std::string detector = "bricked";   ///< bricked | direct | octree | implicit
-  std::string device = "auto";        ///< auto | serial | part of an OpenCL device's name
-  std::string kernel_shape = "auto";  ///< auto | cpu | gpu: of bricked's kernels
-  bool culling = true;                ///< bricked passes over cells of points that cannot touch
-  int work_group_size = 0;            ///< 0 = chosen from the device
-  int batch_frames = 32;              ///< frames whose results are read back at once
-  double max_step_voxels = 0.5;       ///< no point of the tool moves further in a substep
+  EngineKind detector = EngineKind::bricked;
+  std::string device = "auto";                        ///< auto | serial | part of an OpenCL device's name
+  KernelShape kernel_shape = KernelShape::automatic;  ///< of bricked's kernels
+  bool culling = true;                                ///< bricked passes over cells of points that cannot touch
+  int work_group_size = 0;                            ///< 0 = chosen from the device
+  int batch_frames = 32;                              ///< frames whose results are read back at once
+  double max_step_voxels = 0.5;                       ///< no point of the tool moves further in a substep
 };
 
 /// A point of the table of specific energy over density.
@@ -220,9 +221,9 @@ struct EdgeForceSettings {
 };
 
 struct CuttingSettings {
-  std::string law = "energy";     ///< energy | per_point
-  std::string erosion = "exact";  ///< exact | remove | wear
-  std::string preset;             ///< literature-low | literature-mid | literature-high; "" = none
+  CuttingLaw law = CuttingLaw::energy;
+  ErosionMode erosion = ErosionMode::exact;
+  EnergyPreset preset = EnergyPreset::none;
   std::vector<SpecificEnergySettings> specific_energy_table;  ///< empty: the power law
   double specific_energy_j_mm3 = 0.15;
   double reference_density_g_cm3 = 1.8;
@@ -238,7 +239,8 @@ struct CuttingSettings {
 
 /// `bone` with `surface_voxels: auto` decided: partial where erosion is exact, which alone makes use of it, else whole.
 inline BoneSettings with_surface_voxels(BoneSettings bone, const CuttingSettings& cutting) {
-  if (bone.surface_voxels == "auto") bone.surface_voxels = cutting.erosion == "exact" ? "partial" : "whole";
+  if (bone.surface_voxels == SurfaceVoxels::automatic)
+    bone.surface_voxels = cutting.erosion == ErosionMode::exact ? SurfaceVoxels::partial : SurfaceVoxels::whole;
   return bone;
 }
 
@@ -260,37 +262,38 @@ struct MetricSettings {
 
 /// A camera of the user's own, drawn beside those in `cameras`.
 struct UserCamera {
-  std::string name;            ///< ends the names of its files
-  std::string frame = "bone";  ///< bone | glenoid: of position, target and up
+  std::string name;                   ///< ends the names of its files
+  PoseFrame frame = PoseFrame::bone;  ///< of position, target and up
   Vec3 position_mm = Vec3::Zero();
-  std::optional<Vec3> target_mm;           ///< middle of the picture; without it the glenoid, or the reamed region
-  std::optional<Vec3> up;                  ///< without it superior
-  std::string projection = "perspective";  ///< perspective | orthographic
-  double fov_deg = 30;                     ///< perspective: of the picture's height
-  double width_mm = 60;                    ///< orthographic: of the picture
+  std::optional<Vec3> target_mm;  ///< middle of the picture; without it the glenoid, or the reamed region
+  std::optional<Vec3> up;         ///< without it superior
+  Projection projection = Projection::perspective;
+  double fov_deg = 30;   ///< perspective: of the picture's height
+  double width_mm = 60;  ///< orthographic: of the picture
 };
 
 struct RenderSettings {
   bool enabled = true;
-  std::string context = "osmesa";  ///< osmesa | egl
+  RenderContext context = RenderContext::osmesa;
   int width_px = 1920;
   int height_px = 1080;
   int every_frames = 0;  ///< 0 = ten pictures over the run, and a film of 150
-  std::vector<std::string> cameras{"oblique", "glenoid", "section"};  ///< the first names the files without a suffix
+  std::vector<CameraView> cameras{CameraView::oblique, CameraView::glenoid,
+                                  CameraView::section};  ///< the first names the files without a suffix
   std::vector<UserCamera> user_cameras;
   bool before_after = true;
   bool contact_sheet = true;
   int turntable_pictures = 0;  ///< round the superior axis; 0 = none
-  std::string film = "none";   ///< none | mp4 | webp | apng
+  FilmFormat film = FilmFormat::none;
   int film_rate_hz = 25;
   bool tool = true;
-  std::string tool_look = "see-through";  ///< see-through | steel
-  bool force_arrow = true;                ///< in pictures along the run
-  std::string background = "studio";      ///< studio | white | transparent
-  Vec3 light{-0.55, 0.70, 0.62};          ///< where the key light comes from: right, up, towards the viewer
-  int supersampling = 1;                  ///< a picture is drawn so many times as wide and as high, and averaged
-  bool report = true;                     ///< write report.html beside the pictures
-  double depth_max_mm = 0;                ///< top of the depth legend; 0 = the depth foreseen
+  ToolLook tool_look = ToolLook::see_through;
+  bool force_arrow = true;  ///< in pictures along the run
+  Background background = Background::studio;
+  Vec3 light{-0.55, 0.70, 0.62};  ///< where the key light comes from: right, up, towards the viewer
+  int supersampling = 1;          ///< a picture is drawn so many times as wide and as high, and averaged
+  bool report = true;             ///< write report.html beside the pictures
+  double depth_max_mm = 0;        ///< top of the depth legend; 0 = the depth foreseen
 };
 
 struct OutputSettings {

@@ -3,8 +3,8 @@
 namespace reamsim {
 
 void take_walch_defaults(PhantomSettings& phantom) {
-  if (phantom.walch == "none") return;
-  if (phantom.walch == "C") {
+  if (phantom.walch == Walch::none) return;
+  if (phantom.walch == Walch::c) {
     phantom.version_deg = 37;
     phantom.inclination_deg = 3;
     phantom.face_radius_mm = 37;
@@ -14,8 +14,8 @@ void take_walch_defaults(PhantomSettings& phantom) {
   }
   phantom.version_deg = 8;
   phantom.inclination_deg = 8;
-  if (phantom.walch == "A1") phantom.medialization_mm = 1.5;
-  if (phantom.walch == "A2") phantom.medialization_mm = 6;
+  if (phantom.walch == Walch::a1) phantom.medialization_mm = 1.5;
+  if (phantom.walch == Walch::a2) phantom.medialization_mm = 6;
 }
 
 }  // namespace reamsim

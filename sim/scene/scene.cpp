@@ -11,14 +11,15 @@ namespace {
 
 /// Where voxels are clipped, or tested against the surface, no point of the shell looks for them.
 ShellUse shell_use(const Scenario& scenario) {
-  const bool by_surface = scenario.cutting.erosion == "exact" || scenario.engine.detector == "implicit";
+  const bool by_surface =
+      scenario.cutting.erosion == ErosionMode::exact || scenario.engine.detector == EngineKind::implicit;
   return by_surface ? ShellUse::extent : ShellUse::touches_voxels;
 }
 
 void load_tool_of(ReamingScene& scene, double voxel_mm, Report& report) {
   const Scenario& scenario = scene.scenario;
   scene.tool = load_tool(scenario.tool, voxel_mm, shell_use(scenario), report);
-  if (scenario.cutting.erosion != "exact") return;
+  if (scenario.cutting.erosion != ErosionMode::exact) return;
   constexpr double kGridMemoryShare = 0.25;  // bone, engine and results need the rest
   ready_for_clipping(scene.tool, scenario.tool, voxel_mm, kGridMemoryShare * machine_memory_bytes(), report);
 }
@@ -27,7 +28,7 @@ void load_tool_of(ReamingScene& scene, double voxel_mm, Report& report) {
 void check_camera_frames(const ReamingScene& scene) {
   const auto& cameras = scene.scenario.render.user_cameras;
   for (std::size_t i = 0; i < cameras.size() && !scene.bone.glenoid; ++i) {
-    if (cameras[i].frame != "glenoid") continue;
+    if (cameras[i].frame != PoseFrame::glenoid) continue;
     throw InputError({}, "render.user_cameras." + std::to_string(i) + ".frame",
                      "found glenoid, and the bone has no glenoid frame", "expected bone, or a frame in bone.glenoid");
   }
@@ -46,7 +47,7 @@ ReamingScene load_scene(const Scenario& scenario, Report& report, MistakeList& f
   });
   const double voxel_mm = bone ? scene.bone.voxmap->grid.voxel_mm : scenario.bone.voxel_mm;
   mistakes.attempt([&] { load_tool_of(scene, voxel_mm, report); });
-  if (bone || scenario.motion.frame != "glenoid") {
+  if (bone || scenario.motion.frame != PoseFrame::glenoid) {
     mistakes.attempt([&] { scene.motion = build_motion(scenario.motion, scene.bone.glenoid, report); });
   }
   if (bone) mistakes.attempt([&] { check_camera_frames(scene); });

@@ -40,7 +40,7 @@ void report_volume(const DistanceGrid& grid, Report& report) {
 }  // namespace
 
 bool has_turning_teeth(const Tool& tool, const ToolSettings& settings) {
-  return settings.spin == "resolved" && !tool.revolved;
+  return settings.spin == ToolSpin::resolved && !tool.revolved;
 }
 
 void ready_for_clipping(Tool& tool, const ToolSettings& settings, double voxel_mm, double memory_bytes,
@@ -48,7 +48,7 @@ void ready_for_clipping(Tool& tool, const ToolSettings& settings, double voxel_m
   const bool teeth = has_turning_teeth(tool, settings);
   warn_of_thin_walls(tool, teeth, voxel_mm, report);
   if (!teeth) {
-    if (settings.spin == "resolved")
+    if (settings.spin == ToolSpin::resolved)
       report.note("tool.spin: resolved, but the mesh is a surface of revolution; it runs as its envelope");
     return;
   }

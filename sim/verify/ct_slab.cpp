@@ -87,9 +87,9 @@ double CtSlab::specific_energy_to(double depth) const {
 
 FilledVoxmap scan_and_import(const CtSlab& slab, double voxel_mm) {
   BoneSettings settings;
-  settings.source = "ct";
+  settings.source = BoneSource::ct;
   settings.voxel_mm = voxel_mm;
-  settings.surface_voxels = "partial";
+  settings.surface_voxels = SurfaceVoxels::partial;
   settings.ct.path = "slab";
   settings.ct.threshold_hu = kSlabThreshold_hu;
   settings.ct.closing_mm = 0;

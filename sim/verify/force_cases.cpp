@@ -99,23 +99,23 @@ CaseFindings ripple_case(const Setting& setting) {
   SteadyPlunge flat = kExample;
   flat.radius_mm = std::nullopt;
   const int frames = static_cast<int>(std::lround(kVoxel_mm / kExample.feed_mm_s * kRate_hz));
-  const auto ripple = [&](const SteadyPlunge& plunge, const std::string& erosion, double tilt_deg) {
-    setting.progress("ripple, " + text_of(plunge) + ", " + erosion);
+  const auto ripple = [&](const SteadyPlunge& plunge, ErosionMode erosion, double tilt_deg) {
+    setting.progress("ripple, " + text_of(plunge) + ", " + name_of(erosion));
     return torque_ripple(steady_rows(
         {.plunge = plunge, .voxel_mm = kVoxel_mm, .frames = frames, .erosion = erosion, .tilt_deg = tilt_deg},
         setting));
   };
   out.checks.push_back({"convex, axis tilted by 17°, exact", "", Measure::at_most, kRippleBar,
-                        ripple(kExample, "exact", 17), 0, kBarReason});
+                        ripple(kExample, ErosionMode::exact, 17), 0, kBarReason});
   out.checks.push_back({"convex along the lattice, exact", "", Measure::at_most, kRippleBar,
-                        ripple(kExample, "exact", 0), 0, kBarReason});
-  out.checks.push_back({"flat along the lattice, exact", "", Measure::reported, 0, ripple(flat, "exact", 0), 0,
-                        "0.2 µm a frame is 52 of the 65535 parts of a voxel, and all voxels round together"});
-  out.checks.push_back(
-      {"convex along the lattice, remove", "", Measure::reported, 0, ripple(kExample, "remove", 0), 0, "beside it"});
+                        ripple(kExample, ErosionMode::exact, 0), 0, kBarReason});
+  out.checks.push_back({"flat along the lattice, exact", "", Measure::reported, 0, ripple(flat, ErosionMode::exact, 0),
+                        0, "0.2 µm a frame is 52 of the 65535 parts of a voxel, and all voxels round together"});
+  out.checks.push_back({"convex along the lattice, remove", "", Measure::reported, 0,
+                        ripple(kExample, ErosionMode::remove, 0), 0, "beside it"});
   if (!setting.quick) {
-    out.checks.push_back(
-        {"flat along the lattice, remove", "", Measure::reported, 0, ripple(flat, "remove", 0), 0, "beside it"});
+    out.checks.push_back({"flat along the lattice, remove", "", Measure::reported, 0,
+                          ripple(flat, ErosionMode::remove, 0), 0, "beside it"});
   }
   return out;
 }

@@ -7,9 +7,9 @@ namespace reamsim::verify {
 
 using std::numbers::pi;
 
-CuttingSettings stated_cutting(const std::string& erosion) {
+CuttingSettings stated_cutting(ErosionMode erosion) {
   CuttingSettings cutting;
-  cutting.law = "energy";
+  cutting.law = CuttingLaw::energy;
   cutting.erosion = erosion;
   cutting.specific_energy_j_mm3 = kSpecificEnergy_mj_mm3 / 1000;
   cutting.reference_density_g_cm3 = kReferenceDensity_g_cm3;

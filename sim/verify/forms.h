@@ -14,7 +14,7 @@ inline constexpr double kNormalRatio = 0.5;
 inline constexpr double kSpeedFloor_mm_s = 10;
 
 /// Cutting settings with these constants and this erosion.
-CuttingSettings stated_cutting(const std::string& erosion);
+CuttingSettings stated_cutting(ErosionMode erosion);
 
 /// Specific cutting energy, mJ/mm³ (= N/mm²): u₀·(ρ/1.8)².
 double specific_energy(double density_g_cm3);

@@ -68,8 +68,8 @@ std::vector<FrameResult> steady_rows(const PlungeRun& run, const Setting& settin
             {entry - end * axis, run.frames, plunge.rpm, turned}});
   const double width = 2 * (plunge.outer_mm + end * std::tan(tilt)) + 2 + 2 * voxel_mm;
   const FilledVoxmap bone = bone_of(run, {width, width, end + slant + 1 + voxel_mm});
-  const Tool tool =
-      run.erosion == "exact" ? make_tool(head_of(plunge)) : make_tool(head_of(plunge), kShellVoxels * voxel_mm);
+  const Tool tool = run.erosion == ErosionMode::exact ? make_tool(head_of(plunge))
+                                                      : make_tool(head_of(plunge), kShellVoxels * voxel_mm);
   const Reamed reamed = ream(scene_of(bone, tool, motion, run.erosion), setting);
   const auto steady = reamed.after(reamed.rows.size() - 1 - static_cast<std::size_t>(run.frames));
   return {steady.begin(), steady.end()};

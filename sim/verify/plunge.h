@@ -22,7 +22,7 @@ struct PlungeRun {
   SteadyPlunge plunge = {};
   double voxel_mm = 0.25;
   int frames = 32;  ///< over one voxel of feed
-  std::string erosion = "exact";
+  ErosionMode erosion = ErosionMode::exact;
   double tilt_deg = 0;  ///< of the axis against the lattice
   /// Bone only on one side of a plane through the axis: where (cos, sin) of this angle in the tool's x and y points.
   /// None: bone under the whole face.

@@ -99,7 +99,7 @@ Vec3 ball_origin(const Vec3& center_mm, double radius_mm, const Quat& turned) {
   return center_mm - turned * Vec3(0, 0, radius_mm);
 }
 
-ReamingScene scene_of(FilledVoxmap bone, Tool tool, Motion motion, const std::string& erosion) {
+ReamingScene scene_of(FilledVoxmap bone, Tool tool, Motion motion, ErosionMode erosion) {
   ReamingScene scene;
   scene.scenario.name = "verification";
   scene.scenario.cutting = stated_cutting(erosion);

@@ -24,8 +24,8 @@ Quat tilt(double degrees, double towards_rad) {
 }
 
 /// The ball plunged into the block's top face, its axis turned, its centre above (offset x, offset y).
-Sample plunged_ball(const Tool& tool, double voxel_mm, const Vec3& offset_mm, const Quat& turned,
-                    const std::string& erosion, const Setting& setting) {
+Sample plunged_ball(const Tool& tool, double voxel_mm, const Vec3& offset_mm, const Quat& turned, ErosionMode erosion,
+                    const Setting& setting) {
   // The face lies between two layers of voxels, so that it is the depth that varies.
   const double depth = kDepth_mm + offset_mm.z();
   const auto origin = [&](double z) {
@@ -76,7 +76,7 @@ CaseFindings half_space_case(const Setting& setting) {
   const Tool tool = make_tool(ball_profile(kRadius_mm, kEdge_mm));
   Ladder ladder = volume_ladder(cap);
   for (const double voxel_mm : four_voxels(kFinestVoxel_mm)) {
-    const Sample sample = plunged_ball(tool, voxel_mm, Vec3::Zero(), Quat::Identity(), "exact", setting);
+    const Sample sample = plunged_ball(tool, voxel_mm, Vec3::Zero(), Quat::Identity(), ErosionMode::exact, setting);
     ladder.levels.push_back(level_of(voxel_mm, {sample}, cap));
   }
   finish(ladder);
@@ -89,7 +89,7 @@ CaseFindings half_space_case(const Setting& setting) {
 namespace {
 
 /// Root mean square over tilts of 0 to 60° at random offsets, by erosion and voxel size.
-Level tilted_level(const Tool& tool, double voxel_mm, int tilts, const std::string& erosion, const Setting& setting) {
+Level tilted_level(const Tool& tool, double voxel_mm, int tilts, ErosionMode erosion, const Setting& setting) {
   Offsets offsets(kSeed);
   std::vector<Sample> samples;
   for (int i = 0; i < tilts; ++i) {
@@ -115,12 +115,12 @@ CaseFindings tilted_cap_case(const Setting& setting) {
   double at_bar = std::numeric_limits<double>::quiet_NaN();
   for (const double voxel_mm : four_voxels(kFinestVoxel_mm)) {
     setting.progress("cap under tilt, " + std::to_string(voxel_mm) + " mm");
-    ladder.levels.push_back(tilted_level(tool, voxel_mm, tilts, "exact", setting));
+    ladder.levels.push_back(tilted_level(tool, voxel_mm, tilts, ErosionMode::exact, setting));
     if (voxel_mm == kBarVoxel_mm) at_bar = *ladder.levels.back().error;
   }
   finish(ladder);
   const Tool sampled = make_tool(ball_profile(kRadius_mm, 10 * kEdge_mm), kShellVoxels * kBarVoxel_mm);
-  const double whole = *tilted_level(sampled, kBarVoxel_mm, 2, "remove", setting).error;
+  const double whole = *tilted_level(sampled, kBarVoxel_mm, 2, ErosionMode::remove, setting).error;
   out.checks.push_back({"RMS volume error at 0.25 mm, exact", "", Measure::at_most, kAim, at_bar, 0, kAimReason});
   out.checks.push_back(order_check(ladder));
   out.checks.push_back({"RMS volume error at 0.25 mm, remove", "", Measure::reported, 0, whole, 0, "beside it"});

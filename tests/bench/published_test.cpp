@@ -15,8 +15,8 @@ class Published : public ::testing::Test {
   Vec3 race_free_force(const Substep& frame) const {
     Scenario scenario;
     scenario.engine.device = "serial";
-    scenario.cutting.law = "per_point";
-    scenario.cutting.erosion = "remove";
+    scenario.cutting.law = CuttingLaw::per_point;
+    scenario.cutting.erosion = ErosionMode::remove;
     scenario.cutting.force_per_point_n = 1;
     const auto engine = make_engine(scenario, bone_, tool_);
     SubstepArgs args = args_without_voi(frame, tool_, bone_.grid);
@@ -46,7 +46,7 @@ class Published : public ::testing::Test {
 
   const BoneSeries series_{64};
   // Voxels far smaller than the shell's spacing, so that hardly two points share one.
-  const Voxmap bone_ = series_.at(256);
+  const FilledVoxmap bone_ = series_.at(256);
   const Tool tool_ = cap_tool(64);
   const Arena arena_{&bone_, &tool_, series_.box(256), shell_box(tool_)};
 };

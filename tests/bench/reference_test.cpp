@@ -25,14 +25,14 @@ namespace {
 using bench::Contact;
 
 struct Scene {
-  Voxmap bone = bench::BoneSeries(64).at(256);
+  FilledVoxmap bone = bench::BoneSeries(64).at(256);
   Tool tool = bench::cap_tool(256);
 };
 
 std::unique_ptr<Engine> bricked(const Scene& scene) {
   Scenario scenario;
   scenario.name = "reference";
-  scenario.engine.detector = "bricked";
+  scenario.engine.detector = EngineKind::bricked;
   scenario.cutting = bench::bench_cutting();
   return make_engine(scenario, scene.bone, scene.tool);
 }
@@ -100,8 +100,8 @@ TEST(BenchReference, RestoredBoneGivesTheSameFrameAgain) {
 TEST(BenchReference, RefusesWhatItDoesNotCompute) {
   const Scene scene;
   CuttingSettings wear = bench::bench_cutting(), per_point = wear;
-  wear.erosion = "wear";
-  per_point.law = "per_point";
+  wear.erosion = ErosionMode::wear;
+  per_point.law = CuttingLaw::per_point;
   EXPECT_THROW(Reference(scene.bone, scene.tool, wear, Target::plain, 1), RunError);
   EXPECT_THROW(Reference(scene.bone, scene.tool, per_point, Target::plain, 1), RunError);
 }

@@ -47,7 +47,7 @@ TEST(BenchScene, BoneIsTheSameAtEveryResolution) {
 TEST(BenchScene, BoneLiesInItsBox) {
   const BoneSeries series(64);
   for (const int side : {32, 64, 128}) {
-    const Voxmap bone = series.at(side);
+    const FilledVoxmap bone = series.at(side);
     const Aabb box = series.box(side);
     for (std::int64_t e = 0; e < bone.grid.size(); ++e) {
       const Vec3i voxel = bone.grid.coord(e);
@@ -60,7 +60,7 @@ TEST(BenchScene, BoneLiesInItsBox) {
 
 TEST(BenchScene, PosesTouchWhatTheyShouldAtASmallSize) {
   const BoneSeries series(128);
-  const Voxmap bone = series.at(256);
+  const FilledVoxmap bone = series.at(256);
   const Tool tool = cap_tool(256);
   const auto points = static_cast<double>(tool.shell.codes.size());
   for (const Contact contact : kContacts) {
@@ -80,7 +80,7 @@ TEST(BenchScene, PosesTouchWhatTheyShouldAtASmallSize) {
 
 TEST(BenchScene, FoundDepthTouchesWhatWasAskedFor) {
   const BoneSeries series(64);
-  const Voxmap bone = series.at(64);
+  const FilledVoxmap bone = series.at(64);
   const Tool tool = cap_tool(256);
   const double wanted = 5000;
   const double depth = find_depth(bone, tool, kApproaches[2], wanted);

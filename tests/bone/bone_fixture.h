@@ -10,10 +10,10 @@
 
 namespace reamsim::test {
 
-inline BoneSettings phantom(const std::string& shape, double voxel_mm) {
+inline BoneSettings phantom(PhantomShape shape, double voxel_mm) {
   BoneSettings settings;
-  settings.source = "phantom";
-  settings.side = "left";
+  settings.source = BoneSource::phantom;
+  settings.side = BodySide::left;
   settings.voxel_mm = voxel_mm;
   settings.phantom.shape = shape;
   return settings;
@@ -38,16 +38,16 @@ inline std::string input_error(const std::function<void()>& work) {
 }
 
 /// Grade of the voxel that holds a point of B; 0 outside the lattice.
-inline int grade_at(const Voxmap& voxmap, const Vec3& point_mm) {
-  const Vec3i voxel = voxmap.grid.voxel_of(point_mm);
-  if (!voxmap.grid.contains(voxel)) return 0;
-  return voxmap.grade.get(voxel);
+inline int grade_at(const BoneView& bone, const Vec3& point_mm) {
+  const Vec3i voxel = bone.voxmap.grid.voxel_of(point_mm);
+  if (!bone.voxmap.grid.contains(voxel)) return 0;
+  return bone.voxmap.grade.get(voxel);
 }
 
 /// Voxels of one grade.
-inline std::int64_t count_grade(const Voxmap& voxmap, int grade) {
+inline std::int64_t count_grade(const BoneView& bone, int grade) {
   std::int64_t count = 0;
-  for_each_bone_voxel(voxmap, [&](const Vec3i&, std::uint8_t its, std::uint16_t) { count += its == grade ? 1 : 0; });
+  for_each_bone_voxel(bone, [&](const Vec3i&, std::uint8_t its, std::uint16_t) { count += its == grade ? 1 : 0; });
   return count;
 }
 

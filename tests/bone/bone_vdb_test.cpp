@@ -19,8 +19,8 @@ namespace {
 using ::testing::HasSubstr;
 
 /// Bone of every grade with holes, partly reamed, from a seed; dimensions that are no multiples of a brick.
-Voxmap ragged_bone(unsigned seed) {
-  Voxmap voxmap(VoxelGrid{{21, 18, 27}, 0.3, {-4.7, 12.9, 1.0 / 3}});
+FilledVoxmap ragged_bone(unsigned seed) {
+  FilledVoxmap voxmap(VoxelGrid{{21, 18, 27}, 0.3, {-4.7, 12.9, 1.0 / 3}});
   voxmap.mapping = {0.0008, -0.01, 0.55};
   voxmap.frame = "mesh";
   std::mt19937 random(seed);
@@ -55,7 +55,7 @@ class BoneVdb : public ::testing::Test {
   TempDir dir_;
 };
 
-void expect_same(const Voxmap& a, const Voxmap& b) {
+void expect_same(const FilledVoxmap& a, const FilledVoxmap& b) {
   EXPECT_EQ(a.grid.dims, b.grid.dims);
   EXPECT_EQ(a.grid.voxel_mm, b.grid.voxel_mm);
   EXPECT_EQ(a.grid.origin_mm, b.grid.origin_mm);
@@ -73,9 +73,9 @@ void expect_same(const Voxmap& a, const Voxmap& b) {
 
 TEST_F(BoneVdb, RoundTripBitForBit) {
   for (const unsigned seed : {1U, 2U, 3U}) {
-    const Voxmap bone = ragged_bone(seed);
+    const FilledVoxmap bone = ragged_bone(seed);
     write_bone_vdb(path(), bone, {}, {});
-    const Voxmap back = read_bone_vdb(path());
+    const FilledVoxmap back = read_bone_vdb(path());
     expect_same(bone, back);
     EXPECT_EQ(bone.count_bone(), back.count_bone());
     EXPECT_EQ(bone.bone_mm3(), back.bone_mm3());
@@ -83,7 +83,7 @@ TEST_F(BoneVdb, RoundTripBitForBit) {
 }
 
 TEST_F(BoneVdb, EveryFillAndEveryGradeComesBack) {
-  Voxmap bone(VoxelGrid{{256, 256, 1}, 1, Vec3::Zero()});
+  FilledVoxmap bone(VoxelGrid{{256, 256, 1}, 1, Vec3::Zero()});
   for (int i = 0; i < 65536; ++i) {
     bone.grade.set({i % 256, i / 256, 0}, static_cast<std::uint8_t>(1 + i % 250));
     bone.fill.set({i % 256, i / 256, 0}, static_cast<std::uint16_t>(i));
@@ -93,7 +93,7 @@ TEST_F(BoneVdb, EveryFillAndEveryGradeComesBack) {
 }
 
 TEST_F(BoneVdb, FourGridsWithUnitsAndProvenance) {
-  const Voxmap bone = ragged_bone(4);
+  const FilledVoxmap bone = ragged_bone(4);
   write_bone_vdb(path(), bone, {{7, 42}, {100, 3}}, {{"scenario", "text of it"}, {"unit", "nonsense"}});
   auto grids = grids_of(path());
   ASSERT_EQ(grids.size(), 4U);
@@ -126,7 +126,7 @@ TEST_F(BoneVdb, FourGridsWithUnitsAndProvenance) {
 }
 
 TEST_F(BoneVdb, SumOfFillIsTheBoneVolume) {
-  const Voxmap bone = ragged_bone(5);
+  const FilledVoxmap bone = ragged_bone(5);
   write_bone_vdb(path(), bone, {}, {});
   const auto fill = openvdb::gridPtrCast<openvdb::FloatGrid>(grids_of(path())["fill"]);
   double sum = 0;
@@ -135,10 +135,10 @@ TEST_F(BoneVdb, SumOfFillIsTheBoneVolume) {
 }
 
 TEST_F(BoneVdb, SurfaceIsThatOfTheSphere) {
-  BoneSettings settings = phantom("sphere", 0.5);
+  BoneSettings settings = phantom(PhantomShape::sphere, 0.5);
   settings.phantom.radius_mm = 8;
   Report report;
-  write_bone_vdb(path(), load_bone(settings, report).voxmap, {}, {});
+  write_bone_vdb(path(), load_bone(settings, report), {}, {});
   const auto surface = openvdb::gridPtrCast<openvdb::FloatGrid>(grids_of(path())["surface"]);
   EXPECT_NEAR(surface->background(), 1.5, 1e-6);
   const double truth_mm3 = 4.0 / 3 * std::numbers::pi * 512;
@@ -149,10 +149,10 @@ TEST_F(BoneVdb, SurfaceIsThatOfTheSphere) {
 
 TEST_F(BoneVdb, SurfaceFollowsTheFill) {
   // A block whose top layer is a quarter full: the surface stands lower than that of the whole block.
-  BoneSettings settings = phantom("half_space", 0.5);
+  BoneSettings settings = phantom(PhantomShape::half_space, 0.5);
   settings.phantom.size_mm = {12, 12, 6};
   Report report;
-  Voxmap bone = load_bone(settings, report).voxmap;
+  FilledVoxmap bone = load_bone(settings, report).take_voxels();
   const auto volume = [&] {
     write_bone_vdb(path(), bone, {}, {});
     return openvdb::tools::levelSetVolume(*openvdb::gridPtrCast<openvdb::FloatGrid>(grids_of(path())["surface"]));
@@ -166,7 +166,7 @@ TEST_F(BoneVdb, SurfaceFollowsTheFill) {
 }
 
 TEST_F(BoneVdb, UniformBricksAreTiles) {
-  Voxmap bone(VoxelGrid{{40, 24, 24}, 0.5, Vec3::Zero()});
+  FilledVoxmap bone(VoxelGrid{{40, 24, 24}, 0.5, Vec3::Zero()});
   for (int z = 0; z < 24; ++z) {
     for (int y = 0; y < 24; ++y) {
       for (int x = 0; x < 36; ++x) bone.grade.set({x, y, z}, static_cast<std::uint8_t>(x < 20 ? 200 : 90));
@@ -193,7 +193,7 @@ TEST_F(BoneVdb, SurfaceDoesNotDependOnWhereTheBricksLie) {
   // A cube of ten voxels: with its corner at 7 it wraps a whole brick, the nearest that such a brick comes to a
   // surface; elsewhere no brick is whole.
   const auto surface_at = [this](int corner) {
-    Voxmap bone(VoxelGrid{{32, 32, 32}, 1, Vec3::Zero()});
+    FilledVoxmap bone(VoxelGrid{{32, 32, 32}, 1, Vec3::Zero()});
     for (int z = 0; z < 10; ++z) {
       for (int y = 0; y < 10; ++y) {
         for (int x = 0; x < 10; ++x) bone.grade.set({corner + x, corner + y, corner + z}, 100);
@@ -211,7 +211,7 @@ TEST_F(BoneVdb, SurfaceDoesNotDependOnWhereTheBricksLie) {
 }
 
 TEST_F(BoneVdb, NothingLeftIsAnEmptySurface) {
-  Voxmap bone(VoxelGrid{{8, 8, 8}, 1, Vec3::Zero()});
+  FilledVoxmap bone(VoxelGrid{{8, 8, 8}, 1, Vec3::Zero()});
   bone.grade.set({0, 0, 0}, 100);
   bone.fill.set({0, 0, 0}, 0);
   write_bone_vdb(path(), bone, {{0, 1}}, {});
@@ -220,9 +220,9 @@ TEST_F(BoneVdb, NothingLeftIsAnEmptySurface) {
 }
 
 TEST_F(BoneVdb, GridsDoNotDependOnTheThreads) {
-  BoneSettings settings = phantom("glenoid", 0.8);
+  BoneSettings settings = phantom(PhantomShape::glenoid, 0.8);
   Report report;
-  const Voxmap bone = load_bone(settings, report).voxmap;
+  const FilledVoxmap bone = load_bone(settings, report).take_voxels();
   write_bone_vdb(path("many.vdb"), bone, {}, {});
   {
     const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
@@ -245,7 +245,7 @@ TEST_F(BoneVdb, DensityAloneIsWholeBone) {
   grid->tree().setValueOn({-3, 5, 7}, 1.8F);
   grid->tree().setValueOn({4, 5, 8}, 0.4F);
   write_foreign(grid, "density");
-  const Voxmap bone = read_bone_vdb(path());
+  const FilledVoxmap bone = read_bone_vdb(path());
   EXPECT_EQ(bone.grid.dims, Vec3i(8, 1, 2));
   EXPECT_EQ(bone.grid.voxel_mm, 0.5);
   EXPECT_EQ(bone.count_bone(), 2);
@@ -299,7 +299,7 @@ TEST_F(BoneVdb, RefusesOtherContents) {
 }
 
 TEST_F(BoneVdb, WritingWhereNothingCanBeWritten) {
-  const Voxmap bone = ragged_bone(6);
+  const FilledVoxmap bone = ragged_bone(6);
   try {
     write_bone_vdb(path("none/bone.vdb"), bone, {}, {});
     FAIL() << "no RunError";
@@ -309,7 +309,7 @@ TEST_F(BoneVdb, WritingWhereNothingCanBeWritten) {
 }
 
 TEST_F(BoneVdb, AFailedWriteLeavesTheOldFileAndNothingElse) {
-  const Voxmap bone = ragged_bone(7);
+  const FilledVoxmap bone = ragged_bone(7);
   write_bone_vdb(path(), bone, {}, {});
   std::filesystem::create_directory(path("bone.vdb.tmp"));  // so that the new file cannot be made
   EXPECT_THROW(write_bone_vdb(path(), ragged_bone(8), {}, {}), RunError);

@@ -16,10 +16,10 @@ using ::testing::HasSubstr;
 class DamagedVdb : public ::testing::Test {
  protected:
   void SetUp() override {
-    BoneSettings settings = phantom("sphere", 0.5);
+    BoneSettings settings = phantom(PhantomShape::sphere, 0.5);
     settings.phantom.radius_mm = 4;
     Report report;
-    bone_ = load_bone(settings, report).voxmap;
+    bone_ = load_bone(settings, report).take_voxels();
     write_bone_vdb(path_, bone_, {{5, 1}}, {{"scenario", "none"}});
     whole_ = file_bytes(path_);
   }
@@ -41,7 +41,7 @@ class DamagedVdb : public ::testing::Test {
   TempDir dir_;
   std::string path_ = dir_.path() + "/bone.vdb";
   std::string whole_;
-  Voxmap bone_;
+  FilledVoxmap bone_;
 };
 
 TEST_F(DamagedVdb, NoVdbAtAll) {

@@ -17,11 +17,11 @@ GlenoidSettings directions(const Vec3& center, const Vec3& normal, const Vec3& s
 }
 
 TEST(GlenoidFrame, NoneWhereNoneIsGiven) {
-  EXPECT_FALSE(glenoid_frame({}, ""));
+  EXPECT_FALSE(glenoid_frame({}, BodySide::unknown));
 }
 
 TEST(GlenoidFrame, SuperiorIsMadePerpendicular) {
-  const auto frame = glenoid_frame(directions({1, 2, 3}, {2, 0, 0}, {5, 0, 3}), "left");
+  const auto frame = glenoid_frame(directions({1, 2, 3}, {2, 0, 0}, {5, 0, 3}), BodySide::left);
   ASSERT_TRUE(frame);
   const Mat3 axes = frame->bone_from_glenoid.linear();
   EXPECT_NEAR((axes.col(2) - Vec3::UnitX()).norm(), 0, 1e-12);
@@ -32,7 +32,7 @@ TEST(GlenoidFrame, SuperiorIsMadePerpendicular) {
 }
 
 TEST(GlenoidFrame, RightSideLooksAnteriorAlongX) {
-  const auto frame = glenoid_frame(directions(Vec3::Zero(), {-1, 0, 0}, {0, 0, 1}), "right");
+  const auto frame = glenoid_frame(directions(Vec3::Zero(), {-1, 0, 0}, {0, 0, 1}), BodySide::right);
   EXPECT_NEAR((frame->bone_from_glenoid.linear().col(0) - Vec3(0, -1, 0)).norm(), 0, 1e-12);
   EXPECT_NEAR(frame->bone_from_glenoid.linear().determinant(), 1, 1e-12);
 }
@@ -41,7 +41,7 @@ TEST(GlenoidFrame, FromLandmarksOnBothSides) {
   for (const double lateral : {1.0, -1.0}) {  // left, right in LPS
     GlenoidSettings settings;
     settings.landmarks = LandmarkSettings{{100 * lateral, 5, 0}, {0, 5, 0}, {20 * lateral, 5, -110}};
-    const auto frame = glenoid_frame(settings, lateral > 0 ? "left" : "right");
+    const auto frame = glenoid_frame(settings, lateral > 0 ? BodySide::left : BodySide::right);
     ASSERT_TRUE(frame);
     const Mat3 axes = frame->bone_from_glenoid.linear();
     EXPECT_NEAR((axes.col(2) - Vec3(lateral, 0, 0)).norm(), 0, 1e-12);
@@ -53,25 +53,26 @@ TEST(GlenoidFrame, FromLandmarksOnBothSides) {
 
 TEST(GlenoidFrame, NeedsASide) {
   const GlenoidSettings settings = directions(Vec3::Zero(), {1, 0, 0}, {0, 0, 1});
-  EXPECT_THAT(input_error([&] { glenoid_frame(settings, ""); }), HasSubstr("bone.side: missing"));
-  EXPECT_THAT(input_error([&] { glenoid_frame(settings, "middle"); }), HasSubstr("\"middle\""));
+  EXPECT_THAT(input_error([&] { glenoid_frame(settings, BodySide::unknown); }), HasSubstr("bone.side: missing"));
 }
 
 TEST(GlenoidFrame, NeedsAllThree) {
   GlenoidSettings settings = directions(Vec3::Zero(), {1, 0, 0}, {0, 0, 1});
   settings.center_mm.reset();
-  EXPECT_THAT(input_error([&] { glenoid_frame(settings, "left"); }), HasSubstr("bone.glenoid.center_mm: missing"));
+  EXPECT_THAT(input_error([&] { glenoid_frame(settings, BodySide::left); }),
+              HasSubstr("bone.glenoid.center_mm: missing"));
   settings = directions(Vec3::Zero(), {1, 0, 0}, {0, 0, 1});
   settings.normal.reset();
-  EXPECT_THAT(input_error([&] { glenoid_frame(settings, "left"); }), HasSubstr("bone.glenoid.normal: missing"));
+  EXPECT_THAT(input_error([&] { glenoid_frame(settings, BodySide::left); }), HasSubstr("bone.glenoid.normal: missing"));
   settings = directions(Vec3::Zero(), {1, 0, 0}, {0, 0, 1});
   settings.superior.reset();
-  EXPECT_THAT(input_error([&] { glenoid_frame(settings, "left"); }), HasSubstr("bone.glenoid.superior: missing"));
+  EXPECT_THAT(input_error([&] { glenoid_frame(settings, BodySide::left); }),
+              HasSubstr("bone.glenoid.superior: missing"));
 }
 
 TEST(GlenoidFrame, RefusesZeroParallelAndCollinear) {
   const auto text = [](const GlenoidSettings& settings) {
-    return input_error([&] { glenoid_frame(settings, "left"); });
+    return input_error([&] { glenoid_frame(settings, BodySide::left); });
   };
   EXPECT_THAT(text(directions(Vec3::Zero(), {0, 0, 0}, {0, 0, 1})), HasSubstr("without length"));
   EXPECT_THAT(text(directions(Vec3::Zero(), {1, 0, 0}, {0, 0, 0})), HasSubstr("without length"));

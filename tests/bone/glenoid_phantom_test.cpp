@@ -14,12 +14,12 @@ using ::testing::HasSubstr;
 
 /// The default left glenoid at 0.25 mm, made once.
 const Bone& standard() {
-  static const Bone bone = make(phantom("glenoid", 0.25));
+  static const Bone bone = make(phantom(PhantomShape::glenoid, 0.25));
   return bone;
 }
 
-double density_at(const Voxmap& voxmap, const Vec3& point_mm) {
-  return DensityMapping::density_from_grade(static_cast<std::uint8_t>(grade_at(voxmap, point_mm)));
+double density_at(const BoneView& bone, const Vec3& point_mm) {
+  return DensityMapping::density_from_grade(static_cast<std::uint8_t>(grade_at(bone, point_mm)));
 }
 
 /// First and last distance along a ray at which `inside` holds for the first time without a break.
@@ -48,28 +48,27 @@ bool well_inside_face(double anterior, double superior) {
 
 /// Length of dense bone that a ray meets first: from the metrics' default threshold on, which lies between the plate
 /// and what is under it.
-Stretch plate(const Voxmap& voxmap, const Vec3& from, const Vec3& along) {
-  return first_run(from, along, 45,
-                   [&](const Vec3& p) { return density_at(voxmap, p) > MetricSettings{}.dense_g_cm3; });
+Stretch plate(const BoneView& bone, const Vec3& from, const Vec3& along) {
+  return first_run(from, along, 45, [&](const Vec3& p) { return density_at(bone, p) > MetricSettings{}.dense_g_cm3; });
 }
 
 TEST(GlenoidPhantom, FaceIsASphereOfTheGivenRadius) {
-  const Voxmap& voxmap = standard().voxmap;
+  const Bone& bone = standard();
   const Vec3 center(32, 0, 0);  // default face radius, left: +x is lateral
   for (const double a : {-8.0, 0.0, 8.0}) {
     for (const double s : {-10.0, -4.0, 3.0, 9.0}) {
       if (!well_inside_face(a, s)) continue;
       const Vec3 along = (Vec3(0, a, s) - center).normalized();
-      const Stretch bone = first_run(center, along, 40, [&](const Vec3& p) { return grade_at(voxmap, p) != 0; });
+      const Stretch bone = first_run(center, along, 40, [&](const Vec3& p) { return grade_at(standard(), p) != 0; });
       EXPECT_NEAR(bone.begin_mm, 32, 0.25) << a << ", " << s;
     }
   }
 }
 
 TEST(GlenoidPhantom, FaceHasTheGivenSizeAndIsWiderBelow) {
-  const VoxelGrid& grid = standard().voxmap.grid;
+  const VoxelGrid& grid = standard().voxmap->grid;
   double low = 0, high = 0, width_below = 0, width_above = 0;
-  for_each_bone_voxel(standard().voxmap, [&](const Vec3i& c, std::uint8_t, std::uint16_t) {
+  for_each_bone_voxel(standard(), [&](const Vec3i& c, std::uint8_t, std::uint16_t) {
     const Vec3 p = grid.center_mm(c.x(), c.y(), c.z());
     if (p.x() < 0.5 || std::abs(p.y()) > 15) return;  // the rim stands out of the face's plane; no coracoid
     if (std::abs(p.y()) < 3) {
@@ -92,7 +91,7 @@ TEST(GlenoidPhantom, SubchondralPlateIsAsThickAsInLife) {
     for (double s = -12; s <= 10; s += 2) {
       if (!well_inside_face(a, s)) continue;
       const Vec3 along = (Vec3(0, a, s) - center).normalized();
-      const Stretch run = plate(standard().voxmap, center, along);
+      const Stretch run = plate(standard(), center, along);
       EXPECT_GE(run.length_mm(), 1.2) << a << ", " << s;
       EXPECT_LE(run.length_mm(), 2.9) << a << ", " << s;
       sum += run.length_mm();
@@ -103,42 +102,42 @@ TEST(GlenoidPhantom, SubchondralPlateIsAsThickAsInLife) {
 }
 
 TEST(GlenoidPhantom, PlateAndWallHaveDensitiesOfTheirOwn) {
-  const Voxmap& voxmap = standard().voxmap;
+  const Bone& bone = standard();
   const Vec3 center(32, 0, 0);
   for (const double a : {-6.0, 0.0, 6.0}) {
     for (const double s : {-8.0, 0.0, 6.0}) {
       const Vec3 along = (Vec3(0, a, s) - center).normalized();
-      EXPECT_NEAR(density_at(voxmap, center + 33 * along), 1.1, 0.005) << a << ", " << s;
+      EXPECT_NEAR(density_at(bone, center + 33 * along), 1.1, 0.005) << a << ", " << s;
     }
   }
   for (const double depth : {8.0, 12.0, 16.0}) {
-    const Stretch wall = plate(voxmap, {-depth, 14, -4}, {0, -1, 0});
-    EXPECT_NEAR(density_at(voxmap, {-depth, 14 - wall.begin_mm - 0.6, -4}), 1.8, 0.01) << depth;
+    const Stretch wall = plate(bone, {-depth, 14, -4}, {0, -1, 0});
+    EXPECT_NEAR(density_at(bone, {-depth, 14 - wall.begin_mm - 0.6, -4}), 1.8, 0.01) << depth;
   }
-  BoneSettings settings = phantom("glenoid", 0.5);
+  BoneSettings settings = phantom(PhantomShape::glenoid, 0.5);
   settings.phantom.subchondral_density_g_cm3 = 0.8;
-  EXPECT_NEAR(density_at(make(settings).voxmap, {-1, 0, 0}), 0.8, 0.005);
+  EXPECT_NEAR(density_at(make(settings), {-1, 0, 0}), 0.8, 0.005);
 }
 
 TEST(GlenoidPhantom, UniformFoamHasOneDensity) {
-  for (const std::string surface : {"whole", "partial"}) {
-    BoneSettings settings = phantom("glenoid", 0.8);
+  for (const SurfaceVoxels surface : {SurfaceVoxels::whole, SurfaceVoxels::partial}) {
+    BoneSettings settings = phantom(PhantomShape::glenoid, 0.8);
     settings.surface_voxels = surface;
     settings.phantom.cortical_density_g_cm3 = 0.32;
     settings.phantom.subchondral_density_g_cm3 = 0.32;
     settings.phantom.trabecular_density_g_cm3 = 0.32;
     settings.phantom.trabecular_gradient = 0;
     settings.phantom.texture = 0;
-    const Voxmap foam = make(settings).voxmap;
+    const FilledVoxmap foam = make(settings).take_voxels();
     EXPECT_GT(foam.count_bone(), 10000);
-    EXPECT_EQ(count_grade(foam, 40), foam.count_bone()) << surface;
+    EXPECT_EQ(count_grade(foam, 40), foam.count_bone()) << name_of(surface);
   }
 }
 
 TEST(GlenoidPhantom, CorticalWallOfTheVault) {
   for (const double depth : {8.0, 12.0, 16.0, 20.0}) {
     for (const double side : {-1.0, 1.0}) {
-      const Stretch run = plate(standard().voxmap, {-depth, 14 * side, -4}, {0, -side, 0});
+      const Stretch run = plate(standard(), {-depth, 14 * side, -4}, {0, -side, 0});
       EXPECT_GE(run.length_mm(), 1.2) << depth << ", " << side;
       EXPECT_LE(run.length_mm(), 2.9) << depth << ", " << side;
     }
@@ -148,7 +147,7 @@ TEST(GlenoidPhantom, CorticalWallOfTheVault) {
 TEST(GlenoidPhantom, VaultNarrowsToTheNeck) {
   const auto width = [](double depth) {
     double out = 0;
-    for (double y = -20; y < 20; y += 0.1) out += grade_at(standard().voxmap, {-depth, y, -4}) != 0 ? 0.1 : 0;
+    for (double y = -20; y < 20; y += 0.1) out += grade_at(standard(), {-depth, y, -4}) != 0 ? 0.1 : 0;
     return out;
   };
   EXPECT_GT(width(2), 22);
@@ -164,7 +163,7 @@ TEST(GlenoidPhantom, TrabecularBoneThinsOutBehindThePlate) {
     int count = 0;
     for (double x = from; x < to; x += 0.25) {
       for (double y = -4; y <= 4; y += 0.5) {
-        for (double z = -8; z <= 4; z += 0.5, ++count) sum += density_at(standard().voxmap, {-x, y, z});
+        for (double z = -8; z <= 4; z += 0.5, ++count) sum += density_at(standard(), {-x, y, z});
       }
     }
     return sum / count;
@@ -177,18 +176,18 @@ TEST(GlenoidPhantom, TrabecularBoneThinsOutBehindThePlate) {
 }
 
 TEST(GlenoidPhantom, LeftAndRightAreMirrorImages) {
-  BoneSettings settings = phantom("glenoid", 0.5);
+  BoneSettings settings = phantom(PhantomShape::glenoid, 0.5);
   settings.phantom.version_deg = 7;
   settings.phantom.inclination_deg = 9;
   const Bone left = make(settings);
-  settings.side = "right";
+  settings.side = BodySide::right;
   const Bone right = make(settings);
-  EXPECT_EQ(left.voxmap.count_bone(), right.voxmap.count_bone());
-  const VoxelGrid& grid = left.voxmap.grid;
+  EXPECT_EQ(left.view().count_bone(), right.view().count_bone());
+  const VoxelGrid& grid = left.voxmap->grid;
   for (std::int64_t i = 0; i < grid.size(); ++i) {
     const Vec3i c = grid.coord(i);
     const Vec3 p = grid.center_mm(c.x(), c.y(), c.z());
-    ASSERT_EQ(left.voxmap.grade.get(c), grade_at(right.voxmap, {-p.x(), p.y(), p.z()}));
+    ASSERT_EQ(left.voxmap->grade.get(c), grade_at(right, {-p.x(), p.y(), p.z()}));
   }
   const Mat3 l = left.glenoid->bone_from_glenoid.linear();
   const Mat3 r = right.glenoid->bone_from_glenoid.linear();
@@ -198,7 +197,7 @@ TEST(GlenoidPhantom, LeftAndRightAreMirrorImages) {
 }
 
 TEST(GlenoidPhantom, VersionAndInclinationTurnTheFace) {
-  BoneSettings settings = phantom("glenoid", 0.5);
+  BoneSettings settings = phantom(PhantomShape::glenoid, 0.5);
   settings.phantom.version_deg = 12;
   settings.phantom.inclination_deg = 8;
   const Bone bone = make(settings);
@@ -212,26 +211,26 @@ TEST(GlenoidPhantom, VersionAndInclinationTurnTheFace) {
   for (const Vec3& q : {Vec3(6, 0, 0), Vec3(-6, 0, 0), Vec3(0, 8, 0), Vec3(0, -8, 0)}) {
     const Vec3 center = frame * Vec3(0, 0, 32);
     const Vec3 along = (frame * q - center).normalized();
-    const Stretch run = first_run(center, along, 40, [&](const Vec3& p) { return grade_at(bone.voxmap, p) != 0; });
+    const Stretch run = first_run(center, along, 40, [&](const Vec3& p) { return grade_at(bone, p) != 0; });
     EXPECT_NEAR(run.begin_mm, 32, 0.45) << q.transpose();
   }
 }
 
 TEST(GlenoidPhantom, SameSeedSameBoneOtherSeedOtherTexture) {
-  BoneSettings settings = phantom("glenoid", 0.5);
-  const Voxmap first = make(settings).voxmap;
-  EXPECT_EQ(first.grade, make(settings).voxmap.grade);
+  BoneSettings settings = phantom(PhantomShape::glenoid, 0.5);
+  const FilledVoxmap first = make(settings).take_voxels();
+  EXPECT_EQ(first.grade, make(settings).voxmap->grade);
   settings.phantom.seed = 2;
-  const Voxmap other = make(settings).voxmap;
+  const FilledVoxmap other = make(settings).take_voxels();
   EXPECT_NE(first.grade, other.grade);
   EXPECT_EQ(first.count_bone(), other.count_bone()) << "the shape is not random";
 }
 
 TEST(GlenoidPhantom, SkippedBricksHoldNoBone) {
-  BoneSettings settings = phantom("glenoid", 0.5);
+  BoneSettings settings = phantom(PhantomShape::glenoid, 0.5);
   settings.phantom.version_deg = 25;
   settings.phantom.inclination_deg = -20;
-  const Voxmap voxmap = make(settings).voxmap;
+  const FilledVoxmap voxmap = make(settings).take_voxels();
   const GlenoidShape shape(settings.phantom);
   const VoxelGrid& grid = voxmap.grid;
   for (std::int64_t e = 0; e < grid.size(); ++e) {
@@ -245,10 +244,10 @@ TEST(GlenoidPhantom, SkippedBricksHoldNoBone) {
 
 TEST(GlenoidPhantom, NoBoneBeyondTheLattice) {
   for (const double version : {-30.0, 0.0, 30.0}) {
-    BoneSettings settings = phantom("glenoid", 1);
+    BoneSettings settings = phantom(PhantomShape::glenoid, 1);
     settings.phantom.version_deg = version;
     settings.phantom.inclination_deg = 0.7 * version;
-    const Voxmap voxmap = make(settings).voxmap;
+    const FilledVoxmap voxmap = make(settings).take_voxels();
     for (std::int64_t e = 0; e < voxmap.grid.size(); ++e) {
       const Vec3i c = voxmap.grid.coord(e);
       const bool border = (c.array() == 0).any() || (c.array() == voxmap.grid.dims.array() - 1).any();
@@ -258,10 +257,10 @@ TEST(GlenoidPhantom, NoBoneBeyondTheLattice) {
 }
 
 TEST(GlenoidPhantom, RefusesWhatHasNoShape) {
-  BoneSettings settings = phantom("glenoid", 1);
-  settings.side.clear();
+  BoneSettings settings = phantom(PhantomShape::glenoid, 1);
+  settings.side = BodySide::unknown;
   EXPECT_THAT(input_error([&] { make(settings); }), HasSubstr("bone.side: missing"));
-  settings.side = "left";
+  settings.side = BodySide::left;
   settings.phantom.face_radius_mm = 15;
   EXPECT_THAT(input_error([&] { make(settings); }), HasSubstr("bone.phantom.face_radius_mm: 15 mm"));
   settings.phantom.face_radius_mm = 32;

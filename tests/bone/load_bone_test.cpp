@@ -14,14 +14,14 @@ using ::testing::HasSubstr;
 
 TEST(LoadBone, PhantomIsFittedAndReported) {
   Report report;
-  const Bone bone = load_bone(phantom("sphere", 0.5), report);
-  for (int axis = 0; axis < 3; ++axis) EXPECT_EQ(bone.voxmap.grid.dims[axis] % 8, 0);
+  const Bone bone = load_bone(phantom(PhantomShape::sphere, 0.5), report);
+  for (int axis = 0; axis < 3; ++axis) EXPECT_EQ(bone.voxmap->grid.dims[axis] % 8, 0);
   EXPECT_TRUE(bone.glenoid);
   EXPECT_THAT(report.notes, Contains(HasSubstr("voxels of 0.5 mm")));
 }
 
 TEST(LoadBone, GlenoidOfTheScenarioReplacesThePhantomsOwn) {
-  BoneSettings settings = phantom("half_space", 1);
+  BoneSettings settings = phantom(PhantomShape::half_space, 1);
   settings.glenoid.center_mm = Vec3(1, 2, 0);
   settings.glenoid.normal = Vec3(0, 0, 1);
   settings.glenoid.superior = Vec3(1, 0, 0);
@@ -31,11 +31,11 @@ TEST(LoadBone, GlenoidOfTheScenarioReplacesThePhantomsOwn) {
 }
 
 TEST(LoadBone, DrillsThePilotHole) {
-  BoneSettings settings = phantom("half_space", 0.5);
+  BoneSettings settings = phantom(PhantomShape::half_space, 0.5);
   settings.pilot_hole = PilotHoleSettings{};
-  settings.pilot_hole->frame = "glenoid";
+  settings.pilot_hole->frame = PoseFrame::glenoid;
   Report report;
-  EXPECT_EQ(grade_at(load_bone(settings, report).voxmap, {0.1, 0.1, -10}), 0);
+  EXPECT_EQ(grade_at(load_bone(settings, report), {0.1, 0.1, -10}), 0);
   EXPECT_THAT(report.notes, Contains(HasSubstr("pilot hole")));
   settings.pilot_hole->entry_mm = {0, 0, 500};
   load_bone(settings, report);
@@ -45,23 +45,23 @@ TEST(LoadBone, DrillsThePilotHole) {
 TEST(LoadBone, VdbGoesOnWhereItStopped) {
   const TempDir dir;
   Report report;
-  Bone bone = load_bone(phantom("sphere", 0.5), report);
-  const Vec3i reamed = bone.voxmap.grid.voxel_of({0, 0, 19.8});
-  bone.voxmap.fill.set(reamed, 777);
+  Bone bone = load_bone(phantom(PhantomShape::sphere, 0.5), report);
+  const Vec3i reamed = bone.voxmap->grid.voxel_of({0, 0, 19.8});
+  bone.fill.set(reamed, 777);
   BoneSettings settings;
-  settings.source = "vdb";
+  settings.source = BoneSource::vdb;
   settings.vdb.path = dir.path() + "/reamed.vdb";
-  write_bone_vdb(settings.vdb.path, bone.voxmap, {}, {});
+  write_bone_vdb(settings.vdb.path, bone, {}, {});
   const Bone again = load_bone(settings, report);
-  EXPECT_EQ(again.voxmap.grid.dims, bone.voxmap.grid.dims);
-  EXPECT_EQ(again.voxmap.grade, bone.voxmap.grade);
-  EXPECT_EQ(again.voxmap.fill.get(reamed), 777);
+  EXPECT_EQ(again.voxmap->grid.dims, bone.voxmap->grid.dims);
+  EXPECT_EQ(again.voxmap->grade, bone.voxmap->grade);
+  EXPECT_EQ(again.fill.get(reamed), 777);
   EXPECT_FALSE(again.glenoid);
   EXPECT_THAT(report.notes, Contains(HasSubstr("as in the VDB")));
 }
 
 TEST(LoadBone, TheRimIsThePhantomsOwnOrTheScenarios) {
-  BoneSettings settings = phantom("glenoid", 1);
+  BoneSettings settings = phantom(PhantomShape::glenoid, 1);
   Report report;
   const Bone own = load_bone(settings, report);
   ASSERT_GT(own.rim_mm.size(), 60u);
@@ -76,14 +76,7 @@ TEST(LoadBone, TheRimIsThePhantomsOwnOrTheScenarios) {
   settings.glenoid.rim_mm[2] += Vec3(20, 0, 0);
   EXPECT_THAT(input_error([&] { load_bone(settings, report); }),
               AllOf(HasSubstr("bone.glenoid.rim_mm: point 3, ("), HasSubstr("no surface of the bone within 5 mm")));
-  EXPECT_TRUE(load_bone(phantom("sphere", 1), report).rim_mm.empty());
-}
-
-TEST(LoadBone, UnknownSource) {
-  BoneSettings settings;
-  settings.source = "photo";
-  Report report;
-  EXPECT_THAT(input_error([&] { load_bone(settings, report); }), HasSubstr("\"photo\""));
+  EXPECT_TRUE(load_bone(phantom(PhantomShape::sphere, 1), report).rim_mm.empty());
 }
 
 }  // namespace

@@ -27,7 +27,7 @@ class MeshBone : public ::testing::Test {
  protected:
   BoneSettings settings_for(const TriangleMesh& mesh, double voxel_mm) const {
     BoneSettings settings;
-    settings.source = "mesh";
+    settings.source = BoneSource::mesh;
     settings.voxel_mm = voxel_mm;
     settings.mesh.path = dir_.path() + "/bone.stl";
     write_stl(settings.mesh.path, mesh);
@@ -43,7 +43,7 @@ TEST_F(MeshBone, SphereVolumeAndCorticalShell) {
   settings.mesh.cortical_mm = 2;
   settings.mesh.cortical_hu = 1500;
   settings.mesh.trabecular_hu = 300;
-  const Voxmap voxmap = voxmap_from_mesh(settings, report_);
+  const FilledVoxmap voxmap = voxmap_from_mesh(settings, report_);
   const double truth_mm3 = 4.0 / 3 * std::numbers::pi * 1000;
   EXPECT_NEAR(voxmap.bone_mm3(), truth_mm3, 0.004 * truth_mm3);
   EXPECT_EQ(voxmap.frame, "mesh");
@@ -67,7 +67,7 @@ TEST_F(MeshBone, BoxIsExact) {
 TEST_F(MeshBone, ShellThickerThanTheBoneLeavesNoTrabecularBone) {
   BoneSettings settings = settings_for(box_mesh({0, 0, 0}, {6, 6, 4}), 0.5);
   settings.mesh.cortical_mm = 5;
-  const Voxmap voxmap = voxmap_from_mesh(settings, report_);
+  const FilledVoxmap voxmap = voxmap_from_mesh(settings, report_);
   const int cortical = DensityMapping::grade_from_density(DensityMapping().density_from_hu(1500));
   EXPECT_EQ(count_grade(voxmap, cortical), voxmap.count_bone());
 }
@@ -76,7 +76,7 @@ TEST_F(MeshBone, ScaleAndDensityMappingOfTheScenario) {
   BoneSettings settings = settings_for(box_mesh({0, 0, 0}, {1, 1, 1}), 0.5);
   settings.mesh.scale = 8;
   settings.density.ash_fraction = 0.9;
-  const Voxmap voxmap = voxmap_from_mesh(settings, report_);
+  const FilledVoxmap voxmap = voxmap_from_mesh(settings, report_);
   EXPECT_DOUBLE_EQ(voxmap.bone_mm3(), 512);
   EXPECT_EQ(voxmap.mapping.ash_fraction, 0.9);
   DensityMapping mapping;
@@ -86,7 +86,7 @@ TEST_F(MeshBone, ScaleAndDensityMappingOfTheScenario) {
 
 TEST_F(MeshBone, SameGradesEveryTime) {
   const BoneSettings settings = settings_for(sphere_mesh({0, 0, 0}, 8, 4), 0.4);
-  const Voxmap first = voxmap_from_mesh(settings, report_);
+  const FilledVoxmap first = voxmap_from_mesh(settings, report_);
   for (int i = 0; i < 3; ++i) EXPECT_EQ(voxmap_from_mesh(settings, report_).grade, first.grade);
 }
 
@@ -162,8 +162,7 @@ TriangleMesh diagonal_bar(double cube_mm, double side_mm) {
 TEST_F(MeshBone, AThinBoneIn2048CubedCostsWhatItHolds) {
   const BoneSettings settings = settings_for(diagonal_bar(204, 2), 0.1);
   const std::int64_t before = peak_bytes();
-  const Bone bone = load_bone(settings, report_);
-  const Voxmap& voxmap = bone.voxmap;
+  const FilledVoxmap voxmap = load_bone(settings, report_).take_voxels();
   EXPECT_GE(voxmap.grid.dims.minCoeff(), 2048);
   const double truth_mm3 = 204 * std::sqrt(3.0) * 4;
   EXPECT_NEAR(voxmap.bone_mm3(), truth_mm3, 0.01 * truth_mm3);
@@ -207,7 +206,7 @@ TEST_F(MeshBone, UnitThatMakesABoneWithAGlenoidTooSmallOrLargeIsRefused) {
         Case{401, "set bone.mesh.scale: about 0.37 for a scapula of 150 mm"},
         Case{2.78, "set bone.mesh.scale: about 54 for a scapula of 150 mm, 25.4 if the file is in inches"}}) {
     BoneSettings settings = settings_for(box_mesh({0, 0, 0}, {length / 3, length / 4, length}), 0.5);
-    settings.side = "left";
+    settings.side = BodySide::left;
     settings.glenoid.center_mm = Vec3(0, 0, 0);
     const std::string text = input_error([&] { voxmap_from_mesh(settings, report_); });
     EXPECT_THAT(text, HasSubstr("bone.mesh.scale: the mesh is ")) << length;
@@ -257,7 +256,7 @@ TEST_F(MeshBone, RealScapula) {
     GTEST_SKIP() << "no " << settings.mesh.path << "; set REAMSIM_DATA";
   }
   const double truth_mm3 = read_mesh(settings.mesh.path, 55).volume_mm3();
-  const Voxmap voxmap = voxmap_from_mesh(settings, report_);
+  const FilledVoxmap voxmap = voxmap_from_mesh(settings, report_);
   EXPECT_NEAR(voxmap.bone_mm3(), truth_mm3, 0.005 * truth_mm3);
   EXPECT_NE(grade_at(voxmap, Vec3(-41.2, 9.2, 36.6) - 5 * Vec3(-0.93, 0.355, -0.08)), 0) << "behind the glenoid";
   EXPECT_EQ(grade_at(voxmap, Vec3(-41.2, 9.2, 36.6) + 5 * Vec3(-0.93, 0.355, -0.08)), 0) << "in front of it";
@@ -275,7 +274,7 @@ TEST_F(MeshBone, RealDirtyScapula) {
   EXPECT_THAT(text, HasSubstr("13 boundary edges (the first at "));
   EXPECT_THAT(text, HasSubstr("23 non-manifold edges"));
   settings.mesh.repair = true;
-  const Voxmap voxmap = voxmap_from_mesh(settings, report_);
+  const FilledVoxmap voxmap = voxmap_from_mesh(settings, report_);
   EXPECT_GT(voxmap.bone_mm3(), 55e3);
   EXPECT_LT(voxmap.bone_mm3(), 75e3);
   EXPECT_THAT(report_.warnings, Contains(HasSubstr("mesh repaired")));

@@ -21,15 +21,15 @@ constexpr std::array kVoxels_mm = {1.0, 0.5, 0.25};
 using Errors = std::array<double, kVoxels_mm.size()>;
 
 /// The bone's volume, mm³, for settings made for a voxel size.
-double volume(BoneSettings settings, const char* surface_voxels) {
+double volume(BoneSettings settings, SurfaceVoxels surface_voxels) {
   settings.surface_voxels = surface_voxels;
   Report report;
-  return load_bone(settings, report).voxmap.bone_mm3();
+  return load_bone(settings, report).view().bone_mm3();
 }
 
 /// Root mean square over bones of the relative error of the volume, by voxel size.
 template <class Make>
-Errors rms_errors(const Make& make, int bones, const char* surface_voxels) {
+Errors rms_errors(const Make& make, int bones, SurfaceVoxels surface_voxels) {
   Errors out{};
   for (std::size_t level = 0; level < kVoxels_mm.size(); ++level) {
     for (int bone = 0; bone < bones; ++bone) {
@@ -39,7 +39,7 @@ Errors rms_errors(const Make& make, int bones, const char* surface_voxels) {
       out[level] += error * error / bones;
     }
     out[level] = std::sqrt(out[level]);
-    std::cout << surface_voxels << ", " << kVoxels_mm[level] << " mm: RMS " << 100 * out[level] << " %\n";
+    std::cout << name_of(surface_voxels) << ", " << kVoxels_mm[level] << " mm: RMS " << 100 * out[level] << " %\n";
   }
   return out;
 }
@@ -47,8 +47,8 @@ Errors rms_errors(const Make& make, int bones, const char* surface_voxels) {
 /// Second order, and a tenth at most of what whole voxels err by.
 template <class Make>
 void expect_second_order(const Make& make, int bones) {
-  const Errors partial = rms_errors(make, bones, "partial");
-  const Errors whole = rms_errors(make, bones, "whole");
+  const Errors partial = rms_errors(make, bones, SurfaceVoxels::partial);
+  const Errors whole = rms_errors(make, bones, SurfaceVoxels::whole);
   for (std::size_t level = 0; level < kVoxels_mm.size(); ++level) EXPECT_LT(10 * partial[level], whole[level]);
   EXPECT_GT(std::log2(partial.front() / partial.back()) / (kVoxels_mm.size() - 1), 1.8);
 }
@@ -71,7 +71,7 @@ class PartialMesh : public ::testing::Test {
  protected:
   [[nodiscard]] BoneSettings settings_for(const TriangleMesh& mesh, double voxel_mm) const {
     BoneSettings settings;
-    settings.source = "mesh";
+    settings.source = BoneSource::mesh;
     settings.voxel_mm = voxel_mm;
     settings.mesh.path = dir_.path() + "/bone.stl";
     write_stl(settings.mesh.path, mesh);
@@ -100,7 +100,8 @@ TEST_F(PartialMesh, TurnedBoxErrsOnlyAtItsEdges) {
     TriangleMesh mesh = box_mesh({-7, -5, -4}, {7, 5, 4});
     const Quat turned(Eigen::AngleAxisd(0.5, Vec3(2, 1, -1).normalized()));
     for (Vec3& v : mesh.vertices) v = turned * v + Vec3(0.1, 0.2, 0.3);
-    EXPECT_NEAR(volume(settings_for(mesh, voxel_mm), "partial") / (14 * 10 * 8), 1, 0.017 * voxel_mm * voxel_mm);
+    EXPECT_NEAR(volume(settings_for(mesh, voxel_mm), SurfaceVoxels::partial) / (14 * 10 * 8), 1,
+                0.017 * voxel_mm * voxel_mm);
   }
 }
 
@@ -108,14 +109,14 @@ TEST_F(PartialMesh, PlateOfAVoxelAndABit) {
   TriangleMesh mesh = box_mesh({-10, -10, -0.35}, {10, 10, 0.35});
   const Quat turned(Eigen::AngleAxisd(0.4, Vec3(1, 3, 0).normalized()));
   for (Vec3& v : mesh.vertices) v = turned * v;
-  EXPECT_NEAR(volume(settings_for(mesh, 0.5), "partial") / (20 * 20 * 0.7), 1, 0.04);
+  EXPECT_NEAR(volume(settings_for(mesh, 0.5), SurfaceVoxels::partial) / (20 * 20 * 0.7), 1, 0.04);
 }
 
 TEST_F(PartialMesh, BoxOnTheLatticeStaysWholeButForItsEdges) {
   BoneSettings settings = settings_for(box_mesh({0, 0, 0}, {10, 6, 4}), 0.5);
-  settings.surface_voxels = "partial";
+  settings.surface_voxels = SurfaceVoxels::partial;
   Report report;
-  const Voxmap voxmap = load_bone(settings, report).voxmap;
+  const FilledVoxmap voxmap = load_bone(settings, report).take_voxels();
   EXPECT_NEAR(voxmap.bone_mm3(), 240, 0.01 * 240);  // its edges are rounded
   EXPECT_EQ(grade_at(voxmap, {5, 3, 4.1}), 0) << "nothing outside a face";
   EXPECT_EQ(voxmap.fill.get(voxmap.grid.voxel_of({5, 3, 3.9})), FillBricks::kWhole);
@@ -124,9 +125,9 @@ TEST_F(PartialMesh, BoxOnTheLatticeStaysWholeButForItsEdges) {
 TEST_F(PartialMesh, VoxelsJustOutsideAreCorticalAndHoldLittle) {
   BoneSettings settings = settings_for(sphere_mesh({0.1, 0.2, 0.3}, 9, 5), 0.5);
   Report report;
-  const Voxmap whole = load_bone(settings, report).voxmap;
-  settings.surface_voxels = "partial";
-  const Voxmap voxmap = load_bone(settings, report).voxmap;
+  const FilledVoxmap whole = load_bone(settings, report).take_voxels();
+  settings.surface_voxels = SurfaceVoxels::partial;
+  const FilledVoxmap voxmap = load_bone(settings, report).take_voxels();
   const int cortical = DensityMapping::grade_from_density(DensityMapping().density_from_hu(settings.mesh.cortical_hu));
   std::int64_t outside = 0;
   for_each_bone_voxel(voxmap, [&](const Vec3i& voxel, std::uint8_t grade, std::uint16_t fill) {
@@ -146,11 +147,11 @@ TEST_F(PartialMesh, VoxelsJustOutsideAreCorticalAndHoldLittle) {
 
 TEST_F(PartialMesh, SameFillEveryTime) {
   BoneSettings settings = settings_for(sphere_mesh({0, 0, 0}, 8, 4), 0.4);
-  settings.surface_voxels = "partial";
+  settings.surface_voxels = SurfaceVoxels::partial;
   Report report;
-  const Voxmap first = load_bone(settings, report).voxmap;
+  const FilledVoxmap first = load_bone(settings, report).take_voxels();
   for (int i = 0; i < 3; ++i) {
-    const Voxmap again = load_bone(settings, report).voxmap;
+    const FilledVoxmap again = load_bone(settings, report).take_voxels();
     EXPECT_EQ(again.grade, first.grade);
     EXPECT_EQ(dense_fill(again), dense_fill(first));
   }
@@ -159,7 +160,7 @@ TEST_F(PartialMesh, SameFillEveryTime) {
 TEST(PartialPhantom, SphereConvergesWithSecondOrder) {
   expect_second_order(
       [](int bone, double voxel_mm, double& truth_mm3) {
-        BoneSettings settings = phantom("sphere", voxel_mm);
+        BoneSettings settings = phantom(PhantomShape::sphere, voxel_mm);
         settings.phantom.radius_mm = 9 + 0.37 * bone;
         truth_mm3 = 4.0 / 3 * pi * std::pow(settings.phantom.radius_mm, 3);
         return settings;
@@ -169,27 +170,28 @@ TEST(PartialPhantom, SphereConvergesWithSecondOrder) {
 
 TEST(PartialPhantom, CupConvergesWithSecondOrder) {
   for (const double voxel_mm : kVoxels_mm) {
-    BoneSettings settings = phantom("cup", voxel_mm);
+    BoneSettings settings = phantom(PhantomShape::cup, voxel_mm);
     settings.phantom.size_mm = {32.3, 31.9, 8.1};
     settings.phantom.radius_mm = 20;
     settings.phantom.cup_depth_mm = 4;
     const double truth_mm3 = 32.3 * 31.9 * 8.1 - pi * 4 * 4 * (3 * 20 - 4) / 3;
-    EXPECT_NEAR(volume(settings, "partial") / truth_mm3, 1, 4e-4 * voxel_mm * voxel_mm);
+    EXPECT_NEAR(volume(settings, SurfaceVoxels::partial) / truth_mm3, 1, 4e-4 * voxel_mm * voxel_mm);
   }
 }
 
 TEST(PartialPhantom, BlockOfAnySizeIsExact) {
-  for (const char* shape : {"half_space", "layered"}) {
+  for (const PhantomShape shape : {PhantomShape::half_space, PhantomShape::layered}) {
     BoneSettings settings = phantom(shape, 0.4);
     settings.phantom.size_mm = {10.1, 12.3, 5.57};
-    EXPECT_NEAR(volume(settings, "partial") / (10.1 * 12.3 * 5.57), 1, 1e-5) << shape;
+    EXPECT_NEAR(volume(settings, SurfaceVoxels::partial) / (10.1 * 12.3 * 5.57), 1, 1e-5) << name_of(shape);
   }
 }
 
 TEST(PartialPhantom, GlenoidsOfCoarseAndFineVoxelsAgree) {
-  const BoneSettings fine = phantom("glenoid", 0.3), coarse = phantom("glenoid", 1.2);
-  const double truth_mm3 = volume(fine, "partial");
-  const double partial = volume(coarse, "partial") / truth_mm3 - 1, whole = volume(coarse, "whole") / truth_mm3 - 1;
+  const BoneSettings fine = phantom(PhantomShape::glenoid, 0.3), coarse = phantom(PhantomShape::glenoid, 1.2);
+  const double truth_mm3 = volume(fine, SurfaceVoxels::partial);
+  const double partial = volume(coarse, SurfaceVoxels::partial) / truth_mm3 - 1,
+               whole = volume(coarse, SurfaceVoxels::whole) / truth_mm3 - 1;
   std::cout << "glenoid, 1.2 mm: " << 100 * partial << " %, whole voxels " << 100 * whole << " %\n";
   EXPECT_LT(std::abs(partial), 1e-3);
 }
@@ -197,18 +199,18 @@ TEST(PartialPhantom, GlenoidsOfCoarseAndFineVoxelsAgree) {
 TEST(PartialPhantom, AutoIsPartialForExactOnly) {
   CuttingSettings cutting;
   BoneSettings bone;
-  cutting.erosion = "exact";
-  EXPECT_EQ(with_surface_voxels(bone, cutting).surface_voxels, "partial");
-  for (const char* erosion : {"remove", "wear"}) {
+  cutting.erosion = ErosionMode::exact;
+  EXPECT_EQ(with_surface_voxels(bone, cutting).surface_voxels, SurfaceVoxels::partial);
+  for (const ErosionMode erosion : {ErosionMode::remove, ErosionMode::wear}) {
     cutting.erosion = erosion;
-    EXPECT_EQ(with_surface_voxels(bone, cutting).surface_voxels, "whole");
+    EXPECT_EQ(with_surface_voxels(bone, cutting).surface_voxels, SurfaceVoxels::whole);
   }
-  bone.surface_voxels = "partial";
-  EXPECT_EQ(with_surface_voxels(bone, cutting).surface_voxels, "partial");
+  bone.surface_voxels = SurfaceVoxels::partial;
+  EXPECT_EQ(with_surface_voxels(bone, cutting).surface_voxels, SurfaceVoxels::partial);
 }
 
 TEST(PartialHole, TakesTheCylinderOutOfTheVoxels) {
-  BoneSettings settings = phantom("half_space", 0.5);
+  BoneSettings settings = phantom(PhantomShape::half_space, 0.5);
   PilotHoleSettings hole;
   hole.diameter_mm = 4;
   hole.entry_mm = {-5, 0.3, -8};
@@ -217,10 +219,10 @@ TEST(PartialHole, TakesTheCylinderOutOfTheVoxels) {
   const double truth_mm3 = pi * 4 * 8;
   Report report;
   Bone bone = bone_from_phantom(settings, report);
-  const double before_mm3 = bone.voxmap.bone_mm3();
-  const double drilled_mm3 = drill_pilot_hole(bone.voxmap, hole, {}, true);
+  const double before_mm3 = bone.view().bone_mm3();
+  const double drilled_mm3 = drill_pilot_hole(bone, hole, {}, true);
   EXPECT_NEAR(drilled_mm3, truth_mm3, 0.002 * truth_mm3);
-  EXPECT_NEAR(before_mm3 - bone.voxmap.bone_mm3(), drilled_mm3, 1e-6);
+  EXPECT_NEAR(before_mm3 - bone.view().bone_mm3(), drilled_mm3, 1e-6);
 }
 
 }  // namespace

@@ -11,79 +11,78 @@ namespace {
 using std::numbers::pi;
 using ::testing::HasSubstr;
 
-Bone block() {
+FilledVoxmap block() {
   Report report;
-  BoneSettings settings = phantom("half_space", 0.25);
+  BoneSettings settings = phantom(PhantomShape::half_space, 0.25);
   settings.phantom.size_mm = {20, 20, 16};
-  return bone_from_phantom(settings, report);
+  return bone_from_phantom(settings, report).take_voxels();
 }
 
 TEST(PilotHole, VolumeOfTheCylinder) {
-  Bone bone = block();
-  const double before_mm3 = bone.voxmap.bone_mm3();
+  FilledVoxmap bone = block();
+  const double before_mm3 = bone.bone_mm3();
   PilotHoleSettings hole;
   hole.diameter_mm = 5;
   hole.entry_mm = {0, 0, 3};
   hole.depth_mm = 13;  // 3 mm of it in the air
-  const double drilled_mm3 = drill_pilot_hole(bone.voxmap, hole, {});
+  const double drilled_mm3 = drill_pilot_hole(bone, hole, {});
   const double truth_mm3 = pi * 2.5 * 2.5 * 10;
   EXPECT_NEAR(drilled_mm3, truth_mm3, 0.01 * truth_mm3);
-  EXPECT_NEAR(before_mm3 - bone.voxmap.bone_mm3(), drilled_mm3, 1e-9);
-  EXPECT_EQ(grade_at(bone.voxmap, {0, 0, -9.9}), 0);
-  EXPECT_NE(grade_at(bone.voxmap, {0, 0, -10.2}), 0);
-  EXPECT_NE(grade_at(bone.voxmap, {2.8, 0, -5}), 0);
+  EXPECT_NEAR(before_mm3 - bone.bone_mm3(), drilled_mm3, 1e-9);
+  EXPECT_EQ(grade_at(bone, {0, 0, -9.9}), 0);
+  EXPECT_NE(grade_at(bone, {0, 0, -10.2}), 0);
+  EXPECT_NE(grade_at(bone, {2.8, 0, -5}), 0);
 }
 
 TEST(PilotHole, ObliqueAxisOfAnyLength) {
-  Bone bone = block();
+  FilledVoxmap bone = block();
   PilotHoleSettings hole;
   hole.diameter_mm = 4;
   hole.entry_mm = {-5, 0, -8};
   hole.axis = {5, 0, -2};
   hole.depth_mm = 8;
   const double truth_mm3 = pi * 4 * 8;
-  EXPECT_NEAR(drill_pilot_hole(bone.voxmap, hole, {}), truth_mm3, 0.02 * truth_mm3);
+  EXPECT_NEAR(drill_pilot_hole(bone, hole, {}), truth_mm3, 0.02 * truth_mm3);
 }
 
 TEST(PilotHole, CountsOnlyWhatIsLeft) {
-  Bone bone = block();
-  const Vec3i voxel = bone.voxmap.grid.voxel_of({0.1, 0.1, -5.1});
-  bone.voxmap.fill.set(voxel, 0);
-  Bone whole = block();
+  FilledVoxmap bone = block();
+  const Vec3i voxel = bone.grid.voxel_of({0.1, 0.1, -5.1});
+  bone.fill.set(voxel, 0);
+  FilledVoxmap whole = block();
   PilotHoleSettings hole;
-  EXPECT_NEAR(drill_pilot_hole(whole.voxmap, hole, {}) - drill_pilot_hole(bone.voxmap, hole, {}), 0.25 * 0.25 * 0.25,
-              1e-9);
+  EXPECT_NEAR(drill_pilot_hole(whole, hole, {}) - drill_pilot_hole(bone, hole, {}), 0.25 * 0.25 * 0.25, 1e-9);
 }
 
 TEST(PilotHole, InTheGlenoidFrame) {
-  Bone bone = block();
+  FilledVoxmap bone = block();
   GlenoidFrame frame;
   frame.bone_from_glenoid.linear() << 0, 0, 1, 1, 0, 0, 0, 1, 0;  // +z of G is +x of B
   frame.bone_from_glenoid.translation() = Vec3(10, 0, -8);
   PilotHoleSettings hole;
-  hole.frame = "glenoid";
+  hole.frame = PoseFrame::glenoid;
   hole.diameter_mm = 3;
   hole.depth_mm = 6;
-  EXPECT_GT(drill_pilot_hole(bone.voxmap, hole, frame), 40);
-  EXPECT_EQ(grade_at(bone.voxmap, {5, 0, -8}), 0);
-  EXPECT_NE(grade_at(bone.voxmap, {3, 0, -8}), 0);
+  EXPECT_GT(drill_pilot_hole(bone, hole, frame), 40);
+  EXPECT_EQ(grade_at(bone, {5, 0, -8}), 0);
+  EXPECT_NE(grade_at(bone, {3, 0, -8}), 0);
 }
 
 TEST(PilotHole, FarAwayMeetsNothing) {
-  Bone bone = block();
+  FilledVoxmap bone = block();
   PilotHoleSettings hole;
   hole.entry_mm = {1e12, -1e12, 1e12};
-  EXPECT_EQ(drill_pilot_hole(bone.voxmap, hole, {}), 0);
+  EXPECT_EQ(drill_pilot_hole(bone, hole, {}), 0);
 }
 
 TEST(PilotHole, NeedsAFrameAndADirection) {
-  Bone bone = block();
+  FilledVoxmap bone = block();
   PilotHoleSettings hole;
-  hole.frame = "glenoid";
-  EXPECT_THAT(input_error([&] { drill_pilot_hole(bone.voxmap, hole, {}); }), HasSubstr("bone.pilot_hole.frame"));
-  hole.frame = "bone";
+  hole.frame = PoseFrame::glenoid;
+  EXPECT_THAT(input_error([&] { drill_pilot_hole(bone, hole, {}); }), HasSubstr("bone.pilot_hole.frame"));
+  hole.frame = PoseFrame::bone;
   hole.axis = Vec3::Zero();
-  EXPECT_THAT(input_error([&] { drill_pilot_hole(bone.voxmap, hole, {}); }), HasSubstr("bone.pilot_hole.axis"));
+  EXPECT_THAT(input_error([&] { drill_pilot_hole(bone, hole, {}); }), HasSubstr("bone.pilot_hole.axis"));
 }
 
 }  // namespace

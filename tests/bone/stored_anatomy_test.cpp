@@ -15,14 +15,14 @@ using ::testing::HasSubstr;
 
 class StoredBoneTest : public ::testing::Test {
  protected:
-  StoredBoneTest() : original_(load_bone(phantom("glenoid", 1), report_)) {}
+  StoredBoneTest() : original_(load_bone(phantom(PhantomShape::glenoid, 1), report_)) {}
 
   /// The settings of a bone from a VDB that has the original's voxels and this metadata.
   [[nodiscard]] BoneSettings stored(const Metadata& metadata) const {
     BoneSettings settings;
-    settings.source = "vdb";
+    settings.source = BoneSource::vdb;
     settings.vdb.path = dir_.path() + "/bone.vdb";
-    write_bone_vdb(settings.vdb.path, original_.voxmap, {}, metadata);
+    write_bone_vdb(settings.vdb.path, original_, {}, metadata);
     return settings;
   }
   [[nodiscard]] Metadata anatomy() const {
@@ -42,19 +42,19 @@ TEST_F(StoredBoneTest, FrameLandmarksAndSideComeBackBitForBit) {
   EXPECT_EQ(back.landmarks->inferior_angle_mm, original_.landmarks->inferior_angle_mm);
   EXPECT_EQ(back.scapula->lateral, original_.scapula->lateral);
   EXPECT_EQ(back.scapula->anterior, original_.scapula->anterior);
-  EXPECT_EQ(back.side, "left");
+  EXPECT_EQ(back.side, BodySide::left);
   EXPECT_THAT(report_.notes, Contains("glenoid frame from the VDB"));
 }
 
 TEST_F(StoredBoneTest, TheScenarioWinsAndItsContradictionIsNoted) {
   BoneSettings settings = stored(anatomy());
-  settings.side = "right";
+  settings.side = BodySide::right;
   const Rigid& was = original_.glenoid->bone_from_glenoid;
   settings.glenoid.center_mm = was.translation() + Vec3(0, 3, 0);
   settings.glenoid.normal = was.linear().col(2);
   settings.glenoid.superior = was.linear().col(1);
   const Bone back = load_bone(settings, report_);
-  EXPECT_EQ(back.side, "right");
+  EXPECT_EQ(back.side, BodySide::right);
   EXPECT_EQ(back.glenoid->bone_from_glenoid.translation(), *settings.glenoid.center_mm);
   EXPECT_THAT(report_.notes, Contains(HasSubstr("bone.side is right, the VDB says left")));
   EXPECT_THAT(report_.notes, Contains(HasSubstr("differs from the VDB's frame by 3.00 mm and 0.00 degrees")));
@@ -64,7 +64,7 @@ TEST_F(StoredBoneTest, AFileWithoutThem) {
   const Bone back = load_bone(stored({}), report_);
   EXPECT_FALSE(back.glenoid);
   EXPECT_FALSE(back.landmarks);
-  EXPECT_EQ(back.side, "");
+  EXPECT_EQ(back.side, BodySide::unknown);
 }
 
 TEST_F(StoredBoneTest, DamagedAnatomyIsAnInputError) {

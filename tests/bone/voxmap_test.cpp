@@ -56,7 +56,7 @@ TEST(FillBricks, SaysWhichBricksChanged) {
 }
 
 TEST(Voxmap, CountsWhatIsLeft) {
-  Voxmap voxmap(VoxelGrid{{10, 10, 10}, 0.5, Vec3::Zero()});
+  FilledVoxmap voxmap(VoxelGrid{{10, 10, 10}, 0.5, Vec3::Zero()});
   EXPECT_EQ(voxmap.count_bone(), 0);
   for (int x = 0; x < 4; ++x) voxmap.grade.set({x, 2, 3}, 100);
   voxmap.fill.set({0, 2, 3}, 0);
@@ -67,12 +67,12 @@ TEST(Voxmap, CountsWhatIsLeft) {
 }
 
 TEST(FitToBone, LeavesTheMarginAndWholeBricks) {
-  Voxmap voxmap(VoxelGrid{{40, 40, 40}, 0.5, {1, 2, 3}});
+  FilledVoxmap voxmap(VoxelGrid{{40, 40, 40}, 0.5, {1, 2, 3}});
   voxmap.frame = "test";
   voxmap.grade.set({20, 21, 22}, 7);
   voxmap.grade.set({39, 21, 22}, 9);
   voxmap.fill.set({39, 21, 22}, 1234);
-  const Voxmap fitted = fit_to_bone(voxmap, 3);
+  const FilledVoxmap fitted = fit_to_bone(voxmap, 3);
   EXPECT_EQ(fitted.grid.dims, Vec3i(32, 8, 8));
   EXPECT_EQ(fitted.frame, "test");
   for (const Vec3i& v : {Vec3i(20, 21, 22), Vec3i(39, 21, 22)}) {
@@ -85,7 +85,7 @@ TEST(FitToBone, LeavesTheMarginAndWholeBricks) {
 }
 
 TEST(FitToBone, NoBoneIsAnError) {
-  const Voxmap air(VoxelGrid{{8, 8, 8}, 1, Vec3::Zero()});
+  const FilledVoxmap air(VoxelGrid{{8, 8, 8}, 1, Vec3::Zero()});
   EXPECT_THAT(input_error([&] { fit_to_bone(air, 2); }), ::testing::HasSubstr("no bone"));
 }
 

@@ -233,11 +233,6 @@ TEST_F(BadSegmentation, CutsThatLeaveNothing) {
   EXPECT_THAT(error_of(settings_), HasSubstr("the cuts remove all bone"));
 }
 
-TEST_F(BadSegmentation, UnknownFilter) {
-  settings_.ct.filter = "gauss";
-  EXPECT_THAT(error_of(settings_), HasSubstr("'gauss'; expected none, median or curvature_anisotropic"));
-}
-
 TEST_F(BadSegmentation, VoxelsOfAnAbsurdSize) {
   settings_.voxel_mm = 1e-4;
   EXPECT_THAT(error_of(settings_), HasSubstr("bone.voxel_mm"));

@@ -62,7 +62,7 @@ double voxel_mean(const Block& block, const Vec3& center) {
 class BoundaryDensity : public ::testing::Test {
  protected:
   /// `by_label`: segmented by a label map, 1 in the voxels of which at least half is bone.
-  Voxmap import(const Block& block, double voxel_mm, bool by_label = false) {
+  FilledVoxmap import(const Block& block, double voxel_mm, bool by_label = false) {
     TestImage image;
     image.spacing_mm = block.spacing_mm;
     const double half = block.extent_mm / 2;
@@ -77,7 +77,7 @@ class BoundaryDensity : public ::testing::Test {
     write_image<float>(image, folder_.file("block.nrrd"));
     BoneSettings settings = settings_for(folder_.file("block.nrrd"), voxel_mm);
     settings.ct.threshold_hu = block.threshold_hu;
-    settings.surface_voxels = "partial";
+    settings.surface_voxels = SurfaceVoxels::partial;
     if (by_label) {
       Block mask = block;
       mask.hu = [](double) { return 1.0; };
@@ -91,7 +91,7 @@ class BoundaryDensity : public ::testing::Test {
   }
 
   /// Energy per volume of the bone down to `depth_mm` below the true face, over that of the truth, less 1.
-  double energy_error(const Block& block, const Voxmap& voxmap, double depth_mm) const {
+  double energy_error(const Block& block, const FilledVoxmap& voxmap, double depth_mm) const {
     const Vec3 n = block.outward(), u = n.unitOrthogonal(), w = n.cross(u);
     constexpr double kRadius_mm = 6, kStep_mm = 0.11;
     double energy = 0, volume = 0;
@@ -136,7 +136,7 @@ TEST_F(BoundaryDensity, OfAUniformBlockHoldsAtEveryVoxelSize) {
           block.offset_mm = offset * spacing_mm;
           block.tilt_deg = tilt_deg;
           for (const double voxel_mm : {1.0, 0.5, 0.25}) {
-            const Voxmap voxmap = import(block, voxel_mm);
+            const FilledVoxmap voxmap = import(block, voxel_mm);
             for (const double depth_mm : {1.0, 5.0}) {
               const double found = energy_error(block, voxmap, depth_mm);
               worst = std::max(worst, std::abs(found));
@@ -230,7 +230,7 @@ TEST_F(BoundaryDensity, NoiseIsNotAmplified) {
           block.seed = seed;
           block.offset_mm = 0.125 * seed;
           block.tilt_deg = seed % 2 == 0 ? 0 : 25;
-          const Voxmap voxmap = import(block, voxel_mm);
+          const FilledVoxmap voxmap = import(block, voxel_mm);
           shallow += energy_error(block, voxmap, 1) / kSeeds;
           deep += energy_error(block, voxmap, 5) / kSeeds;
         }

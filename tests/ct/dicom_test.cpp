@@ -24,7 +24,7 @@ class Dicom : public ::testing::Test {
     report_ = {};
   }
 
-  Voxmap import(const std::string& name) { return voxmap_from_ct(settings(name), report_); }
+  FilledVoxmap import(const std::string& name) { return voxmap_from_ct(settings(name), report_); }
   BoneSettings settings(const std::string& name) const {
     BoneSettings out = settings_for(folder_.file(name), 1);
     out.ct.series = series_;
@@ -55,10 +55,10 @@ class Dicom : public ::testing::Test {
 
   TempFolder folder_;
   TestImage egg_ = egg_image();
-  Voxmap reference_;
+  FilledVoxmap reference_;
   Report report_;
   std::string series_;
-  std::string modality_ = "ct";
+  Modality modality_ = Modality::ct;
 };
 
 TEST_F(Dicom, SubfoldersAndFilesWithoutExtensionAreFound) {
@@ -108,7 +108,7 @@ TEST_F(Dicom, ASeriesIsChosenByUidOrNumber) {
   series_ = "1.2.8";
   expect_egg("cd");
   series_ = "1.2.7";
-  const Voxmap by_uid = import("cd");
+  const FilledVoxmap by_uid = import("cd");
   series_ = "2";
   expect_same(import("cd"), by_uid, "2");
   EXPECT_GT((by_uid.grid.origin_mm - reference_.grid.origin_mm).norm(), 1.5) << "the displaced egg";
@@ -138,11 +138,11 @@ TEST_F(Dicom, AnotherModalityIsRefusedUnlessAskedFor) {
   series_ = "1";
   EXPECT_THAT(error_of("mr"), HasSubstr("the series is MR"));
   series_ = "";
-  modality_ = "any";
+  modality_ = Modality::any;
   expect_egg("mr");
   ASSERT_EQ(report_.warnings.size(), 1U);
   EXPECT_THAT(report_.warnings[0], HasSubstr("modality MR, not CT"));
-  modality_ = "ct";
+  modality_ = Modality::ct;
   write_dicom(egg_, folder_.file("two/a"), -1, {.series = "1.2.8", .modality = "MR"});
   write_dicom(egg_, folder_.file("two/b"), -1, {.series = "1.2.7", .modality = "PT"});
   EXPECT_THAT(error_of("two"), HasSubstr("none of the 2 DICOM series is CT"));

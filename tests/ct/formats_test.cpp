@@ -14,7 +14,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-Voxmap import(const std::string& path, double voxel_mm = 1) {
+FilledVoxmap import(const std::string& path, double voxel_mm = 1) {
   Report report;
   return voxmap_from_ct(settings_for(path, voxel_mm), report);
 }
@@ -29,7 +29,7 @@ class Formats : public ::testing::Test {
 
   TempFolder folder_;
   TestImage egg_ = egg_image();
-  Voxmap reference_;
+  FilledVoxmap reference_;
 };
 
 TEST_F(Formats, EveryFileFormatGivesTheSameVoxmap) {
@@ -67,7 +67,7 @@ TEST_F(Formats, DicomRescaleCountsInHu) {
   Report report;
   BoneSettings settings = settings_for(folder_.file("series"), 1);
   settings.ct.threshold_hu = 2 * 200 + 64;
-  const Voxmap voxmap = voxmap_from_ct(settings, report);
+  const FilledVoxmap voxmap = voxmap_from_ct(settings, report);
   EXPECT_NEAR(volume_mm3(voxmap), volume_mm3(reference_), 1e-6);
   EXPECT_THAT(report.notes.back(), HasSubstr("HU 264 to 564"));
 }
@@ -92,7 +92,7 @@ TEST_F(Formats, DicomIsReadOnlyWhereTheCropIs) {
   Report report;
   BoneSettings settings = settings_for(folder_.file("series"), 1);
   settings.ct.crop_max_mm = Vec3(0, 100, 110);
-  const Voxmap cropped = voxmap_from_ct(settings, report);
+  const FilledVoxmap cropped = voxmap_from_ct(settings, report);
   settings.ct.path = folder_.file("reference.nrrd");
   expect_same(cropped, voxmap_from_ct(settings, report), "crop of DICOM");
   EXPECT_LT(volume_mm3(cropped), 0.7 * volume_mm3(reference_));
@@ -172,7 +172,7 @@ TEST_F(Formats, ReportSaysWhatWasDone) {
 
 TEST_F(Formats, VoxmapIsPlacedInWholeBricksWithAirAllRound) {
   for (const double voxel_mm : {0.3, 0.5, 1.0, 1.7}) {
-    const Voxmap voxmap = import(folder_.file("reference.nrrd"), voxel_mm);
+    const FilledVoxmap voxmap = import(folder_.file("reference.nrrd"), voxel_mm);
     EXPECT_EQ(voxmap.grid.dims.x() % 8 + voxmap.grid.dims.y() % 8 + voxmap.grid.dims.z() % 8, 0);
     EXPECT_EQ(voxmap.grid.voxel_mm, voxel_mm);
     EXPECT_EQ(voxmap.frame, "LPS");

@@ -153,7 +153,7 @@ TEST_P(BallVolume, IsThatOfTheSphere) {
   image.sample([](const Vec3& p) { return blurred_ball(p, kRadius); });
   write_image<float>(image, folder.file("ball.nrrd"));
   Report report;
-  const Voxmap voxmap = voxmap_from_ct(settings_for(folder.file("ball.nrrd"), ball.voxel_mm), report);
+  const FilledVoxmap voxmap = voxmap_from_ct(settings_for(folder.file("ball.nrrd"), ball.voxel_mm), report);
   const double expected = 4.0 / 3 * std::numbers::pi * std::pow(kRadius, 3);
   EXPECT_NEAR(volume_mm3(voxmap) / expected, 1, ball.tolerance);
   EXPECT_LT(centroid_mm(voxmap).norm(), 0.05);
@@ -188,7 +188,7 @@ TEST(Surface, OfAThresholdIsSmootherThanTheImagesVoxels) {
   image.sample([](const Vec3& p) { return blurred_ball(p, 9); });
   write_image<float>(image, folder.file("ball.nrrd"));
   Report report;
-  const Voxmap voxmap = voxmap_from_ct(settings_for(folder.file("ball.nrrd"), 0.2), report);
+  const FilledVoxmap voxmap = voxmap_from_ct(settings_for(folder.file("ball.nrrd"), 0.2), report);
   // An image voxel is five voxels wide: nearest neighbours would be off by up to four (half its diagonal).
   EXPECT_LT(roughness_voxels(voxmap, 9), 0.25);
 }
@@ -205,7 +205,7 @@ TEST(Surface, OfALabelMapIsSmootherThanTheImagesVoxels) {
   BoneSettings settings = settings_for(folder.file("ct.nrrd"), 0.2);
   settings.ct.label_map = LabelMapSettings{.path = folder.file("label.nrrd"), .label = {"3"}};
   Report report;
-  const Voxmap voxmap = voxmap_from_ct(settings, report);
+  const FilledVoxmap voxmap = voxmap_from_ct(settings, report);
   EXPECT_LT(roughness_voxels(voxmap, 9), 2.6);
   // The Gaussian of 0.6 mm moves a surface of radius R inwards by about 0.6²/R, here 0.04 mm or 1.3 % of the volume.
   EXPECT_NEAR(volume_mm3(voxmap) / (4.0 / 3 * std::numbers::pi * 729), 1 - 0.013, 0.01);
@@ -230,7 +230,7 @@ TEST(Oblique, ImageComesOutWhereTheBoneIs) {
   for (const std::string name : {"oblique.nrrd", "oblique.nii", "oblique.mha"}) {
     write_image<float>(image, folder.file(name));
     Report report;
-    const Voxmap voxmap = voxmap_from_ct(settings_for(folder.file(name), 0.5), report);
+    const FilledVoxmap voxmap = voxmap_from_ct(settings_for(folder.file(name), 0.5), report);
     EXPECT_NEAR(volume_mm3(voxmap) / (4.0 / 3 * std::numbers::pi * 6 * 9 * 12), 1, 0.02) << name;
     EXPECT_LT((centroid_mm(voxmap) - centre).norm(), 0.1) << name;
     EXPECT_NE(grade_at(voxmap, centre + Vec3(0, 0, 11.3)), 0);
@@ -253,7 +253,7 @@ TEST(Oblique, CropHoldsInLpsAxes) {
   settings.ct.crop_min_mm = Vec3(0, -15, -15);
   settings.ct.crop_max_mm = Vec3(15, 15, 15);
   Report report;
-  const Voxmap half = voxmap_from_ct(settings, report);
+  const FilledVoxmap half = voxmap_from_ct(settings, report);
   EXPECT_NEAR(volume_mm3(half) / (2.0 / 3 * std::numbers::pi * 729), 1, 0.03);
   EXPECT_EQ(grade_at(half, Vec3(-0.6, 0, 0)), 0);
   EXPECT_NE(grade_at(half, Vec3(0.6, 0, 0)), 0);
@@ -269,7 +269,7 @@ TEST(Oblique, TiltedGantryIsAShearAndNoStretch) {
   image.sample([](const Vec3& p) { return blurred_ball(p, 9); });
   write_dicom(image, folder.file("tilted"));
   Report report;
-  const Voxmap voxmap = voxmap_from_ct(settings_for(folder.file("tilted"), 0.5), report);
+  const FilledVoxmap voxmap = voxmap_from_ct(settings_for(folder.file("tilted"), 0.5), report);
   EXPECT_NEAR(volume_mm3(voxmap) / (4.0 / 3 * std::numbers::pi * 729), 1, 0.03);
   EXPECT_LT(centroid_mm(voxmap).norm(), 0.2);
 }
@@ -286,7 +286,7 @@ TEST(Density, GradeFollowsTheMappingOfTheScenario) {
   // (0.0007·1000 − 0.009)/0.6 = 1.1517 g/cm³; in steps of 0.008: 144.
   EXPECT_EQ(grade_at(voxmap_from_ct(settings, report), centre), 144);
   settings.density = {0.0004, 0.1, 0.5};  // (0.4 + 0.1)/0.5 = 1
-  const Voxmap other = voxmap_from_ct(settings, report);
+  const FilledVoxmap other = voxmap_from_ct(settings, report);
   EXPECT_EQ(grade_at(other, centre), 125);
   EXPECT_EQ(other.mapping.ash_slope_g_cm3_per_hu, 0.0004);
 }

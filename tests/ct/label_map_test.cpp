@@ -42,15 +42,15 @@ class LabelMap : public ::testing::Test {
 
   BoneSettings settings(const std::string& name, const std::vector<std::string>& label) const {
     BoneSettings out = settings_for(folder_.file("ct.nrrd"), 0.7);
-    out.surface_voxels = "partial";
+    out.surface_voxels = SurfaceVoxels::partial;
     out.ct.label_map = LabelMapSettings{.path = folder_.file(name), .label = label};
     return out;
   }
-  Voxmap import(const std::string& name, const std::vector<std::string>& label) {
+  FilledVoxmap import(const std::string& name, const std::vector<std::string>& label) {
     return voxmap_from_ct(settings(name, label), report_);
   }
   void expect_reference(const std::string& name, const std::vector<std::string>& label) {
-    const Voxmap voxmap = import(name, label);
+    const FilledVoxmap voxmap = import(name, label);
     expect_same(voxmap, reference_, name);
     EXPECT_EQ(voxmap.grid.origin_mm, reference_.grid.origin_mm) << name;
     EXPECT_TRUE(dense_fill(voxmap) == dense_fill(reference_)) << name;
@@ -71,7 +71,7 @@ class LabelMap : public ::testing::Test {
 
   TempFolder folder_;
   TestImage labels_;
-  Voxmap reference_;
+  FilledVoxmap reference_;
   Report report_;
 };
 
@@ -191,8 +191,8 @@ TEST_F(LabelMap, SeveralLabelsAreOneBone) {
   TestImage one = labels_;
   for (double& value : one.value) value = value > 0 ? 1 : 0;
   write_image<std::uint8_t>(one, folder_.file("one.nrrd"));
-  const Voxmap whole = import("one.nrrd", {"1"});
-  const Voxmap several = import("plain.nrrd", {"5", "9"});
+  const FilledVoxmap whole = import("one.nrrd", {"1"});
+  const FilledVoxmap several = import("plain.nrrd", {"5", "9"});
   expect_same(several, whole, "both");
   EXPECT_TRUE(dense_fill(several) == dense_fill(whole));
   EXPECT_GT(volume_mm3(several), volume_mm3(reference_) + 50);
@@ -220,7 +220,7 @@ TEST_F(LabelMap, CoarserAndFinerMapsGiveTheVolume) {
   half.origin_mm += 0.25 * half.spacing_mm;
   half.sample(egg_labels);
   write_image<std::uint8_t>(half, folder_.file("half.nrrd"));
-  const Voxmap voxmap = import("half.nrrd", {"5"});
+  const FilledVoxmap voxmap = import("half.nrrd", {"5"});
   // Against what the coarse map itself says, sampled at its centres.
   const auto labelled_mm3 = [](const TestImage& image) {
     return static_cast<double>(std::ranges::count(image.value, kShell)) * image.spacing_mm.prod();
@@ -235,7 +235,7 @@ TEST_F(LabelMap, HalfwayPointsDoNotDependOnHowTheMapIsStored) {
   displaced.origin_mm += 0.5 * displaced.spacing_mm;
   displaced.sample(egg_labels);
   write_image<std::uint8_t>(displaced, folder_.file("displaced.nrrd"));
-  const Voxmap voxmap = import("displaced.nrrd", {"5"});
+  const FilledVoxmap voxmap = import("displaced.nrrd", {"5"});
   for (const std::array<bool, 3>& flip : {std::array{true, true, true}, std::array{false, true, false}}) {
     write_image<std::uint8_t>(reordered(displaced, {1, 2, 0}, flip), folder_.file("flipped.nii"));
     expect_same(import("flipped.nii", {"5"}), voxmap, "flipped");

@@ -35,7 +35,7 @@ double blurred_edge(const Vec3& p) {
 
 class PartialCt : public ::testing::Test {
  protected:
-  Voxmap import(double voxel_mm, const char* surface_voxels) {
+  FilledVoxmap import(double voxel_mm, SurfaceVoxels surface_voxels) {
     TestImage image;
     image.dims = {50, 50, 50};
     image.spacing_mm = Vec3::Constant(kSpacing_mm);
@@ -55,7 +55,7 @@ class PartialCt : public ::testing::Test {
 };
 
 /// Bone mineral mass, mg, of the fill with its density.
-double mass_mg(const Voxmap& voxmap) {
+double mass_mg(const FilledVoxmap& voxmap) {
   double sum = 0;
   for_each_bone_voxel(voxmap, [&](const Vec3i&, std::uint8_t grade, std::uint16_t fill) {
     sum += DensityMapping::density_from_grade(grade) * fill / FillBricks::kWhole * voxmap.grid.voxel_mm3();
@@ -66,7 +66,8 @@ double mass_mg(const Voxmap& voxmap) {
 TEST_F(PartialCt, NeitherVolumeNorDensityCountsTheAirTwice) {
   const std::uint8_t bone = DensityMapping::grade_from_density(DensityMapping().density_from_hu(kBone_hu));
   const double truth_mg = kTruth_mm3 * DensityMapping::density_from_grade(bone);
-  const Voxmap partial = import(kSpacing_mm, "partial"), whole = import(kSpacing_mm, "whole");
+  const FilledVoxmap partial = import(kSpacing_mm, SurfaceVoxels::partial),
+                     whole = import(kSpacing_mm, SurfaceVoxels::whole);
   std::cout << "volume " << 100 * (partial.bone_mm3() / kTruth_mm3 - 1) << " %, whole voxels "
             << 100 * (whole.bone_mm3() / kTruth_mm3 - 1) << " %; mass " << 100 * (mass_mg(partial) / truth_mg - 1)
             << " %, whole voxels " << 100 * (mass_mg(whole) / truth_mg - 1) << " %\n";
@@ -78,7 +79,7 @@ TEST_F(PartialCt, NeitherVolumeNorDensityCountsTheAirTwice) {
 
 TEST_F(PartialCt, BoundaryVoxelsHaveTheDensityOfTheirFullNeighbours) {
   const std::uint8_t bone = DensityMapping::grade_from_density(DensityMapping().density_from_hu(kBone_hu));
-  const Voxmap partial = import(kSpacing_mm, "partial");
+  const FilledVoxmap partial = import(kSpacing_mm, SurfaceVoxels::partial);
   std::int64_t boundary = 0, thinned = 0;
   for_each_bone_voxel(partial, [&](const Vec3i&, std::uint8_t grade, std::uint16_t fill) {
     boundary += fill != FillBricks::kWhole ? 1 : 0;
@@ -90,14 +91,14 @@ TEST_F(PartialCt, BoundaryVoxelsHaveTheDensityOfTheirFullNeighbours) {
 
 TEST_F(PartialCt, VolumeHoldsWhetherVoxelsMergeOrDivide) {
   for (const double voxel_mm : {0.2, 0.35, 0.8, 1.25}) {
-    const Voxmap partial = import(voxel_mm, "partial");
+    const FilledVoxmap partial = import(voxel_mm, SurfaceVoxels::partial);
     std::cout << voxel_mm << " mm: volume " << 100 * (partial.bone_mm3() / kTruth_mm3 - 1) << " %\n";
     EXPECT_NEAR(partial.bone_mm3() / kTruth_mm3, 1, 0.004) << voxel_mm;
   }
 }
 
 TEST_F(PartialCt, CutsPassThroughVoxels) {
-  import(kSpacing_mm, "partial");
+  import(kSpacing_mm, SurfaceVoxels::partial);
   settings_.ct.cut_planes.push_back({kCenter_mm, Vec3(1, 2, -2) / 3});
   EXPECT_NEAR(voxmap_from_ct(settings_, report_).bone_mm3() / (kTruth_mm3 / 2), 1, 0.004);
   settings_.ct.cut_planes.clear();
@@ -115,9 +116,9 @@ TEST_F(PartialCt, ACortexOfOneVoxelKeepsItsDensity) {
   });
   write_image<float>(image, folder_.file("shell.nrrd"));
   settings_ = settings_for(folder_.file("shell.nrrd"), 1);
-  const Voxmap whole = voxmap_from_ct(settings_, report_);
-  settings_.surface_voxels = "partial";
-  const Voxmap partial = voxmap_from_ct(settings_, report_);
+  const FilledVoxmap whole = voxmap_from_ct(settings_, report_);
+  settings_.surface_voxels = SurfaceVoxels::partial;
+  const FilledVoxmap partial = voxmap_from_ct(settings_, report_);
   for_each_bone_voxel(whole, [&](const Vec3i& voxel, std::uint8_t grade, std::uint16_t) {
     const std::uint8_t now = partial.grade.get(voxel);
     EXPECT_TRUE(now == 0 || now >= grade) << int{now} << " instead of " << int{grade};

@@ -30,14 +30,14 @@ class RealShoulder : public ::testing::Test {
   static void SetUpTestSuite() {
     const std::string path = data_file("shoulder_ct/shoulder_left.nrrd");
     if (std::filesystem::exists(path))
-      voxmap_ = std::make_unique<Voxmap>(voxmap_from_ct(shoulder(data_file("")), report_));
+      voxmap_ = std::make_unique<FilledVoxmap>(voxmap_from_ct(shoulder(data_file("")), report_));
   }
   static void TearDownTestSuite() { voxmap_.reset(); }
   void SetUp() override {
     if (!voxmap_) GTEST_SKIP() << "no " << data_file("shoulder_ct/shoulder_left.nrrd") << "; set REAMSIM_DATA";
   }
 
-  static inline std::unique_ptr<Voxmap> voxmap_;
+  static inline std::unique_ptr<FilledVoxmap> voxmap_;
   static inline Report report_;
   const Vec3 glenoid_{126.9, 175.9, -440.6};  // the data's README
   const Vec3 normal_ = Vec3(0.611, -0.548, 0.572).normalized();
@@ -125,7 +125,7 @@ TEST(RealBody, Int32NiftiInRasIsReadWithTheRightAxes) {
   Report report;
   BoneSettings settings = settings_for(path, 3);
   settings.ct.closing_mm = 0;
-  const Voxmap spine = voxmap_from_ct(settings, report);
+  const FilledVoxmap spine = voxmap_from_ct(settings, report);
   EXPECT_THAT(report.notes.front(), HasSubstr("NIfTI, int32, 122x101x112 voxels of 3x3x3 mm, axes along LPS"));
   // 122 × 3 mm wide, 101 × 3 mm deep, 112 × 3 mm high, whatever the order and sense of the axes in the file.
   const std::string& note = report.notes.front();

@@ -54,9 +54,9 @@ class RealLabelMap : public ::testing::Test {
     return out;
   }
 
-  static Voxmap import(const std::string& name, const std::vector<std::string>& label) {
+  static FilledVoxmap import(const std::string& name, const std::vector<std::string>& label) {
     BoneSettings settings = settings_for(scan_path(), 0.8);
-    settings.surface_voxels = "partial";
+    settings.surface_voxels = SurfaceVoxels::partial;
     settings.ct.crop_min_mm = Vec3(85, 140, -480);  // round the glenoid
     settings.ct.crop_max_mm = Vec3(150, 205, -415);
     settings.ct.label_map = LabelMapSettings{.path = shared_->folder.file(name), .label = label};
@@ -64,7 +64,7 @@ class RealLabelMap : public ::testing::Test {
     return voxmap_from_ct(settings, report);
   }
   static void expect_reference(const std::string& name, const std::vector<std::string>& label) {
-    const Voxmap voxmap = import(name, label);
+    const FilledVoxmap voxmap = import(name, label);
     expect_same(voxmap, shared_->reference, name);
     EXPECT_TRUE(dense_fill(voxmap) == dense_fill(shared_->reference)) << name;
   }
@@ -72,7 +72,7 @@ class RealLabelMap : public ::testing::Test {
   struct Shared {
     TempFolder folder;
     TestImage labels;
-    Voxmap reference;
+    FilledVoxmap reference;
   };
   static inline std::unique_ptr<Shared> shared_;
 };
@@ -117,7 +117,7 @@ TEST_F(RealLabelMap, HalfTheResolutionGivesTheVolumeWithinAPercent) {
     }
   }
   write_image<std::uint8_t>(half, shared_->folder.file("half.nrrd"));
-  const Voxmap voxmap = import("half.nrrd", {"12"});
+  const FilledVoxmap voxmap = import("half.nrrd", {"12"});
   const double ratio = voxmap.bone_mm3() / shared_->reference.bone_mm3();
   std::cout << "half resolution: volume " << 100 * (ratio - 1) << " %\n";
   EXPECT_NEAR(ratio, 1, 0.01);

@@ -38,7 +38,7 @@ class RefineMask : public ::testing::Test {
     image.sample(mask);
     write_image<std::uint8_t>(image, folder_.file("mask.nrrd"));
     BoneSettings out = settings_for(folder_.file("ct.nrrd"), 0.5);
-    out.surface_voxels = "partial";
+    out.surface_voxels = SurfaceVoxels::partial;
     out.ct.label_map = LabelMapSettings{.path = folder_.file("mask.nrrd"), .label = {"1"}};
     out.ct.label_map->refine_hu = 350;
     return out;
@@ -78,7 +78,7 @@ TEST_F(RefineMask, TrabecularBoneUnderTheCortexStays) {
   EXPECT_NEAR(volume(settings, 1.5) / mask, 1, 0.04);
   BoneSettings one = settings;
   one.ct.label_map->refine_mm = 1.5;
-  const Voxmap voxmap = voxmap_from_ct(one, report_);
+  const FilledVoxmap voxmap = voxmap_from_ct(one, report_);
   for (const double radius : {0.0, 3.0, 5.5, 6.5, 7.0}) EXPECT_NE(grade_at(voxmap, Vec3(0, radius, 0)), 0) << radius;
 }
 

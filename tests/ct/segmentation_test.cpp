@@ -36,7 +36,7 @@ class Segmentation : public ::testing::Test {
     write_image<std::int16_t>(image_, folder_.file("ct.nrrd"));
     return settings_for(folder_.file("ct.nrrd"), voxel_mm);
   }
-  Voxmap import(const BoneSettings& settings) { return voxmap_from_ct(settings, report_); }
+  FilledVoxmap import(const BoneSettings& settings) { return voxmap_from_ct(settings, report_); }
   std::string notes() const {
     std::string all;
     for (const std::string& note : report_.notes) all += note + "\n";
@@ -50,7 +50,7 @@ class Segmentation : public ::testing::Test {
 };
 
 TEST_F(Segmentation, TrabecularInsideStaysBone) {
-  const Voxmap voxmap = import(write(two_bones(2)));
+  const FilledVoxmap voxmap = import(write(two_bones(2)));
   EXPECT_NEAR(volume_mm3(voxmap) / ball(9), 1, 0.03);
   // (0.0007·80 − 0.009)/0.6 = 0.0783 g/cm³, grade 10: kept, and kept as light as it is.
   EXPECT_EQ(grade_at(voxmap, Vec3(0.1, 0.1, 0.1)), 10);
@@ -60,13 +60,13 @@ TEST_F(Segmentation, TrabecularInsideStaysBone) {
 TEST_F(Segmentation, WithoutFillingTheInsideIsAir) {
   BoneSettings settings = write(two_bones(2));
   settings.ct.fill_holes = false;
-  const Voxmap voxmap = import(settings);
+  const FilledVoxmap voxmap = import(settings);
   EXPECT_EQ(grade_at(voxmap, Vec3(0.1, 0.1, 0.1)), 0);
   EXPECT_NEAR(volume_mm3(voxmap) / (ball(9) - ball(6.5)), 1, 0.06);
 }
 
 TEST_F(Segmentation, LargestPieceWithoutASeed) {
-  const Voxmap voxmap = import(write(two_bones(2)));
+  const FilledVoxmap voxmap = import(write(two_bones(2)));
   EXPECT_LT(centroid_mm(voxmap).norm(), 0.1);
   EXPECT_EQ(grade_at(voxmap, Vec3(24, 0, 0)), 0);
   EXPECT_THAT(notes(), HasSubstr("2 connected pieces; kept the largest"));
@@ -76,7 +76,7 @@ TEST_F(Segmentation, SeedChoosesThePieceFromItsShellOrItsTrabecularInside) {
   BoneSettings settings = write(two_bones(2));
   for (const Vec3& seed : {Vec3(18, 0, 0), Vec3(18, 0, 5.75)}) {  // inside, below the threshold; in the shell
     settings.ct.seed_mm = seed;
-    const Voxmap voxmap = import(settings);
+    const FilledVoxmap voxmap = import(settings);
     EXPECT_NEAR(volume_mm3(voxmap) / ball(7), 1, 0.04);
     EXPECT_LT((centroid_mm(voxmap) - Vec3(18, 0, 0)).norm(), 0.1);
   }
@@ -91,7 +91,7 @@ TEST_F(Segmentation, ClosingSealsALeakInTheShellSoThatTheInsideStays) {
   BoneSettings settings = write(leaky);
   EXPECT_EQ(grade_at(import(settings), Vec3(0.1, 0.1, 0.1)), 0) << "the hole must leak, or this tests nothing";
   settings.ct.closing_mm = 1.5;
-  const Voxmap voxmap = import(settings);
+  const FilledVoxmap voxmap = import(settings);
   EXPECT_EQ(grade_at(voxmap, Vec3(0.1, 0.1, 0.1)), 10);
   EXPECT_NEAR(volume_mm3(voxmap) / ball(9), 1, 0.04);
 }
@@ -99,7 +99,7 @@ TEST_F(Segmentation, ClosingSealsALeakInTheShellSoThatTheInsideStays) {
 TEST_F(Segmentation, ClosingDoesNotBridgeAJoint) {
   BoneSettings settings = write(two_bones(1.5));  // narrower than the closing ball
   settings.ct.closing_mm = 2;
-  const Voxmap voxmap = import(settings);
+  const FilledVoxmap voxmap = import(settings);
   EXPECT_NEAR(volume_mm3(voxmap) / ball(9), 1, 0.04);
   EXPECT_EQ(grade_at(voxmap, Vec3(9.75, 0, 0)), 0) << "the gap stays a gap";
 }
@@ -108,7 +108,7 @@ TEST_F(Segmentation, CutSpherePartsBonesThatTouch) {
   BoneSettings settings = write(two_bones(-1));
   EXPECT_GT(volume_mm3(import(settings)), 0.97 * (ball(9) + ball(7)) - 30);
   settings.ct.cut_spheres.push_back({Vec3(15, 0, 0), 7});
-  const Voxmap voxmap = import(settings);
+  const FilledVoxmap voxmap = import(settings);
   EXPECT_EQ(grade_at(voxmap, Vec3(15, 0, 0)), 0);
   EXPECT_EQ(grade_at(voxmap, Vec3(8.5, 0, 0)), 0) << "in the sphere";
   EXPECT_NE(grade_at(voxmap, Vec3(7.5, 0, 0)), 0) << "outside it";
@@ -181,7 +181,7 @@ TEST_F(Segmentation, CutPlaneRemovesTheSideOfItsNormalAndIsFlat) {
   BoneSettings settings = write(solid, 0.2);
   const Vec3 normal = Vec3(1, 0.4, -0.3).normalized();
   settings.ct.cut_planes.push_back({Vec3(2, 0, 0), normal});
-  const Voxmap voxmap = import(settings);
+  const FilledVoxmap voxmap = import(settings);
   const double height = 9 - normal.dot(Vec3(2, 0, 0));  // of the cap that goes
   const double cap = std::numbers::pi * height * height * (9 - height / 3);
   EXPECT_NEAR(volume_mm3(voxmap) / (ball(9) - cap), 1, 0.02);
@@ -201,7 +201,7 @@ TEST_F(Segmentation, BoneThatLeavesTheCropKeepsItsInside) {
     const double r = Vec2(p.y(), p.z()).norm();
     return r < 5 ? 50.0 : (r < 8 ? 700.0 : -100.0);
   });
-  const Voxmap voxmap = import(settings);
+  const FilledVoxmap voxmap = import(settings);
   EXPECT_NE(grade_at(voxmap, Vec3(0, 0, 0)), 0);
   EXPECT_NE(grade_at(voxmap, Vec3(-11, 0, 0)), 0) << "up to the end of the image";
   EXPECT_NEAR(volume_mm3(voxmap) / (std::numbers::pi * 64 * 38), 1, 0.03);
@@ -216,7 +216,7 @@ TEST_F(Segmentation, LabelMapReplacesThresholdSeedAndCuts) {
   settings.ct.threshold_hu = 5000;  // none of these counts now
   settings.ct.cut_spheres.push_back({Vec3(18, 0, 0), 20});
   settings.ct.seed_mm = Vec3(0, 0, 0);
-  const Voxmap voxmap = import(settings);
+  const FilledVoxmap voxmap = import(settings);
   EXPECT_NEAR(volume_mm3(voxmap) / ball(7), 1, 0.03);
   EXPECT_LT((centroid_mm(voxmap) - Vec3(18, 0, 0)).norm(), 0.1);
   EXPECT_EQ(grade_at(voxmap, Vec3(18, 0, 0)), 10) << "HU come from the image";
@@ -234,7 +234,7 @@ TEST_F(Segmentation, LabelMapOfAnObliqueImage) {
   write_image<std::int16_t>(image, folder_.file("labels.nrrd"));
   BoneSettings settings = settings_for(folder_.file("ct.nii"), 0.5);
   settings.ct.label_map = LabelMapSettings{.path = folder_.file("labels.nrrd"), .label = {"4"}};
-  const Voxmap voxmap = import(settings);
+  const FilledVoxmap voxmap = import(settings);
   EXPECT_NEAR(volume_mm3(voxmap) / ball(8), 1, 0.03);
   EXPECT_LT(centroid_mm(voxmap).norm(), 0.1);
 }
@@ -263,12 +263,12 @@ TEST_F(Segmentation, FiltersTakeTheNoiseOutAndLeaveTheEdge) {
   });
   const double raw = spread(import(settings), 6);
   ASSERT_GT(raw, 5) << "seed " << kSeed;
-  for (const std::string filter : {"median", "curvature_anisotropic"}) {
+  for (const CtFilter filter : {CtFilter::median, CtFilter::curvature_anisotropic}) {
     settings.ct.filter = filter;
-    const Voxmap voxmap = import(settings);
-    EXPECT_LT(spread(voxmap, 6), 0.6 * raw) << filter;
-    EXPECT_NEAR(volume_mm3(voxmap) / ball(9), 1, 0.03) << filter;
-    EXPECT_THAT(notes(), HasSubstr(filter == "median" ? "median filter, radius 1" : "curvature anisotropic"));
+    const FilledVoxmap voxmap = import(settings);
+    EXPECT_LT(spread(voxmap, 6), 0.6 * raw) << name_of(filter);
+    EXPECT_NEAR(volume_mm3(voxmap) / ball(9), 1, 0.03) << name_of(filter);
+    EXPECT_THAT(notes(), HasSubstr(filter == CtFilter::median ? "median filter, radius 1" : "curvature anisotropic"));
   }
 }
 

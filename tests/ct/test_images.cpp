@@ -197,7 +197,7 @@ TestImage cropped(const TestImage& image, const Vec3i& start, const Vec3i& size)
 
 BoneSettings settings_for(const std::string& path, double voxel_mm) {
   BoneSettings settings;
-  settings.source = "ct";
+  settings.source = BoneSource::ct;
   settings.voxel_mm = voxel_mm;
   settings.ct.path = path;
   settings.ct.threshold_hu = 200;
@@ -217,7 +217,7 @@ double volume_mm3(const Voxmap& voxmap) {
   return static_cast<double>(voxmap.grade.count()) * voxmap.grid.voxel_mm3();
 }
 
-Vec3 centroid_mm(const Voxmap& voxmap) {
+Vec3 centroid_mm(const FilledVoxmap& voxmap) {
   Vec3 sum = Vec3::Zero();
   std::int64_t count = 0;
   for_each_bone_voxel(voxmap, [&](const Vec3i& c, std::uint8_t, std::uint16_t) {

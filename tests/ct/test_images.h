@@ -79,7 +79,7 @@ void expect_same(const Voxmap& a, const Voxmap& b, const std::string& what);
 
 /// Bone volume, mm³, and centroid, mm.
 double volume_mm3(const Voxmap& voxmap);
-Vec3 centroid_mm(const Voxmap& voxmap);
+Vec3 centroid_mm(const FilledVoxmap& voxmap);
 
 /// HU that a voxel's density stands for, at the voxel of a point.
 std::uint8_t grade_at(const Voxmap& voxmap, const Vec3& point_mm);

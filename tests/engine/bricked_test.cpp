@@ -13,24 +13,24 @@ namespace reamsim::test::bricked_tests {
 namespace {
 
 TEST(Bricked, BricksInManyPoolsGiveTheSame) {
-  for (const char* shape : {"cpu", "gpu"}) {
-    for (const char* erosion : {"remove", "wear"}) {
-      SCOPED_TRACE(std::string(shape) + ", " + erosion);
+  for (const KernelShape shape : {KernelShape::cpu, KernelShape::gpu}) {
+    for (const ErosionMode erosion : {ErosionMode::remove, ErosionMode::wear}) {
+      SCOPED_TRACE(name_of(shape) + ", " + name_of(erosion));
       ReamingScene scene = oblique_scene("auto");
       scene.scenario.engine.kernel_shape = shape;
       scene.scenario.cutting.erosion = erosion;
       const Outcome one = run(scene);
       EXPECT_GT(one.removed.size(), 100U);
       // 120 bricks in pools of 8 or, with fill, of 8 larger ones.
-      const std::size_t largest = erosion == std::string("wear") ? 14'000 : 6'000;
-      const auto engine = make_bricked_engine(cl::choose_device("auto"), scene.scenario, scene.bone.voxmap, scene.tool,
+      const std::size_t largest = erosion == ErosionMode::wear ? 14'000 : 6'000;
+      const auto engine = make_bricked_engine(cl::choose_device("auto"), scene.scenario, scene.bone, scene.tool,
                                               {.largest_pool = largest});
       expect_same(run_on(*engine, scene), one);
-      engine->restore(scene.bone.voxmap);
+      engine->restore(scene.bone);
       expect_same(run_on(*engine, scene), one);
-      EXPECT_THROW(make_bricked_engine(cl::choose_device("auto"), scene.scenario, scene.bone.voxmap, scene.tool,
-                                       {.largest_pool = 700}),
-                   InputError)
+      EXPECT_THROW(
+          make_bricked_engine(cl::choose_device("auto"), scene.scenario, scene.bone, scene.tool, {.largest_pool = 700}),
+          InputError)
           << "16 pools of a brick each do not hold 120";
     }
   }
@@ -47,9 +47,9 @@ std::size_t records_of(const RemovedFrames& removed, const VoxelGrid& grid) {
 }
 
 TEST(Bricked, AShortListOfRemovedVoxelsGivesTheSame) {
-  for (const char* shape : {"cpu", "gpu"}) {
-    for (const char* law : {"energy", "per_point"}) {
-      SCOPED_TRACE(std::string(shape) + ", " + law);
+  for (const KernelShape shape : {KernelShape::cpu, KernelShape::gpu}) {
+    for (const CuttingLaw law : {CuttingLaw::energy, CuttingLaw::per_point}) {
+      SCOPED_TRACE(name_of(shape) + ", " + name_of(law));
       ReamingScene scene = oblique_scene("auto");
       scene.scenario.engine.kernel_shape = shape;
       scene.scenario.cutting.law = law;
@@ -57,8 +57,8 @@ TEST(Bricked, AShortListOfRemovedVoxelsGivesTheSame) {
       const Outcome roomy = run(scene);
       // Room for what one substep could remove, which the run, a single batch, removes several times over.
       EXPECT_GT(records_of(roomy.removed, scene.bone.voxmap->grid), 2 * scene.tool.shell.codes.size());
-      const auto engine = make_bricked_engine(cl::choose_device("auto"), scene.scenario, scene.bone.voxmap, scene.tool,
-                                              {.removed_room = 1});
+      const auto engine =
+          make_bricked_engine(cl::choose_device("auto"), scene.scenario, scene.bone, scene.tool, {.removed_room = 1});
       expect_same(run_on(*engine, scene), roomy);
     }
   }
@@ -69,7 +69,7 @@ TEST(Bricked, WhatDoesNotFitSaysWhatWould) {
   info.global_memory_bytes = 50'000;
   const ReamingScene scene = oblique_scene("auto");
   try {
-    make_bricked_engine(info, scene.scenario, scene.bone.voxmap, scene.tool);
+    make_bricked_engine(info, scene.scenario, scene.bone, scene.tool);
     FAIL() << "it fits";
   } catch (const InputError& error) {
     const std::string text = error.what();
@@ -80,7 +80,7 @@ TEST(Bricked, WhatDoesNotFitSaysWhatWould) {
 
 TEST(Bricked, MemoryFollowsTheBoneAndNotTheLattice) {
   // A block in the corner of a lattice of 1024³: a dense array takes 1074 MB.
-  Voxmap voxmap(VoxelGrid{Vec3i::Constant(1024), 0.05, Vec3::Zero()});
+  FilledVoxmap voxmap(VoxelGrid{Vec3i::Constant(1024), 0.05, Vec3::Zero()});
   for (int z = 0; z < 64; ++z)
     for (int y = 0; y < 64; ++y)
       for (int x = 0; x < 64; ++x) voxmap.grade.set({x, y, z}, 100);

@@ -42,7 +42,7 @@ struct Plunge {
 Plunge plunge(const std::string& device, double depth, double rate_hz, double voxel) {
   ReamingScene scene;
   scene.scenario = quiet_scenario(device);
-  scene.bone.voxmap = block({33, 33, 6}, voxel, kDensity);
+  scene.bone.set_voxels(block({33, 33, 6}, voxel, kDensity));
   scene.tool = make_tool(cap_profile(kRadius, kWidth, 8, kBore), static_cast<int>(std::ceil(30 / (voxel / 2))) + 1);
   const int frames = static_cast<int>(std::lround((depth + 0.1) / kFeed * rate_hz));
   scene.motion = straight({0.03, 0.05, 0.1}, {0.03, 0.05, -depth}, frames, rate_hz, kRpm);
@@ -109,7 +109,7 @@ TEST(ClosedForm, CapVolumeAgainstSerialAndAnalytic) {
 TEST(ClosedForm, WithdrawalTakesNothing) {
   ReamingScene scene;
   scene.scenario = quiet_scenario("auto");
-  scene.bone.voxmap = block({12, 12, 4}, 0.25, 1.2);
+  scene.bone.set_voxels(block({12, 12, 4}, 0.25, 1.2));
   scene.tool = make_tool(cap_profile(8, 8, 4, 0.5), 80);
   Motion down = straight({0, 0, 0.2}, {0, 0, -1}, 100, 500, 250), up = straight({0, 0, -1}, {0, 0, 1}, 100, 500, 250);
   scene.motion = down;

@@ -34,22 +34,22 @@ std::string refusal(const DensePlan& plan, const cl::DeviceInfo& device) {
 TEST(DensePlan, KeepsThePublishedLayouts) {
   const ReamingScene scene = oblique_scene("auto");
   const std::size_t voxels = 41 * 37 * 29, points = scene.tool.shell.codes.size();
-  const auto plan = [&](const char* detector) { return plan_dense(detector, scene.bone.voxmap, scene.tool, false); };
-  EXPECT_EQ(plan("direct").bone_bytes(), voxels);
-  EXPECT_EQ(plan("direct").shell_bytes(), 4 * points);
-  EXPECT_EQ(plan("octree").bone_bytes(), 4 * voxels);
-  EXPECT_NEAR(double(plan("octree").claim_bytes()), double(voxels), 4);
-  EXPECT_EQ(plan("octree").shell_bytes(), 12 * points);
-  EXPECT_EQ(plan("implicit").bone_bytes(), voxels);
-  EXPECT_EQ(plan("implicit").claim_bytes(), 0U);
-  EXPECT_EQ(plan("implicit").shell_bytes(), 0U);
+  const auto plan = [&](EngineKind detector) { return plan_dense(detector, scene.bone, scene.tool, false); };
+  EXPECT_EQ(plan(EngineKind::direct).bone_bytes(), voxels);
+  EXPECT_EQ(plan(EngineKind::direct).shell_bytes(), 4 * points);
+  EXPECT_EQ(plan(EngineKind::octree).bone_bytes(), 4 * voxels);
+  EXPECT_NEAR(double(plan(EngineKind::octree).claim_bytes()), double(voxels), 4);
+  EXPECT_EQ(plan(EngineKind::octree).shell_bytes(), 12 * points);
+  EXPECT_EQ(plan(EngineKind::implicit).bone_bytes(), voxels);
+  EXPECT_EQ(plan(EngineKind::implicit).claim_bytes(), 0U);
+  EXPECT_EQ(plan(EngineKind::implicit).shell_bytes(), 0U);
 }
 
 TEST(DensePlan, SaysWhatWouldFit) {
   const ReamingScene scene = oblique_scene("auto");
-  for (const char* detector : {"direct", "octree", "implicit"}) {
-    SCOPED_TRACE(detector);
-    const DensePlan plan = plan_dense(detector, scene.bone.voxmap, scene.tool, true);
+  for (const EngineKind detector : {EngineKind::direct, EngineKind::octree, EngineKind::implicit}) {
+    SCOPED_TRACE(name_of(detector));
+    const DensePlan plan = plan_dense(detector, scene.bone, scene.tool, true);
     EXPECT_EQ(refusal(plan, device_with(plan.bytes(), plan.largest_bytes())), "");
     for (const auto& small :
          {device_with(plan.bytes() - 1, plan.bytes()), device_with(plan.bytes(), plan.largest_bytes() - 1)}) {
@@ -73,8 +73,8 @@ TEST(DensePlan, VoxelsAreNumberedIn32Bits) {
 
 TEST(DensePlan, TheContactListHoldsWhateverTheToolCanHold) {
   ReamingScene scene = oblique_scene("serial", "implicit");
-  scene.bone.voxmap = block({16, 16, 16}, 0.25, 1.0);
-  const DensePlan plan = plan_dense("implicit", scene.bone.voxmap, scene.tool, false);
+  scene.bone.set_voxels(block({16, 16, 16}, 0.25, 1.0));
+  const DensePlan plan = plan_dense(EngineKind::implicit, scene.bone, scene.tool, false);
   EXPECT_LT(plan.contacts, plan.unreamed);
   // Jumps right inside, turned so that the box's diagonals lie along the lattice.
   const Quat turn(Eigen::AngleAxisd(0.7, Vec3(1, 1, 0).normalized()));
@@ -111,7 +111,9 @@ TEST(HuScale, EveryGradeComesBackFromItsHu) {
   lost.ash_offset_g_cm3 = -1e6;
   EXPECT_FALSE(HuScale(lost).exact());
   ReamingScene scene = oblique_scene("auto", "octree");
-  scene.bone.voxmap->mapping = lost;
+  FilledVoxmap voxels = scene.bone.take_voxels();
+  voxels.mapping = lost;
+  scene.bone.set_voxels(std::move(voxels));
   EXPECT_THROW(make_engine(scene.scenario, scene.bone, scene.tool), InputError);
 }
 

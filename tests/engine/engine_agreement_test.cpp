@@ -46,7 +46,7 @@ TEST_P(DetectorAgreement, Remove) {
 
 TEST_P(DetectorAgreement, Wear) {
   const Outcome outcome = agreed([](ReamingScene& s) {
-    s.scenario.cutting.erosion = "wear";
+    s.scenario.cutting.erosion = ErosionMode::wear;
     s.scenario.cutting.wear_g_cm3_per_s = 30;
   });
   EXPECT_GT(outcome.totals.removed_mm3, 1);
@@ -59,7 +59,7 @@ TEST_P(ShellAgreement, PerPointLaw) {
   for (const int group : {0, 1, 7, 200, 256}) {
     SCOPED_TRACE("work group " + std::to_string(group));
     const Outcome outcome = agreed([&](ReamingScene& s) {
-      s.scenario.cutting.law = "per_point";
+      s.scenario.cutting.law = CuttingLaw::per_point;
       s.scenario.engine.work_group_size = group;
     });
     EXPECT_GT(outcome.totals.peak_force_n, 0);
@@ -67,7 +67,7 @@ TEST_P(ShellAgreement, PerPointLaw) {
 }
 
 TEST_P(ShellAgreement, ResolvedSpin) {
-  EXPECT_GT(agreed([](ReamingScene& s) { s.scenario.tool.spin = "resolved"; }).totals.removed_mm3, 5);
+  EXPECT_GT(agreed([](ReamingScene& s) { s.scenario.tool.spin = ToolSpin::resolved; }).totals.removed_mm3, 5);
 }
 
 TEST_P(DetectorAgreement, PartlyReamedBone) {
@@ -106,8 +106,9 @@ TEST_P(DetectorAgreement, RandomScenes) {
     const Vec3 from(6 * u(random), 6 * u(random), 6 * u(random)), to(2 * u(random), 2 * u(random), 2 * u(random));
     SCOPED_TRACE("trial " + std::to_string(trial));
     agreed([&](ReamingScene& s) {
-      s.bone.voxmap = random_bone(dims, 0.25, bone_seed);
-      s.bone.voxmap->grade.set({0, 0, 0}, 100);  // never without bone
+      FilledVoxmap bone = random_bone(dims, 0.25, bone_seed);
+      bone.grade.set({0, 0, 0}, 100);  // never without bone
+      s.bone.set_voxels(std::move(bone));
       s.tool = make_tool(cap_profile(5, 6, 2.5, 0.6), resolution);
       s.motion = straight(from, to, 20, 50, 100, tilt);
     });
@@ -116,8 +117,7 @@ TEST_P(DetectorAgreement, RandomScenes) {
 
 TEST_P(DetectorAgreement, OneVoxel) {
   const Outcome outcome = agreed([](ReamingScene& s) {
-    s.bone.voxmap = Voxmap(VoxelGrid{{1, 1, 1}, 1.0, {1.0, -0.5, -0.5}});
-    s.bone.voxmap->grade.set({0, 0, 0}, 225);
+    s.bone.set_voxels(one_voxel(1.0, {1.0, -0.5, -0.5}, 225));
     s.tool = make_tool(cap_profile(5, 6, 2.5, 0.6), 30);
     s.motion = straight({0, 0, 3}, {0, 0, -1}, 40, 100, 60);
   });
@@ -127,8 +127,7 @@ TEST_P(DetectorAgreement, OneVoxel) {
 
 TEST_P(ShellAgreement, OneVoxelOnePoint) {
   const Outcome outcome = agreed([](ReamingScene& s) {
-    s.bone.voxmap = Voxmap(VoxelGrid{{1, 1, 1}, 1.0, {-0.5, -0.5, -0.5}});
-    s.bone.voxmap->grade.set({0, 0, 0}, 225);
+    s.bone.set_voxels(one_voxel(1.0, {-0.5, -0.5, -0.5}, 225));
     s.tool = make_tool(cap_profile(5, 6, 2.5, 0.6), 8);
     s.tool.shell.codes = {s.tool.shell.codes.front()};
     const PointShell& shell = s.tool.shell;
@@ -145,7 +144,7 @@ TEST_P(ShellAgreement, AShellBeyond1024) {
   const Tool tool = make_tool(needle, 1500);
   EXPECT_GT(tool.shell.codes.back(), UINT32_MAX) << "some codes must need more than 32 bits";
   const Outcome outcome = agreed([&](ReamingScene& s) {
-    s.bone.voxmap = random_bone({41, 37, 29}, 0.2, 23);
+    s.bone.set_voxels(random_bone({41, 37, 29}, 0.2, 23));
     s.tool = tool;
     const Quat tilt(Eigen::AngleAxisd(0.9, Vec3(1, 2, 0.5).normalized()));
     s.motion = straight({-2, 1, 3}, {-0.5, 0.3, -1}, 12, 100, 250, tilt);
@@ -156,7 +155,7 @@ TEST_P(ShellAgreement, AShellBeyond1024) {
 TEST_P(DetectorAgreement, EdgeOn) {
   // The spin axis lies in the face: the cap's rim goes in first.
   const Outcome outcome = agreed([](ReamingScene& s) {
-    s.bone.voxmap = block({7, 9, 4}, 0.25, 1.1);
+    s.bone.set_voxels(block({7, 9, 4}, 0.25, 1.1));
     s.motion = straight({0, 0, 3.2}, {0.3, -0.2, 1.9}, 20, 100, 250, Quat(Eigen::AngleAxisd(M_PI / 2, Vec3::UnitX())));
   });
   EXPECT_GT(outcome.removed.size(), 50U);
@@ -166,7 +165,7 @@ TEST_P(DetectorAgreement, BordersOfTheVoxmap) {
   // Bone fills the lattice to every border, and the tool crosses a face, an edge and a corner of it.
   for (const Vec3& to : {Vec3(0, 0, -1), Vec3(3, 0, -1), Vec3(-3, -2.9, -1), Vec3(3, 2.9, -6)}) {
     const Outcome outcome = agreed([&](ReamingScene& s) {
-      s.bone.voxmap = block({6, 5.75, 4.25}, 0.25, 1.1);
+      s.bone.set_voxels(block({6, 5.75, 4.25}, 0.25, 1.1));
       s.motion = straight(to + Vec3(0.1, 0, 2.2), to, 20, 100, 250);
     });
     EXPECT_GT(outcome.removed.size(), 20U) << to.transpose();
@@ -175,16 +174,15 @@ TEST_P(DetectorAgreement, BordersOfTheVoxmap) {
 
 TEST_P(DetectorAgreement, ToolLargerThanTheVoxmap) {
   const Outcome outcome = agreed([](ReamingScene& s) {
-    s.bone.voxmap = block({1.5, 1, 0.75}, 0.25, 1.1);
+    s.bone.set_voxels(block({1.5, 1, 0.75}, 0.25, 1.1));
     s.motion = straight({1.3, 0, 0.5}, {1.3, 0, -3}, 20, 100, 250);
   });
   EXPECT_EQ(outcome.removed.size(), 6U * 4 * 3);
 }
 
 TEST_P(DetectorAgreement, ToolFullyInside) {
-  const Voxmap bone = block({12, 12, 12}, 0.25, 1.0);
   const Outcome outcome = agreed([&](ReamingScene& s) {
-    s.bone.voxmap = bone;
+    s.bone.set_voxels(block({12, 12, 12}, 0.25, 1.0));
     s.tool = make_tool(cap_profile(5, 6, 2.5, 0.6), 48);
     s.motion = straight({0, 0, -6}, {0, 0, -6.1}, 1, 1000, 250);
   });
@@ -194,7 +192,7 @@ TEST_P(DetectorAgreement, ToolFullyInside) {
 
 TEST_P(ShellAgreement, ToolFullyInsideTouchesOnlyItsSurface) {
   ReamingScene scene = oblique_scene("auto", GetParam());
-  scene.bone.voxmap = block({12, 12, 12}, 0.25, 1.0);
+  scene.bone.set_voxels(block({12, 12, 12}, 0.25, 1.0));
   scene.tool = make_tool(cap_profile(5, 6, 2.5, 0.6), 48);
   scene.motion = straight({0, 0, -6}, {0, 0, -6.1}, 1, 1000, 250);
   for (const auto& [voxel, frame] : run(scene).removed) {

@@ -62,16 +62,16 @@ TEST(Clip, SharesOfAStackOfVoxelsAddUpToTheDistance) {
 }
 
 ReamingScene exact(ReamingScene scene) {
-  scene.scenario.cutting.erosion = "exact";
+  scene.scenario.cutting.erosion = ErosionMode::exact;
   return scene;
 }
 
 TEST(Exact, EqualsTheSerialReference) {
   const Outcome serial = run(exact(oblique_scene("serial")));
   EXPECT_GT(serial.removed.size(), 100U);
-  for (const char* shape : {"cpu", "gpu"}) {
+  for (const KernelShape shape : {KernelShape::cpu, KernelShape::gpu}) {
     for (const int batch : {1, 7, 1000}) {
-      SCOPED_TRACE(std::string(shape) + ", batch " + std::to_string(batch));
+      SCOPED_TRACE(name_of(shape) + ", batch " + std::to_string(batch));
       ReamingScene scene = exact(oblique_scene("auto"));
       scene.scenario.engine.kernel_shape = shape;
       scene.scenario.engine.batch_frames = batch;
@@ -97,8 +97,8 @@ ReamingScene plunged_ball(const Tool& tool, double voxel_mm, const Vec3& offset_
                           const std::string& device = "auto") {
   ReamingScene scene = exact({});
   scene.scenario = quiet_scenario(device);
-  scene.scenario.cutting.erosion = "exact";
-  scene.bone.voxmap = block({34, 34, 8}, voxel_mm, 1.8);
+  scene.scenario.cutting.erosion = ErosionMode::exact;
+  scene.bone.set_voxels(block({34, 34, 8}, voxel_mm, 1.8));
   scene.tool = tool;
   const auto origin = [&](double depth) -> Vec3 {
     return offset_mm + Vec3(0, 0, 29 - depth) - turned * Vec3(0, 0, 29);
@@ -108,7 +108,7 @@ ReamingScene plunged_ball(const Tool& tool, double voxel_mm, const Vec3& offset_
 }
 
 /// RMS error of the plunged cap's volume over random offsets and tilts up to 60°, as a share.
-double cap_error(const Tool& tool, double voxel_mm, const std::string& erosion) {
+double cap_error(const Tool& tool, double voxel_mm, ErosionMode erosion) {
   constexpr unsigned kSeed = 31;
   std::cout << "seed " << kSeed << ": ";
   std::mt19937 random(kSeed);
@@ -124,18 +124,18 @@ double cap_error(const Tool& tool, double voxel_mm, const std::string& erosion) 
     sum += error * error;
   }
   const double rms = std::sqrt(sum / kTimes);
-  std::cout << erosion << ", " << voxel_mm << " mm: RMS error " << 100 * rms << " %\n";
+  std::cout << name_of(erosion) << ", " << voxel_mm << " mm: RMS error " << 100 * rms << " %\n";
   return rms;
 }
 
 TEST(Exact, CapVolume) {
   // What is left is the polygon's: edges of 0.1 mm lie 0.03 µm within the sphere in the mean, 0.0015 % of the cap.
   const Tool tool = ball(0.1);
-  EXPECT_LT(cap_error(tool, 1.0, "exact"), 1e-4);
-  EXPECT_LT(cap_error(tool, 0.5, "exact"), 5e-5);
-  const double exact = cap_error(tool, 0.25, "exact");
+  EXPECT_LT(cap_error(tool, 1.0, ErosionMode::exact), 1e-4);
+  EXPECT_LT(cap_error(tool, 0.5, ErosionMode::exact), 5e-5);
+  const double exact = cap_error(tool, 0.25, ErosionMode::exact);
   EXPECT_LT(exact, 5e-5);
-  EXPECT_GT(cap_error(ball(0.1, 490), 0.25, "remove"), 50 * exact);
+  EXPECT_GT(cap_error(ball(0.1, 490), 0.25, ErosionMode::remove), 50 * exact);
 }
 
 /// Mean and standard deviation of a column of forces.csv, over the last `rows` rows.
@@ -169,8 +169,8 @@ TEST(Exact, ARimAlongTheLatticeTakesTheSameFromEveryLayer) {
     const int frames = static_cast<int>(std::round((rim + 2) / kFeed_mm));
     ReamingScene scene = exact({});
     scene.scenario = quiet_scenario("auto");
-    scene.scenario.cutting.erosion = "exact";
-    scene.bone.voxmap = block({24, 24, 5}, 0.25, 1.8);
+    scene.scenario.cutting.erosion = ErosionMode::exact;
+    scene.bone.set_voxels(block({24, 24, 5}, 0.25, 1.8));
     scene.tool = make_tool(profile, 64);
     scene.motion = straight({0.13, 0.07, 0.1}, {0.13, 0.07, 0.1 - frames * kFeed_mm}, frames, kRate_hz, kRpm);
     const Outcome outcome = run(scene);

@@ -43,14 +43,14 @@ Tool ball() {
 }
 
 /// The ball comes down square onto the face of a block that is turned against the lattice.
-ReamingScene onto_a_turned_block(const std::string& surface_voxels, const TempDir& dir) {
+ReamingScene onto_a_turned_block(SurfaceVoxels surface_voxels, const TempDir& dir) {
   const Quat turned(Eigen::AngleAxisd(0.35, Vec3(2, 1, 0.4).normalized()));
   TriangleMesh mesh = box_mesh({-12, -12, -4}, {12, 12, 0});
   for (Vec3& v : mesh.vertices) v = turned * v + Vec3(0.07, 0.11, 0.05);
   ReamingScene scene;
   scene.scenario = quiet_scenario("auto");
-  scene.scenario.cutting.erosion = "exact";
-  scene.scenario.bone.source = "mesh";
+  scene.scenario.cutting.erosion = ErosionMode::exact;
+  scene.scenario.bone.source = BoneSource::mesh;
   scene.scenario.bone.voxel_mm = kVoxel_mm;
   scene.scenario.bone.surface_voxels = surface_voxels;
   scene.scenario.bone.mesh.path = dir.path() + "/block.stl";
@@ -71,7 +71,7 @@ struct Ripple {
   double most = 0;
 };
 
-Ripple ripple(const std::string& surface_voxels) {
+Ripple ripple(SurfaceVoxels surface_voxels) {
   const TempDir dir;
   const Outcome outcome = run(onto_a_turned_block(surface_voxels, dir));
   const std::vector<double> removed = column(outcome.forces, "removed_mm3");
@@ -88,7 +88,7 @@ Ripple ripple(const std::string& surface_voxels) {
 }
 
 TEST(FirstContact, GrowsWithoutStepsOnASurfaceAskewToTheVoxels) {
-  const Ripple partial = ripple("auto"), whole = ripple("whole");
+  const Ripple partial = ripple(SurfaceVoxels::automatic), whole = ripple(SurfaceVoxels::whole);
   std::cout << "partial voxels: RMS " << 100 * partial.rms << " %, most " << 100 * partial.most
             << " %; whole voxels: RMS " << 100 * whole.rms << " %, most " << 100 * whole.most << " %\n";
   EXPECT_LT(partial.rms, 0.02);

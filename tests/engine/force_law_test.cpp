@@ -91,8 +91,8 @@ ReamingScene plunge(const Face& face, const CuttingSettings& cutting, double vox
   ReamingScene scene;
   scene.scenario = quiet_scenario("auto");
   scene.scenario.cutting = cutting;
-  scene.scenario.cutting.erosion = "exact";
-  scene.bone.voxmap = block({33, 33, 6}, voxel_mm, 1.8);
+  scene.scenario.cutting.erosion = ErosionMode::exact;
+  scene.bone.set_voxels(block({33, 33, 6}, voxel_mm, 1.8));
   scene.tool = make_tool(face.profile, 64);
   std::vector<double> depths;
   for (int k = 0; k <= kFast; ++k) depths.push_back(-0.1 + (kFull + 0.1) * k / kFast);
@@ -224,16 +224,16 @@ TEST(FrictionShare, ChangesNoForce) {
 /// Every option, under every erosion that has it.
 struct Options {
   std::string name;
-  std::string erosion;
+  ErosionMode erosion;
   CuttingSettings cutting;
 };
 
 std::vector<Options> options() {
   std::vector<Options> out;
-  for (const char* erosion : {"remove", "wear", "exact"}) {
-    out.push_back({std::string("table_size_effect_") + erosion, erosion, size_effect(table({}))});
+  for (const ErosionMode erosion : {ErosionMode::remove, ErosionMode::wear, ErosionMode::exact}) {
+    out.push_back({std::string("table_size_effect_") + name_of(erosion), erosion, size_effect(table({}))});
   }
-  out.push_back({"table_edge_force_exact", "exact", edge_force(table({}))});
+  out.push_back({"table_edge_force_exact", ErosionMode::exact, edge_force(table({}))});
   return out;
 }
 
@@ -255,7 +255,7 @@ TEST_P(ForceOptions, EqualTheSerialReference) {
   const Outcome serial = run(scene("serial", "bricked"));
   EXPECT_GT(serial.totals.peak_force_n, 0);
   EXPECT_LT(std::abs(serial.totals.balance), 3e-7);
-  const bool exact = GetParam().erosion == "exact";
+  const bool exact = GetParam().erosion == ErosionMode::exact;
   // Detectors with a shell share one serial reference; every other one of the kernels' shapes is in Agreement.
   for (const std::string detector : {"bricked", "bricked_gpu", "direct", "octree"}) {
     if (exact && detector.find("bricked") == std::string::npos) continue;

@@ -19,18 +19,12 @@ namespace {
 ReamingScene plunge() {
   ReamingScene scene;
   scene.scenario = quiet_scenario("auto");
-  scene.scenario.cutting.erosion = "exact";
-  scene.bone.voxmap = block({40, 40, 20}, 0.2, 1.8);
+  scene.scenario.cutting.erosion = ErosionMode::exact;
+  scene.bone.set_voxels(block({40, 40, 20}, 0.2, 1.8));
   scene.tool = make_tool(cap_profile(20, 16, 12, 1), 64);
   const Quat tilt(Eigen::AngleAxisd(0.2, Vec3(1, 2, 0).normalized()));
   scene.motion = straight({0, 1, 3}, {0.5, 1, -4}, 200, 1000, 250, tilt);
   return scene;
-}
-
-std::size_t parted_bricks(const Voxmap& voxmap) {
-  std::size_t count = 0;
-  voxmap.fill.for_each_brick([&](const Vec3i&, const FillBricks::Brick&) { ++count; });
-  return count;
 }
 
 struct Taken {
@@ -45,7 +39,7 @@ Taken taken_by(ReamingScene scene) {
   const auto engine = make_engine(scene.scenario, scene.bone, scene.tool);
   simulate(scene, *engine, recorder, {}, report);
   recorder.close();
-  return {parted_bricks(scene.bone.voxmap), engine->device_bytes()};
+  return {scene.bone.fill.stored_bricks(), engine->device_bytes()};
 }
 
 TEST(Forecast, BoundsWhatIsCut) {
@@ -55,8 +49,8 @@ TEST(Forecast, BoundsWhatIsCut) {
   EXPECT_GE(forecast.parted, taken.pages);
   // A brick's side and more counts round the tool: 1.6 mm and two voxels round a cap of 16 mm that goes 4 mm deep.
   EXPECT_LE(forecast.parted, 2.5 * static_cast<double>(taken.pages));
-  EXPECT_GE(exact_engine_bytes(scene.bone.voxmap, scene.tool, forecast), taken.device_bytes);
-  EXPECT_LE(exact_engine_bytes(scene.bone.voxmap, scene.tool, forecast), 3 * taken.device_bytes);
+  EXPECT_GE(exact_engine_bytes(scene.bone, scene.tool, forecast), taken.device_bytes);
+  EXPECT_LE(exact_engine_bytes(scene.bone, scene.tool, forecast), 3 * taken.device_bytes);
 }
 
 TEST(Forecast, OfOneJumpAndOfManySteps) {
@@ -115,7 +109,7 @@ TEST(ContactForecast, WhatAStartInTheBoneTakesAway) {
   const double cap_mm3 = std::numbers::pi * (4 * (64 - 1) - 2 * (under_sphere(8) - under_sphere(1)));
   const ContactForecast forecast = forecast_contact(scene);
   EXPECT_NEAR(forecast.start_mm3 / cap_mm3, 1, 0.01);
-  scene.bone.voxmap->grade = GradeBricks(scene.bone.voxmap->grid.dims);
+  scene.bone.set_voxels(FilledVoxmap(scene.bone.voxmap->grid));
   EXPECT_EQ(forecast_contact(scene).start_mm3, 0) << "no bone";
   EXPECT_FALSE(forecast_contact(scene).meets);
 }
@@ -123,7 +117,7 @@ TEST(ContactForecast, WhatAStartInTheBoneTakesAway) {
 TEST(FillPages, AreNoMoreThanBricks) {
   const ReamingScene scene = plunge();
   const cl::Device device(cl::choose_device("auto"));
-  FillPages fill = make_fill_pages(device, scene.bone.voxmap);
+  FillPages fill = make_fill_pages(device, scene.bone);
   const std::size_t bricks = scene.bone.voxmap->grade.stored_bricks();
   reserve_pages(device, bricks - 1, 0.2, fill);
   EXPECT_EQ(fill.room(), bricks);
@@ -136,7 +130,7 @@ TEST(FillPages, WhatDoesNotFitSaysWhatWould) {
   cl::DeviceInfo info = cl::choose_device("auto");
   info.max_allocation_bytes = 1024 * 1000;  // 1000 pages
   const cl::Device device(info);
-  FillPages fill = make_fill_pages(device, scene.bone.voxmap);
+  FillPages fill = make_fill_pages(device, scene.bone);
   reserve_pages(device, 900, 0.2, fill);
   EXPECT_EQ(fill.room(), 1000U);
   try {

@@ -82,7 +82,7 @@ TEST(Implicit, TheVoiHoldsEveryVoxelThatTheToolHolds) {
   std::uniform_real_distribution<double> u(-1, 1);
   const ReamingScene scene = oblique_scene("serial", "implicit");
   const VoxelGrid& grid = scene.bone.voxmap->grid;
-  const VoxelBox bone = bone_extent(*scene.bone.voxmap);
+  const VoxelBox bone = bone_extent(*scene.bone);
   const ProfileTable table = full_profile_table(scene.tool.profile);
   const ProfileView profile = view_of(table);
   std::int64_t held = 0, looked_at = 0;
@@ -123,9 +123,9 @@ void expect_close(ReamingScene scene) {
   const double voxel = scene.bone.voxmap->grid.voxel_mm;
   scene.tool = make_tool(scene.tool.profile, static_cast<int>(6 / (0.47 * voxel)) + 2);
   ASSERT_LE(scene.tool.shell.cell_mm, 0.5 * voxel);
-  scene.scenario.engine.detector = "direct";
+  scene.scenario.engine.detector = EngineKind::direct;
   const Outcome direct = run(scene);
-  scene.scenario.engine.detector = "implicit";
+  scene.scenario.engine.detector = EngineKind::implicit;
   const Outcome implicit = run(scene);
   EXPECT_GT(implicit.removed.size(), 500U);
   int more = 0;
@@ -151,14 +151,14 @@ void expect_close(ReamingScene scene) {
 
 TEST(Implicit, PlungeDiffersFromDirectOnlyByTheSweptSurface) {
   ReamingScene scene = oblique_scene("auto");
-  scene.bone.voxmap = block({8, 8, 4}, 0.2, 1.2);
+  scene.bone.set_voxels(block({8, 8, 4}, 0.2, 1.2));
   scene.motion = straight({0.03, 0.05, 0.4}, {0.03, 0.05, -1.7}, 60, 100, 250);
   expect_close(scene);
 }
 
 TEST(Implicit, SidewaysMoveDiffersFromDirectOnlyByTheSweptSurface) {
   ReamingScene scene = oblique_scene("auto");
-  scene.bone.voxmap = block({12, 8, 4}, 0.2, 1.2);
+  scene.bone.set_voxels(block({12, 8, 4}, 0.2, 1.2));
   scene.motion = straight({-10, 0.05, -1.03}, {2, 0.4, -1.03}, 120, 100, 250);
   expect_close(scene);
 }

@@ -70,7 +70,7 @@ TEST_P(NoLeak, NothingIsLeftDeeperThanHalfAVoxel) {
   const auto& [device, path, feed] = GetParam();
   ReamingScene scene;
   scene.scenario = quiet_scenario(device);
-  scene.bone.voxmap = block({3.6, 3.6, 2}, kVoxel, 1.2);
+  scene.bone.set_voxels(block({3.6, 3.6, 2}, kVoxel, 1.2));
   scene.tool = make_tool(cap_profile(6, 3, 1.2, 0.3), 61);
   ASSERT_NEAR(scene.tool.shell.cell_mm, 0.5 * kVoxel, 1e-12);
   scene.motion = drive(scene.tool, path, feed);
@@ -90,7 +90,7 @@ double measured_leak(double spacing_voxels) {
   for (int turn = 0; turn < 5; ++turn) {
     ReamingScene scene;
     scene.scenario = quiet_scenario("serial");
-    scene.bone.voxmap = block({3, 3, 3}, kVoxel, 1.2);
+    scene.bone.set_voxels(block({3, 3, 3}, kVoxel, 1.2));
     const Profile flat{{{0, 0}, {kRadius, 0}, {kRadius, 1}, {0, 1}}};
     scene.tool = make_tool(flat, static_cast<int>(std::lround(2 * kRadius / (spacing_voxels * kVoxel))) + 1);
     const double w = normal(random), x = normal(random), y = normal(random), z = normal(random);

@@ -61,8 +61,8 @@ inline const std::vector<std::string> kDetectors = [] {
 
 /// A name of kDetectors as settings.
 inline void choose_detector(EngineSettings& engine, const std::string& name) {
-  engine.detector = name.substr(0, name.find('_'));
-  engine.kernel_shape = name.find("_gpu") != std::string::npos ? "gpu" : "auto";
+  engine.detector = *from_name<EngineKind>(name.substr(0, name.find('_')));
+  engine.kernel_shape = name.find("_gpu") != std::string::npos ? KernelShape::gpu : KernelShape::automatic;
   engine.culling = name.find("_unculled") == std::string::npos;
 }
 
@@ -71,7 +71,7 @@ inline ReamingScene oblique_scene(const std::string& device, const std::string& 
   ReamingScene scene;
   scene.scenario = quiet_scenario(device);
   choose_detector(scene.scenario.engine, detector);
-  scene.bone.voxmap = random_bone({41, 37, 29}, 0.2, 7);
+  scene.bone.set_voxels(random_bone({41, 37, 29}, 0.2, 7));
   scene.tool = make_tool(cap_profile(5, 6, 2.5, 0.6), 61);
   const Quat tilt(Eigen::AngleAxisd(0.4, Vec3(1, 2, 0.5).normalized()));
   scene.motion = straight({1.5, 1, 4}, {0.6, 1.4, 0.4}, 40, 100, 250, tilt);

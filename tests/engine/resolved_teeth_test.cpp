@@ -24,8 +24,8 @@ Tool toothed_tool(const TriangleMesh& mesh, double voxel_mm, bool by_grid = true
 ReamingScene exact_scene(const std::string& device, bool resolved = true) {
   ReamingScene scene;
   scene.scenario = quiet_scenario(device);
-  scene.scenario.cutting.erosion = "exact";
-  scene.scenario.tool.spin = resolved ? "resolved" : "envelope";
+  scene.scenario.cutting.erosion = ErosionMode::exact;
+  scene.scenario.tool.spin = resolved ? ToolSpin::resolved : ToolSpin::envelope;
   return scene;
 }
 
@@ -49,7 +49,7 @@ std::vector<double> column(const std::string& forces, const std::string& name) {
 /// A tilted gear that comes down askew through bone of every density.
 ReamingScene oblique_gear(const std::string& device) {
   ReamingScene scene = exact_scene(device);
-  scene.bone.voxmap = random_bone({41, 37, 29}, 0.2, 7);
+  scene.bone.set_voxels(random_bone({41, 37, 29}, 0.2, 7));
   scene.tool = toothed_tool(gear_mesh(4, 1.1, 2.0, 3), 0.2);
   const Quat tilt(Eigen::AngleAxisd(0.4, Vec3(1, 2, 0.5).normalized()));
   scene.motion = straight({1.5, 1, 4}, {0.6, 1.4, 0.4}, 40, 100, 250, tilt);
@@ -59,9 +59,9 @@ ReamingScene oblique_gear(const std::string& device) {
 TEST(ResolvedTeeth, EqualTheSerialReference) {
   const Outcome serial = run(oblique_gear("serial"));
   EXPECT_GT(serial.removed.size(), 100U);
-  for (const char* shape : {"cpu", "gpu"}) {
+  for (const KernelShape shape : {KernelShape::cpu, KernelShape::gpu}) {
     for (const int batch : {1, 7, 1000}) {
-      SCOPED_TRACE(std::string(shape) + ", batch " + std::to_string(batch));
+      SCOPED_TRACE(name_of(shape) + ", batch " + std::to_string(batch));
       ReamingScene scene = oblique_gear("auto");
       scene.scenario.engine.kernel_shape = shape;
       scene.scenario.engine.batch_frames = batch;
@@ -88,7 +88,7 @@ Profile ball_profile() {
 /// What the ball takes when it goes 2 mm into a block askew, mm3.
 double cap_mm3(const Tool& tool, double voxel_mm) {
   ReamingScene scene = exact_scene("auto", tool.teeth.has_value());
-  scene.bone.voxmap = block({14, 14, 4}, voxel_mm, 1.8);
+  scene.bone.set_voxels(block({14, 14, 4}, voxel_mm, 1.8));
   scene.tool = tool;
   const Quat turned(Eigen::AngleAxisd(0.5, Vec3(1, 0.3, 0).normalized()));
   const Vec3 offset(0.03, 0.07, 0);
@@ -122,8 +122,9 @@ constexpr double kInner = 4, kOuter = 6, kVoxel = 0.5, kFeedPerTurn = 0.25;
 /// The gear goes straight down for `turns` turns into a block that begins at x = `from_x`.
 ReamingScene plunge(double from_x, int turns, bool resolved, double voxel_mm = kVoxel) {
   ReamingScene scene = exact_scene("auto", resolved);
-  scene.bone.voxmap = block({14, 14, 3}, voxel_mm, 1.2);
-  scene.bone.voxmap->grid.origin_mm.x() = from_x;
+  FilledVoxmap bone = block({14, 14, 3}, voxel_mm, 1.2);
+  bone.grid.origin_mm.x() = from_x;
+  scene.bone.set_voxels(std::move(bone));
   const TriangleMesh mesh = gear_mesh(kTeeth, kInner, kOuter, 5);
   scene.tool = toothed_tool(mesh, voxel_mm, resolved);
   const double down = kFeedPerTurn * turns;

@@ -15,15 +15,15 @@ class Restore : public testing::TestWithParam<std::tuple<std::string, std::strin
 };
 
 TEST_P(Restore, ARestoredEngineRunsAgainAlike) {
-  for (const char* erosion : {"remove", "wear"}) {
-    SCOPED_TRACE(erosion);
+  for (const ErosionMode erosion : {ErosionMode::remove, ErosionMode::wear}) {
+    SCOPED_TRACE(name_of(erosion));
     ReamingScene scene = Restore::scene();
     scene.scenario.cutting.erosion = erosion;
     const auto engine = make_engine(scene.scenario, scene.bone, scene.tool);
     const Outcome first = run_on(*engine, scene);
     EXPECT_GT(first.removed.size(), 100U);
     EXPECT_LT(run_on(*engine, scene).totals.energy_mj, first.totals.energy_mj) << "the bone was gone already";
-    engine->restore(scene.bone.voxmap);
+    engine->restore(scene.bone);
     expect_same(run_on(*engine, scene), first);
   }
 }
@@ -35,7 +35,7 @@ TEST_P(Restore, TakesTheBoneAsItIsThen) {
   for (std::int64_t e = 0; e < scene.bone.voxmap->grid.size(); e += 2) {
     scene.bone.fill.set(scene.bone.voxmap->grid.coord(e), 0);
   }
-  engine->restore(scene.bone.voxmap);
+  engine->restore(scene.bone);
   expect_same(run_on(*engine, scene), run(scene));
 }
 
@@ -50,12 +50,11 @@ INSTANTIATE_TEST_SUITE_P(Detectors, RestoreOnDevice, testing::Values("direct", "
                          [](const auto& tested) { return tested.param; });
 
 TEST_P(RestoreOnDevice, RefusesBoneThatItsMemoryWasNotPlannedFor) {
-  const ReamingScene scene = oblique_scene("auto", GetParam());
+  ReamingScene scene = oblique_scene("auto", GetParam());
   const auto engine = make_engine(scene.scenario, scene.bone, scene.tool);
   EXPECT_THROW(engine->restore(random_bone({41, 37, 28}, 0.2, 7)), RunError);
-  Voxmap worn = scene.bone.voxmap;
-  worn.fill.set({20, 20, 20}, 1000);
-  EXPECT_THROW(engine->restore(worn), RunError);  // made without room for fill
+  scene.bone.fill.set({20, 20, 20}, 1000);
+  EXPECT_THROW(engine->restore(scene.bone), RunError);  // made without room for fill
 }
 
 }  // namespace

@@ -37,21 +37,28 @@ inline Profile cap_profile(double radius, double width, double height, double bo
 }
 
 /// A block of uniform density whose top face is z = 0.
-inline Voxmap block(const Vec3& size_mm, double voxel_mm, double density) {
+inline FilledVoxmap block(const Vec3& size_mm, double voxel_mm, double density) {
   VoxelGrid grid;
   grid.voxel_mm = voxel_mm;
   grid.dims = (size_mm / voxel_mm).array().round().cast<int>();
   grid.origin_mm = {-size_mm.x() / 2, -size_mm.y() / 2, -size_mm.z()};
-  Voxmap voxmap(grid);
+  FilledVoxmap voxmap(grid);
   const std::uint8_t grade = DensityMapping::grade_from_density(density);
   for (std::int64_t e = 0; e < grid.size(); ++e) voxmap.grade.set(grid.coord(e), grade);
   return voxmap;
 }
 
+/// One voxel, the whole lattice.
+inline FilledVoxmap one_voxel(double voxel_mm, const Vec3& origin_mm, std::uint8_t grade) {
+  FilledVoxmap voxmap(VoxelGrid{{1, 1, 1}, voxel_mm, origin_mm});
+  voxmap.grade.set({0, 0, 0}, grade);
+  return voxmap;
+}
+
 /// Bone with holes and every density, from a seed: nothing about it is regular.
-inline Voxmap random_bone(const Vec3i& dims, double voxel_mm, unsigned seed) {
+inline FilledVoxmap random_bone(const Vec3i& dims, double voxel_mm, unsigned seed) {
   VoxelGrid grid{dims, voxel_mm, {-3.1, -2.7, -1.9}};
-  Voxmap voxmap(grid);
+  FilledVoxmap voxmap(grid);
   std::mt19937 random(seed);
   for (std::int64_t e = 0; e < grid.size(); ++e) {
     const auto draw = static_cast<unsigned>(random() % 400);
@@ -81,7 +88,7 @@ inline Scenario quiet_scenario(const std::string& device) {
   Scenario scenario;
   scenario.name = "test";
   scenario.engine.device = device;
-  scenario.cutting.erosion = "remove";
+  scenario.cutting.erosion = ErosionMode::remove;
   scenario.render.every_frames = 1'000'000;
   return scenario;
 }

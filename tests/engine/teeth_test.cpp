@@ -17,7 +17,7 @@ constexpr double kRadius = 29;  // of the face of reamer_convex_lips: six lips, 
 Tool toothed_reamer(double voxel_mm) {
   ToolSettings settings;
   settings.mesh = REAMSIM_ASSETS "/reamer_convex_lips.stl";
-  settings.spin = "resolved";
+  settings.spin = ToolSpin::resolved;
   Report report;
   Tool tool = load_tool(settings, voxel_mm, ShellUse::touches_voxels, report);
   EXPECT_TRUE(report.warnings.empty());
@@ -71,9 +71,9 @@ TEST(Teeth, OneVoxelFeelsTheEnvelopesNormal) {
   const Vec3 at(10, 0, kRadius - std::sqrt(kRadius * kRadius - 100) + 0.05);
   ReamingScene scene;
   scene.scenario = quiet_scenario("auto");
-  scene.scenario.tool.spin = "resolved";
-  scene.bone.voxmap = Voxmap(VoxelGrid{{1, 1, 1}, kVoxel, at - Vec3::Constant(kVoxel / 2)});
-  scene.bone.voxmap->grade.set({0, 0, 0}, DensityMapping::grade_from_density(1.8));
+  scene.scenario.tool.spin = ToolSpin::resolved;
+  const std::uint8_t grade = DensityMapping::grade_from_density(1.8);
+  scene.bone.set_voxels(one_voxel(kVoxel, at - Vec3::Constant(kVoxel / 2), grade));
   scene.tool = toothed_reamer(kVoxel);
   scene.motion = straight({0, 0, 0}, {0, 0, 0}, 200, kRateHz, kRpm);
   const double start = angle_behind_a_lip(scene.tool, at, kVoxel);
@@ -103,8 +103,8 @@ TEST(Teeth, NothingIsLeftOfWhatTheySweep) {
   constexpr double kVoxel = 0.5, kRpm = 500, kFeed = 0.8, kDepth = 0.8;
   ReamingScene scene;
   scene.scenario = quiet_scenario("auto");
-  scene.scenario.tool.spin = "resolved";
-  scene.bone.voxmap = block({20, 20, 2.5}, kVoxel, 1.2);
+  scene.scenario.tool.spin = ToolSpin::resolved;
+  scene.bone.set_voxels(block({20, 20, 2.5}, kVoxel, 1.2));
   scene.tool = toothed_reamer(kVoxel);
   constexpr double kRateHz = 200, kAbove = 0.1;
   const int frames = static_cast<int>((kDepth + kAbove) / kFeed * kRateHz);
@@ -121,11 +121,11 @@ TEST(Teeth, NothingIsLeftOfWhatTheySweep) {
 TEST(Teeth, ATurnTakesAsManySubstepsAsTheRimIsHalfVoxelsLong) {
   ReamingScene scene;
   scene.scenario = quiet_scenario("serial");
-  scene.bone.voxmap = block({4, 4, 2}, 0.5, 1.2);
+  scene.bone.set_voxels(block({4, 4, 2}, 0.5, 1.2));
   scene.tool = toothed_reamer(0.5);
   scene.motion = straight({0, 0, 9}, {0, 0, 9}, 100, 100, 60);
   EXPECT_EQ(estimate_cost(scene).substeps, 100) << "the envelope does not move";
-  scene.scenario.tool.spin = "resolved";
+  scene.scenario.tool.spin = ToolSpin::resolved;
   const double rim_mm = 2 * M_PI * 15;
   EXPECT_GE(static_cast<double>(estimate_cost(scene).substeps), rim_mm / 0.25);
   EXPECT_LE(static_cast<double>(estimate_cost(scene).substeps), rim_mm / 0.25 + 100) << "rounded up per frame";

@@ -123,9 +123,9 @@ TEST(BoneMetrics, ATiltedPlaneHasKnownVersionAndInclination) {
 }
 
 TEST(BoneMetrics, FaceAnglesAreThoseOfTheGlenoidPhantom) {
-  for (const char* side : {"left", "right"}) {
+  for (const BodySide side : {BodySide::left, BodySide::right}) {
     BoneSettings settings;
-    settings.source = "phantom";
+    settings.source = BoneSource::phantom;
     settings.side = side;
     settings.voxel_mm = 2;
     settings.phantom.version_deg = 12;
@@ -134,8 +134,8 @@ TEST(BoneMetrics, FaceAnglesAreThoseOfTheGlenoidPhantom) {
     const Bone bone = load_bone(settings, report);
     ASSERT_TRUE(bone.scapula && bone.glenoid);
     const FaceAngles angles = face_angles(bone.glenoid->bone_from_glenoid.linear().col(2), *bone.scapula);
-    EXPECT_NEAR(angles.version_deg, 12, 1e-9) << side;
-    EXPECT_NEAR(angles.inclination_deg, 7, 1e-9) << side;
+    EXPECT_NEAR(angles.version_deg, 12, 1e-9) << name_of(side);
+    EXPECT_NEAR(angles.inclination_deg, 7, 1e-9) << name_of(side);
   }
 }
 
@@ -144,13 +144,13 @@ TEST(BoneMetrics, LandmarksGiveTheScapularFrame) {
   GlenoidSettings glenoid;
   glenoid.landmarks = LandmarkSettings{
       .glenoid_center_mm = {0, 0, 0}, .trigonum_spinae_mm = {-100, 0, 0}, .inferior_angle_mm = {-90, 0, -120}};
-  const ScapularAxes left = axes_of(*glenoid_frame(glenoid, "left"), "left");
+  const ScapularAxes left = axes_of(*glenoid_frame(glenoid, BodySide::left), BodySide::left);
   EXPECT_LT((left.lateral - Vec3::UnitX()).norm(), 1e-12);
   EXPECT_LT((left.superior - Vec3::UnitZ()).norm(), 1e-12);
   EXPECT_LT((left.anterior + Vec3::UnitY()).norm(), 1e-12);  // posterior is +y
   glenoid.landmarks->trigonum_spinae_mm.x() = 100;
   glenoid.landmarks->inferior_angle_mm.x() = 90;
-  const ScapularAxes right = axes_of(*glenoid_frame(glenoid, "right"), "right");
+  const ScapularAxes right = axes_of(*glenoid_frame(glenoid, BodySide::right), BodySide::right);
   EXPECT_LT((right.lateral + Vec3::UnitX()).norm(), 1e-12);
   EXPECT_LT((right.anterior + Vec3::UnitY()).norm(), 1e-12);
 }

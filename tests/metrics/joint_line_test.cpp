@@ -24,7 +24,7 @@ struct Glenoid {
   explicit Glenoid(const BoneSettings& settings) {
     Report report;
     bone = load_bone(settings, report);
-    before = bone.voxmap.fill;
+    before = bone.fill;
   }
 
   /// A direction out of the face with this version and inclination, in B.
@@ -38,14 +38,14 @@ struct Glenoid {
 
   void ream(const Solid& solid) {
     std::vector<std::pair<Vec3i, std::uint16_t>> changed;
-    for_each_bone_voxel(bone.voxmap, [&](const Vec3i& voxel, std::uint8_t, std::uint16_t fill) {
-      const VoxelGrid& grid = bone.voxmap.grid;
+    for_each_bone_voxel(bone, [&](const Vec3i& voxel, std::uint8_t, std::uint16_t fill) {
+      const VoxelGrid& grid = bone.voxmap->grid;
       const Vec3 place = grid.center_mm(voxel.x(), voxel.y(), voxel.z());
       const double outside = share_outside(solid, place, grid.voxel_mm);
       const auto most = static_cast<std::uint16_t>(std::lround(outside * FillBricks::kWhole));
       if (most < fill) changed.emplace_back(voxel, most);
     });
-    for (const auto& [voxel, fill] : changed) bone.voxmap.fill.set(voxel, fill);
+    for (const auto& [voxel, fill] : changed) bone.fill.set(voxel, fill);
   }
   /// The convex reamer with a bore, its lowest point at `apex`, looking along `axis` out of the bone.
   void ream_convex(const Vec3& apex, const Vec3& axis) {
@@ -64,7 +64,7 @@ struct Glenoid {
     return out;
   }
   [[nodiscard]] BoneMetrics measure(const BoneAxes& known) const {
-    return measure_bone({bone.voxmap, before}, pose, known, {});
+    return measure_bone({*bone.voxmap, before, bone.fill}, pose, known, {});
   }
   [[nodiscard]] BoneMetrics measure() const { return measure(axes()); }
 
@@ -73,14 +73,13 @@ struct Glenoid {
   Rigid pose = Rigid::Identity();
 };
 
-BoneSettings glenoid(const std::string& walch, const std::string& side, double version, double inclination,
-                     double voxel_mm) {
+BoneSettings glenoid(Walch walch, BodySide side, double version, double inclination, double voxel_mm) {
   BoneSettings out;
-  out.source = "phantom";
+  out.source = BoneSource::phantom;
   out.side = side;
   out.voxel_mm = voxel_mm;
-  out.surface_voxels = "partial";
-  out.phantom.shape = "glenoid";
+  out.surface_voxels = SurfaceVoxels::partial;
+  out.phantom.shape = PhantomShape::glenoid;
   out.phantom.walch = walch;
   take_walch_defaults(out.phantom);
   out.phantom.version_deg = version;
@@ -94,7 +93,7 @@ void expect_angles(const Measured<FaceAngles>& found, const FaceAngles& expected
   EXPECT_NEAR(found.value->inclination_deg, expected.inclination_deg, tolerance_deg);
 }
 
-using Case = std::tuple<std::string, std::string, FaceAngles>;
+using Case = std::tuple<Walch, BodySide, FaceAngles>;
 
 class SphericalFace : public ::testing::TestWithParam<Case> {};
 
@@ -129,8 +128,8 @@ TEST_P(SphericalFace, NativeAndReamedAngles) {
     const double closed_form_mm = down_to_sphere(phantom.center(), phantom.bone.scapula->lateral,
                                                  apex + kReamerCurvature_mm * axis, kReamerCurvature_mm);
     EXPECT_NEAR(*found.joint_line->medialization_mm.value, closed_form_mm, 0.05);
-    std::cout << walch << ' ' << side << ": native " << found.orientation->native.value->version_deg << '/'
-              << found.orientation->native.value->inclination_deg << ", reamed "
+    std::cout << name_of(walch) << ' ' << name_of(side) << ": native " << found.orientation->native.value->version_deg
+              << '/' << found.orientation->native.value->inclination_deg << ", reamed "
               << found.orientation->reamed.value->version_deg << '/' << found.orientation->reamed.value->inclination_deg
               << " (" << aim.version_deg << '/' << aim.inclination_deg << "), medialization "
               << *found.joint_line->medialization_mm.value << " (" << closed_form_mm << ")\n";
@@ -144,25 +143,26 @@ TEST_P(SphericalFace, TheNativeJointLineIsWhereWearHasMovedIt) {
   const Glenoid phantom(settings);
   const auto outline = FaceOutline::of(phantom.bone.rim_mm, phantom.bone.scapula->lateral);
   ASSERT_TRUE(outline);
-  const NativeFace face = measure_native_face({phantom.bone.voxmap, phantom.before}, *outline);
+  const NativeFace face = measure_native_face({*phantom.bone.voxmap, phantom.before, phantom.bone.fill}, *outline);
   const Vec3& lateral = phantom.bone.scapula->lateral;
   const auto meets = meeting_point(*face.surface, Vec3::Zero(), lateral);
   ASSERT_TRUE(meets);
-  const bool worn = walch == "A1" || walch == "A2";
+  const bool worn = walch == Walch::a1 || walch == Walch::a2;
   EXPECT_NEAR(-meets->dot(lateral), worn ? settings.phantom.medialization_mm : 0, 0.05);
   EXPECT_NEAR(face.surface->sphere->radius_mm, worn ? settings.phantom.wear_radius_mm : settings.phantom.face_radius_mm,
               0.1);
 }
 
-INSTANTIATE_TEST_SUITE_P(Phantoms, SphericalFace,
-                         ::testing::Values(Case{"none", "left", {5, 6}}, Case{"none", "right", {12, -3}},
-                                           Case{"A1", "left", {15, 8}}, Case{"A1", "right", {5, 6}},
-                                           Case{"A2", "right", {15, 8}}, Case{"A2", "left", {12, -3}},
-                                           Case{"C", "left", {37, 3}}));
+INSTANTIATE_TEST_SUITE_P(
+    Phantoms, SphericalFace,
+    ::testing::Values(Case{Walch::none, BodySide::left, {5, 6}}, Case{Walch::none, BodySide::right, {12, -3}},
+                      Case{Walch::a1, BodySide::left, {15, 8}}, Case{Walch::a1, BodySide::right, {5, 6}},
+                      Case{Walch::a2, BodySide::right, {15, 8}}, Case{Walch::a2, BodySide::left, {12, -3}},
+                      Case{Walch::c, BodySide::left, {37, 3}}));
 
 /// A phantom at 5°/6°, reamed along its own axis.
 Glenoid reamed_phantom(double voxel_mm = 0.5) {
-  Glenoid out(glenoid("none", "left", 5, 6, voxel_mm));
+  Glenoid out(glenoid(Walch::none, BodySide::left, 5, 6, voxel_mm));
   const Vec3 axis = out.direction({5, 6});
   out.ream_convex(out.center() - 1.5 * axis, axis);
   return out;
@@ -197,8 +197,8 @@ TEST(JointLine, ARimGivenByHand) {
 }
 
 TEST(JointLine, WholeVoxelsAreStepsRoundTheSameFace) {
-  BoneSettings settings = glenoid("none", "left", 5, 6, 0.5);
-  settings.surface_voxels = "whole";
+  BoneSettings settings = glenoid(Walch::none, BodySide::left, 5, 6, 0.5);
+  settings.surface_voxels = SurfaceVoxels::whole;
   Glenoid phantom(settings);
   const Vec3 axis = phantom.direction({5, 6});
   phantom.ream_convex(phantom.center() - 1.5 * axis, axis);
@@ -219,11 +219,11 @@ TEST(JointLine, WithoutARimThereIsNoNativeFace) {
 }
 
 TEST(JointLine, WithoutLandmarksOnlyTheChangeIsKnown) {
-  Glenoid phantom(glenoid("none", "right", 5, 6, 0.5));
+  Glenoid phantom(glenoid(Walch::none, BodySide::right, 5, 6, 0.5));
   const Vec3 axis = phantom.direction({1, 6});
   phantom.ream_convex(phantom.center() - 2 * axis, axis);
   BoneAxes axes = phantom.axes();
-  axes.glenoid = axes_of(*phantom.bone.glenoid, "right");
+  axes.glenoid = axes_of(*phantom.bone.glenoid, BodySide::right);
   axes.scapula.reset();
   const BoneMetrics found = phantom.measure(axes);
   EXPECT_FALSE(found.orientation->native.value || found.orientation->reamed.value);
@@ -238,7 +238,7 @@ TEST(JointLine, AFaceThatIsHardlyReamedSaysNothingWrong) {
   int measured = 0;
   int half_reamed = 0;
   for (const double beside_mm : {6.0, 12.0, 17.0, 20.0}) {
-    Glenoid phantom(glenoid("none", "left", 5, 6, 0.5));
+    Glenoid phantom(glenoid(Walch::none, BodySide::left, 5, 6, 0.5));
     const FaceAngles aim{-12, 6};
     const Vec3 axis = phantom.direction(aim);
     phantom.ream_convex(phantom.center() - 2 * axis + beside_mm * phantom.bone.scapula->anterior, axis);
@@ -319,7 +319,7 @@ TEST(JointLine, TwoFacesHaveNoAxis) {
 
 /// One sphere through two leans beyond both of them: there is no native axis.
 TEST(JointLine, ABiconcaveFaceIsNoSphere) {
-  Glenoid phantom(glenoid("B2", "left", 8, 8, 0.5));
+  Glenoid phantom(glenoid(Walch::b2, BodySide::left, 8, 8, 0.5));
   const Vec3 axis = phantom.direction({12, 6});
   phantom.ream_convex(phantom.center() - 2 * axis, axis);
   const BoneMetrics found = phantom.measure();

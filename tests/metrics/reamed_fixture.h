@@ -54,7 +54,7 @@ struct Block {
     const Vec3i voxels = (size_mm / voxel_mm).array().round().cast<int>();
     grid.dims = voxels + Vec3i::Constant(2 * kMargin);
     grid.origin_mm = Vec3(-size_mm.x() / 2, -size_mm.y() / 2, -size_mm.z()) - Vec3::Constant(kMargin * voxel_mm);
-    after = Voxmap(grid);
+    after = FilledVoxmap(grid);
     for (int k = 0; k < voxels.z(); ++k) {
       for (int j = 0; j < voxels.y(); ++j) {
         for (int i = 0; i < voxels.x(); ++i) {
@@ -90,14 +90,14 @@ struct Block {
     changed.clear();
   }
 
-  [[nodiscard]] ReamedBone reamed() const { return {after, before}; }
+  [[nodiscard]] ReamedBone reamed() const { return {after, before, after.fill}; }
   [[nodiscard]] BoneMetrics measure(const Rigid& bone_from_tool = Rigid::Identity(),
                                     const MetricSettings& settings = {}, const BoneAxes& axes = {}) const {
     return measure_bone(reamed(), bone_from_tool, axes, settings);
   }
 
   static constexpr int kMargin = 4;  ///< voxels of air all round
-  Voxmap after;
+  FilledVoxmap after;
   FillBricks before;
   std::vector<std::pair<Vec3i, std::uint16_t>> changed;
 };

@@ -224,7 +224,7 @@ TEST(GlenoidFrameMotion, IsTakenToTheBoneFrame) {
   PlungeSettings p;
   p.approach_mm = 3;
   MotionSettings settings = plunge(p);
-  settings.frame = "glenoid";
+  settings.frame = PoseFrame::glenoid;
   Report report;
   const Motion m = build_motion(settings, glenoid, report);
   EXPECT_NEAR((m.poses[0].position_mm - Vec3(103, 50, -20)).norm(), 0, 1e-12);

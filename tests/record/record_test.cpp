@@ -264,7 +264,7 @@ std::vector<float> vti_values(const std::string& bytes) {
 
 TEST(Vti, HoldsDensityTimesFill) {
   const TempDir dir;
-  Voxmap voxmap(VoxelGrid{{90, 70, 60}, 0.5, {1, 2, 3}});
+  FilledVoxmap voxmap(VoxelGrid{{90, 70, 60}, 0.5, {1, 2, 3}});
   for (std::int64_t e = 0; e < voxmap.grid.size(); ++e) {
     voxmap.grade.set(voxmap.grid.coord(e), static_cast<std::uint8_t>(e % 251));
   }

@@ -133,9 +133,9 @@ class Films : public ::testing::Test {
     write_results(dir_.path(), options);
     settings_.width_px = 641;
     settings_.height_px = 361;
-    settings_.cameras = {"oblique"};
+    settings_.cameras = {CameraView::oblique};
     settings_.before_after = settings_.contact_sheet = false;
-    settings_.film = "mp4";
+    settings_.film = FilmFormat::mp4;
     settings_.film_rate_hz = 5;
   }
   void TearDown() override { setenv("PATH", old_path_.c_str(), 1); }
@@ -220,11 +220,11 @@ TEST_F(Films, FrameKIsSnapshotK) {
 }
 
 TEST_F(Films, AnimatedPicturesToo) {
-  settings_.film = "apng";
+  settings_.film = FilmFormat::apng;
   render();
   EXPECT_THAT(probe("reamed.apng"), HasSubstr("apng,640,360,rgb24"));
   EXPECT_THAT(probe("reamed.apng"), HasSubstr(",7\n"));
-  settings_.film = "webp";
+  settings_.film = FilmFormat::webp;
   render();
   const std::string bytes = test::file_bytes(file("reamed.webp"));
   EXPECT_EQ(bytes.substr(8, 4), "WEBP");
@@ -251,7 +251,7 @@ TEST_F(Films, WithoutFfmpegTheMessageSaysWhatToInstall) {
   setenv("PATH", file("nothing").c_str(), 1);
   expect_failure("apt-get install ffmpeg");
   EXPECT_THROW(require_film_program(settings_), RunError);
-  settings_.film = "none";
+  settings_.film = FilmFormat::none;
   EXPECT_NO_THROW(require_film_program(settings_));
   EXPECT_NO_THROW(render());
 }

@@ -30,7 +30,7 @@ RenderSettings golden_settings() {
   RenderSettings settings;
   settings.width_px = 720;
   settings.height_px = 480;
-  settings.cameras = {"oblique", "glenoid", "section"};
+  settings.cameras = {CameraView::oblique, CameraView::glenoid, CameraView::section};
   settings.before_after = settings.contact_sheet = false;
   return settings;
 }
@@ -130,7 +130,7 @@ TEST_F(Golden, AMissingArrowOrAnotherLookOfTheToolIsSeen) {
   settings.force_arrow = false;
   EXPECT_GT(differences_with(settings)["frames/000040"], 2 * kTolerance);
   settings = golden_settings();
-  settings.tool_look = "steel";
+  settings.tool_look = ToolLook::steel;
   EXPECT_GT(differences_with(settings)["frames/000040"], 2 * kTolerance);
 }
 

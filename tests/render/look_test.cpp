@@ -26,7 +26,7 @@ class Look : public ::testing::Test {
   void SetUp() override {
     settings_.width_px = 320;
     settings_.height_px = 240;
-    settings_.cameras = {"oblique"};
+    settings_.cameras = {CameraView::oblique};
     settings_.before_after = settings_.contact_sheet = false;
   }
 
@@ -45,7 +45,7 @@ class Look : public ::testing::Test {
 test::TempDir* Look::dir_ = nullptr;
 
 TEST_F(Look, AWhiteBackgroundIsWhite) {
-  settings_.background = "white";
+  settings_.background = Background::white;
   const Picture shown = draw("reamed");
   EXPECT_EQ(shown.at(160, 2), Eigen::Vector3i(255, 255, 255));
   EXPECT_EQ(shown.at(160, 237), Eigen::Vector3i(255, 255, 255));
@@ -53,9 +53,9 @@ TEST_F(Look, AWhiteBackgroundIsWhite) {
 }
 
 TEST_F(Look, ATransparentBackgroundIsNothingAndTheBoneOpaque) {
-  settings_.background = "white";
+  settings_.background = Background::white;
   const Picture white = draw("frames/000040");
-  settings_.background = "transparent";
+  settings_.background = Background::transparent;
   const Picture clear = draw("frames/000040");
   EXPECT_EQ(alpha(clear, 160, 237), 0);
   EXPECT_EQ(alpha(clear, 160, 150), 255);

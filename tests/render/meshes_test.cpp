@@ -184,7 +184,7 @@ TEST_F(Meshes, BoneThatTheLatticeCutsIsClosedThere) {
   VoxelGrid grid;
   grid.voxel_mm = 0.5;
   grid.dims = Vec3i(24, 20, 17);
-  Voxmap voxmap(grid);
+  FilledVoxmap voxmap(grid);
   for (int i = 0; i < grid.dims.prod(); ++i) {
     voxmap.grade.set({i % 24, i / 24 % 20, i / 480}, 200);
   }
@@ -196,7 +196,7 @@ TEST_F(Meshes, BoneThatTheLatticeCutsIsClosedThere) {
 
 TEST_F(Meshes, WithoutBoneLeftThereAreNoneAndTheReportSaysSo) {
   mesh_results({.voxel_mm = 0.8, .frames = 10, .every = 5});
-  Voxmap voxmap = read_bone_vdb(dir_.path() + "/reamed.vdb");
+  FilledVoxmap voxmap = read_bone_vdb(dir_.path() + "/reamed.vdb");
   voxmap.grade.for_each_brick(
       [&](const Vec3i& coord, const GradeBricks::Brick&) { voxmap.fill.put(coord, FillBricks::Brick{}); });
   write_bone_vdb(dir_.path() + "/reamed.vdb", voxmap, {}, {});

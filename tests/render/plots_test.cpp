@@ -103,13 +103,13 @@ TEST_F(Plots, ARunGivesFourCurves) {
 
 TEST_F(Plots, FramesSpeakForThemselvesWhereVoxelsAreClipped) {
   CuttingSettings cutting;
-  cutting.erosion = "exact";
+  cutting.erosion = ErosionMode::exact;
   ASSERT_EQ(averaged_travel_mm(cutting, 0.25), 0);
   write_log(dir_.path(), 2000, 1);
   draw_all(dir_.path(), 0);
   expect_plots();
   EXPECT_THAT(test::file_bytes(dir_.path() + "/forces.svg"), ::testing::Not(::testing::HasSubstr("mean over")));
-  cutting.erosion = "remove";
+  cutting.erosion = ErosionMode::remove;
   draw_all(dir_.path(), averaged_travel_mm(cutting, 0.25));
   EXPECT_THAT(test::file_bytes(dir_.path() + "/forces.svg"), ::testing::HasSubstr("mean over 0.25 mm"));
 }
@@ -159,7 +159,7 @@ TEST_F(Plots, TheEnergyPlotNamesPowerEnergyAndBalance) {
 
 TEST_F(Plots, WhatWasRemovedIsCountedByDensity) {
   write_results(dir_.path(), {.voxel_mm = 0.8, .frames = 10, .every = 5});
-  Voxmap after = read_bone_vdb(dir_.path() + "/reamed.vdb");
+  FilledVoxmap after = read_bone_vdb(dir_.path() + "/reamed.vdb");
   const double after_mm3 = after.bone_mm3();
   after.fill = FillBricks(after.grid.dims);
   write_removed_density(dir_.path());

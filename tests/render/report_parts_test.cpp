@@ -102,7 +102,7 @@ TEST(DensityVolume, AveragesBoneAndCarriesItIntoTheAir) {
   grid.voxel_mm = 0.5;
   grid.dims = Vec3i(40, 40, 40);
   grid.origin_mm = Vec3(-3, 2, 7);
-  Voxmap voxmap(grid);
+  FilledVoxmap voxmap(grid);
   for (int z = 10; z < 30; ++z) {
     for (int y = 10; y < 30; ++y) {
       for (int x = 10; x < 30; ++x) voxmap.grade.set({x, y, z}, x % 2 == 0 ? 100 : 120);

@@ -74,7 +74,7 @@ class ReportPage : public ::testing::Test {
 
   void SetUp() override {
     fs::copy(run_->path(), dir(), fs::copy_options::recursive | fs::copy_options::overwrite_existing);
-    settings_.cameras = {"oblique", "section"};
+    settings_.cameras = {CameraView::oblique, CameraView::section};
   }
 
   [[nodiscard]] std::string dir() const { return copy_.path(); }

@@ -53,14 +53,14 @@ Rigid bone_from_glenoid() {
   return out;
 }
 
-Voxmap make_bone(const Rigid& frame, double voxel_mm) {
+FilledVoxmap make_bone(const Rigid& frame, double voxel_mm) {
   VoxelGrid grid;
   grid.voxel_mm = voxel_mm;
   const Vec3 half(23, 23, 23);
   const Vec3 middle = frame * Vec3(0, 0, -15);
   grid.origin_mm = middle - half;
   grid.dims = Vec3i::Constant(static_cast<int>(std::ceil(2 * half.x() / voxel_mm / 8)) * 8);
-  Voxmap bone(grid);
+  FilledVoxmap bone(grid);
   const Rigid glenoid_from_bone = frame.inverse();
   for (int k = 0; k < grid.dims.z(); ++k) {
     for (int j = 0; j < grid.dims.y(); ++j) {
@@ -75,7 +75,7 @@ Voxmap make_bone(const Rigid& frame, double voxel_mm) {
   return bone;
 }
 
-void cut(Voxmap& bone, const Rigid& glenoid_from_bone, double lowest, bool whole_voxels) {
+void cut(FilledVoxmap& bone, const Rigid& glenoid_from_bone, double lowest, bool whole_voxels) {
   const VoxelGrid& grid = bone.grid;
   for (int k = 0; k < grid.dims.z(); ++k) {
     for (int j = 0; j < grid.dims.y(); ++j) {
@@ -142,7 +142,7 @@ FixtureTruth write_results(const std::string& dir, const FixtureOptions& options
   truth.bone_from_glenoid = bone_from_glenoid();
   truth.deepest_mm = options.depth_mm;
   const Rigid glenoid_from_bone = truth.bone_from_glenoid.inverse();
-  Voxmap bone = make_bone(truth.bone_from_glenoid, options.voxel_mm);
+  FilledVoxmap bone = make_bone(truth.bone_from_glenoid, options.voxel_mm);
   const Quat orientation(Mat3(truth.bone_from_glenoid.linear()));
   std::ofstream csv(dir + "/forces.csv");
   csv << "frame,time_s,tool_x_mm,tool_y_mm,tool_z_mm,tool_qw,tool_qx,tool_qy,tool_qz,spin_rpm,spin_angle_rad,depth_mm,"
@@ -171,7 +171,7 @@ FixtureTruth write_results(const std::string& dir, const FixtureOptions& options
   Metadata metadata;
   if (options.glenoid) metadata.emplace_back("bone_from_glenoid", matrix_text(truth.bone_from_glenoid));
   metadata.emplace_back("erosion", options.whole_voxels ? "remove" : "exact");
-  if (!options.side.empty()) metadata.emplace_back("bone_side", options.side);
+  if (options.side != BodySide::unknown) metadata.emplace_back("bone_side", name_of(options.side));
   write_bone_vdb(dir + "/reamed.vdb", bone, {}, metadata);
   write_stl(dir + "/snapshots/tool.stl", make_tool());
   return truth;

@@ -15,7 +15,7 @@ struct FixtureOptions {
   double depth_mm = 3.0;      ///< of the tool's lowest point below the face
   bool whole_voxels = false;  ///< erosion by whole voxels instead of shares
   bool glenoid = true;        ///< with the frame G in the metadata
-  std::string side = "left";
+  BodySide side = BodySide::left;
 };
 
 /// The fixture's truth.

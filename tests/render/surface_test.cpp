@@ -15,12 +15,12 @@ namespace reamsim {
 namespace {
 
 /// A ball of radius 10 mm about the origin, 0.5 mm voxels, whole voxels by their centres.
-Voxmap ball() {
+FilledVoxmap ball() {
   VoxelGrid grid;
   grid.voxel_mm = 0.5;
   grid.dims = Vec3i(46, 45, 47);  // no multiples of a brick
   grid.origin_mm = Vec3(-11.5, -11.2, -11.7);
-  Voxmap voxmap(grid);
+  FilledVoxmap voxmap(grid);
   for (int k = 0; k < grid.dims.z(); ++k) {
     for (int j = 0; j < grid.dims.y(); ++j) {
       for (int i = 0; i < grid.dims.x(); ++i) {
@@ -32,7 +32,7 @@ Voxmap ball() {
 }
 
 /// Takes away what lies above z = `height`, by shares.
-void plane_off(Voxmap& voxmap, double height_mm) {
+void plane_off(FilledVoxmap& voxmap, double height_mm) {
   const VoxelGrid& grid = voxmap.grid;
   for (int k = 0; k < grid.dims.z(); ++k) {
     const double left = std::clamp((height_mm - grid.center_mm(0, 0, k).z()) / grid.voxel_mm + 0.5, 0.0, 1.0);
@@ -59,7 +59,7 @@ std::vector<Vertex> vertices(const BoneSurface& surface) {
   return out;
 }
 
-BoneSurface surface_of(const Voxmap& voxmap) {
+BoneSurface surface_of(const FilledVoxmap& voxmap) {
   const Occupancy occupancy(voxmap, voxmap.fill);
   return make_bone_surface({voxmap, SolidField(occupancy), AmbientLight(occupancy), UnreamedSurface(voxmap)});
 }
@@ -83,8 +83,8 @@ TEST(BoneSurfaceTest, ABallIsRoundAndNothingOfItIsReamed) {
 }
 
 /// The ball with partial voxels at its surface.
-Voxmap smooth_ball() {
-  Voxmap voxmap = ball();
+FilledVoxmap smooth_ball() {
+  FilledVoxmap voxmap = ball();
   const auto distance = [](const Vec3& point) { return point.norm() - 10; };
   const auto sample = [&](const Vec3i& voxel, std::uint8_t) -> SurfaceVoxel {
     const Vec3 center = voxmap.grid.center_mm(voxel.x(), voxel.y(), voxel.z());
@@ -95,7 +95,7 @@ Voxmap smooth_ball() {
 }
 
 TEST(BoneSurfaceTest, PartialVoxelsAtTheSurfaceAreNotReamedAndMakeItRounder) {
-  const Voxmap voxmap = smooth_ball();
+  const FilledVoxmap voxmap = smooth_ball();
   const Occupancy occupancy(voxmap, voxmap.fill);
   const UnreamedSurface unreamed(voxmap, voxmap.fill);
   const BoneSurface surface = make_bone_surface({voxmap, SolidField(occupancy), AmbientLight(occupancy), unreamed});
@@ -107,8 +107,8 @@ TEST(BoneSurfaceTest, PartialVoxelsAtTheSurfaceAreNotReamedAndMakeItRounder) {
 }
 
 TEST(BoneSurfaceTest, DepthIsMeasuredFromPartialVoxelsToo) {
-  const Voxmap before = smooth_ball();
-  Voxmap voxmap = before;
+  const FilledVoxmap before = smooth_ball();
+  FilledVoxmap voxmap = before;
   const VoxelGrid& grid = voxmap.grid;
   for_each_bone_voxel(before, [&](const Vec3i& voxel, std::uint8_t, std::uint16_t fill) {
     const double left = std::clamp((6 - grid.center_mm(0, 0, voxel.z()).z()) / grid.voxel_mm + 0.5, 0.0, 1.0);
@@ -124,7 +124,7 @@ TEST(BoneSurfaceTest, DepthIsMeasuredFromPartialVoxelsToo) {
 }
 
 TEST(BoneSurfaceTest, ACutIsReamedAndAsDeepAsItLiesBelowTheOldSurface) {
-  Voxmap voxmap = ball();
+  FilledVoxmap voxmap = ball();
   plane_off(voxmap, 6);
   const BoneSurface surface = surface_of(voxmap);
   EXPECT_NEAR(surface.deepest_mm, 4, 0.25);  // the ball's top voxels end at 9.8 mm
@@ -145,7 +145,7 @@ TEST(BoneSurfaceTest, ACutIsReamedAndAsDeepAsItLiesBelowTheOldSurface) {
 }
 
 TEST(BoneSurfaceTest, APilotHoleIsNoSurfaceToMeasureDepthFrom) {
-  Voxmap voxmap = ball();
+  FilledVoxmap voxmap = ball();
   const VoxelGrid& grid = voxmap.grid;
   for (int k = 0; k < grid.dims.z(); ++k) {
     for (int j = 0; j < grid.dims.y(); ++j) {
@@ -170,7 +170,7 @@ TEST(BoneSurfaceTest, TheFarSideOfAThinPlateDoesNotCount) {
   VoxelGrid grid;
   grid.voxel_mm = 0.5;
   grid.dims = Vec3i(48, 48, 24);
-  Voxmap plate(grid);  // 4 mm of bone, 3 mm of it reamed away in the middle
+  FilledVoxmap plate(grid);  // 4 mm of bone, 3 mm of it reamed away in the middle
   for (int k = 4; k < 12; ++k) {
     for (int j = 4; j < 44; ++j) {
       for (int i = 4; i < 44; ++i) {
@@ -253,10 +253,10 @@ TEST(SurfaceSmoothing, NoiseIsEvenedOut) {
 }
 
 TEST(BoneSurfaceTest, FollowingChangesGivesTheSameSurfaceAsStartingAfresh) {
-  Voxmap last = ball();
+  FilledVoxmap last = ball();
   plane_off(last, 6.3);
   const UnreamedSurface unreamed(last);
-  Voxmap voxmap = ball();
+  FilledVoxmap voxmap = ball();
   Occupancy occupancy(voxmap, voxmap.fill);
   SolidField field(occupancy);
   AmbientLight ambient(occupancy);
@@ -319,10 +319,10 @@ double worst_dress(const BoneSurface& a, const BoneSurface& b) {
 }
 
 TEST(BoneTilesTest, TogetherTheyAreTheWholeSurfaceAlsoAfterChanges) {
-  Voxmap last = smooth_ball();
+  FilledVoxmap last = smooth_ball();
   plane_off(last, 6.3);
   const UnreamedSurface unreamed(last);
-  Voxmap voxmap = smooth_ball();
+  FilledVoxmap voxmap = smooth_ball();
   Occupancy occupancy(voxmap, voxmap.fill);
   SolidField field(occupancy);
   AmbientLight ambient(occupancy);
@@ -346,7 +346,7 @@ TEST(BoneTilesTest, TogetherTheyAreTheWholeSurfaceAlsoAfterChanges) {
 }
 
 TEST(BoneSurfaceTest, TheFloorOfAPitIsDarkerThanAFreeFace) {
-  Voxmap voxmap = ball();
+  FilledVoxmap voxmap = ball();
   const VoxelGrid& grid = voxmap.grid;
   for (int k = 0; k < grid.dims.z(); ++k) {
     for (int j = 0; j < grid.dims.y(); ++j) {

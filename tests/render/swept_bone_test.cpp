@@ -22,12 +22,12 @@ constexpr double kVoxel_mm = 0.5;
 constexpr double kRadius_mm = 4;
 
 /// Bone below z = 0: 24 × 24 mm, 10 mm thick.
-Voxmap slab() {
+FilledVoxmap slab() {
   VoxelGrid grid;
   grid.voxel_mm = kVoxel_mm;
   grid.dims = {48, 48, 24};
   grid.origin_mm = {-12, -12, -10};
-  Voxmap out(grid);
+  FilledVoxmap out(grid);
   for (int k = 0; k < 20; ++k) {
     for (int j = 0; j < 48; ++j) {
       for (int i = 0; i < 48; ++i) out.grade.set({i, j, k}, 100);
@@ -64,7 +64,7 @@ double cap_mm3(double depth_mm) {
 }
 
 TEST(ForeseenBoneTest, APlungeTakesTheCapOfItsDeepestPose) {
-  const Voxmap bone = slab();
+  const FilledVoxmap bone = slab();
   // By steps of which several go into half a voxel; the deepest pose stands between two others.
   std::vector<ToolPose> poses;
   for (int k = 0; k <= 31; ++k) poses.push_back(pose_at({0.1, 0.2, 1 - 0.1 * k}));
@@ -77,7 +77,7 @@ TEST(ForeseenBoneTest, APlungeTakesTheCapOfItsDeepestPose) {
 }
 
 TEST(ForeseenBoneTest, BetweenTwoPosesFarApartTheToolIsEverywhere) {
-  const Voxmap bone = slab();
+  const FilledVoxmap bone = slab();
   const ForeseenBone foreseen = foresee(bone, bone.fill, ball(), {pose_at({-6, 0, -2}), pose_at({6, 0, -2})}, false);
   // A trench, with half a cap at either end. Its section is the circle's segment.
   const double half = std::acos((kRadius_mm - 2) / kRadius_mm);
@@ -86,7 +86,7 @@ TEST(ForeseenBoneTest, BetweenTwoPosesFarApartTheToolIsEverywhere) {
 }
 
 TEST(ForeseenBoneTest, ATiltedToolIsFollowed) {
-  const Voxmap bone = slab();
+  const FilledVoxmap bone = slab();
   const Quat tilt(Eigen::AngleAxisd(0.4, Vec3::UnitX()));
   // About the ball's middle, so that nothing but the tool's axis changes.
   const Vec3 middle(0, 0, kRadius_mm - 2);
@@ -96,7 +96,7 @@ TEST(ForeseenBoneTest, ATiltedToolIsFollowed) {
 }
 
 TEST(ForeseenBoneTest, WhatTheToolNeverMeetsStaysAsItWas) {
-  Voxmap bone = slab();
+  FilledVoxmap bone = slab();
   bone.fill.set({3, 3, 19}, 1000);
   const ForeseenBone foreseen = foresee(bone, bone.fill, ball(), {pose_at({0, 0, 9}), pose_at({0, 0, 0.4})}, false);
   EXPECT_EQ(foreseen.deepest.position_mm.z(), 9) << "the first pose, as nothing else is known";
@@ -105,7 +105,7 @@ TEST(ForeseenBoneTest, WhatTheToolNeverMeetsStaysAsItWas) {
 }
 
 TEST(ForeseenBoneTest, NeverFillsAgainWhatWasGone) {
-  Voxmap bone = slab();
+  FilledVoxmap bone = slab();
   bone.fill.set({24, 24, 19}, 0);
   bone.fill.set({24, 24, 12}, 30000);
   const ForeseenBone foreseen = foresee(bone, bone.fill, ball(), {pose_at({0, 0, 1}), pose_at({0, 0, -1})}, false);
@@ -127,7 +127,7 @@ TEST(ForeseenBoneTest, ARunIsForeseenAsItHappens) {
 }
 
 TEST(ForeseenBoneTest, WhereVoxelsGoWholeEachOneThatIsTouchedGoes) {
-  const Voxmap bone = slab();
+  const FilledVoxmap bone = slab();
   const Vec3 middle(0.13, 0.21, kRadius_mm - 2.2);
   const ForeseenBone foreseen =
       foresee(bone, bone.fill, ball(), {pose_at({0.13, 0.21, 3}), pose_at({0.13, 0.21, -2.2})}, true);
@@ -147,7 +147,7 @@ TEST(ForeseenBoneTest, WhereVoxelsGoWholeEachOneThatIsTouchedGoes) {
 
 /// A cylinder wider than the slab, so that nothing but its floor tells the depth.
 double deepest_of_a_flat_cut(double depth_mm, bool whole_voxels) {
-  const Voxmap bone = slab();
+  const FilledVoxmap bone = slab();
   const Profile tool{{{0, 0}, {20, 0}, {20, 5}, {0, 5}}};
   const auto poses = {pose_at({0, 0, 1}), pose_at({0, 0, -depth_mm})};
   const ForeseenBone foreseen = foresee(bone, bone.fill, tool, poses, whole_voxels);
@@ -162,7 +162,7 @@ TEST(ForeseenBoneTest, TheDepthOfAFlatFloorIsKnownWhereverItLiesInTheLattice) {
 }
 
 TEST(ForeseenBoneTest, WhatAnEarlierRunTookIsReamedToo) {
-  Voxmap bone = slab();
+  FilledVoxmap bone = slab();
   // A pit of 3 mm, far from where the ball comes.
   for (int k = 14; k < 20; ++k) {
     for (int j = 4; j < 16; ++j) {
@@ -170,7 +170,7 @@ TEST(ForeseenBoneTest, WhatAnEarlierRunTookIsReamedToo) {
     }
   }
   RunPlan plan;
-  plan.bone = std::make_shared<Voxmap>(bone);
+  plan.bone = std::make_shared<FilledVoxmap>(bone);
   plan.fill_before = bone.fill;
   plan.poses = {pose_at({7, 7, 1}), pose_at({7, 7, -1})};
   plan.pose_frames = {0, 1};

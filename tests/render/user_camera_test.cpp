@@ -33,7 +33,7 @@ Subject askew() {
 UserCamera from_the_face() {
   UserCamera camera;
   camera.name = "face";
-  camera.frame = "glenoid";
+  camera.frame = PoseFrame::glenoid;
   camera.position_mm = Vec3(0, 0, 100);
   camera.target_mm = Vec3::Zero();
   camera.up = Vec3::UnitY();
@@ -69,7 +69,7 @@ TEST(UserCameraTest, InPerspectiveTheScaleHoldsAtTheTarget) {
 TEST(UserCameraTest, OrthographicHasItsWidthAtEveryDepth) {
   const Subject subject = askew();
   UserCamera wanted = from_the_face();
-  wanted.projection = "orthographic";
+  wanted.projection = Projection::orthographic;
   wanted.width_mm = 64;
   const Camera camera = make_user_camera(wanted, subject, kUserWidth, kUserHeight);
   for (const double z : {-40.0, 0.0, 60.0}) {
@@ -82,7 +82,7 @@ TEST(UserCameraTest, OrthographicHasItsWidthAtEveryDepth) {
 TEST(UserCameraTest, ClipSpaceAgreesWithPixelsAndKeepsTheOrderOfDepths) {
   const Subject subject = askew();
   UserCamera wanted = from_the_face();
-  for (const char* projection : {"perspective", "orthographic"}) {
+  for (const Projection projection : {Projection::perspective, Projection::orthographic}) {
     wanted.projection = projection;
     const Camera camera = make_user_camera(wanted, subject, kUserWidth, kUserHeight);
     double before = 2;
@@ -103,7 +103,7 @@ TEST(UserCameraTest, ClipSpaceAgreesWithPixelsAndKeepsTheOrderOfDepths) {
 TEST(UserCameraTest, TheLiftOfAPointIsItsStepTowardsTheViewer) {
   const Subject subject = askew();
   UserCamera wanted = from_the_face();
-  for (const char* projection : {"perspective", "orthographic"}) {
+  for (const Projection projection : {Projection::perspective, Projection::orthographic}) {
     wanted.projection = projection;
     const Camera camera = make_user_camera(wanted, subject, kUserWidth, kUserHeight);
     const auto depth = [&](double z) {

@@ -27,7 +27,7 @@ RenderSettings plain_settings() {
   RenderSettings settings;
   settings.width_px = kViewWidth;
   settings.height_px = kViewHeight;
-  settings.cameras = {"glenoid"};
+  settings.cameras = {CameraView::glenoid};
   settings.before_after = false;
   settings.contact_sheet = false;
   return settings;
@@ -37,7 +37,7 @@ RenderSettings plain_settings() {
 UserCamera own_camera() {
   UserCamera camera;
   camera.name = "own";
-  camera.frame = "glenoid";
+  camera.frame = PoseFrame::glenoid;
   camera.position_mm = Vec3(0, 0, 100);
   camera.target_mm = Vec3::Zero();
   camera.up = Vec3::UnitY();
@@ -106,7 +106,7 @@ TEST_F(Views, BeforeAndAfterAreSeenByTheSameCamera) {
 
 TEST_F(Views, EachCameraHasItsOwnBeforeAndAfter) {
   settings_.before_after = true;
-  settings_.cameras = {"oblique", "section"};
+  settings_.cameras = {CameraView::oblique, CameraView::section};
   settings_.user_cameras = {own_camera()};
   render({.stills = false});
   for (const char* name : {"before_after.png", "before_after_section.png", "before_after_own.png"}) {
@@ -134,7 +134,7 @@ TEST_F(Views, AUsersCameraSeesWhatAPinholeSees) {
 }
 
 TEST_F(Views, FilesKeepTheirNamesWhenACameraIsDrawnAlone) {
-  settings_.cameras = {"section"};
+  settings_.cameras = {CameraView::section};
   render({.plain_camera = "oblique"});
   EXPECT_TRUE(fs::exists(dir_.path() + "/reamed_section.png"));
   EXPECT_FALSE(fs::exists(dir_.path() + "/reamed.png"));

@@ -21,7 +21,7 @@ TEST_F(CameraRules, NameAndPositionAreEnough) {
   const UserCamera& camera = s.render.user_cameras[0];
   EXPECT_EQ(camera.name, "rim");
   EXPECT_EQ(camera.position_mm, Vec3(10, 20, 30));
-  EXPECT_EQ(camera.projection, "perspective");
+  EXPECT_EQ(camera.projection, Projection::perspective);
   EXPECT_EQ(camera.fov_deg, 30);
   EXPECT_FALSE(camera.target_mm || camera.up);
 }

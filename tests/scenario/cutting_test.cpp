@@ -37,7 +37,7 @@ class Cutting : public ScenarioTest {
 
 TEST_F(Cutting, OptionsAreOffByDefault) {
   const CuttingSettings defaults = parse(kValid).cutting;
-  EXPECT_EQ(defaults.preset, "");
+  EXPECT_EQ(defaults.preset, EnergyPreset::none);
   EXPECT_THAT(defaults.specific_energy_table, IsEmpty());
   EXPECT_FALSE(defaults.size_effect);
   EXPECT_FALSE(defaults.edge_force);

@@ -29,7 +29,7 @@ TEST_F(Overrides, LaterOnesWin) {
 TEST_F(Overrides, ListsAndSections) {
   const Scenario s = parse(kValid, {"render.cameras=[section, glenoid]", "motion.keyframes=null",
                                     "motion.plunge={feed_mm_s: 2, depth_mm: 1}"});
-  EXPECT_THAT(s.render.cameras, ElementsAre("section", "glenoid"));
+  EXPECT_THAT(s.render.cameras, ElementsAre(CameraView::section, CameraView::glenoid));
   EXPECT_TRUE(s.motion.keyframes.empty());
   EXPECT_EQ(s.motion.plunge->feed_mm_s, 2);
 }
@@ -92,7 +92,7 @@ class ImportSettings : public ScenarioTest {
 
 TEST_F(ImportSettings, TakeSourcePathAndOverrides) {
   const BoneSettings bone = parse_bone_settings("mesh", path("tool.stl"), {"bone.voxel_mm=0.75", "bone.mesh.scale=55"});
-  EXPECT_EQ(bone.source, "mesh");
+  EXPECT_EQ(bone.source, BoneSource::mesh);
   EXPECT_EQ(bone.mesh.path, path("tool.stl"));
   EXPECT_EQ(bone.mesh.scale, 55);
   EXPECT_EQ(bone.voxel_mm, 0.75);

@@ -92,13 +92,13 @@ TEST_F(RoundTrip, EverySource) {
     ASSERT_EQ(s.bone.glenoid.rim_mm.size(), 6u);
     EXPECT_EQ(s.bone.glenoid.rim_mm[0], Vec3(13.5, 0, 0));
     EXPECT_EQ(s.bone.pilot_hole->depth_mm, 30);
-    if (s.bone.source == "ct" && !s.bone.ct.label_map) {
+    if (s.bone.source == BoneSource::ct && !s.bone.ct.label_map) {
       ASSERT_EQ(s.bone.ct.cut_spheres.size(), 2u);
       EXPECT_EQ(s.bone.ct.cut_spheres[0].radius_mm, 21.8);
       EXPECT_FALSE(s.bone.ct.fill_holes);
     }
     if (s.bone.ct.series == "2") {
-      EXPECT_EQ(s.bone.ct.modality, "any");
+      EXPECT_EQ(s.bone.ct.modality, Modality::any);
       EXPECT_EQ(s.bone.ct.label_map->label, (std::vector<std::string>{"7", "scapula: left", "8"}));
       EXPECT_EQ(s.bone.ct.label_map->refine_mm, 1);
     }

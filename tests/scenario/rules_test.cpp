@@ -149,7 +149,7 @@ TEST_F(Rules, ImplicitKnowsTheSweptSurfaceOnly) {
 
 TEST_F(Rules, ExactClipsTeethThatTurn) {
   const std::string resolved = with(kValid, "  mesh: tool.stl\n", "  mesh: tool.stl\n  spin: resolved\n");
-  EXPECT_EQ(parse(resolved).cutting.erosion, "exact");
+  EXPECT_EQ(parse(resolved).cutting.erosion, ErosionMode::exact);
   EXPECT_EQ(complaint(resolved + "cutting: {erosion: exact}\n"), "");
   EXPECT_EQ(complaint(resolved + "cutting: {edge_force: {tangential_n_mm: 1, normal_n_mm: 1, lips: 6}}\n"),
             "s.yaml:10:3: tool.spin: found resolved; expected envelope, because cutting.edge_force is given");

@@ -101,7 +101,7 @@ Tool tool_of(const TriangleMesh& mesh, bool revolved = false) {
 
 ToolSettings resolved() {
   ToolSettings settings;
-  settings.spin = "resolved";
+  settings.spin = ToolSpin::resolved;
   return settings;
 }
 

@@ -62,7 +62,7 @@ TEST_F(LoadTool, ChoosesAResolutionWithoutALeak) {
 TEST_F(LoadTool, EnvelopeFillsTheChipSlotsAndResolvedKeepsThem) {
   ToolSettings settings = shipped("convex_lips", 128);
   const Tool envelope = load_tool(settings, 0.5, ShellUse::touches_voxels, report_);
-  settings.spin = "resolved";
+  settings.spin = ToolSpin::resolved;
   const Tool resolved = load_tool(settings, 0.5, ShellUse::touches_voxels, report_);
   const Tool convex = load_tool(shipped("convex", 128), 0.5, ShellUse::touches_voxels, report_);
   EXPECT_NEAR(static_cast<double>(envelope.shell.codes.size()) / static_cast<double>(convex.shell.codes.size()), 1,

@@ -32,8 +32,8 @@ class FaultyEngine final : public Engine {
   }
   [[nodiscard]] bool full() const override { return engine_->full(); }
   RemovedFrames take_removed() override { return engine_->take_removed(); }
-  void read_fill(Voxmap& voxmap) override { engine_->read_fill(voxmap); }
-  void restore(const Voxmap& voxmap) override { engine_->restore(voxmap); }
+  void read_fill(const Voxmap& voxmap, FillBricks& fill) override { engine_->read_fill(voxmap, fill); }
+  void restore(const BoneView& bone) override { engine_->restore(bone); }
   [[nodiscard]] std::string device() const override { return engine_->device(); }
   [[nodiscard]] std::size_t device_bytes() const override { return engine_->device_bytes(); }
   [[nodiscard]] StructureBytes structure_bytes() const override { return engine_->structure_bytes(); }
@@ -45,8 +45,8 @@ class FaultyEngine final : public Engine {
 
 Setting faulty(const Fault& fault) {
   Setting setting;
-  setting.engine = [=](const Scenario& scenario, const Voxmap& voxmap, const Tool& tool) {
-    return std::make_unique<FaultyEngine>(make_engine(scenario, voxmap, tool), fault);
+  setting.engine = [=](const Scenario& scenario, const BoneView& bone, const Tool& tool) {
+    return std::make_unique<FaultyEngine>(make_engine(scenario, bone, tool), fault);
   };
   return setting;
 }

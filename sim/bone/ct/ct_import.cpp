@@ -83,16 +83,13 @@ void note_crop(const ct::AlignedImage& image, const ct::ScanSource& source, Repo
 }
 
 void filter(ct::AlignedImage& image, const CtSettings& settings, Report& report) {
-  if (settings.filter == "median") {
+  if (settings.filter == CtFilter::median) {
     ct::median_filter(image, settings.median_radius_voxels);
     report.note("median filter, radius " + std::to_string(settings.median_radius_voxels) + " voxels");
-  } else if (settings.filter == "curvature_anisotropic") {
+  } else if (settings.filter == CtFilter::curvature_anisotropic) {
     ct::curvature_anisotropic_filter(image, settings.anisotropic_iterations, settings.anisotropic_conductance);
     report.note(ct::words("curvature anisotropic diffusion, %d iterations, conductance %g",
                           settings.anisotropic_iterations, settings.anisotropic_conductance));
-  } else if (settings.filter != "none") {
-    throw InputError({}, "bone.ct.filter", "'" + settings.filter + "'",
-                     "expected none, median or curvature_anisotropic");
   }
 }
 
@@ -155,7 +152,7 @@ FilledVoxmap voxmap_from_scan(const ct::ScanSource& source, const BoneSettings& 
 FilledVoxmap voxmap_from_ct(const BoneSettings& settings, Report& report, Segmentation* segmentation) {
   const CtSettings& ct_settings = settings.ct;
   try {
-    const ct::DicomChoice choice{ct_settings.series, ct_settings.modality == "any"};
+    const ct::DicomChoice choice{ct_settings.series, ct_settings.modality == Modality::any};
     const auto source = ct::open_scan(ct_settings.path, kPathKey, choice, report);
     note_image(*source, ct_settings.path, report);
     return voxmap_from_scan(*source, settings, report, segmentation);

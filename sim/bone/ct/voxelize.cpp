@@ -138,7 +138,7 @@ FilledVoxmap voxelize(const AlignedImage& hu, const BoneField& bone, const BoneS
     throw InputError({settings.ct.path}, "bone.voxel_mm", "voxels of this size leave nothing of the bone",
                      "use smaller voxels");
   }
-  if (settings.surface_voxels == "partial") part_surface(bone, resampled, settings.ct, image, voxmap);
+  if (settings.surface_voxels == SurfaceVoxels::partial) part_surface(bone, resampled, settings.ct, image, voxmap);
   note_voxmap(voxmap, stats, report);
   return voxmap;
 }

@@ -26,7 +26,7 @@ void write_bone_vdb(const std::string& path, const BoneView& bone, const Removed
 struct StoredAnatomy {
   std::optional<GlenoidFrame> glenoid;
   std::optional<LandmarkSettings> landmarks;
-  std::string side;  ///< left | right | "" where it is not known
+  BodySide side = BodySide::unknown;  ///< left | right | "" where it is not known
 };
 
 /// The same as text metadata, for write_bone_vdb(): `bone_side`, `bone_from_glenoid`, `scapula_landmarks_mm`.

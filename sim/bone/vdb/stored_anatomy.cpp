@@ -84,14 +84,14 @@ std::optional<LandmarkSettings> parse_stored_landmarks(const std::string& path, 
   return LandmarkSettings{{n[0], n[1], n[2]}, {n[3], n[4], n[5]}, {n[6], n[7], n[8]}};
 }
 
-std::string checked_stored_side(const std::string& path, const std::string& text) {
-  if (text.empty() || text == "left" || text == "right") return text;
+BodySide checked_stored_side(const std::string& path, const std::string& text) {
+  if (const auto side = from_name<BodySide>(text)) return *side;
   throw InputError({path, 0, 0}, vdb_keys::kSide, excerpt(text), std::string("expected left or right") + kRemedy);
 }
 
 Metadata metadata_of(const StoredAnatomy& anatomy) {
   Metadata out;
-  if (!anatomy.side.empty()) out.emplace_back(vdb_keys::kSide, anatomy.side);
+  if (anatomy.side != BodySide::unknown) out.emplace_back(vdb_keys::kSide, name_of(anatomy.side));
   if (anatomy.glenoid) out.emplace_back(vdb_keys::kGlenoid, text_of(anatomy.glenoid->bone_from_glenoid));
   if (anatomy.landmarks) out.emplace_back(vdb_keys::kLandmarks, text_of(*anatomy.landmarks));
   return out;

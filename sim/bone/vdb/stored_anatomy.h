@@ -14,6 +14,6 @@ std::optional<GlenoidFrame> parse_stored_glenoid(const std::string& path, const 
 std::optional<LandmarkSettings> parse_stored_landmarks(const std::string& path, const std::string& text);
 
 /// The text itself; InputError unless it is left, right or empty.
-std::string checked_stored_side(const std::string& path, const std::string& text);
+BodySide checked_stored_side(const std::string& path, const std::string& text);
 
 }  // namespace reamsim

@@ -13,7 +13,7 @@ namespace reamsim {
 namespace {
 
 FillStore fill_store(const Scenario& scenario) {
-  return scenario.cutting.erosion == "wear" ? FillStore::bricks : FillStore::none;
+  return scenario.cutting.erosion == ErosionMode::wear ? FillStore::bricks : FillStore::none;
 }
 
 /// A record is of a block, which cannot be touched without a point nor go without a voxel.

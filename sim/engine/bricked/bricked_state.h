@@ -3,6 +3,7 @@
 #include "sim/engine/bricked/shell_cells.h"
 #include "sim/engine/common/device_bricks.h"
 #include "sim/engine/common/profile_table.h"
+#include "sim/scenario/choices.h"
 #include "sim/tool/tool.h"
 
 namespace reamsim {

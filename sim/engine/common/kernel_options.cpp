@@ -6,7 +6,8 @@ namespace reamsim {
 
 KernelOptions choose_options(const cl::DeviceInfo& info, const EngineSettings& engine) {
   KernelOptions options;
-  const bool gpu = engine.kernel_shape == "gpu" || (engine.kernel_shape == "auto" && info.gpu);
+  const bool gpu =
+      engine.kernel_shape == KernelShape::gpu || (engine.kernel_shape == KernelShape::automatic && info.gpu);
   options.shape = gpu ? KernelShape::gpu : KernelShape::cpu;
   // On a CPU every work-item is long, and PoCL hands whole groups to threads; on a GPU a cell has some hundred points.
   const std::size_t wanted = engine.work_group_size > 0 ? static_cast<std::size_t>(engine.work_group_size)

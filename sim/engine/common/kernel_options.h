@@ -8,12 +8,10 @@
 
 namespace reamsim {
 
-/// Which shape the kernels over bricks take: a work-item that does much, in vectors, or many that do little.
-enum class KernelShape { cpu, gpu };
-
 /// How the kernels over bricks run; the results do not depend on it.
 struct KernelOptions {
-  KernelShape shape = KernelShape::cpu;
+  KernelShape shape =
+      KernelShape::cpu;  ///< not `automatic`: a work-item that does much, in vectors, or many that do little
   std::size_t work_group = 1;
   bool culling = true;  ///< pass over cells that cannot touch; off only to prove that it changes nothing
 };

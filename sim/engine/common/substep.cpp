@@ -26,8 +26,8 @@ std::pair<int, int> cell_range(double low, double high, const PointShell& shell)
 }
 
 rs_i32 erosion_of(const CuttingSettings& cutting) {
-  if (cutting.erosion == "exact") return RS_EROSION_EXACT;
-  return cutting.erosion == "wear" ? RS_EROSION_WEAR : RS_EROSION_REMOVE;
+  if (cutting.erosion == ErosionMode::exact) return RS_EROSION_EXACT;
+  return cutting.erosion == ErosionMode::wear ? RS_EROSION_WEAR : RS_EROSION_REMOVE;
 }
 
 /// Fill that positions in single precision, good to kPositionMm, could make a resting tool take off.
@@ -119,7 +119,7 @@ SubstepArgs make_args(const Substep& substep, const Aabb& voi, const PointShell&
   args.force_per_point = static_cast<float>(cutting.force_per_point_n);
   args.wear = cutting.wear_g_cm3_per_s * substep.duration_s;
   args.cell_mm = shell.cell_mm;
-  args.law = cutting.law == "per_point" ? RS_LAW_PER_POINT : RS_LAW_ENERGY;
+  args.law = cutting.law == CuttingLaw::per_point ? RS_LAW_PER_POINT : RS_LAW_ENERGY;
   args.erosion = erosion_of(cutting);
   args.voxel_mm = static_cast<float>(grid.voxel_mm);
   args.per_voxel_mm = static_cast<float>(1 / grid.voxel_mm);

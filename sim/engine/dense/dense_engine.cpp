@@ -23,7 +23,8 @@ std::size_t group_size(const cl::DeviceInfo& info, int wanted, std::size_t other
 
 /// The plan, once it is known to fit.
 DensePlan fitting_plan(const cl::DeviceInfo& info, const Scenario& scenario, const BoneView& bone, const Tool& tool) {
-  const DensePlan plan = plan_dense(scenario.engine.detector, bone, tool, scenario.cutting.erosion == "wear");
+  const DensePlan plan =
+      plan_dense(scenario.engine.detector, bone, tool, scenario.cutting.erosion == ErosionMode::wear);
   require_fit(plan, info, bone.voxmap.grid.voxel_mm);
   return plan;
 }
@@ -31,11 +32,11 @@ DensePlan fitting_plan(const cl::DeviceInfo& info, const Scenario& scenario, con
 std::unique_ptr<Detection> make_detection(const cl::Device& device, const Scenario& scenario, const DenseState& state,
                                           const DeviceBatch& batch, const BoneView& bone, const Tool& tool) {
   const std::size_t group = group_size(device.info(), scenario.engine.work_group_size, 256);
-  if (scenario.engine.detector == "octree") {
-    const bool per_point = scenario.cutting.law == "per_point";
+  if (scenario.engine.detector == EngineKind::octree) {
+    const bool per_point = scenario.cutting.law == CuttingLaw::per_point;
     return std::make_unique<DetectOctree>(device, state, batch, tool.shell, bone.voxmap.grid, per_point, group);
   }
-  if (scenario.engine.detector == "implicit") {
+  if (scenario.engine.detector == EngineKind::implicit) {
     return std::make_unique<DetectImplicit>(device, state, batch, tool.profile, bone_extent(bone.voxmap), group);
   }
   return std::make_unique<DetectDirect>(device, state, batch, tool.shell, group);

@@ -62,10 +62,10 @@ std::size_t DensePlan::largest_bytes() const {
                    sizeof(RemovedVoxel) * removed});
 }
 
-DensePlan plan_dense(const std::string& detector, const BoneView& bone, const Tool& tool, bool wear) {
+DensePlan plan_dense(EngineKind detector, const BoneView& bone, const Tool& tool, bool wear) {
   DensePlan plan;
-  if (detector == "octree") plan.layout = VoxelLayout::flagged_hu;
-  if (detector == "implicit") plan.layout = VoxelLayout::bare_grade;
+  if (detector == EngineKind::octree) plan.layout = VoxelLayout::flagged_hu;
+  if (detector == EngineKind::implicit) plan.layout = VoxelLayout::bare_grade;
   const bool has_shell = plan.layout != VoxelLayout::bare_grade;
   plan.voxels = static_cast<std::size_t>(bone.voxmap.grid.size());
   plan.unreamed = static_cast<std::size_t>(bone.voxmap.grade.count());

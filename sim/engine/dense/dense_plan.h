@@ -39,7 +39,7 @@ struct DensePlan {
 };
 
 /// `detector`: direct | octree | implicit.
-DensePlan plan_dense(const std::string& detector, const BoneView& bone, const Tool& tool, bool wear);
+DensePlan plan_dense(EngineKind detector, const BoneView& bone, const Tool& tool, bool wear);
 
 /// Throws InputError that says what would fit, unless the plan fits the device: 2^32 voxels (they are numbered in 32
 /// bits), the device's memory and its largest allocation.

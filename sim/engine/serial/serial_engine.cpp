@@ -12,14 +12,14 @@ namespace reamsim {
 namespace {
 
 FindContacts serial_detection(const Scenario& scenario, const SerialState& state) {
-  if (scenario.cutting.erosion == "exact") return find_in_tool_box;
-  if (scenario.engine.detector == "implicit") return find_by_profile;
+  if (scenario.cutting.erosion == ErosionMode::exact) return find_in_tool_box;
+  if (scenario.engine.detector == EngineKind::implicit) return find_by_profile;
   return find_by_points(state);
 }
 
 CutVoxel serial_cut(const Scenario& scenario, double voxel_mm) {
   const EnergyTable table = make_energy_table(scenario.cutting, voxel_mm);
-  return scenario.cutting.erosion == "exact" ? cut_by_clipping(table) : cut_touched(table);
+  return scenario.cutting.erosion == ErosionMode::exact ? cut_by_clipping(table) : cut_touched(table);
 }
 
 /// The reference of every engine in plain C++: that of `implicit`, of those which look shell points up, and of `exact`.

@@ -72,17 +72,17 @@ std::vector<Target> usable_targets() {
 
 /// The memory that a Frame points into.
 struct Reference::State {
-  State(const Voxmap& voxmap, const Tool& tool, const CuttingSettings& cutting, Target target, unsigned threads)
-      : grid(voxmap.grid),
-        lattice(BrickLattice::over(voxmap.grid.dims)),
-        shell(make_shell_cells(tool.shell, shell_cell_side(tool.shell.cell_mm / voxmap.grid.voxel_mm))),
-        profile(make_profile_table(tool.profile, voxmap.grid.voxel_mm)),
-        energy(make_energy_table(cutting, voxmap.grid.voxel_mm)),
+  State(const BoneView& bone, const Tool& tool, const CuttingSettings& cutting, Target target, unsigned threads)
+      : grid(bone.voxmap.grid),
+        lattice(BrickLattice::over(grid.dims)),
+        shell(make_shell_cells(tool.shell, shell_cell_side(tool.shell.cell_mm / grid.voxel_mm))),
+        profile(make_profile_table(tool.profile, grid.voxel_mm)),
+        energy(make_energy_table(cutting, grid.voxel_mm)),
         bits(bits_of_byte()),
         passes(passes_for(target)),
         workers(threads) {
     std::transform(energy.energy_mj.begin(), energy.energy_mj.end(), units.begin(), rs_energy_units);
-    take_bone(voxmap);
+    take_bone(bone.voxmap);
     listed.resize(bricks.size());
     touched_list.resize(bricks.size());
     // A block cannot go without a point that touches it, nor twice.
@@ -145,14 +145,14 @@ struct Reference::State {
   Workers workers;
 };
 
-Reference::Reference(const Voxmap& voxmap, const Tool& tool, const CuttingSettings& cutting, Target target,
+Reference::Reference(const BoneView& bone, const Tool& tool, const CuttingSettings& cutting, Target target,
                      unsigned threads) {
-  if (cutting.law != "energy" || cutting.erosion != "remove") {
-    throw RunError("the reference knows law energy and erosion remove only, not " + cutting.law + " and " +
-                   cutting.erosion);
+  if (cutting.law != CuttingLaw::energy || cutting.erosion != ErosionMode::remove) {
+    throw RunError("the reference knows law energy and erosion remove only, not " + name_of(cutting.law) + " and " +
+                   name_of(cutting.erosion));
   }
-  if (voxmap.fill.stored_bricks() > 0) throw RunError("the reference takes bone of whole voxels only");
-  state_ = std::make_unique<State>(voxmap, tool, cutting, target, threads);
+  if (bone.fill.stored_bricks() > 0) throw RunError("the reference takes bone of whole voxels only");
+  state_ = std::make_unique<State>(bone, tool, cutting, target, threads);
 }
 
 Reference::~Reference() = default;

@@ -22,7 +22,7 @@ std::vector<Target> usable_targets();
 class Reference {
  public:
   /// `threads`: with the caller's. Throws RunError on other settings of cutting, or bone that is partly gone.
-  Reference(const Voxmap& voxmap, const Tool& tool, const CuttingSettings& cutting, Target target, unsigned threads);
+  Reference(const BoneView& bone, const Tool& tool, const CuttingSettings& cutting, Target target, unsigned threads);
   ~Reference();
 
   /// Collides and cuts; the sums are those that the engine's batch gives for the substep.

@@ -33,7 +33,7 @@ constexpr std::size_t kSweepBytes = 16 << 20;
 
 struct Arena {
   bench::BoneSeries series{256};
-  Voxmap bone = series.at(kSide);
+  FilledVoxmap bone = series.at(kSide);
   Tool tool = bench::cap_tool(kSide);
   Aabb bone_box = series.box(kSide);
   Aabb tool_box = bench::shell_box(tool);
@@ -98,7 +98,7 @@ class BrickedProgram final : public Program {
   static Scenario settings() {
     Scenario scenario;
     scenario.name = "reference";
-    scenario.engine.detector = "bricked";
+    scenario.engine.detector = EngineKind::bricked;
     scenario.cutting = bench::bench_cutting();
     return scenario;
   }

@@ -1,0 +1,124 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace reamsim {
+
+// The values of every key that takes one of a closed list. docs/formats.md says what each means. kChoiceNames<E> has
+// their names in the order of the enumerators: scenarios, results and messages all use it.
+
+template <class E>
+inline constexpr bool kChoiceNames = false;  // specialised below, as arrays
+
+constexpr auto name_list(auto... names) {
+  return std::array{std::string_view(names)...};
+}
+
+enum class BoneSource { phantom, ct, mesh, vdb };
+template <>
+inline constexpr auto kChoiceNames<BoneSource> = name_list("phantom", "ct", "mesh", "vdb");
+
+enum class BodySide { unknown, left, right };
+template <>
+inline constexpr auto kChoiceNames<BodySide> = name_list("", "left", "right");
+
+enum class SurfaceVoxels { automatic, partial, whole };
+template <>
+inline constexpr auto kChoiceNames<SurfaceVoxels> = name_list("auto", "partial", "whole");
+
+enum class PhantomShape { half_space, cup, sphere, layered, glenoid };
+template <>
+inline constexpr auto kChoiceNames<PhantomShape> = name_list("half_space", "cup", "sphere", "layered", "glenoid");
+
+enum class Walch { none, a1, a2, b2, c };
+template <>
+inline constexpr auto kChoiceNames<Walch> = name_list("none", "A1", "A2", "B2", "C");
+
+enum class Modality { ct, any };
+template <>
+inline constexpr auto kChoiceNames<Modality> = name_list("ct", "any");
+
+enum class CtFilter { none, median, curvature_anisotropic };
+template <>
+inline constexpr auto kChoiceNames<CtFilter> = name_list("none", "median", "curvature_anisotropic");
+
+/// The frame in which a scenario gives positions and directions.
+enum class PoseFrame { bone, glenoid };
+template <>
+inline constexpr auto kChoiceNames<PoseFrame> = name_list("bone", "glenoid");
+
+enum class ToolSpin { envelope, resolved };
+template <>
+inline constexpr auto kChoiceNames<ToolSpin> = name_list("envelope", "resolved");
+
+enum class EngineKind { bricked, direct, octree, implicit };
+template <>
+inline constexpr auto kChoiceNames<EngineKind> = name_list("bricked", "direct", "octree", "implicit");
+
+enum class KernelShape { automatic, cpu, gpu };
+template <>
+inline constexpr auto kChoiceNames<KernelShape> = name_list("auto", "cpu", "gpu");
+
+enum class CuttingLaw { energy, per_point };
+template <>
+inline constexpr auto kChoiceNames<CuttingLaw> = name_list("energy", "per_point");
+
+enum class ErosionMode { exact, remove, wear };
+template <>
+inline constexpr auto kChoiceNames<ErosionMode> = name_list("exact", "remove", "wear");
+
+enum class EnergyPreset { none, literature_low, literature_mid, literature_high };
+template <>
+inline constexpr auto kChoiceNames<EnergyPreset> = name_list("", "literature-low", "literature-mid", "literature-high");
+
+enum class CameraView { oblique, glenoid, section, overview };
+template <>
+inline constexpr auto kChoiceNames<CameraView> = name_list("oblique", "glenoid", "section", "overview");
+
+enum class Projection { perspective, orthographic };
+template <>
+inline constexpr auto kChoiceNames<Projection> = name_list("perspective", "orthographic");
+
+enum class RenderContext { osmesa, egl };
+template <>
+inline constexpr auto kChoiceNames<RenderContext> = name_list("osmesa", "egl");
+
+enum class FilmFormat { none, mp4, webp, apng };
+template <>
+inline constexpr auto kChoiceNames<FilmFormat> = name_list("none", "mp4", "webp", "apng");
+
+enum class ToolLook { see_through, steel };
+template <>
+inline constexpr auto kChoiceNames<ToolLook> = name_list("see-through", "steel");
+
+enum class Background { studio, white, transparent };
+template <>
+inline constexpr auto kChoiceNames<Background> = name_list("studio", "white", "transparent");
+
+/// The name of a value; "" for one that stands for a key that is not given.
+template <class E>
+std::string name_of(E value) {
+  return std::string(kChoiceNames<E>[static_cast<std::size_t>(value)]);
+}
+
+template <class E>
+std::vector<std::string> names_of(const std::vector<E>& values) {
+  std::vector<std::string> out;
+  for (const E value : values) out.push_back(name_of(value));
+  return out;
+}
+
+/// The value of that name; nullopt where there is none.
+template <class E>
+std::optional<E> from_name(std::string_view name) {
+  const auto found = std::ranges::find(kChoiceNames<E>, name);
+  if (found == kChoiceNames<E>.end()) return std::nullopt;
+  return static_cast<E>(found - kChoiceNames<E>.begin());
+}
+
+}  // namespace reamsim
