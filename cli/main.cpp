@@ -39,8 +39,10 @@ int run(int argc, char** argv) {
   reamsim::add_render_command(app, console);
   reamsim::add_compare_command(app, console);
   reamsim::add_import_command(app, console);
+#ifdef REAMSIM_VERIFICATION
   reamsim::add_bench_command(app, console);
   reamsim::add_verify_command(app, console);
+#endif
   reamsim::add_devices_command(app, console);
   // CLI11 would only say that a command is missing.
   const auto named = [&](const CLI::App* command) { return argc > 1 && command->get_name() == argv[1]; };
