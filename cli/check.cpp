@@ -6,7 +6,7 @@
 #include <memory>
 
 #include "cli/commands.h"
-#include "cli/picture_count.h"
+#include "cli/outputs.h"
 #include "cli/scenario_options.h"
 #include "render/render.h"
 #include "sim/base/error.h"

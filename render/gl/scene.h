@@ -16,14 +16,14 @@
 namespace reamsim {
 
 /// What lies behind the bone.
-enum class Background { studio, white, transparent };
+enum class Background { gradient, white, transparent };
 
 /// How edges are kept from being jagged: by four samples per pixel, or, at half the price, by smoothing them
 /// afterwards.
 enum class Edges { sampled, smoothed };
 
 /// One picture to be drawn.
-struct Shot {
+struct DrawCall {
   Camera camera;
   double depth_max_mm = 1;                       ///< top of the depth colours
   double contour_mm = 1;                         ///< a line on the reamed face at every multiple of this depth
@@ -31,7 +31,7 @@ struct Shot {
   std::optional<Rigid> bone_from_spinning_tool;  ///< without it there is no tool
   bool steel = false;                            ///< the tool as opaque brushed steel, not see-through
   const CutFace* cut_face = nullptr;             ///< where the camera cuts the bone open
-  Background background = Background::studio;
+  Background background = Background::gradient;
   Eigen::Vector3f key_direction = Eigen::Vector3f::UnitZ();  ///< towards the main light, in the eye's axes; unit length
   int supersampling = 1;                                     ///< drawn so many times as wide and high, and averaged
   Edges edges = Edges::sampled;
@@ -47,7 +47,7 @@ class Scene {
   /// Takes over those of the bone's tiles that are others than before.
   void set_bone(const std::vector<BoneSurface>& tiles, const std::vector<std::size_t>& changed);
   /// The picture without labels, of the camera's size. Throws RunError when that is too large.
-  [[nodiscard]] PixelImage draw(const Shot& shot);
+  [[nodiscard]] PixelImage draw(const DrawCall& call);
 
  private:
   struct Programs;
@@ -57,9 +57,9 @@ class Scene {
   };
 
   void draw_background(Background background) const;
-  void draw_bone(const Shot& shot) const;
-  void draw_cut_face(const Shot& shot) const;
-  void draw_tool(const Shot& shot) const;
+  void draw_bone(const DrawCall& call) const;
+  void draw_cut_face(const DrawCall& call) const;
+  void draw_tool(const DrawCall& call) const;
   void draw_see_through(const GlProgram& program, bool cut_open) const;
 
   const Gl& gl_;

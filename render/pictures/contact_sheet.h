@@ -31,7 +31,7 @@ class ContactSheet {
   ContactSheet(const RunView& view, const Camera& cell);
 
   /// The next cell, of the frame at this row of the log.
-  void add(PixelImage photograph, const ForceRow& row);
+  void add(PixelImage cell, const ForceRow& row);
   /// The page, with its labels.
   [[nodiscard]] PixelImage finish();
 

@@ -7,6 +7,7 @@
 
 #include "render/pictures/soft_outline.h"
 #include "sim/base/csv.h"
+#include "sim/base/gaussian.h"
 
 namespace reamsim {
 
@@ -25,13 +26,6 @@ double least_step(std::vector<double> values) {
     if (step > 1e-9) least = std::min(least, step);
   }
   return least;
-}
-
-/// Weights of a Gaussian of `sigma` columns, for the columns -reach…reach.
-std::vector<double> gaussian(double sigma, int reach) {
-  std::vector<double> out;
-  for (int n = -reach; n <= reach; ++n) out.push_back(std::exp(-0.5 * n * n / (sigma * sigma)));
-  return out;
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "sim/bone/voxmap/voxmap.h"
 #include "sim/scenario/scenario.h"
 
 namespace reamsim {
@@ -21,9 +22,10 @@ void write_force_plots(const std::string& dir, double mean_travel_mm);
 /// which see for what is thrown.
 void write_depth_and_energy_plots(const std::string& dir, double mean_travel_mm);
 
-/// Writes what the run took from each class of density as DIR/plots/removed_density.csv, and draws it. Needs
-/// DIR/reamed.vdb and DIR/snapshots/. Throws InputError when one is missing or damaged, RunError when gnuplot fails.
-void write_removed_density(const std::string& dir);
+/// Writes what a run removed of each class of density as DIR/plots/removed_density.csv, and draws it. `before`,
+/// `after`: the fill. Throws RunError when gnuplot fails.
+void write_removed_density(const std::string& dir, const Voxmap& voxmap, const FillBricks& before,
+                           const FillBricks& after);
 
 /// Writes the spectrum of the spin torque as DIR/plots/spectrum.csv, and draws it with its peaks named. False, and
 /// nothing written, when the tool does not spin or cuts for less than four turns. Throws as above.

@@ -6,17 +6,16 @@
 #include <vector>
 
 #include "render/pictures/run_view.h"
-#include "render/render.h"
 
 namespace reamsim {
 
-/// Which photographs the pictures of a run are made from.
-struct PictureList {
+/// Which frames of a run are rendered, and by which cameras.
+struct FrameSchedule {
   /// Throws InputError where a camera cannot be made.
-  PictureList(const RunView& view, const PictureChoice& choice);
+  FrameSchedule(const RunView& view, const PictureOptions& options);
 
   [[nodiscard]] bool along_the_run() const { return !still_frames.empty() || !sheet_frames.empty() || film; }
-  /// How many pictures there will be, each frame of a film counted.
+  /// How many pictures they make, each frame of a film counted.
   [[nodiscard]] int pictures(const RunView& view) const;
 
   std::vector<std::string> names;          ///< of the cameras, the user's last

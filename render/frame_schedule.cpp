@@ -1,4 +1,4 @@
-#include "render/picture_list.h"
+#include "render/frame_schedule.h"
 
 #include "render/film/film.h"
 #include "render/pictures/before_after.h"
@@ -7,8 +7,8 @@
 
 namespace reamsim {
 
-PictureList::PictureList(const RunView& view, const PictureChoice& choice)
-    : names(view.settings().cameras), stills(choice.stills) {
+FrameSchedule::FrameSchedule(const RunView& view, const PictureOptions& options)
+    : names(view.settings().cameras), stills(options.stills) {
   const RenderSettings& settings = view.settings();
   for (const UserCamera& own : settings.user_cameras) names.push_back(own.name);
   for (const std::string& name : names) {
@@ -20,14 +20,14 @@ PictureList::PictureList(const RunView& view, const PictureChoice& choice)
     sheet_frames = ContactSheet::frames_on(view);
     sheet = ContactSheet::cell_camera(view, names.front());
   }
-  if (choice.film && settings.film != "none") film = film_camera(view, names.front());
+  if (options.film && settings.film != "none") film = film_camera(view, names.front());
   for (int i = 0; i < settings.turntable_pictures; ++i) {
     const double turn = static_cast<double>(i) / settings.turntable_pictures;
-    turntable.push_back(make_turntable_camera(view.run().subject(), turn, settings.width_px, settings.height_px));
+    turntable.push_back(make_turntable_camera(view.run().target(), turn, settings.width_px, settings.height_px));
   }
 }
 
-int PictureList::pictures(const RunView& view) const {
+int FrameSchedule::pictures(const RunView& view) const {
   std::size_t sum = turntable.size() + halves.size() + (sheet ? 1 : 0) + (film ? view.frames().size() : 0);
   if (stills) sum += cameras.size() * (1 + still_frames.size());
   return static_cast<int>(sum);
