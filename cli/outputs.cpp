@@ -2,8 +2,7 @@
 
 #include <future>
 
-#include "render/pictures/depth_picture.h"
-#include "render/pictures/meshes.h"
+#include "render/pictures/figures.h"
 #include "render/plots/plots.h"
 #include "render/render.h"
 #include "render/report/report.h"
@@ -101,17 +100,6 @@ void Outputs::make(Report& report, const Console& console) {
 
 void Outputs::make_report() const {
   if (options_.report) write_report(run_, options_.pictures);
-}
-
-int count_pictures(const ReamingScene& scene) {
-  const RenderSettings& render = scene.scenario.render;
-  const std::vector<std::int64_t> frames = picture_frames(render, std::ssize(scene.motion.poses) - 1);
-  const std::size_t cameras = render.cameras.size() + render.user_cameras.size();
-  std::size_t sum = cameras * (1 + still_frames(frames, render).size());
-  if (render.before_after) sum += cameras;
-  if (render.contact_sheet) ++sum;
-  if (render.film != "none") sum += frames.size();
-  return static_cast<int>(sum) + render.turntable_pictures;
 }
 
 }  // namespace reamsim

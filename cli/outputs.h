@@ -50,7 +50,4 @@ class Outputs {
   std::unique_ptr<RenderThread> render_thread_;  ///< of a run that is simulated, where pictures are wanted
 };
 
-/// How many pictures a run of the scene will have, each frame of a film counted.
-int count_pictures(const ReamingScene& scene);
-
 }  // namespace reamsim

@@ -5,7 +5,7 @@
 #include "cli/commands.h"
 #include "cli/outputs.h"
 #include "cli/scenario_options.h"
-#include "render/pictures/segmentation_picture.h"
+#include "render/pictures/figures.h"
 #include "render/render.h"
 #include "sim/base/error.h"
 #include "sim/predict/contact_forecast.h"

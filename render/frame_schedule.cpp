@@ -1,8 +1,7 @@
 #include "render/frame_schedule.h"
 
 #include "render/film/film.h"
-#include "render/pictures/before_after.h"
-#include "render/pictures/contact_sheet.h"
+#include "render/pictures/composites.h"
 #include "sim/scenario/picture_frames.h"
 
 namespace reamsim {
@@ -27,10 +26,14 @@ FrameSchedule::FrameSchedule(const RunView& view, const PictureOptions& options)
   }
 }
 
-int FrameSchedule::pictures(const RunView& view) const {
-  std::size_t sum = turntable.size() + halves.size() + (sheet ? 1 : 0) + (film ? view.frames().size() : 0);
-  if (stills) sum += cameras.size() * (1 + still_frames.size());
-  return static_cast<int>(sum);
+int count_pictures(const PictureOptions& options, const std::vector<std::int64_t>& frames) {
+  const RenderSettings& settings = options.settings;
+  const std::size_t cameras = settings.cameras.size() + settings.user_cameras.size();
+  std::size_t sum = options.stills ? cameras * (1 + still_frames(frames, settings).size()) : 0;
+  if (settings.before_after) sum += cameras;
+  if (settings.contact_sheet) ++sum;
+  if (options.film && settings.film != "none") sum += frames.size();
+  return static_cast<int>(sum) + settings.turntable_pictures;
 }
 
 }  // namespace reamsim

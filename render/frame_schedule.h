@@ -15,9 +15,6 @@ struct FrameSchedule {
   FrameSchedule(const RunView& view, const PictureOptions& options);
 
   [[nodiscard]] bool along_the_run() const { return !still_frames.empty() || !sheet_frames.empty() || film; }
-  /// How many pictures they make, each frame of a film counted.
-  [[nodiscard]] int pictures(const RunView& view) const;
-
   std::vector<std::string> names;          ///< of the cameras, the user's last
   bool stills = false;                     ///< of the run's frames and of its last state
   std::vector<Camera> cameras;             ///< of the stills
@@ -28,5 +25,8 @@ struct FrameSchedule {
   std::optional<Camera> film;
   std::vector<Camera> turntable;
 };
+
+/// How many pictures are made of a run with these snapshots, each frame of a film counted.
+int count_pictures(const PictureOptions& options, const std::vector<std::int64_t>& frames);
 
 }  // namespace reamsim

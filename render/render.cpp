@@ -8,9 +8,8 @@
 #include "render/film/encoder.h"
 #include "render/film/film.h"
 #include "render/frame_schedule.h"
-#include "render/pictures/before_after.h"
 #include "render/pictures/captions.h"
-#include "render/pictures/contact_sheet.h"
+#include "render/pictures/composites.h"
 #include "render/render.h"
 #include "render/render_thread.h"
 #include "sim/base/error.h"
@@ -60,7 +59,7 @@ class PictureComposer {
         captions_(run.log(), options.mean_travel_mm, options.settings.force_arrow),
         widest_(captions_.widest()),
         before_(schedule_.halves.size()),
-        writer_(progress, schedule_.pictures(view_)) {
+        writer_(progress, count_pictures(options, view_.frames())) {
     std::filesystem::create_directories(dir_ + "/frames");
     if (!schedule_.turntable.empty()) std::filesystem::create_directories(dir_ + "/turntable");
     if (schedule_.sheet) sheet_.emplace(view_, *schedule_.sheet);

@@ -24,7 +24,6 @@ class RenderThread::Pass {
       : thread_(thread), view_(view), schedule_(view, options) {}
 
   void render_all() {
-    if (schedule_.pictures(view_) == 0) return;
     thread_.wait_for_snapshot(view_.frames().front());
     Renderer renderer(view_);
     thread_.warning_ = renderer.warning();
@@ -97,7 +96,7 @@ void RenderThread::wait_for_snapshot(std::int64_t frame) {
 void RenderThread::work(const RunData& run, const PictureOptions& options) {
   try {
     const RunView view(run, options.settings);
-    Pass(*this, view, options).render_all();
+    if (count_pictures(options, view.frames()) > 0) Pass(*this, view, options).render_all();
     queue_.end(nullptr);
   } catch (const Stopped&) {
     queue_.end(nullptr);

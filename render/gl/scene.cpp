@@ -3,7 +3,6 @@
 #include <array>
 #include <utility>
 
-#include "render/gl/edge_filter.h"
 #include "render/surface/color_map.h"
 
 namespace reamsim {

@@ -1,4 +1,4 @@
-#include "render/pictures/depth_picture.h"
+#include "render/pictures/figures.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,9 +1,8 @@
-#include "render/pictures/meshes.h"
+#include "render/pictures/figures.h"
 
 #include <filesystem>
 
 #include "render/pictures/run_view.h"
-#include "render/surface/glb.h"
 #include "render/surface/reamed_mesh.h"
 #include "render/surface/unreamed_surface.h"
 #include "sim/mesh/mesh_io.h"

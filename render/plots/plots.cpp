@@ -7,7 +7,6 @@
 #include <fstream>
 #include <sstream>
 
-#include "render/plots/gnuplot.h"
 #include "sim/base/csv.h"
 #include "sim/base/error.h"
 #include "sim/record/force_log.h"

@@ -1,9 +1,8 @@
-#include "render/report/bone_data.h"
+#include "render/report/page_data.h"
 
 #include "render/pictures/run_view.h"
 #include "render/report/markup.h"
 #include "render/report/mesh_data.h"
-#include "render/report/volume_data.h"
 #include "render/surface/color_map.h"
 #include "render/surface/unreamed_surface.h"
 

@@ -7,10 +7,8 @@
 #include <vector>
 
 #include "render/plots/plots.h"
-#include "render/report/bone_data.h"
 #include "render/report/markup.h"
-#include "render/report/picture_data.h"
-#include "render/report/plot_data.h"
+#include "render/report/page_data.h"
 #include "render/report/summary_text.h"
 #include "sim/base/error.h"
 
@@ -122,12 +120,6 @@ std::string printed_plot_html(const std::string& dir) {
          base64({reinterpret_cast<const std::uint8_t*>(png.data()), png.size()}) + "\">";
 }
 
-/// A text of summary.json, escaped.
-std::string text_of(const Json& summary, const char* key, const std::string& path) {
-  if (summary.contains(key) && summary.at(key).is_string()) return escape_html(summary.at(key).get<std::string>());
-  throw InputError({path, 0, 0}, key, "found no text", "expected the summary.json of a run");
-}
-
 /// The data that the page's scripts work on.
 Json script_data(const RunData& run, const PictureOptions& options) {
   ForceLog log = run.log();
@@ -144,9 +136,9 @@ std::string page_html(const RunData& run, const PictureOptions& options) {
   const Json verification =
       fs::exists(verification_path) ? read_json(verification_path, "the verification.json of reamsim verify") : Json();
   std::map<std::string, std::string> texts{
-      {"title", text_of(summary, "scenario", summary_path)},
-      {"program", text_of(summary, "program", summary_path)},
-      {"device", text_of(summary, "device", summary_path)},
+      {"title", text_at(summary, "scenario", summary_path)},
+      {"program", text_at(summary, "program", summary_path)},
+      {"device", text_at(summary, "device", summary_path)},
       {"style", embedded::report_style},
       {"warnings", warnings_html(summary, summary_path)},
       {"key_figures", key_figures_html(summary, summary_path)},

@@ -5,7 +5,6 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "render/plots/gnuplot.h"
 #include "render/plots/plots.h"
 
 namespace reamsim {

@@ -1,4 +1,4 @@
-#include "render/report/volume_data.h"
+#include "render/report/page_data.h"
 
 #include <algorithm>
 

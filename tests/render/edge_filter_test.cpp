@@ -1,5 +1,5 @@
 // Jagged edges of known shapes, smoothed, against the share of each pixel that the shape covers.
-#include "render/gl/edge_filter.h"
+#include "render/gl/pixel_image.h"
 
 #include <gtest/gtest.h>
 

@@ -11,7 +11,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
-#include "render/pictures/meshes.h"
+#include "render/pictures/figures.h"
 #include "render/pictures/scale.h"
 #include "render/surface/color_map.h"
 #include "render/surface/reamed_mesh.h"

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <filesystem>
 
-#include "render/pictures/contact_sheet.h"
+#include "render/pictures/composites.h"
 #include "render/pictures/run_view.h"
 #include "render/render.h"
 #include "sim/base/error.h"
