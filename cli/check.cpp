@@ -6,7 +6,6 @@
 #include <memory>
 
 #include "cli/commands.h"
-#include "cli/scenario_options.h"
 #include "render/frame_schedule.h"
 #include "render/render.h"
 #include "sim/base/error.h"

@@ -4,7 +4,6 @@
 
 #include "cli/commands.h"
 #include "cli/outputs.h"
-#include "cli/scenario_options.h"
 #include "render/pictures/figures.h"
 #include "render/render.h"
 #include "sim/base/error.h"

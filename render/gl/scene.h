@@ -16,7 +16,7 @@
 namespace reamsim {
 
 /// What lies behind the bone.
-enum class Background { gradient, white, transparent };
+enum class Background { studio, white, transparent };
 
 /// How edges are kept from being jagged: by four samples per pixel, or, at half the price, by smoothing them
 /// afterwards.
@@ -31,7 +31,7 @@ struct DrawCall {
   std::optional<Rigid> bone_from_spinning_tool;  ///< without it there is no tool
   bool steel = false;                            ///< the tool as opaque brushed steel, not see-through
   const CutFace* cut_face = nullptr;             ///< where the camera cuts the bone open
-  Background background = Background::gradient;
+  Background background = Background::studio;
   Eigen::Vector3f key_direction = Eigen::Vector3f::UnitZ();  ///< towards the main light, in the eye's axes; unit length
   int supersampling = 1;                                     ///< drawn so many times as wide and high, and averaged
   Edges edges = Edges::sampled;

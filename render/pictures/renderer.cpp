@@ -12,7 +12,7 @@ namespace {
 
 Background background_named(const std::string& name) {
   if (name == "white") return Background::white;
-  return name == "transparent" ? Background::transparent : Background::gradient;
+  return name == "transparent" ? Background::transparent : Background::studio;
 }
 
 FillBricks first_fill(const RunInputs& run) {
