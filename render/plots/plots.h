@@ -36,8 +36,10 @@ bool write_torque_spectrum(const std::string& dir);
 /// RunError when one of DIR/`name`.png, .svg and .pdf is not there afterwards.
 void draw_plot(const std::string& dir, const std::string& name, const std::string& data, const char* script);
 
-/// Writes `text` to `path`; the folder is made where it is missing. Throws RunError.
+/// Writes `text` to `path`. Throws RunError.
 void write_text_file(const std::string& path, const std::string& text);
+/// Writes `text` to DIR/plots/`name`; the folder is made where it is missing. Throws RunError.
+void write_plot_data(const std::string& dir, const std::string& name, const std::string& text);
 
 /// The shortest text that reads back as the same number.
 std::string shortest_text(double value);

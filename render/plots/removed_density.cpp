@@ -45,7 +45,7 @@ void write_removed_density(const std::string& dir, const Voxmap& voxmap, const F
     };
     csv += bound(i) + "," + bound(i + 1) + "," + shortest_text(removed[i]) + "\n";
   }
-  write_text_file(dir + "/plots/removed_density.csv", csv);
+  write_plot_data(dir, "removed_density.csv", csv);
   draw_plot(dir, "plots/removed_density", "", embedded::removed_density_script);
 }
 

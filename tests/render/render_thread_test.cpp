@@ -29,6 +29,7 @@ class RenderThreadTest : public ::testing::Test {
     settings_.before_after = false;
     settings_.contact_sheet = false;
     run_.emplace(dir_.path());
+    static_cast<void>(run_->inputs());  // the list of snapshots, before a test changes them
   }
   [[nodiscard]] std::string snapshot(int frame) const {
     return dir_.path() + "/snapshots/0000" + std::to_string(frame) + ".vdb";
