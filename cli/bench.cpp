@@ -6,6 +6,7 @@
 
 #include "cli/commands.h"
 #include "render/plots/bench_plot.h"
+#include "render/plots/plots.h"
 #include "sim/base/error.h"
 #include "sim/bench/paper.h"
 #include "sim/bench/suite.h"
@@ -32,7 +33,7 @@ bench::Plan plan_of(const BenchOptions& options) {
   return plan;
 }
 
-/// Whether the file is what write_json() wrote.
+/// Whether the file is a benchmark's JSON.
 bool is_benchmark(const std::string& path) {
   std::string start(256, '\0');
   std::ifstream in(path, std::ios::binary);
@@ -48,13 +49,6 @@ void require_writable(const std::string& path, bool overwrite) {
     throw InputError({path, 0, 0}, "--json", "cannot be written", "expected a file name in a folder that exists");
   }
   if (!existed) std::filesystem::remove(path);
-}
-
-void write_json(const std::string& path, const std::string& text) {
-  std::ofstream out(path, std::ios::binary);
-  out << text;
-  out.close();
-  if (!out) throw RunError(path + ": cannot be written; is the disk full?");
 }
 
 std::string program_of(const bench::Label& label) {
@@ -98,7 +92,7 @@ void bench_command(const BenchOptions& options, const Console& console) {
   watch.stop = stop_requested;
   const bench::Findings findings = bench::run_bench(plan, watch);
   console.say("\n" + bench::text_of(findings));
-  if (!options.json.empty()) write_json(options.json, bench::json_of(findings));
+  if (!options.json.empty()) write_text_file(options.json, bench::json_of(findings));
   BenchPlot plot;
   plot.device = findings.device;
   add_severe(findings, plot);

@@ -6,8 +6,7 @@
 #include <memory>
 
 #include "cli/commands.h"
-#include "cli/picture_count.h"
-#include "cli/scenario_options.h"
+#include "render/frame_schedule.h"
 #include "render/render.h"
 #include "sim/base/error.h"
 #include "sim/base/mistake_list.h"
@@ -17,6 +16,7 @@
 #include "sim/predict/contact_forecast.h"
 #include "sim/run/simulation.h"
 #include "sim/scenario/parse.h"
+#include "sim/scenario/picture_frames.h"
 
 namespace reamsim {
 
@@ -55,7 +55,8 @@ void note_cost(const ReamingScene& scene, Report& report) {
 void note_time(ReamingScene& scene, double load_s, MistakeList& mistakes, Report& report) {
   char text[256];
   const RenderSettings& render = scene.scenario.render;
-  const int pictures = render.enabled ? count_pictures(scene) : 0;
+  const std::vector<std::int64_t> frames = picture_frames(render, std::ssize(scene.motion.poses) - 1);
+  const int pictures = render.enabled ? count_pictures({render}, frames) : 0;
   const double pixels = double(render.width_px) * render.height_px * render.supersampling * render.supersampling;
   try {
     const Stopwatch watch;

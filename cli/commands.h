@@ -2,6 +2,7 @@
 
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "cli/console.h"
 
@@ -21,6 +22,18 @@ void add_import_command(CLI::App& app, Console& console);
 void add_bench_command(CLI::App& app, Console& console);
 void add_verify_command(CLI::App& app, Console& console);
 void add_devices_command(CLI::App& app, Console& console);
+
+/// The arguments that `run` and `check` share.
+struct ScenarioOptions {
+  std::string file;
+  std::vector<std::string> overrides;
+  std::string device;
+  std::string engine;
+
+  void add_to(CLI::App& command);
+  /// `--set`, and `--device` and `--engine` as settings of their keys.
+  [[nodiscard]] std::vector<std::string> all_overrides() const;
+};
 
 /// For CLI11's check(): refuses the name "".
 inline std::string refuse_empty(const std::string& name) {

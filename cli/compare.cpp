@@ -10,7 +10,6 @@
 #include <set>
 
 #include "cli/commands.h"
-#include "render/render.h"
 #include "sim/base/error.h"
 #include "sim/record/output_folder.h"
 #include "sim/scenario/parse.h"
@@ -75,7 +74,7 @@ void set_means(std::vector<ComparedRun>& runs, const std::vector<ComparedMetric>
                        "expected what `reamsim run` wrote");
     }
     runs[i].mean_travel_mm =
-        averaged_travel_mm(parse_cutting_settings(runs[i].dir + "/scenario.yaml"), found->values[i]);
+        averaged_travel_mm(parse_result_settings(runs[i].dir + "/scenario.yaml").cutting, found->values[i]);
   }
 }
 

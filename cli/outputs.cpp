@@ -2,10 +2,12 @@
 
 #include <future>
 
-#include "render/pictures/depth_picture.h"
-#include "render/pictures/meshes.h"
+#include "render/pictures/figures.h"
 #include "render/plots/plots.h"
+#include "render/render.h"
+#include "render/report/report.h"
 #include "sim/base/error.h"
+#include "sim/scenario/picture_frames.h"
 
 namespace reamsim {
 
@@ -14,44 +16,90 @@ namespace {
 constexpr const char* kNoSpectrum =
     "no spectrum of the torque: the tool does not spin, or touches bone for less than four turns";
 
-void make_figures(const FinishedRun& run, const Outputs& outputs, Report& report) {
-  const std::string& dir = run.dir();
-  const double mean_mm = outputs.mean_travel_mm;
-  if (outputs.force_plots) {
-    write_force_plots(dir, mean_mm);
-    write_depth_picture(dir, outputs.settings.depth_max_mm);
-  }
-  if (outputs.meshes) write_meshes(run, outputs.settings.depth_max_mm, report);
-  if (!outputs.all_plots) return;
-  write_depth_and_energy_plots(dir, mean_mm);
-  write_removed_density(dir);
-  if (outputs.torque_spectrum && !write_torque_spectrum(dir)) report.warn(kNoSpectrum);
+/// The pose that forces.csv is read for, so that a run that is rendered again looks the same to the last bit.
+ToolPose as_logged(ToolPose pose) {
+  pose.orientation.normalize();
+  // There is no −0 in it.
+  pose.position_mm.array() += 0.0;
+  pose.orientation.coeffs().array() += 0.0;
+  pose.spin_angle_rad += 0.0;
+  return pose;
 }
 
-void make_pictures(const FinishedRun& run, const Outputs& outputs, Report& report, const Console& console) {
+RunInputs inputs_of(const ReamingScene& scene, const std::string& dir) {
+  RunInputs run;
+  run.dir = dir;
+  run.voxmap = scene.bone.voxmap;
+  run.fill = scene.bone.fill;
+  run.whole_voxels = scene.scenario.cutting.erosion != ErosionMode::exact;
+  run.glenoid = scene.bone.glenoid;
+  run.side = scene.bone.side;
+  for (const ToolPose& pose : scene.motion.poses) {
+    run.pose_frames.push_back(std::ssize(run.poses));
+    run.poses.push_back(as_logged(pose));
+  }
+  run.frames = picture_frames(scene.scenario.render, run.pose_frames.back());
+  run.tool = read_tool(dir);
+  return run;
+}
+
+OutputOptions options_of(const ReamingScene& scene) {
+  const Scenario& scenario = scene.scenario;
+  const double mean_mm = averaged_travel_mm(scenario.cutting, scene.bone.voxmap->grid.voxel_mm);
+  return {.pictures = {.settings = scenario.render, .mean_travel_mm = mean_mm},
+          .render = scenario.render.enabled,
+          .all_plots = scenario.render.enabled,
+          .torque_spectrum = scenario.tool.spin == ToolSpin::resolved,
+          .meshes = scenario.output.meshes,
+          .report = scenario.render.enabled && scenario.render.report};
+}
+
+}  // namespace
+
+Outputs::Outputs(const ReamingScene& scene, const std::string& dir)
+    : run_(inputs_of(scene, dir)), options_(options_of(scene)) {
+  if (options_.render || options_.meshes) run_.predict();
+  if (options_.render) render_thread_ = std::make_unique<RenderThread>(run_, options_.pictures);
+}
+
+void Outputs::snapshots_written(std::int64_t frame) {
+  if (render_thread_) render_thread_->snapshots_written(frame);
+}
+
+void Outputs::make_figures(Report& report) const {
+  const std::string& dir = run_.dir();
+  const double mean_mm = mean_travel_mm();
+  if (options_.force_plots) {
+    write_force_plots(dir, mean_mm);
+    write_depth_picture(run_, options_.pictures.settings.depth_max_mm);
+  }
+  if (options_.meshes) write_meshes(run_, options_.pictures.settings.depth_max_mm, report);
+  if (!options_.all_plots) return;
+  write_depth_and_energy_plots(dir, mean_mm);
+  write_removed_density(dir, run_.voxmap(), run_.inputs().fill, run_.last_fill());
+  if (options_.torque_spectrum && !write_torque_spectrum(dir)) report.warn(kNoSpectrum);
+}
+
+void Outputs::make_pictures(Report& report, const Console& console) {
   Progress progress(console, "render", "pictures");
   const auto tell = [&](int done, int total, const std::string&) {
     progress.update(done, total);
     if (stop_requested()) throw Interrupted();
   };
-  const auto& [settings, choice, mean_mm] = std::tie(outputs.settings, outputs.choice, outputs.mean_travel_mm);
-  if (outputs.photographer != nullptr) {
-    render_pictures(run, settings, mean_mm, tell, &report, choice, *outputs.photographer);
-  } else {
-    render_pictures(run, settings, mean_mm, tell, &report, choice);
-  }
+  render_pictures(run_, options_.pictures, tell, &report, render_thread_.get());
   progress.finish();
 }
 
-}  // namespace
-
-void make_outputs(const FinishedRun& run, const Outputs& outputs, Report& report, const Console& console) {
-  if (outputs.pictures || outputs.meshes) static_cast<void>(run.results());  // read before two threads ask for it
+void Outputs::make(Report& report, const Console& console) {
   Report of_figures;
-  std::future<void> figures = std::async(std::launch::async, [&] { make_figures(run, outputs, of_figures); });
-  if (outputs.pictures) make_pictures(run, outputs, report, console);
+  std::future<void> figures = std::async(std::launch::async, [&] { make_figures(of_figures); });
+  if (options_.render) make_pictures(report, console);
   figures.get();
   report.warnings.insert(report.warnings.end(), of_figures.warnings.begin(), of_figures.warnings.end());
+}
+
+void Outputs::make_report() const {
+  if (options_.report) write_report(run_, options_.pictures);
 }
 
 }  // namespace reamsim

@@ -7,10 +7,7 @@
 
 #include "cli/commands.h"
 #include "cli/outputs.h"
-#include "render/gl/camera.h"
-#include "render/pictures/results.h"
 #include "render/plots/plots.h"
-#include "render/report/report.h"
 #include "sim/base/error.h"
 #include "sim/scenario/parse.h"
 
@@ -38,8 +35,8 @@ struct RenderOptions {
 /// What a turntable has where it is asked for and nobody says how many: ten degrees from one to the next.
 constexpr int kTurntablePictures = 36;
 
-/// The run's own render settings, changed by what the command line says of everything but cameras.
-RenderSettings settings_of(const RenderOptions& options, const std::string& own_cameras) {
+/// The run's own settings, changed by what the command line says of everything but cameras.
+ResultSettings settings_of(const RenderOptions& options, const std::string& own_cameras) {
   std::vector<std::string> overrides = options.overrides;
   for (const std::string& override : overrides) {
     if (override.starts_with("render.")) continue;
@@ -56,7 +53,7 @@ RenderSettings settings_of(const RenderOptions& options, const std::string& own_
   if (options.film_rate_hz != 0) set("film_rate_hz", std::to_string(options.film_rate_hz));
   if (options.turntable_pictures != 0) set("turntable_pictures", std::to_string(options.turntable_pictures));
   if (!own_cameras.empty()) set("user_cameras", own_cameras);
-  return parse_render_settings(options.dir + "/scenario.yaml", overrides);
+  return parse_result_settings(options.dir + "/scenario.yaml", overrides);
 }
 
 bool describes_a_camera(const std::string& option) {
@@ -78,7 +75,7 @@ void choose_cameras(const RenderOptions& options, RenderSettings& settings) {
   settings.cameras.clear();
   settings.user_cameras.clear();
   const std::string described = described_cameras(options);
-  if (!described.empty()) settings.user_cameras = settings_of(options, described).user_cameras;
+  if (!described.empty()) settings.user_cameras = settings_of(options, described).render.user_cameras;
   std::string names = "glenoid, oblique, section, overview";
   for (const UserCamera& camera : known) names += ", " + camera.name;
   const auto taken = [&](const std::string& name) {
@@ -101,9 +98,10 @@ void choose_cameras(const RenderOptions& options, RenderSettings& settings) {
 }
 
 /// Leaves what `--only` names; a film or a turntable that is named so is made, whatever the run's settings say.
-void choose_kinds(const RenderOptions& options, RenderSettings& settings, PictureChoice& choice) {
+void choose_kinds(const RenderOptions& options, PictureOptions& pictures) {
   if (options.only.empty()) return;
-  choice.stills = options.wants("pictures");
+  RenderSettings& settings = pictures.settings;
+  pictures.stills = options.wants("pictures");
   settings.before_after = options.wants("before_after");
   settings.contact_sheet = options.wants("contact_sheet");
   if (!options.wants("turntable")) {
@@ -111,37 +109,32 @@ void choose_kinds(const RenderOptions& options, RenderSettings& settings, Pictur
   } else if (settings.turntable_pictures == 0) {
     settings.turntable_pictures = kTurntablePictures;
   }
-  choice.film = options.wants("film");
+  pictures.film = options.wants("film");
   const bool film_of_turntable = options.wants("turntable") && !options.film.empty();
-  if (!choice.film && !film_of_turntable) settings.film = FilmFormat::none;
-  if (choice.film && settings.film == FilmFormat::none) settings.film = FilmFormat::mp4;
+  if (!pictures.film && !film_of_turntable) settings.film = FilmFormat::none;
+  if (pictures.film && settings.film == FilmFormat::none) settings.film = FilmFormat::mp4;
 }
 
 void render_command(const RenderOptions& options, const Console& console) {
   if (!std::filesystem::is_directory(options.dir)) {
     throw InputError({options.dir, 0, 0}, "", "no such results folder", "expected the output folder of a finished run");
   }
-  RenderSettings settings = settings_of(options, "");
-  PictureChoice choice;
-  choice.plain_camera = name_of(settings.cameras.front());
-  if (!options.cameras.empty()) choose_cameras(options, settings);
-  choose_kinds(options, settings, choice);
-  settings.enabled = true;
-  const std::string scenario = options.dir + "/scenario.yaml";
+  const ResultSettings settings = settings_of(options, "");
+  PictureOptions pictures{.settings = settings.render, .unsuffixed_camera = settings.render.cameras.front()};
+  if (!options.cameras.empty()) choose_cameras(options, pictures.settings);
+  choose_kinds(options, pictures);
+  pictures.settings.enabled = true;
+  const RunData run(options.dir);
+  pictures.mean_travel_mm = averaged_travel_mm(settings.cutting, run.voxmap().grid.voxel_mm);
+  Outputs outputs(run, {.pictures = pictures,
+                        .force_plots = options.wants("plots"),
+                        .all_plots = options.wants("plots"),
+                        .torque_spectrum = settings.tool_spin == ToolSpin::resolved,
+                        .meshes = options.wants("meshes") && settings.output.meshes,
+                        .report = options.wants("report") && pictures.settings.report});
   Report report;
-  const FinishedRun run(options.dir);
-  const double voxel_mm = run.results().bone->grid.voxel_mm;
-  const double mean_mm = averaged_travel_mm(parse_cutting_settings(scenario), voxel_mm);
-  make_outputs(run,
-               {.settings = settings,
-                .choice = choice,
-                .mean_travel_mm = mean_mm,
-                .force_plots = options.wants("plots"),
-                .all_plots = options.wants("plots"),
-                .torque_spectrum = parse_tool_spin(scenario) == ToolSpin::resolved,
-                .meshes = options.wants("meshes") && parse_output_settings(scenario).meshes},
-               report, console);
-  if (settings.report && options.wants("report")) write_report(run, settings, mean_mm);
+  outputs.make(report, console);
+  outputs.make_report();
   console.tell(report);
   console.say("pictures: " + options.dir);
 }

@@ -3,17 +3,15 @@
 #include <new>
 
 #include "cli/commands.h"
-#include "cli/drawing.h"
 #include "cli/outputs.h"
-#include "cli/scenario_options.h"
-#include "render/pictures/segmentation_picture.h"
-#include "render/plots/plots.h"
-#include "render/report/report.h"
+#include "render/pictures/figures.h"
+#include "render/render.h"
 #include "sim/base/error.h"
 #include "sim/predict/contact_forecast.h"
 #include "sim/record/output_folder.h"
 #include "sim/record/summary.h"
 #include "sim/run/measure.h"
+#include "sim/run/simulation.h"
 #include "sim/scenario/parse.h"
 
 namespace reamsim {
@@ -43,13 +41,12 @@ void tell(Report& report, RunFacts& facts, const Console& console) {
   console.tell(report);
 }
 
-/// `drawing`, where there is any, hears which frames are written.
-void run_frames(ReamingScene& scene, Engine& engine, Recorder& recorder, Drawing* drawing,
+void run_frames(ReamingScene& scene, Engine& engine, Recorder& recorder, Outputs& outputs,
                 const ContactForecast& contact, Report& report, const Console& console) {
   Progress progress(console, "simulate", "frames");
   RunControl control;
   control.progress = [&](std::int64_t done, std::int64_t total) {
-    if (drawing != nullptr) drawing->snapshots.reached(done);
+    outputs.snapshots_written(done);
     progress.update(done, total);
   };
   control.stop = stop_requested;
@@ -57,17 +54,7 @@ void run_frames(ReamingScene& scene, Engine& engine, Recorder& recorder, Drawing
   simulate(scene, engine, recorder, control, report);
   progress.finish();
   recorder.close();
-  if (drawing != nullptr) drawing->snapshots.reached(std::ssize(scene.motion.poses) - 1);  // also where that is frame 0
-}
-
-Outputs outputs_of(const Scenario& scenario, double mean_mm, Drawing* drawing) {
-  return {.settings = scenario.render,
-          .mean_travel_mm = mean_mm,
-          .pictures = scenario.render.enabled,
-          .all_plots = scenario.render.enabled,
-          .torque_spectrum = scenario.tool.spin == ToolSpin::resolved,
-          .meshes = scenario.output.meshes,
-          .photographer = drawing != nullptr ? drawing->photographer.get() : nullptr};
+  outputs.snapshots_written(std::ssize(scene.motion.poses) - 1);  // also where that is frame 0
 }
 
 /// Closes the run with the same figures, in the same words, as its pictures, plots, summary and report.
@@ -111,10 +98,10 @@ void run_in(OutputFolder& folder, const Scenario& scenario, const Console& conso
   facts.load_s = load_watch.seconds();
 
   write_tool(folder.path(), scene.tool);
-  const std::unique_ptr<Drawing> drawing = begin_drawing(scene, folder.path());
+  Outputs outputs(scene, folder.path());
   Recorder recorder(folder.path(), scene.bone.voxmap->grid.voxel_mm);
   const Stopwatch watch;
-  run_frames(scene, *engine, recorder, drawing.get(), contact, report, console);
+  run_frames(scene, *engine, recorder, outputs, contact, report, console);
   facts.simulate_s = watch.seconds();
   facts.device_bytes = engine->device_bytes();
   tell(report, facts, console);
@@ -125,10 +112,9 @@ void run_in(OutputFolder& folder, const Scenario& scenario, const Console& conso
     tell(report, facts, console);
     write_summary(folder.path(), scene, recorder.totals(), facts, render_watch.seconds());
   };
-  const FinishedRun finished = drawing ? FinishedRun(drawing->run, scene.bone.fill) : FinishedRun(folder.path());
-  const double mean_mm = averaged_travel_mm(scenario.cutting, scene.bone.voxmap->grid.voxel_mm);
+  outputs.finish_run(scene.bone.fill);
   try {
-    make_outputs(finished, outputs_of(scenario, mean_mm, drawing.get()), report, console);
+    outputs.make(report, console);
   } catch (const RunError&) {
     finish();  // numbers that are whole are not lost with a picture
     throw;
@@ -137,8 +123,8 @@ void run_in(OutputFolder& folder, const Scenario& scenario, const Console& conso
     throw RunError(folder.path() + ": pictures and meshes need more memory than there is");
   }
   finish();
-  if (scenario.render.enabled && scenario.render.report) write_report(finished, scenario.render, mean_mm);
-  say_summary(console, recorder.totals(), facts, mean_mm);
+  outputs.make_report();
+  say_summary(console, recorder.totals(), facts, outputs.mean_travel_mm());
 }
 
 void run_command(const RunOptions& options, const Console& console) {

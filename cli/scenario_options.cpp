@@ -1,6 +1,6 @@
-#include "cli/scenario_options.h"
-
 #include <CLI/CLI.hpp>
+
+#include "cli/commands.h"
 
 namespace reamsim {
 

@@ -7,22 +7,20 @@
 
 #include "render/film/encoder.h"
 #include "render/film/film.h"
-#include "render/photographer.h"
-#include "render/picture_list.h"
-#include "render/pictures/before_after.h"
+#include "render/frame_schedule.h"
 #include "render/pictures/captions.h"
-#include "render/pictures/contact_sheet.h"
-#include "render/pictures/results.h"
+#include "render/pictures/composites.h"
 #include "render/render.h"
+#include "render/render_thread.h"
 #include "sim/base/error.h"
 
 namespace reamsim {
 namespace {
 
 /// Writes pictures while the next one is drawn, and counts them.
-class PictureWriter {
+class PngWriter {
  public:
-  PictureWriter(PictureProgress progress, int total) : progress_(std::move(progress)), total_(total) {}
+  PngWriter(PictureProgress progress, int total) : progress_(std::move(progress)), total_(total) {}
 
   void write(const std::string& path, PixelImage image) {
     finish();
@@ -50,51 +48,49 @@ class PictureWriter {
   std::future<void> writing_;
 };
 
-/// Makes the pictures of a run from its photographs, in the order in which they come.
-class PictureMaker {
+/// Makes the pictures of a run from its rendered frames, in the order in which they come.
+class PictureComposer {
  public:
-  PictureMaker(const FinishedRun& run, const RenderSettings& settings, const PictureChoice& choice,
-               double mean_travel_mm, const PictureProgress& progress)
+  PictureComposer(const RunData& run, const PictureOptions& options, const PictureProgress& progress)
       : dir_(run.dir()),
-        results_(run.results()),
-        view_(run.planned(), settings),
-        list_(view_, choice),
-        plain_camera_(choice.plain_camera.empty() ? list_.names.front() : choice.plain_camera),
-        captions_(results_.log, mean_travel_mm, settings.force_arrow),
+        view_(run, options.settings),
+        schedule_(view_, options),
+        unsuffixed_camera_(options.unsuffixed_camera.empty() ? schedule_.names.front() : options.unsuffixed_camera),
+        captions_(run.log(), options.mean_travel_mm, options.settings.force_arrow),
         widest_(captions_.widest()),
-        before_(list_.halves.size()),
-        writer_(progress, list_.pictures(view_)) {
+        before_(schedule_.halves.size()),
+        writer_(progress, count_pictures(options, view_.frames())) {
     std::filesystem::create_directories(dir_ + "/frames");
-    if (!list_.turntable.empty()) std::filesystem::create_directories(dir_ + "/turntable");
-    if (list_.sheet) sheet_.emplace(view_, *list_.sheet);
-    if (list_.film) film_.emplace(film_path("reamed"), view_, captions_, *list_.film);
+    if (!schedule_.turntable.empty()) std::filesystem::create_directories(dir_ + "/turntable");
+    if (schedule_.sheet) sheet_.emplace(view_, *schedule_.sheet);
+    if (schedule_.film) film_.emplace(film_path("reamed"), view_, captions_, *schedule_.film);
   }
 
-  void take(Photo photo) {
-    switch (photo.of) {
-      case Photo::Of::before:
-        before_[photo.camera] = std::move(photo.image);
+  void add(RenderedFrame frame) {
+    switch (frame.kind) {
+      case RenderedFrame::Kind::before:
+        before_[frame.camera] = std::move(frame.image);
         break;
-      case Photo::Of::frame:
-        frame(std::move(photo));
+      case RenderedFrame::Kind::frame:
+        along_the_run(std::move(frame));
         break;
-      case Photo::Of::sheet:
-        sheet_->add(std::move(photo.image), row_of(photo.frame));
-        if (photo.frame == list_.sheet_frames.back()) writer_.write(dir_ + "/contact_sheet.png", sheet_->finish());
+      case RenderedFrame::Kind::sheet:
+        sheet_->add(std::move(frame.image), row_of(frame.frame));
+        if (frame.frame == schedule_.sheet_frames.back()) writer_.write(dir_ + "/contact_sheet.png", sheet_->finish());
         break;
-      case Photo::Of::film:
-        film_frame(std::move(photo));
+      case RenderedFrame::Kind::film:
+        film_frame(std::move(frame));
         break;
-      case Photo::Of::after:
-        after(std::move(photo));
+      case RenderedFrame::Kind::after:
+        after(std::move(frame));
         break;
-      case Photo::Of::after_half:
-        writer_.write(dir_ + "/before_after" + suffix(photo.camera) + ".png",
-                      before_and_after(view_, list_.halves[photo.camera], before_[photo.camera], photo.image,
-                                       captions_.after(photo.deepest_mm)));
+      case RenderedFrame::Kind::after_half:
+        writer_.write(dir_ + "/before_after" + suffix(frame.camera) + ".png",
+                      before_and_after(view_, schedule_.halves[frame.camera], before_[frame.camera], frame.image,
+                                       captions_.after(frame.deepest_mm)));
         break;
-      case Photo::Of::turntable:
-        turntable(std::move(photo));
+      case RenderedFrame::Kind::turntable:
+        turntable(std::move(frame));
         break;
     }
   }
@@ -103,48 +99,48 @@ class PictureMaker {
 
  private:
   [[nodiscard]] const ForceRow& row_of(std::int64_t frame) const {
-    return captions_.log().at(frame, results_.log_path);
+    return captions_.log().at(frame, dir_ + "/forces.csv");
   }
 
-  void frame(Photo photo) {
-    const Camera& camera = list_.cameras[photo.camera];
-    const ForceRow& row = row_of(photo.frame);
-    Labels labels = view_.labels(camera, view_.tool_at(photo.frame));
+  void along_the_run(RenderedFrame frame) {
+    const Camera& camera = schedule_.cameras[frame.camera];
+    const ForceRow& row = row_of(frame.frame);
+    Labels labels = view_.labels(camera, view_.tool_at(frame.frame));
     labels.values = captions_.at(row);
     labels.force = captions_.arrow(row);
     labels.widest_value = widest_;
-    draw_labels(photo.image, camera, labels);
-    writer_.write(dir_ + "/frames/" + numbered("%06lld", photo.frame) + suffix(photo.camera) + ".png",
-                  std::move(photo.image));
+    draw_labels(frame.image, camera, labels);
+    writer_.write(dir_ + "/frames/" + numbered("%06lld", frame.frame) + suffix(frame.camera) + ".png",
+                  std::move(frame.image));
   }
 
-  void film_frame(Photo photo) {
-    film_->add(std::move(photo.image), row_of(photo.frame));
+  void film_frame(RenderedFrame frame) {
+    film_->add(std::move(frame.image), row_of(frame.frame));
     writer_.count(film_path("reamed"));
-    if (photo.frame == view_.frames().back()) film_->finish();
+    if (frame.frame == view_.frames().back()) film_->finish();
   }
 
-  void after(Photo photo) {
-    const Camera& camera = list_.cameras[photo.camera];
+  void after(RenderedFrame frame) {
+    const Camera& camera = schedule_.cameras[frame.camera];
     Labels labels = view_.labels(camera, std::nullopt);
     labels.title = "After reaming";
-    labels.values = captions_.after(photo.deepest_mm);
-    draw_labels(photo.image, camera, labels);
-    writer_.write(dir_ + "/reamed" + suffix(photo.camera) + ".png", std::move(photo.image));
+    labels.values = captions_.after(frame.deepest_mm);
+    draw_labels(frame.image, camera, labels);
+    writer_.write(dir_ + "/reamed" + suffix(frame.camera) + ".png", std::move(frame.image));
   }
 
-  void turntable(Photo photo) {
-    const Camera& camera = list_.turntable[photo.camera];
-    draw_labels(photo.image, camera, view_.labels(camera, std::nullopt));
+  void turntable(RenderedFrame frame) {
+    const Camera& camera = schedule_.turntable[frame.camera];
+    draw_labels(frame.image, camera, view_.labels(camera, std::nullopt));
     if (view_.settings().film != FilmFormat::none) {
       if (!turntable_film_) turntable_film_.emplace(film_path("turntable"), view_.settings());
-      PixelImage frame = plain_image(photo.image.width_px, photo.image.height_px, 0xffffff);
-      frame.paste(photo.image, 0, 0);
-      turntable_film_->add(frame);
-      if (photo.camera + 1 == list_.turntable.size()) turntable_film_->finish();
+      PixelImage page = plain_image(frame.image.width_px, frame.image.height_px, 0xffffff);
+      page.paste(frame.image, 0, 0);
+      turntable_film_->add(page);
+      if (frame.camera + 1 == schedule_.turntable.size()) turntable_film_->finish();
     }
-    writer_.write(dir_ + "/turntable/" + numbered("%03lld", static_cast<std::int64_t>(photo.camera)) + ".png",
-                  std::move(photo.image));
+    writer_.write(dir_ + "/turntable/" + numbered("%03lld", static_cast<std::int64_t>(frame.camera)) + ".png",
+                  std::move(frame.image));
   }
 
   [[nodiscard]] static std::string numbered(const char* format, std::int64_t number) {
@@ -158,22 +154,21 @@ class PictureMaker {
   }
 
   [[nodiscard]] std::string suffix(std::size_t camera) const {
-    const std::string& name = list_.names[camera];
-    return name == plain_camera_ ? std::string() : "_" + name;
+    const std::string& name = schedule_.names[camera];
+    return name == unsuffixed_camera_ ? std::string() : "_" + name;
   }
 
   std::string dir_;
-  const RunResults& results_;
   RunView view_;
-  PictureList list_;
-  std::string plain_camera_;
+  FrameSchedule schedule_;
+  std::string unsuffixed_camera_;
   Captions captions_;
   std::string widest_;  ///< of the values in pictures along the run
   std::vector<PixelImage> before_;
   std::optional<ContactSheet> sheet_;
   std::optional<Film> film_;
   std::optional<FilmEncoder> turntable_film_;
-  PictureWriter writer_;
+  PngWriter writer_;
 };
 
 void require_possible(const RenderSettings& settings) {
@@ -189,30 +184,24 @@ void require_film_program(const RenderSettings& settings) {
   if (settings.enabled && settings.film != FilmFormat::none) require_encoder(settings.film);
 }
 
-void render_pictures(const FinishedRun& run, const RenderSettings& settings, double mean_travel_mm,
-                     const PictureProgress& progress, Report* report, const PictureChoice& choice) {
-  require_possible(settings);
-  SnapshotFeed snapshots;
-  snapshots.reached(std::numeric_limits<std::int64_t>::max());
-  Photographer photographer(run.planned(), settings, choice, snapshots);
-  render_pictures(run, settings, mean_travel_mm, progress, report, choice, photographer);
-}
-
-void render_pictures(const FinishedRun& run, const RenderSettings& settings, double mean_travel_mm,
-                     const PictureProgress& progress, Report* report, const PictureChoice& choice,
-                     Photographer& photographer) {
-  require_possible(settings);
-  const std::string& dir = run.dir();
+void render_pictures(const RunData& run, const PictureOptions& options, const PictureProgress& progress, Report* report,
+                     RenderThread* thread) {
+  require_possible(options.settings);
+  std::optional<RenderThread> own_thread;
+  if (thread == nullptr) {
+    thread = &own_thread.emplace(run, options);
+    thread->snapshots_written(std::numeric_limits<std::int64_t>::max());
+  }
   try {
-    PictureMaker maker(run, settings, choice, mean_travel_mm, progress);
-    std::optional<Photo> photo = photographer.next();
-    if (report != nullptr && !photographer.warning().empty()) report->warn(photographer.warning());
-    for (; photo; photo = photographer.next()) maker.take(std::move(*photo));
-    maker.finish();
+    PictureComposer composer(run, options, progress);
+    std::optional<RenderedFrame> frame = thread->next();
+    if (report != nullptr && !thread->warning().empty()) report->warn(thread->warning());
+    for (; frame; frame = thread->next()) composer.add(std::move(*frame));
+    composer.finish();
   } catch (const std::filesystem::filesystem_error& error) {
-    throw RunError(dir + ": " + error.code().message());
+    throw RunError(run.dir() + ": " + error.code().message());
   } catch (const std::bad_alloc&) {
-    throw RunError(dir + ": the pictures need more memory than there is");
+    throw RunError(run.dir() + ": the pictures need more memory than there is");
   }
 }
 

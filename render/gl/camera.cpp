@@ -10,7 +10,7 @@
 namespace reamsim {
 namespace {
 
-/// The share of the picture that the subject may fill; the rest is for text, legends and the scale bar.
+/// The share of the picture that the target may fill; the rest is for text, legends and the scale bar.
 constexpr double kUsableHeight = 0.84;
 constexpr double kUsableWidth = 0.60;
 /// Bone within this distance of the focus has to be in the picture: half a large glenoid and its rim.
@@ -31,8 +31,8 @@ Mat3 look(const Vec3& towards_viewer, const Vec3& up) {
 }
 
 /// The direction from which an oblique view looks: anterior where it is known, else to the right of the face.
-Vec3 front_side(const Subject& subject) {
-  return subject.anterior ? *subject.anterior : Vec3(subject.superior.cross(subject.outward));
+Vec3 front_side(const ViewTarget& target) {
+  return target.anterior ? *target.anterior : Vec3(target.superior.cross(target.outward));
 }
 
 struct Extent {
@@ -46,32 +46,32 @@ struct Extent {
 };
 
 /// Chooses scale and middle so that the points to be seen fit into the usable part of the picture.
-void frame(Camera& camera, const Mat3& turn, const Subject& subject, bool whole_bone) {
+void frame(Camera& camera, const Mat3& turn, const ViewTarget& target, bool whole_bone) {
   Extent extent;
-  const auto add = [&](const Vec3& p) { extent.add((turn * (p - subject.focus_mm)).head<2>()); };
-  add(subject.focus_mm);
-  for (const Vec3& p : subject.bone_mm) {
-    if (whole_bone || (p - subject.focus_mm).norm() < kGlenoidReach_mm) add(p);
+  const auto add = [&](const Vec3& p) { extent.add((turn * (p - target.focus_mm)).head<2>()); };
+  add(target.focus_mm);
+  for (const Vec3& p : target.bone_mm) {
+    if (whole_bone || (p - target.focus_mm).norm() < kGlenoidReach_mm) add(p);
   }
-  for (const Vec3& p : subject.head_mm) add(p);
+  for (const Vec3& p : target.head_mm) add(p);
   const Vec2 size = (extent.max - extent.min).cwiseMax(5.0);
   const Vec2 middle = 0.5 * (extent.min + extent.max);
   camera.mm_per_px =
       std::max(size.x() / (kUsableWidth * camera.width_px), size.y() / (kUsableHeight * camera.height_px));
-  camera.reach_mm = 2 * subject.reach_mm + 10;
+  camera.reach_mm = 2 * target.reach_mm + 10;
   camera.eye_from_bone.linear() = turn;
-  camera.eye_from_bone.translation() = -(turn * subject.focus_mm) - Vec3(middle.x(), middle.y(), 0);
+  camera.eye_from_bone.translation() = -(turn * target.focus_mm) - Vec3(middle.x(), middle.y(), 0);
 }
 
 /// The plane through the tool's axis that faces the viewer of the section best.
-Eigen::Vector4d section_plane(const Subject& subject) {
-  const Vec3 axis = subject.bone_from_tool.linear().col(2);
+Eigen::Vector4d section_plane(const ViewTarget& target) {
+  const Vec3 axis = target.bone_from_tool.linear().col(2);
   // A tool that points at the viewer leaves no choice but to look along the face.
-  const Vec3 front = front_side(subject);
-  const Vec3 wanted = std::abs(front.dot(axis)) < 0.95 ? front : subject.outward;
+  const Vec3 front = front_side(target);
+  const Vec3 wanted = std::abs(front.dot(axis)) < 0.95 ? front : target.outward;
   const Vec3 normal = (wanted - wanted.dot(axis) * axis).normalized();
   Eigen::Vector4d plane;
-  plane << -normal, normal.dot(subject.bone_from_tool.translation());
+  plane << -normal, normal.dot(target.bone_from_tool.translation());
   return plane;
 }
 
@@ -99,8 +99,8 @@ void check_size(int width_px, int height_px) {
 }
 
 /// The direction that is up for a user's camera that names none: superior, or outward for who looks along that.
-Vec3 natural_up(const Subject& subject, const Vec3& view) {
-  return std::abs(view.normalized().dot(subject.superior)) < 0.99 ? subject.superior : subject.outward;
+Vec3 natural_up(const ViewTarget& target, const Vec3& view) {
+  return std::abs(view.normalized().dot(target.superior)) < 0.99 ? target.superior : target.outward;
 }
 
 double degrees(double angle) {
@@ -132,43 +132,43 @@ Vec2 Camera::pixel(const Vec3& point_mm) const {
   return {0.5 * width_px + eye.x() / mm_per_px / shrink, 0.5 * height_px - eye.y() / mm_per_px / shrink};
 }
 
-Camera make_camera(CameraView view, const Subject& subject, int width_px, int height_px) {
+Camera make_camera(CameraView view, const ViewTarget& target, int width_px, int height_px) {
   check_size(width_px, height_px);
   Camera camera;
   camera.name = name_of(view);
   camera.width_px = width_px;
   camera.height_px = height_px;
-  const Vec3 front = front_side(subject);
+  const Vec3 front = front_side(target);
   if (view == CameraView::glenoid) {
     camera.draws_tool = false;
-    frame(camera, look(subject.outward, subject.superior), subject, false);
+    frame(camera, look(target.outward, target.superior), target, false);
   } else if (view == CameraView::oblique || view == CameraView::overview) {
-    const Vec3 towards_viewer = 0.72 * subject.outward + 0.58 * front + 0.28 * subject.superior;
-    frame(camera, look(towards_viewer, subject.superior), subject, view == CameraView::overview);
+    const Vec3 towards_viewer = 0.72 * target.outward + 0.58 * front + 0.28 * target.superior;
+    frame(camera, look(towards_viewer, target.superior), target, view == CameraView::overview);
   } else {
-    camera.cut_plane = section_plane(subject);
+    camera.cut_plane = section_plane(target);
     const Vec3 facing = -camera.cut_plane->head<3>();
     // A little from lateral, so that the reamed face shows behind its cut edge.
-    const Vec3 towards_viewer = std::cos(degrees(16)) * facing + std::sin(degrees(16)) * subject.outward;
-    frame(camera, look(towards_viewer, subject.superior), subject, false);
+    const Vec3 towards_viewer = std::cos(degrees(16)) * facing + std::sin(degrees(16)) * target.outward;
+    frame(camera, look(towards_viewer, target.superior), target, false);
   }
   return camera;
 }
 
-Camera make_user_camera(const UserCamera& wanted, const Subject& subject, int width_px, int height_px) {
+Camera make_user_camera(const UserCamera& wanted, const ViewTarget& target, int width_px, int height_px) {
   check_size(width_px, height_px);
   const std::string key = "render.user_cameras (" + wanted.name + ")";
   Rigid bone_from_frame = Rigid::Identity();
   if (wanted.frame == PoseFrame::glenoid) {
-    if (!subject.bone_from_glenoid) {
+    if (!target.bone_from_glenoid) {
       throw InputError({}, key, "frame is glenoid, and the results have no glenoid frame", "expected frame: bone");
     }
-    bone_from_frame = *subject.bone_from_glenoid;
+    bone_from_frame = *target.bone_from_glenoid;
   }
   const Vec3 position_mm = bone_from_frame * wanted.position_mm;
-  const Vec3 target_mm = wanted.target_mm ? Vec3(bone_from_frame * *wanted.target_mm) : subject.focus_mm;
+  const Vec3 target_mm = wanted.target_mm ? Vec3(bone_from_frame * *wanted.target_mm) : target.focus_mm;
   const Vec3 towards_viewer = position_mm - target_mm;
-  const Vec3 up = wanted.up ? Vec3(bone_from_frame.linear() * *wanted.up) : natural_up(subject, towards_viewer);
+  const Vec3 up = wanted.up ? Vec3(bone_from_frame.linear() * *wanted.up) : natural_up(target, towards_viewer);
   if (towards_viewer.norm() < kLeastView_mm || up.normalized().cross(towards_viewer.normalized()).norm() < kLeastSine) {
     throw InputError({}, key, "found it in the middle of its own picture, or looking along up",
                      "expected another position_mm, target_mm or up");
@@ -179,7 +179,7 @@ Camera make_user_camera(const UserCamera& wanted, const Subject& subject, int wi
   camera.height_px = height_px;
   camera.eye_from_bone.linear() = look(towards_viewer, up);
   camera.eye_from_bone.translation() = -(camera.eye_from_bone.linear() * target_mm);
-  camera.reach_mm = subject.reach_mm + (target_mm - subject.focus_mm).norm() + 10;
+  camera.reach_mm = target.reach_mm + (target_mm - target.focus_mm).norm() + 10;
   if (wanted.projection == Projection::perspective) {
     camera.eye_mm = towards_viewer.norm();
     camera.mm_per_px = 2 * *camera.eye_mm * std::tan(degrees(wanted.fov_deg) / 2) / height_px;
@@ -189,15 +189,15 @@ Camera make_user_camera(const UserCamera& wanted, const Subject& subject, int wi
   return camera;
 }
 
-Camera make_turntable_camera(const Subject& subject, double turn, int width_px, int height_px) {
+Camera make_turntable_camera(const ViewTarget& target, double turn, int width_px, int height_px) {
   check_size(width_px, height_px);
   constexpr double kFromAbove_deg = 15;
-  const Vec3& up = subject.superior;
+  const Vec3& up = target.superior;
   double radius_mm = 5;
   double low_mm = -5;
   double high_mm = 5;
-  for (const Vec3& p : subject.bone_mm) {
-    const Vec3 from_focus = p - subject.focus_mm;
+  for (const Vec3& p : target.bone_mm) {
+    const Vec3 from_focus = p - target.focus_mm;
     if (from_focus.norm() > kGlenoidReach_mm) continue;
     const double height_mm = from_focus.dot(up);
     radius_mm = std::max(radius_mm, (from_focus - height_mm * up).norm());
@@ -208,15 +208,15 @@ Camera make_turntable_camera(const Subject& subject, double turn, int width_px, 
   const double cosine = std::cos(degrees(kFromAbove_deg));
   const double tall_mm = cosine * (high_mm - low_mm) + 2 * sine * radius_mm;
   const double angle = 2 * std::numbers::pi * turn;
-  const Vec3 level = std::cos(angle) * subject.outward + std::sin(angle) * up.cross(subject.outward);
+  const Vec3 level = std::cos(angle) * target.outward + std::sin(angle) * up.cross(target.outward);
   Camera camera;
   camera.name = "turntable";
   camera.width_px = width_px;
   camera.height_px = height_px;
   camera.mm_per_px = std::max(2 * radius_mm / (kUsableWidth * width_px), tall_mm / (kUsableHeight * height_px));
-  camera.reach_mm = 2 * subject.reach_mm + 10;
+  camera.reach_mm = 2 * target.reach_mm + 10;
   camera.eye_from_bone.linear() = look(cosine * level + sine * up, up);
-  const Vec3 middle_mm = subject.focus_mm + 0.5 * (low_mm + high_mm) * up;
+  const Vec3 middle_mm = target.focus_mm + 0.5 * (low_mm + high_mm) * up;
   camera.eye_from_bone.translation() = -(camera.eye_from_bone.linear() * middle_mm);
   return camera;
 }

@@ -10,7 +10,7 @@
 namespace reamsim {
 
 /// What there is to look at, in B. The same for every picture of a run, so that the camera stands still.
-struct Subject {
+struct ViewTarget {
   Vec3 focus_mm = Vec3::Zero();              ///< the middle of the glenoid, or of the reamed region
   Vec3 outward = Vec3::UnitZ();              ///< out of the face, towards the drill
   Vec3 superior = Vec3::UnitY();             ///< perpendicular to `outward`
@@ -46,13 +46,13 @@ struct Camera {
 /// glenoid: face on, superior up, only the tool's outline. oblique: from lateral, anterior and superior. section: cut
 /// open through the tool's axis, seen from anterior. overview: the oblique view of the whole bone.
 /// Throws InputError for a size below one pixel.
-Camera make_camera(CameraView view, const Subject& subject, int width_px, int height_px);
+Camera make_camera(CameraView view, const ViewTarget& target, int width_px, int height_px);
 
 /// The user's own camera. Throws InputError where it needs a glenoid frame and there is none, or looks along `up`.
-Camera make_user_camera(const UserCamera& wanted, const Subject& subject, int width_px, int height_px);
+Camera make_user_camera(const UserCamera& wanted, const ViewTarget& target, int width_px, int height_px);
 
 /// A camera that goes round the superior axis, a little from above: `turn` 0 looks at the face, ¼ comes from the side
 /// that superior × outward points to, 1 is at the face again. The scale is the same all round.
-Camera make_turntable_camera(const Subject& subject, double turn, int width_px, int height_px);
+Camera make_turntable_camera(const ViewTarget& target, double turn, int width_px, int height_px);
 
 }  // namespace reamsim

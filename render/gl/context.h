@@ -1,5 +1,6 @@
 #pragma once
 
+#include <initializer_list>
 #include <memory>
 #include <string>
 
@@ -7,6 +8,26 @@
 #include "sim/scenario/choices.h"
 
 namespace reamsim {
+
+/// A shared library opened at run time, so that a machine without it can still run the rest of the program.
+/// It stays loaded until the process ends: Mesa keeps thread-local state and exit handlers that do not survive dlclose.
+class DynamicLibrary {
+ public:
+  /// Opens the first of `names` that can be loaded. Throws RunError, saying what `purpose` is, when none can.
+  DynamicLibrary(std::initializer_list<const char*> names, const std::string& purpose);
+
+  /// The function called `name`, as a pointer of type F. Throws RunError when the library has none.
+  template <typename F>
+  [[nodiscard]] F function(const char* name) const {
+    return reinterpret_cast<F>(symbol(name));
+  }
+
+ private:
+  [[nodiscard]] void* symbol(const char* name) const;
+
+  void* handle_ = nullptr;
+  std::string name_;
+};
 
 /// An OpenGL 4.5 core context without a window, current on the thread that made it for as long as it lives.
 /// Pictures are drawn into framebuffer objects, so the context itself has no size.

@@ -4,7 +4,6 @@
 #include <array>
 
 #include "render/gl/context.h"
-#include "render/gl/dynamic_library.h"
 #include "sim/base/error.h"
 
 namespace reamsim {

@@ -1,7 +1,6 @@
 #include <array>
 
 #include "render/gl/context.h"
-#include "render/gl/dynamic_library.h"
 #include "sim/base/error.h"
 
 namespace reamsim {

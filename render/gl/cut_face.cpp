@@ -1,7 +1,5 @@
 #include "render/gl/cut_face.h"
 
-#include <openvdb/tools/Interpolation.h>
-
 #include <algorithm>
 #include <cmath>
 
@@ -90,19 +88,18 @@ CutFace sample_cut_face(const Voxmap& voxmap, const FillBricks& fill, const Soli
   out.corners_mm = {rectangle.origin_mm, rectangle.origin_mm + across, rectangle.origin_mm + across + upward,
                     rectangle.origin_mm + upward};
   out.texels.resize(static_cast<std::size_t>(out.width) * out.height * 2);
-  parallel_ranges(static_cast<std::size_t>(out.height), 1, [&](std::size_t begin, std::size_t end) {
-    const auto accessor = field.grid().getConstAccessor();
-    for (std::size_t row = begin; row < end; ++row) {
-      for (int column = 0; column < out.width; ++column) {
-        const Vec3 mm = rectangle.origin_mm + step_mm * ((column + 0.5) * rectangle.across +
-                                                         (static_cast<double>(row) + 0.5) * rectangle.upward);
-        const Vec3 point = (mm - grid.origin_mm) / grid.voxel_mm - Vec3::Constant(0.5);
-        const float share =
-            -openvdb::tools::BoxSampler::sample(accessor, openvdb::Vec3d(point.x(), point.y(), point.z()));
-        float* texel = out.texels.data() + 2 * (row * out.width + column);
-        texel[0] = share > -0.45F ? density_at(voxmap, fill, point) : 0.0F;
-        texel[1] = share;
-      }
+  parallel_items(static_cast<std::size_t>(out.height), [&](std::size_t row) {
+    std::vector<Vec3> points;
+    for (int column = 0; column < out.width; ++column) {
+      const Vec3 mm = rectangle.origin_mm + step_mm * ((column + 0.5) * rectangle.across +
+                                                       (static_cast<double>(row) + 0.5) * rectangle.upward);
+      points.emplace_back((mm - grid.origin_mm) / grid.voxel_mm - Vec3::Constant(0.5));
+    }
+    const std::vector<float> fields = field.at(points);
+    for (std::size_t column = 0; column < points.size(); ++column) {
+      float* texel = out.texels.data() + 2 * (row * points.size() + column);
+      texel[0] = fields[column] < 0.45F ? density_at(voxmap, fill, points[column]) : 0.0F;
+      texel[1] = -fields[column];
     }
   });
   return out;

@@ -1,4 +1,4 @@
-#include "render/gl/edge_filter.h"
+#include "render/gl/pixel_image.h"
 
 #include <algorithm>
 #include <array>

@@ -31,6 +31,12 @@ PixelImage plain_image(int width_px, int height_px, std::uint32_t rgb);
 /// The picture 1/`times` as wide and as high: every pixel the mean of a square of them.
 PixelImage averaged(PixelImage image, int times);
 
+/// The picture with its jagged edges smoothed, as after multisampling at a small part of the price: where the
+/// brightness steps, each pixel takes from its neighbour across the step the share that the edge's line, followed along
+/// its steps, would cut off it; single bright or dark pixels are softened (T. Lottes, "FXAA", NVIDIA white paper,
+/// 2009). Flat parts and slow shades stay as they are, to the bit. What is transparent counts as white.
+PixelImage edges_smoothed(const PixelImage& image);
+
 /// Writes the picture as a PNG: RGB where all of it is opaque, RGBA otherwise. Throws RunError when it cannot be
 /// written.
 void write_png(const std::string& path, const PixelImage& image);

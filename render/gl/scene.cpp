@@ -3,7 +3,6 @@
 #include <array>
 #include <utility>
 
-#include "render/gl/edge_filter.h"
 #include "render/surface/color_map.h"
 
 namespace reamsim {
@@ -82,11 +81,11 @@ void Scene::set_bone(const std::vector<BoneSurface>& tiles, const std::vector<st
   }
 }
 
-PixelImage Scene::draw(const Shot& shot) {
-  const int times = shot.supersampling;
-  const int width_px = times * shot.camera.width_px;
-  const int height_px = times * shot.camera.height_px;
-  const bool multisample = times < kPlainFrom && shot.edges == Edges::sampled;
+PixelImage Scene::draw(const DrawCall& call) {
+  const int times = call.supersampling;
+  const int width_px = times * call.camera.width_px;
+  const int height_px = times * call.camera.height_px;
+  const bool multisample = times < kPlainFrom && call.edges == Edges::sampled;
   const GlTarget& target =
       targets_.try_emplace({width_px, height_px, multisample}, gl_, width_px, height_px, multisample).first->second;
   target.bind();
@@ -95,15 +94,15 @@ PixelImage Scene::draw(const Shot& shot) {
   gl_.DepthMask(GL_TRUE);
   gl_.Clear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
   gl_.BlendFuncSeparate(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA, GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
-  if (shot.background != Background::transparent) draw_background(shot.background);
+  if (call.background != Background::transparent) draw_background(call.background);
   gl_.Enable(GL_DEPTH_TEST);
   gl_.DepthFunc(GL_LEQUAL);
-  draw_bone(shot);
-  if (shot.cut_face != nullptr && shot.cut_face->width > 0) draw_cut_face(shot);
-  if (shot.bone_from_spinning_tool && shot.camera.draws_tool) draw_tool(shot);
+  draw_bone(call);
+  if (call.cut_face != nullptr && call.cut_face->width > 0) draw_cut_face(call);
+  if (call.bone_from_spinning_tool && call.camera.draws_tool) draw_tool(call);
   gl_.check("drawing a picture");
   PixelImage image{width_px, height_px, target.read()};
-  if (shot.edges == Edges::smoothed) image = edges_smoothed(image);
+  if (call.edges == Edges::smoothed) image = edges_smoothed(image);
   return averaged(std::move(image), times);
 }
 
@@ -117,32 +116,32 @@ void Scene::draw_background(Background background) const {
   gl_.DrawArrays(GL_TRIANGLES, 0, 3);
 }
 
-void Scene::draw_bone(const Shot& shot) const {
+void Scene::draw_bone(const DrawCall& call) const {
   const GlProgram& program = programs_->bone;
   program.use();
-  program.set("clip_from_bone", Eigen::Matrix4f(shot.camera.clip_from_bone().cast<float>()));
-  program.set("eye_from_bone", Eigen::Matrix4f(shot.camera.eye_from_bone.matrix().cast<float>()));
-  program.set("cut_plane", local_plane(shot.camera, Rigid::Identity()));
-  program.set("depth_max_mm", static_cast<float>(shot.depth_max_mm));
-  program.set("contour_mm", static_cast<float>(shot.contour_mm));
-  program.set("haze_per_mm", shot.camera.cut_plane ? kHaze_per_mm : 0.0F);
-  program.set("key_direction", shot.key_direction);
-  program.set("samples_per_px", static_cast<float>(shot.supersampling));
+  program.set("clip_from_bone", Eigen::Matrix4f(call.camera.clip_from_bone().cast<float>()));
+  program.set("eye_from_bone", Eigen::Matrix4f(call.camera.eye_from_bone.matrix().cast<float>()));
+  program.set("cut_plane", local_plane(call.camera, Rigid::Identity()));
+  program.set("depth_max_mm", static_cast<float>(call.depth_max_mm));
+  program.set("contour_mm", static_cast<float>(call.contour_mm));
+  program.set("haze_per_mm", call.camera.cut_plane ? kHaze_per_mm : 0.0F);
+  program.set("key_direction", call.key_direction);
+  program.set("samples_per_px", static_cast<float>(call.supersampling));
   program.set("depth_colors", 0);
   depth_colors_.bind(0);
-  if (shot.camera.cut_plane) {
+  if (call.camera.cut_plane) {
     gl_.Disable(GL_CULL_FACE);
   } else {
     gl_.Enable(GL_CULL_FACE);
     gl_.CullFace(GL_BACK);
   }
   for (const auto& tile : bone_) {
-    if (tile && may_be_seen(tile->bounds, shot.camera)) tile->mesh.draw();
+    if (tile && may_be_seen(tile->bounds, call.camera)) tile->mesh.draw();
   }
 }
 
-void Scene::draw_cut_face(const Shot& shot) const {
-  const CutFace& face = *shot.cut_face;
+void Scene::draw_cut_face(const DrawCall& call) const {
+  const CutFace& face = *call.cut_face;
   const GlTexture texture(gl_, face.width, face.height, 2, face.texels);
   std::vector<float> vertices;
   constexpr std::array<float, 8> kPlaces{0, 0, 1, 0, 1, 1, 0, 1};
@@ -154,9 +153,9 @@ void Scene::draw_cut_face(const Shot& shot) const {
   const GlMesh quad(gl_, vertices, std::array{3, 2}, indices);
   const GlProgram& program = programs_->cut_face;
   program.use();
-  program.set("clip_from_bone", Eigen::Matrix4f(shot.camera.clip_from_bone().cast<float>()));
-  program.set("density_max_g_cm3", static_cast<float>(shot.density_max_g_cm3));
-  program.set("samples_per_px", static_cast<float>(shot.supersampling));
+  program.set("clip_from_bone", Eigen::Matrix4f(call.camera.clip_from_bone().cast<float>()));
+  program.set("density_max_g_cm3", static_cast<float>(call.density_max_g_cm3));
+  program.set("samples_per_px", static_cast<float>(call.supersampling));
   program.set("face", 0);
   program.set("density_colors", 1);
   texture.bind(0);
@@ -166,21 +165,21 @@ void Scene::draw_cut_face(const Shot& shot) const {
   quad.draw();
 }
 
-void Scene::draw_tool(const Shot& shot) const {
-  const Rigid& bone_from_tool = *shot.bone_from_spinning_tool;
-  const bool cut_open = shot.camera.cut_plane.has_value();
+void Scene::draw_tool(const DrawCall& call) const {
+  const Rigid& bone_from_tool = *call.bone_from_spinning_tool;
+  const bool cut_open = call.camera.cut_plane.has_value();
   const GlProgram& program = programs_->tool;
   program.use();
   program.set("clip_from_tool",
-              Eigen::Matrix4f((shot.camera.clip_from_bone() * bone_from_tool.matrix()).cast<float>()));
-  program.set("eye_from_tool", Eigen::Matrix4f((shot.camera.eye_from_bone * bone_from_tool).matrix().cast<float>()));
-  program.set("cut_plane", local_plane(shot.camera, bone_from_tool));
-  program.set("towards_eye", static_cast<float>(kToolLift_mm * shot.camera.clip_lift_per_mm()));
+              Eigen::Matrix4f((call.camera.clip_from_bone() * bone_from_tool.matrix()).cast<float>()));
+  program.set("eye_from_tool", Eigen::Matrix4f((call.camera.eye_from_bone * bone_from_tool).matrix().cast<float>()));
+  program.set("cut_plane", local_plane(call.camera, bone_from_tool));
+  program.set("towards_eye", static_cast<float>(kToolLift_mm * call.camera.clip_lift_per_mm()));
   program.set("cut_open", cut_open ? 1 : 0);
-  program.set("brushed", shot.steel ? 1 : 0);
-  program.set("key_direction", shot.key_direction);
-  program.set("samples_per_px", static_cast<float>(shot.supersampling));
-  if (!shot.steel) {
+  program.set("brushed", call.steel ? 1 : 0);
+  program.set("key_direction", call.key_direction);
+  program.set("samples_per_px", static_cast<float>(call.supersampling));
+  if (!call.steel) {
     draw_see_through(program, cut_open);
     return;
   }

@@ -21,7 +21,7 @@ namespace reamsim {
 enum class Edges { sampled, smoothed };
 
 /// One picture to be drawn.
-struct Shot {
+struct DrawCall {
   Camera camera;
   double depth_max_mm = 1;                       ///< top of the depth colours
   double contour_mm = 1;                         ///< a line on the reamed face at every multiple of this depth
@@ -45,7 +45,7 @@ class Scene {
   /// Takes over those of the bone's tiles that are others than before.
   void set_bone(const std::vector<BoneSurface>& tiles, const std::vector<std::size_t>& changed);
   /// The picture without labels, of the camera's size. Throws RunError when that is too large.
-  [[nodiscard]] PixelImage draw(const Shot& shot);
+  [[nodiscard]] PixelImage draw(const DrawCall& call);
 
  private:
   struct Programs;
@@ -55,9 +55,9 @@ class Scene {
   };
 
   void draw_background(Background background) const;
-  void draw_bone(const Shot& shot) const;
-  void draw_cut_face(const Shot& shot) const;
-  void draw_tool(const Shot& shot) const;
+  void draw_bone(const DrawCall& call) const;
+  void draw_cut_face(const DrawCall& call) const;
+  void draw_tool(const DrawCall& call) const;
   void draw_see_through(const GlProgram& program, bool cut_open) const;
 
   const Gl& gl_;

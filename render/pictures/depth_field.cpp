@@ -7,6 +7,7 @@
 
 #include "render/pictures/soft_outline.h"
 #include "sim/base/csv.h"
+#include "sim/base/gaussian.h"
 
 namespace reamsim {
 
@@ -25,13 +26,6 @@ double least_step(std::vector<double> values) {
     if (step > 1e-9) least = std::min(least, step);
   }
   return least;
-}
-
-/// Weights of a Gaussian of `sigma` columns, for the columns -reach…reach.
-std::vector<double> gaussian(double sigma, int reach) {
-  std::vector<double> out;
-  for (int n = -reach; n <= reach; ++n) out.push_back(std::exp(-0.5 * n * n / (sigma * sigma)));
-  return out;
 }
 
 }  // namespace
@@ -76,8 +70,7 @@ void DepthField::place(const std::vector<Row>& rows, const std::string& path) {
   cells_.resize(static_cast<std::size_t>(nx_) * static_cast<std::size_t>(ny_));
   for (const Row& row : rows) {
     const Vec2 at = ((row.place_mm - corner_mm_) / pitch_mm_).array().round();
-    cells_[static_cast<std::size_t>(at.x()) + static_cast<std::size_t>(nx_) * static_cast<std::size_t>(at.y())] =
-        row.cell;
+    cells_[index(static_cast<int>(at.x()), static_cast<int>(at.y()))] = row.cell;
   }
 }
 
@@ -85,9 +78,7 @@ void DepthField::place(const std::vector<Row>& rows, const std::string& path) {
 /// ends in air, or where what is beside was not reamed and lies below all that the column lost.
 void DepthField::keep_holes() {
   constexpr int kEdge = 2;
-  const auto at = [&](int i, int j) -> Cell& {
-    return cells_[static_cast<std::size_t>(i) + static_cast<std::size_t>(nx_) * static_cast<std::size_t>(j)];
-  };
+  const auto at = [&](int i, int j) -> Cell& { return cells_[index(i, j)]; };
   std::vector<std::pair<int, int>> rim;
   const auto look_round = [&](int i, int j, int reach, const auto& visit) {
     for (int b = j - reach; b <= j + reach; ++b) {
@@ -142,7 +133,7 @@ void DepthField::smooth() {
         near_mm += std::pow(weight, kNarrower) * its.depth_mm;
         near_weight += std::pow(weight, kNarrower);
       }
-      Cell& own = cells_[static_cast<std::size_t>(i) + static_cast<std::size_t>(nx_) * static_cast<std::size_t>(j)];
+      Cell& own = cells_[index(i, j)];
       own.smooth_mm = sum_weight > 0 ? sum_mm / sum_weight : 0;
       own.near_mm = near_weight > 0 ? near_mm / near_weight : 0;
     }
@@ -178,7 +169,7 @@ void DepthField::sum_up() {
 const DepthField::Cell& DepthField::cell(int i, int j) const {
   static const Cell outside;
   if (i < 0 || j < 0 || i >= nx_ || j >= ny_) return outside;
-  return cells_[static_cast<std::size_t>(i) + static_cast<std::size_t>(nx_) * static_cast<std::size_t>(j)];
+  return cells_[index(i, j)];
 }
 
 void DepthField::find_normals() {
@@ -193,8 +184,7 @@ void DepthField::find_normals() {
     for (int i = 0; i < nx_; ++i) {
       const Cell& own = cell(i, j);
       const Vec3 normal(-slope(cell(i - 1, j), own, cell(i + 1, j)), -slope(cell(i, j - 1), own, cell(i, j + 1)), 1);
-      cells_[static_cast<std::size_t>(i) + static_cast<std::size_t>(nx_) * static_cast<std::size_t>(j)].normal =
-          normal.normalized();
+      cells_[index(i, j)].normal = normal.normalized();
     }
   }
 }

@@ -71,6 +71,9 @@ class DepthField {
   void round_off();
   void sum_up();
   void find_normals();
+  [[nodiscard]] std::size_t index(int i, int j) const {
+    return static_cast<std::size_t>(i) + static_cast<std::size_t>(nx_) * static_cast<std::size_t>(j);
+  }
   [[nodiscard]] const Cell& cell(int i, int j) const;
   [[nodiscard]] std::array<Corner, 4> corners(const Vec2& place_mm) const;
 

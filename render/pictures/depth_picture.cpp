@@ -1,4 +1,4 @@
-#include "render/pictures/depth_picture.h"
+#include "render/pictures/figures.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,7 +6,6 @@
 
 #include "render/pictures/depth_field.h"
 #include "render/pictures/overlay.h"
-#include "render/pictures/results.h"
 #include "sim/base/fixed_text.h"
 #include "sim/base/parallel.h"
 
@@ -130,9 +129,9 @@ class DepthPainter {
   ColorMap colors_;
 };
 
-Labels map_labels(const DepthField& field, const Anatomy& anatomy, const Scale& scale) {
+Labels map_labels(const DepthField& field, const RunInputs& run, const Scale& scale) {
   Labels labels;
-  labels.title = anatomy.glenoid ? "Depth along the glenoid's axis" : "Depth along the reamer's axis";
+  labels.title = run.glenoid ? "Depth along the glenoid's axis" : "Depth along the reamer's axis";
   labels.values = {{"deepest along axis", fixed_text(field.deepest_mm(), 2) + " mm"},
                    {"mean", fixed_text(field.mean_mm(), 2) + " mm"},
                    {"reamed area", fixed_text(field.area_mm2(), 0) + " mm²"}};
@@ -140,26 +139,26 @@ Labels map_labels(const DepthField& field, const Anatomy& anatomy, const Scale& 
     labels.values.emplace_back("hole (red)", fixed_text(field.through_mm2(), 1) + " mm²");
   }
   labels.legends.push_back({"Depth", "mm along axis", depth_colors(), scale});
-  if (!anatomy.glenoid) return labels;
+  if (!run.glenoid) return labels;
   labels.directions = {{"superior", Vec3::UnitY()}};
   // +x of G is superior × lateral: posterior on a left shoulder, anterior on a right one.
-  if (anatomy.side == BodySide::left) labels.directions.emplace_back("anterior", -Vec3::UnitX());
-  if (anatomy.side == BodySide::right) labels.directions.emplace_back("anterior", Vec3::UnitX());
+  if (run.side == BodySide::left) labels.directions.emplace_back("anterior", -Vec3::UnitX());
+  if (run.side == BodySide::right) labels.directions.emplace_back("anterior", Vec3::UnitX());
   return labels;
 }
 
 }  // namespace
 
-void write_depth_picture(const std::string& dir, double depth_max_mm) {
-  const std::string path = dir + "/depth_map.csv";
+void write_depth_picture(const RunData& run, double depth_max_mm) {
+  const std::string path = run.dir() + "/depth_map.csv";
   if (!std::filesystem::exists(path)) return;
   const DepthField field(path);
   if (field.deepest_mm() == 0) return;
   const Scale scale = depth_max_mm > 0 ? scale_exactly(depth_max_mm) : scale_up_to(field.deepest_mm());
   const Camera camera = map_camera(field);
   PixelImage image{camera.width_px, camera.height_px, DepthPainter(field, camera, scale).paint()};
-  draw_labels(image, camera, map_labels(field, read_anatomy(dir), scale));
-  write_png(dir + "/depth_map.png", image);
+  draw_labels(image, camera, map_labels(field, run.inputs(), scale));
+  write_png(run.dir() + "/depth_map.png", image);
 }
 
 }  // namespace reamsim

@@ -1,45 +1,39 @@
-#include "render/pictures/meshes.h"
-
-#include <openvdb/io/File.h>
+#include "render/pictures/figures.h"
 
 #include <filesystem>
 
-#include "render/pictures/results.h"
 #include "render/pictures/run_view.h"
-#include "render/surface/glb.h"
 #include "render/surface/reamed_mesh.h"
 #include "render/surface/unreamed_surface.h"
-#include "sim/base/error.h"
 #include "sim/mesh/mesh_io.h"
 
 namespace reamsim {
 namespace {
 
-openvdb::FloatGrid::Ptr read_surface(const std::string& path) {
-  try {
-    openvdb::io::File file(path);
-    file.open(false);
-    auto grid = openvdb::gridPtrCast<openvdb::FloatGrid>(file.readGrid("surface"));
-    if (grid) return grid;
-  } catch (const openvdb::Exception&) {
-  }
-  throw InputError({path, 0, 0}, "surface", "no such grid, or damaged", "the reamed.vdb of a run");
+double bone_mm3(const Voxmap& voxmap, const FillBricks& fill) {
+  std::int64_t sum = 0;  // in 1/65535 of a voxel
+  voxmap.grade.for_each_brick([&](const Vec3i& coord, const GradeBricks::Brick& grades) {
+    const FillBricks::Brick* left = fill.brick(coord);
+    for (std::size_t i = 0; i < grades.size(); ++i) {
+      if (grades[i] != 0) sum += left == nullptr ? FillBricks::kWhole : (*left)[i];
+    }
+  });
+  return static_cast<double>(sum) / FillBricks::kWhole * voxmap.grid.voxel_mm3();
 }
 
 }  // namespace
 
-void write_meshes(const FinishedRun& run, double depth_max_mm, Report& report) {
+void write_meshes(const RunData& run, double depth_max_mm, Report& report) {
   const std::string& dir = run.dir();
-  const RunResults& results = run.results();
-  const ReamedMesh reamed = make_reamed_mesh(*read_surface(dir + "/reamed.vdb"), results.bone->grid, results.bone_mm3,
-                                             run.planned().unreamed());
+  const double left_mm3 = bone_mm3(run.voxmap(), run.last_fill());
+  const ReamedMesh reamed = make_reamed_mesh(dir + "/reamed.vdb", run.voxmap().grid, left_mm3, run.unreamed());
   if (reamed.mesh.triangles.empty()) {
     std::filesystem::remove(dir + "/reamed.glb");
     std::filesystem::remove(dir + "/reamed.stl");
     report.warn("no bone is left to mesh: no reamed.glb and no reamed.stl");
     return;
   }
-  write_glb(dir + "/reamed.glb", reamed, depth_scale(run.planned(), depth_max_mm).max);
+  write_glb(dir + "/reamed.glb", reamed, depth_scale(run, depth_max_mm).max);
   write_stl(dir + "/reamed.stl", reamed.mesh);
 }
 

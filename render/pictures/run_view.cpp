@@ -36,11 +36,11 @@ std::vector<Vec3> widest_circle(const TriangleMesh& tool, const Rigid& bone_from
 
 }  // namespace
 
-Scale depth_scale(const PlannedRun& run, double depth_max_mm) {
+Scale depth_scale(const RunData& run, double depth_max_mm) {
   return depth_max_mm > 0 ? scale_exactly(depth_max_mm) : scale_up_to(run.unreamed().deepest_mm());
 }
 
-RunView::RunView(const PlannedRun& run, const RenderSettings& settings)
+RunView::RunView(const RunData& run, const RenderSettings& settings)
     : run_(run),
       settings_(settings),
       depth_scale_(reamsim::depth_scale(run, settings.depth_max_mm)),
@@ -48,9 +48,9 @@ RunView::RunView(const PlannedRun& run, const RenderSettings& settings)
 
 Camera RunView::camera(const std::string& name, int width_px, int height_px) const {
   for (const UserCamera& own : settings_.user_cameras) {
-    if (own.name == name) return make_user_camera(own, run_.subject(), width_px, height_px);
+    if (own.name == name) return make_user_camera(own, run_.target(), width_px, height_px);
   }
-  return make_camera(from_name<CameraView>(name).value(), run_.subject(), width_px, height_px);
+  return make_camera(from_name<CameraView>(name).value(), run_.target(), width_px, height_px);
 }
 
 Camera RunView::closer_camera(const std::string& name, int width_px, int height_px) const {
@@ -62,19 +62,19 @@ Camera RunView::closer_camera(const std::string& name, int width_px, int height_
 
 std::optional<Rigid> RunView::tool_at(std::int64_t frame) const {
   if (!settings_.tool) return std::nullopt;
-  return spinning(run_.plan().pose_at(frame));
+  return spinning(run_.inputs().pose_at(frame));
 }
 
 Labels RunView::labels(const Camera& camera, const std::optional<Rigid>& tool) const {
   Labels labels;
   labels.legends.push_back({"Reamed depth", "mm", depth_colors(), depth_scale_});
   if (camera.cut_plane) labels.legends.push_back({"Bone density", "g/cm³", density_colors(), density_scale_});
-  const Subject& subject = run_.subject();
-  if (subject.anatomical) {
-    labels.directions = {{"superior", subject.superior}, {"lateral", subject.outward}};
-    if (subject.anterior) labels.directions.emplace_back("anterior", *subject.anterior);
+  const ViewTarget& target = run_.target();
+  if (target.anatomical) {
+    labels.directions = {{"superior", target.superior}, {"lateral", target.outward}};
+    if (target.anterior) labels.directions.emplace_back("anterior", *target.anterior);
   }
-  if (tool && !camera.draws_tool) labels.outlines_mm.push_back(widest_circle(run_.plan().tool, *tool));
+  if (tool && !camera.draws_tool) labels.outlines_mm.push_back(widest_circle(run_.inputs().tool, *tool));
   return labels;
 }
 

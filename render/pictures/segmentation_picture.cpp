@@ -1,4 +1,4 @@
-#include "render/pictures/segmentation_picture.h"
+#include "render/pictures/figures.h"
 
 #include <algorithm>
 #include <array>

@@ -1,8 +1,9 @@
 #include "render/pictures/soft_outline.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstddef>
+
+#include "sim/base/gaussian.h"
 
 namespace reamsim {
 namespace {
@@ -13,19 +14,9 @@ constexpr std::size_t kLargePatch = 40;  // cells; such a patch stays without he
 constexpr int kPatchHalo = 2;            // cells round a patch that are raised with it
 constexpr double kKept = 0.52;           // of what a cell of a patch can hold, at least
 
-/// Weights of a Gaussian for the cells -kBlurReach…kBlurReach; their sum is 1.
-std::vector<double> blur_weights() {
-  std::vector<double> out;
-  double sum = 0;
-  for (int n = -kBlurReach; n <= kBlurReach; ++n)
-    sum += out.emplace_back(std::exp(-0.5 * n * n / (kBlurSigma * kBlurSigma)));
-  for (double& weight : out) weight /= sum;
-  return out;
-}
-
 /// The sum along one axis; what is beyond the raster is out.
 std::vector<double> blurred(const CellMask& raster, const std::vector<double>& values, int step_i, int step_j) {
-  const std::vector<double> weights = blur_weights();
+  const std::vector<double> weights = gaussian_weights(kBlurSigma, kBlurReach);
   std::vector<double> out(values.size(), 0.0);
   for (int j = 0; j < raster.ny; ++j) {
     for (int i = 0; i < raster.nx; ++i) {

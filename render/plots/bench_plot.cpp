@@ -4,7 +4,7 @@
 #include <set>
 #include <sstream>
 
-#include "render/plots/gnuplot.h"
+#include "render/plots/plots.h"
 
 namespace reamsim {
 

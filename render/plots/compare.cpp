@@ -7,7 +7,6 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
-#include "render/plots/gnuplot.h"
 #include "render/plots/plots.h"
 #include "sim/base/error.h"
 #include "sim/record/force_log.h"

@@ -1,4 +1,4 @@
-#include "render/plots/gnuplot.h"
+#include "render/plots/plots.h"
 
 #include <fcntl.h>
 #include <spawn.h>

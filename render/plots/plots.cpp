@@ -7,7 +7,6 @@
 #include <fstream>
 #include <sstream>
 
-#include "render/plots/gnuplot.h"
 #include "sim/base/csv.h"
 #include "sim/base/error.h"
 #include "sim/record/force_log.h"
@@ -76,9 +75,13 @@ std::string means_of(const std::string& dir, double mean_travel_mm) {
 
 }  // namespace
 
-void write_text_file(const std::string& path, const std::string& text) {
+void write_plot_data(const std::string& dir, const std::string& name, const std::string& text) {
   std::error_code error;
-  std::filesystem::create_directories(std::filesystem::path(path).parent_path(), error);
+  std::filesystem::create_directories(dir + "/plots", error);
+  write_text_file(dir + "/plots/" + name, text);
+}
+
+void write_text_file(const std::string& path, const std::string& text) {
   std::ofstream out(path, std::ios::binary);
   out << text;
   out.close();

@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "sim/bone/voxmap/voxmap.h"
 #include "sim/scenario/scenario.h"
 
 namespace reamsim {
@@ -21,9 +22,10 @@ void write_force_plots(const std::string& dir, double mean_travel_mm);
 /// which see for what is thrown.
 void write_depth_and_energy_plots(const std::string& dir, double mean_travel_mm);
 
-/// Writes what the run took from each class of density as DIR/plots/removed_density.csv, and draws it. Needs
-/// DIR/reamed.vdb and DIR/snapshots/. Throws InputError when one is missing or damaged, RunError when gnuplot fails.
-void write_removed_density(const std::string& dir);
+/// Writes what a run removed of each class of density as DIR/plots/removed_density.csv, and draws it. `before`,
+/// `after`: the fill. Throws RunError when gnuplot fails.
+void write_removed_density(const std::string& dir, const Voxmap& voxmap, const FillBricks& before,
+                           const FillBricks& after);
 
 /// Writes the spectrum of the spin torque as DIR/plots/spectrum.csv, and draws it with its peaks named. False, and
 /// nothing written, when the tool does not spin or cuts for less than four turns. Throws as above.
@@ -34,10 +36,21 @@ bool write_torque_spectrum(const std::string& dir);
 /// RunError when one of DIR/`name`.png, .svg and .pdf is not there afterwards.
 void draw_plot(const std::string& dir, const std::string& name, const std::string& data, const char* script);
 
-/// Writes `text` to `path`; the folder is made where it is missing. Throws RunError.
+/// Writes `text` to `path`. Throws RunError.
 void write_text_file(const std::string& path, const std::string& text);
+/// Writes `text` to DIR/plots/`name`; the folder is made where it is missing. Throws RunError.
+void write_plot_data(const std::string& dir, const std::string& name, const std::string& text);
 
 /// The shortest text that reads back as the same number.
 std::string shortest_text(double value);
+
+/// `text` as a string of gnuplot: in single quotes, within which gnuplot expands nothing. Double quotes would run what
+/// stands between backticks as a command. Control characters become spaces.
+std::string gnuplot_string(const std::string& text);
+
+/// Writes `text` to `script` in the folder `dir` and runs gnuplot on it there. Throws RunError when the script cannot
+/// be written, gnuplot is missing or complains, or one of `pictures` (names in `dir`) is not there afterwards.
+void run_gnuplot(const std::string& dir, const std::string& script, const std::string& text,
+                 const std::vector<std::string>& pictures);
 
 }  // namespace reamsim

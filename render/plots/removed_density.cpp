@@ -2,9 +2,6 @@
 #include <string>
 
 #include "render/plots/plots.h"
-#include "sim/base/error.h"
-#include "sim/bone/vdb/bone_vdb.h"
-#include "sim/record/snapshot.h"
 
 namespace reamsim {
 
@@ -19,25 +16,15 @@ constexpr int kGradesPerClass = 5;
 constexpr std::size_t kClasses = 250 / kGradesPerClass;
 using Histogram = std::array<double, kClasses>;  // mm³
 
-FillBricks fill_before(const std::string& dir, const Vec3i& dims) {
-  FillBricks before(dims);
-  const std::vector<std::int64_t> frames = snapshot_frames(dir);
-  if (frames.empty()) {
-    throw InputError({dir + "/snapshots", 0, 0}, "", "no snapshot there", "the output folder of a run");
-  }
-  if (frames.front() == 0) apply_snapshot(dir, 0, before);
-  return before;
-}
-
-Histogram removed_by_density(const FilledVoxmap& voxmap, const FillBricks& before) {
+Histogram removed_by_density(const Voxmap& voxmap, const FillBricks& before, const FillBricks& after) {
   Histogram out{};
-  voxmap.fill.for_each_brick([&](const Vec3i& coord, const FillBricks::Brick& after) {
+  after.for_each_brick([&](const Vec3i& coord, const FillBricks::Brick& last) {
     const GradeBricks::Brick* grades = voxmap.grade.brick(coord);
     if (grades == nullptr) return;
     const FillBricks::Brick* first = before.brick(coord);
-    for (std::size_t i = 0; i < after.size(); ++i) {
+    for (std::size_t i = 0; i < last.size(); ++i) {
       if ((*grades)[i] == 0) continue;
-      const int lost = (first == nullptr ? FillBricks::kWhole : (*first)[i]) - after[i];
+      const int lost = (first == nullptr ? FillBricks::kWhole : (*first)[i]) - last[i];
       const std::size_t place = std::min<std::size_t>(((*grades)[i] - 1) / kGradesPerClass, kClasses - 1);
       out[place] += static_cast<double>(lost) / FillBricks::kWhole * voxmap.grid.voxel_mm3();
     }
@@ -47,9 +34,9 @@ Histogram removed_by_density(const FilledVoxmap& voxmap, const FillBricks& befor
 
 }  // namespace
 
-void write_removed_density(const std::string& dir) {
-  const FilledVoxmap voxmap = read_bone_vdb(dir + "/reamed.vdb");
-  const Histogram removed = removed_by_density(voxmap, fill_before(dir, voxmap.grid.dims));
+void write_removed_density(const std::string& dir, const Voxmap& voxmap, const FillBricks& before,
+                           const FillBricks& after) {
+  const Histogram removed = removed_by_density(voxmap, before, after);
   std::string csv = "density_from_g_cm3,density_to_g_cm3,removed_mm3\n";
   for (std::size_t i = 0; i < kClasses; ++i) {
     // In thousandths, so that the bounds are round numbers.
@@ -58,7 +45,7 @@ void write_removed_density(const std::string& dir) {
     };
     csv += bound(i) + "," + bound(i + 1) + "," + shortest_text(removed[i]) + "\n";
   }
-  write_text_file(dir + "/plots/removed_density.csv", csv);
+  write_plot_data(dir, "removed_density.csv", csv);
   draw_plot(dir, "plots/removed_density", "", embedded::removed_density_script);
 }
 

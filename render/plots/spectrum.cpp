@@ -161,7 +161,7 @@ bool write_torque_spectrum(const std::string& dir) {
     csv += shortest_text(frequency_hz) + "," + shortest_text(frequency_hz / spectrum.spin_hz) + "," +
            shortest_text(torque_nmm) + "\n";
   }
-  write_text_file(dir + "/plots/spectrum.csv", csv);
+  write_plot_data(dir, "spectrum.csv", csv);
   draw_plot(dir, "plots/spectrum", peaks_block(spectrum), embedded::spectrum_script);
   return true;
 }

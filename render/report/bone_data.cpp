@@ -1,10 +1,8 @@
-#include "render/report/bone_data.h"
+#include "render/report/page_data.h"
 
-#include "render/pictures/results.h"
 #include "render/pictures/run_view.h"
 #include "render/report/markup.h"
 #include "render/report/mesh_data.h"
-#include "render/report/volume_data.h"
 #include "render/surface/color_map.h"
 #include "render/surface/unreamed_surface.h"
 
@@ -21,8 +19,7 @@ Json vector_json(const Vector& v) {
 }
 
 BoneSurface surface_of(const Voxmap& voxmap, const FillBricks& fill, const UnreamedSurface& unreamed) {
-  const Occupancy occupancy(voxmap, fill);
-  return thinned(make_bone_surface({voxmap, SolidField(occupancy), AmbientLight(occupancy), unreamed}), MeshBudget());
+  return thinned(make_bone_surface(BoneFields(voxmap, fill, unreamed)), MeshBudget());
 }
 
 Json mesh_json(const BoneSurface& surface, const Eigen::AlignedBox3f& box, double depth_max_mm) {
@@ -46,34 +43,34 @@ Json colors_json(const ColorMap& map, const Scale& scale) {
 }
 
 /// Directions are of length 1; a direction that nobody knows is null.
-Json look_json(const Subject& subject) {
-  const Camera oblique = make_camera(CameraView::oblique, subject, 1000, 1000);
-  const Camera section = make_camera(CameraView::section, subject, 1000, 1000);
+Json view_json(const ViewTarget& target) {
+  const Camera oblique = make_camera(CameraView::oblique, target, 1000, 1000);
+  const Camera section = make_camera(CameraView::section, target, 1000, 1000);
   const Mat3 bone_from_eye = oblique.eye_from_bone.linear().transpose();
-  return {{"focus_mm", vector_json(subject.focus_mm)},
-          {"reach_mm", short_number(subject.reach_mm)},
+  return {{"focus_mm", vector_json(target.focus_mm)},
+          {"reach_mm", short_number(target.reach_mm)},
           {"height_mm", short_number(1000 * oblique.mm_per_px)},
           {"towards_viewer", vector_json(bone_from_eye.col(2))},
-          {"outward", vector_json(subject.outward)},
-          {"superior", vector_json(subject.superior)},
-          {"anterior", subject.anterior ? vector_json(*subject.anterior) : Json()},
-          {"anatomical", subject.anatomical},
-          {"axis", vector_json(subject.bone_from_tool.linear().col(2))},
-          {"axis_point_mm", vector_json(subject.bone_from_tool.translation())},
+          {"outward", vector_json(target.outward)},
+          {"superior", vector_json(target.superior)},
+          {"anterior", target.anterior ? vector_json(*target.anterior) : Json()},
+          {"anatomical", target.anatomical},
+          {"axis", vector_json(target.bone_from_tool.linear().col(2))},
+          {"axis_point_mm", vector_json(target.bone_from_tool.translation())},
           {"front", vector_json(-section.cut_plane->head<3>())}};
 }
 
 }  // namespace
 
-Json bone_data(const FinishedRun& run, const RenderSettings& settings) {
-  const PlannedRun& planned = run.planned();
-  const Voxmap& voxmap = *run.results().bone;
-  const BoneSurface after = surface_of(voxmap, run.results().fill, planned.unreamed());
-  const BoneSurface before = surface_of(voxmap, planned.unreamed().before(), planned.unreamed());
-  const Scale depth = depth_scale(planned, settings.depth_max_mm);
+Json bone_data(const RunData& run, const RenderSettings& settings) {
+  const Voxmap& voxmap = run.voxmap();
+  const UnreamedSurface& unreamed = run.unreamed();
+  const BoneSurface after = surface_of(voxmap, run.last_fill(), unreamed);
+  const BoneSurface before = surface_of(voxmap, unreamed.before(), unreamed);
+  const Scale depth = depth_scale(run, settings.depth_max_mm);
   const Eigen::AlignedBox3f box = bounds_of(before).merged(bounds_of(after));
   Json json;
-  json["look"] = look_json(planned.subject());
+  json["look"] = view_json(run.target());
   json["box_mm"] = {vector_json(box.min()), vector_json(box.max())};
   json["grade_per_g_cm3"] = DensityMapping::kMaxGrade / DensityMapping::kMaxDensity_g_cm3;
   json["deepest_mm"] = short_number(after.deepest_mm);

@@ -14,7 +14,7 @@ namespace {
 using Corner = Eigen::Map<const Eigen::Vector3f>;
 
 constexpr std::size_t kBytes = BoneSurface::kStride * sizeof(float);  // of a vertex
-constexpr int kNormal = 3, kDepth = 6, kReamed = 7, kDensity = 8, kOpenness = 9;
+constexpr int kNormal = 3, kDepth = 6, kReamed = 7, kDensity = 8, kAccessibility = 9;
 
 std::size_t vertex_count(const BoneSurface& surface) {
   return surface.vertices.size() / BoneSurface::kStride;
@@ -61,25 +61,25 @@ void put_numbers16(const BoneSurface& surface, std::size_t part, float low, floa
   out.insert(out.end(), high.begin(), high.end());
 }
 
-/// The bytes of a vertex for its normal and what it is dressed in but depth.
-std::array<std::uint8_t, 6> dress(const float* vertex) {
+/// The bytes of a vertex for its normal and its attributes but depth.
+std::array<std::uint8_t, 6> attribute_bytes(const float* vertex) {
   std::array<std::uint8_t, 6> out;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     out[axis] = static_cast<std::uint8_t>(std::lround(127 * std::clamp(vertex[kNormal + axis], -1.0F, 1.0F)));
   }
   out[3] = byte_of(vertex[kReamed]);
   out[4] = byte_of(vertex[kDensity] / static_cast<float>(DensityMapping::kMaxDensity_g_cm3));
-  out[5] = byte_of(vertex[kOpenness]);
+  out[5] = byte_of(vertex[kAccessibility]);
   return out;
 }
 
-void put_dress(const BoneSurface& surface, std::vector<std::uint8_t>& out) {
+void put_attributes(const BoneSurface& surface, std::vector<std::uint8_t>& out) {
   const std::size_t count = vertex_count(surface);
   const std::size_t from = out.size();
   std::array<std::uint8_t, 6> before{};
   out.resize(from + before.size() * count);
   for (std::size_t i = 0; i < count; ++i) {
-    const auto now = dress(surface.vertices.data() + i * BoneSurface::kStride);
+    const auto now = attribute_bytes(surface.vertices.data() + i * BoneSurface::kStride);
     for (std::size_t part = 0; part < now.size(); ++part) {
       out[from + part * count + i] = static_cast<std::uint8_t>(now[part] - before[part]);
     }
@@ -129,7 +129,7 @@ std::vector<std::uint8_t> mesh_bytes(const BoneSurface& surface, const Eigen::Al
     put_numbers16(surface, static_cast<std::size_t>(axis), box.min()[axis], std::max(box.sizes()[axis], 1e-6F), out);
   }
   put_numbers16(surface, kDepth, 0, static_cast<float>(depth_max_mm), out);
-  put_dress(surface, out);
+  put_attributes(surface, out);
   put_corners(surface.indices, out);
   return out;
 }

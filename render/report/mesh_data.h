@@ -24,7 +24,7 @@ BoneSurface thinned(const BoneSurface& surface, const MeshBudget& budget);
 /// A surface as bytes for the page. Little-endian, one after the other:
 /// x, y, z of the vertices (0…65535 over `box`) and depth (over 0…`depth_max_mm`), 16 bits each, as differences to the
 /// vertex before (zigzag), of each all low bytes before all high bytes; then as 8-bit differences to the vertex before
-/// the normal's x, y, z (−127…127), and reamed, density (0…255 over 0…2 g/cm³), openness (0…255 over 0…1);
+/// the normal's x, y, z (−127…127), and reamed, density (0…255 over 0…2 g/cm³), ambient accessibility (0…255 over 0…1);
 /// then the triangles' corners, each as the distance below the first vertex that no corner has named yet, in
 /// variable-length numbers of 7 bits a byte, low bits first.
 std::vector<std::uint8_t> mesh_bytes(const BoneSurface& surface, const Eigen::AlignedBox3f& box, double depth_max_mm);

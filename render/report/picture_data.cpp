@@ -1,4 +1,4 @@
-#include "render/report/picture_data.h"
+#include "render/report/page_data.h"
 
 #include <cairo.h>
 // jpeglib.h needs size_t and FILE before it.

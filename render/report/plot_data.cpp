@@ -1,4 +1,4 @@
-#include "render/report/plot_data.h"
+#include "render/report/page_data.h"
 
 #include <algorithm>
 #include <vector>

@@ -3,15 +3,12 @@
 #include <algorithm>
 #include <array>
 #include <filesystem>
-#include <fstream>
 #include <map>
 #include <vector>
 
-#include "render/pictures/results.h"
-#include "render/report/bone_data.h"
+#include "render/plots/plots.h"
 #include "render/report/markup.h"
-#include "render/report/picture_data.h"
-#include "render/report/plot_data.h"
+#include "render/report/page_data.h"
 #include "render/report/summary_text.h"
 #include "sim/base/error.h"
 
@@ -88,16 +85,16 @@ std::string frame_path(const std::string& dir, std::int64_t frame, const std::st
 
 /// The pictures along the run: `frames` and `time_s` of those shown, and for each camera that has a picture of all of
 /// them its `name`, `width_px`, `height_px` and `jpegs`.
-Json frames_json(const FinishedRun& run, const std::vector<std::string>& cameras) {
+Json frames_json(const RunData& run, const std::vector<std::string>& cameras) {
   Json json{{"frames", Json::array()}, {"time_s", Json::array()}, {"cameras", Json::array()}};
   const std::string& dir = run.dir();
-  std::vector<std::int64_t> drawn = run.planned().plan().frames;
+  std::vector<std::int64_t> drawn = run.inputs().frames;
   std::erase_if(drawn, [&](std::int64_t frame) { return !fs::exists(frame_path(dir, frame, "")); });
   std::vector<std::int64_t> frames;
   for (const std::size_t i : evenly_chosen(drawn.size(), std::max<std::size_t>(2, kMostFrames / cameras.size()))) {
     frames.push_back(drawn[i]);
     json["frames"].push_back(frames.back());
-    json["time_s"].push_back(short_number(run.results().row_of(frames.back()).time_s));
+    json["time_s"].push_back(short_number(run.row_of(frames.back()).time_s));
   }
   if (frames.empty()) return json;
   for (const std::string& camera : cameras) {
@@ -124,31 +121,25 @@ std::string printed_plot_html(const std::string& dir) {
          base64({reinterpret_cast<const std::uint8_t*>(png.data()), png.size()}) + "\">";
 }
 
-/// A text of summary.json, escaped.
-std::string text_of(const Json& summary, const char* key, const std::string& path) {
-  if (summary.contains(key) && summary.at(key).is_string()) return escape_html(summary.at(key).get<std::string>());
-  throw InputError({path, 0, 0}, key, "found no text", "expected the summary.json of a run");
-}
-
 /// The data that the page's scripts work on.
-Json script_data(const FinishedRun& run, const RenderSettings& settings, double mean_travel_mm) {
-  ForceLog log = run.results().log;
-  add_layer_means(log, mean_travel_mm);
-  return {{"plot", plot_data(log, mean_travel_mm)},
-          {"pictures", frames_json(run, names_of(settings.cameras))},
-          {"bone", bone_data(run, settings)}};
+Json script_data(const RunData& run, const PictureOptions& options) {
+  ForceLog log = run.log();
+  add_layer_means(log, options.mean_travel_mm);
+  return {{"plot", plot_data(log, options.mean_travel_mm)},
+          {"pictures", frames_json(run, names_of(options.settings.cameras))},
+          {"bone", bone_data(run, options.settings)}};
 }
 
-std::string page_html(const FinishedRun& run, const RenderSettings& settings, double mean_travel_mm) {
+std::string page_html(const RunData& run, const PictureOptions& options) {
   const std::string& dir = run.dir();
   const std::string summary_path = dir + "/summary.json", verification_path = dir + "/verification.json";
   const Json summary = read_json(summary_path, "the summary.json of a run");
   const Json verification =
       fs::exists(verification_path) ? read_json(verification_path, "the verification.json of reamsim verify") : Json();
   std::map<std::string, std::string> texts{
-      {"title", text_of(summary, "scenario", summary_path)},
-      {"program", text_of(summary, "program", summary_path)},
-      {"device", text_of(summary, "device", summary_path)},
+      {"title", text_at(summary, "scenario", summary_path)},
+      {"program", text_at(summary, "program", summary_path)},
+      {"device", text_at(summary, "device", summary_path)},
       {"style", embedded::report_style},
       {"warnings", warnings_html(summary, summary_path)},
       {"key_figures", key_figures_html(summary, summary_path)},
@@ -159,23 +150,18 @@ std::string page_html(const FinishedRun& run, const RenderSettings& settings, do
       {"scenario", escape_html(read_whole(dir + "/scenario.yaml", "the scenario.yaml of a run"))},
       {"script", embedded::report_script}};
   // What takes long comes when all the rest is known to be right.
-  texts["figures"] = pictures_html(dir, name_of(settings.cameras.front()));
-  texts["data"] = json_for_script(script_data(run, settings, mean_travel_mm));
+  texts["figures"] = pictures_html(dir, name_of(options.settings.cameras.front()));
+  texts["data"] = json_for_script(script_data(run, options));
   return fill_page(embedded::report_page, texts);
 }
 
 }  // namespace
 
-void write_report(const FinishedRun& run, const RenderSettings& settings, double mean_travel_mm) {
-  if (settings.cameras.empty()) {
+void write_report(const RunData& run, const PictureOptions& options) {
+  if (options.settings.cameras.empty()) {
     throw InputError({}, "render.cameras", "found none", "expected at least one camera");
   }
-  const std::string page = page_html(run, settings, mean_travel_mm);
-  const std::string path = run.dir() + "/report.html";
-  std::ofstream out(path, std::ios::binary);
-  out << page;
-  out.close();
-  if (!out) throw RunError(path + ": cannot be written; is the disk full or the folder read-only?");
+  write_text_file(run.dir() + "/report.html", page_html(run, options));
 }
 
 }  // namespace reamsim

@@ -138,12 +138,6 @@ std::string unit_html(const char* unit) {
   return *unit == '\0' ? "" : std::string(" <span class=\"unit\">") + unit + "</span>";
 }
 
-/// A text of summary.json, escaped.
-std::string text_at(const Json& summary, const char* key, const std::string& path) {
-  if (!summary.contains(key) || !summary.at(key).is_string()) throw wrong(path, key, "a text");
-  return escape_html(summary.at(key).get<std::string>());
-}
-
 /// A text that is longer than a number wraps.
 std::string row_html(const std::string& head, const std::string& cell, const char* unit = "") {
   constexpr std::size_t kLongestNumber = 24;  // bytes
@@ -173,6 +167,11 @@ std::string raised(int exponent) {
 }
 
 }  // namespace
+
+std::string text_at(const Json& summary, const char* key, const std::string& path) {
+  if (!summary.contains(key) || !summary.at(key).is_string()) throw wrong(path, key, "a text");
+  return escape_html(summary.at(key).get<std::string>());
+}
 
 std::string number_text(double value, int digits) {
   if (value == 0) return "0";

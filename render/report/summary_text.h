@@ -9,6 +9,9 @@ namespace reamsim {
 /// a true minus sign, thousands parted by a thin space.
 std::string number_text(double value, int digits = 4);
 
+/// A text of summary.json, escaped. Throws InputError, in the name of `path`, where there is none.
+std::string text_at(const nlohmann::ordered_json& summary, const char* key, const std::string& path);
+
 /// The parts of the page that are made from summary.json, as HTML. Values that a run has none of are left out.
 /// All throw InputError, in the name of `path`, when what stands there is not what a run writes.
 std::string key_figures_html(const nlohmann::ordered_json& summary, const std::string& path);

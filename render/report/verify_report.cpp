@@ -2,12 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "render/plots/gnuplot.h"
-#include "sim/base/error.h"
+#include "render/plots/plots.h"
 
 namespace reamsim {
 
@@ -113,13 +111,6 @@ std::string plot_data(const Findings& findings) {
   return data.str() + names.str() + "\n";
 }
 
-void write_text(const std::string& path, const std::string& text) {
-  std::ofstream out(path, std::ios::binary);
-  out << text;
-  out.close();
-  if (!out) throw RunError(path + ": cannot be written; is the disk full or the folder read-only?");
-}
-
 }  // namespace
 
 std::string verification_json(const Findings& findings) {
@@ -136,8 +127,8 @@ std::string verification_json(const Findings& findings) {
 }
 
 void write_verification(const std::string& dir, const Findings& findings) {
-  write_text(dir + "/verification.json", verification_json(findings));
-  write_text(dir + "/verification.md", verification_markdown(findings));
+  write_text_file(dir + "/verification.json", verification_json(findings));
+  write_text_file(dir + "/verification.md", verification_markdown(findings));
   run_gnuplot(dir, "verification.gp", plot_data(findings) + embedded::verify_plot_script,
               {"verification.png", "verification.svg"});
 }

@@ -1,4 +1,4 @@
-#include "render/report/volume_data.h"
+#include "render/report/page_data.h"
 
 #include <algorithm>
 
@@ -61,12 +61,15 @@ DensityVolume density_volume(const Voxmap& voxmap, std::int64_t most_cells) {
   out.origin_mm = voxmap.grid.origin_mm + voxmap.grid.voxel_mm * first.cast<double>();
   std::vector<std::uint32_t> sums(static_cast<std::size_t>(cells_of(out.dims)));
   std::vector<std::uint32_t> counts(sums.size());
-  for_each_bone_voxel({voxmap, FillBricks(voxmap.grid.dims)},
-                      [&](const Vec3i& voxel, std::uint8_t grade, std::uint16_t /*fill*/) {
-                        const std::size_t cell = index_of(out.dims, (voxel - first) / n);
-                        sums[cell] += grade;
-                        ++counts[cell];
-                      });
+  voxmap.grade.for_each_brick([&](const Vec3i& coord, const GradeBricks::Brick& grades) {
+    for (int offset = 0; offset < GradeBricks::kVoxels; ++offset) {
+      const std::uint8_t grade = grades[static_cast<std::size_t>(offset)];
+      if (grade == 0) continue;
+      const std::size_t cell = index_of(out.dims, (BrickLattice::voxel_at(coord, offset) - first) / n);
+      sums[cell] += grade;
+      ++counts[cell];
+    }
+  });
   out.grades.resize(sums.size());
   for (std::size_t i = 0; i < sums.size(); ++i) {
     if (counts[i] > 0) out.grades[i] = static_cast<std::uint8_t>((sums[i] + counts[i] / 2) / counts[i]);

@@ -1,11 +1,10 @@
 #include "render/surface/bone_surface.h"
 
-#include <openvdb/tools/Interpolation.h>
-
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
-#include "render/surface/reamed_share.h"
+#include "render/surface/scalar_grid.h"
 #include "render/surface/surface_smoothing.h"
 #include "sim/base/parallel.h"
 
@@ -19,15 +18,11 @@ constexpr std::size_t kGrain = 2048;
 constexpr int kNormalRounds = 4;
 constexpr float kBelow_voxels = 1.2F;  // where a vertex's density is read
 constexpr int kPointRounds = 2;
-static_assert(kNormalRounds + kPointRounds == kDressReach);
+static_assert(kNormalRounds + kPointRounds == kAttributeReach);
 constexpr float kMostMove_voxels = 0.4F;
-constexpr int kDepthRounds = 4;         // evens out the steps of the two voxel faces that a depth lies between
-constexpr float kSurelyReamed = 0.99F;  // where material is less surely gone is the edge of what was reamed
+constexpr int kDepthRounds = 4;         // smooths the steps of the two voxel faces that a depth lies between
+constexpr float kSurelyReamed = 0.99F;  // where it is less certain is the edge of what was reamed
 constexpr int kEdgeRounds = 6;          // takes the teeth off the reamed face's edge
-
-double sample(const Accessor& accessor, const Vec3d& point) {
-  return openvdb::tools::BoxSampler::sample(accessor, point);
-}
 
 /// Outward normal: the field's gradient over a wide step, which evens out what is left of the voxels' steps.
 Eigen::Vector3f normal_at(const Accessor& field, const Vec3d& p) {
@@ -62,26 +57,24 @@ float density_at(const Voxmap& voxmap, const Eigen::Vector3f& inside) {
   return weights > 0 ? sum / weights : 0;
 }
 
-std::vector<Eigen::Vector3f> normals_at(const std::vector<openvdb::Vec3s>& points, const SolidField& field) {
+Vec3d vdb_point(const Eigen::Vector3f& p) {
+  return {p.x(), p.y(), p.z()};
+}
+
+std::vector<Eigen::Vector3f> normals_at(const std::vector<Eigen::Vector3f>& points, const SolidField& field) {
   std::vector<Eigen::Vector3f> normals(points.size());
   parallel_ranges(points.size(), kGrain, [&](std::size_t begin, std::size_t end) {
-    const Accessor now = field.grid().getConstAccessor();
-    for (std::size_t i = begin; i < end; ++i) normals[i] = normal_at(now, Vec3d(points[i]));
+    const Accessor now = field.grid().vdb->getConstAccessor();
+    for (std::size_t i = begin; i < end; ++i) normals[i] = normal_at(now, vdb_point(points[i]));
   });
   return normals;
 }
 
-/// Depth at a point of the space of voxel indices times voxel_mm, by an accessor of unreamed.depth().
-float depth_at(const UnreamedSurface& unreamed, const Accessor& depths, const Eigen::Vector3f& point_mm) {
-  const Vec3d cell = unreamed.depth().transform().worldToIndex(Vec3d(point_mm.x(), point_mm.y(), point_mm.z()));
-  return static_cast<float>(std::max(0.0, sample(depths, cell)));
-}
-
 /// What reaming did at each vertex.
 struct Reaming {
-  explicit Reaming(std::size_t count) : share(count), depth_mm(count) {}
+  explicit Reaming(std::size_t count) : fraction(count), depth_mm(count) {}
 
-  std::vector<float> share;  ///< how surely material is gone
+  std::vector<float> fraction;  ///< how certain it is that material was removed
   std::vector<float> depth_mm;
 };
 
@@ -91,29 +84,21 @@ Reaming reaming_at(const IsoSurface& iso, const std::vector<Eigen::Vector3f>& po
                    const UnreamedSurface& unreamed) {
   Reaming out(points.size());
   parallel_ranges(points.size(), kGrain, [&](std::size_t begin, std::size_t end) {
-    const Accessor before = unreamed.field().getConstAccessor();
-    const Accessor depths = unreamed.depth().getConstAccessor();
+    const ReamingSampler sampler(unreamed);
     for (std::size_t i = begin; i < end; ++i) {
-      out.share[i] = reamed_share(sample(before, Vec3d(iso.points[i])));
-      if (out.share[i] > 0) out.depth_mm[i] = depth_at(unreamed, depths, points[i] * static_cast<float>(voxel_mm));
+      out.fraction[i] = sampler.fraction(vdb_point(iso.points[i]));
+      if (out.fraction[i] > 0) out.depth_mm[i] = sampler.depth_mm(vdb_point(points[i] * static_cast<float>(voxel_mm)));
     }
   });
   return out;
 }
 
-/// Evens out what the voxels' steps have left in what was found.
+/// Smooths away what the voxels' steps have left in it.
 void smooth(const Neighbours& neighbours, const std::vector<Eigen::Vector3f>& points, Reaming& reaming) {
-  if (std::ranges::all_of(reaming.share, [](float share) { return share == 0; })) return;
+  if (std::ranges::all_of(reaming.fraction, [](float fraction) { return fraction == 0; })) return;
   const std::vector<float> even = even_weights(neighbours, points);
-  smooth_values(neighbours, even, reaming.share, reaming.depth_mm, kDepthRounds);
-  smooth_values(neighbours, even, std::vector<float>(reaming.share.size(), 1), reaming.share, kEdgeRounds);
-}
-
-std::vector<Eigen::Vector3f> eigen_points(const IsoSurface& iso) {
-  std::vector<Eigen::Vector3f> out;
-  out.reserve(iso.points.size());
-  for (const openvdb::Vec3s& p : iso.points) out.emplace_back(p.x(), p.y(), p.z());
-  return out;
+  smooth_values(neighbours, even, reaming.fraction, reaming.depth_mm, kDepthRounds);
+  smooth_values(neighbours, even, std::vector<float>(reaming.fraction.size(), 1), reaming.fraction, kEdgeRounds);
 }
 
 /// Calls action(a vertex's numbers, where it is in voxel index space).
@@ -132,22 +117,40 @@ void for_each_vertex(const VoxelGrid& grid, BoneSurface& surface, const Action& 
 
 }  // namespace
 
-BoneSurface make_bone_surface(const BoneLook& look) {
-  BoneSurface out = dress_surface(extract_surface(look.field.grid(), 0), look);
-  complete(look, out);
+BoneFields::BoneFields(const Voxmap& bone, FillBricks fill_now, const UnreamedSurface& unreamed_surface)
+    : voxmap(bone),
+      fill(std::move(fill_now)),
+      unreamed(unreamed_surface),
+      occupancy(voxmap, fill),
+      solid(occupancy),
+      ambient(occupancy) {
+  fill.take_changed();
+}
+
+std::vector<Vec3i> BoneFields::update() {
+  std::vector<Vec3i> bricks = fill.take_changed();
+  occupancy.update(bricks);
+  solid.update(occupancy, bricks);
+  ambient.update(occupancy, bricks);
+  return bricks;
+}
+
+BoneSurface make_bone_surface(const BoneFields& fields) {
+  BoneSurface out = add_vertex_attributes(extract_surface(*fields.solid.grid().vdb, 0), fields);
+  add_density_and_ambient(fields, out);
   return out;
 }
 
-BoneSurface dress_surface(const IsoSurface& iso, const BoneLook& look) {
-  const VoxelGrid& grid = look.voxmap.grid;
+BoneSurface add_vertex_attributes(const IsoSurface& iso, const BoneFields& fields) {
+  const VoxelGrid& grid = fields.voxmap.grid;
   BoneSurface out;
-  out.indices = flat_indices(iso);
-  std::vector<Eigen::Vector3f> points = eigen_points(iso);
-  std::vector<Eigen::Vector3f> normals = normals_at(iso.points, look.field);
+  out.indices = iso.indices;
+  std::vector<Eigen::Vector3f> points = iso.points;
+  std::vector<Eigen::Vector3f> normals = normals_at(iso.points, fields.solid);
   const Neighbours neighbours(points.size(), out.indices);
   smooth_normals(neighbours, normals, kNormalRounds);
   fit_to_normals(neighbours, normals, points, kPointRounds, kMostMove_voxels);
-  Reaming reaming = reaming_at(iso, points, grid.voxel_mm, look.unreamed);
+  Reaming reaming = reaming_at(iso, points, grid.voxel_mm, fields.unreamed);
   smooth(neighbours, points, reaming);
   out.vertices.resize(points.size() * BoneSurface::kStride);
   parallel_ranges(points.size(), kGrain, [&](std::size_t begin, std::size_t end) {
@@ -157,33 +160,33 @@ BoneSurface dress_surface(const IsoSurface& iso, const BoneLook& look) {
       Eigen::Map<Eigen::Vector3f>{v} = mm.cast<float>();
       Eigen::Map<Eigen::Vector3f>{v + 3} = normals[i];
       v[6] = reaming.depth_mm[i];
-      v[7] = reaming.share[i];
+      v[7] = reaming.fraction[i];
     }
   });
   return out;
 }
 
-void complete(const BoneLook& look, BoneSurface& surface) {
-  for_each_vertex(look.voxmap.grid, surface, [&](float* v, const Eigen::Vector3f& point) {
+void add_density_and_ambient(const BoneFields& fields, BoneSurface& surface) {
+  for_each_vertex(fields.voxmap.grid, surface, [&](float* v, const Eigen::Vector3f& point) {
     const Eigen::Map<const Eigen::Vector3f> normal(v + 3);
-    v[8] = density_at(look.voxmap, point - kBelow_voxels * normal);
-    v[9] = look.ambient.openness(point, normal);
+    v[8] = density_at(fields.voxmap, point - kBelow_voxels * normal);
+    v[9] = fields.ambient.accessibility(point, normal);
   });
   surface.deepest_mm = 0;
-  const VoxelGrid& grid = look.voxmap.grid;
+  const VoxelGrid& grid = fields.voxmap.grid;
   const Vec3 first_center = grid.origin_mm + Vec3::Constant(0.5 * grid.voxel_mm);
-  const Accessor depths = look.unreamed.depth().getConstAccessor();
+  const ReamingSampler sampler(fields.unreamed);
   for (std::size_t i = 0; i < surface.vertices.size(); i += BoneSurface::kStride) {
     const float* v = surface.vertices.data() + i;
     if (v[7] <= kSurelyReamed) continue;
     const Eigen::Vector3f point_mm = (Eigen::Map<const Eigen::Vector3f>{v}.cast<double>() - first_center).cast<float>();
-    surface.deepest_mm = std::max(surface.deepest_mm, double{depth_at(look.unreamed, depths, point_mm)});
+    surface.deepest_mm = std::max(surface.deepest_mm, double{sampler.depth_mm(vdb_point(point_mm))});
   }
 }
 
-void renew_openness(const BoneLook& look, BoneSurface& surface) {
-  for_each_vertex(look.voxmap.grid, surface, [&](float* v, const Eigen::Vector3f& point) {
-    v[9] = look.ambient.openness(point, Eigen::Map<const Eigen::Vector3f>{v + 3});
+void update_ambient(const BoneFields& fields, BoneSurface& surface) {
+  for_each_vertex(fields.voxmap.grid, surface, [&](float* v, const Eigen::Vector3f& point) {
+    v[9] = fields.ambient.accessibility(point, Eigen::Map<const Eigen::Vector3f>{v + 3});
   });
 }
 

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "render/surface/scalar_grid.h"
 #include "sim/base/parallel.h"
 #include "sim/bone/vdb/vdb_grid.h"
 
@@ -12,9 +13,9 @@ namespace {
 
 constexpr int kSide = FillBricks::kSide;
 constexpr int kTileVoxels = BoneTiles::kSideBricks * kSide;
-static_assert(kDressReach + 2 <= kSide, "one brick round a tile has to hold all that moves the tile's vertices");
+static_assert(kAttributeReach + 2 <= kSide, "one brick round a tile has to hold all that moves the tile's vertices");
 /// From a voxel that changes to a vertex that does: three voxels through the field, as many through the gradient, and
-/// what dressing and evening out pass on.
+/// what smoothing passes on.
 constexpr int kChangeReach_bricks = 2;
 
 openvdb::Coord to_coord(const Vec3i& v) {
@@ -53,10 +54,10 @@ openvdb::BoolGrid::Ptr cells_of(const Vec3i& lower) {
 }
 
 /// Which tile a triangle belongs to: the one with the lowest cell of its corners, whichever tile asks.
-bool owns(const Vec3i& lower, const IsoSurface& iso, const openvdb::Vec3I& triangle) {
+bool owns(const Vec3i& lower, const IsoSurface& iso, std::size_t triangle) {
   for (int axis = 0; axis < 3; ++axis) {
-    float least = iso.points[triangle[0]][axis];
-    for (int corner = 1; corner < 3; ++corner) least = std::min(least, iso.points[triangle[corner]][axis]);
+    const auto at = [&](std::size_t corner) { return iso.points[iso.indices[3 * triangle + corner]][axis]; };
+    const float least = std::min({at(0), at(1), at(2)});
     const int cell = static_cast<int>(std::floor(least));
     if (cell < lower[axis] || cell >= lower[axis] + kTileVoxels) return false;
   }
@@ -86,11 +87,11 @@ BoneSurface keep(const BoneSurface& all, const std::vector<bool>& kept) {
 
 }  // namespace
 
-BoneTiles::BoneTiles(const BoneLook& look) {
-  const Vec3i bricks = (look.voxmap.grid.dims.array() + kSide - 1) / kSide;
+BoneTiles::BoneTiles(const BoneFields& fields) {
+  const Vec3i bricks = (fields.voxmap.grid.dims.array() + kSide - 1) / kSide;
   tiles_ = (bricks.array() + 2 + kSideBricks - 1) / kSideBricks;
   surfaces_.resize(static_cast<std::size_t>(std::int64_t{1} * tiles_.x() * tiles_.y() * tiles_.z()));
-  parallel_items(surfaces_.size(), [&](std::size_t tile) { surfaces_[tile] = mesh(look, tile); });
+  parallel_items(surfaces_.size(), [&](std::size_t tile) { surfaces_[tile] = mesh(fields, tile); });
 }
 
 Vec3i BoneTiles::coord_of(std::size_t tile) const {
@@ -115,21 +116,21 @@ std::vector<bool> BoneTiles::tiles_near(const std::vector<Vec3i>& bricks, int re
   return near;
 }
 
-BoneSurface BoneTiles::mesh(const BoneLook& look, std::size_t tile) const {
+BoneSurface BoneTiles::mesh(const BoneFields& fields, std::size_t tile) const {
   const Vec3i lower = lowest(coord_of(tile));
-  const openvdb::FloatGrid::Ptr part = part_of(look.field.grid(), lower);
+  const openvdb::FloatGrid::Ptr part = part_of(*fields.solid.grid().vdb, lower);
   if (part->tree().leafCount() == 0) return {};
   const IsoSurface iso = extract_surface(*part, 0, cells_of(lower));
-  std::vector<bool> owned(iso.triangles.size());
-  for (std::size_t i = 0; i < owned.size(); ++i) owned[i] = owns(lower, iso, iso.triangles[i]);
+  std::vector<bool> owned(iso.indices.size() / 3);
+  for (std::size_t i = 0; i < owned.size(); ++i) owned[i] = owns(lower, iso, i);
   if (std::find(owned.begin(), owned.end(), true) == owned.end()) return {};
-  BoneSurface out = keep(dress_surface(iso, look), owned);
-  complete(look, out);
+  BoneSurface out = keep(add_vertex_attributes(iso, fields), owned);
+  add_density_and_ambient(fields, out);
   return out;
 }
 
-std::vector<std::size_t> BoneTiles::update(const BoneLook& look, const std::vector<Vec3i>& bricks) {
-  const int light_bricks = static_cast<int>(std::ceil(look.ambient.reach_voxels() / kSide));
+std::vector<std::size_t> BoneTiles::update(const BoneFields& fields, const std::vector<Vec3i>& bricks) {
+  const int light_bricks = static_cast<int>(std::ceil(fields.ambient.reach_voxels() / kSide));
   const std::vector<bool> changed = tiles_near(bricks, kChangeReach_bricks);
   const std::vector<bool> lit = tiles_near(bricks, light_bricks);
   std::vector<std::size_t> out;
@@ -139,9 +140,9 @@ std::vector<std::size_t> BoneTiles::update(const BoneLook& look, const std::vect
   parallel_items(out.size(), [&](std::size_t i) {
     const std::size_t tile = out[i];
     if (changed[tile]) {
-      surfaces_[tile] = mesh(look, tile);
+      surfaces_[tile] = mesh(fields, tile);
     } else {
-      renew_openness(look, surfaces_[tile]);
+      update_ambient(fields, surfaces_[tile]);
     }
   });
   return out;

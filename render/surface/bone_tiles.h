@@ -14,11 +14,11 @@ class BoneTiles {
  public:
   static constexpr int kSideBricks = 4;
 
-  explicit BoneTiles(const BoneLook& look);
+  explicit BoneTiles(const BoneFields& fields);
 
-  /// Follows a look of the same lattice in which `bricks` have changed. Returns the tiles whose surfaces are others
-  /// now, in ascending order.
-  std::vector<std::size_t> update(const BoneLook& look, const std::vector<Vec3i>& bricks);
+  /// Follows fields of the same lattice in which `bricks` have changed. Returns the tiles whose surfaces have changed,
+  /// in ascending order.
+  std::vector<std::size_t> update(const BoneFields& fields, const std::vector<Vec3i>& bricks);
 
   /// One per tile; most are empty.
   [[nodiscard]] const std::vector<BoneSurface>& surfaces() const { return surfaces_; }
@@ -29,7 +29,7 @@ class BoneTiles {
   [[nodiscard]] Vec3i coord_of(std::size_t tile) const;
   /// Tiles that are no more than `reach` bricks away from any of `bricks`.
   [[nodiscard]] std::vector<bool> tiles_near(const std::vector<Vec3i>& bricks, int reach) const;
-  [[nodiscard]] BoneSurface mesh(const BoneLook& look, std::size_t tile) const;
+  [[nodiscard]] BoneSurface mesh(const BoneFields& fields, std::size_t tile) const;
 
   Vec3i tiles_;  ///< along each axis; the first begins one brick below the lattice, because the surface may
   std::vector<BoneSurface> surfaces_;

@@ -1,4 +1,4 @@
-#include "render/surface/glb.h"
+#include "render/surface/reamed_mesh.h"
 
 #include <algorithm>
 #include <cmath>

@@ -9,18 +9,18 @@ namespace reamsim {
 Occupancy::Occupancy(const Voxmap& voxmap, const FillBricks& fill)
     : voxmap_(voxmap), fill_(fill), bricks_{voxmap.grade.brick_dims()}, kinds_(bricks_.count(), Kind::kEmpty) {
   const std::vector<Vec3i> stored = voxmap.grade.stored_coords();
-  parallel_items(stored.size(), [&](std::size_t i) { kinds_[bricks_.index(stored[i])] = look_at(stored[i]); });
+  parallel_items(stored.size(), [&](std::size_t i) { kinds_[bricks_.index(stored[i])] = classify(stored[i]); });
 }
 
 void Occupancy::update(const std::vector<Vec3i>& bricks) {
-  for (const Vec3i& brick : bricks) kinds_[bricks_.index(brick)] = look_at(brick);
+  for (const Vec3i& brick : bricks) kinds_[bricks_.index(brick)] = classify(brick);
 }
 
 Occupancy::Kind Occupancy::kind(const Vec3i& brick) const {
   return bricks_.contains(brick) ? kinds_[bricks_.index(brick)] : Kind::kEmpty;
 }
 
-Occupancy::Kind Occupancy::look_at(const Vec3i& brick) const {
+Occupancy::Kind Occupancy::classify(const Vec3i& brick) const {
   const GradeBricks::Brick* grades = voxmap_.grade.brick(brick);
   if (grades == nullptr) return Kind::kEmpty;
   const FillBricks::Brick* fill = fill_.brick(brick);

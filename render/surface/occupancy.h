@@ -7,27 +7,27 @@
 
 namespace reamsim {
 
-/// How much of each voxel is bone, 0…1, read brick by brick (8×8×8 voxels): bricks that are all air or all bone need no
-/// look at their voxels.
+/// The bone fraction of each voxel, 0…1, read brick by brick (8×8×8 voxels): bricks that are all air or all bone are
+/// known as such.
 class Occupancy {
  public:
   enum class Kind : std::uint8_t { kEmpty, kFull, kMixed };
 
-  /// `fill`: how much of each voxel counts, such as `voxmap.fill`. Both must outlive this.
+  /// Both must outlive this.
   Occupancy(const Voxmap& voxmap, const FillBricks& fill);
 
-  /// Looks again at bricks whose fill has changed.
+  /// Classifies bricks again whose fill has changed.
   void update(const std::vector<Vec3i>& bricks);
 
   [[nodiscard]] const Voxmap& voxmap() const { return voxmap_; }
   [[nodiscard]] Vec3i brick_dims() const { return bricks_.dims; }
   /// Outside the lattice everything is air.
   [[nodiscard]] Kind kind(const Vec3i& brick) const;
-  /// Copies the shares of a box of side³ voxels from `lower` on, x fastest, to `out`.
+  /// Copies the fractions of a box of side³ voxels from `lower` on, x fastest, to `out`.
   void gather(const Vec3i& lower, int side, float* out) const;
 
  private:
-  [[nodiscard]] Kind look_at(const Vec3i& brick) const;
+  [[nodiscard]] Kind classify(const Vec3i& brick) const;
 
   const Voxmap& voxmap_;
   const FillBricks& fill_;

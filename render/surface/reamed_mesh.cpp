@@ -1,19 +1,18 @@
 #include "render/surface/reamed_mesh.h"
 
-#include <openvdb/tools/Interpolation.h>
-
 #include <algorithm>
 #include <cmath>
 
-#include "render/surface/reamed_share.h"
+#include "render/surface/scalar_grid.h"
 #include "render/surface/surface_smoothing.h"
 #include "sim/base/parallel.h"
+#include "sim/bone/vdb/vdb_archive.h"
 
 namespace reamsim {
 namespace {
 
 constexpr std::size_t kMeshGrain = 2048;
-constexpr int kMeshDepthRounds = 5;  // evens out the voxels' steps in what is found at the vertices
+constexpr int kMeshDepthRounds = 5;  // smooths the voxels' steps in what is found at the vertices
 constexpr int kCorrections = 2;      // of the level; the second is for thin bone, whose area changes with the first
 constexpr double kMostShift_voxels = 0.5;
 
@@ -21,12 +20,12 @@ TriangleMesh mesh_at(const openvdb::FloatGrid& surface, double level_mm) {
   const IsoSurface iso = extract_surface(surface, level_mm);
   TriangleMesh mesh;
   mesh.vertices.reserve(iso.points.size());
-  for (const openvdb::Vec3s& p : iso.points) mesh.vertices.emplace_back(p.x(), p.y(), p.z());
-  mesh.triangles.reserve(iso.triangles.size());
+  for (const Eigen::Vector3f& p : iso.points) mesh.vertices.emplace_back(p.cast<double>());
+  mesh.triangles.reserve(iso.indices.size() / 3);
   // OpenVDB turns the triangles of a level set inwards.
-  for (const openvdb::Vec3I& t : iso.triangles) {
-    mesh.triangles.push_back(
-        {static_cast<std::int32_t>(t[0]), static_cast<std::int32_t>(t[2]), static_cast<std::int32_t>(t[1])});
+  const auto corner = [&](std::size_t i) { return static_cast<std::int32_t>(iso.indices[i]); };
+  for (std::size_t i = 0; i < iso.indices.size(); i += 3) {
+    mesh.triangles.push_back({corner(i), corner(i + 2), corner(i + 1)});
   }
   return mesh;
 }
@@ -84,15 +83,12 @@ void find_depths(ReamedMesh& out, const VoxelGrid& grid, const UnreamedSurface& 
   out.depth_mm.assign(count, 0);
   out.reamed.assign(count, 0);
   parallel_ranges(count, kMeshGrain, [&](std::size_t begin, std::size_t end) {
-    const auto before = unreamed.field().getConstAccessor();
-    const auto depths = unreamed.depth().getConstAccessor();
+    const ReamingSampler sampler(unreamed);
     for (std::size_t i = begin; i < end; ++i) {
       const Vec3 at = (out.mesh.vertices[i] - grid.origin_mm) / grid.voxel_mm - Vec3::Constant(0.5);
       const openvdb::Vec3d index(at.x(), at.y(), at.z());
-      out.reamed[i] = reamed_share(openvdb::tools::BoxSampler::sample(before, index));
-      if (out.reamed[i] == 0) continue;
-      const openvdb::Vec3d cell = unreamed.depth().worldToIndex(index * grid.voxel_mm);
-      out.depth_mm[i] = static_cast<float>(std::max(0.0, double{openvdb::tools::BoxSampler::sample(depths, cell)}));
+      out.reamed[i] = sampler.fraction(index);
+      if (out.reamed[i] > 0) out.depth_mm[i] = sampler.depth_mm(index * grid.voxel_mm);
     }
   });
   const Neighbours neighbours(count, corner_indices(out.mesh));
@@ -105,10 +101,10 @@ void find_depths(ReamedMesh& out, const VoxelGrid& grid, const UnreamedSurface& 
 
 }  // namespace
 
-ReamedMesh make_reamed_mesh(const openvdb::FloatGrid& surface, const VoxelGrid& grid, double bone_mm3,
+ReamedMesh make_reamed_mesh(const std::string& path, const VoxelGrid& grid, double bone_mm3,
                             const UnreamedSurface& unreamed) {
   ReamedMesh out;
-  out.mesh = mesh_of_volume(surface, bone_mm3, grid.voxel_mm);
+  out.mesh = mesh_of_volume(*VdbFile(path).read("surface"), bone_mm3, grid.voxel_mm);
   out.normals = vertex_normals(out.mesh);
   find_depths(out, grid, unreamed);
   return out;

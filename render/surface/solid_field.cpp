@@ -2,11 +2,13 @@
 
 #include <openvdb/tools/VolumeToMesh.h>
 
+#include <algorithm>
 #include <array>
-#include <cmath>
 #include <unordered_set>
 #include <utility>
 
+#include "render/surface/scalar_grid.h"
+#include "sim/base/gaussian.h"
 #include "sim/base/parallel.h"
 #include "sim/bone/vdb/vdb_grid.h"
 
@@ -25,16 +27,10 @@ constexpr float kBone = -0.5F;
 using Kernel = std::array<float, 2 * kReach + 1>;
 using Leaf = openvdb::FloatTree::LeafNodeType;
 
-Kernel gaussian() {
+Kernel smoothing_kernel() {
   Kernel kernel;
-  double sum = 0;
-  for (int i = -kReach; i <= kReach; ++i) {
-    sum += std::exp(-0.5 * i * i / (SolidField::kSmoothing_voxels * SolidField::kSmoothing_voxels));
-  }
-  for (int i = -kReach; i <= kReach; ++i) {
-    const double weight = std::exp(-0.5 * i * i / (SolidField::kSmoothing_voxels * SolidField::kSmoothing_voxels));
-    kernel[static_cast<std::size_t>(i + kReach)] = static_cast<float>(weight / sum);
-  }
+  std::ranges::transform(gaussian_weights(SolidField::kSmoothing_voxels, kReach), kernel.begin(),
+                         [](double weight) { return static_cast<float>(weight); });
   return kernel;
 }
 
@@ -53,10 +49,10 @@ void smooth_rows(const Kernel& kernel, int cells, const float* in, float* out) {
 
 /// The field of one brick.
 std::unique_ptr<Leaf> smoothed_leaf(const Occupancy& occupancy, const Kernel& kernel, const Vec3i& brick) {
-  std::array<float, kGathered * kGathered * kGathered> shares;
-  occupancy.gather(brick * kBrickSide - Vec3i::Constant(kReach), kGathered, shares.data());
+  std::array<float, kGathered * kGathered * kGathered> fractions;
+  occupancy.gather(brick * kBrickSide - Vec3i::Constant(kReach), kGathered, fractions.data());
   std::array<float, kBrickSide * kGathered * kGathered> after_z;
-  smooth_rows(kernel, kGathered * kGathered, shares.data(), after_z.data());
+  smooth_rows(kernel, kGathered * kGathered, fractions.data(), after_z.data());
   std::array<float, kBrickSide * kBrickSide * kGathered> after_y;
   for (int z = 0; z < kBrickSide; ++z) {
     smooth_rows(kernel, kGathered, after_z.data() + z * kGathered * kGathered,
@@ -91,7 +87,7 @@ Occupancy::Kind neighbourhood(const Occupancy& occupancy, const Vec3i& brick) {
 
 }  // namespace
 
-SolidField::SolidField(const Occupancy& occupancy) : grid_(make_float_grid(kAir)) {
+SolidField::SolidField(const Occupancy& occupancy) : grid_(new ScalarGrid{make_float_grid(kAir)}) {
   // One brick round the bone: smoothing carries it a little beyond its own bricks, and the lattice.
   compute(occupancy, coords_around(occupancy.voxmap().grade));
 }
@@ -115,12 +111,12 @@ void SolidField::update(const Occupancy& occupancy, const std::vector<Vec3i>& br
 void SolidField::compute(const Occupancy& occupancy, const std::vector<Vec3i>& bricks) {
   std::vector<std::unique_ptr<Leaf>> leaves(bricks.size());
   std::vector<Occupancy::Kind> kinds(bricks.size());
-  const Kernel kernel = gaussian();
+  const Kernel kernel = smoothing_kernel();
   parallel_items(bricks.size(), [&](std::size_t i) {
     kinds[i] = neighbourhood(occupancy, bricks[i]);
     if (kinds[i] == Occupancy::Kind::kMixed) leaves[i] = smoothed_leaf(occupancy, kernel, bricks[i]);
   });
-  auto& tree = grid_->tree();
+  auto& tree = grid_->vdb->tree();
   for (std::size_t i = 0; i < bricks.size(); ++i) {
     const openvdb::Coord origin(bricks[i].x() * kBrickSide, bricks[i].y() * kBrickSide, bricks[i].z() * kBrickSide);
     if (leaves[i]) {
@@ -131,32 +127,36 @@ void SolidField::compute(const Occupancy& occupancy, const std::vector<Vec3i>& b
   }
 }
 
+std::vector<float> SolidField::at(std::span<const Vec3> points) const {
+  const auto accessor = grid_->vdb->getConstAccessor();
+  std::vector<float> out;
+  out.reserve(points.size());
+  for (const Vec3& p : points) out.push_back(static_cast<float>(sample(accessor, {p.x(), p.y(), p.z()})));
+  return out;
+}
+
 IsoSurface extract_surface(const openvdb::FloatGrid& field, double level, openvdb::BoolGrid::ConstPtr where) {
   openvdb::tools::VolumeToMesh mesher(level, 0.0, false);
   if (where) mesher.setSurfaceMask(std::move(where));
   mesher(field);
   IsoSurface out;
-  out.points.assign(mesher.pointList().get(), mesher.pointList().get() + mesher.pointListSize());
+  const auto& points = mesher.pointList();
+  for (std::size_t i = 0; i < mesher.pointListSize(); ++i) {
+    out.points.emplace_back(points[i].x(), points[i].y(), points[i].z());
+  }
+  const auto add = [&](const openvdb::Vec3I& triangle) {
+    for (int corner = 0; corner < 3; ++corner) out.indices.push_back(triangle[corner]);
+  };
   for (std::size_t pool = 0; pool < mesher.polygonPoolListSize(); ++pool) {
     const auto& polygons = mesher.polygonPoolList()[pool];
-    for (std::size_t i = 0; i < polygons.numTriangles(); ++i) out.triangles.push_back(polygons.triangle(i));
+    for (std::size_t i = 0; i < polygons.numTriangles(); ++i) add(polygons.triangle(i));
     for (std::size_t i = 0; i < polygons.numQuads(); ++i) {
       const openvdb::Vec4I& q = polygons.quad(i);
       // The shorter diagonal bends the surface less.
-      const bool first =
-          (out.points[q[0]] - out.points[q[2]]).lengthSqr() <= (out.points[q[1]] - out.points[q[3]]).lengthSqr();
-      out.triangles.push_back(first ? openvdb::Vec3I(q[0], q[1], q[2]) : openvdb::Vec3I(q[0], q[1], q[3]));
-      out.triangles.push_back(first ? openvdb::Vec3I(q[0], q[2], q[3]) : openvdb::Vec3I(q[1], q[2], q[3]));
+      const bool first = (points[q[0]] - points[q[2]]).lengthSqr() <= (points[q[1]] - points[q[3]]).lengthSqr();
+      add(first ? openvdb::Vec3I(q[0], q[1], q[2]) : openvdb::Vec3I(q[0], q[1], q[3]));
+      add(first ? openvdb::Vec3I(q[0], q[2], q[3]) : openvdb::Vec3I(q[1], q[2], q[3]));
     }
-  }
-  return out;
-}
-
-std::vector<std::uint32_t> flat_indices(const IsoSurface& surface) {
-  std::vector<std::uint32_t> out;
-  out.reserve(surface.triangles.size() * 3);
-  for (const openvdb::Vec3I& triangle : surface.triangles) {
-    for (int corner = 0; corner < 3; ++corner) out.push_back(triangle[corner]);
   }
   return out;
 }

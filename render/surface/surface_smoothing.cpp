@@ -15,7 +15,7 @@ constexpr std::size_t kSmoothingGrain = 4096;
 constexpr float kLeastEdge_voxels = 1e-3F;
 
 /// How much a neighbour counts: 0 across a crease, 1 on the same face.
-float likeness(const Eigen::Vector3f& a, const Eigen::Vector3f& b) {
+float crease_weight(const Eigen::Vector3f& a, const Eigen::Vector3f& b) {
   return std::clamp((a.dot(b) - kCreaseCosine) / (kSameCosine - kCreaseCosine), 0.0F, 1.0F);
 }
 
@@ -44,7 +44,7 @@ void smooth_normals(const Neighbours& neighbours, std::vector<Eigen::Vector3f>& 
         const Eigen::Vector3f own = normals[i];
         Eigen::Vector3f sum = own;
         for (const std::uint32_t other : neighbours.of(i)) {
-          sum += likeness(own, normals[other]) * normals[other];
+          sum += crease_weight(own, normals[other]) * normals[other];
         }
         next[i] = sum.normalized();
       }
@@ -63,7 +63,7 @@ void fit_to_normals(const Neighbours& neighbours, const std::vector<Eigen::Vecto
         Eigen::Vector3f move = Eigen::Vector3f::Zero();
         float weights = 1;
         for (const std::uint32_t other : neighbours.of(i)) {
-          const float weight = likeness(normals[i], normals[other]);
+          const float weight = crease_weight(normals[i], normals[other]);
           // A chord of a round surface is perpendicular to the mean of the normals at its ends.
           const Eigen::Vector3f between = (normals[i] + normals[other]).normalized();
           move += weight * between.dot(points[other] - points[i]) * between;

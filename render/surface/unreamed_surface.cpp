@@ -1,6 +1,6 @@
 #include "render/surface/unreamed_surface.h"
 
-#include <openvdb/tools/Interpolation.h>
+#include <openvdb/tools/MeshToVolume.h>
 #include <openvdb/tools/ValueTransformer.h>
 
 #include <algorithm>
@@ -8,6 +8,7 @@
 #include <unsupported/Eigen/BVH>
 #include <utility>
 
+#include "render/surface/scalar_grid.h"
 #include "render/surface/surface_smoothing.h"
 #include "sim/bone/vdb/vdb_grid.h"
 
@@ -16,6 +17,48 @@ namespace {
 
 using openvdb::Vec3d;
 using Point = Eigen::Vector3d;
+
+/// Holes and slits up to twice this wide do not count as surface that depth is measured from.
+constexpr double kBridge_mm = 1.8;
+/// A bone has about this many depth cells inside: finer ones cost time and show nothing new, because a distance varies
+/// smoothly between them.
+constexpr double kInteriorCells = 400'000;
+
+double cell_size_mm(const Voxmap& voxmap) {
+  const double bone_mm3 = static_cast<double>(voxmap.grade.count()) * voxmap.grid.voxel_mm3();
+  return std::max(voxmap.grid.voxel_mm, std::cbrt(bone_mm3 / kInteriorCells));
+}
+
+/// The surface moved outwards by kBridge_mm, which closes narrow holes, and the distances that it was moved along.
+/// Where there is no surface, this one is empty too, and every distance is the background.
+struct OffsetSurface {
+  double cell_mm = 0;
+  openvdb::FloatGrid::Ptr distance_mm;  ///< from the surface; cells of `cell_mm`
+  IsoSurface surface;                   ///< in the space of voxel indices times voxel_mm
+};
+
+OffsetSurface offset_outwards(const IsoSurface& surface, double voxel_mm, double cell_mm) {
+  const auto transform = openvdb::math::Transform::createLinearTransform(cell_mm);
+  const auto outside_cells = static_cast<float>(kBridge_mm / cell_mm + 3);
+  OffsetSurface out;
+  out.cell_mm = cell_mm;
+  if (surface.indices.empty()) {  // no bone, or less than a voxel of it
+    out.distance_mm = make_float_grid(outside_cells * static_cast<float>(cell_mm));
+    out.distance_mm->setTransform(transform);
+    return out;
+  }
+  std::vector<openvdb::Vec3s> in_cells;
+  const auto scale = static_cast<float>(voxel_mm / cell_mm);
+  for (const Eigen::Vector3f& p : surface.points) in_cells.emplace_back(p.x() * scale, p.y() * scale, p.z() * scale);
+  std::vector<openvdb::Vec3I> triangles;
+  for (std::size_t i = 0; i < surface.indices.size(); i += 3) triangles.emplace_back(surface.indices.data() + i);
+  // This adapter and interrupter are the ones that OpenVDB's library holds compiled; others take minutes to compile.
+  const openvdb::tools::QuadAndTriangleDataAdapter<openvdb::Vec3s, openvdb::Vec3I> mesh(in_cells, triangles);
+  openvdb::util::NullInterrupter never;
+  out.distance_mm = openvdb::tools::meshToVolume<openvdb::FloatGrid>(never, mesh, *transform, outside_cells, 3.0F);
+  out.surface = extract_surface(*out.distance_mm, kBridge_mm);
+  return out;
+}
 
 /// A point that depth is measured from, as Eigen's tree wants it.
 struct Source {
@@ -26,13 +69,13 @@ Eigen::AlignedBox3d bounding_box(const Source& source) {
 }
 using SourceTree = Eigen::KdBVH<double, 3, Source>;
 
-/// Is this voxel bone that was reamed away?
-bool gone(const Voxmap& voxmap, const FillBricks& last, const FillBricks& before, const Vec3i& voxel) {
+/// Is this voxel bone that was removed?
+bool removed(const Voxmap& voxmap, const FillBricks& last, const FillBricks& before, const Vec3i& voxel) {
   if (!voxmap.grid.contains(voxel)) return false;
   return voxmap.grade.get(voxel) != 0 && 2 * last.get(voxel) < before.get(voxel);
 }
 
-/// Has any of this brick's voxels lost something?
+/// Has any of this brick's voxels lost material?
 bool reamed(const FillBricks::Brick& fill, const FillBricks::Brick* before) {
   for (std::size_t i = 0; i < fill.size(); ++i) {
     if (fill[i] < (before == nullptr ? FillBricks::kWhole : (*before)[i])) return true;
@@ -40,32 +83,33 @@ bool reamed(const FillBricks::Brick& fill, const FillBricks::Brick* before) {
   return false;
 }
 
-/// Marks the points of the moved surface below which the bone is gone.
-std::vector<std::uint8_t> above_gone_bone(const UnreamedBone& bone, const Voxmap& voxmap, const FillBricks& last) {
-  const MovedSurface& moved = bone.moved();
+/// Marks the points of the offset surface below which the bone is removed.
+std::vector<std::uint8_t> above_removed_bone(const OffsetSurface& offset, const Voxmap& voxmap,
+                                             const FillBricks& before, const FillBricks& last) {
   const double voxel_mm = voxmap.grid.voxel_mm;
-  const auto accessor = moved.distance_mm->getConstAccessor();
+  const auto accessor = offset.distance_mm->getConstAccessor();
   const auto distance_at = [&](const Vec3d& mm) {
-    return openvdb::tools::BoxSampler::sample(accessor, moved.distance_mm->worldToIndex(mm));
+    return openvdb::tools::BoxSampler::sample(accessor, offset.distance_mm->worldToIndex(mm));
   };
-  std::vector<std::uint8_t> marked(moved.surface.points.size(), 0);
+  std::vector<std::uint8_t> marked(offset.surface.points.size(), 0);
   for (std::size_t i = 0; i < marked.size(); ++i) {
-    const Vec3d p(moved.surface.points[i]);
+    const Eigen::Vector3f& point = offset.surface.points[i];
+    const Vec3d p(point.x(), point.y(), point.z());
     Vec3d slope;
     for (int axis = 0; axis < 3; ++axis) {
       Vec3d step(0.0);
-      step[axis] = 0.5 * moved.distance_mm->voxelSize()[0];
+      step[axis] = 0.5 * offset.distance_mm->voxelSize()[0];
       slope[axis] = distance_at(p + step) - distance_at(p - step);
     }
     if (slope.length() < 1e-9) continue;
-    const Vec3d below = (p - slope.unit() * (UnreamedBone::kBridge_mm + 0.75 * voxel_mm)) / voxel_mm;
+    const Vec3d below = (p - slope.unit() * (kBridge_mm + 0.75 * voxel_mm)) / voxel_mm;
     const Vec3i voxel = Point(below.x(), below.y(), below.z()).array().round().cast<int>();
-    marked[i] = gone(voxmap, last, bone.before(), voxel) ? 1 : 0;
+    marked[i] = removed(voxmap, last, before, voxel) ? 1 : 0;
   }
   return marked;
 }
 
-/// Spreads the marks over the mouths of bridged holes, under which there was no bone to go.
+/// Spreads the marks over the mouths of bridged holes, under which there was no bone to remove.
 void spread(std::vector<std::uint8_t>& marked, const Neighbours& neighbours, int rounds) {
   for (int round = 0; round < rounds; ++round) {
     std::vector<std::uint8_t> wider = marked;
@@ -86,7 +130,7 @@ struct SquaredDistance {
   double minimumOnObject(const Source& source) const { return (source.at - from).squaredNorm(); }
 };
 
-/// An empty grid whose active cells cover every brick that has lost something, and a little more for interpolation.
+/// An empty grid whose active cells cover every brick that has lost material, and a little more for interpolation.
 openvdb::FloatGrid::Ptr cells_of_changed_bricks(double voxel_mm, const FillBricks& last, const FillBricks& before,
                                                 double cell_mm) {
   auto grid = make_float_grid(0.0F);
@@ -102,17 +146,18 @@ openvdb::FloatGrid::Ptr cells_of_changed_bricks(double voxel_mm, const FillBrick
   return grid;
 }
 
-openvdb::FloatGrid::Ptr depth_grid(const UnreamedBone& bone, const Voxmap& voxmap, const FillBricks& last) {
-  const MovedSurface& moved = bone.moved();
-  auto depth = cells_of_changed_bricks(voxmap.grid.voxel_mm, last, bone.before(), moved.cell_mm);
+openvdb::FloatGrid::Ptr depth_grid(const IsoSurface& surface, const Voxmap& voxmap, const FillBricks& before,
+                                   const FillBricks& last) {
+  const double cell_mm = cell_size_mm(voxmap);
+  auto depth = cells_of_changed_bricks(voxmap.grid.voxel_mm, last, before, cell_mm);
   if (depth->empty()) return depth;
-  std::vector<std::uint8_t> marked = above_gone_bone(bone, voxmap, last);
-  spread(marked, {moved.surface.points.size(), flat_indices(moved.surface)},
-         static_cast<int>(std::ceil(2 * UnreamedBone::kBridge_mm / moved.cell_mm)));
+  const OffsetSurface offset = offset_outwards(surface, voxmap.grid.voxel_mm, cell_mm);
+  std::vector<std::uint8_t> marked = above_removed_bone(offset, voxmap, before, last);
+  spread(marked, {offset.surface.points.size(), offset.surface.indices},
+         static_cast<int>(std::ceil(2 * kBridge_mm / cell_mm)));
   std::vector<Source> sources;
   for (std::size_t i = 0; i < marked.size(); ++i) {
-    const openvdb::Vec3s& p = moved.surface.points[i];
-    if (marked[i] != 0) sources.push_back({Point(p.x(), p.y(), p.z())});
+    if (marked[i] != 0) sources.push_back({offset.surface.points[i].cast<double>()});
   }
   if (sources.empty()) return depth;
   // Sources stand a cell apart and at least kBridge_mm away, so the nearest of them is as good as the nearest triangle.
@@ -121,25 +166,25 @@ openvdb::FloatGrid::Ptr depth_grid(const UnreamedBone& bone, const Voxmap& voxma
     const Vec3d mm = depth->indexToWorld(value.getCoord());
     SquaredDistance from{Point(mm.x(), mm.y(), mm.z())};
     const double distance_mm = std::sqrt(Eigen::BVMinimize(tree, from));
-    value.setValue(static_cast<float>(distance_mm - UnreamedBone::kBridge_mm));
+    value.setValue(static_cast<float>(distance_mm - kBridge_mm));
   };
   depth->tree().voxelizeActiveTiles();
   openvdb::tools::foreach (depth->beginValueOn(), measure);
   return depth;
 }
 
-/// By the pairs of neighbours of which one's middle is gone and the other's is still bone: the surface passes between
-/// them. It is above the latter's middle by (its share left − ½) voxels, or, where that one is whole, by (½ + the
-/// other's share) voxels.
+/// By the pairs of neighbours of which one's centre is removed and the other's is still bone: the surface passes
+/// between them. It is above the latter's centre by (its fill − ½) voxels, or, where that one is whole, by (½ + the
+/// other's fill) voxels.
 double deepest_of(const openvdb::FloatGrid& depth, const Voxmap& voxmap, const FillBricks& last,
                   const FillBricks& before) {
   const double voxel_mm = voxmap.grid.voxel_mm;
   const auto depths = depth.getConstAccessor();
-  const auto share = [&](const Vec3i& voxel) { return static_cast<double>(last.get(voxel)) / FillBricks::kWhole; };
+  const auto fraction = [&](const Vec3i& voxel) { return static_cast<double>(last.get(voxel)) / FillBricks::kWhole; };
   double deepest_mm = 0;
-  const auto look_at = [&](const Vec3i& gone_voxel, const Vec3i& kept) {
-    if (!voxmap.grid.contains(kept) || voxmap.grade.get(kept) == 0 || share(kept) < 0.5) return;
-    const double above_voxels = share(kept) < 1 ? share(kept) - 0.5 : 0.5 + share(gone_voxel);
+  const auto measure = [&](const Vec3i& lost, const Vec3i& kept) {
+    if (!voxmap.grid.contains(kept) || voxmap.grade.get(kept) == 0 || fraction(kept) < 0.5) return;
+    const double above_voxels = fraction(kept) < 1 ? fraction(kept) - 0.5 : 0.5 + fraction(lost);
     const Vec3d mm = voxel_mm * Vec3d(kept.x(), kept.y(), kept.z());
     const double depth_mm = openvdb::tools::BoxSampler::sample(depths, depth.worldToIndex(mm));
     deepest_mm = std::max(deepest_mm, depth_mm - above_voxels * voxel_mm);
@@ -148,10 +193,10 @@ double deepest_of(const openvdb::FloatGrid& depth, const Voxmap& voxmap, const F
     if (!reamed(fill, before.brick(coord))) return;
     for (int offset = 0; offset < BrickLattice::kVoxels; ++offset) {
       const Vec3i voxel = BrickLattice::voxel_at(coord, offset);
-      if (!gone(voxmap, last, before, voxel)) continue;
+      if (!removed(voxmap, last, before, voxel)) continue;
       for (int axis = 0; axis < 3; ++axis) {
-        look_at(voxel, voxel + Vec3i::Unit(axis));
-        look_at(voxel, voxel - Vec3i::Unit(axis));
+        measure(voxel, voxel + Vec3i::Unit(axis));
+        measure(voxel, voxel - Vec3i::Unit(axis));
       }
     }
   });
@@ -160,12 +205,11 @@ double deepest_of(const openvdb::FloatGrid& depth, const Voxmap& voxmap, const F
 
 }  // namespace
 
-UnreamedSurface::UnreamedSurface(std::shared_ptr<const UnreamedBone> bone, const Voxmap& voxmap, const FillBricks& last)
-    : bone_(std::move(bone)),
-      depth_(depth_grid(*bone_, voxmap, last)),
-      deepest_mm_(deepest_of(*depth_, voxmap, last, bone_->before())) {}
-
-UnreamedSurface::UnreamedSurface(const FilledVoxmap& voxmap, FillBricks before)
-    : UnreamedSurface(std::make_shared<UnreamedBone>(voxmap, std::move(before)), voxmap, voxmap.fill) {}
+UnreamedSurface::UnreamedSurface(const Voxmap& voxmap, FillBricks before, const FillBricks& last)
+    : before_(std::move(before)),
+      field_(Occupancy(voxmap, before_)),
+      surface_(extract_surface(*field_.grid().vdb, 0)),
+      depth_(new ScalarGrid{depth_grid(surface_, voxmap, before_, last)}),
+      deepest_mm_(deepest_of(*depth_->vdb, voxmap, last, before_)) {}
 
 }  // namespace reamsim

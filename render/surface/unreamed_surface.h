@@ -1,40 +1,37 @@
 #pragma once
 
-#include <openvdb/openvdb.h>
-
 #include <memory>
 
-#include "render/surface/unreamed_bone.h"
+#include "render/surface/solid_field.h"
 
 namespace reamsim {
 
-/// Where material goes from a bone, and how deep below the old surface the new one lies. Made once per run, from the
-/// state that the run ends in, or is foreseen to end in.
+/// The bone before a run, and how deep below its surface a point lies where the run removes material. Made once per
+/// run, from the state that the run ends in, or is predicted to end in.
 class UnreamedSurface {
  public:
-  /// Of `voxmap` the lattice and the grades count; `last`: the fill from which all that the run removes is gone.
-  UnreamedSurface(std::shared_ptr<const UnreamedBone> bone, const Voxmap& voxmap, const FillBricks& last);
-  /// The last fill is the voxmap's. `before`: as in UnreamedBone.
-  UnreamedSurface(const FilledVoxmap& voxmap, FillBricks before);
-  /// Of a bone that began whole.
-  explicit UnreamedSurface(const FilledVoxmap& voxmap) : UnreamedSurface(voxmap, FillBricks(voxmap.grid.dims)) {}
+  /// `before`: the fill that depth is measured from; `last`: what is left of it in the end.
+  UnreamedSurface(const Voxmap& voxmap, FillBricks before, const FillBricks& last);
 
   /// The unreamed bone's fill.
-  [[nodiscard]] const FillBricks& before() const { return bone_->before(); }
+  [[nodiscard]] const FillBricks& before() const { return before_; }
   /// Its field, voxel index space.
-  [[nodiscard]] const openvdb::FloatGrid& field() const { return bone_->field().grid(); }
-  /// Its surface, voxel index space.
-  [[nodiscard]] const IsoSurface& surface() const { return bone_->surface(); }
+  [[nodiscard]] const ScalarGrid& field() const { return field_.grid(); }
+  /// Its surface, voxel index space. Triangles are counter-clockwise seen from outside.
+  [[nodiscard]] const IsoSurface& surface() const { return surface_; }
   /// Distance in mm from the part of the unreamed surface that was reamed away, so that neither the far side of a thin
-  /// bone nor the wall beside the tool counts. Known wherever material is gone from the last state, in the space of
-  /// voxel indices times voxel_mm; 0 elsewhere.
-  [[nodiscard]] const openvdb::FloatGrid& depth() const { return *depth_; }
+  /// bone nor the wall beside the tool counts. Holes and slits up to 3.6 mm wide (a pilot hole, a cannula's core hole,
+  /// a vessel) do not count as surface. Known wherever the last state has lost material, in the space of voxel indices
+  /// times voxel_mm; 0 elsewhere.
+  [[nodiscard]] const ScalarGrid& depth() const { return *depth_; }
   /// The greatest depth of the last state's surface, mm; 0 where nothing is reamed.
   [[nodiscard]] double deepest_mm() const { return deepest_mm_; }
 
  private:
-  std::shared_ptr<const UnreamedBone> bone_;
-  openvdb::FloatGrid::Ptr depth_;
+  FillBricks before_;
+  SolidField field_;
+  IsoSurface surface_;
+  std::shared_ptr<const ScalarGrid> depth_;
   double deepest_mm_;
 };
 

@@ -30,7 +30,7 @@ DistanceTable distances_of(const Profile& tool, double voxel_mm) {
                              static_cast<int>(std::ceil((box.max.z() - box.min.z()) / pitch_mm)) + 2);
 }
 
-/// The tool somewhere on its way.
+/// The tool somewhere on its path.
 struct Stop {
   Rigid tool_from_bone;
   Aabb box;              ///< of the tool in B, with the margin
@@ -68,13 +68,13 @@ struct NearStop {
 struct BrickLoss {
   Vec3i coord;
   FillBricks::Brick fill;
-  std::size_t first_pose;  ///< that takes some of it, by half a brick
+  std::size_t first_pose;  ///< that removes some of it, to within half a brick
 };
 
-/// Goes through the bone brick by brick.
-class Foresight {
+/// The bone in the swept volume, brick by brick.
+class SweptBone {
  public:
-  Foresight(const Voxmap& voxmap, const FillBricks& before, const Profile& tool, const std::vector<ToolPose>& poses,
+  SweptBone(const Voxmap& voxmap, const FillBricks& before, const Profile& tool, const std::vector<ToolPose>& poses,
             bool whole_voxels)
       : grid_(voxmap.grid),
         grade_(voxmap.grade),
@@ -120,7 +120,7 @@ class Foresight {
     return cut(near, nearest.middle_mm < -radius_mm, loss) ? std::optional(loss) : std::nullopt;
   }
 
-  /// Fills in what is left. Returns whether anything goes.
+  /// Fills in what is left. Returns whether anything is removed.
   bool cut(const std::vector<NearStop>& near, bool whole, BrickLoss& loss) const {
     const GradeBricks::Brick& grades = *grade_.brick(loss.coord);
     const FillBricks::Brick* before = before_.brick(loss.coord);
@@ -130,15 +130,15 @@ class Foresight {
       std::uint16_t& fill = loss.fill[at];
       fill = before == nullptr ? FillBricks::kWhole : (*before)[at];
       if (grades[at] == 0 || fill == 0) continue;
-      const double left = whole ? 0 : share_left(BrickLattice::voxel_at(loss.coord, offset), near);
-      const auto foreseen = static_cast<std::uint16_t>(std::lround(left * double{FillBricks::kWhole}));
-      any |= foreseen < fill;
-      fill = std::min(fill, foreseen);
+      const double left = whole ? 0 : fraction_left(BrickLattice::voxel_at(loss.coord, offset), near);
+      const auto predicted = static_cast<std::uint16_t>(std::lround(left * double{FillBricks::kWhole}));
+      any |= predicted < fill;
+      fill = std::min(fill, predicted);
     }
     return any;
   }
 
-  [[nodiscard]] double share_left(const Vec3i& voxel, const std::vector<NearStop>& near) const {
+  [[nodiscard]] double fraction_left(const Vec3i& voxel, const std::vector<NearStop>& near) const {
     const Vec3 middle = grid_.center_mm(voxel.x(), voxel.y(), voxel.z());
     const double distance = distance_mm(middle, near) / grid_.voxel_mm;
     if (!whole_voxels_) return std::clamp(0.5 + distance, 0.0, 1.0);
@@ -185,11 +185,11 @@ const ToolPose& deepest_from(const std::vector<ToolPose>& poses, std::size_t con
 
 }  // namespace
 
-ForeseenBone foresee(const Voxmap& voxmap, const FillBricks& before, const Profile& tool,
-                     const std::vector<ToolPose>& poses, bool whole_voxels) {
-  ForeseenBone out{.fill = before, .deepest = poses.front()};
+PredictedBone predict_swept_bone(const Voxmap& voxmap, const FillBricks& before, const Profile& tool,
+                                 const std::vector<ToolPose>& poses, bool whole_voxels) {
+  PredictedBone out{.fill = before, .deepest = poses.front()};
   std::size_t contact = poses.size();
-  for (const BrickLoss& loss : Foresight(voxmap, before, tool, poses, whole_voxels).losses()) {
+  for (const BrickLoss& loss : SweptBone(voxmap, before, tool, poses, whole_voxels).losses()) {
     out.fill.put(loss.coord, loss.fill);
     contact = std::min(contact, loss.first_pose);
   }

@@ -118,45 +118,23 @@ Scenario parse_scenario(const std::string& path, const std::vector<std::string>&
   }
 }
 
-RenderSettings parse_render_settings(const std::string& path, const std::vector<std::string>& overrides) {
+ResultSettings parse_result_settings(const std::string& path, const std::vector<std::string>& overrides) {
   const YamlNodePtr document = read_document(path, overrides);
   const std::string file = shown_path(path);
   MistakeList mistakes;
   reject_unknown_keys(*document, file, mistakes);
   ScenarioReader reader(document, file, "", mistakes);
-  RenderSettings render;
-  reader.section({.name = "render"}, render, describe_render);
+  ResultSettings out;
+  reader.section({.name = "render"}, out.render, describe_render);
+  reader.section({.name = "cutting"}, out.cutting, describe_cutting);
+  reader.section({.name = "output"}, out.output, describe_output);
   mistakes.throw_if_any();
-  check_cameras(render, reader.locations());
-  return render;
-}
-
-CuttingSettings parse_cutting_settings(const std::string& path) {
-  const YamlNodePtr document = read_document(path, {});
-  const std::string file = shown_path(path);
-  MistakeList mistakes;
-  ScenarioReader reader(document, file, "", mistakes);
-  CuttingSettings cutting;
-  reader.section({.name = "cutting"}, cutting, describe_cutting);
-  mistakes.throw_if_any();
-  return cutting;
-}
-
-OutputSettings parse_output_settings(const std::string& path) {
-  const YamlNodePtr document = read_document(path, {});
-  MistakeList mistakes;
-  ScenarioReader reader(document, shown_path(path), "", mistakes);
-  OutputSettings output;
-  reader.section({.name = "output"}, output, describe_output);
-  mistakes.throw_if_any();
-  return output;
-}
-
-ToolSpin parse_tool_spin(const std::string& path) {
-  const YamlNodePtr document = read_document(path, {});
+  check_cameras(out.render, reader.locations());
   const YamlEntry* tool = document->find("tool");
   const YamlEntry* spin = tool == nullptr ? nullptr : tool->value->find("spin");
-  return spin == nullptr ? ToolSettings().spin : from_name<ToolSpin>(spin->value->text).value_or(ToolSettings().spin);
+  out.tool_spin = 
+      spin == nullptr ? ToolSettings().spin : from_name<ToolSpin>(spin->value->text).value_or(ToolSettings().spin);
+  return out;
 }
 
 BoneSettings parse_bone_settings(const std::string& source, const std::string& path,

@@ -12,18 +12,17 @@ namespace reamsim {
 /// Throws InputError naming file, line, column, key, what was found and what would be right.
 Scenario parse_scenario(const std::string& path, const std::vector<std::string>& overrides);
 
-/// The `render` section of a resolved scenario (an output folder's scenario.yaml), with overrides. Unlike
-/// parse_scenario() it does not ask for the input files, which may be gone: pictures are made from results alone.
-RenderSettings parse_render_settings(const std::string& path, const std::vector<std::string>& overrides);
+/// What a run's resolved scenario (an output folder's scenario.yaml) says of how its results are shown.
+struct ResultSettings {
+  RenderSettings render;
+  CuttingSettings cutting;
+  OutputSettings output;
+  ToolSpin tool_spin = ToolSpin::envelope;
+};
 
-/// The cutting section alone, of a run's resolved scenario. Throws InputError as parse_scenario() does.
-CuttingSettings parse_cutting_settings(const std::string& path);
-
-/// The output section alone, likewise.
-OutputSettings parse_output_settings(const std::string& path);
-
-/// `tool.spin` alone, likewise; the tool's mesh may be gone.
-ToolSpin parse_tool_spin(const std::string& path);
+/// Reads them, with overrides. Unlike parse_scenario() it does not ask for the input files, which may be gone: pictures
+/// are made from results alone.
+ResultSettings parse_result_settings(const std::string& path, const std::vector<std::string>& overrides = {});
 
 /// A bone section made of nothing but a source ("ct" or "mesh"), its path and overrides ("bone.voxel_mm=0.5"), for
 /// `reamsim import`. Validated like a scenario's.

@@ -32,7 +32,7 @@ using test::OpenedRun;
 
 PixelImage picture(OpenedRun& run, const Camera& camera, const ForceRow& row, bool for_film = false) {
   const std::optional<Rigid> tool = run.view.tool_at(row.frame);
-  PixelImage image = for_film ? run.studio.film_frame(camera, tool) : run.studio.photograph(camera, tool);
+  PixelImage image = run.renderer.render(camera, tool, for_film);
   Labels labels = run.view.labels(camera, tool);
   labels.force = run.captions.arrow(row);
   draw_labels(image, camera, labels);
@@ -43,7 +43,7 @@ PixelImage picture(OpenedRun& run, const Camera& camera, const ForceRow& row, bo
 void opening(benchmark::State& state, const std::string& dir) {
   for (auto _ : state) {
     OpenedRun run(dir, settings_with(1));
-    benchmark::DoNotOptimize(run.studio.photograph(run.camera("oblique"), std::nullopt));
+    benchmark::DoNotOptimize(run.renderer.render(run.camera("oblique"), std::nullopt));
   }
 }
 
@@ -61,7 +61,7 @@ void frame_of_a_run(benchmark::State& state, const std::string& dir, bool for_fi
       next = 1;
       state.ResumeTiming();
     }
-    run->studio.advance_to(frames[next]);
+    run->renderer.advance_to(frames[next]);
     benchmark::DoNotOptimize(picture(*run, camera, run->captions.log().at(frames[next], dir), for_film));
     ++next;
   }
@@ -70,14 +70,14 @@ void frame_of_a_run(benchmark::State& state, const std::string& dir, bool for_fi
 void last_state(benchmark::State& state, const std::string& dir, const std::string& camera_name, int supersampling,
                 bool for_film = false) {
   OpenedRun run(dir, settings_with(supersampling));
-  run.studio.advance_to_last();
+  run.renderer.advance_to_last();
   const Camera camera = run.camera(camera_name);
   for (auto _ : state) benchmark::DoNotOptimize(picture(run, camera, run.last_row(), for_film));
 }
 
 void written(benchmark::State& state, const std::string& dir, const std::string& to) {
   OpenedRun run(dir, settings_with(1));
-  run.studio.advance_to_last();
+  run.renderer.advance_to_last();
   PixelImage image = picture(run, run.camera("oblique"), run.last_row());
   for (auto _ : state) write_png(to + "/picture.png", image);
 }

@@ -11,22 +11,22 @@ namespace reamsim {
 namespace {
 
 /// A left shoulder in LPS: lateral +x, superior +z, so anterior is −y.
-Subject left_shoulder() {
-  Subject subject;
-  subject.focus_mm = Vec3(10, 20, 30);
-  subject.outward = Vec3::UnitX();
-  subject.superior = Vec3::UnitZ();
-  subject.anterior = -Vec3::UnitY();
-  subject.anatomical = true;
+ViewTarget left_shoulder() {
+  ViewTarget target;
+  target.focus_mm = Vec3(10, 20, 30);
+  target.outward = Vec3::UnitX();
+  target.superior = Vec3::UnitZ();
+  target.anterior = -Vec3::UnitY();
+  target.anatomical = true;
   for (int i = 0; i < 100; ++i) {
-    subject.bone_mm.emplace_back(subject.focus_mm + Vec3(-1 - i % 7, 13 * std::cos(0.7 * i), 17 * std::sin(0.7 * i)));
+    target.bone_mm.emplace_back(target.focus_mm + Vec3(-1 - i % 7, 13 * std::cos(0.7 * i), 17 * std::sin(0.7 * i)));
   }
-  subject.bone_mm.emplace_back(subject.focus_mm + Vec3(-90, 0, -60));
-  subject.bone_from_tool.linear() << 0, 0, 1, 1, 0, 0, 0, 1, 0;  // +z of T is lateral
-  subject.bone_from_tool.translation() = subject.focus_mm;
-  subject.head_mm = {subject.focus_mm + Vec3(8, 15, 0), subject.focus_mm + Vec3(8, -15, 0)};
-  subject.reach_mm = 150;
-  return subject;
+  target.bone_mm.emplace_back(target.focus_mm + Vec3(-90, 0, -60));
+  target.bone_from_tool.linear() << 0, 0, 1, 1, 0, 0, 0, 1, 0;  // +z of T is lateral
+  target.bone_from_tool.translation() = target.focus_mm;
+  target.head_mm = {target.focus_mm + Vec3(8, 15, 0), target.focus_mm + Vec3(8, -15, 0)};
+  target.reach_mm = 150;
+  return target;
 }
 
 bool in_picture(const Camera& camera, const Vec3& p) {
@@ -35,11 +35,11 @@ bool in_picture(const Camera& camera, const Vec3& p) {
 }
 
 TEST(CameraTest, FaceOnSuperiorIsUpAndAnteriorOfALeftShoulderIsLeft) {
-  const Subject subject = left_shoulder();
-  const Camera camera = make_camera(CameraView::glenoid, subject, 1920, 1080);
-  const Vec2 middle = camera.pixel(subject.focus_mm);
-  const Vec2 up = camera.pixel(subject.focus_mm + 10 * subject.superior);
-  const Vec2 front = camera.pixel(subject.focus_mm + 10 * *subject.anterior);
+  const ViewTarget target = left_shoulder();
+  const Camera camera = make_camera("glenoid", target, 1920, 1080);
+  const Vec2 middle = camera.pixel(target.focus_mm);
+  const Vec2 up = camera.pixel(target.focus_mm + 10 * target.superior);
+  const Vec2 front = camera.pixel(target.focus_mm + 10 * *target.anterior);
   EXPECT_NEAR(up.x(), middle.x(), 1e-9);
   EXPECT_NEAR(middle.y() - up.y(), 10 / camera.mm_per_px, 1e-9);
   EXPECT_NEAR(middle.x() - front.x(), 10 / camera.mm_per_px, 1e-9);
@@ -47,11 +47,11 @@ TEST(CameraTest, FaceOnSuperiorIsUpAndAnteriorOfALeftShoulderIsLeft) {
 }
 
 TEST(CameraTest, TheScaleIsTheSameEverywhereInThePicture) {
-  const Subject subject = left_shoulder();
-  for (const CameraView view : {CameraView::glenoid, CameraView::oblique, CameraView::section, CameraView::overview}) {
-    const Camera camera = make_camera(view, subject, 1280, 720);
+  const ViewTarget target = left_shoulder();
+  for (const std::string& name : camera_names()) {
+    const Camera camera = make_camera(name, target, 1280, 720);
     const Mat3 bone_from_eye = camera.eye_from_bone.linear().transpose();
-    for (const Vec3& start : {subject.focus_mm, Vec3(subject.focus_mm + Vec3(-30, 5, 8))}) {
+    for (const Vec3& start : {target.focus_mm, Vec3(target.focus_mm + Vec3(-30, 5, 8))}) {
       for (int axis = 0; axis < 2; ++axis) {
         const Vec2 moved = camera.pixel(start + 10 * bone_from_eye.col(axis)) - camera.pixel(start);
         EXPECT_NEAR(moved.norm() * camera.mm_per_px, 10, 1e-9) << name_of(view);
@@ -61,41 +61,41 @@ TEST(CameraTest, TheScaleIsTheSameEverywhereInThePicture) {
 }
 
 TEST(CameraTest, TheGlenoidAndTheToolsHeadAreInThePicture) {
-  const Subject subject = left_shoulder();
-  for (const CameraView view : {CameraView::glenoid, CameraView::oblique, CameraView::section, CameraView::overview}) {
+  const ViewTarget target = left_shoulder();
+  for (const std::string& name : camera_names()) {
     for (const auto& [width, height] : {std::pair{1920, 1080}, {400, 900}, {4096, 16}}) {
-      const Camera camera = make_camera(view, subject, width, height);
-      for (std::size_t i = 0; i + 1 < subject.bone_mm.size(); ++i) EXPECT_TRUE(in_picture(camera, subject.bone_mm[i]));
-      for (const Vec3& p : subject.head_mm) EXPECT_TRUE(in_picture(camera, p));
-      EXPECT_EQ(in_picture(camera, subject.bone_mm.back()), view == CameraView::overview) << name_of(view);
+      const Camera camera = make_camera(name, target, width, height);
+      for (std::size_t i = 0; i + 1 < target.bone_mm.size(); ++i) EXPECT_TRUE(in_picture(camera, target.bone_mm[i]));
+      for (const Vec3& p : target.head_mm) EXPECT_TRUE(in_picture(camera, p));
+      EXPECT_EQ(in_picture(camera, target.bone_mm.back()), name == "overview") << name;
     }
   }
 }
 
 TEST(CameraTest, TheSectionPlaneHoldsTheToolsAxisAndIsSeenFromAnterior) {
-  const Subject subject = left_shoulder();
-  const Camera camera = make_camera(CameraView::section, subject, 800, 600);
+  const ViewTarget target = left_shoulder();
+  const Camera camera = make_camera("section", target, 800, 600);
   ASSERT_TRUE(camera.cut_plane);
   const auto side = [&](const Vec3& p) { return camera.cut_plane->head<3>().dot(p) + (*camera.cut_plane)(3); };
-  EXPECT_NEAR(side(subject.focus_mm), 0, 1e-9);
-  EXPECT_NEAR(side(subject.focus_mm + 40 * subject.bone_from_tool.linear().col(2)), 0, 1e-9);
-  EXPECT_LT(side(subject.focus_mm + *subject.anterior), -0.99);
-  EXPECT_GT(camera.eye_from_bone.linear().row(2).dot(*subject.anterior), 0.9);
+  EXPECT_NEAR(side(target.focus_mm), 0, 1e-9);
+  EXPECT_NEAR(side(target.focus_mm + 40 * target.bone_from_tool.linear().col(2)), 0, 1e-9);
+  EXPECT_LT(side(target.focus_mm + *target.anterior), -0.99);
+  EXPECT_GT(camera.eye_from_bone.linear().row(2).dot(*target.anterior), 0.9);
 }
 
 TEST(CameraTest, AToolThatPointsAtTheViewerStillHasASection) {
-  Subject subject = left_shoulder();
-  subject.bone_from_tool.linear() = Eigen::Quaterniond::FromTwoVectors(Vec3::UnitZ(), *subject.anterior).matrix();
-  const Camera camera = make_camera(CameraView::section, subject, 800, 600);
+  ViewTarget target = left_shoulder();
+  target.bone_from_tool.linear() = Eigen::Quaterniond::FromTwoVectors(Vec3::UnitZ(), *target.anterior).matrix();
+  const Camera camera = make_camera("section", target, 800, 600);
   EXPECT_TRUE(camera.cut_plane->allFinite());
-  EXPECT_NEAR(camera.cut_plane->head<3>().dot(*subject.anterior), 0, 1e-9);
+  EXPECT_NEAR(camera.cut_plane->head<3>().dot(*target.anterior), 0, 1e-9);
   EXPECT_TRUE(camera.eye_from_bone.matrix().allFinite());
 }
 
 TEST(CameraTest, ClipSpaceAndPixelsAgree) {
-  const Subject subject = left_shoulder();
-  const Camera camera = make_camera(CameraView::oblique, subject, 640, 480);
-  const Vec3 p = subject.focus_mm + Vec3(3, -4, 5);
+  const ViewTarget target = left_shoulder();
+  const Camera camera = make_camera("oblique", target, 640, 480);
+  const Vec3 p = target.focus_mm + Vec3(3, -4, 5);
   const Eigen::Vector4d clip = camera.clip_from_bone() * p.homogeneous();
   EXPECT_NEAR((clip.x() + 1) * 320, camera.pixel(p).x(), 1e-9);
   EXPECT_NEAR((1 - clip.y()) * 240, camera.pixel(p).y(), 1e-9);

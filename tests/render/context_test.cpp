@@ -1,8 +1,6 @@
-#include "render/gl/context.h"
-
 #include <gtest/gtest.h>
 
-#include "render/gl/dynamic_library.h"
+#include "render/gl/context.h"
 #include "render/gl/gl_objects.h"
 #include "sim/base/error.h"
 

@@ -7,7 +7,7 @@
 #include <set>
 
 #include "render/pictures/depth_field.h"
-#include "render/pictures/depth_picture.h"
+#include "render/pictures/figures.h"
 #include "render/render.h"
 #include "render/surface/color_map.h"
 #include "sim/base/error.h"

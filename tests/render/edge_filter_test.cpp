@@ -1,5 +1,5 @@
 // Jagged edges of known shapes, smoothed, against the share of each pixel that the shape covers.
-#include "render/gl/edge_filter.h"
+#include "render/gl/pixel_image.h"
 
 #include <gtest/gtest.h>
 
@@ -99,12 +99,12 @@ TEST(EdgeFilter, AFilmsFrameLooksLikeThePicture) {
   settings.width_px = 720;
   settings.height_px = 480;
   test::OpenedRun opened(dir.path(), settings);
-  opened.studio.advance_to_last();
+  opened.renderer.advance_to_last();
   for (const char* name : {"oblique", "section"}) {
     const Camera camera = opened.camera(name);
     const auto tool = opened.view.tool_at(opened.last_row().frame);
-    PixelImage sampled = opened.studio.photograph(camera, tool);
-    PixelImage smoothed = opened.studio.film_frame(camera, tool);
+    PixelImage sampled = opened.renderer.render(camera, tool);
+    PixelImage smoothed = opened.renderer.render(camera, tool, true);
     write_png(dir.path() + "/sampled.png", sampled);
     write_png(dir.path() + "/smoothed.png", smoothed);
     const test::Picture a = test::read_picture(dir.path() + "/sampled.png");

@@ -53,7 +53,7 @@ class Golden : public ::testing::Test {
 
   /// How much pictures of the same run, drawn with other settings, differ from the golden ones.
   static std::map<std::string, double> differences_with(const RenderSettings& settings) {
-    render_pictures(dir_->path(), settings, 0, nullptr);
+    render_pictures(dir_->path(), {settings});
     std::map<std::string, double> out;
     for (const std::string& name : kNames) out[name] = difference(test::read_picture(path(name)), name);
     return out;
@@ -62,9 +62,9 @@ class Golden : public ::testing::Test {
   template <typename Spoil>
   static double difference_after(const std::string& camera_name, const std::string& name, Spoil spoil) {
     test::OpenedRun opened(dir_->path(), golden_settings());
-    opened.studio.advance_to_last();
+    opened.renderer.advance_to_last();
     const Camera camera = opened.camera(camera_name);
-    PixelImage image = opened.studio.photograph(camera, std::nullopt);
+    PixelImage image = opened.renderer.render(camera, std::nullopt);
     Labels labels = opened.view.labels(camera, std::nullopt);
     spoil(image, labels);
     draw_labels(image, camera, labels);
@@ -86,7 +86,7 @@ TempDir* Golden::dir_ = nullptr;
 
 TEST_F(Golden, PicturesLookAsTheyDid) {
   if (std::getenv("REAMSIM_NEW_GOLDEN") != nullptr) {
-    render_pictures(dir_->path(), golden_settings(), 0, nullptr);
+    render_pictures(dir_->path(), {golden_settings()});
     for (const std::string& name : kNames) {
       std::filesystem::copy_file(path(name), golden_path(name), std::filesystem::copy_options::overwrite_existing);
     }

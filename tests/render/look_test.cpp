@@ -31,7 +31,7 @@ class Look : public ::testing::Test {
   }
 
   [[nodiscard]] Picture draw(const std::string& name) const {
-    render_pictures(dir_->path(), settings_, 0, nullptr);
+    render_pictures(dir_->path(), {settings_});
     return test::read_picture(dir_->path() + "/" + name + ".png");
   }
   static int alpha(const Picture& picture, int x, int y) {

@@ -11,13 +11,12 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
-#include "render/pictures/meshes.h"
+#include "render/pictures/figures.h"
 #include "render/pictures/scale.h"
 #include "render/surface/color_map.h"
 #include "render/surface/reamed_mesh.h"
 #include "sim/base/error.h"
 #include "sim/bone/vdb/bone_vdb.h"
-#include "sim/bone/vdb/surface_grid.h"
 #include "sim/mesh/mesh_check.h"
 #include "sim/mesh/mesh_io.h"
 #include "tests/render/results_fixture.h"
@@ -188,8 +187,9 @@ TEST_F(Meshes, BoneThatTheLatticeCutsIsClosedThere) {
   for (int i = 0; i < grid.dims.prod(); ++i) {
     voxmap.grade.set({i % 24, i / 24 % 20, i / 480}, 200);
   }
-  const ReamedMesh reamed =
-      make_reamed_mesh(*surface_level_set(voxmap), voxmap.grid, voxmap.bone_mm3(), UnreamedSurface(voxmap));
+  write_bone_vdb(dir_.path() + "/reamed.vdb", voxmap, {}, {});
+  const UnreamedSurface unreamed(voxmap, voxmap.fill, voxmap.fill);
+  const ReamedMesh reamed = make_reamed_mesh(dir_.path() + "/reamed.vdb", voxmap.grid, voxmap.bone_mm3(), unreamed);
   expect_solid(reamed.mesh, voxmap.bone_mm3());
   EXPECT_NEAR(diagnose(reamed.mesh).volume_mm3, 24 * 20 * 17 * 0.125, 0.001 * 24 * 20 * 17 * 0.125);
 }

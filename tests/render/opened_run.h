@@ -3,25 +3,24 @@
 #include <string>
 
 #include "render/pictures/captions.h"
-#include "render/pictures/finished_run.h"
-#include "render/pictures/results.h"
-#include "render/pictures/studio.h"
+#include "render/pictures/renderer.h"
+#include "render/pictures/run_data.h"
 
 namespace reamsim::test {
 
-/// A run's folder, opened for photographs; single frames' forces.
+/// A run's folder, opened for rendering; single frames' forces.
 struct OpenedRun {
   OpenedRun(const std::string& dir, const RenderSettings& settings)
-      : run(dir), view(run.planned(), settings), studio(view), captions(run.results().log, 0, true) {}
+      : run(dir), view(run, settings), renderer(view), captions(run.log(), 0, true) {}
 
   [[nodiscard]] Camera camera(const std::string& name) const {
     return view.camera(name, view.settings().width_px, view.settings().height_px);
   }
   [[nodiscard]] const ForceRow& last_row() const { return captions.log().rows.back(); }
 
-  FinishedRun run;
+  RunData run;
   RunView view;
-  Studio studio;
+  Renderer renderer;
   Captions captions;
 };
 

@@ -6,9 +6,8 @@
 #include <filesystem>
 #include <fstream>
 
-#include "render/pictures/finished_run.h"
 #include "render/pictures/overlay.h"
-#include "render/pictures/subject.h"
+#include "render/pictures/run_data.h"
 #include "render/render.h"
 #include "render/surface/color_map.h"
 #include "sim/base/error.h"
@@ -44,18 +43,16 @@ class Pictures : public ::testing::Test {
   static void SetUpTestSuite() {
     dir_ = new TempDir;
     truth_ = write_results(dir_->path(), {});
-    render_pictures(dir_->path(), small_settings(), 0.25, nullptr);
-    subject_ = new Subject(FinishedRun(dir_->path()).planned().subject());
+    render_pictures(dir_->path(), {small_settings(), 0.25});
+    target_ = new ViewTarget(RunData(dir_->path()).target());
   }
   static void TearDownTestSuite() {
-    delete subject_;
+    delete target_;
     delete dir_;
   }
 
   static Picture picture(const std::string& name) { return test::read_picture(dir_->path() + "/" + name); }
-  static Camera camera(const std::string& name) {
-    return make_camera(from_name<CameraView>(name).value(), *subject_, kWidth, kHeight);
-  }
+  static Camera camera(const std::string& name) { return make_camera(name, *target_, kWidth, kHeight); }
   /// The colour where a point of the glenoid frame falls.
   static Eigen::Vector3i color_at(const Picture& picture, const Camera& camera, const Vec3& glenoid_mm) {
     const Vec2 at = camera.pixel(truth_.bone_from_glenoid * glenoid_mm);
@@ -68,12 +65,12 @@ class Pictures : public ::testing::Test {
 
   static TempDir* dir_;
   static FixtureTruth truth_;
-  static Subject* subject_;
+  static ViewTarget* target_;
 };
 
 TempDir* Pictures::dir_ = nullptr;
 FixtureTruth Pictures::truth_;
-Subject* Pictures::subject_ = nullptr;
+ViewTarget* Pictures::target_ = nullptr;
 
 TEST_F(Pictures, EverySnapshotAndTheLastStateHaveOnePictureForEachCamera) {
   for (const char* stem : {"frames/000000", "frames/000020", "frames/000040", "frames/000060", "reamed"}) {
@@ -197,7 +194,7 @@ TEST_F(Pictures, NumbersStandBesideTheLegendAndInTheCorner) {
 
 TEST_F(Pictures, TheSameRunGivesTheSameBytes) {
   const std::string before = test::file_bytes(dir_->path() + "/frames/000040_section.png");
-  render_pictures(dir_->path(), small_settings(), 0.25, nullptr);
+  render_pictures(dir_->path(), {small_settings(), 0.25});
   EXPECT_EQ(test::file_bytes(dir_->path() + "/frames/000040_section.png"), before);
 }
 
@@ -212,7 +209,7 @@ class OtherPictures : public ::testing::Test {
     settings_.height_px = 240;
     settings_.cameras = {CameraView::oblique};
   }
-  void render() { render_pictures(dir_.path(), settings_, 0.25, nullptr); }
+  void render() { render_pictures(dir_.path(), {settings_, 0.25}); }
 
   TempDir dir_;
   RenderSettings settings_;
@@ -235,7 +232,7 @@ TEST_F(OtherPictures, OSMesaAndEglGiveTheSamePicture) {
   for (const RenderContext context : {RenderContext::osmesa, RenderContext::egl}) {
     settings_.context = context;
     Report report;
-    render_pictures(dir_.path(), settings_, 0.25, nullptr, &report);
+    render_pictures(dir_.path(), {settings_, 0.25}, nullptr, &report);
     if (!report.warnings.empty()) GTEST_SKIP() << "this machine has only one of the two: " << report.warnings.front();
     fs::rename(dir_.path() + "/frames", dir_.path() + "/frames_" + name_of(context));
   }
@@ -250,8 +247,8 @@ TEST_F(OtherPictures, OSMesaAndEglGiveTheSamePicture) {
 TEST_F(OtherPictures, ProgressCountsEveryPicture) {
   std::vector<int> done;
   int total = 0;
-  settings_.cameras = {CameraView::oblique, CameraView::glenoid};
-  render_pictures(dir_.path(), settings_, 0.25, [&](int now, int all, const std::string& file) {
+  settings_.cameras = {"oblique", "glenoid"};
+  render_pictures(dir_.path(), {settings_, 0.25}, [&](int now, int all, const std::string& file) {
     done.push_back(now);
     total = all;
     EXPECT_TRUE(fs::exists(file));
@@ -269,12 +266,12 @@ TEST_F(OtherPictures, ARunWithoutGlenoidFrameIsSeenAlongTheTool) {
   options.glenoid = false;
   options.side = BodySide::unknown;
   const FixtureTruth truth = write_results(other.path(), options);
-  settings_.cameras = {CameraView::glenoid};
-  render_pictures(other.path(), settings_, 0.25, nullptr);
-  const FinishedRun run(other.path());
-  const Subject& subject = run.planned().subject();
-  EXPECT_FALSE(subject.anatomical);
-  EXPECT_GT(subject.outward.dot(truth.bone_from_glenoid.linear().col(2)), 0.999);
+  settings_.cameras = {"glenoid"};
+  render_pictures(other.path(), {settings_, 0.25});
+  const RunData run(other.path());
+  const ViewTarget& target = run.target();
+  EXPECT_FALSE(target.anatomical);
+  EXPECT_GT(target.outward.dot(truth.bone_from_glenoid.linear().col(2)), 0.999);
 }
 
 TEST_F(OtherPictures, ABoneThatWasNeverTouchedHasNoDepthColour) {
@@ -284,8 +281,8 @@ TEST_F(OtherPictures, ABoneThatWasNeverTouchedHasNoDepthColour) {
   options.every = 60;
   options.depth_mm = -1;
   write_results(other.path(), options);
-  settings_.cameras = {CameraView::glenoid};
-  render_pictures(other.path(), settings_, 0.25, nullptr);
+  settings_.cameras = {"glenoid"};
+  render_pictures(other.path(), {settings_, 0.25});
   const Picture shown = test::read_picture(other.path() + "/reamed.png");
   EXPECT_TRUE(test::looks_like_bone(shown.at(160, 130)));
 }
@@ -329,7 +326,7 @@ TEST_F(OtherPictures, DamagedResultsAreInputErrors) {
   cut_short("snapshots/000060.vdb");
   cut_short("snapshots/tool.stl");
   EXPECT_NO_THROW(render());
-  EXPECT_THROW(render_pictures(dir + "/nowhere", settings_, 0.25, nullptr), InputError);
+  EXPECT_THROW(render_pictures(dir + "/nowhere", {settings_, 0.25}), InputError);
 }
 
 TEST_F(OtherPictures, NoCameraAndNoWidthAreInputErrors) {

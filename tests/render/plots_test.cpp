@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "render/pictures/run_data.h"
 #include "render/plots/plots.h"
 #include "render/render.h"
 #include "sim/base/error.h"
@@ -162,7 +163,8 @@ TEST_F(Plots, WhatWasRemovedIsCountedByDensity) {
   FilledVoxmap after = read_bone_vdb(dir_.path() + "/reamed.vdb");
   const double after_mm3 = after.bone_mm3();
   after.fill = FillBricks(after.grid.dims);
-  write_removed_density(dir_.path());
+  const RunData run(dir_.path());
+  write_removed_density(dir_.path(), run.voxmap(), run.inputs().fill, run.last_fill());
   std::ifstream csv(dir_.path() + "/plots/removed_density.csv");
   std::string line;
   ASSERT_TRUE(std::getline(csv, line));

@@ -9,10 +9,8 @@
 
 #include "render/report/markup.h"
 #include "render/report/mesh_data.h"
-#include "render/report/picture_data.h"
-#include "render/report/plot_data.h"
+#include "render/report/page_data.h"
 #include "render/report/summary_text.h"
-#include "render/report/volume_data.h"
 #include "sim/base/error.h"
 
 namespace reamsim {

@@ -9,7 +9,7 @@
 #include <sstream>
 
 #include "render/gl/pixel_image.h"
-#include "render/pictures/studio.h"
+#include "render/pictures/renderer.h"
 #include "sim/base/error.h"
 #include "tests/render/results_fixture.h"
 #include "tests/support/temp_dir.h"
@@ -79,12 +79,12 @@ class ReportPage : public ::testing::Test {
 
   [[nodiscard]] std::string dir() const { return copy_.path(); }
   std::string page() {
-    write_report(dir(), settings_, 0);
+    write_report(dir(), {settings_});
     return read(dir() + "/report.html");
   }
   void expect_refused(const std::string& part) {
     try {
-      write_report(dir(), settings_, 0);
+      write_report(dir(), {settings_});
       ADD_FAILURE() << "no error";
     } catch (const InputError& error) {
       EXPECT_THAT(error.what(), HasSubstr(part));
@@ -120,14 +120,14 @@ TEST_F(ReportPage, HoldsTheRun) {
 
 TEST_F(ReportPage, IsTheSameAfterPicturesOfTheSameRun) {
   const std::string alone = page();
-  const FinishedRun run(dir());
+  const RunData run(dir());
   {
     // Left in the midst of the run.
-    const RunView view(run.planned(), settings_);
-    Studio studio(view);
-    studio.advance_to(view.frames().at(1));
+    const RunView view(run, settings_);
+    Renderer renderer(view);
+    renderer.advance_to(view.frames().at(1));
   }
-  write_report(run, settings_, 0);
+  write_report(run, {settings_});
   EXPECT_TRUE(read(dir() + "/report.html") == alone);
 }
 

@@ -32,13 +32,12 @@ FilledVoxmap ball() {
 }
 
 /// Takes away what lies above z = `height`, by shares.
-void plane_off(FilledVoxmap& voxmap, double height_mm) {
-  const VoxelGrid& grid = voxmap.grid;
+void plane_off(const VoxelGrid& grid, double height_mm, FillBricks& fill) {
   for (int k = 0; k < grid.dims.z(); ++k) {
     const double left = std::clamp((height_mm - grid.center_mm(0, 0, k).z()) / grid.voxel_mm + 0.5, 0.0, 1.0);
     for (int j = 0; j < grid.dims.y(); ++j) {
       for (int i = 0; i < grid.dims.x(); ++i) {
-        voxmap.fill.set({i, j, k}, static_cast<std::uint16_t>(std::lround(left * FillBricks::kWhole)));
+        fill.set({i, j, k}, static_cast<std::uint16_t>(std::lround(left * FillBricks::kWhole)));
       }
     }
   }
@@ -59,9 +58,15 @@ std::vector<Vertex> vertices(const BoneSurface& surface) {
   return out;
 }
 
-BoneSurface surface_of(const FilledVoxmap& voxmap) {
-  const Occupancy occupancy(voxmap, voxmap.fill);
-  return make_bone_surface({voxmap, SolidField(occupancy), AmbientLight(occupancy), UnreamedSurface(voxmap)});
+/// Of a bone that began with the fill `before`.
+BoneSurface surface_of(const Voxmap& voxmap, const FillBricks& before) {
+  const UnreamedSurface unreamed(voxmap, before, voxmap.fill);
+  return make_bone_surface(BoneFields(voxmap, voxmap.fill, unreamed));
+}
+
+/// Of a bone that began whole.
+BoneSurface surface_of(const Voxmap& voxmap) {
+  return surface_of(voxmap, FillBricks(voxmap.grid.dims));
 }
 
 TEST(BoneSurfaceTest, ABallIsRoundAndNothingOfItIsReamed) {
@@ -95,10 +100,8 @@ FilledVoxmap smooth_ball() {
 }
 
 TEST(BoneSurfaceTest, PartialVoxelsAtTheSurfaceAreNotReamedAndMakeItRounder) {
-  const FilledVoxmap voxmap = smooth_ball();
-  const Occupancy occupancy(voxmap, voxmap.fill);
-  const UnreamedSurface unreamed(voxmap, voxmap.fill);
-  const BoneSurface surface = make_bone_surface({voxmap, SolidField(occupancy), AmbientLight(occupancy), unreamed});
+  const Voxmap voxmap = smooth_ball();
+  const BoneSurface surface = surface_of(voxmap, voxmap.fill);
   EXPECT_EQ(surface.deepest_mm, 0);
   for (const Vertex& v : vertices(surface)) {
     EXPECT_NEAR(v.position_mm.norm(), 10, 0.08);  // 0.25 above, of whole voxels
@@ -114,9 +117,7 @@ TEST(BoneSurfaceTest, DepthIsMeasuredFromPartialVoxelsToo) {
     const double left = std::clamp((6 - grid.center_mm(0, 0, voxel.z()).z()) / grid.voxel_mm + 0.5, 0.0, 1.0);
     voxmap.fill.set(voxel, std::min(fill, static_cast<std::uint16_t>(std::lround(left * FillBricks::kWhole))));
   });
-  const Occupancy occupancy(voxmap, voxmap.fill);
-  const UnreamedSurface unreamed(voxmap, before.fill);
-  const BoneSurface surface = make_bone_surface({voxmap, SolidField(occupancy), AmbientLight(occupancy), unreamed});
+  const BoneSurface surface = surface_of(voxmap, before.fill);
   EXPECT_NEAR(surface.deepest_mm, 4, 0.1);
   for (const Vertex& v : vertices(surface)) {
     EXPECT_TRUE(v.position_mm.z() >= 4 || v.reamed < 0.01) << v.position_mm.transpose();
@@ -124,8 +125,8 @@ TEST(BoneSurfaceTest, DepthIsMeasuredFromPartialVoxelsToo) {
 }
 
 TEST(BoneSurfaceTest, ACutIsReamedAndAsDeepAsItLiesBelowTheOldSurface) {
-  FilledVoxmap voxmap = ball();
-  plane_off(voxmap, 6);
+  Voxmap voxmap = ball();
+  plane_off(voxmap.grid, 6, voxmap.fill);
   const BoneSurface surface = surface_of(voxmap);
   EXPECT_NEAR(surface.deepest_mm, 4, 0.25);  // the ball's top voxels end at 9.8 mm
   int on_the_cut = 0;
@@ -155,7 +156,7 @@ TEST(BoneSurfaceTest, APilotHoleIsNoSurfaceToMeasureDepthFrom) {
       }
     }
   }
-  plane_off(voxmap, 6);
+  plane_off(voxmap.grid, 6, voxmap.fill);
   int round_the_hole = 0;
   for (const Vertex& v : vertices(surface_of(voxmap))) {
     const double radius = v.position_mm.head<2>().norm();
@@ -253,22 +254,17 @@ TEST(SurfaceSmoothing, NoiseIsEvenedOut) {
 }
 
 TEST(BoneSurfaceTest, FollowingChangesGivesTheSameSurfaceAsStartingAfresh) {
-  FilledVoxmap last = ball();
-  plane_off(last, 6.3);
-  const UnreamedSurface unreamed(last);
-  FilledVoxmap voxmap = ball();
-  Occupancy occupancy(voxmap, voxmap.fill);
-  SolidField field(occupancy);
-  AmbientLight ambient(occupancy);
+  Voxmap last = ball();
+  plane_off(last.grid, 6.3, last.fill);
+  const UnreamedSurface unreamed(last, FillBricks(last.grid.dims), last.fill);
+  const Voxmap voxmap = ball();
+  BoneFields fields(voxmap, voxmap.fill, unreamed);
   for (const double height : {8.0, 6.3}) {
-    plane_off(voxmap, height);
-    const auto changed = voxmap.fill.take_changed();
-    occupancy.update(changed);
-    field.update(occupancy, changed);
-    ambient.update(occupancy, changed);
+    plane_off(voxmap.grid, height, fields.fill);
+    fields.update();
   }
-  const BoneSurface followed = make_bone_surface({voxmap, field, ambient, unreamed});
-  const BoneSurface fresh = surface_of(voxmap);
+  const BoneSurface followed = make_bone_surface(fields);
+  const BoneSurface fresh = surface_of(last);
   EXPECT_EQ(followed.vertices, fresh.vertices);
   EXPECT_EQ(followed.indices, fresh.indices);
 }
@@ -301,8 +297,8 @@ BoneSurface joined(const BoneTiles& tiles) {
   return out;
 }
 
-/// Largest difference of what vertices at the same places (to 1/1000 mm) are dressed with.
-double worst_dress(const BoneSurface& a, const BoneSurface& b) {
+/// Largest difference of the attributes of vertices at the same places (to 1/1000 mm).
+double worst_attribute(const BoneSurface& a, const BoneSurface& b) {
   std::map<std::array<long, 3>, const float*> places;
   for (std::size_t i = 0; i < a.vertices.size(); i += BoneSurface::kStride) {
     const float* v = a.vertices.data() + i;
@@ -319,28 +315,20 @@ double worst_dress(const BoneSurface& a, const BoneSurface& b) {
 }
 
 TEST(BoneTilesTest, TogetherTheyAreTheWholeSurfaceAlsoAfterChanges) {
-  FilledVoxmap last = smooth_ball();
-  plane_off(last, 6.3);
-  const UnreamedSurface unreamed(last);
-  FilledVoxmap voxmap = smooth_ball();
-  Occupancy occupancy(voxmap, voxmap.fill);
-  SolidField field(occupancy);
-  AmbientLight ambient(occupancy);
-  const BoneLook look{voxmap, field, ambient, unreamed};
-  BoneTiles tiles(look);
-  voxmap.fill.take_changed();
-  EXPECT_EQ(triangles_of(joined(tiles)), triangles_of(make_bone_surface(look)));
+  Voxmap last = smooth_ball();
+  plane_off(last.grid, 6.3, last.fill);
+  const UnreamedSurface unreamed(last, FillBricks(last.grid.dims), last.fill);
+  const Voxmap voxmap = smooth_ball();
+  BoneFields fields(voxmap, voxmap.fill, unreamed);
+  BoneTiles tiles(fields);
+  EXPECT_EQ(triangles_of(joined(tiles)), triangles_of(make_bone_surface(fields)));
   for (const double height : {8.0, 6.3}) {
-    plane_off(voxmap, height);
-    const auto changed = voxmap.fill.take_changed();
-    occupancy.update(changed);
-    field.update(occupancy, changed);
-    ambient.update(occupancy, changed);
-    const auto renewed = tiles.update(look, changed);
+    plane_off(voxmap.grid, height, fields.fill);
+    const auto renewed = tiles.update(fields, fields.update());
     EXPECT_GT(renewed.size(), 0U);
-    const BoneSurface whole = make_bone_surface(look);
+    const BoneSurface whole = make_bone_surface(fields);
     EXPECT_EQ(triangles_of(joined(tiles)), triangles_of(whole));
-    EXPECT_LT(worst_dress(whole, joined(tiles)), 1e-3);
+    EXPECT_LT(worst_attribute(whole, joined(tiles)), 1e-3);
     EXPECT_NEAR(tiles.deepest_mm(), whole.deepest_mm, 1e-3);
   }
 }

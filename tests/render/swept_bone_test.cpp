@@ -2,14 +2,11 @@
 
 #include <gtest/gtest.h>
 
-#include <openvdb/tools/Interpolation.h>
-
 #include <cmath>
 #include <numbers>
 
-#include "render/pictures/finished_run.h"
-#include "render/pictures/results.h"
-#include "render/surface/unreamed_surface.h"
+#include "render/pictures/run_data.h"
+#include "render/surface/scalar_grid.h"
 #include "sim/tool/envelope.h"
 #include "sim/tool/revolve.h"
 #include "tests/render/results_fixture.h"
@@ -63,74 +60,77 @@ double cap_mm3(double depth_mm) {
   return std::numbers::pi * depth_mm * depth_mm * (3 * kRadius_mm - depth_mm) / 3;
 }
 
-TEST(ForeseenBoneTest, APlungeTakesTheCapOfItsDeepestPose) {
-  const FilledVoxmap bone = slab();
+TEST(PredictedBoneTest, APlungeTakesTheCapOfItsDeepestPose) {
+  const Voxmap bone = slab();
   // By steps of which several go into half a voxel; the deepest pose stands between two others.
   std::vector<ToolPose> poses;
   for (int k = 0; k <= 31; ++k) poses.push_back(pose_at({0.1, 0.2, 1 - 0.1 * k}));
   for (int k = 0; k <= 40; ++k) poses.push_back(pose_at({0.1, 0.2, -2.1 + 0.13 * k}));
-  const ForeseenBone foreseen = foresee(bone, bone.fill, ball(), poses, false);
-  EXPECT_DOUBLE_EQ(foreseen.deepest.position_mm.z(), -2.1);
-  EXPECT_NEAR(removed_mm3(bone, foreseen.fill) / cap_mm3(2.1), 1, 0.01);
-  const UnreamedSurface unreamed(std::make_shared<UnreamedBone>(bone, bone.fill), bone, foreseen.fill);
+  const PredictedBone predicted = predict_swept_bone(bone, bone.fill, ball(), poses, false);
+  EXPECT_DOUBLE_EQ(predicted.deepest.position_mm.z(), -2.1);
+  EXPECT_NEAR(removed_mm3(bone, predicted.fill) / cap_mm3(2.1), 1, 0.01);
+  const UnreamedSurface unreamed(bone, bone.fill, predicted.fill);
   EXPECT_NEAR(unreamed.deepest_mm(), 2.1, 0.05);
 }
 
-TEST(ForeseenBoneTest, BetweenTwoPosesFarApartTheToolIsEverywhere) {
-  const FilledVoxmap bone = slab();
-  const ForeseenBone foreseen = foresee(bone, bone.fill, ball(), {pose_at({-6, 0, -2}), pose_at({6, 0, -2})}, false);
+TEST(PredictedBoneTest, BetweenTwoPosesFarApartTheToolIsEverywhere) {
+  const Voxmap bone = slab();
+  const PredictedBone predicted =
+      predict_swept_bone(bone, bone.fill, ball(), {pose_at({-6, 0, -2}), pose_at({6, 0, -2})}, false);
   // A trench, with half a cap at either end. Its section is the circle's segment.
   const double half = std::acos((kRadius_mm - 2) / kRadius_mm);
   const double segment_mm2 = kRadius_mm * kRadius_mm * (half - std::sin(half) * std::cos(half));
-  EXPECT_NEAR(removed_mm3(bone, foreseen.fill) / (12 * segment_mm2 + cap_mm3(2)), 1, 0.01);
+  EXPECT_NEAR(removed_mm3(bone, predicted.fill) / (12 * segment_mm2 + cap_mm3(2)), 1, 0.01);
 }
 
-TEST(ForeseenBoneTest, ATiltedToolIsFollowed) {
-  const FilledVoxmap bone = slab();
+TEST(PredictedBoneTest, ATiltedToolIsFollowed) {
+  const Voxmap bone = slab();
   const Quat tilt(Eigen::AngleAxisd(0.4, Vec3::UnitX()));
   // About the ball's middle, so that nothing but the tool's axis changes.
   const Vec3 middle(0, 0, kRadius_mm - 2);
   ToolPose tilted{.position_mm = middle - kRadius_mm * (tilt * Vec3::UnitZ()), .orientation = tilt};
-  const ForeseenBone foreseen = foresee(bone, bone.fill, ball(), {tilted}, false);
-  EXPECT_NEAR(removed_mm3(bone, foreseen.fill) / cap_mm3(2), 1, 0.01);
+  const PredictedBone predicted = predict_swept_bone(bone, bone.fill, ball(), {tilted}, false);
+  EXPECT_NEAR(removed_mm3(bone, predicted.fill) / cap_mm3(2), 1, 0.01);
 }
 
-TEST(ForeseenBoneTest, WhatTheToolNeverMeetsStaysAsItWas) {
-  FilledVoxmap bone = slab();
+TEST(PredictedBoneTest, WhatTheToolNeverMeetsStaysAsItWas) {
+  Voxmap bone = slab();
   bone.fill.set({3, 3, 19}, 1000);
-  const ForeseenBone foreseen = foresee(bone, bone.fill, ball(), {pose_at({0, 0, 9}), pose_at({0, 0, 0.4})}, false);
-  EXPECT_EQ(foreseen.deepest.position_mm.z(), 9) << "the first pose, as nothing else is known";
-  EXPECT_EQ(foreseen.fill.get({3, 3, 19}), 1000);
-  EXPECT_NEAR(removed_mm3(bone, foreseen.fill), (1 - 1000.0 / FillBricks::kWhole) * bone.grid.voxel_mm3(), 1e-9);
+  const PredictedBone predicted =
+      predict_swept_bone(bone, bone.fill, ball(), {pose_at({0, 0, 9}), pose_at({0, 0, 0.4})}, false);
+  EXPECT_EQ(predicted.deepest.position_mm.z(), 9) << "the first pose, as nothing else is known";
+  EXPECT_EQ(predicted.fill.get({3, 3, 19}), 1000);
+  EXPECT_NEAR(removed_mm3(bone, predicted.fill), (1 - 1000.0 / FillBricks::kWhole) * bone.grid.voxel_mm3(), 1e-9);
 }
 
-TEST(ForeseenBoneTest, NeverFillsAgainWhatWasGone) {
-  FilledVoxmap bone = slab();
+TEST(PredictedBoneTest, NeverFillsAgainWhatWasGone) {
+  Voxmap bone = slab();
   bone.fill.set({24, 24, 19}, 0);
   bone.fill.set({24, 24, 12}, 30000);
-  const ForeseenBone foreseen = foresee(bone, bone.fill, ball(), {pose_at({0, 0, 1}), pose_at({0, 0, -1})}, false);
+  const PredictedBone predicted =
+      predict_swept_bone(bone, bone.fill, ball(), {pose_at({0, 0, 1}), pose_at({0, 0, -1})}, false);
   for_each_bone_voxel(bone, [&](const Vec3i& voxel, std::uint8_t, std::uint16_t fill) {
-    ASSERT_LE(foreseen.fill.get(voxel), fill) << voxel.transpose();
+    ASSERT_LE(predicted.fill.get(voxel), fill) << voxel.transpose();
   });
 }
 
-TEST(ForeseenBoneTest, ARunIsForeseenAsItHappens) {
+TEST(PredictedBoneTest, ARunIsPredictedAsItHappens) {
   const test::TempDir dir;
   const FixtureTruth truth = write_results(dir.path(), {});
-  const FinishedRun run(dir.path());
-  const RunPlan& plan = run.planned().plan();
-  const Voxmap& bone = *run.results().bone;
-  const Profile tool = envelope_of_revolution(plan.tool).profile;
-  const ForeseenBone foreseen = foresee(bone, plan.fill_before, tool, plan.poses, plan.whole_voxels);
-  EXPECT_NEAR(removed_mm3(bone, foreseen.fill) / removed_mm3(bone, bone.fill), 1, 0.01);
-  EXPECT_NEAR(run.planned().unreamed().deepest_mm(), truth.deepest_mm, 0.1);
+  const RunData run(dir.path());
+  const RunInputs& inputs = run.inputs();
+  const Voxmap& bone = run.voxmap();
+  const Profile tool = envelope_of_revolution(inputs.tool).profile;
+  const PredictedBone predicted = predict_swept_bone(bone, inputs.fill, tool, inputs.poses, inputs.whole_voxels);
+  EXPECT_NEAR(removed_mm3(bone, predicted.fill) / removed_mm3(bone, run.last_fill()), 1, 0.01);
+  EXPECT_NEAR(run.unreamed().deepest_mm(), truth.deepest_mm, 0.1);
 }
 
-TEST(ForeseenBoneTest, WhereVoxelsGoWholeEachOneThatIsTouchedGoes) {
-  const FilledVoxmap bone = slab();
+TEST(PredictedBoneTest, WhereVoxelsGoWholeEachOneThatIsTouchedGoes) {
+  const Voxmap bone = slab();
   const Vec3 middle(0.13, 0.21, kRadius_mm - 2.2);
-  const ForeseenBone foreseen =
-      foresee(bone, bone.fill, ball(), {pose_at({0.13, 0.21, 3}), pose_at({0.13, 0.21, -2.2})}, true);
+  const PredictedBone predicted =
+      predict_swept_bone(bone, bone.fill, ball(), {pose_at({0.13, 0.21, 3}), pose_at({0.13, 0.21, -2.2})}, true);
   int wrong = 0, gone = 0;
   for_each_bone_voxel(bone, [&](const Vec3i& voxel, std::uint8_t, std::uint16_t) {
     const Vec3 center = bone.grid.center_mm(voxel.x(), voxel.y(), voxel.z());
@@ -139,7 +139,7 @@ TEST(ForeseenBoneTest, WhereVoxelsGoWholeEachOneThatIsTouchedGoes) {
     const Vec3 nearest = middle.cwiseMax(center - half).cwiseMin(center + half);
     const bool touched = (nearest - middle).norm() < kRadius_mm;
     gone += touched ? 1 : 0;
-    wrong += foreseen.fill.get(voxel) != (touched ? 0 : FillBricks::kWhole) ? 1 : 0;
+    wrong += predicted.fill.get(voxel) != (touched ? 0 : FillBricks::kWhole) ? 1 : 0;
   });
   EXPECT_GT(gone, 500);
   EXPECT_LT(wrong, 0.01 * gone) << "voxels that the ball meets with a side, not with a corner";
@@ -150,37 +150,36 @@ double deepest_of_a_flat_cut(double depth_mm, bool whole_voxels) {
   const FilledVoxmap bone = slab();
   const Profile tool{{{0, 0}, {20, 0}, {20, 5}, {0, 5}}};
   const auto poses = {pose_at({0, 0, 1}), pose_at({0, 0, -depth_mm})};
-  const ForeseenBone foreseen = foresee(bone, bone.fill, tool, poses, whole_voxels);
-  return UnreamedSurface(std::make_shared<UnreamedBone>(bone, bone.fill), bone, foreseen.fill).deepest_mm();
+  const PredictedBone predicted = predict_swept_bone(bone, bone.fill, tool, poses, whole_voxels);
+  return UnreamedSurface(bone, bone.fill, predicted.fill).deepest_mm();
 }
 
-TEST(ForeseenBoneTest, TheDepthOfAFlatFloorIsKnownWhereverItLiesInTheLattice) {
+TEST(PredictedBoneTest, TheDepthOfAFlatFloorIsKnownWhereverItLiesInTheLattice) {
   for (const double depth_mm : {0.5, 0.75, 0.9, 1.0, 1.1, 1.25, 2.3}) {
     EXPECT_NEAR(deepest_of_a_flat_cut(depth_mm, false), depth_mm, 0.06) << depth_mm;
   }
   EXPECT_NEAR(deepest_of_a_flat_cut(1.1, true), 1.5, 0.06) << "the voxel that is touched has gone whole";
 }
 
-TEST(ForeseenBoneTest, WhatAnEarlierRunTookIsReamedToo) {
-  FilledVoxmap bone = slab();
+TEST(PredictedBoneTest, WhatAnEarlierRunTookIsReamedToo) {
+  Voxmap bone = slab();
   // A pit of 3 mm, far from where the ball comes.
   for (int k = 14; k < 20; ++k) {
     for (int j = 4; j < 16; ++j) {
       for (int i = 4; i < 16; ++i) bone.fill.set({i, j, k}, 0);
     }
   }
-  RunPlan plan;
-  plan.bone = std::make_shared<FilledVoxmap>(bone);
-  plan.fill_before = bone.fill;
-  plan.poses = {pose_at({7, 7, 1}), pose_at({7, 7, -1})};
-  plan.pose_frames = {0, 1};
-  plan.frames = {0, 1};
-  plan.tool = revolve(ball(), 48);
-  const PlannedRun run(plan);
+  RunInputs inputs;
+  inputs.voxmap = std::make_shared<Voxmap>(bone);
+  inputs.fill = bone.fill;
+  inputs.poses = {pose_at({7, 7, 1}), pose_at({7, 7, -1})};
+  inputs.pose_frames = {0, 1};
+  inputs.frames = {0, 1};
+  inputs.tool = revolve(ball(), 48);
+  const RunData run(inputs);
   EXPECT_NEAR(run.unreamed().deepest_mm(), 3, 0.3);
-  const auto depths = run.unreamed().depth().getConstAccessor();
   const openvdb::Vec3d floor(kVoxel_mm * openvdb::Vec3d(9.5, 9.5, 13.5));
-  EXPECT_NEAR(openvdb::tools::BoxSampler::sample(depths, run.unreamed().depth().worldToIndex(floor)), 3, 0.3);
+  EXPECT_NEAR(ReamingSampler(run.unreamed()).depth_mm(floor), 3, 0.3);
 }
 
 }  // namespace

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <filesystem>
 
-#include "render/pictures/contact_sheet.h"
+#include "render/pictures/composites.h"
 #include "render/pictures/run_view.h"
 #include "render/render.h"
 #include "sim/base/error.h"
@@ -58,8 +58,10 @@ class Views : public ::testing::Test {
     options.every = 10;  // seven snapshots
     truth_ = write_results(dir_.path(), options);
   }
-  void render(const PictureChoice& choice = {}) {
-    render_pictures(dir_.path(), settings_, 0.25, nullptr, nullptr, choice);
+  void render(PictureOptions options = {}) {
+    options.settings = settings_;
+    options.mean_travel_mm = 0.25;
+    render_pictures(dir_.path(), options);
   }
   [[nodiscard]] Picture picture(const std::string& name) const { return test::read_picture(dir_.path() + "/" + name); }
 
@@ -82,7 +84,7 @@ TEST_F(Views, BeforeAndAfterAreSeenByTheSameCamera) {
   ASSERT_EQ(both.width, kViewWidth);
   ASSERT_EQ(both.height, kViewHeight);
 
-  const RunView view(FinishedRun(dir_.path()).planned(), settings_);
+  const RunView view(dir_.path(), settings_);
   const int gap = 2;  // of 640 pixels
   const int half = (kViewWidth - gap) / 2;
   const Camera camera = view.camera("glenoid", half, kViewHeight);
@@ -134,8 +136,8 @@ TEST_F(Views, AUsersCameraSeesWhatAPinholeSees) {
 }
 
 TEST_F(Views, FilesKeepTheirNamesWhenACameraIsDrawnAlone) {
-  settings_.cameras = {CameraView::section};
-  render({.plain_camera = "oblique"});
+  settings_.cameras = {"section"};
+  render({.unsuffixed_camera = "oblique"});
   EXPECT_TRUE(fs::exists(dir_.path() + "/reamed_section.png"));
   EXPECT_FALSE(fs::exists(dir_.path() + "/reamed.png"));
 }

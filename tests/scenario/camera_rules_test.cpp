@@ -81,7 +81,7 @@ TEST_F(CameraRules, AGlenoidFrameIsNeededWhereACameraStandsInIt) {
 TEST_F(CameraRules, ResultsAreHeldToThemToo) {
   write("r.yaml", "version: 1\ntool: {mesh: gone.stl}\n");
   try {
-    parse_render_settings(path("r.yaml"), {"render.user_cameras=[{name: oblique, position_mm: [1, 2, 3]}]"});
+    parse_result_settings(path("r.yaml"), {"render.user_cameras=[{name: oblique, position_mm: [1, 2, 3]}]"});
     ADD_FAILURE() << "no complaint";
   } catch (const InputError& error) {
     EXPECT_THAT(error.what(), HasSubstr("a camera that there is already"));

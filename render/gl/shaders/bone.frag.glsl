@@ -1,5 +1,5 @@
 in vec3 normal;
-in vec4 dressed;
+in vec4 reaming;
 out vec4 color;
 
 uniform sampler2D depth_colors;
@@ -31,14 +31,14 @@ void main() {
     return;
   }
   vec3 n = normalize(normal);
-  float open = dressed.w * dressed.w;
-  float reamed = smoothstep(0.35, 0.65, dressed.y);
+  float open = reaming.w * reaming.w;
+  float reamed = smoothstep(0.35, 0.65, reaming.y);
 
-  vec3 bone = mix(kSoftBone, kDenseBone, smoothstep(0.2, 1.5, dressed.z));
-  float at = clamp(dressed.x / depth_max_mm, 0.0, 1.0);
+  vec3 bone = mix(kSoftBone, kDenseBone, smoothstep(0.2, 1.5, reaming.z));
+  float at = clamp(reaming.x / depth_max_mm, 0.0, 1.0);
   float texels = float(textureSize(depth_colors, 0).x);
   vec3 map = linear_from_srgb(texture(depth_colors, vec2((at * (texels - 1.0) + 0.5) / texels, 0.5)).rgb);
-  map *= 1.0 - 0.35 * contour(dressed.x);
+  map *= 1.0 - 0.35 * contour(reaming.x);
 
   vec3 light = sky(n) * open + kKeyColor * wrapped(n, key_direction, 0.25) * mix(0.6, 1.0, open) +
                kFillColor * wrapped(n, kFillDirection, 0.35) * open + kRimColor * wrapped(n, kRimDirection, 0.0);

@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
+
+#include "sim/base/gaussian.h"
 
 namespace reamsim::ct {
 
@@ -16,10 +19,8 @@ constexpr double kEven = 1e-4;
 void smooth_along(AlignedImage& image, int axis, double sigma_voxels) {
   const Lattice& lattice = image.lattice;
   const int reach = static_cast<int>(std::ceil(kReach * sigma_voxels));
-  std::vector<double> weights;
-  double sum = 0;
-  for (int n = -reach; n <= reach; ++n)
-    sum += weights.emplace_back(std::exp(-0.5 * n * n / (sigma_voxels * sigma_voxels)));
+  const std::vector<double> weights = gaussian(sigma_voxels, reach);
+  const double sum = std::accumulate(weights.begin(), weights.end(), 0.0);
   const Vec3i step = Vec3i::Unit(axis);
   const std::size_t stride = lattice.index(step.x(), step.y(), step.z());
   const int length = lattice.dims[axis];

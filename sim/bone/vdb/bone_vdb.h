@@ -35,10 +35,11 @@ Metadata metadata_of(const StoredAnatomy& anatomy);
 struct StoredBone {
   FilledVoxmap voxmap;
   StoredAnatomy anatomy;
+  std::string erosion;  ///< of the run that wrote it; "" where it does not say
 };
 
-/// Reads `density`, `fill` and the anatomy back. Throws as read_bone_vdb(), and InputError for an anatomy that is
-/// damaged.
+/// Reads `density`, `fill` and what the metadata say back. Throws as read_bone_vdb(), and InputError for an anatomy
+/// that is damaged.
 StoredBone read_stored_bone(const std::string& path);
 
 /// Reads `density` and `fill` back. Throws InputError: no such file, truncated, no such grid, not isotropic, absurdly

@@ -18,6 +18,7 @@ inline constexpr const char* kVoxel = "voxel_mm";
 inline constexpr const char* kAshSlope = "ash_slope_g_cm3_per_hu";
 inline constexpr const char* kAshOffset = "ash_offset_g_cm3";
 inline constexpr const char* kAshFraction = "ash_fraction";
+inline constexpr const char* kErosion = "erosion";
 inline constexpr const char* kSide = "bone_side";
 inline constexpr const char* kGlenoid = "bone_from_glenoid";
 inline constexpr const char* kLandmarks = "scapula_landmarks_mm";

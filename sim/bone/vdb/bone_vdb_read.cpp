@@ -163,15 +163,18 @@ StoredAnatomy anatomy_of(const std::string& path, const openvdb::FloatGrid& dens
           .side = checked_stored_side(path, text(vdb_keys::kSide))};
 }
 
-/// `anatomy`, where it is asked for, gets what the file says of it.
-FilledVoxmap read_voxmap(const std::string& path, StoredAnatomy* anatomy) {
+/// `stored`, where it is asked for, gets what the metadata say.
+FilledVoxmap read_voxmap(const std::string& path, StoredBone* stored) {
   VdbFile file(path);
   if (!file.has(vdb_keys::kDensity)) {
     fail_reading(path, "no grid \"density\" (found: " + file.grid_names() + ")", "expected a FloatGrid in g/cm^3");
   }
   const openvdb::FloatGrid::Ptr density = file.read(vdb_keys::kDensity);
   const Placement placement = checked_placement(path, *density);
-  if (anatomy != nullptr) *anatomy = anatomy_of(path, *density);
+  if (stored != nullptr) {
+    stored->anatomy = anatomy_of(path, *density);
+    stored->erosion = value_of<std::string>(*density, vdb_keys::kErosion).value_or("");
+  }
   FilledVoxmap voxmap(placement.lattice);
   voxmap.frame = frame_name(*density);
   voxmap.mapping = mapping_of(*density);
@@ -186,9 +189,9 @@ FilledVoxmap read_voxmap(const std::string& path, StoredAnatomy* anatomy) {
   return voxmap;
 }
 
-FilledVoxmap read_guarded(const std::string& path, StoredAnatomy* anatomy) {
+FilledVoxmap read_guarded(const std::string& path, StoredBone* stored) {
   try {
-    return read_voxmap(path, anatomy);
+    return read_voxmap(path, stored);
   } catch (const std::bad_alloc&) {
     fail_reading(path, "a VDB that does not fit into memory", "expected a smaller grid");
   } catch (const openvdb::Exception&) {
@@ -204,7 +207,7 @@ FilledVoxmap read_bone_vdb(const std::string& path) {
 
 StoredBone read_stored_bone(const std::string& path) {
   StoredBone out;
-  out.voxmap = read_guarded(path, &out.anatomy);
+  out.voxmap = read_guarded(path, &out);
   return out;
 }
 

@@ -6,19 +6,15 @@
 #include <vector>
 
 #include "render/pictures/run_view.h"
-#include "render/render.h"
 
 namespace reamsim {
 
-/// Which photographs the pictures of a run are made from.
-struct PictureList {
+/// Which frames of a run are rendered, and by which cameras.
+struct FrameSchedule {
   /// Throws InputError where a camera cannot be made.
-  PictureList(const RunView& view, const PictureChoice& choice);
+  FrameSchedule(const RunView& view, const PictureOptions& options);
 
   [[nodiscard]] bool along_the_run() const { return !still_frames.empty() || !sheet_frames.empty() || film; }
-  /// How many pictures there will be, each frame of a film counted.
-  [[nodiscard]] int pictures(const RunView& view) const;
-
   std::vector<std::string> names;          ///< of the cameras, the user's last
   bool stills = false;                     ///< of the run's frames and of its last state
   std::vector<Camera> cameras;             ///< of the stills
@@ -29,5 +25,8 @@ struct PictureList {
   std::optional<Camera> film;
   std::vector<Camera> turntable;
 };
+
+/// How many pictures are made of a run with these snapshots, each frame of a film counted.
+int count_pictures(const PictureOptions& options, const std::vector<std::int64_t>& frames);
 
 }  // namespace reamsim

@@ -11,9 +11,9 @@
 
 namespace reamsim {
 
-/// One photograph of a run, without labels.
-struct Photo {
-  enum class Of {
+/// One rendered frame of a run, without labels.
+struct RenderedFrame {
+  enum class Kind {
     before,      ///< the left half of a picture with before and after; by camera
     frame,       ///< a frame of the run; by camera
     sheet,       ///< a cell of the contact sheet
@@ -22,32 +22,32 @@ struct Photo {
     after_half,  ///< the right half of a picture with before and after; by camera
     turntable,   ///< the last state; by turn
   };
-  Of of;
-  std::size_t camera = 0;  ///< which one of those in PictureList, or which turn
+  Kind kind;
+  std::size_t camera = 0;  ///< which one of those in FrameSchedule, or which turn
   std::int64_t frame = 0;  ///< of the run
   double deepest_mm = 0;   ///< of what it shows
   PixelImage image;
 };
 
-/// Photographs on their way from one thread to another. All members may be called by any thread.
-class PhotoQueue {
+/// Rendered frames on their way from one thread to another. All members may be called by any thread.
+class FrameQueue {
  public:
-  /// Has room for photographs of so many bytes, and at least for one.
-  explicit PhotoQueue(std::size_t most_bytes) : most_bytes_(most_bytes) {}
+  /// Has room for images of so many bytes, and at least for one.
+  explicit FrameQueue(std::size_t most_bytes) : most_bytes_(most_bytes) {}
 
-  /// Waits for room. Returns false where nobody takes any more.
-  bool push(Photo photo);
+  /// Waits for room. Returns false after close().
+  bool push(RenderedFrame frame);
   /// There will be no more. `why`, where not null, is thrown by pop() once the queue is empty.
   void end(std::exception_ptr why);
   /// Waits for the next one; none after the last.
-  std::optional<Photo> pop();
-  /// Nobody will take any more.
+  std::optional<RenderedFrame> pop();
+  /// No more frames are accepted.
   void close();
 
  private:
   std::mutex mutex_;
   std::condition_variable changed_;
-  std::deque<Photo> photos_;
+  std::deque<RenderedFrame> frames_;
   std::size_t bytes_ = 0;
   std::size_t most_bytes_;
   bool ended_ = false;

@@ -1,4 +1,4 @@
-#include "render/surface/ambient.h"
+#include "render/surface/ambient_occlusion.h"
 
 #include <algorithm>
 #include <array>
@@ -30,17 +30,17 @@ const std::array<Eigen::Vector3f, 6>& directions() {
 
 }  // namespace
 
-float& AmbientLight::Level::at(const Vec3i& cell) {
-  return shares[static_cast<std::size_t>(cell.x() +
-                                         std::int64_t{dims.x()} * (cell.y() + std::int64_t{dims.y()} * cell.z()))];
+float& AmbientOcclusion::Level::at(const Vec3i& cell) {
+  return fractions[static_cast<std::size_t>(cell.x() +
+                                            std::int64_t{dims.x()} * (cell.y() + std::int64_t{dims.y()} * cell.z()))];
 }
 
-float AmbientLight::Level::get(int x, int y, int z) const {
+float AmbientOcclusion::Level::get(int x, int y, int z) const {
   if (x < 0 || y < 0 || z < 0 || x >= dims.x() || y >= dims.y() || z >= dims.z()) return 0;
-  return shares[static_cast<std::size_t>(x + std::int64_t{dims.x()} * (y + std::int64_t{dims.y()} * z))];
+  return fractions[static_cast<std::size_t>(x + std::int64_t{dims.x()} * (y + std::int64_t{dims.y()} * z))];
 }
 
-float AmbientLight::Level::sample(const Eigen::Vector3f& point) const {
+float AmbientOcclusion::Level::sample(const Eigen::Vector3f& point) const {
   // Voxel (0,0,0) has its centre at 0, so the first cell has its centre at (cell − 1)/2.
   const auto cell = static_cast<float>(cell_voxels);
   const Eigen::Vector3f p = (point.array() - 0.5F * (cell - 1)) / cell;
@@ -56,9 +56,9 @@ float AmbientLight::Level::sample(const Eigen::Vector3f& point) const {
   return (1 - t.z()) * low + t.z() * high;
 }
 
-float AmbientLight::Level::inside(const Vec3i& c, const Eigen::Vector3f& t) const {
+float AmbientOcclusion::Level::inside(const Vec3i& c, const Eigen::Vector3f& t) const {
   const float* corner =
-      &shares[static_cast<std::size_t>(c.x() + std::int64_t{dims.x()} * (c.y() + std::int64_t{dims.y()} * c.z()))];
+      &fractions[static_cast<std::size_t>(c.x() + std::int64_t{dims.x()} * (c.y() + std::int64_t{dims.y()} * c.z()))];
   const std::ptrdiff_t row = dims.x();
   const std::ptrdiff_t layer = row * dims.y();
   const auto along_x = [&](const float* at) { return (1 - t.x()) * at[0] + t.x() * at[1]; };
@@ -67,7 +67,7 @@ float AmbientLight::Level::inside(const Vec3i& c, const Eigen::Vector3f& t) cons
   return (1 - t.z()) * low + t.z() * high;
 }
 
-AmbientLight::AmbientLight(const Occupancy& occupancy) : voxel_mm_(occupancy.voxmap().grid.voxel_mm) {
+AmbientOcclusion::AmbientOcclusion(const Occupancy& occupancy) : voxel_mm_(occupancy.voxmap().grid.voxel_mm) {
   const Vec3i voxels = occupancy.brick_dims() * FillBricks::kSide;
   for (int level = 0; level < kLevels; ++level) {
     const int cell = kFinestCell << level;
@@ -86,25 +86,25 @@ AmbientLight::AmbientLight(const Occupancy& occupancy) : voxel_mm_(occupancy.vox
   average_coarse();
 }
 
-void AmbientLight::update(const Occupancy& occupancy, const std::vector<Vec3i>& bricks) {
+void AmbientOcclusion::update(const Occupancy& occupancy, const std::vector<Vec3i>& bricks) {
   for (const Vec3i& brick : bricks) average_brick(occupancy, brick);
   average_coarse();
 }
 
-void AmbientLight::average_brick(const Occupancy& occupancy, const Vec3i& brick) {
+void AmbientOcclusion::average_brick(const Occupancy& occupancy, const Vec3i& brick) {
   constexpr int kSide = FillBricks::kSide;
   constexpr int kHalves = kSide / kFinestCell;
   std::array<float, kHalves * kHalves * kHalves> sums{};
   const Occupancy::Kind kind = occupancy.kind(brick);
   if (kind == Occupancy::Kind::kFull) sums.fill(1);
   if (kind == Occupancy::Kind::kMixed) {
-    std::array<float, FillBricks::kVoxels> shares;
-    occupancy.gather(brick * kSide, kSide, shares.data());
+    std::array<float, FillBricks::kVoxels> fractions;
+    occupancy.gather(brick * kSide, kSide, fractions.data());
     constexpr float kEach = 1.0F / (kFinestCell * kFinestCell * kFinestCell);
     for (int i = 0; i < FillBricks::kVoxels; ++i) {
       const int cell = (i % kSide) / kFinestCell +
                        kHalves * ((i / kSide % kSide) / kFinestCell + kHalves * (i / (kSide * kSide) / kFinestCell));
-      sums[static_cast<std::size_t>(cell)] += kEach * shares[static_cast<std::size_t>(i)];
+      sums[static_cast<std::size_t>(cell)] += kEach * fractions[static_cast<std::size_t>(i)];
     }
   }
   for (int i = 0; i < kHalves * kHalves * kHalves; ++i) {
@@ -113,7 +113,7 @@ void AmbientLight::average_brick(const Occupancy& occupancy, const Vec3i& brick)
   }
 }
 
-void AmbientLight::average_coarse() {
+void AmbientOcclusion::average_coarse() {
   for (std::size_t level = 1; level < levels_.size(); ++level) {
     const Level& fine = levels_[level - 1];
     Level& coarse = levels_[level];
@@ -130,39 +130,39 @@ void AmbientLight::average_coarse() {
   }
 }
 
-AmbientLight::Look AmbientLight::look_at(std::size_t distance) const {
+AmbientOcclusion::Probe AmbientOcclusion::probe_at(std::size_t distance) const {
   const float reach = kDistances_mm[distance] / static_cast<float>(voxel_mm_);
-  // A cell no wider than about half the distance sees nothing of the flat face that the point lies on.
+  // A cell no wider than about half the distance holds nothing of the flat face that the point lies on.
   const int wanted = std::ilogb(std::max(reach * 0.5F / kFinestCell, 1.0F));
   const Level& level = levels_[static_cast<std::size_t>(std::clamp(wanted, 0, kLevels - 1))];
   return {&level, std::max(reach, 1.5F * static_cast<float>(level.cell_voxels))};
 }
 
-double AmbientLight::reach_voxels() const {
+double AmbientOcclusion::reach_voxels() const {
   double most = 0;
   for (std::size_t i = 0; i < kDistances_mm.size(); ++i) {
-    const Look look = look_at(i);
+    const Probe probe = probe_at(i);
     // A sample mixes cells whose centres are up to a cell away.
-    most = std::max(most, look.offset + 1.5 * look.level->cell_voxels);
+    most = std::max(most, probe.offset + 1.5 * probe.level->cell_voxels);
   }
   return most;
 }
 
-float AmbientLight::openness(const Eigen::Vector3f& point, const Eigen::Vector3f& normal) const {
+float AmbientOcclusion::accessibility(const Eigen::Vector3f& point, const Eigen::Vector3f& normal) const {
   const Eigen::Vector3f helper = std::abs(normal.x()) < 0.7F ? Eigen::Vector3f::UnitX() : Eigen::Vector3f::UnitY();
   const Eigen::Vector3f u = normal.cross(helper).normalized();
   const Eigen::Vector3f v = normal.cross(u);
-  float closed = 0;
+  float occluded = 0;
   for (std::size_t i = 0; i < kDistances_mm.size(); ++i) {
-    const Look look = look_at(i);
-    const Level& level = *look.level;
+    const Probe probe = probe_at(i);
+    const Level& level = *probe.level;
     float sum = 0;
     for (const Eigen::Vector3f& d : directions()) {
-      sum += level.sample(point + look.offset * (d.x() * u + d.y() * v + d.z() * normal));
+      sum += level.sample(point + probe.offset * (d.x() * u + d.y() * v + d.z() * normal));
     }
-    closed += kWeights[i] * sum / static_cast<float>(directions().size());
+    occluded += kWeights[i] * sum / static_cast<float>(directions().size());
   }
-  return 1 - closed;
+  return 1 - occluded;
 }
 
 }  // namespace reamsim

@@ -6,17 +6,17 @@
 
 namespace reamsim {
 
-/// How open the surroundings of a surface point are, from the bone's shares averaged over ever larger cells: light that
-/// comes from everywhere reaches the floor of a cavity less than a free face. It belongs to the bone and not to the
-/// view, so it does not flicker between pictures.
-class AmbientLight {
+/// Ambient occlusion of surface points, from the bone fraction averaged over ever larger cells: light that comes from
+/// everywhere reaches the floor of a cavity less than a free face. It belongs to the bone and not to the view, so it
+/// does not flicker between pictures.
+class AmbientOcclusion {
  public:
-  explicit AmbientLight(const Occupancy& occupancy);
+  explicit AmbientOcclusion(const Occupancy& occupancy);
 
   void update(const Occupancy& occupancy, const std::vector<Vec3i>& bricks);
 
-  /// 1 = open, towards 0 = closed in. `point` in voxel index space, `normal` of length 1.
-  [[nodiscard]] float openness(const Eigen::Vector3f& point, const Eigen::Vector3f& normal) const;
+  /// 1 = nothing is occluded, 0 = all is. `point` in voxel index space, `normal` of length 1.
+  [[nodiscard]] float accessibility(const Eigen::Vector3f& point, const Eigen::Vector3f& normal) const;
   /// Bone that is farther than this from a point does not matter to it.
   [[nodiscard]] double reach_voxels() const;
 
@@ -25,7 +25,7 @@ class AmbientLight {
   struct Level {
     int cell_voxels;
     Vec3i dims;
-    std::vector<float> shares;
+    std::vector<float> fractions;
     [[nodiscard]] float& at(const Vec3i& cell);
     [[nodiscard]] float get(int x, int y, int z) const;
     [[nodiscard]] float sample(const Eigen::Vector3f& point) const;
@@ -33,12 +33,12 @@ class AmbientLight {
     [[nodiscard]] float inside(const Vec3i& c, const Eigen::Vector3f& t) const;
   };
 
-  /// Where the i-th of the distances is looked at: in which cells, and how far from the point (voxels).
-  struct Look {
+  /// Where the i-th of the distances is sampled: in which cells, and how far from the point (voxels).
+  struct Probe {
     const Level* level;
     float offset;
   };
-  [[nodiscard]] Look look_at(std::size_t distance) const;
+  [[nodiscard]] Probe probe_at(std::size_t distance) const;
 
   void average_brick(const Occupancy& occupancy, const Vec3i& brick);
   void average_coarse();

@@ -2,12 +2,21 @@
 
 #include <cstdint>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "render/pictures/run_view.h"
 #include "sim/record/force_log.h"
 
 namespace reamsim {
+
+/// The camera called `name` for one half of a picture with the bone before and after, side by side. The whole has the
+/// settings' size.
+Camera half_camera(const RunView& view, const std::string& name);
+
+/// Puts such a picture together from its halves. `values`: name and number with unit, one per line, for the right one.
+PixelImage before_and_after(const RunView& view, const Camera& half, const PixelImage& before, const PixelImage& after,
+                            const std::vector<std::pair<std::string, std::string>>& values);
 
 /// How many columns and rows of cells a sheet has, and how large a cell is.
 struct SheetGrid {
@@ -31,7 +40,7 @@ class ContactSheet {
   ContactSheet(const RunView& view, const Camera& cell);
 
   /// The next cell, of the frame at this row of the log.
-  void add(PixelImage photograph, const ForceRow& row);
+  void add(PixelImage cell, const ForceRow& row);
   /// The page, with its labels.
   [[nodiscard]] PixelImage finish();
 

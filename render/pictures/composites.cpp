@@ -1,4 +1,4 @@
-#include "render/pictures/contact_sheet.h"
+#include "render/pictures/composites.h"
 
 #include <algorithm>
 
@@ -8,6 +8,18 @@
 
 namespace reamsim {
 namespace {
+
+constexpr std::uint32_t kGap_rgb = 0xffffff;
+
+/// White between the halves; what is left of an odd width.
+int gap_px(int width_px) {
+  const int thin = std::max(1, width_px / 480);
+  return width_px < 3 ? 0 : thin + (width_px - thin) % 2;
+}
+
+int half_width_px(int width_px) {
+  return std::max(1, (width_px - gap_px(width_px)) / 2);
+}
 
 constexpr std::size_t kMostFrames = 20;
 constexpr std::uint32_t kPage_rgb = 0xf4f6f9;
@@ -34,6 +46,28 @@ SheetGrid grid_of(const RunView& view) {
 }
 
 }  // namespace
+
+Camera half_camera(const RunView& view, const std::string& name) {
+  return view.camera(name, half_width_px(view.settings().width_px), view.settings().height_px);
+}
+
+PixelImage before_and_after(const RunView& view, const Camera& half, const PixelImage& before, const PixelImage& after,
+                            const std::vector<std::pair<std::string, std::string>>& values) {
+  Camera page = half;
+  page.width_px = view.settings().width_px;
+  PixelImage image = plain_image(page.width_px, page.height_px, kGap_rgb);
+  image.paste(before, 0, 0);
+  const int right_px = page.width_px - after.width_px;
+  image.paste(after, right_px, 0);
+  Labels labels = view.labels(half, std::nullopt);
+  labels.title = "Before reaming";
+  draw_labels(image, page, labels);
+  Labels of_right;
+  of_right.title = "After reaming";
+  of_right.values = values;
+  draw_value_box(image, page, of_right, right_px);
+  return image;
+}
 
 SheetGrid sheet_grid(int cells, int width_px, int height_px) {
   const bool bare = std::min(width_px, height_px) < kLeastLabelled_px;

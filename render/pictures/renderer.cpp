@@ -1,0 +1,83 @@
+#include "render/pictures/renderer.h"
+
+#include <numeric>
+
+#include "render/gl/context.h"
+#include "render/gl/scene.h"
+#include "render/surface/bone_tiles.h"
+#include "sim/record/snapshot.h"
+
+namespace reamsim {
+namespace {
+
+FillBricks first_fill(const RunInputs& run) {
+  FillBricks fill(run.voxmap->grid.dims);
+  apply_snapshot(run.dir, run.frames.front(), fill);
+  return fill;
+}
+
+}  // namespace
+
+struct Renderer::State {
+  explicit State(const RunView& view)
+      : context(make_context(view.settings().context, warning)),
+        fields(view.run().voxmap(), first_fill(view.run().inputs()), view.run().unreamed()),
+        tiles(fields),
+        scene(context->gl(), make_tool_surface(view.run().inputs().tool)) {
+    std::vector<std::size_t> all(tiles.surfaces().size());
+    std::iota(all.begin(), all.end(), std::size_t{0});
+    scene.set_bone(tiles.surfaces(), all);
+  }
+
+  std::string warning;
+  std::unique_ptr<OffscreenContext> context;
+  BoneFields fields;
+  BoneTiles tiles;
+  Scene scene;
+  std::size_t shown = 0;  ///< which of the run's snapshots
+};
+
+Renderer::Renderer(const RunView& view) : view_(view), state_(std::make_unique<State>(view)) {}
+
+Renderer::~Renderer() = default;
+
+void Renderer::advance_to(std::int64_t frame) {
+  const std::vector<std::int64_t>& frames = view_.frames();
+  while (state_->shown + 1 < frames.size() && frames[state_->shown + 1] <= frame) {
+    apply_snapshot(view_.run().dir(), frames[++state_->shown], state_->fields.fill);
+  }
+  const auto changed = state_->tiles.update(state_->fields, state_->fields.update());
+  state_->scene.set_bone(state_->tiles.surfaces(), changed);
+}
+
+PixelImage Renderer::render(const Camera& camera, const std::optional<Rigid>& tool, bool for_film) {
+  const RenderSettings& settings = view_.settings();
+  DrawCall call;
+  call.camera = camera;
+  call.depth_max_mm = view_.depth_scale().max;
+  call.contour_mm = view_.depth_scale().step;
+  call.density_max_g_cm3 = view_.density_scale().max;
+  call.bone_from_spinning_tool = tool;
+  // Solid where it is cut open, as the bone is; other views show the face behind it unless the user wants steel.
+  call.steel = camera.cut_plane || settings.tool_look == ToolLook::steel;
+  call.background = settings.background;
+  call.key_direction = settings.light.normalized().cast<float>();
+  call.supersampling = settings.supersampling;
+  call.edges = for_film ? Edges::smoothed : Edges::sampled;
+  CutFace cut_face;
+  if (camera.cut_plane) {
+    cut_face = sample_cut_face(view_.run().voxmap(), state_->fields.fill, state_->fields.solid, camera);
+    call.cut_face = &cut_face;
+  }
+  return state_->scene.draw(call);
+}
+
+double Renderer::deepest_mm() const {
+  return state_->tiles.deepest_mm();
+}
+
+const std::string& Renderer::warning() const {
+  return state_->warning;
+}
+
+}  // namespace reamsim

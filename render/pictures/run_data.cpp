@@ -1,0 +1,236 @@
+#include "render/pictures/run_data.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <future>
+#include <stdexcept>
+#include <utility>
+
+#include "render/gl/camera.h"
+#include "render/surface/unreamed_surface.h"
+#include "sim/base/error.h"
+#include "sim/bone/vdb/bone_vdb.h"
+#include "sim/mesh/mesh_io.h"
+#include "sim/predict/swept_bone.h"
+#include "sim/record/snapshot.h"
+#include "sim/tool/envelope.h"
+
+namespace reamsim {
+
+struct RunData::Outcome {
+  FillBricks fill;
+  ForceLog log;
+  std::shared_ptr<const StoredBone> bone;  ///< as reamed.vdb has it, but for the fill; none where it was not read
+};
+
+struct RunData::Prediction {
+  UnreamedSurface unreamed;
+  ViewTarget target;
+};
+
+struct RunData::State {
+  std::string dir;
+  std::shared_future<Outcome> outcome;
+  std::shared_future<RunInputs> inputs;
+  std::shared_future<Prediction> prediction;
+};
+
+namespace {
+
+std::string log_path(const std::string& dir) {
+  return dir + "/forces.csv";
+}
+
+std::string tool_path(const std::string& dir) {
+  return dir + "/snapshots/tool.stl";
+}
+
+template <class Compute>
+auto when_asked(Compute compute) {
+  return std::async(std::launch::deferred, std::move(compute)).share();
+}
+
+/// A fill with every voxel that an earlier run removed whole again: depth is measured from before it.
+FillBricks with_removed_voxels_whole(const FillBricks& fill) {
+  FillBricks out = fill;
+  fill.for_each_brick([&](const Vec3i& coord, const FillBricks::Brick& brick) {
+    FillBricks::Brick whole = brick;
+    std::replace(whole.begin(), whole.end(), std::uint16_t{0}, FillBricks::kWhole);
+    out.put(coord, whole);
+  });
+  return out;
+}
+
+PredictedBone predict_bone(const RunInputs& run) {
+  try {
+    return predict_swept_bone(*run.voxmap, run.fill, envelope_of_revolution(run.tool).profile, run.poses,
+                              run.whole_voxels);
+  } catch (const InputError& error) {
+    throw InputError({tool_path(run.dir), 0, 0}, "", error.what(), "expected the tool of a run");
+  }
+}
+
+RunInputs read_inputs(const std::string& dir, const std::shared_ptr<const StoredBone>& bone, const ForceLog& log) {
+  RunInputs out;
+  out.dir = dir;
+  out.voxmap = {bone, &bone->voxmap};
+  out.glenoid = bone->anatomy.glenoid;
+  out.side = bone->anatomy.side;
+  out.whole_voxels = bone->erosion == "remove" || bone->erosion == "wear";
+  out.frames = snapshot_frames(dir);
+  if (out.frames.empty()) {
+    throw InputError({dir + "/snapshots", 0, 0}, "", "no snapshot there", "the output folder of a run");
+  }
+  for (const std::int64_t frame : out.frames) static_cast<void>(log.at(frame, log_path(dir)));
+  for (const ForceRow& row : log.rows) {
+    out.pose_frames.push_back(row.frame);
+    out.poses.push_back(row.pose);
+  }
+  out.fill = FillBricks(out.voxmap->grid.dims);
+  if (out.frames.front() == 0) apply_snapshot(dir, 0, out.fill);
+  out.tool = read_tool(dir);
+  return out;
+}
+
+/// The tool's head: what lies no farther than this above its lowest point. The shaft may leave the picture.
+constexpr double kHead_mm = 12;
+
+void from_glenoid(ViewTarget& target, const GlenoidFrame& glenoid, BodySide side, const std::string& frame) {
+  const Mat3 axes = glenoid.bone_from_glenoid.linear();
+  target.bone_from_glenoid = glenoid.bone_from_glenoid;
+  target.focus_mm = glenoid.bone_from_glenoid.translation();
+  target.outward = axes.col(2);
+  target.superior = axes.col(1);
+  target.anatomical = true;
+  // +x of G is superior × lateral: posterior on a left shoulder, anterior on a right one.
+  if (side == BodySide::left) target.anterior = -axes.col(0);
+  if (side == BodySide::right) target.anterior = axes.col(0);
+  // In patient coordinates +y is posterior, whatever the side.
+  if (side == BodySide::unknown && frame == "LPS") target.anterior = axes(1, 0) > 0 ? Vec3(-axes.col(0)) : Vec3(axes.col(0));
+}
+
+void from_tool(ViewTarget& target) {
+  target.focus_mm = target.bone_from_tool.translation();
+  target.outward = target.bone_from_tool.linear().col(2);
+  // Up in the picture is +z of B, or +y where the tool points along z.
+  const Vec3 up = std::abs(target.outward.z()) < 0.9 ? Vec3::UnitZ() : Vec3::UnitY();
+  target.superior = (up - up.dot(target.outward) * target.outward).normalized();
+}
+
+/// What the cameras of a run look at: the glenoid where it is known; else the tool where it is deepest, seen along its
+/// own axis. `bone`: the unreamed surface, voxel index space.
+ViewTarget make_view_target(const RunInputs& run, const ToolPose& deepest, const IsoSurface& bone) {
+  ViewTarget target;
+  target.bone_from_tool = deepest.bone_from_tool();
+  if (run.glenoid) {
+    from_glenoid(target, *run.glenoid, run.side, run.voxmap->frame);
+  } else {
+    from_tool(target);
+  }
+  const VoxelGrid& grid = run.voxmap->grid;
+  for (const Eigen::Vector3f& p : bone.points) {
+    target.bone_mm.emplace_back(grid.origin_mm + grid.voxel_mm * (p.cast<double>() + Vec3::Constant(0.5)));
+    target.reach_mm = std::max(target.reach_mm, (target.bone_mm.back() - target.focus_mm).norm());
+  }
+  double tool_reach_mm = 0;
+  double lowest_mm = run.tool.bounds().min.z();
+  for (const Vec3& v : run.tool.vertices) {
+    tool_reach_mm = std::max(tool_reach_mm, v.norm());
+    if (v.z() < lowest_mm + kHead_mm) target.head_mm.push_back(target.bone_from_tool * v);
+  }
+  for (const ToolPose& pose : run.poses) {
+    const double away_mm = (pose.position_mm - target.focus_mm).norm() + tool_reach_mm;
+    target.reach_mm = std::max(target.reach_mm, away_mm);
+  }
+  return target;
+}
+
+}  // namespace
+
+const ToolPose& RunInputs::pose_at(std::int64_t frame) const {
+  const auto after = std::ranges::upper_bound(pose_frames, frame);
+  return after == pose_frames.begin() ? poses.front()
+                                      : poses[static_cast<std::size_t>(after - pose_frames.begin()) - 1];
+}
+
+TriangleMesh read_tool(const std::string& dir) {
+  return read_mesh(tool_path(dir), 1.0);
+}
+
+RunData::Outcome RunData::read_outcome(const std::string& dir) {
+  if (!std::filesystem::is_directory(dir)) {
+    throw InputError({dir, 0, 0}, "", "no such folder", "the output folder of a run");
+  }
+  auto bone = std::make_shared<StoredBone>(read_stored_bone(dir + "/reamed.vdb"));
+  FillBricks fill = std::exchange(bone->voxmap.fill, FillBricks(bone->voxmap.grid.dims));
+  return {std::move(fill), read_force_log(log_path(dir)), std::move(bone)};
+}
+
+RunData::Prediction RunData::predict_outcome(const RunInputs& inputs) {
+  const PredictedBone predicted = predict_bone(inputs);
+  UnreamedSurface unreamed(*inputs.voxmap, with_removed_voxels_whole(inputs.fill), predicted.fill);
+  ViewTarget target = make_view_target(inputs, predicted.deepest, unreamed.surface());
+  return {std::move(unreamed), std::move(target)};
+}
+
+RunData::RunData(std::string dir) : state_(new State{std::move(dir), {}, {}, {}}) {
+  State& state = *state_;
+  state.outcome = when_asked([dir = state.dir] { return read_outcome(dir); });
+  state.inputs = when_asked(
+      [dir = state.dir, outcome = state.outcome] { return read_inputs(dir, outcome.get().bone, outcome.get().log); });
+  state.prediction = when_asked([inputs = state.inputs] { return predict_outcome(inputs.get()); });
+}
+
+RunData::RunData(RunInputs inputs) : state_(new State{inputs.dir, {}, {}, {}}) {
+  std::promise<RunInputs> known;
+  known.set_value(std::move(inputs));
+  state_->inputs = known.get_future().share();
+  state_->prediction = when_asked([inputs = state_->inputs] { return predict_outcome(inputs.get()); });
+}
+
+void RunData::predict() {
+  state_->prediction =
+      std::async(std::launch::async, [inputs = state_->inputs] { return predict_outcome(inputs.get()); }).share();
+}
+
+void RunData::finish(FillBricks fill) {
+  state_->outcome = when_asked([dir = state_->dir, fill = std::move(fill)]() mutable {
+    return Outcome{std::move(fill), read_force_log(log_path(dir)), nullptr};
+  });
+}
+
+const std::string& RunData::dir() const {
+  return state_->dir;
+}
+
+const RunInputs& RunData::inputs() const {
+  return state_->inputs.get();
+}
+
+const UnreamedSurface& RunData::unreamed() const {
+  return state_->prediction.get().unreamed;
+}
+
+const ViewTarget& RunData::target() const {
+  return state_->prediction.get().target;
+}
+
+const RunData::Outcome& RunData::outcome() const {
+  if (!state_->outcome.valid()) throw std::logic_error("the run has not ended");
+  return state_->outcome.get();
+}
+
+const FillBricks& RunData::last_fill() const {
+  return outcome().fill;
+}
+
+const ForceLog& RunData::log() const {
+  return outcome().log;
+}
+
+const ForceRow& RunData::row_of(std::int64_t frame) const {
+  return log().at(frame, log_path(dir()));
+}
+
+}  // namespace reamsim
