@@ -51,12 +51,12 @@ ToolPose pose_at(const Vec3& position_mm) {
   return {.position_mm = position_mm};
 }
 
-double removed_mm3(const Voxmap& bone, const FillBricks& fill) {
+double removed_mm3(const BoneView& bone) {
   double sum = 0;
-  for_each_bone_voxel(bone, [&](const Vec3i& voxel, std::uint8_t, std::uint16_t) {
-    sum += 1 - static_cast<double>(fill.get(voxel)) / FillBricks::kWhole;
+  for_each_bone_voxel(bone, [&](const Vec3i&, std::uint8_t, std::uint16_t fill) {
+    sum += 1 - static_cast<double>(fill) / FillBricks::kWhole;
   });
-  return sum * bone.grid.voxel_mm3();
+  return sum * bone.voxmap.grid.voxel_mm3();
 }
 
 double cap_mm3(double depth_mm) {
@@ -71,7 +71,7 @@ TEST(ForeseenBoneTest, APlungeTakesTheCapOfItsDeepestPose) {
   for (int k = 0; k <= 40; ++k) poses.push_back(pose_at({0.1, 0.2, -2.1 + 0.13 * k}));
   const ForeseenBone foreseen = foresee(bone, bone.fill, ball(), poses, false);
   EXPECT_DOUBLE_EQ(foreseen.deepest.position_mm.z(), -2.1);
-  EXPECT_NEAR(removed_mm3(bone, foreseen.fill) / cap_mm3(2.1), 1, 0.01);
+  EXPECT_NEAR(removed_mm3({bone, foreseen.fill}) / cap_mm3(2.1), 1, 0.01);
   const UnreamedSurface unreamed(std::make_shared<UnreamedBone>(bone, bone.fill), bone, foreseen.fill);
   EXPECT_NEAR(unreamed.deepest_mm(), 2.1, 0.05);
 }
@@ -82,7 +82,7 @@ TEST(ForeseenBoneTest, BetweenTwoPosesFarApartTheToolIsEverywhere) {
   // A trench, with half a cap at either end. Its section is the circle's segment.
   const double half = std::acos((kRadius_mm - 2) / kRadius_mm);
   const double segment_mm2 = kRadius_mm * kRadius_mm * (half - std::sin(half) * std::cos(half));
-  EXPECT_NEAR(removed_mm3(bone, foreseen.fill) / (12 * segment_mm2 + cap_mm3(2)), 1, 0.01);
+  EXPECT_NEAR(removed_mm3({bone, foreseen.fill}) / (12 * segment_mm2 + cap_mm3(2)), 1, 0.01);
 }
 
 TEST(ForeseenBoneTest, ATiltedToolIsFollowed) {
@@ -92,7 +92,7 @@ TEST(ForeseenBoneTest, ATiltedToolIsFollowed) {
   const Vec3 middle(0, 0, kRadius_mm - 2);
   ToolPose tilted{.position_mm = middle - kRadius_mm * (tilt * Vec3::UnitZ()), .orientation = tilt};
   const ForeseenBone foreseen = foresee(bone, bone.fill, ball(), {tilted}, false);
-  EXPECT_NEAR(removed_mm3(bone, foreseen.fill) / cap_mm3(2), 1, 0.01);
+  EXPECT_NEAR(removed_mm3({bone, foreseen.fill}) / cap_mm3(2), 1, 0.01);
 }
 
 TEST(ForeseenBoneTest, WhatTheToolNeverMeetsStaysAsItWas) {
@@ -101,7 +101,7 @@ TEST(ForeseenBoneTest, WhatTheToolNeverMeetsStaysAsItWas) {
   const ForeseenBone foreseen = foresee(bone, bone.fill, ball(), {pose_at({0, 0, 9}), pose_at({0, 0, 0.4})}, false);
   EXPECT_EQ(foreseen.deepest.position_mm.z(), 9) << "the first pose, as nothing else is known";
   EXPECT_EQ(foreseen.fill.get({3, 3, 19}), 1000);
-  EXPECT_NEAR(removed_mm3(bone, foreseen.fill), (1 - 1000.0 / FillBricks::kWhole) * bone.grid.voxel_mm3(), 1e-9);
+  EXPECT_NEAR(removed_mm3({bone, foreseen.fill}), (1 - 1000.0 / FillBricks::kWhole) * bone.grid.voxel_mm3(), 1e-9);
 }
 
 TEST(ForeseenBoneTest, NeverFillsAgainWhatWasGone) {
@@ -122,7 +122,7 @@ TEST(ForeseenBoneTest, ARunIsForeseenAsItHappens) {
   const Voxmap& bone = *run.results().bone;
   const Profile tool = envelope_of_revolution(plan.tool).profile;
   const ForeseenBone foreseen = foresee(bone, plan.fill_before, tool, plan.poses, plan.whole_voxels);
-  EXPECT_NEAR(removed_mm3(bone, foreseen.fill) / removed_mm3(bone, bone.fill), 1, 0.01);
+  EXPECT_NEAR(removed_mm3({bone, foreseen.fill}) / removed_mm3({bone, run.results().fill}), 1, 0.01);
   EXPECT_NEAR(run.planned().unreamed().deepest_mm(), truth.deepest_mm, 0.1);
 }
 
