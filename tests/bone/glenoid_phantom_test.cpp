@@ -53,7 +53,6 @@ Stretch plate(const BoneView& bone, const Vec3& from, const Vec3& along) {
 }
 
 TEST(GlenoidPhantom, FaceIsASphereOfTheGivenRadius) {
-  const Bone& bone = standard();
   const Vec3 center(32, 0, 0);  // default face radius, left: +x is lateral
   for (const double a : {-8.0, 0.0, 8.0}) {
     for (const double s : {-10.0, -4.0, 3.0, 9.0}) {

@@ -218,11 +218,11 @@ TEST(PartialHole, TakesTheCylinderOutOfTheVoxels) {
   hole.depth_mm = 8;
   const double truth_mm3 = pi * 4 * 8;
   Report report;
-  Bone bone = bone_from_phantom(settings, report);
-  const double before_mm3 = bone.view().bone_mm3();
+  FilledVoxmap bone = bone_from_phantom(settings, report).take_voxels();
+  const double before_mm3 = bone.bone_mm3();
   const double drilled_mm3 = drill_pilot_hole(bone, hole, {}, true);
   EXPECT_NEAR(drilled_mm3, truth_mm3, 0.002 * truth_mm3);
-  EXPECT_NEAR(before_mm3 - bone.view().bone_mm3(), drilled_mm3, 1e-6);
+  EXPECT_NEAR(before_mm3 - bone.bone_mm3(), drilled_mm3, 1e-6);
 }
 
 }  // namespace

@@ -82,7 +82,7 @@ TEST(Implicit, TheVoiHoldsEveryVoxelThatTheToolHolds) {
   std::uniform_real_distribution<double> u(-1, 1);
   const ReamingScene scene = oblique_scene("serial", "implicit");
   const VoxelGrid& grid = scene.bone.voxmap->grid;
-  const VoxelBox bone = bone_extent(*scene.bone);
+  const VoxelBox bone = bone_extent(*scene.bone.voxmap);
   const ProfileTable table = full_profile_table(scene.tool.profile);
   const ProfileView profile = view_of(table);
   std::int64_t held = 0, looked_at = 0;

@@ -48,12 +48,12 @@ ToolPose pose_at(const Vec3& position_mm) {
   return {.position_mm = position_mm};
 }
 
-double removed_mm3(const Voxmap& bone, const FillBricks& fill) {
+double removed_mm3(const BoneView& bone) {
   double sum = 0;
-  for_each_bone_voxel(bone, [&](const Vec3i& voxel, std::uint8_t, std::uint16_t) {
-    sum += 1 - static_cast<double>(fill.get(voxel)) / FillBricks::kWhole;
+  for_each_bone_voxel(bone, [&](const Vec3i&, std::uint8_t, std::uint16_t fill) {
+    sum += 1 - static_cast<double>(fill) / FillBricks::kWhole;
   });
-  return sum * bone.grid.voxel_mm3();
+  return sum * bone.voxmap.grid.voxel_mm3();
 }
 
 double cap_mm3(double depth_mm) {
@@ -61,50 +61,50 @@ double cap_mm3(double depth_mm) {
 }
 
 TEST(PredictedBoneTest, APlungeTakesTheCapOfItsDeepestPose) {
-  const Voxmap bone = slab();
+  const FilledVoxmap bone = slab();
   // By steps of which several go into half a voxel; the deepest pose stands between two others.
   std::vector<ToolPose> poses;
   for (int k = 0; k <= 31; ++k) poses.push_back(pose_at({0.1, 0.2, 1 - 0.1 * k}));
   for (int k = 0; k <= 40; ++k) poses.push_back(pose_at({0.1, 0.2, -2.1 + 0.13 * k}));
   const PredictedBone predicted = predict_swept_bone(bone, bone.fill, ball(), poses, false);
   EXPECT_DOUBLE_EQ(predicted.deepest.position_mm.z(), -2.1);
-  EXPECT_NEAR(removed_mm3(bone, predicted.fill) / cap_mm3(2.1), 1, 0.01);
+  EXPECT_NEAR(removed_mm3({bone, predicted.fill}) / cap_mm3(2.1), 1, 0.01);
   const UnreamedSurface unreamed(bone, bone.fill, predicted.fill);
   EXPECT_NEAR(unreamed.deepest_mm(), 2.1, 0.05);
 }
 
 TEST(PredictedBoneTest, BetweenTwoPosesFarApartTheToolIsEverywhere) {
-  const Voxmap bone = slab();
+  const FilledVoxmap bone = slab();
   const PredictedBone predicted =
       predict_swept_bone(bone, bone.fill, ball(), {pose_at({-6, 0, -2}), pose_at({6, 0, -2})}, false);
   // A trench, with half a cap at either end. Its section is the circle's segment.
   const double half = std::acos((kRadius_mm - 2) / kRadius_mm);
   const double segment_mm2 = kRadius_mm * kRadius_mm * (half - std::sin(half) * std::cos(half));
-  EXPECT_NEAR(removed_mm3(bone, predicted.fill) / (12 * segment_mm2 + cap_mm3(2)), 1, 0.01);
+  EXPECT_NEAR(removed_mm3({bone, predicted.fill}) / (12 * segment_mm2 + cap_mm3(2)), 1, 0.01);
 }
 
 TEST(PredictedBoneTest, ATiltedToolIsFollowed) {
-  const Voxmap bone = slab();
+  const FilledVoxmap bone = slab();
   const Quat tilt(Eigen::AngleAxisd(0.4, Vec3::UnitX()));
   // About the ball's middle, so that nothing but the tool's axis changes.
   const Vec3 middle(0, 0, kRadius_mm - 2);
   ToolPose tilted{.position_mm = middle - kRadius_mm * (tilt * Vec3::UnitZ()), .orientation = tilt};
   const PredictedBone predicted = predict_swept_bone(bone, bone.fill, ball(), {tilted}, false);
-  EXPECT_NEAR(removed_mm3(bone, predicted.fill) / cap_mm3(2), 1, 0.01);
+  EXPECT_NEAR(removed_mm3({bone, predicted.fill}) / cap_mm3(2), 1, 0.01);
 }
 
 TEST(PredictedBoneTest, WhatTheToolNeverMeetsStaysAsItWas) {
-  Voxmap bone = slab();
+  FilledVoxmap bone = slab();
   bone.fill.set({3, 3, 19}, 1000);
   const PredictedBone predicted =
       predict_swept_bone(bone, bone.fill, ball(), {pose_at({0, 0, 9}), pose_at({0, 0, 0.4})}, false);
   EXPECT_EQ(predicted.deepest.position_mm.z(), 9) << "the first pose, as nothing else is known";
   EXPECT_EQ(predicted.fill.get({3, 3, 19}), 1000);
-  EXPECT_NEAR(removed_mm3(bone, predicted.fill), (1 - 1000.0 / FillBricks::kWhole) * bone.grid.voxel_mm3(), 1e-9);
+  EXPECT_NEAR(removed_mm3({bone, predicted.fill}), (1 - 1000.0 / FillBricks::kWhole) * bone.grid.voxel_mm3(), 1e-9);
 }
 
 TEST(PredictedBoneTest, NeverFillsAgainWhatWasGone) {
-  Voxmap bone = slab();
+  FilledVoxmap bone = slab();
   bone.fill.set({24, 24, 19}, 0);
   bone.fill.set({24, 24, 12}, 30000);
   const PredictedBone predicted =
@@ -122,12 +122,12 @@ TEST(PredictedBoneTest, ARunIsPredictedAsItHappens) {
   const Voxmap& bone = run.voxmap();
   const Profile tool = envelope_of_revolution(inputs.tool).profile;
   const PredictedBone predicted = predict_swept_bone(bone, inputs.fill, tool, inputs.poses, inputs.whole_voxels);
-  EXPECT_NEAR(removed_mm3(bone, predicted.fill) / removed_mm3(bone, run.last_fill()), 1, 0.01);
+  EXPECT_NEAR(removed_mm3({bone, predicted.fill}) / removed_mm3(bone, run.last_fill()), 1, 0.01);
   EXPECT_NEAR(run.unreamed().deepest_mm(), truth.deepest_mm, 0.1);
 }
 
 TEST(PredictedBoneTest, WhereVoxelsGoWholeEachOneThatIsTouchedGoes) {
-  const Voxmap bone = slab();
+  const FilledVoxmap bone = slab();
   const Vec3 middle(0.13, 0.21, kRadius_mm - 2.2);
   const PredictedBone predicted =
       predict_swept_bone(bone, bone.fill, ball(), {pose_at({0.13, 0.21, 3}), pose_at({0.13, 0.21, -2.2})}, true);
@@ -162,7 +162,7 @@ TEST(PredictedBoneTest, TheDepthOfAFlatFloorIsKnownWhereverItLiesInTheLattice) {
 }
 
 TEST(PredictedBoneTest, WhatAnEarlierRunTookIsReamedToo) {
-  Voxmap bone = slab();
+  FilledVoxmap bone = slab();
   // A pit of 3 mm, far from where the ball comes.
   for (int k = 14; k < 20; ++k) {
     for (int j = 4; j < 16; ++j) {
