@@ -120,7 +120,7 @@ void render_command(const RenderOptions& options, const Console& console) {
     throw InputError({options.dir, 0, 0}, "", "no such results folder", "expected the output folder of a finished run");
   }
   const ResultSettings settings = settings_of(options, "");
-  PictureOptions pictures{.settings = settings.render, .unsuffixed_camera = settings.render.cameras.front()};
+  PictureOptions pictures{.settings = settings.render, .unsuffixed_camera = name_of(settings.render.cameras.front())};
   if (!options.cameras.empty()) choose_cameras(options, pictures.settings);
   choose_kinds(options, pictures);
   pictures.settings.enabled = true;

@@ -7,7 +7,7 @@
 namespace reamsim {
 
 FrameSchedule::FrameSchedule(const RunView& view, const PictureOptions& options)
-    : names(view.settings().cameras), stills(options.stills) {
+    : names(names_of(view.settings().cameras)), stills(options.stills) {
   const RenderSettings& settings = view.settings();
   for (const UserCamera& own : settings.user_cameras) names.push_back(own.name);
   for (const std::string& name : names) {
