@@ -97,7 +97,7 @@ void bench_command(const BenchOptions& options, const Console& console) {
   plot.device = findings.device;
   add_severe(findings, plot);
   add_voi(findings, plot);
-  if (plot.severe.empty()) return console.warn("no program could be measured, so there is no figure");
+  if (plot.severe.empty()) return console.warn("no engine could be measured: no figure written");
   write_bench_plot(folder.path(), plot);
   folder.finish();
   console.say("figure: " + folder.final_path() + "/bench.png");
@@ -106,20 +106,26 @@ void bench_command(const BenchOptions& options, const Console& console) {
 }  // namespace
 
 void add_bench_command(CLI::App& app, Console& console) {
-  auto* command = app.add_subcommand("bench", "Measure every engine on this machine, the paper's tables beside it");
+  auto* command =
+      app.add_subcommand("bench", "Benchmark every engine on this machine and compare with the paper's tables");
   auto options = std::make_shared<BenchOptions>();
-  command->add_flag("--quick", options->quick, "Under a minute: severe contact and none, direct and bricked");
-  command->add_option("--json", options->json, "Write what was measured as JSON")
+  command->add_flag("--quick", options->quick,
+                    "Short suite, under a minute: severe and no contact, engines direct and bricked");
+  command->add_option("--json", options->json, "Write the measurements as JSON")
       ->check(refuse_empty)
       ->type_name("FILE");
-  command->add_option("-o,--output", options->output, "Folder for bench.png, bench.svg and bench.gp; out/bench without")
+  command
+      ->add_option("-o,--output", options->output,
+                   "Output folder for bench.png, bench.svg and bench.gp (default: out/bench)")
       ->check(refuse_empty);
   command->add_flag("--overwrite", options->overwrite, "Replace an existing figure and JSON file");
-  command->add_option("--device", options->device, "auto, or part of an OpenCL device's name")->type_name("NAME");
-  command->add_option("--engines", options->engines, "Some of bricked, direct, octree, implicit; all without")
+  command->add_option("--device", options->device, "auto, or part of the name of an OpenCL device")->type_name("NAME");
+  command
+      ->add_option("--engines", options->engines,
+                   "Engines to measure: bricked, direct, octree, implicit (default: all)")
       ->delimiter(',')
       ->type_name("E,E");
-  command->add_flag("--quiet", console.quiet, "Say nothing but warnings and errors");
+  command->add_flag("--quiet", console.quiet, "Print only warnings and errors");
   // Prints the depths that sim/bench/poses.cpp holds, found anew; for whoever changes the scene.
   command->add_flag("--find-depths", options->find_depths)->group("");
   command->callback([options, &console] { bench_command(*options, console); });

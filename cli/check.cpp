@@ -35,20 +35,20 @@ void note_cost(const ReamingScene& scene, Report& report) {
   const RunCost cost = estimate_cost(scene);
   const VoxelGrid& grid = scene.bone.voxmap->grid;
   char text[256];
-  std::snprintf(text, sizeof text, "would run: %lld frames (%.3f s at %g Hz), %lld substeps",
+  std::snprintf(text, sizeof text, "motion: %lld frames (%.3f s at %g Hz), %lld substeps",
                 static_cast<long long>(cost.frames), static_cast<double>(cost.frames) * scene.motion.frame_s(),
                 scene.motion.frame_rate_hz, static_cast<long long>(cost.substeps));
   report.note(text);
-  std::snprintf(text, sizeof text, "bone: %d x %d x %d voxels of %g mm, %lld with bone (%.1f mm3)", grid.dims.x(),
+  std::snprintf(text, sizeof text, "bone: %d x %d x %d voxels of %g mm, %lld contain bone (%.1f mm3)", grid.dims.x(),
                 grid.dims.y(), grid.dims.z(), grid.voxel_mm, static_cast<long long>(scene.bone.view().count_bone()),
                 scene.bone.view().bone_mm3());
   report.note(text);
-  std::snprintf(text, sizeof text, "tool: %zu shell points, %g mm apart", scene.tool.shell.codes.size(),
+  std::snprintf(text, sizeof text, "tool: %zu shell points, spacing %g mm", scene.tool.shell.codes.size(),
                 scene.tool.shell.cell_mm);
   report.note(text);
   const MemoryPlan memory = plan_memory(scene);
-  report.note("memory: " + megabytes(memory.device_bytes) + " on the device, about " + megabytes(memory.process_bytes) +
-              " in the program at most, the device's included where that is the processor; pictures come on top");
+  report.note("memory: " + megabytes(memory.device_bytes) + " on the device, up to " + megabytes(memory.process_bytes) +
+              " in total, plus rendering");
 }
 
 /// Reams the scene's bone. The engine's own mistakes come to light here as well.
@@ -65,22 +65,22 @@ void note_time(ReamingScene& scene, double load_s, MistakeList& mistakes, Report
     load_s += watch.seconds();
     TimePlan plan;
     if (!mistakes.attempt([&] { plan = plan_time(scene, *engine, kTiming_s); })) return;
-    std::snprintf(text, sizeof text, "time: about %.2g s to simulate (%lld frames in %d windows timed on %s)",
+    std::snprintf(text, sizeof text, "time: about %.2g s for the simulation (%lld frames in %d windows timed on %s)",
                   plan.simulate_s, static_cast<long long>(plan.timed_frames), plan.windows, engine->device().c_str());
     report.note(text);
     std::snprintf(text, sizeof text,
-                  "time: about %.2g s for %d pictures, drawn while it simulates and after; %.2g s to load",
+                  "time: about %.2g s for %d pictures, rendered during and after the simulation; %.2g s to load",
                   pictures * kPicture_s * pixels / (1920 * 1080), pictures, load_s);
     report.note(text);
   } catch (const RunError& error) {
-    report.warn(std::string("the engine cannot be started, so time is not estimated: ") + error.what());
+    report.warn(std::string("no time estimate: the engine cannot start: ") + error.what());
   }
 }
 
 void warn_of_settings(const ReamingScene& scene, Report& report) {
   const auto& poses = scene.motion.poses;
   if (std::none_of(poses.begin(), poses.end(), [](const ToolPose& p) { return p.spin_rpm != 0; })) {
-    report.warn("the tool never spins; its force would be that of a tool pushed through");
+    report.warn("spindle speed is zero: forces are those of a non-rotating tool");
   }
   try {
     require_film_program(scene.scenario.render);
@@ -121,7 +121,8 @@ void check_command(const ScenarioOptions& options, const Console& console) {
 }  // namespace
 
 void add_check_command(CLI::App& app, Console& console) {
-  auto* command = app.add_subcommand("check", "Parse, validate and resolve a scenario; print what would run");
+  auto* command = app.add_subcommand(
+      "check", "Validate a scenario, estimate time and memory, and print it with all defaults; write nothing");
   auto options = std::make_shared<ScenarioOptions>();
   options->add_to(*command);
   command->callback([options, &console] { check_command(*options, console); });

@@ -37,7 +37,7 @@ struct ScenarioOptions {
 
 /// For CLI11's check(): refuses the name "".
 inline std::string refuse_empty(const std::string& name) {
-  return name.empty() ? "found an empty name; expected a file or folder" : "";
+  return name.empty() ? "empty name; give a file or folder" : "";
 }
 
 }  // namespace reamsim

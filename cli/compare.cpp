@@ -34,19 +34,19 @@ constexpr std::array kShown{
 
 /// Throws InputError unless each of two or more folders is a run's, and none is named twice.
 void check_folders(const std::vector<std::string>& dirs) {
-  if (dirs.size() < 2) throw InputError({}, "DIR", "found one folder", "expected two or more results folders");
+  if (dirs.size() < 2) throw InputError({}, "DIR", "only one folder given", "give two or more results folders");
   std::set<fs::path> seen;
   for (const std::string& dir : dirs) {
     std::error_code error;
     if (!fs::is_directory(dir, error)) {
-      throw InputError({dir, 0, 0}, "", "no such results folder", "expected the output folder of a finished run");
+      throw InputError({dir, 0, 0}, "", "folder not found", "expected the results folder of a finished run");
     }
     if (!seen.insert(fs::canonical(dir)).second) {
-      throw InputError({dir, 0, 0}, "", "the same folder twice", "expected different runs");
+      throw InputError({dir, 0, 0}, "", "folder given twice", "give different runs");
     }
     for (const char* file : {"summary.json", "forces.csv", "scenario.yaml"}) {
       if (fs::is_regular_file(dir + "/" + file, error)) continue;
-      throw InputError({dir, 0, 0}, "", std::string("has no ") + file, "expected the output folder of a finished run");
+      throw InputError({dir, 0, 0}, "", std::string("has no ") + file, "expected the results folder of a finished run");
     }
   }
 }
@@ -70,8 +70,8 @@ void set_means(std::vector<ComparedRun>& runs, const std::vector<ComparedMetric>
                                   [](const ComparedMetric& metric) { return metric.key == "bone.voxel_mm"; });
   for (std::size_t i = 0; i < runs.size(); ++i) {
     if (found == metrics.end() || !(found->values[i] > 0)) {
-      throw InputError({runs[i].dir + "/summary.json", 0, 0}, "bone.voxel_mm", "missing, or not above 0",
-                       "expected what `reamsim run` wrote");
+      throw InputError({runs[i].dir + "/summary.json", 0, 0}, "bone.voxel_mm", "missing or not positive",
+                       "expected a file written by `reamsim run`");
     }
     runs[i].mean_travel_mm =
         averaged_travel_mm(parse_result_settings(runs[i].dir + "/scenario.yaml").cutting, found->values[i]);
@@ -125,20 +125,21 @@ void compare_command(const CompareOptions& options, const Console& console) {
   write_comparison(folder.path(), runs, metrics);
   folder.finish();
   say_table(console, runs, metrics);
-  console.say("differences are from " + runs[0].label + "; all numbers: " + folder.final_path() + "/compare.csv");
+  console.say("differences are relative to " + runs[0].label + "; all numbers: " + folder.final_path() +
+              "/compare.csv");
 }
 
 }  // namespace
 
 void add_compare_command(CLI::App& app, Console& console) {
-  auto* command = app.add_subcommand("compare", "Overlay the curves of finished runs, and tabulate their differences");
+  auto* command =
+      app.add_subcommand("compare", "Compare finished runs: curves in one figure, differences in one table");
   auto options = std::make_shared<CompareOptions>();
-  command->add_option("DIR", options->dirs, "Output folders of finished runs; differences are from the first")
+  command->add_option("DIR", options->dirs, "Results folders of finished runs; differences are relative to the first")
       ->required();
-  command->add_option("-o,--output", options->output, "Folder for the figure and the tables; out/compare without")
-      ->check(refuse_empty);
+  command->add_option("-o,--output", options->output, "Output folder (default: out/compare)")->check(refuse_empty);
   command->add_flag("--overwrite", options->overwrite, "Replace an existing comparison once this one succeeds");
-  command->add_flag("--quiet", console.quiet, "Say nothing but warnings and errors");
+  command->add_flag("--quiet", console.quiet, "Print only warnings and errors");
   command->callback([options, &console] { compare_command(*options, console); });
 }
 

@@ -63,7 +63,7 @@ Bone load_checked(const Scenario& scenario, Report& report) {
 
 void import_command(const ImportOptions& options, const Console& console) {
   if (extension(options.output) != ".vdb") {
-    throw InputError({options.output, 0, 0}, "", "not a .vdb file", "expected -o NAME.vdb");
+    throw InputError({options.output, 0, 0}, "", "output file does not end in .vdb", "use -o NAME.vdb");
   }
   require_replaceable_file(options.output, "-o", options.overwrite, is_vdb_of_reamsim, {options.input});
   const Scenario scenario = scenario_of(options);
@@ -85,21 +85,22 @@ void import_command(const ImportOptions& options, const Console& console) {
 }  // namespace
 
 void add_import_command(CLI::App& app, Console& console) {
-  auto* command = app.add_subcommand("import", "Turn a CT or a mesh into a voxmap (VDB) that bone.source: vdb reads");
+  auto* command = app.add_subcommand("import", "Convert a CT or mesh to a voxmap (VDB) for bone.source: vdb");
   auto options = std::make_shared<ImportOptions>();
   command
-      ->add_option("INPUT", options->input,
-                   "DICOM folder, NRRD, NIfTI or MetaImage; STL, OBJ or PLY; or a scenario, whose bone is taken")
+      ->add_option(
+          "INPUT", options->input,
+          "CT (DICOM folder, NRRD, NIfTI, MetaImage), mesh (STL, OBJ, PLY), or a scenario whose bone is imported")
       ->required();
   command->add_option("-o,--output", options->output, "VDB file to write")->required()->check(refuse_empty);
   command
       ->add_option("--set", options->overrides,
-                   "A key of the bone section, e.g. bone.voxel_mm=0.5 or bone.ct.threshold_hu=250; may be repeated")
+                   "Override a key of the bone section, for example bone.ct.threshold_hu=250; repeatable")
       ->type_name("KEY.PATH=VALUE")
       ->expected(1)
       ->take_all();
   command->add_flag("--overwrite", options->overwrite, "Replace the output file");
-  command->add_flag("--quiet", console.quiet, "Say nothing but warnings and errors");
+  command->add_flag("--quiet", console.quiet, "Print only warnings and errors");
   command->callback([options, &console] { import_command(*options, console); });
 }
 

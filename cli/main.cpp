@@ -29,7 +29,8 @@ void open_standard_streams() {
 
 /// Parses the arguments, which runs the command.
 int run(int argc, char** argv) {
-  CLI::App app{"reamsim reams a bone on a computer: a scenario in; pictures, force plots and a VDB out."};
+  CLI::App app{
+      "reamsim simulates glenoid reaming: it turns a scenario into cutting forces, pictures and an OpenVDB grid."};
   app.set_version_flag("--version", "reamsim " REAMSIM_VERSION
                                     "\nLicensed under the Apache License, Version 2.0. Copyright the reamsim authors.");
   app.require_subcommand(1);
@@ -49,7 +50,7 @@ int run(int argc, char** argv) {
   if (argc > 1 && argv[1][0] != '-' && app.get_subcommands(named).empty()) {
     const std::string found =
         std::string(argv[1]) +
-        ": no such command; expected run, check, render, compare, import, bench, verify or devices";
+        ": unknown command; expected run, check, render, compare, import, bench, verify or devices";
     return complain(found, kWrongInput);
   }
   try {

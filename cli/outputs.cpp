@@ -14,7 +14,7 @@ namespace reamsim {
 namespace {
 
 constexpr const char* kNoSpectrum =
-    "no spectrum of the torque: the tool does not spin, or touches bone for less than four turns";
+    "no torque spectrum: the tool does not rotate, or contact lasts less than four revolutions";
 
 /// The pose that forces.csv is read for, so that a run that is rendered again looks the same to the last bit.
 ToolPose as_logged(ToolPose pose) {

@@ -40,8 +40,9 @@ ResultSettings settings_of(const RenderOptions& options, const std::string& own_
   std::vector<std::string> overrides = options.overrides;
   for (const std::string& override : overrides) {
     if (override.starts_with("render.")) continue;
-    throw InputError({}, "--set", "found '" + override + "'",
-                     "expected render.KEY=VALUE: nothing is simulated again, only drawn");
+    throw InputError(
+        {}, "--set", "found '" + override + "'",
+        "expected render.KEY=VALUE: this command only renders; to change anything else, run the scenario again");
   }
   const auto set = [&](const std::string& key, const std::string& value) {
     overrides.push_back("render." + key + "=" + value);
@@ -84,7 +85,7 @@ void choose_cameras(const RenderOptions& options, RenderSettings& settings) {
   };
   for (const std::string& name : options.cameras) {
     if (describes_a_camera(name)) continue;
-    if (taken(name)) throw InputError({}, "--camera", "found " + name + " twice", "expected each camera once");
+    if (taken(name)) throw InputError({}, "--camera", "found " + name + " twice", "give each camera once");
     const auto own = std::ranges::find(known, name, &UserCamera::name);
     if (own != known.end()) {
       settings.user_cameras.push_back(*own);
@@ -117,7 +118,7 @@ void choose_kinds(const RenderOptions& options, PictureOptions& pictures) {
 
 void render_command(const RenderOptions& options, const Console& console) {
   if (!std::filesystem::is_directory(options.dir)) {
-    throw InputError({options.dir, 0, 0}, "", "no such results folder", "expected the output folder of a finished run");
+    throw InputError({options.dir, 0, 0}, "", "folder not found", "expected the results folder of a finished run");
   }
   const ResultSettings settings = settings_of(options, "");
   PictureOptions pictures{.settings = settings.render, .unsuffixed_camera = name_of(settings.render.cameras.front())};
@@ -142,36 +143,36 @@ void render_command(const RenderOptions& options, const Console& console) {
 }  // namespace
 
 void add_render_command(CLI::App& app, Console& console) {
-  auto* command = app.add_subcommand("render", "Make the pictures of a finished run again, from its results alone");
+  auto* command = app.add_subcommand("render", "Re-render a finished run without simulating");
   auto options = std::make_shared<RenderOptions>();
-  command->add_option("DIR", options->dir, "Output folder of a finished run")->required();
+  command->add_option("DIR", options->dir, "Results folder of a finished run")->required();
   command
       ->add_option("--camera", options->cameras,
-                   "glenoid, oblique, section, overview, a camera of the run's render.user_cameras, or one in "
-                   "braces with the same keys: '{name: N, position_mm: [x, y, z]}'; may be repeated")
+                   "glenoid, oblique, section, overview, a camera of render.user_cameras, or a camera in braces with "
+                   "the same keys: '{name: N, position_mm: [x, y, z]}'; repeatable")
       ->expected(1)
       ->take_all();
   command->add_flag("--film{mp4}", options->film,
-                    "Make a film as well: mp4, or --film=webp, --film=apng; takes ffmpeg");
-  command->add_option("--film-rate", options->film_rate_hz, "Pictures that the film shows per second");
-  command->add_option("--turntable", options->turntable_pictures, "So many pictures round the superior axis as well");
+                    "Also render a film: mp4 (default), --film=webp or --film=apng; needs ffmpeg");
+  command->add_option("--film-rate", options->film_rate_hz, "Frame rate of the film, pictures per second");
+  command->add_option("--turntable", options->turntable_pictures, "Also render N turntable images");
   command
       ->add_option("--only", options->only,
-                   "Make nothing but: pictures, before_after, contact_sheet, turntable, film, plots, meshes or report; "
-                   "may be repeated")
+                   "Render only this: pictures, before_after, contact_sheet, turntable, film, plots, meshes or report; "
+                   "repeatable")
       ->expected(1)
       ->take_all()
       ->check(CLI::IsMember(
           {"pictures", "before_after", "contact_sheet", "turntable", "film", "plots", "meshes", "report"}));
   command
       ->add_option("--set", options->overrides,
-                   "Override a key of the run's render settings, e.g. render.background=transparent; may be repeated")
+                   "Override a render setting, for example render.background=transparent; repeatable")
       ->expected(1)
       ->take_all();
-  command->add_option("--width", options->width_px, "Width in pixels");
-  command->add_option("--height", options->height_px, "Height in pixels");
-  command->add_option("--context", options->context, "osmesa or egl");
-  command->add_flag("--quiet", console.quiet, "Say nothing but warnings and errors");
+  command->add_option("--width", options->width_px, "Width of the pictures in pixels");
+  command->add_option("--height", options->height_px, "Height of the pictures in pixels");
+  command->add_option("--context", options->context, "OpenGL context: osmesa or egl");
+  command->add_flag("--quiet", console.quiet, "Print only warnings and errors");
   command->callback([options, &console] { render_command(*options, console); });
 }
 

@@ -120,7 +120,9 @@ void run_in(OutputFolder& folder, const Scenario& scenario, const Console& conso
     throw;
   } catch (const std::bad_alloc&) {
     finish();
-    throw RunError(folder.path() + ": pictures and meshes need more memory than there is");
+    throw RunError(
+        folder.path() +
+        ": not enough memory for pictures and meshes; use smaller pictures, larger voxels, or output.meshes: false");
   }
   finish();
   outputs.make_report();
@@ -139,7 +141,7 @@ void run_command(const RunOptions& options, const Console& console) {
     run_in(folder, scenario, console);
   } catch (const Interrupted&) {
     folder.keep();
-    console.warn("interrupted; what was finished is in " + folder.path());
+    console.warn("interrupted; finished frames are in " + folder.path());
     throw;
   } catch (const std::exception& error) {
     if (!folder.has_frames()) throw;
@@ -153,14 +155,13 @@ void run_command(const RunOptions& options, const Console& console) {
 }  // namespace
 
 void add_run_command(CLI::App& app, Console& console) {
-  auto* command = app.add_subcommand("run", "Run a scenario to pictures, force plots and a VDB");
+  auto* command = app.add_subcommand("run", "Simulate a scenario and write forces, pictures, plots and grids");
   auto options = std::make_shared<RunOptions>();
   options->scenario.add_to(*command);
-  command->add_option("-o,--output", options->output, "Output folder; out/NAME of the scenario without it")
-      ->check(refuse_empty);
+  command->add_option("-o,--output", options->output, "Output folder (default: out/NAME)")->check(refuse_empty);
   command->add_flag("--overwrite", options->overwrite, "Replace an existing results folder once the run succeeds");
-  command->add_flag("--quiet", console.quiet, "Say nothing but warnings and errors");
-  command->add_flag("--verbose", console.verbose, "Say what each stage did");
+  command->add_flag("--quiet", console.quiet, "Print only warnings and errors");
+  command->add_flag("--verbose", console.verbose, "Print what each stage did");
   command->callback([options, &console] { run_command(*options, console); });
 }
 

@@ -6,12 +6,12 @@ namespace reamsim {
 
 void ScenarioOptions::add_to(CLI::App& command) {
   command.add_option("SCENARIO", file, "Scenario file (YAML)")->required();
-  command.add_option("--set", overrides, "Override a key of the scenario, e.g. bone.voxel_mm=0.4; may be repeated")
+  command.add_option("--set", overrides, "Override a key of the scenario, for example bone.voxel_mm=0.4; repeatable")
       ->type_name("KEY.PATH=VALUE")
       ->expected(1)
       ->take_all();
-  command.add_option("--device", device, "auto, serial, or part of an OpenCL device's name")->type_name("NAME");
-  command.add_option("--engine", engine, "Detector: bricked, direct, octree or implicit")->type_name("E");
+  command.add_option("--device", device, "auto, serial, or part of the name of an OpenCL device")->type_name("NAME");
+  command.add_option("--engine", engine, "Engine: bricked, direct, octree or implicit")->type_name("E");
 }
 
 std::vector<std::string> ScenarioOptions::all_overrides() const {

@@ -23,7 +23,7 @@ struct VerifyOptions {
 void tell_failures(const verify::Findings& findings, const Console& console) {
   for (const verify::CaseFindings& found : findings.cases) {
     for (const verify::Check& check : found.checks) {
-      if (!check.passed()) console.warn(found.title + ": " + check.quantity + " is out of its tolerance");
+      if (!check.passed()) console.warn(found.title + ": " + check.quantity + " exceeds its tolerance");
     }
   }
 }
@@ -49,24 +49,24 @@ void verify_command(const VerifyOptions& options, const Console& console) {
   console.say("report: " + report);
   if (findings.passed()) return;
   tell_failures(findings, console);
-  throw RunError(std::to_string(findings.failed_checks()) + " figures are out of their tolerance; see " + report);
+  throw RunError(std::to_string(findings.failed_checks()) + " figures exceed their tolerance; see " + report);
 }
 
 }  // namespace
 
 void add_verify_command(CLI::App& app, Console& console) {
   auto* command =
-      app.add_subcommand("verify", "Hold this build, on this machine, against closed forms; a report to cite");
+      app.add_subcommand("verify", "Verify this build against analytical solutions and write a citable report");
   auto options = std::make_shared<VerifyOptions>();
-  command->add_flag("--quick", options->quick, "Under two minutes: coarser voxels, fewer runs");
+  command->add_flag("--quick", options->quick, "Short suite: coarser voxels, fewer runs");
   command
       ->add_option("-o,--output", options->output,
-                   "Folder for verification.md, .json, .png and .svg; out/verify without")
+                   "Output folder for verification.md, .json, .png and .svg (default: out/verify)")
       ->check(refuse_empty);
-  command->add_flag("--overwrite", options->overwrite, "Replace an existing report once this one is complete");
-  command->add_option("--device", options->device, "auto, serial, or part of an OpenCL device's name")
+  command->add_flag("--overwrite", options->overwrite, "Replace an existing report once the new one is complete");
+  command->add_option("--device", options->device, "auto, serial, or part of the name of an OpenCL device")
       ->type_name("NAME");
-  command->add_flag("--quiet", console.quiet, "Say nothing but warnings and errors");
+  command->add_flag("--quiet", console.quiet, "Print only warnings and errors");
   command->callback([options, &console] { verify_command(*options, console); });
 }
 

@@ -201,7 +201,7 @@ void render_pictures(const RunData& run, const PictureOptions& options, const Pi
   } catch (const std::filesystem::filesystem_error& error) {
     throw RunError(run.dir() + ": " + error.code().message());
   } catch (const std::bad_alloc&) {
-    throw RunError(run.dir() + ": the pictures need more memory than there is");
+    throw RunError(run.dir() + ": not enough memory for the pictures; use smaller pictures or larger voxels");
   }
 }
 

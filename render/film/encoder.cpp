@@ -67,7 +67,7 @@ int wait_for(pid_t child) {
 /// A file in memory, closed by whoever asked for it. Throws RunError.
 int memory_file() {
   const int fd = memfd_create("reamsim-ffmpeg", MFD_CLOEXEC);
-  if (fd < 0) throw RunError(std::string("no memory for what ffmpeg says: ") + std::strerror(errno));
+  if (fd < 0) throw RunError(std::string("no memory for the messages of ffmpeg: ") + std::strerror(errno));
   return fd;
 }
 
@@ -141,13 +141,13 @@ void require_encoder(FilmFormat format) {
   const std::string list = error == 0 ? contents(words) : "";
   close_fd(words);
   if (error != 0) {
-    throw RunError(std::string("a film needs ffmpeg, which cannot be started (") + std::strerror(error) +
-                   "); install it (apt-get install ffmpeg), or leave render.film and --film out");
+    throw RunError(std::string("a film needs ffmpeg, which cannot start (") + std::strerror(error) +
+                   "): install it (apt-get install ffmpeg), or remove render.film and --film");
   }
   const std::string encoder(facts_of(format).encoder);
   if (list.find(" " + encoder + " ") == std::string::npos) {
     throw RunError("the ffmpeg on this machine cannot write " + name_of(format) + ", because it has no encoder " +
-                   encoder + "; install another, or choose another render.film");
+                   encoder + ": install another ffmpeg, or choose another render.film");
   }
 }
 
@@ -216,7 +216,7 @@ std::string FilmEncoder::wait() {
   child_ = -1;
   if (WIFEXITED(status) && WEXITSTATUS(status) == 0) return "";
   const std::string words = contents(words_fd_);
-  return words.empty() ? "it ended without a word" : words;
+  return words.empty() ? "exited without an error message" : words;
 }
 
 void FilmEncoder::add(const PixelImage& image) {
@@ -240,7 +240,7 @@ void FilmEncoder::finish() {
   const std::string words = wait();
   if (!words.empty()) fail(words);
   std::error_code error;
-  if (std::filesystem::file_size(partial_path_, error) == 0 || error) fail("it wrote nothing");
+  if (std::filesystem::file_size(partial_path_, error) == 0 || error) fail("wrote no file");
   std::filesystem::rename(partial_path_, path_, error);
   if (error) throw RunError(path_ + ": cannot be written (" + error.message() + ")");
 }

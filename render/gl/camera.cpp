@@ -161,7 +161,7 @@ Camera make_user_camera(const UserCamera& wanted, const ViewTarget& target, int 
   Rigid bone_from_frame = Rigid::Identity();
   if (wanted.frame == PoseFrame::glenoid) {
     if (!target.bone_from_glenoid) {
-      throw InputError({}, key, "frame is glenoid, and the results have no glenoid frame", "expected frame: bone");
+      throw InputError({}, key, "frame is glenoid but the results have no glenoid frame", "use frame: bone");
     }
     bone_from_frame = *target.bone_from_glenoid;
   }
@@ -170,8 +170,7 @@ Camera make_user_camera(const UserCamera& wanted, const ViewTarget& target, int 
   const Vec3 towards_viewer = position_mm - target_mm;
   const Vec3 up = wanted.up ? Vec3(bone_from_frame.linear() * *wanted.up) : natural_up(target, towards_viewer);
   if (towards_viewer.norm() < kLeastView_mm || up.normalized().cross(towards_viewer.normalized()).norm() < kLeastSine) {
-    throw InputError({}, key, "found it in the middle of its own picture, or looking along up",
-                     "expected another position_mm, target_mm or up");
+    throw InputError({}, key, "the camera is at its target, or looks along up", "change position_mm, target_mm or up");
   }
   Camera camera;
   camera.name = wanted.name;

@@ -36,7 +36,7 @@ std::unique_ptr<OffscreenContext> make_context(RenderContext wanted, std::string
   }
   try {
     auto other = osmesa_first ? make_egl_context() : make_osmesa_context();
-    fallback = first_reason + "; pictures are drawn with " + (osmesa_first ? "egl" : "osmesa") + " instead";
+    fallback = first_reason + "; rendering with " + (osmesa_first ? "egl" : "osmesa") + " instead";
     return other;
   } catch (const RunError& error) {
     throw RunError("no off-screen OpenGL context: " + first_reason + "; " + error.what());

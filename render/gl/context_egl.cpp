@@ -46,7 +46,7 @@ class EglContext final : public OffscreenContext {
     EGLint major = 0;
     EGLint minor = 0;
     if (initialize(display_, &major, &minor) != EGL_TRUE) {
-      throw RunError("EGL cannot initialise its surfaceless platform");
+      throw RunError("EGL cannot initialize its surfaceless platform");
     }
   }
 
@@ -64,7 +64,7 @@ class EglContext final : public OffscreenContext {
         EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT, EGL_NONE};
     const auto create = library_.function<decltype(&eglCreateContext)>("eglCreateContext");
     context_ = create(display_, config, EGL_NO_CONTEXT, attributes.data());
-    if (context_ == EGL_NO_CONTEXT) throw RunError("EGL cannot make an OpenGL 4.5 core context");
+    if (context_ == EGL_NO_CONTEXT) throw RunError("EGL cannot create an OpenGL 4.5 core context");
   }
 
   void bind_opengl() {

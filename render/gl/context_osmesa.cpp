@@ -37,7 +37,7 @@ class OsmesaContext final : public OffscreenContext {
                                 0};
     const auto create = library_.function<CreateContextAttribs>("OSMesaCreateContextAttribs");
     context_ = create(attributes.data(), nullptr);
-    if (context_ == nullptr) throw RunError("OSMesa cannot make an OpenGL 4.5 core context");
+    if (context_ == nullptr) throw RunError("OSMesa cannot create an OpenGL 4.5 core context");
     try {
       make_current();
       const auto address = library_.function<GetProcAddress>("OSMesaGetProcAddress");

@@ -121,7 +121,7 @@ GlTarget::GlTarget(const Gl& gl, int width, int height, bool multisample) : gl_(
   gl.GetIntegerv(GL_MAX_SAMPLES, &samples);
   if (width < 1 || height < 1 || width > largest || height > largest) {
     throw RunError("a picture of " + std::to_string(width) + " x " + std::to_string(height) +
-                   " pixels cannot be drawn; this OpenGL draws 1 to " + std::to_string(largest) + " on a side");
+                   " pixels are not supported; this OpenGL supports 1 to " + std::to_string(largest) + " on a side");
   }
   samples = multisample ? std::min(samples, kSamples) : 0;
   gl.GenFramebuffers(2, framebuffers_);
@@ -132,7 +132,7 @@ GlTarget::GlTarget(const Gl& gl, int width, int height, bool multisample) : gl_(
   for (const GLuint framebuffer : framebuffers_) {
     gl.BindFramebuffer(GL_FRAMEBUFFER, framebuffer);
     if (gl.CheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE || gl.GetError() != GL_NO_ERROR) {
-      throw RunError("OpenGL cannot make a picture of " + std::to_string(width) + " x " + std::to_string(height) +
+      throw RunError("OpenGL cannot create a picture of " + std::to_string(width) + " x " + std::to_string(height) +
                      " pixels");
     }
   }

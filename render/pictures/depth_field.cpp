@@ -63,7 +63,7 @@ void DepthField::place(const std::vector<Row>& rows, const std::string& path) {
   const Vec2 last(*std::max_element(xs.begin(), xs.end()), *std::max_element(ys.begin(), ys.end()));
   const Vec2 size = ((last - corner_mm_) / pitch_mm_).array().round() + 1;
   if (size.prod() > kMostCells) {
-    throw InputError({path, 0, 0}, "", "its columns stand on no raster", "the depth_map.csv of a run");
+    throw InputError({path, 0, 0}, "", "columns do not lie on a regular grid", "the depth_map.csv of a run");
   }
   nx_ = static_cast<int>(size.x());
   ny_ = static_cast<int>(size.y());

@@ -30,7 +30,7 @@ void write_meshes(const RunData& run, double depth_max_mm, Report& report) {
   if (reamed.mesh.triangles.empty()) {
     std::filesystem::remove(dir + "/reamed.glb");
     std::filesystem::remove(dir + "/reamed.stl");
-    report.warn("no bone is left to mesh: no reamed.glb and no reamed.stl");
+    report.warn("no bone remains: reamed.glb and reamed.stl are not written");
     return;
   }
   write_glb(dir + "/reamed.glb", reamed, depth_scale(run, depth_max_mm).max);

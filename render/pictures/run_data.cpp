@@ -80,7 +80,7 @@ RunInputs read_inputs(const std::string& dir, const std::shared_ptr<const Stored
   out.whole_voxels = bone->erosion == "remove" || bone->erosion == "wear";
   out.frames = snapshot_frames(dir);
   if (out.frames.empty()) {
-    throw InputError({dir + "/snapshots", 0, 0}, "", "no snapshot there", "the output folder of a run");
+    throw InputError({dir + "/snapshots", 0, 0}, "", "contains no snapshot", "the output folder of a run");
   }
   for (const std::int64_t frame : out.frames) static_cast<void>(log.at(frame, log_path(dir)));
   for (const ForceRow& row : log.rows) {
@@ -107,7 +107,8 @@ void from_glenoid(ViewTarget& target, const GlenoidFrame& glenoid, BodySide side
   if (side == BodySide::left) target.anterior = -axes.col(0);
   if (side == BodySide::right) target.anterior = axes.col(0);
   // In patient coordinates +y is posterior, whatever the side.
-  if (side == BodySide::unknown && frame == "LPS") target.anterior = axes(1, 0) > 0 ? Vec3(-axes.col(0)) : Vec3(axes.col(0));
+  if (side == BodySide::unknown && frame == "LPS")
+    target.anterior = axes(1, 0) > 0 ? Vec3(-axes.col(0)) : Vec3(axes.col(0));
 }
 
 void from_tool(ViewTarget& target) {
@@ -160,7 +161,7 @@ TriangleMesh read_tool(const std::string& dir) {
 
 RunData::Outcome RunData::read_outcome(const std::string& dir) {
   if (!std::filesystem::is_directory(dir)) {
-    throw InputError({dir, 0, 0}, "", "no such folder", "the output folder of a run");
+    throw InputError({dir, 0, 0}, "", "folder not found", "the output folder of a run");
   }
   auto bone = std::make_shared<StoredBone>(read_stored_bone(dir + "/reamed.vdb"));
   FillBricks fill = std::exchange(bone->voxmap.fill, FillBricks(bone->voxmap.grid.dims));

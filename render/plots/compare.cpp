@@ -28,7 +28,8 @@ Json read_summary(const std::string& path) {
   if (!in) throw InputError({path, 0, 0}, "", "cannot be read", "expected the results folder of a finished run");
   const Json summary = Json::parse(in, nullptr, false);
   if (!summary.is_object() || !summary.contains("removed_mm3") || !summary.contains("forces")) {
-    throw InputError({path, 0, 0}, "", "damaged, or no summary of a run", "expected what `reamsim run` wrote");
+    throw InputError({path, 0, 0}, "", "damaged, or not the summary of a run",
+                     "expected a file written by `reamsim run`");
   }
   return summary;
 }

@@ -45,15 +45,14 @@ std::string mean_block(const ForceLog& log, const std::vector<double>& energy_mj
   const std::size_t step = 1 + log.rows.size() / kMostPoints;
   const Headline run = headline_of(log, travel_mm > 0);
   std::ostringstream out;
-  out << "# What stands first of this run, as in its pictures, summary.json and report\n"
+  out << "# Headline figures, as in pictures, summary.json and report\n"
       << "headline_force = " << gnuplot_string(run.force_name() + " " + run.force_text() + " N") << '\n'
       << "headline_torque = " << gnuplot_string(run.torque_name() + " " + run.torque_text() + " N·mm") << '\n'
       << "headline_depth = " << gnuplot_string(std::string(Headline::kDepthName) + " " + run.depth_text() + " mm")
       << "\n\n"
       << "# Means over the last " << travel_mm
-      << " mm of travel (0: every frame for itself): time (s), axial force (N), spin torque (N·mm), depth (mm), "
-         "cutting "
-         "power (W)\n"
+      << " mm of travel (0: single frames): time (s), axial force (N), spin torque (N·mm), depth (mm), cutting power "
+         "(W)\n"
       << "travel_mm = " << travel_mm << "\n$mean << END\n";
   for (std::size_t i = 0; i < log.rows.size(); i += step) {
     const ForceRow& row = log.rows[i];
@@ -96,9 +95,8 @@ std::string shortest_text(double value) {
 
 void draw_plot(const std::string& dir, const std::string& name, const std::string& data, const char* script) {
   const std::string head = "# Makes " + name +
-                           ".png, .svg and .pdf. Change what you like, and run it again in the folder of the "
-                           "results:\n# gnuplot " +
-                           name + ".gp\n\n";
+                           ".png, .svg and .pdf. Edit it, and run it again in the results folder:\n# gnuplot " + name +
+                           ".gp\n\n";
   std::error_code error;
   std::filesystem::create_directories(std::filesystem::path(dir + "/" + name).parent_path(), error);
   run_gnuplot(dir, name + ".gp", head + data + embedded::plot_style + script,

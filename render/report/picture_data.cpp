@@ -26,7 +26,7 @@ using Image = std::unique_ptr<cairo_surface_t, decltype(&cairo_surface_destroy)>
 Image read_png(const std::string& path) {
   Image image(cairo_image_surface_create_from_png(path.c_str()), &cairo_surface_destroy);
   if (cairo_surface_status(image.get()) != CAIRO_STATUS_SUCCESS) {
-    throw InputError({path, 0, 0}, "", "is not a picture that can be read", "a PNG that reamsim render made");
+    throw InputError({path, 0, 0}, "", "is not a readable picture", "a PNG written by reamsim render");
   }
   return image;
 }

@@ -34,19 +34,19 @@ constexpr std::size_t kMostFrames = 120;  // of all cameras together
 
 Json read_json(const std::string& path, const std::string& expected) {
   Json json = Json::parse(read_whole(path, expected), nullptr, false);
-  if (!json.is_object()) throw InputError({path, 0, 0}, "", "is no JSON object", expected);
+  if (!json.is_object()) throw InputError({path, 0, 0}, "", "is not a JSON object", expected);
   return json;
 }
 
 /// What a final picture shows, from its file's name; `first`: the camera whose files have no suffix.
 std::string caption_of(const std::string& name, const std::string& first) {
-  if (name == "depth_map") return "What the reamer took, seen along the glenoid's axis";
+  if (name == "depth_map") return "Depth of the removed bone, seen along the axis of the glenoid";
   if (name == "segmentation") return "The CT with the outline of the segmented bone, in three planes";
   const std::string camera = name == "reamed" ? first : name.substr(std::string("reamed_").size());
   const auto view = from_name<CameraView>(camera);
   if (view == CameraView::oblique) return "The reamed bone, oblique";
-  if (view == CameraView::glenoid) return "The reamed bone, face on";
-  if (view == CameraView::section) return "The reamed bone, cut open along the tool's axis";
+  if (view == CameraView::glenoid) return "The reamed bone, en face";
+  if (view == CameraView::section) return "The reamed bone, section along the tool axis";
   if (view == CameraView::overview) return "The whole bone";
   return "The reamed bone: " + camera;
 }

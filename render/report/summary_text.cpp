@@ -29,38 +29,39 @@ struct Table {
 };
 
 constexpr std::array kKeyFigures{Line{"/removed_mm3", "Bone removed", "mm³"},
-                                 Line{"/metrics/dense_bone_left/mean_mm", "Dense bone left, mean", "mm"},
+                                 Line{"/metrics/dense_bone_left/mean_mm", "Remaining dense bone, mean", "mm"},
                                  Line{"/balance", "Energy balance", ""}};
 
 constexpr std::array kBone{Line{"/bone/bone_before_mm3", "Bone before", "mm³"},
                            Line{"/bone/bone_after_mm3", "Bone after", "mm³"},
                            Line{"/metrics/removed/total_mm3", "Removed", "mm³"},
-                           Line{"/metrics/removed/dense_mm3", "of it dense", "mm³"},
-                           Line{"/metrics/removed/trabecular_mm3", "of it trabecular", "mm³"},
+                           Line{"/metrics/removed/dense_mm3", "Removed, dense", "mm³"},
+                           Line{"/metrics/removed/trabecular_mm3", "Removed, trabecular", "mm³"},
                            Line{"/bone/voxel_mm", "Voxel", "mm"}};
-constexpr std::array kSegmentation{Line{"/segmentation/method", "Method", ""},
-                                   Line{"/segmentation/threshold_hu", "Threshold", "HU"},
-                                   Line{"/segmentation/bone_mm3", "Segmented bone", "mm³"},
-                                   Line{"/segmentation/below_threshold_fraction", "of it below the threshold", ""},
-                                   Line{"/segmentation/density_lower_bound_fraction",
-                                        "of its surface: density is a lower bound (cortex too thin for the scan)", ""},
-                                   Line{"/segmentation/pieces", "Connected pieces", ""},
-                                   Line{"/segmentation/kept", "Piece kept", ""},
-                                   Line{"/segmentation/kept_rank", "its number by size", ""},
-                                   Line{"/segmentation/kept_piece_mm3", "its volume before closing", "mm³"},
-                                   Line{"/segmentation/second_piece_mm3", "Second largest piece", "mm³"},
-                                   Line{"/segmentation/dropped_mm3", "Dropped", "mm³"},
-                                   Line{"/segmentation/cut_mm3", "Removed by cuts", "mm³"},
-                                   Line{"/segmentation/closed_mm3", "Added by closing", "mm³"},
-                                   Line{"/segmentation/filled_mm3", "Added by filling", "mm³"}};
-constexpr std::array kFace{Line{"/metrics/depth/max_mm", "Depth along the axis, greatest", "mm"},
+constexpr std::array kSegmentation{
+    Line{"/segmentation/method", "Method", ""},
+    Line{"/segmentation/threshold_hu", "Threshold", "HU"},
+    Line{"/segmentation/bone_mm3", "Segmented bone", "mm³"},
+    Line{"/segmentation/below_threshold_fraction", "Fraction below the threshold", ""},
+    Line{"/segmentation/density_lower_bound_fraction",
+         "Fraction of the surface where density is a lower bound (cortex too thin for the scan)", ""},
+    Line{"/segmentation/pieces", "Connected pieces", ""},
+    Line{"/segmentation/kept", "Piece kept", ""},
+    Line{"/segmentation/kept_rank", "Rank of the kept piece by size", ""},
+    Line{"/segmentation/kept_piece_mm3", "Volume of the kept piece before closing", "mm³"},
+    Line{"/segmentation/second_piece_mm3", "Second largest piece", "mm³"},
+    Line{"/segmentation/dropped_mm3", "Dropped", "mm³"},
+    Line{"/segmentation/cut_mm3", "Removed by cuts", "mm³"},
+    Line{"/segmentation/closed_mm3", "Added by closing", "mm³"},
+    Line{"/segmentation/filled_mm3", "Added by filling", "mm³"}};
+constexpr std::array kFace{Line{"/metrics/depth/max_mm", "Depth along the axis, maximum", "mm"},
                            Line{"/metrics/depth/mean_mm", "Depth, mean", "mm"},
                            Line{"/metrics/depth/p95_mm", "Depth, 95th percentile", "mm"},
                            Line{"/metrics/depth/area_mm2", "Reamed area", "mm²"},
                            Line{"/metrics/face/shape", "Shape of the reamed face", ""},
-                           Line{"/metrics/face/sphere/radius_mm", "Radius of the sphere through it", "mm"},
-                           Line{"/metrics/face/sphere/residual_rms_mm", "Residual of that sphere, RMS", "mm"},
-                           Line{"/metrics/face/plane/residual_rms_mm", "Residual of a plane, RMS", "mm"}};
+                           Line{"/metrics/face/sphere/radius_mm", "Radius of the fitted sphere", "mm"},
+                           Line{"/metrics/face/sphere/residual_rms_mm", "Residual of the sphere, RMS", "mm"},
+                           Line{"/metrics/face/plane/residual_rms_mm", "Residual of the plane, RMS", "mm"}};
 constexpr std::array kOrientation{
     Line{"/metrics/orientation/native/version_deg", "Version, native face", "°"},
     Line{"/metrics/orientation/reamed/version_deg", "Version, reamed face", "°"},
@@ -77,18 +78,18 @@ constexpr std::array kOrientation{
     Line{"/metrics/joint_line/reamed_fraction", "Fraction of the face reamed", ""},
     Line{"/metrics/orientation/reamer/version_deg", "Version of the reamer", "°"},
     Line{"/metrics/orientation/reamer/inclination_deg", "Inclination of the reamer", "°"},
-    Line{"/metrics/orientation/turned_deg", "Face turned by", "°"},
+    Line{"/metrics/orientation/turned_deg", "Angle between native and reamed axis", "°"},
     Line{"/metrics/orientation/inclination_convention", "Inclination is", ""}};
-constexpr std::array kLeft{Line{"/metrics/dense_bone_left/mean_mm", "Dense bone under the face, mean", "mm"},
+constexpr std::array kLeft{Line{"/metrics/dense_bone_left/mean_mm", "Remaining dense bone under the face, mean", "mm"},
                            Line{"/metrics/dense_bone_left/p05_mm", "5th percentile", "mm"},
                            Line{"/metrics/dense_bone_left/least_mm", "least", "mm"},
                            Line{"/metrics/dense_bone_left/exposed_percent", "Face without dense bone", "%"},
                            Line{"/metrics/perforation/perforated", "Perforated", ""},
                            Line{"/metrics/perforation/holes", "Holes", ""},
-                           Line{"/metrics/perforation/area_mm2", "Area of the holes", "mm²"},
+                           Line{"/metrics/perforation/area_mm2", "Area of the perforations", "mm²"},
                            Line{"/metrics/seating/seated_percent", "Implant seated", "%"},
                            Line{"/metrics/seating/mean_gap_mm", "Gap under the implant, mean", "mm"},
-                           Line{"/metrics/seating/max_gap_mm", "Gap under the implant, greatest", "mm"}};
+                           Line{"/metrics/seating/max_gap_mm", "Gap under the implant, maximum", "mm"}};
 constexpr std::array kLoads{
     Line{"/forces/peak_layer_axial_force_n", "Axial force, peak over a voxel of travel", "N"},
     Line{"/forces/peak_axial_force_n", "Axial force, peak of a single frame", "N"},
@@ -96,15 +97,15 @@ constexpr std::array kLoads{
     Line{"/forces/peak_layer_spin_torque_nmm", "Spin torque, peak over a voxel of travel", "N·mm"},
     Line{"/forces/peak_spin_torque_nmm", "Spin torque, peak of a single frame", "N·mm"},
     Line{"/forces/mean_spin_torque_nmm", "Spin torque, mean", "N·mm"},
-    Line{"/forces/rms_force_n", "Force, RMS of its length", "N"},
-    Line{"/forces/rms_torque_nmm", "Torque, RMS of its length", "N·mm"}};
+    Line{"/forces/rms_force_n", "Force magnitude, RMS", "N"},
+    Line{"/forces/rms_torque_nmm", "Torque magnitude, RMS", "N·mm"}};
 constexpr std::array kEnergy{
-    Line{"/work_mj", "Work done by the tool", "mJ"}, Line{"/energy_mj", "Energy of cutting", "mJ"},
-    Line{"/friction_energy_mj", "of it friction", "mJ"}, Line{"/floor_energy_mj", "Energy below the speed floor", "mJ"},
-    Line{"/balance", "Balance, share of the energy of cutting", ""}};
+    Line{"/work_mj", "Work done by the tool", "mJ"}, Line{"/energy_mj", "Cutting energy", "mJ"},
+    Line{"/friction_energy_mj", "Friction energy", "mJ"}, Line{"/floor_energy_mj", "Speed-floor energy", "mJ"},
+    Line{"/balance", "Energy balance, fraction of the cutting energy", ""}};
 constexpr std::array kMotion{Line{"/simulated_s", "Simulated time", "s"},
                              Line{"/reaming_s", "Time in contact", "s"},
-                             Line{"/max_depth_mm", "Tool depth, from first contact", "mm"},
+                             Line{"/max_depth_mm", "Tool depth, since first contact", "mm"},
                              Line{"/frames", "Frames", ""},
                              Line{"/contact_frames", "Frames in contact", ""},
                              Line{"/first_contact_frame", "First frame in contact", ""}};
@@ -113,13 +114,13 @@ const std::array kTables{Table{"Bone", kBone},
                          Table{"Segmentation", kSegmentation},
                          Table{"Reamed face", kFace},
                          Table{"Orientation", kOrientation},
-                         Table{"Bone left under the face", kLeft},
+                         Table{"Remaining bone under the face", kLeft},
                          Table{"Force and torque", kLoads},
                          Table{"Energy", kEnergy},
                          Table{"Motion", kMotion}};
 
 InputError wrong(const std::string& path, const std::string& key, const std::string& expected) {
-  return {{path, 0, 0}, key, "found something else there", "expected " + expected};
+  return {{path, 0, 0}, key, "found another type", "expected " + expected};
 }
 
 /// The value of a line as text; "" where the run has none.
@@ -295,14 +296,13 @@ std::string verification_html(const Json& summary, const Json& verification, con
   const Line balance{"/balance", "", ""};
   std::string out =
       "<p>Energy balance of this run: <strong>" + value_text(summary, balance, summary_path) +
-      "</strong> of the energy of cutting. It is what the tool's work and the energy that removing the bone "
-      "takes differ by, counted apart; it says that force and removal agree, not that the force law fits "
-      "your bone.</p>\n";
+      "</strong> of the cutting energy. It is the difference between the work of the tool and the cutting energy of "
+      "the removed bone, which are accumulated separately. It checks the bookkeeping, not the bone.</p>\n";
   if (verification.is_null()) {
     return out +
-           "<p class=\"status unknown\">Not verified on this machine, as far as this folder knows: run "
-           "<code>reamsim verify</code>, put its verification.json here, and <code>reamsim render</code> this "
-           "folder again.</p>\n";
+           "<p class=\"status unknown\">This folder contains no verification of the build. Run <code>reamsim "
+           "verify</code>, copy its verification.json here, and re-render this folder with <code>reamsim "
+           "render</code>.</p>\n";
   }
   if (!verification.contains("passed") || !verification.at("passed").is_boolean() || !verification.contains("cases") ||
       !verification.at("cases").is_array()) {

@@ -74,7 +74,8 @@ std::string verdict(const Check& check) {
 }
 
 std::string checks_table(const CaseFindings& findings) {
-  std::string out = head({"figure", "closed form or bar", "result", "error", "tolerance", "", "why this tolerance"});
+  std::string out =
+      head({"figure", "closed form or limit", "result", "error", "tolerance", "", "reason for the tolerance"});
   for (const Check& check : findings.checks) {
     out += row({with_unit(check.quantity, check.unit), expected_text(check), number("%.8g", check.found),
                 error_text(check), tolerance_text(check), verdict(check), check.reason});
@@ -116,14 +117,14 @@ std::string summary_table(const Findings& findings) {
 std::string verification_markdown(const Findings& findings) {
   std::string out = "# Verification of reamsim " REAMSIM_VERSION "\n\n";
   out += std::string(findings.quick ? "Quick" : "Full") + " suite on " + findings.device + ", erosion `exact`: " +
-         (findings.passed() ? "every case passed" : std::to_string(findings.failed_checks()) + " figures FAILED") +
+         (findings.passed() ? "all cases passed" : std::to_string(findings.failed_checks()) + " figures FAILED") +
          ". Took " + number("%.0f", findings.seconds) + " s.\n\n" + summary_table(findings);
   out +=
       "Errors are relative to the closed form unless they have a unit. The order of an error is its slope over the "
-      "step, both logarithmic, by least squares; \"none\" where it is no more than rounding. The order from three "
-      "levels knows no closed form; \"none\" where they do not converge monotonically. The grid convergence index is "
-      "Roache's, with that order, at most 2, and a safety factor of 1.25; without one, with order 2 and a factor of "
-      "3.\n\n![Errors under refinement](verification.png)\n\n";
+      "step size, both logarithmic, by least squares; it is \"none\" where the error is rounding. The order from three "
+      "levels does not use the closed form; it is \"none\" where they do not converge monotonically. The grid "
+      "convergence index is that of Roache, with this order, at most 2, and a safety factor of 1.25; without an order, "
+      "with order 2 and a factor of 3.\n\n![Errors under refinement](verification.png)\n\n";
   for (const CaseFindings& found : findings.cases) {
     out += "<a id=\"" + found.id + "\"></a>\n## " + found.title + "\n\nScene: " + found.scene +
            ".\n\nClosed form: " + found.form + ".\n\n";

@@ -53,7 +53,7 @@ void carry_on(const Vec3i& dims, std::vector<std::uint8_t>& grades) {
 
 DensityVolume density_volume(const Voxmap& voxmap, std::int64_t most_cells) {
   const VoxelBox bone = bone_extent(voxmap);
-  if (bone.empty()) throw InputError({"reamed.vdb", 0, 0}, "density", "there is no bone in it", "the bone of a run");
+  if (bone.empty()) throw InputError({"reamed.vdb", 0, 0}, "density", "contains no bone", "the bone of a run");
   DensityVolume out;
   const int n = voxels_per_cell(bone.size(), most_cells, out.dims);
   out.cell_mm = n * voxmap.grid.voxel_mm;

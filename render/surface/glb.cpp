@@ -133,7 +133,7 @@ void write_chunks(const std::string& path, const std::string& json, const std::v
   constexpr std::size_t kHeads = 12 + 8 + 8;
   const std::size_t total = kHeads + json.size() + binary.size();
   if (total > UINT32_MAX) {
-    throw RunError(path + ": the mesh passes the 4 GiB of a glb; set output.meshes to false, or use larger voxels");
+    throw RunError(path + ": the mesh exceeds the 4 GiB limit of GLB: set output.meshes: false, or use larger voxels");
   }
   std::ofstream out(path, std::ios::binary | std::ios::trunc);
   for (const std::size_t word : {std::size_t{kMagic}, std::size_t{2}, total, json.size(), std::size_t{kJsonChunk}}) {

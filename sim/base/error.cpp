@@ -46,7 +46,7 @@ std::string message_of(const std::exception& error) {
   if (dynamic_cast<const std::bad_alloc*>(&error) != nullptr) {
     return "out of memory; use a larger bone.voxel_mm or a smaller crop";
   }
-  return "internal error; please report it with the scenario";
+  return "internal error: please report it with the scenario";
 }
 
 }  // namespace reamsim

@@ -75,7 +75,7 @@ Field make_field(const Plan& plan, const Arena& arena, const SizePair& size, boo
     } catch (const RunError& error) {
       skip(error.what());
     } catch (const std::bad_alloc&) {
-      skip("the program has no room for its copy of the bone");
+      skip("not enough memory for the copy of the bone");
     }
   }
   return field;

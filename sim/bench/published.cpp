@@ -12,7 +12,7 @@ static_assert(sizeof(PublishedFrame) == 8 * 4 + 4 * 16 + 4 * 8);
 
 PublishedFrame published_frame(const Substep& substep, const std::optional<Aabb>& voi, const Tool& tool,
                                const VoxelGrid& grid) {
-  if (grid.dims != Vec3i::Constant(grid.dims.x())) throw InputError("the published methods want a cube of voxels");
+  if (grid.dims != Vec3i::Constant(grid.dims.x())) throw InputError("the published methods need a cubic lattice");
   const PointShell& shell = tool.shell;
   // The VOI in cells is the engines'.
   const SubstepArgs args =

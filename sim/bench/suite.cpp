@@ -54,7 +54,7 @@ class Bench {
     findings_.driver = device.platform_name + " " + device.driver;
     findings_.compute_units = device.compute_units;
     findings_.repetitions = plan_.repetitions;
-    watch_.progress("making the bone");
+    watch_.progress("generating the bone");
     series_.emplace(plan_.sampled);
     for (std::size_t i = 0; i < plan_.sizes.size(); ++i) measure(plan_.sizes[i], i + 1 == plan_.sizes.size());
     voxmap_ = {};
@@ -137,7 +137,7 @@ void check_plan(const Plan& plan) {
     throw InputError({}, "--engines", "\"" + engine + "\"", "expected some of " + names);
   }
   if (plan.device == "serial") {
-    throw InputError({}, "--device", "\"serial\" is no OpenCL device",
+    throw InputError({}, "--device", "\"serial\" is not an OpenCL device",
                      "the benchmark compares programs on an OpenCL device");
   }
   cl::choose_device(plan.device);

@@ -84,7 +84,7 @@ std::string cases_table(const Findings& findings) {
 std::string phases_table(const Findings& findings) {
   const PaperPhases paper;
   TextTable table;
-  table.add({"both at the largest, severe, µs", "OBB–OBB", "VOI", "to device", "kernels", "rest and back", "total"});
+  table.add({"both at the largest, severe, µs", "OBB–OBB", "VOI", "to device", "kernels", "rest, read-back", "total"});
   table.add({"the paper", format("%.2f", paper.obb), format("%.2f", paper.voi), format("%.1f", paper.upload),
              format("%.1f", paper.kernel), format("%.1f", paper.read), format("%.1f", paper.total)});
   if (findings.phases.empty()) return "";
@@ -156,7 +156,7 @@ std::string scatter_table(const Findings& findings) {
                format("%.3f %%", 100 * row.contacts_spread), format("%.3f %%", 100 * row.force_spread),
                format("%.3f %%", 100 * row.component_spread)});
   }
-  return table.empty() ? "" : table.text("What racing does: one severe frame again and again (± standard deviation)");
+  return table.empty() ? "" : table.text("Effect of races: one severe frame repeated (± standard deviation)");
 }
 
 std::string spheres_table(const Findings& findings) {
@@ -176,7 +176,7 @@ std::string head(const Findings& findings) {
                     std::to_string(findings.compute_units) +
                     " compute units); in brackets: the paper's figure on a GTX 970\n" + "medians of " +
                     std::to_string(findings.repetitions) +
-                    " repetitions of each of 4 poses, after one to warm up, the engines taking turns\nshells:";
+                    " repetitions of each of 4 poses, after a warm-up, engines alternating\nshells:";
   for (const auto& [shell, points] : findings.shell_points) {
     out += " " + cube(shell) + " " + std::to_string(points) + " points;";
   }

@@ -53,7 +53,7 @@ void copy_fill_within(const VoxelBox& box, const FillBricks& from, const Vec3i& 
 FilledVoxmap fit_to_bone(const FilledVoxmap& voxmap, int margin_voxels) {
   const VoxelBox extent = bone_extent(voxmap);
   if (extent.empty()) {
-    throw InputError({}, "bone", "no bone in the volume", "expected at least one voxel of bone");
+    throw InputError({}, "bone", "the volume contains no bone", "expected at least one voxel of bone");
   }
   const Vec3i shift = extent.first - Vec3i::Constant(margin_voxels);
   const Vec3i needed = extent.last - extent.first + Vec3i::Constant(1 + 2 * margin_voxels);

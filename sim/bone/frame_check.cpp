@@ -81,7 +81,7 @@ void check_center(const NearestSurface& nearest, const Vec3& center_mm, const Fr
   if (nearest.distance_mm <= kFarthestCenter_mm) return;
   throw InputError({}, keys.center,
                    "found " + vector_words(center_mm, "(%.1f, %.1f, %.1f)") + words(", %.1f mm ", nearest.distance_mm) +
-                       (nearest.inside ? "inside" : "outside") + " the bone's surface",
+                       (nearest.inside ? "inside" : "outside") + " the surface of the bone",
                    words("expected the centre of the glenoid face, within %g mm of the bone; the nearest point of the "
                          "surface is ",
                          kFarthestCenter_mm) +
@@ -91,16 +91,14 @@ void check_center(const NearestSurface& nearest, const Vec3& center_mm, const Fr
 void check_normal(const BoneRound& bone, const Vec3& normal, const FrameKeys& keys, Report& report) {
   const double angle_deg = std::acos(std::clamp(normal.dot(bone.outward), -1.0, 1.0)) * 180 / std::numbers::pi;
   if (bone.outward == Vec3::Zero() || angle_deg <= kOblique_deg) return;
-  const std::string found = words(
-      "%.0f mm3 of bone within %.1f mm of the glenoid's centre lie ahead of the normal and "
-      "%.0f mm3 behind it",
-      bone.ahead_mm3, bone.radius_mm, bone.behind_mm3);
+  const std::string found =
+      words("%.0f mm3 of bone within %.1f mm of the glenoid centre lie ahead of the normal and %.0f mm3 behind it",
+            bone.ahead_mm3, bone.radius_mm, bone.behind_mm3);
   if (bone.ahead_mm3 > kInward * bone.behind_mm3) {
     const bool landmarks = keys.normal.ends_with("trigonum_spinae_mm");
     throw InputError({}, keys.normal, "the glenoid's normal points into the bone: " + found,
-                     landmarks ? "expected the trigonum spinae medial to the glenoid's centre"
-                               : "expected the direction out of the bone; its opposite is " +
-                                     vector_words(-normal, "[%.3f, %.3f, %.3f]"));
+                     landmarks ? "place the trigonum spinae medial to the glenoid centre"
+                               : "give the direction out of the bone: " + vector_words(-normal, "[%.3f, %.3f, %.3f]"));
   }
   report.warn("the glenoid's normal is about " + words("%.0f", angle_deg) +
               " degrees away from the direction out of the bone (" + keys.normal + "): " + found);

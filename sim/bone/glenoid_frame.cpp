@@ -16,7 +16,7 @@ constexpr double kLeastSine = 0.01;
 
 Vec3 unit(const Vec3& v, const std::string& key) {
   const double length = v.norm();
-  if (!std::isfinite(length) || length < 1e-9) fail_frame(key, "a vector without length", "expected a direction");
+  if (!std::isfinite(length) || length < 1e-9) fail_frame(key, "a vector of length 0", "expected a direction");
   return v / length;
 }
 

@@ -52,10 +52,11 @@ void require_surface_near(const Voxmap& voxmap, const std::vector<Vec3>& rim_mm)
   for (std::size_t i = 0; i < rim_mm.size(); ++i) {
     const Vec3& p = rim_mm[i];
     if (has_surface_near(voxmap, p, kWithin_mm)) continue;
-    char found[120];
-    std::snprintf(found, sizeof found, "point %zu, (%.6g, %.6g, %.6g), has no surface of the bone within %g mm", i + 1,
-                  p.x(), p.y(), p.z(), kWithin_mm);
-    throw InputError({}, "bone.glenoid.rim_mm", found, "expected points on the rim of the joint face, bone frame");
+    char found[160];
+    std::snprintf(found, sizeof found,
+                  "point %zu, (%.6g, %.6g, %.6g), lies more than %g mm from the surface of the bone", i + 1, p.x(),
+                  p.y(), p.z(), kWithin_mm);
+    throw InputError({}, "bone.glenoid.rim_mm", found, "give points on the rim of the face, in the bone frame");
   }
 }
 
@@ -64,12 +65,12 @@ void drill(Bone& bone, const PilotHoleSettings& hole, bool partial, Report& repo
   const double drilled_mm3 = drill_pilot_hole(voxels, hole, bone.glenoid, partial);
   bone.set_voxels(std::move(voxels));
   char text[120];
-  std::snprintf(text, sizeof text, "pilot hole: %.4g mm wide, %.1f mm^3 of bone drilled", hole.diameter_mm,
+  std::snprintf(text, sizeof text, "pilot hole: diameter %.4g mm, %.1f mm^3 of bone removed", hole.diameter_mm,
                 drilled_mm3);
   if (drilled_mm3 > 0) {
     report.note(text);
   } else {
-    report.warn("the pilot hole meets no bone (bone.pilot_hole.entry_mm, axis, depth_mm)");
+    report.warn("the pilot hole meets no bone: check bone.pilot_hole.entry_mm, axis and depth_mm");
   }
 }
 
@@ -78,7 +79,7 @@ void note_contradictions(const BoneSettings& settings, const StoredAnatomy& stor
   char text[200];
   if (settings.side != BodySide::unknown && stored.side != BodySide::unknown && settings.side != stored.side) {
     report.note("bone.side is " + name_of(settings.side) + ", the VDB says " + name_of(stored.side) +
-                "; the scenario's is used");
+                "; using that of the scenario");
   }
   const auto given =
       stored.glenoid ? glenoid_frame(settings.glenoid, settings.side == BodySide::unknown ? stored.side : settings.side)
@@ -88,9 +89,10 @@ void note_contradictions(const BoneSettings& settings, const StoredAnatomy& stor
   const double angle_deg = Eigen::AngleAxisd(apart.linear()).angle() * 180 / std::numbers::pi;
   const double shift_mm = apart.translation().norm();
   if (shift_mm < 0.01 && angle_deg < 0.01) return;
-  std::snprintf(text, sizeof text,
-                "bone.glenoid differs from the VDB's frame by %.2f mm and %.2f degrees; the scenario's is used",
-                shift_mm, angle_deg);
+  std::snprintf(
+      text, sizeof text,
+      "bone.glenoid differs from the glenoid frame of the VDB by %.2f mm and %.2f degrees; using that of the scenario",
+      shift_mm, angle_deg);
   report.note(text);
 }
 
@@ -130,7 +132,7 @@ Bone bone_from_vdb(const BoneSettings& settings, Report& report) {
   }
   if (bone.voxmap->grid.voxel_mm != settings.voxel_mm) {
     char text[120];
-    std::snprintf(text, sizeof text, "voxels of %.6g mm, as in the VDB; bone.voxel_mm does not apply",
+    std::snprintf(text, sizeof text, "voxels of %.6g mm from the VDB; bone.voxel_mm is ignored",
                   bone.voxmap->grid.voxel_mm);
     report.note(text);
   }
@@ -150,7 +152,7 @@ Bone load_bone(const BoneSettings& settings, Report& report) {
   if (settings.pilot_hole) drill(bone, *settings.pilot_hole, settings.surface_voxels == SurfaceVoxels::partial, report);
   const VoxelGrid& grid = bone.voxmap->grid;
   char text[200];
-  std::snprintf(text, sizeof text, "bone: %d x %d x %d voxels of %.4g mm, %lld of them bone, %.0f mm^3 in the frame %s",
+  std::snprintf(text, sizeof text, "bone: %d x %d x %d voxels of %.4g mm, %lld contain bone, %.0f mm^3, frame %s",
                 grid.dims.x(), grid.dims.y(), grid.dims.z(), grid.voxel_mm,
                 static_cast<long long>(bone.view().count_bone()), bone.view().bone_mm3(), bone.voxmap->frame.c_str());
   report.note(text);

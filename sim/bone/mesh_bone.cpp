@@ -38,10 +38,10 @@ openvdb::FloatGrid::Ptr signed_distance(const std::string& path, const TriangleM
                                 .outer_spacings = kMarginVoxels - 1,
                                 .inner_spacings = inner_voxels});
   } catch (const std::bad_alloc&) {
-    throw InputError({path, 0, 0}, "", "a mesh whose distance field does not fit into memory",
-                     "expected larger voxels (bone.voxel_mm)");
+    throw InputError({path, 0, 0}, "", "the distance field of the mesh does not fit into memory",
+                     "increase bone.voxel_mm");
   } catch (const openvdb::Exception&) {
-    throw InputError({path, 0, 0}, "", "a mesh that cannot be turned into voxels", "expected a closed surface");
+    throw InputError({path, 0, 0}, "", "the mesh cannot be voxelized", "give a closed surface");
   }
 }
 
@@ -133,7 +133,7 @@ TriangleMesh checked_mesh(const MeshBoneSettings& settings, Report& report) {
   const MeshDiagnosis found = diagnose(mesh);
   if (!found.closed_manifold() && !settings.repair) {
     throw InputError({settings.path, 0, 0}, "", "not a closed surface: " + found.text(),
-                     "expected a closed, two-manifold mesh (mend it, or set bone.mesh.repair: true to try)");
+                     "give a closed, two-manifold mesh: repair it, or set bone.mesh.repair: true");
   }
   report.note("mesh: " + std::to_string(mesh.triangles.size()) + " triangles, " + found.text());
   if (!found.closed_manifold()) {
@@ -141,14 +141,14 @@ TriangleMesh checked_mesh(const MeshBoneSettings& settings, Report& report) {
     report.warn("mesh repaired: " + done.text());
   } else if (found.components > 1) {
     report.warn("the mesh has " + std::to_string(found.components) +
-                " separate surfaces; one inside another does not make a cavity");
+                " separate surfaces; a surface inside another does not create a cavity");
   }
   const double volume_mm3 = mesh.volume_mm3();
   const double box_mm3 = mesh.bounds().half().prod() * 8;
   if (std::abs(volume_mm3) <= 1e-9 * box_mm3) {
-    throw InputError({settings.path, 0, 0}, "", "a mesh that encloses no volume", "expected the surface of a solid");
+    throw InputError({settings.path, 0, 0}, "", "the mesh encloses no volume", "give the surface of a solid");
   }
-  if (volume_mm3 < 0) report.warn("the mesh is inside out (its triangles face inwards); taken the right way round");
+  if (volume_mm3 < 0) report.warn("the triangles of the mesh face inwards; orientation flipped");
   return mesh;
 }
 
@@ -170,14 +170,15 @@ double bone_share(const TriangleMesh& mesh, double voxel_mm) {
 /// Compares the voxels with the mesh: a leak empties them, a wrong side fills too much.
 void check_volume(const MeshBoneSettings& settings, double voxels_mm3, double mesh_mm3, Report& report) {
   const double error = std::abs(voxels_mm3 - mesh_mm3) / mesh_mm3;
-  report.note(format("bone volume %.0f mm^3 in voxels, %.0f mm^3 in the mesh", voxels_mm3, mesh_mm3));
+  report.note(format("bone volume: %.0f mm^3 in voxels, %.0f mm^3 in the mesh", voxels_mm3, mesh_mm3));
   if (error <= kMaxVolumeError) return;
-  const std::string found = format("%.0f mm^3 in voxels against %.0f mm^3 in the mesh", voxels_mm3, mesh_mm3);
+  const std::string found = format("the bone has %.0f mm^3 in voxels but %.0f mm^3 in the mesh", voxels_mm3, mesh_mm3);
   if (settings.repair) {
-    throw InputError({settings.path, 0, 0}, "", "the repair failed: " + found,
-                     "expected a mesh whose holes are smaller than a voxel or have a single rim each");
+    throw InputError(
+        {settings.path, 0, 0}, "", "the repair failed: " + found,
+        "close the holes of the mesh: only holes smaller than a voxel or with a single rim can be repaired");
   }
-  report.warn(found + "; the mesh may overlap itself, or be thinner than a voxel");
+  report.warn(found + ": the mesh overlaps itself, is thinner than a voxel, or has the wrong scale (bone.mesh.scale)");
 }
 
 }  // namespace
@@ -199,8 +200,8 @@ FilledVoxmap voxmap_from_mesh(const BoneSettings& settings, Report& report) {
   voxmap.mapping = mapping;
   voxmap.frame = "mesh";
   if (voxmap.count_bone() == 0) {
-    throw InputError({bone.path, 0, 0}, "bone.voxel_mm", "a mesh in which no voxel has its centre",
-                     "expected smaller voxels, a larger bone.mesh.scale or a closed mesh");
+    throw InputError({bone.path, 0, 0}, "bone.voxel_mm", "the mesh contains no voxel centre",
+                     "use smaller voxels, a larger bone.mesh.scale, or a closed mesh");
   }
   if (settings.surface_voxels == SurfaceVoxels::partial) part_surface(distance->tree(), by_depth, voxmap);
   check_volume(bone, voxmap.bone_mm3(), std::abs(mesh.volume_mm3()), report);

@@ -75,10 +75,10 @@ void check_mesh_unit(const std::string& path, const Aabb& bounds_mm, double scal
   if ((has_glenoid ? kBoneWithGlenoid : kAnySolid).contains(length_mm)) return;
   const std::string found = print("the mesh is %.3g mm long", length_mm);
   const std::string advice = scale_advice(length_mm / scale);
-  if (!has_glenoid) return report.warn(path + ": " + found + "; if that is not so, " + advice);
+  if (!has_glenoid) return report.warn(path + ": " + found + "; if that is wrong, " + advice);
   throw InputError({path, 0, 0}, "bone.mesh.scale",
-                   found + print(", and a bone with a glenoid is %.0f to %.0f mm", kBoneWithGlenoid.least_mm,
-                                 kBoneWithGlenoid.most_mm),
+                   found + print(", expected %.0f to %.0f mm for a bone with a glenoid frame",
+                                 kBoneWithGlenoid.least_mm, kBoneWithGlenoid.most_mm),
                    advice);
 }
 

@@ -37,13 +37,13 @@ struct Hole {
 Hole hole_in_bone(const PilotHoleSettings& settings, const std::optional<GlenoidFrame>& glenoid) {
   const double length = settings.axis.norm();
   if (!std::isfinite(length) || length < 1e-9) {
-    throw InputError({}, "bone.pilot_hole.axis", "a vector without length", "expected the way the drill goes in");
+    throw InputError({}, "bone.pilot_hole.axis", "a vector of length 0", "give the direction of drilling");
   }
   Hole hole{settings.entry_mm, settings.axis / length, settings.diameter_mm / 2, settings.depth_mm};
   if (settings.frame != PoseFrame::glenoid) return hole;
   if (!glenoid) {
-    throw InputError({}, "bone.pilot_hole.frame", "\"glenoid\" for a bone without a glenoid frame",
-                     "expected bone.glenoid, or the frame bone");
+    throw InputError({}, "bone.pilot_hole.frame", "frame is glenoid but bone.glenoid is missing",
+                     "add bone.glenoid, or use frame: bone");
   }
   hole.entry_mm = glenoid->bone_from_glenoid * hole.entry_mm;
   hole.axis = glenoid->bone_from_glenoid.linear() * hole.axis;

@@ -79,7 +79,7 @@ DeviceInfo choose_automatically(const std::vector<DeviceInfo>& devices) {
       if (device.gpu == gpu && device.missing.empty()) return device;
     }
   }
-  throw RunError("no OpenCL device has what the engine needs (" + devices.front().name + " lacks " +
+  throw RunError("no OpenCL device meets the requirements of the engine (" + devices.front().name + " lacks " +
                  devices.front().missing + "); --device serial runs without OpenCL");
 }
 
@@ -105,7 +105,8 @@ DeviceInfo choose_device(const std::string& wanted) {
   const auto devices = list_devices();
   if (devices.empty()) {
     throw RunError(
-        "no OpenCL platform found; install one (Debian: pocl-opencl-icd, or the GPU's driver) or use --device serial");
+        "no OpenCL platform found: install a driver (Debian: pocl-opencl-icd, or that of the GPU), or use --device "
+        "serial");
   }
   if (wanted == "auto") return choose_automatically(devices);
   for (const auto& device : devices) {

@@ -134,7 +134,7 @@ std::string MeshDiagnosis::text() const {
                     count_text(nonmanifold_edges, "non-manifold edge", "non-manifold edges") +
                     at_text(first_nonmanifold_mm);
   if (inconsistent_edges > 0) {
-    out += ", " + count_text(inconsistent_edges, "edge", "edges") + " between triangles that face opposite ways";
+    out += ", " + count_text(inconsistent_edges, "edge", "edges") + " between triangles with opposite orientation";
   }
   if (degenerate_triangles > 0) {
     out += ", " + count_text(degenerate_triangles, "degenerate triangle", "degenerate triangles");

@@ -159,8 +159,7 @@ class Joiner {
       std::array<std::int32_t, 3> triangle{};
       for (std::size_t c = 0; c < 3; ++c) {
         const unsigned index = face.mIndices[c];
-        if (index >= part.mNumVertices)
-          fail(path_, "a triangle with a vertex that is not there", "expected a whole mesh");
+        if (index >= part.mNumVertices) fail(path_, "a triangle refers to a missing vertex", "give a complete mesh");
         triangle[c] = vertex(part.mVertices[index]);
       }
       mesh_.triangles.push_back(triangle);
@@ -214,9 +213,9 @@ TriangleMesh read_mesh(const std::string& path, double scale) {
       fail(path, "not a readable " + extension + " mesh (truncated or damaged)", "expected a surface");
     for (unsigned i = 0; i < scene->mNumMeshes; ++i) joiner.add(*scene->mMeshes[i]);
   } catch (const std::bad_alloc&) {
-    fail(path, "a mesh that does not fit into memory", "expected a smaller mesh");
+    fail(path, "the mesh does not fit into memory", "use a smaller mesh");
   } catch (const std::length_error&) {
-    fail(path, "a mesh that does not fit into memory", "expected a smaller mesh");
+    fail(path, "the mesh does not fit into memory", "use a smaller mesh");
   }
   TriangleMesh mesh = joiner.take();
   if (mesh.triangles.empty()) fail(path, "a mesh of 0 triangles", "expected a surface");

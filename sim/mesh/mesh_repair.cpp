@@ -84,7 +84,7 @@ RepairResult repair(TriangleMesh& mesh) {
 std::string RepairResult::text() const {
   char text[200];
   std::snprintf(text, sizeof text,
-                "%zu useless triangles dropped, %zu holes closed with %zu triangles (the widest %.2f mm across)",
+                "%zu degenerate triangles removed, %zu holes closed with %zu triangles (largest hole: %.2f mm)",
                 dropped_triangles, closed_holes, added_triangles, widest_hole_mm);
   return text;
 }

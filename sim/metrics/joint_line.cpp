@@ -10,7 +10,7 @@ namespace reamsim {
 namespace {
 
 constexpr const char* kNoRim =
-    "the rim of the joint face is not known: give bone.glenoid.rim_mm (glenoid and cup phantoms have their own)";
+    "the rim of the face is unknown: set bone.glenoid.rim_mm (glenoid and cup phantoms have their own)";
 
 std::string text_of(const char* format, double value) {
   char text[200];
@@ -23,22 +23,27 @@ constexpr double kRoughest_mm = 0.5;
 
 /// Why a surface is no face that has an axis; "" where it is one.
 std::string fault_of(const std::optional<FaceSurface>& surface, double roughest_mm) {
-  if (!surface) return "the face is too small to fit a surface to";
+  if (!surface) return "the face is too small for a fit";
   if (surface->fitted_fraction < kLeastFittedFraction) {
-    return text_of("the face is no single sphere or plane: only %.0f %% of it lies on the one that fits best",
+    return text_of("the face is not a single sphere or plane: only %.0f %% of it lies on the best fit",
                    100 * surface->fitted_fraction);
   }
   if (surface->rms_mm > roughest_mm) {
-    return text_of("the face is no single sphere or plane: the best one leaves a residual of %.2f mm", surface->rms_mm);
+    return text_of("the face is not a single sphere or plane: the best fit leaves a residual of %.2f mm",
+                   surface->rms_mm);
   }
   return "";
 }
 
 Measured<FaceAxis> checked(const std::optional<FaceAxis>& axis) {
-  if (!axis) return {.value = {}, .reason = "the face's sphere is as small as its distance from the face's centre"};
+  if (!axis)
+    return {.value = {},
+            .reason =
+                "the sphere fitted to the face is too small: its radius does not exceed its distance from the centre "
+                "of the face"};
   if (!(axis->error_deg <= kMostAxisError_deg)) {
     return {.value = {},
-            .reason = text_of("the face is too small or too rough: its axis has a standard error of %.1f degrees",
+            .reason = text_of("the face is too small or too rough: the standard error of its axis is %.1f degrees",
                               axis->error_deg)};
   }
   return {.value = axis, .reason = ""};
@@ -78,14 +83,14 @@ std::string fault_at(const ColumnMap& map, const Vec3& point_mm) {
     }
   }
   const double columns = std::numbers::pi * kAbout_mm * kAbout_mm / (map.pitch_mm * map.pitch_mm);
-  if (through > kNextToNone * columns) return "the bone is reamed through where the Friedman axis meets it";
+  if (through > kNextToNone * columns) return "the bone is perforated where the Friedman axis meets it";
   if (all == 0 || reamed < kMost * columns) return "the Friedman axis meets the bone outside the reamed face";
   return "";
 }
 
 Measured<double> medialization(const JointLine& line, const ColumnMap& map, const BoneAxes& axes) {
   const auto none = [](const std::string& reason) { return Measured<double>{.value = {}, .reason = reason}; };
-  if (!axes.scapula || !axes.face_center_mm) return none("the Friedman axis needs bone.glenoid.landmarks");
+  if (!axes.scapula || !axes.face_center_mm) return none("the Friedman axis is unknown: set bone.glenoid.landmarks");
   if (!line.native.value) return none("native face: " + line.native.reason);
   if (!line.reamed.value) return none("reamed face: " + line.reamed.reason);
   const Vec3& lateral = axes.scapula->lateral;

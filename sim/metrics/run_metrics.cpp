@@ -60,18 +60,18 @@ Measured<FaceAngles> angles_of(const Measured<FaceAxis>& axis, const std::option
 
 FaceOrientation measure_orientation(const JointLine& line, const ReamedFace& face, const Vec3& reamer,
                                     const BoneAxes& axes) {
-  constexpr const char* kNoScapula = "version and inclination need the scapular frame: give bone.glenoid.landmarks";
+  constexpr const char* kNoScapula = "the scapular frame is unknown: set bone.glenoid.landmarks";
   FaceOrientation out;
   out.native = angles_of(line.native, axes.scapula, kNoScapula);
   out.reamed = angles_of(line.reamed, axes.scapula, kNoScapula);
   if (axes.scapula) out.reamer = face_angles(reamer, *axes.scapula);
   const auto& known = axes.scapula ? axes.scapula : axes.glenoid;
-  const auto native = angles_of(line.native, known, "there is neither a scapular nor a glenoid frame");
+  const auto native = angles_of(line.native, known, "neither a scapular nor a glenoid frame is defined");
   const auto reamed = angles_of(line.reamed, known, "");
   const double fraction = line.reamed_fraction.value.value_or(0);
   if (native.value && reamed.value && fraction < kLeastReamedFraction) {
     char text[120];
-    std::snprintf(text, sizeof text, "only %.0f %% of the face was reamed: the rest looks where it did",
+    std::snprintf(text, sizeof text, "only %.0f %% of the face was reamed: the rest keeps its orientation",
                   100 * fraction);
     out.corrected.reason = text;
   } else if (native.value && reamed.value) {

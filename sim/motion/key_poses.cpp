@@ -45,7 +45,7 @@ Quat normalised(const Quat& q, const std::string& where, Report& report) {
   if (!(norm > kLeastNorm) || !std::isfinite(norm))
     throw InputError(where + ": the quaternion has length " + rounded_text(norm) + "; a unit quaternion is needed");
   if (std::abs(norm - 1) > kUnitTolerance)
-    report.warn(where + ": the quaternion has length " + rounded_text(norm) + " and was normalised");
+    report.warn(where + ": the quaternion has length " + rounded_text(norm) + " and was normalized");
   return Quat(q.coeffs() / norm);
 }
 
@@ -84,7 +84,7 @@ std::vector<KeyPose> keyframe_poses(const std::vector<KeyframeSettings>& keyfram
     const KeyframeSettings& k = keyframes[i];
     const std::string where = "motion.keyframes[" + std::to_string(i) + "]";
     require(std::isfinite(k.time_s) && (i == 0 || k.time_s > keyframes[i - 1].time_s), where + ".time_s",
-            rounded_text(k.time_s), "a time after the keyframe before it is needed");
+            rounded_text(k.time_s), "a time later than that of the previous keyframe is needed");
     require(k.position_mm.allFinite(), where + ".position_mm", "not a number", "three finite numbers are needed");
     require(std::isfinite(k.spin_rpm), where + ".spin_rpm", "not a number", "a finite number is needed");
     require(k.axis || k.quaternion, where, "no orientation", "axis (+z of the tool) or quaternion is needed");

@@ -23,15 +23,15 @@ std::vector<KeyPose> read_key_poses(const MotionSettings& settings, Report& repo
   if (settings.plunge) return plunge_poses(*settings.plunge);
   if (settings.csv) return read_pose_csv(*settings.csv, report);
   if (!settings.keyframes.empty()) return keyframe_poses(settings.keyframes, report);
-  throw InputError(SourceLocation{}, "motion", "no motion is given", "plunge, keyframes or csv is needed");
+  throw InputError(SourceLocation{}, "motion", "the motion is missing", "give plunge, keyframes or csv");
 }
 
 void to_bone_frame(std::vector<KeyPose>& keys, const MotionSettings& settings,
                    const std::optional<GlenoidFrame>& glenoid) {
   if (settings.frame != PoseFrame::glenoid) return;
   if (!glenoid)
-    throw InputError(SourceLocation{}, "motion.frame", "glenoid, but the bone has no glenoid frame",
-                     "give bone.glenoid, or motion.frame: bone");
+    throw InputError(SourceLocation{}, "motion.frame", "frame is glenoid but bone.glenoid is missing",
+                     "add it, or use frame: bone");
   const Quat bone_from_glenoid(glenoid->bone_from_glenoid.linear());
   for (KeyPose& key : keys) {
     key.pose.position_mm = glenoid->bone_from_glenoid * key.pose.position_mm;
@@ -75,7 +75,7 @@ std::size_t count_frames(double end_s, double frame_rate_hz) {
     throw InputError(
         SourceLocation{}, "motion",
         rounded_text(end_s) + " s at " + rounded_text(frame_rate_hz) + " Hz are " + rounded_text(frames) + " frames",
-        "ten million at most are possible; lower motion.frame_rate_hz or shorten the motion");
+        "at most ten million are supported: lower motion.frame_rate_hz or shorten the motion");
   return static_cast<std::size_t>(frames);
 }
 

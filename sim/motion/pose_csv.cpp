@@ -61,10 +61,10 @@ class LineReader {
   explicit LineReader(const std::string& path) : path_(path) {
     std::error_code failed;
     const auto status = std::filesystem::status(path, failed);
-    if (failed || !std::filesystem::exists(status)) fail("no such file", "a CSV of recorded poses is needed");
-    if (std::filesystem::is_directory(status)) fail("it is a folder", "a CSV of recorded poses is needed");
+    if (failed || !std::filesystem::exists(status)) fail("no such file", "give a CSV of recorded poses");
+    if (std::filesystem::is_directory(status)) fail("it is a folder", "give a CSV of recorded poses");
     const auto bytes = std::filesystem::file_size(path, failed);
-    if (!failed && bytes > kMostBytes) fail("larger than 4 GiB", "ten million rows at most are read");
+    if (!failed && bytes > kMostBytes) fail("larger than 4 GiB", "at most ten million rows are supported");
     stream_.open(path, std::ios::binary);
     if (!stream_) fail("cannot be opened", "check its permissions");
   }
@@ -125,14 +125,14 @@ Layout read_header(LineReader& lines, Report& report) {
       continue;
     }
     int& at = layout.at[static_cast<std::size_t>(known - kNames.begin())];
-    if (at >= 0) lines.fail("column " + std::string(*known) + " stands twice", "each column is needed once");
+    if (at >= 0) lines.fail("column " + std::string(*known) + " stands twice", "give each column once");
     at = static_cast<int>(i);
   }
   for (std::size_t c = 0; c < kSpin; ++c)
     if (layout.at[c] < 0)
       lines.fail("no column " + std::string(kNames[c]) + " in the header " + quoted(lines.line()),
                  "the header must name " + std::string(kHeader));
-  if (!ignored.empty()) report.note(lines.here().text() + ": columns that are not used: " + ignored.substr(0, 200));
+  if (!ignored.empty()) report.note(lines.here().text() + ": ignored columns: " + ignored.substr(0, 200));
   return layout;
 }
 

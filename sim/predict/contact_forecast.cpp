@@ -156,16 +156,16 @@ void warn_of_contact(const ReamingScene& scene, const ContactForecast& forecast,
   if (forecast.start_mm3 > scene.bone.voxmap->grid.voxel_mm3()) {
     const bool exact = scene.scenario.cutting.erosion == ErosionMode::exact;
     std::snprintf(text, sizeof text,
-                  "the tool starts in the bone: about %.3g mm3 of bone lie in it at its first pose%s",
+                  "the tool starts in the bone: at its first pose it contains about %.3g mm3 of bone%s",
                   forecast.start_mm3,
-                  exact ? ", and are removed without force" : ", so the force of the first frames is not meaningful");
+                  exact ? ", which is removed without force" : ", so the force of the first frames is not meaningful");
     report.warn(std::string(text) + "; start further out (motion)");
   }
   if (!forecast.meets) {
     const Vec3& p = forecast.bone_mm;
     std::snprintf(text, sizeof text,
-                  "the tool never meets the bone: it comes no closer than %.2f mm, in frame %lld, to the bone at "
-                  "(%.1f, %.1f, %.1f) mm; check motion, and the glenoid frame if it uses one",
+                  "the tool never touches the bone: its smallest distance is %.2f mm, in frame %lld, from the bone at "
+                  "(%.1f, %.1f, %.1f) mm; check motion and, if it is used, the glenoid frame",
                   forecast.nearest_mm, static_cast<long long>(forecast.frame), p.x(), p.y(), p.z());
     report.warn(text);
   }

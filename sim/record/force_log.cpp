@@ -47,7 +47,7 @@ ForceRow make_row(const SourceLocation& where, const std::vector<double>& v) {
   row.pose.position_mm = Vec3(v[kX], v[kY], v[kZ]);
   row.pose.orientation = Quat(v[kQw], v[kQx], v[kQy], v[kQz]);
   if (std::abs(row.pose.orientation.norm() - 1) > 1e-3) {
-    throw InputError(where, "tool_qw", "the quaternion is not of length 1", "expected a rotation");
+    throw InputError(where, "tool_qw", "the quaternion does not have length 1", "expected a rotation");
   }
   row.pose.orientation.normalize();
   row.pose.spin_angle_rad = v[kSpinAngle];
@@ -67,7 +67,7 @@ const ForceRow& ForceLog::at(std::int64_t frame, const std::string& path) const 
   if (after == rows.begin()) return rows.front();
   const ForceRow& row = *std::prev(after);
   if (row.frame != frame) {
-    throw InputError({path, 0, 0}, "frame", "there is no row for frame " + std::to_string(frame) + " of snapshots/",
+    throw InputError({path, 0, 0}, "frame", "no row for frame " + std::to_string(frame) + " of snapshots/",
                      "run the scenario again");
   }
   return row;
@@ -80,13 +80,13 @@ ForceLog read_force_log(const std::string& path) {
   for (std::vector<double> values; table.next(values);) {
     ForceRow row = make_row(table.where(), values);
     if (!log.rows.empty() && row.frame <= log.rows.back().frame) {
-      throw InputError(table.where(), "frame", "frames do not ascend", "the forces.csv of a run");
+      throw InputError(table.where(), "frame", "frames are not in ascending order", "the forces.csv of a run");
     }
     removed_mm3 += row.removed_mm3;
     row.removed_mm3 = removed_mm3;
     log.rows.push_back(row);
   }
-  if (log.rows.empty()) throw InputError({path, 0, 0}, "", "has no row", "run the scenario again");
+  if (log.rows.empty()) throw InputError({path, 0, 0}, "", "has no rows", "run the scenario again");
   return log;
 }
 

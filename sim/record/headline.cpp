@@ -17,12 +17,12 @@ std::string Headline::depth_text() const {
 }
 
 std::string Headline::force_definition() const {
-  return std::string("greatest part of the force along the tool's axis, and greatest torque about it, ") +
+  return std::string("maximum component of the force along the tool axis, and maximum torque about it, ") +
          (means ? "of the means over one voxel of travel" : "of a single frame");
 }
 
 std::string Headline::depth_definition() {
-  return "greatest travel of the tool along its axis since first contact";
+  return "maximum travel of the tool along its axis since first contact";
 }
 
 }  // namespace reamsim

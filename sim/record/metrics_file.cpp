@@ -62,8 +62,8 @@ constexpr const char* kNativeDefinition =
     "sphere: line from the centre of the face to the centre of the sphere fitted to the unreamed face within its rim "
     "(Lewis and Armstrong 2011); plane: its normal";
 constexpr const char* kReamedDefinition =
-    "sphere: line from where the reamer's axis meets the sphere fitted to the reamed face to its centre; plane: its "
-    "normal";
+    "sphere: line from the intersection of the reamer's axis with the sphere fitted to the reamed face to its centre; "
+    "plane: its normal";
 constexpr const char* kVersionConvention = "atan2(-n.anterior, n.lateral), retroversion positive";
 constexpr const char* kInclinationConvention = "asin(n.superior), superior tilt positive; not projected";
 
@@ -128,7 +128,7 @@ Json joint_line_json(const JointLine& line) {
           {"native_area_mm2", json_or_null(line.native_face, [](const NativeFace& f) { return Json(f.area_mm2); })},
           {"reamed_fraction", number_or_null(line.reamed_fraction.value)},
           {"reamed_fraction_definition",
-           "area of the native face within its rim that lost bone over all of that area, along the surface"},
+           "fraction of the area of the native face within its rim that lost bone, along the surface"},
           {"reamed_fraction_reason", reason_json(line.reamed_fraction)},
           {"medialization_mm", number_or_null(line.medialization_mm.value)},
           {"medialization_definition", "along the Friedman axis, from the native to the reamed surface"},

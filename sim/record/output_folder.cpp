@@ -77,12 +77,13 @@ void require_no_link(const std::string& dir) {
 /// Throws InputError unless `dir` holds nothing but what a command of this kind writes. `must_be_marked`: and is a
 /// finished folder of that kind, or empty.
 void require_ours(const std::string& dir, ResultKind kind, bool must_be_marked) {
-  const std::string expected = "only a folder that reamsim made is replaced: choose another with -o";
+  const std::string expected = "reamsim replaces only folders that it wrote: choose another folder with -o";
   require_no_link(dir);
   if (!fs::is_directory(dir)) refuse(dir, "is a file", "choose a folder with -o");
   if (is_mount_point(dir)) refuse(dir, "is a mount point", "choose a folder below it with -o");
   if (const auto foreign = foreign_entry(dir, kind)) refuse(dir, "holds " + *foreign, expected);
-  if (must_be_marked && !fs::is_empty(dir) && !is_marked(dir, kind)) refuse(dir, "is no finished folder", expected);
+  if (must_be_marked && !fs::is_empty(dir) && !is_marked(dir, kind))
+    refuse(dir, "is not a finished results folder", expected);
 }
 
 /// Exchanges two folders at once, where the file system can. Returns 0 or an error number.
@@ -115,7 +116,7 @@ OutputFolder::OutputFolder(const OutputRequest& request)
     require_no_link(place);
     require_harmless(place, request.inputs);
     if (!overwrite_) {
-      refuse(place, place == dir_ ? "exists already" : "is left from an earlier, unfinished run",
+      refuse(place, place == dir_ ? "exists already" : "was left by an earlier, unfinished run",
              "choose another with -o, or add --overwrite");
     }
     require_ours(place, kind_, place == dir_);
@@ -123,7 +124,7 @@ OutputFolder::OutputFolder(const OutputRequest& request)
   remove_results(partial_, kind_);
   fs::create_directories(partial_, error);
   if (error || !fs::is_directory(partial_, error)) {
-    refuse(partial_, "cannot be made", "choose a writable place with -o");
+    refuse(partial_, "cannot be created", "choose a writable place with -o");
   }
 }
 
@@ -149,7 +150,7 @@ void OutputFolder::finish() {
     remove_results(replace(partial_, dir_), kind_);
     return;
   } catch (const std::system_error& error) {
-    why = dir_ + ": cannot be put in place (" + error.code().message() + ")";
+    why = dir_ + ": cannot be moved into place (" + error.code().message() + ")";
   } catch (const InputError& error) {
     why = error.what();
   }

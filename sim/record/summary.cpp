@@ -41,8 +41,7 @@ Metadata provenance(const ReamingScene& scene, const RunFacts& facts) {
 }
 
 std::string scenario_head(const RunFacts& facts) {
-  std::string head =
-      "# Resolved by reamsim " REAMSIM_VERSION ": every default filled in. Run on " + facts.device + ".\n";
+  std::string head = "# Resolved by reamsim " REAMSIM_VERSION ", with all defaults. Run on " + facts.device + ".\n";
   for (const auto& input : facts.inputs)
     head += "# sha256 " + input.sha256 + "  " + input.role + "  " + input.path + "\n";
   return head;

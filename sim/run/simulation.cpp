@@ -79,7 +79,7 @@ class Simulation {
       if (control.stop()) throw Interrupted();
     }
     if (!touched_ && !control.foretold_no_contact) {
-      report_.warn("the tool never touches the bone; check motion, and the glenoid frame if it uses one");
+      report_.warn("the tool never touches the bone: check motion and, if it is used, the glenoid frame");
     }
   }
 
@@ -176,13 +176,13 @@ class Simulation {
     if (result.frame == 0) {
       std::ostringstream volume;
       volume << std::setprecision(3) << result.removed_mm3;
-      report_.warn("the tool starts in the bone: " + volume.str() + " mm3 were taken away at frame 0, without force");
+      report_.warn("the tool starts in the bone: " + volume.str() + " mm3 were removed at frame 0, without force");
     }
     if (!touched_ && result.frame == 1 && !exact_) {
       report_.warn("the tool starts in contact with the bone: the force of the first frames is not meaningful");
     }
     if (!still_ && result.frame > 0 && result.pose.spin_rpm == 0) {
-      report_.warn(at + ": the tool cuts without spin; its force is that of a tool pushed through");
+      report_.warn(at + ": spindle speed is zero: forces are those of a non-rotating tool");
       still_ = true;
     }
     touched_ = true;

@@ -10,10 +10,11 @@ constexpr int kLeastRimPoints = 6;
 constexpr Range kHu = between(-2000, 10000);
 
 void describe_density(KeyVisitor& v, DensitySettings& density) {
-  v.number({.name = "ash_slope_g_cm3_per_hu",
-            .doc = "ash density = slope·HU + offset. From a femur at 120 kVp (PMC5234499, Table 1), not from a scapula",
-            .range = above(0, 0.1)},
-           density.ash_slope_g_cm3_per_hu);
+  v.number(
+      {.name = "ash_slope_g_cm3_per_hu",
+       .doc = "Ash density = slope·HU + offset. Measured on a femur at 120 kVp (PMC5234499, Table 1), not on a scapula",
+       .range = above(0, 0.1)},
+      density.ash_slope_g_cm3_per_hu);
   v.number({.name = "ash_offset_g_cm3", .doc = "See ash_slope_g_cm3_per_hu", .range = between(-2, 2)},
            density.ash_offset_g_cm3);
   v.number({.name = "ash_fraction", .doc = "Ash density over apparent density", .range = between(0.05, 1)},
@@ -45,20 +46,18 @@ void describe_glenoid(KeyVisitor& v, GlenoidSettings& glenoid) {
                      .nonzero = true},
                     glenoid.normal);
   v.optional_vector({.name = "superior",
-                     .doc = "Upwards in the patient; its part across the normal is +y",
+                     .doc = "Superior direction; its part perpendicular to the normal is +y",
                      .range = kComponent,
                      .nonzero = true},
                     glenoid.superior);
   v.optional_section({.name = "landmarks", .doc = "Instead of center_mm, normal and superior"}, glenoid.landmarks,
                      describe_landmarks);
-  v.points(
-      {.name = "rim_mm",
-       .doc = "Points on the rim of the joint face before reaming, bone frame, in order round it, at least 6: they "
-              "delimit the face whose orientation and area are measured. Without them that of the phantom, for a "
-              "glenoid or cup",
-       .range = kPosition,
-       .least_points = kLeastRimPoints},
-      glenoid.rim_mm);
+  v.points({.name = "rim_mm",
+            .doc = "Points on the rim of the face before reaming, bone frame, in order around it, at least 6. They "
+                   "delimit the face whose orientation and area are measured. A glenoid or cup phantom has its own",
+            .range = kPosition,
+            .least_points = kLeastRimPoints},
+           glenoid.rim_mm);
   v.group({.names = {"landmarks", "center_mm"}, .one_needed = false});
   v.group({.names = {"landmarks", "normal"}, .one_needed = false});
   v.group({.names = {"landmarks", "superior"}, .one_needed = false});
@@ -67,13 +66,13 @@ void describe_glenoid(KeyVisitor& v, GlenoidSettings& glenoid) {
 void describe_glenoid_size(KeyVisitor& v, PhantomSettings& phantom) {
   const When glenoid{"shape", {"glenoid"}};
   v.number({.name = "height_mm",
-            .doc = "Superior to inferior",
+            .doc = "Height of the face, superior to inferior",
             .range = between(10, 80),
             .when = glenoid,
             .default_by = "walch"},
            phantom.height_mm);
   v.number({.name = "width_mm",
-            .doc = "Anterior to posterior, of the lower, wider part",
+            .doc = "Width of the face, anterior to posterior, of the lower, wider part",
             .range = between(10, 80),
             .when = glenoid,
             .default_by = "walch"},
@@ -84,16 +83,19 @@ void describe_glenoid_size(KeyVisitor& v, PhantomSettings& phantom) {
             .when = glenoid,
             .default_by = "walch"},
            phantom.face_radius_mm);
-  v.number({.name = "vault_depth_mm", .doc = "From face to neck", .range = between(5, 100), .when = glenoid},
+  v.number({.name = "vault_depth_mm",
+            .doc = "Depth of the vault, from face to neck",
+            .range = between(5, 100),
+            .when = glenoid},
            phantom.vault_depth_mm);
   v.number({.name = "version_deg",
-            .doc = "Of the face before wear, in the scapular frame; retroversion positive",
+            .doc = "Version of the face before wear, in the scapular frame; retroversion positive",
             .range = between(-45, 45),
             .when = glenoid,
             .default_by = "walch"},
            phantom.version_deg);
   v.number({.name = "inclination_deg",
-            .doc = "Of the face before wear, in the scapular frame; superior tilt positive",
+            .doc = "Inclination of the face before wear, in the scapular frame; superior tilt positive",
             .range = between(-45, 45),
             .when = glenoid,
             .default_by = "walch"},
@@ -103,7 +105,7 @@ void describe_glenoid_size(KeyVisitor& v, PhantomSettings& phantom) {
 void describe_wear(KeyVisitor& v, PhantomSettings& phantom) {
   const When biconcave{"walch", {"B2"}};
   v.number({.name = "medialization_mm",
-            .doc = "How far wear has moved the centre of the face towards the trigonum spinae",
+            .doc = "Displacement of the centre of the face towards the trigonum spinae by wear",
             .range = between(0, 40),
             .when = {"walch", {"A1", "A2"}},
             .default_by = "walch"},
@@ -114,12 +116,12 @@ void describe_wear(KeyVisitor& v, PhantomSettings& phantom) {
             .when = {"walch", {"A1", "A2", "B2"}}},
            phantom.wear_radius_mm);
   v.number({.name = "wear_direction_deg",
-            .doc = "Which way the neoglenoid lies from the centre: from posterior (0) towards inferior (90)",
+            .doc = "Direction of the neoglenoid from the centre, from posterior (0) to inferior (90)",
             .range = between(0, 90),
             .when = biconcave},
            phantom.wear_direction_deg);
   v.number({.name = "wear_ridge_mm",
-            .doc = "Where the neoglenoid begins, from the centre in that direction",
+            .doc = "Distance of the ridge of the neoglenoid from the centre, in that direction",
             .range = between(-20, 20),
             .when = biconcave},
            phantom.wear_ridge_mm);
@@ -138,26 +140,28 @@ void describe_wear(KeyVisitor& v, PhantomSettings& phantom) {
 void describe_glenoid_phantom(KeyVisitor& v, PhantomSettings& phantom) {
   const When glenoid{"shape", {"glenoid"}};
   v.choice({.name = "walch",
-            .doc = "Wear or dysplasia after Walch, with defaults of its own. none: a healthy face; A1, A2: worn "
-                   "concentrically, a little or deeply; B2: biconcave; C: dysplastic",
+            .doc = "Walch type, which sets other defaults. none: healthy; A1, A2: minor or severe concentric wear; B2: "
+                   "biconcave; C: dysplastic",
             .when = glenoid},
            phantom.walch);
   v.defaults([&phantom] { take_walch_defaults(phantom); });
   describe_glenoid_size(v, phantom);
   describe_wear(v, phantom);
   v.number({.name = "subchondral_density_g_cm3",
-            .doc = "Of the plate under the face; the default is that of one scanned shoulder",
+            .doc = "Density of the subchondral plate; the default was measured in one scanned shoulder",
             .range = kDensity,
             .when = glenoid},
            phantom.subchondral_density_g_cm3);
   v.number({.name = "subchondral_mm",
-            .doc = "Thickness of the plate under the face",
+            .doc = "Thickness of the subchondral plate",
             .range = between(0.2, 10),
             .when = glenoid},
            phantom.subchondral_mm);
-  v.number(
-      {.name = "shell_mm", .doc = "Thickness of the vault's cortical wall", .range = between(0.2, 10), .when = glenoid},
-      phantom.shell_mm);
+  v.number({.name = "shell_mm",
+            .doc = "Thickness of the cortical wall of the vault",
+            .range = between(0.2, 10),
+            .when = glenoid},
+           phantom.shell_mm);
   v.number({.name = "trabecular_gradient",
             .doc = "1: trabecular bone is twice as dense as trabecular_density_g_cm3 under the plate and 0.7 times as "
                    "dense deep in the vault; 0: one density throughout",
@@ -176,20 +180,20 @@ void describe_glenoid_phantom(KeyVisitor& v, PhantomSettings& phantom) {
 void describe_phantom(KeyVisitor& v, PhantomSettings& phantom) {
   v.choice({.name = "shape",
             .doc = "half_space: a block; cup: a block with a spherical cup; sphere; layered: a block, cortical on "
-                   "trabecular; glenoid: a parametric one. A block's top face is z = 0, its middle x = y = 0"},
+                   "trabecular; glenoid: a parametric glenoid. The top face of a block is z = 0, its middle x = y = 0"},
            phantom.shape);
   v.number({.name = "density_g_cm3",
-            .doc = "Of the whole phantom",
+            .doc = "Density of the phantom",
             .range = kDensity,
             .when = {"shape", {"half_space", "cup", "sphere"}}},
            phantom.density_g_cm3);
   v.vector({.name = "size_mm",
-            .doc = "The block",
+            .doc = "Size of the block",
             .range = between(0.5, 1000),
             .when = {"shape", {"half_space", "cup", "layered"}}},
            phantom.size_mm);
   v.number({.name = "radius_mm",
-            .doc = "Of the sphere, or of the spherical cup",
+            .doc = "Radius of the sphere, or of the spherical cup",
             .range = between(0.5, 500),
             .when = {"shape", {"sphere", "cup"}}},
            phantom.radius_mm);
@@ -201,12 +205,12 @@ void describe_phantom(KeyVisitor& v, PhantomSettings& phantom) {
             .when = {"shape", {"layered"}}},
            phantom.cortical_mm);
   v.number({.name = "cortical_density_g_cm3",
-            .doc = "Of the dense layer; of a glenoid's cortical wall",
+            .doc = "Density of the dense layer, or of the cortical wall of a glenoid",
             .range = kDensity,
             .when = {"shape", {"layered", "glenoid"}}},
            phantom.cortical_density_g_cm3);
   v.number({.name = "trabecular_density_g_cm3",
-            .doc = "Of the inside; in a glenoid as trabecular_gradient says",
+            .doc = "Density of the interior; in a glenoid modified by trabecular_gradient",
             .range = kDensity,
             .when = {"shape", {"layered", "glenoid"}}},
            phantom.trabecular_density_g_cm3);
@@ -221,60 +225,65 @@ void describe_label_map(KeyVisitor& v, LabelMapSettings& labels) {
        .text = TextKind::input_file},
       labels.path);
   v.names({.name = "label",
-           .doc = "The label that is the bone: a number, or the name of a segment as the file gives it, case aside. "
-                  "Several in a list are one bone"},
+           .doc = "Label of the bone: a number, or the name of a segment in the file (case-insensitive). Several in a "
+                  "list form one bone"},
           labels.label);
-  v.number({.name = "refine_mm",
-            .doc = "The mask's surface moves to the isosurface of refine_hu where that is no further; 0: it stays",
-            .range = between(0, 5)},
-           labels.refine_mm);
+  v.number(
+      {.name = "refine_mm",
+       .doc =
+           "Largest distance over which the surface of the mask moves to the isosurface of refine_hu; 0: no refinement",
+       .range = between(0, 5)},
+      labels.refine_mm);
   v.number({.name = "refine_hu", .doc = "Used with refine_mm only", .range = kHu}, labels.refine_hu);
 }
 
 void describe_cut_sphere(KeyVisitor& v, CutSphereSettings& sphere) {
   v.vector({.name = "center_mm", .doc = "LPS", .required = true, .range = kPosition}, sphere.center_mm);
-  v.number({.name = "radius_mm", .doc = "What lies inside goes", .required = true, .range = above(0, 500)},
+  v.number({.name = "radius_mm", .doc = "Bone inside the sphere is removed", .required = true, .range = above(0, 500)},
            sphere.radius_mm);
 }
 
 void describe_cut_plane(KeyVisitor& v, CutPlaneSettings& plane) {
   v.vector({.name = "point_mm", .doc = "A point of the plane, LPS", .required = true, .range = kPosition},
            plane.point_mm);
-  v.vector(
-      {.name = "normal", .doc = "What lies on this side goes", .required = true, .range = kComponent, .nonzero = true},
-      plane.normal);
+  v.vector({.name = "normal",
+            .doc = "Normal of the plane; bone on the side to which it points is removed",
+            .required = true,
+            .range = kComponent,
+            .nonzero = true},
+           plane.normal);
 }
 
 constexpr std::string_view kLabels = "label_map";
 
 void describe_point_spread(KeyVisitor& v, CtSettings& ct) {
   v.number({.name = "psf_mm",
-            .doc = "Full width of the scanner's point spread, within which a voxel at the bone's boundary counts what "
-                   "lies outside; 0: the voxel spacing along each axis",
+            .doc = "Full width of the point spread function (PSF) of the scanner; 0: the voxel spacing along each axis",
             .range = between(0, 10)},
            ct.psf_mm);
 }
 
 /// What a label map replaces.
 void describe_segmentation(KeyVisitor& v, CtSettings& ct) {
-  v.number({.name = "threshold_hu", .doc = "Bone from here up", .range = kHu, .unless = kLabels}, ct.threshold_hu);
+  v.number({.name = "threshold_hu", .doc = "Least radiodensity of bone", .range = kHu, .unless = kLabels},
+           ct.threshold_hu);
   v.number({.name = "closing_mm",
             .doc = "Radius of the closing that bridges gaps in the cortex; 0: none",
             .range = between(0, 20),
             .unless = kLabels},
            ct.closing_mm);
   v.flag({.name = "fill_holes",
-          .doc = "Fill what the cortex encloses, so that trabecular bone below the threshold stays",
+          .doc = "Fill the interior of the cortex, to keep trabecular bone below the threshold",
           .unless = kLabels},
          ct.fill_holes);
   v.optional_vector({.name = "seed_mm",
-                     .doc = "The connected piece with this point is kept, LPS; without it the largest",
+                     .doc = "Point inside the connected piece to keep, LPS; without it the largest piece is kept",
                      .range = kPosition,
                      .unless = kLabels},
                     ct.seed_mm);
-  v.list({.name = "cut_spheres", .doc = "Spheres that part the bone from its neighbours", .unless = kLabels},
+  v.list({.name = "cut_spheres", .doc = "Spheres that separate the bone from its neighbours", .unless = kLabels},
          ct.cut_spheres, describe_cut_sphere);
-  v.list({.name = "cut_planes", .doc = "Planes that part the bone from its neighbours", .unless = kLabels},
+  v.list({.name = "cut_planes", .doc = "Planes that separate the bone from its neighbours", .unless = kLabels},
          ct.cut_planes, describe_cut_plane);
 }
 
@@ -285,18 +294,17 @@ void describe_ct(KeyVisitor& v, CtSettings& ct) {
           .text = TextKind::input_path},
          ct.path);
   v.text({.name = "series",
-          .doc = "Of a DICOM folder: series UID, or number in the list that a warning gives where there are several; "
-                 "without it the CT series with "
-                 "the most slices",
+          .doc = "DICOM series: UID, or number in the list that a warning gives; without it the CT series with the "
+                 "most slices",
           .number_too = true},
          ct.series);
-  v.choice({.name = "modality", .doc = "What a DICOM series may be; any: also what is not CT"}, ct.modality);
-  v.optional_vector({.name = "crop_min_mm",
-                     .doc = "Lower corner of the part that is used, LPS; with crop_max_mm",
-                     .range = kPosition},
-                    ct.crop_min_mm);
-  v.optional_vector({.name = "crop_max_mm", .doc = "Upper corner, LPS; with crop_min_mm", .range = kPosition},
-                    ct.crop_max_mm);
+  v.choice({.name = "modality", .doc = "Accepted DICOM modality; any: also series that are not CT"}, ct.modality);
+  v.optional_vector(
+      {.name = "crop_min_mm", .doc = "Lower corner of the crop, LPS; with crop_max_mm", .range = kPosition},
+      ct.crop_min_mm);
+  v.optional_vector(
+      {.name = "crop_max_mm", .doc = "Upper corner of the crop, LPS; with crop_min_mm", .range = kPosition},
+      ct.crop_max_mm);
   v.choice({.name = "filter", .doc = "Noise filter before thresholding"}, ct.filter);
   v.integer({.name = "median_radius_voxels", .doc = "Used by `filter: median` only", .range = between(1, 10)},
             ct.median_radius_voxels);
@@ -320,50 +328,48 @@ void describe_mesh(KeyVisitor& v, MeshBoneSettings& mesh) {
   v.number({.name = "cortical_mm", .doc = "Thickness of the cortical shell", .range = between(0, 50)},
            mesh.cortical_mm);
   v.number({.name = "cortical_hu", .doc = "HU of the shell", .range = kHu}, mesh.cortical_hu);
-  v.number({.name = "trabecular_hu", .doc = "HU of the inside", .range = kHu}, mesh.trabecular_hu);
-  v.flag({.name = "repair", .doc = "Take an open or non-manifold mesh as far as that goes, and say what was done"},
+  v.number({.name = "trabecular_hu", .doc = "HU of the interior", .range = kHu}, mesh.trabecular_hu);
+  v.flag({.name = "repair", .doc = "Repair an open or non-manifold mesh as far as possible, and report what was done"},
          mesh.repair);
 }
 
 void describe_vdb(KeyVisitor& v, VdbBoneSettings& vdb) {
   v.text({.name = "path",
-          .doc = "A reamed.vdb, or what `reamsim import` wrote",
+          .doc = "A reamed.vdb, or a file of `reamsim import`",
           .required = true,
           .text = TextKind::input_file},
          vdb.path);
 }
 
 void describe_pilot_hole(KeyVisitor& v, PilotHoleSettings& hole) {
-  v.number({.name = "diameter_mm", .doc = "Of the drill", .range = above(0, 30)}, hole.diameter_mm);
-  v.vector({.name = "entry_mm", .doc = "Where the hole's axis begins", .range = kPosition}, hole.entry_mm);
-  v.vector({.name = "axis", .doc = "The way the drill goes in", .range = kComponent, .nonzero = true}, hole.axis);
-  v.number({.name = "depth_mm", .doc = "From entry_mm", .range = above(0, 500)}, hole.depth_mm);
+  v.number({.name = "diameter_mm", .doc = "Diameter of the hole", .range = above(0, 30)}, hole.diameter_mm);
+  v.vector({.name = "entry_mm", .doc = "Start of the axis of the hole", .range = kPosition}, hole.entry_mm);
+  v.vector({.name = "axis", .doc = "Direction of drilling", .range = kComponent, .nonzero = true}, hole.axis);
+  v.number({.name = "depth_mm", .doc = "Depth of the hole from entry_mm", .range = above(0, 500)}, hole.depth_mm);
   v.choice({.name = "frame", .doc = "Frame of entry_mm and axis"}, hole.frame);
 }
 
 }  // namespace
 
 void describe_bone(KeyVisitor& v, BoneSettings& bone) {
-  v.choice({.name = "source", .doc = "Where the bone comes from", .required = true}, bone.source);
+  v.choice({.name = "source", .doc = "Source of the bone", .required = true}, bone.source);
   v.choice({.name = "side",
             .doc = "Side of the body; required with a glenoid frame: with bone.glenoid, a glenoid phantom, or a frame: "
-                   "glenoid. Without it a VDB's own side applies"},
+                   "glenoid. Without it that of a VDB applies"},
            bone.side);
-  v.number({.name = "voxel_mm", .doc = "Side of a voxel. A VDB keeps its own", .range = between(0.01, 5)},
+  v.number({.name = "voxel_mm", .doc = "Edge length of a voxel. A VDB keeps its own", .range = between(0.01, 5)},
            bone.voxel_mm);
   v.choice(
       {.name = "surface_voxels",
-       .doc = "partial: a voxel that the bone's surface passes through holds the part of it that is bone; whole: it is "
-              "bone or air as a whole, as its centre is; auto: partial for `cutting.erosion: exact`, else whole. A VDB "
-              "keeps its own fill"},
-      bone.surface_voxels);
-  v.section({.name = "density", .doc = "From HU to density"}, bone.density, describe_density);
-  v.section(
-      {.name = "glenoid",
        .doc =
-           "The glenoid frame (center_mm, normal and superior, or landmarks), and the rim of the face. Without a frame "
-           "a phantom's or a VDB's own applies"},
-      bone.glenoid, describe_glenoid);
+           "Voxels on the surface of the bone. partial: fill is the fraction that is bone; whole: bone or air, by the "
+           "voxel centre; auto: partial for `cutting.erosion: exact`, otherwise whole. A VDB keeps its own fill"},
+      bone.surface_voxels);
+  v.section({.name = "density", .doc = "Relation from HU to density"}, bone.density, describe_density);
+  v.section({.name = "glenoid",
+             .doc = "Glenoid frame (center_mm, normal and superior, or landmarks), and the rim of the face. Without a "
+                    "frame that of a phantom or VDB applies"},
+            bone.glenoid, describe_glenoid);
   v.section({.name = "phantom", .doc = "A generated bone", .when = {"source", {"phantom"}}}, bone.phantom,
             describe_phantom);
   v.section({.name = "ct", .doc = "A CT scan", .required = true, .when = {"source", {"ct"}}}, bone.ct, describe_ct);
@@ -371,7 +377,7 @@ void describe_bone(KeyVisitor& v, BoneSettings& bone) {
             describe_mesh);
   v.section({.name = "vdb", .doc = "A bone of an earlier run or import", .required = true, .when = {"source", {"vdb"}}},
             bone.vdb, describe_vdb);
-  v.optional_section({.name = "pilot_hole", .doc = "A hole drilled before the run"}, bone.pilot_hole,
+  v.optional_section({.name = "pilot_hole", .doc = "Hole drilled before the run"}, bone.pilot_hole,
                      describe_pilot_hole);
 }
 

@@ -8,13 +8,11 @@ namespace {
 constexpr Range kChip = between(1e-5, 10);  // mm
 
 void describe_lips(KeyVisitor& v, int& lips) {
-  v.integer(
-      {.name = "lips", .doc = "Cutting lips that pass a point in a turn", .required = true, .range = between(1, 1000)},
-      lips);
+  v.integer({.name = "lips", .doc = "Number of cutting edges", .required = true, .range = between(1, 1000)}, lips);
 }
 
 void describe_specific_energy(KeyVisitor& v, SpecificEnergySettings& point) {
-  v.number({.name = "density_g_cm3", .doc = "Density of the bone", .required = true, .range = between(0, 2)},
+  v.number({.name = "density_g_cm3", .doc = "Apparent density", .required = true, .range = between(0, 2)},
            point.density_g_cm3);
   v.number({.name = "energy_j_mm3",
             .doc = "Energy to cut 1 mm³ of bone of that density",
@@ -25,7 +23,7 @@ void describe_specific_energy(KeyVisitor& v, SpecificEnergySettings& point) {
 
 void describe_size_effect(KeyVisitor& v, SizeEffectSettings& size) {
   v.number({.name = "exponent",
-            .doc = "m in u·(reference/h)^m; 1: the force no longer depends on how thick the chip is",
+            .doc = "m in u·(reference/h)^m; 1: the force is independent of the chip thickness",
             .required = true,
             .range = above(0, 1)},
            size.exponent);
@@ -35,18 +33,18 @@ void describe_size_effect(KeyVisitor& v, SizeEffectSettings& size) {
             .range = kChip},
            size.reference_mm);
   describe_lips(v, size.lips);
-  v.number({.name = "least_mm", .doc = "A thinner chip counts as this thick", .range = kChip}, size.least_mm);
-  v.number({.name = "most_mm", .doc = "A thicker chip counts as this thick", .range = kChip}, size.most_mm);
+  v.number({.name = "least_mm", .doc = "Lower limit of the chip thickness", .range = kChip}, size.least_mm);
+  v.number({.name = "most_mm", .doc = "Upper limit of the chip thickness", .range = kChip}, size.most_mm);
 }
 
 void describe_edge_force(KeyVisitor& v, EdgeForceSettings& edge) {
   v.number({.name = "tangential_n_mm",
-            .doc = "Force against the motion per length of engaged lip",
+            .doc = "Force against the motion per length of cutting edge in contact",
             .required = true,
             .range = above(0, 1000)},
            edge.tangential_n_mm);
   v.number({.name = "normal_n_mm",
-            .doc = "Force that pushes the tool out of the bone per length of engaged lip",
+            .doc = "Normal force per length of cutting edge in contact; it pushes the tool out of the bone",
             .required = true,
             .range = between(0, 1000)},
            edge.normal_n_mm);
@@ -57,24 +55,23 @@ void describe_edge_force(KeyVisitor& v, EdgeForceSettings& edge) {
 void describe_specific_energies(KeyVisitor& v, CuttingSettings& cutting) {
   constexpr std::string_view kTable = "specific_energy_table";
   v.list({.name = kTable,
-          .doc = "Specific energy over density instead of the power law: two or more points in ascending density, "
-                 "straight lines between them, constant beyond the ends"},
+          .doc = "Specific cutting energy over density instead of the power law: two or more points in ascending "
+                 "density, interpolated linearly, constant beyond the ends"},
          cutting.specific_energy_table, describe_specific_energy);
   v.choice({.name = "preset",
-            .doc = "specific_energy_j_mm3, reference_density_g_cm3 and density_exponent at the low end, the middle or "
-                   "the high end of the ranges that this project assumes; they do not bound the result. Any of the "
-                   "three that is given itself wins",
+            .doc = "Sets specific_energy_j_mm3, reference_density_g_cm3 and density_exponent to the low end, the "
+                   "middle or the high end of the ranges that this project assumes; they do not bound the result. A "
+                   "key that is given takes precedence",
             .unless = kTable},
            cutting.preset);
-  v.number(
-      {.name = "specific_energy_j_mm3",
-       .doc = "Energy to cut 1 mm³ of bone of the reference density (u0). Uncalibrated; 0.05 to 0.30 is assumed, thin "
-              "chips take more",
-       .range = above(0, 10),
-       .unless = kTable},
-      cutting.specific_energy_j_mm3);
+  v.number({.name = "specific_energy_j_mm3",
+            .doc = "Specific cutting energy at the reference density (u0). Uncalibrated; 0.05 to 0.30 is assumed, thin "
+                   "chips need more",
+            .range = above(0, 10),
+            .unless = kTable},
+           cutting.specific_energy_j_mm3);
   v.number({.name = "reference_density_g_cm3",
-            .doc = "Density at which the specific energy is specific_energy_j_mm3",
+            .doc = "Density at which the specific cutting energy is specific_energy_j_mm3",
             .range = above(0, 2),
             .unless = kTable},
            cutting.reference_density_g_cm3);
@@ -91,48 +88,47 @@ void describe_options(KeyVisitor& v, CuttingSettings& cutting) {
             .doc = "Normal force as a multiple of the tangential force (k_n)",
             .range = between(0, 10)},
            cutting.normal_ratio);
-  v.number({.name = "friction_share",
-            .doc = "Part of the tangential force that is friction; it changes no force, and the summary says what "
-                   "energy it takes",
-            .range = between(0, 1),
-            .when = {"law", {"energy"}}},
-           cutting.friction_share);
+  v.number(
+      {.name = "friction_share",
+       .doc = "Fraction of the tangential force that is friction. It changes no force; summary.json states its energy",
+       .range = between(0, 1),
+       .when = {"law", {"energy"}}},
+      cutting.friction_share);
   v.group({.names = {"size_effect", "edge_force"}, .one_needed = false});
   v.optional_section({.name = "size_effect",
-                      .doc = "Thin chips take more energy per volume: u·(reference/h)^exponent, with h how far the "
-                             "surface goes along its normal from one lip to the next. Not with `edge_force`",
+                      .doc = "Thin chips need more energy per volume: u·(reference/h)^exponent, where h is the uncut "
+                             "chip thickness. Not with `edge_force`",
                       .when = {"law", {"energy"}}},
                      cutting.size_effect, describe_size_effect);
-  v.optional_section(
-      {.name = "edge_force",
-       .doc = "Force per length of lip that rests against bone, cutting or not. Needs `law: energy`; not "
-              "with `size_effect`, nor with tool.spin resolved",
-       .when = {"erosion", {"exact"}}},
-      cutting.edge_force, describe_edge_force);
+  v.optional_section({.name = "edge_force",
+                      .doc = "Force per length of cutting edge in contact, cutting or not. Needs `law: energy`; not "
+                             "with `size_effect`, nor with tool.spin: resolved",
+                      .when = {"erosion", {"exact"}}},
+                     cutting.edge_force, describe_edge_force);
 }
 
 }  // namespace
 
 void describe_cutting(KeyVisitor& v, CuttingSettings& cutting) {
   v.choice({.name = "law",
-            .doc = "energy: force from the specific cutting energy of the removed volume; per_point: a given force for "
-                   "each shell point in contact, as in the paper"},
+            .doc = "energy: force from the specific cutting energy of the removed volume; per_point: a given force per "
+                   "shell point in contact, as in the paper"},
            cutting.law);
   v.defaults([&cutting] {
     if (cutting.law == CuttingLaw::per_point) cutting.erosion = ErosionMode::remove;
   });
-  v.choice(
-      {.name = "erosion",
-       .doc = "exact: a voxel keeps the part of it that lies outside the tool (engine.detector bricked, law energy); "
-              "remove: a touched voxel goes whole, the default where exact is not "
-              "possible; wear: it loses density by the second",
-       .default_by = "engine.detector"},
-      cutting.erosion);
+  v.choice({.name = "erosion",
+            .doc = "exact: a voxel keeps the part of it that lies outside the tool (needs engine.detector: bricked and "
+                   "law: energy); remove: a touched voxel is removed as a whole, the default where exact is not "
+                   "possible; wear: it loses density at a constant rate",
+            .default_by = "engine.detector"},
+           cutting.erosion);
   describe_specific_energies(v, cutting);
   describe_options(v, cutting);
   v.number(
       {.name = "speed_floor_mm_s",
-       .doc = "The cutting speed counts as at least this much, so that force stays finite where the tool stands still",
+       .doc =
+           "Lower limit of the cutting speed in the force law; it keeps the force finite where the tool hardly moves",
        .range = above(0, 10000)},
       cutting.speed_floor_mm_s);
   v.number({.name = "force_per_point_n",

@@ -8,41 +8,42 @@ constexpr Range kSpin = between(-20000, 20000);
 
 void describe_plunge(KeyVisitor& v, PlungeSettings& plunge) {
   v.vector({.name = "entry_mm",
-            .doc = "Where the plunge depth counts from; the tool's origin passes through it",
+            .doc = "Start of the plunge depth; the origin of the tool passes through it",
             .range = kPosition},
            plunge.entry_mm);
   v.vector({.name = "axis",
-            .doc = "The way the tool goes; +z of the tool is its opposite",
+            .doc = "Direction of the feed; the opposite of +z of the tool",
             .range = kComponent,
             .nonzero = true},
            plunge.axis);
-  v.number({.name = "approach_mm", .doc = "Path before entry_mm", .range = between(0, 500)}, plunge.approach_mm);
-  v.number({.name = "feed_mm_s", .doc = "Speed along the axis on the way in", .range = above(0, 1000)},
-           plunge.feed_mm_s);
-  v.number({.name = "depth_mm", .doc = "Path beyond entry_mm", .range = between(0, 500)}, plunge.depth_mm);
+  v.number({.name = "approach_mm", .doc = "Distance before entry_mm", .range = between(0, 500)}, plunge.approach_mm);
+  v.number({.name = "feed_mm_s", .doc = "Feed rate", .range = above(0, 1000)}, plunge.feed_mm_s);
+  v.number({.name = "depth_mm", .doc = "Distance beyond entry_mm", .range = between(0, 500)}, plunge.depth_mm);
   v.number({.name = "dwell_s", .doc = "Time at full depth", .range = between(0, 3600)}, plunge.dwell_s);
-  v.number({.name = "retract_mm", .doc = "Path back", .range = between(0, 1000)}, plunge.retract_mm);
-  v.number({.name = "retract_mm_s", .doc = "Speed on the way back", .range = above(0, 1000)}, plunge.retract_mm_s);
-  v.number({.name = "spin_rpm", .doc = "Spin, clockwise seen from the drill; negative: the other way", .range = kSpin},
+  v.number({.name = "retract_mm", .doc = "Retraction distance", .range = between(0, 1000)}, plunge.retract_mm);
+  v.number({.name = "retract_mm_s", .doc = "Retraction speed", .range = above(0, 1000)}, plunge.retract_mm_s);
+  v.number({.name = "spin_rpm", .doc = "Spindle speed, positive clockwise seen from the drive", .range = kSpin},
            plunge.spin_rpm);
 }
 
 void describe_keyframe(KeyVisitor& v, KeyframeSettings& key) {
-  v.number(
-      {.name = "time_s", .doc = "When; later than the keyframe before", .required = true, .range = between(0, 1e5)},
-      key.time_s);
-  v.vector({.name = "position_mm", .doc = "The tool's origin", .required = true, .range = kPosition}, key.position_mm);
+  v.number({.name = "time_s",
+            .doc = "Time; later than that of the previous keyframe",
+            .required = true,
+            .range = between(0, 1e5)},
+           key.time_s);
+  v.vector({.name = "position_mm", .doc = "Origin of the tool", .required = true, .range = kPosition}, key.position_mm);
   v.optional_vector({.name = "axis",
-                     .doc = "+z of the tool: out of the bone, towards the drill",
+                     .doc = "+z of the tool: out of the bone, towards the drive",
                      .range = kComponent,
                      .nonzero = true},
                     key.axis);
   v.optional_quaternion({.name = "quaternion",
-                         .doc = "Rotation from tool to motion.frame: w, x, y, z; of length 1",
+                         .doc = "Rotation from tool to motion.frame: unit quaternion w, x, y, z",
                          .range = between(-1.01, 1.01)},
                         key.quaternion);
   v.group({.names = {"axis", "quaternion"}});
-  v.number({.name = "spin_rpm", .doc = "Spin, clockwise seen from the drill; negative: the other way", .range = kSpin},
+  v.number({.name = "spin_rpm", .doc = "Spindle speed, positive clockwise seen from the drive", .range = kSpin},
            key.spin_rpm);
 }
 
@@ -52,7 +53,7 @@ void describe_csv(KeyVisitor& v, CsvMotionSettings& csv) {
           .required = true,
           .text = TextKind::input_file},
          csv.path);
-  v.number({.name = "spin_rpm", .doc = "Spin where the file has no such column", .range = kSpin}, csv.spin_rpm);
+  v.number({.name = "spin_rpm", .doc = "Spindle speed if the file has no such column", .range = kSpin}, csv.spin_rpm);
 }
 
 }  // namespace
@@ -61,25 +62,25 @@ void describe_tool(KeyVisitor& v, ToolSettings& tool) {
   v.text({.name = "mesh", .doc = "STL, OBJ or PLY in the tool frame", .required = true, .text = TextKind::input_file},
          tool.mesh);
   v.number({.name = "scale", .doc = "File units to mm", .range = above(0, 1e6)}, tool.scale);
-  v.integer(
-      {.name = "shell_resolution",
-       .doc = "M of the M³ grid whose cells sample the surface; 0: a spacing of 0.47 voxel, which leaves none behind. "
-              "Cuts nothing with erosion exact nor with the detector implicit, which look at the surface itself",
-       .range = between(0, 4096)},
-      tool.shell_resolution);
+  v.integer({.name = "shell_resolution",
+             .doc = "M of the M³ grid whose cells sample the surface; 0: a spacing of 0.47 voxel, which leaves no "
+                    "voxel behind. Not used with erosion exact and the detector implicit, which use the surface itself",
+             .range = between(0, 4096)},
+            tool.shell_resolution);
   v.choice(
-      {.name = "spin", .doc = "envelope: the surface that the teeth sweep; resolved: the teeth themselves, turning"},
+      {.name = "spin",
+       .doc = "envelope: the envelope of revolution of the reamer; resolved: the rotating cutting edges themselves"},
       tool.spin);
 }
 
 void describe_motion(KeyVisitor& v, MotionSettings& motion) {
-  v.choice({.name = "frame", .doc = "Frame of all positions and directions below"}, motion.frame);
+  v.choice({.name = "frame", .doc = "Frame of all positions and directions of the motion"}, motion.frame);
   v.number({.name = "frame_rate_hz", .doc = "Frames per second; 1000 is the haptic rate", .range = between(1, 100000)},
            motion.frame_rate_hz);
-  v.optional_section({.name = "plunge", .doc = "Straight in, dwell, straight out"}, motion.plunge, describe_plunge);
+  v.optional_section({.name = "plunge", .doc = "Straight motion in, dwell, straight motion out"}, motion.plunge,
+                     describe_plunge);
   v.list({.name = "keyframes",
-          .doc = "Two or more poses; between them position and spin go linearly, orientation "
-                 "spherically"},
+          .doc = "Two or more poses; position and spindle speed are interpolated linearly, orientation spherically"},
          motion.keyframes, describe_keyframe);
   v.optional_section({.name = "csv", .doc = "Poses from a file"}, motion.csv, describe_csv);
   v.group({.names = {"plunge", "keyframes", "csv"}});

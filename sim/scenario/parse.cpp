@@ -114,7 +114,7 @@ Scenario parse_scenario(const std::string& path, const std::vector<std::string>&
     if (scenario.name.empty()) scenario.name = absolute.stem().string();
     return scenario;
   } catch (const std::bad_alloc&) {
-    throw InputError({shown_path(path), 0, 0}, "", "needs more memory than there is", kExpectedFile);
+    throw InputError({shown_path(path), 0, 0}, "", "not enough memory", kExpectedFile);
   }
 }
 
@@ -132,7 +132,7 @@ ResultSettings parse_result_settings(const std::string& path, const std::vector<
   check_cameras(out.render, reader.locations());
   const YamlEntry* tool = document->find("tool");
   const YamlEntry* spin = tool == nullptr ? nullptr : tool->value->find("spin");
-  out.tool_spin = 
+  out.tool_spin =
       spin == nullptr ? ToolSettings().spin : from_name<ToolSpin>(spin->value->text).value_or(ToolSettings().spin);
   return out;
 }
@@ -145,7 +145,7 @@ BoneSettings parse_bone_settings(const std::string& source, const std::string& p
   for (const auto& assignment : overrides) {
     document = apply_override(document, assignment);
     if (document->entries.size() > 1) {
-      throw InputError("--set " + shown_path(assignment) + ": not a key of the bone; expected bone.key=value");
+      throw InputError("--set " + shown_path(assignment) + ": not a key of the bone section; expected bone.KEY=VALUE");
     }
   }
   MistakeList mistakes;

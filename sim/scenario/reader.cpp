@@ -75,7 +75,7 @@ YamlNodePtr ScenarioReader::take(const KeyInfo& info) {
   }
   if (fits == Applies::yes) return entry->value;
   if (!info.when.values.empty()) level.contradicted.insert(info.when.choice);
-  throw InputError(where, path, "does not apply, because " + why_not, "");
+  throw InputError(where, path, "does not apply: " + why_not, "");
 }
 
 double ScenarioReader::checked_number(const KeyInfo& info, const YamlNode& node, const std::string& expected) const {
@@ -281,8 +281,7 @@ void ScenarioReader::check_group(const KeyGroup& group) const {
   }
   if (found.empty() && group.one_needed && !level.has_unknown) {
     const std::string& path = level.path;
-    throw InputError(level.where, path, "none of its keys " + join_or(group.names) + " is given",
-                     "expected exactly one of them");
+    throw InputError(level.where, path, "needs either " + join_or(group.names), "");
   }
 }
 

@@ -68,14 +68,14 @@ void check_rim(const std::vector<Vec3>& rim_mm, const KeyLocations& locations) {
   }
   if (length_mm < kLeastRim_mm || length_mm > kMostRim_mm) {
     fail("a rim " + number_text(std::round(10 * length_mm) / 10) + " mm long",
-         "points in mm round a joint face of " + number_text(kLeastRim_mm) + " to " + number_text(kMostRim_mm) + " mm");
+         "points in mm around a face of " + number_text(kLeastRim_mm) + " to " + number_text(kMostRim_mm) + " mm");
   }
   const RimSpread spread = spread_of(rim_mm);
   if (spread.deviations_mm[1] < kLeastWidth * spread.deviations_mm[2]) {
-    fail("points on one line", "points round the face, which span a plane");
+    fail("points on one line", "points around the face that span a plane");
   }
   if (const std::size_t point = first_out_of_order(rim_mm, spread); point != 0) {
-    fail("point " + std::to_string(point) + " out of order", "the points in order round the face, each once");
+    fail("point " + std::to_string(point) + " out of order", "the points in order around the face, each once");
   }
 }
 

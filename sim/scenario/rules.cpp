@@ -143,7 +143,7 @@ void Rules::check_side() const {
 void Rules::need_glenoid_frame(const std::string& key) const {
   // Every phantom has its own, and a VDB may have one.
   if (s_.bone.source == BoneSource::phantom || s_.bone.source == BoneSource::vdb || glenoid_given()) return;
-  fail(key, "found glenoid, and there is no glenoid frame", "bone, or a glenoid frame in bone.glenoid");
+  fail(key, "frame is glenoid but bone.glenoid is missing", "bone.glenoid, or frame: bone");
 }
 
 void Rules::check_motion_frame() const {
@@ -169,7 +169,8 @@ void Rules::check_crop() const {
     fail(missing, "missing", "crop_min_mm and crop_max_mm together");
   }
   if (ct.crop_min_mm && (ct.crop_min_mm->array() >= ct.crop_max_mm->array()).any()) {
-    fail("bone.ct.crop_max_mm", "found a corner that is not above crop_min_mm on every axis", "a larger x, y and z");
+    fail("bone.ct.crop_max_mm", "found a corner that is not greater than crop_min_mm on every axis",
+         "a larger x, y and z");
   }
 }
 
@@ -202,7 +203,7 @@ void Rules::check_keyframes() const {
   for (std::size_t i = 1; i < keys.size(); ++i) {
     if (keys[i].time_s > keys[i - 1].time_s) continue;
     fail("motion.keyframes." + std::to_string(i) + ".time_s", "found " + number_text(keys[i].time_s),
-         "a time after that of the keyframe before it, " + number_text(keys[i - 1].time_s) + " s");
+         "a time later than that of the previous keyframe, " + number_text(keys[i - 1].time_s) + " s");
   }
 }
 
@@ -259,7 +260,7 @@ void Rules::check_energy_table() const {
   }
   for (std::size_t i = 1; i < table.size(); ++i) {
     require(table[i].density_g_cm3 > table[i - 1].density_g_cm3, table_key + "." + std::to_string(i) + ".density_g_cm3",
-            table[i].density_g_cm3, "more than the point before it, " + number_text(table[i - 1].density_g_cm3));
+            table[i].density_g_cm3, "more than at the previous point, " + number_text(table[i - 1].density_g_cm3));
   }
 }
 
@@ -310,8 +311,7 @@ void check_cameras(const RenderSettings& render, const KeyLocations& locations) 
     };
     const std::string expected = "up to 40 lower-case letters, digits, _ and -";
     if (!names_a_file(camera.name)) fail("name", "found " + shown_text(camera.name), expected);
-    if (from_name<CameraView>(camera.name))
-      fail("name", "found the name of a camera that there is already", "another name");
+    if (from_name<CameraView>(camera.name)) fail("name", "found a camera name that is used twice", "another name");
     if (is_taken(render.user_cameras, i)) fail("name", "found " + camera.name + " twice", "another name");
     if (!camera.target_mm) continue;  // known only when the bone is
     const Vec3 view = *camera.target_mm - camera.position_mm;

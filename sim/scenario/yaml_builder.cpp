@@ -47,8 +47,7 @@ void YamlBuilder::count(std::size_t nodes, const YamlMark& mark) {
   nodes_ += nodes;
   if (nodes_ > YamlLimits::kMaxNodes) {
     fail(mark, "more than " + std::to_string(YamlLimits::kMaxNodes) + " values",
-         "expected a smaller file (long "
-         "recordings belong into motion.csv)");
+         "reduce the file (put long recordings into motion.csv)");
   }
 }
 
@@ -79,7 +78,8 @@ void YamlBuilder::OnScalar(const YAML::Mark& mark, const std::string& tag, YAML:
 void YamlBuilder::OnAlias(const YAML::Mark& mark, YAML::anchor_t anchor) {
   const auto found = anchors_.find(anchor);
   if (found == anchors_.end()) {
-    fail(mark_of(mark), "an alias that refers to a section it stands in", "expected an alias of something complete");
+    fail(mark_of(mark), "an alias that refers to the section that contains it",
+         "expected an alias of something complete");
   }
   add(found->second, mark_of(mark));
 }
@@ -159,7 +159,7 @@ void YamlBuilder::add_to_map(Open& map, const YamlNodePtr& node, const YamlMark&
     return;
   }
   if (node->kind != YamlNode::Kind::scalar) {
-    fail(mark, "found " + shown(*node) + " where a key should be", "expected a key name");
+    fail(mark, "found " + shown(*node) + " instead of a key", "expected a key name");
   }
   map.key = node->text;
   map.key_mark = mark;
@@ -172,7 +172,7 @@ void YamlBuilder::merge(Open& map) {
     const auto [first, fresh] = lines.emplace(entry.key, entry.mark.line);
     if (!fresh) {
       fail(entry.mark, shown_key(entry.key) + ": duplicate key",
-           "expected it once; it stands on line " + std::to_string(first->second) + " already");
+           "give it once; it is on line " + std::to_string(first->second) + " already");
     }
   }
   for (const auto& from : map.merges) {

@@ -40,9 +40,9 @@ constexpr std::array kRephrased{
     Rephrased{"end of sequence not found", "a line that does not continue the list above it",
               "expected \"- value\" with the same indentation as its neighbours"},
     Rephrased{"end of sequence flow not found", "a \"[\" that is not closed", "expected \"]\""},
-    Rephrased{"illegal EOF in scalar", "a quotation mark that is not closed", "expected its partner before the end"},
+    Rephrased{"illegal EOF in scalar", "a quotation mark that is not closed", "close it before the end"},
     Rephrased{"illegal document indicator in scalar", "a quotation mark that is not closed",
-              "expected its partner before the document's end"},
+              "close it before the end of the document"},
     Rephrased{"illegal map value", "a \":\" where no key can be",
               "expected one \"key: value\" per line, with even indentation, and texts that hold \": \" in quotes"},
     Rephrased{"illegal map key", "a key where none can be", "expected one \"key: value\" per line"},
@@ -89,7 +89,7 @@ void require_text(std::string_view text, const LineIndex& lines, const std::stri
     if (length == 0 || control) {
       const std::string shown_byte = shown_text(text.substr(i, 1));
       throw InputError(lines.mark(line, static_cast<int>(i - line_start)).in(file), "",
-                       "found the byte " + shown_byte + ", so this is no text file", "expected YAML in UTF-8");
+                       "found the byte " + shown_byte + ": not a text file", "expected YAML in UTF-8");
     }
     i += length;
     if (byte == '\n') {
@@ -104,7 +104,7 @@ void require_text(std::string_view text, const LineIndex& lines, const std::stri
 YamlNodePtr parse_yaml(std::string_view text, const std::string& file) {
   if (text.size() > YamlLimits::kMaxBytes) {
     throw InputError({file, 0, 0}, "", "larger than " + std::to_string(YamlLimits::kMaxBytes >> 20) + " MiB",
-                     "expected a scenario (long recordings belong into motion.csv)");
+                     "expected a scenario (put long recordings into motion.csv)");
   }
   if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);  // the byte order mark that some editors write
   const LineIndex lines(text);

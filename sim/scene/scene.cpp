@@ -30,7 +30,7 @@ void check_camera_frames(const ReamingScene& scene) {
   for (std::size_t i = 0; i < cameras.size() && !scene.bone.glenoid; ++i) {
     if (cameras[i].frame != PoseFrame::glenoid) continue;
     throw InputError({}, "render.user_cameras." + std::to_string(i) + ".frame",
-                     "found glenoid, and the bone has no glenoid frame", "expected bone, or a frame in bone.glenoid");
+                     "frame is glenoid but bone.glenoid is missing", "add it, or use frame: bone");
   }
 }
 

@@ -15,24 +15,23 @@ void warn_of_thin_walls(const Tool& tool, bool teeth, double voxel_mm, Report& r
   const auto wall = teeth ? thinnest_wall(tool.mesh, limit_mm) : thinnest_wall(tool.profile, limit_mm);
   if (!wall) return;
   char text[240];
-  std::snprintf(
-      text, sizeof text,
-      "tool.mesh: a wall of the tool is %.3g mm thin at (%.3g, %.3g, %.3g) mm, less than two voxels (%.3g mm);"
-      " what it cuts is not exact: voxels of %.3g mm or less would do",
-      wall->thickness_mm, wall->at_mm.x(), wall->at_mm.y(), wall->at_mm.z(), limit_mm,
-      wall->thickness_mm / kThinWallVoxels);
+  std::snprintf(text, sizeof text,
+                "tool.mesh: a wall of the tool is %.3g mm thick at (%.3g, %.3g, %.3g) mm, less than two voxels (%.3g "
+                "mm); its cut is inaccurate: use voxels of %.3g mm or less",
+                wall->thickness_mm, wall->at_mm.x(), wall->at_mm.y(), wall->at_mm.z(), limit_mm,
+                wall->thickness_mm / kThinWallVoxels);
   report.warn(text);
 }
 
 void report_volume(const DistanceGrid& grid, Report& report) {
   char text[240];
   std::snprintf(text, sizeof text,
-                "tool: the teeth's distance grid has %zu bricks, %.3g mm apart, and %.2f mm^3 inside; the mesh has "
-                "%.2f mm^3 (%+.3f %%)",
+                "tool: the distance grid has %zu bricks, sample spacing %.3g mm, volume %.2f mm^3; the mesh has %.2f "
+                "mm^3 (%+.3f %%)",
                 grid.stored_bricks(), grid.spacing_mm, grid.volume_mm3, grid.mesh_mm3, 100 * grid.volume_error());
   if (std::abs(grid.volume_error()) <= kGridVolumeTolerance) return report.note(text);
   char tolerance[80];
-  std::snprintf(tolerance, sizeof tolerance, "; more than %.1f %% off: smaller voxels would help",
+  std::snprintf(tolerance, sizeof tolerance, "; the difference exceeds %.1f %%: use smaller voxels",
                 100 * kGridVolumeTolerance);
   report.warn(std::string(text) + tolerance);
 }
@@ -49,7 +48,7 @@ void ready_for_clipping(Tool& tool, const ToolSettings& settings, double voxel_m
   warn_of_thin_walls(tool, teeth, voxel_mm, report);
   if (!teeth) {
     if (settings.spin == ToolSpin::resolved)
-      report.note("tool.spin: resolved, but the mesh is a surface of revolution; it runs as its envelope");
+      report.note("tool.spin is resolved but the mesh is a surface of revolution; using its envelope");
     return;
   }
   require_room_for_grid(plan_distance_grid(tool.mesh, voxel_mm).working_bytes, memory_bytes, voxel_mm, "the machine");

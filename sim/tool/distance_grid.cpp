@@ -194,9 +194,9 @@ DistanceGrid make_distance_grid(const TriangleMesh& mesh, const Profile& envelop
     limit_rise(distance->tree());
     take_bricks(distance->tree(), grid);
   } catch (const std::bad_alloc&) {
-    throw InputError("tool.mesh: the teeth's distance grid does not fit into memory; larger voxels (bone.voxel_mm) do");
+    throw InputError("tool.mesh: the distance grid does not fit into memory; increase bone.voxel_mm");
   } catch (const openvdb::Exception&) {
-    throw InputError("tool.mesh: the teeth's distance cannot be found; expected a closed surface");
+    throw InputError("tool.mesh: the distance grid cannot be computed; give a closed surface");
   }
   grid.slack_mm = slack_of(mesh, envelope, grid.spacing_mm);
   grid.mesh_mm3 = mesh.volume_mm3();
@@ -229,10 +229,10 @@ void require_room_for_grid(double need_bytes, double have_bytes, double voxel_mm
   // The band's bricks go by the square of the spacing.
   const double fitting_mm = 1.05 * voxel_mm * std::sqrt(need_bytes / have_bytes);
   char text[200];
-  std::snprintf(text, sizeof text, "the teeth's distance grid would take %.4g MB and %s has %.4g MB for it",
-                need_bytes / 1e6, what.c_str(), have_bytes / 1e6);
+  std::snprintf(text, sizeof text, "the distance grid needs %.4g MB, but %s has %.4g MB available", need_bytes / 1e6,
+                what.c_str(), have_bytes / 1e6);
   char fit[100];
-  std::snprintf(fit, sizeof fit, "voxels of about %.3g mm would fit, or tool.spin: envelope", fitting_mm);
+  std::snprintf(fit, sizeof fit, "use voxels of about %.3g mm, or tool.spin: envelope", fitting_mm);
   throw InputError({}, "bone.voxel_mm", text, fit);
 }
 

@@ -149,8 +149,7 @@ PointShell voxelise_surface(const TriangleMesh& mesh, int resolution) {
     throw InputError("shell resolution " + std::to_string(resolution) + " is outside 1 to " +
                      std::to_string(kMaxShellResolution));
   const Aabb box = mesh.bounds();
-  if (box.empty() || !((box.max - box.min).maxCoeff() > 0))
-    throw InputError("a mesh without extent has no surface to sample");
+  if (box.empty() || !((box.max - box.min).maxCoeff() > 0)) throw InputError("the mesh has no extent");
   PointShell shell = lay_grid(box, resolution);
   CodeSet cells(resolution);
   const auto grid = [&](std::int32_t vertex) -> Vec3 {

@@ -147,7 +147,7 @@ Profile sweep_outline(const TriangleMesh& mesh, double step_mm) {
     }
   }
   if (other_area > kCrumbShare * largest_area)
-    throw InputError("turned about z it sweeps several separate bodies; one connected tool is needed");
+    throw InputError("its envelope of revolution about z has several separate parts; give one connected tool");
   return {sharpen_corners(simplify(largest, kSimplifyShare * lattice.step_mm()), lattice.step_mm())};
 }
 

@@ -65,16 +65,15 @@ Vec3 centroid(const TriangleMesh& mesh) {
 TriangleMesh read_closed_mesh(const ToolSettings& settings, double voxel_mm, Report& report) {
   TriangleMesh mesh = read_mesh(settings.mesh, settings.scale);
   const MeshDiagnosis diagnosis = diagnose(mesh);
-  if (!diagnosis.closed_manifold())
-    throw tool_error(settings, diagnosis.text(), "a tool needs a closed two-manifold surface");
+  if (!diagnosis.closed_manifold()) throw tool_error(settings, diagnosis.text(), "give a closed two-manifold surface");
   const Vec3 size = mesh.bounds().max - mesh.bounds().min;
   if (!(size.minCoeff() > voxel_mm) || !(size.maxCoeff() < kLargestMm) || !(std::abs(diagnosis.volume_mm3) > 0))
-    throw tool_error(
-        settings, "the tool measures " + text(size.x()) + " × " + text(size.y()) + " × " + text(size.z()) + " mm",
-        "more than a voxel (" + text(voxel_mm) + " mm) and less than a metre is possible; is tool.scale right?");
+    throw tool_error(settings,
+                     "the tool measures " + text(size.x()) + " × " + text(size.y()) + " × " + text(size.z()) + " mm",
+                     "more than a voxel (" + text(voxel_mm) + " mm) and less than 1 m are supported: check tool.scale");
   if (diagnosis.volume_mm3 < 0) {
     for (auto& t : mesh.triangles) std::swap(t[1], t[2]);
-    report.warn("tool.mesh: the triangles of " + settings.mesh + " face inwards; turned round");
+    report.warn("tool.mesh: the triangles of " + settings.mesh + " face inwards; orientation flipped");
   }
   return mesh;
 }
@@ -84,13 +83,13 @@ void check_frame(const ToolSettings& settings, const TriangleMesh& mesh, const P
   const double off_axis = centroid(mesh).head<2>().norm();
   const std::string found = "the mesh's centroid is " + text(off_axis) + " mm off the z axis";
   if (off_axis > kOffAxisError * profile.max_radius_mm())
-    throw tool_error(settings, found, "the tool has to turn about z, +z towards the drill");
+    throw tool_error(settings, found, "place the spin axis on z, with +z towards the drive");
   if (off_axis > kOffAxisWarn * profile.max_radius_mm())
-    report.warn("tool.mesh: " + found + "; it is taken to turn about z all the same");
+    report.warn("tool.mesh: " + found + "; rotation about z is assumed");
   const Aabb box = mesh.bounds();
   if (std::abs(box.min.z()) > kOffOriginShare * (box.max.z() - box.min.z()))
     report.warn("tool.mesh: the tool's lowest point is at z = " + text(box.min.z()) +
-                " mm; poses refer to z = 0, which should be the lowest point of the cutting surface");
+                " mm; it should be at z = 0, because poses refer to that point");
 }
 
 int least_resolution(const ToolSettings& settings, double extent_mm, double voxel_mm, ShellUse use) {
@@ -106,8 +105,8 @@ int least_resolution(const ToolSettings& settings, double extent_mm, double voxe
   throw InputError("tool.shell_resolution: a spacing of half a voxel (" + text(kSafeSpacingVoxels * voxel_mm) +
                    " mm) over the tool " + settings.mesh + " (" + text(extent_mm) + " mm) takes " + text(cells) +
                    " cells per axis and " + std::to_string(kMaxShellResolution) + " are possible; bone.voxel_mm of " +
-                   text(std::ceil(least_voxel * 1e4) / 1e4) + " or more would do, or tool.shell_resolution: " +
-                   std::to_string(kMaxShellResolution) + " with the leak it warns of");
+                   text(std::ceil(least_voxel * 1e4) / 1e4) + " or more is enough, or tool.shell_resolution: " +
+                   std::to_string(kMaxShellResolution) + " with a leak, which is warned of");
 }
 
 void warn_of_leak(const PointShell& shell, double voxel_mm, Report& report) {
@@ -117,8 +116,7 @@ void warn_of_leak(const PointShell& shell, double voxel_mm, Report& report) {
                             : spacing > kLargestMeasuredSpacing ? "more than "
                                                                 : "about ";
   report.warn("tool.shell_resolution: the shell's spacing is " + text(spacing) + " voxels; " + bound +
-              text(100 * expected_leak(spacing)) +
-              " % of the swept voxels may be left behind; 0.5 voxels or less leaves none");
+              text(100 * expected_leak(spacing)) + " % of the swept voxels may survive; use 0.5 voxels or less");
 }
 
 }  // namespace

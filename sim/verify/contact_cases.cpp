@@ -11,7 +11,7 @@ namespace reamsim::verify {
 namespace {
 
 constexpr double kForceBar = 5e-3;  // of a steady plunge at 0.25 mm
-const char* const kBarReason = "the bar of the project";
+const char* const kBarReason = "limit set by this project";
 
 /// The example with one factor changed; a flat face with `radius_mm` 0.
 SteadyPlunge changed(double SteadyPlunge::*member, double value) {
@@ -123,7 +123,7 @@ std::vector<Ladder> half_ladders(const Setting& setting) {
 
 CaseFindings ratio_case(const Setting& setting) {
   CaseFindings out;
-  out.title = "Torque over thrust does not depend on the bone";
+  out.title = "Ratio of torque to axial force is independent of the bone";
   out.scene = "the reamers of the steady plunge in full contact, in bone of several densities; 0.25 mm voxels";
   out.form = "T/F_z = (a² − r₀²)/(2·k_n·[C(a) − C(r₀)] + 2·(v_f/ω)·ln(a/r₀)); without its last term while v_f ≪ ω·r₀";
   for (const SteadyPlunge& plunge : ratio_plunges(setting.quick)) {
@@ -131,7 +131,7 @@ CaseFindings ratio_case(const Setting& setting) {
     const double found = measured_ratio_mm({.plunge = plunge}, setting);
     out.checks.push_back(relative_check("T/F_z, " + with_density(plunge), "mm", plunge.torque_nmm() / plunge.thrust_n(),
                                         found, kForceBar, kBarReason));
-    out.checks.push_back({"T/F_z of the slow feed's limit, " + with_density(plunge), "mm", Measure::reported,
+    out.checks.push_back({"T/F_z in the limit of slow feed, " + with_density(plunge), "mm", Measure::reported,
                           plunge.ratio_mm(), found, 0, "beside it"});
   }
   const double tilted = measured_ratio_mm({.plunge = kExample, .tilt_deg = 17}, setting);
@@ -142,13 +142,13 @@ CaseFindings ratio_case(const Setting& setting) {
 
 CaseFindings half_face_case(const Setting& setting) {
   CaseFindings out;
-  out.title = "Half of the face over bone";
+  out.title = "Bone under half of the face";
   out.scene =
-      "the steady plunge beside a wall: bone only on the side of a plane through the axis to which e points, t a "
-      "quarter turn further; the plane lies askew to the lattice; ladders: e at 25°";
+      "the steady plunge beside a wall: bone only on one side of a plane through the axis, the side to which e points; "
+      "t is a quarter turn further; the plane is oblique to the lattice; refinements: e at 25°";
   out.form =
-      "torque and thrust half of full contact; F·t = 2u·(v_f/ω)·(a − r₀); F·e = −k_n·u·(v_f/ω)·(a² − r₀²)/R; "
-      "M·t = R·F·e; M·e = −2u·(v_f/ω)·R·[(a − r₀) − (C(a) − C(r₀))]";
+      "torque and axial force half of full contact; F·t = 2u·(v_f/ω)·(a − r₀); F·e = −k_n·u·(v_f/ω)·(a² − r₀²)/R; M·t "
+      "= R·F·e; M·e = −2u·(v_f/ω)·R·[(a − r₀) − (C(a) − C(r₀))]";
   out.ladders = half_ladders(setting);
   std::vector<PlungeRun> runs = {{.plunge = kExample, .half_toward_deg = 0},
                                  {.plunge = kExample, .half_toward_deg = 25},

@@ -12,7 +12,7 @@ namespace {
 using std::numbers::pi;
 
 constexpr double kRate_hz = 500, kRpm = 250, kFeed_mm_s = 20, kStart_mm = 2;
-constexpr const char* kBar = "the project's bar for a CT";
+constexpr const char* kBar = "limit set by this project for a CT";
 
 /// Energy and volume of a plunge, summed as far as a depth.
 struct Removed {
@@ -180,11 +180,11 @@ CaseFindings ct_plate_case(const Setting& setting) {
 
 CaseFindings ct_force_case(const Setting& setting) {
   CaseFindings out;
-  out.title = "Torque and thrust in a CT";
+  out.title = "Torque and axial force in a CT";
   out.scene =
       "slab of 1000 HU scanned at 1 mm, face at 0.31 voxels and tilted by 30°; convex head of 29 mm radius, 8 mm wide, "
-      "bored to 1.25 mm, fed at 0.5 mm/s and 250 rpm in full contact, voxels halved";
-  out.form = "the law's integral over the face";
+      "cannula radius 1.25 mm, 0.5 mm/s and 250 rpm in full contact, voxels halved";
+  out.form = "integral of the law over the face";
   CtSlab slab{.hu = [](double) { return 1000.0; }};
   slab.offset_voxels = 0.31;
   slab.tilt_deg = 30;
@@ -209,7 +209,7 @@ CaseFindings ct_force_case(const Setting& setting) {
   }
   for (Ladder* ladder : {&torque, &thrust}) {
     finish(*ladder);
-    out.checks.push_back(finest_check(*ladder, 0.01, "the slab's grade is rounded to 0.4 %"));
+    out.checks.push_back(finest_check(*ladder, 0.01, "the grade of the slab is rounded to 0.4 %"));
     out.ladders.push_back(*ladder);
   }
   return out;

@@ -74,16 +74,16 @@ CaseFindings energy_case(const Setting& setting) {
     cut += reamed.rows[k].energy_mj;
   }
   const Gone gone = gone_from(reamed.left);
-  const std::string bar = "the bar of the project for every run", reported = "";
+  const std::string bar = "limit set by this project for every run", reported = "";
   out.checks.push_back({"left side: work of the tool", "mJ", Measure::reported, 0, work, 0, reported});
-  out.checks.push_back({"left side: energy below the speed floor", "mJ", Measure::reported, 0, floor, 0, reported});
+  out.checks.push_back({"left side: speed-floor energy", "mJ", Measure::reported, 0, floor, 0, reported});
   out.checks.push_back({"left side against right side, E_cut", "mJ", Measure::relative, cut, work + floor, 1e-4, bar});
   out.checks.push_back(
-      {"balance that the program gives", "", Measure::absolute, 0, reamed.rows.back().balance, 1e-4, bar});
-  out.checks.push_back({"E_cut against the bone that is gone", "mJ", Measure::relative, gone.energy_mj, cut, 1e-5,
-                        "energies are sums in single precision of whole parts of voxels"});
-  out.checks.push_back({"removed volume against the bone that is gone", "mm³", Measure::relative, gone.volume_mm3,
-                        reamed.removed_mm3(), 1e-9, "the same whole numbers"});
+      {"balance reported by the program", "", Measure::absolute, 0, reamed.rows.back().balance, 1e-4, bar});
+  out.checks.push_back({"E_cut against the removed bone", "mJ", Measure::relative, gone.energy_mj, cut, 1e-5,
+                        "energies are single-precision sums over integer fractions of voxels"});
+  out.checks.push_back({"removed volume against the removed bone", "mm³", Measure::relative, gone.volume_mm3,
+                        reamed.removed_mm3(), 1e-9, "the same integers"});
   return out;
 }
 

@@ -12,7 +12,7 @@ namespace {
 constexpr double kClear_mm = 0.1;
 /// Bars of the project for a steady plunge in full contact at 0.25 mm.
 constexpr double kForceBar = 5e-3, kRippleBar = 2e-3;
-const char* const kBarReason = "the bar of the project";
+const char* const kBarReason = "limit set by this project";
 
 /// Torque, thrust and removal rate as ladders over the voxel size.
 std::vector<Ladder> steady_ladders(const SteadyPlunge& plunge, const Setting& setting) {
@@ -67,10 +67,10 @@ std::vector<SteadyPlunge> variations(bool quick) {
 
 CaseFindings steady_case(const Setting& setting) {
   CaseFindings out;
-  out.title = "Torque and thrust in uniform bone";
+  out.title = "Torque and axial force in uniform bone";
   out.scene =
       "cannulated reamer (r₀ 1.25 mm) fed along its axis in full contact, ρ 1.8 g/cm³; means over one voxel of feed; "
-      "ladders: R 29, a 15 mm, 250 rpm, 0.2 mm/s";
+      "refinements: R 29, a 15 mm, 250 rpm, 0.2 mm/s";
   out.form = "T = π·u·(a² − r₀²)·v_f/ω; F_z = 2π·k_n·u·(v_f/ω)·[C(a) − C(r₀)] + 2π·u·(v_f/ω)²·ln(a/r₀)";
   out.ladders = steady_ladders(kExample, setting);
   const double simple[] = {kExample.torque_nmm(), kExample.thrust_n(), kExample.removal_mm3_s()};
@@ -110,7 +110,7 @@ CaseFindings ripple_case(const Setting& setting) {
   out.checks.push_back({"convex along the lattice, exact", "", Measure::at_most, kRippleBar,
                         ripple(kExample, ErosionMode::exact, 0), 0, kBarReason});
   out.checks.push_back({"flat along the lattice, exact", "", Measure::reported, 0, ripple(flat, ErosionMode::exact, 0),
-                        0, "0.2 µm a frame is 52 of the 65535 parts of a voxel, and all voxels round together"});
+                        0, "0.2 µm per frame is 52 of the 65535 steps of a voxel, and all voxels round together"});
   out.checks.push_back({"convex along the lattice, remove", "", Measure::reported, 0,
                         ripple(kExample, ErosionMode::remove, 0), 0, "beside it"});
   if (!setting.quick) {
@@ -156,9 +156,9 @@ double depth_of_step(const std::vector<FrameResult>& rows, double torque_nmm) {
 CaseFindings layered_case(const Setting& setting) {
   const SteadyPlunge dense{std::nullopt, 8, 1.25, 250, 0.2, 1.8}, soft{std::nullopt, 8, 1.25, 250, 0.2, 0.4};
   CaseFindings out;
-  out.title = "Layered block: the force's step at the interface";
+  out.title = "Layered block: step of the force at the interface";
   out.scene = "flat cannulated reamer (a 8, r₀ 1.25 mm) along a lattice axis through 2 mm of 1.8 g/cm³ into 0.4 g/cm³";
-  out.form = "T = π·u(ρ)·(a² − r₀²)·v_f/ω less the feed's work, on either side; the step at 2 mm";
+  out.form = "T = π·u(ρ)·(a² − r₀²)·v_f/ω minus the work of the feed, on both sides; the step at 2 mm";
   Ladder above{"torque above the interface", "N·mm", "voxel, mm", dense.full_loads().torque_nmm, {}, {}, {}};
   Ladder below{"torque below the interface", "N·mm", "voxel, mm", soft.full_loads().torque_nmm, {}, {}, {}};
   double step_mm = 0;  // at the finest level

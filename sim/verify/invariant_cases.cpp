@@ -42,12 +42,11 @@ Most most_of(std::span<const FrameResult> rows) {
 
 void add_nothing(std::span<const FrameResult> rows, double cut_mm3, std::vector<Check>& checks) {
   const Most most = most_of(rows);
-  const std::string reason = "nothing is nothing: what is left of a voxel is compared as a whole number";
+  const std::string reason = "exact zero: the fill is compared as an integer";
   checks.push_back({"largest force", "N", Measure::absolute, 0, most.force_n, 0, reason});
   checks.push_back({"largest torque", "N·mm", Measure::absolute, 0, most.torque_nmm, 0, reason});
   checks.push_back({"volume removed", "mm³", Measure::absolute, 0, most.removed_mm3, 0, reason});
-  checks.push_back(
-      {"volume removed before", "mm³", Measure::at_least, 10, cut_mm3, 0, "so that there was something to remove"});
+  checks.push_back({"volume removed before", "mm³", Measure::at_least, 10, cut_mm3, 0, "the test needs removed bone"});
 }
 
 /// The head taken through the block.
@@ -68,7 +67,7 @@ Leg down_leg() {
 CaseFindings zero_feed_case(const Setting& setting) {
   CaseFindings out;
   out.title = "Zero feed";
-  out.scene = "cannulated convex head plunged along an axis tilted by 12°, then spun on the spot for 100 frames";
+  out.scene = "cannulated convex head plunged along an axis tilted by 12°, then rotated at zero feed for 100 frames";
   out.form = "no force, no torque, nothing removed";
   Leg stay = down_leg();
   stay.frames = 100;
@@ -81,7 +80,7 @@ CaseFindings retraction_case(const Setting& setting) {
   CaseFindings out;
   out.title = "Retraction";
   out.scene =
-      "cannulated convex head plunged 1.5 mm along an axis tilted by 12° in steps of 2.5 µm, then drawn back along the "
+      "cannulated convex head plunged 1.5 mm along an axis tilted by 12° in steps of 2.5 µm, then retracted along the "
       "axis four times as fast";
   out.form = "no force, no torque, nothing removed";
   const Quat turned = oblique(12);
@@ -98,15 +97,15 @@ CaseFindings retraction_case(const Setting& setting) {
   fast_back.to_mm = {0.03, 0.05, 2.5};
   fast_back.frames = 3 * kDown;
   const Reamed coarse = reamed_along({fast, fast_back}, setting);
-  out.checks.push_back({"removed after a plunge in steps of 45 µm, share of the plunge's volume", "", Measure::at_most,
+  out.checks.push_back({"removed after a plunge in steps of 45 µm, fraction of the plunge volume", "", Measure::at_most,
                         1e-4, most_of(coarse.after(kDown)).removed_mm3 / coarse.removed_mm3(), 0,
-                        "on its way back the rim, a corner, passes the wall's voxels at other places"});
+                        "on retraction the rim, a corner, passes the voxels of the wall at other positions"});
   return out;
 }
 
 CaseFindings second_pass_case(const Setting& setting) {
   CaseFindings out;
-  out.title = "Second ream along the same path";
+  out.title = "Second pass along the same path";
   out.scene = "a tilted plunge and a sideways sweep through bone, then the whole path once more in the reamed bone";
   out.form = "no force, no torque, nothing removed";
   const Quat turned = oblique(12);
@@ -177,7 +176,7 @@ void compare(const Change& change, const Setting& setting, double tolerance, con
     torque = std::max(torque, (b.torque_nmm - change.handedness() * (change.turn * a.torque_nmm)).norm());
   }
   const Most most = most_of(plain.rows);
-  checks.push_back({"force, largest difference over the largest force", "", Measure::absolute, 0, force / most.force_n,
+  checks.push_back({"force, maximum difference over maximum force", "", Measure::absolute, 0, force / most.force_n,
                     tolerance, reason});
   checks.push_back({"torque, likewise", "", Measure::absolute, 0, torque / most.torque_nmm, tolerance, reason});
   checks.push_back(
@@ -193,30 +192,28 @@ CaseFindings mirrored_case(const Setting& setting) {
   out.form = "F' = M·F, T' = −M·T in every frame";
   Change mirror;
   mirror.turn = Vec3(-1, 1, 1).asDiagonal();
-  compare(mirror, setting, 1e-4, "positions are rounded, so that a voxel may lose a part in 65535 a frame earlier",
-          out.checks);
+  compare(mirror, setting, 1e-4, "positions are rounded: a voxel may lose 1/65535 one frame earlier", out.checks);
   return out;
 }
 
 CaseFindings moved_case(const Setting& setting) {
   CaseFindings out;
-  out.title = "Translated and turned scene";
-  out.scene = "the same scene moved by (13.7, −41.3, 8.9) mm and turned by 90° about z, lattice and all";
+  out.title = "Translated and rotated scene";
+  out.scene = "the same scene, with its lattice, translated by (13.7, −41.3, 8.9) mm and rotated by 90° about z";
   out.form = "F' = R·F, T' = R·T in every frame";
   Change change;
   change.turn << 0, -1, 0, 1, 0, 0, 0, 0, 1;
   change.shift = {13.7, -41.3, 8.9};
-  compare(change, setting, 1e-4, "positions are rounded, so that a voxel may lose a part in 65535 a frame earlier",
-          out.checks);
+  compare(change, setting, 1e-4, "positions are rounded: a voxel may lose 1/65535 one frame earlier", out.checks);
   return out;
 }
 
 CaseFindings rotated_case(const Setting& setting) {
   CaseFindings out;
-  out.title = "Scene turned against the lattice";
+  out.title = "Scene rotated against the lattice";
   out.scene =
-      "cannulated convex head (R 12, a 5, r₀ 1 mm) in full contact in uniform bone, fed along the lattice's axis and "
-      "along axes turned by 15, 30 and 40°; means over two voxels of feed";
+      "cannulated convex head (R 12, a 5, r₀ 1 mm) in full contact in uniform bone, fed along a lattice axis and along "
+      "axes rotated by 15, 30 and 40°; means over two voxels of feed";
   out.form = "F' = R·F, T' = R·T";
   constexpr int kFrames = 100;
   const Tool tool = make_tool(convex_profile(*kHead.radius_mm, kHead.outer_mm, kHead.bore_mm, 14, 0.05));
@@ -235,7 +232,7 @@ CaseFindings rotated_case(const Setting& setting) {
     const Quat turned = oblique(degrees);
     const MeanLoads other = loads(turned, {0.07, -0.04, 0});
     const std::string at = ", " + std::to_string(static_cast<int>(degrees)) + "°";
-    const std::string reason = "the lattice meets the rim otherwise; the bar of a steady plunge";
+    const std::string reason = "the rim meets the lattice differently; limit of a steady plunge";
     out.checks.push_back({"force" + at, "", Measure::absolute, 0,
                           (other.force_n - turned * plain.force_n).norm() / plain.force_n.norm(), 5e-3, reason});
     out.checks.push_back({"torque" + at, "", Measure::absolute, 0,

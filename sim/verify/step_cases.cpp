@@ -44,7 +44,7 @@ Sweep sweep_of(const ReamingScene& scene, const Setting& setting) {
 
 /// What the settings that must not matter change.
 void add_indifference(const Sweep& plain, const Setting& setting, std::vector<Check>& checks) {
-  const std::string reason = "no shell in it, and integer sums: the same numbers";
+  const std::string reason = "no shell is used and sums are integers: the same numbers";
   const auto add = [&](const std::string& what, const Sweep& other) {
     checks.push_back(
         {"removed volume, " + what, "mm³", Measure::absolute, plain.removed_mm3, other.removed_mm3, 0, reason});
@@ -68,7 +68,7 @@ CaseFindings time_step_case(const Setting& setting) {
   out.scene =
       "ball of 8 mm radius plunged 3 mm, then moved 8 mm sideways at 10 mm/s, 0.5 mm voxels; frame time halved three "
       "times; then other batches and another shell";
-  out.form = "volume of the capsule's part below the face; mean loads of the sweep do not change";
+  out.form = "volume of the part of a capsule below the face; mean loads of the sweep do not change";
   Ladder volume{"removed volume", "mm³", "frame, s", {}, {}, {}, {}};
   Ladder torque{"mean spin torque", "N·mm", "frame, s", {}, {}, {}, {}};
   Ladder force{"mean force", "N", "frame, s", {}, {}, {}, {}};
@@ -80,13 +80,13 @@ CaseFindings time_step_case(const Setting& setting) {
     force.levels.push_back({frame_s, sweeps.back().loads.force_n.norm(), {}, 1});
   }
   for (Ladder* ladder : {&volume, &torque, &force}) finish(*ladder);
-  const std::string bar = "the bar of the project";
+  const std::string bar = "limit set by this project";
   const Sweep &fine = sweeps.back(), &before = sweeps[sweeps.size() - 2];
   const auto relative = [&](const std::string& what, const std::string& unit, double a, double b) {
     out.checks.push_back({what + ", 1 ms against 0.5 ms", unit, Measure::relative, b, a, 1e-3, bar});
   };
   out.checks.push_back({"removed volume, 0.5 ms", "mm³", Measure::relative, swept_mm3(), fine.removed_mm3, 1e-3,
-                        "0.5 mm voxels on a ball of 8 mm radius; how that falls with the voxel is the sweep's case"});
+                        "0.5 mm voxels on a sphere of 8 mm radius; the case sweep shows the convergence"});
   relative("removed volume", "mm³", before.removed_mm3, fine.removed_mm3);
   relative("mean spin torque", "N·mm", before.loads.spin_torque_nmm, fine.loads.spin_torque_nmm);
   relative("mean force", "N", before.loads.force_n.norm(), fine.loads.force_n.norm());
@@ -143,7 +143,7 @@ CaseFindings voxel_case(const Setting& setting) {
   }
   for (Ladder& ladder : ladders) {
     finish(ladder);
-    out.checks.push_back(finest_check(ladder, 5e-3, "the bar of a steady plunge"));
+    out.checks.push_back(finest_check(ladder, 5e-3, "limit of a steady plunge"));
   }
   out.ladders = std::move(ladders);
   return out;

@@ -53,7 +53,7 @@ Ladder volume_ladder(double nominal_mm3) {
 
 constexpr double kOrderBar = 1.8;
 constexpr double kAim = 5e-5;
-const char* const kAimReason = "the aim of the project at 0.25 mm; its bar is 0.02 %";
+const char* const kAimReason = "aim of this project at 0.25 mm; its limit is 0.02 %";
 
 Check order_check(const Ladder& ladder) {
   return {.quantity = "observed order",
@@ -125,7 +125,7 @@ CaseFindings tilted_cap_case(const Setting& setting) {
   out.checks.push_back(order_check(ladder));
   out.checks.push_back({"RMS volume error at 0.25 mm, remove", "", Measure::reported, 0, whole, 0, "beside it"});
   out.checks.push_back(
-      {"remove / exact", "", Measure::at_least, kLeastRatio, whole / at_bar, 0, "the bar of the project"});
+      {"remove / exact", "", Measure::at_least, kLeastRatio, whole / at_bar, 0, "limit set by this project"});
   out.ladders.push_back(std::move(ladder));
   return out;
 }
@@ -157,8 +157,8 @@ CaseFindings cylinder_case(const Setting& setting) {
   CaseFindings out;
   out.title = "Cylinder plunge";
   out.scene =
-      "flat-ended cylinder of 8 mm radius, along its axis, square to the face and tilted by 20°, 5 mm of the axis in "
-      "bone, random offsets";
+      "flat-ended cylinder of 8 mm radius, along its axis, perpendicular to the face and tilted by 20°, 5 mm of the "
+      "axis in bone, random offsets";
   out.form = "π·a²·L, L the length of the axis below the face";
   const Tool tool = make_tool(flat_profile(kOuter_mm, 0, 20));
   for (const double degrees : {0.0, 20.0}) {
@@ -198,7 +198,7 @@ CaseFindings sweep_case(const Setting& setting) {
   }
   finish(ladder);
   out.checks.push_back(
-      finest_check(ladder, 2e-4, "the bar of the cap; the ridges between two frames are 1.3·10⁻⁵ of it"));
+      finest_check(ladder, 2e-4, "limit of the cap; the ridges between two frames are 1.3·10⁻⁵ of the volume"));
   out.ladders.push_back(std::move(ladder));
   return out;
 }

@@ -264,7 +264,7 @@ TEST_F(BoneVdb, RefusesOtherTransforms) {
   };
   openvdb::math::Mat4d stretched = openvdb::math::Mat4d::identity();
   stretched(1, 1) = 2;
-  EXPECT_THAT(text_for(stretched), HasSubstr("no cubes"));
+  EXPECT_THAT(text_for(stretched), HasSubstr("non-cubic"));
   openvdb::math::Mat4d turned = openvdb::math::Mat4d::identity();
   turned.setToRotation(openvdb::Vec3d(0, 0, 1), 0.1);
   EXPECT_THAT(text_for(turned), HasSubstr("rotated"));

@@ -74,8 +74,8 @@ TEST(GlenoidFrame, RefusesZeroParallelAndCollinear) {
   const auto text = [](const GlenoidSettings& settings) {
     return input_error([&] { glenoid_frame(settings, BodySide::left); });
   };
-  EXPECT_THAT(text(directions(Vec3::Zero(), {0, 0, 0}, {0, 0, 1})), HasSubstr("without length"));
-  EXPECT_THAT(text(directions(Vec3::Zero(), {1, 0, 0}, {0, 0, 0})), HasSubstr("without length"));
+  EXPECT_THAT(text(directions(Vec3::Zero(), {0, 0, 0}, {0, 0, 1})), HasSubstr("of length 0"));
+  EXPECT_THAT(text(directions(Vec3::Zero(), {1, 0, 0}, {0, 0, 0})), HasSubstr("of length 0"));
   EXPECT_THAT(text(directions(Vec3::Zero(), {1, 0, 0}, {-3, 0, 0.001})), HasSubstr("parallel"));
   GlenoidSettings settings;
   settings.landmarks = LandmarkSettings{{10, 0, 0}, {0, 0, 0}, {-20, 0, 0}};

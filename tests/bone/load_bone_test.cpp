@@ -57,7 +57,7 @@ TEST(LoadBone, VdbGoesOnWhereItStopped) {
   EXPECT_EQ(again.voxmap->grade, bone.voxmap->grade);
   EXPECT_EQ(again.fill.get(reamed), 777);
   EXPECT_FALSE(again.glenoid);
-  EXPECT_THAT(report.notes, Contains(HasSubstr("as in the VDB")));
+  EXPECT_THAT(report.notes, Contains(HasSubstr("from the VDB")));
 }
 
 TEST(LoadBone, TheRimIsThePhantomsOwnOrTheScenarios) {

@@ -94,7 +94,7 @@ TEST_F(MeshBone, InsideOutIsTurnedAndSaid) {
   const BoneSettings settings = settings_for(inside_out(sphere_mesh({0, 0, 0}, 8, 3)), 0.5);
   const double truth_mm3 = sphere_mesh({0, 0, 0}, 8, 3).volume_mm3();
   EXPECT_NEAR(voxmap_from_mesh(settings, report_).bone_mm3(), truth_mm3, 0.01 * truth_mm3);
-  EXPECT_THAT(report_.warnings, Contains(HasSubstr("inside out")));
+  EXPECT_THAT(report_.warnings, Contains(HasSubstr("face inwards")));
 }
 
 TEST_F(MeshBone, OpenMeshIsRefusedUntilRepairIsAskedFor) {
@@ -230,8 +230,7 @@ TEST_F(MeshBone, UnitIsCheckedAfterTheScale) {
 TEST_F(MeshBone, WithoutAGlenoidASmallMeshIsOnlyWarnedOf) {
   const BoneSettings settings = settings_for(box_mesh({0, 0, 0}, {1, 1, 2.78}), 0.5);
   EXPECT_GT(voxmap_from_mesh(settings, report_).bone_mm3(), 2);
-  EXPECT_THAT(report_.warnings,
-              Contains(HasSubstr("the mesh is 2.78 mm long; if that is not so, set bone.mesh.scale")));
+  EXPECT_THAT(report_.warnings, Contains(HasSubstr("the mesh is 2.78 mm long; if that is wrong, set bone.mesh.scale")));
 }
 
 TEST_F(MeshBone, RealScapulaInItsOwnUnitIsRefusedWithTheScale) {

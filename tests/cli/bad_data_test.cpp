@@ -130,7 +130,7 @@ TEST_F(BadData, LabelMaps) {
                  {"labels.nrrd", "'scapula_left'", "names no segments"});
   write("away.nrrd", with(block_nrrd(), "space origin: (0,0,0)", "space origin: (9,90,9)"));
   expect_refused(run(ct_bone("scan.nrrd", ", label_map: {path: away.nrrd, label: 1000}")), 2,
-                 {"away.nrrd", "does not meet the image", "(8.5, 89.5, 8.5)", "(-0.5, -0.5, -0.5)"});
+                 {"away.nrrd", "does not overlap the image", "(8.5, 89.5, 8.5)", "(-0.5, -0.5, -0.5)"});
 }
 
 TEST_F(BadData, TruncatedStl) {

@@ -113,7 +113,7 @@ TEST_F(BadScenario, ToolThatNeverTouchesIsAWarning) {
   const ProgramResult result = changed("    depth_mm: 1\n", "    depth_mm: 0\n    entry_mm: [0, 0, 5]\n");
   expect_done(result);
   EXPECT_THAT(result.err, HasSubstr("reamsim: warning: "));
-  EXPECT_THAT(result.err, HasSubstr("never meets the bone"));
+  EXPECT_THAT(result.err, HasSubstr("never touches the bone"));
 }
 
 }  // namespace

@@ -87,7 +87,7 @@ TEST_F(CommandLine, ACoarseShellLeaksOnlyWhereItCuts) {
   };
   EXPECT_EQ(check("exact", "bricked").err, "");
   EXPECT_EQ(check("remove", "implicit").err, "");
-  EXPECT_THAT(check("remove", "bricked").err, HasSubstr("of the swept voxels may be left behind"));
+  EXPECT_THAT(check("remove", "bricked").err, HasSubstr("of the swept voxels may survive"));
 }
 
 TEST_F(CommandLine, SetErrorsNameTheAssignment) {

@@ -70,11 +70,11 @@ TEST_F(Compare, WrongFoldersAreRefusedAndNothingIsWritten) {
   make_run("one", kSmall);
   std::filesystem::create_directory(path("empty"));
   write("file", "text");
-  expect_refused(compare({"one"}), 2, {"expected two or more"});
-  expect_refused(compare({"one", "missing"}), 2, {"missing: ", "no such results folder"});
-  expect_refused(compare({"one", "file"}), 2, {"file: ", "no such results folder"});
+  expect_refused(compare({"one"}), 2, {"give two or more"});
+  expect_refused(compare({"one", "missing"}), 2, {"missing: ", "folder not found"});
+  expect_refused(compare({"one", "file"}), 2, {"file: ", "folder not found"});
   expect_refused(compare({"one", "empty"}), 2, {"empty: ", "summary.json"});
-  expect_refused(compare({"one", "./one/../one"}), 2, {"the same folder twice"});
+  expect_refused(compare({"one", "./one/../one"}), 2, {"folder given twice"});
 }
 
 TEST_F(Compare, DamagedResultsAreRefusedAndNothingIsWritten) {

@@ -22,7 +22,7 @@ class Device : public CliTest {
   bool has_opencl() const {
     const ProgramResult result =
         reamsim({.arguments = {"devices"}, .environment = {}, .folder = "", .interrupt_when = {}});
-    return result.out.find("auto chooses") != std::string::npos && result.out.find("* ") != std::string::npos;
+    return result.out.find("auto selects") != std::string::npos && result.out.find("* ") != std::string::npos;
   }
 };
 

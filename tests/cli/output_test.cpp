@@ -42,7 +42,7 @@ TEST_F(Output, CheckForetellsTheMemoryThatARunTakes) {
   const ProgramResult check =
       reamsim({.arguments = {"check", "s.yaml"}, .environment = {}, .folder = "", .interrupt_when = {}});
   EXPECT_EQ(check.status, 0) << check.err;
-  const double foretold_mb = number_after(check.out, "on the device, about ");
+  const double foretold_mb = number_after(check.out, "on the device, up to ");
   const double taken_mb = number_after(read("out/summary.json"), "\"peak_process\": ");
   EXPECT_GT(foretold_mb, taken_mb / 1.5);
   EXPECT_LT(foretold_mb, taken_mb * 1.5);

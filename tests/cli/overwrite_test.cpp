@@ -54,7 +54,7 @@ TEST_F(Overwrite, AFolderWithSomethingElseInItIsLeftAlone) {
   const std::vector<std::pair<std::string, const char*>> folders{
       {"thesis", "chapters"},     {"empty_but_for_a_folder", "mine"},
       {"annotated", "notes.txt"}, {"nested", "snapshots/mine"},
-      {"linked", "frames"},       {"only_known_names", "no finished folder"}};
+      {"linked", "frames"},       {"only_known_names", "not a finished results folder"}};
   for (const auto& [folder, found] : folders) {
     expect_kept(".", {"run", "s.yaml", "-o", folder, "--overwrite"}, {folder.c_str(), found, "-o"});
     expect_kept(".", {"compare", "out", "only_known_names", "-o", folder, "--overwrite"}, {""});

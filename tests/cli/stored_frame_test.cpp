@@ -82,7 +82,7 @@ TEST_F(StoredFrame, ImportRefusesAFrameThatContradictsTheBone) {
 
 TEST_F(StoredFrame, AFileWithoutAFrameIsSaidAtTheKey) {
   ASSERT_EQ(call({"import", "scan.nrrd", "-o", "bare.vdb"}).status, 0);
-  expect_refused(run(vdb_scenario("bare.vdb")), 2, {"s.yaml:8:", "motion.frame", "no glenoid frame"});
+  expect_refused(run(vdb_scenario("bare.vdb")), 2, {"s.yaml:8:", "motion.frame", "bone.glenoid is missing"});
 }
 
 }  // namespace

@@ -67,17 +67,17 @@ TEST_F(BadCt, PipeIsRefusedNotWaitedFor) {
 }
 
 TEST_F(BadCt, SomethingElse) {
-  EXPECT_THAT(error_of(put("notes.txt", "no image at all\n")), HasSubstr("no CT image"));
+  EXPECT_THAT(error_of(put("notes.txt", "no image at all\n")), HasSubstr("not a readable CT image"));
   EXPECT_THAT(error_of(put("fake.nrrd", "no image at all\n")), HasSubstr("NRRD header is damaged"));
   EXPECT_THAT(error_of(put("fake.nii", std::string(400, 'x'))), HasSubstr("NIfTI header is damaged"));
 }
 
 TEST_F(BadCt, FolderWithoutDicom) {
   fs::create_directory(folder_.file("empty"));
-  EXPECT_THAT(error_of(folder_.file("empty")), HasSubstr("no DICOM image in this folder"));
+  EXPECT_THAT(error_of(folder_.file("empty")), HasSubstr("no DICOM image found in this folder"));
   fs::create_directory(folder_.file("text"));
   put("text/readme.txt", "hello");
-  EXPECT_THAT(error_of(folder_.file("text")), HasSubstr("no DICOM image in this folder"));
+  EXPECT_THAT(error_of(folder_.file("text")), HasSubstr("no DICOM image found in this folder"));
 }
 
 TEST_F(BadCt, UnreadableFile) {
@@ -211,11 +211,11 @@ TEST_F(BadSegmentation, BoneAbsentFromTheCrop) {
 TEST_F(BadSegmentation, CropBesideTheImage) {
   settings_.ct.crop_min_mm = Vec3(500, 500, 500);
   const std::string message = error_of(settings_);
-  EXPECT_THAT(message, HasSubstr("no voxel of the image lies in the crop"));
+  EXPECT_THAT(message, HasSubstr("the crop contains no voxel of the image"));
   EXPECT_THAT(message, HasSubstr("(-33.0, 19.8, 95.4)"));
   settings_.ct.crop_min_mm = Vec3(-20, 30, 105);
   settings_.ct.crop_max_mm = Vec3(-25, 40, 110);
-  EXPECT_THAT(error_of(settings_), HasSubstr("no voxel of the image lies in the crop"));
+  EXPECT_THAT(error_of(settings_), HasSubstr("the crop contains no voxel of the image"));
 }
 
 TEST_F(BadSegmentation, SeedOutsideBone) {
@@ -239,7 +239,7 @@ TEST_F(BadSegmentation, VoxelsOfAnAbsurdSize) {
   settings_.voxel_mm = 1e-12;
   EXPECT_THAT(error_of(settings_), HasSubstr("bone.voxel_mm"));
   settings_.voxel_mm = 500;
-  EXPECT_THAT(error_of(settings_), HasSubstr("leave nothing of the bone"));
+  EXPECT_THAT(error_of(settings_), HasSubstr("no bone remains at this voxel size"));
 }
 
 TEST_F(BadSegmentation, LabelThatTheMapDoesNotHold) {

@@ -91,7 +91,7 @@ TEST_F(Dicom, SeriesAreListedAndTheLargestCtIsTaken) {
   expect_egg("cd");
   ASSERT_EQ(report_.warnings.size(), 1U);
   EXPECT_THAT(report_.warnings[0],
-              AllOf(HasSubstr("3 DICOM series; the one with the most slices is used (24 slices), UID 1.2.7"),
+              AllOf(HasSubstr("3 DICOM series; using the one with the most slices (24 slices), UID 1.2.7"),
                     HasSubstr("1: UID 1.2.8, \"Soft\", CT, 20 slices of 26x30, 1x1x1.25 mm, kernel B30f; 2: UID 1.2.7"),
                     HasSubstr("3: UID 1.2.9, \"\", PT, 24 slices")));
 }
@@ -118,7 +118,7 @@ TEST_F(Dicom, ASeriesIsChosenByUidOrNumber) {
                 AllOf(HasSubstr("bone.ct.series: no DICOM series '" + wrong + "'"), HasSubstr("1 to 2: 1: UID 1.2.8")));
   }
   series_ = "1";
-  EXPECT_THAT(error_of("other.nrrd"), HasSubstr("bone.ct.series: given for a file that is no DICOM folder"));
+  EXPECT_THAT(error_of("other.nrrd"), HasSubstr("bone.ct.series: given for a file that is not a DICOM folder"));
 }
 
 TEST_F(Dicom, OfAsManySlicesTheFinerOnesAreTaken) {
@@ -173,7 +173,8 @@ TEST_F(Dicom, MessagesNameTheSlice) {
   fs::remove_all(folder_.file("one"));
   write_dicom(turned, folder_.file("one"));
   fs::copy(folder_.file("one/slice001.dcm"), folder_.file("turn/odd.dcm"));
-  EXPECT_THAT(error_of("turn"), HasSubstr("odd.dcm lies there and has another orientation than the others"));
+  EXPECT_THAT(error_of("turn"),
+              HasSubstr("odd.dcm lies there and has an orientation different from that of the other slices"));
 }
 
 TEST_F(Dicom, ADamagedSliceIsNamedWhereItIsMissing) {
@@ -197,7 +198,7 @@ TEST_F(Dicom, PicturesInASeriesAreLeftOut) {
   expect_egg("cd");
   ASSERT_EQ(report_.warnings.size(), 1U);
   EXPECT_THAT(report_.warnings[0],
-              AllOf(HasSubstr("images of the DICOM series that are no slices, left out: 1, the first is "),
+              AllOf(HasSubstr("images of the DICOM series skipped because they are not slices: 1, the first is "),
                     HasSubstr("dose_report.dcm")));
 }
 
@@ -206,7 +207,7 @@ TEST_F(Dicom, SlicesInOnePlace) {
   fs::copy(folder_.file("cd/slice010.dcm"), folder_.file("cd/copy_of_10.dcm"));
   expect_egg("cd");
   ASSERT_EQ(report_.warnings.size(), 1U);
-  EXPECT_THAT(report_.warnings[0], HasSubstr("copies of DICOM slices left out: 1"));
+  EXPECT_THAT(report_.warnings[0], HasSubstr("copies of DICOM slices skipped: 1"));
   write_dicom(other(), folder_.file("again"));
   fs::copy(folder_.file("again/slice010.dcm"), folder_.file("cd/phase_2.dcm"));
   fs::remove(folder_.file("cd/copy_of_10.dcm"));
@@ -215,7 +216,7 @@ TEST_F(Dicom, SlicesInOnePlace) {
   fs::copy(folder_.file("cd/slice010.dcm"), folder_.file("twice/b"));
   EXPECT_THAT(error_of("twice"), HasSubstr("one DICOM slice"));
   EXPECT_THAT(error_of("cd"),
-              AllOf(HasSubstr("phase_2.dcm"), HasSubstr("lies in the same place as"), HasSubstr("slice010.dcm")));
+              AllOf(HasSubstr("phase_2.dcm"), HasSubstr("has the same position as"), HasSubstr("slice010.dcm")));
 }
 
 /// An element of a DICOM file, explicit VR, little endian.
@@ -265,7 +266,7 @@ TEST_F(Dicom, AnEnhancedMultiFrameFileIsRefused) {
 
 TEST_F(Dicom, ASingleFileIsNoVolume) {
   write_dicom(egg_, folder_.file("cd"));
-  EXPECT_THAT(error_of("cd/slice010.dcm"), HasSubstr("a single DICOM slice; give the folder that holds the series"));
+  EXPECT_THAT(error_of("cd/slice010.dcm"), HasSubstr("a single DICOM slice; give the folder of the series"));
 }
 
 }  // namespace

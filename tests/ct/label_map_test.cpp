@@ -143,8 +143,7 @@ TEST_F(LabelMap, LayeredSegNrrdOfSlicer) {
   EXPECT_THAT(error_of("layers.seg.nrrd", {"humerus"}), HasSubstr("expected one of Knob, scapula_left"));
   EXPECT_THAT(error_of("layers.seg.nrrd", {"1"}), HasSubstr("label 1 stands for 2 segments"));
   write_seg_nrrd(layers_of(labels_), folder_.file("unnamed.nrrd"), "");
-  EXPECT_THAT(error_of("unnamed.nrrd", {"1"}),
-              HasSubstr("label 1 of a label map with 2 layers, none of which is named"));
+  EXPECT_THAT(error_of("unnamed.nrrd", {"1"}), HasSubstr("label 1 of a label map with 2 layers, none of them named"));
 }
 
 TEST_F(LabelMap, LayersAlongTheLastAxis) {
@@ -258,15 +257,15 @@ TEST_F(LabelMap, AMapOfAnotherPlaceGivesBothBoxes) {
   elsewhere.origin_mm = -labels_.origin_mm;
   write_image<std::uint8_t>(elsewhere, folder_.file("elsewhere.nrrd"));
   EXPECT_THAT(error_of("elsewhere.nrrd", {"5"}),
-              AllOf(HasSubstr("bone.ct.label_map.path: the label map does not meet the image: it spans (32.0, -20.8, "
-                              "-96.6) to (58.0, 9.2, -66.6) mm"),
+              AllOf(HasSubstr("bone.ct.label_map.path: the label map does not overlap the image: it spans (32.0, "
+                              "-20.8, -96.6) to (58.0, 9.2, -66.6) mm"),
                     HasSubstr("the image spans (-33.0, 19.8, 95.4) to (-7.0, 49.8, 125.4) mm")));
   // One that meets the image, but not the crop.
   write_image<std::uint8_t>(cropped(labels_, {0, 0, 0}, {26, 30, 6}), folder_.file("low.nrrd"));
   BoneSettings crop = settings("low.nrrd", {"5"});
   crop.ct.crop_min_mm = Vec3(-40, 0, 110);
   crop.ct.crop_max_mm = Vec3(0, 60, 130);
-  EXPECT_THAT(error_of(crop), HasSubstr("of which the crop takes"));
+  EXPECT_THAT(error_of(crop), HasSubstr("cropped to"));
 }
 
 TEST_F(LabelMap, AMapThatCutsTheBoneOffIsWarnedOf) {
@@ -274,7 +273,7 @@ TEST_F(LabelMap, AMapThatCutsTheBoneOffIsWarnedOf) {
   EXPECT_LT(volume_mm3(import("short.nrrd", {"5"})), 0.6 * volume_mm3(reference_));
   ASSERT_EQ(report_.warnings.size(), 1U);
   EXPECT_THAT(report_.warnings[0], AllOf(HasSubstr("short.nrrd: the label touches the map's end inside the image over"),
-                                         HasSubstr("the map cuts the bone off there")));
+                                         HasSubstr("the map truncates the bone there")));
   // Cut where the image itself ends: nothing that the map lacks.
   report_ = {};
   BoneSettings crop = settings("short.nrrd", {"5"});

@@ -71,8 +71,8 @@ TEST(LabelNames, NumbersThatTellNoLayer) {
   EXPECT_THAT(error_of({"1"}, segments, 2), HasSubstr("label 1 stands for 2 segments of a label map with 2 layers"));
   EXPECT_THAT(error_of({"7"}, segments, 2), HasSubstr("no segment has label 7; choose a segment by its name: a, b, c"));
   EXPECT_THAT(error_of({"0"}, {}, 1), HasSubstr("label 0 is the background"));
-  EXPECT_THAT(error_of({"1"}, {}, 3), HasSubstr("3 layers, none of which is named"));
-  EXPECT_THAT(error_of({"d"}, {{"d", {5, 1}}}, 2), HasSubstr("'d' stands in layer 5, but the label map has 2"));
+  EXPECT_THAT(error_of({"1"}, {}, 3), HasSubstr("3 layers, none of them named"));
+  EXPECT_THAT(error_of({"d"}, {{"d", {5, 1}}}, 2), HasSubstr("'d' is in layer 5, but the label map has 2"));
 }
 
 }  // namespace

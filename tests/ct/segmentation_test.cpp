@@ -146,7 +146,7 @@ TEST_F(Segmentation, WithoutASeedASecondLargePieceIsWarnedOf) {
   BoneSettings settings = write(two_bones(2));
   import(settings);
   ASSERT_EQ(report_.warnings.size(), 1U);
-  EXPECT_THAT(report_.warnings[0], AllOf(HasSubstr("bone.ct.seed_mm"), HasSubstr("the second largest has ")));
+  EXPECT_THAT(report_.warnings[0], AllOf(HasSubstr("bone.ct.seed_mm"), HasSubstr("The second largest has ")));
   settings.ct.seed_mm = Vec3(0, 0, 0);
   report_ = {};
   import(settings);

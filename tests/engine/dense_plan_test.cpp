@@ -55,7 +55,7 @@ TEST(DensePlan, SaysWhatWouldFit) {
          {device_with(plan.bytes() - 1, plan.bytes()), device_with(plan.bytes(), plan.largest_bytes() - 1)}) {
       EXPECT_THAT(refusal(plan, small), HasSubstr("bone.voxel_mm: found a voxmap of 43993 voxels"));
       EXPECT_THAT(refusal(plan, small), HasSubstr("a bone.voxel_mm of about 0.204 or more would fit"));
-      EXPECT_THAT(refusal(plan, small), HasSubstr("engine.detector bricked"));
+      EXPECT_THAT(refusal(plan, small), HasSubstr("engine.detector: bricked"));
     }
     const auto eighth = device_with(plan.bytes() / 8, plan.bytes());
     EXPECT_THAT(refusal(plan, eighth), HasSubstr("of about 0.408 or more"));

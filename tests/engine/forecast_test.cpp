@@ -139,7 +139,7 @@ TEST(FillPages, WhatDoesNotFitSaysWhatWould) {
   } catch (const RunError& error) {
     // 2^(1/3)·1.05·0.2 mm
     EXPECT_THAT(error.what(),
-                testing::AllOf(testing::HasSubstr("needs 3 MB"), testing::HasSubstr("allocates at most 2 MB"),
+                testing::AllOf(testing::HasSubstr("needs 3 MB"), testing::HasSubstr("supports at most 2 MB"),
                                testing::HasSubstr("bone.voxel_mm of 0.265 or more would fit")));
   }
 }

@@ -297,7 +297,7 @@ TEST(JointLine, APerforatedFaceHasNoJointLineInItsHole) {
   const BoneMetrics found = block.measure(pose, {}, plate_axes());
   EXPECT_GT(found.perforation->holes, 0);
   EXPECT_FALSE(found.joint_line->medialization_mm.value);
-  EXPECT_THAT(found.joint_line->medialization_mm.reason, HasSubstr("reamed through"));
+  EXPECT_THAT(found.joint_line->medialization_mm.reason, HasSubstr("perforated"));
   // What is left of the face is still part of the reamer's sphere.
   expect_angles(found.orientation->reamed, {0, 0}, 0.1);
 }
@@ -314,7 +314,7 @@ TEST(JointLine, TwoFacesHaveNoAxis) {
   const BoneMetrics found = block.measure(Rigid::Identity(), {}, plate_axes());
   ASSERT_TRUE(found.orientation);
   EXPECT_FALSE(found.orientation->reamed.value);
-  EXPECT_THAT(found.orientation->reamed.reason, HasSubstr("no single sphere or plane"));
+  EXPECT_THAT(found.orientation->reamed.reason, HasSubstr("not a single sphere or plane"));
 }
 
 /// One sphere through two leans beyond both of them: there is no native axis.
@@ -324,7 +324,7 @@ TEST(JointLine, ABiconcaveFaceIsNoSphere) {
   phantom.ream_convex(phantom.center() - 2 * axis, axis);
   const BoneMetrics found = phantom.measure();
   EXPECT_FALSE(found.orientation->native.value);
-  EXPECT_THAT(found.orientation->native.reason, HasSubstr("no single sphere or plane"));
+  EXPECT_THAT(found.orientation->native.reason, HasSubstr("not a single sphere or plane"));
   expect_angles(found.orientation->reamed, {12, 6}, 0.1);
   EXPECT_GT(*found.joint_line->reamed_fraction.value, 0.5);
 }

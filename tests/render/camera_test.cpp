@@ -36,7 +36,7 @@ bool in_picture(const Camera& camera, const Vec3& p) {
 
 TEST(CameraTest, FaceOnSuperiorIsUpAndAnteriorOfALeftShoulderIsLeft) {
   const ViewTarget target = left_shoulder();
-  const Camera camera = make_camera("glenoid", target, 1920, 1080);
+  const Camera camera = make_camera(CameraView::glenoid, target, 1920, 1080);
   const Vec2 middle = camera.pixel(target.focus_mm);
   const Vec2 up = camera.pixel(target.focus_mm + 10 * target.superior);
   const Vec2 front = camera.pixel(target.focus_mm + 10 * *target.anterior);
@@ -48,8 +48,8 @@ TEST(CameraTest, FaceOnSuperiorIsUpAndAnteriorOfALeftShoulderIsLeft) {
 
 TEST(CameraTest, TheScaleIsTheSameEverywhereInThePicture) {
   const ViewTarget target = left_shoulder();
-  for (const std::string& name : camera_names()) {
-    const Camera camera = make_camera(name, target, 1280, 720);
+  for (const CameraView view : {CameraView::glenoid, CameraView::oblique, CameraView::section, CameraView::overview}) {
+    const Camera camera = make_camera(view, target, 1280, 720);
     const Mat3 bone_from_eye = camera.eye_from_bone.linear().transpose();
     for (const Vec3& start : {target.focus_mm, Vec3(target.focus_mm + Vec3(-30, 5, 8))}) {
       for (int axis = 0; axis < 2; ++axis) {
@@ -62,19 +62,19 @@ TEST(CameraTest, TheScaleIsTheSameEverywhereInThePicture) {
 
 TEST(CameraTest, TheGlenoidAndTheToolsHeadAreInThePicture) {
   const ViewTarget target = left_shoulder();
-  for (const std::string& name : camera_names()) {
+  for (const CameraView view : {CameraView::glenoid, CameraView::oblique, CameraView::section, CameraView::overview}) {
     for (const auto& [width, height] : {std::pair{1920, 1080}, {400, 900}, {4096, 16}}) {
-      const Camera camera = make_camera(name, target, width, height);
+      const Camera camera = make_camera(view, target, width, height);
       for (std::size_t i = 0; i + 1 < target.bone_mm.size(); ++i) EXPECT_TRUE(in_picture(camera, target.bone_mm[i]));
       for (const Vec3& p : target.head_mm) EXPECT_TRUE(in_picture(camera, p));
-      EXPECT_EQ(in_picture(camera, target.bone_mm.back()), name == "overview") << name;
+      EXPECT_EQ(in_picture(camera, target.bone_mm.back()), view == CameraView::overview) << name_of(view);
     }
   }
 }
 
 TEST(CameraTest, TheSectionPlaneHoldsTheToolsAxisAndIsSeenFromAnterior) {
   const ViewTarget target = left_shoulder();
-  const Camera camera = make_camera("section", target, 800, 600);
+  const Camera camera = make_camera(CameraView::section, target, 800, 600);
   ASSERT_TRUE(camera.cut_plane);
   const auto side = [&](const Vec3& p) { return camera.cut_plane->head<3>().dot(p) + (*camera.cut_plane)(3); };
   EXPECT_NEAR(side(target.focus_mm), 0, 1e-9);
@@ -86,7 +86,7 @@ TEST(CameraTest, TheSectionPlaneHoldsTheToolsAxisAndIsSeenFromAnterior) {
 TEST(CameraTest, AToolThatPointsAtTheViewerStillHasASection) {
   ViewTarget target = left_shoulder();
   target.bone_from_tool.linear() = Eigen::Quaterniond::FromTwoVectors(Vec3::UnitZ(), *target.anterior).matrix();
-  const Camera camera = make_camera("section", target, 800, 600);
+  const Camera camera = make_camera(CameraView::section, target, 800, 600);
   EXPECT_TRUE(camera.cut_plane->allFinite());
   EXPECT_NEAR(camera.cut_plane->head<3>().dot(*target.anterior), 0, 1e-9);
   EXPECT_TRUE(camera.eye_from_bone.matrix().allFinite());
@@ -94,7 +94,7 @@ TEST(CameraTest, AToolThatPointsAtTheViewerStillHasASection) {
 
 TEST(CameraTest, ClipSpaceAndPixelsAgree) {
   const ViewTarget target = left_shoulder();
-  const Camera camera = make_camera("oblique", target, 640, 480);
+  const Camera camera = make_camera(CameraView::oblique, target, 640, 480);
   const Vec3 p = target.focus_mm + Vec3(3, -4, 5);
   const Eigen::Vector4d clip = camera.clip_from_bone() * p.homogeneous();
   EXPECT_NEAR((clip.x() + 1) * 320, camera.pixel(p).x(), 1e-9);

@@ -227,7 +227,8 @@ TEST_F(DepthPicture, DamagedMapsAreInputErrors) {
   expect_complaint(std::string(kHeader) + "0,0,1,1\n", "2: depth_mm: the line ends after 4 cells");
   expect_complaint(std::string(kHeader) + "0,0,,1,1\n", "2: before_z_mm: found ''");
   expect_complaint(std::string(kHeader) + "0,0,1,nan,1\n", "2: after_z_mm: found 'nan'");
-  expect_complaint(std::string(kHeader) + "0,0,1,1,1\n0.000001,1000000,1,1,1\n1e6,0,1,1,0\n", "stand on no raster");
+  expect_complaint(std::string(kHeader) + "0,0,1,1,1\n0.000001,1000000,1,1,1\n1e6,0,1,1,0\n",
+                   "do not lie on a regular grid");
 }
 
 }  // namespace

@@ -266,9 +266,9 @@ TEST_F(Films, WhatFfmpegSaysIsReported) {
   fake_ffmpeg(knows + "echo 'No space left on device' >&2\nexit 1\n");
   expect_failure("No space left on device");
   fake_ffmpeg(knows + "cat > /dev/null\nexit 3\n");
-  expect_failure("without a word");
+  expect_failure("without an error message");
   fake_ffmpeg(knows + "cat > /dev/null\n");
-  expect_failure("wrote nothing");
+  expect_failure("wrote no file");
 }
 
 TEST_F(Films, AnInterruptedFilmLeavesNothing) {

@@ -204,7 +204,7 @@ TEST_F(Meshes, WithoutBoneLeftThereAreNoneAndTheReportSaysSo) {
   EXPECT_FALSE(fs::exists(glb()));
   EXPECT_FALSE(fs::exists(stl()));
   ASSERT_EQ(report_.warnings.size(), 1u);
-  EXPECT_THAT(report_.warnings[0], ::testing::HasSubstr("no bone is left"));
+  EXPECT_THAT(report_.warnings[0], ::testing::HasSubstr("no bone remains"));
 }
 
 TEST_F(Meshes, DamagedResultsAndFullDisksAreNamed) {

@@ -52,7 +52,9 @@ class Pictures : public ::testing::Test {
   }
 
   static Picture picture(const std::string& name) { return test::read_picture(dir_->path() + "/" + name); }
-  static Camera camera(const std::string& name) { return make_camera(name, *target_, kWidth, kHeight); }
+  static Camera camera(const std::string& name) {
+    return make_camera(from_name<CameraView>(name).value(), *target_, kWidth, kHeight);
+  }
   /// The colour where a point of the glenoid frame falls.
   static Eigen::Vector3i color_at(const Picture& picture, const Camera& camera, const Vec3& glenoid_mm) {
     const Vec2 at = camera.pixel(truth_.bone_from_glenoid * glenoid_mm);
@@ -247,7 +249,7 @@ TEST_F(OtherPictures, OSMesaAndEglGiveTheSamePicture) {
 TEST_F(OtherPictures, ProgressCountsEveryPicture) {
   std::vector<int> done;
   int total = 0;
-  settings_.cameras = {"oblique", "glenoid"};
+  settings_.cameras = {CameraView::oblique, CameraView::glenoid};
   render_pictures(dir_.path(), {settings_, 0.25}, [&](int now, int all, const std::string& file) {
     done.push_back(now);
     total = all;
@@ -266,7 +268,7 @@ TEST_F(OtherPictures, ARunWithoutGlenoidFrameIsSeenAlongTheTool) {
   options.glenoid = false;
   options.side = BodySide::unknown;
   const FixtureTruth truth = write_results(other.path(), options);
-  settings_.cameras = {"glenoid"};
+  settings_.cameras = {CameraView::glenoid};
   render_pictures(other.path(), {settings_, 0.25});
   const RunData run(other.path());
   const ViewTarget& target = run.target();
@@ -281,7 +283,7 @@ TEST_F(OtherPictures, ABoneThatWasNeverTouchedHasNoDepthColour) {
   options.every = 60;
   options.depth_mm = -1;
   write_results(other.path(), options);
-  settings_.cameras = {"glenoid"};
+  settings_.cameras = {CameraView::glenoid};
   render_pictures(other.path(), {settings_, 0.25});
   const Picture shown = test::read_picture(other.path() + "/reamed.png");
   EXPECT_TRUE(test::looks_like_bone(shown.at(160, 130)));

@@ -25,7 +25,7 @@ class RenderThreadTest : public ::testing::Test {
     write_results(dir_.path(), options);
     settings_.width_px = 160;
     settings_.height_px = 120;
-    settings_.cameras = {"oblique", "glenoid"};
+    settings_.cameras = {CameraView::oblique, CameraView::glenoid};
     settings_.before_after = false;
     settings_.contact_sheet = false;
     run_.emplace(dir_.path());

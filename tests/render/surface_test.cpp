@@ -59,13 +59,13 @@ std::vector<Vertex> vertices(const BoneSurface& surface) {
 }
 
 /// Of a bone that began with the fill `before`.
-BoneSurface surface_of(const Voxmap& voxmap, const FillBricks& before) {
+BoneSurface surface_of(const FilledVoxmap& voxmap, const FillBricks& before) {
   const UnreamedSurface unreamed(voxmap, before, voxmap.fill);
   return make_bone_surface(BoneFields(voxmap, voxmap.fill, unreamed));
 }
 
 /// Of a bone that began whole.
-BoneSurface surface_of(const Voxmap& voxmap) {
+BoneSurface surface_of(const FilledVoxmap& voxmap) {
   return surface_of(voxmap, FillBricks(voxmap.grid.dims));
 }
 
@@ -100,7 +100,7 @@ FilledVoxmap smooth_ball() {
 }
 
 TEST(BoneSurfaceTest, PartialVoxelsAtTheSurfaceAreNotReamedAndMakeItRounder) {
-  const Voxmap voxmap = smooth_ball();
+  const FilledVoxmap voxmap = smooth_ball();
   const BoneSurface surface = surface_of(voxmap, voxmap.fill);
   EXPECT_EQ(surface.deepest_mm, 0);
   for (const Vertex& v : vertices(surface)) {
@@ -125,7 +125,7 @@ TEST(BoneSurfaceTest, DepthIsMeasuredFromPartialVoxelsToo) {
 }
 
 TEST(BoneSurfaceTest, ACutIsReamedAndAsDeepAsItLiesBelowTheOldSurface) {
-  Voxmap voxmap = ball();
+  FilledVoxmap voxmap = ball();
   plane_off(voxmap.grid, 6, voxmap.fill);
   const BoneSurface surface = surface_of(voxmap);
   EXPECT_NEAR(surface.deepest_mm, 4, 0.25);  // the ball's top voxels end at 9.8 mm
@@ -254,10 +254,10 @@ TEST(SurfaceSmoothing, NoiseIsEvenedOut) {
 }
 
 TEST(BoneSurfaceTest, FollowingChangesGivesTheSameSurfaceAsStartingAfresh) {
-  Voxmap last = ball();
+  FilledVoxmap last = ball();
   plane_off(last.grid, 6.3, last.fill);
   const UnreamedSurface unreamed(last, FillBricks(last.grid.dims), last.fill);
-  const Voxmap voxmap = ball();
+  const FilledVoxmap voxmap = ball();
   BoneFields fields(voxmap, voxmap.fill, unreamed);
   for (const double height : {8.0, 6.3}) {
     plane_off(voxmap.grid, height, fields.fill);
@@ -315,10 +315,10 @@ double worst_attribute(const BoneSurface& a, const BoneSurface& b) {
 }
 
 TEST(BoneTilesTest, TogetherTheyAreTheWholeSurfaceAlsoAfterChanges) {
-  Voxmap last = smooth_ball();
+  FilledVoxmap last = smooth_ball();
   plane_off(last.grid, 6.3, last.fill);
   const UnreamedSurface unreamed(last, FillBricks(last.grid.dims), last.fill);
-  const Voxmap voxmap = smooth_ball();
+  const FilledVoxmap voxmap = smooth_ball();
   BoneFields fields(voxmap, voxmap.fill, unreamed);
   BoneTiles tiles(fields);
   EXPECT_EQ(triangles_of(joined(tiles)), triangles_of(make_bone_surface(fields)));

@@ -122,7 +122,7 @@ TEST(PredictedBoneTest, ARunIsPredictedAsItHappens) {
   const Voxmap& bone = run.voxmap();
   const Profile tool = envelope_of_revolution(inputs.tool).profile;
   const PredictedBone predicted = predict_swept_bone(bone, inputs.fill, tool, inputs.poses, inputs.whole_voxels);
-  EXPECT_NEAR(removed_mm3({bone, predicted.fill}) / removed_mm3(bone, run.last_fill()), 1, 0.01);
+  EXPECT_NEAR(removed_mm3({bone, predicted.fill}) / removed_mm3({bone, run.last_fill()}), 1, 0.01);
   EXPECT_NEAR(run.unreamed().deepest_mm(), truth.deepest_mm, 0.1);
 }
 

@@ -41,7 +41,7 @@ verify::Findings some_findings() {
 
 TEST(VerifyReport, MarkdownHasEveryFigureWithItsReason) {
   const std::string text = verification_markdown(some_findings());
-  for (const char* part : {"every case passed", "a device", "## A cap", "π·d²·(R − d/3)",
+  for (const char* part : {"all cases passed", "a device", "## A cap", "π·d²·(R − d/3)",
                            "| volume, mm³ | 100 | 100.01 | +0.01 % | ±0.02 % | pass | the bar |",
                            "| order | ≥ 1.8 | 2 | – | – | pass | second order |", "Order of the error: 2.00",
                            "order from three levels alone: 2.10", "grid convergence index 0.1 % (safety factor 1.25)",

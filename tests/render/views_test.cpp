@@ -136,7 +136,7 @@ TEST_F(Views, AUsersCameraSeesWhatAPinholeSees) {
 }
 
 TEST_F(Views, FilesKeepTheirNamesWhenACameraIsDrawnAlone) {
-  settings_.cameras = {"section"};
+  settings_.cameras = {CameraView::section};
   render({.unsuffixed_camera = "oblique"});
   EXPECT_TRUE(fs::exists(dir_.path() + "/reamed_section.png"));
   EXPECT_FALSE(fs::exists(dir_.path() + "/reamed.png"));

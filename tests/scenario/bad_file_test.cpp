@@ -72,9 +72,9 @@ TEST_F(BadFile, ColumnsCountCharacters) {
 
 TEST_F(BadFile, BinaryGarbage) {
   EXPECT_EQ(complaint(std::string("version: 1\nbo\0ne: 3\n", 20)),
-            "s.yaml:2:3: found the byte \"\\x00\", so this is no text file; expected YAML in UTF-8");
+            "s.yaml:2:3: found the byte \"\\x00\": not a text file; expected YAML in UTF-8");
   EXPECT_EQ(complaint("\x89PNG\r\n\x1a\n"),
-            "s.yaml:1:1: found the byte \"\\x89\", so this is no text file; expected YAML in UTF-8");
+            "s.yaml:1:1: found the byte \"\\x89\": not a text file; expected YAML in UTF-8");
   EXPECT_THAT(complaint("name: \"\xC0\x80\"\n"), StartsWith("s.yaml:1:8: found the byte \"\\xc0\""));
 }
 
@@ -86,7 +86,7 @@ TEST_F(BadFile, ByteOrderMarkAndCarriageReturnsAreFine) {
 
 TEST_F(BadFile, TooLarge) {
   EXPECT_EQ(complaint(kValid + std::string(YamlLimits::kMaxBytes, '#')),
-            "s.yaml: larger than 4 MiB; expected a scenario (long recordings belong into motion.csv)");
+            "s.yaml: larger than 4 MiB; expected a scenario (put long recordings into motion.csv)");
 }
 
 TEST_F(BadFile, TooDeep) {
@@ -122,18 +122,19 @@ TEST_F(BadFile, MergesCannotBlowUp) {
 }
 
 TEST_F(BadFile, AliasOfItself) {
-  EXPECT_EQ(complaint("version: 1\nbone: &b {ct: *b}\n"),
-            "s.yaml:2:15: an alias that refers to a section it stands in; expected an alias of something complete");
+  EXPECT_EQ(
+      complaint("version: 1\nbone: &b {ct: *b}\n"),
+      "s.yaml:2:15: an alias that refers to the section that contains it; expected an alias of something complete");
 }
 
 TEST_F(BadFile, DuplicateKey) {
   EXPECT_EQ(complaint(with(kValid, "  phantom:\n", "  voxel_mm: 1\n  phantom:\n")),
-            "s.yaml:5:3: voxel_mm: duplicate key; expected it once; it stands on line 4 already");
+            "s.yaml:5:3: voxel_mm: duplicate key; give it once; it is on line 4 already");
 }
 
 TEST_F(BadFile, KeysThatAreNoNames) {
-  EXPECT_EQ(complaint("? [a]\n: b\n"), "s.yaml:1:3: found a list of 1 where a key should be; expected a key name");
-  EXPECT_THAT(complaint(": a\n"), HasSubstr("found nothing where a key should be"));
+  EXPECT_EQ(complaint("? [a]\n: b\n"), "s.yaml:1:3: found a list of 1 instead of a key; expected a key name");
+  EXPECT_THAT(complaint(": a\n"), HasSubstr("found nothing instead of a key"));
 }
 
 TEST_F(BadFile, SecondDocumentAndTags) {

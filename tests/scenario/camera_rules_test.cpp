@@ -37,12 +37,12 @@ TEST_F(CameraRules, TheResolvedTextGivesThemAgain) {
 
 TEST_F(CameraRules, KeysOutOfRange) {
   EXPECT_EQ(camera("name: a"),
-            "s.yaml:17:7: render.user_cameras.0.position_mm: missing; expected this key: Where the camera stands");
+            "s.yaml:17:7: render.user_cameras.0.position_mm: missing; expected this key: Position of the camera");
   EXPECT_EQ(camera("name: a, position_mm: [1, 2, 3], fov_deg: 121"),
             "s.yaml:17:50: render.user_cameras.0.fov_deg: found 121; expected a number, 1 to 120 (°)");
   EXPECT_EQ(camera("name: a, position_mm: [1, 2, 3], width_mm: 5"),
-            "s.yaml:17:41: render.user_cameras.0.width_mm: does not apply, because projection is perspective; expected "
-            "it with projection: orthographic only");
+            "s.yaml:17:41: render.user_cameras.0.width_mm: does not apply: projection is perspective; expected it with "
+            "projection: orthographic only");
   EXPECT_EQ(camera("name: a, position_mm: [1, 2, 3], up: [0, 0, 0]"),
             "s.yaml:17:45: render.user_cameras.0.up: found a direction of length 0; expected 3 numbers [x, y, z], not "
             "all zero, each -1000 to 1000");
@@ -64,8 +64,7 @@ TEST_F(CameraRules, NamesTellFilesApart) {
         << name;
   }
   EXPECT_EQ(camera("name: section, position_mm: [1, 2, 3]"),
-            "s.yaml:17:8: render.user_cameras.0.name: found the name of a camera that there is already; expected "
-            "another name");
+            "s.yaml:17:8: render.user_cameras.0.name: found a camera name that is used twice; expected another name");
   EXPECT_EQ(complaint(with_camera("name: a, position_mm: [1, 2, 3]") + "    - {name: a, position_mm: [3, 2, 1]}\n"),
             "s.yaml:18:8: render.user_cameras.1.name: found a twice; expected another name");
 }
@@ -75,7 +74,7 @@ TEST_F(CameraRules, AGlenoidFrameIsNeededWhereACameraStandsInIt) {
                                 "  source: phantom\n  voxel_mm: 0.5\n  phantom:\n    shape: half_space\n    size_mm: "
                                 "[10, 10, 6]\n",
                                 "  source: mesh\n  mesh: {path: tool.stl}\n");
-  EXPECT_THAT(complaint(mesh), HasSubstr("render.user_cameras.0.frame: found glenoid, and there is no glenoid frame"));
+  EXPECT_THAT(complaint(mesh), HasSubstr("render.user_cameras.0.frame: frame is glenoid but bone.glenoid is missing"));
 }
 
 TEST_F(CameraRules, ResultsAreHeldToThemToo) {
@@ -84,7 +83,7 @@ TEST_F(CameraRules, ResultsAreHeldToThemToo) {
     parse_result_settings(path("r.yaml"), {"render.user_cameras=[{name: oblique, position_mm: [1, 2, 3]}]"});
     ADD_FAILURE() << "no complaint";
   } catch (const InputError& error) {
-    EXPECT_THAT(error.what(), HasSubstr("a camera that there is already"));
+    EXPECT_THAT(error.what(), HasSubstr("a camera name that is used twice"));
   }
 }
 

@@ -85,7 +85,7 @@ TEST_F(Cutting, TableReplacesThePowerLaw) {
   for (const std::string key : {"preset: literature-mid", "specific_energy_j_mm3: 0.1", "density_exponent: 2",
                                 "reference_density_g_cm3: 1.8"}) {
     EXPECT_THAT(bad(kTable + ", " + key),
-                HasSubstr("does not apply, because specific_energy_table is given; expected one or the other"));
+                HasSubstr("does not apply: specific_energy_table is given; expected one or the other"));
   }
 }
 
@@ -97,7 +97,7 @@ TEST_F(Cutting, TableAscends) {
     EXPECT_THAT(bad("specific_energy_table: [{density_g_cm3: 1, energy_j_mm3: 0}, {density_g_cm3: " + second +
                     ", energy_j_mm3: 1}]"),
                 HasSubstr("cutting.specific_energy_table.1.density_g_cm3: found " + second +
-                          "; expected more than the point before it, 1"));
+                          "; expected more than at the previous point, 1"));
   }
   EXPECT_THAT(bad("specific_energy_table: [{density_g_cm3: 1}]"), HasSubstr("energy_j_mm3: missing"));
   EXPECT_THAT(bad("specific_energy_table: [[0, 1], [1, 2]]"), HasSubstr("expected a section of keys"));
@@ -113,13 +113,11 @@ TEST_F(Cutting, SizeEffectOrEdgeForce) {
 
 TEST_F(Cutting, OptionsNeedTheirErosionAndLaw) {
   EXPECT_THAT(bad("erosion: wear, " + kEdge),
-              HasSubstr("cutting.edge_force: does not apply, because erosion is wear; expected it with erosion: exact "
-                        "only"));
+              HasSubstr("cutting.edge_force: does not apply: erosion is wear; expected it with erosion: exact only"));
   EXPECT_EQ(bad("law: per_point, erosion: exact, " + kEdge),
             "s.yaml:17:4: cutting.law: found per_point; expected energy, because cutting.edge_force is given");
-  EXPECT_THAT(bad("law: per_point, " + kSize), HasSubstr("cutting.size_effect: does not apply, because law is"));
-  EXPECT_THAT(bad("law: per_point, friction_share: 0.2"),
-              HasSubstr("cutting.friction_share: does not apply, because law is"));
+  EXPECT_THAT(bad("law: per_point, " + kSize), HasSubstr("cutting.size_effect: does not apply: law is"));
+  EXPECT_THAT(bad("law: per_point, friction_share: 0.2"), HasSubstr("cutting.friction_share: does not apply: law is"));
 }
 
 TEST_F(Cutting, ValuesOfOptions) {

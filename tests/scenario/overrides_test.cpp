@@ -102,7 +102,7 @@ TEST_F(ImportSettings, Complain) {
   EXPECT_EQ(complaint_of("ct", "nix.nrrd", {}),
             "nix.nrrd: bone.ct.path: no such file: nix.nrrd; expected a file or a folder that exists");
   EXPECT_EQ(complaint_of("mesh", "tool.stl", {"render.enabled=true"}),
-            "--set render.enabled=true: not a key of the bone; expected bone.key=value");
+            "--set render.enabled=true: not a key of the bone section; expected bone.KEY=VALUE");
   EXPECT_THAT(complaint_of("mesh", "tool.stl", {"bone.mesh.scale=0"}),
               StartsWith("--set bone.mesh.scale=0: bone.mesh.scale: found 0; expected a number, above 0"));
 }

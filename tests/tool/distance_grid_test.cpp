@@ -124,7 +124,7 @@ TEST(ClippedTool, HasAGridOnlyWhereTeethTurn) {
   Report report;
   Tool toothed = tool_of(gear_mesh(6, 4, 6, 5));
   ready_for_clipping(toothed, {}, 0.5, 1e9, report);
-  EXPECT_FALSE(toothed.teeth) << "it runs as its envelope";
+  EXPECT_FALSE(toothed.teeth) << "using its envelope";
   ready_for_clipping(toothed, resolved(), 0.5, 1e9, report);
   ASSERT_TRUE(toothed.teeth);
   EXPECT_EQ(toothed.clip_slack_mm(), toothed.teeth->slack_mm);

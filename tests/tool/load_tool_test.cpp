@@ -133,7 +133,7 @@ TEST_F(LoadTool, DiagnosesAnOpenMesh) {
 TEST_F(LoadTool, RefusesAToolBesideTheAxis) {
   TriangleMesh beside = reamer("flat");
   for (Vec3& p : beside.vertices) p.x() += 5;
-  EXPECT_THAT(error_of(saved(beside)), AllOf(HasSubstr("5 mm off the z axis"), HasSubstr("turn about z")));
+  EXPECT_THAT(error_of(saved(beside)), AllOf(HasSubstr("5 mm off the z axis"), HasSubstr("place the spin axis on z")));
 }
 
 TEST_F(LoadTool, WarnsOfAToolSlightlyOffTheAxis) {
@@ -167,7 +167,7 @@ TEST_F(LoadTool, ScaleMakesMillimetres) {
   settings.scale = 0.001;
   EXPECT_THAT(error_of(settings), AllOf(HasSubstr("0.027 × 0.027 × 0.027 mm"), HasSubstr("tool.scale")));
   settings.scale = 1000;
-  EXPECT_THAT(error_of(settings), AllOf(HasSubstr("2.7e+04 mm"), HasSubstr("less than a metre")));
+  EXPECT_THAT(error_of(settings), AllOf(HasSubstr("2.7e+04 mm"), HasSubstr("less than 1 m")));
 }
 
 TEST_F(LoadTool, NamesAFileThatIsNotThere) {

@@ -83,7 +83,7 @@ TEST(WrongConstant, SpecificEnergyOnePerCentTooLarge) {
     scale(sums.energy, 1.01);
     scale(sums.floor_energy, 1.01);
   };
-  EXPECT_EQ(failures("energy", fault), std::vector<std::string>{"E_cut against the bone that is gone"});
+  EXPECT_EQ(failures("energy", fault), std::vector<std::string>{"E_cut against the removed bone"});
   EXPECT_FALSE(failures("steady", fault).empty());
   EXPECT_FALSE(failures("layered", fault).empty());
 }

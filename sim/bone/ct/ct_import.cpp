@@ -34,8 +34,9 @@ void note_image(const ct::ScanSource& source, const std::string& path, Report& r
               (ct::is_axis_aligned(source.geometry()) ? "axes along LPS" : "oblique, resampled to LPS axes") + ", " +
               ct::box_words(source.geometry().bounds_mm()));
   if (source.is_unsigned()) {
-    report.warn(path +
-                ": unsigned pixels hold no negative HU; if the values are not HU, threshold and density are wrong");
+    report.warn(
+        path +
+        ": pixels are unsigned and cannot hold negative HU; if the values are not HU, threshold and density are wrong");
   }
 }
 
@@ -45,12 +46,12 @@ float replace_non_finite(std::vector<float>& values, const std::string& path, co
   for (const float value : values) {
     if (std::isfinite(value)) least = std::min(least, value);
   }
-  if (!std::isfinite(least)) throw InputError({path}, key, "no voxel in the crop is a finite number", "expected HU");
+  if (!std::isfinite(least)) throw InputError({path}, key, "the crop contains no finite voxel", "expected HU");
   const auto strange = [](float value) { return !std::isfinite(value); };
   const auto count = std::count_if(values.begin(), values.end(), strange);
   if (count == 0) return least;
   std::replace_if(values.begin(), values.end(), strange, least);
-  report.warn(path + ct::words(": %lld voxels are NaN or infinite; taken as %.0f, the least value",
+  report.warn(path + ct::words(": %lld voxels are NaN or infinite; replaced by %.0f, the minimum",
                                static_cast<long long>(count), static_cast<double>(least)));
   return least;
 }
@@ -60,7 +61,7 @@ ct::IndexBox cropped_box(const ct::ScanSource& source, const CtSettings& setting
   const ct::IndexBox box = ct::voxels_in_crop(source.geometry(), {settings.crop_min_mm, settings.crop_max_mm});
   if (box.empty()) {
     throw InputError({settings.path}, "bone.ct.crop_min_mm, bone.ct.crop_max_mm",
-                     "no voxel of the image lies in the crop",
+                     "the crop contains no voxel of the image",
                      "the image spans " + ct::box_words(source.geometry().bounds_mm()) + " (LPS)");
   }
   ct::check_fits_in_memory(static_cast<double>(box.voxels()), 2 * sizeof(float), settings.path, kPathKey);
@@ -94,7 +95,7 @@ void filter(ct::AlignedImage& image, const CtSettings& settings, Report& report)
 }
 
 void note_trabecular(const ct::BoneField& bone, double threshold_hu, Report& report) {
-  report.note(ct::words("inside kept: %lld of %lld bone voxels (%.1f %%) are below %.0f HU",
+  report.note(ct::words("interior kept: %lld of %lld bone voxels (%.1f %%) are below %.0f HU",
                         static_cast<long long>(bone.inside_below), static_cast<long long>(bone.voxels),
                         100.0 * static_cast<double>(bone.inside_below) / static_cast<double>(bone.voxels),
                         threshold_hu));
@@ -159,11 +160,11 @@ FilledVoxmap voxmap_from_ct(const BoneSettings& settings, Report& report, Segmen
   } catch (const InputError&) {
     throw;
   } catch (const std::bad_alloc&) {
-    throw InputError({ct_settings.path}, kPathKey, "the image and its voxmap take more memory than this machine has",
+    throw InputError({ct_settings.path}, kPathKey, "the image and its voxmap need more memory than this machine has",
                      "crop it, or use larger voxels");
   } catch (const std::exception&) {  // whatever ITK throws inside a filter
     throw InputError({ct_settings.path}, kPathKey,
-                     "the image cannot be processed; its size, spacing or axes are absurd",
+                     "the image cannot be processed: its size, spacing or axes are implausible",
                      "check the file, or crop it");
   }
 }

@@ -92,7 +92,7 @@ std::size_t first_that_kills(const std::vector<std::string>& files, std::size_t 
 void check_dicom_is_survived(const std::vector<std::string>& files, const std::string& key) {
   const std::size_t killed = first_that_kills(files, 0, [&key](const std::string& file) { read_whole(file, key); });
   if (killed == files.size()) return;
-  throw InputError({files[killed]}, key, "the DICOM file is damaged beyond reading", "the file must be complete");
+  throw InputError({files[killed]}, key, "the DICOM file is damaged and cannot be read", "give a complete file");
 }
 
 std::vector<bool> dicom_headers_survived(const std::vector<std::string>& files) {

@@ -128,14 +128,14 @@ DicomFolder find_dicom_series(const std::string& folder, const std::string& key,
     if (kind == DicomKind::image) by_uid[header.series_uid].push_back(std::move(header));
   }
   if (!out.damaged.empty()) {
-    report.warn(folder + ": damaged DICOM files left out: " + std::to_string(out.damaged.size()) + ", the first is " +
+    report.warn(folder + ": damaged DICOM files skipped: " + std::to_string(out.damaged.size()) + ", the first is " +
                 out.damaged.front());
   }
   for (auto& [uid, images] : by_uid) out.series.push_back(series_from(uid, std::move(images)));
   std::ranges::stable_sort(out.series, {}, [](const DicomSeries& s) { return std::tie(s.number, s.uid); });
   if (out.series.empty()) {
     throw InputError({folder}, key,
-                     "no DICOM image in this folder or its subfolders" +
+                     "no DICOM image found in this folder or its subfolders" +
                          (out.damaged.empty() ? "" : " that can be read; damaged: " + out.damaged.front()),
                      "expected a DICOM series");
   }
@@ -166,11 +166,11 @@ const DicomSeries& choose_series(const DicomFolder& found, const DicomChoice& ch
         "choose one by its UID or number: " + list_of(found.series));
   }
   if (found.series.size() > 1) {
-    const std::string why = candidates.size() > 1 ? "; the one with the most slices is used ("
-                                                  : "; the only one that is a CT volume is used (";
+    const std::string why =
+        candidates.size() > 1 ? "; using the one with the most slices (" : "; using the only CT volume (";
     report.warn(folder + ": " + std::to_string(found.series.size()) + " DICOM series" + why +
                 std::to_string(best.slices()) + " slices), UID " + best.uid +
-                "; choose another with bone.ct.series: " + list_of(found.series));
+                "; select another with bone.ct.series: " + list_of(found.series));
   }
   return best;
 }

@@ -67,7 +67,7 @@ std::vector<const DicomHeader*> slices_among(const DicomSeries& series, std::vec
   }
   if (out.empty()) refuse_image(series.images.front(), key);
   if (!others.empty()) {
-    report.warn("images of the DICOM series that are no slices, left out: " + std::to_string(others.size()) +
+    report.warn("images of the DICOM series skipped because they are not slices: " + std::to_string(others.size()) +
                 ", the first is " + others.front());
     left_out.insert(left_out.begin(), others.begin(), others.end());
   }
@@ -77,7 +77,7 @@ std::vector<const DicomHeader*> slices_among(const DicomSeries& series, std::vec
 void check_grey_values(const Stack& stack, const std::string& key) {
   for (const Slice& slice : stack) {
     if (slice.header->photometric != "MONOCHROME1") continue;
-    throw InputError({slice.path()}, key, "MONOCHROME1: its grey values are inverted, so they are no HU",
+    throw InputError({slice.path()}, key, "MONOCHROME1: its grey values are inverted and are not HU",
                      "expected MONOCHROME2, as CT slices have; export the original series");
   }
 }
@@ -89,9 +89,9 @@ ScanGeometry slice_geometry(const std::string& path, const std::string& key) {
     io->SetFileName(path);
     io->ReadImageInformation();
   } catch (const std::exception&) {
-    throw InputError({path}, key, "the slice cannot be read: it is cut off or damaged", "it must be complete");
+    throw InputError({path}, key, "the slice cannot be read: it is truncated or damaged", "give a complete file");
   }
-  if (says_incomplete(quiet.output())) throw InputError({path}, key, "the slice is cut off", "it must be complete");
+  if (says_incomplete(quiet.output())) throw InputError({path}, key, "the slice is truncated", "give a complete file");
   return geometry_of(*io, path, key, true);
 }
 
@@ -119,15 +119,15 @@ std::vector<Stack> groups_of(const std::vector<const DicomHeader*>& slices, cons
 
 std::string difference(const ScanGeometry& stray, const ScanGeometry& usual) {
   if (stray.dims != usual.dims) {
-    return words("%dx%d pixels where the others have %dx%d", stray.dims.x(), stray.dims.y(), usual.dims.x(),
+    return words("%dx%d pixels; the other slices have %dx%d", stray.dims.x(), stray.dims.y(), usual.dims.x(),
                  usual.dims.y());
   }
   const Vec3 a = stray.spacing_mm();
   const Vec3 b = usual.spacing_mm();
   if ((a - b).head<2>().cwiseAbs().maxCoeff() > kSameAxes * b.head<2>().minCoeff()) {
-    return words("pixels of %.4gx%.4g mm where the others have %.4gx%.4g mm", a.x(), a.y(), b.x(), b.y());
+    return words("pixels of %.4gx%.4g mm; those of the other slices are %.4gx%.4g mm", a.x(), a.y(), b.x(), b.y());
   }
-  return "another orientation than the others";
+  return "an orientation different from that of the other slices";
 }
 
 /// A copy of a slice (the same instance) goes; two slices in one place are an error.
@@ -143,12 +143,12 @@ void drop_copies(Stack& stack, double usual_mm, const std::string& key, Report& 
     }
     const std::string& instance = stack[n].header->instance_uid;
     if (instance.empty() || instance != before.header->instance_uid) {
-      throw InputError({stack[n].path()}, key, "lies in the same place as " + before.path(),
-                       "expected each slice once; a series that holds two volumes must be parted into two folders");
+      throw InputError({stack[n].path()}, key, "has the same position as " + before.path(),
+                       "give each slice once; split a series with two volumes into two folders");
     }
     ++copies;
   }
-  if (copies > 0) report.warn("copies of DICOM slices left out: " + std::to_string(copies));
+  if (copies > 0) report.warn("copies of DICOM slices skipped: " + std::to_string(copies));
   stack = std::move(kept);
 }
 
@@ -173,7 +173,7 @@ std::string suspect(double low_mm, double high_mm, const Vec3& normal, const Sca
       }
     }
   }
-  return left_out.empty() ? "" : "; " + left_out.front() + " was left out";
+  return left_out.empty() ? "" : "; " + left_out.front() + " was skipped";
 }
 
 void check_distances(const std::vector<Stack>& groups, double usual_mm, const Vec3& normal,
@@ -182,7 +182,7 @@ void check_distances(const std::vector<Stack>& groups, double usual_mm, const Ve
   for (std::size_t k = 1; k < stack.size(); ++k) {
     const double gap = stack[k].height_mm - stack[k - 1].height_mm;
     if (std::abs(gap - usual_mm) <= kSpacingTolerance * usual_mm) continue;
-    const std::string found = words("slices lie %.3f mm apart where most lie %.3f mm apart: ", gap, usual_mm) +
+    const std::string found = words("slice spacing is %.3f mm; most slices are %.3f mm apart: ", gap, usual_mm) +
                               stack[k - 1].path() + " and " + stack[k].path();
     const long missing = std::lround(gap / usual_mm) - 1;
     const std::string between = missing == 1  ? "a slice is missing between them"
@@ -201,7 +201,7 @@ void check_straight(const Stack& stack, const Vec3& step_mm, const std::string& 
     const double off = (stack[k].geometry.origin_mm - due).norm();
     if (off <= kStraight_pixels * std::max(side, kSpacingTolerance * step_mm.norm())) continue;
     throw InputError({stack[k].path()}, key, words("the slice is displaced by %.2f mm against its neighbours", off),
-                     "expected slices in a row; export the original series");
+                     "export the original series");
   }
 }
 
@@ -210,7 +210,7 @@ void warn_of_strays(const std::vector<Stack>& groups, Report& report) {
   for (std::size_t g = 1; g < groups.size(); ++g) count += groups[g].size();
   if (count == 0) return;
   const Slice& stray = groups[1].front();
-  report.warn("images of the DICOM series left out: " + std::to_string(count) + ", the first is " + stray.path() +
+  report.warn("images of the DICOM series skipped: " + std::to_string(count) + ", the first is " + stray.path() +
               " and has " + difference(stray.geometry, groups[0].front().geometry));
 }
 
@@ -225,7 +225,7 @@ void check_count(const std::vector<Stack>& groups, const std::string& key) {
   throw InputError({second.path()}, key,
                    "the series holds two stacks of " + std::to_string(stack.size()) + " slices: this one has " +
                        difference(second.geometry, stack.front().geometry),
-                   "put the stack that is wanted into a folder of its own");
+                   "move the stack that you want into a separate folder");
 }
 
 }  // namespace

@@ -143,7 +143,7 @@ itk::ImageIORegion io_region(const itk::ImageIOBase& io, const IndexBox& box) {
 }
 
 InputError cut_off(const std::string& path, const std::string& key) {
-  return {{path}, key, "the voxels cannot be read: the file is cut off or damaged", "the file must be complete"};
+  return {{path}, key, "the voxels cannot be read: the file is truncated or damaged", "give a complete file"};
 }
 
 /// One file of NRRD, NIfTI or MetaImage.
@@ -192,7 +192,7 @@ class FileScan : public LabelSource {
       throw InputError({path_}, key_, "a multi-frame DICOM file",
                        "convert it to NRRD or NIfTI (3D Slicer, dcm2niix), or export single slices");
     }
-    throw InputError({path_}, key_, "a single DICOM slice", "give the folder that holds the series");
+    throw InputError({path_}, key_, "a single DICOM slice", "give the folder of the series");
   }
 
   void check_file_length() const {
@@ -203,7 +203,7 @@ class FileScan : public LabelSource {
     throw InputError({path_}, key_,
                      "the header claims " + std::to_string(geometry_.size()) + " voxels, but the file has only " +
                          std::to_string(fs::file_size(path_)) + " bytes",
-                     "the file must be complete");
+                     "give a complete file");
   }
 
   std::string path_;
@@ -254,8 +254,8 @@ itk::ImageIOBase::Pointer open_image_io(const std::string& path, const std::stri
         "save it as NRRD, NIfTI or MetaImage (ParaView, 3D Slicer); a surface goes to bone.mesh, as STL or PLY");
   }
   const std::string found = fs::file_size(path) == 0 ? "the file is empty"
-                            : promised.empty()       ? "this is no CT image that can be read"
-                                                     : "the " + promised + " header is damaged or cut off";
+                            : promised.empty()       ? "not a readable CT image"
+                                                     : "the " + promised + " header is truncated or damaged";
   throw InputError({path}, key, found, "expected a folder of DICOM slices, or an NRRD, NIfTI or MetaImage file");
 }
 
@@ -265,7 +265,7 @@ void read_header(itk::ImageIOBase& io, const std::string& path, const std::strin
     io.ReadImageInformation();
     if (says_incomplete(quiet.output())) throw std::length_error("header");
   } catch (const std::exception&) {
-    throw InputError({path}, key, "the " + format + " header cannot be read", "it is damaged, or the file is cut off");
+    throw InputError({path}, key, "the " + format + " header cannot be read", "the file is truncated or damaged");
   }
 }
 
@@ -299,7 +299,7 @@ ScanGeometry geometry_of(const itk::ImageIOBase& io, const std::string& path, co
   }
   if (!geometry.step_mm.allFinite() || !geometry.origin_mm.allFinite() ||
       !(std::abs(geometry.step_mm.determinant()) > 1e-12) || geometry.step_mm.cwiseAbs().maxCoeff() > 1e6) {
-    throw InputError({path}, key, "voxel spacing, axes or origin that are zero, not finite or flat",
+    throw InputError({path}, key, "voxel spacing, axes or origin are zero, not finite or degenerate",
                      "expected a spacing above 0 mm and three independent axes");
   }
   return geometry;
@@ -350,7 +350,7 @@ std::vector<float> read_voxels(itk::ImageIOBase& io, const IndexBox& box, const 
     copy_as_float(io.GetComponentType(), raw.get(), held, box, wanted, out.data());
     return out;
   } catch (const std::bad_alloc&) {
-    throw InputError({path}, key, "more voxels than this machine's memory holds", "use a smaller image, or a crop");
+    throw InputError({path}, key, "the voxels exceed the memory of this machine", "use a smaller image, or a crop");
   } catch (const std::exception&) {
     throw cut_off(path, key);
   }
@@ -359,7 +359,7 @@ std::vector<float> read_voxels(itk::ImageIOBase& io, const IndexBox& box, const 
 void check_fits_in_memory(double voxels, double bytes_per_voxel, const std::string& path, const std::string& key) {
   const double memory = static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGE_SIZE));
   if (voxels * bytes_per_voxel <= 0.5 * memory) return;
-  const std::string text = words("%.3g voxels take %.3g GB, more than half of this machine's memory (%.3g GB)", voxels,
+  const std::string text = words("%.3g voxels need %.3g GB, more than half of this machine's memory (%.3g GB)", voxels,
                                  voxels * bytes_per_voxel / 1e9, memory / 1e9);
   throw InputError({path}, key, text, "use fewer voxels, or check that the header is not damaged");
 }
@@ -372,9 +372,9 @@ std::unique_ptr<ScanSource> open_scan(const std::string& path, const std::string
     if (is_dicomdir(path)) return open_dicom_folder(fs::path(path).parent_path().string(), key, choice, report);
     auto scan = std::make_unique<FileScan>(path, key, false);
     if (choice.series.empty()) return scan;
-    throw InputError({path}, "bone.ct.series", "given for a file that is no DICOM folder", "leave it out");
+    throw InputError({path}, "bone.ct.series", "given for a file that is not a DICOM folder", "remove it");
   } catch (const fs::filesystem_error&) {
-    throw InputError({path}, key, "cannot be opened", "check that it may be read");
+    throw InputError({path}, key, "cannot be opened", "check its permissions");
   }
 }
 
@@ -384,7 +384,7 @@ std::unique_ptr<LabelSource> open_labels(const std::string& path, const std::str
   try {
     return std::make_unique<FileScan>(path, key, true);
   } catch (const fs::filesystem_error&) {
-    throw InputError({path}, key, "cannot be opened", "check that it may be read");
+    throw InputError({path}, key, "cannot be opened", "check its permissions");
   }
 }
 

@@ -68,9 +68,9 @@ IndexBox part_that_meets(const ScanGeometry& labels, const ScanGeometry& image) 
 
 InputError does_not_meet(const std::string& path, const ScanGeometry& labels, const ScanGeometry& image,
                          const ScanGeometry& part) {
-  std::string found = "the label map does not meet the image: it spans " + box_words(labels.bounds_mm()) +
+  std::string found = "the label map does not overlap the image: it spans " + box_words(labels.bounds_mm()) +
                       ", the image spans " + box_words(image.bounds_mm());
-  if (part.dims != image.dims) found += ", of which the crop takes " + box_words(part.bounds_mm());
+  if (part.dims != image.dims) found += ", cropped to " + box_words(part.bounds_mm());
   return {{path},
           kLabelPathKey,
           found + " (LPS)",
@@ -119,13 +119,12 @@ void add_end(const ScanGeometry& labels, const Scan& part, const IndexBox& box, 
 
 void report_cut_off(const CutOff& cut, const std::string& path, double threshold_hu, Report& report) {
   if (cut.contact_mm2 == 0) return;
-  const std::string text =
-      path + words(
-                 ": the label touches the map's end inside the image over %.0f mm2, with %.0f mm2 at or above %.0f HU "
-                 "beyond it",
-                 cut.contact_mm2, cut.bone_mm2, threshold_hu);
+  const std::string text = path + words(
+                                      ": the label touches the border of the map over %.0f mm2 inside the image, with "
+                                      "%.0f mm2 at or above %.0f HU beyond it",
+                                      cut.contact_mm2, cut.bone_mm2, threshold_hu);
   if (cut.bone_mm2 >= kCutOff_mm2) {
-    report.warn(text + "; the map cuts the bone off there");
+    report.warn(text + "; the map truncates the bone there");
   } else {
     report.note(text);
   }
@@ -223,7 +222,7 @@ class LabelReader {
                             static_cast<int>(n / box.size.x() / box.size.y()));
       throw InputError(
           {map_.path}, kLabelPathKey,
-          words("the value %g at voxel (%d, %d, %d) is no label", static_cast<double>(value), c.x(), c.y(), c.z()),
+          words("the value %g at voxel (%d, %d, %d) is not a label", static_cast<double>(value), c.x(), c.y(), c.z()),
           "expected whole numbers; threshold a probability map and save it as integers");
     }
   }
@@ -238,7 +237,7 @@ class LabelReader {
     if (count > kMostValues) values += ", ...";
     throw InputError(
         {map_.path}, "bone.ct.label_map.label", "no voxel in the crop has label " + words_of_labels(map_.label),
-        values.empty() ? "the map holds no label there; move the crop" : "the map holds " + values + " there");
+        values.empty() ? "the map has no label there; move the crop" : "the map holds " + values + " there");
   }
 
   const CtSettings& settings_;

@@ -86,7 +86,7 @@ LabelValue find_number(const std::string& wanted, const std::vector<NamedSegment
   if (found.size() == 1) return found.front().label;
   const std::string in_layers = " of a label map with " + std::to_string(layers) + " layers";
   if (segments.empty()) {
-    throw InputError({path}, kLabelChoiceKey, "label " + wanted + in_layers + ", none of which is named",
+    throw InputError({path}, kLabelChoiceKey, "label " + wanted + in_layers + ", none of them named",
                      "expected one number in each voxel, or SegmentN_Name, SegmentN_Layer and SegmentN_LabelValue");
   }
   if (found.empty()) {
@@ -161,7 +161,7 @@ std::vector<LabelValue> find_labels(const std::vector<std::string>& wanted, cons
         is_whole_number(label) ? find_number(label, segments, layers, path) : find_name(label, segments, path);
     if (found.layer >= layers) {
       throw InputError({path}, kLabelChoiceKey,
-                       "'" + label + "' stands in layer " + std::to_string(found.layer) + ", but the label map has " +
+                       "'" + label + "' is in layer " + std::to_string(found.layer) + ", but the label map has " +
                            std::to_string(layers),
                        "the file is damaged; export it again");
     }

@@ -37,7 +37,7 @@ Mask above_threshold(const AlignedImage& hu, const CtSettings& settings, Report&
   if (voxels == 0) {
     const float highest = *std::max_element(hu.value.begin(), hu.value.end());
     throw InputError({settings.path}, "bone.ct.threshold_hu",
-                     "no bone in the crop: the densest of " + std::to_string(mask.size()) + " voxels has " +
+                     "no bone in the crop: the maximum of " + std::to_string(mask.size()) + " voxels has " +
                          words("%.0f", highest) + " HU, the threshold is " + words("%.0f", settings.threshold_hu) +
                          " HU",
                      "lower the threshold or move the crop; it spans " + box_words(hu.lattice.bounds_mm()));
@@ -116,7 +116,7 @@ SolidPiece choose_piece(const Pieces& pieces, const AlignedImage& hu, const CtSe
   throw InputError({settings.path}, "bone.ct.seed_mm",
                    point_words(*settings.seed_mm) + " lies outside bone: " + words("%.0f", there) +
                        " HU there, and no piece above " + words("%.0f", settings.threshold_hu) + " HU encloses it",
-                   "expected a point in LPS mm within the bone to be kept");
+                   "give a point inside the bone to be kept, LPS, mm");
 }
 
 /// Bone that a cut took and that touches what is kept. It stays in the field, since the cut itself, applied again after
@@ -170,8 +170,8 @@ void warn_of_second(const Segmentation& facts, Report& report) {
   constexpr double kAnotherBone = 0.05;  // smaller pieces are noise, calcifications, ribs' ends
   if (facts.by_seed || facts.second_mm3 < kAnotherBone * facts.largest_mm3) return;
   report.warn(
-      words("no bone.ct.seed_mm: the largest piece is kept, %.0f mm3; the second largest has %.0f mm3 and may "
-            "be the bone that is meant: give a seed inside the bone",
+      words("bone.ct.seed_mm is missing: the largest piece is kept, %.0f mm3. The second largest has %.0f mm3 and may "
+            "be the intended bone: set bone.ct.seed_mm to a point inside it",
             facts.largest_mm3, facts.second_mm3));
 }
 
@@ -220,7 +220,7 @@ BoneField segment_by_threshold(const AlignedImage& hu, const CtSettings& setting
   const Pieces pieces = connected_pieces(parted, lattice);
   if (pieces.list.empty()) {
     throw InputError({settings.path}, "bone.ct.cut_spheres, bone.ct.cut_planes", "the cuts remove all bone in the crop",
-                     "a plane removes the side that its normal points to");
+                     "a plane removes the side to which its normal points");
   }
   const SolidPiece solid = choose_piece(pieces, hu, settings);
   note_pieces(pieces, solid, settings, lattice, report);

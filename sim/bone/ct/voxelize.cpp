@@ -43,7 +43,7 @@ VoxelGrid grid_of(const Lattice& image, const BoneField& bone, const BoneSetting
     check_fits_in_memory(grid.dims.cast<double>().prod(), sizeof(std::uint8_t), path, "bone.voxel_mm");
     return grid;
   } catch (const std::length_error&) {
-    throw InputError({path}, "bone.voxel_mm", "more voxels than can be counted", "use larger voxels");
+    throw InputError({path}, "bone.voxel_mm", "too many voxels", "use larger voxels");
   }
 }
 
@@ -135,8 +135,7 @@ FilledVoxmap voxelize(const AlignedImage& hu, const BoneField& bone, const BoneS
     }
   }
   if (stats.voxels == 0) {
-    throw InputError({settings.ct.path}, "bone.voxel_mm", "voxels of this size leave nothing of the bone",
-                     "use smaller voxels");
+    throw InputError({settings.ct.path}, "bone.voxel_mm", "no bone remains at this voxel size", "use smaller voxels");
   }
   if (settings.surface_voxels == SurfaceVoxels::partial) part_surface(bone, resampled, settings.ct, image, voxmap);
   note_voxmap(voxmap, stats, report);

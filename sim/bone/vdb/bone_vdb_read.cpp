@@ -37,10 +37,10 @@ double checked_voxel(const std::string& path, const openvdb::FloatGrid& grid) {
     for (int column = 0; column < 3; ++column) {
       const double wanted = row == column ? voxel_mm : 0;
       if (std::abs(matrix(row, column) - wanted) <= 1e-6 * voxel_mm) continue;
-      fail_reading(path, row == column ? "a grid whose voxels are no cubes" : "a grid that is rotated or sheared",
+      fail_reading(path, row == column ? "a grid with non-cubic voxels" : "a grid that is rotated or sheared",
                    expected);
     }
-    if (!std::isfinite(matrix(3, row))) fail_reading(path, "a grid that is nowhere", expected);
+    if (!std::isfinite(matrix(3, row))) fail_reading(path, "a grid without a finite position", expected);
   }
   return voxel_mm;
 }
@@ -133,7 +133,7 @@ void read_fill(const std::string& path, const openvdb::FloatGrid& fill, const op
       const Vec3i voxel = BrickLattice::voxel_at(coord, offset);
       const float value = read.getValue(first.offsetBy(voxel.x(), voxel.y(), voxel.z()));
       if (!(value >= 0 && value <= 1))
-        fail_reading(path, "a fill outside 0 to 1", "expected the share that is still bone");
+        fail_reading(path, "a fill outside 0 to 1", "expected the fraction that is bone");
       voxmap.fill.set(voxel, static_cast<std::uint16_t>(std::lround(double{value} * FillBricks::kWhole)));
     }
   });
@@ -182,7 +182,7 @@ FilledVoxmap read_voxmap(const std::string& path, StoredBone* stored) {
   if (file.has(vdb_keys::kFill)) {
     const openvdb::FloatGrid::Ptr fill = file.read(vdb_keys::kFill);
     if (fill->transform() != density->transform()) {
-      fail_reading(path, "a grid \"fill\" that lies elsewhere than \"density\"", "expected the same transform");
+      fail_reading(path, "the grids \"fill\" and \"density\" have different transforms", "expected the same transform");
     }
     read_fill(path, *fill, placement.first, voxmap);
   }
@@ -193,7 +193,7 @@ FilledVoxmap read_guarded(const std::string& path, StoredBone* stored) {
   try {
     return read_voxmap(path, stored);
   } catch (const std::bad_alloc&) {
-    fail_reading(path, "a VDB that does not fit into memory", "expected a smaller grid");
+    fail_reading(path, "the VDB does not fit into memory", "use a smaller grid");
   } catch (const openvdb::Exception&) {
     fail_reading(path, "a truncated or damaged VDB file", "expected a complete file");
   }

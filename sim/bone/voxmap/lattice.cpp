@@ -63,12 +63,12 @@ void check_lattice(const std::string& what, const Eigen::Array3d& dims, double v
   if (fits(dims, load, memory_bytes)) return;
   const double voxels = dims.prod();
   char found[200];
-  std::snprintf(found, sizeof found,
-                "a lattice of %.4g x %.4g x %.4g voxels of %.4g mm (%.3g in all), whose bone would take %.3g GB of the "
-                "%.3g GB that there are for it",
-                dims.x(), dims.y(), dims.z(), voxel_mm, voxels, planned_bytes(voxels, load) / 1e9,
-                kMemoryShare * memory_bytes / 1e9);
-  if (!std::isfinite(voxels) || voxels < 0) throw InputError({what, 0, 0}, "", found, "expected a bone of finite size");
+  std::snprintf(
+      found, sizeof found,
+      "the lattice has %.4g x %.4g x %.4g voxels of %.4g mm (%.3g in total) and needs %.3g GB; %.3g GB are available",
+      dims.x(), dims.y(), dims.z(), voxel_mm, voxels, planned_bytes(voxels, load) / 1e9,
+      kMemoryShare * memory_bytes / 1e9);
+  if (!std::isfinite(voxels) || voxels < 0) throw InputError({what, 0, 0}, "", found, "give a bone of finite size");
   // 5 % more than that, because the margin does not shrink with the voxels.
   const double fitting_mm = 1.05 * voxel_mm * fitting_factor(dims, load, memory_bytes);
   throw InputError({what, 0, 0}, "", found,

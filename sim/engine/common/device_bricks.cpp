@@ -146,7 +146,7 @@ void upload_bone(const cl::Device& device, const BoneView& bone, DeviceBricks& o
   const Vec3i bricks = bone.voxmap.grade.brick_dims();
   const bool same = bone.voxmap.grid.dims == out.grid.dims && bone.voxmap.grade.stored_bricks() == out.layout.bricks &&
                     (out.layout.fill != FillStore::none || !partly_filled(bone.fill));
-  if (!same) throw RunError("this is not the bone that the engine was made for: its memory was planned for another");
+  if (!same) throw RunError("this is not the bone for which the engine was created");
   constexpr std::size_t kChunk = 4096;  // bricks written at once
   const std::size_t bytes = out.layout.brick_bytes;
   std::vector<cl_uchar> chunk(kChunk * bytes);

@@ -91,13 +91,12 @@ void require_fit(const DensePlan& plan, const cl::DeviceInfo& device, double vox
   std::snprintf(fits, sizeof fits, "a bone.voxel_mm of about %.3g or more would fit",
                 voxel_mm * std::cbrt(most) * kMargin);
   throw InputError({}, "bone.voxel_mm",
-                   "found a voxmap of " + std::to_string(plan.voxels) +
-                       " voxels, of which a dense engine numbers at most " + std::to_string(kMostVoxels) +
-                       "; it needs " + megabytes(plan.bytes()) + " on the device and " +
-                       megabytes(plan.largest_bytes()) + " of it in one piece, and " + device.name + " has " +
-                       megabytes(device.global_memory_bytes) + " and allocates at most " +
-                       megabytes(device.max_allocation_bytes) + " in one piece",
-                   std::string(fits) + ", or engine.detector bricked, which keeps only bricks with bone");
+                   "found a voxmap of " + std::to_string(plan.voxels) + " voxels; a dense engine supports at most " +
+                       std::to_string(kMostVoxels) + "; it needs " + megabytes(plan.bytes()) + " on the device and " +
+                       megabytes(plan.largest_bytes()) + " of it in one allocation; " + device.name + " has " +
+                       megabytes(device.global_memory_bytes) + " in total and at most " +
+                       megabytes(device.max_allocation_bytes) + " in one allocation",
+                   std::string(fits) + ", or engine.detector: bricked, which stores only bricks with bone");
 }
 
 }  // namespace reamsim

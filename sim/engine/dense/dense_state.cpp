@@ -57,7 +57,7 @@ void upload_bone(const cl::Device& device, const DensePlan& plan, const BoneView
   const bool same = static_cast<std::size_t>(bone.voxmap.grid.size()) == plan.voxels &&
                     static_cast<std::size_t>(bone.voxmap.grade.count()) <= plan.unreamed &&
                     (plan.fill || !partly_filled(bone.fill));
-  if (!same) throw RunError("this is not the bone that the engine was made for: its memory was planned for another");
+  if (!same) throw RunError("this is not the bone for which the engine was created");
   const auto grades = dense_grades_left(bone);
   if (plan.layout == VoxelLayout::flagged_hu) {
     upload_hu(device, grades, state.scale, state.hu);

@@ -25,8 +25,8 @@ std::size_t most_room(std::size_t needed) {
   const double factor = std::cbrt(static_cast<double>(pages) / static_cast<double>(std::max<std::size_t>(1, largest)));
   char voxel[32];
   std::snprintf(voxel, sizeof voxel, "%.3g", 1.05 * factor * voxel_mm);
-  throw RunError("the fill of cut bricks needs " + mb(pages) + " in one piece so far, but " + device.info().name +
-                 " allocates at most " + mb(largest) + "; bone.voxel_mm of " + voxel +
+  throw RunError("the fill of cut bricks needs " + mb(pages) + " in one allocation, but " + device.info().name +
+                 " supports at most " + mb(largest) + "; bone.voxel_mm of " + voxel +
                  " or more would fit, or a smaller crop");
 }
 
