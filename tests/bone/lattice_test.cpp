@@ -47,7 +47,7 @@ TEST(Lattice, NamesTheBytesAndAVoxelThatFits) {
   const std::string text = refusal(dims, 0.05, {}, k24GB);
   // A byte for each of 6.4e10 voxels, and eight for each of 1.25e8 bricks.
   EXPECT_THAT(text, AllOf(StartsWith("bone.stl"), HasSubstr("4000 x 4000 x 4000 voxels of 0.05 mm"),
-                          HasSubstr("would take 65 GB of the 12 GB")));
+                          HasSubstr("needs 65 GB; 12 GB are available")));
   const double fitting_mm = advised_mm(text);
   EXPECT_NO_THROW(check_lattice("bone", dims * 0.05 / fitting_mm, fitting_mm, {}, k24GB));
   EXPECT_GT(refusal(dims * 0.05 / (0.8 * fitting_mm), 0.8 * fitting_mm, {}, k24GB).size(), 0U) << "nor far too large";

@@ -75,7 +75,8 @@ TEST(LoadBone, TheRimIsThePhantomsOwnOrTheScenarios) {
   EXPECT_EQ(load_bone(settings, report).rim_mm, settings.glenoid.rim_mm);
   settings.glenoid.rim_mm[2] += Vec3(20, 0, 0);
   EXPECT_THAT(input_error([&] { load_bone(settings, report); }),
-              AllOf(HasSubstr("bone.glenoid.rim_mm: point 3, ("), HasSubstr("no surface of the bone within 5 mm")));
+              AllOf(HasSubstr("bone.glenoid.rim_mm: point 3, ("),
+                    HasSubstr("lies more than 5 mm from the surface of the bone")));
   EXPECT_TRUE(load_bone(phantom(PhantomShape::sphere, 1), report).rim_mm.empty());
 }
 

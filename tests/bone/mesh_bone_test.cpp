@@ -210,7 +210,7 @@ TEST_F(MeshBone, UnitThatMakesABoneWithAGlenoidTooSmallOrLargeIsRefused) {
     settings.glenoid.center_mm = Vec3(0, 0, 0);
     const std::string text = input_error([&] { voxmap_from_mesh(settings, report_); });
     EXPECT_THAT(text, HasSubstr("bone.mesh.scale: the mesh is ")) << length;
-    EXPECT_THAT(text, HasSubstr("a bone with a glenoid is 20 to 400 mm")) << length;
+    EXPECT_THAT(text, HasSubstr("expected 20 to 400 mm for a bone with a glenoid frame")) << length;
     EXPECT_THAT(text, HasSubstr(likely)) << length;
   }
 }
@@ -223,7 +223,8 @@ TEST_F(MeshBone, UnitIsCheckedAfterTheScale) {
   settings.mesh.scale = 5;
   EXPECT_THAT(
       input_error([&] { voxmap_from_mesh(settings, report_); }),
-      HasSubstr("the mesh is 13.9 mm long, and a bone with a glenoid is 20 to 400 mm; set bone.mesh.scale: about 54 "
+      HasSubstr("the mesh is 13.9 mm long, expected 20 to 400 mm for a bone with a glenoid frame; set bone.mesh.scale: "
+                "about 54 "
                 "for a scapula of 150 mm, 25.4 if the file is in inches (71 mm) or 10 if the file is in centimetres"));
 }
 

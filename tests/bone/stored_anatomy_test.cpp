@@ -57,7 +57,8 @@ TEST_F(StoredBoneTest, TheScenarioWinsAndItsContradictionIsNoted) {
   EXPECT_EQ(back.side, BodySide::right);
   EXPECT_EQ(back.glenoid->bone_from_glenoid.translation(), *settings.glenoid.center_mm);
   EXPECT_THAT(report_.notes, Contains(HasSubstr("bone.side is right, the VDB says left")));
-  EXPECT_THAT(report_.notes, Contains(HasSubstr("differs from the VDB's frame by 3.00 mm and 0.00 degrees")));
+  EXPECT_THAT(report_.notes,
+              Contains(HasSubstr("differs from the glenoid frame of the VDB by 3.00 mm and 0.00 degrees")));
 }
 
 TEST_F(StoredBoneTest, AFileWithoutThem) {

@@ -92,7 +92,7 @@ TEST_F(BadScenario, KeyframesThatGoBackInTime) {
                          "  keyframes:\n"
                          "    - {time_s: 1, position_mm: [0, 0, 1], axis: [0, 0, 1]}\n"
                          "    - {time_s: 0.5, position_mm: [0, 0, 0], axis: [0, 0, 1]}\n"),
-                 2, {"s.yaml:14:8: motion.keyframes.1.time_s: found 0.5", "after"});
+                 2, {"s.yaml:14:8: motion.keyframes.1.time_s: found 0.5", "later"});
 }
 
 TEST_F(BadScenario, RecordedPosesThatGoBackInTime) {

@@ -104,7 +104,7 @@ TEST_F(CommandLine, EngineIsOneOfTheDetectors) {
 }
 
 TEST_F(CommandLine, RenderOfNothing) {
-  expect_refused(call({"render", "nix"}), 2, {"nix", "no such"});
+  expect_refused(call({"render", "nix"}), 2, {"nix", "not found"});
   std::filesystem::create_directory(path("empty"));
   expect_refused(call({"render", "empty"}), 2, {"empty"});
 }

@@ -62,7 +62,7 @@ TEST_F(StoredFrame, WhatSegmentationDidIsSaidAndShown) {
   const ProgramResult done = run(with(yaml, "render:\n  {", "render: {"));
   expect_done(done);
   EXPECT_THAT(done.out,
-              HasSubstr("segmentation: threshold 200 HU, 1 pieces, kept the largest (number 1 by size); 1000 mm3"));
+              HasSubstr("segmentation: threshold 200 HU, 1 pieces, kept the largest (rank 1 by size); 1000 mm3"));
   const std::string summary = read("out/summary.json");
   EXPECT_EQ(number_after(summary, "\"pieces\": "), 1);
   EXPECT_EQ(number_after(summary, "\"below_threshold_fraction\": "), 0);

@@ -68,8 +68,8 @@ TEST_F(BadCt, PipeIsRefusedNotWaitedFor) {
 
 TEST_F(BadCt, SomethingElse) {
   EXPECT_THAT(error_of(put("notes.txt", "no image at all\n")), HasSubstr("not a readable CT image"));
-  EXPECT_THAT(error_of(put("fake.nrrd", "no image at all\n")), HasSubstr("NRRD header is damaged"));
-  EXPECT_THAT(error_of(put("fake.nii", std::string(400, 'x'))), HasSubstr("NIfTI header is damaged"));
+  EXPECT_THAT(error_of(put("fake.nrrd", "no image at all\n")), HasSubstr("NRRD header is truncated or damaged"));
+  EXPECT_THAT(error_of(put("fake.nii", std::string(400, 'x'))), HasSubstr("NIfTI header is truncated or damaged"));
 }
 
 TEST_F(BadCt, FolderWithoutDicom) {
@@ -106,7 +106,7 @@ TEST_F(BadCt, DetachedDataMissingOrShort) {
   write_image<std::int16_t>(egg_image(), folder_.file("b.nhdr"));
   for (const auto& [header, data] : {std::pair{"a.mhd", "a.raw"}, std::pair{"b.nhdr", "b.raw"}}) {
     fs::resize_file(folder_.file(data), 1000);
-    EXPECT_THAT(error_of(folder_.file(header)), HasSubstr("cut off")) << header;
+    EXPECT_THAT(error_of(folder_.file(header)), HasSubstr("truncated")) << header;
     fs::remove(folder_.file(data));
     EXPECT_THAT(error_of(folder_.file(header)), HasSubstr(header)) << header;
   }
@@ -121,7 +121,7 @@ TEST_F(BadCt, TruncatedDicomSlice) {
 
 TEST_F(BadCt, MissingDicomSlice) {
   write_dicom(egg_image(), folder_.file("series"), 9);
-  EXPECT_THAT(error_of(folder_.file("series")), HasSubstr("slices lie 2.500 mm apart"));
+  EXPECT_THAT(error_of(folder_.file("series")), HasSubstr("slice spacing is 2.500 mm"));
 }
 
 TEST_F(BadCt, SingleDicomSlice) {

@@ -158,14 +158,14 @@ TEST_F(Dicom, Monochrome1IsRefused) {
 
 TEST_F(Dicom, MessagesNameTheSlice) {
   write_dicom(egg_, folder_.file("gap"), 9);
-  EXPECT_THAT(error_of("gap"), AllOf(HasSubstr("slices lie 2.500 mm apart where most lie 1.250 mm apart"),
+  EXPECT_THAT(error_of("gap"), AllOf(HasSubstr("slice spacing is 2.500 mm; most slices are 1.250 mm apart"),
                                      HasSubstr("slice016.dcm and "), HasSubstr("slice014.dcm"),
                                      HasSubstr("a slice is missing between them")));
   write_dicom(egg_, folder_.file("size"), 9);
   TestImage small = cropped(egg_, {0, 0, 9}, {26, 20, 1});
   write_dicom(small, folder_.file("one"));
   fs::copy(folder_.file("one/slice001.dcm"), folder_.file("size/odd.dcm"));
-  EXPECT_THAT(error_of("size"), HasSubstr("odd.dcm lies there and has 26x20 pixels where the others have 26x30"));
+  EXPECT_THAT(error_of("size"), HasSubstr("odd.dcm lies there and has 26x20 pixels; the other slices have 26x30"));
   write_dicom(egg_, folder_.file("turn"), 9);
   TestImage turned = cropped(egg_, {0, 0, 9}, {26, 30, 1});
   turned.direction.col(0) = Vec3(0.98, 0.199, 0).normalized();
@@ -181,7 +181,7 @@ TEST_F(Dicom, ADamagedSliceIsNamedWhereItIsMissing) {
   write_dicom(egg_, folder_.file("cd"));
   fs::resize_file(folder_.file("cd/slice010.dcm"), 150);
   EXPECT_THAT(error_of("cd"),
-              AllOf(HasSubstr("slice011.dcm and "), HasSubstr("slice009.dcm"), HasSubstr("slice010.dcm was left out")));
+              AllOf(HasSubstr("slice011.dcm and "), HasSubstr("slice009.dcm"), HasSubstr("slice010.dcm was skipped")));
   write_dicom(egg_, folder_.file("half"));
   const std::string slice = folder_.file("half/slice010.dcm");
   fs::resize_file(slice, fs::file_size(slice) / 2);

@@ -84,7 +84,7 @@ TEST_F(Formats, DicomFolderMayHoldOtherFilesAndAScout) {
   expect_same(voxmap_from_ct(settings_for(folder_.file("series"), 1), report), reference_, "with a scout");
   ASSERT_EQ(report.warnings.size(), 1U);
   EXPECT_THAT(report.warnings[0], HasSubstr("images of the DICOM series skipped: 1, the first is "));
-  EXPECT_THAT(report.warnings[0], HasSubstr("a_scout.dcm and has 40x12 pixels where the others have 26x30"));
+  EXPECT_THAT(report.warnings[0], HasSubstr("a_scout.dcm and has 40x12 pixels; the other slices have 26x30"));
 }
 
 TEST_F(Formats, DicomIsReadOnlyWhereTheCropIs) {

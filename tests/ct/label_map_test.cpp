@@ -116,7 +116,7 @@ TEST_F(LabelMap, FloatingPointTypesHoldLabelsToo) {
   odd.value[odd.value.size() / 2] = 4.5;
   write_image<float>(odd, folder_.file("odd.nii"));
   EXPECT_THAT(error_of("odd.nii", {"5"}), AllOf(HasSubstr("odd.nii: bone.ct.label_map.path: the value 4.5 at voxel ("),
-                                                HasSubstr("is no label; expected whole numbers")));
+                                                HasSubstr("is not a label; expected whole numbers")));
 }
 
 /// The two labels in layers of their own, both with the value 1, as 3D Slicer stores segments that may overlap.
@@ -272,7 +272,7 @@ TEST_F(LabelMap, AMapThatCutsTheBoneOffIsWarnedOf) {
   write_image<std::uint8_t>(cropped(labels_, {0, 0, 0}, {26, 30, 12}), folder_.file("short.nrrd"));
   EXPECT_LT(volume_mm3(import("short.nrrd", {"5"})), 0.6 * volume_mm3(reference_));
   ASSERT_EQ(report_.warnings.size(), 1U);
-  EXPECT_THAT(report_.warnings[0], AllOf(HasSubstr("short.nrrd: the label touches the map's end inside the image over"),
+  EXPECT_THAT(report_.warnings[0], AllOf(HasSubstr("short.nrrd: the label touches the border of the map over"),
                                          HasSubstr("the map truncates the bone there")));
   // Cut where the image itself ends: nothing that the map lacks.
   report_ = {};

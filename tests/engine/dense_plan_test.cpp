@@ -68,7 +68,7 @@ TEST(DensePlan, VoxelsAreNumberedIn32Bits) {
   const std::size_t plenty = std::size_t{1} << 50;
   EXPECT_EQ(refusal(plan, device_with(plenty, plenty)), "");
   plan.voxels += 1;
-  EXPECT_THAT(refusal(plan, device_with(plenty, plenty)), HasSubstr("a dense engine numbers at most 4294967296"));
+  EXPECT_THAT(refusal(plan, device_with(plenty, plenty)), HasSubstr("a dense engine supports at most 4294967296"));
 }
 
 TEST(DensePlan, TheContactListHoldsWhateverTheToolCanHold) {

@@ -231,14 +231,14 @@ TEST(GlenoidFrameMotion, IsTakenToTheBoneFrame) {
   EXPECT_NEAR((m.poses[0].orientation * Vec3::UnitZ() - Vec3::UnitX()).norm(), 0, 1e-12);
   const Rigid bone_from_tool = m.poses[0].bone_from_tool();
   EXPECT_NEAR((bone_from_tool * Vec3(0, 0, 2) - Vec3(105, 50, -20)).norm(), 0, 1e-12);
-  EXPECT_THAT(error_of(settings), HasSubstr("motion.frame: glenoid"));
+  EXPECT_THAT(error_of(settings), HasSubstr("motion.frame: frame is glenoid"));
 }
 
 TEST(MotionLimits, TenMillionFramesAtMost) {
   const auto settings = [](double end_s, double rate_hz) {
     return keyframes({keyframe(0, Vec3::Zero(), {0, 0, 1}, 0), keyframe(end_s, Vec3::UnitX(), {0, 0, 1}, 0)}, rate_hz);
   };
-  EXPECT_THAT(error_of(settings(1e5, 1000)), HasSubstr("1e+08 frames; ten million"));
+  EXPECT_THAT(error_of(settings(1e5, 1000)), HasSubstr("1e+08 frames; at most ten million"));
   EXPECT_THAT(error_of(settings(1e300, 1e300)), HasSubstr("ten million"));
   EXPECT_THAT(error_of(settings(1, 0)), HasSubstr("motion.frame_rate_hz: 0"));
   EXPECT_THAT(error_of(settings(1, std::numeric_limits<double>::quiet_NaN())), HasSubstr("motion.frame_rate_hz: nan"));

@@ -113,7 +113,7 @@ TEST(ClippedTool, SaysWhichVoxelsFit) {
     FAIL() << "a grid of more than 1 MB in 1 MB";
   } catch (const InputError& error) {
     const std::string text = error.what();
-    EXPECT_NE(text.find("bone.voxel_mm: the teeth's distance grid would take "), std::string::npos) << text;
+    EXPECT_NE(text.find("bone.voxel_mm: the distance grid needs "), std::string::npos) << text;
     EXPECT_NE(text.find("tool.spin: envelope"), std::string::npos) << text;
     const double fitting = std::stod(text.substr(text.find("voxels of about ") + 16));
     EXPECT_LE(plan_distance_grid(tool.mesh, fitting).working_bytes, 1e6) << text;
@@ -140,7 +140,7 @@ TEST(ClippedTool, WarnsOfACoarseGrid) {
   Report report;
   ready_for_clipping(tool, resolved(), 1.0, 1e9, report);
   ASSERT_EQ(report.warnings.size(), 1U);
-  EXPECT_NE(report.warnings[0].find("more than 0.5 % off"), std::string::npos) << report.warnings[0];
+  EXPECT_NE(report.warnings[0].find("the difference exceeds 0.5 %"), std::string::npos) << report.warnings[0];
 }
 
 TEST(ThinWalls, OfAMesh) {
@@ -179,8 +179,8 @@ TEST(ClippedTool, WarnsOfAThinWallWithItsSize) {
   EXPECT_TRUE(report.warnings.empty()) << "what it sweeps is a cylinder: " << report.warnings[0];
   ready_for_clipping(bar, resolved(), 0.5, 1e9, report);
   ASSERT_FALSE(report.warnings.empty());
-  EXPECT_NE(report.warnings[0].find("0.6 mm thin at"), std::string::npos) << report.warnings[0];
-  EXPECT_NE(report.warnings[0].find("voxels of 0.3 mm or less would do"), std::string::npos) << report.warnings[0];
+  EXPECT_NE(report.warnings[0].find("0.6 mm thick at"), std::string::npos) << report.warnings[0];
+  EXPECT_NE(report.warnings[0].find("use voxels of 0.3 mm or less"), std::string::npos) << report.warnings[0];
 }
 
 }  // namespace

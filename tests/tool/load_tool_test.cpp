@@ -113,7 +113,7 @@ TEST_F(LoadTool, AShellThatTouchesNoVoxelsMayBeCoarserThanTheyAre) {
 TEST_F(LoadTool, SaysWhatWouldDoWhenTheShellIsTooFine) {
   EXPECT_THAT(error_of(shipped("convex"), 0.01),
               AllOf(HasSubstr("tool.shell_resolution"), HasSubstr("takes 6001 cells per axis and 4096 are possible"),
-                    HasSubstr("bone.voxel_mm of 0.0147"), HasSubstr("tool.shell_resolution: 4096 with the leak")));
+                    HasSubstr("bone.voxel_mm of 0.0147"), HasSubstr("tool.shell_resolution: 4096 with a leak")));
 }
 
 TEST_F(LoadTool, GoesBeyond1024CellsWhereTheVoxelsAskForIt) {
