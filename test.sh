@@ -5,6 +5,8 @@ set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")"
 source cmake/setup.sh
 browser=OFF
+# Tests of the public CT and meshes are skipped where this folder does not hold them.
+export REAMSIM_DATA="${REAMSIM_DATA:-$PWD/../shared/data}"
 if [ "${1-}" = --all ]; then
   browser=ON
   shift

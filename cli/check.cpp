@@ -97,7 +97,7 @@ void say_findings(const Report& report, const Console& console) {
 
 void check_command(const ScenarioOptions& options, const Console& console) {
   const Stopwatch load_watch;
-  const Scenario scenario = parse_scenario(options.file, options.all_overrides());
+  const Scenario scenario = options.parse();
   Report found;
   MistakeList mistakes;
   ReamingScene scene = load_scene(scenario, found, mistakes);

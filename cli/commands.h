@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "cli/console.h"
+#include "sim/scenario/scenario.h"
 
 namespace CLI {
 class App;
@@ -31,8 +32,9 @@ struct ScenarioOptions {
   std::string engine;
 
   void add_to(CLI::App& command);
-  /// `--set`, and `--device` and `--engine` as settings of their keys.
-  [[nodiscard]] std::vector<std::string> all_overrides() const;
+  /// The scenario with `--set`, `--device` and `--engine` applied, and with the tuning of the environment variable
+  /// REAMSIM_ENGINE_TUNING, which tests use (docs/engines.md). Throws InputError.
+  [[nodiscard]] Scenario parse() const;
 };
 
 /// For CLI11's check(): refuses the name "".

@@ -130,7 +130,7 @@ void run_in(OutputFolder& folder, const Scenario& scenario, const Console& conso
 }
 
 void run_command(const RunOptions& options, const Console& console) {
-  const Scenario scenario = parse_scenario(options.scenario.file, options.scenario.all_overrides());
+  const Scenario scenario = options.scenario.parse();
   require_film_program(scenario.render);
   OutputFolder folder({.dir = output_dir(options, scenario),
                        .kind = ResultKind::run,

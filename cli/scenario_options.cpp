@@ -1,8 +1,49 @@
 #include <CLI/CLI.hpp>
+#include <charconv>
+#include <cstdlib>
+#include <sstream>
 
 #include "cli/commands.h"
+#include "sim/base/error.h"
+#include "sim/scenario/parse.h"
 
 namespace reamsim {
+
+namespace {
+
+constexpr const char* kTuningVariable = "REAMSIM_ENGINE_TUNING";
+
+/// Sets one member from "name=value"; false where the text is none of them.
+bool set_tuning(EngineTuning& tuning, const std::string& text) {
+  const std::string name = text.substr(0, text.find('='));
+  const std::string value = name.size() < text.size() ? text.substr(name.size() + 1) : "";
+  if (name == "kernel_shape" && from_name<KernelShape>(value)) {
+    tuning.kernel_shape = *from_name<KernelShape>(value);
+    return true;
+  }
+  if (name == "culling" && (value == "true" || value == "false")) {
+    tuning.culling = value == "true";
+    return true;
+  }
+  const char* const end = value.data() + value.size();
+  return name == "work_group_size" && std::from_chars(value.data(), end, tuning.work_group_size).ptr == end &&
+         tuning.work_group_size >= 0;
+}
+
+EngineTuning tuning_of_environment() {
+  EngineTuning tuning;
+  const char* const given = std::getenv(kTuningVariable);
+  std::istringstream words(given == nullptr ? "" : given);
+  for (std::string word; words >> word;) {
+    if (!set_tuning(tuning, word)) {
+      throw InputError({}, kTuningVariable, "found " + word,
+                       "expected kernel_shape=auto|cpu|gpu, culling=true|false or work_group_size=N");
+    }
+  }
+  return tuning;
+}
+
+}  // namespace
 
 void ScenarioOptions::add_to(CLI::App& command) {
   command.add_option("SCENARIO", file, "Scenario file (YAML)")->required();
@@ -11,14 +52,16 @@ void ScenarioOptions::add_to(CLI::App& command) {
       ->expected(1)
       ->take_all();
   command.add_option("--device", device, "auto, serial, or part of the name of an OpenCL device")->type_name("NAME");
-  command.add_option("--engine", engine, "Engine: bricked, direct, octree or implicit")->type_name("E");
+  command.add_option("--engine", engine, "Engine: auto, exact, bricked, direct, octree or implicit")->type_name("E");
 }
 
-std::vector<std::string> ScenarioOptions::all_overrides() const {
+Scenario ScenarioOptions::parse() const {
   std::vector<std::string> all = overrides;
   if (!device.empty()) all.push_back("engine.device=" + device);
-  if (!engine.empty()) all.push_back("engine.detector=" + engine);
-  return all;
+  if (!engine.empty()) all.push_back("engine.type=" + engine);
+  Scenario scenario = parse_scenario(file, all);
+  scenario.engine.tuning = tuning_of_environment();
+  return scenario;
 }
 
 }  // namespace reamsim

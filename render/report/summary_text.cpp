@@ -265,7 +265,7 @@ std::string summary_tables_html(const Json& summary, const std::string& path) {
 std::string provenance_html(const Json& summary, const std::string& path) {
   std::string out = "<table class=\"wide\">\n<caption>Program and settings</caption>\n<tbody>\n";
   out += row_html("Program", text_at(summary, "program", path)) + row_html("Device", text_at(summary, "device", path)) +
-         row_html("Detector", text_at(summary, "detector", path)) +
+         row_html("Engine", text_at(summary, "engine", path)) +
          row_html("Erosion", text_at(summary, "erosion", path)) + row_html("Force law", text_at(summary, "law", path)) +
          "</tbody>\n</table>\n";
   if (!summary.contains("inputs") || !summary.at("inputs").is_array()) throw wrong(path, "inputs", "a list of files");

@@ -40,7 +40,7 @@ class EngineContender final : public Contender {
   static Scenario settings(const std::string& engine, const std::string& device, const CuttingSettings& cutting) {
     Scenario scenario;
     scenario.name = "bench";
-    scenario.engine.detector = *from_name<EngineKind>(engine);
+    scenario.engine.type = *from_name<EngineKind>(engine);
     scenario.engine.device = device;
     scenario.cutting = cutting;
     return scenario;

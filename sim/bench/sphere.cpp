@@ -105,7 +105,7 @@ SphereRow plunge(Contender& contender, ErosionMode erosion, double voxel_mm, con
 std::vector<std::pair<std::string, ErosionMode>> sphere_contenders(const Plan& plan) {
   std::vector<std::pair<std::string, ErosionMode>> out;
   for (const std::string& engine : plan.engines) {
-    if (engine == "bricked") out.emplace_back(engine, ErosionMode::exact);
+    if (engine == "bricked") out.emplace_back("exact", ErosionMode::exact);
     out.emplace_back(engine, ErosionMode::remove);
   }
   return out;

@@ -9,9 +9,14 @@ namespace reamsim {
 
 std::unique_ptr<Engine> make_engine(const Scenario& scenario, const BoneView& bone, const Tool& tool) {
   if (scenario.engine.device == "serial") return make_serial_engine(scenario, bone, tool);
-  if (scenario.cutting.erosion == ErosionMode::exact) return make_exact_engine(scenario, bone, tool);
-  if (scenario.engine.detector == EngineKind::bricked) return make_bricked_engine(scenario, bone, tool);
-  return make_dense_engine(scenario, bone, tool);
+  switch (engine_of(scenario)) {
+    case EngineKind::exact:
+      return make_exact_engine(scenario, bone, tool);
+    case EngineKind::bricked:
+      return make_bricked_engine(scenario, bone, tool);
+    default:
+      return make_dense_engine(scenario, bone, tool);
+  }
 }
 
 }  // namespace reamsim

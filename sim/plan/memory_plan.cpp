@@ -50,9 +50,10 @@ std::size_t planned_device_bytes(const ReamingScene& scene, const ExactForecast&
   const Scenario& scenario = scene.scenario;
   const BoneView bone = scene.bone;
   if (scenario.engine.device == "serial") return 0;
-  if (scenario.cutting.erosion == ErosionMode::exact) return exact_engine_bytes(bone, scene.tool, forecast);
-  if (scenario.engine.detector == EngineKind::bricked) return bricked_engine_bytes(scenario, bone, scene.tool);
-  return plan_dense(scenario.engine.detector, bone, scene.tool, scenario.cutting.erosion == ErosionMode::wear).bytes();
+  const EngineKind engine = engine_of(scenario);
+  if (engine == EngineKind::exact) return exact_engine_bytes(bone, scene.tool, forecast);
+  if (engine == EngineKind::bricked) return bricked_engine_bytes(scenario, bone, scene.tool);
+  return plan_dense(engine, bone, scene.tool, scenario.cutting.erosion == ErosionMode::wear).bytes();
 }
 
 }  // namespace

@@ -95,17 +95,17 @@ nlohmann::ordered_json force_law_json(const CuttingSettings& cutting) {
         {{"density_g_cm3", point.density_g_cm3}, {"energy_j_mm3", point.energy_j_mm3}});
   }
   json["normal_ratio"] = cutting.normal_ratio;
-  json["friction_share"] = cutting.friction_share;
+  json["friction_fraction"] = cutting.friction_fraction;
   if (const auto& size = cutting.size_effect) {
     json["size_effect"] = {{"exponent", size->exponent},
                            {"reference_mm", size->reference_mm},
-                           {"lips", size->lips},
+                           {"cutting_edges", size->cutting_edges},
                            {"least_mm", size->least_mm},
                            {"most_mm", size->most_mm}};
   }
   if (const auto& edge = cutting.edge_force) {
     json["edge_force"] = {
-        {"tangential_n_mm", edge->tangential_n_mm}, {"normal_n_mm", edge->normal_n_mm}, {"lips", edge->lips}};
+        {"tangential_n_mm", edge->tangential_n_mm}, {"normal_n_mm", edge->normal_n_mm}, {"cutting_edges", edge->cutting_edges}};
   }
   return json;
 }
@@ -189,7 +189,7 @@ void write_summary(const std::string& dir, const ReamingScene& scene, const RunT
   json["program"] = "reamsim " REAMSIM_VERSION;
   json["scenario"] = scene.scenario.name;
   json["device"] = facts.device;
-  json["detector"] = name_of(scene.scenario.engine.detector);
+  json["engine"] = name_of(engine_of(scene.scenario));
   json["erosion"] = name_of(scene.scenario.cutting.erosion);
   json["law"] = name_of(scene.scenario.cutting.law);
   if (scene.scenario.cutting.law == CuttingLaw::energy) json["force_law"] = force_law_json(scene.scenario.cutting);
@@ -206,7 +206,7 @@ void write_summary(const std::string& dir, const ReamingScene& scene, const RunT
   json["energy_mj"] = totals.energy_mj;
   json["floor_energy_mj"] = totals.floor_energy_mj;
   if (scene.scenario.cutting.law == CuttingLaw::energy) {
-    json["friction_energy_mj"] = scene.scenario.cutting.friction_share * totals.energy_mj;
+    json["friction_energy_mj"] = scene.scenario.cutting.friction_fraction * totals.energy_mj;
   }
   json["balance"] = totals.balance;
   json["forces"] = forces_json(totals);

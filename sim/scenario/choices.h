@@ -56,9 +56,9 @@ enum class ToolSpin { envelope, resolved };
 template <>
 inline constexpr auto kChoiceNames<ToolSpin> = name_list("envelope", "resolved");
 
-enum class EngineKind { bricked, direct, octree, implicit };
+enum class EngineKind { automatic, exact, bricked, direct, octree, implicit };
 template <>
-inline constexpr auto kChoiceNames<EngineKind> = name_list("bricked", "direct", "octree", "implicit");
+inline constexpr auto kChoiceNames<EngineKind> = name_list("auto", "exact", "bricked", "direct", "octree", "implicit");
 
 enum class KernelShape { automatic, cpu, gpu };
 template <>

@@ -4,28 +4,17 @@
 namespace reamsim {
 
 void describe_engine(KeyVisitor& v, EngineSettings& engine) {
-  v.choice({.name = "detector",
-            .doc = "How contact is found. bricked (fast): cells of shell points against sparse bricks of voxels. On "
-                   "dense voxel arrays, direct: one work-item per shell point looks up its voxel (Faieghi et al.); "
-                   "octree: one work-item per shell point descends the grid (Zheng et al.); implicit: one work-item "
-                   "per voxel against the envelope of revolution, without a shell (Yau et al.)"},
-           engine.detector);
+  v.choice({.name = "type",
+            .doc = "auto: exact where cutting.erosion is exact, else bricked. exact: clips the voxels of sparse bricks "
+                   "against the surface of the tool. bricked: cells of shell points against sparse bricks. "
+                   "Comparison systems on dense voxel arrays: direct, one work-item per shell point looks up its voxel "
+                   "(Faieghi et al.); octree, one work-item per shell point descends the grid (Zheng et al.); "
+                   "implicit, one work-item per voxel against the envelope of revolution (Yau et al.)"},
+           engine.type);
   v.text({.name = "device",
           .doc = "auto: the OpenCL device that `reamsim devices` marks; serial: the reference in plain C++, without "
                  "OpenCL (slow); any other text: part of the name of an OpenCL device"},
          engine.device);
-  v.choice({.name = "kernel_shape",
-            .doc = "Kernel shape of bricked. cpu: few long work-items with vectors; gpu: many short work-items; auto: "
-                   "chosen by the device. It affects speed only"},
-           engine.kernel_shape);
-  v.flag(
-      {.name = "culling", .doc = "Skip cells of shell points that cannot touch bone (bricked). It affects speed only"},
-      engine.culling);
-  v.integer({.name = "work_group_size",
-             .doc = "Work-items per work-group, up to the limit of the device (256 on a CPU); 0: chosen by the device. "
-                    "It affects speed only",
-             .range = between(0, 4096)},
-            engine.work_group_size);
   v.integer({.name = "batch_frames",
              .doc = "Number of frames whose results are read back at once. It affects speed only",
              .range = between(1, 10000)},
@@ -164,16 +153,19 @@ void describe_output(KeyVisitor& v, OutputSettings& output) {
 }
 
 void describe_scenario(KeyVisitor& v, Scenario& scenario) {
-  v.integer({.name = "version", .doc = "Version of the scenario format", .required = true, .range = between(1, 1)},
+  v.integer({.name = "version",
+             .doc = "Version of the scenario format",
+             .required = true,
+             .range = between(kScenarioVersion, kScenarioVersion)},
             scenario.version);
   v.text({.name = "name", .doc = "Name of the run; without it the file name without its extension"}, scenario.name);
   v.section({.name = "bone", .doc = "The bone to be reamed", .required = true}, scenario.bone, describe_bone);
   v.section({.name = "tool", .doc = "The reamer", .required = true}, scenario.tool, describe_tool);
   v.section({.name = "motion", .doc = "Motion of the reamer", .required = true}, scenario.motion, describe_motion);
-  v.section({.name = "engine", .doc = "Contact computation and device"}, scenario.engine, describe_engine);
+  v.section({.name = "engine", .doc = "Engine and device"}, scenario.engine, describe_engine);
   v.defaults([&scenario] {
-    // Only bricks are clipped.
-    if (scenario.engine.detector != EngineKind::bricked) scenario.cutting.erosion = ErosionMode::remove;
+    const EngineKind engine = scenario.engine.type;
+    if (engine != EngineKind::automatic && engine != EngineKind::exact) scenario.cutting.erosion = ErosionMode::remove;
   });
   v.section({.name = "cutting", .doc = "Erosion and cutting-force model"}, scenario.cutting, describe_cutting);
   v.section({.name = "metrics", .doc = "Metrics of the reamed bone in summary.json"}, scenario.metrics,

@@ -7,8 +7,9 @@ namespace {
 
 constexpr Range kChip = between(1e-5, 10);  // mm
 
-void describe_lips(KeyVisitor& v, int& lips) {
-  v.integer({.name = "lips", .doc = "Number of cutting edges", .required = true, .range = between(1, 1000)}, lips);
+void describe_cutting_edges(KeyVisitor& v, int& count) {
+  v.integer({.name = "cutting_edges", .doc = "Number of cutting edges", .required = true, .range = between(1, 1000)},
+            count);
 }
 
 void describe_specific_energy(KeyVisitor& v, SpecificEnergySettings& point) {
@@ -32,7 +33,7 @@ void describe_size_effect(KeyVisitor& v, SizeEffectSettings& size) {
             .required = true,
             .range = kChip},
            size.reference_mm);
-  describe_lips(v, size.lips);
+  describe_cutting_edges(v, size.cutting_edges);
   v.number({.name = "least_mm", .doc = "Lower limit of the chip thickness", .range = kChip}, size.least_mm);
   v.number({.name = "most_mm", .doc = "Upper limit of the chip thickness", .range = kChip}, size.most_mm);
 }
@@ -48,7 +49,7 @@ void describe_edge_force(KeyVisitor& v, EdgeForceSettings& edge) {
             .required = true,
             .range = between(0, 1000)},
            edge.normal_n_mm);
-  describe_lips(v, edge.lips);
+  describe_cutting_edges(v, edge.cutting_edges);
 }
 
 /// Energy per volume by density: a table, a preset or a power law.
@@ -89,11 +90,11 @@ void describe_options(KeyVisitor& v, CuttingSettings& cutting) {
             .range = between(0, 10)},
            cutting.normal_ratio);
   v.number(
-      {.name = "friction_share",
+      {.name = "friction_fraction",
        .doc = "Fraction of the tangential force that is friction. It changes no force; summary.json states its energy",
        .range = between(0, 1),
        .when = {"law", {"energy"}}},
-      cutting.friction_share);
+      cutting.friction_fraction);
   v.group({.names = {"size_effect", "edge_force"}, .one_needed = false});
   v.optional_section({.name = "size_effect",
                       .doc = "Thin chips need more energy per volume: u·(reference/h)^exponent, where h is the uncut "
@@ -117,12 +118,13 @@ void describe_cutting(KeyVisitor& v, CuttingSettings& cutting) {
   v.defaults([&cutting] {
     if (cutting.law == CuttingLaw::per_point) cutting.erosion = ErosionMode::remove;
   });
-  v.choice({.name = "erosion",
-            .doc = "exact: a voxel keeps the part of it that lies outside the tool (needs engine.detector: bricked and "
-                   "law: energy); remove: a touched voxel is removed as a whole, the default where exact is not "
-                   "possible; wear: it loses density at a constant rate",
-            .default_by = "engine.detector"},
-           cutting.erosion);
+  v.choice(
+      {.name = "erosion",
+       .doc = "exact: a voxel keeps the part of it that lies outside the tool (needs engine.type: auto or exact, and "
+              "law: energy); remove: a touched voxel is removed as a whole, the default where exact is not "
+              "possible; wear: it loses density at a constant rate",
+       .default_by = "engine.type"},
+      cutting.erosion);
   describe_specific_energies(v, cutting);
   describe_options(v, cutting);
   v.number(

@@ -13,6 +13,7 @@
 #include "sim/base/error.h"
 #include "sim/base/mistake_list.h"
 #include "sim/scenario/describe_sections.h"
+#include "sim/scenario/migrate.h"
 #include "sim/scenario/overrides.h"
 #include "sim/scenario/paths.h"
 #include "sim/scenario/presets.h"
@@ -54,7 +55,9 @@ std::string read_text(const std::string& path) {
   return text;
 }
 
-YamlNodePtr read_document(const std::string& path, const std::vector<std::string>& overrides) {
+/// The file's document, with overrides, in the present version of the format. `notes`: see migrate().
+YamlNodePtr read_document(const std::string& path, const std::vector<std::string>& overrides,
+                          std::vector<std::string>& notes) {
   const std::string file = shown_path(path);
   YamlNodePtr document = parse_yaml(read_text(path), file);
   if (document->kind == YamlNode::Kind::null) {
@@ -68,7 +71,7 @@ YamlNodePtr read_document(const std::string& path, const std::vector<std::string
     mistakes.attempt([&] { document = apply_override(document, assignment); });
   }
   mistakes.throw_if_any();
-  return document;
+  return migrate(document, file, notes);
 }
 
 std::shared_ptr<YamlNode> text_of(const std::string& text) {
@@ -98,13 +101,13 @@ std::string ct_input(const std::string& path) {
 
 Scenario parse_scenario(const std::string& path, const std::vector<std::string>& overrides) {
   try {
-    const YamlNodePtr document = read_document(path, overrides);
+    Scenario scenario;
+    const YamlNodePtr document = read_document(path, overrides, scenario.notes);
     const std::string file = shown_path(path);
     MistakeList mistakes;
     reject_unknown_keys(*document, file, mistakes);
     const fs::path absolute = fs::absolute(path).lexically_normal();
     ScenarioReader reader(document, file, absolute.parent_path().string(), mistakes);
-    Scenario scenario;
     describe_scenario(reader, scenario);
     apply_preset(reader.locations(), scenario.cutting);
     check_rules(scenario, reader.locations(), mistakes);
@@ -119,7 +122,8 @@ Scenario parse_scenario(const std::string& path, const std::vector<std::string>&
 }
 
 ResultSettings parse_result_settings(const std::string& path, const std::vector<std::string>& overrides) {
-  const YamlNodePtr document = read_document(path, overrides);
+  std::vector<std::string> unused_notes;
+  const YamlNodePtr document = read_document(path, overrides, unused_notes);
   const std::string file = shown_path(path);
   MistakeList mistakes;
   reject_unknown_keys(*document, file, mistakes);

@@ -33,13 +33,13 @@ class Rules {
     if (s_.bone.source == BoneSource::phantom) rule({"bone.phantom"}, &Rules::check_phantom);
     rule({"motion"}, &Rules::check_keyframes);
     rule({"motion"}, &Rules::check_frame_count);
-    rule({"engine.detector", "tool.spin"}, &Rules::check_spin_of_implicit);
-    rule({"engine.detector", "cutting.law"}, &Rules::check_law_of_implicit);
+    rule({"engine.type", "tool.spin"}, &Rules::check_spin_of_implicit);
+    rule({"engine.type", "cutting.law"}, &Rules::check_law_of_implicit);
     rule({"metrics.implant"}, &Rules::check_implant);
     rule({"cutting.specific_energy_table"}, &Rules::check_energy_table);
     rule({"cutting.size_effect"}, &Rules::check_size_effect);
     rule({"cutting", "tool.spin"}, &Rules::check_edge_force);
-    rule({"cutting", "engine.detector"}, &Rules::check_exact);
+    rule({"cutting", "engine.type"}, &Rules::check_exact);
     rule({"render.user_cameras"}, &Rules::check_user_cameras);
   }
 
@@ -223,16 +223,16 @@ void Rules::check_frame_count() const {
        "at most " + number_text(kMaxFrames) + " frames");
 }
 
-// The detector `implicit` knows the tool by the surface that its teeth sweep, and has no points.
+// The engine `implicit` knows the tool by its envelope of revolution, and has no shell points.
 
 void Rules::check_spin_of_implicit() const {
-  if (s_.engine.detector != EngineKind::implicit || s_.tool.spin == ToolSpin::envelope) return;
-  fail("tool.spin", "found " + name_of(s_.tool.spin), "envelope, because engine.detector is implicit");
+  if (s_.engine.type != EngineKind::implicit || s_.tool.spin == ToolSpin::envelope) return;
+  fail("tool.spin", "found " + name_of(s_.tool.spin), "envelope, because engine.type is implicit");
 }
 
 void Rules::check_law_of_implicit() const {
-  if (s_.engine.detector != EngineKind::implicit || s_.cutting.law == CuttingLaw::energy) return;
-  fail("cutting.law", "found " + name_of(s_.cutting.law), "energy, because engine.detector is implicit");
+  if (s_.engine.type != EngineKind::implicit || s_.cutting.law == CuttingLaw::energy) return;
+  fail("cutting.law", "found " + name_of(s_.cutting.law), "energy, because engine.type is implicit");
 }
 
 void Rules::check_implant() const {
@@ -243,13 +243,16 @@ void Rules::check_implant() const {
 }
 
 void Rules::check_exact() const {
-  if (s_.cutting.erosion != ErosionMode::exact) return;
-  const std::string expected = "remove or wear, because ";
-  if (s_.engine.detector != EngineKind::bricked) {
-    fail("cutting.erosion", "found exact", expected + "engine.detector is " + name_of(s_.engine.detector));
+  const EngineKind engine = engine_of(s_);
+  const std::string because = ", because engine.type is " + name_of(engine);
+  if (s_.cutting.erosion != ErosionMode::exact) {
+    if (engine == EngineKind::exact)
+      fail("cutting.erosion", "found " + name_of(s_.cutting.erosion), "exact" + because + " (bricked can do it)");
+    return;
   }
+  if (engine != EngineKind::exact) fail("cutting.erosion", "found exact", "remove or wear" + because);
   if (s_.cutting.law != CuttingLaw::energy)
-    fail("cutting.erosion", "found exact", expected + "cutting.law is " + name_of(s_.cutting.law));
+    fail("cutting.erosion", "found exact", "remove or wear, because cutting.law is " + name_of(s_.cutting.law));
 }
 
 void Rules::check_energy_table() const {

@@ -188,14 +188,19 @@ struct MotionSettings {
 
 // ---- engine, cutting ---------------------------------------------------------------------------------------------
 
+/// Settings that change speed and no result. They are not keys of a scenario: the benchmark and the tests set them.
+struct EngineTuning {
+  KernelShape kernel_shape = KernelShape::automatic;  ///< of the engines exact and bricked
+  bool culling = true;                                ///< bricked skips cells of shell points that cannot touch bone
+  int work_group_size = 0;                            ///< 0: chosen by the device
+};
+
 struct EngineSettings {
-  EngineKind detector = EngineKind::bricked;
-  std::string device = "auto";                        ///< auto | serial | part of an OpenCL device's name
-  KernelShape kernel_shape = KernelShape::automatic;  ///< of bricked's kernels
-  bool culling = true;                                ///< bricked passes over cells of points that cannot touch
-  int work_group_size = 0;                            ///< 0 = chosen from the device
-  int batch_frames = 32;                              ///< frames whose results are read back at once
-  double max_step_voxels = 0.5;                       ///< no point of the tool moves further in a substep
+  EngineKind type = EngineKind::automatic;  ///< see engine_of()
+  std::string device = "auto";              ///< auto | serial | part of an OpenCL device's name
+  int batch_frames = 32;                    ///< frames whose results are read back at once
+  double max_step_voxels = 0.5;             ///< longest motion of any point of the tool in a substep
+  EngineTuning tuning;
 };
 
 /// A point of the table of specific energy over density.
@@ -210,14 +215,14 @@ struct SizeEffectSettings {
   double reference_mm = 0.05;  ///< chip thickness at which the specific energy is as it is without the size effect
   double least_mm = 0.001;
   double most_mm = 0.5;
-  int lips = 1;
+  int cutting_edges = 1;
 };
 
-/// Force per length of engaged lip.
+/// Force per length of cutting edge in contact.
 struct EdgeForceSettings {
   double tangential_n_mm = 1;
   double normal_n_mm = 0;
-  int lips = 1;
+  int cutting_edges = 1;
 };
 
 struct CuttingSettings {
@@ -229,7 +234,7 @@ struct CuttingSettings {
   double reference_density_g_cm3 = 1.8;
   double density_exponent = 2;
   double normal_ratio = 0.5;
-  double friction_share = 0;  ///< of the tangential force
+  double friction_fraction = 0;  ///< of the tangential force
   std::optional<SizeEffectSettings> size_effect;
   std::optional<EdgeForceSettings> edge_force;
   double speed_floor_mm_s = 10;
@@ -302,8 +307,11 @@ struct OutputSettings {
   bool meshes = true;
 };
 
+/// Version of the scenario format that this program writes. It reads version 1 as well: see migrate().
+constexpr int kScenarioVersion = 2;
+
 struct Scenario {
-  int version = 1;
+  int version = kScenarioVersion;
   std::string name;   ///< key `name`; without it the file's stem
   std::string file;   ///< absolute path of the YAML
   KeyLocations keys;  ///< where they stand in it, for messages
@@ -315,6 +323,13 @@ struct Scenario {
   MetricSettings metrics;
   RenderSettings render;
   OutputSettings output;
+  std::vector<std::string> notes;  ///< keys of older versions of the format that were migrated or have no effect
 };
+
+/// The engine that runs: `engine.type`, with `auto` decided by the erosion.
+inline EngineKind engine_of(const Scenario& scenario) {
+  if (scenario.engine.type != EngineKind::automatic) return scenario.engine.type;
+  return scenario.cutting.erosion == ErosionMode::exact ? EngineKind::exact : EngineKind::bricked;
+}
 
 }  // namespace reamsim

@@ -12,7 +12,7 @@ namespace {
 /// Where voxels are clipped, or tested against the surface, no point of the shell looks for them.
 ShellUse shell_use(const Scenario& scenario) {
   const bool by_surface =
-      scenario.cutting.erosion == ErosionMode::exact || scenario.engine.detector == EngineKind::implicit;
+      engine_of(scenario) == EngineKind::exact || engine_of(scenario) == EngineKind::implicit;
   return by_surface ? ShellUse::extent : ShellUse::touches_voxels;
 }
 
@@ -39,6 +39,7 @@ void check_camera_frames(const ReamingScene& scene) {
 ReamingScene load_scene(const Scenario& scenario, Report& report, MistakeList& frame_mistakes) {
   ReamingScene scene;
   scene.scenario = scenario;
+  for (const std::string& note : scenario.notes) report.warn(note);
   MistakeList mistakes;
   // Each part is loaded whatever became of the others, so that all their mistakes come to light.
   const bool bone = mistakes.attempt([&] {

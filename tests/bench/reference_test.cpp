@@ -32,7 +32,7 @@ struct Scene {
 std::unique_ptr<Engine> bricked(const Scene& scene) {
   Scenario scenario;
   scenario.name = "reference";
-  scenario.engine.detector = EngineKind::bricked;
+  scenario.engine.type = EngineKind::bricked;
   scenario.cutting = bench::bench_cutting();
   return make_engine(scenario, scene.bone, scene.tool);
 }

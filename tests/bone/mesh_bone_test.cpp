@@ -10,6 +10,7 @@
 #include "sim/bone/vdb/bone_vdb.h"
 #include "sim/mesh/mesh_io.h"
 #include "tests/support/mesh_shapes.h"
+#include "tests/support/real_data.h"
 #include "tests/support/temp_dir.h"
 
 namespace reamsim::test {
@@ -17,11 +18,6 @@ namespace {
 
 using ::testing::Contains;
 using ::testing::HasSubstr;
-
-std::string data_file(const std::string& name) {
-  const char* folder = std::getenv("REAMSIM_DATA");
-  return std::string(folder != nullptr ? folder : REAMSIM_DEFAULT_DATA) + "/" + name;
-}
 
 class MeshBone : public ::testing::Test {
  protected:

@@ -17,7 +17,7 @@ namespace reamsim::test {
 
 /// Small enough to run in a fraction of a second: 40 frames.
 inline const std::string kSmall =
-    "version: 1\n"                // 1
+    "version: 2\n"                // 1
     "bone:\n"                     // 2
     "  source: phantom\n"         // 3
     "  voxel_mm: 0.5\n"           // 4

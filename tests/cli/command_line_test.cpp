@@ -60,7 +60,7 @@ TEST_F(CommandLine, CheckPrintsTheResolvedScenarioAndItsCostAndTouchesNothing) {
   const ProgramResult result = call({"check", "s.yaml", "--set", "motion.plunge.depth_mm=1.5"});
   EXPECT_EQ(result.status, 0) << result.err;
   EXPECT_EQ(result.err, "");
-  for (const char* text : {"version: 1\n", "  voxel_mm: 0.5\n", "    depth_mm: 1.5\n", "frames", "substeps", "voxels",
+  for (const char* text : {"version: 2\n", "  voxel_mm: 0.5\n", "    depth_mm: 1.5\n", "frames", "substeps", "voxels",
                            "MB", "# time: about "}) {
     EXPECT_THAT(result.out, HasSubstr(text));
   }
@@ -81,11 +81,11 @@ TEST_F(CommandLine, CheckPrintsTheResolvedScenarioAndItsCostAndTouchesNothing) {
 
 TEST_F(CommandLine, ACoarseShellLeaksOnlyWhereItCuts) {
   write("s.yaml", kSmall);
-  const auto check = [&](const std::string& erosion, const std::string& detector) {
+  const auto check = [&](const std::string& erosion, const std::string& engine) {
     return call({"check", "s.yaml", "--set", "tool.shell_resolution=12", "--set", "cutting.erosion=" + erosion, "--set",
-                 "engine.detector=" + detector});
+                 "engine.type=" + engine});
   };
-  EXPECT_EQ(check("exact", "bricked").err, "");
+  EXPECT_EQ(check("exact", "exact").err, "");
   EXPECT_EQ(check("remove", "implicit").err, "");
   EXPECT_THAT(check("remove", "bricked").err, HasSubstr("of the swept voxels may survive"));
 }
@@ -96,9 +96,9 @@ TEST_F(CommandLine, SetErrorsNameTheAssignment) {
   expect_refused(run(kSmall, {"--set", "bone.voxel_mm"}), 2, {"--set bone.voxel_mm: found no \"=\""});
 }
 
-TEST_F(CommandLine, EngineIsOneOfTheDetectors) {
+TEST_F(CommandLine, EngineIsOneOfTheList) {
   expect_refused(run(kSmall, {"--engine", "fast"}), 2,
-                 {"engine.detector", "fast", "expected bricked, direct, octree or implicit"});
+                 {"engine.type", "fast", "expected auto, exact, bricked, direct, octree or implicit"});
   expect_refused(run(kSmall, {"--engine", "implicit", "--set", "cutting.law=per_point"}), 2,
                  {"cutting.law", "per_point", "energy", "implicit"});
 }

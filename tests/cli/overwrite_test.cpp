@@ -222,8 +222,17 @@ TEST_F(Overwrite, ClosedStandardOutputLeavesTheResultsAsTheyAre) {
 
 TEST_F(Overwrite, AWorkGroupTooLargeForTheDeviceIsRefused) {
   const std::string on_opencl = with(kSmall, "device: serial", "device: auto");
-  expect_refused(run(on_opencl, {"--set", "engine.work_group_size=4096"}), 2,
-                 {"engine.work_group_size", "found 4096", "expected at most"});
+  write("s.yaml", on_opencl);
+  const auto run_with = [this](const char* tuning) {
+    return reamsim({.arguments = {"run", "s.yaml"},
+                    .environment = {{"REAMSIM_ENGINE_TUNING", tuning}},
+                    .folder = "",
+                    .interrupt_when = {}});
+  };
+  expect_refused(run_with("culling=true work_group_size=40960"), 2,
+                 {"work_group_size", "found 40960", "expected at most"});
+  expect_refused(run_with("kernel_shape=fpga"), 2,
+                 {"REAMSIM_ENGINE_TUNING", "found kernel_shape=fpga", "auto|cpu|gpu"});
 }
 
 TEST_F(Overwrite, VoxelsLargerThanTheBoneAreDrawn) {

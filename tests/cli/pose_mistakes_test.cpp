@@ -3,6 +3,7 @@
 
 #include "tests/cli/cli_fixture.h"
 #include "tests/cli/data_files.h"
+#include "tests/support/real_data.h"
 
 namespace reamsim::test {
 namespace {
@@ -13,7 +14,7 @@ using ::testing::Not;
 
 /// A mesh's cube, 40 mm wide, whose upper face z = 40 is reamed; `glenoid` are the keys of bone.glenoid.
 std::string cube_scenario(const std::string& glenoid, const std::string& frame = "glenoid") {
-  return "version: 1\n"                // 1
+  return "version: 2\n"                // 1
          "bone:\n"                     // 2
          "  source: mesh\n"            // 3
          "  side: left\n"              // 4
@@ -146,7 +147,7 @@ TEST_F(PoseMistakes, MemoryStaysPlannedWhateverThePose) {
 
 /// The scan of data_files.h; its block is bone from 5 to 15 mm. `side` and frame on the block's +x face.
 std::string scan_scenario(const std::string& side, const std::string& normal, const std::string& superior) {
-  return "version: 1\nbone:\n  source: ct\n  side: " + side + "\n  voxel_mm: 1\n  ct: {path: scan.nrrd}\n  glenoid: {" +
+  return "version: 2\nbone:\n  source: ct\n  side: " + side + "\n  voxel_mm: 1\n  ct: {path: scan.nrrd}\n  glenoid: {" +
          "center_mm: [14.5, 10, 10], normal: " + normal + ", superior: " + superior +
          "}\ntool:\n  mesh: " REAMSIM_ROOT
          "/assets/reamer_flat.stl\nmotion:\n  frame: glenoid\n  frame_rate_hz: 50\n  plunge: {approach_mm: 2, "
@@ -180,18 +181,14 @@ TEST_F(PoseMistakes, AMeshHasNoSidesOfItsOwn) {
 }
 
 TEST_F(PoseMistakes, OnARealShoulder) {
-  const char* given = std::getenv("REAMSIM_DATA");
-  const std::string data = given != nullptr ? given : REAMSIM_ROOT "/../shared/data";
-  if (!std::filesystem::exists(data + "/shoulder_ct/shoulder_left.nrrd")) {
-    GTEST_SKIP() << "no real data in " << data << "; set REAMSIM_DATA to the folder that holds it";
-  }
+  const std::string scan = data_file("shoulder_ct/shoulder_left.nrrd");
+  if (!std::filesystem::exists(scan)) GTEST_SKIP() << "no " << scan << "; set REAMSIM_DATA";
   const auto said = [&](const std::string& set) {
     std::vector<std::string> arguments{"check", REAMSIM_ROOT "/trajectories/ct_shoulder.yaml",
                                        "--set", "bone.voxel_mm=0.8",
                                        "--set", "render.enabled=false"};
     if (!set.empty()) arguments.insert(arguments.end(), {"--set", set});
-    return reamsim(
-        {.arguments = arguments, .environment = {{"REAMSIM_DATA", data}}, .folder = "", .interrupt_when = {}});
+    return reamsim({.arguments = arguments, .environment = {}, .folder = "", .interrupt_when = {}});
   };
   EXPECT_EQ(said("").err, "") << "as it is, there is nothing to be said";
   EXPECT_THAT(said("bone.side=right").err, AllOf(HasSubstr("points to the patient's left"), HasSubstr("x = 0.61")));
@@ -203,7 +200,7 @@ TEST_F(PoseMistakes, OnARealShoulder) {
 TEST_F(PoseMistakes, FindingsComeBeforeTheScenario) {
   const ProgramResult result = check(with(cube_scenario(kRight), "plunge: {", "plunge: {spin_rpm: 0, "));
   EXPECT_EQ(result.status, 0) << result.err;
-  const std::size_t scenario = result.out.find("\nversion: 1\n");
+  const std::size_t scenario = result.out.find("\nversion: 2\n");
   ASSERT_NE(scenario, std::string::npos) << result.out;
   for (const char* finding : {"# warning: spindle speed is zero", "# memory: ", "# time: about "}) {
     EXPECT_LT(result.out.find(finding), scenario) << finding;

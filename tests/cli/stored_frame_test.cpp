@@ -15,7 +15,7 @@ const std::string kRest =
     "  plunge: {approach_mm: 2, feed_mm_s: 4, depth_mm: 1, dwell_s: 0, retract_mm: 2, retract_mm_s: 20}\n"
     "render:\n  enabled: false\nengine:\n  device: serial\n";
 const std::string kScan =
-    "version: 1\nbone:\n  source: ct\n  side: left\n  voxel_mm: 1\n  ct: {path: scan.nrrd}\n"
+    "version: 2\nbone:\n  source: ct\n  side: left\n  voxel_mm: 1\n  ct: {path: scan.nrrd}\n"
     "  glenoid: {center_mm: [14.5, 10, 10], normal: [1, 0, 0], superior: [0, 0, 1]}\n" +
     kRest;
 
@@ -24,7 +24,7 @@ class StoredFrame : public CliTest {
   StoredFrame() { write("scan.nrrd", block_nrrd()); }
 
   static std::string vdb_scenario(const std::string& file) {
-    return "version: 1\nbone:\n  source: vdb\n  vdb: {path: " + file + "}\n" + kRest;
+    return "version: 2\nbone:\n  source: vdb\n  vdb: {path: " + file + "}\n" + kRest;
   }
   ProgramResult call(const std::vector<std::string>& arguments) const {
     return reamsim({.arguments = arguments, .environment = {}, .folder = "", .interrupt_when = {}});

@@ -8,20 +8,15 @@
 #include "sim/bone/ct/ct_import.h"
 #include "sim/scenario/parse.h"
 #include "test_images.h"
+#include "tests/support/real_data.h"
 
 namespace reamsim::test {
 namespace {
 
 using ::testing::HasSubstr;
 
-std::string data_file(const std::string& name) {
-  const char* folder = std::getenv("REAMSIM_DATA");
-  return std::string(folder != nullptr ? folder : REAMSIM_DEFAULT_DATA) + "/" + name;
-}
-
 /// The scenario that the project ships, at 0.8 mm to be quick.
-BoneSettings shoulder(const std::string& data_folder) {
-  setenv("REAMSIM_DATA", data_folder.c_str(), 0);
+BoneSettings shoulder() {
   return parse_scenario(REAMSIM_TRAJECTORIES "/ct_shoulder.yaml", {"bone.voxel_mm=0.8"}).bone;
 }
 
@@ -29,8 +24,7 @@ class RealShoulder : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
     const std::string path = data_file("shoulder_ct/shoulder_left.nrrd");
-    if (std::filesystem::exists(path))
-      voxmap_ = std::make_unique<FilledVoxmap>(voxmap_from_ct(shoulder(data_file("")), report_));
+    if (std::filesystem::exists(path)) voxmap_ = std::make_unique<FilledVoxmap>(voxmap_from_ct(shoulder(), report_));
   }
   static void TearDownTestSuite() { voxmap_.reset(); }
   void SetUp() override {

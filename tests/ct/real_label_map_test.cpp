@@ -8,6 +8,7 @@
 
 #include "sim/bone/ct/ct_import.h"
 #include "test_images.h"
+#include "tests/support/real_data.h"
 
 namespace reamsim::test {
 namespace {
@@ -15,10 +16,7 @@ namespace {
 /// The real shoulder's bone above 200 HU as label maps of every kind.
 class RealLabelMap : public ::testing::Test {
  protected:
-  static std::string scan_path() {
-    const char* folder = std::getenv("REAMSIM_DATA");
-    return std::string(folder != nullptr ? folder : REAMSIM_DEFAULT_DATA) + "/shoulder_ct/shoulder_left.nrrd";
-  }
+  static std::string scan_path() { return data_file("shoulder_ct/shoulder_left.nrrd"); }
 
   static void SetUpTestSuite() {
     if (!std::filesystem::exists(scan_path())) return;

@@ -1,30 +1,27 @@
-"""ct_voxel_size.py REAMSIM SCENARIO DATA: force and energy on a real CT do not depend on the voxel size. Exits with 77
+"""ct_voxel_size.py REAMSIM SCENARIO: force and energy on a real CT do not depend on the voxel size. Exits with 77
 (skipped) without the data."""
 
 import json
-import os
 import pathlib
 import subprocess
 import sys
 import tempfile
 
+import real_data
 
-def run(program, scenario, data, out, voxel_mm):
+
+def run(program, scenario, out, voxel_mm):
     sets = [f"--set=bone.voxel_mm={voxel_mm}", "--set=motion.plunge.depth_mm=2.2", "--set=motion.frame_rate_hz=250",
             "--set=render.enabled=false", "--set=output.meshes=false", "--set=output.vti=false"]
-    subprocess.run([program, "run", scenario, "-o", str(out), "--quiet", *sets], check=True,
-                   env={**os.environ, "REAMSIM_DATA": data})
+    subprocess.run([program, "run", scenario, "-o", str(out), "--quiet", *sets], check=True)
     return json.loads((out / "summary.json").read_text())
 
 
 def main():
-    program, scenario, default_data = sys.argv[1:4]
-    data = os.environ.get("REAMSIM_DATA", default_data)
-    if not pathlib.Path(data).is_dir():
-        print(f"skipped: no real data in {data}; set REAMSIM_DATA to the folder that holds it")
-        sys.exit(77)
+    program, scenario = sys.argv[1:]
+    real_data.require(scenario)
     with tempfile.TemporaryDirectory() as folder:
-        coarse, fine = (run(program, scenario, data, pathlib.Path(folder) / str(v), v) for v in (0.4, 0.2))
+        coarse, fine = (run(program, scenario, pathlib.Path(folder) / str(v), v) for v in (0.4, 0.2))
 
     def difference(value):
         return value(fine) / value(coarse) - 1

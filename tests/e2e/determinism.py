@@ -12,20 +12,20 @@ import tempfile
 import grids
 
 
-def run(program, scenario, out, threads="2", **settings):
+def run(program, scenario, out, threads="2", tuning="", **settings):
     sets = [f"--set={key.replace('__', '.')}={value}" for key, value in settings.items()]
     command = [program, "run", scenario, "-o", str(out), "--quiet", "--set=render.enabled=false", "--set=output.meshes=false",
                *sets]
-    subprocess.run(command, check=True, env={**os.environ, "POCL_MAX_PTHREAD_COUNT": threads})
+    subprocess.run(command, check=True, env={**os.environ, "POCL_MAX_PTHREAD_COUNT": threads, "REAMSIM_ENGINE_TUNING": tuning})
     return (out / "forces.csv").read_bytes(), grids.read(str(out / "reamed.vdb"))
 
 
-def every_way(detectors):
+def every_way(engines):
     ways = {f"repeat{i}": {} for i in range(4)}
-    ways |= {f"threads{t}_group{g}": {"threads": t, "engine__work_group_size": g} for t in "12" for g in (16, 100, 256)}
+    ways |= {f"threads{t}_group{g}": {"threads": t, "tuning": f"work_group_size={g}"} for t in "12" for g in (16, 100, 256)}
     ways |= {f"batch{n}": {"engine__batch_frames": n} for n in (1, 10, 1000)}
-    ways |= {"gpu_shape": {"engine__kernel_shape": "gpu"}, "unculled": {"engine__culling": "false"}}
-    ways |= {detector: {"engine__detector": detector} for detector in detectors}
+    ways |= {"gpu_shape": {"tuning": "kernel_shape=gpu"}, "unculled": {"tuning": "culling=false"}}
+    ways |= {engine: {"engine__type": engine} for engine in engines}
     return ways | {"serial": {"engine__device": "serial"}}
 
 

@@ -1,7 +1,7 @@
 """oclgrind.py OCLGRIND REAMSIM SCENARIO KERNELS ENGINE...: the kernels neither race nor read or write astray.
 
 Runs the scenario on oclgrind, a simulator of an OpenCL device that interprets kernels and watches every access, for each
-engine, given as NAME or as NAME:key=value,... with further settings. Results have to equal those of the serial engine.
+engine, given as NAME or as NAME:key=value,... with further settings (tuning.NAME=value: REAMSIM_ENGINE_TUNING). Results have to equal those of the serial engine.
 With ENGINE --planted a defect is planted in a copy of KERNELS instead, and oclgrind has to find it.
 """
 
@@ -28,7 +28,7 @@ def run(command, folder, **environment):
     return subprocess.run(command, cwd=folder, env=env, capture_output=True, text=True, check=False)
 
 
-def simulate(program, scenario, out, settings, folder, oclgrind=None, kernels=None):
+def simulate(program, scenario, out, settings, folder, oclgrind=None, kernels=None, tuning=""):
     """Runs the scenario, under oclgrind where it is given. Returns what the program and what oclgrind said."""
     command = [program, "run", str(scenario), "-o", str(out), "--quiet", *(f"--set={s}" for s in settings)]
     log = pathlib.Path(folder) / "oclgrind.log"
@@ -39,17 +39,20 @@ def simulate(program, scenario, out, settings, folder, oclgrind=None, kernels=No
     # Unoptimised: it does not know all that the optimiser makes of vectors and structs.
     watch = [oclgrind, "--data-races", "--build-options", "-cl-opt-disable", "--max-errors", "20", "--log", str(log)]
     environment = {"REAMSIM_KERNEL_DIR": str(kernels)} if kernels else {}
+    environment["REAMSIM_ENGINE_TUNING"] = tuning
     result = run([*watch, *command, "--device", DEVICE], folder, **environment)
     return result, log.read_text() if log.exists() else ""
 
 
 def check_engine(engine, oclgrind, program, scenario, folder):
     name, _, more = engine.partition(":")
-    settings = [f"engine.detector={name}", *(s for s in more.split(",") if s)]
+    given = [s for s in more.split(",") if s]
+    tuning = " ".join(s.removeprefix("tuning.") for s in given if s.startswith("tuning."))
+    settings = [f"engine.type={name}", *(s for s in given if not s.startswith("tuning."))]
     out, reference = folder / "out", folder / "serial"
     for old in (out, reference):
         shutil.rmtree(old, ignore_errors=True)
-    result, log = simulate(program, scenario, out, settings, folder, oclgrind)
+    result, log = simulate(program, scenario, out, settings, folder, oclgrind, tuning=tuning)
     assert result.returncode == 0, f"{engine}: exit status {result.returncode}\n{result.stderr}\n{log}"
     assert not COMPLAINT.search(log + result.stderr), f"{engine}: oclgrind found\n{log}{result.stderr}"
     summary = json.loads((out / "summary.json").read_text())
@@ -69,7 +72,7 @@ def check_planted(oclgrind, program, scenario, kernels, folder):
         source = (planted / file).read_text()
         assert passage in source, f"{file} has no passage {passage}"
         (planted / file).write_text(source.replace(passage, defect))
-        settings = ["engine.detector=direct"]
+        settings = ["engine.type=direct"]
         result, log = simulate(program, scenario, folder / f"out_{name}", settings, folder, oclgrind, planted)
         found = log + result.stderr
         assert complaint in found and COMPLAINT.search(found), f"oclgrind did not find the {name}:\n{found}"

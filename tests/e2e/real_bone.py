@@ -1,26 +1,23 @@
-"""real_bone.py REAMSIM SCENARIO DATA: a ream of real bone behaves like one. Exits with 77 (skipped) without the data."""
+"""real_bone.py REAMSIM SCENARIO: a ream of real bone behaves like one. Exits with 77 (skipped) without the data."""
 
 import csv
-import os
 import pathlib
 import subprocess
 import sys
 import tempfile
 
 import grids
+import real_data
 
 
 def main():
-    program, scenario, default_data = sys.argv[1:4]
-    data = os.environ.get("REAMSIM_DATA", default_data)
-    if not pathlib.Path(data).is_dir():
-        print(f"skipped: no real data in {data}; set REAMSIM_DATA to the folder that holds it")
-        sys.exit(77)
+    program, scenario = sys.argv[1:]
+    real_data.require(scenario)
     with tempfile.TemporaryDirectory() as folder:
         out = pathlib.Path(folder) / "out"
         sets = ["--set=render.enabled=false", "--set=bone.voxel_mm=0.6", "--set=motion.frame_rate_hz=200"]
         command = [program, "run", scenario, "-o", str(out), "--quiet", *sets]
-        subprocess.run(command, check=True, env={**os.environ, "REAMSIM_DATA": data})
+        subprocess.run(command, check=True)
         rows = [{k: float(v) for k, v in row.items()} for row in csv.DictReader((out / "forces.csv").open())]
         density = grids.read(str(out / "reamed.vdb"))["density"]
 

@@ -17,7 +17,7 @@ TEST(Bricked, BricksInManyPoolsGiveTheSame) {
     for (const ErosionMode erosion : {ErosionMode::remove, ErosionMode::wear}) {
       SCOPED_TRACE(name_of(shape) + ", " + name_of(erosion));
       ReamingScene scene = oblique_scene("auto");
-      scene.scenario.engine.kernel_shape = shape;
+      scene.scenario.engine.tuning.kernel_shape = shape;
       scene.scenario.cutting.erosion = erosion;
       const Outcome one = run(scene);
       EXPECT_GT(one.removed.size(), 100U);
@@ -51,7 +51,7 @@ TEST(Bricked, AShortListOfRemovedVoxelsGivesTheSame) {
     for (const CuttingLaw law : {CuttingLaw::energy, CuttingLaw::per_point}) {
       SCOPED_TRACE(name_of(shape) + ", " + name_of(law));
       ReamingScene scene = oblique_scene("auto");
-      scene.scenario.engine.kernel_shape = shape;
+      scene.scenario.engine.tuning.kernel_shape = shape;
       scene.scenario.cutting.law = law;
       scene.tool = make_tool(cap_profile(5, 6, 2.5, 0.6), 20);
       const Outcome roomy = run(scene);

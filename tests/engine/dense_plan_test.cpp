@@ -34,7 +34,7 @@ std::string refusal(const DensePlan& plan, const cl::DeviceInfo& device) {
 TEST(DensePlan, KeepsThePublishedLayouts) {
   const ReamingScene scene = oblique_scene("auto");
   const std::size_t voxels = 41 * 37 * 29, points = scene.tool.shell.codes.size();
-  const auto plan = [&](EngineKind detector) { return plan_dense(detector, scene.bone, scene.tool, false); };
+  const auto plan = [&](EngineKind engine) { return plan_dense(engine, scene.bone, scene.tool, false); };
   EXPECT_EQ(plan(EngineKind::direct).bone_bytes(), voxels);
   EXPECT_EQ(plan(EngineKind::direct).shell_bytes(), 4 * points);
   EXPECT_EQ(plan(EngineKind::octree).bone_bytes(), 4 * voxels);
@@ -47,15 +47,15 @@ TEST(DensePlan, KeepsThePublishedLayouts) {
 
 TEST(DensePlan, SaysWhatWouldFit) {
   const ReamingScene scene = oblique_scene("auto");
-  for (const EngineKind detector : {EngineKind::direct, EngineKind::octree, EngineKind::implicit}) {
-    SCOPED_TRACE(name_of(detector));
-    const DensePlan plan = plan_dense(detector, scene.bone, scene.tool, true);
+  for (const EngineKind engine : {EngineKind::direct, EngineKind::octree, EngineKind::implicit}) {
+    SCOPED_TRACE(name_of(engine));
+    const DensePlan plan = plan_dense(engine, scene.bone, scene.tool, true);
     EXPECT_EQ(refusal(plan, device_with(plan.bytes(), plan.largest_bytes())), "");
     for (const auto& small :
          {device_with(plan.bytes() - 1, plan.bytes()), device_with(plan.bytes(), plan.largest_bytes() - 1)}) {
       EXPECT_THAT(refusal(plan, small), HasSubstr("bone.voxel_mm: found a voxmap of 43993 voxels"));
       EXPECT_THAT(refusal(plan, small), HasSubstr("a bone.voxel_mm of about 0.204 or more would fit"));
-      EXPECT_THAT(refusal(plan, small), HasSubstr("engine.detector: bricked"));
+      EXPECT_THAT(refusal(plan, small), HasSubstr("engine.type: bricked"));
     }
     const auto eighth = device_with(plan.bytes() / 8, plan.bytes());
     EXPECT_THAT(refusal(plan, eighth), HasSubstr("of about 0.408 or more"));

@@ -73,7 +73,7 @@ TEST(Exact, EqualsTheSerialReference) {
     for (const int batch : {1, 7, 1000}) {
       SCOPED_TRACE(name_of(shape) + ", batch " + std::to_string(batch));
       ReamingScene scene = exact(oblique_scene("auto"));
-      scene.scenario.engine.kernel_shape = shape;
+      scene.scenario.engine.tuning.kernel_shape = shape;
       scene.scenario.engine.batch_frames = batch;
       expect_same(run(scene), serial);
     }

@@ -13,12 +13,12 @@ constexpr double kRadius = 29, kRim = 15, kBore = 1.25, kRpm = 250, kOmega = kRp
 
 CuttingSettings size_effect(CuttingSettings cutting, double exponent = 0.4) {
   cutting.size_effect =
-      SizeEffectSettings{.exponent = exponent, .reference_mm = 0.05, .least_mm = 0.001, .most_mm = 0.5, .lips = 6};
+      SizeEffectSettings{.exponent = exponent, .reference_mm = 0.05, .least_mm = 0.001, .most_mm = 0.5, .cutting_edges = 6};
   return cutting;
 }
 
 CuttingSettings edge_force(CuttingSettings cutting) {
-  cutting.edge_force = EdgeForceSettings{.tangential_n_mm = 1.5, .normal_n_mm = 2.5, .lips = 6};
+  cutting.edge_force = EdgeForceSettings{.tangential_n_mm = 1.5, .normal_n_mm = 2.5, .cutting_edges = 6};
   return cutting;
 }
 
@@ -169,9 +169,9 @@ TEST(SizeEffect, ScalesTheTorqueOfAPlunge) {
 }
 
 TEST(SizeEffect, ThinnestChipIsTheLimit) {
-  // A feed so slow, and lips so many, that every chip is thinner than the least.
+  // A feed so slow, and cutting edges so many, that every chip is thinner than the least.
   CuttingSettings cutting = size_effect({});
-  cutting.size_effect->lips = 1000;
+  cutting.size_effect->cutting_edges = 1000;
   cutting.size_effect->least_mm = 0.01;
   const Outcome plain = run(plunge(convex(), {}, kVoxel)), sized = run(plunge(convex(), cutting, kVoxel));
   const double ratio = sized.totals.energy_mj / plain.totals.energy_mj;
@@ -193,7 +193,7 @@ TEST(EdgeForce, AtRestIsFrictionOfTheLips) {
       EXPECT_NEAR(rest.thrust / thrust, 1, voxel_mm / kRim);
       EXPECT_NEAR(rest.energy / (rest.torque * kOmega / kRateHz), 1, 1e-6) << "all of it is work of the torque";
       EXPECT_LT(std::abs(outcome.totals.balance), 3e-7);
-      // Contacts are voxels that lose something, and what the lips only rub on loses nothing.
+      // Contacts are voxels that lose something, and what the cutting edges only rub on loses nothing.
       EXPECT_EQ(rest.contacts, 0);
       EXPECT_GT(mean_of(outcome.forces, kSlowBegin, kRestBegin).contacts, 0);
     }
@@ -217,7 +217,7 @@ TEST(EdgeForce, AddsToTheCutAndEndsWithContact) {
 TEST(FrictionShare, ChangesNoForce) {
   ReamingScene scene = oblique_scene("auto");
   const Outcome without = run(scene);
-  scene.scenario.cutting.friction_share = 0.3;
+  scene.scenario.cutting.friction_fraction = 0.3;
   expect_same(run(scene), without);
 }
 
@@ -239,8 +239,8 @@ std::vector<Options> options() {
 
 class ForceOptions : public testing::TestWithParam<Options> {
  protected:
-  static ReamingScene scene(const std::string& device, const std::string& detector) {
-    ReamingScene out = oblique_scene(device, detector);
+  static ReamingScene scene(const std::string& device, const std::string& engine) {
+    ReamingScene out = oblique_scene(device, engine);
     out.scenario.cutting = GetParam().cutting;
     out.scenario.cutting.erosion = GetParam().erosion;
     out.scenario.cutting.wear_g_cm3_per_s = 30;
@@ -257,10 +257,10 @@ TEST_P(ForceOptions, EqualTheSerialReference) {
   EXPECT_LT(std::abs(serial.totals.balance), 3e-7);
   const bool exact = GetParam().erosion == ErosionMode::exact;
   // Detectors with a shell share one serial reference; every other one of the kernels' shapes is in Agreement.
-  for (const std::string detector : {"bricked", "bricked_gpu", "direct", "octree"}) {
-    if (exact && detector.find("bricked") == std::string::npos) continue;
-    SCOPED_TRACE(detector);
-    expect_same(run(scene("auto", detector)), serial);
+  for (const std::string engine : {"bricked", "bricked_gpu", "direct", "octree"}) {
+    if (exact && engine.find("bricked") == std::string::npos) continue;
+    SCOPED_TRACE(engine);
+    expect_same(run(scene("auto", engine)), serial);
   }
   if (!exact) expect_same(run(scene("auto", "implicit")), run(scene("serial", "implicit")));
 }

@@ -123,9 +123,9 @@ void expect_close(ReamingScene scene) {
   const double voxel = scene.bone.voxmap->grid.voxel_mm;
   scene.tool = make_tool(scene.tool.profile, static_cast<int>(6 / (0.47 * voxel)) + 2);
   ASSERT_LE(scene.tool.shell.cell_mm, 0.5 * voxel);
-  scene.scenario.engine.detector = EngineKind::direct;
+  scene.scenario.engine.type = EngineKind::direct;
   const Outcome direct = run(scene);
-  scene.scenario.engine.detector = EngineKind::implicit;
+  scene.scenario.engine.type = EngineKind::implicit;
   const Outcome implicit = run(scene);
   EXPECT_GT(implicit.removed.size(), 500U);
   int more = 0;

@@ -9,16 +9,12 @@
 
 #include "sim/mesh/mesh_io.h"
 #include "tests/support/mesh_shapes.h"
+#include "tests/support/real_data.h"
 
 namespace reamsim::test {
 namespace {
 
 using ::testing::HasSubstr;
-
-std::string data_file(const std::string& name) {
-  const char* folder = std::getenv("REAMSIM_DATA");
-  return std::string(folder != nullptr ? folder : REAMSIM_DEFAULT_DATA) + "/" + name;
-}
 
 TEST(MeshCheck, ClosedBox) {
   const MeshDiagnosis found = diagnose(box_mesh({0, 0, 0}, {2, 3, 4}));

@@ -38,7 +38,7 @@ nlohmann::json small_summary() {
   return {{"program", "reamsim 9.9.9"},
           {"scenario", kHostile},
           {"device", "a device"},
-          {"detector", "bricked"},
+          {"engine", "bricked"},
           {"erosion", "exact"},
           {"law", "energy"},
           {"removed_mm3", 726.66},
@@ -62,7 +62,7 @@ class ReportPage : public ::testing::Test {
     run_ = new test::TempDir;
     write_results(run_->path(), {.voxel_mm = 1.0});
     write(run_->path() + "/summary.json", small_summary().dump());
-    write(run_->path() + "/scenario.yaml", std::string("version: 1  # ") + kHostile + "\n");
+    write(run_->path() + "/scenario.yaml", std::string("version: 2  # ") + kHostile + "\n");
     fs::create_directory(run_->path() + "/frames");
     PixelImage picture = plain_image(160, 90, 0x336699);
     for (const char* name : {"reamed", "reamed_section", "frames/000000", "frames/000020", "frames/000040",

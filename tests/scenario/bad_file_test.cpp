@@ -42,17 +42,17 @@ TEST_F(BadFile, IsNoSection) {
 }
 
 TEST_F(BadFile, SyntaxErrorsNameLineAndColumnInOurWords) {
-  EXPECT_EQ(complaint("version: 1\nbone: {source: phantom\n"),
+  EXPECT_EQ(complaint("version: 2\nbone: {source: phantom\n"),
             "s.yaml:2:7: YAML syntax error: a \"{\" that is not closed; expected \"}\"");
   EXPECT_EQ(
-      complaint("version: 1\nbone: a: b\n"),
+      complaint("version: 2\nbone: a: b\n"),
       "s.yaml:2:8: YAML syntax error: a \":\" where no key can be; expected one \"key: value\" per line, with even "
       "indentation, and texts that hold \": \" in quotes");
-  EXPECT_EQ(complaint("version: 1\nbone:\n \tsource: ct\n"),
+  EXPECT_EQ(complaint("version: 2\nbone:\n \tsource: ct\n"),
             "s.yaml:3:2: YAML syntax error: a tab in the indentation; expected spaces");
   EXPECT_THAT(complaint("version: \"1\n"), StartsWith("s.yaml:1:"));
   EXPECT_THAT(complaint("version: *x\n"), StartsWith("s.yaml:1:10: YAML syntax error: an alias (*name) without"));
-  EXPECT_THAT(complaint("version: 1\n- a\n"), StartsWith("s.yaml:2:1: YAML syntax error: a line that does not"));
+  EXPECT_THAT(complaint("version: 2\n- a\n"), StartsWith("s.yaml:2:1: YAML syntax error: a line that does not"));
   EXPECT_THAT(complaint("name: \"\\q\"\n"), StartsWith("s.yaml:1:10: YAML syntax error: an unknown escape"));
 }
 
@@ -67,11 +67,11 @@ TEST_F(BadFile, NeverShowsTheLibrarysPrefix) {
 TEST_F(BadFile, ColumnsCountCharacters) {
   EXPECT_EQ(complaint(with(kValid, "source: phantom", "\"söurce\": phantom")),
             "s.yaml:3:3: bone.\"söurce\": unknown key; did you mean source?");
-  EXPECT_THAT(complaint("version: 1\nbone: {side: \"ä\", vöxel_mm: 1}\n"), HasSubstr("s.yaml:2:19:"));
+  EXPECT_THAT(complaint("version: 2\nbone: {side: \"ä\", vöxel_mm: 1}\n"), HasSubstr("s.yaml:2:19:"));
 }
 
 TEST_F(BadFile, BinaryGarbage) {
-  EXPECT_EQ(complaint(std::string("version: 1\nbo\0ne: 3\n", 20)),
+  EXPECT_EQ(complaint(std::string("version: 2\nbo\0ne: 3\n", 20)),
             "s.yaml:2:3: found the byte \"\\x00\": not a text file; expected YAML in UTF-8");
   EXPECT_EQ(complaint("\x89PNG\r\n\x1a\n"),
             "s.yaml:1:1: found the byte \"\\x89\": not a text file; expected YAML in UTF-8");
@@ -98,7 +98,7 @@ TEST_F(BadFile, TooDeep) {
 }
 
 TEST_F(BadFile, AliasesCannotBlowUp) {
-  std::string bomb = "version: 1\nx0: &x0 [1]\n";
+  std::string bomb = "version: 2\nx0: &x0 [1]\n";
   for (int i = 1; i < 30; ++i) {
     const std::string last = "*x" + std::to_string(i - 1);
     bomb += "x" + std::to_string(i) + ": &x" + std::to_string(i) + " [";
@@ -123,7 +123,7 @@ TEST_F(BadFile, MergesCannotBlowUp) {
 
 TEST_F(BadFile, AliasOfItself) {
   EXPECT_EQ(
-      complaint("version: 1\nbone: &b {ct: *b}\n"),
+      complaint("version: 2\nbone: &b {ct: *b}\n"),
       "s.yaml:2:15: an alias that refers to the section that contains it; expected an alias of something complete");
 }
 
@@ -138,7 +138,7 @@ TEST_F(BadFile, KeysThatAreNoNames) {
 }
 
 TEST_F(BadFile, SecondDocumentAndTags) {
-  EXPECT_THAT(complaint(kValid + "---\nversion: 1\n"), HasSubstr("a second YAML document begins here"));
+  EXPECT_THAT(complaint(kValid + "---\nversion: 2\n"), HasSubstr("a second YAML document begins here"));
   EXPECT_EQ(complaint(with(kValid, "voxel_mm: 0.5", "voxel_mm: !!float 0.5")),
             "s.yaml:4:13: found the YAML tag \"tag:yaml.org,2002:float\"; expected a value without a tag");
 }

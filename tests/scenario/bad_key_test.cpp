@@ -35,12 +35,12 @@ TEST_F(BadKey, UnknownFarFromEverythingListsWhatThereIs) {
 }
 
 TEST_F(BadKey, UnknownButRightElsewhere) {
-  EXPECT_EQ(changed("version: 1\n", "version: 1\nvoxel_mm: 1\n"),
+  EXPECT_EQ(changed("version: 2\n", "version: 2\nvoxel_mm: 1\n"),
             "s.yaml:2:1: voxel_mm: unknown key; did you mean bone.voxel_mm?");
 }
 
 TEST_F(BadKey, WrongUnitSuffix) {
-  EXPECT_THAT(complaint("version: 1\nmotion:\n  plunge:\n    feed_mm_min: 60\n"),
+  EXPECT_THAT(complaint("version: 2\nmotion:\n  plunge:\n    feed_mm_min: 60\n"),
               HasSubstr("s.yaml:4:5: motion.plunge.feed_mm_min: unknown key; did you mean feed_mm_s (mm/s)?"));
   EXPECT_EQ(changed("voxel_mm", "voxel_cm"), "s.yaml:4:3: bone.voxel_cm: unknown key; did you mean voxel_mm (mm)?");
   EXPECT_EQ(changed("voxel_mm", "voxel"), "s.yaml:4:3: bone.voxel: unknown key; did you mean voxel_mm (mm)?");
@@ -56,13 +56,13 @@ TEST_F(BadKey, UnknownKeyWithControlCharactersStaysOnOneLine) {
 }
 
 TEST_F(BadKey, Missing) {
-  EXPECT_THAT(changed("version: 1\n", ""), StartsWith("s.yaml: version: missing; expected"));
+  EXPECT_THAT(changed("version: 2\n", ""), StartsWith("s.yaml: version: missing; expected"));
   EXPECT_THAT(changed("  source: phantom\n", ""),
               StartsWith("s.yaml:2:1: bone.source: missing; expected this key: phantom, ct, mesh or vdb"));
   EXPECT_THAT(changed("  mesh: tool.stl\n", "  scale: 1\n"), StartsWith("s.yaml:8:1: tool.mesh: missing; expected"));
   EXPECT_THAT(changed("position_mm: [0, 0, -1], ", ""),
               StartsWith("s.yaml:13:7: motion.keyframes.1.position_mm: missing; expected"));
-  EXPECT_THAT(complaint("version: 1\n"), StartsWith("s.yaml: bone: missing; expected"));
+  EXPECT_THAT(complaint("version: 2\n"), StartsWith("s.yaml: bone: missing; expected"));
 }
 
 TEST_F(BadKey, WrongType) {
@@ -79,7 +79,7 @@ TEST_F(BadKey, WrongType) {
             "s.yaml:4:3: bone.voxel_mm: found nothing; expected a number, 0.01 to 5 (mm)");
   EXPECT_EQ(changed("enabled: false", "enabled: no"),
             "s.yaml:15:12: render.enabled: found the text \"no\"; expected true or false");
-  EXPECT_EQ(changed("version: 1", "version: 1.0"), "s.yaml:1:10: version: found 1.0; expected a whole number, 1");
+  EXPECT_EQ(changed("version: 2", "version: 2.0"), "s.yaml:1:10: version: found 2.0; expected a whole number, 2");
   EXPECT_EQ(changed("mesh: tool.stl", "mesh: 7"),
             "s.yaml:9:9: tool.mesh: found 7; expected a path (in quotes where it looks like a number)");
   EXPECT_EQ(changed("tool:\n  mesh: tool.stl", "tool: tool.stl"),
@@ -116,8 +116,9 @@ TEST_F(BadKey, NotFinite) {
 TEST_F(BadKey, WordsOutsideTheirList) {
   EXPECT_EQ(changed("source: phantom", "source: xray"),
             "s.yaml:3:11: bone.source: found the text \"xray\"; expected phantom, ct, mesh or vdb");
-  EXPECT_EQ(complaint(kValid + "engine:\n  detector: fast\n"),
-            "s.yaml:17:13: engine.detector: found the text \"fast\"; expected bricked, direct, octree or implicit");
+  EXPECT_EQ(
+      complaint(kValid + "engine:\n  type: fast\n"),
+      "s.yaml:17:9: engine.type: found the text \"fast\"; expected auto, exact, bricked, direct, octree or implicit");
   EXPECT_EQ(complaint(kValid + "cutting:\n  erosion: carve\n"),
             "s.yaml:17:12: cutting.erosion: found the text \"carve\"; expected exact, remove or wear");
   EXPECT_EQ(changed("enabled: false", "cameras: [oblique, top]"),
@@ -130,9 +131,9 @@ TEST_F(BadKey, WordsOutsideTheirList) {
 }
 
 TEST_F(BadKey, TextsMustBePrintable) {
-  EXPECT_EQ(changed("version: 1", "version: 1\nname: \"a\\nb\""),
+  EXPECT_EQ(changed("version: 2", "version: 2\nname: \"a\\nb\""),
             "s.yaml:2:7: name: found the text \"a\\x0ab\"; expected a text without line breaks or control characters");
-  EXPECT_EQ(changed("version: 1", "version: 1\nname: ../x"),
+  EXPECT_EQ(changed("version: 2", "version: 2\nname: ../x"),
             "s.yaml:2:1: name: found \"../x\"; expected a name that a folder can have, without \"/\"");
   EXPECT_EQ(changed("mesh: tool.stl", "mesh: \"\""), "s.yaml:9:9: tool.mesh: found \"\"; expected a path");
 }

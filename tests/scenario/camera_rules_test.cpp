@@ -78,7 +78,7 @@ TEST_F(CameraRules, AGlenoidFrameIsNeededWhereACameraStandsInIt) {
 }
 
 TEST_F(CameraRules, ResultsAreHeldToThemToo) {
-  write("r.yaml", "version: 1\ntool: {mesh: gone.stl}\n");
+  write("r.yaml", "version: 2\ntool: {mesh: gone.stl}\n");
   try {
     parse_result_settings(path("r.yaml"), {"render.user_cameras=[{name: oblique, position_mm: [1, 2, 3]}]"});
     ADD_FAILURE() << "no complaint";

@@ -41,7 +41,7 @@ TEST_F(Cutting, OptionsAreOffByDefault) {
   EXPECT_THAT(defaults.specific_energy_table, IsEmpty());
   EXPECT_FALSE(defaults.size_effect);
   EXPECT_FALSE(defaults.edge_force);
-  EXPECT_EQ(defaults.friction_share, 0);
+  EXPECT_EQ(defaults.friction_fraction, 0);
 }
 
 TEST_F(Cutting, Presets) {
@@ -117,19 +117,19 @@ TEST_F(Cutting, OptionsNeedTheirErosionAndLaw) {
   EXPECT_EQ(bad("law: per_point, erosion: exact, " + kEdge),
             "s.yaml:17:4: cutting.law: found per_point; expected energy, because cutting.edge_force is given");
   EXPECT_THAT(bad("law: per_point, " + kSize), HasSubstr("cutting.size_effect: does not apply: law is"));
-  EXPECT_THAT(bad("law: per_point, friction_share: 0.2"), HasSubstr("cutting.friction_share: does not apply: law is"));
+  EXPECT_THAT(bad("law: per_point, friction_fraction: 0.2"), HasSubstr("cutting.friction_fraction: does not apply: law is"));
 }
 
 TEST_F(Cutting, ValuesOfOptions) {
   EXPECT_THAT(bad("size_effect: {exponent: 1.5, reference_mm: 0.05, lips: 6}"),
               HasSubstr("cutting.size_effect.exponent: found 1.5; expected a number, above 0, up to 1"));
   EXPECT_THAT(bad("size_effect: {exponent: 0.5, reference_mm: 0.05}"),
-              HasSubstr("cutting.size_effect.lips: missing; expected this key"));
+              HasSubstr("cutting.size_effect.cutting_edges: missing; expected this key"));
   EXPECT_THAT(bad("size_effect: {exponent: 0.5, reference_mm: 0.05, lips: 6, least_mm: 0.6}"),
               HasSubstr("cutting.size_effect.least_mm: found 0.6; expected no more than most_mm"));
   EXPECT_THAT(bad("erosion: exact, edge_force: {tangential_n_mm: 0, normal_n_mm: 1, lips: 6}"),
               HasSubstr("cutting.edge_force.tangential_n_mm: found 0; expected a number, above 0, up to 1000 (N/mm)"));
-  EXPECT_THAT(bad("friction_share: 1.1"), StartsWith("s.yaml:17:20: cutting.friction_share: found 1.1; expected"));
+  EXPECT_THAT(bad("friction_fraction: 1.1"), StartsWith("s.yaml:17:23: cutting.friction_fraction: found 1.1; expected"));
 }
 
 }  // namespace

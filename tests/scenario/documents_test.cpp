@@ -117,13 +117,13 @@ TEST_F(SchemaTest, AgreesWithTheParser) {
       with(kValid, "axis: [0, 0, 1]", "quaternion: [1, 0, 0, 0]"),
       kValid +
           "cutting: {preset: literature-low, erosion: exact, edge_force: {tangential_n_mm: 1, normal_n_mm: 0, "
-          "lips: 6}}\n",
+          "cutting_edges: 6}}\n",
       to_yaml(parse(kValid)),
   };
   const std::vector<std::string> bad{
-      with(kValid, "version: 1\n", ""),
-      with(kValid, "version: 1", "version: 2"),
-      with(kValid, "version: 1", "version: one"),
+      with(kValid, "version: 2\n", ""),
+      with(kValid, "version: 2", "version: 3"),
+      with(kValid, "version: 2", "version: one"),
       with(kValid, "voxel_mm: 0.5", "voxl_mm: 0.5"),
       with(kValid, "voxel_mm: 0.5", "voxel_mm: 0"),
       with(kValid, "voxel_mm: 0.5", "voxel_mm: \"0.5\""),
@@ -143,13 +143,13 @@ TEST_F(SchemaTest, AgreesWithTheParser) {
       with(kValid, "enabled: false", "cameras: [oblique, oblique]"),
       with(kValid, "enabled: false", "cameras: []"),
       with(kValid, "enabled: false", "enabled: no"),
-      kValid + "engine: {detector: fast}\n",
+      kValid + "engine: {type: fast}\n",
       kValid + "cutting: {speed_floor_mm_s: 0}\n",
       kValid + "cutting: {preset: literature}\n",
       kValid +
-          "cutting: {erosion: exact, size_effect: {exponent: 0.3, reference_mm: 0.05, lips: 6}, edge_force: "
-          "{tangential_n_mm: 1, normal_n_mm: 0, lips: 6}}\n",
-      kValid + "cutting: {erosion: wear, edge_force: {tangential_n_mm: 1, normal_n_mm: 0, lips: 6}}\n",
+          "cutting: {erosion: exact, size_effect: {exponent: 0.3, reference_mm: 0.05, cutting_edges: 6}, edge_force: "
+          "{tangential_n_mm: 1, normal_n_mm: 0, cutting_edges: 6}}\n",
+      kValid + "cutting: {erosion: wear, edge_force: {tangential_n_mm: 1, normal_n_mm: 0, cutting_edges: 6}}\n",
       kValid +
           "cutting: {specific_energy_j_mm3: 0.1, specific_energy_table: [{density_g_cm3: 0, energy_j_mm3: 0}, "
           "{density_g_cm3: 1, energy_j_mm3: 1}]}\n",

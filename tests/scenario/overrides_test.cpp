@@ -108,7 +108,7 @@ TEST_F(ImportSettings, Complain) {
 }
 
 TEST_F(ImportSettings, RenderSettingsDoNotAskForInputs) {
-  write("r.yaml", "version: 1\ntool: {mesh: gone.stl}\nrender: {width_px: 640}\n");
+  write("r.yaml", "version: 2\ntool: {mesh: gone.stl}\nrender: {width_px: 640}\n");
   const RenderSettings render = parse_result_settings(path("r.yaml"), {"render.height_px=480"}).render;
   EXPECT_EQ(render.width_px, 640);
   EXPECT_EQ(render.height_px, 480);

@@ -24,10 +24,9 @@ class RoundTrip : public ScenarioTest {
 
 TEST_F(RoundTrip, EveryDefaultIsFilledIn) {
   const std::string yaml = resolved(kValid);
-  for (const char* line :
-       {"name: s\n", "  density:\n    ash_slope_g_cm3_per_hu: 0.0007\n", "    density_g_cm3: 1.8\n",
-        "  frame_rate_hz: 1000\n", "  detector: bricked\n", "  cameras: [oblique, glenoid, section]\n", "  dir: \"\"\n",
-        "    - time_s: 0\n      position_mm: [0, 0, 1]\n", "      spin_rpm: 0\n"}) {
+  for (const char* line : {"name: s\n", "  density:\n    ash_slope_g_cm3_per_hu: 0.0007\n", "    density_g_cm3: 1.8\n",
+                           "  frame_rate_hz: 1000\n", "  type: auto\n", "  cameras: [oblique, glenoid, section]\n",
+                           "  dir: \"\"\n", "    - time_s: 0\n      position_mm: [0, 0, 1]\n", "      spin_rpm: 0\n"}) {
     EXPECT_THAT(yaml, HasSubstr(line));
   }
   EXPECT_THAT(yaml, HasSubstr("  mesh: " + path("tool.stl") + "\n"));

@@ -133,14 +133,14 @@ TEST_F(Rules, GlenoidFrameIsWhole) {
 }
 
 TEST_F(Rules, ImplicitKnowsTheSweptSurfaceOnly) {
-  const std::string implicit = "engine: {detector: implicit}\n";
+  const std::string implicit = "engine: {type: implicit}\n";
   EXPECT_EQ(complaint(kValid + implicit), "");
   EXPECT_EQ(complaint(kValid + implicit + "cutting: {law: per_point}\n"),
-            "s.yaml:17:11: cutting.law: found per_point; expected energy, because engine.detector is implicit");
+            "s.yaml:17:11: cutting.law: found per_point; expected energy, because engine.type is implicit");
   EXPECT_EQ(complaint(with(kValid, "  mesh: tool.stl\n", "  mesh: tool.stl\n  spin: resolved\n") + implicit),
-            "s.yaml:10:3: tool.spin: found resolved; expected envelope, because engine.detector is implicit");
-  for (const char* detector : {"bricked", "direct", "octree"}) {
-    EXPECT_EQ(complaint(kValid + "engine: {detector: " + detector + "}\ncutting: {law: per_point}\n"), "");
+            "s.yaml:10:3: tool.spin: found resolved; expected envelope, because engine.type is implicit");
+  for (const char* engine : {"bricked", "direct", "octree"}) {
+    EXPECT_EQ(complaint(kValid + "engine: {type: " + engine + "}\ncutting: {law: per_point}\n"), "");
   }
 }
 
@@ -148,7 +148,7 @@ TEST_F(Rules, ExactClipsTeethThatTurn) {
   const std::string resolved = with(kValid, "  mesh: tool.stl\n", "  mesh: tool.stl\n  spin: resolved\n");
   EXPECT_EQ(parse(resolved).cutting.erosion, ErosionMode::exact);
   EXPECT_EQ(complaint(resolved + "cutting: {erosion: exact}\n"), "");
-  EXPECT_EQ(complaint(resolved + "cutting: {edge_force: {tangential_n_mm: 1, normal_n_mm: 1, lips: 6}}\n"),
+  EXPECT_EQ(complaint(resolved + "cutting: {edge_force: {tangential_n_mm: 1, normal_n_mm: 1, cutting_edges: 6}}\n"),
             "s.yaml:10:3: tool.spin: found resolved; expected envelope, because cutting.edge_force is given");
 }
 

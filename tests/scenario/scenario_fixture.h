@@ -16,7 +16,7 @@ namespace reamsim::test {
 
 /// A valid scenario, short enough to count its lines. The tool's mesh is a file that the fixture makes.
 inline const std::string kValid =
-    "version: 1\n"                                                   // 1
+    "version: 2\n"                                                   // 1
     "bone:\n"                                                        // 2
     "  source: phantom\n"                                            // 3
     "  voxel_mm: 0.5\n"                                              // 4

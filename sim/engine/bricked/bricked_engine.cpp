@@ -36,9 +36,9 @@ class BrickedEngine final : public Engine {
         grid_(bone.voxmap.grid),
         state_(make_bricked_state(device_, bone, tool, fill_store(scenario), limits.largest_pool)),
         batch_(device_, removed_list(bone, tool, limits)),
-        detect_(device_, state_, batch_, choose_options(info, scenario.engine)),
+        detect_(device_, state_, batch_, choose_options(info, scenario.engine.tuning)),
         cut_(device_, state_, batch_, make_energy_table(scenario.cutting, bone.voxmap.grid.voxel_mm),
-             choose_options(info, scenario.engine)) {}
+             choose_options(info, scenario.engine.tuning)) {}
 
   void enqueue(const SubstepArgs& args) override {
     const int slot = batch_.begin(args);

@@ -6,8 +6,9 @@ namespace reamsim {
 
 cl::DeviceInfo device_for(const EngineSettings& engine) {
   cl::DeviceInfo info = cl::choose_device(engine.device);
-  if (engine.work_group_size > 0 && static_cast<std::size_t>(engine.work_group_size) > info.max_work_group) {
-    throw InputError({}, "engine.work_group_size", "found " + std::to_string(engine.work_group_size),
+  const int wanted = engine.tuning.work_group_size;
+  if (wanted > 0 && static_cast<std::size_t>(wanted) > info.max_work_group) {
+    throw InputError({}, "work_group_size", "found " + std::to_string(wanted),
                      "expected at most " + std::to_string(info.max_work_group) + " on " + info.name);
   }
   return info;

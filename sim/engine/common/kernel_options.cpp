@@ -4,17 +4,17 @@
 
 namespace reamsim {
 
-KernelOptions choose_options(const cl::DeviceInfo& info, const EngineSettings& engine) {
+KernelOptions choose_options(const cl::DeviceInfo& info, const EngineTuning& tuning) {
   KernelOptions options;
   const bool gpu =
-      engine.kernel_shape == KernelShape::gpu || (engine.kernel_shape == KernelShape::automatic && info.gpu);
+      tuning.kernel_shape == KernelShape::gpu || (tuning.kernel_shape == KernelShape::automatic && info.gpu);
   options.shape = gpu ? KernelShape::gpu : KernelShape::cpu;
   // On a CPU every work-item is long, and PoCL hands whole groups to threads; on a GPU a cell has some hundred points.
-  const std::size_t wanted = engine.work_group_size > 0 ? static_cast<std::size_t>(engine.work_group_size)
+  const std::size_t wanted = tuning.work_group_size > 0 ? static_cast<std::size_t>(tuning.work_group_size)
                              : gpu                      ? 128
                                                         : 1;
   options.work_group = std::min(wanted, info.max_work_group);
-  options.culling = engine.culling;
+  options.culling = tuning.culling;
   return options;
 }
 

@@ -16,8 +16,8 @@ struct KernelOptions {
   bool culling = true;  ///< pass over cells that cannot touch; off only to prove that it changes nothing
 };
 
-/// What the settings leave open is chosen for the device.
-KernelOptions choose_options(const cl::DeviceInfo& info, const EngineSettings& engine);
+/// What the tuning leaves open is chosen for the device.
+KernelOptions choose_options(const cl::DeviceInfo& info, const EngineTuning& tuning);
 
 /// Work-items that fill the device with a cut: on a CPU few that take many bricks each, on a GPU many groups.
 std::size_t cut_items(const cl::DeviceInfo& info, const KernelOptions& options);

@@ -42,15 +42,15 @@ void set_force_options(const CuttingSettings& cutting, double turn_rate, Substep
   if (const auto& size = cutting.size_effect) {
     // Without spin no lip comes round again, and the chip is as thick as it may be.
     constexpr double kLongest_s = 1e9;
-    const double lip_s = turn_rate > 0 ? std::min(kTurn / (size->lips * turn_rate), kLongest_s) : kLongest_s;
+    const double lip_s = turn_rate > 0 ? std::min(kTurn / (size->cutting_edges * turn_rate), kLongest_s) : kLongest_s;
     args.size_exponent = static_cast<float>(size->exponent);
     args.chip_per_speed = static_cast<float>(lip_s / size->reference_mm);
     args.least_chip = static_cast<float>(size->least_mm / size->reference_mm);
     args.most_chip = static_cast<float>(size->most_mm / size->reference_mm);
   }
   if (const auto& edge = cutting.edge_force) {
-    args.edge_tangential = static_cast<float>(edge->tangential_n_mm * edge->lips / kTurn);
-    args.edge_normal = static_cast<float>(edge->normal_n_mm * edge->lips / kTurn);
+    args.edge_tangential = static_cast<float>(edge->tangential_n_mm * edge->cutting_edges / kTurn);
+    args.edge_normal = static_cast<float>(edge->normal_n_mm * edge->cutting_edges / kTurn);
   }
 }
 

@@ -24,19 +24,19 @@ std::size_t group_size(const cl::DeviceInfo& info, int wanted, std::size_t other
 /// The plan, once it is known to fit.
 DensePlan fitting_plan(const cl::DeviceInfo& info, const Scenario& scenario, const BoneView& bone, const Tool& tool) {
   const DensePlan plan =
-      plan_dense(scenario.engine.detector, bone, tool, scenario.cutting.erosion == ErosionMode::wear);
+      plan_dense(engine_of(scenario), bone, tool, scenario.cutting.erosion == ErosionMode::wear);
   require_fit(plan, info, bone.voxmap.grid.voxel_mm);
   return plan;
 }
 
 std::unique_ptr<Detection> make_detection(const cl::Device& device, const Scenario& scenario, const DenseState& state,
                                           const DeviceBatch& batch, const BoneView& bone, const Tool& tool) {
-  const std::size_t group = group_size(device.info(), scenario.engine.work_group_size, 256);
-  if (scenario.engine.detector == EngineKind::octree) {
+  const std::size_t group = group_size(device.info(), scenario.engine.tuning.work_group_size, 256);
+  if (engine_of(scenario) == EngineKind::octree) {
     const bool per_point = scenario.cutting.law == CuttingLaw::per_point;
     return std::make_unique<DetectOctree>(device, state, batch, tool.shell, bone.voxmap.grid, per_point, group);
   }
-  if (scenario.engine.detector == EngineKind::implicit) {
+  if (engine_of(scenario) == EngineKind::implicit) {
     return std::make_unique<DetectImplicit>(device, state, batch, tool.profile, bone_extent(bone.voxmap), group);
   }
   return std::make_unique<DetectDirect>(device, state, batch, tool.shell, group);
@@ -51,7 +51,7 @@ class DenseEngine final : public Engine {
         batch_(device_, plan_.removed_list()),
         detect_(make_detection(device_, scenario, state_, batch_, bone, tool)),
         cut_(device_, plan_.layout, state_, batch_, make_energy_table(scenario.cutting, bone.voxmap.grid.voxel_mm),
-             group_size(info, scenario.engine.work_group_size, info.gpu ? 256 : 16)),
+             group_size(info, scenario.engine.tuning.work_group_size, info.gpu ? 256 : 16)),
         restorer_(device_) {}
 
   void enqueue(const SubstepArgs& args) override {

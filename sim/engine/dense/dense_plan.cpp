@@ -62,10 +62,10 @@ std::size_t DensePlan::largest_bytes() const {
                    sizeof(RemovedVoxel) * removed});
 }
 
-DensePlan plan_dense(EngineKind detector, const BoneView& bone, const Tool& tool, bool wear) {
+DensePlan plan_dense(EngineKind engine, const BoneView& bone, const Tool& tool, bool wear) {
   DensePlan plan;
-  if (detector == EngineKind::octree) plan.layout = VoxelLayout::flagged_hu;
-  if (detector == EngineKind::implicit) plan.layout = VoxelLayout::bare_grade;
+  if (engine == EngineKind::octree) plan.layout = VoxelLayout::flagged_hu;
+  if (engine == EngineKind::implicit) plan.layout = VoxelLayout::bare_grade;
   const bool has_shell = plan.layout != VoxelLayout::bare_grade;
   plan.voxels = static_cast<std::size_t>(bone.voxmap.grid.size());
   plan.unreamed = static_cast<std::size_t>(bone.voxmap.grade.count());
@@ -96,7 +96,7 @@ void require_fit(const DensePlan& plan, const cl::DeviceInfo& device, double vox
                        megabytes(plan.largest_bytes()) + " of it in one allocation; " + device.name + " has " +
                        megabytes(device.global_memory_bytes) + " in total and at most " +
                        megabytes(device.max_allocation_bytes) + " in one allocation",
-                   std::string(fits) + ", or engine.detector: bricked, which stores only bricks with bone");
+                   std::string(fits) + ", or engine.type: bricked, which stores only bricks with bone");
 }
 
 }  // namespace reamsim

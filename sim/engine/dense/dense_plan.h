@@ -38,8 +38,8 @@ struct DensePlan {
   [[nodiscard]] std::size_t largest_bytes() const;
 };
 
-/// `detector`: direct | octree | implicit.
-DensePlan plan_dense(EngineKind detector, const BoneView& bone, const Tool& tool, bool wear);
+/// `engine`: direct | octree | implicit.
+DensePlan plan_dense(EngineKind engine, const BoneView& bone, const Tool& tool, bool wear);
 
 /// Throws InputError that says what would fit, unless the plan fits the device: 2^32 voxels (they are numbered in 32
 /// bits), the device's memory and its largest allocation.

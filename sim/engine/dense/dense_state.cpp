@@ -37,7 +37,7 @@ DenseState make_dense_state(const cl::Device& device, const DensePlan& plan, con
     state.scale = HuScale(bone.voxmap.mapping);
     if (!state.scale.exact()) {
       throw InputError({}, "bone.density", "found a mapping whose HU a float rounds to more than a grade",
-                       "another mapping, or another engine.detector than octree, which keeps HU");
+                       "another mapping, or another engine.type than octree, which keeps HU");
     }
     state.hu = {device, plan.voxels, "the voxmap"};
   } else {

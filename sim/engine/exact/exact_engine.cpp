@@ -43,9 +43,9 @@ class ExactEngine final : public Engine {
         teeth_(make_teeth(device_, tool, bone, outline_.bulge_mm)),
         teeth_bytes_(tool.teeth ? tool.teeth->bytes() : 0),
         list_(device_, bricks_, batch_, tool.profile, tool.clip_slack_mm() + outline_.bulge_mm,
-              choose_options(info, scenario.engine).work_group),
+              choose_options(info, scenario.engine.tuning).work_group),
         cut_(device_, bricks_, batch_, list_, outline_, make_energy_table(scenario.cutting, bone.voxmap.grid.voxel_mm),
-             choose_options(info, scenario.engine), teeth_ ? &*teeth_ : nullptr),
+             choose_options(info, scenario.engine.tuning), teeth_ ? &*teeth_ : nullptr),
         records_(device_, 1, "the list of removed voxels") {}
 
   /// Takes the substep's arguments alone: its bricks are listed and cut when the batch is collected, together with

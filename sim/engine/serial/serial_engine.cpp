@@ -13,7 +13,7 @@ namespace {
 
 FindContacts serial_detection(const Scenario& scenario, const SerialState& state) {
   if (scenario.cutting.erosion == ErosionMode::exact) return find_in_tool_box;
-  if (scenario.engine.detector == EngineKind::implicit) return find_by_profile;
+  if (scenario.engine.type == EngineKind::implicit) return find_by_profile;
   return find_by_points(state);
 }
 

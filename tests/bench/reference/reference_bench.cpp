@@ -98,7 +98,7 @@ class BrickedProgram final : public Program {
   static Scenario settings() {
     Scenario scenario;
     scenario.name = "reference";
-    scenario.engine.detector = EngineKind::bricked;
+    scenario.engine.type = EngineKind::bricked;
     scenario.cutting = bench::bench_cutting();
     return scenario;
   }

@@ -1,0 +1,97 @@
+#include "sim/scenario/migrate.h"
+
+#include <algorithm>
+#include <array>
+
+#include "sim/scenario/scenario.h"
+
+namespace reamsim {
+
+namespace {
+
+/// A key of version 1 and its name in version 2; "" where it has no effect any more.
+struct KeyChange {
+  std::string_view section;  // "cutting.edge_force"
+  std::string_view old_name;
+  std::string_view new_name;
+};
+constexpr std::array<KeyChange, 7> kChanges{{{"engine", "detector", "type"},
+                                             {"engine", "kernel_shape", ""},
+                                             {"engine", "culling", ""},
+                                             {"engine", "work_group_size", ""},
+                                             {"cutting", "friction_share", "friction_fraction"},
+                                             {"cutting.size_effect", "lips", "cutting_edges"},
+                                             {"cutting.edge_force", "lips", "cutting_edges"}}};
+
+std::shared_ptr<YamlNode> with_text(const YamlNode& node, const std::string& text) {
+  auto copy = std::make_shared<YamlNode>(node);
+  copy->text = text;
+  return copy;
+}
+
+bool is_text(const YamlNode& node, std::string_view text) {
+  return node.kind == YamlNode::Kind::scalar && node.text == text;
+}
+
+class Migration {
+ public:
+  Migration(std::string file, std::vector<std::string>& notes) : file_(std::move(file)), notes_(notes) {}
+
+  /// `node`, a section of that path, with its keys changed, and those below it.
+  YamlNodePtr changed(const YamlNodePtr& node, const std::string& path) const {
+    if (node->kind != YamlNode::Kind::map) return node;
+    auto copy = std::make_shared<YamlNode>(*node);
+    for (const KeyChange& change : kChanges) {
+      if (change.section == path) apply(change, *copy);
+    }
+    for (YamlEntry& entry : copy->entries) {
+      const std::string below = path.empty() ? entry.key : path + "." + entry.key;
+      const bool concerned =
+          std::ranges::any_of(kChanges, [&](const KeyChange& change) { return change.section.starts_with(below); });
+      if (concerned) entry.value = changed(entry.value, below);
+    }
+    return copy;
+  }
+
+ private:
+  void apply(const KeyChange& change, YamlNode& section) const {
+    const auto entry = std::ranges::find(section.entries, change.old_name, &YamlEntry::key);
+    if (entry == section.entries.end()) return;
+    const std::string path = std::string(change.section) + ".";
+    if (change.new_name.empty()) {
+      notes_.push_back(note(*entry, path, "changes no result and is ignored: remove it"));
+      section.entries.erase(entry);
+      return;
+    }
+    const std::string new_name(change.new_name);
+    if (section.find(new_name) != nullptr) {
+      throw InputError(entry->mark.in(file_), path + entry->key, "given together with " + new_name,
+                       "expected " + new_name + " only");
+    }
+    notes_.push_back(note(*entry, path, "is " + new_name + " since format version 2: rename it"));
+    entry->key = new_name;
+    // Version 1 had no name of its own for the engine of exact erosion.
+    if (new_name == "type" && is_text(*entry->value, "bricked")) entry->value = with_text(*entry->value, "auto");
+  }
+
+  [[nodiscard]] std::string note(const YamlEntry& entry, const std::string& path, const std::string& text) const {
+    return InputError(entry.mark.in(file_), path + entry.key, text, "").what();
+  }
+
+  std::string file_;
+  std::vector<std::string>& notes_;
+};
+
+}  // namespace
+
+YamlNodePtr migrate(const YamlNodePtr& document, const std::string& file, std::vector<std::string>& notes) {
+  const YamlNodePtr changed = Migration(file, notes).changed(document, "");
+  const YamlEntry* version = changed->find("version");
+  if (version == nullptr || !is_text(*version->value, "1")) return changed;
+  auto copy = std::make_shared<YamlNode>(*changed);
+  std::ranges::find(copy->entries, "version", &YamlEntry::key)->value =
+      with_text(*version->value, std::to_string(kScenarioVersion));
+  return copy;
+}
+
+}  // namespace reamsim
