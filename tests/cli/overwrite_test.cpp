@@ -224,7 +224,7 @@ TEST_F(Overwrite, AWorkGroupTooLargeForTheDeviceIsRefused) {
   const std::string on_opencl = with(kSmall, "device: serial", "device: auto");
   write("s.yaml", on_opencl);
   const auto run_with = [this](const char* tuning) {
-    return reamsim({.arguments = {"run", "s.yaml"},
+    return reamsim({.arguments = {"run", "s.yaml", "-o", "out"},
                     .environment = {{"REAMSIM_ENGINE_TUNING", tuning}},
                     .folder = "",
                     .interrupt_when = {}});
