@@ -9,8 +9,8 @@
 
 namespace reamsim {
 
-// The values of every key that takes one of a closed list. docs/formats.md says what each means. kChoiceNames<E> has
-// their names in the order of the enumerators: scenarios, results and messages all use it.
+// The values of every key that takes one of a closed list; docs/formats.md defines them. kChoiceNames<E> has their
+// names in the order of the enumerators, for scenarios, results and messages.
 
 template <class E>
 inline constexpr bool kChoiceNames = false;  // specialised below, as arrays
@@ -100,7 +100,7 @@ enum class Background { studio, white, transparent };
 template <>
 inline constexpr auto kChoiceNames<Background> = name_list("studio", "white", "transparent");
 
-/// The name of a value; "" for one that stands for a key that is not given.
+/// The name of a value; "" for the value of a key that is not given.
 template <class E>
 std::string name_of(E value) {
   return std::string(kChoiceNames<E>[static_cast<std::size_t>(value)]);

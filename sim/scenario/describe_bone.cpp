@@ -1,5 +1,5 @@
 #include "sim/scenario/describe_sections.h"
-#include "sim/scenario/walch.h"
+#include "sim/scenario/presets.h"
 
 namespace reamsim {
 
@@ -144,7 +144,7 @@ void describe_glenoid_phantom(KeyVisitor& v, PhantomSettings& phantom) {
                    "biconcave; C: dysplastic",
             .when = glenoid},
            phantom.walch);
-  v.defaults([&phantom] { take_walch_defaults(phantom); });
+  v.defaults([&phantom] { apply_walch_defaults(phantom); });
   describe_glenoid_size(v, phantom);
   describe_wear(v, phantom);
   v.number({.name = "subchondral_density_g_cm3",

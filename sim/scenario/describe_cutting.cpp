@@ -83,7 +83,7 @@ void describe_specific_energies(KeyVisitor& v, CuttingSettings& cutting) {
            cutting.density_exponent);
 }
 
-/// What the energetic law can have besides.
+/// Options of the energetic law.
 void describe_options(KeyVisitor& v, CuttingSettings& cutting) {
   v.number({.name = "normal_ratio",
             .doc = "Normal force as a multiple of the tangential force (k_n)",

@@ -4,9 +4,9 @@
 
 namespace reamsim {
 
-/// Of positions in mm; those further out are mistakes of unit or frame.
+/// Range of positions, mm. A position beyond it is a mistake of unit or frame.
 constexpr Range kPosition = between(-10000, 10000);
-/// Of a direction's components; it need not have length 1.
+/// Range of the components of a direction, which need not be normalized.
 constexpr Range kComponent = between(-1000, 1000);
 
 // The parts of describe_scenario(), one per top-level section.

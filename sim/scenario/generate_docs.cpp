@@ -8,7 +8,7 @@
 
 namespace {
 
-/// Replaces what stands between the two marker comments of a Markdown file.
+/// Replaces the text between the two marker comments of a Markdown file.
 bool replace_between_markers(std::string& text, const std::string& table) {
   const std::string begin = "<!-- keys: begin -->\n";
   const std::string end = "<!-- keys: end -->";

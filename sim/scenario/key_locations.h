@@ -7,16 +7,16 @@
 
 namespace reamsim {
 
-/// Where each key of a scenario stands, by path ("motion.keyframes.0.time_s"); a key that is absent stands where its
-/// section does.
+/// The place of each key in the scenario file, by path ("motion.keyframes.0.time_s"). A missing key has the place of
+/// its section.
 class KeyLocations {
  public:
   void set(const std::string& path, const SourceLocation& where, bool given);
   [[nodiscard]] SourceLocation of(const std::string& path) const;
   /// Whether the file (or --set) has the key.
   [[nodiscard]] bool given(const std::string& path) const;
-  /// The same mistakes with the place of their key, where they name a key and no place: what is found out only when
-  /// the data are there.
+  /// Adds the place of the key to those mistakes that name a key and no place. Mistakes that are found only once the
+  /// data are loaded need it.
   [[nodiscard]] InputError located(const InputError& error) const;
 
  private:

@@ -39,7 +39,7 @@ std::string vector_json(const Vec3& v) {
   return "[" + number_text(v.x()) + ", " + number_text(v.y()) + ", " + number_text(v.z()) + "]";
 }
 
-/// Walks a default scenario and notes every key.
+/// Lists every key of a default scenario.
 class TreeBuilder : public KeyVisitor {
  public:
   explicit TreeBuilder(KeyNode& root) : stack_{&root} {}

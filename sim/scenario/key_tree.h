@@ -8,7 +8,7 @@
 
 namespace reamsim {
 
-/// A key as data: what describe_scenario() says of it, its default, and the keys below it.
+/// A key as data: its description by describe_scenario(), its default, and the keys below it.
 struct KeyNode {
   enum class Kind { section, list, number, integer, flag, text, choices, names, vector, points, quaternion };
 
@@ -31,7 +31,7 @@ std::string_view unit_of(std::string_view name);
 /// A key's name without its unit, "feed" for "feed_mm_s".
 std::string_view without_unit(std::string_view name);
 
-/// What values a key takes, in words: "a number above 0, up to 5 (mm)", "one of left, right".
+/// The values that a key accepts, in words: "a number above 0, up to 5 (mm)", "one of left, right".
 std::string expectation(const KeyInfo& info, KeyNode::Kind kind);
 
 /// A range in words: "above 0, up to 5"; "" where there is none.

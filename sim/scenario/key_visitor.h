@@ -43,7 +43,7 @@ struct When {
   std::vector<std::string_view> values;
 };
 
-/// All that is known of one key beside its value: one description for parser, writer, schema and documentation.
+/// The description of one key, for parser, writer, schema and documentation.
 struct KeyInfo {
   std::string_view name;
   std::string_view doc{};
@@ -51,12 +51,12 @@ struct KeyInfo {
   Range range{};
   std::vector<std::string_view> choices{};
   TextKind text = TextKind::word;
-  bool number_too = false;        ///< a text that may look like a number
+  bool number_too = false;        ///< text that may look like a number
   bool nonzero = false;           ///< a direction: not all components zero
   When when{};                    ///< empty: always
   std::string_view unless{};      ///< does not apply where this sibling is given
   int least_points = 1;           ///< of a list of points
-  std::string_view default_by{};  ///< the choice above that may bring another default (KeyVisitor::defaults)
+  std::string_view default_by{};  ///< the choice above that can change the default (KeyVisitor::defaults)
 };
 
 /// "exactly one of these" or "at most one of these", for sibling keys.
@@ -65,8 +65,8 @@ struct KeyGroup {
   bool one_needed = true;
 };
 
-/// Walks over the keys of a scenario in the order of the documentation. describe_scenario() calls it; what it does with
-/// a key (read it, write it, list it) is its own affair.
+/// Visits the keys of a scenario in the order of the documentation. describe_scenario() calls it; implementations read,
+/// write or list keys.
 class KeyVisitor {
  public:
   virtual ~KeyVisitor() = default;
@@ -74,7 +74,7 @@ class KeyVisitor {
   virtual void number(const KeyInfo& info, double& value) = 0;
   virtual void integer(const KeyInfo& info, int& value) = 0;
   virtual void flag(const KeyInfo& info, bool& value) = 0;
-  /// A text: one of `info.choices`, a path or a free word, as `info` says. "" = not given.
+  /// Text: one of `info.choices`, a path or a free word. "": not given.
   virtual void text(const KeyInfo& info, std::string& value) = 0;
   virtual void choices(const KeyInfo& info, std::vector<std::string>& values) = 0;
   /// One of the names of an enum.
@@ -96,12 +96,11 @@ class KeyVisitor {
   virtual void names(const KeyInfo& info, std::vector<std::string>& values) = 0;
   virtual void vector(const KeyInfo& info, Vec3& value) = 0;
   virtual void optional_vector(const KeyInfo& info, std::optional<Vec3>& value) = 0;
-  /// A list of vectors; empty = not given.
+  /// A list of vectors; empty: not given.
   virtual void points(const KeyInfo& info, std::vector<Vec3>& values) = 0;
   virtual void optional_quaternion(const KeyInfo& info, std::optional<Quat>& value) = 0;
   virtual void group(const KeyGroup& group) = 0;
-  /// The choices above this call may change the defaults of the keys below it: `change` does so. Only a reader needs
-  /// it; whoever writes or lists keys has their values already.
+  /// `change` sets those defaults of the keys below this call that depend on choices above it. Only readers call it.
   virtual void defaults(const std::function<void()>& /*change*/) {}
 
   /// A section that always has a value.
@@ -154,8 +153,8 @@ class KeyVisitor {
   }
 };
 
-/// The one description of all keys: path, type, range or choices, whether required, and what each means. Units are
-/// part of the names; defaults are those of the structs.
+/// The description of all keys: path, type, range or choices, whether required, and meaning. Units are part of the
+/// names; defaults are those of the structs.
 void describe_scenario(KeyVisitor& v, Scenario& scenario);
 
 }  // namespace reamsim

@@ -1,4 +1,4 @@
-#include "sim/scenario/migrate.h"
+#include "sim/scenario/parse_steps.h"
 
 #include <algorithm>
 #include <array>

@@ -1,4 +1,4 @@
-#include "sim/scenario/overrides.h"
+#include "sim/scenario/parse_steps.h"
 
 #include <algorithm>
 #include <charconv>
@@ -11,7 +11,7 @@ namespace reamsim {
 
 namespace {
 
-/// One assignment, taken apart.
+/// A parsed assignment.
 struct Override {
   YamlMark mark;
   std::vector<std::string> path;

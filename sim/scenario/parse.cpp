@@ -13,14 +13,11 @@
 #include "sim/base/error.h"
 #include "sim/base/mistake_list.h"
 #include "sim/scenario/describe_sections.h"
-#include "sim/scenario/migrate.h"
-#include "sim/scenario/overrides.h"
+#include "sim/scenario/parse_steps.h"
 #include "sim/scenario/paths.h"
 #include "sim/scenario/presets.h"
 #include "sim/scenario/reader.h"
-#include "sim/scenario/rules.h"
 #include "sim/scenario/show.h"
-#include "sim/scenario/unknown_keys.h"
 #include "sim/scenario/yaml_tree.h"
 
 namespace reamsim {

@@ -12,7 +12,7 @@ namespace reamsim {
 /// Throws InputError naming file, line, column, key, what was found and what would be right.
 Scenario parse_scenario(const std::string& path, const std::vector<std::string>& overrides);
 
-/// What a run's resolved scenario (an output folder's scenario.yaml) says of how its results are shown.
+/// The settings of a run's scenario.yaml that pictures, plots and reports need.
 struct ResultSettings {
   RenderSettings render;
   CuttingSettings cutting;
@@ -20,12 +20,12 @@ struct ResultSettings {
   ToolSpin tool_spin = ToolSpin::envelope;
 };
 
-/// Reads them, with overrides. Unlike parse_scenario() it does not ask for the input files, which may be gone: pictures
-/// are made from results alone.
+/// Reads them, with overrides. Unlike parse_scenario(), it does not require the input files: rendering needs the
+/// results only.
 ResultSettings parse_result_settings(const std::string& path, const std::vector<std::string>& overrides = {});
 
-/// A bone section made of nothing but a source ("ct" or "mesh"), its path and overrides ("bone.voxel_mm=0.5"), for
-/// `reamsim import`. Validated like a scenario's.
+/// A bone section that consists of a source ("ct" or "mesh"), its path and overrides ("bone.voxel_mm=0.5"), for
+/// `reamsim import`; validated as in a scenario.
 BoneSettings parse_bone_settings(const std::string& source, const std::string& path,
                                  const std::vector<std::string>& overrides);
 

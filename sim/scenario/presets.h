@@ -7,11 +7,14 @@
 
 namespace reamsim {
 
-/// Fills in what `cutting.preset` stands for, except in keys that the scenario gives itself. Without a preset nothing
-/// changes. Sources: docs/physics.md, section 4.
+/// Sets the keys that `cutting.preset` defines, except those that the scenario gives. Sources: docs/physics.md, 4.
 void apply_preset(const KeyLocations& locations, CuttingSettings& cutting);
 
-/// Keys of the section `cutting` that say otherwise than its preset; none without a preset.
+/// Keys of the section `cutting` that differ from its preset; none without a preset.
 std::vector<std::string_view> changed_from_preset(const CuttingSettings& cutting);
+
+/// Replaces the defaults of a glenoid phantom by those of its Walch type (docs/physics.md has their sources). Does
+/// nothing with `walch: none`.
+void apply_walch_defaults(PhantomSettings& phantom);
 
 }  // namespace reamsim

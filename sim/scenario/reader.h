@@ -12,16 +12,16 @@
 
 namespace reamsim {
 
-/// Reads the values of a document whose unknown keys are reported already. Each key is checked by itself (type, range,
-/// choice, where it applies); rules between keys are check_rules()'s. Paths are expanded and made absolute.
+/// Reads the values of a document whose unknown keys are already reported. Checks each key by itself (type, range,
+/// choice, where it applies); check_rules() checks keys against each other. Expands paths and makes them absolute.
 ///
-/// A mistake is put on the list, and reading goes on with the default in its place. What would only follow from a
-/// mistake is not reported: keys that apply with a choice that is wrong or missing, keys that are missing beside an
-/// unknown one (which is probably the same key with a typing error), and whatever is in a section that is none.
+/// Lists each mistake and continues with the default value. Does not report consequences of a mistake: keys that depend
+/// on a wrong or missing choice, missing keys beside an unknown key (probably a typing error), and the contents of a
+/// section that is not one.
 class ScenarioReader : public KeyVisitor {
  public:
-  /// `folder` is what relative paths are relative to; `file` stands in messages. `mistakes` outlives the reader, and
-  /// has what reject_unknown_keys() found.
+  /// `folder`: base of relative paths. `file`: name in messages. `mistakes` must outlive the reader and hold the
+  /// findings of reject_unknown_keys().
   ScenarioReader(YamlNodePtr document, std::string file, std::string folder, MistakeList& mistakes);
 
   [[nodiscard]] const KeyLocations& locations() const { return locations_; }
@@ -48,28 +48,28 @@ class ScenarioReader : public KeyVisitor {
   void end_list() override;
 
  private:
-  /// A key that is missing because a choice says so; not a mistake where a key that is there contradicts the choice.
+  /// A missing key that a choice requires; no mistake where a given key contradicts the choice.
   struct MissingByChoice {
     std::string_view choice;
     InputError error;
   };
-  /// A section, list or item that is being read; its node is null where the document does not have it.
+  /// The section, list or item being read; its node is null where the document does not have it.
   struct Level {
     YamlNodePtr node;
     std::string path;
     SourceLocation where;
-    bool skipped = false;                            // wrong as a whole: its keys are not looked at
-    bool has_unknown = false;                        // a key that is missing may be the unknown one
+    bool skipped = false;                            // wrong as a whole: its keys are not checked
+    bool has_unknown = false;                        // a missing key may be the unknown one
     std::map<std::string_view, std::string> chosen;  // values of the choices read so far
-    std::set<std::string_view> unknown_choices;      // those whose value is wrong or missing
-    std::set<std::string_view> contradicted;         // choices with which a key that is given does not go
+    std::set<std::string_view> unknown_choices;      // choices whose value is wrong or missing
+    std::set<std::string_view> contradicted;         // choices that exclude a given key
     std::vector<MissingByChoice> missing;
   };
 
   enum class Applies { yes, no, unknown };
 
-  /// The value of a key, or nullptr where it is absent, or nothing can be said of it. Throws where it is needed, or
-  /// may not stand here.
+  /// The value of a key; nullptr where it is absent or cannot be judged. Throws where it is required, or does not
+  /// apply.
   YamlNodePtr take(const KeyInfo& info);
   void take_missing(const KeyInfo& info);
   [[nodiscard]] Applies applies(const KeyInfo& info, std::string& why_not) const;

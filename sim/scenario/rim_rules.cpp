@@ -3,7 +3,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "sim/scenario/rules.h"
+#include "sim/scenario/parse_steps.h"
 #include "sim/scenario/show.h"
 
 namespace reamsim {

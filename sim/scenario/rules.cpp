@@ -1,4 +1,4 @@
-#include "sim/scenario/rules.h"
+#include "sim/scenario/parse_steps.h"
 
 #include <algorithm>
 #include <cmath>
@@ -44,10 +44,10 @@ class Rules {
   }
 
  private:
-  /// Looks at a rule of these keys, unless one of them has a mistake of its own.
-  void rule(std::initializer_list<std::string_view> keys, void (Rules::*look)() const) const {
+  /// Checks a rule of these keys, unless one of them has a mistake already.
+  void rule(std::initializer_list<std::string_view> keys, void (Rules::*check_rule)() const) const {
     const auto wrong = [this](std::string_view key) { return mistakes_.concerns(key); };
-    if (std::ranges::none_of(keys, wrong)) mistakes_.attempt([&] { (this->*look)(); });
+    if (std::ranges::none_of(keys, wrong)) mistakes_.attempt([&] { (this->*check_rule)(); });
   }
 
   [[noreturn]] void fail(const std::string& key, const std::string& found, const std::string& expected) const {
@@ -279,7 +279,7 @@ void Rules::check_edge_force() const {
     fail("cutting.law", "found " + name_of(cutting.law), "energy, because cutting.edge_force is given");
   }
   if (cutting.edge_force && s_.tool.spin != ToolSpin::envelope) {
-    // It spreads the lips over the surface that they sweep.
+    // The edge force is that of the envelope of revolution.
     fail("tool.spin", "found " + name_of(s_.tool.spin), "envelope, because cutting.edge_force is given");
   }
 }

@@ -11,8 +11,8 @@
 
 namespace reamsim {
 
-// A scenario as plain, validated values. Nothing downstream of the parser reads YAML. Members bear the names of the
-// YAML keys, units included; defaults here are the documented ones. Paths are absolute after parsing.
+// A scenario as plain, validated values. Nothing downstream of the parser reads YAML. Members have the names of the
+// YAML keys, with units; defaults here are the documented ones. Paths are absolute after parsing.
 
 // ---- bone ------------------------------------------------------------------------------------------------------
 
@@ -48,7 +48,7 @@ struct PhantomSettings {
   double cortical_mm = 2;      ///< layered: thickness of the top layer
   double cortical_density_g_cm3 = 1.8;
   double trabecular_density_g_cm3 = 0.4;
-  // glenoid; docs/physics.md says where its densities come from
+  // glenoid; sources of its densities: docs/physics.md
   double subchondral_density_g_cm3 = 1.1;
   double height_mm = 35;           ///< superior–inferior
   double width_mm = 26;            ///< anterior–posterior, of the lower, wider part
@@ -61,11 +61,11 @@ struct PhantomSettings {
   double trabecular_gradient = 1;  ///< how much denser trabecular bone is under the plate than deep; 0: even
   double texture = 0.25;           ///< relative amplitude of the trabecular texture
   int seed = 1;
-  // glenoid, worn or dysplastic: which key belongs to which type, docs/physics.md
-  Walch walch = Walch::none;       ///< gives some keys other defaults (take_walch_defaults)
+  // glenoid, worn or dysplastic; docs/physics.md defines the keys of each type
+  Walch walch = Walch::none;       ///< sets defaults of some keys (apply_walch_defaults)
   double medialization_mm = 1.5;   ///< A1, A2: how far wear has moved the face's centre towards the trigonum spinae
   double wear_radius_mm = 24;      ///< A1, A2, B2: of the humeral head that wore the face
-  double wear_direction_deg = 30;  ///< B2: which way the wear goes from the centre, from posterior towards inferior
+  double wear_direction_deg = 30;  ///< B2: direction of the wear from the centre, from posterior towards inferior
   double wear_ridge_mm = 0;        ///< B2: where the worn part begins, from the centre in that direction
   double wear_tilt_deg = 15;       ///< B2: of the worn part against the axis of the native face
   double rim_rounding_mm = 12;     ///< C: width of the posteroinferior rim that is rounded off
@@ -83,7 +83,7 @@ struct CutPlaneSettings {
 struct LabelMapSettings {
   std::string path;
   std::vector<std::string> label{"1"};  ///< whole numbers or names of segments; several are one bone
-  double refine_mm = 0;                 ///< the mask's surface moves to the isosurface of refine_hu if that is so near
+  double refine_mm = 0;  ///< the mask's surface moves to the isosurface of refine_hu within this distance
   double refine_hu = 200;
 };
 
@@ -123,7 +123,7 @@ struct VdbBoneSettings {
 struct PilotHoleSettings {
   double diameter_mm = 2.5;
   Vec3 entry_mm = Vec3::Zero();
-  Vec3 axis{0, 0, -1};  ///< the way the drill goes in
+  Vec3 axis{0, 0, -1};  ///< direction of drilling
   double depth_mm = 20;
   PoseFrame frame = PoseFrame::bone;  ///< the frame of entry_mm and axis
 };
@@ -148,14 +148,14 @@ struct ToolSettings {
   std::string mesh;  ///< STL, OBJ or PLY in the tool frame T
   double scale = 1;
   int shell_resolution = 0;            ///< M of the M³ grid; 0 = spacing of 0.47 voxel, which leaks nothing
-  ToolSpin spin = ToolSpin::envelope;  ///< envelope: the surface that the teeth sweep | resolved: the teeth themselves
+  ToolSpin spin = ToolSpin::envelope;  ///< envelope of revolution | resolved cutting edges
 };
 
 // ---- motion ----------------------------------------------------------------------------------------------------
 
 struct PlungeSettings {
   Vec3 entry_mm = Vec3::Zero();
-  Vec3 axis{0, 0, -1};  ///< the way the tool goes; +z of T is its opposite
+  Vec3 axis{0, 0, -1};  ///< direction of the feed, opposite to +z of T
   double approach_mm = 2;
   double feed_mm_s = 1;
   double depth_mm = 4;
@@ -242,7 +242,7 @@ struct CuttingSettings {
   double wear_g_cm3_per_s = 80;      ///< erosion: wear; density that a touched voxel loses per second
 };
 
-/// `bone` with `surface_voxels: auto` decided: partial where erosion is exact, which alone makes use of it, else whole.
+/// `bone` with `surface_voxels: auto` resolved: partial for exact erosion, else whole.
 inline BoneSettings with_surface_voxels(BoneSettings bone, const CuttingSettings& cutting) {
   if (bone.surface_voxels == SurfaceVoxels::automatic)
     bone.surface_voxels = cutting.erosion == ErosionMode::exact ? SurfaceVoxels::partial : SurfaceVoxels::whole;
@@ -251,15 +251,15 @@ inline BoneSettings with_surface_voxels(BoneSettings bone, const CuttingSettings
 
 // ---- metrics -----------------------------------------------------------------------------------------------------
 
-/// The back of a glenoid component that is to lie on the reamed face.
+/// The backside of a glenoid component that is seated on the reamed face.
 struct ImplantSettings {
   double backside_radius_mm = 0;  ///< 0: flat
   double diameter_mm = 0;         ///< of the footprint, round the reamer's axis; 0: the reamed face
-  double gap_mm = 0.5;            ///< up to this the implant counts as seated
+  double gap_mm = 0.5;            ///< the implant counts as seated up to this gap
 };
 
 struct MetricSettings {
-  double dense_g_cm3 = 1;  ///< from here on bone is subchondral or cortical, below trabecular
+  double dense_g_cm3 = 1;  ///< least density of subchondral and cortical bone; below: trabecular
   std::optional<ImplantSettings> implant;
 };
 
@@ -295,10 +295,10 @@ struct RenderSettings {
   ToolLook tool_look = ToolLook::see_through;
   bool force_arrow = true;  ///< in pictures along the run
   Background background = Background::studio;
-  Vec3 light{-0.55, 0.70, 0.62};  ///< where the key light comes from: right, up, towards the viewer
-  int supersampling = 1;          ///< a picture is drawn so many times as wide and as high, and averaged
+  Vec3 light{-0.55, 0.70, 0.62};  ///< direction to the key light: right, up, towards the viewer
+  int supersampling = 1;          ///< pictures are rendered at this multiple of the size, and averaged
   bool report = true;             ///< write report.html beside the pictures
-  double depth_max_mm = 0;        ///< top of the depth legend; 0 = the depth foreseen
+  double depth_max_mm = 0;        ///< top of the depth legend; 0: the predicted depth
 };
 
 struct OutputSettings {
@@ -314,7 +314,7 @@ struct Scenario {
   int version = kScenarioVersion;
   std::string name;   ///< key `name`; without it the file's stem
   std::string file;   ///< absolute path of the YAML
-  KeyLocations keys;  ///< where they stand in it, for messages
+  KeyLocations keys;  ///< their places in it, for messages
   BoneSettings bone;
   ToolSettings tool;
   MotionSettings motion;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -8,23 +9,26 @@
 
 namespace reamsim {
 
+/// Bytes of the UTF-8 character at `text[at]`, 1 to 4; 0 where there is none (stray, overlong, surrogate, cut off).
+std::size_t utf8_length(std::string_view text, std::size_t at);
+
 /// A user's text for a message: in double quotes, control characters and broken UTF-8 as \xNN, cut after 60 bytes.
 std::string shown_text(std::string_view text);
 
 /// A file name for a message: without quotes, otherwise as shown_text(), cut after 300 bytes.
 std::string shown_path(std::string_view path);
 
-/// A key of the user's for a message: as it is where it is a plain name, else as shown_text().
+/// A user's key for a message: unchanged where it is a plain name, else as shown_text().
 std::string shown_key(std::string_view key);
 
-/// What a node is, in words: 0.25, the text "abc", a list of 3, a section of keys, nothing.
+/// A node in words: 0.25, the text "abc", a list of 3, a section of keys, nothing.
 std::string shown(const YamlNode& node);
 
 /// The shortest decimal that reads back as the same double, in a form that every YAML and JSON reader takes for a
 /// number (1.0e+20, not 1e+20).
 std::string number_text(double value);
 
-/// A YAML number, whole text; infinite and NaN where it says so or overflows; nullopt where it is none.
+/// The number that the whole text is; infinite or NaN where written so or overflowing; nullopt where it is no number.
 std::optional<double> parse_number(std::string_view text);
 
 /// A text as a YAML scalar: plain where that is safe, else in double quotes.

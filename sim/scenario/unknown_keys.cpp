@@ -1,4 +1,4 @@
-#include "sim/scenario/unknown_keys.h"
+#include "sim/scenario/parse_steps.h"
 
 #include <algorithm>
 #include <array>
@@ -81,6 +81,20 @@ const KeyNode* elsewhere(const KeyNode& section, std::string_view name) {
   return nullptr;
 }
 
+/// What to say of an unknown key in `section`: "did you mean feed_mm_s (mm/s)?", or the keys there are.
+std::string suggest_key(const KeyNode& section, const std::string& unknown) {
+  if (unknown.size() <= kLongestKey) {
+    for (const auto& key : section.children) {
+      if (differs_in_unit_only(key, unknown)) return "did you mean " + display(key) + "?";
+    }
+    if (const KeyNode* key = elsewhere(key_tree(), unknown)) return "did you mean " + key->path + "?";
+    if (const KeyNode* key = nearest(section, unknown)) return "did you mean " + display(*key) + "?";
+  }
+  std::vector<std::string_view> names;
+  for (const auto& key : section.children) names.push_back(key.info.name);
+  return "expected one of " + join_or(names);
+}
+
 class UnknownKeys {
  public:
   UnknownKeys(const std::string& file, MistakeList& mistakes) : file_(file), mistakes_(mistakes) {}
@@ -107,19 +121,6 @@ class UnknownKeys {
 };
 
 }  // namespace
-
-std::string suggest_key(const KeyNode& section, const std::string& unknown) {
-  if (unknown.size() <= kLongestKey) {
-    for (const auto& key : section.children) {
-      if (differs_in_unit_only(key, unknown)) return "did you mean " + display(key) + "?";
-    }
-    if (const KeyNode* key = elsewhere(key_tree(), unknown)) return "did you mean " + key->path + "?";
-    if (const KeyNode* key = nearest(section, unknown)) return "did you mean " + display(*key) + "?";
-  }
-  std::vector<std::string_view> names;
-  for (const auto& key : section.children) names.push_back(key.info.name);
-  return "expected one of " + join_or(names);
-}
 
 void reject_unknown_keys(const YamlNode& document, const std::string& file, MistakeList& mistakes) {
   UnknownKeys(file, mistakes).find(document, key_tree(), "");

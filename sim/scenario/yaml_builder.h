@@ -12,7 +12,7 @@
 
 namespace reamsim {
 
-/// Where the lines of a text begin, to turn yaml-cpp's marks (from 0, columns in bytes) into ours.
+/// Begins of the lines of a text, to convert yaml-cpp's marks (from 0, columns in bytes).
 class LineIndex {
  public:
   explicit LineIndex(std::string_view text);
@@ -25,14 +25,14 @@ class LineIndex {
   std::vector<std::size_t> starts_;
 };
 
-/// Builds the tree of one document from yaml-cpp's events. It sees what yaml-cpp's own tree hides: duplicate keys,
-/// recursive aliases, the size that merging would have.
+/// Builds the tree of one document from yaml-cpp's events. Unlike yaml-cpp's own tree, it reports duplicate keys,
+/// recursive aliases and the size after merging.
 class YamlBuilder : public YAML::EventHandler {
  public:
   YamlBuilder(const LineIndex& lines, std::string file) : lines_(lines), file_(std::move(file)) {}
 
   [[nodiscard]] YamlNodePtr root() const { return root_; }
-  /// Where the innermost list or section that is still open begins; line 0 when none is.
+  /// Begin of the innermost open list or section; line 0 where none is open.
   [[nodiscard]] YamlMark open_mark() const;
 
   void OnDocumentStart(const YAML::Mark& mark) override;
@@ -49,11 +49,11 @@ class YamlBuilder : public YAML::EventHandler {
   void OnMapEnd() override;
 
  private:
-  /// A list or section whose end has not come yet.
+  /// An open list or section.
   struct Open {
     std::shared_ptr<YamlNode> node;
     YAML::anchor_t anchor = 0;
-    std::string key;  // a map's key that waits for its value
+    std::string key;  // a map's key without its value yet
     YamlMark key_mark;
     bool has_key = false;
     std::vector<YamlNodePtr> merges;  // values of "<<"

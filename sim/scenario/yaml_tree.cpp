@@ -8,8 +8,6 @@
 #include <sstream>
 #include <utility>
 
-#include "sim/scenario/show.h"
-#include "sim/scenario/utf8.h"
 #include "sim/scenario/yaml_builder.h"
 
 namespace reamsim {

@@ -45,14 +45,14 @@ struct YamlNode {
   [[nodiscard]] const YamlEntry* find(std::string_view key) const;
 };
 
-/// What a document may hold; beyond it lies an attack or a mistake, not a scenario.
+/// Limits of a document; a scenario is far below them.
 struct YamlLimits {
   static constexpr std::size_t kMaxBytes = 4u << 20;
   static constexpr std::size_t kMaxNodes = 500'000;
   static constexpr int kMaxDepth = 32;
 };
 
-/// Parses one YAML document; an empty one gives a null node. `file` stands in messages only.
+/// Parses one YAML document; an empty one gives a null node. `file` is for messages only.
 /// Throws InputError with line and column: not text, syntax error, duplicate key, a key that is no plain name, unknown
 /// or recursive alias, more than one document, or a limit passed.
 YamlNodePtr parse_yaml(std::string_view text, const std::string& file);

@@ -8,7 +8,7 @@
 
 #include "bone_fixture.h"
 #include "sim/bone/glenoid_shape.h"
-#include "sim/scenario/walch.h"
+#include "sim/scenario/presets.h"
 
 namespace reamsim::test {
 namespace {
@@ -21,7 +21,7 @@ constexpr double kVoxel_mm = 0.25;
 BoneSettings walch(Walch type, double voxel_mm = kVoxel_mm) {
   BoneSettings settings = phantom(PhantomShape::glenoid, voxel_mm);
   settings.phantom.walch = type;
-  take_walch_defaults(settings.phantom);
+  apply_walch_defaults(settings.phantom);
   return settings;
 }
 

@@ -6,7 +6,7 @@
 #include <tuple>
 
 #include "sim/bone/bone.h"
-#include "sim/scenario/walch.h"
+#include "sim/scenario/presets.h"
 #include "tests/metrics/reamed_fixture.h"
 
 namespace reamsim::test {
@@ -81,7 +81,7 @@ BoneSettings glenoid(Walch walch, BodySide side, double version, double inclinat
   out.surface_voxels = SurfaceVoxels::partial;
   out.phantom.shape = PhantomShape::glenoid;
   out.phantom.walch = walch;
-  take_walch_defaults(out.phantom);
+  apply_walch_defaults(out.phantom);
   out.phantom.version_deg = version;
   out.phantom.inclination_deg = inclination;
   return out;
