@@ -70,11 +70,11 @@ typedef struct {
   rs_u32 count;
 } ShellCell;
 
-/* The voxels of a block that went in a substep, as the kernels report them. */
+/* The voxels of a block that a substep removed, as the kernels report them. */
 typedef struct {
   rs_u32 brick;  /* in the lattice of bricks */
   rs_u32 detail; /* substep's slot << 3 | block in the brick */
-  rs_u64 gone;   /* a bit per voxel of the block */
+  rs_u64 removed; /* a bit per voxel of the block */
 } RemovedBlock;
 
 /* The list of records has room for what any one substep can remove, not for every substep of a batch. A substep for

@@ -114,7 +114,7 @@ RS_INLINE void find_candidates(__global const SubstepArgs* a, const OutlineView*
    * 16 voxels. */
   const float16 middle = rs_clip_distance(a, outline, v->list, v->corner, convert_float16((lane & 1) << 2) + 1.5f,
                                           convert_float16((lane & 2) << 1) + 1.5f, convert_float16(lane & 4) + 1.5f);
-  const float near = RS_CLIP_REACH + 2.6f + 0.1f + shift + ENVELOPE_SLACK(v) * a->per_voxel_mm;
+  const float near = RS_CLIP_REACH + 2.6f + 0.1f + shift + envelope_slack(v) * a->per_voxel_mm;
   const uint blocks = bits_of(middle * a->per_voxel_mm <= near);
   for (int block = 0; block < 8; ++block) {
     if ((blocks >> block & 1u) == 0) continue;

@@ -51,6 +51,14 @@ RS_INLINE void rs_brick_in_tool(RS_GLOBAL const SubstepArgs* a, rs_i32 x, rs_i32
                    a->tool_from_voxel[3 * i + 2] * bz);
 }
 
+/* Middle of the brick whose lowest voxel's centre is `corner` (T, mm). */
+RS_INLINE void rs_brick_middle(RS_GLOBAL const SubstepArgs* a, const float* corner, float* p) {
+  for (int i = 0; i < 3; ++i) {
+    RS_GLOBAL const double* row = a->tool_from_voxel + 3 * i;
+    p[i] = corner[i] + (float)(3.5 * (row[0] + row[1] + row[2]));
+  }
+}
+
 /* Centre in T of the voxel (x, y, z), counted within its brick, whose lowest voxel's centre is `brick`. From there in
  * single precision: a lever is off by 10^-5 mm at most. */
 RS_INLINE void rs_voxel_in_tool(RS_GLOBAL const SubstepArgs* a, const float* brick, rs_real x, rs_real y, rs_real z,

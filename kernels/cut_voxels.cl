@@ -39,7 +39,7 @@ void add_sums(__global SubstepSums* total, const SubstepSums* part) {
 /* energy_of_grade[256]: mJ for a whole voxel; density_of_grade[256]: g/cm3; fill: 16 bits a voxel, or one dummy entry
  * when every voxel is whole (has_fill = 0); removed: (voxel, frame) of voxels that go; hu_of_air, hu_per_grade: of the
  * layout that keeps HU. */
-__kernel void cut_voxels(__global const SubstepArgs* args, const uint substep, __global Voxel* bone,
+__kernel void cut_voxels(const uint substep, __global const SubstepArgs* args, __global Voxel* bone,
                          __global ushort* fill, const int has_fill, __global Claim* claims,
                          __global const uint* contacts, __global const uint* contact_count, __global SubstepSums* sums,
                          __global uint2* removed, __global uint* removed_count, __global const double* energy_of_grade,

@@ -136,7 +136,7 @@ void add_sums(__global SubstepSums* total, const LaneSums* part) {
 }
 
 #define PARAMETERS                                                                                                  \
-  __global const SubstepArgs *args, const uint substep, __global const ShellCell *cells, const uint cell_count,     \
+  const uint substep, __global const SubstepArgs *args, __global const ShellCell *cells, const uint cell_count,     \
       __global const ShellCell *runs, const uint run_cells, __global const ushort *offsets,                         \
       __global const int *slot_of_brick, __global const uint *occupancy, __global uint *listed,                     \
       __global uint *touched_list, __global uint *touched_count, __global SubstepSums *sums, const int4 bricks,     \

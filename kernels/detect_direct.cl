@@ -13,8 +13,8 @@ typedef rs_u32 ShellCode;
 
 /* codes[point_count]; bone: dense grades, 0 = air or gone; claims: a bit per voxel, all 0 on entry; contacts: room for
  * min(points, voxels); contact_count[substep]: 0 on entry; sums[substep]. */
-__kernel void detect_direct(__global const ShellCode* codes, const uint point_count, __global const SubstepArgs* args,
-                            const uint substep, __global const uchar* bone, __global uint* claims,
+__kernel void detect_direct(const uint substep, __global const SubstepArgs* args, __global const ShellCode* codes,
+                            const uint point_count, __global const uchar* bone, __global uint* claims,
                             __global uint* contacts, __global uint* contact_count, __global SubstepSums* sums,
                             __global const ProfileEdge* edges, __global const ushort* numbers,
                             __global const EdgeList* lists, __global const ProfileGrid* grid) {

@@ -6,8 +6,8 @@
 /* voi_min, voi_size: lowest voxel of the VOI and how many it has along x, y, z; the fourth is padding. bone: dense
  * grades, 0 = air or gone; contacts: room for every voxel that the tool can hold; contact_count[substep]: 0 on entry.
  */
-__kernel void detect_implicit(__global const SubstepArgs* args, const uint substep, const int4 voi_min,
-                              const uint4 voi_size, __global const uchar* bone, __global uint* contacts,
+__kernel void detect_implicit(const uint substep, const int4 voi_min, const uint4 voi_size,
+                              __global const SubstepArgs* args, __global const uchar* bone, __global uint* contacts,
                               __global uint* contact_count, __global const ProfileEdge* edges,
                               __global const ushort* numbers, __global const EdgeList* lists,
                               __global const ProfileGrid* grid) {

@@ -52,8 +52,8 @@ void reduce_forces(__local rs_i64* partial, __global SubstepSums* total, const L
 /* points[3 · point_count]: cell numbers; hu: dense, hu_of_air = air or gone; flags: a byte per voxel, four to a word
  * (no smaller word has atomics), all 0 on entry; contacts, contact_count, sums: as in detect_direct. Built with
  * REAMSIM_GROUP_SIZE where each point has a force of its own (law per_point). */
-__kernel void detect_octree(__global const float* points, const uint point_count, __global const SubstepArgs* args,
-                            const uint substep, __global const float* hu, const float hu_of_air, __global uint* flags,
+__kernel void detect_octree(const uint substep, __global const SubstepArgs* args, __global const float* points,
+                            const uint point_count, __global const float* hu, const float hu_of_air, __global uint* flags,
                             __global uint* contacts, __global uint* contact_count, __global SubstepSums* sums,
                             __global const ProfileEdge* edges, __global const ushort* numbers,
                             __global const EdgeList* lists, __global const ProfileGrid* grid,

@@ -22,8 +22,8 @@ void middle_of(__global const SubstepArgs* a, const int x, const int y, const in
 
 /* `first_super`, `supers`: box of superbricks that the tool's box meets. `shift_mm`: no point near the tool moves
  * further from where it is in substep `substep` while the visit lasts. */
-__kernel void list_bricks(__global const SubstepArgs* args, const uint substep, const int4 first_super,
-                          const int4 supers, const float shift_mm, __global const CoarseGrid* coarse,
+__kernel void list_bricks(const uint substep, const int4 first_super, const int4 supers, const float shift_mm,
+                          __global const SubstepArgs* args, __global const CoarseGrid* coarse,
                           __global const float* distances, __global const uint* occupancy,
                           __global const int* slot_of_brick, const int4 bricks, __global uint* listed,
                           __global VisitCounts* counts) {

@@ -7,7 +7,7 @@
 
 #include "sim/motion/tool_path.h"
 
-#include "sim/engine/common/voxel_box.h"
+#include "sim/engine/common/broad_phase.h"
 #include "sim/engine/exact/list_bricks.h"
 
 namespace reamsim {

@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "sim/base/error.h"
-#include "sim/engine/dense/detect_octree.h"
+#include "sim/engine/dense/dense_state.h"
 #include "tests/engine/outcome.h"
 
 namespace reamsim::test::dense_plan_tests {

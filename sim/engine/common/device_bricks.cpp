@@ -8,7 +8,7 @@
 #include <cstring>
 
 #include "sim/base/error.h"
-#include "sim/engine/common/dense_bone.h"
+#include "sim/engine/common/read_back.h"
 
 namespace reamsim {
 
@@ -91,6 +91,13 @@ std::size_t bytes_of(const BrickLayout& layout, const BoneView& bone) {
 std::string BrickLayout::defines() const {
   return "-DRS_POOLS=" + std::to_string(pools) + " -DRS_POOL_BITS=" + std::to_string(bits) +
          (fill == FillStore::bricks ? " -DRS_BRICK_FILL" : "");
+}
+
+std::vector<cl_mem> DeviceBricks::pool_arguments() const {
+  std::vector<cl_mem> out;
+  for (const auto& pool : pools) out.push_back(pool.get());
+  out.resize(static_cast<std::size_t>(layout.pools), out.back());  // unused, but an argument must be a buffer
+  return out;
 }
 
 std::size_t DeviceBricks::bytes() const {

@@ -40,15 +40,8 @@ struct DeviceBricks {
   cl::Buffer<cl_uint> lattice_of_slot;
   cl::Buffer<cl_uint> occupancy;  ///< two words per 4×4×4 bricks
 
-  /// Sets the pools' arguments from `first` on.
-  template <class Argument>
-  void set_pools(cl::Kernel& kernel, Argument first) const {
-    for (int i = 0; i < layout.pools; ++i) {
-      // Pools that the bone does not need are never looked up; the argument has to be some buffer.
-      kernel.set(static_cast<cl_uint>(first) + static_cast<cl_uint>(i),
-                 pools[std::min(static_cast<std::size_t>(i), pools.size() - 1)]);
-    }
-  }
+  /// The pools as arguments of a kernel.
+  [[nodiscard]] std::vector<cl_mem> pool_arguments() const;
   [[nodiscard]] std::size_t bytes() const;
 };
 

@@ -5,8 +5,8 @@
 #include <cstdio>
 
 #include "sim/base/error.h"
-#include "sim/engine/common/dense_bone.h"
 #include "sim/engine/common/device_batch.h"
+#include "sim/engine/common/read_back.h"
 #include "sim/tool/morton.h"
 
 namespace reamsim {

@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "sim/engine/common/engine_device.h"
-#include "sim/engine/common/removed_blocks.h"
+#include "sim/engine/common/read_back.h"
 #include "sim/engine/exact/cut_exact.h"
 
 namespace reamsim {

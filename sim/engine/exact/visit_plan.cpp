@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "sim/engine/common/voxel_box.h"
+#include "sim/engine/common/broad_phase.h"
 
 namespace reamsim {
 
