@@ -79,14 +79,14 @@ typedef struct {
 
 /* The list of records has room for what any one substep can remove, not for every substep of a batch. A substep for
  * which there might be no room is left for the host to resume, and all that follow it with it: detect notes how long
- * the list was before the substep, or RS_STALLED where an earlier one waits already. */
-#define RS_STALLED 0xffffffffu
+ * the list was before the substep, or RS_WAITING where an earlier one waits already. */
+#define RS_WAITING 0xffffffffu
 
 /* Whether a substep that touches `bricks` bricks has to wait, with `before` records in a list of `records`, when no
  * substep can write more than `per_substep` (never more than the list holds). */
-RS_INLINE int rs_stalls(rs_u32 records, rs_u32 per_substep, rs_u32 before, rs_u32 bricks) {
+RS_INLINE int rs_list_would_overflow(rs_u32 records, rs_u32 per_substep, rs_u32 before, rs_u32 bricks) {
   const rs_u32 most = bricks < per_substep / 8 ? 8 * bricks : per_substep;
-  return before == RS_STALLED || before > records - most;
+  return before == RS_WAITING || before > records - most;
 }
 
 /* ---- Exact erosion: what many substeps share ---- */

@@ -33,7 +33,7 @@ RS_INLINE float16 offset_z(const int16 place) {
 
 /* Of sixteen voxels: the part of the brick's list from the first to the last piece that can be nearest to any of them
  * while the tool moves by `shift` mm, and whether they lie far from that piece's ends if it is one. */
-RS_INLINE void look_near(__global const SubstepArgs* a, const OutlineView* outline, const Visit* v, const int16 place,
+RS_INLINE void find_nearest_pieces(__global const SubstepArgs* a, const OutlineView* outline, const Visit* v, const int16 place,
                          const float shift, EdgeList* near, bool* smooth) {
   const EdgeList list = v->list;
   float16 p[3];
@@ -51,13 +51,13 @@ RS_INLINE void look_near(__global const SubstepArgs* a, const OutlineView* outli
   near->count = end - begin;
   __global const OutlinePiece* piece = outline->pieces + outline->numbers[near->first];
   const float margin = RS_CLIP_REACH * a->voxel_mm + shift + POSITION_SLACK;
-  *smooth = near->count == 1 && all(rs_from_ends(piece, r, p[2]) > margin);
+  *smooth = near->count == 1 && all(rs_distance_to_ends(piece, r, p[2]) > margin);
 }
 
 #ifdef RS_DISTANCE_GRID
 
 /* How much further than it can matter a voxel's centre lies from the teeth, voxels, while the tool moves by `shift`. */
-RS_INLINE float16 beyond_reach(__global const SubstepArgs* a, const OutlineView* outline, const Visit* v,
+RS_INLINE float16 distance_beyond_reach(__global const SubstepArgs* a, const OutlineView* outline, const Visit* v,
                                const float16 x, const float16 y, const float16 z, const float shift) {
   const float slack = RS_CLIP_REACH + RS_GRID_STEEPEST * shift + POSITION_SLACK * a->per_voxel_mm;
   return rs_clip_grid_distance(a, &v->teeth, v->corner, x, y, z) * a->per_voxel_mm - slack;
@@ -83,7 +83,7 @@ RS_INLINE float16 half_width(__global const SubstepArgs* a, const OutlineView* o
 
 /* How much further than it can matter a voxel's centre lies from the surface, voxels, while the tool moves by `shift`.
  */
-RS_INLINE float16 beyond_reach(__global const SubstepArgs* a, const OutlineView* outline, const Visit* v,
+RS_INLINE float16 distance_beyond_reach(__global const SubstepArgs* a, const OutlineView* outline, const Visit* v,
                                const float16 x, const float16 y, const float16 z, const float shift) {
   float16 p[3];
   rs_voxel_in_tool(a, v->corner, x, y, z, p);
@@ -124,7 +124,7 @@ RS_INLINE void find_candidates(__global const SubstepArgs* a, const OutlineView*
       const uint bone = v->brick->bone[first >> 5] >> (first & 31) & 0xffffu;
       if (bone == 0) continue;
       const float16 z = (float16)(float)((block & 4) | layer);
-      uint rest = bone & bits_of(beyond_reach(a, outline, v, x, y, z, shift) <= 0.0f);
+      uint rest = bone & bits_of(distance_beyond_reach(a, outline, v, x, y, z, shift) <= 0.0f);
       for (; rest != 0; rest &= rest - 1) {
         const int place = first + (int)popcount((rest & -rest) - 1);
         c->place[c->count] = (ushort)place;
@@ -139,7 +139,7 @@ RS_INLINE void find_candidates(__global const SubstepArgs* a, const OutlineView*
   vstore16((float16)0.0f, 0, c->energy + c->count);
 #ifndef RS_DISTANCE_GRID
   for (int i = 0; i < c->count; i += 16)
-    look_near(a, outline, v, convert_int16(vload16(0, c->place + i)), shift * a->voxel_mm, c->near + (i >> 4),
+    find_nearest_pieces(a, outline, v, convert_int16(vload16(0, c->place + i)), shift * a->voxel_mm, c->near + (i >> 4),
               c->smooth + (i >> 4));
 #endif
 }

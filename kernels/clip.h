@@ -3,7 +3,7 @@
 #ifndef REAMSIM_KERNELS_CLIP_H
 #define REAMSIM_KERNELS_CLIP_H
 
-#include "cube_share.h"
+#include "cube_fraction.h"
 #include "cut_law.h"
 #include "outline.h"
 
@@ -21,7 +21,7 @@ typedef struct {
 
 /* The direction from the spin axis to `p`, r from it; on the axis one is as good as another, but there has to be one,
  * because a bore's wall may be next to a voxel there. */
-RS_INLINE void rs_from_axis(const rs_real* p, rs_real r, rs_real per_r, rs_real* c, rs_real* s) {
+RS_INLINE void rs_axis_direction(const rs_real* p, rs_real r, rs_real per_r, rs_real* c, rs_real* s) {
   *c = r > 0.0f ? p[0] * per_r : (rs_real)1.0f;
   *s = p[1] * per_r;
 }
@@ -52,7 +52,7 @@ RS_INLINE ClipPlane rs_clip_plane(RS_GLOBAL const SubstepArgs* a, rs_real c, rs_
 }
 
 /* Takes `plane` in the lanes that are `there`. */
-RS_INLINE void rs_put_plane(rs_real there, const ClipPlane* plane, ClipPlane* into) {
+RS_INLINE void rs_select_plane(rs_real there, const ClipPlane* plane, ClipPlane* into) {
   for (int j = 0; j < 3; ++j) into->n[j] = there > 0.0f ? plane->n[j] : into->n[j];
   into->away = there > 0.0f ? plane->away : into->away;
   into->nz = there > 0.0f ? plane->nz : into->nz;
@@ -61,7 +61,7 @@ RS_INLINE void rs_put_plane(rs_real there, const ClipPlane* plane, ClipPlane* in
 /* The voxels among those whose nearest piece is `mine` that the sharp corner between pieces `first` and `second`
  * reaches take both pieces' planes for theirs. Bone goes where a surface advances along its normal, so that the faces
  * share the force by how fast they do. `least`: squared distance of the nearest corner so far, mm2. */
-RS_INLINE void rs_take_corner(RS_GLOBAL const SubstepArgs* a, const OutlineView* outline, const NearestPiece* nearest,
+RS_INLINE void rs_apply_corner(RS_GLOBAL const SubstepArgs* a, const OutlineView* outline, const NearestPiece* nearest,
                               rs_i32 mine, rs_i32 first, rs_i32 second, rs_real r, rs_real per_r, rs_real* least,
                               Clip* clip) {
   RS_GLOBAL const OutlinePiece *e = outline->pieces + first, *f = outline->pieces + second;
@@ -77,13 +77,13 @@ RS_INLINE void rs_take_corner(RS_GLOBAL const SubstepArgs* a, const OutlineView*
   const int bulges = e->along_r1 * f->along_z0 - e->along_z1 * f->along_r0 > 0.0f;
   clip->corner = there > 0.0f ? (rs_real)(bulges ? 1.0f : -1.0f) : clip->corner;
   rs_real c, s;
-  rs_from_axis(clip->p, r, per_r, &c, &s);
+  rs_axis_direction(clip->p, r, per_r, &c, &s);
   const ClipPlane one_side =
       rs_clip_plane(a, c, s, (rs_real)er, (rs_real)ez, vr * er + vz * ez, (rs_real)e->curvature, per_r);
   const ClipPlane other_side =
       rs_clip_plane(a, c, s, (rs_real)fr, (rs_real)fz, vr * fr + vz * fz, (rs_real)f->curvature, per_r);
-  rs_put_plane(there, &one_side, &clip->plane);
-  rs_put_plane(there, &other_side, &clip->other);
+  rs_select_plane(there, &one_side, &clip->plane);
+  rs_select_plane(there, &other_side, &clip->other);
   const rs_real ne[3] = {c * er, s * er, (rs_real)ez}, nf[3] = {c * fr, s * fr, (rs_real)fz};
   const rs_real we = rs_larger(rs_advance(a, ne, clip->p), zero), wf = rs_larger(rs_advance(a, nf, clip->p), zero);
   const rs_real both = we + wf;
@@ -101,10 +101,10 @@ RS_INLINE rs_real rs_clip_distance(RS_GLOBAL const SubstepArgs* a, const Outline
 }
 
 /* The tool next to the voxel centre `p` (T, mm), by the nearest piece of its outline alone. */
-RS_INLINE Clip rs_clip_by(RS_GLOBAL const SubstepArgs* a, const NearestPiece* nearest, const rs_real* p, rs_real r,
+RS_INLINE Clip rs_clip_at(RS_GLOBAL const SubstepArgs* a, const NearestPiece* nearest, const rs_real* p, rs_real r,
                           rs_real per_r) {
   rs_real c, s;
-  rs_from_axis(p, r, per_r, &c, &s);
+  rs_axis_direction(p, r, per_r, &c, &s);
   Clip clip;
   for (int j = 0; j < 3; ++j) clip.p[j] = p[j];
   clip.n[0] = nearest->normal_r * c;
@@ -126,14 +126,14 @@ RS_INLINE Clip rs_clip(RS_GLOBAL const SubstepArgs* a, const OutlineView* outlin
   const rs_real r = RS_SQRT(p[0] * p[0] + p[1] * p[1]);
   const rs_real per_r = r > 0.0f ? (rs_real)1.0f / r : (rs_real)0.0f;
   const NearestPiece nearest = rs_outline_nearest(outline, list, r, p[2]);
-  Clip clip = rs_clip_by(a, &nearest, p, r, per_r);
+  Clip clip = rs_clip_at(a, &nearest, p, r, per_r);
   const float reach = RS_CLIP_REACH * a->voxel_mm;
   rs_real least = (rs_real)(reach * reach);
   for (rs_u32 i = 0; i < list.count; ++i) {
     const rs_i32 mine = outline->numbers[list.first + i];
     const rs_i32 before = outline->pieces[mine].before, after = outline->pieces[mine].after;
-    if (before >= 0) rs_take_corner(a, outline, &nearest, mine, before, mine, r, per_r, &least, &clip);
-    if (after >= 0) rs_take_corner(a, outline, &nearest, mine, mine, after, r, per_r, &least, &clip);
+    if (before >= 0) rs_apply_corner(a, outline, &nearest, mine, before, mine, r, per_r, &least, &clip);
+    if (after >= 0) rs_apply_corner(a, outline, &nearest, mine, mine, after, r, per_r, &least, &clip);
   }
   return clip;
 }
@@ -145,20 +145,20 @@ RS_INLINE Clip rs_clip_smooth(RS_GLOBAL const SubstepArgs* a, RS_GLOBAL const Ou
   rs_voxel_in_tool(a, brick, x, y, z, p);
   const rs_real r = RS_SQRT(p[0] * p[0] + p[1] * p[1]);
   const rs_real per_r = r > 0.0f ? (rs_real)1.0f / r : (rs_real)0.0f;
-  const PieceDistance away = rs_from_circle(piece, r, p[2]);
-  const NearestPiece nearest = rs_nearest_of(&away, (rs_real)piece->curvature, (rs_int)0);
-  return rs_clip_by(a, &nearest, p, r, per_r);
+  const PieceDistance away = rs_circle_distance(piece, r, p[2]);
+  const NearestPiece nearest = rs_nearest_piece(&away, (rs_real)piece->curvature, (rs_int)0);
+  return rs_clip_at(a, &nearest, p, r, per_r);
 }
 
 /* Part of a voxel that the tool leaves when its planes have come `ahead` (voxels) further, the first and the other. */
-RS_INLINE rs_real rs_clip_share(const Clip* clip, float ahead, float other_ahead) {
+RS_INLINE rs_real rs_clip_fraction(const Clip* clip, float ahead, float other_ahead) {
   ClipPlane a = clip->plane, b = clip->other;
   a.away -= ahead;
   b.away -= other_ahead;
   const rs_real zero = (rs_real)0.0f, one = (rs_real)1.0f;
-  const rs_real share = rs_outside_share(a.n, a.away);
+  const rs_real share = rs_outside_fraction(a.n, a.away);
   if (!RS_ANY(clip->corner != 0.0f)) return share;
-  const rs_real other = rs_outside_share(b.n, b.away);
+  const rs_real other = rs_outside_fraction(b.n, b.away);
   /* What is counted keeps to what the shares leave possible, so that where one plane alone matters it decides. */
   const rs_real least = rs_larger(share + other - one, zero), most = rs_smaller(share, other);
   const rs_real both = rs_larger(rs_smaller(rs_outside_both(&a, &b), most), least);
@@ -168,7 +168,7 @@ RS_INLINE rs_real rs_clip_share(const Clip* clip, float ahead, float other_ahead
 
 /* Fill that is left of a whole voxel. */
 RS_INLINE rs_int rs_fill_outside(const Clip* clip) {
-  return RS_TO_INT(rs_clip_share(clip, 0.0f, 0.0f) * (float)RS_WHOLE_FILL + 0.5f);
+  return RS_TO_INT(rs_clip_fraction(clip, 0.0f, 0.0f) * (float)RS_WHOLE_FILL + 0.5f);
 }
 
 /* Fill that a voxel with `fill` left loses when the tool leaves `outside` of it: what little the rounding of positions
@@ -197,20 +197,20 @@ RS_INLINE void rs_clip_force(RS_GLOBAL const SubstepArgs* a, const Clip* clip, r
 
 /* What of a voxel the tool's plane with normal part `nz` along the spin axis would take if it went a little further,
  * `outside` being what the tool leaves; nothing where that plane has no lips. */
-RS_INLINE rs_real rs_next_share(const Clip* clip, rs_real nz, rs_real outside, float ahead, float other_ahead) {
-  const rs_real next = outside - rs_clip_share(clip, ahead, other_ahead);
+RS_INLINE rs_real rs_probe_loss(const Clip* clip, rs_real nz, rs_real outside, float ahead, float other_ahead) {
+  const rs_real next = outside - rs_clip_fraction(clip, ahead, other_ahead);
   return -nz > RS_LEAST_FACING ? next : (rs_real)0.0f;
 }
 
 /* Area, mm2, of the tool's face that rests against what is left of a voxel: what the face would take if it went a
  * little further, over how far that is. Over the voxels round a face it adds up to the face, because their outside
  * shares do. `left`: the voxel's fill, `outside`: what the tool leaves of a whole voxel. */
-RS_INLINE rs_real rs_resting_area(RS_GLOBAL const SubstepArgs* a, const Clip* clip, rs_int left, rs_int outside) {
+RS_INLINE rs_real rs_contact_area(RS_GLOBAL const SubstepArgs* a, const Clip* clip, rs_int left, rs_int outside) {
   const rs_real zero = (rs_real)0.0f;
-  const rs_real now = rs_clip_share(clip, 0.0f, 0.0f);
-  rs_real share = rs_next_share(clip, clip->plane.nz, now, RS_EDGE_PROBE, 0.0f);
+  const rs_real now = rs_clip_fraction(clip, 0.0f, 0.0f);
+  rs_real share = rs_probe_loss(clip, clip->plane.nz, now, RS_EDGE_PROBE, 0.0f);
   if (RS_ANY(clip->corner != 0.0f)) {
-    const rs_real other = rs_next_share(clip, clip->other.nz, now, 0.0f, RS_EDGE_PROBE);
+    const rs_real other = rs_probe_loss(clip, clip->other.nz, now, 0.0f, RS_EDGE_PROBE);
     share += clip->corner != 0.0f ? other : zero;
   }
   const rs_real area = share * (a->voxel_mm * a->voxel_mm / RS_EDGE_PROBE);
@@ -229,7 +229,7 @@ RS_INLINE void rs_edge_force(RS_GLOBAL const SubstepArgs* a, const Clip* clip, r
                              LaneSums* sums) {
   const rs_real zero = (rs_real)0.0f;
   const rs_real r = RS_SQRT(clip->p[0] * clip->p[0] + clip->p[1] * clip->p[1]);
-  const rs_real lip = rs_resting_area(a, clip, left, outside) / rs_larger(r, (rs_real)(0.5f * a->voxel_mm));
+  const rs_real lip = rs_contact_area(a, clip, left, outside) / rs_larger(r, (rs_real)(0.5f * a->voxel_mm));
   const ToolMotion m = rs_tool_motion(a, clip->p);
   const rs_real engaged = m.speed > 0.0f ? lip : zero;
   const rs_real tangential = engaged * a->edge_tangential;

@@ -156,7 +156,7 @@ RS_INLINE void rs_voxel_force(RS_GLOBAL const SubstepArgs* a, const ProfileView*
 }
 
 /* Whether the tool's solid of revolution holds the centre of voxel (x, y, z). */
-RS_INLINE int rs_holds_voxel(RS_GLOBAL const SubstepArgs* a, const ProfileView* profile, rs_i32 x, rs_i32 y, rs_i32 z) {
+RS_INLINE int rs_contains_voxel(RS_GLOBAL const SubstepArgs* a, const ProfileView* profile, rs_i32 x, rs_i32 y, rs_i32 z) {
   float brick[3], p[3];
   rs_brick_in_tool(a, x, y, z, brick);
   rs_voxel_in_tool(a, brick, (float)(x & 7), (float)(y & 7), (float)(z & 7), p);

@@ -12,16 +12,16 @@ typedef float Voxel;
 typedef uchar Claim;
 #define GRADE_OF(voxel) ((uchar)(int)floor(((double)(voxel)-hu_of_air) / hu_per_grade + 0.5))
 #define AIR ((float)hu_of_air)
-#define FORGET_CLAIM(e) claims[e] = 0
+#define RELEASE_CLAIM(e) claims[e] = 0
 #else
 typedef uchar Voxel;
 typedef uint Claim;
 #define GRADE_OF(voxel) (voxel)
 #define AIR 0
 #ifdef REAMSIM_BARE_GRADE
-#define FORGET_CLAIM(e)
+#define RELEASE_CLAIM(e)
 #else
-#define FORGET_CLAIM(e) atomic_and(&claims[(e) >> 5], ~(1u << ((e)&31u)))
+#define RELEASE_CLAIM(e) atomic_and(&claims[(e) >> 5], ~(1u << ((e)&31u)))
 #endif
 #endif
 
@@ -70,7 +70,7 @@ __kernel void cut_voxels(const uint substep, __global const SubstepArgs* args, _
       bone[e] = AIR;
       removed[atomic_inc(removed_count)] = (uint2)(e, (uint)a->frame);
     }
-    FORGET_CLAIM(e);
+    RELEASE_CLAIM(e);
   }
   rs_add_lanes(&part, &law);
   if (part.contacts != 0) add_sums(&sums[substep], &part);

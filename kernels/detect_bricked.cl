@@ -33,7 +33,7 @@ __global Brick* brick_at(const Bricks* b, const int slot) {
   return b->pools[slot >> RS_POOL_BITS] + ((uint)slot & RS_POOL_MASK);
 }
 
-Reach reach_of(__global const SubstepArgs* a, __global const ShellCell* cell) {
+Reach cell_reach(__global const SubstepArgs* a, __global const ShellCell* cell) {
   Reach reach;
   for (int i = 0; i < 3; ++i) {
     __global const long* row = a->voxel_from_cell + 3 * i;
@@ -152,9 +152,9 @@ void add_sums(__global SubstepSums* total, const LaneSums* part) {
   }
 
 /* Whether the substep before this one waits for room in the list of removed voxels; this one then waits too. */
-bool stalled_before(const uint2 room, __global const uint* removed_before, __global const uint* touched_count,
+bool earlier_substep_waits(const uint2 room, __global const uint* removed_before, __global const uint* touched_count,
                     const uint substep) {
-  return substep > 0 && rs_stalls(room.x, room.y, removed_before[substep - 1], touched_count[substep - 1]);
+  return substep > 0 && rs_list_would_overflow(room.x, room.y, removed_before[substep - 1], touched_count[substep - 1]);
 }
 
 #ifdef RS_CPU_SHAPE
@@ -207,14 +207,14 @@ void flush(const Bricks* b, const Reach* reach, const int* origin, ulong* window
 __kernel void detect_bricked(PARAMETERS) {
   const uint run = get_global_id(0);
   const uint first = run * run_cells, last = min(first + run_cells, cell_count);
-  const bool stalled = stalled_before(room, removed_before, touched_count, substep);
-  if (run == 0) removed_before[substep] = stalled ? RS_STALLED : *removed_count;
+  const bool stalled = earlier_substep_waits(room, removed_before, touched_count, substep);
+  if (run == 0) removed_before[substep] = stalled ? RS_WAITING : *removed_count;
   if (stalled || first >= cell_count) return;
   __global const SubstepArgs* a = args + substep;
   const Bricks b = BRICKS;
   const ProfileView profile = {edges, numbers, lists, grid};
   if (culling) {
-    const Reach whole = reach_of(a, runs + run);
+    const Reach whole = cell_reach(a, runs + run);
     if (!meets_voi(a, runs + run) || !meets_lattice(a, &whole) || !meets_bone(a, &b, &whole)) return;
   }
   ulong window[WINDOW_BLOCKS];
@@ -223,7 +223,7 @@ __kernel void detect_bricked(PARAMETERS) {
   for (uint c = first; c < last; ++c) {
     __global const ShellCell* cell = cells + c;
     if (culling && !meets_voi(a, cell)) continue;
-    const Reach reach = reach_of(a, cell);
+    const Reach reach = cell_reach(a, cell);
     if (culling && (!meets_lattice(a, &reach) || !meets_bone(a, &b, &reach))) continue;
     const int origin[3] = {reach.low[0] & ~3, reach.low[1] & ~3, reach.low[2] & ~3};
     gather(a, cell, offsets, &reach, origin, window);
@@ -242,9 +242,9 @@ __kernel void detect_bricked(PARAMETERS) {
   __global const ShellCell* cell = cells + get_group_id(0);
   const Bricks b = BRICKS;
   const ProfileView profile = {edges, numbers, lists, grid};
-  const Reach reach = reach_of(a, cell);
-  const bool stalled = stalled_before(room, removed_before, touched_count, substep);
-  if (get_global_id(0) == 0) removed_before[substep] = stalled ? RS_STALLED : *removed_count;
+  const Reach reach = cell_reach(a, cell);
+  const bool stalled = earlier_substep_waits(room, removed_before, touched_count, substep);
+  if (get_global_id(0) == 0) removed_before[substep] = stalled ? RS_WAITING : *removed_count;
   /* Every work-item decides alike; none leaves before the barriers. */
   const bool culled = culling && !(meets_voi(a, cell) && meets_lattice(a, &reach) && meets_bone(a, &b, &reach));
   const int origin[3] = {reach.low[0] & ~3, reach.low[1] & ~3, reach.low[2] & ~3};

@@ -21,5 +21,5 @@ __kernel void detect_implicit(const uint substep, const int4 voi_min, const uint
   const uint e = i + a->dims[0] * (j + (uint)a->dims[1] * k);
   if (bone[e] == 0) return;
   const ProfileView profile = {edges, numbers, lists, grid};
-  if (rs_holds_voxel(a, &profile, i, j, k)) contacts[atomic_inc(&contact_count[substep])] = e;
+  if (rs_contains_voxel(a, &profile, i, j, k)) contacts[atomic_inc(&contact_count[substep])] = e;
 }

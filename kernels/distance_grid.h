@@ -83,7 +83,7 @@ RS_INLINE rs_real rs_grid_distance(const DistanceView* view, const rs_real* q, r
 }
 
 /* Where a point of T lies in the frame that turns with the teeth. */
-RS_INLINE void rs_turn_with_teeth(RS_GLOBAL const SubstepArgs* a, const rs_real* p, rs_real* q) {
+RS_INLINE void rs_rotate_to_teeth(RS_GLOBAL const SubstepArgs* a, const rs_real* p, rs_real* q) {
   q[0] = p[0] * a->spin_cos - p[1] * a->spin_sin;
   q[1] = p[0] * a->spin_sin + p[1] * a->spin_cos;
   q[2] = p[2];
@@ -94,7 +94,7 @@ RS_INLINE rs_real rs_clip_grid_distance(RS_GLOBAL const SubstepArgs* a, const Di
                                         rs_real x, rs_real y, rs_real z) {
   rs_real p[3], q[3], rise[3];
   rs_voxel_in_tool(a, brick, x, y, z, p);
-  rs_turn_with_teeth(a, p, q);
+  rs_rotate_to_teeth(a, p, q);
   return rs_grid_distance(teeth, q, rise);
 }
 
@@ -106,7 +106,7 @@ RS_INLINE Clip rs_clip_grid(RS_GLOBAL const SubstepArgs* a, const DistanceView* 
   Clip clip;
   rs_real q[3], g[3];
   rs_voxel_in_tool(a, brick, x, y, z, clip.p);
-  rs_turn_with_teeth(a, clip.p, q);
+  rs_rotate_to_teeth(a, clip.p, q);
   clip.distance = rs_grid_distance(teeth, q, g);
   const rs_real length = RS_SQRT(g[0] * g[0] + g[1] * g[1] + g[2] * g[2]);
   const rs_real per_length = length > 0.0f ? one / length : zero;
@@ -120,12 +120,12 @@ RS_INLINE Clip rs_clip_grid(RS_GLOBAL const SubstepArgs* a, const DistanceView* 
 }
 
 /* The teeth push back as the surface that they sweep: the force's normal is the envelope's (docs/physics.md, 4). */
-RS_INLINE void rs_face_envelope(const OutlineView* outline, EdgeList list, Clip* clip) {
+RS_INLINE void rs_use_envelope_normal(const OutlineView* outline, EdgeList list, Clip* clip) {
   const rs_real r = RS_SQRT(clip->p[0] * clip->p[0] + clip->p[1] * clip->p[1]);
   const rs_real per_r = r > 0.0f ? (rs_real)1.0f / r : (rs_real)0.0f;
   const NearestPiece nearest = rs_outline_nearest(outline, list, r, clip->p[2]);
   rs_real c, s;
-  rs_from_axis(clip->p, r, per_r, &c, &s);
+  rs_axis_direction(clip->p, r, per_r, &c, &s);
   clip->n[0] = nearest.normal_r * c;
   clip->n[1] = nearest.normal_r * s;
   clip->n[2] = nearest.normal_z;

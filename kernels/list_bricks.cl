@@ -12,7 +12,7 @@ bool near_surface(const CoarseGrid g, __global const float* distances, const flo
 }
 
 /* The middle of the box of `side` voxels whose lowest voxel is (x, y, z), T. */
-void middle_of(__global const SubstepArgs* a, const int x, const int y, const int z, const int side, float* p) {
+void box_middle(__global const SubstepArgs* a, const int x, const int y, const int z, const int side, float* p) {
   const double half_side = 0.5 * (side - 1);
   for (int i = 0; i < 3; ++i) {
     __global const double* row = a->tool_from_voxel + 3 * i;
@@ -38,12 +38,12 @@ __kernel void list_bricks(const uint substep, const int4 first_super, const int4
   __global const SubstepArgs* a = args + substep;
   const CoarseGrid g = *coarse;
   float p[3];
-  middle_of(a, 32 * sx, 32 * sy, 32 * sz, 32, p);
+  box_middle(a, 32 * sx, 32 * sy, 32 * sz, 32, p);
   if (!near_surface(g, distances, p, RS_SUPERBRICK_RADIUS * a->voxel_mm + shift_mm)) return;
   for (ulong rest = left; rest != 0; rest &= rest - 1) {
     const int bit = (int)popcount((rest & -rest) - 1);
     const int x = 4 * sx + (bit & 3), y = 4 * sy + (bit >> 2 & 3), z = 4 * sz + (bit >> 4);
-    middle_of(a, 8 * x, 8 * y, 8 * z, 8, p);
+    box_middle(a, 8 * x, 8 * y, 8 * z, 8, p);
     if (!near_surface(g, distances, p, RS_BRICK_RADIUS * a->voxel_mm + shift_mm)) continue;
     listed[atomic_inc(&counts->listed)] = (uint)slot_of_brick[x + (ulong)bricks.x * (y + (ulong)bricks.y * z)];
   }

@@ -44,7 +44,7 @@ typedef struct {
 /* From a piece's circle a point at w from its middle lies |w + R n| - R away, for radius R and normal n there, on its
  * outer side positive; written so that a line is an arc of no curvature, and what is small is no difference of large
  * numbers: with x = q/R, q = w^2/R + 2 w.n, it is q/(1 + sqrt(1 + x)). */
-RS_INLINE PieceDistance rs_from_circle(RS_GLOBAL const OutlinePiece* e, rs_real r, rs_real z) {
+RS_INLINE PieceDistance rs_circle_distance(RS_GLOBAL const OutlinePiece* e, rs_real r, rs_real z) {
   const rs_real zero = (rs_real)0.0f, one = (rs_real)1.0f;
   const rs_real wr = r - e->middle_r, wz = z - e->middle_z;
   const rs_real q = e->curvature * (wr * wr + wz * wz) + 2.0f * (wr * e->normal_r + wz * e->normal_z);
@@ -68,8 +68,8 @@ RS_INLINE PieceDistance rs_from_circle(RS_GLOBAL const OutlinePiece* e, rs_real 
 }
 
 /* Past the piece's ends the ends are nearest. */
-RS_INLINE PieceDistance rs_from_piece(RS_GLOBAL const OutlinePiece* e, rs_real r, rs_real z) {
-  PieceDistance out = rs_from_circle(e, r, z);
+RS_INLINE PieceDistance rs_piece_distance(RS_GLOBAL const OutlinePiece* e, rs_real r, rs_real z) {
+  PieceDistance out = rs_circle_distance(e, r, z);
   const rs_real r0 = r - e->r0, z0 = z - e->z0, r1 = r - e->r1, z1 = z - e->z1;
   const rs_real past = r1 * e->along_r1 + z1 * e->along_z1, short_of = -(r0 * e->along_r0 + z0 * e->along_z0);
   const rs_real off = past > short_of ? past : short_of;
@@ -89,14 +89,14 @@ RS_INLINE PieceDistance rs_from_piece(RS_GLOBAL const OutlinePiece* e, rs_real r
 }
 
 /* How far the point is from lying past one of a piece's ends, mm. */
-RS_INLINE rs_real rs_from_ends(RS_GLOBAL const OutlinePiece* e, rs_real r, rs_real z) {
+RS_INLINE rs_real rs_distance_to_ends(RS_GLOBAL const OutlinePiece* e, rs_real r, rs_real z) {
   const rs_real past = (r - e->r1) * e->along_r1 + (z - e->z1) * e->along_z1;
   const rs_real short_of = -((r - e->r0) * e->along_r0 + (z - e->z0) * e->along_z0);
   return -(past > short_of ? past : short_of);
 }
 
 /* What a piece is to the point next to it. */
-RS_INLINE NearestPiece rs_nearest_of(const PieceDistance* best, rs_real curvature, rs_int piece) {
+RS_INLINE NearestPiece rs_nearest_piece(const PieceDistance* best, rs_real curvature, rs_int piece) {
   const rs_real known = best->scale < 0.0f ? -best->scale : best->scale;
   NearestPiece out;
   out.distance = best->distance;
@@ -112,12 +112,12 @@ RS_INLINE NearestPiece rs_nearest_of(const PieceDistance* best, rs_real curvatur
 RS_INLINE NearestPiece rs_outline_nearest(const OutlineView* outline, EdgeList list, rs_real r, rs_real z) {
   const rs_real one = (rs_real)1.0f;
   rs_i32 number = outline->numbers[list.first];
-  PieceDistance best = rs_from_piece(outline->pieces + number, r, z);
+  PieceDistance best = rs_piece_distance(outline->pieces + number, r, z);
   rs_real curvature = (rs_real)outline->pieces[number].curvature;
   rs_int piece = (rs_int)number;
   for (rs_u32 i = 1; i < list.count; ++i) {
     number = outline->numbers[list.first + i];
-    const PieceDistance found = rs_from_piece(outline->pieces + number, r, z);
+    const PieceDistance found = rs_piece_distance(outline->pieces + number, r, z);
     const rs_real side = found.side < 0.0f ? -found.side : found.side;
     const rs_real best_side = best.side < 0.0f ? -best.side : best.side;
     const rs_real rounding = best.square * 2e-6f + 1e-10f;
@@ -132,7 +132,7 @@ RS_INLINE NearestPiece rs_outline_nearest(const OutlineView* outline, EdgeList l
     curvature = gain > 0.0f ? (rs_real)outline->pieces[number].curvature : curvature;
     piece = gain > 0.0f ? (rs_int)number : piece;
   }
-  return rs_nearest_of(&best, curvature, piece);
+  return rs_nearest_piece(&best, curvature, piece);
 }
 
 /* The list of pieces for points within the grid's reach of (r, z). */

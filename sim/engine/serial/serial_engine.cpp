@@ -78,7 +78,7 @@ void find_by_profile(SerialState& state, const SubstepArgs& args, SubstepSums& /
   for (std::int64_t e = 0; e < state.grid.size(); ++e) {
     if (state.bone[static_cast<std::size_t>(e)] == 0) continue;
     const Vec3i voxel = state.grid.coord(e);
-    if (rs_holds_voxel(&args, &profile, voxel.x(), voxel.y(), voxel.z())) state.contacts.push_back(e);
+    if (rs_contains_voxel(&args, &profile, voxel.x(), voxel.y(), voxel.z())) state.contacts.push_back(e);
   }
 }
 
@@ -144,7 +144,7 @@ rs_i32 cut_by_clipping(const SerialState& state, const EnergyTable& table, const
   const rs_i32 outside = rs_fill_outside(&clip), lost = rs_clip_loss(&args, state.fill[i], outside);
   if (rs_has_edge(&args)) rs_edge_force(&args, &clip, state.fill[i] - lost, outside, &law);
   if (lost == 0) return lost;
-  if (state.tool->teeth) rs_face_envelope(&outline, outline.lists[0], &clip);
+  if (state.tool->teeth) rs_use_envelope_normal(&outline, outline.lists[0], &clip);
   rs_clip_force(&args, &clip, static_cast<float>(table.energy_mj[state.bone[i]]), lost, &law);
   return lost;
 }

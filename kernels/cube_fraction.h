@@ -1,6 +1,6 @@
 /* How much of a unit cube lies beyond a plane, and beyond two. */
-#ifndef REAMSIM_KERNELS_CUBE_SHARE_H
-#define REAMSIM_KERNELS_CUBE_SHARE_H
+#ifndef REAMSIM_KERNELS_CUBE_FRACTION_H
+#define REAMSIM_KERNELS_CUBE_FRACTION_H
 
 #include "profile.h"
 
@@ -22,7 +22,7 @@ RS_INLINE rs_real rs_larger(rs_real a, rs_real b) {
  * lies `distance` beyond it on that side. The smaller part is a sum of pyramids (Scardovelli and Zaleski 2000, J.
  * Comput. Phys. 164:228, eq. 16-19), written so that no term cancels another where the plane is all but square to an
  * axis. */
-RS_INLINE rs_real rs_outside_share(const rs_real* n, rs_real distance) {
+RS_INLINE rs_real rs_outside_fraction(const rs_real* n, rs_real distance) {
   const rs_real zero = (rs_real)0.0f, middle = (rs_real)0.5f, least = (rs_real)1e-9f;
   const rs_real a = rs_abs(n[0]), b = rs_abs(n[1]), c = rs_abs(n[2]);
   const rs_real low = rs_smaller(a, b), high = rs_larger(a, b), other = rs_larger(low, c);
