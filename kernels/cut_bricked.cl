@@ -92,8 +92,8 @@ int list_places(__global const Brick* brick, __global const ulong* bits_of_byte,
 }
 
 /* Lowers the fill of the listed voxels, and removes those without fill from the brick. */
-void remove_all_fill(__global const SubstepArgs* a, const uint substep, __global Brick* brick,
-                     const Material* material, const ushort* places, const int count, float* energies, Tally* tally) {
+void remove_all_fill(__global const SubstepArgs* a, const uint substep, __global Brick* brick, const Material* material,
+                     const ushort* places, const int count, float* energies, Tally* tally) {
 #ifdef RS_BRICK_FILL
   uint removed_words[RS_BRICK_WORDS] = {0};
 #else
@@ -115,8 +115,7 @@ void remove_all_fill(__global const SubstepArgs* a, const uint substep, __global
 
 /* The law for the listed voxels, sixteen at a time. (x, y, z): lowest voxel of the brick. */
 void accumulate_cut_forces(__global const SubstepArgs* a, const ProfileView* profile, const int x, const int y,
-                           const int z, const ushort* places, const float* energies, const int count,
-                           LaneSums* sums) {
+                           const int z, const ushort* places, const float* energies, const int count, LaneSums* sums) {
   float corner[3], middle[3];
   rs_brick_in_tool(a, x, y, z, corner);
   rs_brick_middle(a, corner, middle);

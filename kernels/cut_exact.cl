@@ -1,8 +1,8 @@
 /* Exact erosion over bricks (docs/physics.md, 3): a voxel keeps the part outside the tool. A brick passes through all
  * substeps of a visit at once, because no voxel depends on another; forces are added to the slots of the substeps. The
- * substeps form windows, in which the tool moves so little that one list of candidate voxels serves all of them. On a CPU
- * (RS_LANES 16) a work-item takes a brick and clips sixteen voxels in the lanes of a vector. On a GPU a work-group takes a
- * brick, and its work-items stride over the voxels.
+ * substeps form windows, in which the tool moves so little that one list of candidate voxels serves all of them. On a
+ * CPU (RS_LANES 16) a work-item takes a brick and clips sixteen voxels in the lanes of a vector. On a GPU a work-group
+ * takes a brick, and its work-items stride over the voxels.
  *
  * Compiled with RS_POOLS and RS_POOL_BITS, and with RS_DISTANCE_GRID where the cutting edges are resolved: the tool's
  * distance then comes from their grid instead of the envelope's outline. */
@@ -18,14 +18,14 @@ typedef struct {
 #endif
 } SubstepLanes;
 
-#define PARAMETERS                                                                                                \
-  const uint first, const uint window_count, __global int *page_of_slot, __global uint *slot_of_page,             \
-      __global ushort *pages, __global RemovedBlock *removed, __global const SubstepArgs *args,                    \
-      __global const SubstepWindow *windows, __global const uint *listed, __global VisitCounts *counts,            \
-      __global const uint *lattice_of_slot, __global uint *occupancy, const int4 bricks,                           \
-      __global SubstepSums *sums, __global const float *energy_of_grade, __global const OutlinePiece *pieces,      \
-      __global const ushort *numbers, __global const EdgeList *lists, __global const ProfileGrid *grid,            \
-      __global SubstepLanes *lanes_of_item, RS_POOL_PARAMETERS TEETH_PARAMETERS
+#define PARAMETERS                                                                                                   \
+  const uint first, const uint window_count, __global int *page_of_slot, __global uint *slot_of_page,                \
+      __global ushort *pages, __global RemovedBlock *removed, __global const SubstepArgs *args,                      \
+      __global const SubstepWindow *windows, __global const uint *listed, __global VisitCounts *counts,              \
+      __global const uint *lattice_of_slot, __global uint *occupancy, const int4 bricks, __global SubstepSums *sums, \
+      __global const float *energy_of_grade, __global const OutlinePiece *pieces, __global const ushort *numbers,    \
+      __global const EdgeList *lists, __global const ProfileGrid *grid, __global SubstepLanes *lanes_of_item,        \
+      RS_POOL_PARAMETERS TEETH_PARAMETERS
 
 #if defined(RS_LANES)
 
@@ -154,8 +154,8 @@ void cut_voxels(__global const SubstepArgs* a, const OutlineView* outline, const
   for (uint place = get_local_id(0); place < RS_BRICK_VOXELS; place += get_local_size(0)) {
     if ((v->brick->bone[place >> 5] >> (place & 31u) & 1u) == 0) continue;
     const int at = (int)place;
-    Clip clip = clip_voxel(a, outline, v, v->list, (float)rs_offset_x(at), (float)rs_offset_y(at),
-                           (float)rs_offset_z(at));
+    Clip clip =
+        clip_voxel(a, outline, v, v->list, (float)rs_offset_x(at), (float)rs_offset_y(at), (float)rs_offset_z(at));
     const int before = page[place];
     const int outside = rs_fill_outside(&clip), lost = rs_clip_loss(a, before, outside);
     if (rs_has_edge(a)) rs_edge_force(a, &clip, before - lost, outside, &law);

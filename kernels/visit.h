@@ -9,10 +9,12 @@
 #ifdef RS_DISTANCE_GRID
 #define TEETH_PARAMETERS \
   , __global const DistanceLattice *teeth_lattice, __global const uint *teeth_slots, __global const float *teeth_samples
-#define TEETH_VIEW {teeth_lattice, teeth_slots, teeth_samples}
+#define TEETH_VIEW \
+  { teeth_lattice, teeth_slots, teeth_samples }
 #else
 #define TEETH_PARAMETERS
-#define TEETH_VIEW {0, 0, 0}
+#define TEETH_VIEW \
+  { 0, 0, 0 }
 #endif
 
 /* A brick in a visit. */

@@ -10,7 +10,6 @@
 #include <string_view>
 
 #include "sim/base/error.h"
-#include "sim/motion/rounded_text.h"
 
 namespace reamsim {
 
@@ -25,10 +24,10 @@ constexpr std::size_t kMostLine = 4096;
 constexpr std::size_t kMostRows = 10'000'000;
 constexpr double kFarthestMm = 1e6;
 constexpr double kFastestRpm = 1e6;
-/// Warnings about single rows that are told apart; the rest is summed up.
+/// Warnings about single rows that are reported one by one; the others are counted.
 constexpr std::size_t kMostRowWarnings = 3;
 
-/// Text of a user's file for a message: short, one line, printable.
+/// Text of a user's file for a message: shortened and printable.
 std::string quoted(std::string_view text) {
   constexpr std::size_t kMost = 40;
   std::string out = "\"";
@@ -55,7 +54,7 @@ std::vector<std::string_view> split(std::string_view line) {
   }
 }
 
-/// Reads a file line by line, knows where it is, and skips blank lines.
+/// Reads a file line by line with line numbers, and skips blank lines.
 class LineReader {
  public:
   explicit LineReader(const std::string& path) : path_(path) {
@@ -105,7 +104,7 @@ class LineReader {
   int line_number_ = 0;
 };
 
-/// Where each column stands in the file; −1 = absent.
+/// Position of each column in the file; −1 = absent.
 struct Layout {
   std::array<int, kColumns> at{};
   std::size_t fields = 0;
@@ -166,11 +165,11 @@ KeyPose read_row(const LineReader& lines, const Layout& layout, double default_s
   check_range(lines, kSpin, value[kSpin], kFastestRpm, "rpm");
   const Quat q(value[kQw], value[kQx], value[kQy], value[kQz]);
   return {value[kTime],
-          {{value[kX], value[kY], value[kZ]}, normalised(q, lines.here().text(), row_report), 0, value[kSpin]}};
+          {{value[kX], value[kY], value[kZ]}, normalized_or_warn(q, lines.here().text(), row_report), 0, value[kSpin]}};
 }
 
-/// Passes on the first few warnings about rows, and the number of the rest.
-void pass_on(const Report& rows, const std::string& path, Report& report) {
+/// Reports the first warnings about rows, and the number of the others.
+void report_rows(const Report& rows, const std::string& path, Report& report) {
   const std::size_t shown = std::min(kMostRowWarnings, rows.warnings.size());
   for (std::size_t i = 0; i < shown; ++i) report.warn(rows.warnings[i]);
   if (rows.warnings.size() > shown)
@@ -195,7 +194,7 @@ std::vector<KeyPose> read_pose_csv(const CsvMotionSettings& settings, Report& re
   if (poses.size() < 2)
     throw InputError(SourceLocation{settings.path, 0, 0}, "", std::to_string(poses.size()) + " rows of poses",
                      "at least two are needed");
-  pass_on(row_report, settings.path, report);
+  report_rows(row_report, settings.path, report);
   return poses;
 }
 

@@ -23,7 +23,7 @@ DeviceBatch::RemovedList removed_list(const BoneView& bone, const Tool& tool, co
   return {.words = sizeof(RemovedBlock) / sizeof(cl_ulong),
           .room = std::min(voxels, std::max(limits.removed_room, per_substep)),
           .per_substep = per_substep,
-          .in_all = voxels,
+          .in_total = voxels,
           .resumes = true};
 }
 

@@ -87,7 +87,7 @@ class DenseEngine final : public Engine {
   [[nodiscard]] std::string device() const override { return device_.info().name; }
   [[nodiscard]] std::size_t device_bytes() const override { return plan_.bytes(); }
   [[nodiscard]] StructureBytes structure_bytes() const override {
-    // A collision flag is part of the published voxel; the claim bits of `direct` are the engine's own.
+    // A collision flag is part of the published voxel; the claim bits of `direct` are not published.
     const bool flags = plan_.layout == VoxelLayout::flagged_hu;
     return {plan_.bone_bytes() + plan_.fill_bytes() + (flags ? plan_.voxels : 0), plan_.shell_bytes()};
   }

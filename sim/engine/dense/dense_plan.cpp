@@ -13,7 +13,7 @@ namespace reamsim {
 
 namespace {
 
-/// Room for removed voxels that a batch may fill; larger scenes read results back more often instead.
+/// Size of the list of removed voxels; larger scenes read results back more often.
 constexpr std::size_t kRemovedRoom = 4'000'000;
 
 constexpr std::size_t kMostVoxels = std::size_t{1} << 32;
@@ -22,8 +22,8 @@ std::string megabytes(std::size_t bytes) {
   return std::to_string((bytes + 999'999) / 1'000'000) + " MB";
 }
 
-/// Most voxels whose centres the tool can hold, whatever its pose: they are disjoint, and lie in the tool's box grown
-/// by half a voxel's diagonal on every side.
+/// Bound of the number of voxels with centres in the tool, in any pose: the volume of the tool's box, extended by half
+/// a voxel's diagonal on every side.
 std::size_t voxels_in_tool(const Profile& profile, double voxel_mm) {
   const Aabb box = profile.bounds();
   const Vec3 grown = (box.max - box.min) / voxel_mm + Vec3::Constant(std::sqrt(3.0));
@@ -62,10 +62,10 @@ std::size_t DensePlan::largest_bytes() const {
                    sizeof(RemovedVoxel) * removed});
 }
 
-DensePlan plan_dense(EngineKind detector, const BoneView& bone, const Tool& tool, bool wear) {
+DensePlan plan_dense(EngineKind engine, const BoneView& bone, const Tool& tool, bool wear) {
   DensePlan plan;
-  if (detector == EngineKind::octree) plan.layout = VoxelLayout::flagged_hu;
-  if (detector == EngineKind::implicit) plan.layout = VoxelLayout::bare_grade;
+  if (engine == EngineKind::octree) plan.layout = VoxelLayout::flagged_hu;
+  if (engine == EngineKind::implicit) plan.layout = VoxelLayout::bare_grade;
   const bool has_shell = plan.layout != VoxelLayout::bare_grade;
   plan.voxels = static_cast<std::size_t>(bone.voxmap.grid.size());
   plan.unreamed = static_cast<std::size_t>(bone.voxmap.grade.count());
@@ -79,13 +79,13 @@ DensePlan plan_dense(EngineKind detector, const BoneView& bone, const Tool& tool
 }
 
 void require_fit(const DensePlan& plan, const cl::DeviceInfo& device, double voxel_mm) {
-  const auto share = [](std::size_t need, std::size_t have) {
+  const auto fraction = [](std::size_t need, std::size_t have) {
     return static_cast<double>(need) / static_cast<double>(std::max<std::size_t>(1, have));
   };
-  const double most = std::max({share(plan.voxels, kMostVoxels), share(plan.bytes(), device.global_memory_bytes),
-                                share(plan.largest_bytes(), device.max_allocation_bytes)});
+  const double most = std::max({fraction(plan.voxels, kMostVoxels), fraction(plan.bytes(), device.global_memory_bytes),
+                                fraction(plan.largest_bytes(), device.max_allocation_bytes)});
   if (most <= 1) return;
-  // Memory grows with the inverse cube of the voxel; a little more, because the bone is rounded to whole voxels.
+  // Memory is inversely proportional to the cube of the voxel size; the margin covers the rounding to whole voxels.
   constexpr double kMargin = 1.02;
   char fits[96];
   std::snprintf(fits, sizeof fits, "a bone.voxel_mm of about %.3g or more would fit",

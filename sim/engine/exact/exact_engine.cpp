@@ -12,11 +12,11 @@ namespace reamsim {
 
 namespace {
 
-/// Records of removed voxels that a visit may make; where it might make more it takes fewer substeps.
+/// The largest number of records of removed voxels in a visit; where more are possible it has fewer substeps.
 constexpr std::size_t kMostRecords = 8'000'000;
 
-/// A batch needs no list of its own: every visit has one.
-constexpr DeviceBatch::RemovedList kNoList{.words = 1, .room = 1, .per_substep = 1, .in_all = 1};
+/// The batch has no list of removed voxels, because every visit has one.
+constexpr DeviceBatch::RemovedList kNoList{.words = 1, .room = 1, .per_substep = 1, .in_total = 1};
 
 std::size_t page_table_bytes(const BoneView& bone) {
   return sizeof(cl_int) * bone.voxmap.grade.stored_bricks();
@@ -48,12 +48,11 @@ class ExactEngine final : public Engine {
              choose_options(info, scenario.engine), teeth_ ? &*teeth_ : nullptr),
         records_(device_, 1, "the list of removed voxels") {}
 
-  /// Takes the substep's arguments alone: its bricks are listed and cut when the batch is collected, together with
-  /// those of the substeps round it.
+  /// Stores the arguments. collect() lists and cuts the bricks of several substeps at once.
   void enqueue(const SubstepArgs& args) override { batch_.begin(args); }
   [[nodiscard]] bool full() const override { return batch_.full(); }
 
-  /// Visit by visit: the bricks that the tool's surface can reach are listed, and cut in all substeps of the visit.
+  /// Visit by visit, lists the bricks in reach of the tool's surface and cuts them in all substeps of the visit.
   Batch collect() override {
     Batch out;
     removed_.clear();
@@ -80,13 +79,13 @@ class ExactEngine final : public Engine {
     return bricks_.bytes() + fill_.bytes() + records_.bytes() + DeviceBatch::bytes(kNoList) + list_.listed().bytes() +
            teeth_bytes_;
   }
-  /// There is no shell in it: where teeth are resolved, their distance grid stands for the tool.
+  /// Without a shell; the tool's structure is the distance grid of resolved cutting edges.
   [[nodiscard]] StructureBytes structure_bytes() const override {
     return {bricks_.bytes() + fill_.bytes(), teeth_bytes_};
   }
 
  private:
-  /// Takes every brick in reach through the substeps from `first` on, as many as one visit can, and returns the visit.
+  /// Cuts the bricks in reach in as many substeps from `first` on as one visit can have. Returns the visit.
   VisitPlan visit(int first) {
     VisitPlan plan = plan_visit(batch_.args_used(), first, RS_VISIT_SUBSTEPS, tool_box_, extent_);
     VisitCounts counts{.listed = 0, .pages = static_cast<rs_u32>(fill_.used), .removed = 0};
