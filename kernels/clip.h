@@ -46,8 +46,8 @@ RS_INLINE ClipPlane rs_lattice_plane(RS_GLOBAL const SubstepArgs* a, const rs_re
 RS_INLINE ClipPlane rs_clip_plane(RS_GLOBAL const SubstepArgs* a, rs_real c, rs_real s, rs_real nr, rs_real nz,
                                   rs_real away, rs_real curvature, rs_real per_r) {
   const rs_real most = (rs_real)a->per_voxel_mm; /* more is a corner */
-  const rs_real both = curvature + nr * rs_smaller(per_r, most + most);
-  const rs_real bulge = rs_larger(rs_smaller(both, most), -most);
+  const rs_real both = curvature + nr * rs_min(per_r, most + most);
+  const rs_real bulge = rs_max(rs_min(both, most), -most);
   const rs_real n[3] = {nr * c, nr * s, nz};
   return rs_lattice_plane(a, n, away * a->per_voxel_mm + bulge * (a->voxel_mm * (1.0f / 24.0f)));
 }
@@ -86,7 +86,7 @@ RS_INLINE void rs_apply_corner(RS_GLOBAL const SubstepArgs* a, const OutlineView
   rs_select_plane(there, &one_side, &clip->plane);
   rs_select_plane(there, &other_side, &clip->other);
   const rs_real ne[3] = {c * er, s * er, (rs_real)ez}, nf[3] = {c * fr, s * fr, (rs_real)fz};
-  const rs_real we = rs_larger(rs_advance(a, ne, clip->p), zero), wf = rs_larger(rs_advance(a, nf, clip->p), zero);
+  const rs_real we = rs_max(rs_advance(a, ne, clip->p), zero), wf = rs_max(rs_advance(a, nf, clip->p), zero);
   const rs_real both = we + wf;
   const rs_real moves = both > 0.0f ? there : zero;
   for (int j = 0; j < 3; ++j) clip->n[j] = moves > 0.0f ? (we * ne[j] + wf * nf[j]) / both : clip->n[j];
@@ -161,8 +161,8 @@ RS_INLINE rs_real rs_clip_fraction(const Clip* clip, float ahead, float other_ah
   if (!RS_ANY(clip->corner != 0.0f)) return first;
   const rs_real other = rs_outside_fraction(b.n, b.away);
   /* The sampled fraction is limited to its bounds, which makes it exact where one plane alone matters. */
-  const rs_real least = rs_larger(first + other - one, zero), most = rs_smaller(first, other);
-  const rs_real both = rs_larger(rs_smaller(rs_outside_both(&a, &b), most), least);
+  const rs_real least = rs_max(first + other - one, zero), most = rs_min(first, other);
+  const rs_real both = rs_max(rs_min(rs_outside_both(&a, &b), most), least);
   const rs_real cornered = clip->corner > 0.0f ? first + other - both : both;
   return clip->corner != 0.0f ? cornered : first;
 }
@@ -176,7 +176,7 @@ RS_INLINE rs_int rs_fill_outside(const Clip* clip) {
  * ignored, unless nothing remains. */
 RS_INLINE rs_int rs_clip_loss(RS_GLOBAL const SubstepArgs* a, rs_int fill, rs_int outside) {
   const rs_int lost = fill - outside;
-  const rs_int enough = outside == 0 ? (rs_int)1 : (rs_int)a->least_loss;
+  const rs_int enough = outside == 0 ? (rs_int)1 : (rs_int)a->min_loss;
   return lost >= enough ? lost : (rs_int)0;
 }
 
@@ -216,7 +216,7 @@ RS_INLINE rs_real rs_contact_area(RS_GLOBAL const SubstepArgs* a, const Clip* cl
   }
   const rs_real area = probed * (a->voxel_mm * a->voxel_mm / RS_EDGE_PROBE);
   const rs_real near = clip->distance <= RS_CLIP_REACH * a->voxel_mm ? area : zero;
-  const rs_real touched = remaining + a->least_loss >= outside ? near : zero;
+  const rs_real touched = remaining + a->min_loss >= outside ? near : zero;
   return remaining > 0 ? touched : zero;
 }
 
@@ -230,7 +230,7 @@ RS_INLINE void rs_edge_force(RS_GLOBAL const SubstepArgs* a, const Clip* clip, r
                              LaneSums* sums) {
   const rs_real zero = (rs_real)0.0f;
   const rs_real r = RS_SQRT(clip->p[0] * clip->p[0] + clip->p[1] * clip->p[1]);
-  const rs_real edge = rs_contact_area(a, clip, remaining, outside) / rs_larger(r, (rs_real)(0.5f * a->voxel_mm));
+  const rs_real edge = rs_contact_area(a, clip, remaining, outside) / rs_max(r, (rs_real)(0.5f * a->voxel_mm));
   const ToolMotion m = rs_tool_motion(a, clip->p);
   const rs_real engaged = m.speed > 0.0f ? edge : zero;
   const rs_real tangential = engaged * a->edge_tangential;

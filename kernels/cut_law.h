@@ -107,7 +107,7 @@ RS_INLINE rs_real rs_advance(RS_GLOBAL const SubstepArgs* a, const rs_real* n, c
 /* Factor of the size effect: (h0/h)^m with the chip thickness h, the advance of the surface along its normal between
  * two cutting edges. */
 RS_INLINE rs_real rs_size_factor(RS_GLOBAL const SubstepArgs* a, const rs_real* n, const rs_real* p) {
-  const rs_real least = (rs_real)a->least_chip, most = (rs_real)a->most_chip;
+  const rs_real least = (rs_real)a->min_chip, most = (rs_real)a->max_chip;
   const rs_real advance = rs_advance(a, n, p);
   const rs_real chip = (advance < 0.0f ? -advance : advance) * a->chip_per_speed;
   const rs_real at_least = chip > least ? chip : least;

@@ -66,7 +66,7 @@ RS_INLINE rs_real rs_grid_distance(const DistanceView* view, const rs_real* q, r
   rs_real t[3], c[8];
   for (int i = 0; i < 3; ++i) {
     const rs_real at = (q[i] - g->origin[i]) * g->per_mm;
-    const rs_real on = rs_smaller(rs_larger(at, (rs_real)0.0f), (rs_real)g->last[i]);
+    const rs_real on = rs_min(rs_max(at, (rs_real)0.0f), (rs_real)g->last[i]);
     cell[i] = RS_TO_INT(on);
     t[i] = on - RS_TO_REAL(cell[i]);
   }

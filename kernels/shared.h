@@ -72,8 +72,8 @@ typedef struct {
   float per_voxel_mm;   /* 1/mm */
   float size_exponent;  /* m of the size effect; 0 = none */
   float chip_per_speed; /* relative chip thickness per advance of the surface, s/mm */
-  float least_chip;     /* limits of the chip thickness relative to its reference */
-  float most_chip;
+  float min_chip;       /* limits of the chip thickness relative to its reference */
+  float max_chip;
   float edge_tangential; /* cutting edges/2pi times N per mm of edge; 0 = no edge force */
   float edge_normal;
   float duration; /* s */
@@ -85,7 +85,7 @@ typedef struct {
   rs_i32 law;
   rs_i32 erosion;
   rs_i32 frame;
-  rs_i32 least_loss; /* fill; erosion exact ignores smaller losses */
+  rs_i32 min_loss; /* fill; erosion exact ignores smaller losses */
 } SubstepArgs;
 
 /* Integer sums over the voxels of one substep. Force and torque act on the tool, the torque about its origin. Frame: T

@@ -39,9 +39,9 @@ std::string missing_extensions(cl_device_id id) {
 /// Limit of the work-items in a group. On a CPU, PoCL keeps the private memory of all work-items of a group on one
 /// thread's stack, here some 4 kB each: 2048 of them overflow it, although the device reports that limit.
 std::size_t max_work_items(cl_device_id id, bool gpu) {
-  constexpr std::size_t kMostOnCpu = 256;
+  constexpr std::size_t kMaxOnCpu = 256;
   const auto most = info_value<std::size_t>(id, CL_DEVICE_MAX_WORK_GROUP_SIZE);
-  return gpu ? most : std::min(most, kMostOnCpu);
+  return gpu ? most : std::min(most, kMaxOnCpu);
 }
 
 DeviceInfo describe(cl_platform_id platform, cl_device_id id) {

@@ -11,7 +11,7 @@ namespace {
 
 /// A quaternion whose norm deviates by more was not merely rounded.
 constexpr double kUnitTolerance = 1e-3;
-constexpr double kLeastNorm = 1e-9;
+constexpr double kMinNorm = 1e-9;
 /// With a larger x component of the axis, y is the reference direction.
 constexpr double kNearlyParallel = 0.9;
 
@@ -24,7 +24,7 @@ void require_positive(double value, const std::string& key) {
 }
 
 Vec3 unit_axis(const Vec3& axis, const std::string& key) {
-  require(axis.allFinite() && axis.norm() > kLeastNorm, key, "no direction", "a vector longer than 0 is needed");
+  require(axis.allFinite() && axis.norm() > kMinNorm, key, "no direction", "a vector longer than 0 is needed");
   return axis.normalized();
 }
 
@@ -48,7 +48,7 @@ Quat orientation_from_axis(const Vec3& tool_z) {
 
 Quat normalized_or_warn(const Quat& q, const std::string& where, Report& report) {
   const double norm = q.norm();
-  if (!(norm > kLeastNorm) || !std::isfinite(norm))
+  if (!(norm > kMinNorm) || !std::isfinite(norm))
     throw InputError(where + ": the quaternion has length " + rounded_text(norm) + "; a unit quaternion is needed");
   if (std::abs(norm - 1) > kUnitTolerance)
     report.warn(where + ": the quaternion has length " + rounded_text(norm) + " and was normalized");

@@ -13,7 +13,7 @@ namespace reamsim {
 
 namespace {
 
-constexpr double kMostFrames = 1e7;
+constexpr double kMaxFrames = 1e7;
 /// Tolerance of the last frame's time, frames: rounding must not drop it.
 constexpr double kEndSlack = 1e-6;
 constexpr double kRadPerSPerRpm = 2 * std::numbers::pi / 60;
@@ -70,7 +70,7 @@ std::size_t count_frames(double end_s, double frame_rate_hz) {
     throw InputError(SourceLocation{}, "motion.frame_rate_hz", rounded_text(frame_rate_hz),
                      "a number above 0 is needed");
   const double frames = std::floor(end_s * frame_rate_hz + kEndSlack) + 1;
-  if (!(frames <= kMostFrames))
+  if (!(frames <= kMaxFrames))
     throw InputError(
         SourceLocation{}, "motion",
         rounded_text(end_s) + " s at " + rounded_text(frame_rate_hz) + " Hz are " + rounded_text(frames) + " frames",

@@ -19,13 +19,13 @@ enum Column { kTime, kX, kY, kZ, kQw, kQx, kQy, kQz, kSpin, kColumns };
 constexpr std::array<std::string_view, kColumns> kNames{"time_s", "x_mm", "y_mm", "z_mm",    "qw",
                                                         "qx",     "qy",   "qz",   "spin_rpm"};
 constexpr std::string_view kHeader = "time_s,x_mm,y_mm,z_mm,qw,qx,qy,qz and optionally spin_rpm";
-constexpr std::uintmax_t kMostBytes = std::uintmax_t{4} << 30;
-constexpr std::size_t kMostLine = 4096;
-constexpr std::size_t kMostRows = 10'000'000;
+constexpr std::uintmax_t kMaxBytes = std::uintmax_t{4} << 30;
+constexpr std::size_t kMaxLine = 4096;
+constexpr std::size_t kMaxRows = 10'000'000;
 constexpr double kFarthestMm = 1e6;
 constexpr double kFastestRpm = 1e6;
 /// Warnings about single rows that are reported one by one; the others are counted.
-constexpr std::size_t kMostRowWarnings = 3;
+constexpr std::size_t kMaxRowWarnings = 3;
 
 /// Text of a user's file for a message: shortened and printable.
 std::string quoted(std::string_view text) {
@@ -63,7 +63,7 @@ class LineReader {
     if (failed || !std::filesystem::exists(status)) fail("no such file", "give a CSV of recorded poses");
     if (std::filesystem::is_directory(status)) fail("it is a folder", "give a CSV of recorded poses");
     const auto bytes = std::filesystem::file_size(path, failed);
-    if (!failed && bytes > kMostBytes) fail("larger than 4 GiB", "at most ten million rows are supported");
+    if (!failed && bytes > kMaxBytes) fail("larger than 4 GiB", "at most ten million rows are supported");
     stream_.open(path, std::ios::binary);
     if (!stream_) fail("cannot be opened", "check its permissions");
   }
@@ -85,9 +85,9 @@ class LineReader {
   }
 
  private:
-  /// A line of a text file is short; what has none within 4 kB is not one and is not read into memory.
+  /// Lines are limited, so that a binary file is not read into memory.
   bool read_line() {
-    std::array<char, kMostLine> buffer{};
+    std::array<char, kMaxLine> buffer{};
     stream_.getline(buffer.data(), buffer.size());
     if (stream_.bad()) fail("cannot be read", "check the disk");
     if (stream_.eof() && stream_.gcount() == 0) return false;
@@ -170,7 +170,7 @@ KeyPose read_row(const LineReader& lines, const Layout& layout, double default_s
 
 /// Reports the first warnings about rows, and the number of the others.
 void report_rows(const Report& rows, const std::string& path, Report& report) {
-  const std::size_t shown = std::min(kMostRowWarnings, rows.warnings.size());
+  const std::size_t shown = std::min(kMaxRowWarnings, rows.warnings.size());
   for (std::size_t i = 0; i < shown; ++i) report.warn(rows.warnings[i]);
   if (rows.warnings.size() > shown)
     report.warn(path + ": the same of " + std::to_string(rows.warnings.size() - shown) + " more rows");
@@ -184,7 +184,7 @@ std::vector<KeyPose> read_pose_csv(const CsvMotionSettings& settings, Report& re
   std::vector<KeyPose> poses;
   Report row_report;
   while (lines.next()) {
-    if (poses.size() == kMostRows) lines.fail("more than ten million rows", "record at a lower rate");
+    if (poses.size() == kMaxRows) lines.fail("more than ten million rows", "record at a lower rate");
     KeyPose pose = read_row(lines, layout, settings.spin_rpm, row_report);
     if (!poses.empty() && !(pose.time_s > poses.back().time_s))
       lines.fail("time_s is " + rounded_text(pose.time_s) + " after " + rounded_text(poses.back().time_s),

@@ -30,13 +30,13 @@ class ToolPath {
 };
 
 /// A pose on a path.
-struct PathStop {
+struct PathSample {
   ToolPose pose;
   std::size_t frame = 0;  ///< the frame at the pose or at the end of its segment
 };
 
 /// Poses along a motion, with motion_bound_mm() of at most `step_mm` between two of them. They include the poses where
 /// the tool stops or reverses, such as the deepest one.
-std::vector<PathStop> stops_along(const std::vector<ToolPose>& poses, double reach_mm, double step_mm);
+std::vector<PathSample> sample_path(const std::vector<ToolPose>& poses, double reach_mm, double step_mm);
 
 }  // namespace reamsim

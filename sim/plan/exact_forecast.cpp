@@ -13,7 +13,7 @@ namespace {
 
 /// Motion of the tool between two tested poses, voxels.
 constexpr double kStepVoxels = 2;
-enum class BrickMark : std::uint8_t { air, whole, parted };
+enum class BrickMark : std::uint8_t { air, whole, partial };
 
 /// Bound of the tool's motion in a visit, mm.
 double visit_shift(const ReamingScene& scene) {
@@ -45,9 +45,9 @@ class SweptBricks {
         coarse_(brick_distances(scene.tool.profile, voxel_mm_, scene.tool.clip_slack_mm())) {
     const Voxmap& voxmap = *scene.bone.voxmap;
     voxmap.grade.for_each_brick([&](const Vec3i& coord, const GradeBricks::Brick&) {
-      const bool parted = scene.bone.fill.brick(coord) != nullptr;
-      marks_[lattice_.index(coord)] = parted ? BrickMark::parted : BrickMark::whole;
-      out_.parted += parted ? 1 : 0;
+      const bool partial = scene.bone.fill.brick(coord) != nullptr;
+      marks_[lattice_.index(coord)] = partial ? BrickMark::partial : BrickMark::whole;
+      out_.partial += partial ? 1 : 0;
     });
   }
 
@@ -70,9 +70,9 @@ class SweptBricks {
           if (mark == BrickMark::air) continue;
           const double distance_mm = distance(args, {x, y, z}, reached_mm);
           listed += std::abs(distance_mm) <= listed_mm ? 1 : 0;
-          if (distance_mm > reached_mm || mark == BrickMark::parted) continue;
-          ++out_.parted;
-          mark = BrickMark::parted;
+          if (distance_mm > reached_mm || mark == BrickMark::partial) continue;
+          ++out_.partial;
+          mark = BrickMark::partial;
         }
       }
     }
@@ -109,7 +109,7 @@ ExactForecast forecast_exact(const ReamingScene& scene) {
   SweptBricks swept(scene);
   const auto& poses = scene.motion.poses;
   const double step_mm = kStepVoxels * scene.bone.voxmap->grid.voxel_mm;
-  for (const PathStop& stop : stops_along(poses, scene.tool.reach_mm, step_mm)) swept.add(stop.pose, step_mm);
+  for (const PathSample& stop : sample_path(poses, scene.tool.reach_mm, step_mm)) swept.add(stop.pose, step_mm);
   return swept.forecast();
 }
 

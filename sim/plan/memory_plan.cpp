@@ -25,15 +25,15 @@ constexpr double kLeafBytes = 2'200;
 constexpr double kSerialBytes = 3;
 
 struct BrickCounts {
-  double parted = 0;  ///< with bone and air
-  double mixed = 0;   ///< with more than one grade, air included
+  double partial = 0;  ///< with bone and air
+  double mixed = 0;    ///< with more than one grade, air included
 };
 
 BrickCounts count_bricks(const GradeBricks& grades) {
   BrickCounts out;
   grades.for_each_brick([&out](const Vec3i&, const GradeBricks::Brick& brick) {
     const auto [least, most] = std::minmax_element(brick.begin(), brick.end());
-    out.parted += *least == 0 ? 1 : 0;
+    out.partial += *least == 0 ? 1 : 0;
     out.mixed += *least != *most ? 1 : 0;
   });
   return out;
@@ -41,8 +41,8 @@ BrickCounts count_bricks(const GradeBricks& grades) {
 
 /// The surface is computed first, and freed before all grids are written.
 double results_bytes(const BrickCounts& bricks) {
-  const double grids = kLeafBytes * (bricks.mixed + bricks.parted + 1.6 * bricks.parted);
-  return std::max(kSurfaceBytes * bricks.parted, grids);
+  const double grids = kLeafBytes * (bricks.mixed + bricks.partial + 1.6 * bricks.partial);
+  return std::max(kSurfaceBytes * bricks.partial, grids);
 }
 
 std::size_t planned_device_bytes(const ReamingScene& scene, const ExactForecast& forecast) {
@@ -70,13 +70,13 @@ MemoryPlan plan_memory(const ReamingScene& scene) {
   // The fill at the start of the run, and the current one.
   const double fill =
       std::max(2.0 * static_cast<double>(scene.bone.fill.bytes()),
-               static_cast<double>(scene.bone.fill.bytes() + sizeof(FillBricks::Brick) * forecast.parted));
+               static_cast<double>(scene.bone.fill.bytes() + sizeof(FillBricks::Brick) * forecast.partial));
   BrickCounts bricks = count_bricks(voxmap.grade);
   // The reamed face is part of the surface.
-  bricks.parted += static_cast<double>(forecast.listed);
+  bricks.partial += static_cast<double>(forecast.listed);
   bricks.mixed += static_cast<double>(forecast.listed);
-  const double held = static_cast<double>(voxmap.grade.bytes()) + fill + engine;
-  const double most = std::max(loading, held + results_bytes(bricks));
+  const double resident = static_cast<double>(voxmap.grade.bytes()) + fill + engine;
+  const double most = std::max(loading, resident + results_bytes(bricks));
   plan.process_bytes = static_cast<std::size_t>(kProgramBytes + most);
   return plan;
 }

@@ -64,7 +64,7 @@ class ContactSearch {
         return bound_mm > 0 ? bound_mm + radius_mm() : 0;
       });
       if (bound_mm > 0) continue;
-      out.meets = true;  // a whole brick passes through the tool
+      out.touches = true;  // a whole brick passes through the tool
       return;
     }
     std::ranges::stable_sort(bricks_, {}, &Brick::least_mm);
@@ -85,7 +85,7 @@ class ContactSearch {
       });
       if (best_mm <= 0) break;
     }
-    out.meets = best_mm <= 0;
+    out.touches = best_mm <= 0;
     out.nearest_mm = std::max(0.0, best_mm);
   }
 
@@ -142,7 +142,7 @@ ContactForecast forecast_contact(const ReamingScene& scene) {
   ContactSearch search(scene);
   out.start_mm3 = search.start_mm3();
   if (out.start_mm3 > scene.bone.voxmap->grid.voxel_mm3()) {
-    out.meets = true;
+    out.touches = true;
   } else {
     search.find_nearest(out);
   }
@@ -159,7 +159,7 @@ void warn_of_contact(const ReamingScene& scene, const ContactForecast& forecast,
                   exact ? ", which is removed without force" : ", so the force of the first frames is not meaningful");
     report.warn(std::string(text) + "; start further out (motion)");
   }
-  if (!forecast.meets) {
+  if (!forecast.touches) {
     const Vec3& p = forecast.bone_mm;
     std::snprintf(text, sizeof text,
                   "the tool never touches the bone: its smallest distance is %.2f mm, in frame %lld, from the bone at "

@@ -9,7 +9,7 @@ namespace reamsim {
 /// Prediction of contact from the tool's envelope of revolution, without simulation.
 struct ContactForecast {
   double start_mm3 = 0;         ///< bone in the tool at its first pose
-  bool meets = false;           ///< the tool touches the bone
+  bool touches = false;         ///< the tool touches the bone
   double nearest_mm = 0;        ///< smallest distance if it does not, to within a voxel
   std::int64_t frame = 0;       ///< the frame of that distance
   Vec3 bone_mm = Vec3::Zero();  ///< the nearest point of the bone, B

@@ -50,7 +50,7 @@ bool contains(const Aabb& box, const Vec3& p) {
 std::vector<Stop> make_stops(const std::vector<ToolPose>& poses, const Aabb& tool_box, double step_mm) {
   const double reach_mm = tool_box.min.cwiseAbs().cwiseMax(tool_box.max.cwiseAbs()).norm();
   std::vector<Stop> out;
-  for (const PathStop& stop : stops_along(poses, reach_mm, step_mm)) {
+  for (const PathSample& stop : sample_path(poses, reach_mm, step_mm)) {
     const Rigid bone_from_tool = stop.pose.bone_from_tool();
     out.push_back({bone_from_tool.inverse(), box_in_bone(tool_box, bone_from_tool), stop.frame});
   }

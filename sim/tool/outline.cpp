@@ -10,7 +10,7 @@ namespace reamsim {
 
 namespace {
 
-constexpr std::size_t kLeastVertices = 4;  // any three lie on a circle
+constexpr std::size_t kMinVertices = 4;  // any three lie on a circle
 /// More than 90°, so that a hemisphere's outline needs two arcs at most; must be less than 180°.
 constexpr double kLargestArc = std::numbers::pi * 100 / 180;
 
@@ -92,7 +92,7 @@ std::vector<std::vector<Vec2>> polylines_of(const Profile& profile) {
 /// The number of vertices on the longest arc from vertex `first` on, 0 for none.
 std::size_t longest_arc(std::span<const Vec2> row, std::size_t first) {
   std::size_t count = 0;
-  for (std::size_t n = kLeastVertices; first + n <= row.size(); ++n) {
+  for (std::size_t n = kMinVertices; first + n <= row.size(); ++n) {
     if (!arc_through(row.subspan(first, n))) break;
     count = n;
   }

@@ -130,7 +130,7 @@ void mark_triangle(const GridTriangle& t, int resolution, CodeSet& cells) {
   }
 }
 
-/// The grid around the box, as voxelise_surface() documents it. The lowest point lies at cell centres, so that a tool's
+/// The grid around the box, as voxelize_surface() documents it. The lowest point lies at cell centres, so that a tool's
 /// cutting end is sampled without an offset.
 PointShell make_grid(const Aabb& box, int resolution) {
   PointShell shell;
@@ -143,7 +143,7 @@ PointShell make_grid(const Aabb& box, int resolution) {
 
 }  // namespace
 
-PointShell voxelise_surface(const TriangleMesh& mesh, int resolution) {
+PointShell voxelize_surface(const TriangleMesh& mesh, int resolution) {
   if (resolution < 1 || resolution > kMaxShellResolution)
     throw InputError("shell resolution " + std::to_string(resolution) + " is outside 1 to " +
                      std::to_string(kMaxShellResolution));

@@ -22,6 +22,6 @@ struct PointShell {
 /// longest side of the bounding box spans M − 1 cells, from centre to centre; x and y are centred; the mesh's lowest
 /// point lies at the centres of the lowest cells. Throws InputError when resolution is outside 1…kMaxShellResolution or
 /// the mesh has no extent.
-PointShell voxelise_surface(const TriangleMesh& mesh, int resolution);
+PointShell voxelize_surface(const TriangleMesh& mesh, int resolution);
 
 }  // namespace reamsim

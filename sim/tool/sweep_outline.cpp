@@ -12,7 +12,7 @@ namespace reamsim {
 
 namespace {
 
-constexpr double kMostLatticePoints = 4096;
+constexpr double kMaxLatticePoints = 4096;
 /// Offsets of the lattice lines from round numbers, where designed surfaces lie. The first column is the axis.
 constexpr double kColumnShift = 0.382;
 constexpr double kRowShift = 0.618;
@@ -29,7 +29,7 @@ class Lattice {
   Lattice(const SweptSection& section, const Aabb& box, double radius_mm, double step_mm)
       : section_(section), bottom_mm_(box.min.z()) {
     const double height = box.max.z() - box.min.z();
-    step_mm_ = std::max(step_mm, std::max(radius_mm, height) / (kMostLatticePoints - 4));
+    step_mm_ = std::max(step_mm, std::max(radius_mm, height) / (kMaxLatticePoints - 4));
     columns_ = static_cast<int>(std::ceil(radius_mm / step_mm_)) + 2;
     rows_ = static_cast<int>(std::ceil(height / step_mm_)) + 2;
     for (int j = 0; j < rows_; ++j) intervals_.push_back(section.at(z(j)));

@@ -7,9 +7,9 @@ namespace reamsim {
 
 namespace {
 
-constexpr std::size_t kMostSlabs = 256;
+constexpr std::size_t kMaxSlabs = 256;
 /// Limit of the slab table where every triangle spans the full height.
-constexpr std::size_t kMostSlabEntries = 50'000'000;
+constexpr std::size_t kMaxSlabEntries = 50'000'000;
 
 /// The point of edge a–b at height z, computed from the lower end so that both triangles of an edge agree.
 Vec2 crossing(const Vec3& a, const Vec3& b, double z) {
@@ -44,7 +44,7 @@ SweptSection::SweptSection(const TriangleMesh& mesh) : mesh_(mesh) {
   const Aabb box = mesh.bounds();
   bottom_mm_ = box.min.z();
   const std::size_t triangles = std::max<std::size_t>(1, mesh.triangles.size());
-  slabs_.resize(std::clamp<std::size_t>(kMostSlabEntries / triangles, 1, kMostSlabs));
+  slabs_.resize(std::clamp<std::size_t>(kMaxSlabEntries / triangles, 1, kMaxSlabs));
   slab_mm_ = (box.max.z() - box.min.z()) / static_cast<double>(slabs_.size());
   const double top = static_cast<double>(slabs_.size()) - 1;
   const auto slab = [&](double z) {

@@ -139,7 +139,7 @@ Tool load_tool(const ToolSettings& settings, double voxel_mm, ShellUse use, Repo
   const int resolution =
       settings.shell_resolution > 0 ? settings.shell_resolution : least_resolution(settings, extent, voxel_mm, use);
   const double cell = extent / std::max(1, resolution - 1);
-  tool.shell = voxelise_surface(
+  tool.shell = voxelize_surface(
       teeth ? tool.mesh : revolve(tool.profile, segments_for_sagitta(radius, kFacetCells * cell)), resolution);
   if (use == ShellUse::touches_voxels) warn_of_leak(tool.shell, voxel_mm, report);
 

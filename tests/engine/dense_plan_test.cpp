@@ -34,7 +34,7 @@ std::string refusal(const DensePlan& plan, const cl::DeviceInfo& device) {
 TEST(DensePlan, KeepsThePublishedLayouts) {
   const ReamingScene scene = oblique_scene("auto");
   const std::size_t voxels = 41 * 37 * 29, points = scene.tool.shell.codes.size();
-  const auto plan = [&](EngineKind detector) { return plan_dense(detector, scene.bone, scene.tool, false); };
+  const auto plan = [&](EngineKind engine) { return plan_dense(engine, scene.bone, scene.tool, false); };
   EXPECT_EQ(plan(EngineKind::direct).bone_bytes(), voxels);
   EXPECT_EQ(plan(EngineKind::direct).shell_bytes(), 4 * points);
   EXPECT_EQ(plan(EngineKind::octree).bone_bytes(), 4 * voxels);
@@ -47,9 +47,9 @@ TEST(DensePlan, KeepsThePublishedLayouts) {
 
 TEST(DensePlan, SaysWhatWouldFit) {
   const ReamingScene scene = oblique_scene("auto");
-  for (const EngineKind detector : {EngineKind::direct, EngineKind::octree, EngineKind::implicit}) {
-    SCOPED_TRACE(name_of(detector));
-    const DensePlan plan = plan_dense(detector, scene.bone, scene.tool, true);
+  for (const EngineKind engine : {EngineKind::direct, EngineKind::octree, EngineKind::implicit}) {
+    SCOPED_TRACE(name_of(engine));
+    const DensePlan plan = plan_dense(engine, scene.bone, scene.tool, true);
     EXPECT_EQ(refusal(plan, device_with(plan.bytes(), plan.largest_bytes())), "");
     for (const auto& small :
          {device_with(plan.bytes() - 1, plan.bytes()), device_with(plan.bytes(), plan.largest_bytes() - 1)}) {
@@ -75,7 +75,7 @@ TEST(DensePlan, TheContactListHoldsWhateverTheToolCanHold) {
   ReamingScene scene = oblique_scene("serial", "implicit");
   scene.bone.set_voxels(block({16, 16, 16}, 0.25, 1.0));
   const DensePlan plan = plan_dense(EngineKind::implicit, scene.bone, scene.tool, false);
-  EXPECT_LT(plan.contacts, plan.unreamed);
+  EXPECT_LT(plan.contacts, plan.bone_voxels);
   // Jumps right inside, turned so that the box's diagonals lie along the lattice.
   const Quat turn(Eigen::AngleAxisd(0.7, Vec3(1, 1, 0).normalized()));
   scene.motion = straight({0, 0, -7}, {0, 0, -7.1}, 1, 1000, 250, turn);

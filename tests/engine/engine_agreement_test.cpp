@@ -9,7 +9,7 @@
 namespace reamsim::test::engine_agreement_tests {
 namespace {
 
-/// Runs a scene on the serial reference and on the device, with the detector under test.
+/// Runs a scene on the serial reference and on the device, with the engine under test.
 class Agreement : public testing::TestWithParam<std::string> {
  protected:
   template <class Change>
@@ -28,8 +28,8 @@ class Agreement : public testing::TestWithParam<std::string> {
   }
 };
 
-/// Every detector.
-using DetectorAgreement = Agreement;
+/// All engines.
+using EngineAgreement = Agreement;
 /// Those that have a shell: they share one serial reference, so what holds for one of them holds between them.
 class ShellAgreement : public Agreement {};
 
@@ -37,14 +37,14 @@ std::string name_of(const testing::TestParamInfo<std::string>& tested) {
   return tested.param;
 }
 
-INSTANTIATE_TEST_SUITE_P(Detectors, DetectorAgreement, testing::ValuesIn(kDetectors), name_of);
-INSTANTIATE_TEST_SUITE_P(Detectors, ShellAgreement, testing::ValuesIn(kShellDetectors), name_of);
+INSTANTIATE_TEST_SUITE_P(Engines, EngineAgreement, testing::ValuesIn(kEngines), name_of);
+INSTANTIATE_TEST_SUITE_P(Engines, ShellAgreement, testing::ValuesIn(kShellEngines), name_of);
 
-TEST_P(DetectorAgreement, Remove) {
+TEST_P(EngineAgreement, Remove) {
   EXPECT_GT(agreed([](ReamingScene&) {}).totals.removed_mm3, 5);
 }
 
-TEST_P(DetectorAgreement, Wear) {
+TEST_P(EngineAgreement, Wear) {
   const Outcome outcome = agreed([](ReamingScene& s) {
     s.scenario.cutting.erosion = ErosionMode::wear;
     s.scenario.cutting.wear_g_cm3_per_s = 30;
@@ -70,7 +70,7 @@ TEST_P(ShellAgreement, ResolvedSpin) {
   EXPECT_GT(agreed([](ReamingScene& s) { s.scenario.tool.spin = ToolSpin::resolved; }).totals.removed_mm3, 5);
 }
 
-TEST_P(DetectorAgreement, PartlyReamedBone) {
+TEST_P(EngineAgreement, PartlyReamedBone) {
   agreed([](ReamingScene& s) {
     std::mt19937 random(11);
     for (std::int64_t e = 0; e < s.bone.voxmap->grid.size(); e += 3) {
@@ -79,7 +79,7 @@ TEST_P(DetectorAgreement, PartlyReamedBone) {
   });
 }
 
-TEST_P(DetectorAgreement, WorkGroupAndBatchDoNotMatter) {
+TEST_P(EngineAgreement, WorkGroupAndBatchDoNotMatter) {
   const Outcome reference = run(oblique_scene("auto", GetParam()));
   for (const int group : {1, 7, 64, 200}) {
     for (const int batch : {1, 10, 1000}) {
@@ -92,7 +92,7 @@ TEST_P(DetectorAgreement, WorkGroupAndBatchDoNotMatter) {
   }
 }
 
-TEST_P(DetectorAgreement, RandomScenes) {
+TEST_P(EngineAgreement, RandomScenes) {
   constexpr unsigned kSeed = 4711;
   std::cout << "seed " << kSeed << '\n';
   std::mt19937 random(kSeed);
@@ -115,7 +115,7 @@ TEST_P(DetectorAgreement, RandomScenes) {
   }
 }
 
-TEST_P(DetectorAgreement, OneVoxel) {
+TEST_P(EngineAgreement, OneVoxel) {
   const Outcome outcome = agreed([](ReamingScene& s) {
     s.bone.set_voxels(one_voxel(1.0, {1.0, -0.5, -0.5}, 225));
     s.tool = make_tool(cap_profile(5, 6, 2.5, 0.6), 30);
@@ -152,7 +152,7 @@ TEST_P(ShellAgreement, AShellBeyond1024) {
   EXPECT_GT(outcome.totals.removed_mm3, 0.5);
 }
 
-TEST_P(DetectorAgreement, EdgeOn) {
+TEST_P(EngineAgreement, EdgeOn) {
   // The spin axis lies in the face: the cap's rim goes in first.
   const Outcome outcome = agreed([](ReamingScene& s) {
     s.bone.set_voxels(block({7, 9, 4}, 0.25, 1.1));
@@ -161,7 +161,7 @@ TEST_P(DetectorAgreement, EdgeOn) {
   EXPECT_GT(outcome.removed.size(), 50U);
 }
 
-TEST_P(DetectorAgreement, BordersOfTheVoxmap) {
+TEST_P(EngineAgreement, BordersOfTheVoxmap) {
   // Bone fills the lattice to every border, and the tool crosses a face, an edge and a corner of it.
   for (const Vec3& to : {Vec3(0, 0, -1), Vec3(3, 0, -1), Vec3(-3, -2.9, -1), Vec3(3, 2.9, -6)}) {
     const Outcome outcome = agreed([&](ReamingScene& s) {
@@ -172,7 +172,7 @@ TEST_P(DetectorAgreement, BordersOfTheVoxmap) {
   }
 }
 
-TEST_P(DetectorAgreement, ToolLargerThanTheVoxmap) {
+TEST_P(EngineAgreement, ToolLargerThanTheVoxmap) {
   const Outcome outcome = agreed([](ReamingScene& s) {
     s.bone.set_voxels(block({1.5, 1, 0.75}, 0.25, 1.1));
     s.motion = straight({1.3, 0, 0.5}, {1.3, 0, -3}, 20, 100, 250);
@@ -180,7 +180,7 @@ TEST_P(DetectorAgreement, ToolLargerThanTheVoxmap) {
   EXPECT_EQ(outcome.removed.size(), 6U * 4 * 3);
 }
 
-TEST_P(DetectorAgreement, ToolFullyInside) {
+TEST_P(EngineAgreement, ToolFullyInside) {
   const Outcome outcome = agreed([&](ReamingScene& s) {
     s.bone.set_voxels(block({12, 12, 12}, 0.25, 1.0));
     s.tool = make_tool(cap_profile(5, 6, 2.5, 0.6), 48);
@@ -204,7 +204,7 @@ TEST_P(ShellAgreement, ToolFullyInsideTouchesOnlyItsSurface) {
   }
 }
 
-TEST_P(DetectorAgreement, NoContactNoForce) {
+TEST_P(EngineAgreement, NoContactNoForce) {
   const Outcome outcome = agreed([](ReamingScene& s) { s.motion = straight({0, 0, 60}, {0, 0, 50}, 20, 1000, 250); });
   EXPECT_EQ(outcome.totals.contact_frames, 0);
   EXPECT_EQ(outcome.totals.removed_mm3, 0);

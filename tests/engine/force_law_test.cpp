@@ -239,8 +239,8 @@ std::vector<Options> options() {
 
 class ForceOptions : public testing::TestWithParam<Options> {
  protected:
-  static ReamingScene scene(const std::string& device, const std::string& detector) {
-    ReamingScene out = oblique_scene(device, detector);
+  static ReamingScene scene(const std::string& device, const std::string& engine) {
+    ReamingScene out = oblique_scene(device, engine);
     out.scenario.cutting = GetParam().cutting;
     out.scenario.cutting.erosion = GetParam().erosion;
     out.scenario.cutting.wear_g_cm3_per_s = 30;
@@ -256,11 +256,11 @@ TEST_P(ForceOptions, EqualTheSerialReference) {
   EXPECT_GT(serial.totals.peak_force_n, 0);
   EXPECT_LT(std::abs(serial.totals.balance), 3e-7);
   const bool exact = GetParam().erosion == ErosionMode::exact;
-  // Detectors with a shell share one serial reference; every other one of the kernels' shapes is in Agreement.
-  for (const std::string detector : {"bricked", "bricked_gpu", "direct", "octree"}) {
-    if (exact && detector.find("bricked") == std::string::npos) continue;
-    SCOPED_TRACE(detector);
-    expect_same(run(scene("auto", detector)), serial);
+  // Engines with a shell share one serial reference; every other one of the kernels' shapes is in Agreement.
+  for (const std::string engine : {"bricked", "bricked_gpu", "direct", "octree"}) {
+    if (exact && engine.find("bricked") == std::string::npos) continue;
+    SCOPED_TRACE(engine);
+    expect_same(run(scene("auto", engine)), serial);
   }
   if (!exact) expect_same(run(scene("auto", "implicit")), run(scene("serial", "implicit")));
 }

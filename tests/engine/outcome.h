@@ -11,7 +11,7 @@
 
 namespace reamsim::test {
 
-/// What a run leaves: the bytes of forces.csv, the voxels that went and when, and what is left.
+/// The outcome of a run: the bytes of forces.csv, the removed voxels and their frames, and the remaining fill.
 struct Outcome {
   std::string forces;
   RemovedFrames removed;
@@ -50,27 +50,27 @@ inline void expect_same(const Outcome& a, const Outcome& b) {
   EXPECT_EQ(a.fill, b.fill);
 }
 
-/// Detectors that have a shell, and the ways in which the kernels of `bricked` can run.
-inline const std::vector<std::string> kShellDetectors = {"direct",           "octree",      "bricked",
-                                                         "bricked_unculled", "bricked_gpu", "bricked_gpu_unculled"};
-inline const std::vector<std::string> kDetectors = [] {
-  std::vector<std::string> all = kShellDetectors;
+/// Engines with a shell, and the shapes of the kernels of `bricked`.
+inline const std::vector<std::string> kShellEngines = {"direct",           "octree",      "bricked",
+                                                       "bricked_unculled", "bricked_gpu", "bricked_gpu_unculled"};
+inline const std::vector<std::string> kEngines = [] {
+  std::vector<std::string> all = kShellEngines;
   all.emplace_back("implicit");
   return all;
 }();
 
-/// A name of kDetectors as settings.
-inline void choose_detector(EngineSettings& engine, const std::string& name) {
+/// A name of kEngines as settings.
+inline void choose_engine(EngineSettings& engine, const std::string& name) {
   engine.detector = *from_name<EngineKind>(name.substr(0, name.find('_')));
   engine.kernel_shape = name.find("_gpu") != std::string::npos ? KernelShape::gpu : KernelShape::automatic;
   engine.culling = name.find("_unculled") == std::string::npos;
 }
 
-/// A tilted tool that comes down askew through bone of every density.
-inline ReamingScene oblique_scene(const std::string& device, const std::string& detector = "bricked") {
+/// A tilted tool on an oblique path through bone of all densities.
+inline ReamingScene oblique_scene(const std::string& device, const std::string& engine = "bricked") {
   ReamingScene scene;
   scene.scenario = quiet_scenario(device);
-  choose_detector(scene.scenario.engine, detector);
+  choose_engine(scene.scenario.engine, engine);
   scene.bone.set_voxels(random_bone({41, 37, 29}, 0.2, 7));
   scene.tool = make_tool(cap_profile(5, 6, 2.5, 0.6), 61);
   const Quat tilt(Eigen::AngleAxisd(0.4, Vec3(1, 2, 0.5).normalized()));

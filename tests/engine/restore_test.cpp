@@ -8,7 +8,7 @@
 namespace reamsim::test::restore_tests {
 namespace {
 
-/// Device and detector.
+/// Device and engine.
 class Restore : public testing::TestWithParam<std::tuple<std::string, std::string>> {
  protected:
   static ReamingScene scene() { return oblique_scene(std::get<0>(GetParam()), std::get<1>(GetParam())); }
@@ -40,13 +40,13 @@ TEST_P(Restore, TakesTheBoneAsItIsThen) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Engines, Restore,
-                         testing::Combine(testing::Values("serial", "auto"), testing::ValuesIn(kDetectors)),
+                         testing::Combine(testing::Values("serial", "auto"), testing::ValuesIn(kEngines)),
                          [](const auto& tested) {
                            return std::get<0>(tested.param) + "_" + std::get<1>(tested.param);
                          });
 
 class RestoreOnDevice : public testing::TestWithParam<std::string> {};
-INSTANTIATE_TEST_SUITE_P(Detectors, RestoreOnDevice, testing::Values("direct", "bricked"),
+INSTANTIATE_TEST_SUITE_P(Engines, RestoreOnDevice, testing::Values("direct", "bricked"),
                          [](const auto& tested) { return tested.param; });
 
 TEST_P(RestoreOnDevice, RefusesBoneThatItsMemoryWasNotPlannedFor) {

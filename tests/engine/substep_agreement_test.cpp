@@ -57,7 +57,7 @@ std::vector<Touched> all_substeps(const ReamingScene& scene) {
 }
 
 class SubstepAgreement : public testing::TestWithParam<std::string> {};
-INSTANTIATE_TEST_SUITE_P(Detectors, SubstepAgreement, testing::ValuesIn(kDetectors),
+INSTANTIATE_TEST_SUITE_P(Engines, SubstepAgreement, testing::ValuesIn(kEngines),
                          [](const auto& tested) { return tested.param; });
 
 TEST_P(SubstepAgreement, EverySubstepTouchesTheReferencesVoxels) {

@@ -21,18 +21,18 @@ constexpr double kGridVoxels = 4;
 /// Width of the band around the profile with lists of its own, voxels: touched voxels lie within a few voxels of the
 /// surface. Resolved cutting edges may lie deeper, where the full list is used.
 constexpr double kBandVoxels = 8;
-constexpr int kMostCells = 1 << 16;
+constexpr int kMaxCells = 1 << 16;
 /// Subdivisions of a cell's surroundings along each side in the search for the nearest parts.
 constexpr int kParts = 8;
 /// Allowance for the single precision of the kernels, mm.
 constexpr double kSlack_mm = 1e-3;
 
-/// The grid over the profile and its band. Its cells grow where there would be more than kMostCells.
+/// The grid over the profile and its band. Its cells grow where there would be more than kMaxCells.
 ProfileGrid make_grid(const Profile& profile, double voxel_mm) {
   const Aabb box = profile.bounds();
   const double margin = kBandVoxels * voxel_mm;
   const double width = box.max.x() + margin, height = box.max.z() - box.min.z() + 2 * margin;
-  const double cell_mm = std::max(kGridVoxels * voxel_mm, std::sqrt(width * height / kMostCells));
+  const double cell_mm = std::max(kGridVoxels * voxel_mm, std::sqrt(width * height / kMaxCells));
   return {static_cast<float>(box.min.z() - margin), static_cast<float>(1 / cell_mm),
           static_cast<rs_i32>(std::ceil(width / cell_mm)), static_cast<rs_i32>(std::ceil(height / cell_mm))};
 }

@@ -31,7 +31,7 @@ rs_i32 erosion_of(const CuttingSettings& cutting) {
 }
 
 /// The fill that a tool at rest could remove because of the error of positions in single precision.
-rs_i32 least_loss(double voxel_mm) {
+rs_i32 min_loss(double voxel_mm) {
   constexpr double kPositionMm = 1e-5;
   return 1 + static_cast<rs_i32>(std::ceil(RS_WHOLE_FILL * kPositionMm / voxel_mm));
 }
@@ -45,8 +45,8 @@ void set_force_options(const CuttingSettings& cutting, double spin_rate, Substep
     const double period_s = spin_rate > 0 ? std::min(kTurn / (size->lips * spin_rate), kLongest_s) : kLongest_s;
     args.size_exponent = static_cast<float>(size->exponent);
     args.chip_per_speed = static_cast<float>(period_s / size->reference_mm);
-    args.least_chip = static_cast<float>(size->least_mm / size->reference_mm);
-    args.most_chip = static_cast<float>(size->most_mm / size->reference_mm);
+    args.min_chip = static_cast<float>(size->least_mm / size->reference_mm);
+    args.max_chip = static_cast<float>(size->most_mm / size->reference_mm);
   }
   if (const auto& edge = cutting.edge_force) {
     args.edge_tangential = static_cast<float>(edge->tangential_n_mm * edge->lips / kTurn);
@@ -123,7 +123,7 @@ SubstepArgs make_args(const Substep& substep, const Aabb& voi, const PointShell&
   args.erosion = erosion_of(cutting);
   args.voxel_mm = static_cast<float>(grid.voxel_mm);
   args.per_voxel_mm = static_cast<float>(1 / grid.voxel_mm);
-  args.least_loss = least_loss(grid.voxel_mm);
+  args.min_loss = min_loss(grid.voxel_mm);
   args.frame = static_cast<std::int32_t>(substep.frame);
   args.duration = static_cast<float>(substep.duration_s);
   const double spin = spin_resolved ? substep.pose.spin_angle_rad : 0;

@@ -31,8 +31,8 @@ DenseStage make_detect_direct(const cl::Device& device, const DenseState& state,
 
 DenseStage make_detect_octree(const cl::Device& device, const DenseState& state, const DeviceBatch& batch,
                               bool per_point, std::size_t work_group) {
-  constexpr std::size_t kMostPerGroup = 256;  // the reduction takes 48 bytes of local memory per work-item
-  const std::size_t group = std::min(work_group, kMostPerGroup);
+  constexpr std::size_t kMaxPerGroup = 256;  // the reduction takes 48 bytes of local memory per work-item
+  const std::size_t group = std::min(work_group, kMaxPerGroup);
   const std::string defines = per_point ? "-DREAMSIM_GROUP_SIZE=" + std::to_string(group) : "";
   DenseStage out{
       {device, device.build("detect_octree.cl", embedded::kernel_detect_octree, defines), "detect_octree", group},

@@ -16,7 +16,7 @@ namespace {
 /// Size of the list of removed voxels; larger scenes read results back more often.
 constexpr std::size_t kRemovedRoom = 4'000'000;
 
-constexpr std::size_t kMostVoxels = std::size_t{1} << 32;
+constexpr std::size_t kMaxVoxels = std::size_t{1} << 32;
 
 std::string megabytes(std::size_t bytes) {
   return std::to_string((bytes + 999'999) / 1'000'000) + " MB";
@@ -27,7 +27,7 @@ std::string megabytes(std::size_t bytes) {
 std::size_t voxels_in_tool(const Profile& profile, double voxel_mm) {
   const Aabb box = profile.bounds();
   const Vec3 grown = (box.max - box.min) / voxel_mm + Vec3::Constant(std::sqrt(3.0));
-  return static_cast<std::size_t>(std::ceil(std::min(grown.prod(), static_cast<double>(kMostVoxels))));
+  return static_cast<std::size_t>(std::ceil(std::min(grown.prod(), static_cast<double>(kMaxVoxels))));
 }
 
 }  // namespace
@@ -68,13 +68,13 @@ DensePlan plan_dense(EngineKind engine, const BoneView& bone, const Tool& tool, 
   if (engine == EngineKind::implicit) plan.layout = VoxelLayout::bare_grade;
   const bool has_shell = plan.layout != VoxelLayout::bare_grade;
   plan.voxels = static_cast<std::size_t>(bone.voxmap.grid.size());
-  plan.unreamed = static_cast<std::size_t>(bone.voxmap.grade.count());
+  plan.bone_voxels = static_cast<std::size_t>(bone.voxmap.grade.count());
   plan.points = has_shell ? tool.shell.codes.size() : 0;
   plan.wide_codes = tool.shell.resolution > kNarrowResolution;
   plan.fill = wear || partly_filled(bone.fill);
   plan.contacts =
-      std::min(plan.unreamed, has_shell ? plan.points : voxels_in_tool(tool.profile, bone.voxmap.grid.voxel_mm));
-  plan.removed = std::min(plan.unreamed, std::max(kRemovedRoom, plan.contacts));
+      std::min(plan.bone_voxels, has_shell ? plan.points : voxels_in_tool(tool.profile, bone.voxmap.grid.voxel_mm));
+  plan.removed = std::min(plan.bone_voxels, std::max(kRemovedRoom, plan.contacts));
   return plan;
 }
 
@@ -82,7 +82,7 @@ void require_fit(const DensePlan& plan, const cl::DeviceInfo& device, double vox
   const auto fraction = [](std::size_t need, std::size_t have) {
     return static_cast<double>(need) / static_cast<double>(std::max<std::size_t>(1, have));
   };
-  const double most = std::max({fraction(plan.voxels, kMostVoxels), fraction(plan.bytes(), device.global_memory_bytes),
+  const double most = std::max({fraction(plan.voxels, kMaxVoxels), fraction(plan.bytes(), device.global_memory_bytes),
                                 fraction(plan.largest_bytes(), device.max_allocation_bytes)});
   if (most <= 1) return;
   // Memory is inversely proportional to the cube of the voxel size; the margin covers the rounding to whole voxels.
@@ -92,7 +92,7 @@ void require_fit(const DensePlan& plan, const cl::DeviceInfo& device, double vox
                 voxel_mm * std::cbrt(most) * kMargin);
   throw InputError({}, "bone.voxel_mm",
                    "found a voxmap of " + std::to_string(plan.voxels) + " voxels; a dense engine supports at most " +
-                       std::to_string(kMostVoxels) + "; it needs " + megabytes(plan.bytes()) + " on the device and " +
+                       std::to_string(kMaxVoxels) + "; it needs " + megabytes(plan.bytes()) + " on the device and " +
                        megabytes(plan.largest_bytes()) + " of it in one allocation; " + device.name + " has " +
                        megabytes(device.global_memory_bytes) + " in total and at most " +
                        megabytes(device.max_allocation_bytes) + " in one allocation",

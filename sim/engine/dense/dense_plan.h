@@ -21,14 +21,14 @@ enum class VoxelLayout {
 struct DensePlan {
   VoxelLayout layout = VoxelLayout::claimed_grade;
   std::size_t voxels = 0;
-  std::size_t unreamed = 0;  ///< voxels of bone, removed ones included
-  std::size_t points = 0;    ///< of the shell; 0 for implicit
-  bool wide_codes = false;   ///< 8 bytes per Morton code instead of 4: shells of more than 1024 cells per axis
-  bool fill = false;         ///< 16 bits per voxel beside the grade; without it voxels are whole or removed
-  std::size_t contacts = 0;  ///< size of the contact list: most voxels that one substep can touch
-  std::size_t removed = 0;   ///< size of a batch's list of removed voxels
+  std::size_t bone_voxels = 0;  ///< voxels of bone, removed ones included
+  std::size_t points = 0;       ///< of the shell; 0 for implicit
+  bool wide_codes = false;      ///< 8 bytes per Morton code instead of 4: shells of more than 1024 cells per axis
+  bool fill = false;            ///< 16 bits per voxel beside the grade; without it voxels are whole or removed
+  std::size_t contacts = 0;     ///< size of the contact list: most voxels that one substep can touch
+  std::size_t removed = 0;      ///< size of a batch's list of removed voxels
 
-  [[nodiscard]] DeviceBatch::RemovedList removed_list() const { return {1, removed, contacts, unreamed}; }
+  [[nodiscard]] DeviceBatch::RemovedList removed_list() const { return {1, removed, contacts, bone_voxels}; }
   [[nodiscard]] std::size_t bone_bytes() const;
   [[nodiscard]] std::size_t claim_bytes() const;
   [[nodiscard]] std::size_t fill_bytes() const;

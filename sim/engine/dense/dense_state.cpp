@@ -94,7 +94,7 @@ DenseState make_dense_state(const cl::Device& device, const DensePlan& plan, con
 
 void upload_bone(const cl::Device& device, const DensePlan& plan, const BoneView& bone, DenseState& state) {
   const bool same = static_cast<std::size_t>(bone.voxmap.grid.size()) == plan.voxels &&
-                    static_cast<std::size_t>(bone.voxmap.grade.count()) <= plan.unreamed &&
+                    static_cast<std::size_t>(bone.voxmap.grade.count()) <= plan.bone_voxels &&
                     (plan.fill || !partly_filled(bone.fill));
   if (!same) throw RunError("this is not the bone for which the engine was created");
   const auto grades = dense_grades_left(bone);

@@ -44,7 +44,7 @@ CutExact::CutExact(const cl::Device& device, const DeviceBricks& bone, const Dev
   teeth != nullptr ? set_constant(teeth->arguments()) : set_constant();
 }
 
-std::size_t CutExact::most_records(std::size_t listed, int substeps) {
+std::size_t CutExact::max_records(std::size_t listed, int substeps) {
   // The 64 voxels of a block can be removed in as many substeps.
   return listed * 8 * static_cast<std::size_t>(std::min(substeps, 64));
 }

@@ -18,7 +18,7 @@ class CutExact {
            const DeviceTeeth* teeth);
 
   /// The largest number of records of removed voxels in a visit.
-  [[nodiscard]] static std::size_t most_records(std::size_t listed, int substeps);
+  [[nodiscard]] static std::size_t max_records(std::size_t listed, int substeps);
   /// Enqueues a visit of the listed bricks. `fill` needs room for a page per brick, `removed` for every record.
   void enqueue(const VisitPlan& plan, const FillPages& fill, const cl::Buffer<RemovedBlock>& removed);
   /// Run time of the visits since the last call, s.

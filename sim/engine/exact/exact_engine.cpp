@@ -13,7 +13,7 @@ namespace reamsim {
 namespace {
 
 /// The largest number of records of removed voxels in a visit; where more are possible it has fewer substeps.
-constexpr std::size_t kMostRecords = 8'000'000;
+constexpr std::size_t kMaxRecords = 8'000'000;
 
 /// The batch has no list of removed voxels, because every visit has one.
 constexpr DeviceBatch::RemovedList kNoList{.words = 1, .room = 1, .per_substep = 1, .in_total = 1};
@@ -90,13 +90,13 @@ class ExactEngine final : public Engine {
     VisitPlan plan = plan_visit(batch_.args_used(), first, RS_VISIT_SUBSTEPS, tool_box_, extent_);
     VisitCounts counts{.listed = 0, .pages = static_cast<rs_u32>(fill_.used), .removed = 0};
     std::size_t listed = list_.list(plan, counts);
-    while (CutExact::most_records(listed, plan.end - first) > kMostRecords && plan.end - first > 1) {
+    while (CutExact::max_records(listed, plan.end - first) > kMaxRecords && plan.end - first > 1) {
       plan = plan_visit(batch_.args_used(), first, (plan.end - first) / 2, tool_box_, extent_);
       listed = list_.list(plan, counts);
     }
     if (listed == 0) return plan;
     reserve_pages(device_, fill_.used + listed, grid_.voxel_mm, fill_);
-    const std::size_t records = CutExact::most_records(listed, plan.end - first);
+    const std::size_t records = CutExact::max_records(listed, plan.end - first);
     if (records > records_.count()) records_ = {device_, records, "the list of removed voxels"};
     cut_.enqueue(plan, fill_, records_);
     list_.counts().read(device_, &counts, 1);
@@ -133,9 +133,9 @@ std::unique_ptr<Engine> make_exact_engine(const Scenario& scenario, const BoneVi
 
 std::size_t exact_engine_bytes(const BoneView& bone, const Tool& tool, const ExactForecast& forecast) {
   const std::size_t stored = bone.voxmap.grade.stored_bricks();
-  const std::size_t records = std::min(kMostRecords, CutExact::most_records(forecast.listed, RS_VISIT_SUBSTEPS));
+  const std::size_t records = std::min(kMaxRecords, CutExact::max_records(forecast.listed, RS_VISIT_SUBSTEPS));
   return device_bricks_bytes(bone, FillStore::pages) + sizeof(cl_uint) * stored +
-         fill_pages_bytes(stored, forecast.parted + forecast.listed) + sizeof(RemovedBlock) * records +
+         fill_pages_bytes(stored, forecast.partial + forecast.listed) + sizeof(RemovedBlock) * records +
          DeviceBatch::bytes(kNoList) + (tool.teeth ? tool.teeth->bytes() : 0);
 }
 

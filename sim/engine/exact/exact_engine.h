@@ -10,8 +10,8 @@ namespace reamsim {
 
 /// Bounds of what a run does to the bone's bricks.
 struct ExactForecast {
-  std::size_t parted = 0;  ///< bricks that are partly removed or that the tool reaches: a page of fill each
-  std::size_t listed = 0;  ///< bricks that the tool's surface can intersect in one visit
+  std::size_t partial = 0;  ///< bricks that are partly removed or that the tool reaches: a page of fill each
+  std::size_t listed = 0;   ///< bricks that the tool's surface can intersect in one visit
 };
 
 /// `erosion: exact` over bricks, on the scenario's device. Throws InputError when the bone does not fit.

@@ -11,7 +11,7 @@ namespace reamsim {
 
 namespace {
 
-constexpr std::size_t kLeastRoom = 64;  // pages
+constexpr std::size_t kMinRoom = 64;  // pages
 constexpr std::size_t kPageBytes = sizeof(cl_ushort) * RS_BRICK_VOXELS;
 
 /// 1.5 times the need, so that a growing cut does not move its pages at every visit.
@@ -50,7 +50,7 @@ cl::Buffer<T> grown(const cl::Device& device, const cl::Buffer<T>& old, std::siz
 FillPages make_fill_pages(const cl::Device& device, const BoneView& bone) {
   FillPages fill;
   fill.used = bricks_with_fill(bone);
-  const std::size_t room = std::max(kLeastRoom, fill.used);
+  const std::size_t room = std::max(kMinRoom, fill.used);
   std::vector<cl_int> page_of_slot;
   std::vector<cl_uint> slot_of_page;
   std::vector<cl_ushort> fills;
@@ -113,7 +113,7 @@ void read_pages(const cl::Device& device, const DeviceBricks& bricks, const Fill
 }
 
 std::size_t fill_pages_bytes(std::size_t bricks, std::size_t pages) {
-  const std::size_t needed = std::min(bricks, pages), room = std::max(kLeastRoom, std::min(bricks, most_room(needed)));
+  const std::size_t needed = std::min(bricks, pages), room = std::max(kMinRoom, std::min(bricks, most_room(needed)));
   // While the buffer grows the old pages exist as well.
   return sizeof(cl_int) * bricks + (room + needed) * (sizeof(cl_uint) + kPageBytes);
 }

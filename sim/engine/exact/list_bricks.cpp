@@ -16,11 +16,11 @@ static_assert(sizeof(VisitCounts) == 12);
 static_assert(sizeof(CoarseGrid) == 20);
 
 DistanceTable brick_distances(const Profile& profile, double voxel_mm, double slack_mm) {
-  constexpr double kCellVoxels = 4, kMostCells = 1 << 14;
+  constexpr double kCellVoxels = 4, kMaxCells = 1 << 14;
   const Aabb tool = profile.bounds();
   const double margin = (double{RS_SUPERBRICK_RADIUS} + kVisitShiftVoxels + kCellVoxels) * voxel_mm + slack_mm;
   const double width = tool.max.x() + margin, height = tool.max.z() - tool.min.z() + 2 * margin;
-  const double cell_mm = std::max(kCellVoxels * voxel_mm, std::sqrt(width * height / kMostCells));
+  const double cell_mm = std::max(kCellVoxels * voxel_mm, std::sqrt(width * height / kMaxCells));
   return make_distance_table(profile, Vec2(0, tool.min.z() - margin) + Vec2::Constant(0.5 * cell_mm), cell_mm,
                              static_cast<int>(std::ceil(width / cell_mm)),
                              static_cast<int>(std::ceil(height / cell_mm)));

@@ -50,7 +50,7 @@ SerialState make_serial_state(const BoneView& bone, const Tool& tool) {
 /// per_point`) are added to `sums`.
 using FindContacts = std::function<void(SerialState& state, const SubstepArgs& args, SubstepSums& sums)>;
 
-/// The voxels that hold a shell point. Without culling, so that it also verifies the VOI. `claimed`: by voxel, all
+/// The voxels that contain a shell point. Without culling, so that it also verifies the VOI. `claimed`: by voxel, all
 /// false before and after.
 void find_by_points(SerialState& state, const SubstepArgs& args, std::vector<bool>& claimed, SubstepSums& sums) {
   const ProfileView profile = view_of(state.profile);
