@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <fstream>
 #include <map>
+#include <numeric>
 #include <sstream>
 
 #include "sim/base/error.h"
@@ -129,6 +130,11 @@ void SlotKernel::run(int slot, std::size_t items) {
   set(0, static_cast<cl_uint>(slot));
   slots_.push_back(slot);
   events_.push_back(launch(*device_, std::max<std::size_t>(1, items), group_));
+}
+
+double SlotKernel::take_total_s() {
+  const std::vector<double> by_slot = take_seconds();
+  return std::accumulate(by_slot.begin(), by_slot.end(), 0.0);
 }
 
 std::vector<double> SlotKernel::take_seconds() {

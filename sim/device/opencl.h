@@ -209,6 +209,8 @@ class SlotKernel : public Kernel {
   void run(int slot, std::size_t items);
   /// Run times by slot since the last call, in seconds. The queue must have finished.
   std::vector<double> take_seconds();
+  /// Their sum, in seconds.
+  double take_total_s();
 
  private:
   const Device* device_;

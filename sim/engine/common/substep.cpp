@@ -36,9 +36,19 @@ rs_i32 min_loss(double voxel_mm) {
   return 1 + static_cast<rs_i32>(std::ceil(RS_WHOLE_FILL * kPositionMm / voxel_mm));
 }
 
-/// The options of the force law; zeros where they are off. `spin_rate`: rad/s, unsigned.
-void set_force_options(const CuttingSettings& cutting, double spin_rate, SubstepArgs& args) {
+/// The parameters of force law and erosion; zeros for options that are off. `spin_rate`: rad/s, unsigned.
+void set_law(const CuttingSettings& cutting, double duration_s, double spin_rate, SubstepArgs& args) {
   constexpr double kTurn = 2 * M_PI;
+  args.law = cutting.law == CuttingLaw::per_point ? RS_LAW_PER_POINT : RS_LAW_ENERGY;
+  args.erosion = erosion_of(cutting);
+  args.wear = cutting.wear_g_cm3_per_s * duration_s;
+  args.duration = static_cast<float>(duration_s);
+  args.per_duration = static_cast<float>(1 / duration_s);
+  args.speed_floor = static_cast<float>(cutting.speed_floor_mm_s);
+  args.per_speed_floor = static_cast<float>(1 / cutting.speed_floor_mm_s);
+  args.floor_rate = static_cast<float>(1 / (cutting.speed_floor_mm_s * duration_s));
+  args.normal_ratio = static_cast<float>(cutting.normal_ratio);
+  args.force_per_point = static_cast<float>(cutting.force_per_point_n);
   if (const auto& size = cutting.size_effect) {
     // Without spin the time between two cutting edges is infinite; the chip thickness is limited anyway.
     constexpr double kLongest_s = 1e9;
@@ -111,25 +121,15 @@ SubstepArgs make_args(const Substep& substep, const Aabb& voi, const PointShell&
     std::tie(args.voi_min[i], args.voi_max[i]) =
         cell_range(voi.min[i] - shell.origin_mm[i], voi.max[i] - shell.origin_mm[i], shell);
   }
-  args.speed_floor = static_cast<float>(cutting.speed_floor_mm_s);
-  args.per_speed_floor = static_cast<float>(1 / cutting.speed_floor_mm_s);
-  args.per_duration = static_cast<float>(1 / substep.duration_s);
-  args.floor_rate = static_cast<float>(1 / (cutting.speed_floor_mm_s * substep.duration_s));
-  args.normal_ratio = static_cast<float>(cutting.normal_ratio);
-  args.force_per_point = static_cast<float>(cutting.force_per_point_n);
-  args.wear = cutting.wear_g_cm3_per_s * substep.duration_s;
   args.cell_mm = shell.cell_mm;
-  args.law = cutting.law == CuttingLaw::per_point ? RS_LAW_PER_POINT : RS_LAW_ENERGY;
-  args.erosion = erosion_of(cutting);
   args.voxel_mm = static_cast<float>(grid.voxel_mm);
   args.per_voxel_mm = static_cast<float>(1 / grid.voxel_mm);
   args.min_loss = min_loss(grid.voxel_mm);
   args.frame = static_cast<std::int32_t>(substep.frame);
-  args.duration = static_cast<float>(substep.duration_s);
   const double spin = spin_resolved ? substep.pose.spin_angle_rad : 0;
   args.spin_cos = static_cast<float>(std::cos(spin));
   args.spin_sin = static_cast<float>(std::sin(spin));
-  set_force_options(cutting, std::abs(angular_velocity.z()), args);
+  set_law(cutting, substep.duration_s, std::abs(angular_velocity.z()), args);
   return args;
 }
 

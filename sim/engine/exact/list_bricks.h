@@ -1,17 +1,11 @@
 #pragma once
 
-#include <numeric>
-
 #include "sim/engine/common/device_batch.h"
 #include "sim/engine/common/device_bricks.h"
 #include "sim/engine/exact/visit_plan.h"
 #include "sim/tool/distance_table.h"
 
 namespace reamsim {
-
-inline double sum(const std::vector<double>& seconds) {
-  return std::accumulate(seconds.begin(), seconds.end(), 0.0);
-}
 
 /// Distances for lists of bricks. They cover every point within the reach of kernels/list_bricks.cl plus `slack_mm` of
 /// the profile. Samples lie at the centres of the kernel's cells.
@@ -27,7 +21,7 @@ class ListBricks {
   /// Lists the bricks of a visit, and returns their number.
   std::size_t list(const VisitPlan& visit, VisitCounts counts);
   /// Run time of the lists since the last call, s.
-  double take_seconds() { return sum(kernel_.take_seconds()); }
+  double take_seconds() { return kernel_.take_total_s(); }
 
   [[nodiscard]] const cl::Buffer<cl_uint>& listed() const { return listed_; }
   [[nodiscard]] const cl::Buffer<VisitCounts>& counts() const { return counts_; }
