@@ -109,7 +109,7 @@ ExactForecast forecast_exact(const ReamingScene& scene) {
   SweptBricks swept(scene);
   const auto& poses = scene.motion.poses;
   const double step_mm = kStepVoxels * scene.bone.voxmap->grid.voxel_mm;
-  for (const PathSample& stop : sample_path(poses, scene.tool.reach_mm, step_mm)) swept.add(stop.pose, step_mm);
+  for (const PathSample& sample : sample_path(poses, scene.tool.reach_mm, step_mm)) swept.add(sample.pose, step_mm);
   return swept.forecast();
 }
 

@@ -30,7 +30,7 @@ DistanceTable make_distances(const Profile& tool, double voxel_mm) {
 }
 
 /// A tested pose of the tool.
-struct Stop {
+struct TestedPose {
   Rigid tool_from_bone;
   Aabb box;              ///< of the tool in B, with the margin
   std::size_t pose = 0;  ///< index of the pose at the end of the step
@@ -47,19 +47,19 @@ bool contains(const Aabb& box, const Vec3& p) {
 }
 
 /// `tool_box`: T, with the margin.
-std::vector<Stop> make_stops(const std::vector<ToolPose>& poses, const Aabb& tool_box, double step_mm) {
+std::vector<TestedPose> sample_poses(const std::vector<ToolPose>& poses, const Aabb& tool_box, double step_mm) {
   const double reach_mm = tool_box.min.cwiseAbs().cwiseMax(tool_box.max.cwiseAbs()).norm();
-  std::vector<Stop> out;
-  for (const PathSample& stop : sample_path(poses, reach_mm, step_mm)) {
-    const Rigid bone_from_tool = stop.pose.bone_from_tool();
-    out.push_back({bone_from_tool.inverse(), box_in_bone(tool_box, bone_from_tool), stop.frame});
+  std::vector<TestedPose> out;
+  for (const PathSample& sample : sample_path(poses, reach_mm, step_mm)) {
+    const Rigid bone_from_tool = sample.pose.bone_from_tool();
+    out.push_back({bone_from_tool.inverse(), box_in_bone(tool_box, bone_from_tool), sample.frame});
   }
   return out;
 }
 
-/// A stop in reach of a brick.
-struct NearStop {
-  const Stop* stop;
+/// A tested pose in reach of a brick.
+struct NearPose {
+  const TestedPose* tested;
   double middle_mm;  ///< signed distance of the brick's middle from the tool
 };
 
@@ -80,14 +80,14 @@ class SweptBone {
         before_(before),
         whole_voxels_(whole_voxels),
         table_(make_distances(tool, voxmap.grid.voxel_mm)),
-        stops_(make_stops(poses, tool.bounds().expanded(kMarginVoxels * voxmap.grid.voxel_mm),
-                          kStepVoxels * voxmap.grid.voxel_mm)) {}
+        tested_poses_(sample_poses(poses, tool.bounds().expanded(kMarginVoxels * voxmap.grid.voxel_mm),
+                                   kStepVoxels * voxmap.grid.voxel_mm)) {}
 
   [[nodiscard]] std::vector<BrickLoss> losses() const {
     std::vector<Vec3i> bricks = grade_.stored_coords();
-    Aabb path_box = stops_.front().box;
-    for (const Stop& stop : stops_) {
-      path_box = {path_box.min.cwiseMin(stop.box.min), path_box.max.cwiseMax(stop.box.max)};
+    Aabb path_box = tested_poses_.front().box;
+    for (const TestedPose& tested : tested_poses_) {
+      path_box = {path_box.min.cwiseMin(tested.box.min), path_box.max.cwiseMax(tested.box.max)};
     }
     std::erase_if(bricks, [&](const Vec3i& coord) { return !contains(path_box, middle_of(coord)); });
     std::vector<std::optional<BrickLoss>> found(bricks.size());
@@ -107,22 +107,22 @@ class SweptBone {
   [[nodiscard]] std::optional<BrickLoss> loss_of(const Vec3i& coord) const {
     const Vec3 middle = middle_of(coord);
     const double radius_mm = RS_BRICK_RADIUS * grid_.voxel_mm;
-    std::vector<NearStop> near;
-    for (const Stop& stop : stops_) {
-      if (!contains(stop.box, middle)) continue;
-      const double mm = distance_at(stop.tool_from_bone * middle);
-      if (mm < radius_mm) near.push_back({&stop, mm});
+    std::vector<NearPose> near;
+    for (const TestedPose& tested : tested_poses_) {
+      if (!contains(tested.box, middle)) continue;
+      const double mm = distance_at(tested.tool_from_bone * middle);
+      if (mm < radius_mm) near.push_back({&tested, mm});
     }
     if (near.empty()) return std::nullopt;
-    const NearStop& nearest = *std::ranges::min_element(near, {}, &NearStop::middle_mm);
+    const NearPose& nearest = *std::ranges::min_element(near, {}, &NearPose::middle_mm);
     const double reached_mm = 0.5 * BrickLattice::kSide * grid_.voxel_mm;
-    const auto reached = std::ranges::find_if(near, [&](const NearStop& at) { return at.middle_mm < reached_mm; });
-    BrickLoss loss{coord, {}, (reached == near.end() ? nearest : *reached).stop->pose};
+    const auto reached = std::ranges::find_if(near, [&](const NearPose& at) { return at.middle_mm < reached_mm; });
+    BrickLoss loss{coord, {}, (reached == near.end() ? nearest : *reached).tested->pose};
     return cut(near, nearest.middle_mm < -radius_mm, loss) ? std::optional(loss) : std::nullopt;
   }
 
   /// Sets the predicted fill. Returns whether any bone is removed.
-  bool cut(const std::vector<NearStop>& near, bool whole, BrickLoss& loss) const {
+  bool cut(const std::vector<NearPose>& near, bool whole, BrickLoss& loss) const {
     const GradeBricks::Brick& grades = *grade_.brick(loss.coord);
     const FillBricks::Brick* before = before_.brick(loss.coord);
     bool any = false;
@@ -139,7 +139,7 @@ class SweptBone {
     return any;
   }
 
-  [[nodiscard]] double remaining_fraction(const Vec3i& voxel, const std::vector<NearStop>& near) const {
+  [[nodiscard]] double remaining_fraction(const Vec3i& voxel, const std::vector<NearPose>& near) const {
     const Vec3 middle = grid_.center_mm(voxel.x(), voxel.y(), voxel.z());
     const double distance = distance_mm(middle, near) / grid_.voxel_mm;
     if (!whole_voxels_) return std::clamp(0.5 + distance, 0.0, 1.0);
@@ -155,10 +155,10 @@ class SweptBone {
     return table_.at({point_t.head<2>().norm(), point_t.z()});
   }
 
-  /// Smallest distance over these stops, limited to a voxel.
-  [[nodiscard]] double distance_mm(const Vec3& point, const std::vector<NearStop>& near) const {
+  /// Smallest distance over these poses, limited to a voxel.
+  [[nodiscard]] double distance_mm(const Vec3& point, const std::vector<NearPose>& near) const {
     double least_mm = grid_.voxel_mm;
-    for (const NearStop& at : near) least_mm = std::min(least_mm, distance_at(at.stop->tool_from_bone * point));
+    for (const NearPose& at : near) least_mm = std::min(least_mm, distance_at(at.tested->tool_from_bone * point));
     return least_mm;
   }
 
@@ -167,7 +167,7 @@ class SweptBone {
   const FillBricks& before_;
   bool whole_voxels_;
   DistanceTable table_;
-  std::vector<Stop> stops_;
+  std::vector<TestedPose> tested_poses_;
 };
 
 /// The pose of greatest tool depth, which counts along the tool's axis from the pose before the first contact.

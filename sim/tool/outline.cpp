@@ -11,7 +11,7 @@ namespace reamsim {
 namespace {
 
 constexpr std::size_t kMinVertices = 4;  // any three lie on a circle
-/// More than 90°, so that a hemisphere's outline needs two arcs at most; must be less than 180°.
+/// More than 90°, so that the half circle of a sphere needs two arcs wherever its vertices lie; must be less than 180°.
 constexpr double kLargestArc = std::numbers::pi * 100 / 180;
 
 /// A vector rotated by 90° to the right: the outward normal of a direction along an outline.

@@ -20,8 +20,8 @@ class SweptVolume {
       bottom_mm_ = std::min(bottom_mm_, p.y());
       top_mm_ = std::max(top_mm_, p.y());
     }
-    for (const PathSample& stop : sample_path(motion.poses, profile.bounds().max.norm(), step_mm)) {
-      tool_from_bone_.push_back(stop.pose.bone_from_tool().inverse());
+    for (const PathSample& sample : sample_path(motion.poses, profile.bounds().max.norm(), step_mm)) {
+      tool_from_bone_.push_back(sample.pose.bone_from_tool().inverse());
     }
   }
 
