@@ -50,7 +50,7 @@ void run_frames(ReamingScene& scene, Engine& engine, Recorder& recorder, Outputs
     progress.update(done, total);
   };
   control.stop = stop_requested;
-  control.foretold_no_contact = !contact.meets;
+  control.warned_of_no_contact = !contact.touches;
   simulate(scene, engine, recorder, control, report);
   progress.finish();
   recorder.close();

@@ -1,63 +1,95 @@
-/* What the cuts over bricks report: removed voxels and sums. For kernels only. */
+/* Sums and removed voxels of the kernels that cut bricks. For kernels only. */
 #ifndef REAMSIM_KERNELS_BRICK_REPORT_H
 #define REAMSIM_KERNELS_BRICK_REPORT_H
 
 #include "cut_law.h"
 #pragma OPENCL EXTENSION cl_khr_int64_base_atomics : enable
 
-/* Records of removed voxels wait until there are some, because all work-items take their places from one counter. */
-#define WAITING 32
+/* Work-items collect this many records before they append them, because all share the counter of the list. */
+#define RS_COLLECTED 32
 
+/* The records of one work-item. */
 typedef struct {
   __global RemovedBlock* removed;
   __global uint* removed_count;
-  RemovedBlock waiting[WAITING];
-  uint waiting_count;
-  uint brick; /* in the lattice */
+  RemovedBlock collected[RS_COLLECTED];
+  uint count;
+  uint brick; /* index in the lattice of bricks */
 } RemovedReport;
 
 void begin_report(RemovedReport* report, __global RemovedBlock* removed, __global uint* removed_count) {
   report->removed = removed;
   report->removed_count = removed_count;
-  report->waiting_count = 0;
+  report->count = 0;
 }
 
-void hand_over_removed(RemovedReport* report) {
-  if (report->waiting_count == 0) return;
-  __global RemovedBlock* to = report->removed + atomic_add(report->removed_count, report->waiting_count);
-  for (uint i = 0; i < report->waiting_count; ++i) to[i] = report->waiting[i];
-  report->waiting_count = 0;
+/* Appends the collected records to the list. */
+void flush_report(RemovedReport* report) {
+  if (report->count == 0) return;
+  __global RemovedBlock* to = report->removed + atomic_add(report->removed_count, report->count);
+  for (uint i = 0; i < report->count; ++i) to[i] = report->collected[i];
+  report->count = 0;
 }
 
-void report_removed(RemovedReport* report, const uint substep, const int block, const uint low, const uint high) {
+/* Removes the voxels `low`, `high` (a bit each) of a block of the brick, and reports them. */
+void remove_voxels(__global Brick* brick, const uint substep, const int block, const uint low, const uint high,
+                   RemovedReport* report) {
   if ((low | high) == 0) return;
-  if (report->waiting_count == WAITING) hand_over_removed(report);
-  RemovedBlock* record = report->waiting + report->waiting_count++;
+  brick->bone[2 * block] &= ~low;
+  brick->bone[2 * block + 1] &= ~high;
+  if (report->count == RS_COLLECTED) flush_report(report);
+  RemovedBlock* record = report->collected + report->count++;
   record->brick = report->brick;
   record->detail = substep << 3 | (uint)block;
-  record->gone = low | (ulong)high << 32;
+  record->removed = low | (ulong)high << 32;
 }
 
-/* Adds force, torque (3 each), energy, floor energy, fill and contacts. */
-void add_brick_sums(__global SubstepSums* total, const long* part) {
+LaneSums zero_sums(void) {
+  LaneSums sums;
+  for (int i = 0; i < 3; ++i) sums.force[i] = sums.torque[i] = (rs_sum)0;
+  sums.floor_energy = sums.energy = (rs_sum)0;
+  return sums;
+}
+
+#if defined(RS_LANES)
+long add_lanes(const long16 v) {
+  const long8 a = v.lo + v.hi;
+  return a.s0 + a.s1 + a.s2 + a.s3 + a.s4 + a.s5 + a.s6 + a.s7;
+}
+#else
+long add_lanes(const long v) {
+  return v;
+}
+#endif
+
+/* Adds the sums of a work-item to those of its substep. */
+void add_brick_sums(__global SubstepSums* total, const LaneSums* law, const long energy, const long removed,
+                    const long contacts) {
   for (int c = 0; c < 3; ++c) {
-    if (part[c] != 0) atom_add(&total->force[c], part[c]);
-    if (part[3 + c] != 0) atom_add(&total->torque[c], part[3 + c]);
+    const long force = add_lanes(law->force[c]), torque = add_lanes(law->torque[c]);
+    if (force != 0) atom_add(&total->force[c], force);
+    if (torque != 0) atom_add(&total->torque[c], torque);
   }
-  atom_add(&total->energy, part[6]);
-  if (part[7] != 0) atom_add(&total->floor_energy, part[7]);
-  atom_add(&total->removed, part[8]);
-  atom_add(&total->contacts, part[9]);
+  const long floor_energy = add_lanes(law->floor_energy);
+  atom_add(&total->energy, energy + add_lanes(law->energy));
+  if (floor_energy != 0) atom_add(&total->floor_energy, floor_energy);
+  atom_add(&total->removed, removed);
+  atom_add(&total->contacts, contacts);
 }
 
-/* Clears the bit of a brick in which nothing is left, so that cells over it are passed over from now on. */
-void clear_if_empty(__global const Brick* brick, __global uint* occupancy, const int x, const int y, const int z,
-                    const int4 bricks) {
-  uint left = 0;
-  for (int w = 0; w < RS_BRICK_WORDS; ++w) left |= brick->bone[w];
-  if (left != 0) return;
-  const int superbrick = (x >> 2) + ((bricks.x + 3) >> 2) * ((y >> 2) + ((bricks.y + 3) >> 2) * (z >> 2));
-  const uint bit = (uint)((x & 3) | (y & 3) << 2 | (z & 3) << 4);
+/* Position of a brick in the lattice of bricks. */
+int3 brick_position(const uint index, const int4 bricks) {
+  const uint row = index / (uint)bricks.x;
+  return (int3)((int)(index % (uint)bricks.x), (int)(row % (uint)bricks.y), (int)(row / (uint)bricks.y));
+}
+
+/* Clears the occupancy bit of an empty brick, so that later substeps skip it. */
+void clear_if_empty(__global const Brick* brick, __global uint* occupancy, const int3 at, const int4 bricks) {
+  uint remaining = 0;
+  for (int w = 0; w < RS_BRICK_WORDS; ++w) remaining |= brick->bone[w];
+  if (remaining != 0) return;
+  const int superbrick = (at.x >> 2) + ((bricks.x + 3) >> 2) * ((at.y >> 2) + ((bricks.y + 3) >> 2) * (at.z >> 2));
+  const uint bit = (uint)((at.x & 3) | (at.y & 3) << 2 | (at.z & 3) << 4);
   atomic_and(&occupancy[2 * superbrick + (bit >> 5)], ~(1u << (bit & 31u)));
 }
 

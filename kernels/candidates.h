@@ -1,5 +1,5 @@
-/* Exact erosion on a CPU: the voxels of a brick that the tool can meet in a window of substeps, found once for all of
- * them. Conservative: a voxel too many costs time and changes nothing. */
+/* Exact erosion on a CPU: the voxels of a brick that the tool's surface can intersect in a window of substeps.
+ * Conservative: an extra voxel costs time and changes nothing. */
 #ifndef REAMSIM_KERNELS_CANDIDATES_H
 #define REAMSIM_KERNELS_CANDIDATES_H
 
@@ -7,18 +7,17 @@
 
 #if defined(RS_LANES)
 
-/* More than positions in single precision are off by, mm. */
+/* Bound of the error of positions in single precision, mm. */
 #define POSITION_SLACK 1e-4f
 
-/* The voxels of a brick that the tool can meet in a window, padded to a multiple of 16 with ones that have nothing
- * left. */
+/* Candidates, padded to a multiple of 16 with voxels without fill. */
 typedef struct {
   int count;
   ushort place[RS_BRICK_VOXELS + 16];
   int fill[RS_BRICK_VOXELS + 16];
   float energy[RS_BRICK_VOXELS + 16];      /* of the whole voxel, mJ */
-  EdgeList near[RS_BRICK_VOXELS / 16 + 1]; /* of each sixteen: the pieces that can be nearest */
-  bool smooth[RS_BRICK_VOXELS / 16 + 1];   /* one piece alone, far from its ends */
+  EdgeList near[RS_BRICK_VOXELS / 16 + 1]; /* per sixteen: the pieces that can be nearest */
+  bool smooth[RS_BRICK_VOXELS / 16 + 1];   /* per sixteen: one piece, with its ends out of reach */
 } Candidates;
 
 RS_INLINE float16 offset_x(const int16 place) {
@@ -31,10 +30,10 @@ RS_INLINE float16 offset_z(const int16 place) {
   return convert_float16((place >> 8 & 1) << 2 | (place >> 4 & 3));
 }
 
-/* Of sixteen voxels: the part of the brick's list from the first to the last piece that can be nearest to any of them
- * while the tool moves by `shift` mm, and whether they lie far from that piece's ends if it is one. */
-RS_INLINE void look_near(__global const SubstepArgs* a, const OutlineView* outline, const Visit* v, const int16 place,
-                         const float shift, EdgeList* near, bool* smooth) {
+/* For sixteen voxels: the section of the brick's list with all pieces that can be nearest to any of them while the tool
+ * moves by `shift` mm, and whether it is a single piece with its ends out of reach. */
+RS_INLINE void find_nearest_pieces(__global const SubstepArgs* a, const OutlineView* outline, const Visit* v,
+                                   const int16 place, const float shift, EdgeList* near, bool* smooth) {
   const EdgeList list = v->list;
   float16 p[3];
   rs_voxel_in_tool(a, v->corner, offset_x(place), offset_y(place), offset_z(place), p);
@@ -51,22 +50,22 @@ RS_INLINE void look_near(__global const SubstepArgs* a, const OutlineView* outli
   near->count = end - begin;
   __global const OutlinePiece* piece = outline->pieces + outline->numbers[near->first];
   const float margin = RS_CLIP_REACH * a->voxel_mm + shift + POSITION_SLACK;
-  *smooth = near->count == 1 && all(rs_from_ends(piece, r, p[2]) > margin);
+  *smooth = near->count == 1 && all(rs_distance_to_ends(piece, r, p[2]) > margin);
 }
 
 #ifdef RS_DISTANCE_GRID
 
-/* How much further than it can matter a voxel's centre lies from the teeth, voxels, while the tool moves by `shift`. */
-RS_INLINE float16 beyond_reach(__global const SubstepArgs* a, const OutlineView* outline, const Visit* v,
-                               const float16 x, const float16 y, const float16 z, const float shift) {
+/* Distance of a voxel's centre from the cutting edges minus the reach while the tool moves by `shift`, voxels. */
+RS_INLINE float16 distance_beyond_reach(__global const SubstepArgs* a, const OutlineView* outline, const Visit* v,
+                                        const float16 x, const float16 y, const float16 z, const float shift) {
   const float slack = RS_CLIP_REACH + RS_GRID_STEEPEST * shift + POSITION_SLACK * a->per_voxel_mm;
   return rs_clip_grid_distance(a, &v->teeth, v->corner, x, y, z) * a->per_voxel_mm - slack;
 }
 
 #else
 
-/* Half the width of a voxel along the surface's normal, voxels, and what more it can be while the tool moves by `shift`
- * voxels: the normal turns with the surface's curvature, and with the tool. Next to an edge of the outline it jumps. */
+/* Bound of half the width of a voxel along the surface's normal while the tool moves by `shift`, voxels. The normal
+ * rotates with the curvature of the surface and with the tool; next to a sharp corner it is discontinuous. */
 RS_INLINE float16 half_width(__global const SubstepArgs* a, const OutlineView* outline, const EdgeList list,
                              const NearestPiece* nearest, const float16 px, const float16 py, const float16 r,
                              const float shift) {
@@ -81,10 +80,9 @@ RS_INLINE float16 half_width(__global const SubstepArgs* a, const OutlineView* o
   return fmin(width + (turn * (1.0f / 24.0f) + 0.02f) + shift * (2.0f * turn + 0.1f), widest);
 }
 
-/* How much further than it can matter a voxel's centre lies from the surface, voxels, while the tool moves by `shift`.
- */
-RS_INLINE float16 beyond_reach(__global const SubstepArgs* a, const OutlineView* outline, const Visit* v,
-                               const float16 x, const float16 y, const float16 z, const float shift) {
+/* Distance of a voxel's centre from the surface minus the reach while the tool moves by `shift`, voxels. */
+RS_INLINE float16 distance_beyond_reach(__global const SubstepArgs* a, const OutlineView* outline, const Visit* v,
+                                        const float16 x, const float16 y, const float16 z, const float shift) {
   float16 p[3];
   rs_voxel_in_tool(a, v->corner, x, y, z, p);
   const float16 r = sqrt(p[0] * p[0] + p[1] * p[1]);
@@ -95,26 +93,25 @@ RS_INLINE float16 beyond_reach(__global const SubstepArgs* a, const OutlineView*
 
 #endif
 
-/* A bit for every lane that holds. */
-RS_INLINE uint bits_of(const int16 holds) {
-  const int16 bit = holds & (int16)(1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 1024, 2048, 4096, 8192, 16384, 32768);
+/* The lanes that are true, as bits. */
+RS_INLINE uint bits_of(const int16 lanes) {
+  const int16 bit = lanes & (int16)(1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 1024, 2048, 4096, 8192, 16384, 32768);
   const int8 eight = bit.lo | bit.hi;
   const int4 four = eight.lo | eight.hi;
   const int2 two = four.lo | four.hi;
   return (uint)(two.x | two.y);
 }
 
-/* Voxels that the surface can meet while the tool moves by `shift` voxels; what lies inside it goes in any case. */
+/* The voxels that the surface can intersect, or that lie inside it, while the tool moves by `shift` voxels. */
 RS_INLINE void find_candidates(__global const SubstepArgs* a, const OutlineView* outline, const Visit* v,
                                const float shift, __global const ushort* page, __global const float* energy_of_grade,
                                Candidates* c) {
   const int16 lane = (int16)(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
   c->count = 0;
-  /* Eight blocks of 4x4x4 voxels first, by the envelope, which holds the teeth; then in those that are near, layers of
-   * 16 voxels. */
+  /* First the eight blocks of 4x4x4 voxels, by the envelope; then layers of 16 voxels in the near blocks. */
   const float16 middle = rs_clip_distance(a, outline, v->list, v->corner, convert_float16((lane & 1) << 2) + 1.5f,
                                           convert_float16((lane & 2) << 1) + 1.5f, convert_float16(lane & 4) + 1.5f);
-  const float near = RS_CLIP_REACH + 2.6f + 0.1f + shift + ENVELOPE_SLACK(v) * a->per_voxel_mm;
+  const float near = RS_CLIP_REACH + 2.6f + 0.1f + shift + envelope_slack(v) * a->per_voxel_mm;
   const uint blocks = bits_of(middle * a->per_voxel_mm <= near);
   for (int block = 0; block < 8; ++block) {
     if ((blocks >> block & 1u) == 0) continue;
@@ -124,7 +121,7 @@ RS_INLINE void find_candidates(__global const SubstepArgs* a, const OutlineView*
       const uint bone = v->brick->bone[first >> 5] >> (first & 31) & 0xffffu;
       if (bone == 0) continue;
       const float16 z = (float16)(float)((block & 4) | layer);
-      uint rest = bone & bits_of(beyond_reach(a, outline, v, x, y, z, shift) <= 0.0f);
+      uint rest = bone & bits_of(distance_beyond_reach(a, outline, v, x, y, z, shift) <= 0.0f);
       for (; rest != 0; rest &= rest - 1) {
         const int place = first + (int)popcount((rest & -rest) - 1);
         c->place[c->count] = (ushort)place;
@@ -139,8 +136,8 @@ RS_INLINE void find_candidates(__global const SubstepArgs* a, const OutlineView*
   vstore16((float16)0.0f, 0, c->energy + c->count);
 #ifndef RS_DISTANCE_GRID
   for (int i = 0; i < c->count; i += 16)
-    look_near(a, outline, v, convert_int16(vload16(0, c->place + i)), shift * a->voxel_mm, c->near + (i >> 4),
-              c->smooth + (i >> 4));
+    find_nearest_pieces(a, outline, v, convert_int16(vload16(0, c->place + i)), shift * a->voxel_mm, c->near + (i >> 4),
+                        c->smooth + (i >> 4));
 #endif
 }
 

@@ -1,15 +1,16 @@
-/* Exact erosion: a voxel keeps the part of it that lies outside the tool, as the tool's local plane cuts it (design
- * §4). */
+/* Exact erosion: a voxel keeps its part outside the tool, which is bounded by a local plane (docs/physics.md, 3). */
 #ifndef REAMSIM_KERNELS_CLIP_H
 #define REAMSIM_KERNELS_CLIP_H
 
-#include "cube_share.h"
+#include "cube_fraction.h"
 #include "cut_law.h"
 #include "outline.h"
 
-/* A voxel against the tool: its centre, the outward unit normal that the force goes by (both T, mm), how far the tool's
- * surface is (mm, negative inside), and the plane that stands for the surface. Next to a sharp corner of the profile
- * there are two: of a tool that bulges there (`corner` 1) both bound the inside, of one that is hollow (-1) either. */
+/* The tool next to a voxel: the voxel's centre (T, mm), outward unit normal of the force, distance of the centre from
+ * the surface (mm, negative inside), and the plane that represents the surface. Next to a sharp corner of the outline
+ * there are two planes: the inside is their intersection at a convex corner (`corner` 1) and their union at a concave
+ * one
+ * (-1). */
 typedef struct {
   rs_real p[3];
   rs_real n[3];
@@ -19,14 +20,14 @@ typedef struct {
   ClipPlane other;
 } Clip;
 
-/* The direction from the spin axis to `p`, r from it; on the axis one is as good as another, but there has to be one,
- * because a bore's wall may be next to a voxel there. */
-RS_INLINE void rs_from_axis(const rs_real* p, rs_real r, rs_real per_r, rs_real* c, rs_real* s) {
+/* The direction from the spin axis to `p` at radius r. On the axis it is arbitrary but defined, because the wall of a
+ * bore can be next to a voxel there. */
+RS_INLINE void rs_axis_direction(const rs_real* p, rs_real r, rs_real per_r, rs_real* c, rs_real* s) {
   *c = r > 0.0f ? p[0] * per_r : (rs_real)1.0f;
   *s = p[1] * per_r;
 }
 
-/* The plane with unit normal `n` (T) that a voxel's centre lies `away` voxels beyond. */
+/* The plane with unit normal `n` (T), with a voxel's centre `away` voxels outside. */
 RS_INLINE ClipPlane rs_lattice_plane(RS_GLOBAL const SubstepArgs* a, const rs_real* n, rs_real away) {
   ClipPlane plane;
   for (int j = 0; j < 3; ++j)
@@ -37,35 +38,35 @@ RS_INLINE ClipPlane rs_lattice_plane(RS_GLOBAL const SubstepArgs* a, const rs_re
   return plane;
 }
 
-/* The plane of a surface next to a voxel centre: `nr`, `nz` its normal, (`c`, `s`) the direction from the spin axis to
- * the centre, `away` how far the centre lies beyond it (mm), `curvature` the outline's and `per_r` one over the
- * distance from the axis. A bulging surface falls away from its plane: by t^2/2 times the curvature at t from the point
- * of contact, in the mean over a voxel by h^2/24 in each direction. Round the axis a surface turns with its radius,
- * which means nothing where that is smaller than a voxel. */
+/* The plane of a surface next to a voxel centre: (`nr`, `nz`) its normal, (`c`, `s`) the direction from the spin axis,
+ * `away` the distance of the centre outside (mm), `curvature` that of the outline, `per_r` the inverse distance from
+ * the axis. A convex surface recedes from its tangent plane by t^2/2 times the curvature at distance t, on average over
+ * a voxel of side h by h^2/24 per direction. The curvature around the axis is bounded, because radii below a voxel are
+ * not resolved. */
 RS_INLINE ClipPlane rs_clip_plane(RS_GLOBAL const SubstepArgs* a, rs_real c, rs_real s, rs_real nr, rs_real nz,
                                   rs_real away, rs_real curvature, rs_real per_r) {
   const rs_real most = (rs_real)a->per_voxel_mm; /* more is a corner */
-  const rs_real both = curvature + nr * rs_smaller(per_r, most + most);
-  const rs_real bulge = rs_larger(rs_smaller(both, most), -most);
+  const rs_real both = curvature + nr * rs_min(per_r, most + most);
+  const rs_real bulge = rs_max(rs_min(both, most), -most);
   const rs_real n[3] = {nr * c, nr * s, nz};
   return rs_lattice_plane(a, n, away * a->per_voxel_mm + bulge * (a->voxel_mm * (1.0f / 24.0f)));
 }
 
-/* Takes `plane` in the lanes that are `there`. */
-RS_INLINE void rs_put_plane(rs_real there, const ClipPlane* plane, ClipPlane* into) {
+/* Copies `plane` in the lanes where `there` is set. */
+RS_INLINE void rs_select_plane(rs_real there, const ClipPlane* plane, ClipPlane* into) {
   for (int j = 0; j < 3; ++j) into->n[j] = there > 0.0f ? plane->n[j] : into->n[j];
   into->away = there > 0.0f ? plane->away : into->away;
   into->nz = there > 0.0f ? plane->nz : into->nz;
 }
 
-/* The voxels among those whose nearest piece is `mine` that the sharp corner between pieces `first` and `second`
- * reaches take both pieces' planes for theirs. Bone goes where a surface advances along its normal, so that the faces
- * share the force by how fast they do. `least`: squared distance of the nearest corner so far, mm2. */
-RS_INLINE void rs_take_corner(RS_GLOBAL const SubstepArgs* a, const OutlineView* outline, const NearestPiece* nearest,
-                              rs_i32 mine, rs_i32 first, rs_i32 second, rs_real r, rs_real per_r, rs_real* least,
-                              Clip* clip) {
+/* Sets both planes of the sharp corner between pieces `first` and `second`, in voxels in its reach whose nearest piece
+ * is `mine`. A surface removes bone where it advances along its normal, so the force's normal is the mean of both,
+ * weighted by their advance. `least`: squared distance of the nearest corner so far, mm2. */
+RS_INLINE void rs_apply_corner(RS_GLOBAL const SubstepArgs* a, const OutlineView* outline, const NearestPiece* nearest,
+                               rs_i32 mine, rs_i32 first, rs_i32 second, rs_real r, rs_real per_r, rs_real* least,
+                               Clip* clip) {
   RS_GLOBAL const OutlinePiece *e = outline->pieces + first, *f = outline->pieces + second;
-  /* Both lines as they leave the corner: outward normals, to the right of the way. */
+  /* Outward normals of both pieces at the corner, to the right of the direction of travel. */
   const float er = e->along_z1, ez = -e->along_r1, fr = f->along_z0, fz = -f->along_r0;
   const rs_real zero = (rs_real)0.0f, one = (rs_real)1.0f;
   const rs_real vr = r - f->r0, vz = clip->p[2] - f->z0;
@@ -77,22 +78,22 @@ RS_INLINE void rs_take_corner(RS_GLOBAL const SubstepArgs* a, const OutlineView*
   const int bulges = e->along_r1 * f->along_z0 - e->along_z1 * f->along_r0 > 0.0f;
   clip->corner = there > 0.0f ? (rs_real)(bulges ? 1.0f : -1.0f) : clip->corner;
   rs_real c, s;
-  rs_from_axis(clip->p, r, per_r, &c, &s);
+  rs_axis_direction(clip->p, r, per_r, &c, &s);
   const ClipPlane one_side =
       rs_clip_plane(a, c, s, (rs_real)er, (rs_real)ez, vr * er + vz * ez, (rs_real)e->curvature, per_r);
   const ClipPlane other_side =
       rs_clip_plane(a, c, s, (rs_real)fr, (rs_real)fz, vr * fr + vz * fz, (rs_real)f->curvature, per_r);
-  rs_put_plane(there, &one_side, &clip->plane);
-  rs_put_plane(there, &other_side, &clip->other);
+  rs_select_plane(there, &one_side, &clip->plane);
+  rs_select_plane(there, &other_side, &clip->other);
   const rs_real ne[3] = {c * er, s * er, (rs_real)ez}, nf[3] = {c * fr, s * fr, (rs_real)fz};
-  const rs_real we = rs_larger(rs_advance(a, ne, clip->p), zero), wf = rs_larger(rs_advance(a, nf, clip->p), zero);
+  const rs_real we = rs_max(rs_advance(a, ne, clip->p), zero), wf = rs_max(rs_advance(a, nf, clip->p), zero);
   const rs_real both = we + wf;
   const rs_real moves = both > 0.0f ? there : zero;
   for (int j = 0; j < 3; ++j) clip->n[j] = moves > 0.0f ? (we * ne[j] + wf * nf[j]) / both : clip->n[j];
 }
 
-/* The voxel (x, y, z), counted within its brick, whose lowest voxel's centre is `brick` in T: how far the surface is
- * from its centre, mm. */
+/* Distance of the surface from voxel (x, y, z), counted within its brick, mm. `brick`: centre of the brick's lowest
+ * voxel, T. */
 RS_INLINE rs_real rs_clip_distance(RS_GLOBAL const SubstepArgs* a, const OutlineView* outline, EdgeList list,
                                    const float* brick, rs_real x, rs_real y, rs_real z) {
   rs_real p[3];
@@ -100,11 +101,11 @@ RS_INLINE rs_real rs_clip_distance(RS_GLOBAL const SubstepArgs* a, const Outline
   return rs_outline_nearest(outline, list, RS_SQRT(p[0] * p[0] + p[1] * p[1]), p[2]).distance;
 }
 
-/* The tool next to the voxel centre `p` (T, mm), by the nearest piece of its outline alone. */
-RS_INLINE Clip rs_clip_by(RS_GLOBAL const SubstepArgs* a, const NearestPiece* nearest, const rs_real* p, rs_real r,
+/* The tool next to the voxel centre `p` (T, mm), from the nearest piece alone. */
+RS_INLINE Clip rs_clip_at(RS_GLOBAL const SubstepArgs* a, const NearestPiece* nearest, const rs_real* p, rs_real r,
                           rs_real per_r) {
   rs_real c, s;
-  rs_from_axis(p, r, per_r, &c, &s);
+  rs_axis_direction(p, r, per_r, &c, &s);
   Clip clip;
   for (int j = 0; j < 3; ++j) clip.p[j] = p[j];
   clip.n[0] = nearest->normal_r * c;
@@ -126,60 +127,60 @@ RS_INLINE Clip rs_clip(RS_GLOBAL const SubstepArgs* a, const OutlineView* outlin
   const rs_real r = RS_SQRT(p[0] * p[0] + p[1] * p[1]);
   const rs_real per_r = r > 0.0f ? (rs_real)1.0f / r : (rs_real)0.0f;
   const NearestPiece nearest = rs_outline_nearest(outline, list, r, p[2]);
-  Clip clip = rs_clip_by(a, &nearest, p, r, per_r);
+  Clip clip = rs_clip_at(a, &nearest, p, r, per_r);
   const float reach = RS_CLIP_REACH * a->voxel_mm;
   rs_real least = (rs_real)(reach * reach);
   for (rs_u32 i = 0; i < list.count; ++i) {
     const rs_i32 mine = outline->numbers[list.first + i];
     const rs_i32 before = outline->pieces[mine].before, after = outline->pieces[mine].after;
-    if (before >= 0) rs_take_corner(a, outline, &nearest, mine, before, mine, r, per_r, &least, &clip);
-    if (after >= 0) rs_take_corner(a, outline, &nearest, mine, mine, after, r, per_r, &least, &clip);
+    if (before >= 0) rs_apply_corner(a, outline, &nearest, mine, before, mine, r, per_r, &least, &clip);
+    if (after >= 0) rs_apply_corner(a, outline, &nearest, mine, mine, after, r, per_r, &least, &clip);
   }
   return clip;
 }
 
-/* The same for a voxel whose nearest piece is `piece`, further from that piece's ends than its reach. */
+/* The same for a voxel whose nearest piece is `piece`, with that piece's ends out of reach. */
 RS_INLINE Clip rs_clip_smooth(RS_GLOBAL const SubstepArgs* a, RS_GLOBAL const OutlinePiece* piece, const float* brick,
                               rs_real x, rs_real y, rs_real z) {
   rs_real p[3];
   rs_voxel_in_tool(a, brick, x, y, z, p);
   const rs_real r = RS_SQRT(p[0] * p[0] + p[1] * p[1]);
   const rs_real per_r = r > 0.0f ? (rs_real)1.0f / r : (rs_real)0.0f;
-  const PieceDistance away = rs_from_circle(piece, r, p[2]);
-  const NearestPiece nearest = rs_nearest_of(&away, (rs_real)piece->curvature, (rs_int)0);
-  return rs_clip_by(a, &nearest, p, r, per_r);
+  const PieceDistance away = rs_circle_distance(piece, r, p[2]);
+  const NearestPiece nearest = rs_nearest_piece(&away, (rs_real)piece->curvature, (rs_int)0);
+  return rs_clip_at(a, &nearest, p, r, per_r);
 }
 
-/* Part of a voxel that the tool leaves when its planes have come `ahead` (voxels) further, the first and the other. */
-RS_INLINE rs_real rs_clip_share(const Clip* clip, float ahead, float other_ahead) {
+/* Fraction of a voxel outside the tool when its planes have advanced by `ahead` and `other_ahead`, voxels. */
+RS_INLINE rs_real rs_clip_fraction(const Clip* clip, float ahead, float other_ahead) {
   ClipPlane a = clip->plane, b = clip->other;
   a.away -= ahead;
   b.away -= other_ahead;
   const rs_real zero = (rs_real)0.0f, one = (rs_real)1.0f;
-  const rs_real share = rs_outside_share(a.n, a.away);
-  if (!RS_ANY(clip->corner != 0.0f)) return share;
-  const rs_real other = rs_outside_share(b.n, b.away);
-  /* What is counted keeps to what the shares leave possible, so that where one plane alone matters it decides. */
-  const rs_real least = rs_larger(share + other - one, zero), most = rs_smaller(share, other);
-  const rs_real both = rs_larger(rs_smaller(rs_outside_both(&a, &b), most), least);
-  const rs_real cornered = clip->corner > 0.0f ? share + other - both : both;
-  return clip->corner != 0.0f ? cornered : share;
+  const rs_real first = rs_outside_fraction(a.n, a.away);
+  if (!RS_ANY(clip->corner != 0.0f)) return first;
+  const rs_real other = rs_outside_fraction(b.n, b.away);
+  /* The sampled fraction is limited to its bounds, which makes it exact where one plane alone matters. */
+  const rs_real least = rs_max(first + other - one, zero), most = rs_min(first, other);
+  const rs_real both = rs_max(rs_min(rs_outside_both(&a, &b), most), least);
+  const rs_real cornered = clip->corner > 0.0f ? first + other - both : both;
+  return clip->corner != 0.0f ? cornered : first;
 }
 
-/* Fill that is left of a whole voxel. */
+/* Remaining fill of a whole voxel. */
 RS_INLINE rs_int rs_fill_outside(const Clip* clip) {
-  return RS_TO_INT(rs_clip_share(clip, 0.0f, 0.0f) * (float)RS_WHOLE_FILL + 0.5f);
+  return RS_TO_INT(rs_clip_fraction(clip, 0.0f, 0.0f) * (float)RS_WHOLE_FILL + 0.5f);
 }
 
-/* Fill that a voxel with `fill` left loses when the tool leaves `outside` of it: what little the rounding of positions
- * could make stays, unless nothing is left. */
+/* Loss of a voxel with fill `fill` when a whole one would keep `outside`. Losses within the rounding of positions are
+ * ignored, unless nothing remains. */
 RS_INLINE rs_int rs_clip_loss(RS_GLOBAL const SubstepArgs* a, rs_int fill, rs_int outside) {
   const rs_int lost = fill - outside;
-  const rs_int enough = outside == 0 ? (rs_int)1 : (rs_int)a->least_loss;
+  const rs_int enough = outside == 0 ? (rs_int)1 : (rs_int)a->min_loss;
   return lost >= enough ? lost : (rs_int)0;
 }
 
-/* What a voxel that loses `lost` of its fill does to the tool, when the whole of it takes `whole` mJ. */
+/* Adds energy and force of a voxel that loses `lost` of its fill. `whole`: energy of a whole voxel, mJ. */
 RS_INLINE void rs_clip_force(RS_GLOBAL const SubstepArgs* a, const Clip* clip, rs_real whole, rs_int lost,
                              LaneSums* sums) {
   if (a->law == RS_LAW_NONE) return;
@@ -188,50 +189,50 @@ RS_INLINE void rs_clip_force(RS_GLOBAL const SubstepArgs* a, const Clip* clip, r
   rs_cut_force(a, clip->n, clip->p, energy, sums);
 }
 
-/* How far the tool is advanced to see what bone it rests against, voxels. */
+/* Advance of the tool that probes contact with bone, voxels. */
 #define RS_EDGE_PROBE (1.0f / 64.0f)
 
-/* Where the tool's normal points less than this towards the bone (-z of T), the surface is its side or its back, and
- * has no lips. */
+/* A surface whose normal has a smaller component towards the bone (-z of T) is the tool's side or back, and has no
+ * cutting edges. */
 #define RS_LEAST_FACING 0.01f
 
-/* What of a voxel the tool's plane with normal part `nz` along the spin axis would take if it went a little further,
- * `outside` being what the tool leaves; nothing where that plane has no lips. */
-RS_INLINE rs_real rs_next_share(const Clip* clip, rs_real nz, rs_real outside, float ahead, float other_ahead) {
-  const rs_real next = outside - rs_clip_share(clip, ahead, other_ahead);
+/* Fraction of a voxel that a plane with normal component `nz` would remove by an advance; 0 where it has no cutting
+ * edges. `outside`: fraction outside the tool. */
+RS_INLINE rs_real rs_probe_loss(const Clip* clip, rs_real nz, rs_real outside, float ahead, float other_ahead) {
+  const rs_real next = outside - rs_clip_fraction(clip, ahead, other_ahead);
   return -nz > RS_LEAST_FACING ? next : (rs_real)0.0f;
 }
 
-/* Area, mm2, of the tool's face that rests against what is left of a voxel: what the face would take if it went a
- * little further, over how far that is. Over the voxels round a face it adds up to the face, because their outside
- * shares do. `left`: the voxel's fill, `outside`: what the tool leaves of a whole voxel. */
-RS_INLINE rs_real rs_resting_area(RS_GLOBAL const SubstepArgs* a, const Clip* clip, rs_int left, rs_int outside) {
+/* Area of the tool's face in contact with a voxel, mm2: the volume that a small advance would remove, over the advance.
+ * The areas of all voxels add up to the face. `remaining`: fill of the voxel; `outside`: fill that a whole voxel keeps.
+ */
+RS_INLINE rs_real rs_contact_area(RS_GLOBAL const SubstepArgs* a, const Clip* clip, rs_int remaining, rs_int outside) {
   const rs_real zero = (rs_real)0.0f;
-  const rs_real now = rs_clip_share(clip, 0.0f, 0.0f);
-  rs_real share = rs_next_share(clip, clip->plane.nz, now, RS_EDGE_PROBE, 0.0f);
+  const rs_real now = rs_clip_fraction(clip, 0.0f, 0.0f);
+  rs_real probed = rs_probe_loss(clip, clip->plane.nz, now, RS_EDGE_PROBE, 0.0f);
   if (RS_ANY(clip->corner != 0.0f)) {
-    const rs_real other = rs_next_share(clip, clip->other.nz, now, 0.0f, RS_EDGE_PROBE);
-    share += clip->corner != 0.0f ? other : zero;
+    const rs_real other = rs_probe_loss(clip, clip->other.nz, now, 0.0f, RS_EDGE_PROBE);
+    probed += clip->corner != 0.0f ? other : zero;
   }
-  const rs_real area = share * (a->voxel_mm * a->voxel_mm / RS_EDGE_PROBE);
-  const rs_real met = clip->distance <= RS_CLIP_REACH * a->voxel_mm ? area : zero;
-  const rs_real touched = left + a->least_loss >= outside ? met : zero;
-  return left > 0 ? touched : zero;
+  const rs_real area = probed * (a->voxel_mm * a->voxel_mm / RS_EDGE_PROBE);
+  const rs_real near = clip->distance <= RS_CLIP_REACH * a->voxel_mm ? area : zero;
+  const rs_real touched = remaining + a->min_loss >= outside ? near : zero;
+  return remaining > 0 ? touched : zero;
 }
 
 RS_INLINE int rs_has_edge(RS_GLOBAL const SubstepArgs* a) {
   return a->edge_tangential > 0.0f && a->law == RS_LAW_ENERGY;
 }
 
-/* Force of the lips' edges on the tool where it rests against a voxel. A surface of revolution that `lips` lips sweep
- * carries lips/(2·pi·r) mm of lip per mm2. It takes no speed floor, because it does not grow where the tool is slow. */
-RS_INLINE void rs_edge_force(RS_GLOBAL const SubstepArgs* a, const Clip* clip, rs_int left, rs_int outside,
+/* Edge force on the tool in contact with a voxel. A surface of revolution swept by n cutting edges carries n/(2·pi·r)
+ * mm of edge per mm2. It needs no speed floor, because it does not depend on the speed. */
+RS_INLINE void rs_edge_force(RS_GLOBAL const SubstepArgs* a, const Clip* clip, rs_int remaining, rs_int outside,
                              LaneSums* sums) {
   const rs_real zero = (rs_real)0.0f;
   const rs_real r = RS_SQRT(clip->p[0] * clip->p[0] + clip->p[1] * clip->p[1]);
-  const rs_real lip = rs_resting_area(a, clip, left, outside) / rs_larger(r, (rs_real)(0.5f * a->voxel_mm));
+  const rs_real edge = rs_contact_area(a, clip, remaining, outside) / rs_max(r, (rs_real)(0.5f * a->voxel_mm));
   const ToolMotion m = rs_tool_motion(a, clip->p);
-  const rs_real engaged = m.speed > 0.0f ? lip : zero;
+  const rs_real engaged = m.speed > 0.0f ? edge : zero;
   const rs_real tangential = engaged * a->edge_tangential;
   sums->energy += RS_TO_SUM(tangential * (m.speed * a->duration) * (float)RS_ENERGY_SCALE);
   rs_add_resistance(&m, clip->n, clip->p, tangential, engaged * a->edge_normal, sums);

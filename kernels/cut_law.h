@@ -1,4 +1,4 @@
-/* What a voxel that loses volume does to the tool (docs/physics.md, 4), once for the host and for every kernel. */
+/* The force law: the force on the tool of a voxel that loses volume (docs/physics.md, 4). Host and kernels share it. */
 #ifndef REAMSIM_KERNELS_CUT_LAW_H
 #define REAMSIM_KERNELS_CUT_LAW_H
 
@@ -7,32 +7,32 @@
 #include "profile.h"
 #include "shared.h"
 
-/* What the law gives, by lane while it runs. */
+/* Sums of the law, lane by lane. */
 typedef struct {
   rs_sum force[3];
   rs_sum torque[3];
   rs_sum floor_energy;
-  rs_sum energy; /* of erosion exact all; of the others, which add up whole numbers, what the size effect adds */
+  rs_sum energy; /* erosion exact: all; else, where integers are summed, the addition by the size effect */
 } LaneSums;
 
 RS_INLINE rs_i64 rs_energy_units(double energy) {
   return (rs_i64)RS_FLOOR(energy * RS_ENERGY_SCALE + 0.5);
 }
 
-/* Fill that a touched voxel of density `density` loses: all of it, or what wears off in this substep. */
+/* Fill that a touched voxel loses in this substep. `density`: g/cm3. */
 RS_INLINE rs_i32 rs_lost_fill(RS_GLOBAL const SubstepArgs* a, double density, rs_i32 fill) {
   if (a->erosion == RS_EROSION_REMOVE) return fill;
   const double lost = RS_FLOOR(RS_WHOLE_FILL * a->wear / density + 0.5);
   return lost >= fill ? fill : lost < 1 ? 1 : (rs_i32)lost;
 }
 
-/* mJ that a voxel takes which loses `lost` of its fill, when the whole of it would take `whole`. */
+/* Cutting energy of a voxel that loses `lost` of its fill, mJ. `whole`: that of a whole voxel. */
 RS_INLINE double rs_lost_energy(double whole, rs_i32 lost) {
   return lost == RS_WHOLE_FILL ? whole : whole * lost / RS_WHOLE_FILL;
 }
 
-/* Adds force `f` (N) at lever `p` (mm, from the tool's origin) to the sums. The scales are powers of two, so that only
- * what lies below the sums' last digit is dropped. */
+/* Adds force `f` (N) at lever `p` (mm, from the tool's origin). The scales are powers of two, so that scaling is exact.
+ */
 RS_INLINE void rs_add_force(LaneSums* sums, const rs_real* f, const rs_real* p) {
   const float force = (float)RS_FORCE_SCALE, torque = (float)RS_TORQUE_SCALE;
   sums->force[0] += RS_TO_SUM(f[0] * force);
@@ -43,7 +43,7 @@ RS_INLINE void rs_add_force(LaneSums* sums, const rs_real* f, const rs_real* p) 
   sums->torque[2] += RS_TO_SUM((p[0] * f[1] - p[1] * f[0]) * torque);
 }
 
-/* Lowest voxel of the brick that holds voxel (x, y, z): its centre in T, mm. */
+/* Centre in T of the lowest voxel of the brick with voxel (x, y, z), mm. */
 RS_INLINE void rs_brick_in_tool(RS_GLOBAL const SubstepArgs* a, rs_i32 x, rs_i32 y, rs_i32 z, float* p) {
   const rs_i32 bx = x & ~(RS_BRICK_SIDE - 1), by = y & ~(RS_BRICK_SIDE - 1), bz = z & ~(RS_BRICK_SIDE - 1);
   for (int i = 0; i < 3; ++i)
@@ -51,8 +51,16 @@ RS_INLINE void rs_brick_in_tool(RS_GLOBAL const SubstepArgs* a, rs_i32 x, rs_i32
                    a->tool_from_voxel[3 * i + 2] * bz);
 }
 
-/* Centre in T of the voxel (x, y, z), counted within its brick, whose lowest voxel's centre is `brick`. From there in
- * single precision: a lever is off by 10^-5 mm at most. */
+/* Middle of the brick whose lowest voxel's centre is `corner` (T, mm). */
+RS_INLINE void rs_brick_middle(RS_GLOBAL const SubstepArgs* a, const float* corner, float* p) {
+  for (int i = 0; i < 3; ++i) {
+    RS_GLOBAL const double* row = a->tool_from_voxel + 3 * i;
+    p[i] = corner[i] + (float)(3.5 * (row[0] + row[1] + row[2]));
+  }
+}
+
+/* Centre in T of the voxel (x, y, z), counted within its brick; `brick`: centre of the brick's lowest voxel. Single
+ * precision, with an error of at most 10^-5 mm. */
 RS_INLINE void rs_voxel_in_tool(RS_GLOBAL const SubstepArgs* a, const float* brick, rs_real x, rs_real y, rs_real z,
                                 rs_real* p) {
   p[0] = brick[0] + (a->tool_step[0] * x + a->tool_step[1] * y + a->tool_step[2] * z);
@@ -60,8 +68,8 @@ RS_INLINE void rs_voxel_in_tool(RS_GLOBAL const SubstepArgs* a, const float* bri
   p[2] = brick[2] + (a->tool_step[6] * x + a->tool_step[7] * y + a->tool_step[8] * z);
 }
 
-/* How the tool moves at `p` (T, mm): its velocity there, mm/s, and the size of that with its inverse, which is zero
- * where nothing moves, so that the force is zero and not undefined. */
+/* Velocity of the tool at a point, mm/s, T; its magnitude; and the inverse of that, or 0 at rest, where the force is
+ * then zero. */
 typedef struct {
   rs_real v[3];
   rs_real speed;
@@ -79,7 +87,7 @@ RS_INLINE ToolMotion rs_tool_motion(RS_GLOBAL const SubstepArgs* a, const rs_rea
   return m;
 }
 
-/* Adds -tangential·v/|v| - normal·n_perp at `p`; only the first does work. `n`: the tool's outward normal there. */
+/* Adds -tangential·v/|v| - normal·n_perp at `p`; only the first term does work. `n`: the tool's outward normal. */
 RS_INLINE void rs_add_resistance(const ToolMotion* m, const rs_real* n, const rs_real* p, rs_real tangential,
                                  rs_real normal, LaneSums* sums) {
   const rs_real along = (n[0] * m->v[0] + n[1] * m->v[1] + n[2] * m->v[2]) * m->per_speed;
@@ -89,27 +97,26 @@ RS_INLINE void rs_add_resistance(const ToolMotion* m, const rs_real* n, const rs
   rs_add_force(sums, f, p);
 }
 
-/* How fast a surface of revolution with normal `n` at `p` advances along it, mm/s. The spin moves none along its
- * normal, and is left out, because it would drown a slow feed in rounding. */
+/* Speed of a surface of revolution with normal `n` at `p` along n, mm/s. The spin has no component along n, and is
+ * omitted, because its rounding error would exceed a slow feed. */
 RS_INLINE rs_real rs_advance(RS_GLOBAL const SubstepArgs* a, const rs_real* n, const rs_real* p) {
   RS_GLOBAL const float *w = a->angular_velocity, *v0 = a->origin_velocity;
   return n[0] * (v0[0] + w[1] * p[2]) + n[1] * (v0[1] - w[0] * p[2]) + n[2] * (v0[2] + (w[0] * p[1] - w[1] * p[0]));
 }
 
-/* What the size effect makes of the specific energy: (h0/h)^m with h the chip's thickness, how far the surface goes
- * along its normal from one lip's passing to the next. */
+/* Factor of the size effect: (h0/h)^m with the chip thickness h, the advance of the surface along its normal between
+ * two cutting edges. */
 RS_INLINE rs_real rs_size_factor(RS_GLOBAL const SubstepArgs* a, const rs_real* n, const rs_real* p) {
-  const rs_real least = (rs_real)a->least_chip, most = (rs_real)a->most_chip;
+  const rs_real least = (rs_real)a->min_chip, most = (rs_real)a->max_chip;
   const rs_real advance = rs_advance(a, n, p);
   const rs_real chip = (advance < 0.0f ? -advance : advance) * a->chip_per_speed;
   const rs_real at_least = chip > least ? chip : least;
   return rs_power(at_least < most ? at_least : most, -a->size_exponent);
 }
 
-/* Force of the energetic law on the tool for a voxel with centre at `p` (T, mm) whose loss took `energy` mJ:
- * -F_t·v/|v| - k_n·F_t·n_perp with F_t = E/(max(|v|, v_floor)·dt). A voxel on which the tool does not move takes energy
- * but gives no force; all of it is floor energy. `n`: the tool's outward normal there. `energy` is without the size
- * effect; what that adds goes to the energy's sum here. */
+/* Adds the force of a voxel with centre `p` (T, mm) whose loss took `energy` mJ: -F_t·v/|v| - k_n·F_t·n_perp with F_t =
+ * E/(max(|v|, v_floor)·dt). Where the tool is at rest the force is zero, and all energy is speed-floor energy. `n`: the
+ * tool's outward normal. `energy` excludes the size effect, whose part is added to the energy sum here. */
 RS_INLINE void rs_cut_force(RS_GLOBAL const SubstepArgs* a, const rs_real* n, const rs_real* p, rs_real energy,
                             LaneSums* sums) {
   const rs_real zero = (rs_real)0.0f, one = (rs_real)1.0f;
@@ -136,7 +143,7 @@ RS_INLINE void rs_add_lanes(SubstepSums* sums, const LaneSums* lanes) {
   sums->floor_energy += lanes->floor_energy;
 }
 
-/* Force of the energetic law for one voxel of the lattice. */
+/* rs_cut_force() for voxel (x, y, z) of the lattice. */
 RS_INLINE void rs_voxel_force(RS_GLOBAL const SubstepArgs* a, const ProfileView* profile, rs_i32 x, rs_i32 y, rs_i32 z,
                               float energy, LaneSums* sums) {
   float brick[3], p[3];
@@ -147,16 +154,17 @@ RS_INLINE void rs_voxel_force(RS_GLOBAL const SubstepArgs* a, const ProfileView*
   rs_cut_force(a, n, p, energy, sums);
 }
 
-/* Whether the tool's solid of revolution holds the centre of voxel (x, y, z). */
-RS_INLINE int rs_holds_voxel(RS_GLOBAL const SubstepArgs* a, const ProfileView* profile, rs_i32 x, rs_i32 y, rs_i32 z) {
+/* Whether the centre of voxel (x, y, z) lies in the tool's solid of revolution. */
+RS_INLINE int rs_contains_voxel(RS_GLOBAL const SubstepArgs* a, const ProfileView* profile, rs_i32 x, rs_i32 y,
+                                rs_i32 z) {
   float brick[3], p[3];
   rs_brick_in_tool(a, x, y, z, brick);
   rs_voxel_in_tool(a, brick, (float)(x & 7), (float)(y & 7), (float)(z & 7), p);
   return rs_inside_profile(profile, RS_SQRT(p[0] * p[0] + p[1] * p[1]), p[2]);
 }
 
-/* The paper's way: each touching point pushes the tool back along its inward normal with a given elemental force. Shell
- * frame: the profile is the same at every turn of the spin. */
+/* The paper's force law: each touching point exerts a given elemental force along its inward normal. In the shell's
+ * frame; the profile does not depend on the spin angle. */
 RS_INLINE void rs_point_force(RS_GLOBAL const SubstepArgs* a, const ProfileView* profile, rs_i32 x, rs_i32 y, rs_i32 z,
                               LaneSums* sums) {
   const float p[3] = {(float)(a->shell_origin[0] + (x + 0.5) * a->cell_mm),
@@ -167,6 +175,18 @@ RS_INLINE void rs_point_force(RS_GLOBAL const SubstepArgs* a, const ProfileView*
   const float f[3] = {-a->force_per_point * n[0], -a->force_per_point * n[1], -a->force_per_point * n[2]};
   rs_add_force(sums, f, p);
 }
+
+#ifdef __OPENCL_C_VERSION__
+#pragma OPENCL EXTENSION cl_khr_int64_base_atomics : enable
+
+/* Adds the forces of points to the sums of their substep. */
+RS_INLINE void rs_add_point_sums(__global SubstepSums* total, const LaneSums* points) {
+  for (int c = 0; c < 3; ++c) {
+    atom_add(&total->force[c], points->force[c]);
+    atom_add(&total->torque[c], points->torque[c]);
+  }
+}
+#endif
 #endif
 
 #endif

@@ -1,27 +1,26 @@
-/* Cut: every listed voxel loses fill, takes energy, exerts a force (docs/physics.md, 4). Work-items stride over the
- * list, whose length only the device knows, so that nothing waits for the host. */
+/* Cut: every listed voxel loses fill, takes energy and exerts a force (docs/physics.md, 4). Work-items stride over the
+ * list, whose length only the device knows. */
 #include "cut_law.h"
-#pragma OPENCL EXTENSION cl_khr_int64_base_atomics : enable
 
-/* How the detector keeps a voxel (VoxelLayout of sim/engine/dense/dense_plan.h). By default an 8-bit grade, 0 = air or gone,
- * and a claim bit; REAMSIM_FLAGGED_HU: a float HU, from which the grade comes back exactly, and a collision flag of a
- * byte; REAMSIM_BARE_GRADE: an 8-bit grade and no claim. A voxel stands in the list once, so a flag's byte is written
- * by one work-item; bits share their word. */
+/* The layout of a voxel (VoxelLayout of sim/engine/dense/dense_plan.h). By default an 8-bit grade, 0 = air or removed,
+ * and a claim bit; REAMSIM_FLAGGED_HU: a float HU, which converts back to the grade exactly, and a collision flag of a
+ * byte; REAMSIM_BARE_GRADE: an 8-bit grade and no claim. A voxel is listed once, so that one work-item writes its flag;
+ * bits share a word. */
 #ifdef REAMSIM_FLAGGED_HU
 typedef float Voxel;
 typedef uchar Claim;
 #define GRADE_OF(voxel) ((uchar)(int)floor(((double)(voxel)-hu_of_air) / hu_per_grade + 0.5))
 #define AIR ((float)hu_of_air)
-#define FORGET_CLAIM(e) claims[e] = 0
+#define RELEASE_CLAIM(e) claims[e] = 0
 #else
 typedef uchar Voxel;
 typedef uint Claim;
 #define GRADE_OF(voxel) (voxel)
 #define AIR 0
 #ifdef REAMSIM_BARE_GRADE
-#define FORGET_CLAIM(e)
+#define RELEASE_CLAIM(e)
 #else
-#define FORGET_CLAIM(e) atomic_and(&claims[(e) >> 5], ~(1u << ((e)&31u)))
+#define RELEASE_CLAIM(e) atomic_and(&claims[(e) >> 5], ~(1u << ((e)&31u)))
 #endif
 #endif
 
@@ -36,10 +35,10 @@ void add_sums(__global SubstepSums* total, const SubstepSums* part) {
   atom_add(&total->contacts, part->contacts);
 }
 
-/* energy_of_grade[256]: mJ for a whole voxel; density_of_grade[256]: g/cm3; fill: 16 bits a voxel, or one dummy entry
- * when every voxel is whole (has_fill = 0); removed: (voxel, frame) of voxels that go; hu_of_air, hu_per_grade: of the
- * layout that keeps HU. */
-__kernel void cut_voxels(__global const SubstepArgs* args, const uint substep, __global Voxel* bone,
+/* energy_of_grade[256]: mJ for a whole voxel; density_of_grade[256]: g/cm3; fill: 16 bits per voxel, or one dummy entry
+ * when every voxel is whole (has_fill = 0); removed: (voxel, frame); hu_of_air, hu_per_grade: for
+ * REAMSIM_FLAGGED_HU. */
+__kernel void cut_voxels(const uint substep, __global const SubstepArgs* args, __global Voxel* bone,
                          __global ushort* fill, const int has_fill, __global Claim* claims,
                          __global const uint* contacts, __global const uint* contact_count, __global SubstepSums* sums,
                          __global uint2* removed, __global uint* removed_count, __global const double* energy_of_grade,
@@ -70,7 +69,7 @@ __kernel void cut_voxels(__global const SubstepArgs* args, const uint substep, _
       bone[e] = AIR;
       removed[atomic_inc(removed_count)] = (uint2)(e, (uint)a->frame);
     }
-    FORGET_CLAIM(e);
+    RELEASE_CLAIM(e);
   }
   rs_add_lanes(&part, &law);
   if (part.contacts != 0) add_sums(&sums[substep], &part);

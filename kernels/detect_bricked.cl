@@ -1,20 +1,19 @@
-/* Narrow phase over bricks. The shell's points stand in cells with bounds; a cell that lies outside the VOI, or over
- * bricks without bone, is passed over as a whole. The points of the others are transformed in 32-bit integers relative to
- * a window of 32x32x32 voxels round the cell, gathered there as bits, and only then handed to the bricks, so that a brick
- * sees a few atomic operations instead of one a point. Two shapes over one arithmetic: on a CPU a work-item takes a run of
- * cells, 16 points in the lanes of a vector; on a GPU a work-group takes a cell, a work-item a point.
+/* Narrow phase over bricks. The shell's points are grouped in cells with bounds; a cell outside the VOI, or over bricks
+ * without bone, is culled as a whole. Points of other cells are transformed with 32-bit integers relative to a window
+ * of 32x32x32 voxels around the cell, and collected there as bits. A brick then needs a few atomic operations instead
+ * of one per point. Two shapes share the arithmetic: on a CPU a work-item takes a run of cells, 16 points in the lanes
+ * of a vector; on a GPU a work-group takes a cell, a work-item a point.
  *
  * Compiled with RS_POOLS (1 or 16 buffers of bricks) and RS_POOL_BITS (log2 of a buffer's bricks). */
 #include "cut_law.h"
-#pragma OPENCL EXTENSION cl_khr_int64_base_atomics : enable
 
 #define WINDOW_BLOCKS 512 /* of 4x4x4 voxels */
 
-/* The bricks and what finds them. */
+/* The bricks and their tables. */
 typedef struct {
   __global const int* slot_of_brick; /* -1: no bone */
   __global const uint* occupancy;    /* two words per 4x4x4 bricks: bit (x & 3) | (y & 3) << 2 | (z & 3) << 4 */
-  __global uint* listed;             /* per slot: is it in the list of touched bricks? */
+  __global uint* listed;             /* per slot: 1 if in the list of touched bricks */
   __global uint* touched_list;
   __global uint* touched_count; /* of this substep */
   __global Brick* pools[RS_POOLS];
@@ -22,7 +21,7 @@ typedef struct {
   int superbricks[3];
 } Bricks;
 
-/* Where a cell's points lie: its lowest shell cell, and the box of voxels that holds them all. */
+/* The box of voxels that contains the points of a cell. */
 typedef struct {
   long first[3]; /* fixed point: the centre of the cell's lowest shell cell */
   int low[3];    /* voxels */
@@ -33,7 +32,7 @@ __global Brick* brick_at(const Bricks* b, const int slot) {
   return b->pools[slot >> RS_POOL_BITS] + ((uint)slot & RS_POOL_MASK);
 }
 
-Reach reach_of(__global const SubstepArgs* a, __global const ShellCell* cell) {
+Reach cell_reach(__global const SubstepArgs* a, __global const ShellCell* cell) {
   Reach reach;
   for (int i = 0; i < 3; ++i) {
     __global const long* row = a->voxel_from_cell + 3 * i;
@@ -51,12 +50,6 @@ Reach reach_of(__global const SubstepArgs* a, __global const ShellCell* cell) {
   return reach;
 }
 
-bool meets_lattice(__global const SubstepArgs* a, const Reach* reach) {
-  bool meets = true;
-  for (int i = 0; i < 3; ++i) meets = meets && reach->high[i] >= 0 && reach->low[i] < a->dims[i];
-  return meets;
-}
-
 bool meets_voi(__global const SubstepArgs* a, __global const ShellCell* cell) {
   bool meets = true;
   for (int i = 0; i < 3; ++i)
@@ -64,16 +57,17 @@ bool meets_voi(__global const SubstepArgs* a, __global const ShellCell* cell) {
   return meets;
 }
 
-/* Four bits: which of the bricks 4s…4s+3 lie in low…high. */
+/* Four bits: the bricks of 4s…4s+3 that lie in low…high. */
 uint nibble(const int s, const int low, const int high) {
   const int first = max(low - 4 * s, 0), last = min(high - 4 * s, 3);
   return ((2u << last) - 1u) & ~((1u << first) - 1u);
 }
 
-/* Is there a brick with bone among those that the box of voxels touches? */
+/* Whether a brick that the box overlaps has bone. */
 bool meets_bone(__global const SubstepArgs* a, const Bricks* b, const Reach* reach) {
   int low[3], high[3];
   for (int i = 0; i < 3; ++i) {
+    if (reach->high[i] < 0 || reach->low[i] >= a->dims[i]) return false;
     low[i] = max(reach->low[i], 0) >> 3;
     high[i] = min(reach->high[i], a->dims[i] - 1) >> 3;
   }
@@ -94,17 +88,17 @@ bool meets_bone(__global const SubstepArgs* a, const Bricks* b, const Reach* rea
   return found != 0;
 }
 
-/* Notes that the voxels `bits` of half a block are touched, where they are bone. */
-void touch(const Bricks* b, const int slot, const int word, const uint bits) {
+/* Marks the voxels `bits` of half a block as touched, where they are bone. */
+void mark_touched(const Bricks* b, const int slot, const int word, const uint bits) {
   __global Brick* brick = brick_at(b, slot);
   const uint bone = bits & brick->bone[word];
   if (bone == 0) return;
-  /* Who touches a word first may be the first in the brick. */
+  /* Only the first mark of a word can be the first of the brick. */
   if (atomic_or(&brick->touched[word], bone) == 0 && atomic_xchg(&b->listed[slot], 1u) == 0)
     b->touched_list[atomic_inc(b->touched_count)] = (uint)slot;
 }
 
-/* Slot of the brick that holds a block (coordinates in blocks of 4 voxels), or -1. */
+/* Slot of the brick with a block (coordinates in blocks of 4 voxels), or -1. */
 int slot_of_block(const Bricks* b, const int x, const int y, const int z) {
   const int bx = x >> 1, by = y >> 1, bz = z >> 1;
   if (bx < 0 || by < 0 || bz < 0 || bx >= b->bricks[0] || by >= b->bricks[1] || bz >= b->bricks[2]) return -1;
@@ -115,7 +109,7 @@ int word_of_block(const int x, const int y, const int z) {
   return 2 * ((x & 1) | (y & 1) << 1 | (z & 1) << 2);
 }
 
-/* Law per_point: the elemental force of each of the cell's points that lies in bone. */
+/* Law per_point: the elemental force of a point, if it lies in bone. */
 void add_point_force(__global const SubstepArgs* a, const Bricks* b, const ProfileView* profile,
                      __global const ShellCell* cell, const ushort offset, LaneSums* sums) {
   const int x = cell->first[0] + (offset & 31), y = cell->first[1] + (offset >> 5 & 31),
@@ -128,40 +122,37 @@ void add_point_force(__global const SubstepArgs* a, const Bricks* b, const Profi
   if ((brick_at(b, slot)->bone[place >> 5] >> (place & 31) & 1u) != 0) rs_point_force(a, profile, x, y, z, sums);
 }
 
-void add_sums(__global SubstepSums* total, const LaneSums* part) {
-  for (int c = 0; c < 3; ++c) {
-    atom_add(&total->force[c], part->force[c]);
-    atom_add(&total->torque[c], part->torque[c]);
-  }
-}
-
-#define PARAMETERS                                                                                                  \
-  __global const SubstepArgs *args, const uint substep, __global const ShellCell *cells, const uint cell_count,     \
-      __global const ShellCell *runs, const uint run_cells, __global const ushort *offsets,                         \
-      __global const int *slot_of_brick, __global const uint *occupancy, __global uint *listed,                     \
-      __global uint *touched_list, __global uint *touched_count, __global SubstepSums *sums, const int4 bricks,     \
+#define PARAMETERS                                                                                              \
+  const uint substep, __global const SubstepArgs *args, __global const ShellCell *cells, const uint cell_count, \
+      __global const ShellCell *runs, const uint run_cells, __global const ushort *offsets,                     \
+      __global const int *slot_of_brick, __global const uint *occupancy, __global uint *listed,                 \
+      __global uint *touched_list, __global uint *touched_count, __global SubstepSums *sums, const int4 bricks, \
       const int culling, const uint2 room, __global const uint *removed_count, __global uint *removed_before,   \
-      __global const ProfileEdge *edges, __global const ushort *numbers,                         \
-      __global const EdgeList *lists, __global const ProfileGrid *grid, RS_POOL_PARAMETERS
-#define BRICKS                                                                                         \
-  {                                                                                                    \
-    slot_of_brick, occupancy, listed, touched_list, touched_count + substep, RS_POOL_ARRAY,               \
-        {bricks.x, bricks.y, bricks.z}, {                                                              \
-      (bricks.x + 3) >> 2, (bricks.y + 3) >> 2, (bricks.z + 3) >> 2                                    \
-    }                                                                                                  \
+      __global const ProfileEdge *edges, __global const ushort *numbers, __global const EdgeList *lists,        \
+      __global const ProfileGrid *grid, RS_POOL_PARAMETERS
+#define BRICKS                                                                              \
+  {                                                                                         \
+    slot_of_brick, occupancy, listed, touched_list, touched_count + substep, RS_POOL_ARRAY, \
+        {bricks.x, bricks.y, bricks.z}, {                                                   \
+      (bricks.x + 3) >> 2, (bricks.y + 3) >> 2, (bricks.z + 3) >> 2                         \
+    }                                                                                       \
   }
 
-/* Whether the substep before this one waits for room in the list of removed voxels; this one then waits too. */
-bool stalled_before(const uint2 room, __global const uint* removed_before, __global const uint* touched_count,
-                    const uint substep) {
-  return substep > 0 && rs_stalls(room.x, room.y, removed_before[substep - 1], touched_count[substep - 1]);
+/* Stores the length of the list of removed blocks before this substep. Returns whether the substep must wait, because
+ * the one before it waits. */
+bool must_wait(const uint2 room, __global const uint* removed_count, __global uint* removed_before,
+               __global const uint* touched_count, const uint substep) {
+  const bool waits =
+      substep > 0 && rs_list_would_overflow(room.x, room.y, removed_before[substep - 1], touched_count[substep - 1]);
+  if (get_global_id(0) == 0) removed_before[substep] = waits ? RS_WAITING : *removed_count;
+  return waits;
 }
 
 #ifdef RS_CPU_SHAPE
 
-/* The points of a cell as bits of the window whose lowest voxel is `origin`. */
-void gather(__global const SubstepArgs* a, __global const ShellCell* cell, __global const ushort* offsets,
-            const Reach* reach, const int* origin, ulong* window) {
+/* Collects the points of a cell as bits of the window whose lowest voxel is `origin`. */
+void collect_points(__global const SubstepArgs* a, __global const ShellCell* cell, __global const ushort* offsets,
+                    const Reach* reach, const int* origin, ulong* window) {
   int base[3], step[9];
   for (int i = 0; i < 3; ++i) {
     base[i] = (int)(reach->first[i] - ((long)origin[i] << RS_POSITION_BITS));
@@ -181,8 +172,8 @@ void gather(__global const SubstepArgs* a, __global const ShellCell* cell, __glo
   }
 }
 
-/* Hands the window's bits to the bricks and leaves it empty. */
-void flush(const Bricks* b, const Reach* reach, const int* origin, ulong* window) {
+/* Marks the window's voxels in the bricks, and clears the window. */
+void flush_window(const Bricks* b, const Reach* reach, const int* origin, ulong* window) {
   const int ox = origin[0] >> 2, oy = origin[1] >> 2, oz = origin[2] >> 2;
   const int last_y = (reach->high[1] >> 2) - oy, last_z = (reach->high[2] >> 2) - oz;
   for (int z = 0; z <= last_z; ++z) {
@@ -197,8 +188,8 @@ void flush(const Bricks* b, const Reach* reach, const int* origin, ulong* window
         const int slot = slot_of_block(b, ox + x, oy + y, oz + z);
         if (slot < 0) continue;
         const int word = word_of_block(ox + x, oy + y, oz + z);
-        touch(b, slot, word, (uint)each[x]);
-        touch(b, slot, word + 1, (uint)(each[x] >> 32));
+        mark_touched(b, slot, word, (uint)each[x]);
+        mark_touched(b, slot, word + 1, (uint)(each[x] >> 32));
       }
     }
   }
@@ -207,15 +198,13 @@ void flush(const Bricks* b, const Reach* reach, const int* origin, ulong* window
 __kernel void detect_bricked(PARAMETERS) {
   const uint run = get_global_id(0);
   const uint first = run * run_cells, last = min(first + run_cells, cell_count);
-  const bool stalled = stalled_before(room, removed_before, touched_count, substep);
-  if (run == 0) removed_before[substep] = stalled ? RS_STALLED : *removed_count;
-  if (stalled || first >= cell_count) return;
+  if (must_wait(room, removed_count, removed_before, touched_count, substep) || first >= cell_count) return;
   __global const SubstepArgs* a = args + substep;
   const Bricks b = BRICKS;
   const ProfileView profile = {edges, numbers, lists, grid};
   if (culling) {
-    const Reach whole = reach_of(a, runs + run);
-    if (!meets_voi(a, runs + run) || !meets_lattice(a, &whole) || !meets_bone(a, &b, &whole)) return;
+    const Reach whole = cell_reach(a, runs + run);
+    if (!meets_voi(a, runs + run) || !meets_bone(a, &b, &whole)) return;
   }
   ulong window[WINDOW_BLOCKS];
   for (int w = 0; w < WINDOW_BLOCKS; ++w) window[w] = 0;
@@ -223,15 +212,16 @@ __kernel void detect_bricked(PARAMETERS) {
   for (uint c = first; c < last; ++c) {
     __global const ShellCell* cell = cells + c;
     if (culling && !meets_voi(a, cell)) continue;
-    const Reach reach = reach_of(a, cell);
-    if (culling && (!meets_lattice(a, &reach) || !meets_bone(a, &b, &reach))) continue;
+    const Reach reach = cell_reach(a, cell);
+    if (culling && !meets_bone(a, &b, &reach)) continue;
     const int origin[3] = {reach.low[0] & ~3, reach.low[1] & ~3, reach.low[2] & ~3};
-    gather(a, cell, offsets, &reach, origin, window);
-    flush(&b, &reach, origin, window);
+    collect_points(a, cell, offsets, &reach, origin, window);
+    flush_window(&b, &reach, origin, window);
     if (a->law == RS_LAW_PER_POINT)
-      for (uint p = 0; p < cell->count; ++p) add_point_force(a, &b, &profile, cell, offsets[cell->begin + p], &point_sums);
+      for (uint p = 0; p < cell->count; ++p)
+        add_point_force(a, &b, &profile, cell, offsets[cell->begin + p], &point_sums);
   }
-  if (a->law == RS_LAW_PER_POINT) add_sums(&sums[substep], &point_sums);
+  if (a->law == RS_LAW_PER_POINT) rs_add_point_sums(&sums[substep], &point_sums);
 }
 
 #else
@@ -242,16 +232,15 @@ __kernel void detect_bricked(PARAMETERS) {
   __global const ShellCell* cell = cells + get_group_id(0);
   const Bricks b = BRICKS;
   const ProfileView profile = {edges, numbers, lists, grid};
-  const Reach reach = reach_of(a, cell);
-  const bool stalled = stalled_before(room, removed_before, touched_count, substep);
-  if (get_global_id(0) == 0) removed_before[substep] = stalled ? RS_STALLED : *removed_count;
-  /* Every work-item decides alike; none leaves before the barriers. */
-  const bool culled = culling && !(meets_voi(a, cell) && meets_lattice(a, &reach) && meets_bone(a, &b, &reach));
+  const Reach reach = cell_reach(a, cell);
+  /* All work-items decide alike, and reach the barriers. */
+  const bool waits = must_wait(room, removed_count, removed_before, touched_count, substep);
+  const bool culled = culling && !(meets_voi(a, cell) && meets_bone(a, &b, &reach));
   const int origin[3] = {reach.low[0] & ~3, reach.low[1] & ~3, reach.low[2] & ~3};
   for (uint w = get_local_id(0); w < 2 * WINDOW_BLOCKS; w += get_local_size(0)) window[w] = 0;
   barrier(CLK_LOCAL_MEM_FENCE);
   LaneSums point_sums = {{0, 0, 0}, {0, 0, 0}, 0};
-  const uint count = stalled || culled ? 0 : cell->count;
+  const uint count = waits || culled ? 0 : cell->count;
   for (uint p = get_local_id(0); p < count; p += get_local_size(0)) {
     const ushort offset = offsets[cell->begin + p];
     int v[3];
@@ -274,9 +263,9 @@ __kernel void detect_bricked(PARAMETERS) {
     const int x = (origin[0] >> 2) + (block & 7), y = (origin[1] >> 2) + (block >> 3 & 7),
               z = (origin[2] >> 2) + (block >> 6);
     const int slot = slot_of_block(&b, x, y, z);
-    if (slot >= 0) touch(&b, slot, word_of_block(x, y, z) + (int)(w & 1u), bits);
+    if (slot >= 0) mark_touched(&b, slot, word_of_block(x, y, z) + (int)(w & 1u), bits);
   }
-  if (a->law == RS_LAW_PER_POINT && count != 0) add_sums(&sums[substep], &point_sums);
+  if (a->law == RS_LAW_PER_POINT && count != 0) rs_add_point_sums(&sums[substep], &point_sums);
 }
 
 #endif

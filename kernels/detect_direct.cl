@@ -1,20 +1,19 @@
 /* Narrow phase of the paper (§3.5): one work-item per shell point. Decode, cull against the VOI, transform, look up. A
- * touched voxel is claimed once, by a bit, and listed; the order of the list is of no consequence. */
+ * touched voxel is claimed once, by a bit, and listed. Results do not depend on the order of the list. */
 #include "cut_law.h"
-#pragma OPENCL EXTENSION cl_khr_int64_base_atomics : enable
 
-#ifdef RS_WIDE_CODES /* shells of more than 1024 cells per axis: 8 bytes a point */
+#ifdef RS_WIDE_CODES /* shells of more than 1024 cells per axis: 8 bytes per point */
 typedef rs_u64 ShellCode;
 #define CELL_COORDINATE rs_compact_wide_bits
-#else /* the paper's layout: 4 bytes a point */
+#else /* the paper's layout: 4 bytes per point */
 typedef rs_u32 ShellCode;
 #define CELL_COORDINATE rs_compact_bits
 #endif
 
-/* codes[point_count]; bone: dense grades, 0 = air or gone; claims: a bit per voxel, all 0 on entry; contacts: room for
- * min(points, voxels); contact_count[substep]: 0 on entry; sums[substep]. */
-__kernel void detect_direct(__global const ShellCode* codes, const uint point_count, __global const SubstepArgs* args,
-                            const uint substep, __global const uchar* bone, __global uint* claims,
+/* codes[point_count]; bone: dense grades, 0 = air or removed; claims: a bit per voxel, all 0 on entry; contacts: room
+ * for min(points, voxels); contact_count[substep]: 0 on entry; sums[substep]. */
+__kernel void detect_direct(const uint substep, __global const SubstepArgs* args, __global const ShellCode* codes,
+                            const uint point_count, __global const uchar* bone, __global uint* claims,
                             __global uint* contacts, __global uint* contact_count, __global SubstepSums* sums,
                             __global const ProfileEdge* edges, __global const ushort* numbers,
                             __global const EdgeList* lists, __global const ProfileGrid* grid) {
@@ -37,10 +36,7 @@ __kernel void detect_direct(__global const ShellCode* codes, const uint point_co
     LaneSums point_sums = {{0, 0, 0}, {0, 0, 0}, 0};
     const ProfileView profile = {edges, numbers, lists, grid};
     rs_point_force(a, &profile, x, y, z, &point_sums);
-    for (int c = 0; c < 3; ++c) {
-      atom_add(&sums[substep].force[c], point_sums.force[c]);
-      atom_add(&sums[substep].torque[c], point_sums.torque[c]);
-    }
+    rs_add_point_sums(&sums[substep], &point_sums);
   }
   const uint bit = 1u << (e & 31u);
   if ((atomic_or(&claims[e >> 5], bit) & bit) == 0) contacts[atomic_inc(&contact_count[substep])] = e;

@@ -1,13 +1,13 @@
 /* Narrow phase of Yau et al. as Faieghi et al. rebuilt it (2020, §4.3.2): no shell; one work-item per voxel of the VOI,
- * a box of voxels, against the surface of revolution that the cutting lips sweep. A voxel is touched when its centre
- * lies in the solid or on its surface. No voxel is tested twice, so none has to be claimed. */
+ * a box of voxels, against the surface of revolution that the cutting edges sweep. A voxel is touched when its centre
+ * lies in the solid or on its surface. No voxel is tested twice, so claims are not needed. */
 #include "cut_law.h"
 
-/* voi_min, voi_size: lowest voxel of the VOI and how many it has along x, y, z; the fourth is padding. bone: dense
- * grades, 0 = air or gone; contacts: room for every voxel that the tool can hold; contact_count[substep]: 0 on entry.
- */
-__kernel void detect_implicit(__global const SubstepArgs* args, const uint substep, const int4 voi_min,
-                              const uint4 voi_size, __global const uchar* bone, __global uint* contacts,
+/* voi_min, voi_size: lowest voxel of the VOI and number of voxels along x, y, z; the fourth is padding. bone: dense
+ * grades, 0 = air or removed; contacts: room for all voxels that the tool can contain; contact_count[substep]: 0 on
+ * entry. */
+__kernel void detect_implicit(const uint substep, const int4 voi_min, const uint4 voi_size,
+                              __global const SubstepArgs* args, __global const uchar* bone, __global uint* contacts,
                               __global uint* contact_count, __global const ProfileEdge* edges,
                               __global const ushort* numbers, __global const EdgeList* lists,
                               __global const ProfileGrid* grid) {
@@ -21,5 +21,5 @@ __kernel void detect_implicit(__global const SubstepArgs* args, const uint subst
   const uint e = i + a->dims[0] * (j + (uint)a->dims[1] * k);
   if (bone[e] == 0) return;
   const ProfileView profile = {edges, numbers, lists, grid};
-  if (rs_holds_voxel(a, &profile, i, j, k)) contacts[atomic_inc(&contact_count[substep])] = e;
+  if (rs_contains_voxel(a, &profile, i, j, k)) contacts[atomic_inc(&contact_count[substep])] = e;
 }

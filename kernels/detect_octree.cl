@@ -1,16 +1,15 @@
 /* Narrow phase of Zheng et al. as Faieghi et al. rebuilt it (2020, §4.3.1): one work-item per shell point, an
  * octree-like descent of the 3D grid through look-up tables, voxels of a float HU and a collision flag, points of three
- * floats, and a parallel reduction over the forces of all points, so also of those outside the bone. There is no VOI.
+ * floats, and a parallel reduction over the forces of all points, including those outside the bone. There is no VOI.
  *
- * The descent. The lattice stands in the corner of a cube of 2^levels voxels. A cell of level l is a cube of
- * 2^(levels - l) voxels; children[8·l + o] says where its octant o (x in bit 0, y in bit 1, z in bit 2) begins, seen
- * from the cell's own corner: x, y, z in voxels, w as a step in the dense array. A point starts at the root; in each
- * level it is compared with the cell's three middle planes and moves to the child that holds it. After `levels` steps
- * the corner is the point's voxel, and the steps add up to the voxel's index.
+ * The descent: the lattice lies in the corner of a cube of 2^levels voxels. A cell of level l is a cube of 2^(levels -
+ * l) voxels; children[8·l + o] is the corner of its octant o (x in bit 0, y in bit 1, z in bit 2) relative to the
+ * cell's corner: x, y, z in voxels, w as a step in the dense array. A point starts at the root; on each level it is
+ * compared with the cell's three middle planes and moves to the child that contains it. After `levels` steps the corner
+ * is the point's voxel, and the steps add up to the voxel's index.
  *
- * Floats hold the points' cell numbers exactly, so that positions come from the same integers as in every detector. */
+ * Floats represent the cell numbers exactly, so that positions are the same integers as in all engines. */
 #include "cut_law.h"
-#pragma OPENCL EXTENSION cl_khr_int64_base_atomics : enable
 
 /* Index of voxel (i, j, k), found from the root downwards. The voxel lies in the lattice. */
 uint descend(__global const uint4* children, const int levels, const uint i, const uint j, const uint k) {
@@ -25,7 +24,8 @@ uint descend(__global const uint4* children, const int levels, const uint i, con
 }
 
 #ifdef REAMSIM_GROUP_SIZE
-/* Adds the forces of the work-group's points, pairwise, then to the substep's sums. Every work-item takes part. */
+/* Reduces the forces of the work-group's points pairwise, and adds them to the substep's sums. Called by all
+ * work-items. */
 void reduce_forces(__local rs_i64* partial, __global SubstepSums* total, const LaneSums* own) {
   const uint item = get_local_id(0);
   for (int c = 0; c < 3; ++c) {
@@ -49,15 +49,15 @@ void reduce_forces(__local rs_i64* partial, __global SubstepSums* total, const L
 }
 #endif
 
-/* points[3 · point_count]: cell numbers; hu: dense, hu_of_air = air or gone; flags: a byte per voxel, four to a word
- * (no smaller word has atomics), all 0 on entry; contacts, contact_count, sums: as in detect_direct. Built with
- * REAMSIM_GROUP_SIZE where each point has a force of its own (law per_point). */
-__kernel void detect_octree(__global const float* points, const uint point_count, __global const SubstepArgs* args,
-                            const uint substep, __global const float* hu, const float hu_of_air, __global uint* flags,
-                            __global uint* contacts, __global uint* contact_count, __global SubstepSums* sums,
-                            __global const ProfileEdge* edges, __global const ushort* numbers,
-                            __global const EdgeList* lists, __global const ProfileGrid* grid,
-                            __global const uint4* children, const int levels) {
+/* points[3 · point_count]: cell numbers; hu: dense, hu_of_air = air or removed; flags: a byte per voxel, four per word
+ * (atomics need 32 bits), all 0 on entry; contacts, contact_count, sums: as in detect_direct. Built with
+ * REAMSIM_GROUP_SIZE for law per_point. */
+__kernel void detect_octree(const uint substep, __global const SubstepArgs* args, __global const float* points,
+                            const uint point_count, __global const float* hu, const float hu_of_air,
+                            __global uint* flags, __global uint* contacts, __global uint* contact_count,
+                            __global SubstepSums* sums, __global const ProfileEdge* edges,
+                            __global const ushort* numbers, __global const EdgeList* lists,
+                            __global const ProfileGrid* grid, __global const uint4* children, const int levels) {
   const uint point = get_global_id(0);
   __global const SubstepArgs* a = args + substep;
   int touches = 0, x = 0, y = 0, z = 0;

@@ -1,32 +1,32 @@
-/* The signed distance to a tool whose teeth are resolved, sampled on a lattice that turns with them. It is kept in
- * bricks of 8x8x8 cells, next to the surface only; in a cell it is trilinear. One arithmetic for the host, for a
- * work-item, and for sixteen voxels in the lanes of a vector, as in profile.h. */
+/* The signed distance to a tool with resolved cutting edges, sampled on a lattice that rotates with them. Bricks of
+ * 8x8x8 cells are stored next to the surface only; in a cell the distance is trilinear. The same code serves host,
+ * work-item and lanes, as in profile.h. */
 #ifndef REAMSIM_KERNELS_DISTANCE_GRID_H
 #define REAMSIM_KERNELS_DISTANCE_GRID_H
 
 #include "clip.h"
 
-/* A brick holds the samples at all corners of its cells, so that a cell needs one brick: 9 along an axis. */
+/* A brick stores the samples at all corners of its cells, 9 along an axis, so that a cell reads one brick. */
 #define RS_GRID_SIDE 8
 #define RS_GRID_ROW 9
 #define RS_GRID_SAMPLES 729
 
-/* How steep the trilinear distance can be: the square root of 3, because along each axis it rises by no more than the
- * way, as its samples do (sim/tool/distance_grid.cpp). */
+/* Largest gradient of the trilinear distance: the square root of 3, because its derivative along each axis is at most
+ * 1, as that of its samples (sim/tool/distance_grid.cpp). */
 #define RS_GRID_STEEPEST 1.7320509f
 
 typedef struct {
   float origin[3]; /* sample (0,0,0), tool frame with the spin, mm */
   float per_mm;
-  float last[3];  /* the middle of the last cell, cells: points off the lattice count as in its outermost cells */
-  float slack_mm; /* no point is further outside the envelope than it is from the surface, plus this */
+  float last[3];  /* middle of the last cell, cells; coordinates are clamped to it */
+  float slack_mm; /* distance outside the envelope minus distance from the surface, at most */
   rs_i32 bricks[3];
 } DistanceLattice;
 
 typedef struct {
   RS_GLOBAL const DistanceLattice* lattice;
-  RS_GLOBAL const rs_u32* slot_of_brick; /* x before y before z; far outside 0, far inside 1 */
-  RS_GLOBAL const float* samples;        /* mm, slot by slot, x before y before z */
+  RS_GLOBAL const rs_u32* slot_of_brick; /* x fastest; 0: far outside, 1: far inside */
+  RS_GLOBAL const float* samples;        /* mm, slot by slot, x fastest */
 } DistanceView;
 
 /* The sample at the lowest corner of cell (x, y, z). */
@@ -58,15 +58,15 @@ RS_INLINE void rs_grid_corners(const DistanceView* view, const rs_int* cell, rs_
 #endif
 }
 
-/* Signed distance, mm, at `q` (tool frame with the spin, mm), and how it rises along each axis, mm per cell. Beyond the
- * band it is the band's width and does not rise. */
+/* Signed distance at `q` (tool frame with the spin), mm, and its derivative along each axis, mm per cell. Beyond the
+ * band the distance is constant. */
 RS_INLINE rs_real rs_grid_distance(const DistanceView* view, const rs_real* q, rs_real* rise) {
   RS_GLOBAL const DistanceLattice* g = view->lattice;
   rs_int cell[3];
   rs_real t[3], c[8];
   for (int i = 0; i < 3; ++i) {
     const rs_real at = (q[i] - g->origin[i]) * g->per_mm;
-    const rs_real on = rs_smaller(rs_larger(at, (rs_real)0.0f), (rs_real)g->last[i]);
+    const rs_real on = rs_min(rs_max(at, (rs_real)0.0f), (rs_real)g->last[i]);
     cell[i] = RS_TO_INT(on);
     t[i] = on - RS_TO_REAL(cell[i]);
   }
@@ -82,31 +82,31 @@ RS_INLINE rs_real rs_grid_distance(const DistanceView* view, const rs_real* q, r
   return f0 + t[2] * rise[2];
 }
 
-/* Where a point of T lies in the frame that turns with the teeth. */
-RS_INLINE void rs_turn_with_teeth(RS_GLOBAL const SubstepArgs* a, const rs_real* p, rs_real* q) {
+/* From T to the frame that rotates with the cutting edges. */
+RS_INLINE void rs_rotate_to_teeth(RS_GLOBAL const SubstepArgs* a, const rs_real* p, rs_real* q) {
   q[0] = p[0] * a->spin_cos - p[1] * a->spin_sin;
   q[1] = p[0] * a->spin_sin + p[1] * a->spin_cos;
   q[2] = p[2];
 }
 
-/* Distance of the teeth from voxel (x, y, z), counted as rs_clip() does, mm. */
+/* Distance of voxel (x, y, z), counted as in rs_clip(), from the surface, mm. */
 RS_INLINE rs_real rs_clip_grid_distance(RS_GLOBAL const SubstepArgs* a, const DistanceView* teeth, const float* brick,
                                         rs_real x, rs_real y, rs_real z) {
   rs_real p[3], q[3], rise[3];
   rs_voxel_in_tool(a, brick, x, y, z, p);
-  rs_turn_with_teeth(a, p, q);
+  rs_rotate_to_teeth(a, p, q);
   return rs_grid_distance(teeth, q, rise);
 }
 
-/* As rs_clip(), by the teeth: the plane is square to the way in which their distance rises. The normal is the plane's
- * and not yet the force's. */
+/* As rs_clip(), by the distance grid: the plane's normal is the gradient of the distance. `n` is the plane's normal,
+ * and not yet that of the force. */
 RS_INLINE Clip rs_clip_grid(RS_GLOBAL const SubstepArgs* a, const DistanceView* teeth, const float* brick, rs_real x,
                             rs_real y, rs_real z) {
   const rs_real zero = (rs_real)0.0f, one = (rs_real)1.0f;
   Clip clip;
   rs_real q[3], g[3];
   rs_voxel_in_tool(a, brick, x, y, z, clip.p);
-  rs_turn_with_teeth(a, clip.p, q);
+  rs_rotate_to_teeth(a, clip.p, q);
   clip.distance = rs_grid_distance(teeth, q, g);
   const rs_real length = RS_SQRT(g[0] * g[0] + g[1] * g[1] + g[2] * g[2]);
   const rs_real per_length = length > 0.0f ? one / length : zero;
@@ -119,13 +119,13 @@ RS_INLINE Clip rs_clip_grid(RS_GLOBAL const SubstepArgs* a, const DistanceView* 
   return clip;
 }
 
-/* The teeth push back as the surface that they sweep: the force's normal is the envelope's (docs/physics.md, 4). */
-RS_INLINE void rs_face_envelope(const OutlineView* outline, EdgeList list, Clip* clip) {
+/* Resolved cutting edges exert the force along the normal of their envelope (docs/physics.md, 4). */
+RS_INLINE void rs_use_envelope_normal(const OutlineView* outline, EdgeList list, Clip* clip) {
   const rs_real r = RS_SQRT(clip->p[0] * clip->p[0] + clip->p[1] * clip->p[1]);
   const rs_real per_r = r > 0.0f ? (rs_real)1.0f / r : (rs_real)0.0f;
   const NearestPiece nearest = rs_outline_nearest(outline, list, r, clip->p[2]);
   rs_real c, s;
-  rs_from_axis(clip->p, r, per_r, &c, &s);
+  rs_axis_direction(clip->p, r, per_r, &c, &s);
   clip->n[0] = nearest.normal_r * c;
   clip->n[1] = nearest.normal_r * s;
   clip->n[2] = nearest.normal_z;

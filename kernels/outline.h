@@ -1,21 +1,21 @@
-/* The tool's outline in (r, z) of T as lines and arcs: smooth where the tool is, where the profile (profile.h) has many
- * short edges. One arithmetic for the host, for a work-item and for sixteen voxels in the lanes of a vector. */
+/* The tool's outline in (r, z) of T as lines and arcs: smooth where the profile (profile.h) has many short edges. The
+ * same code serves host, work-item and lanes, as in profile.h. */
 #ifndef REAMSIM_KERNELS_OUTLINE_H
 #define REAMSIM_KERNELS_OUTLINE_H
 
 #include "profile.h"
 
-/* A line or an arc of at most 100 degrees from (r0, z0) to (r1, z1), the inside on its left, mm; unit tangents at both
- * ends; the point in its middle with the outward unit normal there. */
+/* A line or an arc of at most 100 degrees from (r0, z0) to (r1, z1), mm, with the inside on its left: unit tangents at
+ * both ends, and its middle with the outward unit normal. */
 typedef struct {
   float r0, z0, r1, z1;
   float along_r0, along_z0, along_r1, along_z1;
   float middle_r, middle_z, normal_r, normal_z;
   float curvature;      /* 1/mm, positive where it bulges outwards, 0 for a line */
-  rs_i32 before, after; /* the piece on the other side of a sharp corner at its begin, at its end; -1 where none is */
+  rs_i32 before, after; /* the piece beyond a sharp corner at the begin, at the end; -1: none */
 } OutlinePiece;
 
-/* The outline as a kernel sees it: lists of pieces for cells of (r, z), as ProfileView has them of edges. */
+/* The outline in device memory: lists of pieces for cells of (r, z), as in ProfileView. */
 typedef struct {
   RS_GLOBAL const OutlinePiece* pieces;
   RS_GLOBAL const rs_u16* numbers;
@@ -23,7 +23,7 @@ typedef struct {
   RS_GLOBAL const ProfileGrid* grid;
 } OutlineView;
 
-/* What of the outline lies nearest to a point. */
+/* The nearest point of the outline. */
 typedef struct {
   rs_real distance; /* mm, negative inside */
   rs_real normal_r, normal_z;
@@ -31,20 +31,20 @@ typedef struct {
   rs_int piece;
 } NearestPiece;
 
-/* A point (r, z) against one piece: the distance of its nearest point, negative inside, and squared; by how much the
- * point lies on the outer side; the outward direction, to be multiplied by `scale`. */
+/* Distance of a point (r, z) from one piece, negative inside, and its square; distance on the outer side of the piece's
+ * tangent; outward direction, to be multiplied by `scale`. */
 typedef struct {
   rs_real distance, square, side;
   rs_real r, z, scale;
 } PieceDistance;
 
-/* Within this share of a circle's radius, less than rounding is left out of the series for roots. */
+/* Within this fraction of the radius, the truncation error of the series for roots is below rounding. */
 #define RS_NEAR_CIRCLE 0.03125f
 
-/* From a piece's circle a point at w from its middle lies |w + R n| - R away, for radius R and normal n there, on its
- * outer side positive; written so that a line is an arc of no curvature, and what is small is no difference of large
- * numbers: with x = q/R, q = w^2/R + 2 w.n, it is q/(1 + sqrt(1 + x)). */
-RS_INLINE PieceDistance rs_from_circle(RS_GLOBAL const OutlinePiece* e, rs_real r, rs_real z) {
+/* Distance from the circle of a piece, positive outside: |w + R n| - R for the vector w from its middle, radius R and
+ * normal n. Written without cancellation, and so that a line is an arc of curvature 0: q/(1 + sqrt(1 + x)) with x =
+ * q/R, q = w^2/R + 2 w.n. */
+RS_INLINE PieceDistance rs_circle_distance(RS_GLOBAL const OutlinePiece* e, rs_real r, rs_real z) {
   const rs_real zero = (rs_real)0.0f, one = (rs_real)1.0f;
   const rs_real wr = r - e->middle_r, wz = z - e->middle_z;
   const rs_real q = e->curvature * (wr * wr + wz * wz) + 2.0f * (wr * e->normal_r + wz * e->normal_z);
@@ -52,12 +52,12 @@ RS_INLINE PieceDistance rs_from_circle(RS_GLOBAL const OutlinePiece* e, rs_real 
   PieceDistance out;
   out.r = e->normal_r + e->curvature * wr;
   out.z = e->normal_z + e->curvature * wz;
-  /* Next to the surface, by series: no root, no division. */
+  /* A series next to the surface: no root, no division. */
   out.distance = q * (0.5f + x * (-0.125f + x * (0.0625f + x * (-5.0f / 128.0f + x * (7.0f / 256.0f)))));
   out.scale = one + x * (-0.5f + x * (0.375f + x * (-0.3125f + x * (35.0f / 128.0f))));
   if (RS_ANY(size > RS_NEAR_CIRCLE)) {
     const rs_real root = RS_SQRT(one + x > 0.0f ? one + x : zero);
-    /* In the circle's centre every direction is as good as another. */
+    /* In the circle's centre the direction is arbitrary. */
     const rs_real known = root > 1e-6f ? one / root : zero;
     out.distance = size > RS_NEAR_CIRCLE ? q / (one + root) : out.distance;
     out.scale = size > RS_NEAR_CIRCLE ? known : out.scale;
@@ -67,9 +67,9 @@ RS_INLINE PieceDistance rs_from_circle(RS_GLOBAL const OutlinePiece* e, rs_real 
   return out;
 }
 
-/* Past the piece's ends the ends are nearest. */
-RS_INLINE PieceDistance rs_from_piece(RS_GLOBAL const OutlinePiece* e, rs_real r, rs_real z) {
-  PieceDistance out = rs_from_circle(e, r, z);
+/* Distance from a piece, whose ends are nearest to points beyond them. */
+RS_INLINE PieceDistance rs_piece_distance(RS_GLOBAL const OutlinePiece* e, rs_real r, rs_real z) {
+  PieceDistance out = rs_circle_distance(e, r, z);
   const rs_real r0 = r - e->r0, z0 = z - e->z0, r1 = r - e->r1, z1 = z - e->z1;
   const rs_real past = r1 * e->along_r1 + z1 * e->along_z1, short_of = -(r0 * e->along_r0 + z0 * e->along_z0);
   const rs_real off = past > short_of ? past : short_of;
@@ -82,21 +82,19 @@ RS_INLINE PieceDistance rs_from_piece(RS_GLOBAL const OutlinePiece* e, rs_real r
   out.distance = off > 0.0f ? away : out.distance;
   out.r = off > 0.0f ? pr : out.r;
   out.z = off > 0.0f ? pz : out.z;
-  /* In an end as well. */
   const rs_real per_away = root > 1e-6f ? (rs_real)1.0f / away : (rs_real)0.0f;
   out.scale = off > 0.0f ? per_away : out.scale;
   return out;
 }
 
-/* How far the point is from lying past one of a piece's ends, mm. */
-RS_INLINE rs_real rs_from_ends(RS_GLOBAL const OutlinePiece* e, rs_real r, rs_real z) {
+/* How far a point lies from the normals at the piece's ends, mm; negative beyond an end. */
+RS_INLINE rs_real rs_distance_to_ends(RS_GLOBAL const OutlinePiece* e, rs_real r, rs_real z) {
   const rs_real past = (r - e->r1) * e->along_r1 + (z - e->z1) * e->along_z1;
   const rs_real short_of = -((r - e->r0) * e->along_r0 + (z - e->z0) * e->along_z0);
   return -(past > short_of ? past : short_of);
 }
 
-/* What a piece is to the point next to it. */
-RS_INLINE NearestPiece rs_nearest_of(const PieceDistance* best, rs_real curvature, rs_int piece) {
+RS_INLINE NearestPiece rs_nearest_piece(const PieceDistance* best, rs_real curvature, rs_int piece) {
   const rs_real known = best->scale < 0.0f ? -best->scale : best->scale;
   NearestPiece out;
   out.distance = best->distance;
@@ -107,17 +105,17 @@ RS_INLINE NearestPiece rs_nearest_of(const PieceDistance* best, rs_real curvatur
   return out;
 }
 
-/* What lies nearest to (r, z), of the pieces in `list`. The normal is the gradient of the distance. Of two pieces that
- * are as near but for rounding, as next to a vertex, the one seen more squarely decides the sign. */
+/* The nearest point of (r, z), of the pieces in `list`. The normal is the gradient of the distance. Of two pieces
+ * equally near up to rounding, as next to a vertex, the more perpendicular one decides the sign. */
 RS_INLINE NearestPiece rs_outline_nearest(const OutlineView* outline, EdgeList list, rs_real r, rs_real z) {
   const rs_real one = (rs_real)1.0f;
   rs_i32 number = outline->numbers[list.first];
-  PieceDistance best = rs_from_piece(outline->pieces + number, r, z);
+  PieceDistance best = rs_piece_distance(outline->pieces + number, r, z);
   rs_real curvature = (rs_real)outline->pieces[number].curvature;
   rs_int piece = (rs_int)number;
   for (rs_u32 i = 1; i < list.count; ++i) {
     number = outline->numbers[list.first + i];
-    const PieceDistance found = rs_from_piece(outline->pieces + number, r, z);
+    const PieceDistance found = rs_piece_distance(outline->pieces + number, r, z);
     const rs_real side = found.side < 0.0f ? -found.side : found.side;
     const rs_real best_side = best.side < 0.0f ? -best.side : best.side;
     const rs_real rounding = best.square * 2e-6f + 1e-10f;
@@ -132,7 +130,7 @@ RS_INLINE NearestPiece rs_outline_nearest(const OutlineView* outline, EdgeList l
     curvature = gain > 0.0f ? (rs_real)outline->pieces[number].curvature : curvature;
     piece = gain > 0.0f ? (rs_int)number : piece;
   }
-  return rs_nearest_of(&best, curvature, piece);
+  return rs_nearest_piece(&best, curvature, piece);
 }
 
 /* The list of pieces for points within the grid's reach of (r, z). */

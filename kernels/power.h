@@ -1,11 +1,11 @@
-/* x^y from operations that every device rounds alike; the built-in pow() is not one of them. */
+/* x^y from correctly rounded operations; the rounding of the built-in pow() depends on the device. */
 #ifndef REAMSIM_KERNELS_POWER_H
 #define REAMSIM_KERNELS_POWER_H
 
 #include "profile.h"
 
-/* log2(x), x > 0 and not subnormal, good to 10^-7: exponent, and the series of artanh for the mantissa in 2^(-1/2) ..
- * 2^(1/2). */
+/* log2(x), x > 0 and not subnormal, error below 10^-7: exponent, and the series of artanh for the mantissa in 2^(-1/2)
+ * .. 2^(1/2). */
 RS_INLINE rs_real rs_log2(rs_real x) {
   const rs_real one = (rs_real)1.0f;
   const rs_int bits = RS_BITS_OF(x), zero = (rs_int)0, single = (rs_int)1;
@@ -18,7 +18,7 @@ RS_INLINE rs_real rs_log2(rs_real x) {
   return RS_TO_REAL(exponent) + series;
 }
 
-/* 2^x, |x| < 126, good to 2·10^-7: exponent, and the series of exp for what is left. */
+/* 2^x, |x| < 126, relative error below 2·10^-7: exponent, and the series of exp for the remainder. */
 RS_INLINE rs_real rs_exp2(rs_real x) {
   const rs_real whole = RS_FLOOR(x + 0.5f), rest = (x - whole) * 0.693147181f;
   const rs_real series =
@@ -31,7 +31,7 @@ RS_INLINE rs_real rs_exp2(rs_real x) {
   return series * RS_REAL_OF((RS_TO_INT(whole) + 127) << 23);
 }
 
-/* x^y, good to about 10^-6, for x > 0 where |y·log2(x)| < 126. */
+/* x^y, relative error about 10^-6, for x > 0 and |y·log2(x)| < 126. */
 RS_INLINE rs_real rs_power(rs_real x, float y) {
   return rs_exp2(y * rs_log2(x));
 }

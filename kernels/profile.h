@@ -1,6 +1,6 @@
-/* The tool's profile, its envelope of revolution: a polygon in (r, z) of T, with its outward normal. One arithmetic for
- * the host, for a work-item, and for sixteen voxels in the lanes of a vector where a kernel defines RS_LANES 16: the
- * same operations in the same order, so the same bits. */
+/* The tool's profile: the polygon in (r, z) of T of its envelope of revolution. The same code serves the host, a single
+ * work-item, and sixteen voxels in the lanes of a vector (RS_LANES 16): the same operations in the same order, and so
+ * the same bits. */
 #ifndef REAMSIM_KERNELS_PROFILE_H
 #define REAMSIM_KERNELS_PROFILE_H
 
@@ -55,9 +55,8 @@ typedef struct {
   float normal_r, normal_z;
 } ProfileEdge;
 
-/* Which edges can be nearest: a grid of square cells over (r, z), each with a list of edges in ascending order that
- * holds the nearest edge of every point within `reach` of the cell. Cells far from the profile, and points off the
- * grid, use list 0, which holds all edges. */
+/* A grid of square cells over (r, z), each with an ascending list of the edges that can be nearest to a point within
+ * the grid's reach of the cell. Cells far from the profile, and points off the grid, use list 0 of all edges. */
 typedef struct {
   float z0; /* mm; r begins at 0 */
   float per_mm;
@@ -69,7 +68,7 @@ typedef struct {
   rs_u32 count;
 } EdgeList;
 
-/* The tool's profile as a kernel sees it. */
+/* The tool's profile in device memory. */
 typedef struct {
   RS_GLOBAL const ProfileEdge* edges;
   RS_GLOBAL const rs_u16* numbers; /* of edges, list after list */
@@ -77,27 +76,25 @@ typedef struct {
   RS_GLOBAL const ProfileGrid* grid;
 } ProfileView;
 
-/* Of the grid's lists that for points within its reach of (r, z). */
+/* The list for points within the grid's reach of (r, z). */
 RS_INLINE EdgeList rs_list_of_cell(RS_GLOBAL const ProfileGrid* g, RS_GLOBAL const EdgeList* lists, float r, float z) {
   const float cr = r * g->per_mm, cz = (z - g->z0) * g->per_mm;
   if (!(cr < (float)g->count_r && cz >= 0 && cz < (float)g->count_z)) return lists[0];
   return lists[1 + (rs_i32)cr + g->count_r * (rs_i32)cz];
 }
 
-/* The list of edges for points within the grid's reach of (r, z). */
 RS_INLINE EdgeList rs_edges_near(const ProfileView* profile, float r, float z) {
   return rs_list_of_cell(profile->grid, profile->lists, r, z);
 }
 
-/* The profile's surface next to a point: the signed distance to it, negative inside, mm, and its outward unit normal.
- */
+/* The nearest surface of a point: signed distance, mm, negative inside, and outward unit normal. */
 typedef struct {
   rs_real distance;
   rs_real normal_r, normal_z;
 } Nearest;
 
-/* What lies nearest to (r, z), of the edges in `list`. The normal is the gradient of the distance; next to an edge that
- * is the edge's own, exactly. Of two edges that share the nearest vertex the one seen more squarely decides the sign.
+/* The nearest surface of (r, z), of the edges in `list`. The normal is the gradient of the distance, and exactly the
+ * edge's own beside an edge. Of two edges that share the nearest vertex, the more perpendicular one decides the sign.
  */
 RS_INLINE Nearest rs_profile_nearest(const ProfileView* profile, EdgeList list, rs_real r, rs_real z) {
   const rs_real zero = (rs_real)0.0f, one = (rs_real)1.0f;
@@ -108,13 +105,12 @@ RS_INLINE Nearest rs_profile_nearest(const ProfileView* profile, EdgeList list, 
     const rs_real along = (vr * e->along_r + vz * e->along_z) * e->inverse_length2;
     rs_real t = along > 0.0f ? along : zero;
     t = t < 1.0f ? t : one;
-    /* From a shared vertex both its edges measure the same, so that they tie. */
+    /* Measured from the shared vertex, so that two edges tie. */
     const rs_real pr = t < 1.0f ? vr - t * e->along_r : r - e->r1, pz = t < 1.0f ? vz - t * e->along_z : z - e->z1;
     const rs_real d2 = pr * pr + pz * pz;
     const rs_real side = pr * e->normal_r + pz * e->normal_z;
     const rs_real abs_side = side < 0.0f ? -side : side, abs_best = best_side < 0.0f ? -best_side : best_side;
-    /* Edges that are as near but for rounding tie. One comparison more than `&&` needs, but the same for scalars and
-     * lanes. */
+    /* Edges equally near up to rounding tie. Without `&&`, which differs between scalars and lanes. */
     const rs_real rounding = best * 2e-6f + 1e-10f;
     const rs_real tie = d2 <= best + rounding ? abs_side - abs_best : -one;
     const rs_real gain = d2 < best - rounding ? one : tie;
@@ -126,7 +122,7 @@ RS_INLINE Nearest rs_profile_nearest(const ProfileView* profile, EdgeList list, 
     nr = gain > 0.0f ? (rs_real)e->normal_r : nr;
     nz = gain > 0.0f ? (rs_real)e->normal_z : nz;
   }
-  /* At a vertex the direction is undefined: an edge's own normal. */
+  /* At a vertex the direction is undefined; the edge's normal replaces it. */
   beside = best > 1e-12f ? beside : one;
   const rs_real sign = best_side < 0.0f ? -one : one, root = RS_SQRT(best);
   const rs_real signed_inverse = sign / root;
@@ -137,21 +133,21 @@ RS_INLINE Nearest rs_profile_nearest(const ProfileView* profile, EdgeList list, 
   return out;
 }
 
-/* What of the tool's surface lies nearest to `p` (T, mm), of the edges in `list`; its outward unit normal in T goes to
- * `normal`, with no radial part on the spin axis. */
+/* The nearest surface of `p` (T, mm), of the edges in `list`, and its outward unit normal in T, which has no radial
+ * part on the spin axis. */
 RS_INLINE Nearest rs_tool_nearest(const ProfileView* profile, EdgeList list, const rs_real* p, rs_real* normal) {
   const rs_real r = RS_SQRT(p[0] * p[0] + p[1] * p[1]);
   const Nearest nearest = rs_profile_nearest(profile, list, r, p[2]);
-  const rs_real share = r > 0.0f ? nearest.normal_r / r : (rs_real)0.0f;
-  normal[0] = share * p[0];
-  normal[1] = share * p[1];
+  const rs_real radial = r > 0.0f ? nearest.normal_r / r : (rs_real)0.0f;
+  normal[0] = radial * p[0];
+  normal[1] = radial * p[1];
   normal[2] = nearest.normal_z;
   return nearest;
 }
 
 #if !defined(RS_LANES)
-/* Whether (r, z), r >= 0, lies in the profile's polygon or on it, by the edges that a ray towards larger r crosses.
- * Edges on the axis are not in the list; such a ray never crosses them. */
+/* Whether (r, z), r >= 0, lies in the profile's polygon or on it: counts the edges that a ray towards larger r crosses.
+ * Edges on the axis are not in the list; the ray never crosses them. */
 RS_INLINE int rs_inside_profile(const ProfileView* profile, float r, float z) {
   int inside = 0;
   const rs_i32 count = (rs_i32)profile->lists[0].count;
@@ -162,8 +158,8 @@ RS_INLINE int rs_inside_profile(const ProfileView* profile, float r, float z) {
     const float side = (r - r0) * e->normal_r + (z - z0) * e->normal_z;
     const int beside = (r < r0 && r < r1) || (r > r0 && r > r1);
     if (side == 0 && !beside) return 1;
-    /* Half-open in z, so that a ray through a vertex counts one of its two edges. The outward normal of an edge that
-     * goes up points to larger r. */
+    /* Half-open in z, so that a ray through a vertex counts one of its two edges. An ascending edge has its outward
+     * normal towards larger r. */
     if ((z0 <= z) != (z1 <= z) && (z1 > z0 ? side < 0 : side > 0)) inside = !inside;
   }
   return inside;

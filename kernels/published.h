@@ -4,12 +4,11 @@
 
 #include "shared.h"
 
-/* Least significant digit of the published atomic sums: the paper's large N. Forces there are in units of the elemental
- * force. */
+/* Scale of the published integer sums, the paper's large N. Forces are in units of the elemental force. */
 #define RS_PUBLISHED_SCALE 1048576.0f /* 2^20 */
 
-/* Sums and arguments of one published frame, which travel in one buffer (paper §3.5). Lengths in shell cells, voxel
- * coordinates in voxels; bone is a cube. */
+/* Sums and arguments of one published frame, in one buffer (paper §3.5). Lengths in shell cells, voxel coordinates in
+ * voxels; the lattice is a cube. */
 typedef struct {
   rs_i64 force[3]; /* on the tool, in B */
   rs_i64 contacts; /* points; counted where count_contacts is set */

@@ -1,6 +1,6 @@
-/* The paper's narrow phase as published (§3.5), for `reamsim bench` only: one racing pass in float. A work-item per
- * point decodes, culls, transforms, looks up, empties the voxel at once and adds its elemental force. Two points in one
- * voxel race: whether both, or only the first, push back depends on the moment. */
+/* The paper's narrow phase as published (§3.5), for `reamsim bench` only: one pass in float, with races. A work-item
+ * per point decodes, culls, transforms, looks up, clears the voxel and adds its elemental force. Two points in one
+ * voxel race: it depends on timing whether both exert a force or only the first. */
 #include "published.h"
 #pragma OPENCL EXTENSION cl_khr_int64_base_atomics : enable
 
@@ -34,13 +34,12 @@ __kernel void published_direct(__global const uint* codes, const uint point_coun
     __global const float* row = f->voxel_from_cell + 3 * axis;
     inward[axis] = row[0] * p[0] + row[1] * p[1] + row[2] * p[2];
   }
-  const float scale =
-      RS_PUBLISHED_SCALE / sqrt(inward[0] * inward[0] + inward[1] * inward[1] + inward[2] * inward[2]);
+  const float scale = RS_PUBLISHED_SCALE / sqrt(inward[0] * inward[0] + inward[1] * inward[1] + inward[2] * inward[2]);
   for (int axis = 0; axis < 3; ++axis) atom_add(&f->force[axis], (long)(inward[axis] * scale));
   if (f->count_contacts) atom_add(&f->contacts, 1L);
 }
 
-/* What the pass above would empty, so that it can be put back: (voxel, grade), the same voxel once per point. */
+/* The voxels that published_direct would clear, to restore them: (voxel, grade), once per point. */
 __kernel void published_touched(__global const uint* codes, const uint point_count, __global const PublishedFrame* f,
                                 __global const uchar* bone, __global uint2* touched, __global uint* touched_count) {
   const uint point = get_global_id(0);

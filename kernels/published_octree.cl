@@ -1,15 +1,15 @@
 /* Zheng et al. as the paper rebuilt it (§4.3.1), for `reamsim bench` only: points of three floats, voxels of a float HU
- * and a collision flag. A work-item per point walks from the whole grid down to its voxel, choosing an octant a level;
- * the forces of all points, also of those outside the bone, are stored and then summed by a parallel reduction. */
+ * and a collision flag. A work-item per point descends from the whole grid to its voxel, one octant per level. The
+ * forces of all points, including those outside the bone, are stored and then summed by a parallel reduction. */
 #include "published.h"
 
 #define AIR_HU -1000.0f
 
-/* steps[8·level + octant]: what choosing that octant adds to the voxel's index. forces: x, y, z and 1 of a point that
- * touches, zeros of any other. */
-__kernel void published_octree(__global const float* points, const uint point_count,
-                               __global const PublishedFrame* f, __global const float* hu, __global uchar* collided,
-                               __global const uint* steps, const int levels, __global float* forces) {
+/* steps[8·level + octant]: increment of the voxel's index for that octant. forces: x, y, z and 1 for a point that
+ * touches, zeros for others. */
+__kernel void published_octree(__global const float* points, const uint point_count, __global const PublishedFrame* f,
+                               __global const float* hu, __global uchar* collided, __global const uint* steps,
+                               const int levels, __global float* forces) {
   const uint point = get_global_id(0);
   if (point >= point_count) return;
   const float p[3] = {points[3 * point], points[3 * point + 1], points[3 * point + 2]};
@@ -17,8 +17,8 @@ __kernel void published_octree(__global const float* points, const uint point_co
   for (int axis = 0; axis < 3; ++axis) {
     __global const float* row = f->voxel_from_cell + 3 * axis;
     d[axis] = f->voxel_origin[axis] + row[0] * p[0] + row[1] * p[1] + row[2] * p[2];
-    inward[axis] = row[0] * (f->cap_center[0] - p[0]) + row[1] * (f->cap_center[1] - p[1]) +
-                   row[2] * (f->cap_center[2] - p[2]);
+    inward[axis] =
+        row[0] * (f->cap_center[0] - p[0]) + row[1] * (f->cap_center[1] - p[1]) + row[2] * (f->cap_center[2] - p[2]);
   }
   float force[4] = {0, 0, 0, 0};
   const float n = f->side;
@@ -60,7 +60,7 @@ __kernel void published_reduce(__global const float4* in, const uint count, __gl
   if (item == 0) out[get_group_id(0)] = local_sums[0];
 }
 
-/* Voxels whose flag the pass above would raise, so that it can be lowered again; a voxel once per point. */
+/* The voxels whose flag published_octree would set, to clear it again; once per point. */
 __kernel void published_touched(__global const float* points, const uint point_count, __global const PublishedFrame* f,
                                 __global const float* hu, __global uint* touched, __global uint* touched_count) {
   const uint point = get_global_id(0);

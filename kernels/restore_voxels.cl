@@ -1,4 +1,4 @@
-/* Puts back voxels that went, from a list of (voxel, value); for benchmarks, which repeat a frame on the same bone. */
+/* Restores removed voxels from a list of (voxel, value), for benchmarks that repeat a frame on the same bone. */
 #include "shared.h"
 
 __kernel void restore_bytes(__global const uint2* voxels, const uint count, __global uchar* values) {

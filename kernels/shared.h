@@ -1,9 +1,7 @@
-/* Types and arithmetic that the host and the kernels share; with bricks.h, profile.h, cut_law.h and published.h beside
- * it. Plain C, compiled by the C++ compiler and by every OpenCL C compiler, so that the serial engine and the devices
- * compute the same bits: positions are fixed-point integers, sums are 64-bit integers, and the floats in between use
- * only operations that are correctly rounded (no contraction). The cutting law is in single precision, which every GPU
- * is fast in; its sums are exact.
- */
+/* Types and arithmetic that host and kernels share, in plain C for C++ and OpenCL C compilers. The serial engine and
+ * all devices compute the same bits: positions are fixed-point integers, sums are 64-bit integers, and floating-point
+ * expressions use correctly rounded operations only (no contraction). The cutting law is in single precision, which is
+ * fast on every GPU; its sums are exact. */
 #ifndef REAMSIM_KERNELS_SHARED_H
 #define REAMSIM_KERNELS_SHARED_H
 
@@ -17,9 +15,6 @@ typedef ulong rs_u64;
 typedef ushort rs_u16;
 typedef uchar rs_u8;
 #define RS_GLOBAL __global
-#define RS_INLINE static inline
-#define RS_SQRT sqrt
-#define RS_FLOOR floor
 #else
 #include <math.h>
 #include <stdint.h>
@@ -30,16 +25,16 @@ typedef uint64_t rs_u64;
 typedef uint16_t rs_u16;
 typedef uint8_t rs_u8;
 #define RS_GLOBAL
+#endif
 #define RS_INLINE static inline
 #define RS_SQRT sqrt
 #define RS_FLOOR floor
-#endif
 
-/* Fractional bits of a position in voxels. The rounding of the rotation adds up to 2^-15 voxel per shell axis of 1024
- * cells, to 2^-13 per axis of 4096, the largest; over three axes and with the origin's, to less than 2^-11. */
+/* Fractional bits of a position in voxels. The rounding error of the rotation is at most 2^-15 voxel per shell axis of
+ * 1024 cells and 2^-13 per axis of 4096, the largest; in total, with that of the origin, below 2^-11. */
 #define RS_POSITION_BITS 24
 
-/* Least significant digits of the integer sums: N, N·mm, mJ. Room for 3·10^10 N, 5·10^11 N·mm, 2·10^9 mJ a substep. */
+/* Units of the integer sums per N, N·mm, mJ. Ranges per substep: 3·10^10 N, 5·10^11 N·mm, 2·10^9 mJ. */
 #define RS_FORCE_SCALE 268435456.0   /* 2^28 */
 #define RS_TORQUE_SCALE 16777216.0   /* 2^24 */
 #define RS_ENERGY_SCALE 4294967296.0 /* 2^32 */
@@ -48,13 +43,13 @@ typedef uint8_t rs_u8;
 
 #define RS_LAW_ENERGY 0
 #define RS_LAW_PER_POINT 1
-#define RS_LAW_NONE 2 /* what goes, goes without force: bone that the tool starts in */
+#define RS_LAW_NONE 2 /* removal without force: bone in which the tool starts */
 #define RS_EROSION_REMOVE 0
 #define RS_EROSION_WEAR 1
 #define RS_EROSION_EXACT 2
 
-/* Everything that the stages of one substep need to know; written to the device in one piece before detect (paper
- * §3.5). Lengths in mm; velocities and levers in the tool frame T without spin, so that the law needs one rotation. */
+/* The arguments of one substep, written to the device in one piece before detect (paper §3.5). Lengths in mm;
+ * velocities and levers in the tool frame T without spin, so that the law needs one rotation. */
 typedef struct {
   rs_i64 voxel_from_cell[9];  /* row-major, fixed point: shell cell step to voxels */
   rs_i64 voxel_origin[3];     /* fixed point: centre of shell cell (0,0,0), in voxels from the lattice's corner */
@@ -76,13 +71,13 @@ typedef struct {
   float voxel_mm;
   float per_voxel_mm;   /* 1/mm */
   float size_exponent;  /* m of the size effect; 0 = none */
-  float chip_per_speed; /* chip thickness over its reference per mm/s of the surface's advance, s/mm */
-  float least_chip;     /* over the reference */
-  float most_chip;
-  float edge_tangential; /* N per mm of envelope, times the radius: lips/2pi times N/mm of lip; 0 = no edge force */
+  float chip_per_speed; /* relative chip thickness per advance of the surface, s/mm */
+  float min_chip;       /* limits of the chip thickness relative to its reference */
+  float max_chip;
+  float edge_tangential; /* cutting edges/2pi times N per mm of edge; 0 = no edge force */
   float edge_normal;
   float duration; /* s */
-  float spin_cos; /* of the teeth's turn about -z of T, where they are resolved */
+  float spin_cos; /* rotation of resolved cutting edges about -z of T */
   float spin_sin;
   rs_i32 dims[3];
   rs_i32 voi_min[3]; /* shell cells, inclusive */
@@ -90,11 +85,11 @@ typedef struct {
   rs_i32 law;
   rs_i32 erosion;
   rs_i32 frame;
-  rs_i32 least_loss; /* fill; less is not worth a cut, erosion exact */
+  rs_i32 min_loss; /* fill; erosion exact ignores smaller losses */
 } SubstepArgs;
 
-/* Integer sums over the voxels of one substep. Force and torque act on the tool, torque about its origin; law energy:
- * in T without spin; law per_point: in the shell's frame, which turns with the teeth where they are resolved. */
+/* Integer sums over the voxels of one substep. Force and torque act on the tool, the torque about its origin. Frame: T
+ * without spin for law energy; the shell's for law per_point, which rotates with resolved cutting edges. */
 typedef struct {
   rs_i64 force[3];
   rs_i64 torque[3];
@@ -115,7 +110,7 @@ RS_INLINE rs_i32 rs_compact_bits(rs_u32 code) {
   return (rs_i32)code;
 }
 
-/* The same of a code of 21 bits per axis, for shells of more than 1024 cells per axis. */
+/* The same for codes of 21 bits per axis: shells of more than 1024 cells per axis. */
 RS_INLINE rs_i32 rs_compact_wide_bits(rs_u64 code) {
   code &= 0x1249249249249249ul;
   code = (code ^ (code >> 2)) & 0x10c30c30c30c30c3ul;
@@ -125,8 +120,6 @@ RS_INLINE rs_i32 rs_compact_wide_bits(rs_u64 code) {
   code = (code ^ (code >> 32)) & 0x00000000001ffffful;
   return (rs_i32)code;
 }
-
-/* ---- Detect: where a shell point lies ---- */
 
 /* Voxel coordinate along `axis` of the centre of shell cell (x, y, z). */
 RS_INLINE rs_i32 rs_voxel_coordinate(RS_GLOBAL const SubstepArgs* a, int axis, rs_i32 x, rs_i32 y, rs_i32 z) {

@@ -225,7 +225,7 @@ Tool cap_tool(int resolution) {
       return cap.vertices[static_cast<std::size_t>(vertex)].z() == kReamerMm;
     });
   });
-  tool.shell = voxelise_surface(cap, cells);
+  tool.shell = voxelize_surface(cap, cells);
   tool.shell.resolution = resolution;  // the codes fill a corner of the larger grid
   tool.reach_mm = std::numbers::sqrt2 * kReamerMm + cell_mm;
   return tool;

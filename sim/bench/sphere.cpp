@@ -54,7 +54,7 @@ Tool cap(double voxel_mm) {
   tool.profile.points.emplace_back(0, 8);
   const int resolution = static_cast<int>(std::ceil(kWidthMm / (kSpacingVoxels * voxel_mm))) + 1;
   tool.mesh = revolve(tool.profile, segments_for_sagitta(kWidthMm / 2, 0.02 * kSpacingVoxels * voxel_mm));
-  tool.shell = voxelise_surface(tool.mesh, std::min(resolution, 1024));
+  tool.shell = voxelize_surface(tool.mesh, std::min(resolution, 1024));
   tool.bounds = tool.mesh.bounds();
   tool.reach_mm = std::hypot(kWidthMm / 2, 8.0) + tool.shell.cell_mm;
   return tool;

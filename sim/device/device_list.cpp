@@ -36,12 +36,12 @@ std::string missing_extensions(cl_device_id id) {
   return missing;
 }
 
-/// The most work-items of a work-group. On a processor, PoCL keeps the private memory of all of a group's work-items on
-/// one thread's stack, of some 4 kB each here: 2048 of them overflow it, whatever the device says that it can do.
-std::size_t most_work_items(cl_device_id id, bool gpu) {
-  constexpr std::size_t kMostOnAProcessor = 256;
+/// Limit of the work-items in a group. On a CPU, PoCL keeps the private memory of all work-items of a group on one
+/// thread's stack, here some 4 kB each: 2048 of them overflow it, although the device reports that limit.
+std::size_t max_work_items(cl_device_id id, bool gpu) {
+  constexpr std::size_t kMaxOnCpu = 256;
   const auto most = info_value<std::size_t>(id, CL_DEVICE_MAX_WORK_GROUP_SIZE);
-  return gpu ? most : std::min(most, kMostOnAProcessor);
+  return gpu ? most : std::min(most, kMaxOnCpu);
 }
 
 DeviceInfo describe(cl_platform_id platform, cl_device_id id) {
@@ -53,7 +53,7 @@ DeviceInfo describe(cl_platform_id platform, cl_device_id id) {
   info.driver = info_text(id, CL_DRIVER_VERSION, clGetDeviceInfo);
   info.gpu = (info_value<cl_device_type>(id, CL_DEVICE_TYPE) & CL_DEVICE_TYPE_GPU) != 0;
   info.compute_units = info_value<cl_uint>(id, CL_DEVICE_MAX_COMPUTE_UNITS);
-  info.max_work_group = most_work_items(id, info.gpu);
+  info.max_work_group = max_work_items(id, info.gpu);
   info.global_memory_bytes = info_value<cl_ulong>(id, CL_DEVICE_GLOBAL_MEM_SIZE);
   info.max_allocation_bytes = info_value<cl_ulong>(id, CL_DEVICE_MAX_MEM_ALLOC_SIZE);
   info.rounds_division =

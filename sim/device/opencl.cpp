@@ -3,6 +3,8 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <map>
+#include <numeric>
 #include <sstream>
 
 #include "sim/base/error.h"
@@ -12,28 +14,17 @@ namespace reamsim::cl {
 namespace {
 
 const char* error_name(cl_int status) {
-  switch (status) {
-    case CL_DEVICE_NOT_FOUND:
-      return "no device found";
-    case CL_DEVICE_NOT_AVAILABLE:
-      return "device not available";
-    case CL_MEM_OBJECT_ALLOCATION_FAILURE:
-      return "memory allocation failed";
-    case CL_OUT_OF_RESOURCES:
-      return "out of resources";
-    case CL_OUT_OF_HOST_MEMORY:
-      return "out of host memory";
-    case CL_BUILD_PROGRAM_FAILURE:
-      return "build failure";
-    case CL_INVALID_WORK_GROUP_SIZE:
-      return "invalid work-group size";
-    case CL_INVALID_BUFFER_SIZE:
-      return "invalid buffer size";
-    case CL_INVALID_KERNEL_NAME:
-      return "no such kernel in the program";
-    default:
-      return "OpenCL error";
-  }
+  static const std::map<cl_int, const char*> kNames{{CL_DEVICE_NOT_FOUND, "no device found"},
+                                                    {CL_DEVICE_NOT_AVAILABLE, "device not available"},
+                                                    {CL_MEM_OBJECT_ALLOCATION_FAILURE, "memory allocation failed"},
+                                                    {CL_OUT_OF_RESOURCES, "out of resources"},
+                                                    {CL_OUT_OF_HOST_MEMORY, "out of host memory"},
+                                                    {CL_BUILD_PROGRAM_FAILURE, "build failure"},
+                                                    {CL_INVALID_WORK_GROUP_SIZE, "invalid work-group size"},
+                                                    {CL_INVALID_BUFFER_SIZE, "invalid buffer size"},
+                                                    {CL_INVALID_KERNEL_NAME, "no such kernel in the program"}};
+  const auto found = kNames.find(status);
+  return found == kNames.end() ? "OpenCL error" : found->second;
 }
 
 std::string read_text(const std::filesystem::path& path) {
@@ -124,15 +115,26 @@ Event Kernel::launch(const Device& device, std::size_t items, std::size_t group)
 std::vector<double> take_seconds(std::vector<Event>& events) {
   std::vector<double> seconds;
   for (const Event& event : events) {
-    cl_ulong begin = 0, end = 0;
-    check(clGetEventProfilingInfo(event.get(), CL_PROFILING_COMMAND_START, sizeof begin, &begin, nullptr),
-          "clGetEventProfilingInfo");
-    check(clGetEventProfilingInfo(event.get(), CL_PROFILING_COMMAND_END, sizeof end, &end, nullptr),
-          "clGetEventProfilingInfo");
-    seconds.push_back(1e-9 * static_cast<double>(end - begin));
+    const auto time = [&](cl_profiling_info which) {
+      cl_ulong ns = 0;
+      check(clGetEventProfilingInfo(event.get(), which, sizeof ns, &ns, nullptr), "clGetEventProfilingInfo");
+      return ns;
+    };
+    seconds.push_back(1e-9 * static_cast<double>(time(CL_PROFILING_COMMAND_END) - time(CL_PROFILING_COMMAND_START)));
   }
   events.clear();
   return seconds;
+}
+
+void SlotKernel::run(int slot, std::size_t items) {
+  set(0, static_cast<cl_uint>(slot));
+  slots_.push_back(slot);
+  events_.push_back(launch(*device_, std::max<std::size_t>(1, items), group_));
+}
+
+double SlotKernel::take_total_s() {
+  const std::vector<double> by_slot = take_seconds();
+  return std::accumulate(by_slot.begin(), by_slot.end(), 0.0);
 }
 
 std::vector<double> SlotKernel::take_seconds() {

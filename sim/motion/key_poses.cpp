@@ -1,18 +1,18 @@
 #include "sim/motion/key_poses.h"
 
 #include <cmath>
+#include <cstdio>
 
 #include "sim/base/error.h"
-#include "sim/motion/rounded_text.h"
 
 namespace reamsim {
 
 namespace {
 
-/// Off by more than this a quaternion was not only rounded.
+/// A quaternion whose norm deviates by more was not merely rounded.
 constexpr double kUnitTolerance = 1e-3;
-constexpr double kLeastNorm = 1e-9;
-/// With more than this share of x in the axis, y serves as the reference direction.
+constexpr double kMinNorm = 1e-9;
+/// With a larger x component of the axis, y is the reference direction.
 constexpr double kNearlyParallel = 0.9;
 
 void require(bool right, const std::string& key, const std::string& found, const std::string& expected) {
@@ -24,11 +24,17 @@ void require_positive(double value, const std::string& key) {
 }
 
 Vec3 unit_axis(const Vec3& axis, const std::string& key) {
-  require(axis.allFinite() && axis.norm() > kLeastNorm, key, "no direction", "a vector longer than 0 is needed");
+  require(axis.allFinite() && axis.norm() > kMinNorm, key, "no direction", "a vector longer than 0 is needed");
   return axis.normalized();
 }
 
 }  // namespace
+
+std::string rounded_text(double value) {
+  char buffer[32];
+  std::snprintf(buffer, sizeof buffer, "%.6g", value);
+  return buffer;
+}
 
 Quat orientation_from_axis(const Vec3& tool_z) {
   const Vec3 z = tool_z.normalized();
@@ -40,9 +46,9 @@ Quat orientation_from_axis(const Vec3& tool_z) {
   return Quat(axes).normalized();
 }
 
-Quat normalised(const Quat& q, const std::string& where, Report& report) {
+Quat normalized_or_warn(const Quat& q, const std::string& where, Report& report) {
   const double norm = q.norm();
-  if (!(norm > kLeastNorm) || !std::isfinite(norm))
+  if (!(norm > kMinNorm) || !std::isfinite(norm))
     throw InputError(where + ": the quaternion has length " + rounded_text(norm) + "; a unit quaternion is needed");
   if (std::abs(norm - 1) > kUnitTolerance)
     report.warn(where + ": the quaternion has length " + rounded_text(norm) + " and was normalized");
@@ -91,7 +97,7 @@ std::vector<KeyPose> keyframe_poses(const std::vector<KeyframeSettings>& keyfram
 
     Quat orientation;
     if (k.quaternion) {
-      orientation = normalised(*k.quaternion, where + ".quaternion", report);
+      orientation = normalized_or_warn(*k.quaternion, where + ".quaternion", report);
     } else {
       const Vec3 axis = unit_axis(*k.axis, where + ".axis");
       orientation = poses.empty() ? orientation_from_axis(axis)

@@ -8,14 +8,13 @@
 #include "sim/base/error.h"
 #include "sim/motion/key_poses.h"
 #include "sim/motion/pose_csv.h"
-#include "sim/motion/rounded_text.h"
 
 namespace reamsim {
 
 namespace {
 
-constexpr double kMostFrames = 1e7;
-/// A frame this share of its length after the end still counts, so that rounding does not drop the last one.
+constexpr double kMaxFrames = 1e7;
+/// Tolerance of the last frame's time, frames: rounding must not drop it.
 constexpr double kEndSlack = 1e-6;
 constexpr double kRadPerSPerRpm = 2 * std::numbers::pi / 60;
 
@@ -47,22 +46,22 @@ void start_at_zero(std::vector<KeyPose>& keys, Report& report) {
   report.note("motion: the first pose is at " + rounded_text(start) + " s; that is time 0 of the simulation");
 }
 
-/// The spin speed is linear from key to key, so each share of a segment turns the tool by its mean speed.
-double turned_rad(double from_rpm, double to_rpm, double duration_s) {
+/// Spin angle at a linearly changing spindle speed.
+double spin_rad(double from_rpm, double to_rpm, double duration_s) {
   return 0.5 * (from_rpm + to_rpm) * kRadPerSPerRpm * duration_s;
 }
 
 void integrate_spin(std::vector<KeyPose>& keys) {
   for (std::size_t i = 1; i < keys.size(); ++i) {
     const KeyPose& before = keys[i - 1];
-    keys[i].pose.spin_angle_rad = before.pose.spin_angle_rad + turned_rad(before.pose.spin_rpm, keys[i].pose.spin_rpm,
-                                                                          keys[i].time_s - before.time_s);
+    keys[i].pose.spin_angle_rad = before.pose.spin_angle_rad +
+                                  spin_rad(before.pose.spin_rpm, keys[i].pose.spin_rpm, keys[i].time_s - before.time_s);
   }
 }
 
 ToolPose pose_between(const KeyPose& a, const KeyPose& b, double time_s) {
   ToolPose pose = interpolate(a.pose, b.pose, (time_s - a.time_s) / (b.time_s - a.time_s));
-  pose.spin_angle_rad = a.pose.spin_angle_rad + turned_rad(a.pose.spin_rpm, pose.spin_rpm, time_s - a.time_s);
+  pose.spin_angle_rad = a.pose.spin_angle_rad + spin_rad(a.pose.spin_rpm, pose.spin_rpm, time_s - a.time_s);
   return pose;
 }
 
@@ -71,7 +70,7 @@ std::size_t count_frames(double end_s, double frame_rate_hz) {
     throw InputError(SourceLocation{}, "motion.frame_rate_hz", rounded_text(frame_rate_hz),
                      "a number above 0 is needed");
   const double frames = std::floor(end_s * frame_rate_hz + kEndSlack) + 1;
-  if (!(frames <= kMostFrames))
+  if (!(frames <= kMaxFrames))
     throw InputError(
         SourceLocation{}, "motion",
         rounded_text(end_s) + " s at " + rounded_text(frame_rate_hz) + " Hz are " + rounded_text(frames) + " frames",

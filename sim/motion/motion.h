@@ -9,11 +9,11 @@
 
 namespace reamsim {
 
-/// Where the tool is at one instant: the frame T in B without the spin, and the spin about −z of T.
+/// The pose of the tool: frame T in B without the spin, and the spin about −z of T.
 struct ToolPose {
   Vec3 position_mm = Vec3::Zero();
   Quat orientation = Quat::Identity();
-  double spin_angle_rad = 0;  ///< accumulated, positive clockwise seen from the drill
+  double spin_angle_rad = 0;  ///< accumulated, positive clockwise seen from the drive
   double spin_rpm = 0;
 
   [[nodiscard]] Rigid bone_from_tool() const {
@@ -32,13 +32,12 @@ struct Motion {
   [[nodiscard]] double frame_s() const { return 1.0 / frame_rate_hz; }
 };
 
-/// Resamples keyframes, plunge or recorded CSV to the frame rate, in B (from G where the scenario says so; InputError
-/// when it does and there is no glenoid frame). Position is interpolated linearly, orientation spherically, spin speed
-/// linearly, and the spin angle is its integral.
+/// Resamples keyframes, plunge or recorded CSV to the frame rate, in B. Position and spindle speed are interpolated
+/// linearly, orientation spherically; the spin angle is the integral of the speed. Throws InputError where `frame:
+/// glenoid` has no glenoid frame.
 Motion build_motion(const MotionSettings& settings, const std::optional<GlenoidFrame>& glenoid, Report& report);
 
-/// The pose a share `t` (0…1) of the way from `a` to `b`: orientation spherically, all else linearly, the spin angle
-/// too (within a frame the spin speed hardly changes).
+/// The pose at fraction `t` (0…1) between `a` and `b`: orientation spherically, all else linearly.
 ToolPose interpolate(const ToolPose& a, const ToolPose& b, double t);
 
 }  // namespace reamsim

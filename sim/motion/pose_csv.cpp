@@ -10,7 +10,6 @@
 #include <string_view>
 
 #include "sim/base/error.h"
-#include "sim/motion/rounded_text.h"
 
 namespace reamsim {
 
@@ -20,15 +19,15 @@ enum Column { kTime, kX, kY, kZ, kQw, kQx, kQy, kQz, kSpin, kColumns };
 constexpr std::array<std::string_view, kColumns> kNames{"time_s", "x_mm", "y_mm", "z_mm",    "qw",
                                                         "qx",     "qy",   "qz",   "spin_rpm"};
 constexpr std::string_view kHeader = "time_s,x_mm,y_mm,z_mm,qw,qx,qy,qz and optionally spin_rpm";
-constexpr std::uintmax_t kMostBytes = std::uintmax_t{4} << 30;
-constexpr std::size_t kMostLine = 4096;
-constexpr std::size_t kMostRows = 10'000'000;
+constexpr std::uintmax_t kMaxBytes = std::uintmax_t{4} << 30;
+constexpr std::size_t kMaxLine = 4096;
+constexpr std::size_t kMaxRows = 10'000'000;
 constexpr double kFarthestMm = 1e6;
 constexpr double kFastestRpm = 1e6;
-/// Warnings about single rows that are told apart; the rest is summed up.
-constexpr std::size_t kMostRowWarnings = 3;
+/// Warnings about single rows that are reported one by one; the others are counted.
+constexpr std::size_t kMaxRowWarnings = 3;
 
-/// Text of a user's file for a message: short, one line, printable.
+/// Text of a user's file for a message: shortened and printable.
 std::string quoted(std::string_view text) {
   constexpr std::size_t kMost = 40;
   std::string out = "\"";
@@ -55,7 +54,7 @@ std::vector<std::string_view> split(std::string_view line) {
   }
 }
 
-/// Reads a file line by line, knows where it is, and skips blank lines.
+/// Reads a file line by line with line numbers, and skips blank lines.
 class LineReader {
  public:
   explicit LineReader(const std::string& path) : path_(path) {
@@ -64,7 +63,7 @@ class LineReader {
     if (failed || !std::filesystem::exists(status)) fail("no such file", "give a CSV of recorded poses");
     if (std::filesystem::is_directory(status)) fail("it is a folder", "give a CSV of recorded poses");
     const auto bytes = std::filesystem::file_size(path, failed);
-    if (!failed && bytes > kMostBytes) fail("larger than 4 GiB", "at most ten million rows are supported");
+    if (!failed && bytes > kMaxBytes) fail("larger than 4 GiB", "at most ten million rows are supported");
     stream_.open(path, std::ios::binary);
     if (!stream_) fail("cannot be opened", "check its permissions");
   }
@@ -86,9 +85,9 @@ class LineReader {
   }
 
  private:
-  /// A line of a text file is short; what has none within 4 kB is not one and is not read into memory.
+  /// Lines are limited, so that a binary file is not read into memory.
   bool read_line() {
-    std::array<char, kMostLine> buffer{};
+    std::array<char, kMaxLine> buffer{};
     stream_.getline(buffer.data(), buffer.size());
     if (stream_.bad()) fail("cannot be read", "check the disk");
     if (stream_.eof() && stream_.gcount() == 0) return false;
@@ -105,7 +104,7 @@ class LineReader {
   int line_number_ = 0;
 };
 
-/// Where each column stands in the file; −1 = absent.
+/// Position of each column in the file; −1 = absent.
 struct Layout {
   std::array<int, kColumns> at{};
   std::size_t fields = 0;
@@ -166,12 +165,12 @@ KeyPose read_row(const LineReader& lines, const Layout& layout, double default_s
   check_range(lines, kSpin, value[kSpin], kFastestRpm, "rpm");
   const Quat q(value[kQw], value[kQx], value[kQy], value[kQz]);
   return {value[kTime],
-          {{value[kX], value[kY], value[kZ]}, normalised(q, lines.here().text(), row_report), 0, value[kSpin]}};
+          {{value[kX], value[kY], value[kZ]}, normalized_or_warn(q, lines.here().text(), row_report), 0, value[kSpin]}};
 }
 
-/// Passes on the first few warnings about rows, and the number of the rest.
-void pass_on(const Report& rows, const std::string& path, Report& report) {
-  const std::size_t shown = std::min(kMostRowWarnings, rows.warnings.size());
+/// Reports the first warnings about rows, and the number of the others.
+void report_rows(const Report& rows, const std::string& path, Report& report) {
+  const std::size_t shown = std::min(kMaxRowWarnings, rows.warnings.size());
   for (std::size_t i = 0; i < shown; ++i) report.warn(rows.warnings[i]);
   if (rows.warnings.size() > shown)
     report.warn(path + ": the same of " + std::to_string(rows.warnings.size() - shown) + " more rows");
@@ -185,7 +184,7 @@ std::vector<KeyPose> read_pose_csv(const CsvMotionSettings& settings, Report& re
   std::vector<KeyPose> poses;
   Report row_report;
   while (lines.next()) {
-    if (poses.size() == kMostRows) lines.fail("more than ten million rows", "record at a lower rate");
+    if (poses.size() == kMaxRows) lines.fail("more than ten million rows", "record at a lower rate");
     KeyPose pose = read_row(lines, layout, settings.spin_rpm, row_report);
     if (!poses.empty() && !(pose.time_s > poses.back().time_s))
       lines.fail("time_s is " + rounded_text(pose.time_s) + " after " + rounded_text(poses.back().time_s),
@@ -195,7 +194,7 @@ std::vector<KeyPose> read_pose_csv(const CsvMotionSettings& settings, Report& re
   if (poses.size() < 2)
     throw InputError(SourceLocation{settings.path, 0, 0}, "", std::to_string(poses.size()) + " rows of poses",
                      "at least two are needed");
-  pass_on(row_report, settings.path, report);
+  report_rows(row_report, settings.path, report);
   return poses;
 }
 

@@ -7,11 +7,10 @@
 namespace reamsim {
 
 /// Reads recorded poses: a header line and rows of `time_s,x_mm,y_mm,z_mm,qw,qx,qy,qz` and optionally `spin_rpm`
-/// (otherwise settings.spin_rpm), in any order of columns; further columns are ignored with a note. Times must
-/// increase; they need not be evenly spaced. A byte-order mark, CRLF, blank lines and blanks round fields are
-/// tolerated. Throws InputError with file and line: no such file, empty, missing or doubled column, wrong number of
-/// fields, not a finite number, position beyond a kilometre, time that repeats or goes back, zero quaternion, fewer
-/// than two rows.
+/// (otherwise settings.spin_rpm), in any order of columns; other columns are ignored with a note. Times must increase
+/// and need not be equidistant. A byte-order mark, CRLF, blank lines and blanks around fields are tolerated. Throws
+/// InputError with file and line: no such file, empty, missing or repeated column, wrong number of fields, not a finite
+/// number, position beyond a kilometre, time not increasing, zero quaternion, fewer than two rows.
 std::vector<KeyPose> read_pose_csv(const CsvMotionSettings& settings, Report& report);
 
 }  // namespace reamsim

@@ -7,8 +7,8 @@ namespace reamsim {
 
 namespace {
 
-/// Whether the tool stops or turns back at a pose.
-bool turns_at(const std::vector<ToolPose>& poses, std::size_t k) {
+/// Whether the tool stops or reverses at a pose.
+bool reverses_at(const std::vector<ToolPose>& poses, std::size_t k) {
   const Vec3 before = poses[k].position_mm - poses[k - 1].position_mm;
   return k + 1 == poses.size() || before.dot(poses[k + 1].position_mm - poses[k].position_mm) <= 0;
 }
@@ -44,14 +44,14 @@ ToolPose ToolPath::pose_at(double at_mm) const {
   return interpolate(poses_[k - 1], poses_[k], std::clamp(t, 0.0, 1.0));
 }
 
-std::vector<PathStop> stops_along(const std::vector<ToolPose>& poses, double reach_mm, double step_mm) {
-  constexpr double kLeastStep = 0.1;  // of a step: a tool that moves by less dwells, and does not turn back
-  std::vector<PathStop> out{{poses.front(), 0}};
+std::vector<PathSample> sample_path(const std::vector<ToolPose>& poses, double reach_mm, double step_mm) {
+  constexpr double kMinStep = 0.1;  // of a step: a tool that moves less dwells
+  std::vector<PathSample> out{{poses.front(), 0}};
   const ToolPose* last = &poses.front();
   for (std::size_t k = 1; k < poses.size(); ++k) {
     const double bound_mm = motion_bound_mm(*last, poses[k], reach_mm);
     const auto parts = static_cast<std::int64_t>(std::ceil(bound_mm / step_mm));
-    if (bound_mm < kLeastStep * step_mm || (parts == 1 && !turns_at(poses, k))) continue;
+    if (bound_mm < kMinStep * step_mm || (parts == 1 && !reverses_at(poses, k))) continue;
     for (std::int64_t i = 1; i < parts; ++i) {
       out.push_back({interpolate(*last, poses[k], static_cast<double>(i) / static_cast<double>(parts)), k});
     }

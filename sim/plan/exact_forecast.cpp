@@ -1,24 +1,21 @@
-#include "sim/plan/exact_forecast.h"
-
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <vector>
 
-#include "sim/motion/tool_path.h"
-
-#include "sim/engine/common/voxel_box.h"
+#include "sim/engine/common/broad_phase.h"
 #include "sim/engine/exact/list_bricks.h"
+#include "sim/motion/tool_path.h"
+#include "sim/plan/memory_plan.h"
 
 namespace reamsim {
 
 namespace {
 
-/// The tool is looked at each time that it may have moved so far, voxels.
+/// Motion of the tool between two tested poses, voxels.
 constexpr double kStepVoxels = 2;
-enum class BrickMark : std::uint8_t { air, whole, parted };
+enum class BrickMark : std::uint8_t { air, whole, partial };
 
-/// As far as the tool can move in a visit, mm.
+/// Bound of the tool's motion in a visit, mm.
 double visit_shift(const ReamingScene& scene) {
   const double voxel_mm = scene.bone.voxmap->grid.voxel_mm;
   double substep_mm = 0;
@@ -30,12 +27,12 @@ double visit_shift(const ReamingScene& scene) {
   return std::min(RS_VISIT_SUBSTEPS * substep_mm, kVisitShiftVoxels * voxel_mm);
 }
 
-/// How far a point may lie from its sample, mm.
-double slack_of(const DistanceTable& table) {
+/// Bound of the distance between a point and its sample, mm.
+double sample_slack(const DistanceTable& table) {
   return std::sqrt(0.5) * table.pitch_mm + 1e-3;
 }
 
-/// Bricks of the lattice, and which of them the tool has come to.
+/// Bricks of the lattice, and those that the tool has reached.
 class SweptBricks {
  public:
   explicit SweptBricks(const ReamingScene& scene)
@@ -48,17 +45,17 @@ class SweptBricks {
         coarse_(brick_distances(scene.tool.profile, voxel_mm_, scene.tool.clip_slack_mm())) {
     const Voxmap& voxmap = *scene.bone.voxmap;
     voxmap.grade.for_each_brick([&](const Vec3i& coord, const GradeBricks::Brick&) {
-      const bool parted = scene.bone.fill.brick(coord) != nullptr;
-      marks_[lattice_.index(coord)] = parted ? BrickMark::parted : BrickMark::whole;
-      out_.parted += parted ? 1 : 0;
+      const bool partial = scene.bone.fill.brick(coord) != nullptr;
+      marks_[lattice_.index(coord)] = partial ? BrickMark::partial : BrickMark::whole;
+      out_.partial += partial ? 1 : 0;
     });
   }
 
-  /// The tool in one pose, and wherever it is within `slack_mm` of that.
-  void take(const ToolPose& pose, double slack_mm) {
+  /// Adds the bricks that the tool reaches within `slack_mm` of a pose.
+  void add(const ToolPose& pose, double slack_mm) {
     const Substep rest{.pose = pose, .duration_s = scene_.motion.frame_s()};
-    const double met_mm = RS_BRICK_RADIUS * voxel_mm_ + slack_mm;
-    const double listed_mm = met_mm + visit_shift_mm_ + slack_of(coarse_);
+    const double reached_mm = RS_BRICK_RADIUS * voxel_mm_ + slack_mm;
+    const double listed_mm = reached_mm + visit_shift_mm_ + sample_slack(coarse_);
     const Aabb box = scene_.tool.clip_bounds().expanded(listed_mm);
     const SubstepArgs args =
         make_args(rest, box, scene_.tool.shell, scene_.bone.voxmap->grid, scene_.scenario.cutting, false);
@@ -71,11 +68,11 @@ class SweptBricks {
         for (int x = first.x(); x <= last.x(); ++x) {
           BrickMark& mark = marks_[lattice_.index({x, y, z})];
           if (mark == BrickMark::air) continue;
-          const double distance_mm = distance(args, {x, y, z}, met_mm);
+          const double distance_mm = distance(args, {x, y, z}, reached_mm);
           listed += std::abs(distance_mm) <= listed_mm ? 1 : 0;
-          if (distance_mm > met_mm || mark == BrickMark::parted) continue;
-          ++out_.parted;
-          mark = BrickMark::parted;
+          if (distance_mm > reached_mm || mark == BrickMark::partial) continue;
+          ++out_.partial;
+          mark = BrickMark::partial;
         }
       }
     }
@@ -85,16 +82,15 @@ class SweptBricks {
   [[nodiscard]] const ExactForecast& forecast() const { return out_; }
 
  private:
-  /// Of a brick's middle from the tool's surface, mm, negative inside: close to `limit_mm` as the profile has it,
-  /// elsewhere as the coarse grid does.
+  /// Signed distance of a brick's middle from the tool's surface, mm: that of the profile close to `limit_mm`, that of
+  /// the coarse table elsewhere.
   [[nodiscard]] double distance(const SubstepArgs& args, const Vec3i& brick, double limit_mm) const {
     const Vec3 middle = (BrickLattice::kSide * brick).cast<double>() + Vec3::Constant(0.5 * (BrickLattice::kSide - 1));
-    // Stored row by row.
-    const Mat3 turn = Eigen::Map<const Mat3>(args.tool_from_voxel).transpose();
-    const Vec3 p = turn * middle + Eigen::Map<const Vec3>(args.tool_origin);
+    const Mat3 tool_from_voxel = Eigen::Map<const Mat3>(args.tool_from_voxel).transpose();  // stored row by row
+    const Vec3 p = tool_from_voxel * middle + Eigen::Map<const Vec3>(args.tool_origin);
     const Vec2 rz(p.head<2>().norm(), p.z());
     const double coarse = coarse_.nearest(rz);
-    return std::abs(coarse - limit_mm) > slack_of(coarse_) ? coarse : scene_.tool.profile.nearest(rz).distance_mm;
+    return std::abs(coarse - limit_mm) > sample_slack(coarse_) ? coarse : scene_.tool.profile.nearest(rz).distance_mm;
   }
 
   const ReamingScene& scene_;
@@ -113,7 +109,7 @@ ExactForecast forecast_exact(const ReamingScene& scene) {
   SweptBricks swept(scene);
   const auto& poses = scene.motion.poses;
   const double step_mm = kStepVoxels * scene.bone.voxmap->grid.voxel_mm;
-  for (const PathStop& stop : stops_along(poses, scene.tool.reach_mm, step_mm)) swept.take(stop.pose, step_mm);
+  for (const PathSample& sample : sample_path(poses, scene.tool.reach_mm, step_mm)) swept.add(sample.pose, step_mm);
   return swept.forecast();
 }
 

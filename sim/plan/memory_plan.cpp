@@ -5,7 +5,6 @@
 #include "sim/bone/voxmap/lattice.h"
 #include "sim/engine/bricked/bricked_engine.h"
 #include "sim/engine/dense/dense_plan.h"
-#include "sim/plan/exact_forecast.h"
 
 namespace reamsim {
 
@@ -15,35 +14,35 @@ namespace {
 
 /// The program and its libraries.
 constexpr double kProgramBytes = 1e8;
-/// The compiler of the kernels, and what the heap keeps of the loading of the bone.
+/// The kernel compiler, and heap memory retained from loading the bone.
 constexpr double kCompilerBytes = 9e7;
-/// For each brick through which the surface passes, while `surface` of reamed.vdb is made: smoothed occupancy,
-/// polygons, distances and the nearest polygons' numbers.
+/// Per brick on the surface, while `surface` of reamed.vdb is computed: smoothed occupancy, polygons, distances and
+/// indices of the nearest polygons.
 constexpr double kSurfaceBytes = 16'000;
 /// A leaf of a FloatGrid.
 constexpr double kLeafBytes = 2'200;
-/// The serial engine's dense grades and fill, a voxel.
+/// The serial engine's dense grades and fill, per voxel.
 constexpr double kSerialBytes = 3;
 
 struct BrickCounts {
-  double parted = 0;  ///< neither all bone nor all air
-  double mixed = 0;   ///< of more than one grade, air included
+  double partial = 0;  ///< with bone and air
+  double mixed = 0;    ///< with more than one grade, air included
 };
 
 BrickCounts count_bricks(const GradeBricks& grades) {
   BrickCounts out;
   grades.for_each_brick([&out](const Vec3i&, const GradeBricks::Brick& brick) {
     const auto [least, most] = std::minmax_element(brick.begin(), brick.end());
-    out.parted += *least == 0 ? 1 : 0;
+    out.partial += *least == 0 ? 1 : 0;
     out.mixed += *least != *most ? 1 : 0;
   });
   return out;
 }
 
-/// Results are made of the surface first, and then of all grids together.
+/// The surface is computed first, and freed before all grids are written.
 double results_bytes(const BrickCounts& bricks) {
-  const double grids = kLeafBytes * (bricks.mixed + bricks.parted + 1.6 * bricks.parted);
-  return std::max(kSurfaceBytes * bricks.parted, grids);
+  const double grids = kLeafBytes * (bricks.mixed + bricks.partial + 1.6 * bricks.partial);
+  return std::max(kSurfaceBytes * bricks.partial, grids);
 }
 
 std::size_t planned_device_bytes(const ReamingScene& scene, const ExactForecast& forecast) {
@@ -69,16 +68,16 @@ MemoryPlan plan_memory(const ReamingScene& scene) {
   const bool serial = scene.scenario.engine.device == "serial";
   const double engine = serial ? kSerialBytes * static_cast<double>(voxmap.grid.size())
                                : kCompilerBytes + static_cast<double>(plan.device_bytes);
-  // The fill as it was when the run began, and as it is.
+  // The fill at the start of the run, and the current one.
   const double fill =
       std::max(2.0 * static_cast<double>(scene.bone.fill.bytes()),
-               static_cast<double>(scene.bone.fill.bytes() + sizeof(FillBricks::Brick) * forecast.parted));
+               static_cast<double>(scene.bone.fill.bytes() + sizeof(FillBricks::Brick) * forecast.partial));
   BrickCounts bricks = count_bricks(voxmap.grade);
-  // The face that the tool leaves is surface as well.
-  bricks.parted += static_cast<double>(forecast.listed);
+  // The reamed face is part of the surface.
+  bricks.partial += static_cast<double>(forecast.listed);
   bricks.mixed += static_cast<double>(forecast.listed);
-  const double held = static_cast<double>(voxmap.grade.bytes()) + fill + engine;
-  const double most = std::max(loading, held + results_bytes(bricks));
+  const double resident = static_cast<double>(voxmap.grade.bytes()) + fill + engine;
+  const double most = std::max(loading, resident + results_bytes(bricks));
   plan.process_bytes = static_cast<std::size_t>(kProgramBytes + most);
   return plan;
 }

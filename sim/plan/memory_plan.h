@@ -2,15 +2,19 @@
 
 #include <cstddef>
 
+#include "sim/engine/exact/exact_engine.h"
 #include "sim/run/simulation.h"
 
 namespace reamsim {
 
-/// The most memory that a run of the scene will have held when its results are written, pictures apart.
+/// Estimate of the peak memory of a run until its results are written, without pictures.
 struct MemoryPlan {
   std::size_t device_bytes = 0;   ///< 0 for the serial engine
-  std::size_t process_bytes = 0;  ///< to within a third, as measured; counts the device's as if that were the processor
+  std::size_t process_bytes = 0;  ///< within a third of measurements; includes device memory, as for a CPU
 };
 MemoryPlan plan_memory(const ReamingScene& scene);
+
+/// The bricks that an `exact` run will cut, from the path of the tool at steps of about two voxels. Conservative.
+ExactForecast forecast_exact(const ReamingScene& scene);
 
 }  // namespace reamsim

@@ -15,10 +15,10 @@ namespace {
 
 constexpr int kWindows = 10;
 constexpr std::int64_t kWindowFrames = 64;
-/// The serial engine takes so long for a frame that its batches are made small.
+/// Batches of the serial engine are small, because it is slow.
 constexpr int kSerialBatch = 4;
 
-/// Notes when batches of frames are finished.
+/// Records the times at which batches of frames finish.
 class BatchTimes : public FrameSink {
  public:
   void frame(const FrameResult& result, const FrameTimes&) override {
@@ -26,7 +26,7 @@ class BatchTimes : public FrameSink {
     last_s_ = watch_.seconds();
     if (begins_) ends_.emplace_back(last_s_, 0);
     ends_.back().second = frames_;
-    begins_ = frames_ == 0;  // the start is a batch of its own
+    begins_ = frames_ == 0;  // frame 0 is a batch of its own
   }
   /// The next frame belongs to another batch.
   void end_batch() { begins_ = true; }
@@ -36,7 +36,7 @@ class BatchTimes : public FrameSink {
   }
   void removed(const RemovedFrames&) override {}
 
-  /// Of the fastest batch: the first may have to wait for kernels that are compiled.
+  /// That of the fastest batch; the first may include the compilation of kernels.
   [[nodiscard]] double seconds_per_frame() const {
     double best = std::numeric_limits<double>::infinity();
     for (std::size_t i = 1; i < ends_.size(); ++i) {
@@ -46,7 +46,7 @@ class BatchTimes : public FrameSink {
     return best;
   }
   [[nodiscard]] std::int64_t frames() const { return frames_; }
-  /// The longest that reading the bone for a snapshot took.
+  /// Longest read-back of the bone for a snapshot.
   [[nodiscard]] double read_s() const { return read_s_; }
 
  private:
@@ -55,17 +55,17 @@ class BatchTimes : public FrameSink {
   double read_s_ = 0;
   bool begins_ = true;
   std::int64_t frames_ = 0;
-  std::vector<std::pair<double, std::int64_t>> ends_;  // when each came, and its last frame
+  std::vector<std::pair<double, std::int64_t>> ends_;  // per batch: time, last frame
 };
 
-/// A window's place in the motion and what a frame of it takes.
+/// The middle of a window, and its time per frame.
 struct Timed {
   double frame;
   double seconds_per_frame;
 };
 
-/// The area under the lines between the windows, and level ones before the first and behind the last.
-double seconds_of(const std::vector<Timed>& timed, double frames) {
+/// Integral of the time per frame: linear between the windows, constant before the first and after the last.
+double integrate_s(const std::vector<Timed>& timed, double frames) {
   double sum = timed.front().frame * timed.front().seconds_per_frame +
                (frames - timed.back().frame) * timed.back().seconds_per_frame;
   for (std::size_t i = 1; i < timed.size(); ++i) {
@@ -74,18 +74,18 @@ double seconds_of(const std::vector<Timed>& timed, double frames) {
   return sum;
 }
 
-/// Runs the frames that the scene has now, as many as `most_s` allows.
+/// Runs the frames of the scene for at most `most_s` seconds.
 BatchTimes time_window(ReamingScene& scene, Engine& engine, double most_s) {
   BatchTimes times;
-  Report unheard;
+  Report discarded;
   RunControl control;
   const Stopwatch watch;
   control.progress = [&](std::int64_t, std::int64_t) { times.end_batch(); };
   control.stop = [&] { return watch.seconds() > most_s; };
   try {
-    simulate(scene, engine, times, control, unheard);
+    simulate(scene, engine, times, control, discarded);
   } catch (const Interrupted&) {
-    // Enough of it is timed.
+    // The window has used its time.
   }
   return times;
 }
@@ -94,9 +94,9 @@ BatchTimes time_window(ReamingScene& scene, Engine& engine, double most_s) {
 
 TimePlan plan_time(ReamingScene& scene, Engine& engine, double budget_s) {
   const std::vector<ToolPose> poses = std::move(scene.motion.poses);
-  const Scenario asked = scene.scenario;
-  scene.scenario.render.every_frames = std::numeric_limits<int>::max();  // no snapshots on the way
-  if (asked.engine.device == "serial") scene.scenario.engine.batch_frames = kSerialBatch;
+  const Scenario original = scene.scenario;
+  scene.scenario.render.every_frames = std::numeric_limits<int>::max();  // no snapshots in between
+  if (original.engine.device == "serial") scene.scenario.engine.batch_frames = kSerialBatch;
   const auto all = static_cast<std::int64_t>(poses.size()) - 1;
   const std::int64_t window = std::min(all, kWindowFrames);
   const auto first_of = [&](int i) { return (all - window) * i / (kWindows - 1); };
@@ -117,11 +117,11 @@ TimePlan plan_time(ReamingScene& scene, Engine& engine, double budget_s) {
   }
   plan.windows = static_cast<int>(timed.size());
   scene.motion.poses = poses;
-  scene.scenario = asked;
+  scene.scenario = original;
   if (timed.empty()) return plan;
-  // A snapshot is read, and then written to disk, which takes about as long again.
-  const auto snapshots = static_cast<double>(picture_frames(asked.render, all).size());
-  plan.simulate_s = seconds_of(timed, static_cast<double>(all)) + 2 * snapshots * read_s;
+  // A snapshot is read back and written to disk, which takes about as long.
+  const auto snapshots = static_cast<double>(picture_frames(original.render, all).size());
+  plan.simulate_s = integrate_s(timed, static_cast<double>(all)) + 2 * snapshots * read_s;
   return plan;
 }
 

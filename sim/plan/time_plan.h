@@ -6,17 +6,16 @@
 
 namespace reamsim {
 
-/// How long the frames of a run will take, extrapolated from some of them.
+/// Estimate of the run time of the frames, extrapolated from a part of them.
 struct TimePlan {
-  double simulate_s = 0;          ///< all frames and their snapshots, pictures and results apart
-  std::int64_t timed_frames = 0;  ///< of which windows were timed
+  double simulate_s = 0;          ///< all frames and snapshots, without pictures and results
+  std::int64_t timed_frames = 0;  ///< in the windows
   int windows = 0;
 };
 
-/// Runs short windows of frames, evenly spread over the motion, on the engine that a run would use, for about
-/// `budget_s` seconds or a little more, and takes time per frame as linear between them. Each window begins with bone
-/// as far as the window before has left it, less what its first pose removes. `engine` has the scene's bone; the bone
-/// of both is reamed afterwards.
+/// Runs short windows of frames, evenly spread over the motion, on the engine of the run for about `budget_s` seconds,
+/// and interpolates the time per frame linearly. A window begins with the remaining bone of the previous one, less the
+/// bone in its first pose. `engine` has the scene's bone; both are reamed afterwards.
 TimePlan plan_time(ReamingScene& scene, Engine& engine, double budget_s);
 
 }  // namespace reamsim

@@ -14,17 +14,17 @@ namespace {
 
 /// Half a brick's diagonal, voxels.
 constexpr double kBrickRadius_voxels = 0.5 * BrickLattice::kSide * 1.7320508;
-/// The tool is looked at each time that it may have moved so far, voxels.
+/// Smallest step along the path, voxels.
 constexpr double kStep_voxels = 0.5;
 
-/// A brick with bone left, and how close the tool comes to its middle.
+/// A brick with bone, and the smallest distance of the tool from its middle.
 struct Brick {
   Vec3i coord;
   Vec3 middle_mm;
   double least_mm = std::numeric_limits<double>::infinity();
 };
 
-/// A bone that is no more than its voxels, and a tool that is no more than its profile.
+/// Distances between the voxels of a bone and the profile of a tool along its path.
 class ContactSearch {
  public:
   explicit ContactSearch(const ReamingScene& scene)
@@ -46,17 +46,17 @@ class ContactSearch {
     double voxels = 0;
     for (const Brick& brick : bricks_) {
       if (distance_mm(first, brick.middle_mm) > radius_mm()) continue;
-      for_each_voxel_left(brick.coord, [&](const Vec3& center_mm, double fill) {
-        // The part of a voxel that lies in the tool, with the tool's surface as a plane.
+      for_each_bone_voxel(brick.coord, [&](const Vec3& center_mm, double fill) {
+        // The fraction of a voxel in the tool, whose surface is approximated by a plane.
         voxels += fill * std::clamp(0.5 - distance_mm(first, center_mm) / voxel_mm_, 0.0, 1.0);
       });
     }
     return voxels * voxmap_.grid.voxel_mm3();
   }
 
-  /// The closest that the tool comes to a voxel's face, mm; 0 or less where it meets it.
+  /// Finds the smallest distance between the tool and a voxel's face.
   void find_nearest(ContactForecast& out) {
-    double bound_mm = std::numeric_limits<double>::infinity();  // some bone comes at least as close as this
+    double bound_mm = std::numeric_limits<double>::infinity();  // upper bound of the distance
     for (Brick& brick : bricks_) {
       follow(brick.middle_mm, [&](double mm, double) {
         brick.least_mm = std::min(brick.least_mm, mm);
@@ -64,14 +64,14 @@ class ContactSearch {
         return bound_mm > 0 ? bound_mm + radius_mm() : 0;
       });
       if (bound_mm > 0) continue;
-      out.meets = true;  // a whole brick goes through the tool
+      out.touches = true;  // a whole brick passes through the tool
       return;
     }
     std::ranges::stable_sort(bricks_, {}, &Brick::least_mm);
     double best_mm = std::numeric_limits<double>::infinity();
     for (const Brick& brick : bricks_) {
       if (brick.least_mm - radius_mm() - kStep_voxels * voxel_mm_ > best_mm) break;
-      for_each_voxel_left(brick.coord, [&](const Vec3& center_mm, double) {
+      for_each_bone_voxel(brick.coord, [&](const Vec3& center_mm, double) {
         if (best_mm <= 0) return;
         follow(center_mm, [&](double mm, double at_mm) {
           const double gap_mm = mm - 0.5 * voxel_mm_;
@@ -85,7 +85,7 @@ class ContactSearch {
       });
       if (best_mm <= 0) break;
     }
-    out.meets = best_mm <= 0;
+    out.touches = best_mm <= 0;
     out.nearest_mm = std::max(0.0, best_mm);
   }
 
@@ -99,23 +99,22 @@ class ContactSearch {
     return profile_.nearest({p.head<2>().norm(), p.z()}).distance_mm;
   }
 
-  /// Looks at the tool's distance from a point along the way. `look`(distance, place) says below which distance it
-  /// matters, 0 when enough is known. Where the distance is more, the tool has to go at least the difference before it
-  /// can matter, so that much of the way is passed over.
-  template <class Look>
-  void follow(const Vec3& point_mm, const Look& look) const {
+  /// Follows the tool's distance from a point along the path. visit(distance, place) returns the distance of interest,
+  /// or 0 to stop. Where the distance is larger, the tool must move by at least the difference, which is skipped.
+  template <class Visit>
+  void follow(const Vec3& point_mm, const Visit& visit) const {
     double at_mm = 0;
     for (;;) {
       const double mm = distance_mm(tool_from_bone(at_mm), point_mm);
-      const double bound_mm = look(mm, at_mm);
+      const double bound_mm = visit(mm, at_mm);
       if (bound_mm <= 0 || at_mm >= path_.length_mm()) return;
       at_mm = std::min(path_.length_mm(), at_mm + std::max(kStep_voxels * voxel_mm_, mm - bound_mm));
     }
   }
 
-  /// Calls visit(centre, fill 0…1) for the voxels of a brick in which bone is left.
+  /// Calls visit(centre, fill 0…1) for the voxels of a brick with bone.
   template <class Visit>
-  void for_each_voxel_left(const Vec3i& coord, const Visit& visit) const {
+  void for_each_bone_voxel(const Vec3i& coord, const Visit& visit) const {
     const GradeBricks::Brick& grades = *voxmap_.grade.brick(coord);
     const FillBricks::Brick* fills = fill_.brick(coord);
     for (int offset = 0; offset < GradeBricks::kVoxels; ++offset) {
@@ -142,9 +141,8 @@ ContactForecast forecast_contact(const ReamingScene& scene) {
   if (scene.motion.poses.empty()) return out;
   ContactSearch search(scene);
   out.start_mm3 = search.start_mm3();
-  // What a tool meets at its start it meets.
   if (out.start_mm3 > scene.bone.voxmap->grid.voxel_mm3()) {
-    out.meets = true;
+    out.touches = true;
   } else {
     search.find_nearest(out);
   }
@@ -161,7 +159,7 @@ void warn_of_contact(const ReamingScene& scene, const ContactForecast& forecast,
                   exact ? ", which is removed without force" : ", so the force of the first frames is not meaningful");
     report.warn(std::string(text) + "; start further out (motion)");
   }
-  if (!forecast.meets) {
+  if (!forecast.touches) {
     const Vec3& p = forecast.bone_mm;
     std::snprintf(text, sizeof text,
                   "the tool never touches the bone: its smallest distance is %.2f mm, in frame %lld, from the bone at "

@@ -6,18 +6,18 @@
 
 namespace reamsim {
 
-/// What the motion will do to the bone, found without simulating: by the tool's envelope of revolution.
+/// Prediction of contact from the tool's envelope of revolution, without simulation.
 struct ContactForecast {
   double start_mm3 = 0;         ///< bone in the tool at its first pose
-  bool meets = false;           ///< the tool comes to the bone at all
-  double nearest_mm = 0;        ///< where it does not: how close it comes, to within a voxel
-  std::int64_t frame = 0;       ///< the frame in which it is closest
-  Vec3 bone_mm = Vec3::Zero();  ///< the point of the bone, B
+  bool touches = false;         ///< the tool touches the bone
+  double nearest_mm = 0;        ///< smallest distance if it does not, to within a voxel
+  std::int64_t frame = 0;       ///< the frame of that distance
+  Vec3 bone_mm = Vec3::Zero();  ///< the nearest point of the bone, B
 };
 
 ContactForecast forecast_contact(const ReamingScene& scene);
 
-/// Warns of a tool that starts in the bone, or never meets it.
+/// Warns of a tool that starts in the bone or never touches it.
 void warn_of_contact(const ReamingScene& scene, const ContactForecast& forecast, Report& report);
 
 }  // namespace reamsim

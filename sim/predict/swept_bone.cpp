@@ -14,27 +14,26 @@
 namespace reamsim {
 namespace {
 
-/// Between two looks at the tool no point of it moves further, voxels.
+/// Bound of the motion of the tool between two tested poses, voxels.
 constexpr double kStepVoxels = 0.5;
-/// Of the table of distances, voxels.
+/// Pitch of the distance table, voxels.
 constexpr double kTablePitchVoxels = 0.5;
-
-/// Beyond the tool's box, voxels: farther away than any voxel of a brick that the tool comes to.
+/// Margin around the tool's box, voxels: larger than a brick's radius and a voxel.
 constexpr double kMarginVoxels = 9;
 
-/// The tool's distances, exact but for a fraction of a voxel at corners.
-DistanceTable distances_of(const Profile& tool, double voxel_mm) {
+/// The tool's distances, with an error of a fraction of a voxel at corners.
+DistanceTable make_distances(const Profile& tool, double voxel_mm) {
   const double pitch_mm = kTablePitchVoxels * voxel_mm;
   const Aabb box = tool.bounds().expanded(kMarginVoxels * voxel_mm);
   return make_distance_table(tool, {0, box.min.z()}, pitch_mm, static_cast<int>(std::ceil(box.max.x() / pitch_mm)) + 2,
                              static_cast<int>(std::ceil((box.max.z() - box.min.z()) / pitch_mm)) + 2);
 }
 
-/// The tool somewhere on its path.
-struct Stop {
+/// A tested pose of the tool.
+struct TestedPose {
   Rigid tool_from_bone;
   Aabb box;              ///< of the tool in B, with the margin
-  std::size_t pose = 0;  ///< the one that it leads to
+  std::size_t pose = 0;  ///< index of the pose at the end of the step
 };
 
 Aabb box_in_bone(const Aabb& box, const Rigid& bone_from_tool) {
@@ -48,30 +47,30 @@ bool contains(const Aabb& box, const Vec3& p) {
 }
 
 /// `tool_box`: T, with the margin.
-std::vector<Stop> looks_along(const std::vector<ToolPose>& poses, const Aabb& tool_box, double step_mm) {
+std::vector<TestedPose> sample_poses(const std::vector<ToolPose>& poses, const Aabb& tool_box, double step_mm) {
   const double reach_mm = tool_box.min.cwiseAbs().cwiseMax(tool_box.max.cwiseAbs()).norm();
-  std::vector<Stop> out;
-  for (const PathStop& stop : stops_along(poses, reach_mm, step_mm)) {
-    const Rigid bone_from_tool = stop.pose.bone_from_tool();
-    out.push_back({bone_from_tool.inverse(), box_in_bone(tool_box, bone_from_tool), stop.frame});
+  std::vector<TestedPose> out;
+  for (const PathSample& sample : sample_path(poses, reach_mm, step_mm)) {
+    const Rigid bone_from_tool = sample.pose.bone_from_tool();
+    out.push_back({bone_from_tool.inverse(), box_in_bone(tool_box, bone_from_tool), sample.frame});
   }
   return out;
 }
 
-/// A stop that comes near to a brick.
-struct NearStop {
-  const Stop* stop;
-  double middle_mm;  ///< from the tool to the brick's middle
+/// A tested pose in reach of a brick.
+struct NearPose {
+  const TestedPose* tested;
+  double middle_mm;  ///< signed distance of the brick's middle from the tool
 };
 
-/// What one brick of bone loses.
+/// The predicted fill of a brick.
 struct BrickLoss {
   Vec3i coord;
   FillBricks::Brick fill;
-  std::size_t first_pose;  ///< that removes some of it, to within half a brick
+  std::size_t first_pose;  ///< first pose that removes bone, to within half a brick
 };
 
-/// The bone in the swept volume, brick by brick.
+/// Predicts the bone in the swept volume, brick by brick.
 class SweptBone {
  public:
   SweptBone(const Voxmap& voxmap, const FillBricks& before, const Profile& tool, const std::vector<ToolPose>& poses,
@@ -80,15 +79,17 @@ class SweptBone {
         grade_(voxmap.grade),
         before_(before),
         whole_voxels_(whole_voxels),
-        table_(distances_of(tool, voxmap.grid.voxel_mm)),
-        stops_(looks_along(poses, tool.bounds().expanded(kMarginVoxels * voxmap.grid.voxel_mm),
-                           kStepVoxels * voxmap.grid.voxel_mm)) {}
+        table_(make_distances(tool, voxmap.grid.voxel_mm)),
+        tested_poses_(sample_poses(poses, tool.bounds().expanded(kMarginVoxels * voxmap.grid.voxel_mm),
+                                   kStepVoxels * voxmap.grid.voxel_mm)) {}
 
   [[nodiscard]] std::vector<BrickLoss> losses() const {
     std::vector<Vec3i> bricks = grade_.stored_coords();
-    Aabb way = stops_.front().box;
-    for (const Stop& stop : stops_) way = {way.min.cwiseMin(stop.box.min), way.max.cwiseMax(stop.box.max)};
-    std::erase_if(bricks, [&](const Vec3i& coord) { return !contains(way, middle_of(coord)); });
+    Aabb path_box = tested_poses_.front().box;
+    for (const TestedPose& tested : tested_poses_) {
+      path_box = {path_box.min.cwiseMin(tested.box.min), path_box.max.cwiseMax(tested.box.max)};
+    }
+    std::erase_if(bricks, [&](const Vec3i& coord) { return !contains(path_box, middle_of(coord)); });
     std::vector<std::optional<BrickLoss>> found(bricks.size());
     parallel_items(bricks.size(), [&](std::size_t i) { found[i] = loss_of(bricks[i]); });
     std::vector<BrickLoss> out;
@@ -106,22 +107,22 @@ class SweptBone {
   [[nodiscard]] std::optional<BrickLoss> loss_of(const Vec3i& coord) const {
     const Vec3 middle = middle_of(coord);
     const double radius_mm = RS_BRICK_RADIUS * grid_.voxel_mm;
-    std::vector<NearStop> near;
-    for (const Stop& stop : stops_) {
-      if (!contains(stop.box, middle)) continue;
-      const double mm = distance_at(stop.tool_from_bone * middle);
-      if (mm < radius_mm) near.push_back({&stop, mm});
+    std::vector<NearPose> near;
+    for (const TestedPose& tested : tested_poses_) {
+      if (!contains(tested.box, middle)) continue;
+      const double mm = distance_at(tested.tool_from_bone * middle);
+      if (mm < radius_mm) near.push_back({&tested, mm});
     }
     if (near.empty()) return std::nullopt;
-    const NearStop& nearest = *std::ranges::min_element(near, {}, &NearStop::middle_mm);
+    const NearPose& nearest = *std::ranges::min_element(near, {}, &NearPose::middle_mm);
     const double reached_mm = 0.5 * BrickLattice::kSide * grid_.voxel_mm;
-    const auto reached = std::ranges::find_if(near, [&](const NearStop& at) { return at.middle_mm < reached_mm; });
-    BrickLoss loss{coord, {}, (reached == near.end() ? nearest : *reached).stop->pose};
+    const auto reached = std::ranges::find_if(near, [&](const NearPose& at) { return at.middle_mm < reached_mm; });
+    BrickLoss loss{coord, {}, (reached == near.end() ? nearest : *reached).tested->pose};
     return cut(near, nearest.middle_mm < -radius_mm, loss) ? std::optional(loss) : std::nullopt;
   }
 
-  /// Fills in what is left. Returns whether anything is removed.
-  bool cut(const std::vector<NearStop>& near, bool whole, BrickLoss& loss) const {
+  /// Sets the predicted fill. Returns whether any bone is removed.
+  bool cut(const std::vector<NearPose>& near, bool whole, BrickLoss& loss) const {
     const GradeBricks::Brick& grades = *grade_.brick(loss.coord);
     const FillBricks::Brick* before = before_.brick(loss.coord);
     bool any = false;
@@ -130,15 +131,15 @@ class SweptBone {
       std::uint16_t& fill = loss.fill[at];
       fill = before == nullptr ? FillBricks::kWhole : (*before)[at];
       if (grades[at] == 0 || fill == 0) continue;
-      const double left = whole ? 0 : fraction_left(BrickLattice::voxel_at(loss.coord, offset), near);
-      const auto predicted = static_cast<std::uint16_t>(std::lround(left * double{FillBricks::kWhole}));
+      const double remaining = whole ? 0 : remaining_fraction(BrickLattice::voxel_at(loss.coord, offset), near);
+      const auto predicted = static_cast<std::uint16_t>(std::lround(remaining * double{FillBricks::kWhole}));
       any |= predicted < fill;
       fill = std::min(fill, predicted);
     }
     return any;
   }
 
-  [[nodiscard]] double fraction_left(const Vec3i& voxel, const std::vector<NearStop>& near) const {
+  [[nodiscard]] double remaining_fraction(const Vec3i& voxel, const std::vector<NearPose>& near) const {
     const Vec3 middle = grid_.center_mm(voxel.x(), voxel.y(), voxel.z());
     const double distance = distance_mm(middle, near) / grid_.voxel_mm;
     if (!whole_voxels_) return std::clamp(0.5 + distance, 0.0, 1.0);
@@ -154,10 +155,10 @@ class SweptBone {
     return table_.at({point_t.head<2>().norm(), point_t.z()});
   }
 
-  /// From the nearest of these stops, and at most a voxel.
-  [[nodiscard]] double distance_mm(const Vec3& point, const std::vector<NearStop>& near) const {
+  /// Smallest distance over these poses, limited to a voxel.
+  [[nodiscard]] double distance_mm(const Vec3& point, const std::vector<NearPose>& near) const {
     double least_mm = grid_.voxel_mm;
-    for (const NearStop& at : near) least_mm = std::min(least_mm, distance_at(at.stop->tool_from_bone * point));
+    for (const NearPose& at : near) least_mm = std::min(least_mm, distance_at(at.tested->tool_from_bone * point));
     return least_mm;
   }
 
@@ -166,10 +167,10 @@ class SweptBone {
   const FillBricks& before_;
   bool whole_voxels_;
   DistanceTable table_;
-  std::vector<Stop> stops_;
+  std::vector<TestedPose> tested_poses_;
 };
 
-/// As the log counts depth: along the tool's axis, from where it stood before it first touched.
+/// The pose of greatest tool depth, which counts along the tool's axis from the pose before the first contact.
 const ToolPose& deepest_from(const std::vector<ToolPose>& poses, std::size_t contact) {
   const Vec3& start_mm = poses[contact == 0 ? 0 : contact - 1].position_mm;
   const ToolPose* deepest = &poses[contact];

@@ -18,7 +18,7 @@ FrameResult FrameLedger::close(const PendingFrame& frame, const std::vector<Subs
   rs_i64 removed = 0;
   for (const auto& [slot, substep] : frame.cut) {
     const SubstepSums& sum = sums[slot];
-    const Mat3 bone_from_sums = bone_from_shell(substep.pose, sums_turn_).linear();
+    const Mat3 bone_from_sums = bone_from_shell(substep.pose, sums_rotate_).linear();
     const Vec3 force = bone_from_sums * scaled(sum.force, RS_FORCE_SCALE);
     const Vec3 torque = bone_from_sums * scaled(sum.torque, RS_TORQUE_SCALE);
     work_mj_ -= (torque.dot(substep.angular_velocity) + force.dot(substep.origin_velocity_mm_s)) * substep.duration_s;
@@ -36,7 +36,7 @@ FrameResult FrameLedger::close(const PendingFrame& frame, const std::vector<Subs
 
   const Vec3 tool_z = frame.pose.orientation * Vec3::UnitZ();
   out.axial_force_n = out.force_n.dot(tool_z);
-  // The tool spins about −z of T, so the bone's resistance turns it about +z.
+  // The tool spins about −z of T, so the torque of the bone on it is about +z.
   out.spin_torque_nmm = out.torque_nmm.dot(tool_z);
   if (out.contacts > 0 && !first_contact_mm_) first_contact_mm_ = frame.before.position_mm;
   if (first_contact_mm_) out.depth_mm = -(frame.pose.position_mm - *first_contact_mm_).dot(tool_z);

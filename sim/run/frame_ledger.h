@@ -8,35 +8,35 @@
 
 namespace reamsim {
 
-/// A frame whose substeps are with the engine.
+/// A frame with substeps in the engine's batch.
 struct PendingFrame {
   std::int64_t frame = 0;
   ToolPose before;  ///< pose at the start of the frame
   ToolPose pose;    ///< pose at its end
   int substeps = 1;
   std::vector<std::pair<std::size_t, Substep>>
-      cut;  ///< (place in the batch, substep) of those that the broad phase let through
+      cut;  ///< (index in the batch, substep) of those that passed the broad phase
   double broad_phase_s = 0;
 };
 
-/// Turns the integer sums of the substeps into the rows of forces.csv, and keeps the energy account: the work done on
-/// the bone, −Σ(T·ω + F·v)·Δt + E_floor, against the energy of the volume cut, accumulated apart (docs/physics.md, 5).
+/// Converts the integer sums of the substeps to the rows of forces.csv, and keeps the energy balance: the work on the
+/// bone, −Σ(T·ω + F·v)·Δt + E_floor, against the cutting energy, which is summed independently (docs/physics.md, 5).
 class FrameLedger {
  public:
-  /// `sums_turn`: the sums of a substep are in the shell's frame, which turns with the teeth (law per_point, spin
-  /// resolved), and not in the tool's without spin.
-  FrameLedger(double voxel_mm3, double frame_s, bool sums_turn)
-      : voxel_mm3_(voxel_mm3), frame_s_(frame_s), sums_turn_(sums_turn) {}
+  /// `sums_rotate`: sums are in the shell's frame, which rotates with resolved cutting edges (law per_point), and not
+  /// in the tool's frame without spin.
+  FrameLedger(double voxel_mm3, double frame_s, bool sums_rotate)
+      : voxel_mm3_(voxel_mm3), frame_s_(frame_s), sums_rotate_(sums_rotate) {}
 
   FrameResult close(const PendingFrame& frame, const std::vector<SubstepSums>& sums);
 
-  /// (work − cut)/cut so far; 0 before contact.
+  /// (work + E_floor − cut)/cut; 0 before contact.
   [[nodiscard]] double balance() const { return cut_mj_ > 0 ? (work_mj_ + floor_mj_ - cut_mj_) / cut_mj_ : 0; }
 
  private:
   double voxel_mm3_;
   double frame_s_;
-  bool sums_turn_;
+  bool sums_rotate_;
   double work_mj_ = 0;
   double floor_mj_ = 0;
   double cut_mj_ = 0;

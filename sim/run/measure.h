@@ -4,8 +4,7 @@
 
 namespace reamsim {
 
-/// Measures what the run did to the bone: metrics, depth map, and the time that takes. `fill_before`: the bone's fill
-/// when the run began.
+/// Measures the reamed bone: metrics, depth map, and the time of measuring. `fill_before`: the fill before the run.
 void measure(RunFacts& facts, const ReamingScene& scene, const FillBricks& fill_before, const RunTotals& totals);
 
 }  // namespace reamsim

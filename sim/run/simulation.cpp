@@ -24,26 +24,25 @@ Aabb bone_box(const Voxmap& voxmap) {
           corner + voxmap.grid.voxel_mm * (voxels.last + Vec3i::Ones()).cast<double>()};
 }
 
-/// The box of the shell's points: a point may lie half a cell outside the surface that it samples.
+/// The box of the shell's points, which may lie half a cell outside the surface.
 Aabb shell_box(const Tool& tool) {
   const Vec3 margin = Vec3::Constant(0.5 * tool.shell.cell_mm);
   return {tool.bounds.min - margin, tool.bounds.max + margin};
 }
 
-/// The box of what cuts: the shell's points, or the surface itself where voxels are clipped by it.
+/// The box of the shell's points, or of the surface where it clips voxels.
 Aabb cutting_box(const ReamingScene& scene) {
   if (scene.scenario.cutting.erosion != ErosionMode::exact) return shell_box(scene.tool);
   return scene.tool.clip_bounds().expanded(fit_outline(scene.tool.profile).bulge_mm);
 }
 
-/// Whether the tool's spin moves what cuts. Where voxels are clipped, a surface of revolution is none the less its own
-/// envelope.
-bool turns_with_spin(const ReamingScene& scene) {
+/// Whether the spin moves the cutting surface. A surface of revolution that clips voxels is its own envelope.
+bool is_moved_by_spin(const ReamingScene& scene) {
   if (scene.scenario.cutting.erosion == ErosionMode::exact) return scene.tool.teeth.has_value();
   return scene.scenario.tool.spin == ToolSpin::resolved;
 }
 
-/// A scene's run through an engine: the batch, the frames that wait for it, and the energy account.
+/// The run of a scene: the batch, its frames, and the energy balance.
 class Simulation {
  public:
   Simulation(ReamingScene& scene, Engine& engine, FrameSink& sink, Report& report)
@@ -55,7 +54,7 @@ class Simulation {
         bone_box_(bone_box(*scene.bone.voxmap)),
         ledger_(scene.bone.voxmap->grid.voxel_mm3(), scene.motion.frame_s(),
                 scene.scenario.cutting.law == CuttingLaw::per_point && scene.scenario.tool.spin == ToolSpin::resolved),
-        resolved_(turns_with_spin(scene)),
+        resolved_(is_moved_by_spin(scene)),
         exact_(scene.scenario.cutting.erosion == ErosionMode::exact),
         max_step_mm_(scene.scenario.engine.max_step_voxels * scene.bone.voxmap->grid.voxel_mm) {}
 
@@ -78,14 +77,13 @@ class Simulation {
       control.progress(frame, last);
       if (control.stop()) throw Interrupted();
     }
-    if (!touched_ && !control.foretold_no_contact) {
+    if (!touched_ && !control.warned_of_no_contact) {
       report_.warn("the tool never touches the bone: check motion and, if it is used, the glenoid frame");
     }
   }
 
  private:
-  /// Frame 0. Where voxels are clipped, bone in the tool's first pose is removed at once and without force: no motion
-  /// removed it.
+  /// Frame 0. Where voxels are clipped, bone in the tool's first pose is removed without force.
   void start() {
     PendingFrame& pending = open_frame(0);
     const Substep rest{.pose = pending.pose, .duration_s = scene_.motion.frame_s()};
@@ -114,7 +112,7 @@ class Simulation {
     return out;
   }
 
-  /// The volume of interest in the shell's frame; none where the tool cannot touch bone.
+  /// The volume of interest in the shell's frame; nullopt where the tool cannot touch bone.
   std::optional<Aabb> broad_phase(const Substep& substep, PendingFrame& pending) const {
     const Stopwatch watch;
     const Rigid shell_from_bone = bone_from_shell(substep.pose, resolved_).inverse();
@@ -123,7 +121,7 @@ class Simulation {
     return voi;
   }
 
-  /// `law`: instead of the scenario's, where it is given.
+  /// `law` overrides the scenario's.
   void enqueue(const Substep& substep, const Aabb& voi, PendingFrame& pending, std::optional<rs_i32> law = {}) {
     if (engine_.full()) collect();
     SubstepArgs args =
@@ -133,7 +131,7 @@ class Simulation {
     pending.cut.emplace_back(enqueued_++, substep);
   }
 
-  /// Takes what the engine gives for the substeps enqueued so far.
+  /// Appends the engine's results of the enqueued substeps.
   void collect() {
     const Batch part = engine_.collect();
     const auto append = [](auto& to, const auto& from) { to.insert(to.end(), from.begin(), from.end()); };
@@ -142,7 +140,7 @@ class Simulation {
     append(removed_, engine_.take_removed());
   }
 
-  /// Closes the frames of the batch: the bone's fill, rows, and removed voxels.
+  /// Closes the frames of the batch: fill of the bone, rows, and removed voxels.
   void record() {
     for (const auto& [voxel, frame] : removed_) {
       scene_.bone.fill.set(scene_.bone.voxmap->grid.coord(voxel), 0);
@@ -155,7 +153,7 @@ class Simulation {
         times.detect_s += batch_.times[place].detect_s;
         times.cut_s += batch_.times[place].cut_s;
       }
-      watch(result);
+      warn_of(result);
       sink_.frame(result, times);
     }
     pending_.clear();
@@ -169,8 +167,8 @@ class Simulation {
     sink_.snapshot(frame, scene_.bone.fill);
   }
 
-  /// Says once what a user may not have meant.
-  void watch(const FrameResult& result) {
+  /// Warns once of conditions that the user may not intend.
+  void warn_of(const FrameResult& result) {
     if (result.contacts == 0) return;
     const std::string at = "frame " + std::to_string(result.frame);
     if (result.frame == 0) {
@@ -181,9 +179,9 @@ class Simulation {
     if (!touched_ && result.frame == 1 && !exact_) {
       report_.warn("the tool starts in contact with the bone: the force of the first frames is not meaningful");
     }
-    if (!still_ && result.frame > 0 && result.pose.spin_rpm == 0) {
+    if (!warned_of_no_spin_ && result.frame > 0 && result.pose.spin_rpm == 0) {
       report_.warn(at + ": spindle speed is zero: forces are those of a non-rotating tool");
-      still_ = true;
+      warned_of_no_spin_ = true;
     }
     touched_ = true;
   }
@@ -199,11 +197,11 @@ class Simulation {
   bool exact_;
   double max_step_mm_;
   std::vector<PendingFrame> pending_;
-  Batch batch_;               ///< of the frames that wait
+  Batch batch_;               ///< of the pending frames
   std::size_t enqueued_ = 0;  ///< substeps of these frames
   RemovedFrames removed_;
   bool touched_ = false;
-  bool still_ = false;
+  bool warned_of_no_spin_ = false;
 };
 
 }  // namespace
@@ -225,7 +223,7 @@ RunCost estimate_cost(const ReamingScene& scene) {
   const double max_step_mm = scene.scenario.engine.max_step_voxels * scene.bone.voxmap->grid.voxel_mm;
   RunCost cost{.frames = std::ssize(poses) - 1};
   for (std::size_t k = 1; k < poses.size(); ++k) {
-    cost.substeps += count_substeps(poses[k - 1], poses[k], scene.tool, turns_with_spin(scene), max_step_mm);
+    cost.substeps += count_substeps(poses[k - 1], poses[k], scene.tool, is_moved_by_spin(scene), max_step_mm);
   }
   return cost;
 }

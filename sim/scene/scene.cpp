@@ -9,7 +9,7 @@ namespace reamsim {
 
 namespace {
 
-/// Where voxels are clipped, or tested against the surface, no point of the shell looks for them.
+/// Engines that clip voxels or test them against the surface need no shell points.
 ShellUse shell_use(const Scenario& scenario) {
   const bool by_surface =
       engine_of(scenario) == EngineKind::exact || engine_of(scenario) == EngineKind::implicit;
@@ -20,11 +20,11 @@ void load_tool_of(ReamingScene& scene, double voxel_mm, Report& report) {
   const Scenario& scenario = scene.scenario;
   scene.tool = load_tool(scenario.tool, voxel_mm, shell_use(scenario), report);
   if (scenario.cutting.erosion != ErosionMode::exact) return;
-  constexpr double kGridMemoryShare = 0.25;  // bone, engine and results need the rest
-  ready_for_clipping(scene.tool, scenario.tool, voxel_mm, kGridMemoryShare * machine_memory_bytes(), report);
+  constexpr double kGridMemoryFraction = 0.25;  // bone, engine and results need the rest
+  prepare_clipping(scene.tool, scenario.tool, voxel_mm, kGridMemoryFraction * machine_memory_bytes(), report);
 }
 
-/// What the rules cannot know of a VDB before it is read.
+/// Checks that need the anatomy of a VDB, which is known only after reading it.
 void check_camera_frames(const ReamingScene& scene) {
   const auto& cameras = scene.scenario.render.user_cameras;
   for (std::size_t i = 0; i < cameras.size() && !scene.bone.glenoid; ++i) {
@@ -41,7 +41,7 @@ ReamingScene load_scene(const Scenario& scenario, Report& report, MistakeList& f
   scene.scenario = scenario;
   for (const std::string& note : scenario.notes) report.warn(note);
   MistakeList mistakes;
-  // Each part is loaded whatever became of the others, so that all their mistakes come to light.
+  // All parts are loaded even if one fails, to report all mistakes at once.
   const bool bone = mistakes.attempt([&] {
     scene.bone = load_bone(with_surface_voxels(scenario.bone, scenario.cutting), report);
     scene.scenario.bone.side = scene.bone.side;

@@ -8,7 +8,7 @@
 
 namespace reamsim {
 
-/// Everything that a run needs, loaded and validated.
+/// The validated input of a run.
 struct ReamingScene {
   Scenario scenario;
   Bone bone;
@@ -16,11 +16,11 @@ struct ReamingScene {
   Motion motion;
 };
 
-/// Loads bone, tool and motion of a scenario. Throws InputError with every mistake that is found in them, each at its
-/// key in the scenario file. A glenoid frame that contradicts the bone is put on `frame_mistakes` instead: the scene
-/// is complete, but must not be run.
+/// Loads bone, tool and motion of a scenario. Throws InputError with all mistakes, each at its key in the scenario
+/// file. A glenoid frame that contradicts the bone is added to `frame_mistakes` instead: the scene is complete, but
+/// must not run.
 ReamingScene load_scene(const Scenario& scenario, Report& report, MistakeList& frame_mistakes);
-/// The same, with a wrong frame thrown as well.
+/// The same; throws for a wrong frame as well.
 ReamingScene load_scene(const Scenario& scenario, Report& report);
 
 }  // namespace reamsim

@@ -38,13 +38,12 @@ void report_volume(const DistanceGrid& grid, Report& report) {
 
 }  // namespace
 
-bool has_turning_teeth(const Tool& tool, const ToolSettings& settings) {
+bool has_resolved_teeth(const Tool& tool, const ToolSettings& settings) {
   return settings.spin == ToolSpin::resolved && !tool.revolved;
 }
 
-void ready_for_clipping(Tool& tool, const ToolSettings& settings, double voxel_mm, double memory_bytes,
-                        Report& report) {
-  const bool teeth = has_turning_teeth(tool, settings);
+void prepare_clipping(Tool& tool, const ToolSettings& settings, double voxel_mm, double memory_bytes, Report& report) {
+  const bool teeth = has_resolved_teeth(tool, settings);
   warn_of_thin_walls(tool, teeth, voxel_mm, report);
   if (!teeth) {
     if (settings.spin == ToolSpin::resolved)

@@ -4,17 +4,16 @@
 
 namespace reamsim {
 
-/// A grid whose volume is off by more than this share of the mesh's is warned of.
+/// Tolerated error of the grid's volume relative to the mesh's; larger ones cause a warning.
 inline constexpr double kGridVolumeTolerance = 5e-3;
-/// A wall thinner than this is warned of, voxels: a plane per voxel cannot stand for both of its faces.
+/// Thinner walls cause a warning, voxels: one plane per voxel cannot represent both faces.
 inline constexpr double kThinWallVoxels = 2;
 
-/// Whether the tool's teeth turn through the bone, rather than the surface that they sweep: `spin: resolved`, of a mesh
-/// that is no surface of revolution.
-bool has_turning_teeth(const Tool& tool, const ToolSettings& settings);
+/// Whether cutting edges are resolved: `spin: resolved`, and the mesh is no surface of revolution.
+bool has_resolved_teeth(const Tool& tool, const ToolSettings& settings);
 
-/// Readies a tool for `erosion: exact` at voxels of `voxel_mm`: warns of walls too thin for them, and makes the
-/// distance grid where teeth turn. Throws InputError where that would take more than `memory_bytes`.
-void ready_for_clipping(Tool& tool, const ToolSettings& settings, double voxel_mm, double memory_bytes, Report& report);
+/// Prepares a tool for `erosion: exact` at voxels of `voxel_mm`: warns of thin walls, and makes the distance grid of
+/// resolved cutting edges. Throws InputError where it would need more than `memory_bytes`.
+void prepare_clipping(Tool& tool, const ToolSettings& settings, double voxel_mm, double memory_bytes, Report& report);
 
 }  // namespace reamsim

@@ -18,18 +18,17 @@ using Leaf = openvdb::FloatTree::LeafNodeType;
 constexpr int kSide = DistanceGrid::kSide, kRow = DistanceGrid::kRow;
 static_assert(Leaf::DIM == kSide);
 
-/// How far from the surface the samples are the distance itself, voxels. A voxel's middle is looked at up to 0.91 away
-/// (RS_CLIP_REACH in kernels/clip.h), and √3 times the half voxel that it may move within a window
-/// (RS_GRID_STEEPEST); the rest is for rounding.
+/// Half width of the band with distances, voxels: the reach of a voxel's middle (RS_CLIP_REACH in kernels), √3
+/// (RS_GRID_STEEPEST) times the half voxel of motion within a window, and an allowance for rounding.
 constexpr double kBandVoxels = 0.91 + 0.87 + 0.07;
 constexpr double kHalfDiagonalCells = 0.8660254;
 
-/// Host memory for each sample of the band while OpenVDB works: distance, the nearest triangle's number, and copies.
+/// Host memory per sample of the band in OpenVDB: distance, index of the nearest triangle, and copies.
 constexpr double kWorkingBytesPerSample = 13;
 constexpr double kStoredBytesPerBrick = DistanceGrid::kSamples * sizeof(float);
 
-/// Lays the lattice round the mesh, with a layer of bricks all round that the band does not reach.
-DistanceGrid lay_lattice(const TriangleMesh& mesh, double voxel_mm) {
+/// The lattice around the mesh, with an outer layer of bricks that the band does not reach.
+DistanceGrid make_lattice(const TriangleMesh& mesh, double voxel_mm) {
   DistanceGrid grid;
   grid.spacing_mm = kGridSpacingVoxels * voxel_mm;
   grid.band_mm = kBandVoxels * voxel_mm;
@@ -40,10 +39,9 @@ DistanceGrid lay_lattice(const TriangleMesh& mesh, double voxel_mm) {
   return grid;
 }
 
-/// OpenVDB measures some distances from a triangle that only lies next to the nearest one, and then they are too large.
-/// Lowers every distance to what its neighbours along the axes allow, a spacing more than theirs. What the kernels look
-/// at within a window rests on that.
-void limit_rise(openvdb::FloatTree& distance) {
+/// Some distances of OpenVDB refer to a neighbour of the nearest triangle, and are too large. Limits every distance to
+/// that of its neighbours along the axes plus the spacing, which the kernels rely on (RS_GRID_STEEPEST).
+void limit_gradient(openvdb::FloatTree& distance) {
   openvdb::tree::ValueAccessor<const openvdb::FloatTree> accessor(distance);
   constexpr int kSteps[6][3] = {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};
   for (bool lowered = true; lowered;) {
@@ -74,8 +72,8 @@ Vec3i brick_at(const DistanceGrid& grid, std::size_t index) {
   return {static_cast<int>(index % x), static_cast<int>(index / x % y), static_cast<int>(index / x / y)};
 }
 
-/// The samples of brick `brick`, mm; false where none lies within the band.
-bool take_samples(const openvdb::FloatTree& distance, const DistanceGrid& grid, const Vec3i& brick, float* samples) {
+/// Reads the samples of a brick, mm. Returns whether any lies within the band.
+bool read_samples(const openvdb::FloatTree& distance, const DistanceGrid& grid, const Vec3i& brick, float* samples) {
   openvdb::tree::ValueAccessor<const openvdb::FloatTree> accessor(distance);
   const Vec3i first = kSide * brick;
   const auto spacing = static_cast<float>(grid.spacing_mm), band = static_cast<float>(grid.band_mm);
@@ -88,8 +86,8 @@ bool take_samples(const openvdb::FloatTree& distance, const DistanceGrid& grid, 
   return near;
 }
 
-/// Numbers the bricks that the band passes and takes their samples.
-void take_bricks(const openvdb::FloatTree& distance, DistanceGrid& grid) {
+/// Stores the samples of the bricks within the band.
+void store_bricks(const openvdb::FloatTree& distance, DistanceGrid& grid) {
   const auto band = static_cast<float>(grid.band_mm);
   grid.samples.assign(DistanceGrid::kSamples, band);
   grid.samples.insert(grid.samples.end(), DistanceGrid::kSamples, -band);
@@ -98,7 +96,7 @@ void take_bricks(const openvdb::FloatTree& distance, DistanceGrid& grid) {
     const Vec3i brick = brick_at(grid, i);
     const openvdb::Coord first(kSide * brick.x(), kSide * brick.y(), kSide * brick.z());
     std::uint32_t slot = distance.getValue(first) < 0 ? DistanceGrid::kInside : DistanceGrid::kOutside;
-    if (distance.probeConstLeaf(first) != nullptr && take_samples(distance, grid, brick, samples.data())) {
+    if (distance.probeConstLeaf(first) != nullptr && read_samples(distance, grid, brick, samples.data())) {
       slot = static_cast<std::uint32_t>(grid.stored_bricks());
       grid.samples.insert(grid.samples.end(), samples.begin(), samples.end());
     }
@@ -106,15 +104,15 @@ void take_bricks(const openvdb::FloatTree& distance, DistanceGrid& grid) {
   }
 }
 
-/// Part of a line from `a` to `b` along which a linear distance is negative.
-double negative_share(double a, double b) {
+/// Fraction of a line on which a linear function with values `a` and `b` at its ends is negative.
+double negative_fraction(double a, double b) {
   if (a >= 0 && b >= 0) return 0;
   if (a < 0 && b < 0) return 1;
   return a < 0 ? a / (a - b) : b / (b - a);
 }
 
-/// Part of a cell inside, by lines along x, on which the distance is linear.
-double inside_share(const float* lowest) {
+/// Fraction of a cell inside, sampled by lines along x, on which the distance is linear.
+double inside_fraction(const float* lowest) {
   constexpr int kLines = 8;
   constexpr int kAcross[4] = {0, kRow, kRow * kRow, kRow * kRow + kRow};
   const auto [least, most] = [&] {
@@ -136,16 +134,16 @@ double inside_share(const float* lowest) {
       begin += weights[k] * double{lowest[kAcross[k]]};
       end += weights[k] * double{lowest[kAcross[k] + 1]};
     }
-    sum += negative_share(begin, end);
+    sum += negative_fraction(begin, end);
   }
   return sum / (kLines * kLines);
 }
 
-/// Cells inside, of a brick.
+/// Volume of a brick inside, cells.
 double inside_cells(const float* samples) {
   double sum = 0;
   for (int i = 0; i < kSide * kSide * kSide; ++i) {
-    sum += inside_share(samples + i % kSide + kRow * (i / kSide % kSide + kRow * (i / (kSide * kSide))));
+    sum += inside_fraction(samples + i % kSide + kRow * (i / kSide % kSide + kRow * (i / (kSide * kSide))));
   }
   return sum;
 }
@@ -160,9 +158,9 @@ double inside_volume_mm3(const DistanceGrid& grid) {
   return sum * std::pow(grid.spacing_mm, 3);
 }
 
-/// Teeth may stick out of the envelope by what its outline is rounded by, and the trilinear distance may be off by half
-/// a cell's diagonal.
-double slack_of(const TriangleMesh& mesh, const Profile& envelope, double spacing_mm) {
+/// Cutting edges may protrude from the sampled envelope, and the trilinear distance may be wrong by half a cell's
+/// diagonal.
+double envelope_slack(const TriangleMesh& mesh, const Profile& envelope, double spacing_mm) {
   double out = 0;
   for (const Vec3& v : mesh.vertices) {
     out = std::max(out, envelope.nearest({v.head<2>().norm(), v.z()}).distance_mm);
@@ -182,8 +180,8 @@ const float* DistanceGrid::lowest_corner(const Vec3i& cell) const {
 }
 
 DistanceGrid make_distance_grid(const TriangleMesh& mesh, const Profile& envelope, double voxel_mm) {
-  DistanceGrid grid = lay_lattice(mesh, voxel_mm);
-  // One more than the band, so that a sample that lies on its edge by rounding is a distance as well.
+  DistanceGrid grid = make_lattice(mesh, voxel_mm);
+  // One more spacing than the band, so that samples on its edge have a distance in spite of rounding.
   const double band = grid.band_mm / grid.spacing_mm + 1;
   try {
     const auto distance = mesh_distance(mesh, {.first_mm = grid.origin_mm,
@@ -191,14 +189,14 @@ DistanceGrid make_distance_grid(const TriangleMesh& mesh, const Profile& envelop
                                                .outer_spacings = band,
                                                .inner_spacings = band,
                                                .exact = true});
-    limit_rise(distance->tree());
-    take_bricks(distance->tree(), grid);
+    limit_gradient(distance->tree());
+    store_bricks(distance->tree(), grid);
   } catch (const std::bad_alloc&) {
     throw InputError("tool.mesh: the distance grid does not fit into memory; increase bone.voxel_mm");
   } catch (const openvdb::Exception&) {
     throw InputError("tool.mesh: the distance grid cannot be computed; give a closed surface");
   }
-  grid.slack_mm = slack_of(mesh, envelope, grid.spacing_mm);
+  grid.slack_mm = envelope_slack(mesh, envelope, grid.spacing_mm);
   grid.mesh_mm3 = mesh.volume_mm3();
   grid.volume_mm3 = inside_volume_mm3(grid);
   return grid;
@@ -211,14 +209,14 @@ DistanceGridPlan plan_distance_grid(const TriangleMesh& mesh, double voxel_mm) {
     const Vec3 along = mesh.vertices[static_cast<std::size_t>(b)] - corner;
     area_mm2 += 0.5 * along.cross(mesh.vertices[static_cast<std::size_t>(c)] - corner).norm();
   }
-  const DistanceGrid lattice = lay_lattice(mesh, voxel_mm);
+  const DistanceGrid lattice = make_lattice(mesh, voxel_mm);
   const double brick_mm = kSide * lattice.spacing_mm;
-  // A slab of the band's width meets the bricks whose middle lies within it or half their diagonal from it; where the
-  // surface is bent or has an edge, a few more.
-  constexpr double kDiagonal = 1.7320508, kBent = 1.3;
+  // A slab of the band's width overlaps bricks with their middle within half a diagonal; curved surfaces and edges
+  // overlap more.
+  constexpr double kDiagonal = 1.7320508, kCurved = 1.3;
   const double lattice_bricks = lattice.bricks.cast<double>().prod();
   const double bricks = std::min(
-      lattice_bricks, 2 + kBent * area_mm2 * (2 * lattice.band_mm + kDiagonal * brick_mm) / std::pow(brick_mm, 3));
+      lattice_bricks, 2 + kCurved * area_mm2 * (2 * lattice.band_mm + kDiagonal * brick_mm) / std::pow(brick_mm, 3));
   const double table = lattice_bricks * sizeof(std::uint32_t);
   const double kept = bricks * kStoredBytesPerBrick + table;
   return {.working_bytes = kept + bricks * kSide * kSide * kSide * kWorkingBytesPerSample, .kept_bytes = kept};
@@ -226,7 +224,7 @@ DistanceGridPlan plan_distance_grid(const TriangleMesh& mesh, double voxel_mm) {
 
 void require_room_for_grid(double need_bytes, double have_bytes, double voxel_mm, const std::string& what) {
   if (need_bytes <= have_bytes) return;
-  // The band's bricks go by the square of the spacing.
+  // The number of bricks in the band is inversely proportional to the square of the spacing.
   const double fitting_mm = 1.05 * voxel_mm * std::sqrt(need_bytes / have_bytes);
   char text[200];
   std::snprintf(text, sizeof text, "the distance grid needs %.4g MB, but %s has %.4g MB available", need_bytes / 1e6,

@@ -6,8 +6,8 @@
 
 namespace reamsim {
 
-/// Signed distances to a tool's surface on a raster of (r, z), mm, negative inside: for predictions and for lists of
-/// bricks, which need no more than a part of the raster's pitch.
+/// Signed distances to a tool's surface on a regular grid in (r, z), mm, negative inside: for predictions and lists of
+/// bricks, which tolerate errors of a fraction of the pitch.
 struct DistanceTable {
   Vec2 first = Vec2::Zero();  ///< (r, z) of the first sample
   double pitch_mm = 1;
@@ -17,11 +17,10 @@ struct DistanceTable {
 
   /// Interpolated at (r, z); infinite beyond the last samples.
   [[nodiscard]] double at(const Vec2& rz) const;
-  /// Of the nearest sample; infinite beyond the samples. `rz` lies at most half a diagonal of the raster from it.
+  /// The value of the nearest sample; infinite beyond the samples.
   [[nodiscard]] double nearest(const Vec2& rz) const;
 };
 
-/// Samples of `profile` from `first` on.
 DistanceTable make_distance_table(const Profile& profile, const Vec2& first, double pitch_mm, int count_r, int count_z);
 
 }  // namespace reamsim

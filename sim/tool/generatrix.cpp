@@ -1,20 +1,20 @@
-#include "sim/tool/generatrix.h"
-
 #include <algorithm>
 #include <cmath>
 #include <map>
 #include <utility>
 
+#include "sim/tool/envelope.h"
+
 namespace reamsim {
 
 namespace {
 
-/// Vertices of one ring agree in (r, z) to this; 32-bit STL coordinates of a reamer are within 1 µm.
+/// Tolerance of (r, z) in a ring; 32-bit STL coordinates of a reamer have an error below 1 µm.
 constexpr double kRingMm = 2e-3;
-/// A facet may lie this far inside the circle through its corners.
+/// Tolerated sagitta of a facet.
 constexpr double kSagittaMm = 0.02;
-/// The mesh's volume against that of the polygon revolved; catches parts of a revolution.
-constexpr double kVolumeShare = 0.01;
+/// Tolerated relative difference between the volumes of mesh and revolved polygon; detects partial revolutions.
+constexpr double kVolumeTolerance = 0.01;
 
 using Cell = std::pair<long, long>;
 
@@ -75,12 +75,12 @@ bool link(Links& links, std::size_t a, std::size_t b) {
   return links[a].size() <= 2 && links[b].size() <= 2;
 }
 
-/// Whether the straight edge stays near the surface of revolution through its ends.
+/// Whether an edge lies within kSagittaMm of the surface of revolution through its ends.
 bool edge_is_fine(const Vec3& a, const Vec3& b) {
   return 0.5 * (radius_of(a) + radius_of(b)) - radius_of(0.5 * (a + b)) <= kSagittaMm;
 }
 
-/// Which rings the triangles join; nothing when a triangle spans three rings, is too coarse, or a ring branches.
+/// The rings that triangles connect; nullopt when a triangle spans three rings or is too coarse, or a ring branches.
 std::optional<Links> link_rings(const TriangleMesh& mesh, const Rings& rings) {
   Links links(rings.means().size());
   for (const auto& t : mesh.triangles) {
@@ -95,7 +95,7 @@ std::optional<Links> link_rings(const TriangleMesh& mesh, const Rings& rings) {
   return links;
 }
 
-/// Walks the rings from an end on the axis, or from anywhere on a closed chain; nothing unless that visits all of them.
+/// The rings in order, from an end on the axis or anywhere on a closed chain; nullopt unless the chain has all rings.
 std::optional<std::vector<std::size_t>> walk(const Links& links, const std::vector<Vec2>& means) {
   std::size_t start = 0, ends = 0;
   for (std::size_t i = 0; i < links.size(); ++i) {
@@ -128,7 +128,7 @@ std::optional<Profile> recover_generatrix(const TriangleMesh& mesh) {
   Profile profile;
   for (const std::size_t ring : *order) profile.points.push_back(rings.means()[ring]);
   if (profile.volume_mm3() < 0) std::reverse(profile.points.begin(), profile.points.end());
-  if (std::abs(profile.volume_mm3() - mesh.volume_mm3()) > kVolumeShare * profile.volume_mm3()) return std::nullopt;
+  if (std::abs(profile.volume_mm3() - mesh.volume_mm3()) > kVolumeTolerance * profile.volume_mm3()) return std::nullopt;
   return profile;
 }
 

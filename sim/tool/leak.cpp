@@ -13,7 +13,7 @@ struct Measured {
   double leak;
 };
 
-/// Means over random turns and offsets of the cube: 4·10⁶ of them up to 0.8, 4·10⁵ above.
+/// Means over random orientations and offsets of the cube: 4·10⁶ up to 0.8, 4·10⁵ above.
 constexpr Measured kMeasured[] = {{kHardlyLeakingSpacing, 1e-6},
                                   {0.75, 4.7e-5},
                                   {0.8, 8.0e-4},
@@ -33,8 +33,8 @@ double expected_leak(double spacing_voxels) {
   for (std::size_t i = 1; i < std::size(kMeasured); ++i) {
     const Measured &a = kMeasured[i - 1], &b = kMeasured[i];
     if (spacing_voxels > b.spacing_voxels) continue;
-    const double share = (spacing_voxels - a.spacing_voxels) / (b.spacing_voxels - a.spacing_voxels);
-    return a.leak * std::pow(b.leak / a.leak, share);
+    const double t = (spacing_voxels - a.spacing_voxels) / (b.spacing_voxels - a.spacing_voxels);
+    return a.leak * std::pow(b.leak / a.leak, t);
   }
   return kMeasured[std::size(kMeasured) - 1].leak;
 }

@@ -9,11 +9,11 @@ namespace reamsim {
 // Morton codes of shell points on the host: 21 bits per axis interleaved into 63, x in bit 0, y in bit 1, z in bit 2.
 // Up to kNarrowResolution they are the paper's codes (§3.3) of 10 bits per axis and fit into 32 bits.
 
-/// Most cells per axis whose codes fit into 32 bits; the device then holds 4 bytes a point, else 8.
+/// Most cells per axis whose codes fit into 32 bits; the device then stores 4 bytes per point, else 8.
 inline constexpr int kNarrowResolution = 1024;
 
-/// Most cells per axis of a shell. Codes would tell 2²¹ apart; here fixed-point positions are still good to 2⁻¹¹ voxel
-/// (kernels/shared.h), and a tool's shell holds some 10⁸ points.
+/// Most cells per axis of a shell: the error of fixed-point positions is then below 2⁻¹¹ voxel (kernels/shared.h), and
+/// a tool's shell has some 10⁸ points. Codes have room for 2²¹.
 inline constexpr int kMaxShellResolution = 4096;
 
 /// Spreads the low 21 bits of `value` so that two zero bits follow each.

@@ -10,11 +10,11 @@ namespace reamsim {
 
 namespace {
 
-constexpr std::size_t kLeastVertices = 4;  // any three lie on a circle
-/// More than a quarter, so that a ball takes two, wherever its vertices lie; beside that any less than half would do.
+constexpr std::size_t kMinVertices = 4;  // any three lie on a circle
+/// More than 90°, so that the half circle of a sphere needs two arcs wherever its vertices lie; must be less than 180°.
 constexpr double kLargestArc = std::numbers::pi * 100 / 180;
 
-/// A vector turned by 90° to the right: outwards from the way along an outline.
+/// A vector rotated by 90° to the right: the outward normal of a direction along an outline.
 Vec2 right_of(const Vec2& v) {
   return {v.y(), -v.x()};
 }
@@ -24,7 +24,7 @@ OutlineArc line(const Vec2& a, const Vec2& b) {
   return {a, b, along, along, 0.5 * (a + b), right_of(along), 0};
 }
 
-/// The circle through three points, if they lie on one: its curvature, positive where the way turns left.
+/// A circle; its curvature is positive for a left turn.
 struct Circle {
   Vec2 center;
   double curvature;
@@ -40,7 +40,7 @@ std::optional<Circle> circle_through(const Vec2& a, const Vec2& b, const Vec2& c
   return Circle{a + to_center, std::copysign(1 / to_center.norm(), cross)};
 }
 
-/// The arc through a row of vertices, if all lie on one.
+/// The arc through a sequence of vertices, if all lie on one.
 std::optional<OutlineArc> arc_through(std::span<const Vec2> points) {
   const auto circle = circle_through(points.front(), points[points.size() / 2], points.back());
   if (!circle) return std::nullopt;
@@ -49,12 +49,12 @@ std::optional<OutlineArc> arc_through(std::span<const Vec2> points) {
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (std::abs((points[i] - circle->center).norm() - radius) > kOnArcMm) return std::nullopt;
     if (i == 0) continue;
-    const double turn = turn_between(points[i - 1] - circle->center, points[i] - circle->center);
+    const double turn = angle_between(points[i - 1] - circle->center, points[i] - circle->center);
     if (turn * side <= 0 || std::abs(turn) > kSharpTurn) return std::nullopt;
     turned += turn;
   }
   if (std::abs(turned) > kLargestArc + 1e-6) return std::nullopt;
-  // Outwards from the centre where the outline bulges, towards it where it is hollow.
+  // Away from the centre where the outline is convex, towards it where it is concave.
   const auto normal_at = [&](const Vec2& p) -> Vec2 { return side * (p - circle->center).normalized(); };
   const auto along_at = [&](const Vec2& p) -> Vec2 { return -right_of(normal_at(p)); };
   const Vec2 a = points.front(), b = points.back();
@@ -62,9 +62,8 @@ std::optional<OutlineArc> arc_through(std::span<const Vec2> points) {
   return OutlineArc{a, b, along_at(a), along_at(b), circle->center + side * radius * normal, normal, circle->curvature};
 }
 
-/// The profile's vertices in rows that are off the axis and without repeats, each from where an edge follows to where
-/// none does; the last begins anew where the outline is closed off the axis.
-std::vector<std::vector<Vec2>> rows_of(const Profile& profile) {
+/// The profile's vertices as polylines off the axis, without repeated points.
+std::vector<std::vector<Vec2>> polylines_of(const Profile& profile) {
   const std::vector<Vec2>& points = profile.points;
   const std::size_t n = points.size();
   const auto is_surface = [&](std::size_t i) {
@@ -90,10 +89,10 @@ std::vector<std::vector<Vec2>> rows_of(const Profile& profile) {
   return rows;
 }
 
-/// The longest arc that begins with vertex `first` of a row: how many vertices it takes, 0 for none.
+/// The number of vertices on the longest arc from vertex `first` on, 0 for none.
 std::size_t longest_arc(std::span<const Vec2> row, std::size_t first) {
   std::size_t count = 0;
-  for (std::size_t n = kLeastVertices; first + n <= row.size(); ++n) {
+  for (std::size_t n = kMinVertices; first + n <= row.size(); ++n) {
     if (!arc_through(row.subspan(first, n))) break;
     count = n;
   }
@@ -106,7 +105,7 @@ double sagitta(double curvature, double chord) {
 
 }  // namespace
 
-double turn_between(const Vec2& a, const Vec2& b) {
+double angle_between(const Vec2& a, const Vec2& b) {
   return std::atan2(a.x() * b.y() - a.y() * b.x(), a.dot(b));
 }
 
@@ -126,7 +125,7 @@ double OutlineArc::distance(const Vec2& rz) const {
 
 Outline fit_outline(const Profile& profile) {
   Outline out;
-  for (const std::vector<Vec2>& row : rows_of(profile)) {
+  for (const std::vector<Vec2>& row : polylines_of(profile)) {
     for (std::size_t i = 0; i + 1 < row.size();) {
       const std::size_t count = longest_arc(row, i);
       if (count == 0) {

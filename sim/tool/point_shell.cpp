@@ -16,8 +16,8 @@ namespace reamsim {
 
 namespace {
 
-/// A set of Morton codes: bits, in blocks of 16³ cells that exist only where the surface passes. Reading it back gives
-/// the codes ascending and once each, because the blocks are found by the codes' high bits.
+/// A set of Morton codes: bits in blocks of 16³ cells, allocated where the surface passes and indexed by the codes'
+/// high bits, so that iteration is in ascending order.
 class CodeSet {
  public:
   explicit CodeSet(int resolution) {
@@ -99,17 +99,17 @@ std::pair<double, double> extent_in_slab(const GridTriangle& t, int u, int v, do
   return extent;
 }
 
-/// Marks the cells that `t` touches, column by column along the axis that its normal is steepest to: in a column the
-/// plane crosses two or three cells only, however large the triangle is.
+/// Marks the cells that `t` touches, column by column along the axis of its normal's largest component: the plane
+/// crosses two or three cells per column, whatever the size of the triangle.
 void mark_triangle(const GridTriangle& t, int resolution, CodeSet& cells) {
   const Vec3 normal = (t.b - t.a).cross(t.c - t.a);
   int w = 0;
   const double steepest = normal.cwiseAbs().maxCoeff(&w);
-  if (!(steepest > 0)) return;  // no area: in a closed mesh its edges belong to its neighbours as well
+  if (!(steepest > 0)) return;  // no area: the neighbours in a closed mesh have its edges
   const int u = (w + 1) % 3, v = (w + 2) % 3;
   const Vec3 low = t.a.cwiseMin(t.b).cwiseMin(t.c), high = t.a.cwiseMax(t.b).cwiseMax(t.c);
   const CellRange us = cells_touched(low[u], high[u], resolution);
-  // Widens ranges against rounding; the exact test has the last word.
+  // Extends ranges for rounding; the exact test decides.
   constexpr double kSlack = 1e-6;
   const double spread = 0.5 * (std::abs(normal[u]) + std::abs(normal[v])) / steepest + kSlack;
   Vec3i cell;
@@ -130,10 +130,9 @@ void mark_triangle(const GridTriangle& t, int resolution, CodeSet& cells) {
   }
 }
 
-/// Lays the grid round the box: the longest side spans from the centres of the first cells to those of the last, x and
-/// y are centred, and the lowest point lies at the centres of the lowest cells, so that a tool's cutting end is sampled
-/// where it is and not half a cell behind.
-PointShell lay_grid(const Aabb& box, int resolution) {
+/// The grid around the box, as voxelize_surface() documents it. The lowest point lies at cell centres, so that a tool's
+/// cutting end is sampled without an offset.
+PointShell make_grid(const Aabb& box, int resolution) {
   PointShell shell;
   shell.resolution = resolution;
   shell.cell_mm = (box.max - box.min).maxCoeff() / std::max(1, resolution - 1);
@@ -144,13 +143,13 @@ PointShell lay_grid(const Aabb& box, int resolution) {
 
 }  // namespace
 
-PointShell voxelise_surface(const TriangleMesh& mesh, int resolution) {
+PointShell voxelize_surface(const TriangleMesh& mesh, int resolution) {
   if (resolution < 1 || resolution > kMaxShellResolution)
     throw InputError("shell resolution " + std::to_string(resolution) + " is outside 1 to " +
                      std::to_string(kMaxShellResolution));
   const Aabb box = mesh.bounds();
   if (box.empty() || !((box.max - box.min).maxCoeff() > 0)) throw InputError("the mesh has no extent");
-  PointShell shell = lay_grid(box, resolution);
+  PointShell shell = make_grid(box, resolution);
   CodeSet cells(resolution);
   const auto grid = [&](std::int32_t vertex) -> Vec3 {
     return (mesh.vertices[static_cast<std::size_t>(vertex)] - shell.origin_mm) / shell.cell_mm;

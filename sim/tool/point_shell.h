@@ -8,9 +8,9 @@
 
 namespace reamsim {
 
-/// The points that sample the tool's surface (paper §3.3): centres of the cells of an M³ grid that the surface goes
-/// through, Morton-coded with x in bit 0 (morton.h). Codes ascend and are unique.
-/// Point of a code (x,y,z): origin_mm + cell_mm·(x + ½, y + ½, z + ½), tool frame T.
+/// The points that sample the tool's surface (paper §3.3): centres of the cells of an M³ grid that the surface
+/// intersects, as Morton codes with x in bit 0 (morton.h), ascending and unique. Point of code (x,y,z): origin_mm +
+/// cell_mm·(x + ½, y + ½, z + ½), tool frame T.
 struct PointShell {
   int resolution = 0;  ///< M, cells per axis, 1…kMaxShellResolution
   double cell_mm = 0;
@@ -18,10 +18,10 @@ struct PointShell {
   std::vector<std::uint64_t> codes;
 };
 
-/// Marks every cell of a `resolution`³ cubic grid round the mesh that a triangle touches (exact triangle–box test).
-/// The cell is the box's longest side over M − 1: that side runs from cell centre to cell centre, x and y are centred
-/// in the grid, and the mesh's lowest z passes through the centres of the lowest cells. Throws InputError when
-/// resolution is outside 1…kMaxShellResolution or the mesh has no extent.
-PointShell voxelise_surface(const TriangleMesh& mesh, int resolution);
+/// The cells of a cubic grid of `resolution`³ around the mesh that triangles touch (exact triangle–box test). The
+/// longest side of the bounding box spans M − 1 cells, from centre to centre; x and y are centred; the mesh's lowest
+/// point lies at the centres of the lowest cells. Throws InputError when resolution is outside 1…kMaxShellResolution or
+/// the mesh has no extent.
+PointShell voxelize_surface(const TriangleMesh& mesh, int resolution);
 
 }  // namespace reamsim

@@ -17,11 +17,11 @@ double cross(const Vec2& a, const Vec2& b) {
 double distance_to_segment(const Vec2& p, const Vec2& a, const Vec2& b) {
   const Vec2 along = b - a;
   const double length2 = along.squaredNorm();
-  const double share = length2 > 0 ? std::clamp((p - a).dot(along) / length2, 0.0, 1.0) : 0.0;
-  return (p - a - share * along).norm();
+  const double t = length2 > 0 ? std::clamp((p - a).dot(along) / length2, 0.0, 1.0) : 0.0;
+  return (p - a - t * along).norm();
 }
 
-/// Marks which of points[first…last] stay; both ends do.
+/// Marks the points of points[first…last] to keep, without the ends.
 void mark_kept(const std::vector<Vec2>& points, std::size_t first, std::size_t last, double tolerance,
                std::vector<bool>& keep) {
   std::vector<std::pair<std::size_t, std::size_t>> open{{first, last}};
@@ -44,8 +44,8 @@ void mark_kept(const std::vector<Vec2>& points, std::size_t first, std::size_t l
   }
 }
 
-/// Where the lines a→b and d→c meet, if they meet ahead of b and of c.
-std::optional<Vec2> meeting_point(const Vec2& a, const Vec2& b, const Vec2& c, const Vec2& d) {
+/// The intersection of the lines a→b and d→c beyond b and c, if there is one.
+std::optional<Vec2> intersection(const Vec2& a, const Vec2& b, const Vec2& c, const Vec2& d) {
   const Vec2 u = b - a, v = c - d;
   const double denominator = cross(u, v);
   if (std::abs(denominator) < 1e-3 * u.norm() * v.norm()) return std::nullopt;
@@ -90,13 +90,13 @@ std::vector<Vec2> sharpen_corners(const std::vector<Vec2>& polygon, double step_
   std::vector<std::optional<Vec2>> corner(n);
   std::vector<bool> merged(n, false);
   for (std::size_t i = 0; i < n; ++i) {
-    // a → b → c → d with b → c the edge that may cut a corner.
+    // Vertices a → b → c → d, where edge b → c may cut off a corner.
     const Vec2 &a = at(i + n - 1), &b = at(i), &c = at(i + 1), &d = at(i + 2);
     if ((c - b).norm() > std::numbers::sqrt2 * step_mm) continue;
     if ((b - a).norm() < 3 * step_mm || (d - c).norm() < 3 * step_mm) continue;
-    const auto meeting = meeting_point(a, b, c, d);
-    if (!meeting || (*meeting - b).norm() > step_mm || (*meeting - c).norm() > step_mm) continue;
-    corner[i] = Vec2(std::max(0.0, meeting->x()), meeting->y());
+    const auto found = intersection(a, b, c, d);
+    if (!found || (*found - b).norm() > step_mm || (*found - c).norm() > step_mm) continue;
+    corner[i] = Vec2(std::max(0.0, found->x()), found->y());
     merged[(i + 1) % n] = true;
   }
   std::vector<Vec2> out;

@@ -11,15 +11,15 @@ namespace {
 
 struct EdgeDistance {
   double squared_mm2;
-  double side_mm;  ///< how far the point lies on the outer side of the edge's line
+  double side_mm;  ///< signed distance from the edge's line, positive outside
   Vec2 from_surface;
   Vec2 normal;
 };
 
 EdgeDistance distance_to_edge(const Vec2& point, const Vec2& a, const Vec2& b) {
   const Vec2 edge = b - a;
-  const double share = std::clamp((point - a).dot(edge) / edge.squaredNorm(), 0.0, 1.0);
-  const Vec2 offset = point - (a + share * edge);
+  const double t = std::clamp((point - a).dot(edge) / edge.squaredNorm(), 0.0, 1.0);
+  const Vec2 offset = point - (a + t * edge);
   const Vec2 normal = Vec2(edge.y(), -edge.x()).normalized();
   return {offset.squaredNorm(), offset.dot(normal), offset, normal};
 }
@@ -51,7 +51,7 @@ Profile::Nearest Profile::nearest(const Vec2& rz) const {
     if (on_axis(a) && on_axis(b)) continue;
     if (a == b) continue;
     const EdgeDistance d = distance_to_edge(rz, a, b);
-    // Two edges that meet in the nearest vertex tie; the one seen more squarely knows which side the point is on.
+    // Two edges that share the nearest vertex tie; the more perpendicular one decides the sign.
     const bool tie = d.squared_mm2 == best.squared_mm2 && std::abs(d.side_mm) > std::abs(best.side_mm);
     if (d.squared_mm2 < best.squared_mm2 || tie) best = d;
   }

@@ -6,24 +6,23 @@
 
 namespace reamsim {
 
-/// A profile's point nearer to the spin axis than this counts as on it, mm.
+/// A point with a smaller radius counts as on the spin axis, mm.
 inline constexpr double kOnAxisMm = 1e-6;
-/// Nearer to the surface than this, the normal is the edge's instead of the direction to the surface, mm.
+/// At a smaller distance the normal is the edge's instead of the direction to the surface, mm.
 inline constexpr double kOnSurfaceMm = 1e-9;
 
-/// The tool's envelope of revolution: a closed polygon in (r, z) of the tool frame T, r ≥ 0, mm, listed so that the
-/// inside lies to the left (counter-clockwise in an r-right, z-up plot). Edges on the axis r = 0 are not surface.
+/// The tool's envelope of revolution: a closed polygon in (r, z) of the tool frame T, r ≥ 0, mm, counter-clockwise (r
+/// right, z up), with the inside on the left. Edges on the axis r = 0 are not surface.
 struct Profile {
   std::vector<Vec2> points;
 
-  /// Whether a point lies on the spin axis; an edge between two such points is not surface.
   [[nodiscard]] static bool on_axis(const Vec2& rz) { return rz.x() < kOnAxisMm; }
   /// Largest r, mm.
   [[nodiscard]] double max_radius_mm() const;
   /// The box of the solid of revolution, T, mm.
   [[nodiscard]] Aabb bounds() const;
-  /// Signed distance to the surface (negative inside), and the outward unit normal (n_r, n_z) at the nearest surface
-  /// point. By brute force over the edges; the reference for the device code.
+  /// Signed distance to the surface (negative inside), and outward unit normal (n_r, n_z) at the nearest point, from
+  /// all edges. The reference for the device code.
   struct Nearest {
     double distance_mm;
     Vec2 normal;

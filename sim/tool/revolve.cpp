@@ -8,7 +8,7 @@ namespace reamsim {
 
 namespace {
 
-/// The vertices of one profile point; on the axis there is only one.
+/// The vertices of one profile point; a single one on the axis.
 struct Ring {
   std::int32_t first = 0;
   std::int32_t count = 0;
@@ -34,7 +34,6 @@ TriangleMesh revolve(const Profile& profile, int segments) {
   for (std::size_t p = 0; p < rings.size(); ++p) {
     const Ring& a = rings[p];
     const Ring& b = rings[(p + 1) % rings.size()];
-    // With both ends on the axis neither line adds a triangle.
     for (std::int32_t s = 0; s < segments; ++s) {
       if (a.count > 1) mesh.triangles.push_back({a.at(s), a.at(s + 1), b.at(s + 1)});
       if (b.count > 1) mesh.triangles.push_back({a.at(s), b.at(s + 1), b.at(s)});

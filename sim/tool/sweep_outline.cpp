@@ -1,11 +1,10 @@
-#include "sim/tool/sweep_outline.h"
-
 #include <algorithm>
 #include <cmath>
 #include <string>
 #include <unordered_map>
 
 #include "sim/base/error.h"
+#include "sim/tool/envelope.h"
 #include "sim/tool/polyline.h"
 #include "sim/tool/swept_section.h"
 
@@ -13,24 +12,24 @@ namespace reamsim {
 
 namespace {
 
-constexpr double kMostLatticePoints = 4096;
-/// Lattice lines stand off from round numbers, where designed surfaces lie. The first column is the axis itself.
+constexpr double kMaxLatticePoints = 4096;
+/// Offsets of the lattice lines from round numbers, where designed surfaces lie. The first column is the axis.
 constexpr double kColumnShift = 0.382;
 constexpr double kRowShift = 0.618;
-/// Halvings of a step when a vertical crossing is searched: 0.02 mm / 2^9 = 0.04 µm.
-constexpr int kHalvings = 9;
-/// Share of a step by which the simplified outline may leave the traced one.
-constexpr double kSimplifyShare = 0.2;
-/// A second piece of at most this share of the area is a crumb of the lattice, not a body.
-constexpr double kCrumbShare = 1e-3;
+/// Bisections of a vertical crossing: 0.02 mm / 2^9 = 0.04 µm.
+constexpr int kBisections = 9;
+/// Tolerance of the simplified outline, steps.
+constexpr double kSimplifySteps = 0.2;
+/// A second part of at most this fraction of the area is an artefact of the lattice.
+constexpr double kArtefactFraction = 1e-3;
 
-/// The lattice of sample points: column 0 is the axis, row 0 lies below the mesh, the last row above it.
+/// The lattice of sample points: column 0 is the axis, row 0 lies below the mesh and the last row above it.
 class Lattice {
  public:
   Lattice(const SweptSection& section, const Aabb& box, double radius_mm, double step_mm)
       : section_(section), bottom_mm_(box.min.z()) {
     const double height = box.max.z() - box.min.z();
-    step_mm_ = std::max(step_mm, std::max(radius_mm, height) / (kMostLatticePoints - 4));
+    step_mm_ = std::max(step_mm, std::max(radius_mm, height) / (kMaxLatticePoints - 4));
     columns_ = static_cast<int>(std::ceil(radius_mm / step_mm_)) + 2;
     rows_ = static_cast<int>(std::ceil(height / step_mm_)) + 2;
     for (int j = 0; j < rows_; ++j) intervals_.push_back(section.at(z(j)));
@@ -42,12 +41,12 @@ class Lattice {
   [[nodiscard]] double r(int i) const { return i == 0 ? 0.0 : (i - kColumnShift) * step_mm_; }
   [[nodiscard]] double z(int j) const { return bottom_mm_ + (j - kRowShift) * step_mm_; }
 
-  /// Column −1 stands for the half-plane's edge and is outside.
+  /// Column −1, beyond the axis, is outside.
   [[nodiscard]] bool inside(int i, int j) const {
     return i >= 0 && occupied(intervals_[static_cast<std::size_t>(j)], r(i));
   }
 
-  /// Where the outline crosses between columns i and i + 1 of row j.
+  /// The crossing of the outline between columns i and i + 1 of row j.
   [[nodiscard]] Vec2 crossing_along_row(int i, int j) const {
     const auto& row = intervals_[static_cast<std::size_t>(j)];
     const bool leaves = inside(i, j);
@@ -56,11 +55,11 @@ class Lattice {
     return {leaves ? it->high : std::max(0.0, it->low), z(j)};
   }
 
-  /// Where the outline crosses between rows j and j + 1 of column i.
+  /// The crossing of the outline between rows j and j + 1 of column i.
   [[nodiscard]] Vec2 crossing_along_column(int i, int j) const {
     const bool inside_below = inside(i, j);
     double below = z(j), above = z(j + 1);
-    for (int k = 0; k < kHalvings; ++k) {
+    for (int k = 0; k < kBisections; ++k) {
       const double middle = 0.5 * (below + above);
       (occupied(section_.at(middle), r(i)) == inside_below ? below : above) = middle;
     }
@@ -90,8 +89,8 @@ struct LatticeEdge {
 
 using Successors = std::unordered_map<std::int64_t, std::int64_t>;
 
-/// Marching squares: for each lattice edge that the outline crosses, the one it crosses next with the inside on its
-/// left. Where a cell's opposite corners are inside they are kept apart.
+/// Marching squares: for each lattice edge that the outline crosses, the next one, with the inside on the left.
+/// Opposite inside corners of a cell are not connected.
 Successors link_crossings(const Lattice& lattice) {
   Successors next;
   for (int j = 0; j + 1 < lattice.rows(); ++j) {
@@ -101,8 +100,8 @@ Successors link_crossings(const Lattice& lattice) {
       const LatticeEdge edge[4] = {{i, j, true}, {i + 1, j, false}, {i, j + 1, true}, {i, j, false}};
       for (int k = 0; k < 4; ++k) {
         if (!in[k] || in[(k + 1) % 4]) continue;
-        // Counter-clockwise round the cell the outline starts where the corners turn from inside to outside, and ends
-        // at the last turn before that from outside to inside.
+        // Counter-clockwise around the cell the outline begins at a change from inside to outside, and ends at the
+        // previous change from outside to inside.
         int from = (k + 3) % 4;
         while (in[from]) from = (from + 3) % 4;
         next[edge[k].key()] = edge[from].key();
@@ -143,12 +142,20 @@ Profile sweep_outline(const TriangleMesh& mesh, double step_mm) {
       largest_area = area;
       largest = std::move(loop);
     } else {
-      other_area = std::max(other_area, area);  // hollows run clockwise and have negative area
+      other_area = std::max(other_area, area);  // cavities are clockwise and have negative area
     }
   }
-  if (other_area > kCrumbShare * largest_area)
+  if (other_area > kArtefactFraction * largest_area)
     throw InputError("its envelope of revolution about z has several separate parts; give one connected tool");
-  return {sharpen_corners(simplify(largest, kSimplifyShare * lattice.step_mm()), lattice.step_mm())};
+  return {sharpen_corners(simplify(largest, kSimplifySteps * lattice.step_mm()), lattice.step_mm())};
+}
+
+Envelope envelope_of_revolution(const TriangleMesh& mesh) {
+  if (auto profile = recover_generatrix(mesh)) return {std::move(*profile), true};
+  Profile profile = sweep_outline(mesh, kOutlineStepMm);
+  if (profile.points.size() < 3 || !(profile.volume_mm3() > 0))
+    throw InputError("its envelope of revolution about z has no volume");
+  return {std::move(profile), false};
 }
 
 }  // namespace reamsim

@@ -7,23 +7,23 @@ namespace reamsim {
 
 namespace {
 
-constexpr std::size_t kMostSlabs = 256;
-/// Limits the slab table where every triangle spans the whole height.
-constexpr std::size_t kMostSlabEntries = 50'000'000;
+constexpr std::size_t kMaxSlabs = 256;
+/// Limit of the slab table where every triangle spans the full height.
+constexpr std::size_t kMaxSlabEntries = 50'000'000;
 
-/// Where the edge a–b crosses height z. Always computed from the lower end, so that both triangles of an edge agree.
+/// The point of edge a–b at height z, computed from the lower end so that both triangles of an edge agree.
 Vec2 crossing(const Vec3& a, const Vec3& b, double z) {
   const Vec3& low = a.z() < b.z() ? a : b;
   const Vec3& high = a.z() < b.z() ? b : a;
-  const double share = (z - low.z()) / (high.z() - low.z());
-  return low.head<2>() + share * (high - low).head<2>();
+  const double t = (z - low.z()) / (high.z() - low.z());
+  return low.head<2>() + t * (high - low).head<2>();
 }
 
 SweptSection::Interval swept_radii(const Vec2& a, const Vec2& b) {
   const Vec2 along = b - a;
   const double length2 = along.squaredNorm();
-  const double share = length2 > 0 ? std::clamp(-a.dot(along) / length2, 0.0, 1.0) : 0.0;
-  return {(a + share * along).norm(), std::max(a.norm(), b.norm())};
+  const double t = length2 > 0 ? std::clamp(-a.dot(along) / length2, 0.0, 1.0) : 0.0;
+  return {(a + t * along).norm(), std::max(a.norm(), b.norm())};
 }
 
 std::vector<SweptSection::Interval> merge(std::vector<SweptSection::Interval> intervals) {
@@ -44,7 +44,7 @@ SweptSection::SweptSection(const TriangleMesh& mesh) : mesh_(mesh) {
   const Aabb box = mesh.bounds();
   bottom_mm_ = box.min.z();
   const std::size_t triangles = std::max<std::size_t>(1, mesh.triangles.size());
-  slabs_.resize(std::clamp<std::size_t>(kMostSlabEntries / triangles, 1, kMostSlabs));
+  slabs_.resize(std::clamp<std::size_t>(kMaxSlabEntries / triangles, 1, kMaxSlabs));
   slab_mm_ = (box.max.z() - box.min.z()) / static_cast<double>(slabs_.size());
   const double top = static_cast<double>(slabs_.size()) - 1;
   const auto slab = [&](double z) {
@@ -68,7 +68,7 @@ std::vector<SweptSection::Piece> SweptSection::cut(double z_mm) const {
     bool above[3];
     for (std::size_t k = 0; k < 3; ++k) {
       v[k] = &mesh_.vertices[static_cast<std::size_t>(triangle[k])];
-      above[k] = v[k]->z() >= z_mm;  // half open, so that a vertex at this height gives no loose end
+      above[k] = v[k]->z() >= z_mm;  // half open, so that a vertex at this height is consistent
     }
     Piece piece{Vec2::Zero(), Vec2::Zero()};
     bool crosses = false;
@@ -76,7 +76,7 @@ std::vector<SweptSection::Piece> SweptSection::cut(double z_mm) const {
       const std::size_t next = (k + 1) % 3;
       if (above[k] == above[next]) continue;
       crosses = true;
-      // Seen from outside, counter-clockwise: the section enters where the edge goes down and leaves where it goes up.
+      // Seen from outside, counter-clockwise: the section begins at a descending edge and ends at an ascending one.
       (above[k] ? piece.from : piece.to) = crossing(*v[k], *v[next], z_mm);
     }
     if (crosses) pieces.push_back(piece);

@@ -6,9 +6,9 @@
 
 namespace reamsim {
 
-/// Answers which radii a turning mesh occupies at a height. At height z the mesh's section is a set of closed curves;
-/// turning sweeps each of their pieces over an interval of radii. A radius that no piece sweeps has its whole circle
-/// either inside or outside the mesh, which one winding number decides.
+/// The radii that a rotating mesh occupies at a height. The section of the mesh at height z is a set of closed curves;
+/// each piece sweeps an interval of radii. The circle of any other radius lies entirely inside or outside the mesh, as
+/// its winding number tells.
 class SweptSection {
  public:
   /// Radii from `low` to `high`, mm.
@@ -17,14 +17,14 @@ class SweptSection {
     double high;
   };
 
-  /// Keeps a reference to the mesh (closed, facing outwards; mm, frame T).
+  /// The mesh (closed, facing outwards; mm, frame T) must outlive the section.
   explicit SweptSection(const TriangleMesh& mesh);
 
   /// The occupied radii at height `z_mm`: disjoint, ascending.
   [[nodiscard]] std::vector<Interval> at(double z_mm) const;
 
  private:
-  /// A piece of the section, walked with the inside on its left.
+  /// A piece of the section, with the inside on its left.
   struct Piece {
     Vec2 from, to;
   };

@@ -14,12 +14,12 @@ namespace reamsim {
 
 namespace {
 
-/// A ray starts this share of its length below the surface, so that it does not meet the face that it comes from.
+/// Offset of a ray's origin below the surface, as a fraction of its length, so that it does not hit its own face.
 constexpr double kSkin = 1e-3;
 
 using Triangle = std::array<Vec3, 3>;
 
-/// Triangles by the cells of a cubic lattice that they pass through.
+/// Triangles by the cells of a cubic lattice that they intersect.
 class TriangleCells {
  public:
   TriangleCells(const std::vector<Triangle>& triangles, double cell_mm) : triangles_(triangles), cell_mm_(cell_mm) {
@@ -33,10 +33,10 @@ class TriangleCells {
     }
   }
 
-  /// The nearest triangle that the ray from `from` along the unit vector `along` meets within `length_mm`, and how far
-  /// away; `length_mm` where it meets none.
+  /// The nearest triangle on the ray from `from` along the unit vector `along`, and its distance; `length_mm` without a
+  /// hit.
   struct Hit {
-    double way_mm;
+    double distance_mm;
     std::size_t triangle = 0;
   };
   [[nodiscard]] Hit first_hit(const Vec3& from, const Vec3& along, double length_mm) const {
@@ -46,8 +46,8 @@ class TriangleCells {
       const auto found = cells_.find(key(cell));
       if (found == cells_.end()) return;
       for (const std::size_t t : found->second) {
-        const double way = way_to(triangles_[t], from, along);
-        if (way < hit.way_mm) hit = {way, t};
+        const double distance = ray_distance(triangles_[t], from, along);
+        if (distance < hit.distance_mm) hit = {distance, t};
       }
     });
     return hit;
@@ -70,15 +70,15 @@ class TriangleCells {
     return at(0) | at(1) << 21 | at(2) << 42;
   }
 
-  /// Along the ray to the triangle (Möller and Trumbore 1997); infinite where it passes by.
-  static double way_to(const Triangle& t, const Vec3& from, const Vec3& along) {
-    constexpr double kNever = std::numeric_limits<double>::infinity();
+  /// Distance along the ray to the triangle (Möller and Trumbore 1997); infinite without a hit.
+  static double ray_distance(const Triangle& t, const Vec3& from, const Vec3& along) {
+    constexpr double kNone = std::numeric_limits<double>::infinity();
     const Vec3 ab = t[1] - t[0], ac = t[2] - t[0], p = along.cross(ac);
     const double determinant = ab.dot(p);
-    if (determinant == 0) return kNever;
+    if (determinant == 0) return kNone;
     const Vec3 s = from - t[0], q = s.cross(ab);
-    const double u = s.dot(p) / determinant, v = along.dot(q) / determinant, way = ac.dot(q) / determinant;
-    return u >= 0 && v >= 0 && u + v <= 1 && way > 0 ? way : kNever;
+    const double u = s.dot(p) / determinant, v = along.dot(q) / determinant, distance = ac.dot(q) / determinant;
+    return u >= 0 && v >= 0 && u + v <= 1 && distance > 0 ? distance : kNone;
   }
 
   const std::vector<Triangle>& triangles_;
@@ -100,7 +100,7 @@ std::vector<Triangle> triangles_of(const TriangleMesh& mesh) {
   return out;
 }
 
-/// Middles of the parts that the triangle falls into when its edges are divided into pieces of `step_mm` at most.
+/// Calls body(point) for points of a triangle, at most `step_mm` apart.
 template <typename Body>
 void each_point(const Triangle& t, double step_mm, const Body& body) {
   const double longest = std::max({(t[1] - t[0]).norm(), (t[2] - t[1]).norm(), (t[0] - t[2]).norm()});
@@ -121,7 +121,7 @@ struct Side {
   Vec2 begin, end, normal;
 };
 
-/// The profile's edges off the axis, and those of its other half.
+/// The profile's edges off the axis, and their mirror images.
 std::vector<Side> sides_of(const Profile& profile) {
   std::vector<Side> sides;
   for (std::size_t i = 0; i < profile.points.size(); ++i) {
@@ -138,19 +138,19 @@ std::vector<Side> sides_of(const Profile& profile) {
   return sides;
 }
 
-/// The nearest side that the ray meets within `length_mm`; none: nullptr.
+/// The nearest side on the ray within `length_mm`, or nullptr, and its distance.
 const Side* first_side(const std::vector<Side>& sides, const Vec2& from, const Vec2& along, double length_mm,
-                       double& way_mm) {
+                       double& distance_mm) {
   const Side* first = nullptr;
-  way_mm = length_mm;
+  distance_mm = length_mm;
   for (const Side& side : sides) {
     const Vec2 edge = side.end - side.begin, to = side.begin - from;
     const double cross = along.x() * edge.y() - along.y() * edge.x();
     if (cross == 0) continue;
-    const double way = (to.x() * edge.y() - to.y() * edge.x()) / cross;
-    const double share = (to.x() * along.y() - to.y() * along.x()) / cross;
-    if (way <= 0 || way >= way_mm || share < 0 || share > 1) continue;
-    way_mm = way;
+    const double distance = (to.x() * edge.y() - to.y() * edge.x()) / cross;
+    const double t = (to.x() * along.y() - to.y() * along.x()) / cross;
+    if (distance <= 0 || distance >= distance_mm || t < 0 || t > 1) continue;
+    distance_mm = distance;
     first = &side;
   }
   return first;
@@ -167,9 +167,9 @@ std::optional<ThinWall> thinnest_wall(const TriangleMesh& mesh, double limit_mm)
     const Vec3 normal = normal_of(t);
     each_point(t, 0.5 * limit_mm, [&](const Vec3& at) {
       const auto hit = cells.first_hit(at - skin * normal, -normal, limit_mm - skin);
-      if (hit.way_mm >= limit_mm - skin) return;
+      if (hit.distance_mm >= limit_mm - skin) return;
       if (normal_of(triangles[hit.triangle]).dot(normal) > -std::cos(kWallAngle)) return;
-      keep_thinner(hit.way_mm + skin, at, thinnest);
+      keep_thinner(hit.distance_mm + skin, at, thinnest);
     });
   }
   return thinnest;
@@ -184,10 +184,10 @@ std::optional<ThinWall> thinnest_wall(const Profile& profile, double limit_mm) {
     const int parts = std::max(1, static_cast<int>(std::ceil((side.end - side.begin).norm() / (0.5 * limit_mm))));
     for (int k = 0; k < parts; ++k) {
       const Vec2 at = side.begin + (k + 0.5) / parts * (side.end - side.begin);
-      double way = 0;
-      const Side* other = first_side(sides, at - skin * side.normal, -side.normal, limit_mm - skin, way);
+      double distance = 0;
+      const Side* other = first_side(sides, at - skin * side.normal, -side.normal, limit_mm - skin, distance);
       if (other == nullptr || other->normal.dot(side.normal) > -std::cos(kWallAngle)) continue;
-      keep_thinner(way + skin, {at.x(), 0, at.y()}, thinnest);
+      keep_thinner(distance + skin, {at.x(), 0, at.y()}, thinnest);
     }
   }
   return thinnest;

@@ -7,21 +7,21 @@
 
 namespace reamsim {
 
-/// Where a solid is thinnest.
+/// The thinnest wall of a solid.
 struct ThinWall {
   double thickness_mm = 0;
   Vec3 at_mm = Vec3::Zero();  ///< on the surface
 };
 
-/// Walls whose faces are closer to parallel than this count, rad: every sharp edge is as thin as one likes at its tip,
-/// where a plane per voxel is in error by the square of the voxel only.
+/// Largest angle between the faces of a wall, rad. Sharp edges do not count: at their tip the error of one plane per
+/// voxel is of the order of the square of the voxel.
 inline constexpr double kWallAngle = 0.5235987756;  // 30°
 
-/// The thinnest wall of a closed mesh that faces outwards, if it is thinner than `limit_mm`: the shortest way along
-/// inward normals from points of the surface, half the limit apart, to a face that looks the other way.
+/// The thinnest wall of a closed mesh that faces outwards, if it is thinner than `limit_mm`: the shortest distance
+/// along inward normals, from surface points half the limit apart, to an opposite face.
 std::optional<ThinWall> thinnest_wall(const TriangleMesh& mesh, double limit_mm);
 
-/// The same of a solid of revolution, by its profile; `at_mm` at y = 0.
+/// The same for the solid of revolution of a profile; `at_mm` has y = 0.
 std::optional<ThinWall> thinnest_wall(const Profile& profile, double limit_mm);
 
 }  // namespace reamsim

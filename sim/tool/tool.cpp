@@ -18,25 +18,24 @@ namespace reamsim {
 
 namespace {
 
-/// Shell spacing that leaves no voxel behind, in voxels (docs/physics.md, 2).
+/// Largest shell spacing without missed voxels, in voxels (docs/physics.md, 2).
 constexpr double kSafeSpacingVoxels = 0.5;
-/// Spacing that the program chooses, in voxels: a little denser than safe, and no simple fraction of a voxel. At
-/// exactly half a voxel, and square to the lattice, every layer of points would reach its next layer of voxels in the
-/// same frame.
+/// Automatic spacing, in voxels: below the safe one, and no simple fraction of a voxel. At exactly half a voxel,
+/// aligned with the lattice, all layers of points would enter their next layers of voxels in the same frame.
 constexpr double kChosenSpacingVoxels = 0.4721;
-/// The most cells per axis that the program chooses for a shell which only says how far the tool reaches.
+/// Limit of the automatic resolution of a shell that only determines the tool's reach.
 constexpr int kExtentResolution = 1024;
-/// Relative slack of that, for the rounding of coordinates in an STL.
+/// Relative tolerance of the spacing, for the rounding of coordinates in an STL.
 constexpr double kSpacingSlack = 1e-6;
 constexpr double kLargestMm = 1000;
-/// Share of a cell by which the facets of the revolved envelope may lie inside its circles.
+/// Tolerated sagitta of the revolved envelope's facets, cells.
 constexpr double kFacetCells = 0.02;
-/// The centroid may be this share of the largest radius off the axis: below the first silently, above the second the
-/// mesh is not in the tool frame.
+/// Distance of the centroid from the axis, relative to the largest radius: above the first a warning, above the second
+/// an error, because the mesh is not in the tool frame.
 constexpr double kOffAxisWarn = 0.01;
 constexpr double kOffAxisError = 0.1;
-/// The lowest point may be this share of the tool's height away from z = 0 before a warning.
-constexpr double kOffOriginShare = 0.1;
+/// Distance of the lowest point from z = 0, relative to the tool's height, above which there is a warning.
+constexpr double kOffOriginWarn = 0.1;
 
 std::string text(double value) {
   char buffer[32];
@@ -78,7 +77,7 @@ TriangleMesh read_closed_mesh(const ToolSettings& settings, double voxel_mm, Rep
   return mesh;
 }
 
-/// The mesh has to be in the tool frame: turning about z, its cutting end at the origin.
+/// The mesh must be in the tool frame: spin axis on z, cutting end at the origin.
 void check_frame(const ToolSettings& settings, const TriangleMesh& mesh, const Profile& profile, Report& report) {
   const double off_axis = centroid(mesh).head<2>().norm();
   const std::string found = "the mesh's centroid is " + text(off_axis) + " mm off the z axis";
@@ -87,7 +86,7 @@ void check_frame(const ToolSettings& settings, const TriangleMesh& mesh, const P
   if (off_axis > kOffAxisWarn * profile.max_radius_mm())
     report.warn("tool.mesh: " + found + "; rotation about z is assumed");
   const Aabb box = mesh.bounds();
-  if (std::abs(box.min.z()) > kOffOriginShare * (box.max.z() - box.min.z()))
+  if (std::abs(box.min.z()) > kOffOriginWarn * (box.max.z() - box.min.z()))
     report.warn("tool.mesh: the tool's lowest point is at z = " + text(box.min.z()) +
                 " mm; it should be at z = 0, because poses refer to that point");
 }
@@ -140,7 +139,7 @@ Tool load_tool(const ToolSettings& settings, double voxel_mm, ShellUse use, Repo
   const int resolution =
       settings.shell_resolution > 0 ? settings.shell_resolution : least_resolution(settings, extent, voxel_mm, use);
   const double cell = extent / std::max(1, resolution - 1);
-  tool.shell = voxelise_surface(
+  tool.shell = voxelize_surface(
       teeth ? tool.mesh : revolve(tool.profile, segments_for_sagitta(radius, kFacetCells * cell)), resolution);
   if (use == ShellUse::touches_voxels) warn_of_leak(tool.shell, voxel_mm, report);
 

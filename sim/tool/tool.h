@@ -12,33 +12,32 @@
 namespace reamsim {
 
 /// The reamer, in the tool frame T: origin at the lowest point of the cutting surface on the spin axis, +z out of the
-/// bone towards the drill.
+/// bone towards the drive.
 struct Tool {
-  TriangleMesh mesh;                  ///< as it looks, teeth included; for pictures
+  TriangleMesh mesh;                  ///< with cutting edges; for pictures
   Profile profile;                    ///< envelope of revolution about z
   PointShell shell;                   ///< of the envelope (`spin: envelope`) or of the mesh (`spin: resolved`)
   Aabb bounds;                        ///< of the shell's surface, T, mm
   double reach_mm = 0;                ///< farthest shell point from the origin of T
-  bool revolved = false;              ///< the mesh is a surface of revolution: the profile's
-  std::optional<DistanceGrid> teeth;  ///< distance to the mesh, where `erosion: exact` clips by it (clipped_tool.h)
+  bool revolved = false;              ///< the mesh is the surface of revolution of the profile
+  std::optional<DistanceGrid> teeth;  ///< distance to resolved cutting edges, for `erosion: exact` (clipped_tool.h)
 
-  /// A surface that clips may lie so far outside the profile.
+  /// Bound of the distance of the clipping surface outside the profile.
   [[nodiscard]] double clip_slack_mm() const { return teeth ? teeth->slack_mm : 0; }
-  /// Holds every surface that clips, T, mm.
+  /// Bounds of the clipping surface, T, mm.
   [[nodiscard]] Aabb clip_bounds() const { return profile.bounds().expanded(clip_slack_mm()); }
 };
 
-/// What a run does with the tool's point shell.
+/// The use of the tool's point shell in a run.
 enum class ShellUse {
-  touches_voxels,  ///< its points find the voxels that go, so that a coarse one leaves bone behind
-  extent,          ///< it only says how far the tool reaches: voxels are found by the surface itself
+  touches_voxels,  ///< its points determine the touched voxels; a coarse shell misses some
+  extent,          ///< it determines only the tool's reach; voxels are tested against the surface
 };
 
-/// Reads the mesh, finds its envelope of revolution and samples its surface.
-/// `voxel_mm` sets the shell's resolution where the scenario leaves it open (spacing ≤ half a voxel), and is what the
-/// spacing is judged against otherwise: a leaking combination gets a warning where the shell touches voxels.
-/// Throws InputError: unreadable or open mesh, no axis of revolution, a shell of more than 4096³ cells that has to
-/// touch voxels.
+/// Reads the mesh, computes its envelope of revolution and samples its surface. Without a resolution in the scenario
+/// the shell's spacing is at most half of `voxel_mm`; a given one that leaks (leak.h) causes a warning where the shell
+/// touches voxels. Throws InputError: unreadable or open mesh, no axis of revolution, a shell of more than 4096³ cells
+/// that touches voxels.
 Tool load_tool(const ToolSettings& settings, double voxel_mm, ShellUse use, Report& report);
 
 }  // namespace reamsim

@@ -47,10 +47,10 @@ Tool make_tool(const Profile& profile, std::optional<double> shell_spacing_mm) {
   if (shell_spacing_mm) {
     const double longest = std::max(2 * radius, high - low);
     tool.mesh = revolve(profile, segments_for_sagitta(radius, 0.02 * *shell_spacing_mm));
-    tool.shell = voxelise_surface(tool.mesh, static_cast<int>(std::ceil(longest / *shell_spacing_mm)) + 1);
+    tool.shell = voxelize_surface(tool.mesh, static_cast<int>(std::ceil(longest / *shell_spacing_mm)) + 1);
   } else {
     tool.mesh = revolve({{{0, low}, {radius, low}, {radius, high}, {0, high}}}, 4 * kStandIn);
-    tool.shell = voxelise_surface(tool.mesh, kStandIn);
+    tool.shell = voxelize_surface(tool.mesh, kStandIn);
   }
   for (const Vec2& rz : profile.points) tool.reach_mm = std::max(tool.reach_mm, rz.norm());
   return tool;

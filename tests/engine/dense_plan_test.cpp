@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "sim/base/error.h"
-#include "sim/engine/dense/detect_octree.h"
+#include "sim/engine/dense/dense_state.h"
 #include "tests/engine/outcome.h"
 
 namespace reamsim::test::dense_plan_tests {
@@ -75,7 +75,7 @@ TEST(DensePlan, TheContactListHoldsWhateverTheToolCanHold) {
   ReamingScene scene = oblique_scene("serial", "implicit");
   scene.bone.set_voxels(block({16, 16, 16}, 0.25, 1.0));
   const DensePlan plan = plan_dense(EngineKind::implicit, scene.bone, scene.tool, false);
-  EXPECT_LT(plan.contacts, plan.unreamed);
+  EXPECT_LT(plan.contacts, plan.bone_voxels);
   // Jumps right inside, turned so that the box's diagonals lie along the lattice.
   const Quat turn(Eigen::AngleAxisd(0.7, Vec3(1, 1, 0).normalized()));
   scene.motion = straight({0, 0, -7}, {0, 0, -7.1}, 1, 1000, 250, turn);

@@ -28,7 +28,7 @@ class Agreement : public testing::TestWithParam<std::string> {
   }
 };
 
-/// Every engine.
+/// All engines.
 using EngineAgreement = Agreement;
 /// Those that have a shell: they share one serial reference, so what holds for one of them holds between them.
 class ShellAgreement : public Agreement {};

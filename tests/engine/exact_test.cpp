@@ -34,7 +34,7 @@ TEST(Clip, AgreesWithCountingPoints) {
     n.normalize();
     const double distance = u(random);
     const float nf[3] = {static_cast<float>(n.x()), static_cast<float>(n.y()), static_cast<float>(n.z())};
-    EXPECT_NEAR(rs_outside_share(nf, static_cast<float>(distance)), counted_share(n, distance, 60), 0.012)
+    EXPECT_NEAR(rs_outside_fraction(nf, static_cast<float>(distance)), counted_share(n, distance, 60), 0.012)
         << n.transpose() << ", " << distance;
   }
 }
@@ -55,7 +55,7 @@ TEST(Clip, SharesOfAStackOfVoxelsAddUpToTheDistance) {
     const float nf[3] = {static_cast<float>(n.x()), static_cast<float>(n.y()), static_cast<float>(n.z())};
     const double middle = u(random);
     double sum = 0;
-    for (int k = -40; k <= 40; ++k) sum += rs_outside_share(nf, static_cast<float>((k - middle) * n.z()));
+    for (int k = -40; k <= 40; ++k) sum += rs_outside_fraction(nf, static_cast<float>((k - middle) * n.z()));
     // Half of the 81 cubes' length, and the way of the plane along n from there.
     EXPECT_NEAR(sum, 40.5 - (n.z() > 0 ? middle : -middle), 2e-5) << n.transpose() << ", " << middle;
   }

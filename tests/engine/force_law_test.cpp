@@ -256,7 +256,7 @@ TEST_P(ForceOptions, EqualTheSerialReference) {
   EXPECT_GT(serial.totals.peak_force_n, 0);
   EXPECT_LT(std::abs(serial.totals.balance), 3e-7);
   const bool exact = GetParam().erosion == ErosionMode::exact;
-  // Detectors with a shell share one serial reference; every other one of the kernels' shapes is in Agreement.
+  // Engines with a shell share one serial reference; every other one of the kernels' shapes is in Agreement.
   for (const std::string engine : {"bricked", "bricked_gpu", "direct", "octree"}) {
     if (exact && engine.find("bricked") == std::string::npos) continue;
     SCOPED_TRACE(engine);

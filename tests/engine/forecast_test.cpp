@@ -8,7 +8,7 @@
 #include "sim/engine/exact/exact_engine.h"
 #include "sim/engine/exact/fill_pages.h"
 #include "sim/engine/make_engine.h"
-#include "sim/plan/exact_forecast.h"
+#include "sim/plan/memory_plan.h"
 #include "sim/predict/contact_forecast.h"
 #include "tests/engine/outcome.h"
 
@@ -46,9 +46,9 @@ TEST(Forecast, BoundsWhatIsCut) {
   const ReamingScene scene = plunge();
   const ExactForecast forecast = forecast_exact(scene);
   const Taken taken = taken_by(scene);
-  EXPECT_GE(forecast.parted, taken.pages);
+  EXPECT_GE(forecast.partial, taken.pages);
   // A brick's side and more counts round the tool: 1.6 mm and two voxels round a cap of 16 mm that goes 4 mm deep.
-  EXPECT_LE(forecast.parted, 2.5 * static_cast<double>(taken.pages));
+  EXPECT_LE(forecast.partial, 2.5 * static_cast<double>(taken.pages));
   EXPECT_GE(exact_engine_bytes(scene.bone, scene.tool, forecast), taken.device_bytes);
   EXPECT_LE(exact_engine_bytes(scene.bone, scene.tool, forecast), 3 * taken.device_bytes);
 }
@@ -57,17 +57,17 @@ TEST(Forecast, OfOneJumpAndOfManySteps) {
   ReamingScene scene = plunge();
   const ExactForecast slow = forecast_exact(scene);
   scene.motion.poses = {scene.motion.poses.front(), scene.motion.poses.back()};
-  EXPECT_NEAR(static_cast<double>(forecast_exact(scene).parted), static_cast<double>(slow.parted),
-              0.1 * static_cast<double>(slow.parted));
+  EXPECT_NEAR(static_cast<double>(forecast_exact(scene).partial), static_cast<double>(slow.partial),
+              0.1 * static_cast<double>(slow.partial));
 }
 
 TEST(Forecast, CountsBricksThatAreNotWholeAlready) {
   ReamingScene scene = plunge();
   for (ToolPose& pose : scene.motion.poses) pose.position_mm.z() += 100;  // never comes near
-  EXPECT_EQ(forecast_exact(scene).parted, 0U);
+  EXPECT_EQ(forecast_exact(scene).partial, 0U);
   scene.bone.fill.set({3, 3, 3}, 1000);
   scene.bone.fill.set({100, 3, 3}, 1000);
-  EXPECT_EQ(forecast_exact(scene).parted, 2U);
+  EXPECT_EQ(forecast_exact(scene).partial, 2U);
   EXPECT_EQ(forecast_exact(scene).listed, 0U);
 }
 
@@ -80,26 +80,26 @@ ReamingScene upright(const Vec3& from, const Vec3& to) {
 
 TEST(ContactForecast, HowCloseTheToolComes) {
   const ContactForecast above = forecast_contact(upright({0, 1, 9}, {0, 1, 6}));
-  EXPECT_FALSE(above.meets);
+  EXPECT_FALSE(above.touches);
   EXPECT_NEAR(above.nearest_mm, 6, 0.1);
   EXPECT_GE(above.frame, 195);
   EXPECT_LT((above.bone_mm - Vec3(0, 1, -0.1)).norm(), 3) << "under the rim of the bore";
   EXPECT_EQ(above.start_mm3, 0);
   // It flies past: 3 mm over the block in the middle of its way, far from it at both ends.
   const ContactForecast past = forecast_contact(upright({-90, 0, 3}, {90, 0, 3}));
-  EXPECT_FALSE(past.meets);
+  EXPECT_FALSE(past.touches);
   EXPECT_NEAR(past.nearest_mm, 3, 0.1);
   EXPECT_NEAR(static_cast<double>(past.frame), 100, 32);
   // And as far past its edge: the tool has a radius of 8 mm.
   const ContactForecast beside = forecast_contact(upright({20 + 8 + 5, 0, 4}, {20 + 8 + 5, 0, -14}));
-  EXPECT_FALSE(beside.meets);
+  EXPECT_FALSE(beside.touches);
   EXPECT_NEAR(beside.nearest_mm, 5, 0.1);
 }
 
 TEST(ContactForecast, MeetsWhatItTouches) {
-  EXPECT_TRUE(forecast_contact(upright({0, 1, 9}, {0, 1, -0.05})).meets);
-  EXPECT_TRUE(forecast_contact(upright({-90, 0, -0.3}, {90, 0, -0.3})).meets) << "only on the way";
-  EXPECT_TRUE(forecast_contact(plunge()).meets);
+  EXPECT_TRUE(forecast_contact(upright({0, 1, 9}, {0, 1, -0.05})).touches);
+  EXPECT_TRUE(forecast_contact(upright({-90, 0, -0.3}, {90, 0, -0.3})).touches) << "only on the way";
+  EXPECT_TRUE(forecast_contact(plunge()).touches);
 }
 
 TEST(ContactForecast, WhatAStartInTheBoneTakesAway) {
@@ -111,7 +111,7 @@ TEST(ContactForecast, WhatAStartInTheBoneTakesAway) {
   EXPECT_NEAR(forecast.start_mm3 / cap_mm3, 1, 0.01);
   scene.bone.set_voxels(FilledVoxmap(scene.bone.voxmap->grid));
   EXPECT_EQ(forecast_contact(scene).start_mm3, 0) << "no bone";
-  EXPECT_FALSE(forecast_contact(scene).meets);
+  EXPECT_FALSE(forecast_contact(scene).touches);
 }
 
 TEST(FillPages, AreNoMoreThanBricks) {

@@ -5,7 +5,7 @@
 #include <iostream>
 
 #include "kernels/cut_law.h"
-#include "sim/engine/common/voxel_box.h"
+#include "sim/engine/common/broad_phase.h"
 #include "sim/engine/dense/dense_state.h"
 #include "tests/engine/outcome.h"
 
@@ -96,7 +96,7 @@ TEST(Implicit, TheVoiHoldsEveryVoxelThatTheToolHolds) {
     looked_at += voi.size().cast<std::int64_t>().prod();
     for (std::int64_t e = 0; e < grid.size(); ++e) {
       const Vec3i c = grid.coord(e);
-      if (!rs_holds_voxel(&args, &profile, c.x(), c.y(), c.z())) continue;
+      if (!rs_contains_voxel(&args, &profile, c.x(), c.y(), c.z())) continue;
       ++held;
       EXPECT_TRUE((c.array() >= voi.first.array()).all() && (c.array() <= voi.last.array()).all()) << c.transpose();
     }

@@ -11,7 +11,7 @@
 
 namespace reamsim::test {
 
-/// What a run leaves: the bytes of forces.csv, the voxels that went and when, and what is left.
+/// The outcome of a run: the bytes of forces.csv, the removed voxels and their frames, and the remaining fill.
 struct Outcome {
   std::string forces;
   RemovedFrames removed;
@@ -50,7 +50,7 @@ inline void expect_same(const Outcome& a, const Outcome& b) {
   EXPECT_EQ(a.fill, b.fill);
 }
 
-/// Engines that have a shell, and the ways in which the kernels of `bricked` can run.
+/// Engines with a shell, and the shapes of the kernels of `bricked`.
 inline const std::vector<std::string> kShellEngines = {"direct",           "octree",      "bricked",
                                                        "bricked_unculled", "bricked_gpu", "bricked_gpu_unculled"};
 inline const std::vector<std::string> kEngines = [] {
@@ -67,7 +67,7 @@ inline void choose_engine(EngineSettings& engine, const std::string& name) {
   engine.tuning.culling = name.find("_unculled") == std::string::npos;
 }
 
-/// A tilted tool that comes down askew through bone of every density.
+/// A tilted tool on an oblique path through bone of all densities.
 inline ReamingScene oblique_scene(const std::string& device, const std::string& engine = "bricked") {
   ReamingScene scene;
   scene.scenario = quiet_scenario(device);

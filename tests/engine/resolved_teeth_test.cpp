@@ -14,7 +14,7 @@ Tool toothed_tool(const TriangleMesh& mesh, double voxel_mm, bool by_grid = true
   Tool tool;
   tool.mesh = mesh;
   tool.profile = envelope_of_revolution(mesh).profile;
-  tool.shell = voxelise_surface(mesh, 40);
+  tool.shell = voxelize_surface(mesh, 40);
   tool.bounds = mesh.bounds();
   for (const Vec3& v : mesh.vertices) tool.reach_mm = std::max(tool.reach_mm, v.norm());
   if (by_grid) tool.teeth = make_distance_grid(mesh, tool.profile, voxel_mm);

@@ -14,7 +14,7 @@ inline Tool make_tool(const Profile& profile, int resolution) {
   Tool tool;
   tool.profile = profile;
   tool.mesh = revolve(profile, 96);
-  tool.shell = voxelise_surface(tool.mesh, resolution);
+  tool.shell = voxelize_surface(tool.mesh, resolution);
   tool.bounds = tool.mesh.bounds();
   for (const Vec3& v : tool.mesh.vertices) tool.reach_mm = std::max(tool.reach_mm, v.norm());
   return tool;

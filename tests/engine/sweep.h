@@ -20,8 +20,8 @@ class SweptVolume {
       bottom_mm_ = std::min(bottom_mm_, p.y());
       top_mm_ = std::max(top_mm_, p.y());
     }
-    for (const PathStop& stop : stops_along(motion.poses, profile.bounds().max.norm(), step_mm)) {
-      tool_from_bone_.push_back(stop.pose.bone_from_tool().inverse());
+    for (const PathSample& sample : sample_path(motion.poses, profile.bounds().max.norm(), step_mm)) {
+      tool_from_bone_.push_back(sample.pose.bone_from_tool().inverse());
     }
   }
 
@@ -71,12 +71,12 @@ inline Leftovers ream_and_look(ReamingScene& scene, double deeper_than_voxels, d
   const double limit_mm = deeper_than_voxels * grid.voxel_mm;
   for (std::int64_t e = 0; e < grid.size(); ++e) {
     const Vec3i c = grid.coord(e);
-    const bool gone = scene.bone.fill.get(c) == 0;
-    const double depth_mm =
-        volume.depth_mm(grid.center_mm(c.x(), c.y(), c.z()), gone ? limit_mm : std::numeric_limits<double>::infinity());
+    const bool removed = scene.bone.fill.get(c) == 0;
+    const double depth_mm = volume.depth_mm(grid.center_mm(c.x(), c.y(), c.z()),
+                                            removed ? limit_mm : std::numeric_limits<double>::infinity());
     if (depth_mm <= limit_mm) continue;
     ++out.swept;
-    if (gone) continue;
+    if (removed) continue;
     ++out.left;
     out.deepest_voxels = std::max(out.deepest_voxels, depth_mm / grid.voxel_mm);
   }

@@ -109,7 +109,7 @@ TEST(ClippedTool, SaysWhichVoxelsFit) {
   Tool tool = tool_of(gear_mesh(6, 4, 6, 5));
   Report report;
   try {
-    ready_for_clipping(tool, resolved(), 0.1, 1e6, report);
+    prepare_clipping(tool, resolved(), 0.1, 1e6, report);
     FAIL() << "a grid of more than 1 MB in 1 MB";
   } catch (const InputError& error) {
     const std::string text = error.what();
@@ -123,14 +123,14 @@ TEST(ClippedTool, SaysWhichVoxelsFit) {
 TEST(ClippedTool, HasAGridOnlyWhereTeethTurn) {
   Report report;
   Tool toothed = tool_of(gear_mesh(6, 4, 6, 5));
-  ready_for_clipping(toothed, {}, 0.5, 1e9, report);
+  prepare_clipping(toothed, {}, 0.5, 1e9, report);
   EXPECT_FALSE(toothed.teeth) << "using its envelope";
-  ready_for_clipping(toothed, resolved(), 0.5, 1e9, report);
+  prepare_clipping(toothed, resolved(), 0.5, 1e9, report);
   ASSERT_TRUE(toothed.teeth);
   EXPECT_EQ(toothed.clip_slack_mm(), toothed.teeth->slack_mm);
   EXPECT_EQ(report.notes.size(), 1U) << "what the grid's volume is";
   Tool round = tool_of(sphere_mesh({0, 0, 5}, 5, 4), true);
-  ready_for_clipping(round, resolved(), 0.5, 1e9, report);
+  prepare_clipping(round, resolved(), 0.5, 1e9, report);
   EXPECT_FALSE(round.teeth);
   EXPECT_TRUE(report.warnings.empty()) << report.warnings[0];
 }
@@ -138,7 +138,7 @@ TEST(ClippedTool, HasAGridOnlyWhereTeethTurn) {
 TEST(ClippedTool, WarnsOfACoarseGrid) {
   Tool tool = tool_of(gear_mesh(6, 4, 6, 5));
   Report report;
-  ready_for_clipping(tool, resolved(), 1.0, 1e9, report);
+  prepare_clipping(tool, resolved(), 1.0, 1e9, report);
   ASSERT_EQ(report.warnings.size(), 1U);
   EXPECT_NE(report.warnings[0].find("the difference exceeds 0.5 %"), std::string::npos) << report.warnings[0];
 }
@@ -175,9 +175,9 @@ TEST(ThinWalls, OfAProfile) {
 TEST(ClippedTool, WarnsOfAThinWallWithItsSize) {
   Report report;
   Tool bar = tool_of(box_mesh({-6, -0.3, 0}, {6, 0.3, 5}));
-  ready_for_clipping(bar, {}, 0.5, 1e9, report);
+  prepare_clipping(bar, {}, 0.5, 1e9, report);
   EXPECT_TRUE(report.warnings.empty()) << "what it sweeps is a cylinder: " << report.warnings[0];
-  ready_for_clipping(bar, resolved(), 0.5, 1e9, report);
+  prepare_clipping(bar, resolved(), 0.5, 1e9, report);
   ASSERT_FALSE(report.warnings.empty());
   EXPECT_NE(report.warnings[0].find("0.6 mm thick at"), std::string::npos) << report.warnings[0];
   EXPECT_NE(report.warnings[0].find("use voxels of 0.3 mm or less"), std::string::npos) << report.warnings[0];

@@ -6,10 +6,8 @@
 
 #include "sim/base/error.h"
 #include "sim/tool/envelope.h"
-#include "sim/tool/generatrix.h"
 #include "sim/tool/polyline.h"
 #include "sim/tool/revolve.h"
-#include "sim/tool/sweep_outline.h"
 #include "tests/tool/reamer_files.h"
 
 namespace reamsim::test {

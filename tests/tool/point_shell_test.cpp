@@ -106,7 +106,7 @@ bool contains(const PointShell& shell, const Vec3i& cell) {
 TEST_P(ShellOf, EverySurfacePointLiesInACellOfTheShell) {
   SCOPED_TRACE("seed " + std::to_string(kSeed));
   const TriangleMesh mesh = reamer(GetParam());
-  const PointShell shell = voxelise_surface(mesh, 96);
+  const PointShell shell = voxelize_surface(mesh, 96);
   std::mt19937 random(kSeed);
   int missing = 0;
   for (const auto& t : mesh.triangles)
@@ -121,7 +121,7 @@ TEST_P(ShellOf, EverySurfacePointLiesInACellOfTheShell) {
 TEST_P(ShellOf, EveryCellIsTouchedByTheSurface) {
   constexpr int kSide = 14;
   const TriangleMesh mesh = reamer(GetParam());
-  const PointShell shell = voxelise_surface(mesh, kSide);
+  const PointShell shell = voxelize_surface(mesh, kSide);
   // By brute force over all triangles, so with another walk than the one under test.
   const Vec3 half = Vec3::Constant(0.5 * shell.cell_mm);
   std::size_t touched = 0;
@@ -157,7 +157,7 @@ TEST(PointShell, PointsOfASphereLieWithinHalfACellDiagonal) {
     const double angle = std::numbers::pi * i / 90;
     profile.points.emplace_back(i == 0 || i == 90 ? 0.0 : 10 * std::sin(angle), 10 - 10 * std::cos(angle));
   }
-  const PointShell shell = voxelise_surface(revolve(profile, 256), 64);
+  const PointShell shell = voxelize_surface(revolve(profile, 256), 64);
   const double limit = 0.5 * std::sqrt(3.0) * shell.cell_mm + 10 * (1 - std::cos(std::numbers::pi / 180)) + 1e-3;
   for (const std::uint64_t code : shell.codes)
     EXPECT_LT(std::abs((point_of(shell, code) - Vec3(0, 0, 10)).norm() - 10), limit);
@@ -167,7 +167,7 @@ TEST(PointShell, PointsOfASphereLieWithinHalfACellDiagonal) {
 }
 
 TEST(PointShell, CodesAscendAndTheCuttingEndIsSampledWhereItIs) {
-  const PointShell shell = voxelise_surface(reamer("flat"), 128);
+  const PointShell shell = voxelize_surface(reamer("flat"), 128);
   EXPECT_TRUE(std::is_sorted(shell.codes.begin(), shell.codes.end(), std::less_equal<>()));
   double lowest = 1e9;
   for (const std::uint64_t code : shell.codes) lowest = std::min(lowest, point_of(shell, code).z());
@@ -176,14 +176,14 @@ TEST(PointShell, CodesAscendAndTheCuttingEndIsSampledWhereItIs) {
 }
 
 TEST(PointShell, WorksAtBothEndsOfTheResolution) {
-  EXPECT_EQ(voxelise_surface(reamer("flat"), 1).codes.size(), 1u);
-  const PointShell finest = voxelise_surface(reamer("flat"), 1024);
+  EXPECT_EQ(voxelize_surface(reamer("flat"), 1).codes.size(), 1u);
+  const PointShell finest = voxelize_surface(reamer("flat"), 1024);
   EXPECT_GT(finest.codes.size(), 3'000'000u);
   EXPECT_LT(finest.codes.back(), 1u << 30);
   // A needle, so that the finest shell of all stays small: about 1.5·A/h² cells.
   const double radius = 0.05, length = 10;
   const PointShell needle =
-      voxelise_surface(revolve({{{0, 0}, {radius, 0}, {radius, length}, {0, length}}}, 128), 4096);
+      voxelize_surface(revolve({{{0, 0}, {radius, 0}, {radius, length}, {0, length}}}, 128), 4096);
   const double area = 2 * std::numbers::pi * radius * (length + radius);
   EXPECT_NEAR(static_cast<double>(needle.codes.size()) * std::pow(needle.cell_mm, 2) / (1.5 * area), 1, 0.2);
   EXPECT_EQ(morton_decode(needle.codes.back()).z(), 4095);
@@ -191,8 +191,8 @@ TEST(PointShell, WorksAtBothEndsOfTheResolution) {
 }
 
 TEST(PointShell, RefusesOtherResolutions) {
-  for (const int m : {-1, 0, 4097}) EXPECT_THROW(voxelise_surface(reamer("flat"), m), InputError);
-  EXPECT_THROW(voxelise_surface({}, 64), InputError);
+  for (const int m : {-1, 0, 4097}) EXPECT_THROW(voxelize_surface(reamer("flat"), m), InputError);
+  EXPECT_THROW(voxelize_surface({}, 64), InputError);
 }
 
 }  // namespace

@@ -7,7 +7,7 @@
 #include <numbers>
 
 #include "sim/mesh/mesh_check.h"
-#include "sim/tool/generatrix.h"
+#include "sim/tool/envelope.h"
 #include "tests/support/temp_dir.h"
 #include "tests/tool/reamer_files.h"
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "kernels/cube_share.h"
+#include "kernels/cube_fraction.h"
 #include "sim/base/geometry.h"
 #include "sim/bone/voxmap/field_cross.h"
 
@@ -50,7 +50,7 @@ inline double plane_share(const FieldStencil& at) {
   if (std::abs(away) > RS_CLIP_REACH) return away < 0 ? 1 : 0;
   const Vec3 normal = at.slope / length;
   const float n[3] = {static_cast<float>(normal.x()), static_cast<float>(normal.y()), static_cast<float>(normal.z())};
-  return double{rs_outside_share(n, static_cast<float>(-away))};
+  return double{rs_outside_fraction(n, static_cast<float>(-away))};
 }
 
 /// Part of a cube, 0…1, in which `field` is negative. The field is any continuous function of a point that falls about

@@ -4,9 +4,9 @@
 #include <cstring>
 #include <utility>
 
-#include "sim/engine/bricked/cut_bricked.h"
+#include "sim/engine/bricked/bricked_kernels.h"
 #include "sim/engine/common/engine_device.h"
-#include "sim/engine/common/removed_blocks.h"
+#include "sim/engine/common/read_back.h"
 
 namespace reamsim {
 
@@ -16,14 +16,14 @@ FillStore fill_store(const Scenario& scenario) {
   return scenario.cutting.erosion == ErosionMode::wear ? FillStore::bricks : FillStore::none;
 }
 
-/// A record is of a block, which cannot be touched without a point nor go without a voxel.
+/// A record stands for a block of 4×4×4 voxels: at most one per touched voxel and per shell point.
 DeviceBatch::RemovedList removed_list(const BoneView& bone, const Tool& tool, const BrickedLimits& limits) {
   const auto voxels = static_cast<std::size_t>(bone.count_bone());
   const std::size_t per_substep = std::min(voxels, tool.shell.codes.size());
   return {.words = sizeof(RemovedBlock) / sizeof(cl_ulong),
           .room = std::min(voxels, std::max(limits.removed_room, per_substep)),
           .per_substep = per_substep,
-          .in_all = voxels,
+          .in_total = voxels,
           .resumes = true};
 }
 
@@ -34,11 +34,11 @@ class BrickedEngine final : public Engine {
       : device_(info),
         bytes_(bricked_engine_bytes(scenario, bone, tool)),
         grid_(bone.voxmap.grid),
-        state_(make_bricked_state(device_, bone, tool, fill_store(scenario), limits.largest_pool)),
+        state_(make_bricked_state(device_, bone, tool, make_energy_table(scenario.cutting, bone.voxmap.grid.voxel_mm),
+                                  fill_store(scenario), limits.largest_pool)),
         batch_(device_, removed_list(bone, tool, limits)),
-        detect_(device_, state_, batch_, choose_options(info, scenario.engine.tuning)),
-        cut_(device_, state_, batch_, make_energy_table(scenario.cutting, bone.voxmap.grid.voxel_mm),
-             choose_options(info, scenario.engine.tuning)) {}
+        detect_(make_detect_bricked(device_, state_, batch_, choose_options(info, scenario.engine.tuning))),
+        cut_(make_cut_bricked(device_, state_, batch_, choose_options(info, scenario.engine.tuning))) {}
 
   void enqueue(const SubstepArgs& args) override {
     const int slot = batch_.begin(args);
@@ -49,8 +49,8 @@ class BrickedEngine final : public Engine {
 
   Batch collect() override {
     removed_.clear();
-    for (int slot = batch_.stalled(); slot >= 0; slot = batch_.stalled()) resume(slot);
-    return {batch_.collect(), stage_times(detect_.take_seconds(), cut_.take_seconds())};
+    for (int slot = batch_.first_waiting(); slot >= 0; slot = batch_.first_waiting()) resume(slot);
+    return {batch_.collect(), stage_times(detect_.kernel.take_seconds(), cut_.kernel.take_seconds())};
   }
 
   RemovedFrames take_removed() override {
@@ -70,7 +70,7 @@ class BrickedEngine final : public Engine {
   [[nodiscard]] StructureBytes structure_bytes() const override { return {state_.bone.bytes(), state_.shell_bytes()}; }
 
  private:
-  /// Cuts what waited for room in the list of removed voxels, and runs the substeps after it.
+  /// Cuts the substep that waited for room in the list of removed voxels, and runs those after it.
   void resume(int slot) {
     append(batch_.make_room(slot));
     cut_.enqueue(slot);
@@ -93,9 +93,9 @@ class BrickedEngine final : public Engine {
   VoxelGrid grid_;
   BrickedState state_;
   DeviceBatch batch_;
-  DetectBricked detect_;
-  CutBricked cut_;
-  RemovedFrames removed_;  // of the batch, as far as its list has been read
+  BrickedStage detect_;
+  BrickedStage cut_;
+  RemovedFrames removed_;  // of the batch, as far as they have been read
 };
 
 }  // namespace

@@ -9,14 +9,13 @@
 
 namespace reamsim {
 
-/// Bounds on buffers of `bricked`, which tests make small. Results do not depend on them.
+/// Buffer sizes of `bricked`, which tests reduce. Results do not depend on them.
 struct BrickedLimits {
   std::size_t largest_pool = SIZE_MAX;   ///< bytes of one buffer of bricks
-  std::size_t removed_room = 1'000'000;  ///< records of removed voxels that the list of a batch holds; at least what
-                                         ///< one substep can make
+  std::size_t removed_room = 1'000'000;  ///< records in a batch's list of removed voxels; one substep always fits
 };
 
-/// The default engine: `bricked` on `info`. Throws InputError when the bone does not fit.
+/// The `bricked` engine on `info`. Throws InputError when the bone does not fit.
 std::unique_ptr<Engine> make_bricked_engine(const cl::DeviceInfo& info, const Scenario& scenario, const BoneView& bone,
                                             const Tool& tool, const BrickedLimits& limits = {});
 /// The same on the device that the scenario names.

@@ -9,15 +9,15 @@
 
 namespace reamsim {
 
-// Host and device lay the struct out alike.
+// The struct has the same layout on host and device.
 static_assert(sizeof(ShellCell) == 32);
 
 namespace {
 
 constexpr int kLargestSide = 1 << RS_CELL_BITS;
 constexpr std::size_t kLanes = 16;
-/// The window less the three voxels by which its corner is rounded down, the voxel of the last point, and a slack for
-/// the rounding of fixed-point steps, which must not carry a point over the window's edge.
+/// The window less three voxels for the rounding of its corner, one for the voxel of the last point, and a slack for
+/// the rounding of fixed-point steps.
 constexpr double kWindowVoxels = 32 - 4 - 0.01;
 
 ShellCell bounds_of(const std::vector<Vec3i>& points) {
@@ -44,7 +44,7 @@ void append_cell(ShellCells& out, const std::vector<Vec3i>& points) {
   out.cells.push_back(cell);
 }
 
-/// A run's bounds are those of its cells' corners.
+/// The bounds of a run are those of its cells' corners.
 void append_runs(ShellCells& out) {
   for (std::size_t begin = 0; begin < out.cells.size(); begin += kRunCells) {
     const std::size_t end = std::min(out.cells.size(), begin + kRunCells);
@@ -65,7 +65,7 @@ void append_runs(ShellCells& out) {
 
 int shell_cell_side(double shell_cell_voxels) {
   int side = kLargestSide;
-  // A block's diagonal, turned along an axis, is the longest that it can reach.
+  // The largest extent along an axis is the block's diagonal.
   while (side > 1 && (side - 1) * shell_cell_voxels * std::sqrt(3.0) > kWindowVoxels) side /= 2;
   return side;
 }

@@ -1,5 +1,6 @@
 #include "sim/engine/common/broad_phase.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace reamsim {
@@ -8,6 +9,8 @@ namespace {
 
 /// Rounding allowance for axes that are cross products of nearly parallel edges.
 constexpr double kParallelEpsilon = 1e-12;
+/// Rounding allowance of the voxel box: more than the error of the kernels' single precision, voxels.
+constexpr double kVoxelSlack = 0.05;
 
 }  // namespace
 
@@ -44,6 +47,22 @@ std::optional<Aabb> volume_of_interest(const Aabb& tool, const Aabb& bone, const
 std::optional<Aabb> broad_phase(const Aabb& tool, const Aabb& bone, const Rigid& tool_from_bone) {
   if (!boxes_overlap(tool, bone, tool_from_bone)) return std::nullopt;
   return volume_of_interest(tool, bone, tool_from_bone);
+}
+
+VoxelBox voxel_voi(const SubstepArgs& args, const Aabb& tool_box, const VoxelBox& bone) {
+  // Eigen reads the row-major matrix as its transpose, which up to the voxel size is the inverse.
+  const Eigen::Map<const Mat3> transposed(args.tool_from_voxel);
+  const Mat3 voxel_from_tool = transposed / transposed.row(0).squaredNorm();
+  const Vec3 center = voxel_from_tool * (tool_box.center() - Eigen::Map<const Vec3>(args.tool_origin));
+  const Vec3 half = voxel_from_tool.cwiseAbs() * tool_box.half() + Vec3::Constant(kVoxelSlack);
+  VoxelBox voi;
+  for (int i = 0; i < 3; ++i) {
+    // Clamped before the conversion: the voxel of a distant tool overflows an int.
+    const double low = std::ceil(center[i] - half[i]), high = std::floor(center[i] + half[i]);
+    voi.first[i] = static_cast<int>(std::clamp(low, double(bone.first[i]), bone.last[i] + 1.0));
+    voi.last[i] = static_cast<int>(std::clamp(high, bone.first[i] - 1.0, double(bone.last[i])));
+  }
+  return voi;
 }
 
 }  // namespace reamsim

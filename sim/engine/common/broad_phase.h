@@ -2,19 +2,25 @@
 
 #include <optional>
 
+#include "kernels/shared.h"
 #include "sim/base/geometry.h"
+#include "sim/bone/voxmap/voxmap.h"
 
 namespace reamsim {
 
-/// The exact test of two boxes by separating axes (Gottschalk's 15 axes), one box in the other's frame (paper §3.4).
-/// `a` is axis-aligned in frame A, `b` in frame B; touching boxes overlap.
+/// Exact overlap test of two boxes by separating axes (Gottschalk's 15 axes), in the frame of one box (paper §3.4).
+/// `a` is axis-aligned in frame A, `b` in frame B. Touching boxes overlap.
 bool boxes_overlap(const Aabb& a, const Aabb& b, const Rigid& a_from_b);
 
-/// The volume of interest: the axis-aligned box, in the tool's frame, that holds the bone's box, cut with the tool's
-/// own box (paper §3.4, Fig. 5). It overestimates the intersection and never misses. nullopt when the boxes are apart.
+/// The volume of interest: the intersection of the tool's box with the axis-aligned bounding box, in the tool's frame,
+/// of the bone's box (paper §3.4, Fig. 5). Conservative. nullopt when it is empty.
 std::optional<Aabb> volume_of_interest(const Aabb& tool, const Aabb& bone, const Rigid& tool_from_bone);
 
-/// OBB against OBB, then the VOI; nullopt means that nothing can touch.
+/// OBB against OBB, then the VOI; nullopt where nothing can touch.
 std::optional<Aabb> broad_phase(const Aabb& tool, const Aabb& bone, const Rigid& tool_from_bone);
+
+/// The volume of interest in voxmap coordinates (paper §4.3.2): the voxels of `bone` whose centres can lie in
+/// `tool_box` (T, mm) in the substep's pose. Conservative.
+VoxelBox voxel_voi(const SubstepArgs& args, const Aabb& tool_box, const VoxelBox& bone);
 
 }  // namespace reamsim

@@ -16,7 +16,7 @@ DeviceBatch::DeviceBatch(const cl::Device& device, const RemovedList& removed)
       removed_before_(device, kMaxSlots, "the counts of removed voxels"),
       room_{{static_cast<cl_uint>(removed.room), static_cast<cl_uint>(removed.per_substep)}},
       host_args_(kMaxSlots) {
-  if (!removed.resumes && removed.room < removed.in_all) {
+  if (!removed.resumes && removed.room < removed.in_total) {
     const std::size_t substeps = removed.room / std::max<std::size_t>(1, removed.per_substep);
     slots_ = static_cast<int>(std::clamp<std::size_t>(substeps, 1, kMaxSlots));
   }
@@ -26,8 +26,8 @@ DeviceBatch::DeviceBatch(const cl::Device& device, const RemovedList& removed)
 }
 
 int DeviceBatch::begin(const SubstepArgs& args) {
-  if (removed_waits_) removed_count_.clear(device_, 1);
-  removed_waits_ = false;
+  if (has_removed_) removed_count_.clear(device_, 1);
+  has_removed_ = false;
   const int slot = used_++;
   const auto at = static_cast<std::size_t>(slot);
   host_args_[at] = args;
@@ -41,7 +41,7 @@ void DeviceBatch::read_sums() {
   if (used_ > 0) sums_.read(device_, host_sums_.data(), host_sums_.size());  // waits: the queue is in order
 }
 
-int DeviceBatch::stalled() {
+int DeviceBatch::first_waiting() {
   read_sums();
   const auto at =
       std::find_if(host_sums_.begin(), host_sums_.end(), [](const auto& sums) { return sums.contacts < 0; });
@@ -49,13 +49,13 @@ int DeviceBatch::stalled() {
 }
 
 std::vector<cl_ulong> DeviceBatch::make_room(int slot) {
-  // What detect summed up for the substep stays; those after it have only their marks.
+  // The sums of detect in `slot` remain; later slots have only the mark of waiting.
   const auto first = static_cast<std::size_t>(slot);
   host_sums_[first].contacts = 0;
   std::fill(host_sums_.begin() + slot + 1, host_sums_.end(), SubstepSums{});
   sums_.write(device_, &host_sums_[first], host_sums_.size() - first, first);
   host_sums_.clear();
-  removed_waits_ = true;
+  has_removed_ = true;
   const cl_uint none = 0;
   removed_before_.write(device_, &none, 1, first);
   return take_removed();
@@ -68,18 +68,18 @@ std::vector<SubstepSums> DeviceBatch::collect() {
   sums_.clear(device_, used);
   contact_count_.clear(device_, used);
   used_ = 0;
-  removed_waits_ = true;
+  has_removed_ = true;
   return std::exchange(host_sums_, {});
 }
 
 std::vector<cl_ulong> DeviceBatch::take_removed() {
-  if (!removed_waits_) return {};
+  if (!has_removed_) return {};
   cl_uint count = 0;
   removed_count_.read(device_, &count, 1);
   std::vector<cl_ulong> words(count * removed_words_);
   if (!words.empty()) removed_.read(device_, words.data(), words.size());
   removed_count_.clear(device_, 1);
-  removed_waits_ = false;
+  has_removed_ = false;
   return words;
 }
 

@@ -9,62 +9,57 @@
 
 namespace reamsim {
 
-/// A voxel that went, as the kernels over dense arrays write it: one word.
+/// A removed voxel as the kernels over dense arrays write it: one word.
 struct RemovedVoxel {
   cl_uint voxel;  ///< its index
   cl_uint frame;
 };
 
-/// Substeps that a batch holds at most.
+/// The largest number of substeps in a batch.
 inline constexpr int kMaxSlots = 4096;
 
-/// The slots of a batch of substeps on the device: arguments, sums and the number of contacts of each, and one list of
-/// what went in any of them. It knows nothing of how the bone is stored, so that every engine can use it.
+/// A batch of substeps on the device: arguments, sums and number of contacts per slot, and one list of removed voxels.
+/// Independent of the storage of the bone.
 class DeviceBatch {
  public:
-  /// The list of what went: entries of `words` 64-bit words. `room`: entries. `per_substep`: most that one substep can
-  /// make. `in_all`: most that a batch can make however long it is; where the list holds them it never runs over.
-  /// `resumes`: kernels leave alone what the list might not hold, and the engine resumes there; otherwise a batch is so
-  /// short that this cannot happen.
+  /// The list of removed voxels.
   struct RemovedList {
-    std::size_t words = 1;
-    std::size_t room = 0;
-    std::size_t per_substep = 0;
-    std::size_t in_all = 0;
-    bool resumes = false;
+    std::size_t words = 1;        ///< 64-bit words per entry
+    std::size_t room = 0;         ///< entries
+    std::size_t per_substep = 0;  ///< most entries of one substep
+    std::size_t in_total = 0;     ///< most entries of a batch of any length
+    bool resumes = false;         ///< kernels stop before an overflow and the engine resumes; else batches are shorter
   };
 
-  /// Throws RunError when the device has no room.
+  /// Throws RunError when the device runs out of memory. The device must outlive the batch.
   DeviceBatch(const cl::Device& device, const RemovedList& removed);
 
-  /// Sends a substep's arguments to the next slot, and returns the slot. The device must outlive the batch.
+  /// Writes a substep's arguments to the next slot, and returns the slot.
   int begin(const SubstepArgs& args);
-  /// The arguments that begin() took into a slot of this batch.
   [[nodiscard]] const SubstepArgs& args_of(int slot) const { return host_args_[static_cast<std::size_t>(slot)]; }
-  /// The arguments of the batch's substeps, by slot.
+  /// By slot.
   [[nodiscard]] std::span<const SubstepArgs> args_used() const {
     return {host_args_.data(), static_cast<std::size_t>(used_)};
   }
-  /// True when another substep might not find room.
+  /// Whether another substep might not fit.
   [[nodiscard]] bool full() const { return used_ >= slots_; }
 
-  /// Substeps in the batch.
+  /// Number of substeps.
   [[nodiscard]] int used() const { return used_; }
 
-  /// Waits. The first substep that waits for room in the list of what went (its contacts are negative, and nothing has
-  /// been cut in it or after it), or -1.
-  int stalled();
-  /// Gives the list to the caller and its room to the substep `slot`, the one that stalled() named: it is to be cut,
-  /// and those after it are to be detected and cut.
+  /// Finishes the queue. Returns the first substep that waits for room in the list of removed voxels, or -1. It and
+  /// those after it have cut nothing.
+  int first_waiting();
+  /// Empties the list, and returns it. The caller then cuts the substep `slot` of first_waiting(), and detects and cuts
+  /// those after it.
   std::vector<cl_ulong> make_room(int slot);
 
-  /// Waits for every substep of the batch, hands their sums over by slot, and empties the batch.
+  /// Finishes the queue, returns the sums by slot, and empties the batch.
   std::vector<SubstepSums> collect();
-  /// The list of the batch that was collected last, as the kernels wrote it, in no particular order. What is not taken
-  /// before the next begin() is dropped.
+  /// The list of removed voxels of the last batch, in no particular order. The next begin() clears it.
   std::vector<cl_ulong> take_removed();
 
-  /// Device memory that a batch takes, bytes.
+  /// Device memory of a batch, bytes.
   static std::size_t bytes(const RemovedList& removed);
 
   [[nodiscard]] const cl::Buffer<SubstepArgs>& args() const { return args_; }
@@ -73,7 +68,7 @@ class DeviceBatch {
   [[nodiscard]] const cl::Buffer<cl_ulong>& removed() const { return removed_; }
   [[nodiscard]] const cl::Buffer<cl_uint>& removed_count() const { return removed_count_; }
   [[nodiscard]] const cl::Buffer<cl_uint>& removed_before() const { return removed_before_; }  ///< per slot
-  [[nodiscard]] cl_uint2 removed_room() const { return room_; }  ///< entries of the list, and most of one substep
+  [[nodiscard]] cl_uint2 removed_room() const { return room_; }                                ///< room, per_substep
 
  private:
   void read_sums();
@@ -87,11 +82,11 @@ class DeviceBatch {
   cl::Buffer<cl_uint> removed_count_;
   cl::Buffer<cl_uint> removed_before_;
   cl_uint2 room_;
-  std::vector<SubstepSums> host_sums_;  // of the batch, once the queue has finished
+  std::vector<SubstepSums> host_sums_;  // once the queue has finished
   std::vector<SubstepArgs> host_args_;  // lives until the non-blocking write is done
   int slots_ = kMaxSlots;
   int used_ = 0;
-  bool removed_waits_ = false;
+  bool has_removed_ = false;  // the list is that of the last batch
 };
 
 }  // namespace reamsim

@@ -8,11 +8,11 @@
 #include <cstring>
 
 #include "sim/base/error.h"
-#include "sim/engine/common/dense_bone.h"
+#include "sim/engine/common/read_back.h"
 
 namespace reamsim {
 
-// Host and device lay the structs out alike.
+// The structs have the same layout on host and device.
 static_assert(sizeof(Brick) == 2 * 64 + 512);
 static_assert(sizeof(RemovedBlock) == 16);
 static_assert(FillBricks::kSide == RS_BRICK_SIDE);
@@ -28,13 +28,13 @@ std::size_t superbrick_count(const Vec3i& bricks) {
   return static_cast<std::size_t>(n.x()) * static_cast<std::size_t>(n.y()) * static_cast<std::size_t>(n.z());
 }
 
-/// Writes a brick as the device has it; false where nothing is left in it.
-bool fill_brick(const BoneView& bone, const Vec3i& coord, const GradeBricks::Brick& grades, bool with_fill,
-                cl_uchar* bytes) {
+/// Writes a brick in the device's layout. Returns whether it has bone.
+bool write_brick(const BoneView& bone, const Vec3i& coord, const GradeBricks::Brick& grades, bool with_fill,
+                 cl_uchar* bytes) {
   Brick out{};
   std::array<rs_u16, RS_BRICK_VOXELS> fill{};
   const FillBricks::Brick* fills = bone.fill.brick(coord);
-  bool left = false;
+  bool has_bone = false;
   for (int offset = 0; offset < GradeBricks::kVoxels; ++offset) {
     const Vec3i voxel = BrickLattice::voxel_at(Vec3i::Zero(), offset);
     const auto place = static_cast<std::size_t>(rs_brick_offset(voxel.x(), voxel.y(), voxel.z()));
@@ -43,15 +43,15 @@ bool fill_brick(const BoneView& bone, const Vec3i& coord, const GradeBricks::Bri
     fill[place] = fills == nullptr ? FillBricks::kWhole : (*fills)[at];
     if (out.grade[place] == 0 || fill[place] == 0) continue;
     out.bone[place >> 5] |= 1U << (place & 31U);
-    left = true;
+    has_bone = true;
   }
   std::memcpy(bytes, &out, sizeof out);
   if (with_fill) std::memcpy(bytes + sizeof out, fill.data(), kFillBytes);
-  return left;
+  return has_bone;
 }
 
-/// Marks a brick as holding bone; its place in the words is that of cut_bricked.cl.
-void occupy(const Vec3i& brick, const Vec3i& superbricks, std::vector<cl_uint>& occupancy) {
+/// Sets the bit of a brick with bone, in the layout of kernels/brick_report.h.
+void set_occupied(const Vec3i& brick, const Vec3i& superbricks, std::vector<cl_uint>& occupancy) {
   const Vec3i s = brick / 4;
   const auto word = static_cast<std::size_t>(
       2 * (s.x() + std::int64_t{superbricks.x()} * (s.y() + std::int64_t{superbricks.y()} * s.z())));
@@ -67,7 +67,6 @@ BrickLayout plan_layout(const BoneView& bone, FillStore fill, std::size_t larges
   layout.bits = 31;
   if (layout.bricks * layout.brick_bytes <= largest_allocation) return layout;
   layout.pools = kManyPools;
-  // Where not even one brick fits, make_bricked_state() says so.
   layout.bits = std::max(0, static_cast<int>(std::bit_width(largest_allocation / layout.brick_bytes)) - 1);
   return layout;
 }
@@ -91,6 +90,13 @@ std::size_t bytes_of(const BrickLayout& layout, const BoneView& bone) {
 std::string BrickLayout::defines() const {
   return "-DRS_POOLS=" + std::to_string(pools) + " -DRS_POOL_BITS=" + std::to_string(bits) +
          (fill == FillStore::bricks ? " -DRS_BRICK_FILL" : "");
+}
+
+std::vector<cl_mem> DeviceBricks::pool_arguments() const {
+  std::vector<cl_mem> out;
+  for (const auto& pool : pools) out.push_back(pool.get());
+  out.resize(static_cast<std::size_t>(layout.pools), out.back());  // unused, but an argument must be a buffer
+  return out;
 }
 
 std::size_t DeviceBricks::bytes() const {
@@ -154,17 +160,18 @@ void upload_bone(const cl::Device& device, const BoneView& bone, DeviceBricks& o
   const Vec3i superbricks = (bricks.array() + 3) / 4;
   std::size_t slot = 0, first = 0;
   const auto flush = [&] {
-    const std::size_t pool = first >> out.layout.bits, within = first & ((std::size_t{1} << out.layout.bits) - 1);
-    if (slot > first) out.pools[pool].write(device, chunk.data(), (slot - first) * bytes, within * bytes);
+    if (slot > first) {
+      out.pools[out.layout.pool_of(first)].write(device, chunk.data(), (slot - first) * bytes,
+                                                 out.layout.place_in_pool(first) * bytes);
+    }
     first = slot;
   };
   bone.voxmap.grade.for_each_brick([&](const Vec3i& brick, const GradeBricks::Brick& grades) {
-    if (fill_brick(bone, brick, grades, out.layout.fill == FillStore::bricks, chunk.data() + (slot - first) * bytes)) {
-      occupy(brick, superbricks, occupancy);
+    if (write_brick(bone, brick, grades, out.layout.fill == FillStore::bricks, chunk.data() + (slot - first) * bytes)) {
+      set_occupied(brick, superbricks, occupancy);
     }
     ++slot;
-    const bool pool_ends = (slot & ((std::size_t{1} << out.layout.bits) - 1)) == 0;
-    if (slot - first == kChunk || pool_ends) flush();
+    if (slot - first == kChunk || out.layout.place_in_pool(slot) == 0) flush();
   });
   flush();
   out.occupancy.write(device, occupancy.data(), occupancy.size());
@@ -178,8 +185,8 @@ void upload_bricks_of(const cl::Device& device, const BoneView& bone, const Remo
   for (const auto& [voxel, frame] : voxels) {
     touched.push_back(lattice.index(BrickLattice::brick_of(bone.voxmap.grid.coord(voxel))));
   }
-  std::sort(touched.begin(), touched.end());
-  touched.erase(std::unique(touched.begin(), touched.end()), touched.end());
+  std::ranges::sort(touched);
+  touched.erase(std::ranges::unique(touched).begin(), touched.end());
 
   const std::size_t bytes = out.layout.brick_bytes;
   const Vec3i superbricks = (lattice.dims.array() + 3) / 4;
@@ -191,30 +198,28 @@ void upload_bricks_of(const cl::Device& device, const BoneView& bone, const Remo
   for (const std::size_t index : touched) {
     const Vec3i brick = lattice.coord(index);
     const auto slot = static_cast<std::size_t>(slots[index]);
-    const std::size_t pool = slot >> out.layout.bits, within = slot & ((std::size_t{1} << out.layout.bits) - 1);
-    const bool left =
-        fill_brick(bone, brick, *bone.voxmap.grade.brick(brick), out.layout.fill == FillStore::bricks, record.data());
-    out.pools[pool].write(device, record.data(), bytes, within * bytes);
-    if (left) occupy(brick, superbricks, occupancy);
+    const bool has_bone =
+        write_brick(bone, brick, *bone.voxmap.grade.brick(brick), out.layout.fill == FillStore::bricks, record.data());
+    out.pools[out.layout.pool_of(slot)].write(device, record.data(), bytes, out.layout.place_in_pool(slot) * bytes);
+    if (has_bone) set_occupied(brick, superbricks, occupancy);
   }
   out.occupancy.write(device, occupancy.data(), occupancy.size());
 }
 
-void read_brick_fill(const cl::Device& device, const DeviceBricks& out, const Voxmap& voxmap, FillBricks& left) {
+void read_brick_fill(const cl::Device& device, const DeviceBricks& out, const Voxmap& voxmap, FillBricks& remaining) {
   if (out.layout.fill != FillStore::bricks) return;
   const std::size_t bytes = out.layout.brick_bytes;
   std::vector<cl_uchar> record(bytes);
   std::array<rs_u16, RS_BRICK_VOXELS> fill{};
   std::size_t slot = 0;
   voxmap.grade.for_each_brick([&](const Vec3i& brick, const GradeBricks::Brick& grades) {
-    const std::size_t pool = slot >> out.layout.bits, within = slot & ((std::size_t{1} << out.layout.bits) - 1);
-    out.pools[pool].read(device, record.data(), bytes, within * bytes);
+    out.pools[out.layout.pool_of(slot)].read(device, record.data(), bytes, out.layout.place_in_pool(slot) * bytes);
     std::memcpy(fill.data(), record.data() + sizeof(Brick), kFillBytes);
     ++slot;
     for (int offset = 0; offset < GradeBricks::kVoxels; ++offset) {
       if (grades[static_cast<std::size_t>(offset)] == 0) continue;
       const Vec3i voxel = BrickLattice::voxel_at(brick, offset);
-      left.set(voxel, fill[static_cast<std::size_t>(rs_brick_offset(voxel.x(), voxel.y(), voxel.z()))]);
+      remaining.set(voxel, fill[static_cast<std::size_t>(rs_brick_offset(voxel.x(), voxel.y(), voxel.z()))]);
     }
   });
 }

@@ -10,27 +10,28 @@
 
 namespace reamsim {
 
-/// Where the fill of voxels that are partly removed stands.
+/// Storage of the fill of partly removed voxels.
 enum class FillStore {
   none,    ///< voxels are whole or removed
-  bricks,  ///< in every brick (`wear`, and bone that has been reamed before)
-  pages    ///< in pages, of the bricks that are not whole (`exact`)
+  bricks,  ///< in every brick (`wear`, and bone that was reamed before)
+  pages    ///< in pages, for partly removed bricks (`exact`)
 };
 
-/// How the bricks are laid into buffers: none larger than the device allocates in one piece.
+/// Distribution of the bricks over buffers that the device can allocate.
 struct BrickLayout {
   int pools = 1;  ///< 1, or 16
-  int bits = 0;   ///< log2 of the bricks that a pool holds
+  int bits = 0;   ///< log2 of the bricks per pool
   std::size_t bricks = 0;
   std::size_t brick_bytes = 0;
   FillStore fill = FillStore::none;
 
-  /// Options that the kernels are compiled with.
+  /// Compiler options of the kernels.
   [[nodiscard]] std::string defines() const;
+  [[nodiscard]] std::size_t pool_of(std::size_t slot) const { return slot >> bits; }
+  [[nodiscard]] std::size_t place_in_pool(std::size_t slot) const { return slot & ((std::size_t{1} << bits) - 1); }
 };
 
-/// The bone on the device: bricks of 8×8×8 voxels where there is bone, the table that finds them, and which of them
-/// still hold bone.
+/// The bone on the device: bricks of 8×8×8 voxels where there is bone, and their tables.
 struct DeviceBricks {
   BrickLayout layout;
   VoxelGrid grid;                           ///< of the voxmap
@@ -38,37 +39,29 @@ struct DeviceBricks {
   std::vector<cl::Buffer<cl_uchar>> pools;  ///< `Brick` of kernels/bricks.h
   cl::Buffer<cl_int> slot_of_brick;         ///< -1: no bone
   cl::Buffer<cl_uint> lattice_of_slot;
-  cl::Buffer<cl_uint> occupancy;  ///< two words per 4×4×4 bricks
+  cl::Buffer<cl_uint> occupancy;  ///< two words per 4×4×4 bricks: a bit per brick with bone
 
-  /// Sets the pools' arguments from `first` on.
-  template <class Argument>
-  void set_pools(cl::Kernel& kernel, Argument first) const {
-    for (int i = 0; i < layout.pools; ++i) {
-      // Pools that the bone does not need are never looked up; the argument has to be some buffer.
-      kernel.set(static_cast<cl_uint>(first) + static_cast<cl_uint>(i),
-                 pools[std::min(static_cast<std::size_t>(i), pools.size() - 1)]);
-    }
-  }
+  /// The pools as arguments of a kernel.
+  [[nodiscard]] std::vector<cl_mem> pool_arguments() const;
   [[nodiscard]] std::size_t bytes() const;
 };
 
-/// Uploads the bone. No buffer of bricks takes more than `largest_pool` bytes, nor more than the device allocates in
-/// one piece. `other_bytes`: what the engine is going to take beside. Throws InputError that says what would fit;
-/// memory is planned before it is taken.
+/// Uploads the bone. A buffer of bricks has at most `largest_pool` bytes. `other_bytes`: further memory of the engine.
+/// Throws InputError with the voxel size that would fit, before it allocates.
 DeviceBricks make_device_bricks(const cl::Device& device, const BoneView& bone, FillStore fill, std::size_t other_bytes,
                                 std::size_t largest_pool = SIZE_MAX);
 
-/// Device memory that make_device_bricks() would take, bytes.
+/// Device memory of make_device_bricks(), bytes.
 std::size_t device_bricks_bytes(const BoneView& bone, FillStore fill);
 
-/// Uploads the bone again, as `voxmap` has it. Its bricks must be those that `bricks` was made with; else RunError.
+/// Uploads the bone again. Throws RunError where its bricks are not those that `bricks` was made with.
 void upload_bone(const cl::Device& device, const BoneView& bone, DeviceBricks& bricks);
 
 /// As upload_bone(), for the bricks of these voxels (VoxelGrid::index) only.
 void upload_bricks_of(const cl::Device& device, const BoneView& bone, const RemovedFrames& voxels,
                       DeviceBricks& bricks);
 
-/// Puts every fill that the bricks hold into `fill`.
+/// Copies the fill of the bricks into `fill`.
 void read_brick_fill(const cl::Device& device, const DeviceBricks& bricks, const Voxmap& voxmap, FillBricks& fill);
 
 }  // namespace reamsim

@@ -14,8 +14,8 @@ double interpolated(const std::vector<SpecificEnergySettings>& table, double den
   if (above == table.begin()) return table.front().energy_j_mm3;
   if (above == table.end()) return table.back().energy_j_mm3;
   const SpecificEnergySettings& below = *(above - 1);
-  const double share = (density_g_cm3 - below.density_g_cm3) / (above->density_g_cm3 - below.density_g_cm3);
-  return below.energy_j_mm3 + share * (above->energy_j_mm3 - below.energy_j_mm3);
+  const double t = (density_g_cm3 - below.density_g_cm3) / (above->density_g_cm3 - below.density_g_cm3);
+  return below.energy_j_mm3 + t * (above->energy_j_mm3 - below.energy_j_mm3);
 }
 
 }  // namespace

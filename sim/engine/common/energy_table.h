@@ -6,8 +6,8 @@
 
 namespace reamsim {
 
-/// Density (g/cm³) and cutting energy (mJ) of a whole voxel, by grade: u₀·(ρ/ρ_ref)^p, or from the scenario's table
-/// where it has one; beyond that table's ends as at its ends. The size effect is not in it.
+/// Density (g/cm³) and cutting energy (mJ) of a whole voxel, by grade: u₀·(ρ/ρ_ref)^p, or interpolated in the
+/// scenario's table, constant beyond its ends. Without the size effect.
 struct EnergyTable {
   std::array<double, 256> energy_mj{};
   std::array<double, 256> density_g_cm3{};

@@ -9,46 +9,43 @@
 
 namespace reamsim {
 
-/// Seconds that a substep took: finding the voxels or bricks that the tool reaches, and cutting them.
+/// Run times of a substep: detection of voxels or bricks in reach, and cut.
 struct StageTimes {
   double detect_s = 0;
   double cut_s = 0;
 };
 
-/// What the substeps of a batch gave, in the order in which they were enqueued.
+/// Results of the substeps of a batch, in the order of enqueue().
 struct Batch {
   std::vector<SubstepSums> sums;
   std::vector<StageTimes> times;
 };
 
-/// What an engine keeps of bone and tool on the device, bytes: the structures that the paper's Table 4 compares,
-/// without the lists and slots of a batch.
+/// Device memory of bone and tool, bytes: the structures of the paper's Table 4, without the lists and slots of a
+/// batch.
 struct StructureBytes {
   std::size_t voxmap = 0;
   std::size_t shell = 0;
 };
 
-/// Moves the tool through the bone, substep by substep, on a copy of the bone of its own: sums forces and energy, and
-/// removes bone. Each engine's file names its stages.
+/// Moves the tool through its own copy of the bone, substep by substep: removes bone, and sums forces and energy.
 class Engine {
  public:
   virtual ~Engine() = default;
-  /// Takes the next substep of the batch. Its work may be done at any time until collect() returns. The batch must not
-  /// be full.
+  /// Adds a substep to the batch, which must not be full. It is executed at any time until collect() returns.
   virtual void enqueue(const SubstepArgs& args) = 0;
-  /// True when another substep might not find room; collect() empties the batch.
+  /// Whether another substep might not fit; collect() empties the batch.
   [[nodiscard]] virtual bool full() const = 0;
-  /// Finishes every substep of the batch, and hands its results over.
+  /// Finishes the batch, and returns its results.
   virtual Batch collect() = 0;
-  /// The voxels removed in the batch collected last, and when. What is not taken before the next enqueue() is dropped.
+  /// The voxels that the last collected batch removed, and their frames. The next enqueue() clears them.
   virtual RemovedFrames take_removed() = 0;
-  /// Brings fill that fell without reaching zero into `fill`; voxels removed whole are in take_removed(). `voxmap`:
-  /// what the engine was made with.
+  /// Updates partly removed voxels in `fill`; those without fill are in take_removed(). `voxmap`: that of the engine.
   virtual void read_fill(const Voxmap& voxmap, FillBricks& fill) = 0;
-  /// Sets the bone to `bone`, for benchmarks and tests; every batch must have been collected. Throws RunError where it
-  /// is not the voxmap that the engine was made with, reamed or not.
+  /// Sets the bone, for benchmarks and tests; all batches must have been collected. Throws RunError where it is not the
+  /// voxmap of the engine, reamed or not.
   virtual void restore(const BoneView& bone) = 0;
-  /// As restore(), for the voxels of `removed` only; an engine that knows no shorter way restores everything.
+  /// As restore(), for the voxels of `removed` only, where the engine supports that.
   virtual void restore_voxels(const BoneView& bone, const RemovedFrames& /*removed*/) { restore(bone); }
   /// Name of the device, or "serial".
   [[nodiscard]] virtual std::string device() const = 0;

@@ -9,43 +9,43 @@
 
 namespace reamsim {
 
-// Host and device lay the structs out alike.
+// The structs have the same layout on host and device.
 static_assert(sizeof(EdgeList) == 8);
 static_assert(sizeof(ProfileGrid) == 16);
 
 namespace {
 
-/// Half the diagonal between the corner voxels' centres of a brick, in voxels, and as far as it moves within a window
-/// of substeps.
+/// Half the diagonal between the centres of a brick's corner voxels plus the motion within a window, voxels.
 const double kBrickReach = 0.5 * (RS_BRICK_SIDE - 1) * std::sqrt(3.0) + kWindowShiftVoxels;
 constexpr double kGridVoxels = 4;
-/// Touched voxels lie within a few voxels of the surface; teeth, resolved, may lie deeper, and use the full list.
+/// Width of the band around the profile with lists of its own, voxels: touched voxels lie within a few voxels of the
+/// surface. Resolved cutting edges may lie deeper, where the full list is used.
 constexpr double kBandVoxels = 8;
-constexpr int kMostCells = 1 << 16;
-/// Parts along each side into which a cell's surroundings are cut to find what can be nearest.
+constexpr int kMaxCells = 1 << 16;
+/// Subdivisions of a cell's surroundings along each side in the search for the nearest parts.
 constexpr int kParts = 8;
-/// Room for the rounding of single precision in the kernels, mm.
+/// Allowance for the single precision of the kernels, mm.
 constexpr double kSlack_mm = 1e-3;
 
-/// Lays the grid over the profile and a band round it; cells grow where there would be too many.
-ProfileGrid lay_grid(const Profile& profile, double voxel_mm) {
+/// The grid over the profile and its band. Its cells grow where there would be more than kMaxCells.
+ProfileGrid make_grid(const Profile& profile, double voxel_mm) {
   const Aabb box = profile.bounds();
   const double margin = kBandVoxels * voxel_mm;
   const double width = box.max.x() + margin, height = box.max.z() - box.min.z() + 2 * margin;
-  const double cell_mm = std::max(kGridVoxels * voxel_mm, std::sqrt(width * height / kMostCells));
+  const double cell_mm = std::max(kGridVoxels * voxel_mm, std::sqrt(width * height / kMaxCells));
   return {static_cast<float>(box.min.z() - margin), static_cast<float>(1 / cell_mm),
           static_cast<rs_i32>(std::ceil(width / cell_mm)), static_cast<rs_i32>(std::ceil(height / cell_mm))};
 }
 
 using Distance = std::function<double(std::size_t, const Vec2&)>;
 
-/// Of `among`, those that can be nearest to a point within `reach_mm` of `center`: distances change by no more than the
-/// way that the point moves.
+/// The elements of `among` that can be nearest to a point within `reach_mm` of `center`, because a distance changes by
+/// at most the motion of the point.
 std::vector<rs_u16> nearest_within(const Distance& distance, const std::vector<rs_u16>& among, const Vec2& center,
                                    double reach_mm) {
   std::vector<double> distances;
   for (const rs_u16 i : among) distances.push_back(distance(i, center));
-  const double limit = *std::min_element(distances.begin(), distances.end()) + 2 * reach_mm + kSlack_mm;
+  const double limit = std::ranges::min(distances) + 2 * reach_mm + kSlack_mm;
   std::vector<rs_u16> out;
   for (std::size_t i = 0; i < among.size(); ++i) {
     if (distances[i] <= limit) out.push_back(among[i]);
@@ -53,7 +53,7 @@ std::vector<rs_u16> nearest_within(const Distance& distance, const std::vector<r
   return out;
 }
 
-/// The same, tighter: for each part of the square round `center`, and all together.
+/// The same with a tighter bound: the union over the parts of the square around `center`.
 std::vector<rs_u16> nearest_by_parts(const Distance& distance, const std::vector<rs_u16>& among, const Vec2& center,
                                      double reach_mm) {
   const std::vector<rs_u16> coarse = nearest_within(distance, among, center, reach_mm);
@@ -62,8 +62,8 @@ std::vector<rs_u16> nearest_by_parts(const Distance& distance, const std::vector
   for (int i = 0; i < kParts * kParts && out.size() < coarse.size(); ++i) {
     const Vec2 at = center + part * Vec2(i % kParts + 0.5, i / kParts + 0.5) - Vec2::Constant(reach_mm);
     for (const rs_u16 edge : nearest_within(distance, coarse, at, std::sqrt(0.5) * part)) out.push_back(edge);
-    std::sort(out.begin(), out.end());
-    out.erase(std::unique(out.begin(), out.end()), out.end());
+    std::ranges::sort(out);
+    out.erase(std::ranges::unique(out).begin(), out.end());
   }
   return out;
 }
@@ -76,7 +76,7 @@ NearestLists make_nearest_lists(const Profile& profile, std::size_t count, const
   std::iota(out.numbers.begin(), out.numbers.end(), rs_u16{0});
   const std::vector<rs_u16> all = out.numbers;
   out.lists.push_back({0, static_cast<rs_u32>(count)});
-  out.grid = lay_grid(profile, voxel_mm);
+  out.grid = make_grid(profile, voxel_mm);
   const double cell_mm = 1 / double{out.grid.per_mm};
   const double reach_mm = kBrickReach * voxel_mm + std::sqrt(0.5) * cell_mm + kSlack_mm;
   for (int z = 0; z < out.grid.count_z; ++z) {

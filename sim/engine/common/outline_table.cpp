@@ -10,12 +10,12 @@
 
 namespace reamsim {
 
-// Host and device lay the struct out alike.
+// The struct has the same layout on host and device.
 static_assert(sizeof(OutlinePiece) == 60);
 
 namespace {
 
-OutlinePiece piece_of(const OutlineArc& arc) {
+OutlinePiece make_piece(const OutlineArc& arc) {
   const auto f = [](double value) { return static_cast<float>(value); };
   return {.r0 = f(arc.begin.x()),
           .z0 = f(arc.begin.y()),
@@ -34,16 +34,16 @@ OutlinePiece piece_of(const OutlineArc& arc) {
           .after = -1};
 }
 
-/// Whether the outline goes on from `a` to `b`; an edge on the axis between them is in no table.
+/// Whether `b` follows `a`; the table has no edges on the axis between them.
 bool joined(const OutlineArc& a, const OutlineArc& b) {
   return a.end == b.begin;
 }
 
 bool sharp(const OutlineArc& a, const OutlineArc& b) {
-  return joined(a, b) && std::abs(turn_between(a.along_end, b.along_begin)) > kSharpTurn;
+  return joined(a, b) && std::abs(angle_between(a.along_end, b.along_begin)) > kSharpTurn;
 }
 
-/// Length of the smooth line that begins with arc `i` and goes forwards (`step` 1) or backwards (-1), mm.
+/// Length of the smooth section from arc `i` forwards (`step` 1) or backwards (-1), mm.
 double smooth_length(const std::vector<OutlineArc>& arcs, std::size_t i, int step) {
   double length = 0;
   for (std::size_t k = 0; k < arcs.size(); ++k) {
@@ -56,7 +56,8 @@ double smooth_length(const std::vector<OutlineArc>& arcs, std::size_t i, int ste
   return length;
 }
 
-/// Notes the sharp corners. Where a line at one were shorter than a voxel, a third plane would cut the same voxel.
+/// Marks the sharp corners. One next to a section shorter than a voxel does not count: a third plane would cut the same
+/// voxel.
 void mark_corners(const std::vector<OutlineArc>& arcs, double voxel_mm, std::vector<OutlinePiece>& pieces) {
   for (std::size_t i = 0; i < arcs.size(); ++i) {
     const std::size_t next = (i + 1) % arcs.size();
@@ -67,14 +68,14 @@ void mark_corners(const std::vector<OutlineArc>& arcs, double voxel_mm, std::vec
   }
 }
 
-/// The pieces alone.
-OutlineTable table_of(const Outline& outline, double voxel_mm) {
+/// The table without lists.
+OutlineTable table_without_lists(const Outline& outline, double voxel_mm) {
   OutlineTable table;
   if (outline.arcs.size() > std::numeric_limits<rs_u16>::max()) {
     throw InputError({}, "tool.mesh", "a profile of " + std::to_string(outline.arcs.size()) + " lines and arcs",
                      "at most 65535 are possible");
   }
-  std::transform(outline.arcs.begin(), outline.arcs.end(), std::back_inserter(table.pieces), piece_of);
+  std::transform(outline.arcs.begin(), outline.arcs.end(), std::back_inserter(table.pieces), make_piece);
   mark_corners(outline.arcs, voxel_mm, table.pieces);
   table.bulge_mm = outline.bulge_mm;
   return table;
@@ -83,7 +84,7 @@ OutlineTable table_of(const Outline& outline, double voxel_mm) {
 }  // namespace
 
 OutlineTable full_outline_table(const Profile& profile, double voxel_mm) {
-  OutlineTable table = table_of(fit_outline(profile), voxel_mm);
+  OutlineTable table = table_without_lists(fit_outline(profile), voxel_mm);
   for (std::size_t i = 0; i < table.pieces.size(); ++i) table.near.numbers.push_back(static_cast<rs_u16>(i));
   table.near.lists.push_back({0, static_cast<rs_u32>(table.pieces.size())});
   return table;
@@ -91,7 +92,7 @@ OutlineTable full_outline_table(const Profile& profile, double voxel_mm) {
 
 OutlineTable make_outline_table(const Profile& profile, double voxel_mm) {
   const Outline outline = fit_outline(profile);
-  OutlineTable table = table_of(outline, voxel_mm);
+  OutlineTable table = table_without_lists(outline, voxel_mm);
   table.near = make_nearest_lists(
       profile, outline.arcs.size(), [&](std::size_t i, const Vec2& rz) { return outline.arcs[i].distance(rz); },
       voxel_mm);

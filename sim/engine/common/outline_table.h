@@ -6,7 +6,7 @@
 
 namespace reamsim {
 
-/// The tool's outline as exact erosion reads it: lines and arcs (kernels/outline.h).
+/// The tool's outline for exact erosion: lines and arcs (kernels/outline.h).
 using OutlineTable = SurfaceTable<OutlinePiece>;
 using DeviceOutline = DeviceSurface<OutlinePiece>;
 
@@ -14,11 +14,11 @@ inline OutlineView view_of(const OutlineTable& table) {
   return {table.pieces.data(), table.near.numbers.data(), table.near.lists.data(), &table.near.grid};
 }
 
-/// Every piece in one list: the reference. Corners count as sharp where the lines on both sides are as long as a voxel
-/// of `voxel_mm`, because two planes stand for the outline there.
+/// All pieces in one list: the reference. Corners count as sharp where the sections on both sides are at least as long
+/// as a voxel, because two planes represent the outline there.
 OutlineTable full_outline_table(const Profile& profile, double voxel_mm);
 
-/// Lists for voxels of `voxel_mm`. Gives the same distances and normals as full_outline_table(), bit for bit. Throws
+/// With lists for voxels of `voxel_mm`. Distances and normals are bitwise those of full_outline_table(). Throws
 /// InputError beyond 65535 pieces.
 OutlineTable make_outline_table(const Profile& profile, double voxel_mm);
 

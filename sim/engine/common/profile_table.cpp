@@ -11,12 +11,12 @@
 
 namespace reamsim {
 
-// Host and device lay the structs out alike.
+// The struct has the same layout on host and device.
 static_assert(sizeof(ProfileEdge) == 36);
 
 namespace {
 
-/// The edge between two vertices as the kernels have them, in single precision.
+/// The edge between two vertices, which the kernels store in single precision.
 ProfileEdge make_edge(const Vec2& exact_a, const Vec2& exact_b) {
   const Vec2 a = exact_a.cast<float>().cast<double>(), b = exact_b.cast<float>().cast<double>();
   const Vec2 along = b - a;

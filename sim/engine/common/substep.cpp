@@ -7,7 +7,7 @@
 
 namespace reamsim {
 
-// Host and device lay the struct out alike: 8-byte members first, then an even number of ints.
+// The structs have the same layout on host and device: 8-byte members first, then an even number of ints.
 static_assert(sizeof(SubstepArgs) == 8 * (9 + 3 + 9 + 3 + 3 + 2) + 4 * 54);
 static_assert(sizeof(SubstepSums) == 8 * 10);
 
@@ -17,8 +17,8 @@ std::int64_t fixed_point(double voxels) {
   return static_cast<std::int64_t>(std::floor(std::ldexp(voxels, RS_POSITION_BITS) + 0.5));
 }
 
-/// First and last shell cell along an axis whose centre can lie in [low, high] mm from the shell's corner; a cell more
-/// on either side, because fixed-point positions are rounded.
+/// First and last shell cell along an axis whose centre can lie in [low, high] mm from the shell's corner, with one
+/// more on both sides for the rounding of fixed-point positions.
 std::pair<int, int> cell_range(double low, double high, const PointShell& shell) {
   const double first = std::floor(low / shell.cell_mm - 0.5) - 1, last = std::ceil(high / shell.cell_mm - 0.5) + 1;
   const auto clamp = [&](double c) { return static_cast<int>(std::clamp(c, 0.0, shell.resolution - 1.0)); };
@@ -30,23 +30,33 @@ rs_i32 erosion_of(const CuttingSettings& cutting) {
   return cutting.erosion == ErosionMode::wear ? RS_EROSION_WEAR : RS_EROSION_REMOVE;
 }
 
-/// Fill that positions in single precision, good to kPositionMm, could make a resting tool take off.
-rs_i32 least_loss(double voxel_mm) {
+/// The fill that a tool at rest could remove because of the error of positions in single precision.
+rs_i32 min_loss(double voxel_mm) {
   constexpr double kPositionMm = 1e-5;
   return 1 + static_cast<rs_i32>(std::ceil(RS_WHOLE_FILL * kPositionMm / voxel_mm));
 }
 
-/// The options of the force law; zeros where they are off. `turn_rate`: rad/s about the tool's axis, either way round.
-void set_force_options(const CuttingSettings& cutting, double turn_rate, SubstepArgs& args) {
+/// The parameters of force law and erosion; zeros for options that are off. `spin_rate`: rad/s, unsigned.
+void set_law(const CuttingSettings& cutting, double duration_s, double spin_rate, SubstepArgs& args) {
   constexpr double kTurn = 2 * M_PI;
+  args.law = cutting.law == CuttingLaw::per_point ? RS_LAW_PER_POINT : RS_LAW_ENERGY;
+  args.erosion = erosion_of(cutting);
+  args.wear = cutting.wear_g_cm3_per_s * duration_s;
+  args.duration = static_cast<float>(duration_s);
+  args.per_duration = static_cast<float>(1 / duration_s);
+  args.speed_floor = static_cast<float>(cutting.speed_floor_mm_s);
+  args.per_speed_floor = static_cast<float>(1 / cutting.speed_floor_mm_s);
+  args.floor_rate = static_cast<float>(1 / (cutting.speed_floor_mm_s * duration_s));
+  args.normal_ratio = static_cast<float>(cutting.normal_ratio);
+  args.force_per_point = static_cast<float>(cutting.force_per_point_n);
   if (const auto& size = cutting.size_effect) {
-    // Without spin no lip comes round again, and the chip is as thick as it may be.
+    // Without spin the time between two cutting edges is infinite; the chip thickness is limited anyway.
     constexpr double kLongest_s = 1e9;
-    const double lip_s = turn_rate > 0 ? std::min(kTurn / (size->cutting_edges * turn_rate), kLongest_s) : kLongest_s;
+    const double period_s = spin_rate > 0 ? std::min(kTurn / (size->cutting_edges * spin_rate), kLongest_s) : kLongest_s;
     args.size_exponent = static_cast<float>(size->exponent);
-    args.chip_per_speed = static_cast<float>(lip_s / size->reference_mm);
-    args.least_chip = static_cast<float>(size->least_mm / size->reference_mm);
-    args.most_chip = static_cast<float>(size->most_mm / size->reference_mm);
+    args.chip_per_speed = static_cast<float>(period_s / size->reference_mm);
+    args.min_chip = static_cast<float>(size->least_mm / size->reference_mm);
+    args.max_chip = static_cast<float>(size->most_mm / size->reference_mm);
   }
   if (const auto& edge = cutting.edge_force) {
     args.edge_tangential = static_cast<float>(edge->tangential_n_mm * edge->cutting_edges / kTurn);
@@ -62,12 +72,12 @@ int count_substeps(const ToolPose& a, const ToolPose& b, const Tool& tool, bool 
   return std::max(1, static_cast<int>(std::ceil(step / max_step_mm - 1e-9)));
 }
 
-Substep make_substep(const ToolPose& a, const ToolPose& b, double share_begin, double share_end, double frame_s,
+Substep make_substep(const ToolPose& a, const ToolPose& b, double begin_fraction, double end_fraction, double frame_s,
                      std::int64_t frame) {
-  const ToolPose begin = interpolate(a, b, share_begin);
+  const ToolPose begin = interpolate(a, b, begin_fraction);
   Substep out;
-  out.pose = interpolate(a, b, share_end);
-  out.duration_s = (share_end - share_begin) * frame_s;
+  out.pose = interpolate(a, b, end_fraction);
+  out.duration_s = (end_fraction - begin_fraction) * frame_s;
   out.frame = frame;
   out.origin_velocity_mm_s = (out.pose.position_mm - begin.position_mm) / out.duration_s;
   const double spin = (out.pose.spin_angle_rad - begin.spin_angle_rad) / out.duration_s;
@@ -78,7 +88,7 @@ Substep make_substep(const ToolPose& a, const ToolPose& b, double share_begin, d
 
 Rigid bone_from_shell(const ToolPose& pose, bool spin_resolved) {
   Rigid out = pose.bone_from_tool();
-  // Positive spin turns about −z of T (docs/formats.md).
+  // Positive spin is about −z of T (docs/formats.md).
   if (spin_resolved) out.rotate(Eigen::AngleAxisd(-pose.spin_angle_rad, Vec3::UnitZ()));
   return out;
 }
@@ -94,7 +104,7 @@ SubstepArgs make_args(const Substep& substep, const Aabb& voi, const PointShell&
   const Mat3 tool_from_voxel = tool_from_bone * grid.voxel_mm;
   const Vec3 origin = tool_from_bone * (grid.center_mm(0, 0, 0) - substep.pose.position_mm);
   const Vec3 velocity = tool_from_bone * substep.origin_velocity_mm_s;
-  const Vec3 turning = tool_from_bone * substep.angular_velocity;
+  const Vec3 angular_velocity = tool_from_bone * substep.angular_velocity;
   for (int i = 0; i < 3; ++i) {
     for (int j = 0; j < 3; ++j) {
       args.voxel_from_cell[3 * i + j] = fixed_point(step(i, j));
@@ -105,31 +115,21 @@ SubstepArgs make_args(const Substep& substep, const Aabb& voi, const PointShell&
     args.voxel_origin[i] = fixed_point(first[i]);
     args.tool_origin[i] = origin[i];
     args.origin_velocity[i] = static_cast<float>(velocity[i]);
-    args.angular_velocity[i] = static_cast<float>(turning[i]);
+    args.angular_velocity[i] = static_cast<float>(angular_velocity[i]);
     args.shell_origin[i] = shell.origin_mm[i];
     args.dims[i] = grid.dims[i];
     std::tie(args.voi_min[i], args.voi_max[i]) =
         cell_range(voi.min[i] - shell.origin_mm[i], voi.max[i] - shell.origin_mm[i], shell);
   }
-  args.speed_floor = static_cast<float>(cutting.speed_floor_mm_s);
-  args.per_speed_floor = static_cast<float>(1 / cutting.speed_floor_mm_s);
-  args.per_duration = static_cast<float>(1 / substep.duration_s);
-  args.floor_rate = static_cast<float>(1 / (cutting.speed_floor_mm_s * substep.duration_s));
-  args.normal_ratio = static_cast<float>(cutting.normal_ratio);
-  args.force_per_point = static_cast<float>(cutting.force_per_point_n);
-  args.wear = cutting.wear_g_cm3_per_s * substep.duration_s;
   args.cell_mm = shell.cell_mm;
-  args.law = cutting.law == CuttingLaw::per_point ? RS_LAW_PER_POINT : RS_LAW_ENERGY;
-  args.erosion = erosion_of(cutting);
   args.voxel_mm = static_cast<float>(grid.voxel_mm);
   args.per_voxel_mm = static_cast<float>(1 / grid.voxel_mm);
-  args.least_loss = least_loss(grid.voxel_mm);
+  args.min_loss = min_loss(grid.voxel_mm);
   args.frame = static_cast<std::int32_t>(substep.frame);
-  args.duration = static_cast<float>(substep.duration_s);
   const double spin = spin_resolved ? substep.pose.spin_angle_rad : 0;
   args.spin_cos = static_cast<float>(std::cos(spin));
   args.spin_sin = static_cast<float>(std::sin(spin));
-  set_force_options(cutting, std::abs(turning.z()), args);
+  set_law(cutting, substep.duration_s, std::abs(angular_velocity.z()), args);
   return args;
 }
 

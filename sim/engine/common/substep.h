@@ -8,7 +8,7 @@
 
 namespace reamsim {
 
-/// What the tool does in one substep: where it ends, and how fast it got there. Frame B.
+/// The motion of the tool in one substep. Frame B.
 struct Substep {
   ToolPose pose;                             ///< at the end
   Vec3 origin_velocity_mm_s = Vec3::Zero();  ///< of the tool's origin
@@ -17,18 +17,18 @@ struct Substep {
   std::int64_t frame = 0;
 };
 
-/// Substeps that a frame from `a` to `b` is cut into, so that no point of the tool moves further than `max_step_mm`.
-/// The spin counts only where teeth are resolved.
+/// The number of substeps from `a` to `b`, so that no point of the tool moves further than `max_step_mm`. The spin
+/// counts only where cutting edges are resolved.
 int count_substeps(const ToolPose& a, const ToolPose& b, const Tool& tool, bool spin_resolved, double max_step_mm);
 
-/// The substep that ends `share_end` of the way from `a` to `b` and begins at `share_begin`.
-Substep make_substep(const ToolPose& a, const ToolPose& b, double share_begin, double share_end, double frame_s,
+/// The substep between two fractions (0…1) of the motion from `a` to `b`.
+Substep make_substep(const ToolPose& a, const ToolPose& b, double begin_fraction, double end_fraction, double frame_s,
                      std::int64_t frame);
 
-/// The pose of the shell in B: with the spin where teeth are resolved, without it for the envelope.
+/// The pose of the shell in B: with the spin where cutting edges are resolved, without it for the envelope.
 Rigid bone_from_shell(const ToolPose& pose, bool spin_resolved);
 
-/// The arguments that the device and the serial engine read. `voi` is in the shell's frame, mm.
+/// The arguments of a substep. `voi` is in the shell's frame, mm.
 SubstepArgs make_args(const Substep& substep, const Aabb& voi, const PointShell& shell, const VoxelGrid& grid,
                       const CuttingSettings& cutting, bool spin_resolved);
 

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+#include <tuple>
 #include <vector>
 
 #include "sim/device/opencl.h"
@@ -7,13 +9,13 @@
 
 namespace reamsim {
 
-/// The tool's generatrix in (r, z) as kernels read it: pieces, and for every place near the surface the few that can be
-/// nearest there, so that a voxel's distance takes constant time whatever the profile's length.
+/// The tool's generatrix in (r, z) as kernels read it: pieces, and for each cell near the surface the list of pieces
+/// that can be nearest there. The distance of a voxel then takes constant time, whatever the length of the profile.
 template <class Piece>
 struct SurfaceTable {
   std::vector<Piece> pieces;
   NearestLists near;
-  double bulge_mm = 0;  ///< furthest that a piece lies from the profile's edges
+  double bulge_mm = 0;  ///< largest distance of a piece from the profile's edges
 };
 
 /// A table on the device.
@@ -22,22 +24,16 @@ class DeviceSurface {
  public:
   DeviceSurface() = default;
   DeviceSurface(const cl::Device& device, const SurfaceTable<Piece>& table)
-      : pieces_(uploaded(device, table.pieces)),
-        numbers_(uploaded(device, table.near.numbers)),
-        lists_(uploaded(device, table.near.lists)),
-        grid_(uploaded(device, std::vector{table.near.grid})) {}
+      : pieces_(cl::upload(device, table.pieces, kWhat)),
+        numbers_(cl::upload(device, table.near.numbers, kWhat)),
+        lists_(cl::upload(device, table.near.lists, kWhat)),
+        grid_(cl::upload(device, std::array{table.near.grid}, kWhat)) {}
 
-  /// Sets four arguments from `first` on: pieces, numbers, lists, grid.
-  template <class Argument>
-  void set(cl::Kernel& kernel, Argument first) const {
-    kernel.set_from(first, pieces_, numbers_, lists_, grid_);
-  }
+  /// Four arguments of a kernel: pieces, numbers, lists, grid.
+  [[nodiscard]] auto arguments() const { return std::tie(pieces_, numbers_, lists_, grid_); }
 
  private:
-  template <class T>
-  static cl::Buffer<T> uploaded(const cl::Device& device, const std::vector<T>& data) {
-    return cl::upload(device, data, "the tool's surface");
-  }
+  static constexpr const char* kWhat = "the tool's surface";
 
   cl::Buffer<Piece> pieces_;
   cl::Buffer<rs_u16> numbers_;

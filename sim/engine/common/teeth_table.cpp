@@ -1,10 +1,11 @@
 #include "sim/engine/common/teeth_table.h"
 
 #include <algorithm>
+#include <array>
 
 namespace reamsim {
 
-// Host and device lay the struct out alike, and agree on the bricks.
+// The struct has the same layout on host and device.
 static_assert(sizeof(DistanceLattice) == 44);
 static_assert(DistanceGrid::kSide == RS_GRID_SIDE && DistanceGrid::kRow == RS_GRID_ROW);
 static_assert(DistanceGrid::kSamples == RS_GRID_SAMPLES);
@@ -22,19 +23,17 @@ DistanceLattice distance_lattice(const DistanceGrid& grid) {
 }
 
 DeviceTeeth::DeviceTeeth(const cl::Device& device, const DistanceGrid& grid, double voxel_mm, double bulge_mm,
-                         std::size_t taken_bytes) {
+                         std::size_t bone_bytes) {
+  constexpr const char* kWhat = "the teeth's distance grid";
   const cl::DeviceInfo& info = device.info();
-  const std::size_t left = info.global_memory_bytes - std::min(info.global_memory_bytes, taken_bytes);
+  const std::size_t free_bytes = info.global_memory_bytes - std::min(info.global_memory_bytes, bone_bytes);
   require_room_for_grid(static_cast<double>(grid.bytes()),
-                        static_cast<double>(std::min(left, info.max_allocation_bytes)), voxel_mm, info.name);
-  lattice_ = {device, 1, "the teeth's distance grid"};
-  slots_ = {device, grid.slot_of_brick.size(), "the teeth's distance grid"};
-  samples_ = {device, grid.samples.size(), "the teeth's distance grid"};
+                        static_cast<double>(std::min(free_bytes, info.max_allocation_bytes)), voxel_mm, info.name);
   DistanceLattice lattice = distance_lattice(grid);
   lattice.slack_mm += static_cast<float>(bulge_mm);
-  lattice_.write(device, &lattice, 1);
-  slots_.write(device, grid.slot_of_brick.data(), grid.slot_of_brick.size());
-  samples_.write(device, grid.samples.data(), grid.samples.size());
+  lattice_ = cl::upload(device, std::array{lattice}, kWhat);
+  slots_ = cl::upload(device, grid.slot_of_brick, kWhat);
+  samples_ = cl::upload(device, grid.samples, kWhat);
 }
 
 }  // namespace reamsim

@@ -6,7 +6,7 @@
 
 namespace reamsim {
 
-/// The OpenCL engine that keeps the bone in a dense array, on the device that the scenario names.
+/// The engines with a dense array of voxels (`direct`, `octree`, `implicit`), on the scenario's device.
 std::unique_ptr<Engine> make_dense_engine(const Scenario& scenario, const BoneView& bone, const Tool& tool);
 
 }  // namespace reamsim

@@ -5,29 +5,29 @@
 #include <cstdio>
 
 #include "sim/base/error.h"
-#include "sim/engine/common/dense_bone.h"
 #include "sim/engine/common/device_batch.h"
+#include "sim/engine/common/read_back.h"
 #include "sim/tool/morton.h"
 
 namespace reamsim {
 
 namespace {
 
-/// Room for removed voxels that a batch may fill; larger scenes read results back more often instead.
+/// Size of the list of removed voxels; larger scenes read results back more often.
 constexpr std::size_t kRemovedRoom = 4'000'000;
 
-constexpr std::size_t kMostVoxels = std::size_t{1} << 32;
+constexpr std::size_t kMaxVoxels = std::size_t{1} << 32;
 
 std::string megabytes(std::size_t bytes) {
   return std::to_string((bytes + 999'999) / 1'000'000) + " MB";
 }
 
-/// Most voxels whose centres the tool can hold, whatever its pose: they are disjoint, and lie in the tool's box grown
-/// by half a voxel's diagonal on every side.
+/// Bound of the number of voxels with centres in the tool, in any pose: the volume of the tool's box, extended by half
+/// a voxel's diagonal on every side.
 std::size_t voxels_in_tool(const Profile& profile, double voxel_mm) {
   const Aabb box = profile.bounds();
   const Vec3 grown = (box.max - box.min) / voxel_mm + Vec3::Constant(std::sqrt(3.0));
-  return static_cast<std::size_t>(std::ceil(std::min(grown.prod(), static_cast<double>(kMostVoxels))));
+  return static_cast<std::size_t>(std::ceil(std::min(grown.prod(), static_cast<double>(kMaxVoxels))));
 }
 
 }  // namespace
@@ -68,31 +68,31 @@ DensePlan plan_dense(EngineKind engine, const BoneView& bone, const Tool& tool, 
   if (engine == EngineKind::implicit) plan.layout = VoxelLayout::bare_grade;
   const bool has_shell = plan.layout != VoxelLayout::bare_grade;
   plan.voxels = static_cast<std::size_t>(bone.voxmap.grid.size());
-  plan.unreamed = static_cast<std::size_t>(bone.voxmap.grade.count());
+  plan.bone_voxels = static_cast<std::size_t>(bone.voxmap.grade.count());
   plan.points = has_shell ? tool.shell.codes.size() : 0;
   plan.wide_codes = tool.shell.resolution > kNarrowResolution;
   plan.fill = wear || partly_filled(bone.fill);
   plan.contacts =
-      std::min(plan.unreamed, has_shell ? plan.points : voxels_in_tool(tool.profile, bone.voxmap.grid.voxel_mm));
-  plan.removed = std::min(plan.unreamed, std::max(kRemovedRoom, plan.contacts));
+      std::min(plan.bone_voxels, has_shell ? plan.points : voxels_in_tool(tool.profile, bone.voxmap.grid.voxel_mm));
+  plan.removed = std::min(plan.bone_voxels, std::max(kRemovedRoom, plan.contacts));
   return plan;
 }
 
 void require_fit(const DensePlan& plan, const cl::DeviceInfo& device, double voxel_mm) {
-  const auto share = [](std::size_t need, std::size_t have) {
+  const auto fraction = [](std::size_t need, std::size_t have) {
     return static_cast<double>(need) / static_cast<double>(std::max<std::size_t>(1, have));
   };
-  const double most = std::max({share(plan.voxels, kMostVoxels), share(plan.bytes(), device.global_memory_bytes),
-                                share(plan.largest_bytes(), device.max_allocation_bytes)});
+  const double most = std::max({fraction(plan.voxels, kMaxVoxels), fraction(plan.bytes(), device.global_memory_bytes),
+                                fraction(plan.largest_bytes(), device.max_allocation_bytes)});
   if (most <= 1) return;
-  // Memory grows with the inverse cube of the voxel; a little more, because the bone is rounded to whole voxels.
+  // Memory is inversely proportional to the cube of the voxel size; the margin covers the rounding to whole voxels.
   constexpr double kMargin = 1.02;
   char fits[96];
   std::snprintf(fits, sizeof fits, "a bone.voxel_mm of about %.3g or more would fit",
                 voxel_mm * std::cbrt(most) * kMargin);
   throw InputError({}, "bone.voxel_mm",
                    "found a voxmap of " + std::to_string(plan.voxels) + " voxels; a dense engine supports at most " +
-                       std::to_string(kMostVoxels) + "; it needs " + megabytes(plan.bytes()) + " on the device and " +
+                       std::to_string(kMaxVoxels) + "; it needs " + megabytes(plan.bytes()) + " on the device and " +
                        megabytes(plan.largest_bytes()) + " of it in one allocation; " + device.name + " has " +
                        megabytes(device.global_memory_bytes) + " in total and at most " +
                        megabytes(device.max_allocation_bytes) + " in one allocation",

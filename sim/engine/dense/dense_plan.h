@@ -10,30 +10,30 @@
 
 namespace reamsim {
 
-/// How a dense engine keeps its voxels; the published layouts.
+/// Layout of the voxels of a dense engine; the published ones.
 enum class VoxelLayout {
   claimed_grade,  ///< direct: an 8-bit grade (the paper), and a claim bit
   flagged_hu,     ///< octree: a float HU and a collision flag of 8 bits (Zheng et al.)
-  bare_grade,     ///< implicit: an 8-bit grade alone; no voxel is tested twice, so none is claimed
+  bare_grade,     ///< implicit: an 8-bit grade alone; no voxel is tested twice
 };
 
-/// What a dense engine is going to keep on the device, planned before any of it is taken.
+/// The device memory of a dense engine, planned before it is allocated.
 struct DensePlan {
   VoxelLayout layout = VoxelLayout::claimed_grade;
   std::size_t voxels = 0;
-  std::size_t unreamed = 0;  ///< voxels that are bone, gone or not
-  std::size_t points = 0;    ///< of the shell; 0 where the detector has no use for it
-  bool wide_codes = false;   ///< 8 bytes a Morton code instead of 4: shells of more than 1024 cells an axis
-  bool fill = false;         ///< 16 bits a voxel beside the bone; without it every voxel is whole or gone
-  std::size_t contacts = 0;  ///< most voxels that one substep can touch: room of the contact list
-  std::size_t removed = 0;   ///< room of the list of removed voxels of a batch
+  std::size_t bone_voxels = 0;  ///< voxels of bone, removed ones included
+  std::size_t points = 0;       ///< of the shell; 0 for implicit
+  bool wide_codes = false;      ///< 8 bytes per Morton code instead of 4: shells of more than 1024 cells per axis
+  bool fill = false;            ///< 16 bits per voxel beside the grade; without it voxels are whole or removed
+  std::size_t contacts = 0;     ///< size of the contact list: most voxels that one substep can touch
+  std::size_t removed = 0;      ///< size of a batch's list of removed voxels
 
-  [[nodiscard]] DeviceBatch::RemovedList removed_list() const { return {1, removed, contacts, unreamed}; }
+  [[nodiscard]] DeviceBatch::RemovedList removed_list() const { return {1, removed, contacts, bone_voxels}; }
   [[nodiscard]] std::size_t bone_bytes() const;
   [[nodiscard]] std::size_t claim_bytes() const;
   [[nodiscard]] std::size_t fill_bytes() const;
   [[nodiscard]] std::size_t shell_bytes() const;
-  /// Bytes in all, and in the largest single allocation.
+  /// In total, and in the largest single allocation.
   [[nodiscard]] std::size_t bytes() const;
   [[nodiscard]] std::size_t largest_bytes() const;
 };
@@ -41,8 +41,8 @@ struct DensePlan {
 /// `engine`: direct | octree | implicit.
 DensePlan plan_dense(EngineKind engine, const BoneView& bone, const Tool& tool, bool wear);
 
-/// Throws InputError that says what would fit, unless the plan fits the device: 2^32 voxels (they are numbered in 32
-/// bits), the device's memory and its largest allocation.
+/// Throws InputError with the voxel size that would fit, unless the plan fits: 2^32 voxels (32-bit indices), the
+/// device's memory and its largest allocation.
 void require_fit(const DensePlan& plan, const cl::DeviceInfo& device, double voxel_mm);
 
 }  // namespace reamsim

@@ -4,32 +4,69 @@
 #include <array>
 
 #include "sim/base/error.h"
-#include "sim/engine/common/dense_bone.h"
+#include "sim/tool/morton.h"
 
 namespace reamsim {
 
 namespace {
 
-/// Writes the HU that stand for these grades, a piece at a time: all of them would be four times the grades again.
+/// Writes the HU of these grades piecewise, because all of them take four times the memory of the grades.
 void upload_hu(const cl::Device& device, const std::vector<std::uint8_t>& grades, const HuScale& scale,
                cl::Buffer<cl_float>& hu) {
   constexpr std::size_t kPiece = std::size_t{1} << 22;
-  std::array<cl_float, 256> hu_of_grade{};
-  for (int g = 0; g < 256; ++g) {
-    hu_of_grade[static_cast<std::size_t>(g)] = scale.hu(static_cast<std::uint8_t>(g));
-  }
   std::vector<cl_float> piece;
   for (std::size_t begin = 0; begin < grades.size(); begin += kPiece) {
     const std::size_t end = std::min(grades.size(), begin + kPiece);
     piece.clear();
-    for (std::size_t e = begin; e < end; ++e) piece.push_back(hu_of_grade[grades[e]]);
+    for (std::size_t e = begin; e < end; ++e) piece.push_back(scale.hu(grades[e]));
     hu.write(device, piece.data(), piece.size(), begin);
   }
 }
 
+std::vector<cl_uint> code_words(const PointShell& shell) {
+  const bool wide = has_wide_codes(shell);
+  std::vector<cl_uint> words;
+  words.reserve(shell.codes.size() * (wide ? 2 : 1));
+  for (const std::uint64_t code : shell.codes) {
+    words.push_back(static_cast<cl_uint>(code));
+    if (wide) words.push_back(static_cast<cl_uint>(code >> 32));
+  }
+  return words;
+}
+
+/// Cell numbers as floats, which represent them exactly up to 2^24.
+std::vector<cl_float> cell_numbers(const PointShell& shell) {
+  std::vector<cl_float> out;
+  out.reserve(3 * shell.codes.size());
+  for (const std::uint64_t code : shell.codes) {
+    const Vec3i cell = morton_decode(code);
+    for (int axis = 0; axis < 3; ++axis) out.push_back(static_cast<cl_float>(cell[axis]));
+  }
+  return out;
+}
+
+void upload_shell(const cl::Device& device, const DensePlan& plan, const PointShell& shell, const VoxelGrid& grid,
+                  DenseState& state) {
+  state.point_count = static_cast<cl_uint>(plan.points);
+  if (plan.layout == VoxelLayout::claimed_grade) state.codes = cl::upload(device, code_words(shell), "the point shell");
+  if (plan.layout != VoxelLayout::flagged_hu) return;
+  state.points = cl::upload(device, cell_numbers(shell), "the point shell");
+  state.children = cl::upload(device, octree_children(grid), "the look-up tables");
+  state.levels = octree_levels(grid);
+}
+
 }  // namespace
 
-DenseState make_dense_state(const cl::Device& device, const DensePlan& plan, const BoneView& bone, const Tool& tool) {
+bool HuScale::exact() const {
+  for (int g = 0; g <= 255; ++g) {
+    const auto value = static_cast<std::uint8_t>(g);
+    if (grade(hu(value)) != g || (g > 0) != (hu(value) > static_cast<float>(of_air))) return false;
+  }
+  return true;
+}
+
+DenseState make_dense_state(const cl::Device& device, const DensePlan& plan, const BoneView& bone, const Tool& tool,
+                            const EnergyTable& energy) {
   const auto at_least_one = [](std::size_t count) { return std::max<std::size_t>(1, count); };
   DenseState state;
   state.has_fill = plan.fill;
@@ -47,7 +84,9 @@ DenseState make_dense_state(const cl::Device& device, const DensePlan& plan, con
   state.claims = {device, at_least_one(plan.claim_bytes() / sizeof(cl_uint)), "the voxels' claims"};
   state.contacts = {device, at_least_one(plan.contacts), "the contact list"};
   state.profile = {device, make_profile_table(tool.profile, bone.voxmap.grid.voxel_mm)};
-
+  state.energy_of_grade = cl::upload(device, energy.energy_mj, "the energy table");
+  state.density_of_grade = cl::upload(device, energy.density_g_cm3, "the density table");
+  upload_shell(device, plan, tool.shell, bone.voxmap.grid, state);
   upload_bone(device, plan, bone, state);
   state.claims.clear(device, state.claims.count());
   return state;
@@ -55,7 +94,7 @@ DenseState make_dense_state(const cl::Device& device, const DensePlan& plan, con
 
 void upload_bone(const cl::Device& device, const DensePlan& plan, const BoneView& bone, DenseState& state) {
   const bool same = static_cast<std::size_t>(bone.voxmap.grid.size()) == plan.voxels &&
-                    static_cast<std::size_t>(bone.voxmap.grade.count()) <= plan.unreamed &&
+                    static_cast<std::size_t>(bone.voxmap.grade.count()) <= plan.bone_voxels &&
                     (plan.fill || !partly_filled(bone.fill));
   if (!same) throw RunError("this is not the bone for which the engine was created");
   const auto grades = dense_grades_left(bone);
@@ -67,6 +106,32 @@ void upload_bone(const cl::Device& device, const DensePlan& plan, const BoneView
   if (!plan.fill) return;
   const auto fill = dense_fill(bone);
   state.fill.write(device, fill.data(), fill.size());
+}
+
+bool has_wide_codes(const PointShell& shell) {
+  return shell.resolution > kNarrowResolution;
+}
+
+int octree_levels(const VoxelGrid& grid) {
+  int levels = 0;
+  while ((std::int64_t{1} << levels) < grid.dims.maxCoeff()) ++levels;
+  return levels;
+}
+
+std::vector<cl_uint4> octree_children(const VoxelGrid& grid) {
+  std::vector<cl_uint4> children;
+  const int levels = octree_levels(grid);
+  for (int level = 0; level < levels; ++level) {
+    const std::int64_t half_side = std::int64_t{1} << (levels - 1 - level);
+    for (int octant = 0; octant < 8; ++octant) {
+      const std::int64_t x = (octant & 1) * half_side, y = (octant >> 1 & 1) * half_side, z = (octant >> 2) * half_side;
+      // The step of an octant outside the lattice is meaningless; no point descends into it.
+      const std::int64_t step = x + grid.dims.x() * (y + grid.dims.y() * z);
+      children.push_back(
+          {{static_cast<cl_uint>(x), static_cast<cl_uint>(y), static_cast<cl_uint>(z), static_cast<cl_uint>(step)}});
+    }
+  }
+  return children;
 }
 
 }  // namespace reamsim

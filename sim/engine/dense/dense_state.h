@@ -1,30 +1,68 @@
 #pragma once
 
+#include <cstdint>
+
 #include "kernels/shared.h"
+#include "sim/bone/voxmap/density.h"
+#include "sim/engine/common/energy_table.h"
 #include "sim/engine/common/profile_table.h"
 #include "sim/engine/dense/dense_plan.h"
-#include "sim/engine/dense/hu_scale.h"
 
 namespace reamsim {
 
-/// What lives on the device between detect and cut, beside the batch and the detector's own shell: the bone as a dense
-/// array in the plan's layout, claims, the contact list and the tool's profile.
-struct DenseState {
-  cl::Buffer<cl_uchar> grades;      ///< 0 = air or gone; unless the layout is flagged_hu
-  cl::Buffer<cl_float> hu;          ///< HuScale::of_air = air or gone; where the layout is flagged_hu
-  HuScale scale{DensityMapping{}};  ///< of `hu`
-  cl::Buffer<cl_ushort> fill;       ///< per voxel, or one dummy where every voxel is whole
-  bool has_fill = false;
-  cl::Buffer<cl_uint> claims;  ///< a bit or a byte per voxel, or one dummy word
-  DeviceProfile profile;
-  cl::Buffer<cl_uint> contacts;
+/// Grades as float HU, the representation of Zheng et al. HU is linear in density, and so in the grade; the conversion
+/// is lossless as long as the HU of one grade is well above the rounding of a float.
+struct HuScale {
+  double of_air;     ///< HU of density 0, which stands for air; bone lies above it
+  double per_grade;  ///< HU from one grade to the next
+
+  explicit HuScale(const DensityMapping& mapping)
+      : of_air(mapping.hu_from_density(0)),
+        per_grade(mapping.hu_from_density(DensityMapping::kGradeStep_g_cm3) - of_air) {}
+
+  [[nodiscard]] float hu(std::uint8_t grade) const { return static_cast<float>(of_air + grade * per_grade); }
+  /// The grade as cut_voxels.cl computes it.
+  [[nodiscard]] int grade(float hu) const { return static_cast<int>(std::floor((hu - of_air) / per_grade + 0.5)); }
+  /// Whether the conversion of every grade is lossless.
+  [[nodiscard]] bool exact() const;
 };
 
-/// Uploads bone and profile. Throws RunError when the device has no room after all, InputError when the layout is
-/// flagged_hu and floats cannot tell the voxmap's grades apart by their HU.
-DenseState make_dense_state(const cl::Device& device, const DensePlan& plan, const BoneView& bone, const Tool& tool);
+/// The data on the device beside the batch: the bone as a dense array in the plan's layout, the tool, the contact list
+/// and tables.
+struct DenseState {
+  cl::Buffer<cl_uchar> grades;      ///< 0 = air or removed; unless the layout is flagged_hu
+  cl::Buffer<cl_float> hu;          ///< HuScale::of_air = air or removed; where the layout is flagged_hu
+  HuScale scale{DensityMapping{}};  ///< of `hu`
+  cl::Buffer<cl_ushort> fill;       ///< per voxel, or one dummy entry where every voxel is whole
+  bool has_fill = false;
+  cl::Buffer<cl_uint> claims;  ///< a bit or a byte per voxel, or one dummy word
+  cl::Buffer<cl_uint> contacts;
+  DeviceProfile profile;
+  cl_uint point_count = 0;        ///< of the shell
+  cl::Buffer<cl_uint> codes;      ///< of the shell's points, one or two words each; where the layout is claimed_grade
+  cl::Buffer<cl_float> points;    ///< cell numbers of the shell's points; where the layout is flagged_hu
+  cl::Buffer<cl_uint4> children;  ///< octree_children()
+  cl_int levels = 0;              ///< octree_levels()
+  cl::Buffer<double> energy_of_grade;   ///< mJ
+  cl::Buffer<double> density_of_grade;  ///< g/cm³
+};
 
-/// Writes the bone as `voxmap` has it. Throws RunError where it is not the bone that `plan` was made for.
+/// Uploads bone, tool and tables. Throws RunError when the device runs out of memory, InputError when the layout is
+/// flagged_hu and the conversion of grades to HU is lossy.
+DenseState make_dense_state(const cl::Device& device, const DensePlan& plan, const BoneView& bone, const Tool& tool,
+                            const EnergyTable& energy);
+
+/// Uploads the bone again. Throws RunError where it is not the bone that `plan` was made for.
 void upload_bone(const cl::Device& device, const DensePlan& plan, const BoneView& bone, DenseState& state);
+
+/// Whether the codes of the shell's points need 8 bytes each instead of the paper's 4.
+bool has_wide_codes(const PointShell& shell);
+
+/// Levels of the octree descent: the cube around the lattice has 2^levels voxels along a side.
+int octree_levels(const VoxelGrid& grid);
+
+/// The look-up tables of the octree descent. Entry 8·l + o is the corner of octant o of a cell of level l relative to
+/// the cell's corner: x, y, z in voxels, and w as a step in the dense array.
+std::vector<cl_uint4> octree_children(const VoxelGrid& grid);
 
 }  // namespace reamsim

@@ -6,12 +6,6 @@ namespace embedded {
 extern const char* const kernel_restore_voxels;
 }
 
-namespace {
-
-constexpr std::size_t kGroup = 64;
-
-}  // namespace
-
 VoxelRestorer::VoxelRestorer(const cl::Device& device)
     : device_(device),
       program_(device.build("restore_voxels.cl", embedded::kernel_restore_voxels)),
@@ -19,10 +13,10 @@ VoxelRestorer::VoxelRestorer(const cl::Device& device)
       halves_(program_, "restore_halves"),
       words_(program_, "restore_words") {}
 
-void VoxelRestorer::put(const std::vector<Entry>& entries, cl_mem values, cl::Kernel& kernel) {
+void VoxelRestorer::write(const std::vector<Entry>& entries, cl_mem values, cl::Kernel& kernel) {
+  constexpr std::size_t kGroup = 64;
   if (entries.empty()) return;
-  cl::Buffer<Entry> list(device_, entries.size(), "the voxels to put back");
-  list.write(device_, entries.data(), entries.size());
+  const auto list = cl::upload(device_, entries, "the voxels to restore");
   kernel.set_from(0, list, static_cast<cl_uint>(entries.size()), values);
   const cl::Event done = kernel.launch(device_, entries.size(), kGroup);
   device_.finish();

@@ -12,52 +12,26 @@ namespace reamsim {
 /// `exact` over the bricks in reach; see kernels/cut_exact.cl.
 class CutExact {
  public:
-  /// `teeth`: what clips instead of the profile; nullptr where the tool runs as its envelope.
+  /// `teeth`: the surface that clips instead of the profile; nullptr for the envelope.
   CutExact(const cl::Device& device, const DeviceBricks& bone, const DeviceBatch& batch, const ListBricks& list,
            const OutlineTable& outline, const EnergyTable& table, const KernelOptions& options,
            const DeviceTeeth* teeth);
 
-  /// Records of removed voxels that a visit can make at most.
-  [[nodiscard]] static std::size_t most_records(std::size_t listed, int substeps);
-  /// Enqueues a visit of the listed bricks; `fill` needs room for a page for each of them, `removed` for every record.
+  /// The largest number of records of removed voxels in a visit.
+  [[nodiscard]] static std::size_t max_records(std::size_t listed, int substeps);
+  /// Enqueues a visit of the listed bricks. `fill` needs room for a page per brick, `removed` for every record.
   void enqueue(const VisitPlan& plan, const FillPages& fill, const cl::Buffer<RemovedBlock>& removed);
-  /// Seconds that the visits since the last call took.
-  double take_seconds();
+  /// Run time of the visits since the last call, s.
+  double take_seconds() { return kernel_.take_total_s(); }
 
  private:
-  /// The parameters of the kernel, in its order.
-  enum class Argument : cl_uint {
-    args,
-    windows,
-    window_count,
-    listed,
-    counts,
-    lattice_of_slot,
-    occupancy,
-    bricks,
-    page_of_slot,
-    slot_of_page,
-    pages,
-    sums,
-    removed,
-    energy_of_grade,
-    pieces,
-    numbers,
-    lists,
-    grid,
-    lanes_of_item,
-    pool_0
-  };
-
   const cl::Device& device_;
   std::size_t items_;
-  std::size_t work_group_;
   cl::Buffer<float> energy_;
   cl::Buffer<SubstepWindow> windows_;
   cl::Buffer<cl_long> lanes_;
   DeviceOutline outline_;
-  cl::Kernel kernel_;
-  std::vector<cl::Event> events_;
+  cl::SlotKernel kernel_;
 };
 
 }  // namespace reamsim

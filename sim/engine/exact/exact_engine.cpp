@@ -5,18 +5,18 @@
 #include <utility>
 
 #include "sim/engine/common/engine_device.h"
-#include "sim/engine/common/removed_blocks.h"
+#include "sim/engine/common/read_back.h"
 #include "sim/engine/exact/cut_exact.h"
 
 namespace reamsim {
 
 namespace {
 
-/// Records of removed voxels that a visit may make; where it might make more it takes fewer substeps.
-constexpr std::size_t kMostRecords = 8'000'000;
+/// The largest number of records of removed voxels in a visit; where more are possible it has fewer substeps.
+constexpr std::size_t kMaxRecords = 8'000'000;
 
-/// A batch needs no list of its own: every visit has one.
-constexpr DeviceBatch::RemovedList kNoList{.words = 1, .room = 1, .per_substep = 1, .in_all = 1};
+/// The batch has no list of removed voxels, because every visit has one.
+constexpr DeviceBatch::RemovedList kNoList{.words = 1, .room = 1, .per_substep = 1, .in_total = 1};
 
 std::size_t page_table_bytes(const BoneView& bone) {
   return sizeof(cl_int) * bone.voxmap.grade.stored_bricks();
@@ -48,12 +48,11 @@ class ExactEngine final : public Engine {
              choose_options(info, scenario.engine.tuning), teeth_ ? &*teeth_ : nullptr),
         records_(device_, 1, "the list of removed voxels") {}
 
-  /// Takes the substep's arguments alone: its bricks are listed and cut when the batch is collected, together with
-  /// those of the substeps round it.
+  /// Stores the arguments. collect() lists and cuts the bricks of several substeps at once.
   void enqueue(const SubstepArgs& args) override { batch_.begin(args); }
   [[nodiscard]] bool full() const override { return batch_.full(); }
 
-  /// Visit by visit: the bricks that the tool's surface can reach are listed, and cut in all substeps of the visit.
+  /// Visit by visit, lists the bricks in reach of the tool's surface and cuts them in all substeps of the visit.
   Batch collect() override {
     Batch out;
     removed_.clear();
@@ -80,24 +79,24 @@ class ExactEngine final : public Engine {
     return bricks_.bytes() + fill_.bytes() + records_.bytes() + DeviceBatch::bytes(kNoList) + list_.listed().bytes() +
            teeth_bytes_;
   }
-  /// There is no shell in it: where teeth are resolved, their distance grid stands for the tool.
+  /// Without a shell; the tool's structure is the distance grid of resolved cutting edges.
   [[nodiscard]] StructureBytes structure_bytes() const override {
     return {bricks_.bytes() + fill_.bytes(), teeth_bytes_};
   }
 
  private:
-  /// Takes every brick in reach through the substeps from `first` on, as many as one visit can, and returns the visit.
+  /// Cuts the bricks in reach in as many substeps from `first` on as one visit can have. Returns the visit.
   VisitPlan visit(int first) {
     VisitPlan plan = plan_visit(batch_.args_used(), first, RS_VISIT_SUBSTEPS, tool_box_, extent_);
     VisitCounts counts{.listed = 0, .pages = static_cast<rs_u32>(fill_.used), .removed = 0};
     std::size_t listed = list_.list(plan, counts);
-    while (CutExact::most_records(listed, plan.end - first) > kMostRecords && plan.end - first > 1) {
+    while (CutExact::max_records(listed, plan.end - first) > kMaxRecords && plan.end - first > 1) {
       plan = plan_visit(batch_.args_used(), first, (plan.end - first) / 2, tool_box_, extent_);
       listed = list_.list(plan, counts);
     }
     if (listed == 0) return plan;
     reserve_pages(device_, fill_.used + listed, grid_.voxel_mm, fill_);
-    const std::size_t records = CutExact::most_records(listed, plan.end - first);
+    const std::size_t records = CutExact::max_records(listed, plan.end - first);
     if (records > records_.count()) records_ = {device_, records, "the list of removed voxels"};
     cut_.enqueue(plan, fill_, records_);
     list_.counts().read(device_, &counts, 1);
@@ -134,9 +133,9 @@ std::unique_ptr<Engine> make_exact_engine(const Scenario& scenario, const BoneVi
 
 std::size_t exact_engine_bytes(const BoneView& bone, const Tool& tool, const ExactForecast& forecast) {
   const std::size_t stored = bone.voxmap.grade.stored_bricks();
-  const std::size_t records = std::min(kMostRecords, CutExact::most_records(forecast.listed, RS_VISIT_SUBSTEPS));
+  const std::size_t records = std::min(kMaxRecords, CutExact::max_records(forecast.listed, RS_VISIT_SUBSTEPS));
   return device_bricks_bytes(bone, FillStore::pages) + sizeof(cl_uint) * stored +
-         fill_pages_bytes(stored, forecast.parted + forecast.listed) + sizeof(RemovedBlock) * records +
+         fill_pages_bytes(stored, forecast.partial + forecast.listed) + sizeof(RemovedBlock) * records +
          DeviceBatch::bytes(kNoList) + (tool.teeth ? tool.teeth->bytes() : 0);
 }
 

@@ -11,17 +11,16 @@ namespace reamsim {
 
 namespace {
 
-constexpr std::size_t kLeastRoom = 64;  // pages
+constexpr std::size_t kMinRoom = 64;  // pages
 constexpr std::size_t kPageBytes = sizeof(cl_ushort) * RS_BRICK_VOXELS;
 
-/// Half as much again as is needed, so that a growing cut does not move its pages at every visit.
+/// 1.5 times the need, so that a growing cut does not move its pages at every visit.
 std::size_t most_room(std::size_t needed) {
   return needed + needed / 2;
 }
 
 [[noreturn]] void does_not_fit(const cl::Device& device, std::size_t pages, std::size_t largest, double voxel_mm) {
   const auto mb = [](std::size_t count) { return std::to_string((count * kPageBytes + 999'999) / 1'000'000) + " MB"; };
-  // What is cut fills a volume.
   const double factor = std::cbrt(static_cast<double>(pages) / static_cast<double>(std::max<std::size_t>(1, largest)));
   char voxel[32];
   std::snprintf(voxel, sizeof voxel, "%.3g", 1.05 * factor * voxel_mm);
@@ -51,7 +50,7 @@ cl::Buffer<T> grown(const cl::Device& device, const cl::Buffer<T>& old, std::siz
 FillPages make_fill_pages(const cl::Device& device, const BoneView& bone) {
   FillPages fill;
   fill.used = bricks_with_fill(bone);
-  const std::size_t room = std::max(kLeastRoom, fill.used);
+  const std::size_t room = std::max(kMinRoom, fill.used);
   std::vector<cl_int> page_of_slot;
   std::vector<cl_uint> slot_of_page;
   std::vector<cl_ushort> fills;
@@ -114,8 +113,8 @@ void read_pages(const cl::Device& device, const DeviceBricks& bricks, const Fill
 }
 
 std::size_t fill_pages_bytes(std::size_t bricks, std::size_t pages) {
-  const std::size_t needed = std::min(bricks, pages), room = std::max(kLeastRoom, std::min(bricks, most_room(needed)));
-  // While room is made the old pages are still there, too few by one at least.
+  const std::size_t needed = std::min(bricks, pages), room = std::max(kMinRoom, std::min(bricks, most_room(needed)));
+  // While the buffer grows the old pages exist as well.
   return sizeof(cl_int) * bricks + (room + needed) * (sizeof(cl_uint) + kPageBytes);
 }
 

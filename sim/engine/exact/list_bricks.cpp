@@ -1,8 +1,8 @@
 #include "sim/engine/exact/list_bricks.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <numeric>
 
 namespace reamsim {
 
@@ -10,17 +10,17 @@ namespace embedded {
 extern const char* const kernel_list_bricks;
 }
 
-// Host and device lay the structs out alike.
+// The structs have the same layout on host and device.
 static_assert(sizeof(SubstepWindow) == 12);
 static_assert(sizeof(VisitCounts) == 12);
 static_assert(sizeof(CoarseGrid) == 20);
 
 DistanceTable brick_distances(const Profile& profile, double voxel_mm, double slack_mm) {
-  constexpr double kCellVoxels = 4, kMostCells = 1 << 14;
+  constexpr double kCellVoxels = 4, kMaxCells = 1 << 14;
   const Aabb tool = profile.bounds();
   const double margin = (double{RS_SUPERBRICK_RADIUS} + kVisitShiftVoxels + kCellVoxels) * voxel_mm + slack_mm;
   const double width = tool.max.x() + margin, height = tool.max.z() - tool.min.z() + 2 * margin;
-  const double cell_mm = std::max(kCellVoxels * voxel_mm, std::sqrt(width * height / kMostCells));
+  const double cell_mm = std::max(kCellVoxels * voxel_mm, std::sqrt(width * height / kMaxCells));
   return make_distance_table(profile, Vec2(0, tool.min.z() - margin) + Vec2::Constant(0.5 * cell_mm), cell_mm,
                              static_cast<int>(std::ceil(width / cell_mm)),
                              static_cast<int>(std::ceil(height / cell_mm)));
@@ -28,8 +28,8 @@ DistanceTable brick_distances(const Profile& profile, double voxel_mm, double sl
 
 namespace {
 
-CoarseGrid grid_of(const DistanceTable& table) {
-  constexpr double kRounding_mm = 1e-3;  // may put a point into the next cell
+CoarseGrid coarse_grid(const DistanceTable& table) {
+  constexpr double kRounding_mm = 1e-3;  // may move a point into the next cell
   return {static_cast<float>(table.first.y() - 0.5 * table.pitch_mm), static_cast<float>(1 / table.pitch_mm),
           static_cast<float>(std::sqrt(0.5) * table.pitch_mm + kRounding_mm), table.count_r, table.count_z};
 }
@@ -39,44 +39,25 @@ CoarseGrid grid_of(const DistanceTable& table) {
 ListBricks::ListBricks(const cl::Device& device, const DeviceBricks& bone, const DeviceBatch& batch,
                        const Profile& profile, double slack_mm, std::size_t work_group)
     : device_(device),
-      work_group_(work_group),
       slack_mm_(static_cast<float>(slack_mm)),
-      grid_(device, 1, "the tool's distances"),
       listed_(device, std::max<std::size_t>(1, bone.layout.bricks), "the list of bricks in reach"),
       counts_(device, 1, "the counts of a visit"),
-      kernel_(device.build("list_bricks.cl", embedded::kernel_list_bricks, ""), "list_bricks") {
+      kernel_(device, device.build("list_bricks.cl", embedded::kernel_list_bricks), "list_bricks", work_group) {
   const DistanceTable table = brick_distances(profile, bone.grid.voxel_mm, slack_mm);
-  const CoarseGrid grid = grid_of(table);
-  grid_.write(device, &grid, 1);
+  grid_ = cl::upload(device, std::array{coarse_grid(table)}, "the tool's distances");
   distances_ = cl::upload(device, table.mm, "the tool's distances");
-  kernel_.set(Argument::args, batch.args());
-  kernel_.set(Argument::coarse, grid_);
-  kernel_.set(Argument::distances, distances_);
-  kernel_.set(Argument::occupancy, bone.occupancy);
-  kernel_.set(Argument::slot_of_brick, bone.slot_of_brick);
-  kernel_.set(Argument::bricks, bone.dims);
-  kernel_.set(Argument::listed, listed_);
-  kernel_.set(Argument::counts, counts_);
+  kernel_.set_from(4, batch.args(), grid_, distances_, bone.occupancy, bone.slot_of_brick, bone.dims, listed_, counts_);
 }
 
 std::size_t ListBricks::list(const VisitPlan& visit, VisitCounts counts) {
   counts_.write(device_, &counts, 1);
   if (visit.superbricks.empty()) return 0;
   const Vec3i first = visit.superbricks.first, size = visit.superbricks.size();
-  kernel_.set(Argument::substep, static_cast<cl_uint>(visit.first));
-  kernel_.set(Argument::first_super, cl_int4{{first.x(), first.y(), first.z(), 0}});
-  kernel_.set(Argument::supers, cl_int4{{size.x(), size.y(), size.z(), 0}});
-  kernel_.set(Argument::shift_mm, visit.shift_mm + slack_mm_);
-  const auto items =
-      static_cast<std::size_t>(size.x()) * static_cast<std::size_t>(size.y()) * static_cast<std::size_t>(size.z());
-  events_.push_back(kernel_.launch(device_, items, work_group_));
+  kernel_.set_from(1, cl_int4{{first.x(), first.y(), first.z(), 0}}, cl_int4{{size.x(), size.y(), size.z(), 0}},
+                   visit.shift_mm + slack_mm_);
+  kernel_.run(visit.first, static_cast<std::size_t>(size.cast<std::int64_t>().prod()));
   counts_.read(device_, &counts, 1);
   return counts.listed;
-}
-
-double ListBricks::take_seconds() {
-  const std::vector<double> seconds = cl::take_seconds(events_);
-  return std::accumulate(seconds.begin(), seconds.end(), 0.0);
 }
 
 }  // namespace reamsim

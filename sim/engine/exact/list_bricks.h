@@ -7,51 +7,33 @@
 
 namespace reamsim {
 
-/// Distances for lists of bricks: they cover every point within the longest reach of kernels/list_bricks.cl, and
-/// `slack_mm` more, of the profile. A cell of the kernel's has its sample in the middle.
+/// Distances for lists of bricks. They cover every point within the reach of kernels/list_bricks.cl plus `slack_mm` of
+/// the profile. Samples lie at the centres of the kernel's cells.
 DistanceTable brick_distances(const Profile& profile, double voxel_mm, double slack_mm);
 
-/// The bricks that the tool's surface can meet in a visit; see kernels/list_bricks.cl.
+/// The bricks that the tool's surface can intersect in a visit; see kernels/list_bricks.cl.
 class ListBricks {
  public:
-  /// `slack_mm`: a surface that clips may lie so far outside the profile.
+  /// `slack_mm`: largest distance of the clipping surface from the profile.
   ListBricks(const cl::Device& device, const DeviceBricks& bone, const DeviceBatch& batch, const Profile& profile,
              double slack_mm, std::size_t work_group);
 
-  /// Enqueues the listing of a visit's bricks, and returns how many there are.
+  /// Lists the bricks of a visit, and returns their number.
   std::size_t list(const VisitPlan& visit, VisitCounts counts);
-  /// Seconds that the listings since the last call took.
-  double take_seconds();
+  /// Run time of the lists since the last call, s.
+  double take_seconds() { return kernel_.take_total_s(); }
 
   [[nodiscard]] const cl::Buffer<cl_uint>& listed() const { return listed_; }
   [[nodiscard]] const cl::Buffer<VisitCounts>& counts() const { return counts_; }
 
  private:
-  /// The parameters of the kernel, in its order.
-  enum class Argument : cl_uint {
-    args,
-    substep,
-    first_super,
-    supers,
-    shift_mm,
-    coarse,
-    distances,
-    occupancy,
-    slot_of_brick,
-    bricks,
-    listed,
-    counts
-  };
-
   const cl::Device& device_;
-  std::size_t work_group_;
   float slack_mm_;
   cl::Buffer<CoarseGrid> grid_;
   cl::Buffer<float> distances_;
   cl::Buffer<cl_uint> listed_;
   cl::Buffer<VisitCounts> counts_;
-  cl::Kernel kernel_;
-  std::vector<cl::Event> events_;
+  cl::SlotKernel kernel_;
 };
 
 }  // namespace reamsim

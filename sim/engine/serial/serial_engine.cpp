@@ -1,34 +1,161 @@
 #include "sim/engine/serial/serial_engine.h"
 
+#include <functional>
 #include <utility>
 
+#include "kernels/distance_grid.h"
 #include "sim/base/stopwatch.h"
-#include "sim/engine/common/dense_bone.h"
-#include "sim/engine/serial/cut_contacts.h"
-#include "sim/engine/serial/find_contacts.h"
+#include "sim/engine/common/broad_phase.h"
+#include "sim/engine/common/energy_table.h"
+#include "sim/engine/common/outline_table.h"
+#include "sim/engine/common/profile_table.h"
+#include "sim/engine/common/read_back.h"
+#include "sim/engine/common/teeth_table.h"
+#include "sim/tool/morton.h"
 
 namespace reamsim {
 
 namespace {
 
-FindContacts serial_detection(const Scenario& scenario, const SerialState& state) {
+/// Data that detection and cut share.
+struct SerialState {
+  const Tool* tool = nullptr;
+  ProfileTable profile;
+  OutlineTable outline;
+  DistanceLattice lattice{};  ///< of the resolved cutting edges
+  VoxelGrid grid;
+  std::vector<std::uint8_t> bone;   ///< grade, 0 = air or removed
+  std::vector<std::uint16_t> fill;  ///< dense
+  std::vector<std::int64_t> contacts;
+  RemovedFrames removed;
+};
+
+void set_bone(const BoneView& bone, SerialState& state) {
+  state.grid = bone.voxmap.grid;
+  state.bone = dense_grades_left(bone);
+  state.fill = dense_fill(bone);
+}
+
+SerialState make_serial_state(const BoneView& bone, const Tool& tool) {
+  SerialState state;
+  state.tool = &tool;
+  state.profile = full_profile_table(tool.profile);
+  state.outline = full_outline_table(tool.profile, bone.voxmap.grid.voxel_mm);
+  if (tool.teeth) state.lattice = distance_lattice(*tool.teeth);
+  set_bone(bone, state);
+  return state;
+}
+
+/// Appends to `state.contacts` the voxels that the tool touches in a substep, each once. Forces of points (`law:
+/// per_point`) are added to `sums`.
+using FindContacts = std::function<void(SerialState& state, const SubstepArgs& args, SubstepSums& sums)>;
+
+/// The voxels that contain a shell point. Without culling, so that it also verifies the VOI. `claimed`: by voxel, all
+/// false before and after.
+void find_by_points(SerialState& state, const SubstepArgs& args, std::vector<bool>& claimed, SubstepSums& sums) {
+  const ProfileView profile = view_of(state.profile);
+  LaneSums point_sums{};
+  for (const std::uint64_t code : state.tool->shell.codes) {
+    const Vec3i cell = morton_decode(code);
+    const int x = cell.x(), y = cell.y(), z = cell.z();
+    const Vec3i voxel(rs_voxel_coordinate(&args, 0, x, y, z), rs_voxel_coordinate(&args, 1, x, y, z),
+                      rs_voxel_coordinate(&args, 2, x, y, z));
+    if (!state.grid.contains(voxel)) continue;
+    const auto e = static_cast<std::size_t>(state.grid.index(voxel.x(), voxel.y(), voxel.z()));
+    if (state.bone[e] == 0) continue;
+    if (args.law == RS_LAW_PER_POINT) rs_point_force(&args, &profile, x, y, z, &point_sums);
+    if (claimed[e]) continue;
+    claimed[e] = true;
+    state.contacts.push_back(static_cast<std::int64_t>(e));
+  }
+  rs_add_lanes(&sums, &point_sums);
+  for (const std::int64_t e : state.contacts) claimed[static_cast<std::size_t>(e)] = false;
+}
+
+/// The reference of `implicit`: every voxel against the tool's solid of revolution, without culling.
+void find_by_profile(SerialState& state, const SubstepArgs& args, SubstepSums& /*sums*/) {
+  const ProfileView profile = view_of(state.profile);
+  for (std::int64_t e = 0; e < state.grid.size(); ++e) {
+    if (state.bone[static_cast<std::size_t>(e)] == 0) continue;
+    const Vec3i voxel = state.grid.coord(e);
+    if (rs_contains_voxel(&args, &profile, voxel.x(), voxel.y(), voxel.z())) state.contacts.push_back(e);
+  }
+}
+
+/// For `exact`, which clips every contact: all voxels with bone in the tool's box.
+void find_in_tool_box(SerialState& state, const SubstepArgs& args, SubstepSums& /*sums*/) {
+  const VoxelGrid& grid = state.grid;
+  // A surface that intersects a voxel passes less than the voxel's diagonal from its centre.
+  const Aabb tool = state.tool->clip_bounds().expanded(grid.voxel_mm + state.outline.bulge_mm);
+  const VoxelBox box = voxel_voi(args, tool, {Vec3i::Zero(), grid.dims - Vec3i::Ones()});
+  for (int z = box.first.z(); z <= box.last.z(); ++z) {
+    for (int y = box.first.y(); y <= box.last.y(); ++y) {
+      for (int x = box.first.x(); x <= box.last.x(); ++x) {
+        const std::int64_t e = grid.index(x, y, z);
+        if (state.bone[static_cast<std::size_t>(e)] != 0) state.contacts.push_back(e);
+      }
+    }
+  }
+}
+
+FindContacts choose_detection(const Scenario& scenario, const SerialState& state) {
   if (scenario.cutting.erosion == ErosionMode::exact) return find_in_tool_box;
-  if (scenario.engine.type == EngineKind::implicit) return find_by_profile;
-  return find_by_points(state);
+  if (engine_of(scenario) == EngineKind::implicit) return find_by_profile;
+  return [claimed = std::vector<bool>(state.bone.size(), false)](SerialState& now, const SubstepArgs& args,
+                                                                 SubstepSums& sums) mutable {
+    find_by_points(now, args, claimed, sums);
+  };
 }
 
-CutVoxel serial_cut(const Scenario& scenario, double voxel_mm) {
-  const EnergyTable table = make_energy_table(scenario.cutting, voxel_mm);
-  return scenario.cutting.erosion == ErosionMode::exact ? cut_by_clipping(table) : cut_touched(table);
+/// The fill that voxel `e` loses for `remove` and `wear`. Its forces are added to `law`.
+rs_i32 cut_touched(const SerialState& state, const EnergyTable& table, const SubstepArgs& args, std::int64_t e,
+                   LaneSums& law) {
+  const auto i = static_cast<std::size_t>(e);
+  const std::uint8_t grade = state.bone[i];
+  const rs_i32 lost = rs_lost_fill(&args, table.density_g_cm3[grade], state.fill[i]);
+  const double energy = rs_lost_energy(table.energy_mj[grade], lost);
+  law.energy += rs_energy_units(energy);
+  if (args.law == RS_LAW_ENERGY) {
+    const Vec3i voxel = state.grid.coord(e);
+    const ProfileView profile = view_of(state.profile);
+    rs_voxel_force(&args, &profile, voxel.x(), voxel.y(), voxel.z(), static_cast<float>(energy), &law);
+  }
+  return lost;
 }
 
-/// The reference of every engine in plain C++: that of `implicit`, of those which look shell points up, and of `exact`.
+/// The tool's surface next to a voxel: that of the resolved cutting edges, else the envelope.
+Clip clip_voxel(const SerialState& state, const SubstepArgs& args, const OutlineView& outline, const Vec3i& voxel) {
+  float corner[3];
+  rs_brick_in_tool(&args, voxel.x(), voxel.y(), voxel.z(), corner);
+  const auto x = static_cast<float>(voxel.x() & 7), y = static_cast<float>(voxel.y() & 7),
+             z = static_cast<float>(voxel.z() & 7);
+  if (!state.tool->teeth) return rs_clip(&args, &outline, outline.lists[0], corner, x, y, z);
+  const DistanceGrid& grid = *state.tool->teeth;
+  const DistanceView teeth{&state.lattice, grid.slot_of_brick.data(), grid.samples.data()};
+  return rs_clip_grid(&args, &teeth, corner, x, y, z);
+}
+
+/// As cut_touched(), for `exact`.
+rs_i32 cut_by_clipping(const SerialState& state, const EnergyTable& table, const SubstepArgs& args, std::int64_t e,
+                       LaneSums& law) {
+  const auto i = static_cast<std::size_t>(e);
+  const OutlineView outline = view_of(state.outline);
+  Clip clip = clip_voxel(state, args, outline, state.grid.coord(e));
+  const rs_i32 outside = rs_fill_outside(&clip), lost = rs_clip_loss(&args, state.fill[i], outside);
+  if (rs_has_edge(&args)) rs_edge_force(&args, &clip, state.fill[i] - lost, outside, &law);
+  if (lost == 0) return lost;
+  if (state.tool->teeth) rs_use_envelope_normal(&outline, outline.lists[0], &clip);
+  rs_clip_force(&args, &clip, static_cast<float>(table.energy_mj[state.bone[i]]), lost, &law);
+  return lost;
+}
+
 class SerialEngine final : public Engine {
  public:
   SerialEngine(const Scenario& scenario, const BoneView& bone, const Tool& tool)
       : state_(make_serial_state(bone, tool)),
-        find_(serial_detection(scenario, state_)),
-        cut_(serial_cut(scenario, bone.voxmap.grid.voxel_mm)) {}
+        find_(choose_detection(scenario, state_)),
+        energy_(make_energy_table(scenario.cutting, bone.voxmap.grid.voxel_mm)),
+        exact_(scenario.cutting.erosion == ErosionMode::exact) {}
 
   void enqueue(const SubstepArgs& args) override {
     SubstepSums& sums = batch_.sums.emplace_back();
@@ -36,7 +163,7 @@ class SerialEngine final : public Engine {
     const Stopwatch watch;
     find_(state_, args, sums);
     times.detect_s = watch.seconds();
-    cut_contacts(state_, args, cut_, sums);
+    cut_contacts(args, sums);
     times.cut_s = watch.seconds() - times.detect_s;
   }
 
@@ -44,15 +171,34 @@ class SerialEngine final : public Engine {
   Batch collect() override { return std::exchange(batch_, {}); }
   RemovedFrames take_removed() override { return std::exchange(state_.removed, {}); }
   void read_fill(const Voxmap& voxmap, FillBricks& fill) override { copy_fill(state_.fill, voxmap, fill); }
-  void restore(const BoneView& bone) override { take_bone(bone, state_); }
+  void restore(const BoneView& bone) override { set_bone(bone, state_); }
   [[nodiscard]] std::string device() const override { return "serial"; }
   [[nodiscard]] std::size_t device_bytes() const override { return 0; }
   [[nodiscard]] StructureBytes structure_bytes() const override { return {}; }
 
  private:
+  /// Cuts the voxels of the contact list in order, adds to `sums`, and empties the list.
+  void cut_contacts(const SubstepArgs& args, SubstepSums& sums) {
+    LaneSums law{};
+    for (const std::int64_t e : state_.contacts) {
+      const auto i = static_cast<std::size_t>(e);
+      const rs_i32 lost = (exact_ ? cut_by_clipping : cut_touched)(state_, energy_, args, e, law);
+      if (lost == 0) continue;
+      sums.contacts += 1;
+      sums.removed += lost;
+      state_.fill[i] = static_cast<std::uint16_t>(state_.fill[i] - lost);
+      if (state_.fill[i] > 0) continue;
+      state_.bone[i] = 0;
+      state_.removed.emplace_back(e, args.frame);
+    }
+    rs_add_lanes(&sums, &law);
+    state_.contacts.clear();
+  }
+
   SerialState state_;
   FindContacts find_;
-  CutVoxel cut_;
+  EnergyTable energy_;
+  bool exact_;
   Batch batch_;
 };
 

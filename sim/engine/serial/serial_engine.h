@@ -6,7 +6,7 @@
 
 namespace reamsim {
 
-/// The reference of every detector in plain C++; it starts no OpenCL.
+/// The reference of all engines, in plain C++ without OpenCL.
 std::unique_ptr<Engine> make_serial_engine(const Scenario& scenario, const BoneView& bone, const Tool& tool);
 
 }  // namespace reamsim

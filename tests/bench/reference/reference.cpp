@@ -176,7 +176,7 @@ std::vector<std::int64_t> Reference::removed_voxels() const {
   std::vector<std::int64_t> out;
   for (const RemovedBlock& block : removed()) {
     const Vec3i corner = RS_BRICK_SIDE * state_->lattice.coord(block.brick);
-    for (rs_u64 rest = block.gone; rest != 0; rest &= rest - 1) {
+    for (rs_u64 rest = block.removed; rest != 0; rest &= rest - 1) {
       const auto place = static_cast<rs_i32>(block.detail << 6) + std::countr_zero(rest);
       const Vec3i voxel = corner + Vec3i(rs_offset_x(place), rs_offset_y(place), rs_offset_z(place));
       out.push_back(state_->grid.index(voxel.x(), voxel.y(), voxel.z()));
@@ -189,8 +189,8 @@ std::vector<std::int64_t> Reference::removed_voxels() const {
 void Reference::restore() {
   for (const RemovedBlock& block : removed()) {
     Brick& brick = state_->bricks[static_cast<std::size_t>(state_->slot_of_brick[block.brick])];
-    brick.bone[2 * block.detail] |= static_cast<rs_u32>(block.gone);
-    brick.bone[2 * block.detail + 1] |= static_cast<rs_u32>(block.gone >> 32);
+    brick.bone[2 * block.detail] |= static_cast<rs_u32>(block.removed);
+    brick.bone[2 * block.detail + 1] |= static_cast<rs_u32>(block.removed >> 32);
     state_->occupy(state_->lattice.coord(block.brick));
   }
 }
