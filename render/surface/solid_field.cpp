@@ -89,7 +89,7 @@ Occupancy::Kind neighbourhood(const Occupancy& occupancy, const Vec3i& brick) {
 
 SolidField::SolidField(const Occupancy& occupancy) : grid_(new ScalarGrid{make_float_grid(kAir)}) {
   // One brick round the bone: smoothing carries it a little beyond its own bricks, and the lattice.
-  compute(occupancy, coords_around(occupancy.voxmap().grade));
+  compute(occupancy, bricks_near_bone(occupancy.voxmap().grade));
 }
 
 void SolidField::update(const Occupancy& occupancy, const std::vector<Vec3i>& bricks) {

@@ -60,7 +60,7 @@ FilledVoxmap fit_to_bone(const FilledVoxmap& voxmap, int margin_voxels) {
   const Vec3i dims = (needed.array() + (FillBricks::kSide - 1)) / FillBricks::kSide * FillBricks::kSide;
   const double most_voxels = 2.0 * GradeBricks::kVoxels * static_cast<double>(voxmap.grade.stored_bricks());
   const Eigen::Array3d size = dims.cast<double>().array();
-  check_lattice("bone", size, voxmap.grid.voxel_mm, {.bone_share = most_voxels / size.prod()});
+  check_lattice("bone", size, voxmap.grid.voxel_mm, {.bone_fraction = most_voxels / size.prod()});
 
   const VoxelGrid& from = voxmap.grid;
   FilledVoxmap out;

@@ -15,16 +15,16 @@ namespace {
 /// A centre further from the bone than this is no glenoid's: a joint gap has some mm, a worn face is bone itself.
 constexpr double kFarthestCenter_mm = 10;
 /// Bone is looked at this far beyond the distance of the centre from the surface.
-constexpr double kLook_mm = 8;
+constexpr double kBeyondSurface_mm = 8;
 /// With more bone ahead than this multiple of that behind, the normal points inwards; half a space leaves 1 for a
 /// normal along its face, 0 for one square to it.
 constexpr double kInward = 1.5;
 /// A normal further from the direction out of the bone is doubtful; faces that wear has tilted stay well below.
 constexpr double kOblique_deg = 50;
 /// A centroid nearer to the middle of the ball says nothing, in radii.
-constexpr double kLeastCentroid = 0.05;
+constexpr double kMinCentroid = 0.05;
 /// Below this, a component of a direction says nothing (about 6°).
-constexpr double kLeastComponent = 0.1;
+constexpr double kMinComponent = 0.1;
 
 bool is_bone(const Voxmap& voxmap, const Vec3i& voxel) {
   return voxmap.grid.contains(voxel) && voxmap.grade.get(voxel) != 0;
@@ -88,7 +88,7 @@ void check_center(const NearestSurface& nearest, const Vec3& center_mm, const Fr
                        vector_words(nearest.point_mm, "(%.1f, %.1f, %.1f)"));
 }
 
-void check_normal(const BoneRound& bone, const Vec3& normal, const FrameKeys& keys, Report& report) {
+void check_normal(const NearbyBone& bone, const Vec3& normal, const FrameKeys& keys, Report& report) {
   const double angle_deg = std::acos(std::clamp(normal.dot(bone.outward), -1.0, 1.0)) * 180 / std::numbers::pi;
   if (bone.outward == Vec3::Zero() || angle_deg <= kOblique_deg) return;
   const std::string found =
@@ -113,14 +113,14 @@ void check_anatomy(const Bone& bone, const FrameKeys& keys, Report& report) {
   const Mat3 axes = bone.glenoid->bone_from_glenoid.linear();
   const double left = axes(0, 2), up = axes(2, 1);
   const std::string specimen = "; this may be meant only where the scan is not of a patient in the standard position";
-  const bool contradicts = (bone.side == BodySide::left && left < -kLeastComponent) ||
-                           (bone.side == BodySide::right && left > kLeastComponent);
+  const bool contradicts =
+      (bone.side == BodySide::left && left < -kMinComponent) || (bone.side == BodySide::right && left > kMinComponent);
   if (contradicts) {
     report.warn("bone.side is " + name_of(bone.side) + ", but the glenoid's normal points to the patient's " +
                 (left > 0 ? "left" : "right") + words(" (x = %.2f in LPS)", left) + ", as on a " +
                 (left > 0 ? "left" : "right") + " shoulder; check bone.side and " + keys.normal + specimen);
   }
-  if (up < -kLeastComponent) {
+  if (up < -kMinComponent) {
     report.warn("the glenoid's superior direction points down" + words(" (z = %.2f in LPS)", up) + "; check " +
                 keys.superior + specimen);
   }
@@ -149,11 +149,11 @@ std::optional<NearestSurface> nearest_surface(const Voxmap& voxmap, const Vec3& 
   return out;
 }
 
-BoneRound bone_round(const Voxmap& voxmap, const Vec3& point_mm, const Vec3& normal, double radius_mm) {
+NearbyBone nearby_bone(const Voxmap& voxmap, const Vec3& point_mm, const Vec3& normal, double radius_mm) {
   constexpr int kSamples = 30;  // along the radius, at most
   const double step_mm = std::max(voxmap.grid.voxel_mm, radius_mm / kSamples);
   const int reach = static_cast<int>(radius_mm / step_mm);
-  BoneRound out{.radius_mm = radius_mm};
+  NearbyBone out{.radius_mm = radius_mm};
   Vec3 sum = Vec3::Zero();
   std::int64_t ahead = 0, behind = 0;
   for (int z = -reach; z <= reach; ++z) {
@@ -170,7 +170,7 @@ BoneRound bone_round(const Voxmap& voxmap, const Vec3& point_mm, const Vec3& nor
   out.ahead_mm3 = static_cast<double>(ahead) * sample_mm3;
   out.behind_mm3 = static_cast<double>(behind) * sample_mm3;
   const double centroid_mm = sum.norm() / std::max(1.0, static_cast<double>(ahead + behind));
-  if (centroid_mm > kLeastCentroid * radius_mm) out.outward = -sum.normalized();
+  if (centroid_mm > kMinCentroid * radius_mm) out.outward = -sum.normalized();
   return out;
 }
 
@@ -183,7 +183,7 @@ void check_glenoid_frame(const Bone& bone, const BoneSettings& settings, Mistake
   if (const auto nearest = nearest_surface(*bone.voxmap, center_mm)) {
     const bool near = mistakes.attempt([&] { check_center(*nearest, center_mm, keys); });
     if (near) {
-      const BoneRound round = bone_round(*bone.voxmap, center_mm, normal, nearest->distance_mm + kLook_mm);
+      const NearbyBone round = nearby_bone(*bone.voxmap, center_mm, normal, nearest->distance_mm + kBeyondSurface_mm);
       mistakes.attempt([&] { check_normal(round, normal, keys, report); });
     }
   }

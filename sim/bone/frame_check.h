@@ -19,13 +19,13 @@ struct NearestSurface {
 std::optional<NearestSurface> nearest_surface(const Voxmap& voxmap, const Vec3& point_mm);
 
 /// Bone near a point, before and behind a plane through it.
-struct BoneRound {
+struct NearbyBone {
   double radius_mm = 0;
   double ahead_mm3 = 0;  ///< on the side of the plane's normal
   double behind_mm3 = 0;
   Vec3 outward = Vec3::Zero();  ///< from the bone's centroid to the point, of length 1; 0 where they coincide
 };
-BoneRound bone_round(const Voxmap& voxmap, const Vec3& point_mm, const Vec3& normal, double radius_mm);
+NearbyBone nearby_bone(const Voxmap& voxmap, const Vec3& point_mm, const Vec3& normal, double radius_mm);
 
 /// Holds a bone's glenoid frame against the unreamed bone. A frame that cannot be meant is a mistake: a centre further
 /// than 10 mm from the surface, a normal that points into the bone. What a patient in the scanner's standard position

@@ -71,7 +71,7 @@ double GlenoidFace::outline_mm(double superior, double anterior) const {
     const double middle_mm = (inside_mm + outside_mm) / 2;
     const double beyond =
         implicit::pear(middle_mm * anterior, middle_mm * superior, half_width_mm_ - height_mm_ / 2, half_width_mm_,
-                       height_mm_ / 2 - kUpperShare * half_width_mm_, kUpperShare * half_width_mm_);
+                       height_mm_ / 2 - kUpperRadiusRatio * half_width_mm_, kUpperRadiusRatio * half_width_mm_);
     (beyond < 0 ? inside_mm : outside_mm) = middle_mm;
   }
   return inside_mm;

@@ -32,7 +32,7 @@ class GlenoidFace {
   };
 
   /// Upper radius of the pear-shaped outline over the lower one, which is half the width.
-  static constexpr double kUpperShare = 0.68;
+  static constexpr double kUpperRadiusRatio = 0.68;
 
   /// Distance below the face, positive into the bone: exact.
   [[nodiscard]] double below_mm(const Vec3& point) const;

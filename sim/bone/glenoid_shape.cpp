@@ -8,7 +8,7 @@ namespace reamsim {
 
 namespace {
 
-constexpr double kUpperShare = GlenoidFace::kUpperShare;
+constexpr double kUpperRadiusRatio = GlenoidFace::kUpperRadiusRatio;
 
 using implicit::pear;
 using implicit::polygon;
@@ -83,13 +83,13 @@ Vec3 GlenoidShape::in_face(const Vec3& point) const {
 /// The pear from the face's outline to that of the neck, fast behind the rim and slower further in.
 double GlenoidShape::vault(const Vec3& q) const {
   const double depth = -q.x();
-  const double share = std::clamp(depth / vault_depth_mm_, 0.0, 1.0);
-  const double narrowing = 1 - std::pow(1 - share, 1.9);
+  const double fraction = std::clamp(depth / vault_depth_mm_, 0.0, 1.0);
+  const double narrowing = 1 - std::pow(1 - fraction, 1.9);
   const double curl_mm = 0.25 * std::max(-depth, 0.0);  // outside the face plane the rim leans in
   const double low_radius = half_width_mm_ * (1 - 0.55 * narrowing) + kRimLoss_mm - curl_mm;
-  const double high_radius = kUpperShare * half_width_mm_ * (1 - 0.30 * narrowing) + kRimLoss_mm - curl_mm;
+  const double high_radius = kUpperRadiusRatio * half_width_mm_ * (1 - 0.30 * narrowing) + kRimLoss_mm - curl_mm;
   const double low = -(height_mm_ / 2 - half_width_mm_) - 0.045 * height_mm_ * narrowing;
-  const double high = height_mm_ / 2 - kUpperShare * half_width_mm_ - 0.03 * height_mm_ * narrowing;
+  const double high = height_mm_ / 2 - kUpperRadiusRatio * half_width_mm_ - 0.03 * height_mm_ * narrowing;
   const double notch_at = (q.y() - 0.19 * height_mm_) / (0.11 * height_mm_);
   const double notch_mm = 0.13 * half_width_mm_ * std::exp(-notch_at * notch_at) *
                           smoothstep(0, 0.5 * half_width_mm_, q.z()) * (1 - narrowing);

@@ -18,7 +18,7 @@ class GlenoidShape {
   explicit GlenoidShape(const PhantomSettings& settings);
 
   /// Changes of solid() per mm stay below this.
-  static constexpr double kSteepest = 2.5;
+  static constexpr double kMaxSlope = 2.5;
 
   /// Negative inside the bone, about the distance to its surface near it. The stumps go on beyond medial_end_mm().
   [[nodiscard]] double solid(const Vec3& point) const;

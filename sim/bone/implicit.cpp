@@ -18,8 +18,8 @@ double pear(double x, double y, double low_y, double low_radius, double high_y, 
 
 double tapered_rod(const Vec3& point, const Vec3& a, double radius_a, const Vec3& b, double radius_b) {
   const Vec3 axis = b - a;
-  const double share = std::clamp((point - a).dot(axis) / axis.squaredNorm(), 0.0, 1.0);
-  return (point - a - share * axis).norm() - (radius_a + share * (radius_b - radius_a));
+  const double fraction = std::clamp((point - a).dot(axis) / axis.squaredNorm(), 0.0, 1.0);
+  return (point - a - fraction * axis).norm() - (radius_a + fraction * (radius_b - radius_a));
 }
 
 double polygon(const Vec2& point, const std::vector<Vec2>& corners) {
@@ -28,8 +28,8 @@ double polygon(const Vec2& point, const std::vector<Vec2>& corners) {
   for (std::size_t i = 0, j = corners.size() - 1; i < corners.size(); j = i++) {
     const Vec2 edge = corners[j] - corners[i];
     const Vec2 from = point - corners[i];
-    const double share = std::clamp(from.dot(edge) / edge.squaredNorm(), 0.0, 1.0);
-    nearest2 = std::min(nearest2, (from - share * edge).squaredNorm());
+    const double fraction = std::clamp(from.dot(edge) / edge.squaredNorm(), 0.0, 1.0);
+    nearest2 = std::min(nearest2, (from - fraction * edge).squaredNorm());
     const bool crosses = (corners[i].y() > point.y()) != (corners[j].y() > point.y());
     if (crosses && from.x() < edge.x() * from.y() / edge.y()) inside = !inside;
   }

@@ -7,9 +7,9 @@
 #include "sim/bone/bone.h"
 #include "sim/bone/mesh_unit.h"
 #include "sim/bone/sample_phantom.h"
+#include "sim/bone/voxmap/cube_fraction.h"
 #include "sim/bone/voxmap/lattice.h"
 #include "sim/bone/voxmap/sample_bricks.h"
-#include "sim/bone/voxmap/surface_share.h"
 #include "sim/bone/voxmap/surface_voxels.h"
 #include "sim/mesh/mesh_check.h"
 #include "sim/mesh/mesh_distance.h"
@@ -97,12 +97,12 @@ class DistanceBetween {
 
   [[nodiscard]] double operator()(const Vec3& index) const {
     const Vec3 base = index.array().floor();
-    const Vec3 share = index - base;
+    const Vec3 fraction = index - base;
     double sum = 0;
     for (int corner = 0; corner < 8; ++corner) {
       const Vec3i step(corner & 1, corner >> 1 & 1, corner >> 2);
       double weight = 1;
-      for (int axis = 0; axis < 3; ++axis) weight *= step[axis] != 0 ? share[axis] : 1 - share[axis];
+      for (int axis = 0; axis < 3; ++axis) weight *= step[axis] != 0 ? fraction[axis] : 1 - fraction[axis];
       if (weight == 0) continue;  // at the centres themselves, which are asked most
       const Vec3i at = base.cast<int>() + step;
       sum += weight * double{distance_.getValue({at.x(), at.y(), at.z()})};
@@ -115,16 +115,16 @@ class DistanceBetween {
 };
 
 /// Fill by the distance of the surface. Densities are those of a depth, so none has air in it.
-void part_surface(const openvdb::FloatTree& distance, const GradesByDepth& by_depth, FilledVoxmap& voxmap) {
+void set_fill_at_surface(const openvdb::FloatTree& distance, const GradesByDepth& by_depth, FilledVoxmap& voxmap) {
   const DistanceBetween between(distance);
   const std::uint8_t outermost = by_depth.grade(-std::numeric_limits<float>::min());
   const auto sample = [&](const Vec3i& voxel, std::uint8_t grade) -> SurfaceVoxel {
     const double away = double{distance.getValue({voxel.x(), voxel.y(), voxel.z()})};
     const std::uint8_t bone = grade != 0 ? grade : outermost;
     if (std::abs(away) > RS_CLIP_REACH) return {away < 0 ? 1.0 : 0.0, bone};
-    return {share_inside(between, voxel.cast<double>(), 1), bone};
+    return {fraction_inside(between, voxel.cast<double>(), 1), bone};
   };
-  part_surface_voxels(sample, voxmap);
+  set_partial_fill(sample, voxmap);
 }
 
 /// The mesh of the scenario, made fit for meshToVolume or refused.
@@ -154,7 +154,7 @@ TriangleMesh checked_mesh(const MeshBoneSettings& settings, Report& report) {
 
 /// The most that bricks with bone can take of the mesh's box: its volume, and the bricks that the surface passes. A
 /// surface of area A passes at most √3·A/b² bricks of side b, and a few more where its triangles meet.
-double bone_share(const TriangleMesh& mesh, double voxel_mm) {
+double bone_fraction(const TriangleMesh& mesh, double voxel_mm) {
   constexpr double kPassed = 2;
   double area_mm2 = 0;
   for (const auto& [a, b, c] : mesh.triangles) {
@@ -189,7 +189,7 @@ FilledVoxmap voxmap_from_mesh(const BoneSettings& settings, Report& report) {
   const bool has_glenoid = settings.glenoid.center_mm || settings.glenoid.landmarks;
   check_mesh_unit(bone.path, mesh.bounds(), bone.scale, has_glenoid, report);
   const VoxelGrid grid = lattice_around(bone.path, mesh.bounds(), settings.voxel_mm, kMarginVoxels,
-                                        {bone_share(mesh, settings.voxel_mm), kMeshBytesPerVoxel});
+                                        {bone_fraction(mesh, settings.voxel_mm), kMeshBytesPerVoxel});
   const double cortical_voxels = bone.cortical_mm / settings.voxel_mm;
   const auto distance = signed_distance(bone.path, mesh, grid, cortical_voxels + 2);
 
@@ -203,7 +203,7 @@ FilledVoxmap voxmap_from_mesh(const BoneSettings& settings, Report& report) {
     throw InputError({bone.path, 0, 0}, "bone.voxel_mm", "the mesh contains no voxel centre",
                      "use smaller voxels, a larger bone.mesh.scale, or a closed mesh");
   }
-  if (settings.surface_voxels == SurfaceVoxels::partial) part_surface(distance->tree(), by_depth, voxmap);
+  if (settings.surface_voxels == SurfaceVoxels::partial) set_fill_at_surface(distance->tree(), by_depth, voxmap);
   check_volume(bone, voxmap.bone_mm3(), std::abs(mesh.volume_mm3()), report);
   return voxmap;
 }

@@ -9,8 +9,8 @@
 #include "sim/bone/implicit.h"
 #include "sim/bone/sample_phantom.h"
 #include "sim/bone/value_noise.h"
+#include "sim/bone/voxmap/cube_fraction.h"
 #include "sim/bone/voxmap/lattice.h"
-#include "sim/bone/voxmap/surface_share.h"
 
 namespace reamsim {
 
@@ -42,23 +42,23 @@ class GlenoidDensity {
     const double below_face_mm = shape_.face().below_mm(point);
     const double depth_mm = depth(point, solid);
     const double wall_mm = wall_thickness(point, below_face_mm);
-    const double cortical_share =
+    const double cortical_fraction =
         1 - implicit::smoothstep(wall_mm - kTransition_mm / 2, wall_mm + kTransition_mm / 2, depth_mm);
     const double soft = trabecular(point, below_face_mm, depth_mm - wall_mm);
-    return soft + cortical_share * (dense(below_face_mm) - soft);
+    return soft + cortical_fraction * (dense(below_face_mm) - soft);
   }
 
   /// Part of the voxel about a point that is bone, and the density of that bone: at the point itself, or at the surface
   /// below it.
   [[nodiscard]] PartialVoxel partial(const Vec3& center, double voxel_mm) const {
     const double solid = shape_.solid(center);
-    const double reach_mm = GlenoidShape::kSteepest * RS_CLIP_REACH * voxel_mm;
+    const double reach_mm = GlenoidShape::kMaxSlope * RS_CLIP_REACH * voxel_mm;
     const double before_end = std::clamp((center.x() - shape_.medial_end_mm()) / voxel_mm + 0.5, 0.0, 1.0);
     PartialVoxel out{solid < 0 ? before_end : 0.0, settings_.cortical_density_g_cm3};
     if (std::abs(solid) > reach_mm) return out;
     const auto field = [this](const Vec3& point) { return shape_.solid(point); };
-    out.share = before_end * share_inside(field, center, voxel_mm);
-    if (out.share > 0) out.density_g_cm3 = density_below(center, solid);
+    out.fraction = before_end * fraction_inside(field, center, voxel_mm);
+    if (out.fraction > 0) out.density_g_cm3 = density_below(center, solid);
     return out;
   }
 
@@ -215,7 +215,7 @@ FilledVoxmap sample_glenoid(const BoneSettings& settings, const VoxelGrid& grid)
   return sample_phantom(
       grid, settings.density, [&](const Vec3& point) { return density.at(sides.anatomy_from_bone(point)); }, partial,
       [&](const Vec3& center, double radius_mm) {
-        return density.shape().solid(sides.anatomy_from_bone(center)) > GlenoidShape::kSteepest * radius_mm;
+        return density.shape().solid(sides.anatomy_from_bone(center)) > GlenoidShape::kMaxSlope * radius_mm;
       });
 }
 

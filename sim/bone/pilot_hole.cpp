@@ -2,7 +2,7 @@
 
 #include "sim/base/error.h"
 #include "sim/bone/bone.h"
-#include "sim/bone/voxmap/surface_share.h"
+#include "sim/bone/voxmap/cube_fraction.h"
 
 namespace reamsim {
 
@@ -57,8 +57,8 @@ std::uint16_t fill_beside(const Hole& hole, const VoxelGrid& grid, const Vec3i& 
   const double away_voxels = hole.distance_mm(center_mm) / grid.voxel_mm;
   if (std::abs(away_voxels) > RS_CLIP_REACH) return away_voxels < 0 ? 0 : FillBricks::kWhole;
   const auto distance = [&hole](const Vec3& point_mm) { return hole.distance_mm(point_mm); };
-  const double share = 1 - share_inside(distance, center_mm, grid.voxel_mm);
-  return static_cast<std::uint16_t>(std::lround(share * FillBricks::kWhole));
+  const double fraction = 1 - fraction_inside(distance, center_mm, grid.voxel_mm);
+  return static_cast<std::uint16_t>(std::lround(fraction * FillBricks::kWhole));
 }
 
 /// Leaves at most `most` of a voxel; returns what that takes from it.

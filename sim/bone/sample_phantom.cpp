@@ -46,9 +46,9 @@ FilledVoxmap sample_phantom(const VoxelGrid& grid, const DensitySettings& densit
   if (!partial) return voxmap;
   const auto sample = [&](const Vec3i& voxel, std::uint8_t grade) -> SurfaceVoxel {
     const PartialVoxel found = partial(grid.center_mm(voxel.x(), voxel.y(), voxel.z()));
-    return {found.share, grade != 0 ? grade : DensityMapping::grade_from_density(found.density_g_cm3)};
+    return {found.fraction, grade != 0 ? grade : DensityMapping::grade_from_density(found.density_g_cm3)};
   };
-  part_surface_voxels(sample, voxmap);
+  set_partial_fill(sample, voxmap);
   return voxmap;
 }
 

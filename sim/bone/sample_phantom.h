@@ -17,7 +17,7 @@ using AirTest = std::function<bool(const Vec3&, double)>;
 /// Part of the voxel about a point of B (mm) that is bone, 0…1, and the density of that bone, g/cm³. Called for voxels
 /// at the surface only, from several threads at once.
 struct PartialVoxel {
-  double share = 0;
+  double fraction = 0;
   double density_g_cm3 = 0;
 };
 using PartialField = std::function<PartialVoxel(const Vec3& center_mm)>;

@@ -12,7 +12,7 @@ namespace {
 using Triangle = std::array<std::int32_t, 3>;
 using Loop = std::vector<std::int32_t>;
 
-std::size_t drop_useless(std::vector<Triangle>& triangles) {
+std::size_t remove_degenerate(std::vector<Triangle>& triangles) {
   std::set<Triangle> seen;
   const std::size_t before = triangles.size();
   std::erase_if(triangles, [&seen](const Triangle& t) {
@@ -60,7 +60,7 @@ Loop take_loop(std::multimap<std::int32_t, std::int32_t>& rim) {
 
 RepairResult repair(TriangleMesh& mesh) {
   RepairResult out;
-  out.dropped_triangles = drop_useless(mesh.triangles);
+  out.dropped_triangles = remove_degenerate(mesh.triangles);
   auto rim = rim_edges(mesh.triangles);
   while (!rim.empty()) {
     const Loop loop = take_loop(rim);

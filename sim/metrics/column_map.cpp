@@ -12,8 +12,8 @@ namespace {
 constexpr int kSamplesPerVoxel = 2;
 /// Bone is looked for this far above and below what was reamed, voxels.
 constexpr int kReachVoxels = 4;
-/// Shares below this are the blur of interpolation and rounding.
-constexpr double kTrace = 0.02;
+/// Fractions below this are the blur of interpolation and rounding.
+constexpr double kNegligible = 0.02;
 constexpr double kHalf = 0.5;
 /// What is left of a single layer of voxels shows, with the interpolation's blur, over no more voxels than this.
 constexpr int kSheetVoxels = 2;
@@ -37,7 +37,7 @@ Aabb box_of_cut(const ReamedBone& bone, const Rigid& map_from_bone) {
 class ColumnScan {
  public:
   ColumnScan(const ReamedBone& bone, double top_mm, double bottom_mm)
-      : shares_(bone, DensityMapping::kMaxDensity_g_cm3), voxel_mm_(bone.voxmap.grid.voxel_mm), top_mm_(top_mm) {
+      : fractions_(bone, DensityMapping::kMaxDensity_g_cm3), voxel_mm_(bone.voxmap.grid.voxel_mm), top_mm_(top_mm) {
     step_mm_ = voxel_mm_ / kSamplesPerVoxel;
     const double steps = std::ceil((top_mm - bottom_mm) / step_mm_);
     before_.resize(static_cast<std::size_t>(steps) + 1);
@@ -49,7 +49,7 @@ class ColumnScan {
     const double bone = sample(top, down);
     Column out;
     out.depth_mm = removed_mm_;
-    if (out.depth_mm >= kLeastDepthVoxels * voxel_mm_) {
+    if (out.depth_mm >= kMinDepthVoxels * voxel_mm_) {
       measure_reamed(out);
     } else if (bone * step_mm_ >= kHalf * voxel_mm_) {
       const double height_mm = top_surface();
@@ -63,11 +63,11 @@ class ColumnScan {
   /// What the same column shows of the unreamed bone.
   std::optional<SurfaceColumn> scan_surface(const Vec3& top, const Vec3& down) {
     const double bone = sample(top, down);
-    if (before_.front() > kTrace || bone * step_mm_ < kHalf * voxel_mm_) return std::nullopt;
+    if (before_.front() > kNegligible || bone * step_mm_ < kHalf * voxel_mm_) return std::nullopt;
     const double height_mm = top_surface();
     // Blurred as shares are, half of them stands where the limit of what was reamed does. Not in the surface's own
     // voxels: there a cut takes nothing before it leaves less than there was.
-    const Shares there = shares_.at(top + (top_mm_ - height_mm + kHalf * voxel_mm_) * down);
+    const Fractions there = fractions_.at(top + (top_mm_ - height_mm + kHalf * voxel_mm_) * down);
     return SurfaceColumn{.height_mm = height_mm, .reamed = there.after < kHalf * there.before};
   }
 
@@ -77,7 +77,7 @@ class ColumnScan {
     double bone = 0;
     double gone = 0;
     for (std::size_t i = 0; i < before_.size(); ++i) {
-      const Shares here = shares_.at(top + static_cast<double>(i) * step_mm_ * down);
+      const Fractions here = fractions_.at(top + static_cast<double>(i) * step_mm_ * down);
       before_[i] = here.before;
       after_[i] = here.after;
       bone += here.before;
@@ -92,25 +92,25 @@ class ColumnScan {
 
   /// Height of the surface above sample `deep`, which lies in bone: what of the bone's share is found above it, up to
   /// the first air.
-  [[nodiscard]] double surface_above(const std::vector<double>& share, std::size_t deep) const {
-    double length_mm = 0.5 * step_mm_ * share[deep];
-    for (std::size_t i = deep; i-- > 0 && share[i] > 1e-6;) length_mm += step_mm_ * share[i];
+  [[nodiscard]] double surface_above(const std::vector<double>& fraction, std::size_t deep) const {
+    double length_mm = 0.5 * step_mm_ * fraction[deep];
+    for (std::size_t i = deep; i-- > 0 && fraction[i] > 1e-6;) length_mm += step_mm_ * fraction[i];
     return height(deep) + length_mm;
   }
 
   /// The fullest sample of the first `kReachVoxels` from `first` down, or the first full one.
-  [[nodiscard]] std::size_t fullest(const std::vector<double>& share, std::size_t first) const {
-    const std::size_t last = std::min(first + kReachVoxels * kSamplesPerVoxel, share.size() - 1);
+  [[nodiscard]] std::size_t fullest(const std::vector<double>& fraction, std::size_t first) const {
+    const std::size_t last = std::min(first + kReachVoxels * kSamplesPerVoxel, fraction.size() - 1);
     std::size_t best = first;
-    for (std::size_t i = first; i <= last && share[best] < 1 - 1e-6; ++i) {
-      if (share[i] > share[best]) best = i;
+    for (std::size_t i = first; i <= last && fraction[best] < 1 - 1e-6; ++i) {
+      if (fraction[i] > fraction[best]) best = i;
     }
     return best;
   }
 
   [[nodiscard]] double top_surface() const {
     std::size_t first = 0;
-    while (first + 1 < before_.size() && before_[first] < kTrace) ++first;
+    while (first + 1 < before_.size() && before_[first] < kNegligible) ++first;
     return surface_above(before_, fullest(before_, first));
   }
 
@@ -119,16 +119,16 @@ class ColumnScan {
   [[nodiscard]] bool is_sheet(std::size_t deep) const {
     double length_mm = after_[deep] * step_mm_;
     std::size_t samples = 1;
-    for (std::size_t i = deep; i-- > 0 && after_[i] > kTrace; ++samples) length_mm += after_[i] * step_mm_;
-    for (std::size_t i = deep + 1; i < after_.size() && after_[i] > kTrace; ++i, ++samples) {
+    for (std::size_t i = deep; i-- > 0 && after_[i] > kNegligible; ++samples) length_mm += after_[i] * step_mm_;
+    for (std::size_t i = deep + 1; i < after_.size() && after_[i] > kNegligible; ++i, ++samples) {
       length_mm += after_[i] * step_mm_;
     }
-    return samples <= kSheetVoxels * kSamplesPerVoxel && length_mm >= kLeastDepthVoxels * voxel_mm_;
+    return samples <= kSheetVoxels * kSamplesPerVoxel && length_mm >= kMinDepthVoxels * voxel_mm_;
   }
 
   void measure_reamed(Column& out) const {
     std::size_t last = before_.size() - 1;
-    while (last > 0 && gone(last) < kTrace) --last;
+    while (last > 0 && gone(last) < kNegligible) --last;
     // What is left of a partly filled voxel lies a little above the last trace of what went.
     const std::size_t deep = fullest(after_, last - std::min<std::size_t>(last, kSamplesPerVoxel));
     const bool bone_left = after_[deep] >= kHalf || is_sheet(deep);
@@ -137,7 +137,7 @@ class ColumnScan {
     out.before_mm = out.after_mm + out.depth_mm;
   }
 
-  BoneShares shares_;
+  BoneFractions fractions_;
   double voxel_mm_;
   double top_mm_;
   double step_mm_ = 0;
@@ -165,7 +165,7 @@ std::optional<SurfaceColumn> SurfaceProbe::at(const Vec2& place_mm) {
   return scan_->scan_surface(top, -bone_from_map_.linear().col(2));
 }
 
-ColumnMap map_columns(const ReamedBone& bone, const Rigid& bone_from_map, const MapRoom& room) {
+ColumnMap map_columns(const ReamedBone& bone, const Rigid& bone_from_map, const MapExtent& room) {
   ColumnMap map;
   map.bone_from_map = bone_from_map;
   const Aabb box = box_of_cut(bone, bone_from_map.inverse());
@@ -174,7 +174,7 @@ ColumnMap map_columns(const ReamedBone& bone, const Rigid& bone_from_map, const 
   const Vec3 margin = Vec3::Constant(room.margin_mm + voxel_mm);
   const Vec3 from = (box.min - margin).cwiseMin(-room.radius_mm);
   const Vec3 to = (box.max + margin).cwiseMax(room.radius_mm);
-  map.pitch_mm = std::max(voxel_mm, (to - from).head<2>().maxCoeff() / kMostColumns);
+  map.pitch_mm = std::max(voxel_mm, (to - from).head<2>().maxCoeff() / kMaxColumns);
   const auto [first_x, last_x] = columns_over(from.x(), to.x(), map.pitch_mm);
   const auto [first_y, last_y] = columns_over(from.y(), to.y(), map.pitch_mm);
   map.nx = last_x - first_x + 1;

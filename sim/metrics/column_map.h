@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "sim/metrics/bone_shares.h"
+#include "sim/metrics/bone_fractions.h"
 
 namespace reamsim {
 
@@ -52,12 +52,12 @@ struct ColumnMap {
 
 /// A column that lost less than this share of a voxel's side counts as not reamed, one with less left as reamed
 /// through.
-inline constexpr double kLeastDepthVoxels = 0.1;
+inline constexpr double kMinDepthVoxels = 0.1;
 /// Columns are no closer than a voxel, and about this many along an edge of the map at most.
-inline constexpr int kMostColumns = 320;
+inline constexpr int kMaxColumns = 320;
 
 /// What a map covers beside the region that lost bone, mm.
-struct MapRoom {
+struct MapExtent {
   double margin_mm = 0;  ///< round that region
   double radius_mm = 0;  ///< at least this far from x = y = 0
 };
@@ -85,7 +85,7 @@ class SurfaceProbe {
 };
 
 /// The map of the region that lost bone. No columns when none was lost.
-ColumnMap map_columns(const ReamedBone& bone, const Rigid& bone_from_map, const MapRoom& room);
+ColumnMap map_columns(const ReamedBone& bone, const Rigid& bone_from_map, const MapExtent& room);
 
 /// Calls visit(voxel, grade, fill before, fill after) for every voxel with bone that lost some.
 template <class Visit>

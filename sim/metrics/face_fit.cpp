@@ -83,9 +83,9 @@ std::optional<SphereFit> fit_sphere(const std::vector<Vec3>& points) {
   if (points.size() < 4) return std::nullopt;
   std::optional<SphereFit> sphere = algebraic_fit(points, mean_of(points));
   if (!sphere || sphere->radius_mm > kLargestRadius_mm) return std::nullopt;
-  constexpr int kMostSteps = 30;
+  constexpr int kMaxSteps = 30;
   constexpr double kStill_mm = 1e-10;
-  for (int i = 0; i < kMostSteps && refine(*sphere, points) > kStill_mm; ++i) {
+  for (int i = 0; i < kMaxSteps && refine(*sphere, points) > kStill_mm; ++i) {
   }
   const bool sane = std::isfinite(sphere->radius_mm) && sphere->radius_mm > 0;
   if (!sane || sphere->radius_mm > kLargestRadius_mm) return std::nullopt;

@@ -14,8 +14,8 @@ namespace {
 constexpr double kTrimmedFraction = 0.75;  // of the points that decide, at first
 constexpr double kNormalMad = 1.4826;      // standard deviation over median absolute deviation, of normal errors
 constexpr double kFarDeviations = 2.5;
-constexpr double kLeastDeviation_mm = 1e-6;
-constexpr int kMostRounds = 50;
+constexpr double kMinDeviation_mm = 1e-6;
+constexpr int kMaxRounds = 50;
 constexpr double kCorrelationVoxels = 3;
 constexpr int kSectors = 8;
 constexpr double kSignificant = 15.1;  // F(1, ∞) at one error in 10,000
@@ -73,7 +73,7 @@ std::optional<RobustFit<Fit>> fit_robustly(const std::vector<Vec3>& points, cons
   if (!fit) return std::nullopt;
   std::vector<Vec3> kept;
   const auto refit = [&](const auto& limit) {
-    for (int round = 0; round < kMostRounds; ++round) {
+    for (int round = 0; round < kMaxRounds; ++round) {
       const std::vector<double> distances = distances_of(*fit, points);
       std::vector<Vec3> near = nearer_than(points, distances, limit(distances));
       if (near == kept) return;
@@ -85,7 +85,7 @@ std::optional<RobustFit<Fit>> fit_robustly(const std::vector<Vec3>& points, cons
   };
   refit([](const std::vector<double>& distances) { return quantile(distances, kTrimmedFraction); });
   refit([](const std::vector<double>& distances) {
-    return kFarDeviations * std::max(kNormalMad * quantile(distances, 0.5), kLeastDeviation_mm);
+    return kFarDeviations * std::max(kNormalMad * quantile(distances, 0.5), kMinDeviation_mm);
   });
   return RobustFit<Fit>{*fit, std::move(kept), trimmed_mean_square(*fit, points)};
 }
@@ -145,7 +145,7 @@ double hidden_curvature_rad(const FaceSurface& surface, const Vec3& point) {
 
 std::optional<FaceSurface> fit_face(const FacePoints& face, const Vec3& outward) {
   const std::vector<Vec3>& points = face.points_mm;
-  if (points.size() < kLeastFacePoints) return std::nullopt;
+  if (points.size() < kMinFacePoints) return std::nullopt;
   auto plane = fit_robustly<PlaneFit>(points, [&](const std::vector<Vec3>& some) { return fit_plane(some, outward); });
   if (!plane) return std::nullopt;
   auto sphere = fit_robustly<SphereFit>(points, fit_sphere);
@@ -153,11 +153,11 @@ std::optional<FaceSurface> fit_face(const FacePoints& face, const Vec3& outward)
   out.plane = plane->fit;
   out.points = points.size();
   const double patch_mm = kCorrelationVoxels * face.voxel_mm;
-  const double independent_share = std::min(1.0, face.point_mm2 / (patch_mm * patch_mm));
+  const double independent_fraction = std::min(1.0, face.point_mm2 / (patch_mm * patch_mm));
   if (sphere) {
     out.sphere = sphere->fit;
     const double gain = plane->trimmed_mean_square - sphere->trimmed_mean_square;
-    const double freedom = independent_share * kTrimmedFraction * static_cast<double>(points.size()) - 4;
+    const double freedom = independent_fraction * kTrimmedFraction * static_cast<double>(points.size()) - 4;
     const double flat_mm = kFlatVoxels * face.voxel_mm;
     out.spherical = freedom > 0 && gain * freedom > kSignificant * sphere->trimmed_mean_square &&
                     plane->trimmed_mean_square > flat_mm * flat_mm;

@@ -33,12 +33,12 @@ struct FacePoints {
 
 /// The surface through the points. It is a sphere where an F test rejects the plane (its residual exceeds the sphere's
 /// beyond chance, one error in 10,000) and the plane's residual exceeds kFlatVoxels; otherwise a plane. Nothing for
-/// points on a line, or fewer than kLeastFacePoints.
+/// points on a line, or fewer than kMinFacePoints.
 std::optional<FaceSurface> fit_face(const FacePoints& points, const Vec3& outward);
 
-inline constexpr std::size_t kLeastFacePoints = 25;
+inline constexpr std::size_t kMinFacePoints = 25;
 /// A face of which less lies on one surface is not one surface.
-inline constexpr double kLeastFittedFraction = 0.7;
+inline constexpr double kMinFittedFraction = 0.7;
 
 /// An axis of a face, out of the bone.
 struct FaceAxis {

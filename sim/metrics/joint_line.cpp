@@ -22,9 +22,9 @@ std::string text_of(const char* format, double value) {
 constexpr double kRoughest_mm = 0.5;
 
 /// Why a surface is no face that has an axis; "" where it is one.
-std::string fault_of(const std::optional<FaceSurface>& surface, double roughest_mm) {
+std::string fit_failure(const std::optional<FaceSurface>& surface, double roughest_mm) {
   if (!surface) return "the face is too small for a fit";
-  if (surface->fitted_fraction < kLeastFittedFraction) {
+  if (surface->fitted_fraction < kMinFittedFraction) {
     return text_of("the face is not a single sphere or plane: only %.0f %% of it lies on the best fit",
                    100 * surface->fitted_fraction);
   }
@@ -41,7 +41,7 @@ Measured<FaceAxis> checked(const std::optional<FaceAxis>& axis) {
             .reason =
                 "the sphere fitted to the face is too small: its radius does not exceed its distance from the centre "
                 "of the face"};
-  if (!(axis->error_deg <= kMostAxisError_deg)) {
+  if (!(axis->error_deg <= kMaxAxisError_deg)) {
     return {.value = {},
             .reason = text_of("the face is too small or too rough: the standard error of its axis is %.1f degrees",
                               axis->error_deg)};
@@ -50,7 +50,7 @@ Measured<FaceAxis> checked(const std::optional<FaceAxis>& axis) {
 }
 
 Measured<FaceAxis> native_axis(const NativeFace& face, const std::optional<Vec3>& center_mm, double voxel_mm) {
-  if (std::string fault = fault_of(face.surface, std::max(kRoughest_mm, voxel_mm)); !fault.empty())
+  if (std::string fault = fit_failure(face.surface, std::max(kRoughest_mm, voxel_mm)); !fault.empty())
     return {.value = {}, .reason = fault};
   // Without a centre of its own a face has the middle of its points.
   return checked(axis_through(*face.surface, center_mm.value_or(face.surface->plane.point_mm)));
@@ -58,7 +58,7 @@ Measured<FaceAxis> native_axis(const NativeFace& face, const std::optional<Vec3>
 
 Measured<FaceAxis> reamed_axis(const std::optional<FaceSurface>& surface, const Rigid& bone_from_tool,
                                double voxel_mm) {
-  if (std::string fault = fault_of(surface, voxel_mm); !fault.empty()) return {.value = {}, .reason = fault};
+  if (std::string fault = fit_failure(surface, voxel_mm); !fault.empty()) return {.value = {}, .reason = fault};
   const auto meets = meeting_point(*surface, bone_from_tool.translation(), bone_from_tool.linear().col(2));
   if (!meets) return {.value = {}, .reason = "the reamer's axis does not meet the surface through the reamed face"};
   return checked(axis_through(*surface, *meets));
@@ -66,9 +66,9 @@ Measured<FaceAxis> reamed_axis(const std::optional<FaceSurface>& surface, const 
 
 /// Whether a point lies on the reamed face: most columns about it are reamed, and next to none is reamed through. The
 /// core that a cannulated reamer leaves standing is narrower than what is looked at.
-std::string fault_at(const ColumnMap& map, const Vec3& point_mm) {
+std::string location_failure(const ColumnMap& map, const Vec3& point_mm) {
   constexpr double kAbout_mm = 3;
-  constexpr double kMost = 0.5;
+  constexpr double kMax = 0.5;
   constexpr double kNextToNone = 0.1;
   const Vec3 place = map.bone_from_map.inverse() * point_mm;
   int all = 0;
@@ -84,7 +84,7 @@ std::string fault_at(const ColumnMap& map, const Vec3& point_mm) {
   }
   const double columns = std::numbers::pi * kAbout_mm * kAbout_mm / (map.pitch_mm * map.pitch_mm);
   if (through > kNextToNone * columns) return "the bone is perforated where the Friedman axis meets it";
-  if (all == 0 || reamed < kMost * columns) return "the Friedman axis meets the bone outside the reamed face";
+  if (all == 0 || reamed < kMax * columns) return "the Friedman axis meets the bone outside the reamed face";
   return "";
 }
 
@@ -97,7 +97,7 @@ Measured<double> medialization(const JointLine& line, const ColumnMap& map, cons
   const auto before = meeting_point(*line.native_face->surface, *axes.face_center_mm, lateral);
   const auto after = meeting_point(*line.reamed_surface, *axes.face_center_mm, lateral);
   if (!before || !after) return none("the Friedman axis does not meet the surface through the face");
-  if (std::string fault = fault_at(map, *after); !fault.empty()) return none(fault);
+  if (std::string fault = location_failure(map, *after); !fault.empty()) return none(fault);
   return {.value = (*before - *after).dot(lateral), .reason = ""};
 }
 
@@ -117,8 +117,8 @@ JointLine measure_joint_line(const ReamedBone& bone, const ColumnMap& map, const
   const Vec3 reamer = map.bone_from_map.linear().col(2);
   FacePoints points{.points_mm = {}, .point_mm2 = map.pitch_mm * map.pitch_mm, .voxel_mm = voxel_mm};
   // More points than this tell no more of a surface.
-  constexpr std::size_t kMostPoints = 3000;
-  const std::size_t step = 1 + face.columns.size() / kMostPoints;
+  constexpr std::size_t kMaxPoints = 3000;
+  const std::size_t step = 1 + face.columns.size() / kMaxPoints;
   points.point_mm2 *= static_cast<double>(step);
   for (std::size_t i = 0; i < face.columns.size(); i += step) {
     const ColumnPlace& place = face.columns[i];

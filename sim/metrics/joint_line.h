@@ -37,7 +37,7 @@ struct Measured {
 };
 
 /// An axis whose standard error is above this says nothing, degrees.
-inline constexpr double kMostAxisError_deg = 1;
+inline constexpr double kMaxAxisError_deg = 1;
 
 /// Where the joint line was and is, and which way the face looks.
 ///

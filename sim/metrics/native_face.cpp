@@ -19,7 +19,7 @@ class FaceRaster {
   FaceRaster(const ReamedBone& bone, const FaceOutline& outline) : outline_(outline) {
     const Aabb& box = outline.box_mm();
     const double voxel_mm = bone.voxmap.grid.voxel_mm;
-    pitch_mm_ = std::max({voxel_mm, kFacePitch_mm, (box.max - box.min).head<2>().maxCoeff() / kMostColumns});
+    pitch_mm_ = std::max({voxel_mm, kFacePitch_mm, (box.max - box.min).head<2>().maxCoeff() / kMaxColumns});
     first_ = (box.min.head<2>() / pitch_mm_).array().floor().cast<int>();
     const Eigen::Vector2i last = (box.max.head<2>() / pitch_mm_).array().floor().cast<int>();
     count_ = last - first_ + Eigen::Vector2i::Ones();
@@ -66,11 +66,11 @@ class FaceRaster {
     }
     const Vec3 plane = products.ldlt().solve(right);
     const double slope2 = plane.tail<2>().squaredNorm();
-    return std::isfinite(slope2) ? std::sqrt(1 + std::min(slope2, kSteepest * kSteepest)) : 1;
+    return std::isfinite(slope2) ? std::sqrt(1 + std::min(slope2, kMaxSlope * kMaxSlope)) : 1;
   }
 
  private:
-  static constexpr double kSteepest = 3;  ///< a step down over the edge is no slope of the face
+  static constexpr double kMaxSlope = 3;  ///< a step down over the edge is no slope of the face
 
   const FaceOutline& outline_;
   double pitch_mm_ = 0;

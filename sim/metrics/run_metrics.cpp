@@ -69,7 +69,7 @@ FaceOrientation measure_orientation(const JointLine& line, const ReamedFace& fac
   const auto native = angles_of(line.native, known, "neither a scapular nor a glenoid frame is defined");
   const auto reamed = angles_of(line.reamed, known, "");
   const double fraction = line.reamed_fraction.value.value_or(0);
-  if (native.value && reamed.value && fraction < kLeastReamedFraction) {
+  if (native.value && reamed.value && fraction < kMinReamedFraction) {
     char text[120];
     std::snprintf(text, sizeof text, "only %.0f %% of the face was reamed: the rest keeps its orientation",
                   100 * fraction);
@@ -111,7 +111,7 @@ BoneMetrics measure_bone(const ReamedBone& bone, const Rigid& bone_from_tool, co
   out.face = find_face(map, voxel_mm);
   out.joint_line = measure_joint_line(bone, map, *out.face, axes);
   out.orientation = measure_orientation(*out.joint_line, *out.face, bone_from_tool.linear().col(2), axes);
-  out.dense_left = dense_bone_left(bone, map, *out.face, settings.dense_g_cm3);
+  out.remaining_dense = remaining_dense_bone(bone, map, *out.face, settings.dense_g_cm3);
   out.perforation = find_perforation(map, voxel_mm);
   if (settings.implant) out.seating = seat_implant(map, *out.face, *settings.implant, voxel_mm);
   return out;

@@ -36,7 +36,7 @@ struct PlaneOrientation {
 };
 
 /// With less of it reamed a face has not been turned.
-inline constexpr double kLeastReamedFraction = 0.5;
+inline constexpr double kMinReamedFraction = 0.5;
 
 /// Which way the face looks, by the axes of JointLine.
 struct FaceOrientation {
@@ -44,7 +44,7 @@ struct FaceOrientation {
   Measured<FaceAngles> reamed;
   std::optional<FaceAngles> reamer;  ///< of the reamer's axis
   /// Native less reamed: positive where retroversion or superior tilt became less. In the glenoid frame where there is
-  /// no scapular frame. Nothing where less than kLeastReamedFraction of the face was reamed.
+  /// no scapular frame. Nothing where less than kMinReamedFraction of the face was reamed.
   Measured<FaceAngles> corrected;
   std::optional<double> turned_deg;  ///< the angle between both axes
   std::optional<PlaneOrientation> planes;
@@ -58,7 +58,7 @@ struct BoneMetrics {
   std::optional<ReamedFace> face;
   std::optional<JointLine> joint_line;
   std::optional<FaceOrientation> orientation;
-  std::optional<DenseBoneLeft> dense_left;
+  std::optional<RemainingDenseBone> remaining_dense;
   std::optional<Perforation> perforation;
   std::optional<Seating> seating;  ///< only for an implant
 };

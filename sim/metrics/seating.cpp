@@ -65,7 +65,7 @@ std::optional<Seating> seat_implant(const ColumnMap& map, const ReamedFace& face
     if (bone && back_mm) rests_mm.push_back(column.after_mm - *back_mm);
   }
   if (rests_mm.empty()) return std::nullopt;
-  const double apex_mm = quantile(rests_mm, 1 - kYieldingShare);
+  const double apex_mm = quantile(rests_mm, 1 - kYieldingFraction);
   Seating out;
   std::size_t seated = 0;
   for (const double rest_mm : rests_mm) {

@@ -6,7 +6,7 @@
 namespace reamsim {
 
 /// How an implant's back lies on the bone: put down along −z of the map, its apex on the axis x = y = 0, until the
-/// highest kYieldingShare of the footprint have given way.
+/// highest kYieldingFraction of the footprint have given way.
 struct Seating {
   double footprint_mm2 = 0;   ///< across the axis
   double seated_percent = 0;  ///< of the footprint, with a gap of at most ImplantSettings::gap_mm
@@ -15,7 +15,7 @@ struct Seating {
 };
 
 /// Single grains stand out of a face of voxels; they do not carry an implant.
-inline constexpr double kYieldingShare = 0.01;
+inline constexpr double kYieldingFraction = 0.01;
 
 /// The footprint is the reamed face, or with a diameter the circle round the axis: what is not reamed there holds the
 /// implant off, and what has no bone is not seated. The core that a cannulated reamer leaves standing does not count.

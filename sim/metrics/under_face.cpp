@@ -12,29 +12,29 @@ namespace {
 constexpr double kStepVoxels = 0.5;
 /// The face is known to within this.
 constexpr double kFaceBandVoxels = 1.5;
-constexpr double kHalfShare = 0.5;
+constexpr double kHalfFraction = 0.5;
 constexpr double kNothing = 1e-6;
 /// Heights beside a wall are known to within this.
 constexpr double kStepDownVoxels = 1;
 
 /// Length of dense bone from `face` on, mm. Its share is integrated from the air above until it ends, so that partly
 /// filled voxels count as far as they are filled.
-double dense_length(BoneShares& shares, const Vec3& face, const Vec3& inward, double voxel_mm, double most_mm) {
+double dense_length(BoneFractions& fractions, const Vec3& face, const Vec3& inward, double voxel_mm, double most_mm) {
   const double step_mm = kStepVoxels * voxel_mm;
   const double band_mm = kFaceBandVoxels * voxel_mm;
   double length_mm = 0;
   bool inside = false;
   for (double along_mm = -band_mm; along_mm < most_mm; along_mm += step_mm) {
-    const double share = shares.at(face + along_mm * inward).dense;
-    inside |= share >= kHalfShare;
+    const double fraction = fractions.at(face + along_mm * inward).dense;
+    inside |= fraction >= kHalfFraction;
     if (!inside && along_mm > band_mm) return 0;
-    if (!inside && share < kNothing) length_mm = 0;
-    length_mm += share * step_mm;
-    if (inside && share < kHalfShare) {
+    if (!inside && fraction < kNothing) length_mm = 0;
+    length_mm += fraction * step_mm;
+    if (inside && fraction < kHalfFraction) {
       // The other end: what the interpolation spreads beyond it still counts.
       for (double tail_mm = along_mm + step_mm; tail_mm < along_mm + 2 * voxel_mm; tail_mm += step_mm) {
-        const double rest = shares.at(face + tail_mm * inward).dense;
-        if (rest >= kHalfShare || rest < kNothing) break;
+        const double rest = fractions.at(face + tail_mm * inward).dense;
+        if (rest >= kHalfFraction || rest < kNothing) break;
         length_mm += rest * step_mm;
       }
       return length_mm;
@@ -59,23 +59,23 @@ bool is_at_edge(const ColumnMap& map, const ColumnPlace& place, int reach, doubl
 
 }  // namespace
 
-std::optional<DenseBoneLeft> dense_bone_left(const ReamedBone& bone, const ColumnMap& map, const ReamedFace& face,
-                                             double dense_g_cm3) {
+std::optional<RemainingDenseBone> remaining_dense_bone(const ReamedBone& bone, const ColumnMap& map,
+                                                       const ReamedFace& face, double dense_g_cm3) {
   if (!face.plane) return std::nullopt;
   const VoxelGrid& grid = bone.voxmap.grid;
   const double most_mm = grid.voxel_mm * grid.dims.cast<double>().norm();
-  BoneShares shares(bone, dense_g_cm3);
+  BoneFractions fractions(bone, dense_g_cm3);
   std::vector<double> lengths;
   lengths.reserve(face.columns.size());
   for (const ColumnPlace& place : face.columns) {
     const Vec3 point = map.in_bone(place.x(), place.y(), map.at(place.x(), place.y()).after_mm);
-    lengths.push_back(dense_length(shares, point, face.inward(point), grid.voxel_mm, most_mm));
+    lengths.push_back(dense_length(fractions, point, face.inward(point), grid.voxel_mm, most_mm));
   }
   const auto bare = std::count(lengths.begin(), lengths.end(), 0.0);
-  return DenseBoneLeft{.mean_mm = mean(lengths),
-                       .least_mm = *std::min_element(lengths.begin(), lengths.end()),
-                       .p05_mm = quantile(lengths, 0.05),
-                       .exposed_percent = 100 * static_cast<double>(bare) / static_cast<double>(lengths.size())};
+  return RemainingDenseBone{.mean_mm = mean(lengths),
+                            .least_mm = *std::min_element(lengths.begin(), lengths.end()),
+                            .p05_mm = quantile(lengths, 0.05),
+                            .exposed_percent = 100 * static_cast<double>(bare) / static_cast<double>(lengths.size())};
 }
 
 Perforation find_perforation(const ColumnMap& map, double voxel_mm) {

@@ -6,15 +6,15 @@ namespace reamsim {
 
 /// Dense bone that is left right under the reamed face, measured along the face's normal into the bone until the
 /// density falls below the threshold. Less than about half a voxel of it counts as none.
-struct DenseBoneLeft {
+struct RemainingDenseBone {
   double mean_mm = 0;
   double least_mm = 0;
   double p05_mm = 0;           ///< 5 % of the face have less under them
   double exposed_percent = 0;  ///< of the face that has none
 };
 /// Nothing where the face has no columns. `dense_g_cm3`: density from which on bone counts as dense.
-std::optional<DenseBoneLeft> dense_bone_left(const ReamedBone& bone, const ColumnMap& map, const ReamedFace& face,
-                                             double dense_g_cm3);
+std::optional<RemainingDenseBone> remaining_dense_bone(const ReamedBone& bone, const ColumnMap& map,
+                                                       const ReamedFace& face, double dense_g_cm3);
 
 /// Where reaming went right through the bone, in areas across the map's z.
 struct Perforation {

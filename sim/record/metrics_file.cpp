@@ -135,7 +135,7 @@ Json joint_line_json(const JointLine& line) {
           {"medialization_reason", reason_json(line.medialization_mm)}};
 }
 
-Json dense_json(const DenseBoneLeft& left) {
+Json dense_json(const RemainingDenseBone& left) {
   return {{"mean_mm", left.mean_mm},
           {"least_mm", left.least_mm},
           {"p05_mm", left.p05_mm},
@@ -178,7 +178,7 @@ Json metrics_json(const BoneMetrics& metrics) {
     return orientation_json(orientation, *metrics.joint_line);
   });
   json["joint_line"] = json_or_null(metrics.joint_line, joint_line_json);
-  json["dense_bone_left"] = json_or_null(metrics.dense_left, dense_json);
+  json["dense_bone_left"] = json_or_null(metrics.remaining_dense, dense_json);
   json["perforation"] = json_or_null(metrics.perforation, perforation_json);
   json["seating"] = json_or_null(metrics.seating, seating_json);
   return json;

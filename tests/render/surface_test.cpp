@@ -8,7 +8,7 @@
 
 #include "render/surface/bone_tiles.h"
 #include "render/surface/surface_smoothing.h"
-#include "sim/bone/voxmap/surface_share.h"
+#include "sim/bone/voxmap/cube_fraction.h"
 #include "sim/bone/voxmap/surface_voxels.h"
 
 namespace reamsim {
@@ -93,9 +93,9 @@ FilledVoxmap smooth_ball() {
   const auto distance = [](const Vec3& point) { return point.norm() - 10; };
   const auto sample = [&](const Vec3i& voxel, std::uint8_t) -> SurfaceVoxel {
     const Vec3 center = voxmap.grid.center_mm(voxel.x(), voxel.y(), voxel.z());
-    return {share_inside(distance, center, voxmap.grid.voxel_mm), 150};
+    return {fraction_inside(distance, center, voxmap.grid.voxel_mm), 150};
   };
-  part_surface_voxels(sample, voxmap);
+  set_partial_fill(sample, voxmap);
   return voxmap;
 }
 

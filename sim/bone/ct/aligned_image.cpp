@@ -30,20 +30,20 @@ bool is_permutation(const std::array<int, 3>& axes) {
 double trilinear(const Scan& scan, const Vec3& index, float outside) {
   const Vec3i& dims = scan.geometry.dims;
   Vec3i low;
-  Vec3 share;
+  Vec3 fraction;
   for (int axis = 0; axis < 3; ++axis) {
     const double last = dims[axis] - 1;
     // The outermost half voxel belongs to the image, and has the value of the outermost voxel.
     if (index[axis] < -0.5 || index[axis] > last + 0.5) return outside;
     const double inside = std::clamp(index[axis], 0.0, last);
     low[axis] = std::min(static_cast<int>(inside), std::max(dims[axis] - 2, 0));
-    share[axis] = inside - low[axis];
+    fraction[axis] = inside - low[axis];
   }
   double sum = 0;
   for (int corner = 0; corner < 8; ++corner) {
     const Vec3i bit(corner & 1, (corner >> 1) & 1, corner >> 2);
     double weight = 1;
-    for (int axis = 0; axis < 3; ++axis) weight *= bit[axis] ? share[axis] : 1 - share[axis];
+    for (int axis = 0; axis < 3; ++axis) weight *= bit[axis] ? fraction[axis] : 1 - fraction[axis];
     if (weight == 0) continue;
     const Vec3i at = low + bit;
     sum += weight * scan.value[static_cast<std::size_t>(at.x() + std::int64_t{dims.x()} *

@@ -73,7 +73,7 @@ template <typename Read>
 
 /// The first file from `first` on whose reading ends a child process; files.size() where none does.
 template <typename Read>
-std::size_t first_that_kills(const std::vector<std::string>& files, std::size_t first, const Read& read) {
+std::size_t first_that_crashes(const std::vector<std::string>& files, std::size_t first, const Read& read) {
   SharedCounter current;
   if (first >= files.size() || !current.usable()) return files.size();
   const QuietLibraries quiet;  // the child's last words, too
@@ -89,19 +89,20 @@ std::size_t first_that_kills(const std::vector<std::string>& files, std::size_t 
 
 }  // namespace
 
-void check_dicom_is_survived(const std::vector<std::string>& files, const std::string& key) {
-  const std::size_t killed = first_that_kills(files, 0, [&key](const std::string& file) { read_whole(file, key); });
+void check_dicom_in_child(const std::vector<std::string>& files, const std::string& key) {
+  const std::size_t killed = first_that_crashes(files, 0, [&key](const std::string& file) { read_whole(file, key); });
   if (killed == files.size()) return;
   throw InputError({files[killed]}, key, "the DICOM file is damaged and cannot be read", "give a complete file");
 }
 
-std::vector<bool> dicom_headers_survived(const std::vector<std::string>& files) {
+std::vector<bool> dicom_headers_readable(const std::vector<std::string>& files) {
   const auto read = [](const std::string& file) {
     DicomHeader header;
     read_dicom_header(file, header);
   };
   std::vector<bool> out(files.size(), true);
-  for (std::size_t n = first_that_kills(files, 0, read); n < files.size(); n = first_that_kills(files, n + 1, read)) {
+  for (std::size_t n = first_that_crashes(files, 0, read); n < files.size();
+       n = first_that_crashes(files, n + 1, read)) {
     out[n] = false;
   }
   return out;

@@ -69,8 +69,8 @@ bool may_be_a_volume(const DicomSeries& series) {
 
 const DicomSeries& named_series(const std::vector<DicomSeries>& all, const std::string& name,
                                 const std::string& folder) {
-  constexpr std::size_t kMostDigits = 6;
-  const bool is_number = name.size() <= kMostDigits && name.find_first_not_of("0123456789") == std::string::npos;
+  constexpr std::size_t kMaxDigits = 6;
+  const bool is_number = name.size() <= kMaxDigits && name.find_first_not_of("0123456789") == std::string::npos;
   if (is_number) {
     const std::size_t number = std::stoul(name);
     if (number >= 1 && number <= all.size()) return all[number - 1];
@@ -119,7 +119,7 @@ int DicomSeries::slices() const {
 DicomFolder find_dicom_series(const std::string& folder, const std::string& key, Report& report) {
   DicomFolder out;
   const std::vector<std::string> files = files_below(folder);
-  const std::vector<bool> survived = dicom_headers_survived(files);
+  const std::vector<bool> survived = dicom_headers_readable(files);
   std::map<std::string, std::vector<DicomHeader>> by_uid;
   for (std::size_t n = 0; n < files.size(); ++n) {
     DicomHeader header;

@@ -131,12 +131,12 @@ std::string difference(const ScanGeometry& stray, const ScanGeometry& usual) {
 }
 
 /// A copy of a slice (the same instance) goes; two slices in one place are an error.
-void drop_copies(Stack& stack, double usual_mm, const std::string& key, Report& report) {
+void remove_duplicates(Stack& stack, double typical_mm, const std::string& key, Report& report) {
   Stack kept{stack.front()};
   int copies = 0;
   for (std::size_t n = 1; n < stack.size(); ++n) {
     const Slice& before = kept.back();
-    const bool same_place = stack[n].height_mm - before.height_mm <= kSamePlace * usual_mm;
+    const bool same_place = stack[n].height_mm - before.height_mm <= kSamePlace * typical_mm;
     if (!same_place) {
       kept.push_back(stack[n]);
       continue;
@@ -153,7 +153,7 @@ void drop_copies(Stack& stack, double usual_mm, const std::string& key, Report& 
 }
 
 /// The distance that most neighbours have, without those in the same place.
-double usual_distance(const Stack& stack) {
+double typical_distance(const Stack& stack) {
   std::vector<double> gap;
   for (std::size_t n = 1; n < stack.size(); ++n) gap.push_back(stack[n].height_mm - stack[n - 1].height_mm);
   std::ranges::sort(gap);
@@ -163,8 +163,8 @@ double usual_distance(const Stack& stack) {
 }
 
 /// What of the rest of the series, or of the damaged files, may be the missing slice.
-std::string suspect(double low_mm, double high_mm, const Vec3& normal, const ScanGeometry& usual,
-                    const std::vector<Stack>& groups, const std::vector<std::string>& left_out) {
+std::string hint_at_missing_slice(double low_mm, double high_mm, const Vec3& normal, const ScanGeometry& usual,
+                                  const std::vector<Stack>& groups, const std::vector<std::string>& left_out) {
   for (std::size_t g = 1; g < groups.size(); ++g) {
     for (const Slice& slice : groups[g]) {
       const double height = normal.dot(slice.geometry.origin_mm);
@@ -176,21 +176,21 @@ std::string suspect(double low_mm, double high_mm, const Vec3& normal, const Sca
   return left_out.empty() ? "" : "; " + left_out.front() + " was skipped";
 }
 
-void check_distances(const std::vector<Stack>& groups, double usual_mm, const Vec3& normal,
+void check_distances(const std::vector<Stack>& groups, double typical_mm, const Vec3& normal,
                      const std::vector<std::string>& left_out, const std::string& key) {
   const Stack& stack = groups.front();
   for (std::size_t k = 1; k < stack.size(); ++k) {
     const double gap = stack[k].height_mm - stack[k - 1].height_mm;
-    if (std::abs(gap - usual_mm) <= kSpacingTolerance * usual_mm) continue;
-    const std::string found = words("slice spacing is %.3f mm; most slices are %.3f mm apart: ", gap, usual_mm) +
+    if (std::abs(gap - typical_mm) <= kSpacingTolerance * typical_mm) continue;
+    const std::string found = words("slice spacing is %.3f mm; most slices are %.3f mm apart: ", gap, typical_mm) +
                               stack[k - 1].path() + " and " + stack[k].path();
-    const long missing = std::lround(gap / usual_mm) - 1;
+    const long missing = std::lround(gap / typical_mm) - 1;
     const std::string between = missing == 1  ? "a slice is missing between them"
                                 : missing > 1 ? std::to_string(missing) + " slices are missing between them"
                                               : "expected evenly spaced slices";
     throw InputError({stack[k].path()}, key, found,
-                     between + suspect(stack[k - 1].height_mm, stack[k].height_mm, normal, stack.front().geometry,
-                                       groups, left_out));
+                     between + hint_at_missing_slice(stack[k - 1].height_mm, stack[k].height_mm, normal,
+                                                     stack.front().geometry, groups, left_out));
   }
 }
 
@@ -205,7 +205,7 @@ void check_straight(const Stack& stack, const Vec3& step_mm, const std::string& 
   }
 }
 
-void warn_of_strays(const std::vector<Stack>& groups, Report& report) {
+void warn_of_other_groups(const std::vector<Stack>& groups, Report& report) {
   std::size_t count = 0;
   for (std::size_t g = 1; g < groups.size(); ++g) count += groups[g].size();
   if (count == 0) return;
@@ -236,7 +236,7 @@ DicomStack stack_slices(const DicomSeries& series, const std::vector<std::string
   const std::vector<const DicomHeader*> slices = slices_among(series, left_out, key, report);
   std::vector<std::string> files;
   for (const DicomHeader* header : slices) files.push_back(header->path);
-  check_dicom_is_survived(files, key);
+  check_dicom_in_child(files, key);
   std::vector<Stack> groups = groups_of(slices, key);
   check_count(groups, key);
   Stack& stack = groups.front();
@@ -245,11 +245,11 @@ DicomStack stack_slices(const DicomSeries& series, const std::vector<std::string
   const Vec3 normal = first.step_mm.col(0).cross(first.step_mm.col(1)).normalized();
   for (Slice& slice : stack) slice.height_mm = normal.dot(slice.geometry.origin_mm);
   std::ranges::stable_sort(stack, {}, &Slice::height_mm);
-  const double usual_mm = usual_distance(stack);
-  drop_copies(stack, usual_mm, key, report);
+  const double typical_mm = typical_distance(stack);
+  remove_duplicates(stack, typical_mm, key, report);
   check_count(groups, key);
-  check_distances(groups, usual_mm, normal, left_out, key);
-  warn_of_strays(groups, report);
+  check_distances(groups, typical_mm, normal, left_out, key);
+  warn_of_other_groups(groups, report);
 
   DicomStack out;
   for (const Slice& slice : stack) out.path.push_back(slice.path());

@@ -241,7 +241,7 @@ itk::ImageIOBase::Pointer open_image_io(const std::string& path, const std::stri
       {"MetaImage", itk::MetaImageIO::New().GetPointer()},
       {kDicom, itk::GDCMImageIO::New().GetPointer()}};
   for (const auto& [name, io] : readers) {
-    if (name == kDicom) check_dicom_is_survived({path}, key);
+    if (name == kDicom) check_dicom_in_child({path}, key);
     if (!can_read(*io, path)) continue;
     format = name;
     io->SetFileName(path);

@@ -16,7 +16,7 @@ namespace {
 constexpr const char* kLabelPathKey = "bone.ct.label_map.path";
 /// Contact of the label with the end of the map, bone beyond it, from which on the bone counts as cut off.
 constexpr double kCutOff_mm2 = 5;
-constexpr std::size_t kMostValues = 20;
+constexpr std::size_t kMaxValues = 20;
 
 /// What the voxels of one layer are: wanted, another label, or none.
 class LayerClasses {
@@ -147,7 +147,7 @@ class LabelReader {
     const IndexBox box = part_that_meets(source_->geometry(), part_);
     if (box.empty()) throw does_not_meet(map_.path, source_->geometry(), image_, part_);
     const std::size_t voxels = static_cast<std::size_t>(part_.size());
-    share_.assign(voxels, 0);
+    selected_.assign(voxels, 0);
     if (map_.refine_mm > 0) other_.assign(voxels, 0);
     for (int layer = 0; layer < source_->layers(); ++layer) {
       LayerClasses classes(labels, layer);
@@ -157,7 +157,7 @@ class LabelReader {
     if (wanted_voxels_ == 0) fail_without_label();
     report_cut_off(cut_, map_.path, settings_.threshold_hu, report_);
     const Crop crop{settings_.crop_min_mm, settings_.crop_max_mm};
-    LabelImages out{align_to_lps({part_, std::move(share_)}, crop, 0), {}};
+    LabelImages out{align_to_lps({part_, std::move(selected_)}, crop, 0), {}};
     if (!other_.empty()) out.other = align_to_lps({part_, std::move(other_)}, crop, 0);
     return out;
   }
@@ -194,7 +194,7 @@ class LabelReader {
               c.x() + std::int64_t{box.size.x()} * (c.y() + std::int64_t{box.size.y()} * c.z()))];
           classes.note(value);
           if (classes.is_wanted(value)) {
-            share_[at] = 1;
+            selected_[at] = 1;
             ++wanted_voxels_;
           } else if (value != 0 && !other_.empty()) {
             other_[at] = 1;
@@ -231,10 +231,10 @@ class LabelReader {
     std::string values;
     std::size_t count = 0;
     for (const float value : seen_) {
-      if (++count > kMostValues) break;
+      if (++count > kMaxValues) break;
       values += (values.empty() ? "" : ", ") + words("%.0f", static_cast<double>(value));
     }
-    if (count > kMostValues) values += ", ...";
+    if (count > kMaxValues) values += ", ...";
     throw InputError(
         {map_.path}, "bone.ct.label_map.label", "no voxel in the crop has label " + words_of_labels(map_.label),
         values.empty() ? "the map has no label there; move the crop" : "the map holds " + values + " there");
@@ -247,7 +247,7 @@ class LabelReader {
   const AlignedImage& hu_;
   Report& report_;
   std::unique_ptr<LabelSource> source_;
-  std::vector<float> share_;
+  std::vector<float> selected_;
   std::vector<float> other_;
   std::set<float> seen_;
   std::int64_t inside_ = 0;

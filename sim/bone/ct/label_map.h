@@ -15,8 +15,8 @@ namespace reamsim::ct {
 
 /// A label map on the lattice of a CT.
 struct LabelImages {
-  AlignedImage share;  ///< 1 in voxels with one of the wanted labels, 0 elsewhere
-  AlignedImage other;  ///< 1 in voxels with another label of the same layer; empty unless the mask is to be refined
+  AlignedImage selected;  ///< 1 in voxels with one of the wanted labels, 0 elsewhere
+  AlignedImage other;     ///< 1 in voxels with another label of the same layer; empty unless the mask is to be refined
 };
 
 /// The voxel of a label map nearest to each voxel of an image, in patient space. Points halfway between two voxels go

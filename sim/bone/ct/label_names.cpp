@@ -15,7 +15,7 @@ namespace {
 
 constexpr const char* kLabelChoiceKey = "bone.ct.label_map.label";
 /// Names that a message lists; TotalSegmentator has 117.
-constexpr std::size_t kMostNames = 40;
+constexpr std::size_t kMaxNames = 40;
 
 bool is_whole_number(const std::string& text) {
   return !text.empty() && text.find_first_not_of("0123456789") == std::string::npos;
@@ -48,10 +48,10 @@ int whole_number_or(const std::map<std::string, std::string>& metadata, const st
 
 std::string names_of(const std::vector<NamedSegment>& segments) {
   std::string out;
-  for (std::size_t n = 0; n < std::min(segments.size(), kMostNames); ++n) {
+  for (std::size_t n = 0; n < std::min(segments.size(), kMaxNames); ++n) {
     out += (n == 0 ? "" : ", ") + printable(segments[n].name);
   }
-  if (segments.size() > kMostNames) out += ", and " + std::to_string(segments.size() - kMostNames) + " more";
+  if (segments.size() > kMaxNames) out += ", and " + std::to_string(segments.size() - kMaxNames) + " more";
   return out;
 }
 

@@ -126,12 +126,12 @@ void median_filter(AlignedImage& image, int radius_voxels) {
 
 void curvature_anisotropic_filter(AlignedImage& image, int iterations, double conductance) {
   // ITK's bound for three dimensions: smallest spacing / 2^(3+1).
-  constexpr double kStableShare = 1.0 / 16;
+  constexpr double kStableFraction = 1.0 / 16;
   const auto filter = itk::CurvatureAnisotropicDiffusionImageFilter<FloatImage, FloatImage>::New();
   filter->SetInput(view(image.value, image.lattice));
   filter->SetNumberOfIterations(static_cast<unsigned>(iterations));
   filter->SetConductanceParameter(conductance);
-  filter->SetTimeStep(kStableShare * image.lattice.spacing_mm.minCoeff());
+  filter->SetTimeStep(kStableFraction * image.lattice.spacing_mm.minCoeff());
   filter->Update();
   copy_back(*filter->GetOutput(), image.value);
 }

@@ -12,7 +12,7 @@ namespace reamsim::ct {
 namespace {
 
 /// Magnitude of the refined field for a voxel that is exactly at the threshold, so that its sign still counts.
-constexpr float kLeastRefined_hu = 1;
+constexpr float kMinRefined_hu = 1;
 /// Steps along a normal, as a fraction of the smallest spacing.
 constexpr double kMarch = 0.25;
 
@@ -164,7 +164,7 @@ void refine_to_isosurface(AlignedImage& field, const AlignedImage& other, const 
     removed += before[at] && !refined[at];
   }
   for (std::size_t at = 0; at < refined.size(); ++at) {
-    const float size = std::max(std::abs(hu.value[at] - static_cast<float>(threshold_hu)), kLeastRefined_hu);
+    const float size = std::max(std::abs(hu.value[at] - static_cast<float>(threshold_hu)), kMinRefined_hu);
     field.value[at] = refined[at] ? size : -size;
   }
   report.note(words("refined to the %.0f HU isosurface within %.2g mm: %lld voxels added, %lld removed, %+.0f mm3",

@@ -15,7 +15,7 @@ namespace {
 constexpr double kRounding = 1e-6;
 
 /// Sample points of one voxel along one axis, at most.
-constexpr double kMostSamples = 16;
+constexpr double kMaxSamples = 16;
 
 bool merges(const Lattice& image, const VoxelGrid& grid, int axis) {
   return grid.voxel_mm >= image.spacing_mm[axis] * (1 - kRounding);
@@ -47,14 +47,14 @@ AxisWeights average(double from, double to, int count) {
 AxisWeights interpolate(double centre, int count) {
   const double place = std::clamp(centre, 0.0, count - 1.0);
   const int low = static_cast<int>(place);
-  const double share = place - low;
-  if (share < kRounding) return {low, {1.0}};
-  return {low, {1 - share, share}};
+  const double fraction = place - low;
+  if (fraction < kRounding) return {low, {1.0}};
+  return {low, {1 - fraction, fraction}};
 }
 
 }  // namespace
 
-VoxelGrid grid_round(const Lattice& image, const Vec3i& min, const Vec3i& max, double voxel_mm, int margin_voxels) {
+VoxelGrid grid_around(const Lattice& image, const Vec3i& min, const Vec3i& max, double voxel_mm, int margin_voxels) {
   const Vec3 corner = image.bounds_mm().min;
   VoxelGrid grid;
   grid.voxel_mm = voxel_mm;
@@ -156,7 +156,7 @@ InsideTest::InsideTest(const AlignedImage& field, const VoxelGrid& grid) : field
     const double length = grid.voxel_mm / image.spacing_mm[axis];
     // Two samples for each image voxel that the voxel takes in, up to a bound that still tells a half from less.
     const double wanted = length > 1 + kRounding ? 2 * std::ceil(length - kRounding) : 1;
-    samples_[axis] = static_cast<int>(std::min(wanted, kMostSamples));
+    samples_[axis] = static_cast<int>(std::min(wanted, kMaxSamples));
     for (int n = 0; n < grid.dims[axis] * samples_[axis]; ++n) {
       const double mm = grid.origin_mm[axis] + grid.voxel_mm * (n + 0.5) / samples_[axis];
       const double place = std::clamp(faces_from_mm(image, mm, axis) - 0.5, 0.0, image.dims[axis] - 1.0);
@@ -172,13 +172,13 @@ bool InsideTest::inside(const Sample& x, const Sample& y, const Sample& z) const
   const std::size_t step_y = image.dims.y() > 1 ? static_cast<std::size_t>(image.dims.x()) : 0;
   const std::size_t step_z = image.dims.z() > 1 ? image.index(0, 0, 1) : 0;
   const float* corner = &field_.value[image.index(x.low, y.low, z.low)];
-  const auto along_x = [&](std::size_t at) { return corner[at] + x.share * (corner[at + step_x] - corner[at]); };
+  const auto along_x = [&](std::size_t at) { return corner[at] + x.fraction * (corner[at + step_x] - corner[at]); };
   const auto along_y = [&](std::size_t at) {
     const float low = along_x(at);
-    return low + y.share * (along_x(at + step_y) - low);
+    return low + y.fraction * (along_x(at + step_y) - low);
   };
   const float low = along_y(0);
-  return low + z.share * (along_y(step_z) - low) > 0;
+  return low + z.fraction * (along_y(step_z) - low) > 0;
 }
 
 bool InsideTest::operator()(int i, int j, int k) const {

@@ -13,7 +13,7 @@ namespace reamsim::ct {
 /// Isotropic voxels round a box of image voxels (`min` and `max` both inside), with `margin_voxels` more on every side
 /// and whole bricks of 8. They are counted from the image's lower corner, so that voxels as large as the image's are
 /// the image's. Throws std::length_error when a dimension is beyond an int.
-VoxelGrid grid_round(const Lattice& image, const Vec3i& min, const Vec3i& max, double voxel_mm, int margin_voxels);
+VoxelGrid grid_around(const Lattice& image, const Vec3i& min, const Vec3i& max, double voxel_mm, int margin_voxels);
 
 /// Which image values one voxel takes along one axis, and how much of each: weight[n] of value first + n; they sum
 /// to 1.
@@ -46,8 +46,8 @@ class SliceResampler {
   std::vector<double> out_;
 };
 
-/// The negative of an image at any point, interpolated trilinearly: a field as share_inside() takes it, whose inside is
-/// where the image is above 0. Beyond the image's outermost values these hold.
+/// The negative of an image at any point, interpolated trilinearly: a field as fraction_inside() takes it, whose inside
+/// is where the image is above 0. Beyond the image's outermost values these hold.
 class NegatedField {
  public:
   explicit NegatedField(const AlignedImage& image);
@@ -56,9 +56,9 @@ class NegatedField {
 
   /// The values at a point and `step` before and after it along each axis. A step moves along one axis only, so that
   /// the other two places in the image are found once for all.
-  [[nodiscard]] FieldCross cross(const Vec3& center_mm, double step) const {
+  [[nodiscard]] FieldSamples cross(const Vec3& center_mm, double step) const {
     const Places center = places(center_mm);
-    FieldCross out;
+    FieldSamples out;
     out.center = value(center);
     for (int axis = 0; axis < 3; ++axis) {
       Places moved = center;
@@ -74,7 +74,7 @@ class NegatedField {
   /// Along one axis: where the lower of two neighbouring values stands, and the share of the upper.
   struct Place {
     std::size_t at = 0;
-    double share = 0;
+    double fraction = 0;
   };
   using Places = std::array<Place, 3>;
 
@@ -87,12 +87,12 @@ class NegatedField {
   [[nodiscard]] double value(const Places& p) const {
     const float* corner = values_ + p[0].at + p[1].at + p[2].at;
     const auto along_x = [&](std::size_t at) {
-      return (1 - p[0].share) * double{corner[at]} + p[0].share * double{corner[at + step_[0]]};
+      return (1 - p[0].fraction) * double{corner[at]} + p[0].fraction * double{corner[at + step_[0]]};
     };
     const auto along_y = [&](std::size_t at) {
-      return (1 - p[1].share) * along_x(at) + p[1].share * along_x(at + step_[1]);
+      return (1 - p[1].fraction) * along_x(at) + p[1].fraction * along_x(at + step_[1]);
     };
-    return -((1 - p[2].share) * along_y(0) + p[2].share * along_y(step_[2]));
+    return -((1 - p[2].fraction) * along_y(0) + p[2].fraction * along_y(step_[2]));
   }
 
   const float* values_;
@@ -114,8 +114,8 @@ class InsideTest {
 
  private:
   struct Sample {
-    int low = 0;      ///< lower of the two image voxels along this axis
-    float share = 0;  ///< of the upper
+    int low = 0;         ///< lower of the two image voxels along this axis
+    float fraction = 0;  ///< of the upper
   };
 
   [[nodiscard]] bool inside(const Sample& x, const Sample& y, const Sample& z) const;

@@ -12,7 +12,7 @@ namespace reamsim::ct {
 namespace {
 
 /// Magnitude of the field for a voxel that is exactly at the threshold, so that its sign still counts.
-constexpr float kLeastField_hu = 1;
+constexpr float kMinField_hu = 1;
 /// Width of the Gaussian on a label map: takes the stairs off, and leaves a plate one voxel thick in place.
 constexpr double kLabelSmoothing_voxels = 0.6;
 
@@ -166,7 +166,7 @@ Segmentation facts_of(const Pieces& pieces, const SolidPiece& solid, std::int64_
 }
 
 /// Without a seed nobody said which bone is meant.
-void warn_of_second(const Segmentation& facts, Report& report) {
+void warn_of_second_piece(const Segmentation& facts, Report& report) {
   constexpr double kAnotherBone = 0.05;  // smaller pieces are noise, calcifications, ribs' ends
   if (facts.by_seed || facts.second_mm3 < kAnotherBone * facts.largest_mm3) return;
   report.warn(
@@ -232,14 +232,14 @@ BoneField segment_by_threshold(const AlignedImage& hu, const CtSettings& setting
   });
   BoneField bone;
   bone.facts = facts_of(pieces, solid, removed, settings, lattice);
-  warn_of_second(bone.facts, report);
+  warn_of_second_piece(bone.facts, report);
   measure(bone, kept, hu, settings.threshold_hu);
   finish_facts(bone, lattice, settings.threshold_hu);
   const Mask rim = cut_rim(kept, dense, parted, lattice);
   bone.field.lattice = lattice;
   bone.field.value.resize(hu.value.size());
   for (std::size_t at = 0; at < kept.size(); ++at) {
-    const float size = std::max(std::abs(hu.value[at] - static_cast<float>(settings.threshold_hu)), kLeastField_hu);
+    const float size = std::max(std::abs(hu.value[at] - static_cast<float>(settings.threshold_hu)), kMinField_hu);
     bone.field.value[at] = kept[at] || rim[at] ? size : -size;
   }
   return bone;
@@ -247,12 +247,13 @@ BoneField segment_by_threshold(const AlignedImage& hu, const CtSettings& setting
 
 BoneField segment_by_label(LabelImages labels, const AlignedImage& hu, const CtSettings& settings, Report& report) {
   const LabelMapSettings& map = *settings.label_map;
-  AlignedImage& share = labels.share;
-  gaussian_filter(share, kLabelSmoothing_voxels);
-  for (float& value : share.value) value -= 0.5F;
-  if (map.refine_mm > 0) refine_to_isosurface(share, labels.other, hu, map.refine_hu, map.refine_mm, report);
-  Mask mask(share.value.size());
-  std::transform(share.value.begin(), share.value.end(), mask.begin(), [](float value) { return value > 0 ? 1 : 0; });
+  AlignedImage& selected = labels.selected;
+  gaussian_filter(selected, kLabelSmoothing_voxels);
+  for (float& value : selected.value) value -= 0.5F;
+  if (map.refine_mm > 0) refine_to_isosurface(selected, labels.other, hu, map.refine_hu, map.refine_mm, report);
+  Mask mask(selected.value.size());
+  std::transform(selected.value.begin(), selected.value.end(), mask.begin(),
+                 [](float value) { return value > 0 ? 1 : 0; });
   BoneField bone;
   measure(bone, mask, hu, settings.threshold_hu);
   if (bone.voxels == 0) {
@@ -264,7 +265,7 @@ BoneField segment_by_label(LabelImages labels, const AlignedImage& hu, const CtS
   finish_facts(bone, hu.lattice, settings.threshold_hu);
   report.note("label " + words_of_labels(map.label) + ": " + std::to_string(bone.voxels) + " voxels, " +
               words("%.0f", static_cast<double>(bone.voxels) * hu.lattice.voxel_mm3()) + " mm3");
-  bone.field = std::move(share);
+  bone.field = std::move(selected);
   return bone;
 }
 

@@ -9,7 +9,7 @@
 #include "sim/bone/ct/resample.h"
 #include "sim/bone/ct/scan.h"
 #include "sim/bone/ct/words.h"
-#include "sim/bone/voxmap/surface_share.h"
+#include "sim/bone/voxmap/cube_fraction.h"
 #include "sim/bone/voxmap/surface_voxels.h"
 
 namespace reamsim::ct {
@@ -39,7 +39,7 @@ VoxelGrid grid_of(const Lattice& image, const BoneField& bone, const BoneSetting
   const std::string& path = settings.ct.path;
   const Vec3i reach = Vec3i::Constant(kFieldReach);
   try {
-    const VoxelGrid grid = grid_round(image, bone.min - reach, bone.max + reach, settings.voxel_mm, kMarginVoxels);
+    const VoxelGrid grid = grid_around(image, bone.min - reach, bone.max + reach, settings.voxel_mm, kMarginVoxels);
     check_fits_in_memory(grid.dims.cast<double>().prod(), sizeof(std::uint8_t), path, "bone.voxel_mm");
     return grid;
   } catch (const std::length_error&) {
@@ -54,18 +54,18 @@ bool may_be_bone(const CtSettings& settings, const Aabb& image, const Vec3& poin
 }
 
 /// Part of a voxel that the cuts and the image's end leave.
-double share_left(const CtSettings& settings, const Aabb& image, const Vec3& center_mm, double voxel_mm) {
+double remaining_fraction(const CtSettings& settings, const Aabb& image, const Vec3& center_mm, double voxel_mm) {
   const Vec3 half = Vec3::Constant(voxel_mm / 2);
   const Vec3 common = (center_mm + half).cwiseMin(image.max) - (center_mm - half).cwiseMax(image.min);
   double left = (common.cwiseMax(0) / voxel_mm).prod();
   if (settings.label_map) return left;
   for (const CutSphereSettings& sphere : settings.cut_spheres) {
     const auto distance = [&](const Vec3& point) { return (point - sphere.center_mm).norm() - sphere.radius_mm; };
-    left *= 1 - share_inside(distance, center_mm, voxel_mm);
+    left *= 1 - fraction_inside(distance, center_mm, voxel_mm);
   }
   for (const CutPlaneSettings& plane : settings.cut_planes) {
-    left *=
-        share_inside([&](const Vec3& point) { return plane.normal.dot(point - plane.point_mm); }, center_mm, voxel_mm);
+    left *= fraction_inside([&](const Vec3& point) { return plane.normal.dot(point - plane.point_mm); }, center_mm,
+                            voxel_mm);
   }
   return left;
 }
@@ -77,26 +77,26 @@ std::uint8_t grade_from_hu(double hu, const DensityMapping& mapping) {
 /// Halvings of a voxel until its parts are no larger than the image's voxels.
 int halvings(const Lattice& image, double voxel_mm) {
   constexpr double kRoundingOfLog = 1e-6;
-  constexpr int kMost = 3;
+  constexpr int kMax = 3;
   const double ratio = voxel_mm / image.spacing_mm.minCoeff();
-  return std::clamp(static_cast<int>(std::ceil(std::log2(ratio) - kRoundingOfLog)), 0, kMost);
+  return std::clamp(static_cast<int>(std::ceil(std::log2(ratio) - kRoundingOfLog)), 0, kMax);
 }
 
 /// Fill by the field's zero, between the image's values; grades by the image, which holds the bone's own radiodensity
 /// on both sides of the boundary.
-void part_surface(const BoneField& bone, const SliceResampler& hu, const CtSettings& settings, const Aabb& image,
-                  FilledVoxmap& voxmap) {
+void set_fill_at_surface(const BoneField& bone, const SliceResampler& hu, const CtSettings& settings, const Aabb& image,
+                         FilledVoxmap& voxmap) {
   const VoxelGrid& grid = voxmap.grid;
   const int splits = halvings(bone.field.lattice, grid.voxel_mm);
   const NegatedField outside(bone.field);
   const auto sample = [&](const Vec3i& voxel, std::uint8_t grade) -> SurfaceVoxel {
     const Vec3 center = grid.center_mm(voxel.x(), voxel.y(), voxel.z());
-    const double part = share_inside(outside, center, grid.voxel_mm, splits);
+    const double part = fraction_inside(outside, center, grid.voxel_mm, splits);
     if (part == 0) return {0, grade};
-    return {part * share_left(settings, image, center, grid.voxel_mm),
+    return {part * remaining_fraction(settings, image, center, grid.voxel_mm),
             grade != 0 ? grade : grade_from_hu(hu.at(voxel), voxmap.mapping)};
   };
-  part_surface_voxels(sample, voxmap);
+  set_partial_fill(sample, voxmap);
 }
 
 void note_voxmap(const FilledVoxmap& voxmap, const HuStatistics& hu, Report& report) {
@@ -137,7 +137,8 @@ FilledVoxmap voxelize(const AlignedImage& hu, const BoneField& bone, const BoneS
   if (stats.voxels == 0) {
     throw InputError({settings.ct.path}, "bone.voxel_mm", "no bone remains at this voxel size", "use smaller voxels");
   }
-  if (settings.surface_voxels == SurfaceVoxels::partial) part_surface(bone, resampled, settings.ct, image, voxmap);
+  if (settings.surface_voxels == SurfaceVoxels::partial)
+    set_fill_at_surface(bone, resampled, settings.ct, image, voxmap);
   note_voxmap(voxmap, stats, report);
   return voxmap;
 }

@@ -76,7 +76,7 @@ Placement lattice_from_voxels(const openvdb::FloatGrid& grid, const openvdb::Coo
 }
 
 /// The most that bricks with bone can take of a lattice of `voxels`: a leaf may lie across eight bricks.
-double bone_share(const openvdb::FloatGrid& density, double voxels) {
+double bone_fraction(const openvdb::FloatGrid& density, double voxels) {
   constexpr double kAcross = 8;
   const double in_leaves = static_cast<double>(density.tree().leafCount()) * GradeBricks::kVoxels;
   const double in_tiles = static_cast<double>(density.activeVoxelCount());
@@ -90,13 +90,13 @@ Placement checked_placement(const std::string& path, const openvdb::FloatGrid& d
   if (active.empty()) fail_reading(path, "a grid \"density\" without active voxels", "expected bone");
   Eigen::Array3d dims;
   for (int axis = 0; axis < 3; ++axis) dims[axis] = 1.0 + active.max()[axis] - 1.0 * active.min()[axis];
-  check_lattice(path, dims, voxel_mm, {.bone_share = bone_share(density, dims.prod())});
+  check_lattice(path, dims, voxel_mm, {.bone_fraction = bone_fraction(density, dims.prod())});
 
   const std::optional<Placement> written = lattice_from_metadata(density);
   if (!written) return lattice_from_voxels(density, active, voxel_mm);
   const VoxelGrid& lattice = written->lattice;
   const Eigen::Array3d size = lattice.dims.cast<double>().array();
-  check_lattice(path, size, voxel_mm, {.bone_share = bone_share(density, size.prod())});
+  check_lattice(path, size, voxel_mm, {.bone_fraction = bone_fraction(density, size.prod())});
   const openvdb::Vec3d corner = density.indexToWorld(openvdb::Vec3d(-0.5));
   const double shift_mm = (lattice.origin_mm - Vec3(corner.x(), corner.y(), corner.z())).norm();
   const openvdb::CoordBBox whole({0, 0, 0}, {lattice.dims.x() - 1, lattice.dims.y() - 1, lattice.dims.z() - 1});

@@ -25,7 +25,7 @@ class PaddedBrick {
   PaddedBrick(const BoneView& bone, const Vec3i& brick) {
     for (int z = -1; z <= 1; ++z) {
       for (int y = -1; y <= 1; ++y) {
-        for (int x = -1; x <= 1; ++x) take_part(bone, brick, {x, y, z});
+        for (int x = -1; x <= 1; ++x) copy_from_neighbour(bone, brick, {x, y, z});
       }
     }
   }
@@ -46,7 +46,7 @@ class PaddedBrick {
 
  private:
   /// Takes what this brick needs of its neighbour `step` bricks away: all, a face, an edge or a corner.
-  void take_part(const BoneView& bone, const Vec3i& brick, const Vec3i& step) {
+  void copy_from_neighbour(const BoneView& bone, const Vec3i& brick, const Vec3i& step) {
     const Vec3i from = step.unaryExpr([](int s) { return s < 0 ? -1 : s * FillBricks::kSide; });
     const Vec3i to = step.unaryExpr([](int s) { return s < 0 ? 0 : FillBricks::kSide + s; });
     const Vec3i coord = brick + step;
@@ -108,7 +108,7 @@ SmoothedBrick smoothed_brick(const BoneView& bone, const Vec3i& brick) {
 
 openvdb::FloatGrid::Ptr smoothed_occupancy(const BoneView& bone) {
   constexpr std::size_t kAtOnce = 1 << 16;
-  const std::vector<Vec3i> bricks = coords_around(bone.voxmap.grade);
+  const std::vector<Vec3i> bricks = bricks_near_bone(bone.voxmap.grade);
   auto grid = make_float_grid(0.0F);
   grid->setTransform(index_transform(bone.voxmap.grid));
   std::vector<SmoothedBrick> smoothed(std::min(kAtOnce, bricks.size()));

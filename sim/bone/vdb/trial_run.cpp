@@ -26,7 +26,7 @@ void limit(__rlimit_resource resource, std::uint64_t most) {
   setrlimit(resource, &both);
 }
 
-[[noreturn]] void be_child(const std::function<void()>& work, std::uint64_t most_bytes, int seconds) {
+[[noreturn]] void run_as_child(const std::function<void()>& work, std::uint64_t most_bytes, int seconds) {
   limit(RLIMIT_AS, most_bytes);
   limit(RLIMIT_CPU, static_cast<std::uint64_t>(seconds));
   limit(RLIMIT_CORE, 0);
@@ -54,11 +54,11 @@ int wait_for(pid_t child, int seconds) {
 
 }  // namespace
 
-bool ends_well_in_child(const std::function<void()>& work, std::uint64_t memory_bytes, int seconds) {
+bool succeeds_in_child(const std::function<void()>& work, std::uint64_t memory_bytes, int seconds) {
   const std::uint64_t most_bytes = address_space_bytes() + memory_bytes;
   const pid_t child = fork();
   if (child < 0) return true;
-  if (child == 0) be_child(work, most_bytes, seconds);
+  if (child == 0) run_as_child(work, most_bytes, seconds);
   const int status = wait_for(child, 4 * seconds);  // wall time, on a busy machine
   return WIFEXITED(status) && WEXITSTATUS(status) == 0;
 }

@@ -10,6 +10,6 @@ namespace reamsim {
 /// (`memory_bytes` beyond what this process has) and time (`seconds`). For libraries that damaged input can crash or
 /// send into endless loops: the child's fate harms nobody, and what `work` changes is lost with it. `work` must start
 /// no threads. True as well where no child can be made.
-bool ends_well_in_child(const std::function<void()>& work, std::uint64_t memory_bytes, int seconds);
+bool succeeds_in_child(const std::function<void()>& work, std::uint64_t memory_bytes, int seconds);
 
 }  // namespace reamsim

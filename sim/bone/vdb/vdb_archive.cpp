@@ -157,15 +157,15 @@ void read_everything(const std::string& path) {
 }
 
 /// For a file without our checksum: tried by a child process first.
-void require_harmless(const std::string& path) {
-  constexpr std::uint64_t kLeastMemory = std::uint64_t{2} << 30;
+void check_in_child(const std::string& path) {
+  constexpr std::uint64_t kMinMemory = std::uint64_t{2} << 30;
   constexpr std::uint64_t kMemoryPerFileByte = 200;  // constant regions pack by about that
   constexpr int kSeconds = 20;
   std::error_code error;
   const std::uintmax_t size = fs::file_size(path, error);
-  const std::uint64_t memory_bytes = kLeastMemory + (error ? 0 : kMemoryPerFileByte * size);
+  const std::uint64_t memory_bytes = kMinMemory + (error ? 0 : kMemoryPerFileByte * size);
   const int seconds = kSeconds + static_cast<int>(size >> 25);
-  if (!ends_well_in_child([&path] { read_everything(path); }, memory_bytes, seconds)) {
+  if (!succeeds_in_child([&path] { read_everything(path); }, memory_bytes, seconds)) {
     fail(path, "a truncated or damaged VDB file", "expected a complete file");
   }
 }
@@ -196,7 +196,7 @@ VdbFile::VdbFile(const std::string& path, VdbOrigin origin) : path_(path), file_
     if (origin == VdbOrigin::kReamsim) {
       fail(path, "a truncated or damaged VDB file (its checksum is missing)", "expected a complete file of reamsim's");
     }
-    require_harmless(path);
+    check_in_child(path);
   }
   try {
     file_.open(/*delayLoad=*/false);  // a mapped file that shrinks would end the program

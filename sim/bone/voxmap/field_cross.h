@@ -5,7 +5,7 @@
 namespace reamsim {
 
 /// A field at a point, and a step before and after it along each axis.
-struct FieldCross {
+struct FieldSamples {
   double center = 0;
   Vec3 before = Vec3::Zero();
   Vec3 after = Vec3::Zero();
@@ -13,11 +13,11 @@ struct FieldCross {
 
 /// The field there, seven calls of it unless it has a shorter way of its own, `field.cross(center, step)`.
 template <class Field>
-FieldCross field_cross(const Field& field, const Vec3& center, double step) {
+FieldSamples sample_along_axes(const Field& field, const Vec3& center, double step) {
   if constexpr (requires { field.cross(center, step); }) {
     return field.cross(center, step);
   } else {
-    FieldCross out;
+    FieldSamples out;
     out.center = field(center);
     for (int axis = 0; axis < 3; ++axis) {
       out.before[axis] = field(center - step * Vec3::Unit(axis));

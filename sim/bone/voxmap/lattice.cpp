@@ -16,31 +16,31 @@ namespace reamsim {
 namespace {
 
 /// Share of the memory that the bone may take while it is made; the engine and the results need the rest.
-constexpr double kMemoryShare = 0.5;
+constexpr double kMemoryFraction = 0.5;
 /// What the tables of grades and of fill take for a brick, stored or not.
 constexpr double kTableBytes = 2 * sizeof(std::int32_t);
 /// Bricks that the tables can number.
-constexpr double kMostBricks = std::numeric_limits<std::int32_t>::max();
+constexpr double kMaxBricks = std::numeric_limits<std::int32_t>::max();
 /// Voxels along an axis.
-constexpr double kMostSide = 1e6;
+constexpr double kMaxSide = 1e6;
 
 /// Memory of the bricks with bone and of the tables.
 double planned_bytes(double voxels, const LatticeLoad& load) {
-  return voxels * (std::min(1.0, load.bone_share) * load.bytes_per_voxel + kTableBytes / FillBricks::kVoxels);
+  return voxels * (std::min(1.0, load.bone_fraction) * load.bytes_per_voxel + kTableBytes / FillBricks::kVoxels);
 }
 
 /// Whether a lattice can be held. False for sizes that are not numbers.
 bool fits(const Eigen::Array3d& dims, const LatticeLoad& load, double memory_bytes) {
   const double voxels = dims.prod();
-  return voxels >= 0 && voxels <= kMostBricks * FillBricks::kVoxels && dims.maxCoeff() < kMostSide &&
-         planned_bytes(voxels, load) <= kMemoryShare * memory_bytes;
+  return voxels >= 0 && voxels <= kMaxBricks * FillBricks::kVoxels && dims.maxCoeff() < kMaxSide &&
+         planned_bytes(voxels, load) <= kMemoryFraction * memory_bytes;
 }
 
 /// How many times as large the voxels must be for the lattice to fit. Bricks at the surface then take a larger share.
 double fitting_factor(const Eigen::Array3d& dims, const LatticeLoad& load, double memory_bytes) {
   constexpr double kStep = 1.02;
   double factor = 1;
-  while (!fits(dims / factor, {load.bone_share * factor, load.bytes_per_voxel}, memory_bytes)) factor *= kStep;
+  while (!fits(dims / factor, {load.bone_fraction * factor, load.bytes_per_voxel}, memory_bytes)) factor *= kStep;
   return factor;
 }
 
@@ -67,7 +67,7 @@ void check_lattice(const std::string& what, const Eigen::Array3d& dims, double v
       found, sizeof found,
       "the lattice has %.4g x %.4g x %.4g voxels of %.4g mm (%.3g in total) and needs %.3g GB; %.3g GB are available",
       dims.x(), dims.y(), dims.z(), voxel_mm, voxels, planned_bytes(voxels, load) / 1e9,
-      kMemoryShare * memory_bytes / 1e9);
+      kMemoryFraction * memory_bytes / 1e9);
   if (!std::isfinite(voxels) || voxels < 0) throw InputError({what, 0, 0}, "", found, "give a bone of finite size");
   // 5 % more than that, because the margin does not shrink with the voxels.
   const double fitting_mm = 1.05 * voxel_mm * fitting_factor(dims, load, memory_bytes);

@@ -15,7 +15,7 @@ inline constexpr double kMeshBytesPerVoxel = 13;
 
 /// What of a lattice takes memory while its bone is made.
 struct LatticeLoad {
-  double bone_share = 1;       ///< the most that bricks with bone can take of the lattice, 0…1
+  double bone_fraction = 1;    ///< the most that bricks with bone can take of the lattice, 0…1
   double bytes_per_voxel = 1;  ///< of these bricks: a byte of grade, and what its source needs beside
 };
 

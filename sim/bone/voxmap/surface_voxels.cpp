@@ -38,7 +38,7 @@ class BoneAbout {
       const Vec3i step(part % 3 - 1, part / 3 % 3 - 1, part / 9 - 1);
       const Vec3i coord = brick + step;
       const GradeBricks::Brick* from = lattice.contains(coord) ? grades.brick(coord) : nullptr;
-      if (from != nullptr) take_part(*from, step);
+      if (from != nullptr) copy_from_neighbour(*from, step);
     }
     mixed_ = some_ < bone_.size() && some_ > 0;
     if (mixed_) {
@@ -59,7 +59,7 @@ class BoneAbout {
  private:
   using Marks = std::array<std::uint8_t, kPaddedSide * kPaddedSide * kPaddedSide>;
 
-  void take_part(const GradeBricks::Brick& from, const Vec3i& step) {
+  void copy_from_neighbour(const GradeBricks::Brick& from, const Vec3i& step) {
     const Vec3i low = step.unaryExpr([](int s) { return s < 0 ? kSide - 1 : 0; });
     const Vec3i high = step.unaryExpr([](int s) { return s > 0 ? 1 : kSide; });
     for (int z = low.z(); z < high.z(); ++z) {
@@ -98,7 +98,8 @@ ChangedBrick sample_brick(const SurfaceSampler& sample, const Voxmap& voxmap, co
     if (!voxmap.grid.contains(voxel)) continue;
     const std::uint8_t grade = voxmap.grade.get(voxel);
     const SurfaceVoxel found = sample(voxel, grade);
-    const auto fill = static_cast<std::uint16_t>(std::lround(std::clamp(found.share, 0.0, 1.0) * FillBricks::kWhole));
+    const auto fill =
+        static_cast<std::uint16_t>(std::lround(std::clamp(found.fraction, 0.0, 1.0) * FillBricks::kWhole));
     if (fill == (grade == 0 ? 0 : FillBricks::kWhole)) continue;
     out.voxels.push_back({static_cast<std::uint16_t>(offset), fill, found.grade});
   }
@@ -109,7 +110,7 @@ ChangedBrick sample_brick(const SurfaceSampler& sample, const Voxmap& voxmap, co
 std::vector<ChangedBrick> sample_surface(const SurfaceSampler& sample, const Voxmap& voxmap) {
   const BrickLattice lattice{voxmap.grade.brick_dims()};
   std::vector<ChangedBrick> out;
-  for (const Vec3i& coord : coords_around(voxmap.grade)) {
+  for (const Vec3i& coord : bricks_near_bone(voxmap.grade)) {
     if (lattice.contains(coord)) out.push_back({coord, {}});
   }
   parallel_ranges(out.size(), kBricksAtOnce, [&](std::size_t begin, std::size_t end) {
@@ -130,7 +131,7 @@ void put_fill(const std::vector<ChangedBrick>& changed, FilledVoxmap& voxmap) {
 
 }  // namespace
 
-void part_surface_voxels(const SurfaceSampler& sample, FilledVoxmap& voxmap) {
+void set_partial_fill(const SurfaceSampler& sample, FilledVoxmap& voxmap) {
   std::vector<ChangedBrick> changed = sample_surface(sample, voxmap);
   put_fill(changed, voxmap);
   for (const ChangedBrick& brick : changed) {

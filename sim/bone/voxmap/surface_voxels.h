@@ -8,7 +8,7 @@ namespace reamsim {
 
 /// What a bone's source knows of a voxel at its surface.
 struct SurfaceVoxel {
-  double share = 0;        ///< of its volume that is bone, 0…1
+  double fraction = 0;     ///< of its volume that is bone, 0…1
   std::uint8_t grade = 0;  ///< of that bone; not 0 where there is any
 };
 
@@ -18,6 +18,6 @@ using SurfaceSampler = std::function<SurfaceVoxel(const Vec3i& voxel, std::uint8
 /// Gives each voxel at the bone's surface (one of the 27 round it is bone, and one is not) the fill that `sample`
 /// finds, so that a voxel just outside becomes bone with the little that reaches into it (docs/physics.md, 1).
 /// `voxmap` must be whole. The result does not depend on the threads.
-void part_surface_voxels(const SurfaceSampler& sample, FilledVoxmap& voxmap);
+void set_partial_fill(const SurfaceSampler& sample, FilledVoxmap& voxmap);
 
 }  // namespace reamsim

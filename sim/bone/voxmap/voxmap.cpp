@@ -41,7 +41,7 @@ VoxelBox bone_extent(const Voxmap& voxmap) {
   return out;
 }
 
-std::vector<Vec3i> coords_around(const GradeBricks& grades) {
+std::vector<Vec3i> bricks_near_bone(const GradeBricks& grades) {
   const BrickLattice wider{grades.brick_dims() + Vec3i::Constant(2)};
   std::vector<bool> near(wider.count(), false);
   grades.for_each_brick([&](const Vec3i& coord, const GradeBricks::Brick&) {
@@ -68,7 +68,7 @@ bool partly_filled(const FillBricks& fill) {
   return part;
 }
 
-std::vector<std::uint8_t> dense_grades_left(const BoneView& bone) {
+std::vector<std::uint8_t> dense_remaining_grades(const BoneView& bone) {
   std::vector<std::uint8_t> out(static_cast<std::size_t>(bone.voxmap.grid.size()), 0);
   for_each_bone_voxel(bone, [&](const Vec3i& voxel, std::uint8_t grade, std::uint16_t left) {
     if (left != 0) out[static_cast<std::size_t>(bone.voxmap.grid.index(voxel.x(), voxel.y(), voxel.z()))] = grade;

@@ -79,13 +79,13 @@ VoxelBox bone_extent(const Voxmap& voxmap);
 
 /// Bricks that hold bone or touch such a brick, if only by a corner, x fastest. They reach one brick beyond the lattice
 /// on every side.
-std::vector<Vec3i> coords_around(const GradeBricks& grades);
+std::vector<Vec3i> bricks_near_bone(const GradeBricks& grades);
 
 /// Whether some voxel has lost a part of its fill: neither whole nor removed.
 bool partly_filled(const FillBricks& fill);
 
 /// The grade of each voxel where bone is left, 0 elsewhere; grid.size() entries, for engines that keep the bone dense.
-std::vector<std::uint8_t> dense_grades_left(const BoneView& bone);
+std::vector<std::uint8_t> dense_remaining_grades(const BoneView& bone);
 /// The fill of each voxel, air included; grid.size() entries.
 std::vector<std::uint16_t> dense_fill(const BoneView& bone);
 

@@ -16,7 +16,7 @@ SerialState make_serial_state(const BoneView& bone, const Tool& tool) {
 
 void take_bone(const BoneView& bone, SerialState& state) {
   state.grid = bone.voxmap.grid;
-  state.bone = dense_grades_left(bone);
+  state.bone = dense_remaining_grades(bone);
   state.fill = dense_fill(bone);
 }
 

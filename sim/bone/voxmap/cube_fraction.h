@@ -10,7 +10,7 @@
 namespace reamsim {
 
 /// Halvings of a voxel in which a surface has an edge, at most: 64 parts.
-inline constexpr int kMostSplits = 2;
+inline constexpr int kMaxSplits = 2;
 
 /// A field round the middle of a cube, in sides of the cube.
 struct FieldStencil {
@@ -26,7 +26,7 @@ struct FieldStencil {
 /// Central differences over `step`.
 template <class Field>
 FieldStencil field_stencil(const Field& field, const Vec3& center, double side, double step) {
-  const FieldCross cross = field_cross(field, center, step);
+  const FieldSamples cross = sample_along_axes(field, center, step);
   FieldStencil out;
   out.value = cross.center;
   const double sides = side / step;
@@ -42,7 +42,7 @@ FieldStencil field_stencil(const Field& field, const Vec3& center, double side, 
 
 /// Part of a cube where the field is negative, with the surface as a plane. A surface that bulges falls away from its
 /// plane by the mean of t²/2 times its curvature, over the cube 1/24 in each direction (as rs_fill_outside()).
-inline double plane_share(const FieldStencil& at) {
+inline double plane_fraction(const FieldStencil& at) {
   const double length = at.slope.norm();
   if (length < 1e-12 * std::abs(at.value) || length == 0) return at.value < 0 ? 1 : 0;
   const double curvature = std::clamp(at.bend / length, -1.0, 1.0);
@@ -58,17 +58,17 @@ inline double plane_share(const FieldStencil& at) {
 /// any case for the first `least_splits` times, the cube is halved along each axis.
 /// @param center, side  of the cube, in the field's coordinates
 template <class Field>
-double share_inside(const Field& field, const Vec3& center, double side, int least_splits = 0, int split = 0) {
+double fraction_inside(const Field& field, const Vec3& center, double side, int least_splits = 0, int split = 0) {
   if (split >= least_splits) {
     // A whole voxel looks as far as its neighbours' centres, where a field given by voxels is known best; a part of one
     // no further than its own faces.
     const FieldStencil at = field_stencil(field, center, side, split == 0 ? side : 0.5 * side);
-    if (at.smooth() || split >= std::max(kMostSplits, least_splits)) return plane_share(at);
+    if (at.smooth() || split >= std::max(kMaxSplits, least_splits)) return plane_fraction(at);
   }
   double sum = 0;
   for (int part = 0; part < 8; ++part) {
     const Vec3 step(part & 1 ? 0.25 : -0.25, part & 2 ? 0.25 : -0.25, part & 4 ? 0.25 : -0.25);
-    sum += share_inside(field, center + side * step, 0.5 * side, least_splits, split + 1);
+    sum += fraction_inside(field, center + side * step, 0.5 * side, least_splits, split + 1);
   }
   return sum / 8;
 }
