@@ -137,7 +137,7 @@ std::optional<NearestSurface> nearest_surface(const Voxmap& voxmap, const Vec3& 
     for (int offset = 0; offset < GradeBricks::kVoxels; ++offset) {
       if (grades[static_cast<std::size_t>(offset)] == 0) continue;
       const Vec3i voxel = BrickLattice::voxel_at(coord, offset);
-      const Vec3 center = grid.center_mm(voxel.x(), voxel.y(), voxel.z());
+      const Vec3 center = grid.center_mm(voxel);
       const double distance_mm = (center - point_mm).norm();
       if (distance_mm >= out.distance_mm || !has_air_beside(voxmap, voxel)) continue;
       out.distance_mm = distance_mm;

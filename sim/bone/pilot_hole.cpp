@@ -52,7 +52,7 @@ Hole hole_in_bone(const PilotHoleSettings& settings, const std::optional<Glenoid
 
 /// Fill that a hole leaves of a whole voxel.
 std::uint16_t fill_beside(const Hole& hole, const VoxelGrid& grid, const Vec3i& voxel, bool partial) {
-  const Vec3 center_mm = grid.center_mm(voxel.x(), voxel.y(), voxel.z());
+  const Vec3 center_mm = grid.center_mm(voxel);
   if (!partial) return hole.contains(center_mm) ? 0 : FillBricks::kWhole;
   const double away_voxels = hole.distance_mm(center_mm) / grid.voxel_mm;
   if (std::abs(away_voxels) > RS_CLIP_REACH) return away_voxels < 0 ? 0 : FillBricks::kWhole;

@@ -16,7 +16,7 @@ bool sample_brick(const VoxelGrid& grid, const DensityField& field, const Vec3i&
   for (int z = first.z(); z < last.z(); ++z) {
     for (int y = first.y(); y < last.y(); ++y) {
       for (int x = first.x(); x < last.x(); ++x) {
-        const double density = field(grid.center_mm(x, y, z));
+        const double density = field(grid.center_mm({x, y, z}));
         if (density < 0) continue;
         out[static_cast<std::size_t>(BrickLattice::offset_of({x, y, z}))] = DensityMapping::grade_from_density(density);
         any = true;
@@ -45,7 +45,7 @@ FilledVoxmap sample_phantom(const VoxelGrid& grid, const DensitySettings& densit
   });
   if (!partial) return voxmap;
   const auto sample = [&](const Vec3i& voxel, std::uint8_t grade) -> SurfaceVoxel {
-    const PartialVoxel found = partial(grid.center_mm(voxel.x(), voxel.y(), voxel.z()));
+    const PartialVoxel found = partial(grid.center_mm(voxel));
     return {found.fraction, grade != 0 ? grade : DensityMapping::grade_from_density(found.density_g_cm3)};
   };
   set_partial_fill(sample, voxmap);

@@ -24,7 +24,7 @@ Aabb box_of_cut(const ReamedBone& bone, const Rigid& map_from_bone) {
   Aabb box{Vec3::Constant(kFar), Vec3::Constant(-kFar)};
   const VoxelGrid& grid = bone.voxmap.grid;
   for_each_cut_voxel(bone, [&](const Vec3i& voxel, std::uint8_t, std::uint16_t, std::uint16_t) {
-    const Vec3 place = map_from_bone * grid.center_mm(voxel.x(), voxel.y(), voxel.z());
+    const Vec3 place = map_from_bone * grid.center_mm(voxel);
     box.min = box.min.cwiseMin(place);
     box.max = box.max.cwiseMax(place);
   });

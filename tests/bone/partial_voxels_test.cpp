@@ -132,7 +132,7 @@ TEST_F(PartialMesh, VoxelsJustOutsideAreCorticalAndHoldLittle) {
   std::int64_t outside = 0;
   for_each_bone_voxel(voxmap, [&](const Vec3i& voxel, std::uint8_t grade, std::uint16_t fill) {
     EXPECT_GT(fill, 0);
-    const Vec3 center = voxmap.grid.center_mm(voxel.x(), voxel.y(), voxel.z());
+    const Vec3 center = voxmap.grid.center_mm(voxel);
     if (grade_at(whole, center) != 0) {
       EXPECT_EQ(grade, grade_at(whole, center));
       return;

@@ -73,7 +73,7 @@ inline Leftovers ream_and_look(ReamingScene& scene, double deeper_than_voxels, d
     const Vec3i c = grid.coord(e);
     const bool gone = scene.bone.fill.get(c) == 0;
     const double depth_mm =
-        volume.depth_mm(grid.center_mm(c.x(), c.y(), c.z()), gone ? limit_mm : std::numeric_limits<double>::infinity());
+        volume.depth_mm(grid.center_mm(c), gone ? limit_mm : std::numeric_limits<double>::infinity());
     if (depth_mm <= limit_mm) continue;
     ++out.swept;
     if (gone) continue;

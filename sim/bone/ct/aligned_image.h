@@ -17,15 +17,15 @@ struct Lattice {
   Vec3 origin_mm = Vec3::Zero();
 
   [[nodiscard]] std::int64_t size() const { return std::int64_t{1} * dims.x() * dims.y() * dims.z(); }
-  [[nodiscard]] std::size_t index(int i, int j, int k) const {
-    return static_cast<std::size_t>(i + std::int64_t{dims.x()} * (j + std::int64_t{dims.y()} * k));
+  [[nodiscard]] std::size_t index(const Vec3i& v) const {
+    return static_cast<std::size_t>(v.x() + std::int64_t{dims.x()} * (v.y() + std::int64_t{dims.y()} * v.z()));
   }
   /// The voxel that stands at `index`.
   [[nodiscard]] Vec3i voxel_at(std::size_t index) const {
     const auto nx = static_cast<std::size_t>(dims.x()), ny = static_cast<std::size_t>(dims.y());
     return {static_cast<int>(index % nx), static_cast<int>(index / nx % ny), static_cast<int>(index / nx / ny)};
   }
-  [[nodiscard]] Vec3 center_mm(int i, int j, int k) const { return origin_mm + spacing_mm.cwiseProduct(Vec3(i, j, k)); }
+  [[nodiscard]] Vec3 center_mm(const Vec3i& v) const { return origin_mm + spacing_mm.cwiseProduct(v.cast<double>()); }
   [[nodiscard]] double voxel_mm3() const { return spacing_mm.prod(); }
   /// The outer faces of the outermost voxels.
   [[nodiscard]] Aabb bounds_mm() const {

@@ -94,7 +94,7 @@ class BoundaryEstimator {
     const Vec3i voxel = (place + Vec3::Constant(0.5)).array().floor().cast<int>();
     return voxel.cwiseMax(0).cwiseMin(hu_.lattice.dims - Vec3i::Ones());
   }
-  [[nodiscard]] bool is_bone(const Vec3i& v) const { return bone_[hu_.lattice.index(v.x(), v.y(), v.z())] != 0; }
+  [[nodiscard]] bool is_bone(const Vec3i& v) const { return bone_[hu_.lattice.index(v)] != 0; }
 
   /// Where bone begins on the ray: out from a voxel of bone, in from a voxel outside.
   [[nodiscard]] std::optional<double> boundary_on(const Ray& ray, const Vec3i& voxel) const {
@@ -117,9 +117,7 @@ class BoundaryEstimator {
     }
   }
 
-  [[nodiscard]] double measured(const Vec3i& v) const {
-    return double{hu_.value[hu_.lattice.index(v.x(), v.y(), v.z())]};
-  }
+  [[nodiscard]] double measured(const Vec3i& v) const { return double{hu_.value[hu_.lattice.index(v)]}; }
 
   [[nodiscard]] double densest_on(const Ray& ray, double boundary) const {
     double most = -std::numeric_limits<double>::infinity();
@@ -152,7 +150,7 @@ class BoundaryEstimator {
       }
       if (weight < 1e-9) continue;
       if (!hu_.lattice.contains(at)) return std::nullopt;
-      const std::size_t index = hu_.lattice.index(at.x(), at.y(), at.z());
+      const std::size_t index = hu_.lattice.index(at);
       if (trusted_[index] == 0) return std::nullopt;
       sum += weight * double{hu_.value[index]};
     }
@@ -198,7 +196,7 @@ class BoundaryEstimator {
     const Vec3 along = ray.inward.cwiseProduct(spacing).normalized();
     bool exceeds = false;
     visit_window(ray, boundary, [&](const Vec3i& v) {
-      if (trusted_[hu_.lattice.index(v.x(), v.y(), v.z())] != 0) return;
+      if (trusted_[hu_.lattice.index(v)] != 0) return;
       const double depth_mm = along.dot((v.cast<double>() - ray.start).cwiseProduct(spacing));
       exceeds |= measured(v) > line.at(depth_mm / ray.step_mm) + tolerance_hu_;
     });
@@ -228,7 +226,7 @@ bool has_face_outside(const Mask& bone, const Lattice& lattice, const Vec3i& vox
   for (int axis = 0; axis < 3; ++axis) {
     for (const int side : {-1, 1}) {
       const Vec3i v = voxel + side * Vec3i::Unit(axis);
-      if (lattice.contains(v) && bone[lattice.index(v.x(), v.y(), v.z())] == 0) return true;
+      if (lattice.contains(v) && bone[lattice.index(v)] == 0) return true;
     }
   }
   return false;
@@ -237,12 +235,12 @@ bool has_face_outside(const Mask& bone, const Lattice& lattice, const Vec3i& vox
 /// Part of an image.
 AlignedImage cut_out(const AlignedImage& image, const IndexBox& box) {
   const Vec3i& s = box.start;
-  AlignedImage out{{box.size, image.lattice.spacing_mm, image.lattice.center_mm(s.x(), s.y(), s.z())}, {}};
+  AlignedImage out{{box.size, image.lattice.spacing_mm, image.lattice.center_mm(s)}, {}};
   out.value.reserve(static_cast<std::size_t>(box.voxels()));
   for (int k = 0; k < box.size.z(); ++k) {
     for (int j = 0; j < box.size.y(); ++j) {
       const auto row =
-          image.value.begin() + static_cast<std::ptrdiff_t>(image.lattice.index(s.x(), s.y() + j, s.z() + k));
+          image.value.begin() + static_cast<std::ptrdiff_t>(image.lattice.index({s.x(), s.y() + j, s.z() + k}));
       out.value.insert(out.value.end(), row, row + box.size.x());
     }
   }
@@ -253,9 +251,9 @@ void put_back(const AlignedImage& part, const IndexBox& box, AlignedImage& image
   const Vec3i& s = box.start;
   for (int k = 0; k < box.size.z(); ++k) {
     for (int j = 0; j < box.size.y(); ++j) {
-      const auto row = part.value.begin() + static_cast<std::ptrdiff_t>(part.lattice.index(0, j, k));
+      const auto row = part.value.begin() + static_cast<std::ptrdiff_t>(part.lattice.index({0, j, k}));
       std::copy(row, row + box.size.x(),
-                image.value.begin() + static_cast<std::ptrdiff_t>(image.lattice.index(s.x(), s.y() + j, s.z() + k)));
+                image.value.begin() + static_cast<std::ptrdiff_t>(image.lattice.index({s.x(), s.y() + j, s.z() + k})));
     }
   }
 }

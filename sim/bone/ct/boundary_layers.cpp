@@ -13,8 +13,8 @@ namespace {
 Mask extreme_along(const Mask& mask, const Lattice& lattice, int axis, int radius, bool greatest) {
   const int length = lattice.dims[axis];
   const auto stride = static_cast<std::size_t>(axis == 0   ? 1
-                                               : axis == 1 ? lattice.index(0, 1, 0)
-                                                           : lattice.index(0, 0, 1));
+                                               : axis == 1 ? lattice.index({0, 1, 0})
+                                                           : lattice.index({0, 0, 1}));
   Mask out(mask.size());
   for (std::size_t at = 0; at < mask.size(); ++at) {
     const int here = static_cast<int>(at / stride % static_cast<std::size_t>(length));
@@ -42,7 +42,7 @@ std::optional<float> mean_of_known(const AlignedImage& image, const Mask& known,
   for (int n = 0; n < 27; ++n) {
     const Vec3i v = voxel + Vec3i(n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1);
     if (!image.lattice.contains(v)) continue;
-    const std::size_t at = image.lattice.index(v.x(), v.y(), v.z());
+    const std::size_t at = image.lattice.index(v);
     if (known[at] == 0) continue;
     sum += double{image.value[at]};
     ++count;
@@ -68,7 +68,7 @@ double noise_between(const AlignedImage& image, const Mask& mask) {
   std::vector<float> differences;
   for (int axis = 0; axis < 3; ++axis) {
     const Vec3i step = Vec3i::Unit(axis);
-    const std::size_t stride = lattice.index(step.x(), step.y(), step.z());
+    const std::size_t stride = lattice.index(step);
     for (std::size_t at = 0; at < mask.size(); ++at) {
       const int here = lattice.voxel_at(at)[axis];
       if (mask[at] == 0 || here == 0 || here + 1 == lattice.dims[axis]) continue;

@@ -22,7 +22,7 @@ void smooth_along(AlignedImage& image, int axis, double sigma_voxels) {
   const std::vector<double> weights = gaussian(sigma_voxels, reach);
   const double sum = std::accumulate(weights.begin(), weights.end(), 0.0);
   const Vec3i step = Vec3i::Unit(axis);
-  const std::size_t stride = lattice.index(step.x(), step.y(), step.z());
+  const std::size_t stride = lattice.index(step);
   const int length = lattice.dims[axis];
   std::vector<double> line(static_cast<std::size_t>(length));
   for (std::size_t start = 0; start < image.value.size(); ++start) {
@@ -56,8 +56,8 @@ Vec3 BoundaryNormals::inward(const Vec3i& voxel) const {
     before[axis] = std::max(voxel[axis] - 1, 0);
     after[axis] = std::min(voxel[axis] + 1, lattice.dims[axis] - 1);
     if (before[axis] == after[axis]) continue;
-    const double difference = double{smooth_.value[lattice.index(after.x(), after.y(), after.z())]} -
-                              double{smooth_.value[lattice.index(before.x(), before.y(), before.z())]};
+    const double difference =
+        double{smooth_.value[lattice.index(after)]} - double{smooth_.value[lattice.index(before)]};
     gradient[axis] = difference / ((after[axis] - before[axis]) * lattice.spacing_mm[axis]);
   }
   return gradient.norm() * lattice.spacing_mm.maxCoeff() < kEven ? Vec3(Vec3::Zero()) : gradient.normalized();

@@ -114,8 +114,7 @@ Vec3 point_of_interest(const BoneSettings& settings, const ct::BoneField& bone) 
   if (settings.glenoid.center_mm) return *settings.glenoid.center_mm;
   if (settings.glenoid.landmarks) return settings.glenoid.landmarks->glenoid_center_mm;
   const ct::Lattice& lattice = bone.field.lattice;
-  return 0.5 * (lattice.center_mm(bone.min.x(), bone.min.y(), bone.min.z()) +
-                lattice.center_mm(bone.max.x(), bone.max.y(), bone.max.z()));
+  return 0.5 * (lattice.center_mm(bone.min) + lattice.center_mm(bone.max));
 }
 
 Segmentation segmentation_of(const ct::AlignedImage& hu, const ct::BoneField& bone, const BoneSettings& settings) {

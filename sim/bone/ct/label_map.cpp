@@ -86,7 +86,7 @@ struct CutOff {
 bool is_bone_at(const AlignedImage& hu, const Vec3& point_mm, double threshold_hu) {
   const Vec3i voxel = hu.lattice.voxel_of(point_mm);
   if (!hu.lattice.contains(voxel)) return false;
-  return static_cast<double>(hu.value[hu.lattice.index(voxel.x(), voxel.y(), voxel.z())]) >= threshold_hu;
+  return static_cast<double>(hu.value[hu.lattice.index(voxel)]) >= threshold_hu;
 }
 
 /// Adds what the label's voxels on one end of the map, along one axis, have beyond them.

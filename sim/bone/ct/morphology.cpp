@@ -92,7 +92,7 @@ void mark_open_parts(const std::vector<std::uint32_t>& part, const Lattice& latt
   std::vector<std::uint8_t> background(static_cast<std::size_t>(nu) * static_cast<std::size_t>(nv));
   const auto part_at = [&](int i, int j) {
     const Vec3i voxel = face.voxel(i, j);
-    return part[lattice.index(voxel.x(), voxel.y(), voxel.z())];
+    return part[lattice.index(voxel)];
   };
   for (int j = 0; j < nv; ++j) {
     for (int i = 0; i < nu; ++i) background[static_cast<std::size_t>(i + j * std::int64_t{nu})] = part_at(i, j) != 0;
@@ -162,7 +162,7 @@ Pieces connected_pieces(const Mask& mask, const Lattice& lattice) {
   for (int k = 0; k < lattice.dims.z(); ++k) {
     for (int j = 0; j < lattice.dims.y(); ++j) {
       for (int i = 0; i < lattice.dims.x(); ++i) {
-        const std::uint32_t at = out.label[lattice.index(i, j, k)];
+        const std::uint32_t at = out.label[lattice.index({i, j, k})];
         if (at == 0) continue;
         Piece& piece = out.list[at - 1];
         ++piece.voxels;

@@ -21,12 +21,12 @@ Mask spread_along_axes(const Mask& mask, const Lattice& lattice, const Vec3i& re
   Mask from = mask;
   Mask to(mask.size());
   for (int axis = 0; axis < 3; ++axis) {
-    const std::size_t stride = axis == 0 ? 1 : lattice.index(0, axis == 1 ? 1 : 0, axis == 2 ? 1 : 0);
+    const std::size_t stride = axis == 0 ? 1 : lattice.index({0, axis == 1 ? 1 : 0, axis == 2 ? 1 : 0});
     std::fill(to.begin(), to.end(), std::uint8_t{0});
     for (int k = 0; k < lattice.dims.z(); ++k) {
       for (int j = 0; j < lattice.dims.y(); ++j) {
         for (int i = 0; i < lattice.dims.x(); ++i) {
-          const std::size_t at = lattice.index(i, j, k);
+          const std::size_t at = lattice.index({i, j, k});
           if (!from[at]) continue;
           const int place = Vec3i(i, j, k)[axis];
           const int first = std::max(place - reach[axis], 0);
@@ -71,7 +71,7 @@ class Refinement {
     for (int k = 0; k < lattice_.dims.z(); ++k) {
       for (int j = 0; j < lattice_.dims.y(); ++j) {
         for (int i = 0; i < lattice_.dims.x(); ++i) {
-          const std::size_t at = lattice_.index(i, j, k);
+          const std::size_t at = lattice_.index({i, j, k});
           if (near_bone[at] && near_air[at]) out[at] = refined(Vec3i(i, j, k), at);
         }
       }
@@ -86,7 +86,7 @@ class Refinement {
   [[nodiscard]] bool in_mask(const Vec3& point) const { return minus_field_(point) < 0; }
   [[nodiscard]] bool in_other(const Vec3& point) const {
     const Vec3i c = lattice_.voxel_of(point);
-    return lattice_.contains(c) && !other_.value.empty() && other_.value[lattice_.index(c.x(), c.y(), c.z())] > 0;
+    return lattice_.contains(c) && !other_.value.empty() && other_.value[lattice_.index(c)] > 0;
   }
 
   /// Out of the mask at a voxel; zero where there is no telling.
@@ -97,8 +97,7 @@ class Refinement {
       Vec3i high = c;
       low[axis] = std::max(c[axis] - 1, 0);
       high[axis] = std::min(c[axis] + 1, lattice_.dims[axis] - 1);
-      const double rise = double{smooth_.value[lattice_.index(high.x(), high.y(), high.z())]} -
-                          double{smooth_.value[lattice_.index(low.x(), low.y(), low.z())]};
+      const double rise = double{smooth_.value[lattice_.index(high)]} - double{smooth_.value[lattice_.index(low)]};
       const int steps = high[axis] - low[axis];
       slope[axis] = steps == 0 ? 0 : rise / (steps * lattice_.spacing_mm[axis]);
     }
@@ -109,7 +108,7 @@ class Refinement {
     const bool is_dense = static_cast<double>(hu_image_.value[at]) >= threshold_hu_;
     const std::uint8_t as_it_is = mask_[at];
     if (is_dense == (as_it_is != 0)) return as_it_is;
-    const Vec3 start = lattice_.center_mm(c.x(), c.y(), c.z());
+    const Vec3 start = lattice_.center_mm(c);
     if (!as_it_is && in_other(start)) return as_it_is;
     const Vec3 out = outward(c);
     // From the voxel to the mask's surface all must be alike, and beyond the voxel the HU must cross the threshold.

@@ -95,7 +95,7 @@ const std::vector<double>& SliceResampler::slice(int k) {
   std::fill(plane_.begin(), plane_.end(), 0.0);
   const AxisWeights& along_z = weights_[2][static_cast<std::size_t>(k)];
   for (std::size_t n = 0; n < along_z.weight.size(); ++n) {
-    const float* from = &image_.value[image.index(0, 0, along_z.first + static_cast<int>(n))];
+    const float* from = &image_.value[image.index({0, 0, along_z.first + static_cast<int>(n)})];
     for (std::size_t at = 0; at < plane_.size(); ++at) plane_[at] += along_z.weight[n] * static_cast<double>(from[at]);
   }
   std::fill(rows_.begin(), rows_.end(), 0.0);
@@ -128,7 +128,7 @@ double SliceResampler::at(const Vec3i& voxel) const {
   for (std::size_t k = 0; k < z.weight.size(); ++k) {
     for (std::size_t j = 0; j < y.weight.size(); ++j) {
       const float* row =
-          &image_.value[image_.lattice.index(x.first, y.first + static_cast<int>(j), z.first + static_cast<int>(k))];
+          &image_.value[image_.lattice.index({x.first, y.first + static_cast<int>(j), z.first + static_cast<int>(k)})];
       for (std::size_t i = 0; i < x.weight.size(); ++i) {
         sum += z.weight[k] * y.weight[j] * x.weight[i] * static_cast<double>(row[i]);
       }
@@ -143,7 +143,7 @@ NegatedField::NegatedField(const AlignedImage& image)
       spacing_mm_(image.lattice.spacing_mm),
       last_(image.lattice.dims.cast<double>() - Vec3::Ones()),
       last_low_((image.lattice.dims - Vec3i::Constant(2)).cwiseMax(0)),
-      stride_{1, image.lattice.index(0, 1, 0), image.lattice.index(0, 0, 1)} {
+      stride_{1, image.lattice.index({0, 1, 0}), image.lattice.index({0, 0, 1})} {
   for (int axis = 0; axis < 3; ++axis) {
     const auto at = static_cast<std::size_t>(axis);
     step_[at] = image.lattice.dims[axis] > 1 ? stride_[at] : 0;
@@ -170,8 +170,8 @@ bool InsideTest::inside(const Sample& x, const Sample& y, const Sample& z) const
   const Lattice& image = field_.lattice;
   const std::size_t step_x = image.dims.x() > 1 ? 1 : 0;
   const std::size_t step_y = image.dims.y() > 1 ? static_cast<std::size_t>(image.dims.x()) : 0;
-  const std::size_t step_z = image.dims.z() > 1 ? image.index(0, 0, 1) : 0;
-  const float* corner = &field_.value[image.index(x.low, y.low, z.low)];
+  const std::size_t step_z = image.dims.z() > 1 ? image.index({0, 0, 1}) : 0;
+  const float* corner = &field_.value[image.index({x.low, y.low, z.low})];
   const auto along_x = [&](std::size_t at) { return corner[at] + x.fraction * (corner[at + step_x] - corner[at]); };
   const auto along_y = [&](std::size_t at) {
     const float low = along_x(at);

@@ -41,10 +41,9 @@ ScanPlane plane_of(const View& view, const AlignedImage& hu, const BoneField& bo
       Vec3i voxel = through;
       voxel[view.across] = column;
       voxel[view.down] = row_of(row);
-      const std::size_t at = lattice.index(voxel.x(), voxel.y(), voxel.z());
+      const std::size_t at = lattice.index(voxel);
       const float field = bone.field.value[at];
-      const bool cut =
-          bone.facts.method == "threshold" && is_cut_away(settings, lattice.center_mm(voxel.x(), voxel.y(), voxel.z()));
+      const bool cut = bone.facts.method == "threshold" && is_cut_away(settings, lattice.center_mm(voxel));
       out.hu.push_back(hu.value[at]);
       out.field.push_back(cut ? -std::abs(field) : field);
     }

@@ -24,7 +24,7 @@ template <typename Visit>
 void for_each_voxel(const Lattice& lattice, Visit visit) {
   for (int k = 0; k < lattice.dims.z(); ++k) {
     for (int j = 0; j < lattice.dims.y(); ++j) {
-      for (int i = 0; i < lattice.dims.x(); ++i) visit(Vec3i(i, j, k), lattice.index(i, j, k));
+      for (int i = 0; i < lattice.dims.x(); ++i) visit(Vec3i(i, j, k), lattice.index({i, j, k}));
     }
   }
 }
@@ -52,7 +52,7 @@ std::int64_t apply_cuts(Mask& mask, const Lattice& lattice, const CtSettings& se
   if (settings.cut_spheres.empty() && settings.cut_planes.empty()) return 0;
   std::int64_t removed = 0;
   for_each_voxel(lattice, [&](const Vec3i& c, std::size_t at) {
-    if (!mask[at] || !is_cut_away(settings, lattice.center_mm(c.x(), c.y(), c.z()))) return;
+    if (!mask[at] || !is_cut_away(settings, lattice.center_mm(c))) return;
     mask[at] = 0;
     ++removed;
   });
@@ -70,7 +70,7 @@ struct SolidPiece {
 
   [[nodiscard]] bool contains(const Vec3i& voxel) const {
     const Vec3i c = voxel - start;
-    return lattice.contains(c) && mask[lattice.index(c.x(), c.y(), c.z())];
+    return lattice.contains(c) && mask[lattice.index(c)];
   }
 };
 
@@ -80,11 +80,11 @@ SolidPiece solidify(const Pieces& pieces, const Piece& piece, const Lattice& lat
   const Vec3i room = (settings.closing_mm * lattice.spacing_mm.cwiseInverse()).array().ceil().cast<int>() + 2;
   out.start = (piece.min - room).cwiseMax(0);
   const Vec3i end = (piece.max + room + Vec3i::Ones()).cwiseMin(lattice.dims);
-  out.lattice = {end - out.start, lattice.spacing_mm, lattice.center_mm(out.start.x(), out.start.y(), out.start.z())};
+  out.lattice = {end - out.start, lattice.spacing_mm, lattice.center_mm(out.start)};
   out.mask.resize(static_cast<std::size_t>(out.lattice.size()));
   for_each_voxel(out.lattice, [&](const Vec3i& c, std::size_t at) {
     const Vec3i from = c + out.start;
-    out.mask[at] = pieces.label[lattice.index(from.x(), from.y(), from.z())] == piece.label;
+    out.mask[at] = pieces.label[lattice.index(from)] == piece.label;
   });
   close_mask(out.mask, out.lattice, settings.closing_mm);
   apply_cuts(out.mask, out.lattice, settings);
@@ -112,7 +112,7 @@ SolidPiece choose_piece(const Pieces& pieces, const AlignedImage& hu, const CtSe
     SolidPiece solid = solidify(pieces, piece, lattice, settings);
     if (solid.contains(seed)) return solid;
   }
-  const float there = hu.value[lattice.index(seed.x(), seed.y(), seed.z())];
+  const float there = hu.value[lattice.index(seed)];
   throw InputError({settings.path}, "bone.ct.seed_mm",
                    point_words(*settings.seed_mm) + " lies outside bone: " + words("%.0f", there) +
                        " HU there, and no piece above " + words("%.0f", settings.threshold_hu) + " HU encloses it",
@@ -129,7 +129,7 @@ Mask cut_rim(const Mask& kept, const Mask& before_cuts, const Mask& after_cuts, 
     const Vec3i high = (c + Vec3i::Ones()).cwiseMin(lattice.dims - Vec3i::Ones());
     for (int k = low.z(); k <= high.z(); ++k) {
       for (int j = low.y(); j <= high.y(); ++j) {
-        for (int i = low.x(); i <= high.x(); ++i) rim[at] |= kept[lattice.index(i, j, k)];
+        for (int i = low.x(); i <= high.x(); ++i) rim[at] |= kept[lattice.index({i, j, k})];
       }
     }
   });
@@ -228,7 +228,7 @@ BoneField segment_by_threshold(const AlignedImage& hu, const CtSettings& setting
   Mask kept(hu.value.size(), 0);
   for_each_voxel(solid.lattice, [&](const Vec3i& c, std::size_t at) {
     const Vec3i to = c + solid.start;
-    kept[lattice.index(to.x(), to.y(), to.z())] = solid.mask[at];
+    kept[lattice.index(to)] = solid.mask[at];
   });
   BoneField bone;
   bone.facts = facts_of(pieces, solid, removed, settings, lattice);

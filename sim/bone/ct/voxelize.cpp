@@ -90,7 +90,7 @@ void set_fill_at_surface(const BoneField& bone, const SliceResampler& hu, const 
   const int splits = halvings(bone.field.lattice, grid.voxel_mm);
   const NegatedField outside(bone.field);
   const auto sample = [&](const Vec3i& voxel, std::uint8_t grade) -> SurfaceVoxel {
-    const Vec3 center = grid.center_mm(voxel.x(), voxel.y(), voxel.z());
+    const Vec3 center = grid.center_mm(voxel);
     const double part = fraction_inside(outside, center, grid.voxel_mm, splits);
     if (part == 0) return {0, grade};
     return {part * remaining_fraction(settings, image, center, grid.voxel_mm),
@@ -127,7 +127,7 @@ FilledVoxmap voxelize(const AlignedImage& hu, const BoneField& bone, const BoneS
     const std::vector<double>& slice = resampled.slice(k);
     for (int j = 0; j < grid.dims.y(); ++j) {
       for (int i = 0; i < grid.dims.x(); ++i) {
-        if (!in_bone(i, j, k) || !may_be_bone(settings.ct, image, grid.center_mm(i, j, k))) continue;
+        if (!in_bone(i, j, k) || !may_be_bone(settings.ct, image, grid.center_mm({i, j, k}))) continue;
         const double value = slice[static_cast<std::size_t>(i + std::int64_t{grid.dims.x()} * j)];
         voxmap.grade.set({i, j, k}, grade_from_hu(value, voxmap.mapping));
         stats.add(value);

@@ -15,15 +15,15 @@ struct VoxelGrid {
   Vec3 origin_mm = Vec3::Zero();
 
   [[nodiscard]] std::int64_t size() const { return std::int64_t{1} * dims.x() * dims.y() * dims.z(); }
-  [[nodiscard]] std::int64_t index(int i, int j, int k) const {
-    return i + std::int64_t{dims.x()} * (j + std::int64_t{dims.y()} * k);
+  [[nodiscard]] std::int64_t index(const Vec3i& v) const {
+    return v.x() + std::int64_t{dims.x()} * (v.y() + std::int64_t{dims.y()} * v.z());
   }
   [[nodiscard]] Vec3i coord(std::int64_t index) const {
     const std::int64_t row = index / dims.x();
     return {static_cast<int>(index % dims.x()), static_cast<int>(row % dims.y()), static_cast<int>(row / dims.y())};
   }
-  [[nodiscard]] Vec3 center_mm(int i, int j, int k) const {
-    return origin_mm + voxel_mm * (Vec3(i, j, k) + Vec3::Constant(0.5));
+  [[nodiscard]] Vec3 center_mm(const Vec3i& v) const {
+    return origin_mm + voxel_mm * (v.cast<double>() + Vec3::Constant(0.5));
   }
   [[nodiscard]] bool contains(const Vec3i& c) const {
     return (c.array() >= 0).all() && (c.array() < dims.array()).all();

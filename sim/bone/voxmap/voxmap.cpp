@@ -71,7 +71,7 @@ bool partly_filled(const FillBricks& fill) {
 std::vector<std::uint8_t> dense_remaining_grades(const BoneView& bone) {
   std::vector<std::uint8_t> out(static_cast<std::size_t>(bone.voxmap.grid.size()), 0);
   for_each_bone_voxel(bone, [&](const Vec3i& voxel, std::uint8_t grade, std::uint16_t left) {
-    if (left != 0) out[static_cast<std::size_t>(bone.voxmap.grid.index(voxel.x(), voxel.y(), voxel.z()))] = grade;
+    if (left != 0) out[static_cast<std::size_t>(bone.voxmap.grid.index(voxel))] = grade;
   });
   return out;
 }
@@ -82,8 +82,7 @@ std::vector<std::uint16_t> dense_fill(const BoneView& bone) {
     for (int offset = 0; offset < FillBricks::kVoxels; ++offset) {
       const Vec3i voxel = BrickLattice::voxel_at(coord, offset);
       if (!bone.voxmap.grid.contains(voxel)) continue;
-      out[static_cast<std::size_t>(bone.voxmap.grid.index(voxel.x(), voxel.y(), voxel.z()))] =
-          fill[static_cast<std::size_t>(offset)];
+      out[static_cast<std::size_t>(bone.voxmap.grid.index(voxel))] = fill[static_cast<std::size_t>(offset)];
     }
   });
   return out;

@@ -7,7 +7,7 @@ void copy_fill(const std::vector<std::uint16_t>& dense, const Voxmap& voxmap, Fi
     for (int offset = 0; offset < GradeBricks::kVoxels; ++offset) {
       if (grades[static_cast<std::size_t>(offset)] == 0) continue;
       const Vec3i voxel = BrickLattice::voxel_at(coord, offset);
-      const auto left = dense[static_cast<std::size_t>(voxmap.grid.index(voxel.x(), voxel.y(), voxel.z()))];
+      const auto left = dense[static_cast<std::size_t>(voxmap.grid.index(voxel))];
       if (left != FillBricks::kWhole) fill.set(voxel, left);
     }
   });

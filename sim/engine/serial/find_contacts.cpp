@@ -18,7 +18,7 @@ void find_claiming(SerialState& state, const SubstepArgs& args, std::vector<bool
     const Vec3i voxel(rs_voxel_coordinate(&args, 0, x, y, z), rs_voxel_coordinate(&args, 1, x, y, z),
                       rs_voxel_coordinate(&args, 2, x, y, z));
     if (!state.grid.contains(voxel)) continue;
-    const auto e = static_cast<std::size_t>(state.grid.index(voxel.x(), voxel.y(), voxel.z()));
+    const auto e = static_cast<std::size_t>(state.grid.index(voxel));
     if (state.bone[e] == 0) continue;
     if (args.law == RS_LAW_PER_POINT) {
       rs_point_force(&args, &profile, x, y, z, &point_sums);
@@ -58,7 +58,7 @@ void find_in_tool_box(SerialState& state, const SubstepArgs& args, SubstepSums& 
   for (int z = box.first.z(); z <= box.last.z(); ++z) {
     for (int y = box.first.y(); y <= box.last.y(); ++y) {
       for (int x = box.first.x(); x <= box.last.x(); ++x) {
-        const std::int64_t e = grid.index(x, y, z);
+        const std::int64_t e = grid.index({x, y, z});
         if (state.bone[static_cast<std::size_t>(e)] != 0) state.contacts.push_back(e);
       }
     }
