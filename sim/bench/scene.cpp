@@ -6,7 +6,7 @@
 
 #include "sim/base/error.h"
 #include "sim/bone/phantom_glenoid.h"
-#include "sim/bone/voxmap/sample_bricks.h"
+#include "sim/bone/voxmap/sample_voxels.h"
 #include "sim/tool/revolve.h"
 
 namespace reamsim::bench {

@@ -1,7 +1,7 @@
 #include "sim/base/error.h"
 #include "sim/bone/bone.h"
 #include "sim/bone/voxmap/lattice.h"
-#include "sim/bone/voxmap/sample_bricks.h"
+#include "sim/bone/voxmap/sample_voxels.h"
 
 namespace reamsim {
 

@@ -9,8 +9,7 @@
 #include "sim/bone/sample_phantom.h"
 #include "sim/bone/voxmap/cube_fraction.h"
 #include "sim/bone/voxmap/lattice.h"
-#include "sim/bone/voxmap/sample_bricks.h"
-#include "sim/bone/voxmap/surface_voxels.h"
+#include "sim/bone/voxmap/sample_voxels.h"
 #include "sim/mesh/mesh_check.h"
 #include "sim/mesh/mesh_distance.h"
 #include "sim/mesh/mesh_io.h"
@@ -33,7 +32,7 @@ std::string format(const char* pattern, double a, double b = 0, double c = 0) {
 openvdb::FloatGrid::Ptr signed_distance(const std::string& path, const TriangleMesh& mesh, const VoxelGrid& grid,
                                         double inner_voxels) {
   try {
-    return mesh_distance(mesh, {.first_mm = grid.center_mm({0, 0, 0}),
+    return mesh_distance(mesh, {.first_mm = grid.center_mm({{0, 0, 0}}),
                                 .spacing_mm = grid.voxel_mm,
                                 .outer_spacings = kMarginVoxels - 1,
                                 .inner_spacings = inner_voxels});

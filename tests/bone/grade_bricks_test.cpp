@@ -5,7 +5,7 @@
 
 #include <random>
 
-#include "sim/bone/voxmap/sample_bricks.h"
+#include "sim/bone/voxmap/sample_voxels.h"
 #include "sim/bone/voxmap/voxel_grid.h"
 
 namespace reamsim::test {

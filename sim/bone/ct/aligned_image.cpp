@@ -106,7 +106,7 @@ AlignedImage resample_oblique(const Scan& scan, const Crop& crop, float outside)
   for (int k = 0; k < lattice.dims.z(); ++k) {
     for (int j = 0; j < lattice.dims.y(); ++j) {
       for (int i = 0; i < lattice.dims.x(); ++i) {
-        const Vec3 index = index_from_mm * (lattice.center_mm({i, j, k}) - scan.geometry.origin_mm);
+        const Vec3 index = index_from_mm * (lattice.center_mm({{i, j, k}}) - scan.geometry.origin_mm);
         out.value[lattice.index({i, j, k})] = static_cast<float>(trilinear(scan, index, outside));
       }
     }

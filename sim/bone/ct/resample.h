@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "sim/bone/ct/aligned_image.h"
-#include "sim/bone/voxmap/field_cross.h"
+#include "sim/bone/voxmap/cube_fraction.h"
 #include "sim/bone/voxmap/voxel_grid.h"
 
 namespace reamsim::ct {
