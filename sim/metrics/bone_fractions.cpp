@@ -5,7 +5,7 @@
 namespace reamsim {
 
 int least_dense_grade(double dense_g_cm3) {
-  // A density that is a whole number of steps, such as 1.0, is not exactly one in binary.
+  // A multiple of the grade step, such as 1.0, is not exact in binary.
   constexpr double kSlack = 1e-9;
   return static_cast<int>(std::ceil(dense_g_cm3 / DensityMapping::kGradeStep_g_cm3 - kSlack));
 }
@@ -39,23 +39,16 @@ void BoneFractions::add(int offset, double weight, Fractions& sum) const {
 Fractions BoneFractions::at(const Vec3& point_mm) {
   const Vec3 place = (point_mm - bone_.voxmap.grid.origin_mm) * voxels_per_mm_ - Vec3::Constant(0.5);
   const Vec3 lower = place.array().floor();
-  const Vec3 high = place - lower;
-  const Vec3 low = Vec3::Ones() - high;
   const Vec3i first = lower.cast<int>();
-  // Shifts, unlike division, also round down for voxels below the lattice.
   const Vec3i brick = BrickLattice::brick_of(first);
   const Vec3i local = first - BrickLattice::kSide * brick;
   const bool one_brick = (local.array() < BrickLattice::kSide - 1).all();
   if (one_brick) select_brick(brick);
   Fractions sum;
-  for (int corner = 0; corner < 8; ++corner) {
-    const Vec3i step(corner & 1, (corner >> 1) & 1, corner >> 2);
-    const double weight = (step.x() != 0 ? high.x() : low.x()) * (step.y() != 0 ? high.y() : low.y()) *
-                          (step.z() != 0 ? high.z() : low.z());
-    if (weight == 0) continue;
+  for_each_trilinear_weight(place - lower, [&](const Vec3i& step, double weight) {
     if (!one_brick) select_brick(BrickLattice::brick_of(first + step));
     if (view_.grade != nullptr) add(BrickLattice::offset_of(first + step), weight, sum);
-  }
+  });
   return sum;
 }
 

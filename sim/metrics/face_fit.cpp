@@ -26,7 +26,7 @@ double sphere_rms(const std::vector<Vec3>& points, const SphereFit& sphere) {
   return std::sqrt(squares / static_cast<double>(points.size()));
 }
 
-/// |p|² = 2c·p + k about the points' mean, solved by the normal equations; k = R² − |c|².
+/// |p|² = 2c·p + k about the mean of the points, solved by the normal equations; k = R² − |c|².
 std::optional<SphereFit> algebraic_fit(const std::vector<Vec3>& points, const Vec3& mean) {
   Mat4 products = Mat4::Zero();
   Vec4 right = Vec4::Zero();

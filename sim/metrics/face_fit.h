@@ -21,12 +21,11 @@ struct SphereFit {
   double rms_mm = 0;
 };
 
-/// Fits a plane; `outward` says which side of it the normal points to. Nothing for fewer than three points, or points
-/// on a line.
+/// Fits a plane; its normal points to the side of `outward`. nullopt for fewer than three points, or points on a line.
 std::optional<PlaneFit> fit_plane(const std::vector<Vec3>& points_mm, const Vec3& outward);
 
-/// Fits a sphere: the algebraic fit (linear in centre and R² − |c|²), refined by Gauss–Newton on the distances. Nothing
-/// for fewer than four points, or points so flat that the radius would be above kLargestRadius_mm.
+/// Fits a sphere: the algebraic fit (linear in centre and R² − |c|²), refined by Gauss–Newton on the distances. nullopt
+/// for fewer than four points, or points so flat that the radius would exceed kLargestRadius_mm.
 std::optional<SphereFit> fit_sphere(const std::vector<Vec3>& points_mm);
 
 inline constexpr double kLargestRadius_mm = 1000;

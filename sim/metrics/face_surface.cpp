@@ -11,7 +11,7 @@ namespace reamsim {
 
 namespace {
 
-constexpr double kTrimmedFraction = 0.75;  // of the points that decide, at first
+constexpr double kTrimmedFraction = 0.75;  // of the points, in least trimmed squares
 constexpr double kNormalMad = 1.4826;      // standard deviation over median absolute deviation, of normal errors
 constexpr double kFarDeviations = 2.5;
 constexpr double kMinDeviation_mm = 1e-6;
@@ -48,7 +48,7 @@ std::vector<Vec3> nearer_than(const std::vector<Vec3>& points, const std::vector
   return out;
 }
 
-/// A fit, the points that it is of, and the mean square of the nearest kTrimmedFraction of all points.
+/// A fit, its inliers, and the mean square distance of the nearest kTrimmedFraction of all points.
 template <class Fit>
 struct RobustFit {
   Fit fit;
@@ -66,7 +66,7 @@ double trimmed_mean_square(const Fit& fit, const std::vector<Vec3>& points) {
   return squares / static_cast<double>(count);
 }
 
-/// `make` fits to points. Nothing where it finds nothing.
+/// `make` fits a surface to points. nullopt where it fails.
 template <class Fit, class Make>
 std::optional<RobustFit<Fit>> fit_robustly(const std::vector<Vec3>& points, const Make& make) {
   std::optional<Fit> fit = make(points);
@@ -90,13 +90,13 @@ std::optional<RobustFit<Fit>> fit_robustly(const std::vector<Vec3>& points, cons
   return RobustFit<Fit>{*fit, std::move(kept), trimmed_mean_square(*fit, points)};
 }
 
-/// The way out of the bone at a point, by a sphere or plane.
+/// Unit vector out of the bone at a point.
 Vec3 direction_at(const SphereFit& sphere, bool concave, const Vec3& point) {
   const Vec3 away = (point - sphere.center_mm).normalized();
   return concave ? Vec3(-away) : away;
 }
 
-/// The fitted points without those of one of kSectors sectors round their middle.
+/// The inliers without one of kSectors sectors around their mean.
 std::vector<Vec3> without_sector(const FaceSurface& surface, int sector) {
   const Vec3 across = surface.plane.normal.unitOrthogonal();
   const Vec3 other = surface.plane.normal.cross(across);
@@ -110,7 +110,7 @@ std::vector<Vec3> without_sector(const FaceSurface& surface, int sector) {
 }
 
 /// Standard error of the direction at a point by the jackknife over sectors of the face (Efron 1982, The jackknife, the
-/// bootstrap and other resampling plans): it sees errors that neighbours share, and a face that is not of this shape.
+/// bootstrap and other resampling plans). It includes correlated errors and deviations of the face from the surface.
 double jackknife_error_rad(const FaceSurface& surface, const Vec3& point) {
   std::vector<Vec3> directions;
   for (int sector = 0; sector < kSectors; ++sector) {
@@ -129,13 +129,13 @@ double jackknife_error_rad(const FaceSurface& surface, const Vec3& point) {
   return std::sqrt(squares * (kSectors - 1) / kSectors);
 }
 
-/// What a curvature that hides in a plane's residual turns its normal by, between the points' middle and a point.
+/// Rotation of a plane's normal between the mean of the inliers and a point, by the curvature that the residual allows.
 double hidden_curvature_rad(const FaceSurface& surface, const Vec3& point) {
   const PlaneFit& plane = surface.plane;
   double squares = 0;
   for (const Vec3& p : surface.fitted_mm) squares += (p - plane.point_mm).squaredNorm();
   squares /= static_cast<double>(surface.fitted_mm.size());
-  // A paraboloid of curvature c over a disc leaves a residual of 0.289·c·(mean square of the distance from its middle).
+  // A paraboloid of curvature c over a disc has a residual of 0.289·c·(mean square distance from its centre).
   constexpr double kDisc = 0.289;
   const Vec3 away = point - plane.point_mm;
   return surface.rms_mm / (kDisc * squares) * (away - away.dot(plane.normal) * plane.normal).norm();

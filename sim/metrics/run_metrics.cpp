@@ -18,8 +18,9 @@ double degrees(double radians) {
 std::optional<ReamedDepth> measure_depth(const ColumnMap& map) {
   std::vector<double> depths;
   for (const Column& column : map.columns) {
-    const bool reamed = column.state == ColumnState::reamed || column.state == ColumnState::through;
-    if (reamed) depths.push_back(column.depth_mm);
+    if (column.state == ColumnState::reamed || column.state == ColumnState::through) {
+      depths.push_back(column.depth_mm);
+    }
   }
   if (depths.empty()) return std::nullopt;
   return ReamedDepth{.max_mm = *std::max_element(depths.begin(), depths.end()),
@@ -88,7 +89,7 @@ FaceOrientation measure_orientation(const JointLine& line, const ReamedFace& fac
 
 RemovedVolume removed_volume(const ReamedBone& bone, double dense_g_cm3) {
   const int dense_grade = least_dense_grade(dense_g_cm3);
-  std::int64_t trabecular = 0;  // in 1/65535 of a voxel, so that the order of summing does not matter
+  std::int64_t trabecular = 0;  // in 1/65535 of a voxel: integers, so that the order of summation does not matter
   std::int64_t dense = 0;
   for_each_cut_voxel(bone, [&](const Vec3i&, std::uint8_t grade, std::uint16_t before, std::uint16_t after) {
     (grade >= dense_grade ? dense : trabecular) += before - after;

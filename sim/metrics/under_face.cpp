@@ -10,15 +10,12 @@ namespace reamsim {
 namespace {
 
 constexpr double kStepVoxels = 0.5;
-/// The face is known to within this.
-constexpr double kFaceBandVoxels = 1.5;
+constexpr double kFaceBandVoxels = 1.5;  // uncertainty of the face
 constexpr double kHalfFraction = 0.5;
 constexpr double kNothing = 1e-6;
-/// Heights beside a wall are known to within this.
-constexpr double kStepDownVoxels = 1;
+constexpr double kStepDownVoxels = 1;  // uncertainty of heights beside a wall
 
-/// Length of dense bone from `face` on, mm. Its share is integrated from the air above until it ends, so that partly
-/// filled voxels count as far as they are filled.
+/// Length of dense bone below `face`, mm: the integral of its fraction, which includes partly filled voxels.
 double dense_length(BoneFractions& fractions, const Vec3& face, const Vec3& inward, double voxel_mm, double most_mm) {
   const double step_mm = kStepVoxels * voxel_mm;
   const double band_mm = kFaceBandVoxels * voxel_mm;
@@ -31,7 +28,7 @@ double dense_length(BoneFractions& fractions, const Vec3& face, const Vec3& inwa
     if (!inside && fraction < kNothing) length_mm = 0;
     length_mm += fraction * step_mm;
     if (inside && fraction < kHalfFraction) {
-      // The other end: what the interpolation spreads beyond it still counts.
+      // Beyond the lower end, interpolation spreads the fraction over two voxels.
       for (double tail_mm = along_mm + step_mm; tail_mm < along_mm + 2 * voxel_mm; tail_mm += step_mm) {
         const double rest = fractions.at(face + tail_mm * inward).dense;
         if (rest >= kHalfFraction || rest < kNothing) break;
@@ -43,18 +40,14 @@ double dense_length(BoneFractions& fractions, const Vec3& face, const Vec3& inwa
   return inside ? length_mm : 0;
 }
 
-/// Whether the bone ends within `reach` columns of one that was reamed through: in air, or over a step down to bone
-/// whose surface lies below all that the column lost, and that the reamer has not come to.
+/// Whether the bone ends within `reach` columns of one that was reamed through: in air, or at a step down to unreamed
+/// bone whose surface lies below all bone that the column lost.
 bool is_at_edge(const ColumnMap& map, const ColumnPlace& place, int reach, double voxel_mm) {
-  const double bottom_mm = map.at(place.x(), place.y()).after_mm;
-  for (int j = std::max(place.y() - reach, 0); j <= std::min(place.y() + reach, map.ny - 1); ++j) {
-    for (int i = std::max(place.x() - reach, 0); i <= std::min(place.x() + reach, map.nx - 1); ++i) {
-      const Column& beside = map.at(i, j);
-      const bool below = beside.state == ColumnState::bone && beside.before_mm < bottom_mm - kStepDownVoxels * voxel_mm;
-      if (beside.state == ColumnState::air || below) return true;
-    }
-  }
-  return false;
+  const double limit_mm = map.at(place).after_mm - kStepDownVoxels * voxel_mm;
+  return any_nearby(map, place, reach, [&](const ColumnPlace& other) {
+    const Column& beside = map.at(other);
+    return beside.state == ColumnState::air || (beside.state == ColumnState::bone && beside.before_mm < limit_mm);
+  });
 }
 
 }  // namespace
@@ -68,7 +61,7 @@ std::optional<RemainingDenseBone> remaining_dense_bone(const ReamedBone& bone, c
   std::vector<double> lengths;
   lengths.reserve(face.columns.size());
   for (const ColumnPlace& place : face.columns) {
-    const Vec3 point = map.in_bone(place.x(), place.y(), map.at(place.x(), place.y()).after_mm);
+    const Vec3 point = map.in_bone(place, map.at(place).after_mm);
     lengths.push_back(dense_length(fractions, point, face.inward(point), grid.voxel_mm, most_mm));
   }
   const auto bare = std::count(lengths.begin(), lengths.end(), 0.0);
@@ -79,7 +72,7 @@ std::optional<RemainingDenseBone> remaining_dense_bone(const ReamedBone& bone, c
 }
 
 Perforation find_perforation(const ColumnMap& map, double voxel_mm) {
-  const int edge = static_cast<int>(std::ceil(kFaceEdgeVoxels * voxel_mm / map.pitch_mm));
+  const int edge = face_edge_columns(map, voxel_mm);
   Perforation out;
   for (const ColumnGroup& group : group_columns(map, ColumnState::through)) {
     const double area_mm2 = static_cast<double>(group.columns.size()) * map.pitch_mm * map.pitch_mm;

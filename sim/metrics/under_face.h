@@ -4,24 +4,24 @@
 
 namespace reamsim {
 
-/// Dense bone that is left right under the reamed face, measured along the face's normal into the bone until the
-/// density falls below the threshold. Less than about half a voxel of it counts as none.
+/// Thickness of the dense bone under the reamed face, along the normal of the face, until the density falls below the
+/// threshold. Less than about half a voxel counts as none.
 struct RemainingDenseBone {
   double mean_mm = 0;
   double least_mm = 0;
-  double p05_mm = 0;           ///< 5 % of the face have less under them
-  double exposed_percent = 0;  ///< of the face that has none
+  double p05_mm = 0;           ///< 5 % of the face have less
+  double exposed_percent = 0;  ///< of the face without dense bone
 };
-/// Nothing where the face has no columns. `dense_g_cm3`: density from which on bone counts as dense.
+/// nullopt where the face has no columns. `dense_g_cm3`: the least density of dense bone.
 std::optional<RemainingDenseBone> remaining_dense_bone(const ReamedBone& bone, const ColumnMap& map,
                                                        const ReamedFace& face, double dense_g_cm3);
 
-/// Where reaming went right through the bone, in areas across the map's z.
+/// Reaming through the bone, as areas projected along z of the map.
 struct Perforation {
   int holes = 0;
-  double area_mm2 = 0;  ///< of the holes: reamed through, with bone all round
-  /// Reamed away altogether within kFaceEdgeVoxels of the bone's edge or joined to it; there is an edge to air, and
-  /// where the surface beside steps down below all that was lost.
+  double area_mm2 = 0;  ///< of the holes: reamed through, surrounded by bone
+  /// Reamed through within kFaceEdgeVoxels of the edge of the bone, or connected to it. The bone has an edge to air,
+  /// and where the surface beside it lies below all removed bone.
   double rim_area_mm2 = 0;
 };
 Perforation find_perforation(const ColumnMap& map, double voxel_mm);

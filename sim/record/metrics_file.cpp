@@ -187,16 +187,14 @@ Json metrics_json(const BoneMetrics& metrics) {
 void write_depth_map(const std::string& path, const ColumnMap& map) {
   CsvLog log(path, "x_mm,y_mm,before_z_mm,after_z_mm,depth_mm");
   constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-  for (int j = 0; j < map.ny; ++j) {
-    for (int i = 0; i < map.nx; ++i) {
-      const Column& column = map.at(i, j);
-      if (column.state == ColumnState::air) continue;
-      const Vec2 place = map.center_mm(i, j);
-      const bool bone_left = column.state != ColumnState::through;
-      log.row({rounded(place.x()), rounded(place.y()), rounded(column.before_mm),
-               bone_left ? rounded(column.after_mm) : kNone, rounded(column.depth_mm)});
-    }
-  }
+  map.for_each([&](const ColumnPlace& place) {
+    const Column& column = map.at(place);
+    if (column.state == ColumnState::air) return;
+    const Vec2 center = map.center_mm(place);
+    const bool remains = column.state != ColumnState::through;
+    log.row({rounded(center.x()), rounded(center.y()), rounded(column.before_mm),
+             remains ? rounded(column.after_mm) : kNone, rounded(column.depth_mm)});
+  });
   log.close();
 }
 

@@ -46,7 +46,7 @@ TEST(RemainingDenseBone, UnderASphericalFaceAlongItsNormal) {
   // From the sphere's centre the layer's lower side is (R − 1.4 + 2)/cos away.
   double mean_mm = 0;
   for (const ColumnPlace& place : face.columns) {
-    const double sine = map.center_mm(place.x(), place.y()).norm() / radius;
+    const double sine = map.center_mm(place).norm() / radius;
     mean_mm += ((radius + 0.6) / std::sqrt(1 - sine * sine) - radius) / static_cast<double>(face.columns.size());
   }
   EXPECT_NEAR(found->least_mm, 0.6, 0.03);
