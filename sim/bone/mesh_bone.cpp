@@ -32,7 +32,7 @@ std::string format(const char* pattern, double a, double b = 0, double c = 0) {
 openvdb::FloatGrid::Ptr signed_distance(const std::string& path, const TriangleMesh& mesh, const VoxelGrid& grid,
                                         double inner_voxels) {
   try {
-    return mesh_distance(mesh, {.first_mm = grid.center_mm({{0, 0, 0}}),
+    return mesh_distance(mesh, {.first_mm = grid.center_mm({0, 0, 0}),
                                 .spacing_mm = grid.voxel_mm,
                                 .outer_spacings = kMarginVoxels - 1,
                                 .inner_spacings = inner_voxels});

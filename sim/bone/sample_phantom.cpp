@@ -15,7 +15,7 @@ bool sample_brick(const VoxelGrid& grid, const DensityField& field, const Vec3i&
   for (int z = first.z(); z < last.z(); ++z) {
     for (int y = first.y(); y < last.y(); ++y) {
       for (int x = first.x(); x < last.x(); ++x) {
-        const double density = field(grid.center_mm({{x, y, z}}));
+        const double density = field(grid.center_mm({x, y, z}));
         if (density < 0) continue;
         out[static_cast<std::size_t>(BrickLattice::offset_of({x, y, z}))] = DensityMapping::grade_from_density(density);
         any = true;

@@ -94,7 +94,7 @@ std::vector<Vec3> face_points(const BoneView& bone, const GlenoidFace& face, con
     for (int y = first.y(); y <= last.y(); ++y) {
       for (int x = first.x(); x <= last.x(); ++x) {
         if (bone.voxmap.grade.get({x, y, z}) == 0 || bone.voxmap.grade.get({x + 1, y, z}) != 0) continue;
-        const Vec3 p = to_anatomy(0.5 * (grid.center_mm({{x, y, z}}) + grid.center_mm({{x + 1, y, z}})));
+        const Vec3 p = to_anatomy(0.5 * (grid.center_mm({x, y, z}) + grid.center_mm({x + 1, y, z})));
         bool own = patch.holds(p);
         for (std::size_t i = 0; i < face.balls().size(); ++i) {
           const GlenoidFace::Ball& ball = face.balls()[i];

@@ -127,7 +127,7 @@ FilledVoxmap voxelize(const AlignedImage& hu, const BoneField& bone, const BoneS
     const std::vector<double>& slice = resampled.slice(k);
     for (int j = 0; j < grid.dims.y(); ++j) {
       for (int i = 0; i < grid.dims.x(); ++i) {
-        if (!in_bone(i, j, k) || !may_be_bone(settings.ct, image, grid.center_mm({{i, j, k}}))) continue;
+        if (!in_bone(i, j, k) || !may_be_bone(settings.ct, image, grid.center_mm({i, j, k}))) continue;
         const double value = slice[static_cast<std::size_t>(i + std::int64_t{grid.dims.x()} * j)];
         voxmap.grade.set({i, j, k}, grade_from_hu(value, voxmap.mapping));
         stats.add(value);

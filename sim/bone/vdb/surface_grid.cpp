@@ -131,7 +131,7 @@ openvdb::FloatGrid::Ptr smoothed_occupancy(const BoneView& bone) {
 
 openvdb::math::Transform::Ptr index_transform(const VoxelGrid& grid) {
   auto out = openvdb::math::Transform::createLinearTransform(grid.voxel_mm);
-  const Vec3 first = grid.center_mm({{0, 0, 0}});
+  const Vec3 first = grid.center_mm({0, 0, 0});
   out->postTranslate(openvdb::Vec3d(first.x(), first.y(), first.z()));
   return out;
 }
