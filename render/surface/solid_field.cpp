@@ -10,7 +10,7 @@
 #include "render/surface/scalar_grid.h"
 #include "sim/base/gaussian.h"
 #include "sim/base/parallel.h"
-#include "sim/bone/vdb/vdb_grid.h"
+#include "sim/bone/vdb/vdb_archive.h"
 
 // OpenVDB's library holds this compiled; it takes a minute to compile again.
 extern template void openvdb::tools::VolumeToMesh::operator()(const openvdb::FloatGrid&);

@@ -5,7 +5,7 @@
 #include <numbers>
 
 #include "sim/base/error.h"
-#include "sim/bone/phantom_glenoid.h"
+#include "sim/bone/phantom.h"
 #include "sim/bone/voxmap/sample_voxels.h"
 #include "sim/tool/revolve.h"
 

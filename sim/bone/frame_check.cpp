@@ -12,18 +12,18 @@ namespace reamsim {
 
 namespace {
 
-/// A centre further from the bone than this is no glenoid's: a joint gap has some mm, a worn face is bone itself.
+/// Largest distance of the glenoid centre from the bone. A joint gap has some mm; a worn face is bone itself.
 constexpr double kFarthestCenter_mm = 10;
-/// Bone is looked at this far beyond the distance of the centre from the surface.
+/// The normal is compared with the bone up to this far beyond the nearest surface.
 constexpr double kBeyondSurface_mm = 8;
-/// With more bone ahead than this multiple of that behind, the normal points inwards; half a space leaves 1 for a
-/// normal along its face, 0 for one square to it.
+/// The normal points inwards if the bone ahead exceeds that behind by this factor. In a half space the ratio is 1 for a
+/// normal along its face, 0 for one perpendicular to it.
 constexpr double kInward = 1.5;
-/// A normal further from the direction out of the bone is doubtful; faces that wear has tilted stay well below.
+/// Largest angle between the normal and the direction out of the bone without a warning. Wear tilts faces much less.
 constexpr double kOblique_deg = 50;
-/// A centroid nearer to the middle of the ball says nothing, in radii.
+/// A centroid nearer to the centre of the sphere is not significant, in radii.
 constexpr double kMinCentroid = 0.05;
-/// Below this, a component of a direction says nothing (about 6°).
+/// A smaller component of a direction is not significant (about 6°).
 constexpr double kMinComponent = 0.1;
 
 bool is_bone(const Voxmap& voxmap, const Vec3i& voxel) {
@@ -39,7 +39,7 @@ bool has_air_beside(const Voxmap& voxmap, const Vec3i& voxel) {
   return false;
 }
 
-/// The stored bricks, the nearest to a point first, with a bound below their distance.
+/// The stored bricks and lower bounds of their distance from a point, the nearest first.
 std::vector<std::pair<double, Vec3i>> bricks_by_distance(const Voxmap& voxmap, const Vec3& point_mm) {
   const double side_mm = BrickLattice::kSide * voxmap.grid.voxel_mm;
   std::vector<std::pair<double, Vec3i>> out;
@@ -62,7 +62,7 @@ std::string vector_words(const Vec3& v, const char* format) {
   return words(format, v.x(), v.y(), v.z());
 }
 
-/// The keys that a frame came from, for messages.
+/// The keys of a frame, for messages.
 struct FrameKeys {
   std::string center, normal, superior;
 };
@@ -74,7 +74,7 @@ FrameKeys keys_of(const BoneSettings& settings) {
             at + "landmarks.inferior_angle_mm"};
   }
   if (settings.glenoid.center_mm) return {at + "center_mm", at + "normal", at + "superior"};
-  return {"bone.vdb.path", "bone.vdb.path", "bone.vdb.path"};  // the file's own
+  return {"bone.vdb.path", "bone.vdb.path", "bone.vdb.path"};
 }
 
 void check_center(const NearestSurface& nearest, const Vec3& center_mm, const FrameKeys& keys) {
@@ -104,7 +104,7 @@ void check_normal(const NearbyBone& bone, const Vec3& normal, const FrameKeys& k
               " degrees away from the direction out of the bone (" + keys.normal + "): " + found);
 }
 
-/// Whether axes mean what they mean in a patient: a mesh, a phantom and another program's VDB have their own.
+/// False for a mesh, a phantom and a VDB of another program, which have their own axes.
 bool in_patient_frame(const Bone& bone, const BoneSettings& settings) {
   return bone.voxmap->frame == "LPS" && (settings.source == BoneSource::ct || settings.source == BoneSource::vdb);
 }
@@ -156,16 +156,12 @@ NearbyBone nearby_bone(const Voxmap& voxmap, const Vec3& point_mm, const Vec3& n
   NearbyBone out{.radius_mm = radius_mm};
   Vec3 sum = Vec3::Zero();
   std::int64_t ahead = 0, behind = 0;
-  for (int z = -reach; z <= reach; ++z) {
-    for (int y = -reach; y <= reach; ++y) {
-      for (int x = -reach; x <= reach; ++x) {
-        const Vec3 offset = step_mm * Vec3(x, y, z);
-        if (offset.norm() > radius_mm || !is_bone(voxmap, voxmap.grid.voxel_of(point_mm + offset))) continue;
-        (offset.dot(normal) > 0 ? ahead : behind) += 1;
-        sum += offset;
-      }
-    }
-  }
+  for_each_voxel(Vec3i::Constant(-reach), Vec3i::Constant(reach), [&](const Vec3i& sample) {
+    const Vec3 offset = step_mm * sample.cast<double>();
+    if (offset.norm() > radius_mm || !is_bone(voxmap, voxmap.grid.voxel_of(point_mm + offset))) return;
+    (offset.dot(normal) > 0 ? ahead : behind) += 1;
+    sum += offset;
+  });
   const double sample_mm3 = step_mm * step_mm * step_mm;
   out.ahead_mm3 = static_cast<double>(ahead) * sample_mm3;
   out.behind_mm3 = static_cast<double>(behind) * sample_mm3;

@@ -7,7 +7,7 @@ namespace reamsim {
 
 namespace {
 
-/// Directions closer than about half a degree say nothing about the third axis.
+/// Directions closer than about half a degree do not determine the third axis.
 constexpr double kMinSine = 0.01;
 
 [[noreturn]] void fail_frame(const std::string& key, const std::string& found, const std::string& expected) {
@@ -23,8 +23,9 @@ Vec3 unit(const Vec3& v, const std::string& key) {
 /// +z along `normal`, +y the part of `superior` perpendicular to it.
 GlenoidFrame make_frame(const Vec3& center_mm, const Vec3& normal, const Vec3& superior, const std::string& key) {
   const Vec3 across = superior - superior.dot(normal) * normal;
-  if (across.norm() < kMinSine)
+  if (across.norm() < kMinSine) {
     fail_frame(key, "parallel to the normal", "expected a direction across the glenoid's face");
+  }
   const Vec3 y = across.normalized();
   GlenoidFrame out;
   out.bone_from_glenoid.linear() << y.cross(normal), y, normal;

@@ -10,7 +10,7 @@
 #include <random>
 
 #include "bone_fixture.h"
-#include "sim/bone/vdb/vdb_grid.h"
+#include "sim/bone/vdb/vdb_archive.h"
 #include "tests/support/temp_dir.h"
 
 namespace reamsim::test {

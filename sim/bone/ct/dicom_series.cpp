@@ -18,7 +18,7 @@ constexpr const char* kModalityKey = "bone.ct.modality";
 /// Spacings that differ by less than this fraction are the same.
 constexpr double kSameSpacing = 0.01;
 
-/// Median distance of neighbouring slices along the first one's normal; 0 where the files do not say.
+/// Median distance of neighbouring slices along the normal of the first; 0 where unknown.
 double slice_distance(const std::vector<DicomHeader>& images) {
   const auto placed = [](const DicomHeader& image) { return image.position_mm.has_value(); };
   if (images.size() < 2 || !images.front().normal || !std::ranges::all_of(images, placed)) return 0;
@@ -50,18 +50,18 @@ std::string words_of(const DicomSeries& series) {
   return out;
 }
 
-bool equally_good(const DicomSeries& a, const DicomSeries& b) {
+bool same_size(const DicomSeries& a, const DicomSeries& b) {
   return a.slices() == b.slices() &&
          ((a.spacing_mm - b.spacing_mm).cwiseAbs().array() <= kSameSpacing * a.spacing_mm.array()).all();
 }
 
-/// The larger first; of two with as many slices the finer one.
+/// More slices first, then the finer spacing.
 bool is_better(const DicomSeries& a, const DicomSeries& b) {
   if (a.slices() != b.slices()) return a.slices() > b.slices();
   return a.spacing_mm.prod() < b.spacing_mm.prod();
 }
 
-/// Grey slices with places; screenshots and renderings are not.
+/// False for screenshots and renderings.
 bool may_be_a_volume(const DicomSeries& series) {
   const DicomHeader& first = series.images.front();
   return first.photometric.starts_with("MONOCHROME") && (first.position_mm || first.frames > 1);
@@ -159,7 +159,7 @@ const DicomSeries& choose_series(const DicomFolder& found, const DicomChoice& ch
   }
   const std::vector<const DicomSeries*> candidates = candidates_of(found, choice, folder);
   const DicomSeries& best = *candidates.front();
-  if (candidates.size() > 1 && equally_good(best, *candidates[1])) {
+  if (candidates.size() > 1 && same_size(best, *candidates[1])) {
     throw InputError(
         {folder}, kSeriesKey,
         "missing, and two DICOM series have " + std::to_string(best.slices()) + " slices of the same spacing",

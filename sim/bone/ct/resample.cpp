@@ -11,17 +11,11 @@ namespace reamsim::ct {
 
 namespace {
 
-/// Ratios and places closer than this to a whole number are that number; coordinates of real scans carry rounding.
+/// Tolerance of whole numbers; coordinates of real scans are rounded.
 constexpr double kRounding = 1e-6;
+constexpr double kMaxSamples = 16;  // of one voxel along one axis
 
-/// Sample points of one voxel along one axis, at most.
-constexpr double kMaxSamples = 16;
-
-bool merges(const Lattice& image, const VoxelGrid& grid, int axis) {
-  return grid.voxel_mm >= image.spacing_mm[axis] * (1 - kRounding);
-}
-
-/// Place of a point along an axis, in image voxels: 0 = the lower face of voxel 0, 1 = its upper face.
+/// Position along an axis in image voxels: 0 is the lower face of voxel 0, 1 its upper face.
 double faces_from_mm(const Lattice& image, double mm, int axis) {
   return (mm - image.origin_mm[axis]) / image.spacing_mm[axis] + 0.5;
 }
@@ -73,10 +67,11 @@ std::vector<AxisWeights> axis_weights(const Lattice& image, const VoxelGrid& gri
   std::vector<AxisWeights> out;
   out.reserve(static_cast<std::size_t>(grid.dims[axis]));
   const double length = grid.voxel_mm / image.spacing_mm[axis];
+  const bool averages = grid.voxel_mm >= image.spacing_mm[axis] * (1 - kRounding);
   for (int n = 0; n < grid.dims[axis]; ++n) {
     const double from = faces_from_mm(image, grid.origin_mm[axis] + n * grid.voxel_mm, axis);
-    out.push_back(merges(image, grid, axis) ? average(from, from + length, image.dims[axis])
-                                            : interpolate(from + 0.5 * length - 0.5, image.dims[axis]));
+    out.push_back(averages ? average(from, from + length, image.dims[axis])
+                           : interpolate(from + 0.5 * length - 0.5, image.dims[axis]));
   }
   return out;
 }
@@ -154,7 +149,7 @@ InsideTest::InsideTest(const AlignedImage& field, const VoxelGrid& grid) : field
   const Lattice& image = field.lattice;
   for (int axis = 0; axis < 3; ++axis) {
     const double length = grid.voxel_mm / image.spacing_mm[axis];
-    // Two samples for each image voxel that the voxel takes in, up to a bound that still tells a half from less.
+    // Two samples per image voxel, up to a limit.
     const double wanted = length > 1 + kRounding ? 2 * std::ceil(length - kRounding) : 1;
     samples_[axis] = static_cast<int>(std::min(wanted, kMaxSamples));
     for (int n = 0; n < grid.dims[axis] * samples_[axis]; ++n) {
@@ -181,18 +176,14 @@ bool InsideTest::inside(const Sample& x, const Sample& y, const Sample& z) const
   return low + z.fraction * (along_y(step_z) - low) > 0;
 }
 
-bool InsideTest::operator()(int i, int j, int k) const {
-  const int total = samples_[0] * samples_[1] * samples_[2];
+bool InsideTest::operator()(const Vec3i& voxel) const {
+  const Vec3i samples(samples_[0], samples_[1], samples_[2]);
+  const Vec3i first = voxel.cwiseProduct(samples);
+  const auto sample = [this](const Vec3i& s, int axis) { return sample_[axis][static_cast<std::size_t>(s[axis])]; };
   int hits = 0;
-  for (int c = k * samples_[2]; c < (k + 1) * samples_[2]; ++c) {
-    for (int b = j * samples_[1]; b < (j + 1) * samples_[1]; ++b) {
-      for (int a = i * samples_[0]; a < (i + 1) * samples_[0]; ++a) {
-        hits += inside(sample_[0][static_cast<std::size_t>(a)], sample_[1][static_cast<std::size_t>(b)],
-                       sample_[2][static_cast<std::size_t>(c)]);
-      }
-    }
-  }
-  return 2 * hits >= total && hits > 0;
+  for_each_voxel(first, first + samples - Vec3i::Ones(),
+                 [&](const Vec3i& s) { hits += inside(sample(s, 0), sample(s, 1), sample(s, 2)); });
+  return 2 * hits >= samples.prod() && hits > 0;
 }
 
 }  // namespace reamsim::ct

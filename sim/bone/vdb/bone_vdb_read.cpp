@@ -6,8 +6,7 @@
 
 #include "sim/base/error.h"
 #include "sim/bone/vdb/bone_vdb.h"
-#include "sim/bone/vdb/bone_vdb_keys.h"
-#include "sim/bone/vdb/stored_anatomy.h"
+#include "sim/bone/vdb/bone_vdb_metadata.h"
 #include "sim/bone/vdb/vdb_archive.h"
 #include "sim/bone/voxmap/lattice.h"
 
@@ -25,7 +24,7 @@ std::optional<T> value_of(const openvdb::FloatGrid& grid, const char* name) {
   return entry ? std::optional<T>(entry->value()) : std::nullopt;
 }
 
-/// Edge length of a voxel, mm; InputError unless index axes are bone axes and voxels are cubes.
+/// Edge length of a voxel, mm. Throws InputError unless voxels are cubes along the axes.
 double checked_voxel(const std::string& path, const openvdb::FloatGrid& grid) {
   const std::string expected = "expected cubic voxels along the axes (a uniform scale and a translation)";
   if (!grid.transform().isLinear()) fail_reading(path, "a grid with a perspective transform", expected);
@@ -45,13 +44,13 @@ double checked_voxel(const std::string& path, const openvdb::FloatGrid& grid) {
   return voxel_mm;
 }
 
-/// A lattice and the index that its voxel (0,0,0) has in the grids.
+/// A lattice and the grid coordinates of its voxel (0,0,0).
 struct Placement {
   VoxelGrid lattice;
   openvdb::Coord first;
 };
 
-/// The lattice that reamsim wrote into the metadata; nullopt for another program's grid.
+/// The lattice in the metadata; nullopt for a grid of another program.
 std::optional<Placement> lattice_from_metadata(const openvdb::FloatGrid& grid) {
   const auto dims = value_of<openvdb::Vec3i>(grid, vdb_keys::kDims);
   const auto origin = value_of<openvdb::Vec3d>(grid, vdb_keys::kOrigin);
@@ -75,15 +74,15 @@ Placement lattice_from_voxels(const openvdb::FloatGrid& grid, const openvdb::Coo
   return out;
 }
 
-/// The most that bricks with bone can take of a lattice of `voxels`: a leaf may lie across eight bricks.
+/// Upper bound of the fraction of a lattice of `voxels` in bricks with bone.
 double bone_fraction(const openvdb::FloatGrid& density, double voxels) {
-  constexpr double kAcross = 8;
+  constexpr double kAcross = 8;  // bricks that a leaf may overlap
   const double in_leaves = static_cast<double>(density.tree().leafCount()) * GradeBricks::kVoxels;
   const double in_tiles = static_cast<double>(density.activeVoxelCount());
   return std::min(1.0, (kAcross * in_leaves + in_tiles) / voxels);
 }
 
-/// Checked before anything of its size is allocated.
+/// Checks the size before anything is allocated.
 Placement checked_placement(const std::string& path, const openvdb::FloatGrid& density) {
   const double voxel_mm = checked_voxel(path, density);
   const openvdb::CoordBBox active = density.evalActiveVoxelBoundingBox();
@@ -139,7 +138,7 @@ void read_fill(const std::string& path, const openvdb::FloatGrid& fill, const op
   });
 }
 
-/// For messages and pictures: printable, short.
+/// The frame for messages and pictures; "unknown" unless it is short and printable.
 std::string frame_name(const openvdb::FloatGrid& density) {
   const std::string name = value_of<std::string>(density, vdb_keys::kFrame).value_or("unknown");
   const bool plain =
@@ -163,7 +162,7 @@ StoredAnatomy anatomy_of(const std::string& path, const openvdb::FloatGrid& dens
           .side = checked_stored_side(path, text(vdb_keys::kSide))};
 }
 
-/// `stored`, where it is asked for, gets what the metadata say.
+/// Fills `stored`, if not null, from the metadata.
 FilledVoxmap read_voxmap(const std::string& path, StoredBone* stored) {
   VdbFile file(path);
   if (!file.has(vdb_keys::kDensity)) {

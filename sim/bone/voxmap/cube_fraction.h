@@ -75,6 +75,13 @@ inline double plane_fraction(const FieldStencil& at) {
   return double{rs_outside_share(n, static_cast<float>(-distance))};
 }
 
+/// The fraction of a cube that lies in a box.
+inline double fraction_in_box(const Aabb& box, const Vec3& center, double side) {
+  const Vec3 half = Vec3::Constant(side / 2);
+  const Vec3 common = (center + half).cwiseMin(box.max) - (center - half).cwiseMax(box.min);
+  return (common.cwiseMax(0) / side).prod();
+}
+
 /// The fraction of a cube, 0…1, in which `field` is negative. The field is a continuous function of a point, such as a
 /// signed distance, with a nearly constant slope across its surface. Where an edge or a thin wall breaks that, and in
 /// any case `least_splits` times, the cube is halved along each axis.
