@@ -2,8 +2,6 @@
 
 #include <numbers>
 
-#include "sim/bone/implicit.h"
-
 namespace reamsim {
 
 namespace {
@@ -15,7 +13,6 @@ using implicit::polygon;
 using implicit::smooth_intersection;
 using implicit::smooth_union;
 using implicit::smoothstep;
-using implicit::tapered_rod;
 
 constexpr double kRimBlend_mm = 2.4;       // rounds the rim to a radius of about 1.2 mm
 constexpr double kWornRimBlend_mm = 4;     // for the acute rim of a worn face
@@ -114,17 +111,13 @@ double GlenoidShape::spine(const Vec3& point) const {
   const double middle_mm = 9 - 0.28 * point.z();
   const double fin =
       smooth_intersection(std::abs(point.y() - middle_mm) - 1.9, polygon({point.x(), point.z()}, spine_outline_), 2.0);
-  return smooth_union(fin, tapered_rod(point, crest_.a, crest_.radius_a, crest_.b, crest_.radius_b), 5.0);
+  return smooth_union(fin, crest_.distance(point), 5.0);
 }
 
 double GlenoidShape::stumps(const Vec3& point) const {
-  double out = tapered_rod(point, coracoid_[0].a, coracoid_[0].radius_a, coracoid_[0].b, coracoid_[0].radius_b);
-  for (std::size_t i = 1; i < coracoid_.size(); ++i) {
-    const Rod& rod = coracoid_[i];
-    out = smooth_union(out, tapered_rod(point, rod.a, rod.radius_a, rod.b, rod.radius_b), 4.0);
-  }
-  const double border = tapered_rod(point, border_.a, border_.radius_a, border_.b, border_.radius_b);
-  const double body = smooth_union(smooth_union(blade(point), border, 6.0), spine(point), 5.0);
+  double out = coracoid_[0].distance(point);
+  for (std::size_t i = 1; i < coracoid_.size(); ++i) out = smooth_union(out, coracoid_[i].distance(point), 4.0);
+  const double body = smooth_union(smooth_union(blade(point), border_.distance(point), 6.0), spine(point), 5.0);
   return smooth_union(out, body, 4.0);
 }
 

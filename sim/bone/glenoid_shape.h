@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "sim/bone/glenoid_face.h"
+#include "sim/bone/implicit.h"
 
 namespace reamsim {
 
@@ -37,6 +38,10 @@ class GlenoidShape {
     double radius_a = 0;
     Vec3 b;
     double radius_b = 0;
+
+    [[nodiscard]] double distance(const Vec3& point) const {
+      return implicit::tapered_rod(point, a, radius_a, b, radius_b);
+    }
   };
 
   void place_stumps();

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "sim/metrics/column_map.h"
-#include "sim/metrics/face_fit.h"
+#include "sim/metrics/face_surface.h"
 
 namespace reamsim {
 

@@ -5,7 +5,6 @@
 #include "sim/bone/bone.h"
 #include "sim/metrics/joint_line.h"
 #include "sim/metrics/reamed_face.h"
-#include "sim/metrics/seating.h"
 #include "sim/metrics/under_face.h"
 #include "sim/scenario/scenario.h"
 

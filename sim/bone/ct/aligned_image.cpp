@@ -66,15 +66,11 @@ AlignedImage permute(const Scan& scan) {
     stride[to] = step < 0 ? -source_stride[axis] : source_stride[axis];
     if (step < 0) first += source_stride[axis] * (from.dims[axis] - 1);
   }
-  const Vec3i& dims = out.lattice.dims;
   out.value.resize(scan.value.size());
-  auto* target = out.value.data();
-  for (int k = 0; k < dims.z(); ++k) {
-    for (int j = 0; j < dims.y(); ++j) {
-      std::int64_t at = first + stride[1] * j + stride[2] * k;
-      for (int i = 0; i < dims.x(); ++i, at += stride[0]) *target++ = scan.value[static_cast<std::size_t>(at)];
-    }
-  }
+  out.lattice.for_each([&](const Vec3i& v, std::size_t at) {
+    const std::int64_t from = first + stride[0] * v.x() + stride[1] * v.y() + stride[2] * v.z();
+    out.value[at] = scan.value[static_cast<std::size_t>(from)];
+  });
   return out;
 }
 

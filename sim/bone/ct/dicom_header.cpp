@@ -8,13 +8,10 @@
 #include <cstdint>
 #include <cstdlib>
 #include <cstring>
-#include <filesystem>
 
 #include "sim/bone/ct/quiet.h"
 
 namespace reamsim::ct {
-
-namespace fs = std::filesystem;
 
 namespace {
 
@@ -119,17 +116,6 @@ DicomKind read_dicom_header(const std::string& path, DicomHeader& header) {
   if (header.rows == 0 || header.columns == 0) return DicomKind::no_image;
   fill_header(values, header);
   return DicomKind::image;
-}
-
-std::vector<std::string> files_below(const std::string& folder) {
-  std::vector<std::string> files;
-  const auto options = fs::directory_options::skip_permission_denied;
-  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(folder, options)) {
-    std::error_code ignored;
-    if (entry.is_regular_file(ignored)) files.push_back(entry.path().string());
-  }
-  std::sort(files.begin(), files.end());
-  return files;
 }
 
 }  // namespace reamsim::ct

@@ -36,7 +36,4 @@ enum class DicomKind {
 /// Reads a file up to its pixels. Fills `header` if the file contains an image.
 DicomKind read_dicom_header(const std::string& path, DicomHeader& header);
 
-/// The files in a folder and its subfolders, sorted by path. Links to folders are not followed.
-std::vector<std::string> files_below(const std::string& folder);
-
 }  // namespace reamsim::ct

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <map>
 #include <tuple>
 
@@ -17,6 +18,18 @@ constexpr const char* kSeriesKey = "bone.ct.series";
 constexpr const char* kModalityKey = "bone.ct.modality";
 /// Spacings that differ by less than this fraction are the same.
 constexpr double kSameSpacing = 0.01;
+
+/// The files in a folder and its subfolders, sorted by path. Links to folders are not followed.
+std::vector<std::string> files_below(const std::string& folder) {
+  namespace fs = std::filesystem;
+  std::vector<std::string> files;
+  for (const auto& entry : fs::recursive_directory_iterator(folder, fs::directory_options::skip_permission_denied)) {
+    std::error_code ignored;
+    if (entry.is_regular_file(ignored)) files.push_back(entry.path().string());
+  }
+  std::ranges::sort(files);
+  return files;
+}
 
 /// Median distance of neighbouring slices along the normal of the first; 0 where unknown.
 double slice_distance(const std::vector<DicomHeader>& images) {

@@ -279,16 +279,14 @@ class DicomScan : public ScanSource {
     stack_ = stack_slices(series, found.damaged, key, report);
     name_ = series.description.empty() ? "" : " \"" + series.description + "\"";
     check_fits_in_memory(static_cast<double>(stack_.geometry.size()), sizeof(float), folder_, key_);
-    const auto io = reader(0);
-    pixel_type_ = pixel_type_of(*io);
-    is_unsigned_ = has_unsigned_pixels(*io);
+    pixel_type_ = pixel_type_of(*reader(0));
   }
 
   [[nodiscard]] const ScanGeometry& geometry() const override { return stack_.geometry; }
   [[nodiscard]] std::string description() const override {
     return "DICOM series" + name_ + " of " + std::to_string(stack_.path.size()) + " files, " + pixel_type_;
   }
-  [[nodiscard]] bool is_unsigned() const override { return is_unsigned_; }
+  [[nodiscard]] bool is_unsigned() const override { return pixel_type_.starts_with("uint"); }
 
   [[nodiscard]] Scan read(const IndexBox& box) const override {
     Scan scan{part_of(stack_.geometry, box), {}};
@@ -316,7 +314,6 @@ class DicomScan : public ScanSource {
   std::string name_;
   DicomStack stack_;
   std::string pixel_type_;
-  bool is_unsigned_ = false;
 };
 
 }  // namespace

@@ -132,6 +132,33 @@ InputError cut_off(const std::string& path, const std::string& key) {
   return {{path}, key, "the voxels cannot be read: the file is truncated or damaged", "give a complete file"};
 }
 
+/// Creates the reader for a file without ITK's global list of factories, and sets `format`.
+itk::ImageIOBase::Pointer open_image_io(const std::string& path, const std::string& key, std::string& format) {
+  const QuietLibraries quiet;
+  const std::pair<std::string, itk::ImageIOBase::Pointer> readers[] = {
+      {"NRRD", itk::NrrdImageIO::New().GetPointer()},
+      {"NIfTI", itk::NiftiImageIO::New().GetPointer()},
+      {"MetaImage", itk::MetaImageIO::New().GetPointer()},
+      {kDicom, itk::GDCMImageIO::New().GetPointer()}};
+  for (const auto& [name, io] : readers) {
+    if (name == kDicom) check_dicom_in_child({path}, key);
+    if (!can_read(*io, path)) continue;
+    format = name;
+    io->SetFileName(path);
+    return io;
+  }
+  const std::string promised = format_by_name(path);
+  if (is_vtk(path)) {
+    throw InputError(
+        {path}, key, "a VTK file",
+        "save it as NRRD, NIfTI or MetaImage (ParaView, 3D Slicer); a surface goes to bone.mesh, as STL or PLY");
+  }
+  const std::string found = fs::file_size(path) == 0 ? "the file is empty"
+                            : promised.empty()       ? "not a readable CT image"
+                                                     : "the " + promised + " header is truncated or damaged";
+  throw InputError({path}, key, found, "expected a folder of DICOM slices, or an NRRD, NIfTI or MetaImage file");
+}
+
 /// Whether the file of a NIfTI header (or its .img), compressed or not, contains all its voxels. ITK itself fills
 /// missing voxels with uninitialized memory.
 bool nifti_is_complete(const std::string& path) {
@@ -168,7 +195,7 @@ class FileScan : public LabelSource {
 
   [[nodiscard]] const ScanGeometry& geometry() const override { return geometry_; }
   [[nodiscard]] std::string description() const override { return format_ + ", " + pixel_type_of(*io_); }
-  [[nodiscard]] bool is_unsigned() const override { return has_unsigned_pixels(*io_); }
+  [[nodiscard]] bool is_unsigned() const override { return pixel_type_of(*io_).starts_with("uint"); }
   [[nodiscard]] Scan read(const IndexBox& box) const override { return read_layer(box, 0); }
 
   [[nodiscard]] int layers() const override { return static_cast<int>(io_->GetNumberOfComponents()); }
@@ -232,32 +259,6 @@ fs::file_status checked_status(const std::string& path, const std::string& key, 
 
 }  // namespace
 
-itk::ImageIOBase::Pointer open_image_io(const std::string& path, const std::string& key, std::string& format) {
-  const QuietLibraries quiet;
-  const std::pair<std::string, itk::ImageIOBase::Pointer> readers[] = {
-      {"NRRD", itk::NrrdImageIO::New().GetPointer()},
-      {"NIfTI", itk::NiftiImageIO::New().GetPointer()},
-      {"MetaImage", itk::MetaImageIO::New().GetPointer()},
-      {kDicom, itk::GDCMImageIO::New().GetPointer()}};
-  for (const auto& [name, io] : readers) {
-    if (name == kDicom) check_dicom_in_child({path}, key);
-    if (!can_read(*io, path)) continue;
-    format = name;
-    io->SetFileName(path);
-    return io;
-  }
-  const std::string promised = format_by_name(path);
-  if (is_vtk(path)) {
-    throw InputError(
-        {path}, key, "a VTK file",
-        "save it as NRRD, NIfTI or MetaImage (ParaView, 3D Slicer); a surface goes to bone.mesh, as STL or PLY");
-  }
-  const std::string found = fs::file_size(path) == 0 ? "the file is empty"
-                            : promised.empty()       ? "not a readable CT image"
-                                                     : "the " + promised + " header is truncated or damaged";
-  throw InputError({path}, key, found, "expected a folder of DICOM slices, or an NRRD, NIfTI or MetaImage file");
-}
-
 void read_header(itk::ImageIOBase& io, const std::string& path, const std::string& key, const std::string& format) {
   const QuietLibraries quiet;
   try {
@@ -313,10 +314,6 @@ std::string pixel_type_of(const itk::ImageIOBase& io) {
   if (std::ranges::count(kUnsigned, type) > 0) return "uint" + bits;
   if (std::ranges::count(kSigned, type) > 0) return "int" + bits;
   return type == Component::FLOAT ? "float" : type == Component::DOUBLE ? "double" : "";
-}
-
-bool has_unsigned_pixels(const itk::ImageIOBase& io) {
-  return pixel_type_of(io).starts_with("uint");
 }
 
 std::vector<float> read_voxels(itk::ImageIOBase& io, const IndexBox& box, const std::string& path,

@@ -12,9 +12,6 @@ namespace reamsim::ct {
 
 // Private to sim/bone/ct: only its sources include this header, because it includes ITK.
 
-/// Creates the reader for a file without ITK's global list of factories, and sets `format`.
-itk::ImageIOBase::Pointer open_image_io(const std::string& path, const std::string& key, std::string& format);
-
 /// Throws InputError when the header is damaged.
 void read_header(itk::ImageIOBase& io, const std::string& path, const std::string& key, const std::string& format);
 
@@ -25,7 +22,6 @@ ScanGeometry geometry_of(const itk::ImageIOBase& io, const std::string& path, co
 
 /// "int16", "float", ...
 std::string pixel_type_of(const itk::ImageIOBase& io);
-bool has_unsigned_pixels(const itk::ImageIOBase& io);
 
 /// The values in `box` as floats, of one layer. Throws InputError: truncated, damaged.
 std::vector<float> read_voxels(itk::ImageIOBase& io, const IndexBox& box, const std::string& path,

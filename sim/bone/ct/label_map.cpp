@@ -84,25 +84,19 @@ void add_end(const ScanGeometry& labels, const Scan& part, const IndexBox& box, 
              bool upper, const AlignedImage& hu, double threshold_hu, CutOff& cut) {
   const int level = upper ? labels.dims[axis] - 1 : 0;
   if (level < box.start[axis] || level >= box.start[axis] + box.size[axis]) return;
-  const int u = (axis + 1) % 3;
-  const int v = (axis + 2) % 3;
-  const double area = labels.step_mm.col(u).cross(labels.step_mm.col(v)).norm();
+  const double area = labels.step_mm.col((axis + 1) % 3).cross(labels.step_mm.col((axis + 2) % 3)).norm();
   const Vec3i& size = part.geometry.dims;
-  for (int b = 0; b < size[v]; ++b) {
-    for (int a = 0; a < size[u]; ++a) {
-      Vec3i c;
-      c[axis] = level - box.start[axis];
-      c[u] = a;
-      c[v] = b;
-      if (!classes.is_wanted(part.value[index_in(size, c)])) continue;
-      Vec3 beyond = (c + box.start).cast<double>();
-      beyond[axis] += upper ? 1 : -1;
-      const Vec3i voxel = hu.lattice.voxel_of(labels.point_mm(beyond));
-      if (!hu.lattice.contains(voxel)) continue;
-      cut.contact_mm2 += area;
-      if (double{hu.at(voxel)} >= threshold_hu) cut.bone_mm2 += area;
-    }
-  }
+  Vec3i first = Vec3i::Zero(), last = size - Vec3i::Ones();
+  first[axis] = last[axis] = level - box.start[axis];
+  for_each_voxel(first, last, [&](const Vec3i& c) {
+    if (!classes.is_wanted(part.value[index_in(size, c)])) return;
+    Vec3 beyond = (c + box.start).cast<double>();
+    beyond[axis] += upper ? 1 : -1;
+    const Vec3i voxel = hu.lattice.voxel_of(labels.point_mm(beyond));
+    if (!hu.lattice.contains(voxel)) return;
+    cut.contact_mm2 += area;
+    if (double{hu.at(voxel)} >= threshold_hu) cut.bone_mm2 += area;
+  });
 }
 
 void report_cut_off(const CutOff& cut, const std::string& path, double threshold_hu, Report& report) {

@@ -1,4 +1,4 @@
-#include "sim/bone/ct/refine_mask.h"
+#include "sim/bone/ct/segment.h"
 
 #include <algorithm>
 #include <cmath>

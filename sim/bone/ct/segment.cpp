@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "sim/base/error.h"
-#include "sim/bone/ct/refine_mask.h"
 #include "sim/bone/ct/words.h"
 
 namespace reamsim::ct {

@@ -56,22 +56,13 @@ std::optional<Placement> lattice_from_metadata(const openvdb::FloatGrid& grid) {
   const auto origin = value_of<openvdb::Vec3d>(grid, vdb_keys::kOrigin);
   const auto voxel_mm = value_of<double>(grid, vdb_keys::kVoxel);
   if (!dims || !origin || !voxel_mm) return std::nullopt;
-  Placement out;
-  out.lattice.dims = {dims->x(), dims->y(), dims->z()};
-  out.lattice.origin_mm = {origin->x(), origin->y(), origin->z()};
-  out.lattice.voxel_mm = *voxel_mm;
-  return out;
+  return Placement{{{dims->x(), dims->y(), dims->z()}, *voxel_mm, {origin->x(), origin->y(), origin->z()}}, {}};
 }
 
 Placement lattice_from_voxels(const openvdb::FloatGrid& grid, const openvdb::CoordBBox& active, double voxel_mm) {
-  Placement out;
-  out.first = active.min();
   const openvdb::Coord size = active.dim();
-  out.lattice.dims = {size.x(), size.y(), size.z()};
-  out.lattice.voxel_mm = voxel_mm;
   const openvdb::Vec3d corner = grid.indexToWorld(active.min().asVec3d() - openvdb::Vec3d(0.5));
-  out.lattice.origin_mm = {corner.x(), corner.y(), corner.z()};
-  return out;
+  return {{{size.x(), size.y(), size.z()}, voxel_mm, {corner.x(), corner.y(), corner.z()}}, active.min()};
 }
 
 /// Upper bound of the fraction of a lattice of `voxels` in bricks with bone.
@@ -147,12 +138,11 @@ std::string frame_name(const openvdb::FloatGrid& density) {
 }
 
 DensityMapping mapping_of(const openvdb::FloatGrid& density) {
-  DensityMapping out;
   const auto slope = value_of<double>(density, vdb_keys::kAshSlope);
   const auto offset = value_of<double>(density, vdb_keys::kAshOffset);
   const auto fraction = value_of<double>(density, vdb_keys::kAshFraction);
-  if (slope && offset && fraction && *slope > 0 && *fraction > 0) out = {*slope, *offset, *fraction};
-  return out;
+  const bool valid = slope && offset && fraction && *slope > 0 && *fraction > 0;
+  return valid ? DensityMapping{*slope, *offset, *fraction} : DensityMapping{};
 }
 
 StoredAnatomy anatomy_of(const std::string& path, const openvdb::FloatGrid& density) {
