@@ -68,8 +68,8 @@ AlignedImage permute(const Scan& scan) {
   }
   out.value.resize(scan.value.size());
   out.lattice.for_each([&](const Vec3i& v, std::size_t at) {
-    const std::int64_t from = first + stride[0] * v.x() + stride[1] * v.y() + stride[2] * v.z();
-    out.value[at] = scan.value[static_cast<std::size_t>(from)];
+    const std::int64_t source = first + stride[0] * v.x() + stride[1] * v.y() + stride[2] * v.z();
+    out.value[at] = scan.value[static_cast<std::size_t>(source)];
   });
   return out;
 }
