@@ -96,7 +96,7 @@ void note_contradictions(const BoneSettings& settings, const StoredAnatomy& stor
 /// With landmarks the normal is the Friedman axis.
 void set_scapula(Bone& bone) {
   if (!bone.landmarks) return;
-  GlenoidSettings marks;  // glenoid_frame() asks for the side
+  GlenoidSettings marks;
   marks.landmarks = bone.landmarks;
   bone.scapula = axes_of(*glenoid_frame(marks, bone.side), bone.side);
 }

@@ -44,8 +44,8 @@ class SliceResampler {
   std::vector<double> out_;
 };
 
-/// The negative of an image at any point, interpolated trilinearly: a field as fraction_inside() takes it, whose inside
-/// is where the image is above 0. Beyond the image's outermost values these hold.
+/// The negative of an image, interpolated trilinearly: a field for fraction_inside(), negative where the image is above
+/// 0. Beyond the image the value of its border holds.
 class NegatedField {
  public:
   explicit NegatedField(const AlignedImage& image);
