@@ -6,7 +6,7 @@
 
 #include "render/surface/scalar_grid.h"
 #include "sim/base/parallel.h"
-#include "sim/bone/vdb/vdb_grid.h"
+#include "sim/bone/vdb/vdb_archive.h"
 
 namespace reamsim {
 namespace {

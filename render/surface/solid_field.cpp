@@ -10,7 +10,7 @@
 #include "render/surface/scalar_grid.h"
 #include "sim/base/gaussian.h"
 #include "sim/base/parallel.h"
-#include "sim/bone/vdb/vdb_grid.h"
+#include "sim/bone/vdb/vdb_archive.h"
 
 // OpenVDB's library holds this compiled; it takes a minute to compile again.
 extern template void openvdb::tools::VolumeToMesh::operator()(const openvdb::FloatGrid&);
@@ -89,7 +89,7 @@ Occupancy::Kind neighbourhood(const Occupancy& occupancy, const Vec3i& brick) {
 
 SolidField::SolidField(const Occupancy& occupancy) : grid_(new ScalarGrid{make_float_grid(kAir)}) {
   // One brick round the bone: smoothing carries it a little beyond its own bricks, and the lattice.
-  compute(occupancy, coords_around(occupancy.voxmap().grade));
+  compute(occupancy, bricks_near_bone(occupancy.voxmap().grade));
 }
 
 void SolidField::update(const Occupancy& occupancy, const std::vector<Vec3i>& bricks) {

@@ -10,7 +10,7 @@
 
 #include "render/surface/scalar_grid.h"
 #include "render/surface/surface_smoothing.h"
-#include "sim/bone/vdb/vdb_grid.h"
+#include "sim/bone/vdb/vdb_archive.h"
 
 namespace reamsim {
 namespace {

@@ -2,6 +2,7 @@
 
 #include <Eigen/Geometry>
 #include <array>
+#include <limits>
 
 namespace reamsim {
 
@@ -25,6 +26,19 @@ struct Aabb {
     return {min - Vec3::Constant(margin), max + Vec3::Constant(margin)};
   }
   [[nodiscard]] bool empty() const { return (min.array() > max.array()).any(); }
+  /// Corner 0…7: bit n of the number chooses the maximum along axis n.
+  [[nodiscard]] Vec3 corner(int n) const {
+    return {(n & 1) != 0 ? max.x() : min.x(), (n & 2) != 0 ? max.y() : min.y(), (n & 4) != 0 ? max.z() : min.z()};
+  }
+  void extend(const Vec3& point) {
+    min = min.cwiseMin(point);
+    max = max.cwiseMax(point);
+  }
+  /// Contains no point; extend() makes it grow.
+  static Aabb none() {
+    return {Vec3::Constant(std::numeric_limits<double>::infinity()),
+            Vec3::Constant(-std::numeric_limits<double>::infinity())};
+  }
 };
 
 /// The glenoid frame G: origin at the glenoid centre, +z out of the bone along the face normal, +y superior,

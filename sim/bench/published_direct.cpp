@@ -93,7 +93,7 @@ class PublishedDirect final : public Contender {
   }
 
   void upload_bone() {
-    const auto grades = dense_grades_left(*arena_.voxmap);
+    const auto grades = dense_remaining_grades(*arena_.voxmap);
     bone_.write(device_, grades.data(), grades.size());
   }
 

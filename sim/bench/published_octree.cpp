@@ -101,7 +101,7 @@ class PublishedOctree final : public Contender {
       hu_of_grade[static_cast<std::size_t>(grade)] =
           grade == 0 ? kAirHu : static_cast<float>(mapping.hu_from_density(density));
     }
-    const auto grades = dense_grades_left(*arena_.voxmap);
+    const auto grades = dense_remaining_grades(*arena_.voxmap);
     constexpr std::size_t kChunk = std::size_t{1} << 22;
     std::vector<float> chunk;
     for (std::size_t first = 0; first < voxels_; first += kChunk) {

@@ -5,8 +5,8 @@
 #include <numbers>
 
 #include "sim/base/error.h"
-#include "sim/bone/phantom_glenoid.h"
-#include "sim/bone/voxmap/sample_bricks.h"
+#include "sim/bone/phantom.h"
+#include "sim/bone/voxmap/sample_voxels.h"
 #include "sim/tool/revolve.h"
 
 namespace reamsim::bench {

@@ -4,7 +4,7 @@
 
 #include "sim/base/error.h"
 #include "sim/bench/field.h"
-#include "sim/bone/voxmap/sample_bricks.h"
+#include "sim/bone/voxmap/sample_voxels.h"
 #include "sim/tool/revolve.h"
 
 namespace reamsim::bench {

@@ -1,29 +1,23 @@
 #include "sim/base/error.h"
 #include "sim/bone/bone.h"
 #include "sim/bone/voxmap/lattice.h"
-#include "sim/bone/voxmap/sample_bricks.h"
+#include "sim/bone/voxmap/sample_voxels.h"
 
 namespace reamsim {
 
 namespace {
 
-/// Whether any brick of `from` holds one of the 8×8×8 voxels from `first` on. Bricks that lie outside hold none.
+/// Whether any of the 8×8×8 voxels from `first` on lies in a stored brick.
 bool any_stored(const GradeBricks& from, const Vec3i& first) {
   const BrickLattice bricks{from.brick_dims()};
-  const auto brick_of = [](int voxel) { return voxel >> 3; };  // rounds down, below 0 as well
-  const Vec3i low = first.unaryExpr(brick_of);
-  const Vec3i high = (first + Vec3i::Constant(GradeBricks::kSide - 1)).eval().unaryExpr(brick_of);
-  for (int z = low.z(); z <= high.z(); ++z) {
-    for (int y = low.y(); y <= high.y(); ++y) {
-      for (int x = low.x(); x <= high.x(); ++x) {
-        if (bricks.contains({x, y, z}) && from.brick({x, y, z}) != nullptr) return true;
-      }
-    }
-  }
-  return false;
+  const Vec3i last = first + Vec3i::Constant(GradeBricks::kSide - 1);
+  bool any = false;
+  for_each_voxel(BrickLattice::brick_of(first), BrickLattice::brick_of(last),
+                 [&](const Vec3i& brick) { any = any || (bricks.contains(brick) && from.brick(brick) != nullptr); });
+  return any;
 }
 
-/// One brick of the shifted lattice; voxel (0,0,0) of that lattice is voxel `shift` of `from`.
+/// Copies to a brick of the shifted lattice. Its voxel (0,0,0) is voxel `shift` of `from`.
 bool copy_brick(const Voxmap& from, const Vec3i& shift, const Vec3i& brick_coord, GradeBricks::Brick& out) {
   const Vec3i first = GradeBricks::kSide * brick_coord + shift;
   if (!any_stored(from.grade, first)) return false;
@@ -60,7 +54,7 @@ FilledVoxmap fit_to_bone(const FilledVoxmap& voxmap, int margin_voxels) {
   const Vec3i dims = (needed.array() + (FillBricks::kSide - 1)) / FillBricks::kSide * FillBricks::kSide;
   const double most_voxels = 2.0 * GradeBricks::kVoxels * static_cast<double>(voxmap.grade.stored_bricks());
   const Eigen::Array3d size = dims.cast<double>().array();
-  check_lattice("bone", size, voxmap.grid.voxel_mm, {.bone_share = most_voxels / size.prod()});
+  check_lattice("bone", size, voxmap.grid.voxel_mm, {.bone_fraction = most_voxels / size.prod()});
 
   const VoxelGrid& from = voxmap.grid;
   FilledVoxmap out;

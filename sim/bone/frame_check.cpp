@@ -12,19 +12,19 @@ namespace reamsim {
 
 namespace {
 
-/// A centre further from the bone than this is no glenoid's: a joint gap has some mm, a worn face is bone itself.
+/// Largest distance of the glenoid centre from the bone. A joint gap has some mm; a worn face is bone itself.
 constexpr double kFarthestCenter_mm = 10;
-/// Bone is looked at this far beyond the distance of the centre from the surface.
-constexpr double kLook_mm = 8;
-/// With more bone ahead than this multiple of that behind, the normal points inwards; half a space leaves 1 for a
-/// normal along its face, 0 for one square to it.
+/// The normal is compared with the bone up to this far beyond the nearest surface.
+constexpr double kBeyondSurface_mm = 8;
+/// The normal points inwards if the bone ahead exceeds that behind by this factor. In a half space the ratio is 1 for a
+/// normal along its face, 0 for one perpendicular to it.
 constexpr double kInward = 1.5;
-/// A normal further from the direction out of the bone is doubtful; faces that wear has tilted stay well below.
+/// Largest angle between the normal and the direction out of the bone without a warning. Wear tilts faces much less.
 constexpr double kOblique_deg = 50;
-/// A centroid nearer to the middle of the ball says nothing, in radii.
-constexpr double kLeastCentroid = 0.05;
-/// Below this, a component of a direction says nothing (about 6°).
-constexpr double kLeastComponent = 0.1;
+/// A centroid nearer to the centre of the sphere is not significant, in radii.
+constexpr double kMinCentroid = 0.05;
+/// A smaller component of a direction is not significant (about 6°).
+constexpr double kMinComponent = 0.1;
 
 bool is_bone(const Voxmap& voxmap, const Vec3i& voxel) {
   return voxmap.grid.contains(voxel) && voxmap.grade.get(voxel) != 0;
@@ -39,7 +39,7 @@ bool has_air_beside(const Voxmap& voxmap, const Vec3i& voxel) {
   return false;
 }
 
-/// The stored bricks, the nearest to a point first, with a bound below their distance.
+/// The stored bricks and lower bounds of their distance from a point, the nearest first.
 std::vector<std::pair<double, Vec3i>> bricks_by_distance(const Voxmap& voxmap, const Vec3& point_mm) {
   const double side_mm = BrickLattice::kSide * voxmap.grid.voxel_mm;
   std::vector<std::pair<double, Vec3i>> out;
@@ -62,7 +62,7 @@ std::string vector_words(const Vec3& v, const char* format) {
   return words(format, v.x(), v.y(), v.z());
 }
 
-/// The keys that a frame came from, for messages.
+/// The keys of a frame, for messages.
 struct FrameKeys {
   std::string center, normal, superior;
 };
@@ -74,7 +74,7 @@ FrameKeys keys_of(const BoneSettings& settings) {
             at + "landmarks.inferior_angle_mm"};
   }
   if (settings.glenoid.center_mm) return {at + "center_mm", at + "normal", at + "superior"};
-  return {"bone.vdb.path", "bone.vdb.path", "bone.vdb.path"};  // the file's own
+  return {"bone.vdb.path", "bone.vdb.path", "bone.vdb.path"};
 }
 
 void check_center(const NearestSurface& nearest, const Vec3& center_mm, const FrameKeys& keys) {
@@ -88,7 +88,7 @@ void check_center(const NearestSurface& nearest, const Vec3& center_mm, const Fr
                        vector_words(nearest.point_mm, "(%.1f, %.1f, %.1f)"));
 }
 
-void check_normal(const BoneRound& bone, const Vec3& normal, const FrameKeys& keys, Report& report) {
+void check_normal(const NearbyBone& bone, const Vec3& normal, const FrameKeys& keys, Report& report) {
   const double angle_deg = std::acos(std::clamp(normal.dot(bone.outward), -1.0, 1.0)) * 180 / std::numbers::pi;
   if (bone.outward == Vec3::Zero() || angle_deg <= kOblique_deg) return;
   const std::string found =
@@ -104,7 +104,7 @@ void check_normal(const BoneRound& bone, const Vec3& normal, const FrameKeys& ke
               " degrees away from the direction out of the bone (" + keys.normal + "): " + found);
 }
 
-/// Whether axes mean what they mean in a patient: a mesh, a phantom and another program's VDB have their own.
+/// False for a mesh, a phantom and a VDB of another program, which have their own axes.
 bool in_patient_frame(const Bone& bone, const BoneSettings& settings) {
   return bone.voxmap->frame == "LPS" && (settings.source == BoneSource::ct || settings.source == BoneSource::vdb);
 }
@@ -113,14 +113,14 @@ void check_anatomy(const Bone& bone, const FrameKeys& keys, Report& report) {
   const Mat3 axes = bone.glenoid->bone_from_glenoid.linear();
   const double left = axes(0, 2), up = axes(2, 1);
   const std::string specimen = "; this may be meant only where the scan is not of a patient in the standard position";
-  const bool contradicts = (bone.side == BodySide::left && left < -kLeastComponent) ||
-                           (bone.side == BodySide::right && left > kLeastComponent);
+  const bool contradicts =
+      (bone.side == BodySide::left && left < -kMinComponent) || (bone.side == BodySide::right && left > kMinComponent);
   if (contradicts) {
     report.warn("bone.side is " + name_of(bone.side) + ", but the glenoid's normal points to the patient's " +
                 (left > 0 ? "left" : "right") + words(" (x = %.2f in LPS)", left) + ", as on a " +
                 (left > 0 ? "left" : "right") + " shoulder; check bone.side and " + keys.normal + specimen);
   }
-  if (up < -kLeastComponent) {
+  if (up < -kMinComponent) {
     report.warn("the glenoid's superior direction points down" + words(" (z = %.2f in LPS)", up) + "; check " +
                 keys.superior + specimen);
   }
@@ -137,7 +137,7 @@ std::optional<NearestSurface> nearest_surface(const Voxmap& voxmap, const Vec3& 
     for (int offset = 0; offset < GradeBricks::kVoxels; ++offset) {
       if (grades[static_cast<std::size_t>(offset)] == 0) continue;
       const Vec3i voxel = BrickLattice::voxel_at(coord, offset);
-      const Vec3 center = grid.center_mm(voxel.x(), voxel.y(), voxel.z());
+      const Vec3 center = grid.center_mm(voxel);
       const double distance_mm = (center - point_mm).norm();
       if (distance_mm >= out.distance_mm || !has_air_beside(voxmap, voxel)) continue;
       out.distance_mm = distance_mm;
@@ -149,28 +149,24 @@ std::optional<NearestSurface> nearest_surface(const Voxmap& voxmap, const Vec3& 
   return out;
 }
 
-BoneRound bone_round(const Voxmap& voxmap, const Vec3& point_mm, const Vec3& normal, double radius_mm) {
+NearbyBone nearby_bone(const Voxmap& voxmap, const Vec3& point_mm, const Vec3& normal, double radius_mm) {
   constexpr int kSamples = 30;  // along the radius, at most
   const double step_mm = std::max(voxmap.grid.voxel_mm, radius_mm / kSamples);
   const int reach = static_cast<int>(radius_mm / step_mm);
-  BoneRound out{.radius_mm = radius_mm};
+  NearbyBone out{.radius_mm = radius_mm};
   Vec3 sum = Vec3::Zero();
   std::int64_t ahead = 0, behind = 0;
-  for (int z = -reach; z <= reach; ++z) {
-    for (int y = -reach; y <= reach; ++y) {
-      for (int x = -reach; x <= reach; ++x) {
-        const Vec3 offset = step_mm * Vec3(x, y, z);
-        if (offset.norm() > radius_mm || !is_bone(voxmap, voxmap.grid.voxel_of(point_mm + offset))) continue;
-        (offset.dot(normal) > 0 ? ahead : behind) += 1;
-        sum += offset;
-      }
-    }
-  }
+  for_each_voxel(Vec3i::Constant(-reach), Vec3i::Constant(reach), [&](const Vec3i& sample) {
+    const Vec3 offset = step_mm * sample.cast<double>();
+    if (offset.norm() > radius_mm || !is_bone(voxmap, voxmap.grid.voxel_of(point_mm + offset))) return;
+    (offset.dot(normal) > 0 ? ahead : behind) += 1;
+    sum += offset;
+  });
   const double sample_mm3 = step_mm * step_mm * step_mm;
   out.ahead_mm3 = static_cast<double>(ahead) * sample_mm3;
   out.behind_mm3 = static_cast<double>(behind) * sample_mm3;
   const double centroid_mm = sum.norm() / std::max(1.0, static_cast<double>(ahead + behind));
-  if (centroid_mm > kLeastCentroid * radius_mm) out.outward = -sum.normalized();
+  if (centroid_mm > kMinCentroid * radius_mm) out.outward = -sum.normalized();
   return out;
 }
 
@@ -183,7 +179,7 @@ void check_glenoid_frame(const Bone& bone, const BoneSettings& settings, Mistake
   if (const auto nearest = nearest_surface(*bone.voxmap, center_mm)) {
     const bool near = mistakes.attempt([&] { check_center(*nearest, center_mm, keys); });
     if (near) {
-      const BoneRound round = bone_round(*bone.voxmap, center_mm, normal, nearest->distance_mm + kLook_mm);
+      const NearbyBone round = nearby_bone(*bone.voxmap, center_mm, normal, nearest->distance_mm + kBeyondSurface_mm);
       mistakes.attempt([&] { check_normal(round, normal, keys, report); });
     }
   }

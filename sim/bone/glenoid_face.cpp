@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <limits>
 #include <numbers>
 
 #include "sim/base/error.h"
@@ -24,7 +25,7 @@ double radians(double degrees) {
   throw InputError({}, std::string("bone.phantom.") + key, found, expected);
 }
 
-/// Height of a concave sphere's surface over its lowest point, at a distance from its axis.
+/// Height of a concave sphere above its lowest point, at a distance from its axis.
 double rise_mm(double radius_mm, double from_axis_mm) {
   return radius_mm - std::sqrt(radius_mm * radius_mm - from_axis_mm * from_axis_mm);
 }
@@ -53,7 +54,7 @@ GlenoidFace::GlenoidFace(const PhantomSettings& settings)
   place_center();
 }
 
-/// The humeral head, pushed in along the Friedman axis, its centre on a parallel of the native face's axis.
+/// The humeral head moves along the Friedman axis, with its centre on a parallel to the axis of the native face.
 void GlenoidFace::wear_concentrically(const PhantomSettings& settings) {
   if (settings.medialization_mm > settings.vault_depth_mm / 2) {
     fail("medialization_mm", "mm", settings.medialization_mm, "expected at most half of vault_depth_mm: %.4g mm",
@@ -63,22 +64,16 @@ void GlenoidFace::wear_concentrically(const PhantomSettings& settings) {
       {settings.wear_radius_mm * normal_ - settings.medialization_mm * Vec3::UnitX(), settings.wear_radius_mm});
 }
 
-/// How far the nominal outline reaches from the centre in a direction of the face.
+/// Distance of the nominal outline from the centre in a direction of the face.
 double GlenoidFace::outline_mm(double superior, double anterior) const {
-  double inside_mm = 0;
-  double outside_mm = height_mm_;
-  for (int i = 0; i < 60; ++i) {
-    const double middle_mm = (inside_mm + outside_mm) / 2;
-    const double beyond =
-        implicit::pear(middle_mm * anterior, middle_mm * superior, half_width_mm_ - height_mm_ / 2, half_width_mm_,
-                       height_mm_ / 2 - kUpperShare * half_width_mm_, kUpperShare * half_width_mm_);
-    (beyond < 0 ? inside_mm : outside_mm) = middle_mm;
-  }
-  return inside_mm;
+  return implicit::bisect(0, height_mm_, 60, [&](double at_mm) {
+    return implicit::pear(at_mm * anterior, at_mm * superior, half_width_mm_ - height_mm_ / 2, half_width_mm_,
+                          height_mm_ / 2 - kUpperRadiusRatio * half_width_mm_, kUpperRadiusRatio * half_width_mm_) < 0;
+  });
 }
 
-/// The humeral head, so that its ball passes through ridge and rim of the neoglenoid. All in the plane of the native
-/// axis and the wear direction.
+/// The ball of the humeral head passes through ridge and rim of the neoglenoid, in the plane of the native axis and the
+/// wear direction.
 void GlenoidFace::wear_one_side(const PhantomSettings& settings) {
   const double direction = radians(settings.wear_direction_deg);
   const double tilt = radians(settings.wear_tilt_deg);
@@ -136,10 +131,8 @@ std::optional<Vec3> GlenoidFace::at(double superior, double anterior) const {
 }
 
 double GlenoidFace::below_mm(const Vec3& point) const {
-  double out = (point - balls_[0].center_mm).norm() - balls_[0].radius_mm;
-  for (std::size_t i = 1; i < balls_.size(); ++i) {
-    out = std::min(out, (point - balls_[i].center_mm).norm() - balls_[i].radius_mm);
-  }
+  double out = std::numeric_limits<double>::infinity();
+  for (const Ball& ball : balls_) out = std::min(out, (point - ball.center_mm).norm() - ball.radius_mm);
   return out;
 }
 

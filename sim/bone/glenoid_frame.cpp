@@ -7,8 +7,8 @@ namespace reamsim {
 
 namespace {
 
-/// Directions closer than about half a degree say nothing about the third axis.
-constexpr double kLeastSine = 0.01;
+/// Directions closer than about half a degree do not determine the third axis.
+constexpr double kMinSine = 0.01;
 
 [[noreturn]] void fail_frame(const std::string& key, const std::string& found, const std::string& expected) {
   throw InputError({}, key, found, expected);
@@ -23,8 +23,9 @@ Vec3 unit(const Vec3& v, const std::string& key) {
 /// +z along `normal`, +y the part of `superior` perpendicular to it.
 GlenoidFrame make_frame(const Vec3& center_mm, const Vec3& normal, const Vec3& superior, const std::string& key) {
   const Vec3 across = superior - superior.dot(normal) * normal;
-  if (across.norm() < kLeastSine)
+  if (across.norm() < kMinSine) {
     fail_frame(key, "parallel to the normal", "expected a direction across the glenoid's face");
+  }
   const Vec3 y = across.normalized();
   GlenoidFrame out;
   out.bone_from_glenoid.linear() << y.cross(normal), y, normal;
@@ -37,7 +38,7 @@ GlenoidFrame frame_from_landmarks(const LandmarkSettings& marks) {
   const Vec3 lateral = unit(marks.glenoid_center_mm - marks.trigonum_spinae_mm, key + ".trigonum_spinae_mm");
   const Vec3 superior = unit(marks.glenoid_center_mm - marks.inferior_angle_mm, key + ".inferior_angle_mm");
   const Vec3 across = superior - superior.dot(lateral) * lateral;
-  if (across.norm() < kLeastSine) fail_frame(key, "three points on a line", "expected a triangle: the scapular plane");
+  if (across.norm() < kMinSine) fail_frame(key, "three points on a line", "expected a triangle: the scapular plane");
   return make_frame(marks.glenoid_center_mm, lateral, superior, key);
 }
 

@@ -2,26 +2,23 @@
 
 #include <numbers>
 
-#include "sim/bone/implicit.h"
-
 namespace reamsim {
 
 namespace {
 
-constexpr double kUpperShare = GlenoidFace::kUpperShare;
+constexpr double kUpperRadiusRatio = GlenoidFace::kUpperRadiusRatio;
 
 using implicit::pear;
 using implicit::polygon;
 using implicit::smooth_intersection;
 using implicit::smooth_union;
 using implicit::smoothstep;
-using implicit::tapered_rod;
 
 constexpr double kRimBlend_mm = 2.4;       // rounds the rim to a radius of about 1.2 mm
-constexpr double kWornRimBlend_mm = 4;     // where the head has ground the rim to an acute edge
-constexpr double kRimLoss_mm = 0.35;       // what the rounding takes off the outline, given back
+constexpr double kWornRimBlend_mm = 4;     // for the acute rim of a worn face
+constexpr double kRimLoss_mm = 0.35;       // compensates the loss of outline by the rounding
 constexpr double kStumpLength_mm = 17;     // of blade, border and spine behind the neck
-constexpr double kReferenceWidth_mm = 26;  // the proportions below were drawn for this face
+constexpr double kReferenceWidth_mm = 26;  // the face of the proportions below
 constexpr double kReferenceHeight_mm = 35;
 constexpr double kReferenceVault_mm = 28;
 
@@ -64,7 +61,7 @@ void GlenoidShape::place_stumps() {
                     outline_at(-60, -16, wide), outline_at(-60, 0, wide)};
   bounds_mm_ = {Vec3(medial_end_mm_, -39 * tall - 5 * thick, -19 * wide - 5 * thick),
                 Vec3(4 + 5 * thick, 26 * tall + 6 * thick, 27 * wide + 6 * thick)};
-  // A tilted face swings its rim out of the box of the upright one.
+  // The rim of a tilted face extends beyond the box of the upright one.
   const double reach_mm = std::hypot(half_width_mm_, height_mm_ / 2) + 2;
   const double rim_mm =
       face_radius_mm_ - std::sqrt(std::max(face_radius_mm_ * face_radius_mm_ - reach_mm * reach_mm, 0.0));
@@ -74,35 +71,35 @@ void GlenoidShape::place_stumps() {
   bounds_mm_.min = bounds_mm_.min.cwiseMin(Vec3(medial_end_mm_, -reach_mm - rim_mm, -reach_mm - rim_mm));
 }
 
-/// (normal, superior, anterior) of the face near it, of the body near the neck, bent from one to the other between.
+/// Coordinates of the face near the face, those of the body near the neck, with a smooth transition.
 Vec3 GlenoidShape::in_face(const Vec3& point) const {
   const double turned = smoothstep(-vault_depth_mm_, -0.35 * vault_depth_mm_, point.x());
   return point + turned * (face_.face_from_anatomy() * point - point);
 }
 
-/// The pear from the face's outline to that of the neck, fast behind the rim and slower further in.
+/// The pear narrows from the outline of the face to that of the neck, faster near the rim.
 double GlenoidShape::vault(const Vec3& q) const {
   const double depth = -q.x();
-  const double share = std::clamp(depth / vault_depth_mm_, 0.0, 1.0);
-  const double narrowing = 1 - std::pow(1 - share, 1.9);
-  const double curl_mm = 0.25 * std::max(-depth, 0.0);  // outside the face plane the rim leans in
+  const double fraction = std::clamp(depth / vault_depth_mm_, 0.0, 1.0);
+  const double narrowing = 1 - std::pow(1 - fraction, 1.9);
+  const double curl_mm = 0.25 * std::max(-depth, 0.0);  // in front of the face plane the rim leans inwards
   const double low_radius = half_width_mm_ * (1 - 0.55 * narrowing) + kRimLoss_mm - curl_mm;
-  const double high_radius = kUpperShare * half_width_mm_ * (1 - 0.30 * narrowing) + kRimLoss_mm - curl_mm;
+  const double high_radius = kUpperRadiusRatio * half_width_mm_ * (1 - 0.30 * narrowing) + kRimLoss_mm - curl_mm;
   const double low = -(height_mm_ / 2 - half_width_mm_) - 0.045 * height_mm_ * narrowing;
-  const double high = height_mm_ / 2 - kUpperShare * half_width_mm_ - 0.03 * height_mm_ * narrowing;
+  const double high = height_mm_ / 2 - kUpperRadiusRatio * half_width_mm_ - 0.03 * height_mm_ * narrowing;
   const double notch_at = (q.y() - 0.19 * height_mm_) / (0.11 * height_mm_);
   const double notch_mm = 0.13 * half_width_mm_ * std::exp(-notch_at * notch_at) *
                           smoothstep(0, 0.5 * half_width_mm_, q.z()) * (1 - narrowing);
   return pear(q.z(), q.y(), low, low_radius, high, high_radius) + notch_mm;
 }
 
-/// Width over which the rim is rounded: everywhere the same, but for the posteroinferior part of a dysplastic face.
+/// Width of the rim's rounding: uniform except at the posteroinferior part of a dysplastic face.
 double GlenoidShape::rim_blend_mm(const Vec3& q) const {
   const double posteroinferior_mm = -0.5 * q.y() - 0.5 * std::numbers::sqrt3 * q.z();
   return rim_mm_ + (posteroinferior_rim_mm_ - rim_mm_) * smoothstep(0, 0.8 * half_width_mm_, posteroinferior_mm);
 }
 
-/// The thin plate between lateral border, spine and upper edge, hollow in front; thicker towards the neck.
+/// The thin plate between lateral border, spine and upper edge: concave in front, thicker towards the neck.
 double GlenoidShape::blade(const Vec3& point) const {
   const double middle_mm = -0.0035 * point.y() * point.y() * smoothstep(-12, -40, point.x());
   const double half_thickness_mm = 1.7 + 1.6 * smoothstep(-38, -22, point.x());
@@ -114,17 +111,13 @@ double GlenoidShape::spine(const Vec3& point) const {
   const double middle_mm = 9 - 0.28 * point.z();
   const double fin =
       smooth_intersection(std::abs(point.y() - middle_mm) - 1.9, polygon({point.x(), point.z()}, spine_outline_), 2.0);
-  return smooth_union(fin, tapered_rod(point, crest_.a, crest_.radius_a, crest_.b, crest_.radius_b), 5.0);
+  return smooth_union(fin, crest_.distance(point), 5.0);
 }
 
 double GlenoidShape::stumps(const Vec3& point) const {
-  double out = tapered_rod(point, coracoid_[0].a, coracoid_[0].radius_a, coracoid_[0].b, coracoid_[0].radius_b);
-  for (std::size_t i = 1; i < coracoid_.size(); ++i) {
-    const Rod& rod = coracoid_[i];
-    out = smooth_union(out, tapered_rod(point, rod.a, rod.radius_a, rod.b, rod.radius_b), 4.0);
-  }
-  const double border = tapered_rod(point, border_.a, border_.radius_a, border_.b, border_.radius_b);
-  const double body = smooth_union(smooth_union(blade(point), border, 6.0), spine(point), 5.0);
+  double out = coracoid_[0].distance(point);
+  for (std::size_t i = 1; i < coracoid_.size(); ++i) out = smooth_union(out, coracoid_[i].distance(point), 4.0);
+  const double body = smooth_union(smooth_union(blade(point), border_.distance(point), 6.0), spine(point), 5.0);
   return smooth_union(out, body, 4.0);
 }
 
@@ -136,14 +129,11 @@ std::vector<Vec3> GlenoidShape::rim_mm() const {
     const auto at = [&](double from_axis_mm) {
       return face_.at(from_axis_mm * std::sin(angle), from_axis_mm * std::cos(angle));
     };
-    double inside_mm = 0;
-    double outside_mm = height_mm_;
-    for (int i = 0; i < 50; ++i) {
-      const double middle_mm = (inside_mm + outside_mm) / 2;
-      const std::optional<Vec3> point = at(middle_mm);
-      (point && vault(in_face(*point)) < 0 ? inside_mm : outside_mm) = middle_mm;
-    }
-    if (const std::optional<Vec3> point = at(inside_mm)) out.push_back(*point);
+    const double rim_at_mm = implicit::bisect(0, height_mm_, 50, [&](double from_axis_mm) {
+      const std::optional<Vec3> point = at(from_axis_mm);
+      return point && vault(in_face(*point)) < 0;
+    });
+    if (const std::optional<Vec3> point = at(rim_at_mm)) out.push_back(*point);
   }
   return out;
 }

@@ -3,31 +3,32 @@
 #include <vector>
 
 #include "sim/bone/glenoid_face.h"
+#include "sim/bone/implicit.h"
 
 namespace reamsim {
 
 /// The parametric glenoid as an implicit solid: a pear-shaped, concave face with an anterior notch and a rounded rim,
-/// the vault that narrows to the neck, and the stumps of coracoid, spine, blade and lateral border. Wear takes from it;
-/// a dysplastic one (Walch C) has its posteroinferior rim rounded off.
+/// the vault that narrows to the neck, and the stumps of coracoid, spine, blade and lateral border. Wear removes bone
+/// from it; a dysplastic glenoid (Walch C) has a rounded posteroinferior rim.
 ///
-/// Anatomical coordinates of GlenoidFace, mm: (lateral, superior, anterior). They are a mirror image of B
-/// on a right bone, so that one shape serves both sides. Proportions: width and height of the face, depth of the vault
-/// and radius of the face come from the scenario; the rest follows them.
+/// Anatomical coordinates of GlenoidFace, mm: (lateral, superior, anterior). On a right bone they are a mirror image of
+/// B, so that one shape describes both sides. All proportions follow from width, height and radius of the face and from
+/// the depth of the vault.
 class GlenoidShape {
  public:
   explicit GlenoidShape(const PhantomSettings& settings);
 
-  /// Changes of solid() per mm stay below this.
-  static constexpr double kSteepest = 2.5;
+  /// Upper bound of the slope of solid().
+  static constexpr double kMaxSlope = 2.5;
 
-  /// Negative inside the bone, about the distance to its surface near it. The stumps go on beyond medial_end_mm().
+  /// Negative inside the bone, near its surface about the distance from it. The stumps extend beyond medial_end_mm().
   [[nodiscard]] double solid(const Vec3& point) const;
   [[nodiscard]] const GlenoidFace& face() const { return face_; }
-  /// The edge of the face before the rim is rounded, in order round it, mm.
+  /// The edge of the face before the rim is rounded, in order, mm.
   [[nodiscard]] std::vector<Vec3> rim_mm() const;
-  /// The plane lateral = this value ends the stumps, mm.
+  /// The stumps end at this lateral coordinate, mm.
   [[nodiscard]] double medial_end_mm() const { return medial_end_mm_; }
-  /// Box that holds the solid up to the medial end.
+  /// Bounding box of the solid up to the medial end.
   [[nodiscard]] const Aabb& bounds_mm() const { return bounds_mm_; }
 
  private:
@@ -37,6 +38,10 @@ class GlenoidShape {
     double radius_a = 0;
     Vec3 b;
     double radius_b = 0;
+
+    [[nodiscard]] double distance(const Vec3& point) const {
+      return implicit::tapered_rod(point, a, radius_a, b, radius_b);
+    }
   };
 
   void place_stumps();
@@ -52,7 +57,7 @@ class GlenoidShape {
   double height_mm_;
   double face_radius_mm_;
   double vault_depth_mm_;
-  double rim_mm_;  ///< width over which the rim is rounded
+  double rim_mm_;  ///< width of the rim's rounding
   double posteroinferior_rim_mm_;
   double medial_end_mm_ = 0;
   std::vector<Rod> coracoid_;

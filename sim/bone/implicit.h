@@ -8,15 +8,15 @@
 
 namespace reamsim::implicit {
 
-// Solids as functions: negative inside, about the distance to the surface in mm near it.
+// Solids as functions: negative inside, near the surface about the distance from it in mm.
 
-/// 0 below `from`, 1 above `to`, smooth between; falls instead when `from` > `to`.
+/// 0 below `from`, 1 above `to`, smooth between; decreasing if `from` > `to`.
 inline double smoothstep(double from, double to, double x) {
   const double t = std::clamp((x - from) / (to - from), 0.0, 1.0);
   return t * t * (3 - 2 * t);
 }
 
-/// Union of two solids whose seam is filled with a fillet about `blend_mm` wide.
+/// Union of two solids with a fillet of about `blend_mm` in width.
 inline double smooth_union(double a, double b, double blend_mm) {
   const double h = std::max(blend_mm - std::abs(a - b), 0.0) / blend_mm;
   return std::min(a, b) - 0.25 * h * h * blend_mm;
@@ -29,12 +29,48 @@ inline double smooth_intersection(double a, double b, double blend_mm) {
 
 /// Outline of two circles and their outer tangents, exact distance. Circle `low` about (0, low_y), circle `high` about
 /// (0, high_y > low_y).
-double pear(double x, double y, double low_y, double low_radius, double high_y, double high_radius);
+inline double pear(double x, double y, double low_y, double low_radius, double high_y, double high_radius) {
+  const double across = std::abs(x);
+  const double up = y - low_y;
+  const double height = high_y - low_y;
+  const double sine = (low_radius - high_radius) / height;  // of the angle between the tangents and the axis
+  const double cosine = std::sqrt(std::max(1 - sine * sine, 0.0));
+  const double along = cosine * up - sine * across;
+  if (along < 0) return std::hypot(across, up) - low_radius;
+  if (along > cosine * height) return std::hypot(across, up - height) - high_radius;
+  return cosine * across + sine * up - low_radius;
+}
 
-/// A rod from `a` to `b` whose radius goes linearly from `radius_a` to `radius_b`.
-double tapered_rod(const Vec3& point, const Vec3& a, double radius_a, const Vec3& b, double radius_b);
+/// A rod from `a` to `b` whose radius varies linearly from `radius_a` to `radius_b`.
+inline double tapered_rod(const Vec3& point, const Vec3& a, double radius_a, const Vec3& b, double radius_b) {
+  const Vec3 axis = b - a;
+  const double fraction = std::clamp((point - a).dot(axis) / axis.squaredNorm(), 0.0, 1.0);
+  return (point - a - fraction * axis).norm() - (radius_a + fraction * (radius_b - radius_a));
+}
 
 /// A simple polygon in the plane, exact signed distance.
-double polygon(const Vec2& point, const std::vector<Vec2>& corners);
+inline double polygon(const Vec2& point, const std::vector<Vec2>& corners) {
+  double nearest2 = (point - corners[0]).squaredNorm();
+  bool inside = false;
+  for (std::size_t i = 0, j = corners.size() - 1; i < corners.size(); j = i++) {
+    const Vec2 edge = corners[j] - corners[i];
+    const Vec2 from = point - corners[i];
+    const double fraction = std::clamp(from.dot(edge) / edge.squaredNorm(), 0.0, 1.0);
+    nearest2 = std::min(nearest2, (from - fraction * edge).squaredNorm());
+    const bool crosses = (corners[i].y() > point.y()) != (corners[j].y() > point.y());
+    if (crosses && from.x() < edge.x() * from.y() / edge.y()) inside = !inside;
+  }
+  return (inside ? -1 : 1) * std::sqrt(nearest2);
+}
+
+/// The last argument inside after `steps` halvings of the interval between one inside and one outside.
+template <class Inside>
+double bisect(double inside, double outside, int steps, const Inside& is_inside) {
+  for (int i = 0; i < steps; ++i) {
+    const double middle = (inside + outside) / 2;
+    (is_inside(middle) ? inside : outside) = middle;
+  }
+  return inside;
+}
 
 }  // namespace reamsim::implicit

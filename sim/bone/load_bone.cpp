@@ -28,25 +28,22 @@ Bone bone_from_source(const BoneSettings& settings, Report& report) {
   return bone_from_vdb(settings, report);
 }
 
-/// Whether both bone and air lie within a cube about a point: there is a surface near it.
+/// Whether a cube around a point contains both bone and air.
 bool has_surface_near(const Voxmap& voxmap, const Vec3& point_mm, double within_mm) {
   const VoxelGrid& grid = voxmap.grid;
-  // One voxel beyond the lattice stands for all the air there.
+  // One layer of voxels beyond the lattice represents all air there.
   const Vec3i first = grid.voxel_of(point_mm - Vec3::Constant(within_mm)).cwiseMax(-1);
   const Vec3i last = grid.voxel_of(point_mm + Vec3::Constant(within_mm)).cwiseMin(grid.dims);
   bool bone = false;
   bool air = false;
-  for (int z = first.z(); z <= last.z(); ++z) {
-    for (int y = first.y(); y <= last.y(); ++y) {
-      for (int x = first.x(); x <= last.x() && !(bone && air); ++x) {
-        (grid.contains(Vec3i(x, y, z)) && voxmap.grade.get({x, y, z}) != 0 ? bone : air) = true;
-      }
-    }
-  }
+  for_each_voxel(first, last, [&](const Vec3i& voxel) {
+    if (bone && air) return;
+    (grid.contains(voxel) && voxmap.grade.get(voxel) != 0 ? bone : air) = true;
+  });
   return bone && air;
 }
 
-/// The rim that a scenario gives must be this bone's. Throws InputError.
+/// Throws InputError if the rim of the scenario does not lie on this bone.
 void require_surface_near(const Voxmap& voxmap, const std::vector<Vec3>& rim_mm) {
   constexpr double kWithin_mm = 5;
   for (std::size_t i = 0; i < rim_mm.size(); ++i) {
@@ -74,7 +71,7 @@ void drill(Bone& bone, const PilotHoleSettings& hole, bool partial, Report& repo
   }
 }
 
-/// Says where the scenario, which wins, contradicts what the VDB knows.
+/// Notes where the scenario, which has priority, contradicts the VDB.
 void note_contradictions(const BoneSettings& settings, const StoredAnatomy& stored, Report& report) {
   char text[200];
   if (settings.side != BodySide::unknown && stored.side != BodySide::unknown && settings.side != stored.side) {
@@ -99,7 +96,7 @@ void note_contradictions(const BoneSettings& settings, const StoredAnatomy& stor
 /// With landmarks the normal is the Friedman axis.
 void set_scapula(Bone& bone) {
   if (!bone.landmarks) return;
-  GlenoidSettings marks;  // glenoid_frame() asks for the side
+  GlenoidSettings marks;
   marks.landmarks = bone.landmarks;
   bone.scapula = axes_of(*glenoid_frame(marks, bone.side), bone.side);
 }
@@ -113,7 +110,7 @@ void Bone::set_voxels(FilledVoxmap&& voxels) {
 
 FilledVoxmap Bone::take_voxels() {
   FilledVoxmap out;
-  // Made by set_voxels() as a Voxmap that may change.
+  // set_voxels() created it as a mutable Voxmap.
   static_cast<Voxmap&>(out) = std::move(const_cast<Voxmap&>(*voxmap));
   out.fill = std::move(fill);
   voxmap.reset();

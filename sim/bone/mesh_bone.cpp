@@ -7,10 +7,9 @@
 #include "sim/bone/bone.h"
 #include "sim/bone/mesh_unit.h"
 #include "sim/bone/sample_phantom.h"
+#include "sim/bone/voxmap/cube_fraction.h"
 #include "sim/bone/voxmap/lattice.h"
-#include "sim/bone/voxmap/sample_bricks.h"
-#include "sim/bone/voxmap/surface_share.h"
-#include "sim/bone/voxmap/surface_voxels.h"
+#include "sim/bone/voxmap/sample_voxels.h"
 #include "sim/mesh/mesh_check.h"
 #include "sim/mesh/mesh_distance.h"
 #include "sim/mesh/mesh_io.h"
@@ -20,7 +19,7 @@ namespace reamsim {
 
 namespace {
 
-/// A voxelised volume further from the mesh's own than this was flooded, or fills what should be hollow.
+/// Largest relative deviation of the voxelized volume from that of the mesh.
 constexpr double kMaxVolumeError = 0.1;
 
 std::string format(const char* pattern, double a, double b = 0, double c = 0) {
@@ -33,7 +32,7 @@ std::string format(const char* pattern, double a, double b = 0, double c = 0) {
 openvdb::FloatGrid::Ptr signed_distance(const std::string& path, const TriangleMesh& mesh, const VoxelGrid& grid,
                                         double inner_voxels) {
   try {
-    return mesh_distance(mesh, {.first_mm = grid.center_mm(0, 0, 0),
+    return mesh_distance(mesh, {.first_mm = grid.center_mm({0, 0, 0}),
                                 .spacing_mm = grid.voxel_mm,
                                 .outer_spacings = kMarginVoxels - 1,
                                 .inner_spacings = inner_voxels});
@@ -58,7 +57,7 @@ struct GradesByDepth {
   }
 };
 
-/// One brick; the lattice is made of whole ones. Bricks and the distance grid's leaves are the same blocks.
+/// Bricks and leaves of the distance grid are the same blocks of voxels.
 bool grade_brick(const openvdb::FloatTree& distance, const GradesByDepth& by_depth, const Vec3i& brick_coord,
                  GradeBricks::Brick& out) {
   using Leaf = openvdb::FloatTree::LeafNodeType;
@@ -90,23 +89,18 @@ FilledVoxmap grades_from_distance(const openvdb::FloatGrid& distance, const Voxe
   return voxmap;
 }
 
-/// The distance grid between its voxels' centres, by voxel indices.
+/// The distance grid, interpolated between the centres of its voxels.
 class DistanceBetween {
  public:
   explicit DistanceBetween(const openvdb::FloatTree& distance) : distance_(distance) {}
 
   [[nodiscard]] double operator()(const Vec3& index) const {
     const Vec3 base = index.array().floor();
-    const Vec3 share = index - base;
     double sum = 0;
-    for (int corner = 0; corner < 8; ++corner) {
-      const Vec3i step(corner & 1, corner >> 1 & 1, corner >> 2);
-      double weight = 1;
-      for (int axis = 0; axis < 3; ++axis) weight *= step[axis] != 0 ? share[axis] : 1 - share[axis];
-      if (weight == 0) continue;  // at the centres themselves, which are asked most
+    for_each_trilinear_weight(index - base, [&](const Vec3i& step, double weight) {
       const Vec3i at = base.cast<int>() + step;
       sum += weight * double{distance_.getValue({at.x(), at.y(), at.z()})};
-    }
+    });
     return sum;
   }
 
@@ -114,20 +108,20 @@ class DistanceBetween {
   const openvdb::FloatTree& distance_;
 };
 
-/// Fill by the distance of the surface. Densities are those of a depth, so none has air in it.
-void part_surface(const openvdb::FloatTree& distance, const GradesByDepth& by_depth, FilledVoxmap& voxmap) {
+/// Sets the fill by the distance of the surface. Grades depend on the depth only: there is no partial volume.
+void set_fill_at_surface(const openvdb::FloatTree& distance, const GradesByDepth& by_depth, FilledVoxmap& voxmap) {
   const DistanceBetween between(distance);
   const std::uint8_t outermost = by_depth.grade(-std::numeric_limits<float>::min());
   const auto sample = [&](const Vec3i& voxel, std::uint8_t grade) -> SurfaceVoxel {
     const double away = double{distance.getValue({voxel.x(), voxel.y(), voxel.z()})};
     const std::uint8_t bone = grade != 0 ? grade : outermost;
     if (std::abs(away) > RS_CLIP_REACH) return {away < 0 ? 1.0 : 0.0, bone};
-    return {share_inside(between, voxel.cast<double>(), 1), bone};
+    return {fraction_inside(between, voxel.cast<double>(), 1), bone};
   };
-  part_surface_voxels(sample, voxmap);
+  set_partial_fill(sample, voxmap);
 }
 
-/// The mesh of the scenario, made fit for meshToVolume or refused.
+/// The mesh of the scenario, repaired if requested. Throws InputError if meshToVolume cannot use it.
 TriangleMesh checked_mesh(const MeshBoneSettings& settings, Report& report) {
   TriangleMesh mesh = read_mesh(settings.path, settings.scale);
   const MeshDiagnosis found = diagnose(mesh);
@@ -152,22 +146,21 @@ TriangleMesh checked_mesh(const MeshBoneSettings& settings, Report& report) {
   return mesh;
 }
 
-/// The most that bricks with bone can take of the mesh's box: its volume, and the bricks that the surface passes. A
-/// surface of area A passes at most √3·A/b² bricks of side b, and a few more where its triangles meet.
-double bone_share(const TriangleMesh& mesh, double voxel_mm) {
+/// Upper bound of the fraction of the mesh's box in bricks with bone: the volume, and the bricks at the surface. A
+/// surface of area A intersects about √3·A/b² bricks of side b.
+double bone_fraction(const TriangleMesh& mesh, double voxel_mm) {
   constexpr double kPassed = 2;
   double area_mm2 = 0;
-  for (const auto& [a, b, c] : mesh.triangles) {
-    const Vec3& corner = mesh.vertices[static_cast<std::size_t>(a)];
-    const Vec3 along = mesh.vertices[static_cast<std::size_t>(b)] - corner;
-    area_mm2 += 0.5 * along.cross(mesh.vertices[static_cast<std::size_t>(c)] - corner).norm();
+  for (const auto& triangle : mesh.triangles) {
+    const auto [a, b, c] = mesh.corners(triangle);
+    area_mm2 += 0.5 * (b - a).cross(c - a).norm();
   }
   const double brick_mm = GradeBricks::kSide * voxel_mm;
   const double box_mm3 = mesh.bounds().half().prod() * 8;
   return std::min(1.0, (std::abs(mesh.volume_mm3()) + kPassed * area_mm2 * brick_mm) / box_mm3);
 }
 
-/// Compares the voxels with the mesh: a leak empties them, a wrong side fills too much.
+/// Compares the volume of the voxels with that of the mesh, to detect leaks and filled cavities.
 void check_volume(const MeshBoneSettings& settings, double voxels_mm3, double mesh_mm3, Report& report) {
   const double error = std::abs(voxels_mm3 - mesh_mm3) / mesh_mm3;
   report.note(format("bone volume: %.0f mm^3 in voxels, %.0f mm^3 in the mesh", voxels_mm3, mesh_mm3));
@@ -189,7 +182,7 @@ FilledVoxmap voxmap_from_mesh(const BoneSettings& settings, Report& report) {
   const bool has_glenoid = settings.glenoid.center_mm || settings.glenoid.landmarks;
   check_mesh_unit(bone.path, mesh.bounds(), bone.scale, has_glenoid, report);
   const VoxelGrid grid = lattice_around(bone.path, mesh.bounds(), settings.voxel_mm, kMarginVoxels,
-                                        {bone_share(mesh, settings.voxel_mm), kMeshBytesPerVoxel});
+                                        {bone_fraction(mesh, settings.voxel_mm), kMeshBytesPerVoxel});
   const double cortical_voxels = bone.cortical_mm / settings.voxel_mm;
   const auto distance = signed_distance(bone.path, mesh, grid, cortical_voxels + 2);
 
@@ -203,7 +196,7 @@ FilledVoxmap voxmap_from_mesh(const BoneSettings& settings, Report& report) {
     throw InputError({bone.path, 0, 0}, "bone.voxel_mm", "the mesh contains no voxel centre",
                      "use smaller voxels, a larger bone.mesh.scale, or a closed mesh");
   }
-  if (settings.surface_voxels == SurfaceVoxels::partial) part_surface(distance->tree(), by_depth, voxmap);
+  if (settings.surface_voxels == SurfaceVoxels::partial) set_fill_at_surface(distance->tree(), by_depth, voxmap);
   check_volume(bone, voxmap.bone_mm3(), std::abs(mesh.volume_mm3()), report);
   return voxmap;
 }

@@ -19,11 +19,11 @@ struct LengthRange {
   [[nodiscard]] bool contains(double mm) const { return mm >= least_mm && mm <= most_mm; }
 };
 
-/// From a glenoid cut out of its bone to the longest bone that has one, with room.
+/// From an isolated glenoid to a long bone with a glenoid.
 constexpr LengthRange kBoneWithGlenoid{20, 400};
-/// Without a frame: beyond this a mistake of unit is likely.
+/// Without a glenoid frame; beyond this the unit is probably wrong.
 constexpr LengthRange kAnySolid{10, 400};
-/// Superior to inferior, of an adult; what a scale is estimated from where no unit fits.
+/// Superior to inferior, of an adult; for the estimate of a scale if no unit fits.
 constexpr double kScapula_mm = 150;
 constexpr LengthRange kScapulas{100, 220};
 
@@ -41,7 +41,7 @@ std::string print(const char* pattern, Values... values) {
   return text;
 }
 
-/// The units that bring the length into the range, the one nearest to a scapula's first.
+/// The units for which the length lies in the range, sorted by the similarity to a scapula.
 std::vector<LengthUnit> units_that_fit(double file_length, const LengthRange& range) {
   std::vector<LengthUnit> out;
   std::ranges::copy_if(kUnits, std::back_inserter(out),
@@ -51,7 +51,7 @@ std::vector<LengthUnit> units_that_fit(double file_length, const LengthRange& ra
   return out;
 }
 
-/// The scales that would fit, the likeliest first: a unit's, unless none gives about a scapula.
+/// The scales that would fit, the most likely first: that of a unit, or else the estimate from a scapula.
 std::string scale_advice(double file_length) {
   std::vector<std::string> scales;
   const std::vector<LengthUnit> units = units_that_fit(file_length, kBoneWithGlenoid);

@@ -1,4 +1,4 @@
-#include "sim/bone/phantom_blocks.h"
+#include "sim/bone/phantom.h"
 
 #include <cmath>
 #include <cstdio>
@@ -6,8 +6,8 @@
 
 #include "sim/base/error.h"
 #include "sim/bone/sample_phantom.h"
+#include "sim/bone/voxmap/cube_fraction.h"
 #include "sim/bone/voxmap/lattice.h"
-#include "sim/bone/voxmap/surface_share.h"
 
 namespace reamsim {
 
@@ -39,14 +39,7 @@ GlenoidFrame frame_at(const Vec3& origin_mm) {
   return frame;
 }
 
-/// Part of a voxel that lies in a box.
-double share_in_box(const Aabb& box, const Vec3& center_mm, double voxel_mm) {
-  const Vec3 half = Vec3::Constant(voxel_mm / 2);
-  const Vec3 common = (center_mm + half).cwiseMin(box.max) - (center_mm - half).cwiseMax(box.min);
-  return (common.cwiseMax(0) / voxel_mm).prod();
-}
-
-/// `carved`: a solid that was taken out of the block, negative inside it.
+/// `carved`: a solid that is removed from the block, negative inside.
 Bone make_block(const BoneSettings& settings, const DensityField& density_in_block,
                 const std::function<double(const Vec3&)>& carved = {}) {
   const Aabb box = block_mm(settings.phantom);
@@ -57,8 +50,8 @@ Bone make_block(const BoneSettings& settings, const DensityField& density_in_blo
   PartialField partial;
   if (settings.surface_voxels == SurfaceVoxels::partial) {
     partial = [&](const Vec3& center) -> PartialVoxel {
-      const double left = carved ? 1 - share_inside(carved, center, grid.voxel_mm) : 1;
-      return {left * share_in_box(box, center, grid.voxel_mm),
+      const double fraction = carved ? 1 - fraction_inside(carved, center, grid.voxel_mm) : 1;
+      return {fraction * fraction_in_box(box, center, grid.voxel_mm),
               density_in_block(center.cwiseMax(box.min).cwiseMin(box.max))};
     };
   }
@@ -119,10 +112,20 @@ Bone sphere_phantom(const BoneSettings& settings) {
   if (settings.surface_voxels == SurfaceVoxels::partial) {
     partial = [=](const Vec3& voxel) -> PartialVoxel {
       const auto distance = [radius](const Vec3& point) { return point.norm() - radius; };
-      return {share_inside(distance, voxel, grid.voxel_mm), density};
+      return {fraction_inside(distance, voxel, grid.voxel_mm), density};
     };
   }
   return Bone(sample_phantom(grid, settings.density, field, partial), frame_at({0, 0, radius}));
+}
+
+Bone bone_from_phantom(const BoneSettings& settings, Report& report) {
+  const PhantomShape shape = settings.phantom.shape;
+  report.note("phantom: " + name_of(shape));
+  if (shape == PhantomShape::half_space) return half_space_phantom(settings);
+  if (shape == PhantomShape::cup) return cup_phantom(settings);
+  if (shape == PhantomShape::sphere) return sphere_phantom(settings);
+  if (shape == PhantomShape::layered) return layered_phantom(settings);
+  return glenoid_phantom(settings, report);
 }
 
 }  // namespace reamsim

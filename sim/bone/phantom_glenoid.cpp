@@ -1,4 +1,4 @@
-#include "sim/bone/phantom_glenoid.h"
+#include "sim/bone/phantom.h"
 
 #include <cmath>
 #include <cstdio>
@@ -9,21 +9,21 @@
 #include "sim/bone/implicit.h"
 #include "sim/bone/sample_phantom.h"
 #include "sim/bone/value_noise.h"
+#include "sim/bone/voxmap/cube_fraction.h"
 #include "sim/bone/voxmap/lattice.h"
-#include "sim/bone/voxmap/surface_share.h"
 
 namespace reamsim {
 
 namespace {
 
-constexpr double kWallVariation = 0.1;  // of the thickness of plate and wall, either way
-constexpr double kWallPatch_mm = 7;     // over this length
+constexpr double kWallVariation = 0.1;  // relative variation of the thickness of plate and wall
+constexpr double kWallPatch_mm = 7;     // length of this variation
 constexpr double kTransition_mm = 0.5;  // from cortical to trabecular density
-constexpr double kTexture_mm = 1.1;     // trabecular spacing of the order of 1 mm, drawn out along the load
+constexpr double kTexture_mm = 1.1;     // trabecular spacing of the order of 1 mm, stretched along the load
 constexpr double kTextureStretch = 2.0;
-constexpr double kPlateReach_mm = 7;  // how far below the plate trabecular bone is denser
+constexpr double kPlateReach_mm = 7;  // depth below the plate in which trabecular bone is denser
 constexpr double kGradientStep_mm = 0.05;
-constexpr double kScapulaHeight_mm = 35;  // of a face whose scapula has the landmarks below
+constexpr double kScapulaHeight_mm = 35;  // height of the face of a scapula with the landmarks below
 const Vec3 kTrigonum_mm(-105, 0, 0);
 const Vec3 kInferiorAngle_mm(-80, -110, 0);
 
@@ -42,34 +42,33 @@ class GlenoidDensity {
     const double below_face_mm = shape_.face().below_mm(point);
     const double depth_mm = depth(point, solid);
     const double wall_mm = wall_thickness(point, below_face_mm);
-    const double cortical_share =
+    const double cortical_fraction =
         1 - implicit::smoothstep(wall_mm - kTransition_mm / 2, wall_mm + kTransition_mm / 2, depth_mm);
     const double soft = trabecular(point, below_face_mm, depth_mm - wall_mm);
-    return soft + cortical_share * (dense(below_face_mm) - soft);
+    return soft + cortical_fraction * (dense(below_face_mm) - soft);
   }
 
-  /// Part of the voxel about a point that is bone, and the density of that bone: at the point itself, or at the surface
-  /// below it.
+  /// The fraction of bone in a voxel, and the density of that bone: at its centre, or at the surface below it.
   [[nodiscard]] PartialVoxel partial(const Vec3& center, double voxel_mm) const {
     const double solid = shape_.solid(center);
-    const double reach_mm = GlenoidShape::kSteepest * RS_CLIP_REACH * voxel_mm;
+    const double reach_mm = GlenoidShape::kMaxSlope * RS_CLIP_REACH * voxel_mm;
     const double before_end = std::clamp((center.x() - shape_.medial_end_mm()) / voxel_mm + 0.5, 0.0, 1.0);
     PartialVoxel out{solid < 0 ? before_end : 0.0, settings_.cortical_density_g_cm3};
     if (std::abs(solid) > reach_mm) return out;
     const auto field = [this](const Vec3& point) { return shape_.solid(point); };
-    out.share = before_end * share_inside(field, center, voxel_mm);
-    if (out.share > 0) out.density_g_cm3 = density_below(center, solid);
+    out.fraction = before_end * fraction_inside(field, center, voxel_mm);
+    if (out.fraction > 0) out.density_g_cm3 = density_below(center, solid);
     return out;
   }
 
  private:
-  /// Density at the surface under a point that lies outside it.
+  /// Density at the surface below a point outside the bone.
   [[nodiscard]] double density_below(Vec3 point, double solid) const {
     constexpr double kBelow_mm = 0.01;
     constexpr int kSteps = 4;
     if (point.x() < shape_.medial_end_mm()) {
       point.x() = shape_.medial_end_mm();
-      solid = shape_.solid(point);  // what is bone beyond the end may be air at it
+      solid = shape_.solid(point);  // the end may be air
     }
     for (int step = 0; step < kSteps && solid > 0; ++step) {
       const Vec3 slope = slope_at(point, solid);
@@ -88,14 +87,14 @@ class GlenoidDensity {
     return slope;
   }
 
-  /// Distance below the surface: the solid's value over its slope, which is not 1 where shapes are blended.
+  /// Distance below the surface: the value of the solid over its slope, which is not 1 where shapes are blended.
   [[nodiscard]] double depth(const Vec3& point, double solid) const {
     const double thickest_mm = 1.5 * std::max(settings_.subchondral_mm, settings_.shell_mm) + kTransition_mm;
     if (-solid > 2 * thickest_mm) return -solid;
     return -solid / std::max(slope_at(point, solid).norm(), 0.5);
   }
 
-  /// 1 in the plate and the rim round it, 0 in the vault's wall.
+  /// 1 in the plate and the rim around it, 0 in the wall of the vault.
   [[nodiscard]] double plate_fraction(double below_face_mm) const {
     return 1 - implicit::smoothstep(settings_.subchondral_mm + 1.0, settings_.subchondral_mm + 3.0, below_face_mm);
   }
@@ -119,7 +118,7 @@ class GlenoidDensity {
     const double gradient = 1 + settings_.trabecular_gradient * denser;
     const Vec3 cell = Vec3(point.x() / kTextureStretch, point.y(), point.z()) / kTexture_mm;
     const double texture = 0.65 * value_noise(cell, seed_ + 1) + 0.35 * value_noise(2.1 * cell, seed_ + 2);
-    // Value noise seldom comes near ±1; the factor makes `texture` about twice the relative standard deviation.
+    // Value noise is rarely close to ±1. With this factor `texture` is about twice the relative standard deviation.
     return settings_.trabecular_density_g_cm3 * gradient * std::max(1 + 1.6 * settings_.texture * texture, 0.05);
   }
 
@@ -151,7 +150,7 @@ void check(const BoneSettings& settings) {
   }
 }
 
-/// Between anatomical coordinates (lateral, superior, anterior) and B (x left, y posterior, z superior), both ways.
+/// Conversion between anatomical coordinates (lateral, superior, anterior) and B (x left, y posterior, z superior).
 struct Sides {
   double lateral_sign;
 
@@ -171,8 +170,8 @@ GlenoidFrame frame_of(const GlenoidFace& face, const Sides& sides, BodySide side
   return *glenoid_frame(settings, side);
 }
 
-/// The Friedman axis is lateral and the scapular plane is that of lateral and superior, so that version and inclination
-/// of the native face are those of the scenario. The modelled bone ends before trigonum and inferior angle.
+/// The Friedman axis is lateral and the scapular plane contains lateral and superior, so that version and inclination
+/// of the native face are those of the scenario. Trigonum and inferior angle lie beyond the modelled bone.
 LandmarkSettings landmarks_of(const GlenoidFace& face, const Sides& sides, const PhantomSettings& phantom) {
   const double scale = phantom.height_mm / kScapulaHeight_mm;
   LandmarkSettings marks;
@@ -215,7 +214,7 @@ FilledVoxmap sample_glenoid(const BoneSettings& settings, const VoxelGrid& grid)
   return sample_phantom(
       grid, settings.density, [&](const Vec3& point) { return density.at(sides.anatomy_from_bone(point)); }, partial,
       [&](const Vec3& center, double radius_mm) {
-        return density.shape().solid(sides.anatomy_from_bone(center)) > GlenoidShape::kSteepest * radius_mm;
+        return density.shape().solid(sides.anatomy_from_bone(center)) > GlenoidShape::kMaxSlope * radius_mm;
       });
 }
 

@@ -2,7 +2,7 @@
 
 #include "sim/base/error.h"
 #include "sim/bone/bone.h"
-#include "sim/bone/voxmap/surface_share.h"
+#include "sim/bone/voxmap/cube_fraction.h"
 
 namespace reamsim {
 
@@ -50,19 +50,19 @@ Hole hole_in_bone(const PilotHoleSettings& settings, const std::optional<Glenoid
   return hole;
 }
 
-/// Fill that a hole leaves of a whole voxel.
+/// The remaining fill of a whole voxel.
 std::uint16_t fill_beside(const Hole& hole, const VoxelGrid& grid, const Vec3i& voxel, bool partial) {
-  const Vec3 center_mm = grid.center_mm(voxel.x(), voxel.y(), voxel.z());
+  const Vec3 center_mm = grid.center_mm(voxel);
   if (!partial) return hole.contains(center_mm) ? 0 : FillBricks::kWhole;
   const double away_voxels = hole.distance_mm(center_mm) / grid.voxel_mm;
   if (std::abs(away_voxels) > RS_CLIP_REACH) return away_voxels < 0 ? 0 : FillBricks::kWhole;
   const auto distance = [&hole](const Vec3& point_mm) { return hole.distance_mm(point_mm); };
-  const double share = 1 - share_inside(distance, center_mm, grid.voxel_mm);
-  return static_cast<std::uint16_t>(std::lround(share * FillBricks::kWhole));
+  const double fraction = 1 - fraction_inside(distance, center_mm, grid.voxel_mm);
+  return static_cast<std::uint16_t>(std::lround(fraction * FillBricks::kWhole));
 }
 
-/// Leaves at most `most` of a voxel; returns what that takes from it.
-int lower_fill(FilledVoxmap& voxmap, const Vec3i& voxel, std::uint16_t most) {
+/// Limits the fill of a voxel to `most`; returns the removed fill.
+int limit_fill(FilledVoxmap& voxmap, const Vec3i& voxel, std::uint16_t most) {
   const int before = voxmap.fill.get(voxel);
   if (before <= most) return 0;
   if (most == 0) {
@@ -80,23 +80,15 @@ double drill_pilot_hole(FilledVoxmap& voxmap, const PilotHoleSettings& settings,
   const Hole hole = hole_in_bone(settings, glenoid);
   const VoxelGrid& grid = voxmap.grid;
   const Aabb box = hole.bounds_mm();
-  // Clamped as doubles first: an entry far away must not overflow.
+  // Clamped as doubles, because a distant entry would overflow an int.
   const Eigen::Array3d most = grid.dims.cast<double>().array() - 1;
   const Eigen::Array3d low = ((box.min - grid.origin_mm) / grid.voxel_mm).array().floor().max(0).min(most);
   const Eigen::Array3d high = ((box.max - grid.origin_mm) / grid.voxel_mm).array().floor().max(0).min(most);
-  const Vec3i first = low.cast<int>().matrix();
-  const Vec3i last = high.cast<int>().matrix();
   std::int64_t drilled = 0;
-  for (int z = first.z(); z <= last.z(); ++z) {
-    for (int y = first.y(); y <= last.y(); ++y) {
-      for (int x = first.x(); x <= last.x(); ++x) {
-        const Vec3i voxel(x, y, z);
-        if (voxmap.grade.get(voxel) != 0) {
-          drilled += lower_fill(voxmap, voxel, fill_beside(hole, grid, voxel, partial));
-        }
-      }
-    }
-  }
+  for_each_voxel(low.cast<int>().matrix(), high.cast<int>().matrix(), [&](const Vec3i& voxel) {
+    if (voxmap.grade.get(voxel) == 0) return;
+    drilled += limit_fill(voxmap, voxel, fill_beside(hole, grid, voxel, partial));
+  });
   return static_cast<double>(drilled) / FillBricks::kWhole * grid.voxel_mm3();
 }
 

@@ -2,8 +2,7 @@
 
 #include <numbers>
 
-#include "sim/bone/voxmap/sample_bricks.h"
-#include "sim/bone/voxmap/surface_voxels.h"
+#include "sim/bone/voxmap/sample_voxels.h"
 
 namespace reamsim {
 
@@ -13,16 +12,12 @@ bool sample_brick(const VoxelGrid& grid, const DensityField& field, const Vec3i&
   const Vec3i first = GradeBricks::kSide * brick_coord;
   const Vec3i last = (first + Vec3i::Constant(GradeBricks::kSide)).cwiseMin(grid.dims);
   bool any = false;
-  for (int z = first.z(); z < last.z(); ++z) {
-    for (int y = first.y(); y < last.y(); ++y) {
-      for (int x = first.x(); x < last.x(); ++x) {
-        const double density = field(grid.center_mm(x, y, z));
-        if (density < 0) continue;
-        out[static_cast<std::size_t>(BrickLattice::offset_of({x, y, z}))] = DensityMapping::grade_from_density(density);
-        any = true;
-      }
-    }
-  }
+  for_each_voxel(first, last - Vec3i::Ones(), [&](const Vec3i& voxel) {
+    const double density = field(grid.center_mm(voxel));
+    if (density < 0) return;
+    out[static_cast<std::size_t>(BrickLattice::offset_of(voxel))] = DensityMapping::grade_from_density(density);
+    any = true;
+  });
   return any;
 }
 
@@ -45,10 +40,10 @@ FilledVoxmap sample_phantom(const VoxelGrid& grid, const DensitySettings& densit
   });
   if (!partial) return voxmap;
   const auto sample = [&](const Vec3i& voxel, std::uint8_t grade) -> SurfaceVoxel {
-    const PartialVoxel found = partial(grid.center_mm(voxel.x(), voxel.y(), voxel.z()));
-    return {found.share, grade != 0 ? grade : DensityMapping::grade_from_density(found.density_g_cm3)};
+    const PartialVoxel found = partial(grid.center_mm(voxel));
+    return {found.fraction, grade != 0 ? grade : DensityMapping::grade_from_density(found.density_g_cm3)};
   };
-  part_surface_voxels(sample, voxmap);
+  set_partial_fill(sample, voxmap);
   return voxmap;
 }
 

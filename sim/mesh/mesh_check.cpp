@@ -10,7 +10,7 @@ namespace {
 
 using Triangle = std::array<std::int32_t, 3>;
 
-/// One side of one triangle. `low` < `high`; `forward` when the triangle runs it from low to high.
+/// One side of one triangle. `low` < `high`; `forward` if the triangle's order is low, high.
 struct Side {
   std::int32_t low = 0;
   std::int32_t high = 0;
@@ -22,11 +22,10 @@ bool collapsed(const Triangle& t) {
   return t[0] == t[1] || t[1] == t[2] || t[2] == t[0];
 }
 
-/// Zero area: corners on a line, within what single precision can tell.
+/// Zero area to within single precision.
 bool flat(const TriangleMesh& mesh, const Triangle& t) {
-  const Vec3 a = mesh.vertices[static_cast<std::size_t>(t[0])];
-  const Vec3 ab = mesh.vertices[static_cast<std::size_t>(t[1])] - a;
-  const Vec3 ac = mesh.vertices[static_cast<std::size_t>(t[2])] - a;
+  const auto [a, b, c] = mesh.corners(t);
+  const Vec3 ab = b - a, ac = c - a;
   return ab.cross(ac).norm() <= 1e-9 * std::max(ab.squaredNorm(), ac.squaredNorm());
 }
 
@@ -35,7 +34,7 @@ std::vector<Side> sorted_sides(const TriangleMesh& mesh) {
   sides.reserve(3 * mesh.triangles.size());
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
     const Triangle& t = mesh.triangles[i];
-    if (collapsed(t)) continue;  // it has no sides of its own
+    if (collapsed(t)) continue;
     for (std::size_t c = 0; c < 3; ++c) {
       const std::int32_t a = t[c];
       const std::int32_t b = t[(c + 1) % 3];
@@ -48,7 +47,7 @@ std::vector<Side> sorted_sides(const TriangleMesh& mesh) {
   return sides;
 }
 
-/// Pieces that hang together by shared vertices.
+/// Components that are connected by shared vertices.
 std::size_t count_components(const TriangleMesh& mesh) {
   std::vector<std::int32_t> parent(mesh.vertices.size());
   std::iota(parent.begin(), parent.end(), 0);
@@ -74,7 +73,7 @@ std::size_t count_components(const TriangleMesh& mesh) {
   return count;
 }
 
-/// The middle of the edge with the smallest triangle number seen so far.
+/// The midpoint of the edge with the smallest triangle index.
 struct FirstEdge {
   std::size_t triangle = SIZE_MAX;
   std::optional<Vec3> middle_mm;
@@ -82,8 +81,8 @@ struct FirstEdge {
   void offer(const TriangleMesh& mesh, const Side& side) {
     if (side.triangle >= triangle) return;
     triangle = side.triangle;
-    middle_mm =
-        0.5 * (mesh.vertices[static_cast<std::size_t>(side.low)] + mesh.vertices[static_cast<std::size_t>(side.high)]);
+    const auto [low, high, same] = mesh.corners({side.low, side.high, side.high});
+    middle_mm = 0.5 * (low + high);
   }
 };
 

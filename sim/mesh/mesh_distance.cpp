@@ -8,7 +8,7 @@ namespace reamsim {
 
 namespace {
 
-/// A mesh in the lattice's index space, in which samples are whole numbers.
+/// A mesh in the index space of the lattice.
 struct IndexSpaceMesh {
   std::vector<openvdb::Vec3s> points;
   std::vector<openvdb::Vec3I> triangles;
@@ -33,7 +33,7 @@ openvdb::FloatGrid::Ptr mesh_distance(const TriangleMesh& mesh, const DistanceSa
   openvdb::initialize();
   const IndexSpaceMesh indexed(mesh, sampling);
   const auto transform = openvdb::math::Transform::createLinearTransform(1.0);
-  // This adapter and interrupter are the ones that OpenVDB's library holds compiled; others take minutes to compile.
+  // OpenVDB's library contains the instance for this adapter and interrupter; others take minutes to compile.
   const openvdb::tools::QuadAndTriangleDataAdapter<openvdb::Vec3s, openvdb::Vec3I> adapter(indexed.points,
                                                                                            indexed.triangles);
   openvdb::util::NullInterrupter never;

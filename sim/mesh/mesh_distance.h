@@ -6,16 +6,16 @@
 
 namespace reamsim {
 
-/// Which lattice a mesh's distance is sampled on, and how far from the surface.
+/// The lattice and the band of a sampled distance.
 struct DistanceSampling {
-  Vec3 first_mm = Vec3::Zero();  ///< sample (0,0,0), in the mesh's frame
+  Vec3 first_mm = Vec3::Zero();  ///< sample (0,0,0), in the frame of the mesh
   double spacing_mm = 1;
-  double outer_spacings = 3;  ///< beyond that outside every sample is just that far
-  double inner_spacings = 3;
-  bool exact = false;  ///< leaves out the smoothing of bumps where parts of the mesh overlap, which moves edges as well
+  double outer_spacings = 3;  ///< half-width of the band outside; the distance is constant beyond it
+  double inner_spacings = 3;  ///< likewise inside
+  bool exact = false;         ///< without OpenVDB's smoothing of overlapping parts, which also moves edges
 };
 
-/// Signed distance of a closed mesh in spacings, negative inside, by sample indices. Throws std::bad_alloc or
+/// Signed distance of a closed mesh in spacings, negative inside, by sample coordinates. Throws std::bad_alloc or
 /// openvdb::Exception.
 openvdb::FloatGrid::Ptr mesh_distance(const TriangleMesh& mesh, const DistanceSampling& sampling);
 

@@ -43,7 +43,6 @@ std::string checked_extension(const std::string& path) {
   std::string extension = fs::path(path).extension().string();
   std::transform(extension.begin(), extension.end(), extension.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  // PolyData, the other data sets of VTK, and their parallel and composite forms.
   const std::set<std::string> vtk{".vtk", ".vtp", ".vtu", ".vts", ".vtr", ".vti", ".vtm", ".pvtp", ".pvtu"};
   if (vtk.contains(extension) && fs::is_regular_file(path)) refuse_vtk(path);
   if (extension != ".stl" && extension != ".obj" && extension != ".ply") {
@@ -72,20 +71,20 @@ std::string read_start(const std::string& path, std::size_t bytes) {
   return out;
 }
 
-/// VTK's own formats, legacy and XML, whatever the file's name.
+/// Detects VTK's legacy and XML formats by the content of the file.
 void check_is_not_vtk(const std::string& path) {
   const std::string start = read_start(path, 256);
   if (start.starts_with("# vtk DataFile") || start.find("<VTKFile") != std::string::npos) refuse_vtk(path);
 }
 
-/// Binary unless the text of an ASCII STL ("solid ... facet") begins it.
+/// Binary unless it begins like an ASCII STL ("solid ... facet").
 bool stl_is_binary(const std::string& start) {
   const std::size_t first = start.find_first_not_of(" \t\r\n");
   if (first == std::string::npos || start.compare(first, 5, "solid") != 0) return true;
   return start.find("facet") == std::string::npos && start.find("endsolid") == std::string::npos;
 }
 
-/// What the header of a binary STL claims must be there; assimp trusts it.
+/// Checks the number of triangles in the header of a binary STL, which assimp trusts.
 void check_stl(const std::string& path, std::uintmax_t size) {
   const std::string start = read_start(path, 1024);
   if (!stl_is_binary(start)) return;
@@ -103,7 +102,7 @@ void check_stl(const std::string& path, std::uintmax_t size) {
   }
 }
 
-/// The counts that a PLY header claims must fit into the file; assimp reserves memory for them.
+/// Checks the counts in a PLY header, for which assimp reserves memory.
 void check_ply(const std::string& path, std::uintmax_t size) {
   std::istringstream header(read_start(path, 64 * 1024));
   std::string line;
@@ -126,7 +125,7 @@ void check_ply(const std::string& path, std::uintmax_t size) {
   if (!ended) fail(path, "a PLY header without \"end_header\"", "expected a complete PLY file");
 }
 
-/// Leaves only the reader of `extension`, so that no content makes another of assimp's readers try it.
+/// Keeps only the reader of `extension`, so that assimp does not try others.
 void keep_only_reader(Assimp::Importer& importer, const std::string& extension) {
   for (std::size_t i = importer.GetImporterCount(); i-- > 0;) {
     Assimp::BaseImporter* reader = importer.GetImporter(i);
@@ -134,7 +133,7 @@ void keep_only_reader(Assimp::Importer& importer, const std::string& extension) 
     reader->GetExtensionList(extensions);
     if (extensions.count(extension) == 0) {
       importer.UnregisterLoader(reader);
-      delete reader;  // unregistering hands it to us
+      delete reader;  // unregistering passes ownership
     }
   }
 }
@@ -147,15 +146,15 @@ struct PositionHash {
   }
 };
 
-/// Gathers triangles, giving equal positions one vertex.
-class Joiner {
+/// Collects triangles and merges vertices at equal positions.
+class MeshBuilder {
  public:
-  Joiner(const std::string& path, double scale) : path_(path), scale_(scale) {}
+  MeshBuilder(const std::string& path, double scale) : path_(path), scale_(scale) {}
 
   void add(const aiMesh& part) {
     for (unsigned f = 0; f < part.mNumFaces; ++f) {
       const aiFace& face = part.mFaces[f];
-      if (face.mNumIndices != 3) continue;  // points and lines bound nothing
+      if (face.mNumIndices != 3) continue;  // a point or line
       std::array<std::int32_t, 3> triangle{};
       for (std::size_t c = 0; c < 3; ++c) {
         const unsigned index = face.mIndices[c];
@@ -174,7 +173,7 @@ class Joiner {
       fail(path_, "a NaN or infinite coordinate in triangle " + std::to_string(mesh_.triangles.size() + 1),
            "expected finite numbers");
     }
-    const std::array<float, 3> key{v.x + 0.0F, v.y + 0.0F, v.z + 0.0F};  // −0 and 0 are one place
+    const std::array<float, 3> key{v.x + 0.0F, v.y + 0.0F, v.z + 0.0F};  // −0 becomes 0
     const auto [found, is_new] = vertex_of_.try_emplace(key, static_cast<std::int32_t>(mesh_.vertices.size()));
     if (is_new) mesh_.vertices.push_back(scale_ * Vec3(key[0], key[1], key[2]));
     return found->second;
@@ -186,13 +185,9 @@ class Joiner {
   std::unordered_map<std::array<float, 3>, std::int32_t, PositionHash> vertex_of_;
 };
 
-void put_float(std::string& out, double value) {
-  const auto narrow = static_cast<float>(value);
-  out.append(reinterpret_cast<const char*>(&narrow), sizeof narrow);
-}
-
-void put_point(std::string& out, const Vec3& p) {
-  for (int axis = 0; axis < 3; ++axis) put_float(out, p[axis]);
+void append_point(std::string& out, const Vec3& p) {
+  const Eigen::Vector3f narrow = p.cast<float>();
+  out.append(reinterpret_cast<const char*>(narrow.data()), 3 * sizeof(float));
 }
 
 }  // namespace
@@ -204,38 +199,35 @@ TriangleMesh read_mesh(const std::string& path, double scale) {
   check_is_not_vtk(path);
   if (extension == "stl") check_stl(path, size);
   if (extension == "ply") check_ply(path, size);
-  Joiner joiner(path, scale);
+  MeshBuilder builder(path, scale);
   try {
     Assimp::Importer importer;
     keep_only_reader(importer, extension);
     const aiScene* scene = importer.ReadFile(path, aiProcess_Triangulate);
-    if (scene == nullptr)
+    if (scene == nullptr) {
       fail(path, "not a readable " + extension + " mesh (truncated or damaged)", "expected a surface");
-    for (unsigned i = 0; i < scene->mNumMeshes; ++i) joiner.add(*scene->mMeshes[i]);
+    }
+    for (unsigned i = 0; i < scene->mNumMeshes; ++i) builder.add(*scene->mMeshes[i]);
   } catch (const std::bad_alloc&) {
     fail(path, "the mesh does not fit into memory", "use a smaller mesh");
   } catch (const std::length_error&) {
     fail(path, "the mesh does not fit into memory", "use a smaller mesh");
   }
-  TriangleMesh mesh = joiner.take();
+  TriangleMesh mesh = builder.take();
   if (mesh.triangles.empty()) fail(path, "a mesh of 0 triangles", "expected a surface");
   return mesh;
 }
 
 void write_stl(const std::string& path, const TriangleMesh& mesh) {
-  std::string bytes = "reamsim, mm";  // must not begin with "solid", which marks an ASCII STL
+  std::string bytes = "reamsim, mm";  // not "solid", which marks an ASCII STL
   bytes.resize(kStlHeaderBytes - 4, ' ');
   const auto count = static_cast<std::uint32_t>(mesh.triangles.size());
   bytes.append(reinterpret_cast<const char*>(&count), sizeof count);
   bytes.reserve(kStlHeaderBytes + kStlTriangleBytes * mesh.triangles.size());
-  for (const auto& [ia, ib, ic] : mesh.triangles) {
-    const Vec3& a = mesh.vertices[static_cast<std::size_t>(ia)];
-    const Vec3& b = mesh.vertices[static_cast<std::size_t>(ib)];
-    const Vec3& c = mesh.vertices[static_cast<std::size_t>(ic)];
-    put_point(bytes, (b - a).cross(c - a).stableNormalized());
-    put_point(bytes, a);
-    put_point(bytes, b);
-    put_point(bytes, c);
+  for (const auto& triangle : mesh.triangles) {
+    const auto corners = mesh.corners(triangle);
+    append_point(bytes, (corners[1] - corners[0]).cross(corners[2] - corners[0]).stableNormalized());
+    for (const Vec3& corner : corners) append_point(bytes, corner);
     bytes.append(2, '\0');
   }
   std::ofstream out(path, std::ios::binary | std::ios::trunc);

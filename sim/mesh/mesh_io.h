@@ -6,8 +6,8 @@
 
 namespace reamsim {
 
-/// Reads an STL, OBJ or PLY file through assimp, multiplies by `scale` (file units to mm) and joins vertices at
-/// equal positions, so that the triangles of an STL share them.
+/// Reads an STL, OBJ or PLY file with assimp, multiplies by `scale` (file units to mm) and merges vertices at equal
+/// positions, as the triangles of an STL need.
 /// Throws InputError: no such file, a VTK file (with how to convert it), unreadable or truncated, no triangle, NaN or
 /// infinite coordinate.
 TriangleMesh read_mesh(const std::string& path, double scale);

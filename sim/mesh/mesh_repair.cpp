@@ -12,7 +12,7 @@ namespace {
 using Triangle = std::array<std::int32_t, 3>;
 using Loop = std::vector<std::int32_t>;
 
-std::size_t drop_useless(std::vector<Triangle>& triangles) {
+std::size_t remove_degenerate(std::vector<Triangle>& triangles) {
   std::set<Triangle> seen;
   const std::size_t before = triangles.size();
   std::erase_if(triangles, [&seen](const Triangle& t) {
@@ -24,8 +24,8 @@ std::size_t drop_useless(std::vector<Triangle>& triangles) {
   return before - triangles.size();
 }
 
-/// For each rim vertex, where the boundary edges that leave it lead. A rim edge runs against its triangle, so that the
-/// triangles that close the hole face the same way as their neighbours.
+/// The boundary edges from each rim vertex. Their direction is opposite to that in their triangle, so that the
+/// triangles that close a hole have the orientation of their neighbours.
 std::multimap<std::int32_t, std::int32_t> rim_edges(const std::vector<Triangle>& triangles) {
   std::map<std::pair<std::int32_t, std::int32_t>, int> uses;
   for (const Triangle& t : triangles) {
@@ -42,8 +42,8 @@ std::multimap<std::int32_t, std::int32_t> rim_edges(const std::vector<Triangle>&
   return out;
 }
 
-/// Walks the rim from its first edge until it comes back or ends; takes the edges walked out of `rim`.
-Loop take_loop(std::multimap<std::int32_t, std::int32_t>& rim) {
+/// Follows the rim from its first edge until it closes or ends, and removes these edges from `rim`.
+Loop extract_loop(std::multimap<std::int32_t, std::int32_t>& rim) {
   const std::int32_t start = rim.begin()->first;
   Loop loop{start};
   for (std::int32_t at = start;;) {
@@ -60,18 +60,18 @@ Loop take_loop(std::multimap<std::int32_t, std::int32_t>& rim) {
 
 RepairResult repair(TriangleMesh& mesh) {
   RepairResult out;
-  out.dropped_triangles = drop_useless(mesh.triangles);
+  out.dropped_triangles = remove_degenerate(mesh.triangles);
   auto rim = rim_edges(mesh.triangles);
   while (!rim.empty()) {
-    const Loop loop = take_loop(rim);
+    const Loop loop = extract_loop(rim);
     if (loop.size() < 3) continue;
     Vec3 middle = Vec3::Zero();
     for (const std::int32_t v : loop) middle += mesh.vertices[static_cast<std::size_t>(v)];
     middle /= static_cast<double>(loop.size());
-    const auto hub = static_cast<std::int32_t>(mesh.vertices.size());
+    const auto center = static_cast<std::int32_t>(mesh.vertices.size());
     mesh.vertices.push_back(middle);
     for (std::size_t i = 0; i < loop.size(); ++i) {
-      mesh.triangles.push_back({loop[i], loop[(i + 1) % loop.size()], hub});
+      mesh.triangles.push_back({loop[i], loop[(i + 1) % loop.size()], center});
       const double reach_mm = (mesh.vertices[static_cast<std::size_t>(loop[i])] - middle).norm();
       out.widest_hole_mm = std::max(out.widest_hole_mm, 2 * reach_mm);
     }

@@ -7,19 +7,18 @@
 
 namespace reamsim {
 
-/// What repair() did.
 struct RepairResult {
-  std::size_t dropped_triangles = 0;  ///< without area, or there twice
+  std::size_t dropped_triangles = 0;  ///< collapsed or duplicate
   std::size_t closed_holes = 0;
   std::size_t added_triangles = 0;
-  double widest_hole_mm = 0;  ///< largest distance of a rim vertex from its hole's middle, doubled
+  double widest_hole_mm = 0;  ///< twice the largest distance of a rim vertex from the centre of its hole
 
   [[nodiscard]] std::string text() const;
 };
 
-/// Drops collapsed and repeated triangles and closes each hole with a fan from the middle of its rim. What is left
-/// (non-manifold edges, opposite orientations) meshToVolume tolerates: it asks only which voxels are shut off from the
-/// outside.
+/// Removes collapsed and duplicate triangles and closes each hole with a fan from the centre of its rim. meshToVolume
+/// tolerates the remaining defects (non-manifold edges, opposite orientations): it only determines which voxels are
+/// separated from the outside.
 RepairResult repair(TriangleMesh& mesh);
 
 }  // namespace reamsim

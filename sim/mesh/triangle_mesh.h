@@ -13,10 +13,28 @@ struct TriangleMesh {
   std::vector<Vec3> vertices;
   std::vector<std::array<std::int32_t, 3>> triangles;
 
-  /// Bounds of the vertices; empty mesh: min > max.
-  [[nodiscard]] Aabb bounds() const;
+  [[nodiscard]] std::array<Vec3, 3> corners(const std::array<std::int32_t, 3>& triangle) const {
+    const auto vertex = [&](std::size_t c) -> const Vec3& { return vertices[static_cast<std::size_t>(triangle[c])]; };
+    return {vertex(0), vertex(1), vertex(2)};
+  }
+  /// Bounding box of the vertices; empty mesh: min > max.
+  [[nodiscard]] Aabb bounds() const {
+    Aabb box = Aabb::none();
+    for (const Vec3& vertex : vertices) box.extend(vertex);
+    return box;
+  }
   /// Enclosed volume in mm³ by the divergence theorem; positive when the triangles face outwards.
-  [[nodiscard]] double volume_mm3() const;
+  [[nodiscard]] double volume_mm3() const {
+    if (vertices.empty()) return 0;
+    const Vec3 pivot = bounds().center();  // near the mesh, for accuracy far from the origin
+    double six_volumes = 0;
+    for (const auto& triangle : triangles) {
+      const auto [a, b, c] = corners(triangle);
+      const Vec3 pa = a - pivot, pb = b - pivot, pc = c - pivot;
+      six_volumes += pa.dot(pb.cross(pc));
+    }
+    return six_volumes / 6;
+  }
 };
 
 }  // namespace reamsim

@@ -1,5 +1,7 @@
 #include "sim/metrics/face_surface.h"
 
+#include <Eigen/Eigenvalues>
+#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -11,11 +13,65 @@ namespace reamsim {
 
 namespace {
 
-constexpr double kTrimmedFraction = 0.75;  // of the points that decide, at first
+using Vec4 = Eigen::Vector4d;
+using Mat4 = Eigen::Matrix4d;
+
+Vec3 mean_of(const std::vector<Vec3>& points) {
+  Vec3 sum = Vec3::Zero();
+  for (const Vec3& p : points) sum += p;
+  return sum / static_cast<double>(points.size());
+}
+
+double sphere_rms(const std::vector<Vec3>& points, const SphereFit& sphere) {
+  double squares = 0;
+  for (const Vec3& p : points) {
+    const double off = (p - sphere.center_mm).norm() - sphere.radius_mm;
+    squares += off * off;
+  }
+  return std::sqrt(squares / static_cast<double>(points.size()));
+}
+
+/// |p|² = 2c·p + k about the mean of the points, solved by the normal equations; k = R² − |c|².
+std::optional<SphereFit> algebraic_fit(const std::vector<Vec3>& points, const Vec3& mean) {
+  Mat4 products = Mat4::Zero();
+  Vec4 right = Vec4::Zero();
+  for (const Vec3& point : points) {
+    const Vec3 p = point - mean;
+    const Vec4 row(2 * p.x(), 2 * p.y(), 2 * p.z(), 1);
+    products += row * row.transpose();
+    right += p.squaredNorm() * row;
+  }
+  Eigen::ColPivHouseholderQR<Mat4> solver(products);
+  if (solver.rank() < 4) return std::nullopt;
+  const Vec4 found = solver.solve(right);
+  const double squared_radius = found.w() + found.head<3>().squaredNorm();
+  if (!(squared_radius > 0)) return std::nullopt;
+  return SphereFit{.center_mm = mean + found.head<3>(), .radius_mm = std::sqrt(squared_radius), .rms_mm = 0};
+}
+
+/// One Gauss–Newton step on the distances |p − c| − R; returns its length.
+double refine(SphereFit& sphere, const std::vector<Vec3>& points) {
+  Mat4 products = Mat4::Zero();
+  Vec4 right = Vec4::Zero();
+  for (const Vec3& p : points) {
+    const Vec3 way = p - sphere.center_mm;
+    const double distance = way.norm();
+    const Vec3 unit = way / distance;
+    const Vec4 row(unit.x(), unit.y(), unit.z(), 1);
+    products += row * row.transpose();
+    right += (distance - sphere.radius_mm) * row;
+  }
+  const Vec4 step = Eigen::ColPivHouseholderQR<Mat4>(products).solve(right);
+  sphere.center_mm += step.head<3>();
+  sphere.radius_mm += step.w();
+  return step.norm();
+}
+
+constexpr double kTrimmedFraction = 0.75;  // of the points, in least trimmed squares
 constexpr double kNormalMad = 1.4826;      // standard deviation over median absolute deviation, of normal errors
 constexpr double kFarDeviations = 2.5;
-constexpr double kLeastDeviation_mm = 1e-6;
-constexpr int kMostRounds = 50;
+constexpr double kMinDeviation_mm = 1e-6;
+constexpr int kMaxRounds = 50;
 constexpr double kCorrelationVoxels = 3;
 constexpr int kSectors = 8;
 constexpr double kSignificant = 15.1;  // F(1, ∞) at one error in 10,000
@@ -48,7 +104,7 @@ std::vector<Vec3> nearer_than(const std::vector<Vec3>& points, const std::vector
   return out;
 }
 
-/// A fit, the points that it is of, and the mean square of the nearest kTrimmedFraction of all points.
+/// A fit, its inliers, and the mean square distance of the nearest kTrimmedFraction of all points.
 template <class Fit>
 struct RobustFit {
   Fit fit;
@@ -66,14 +122,14 @@ double trimmed_mean_square(const Fit& fit, const std::vector<Vec3>& points) {
   return squares / static_cast<double>(count);
 }
 
-/// `make` fits to points. Nothing where it finds nothing.
+/// `make` fits a surface to points. nullopt where it fails.
 template <class Fit, class Make>
 std::optional<RobustFit<Fit>> fit_robustly(const std::vector<Vec3>& points, const Make& make) {
   std::optional<Fit> fit = make(points);
   if (!fit) return std::nullopt;
   std::vector<Vec3> kept;
   const auto refit = [&](const auto& limit) {
-    for (int round = 0; round < kMostRounds; ++round) {
+    for (int round = 0; round < kMaxRounds; ++round) {
       const std::vector<double> distances = distances_of(*fit, points);
       std::vector<Vec3> near = nearer_than(points, distances, limit(distances));
       if (near == kept) return;
@@ -85,18 +141,18 @@ std::optional<RobustFit<Fit>> fit_robustly(const std::vector<Vec3>& points, cons
   };
   refit([](const std::vector<double>& distances) { return quantile(distances, kTrimmedFraction); });
   refit([](const std::vector<double>& distances) {
-    return kFarDeviations * std::max(kNormalMad * quantile(distances, 0.5), kLeastDeviation_mm);
+    return kFarDeviations * std::max(kNormalMad * quantile(distances, 0.5), kMinDeviation_mm);
   });
   return RobustFit<Fit>{*fit, std::move(kept), trimmed_mean_square(*fit, points)};
 }
 
-/// The way out of the bone at a point, by a sphere or plane.
+/// Unit vector out of the bone at a point.
 Vec3 direction_at(const SphereFit& sphere, bool concave, const Vec3& point) {
   const Vec3 away = (point - sphere.center_mm).normalized();
   return concave ? Vec3(-away) : away;
 }
 
-/// The fitted points without those of one of kSectors sectors round their middle.
+/// The inliers without one of kSectors sectors around their mean.
 std::vector<Vec3> without_sector(const FaceSurface& surface, int sector) {
   const Vec3 across = surface.plane.normal.unitOrthogonal();
   const Vec3 other = surface.plane.normal.cross(across);
@@ -110,7 +166,7 @@ std::vector<Vec3> without_sector(const FaceSurface& surface, int sector) {
 }
 
 /// Standard error of the direction at a point by the jackknife over sectors of the face (Efron 1982, The jackknife, the
-/// bootstrap and other resampling plans): it sees errors that neighbours share, and a face that is not of this shape.
+/// bootstrap and other resampling plans). It includes correlated errors and deviations of the face from the surface.
 double jackknife_error_rad(const FaceSurface& surface, const Vec3& point) {
   std::vector<Vec3> directions;
   for (int sector = 0; sector < kSectors; ++sector) {
@@ -129,13 +185,13 @@ double jackknife_error_rad(const FaceSurface& surface, const Vec3& point) {
   return std::sqrt(squares * (kSectors - 1) / kSectors);
 }
 
-/// What a curvature that hides in a plane's residual turns its normal by, between the points' middle and a point.
+/// Rotation of a plane's normal between the mean of the inliers and a point, by the curvature that the residual allows.
 double hidden_curvature_rad(const FaceSurface& surface, const Vec3& point) {
   const PlaneFit& plane = surface.plane;
   double squares = 0;
   for (const Vec3& p : surface.fitted_mm) squares += (p - plane.point_mm).squaredNorm();
   squares /= static_cast<double>(surface.fitted_mm.size());
-  // A paraboloid of curvature c over a disc leaves a residual of 0.289·c·(mean square of the distance from its middle).
+  // A paraboloid of curvature c over a disc has a residual of 0.289·c·(mean square distance from its centre).
   constexpr double kDisc = 0.289;
   const Vec3 away = point - plane.point_mm;
   return surface.rms_mm / (kDisc * squares) * (away - away.dot(plane.normal) * plane.normal).norm();
@@ -143,9 +199,38 @@ double hidden_curvature_rad(const FaceSurface& surface, const Vec3& point) {
 
 }  // namespace
 
+std::optional<PlaneFit> fit_plane(const std::vector<Vec3>& points, const Vec3& outward) {
+  if (points.size() < 3) return std::nullopt;
+  PlaneFit out;
+  out.point_mm = mean_of(points);
+  Mat3 spread = Mat3::Zero();
+  for (const Vec3& p : points) spread += (p - out.point_mm) * (p - out.point_mm).transpose();
+  const Eigen::SelfAdjointEigenSolver<Mat3> axes(spread / static_cast<double>(points.size()));
+  constexpr double kOnALine = 1e-9;
+  if (axes.eigenvalues()(1) <= kOnALine * axes.eigenvalues()(2)) return std::nullopt;
+  out.normal = axes.eigenvectors().col(0).normalized();
+  if (out.normal.dot(outward) < 0) out.normal = -out.normal;
+  out.rms_mm = std::sqrt(std::max(axes.eigenvalues()(0), 0.0));
+  return out;
+}
+
+std::optional<SphereFit> fit_sphere(const std::vector<Vec3>& points) {
+  if (points.size() < 4) return std::nullopt;
+  std::optional<SphereFit> sphere = algebraic_fit(points, mean_of(points));
+  if (!sphere || sphere->radius_mm > kLargestRadius_mm) return std::nullopt;
+  constexpr int kMaxSteps = 30;
+  constexpr double kStill_mm = 1e-10;
+  for (int i = 0; i < kMaxSteps && refine(*sphere, points) > kStill_mm; ++i) {
+  }
+  const bool sane = std::isfinite(sphere->radius_mm) && sphere->radius_mm > 0;
+  if (!sane || sphere->radius_mm > kLargestRadius_mm) return std::nullopt;
+  sphere->rms_mm = sphere_rms(points, *sphere);
+  return sphere;
+}
+
 std::optional<FaceSurface> fit_face(const FacePoints& face, const Vec3& outward) {
   const std::vector<Vec3>& points = face.points_mm;
-  if (points.size() < kLeastFacePoints) return std::nullopt;
+  if (points.size() < kMinFacePoints) return std::nullopt;
   auto plane = fit_robustly<PlaneFit>(points, [&](const std::vector<Vec3>& some) { return fit_plane(some, outward); });
   if (!plane) return std::nullopt;
   auto sphere = fit_robustly<SphereFit>(points, fit_sphere);
@@ -153,11 +238,11 @@ std::optional<FaceSurface> fit_face(const FacePoints& face, const Vec3& outward)
   out.plane = plane->fit;
   out.points = points.size();
   const double patch_mm = kCorrelationVoxels * face.voxel_mm;
-  const double independent_share = std::min(1.0, face.point_mm2 / (patch_mm * patch_mm));
+  const double independent_fraction = std::min(1.0, face.point_mm2 / (patch_mm * patch_mm));
   if (sphere) {
     out.sphere = sphere->fit;
     const double gain = plane->trimmed_mean_square - sphere->trimmed_mean_square;
-    const double freedom = independent_share * kTrimmedFraction * static_cast<double>(points.size()) - 4;
+    const double freedom = independent_fraction * kTrimmedFraction * static_cast<double>(points.size()) - 4;
     const double flat_mm = kFlatVoxels * face.voxel_mm;
     out.spherical = freedom > 0 && gain * freedom > kSignificant * sphere->trimmed_mean_square &&
                     plane->trimmed_mean_square > flat_mm * flat_mm;

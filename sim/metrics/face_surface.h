@@ -3,55 +3,77 @@
 #include <optional>
 #include <vector>
 
-#include "sim/metrics/face_fit.h"
+#include "sim/base/geometry.h"
 
 namespace reamsim {
 
-/// A sphere or plane fitted to points of a face, most of which lie on it: up to a quarter may lie anywhere else (rim,
-/// osteophytes, holes) without turning the fit.
+/// The plane with the least sum of squared distances.
+struct PlaneFit {
+  Vec3 point_mm = Vec3::Zero();  ///< the points' mean
+  Vec3 normal = Vec3::UnitZ();   ///< of length 1
+  double rms_mm = 0;             ///< root mean square distance of the points
+};
+
+/// The sphere with the least sum of squared distances from its surface.
+struct SphereFit {
+  Vec3 center_mm = Vec3::Zero();
+  double radius_mm = 0;
+  double rms_mm = 0;
+};
+
+/// Fits a plane; its normal points to the side of `outward`. nullopt for fewer than three points, or points on a line.
+std::optional<PlaneFit> fit_plane(const std::vector<Vec3>& points_mm, const Vec3& outward);
+
+/// Fits a sphere: the algebraic fit (linear in centre and R² − |c|²), refined by Gauss–Newton on the distances. nullopt
+/// for fewer than four points, or points so flat that the radius would exceed kLargestRadius_mm.
+std::optional<SphereFit> fit_sphere(const std::vector<Vec3>& points_mm);
+
+inline constexpr double kLargestRadius_mm = 1000;
+
+/// A sphere or plane fitted robustly to points of a face: up to a quarter of them may be outliers (rim, osteophytes,
+/// holes).
 ///
 /// Least trimmed squares (Rousseeuw and Van Driessen 2006, Data Mining and Knowledge Discovery 12, 29–45: concentration
 /// steps, here from the least-squares fit of all points), then least squares of the points within 2.5 robust standard
-/// deviations (Rousseeuw and Leroy 1987). No random numbers: the same points give the same fit.
+/// deviations (Rousseeuw and Leroy 1987). It uses no random numbers.
 struct FaceSurface {
-  bool spherical = false;  ///< which of the two describes the face
+  bool spherical = false;  ///< whether the sphere describes the face
   PlaneFit plane;
   std::optional<SphereFit> sphere;
-  bool concave = false;        ///< the sphere's centre lies outside the bone
-  std::size_t points = 0;      ///< given
-  double fitted_fraction = 0;  ///< of the points that lie on the surface, so that it was fitted to them
-  double rms_mm = 0;           ///< of these
-  std::vector<Vec3> fitted_mm;
+  bool concave = false;         ///< the centre of the sphere lies outside the bone
+  std::size_t points = 0;       ///< number of points given
+  double fitted_fraction = 0;   ///< of the points: inliers of the fit
+  double rms_mm = 0;            ///< of the inliers
+  std::vector<Vec3> fitted_mm;  ///< the inliers
 };
 
-/// What is known of the points beside their places.
 struct FacePoints {
   std::vector<Vec3> points_mm;
-  double point_mm2 = 0;  ///< area of the face that a point stands for
-  double voxel_mm = 0;   ///< errors of points within three voxels of each other count as one
+  double point_mm2 = 0;  ///< area of the face per point
+  double voxel_mm = 0;   ///< errors are correlated within three voxels
 };
 
-/// The surface through the points. It is a sphere where an F test rejects the plane (its residual exceeds the sphere's
-/// beyond chance, one error in 10,000) and the plane's residual exceeds kFlatVoxels; otherwise a plane. Nothing for
-/// points on a line, or fewer than kLeastFacePoints.
+/// The surface through the points. It is a sphere where an F test rejects the plane (error probability 1:10,000) and
+/// the residual of the plane exceeds kFlatVoxels; otherwise a plane. nullopt for points on a line, or fewer than
+/// kMinFacePoints.
 std::optional<FaceSurface> fit_face(const FacePoints& points, const Vec3& outward);
 
-inline constexpr std::size_t kLeastFacePoints = 25;
-/// A face of which less lies on one surface is not one surface.
-inline constexpr double kLeastFittedFraction = 0.7;
+inline constexpr std::size_t kMinFacePoints = 25;
+/// With a smaller fraction of inliers a face is not one surface.
+inline constexpr double kMinFittedFraction = 0.7;
 
 /// An axis of a face, out of the bone.
 struct FaceAxis {
-  Vec3 point_mm = Vec3::Zero();  ///< where it meets the surface
+  Vec3 point_mm = Vec3::Zero();  ///< its intersection with the surface
   Vec3 direction = Vec3::UnitZ();
   double error_deg = 0;  ///< standard error of the direction
 };
 
-/// The line through the sphere's centre and a point, which is taken along it to the sphere; for a plane its normal.
-/// Nothing for a point next to the sphere's centre.
+/// The line through the centre of the sphere and a point, from where it meets the sphere; or the normal of the plane.
+/// nullopt for a point close to the centre of the sphere.
 std::optional<FaceAxis> axis_through(const FaceSurface& surface, const Vec3& point_mm);
 
-/// Where a line meets the surface, on the side of its points. Nothing where it does not.
+/// The intersection of a line and the surface that is nearer to the points. nullopt where they do not meet.
 std::optional<Vec3> meeting_point(const FaceSurface& surface, const Vec3& on_line_mm, const Vec3& direction);
 
 }  // namespace reamsim

@@ -18,13 +18,13 @@ std::string text_of(const char* format, double value) {
   return text;
 }
 
-/// A native face rougher than this is no sphere: mm, or a voxel where that is more. A reamed one: a voxel.
+/// Largest residual of a native face, mm; one voxel where that is more. For a reamed face it is one voxel.
 constexpr double kRoughest_mm = 0.5;
 
-/// Why a surface is no face that has an axis; "" where it is one.
-std::string fault_of(const std::optional<FaceSurface>& surface, double roughest_mm) {
+/// Why a surface has no axis; "" if it has one.
+std::string fit_failure(const std::optional<FaceSurface>& surface, double roughest_mm) {
   if (!surface) return "the face is too small for a fit";
-  if (surface->fitted_fraction < kLeastFittedFraction) {
+  if (surface->fitted_fraction < kMinFittedFraction) {
     return text_of("the face is not a single sphere or plane: only %.0f %% of it lies on the best fit",
                    100 * surface->fitted_fraction);
   }
@@ -36,12 +36,13 @@ std::string fault_of(const std::optional<FaceSurface>& surface, double roughest_
 }
 
 Measured<FaceAxis> checked(const std::optional<FaceAxis>& axis) {
-  if (!axis)
+  if (!axis) {
     return {.value = {},
             .reason =
                 "the sphere fitted to the face is too small: its radius does not exceed its distance from the centre "
                 "of the face"};
-  if (!(axis->error_deg <= kMostAxisError_deg)) {
+  }
+  if (!(axis->error_deg <= kMaxAxisError_deg)) {
     return {.value = {},
             .reason = text_of("the face is too small or too rough: the standard error of its axis is %.1f degrees",
                               axis->error_deg)};
@@ -50,41 +51,40 @@ Measured<FaceAxis> checked(const std::optional<FaceAxis>& axis) {
 }
 
 Measured<FaceAxis> native_axis(const NativeFace& face, const std::optional<Vec3>& center_mm, double voxel_mm) {
-  if (std::string fault = fault_of(face.surface, std::max(kRoughest_mm, voxel_mm)); !fault.empty())
-    return {.value = {}, .reason = fault};
-  // Without a centre of its own a face has the middle of its points.
+  if (std::string reason = fit_failure(face.surface, std::max(kRoughest_mm, voxel_mm)); !reason.empty()) {
+    return {.value = {}, .reason = reason};
+  }
+  // A face of unknown centre has the mean of its points.
   return checked(axis_through(*face.surface, center_mm.value_or(face.surface->plane.point_mm)));
 }
 
 Measured<FaceAxis> reamed_axis(const std::optional<FaceSurface>& surface, const Rigid& bone_from_tool,
                                double voxel_mm) {
-  if (std::string fault = fault_of(surface, voxel_mm); !fault.empty()) return {.value = {}, .reason = fault};
+  if (std::string reason = fit_failure(surface, voxel_mm); !reason.empty()) return {.value = {}, .reason = reason};
   const auto meets = meeting_point(*surface, bone_from_tool.translation(), bone_from_tool.linear().col(2));
   if (!meets) return {.value = {}, .reason = "the reamer's axis does not meet the surface through the reamed face"};
   return checked(axis_through(*surface, *meets));
 }
 
-/// Whether a point lies on the reamed face: most columns about it are reamed, and next to none is reamed through. The
-/// core that a cannulated reamer leaves standing is narrower than what is looked at.
-std::string fault_at(const ColumnMap& map, const Vec3& point_mm) {
-  constexpr double kAbout_mm = 3;
-  constexpr double kMost = 0.5;
-  constexpr double kNextToNone = 0.1;
-  const Vec3 place = map.bone_from_map.inverse() * point_mm;
+/// Why a point does not lie on the reamed face; "" if most columns around it are reamed and few are reamed through. The
+/// core of a cannulated reamer is narrower than this neighbourhood.
+std::string location_failure(const ColumnMap& map, const Vec3& point_mm) {
+  constexpr double kRadius_mm = 3;
+  constexpr double kMinReamed = 0.5;
+  constexpr double kMaxThrough = 0.1;
+  const Vec3 center = map.bone_from_map.inverse() * point_mm;
   int all = 0;
   int reamed = 0;
   int through = 0;
-  for (int j = 0; j < map.ny; ++j) {
-    for (int i = 0; i < map.nx; ++i) {
-      if ((map.center_mm(i, j) - place.head<2>()).norm() > kAbout_mm) continue;
-      ++all;
-      reamed += map.at(i, j).state == ColumnState::reamed ? 1 : 0;
-      through += map.at(i, j).state == ColumnState::through ? 1 : 0;
-    }
-  }
-  const double columns = std::numbers::pi * kAbout_mm * kAbout_mm / (map.pitch_mm * map.pitch_mm);
-  if (through > kNextToNone * columns) return "the bone is perforated where the Friedman axis meets it";
-  if (all == 0 || reamed < kMost * columns) return "the Friedman axis meets the bone outside the reamed face";
+  map.for_each([&](const ColumnPlace& place) {
+    if ((map.center_mm(place) - center.head<2>()).norm() > kRadius_mm) return;
+    ++all;
+    reamed += map.at(place).state == ColumnState::reamed ? 1 : 0;
+    through += map.at(place).state == ColumnState::through ? 1 : 0;
+  });
+  const double columns = std::numbers::pi * kRadius_mm * kRadius_mm / (map.pitch_mm * map.pitch_mm);
+  if (through > kMaxThrough * columns) return "the bone is perforated where the Friedman axis meets it";
+  if (all == 0 || reamed < kMinReamed * columns) return "the Friedman axis meets the bone outside the reamed face";
   return "";
 }
 
@@ -97,7 +97,7 @@ Measured<double> medialization(const JointLine& line, const ColumnMap& map, cons
   const auto before = meeting_point(*line.native_face->surface, *axes.face_center_mm, lateral);
   const auto after = meeting_point(*line.reamed_surface, *axes.face_center_mm, lateral);
   if (!before || !after) return none("the Friedman axis does not meet the surface through the face");
-  if (std::string fault = fault_at(map, *after); !fault.empty()) return none(fault);
+  if (std::string reason = location_failure(map, *after); !reason.empty()) return none(reason);
   return {.value = (*before - *after).dot(lateral), .reason = ""};
 }
 
@@ -116,13 +116,11 @@ JointLine measure_joint_line(const ReamedBone& bone, const ColumnMap& map, const
   const double voxel_mm = bone.voxmap.grid.voxel_mm;
   const Vec3 reamer = map.bone_from_map.linear().col(2);
   FacePoints points{.points_mm = {}, .point_mm2 = map.pitch_mm * map.pitch_mm, .voxel_mm = voxel_mm};
-  // More points than this tell no more of a surface.
-  constexpr std::size_t kMostPoints = 3000;
-  const std::size_t step = 1 + face.columns.size() / kMostPoints;
+  constexpr std::size_t kMaxPoints = 3000;  // more do not improve the fit
+  const std::size_t step = 1 + face.columns.size() / kMaxPoints;
   points.point_mm2 *= static_cast<double>(step);
   for (std::size_t i = 0; i < face.columns.size(); i += step) {
-    const ColumnPlace& place = face.columns[i];
-    points.points_mm.push_back(map.in_bone(place.x(), place.y(), map.at(place.x(), place.y()).after_mm));
+    points.points_mm.push_back(map.in_bone(face.columns[i], map.at(face.columns[i]).after_mm));
   }
   out.reamed_surface = fit_face(points, reamer);
   out.reamed = reamed_axis(out.reamed_surface, map.bone_from_map, voxel_mm);

@@ -18,8 +18,9 @@ double degrees(double radians) {
 std::optional<ReamedDepth> measure_depth(const ColumnMap& map) {
   std::vector<double> depths;
   for (const Column& column : map.columns) {
-    const bool reamed = column.state == ColumnState::reamed || column.state == ColumnState::through;
-    if (reamed) depths.push_back(column.depth_mm);
+    if (column.state == ColumnState::reamed || column.state == ColumnState::through) {
+      depths.push_back(column.depth_mm);
+    }
   }
   if (depths.empty()) return std::nullopt;
   return ReamedDepth{.max_mm = *std::max_element(depths.begin(), depths.end()),
@@ -69,7 +70,7 @@ FaceOrientation measure_orientation(const JointLine& line, const ReamedFace& fac
   const auto native = angles_of(line.native, known, "neither a scapular nor a glenoid frame is defined");
   const auto reamed = angles_of(line.reamed, known, "");
   const double fraction = line.reamed_fraction.value.value_or(0);
-  if (native.value && reamed.value && fraction < kLeastReamedFraction) {
+  if (native.value && reamed.value && fraction < kMinReamedFraction) {
     char text[120];
     std::snprintf(text, sizeof text, "only %.0f %% of the face was reamed: the rest keeps its orientation",
                   100 * fraction);
@@ -88,7 +89,7 @@ FaceOrientation measure_orientation(const JointLine& line, const ReamedFace& fac
 
 RemovedVolume removed_volume(const ReamedBone& bone, double dense_g_cm3) {
   const int dense_grade = least_dense_grade(dense_g_cm3);
-  std::int64_t trabecular = 0;  // in 1/65535 of a voxel, so that the order of summing does not matter
+  std::int64_t trabecular = 0;  // in 1/65535 of a voxel: integers, so that the order of summation does not matter
   std::int64_t dense = 0;
   for_each_cut_voxel(bone, [&](const Vec3i&, std::uint8_t grade, std::uint16_t before, std::uint16_t after) {
     (grade >= dense_grade ? dense : trabecular) += before - after;
@@ -111,7 +112,7 @@ BoneMetrics measure_bone(const ReamedBone& bone, const Rigid& bone_from_tool, co
   out.face = find_face(map, voxel_mm);
   out.joint_line = measure_joint_line(bone, map, *out.face, axes);
   out.orientation = measure_orientation(*out.joint_line, *out.face, bone_from_tool.linear().col(2), axes);
-  out.dense_left = dense_bone_left(bone, map, *out.face, settings.dense_g_cm3);
+  out.remaining_dense = remaining_dense_bone(bone, map, *out.face, settings.dense_g_cm3);
   out.perforation = find_perforation(map, voxel_mm);
   if (settings.implant) out.seating = seat_implant(map, *out.face, *settings.implant, voxel_mm);
   return out;

@@ -1,14 +1,26 @@
 #pragma once
 
+#include <algorithm>
+#include <numeric>
 #include <vector>
 
 namespace reamsim {
 
-/// The arithmetic mean; 0 of nothing.
-double mean(const std::vector<double>& values);
+/// The arithmetic mean; 0 of no values.
+inline double mean(const std::vector<double>& values) {
+  if (values.empty()) return 0;
+  return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
+}
 
-/// The value below which a share (0…1) of the values lies, linear between neighbours in order (type 7 of Hyndman and
-/// Fan 1996, The American Statistician 50, 361–365; numpy's default); 0 of nothing.
-double quantile(std::vector<double> values, double share);
+/// The value below which a fraction (0…1) of the values lies, interpolated linearly (type 7 of Hyndman and Fan 1996,
+/// The American Statistician 50, 361–365; numpy's default); 0 of no values.
+inline double quantile(std::vector<double> values, double fraction) {
+  if (values.empty()) return 0;
+  std::sort(values.begin(), values.end());
+  const double place = fraction * static_cast<double>(values.size() - 1);
+  const auto below = static_cast<std::size_t>(place);
+  const std::size_t above = std::min(below + 1, values.size() - 1);
+  return values[below] + (place - static_cast<double>(below)) * (values[above] - values[below]);
+}
 
 }  // namespace reamsim

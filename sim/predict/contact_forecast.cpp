@@ -122,7 +122,7 @@ class ContactSearch {
       const std::uint16_t fill = fills == nullptr ? FillBricks::kWhole : (*fills)[at];
       if (grades[at] == 0 || fill == 0) continue;
       const Vec3i voxel = BrickLattice::voxel_at(coord, offset);
-      visit(voxmap_.grid.center_mm(voxel.x(), voxel.y(), voxel.z()), static_cast<double>(fill) / FillBricks::kWhole);
+      visit(voxmap_.grid.center_mm(voxel), static_cast<double>(fill) / FillBricks::kWhole);
     }
   }
 

@@ -140,7 +140,7 @@ class SweptBone {
   }
 
   [[nodiscard]] double remaining_fraction(const Vec3i& voxel, const std::vector<NearPose>& near) const {
-    const Vec3 middle = grid_.center_mm(voxel.x(), voxel.y(), voxel.z());
+    const Vec3 middle = grid_.center_mm(voxel);
     const double distance = distance_mm(middle, near) / grid_.voxel_mm;
     if (!whole_voxels_) return std::clamp(0.5 + distance, 0.0, 1.0);
     if (std::abs(distance) > 0.5 * std::numbers::sqrt3) return distance > 0 ? 1 : 0;

@@ -135,7 +135,7 @@ Json joint_line_json(const JointLine& line) {
           {"medialization_reason", reason_json(line.medialization_mm)}};
 }
 
-Json dense_json(const DenseBoneLeft& left) {
+Json dense_json(const RemainingDenseBone& left) {
   return {{"mean_mm", left.mean_mm},
           {"least_mm", left.least_mm},
           {"p05_mm", left.p05_mm},
@@ -178,7 +178,7 @@ Json metrics_json(const BoneMetrics& metrics) {
     return orientation_json(orientation, *metrics.joint_line);
   });
   json["joint_line"] = json_or_null(metrics.joint_line, joint_line_json);
-  json["dense_bone_left"] = json_or_null(metrics.dense_left, dense_json);
+  json["dense_bone_left"] = json_or_null(metrics.remaining_dense, dense_json);
   json["perforation"] = json_or_null(metrics.perforation, perforation_json);
   json["seating"] = json_or_null(metrics.seating, seating_json);
   return json;
@@ -187,16 +187,14 @@ Json metrics_json(const BoneMetrics& metrics) {
 void write_depth_map(const std::string& path, const ColumnMap& map) {
   CsvLog log(path, "x_mm,y_mm,before_z_mm,after_z_mm,depth_mm");
   constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-  for (int j = 0; j < map.ny; ++j) {
-    for (int i = 0; i < map.nx; ++i) {
-      const Column& column = map.at(i, j);
-      if (column.state == ColumnState::air) continue;
-      const Vec2 place = map.center_mm(i, j);
-      const bool bone_left = column.state != ColumnState::through;
-      log.row({rounded(place.x()), rounded(place.y()), rounded(column.before_mm),
-               bone_left ? rounded(column.after_mm) : kNone, rounded(column.depth_mm)});
-    }
-  }
+  map.for_each([&](const ColumnPlace& place) {
+    const Column& column = map.at(place);
+    if (column.state == ColumnState::air) return;
+    const Vec2 center = map.center_mm(place);
+    const bool remains = column.state != ColumnState::through;
+    log.row({rounded(center.x()), rounded(center.y()), rounded(column.before_mm),
+             remains ? rounded(column.after_mm) : kNone, rounded(column.depth_mm)});
+  });
   log.close();
 }
 

@@ -9,7 +9,6 @@
 
 #include "sim/base/error.h"
 #include "sim/bone/vdb/vdb_archive.h"
-#include "sim/bone/vdb/vdb_grid.h"
 
 namespace reamsim {
 

@@ -22,7 +22,7 @@ std::string number(double value) {
 }
 
 std::string header(const VoxelGrid& grid) {
-  const Vec3 first = grid.center_mm(0, 0, 0);
+  const Vec3 first = grid.center_mm({0, 0, 0});
   std::string extent, origin, spacing;
   for (int i = 0; i < 3; ++i) {
     const char* space = i < 2 ? " " : "";

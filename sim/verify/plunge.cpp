@@ -4,7 +4,7 @@
 #include <cstdio>
 #include <numbers>
 
-#include "sim/bone/voxmap/surface_share.h"
+#include "sim/bone/voxmap/cube_fraction.h"
 
 namespace reamsim::verify {
 
@@ -22,7 +22,7 @@ FilledVoxmap half_block(const Vec3& size_mm, double voxel_mm, double density_g_c
   return sample_phantom(
       grid, {}, [=](const Vec3& p) { return behind(p) < 0 ? density_g_cm3 : kAir; },
       [=](const Vec3& center) {
-        return PartialVoxel{share_inside(behind, center, voxel_mm), density_g_cm3};
+        return PartialVoxel{fraction_inside(behind, center, voxel_mm), density_g_cm3};
       });
 }
 

@@ -52,7 +52,7 @@ TEST(BenchScene, BoneLiesInItsBox) {
     for (std::int64_t e = 0; e < bone.grid.size(); ++e) {
       const Vec3i voxel = bone.grid.coord(e);
       if (bone.grade.get(voxel) == 0) continue;
-      const Vec3 center = bone.grid.center_mm(voxel.x(), voxel.y(), voxel.z());
+      const Vec3 center = bone.grid.center_mm(voxel);
       ASSERT_TRUE((center.array() > box.min.array()).all() && (center.array() < box.max.array()).all()) << side;
     }
   }

@@ -10,7 +10,7 @@
 #include <random>
 
 #include "bone_fixture.h"
-#include "sim/bone/vdb/vdb_grid.h"
+#include "sim/bone/vdb/vdb_archive.h"
 #include "tests/support/temp_dir.h"
 
 namespace reamsim::test {
@@ -107,7 +107,7 @@ TEST_F(BoneVdb, FourGridsWithUnitsAndProvenance) {
     EXPECT_THAT(grids[name]->getCreator(), HasSubstr("reamsim "));
     EXPECT_EQ(grids[name]->metaValue<double>("ash_fraction"), 0.55);
     const openvdb::Vec3d center = grids[name]->indexToWorld(openvdb::Vec3d(3, 4, 5));
-    const Vec3 truth = bone.grid.center_mm(3, 4, 5);
+    const Vec3 truth = bone.grid.center_mm({3, 4, 5});
     EXPECT_NEAR((Vec3(center.x(), center.y(), center.z()) - truth).norm(), 0, 1e-12);
   }
   EXPECT_EQ(grids["density"]->getGridClass(), openvdb::GRID_FOG_VOLUME);

@@ -68,7 +68,7 @@ TEST(GlenoidPhantom, FaceHasTheGivenSizeAndIsWiderBelow) {
   const VoxelGrid& grid = standard().voxmap->grid;
   double low = 0, high = 0, width_below = 0, width_above = 0;
   for_each_bone_voxel(standard(), [&](const Vec3i& c, std::uint8_t, std::uint16_t) {
-    const Vec3 p = grid.center_mm(c.x(), c.y(), c.z());
+    const Vec3 p = grid.center_mm(c);
     if (p.x() < 0.5 || std::abs(p.y()) > 15) return;  // the rim stands out of the face's plane; no coracoid
     if (std::abs(p.y()) < 3) {
       low = std::min(low, p.z());
@@ -185,7 +185,7 @@ TEST(GlenoidPhantom, LeftAndRightAreMirrorImages) {
   const VoxelGrid& grid = left.voxmap->grid;
   for (std::int64_t i = 0; i < grid.size(); ++i) {
     const Vec3i c = grid.coord(i);
-    const Vec3 p = grid.center_mm(c.x(), c.y(), c.z());
+    const Vec3 p = grid.center_mm(c);
     ASSERT_EQ(left.voxmap->grade.get(c), grade_at(right, {-p.x(), p.y(), p.z()}));
   }
   const Mat3 l = left.glenoid->bone_from_glenoid.linear();
@@ -234,7 +234,7 @@ TEST(GlenoidPhantom, SkippedBricksHoldNoBone) {
   const VoxelGrid& grid = voxmap.grid;
   for (std::int64_t e = 0; e < grid.size(); ++e) {
     const Vec3i c = grid.coord(e);
-    const Vec3 p = grid.center_mm(c.x(), c.y(), c.z());
+    const Vec3 p = grid.center_mm(c);
     const Vec3 anatomy(p.x(), p.z(), -p.y());
     const bool inside = anatomy.x() >= shape.medial_end_mm() && shape.solid(anatomy) <= 0;
     ASSERT_EQ(inside, voxmap.grade.get(c) != 0) << p.transpose();

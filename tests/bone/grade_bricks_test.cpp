@@ -5,7 +5,7 @@
 
 #include <random>
 
-#include "sim/bone/voxmap/sample_bricks.h"
+#include "sim/bone/voxmap/sample_voxels.h"
 #include "sim/bone/voxmap/voxel_grid.h"
 
 namespace reamsim::test {
@@ -97,10 +97,10 @@ TEST(GradeBricks, VisitsStoredBricksInTheLatticesOrder) {
 
 TEST(GradeBricks, KnowsTheBricksAround) {
   GradeBricks grades({32, 8, 8});
-  EXPECT_TRUE(coords_around(grades).empty());
+  EXPECT_TRUE(bricks_near_bone(grades).empty());
   grades.set({0, 0, 0}, 1);
   grades.set({9, 0, 0}, 1);
-  const std::vector<Vec3i> around = coords_around(grades);
+  const std::vector<Vec3i> around = bricks_near_bone(grades);
   ASSERT_EQ(around.size(), 4U * 3 * 3) << "two bricks side by side, with one more all round, beyond the lattice too";
   EXPECT_EQ(around.front(), Vec3i(-1, -1, -1));
   EXPECT_EQ(around.back(), Vec3i(2, 1, 1));

@@ -31,15 +31,16 @@ double advised_mm(const std::string& text) {
 }
 
 TEST(Lattice, NoSideOf1024IsALimit) {
-  EXPECT_NO_THROW(check_lattice("bone", {2048, 2048, 2048}, 0.075, {.bone_share = 0.1}, k24GB));
-  EXPECT_NO_THROW(check_lattice("bone", {4096, 2048, 2048}, 0.05, {.bone_share = 0.02, .bytes_per_voxel = 13}, k24GB));
+  EXPECT_NO_THROW(check_lattice("bone", {2048, 2048, 2048}, 0.075, {.bone_fraction = 0.1}, k24GB));
+  EXPECT_NO_THROW(
+      check_lattice("bone", {4096, 2048, 2048}, 0.05, {.bone_fraction = 0.02, .bytes_per_voxel = 13}, k24GB));
   EXPECT_NO_THROW(check_lattice("bone", {900'000, 64, 64}, 0.01, {}, k24GB));
 }
 
 TEST(Lattice, BricksAreCountedIn31Bits) {
   const double side = 8 * 1290;  // 1290³ = 2 146 689 000 bricks
-  EXPECT_NO_THROW(check_lattice("bone", {side, side, side}, 0.1, {.bone_share = 0}, kPlenty));
-  EXPECT_THAT(refusal({side + 8, side + 8, side + 8}, 0.1, {.bone_share = 0}, kPlenty), HasSubstr("would fit"));
+  EXPECT_NO_THROW(check_lattice("bone", {side, side, side}, 0.1, {.bone_fraction = 0}, kPlenty));
+  EXPECT_THAT(refusal({side + 8, side + 8, side + 8}, 0.1, {.bone_fraction = 0}, kPlenty), HasSubstr("would fit"));
 }
 
 TEST(Lattice, NamesTheBytesAndAVoxelThatFits) {
@@ -55,10 +56,10 @@ TEST(Lattice, NamesTheBytesAndAVoxelThatFits) {
 
 TEST(Lattice, AThinBonesShareGrowsWithTheVoxels) {
   const Eigen::Array3d dims(20'000, 20'000, 4000);
-  const LatticeLoad load{.bone_share = 0.01, .bytes_per_voxel = 13};
+  const LatticeLoad load{.bone_fraction = 0.01, .bytes_per_voxel = 13};
   const double fitting_mm = advised_mm(refusal(dims, 0.01, load, k24GB));
   const double factor = fitting_mm / 0.01;
-  const LatticeLoad coarser{.bone_share = 0.01 * factor, .bytes_per_voxel = 13};
+  const LatticeLoad coarser{.bone_fraction = 0.01 * factor, .bytes_per_voxel = 13};
   EXPECT_NO_THROW(check_lattice("bone", dims / factor, fitting_mm, coarser, k24GB));
 }
 

@@ -7,7 +7,7 @@
 #include <numbers>
 
 #include "bone_fixture.h"
-#include "sim/bone/voxmap/surface_share.h"
+#include "sim/bone/voxmap/cube_fraction.h"
 #include "sim/mesh/mesh_io.h"
 #include "tests/support/mesh_shapes.h"
 #include "tests/support/temp_dir.h"
@@ -55,16 +55,16 @@ void expect_second_order(const Make& make, int bones) {
 
 TEST(PartialVoxels, ShareOfAPlaneIsThatOfTheClippedCube) {
   const auto plane = [](const Vec3& p) { return 3 * (p.x() - 0.2) / 0.5; };
-  EXPECT_NEAR(share_inside(plane, {0.1, 5, 7}, 0.5), 0.7, 1e-6);
-  EXPECT_EQ(share_inside(plane, {-0.2, 5, 7}, 0.5), 1);
-  EXPECT_EQ(share_inside(plane, {0.6, 5, 7}, 0.5), 0);
+  EXPECT_NEAR(fraction_inside(plane, {0.1, 5, 7}, 0.5), 0.7, 1e-6);
+  EXPECT_EQ(fraction_inside(plane, {-0.2, 5, 7}, 0.5), 1);
+  EXPECT_EQ(fraction_inside(plane, {0.6, 5, 7}, 0.5), 0);
 }
 
 TEST(PartialVoxels, SharesOfEdgesAndThinWallsAreFoundByHalving) {
   const auto edge = [](const Vec3& p) { return std::max(p.x() - 0.1, p.y() + 0.15); };
-  EXPECT_NEAR(share_inside(edge, Vec3::Zero(), 1), 0.6 * 0.35, 0.02);
+  EXPECT_NEAR(fraction_inside(edge, Vec3::Zero(), 1), 0.6 * 0.35, 0.02);
   const auto wall = [](const Vec3& p) { return std::abs(p.z() - 0.05) - 0.15; };
-  EXPECT_NEAR(share_inside(wall, Vec3::Zero(), 1), 0.3, 0.05);
+  EXPECT_NEAR(fraction_inside(wall, Vec3::Zero(), 1), 0.3, 0.05);
 }
 
 class PartialMesh : public ::testing::Test {
@@ -132,7 +132,7 @@ TEST_F(PartialMesh, VoxelsJustOutsideAreCorticalAndHoldLittle) {
   std::int64_t outside = 0;
   for_each_bone_voxel(voxmap, [&](const Vec3i& voxel, std::uint8_t grade, std::uint16_t fill) {
     EXPECT_GT(fill, 0);
-    const Vec3 center = voxmap.grid.center_mm(voxel.x(), voxel.y(), voxel.z());
+    const Vec3 center = voxmap.grid.center_mm(voxel);
     if (grade_at(whole, center) != 0) {
       EXPECT_EQ(grade, grade_at(whole, center));
       return;

@@ -4,7 +4,7 @@
 
 #include "bone_fixture.h"
 #include "sim/bone/vdb/bone_vdb.h"
-#include "sim/bone/vdb/stored_anatomy.h"
+#include "sim/bone/vdb/bone_vdb_metadata.h"
 #include "tests/support/temp_dir.h"
 
 namespace reamsim::test {

@@ -76,7 +76,7 @@ TEST(FitToBone, LeavesTheMarginAndWholeBricks) {
   EXPECT_EQ(fitted.grid.dims, Vec3i(32, 8, 8));
   EXPECT_EQ(fitted.frame, "test");
   for (const Vec3i& v : {Vec3i(20, 21, 22), Vec3i(39, 21, 22)}) {
-    const Vec3 center = voxmap.grid.center_mm(v.x(), v.y(), v.z());
+    const Vec3 center = voxmap.grid.center_mm(v);
     EXPECT_EQ(grade_at(fitted, center), grade_at(voxmap, center));
     EXPECT_EQ(fitted.fill.get(fitted.grid.voxel_of(center)), voxmap.fill.get(v));
   }

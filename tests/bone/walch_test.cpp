@@ -94,7 +94,7 @@ std::vector<Vec3> face_points(const BoneView& bone, const GlenoidFace& face, con
     for (int y = first.y(); y <= last.y(); ++y) {
       for (int x = first.x(); x <= last.x(); ++x) {
         if (bone.voxmap.grade.get({x, y, z}) == 0 || bone.voxmap.grade.get({x + 1, y, z}) != 0) continue;
-        const Vec3 p = to_anatomy(0.5 * (grid.center_mm(x, y, z) + grid.center_mm(x + 1, y, z)));
+        const Vec3 p = to_anatomy(0.5 * (grid.center_mm({x, y, z}) + grid.center_mm({x + 1, y, z})));
         bool own = patch.holds(p);
         for (std::size_t i = 0; i < face.balls().size(); ++i) {
           const GlenoidFace::Ball& ball = face.balls()[i];
@@ -302,7 +302,7 @@ TEST(Walch, RightIsTheMirrorImage) {
     const VoxelGrid& grid = left.voxmap->grid;
     for (std::int64_t i = 0; i < grid.size(); ++i) {
       const Vec3i c = grid.coord(i);
-      const Vec3 p = grid.center_mm(c.x(), c.y(), c.z());
+      const Vec3 p = grid.center_mm(c);
       ASSERT_EQ(left.voxmap->grade.get(c), grade_at(right, {-p.x(), p.y(), p.z()}));
     }
     const Vec3 l = left.glenoid->bone_from_glenoid.linear().col(2);
@@ -319,7 +319,7 @@ TEST(Walch, LatticeHoldsAllOfIt) {
     const GlenoidShape shape(settings.phantom);
     for (std::int64_t e = 0; e < voxmap.grid.size(); ++e) {
       const Vec3i c = voxmap.grid.coord(e);
-      const Vec3 p = voxmap.grid.center_mm(c.x(), c.y(), c.z());
+      const Vec3 p = voxmap.grid.center_mm(c);
       const Vec3 anatomy(p.x(), p.z(), -p.y());
       const bool inside = anatomy.x() >= shape.medial_end_mm() && shape.solid(anatomy) <= 0;
       ASSERT_EQ(inside, voxmap.grade.get(c) != 0) << name_of(type) << " at " << p.transpose();

@@ -10,7 +10,7 @@
 #include <random>
 
 #include "sim/bone/ct/ct_import.h"
-#include "sim/bone/voxmap/surface_share.h"
+#include "sim/bone/voxmap/cube_fraction.h"
 #include "test_images.h"
 
 namespace reamsim::test {

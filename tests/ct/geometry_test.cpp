@@ -20,7 +20,7 @@ AlignedImage sampled(const Vec3i& dims, const Vec3& spacing, const std::function
   for (int k = 0; k < dims.z(); ++k) {
     for (int j = 0; j < dims.y(); ++j) {
       for (int i = 0; i < dims.x(); ++i) {
-        image.value.push_back(static_cast<float>(function(image.lattice.center_mm(i, j, k))));
+        image.value.push_back(static_cast<float>(function(image.lattice.center_mm({i, j, k}))));
       }
     }
   }
@@ -54,7 +54,7 @@ TEST(Resample, LinearRampIsExactWhetherVoxelsMergeOrDivide) {
         for (int i = 0; i < grid.dims.x(); ++i) {
           // A mean over a box of a function that is constant in each image voxel is not quite the ramp.
           const double bound = voxel_mm > 0.49 ? 15 : 1e-2;
-          ASSERT_NEAR(slice[static_cast<std::size_t>(i + grid.dims.x() * j)], ramp(grid.center_mm(i, j, k)), bound)
+          ASSERT_NEAR(slice[static_cast<std::size_t>(i + grid.dims.x() * j)], ramp(grid.center_mm({i, j, k})), bound)
               << voxel_mm;
         }
       }
@@ -75,7 +75,7 @@ TEST(Resample, MergingWholeVoxelsIsTheirMean) {
         double mean = 0;
         for (int n = 0; n < 8; ++n) {
           mean += static_cast<double>(
-                      image.value[image.lattice.index(2 * i + (n & 1), 2 * j + ((n >> 1) & 1), 2 * k + (n >> 2))]) /
+                      image.value[image.lattice.index({2 * i + (n & 1), 2 * j + ((n >> 1) & 1), 2 * k + (n >> 2)})]) /
                   8;
         }
         EXPECT_NEAR(slice[static_cast<std::size_t>(i + 4 * j)], mean, 1e-4);
@@ -109,7 +109,7 @@ TEST(Resample, DividingIsTrilinear) {
     const std::vector<double>& slice = resampler.slice(k);
     for (int j = 0; j < grid.dims.y(); ++j) {
       for (int i = 0; i < grid.dims.x(); ++i) {
-        const Vec3 p = grid.center_mm(i, j, k);
+        const Vec3 p = grid.center_mm({i, j, k});
         ASSERT_NEAR(slice[static_cast<std::size_t>(i + grid.dims.x() * j)], p.prod() + 3 * p.x() * p.y(), 1e-3);
       }
     }
@@ -171,7 +171,7 @@ double roughness_voxels(const Voxmap& voxmap, double radius) {
   for (int k = 1; k < dims.z() - 1; ++k) {
     for (int j = 1; j < dims.y() - 1; ++j) {
       for (int i = 1; i < dims.x() - 1; ++i) {
-        const double distance = voxmap.grid.center_mm(i, j, k).norm() - radius;
+        const double distance = voxmap.grid.center_mm({i, j, k}).norm() - radius;
         const bool bone = voxmap.grade.get({i, j, k}) != 0;
         if (bone == (distance > 0)) worst = std::max(worst, std::abs(distance) / voxmap.grid.voxel_mm);
       }

@@ -58,7 +58,7 @@ TEST_F(RealShoulder, HumeralHeadIsAbsent) {
   std::int64_t inside = 0;
   double nearest = 1e9;
   for_each_bone_voxel(*voxmap_, [&](const Vec3i& c, std::uint8_t, std::uint16_t) {
-    const double distance = (voxmap_->grid.center_mm(c.x(), c.y(), c.z()) - head_).norm();
+    const double distance = (voxmap_->grid.center_mm(c) - head_).norm();
     inside += distance < 21.8;
     nearest = std::min(nearest, distance);
   });
@@ -83,7 +83,7 @@ TEST_F(RealShoulder, IsAWholeScapula) {
 TEST_F(RealShoulder, TheReamersWayToTheFaceIsFree) {
   // Along the normal, in the 30 mm wide path of the reamer: nothing but the glenoid itself, whose rim rises 2.5 mm.
   for_each_bone_voxel(*voxmap_, [&](const Vec3i& c, std::uint8_t, std::uint16_t) {
-    const Vec3 from = voxmap_->grid.center_mm(c.x(), c.y(), c.z()) - glenoid_;
+    const Vec3 from = voxmap_->grid.center_mm(c) - glenoid_;
     const double height = from.dot(normal_);
     if (height < 3) return;
     ASSERT_GT((from - height * normal_).norm(), 25) << height;

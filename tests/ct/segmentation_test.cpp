@@ -244,7 +244,7 @@ double spread(const Voxmap& voxmap, double radius) {
   int count = 0;
   for (std::int64_t n = 0; n < voxmap.grid.size(); ++n) {
     const Vec3i c = voxmap.grid.coord(n);
-    if (voxmap.grid.center_mm(c.x(), c.y(), c.z()).norm() > radius) continue;
+    if (voxmap.grid.center_mm(c).norm() > radius) continue;
     const double grade = voxmap.grade.get(c);
     sum += grade;
     squares += grade * grade;
@@ -287,28 +287,28 @@ TEST(FillHoles, PocketInsideIsFilledAndNotchIsNot) {
   ct::Mask mask(343, 0);
   for (int k = 1; k < 6; ++k) {
     for (int j = 1; j < 6; ++j) {
-      for (int i = 1; i < 6; ++i) mask[lattice.index(i, j, k)] = 1;
+      for (int i = 1; i < 6; ++i) mask[lattice.index({i, j, k})] = 1;
     }
   }
-  mask[lattice.index(3, 3, 3)] = 0;  // a pocket
-  mask[lattice.index(1, 2, 2)] = 0;  // a notch
+  mask[lattice.index({3, 3, 3})] = 0;  // a pocket
+  mask[lattice.index({1, 2, 2})] = 0;  // a notch
   EXPECT_EQ(ct::fill_holes(mask, lattice), 1);
-  EXPECT_EQ(mask[lattice.index(3, 3, 3)], 1);
-  EXPECT_EQ(mask[lattice.index(1, 2, 2)], 0);
+  EXPECT_EQ(mask[lattice.index({3, 3, 3})], 1);
+  EXPECT_EQ(mask[lattice.index({1, 2, 2})], 0);
 }
 
 TEST(ConnectedPieces, CountsFacesNotCornersLargestFirst) {
   const ct::Lattice lattice{{6, 3, 3}, Vec3::Ones(), Vec3::Zero()};
   ct::Mask mask(54, 0);
-  mask[lattice.index(0, 0, 0)] = 1;
-  mask[lattice.index(1, 1, 0)] = 1;  // touches the first along an edge only
-  mask[lattice.index(2, 1, 0)] = 1;
+  mask[lattice.index({0, 0, 0})] = 1;
+  mask[lattice.index({1, 1, 0})] = 1;  // touches the first along an edge only
+  mask[lattice.index({2, 1, 0})] = 1;
   const ct::Pieces pieces = ct::connected_pieces(mask, lattice);
   ASSERT_EQ(pieces.list.size(), 2U);
   EXPECT_EQ(pieces.list[0].voxels, 2);
   EXPECT_EQ(pieces.list[0].min, Vec3i(1, 1, 0));
   EXPECT_EQ(pieces.list[0].max, Vec3i(2, 1, 0));
-  EXPECT_EQ(pieces.label[lattice.index(0, 0, 0)], 2U);
+  EXPECT_EQ(pieces.label[lattice.index({0, 0, 0})], 2U);
 }
 
 }  // namespace

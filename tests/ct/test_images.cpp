@@ -221,7 +221,7 @@ Vec3 centroid_mm(const FilledVoxmap& voxmap) {
   Vec3 sum = Vec3::Zero();
   std::int64_t count = 0;
   for_each_bone_voxel(voxmap, [&](const Vec3i& c, std::uint8_t, std::uint16_t) {
-    sum += voxmap.grid.center_mm(c.x(), c.y(), c.z());
+    sum += voxmap.grid.center_mm(c);
     ++count;
   });
   return sum / static_cast<double>(count);

@@ -197,7 +197,7 @@ TEST_P(ShellAgreement, ToolFullyInsideTouchesOnlyItsSurface) {
   scene.motion = straight({0, 0, -6}, {0, 0, -6.1}, 1, 1000, 250);
   for (const auto& [voxel, frame] : run(scene).removed) {
     const Vec3i c = scene.bone.voxmap->grid.coord(voxel);
-    const Vec3 p = scene.bone.voxmap->grid.center_mm(c.x(), c.y(), c.z()) - Vec3(0, 0, -6.1);
+    const Vec3 p = scene.bone.voxmap->grid.center_mm(c) - Vec3(0, 0, -6.1);
     const double distance = scene.tool.profile.nearest({std::hypot(p.x(), p.y()), p.z()}).distance_mm;
     // A touched voxel holds a point, which lies within half a cell's diagonal of the surface.
     EXPECT_LT(std::abs(distance), std::sqrt(3.0) * (0.25 + scene.tool.shell.cell_mm) / 2 + 0.02);

@@ -134,7 +134,7 @@ void expect_close(ReamingScene scene) {
     const auto i = static_cast<std::size_t>(e);
     if (direct.fill[i] == implicit.fill[i]) continue;
     const Vec3i c = scene.bone.voxmap->grid.coord(e);
-    const double distance = swept_distance(scene, scene.bone.voxmap->grid.center_mm(c.x(), c.y(), c.z())) / voxel;
+    const double distance = swept_distance(scene, scene.bone.voxmap->grid.center_mm(c)) / voxel;
     farthest_out = std::max(farthest_out, distance);
     farthest_in = std::max(farthest_in, -distance);
     more += direct.fill[i] == 0;

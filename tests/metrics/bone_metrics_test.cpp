@@ -159,7 +159,7 @@ TEST(BoneMetrics, AnUntouchedBone) {
   const Block block({10, 10, 4}, kVoxel, 1.8);
   const BoneMetrics found = block.measure();
   EXPECT_EQ(found.removed.total_mm3, 0);
-  EXPECT_FALSE(found.depth || found.face || found.orientation || found.dense_left || found.perforation);
+  EXPECT_FALSE(found.depth || found.face || found.orientation || found.remaining_dense || found.perforation);
   EXPECT_TRUE(depth_map(block.reamed(), {}, Rigid::Identity()).columns.empty());
 }
 

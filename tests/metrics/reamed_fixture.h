@@ -59,7 +59,7 @@ struct Block {
       for (int j = 0; j < voxels.y(); ++j) {
         for (int i = 0; i < voxels.x(); ++i) {
           const Vec3i voxel = Vec3i(i, j, k) + Vec3i::Constant(kMargin);
-          const Vec3 center = grid.center_mm(voxel.x(), voxel.y(), voxel.z());
+          const Vec3 center = grid.center_mm(voxel);
           after.grade.set(voxel, DensityMapping::grade_from_density(density(center)));
         }
       }
@@ -72,7 +72,7 @@ struct Block {
   /// Takes the solid away, partly filled voxels and all.
   void ream(const Solid& solid) {
     for_each_bone_voxel(after, [&](const Vec3i& voxel, std::uint8_t, std::uint16_t fill) {
-      const Vec3 center = after.grid.center_mm(voxel.x(), voxel.y(), voxel.z());
+      const Vec3 center = after.grid.center_mm(voxel);
       const double left = share_outside(solid, center, after.grid.voxel_mm);
       const auto most = static_cast<std::uint16_t>(std::lround(left * FillBricks::kWhole));
       if (most < fill) changed.emplace_back(voxel, most);

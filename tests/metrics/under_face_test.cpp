@@ -14,10 +14,10 @@ Solid flat_tool(double depth) {
   return both(above_plane({0, 0, -depth}, Vec3::UnitZ()), rod({0, 0, 0}, Vec3::UnitZ(), 12));
 }
 
-TEST(DenseBoneLeft, UnderAFlatFace) {
+TEST(RemainingDenseBone, UnderAFlatFace) {
   Block block = layered();
   block.ream(flat_tool(1.3));
-  const auto found = block.measure().dense_left;
+  const auto found = block.measure().remaining_dense;
   ASSERT_TRUE(found);
   // 12 points a voxel see the face to within 1/24 of one.
   EXPECT_NEAR(found->mean_mm, 0.7, kVoxel / 24);
@@ -26,27 +26,27 @@ TEST(DenseBoneLeft, UnderAFlatFace) {
   EXPECT_EQ(found->exposed_percent, 0);
 }
 
-TEST(DenseBoneLeft, NoneInTrabecularBone) {
+TEST(RemainingDenseBone, NoneInTrabecularBone) {
   Block block = layered();
   block.ream(flat_tool(2.6));
-  const auto found = block.measure().dense_left;
+  const auto found = block.measure().remaining_dense;
   ASSERT_TRUE(found);
   EXPECT_EQ(found->mean_mm, 0);
   EXPECT_EQ(found->exposed_percent, 100);
 }
 
-TEST(DenseBoneLeft, UnderASphericalFaceAlongItsNormal) {
+TEST(RemainingDenseBone, UnderASphericalFaceAlongItsNormal) {
   const double radius = 29;
   Block block = layered();
   block.ream(cap({0, 0, -1.4}, radius));
   const ColumnMap map = map_columns(block.reamed(), Rigid::Identity(), {});
   const ReamedFace face = find_face(map, kVoxel);
-  const auto found = dense_bone_left(block.reamed(), map, face, 1.0);
+  const auto found = remaining_dense_bone(block.reamed(), map, face, 1.0);
   ASSERT_TRUE(face.spherical && found);
   // From the sphere's centre the layer's lower side is (R − 1.4 + 2)/cos away.
   double mean_mm = 0;
   for (const ColumnPlace& place : face.columns) {
-    const double sine = map.center_mm(place.x(), place.y()).norm() / radius;
+    const double sine = map.center_mm(place).norm() / radius;
     mean_mm += ((radius + 0.6) / std::sqrt(1 - sine * sine) - radius) / static_cast<double>(face.columns.size());
   }
   EXPECT_NEAR(found->least_mm, 0.6, 0.03);
@@ -54,10 +54,10 @@ TEST(DenseBoneLeft, UnderASphericalFaceAlongItsNormal) {
   EXPECT_EQ(found->exposed_percent, 0);
 }
 
-TEST(DenseBoneLeft, HalfOfTheFaceIsExposed) {
+TEST(RemainingDenseBone, HalfOfTheFaceIsExposed) {
   Block block({40, 40, 8}, kVoxel, [](const Vec3& p) { return p.x() > 0 && p.z() > -3 ? 1.8 : 0.4; });
   block.ream(flat_tool(1));
-  const auto found = block.measure().dense_left;
+  const auto found = block.measure().remaining_dense;
   ASSERT_TRUE(found);
   EXPECT_NEAR(found->exposed_percent, 50, 2.5);
   EXPECT_NEAR(found->mean_mm, 1, 0.05);
@@ -73,7 +73,7 @@ TEST(Perforation, OfAPlate) {
   ASSERT_TRUE(found);
   EXPECT_EQ(found->holes, 1);
   // Where less than a tenth of a voxel is left it counts as nothing.
-  const double reach = radius - 1 - kLeastDepthVoxels * kVoxel;
+  const double reach = radius - 1 - kMinDepthVoxels * kVoxel;
   const double area = kPi * (radius * radius - reach * reach);
   EXPECT_NEAR(found->area_mm2, area, 0.02 * area);
   EXPECT_EQ(found->rim_area_mm2, 0);

@@ -8,7 +8,7 @@
 #include <filesystem>
 
 #include "sim/base/error.h"
-#include "sim/bone/vdb/vdb_grid.h"
+#include "sim/bone/vdb/vdb_archive.h"
 #include "tests/support/temp_dir.h"
 
 namespace reamsim::test {

@@ -65,7 +65,7 @@ FilledVoxmap make_bone(const Rigid& frame, double voxel_mm) {
   for (int k = 0; k < grid.dims.z(); ++k) {
     for (int j = 0; j < grid.dims.y(); ++j) {
       for (int i = 0; i < grid.dims.x(); ++i) {
-        const Vec3 p = glenoid_from_bone * grid.center_mm(i, j, k);
+        const Vec3 p = glenoid_from_bone * grid.center_mm({i, j, k});
         const double distance = bone_distance(p);
         if (distance > 0) continue;
         bone.grade.set({i, j, k}, DensityMapping::grade_from_density(density(p, distance)));
@@ -81,7 +81,7 @@ void cut(FilledVoxmap& bone, const Rigid& glenoid_from_bone, double lowest, bool
     for (int j = 0; j < grid.dims.y(); ++j) {
       for (int i = 0; i < grid.dims.x(); ++i) {
         if (bone.grade.get({i, j, k}) == 0) continue;
-        const double outside = tool_distance(glenoid_from_bone * grid.center_mm(i, j, k), lowest) / grid.voxel_mm;
+        const double outside = tool_distance(glenoid_from_bone * grid.center_mm({i, j, k}), lowest) / grid.voxel_mm;
         const double left = whole_voxels ? (outside > 0 ? 1 : 0) : std::clamp(0.5 + outside, 0.0, 1.0);
         const auto fill = static_cast<std::uint16_t>(std::lround(left * FillBricks::kWhole));
         if (fill < bone.fill.get({i, j, k})) bone.fill.set({i, j, k}, fill);

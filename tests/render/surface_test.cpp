@@ -8,8 +8,8 @@
 
 #include "render/surface/bone_tiles.h"
 #include "render/surface/surface_smoothing.h"
-#include "sim/bone/voxmap/surface_share.h"
-#include "sim/bone/voxmap/surface_voxels.h"
+#include "sim/bone/voxmap/cube_fraction.h"
+#include "sim/bone/voxmap/sample_voxels.h"
 
 namespace reamsim {
 namespace {
@@ -24,7 +24,7 @@ FilledVoxmap ball() {
   for (int k = 0; k < grid.dims.z(); ++k) {
     for (int j = 0; j < grid.dims.y(); ++j) {
       for (int i = 0; i < grid.dims.x(); ++i) {
-        if (grid.center_mm(i, j, k).norm() < 10) voxmap.grade.set({i, j, k}, 150);
+        if (grid.center_mm({i, j, k}).norm() < 10) voxmap.grade.set({i, j, k}, 150);
       }
     }
   }
@@ -34,7 +34,7 @@ FilledVoxmap ball() {
 /// Takes away what lies above z = `height`, by shares.
 void plane_off(const VoxelGrid& grid, double height_mm, FillBricks& fill) {
   for (int k = 0; k < grid.dims.z(); ++k) {
-    const double left = std::clamp((height_mm - grid.center_mm(0, 0, k).z()) / grid.voxel_mm + 0.5, 0.0, 1.0);
+    const double left = std::clamp((height_mm - grid.center_mm({0, 0, k}).z()) / grid.voxel_mm + 0.5, 0.0, 1.0);
     for (int j = 0; j < grid.dims.y(); ++j) {
       for (int i = 0; i < grid.dims.x(); ++i) {
         fill.set({i, j, k}, static_cast<std::uint16_t>(std::lround(left * FillBricks::kWhole)));
@@ -92,10 +92,10 @@ FilledVoxmap smooth_ball() {
   FilledVoxmap voxmap = ball();
   const auto distance = [](const Vec3& point) { return point.norm() - 10; };
   const auto sample = [&](const Vec3i& voxel, std::uint8_t) -> SurfaceVoxel {
-    const Vec3 center = voxmap.grid.center_mm(voxel.x(), voxel.y(), voxel.z());
-    return {share_inside(distance, center, voxmap.grid.voxel_mm), 150};
+    const Vec3 center = voxmap.grid.center_mm(voxel);
+    return {fraction_inside(distance, center, voxmap.grid.voxel_mm), 150};
   };
-  part_surface_voxels(sample, voxmap);
+  set_partial_fill(sample, voxmap);
   return voxmap;
 }
 
@@ -114,7 +114,7 @@ TEST(BoneSurfaceTest, DepthIsMeasuredFromPartialVoxelsToo) {
   FilledVoxmap voxmap = before;
   const VoxelGrid& grid = voxmap.grid;
   for_each_bone_voxel(before, [&](const Vec3i& voxel, std::uint8_t, std::uint16_t fill) {
-    const double left = std::clamp((6 - grid.center_mm(0, 0, voxel.z()).z()) / grid.voxel_mm + 0.5, 0.0, 1.0);
+    const double left = std::clamp((6 - grid.center_mm({0, 0, voxel.z()}).z()) / grid.voxel_mm + 0.5, 0.0, 1.0);
     voxmap.fill.set(voxel, std::min(fill, static_cast<std::uint16_t>(std::lround(left * FillBricks::kWhole))));
   });
   const BoneSurface surface = surface_of(voxmap, before.fill);
@@ -151,7 +151,7 @@ TEST(BoneSurfaceTest, APilotHoleIsNoSurfaceToMeasureDepthFrom) {
   for (int k = 0; k < grid.dims.z(); ++k) {
     for (int j = 0; j < grid.dims.y(); ++j) {
       for (int i = 0; i < grid.dims.x(); ++i) {
-        const Vec3 p = grid.center_mm(i, j, k);
+        const Vec3 p = grid.center_mm({i, j, k});
         if (p.z() > -3 && p.head<2>().norm() < 1.25) voxmap.grade.set({i, j, k}, 0);
       }
     }
@@ -339,7 +339,7 @@ TEST(BoneSurfaceTest, TheFloorOfAPitIsDarkerThanAFreeFace) {
   for (int k = 0; k < grid.dims.z(); ++k) {
     for (int j = 0; j < grid.dims.y(); ++j) {
       for (int i = 0; i < grid.dims.x(); ++i) {
-        const Vec3 p = grid.center_mm(i, j, k);
+        const Vec3 p = grid.center_mm({i, j, k});
         if (p.z() > 0 && p.head<2>().norm() < 4) voxmap.grade.set({i, j, k}, 0);
       }
     }

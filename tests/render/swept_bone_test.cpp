@@ -133,7 +133,7 @@ TEST(PredictedBoneTest, WhereVoxelsGoWholeEachOneThatIsTouchedGoes) {
       predict_swept_bone(bone, bone.fill, ball(), {pose_at({0.13, 0.21, 3}), pose_at({0.13, 0.21, -2.2})}, true);
   int wrong = 0, gone = 0;
   for_each_bone_voxel(bone, [&](const Vec3i& voxel, std::uint8_t, std::uint16_t) {
-    const Vec3 center = bone.grid.center_mm(voxel.x(), voxel.y(), voxel.z());
+    const Vec3 center = bone.grid.center_mm(voxel);
     // The nearest point of the voxel to the ball's middle. The ball has come from above, where nothing is left to take.
     const Vec3 half = Vec3::Constant(0.5 * kVoxel_mm);
     const Vec3 nearest = middle.cwiseMax(center - half).cwiseMin(center + half);

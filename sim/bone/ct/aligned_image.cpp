@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <stdexcept>
 
 namespace reamsim::ct {
@@ -11,12 +10,12 @@ namespace reamsim::ct {
 namespace {
 
 constexpr double kAlignedTolerance_voxels = 0.02;
-/// The box round an oblique image holds at most 27 times its voxels unless spacing or axes are absurd.
+/// The box around an oblique image has at most 27 times its voxels unless spacing or axes are absurd.
 constexpr double kMaxGrowth = 100;
-/// A lattice cell that would hold less of the crop than this share is not added.
+/// A voxel of which a smaller fraction lies in the crop is not added.
 constexpr double kRounding_voxels = 1e-6;
 
-/// For each image axis the LPS axis that it runs along most; the three differ, or the image is treated as oblique.
+/// For each image axis the closest LPS axis. If two are equal, the image is oblique.
 std::array<int, 3> dominant_axes(const Mat3& step_mm) {
   std::array<int, 3> lps_axis{};
   for (int column = 0; column < 3; ++column) step_mm.col(column).cwiseAbs().maxCoeff(&lps_axis[column]);
@@ -30,33 +29,32 @@ bool is_permutation(const std::array<int, 3>& axes) {
 double trilinear(const Scan& scan, const Vec3& index, float outside) {
   const Vec3i& dims = scan.geometry.dims;
   Vec3i low;
-  Vec3 share;
+  Vec3 fraction;
   for (int axis = 0; axis < 3; ++axis) {
     const double last = dims[axis] - 1;
-    // The outermost half voxel belongs to the image, and has the value of the outermost voxel.
+    // The outermost half voxel belongs to the image and has the value of the outermost voxel.
     if (index[axis] < -0.5 || index[axis] > last + 0.5) return outside;
     const double inside = std::clamp(index[axis], 0.0, last);
     low[axis] = std::min(static_cast<int>(inside), std::max(dims[axis] - 2, 0));
-    share[axis] = inside - low[axis];
+    fraction[axis] = inside - low[axis];
   }
   double sum = 0;
-  for (int corner = 0; corner < 8; ++corner) {
-    const Vec3i bit(corner & 1, (corner >> 1) & 1, corner >> 2);
-    double weight = 1;
-    for (int axis = 0; axis < 3; ++axis) weight *= bit[axis] ? share[axis] : 1 - share[axis];
-    if (weight == 0) continue;
-    const Vec3i at = low + bit;
-    sum += weight * scan.value[static_cast<std::size_t>(at.x() + std::int64_t{dims.x()} *
-                                                                     (at.y() + std::int64_t{dims.y()} * at.z()))];
-  }
+  for_each_trilinear_weight(
+      fraction, [&](const Vec3i& step, double weight) { sum += weight * scan.value[index_in(dims, low + step)]; });
   return sum;
+}
+
+Aabb cropped(Aabb box, const Crop& crop) {
+  if (crop.min_mm) box.min = box.min.cwiseMax(*crop.min_mm);
+  if (crop.max_mm) box.max = box.max.cwiseMin(*crop.max_mm);
+  return box;
 }
 
 AlignedImage permute(const Scan& scan) {
   const ScanGeometry& from = scan.geometry;
   const std::array<int, 3> lps_axis = dominant_axes(from.step_mm);
   AlignedImage out;
-  std::array<std::int64_t, 3> stride{};  // in the source, for a step along each axis of LPS
+  std::array<std::int64_t, 3> stride{};  // in the source, along each LPS axis
   const std::array<std::int64_t, 3> source_stride{1, from.dims.x(), std::int64_t{from.dims.x()} * from.dims.y()};
   std::int64_t first = 0;
   for (int axis = 0; axis < 3; ++axis) {
@@ -68,19 +66,15 @@ AlignedImage permute(const Scan& scan) {
     stride[to] = step < 0 ? -source_stride[axis] : source_stride[axis];
     if (step < 0) first += source_stride[axis] * (from.dims[axis] - 1);
   }
-  const Vec3i& dims = out.lattice.dims;
   out.value.resize(scan.value.size());
-  auto* target = out.value.data();
-  for (int k = 0; k < dims.z(); ++k) {
-    for (int j = 0; j < dims.y(); ++j) {
-      std::int64_t at = first + stride[1] * j + stride[2] * k;
-      for (int i = 0; i < dims.x(); ++i, at += stride[0]) *target++ = scan.value[static_cast<std::size_t>(at)];
-    }
-  }
+  out.lattice.for_each([&](const Vec3i& v, std::size_t at) {
+    const std::int64_t source = first + stride[0] * v.x() + stride[1] * v.y() + stride[2] * v.z();
+    out.value[at] = scan.value[static_cast<std::size_t>(source)];
+  });
   return out;
 }
 
-/// As fine as the image along each axis of LPS: the spacing of the image axis that runs along it most.
+/// The spacing along each LPS axis is that of the closest image axis.
 Vec3 lattice_spacing(const ScanGeometry& geometry) {
   const std::array<int, 3> lps_axis = dominant_axes(geometry.step_mm);
   const Vec3 spacing = geometry.spacing_mm();
@@ -94,38 +88,40 @@ AlignedImage resample_oblique(const Scan& scan, const Crop& crop, float outside)
   AlignedImage out;
   Lattice& lattice = out.lattice;
   lattice.spacing_mm = lattice_spacing(scan.geometry);
-  Aabb box = scan.geometry.bounds_mm();
-  if (crop.min_mm) box.min = box.min.cwiseMax(*crop.min_mm);
-  if (crop.max_mm) box.max = box.max.cwiseMin(*crop.max_mm);
+  const Aabb box = cropped(scan.geometry.bounds_mm(), crop);
   const Vec3 cells = (box.max - box.min).cwiseQuotient(lattice.spacing_mm);
   if (cells.prod() > kMaxGrowth * static_cast<double>(scan.value.size())) throw std::length_error("oblique lattice");
   lattice.dims = (cells.array() - kRounding_voxels).ceil().cast<int>().cwiseMax(1);
   lattice.origin_mm = box.min + 0.5 * lattice.spacing_mm;
   out.value.resize(static_cast<std::size_t>(lattice.size()));
   const Mat3 index_from_mm = scan.geometry.step_mm.inverse();
-  for (int k = 0; k < lattice.dims.z(); ++k) {
-    for (int j = 0; j < lattice.dims.y(); ++j) {
-      for (int i = 0; i < lattice.dims.x(); ++i) {
-        const Vec3 index = index_from_mm * (lattice.center_mm(i, j, k) - scan.geometry.origin_mm);
-        out.value[lattice.index(i, j, k)] = static_cast<float>(trilinear(scan, index, outside));
-      }
-    }
-  }
+  lattice.for_each([&](const Vec3i& voxel, std::size_t at) {
+    const Vec3 index = index_from_mm * (lattice.center_mm(voxel) - scan.geometry.origin_mm);
+    out.value[at] = static_cast<float>(trilinear(scan, index, outside));
+  });
   return out;
 }
 
 }  // namespace
 
 Aabb ScanGeometry::bounds_mm() const {
-  Aabb box{Vec3::Constant(std::numeric_limits<double>::infinity()),
-           Vec3::Constant(-std::numeric_limits<double>::infinity())};
-  for (int corner = 0; corner < 8; ++corner) {
-    Vec3 index;
-    for (int axis = 0; axis < 3; ++axis) index[axis] = ((corner >> axis) & 1) ? dims[axis] - 0.5 : -0.5;
-    box.min = box.min.cwiseMin(point_mm(index));
-    box.max = box.max.cwiseMax(point_mm(index));
-  }
+  const Aabb faces{Vec3::Constant(-0.5), dims.cast<double>() - Vec3::Constant(0.5)};
+  Aabb box = Aabb::none();
+  for (int corner = 0; corner < 8; ++corner) box.extend(point_mm(faces.corner(corner)));
   return box;
+}
+
+Vec3 AlignedImage::gradient(const Vec3i& voxel) const {
+  Vec3 out = Vec3::Zero();
+  for (int axis = 0; axis < 3; ++axis) {
+    Vec3i before = voxel, after = voxel;
+    before[axis] = std::max(voxel[axis] - 1, 0);
+    after[axis] = std::min(voxel[axis] + 1, lattice.dims[axis] - 1);
+    if (before[axis] == after[axis]) continue;
+    const double difference = double{at(after)} - double{at(before)};
+    out[axis] = difference / ((after[axis] - before[axis]) * lattice.spacing_mm[axis]);
+  }
+  return out;
 }
 
 ScanGeometry part_of(const ScanGeometry& geometry, const IndexBox& box) {
@@ -146,29 +142,22 @@ bool is_axis_aligned(const ScanGeometry& geometry) {
 
 IndexBox voxels_in_crop(const ScanGeometry& geometry, const Crop& crop) {
   const bool aligned = is_axis_aligned(geometry);
-  // An open side of the box ends where the image ends.
-  Aabb box = geometry.bounds_mm();
-  if (crop.min_mm) box.min = box.min.cwiseMax(*crop.min_mm);
-  if (crop.max_mm) box.max = box.max.cwiseMin(*crop.max_mm);
+  const Aabb box = cropped(geometry.bounds_mm(), crop);
   if (box.empty()) return {};
   const Mat3 index_from_mm = geometry.step_mm.inverse();
-  Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity());
-  Vec3 high = -low;
+  Aabb indices = Aabb::none();
   for (int corner = 0; corner < 8; ++corner) {
-    const Vec3 point((corner & 1) ? box.max.x() : box.min.x(), (corner & 2) ? box.max.y() : box.min.y(),
-                     (corner & 4) ? box.max.z() : box.min.z());
-    const Vec3 index = index_from_mm * (point - geometry.origin_mm);
-    low = low.cwiseMin(index);
-    high = high.cwiseMax(index);
+    indices.extend(index_from_mm * (box.corner(corner) - geometry.origin_mm));
   }
   const double slack = aligned ? -kAlignedTolerance_voxels : -1;
   const Vec3i last_voxel = geometry.dims - Vec3i::Ones();
   IndexBox out;
   Vec3i last;
   for (int axis = 0; axis < 3; ++axis) {
-    out.start[axis] = std::max(0, static_cast<int>(std::ceil(std::max(low[axis] + slack, -1.0))));
-    last[axis] = std::min(last_voxel[axis],
-                          static_cast<int>(std::floor(std::min<double>(high[axis] - slack, geometry.dims[axis]))));
+    const double low = std::max(indices.min[axis] + slack, -1.0);
+    const double high = std::min<double>(indices.max[axis] - slack, geometry.dims[axis]);
+    out.start[axis] = std::max(0, static_cast<int>(std::ceil(low)));
+    last[axis] = std::min(last_voxel[axis], static_cast<int>(std::floor(high)));
   }
   out.size = (last - out.start + Vec3i::Ones()).cwiseMax(0);
   return out;

@@ -8,37 +8,34 @@
 
 #include "sim/base/parallel.h"
 #include "sim/bone/ct/boundary_layers.h"
-#include "sim/bone/ct/boundary_normals.h"
 
 namespace reamsim::ct {
 
 namespace {
 
-/// Steps along the normal, in voxels.
-constexpr double kStep = 0.25;
-/// Below the boundary, measured values may speak for it as deep as this, voxels.
+constexpr double kStep = 0.25;  // along the normal, voxels
+/// Measured values count for the boundary if they lie at most this far below it, voxels.
 constexpr double kWindow = 2;
-/// A measured value is higher than another when it exceeds it by so many standard deviations of the noise, and by what
-/// rounding to whole HU can do.
+/// A measured value exceeds another only by so many standard deviations of the noise, and by more than rounding.
 constexpr double kDeviations = 3;
 constexpr double kRounding_hu = 10;
-/// Trusted voxels are looked for this far beyond the point spread, voxels.
+/// The search for trusted voxels ends this far beyond the point spread, voxels.
 constexpr double kSearch = 2.5;
 
 /// The line through a voxel along the inward normal, in voxel indices.
 struct Ray {
   Vec3 start;
-  Vec3 inward;                   ///< one voxel along the axis in which it moves fastest
-  std::array<Vec3, 4> sideways;  ///< steps across it, about a voxel long
+  Vec3 inward;                   ///< one voxel along the fastest axis
+  std::array<Vec3, 4> sideways;  ///< steps of about a voxel across the ray
   double step_mm = 0;            ///< length of `inward`
 
   [[nodiscard]] Vec3 at(double t) const { return start + t * inward; }
 };
 
-/// A value of the bone at the boundary; `resolved` where trusted voxels gave it.
+/// The radiodensity of the bone at the boundary.
 struct Estimate {
   double hu = 0;
-  bool resolved = false;
+  bool resolved = false;  ///< extrapolated from trusted voxels
 };
 
 class BoundaryEstimator {
@@ -65,7 +62,7 @@ class BoundaryEstimator {
   }
 
  private:
-  /// Trusted values as a straight line over the depth along a ray, in steps of the ray.
+  /// Trusted values as a linear function of the depth along a ray, in steps of the ray.
   struct Line {
     double depth = 0;
     double value = 0;
@@ -94,9 +91,9 @@ class BoundaryEstimator {
     const Vec3i voxel = (place + Vec3::Constant(0.5)).array().floor().cast<int>();
     return voxel.cwiseMax(0).cwiseMin(hu_.lattice.dims - Vec3i::Ones());
   }
-  [[nodiscard]] bool is_bone(const Vec3i& v) const { return bone_[hu_.lattice.index(v.x(), v.y(), v.z())] != 0; }
+  [[nodiscard]] bool is_bone(const Vec3i& v) const { return bone_[hu_.lattice.index(v)] != 0; }
 
-  /// Where bone begins on the ray: out from a voxel of bone, in from a voxel outside.
+  /// Where bone begins on the ray: outwards from a voxel of bone, inwards from a voxel outside.
   [[nodiscard]] std::optional<double> boundary_on(const Ray& ray, const Vec3i& voxel) const {
     double t = 0;
     if (is_bone(voxel)) {
@@ -117,49 +114,37 @@ class BoundaryEstimator {
     }
   }
 
-  [[nodiscard]] double measured(const Vec3i& v) const {
-    return double{hu_.value[hu_.lattice.index(v.x(), v.y(), v.z())]};
-  }
-
   [[nodiscard]] double densest_on(const Ray& ray, double boundary) const {
     double most = -std::numeric_limits<double>::infinity();
-    visit_window(ray, boundary, [&](const Vec3i& voxel) { most = std::max(most, measured(voxel)); });
+    visit_window(ray, boundary, [&](const Vec3i& voxel) { most = std::max(most, double{hu_.at(voxel)}); });
     return most;
   }
 
-  /// Of the bone among the 27 voxels round one; its own value where there is none.
+  /// The largest value of bone in the 3×3×3 neighbourhood; without bone the value of the voxel.
   [[nodiscard]] double densest_around(const Vec3i& voxel) const {
     double most = -std::numeric_limits<double>::infinity();
-    for (int n = 0; n < 27; ++n) {
-      const Vec3i v = nearest((voxel + Vec3i(n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1)).cast<double>());
-      if (is_bone(v)) most = std::max(most, measured(v));
-    }
-    return std::isfinite(most) ? most : measured(voxel);
+    for_each_voxel(voxel - Vec3i::Ones(), voxel + Vec3i::Ones(), [&](const Vec3i& neighbour) {
+      const Vec3i v = nearest(neighbour.cast<double>());
+      if (is_bone(v)) most = std::max(most, double{hu_.at(v)});
+    });
+    return std::isfinite(most) ? most : double{hu_.at(voxel)};
   }
 
-  /// The scan between voxels that are all trusted.
+  /// The scan interpolated between voxels that are all trusted.
   [[nodiscard]] std::optional<double> trusted_at(const Vec3& place) const {
+    constexpr double kNoWeight = 1e-9;
     const Vec3i low = place.array().floor().cast<int>();
-    const Vec3 fraction = place - low.cast<double>();
-    double sum = 0;
-    for (int corner = 0; corner < 8; ++corner) {
-      double weight = 1;
-      Vec3i at = low;
-      for (int axis = 0; axis < 3; ++axis) {
-        const bool upper = (corner >> axis & 1) != 0;
-        at[axis] += upper ? 1 : 0;
-        weight *= upper ? fraction[axis] : 1 - fraction[axis];
-      }
-      if (weight < 1e-9) continue;
-      if (!hu_.lattice.contains(at)) return std::nullopt;
-      const std::size_t index = hu_.lattice.index(at.x(), at.y(), at.z());
-      if (trusted_[index] == 0) return std::nullopt;
-      sum += weight * double{hu_.value[index]};
-    }
+    std::optional<double> sum = 0.0;
+    for_each_trilinear_weight(place - low.cast<double>(), [&](const Vec3i& step, double weight) {
+      if (!sum || weight < kNoWeight) return;
+      const Vec3i at = low + step;
+      const bool trusted = hu_.lattice.contains(at) && trusted_[hu_.lattice.index(at)] != 0;
+      sum = trusted ? std::optional(*sum + weight * double{hu_.at(at)}) : std::nullopt;
+    });
     return sum;
   }
 
-  /// The mean over places across the ray, taken in opposite pairs so that a slope across it cancels.
+  /// The mean over points across the ray, in opposite pairs so that a slope across the ray cancels.
   [[nodiscard]] std::optional<double> trusted_mean(const Ray& ray, double t) const {
     const Vec3 middle = ray.at(t);
     const std::optional<double> own = trusted_at(middle);
@@ -191,16 +176,15 @@ class BoundaryEstimator {
     return std::nullopt;
   }
 
-  /// Whether bone within the window that is not trusted is denser than the trusted bone lets expect: partial volume
-  /// only ever lowers it.
+  /// Whether untrusted bone within the window is denser than extrapolated. Partial volume only lowers it.
   [[nodiscard]] bool measured_exceeds(const Ray& ray, double boundary, const Line& line) const {
     const Vec3& spacing = hu_.lattice.spacing_mm;
     const Vec3 along = ray.inward.cwiseProduct(spacing).normalized();
     bool exceeds = false;
     visit_window(ray, boundary, [&](const Vec3i& v) {
-      if (trusted_[hu_.lattice.index(v.x(), v.y(), v.z())] != 0) return;
+      if (trusted_[hu_.lattice.index(v)] != 0) return;
       const double depth_mm = along.dot((v.cast<double>() - ray.start).cwiseProduct(spacing));
-      exceeds |= measured(v) > line.at(depth_mm / ray.step_mm) + tolerance_hu_;
+      exceeds |= double{hu_.at(v)} > line.at(depth_mm / ray.step_mm) + tolerance_hu_;
     });
     return exceeds;
   }
@@ -213,12 +197,6 @@ class BoundaryEstimator {
   double search_;  ///< steps along a ray
 };
 
-Mask bone_mask(const AlignedImage& bone) {
-  Mask out(bone.value.size());
-  std::transform(bone.value.begin(), bone.value.end(), out.begin(), [](float value) { return value > 0 ? 1 : 0; });
-  return out;
-}
-
 Vec3i spread_in_voxels(const Lattice& lattice, double psf_mm) {
   constexpr double kWhole = 1e-6;
   return (psf_mm * lattice.spacing_mm.cwiseInverse() - Vec3::Constant(kWhole)).array().ceil().cast<int>().cwiseMax(1);
@@ -228,41 +206,22 @@ bool has_face_outside(const Mask& bone, const Lattice& lattice, const Vec3i& vox
   for (int axis = 0; axis < 3; ++axis) {
     for (const int side : {-1, 1}) {
       const Vec3i v = voxel + side * Vec3i::Unit(axis);
-      if (lattice.contains(v) && bone[lattice.index(v.x(), v.y(), v.z())] == 0) return true;
+      if (lattice.contains(v) && bone[lattice.index(v)] == 0) return true;
     }
   }
   return false;
 }
 
-/// Part of an image.
-AlignedImage cut_out(const AlignedImage& image, const IndexBox& box) {
-  const Vec3i& s = box.start;
-  AlignedImage out{{box.size, image.lattice.spacing_mm, image.lattice.center_mm(s.x(), s.y(), s.z())}, {}};
+AlignedImage part_of(const AlignedImage& image, const IndexBox& box) {
+  AlignedImage out{{box.size, image.lattice.spacing_mm, image.lattice.center_mm(box.start)}, {}};
   out.value.reserve(static_cast<std::size_t>(box.voxels()));
-  for (int k = 0; k < box.size.z(); ++k) {
-    for (int j = 0; j < box.size.y(); ++j) {
-      const auto row =
-          image.value.begin() + static_cast<std::ptrdiff_t>(image.lattice.index(s.x(), s.y() + j, s.z() + k));
-      out.value.insert(out.value.end(), row, row + box.size.x());
-    }
-  }
+  out.lattice.for_each([&](const Vec3i& voxel, std::size_t) { out.value.push_back(image.at(voxel + box.start)); });
   return out;
 }
 
-void put_back(const AlignedImage& part, const IndexBox& box, AlignedImage& image) {
-  const Vec3i& s = box.start;
-  for (int k = 0; k < box.size.z(); ++k) {
-    for (int j = 0; j < box.size.y(); ++j) {
-      const auto row = part.value.begin() + static_cast<std::ptrdiff_t>(part.lattice.index(0, j, k));
-      std::copy(row, row + box.size.x(),
-                image.value.begin() + static_cast<std::ptrdiff_t>(image.lattice.index(s.x(), s.y() + j, s.z() + k)));
-    }
-  }
-}
-
-/// As correct_boundary(), of a whole image.
+/// As correct_boundary(), for a whole image.
 BoundaryDensity correct(AlignedImage& hu, const Mask& mask, double psf_mm, int reach_voxels) {
-  constexpr int kByRay = 2;  // voxels outside that get a value of their own; those beyond take their neighbours'
+  constexpr int kByRay = 2;  // layers outside whose values are estimated; further layers are means of neighbours
   const Lattice& lattice = hu.lattice;
   const Vec3i spread = spread_in_voxels(lattice, psf_mm);
   const Mask trusted = eroded(mask, lattice, spread);
@@ -293,14 +252,15 @@ BoundaryDensity correct(AlignedImage& hu, const Mask& mask, double psf_mm, int r
 }  // namespace
 
 BoundaryDensity correct_boundary(AlignedImage& hu, const BoneField& bone, double psf_mm, int reach_voxels) {
-  // Cuts leave bone as far as two voxels beyond the box of what is kept; the trusted part takes another point spread.
+  // The field extends up to two voxels beyond the kept bone where a cut passes; erosion needs another point spread.
   const Vec3i room = spread_in_voxels(hu.lattice, psf_mm) + Vec3i::Constant(reach_voxels + 3);
   IndexBox box;
   box.start = (bone.min - room).cwiseMax(0);
   box.size = (bone.max + room + Vec3i::Ones()).cwiseMin(hu.lattice.dims) - box.start;
-  AlignedImage part = cut_out(hu, box);
-  const BoundaryDensity out = correct(part, bone_mask(cut_out(bone.field, box)), psf_mm, reach_voxels);
-  put_back(part, box, hu);
+  AlignedImage part = part_of(hu, box);
+  const BoundaryDensity out = correct(part, positive_voxels(part_of(bone.field, box)), psf_mm, reach_voxels);
+  part.lattice.for_each(
+      [&](const Vec3i& voxel, std::size_t at) { hu.value[hu.lattice.index(voxel + box.start)] = part.value[at]; });
   return out;
 }
 

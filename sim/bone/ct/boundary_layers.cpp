@@ -2,73 +2,76 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <optional>
 #include <utility>
+
+#include "sim/base/gaussian.h"
 
 namespace reamsim::ct {
 
 namespace {
 
-/// Gives every voxel the least (or the greatest) value within `radius` along one axis.
-Mask extreme_along(const Mask& mask, const Lattice& lattice, int axis, int radius, bool greatest) {
+constexpr double kSigma = 1.2;  // of the Gaussian, in the longest side of a voxel
+constexpr double kReach = 3;    // standard deviations
+constexpr double kUniform = 1e-4;
+
+/// A Gaussian along one axis. Beyond the image the value of the border holds.
+void smooth_along(AlignedImage& image, int axis, double sigma_voxels) {
+  const Lattice& lattice = image.lattice;
+  const int reach = static_cast<int>(std::ceil(kReach * sigma_voxels));
+  const std::vector<double> weights = gaussian(sigma_voxels, reach);
+  const double sum = std::accumulate(weights.begin(), weights.end(), 0.0);
+  const std::size_t stride = lattice.index(Vec3i::Unit(axis));
   const int length = lattice.dims[axis];
-  const auto stride = static_cast<std::size_t>(axis == 0   ? 1
-                                               : axis == 1 ? lattice.index(0, 1, 0)
-                                                           : lattice.index(0, 0, 1));
-  Mask out(mask.size());
-  for (std::size_t at = 0; at < mask.size(); ++at) {
-    const int here = static_cast<int>(at / stride % static_cast<std::size_t>(length));
-    const int from = std::max(here - radius, 0), to = std::min(here + radius, length - 1);
-    std::uint8_t value = greatest ? 0 : 1;
-    for (int n = from; n <= to; ++n) {
-      const std::uint8_t other =
-          mask[at + stride * static_cast<std::size_t>(n) - stride * static_cast<std::size_t>(here)];
-      value = greatest ? std::max(value, other) : std::min(value, other);
+  std::vector<double> line(static_cast<std::size_t>(length));
+  for (std::size_t start = 0; start < image.value.size(); ++start) {
+    if (lattice.voxel_at(start)[axis] != 0) continue;
+    for (std::size_t n = 0; n < line.size(); ++n) line[n] = double{image.value[start + stride * n]};
+    for (int n = 0; n < length; ++n) {
+      double value = 0;
+      for (int k = -reach; k <= reach; ++k) {
+        value += weights[static_cast<std::size_t>(k + reach)] *
+                 line[static_cast<std::size_t>(std::clamp(n + k, 0, length - 1))];
+      }
+      image.value[start + stride * static_cast<std::size_t>(n)] = static_cast<float>(value / sum);
     }
-    out[at] = value;
   }
-  return out;
 }
 
-Mask extreme_in_box(Mask mask, const Lattice& lattice, const Vec3i& radius, bool greatest) {
-  for (int axis = 0; axis < 3; ++axis) mask = extreme_along(mask, lattice, axis, radius[axis], greatest);
-  return mask;
-}
-
-/// The mean over the known voxels among the 26 round one, in double precision and a fixed order; none: nullopt.
+/// The mean of the known voxels among the 26 neighbours, in double precision and a fixed order; nullopt without any.
 std::optional<float> mean_of_known(const AlignedImage& image, const Mask& known, const Vec3i& voxel) {
   double sum = 0;
   int count = 0;
-  for (int n = 0; n < 27; ++n) {
-    const Vec3i v = voxel + Vec3i(n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1);
-    if (!image.lattice.contains(v)) continue;
-    const std::size_t at = image.lattice.index(v.x(), v.y(), v.z());
-    if (known[at] == 0) continue;
-    sum += double{image.value[at]};
+  for_each_voxel(voxel - Vec3i::Ones(), voxel + Vec3i::Ones(), [&](const Vec3i& v) {
+    if (!image.lattice.contains(v) || known[image.lattice.index(v)] == 0) return;
+    sum += double{image.at(v)};
     ++count;
-  }
-  if (count == 0) return std::nullopt;
-  return static_cast<float>(sum / count);
+  });
+  return count == 0 ? std::nullopt : std::optional(static_cast<float>(sum / count));
 }
 
 }  // namespace
 
-Mask eroded(const Mask& mask, const Lattice& lattice, const Vec3i& radius) {
-  return extreme_in_box(mask, lattice, radius, false);
+BoundaryNormals::BoundaryNormals(const Mask& bone, const Lattice& lattice)
+    : smooth_{lattice, std::vector<float>(bone.begin(), bone.end())} {
+  const double sigma_mm = kSigma * lattice.spacing_mm.maxCoeff();
+  for (int axis = 0; axis < 3; ++axis) smooth_along(smooth_, axis, sigma_mm / lattice.spacing_mm[axis]);
 }
 
-Mask dilated(const Mask& mask, const Lattice& lattice, const Vec3i& radius) {
-  return extreme_in_box(mask, lattice, radius, true);
+Vec3 BoundaryNormals::inward(const Vec3i& voxel) const {
+  const Vec3 gradient = smooth_.gradient(voxel);
+  const bool uniform = gradient.norm() * smooth_.lattice.spacing_mm.maxCoeff() < kUniform;
+  return uniform ? Vec3(Vec3::Zero()) : gradient.normalized();
 }
 
 double noise_between(const AlignedImage& image, const Mask& mask) {
   constexpr std::size_t kFewest = 30;
-  const double deviation_of_median = 1.4826;  // of a normal distribution, over the median of its absolute value
+  constexpr double kDeviationOfMedian = 1.4826;  // normal distribution: standard over median absolute deviation
   const Lattice& lattice = image.lattice;
   std::vector<float> differences;
   for (int axis = 0; axis < 3; ++axis) {
-    const Vec3i step = Vec3i::Unit(axis);
-    const std::size_t stride = lattice.index(step.x(), step.y(), step.z());
+    const std::size_t stride = lattice.index(Vec3i::Unit(axis));
     for (std::size_t at = 0; at < mask.size(); ++at) {
       const int here = lattice.voxel_at(at)[axis];
       if (mask[at] == 0 || here == 0 || here + 1 == lattice.dims[axis]) continue;
@@ -79,7 +82,7 @@ double noise_between(const AlignedImage& image, const Mask& mask) {
   if (differences.size() < kFewest) return 0;
   const auto middle = differences.begin() + static_cast<std::ptrdiff_t>(differences.size() / 2);
   std::nth_element(differences.begin(), middle, differences.end());
-  return deviation_of_median * double{*middle} / std::sqrt(6.0);
+  return kDeviationOfMedian * double{*middle} / std::sqrt(6.0);
 }
 
 void spread_outwards(AlignedImage& image, Mask& known, int layers) {

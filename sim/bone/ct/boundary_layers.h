@@ -1,21 +1,27 @@
 #pragma once
 
-#include "sim/bone/ct/aligned_image.h"
 #include "sim/bone/ct/morphology.h"
 
 namespace reamsim::ct {
 
-/// The voxels whose box of ±`radius` voxels lies wholly in the mask. What lies beyond the image counts as its border.
-Mask eroded(const Mask& mask, const Lattice& lattice, const Vec3i& radius);
-/// The voxels whose box of ±`radius` voxels meets the mask.
-Mask dilated(const Mask& mask, const Lattice& lattice, const Vec3i& radius);
+/// Normals of the boundary of a mask: the gradient of the mask after a Gaussian filter, which smooths the voxel steps.
+class BoundaryNormals {
+ public:
+  BoundaryNormals(const Mask& bone, const Lattice& lattice);
+
+  /// Unit vector into the bone, LPS; zero where the mask is uniform.
+  [[nodiscard]] Vec3 inward(const Vec3i& voxel) const;
+
+ private:
+  AlignedImage smooth_;
+};
 
 /// Standard deviation of the noise among the voxels of a mask: from the median of the absolute second differences along
-/// each axis (as Immerkær 1996, Comput. Vis. Image Underst. 64:300, with a median, which edges do not move). 0 where
+/// each axis (as Immerkær 1996, Comput. Vis. Image Underst. 64:300, with a median, which edges do not affect). 0 where
 /// fewer than 30 voxels have two neighbours.
 double noise_between(const AlignedImage& image, const Mask& mask);
 
-/// Gives voxels round the `known` ones the mean of their known neighbours (of 26), `layers` times, and marks them.
+/// Extends the `known` voxels by `layers` layers. A new voxel gets the mean of its known neighbours (of 26).
 void spread_outwards(AlignedImage& image, Mask& known, int layers);
 
 }  // namespace reamsim::ct

@@ -12,7 +12,6 @@
 #include "sim/bone/ct/label_map.h"
 #include "sim/bone/ct/morphology.h"
 #include "sim/bone/ct/scan.h"
-#include "sim/bone/ct/scan_planes.h"
 #include "sim/bone/ct/segment.h"
 #include "sim/bone/ct/voxelize.h"
 #include "sim/bone/ct/words.h"
@@ -40,23 +39,22 @@ void note_image(const ct::ScanSource& source, const std::string& path, Report& r
   }
 }
 
-/// Puts the least value where a voxel holds no number (padding outside the field of view is often NaN); returns it.
+/// Replaces NaN and infinity by the least value (padding outside the field of view is often NaN); returns that value.
 float replace_non_finite(std::vector<float>& values, const std::string& path, const char* key, Report& report) {
   float least = std::numeric_limits<float>::infinity();
   for (const float value : values) {
     if (std::isfinite(value)) least = std::min(least, value);
   }
   if (!std::isfinite(least)) throw InputError({path}, key, "the crop contains no finite voxel", "expected HU");
-  const auto strange = [](float value) { return !std::isfinite(value); };
-  const auto count = std::count_if(values.begin(), values.end(), strange);
+  const auto not_finite = [](float value) { return !std::isfinite(value); };
+  const auto count = std::count_if(values.begin(), values.end(), not_finite);
   if (count == 0) return least;
-  std::replace_if(values.begin(), values.end(), strange, least);
+  std::replace_if(values.begin(), values.end(), not_finite, least);
   report.warn(path + ct::words(": %lld voxels are NaN or infinite; replaced by %.0f, the minimum",
                                static_cast<long long>(count), static_cast<double>(least)));
   return least;
 }
 
-/// The voxels that the crop takes.
 ct::IndexBox cropped_box(const ct::ScanSource& source, const CtSettings& settings) {
   const ct::IndexBox box = ct::voxels_in_crop(source.geometry(), {settings.crop_min_mm, settings.crop_max_mm});
   if (box.empty()) {
@@ -68,7 +66,7 @@ ct::IndexBox cropped_box(const ct::ScanSource& source, const CtSettings& setting
   return box;
 }
 
-/// The voxels in the crop, at LPS axes. What an oblique image does not cover gets its least value.
+/// The voxels in the crop, on LPS axes. Beyond an oblique image they get its least value.
 ct::AlignedImage read_cropped(const ct::ScanSource& source, const ct::IndexBox& box, const CtSettings& settings,
                               Report& report) {
   ct::Scan scan = source.read(box);
@@ -108,20 +106,77 @@ void note_boundary(const ct::BoundaryDensity& boundary, Report& report) {
       static_cast<long long>(boundary.boundary_voxels), 100 * boundary.unresolved_fraction(), boundary.noise_hu));
 }
 
-/// Where a person looks first: the seed, else the glenoid, else the middle of the bone.
+/// A plane of LPS in the radiological convention.
+struct View {
+  const char* name;
+  int across;    // axis of the columns
+  int down;      // axis of the rows
+  bool upwards;  // the axis points up
+  const char* left;
+  const char* right;
+  const char* top;
+  const char* bottom;
+};
+constexpr View kViews[] = {{"axial", 0, 1, false, "R", "L", "A", "P"},
+                           {"coronal", 0, 2, true, "R", "L", "S", "I"},
+                           {"sagittal", 1, 2, true, "A", "P", "S", "I"}};
+
+ScanPlane plane_of(const View& view, const ct::AlignedImage& hu, const ct::BoneField& bone, const CtSettings& settings,
+                   const Vec3i& through) {
+  const ct::Lattice& lattice = hu.lattice;
+  ScanPlane out{.name = view.name,
+                .columns = lattice.dims[view.across],
+                .rows = lattice.dims[view.down],
+                .spacing_mm = {lattice.spacing_mm[view.across], lattice.spacing_mm[view.down]},
+                .left = view.left,
+                .right = view.right,
+                .top = view.top,
+                .bottom = view.bottom,
+                .hu = {},
+                .field = {}};
+  const auto row_of = [&](int index) { return view.upwards ? out.rows - 1 - index : index; };
+  out.through = Vec2(through[view.across], row_of(through[view.down]));
+  for (int row = 0; row < out.rows; ++row) {
+    for (int column = 0; column < out.columns; ++column) {
+      Vec3i voxel = through;
+      voxel[view.across] = column;
+      voxel[view.down] = row_of(row);
+      const std::size_t at = lattice.index(voxel);
+      const float field = bone.field.value[at];
+      const bool cut = bone.facts.method == "threshold" && ct::is_cut_away(settings, lattice.center_mm(voxel));
+      out.hu.push_back(hu.value[at]);
+      out.field.push_back(cut ? -std::abs(field) : field);
+    }
+  }
+  return out;
+}
+
+/// The axial, coronal and sagittal planes of an image through a point of B. A point outside the image is moved to its
+/// nearest voxel. Cuts count as outside the bone.
+std::vector<ScanPlane> scan_planes(const ct::AlignedImage& hu, const ct::BoneField& bone, const CtSettings& settings,
+                                   const Vec3& through_mm) {
+  const Vec3i last = hu.lattice.dims - Vec3i::Ones();
+  const Vec3 index = (through_mm - hu.lattice.origin_mm).cwiseQuotient(hu.lattice.spacing_mm);
+  const Vec3 inside = index.cwiseMax(0).cwiseMin(last.cast<double>());
+  const Vec3i through = inside.array().round().cast<int>();
+  std::vector<ScanPlane> out;
+  for (const View& view : kViews) out.push_back(plane_of(view, hu, bone, settings, through));
+  return out;
+}
+
+/// The seed, else the centre of the glenoid, else the centre of the bone.
 Vec3 point_of_interest(const BoneSettings& settings, const ct::BoneField& bone) {
   if (settings.ct.seed_mm) return *settings.ct.seed_mm;
   if (settings.glenoid.center_mm) return *settings.glenoid.center_mm;
   if (settings.glenoid.landmarks) return settings.glenoid.landmarks->glenoid_center_mm;
   const ct::Lattice& lattice = bone.field.lattice;
-  return 0.5 * (lattice.center_mm(bone.min.x(), bone.min.y(), bone.min.z()) +
-                lattice.center_mm(bone.max.x(), bone.max.y(), bone.max.z()));
+  return 0.5 * (lattice.center_mm(bone.min) + lattice.center_mm(bone.max));
 }
 
 Segmentation segmentation_of(const ct::AlignedImage& hu, const ct::BoneField& bone, const BoneSettings& settings) {
   Segmentation out = bone.facts;
   out.planes_through_mm = point_of_interest(settings, bone);
-  out.planes = ct::scan_planes(hu, bone, settings.ct, out.planes_through_mm);
+  out.planes = scan_planes(hu, bone, settings.ct, out.planes_through_mm);
   return out;
 }
 
@@ -162,7 +217,7 @@ FilledVoxmap voxmap_from_ct(const BoneSettings& settings, Report& report, Segmen
   } catch (const std::bad_alloc&) {
     throw InputError({ct_settings.path}, kPathKey, "the image and its voxmap need more memory than this machine has",
                      "crop it, or use larger voxels");
-  } catch (const std::exception&) {  // whatever ITK throws inside a filter
+  } catch (const std::exception&) {  // from a filter of ITK
     throw InputError({ct_settings.path}, kPathKey,
                      "the image cannot be processed: its size, spacing or axes are implausible",
                      "check the file, or crop it");

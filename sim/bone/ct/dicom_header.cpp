@@ -8,17 +8,13 @@
 #include <cstdint>
 #include <cstdlib>
 #include <cstring>
-#include <filesystem>
 
 #include "sim/bone/ct/quiet.h"
 
 namespace reamsim::ct {
 
-namespace fs = std::filesystem;
-
 namespace {
 
-/// Values of a DICOM file by their tags.
 class DicomValues {
  public:
   explicit DicomValues(const gdcm::DataSet& data) : data_(data) {}
@@ -38,7 +34,7 @@ class DicomValues {
     return out.substr(first, out.find_last_not_of(' ') - first + 1);
   }
 
-  /// The numbers of a text "a\b\c"; empty where one of them is no number.
+  /// The numbers of a text "a\b\c"; empty if one of them is invalid.
   [[nodiscard]] std::vector<double> numbers(std::uint16_t group, std::uint16_t element) const {
     const std::string list = text(group, element);
     std::vector<double> out;
@@ -59,7 +55,7 @@ class DicomValues {
     return all.empty() || std::abs(all[0]) > 1e9 ? fallback : static_cast<int>(all[0]);
   }
 
-  /// A 16-bit number; GDCM has put its bytes into this machine's order.
+  /// A 16-bit number, in the byte order of this machine.
   [[nodiscard]] int short_integer(std::uint16_t group, std::uint16_t element) const {
     const std::string raw = bytes(group, element);
     std::uint16_t out = 0;
@@ -93,7 +89,7 @@ void fill_header(const DicomValues& values, DicomHeader& header) {
   }
 }
 
-bool looks_like_dicom(const std::string& path) {
+bool is_dicom(const std::string& path) {
   try {
     return itk::GDCMImageIO::New()->CanReadFile(path.c_str());
   } catch (const std::exception&) {
@@ -105,7 +101,7 @@ bool looks_like_dicom(const std::string& path) {
 
 DicomKind read_dicom_header(const std::string& path, DicomHeader& header) {
   const QuietLibraries quiet;
-  if (!looks_like_dicom(path)) return DicomKind::other;
+  if (!is_dicom(path)) return DicomKind::other;
   gdcm::Reader reader;
   try {
     reader.SetFileName(path.c_str());
@@ -120,17 +116,6 @@ DicomKind read_dicom_header(const std::string& path, DicomHeader& header) {
   if (header.rows == 0 || header.columns == 0) return DicomKind::no_image;
   fill_header(values, header);
   return DicomKind::image;
-}
-
-std::vector<std::string> files_below(const std::string& folder) {
-  std::vector<std::string> files;
-  const auto options = fs::directory_options::skip_permission_denied;
-  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(folder, options)) {
-    std::error_code ignored;
-    if (entry.is_regular_file(ignored)) files.push_back(entry.path().string());
-  }
-  std::sort(files.begin(), files.end());
-  return files;
 }
 
 }  // namespace reamsim::ct

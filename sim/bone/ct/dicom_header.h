@@ -8,7 +8,7 @@
 
 namespace reamsim::ct {
 
-/// What one DICOM file says of itself before its pixels. Texts hold printable ASCII only, without padding.
+/// The header of a DICOM file. Texts are printable ASCII without padding.
 struct DicomHeader {
   std::string path;
   std::string series_uid;
@@ -27,17 +27,13 @@ struct DicomHeader {
 };
 
 enum class DicomKind {
-  other,     ///< no DICOM file
+  other,     ///< not a DICOM file
   no_image,  ///< a DICOM file without an image: a report, a plan, a directory
-  damaged,   ///< begins as DICOM, and cannot be read as far as its pixels
+  damaged,   ///< a DICOM file whose header cannot be read
   image
 };
 
-/// Reads one file as far as its pixels. `header` is filled where an image is found.
+/// Reads a file up to its pixels. Fills `header` if the file contains an image.
 DicomKind read_dicom_header(const std::string& path, DicomHeader& header);
-
-/// The files in a folder and its subfolders in the order of their paths, so that nothing depends on the file system's
-/// order. Links to folders are not followed.
-std::vector<std::string> files_below(const std::string& folder);
 
 }  // namespace reamsim::ct

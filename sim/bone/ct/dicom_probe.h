@@ -5,12 +5,11 @@
 
 namespace reamsim::ct {
 
-/// Reads DICOM files, header and pixels, in a child process, because GDCM as it is packaged asserts on damaged bytes
-/// and takes the whole program with it. Throws InputError naming the file on which the child died; whatever else is
-/// wrong with a file is left to the reader proper. Costs a second reading.
-void check_dicom_is_survived(const std::vector<std::string>& files, const std::string& key);
+/// Reads DICOM files, header and pixels, in a child process, because GDCM aborts the program on some damaged files.
+/// Throws InputError with the file that crashed the child process; other errors are left to the reader.
+void check_dicom_in_child(const std::vector<std::string>& files, const std::string& key);
 
-/// For each file whether reading its header leaves a child process alive.
-std::vector<bool> dicom_headers_survived(const std::vector<std::string>& files);
+/// For each file, whether a child process reads its header without a crash.
+std::vector<bool> dicom_headers_readable(const std::vector<std::string>& files);
 
 }  // namespace reamsim::ct

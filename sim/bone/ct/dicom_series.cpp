@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <map>
 #include <tuple>
 
@@ -18,7 +19,19 @@ constexpr const char* kModalityKey = "bone.ct.modality";
 /// Spacings that differ by less than this fraction are the same.
 constexpr double kSameSpacing = 0.01;
 
-/// Median distance of neighbouring slices along the first one's normal; 0 where the files do not say.
+/// The files in a folder and its subfolders, sorted by path. Links to folders are not followed.
+std::vector<std::string> files_below(const std::string& folder) {
+  namespace fs = std::filesystem;
+  std::vector<std::string> files;
+  for (const auto& entry : fs::recursive_directory_iterator(folder, fs::directory_options::skip_permission_denied)) {
+    std::error_code ignored;
+    if (entry.is_regular_file(ignored)) files.push_back(entry.path().string());
+  }
+  std::ranges::sort(files);
+  return files;
+}
+
+/// Median distance of neighbouring slices along the normal of the first; 0 where unknown.
 double slice_distance(const std::vector<DicomHeader>& images) {
   const auto placed = [](const DicomHeader& image) { return image.position_mm.has_value(); };
   if (images.size() < 2 || !images.front().normal || !std::ranges::all_of(images, placed)) return 0;
@@ -50,18 +63,18 @@ std::string words_of(const DicomSeries& series) {
   return out;
 }
 
-bool equally_good(const DicomSeries& a, const DicomSeries& b) {
+bool same_size(const DicomSeries& a, const DicomSeries& b) {
   return a.slices() == b.slices() &&
          ((a.spacing_mm - b.spacing_mm).cwiseAbs().array() <= kSameSpacing * a.spacing_mm.array()).all();
 }
 
-/// The larger first; of two with as many slices the finer one.
+/// More slices first, then the finer spacing.
 bool is_better(const DicomSeries& a, const DicomSeries& b) {
   if (a.slices() != b.slices()) return a.slices() > b.slices();
   return a.spacing_mm.prod() < b.spacing_mm.prod();
 }
 
-/// Grey slices with places; screenshots and renderings are not.
+/// False for screenshots and renderings.
 bool may_be_a_volume(const DicomSeries& series) {
   const DicomHeader& first = series.images.front();
   return first.photometric.starts_with("MONOCHROME") && (first.position_mm || first.frames > 1);
@@ -69,8 +82,8 @@ bool may_be_a_volume(const DicomSeries& series) {
 
 const DicomSeries& named_series(const std::vector<DicomSeries>& all, const std::string& name,
                                 const std::string& folder) {
-  constexpr std::size_t kMostDigits = 6;
-  const bool is_number = name.size() <= kMostDigits && name.find_first_not_of("0123456789") == std::string::npos;
+  constexpr std::size_t kMaxDigits = 6;
+  const bool is_number = name.size() <= kMaxDigits && name.find_first_not_of("0123456789") == std::string::npos;
   if (is_number) {
     const std::size_t number = std::stoul(name);
     if (number >= 1 && number <= all.size()) return all[number - 1];
@@ -119,7 +132,7 @@ int DicomSeries::slices() const {
 DicomFolder find_dicom_series(const std::string& folder, const std::string& key, Report& report) {
   DicomFolder out;
   const std::vector<std::string> files = files_below(folder);
-  const std::vector<bool> survived = dicom_headers_survived(files);
+  const std::vector<bool> survived = dicom_headers_readable(files);
   std::map<std::string, std::vector<DicomHeader>> by_uid;
   for (std::size_t n = 0; n < files.size(); ++n) {
     DicomHeader header;
@@ -159,7 +172,7 @@ const DicomSeries& choose_series(const DicomFolder& found, const DicomChoice& ch
   }
   const std::vector<const DicomSeries*> candidates = candidates_of(found, choice, folder);
   const DicomSeries& best = *candidates.front();
-  if (candidates.size() > 1 && equally_good(best, *candidates[1])) {
+  if (candidates.size() > 1 && same_size(best, *candidates[1])) {
     throw InputError(
         {folder}, kSeriesKey,
         "missing, and two DICOM series have " + std::to_string(best.slices()) + " slices of the same spacing",

@@ -9,7 +9,7 @@
 
 namespace reamsim::ct {
 
-/// The images of a folder that bear one series UID, in the order of their paths.
+/// The images of a folder with one series UID, sorted by path.
 struct DicomSeries {
   std::string uid;
   std::string description;
@@ -17,26 +17,26 @@ struct DicomSeries {
   std::string modality;
   int number = 0;
   std::vector<DicomHeader> images;
-  /// Pixels, and the median distance of neighbouring slices; 0 where the files do not say.
+  /// Pixel spacing and median slice spacing; 0 where unknown.
   Vec3 spacing_mm = Vec3::Zero();
 
-  /// Files, or frames where files hold several.
+  /// Number of files, or of frames in multi-frame files.
   [[nodiscard]] int slices() const;
 };
 
 struct DicomFolder {
-  std::vector<DicomSeries> series;   ///< by series number, then UID: what the scenario's numbers count
-  std::vector<std::string> damaged;  ///< files that begin as DICOM and cannot be read
+  std::vector<DicomSeries> series;   ///< by series number, then UID: the order that the scenario's numbers refer to
+  std::vector<std::string> damaged;  ///< DICOM files that cannot be read
 };
 
-/// Every DICOM image in a folder and its subfolders. Throws InputError where there is none.
+/// All DICOM images in a folder and its subfolders. Throws InputError if there is none.
 DicomFolder find_dicom_series(const std::string& folder, const std::string& key, Report& report);
 
 /// "1: UID 1.2.3, "Bone", CT, 24 slices of 512x512, 0.488x0.488x1.25 mm, kernel B60s; 2: ...".
 std::string list_of(const std::vector<DicomSeries>& series);
 
-/// The series that the scenario asks for by UID or number, or else the CT series with the most slices, which is said
-/// where there are several. Throws InputError: no such series, not CT, two that are equally good.
+/// The series that the scenario chooses by UID or number, or else the CT series with the most slices, with a warning if
+/// there are several. Throws InputError: no such series, not CT, two with the same number and spacing of slices.
 const DicomSeries& choose_series(const DicomFolder& found, const DicomChoice& choice, const std::string& folder,
                                  Report& report);
 

@@ -1,13 +1,11 @@
-#include "sim/bone/ct/dicom_stack.h"
-
 #include <itkGDCMImageIO.h>
 
 #include <algorithm>
 #include <cmath>
 
 #include "sim/base/error.h"
-#include "sim/bone/ct/complete.h"
 #include "sim/bone/ct/dicom_probe.h"
+#include "sim/bone/ct/dicom_series.h"
 #include "sim/bone/ct/image_file.h"
 #include "sim/bone/ct/quiet.h"
 #include "sim/bone/ct/words.h"
@@ -16,18 +14,18 @@ namespace reamsim::ct {
 
 namespace {
 
-/// Neighbouring slices may differ from the usual distance by this fraction before a slice counts as missing.
+/// Deviation from the typical slice spacing, as a fraction of it, from which a slice counts as missing.
 constexpr double kSpacingTolerance = 0.05;
-/// Slices closer than this fraction of the usual distance are two of the same place.
+/// Slices closer than this fraction of the typical spacing have the same position.
 constexpr double kSamePlace = 0.01;
-/// Axes of slices that differ by less than this fraction of a pixel's side are the same.
+/// Axes of slices are equal to within this fraction of the side of a pixel.
 constexpr double kSameAxes = 2e-3;
-/// A slice may be off the line through the first and the last by this fraction of a pixel.
+/// Largest displacement of a slice from the line through the first and the last one.
 constexpr double kStraight_pixels = 0.5;
 
 struct Slice {
   const DicomHeader* header = nullptr;
-  ScanGeometry geometry;  ///< the file's own; z from its header, which need not be the distance to the next slice
+  ScanGeometry geometry;  ///< from the file; its slice thickness may differ from the slice spacing
   double height_mm = 0;   ///< of its origin along the slice normal
 
   [[nodiscard]] const std::string& path() const { return header->path; }
@@ -35,7 +33,13 @@ struct Slice {
 
 using Stack = std::vector<Slice>;
 
-/// Whether an image may be a slice at all; screenshots, dose reports and multi-frame files are not.
+/// Slices that form a volume, in the order of their positions.
+struct DicomStack {
+  std::vector<std::string> path;
+  ScanGeometry geometry;
+};
+
+/// False for screenshots, dose reports and multi-frame files.
 bool may_be_slice(const DicomHeader& header) {
   return header.frames <= 1 && header.photometric.starts_with("MONOCHROME") && header.position_mm;
 }
@@ -53,8 +57,8 @@ bool may_be_slice(const DicomHeader& header) {
                    "expected MONOCHROME2, as CT slices have; export the original series");
 }
 
-/// The images that may be slices. The others are left out with a warning, and added to `left_out`.
-std::vector<const DicomHeader*> slices_among(const DicomSeries& series, std::vector<std::string>& left_out,
+/// The images that may be slices. The others are skipped with a warning and added to `skipped`.
+std::vector<const DicomHeader*> slices_among(const DicomSeries& series, std::vector<std::string>& skipped,
                                              const std::string& key, Report& report) {
   std::vector<const DicomHeader*> out;
   std::vector<std::string> others;
@@ -69,7 +73,7 @@ std::vector<const DicomHeader*> slices_among(const DicomSeries& series, std::vec
   if (!others.empty()) {
     report.warn("images of the DICOM series skipped because they are not slices: " + std::to_string(others.size()) +
                 ", the first is " + others.front());
-    left_out.insert(left_out.begin(), others.begin(), others.end());
+    skipped.insert(skipped.begin(), others.begin(), others.end());
   }
   return out;
 }
@@ -91,7 +95,7 @@ ScanGeometry slice_geometry(const std::string& path, const std::string& key) {
   } catch (const std::exception&) {
     throw InputError({path}, key, "the slice cannot be read: it is truncated or damaged", "give a complete file");
   }
-  if (says_incomplete(quiet.output())) throw InputError({path}, key, "the slice is truncated", "give a complete file");
+  if (quiet.reports_missing_voxels()) throw InputError({path}, key, "the slice is truncated", "give a complete file");
   return geometry_of(*io, path, key, true);
 }
 
@@ -100,7 +104,7 @@ bool belong_together(const ScanGeometry& a, const ScanGeometry& b) {
   return a.dims == b.dims && (a.step_mm - b.step_mm).leftCols<2>().cwiseAbs().maxCoeff() <= kSameAxes * side;
 }
 
-/// Slices of one size, spacing and orientation each, the largest such group first.
+/// Groups of slices of one size, spacing and orientation, the largest group first.
 std::vector<Stack> groups_of(const std::vector<const DicomHeader*>& slices, const std::string& key) {
   std::vector<Stack> groups;
   for (const DicomHeader* header : slices) {
@@ -117,12 +121,12 @@ std::vector<Stack> groups_of(const std::vector<const DicomHeader*>& slices, cons
   return groups;
 }
 
-std::string difference(const ScanGeometry& stray, const ScanGeometry& usual) {
-  if (stray.dims != usual.dims) {
-    return words("%dx%d pixels; the other slices have %dx%d", stray.dims.x(), stray.dims.y(), usual.dims.x(),
+std::string difference(const ScanGeometry& other, const ScanGeometry& usual) {
+  if (other.dims != usual.dims) {
+    return words("%dx%d pixels; the other slices have %dx%d", other.dims.x(), other.dims.y(), usual.dims.x(),
                  usual.dims.y());
   }
-  const Vec3 a = stray.spacing_mm();
+  const Vec3 a = other.spacing_mm();
   const Vec3 b = usual.spacing_mm();
   if ((a - b).head<2>().cwiseAbs().maxCoeff() > kSameAxes * b.head<2>().minCoeff()) {
     return words("pixels of %.4gx%.4g mm; those of the other slices are %.4gx%.4g mm", a.x(), a.y(), b.x(), b.y());
@@ -130,13 +134,13 @@ std::string difference(const ScanGeometry& stray, const ScanGeometry& usual) {
   return "an orientation different from that of the other slices";
 }
 
-/// A copy of a slice (the same instance) goes; two slices in one place are an error.
-void drop_copies(Stack& stack, double usual_mm, const std::string& key, Report& report) {
+/// Removes copies of a slice (the same instance). Two different slices at one position are an error.
+void remove_duplicates(Stack& stack, double typical_mm, const std::string& key, Report& report) {
   Stack kept{stack.front()};
   int copies = 0;
   for (std::size_t n = 1; n < stack.size(); ++n) {
     const Slice& before = kept.back();
-    const bool same_place = stack[n].height_mm - before.height_mm <= kSamePlace * usual_mm;
+    const bool same_place = stack[n].height_mm - before.height_mm <= kSamePlace * typical_mm;
     if (!same_place) {
       kept.push_back(stack[n]);
       continue;
@@ -152,19 +156,18 @@ void drop_copies(Stack& stack, double usual_mm, const std::string& key, Report& 
   stack = std::move(kept);
 }
 
-/// The distance that most neighbours have, without those in the same place.
-double usual_distance(const Stack& stack) {
+/// Median distance of neighbours, without those at the same position.
+double typical_distance(const Stack& stack) {
   std::vector<double> gap;
   for (std::size_t n = 1; n < stack.size(); ++n) gap.push_back(stack[n].height_mm - stack[n - 1].height_mm);
   std::ranges::sort(gap);
   const auto first = std::ranges::lower_bound(gap, kSamePlace * gap.back());
-  const auto left = gap.end() - first;
-  return *(first + left / 2);
+  return *(first + (gap.end() - first) / 2);
 }
 
-/// What of the rest of the series, or of the damaged files, may be the missing slice.
-std::string suspect(double low_mm, double high_mm, const Vec3& normal, const ScanGeometry& usual,
-                    const std::vector<Stack>& groups, const std::vector<std::string>& left_out) {
+/// Names an image of another group, or a skipped file, that may be the missing slice.
+std::string hint_at_missing_slice(double low_mm, double high_mm, const Vec3& normal, const ScanGeometry& usual,
+                                  const std::vector<Stack>& groups, const std::vector<std::string>& skipped) {
   for (std::size_t g = 1; g < groups.size(); ++g) {
     for (const Slice& slice : groups[g]) {
       const double height = normal.dot(slice.geometry.origin_mm);
@@ -173,24 +176,24 @@ std::string suspect(double low_mm, double high_mm, const Vec3& normal, const Sca
       }
     }
   }
-  return left_out.empty() ? "" : "; " + left_out.front() + " was skipped";
+  return skipped.empty() ? "" : "; " + skipped.front() + " was skipped";
 }
 
-void check_distances(const std::vector<Stack>& groups, double usual_mm, const Vec3& normal,
-                     const std::vector<std::string>& left_out, const std::string& key) {
+void check_distances(const std::vector<Stack>& groups, double typical_mm, const Vec3& normal,
+                     const std::vector<std::string>& skipped, const std::string& key) {
   const Stack& stack = groups.front();
   for (std::size_t k = 1; k < stack.size(); ++k) {
     const double gap = stack[k].height_mm - stack[k - 1].height_mm;
-    if (std::abs(gap - usual_mm) <= kSpacingTolerance * usual_mm) continue;
-    const std::string found = words("slice spacing is %.3f mm; most slices are %.3f mm apart: ", gap, usual_mm) +
+    if (std::abs(gap - typical_mm) <= kSpacingTolerance * typical_mm) continue;
+    const std::string found = words("slice spacing is %.3f mm; most slices are %.3f mm apart: ", gap, typical_mm) +
                               stack[k - 1].path() + " and " + stack[k].path();
-    const long missing = std::lround(gap / usual_mm) - 1;
+    const long missing = std::lround(gap / typical_mm) - 1;
     const std::string between = missing == 1  ? "a slice is missing between them"
                                 : missing > 1 ? std::to_string(missing) + " slices are missing between them"
                                               : "expected evenly spaced slices";
     throw InputError({stack[k].path()}, key, found,
-                     between + suspect(stack[k - 1].height_mm, stack[k].height_mm, normal, stack.front().geometry,
-                                       groups, left_out));
+                     between + hint_at_missing_slice(stack[k - 1].height_mm, stack[k].height_mm, normal,
+                                                     stack.front().geometry, groups, skipped));
   }
 }
 
@@ -205,13 +208,13 @@ void check_straight(const Stack& stack, const Vec3& step_mm, const std::string& 
   }
 }
 
-void warn_of_strays(const std::vector<Stack>& groups, Report& report) {
+void warn_of_other_groups(const std::vector<Stack>& groups, Report& report) {
   std::size_t count = 0;
   for (std::size_t g = 1; g < groups.size(); ++g) count += groups[g].size();
   if (count == 0) return;
-  const Slice& stray = groups[1].front();
-  report.warn("images of the DICOM series skipped: " + std::to_string(count) + ", the first is " + stray.path() +
-              " and has " + difference(stray.geometry, groups[0].front().geometry));
+  const Slice& other = groups[1].front();
+  report.warn("images of the DICOM series skipped: " + std::to_string(count) + ", the first is " + other.path() +
+              " and has " + difference(other.geometry, groups[0].front().geometry));
 }
 
 void check_count(const std::vector<Stack>& groups, const std::string& key) {
@@ -228,15 +231,16 @@ void check_count(const std::vector<Stack>& groups, const std::string& key) {
                    "move the stack that you want into a separate folder");
 }
 
-}  // namespace
-
+/// Sorts the slices of a series. Skips, with a warning, images of another size, spacing or orientation (a scout) and
+/// copies of a slice. `damaged` files may be missing slices.
+/// Throws InputError with the file: truncated, MONOCHROME1, multi-frame, missing, duplicate, displaced.
 DicomStack stack_slices(const DicomSeries& series, const std::vector<std::string>& damaged, const std::string& key,
                         Report& report) {
-  std::vector<std::string> left_out = damaged;
-  const std::vector<const DicomHeader*> slices = slices_among(series, left_out, key, report);
+  std::vector<std::string> skipped = damaged;
+  const std::vector<const DicomHeader*> slices = slices_among(series, skipped, key, report);
   std::vector<std::string> files;
   for (const DicomHeader* header : slices) files.push_back(header->path);
-  check_dicom_is_survived(files, key);
+  check_dicom_in_child(files, key);
   std::vector<Stack> groups = groups_of(slices, key);
   check_count(groups, key);
   Stack& stack = groups.front();
@@ -245,21 +249,78 @@ DicomStack stack_slices(const DicomSeries& series, const std::vector<std::string
   const Vec3 normal = first.step_mm.col(0).cross(first.step_mm.col(1)).normalized();
   for (Slice& slice : stack) slice.height_mm = normal.dot(slice.geometry.origin_mm);
   std::ranges::stable_sort(stack, {}, &Slice::height_mm);
-  const double usual_mm = usual_distance(stack);
-  drop_copies(stack, usual_mm, key, report);
+  const double typical_mm = typical_distance(stack);
+  remove_duplicates(stack, typical_mm, key, report);
   check_count(groups, key);
-  check_distances(groups, usual_mm, normal, left_out, key);
-  warn_of_strays(groups, report);
+  check_distances(groups, typical_mm, normal, skipped, key);
+  warn_of_other_groups(groups, report);
 
   DicomStack out;
   for (const Slice& slice : stack) out.path.push_back(slice.path());
   out.geometry = stack.front().geometry;
   out.geometry.dims.z() = static_cast<int>(stack.size());
-  // From the positions, not the header's slice thickness; so a tilted gantry comes out as the shear that it is.
+  // From the positions, not the slice thickness in the header: a tilted gantry is a shear.
   out.geometry.step_mm.col(2) =
       (stack.back().geometry.origin_mm - stack.front().geometry.origin_mm) / static_cast<double>(stack.size() - 1);
   check_straight(stack, out.geometry.step_mm.col(2), key);
   return out;
+}
+
+class DicomScan : public ScanSource {
+ public:
+  DicomScan(const std::string& folder, const std::string& key, const DicomChoice& choice, Report& report)
+      : folder_(folder), key_(key) {
+    const DicomFolder found = find_dicom_series(folder, key, report);
+    const DicomSeries& series = choose_series(found, choice, folder, report);
+    if (series.modality != "CT") {
+      report.warn(folder + ": modality " + (series.modality.empty() ? "unknown" : series.modality) +
+                  ", not CT; thresholds and densities are wrong unless its values are HU");
+    }
+    stack_ = stack_slices(series, found.damaged, key, report);
+    name_ = series.description.empty() ? "" : " \"" + series.description + "\"";
+    check_fits_in_memory(static_cast<double>(stack_.geometry.size()), sizeof(float), folder_, key_);
+    pixel_type_ = pixel_type_of(*reader(0));
+  }
+
+  [[nodiscard]] const ScanGeometry& geometry() const override { return stack_.geometry; }
+  [[nodiscard]] std::string description() const override {
+    return "DICOM series" + name_ + " of " + std::to_string(stack_.path.size()) + " files, " + pixel_type_;
+  }
+  [[nodiscard]] bool is_unsigned() const override { return pixel_type_.starts_with("uint"); }
+
+  [[nodiscard]] Scan read(const IndexBox& box) const override {
+    Scan scan{part_of(stack_.geometry, box), {}};
+    scan.value.reserve(static_cast<std::size_t>(box.voxels()));
+    const IndexBox in_slice{{box.start.x(), box.start.y(), 0}, {box.size.x(), box.size.y(), 1}};
+    for (int k = 0; k < box.size.z(); ++k) {
+      const std::size_t slice = static_cast<std::size_t>(box.start.z() + k);
+      const std::vector<float> values = read_voxels(*reader(slice), in_slice, stack_.path[slice], key_);
+      scan.value.insert(scan.value.end(), values.begin(), values.end());
+    }
+    return scan;
+  }
+
+ private:
+  /// Each slice has its own rescale slope and intercept, so it needs its own reader.
+  [[nodiscard]] itk::GDCMImageIO::Pointer reader(std::size_t slice) const {
+    auto io = itk::GDCMImageIO::New();
+    io->SetFileName(stack_.path[slice]);
+    read_header(*io, stack_.path[slice], key_, "DICOM");
+    return io;
+  }
+
+  std::string folder_;
+  std::string key_;
+  std::string name_;
+  DicomStack stack_;
+  std::string pixel_type_;
+};
+
+}  // namespace
+
+std::unique_ptr<ScanSource> open_dicom_folder(const std::string& path, const std::string& key,
+                                              const DicomChoice& choice, Report& report) {
+  return std::make_unique<DicomScan>(path, key, choice, report);
 }
 
 }  // namespace reamsim::ct

@@ -5,9 +5,12 @@
 #include <itkMetaImageIO.h>
 #include <itkNiftiImageIO.h>
 #include <itkNrrdImageIO.h>
+#include <nifti1_io.h>
 #include <unistd.h>
+#include <zlib.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <filesystem>
@@ -16,7 +19,6 @@
 #include <stdexcept>
 
 #include "sim/base/error.h"
-#include "sim/bone/ct/complete.h"
 #include "sim/bone/ct/dicom_probe.h"
 #include "sim/bone/ct/quiet.h"
 #include "sim/bone/ct/words.h"
@@ -29,19 +31,23 @@ namespace {
 
 using Component = itk::IOComponentEnum;
 
-/// Deflate cannot pack better than 1032 : 1, so a file that claims more than this is shorter than its header says.
+/// Deflate compresses at most 1032 : 1. A file whose header claims more voxels is truncated.
 constexpr double kMaxCompression = 1032;
 constexpr double kHeaderSlackBytes = 1 << 16;
 constexpr const char* kDicom = "DICOM";
 
-std::string lower_extension(const std::string& path) {
+std::string lower_file_name(const std::string& path) {
   std::string name = fs::path(path).filename().string();
-  std::transform(name.begin(), name.end(), name.begin(), [](unsigned char c) { return std::tolower(c); });
-  if (name.ends_with(".nii.gz")) return ".nii.gz";
-  return fs::path(name).extension().string();
+  std::ranges::transform(name, name.begin(), [](unsigned char c) { return std::tolower(c); });
+  return name;
 }
 
-/// What the name promises; used where the content is too damaged to tell.
+std::string lower_extension(const std::string& path) {
+  const std::string name = lower_file_name(path);
+  return name.ends_with(".nii.gz") ? ".nii.gz" : fs::path(name).extension().string();
+}
+
+/// For files whose content is too damaged to tell the format.
 std::string format_by_name(const std::string& path) {
   const std::string extension = lower_extension(path);
   if (extension == ".nrrd" || extension == ".nhdr") return "NRRD";
@@ -51,8 +57,8 @@ std::string format_by_name(const std::string& path) {
   return "";
 }
 
-/// Formats whose one file holds header and voxels, so that its length says something about the voxels.
-bool holds_its_voxels(const std::string& path) {
+/// Formats with header and voxels in one file, so that its length limits the number of voxels.
+bool contains_its_voxels(const std::string& path) {
   const std::string extension = lower_extension(path);
   return extension == ".nrrd" || extension == ".nii" || extension == ".nii.gz" || extension == ".mha" ||
          extension == ".dcm";
@@ -75,10 +81,10 @@ bool can_read(itk::ImageIOBase& io, const std::string& path) {
   }
 }
 
-/// Which of the numbers that a voxel holds.
+/// One of the values of a voxel.
 struct Layer {
-  int at = 0;
-  int of = 1;
+  int index = 0;
+  int count = 1;
 };
 
 template <typename Value>
@@ -93,7 +99,7 @@ void copy_region(const std::byte* raw, const itk::ImageIORegion& held, const Ind
           (box.start.x() - start(0)) + row * ((box.start.y() + j - start(1)) + rows * (box.start.z() + k - start(2)));
       for (int i = 0; i < box.size.x(); ++i) {
         Value value;
-        const std::int64_t number = (first + i) * layer.of + layer.at;
+        const std::int64_t number = (first + i) * layer.count + layer.index;
         std::memcpy(&value, raw + number * static_cast<std::int64_t>(sizeof(Value)), sizeof(Value));
         *out++ = static_cast<float>(value);
       }
@@ -101,36 +107,16 @@ void copy_region(const std::byte* raw, const itk::ImageIORegion& held, const Ind
   }
 }
 
-void copy_as_float(Component type, const std::byte* raw, const itk::ImageIORegion& held, const IndexBox& box,
-                   const Layer& layer, float* out) {
-  switch (type) {
-    case Component::UCHAR:
-      return copy_region<unsigned char>(raw, held, box, layer, out);
-    case Component::CHAR:
-      return copy_region<signed char>(raw, held, box, layer, out);
-    case Component::USHORT:
-      return copy_region<unsigned short>(raw, held, box, layer, out);
-    case Component::SHORT:
-      return copy_region<short>(raw, held, box, layer, out);
-    case Component::UINT:
-      return copy_region<unsigned int>(raw, held, box, layer, out);
-    case Component::INT:
-      return copy_region<int>(raw, held, box, layer, out);
-    case Component::ULONG:
-      return copy_region<unsigned long>(raw, held, box, layer, out);
-    case Component::LONG:
-      return copy_region<long>(raw, held, box, layer, out);
-    case Component::ULONGLONG:
-      return copy_region<unsigned long long>(raw, held, box, layer, out);
-    case Component::LONGLONG:
-      return copy_region<long long>(raw, held, box, layer, out);
-    case Component::FLOAT:
-      return copy_region<float>(raw, held, box, layer, out);
-    case Component::DOUBLE:
-      return copy_region<double>(raw, held, box, layer, out);
-    default:
-      throw std::invalid_argument("pixel type");  // geometry_of() lets none of these through
-  }
+/// Copies with the first of `Values` that is the type of the components.
+template <typename... Values>
+void copy_as_float(const itk::ImageIOBase& io, const std::byte* raw, const itk::ImageIORegion& held,
+                   const IndexBox& box, const Layer& layer, float* out) {
+  const auto copy_if = [&]<typename Value>(Value) {
+    if (io.GetComponentType() != itk::ImageIOBase::MapPixelType<Value>::CType) return false;
+    copy_region<Value>(raw, held, box, layer, out);
+    return true;
+  };
+  if (!(copy_if(Values{}) || ...)) throw std::invalid_argument("pixel type");  // geometry_of() has checked it
 }
 
 itk::ImageIORegion io_region(const itk::ImageIOBase& io, const IndexBox& box) {
@@ -146,7 +132,54 @@ InputError cut_off(const std::string& path, const std::string& key) {
   return {{path}, key, "the voxels cannot be read: the file is truncated or damaged", "give a complete file"};
 }
 
-/// One file of NRRD, NIfTI or MetaImage.
+/// Creates the reader for a file without ITK's global list of factories, and sets `format`.
+itk::ImageIOBase::Pointer open_image_io(const std::string& path, const std::string& key, std::string& format) {
+  const QuietLibraries quiet;
+  const std::pair<std::string, itk::ImageIOBase::Pointer> readers[] = {
+      {"NRRD", itk::NrrdImageIO::New().GetPointer()},
+      {"NIfTI", itk::NiftiImageIO::New().GetPointer()},
+      {"MetaImage", itk::MetaImageIO::New().GetPointer()},
+      {kDicom, itk::GDCMImageIO::New().GetPointer()}};
+  for (const auto& [name, io] : readers) {
+    if (name == kDicom) check_dicom_in_child({path}, key);
+    if (!can_read(*io, path)) continue;
+    format = name;
+    io->SetFileName(path);
+    return io;
+  }
+  const std::string promised = format_by_name(path);
+  if (is_vtk(path)) {
+    throw InputError(
+        {path}, key, "a VTK file",
+        "save it as NRRD, NIfTI or MetaImage (ParaView, 3D Slicer); a surface goes to bone.mesh, as STL or PLY");
+  }
+  const std::string found = fs::file_size(path) == 0 ? "the file is empty"
+                            : promised.empty()       ? "not a readable CT image"
+                                                     : "the " + promised + " header is truncated or damaged";
+  throw InputError({path}, key, found, "expected a folder of DICOM slices, or an NRRD, NIfTI or MetaImage file");
+}
+
+/// Whether the file of a NIfTI header (or its .img), compressed or not, contains all its voxels. ITK itself fills
+/// missing voxels with uninitialized memory.
+bool nifti_is_complete(const std::string& path) {
+  const std::unique_ptr<nifti_image, decltype(&nifti_image_free)> header(nifti_image_read(path.c_str(), 0),
+                                                                         &nifti_image_free);
+  if (!header || header->iname == nullptr || header->nbyper <= 0 || header->iname_offset < 0) return false;
+  const double claimed = static_cast<double>(header->iname_offset) + static_cast<double>(header->nvox) * header->nbyper;
+  // gzread() also reads files that are not compressed.
+  const std::unique_ptr<gzFile_s, decltype(&gzclose)> file(gzopen(header->iname, "rb"), &gzclose);
+  if (!file) return false;
+  std::vector<char> chunk(1 << 20);
+  double read = 0;
+  while (read < claimed) {
+    const int bytes = gzread(file.get(), chunk.data(), static_cast<unsigned>(chunk.size()));
+    if (bytes <= 0) return false;
+    read += bytes;
+  }
+  return true;
+}
+
+/// An NRRD, NIfTI or MetaImage file.
 class FileScan : public LabelSource {
  public:
   FileScan(const std::string& path, const std::string& key, bool allow_layers) : path_(path), key_(key) {
@@ -162,7 +195,7 @@ class FileScan : public LabelSource {
 
   [[nodiscard]] const ScanGeometry& geometry() const override { return geometry_; }
   [[nodiscard]] std::string description() const override { return format_ + ", " + pixel_type_of(*io_); }
-  [[nodiscard]] bool is_unsigned() const override { return has_unsigned_pixels(*io_); }
+  [[nodiscard]] bool is_unsigned() const override { return pixel_type_of(*io_).starts_with("uint"); }
   [[nodiscard]] Scan read(const IndexBox& box) const override { return read_layer(box, 0); }
 
   [[nodiscard]] int layers() const override { return static_cast<int>(io_->GetNumberOfComponents()); }
@@ -196,7 +229,7 @@ class FileScan : public LabelSource {
   }
 
   void check_file_length() const {
-    if (!holds_its_voxels(path_)) return;
+    if (!contains_its_voxels(path_)) return;
     const double claimed = static_cast<double>(geometry_.size()) * bytes_per_voxel();
     const double length = static_cast<double>(fs::file_size(path_));
     if (claimed <= kMaxCompression * length + kHeaderSlackBytes) return;
@@ -224,46 +257,13 @@ fs::file_status checked_status(const std::string& path, const std::string& key, 
   return status;
 }
 
-/// The index that clinics put beside the folders of a study.
-bool is_dicomdir(const std::string& path) {
-  std::string name = fs::path(path).filename().string();
-  std::transform(name.begin(), name.end(), name.begin(), [](unsigned char c) { return std::tolower(c); });
-  return name == "dicomdir";
-}
-
 }  // namespace
-
-itk::ImageIOBase::Pointer open_image_io(const std::string& path, const std::string& key, std::string& format) {
-  const QuietLibraries quiet;
-  const std::pair<std::string, itk::ImageIOBase::Pointer> readers[] = {
-      {"NRRD", itk::NrrdImageIO::New().GetPointer()},
-      {"NIfTI", itk::NiftiImageIO::New().GetPointer()},
-      {"MetaImage", itk::MetaImageIO::New().GetPointer()},
-      {kDicom, itk::GDCMImageIO::New().GetPointer()}};
-  for (const auto& [name, io] : readers) {
-    if (name == kDicom) check_dicom_is_survived({path}, key);
-    if (!can_read(*io, path)) continue;
-    format = name;
-    io->SetFileName(path);
-    return io;
-  }
-  const std::string promised = format_by_name(path);
-  if (is_vtk(path)) {
-    throw InputError(
-        {path}, key, "a VTK file",
-        "save it as NRRD, NIfTI or MetaImage (ParaView, 3D Slicer); a surface goes to bone.mesh, as STL or PLY");
-  }
-  const std::string found = fs::file_size(path) == 0 ? "the file is empty"
-                            : promised.empty()       ? "not a readable CT image"
-                                                     : "the " + promised + " header is truncated or damaged";
-  throw InputError({path}, key, found, "expected a folder of DICOM slices, or an NRRD, NIfTI or MetaImage file");
-}
 
 void read_header(itk::ImageIOBase& io, const std::string& path, const std::string& key, const std::string& format) {
   const QuietLibraries quiet;
   try {
     io.ReadImageInformation();
-    if (says_incomplete(quiet.output())) throw std::length_error("header");
+    if (quiet.reports_missing_voxels()) throw std::length_error("header");
   } catch (const std::exception&) {
     throw InputError({path}, key, "the " + format + " header cannot be read", "the file is truncated or damaged");
   }
@@ -306,31 +306,14 @@ ScanGeometry geometry_of(const itk::ImageIOBase& io, const std::string& path, co
 }
 
 std::string pixel_type_of(const itk::ImageIOBase& io) {
+  constexpr std::array kUnsigned{Component::UCHAR, Component::USHORT, Component::UINT, Component::ULONG,
+                                 Component::ULONGLONG};
+  constexpr std::array kSigned{Component::CHAR, Component::SHORT, Component::INT, Component::LONG, Component::LONGLONG};
+  const Component type = io.GetComponentType();
   const std::string bits = std::to_string(8 * io.GetComponentSize());
-  switch (io.GetComponentType()) {
-    case Component::UCHAR:
-    case Component::USHORT:
-    case Component::UINT:
-    case Component::ULONG:
-    case Component::ULONGLONG:
-      return "uint" + bits;
-    case Component::CHAR:
-    case Component::SHORT:
-    case Component::INT:
-    case Component::LONG:
-    case Component::LONGLONG:
-      return "int" + bits;
-    case Component::FLOAT:
-      return "float";
-    case Component::DOUBLE:
-      return "double";
-    default:
-      return "";
-  }
-}
-
-bool has_unsigned_pixels(const itk::ImageIOBase& io) {
-  return pixel_type_of(io).starts_with("uint");
+  if (std::ranges::count(kUnsigned, type) > 0) return "uint" + bits;
+  if (std::ranges::count(kSigned, type) > 0) return "int" + bits;
+  return type == Component::FLOAT ? "float" : type == Component::DOUBLE ? "double" : "";
 }
 
 std::vector<float> read_voxels(itk::ImageIOBase& io, const IndexBox& box, const std::string& path,
@@ -339,15 +322,16 @@ std::vector<float> read_voxels(itk::ImageIOBase& io, const IndexBox& box, const 
   io.SetUseStreamedReading(true);
   try {
     const itk::ImageIORegion held = io.GenerateStreamableReadRegionFromRequestedRegion(io_region(io, box));
-    // Neither array is touched before the file has proved to be as long as its header claims.
+    // Not initialized, so that a header with false dimensions uses no memory before the file proves to be truncated.
     const auto raw = std::make_unique_for_overwrite<std::byte[]>(held.GetNumberOfPixels() * io.GetComponentSize() *
                                                                  io.GetNumberOfComponents());
     io.SetIORegion(held);
     io.Read(raw.get());
-    if (says_incomplete(quiet.output())) throw std::length_error("voxels");
+    if (quiet.reports_missing_voxels()) throw std::length_error("voxels");
     std::vector<float> out(static_cast<std::size_t>(box.voxels()));
     const Layer wanted{layer, static_cast<int>(io.GetNumberOfComponents())};
-    copy_as_float(io.GetComponentType(), raw.get(), held, box, wanted, out.data());
+    copy_as_float<unsigned char, signed char, unsigned short, short, unsigned, int, unsigned long, long,
+                  unsigned long long, long long, float, double>(io, raw.get(), held, box, wanted, out.data());
     return out;
   } catch (const std::bad_alloc&) {
     throw InputError({path}, key, "the voxels exceed the memory of this machine", "use a smaller image, or a crop");
@@ -369,7 +353,9 @@ std::unique_ptr<ScanSource> open_scan(const std::string& path, const std::string
   const bool folder = fs::is_directory(checked_status(path, key, "give a CT image"));
   try {
     if (folder) return open_dicom_folder(path, key, choice, report);
-    if (is_dicomdir(path)) return open_dicom_folder(fs::path(path).parent_path().string(), key, choice, report);
+    // DICOMDIR is the index file beside the folders of a study.
+    if (lower_file_name(path) == "dicomdir")
+      return open_dicom_folder(fs::path(path).parent_path().string(), key, choice, report);
     auto scan = std::make_unique<FileScan>(path, key, false);
     if (choice.series.empty()) return scan;
     throw InputError({path}, "bone.ct.series", "given for a file that is not a DICOM folder", "remove it");

@@ -15,7 +15,7 @@ namespace {
 
 constexpr const char* kLabelChoiceKey = "bone.ct.label_map.label";
 /// Names that a message lists; TotalSegmentator has 117.
-constexpr std::size_t kMostNames = 40;
+constexpr std::size_t kMaxNames = 40;
 
 bool is_whole_number(const std::string& text) {
   return !text.empty() && text.find_first_not_of("0123456789") == std::string::npos;
@@ -26,7 +26,7 @@ std::string in_lower_case(std::string text) {
   return text;
 }
 
-/// A name for a message: one line of printable characters; bytes of UTF-8 stay.
+/// Replaces control characters. Keeps UTF-8.
 std::string printable(std::string text) {
   for (char& c : text) {
     if ((c >= 0 && c < 0x20) || c == 0x7f) c = '?';
@@ -34,10 +34,10 @@ std::string printable(std::string text) {
   return text;
 }
 
-/// Stands for what is no whole number: no map has that many layers, so a segment with it is refused as damaged.
+/// Marks an invalid number. No map has so many layers, so its segment is rejected as damaged.
 constexpr int kNoWholeNumber = 1'000'000;
 
-/// A whole number of the metadata; `otherwise` where there is none, kNoWholeNumber where it is something else.
+/// A whole number of the metadata; `otherwise` if it is missing, kNoWholeNumber if it is invalid.
 int whole_number_or(const std::map<std::string, std::string>& metadata, const std::string& key, int otherwise) {
   const auto found = metadata.find(key);
   if (found == metadata.end()) return otherwise;
@@ -48,10 +48,10 @@ int whole_number_or(const std::map<std::string, std::string>& metadata, const st
 
 std::string names_of(const std::vector<NamedSegment>& segments) {
   std::string out;
-  for (std::size_t n = 0; n < std::min(segments.size(), kMostNames); ++n) {
+  for (std::size_t n = 0; n < std::min(segments.size(), kMaxNames); ++n) {
     out += (n == 0 ? "" : ", ") + printable(segments[n].name);
   }
-  if (segments.size() > kMostNames) out += ", and " + std::to_string(segments.size() - kMostNames) + " more";
+  if (segments.size() > kMaxNames) out += ", and " + std::to_string(segments.size() - kMaxNames) + " more";
   return out;
 }
 
@@ -98,7 +98,7 @@ LabelValue find_number(const std::string& wanted, const std::vector<NamedSegment
                    "choose one by its name: " + names_of(found));
 }
 
-/// The value of attribute `name` in the opening tag `tag`; "" where it has none.
+/// The value of attribute `name` in the opening tag `tag`; "" if it is missing.
 std::string attribute(const std::string& tag, const std::string& name) {
   const std::size_t at = tag.find(name + "=\"");
   if (at == std::string::npos) return "";

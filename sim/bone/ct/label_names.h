@@ -6,27 +6,26 @@
 
 namespace reamsim::ct {
 
-/// A value of a label map, and the layer in which it stands.
+/// A value of a label map and its layer.
 struct LabelValue {
   int layer = 0;
   double value = 1;
 };
 
-/// A named segment of a label map.
 struct NamedSegment {
   std::string name;
   LabelValue label;
 };
 
-/// The segments that a .seg.nrrd names (SegmentN_Name, SegmentN_Layer, SegmentN_LabelValue), in their order. Files
-/// older than the layers have one segment per layer, of value 1.
+/// The named segments of a .seg.nrrd (SegmentN_Name, SegmentN_Layer, SegmentN_LabelValue), in their order. Files
+/// without these keys have one segment per layer, of value 1.
 std::vector<NamedSegment> segments_of_nrrd(const std::map<std::string, std::string>& metadata, int layers);
 
-/// The labels that a NIfTI file names in an XML extension: <Label Key="7" ...>name</Label>, as TotalSegmentator writes.
+/// The named labels in an XML extension of a NIfTI file: <Label Key="7" ...>name</Label>, as TotalSegmentator writes.
 std::vector<NamedSegment> segments_of_nifti(const std::string& path);
 
-/// The labels that `wanted` stands for: a whole number is a value, anything else a name, case aside.
-/// Throws InputError: a name that the map does not have, a number that stands in several layers.
+/// The labels for `wanted`: a whole number is a value, anything else a name (case-insensitive).
+/// Throws InputError: an unknown name, a number that occurs in several layers.
 std::vector<LabelValue> find_labels(const std::vector<std::string>& wanted, const std::vector<NamedSegment>& segments,
                                     int layers, const std::string& path);
 

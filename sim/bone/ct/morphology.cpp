@@ -21,7 +21,7 @@ using FloatImage = itk::Image<float, 3>;
 using MaskImage = itk::Image<std::uint8_t, 3>;
 using LabelImage = itk::Image<std::uint32_t, 3>;
 
-/// An ITK image that looks at `data` without owning it.
+/// An ITK image of `data`, which it does not own.
 template <typename Value, unsigned Dimensions>
 typename itk::Image<Value, Dimensions>::Pointer view(Value* data, const std::array<int, Dimensions>& dims,
                                                      const std::array<double, Dimensions>& spacing) {
@@ -53,7 +53,31 @@ void copy_back(const FloatImage& filtered, std::vector<float>& values) {
   std::copy_n(filtered.GetBufferPointer(), values.size(), values.begin());
 }
 
-/// Labels of the connected parts of what is not in the mask.
+/// Gives every voxel the least (or the greatest) value within `radius` along one axis.
+Mask extreme_along(const Mask& mask, const Lattice& lattice, int axis, int radius, bool greatest) {
+  const int length = lattice.dims[axis];
+  const std::size_t stride = axis == 0 ? 1 : lattice.index(Vec3i::Unit(axis));
+  Mask out(mask.size());
+  for (std::size_t at = 0; at < mask.size(); ++at) {
+    const int here = static_cast<int>(at / stride % static_cast<std::size_t>(length));
+    const int first = std::max(here - radius, 0), last = std::min(here + radius, length - 1);
+    const std::size_t line = at - stride * static_cast<std::size_t>(here);
+    std::uint8_t value = greatest ? 0 : 1;
+    for (int n = first; n <= last; ++n) {
+      const std::uint8_t other = mask[line + stride * static_cast<std::size_t>(n)];
+      value = greatest ? std::max(value, other) : std::min(value, other);
+    }
+    out[at] = value;
+  }
+  return out;
+}
+
+Mask extreme_in_box(Mask mask, const Lattice& lattice, const Vec3i& radius, bool greatest) {
+  for (int axis = 0; axis < 3; ++axis) mask = extreme_along(mask, lattice, axis, radius[axis], greatest);
+  return mask;
+}
+
+/// Labels of the connected components of the background.
 template <unsigned Dimensions>
 std::vector<std::uint32_t> label_background(std::vector<std::uint8_t>& background,
                                             const std::array<int, Dimensions>& dims, std::uint32_t& count) {
@@ -68,7 +92,7 @@ std::vector<std::uint32_t> label_background(std::vector<std::uint8_t>& backgroun
   return {first, first + background.size()};
 }
 
-/// One face of the image: the two axes along it, and the place along the third.
+/// One face of the image: its two axes, and its coordinate along the third.
 struct Face {
   int u;
   int v;
@@ -84,37 +108,47 @@ struct Face {
   }
 };
 
-/// Marks the parts of the background that reach the rim of this face: they lead out of the image.
+/// Marks the components of the background that reach the rim of this face: they are open.
 void mark_open_parts(const std::vector<std::uint32_t>& part, const Lattice& lattice, const Face& face,
                      std::vector<std::uint8_t>& open) {
-  const int nu = lattice.dims[face.u];
-  const int nv = lattice.dims[face.v];
-  std::vector<std::uint8_t> background(static_cast<std::size_t>(nu) * static_cast<std::size_t>(nv));
-  const auto part_at = [&](int i, int j) {
-    const Vec3i voxel = face.voxel(i, j);
-    return part[lattice.index(voxel.x(), voxel.y(), voxel.z())];
-  };
-  for (int j = 0; j < nv; ++j) {
-    for (int i = 0; i < nu; ++i) background[static_cast<std::size_t>(i + j * std::int64_t{nu})] = part_at(i, j) != 0;
-  }
+  const Vec3i dims(lattice.dims[face.u], lattice.dims[face.v], 1);
+  const auto part_at = [&](const Vec3i& v) { return part[lattice.index(face.voxel(v.x(), v.y()))]; };
+  std::vector<std::uint8_t> background;
+  for_each_voxel(dims, [&](const Vec3i& v) { background.push_back(part_at(v) != 0); });
   std::uint32_t count = 0;
-  const std::vector<std::uint32_t> region = label_background<2>(background, {nu, nv}, count);
+  const std::vector<std::uint32_t> region = label_background<2>(background, {dims.x(), dims.y()}, count);
   std::vector<std::uint8_t> reaches_rim(count + std::size_t{1}, 0);
-  for (int j = 0; j < nv; ++j) {
-    for (int i = 0; i < nu; ++i) {
-      const bool rim = i == 0 || j == 0 || i == nu - 1 || j == nv - 1;
-      if (rim) reaches_rim[region[static_cast<std::size_t>(i + j * std::int64_t{nu})]] = 1;
-    }
-  }
-  for (int j = 0; j < nv; ++j) {
-    for (int i = 0; i < nu; ++i) {
-      const std::uint32_t at = region[static_cast<std::size_t>(i + j * std::int64_t{nu})];
-      if (at != 0 && reaches_rim[at]) open[part_at(i, j)] = 1;
-    }
-  }
+  for_each_voxel(dims, [&](const Vec3i& v) {
+    const bool rim = v.x() == 0 || v.y() == 0 || v.x() == dims.x() - 1 || v.y() == dims.y() - 1;
+    if (rim) reaches_rim[region[index_in(dims, v)]] = 1;
+  });
+  for_each_voxel(dims, [&](const Vec3i& v) {
+    const std::uint32_t at = region[index_in(dims, v)];
+    if (at != 0 && reaches_rim[at]) open[part_at(v)] = 1;
+  });
 }
 
 }  // namespace
+
+Mask positive_voxels(const AlignedImage& image) {
+  Mask out(image.value.size());
+  std::ranges::transform(image.value, out.begin(), [](float value) { return value > 0 ? 1 : 0; });
+  return out;
+}
+
+Mask complement(const Mask& mask) {
+  Mask out(mask.size());
+  std::ranges::transform(mask, out.begin(), [](std::uint8_t inside) { return inside ? 0 : 1; });
+  return out;
+}
+
+Mask eroded(const Mask& mask, const Lattice& lattice, const Vec3i& radius) {
+  return extreme_in_box(mask, lattice, radius, false);
+}
+
+Mask dilated(const Mask& mask, const Lattice& lattice, const Vec3i& radius) {
+  return extreme_in_box(mask, lattice, radius, true);
+}
 
 void median_filter(AlignedImage& image, int radius_voxels) {
   const auto filter = itk::MedianImageFilter<FloatImage, FloatImage>::New();
@@ -126,12 +160,12 @@ void median_filter(AlignedImage& image, int radius_voxels) {
 
 void curvature_anisotropic_filter(AlignedImage& image, int iterations, double conductance) {
   // ITK's bound for three dimensions: smallest spacing / 2^(3+1).
-  constexpr double kStableShare = 1.0 / 16;
+  constexpr double kStableFraction = 1.0 / 16;
   const auto filter = itk::CurvatureAnisotropicDiffusionImageFilter<FloatImage, FloatImage>::New();
   filter->SetInput(view(image.value, image.lattice));
   filter->SetNumberOfIterations(static_cast<unsigned>(iterations));
   filter->SetConductanceParameter(conductance);
-  filter->SetTimeStep(kStableShare * image.lattice.spacing_mm.minCoeff());
+  filter->SetTimeStep(kStableFraction * image.lattice.spacing_mm.minCoeff());
   filter->Update();
   copy_back(*filter->GetOutput(), image.value);
 }
@@ -159,18 +193,13 @@ Pieces connected_pieces(const Mask& mask, const Lattice& lattice) {
   for (std::size_t n = 0; n < out.list.size(); ++n) {
     out.list[n] = {static_cast<std::uint32_t>(n + 1), 0, lattice.dims, Vec3i::Constant(-1)};
   }
-  for (int k = 0; k < lattice.dims.z(); ++k) {
-    for (int j = 0; j < lattice.dims.y(); ++j) {
-      for (int i = 0; i < lattice.dims.x(); ++i) {
-        const std::uint32_t at = out.label[lattice.index(i, j, k)];
-        if (at == 0) continue;
-        Piece& piece = out.list[at - 1];
-        ++piece.voxels;
-        piece.min = piece.min.cwiseMin(Vec3i(i, j, k));
-        piece.max = piece.max.cwiseMax(Vec3i(i, j, k));
-      }
-    }
-  }
+  lattice.for_each([&](const Vec3i& voxel, std::size_t at) {
+    if (out.label[at] == 0) return;
+    Piece& piece = out.list[out.label[at] - 1];
+    ++piece.voxels;
+    piece.min = piece.min.cwiseMin(voxel);
+    piece.max = piece.max.cwiseMax(voxel);
+  });
   return out;
 }
 
@@ -193,8 +222,7 @@ void close_mask(Mask& mask, const Lattice& lattice, double radius_mm) {
 }
 
 std::int64_t fill_holes(Mask& mask, const Lattice& lattice) {
-  Mask background(mask.size());
-  std::transform(mask.begin(), mask.end(), background.begin(), [](std::uint8_t in) { return in ? 0 : 1; });
+  Mask background = complement(mask);
   const Vec3i& d = lattice.dims;
   std::uint32_t count = 0;
   const std::vector<std::uint32_t> part = label_background<3>(background, {d.x(), d.y(), d.z()}, count);

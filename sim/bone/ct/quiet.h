@@ -1,14 +1,13 @@
 #pragma once
 
 #include <iostream>
-#include <memory>
 #include <sstream>
 #include <string>
 
 namespace reamsim::ct {
 
-/// While it lives, ITK, GDCM, MetaIO and NIfTI print nothing. They write warnings about damaged files straight to the
-/// standard streams, where a user must find one line that says what is wrong: the exception's. Not for concurrent use.
+/// Suppresses the output of ITK, GDCM, MetaIO and NIfTI during its lifetime. These libraries print warnings about
+/// damaged files, where a user should see only the message of the exception. Not for concurrent use.
 class QuietLibraries {
  public:
   QuietLibraries();
@@ -16,14 +15,14 @@ class QuietLibraries {
   QuietLibraries(const QuietLibraries&) = delete;
   QuietLibraries& operator=(const QuietLibraries&) = delete;
 
-  /// What they would have printed.
-  [[nodiscard]] std::string output() const { return swallowed_.str(); }
+  /// Whether MetaIO or GDCM printed that voxels are missing. They report it in no other way.
+  [[nodiscard]] bool reports_missing_voxels() const;
 
  private:
-  std::ostringstream swallowed_;
+  std::ostringstream captured_;
   std::streambuf* cerr_;
   std::streambuf* cout_;
-  int stderr_ = -1;  ///< the file descriptor that stderr had
+  int stderr_ = -1;  ///< copy of the file descriptor of stderr
 };
 
 }  // namespace reamsim::ct

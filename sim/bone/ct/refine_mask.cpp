@@ -1,9 +1,8 @@
-#include "sim/bone/ct/refine_mask.h"
+#include "sim/bone/ct/segment.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "sim/bone/ct/morphology.h"
 #include "sim/bone/ct/resample.h"
 #include "sim/bone/ct/words.h"
 
@@ -11,35 +10,10 @@ namespace reamsim::ct {
 
 namespace {
 
-/// Magnitude of the refined field for a voxel that is exactly at the threshold, so that its sign still counts.
-constexpr float kLeastRefined_hu = 1;
+/// Least magnitude of a field, so that a voxel exactly at the threshold keeps its sign.
+constexpr float kMinField_hu = 1;
 /// Steps along a normal, as a fraction of the smallest spacing.
 constexpr double kMarch = 0.25;
-
-/// Every voxel with a marked one at most `reach` voxels away along each axis.
-Mask spread_along_axes(const Mask& mask, const Lattice& lattice, const Vec3i& reach) {
-  Mask from = mask;
-  Mask to(mask.size());
-  for (int axis = 0; axis < 3; ++axis) {
-    const std::size_t stride = axis == 0 ? 1 : lattice.index(0, axis == 1 ? 1 : 0, axis == 2 ? 1 : 0);
-    std::fill(to.begin(), to.end(), std::uint8_t{0});
-    for (int k = 0; k < lattice.dims.z(); ++k) {
-      for (int j = 0; j < lattice.dims.y(); ++j) {
-        for (int i = 0; i < lattice.dims.x(); ++i) {
-          const std::size_t at = lattice.index(i, j, k);
-          if (!from[at]) continue;
-          const int place = Vec3i(i, j, k)[axis];
-          const int first = std::max(place - reach[axis], 0);
-          const int last = std::min(place + reach[axis], lattice.dims[axis] - 1);
-          for (int n = first; n <= last; ++n)
-            to[at + stride * static_cast<std::size_t>(n) - stride * static_cast<std::size_t>(place)] = 1;
-        }
-      }
-    }
-    std::swap(from, to);
-  }
-  return from;
-}
 
 class Refinement {
  public:
@@ -51,31 +25,23 @@ class Refinement {
         minus_field_(field),
         minus_hu_(hu),
         smooth_(field),
+        mask_(positive_voxels(field)),
         threshold_hu_(threshold_hu),
         reach_mm_(reach_mm),
         march_mm_(kMarch * hu.lattice.spacing_mm.minCoeff()) {
-    mask_.resize(field.value.size());
-    std::ranges::transform(field.value, mask_.begin(), [](float value) { return value > 0 ? 1 : 0; });
-    // Wide enough for a slope of it as far from the surface as the refinement reaches.
+    // Wide enough for a slope at any distance from the surface within the reach.
     gaussian_filter(smooth_, std::max(1.0, reach_mm / hu.lattice.spacing_mm.minCoeff()));
   }
 
   /// The refined mask.
   Mask run() {
     const Vec3i reach = (reach_mm_ * lattice_.spacing_mm.cwiseInverse()).array().ceil().cast<int>() + 1;
-    Mask air(mask_.size());
-    std::ranges::transform(mask_, air.begin(), [](std::uint8_t in) { return in ? 0 : 1; });
-    const Mask near_bone = spread_along_axes(mask_, lattice_, reach);
-    const Mask near_air = spread_along_axes(air, lattice_, reach);
+    const Mask near_bone = dilated(mask_, lattice_, reach);
+    const Mask near_air = dilated(complement(mask_), lattice_, reach);
     Mask out = mask_;
-    for (int k = 0; k < lattice_.dims.z(); ++k) {
-      for (int j = 0; j < lattice_.dims.y(); ++j) {
-        for (int i = 0; i < lattice_.dims.x(); ++i) {
-          const std::size_t at = lattice_.index(i, j, k);
-          if (near_bone[at] && near_air[at]) out[at] = refined(Vec3i(i, j, k), at);
-        }
-      }
-    }
+    lattice_.for_each([&](const Vec3i& voxel, std::size_t at) {
+      if (near_bone[at] && near_air[at]) out[at] = refined(voxel, at);
+    });
     return out;
   }
 
@@ -86,41 +52,26 @@ class Refinement {
   [[nodiscard]] bool in_mask(const Vec3& point) const { return minus_field_(point) < 0; }
   [[nodiscard]] bool in_other(const Vec3& point) const {
     const Vec3i c = lattice_.voxel_of(point);
-    return lattice_.contains(c) && !other_.value.empty() && other_.value[lattice_.index(c.x(), c.y(), c.z())] > 0;
-  }
-
-  /// Out of the mask at a voxel; zero where there is no telling.
-  [[nodiscard]] Vec3 outward(const Vec3i& c) const {
-    Vec3 slope;
-    for (int axis = 0; axis < 3; ++axis) {
-      Vec3i low = c;
-      Vec3i high = c;
-      low[axis] = std::max(c[axis] - 1, 0);
-      high[axis] = std::min(c[axis] + 1, lattice_.dims[axis] - 1);
-      const double rise = double{smooth_.value[lattice_.index(high.x(), high.y(), high.z())]} -
-                          double{smooth_.value[lattice_.index(low.x(), low.y(), low.z())]};
-      const int steps = high[axis] - low[axis];
-      slope[axis] = steps == 0 ? 0 : rise / (steps * lattice_.spacing_mm[axis]);
-    }
-    return -slope.stableNormalized();
+    return lattice_.contains(c) && !other_.value.empty() && other_.at(c) > 0;
   }
 
   [[nodiscard]] std::uint8_t refined(const Vec3i& c, std::size_t at) const {
     const bool is_dense = static_cast<double>(hu_image_.value[at]) >= threshold_hu_;
     const std::uint8_t as_it_is = mask_[at];
     if (is_dense == (as_it_is != 0)) return as_it_is;
-    const Vec3 start = lattice_.center_mm(c.x(), c.y(), c.z());
+    const Vec3 start = lattice_.center_mm(c);
     if (!as_it_is && in_other(start)) return as_it_is;
-    const Vec3 out = outward(c);
-    // From the voxel to the mask's surface all must be alike, and beyond the voxel the HU must cross the threshold.
+    const Vec3 out = -smooth_.gradient(c).stableNormalized();
+    // All points up to the surface of the mask must be like the voxel; beyond it the HU must cross the threshold.
     const Vec3 to_surface = as_it_is ? out : Vec3(-out);
-    const double to_surface_mm = length_alike(start, to_surface, as_it_is != 0, is_dense);
+    const double to_surface_mm = distance_to_surface(start, to_surface, as_it_is != 0, is_dense);
     if (to_surface_mm < 0) return as_it_is;
     return crosses(start, -to_surface, is_dense, reach_mm_ - to_surface_mm) ? !as_it_is : as_it_is;
   }
 
-  /// How far the mask's surface is in a direction, if all on the way is as dense as the start; else −1.
-  [[nodiscard]] double length_alike(const Vec3& start, const Vec3& direction, bool is_bone, bool is_dense) const {
+  /// Distance to the surface of the mask in a direction, if all points on the way are as dense as the start; else −1.
+  [[nodiscard]] double distance_to_surface(const Vec3& start, const Vec3& direction, bool is_bone,
+                                           bool is_dense) const {
     for (double t = march_mm_; t <= reach_mm_; t += march_mm_) {
       const Vec3 point = start + t * direction;
       if (in_mask(point) != is_bone) return t;
@@ -152,6 +103,15 @@ class Refinement {
 
 }  // namespace
 
+std::vector<float> signed_field(const AlignedImage& hu, double threshold_hu, const Mask& bone) {
+  std::vector<float> out(bone.size());
+  for (std::size_t at = 0; at < bone.size(); ++at) {
+    const float size = std::max(std::abs(hu.value[at] - static_cast<float>(threshold_hu)), kMinField_hu);
+    out[at] = bone[at] ? size : -size;
+  }
+  return out;
+}
+
 void refine_to_isosurface(AlignedImage& field, const AlignedImage& other, const AlignedImage& hu, double threshold_hu,
                           double reach_mm, Report& report) {
   Refinement refinement(field, other, hu, threshold_hu, reach_mm);
@@ -163,10 +123,7 @@ void refine_to_isosurface(AlignedImage& field, const AlignedImage& other, const 
     added += refined[at] && !before[at];
     removed += before[at] && !refined[at];
   }
-  for (std::size_t at = 0; at < refined.size(); ++at) {
-    const float size = std::max(std::abs(hu.value[at] - static_cast<float>(threshold_hu)), kLeastRefined_hu);
-    field.value[at] = refined[at] ? size : -size;
-  }
+  field.value = signed_field(hu, threshold_hu, refined);
   report.note(words("refined to the %.0f HU isosurface within %.2g mm: %lld voxels added, %lld removed, %+.0f mm3",
                     threshold_hu, reach_mm, static_cast<long long>(added), static_cast<long long>(removed),
                     static_cast<double>(added - removed) * hu.lattice.voxel_mm3()));

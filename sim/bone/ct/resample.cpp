@@ -11,17 +11,11 @@ namespace reamsim::ct {
 
 namespace {
 
-/// Ratios and places closer than this to a whole number are that number; coordinates of real scans carry rounding.
+/// Tolerance of whole numbers; coordinates of real scans are rounded.
 constexpr double kRounding = 1e-6;
+constexpr double kMaxSamples = 16;  // of one voxel along one axis
 
-/// Sample points of one voxel along one axis, at most.
-constexpr double kMostSamples = 16;
-
-bool merges(const Lattice& image, const VoxelGrid& grid, int axis) {
-  return grid.voxel_mm >= image.spacing_mm[axis] * (1 - kRounding);
-}
-
-/// Place of a point along an axis, in image voxels: 0 = the lower face of voxel 0, 1 = its upper face.
+/// Position along an axis in image voxels: 0 is the lower face of voxel 0, 1 its upper face.
 double faces_from_mm(const Lattice& image, double mm, int axis) {
   return (mm - image.origin_mm[axis]) / image.spacing_mm[axis] + 0.5;
 }
@@ -47,14 +41,14 @@ AxisWeights average(double from, double to, int count) {
 AxisWeights interpolate(double centre, int count) {
   const double place = std::clamp(centre, 0.0, count - 1.0);
   const int low = static_cast<int>(place);
-  const double share = place - low;
-  if (share < kRounding) return {low, {1.0}};
-  return {low, {1 - share, share}};
+  const double fraction = place - low;
+  if (fraction < kRounding) return {low, {1.0}};
+  return {low, {1 - fraction, fraction}};
 }
 
 }  // namespace
 
-VoxelGrid grid_round(const Lattice& image, const Vec3i& min, const Vec3i& max, double voxel_mm, int margin_voxels) {
+VoxelGrid grid_around(const Lattice& image, const Vec3i& min, const Vec3i& max, double voxel_mm, int margin_voxels) {
   const Vec3 corner = image.bounds_mm().min;
   VoxelGrid grid;
   grid.voxel_mm = voxel_mm;
@@ -73,10 +67,11 @@ std::vector<AxisWeights> axis_weights(const Lattice& image, const VoxelGrid& gri
   std::vector<AxisWeights> out;
   out.reserve(static_cast<std::size_t>(grid.dims[axis]));
   const double length = grid.voxel_mm / image.spacing_mm[axis];
+  const bool averages = grid.voxel_mm >= image.spacing_mm[axis] * (1 - kRounding);
   for (int n = 0; n < grid.dims[axis]; ++n) {
     const double from = faces_from_mm(image, grid.origin_mm[axis] + n * grid.voxel_mm, axis);
-    out.push_back(merges(image, grid, axis) ? average(from, from + length, image.dims[axis])
-                                            : interpolate(from + 0.5 * length - 0.5, image.dims[axis]));
+    out.push_back(averages ? average(from, from + length, image.dims[axis])
+                           : interpolate(from + 0.5 * length - 0.5, image.dims[axis]));
   }
   return out;
 }
@@ -95,7 +90,7 @@ const std::vector<double>& SliceResampler::slice(int k) {
   std::fill(plane_.begin(), plane_.end(), 0.0);
   const AxisWeights& along_z = weights_[2][static_cast<std::size_t>(k)];
   for (std::size_t n = 0; n < along_z.weight.size(); ++n) {
-    const float* from = &image_.value[image.index(0, 0, along_z.first + static_cast<int>(n))];
+    const float* from = &image_.value[image.index({0, 0, along_z.first + static_cast<int>(n)})];
     for (std::size_t at = 0; at < plane_.size(); ++at) plane_[at] += along_z.weight[n] * static_cast<double>(from[at]);
   }
   std::fill(rows_.begin(), rows_.end(), 0.0);
@@ -128,7 +123,7 @@ double SliceResampler::at(const Vec3i& voxel) const {
   for (std::size_t k = 0; k < z.weight.size(); ++k) {
     for (std::size_t j = 0; j < y.weight.size(); ++j) {
       const float* row =
-          &image_.value[image_.lattice.index(x.first, y.first + static_cast<int>(j), z.first + static_cast<int>(k))];
+          &image_.value[image_.lattice.index({x.first, y.first + static_cast<int>(j), z.first + static_cast<int>(k)})];
       for (std::size_t i = 0; i < x.weight.size(); ++i) {
         sum += z.weight[k] * y.weight[j] * x.weight[i] * static_cast<double>(row[i]);
       }
@@ -143,7 +138,7 @@ NegatedField::NegatedField(const AlignedImage& image)
       spacing_mm_(image.lattice.spacing_mm),
       last_(image.lattice.dims.cast<double>() - Vec3::Ones()),
       last_low_((image.lattice.dims - Vec3i::Constant(2)).cwiseMax(0)),
-      stride_{1, image.lattice.index(0, 1, 0), image.lattice.index(0, 0, 1)} {
+      stride_{1, image.lattice.index({0, 1, 0}), image.lattice.index({0, 0, 1})} {
   for (int axis = 0; axis < 3; ++axis) {
     const auto at = static_cast<std::size_t>(axis);
     step_[at] = image.lattice.dims[axis] > 1 ? stride_[at] : 0;
@@ -154,9 +149,9 @@ InsideTest::InsideTest(const AlignedImage& field, const VoxelGrid& grid) : field
   const Lattice& image = field.lattice;
   for (int axis = 0; axis < 3; ++axis) {
     const double length = grid.voxel_mm / image.spacing_mm[axis];
-    // Two samples for each image voxel that the voxel takes in, up to a bound that still tells a half from less.
+    // Two samples per image voxel, up to a limit.
     const double wanted = length > 1 + kRounding ? 2 * std::ceil(length - kRounding) : 1;
-    samples_[axis] = static_cast<int>(std::min(wanted, kMostSamples));
+    samples_[axis] = static_cast<int>(std::min(wanted, kMaxSamples));
     for (int n = 0; n < grid.dims[axis] * samples_[axis]; ++n) {
       const double mm = grid.origin_mm[axis] + grid.voxel_mm * (n + 0.5) / samples_[axis];
       const double place = std::clamp(faces_from_mm(image, mm, axis) - 0.5, 0.0, image.dims[axis] - 1.0);
@@ -170,29 +165,25 @@ bool InsideTest::inside(const Sample& x, const Sample& y, const Sample& z) const
   const Lattice& image = field_.lattice;
   const std::size_t step_x = image.dims.x() > 1 ? 1 : 0;
   const std::size_t step_y = image.dims.y() > 1 ? static_cast<std::size_t>(image.dims.x()) : 0;
-  const std::size_t step_z = image.dims.z() > 1 ? image.index(0, 0, 1) : 0;
-  const float* corner = &field_.value[image.index(x.low, y.low, z.low)];
-  const auto along_x = [&](std::size_t at) { return corner[at] + x.share * (corner[at + step_x] - corner[at]); };
+  const std::size_t step_z = image.dims.z() > 1 ? image.index({0, 0, 1}) : 0;
+  const float* corner = &field_.value[image.index({x.low, y.low, z.low})];
+  const auto along_x = [&](std::size_t at) { return corner[at] + x.fraction * (corner[at + step_x] - corner[at]); };
   const auto along_y = [&](std::size_t at) {
     const float low = along_x(at);
-    return low + y.share * (along_x(at + step_y) - low);
+    return low + y.fraction * (along_x(at + step_y) - low);
   };
   const float low = along_y(0);
-  return low + z.share * (along_y(step_z) - low) > 0;
+  return low + z.fraction * (along_y(step_z) - low) > 0;
 }
 
-bool InsideTest::operator()(int i, int j, int k) const {
-  const int total = samples_[0] * samples_[1] * samples_[2];
+bool InsideTest::operator()(const Vec3i& voxel) const {
+  const Vec3i samples(samples_[0], samples_[1], samples_[2]);
+  const Vec3i first = voxel.cwiseProduct(samples);
+  const auto sample = [this](const Vec3i& s, int axis) { return sample_[axis][static_cast<std::size_t>(s[axis])]; };
   int hits = 0;
-  for (int c = k * samples_[2]; c < (k + 1) * samples_[2]; ++c) {
-    for (int b = j * samples_[1]; b < (j + 1) * samples_[1]; ++b) {
-      for (int a = i * samples_[0]; a < (i + 1) * samples_[0]; ++a) {
-        hits += inside(sample_[0][static_cast<std::size_t>(a)], sample_[1][static_cast<std::size_t>(b)],
-                       sample_[2][static_cast<std::size_t>(c)]);
-      }
-    }
-  }
-  return 2 * hits >= total && hits > 0;
+  for_each_voxel(first, first + samples - Vec3i::Ones(),
+                 [&](const Vec3i& s) { hits += inside(sample(s, 0), sample(s, 1), sample(s, 2)); });
+  return 2 * hits >= samples.prod() && hits > 0;
 }
 
 }  // namespace reamsim::ct

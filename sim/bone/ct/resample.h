@@ -5,36 +5,34 @@
 #include <vector>
 
 #include "sim/bone/ct/aligned_image.h"
-#include "sim/bone/voxmap/field_cross.h"
-#include "sim/bone/voxmap/voxel_grid.h"
+#include "sim/bone/voxmap/cube_fraction.h"
 
 namespace reamsim::ct {
 
-/// Isotropic voxels round a box of image voxels (`min` and `max` both inside), with `margin_voxels` more on every side
-/// and whole bricks of 8. They are counted from the image's lower corner, so that voxels as large as the image's are
-/// the image's. Throws std::length_error when a dimension is beyond an int.
-VoxelGrid grid_round(const Lattice& image, const Vec3i& min, const Vec3i& max, double voxel_mm, int margin_voxels);
+/// An isotropic grid around a box of image voxels (`min` and `max` included), with a margin of `margin_voxels` and
+/// whole bricks of 8. Its planes start at the lower corner of the image, so that voxels of the image's size coincide
+/// with those of the image. Throws std::length_error when a dimension exceeds an int.
+VoxelGrid grid_around(const Lattice& image, const Vec3i& min, const Vec3i& max, double voxel_mm, int margin_voxels);
 
-/// Which image values one voxel takes along one axis, and how much of each: weight[n] of value first + n; they sum
-/// to 1.
+/// The weights of image values for one voxel along one axis: weight[n] for value first + n. Their sum is 1.
 struct AxisWeights {
   int first = 0;
   std::vector<double> weight;
 };
 
-/// Along one axis, for every voxel of a grid: averaging over the voxel's length where voxels merge (voxel ≥ spacing),
-/// linear interpolation at its centre where they divide (paper §3.2). Beyond the image the outermost value holds.
+/// The weights of all voxels of a grid along one axis: averages over the voxel if it is at least as large as the
+/// spacing, otherwise linear interpolation at its centre (paper §3.2). Beyond the image the value of its border holds.
 std::vector<AxisWeights> axis_weights(const Lattice& image, const VoxelGrid& grid, int axis);
 
-/// The image at the voxels of a grid, one slice (constant k) at a time, so that a fine grid of a large bone needs no
-/// second large array. Separable: each axis merges or divides by itself, and all three dividing is trilinear.
+/// Resamples an image to a grid. It works by slices (constant k), so that a fine grid of a large bone needs no second
+/// large array. It is separable: each axis averages or interpolates by itself.
 class SliceResampler {
  public:
   SliceResampler(const AlignedImage& image, const VoxelGrid& grid);
 
-  /// Values of slice k; value (i,j) stands at i + nx·j. Valid until the next call.
+  /// Values of slice k; value (i,j) has the index i + nx·j. Valid until the next call.
   const std::vector<double>& slice(int k);
-  /// The value of one voxel. Reads nothing that slice() changes, so threads may call it.
+  /// The value of one voxel. Thread-safe.
   [[nodiscard]] double at(const Vec3i& voxel) const;
 
  private:
@@ -46,19 +44,18 @@ class SliceResampler {
   std::vector<double> out_;
 };
 
-/// The negative of an image at any point, interpolated trilinearly: a field as share_inside() takes it, whose inside is
-/// where the image is above 0. Beyond the image's outermost values these hold.
+/// The negative of an image, interpolated trilinearly: a field for fraction_inside(), negative where the image is above
+/// 0. Beyond the image the value of its border holds.
 class NegatedField {
  public:
   explicit NegatedField(const AlignedImage& image);
 
   double operator()(const Vec3& point_mm) const { return value(places(point_mm)); }
 
-  /// The values at a point and `step` before and after it along each axis. A step moves along one axis only, so that
-  /// the other two places in the image are found once for all.
-  [[nodiscard]] FieldCross cross(const Vec3& center_mm, double step) const {
+  /// As sample_along_axes(). A step changes one coordinate, so that the places along the other axes are found once.
+  [[nodiscard]] FieldSamples cross(const Vec3& center_mm, double step) const {
     const Places center = places(center_mm);
-    FieldCross out;
+    FieldSamples out;
     out.center = value(center);
     for (int axis = 0; axis < 3; ++axis) {
       Places moved = center;
@@ -71,10 +68,10 @@ class NegatedField {
   }
 
  private:
-  /// Along one axis: where the lower of two neighbouring values stands, and the share of the upper.
+  /// A position between two neighbouring values along one axis.
   struct Place {
-    std::size_t at = 0;
-    double share = 0;
+    std::size_t at = 0;   ///< offset of the lower value
+    double fraction = 0;  ///< weight of the upper value
   };
   using Places = std::array<Place, 3>;
 
@@ -87,35 +84,35 @@ class NegatedField {
   [[nodiscard]] double value(const Places& p) const {
     const float* corner = values_ + p[0].at + p[1].at + p[2].at;
     const auto along_x = [&](std::size_t at) {
-      return (1 - p[0].share) * double{corner[at]} + p[0].share * double{corner[at + step_[0]]};
+      return (1 - p[0].fraction) * double{corner[at]} + p[0].fraction * double{corner[at + step_[0]]};
     };
     const auto along_y = [&](std::size_t at) {
-      return (1 - p[1].share) * along_x(at) + p[1].share * along_x(at + step_[1]);
+      return (1 - p[1].fraction) * along_x(at) + p[1].fraction * along_x(at + step_[1]);
     };
-    return -((1 - p[2].share) * along_y(0) + p[2].share * along_y(step_[2]));
+    return -((1 - p[2].fraction) * along_y(0) + p[2].fraction * along_y(step_[2]));
   }
 
   const float* values_;
   Vec3 origin_mm_;
   Vec3 spacing_mm_;
   Vec3 last_;       ///< index of the last value along each axis
-  Vec3i last_low_;  ///< of the last value that has another after it
+  Vec3i last_low_;  ///< index of the last value that has a successor
   std::array<std::size_t, 3> stride_{};
-  std::array<std::size_t, 3> step_{};  ///< to the upper value; 0 along axes on which the image is one voxel thick
+  std::array<std::size_t, 3> step_{};  ///< to the upper value; 0 along axes with one voxel
 };
 
-/// Says for a voxel of a grid whether at least half of it lies where `field` > 0, the field interpolated trilinearly:
-/// by the sign at the centre along axes that divide, by the share of sample points along axes that merge.
+/// Tests whether at least half of a voxel of a grid lies where `field` > 0. The field is interpolated trilinearly at
+/// the centre of the voxel, or at several sample points along axes on which the voxel is larger than the spacing.
 class InsideTest {
  public:
   InsideTest(const AlignedImage& field, const VoxelGrid& grid);
 
-  [[nodiscard]] bool operator()(int i, int j, int k) const;
+  [[nodiscard]] bool operator()(const Vec3i& voxel) const;
 
  private:
   struct Sample {
-    int low = 0;      ///< lower of the two image voxels along this axis
-    float share = 0;  ///< of the upper
+    int low = 0;         ///< lower of the two image voxels along this axis
+    float fraction = 0;  ///< weight of the upper one
   };
 
   [[nodiscard]] bool inside(const Sample& x, const Sample& y, const Sample& z) const;

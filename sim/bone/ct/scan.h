@@ -11,8 +11,8 @@
 
 namespace reamsim::ct {
 
-/// Where the voxels of an image lie. Voxel (i,j,k) has its centre at origin_mm + step_mm·(i,j,k)ᵀ in LPS mm; the
-/// columns of `step_mm` need be neither along the axes nor perpendicular to one another (a tilted gantry).
+/// The geometry of an image. Voxel (i,j,k) has its centre at origin_mm + step_mm·(i,j,k)ᵀ in LPS mm. The columns of
+/// `step_mm` may be oblique, and not perpendicular to one another (a tilted gantry).
 struct ScanGeometry {
   Vec3i dims = Vec3i::Zero();
   Mat3 step_mm = Mat3::Identity();
@@ -21,10 +21,14 @@ struct ScanGeometry {
   [[nodiscard]] std::int64_t size() const { return std::int64_t{1} * dims.x() * dims.y() * dims.z(); }
   [[nodiscard]] Vec3 spacing_mm() const { return step_mm.colwise().norm().transpose(); }
   [[nodiscard]] Vec3 point_mm(const Vec3& index) const { return origin_mm + step_mm * index; }
-  [[nodiscard]] Vec3 index_of(const Vec3& point_mm) const { return step_mm.inverse() * (point_mm - origin_mm); }
-  /// The box, along the axes of LPS, round all voxels (their outer faces).
+  /// Bounding box along the LPS axes of all voxels (their outer faces).
   [[nodiscard]] Aabb bounds_mm() const;
 };
+
+/// The index of a voxel in an array of `dims` voxels: i + nx·(j + ny·k).
+inline std::size_t index_in(const Vec3i& dims, const Vec3i& v) {
+  return static_cast<std::size_t>(v.x() + std::int64_t{dims.x()} * (v.y() + std::int64_t{dims.y()} * v.z()));
+}
 
 /// A box of voxels: from `start`, `size` voxels along each axis.
 struct IndexBox {
@@ -35,47 +39,47 @@ struct IndexBox {
   [[nodiscard]] std::int64_t voxels() const { return std::int64_t{1} * size.x() * size.y() * size.z(); }
 };
 
-/// Where the voxels of `box` lie.
+/// The geometry of the voxels in `box`.
 ScanGeometry part_of(const ScanGeometry& geometry, const IndexBox& box);
 
-/// Part of an image in memory; value (i,j,k) stands at i + nx·(j + ny·k).
+/// Part of an image in memory, in the order of index_in().
 struct Scan {
   ScanGeometry geometry;
   std::vector<float> value;
 };
 
-/// An image on disk whose header has been read; its voxels are read on demand, and only those that are wanted are kept.
+/// An image file whose header has been read. Its voxels are read on demand.
 class ScanSource {
  public:
   virtual ~ScanSource() = default;
   [[nodiscard]] virtual const ScanGeometry& geometry() const = 0;
-  /// What it is, for the report: "NRRD, int16".
+  /// Format and pixel type for the report: "NRRD, int16".
   [[nodiscard]] virtual std::string description() const = 0;
   [[nodiscard]] virtual bool is_unsigned() const = 0;
   /// The values of the voxels in `box`, which lies inside the image. Throws InputError: truncated, damaged.
   [[nodiscard]] virtual Scan read(const IndexBox& box) const = 0;
 };
 
-/// A label map on disk: an image whose voxels may hold several numbers each, its layers.
+/// A label map file. Its voxels may have several values, the layers.
 class LabelSource : public ScanSource {
  public:
   [[nodiscard]] virtual int layers() const = 0;
   [[nodiscard]] virtual bool has_whole_numbers() const = 0;
-  /// As read(), of one layer.
+  /// As read(), for one layer.
   [[nodiscard]] virtual Scan read_layer(const IndexBox& box, int layer) const = 0;
-  /// What the file says by key, as NRRD does: "Segment0_Name" and the like.
+  /// Key-value metadata of an NRRD, such as "Segment0_Name".
   [[nodiscard]] virtual std::map<std::string, std::string> metadata() const = 0;
 };
 
-/// Which DICOM series of a folder to read.
+/// Selects a DICOM series of a folder.
 struct DicomChoice {
-  std::string series;  ///< UID, or number in the list of series from 1; empty: the largest
+  std::string series;  ///< UID, or number in the list of series, from 1; empty: the largest
   bool any_modality = false;
 };
 
 /// Opens a DICOM folder, NRRD, NIfTI or MetaImage. `key` is the scenario key of `path`, for messages.
-/// Throws InputError: no such file, none of these formats, not a volume of single numbers, larger than this machine can
-/// hold, or shorter than its header claims; of DICOM see choose_series() and stack_slices().
+/// Throws InputError: no such file, none of these formats, not a volume of single numbers, larger than the memory, or
+/// shorter than its header claims; for DICOM see choose_series() and stack_slices().
 std::unique_ptr<ScanSource> open_scan(const std::string& path, const std::string& key, const DicomChoice& choice,
                                       Report& report);
 

@@ -4,29 +4,17 @@
 #include <cmath>
 
 #include "sim/base/error.h"
-#include "sim/bone/ct/refine_mask.h"
 #include "sim/bone/ct/words.h"
 
 namespace reamsim::ct {
 
 namespace {
 
-/// Magnitude of the field for a voxel that is exactly at the threshold, so that its sign still counts.
-constexpr float kLeastField_hu = 1;
-/// Width of the Gaussian on a label map: takes the stairs off, and leaves a plate one voxel thick in place.
+/// Width of the Gaussian on a label map: it smooths the voxel steps and keeps a plate of one voxel.
 constexpr double kLabelSmoothing_voxels = 0.6;
 
 std::int64_t count(const Mask& mask) {
   return std::count(mask.begin(), mask.end(), std::uint8_t{1});
-}
-
-template <typename Visit>
-void for_each_voxel(const Lattice& lattice, Visit visit) {
-  for (int k = 0; k < lattice.dims.z(); ++k) {
-    for (int j = 0; j < lattice.dims.y(); ++j) {
-      for (int i = 0; i < lattice.dims.x(); ++i) visit(Vec3i(i, j, k), lattice.index(i, j, k));
-    }
-  }
 }
 
 Mask above_threshold(const AlignedImage& hu, const CtSettings& settings, Report& report) {
@@ -47,19 +35,19 @@ Mask above_threshold(const AlignedImage& hu, const CtSettings& settings, Report&
   return mask;
 }
 
-/// Takes the cuts out of the mask; returns how many voxels went.
+/// Removes the cuts from the mask; returns the number of removed voxels.
 std::int64_t apply_cuts(Mask& mask, const Lattice& lattice, const CtSettings& settings) {
   if (settings.cut_spheres.empty() && settings.cut_planes.empty()) return 0;
   std::int64_t removed = 0;
-  for_each_voxel(lattice, [&](const Vec3i& c, std::size_t at) {
-    if (!mask[at] || !is_cut_away(settings, lattice.center_mm(c.x(), c.y(), c.z()))) return;
+  lattice.for_each([&](const Vec3i& c, std::size_t at) {
+    if (!mask[at] || !is_cut_away(settings, lattice.center_mm(c))) return;
     mask[at] = 0;
     ++removed;
   });
   return removed;
 }
 
-/// A piece by itself: closed and filled on a box round it, which leaves room for the closing.
+/// A closed and filled piece, on a box around it with a margin for the closing.
 struct SolidPiece {
   Vec3i start = Vec3i::Zero();
   Lattice lattice;
@@ -70,7 +58,7 @@ struct SolidPiece {
 
   [[nodiscard]] bool contains(const Vec3i& voxel) const {
     const Vec3i c = voxel - start;
-    return lattice.contains(c) && mask[lattice.index(c.x(), c.y(), c.z())];
+    return lattice.contains(c) && mask[lattice.index(c)];
   }
 };
 
@@ -80,11 +68,10 @@ SolidPiece solidify(const Pieces& pieces, const Piece& piece, const Lattice& lat
   const Vec3i room = (settings.closing_mm * lattice.spacing_mm.cwiseInverse()).array().ceil().cast<int>() + 2;
   out.start = (piece.min - room).cwiseMax(0);
   const Vec3i end = (piece.max + room + Vec3i::Ones()).cwiseMin(lattice.dims);
-  out.lattice = {end - out.start, lattice.spacing_mm, lattice.center_mm(out.start.x(), out.start.y(), out.start.z())};
+  out.lattice = {end - out.start, lattice.spacing_mm, lattice.center_mm(out.start)};
   out.mask.resize(static_cast<std::size_t>(out.lattice.size()));
-  for_each_voxel(out.lattice, [&](const Vec3i& c, std::size_t at) {
-    const Vec3i from = c + out.start;
-    out.mask[at] = pieces.label[lattice.index(from.x(), from.y(), from.z())] == piece.label;
+  out.lattice.for_each([&](const Vec3i& c, std::size_t at) {
+    out.mask[at] = pieces.label[lattice.index(c + out.start)] == piece.label;
   });
   close_mask(out.mask, out.lattice, settings.closing_mm);
   apply_cuts(out.mask, out.lattice, settings);
@@ -93,7 +80,7 @@ SolidPiece solidify(const Pieces& pieces, const Piece& piece, const Lattice& lat
   return out;
 }
 
-/// Whether a piece, closed and filled, may reach as far as a voxel.
+/// Whether the bounding box of a piece contains a voxel.
 bool may_contain(const Piece& piece, const Vec3i& voxel) {
   return (voxel.array() >= piece.min.array()).all() && (voxel.array() <= piece.max.array()).all();
 }
@@ -107,33 +94,26 @@ SolidPiece choose_piece(const Pieces& pieces, const AlignedImage& hu, const CtSe
                      point_words(*settings.seed_mm) + " lies outside the image or crop",
                      "expected a point in " + box_words(lattice.bounds_mm()));
   }
-  for (const Piece& piece : pieces.list) {  // the largest first
+  for (const Piece& piece : pieces.list) {  // the largest is first
     if (!may_contain(piece, seed)) continue;
     SolidPiece solid = solidify(pieces, piece, lattice, settings);
     if (solid.contains(seed)) return solid;
   }
-  const float there = hu.value[lattice.index(seed.x(), seed.y(), seed.z())];
+  const float there = hu.value[lattice.index(seed)];
   throw InputError({settings.path}, "bone.ct.seed_mm",
                    point_words(*settings.seed_mm) + " lies outside bone: " + words("%.0f", there) +
                        " HU there, and no piece above " + words("%.0f", settings.threshold_hu) + " HU encloses it",
                    "give a point inside the bone to be kept, LPS, mm");
 }
 
-/// Bone that a cut took and that touches what is kept. It stays in the field, since the cut itself, applied again after
-/// resampling, makes the exact face; without it the face would be a stair of image voxels.
-Mask cut_rim(const Mask& kept, const Mask& before_cuts, const Mask& after_cuts, const Lattice& lattice) {
-  Mask rim(kept.size(), 0);
-  for_each_voxel(lattice, [&](const Vec3i& c, std::size_t at) {
-    if (!before_cuts[at] || after_cuts[at]) return;
-    const Vec3i low = (c - Vec3i::Ones()).cwiseMax(0);
-    const Vec3i high = (c + Vec3i::Ones()).cwiseMin(lattice.dims - Vec3i::Ones());
-    for (int k = low.z(); k <= high.z(); ++k) {
-      for (int j = low.y(); j <= high.y(); ++j) {
-        for (int i = low.x(); i <= high.x(); ++i) rim[at] |= kept[lattice.index(i, j, k)];
-      }
-    }
-  });
-  return rim;
+/// Adds the cut bone that touches the kept bone. The cut is applied again after resampling and makes the exact face;
+/// without this margin the face would consist of steps of image voxels.
+Mask with_cut_margin(const Mask& kept, const Mask& before_cuts, const Mask& after_cuts, const Lattice& lattice) {
+  Mask out = dilated(kept, lattice, Vec3i::Ones());
+  for (std::size_t at = 0; at < out.size(); ++at) {
+    out[at] = kept[at] || (out[at] && before_cuts[at] && !after_cuts[at]) ? 1 : 0;
+  }
+  return out;
 }
 
 void note_pieces(const Pieces& pieces, const SolidPiece& solid, const CtSettings& settings, const Lattice& lattice,
@@ -165,9 +145,9 @@ Segmentation facts_of(const Pieces& pieces, const SolidPiece& solid, std::int64_
   return out;
 }
 
-/// Without a seed nobody said which bone is meant.
-void warn_of_second(const Segmentation& facts, Report& report) {
-  constexpr double kAnotherBone = 0.05;  // smaller pieces are noise, calcifications, ribs' ends
+/// Without a seed the choice of the largest piece may be wrong.
+void warn_of_second_piece(const Segmentation& facts, Report& report) {
+  constexpr double kAnotherBone = 0.05;  // smaller pieces are noise, calcifications or parts of ribs
   if (facts.by_seed || facts.second_mm3 < kAnotherBone * facts.largest_mm3) return;
   report.warn(
       words("bone.ct.seed_mm is missing: the largest piece is kept, %.0f mm3. The second largest has %.0f mm3 and may "
@@ -175,7 +155,7 @@ void warn_of_second(const Segmentation& facts, Report& report) {
             facts.largest_mm3, facts.second_mm3));
 }
 
-/// The sums of `facts` that every way of segmentation has.
+/// The sums that all methods of segmentation have.
 void finish_facts(BoneField& bone, const Lattice& lattice, double threshold_hu) {
   bone.facts.threshold_hu = threshold_hu;
   bone.facts.bone_mm3 = static_cast<double>(bone.voxels) * lattice.voxel_mm3();
@@ -183,11 +163,11 @@ void finish_facts(BoneField& bone, const Lattice& lattice, double threshold_hu) 
       bone.voxels > 0 ? static_cast<double>(bone.inside_below) / static_cast<double>(bone.voxels) : 0;
 }
 
-/// Counts and bounds of the bone, and the trabecular part of it.
+/// Number of bone voxels, their bounds, and the trabecular ones among them.
 void measure(BoneField& bone, const Mask& mask, const AlignedImage& hu, double threshold_hu) {
   bone.min = hu.lattice.dims;
   bone.max = Vec3i::Constant(-1);
-  for_each_voxel(hu.lattice, [&](const Vec3i& c, std::size_t at) {
+  hu.lattice.for_each([&](const Vec3i& c, std::size_t at) {
     if (!mask[at]) return;
     ++bone.voxels;
     if (static_cast<double>(hu.value[at]) < threshold_hu) ++bone.inside_below;
@@ -211,13 +191,13 @@ bool is_cut_away(const CtSettings& settings, const Vec3& point_mm) {
 BoneField segment_by_threshold(const AlignedImage& hu, const CtSettings& settings, Report& report) {
   const Lattice& lattice = hu.lattice;
   const Mask dense = above_threshold(hu, settings, report);
-  Mask parted = dense;
-  const std::int64_t removed = apply_cuts(parted, lattice, settings);
+  Mask after_cuts = dense;
+  const std::int64_t removed = apply_cuts(after_cuts, lattice, settings);
   if (removed > 0) {
     report.note("cuts removed " + std::to_string(removed) + " voxels above the threshold, " +
                 words("%.0f", static_cast<double>(removed) * lattice.voxel_mm3()) + " mm3");
   }
-  const Pieces pieces = connected_pieces(parted, lattice);
+  const Pieces pieces = connected_pieces(after_cuts, lattice);
   if (pieces.list.empty()) {
     throw InputError({settings.path}, "bone.ct.cut_spheres, bone.ct.cut_planes", "the cuts remove all bone in the crop",
                      "a plane removes the side to which its normal points");
@@ -226,35 +206,26 @@ BoneField segment_by_threshold(const AlignedImage& hu, const CtSettings& setting
   note_pieces(pieces, solid, settings, lattice, report);
 
   Mask kept(hu.value.size(), 0);
-  for_each_voxel(solid.lattice, [&](const Vec3i& c, std::size_t at) {
-    const Vec3i to = c + solid.start;
-    kept[lattice.index(to.x(), to.y(), to.z())] = solid.mask[at];
-  });
+  solid.lattice.for_each(
+      [&](const Vec3i& c, std::size_t at) { kept[lattice.index(c + solid.start)] = solid.mask[at]; });
   BoneField bone;
   bone.facts = facts_of(pieces, solid, removed, settings, lattice);
-  warn_of_second(bone.facts, report);
+  warn_of_second_piece(bone.facts, report);
   measure(bone, kept, hu, settings.threshold_hu);
   finish_facts(bone, lattice, settings.threshold_hu);
-  const Mask rim = cut_rim(kept, dense, parted, lattice);
   bone.field.lattice = lattice;
-  bone.field.value.resize(hu.value.size());
-  for (std::size_t at = 0; at < kept.size(); ++at) {
-    const float size = std::max(std::abs(hu.value[at] - static_cast<float>(settings.threshold_hu)), kLeastField_hu);
-    bone.field.value[at] = kept[at] || rim[at] ? size : -size;
-  }
+  bone.field.value = signed_field(hu, settings.threshold_hu, with_cut_margin(kept, dense, after_cuts, lattice));
   return bone;
 }
 
 BoneField segment_by_label(LabelImages labels, const AlignedImage& hu, const CtSettings& settings, Report& report) {
   const LabelMapSettings& map = *settings.label_map;
-  AlignedImage& share = labels.share;
-  gaussian_filter(share, kLabelSmoothing_voxels);
-  for (float& value : share.value) value -= 0.5F;
-  if (map.refine_mm > 0) refine_to_isosurface(share, labels.other, hu, map.refine_hu, map.refine_mm, report);
-  Mask mask(share.value.size());
-  std::transform(share.value.begin(), share.value.end(), mask.begin(), [](float value) { return value > 0 ? 1 : 0; });
+  AlignedImage& selected = labels.selected;
+  gaussian_filter(selected, kLabelSmoothing_voxels);
+  for (float& value : selected.value) value -= 0.5F;
+  if (map.refine_mm > 0) refine_to_isosurface(selected, labels.other, hu, map.refine_hu, map.refine_mm, report);
   BoneField bone;
-  measure(bone, mask, hu, settings.threshold_hu);
+  measure(bone, positive_voxels(selected), hu, settings.threshold_hu);
   if (bone.voxels == 0) {
     throw InputError({map.path}, "bone.ct.label_map.label",
                      "label " + words_of_labels(map.label) + " is thinner than a voxel everywhere in the crop",
@@ -264,7 +235,7 @@ BoneField segment_by_label(LabelImages labels, const AlignedImage& hu, const CtS
   finish_facts(bone, hu.lattice, settings.threshold_hu);
   report.note("label " + words_of_labels(map.label) + ": " + std::to_string(bone.voxels) + " voxels, " +
               words("%.0f", static_cast<double>(bone.voxels) * hu.lattice.voxel_mm3()) + " mm3");
-  bone.field = std::move(share);
+  bone.field = std::move(selected);
   return bone;
 }
 

@@ -8,28 +8,28 @@
 
 namespace reamsim {
 
-/// A plane of a CT scan along two of its axes, as a radiologist looks at it: rows from the top, columns from the left.
+/// A plane of a CT scan in the radiological convention: rows from the top, columns from the left.
 struct ScanPlane {
   std::string name;  ///< axial | coronal | sagittal
   int columns = 0;
   int rows = 0;
   Vec2 spacing_mm = Vec2::Ones();        ///< of columns and of rows
-  Vec2 through = Vec2::Zero();           ///< column and row of the point that the three planes share
+  Vec2 through = Vec2::Zero();           ///< column and row of the common point of the three planes
   std::string left, right, top, bottom;  ///< anatomical directions: R, L, A, P, S, I
   std::vector<float> hu;                 ///< row by row
-  std::vector<float> field;              ///< above 0 in the bone; its zero is the bone's outline
+  std::vector<float> field;              ///< above 0 in the bone, 0 at its outline
 
   [[nodiscard]] std::size_t at(int column, int row) const {
     return static_cast<std::size_t>(column) + static_cast<std::size_t>(row) * static_cast<std::size_t>(columns);
   }
 };
 
-/// What separated the bone from the rest of a CT scan. Volumes are of whole image voxels, mm³.
+/// Figures of the segmentation of a CT scan. Volumes are of whole image voxels, mm³.
 struct Segmentation {
   std::string method;  ///< threshold | label_map
   double threshold_hu = 0;
   std::int64_t pieces = 0;     ///< connected pieces above the threshold, after the cuts
-  bool by_seed = false;        ///< the piece with the seed was kept; else the largest
+  bool by_seed = false;        ///< the piece with the seed was kept, not the largest
   std::int64_t kept_rank = 0;  ///< of the kept piece by size: 1 is the largest
   double kept_piece_mm3 = 0;   ///< the kept piece before closing and filling
   double largest_mm3 = 0;
@@ -38,15 +38,15 @@ struct Segmentation {
   double cut_mm3 = 0;                     ///< bone above the threshold that cut spheres and planes removed
   double closed_mm3 = 0;                  ///< added by closing
   double filled_mm3 = 0;                  ///< added by filling holes
-  double bone_mm3 = 0;                    ///< the bone at the end
+  double bone_mm3 = 0;                    ///< the resulting bone
   double below_threshold_fraction = 0;    ///< of the bone's volume
-  double lower_bound_fraction = 0;        ///< of the boundary voxels: the density there is a lower bound
+  double lower_bound_fraction = 0;        ///< of the boundary voxels: those whose density is a lower bound
   double noise_hu = 0;                    ///< standard deviation between neighbouring voxels inside the bone
-  Vec3 planes_through_mm = Vec3::Zero();  ///< B: the seed, else the glenoid's centre, else the bone's middle
+  Vec3 planes_through_mm = Vec3::Zero();  ///< B: the seed, else the centre of the glenoid, else of the bone
   std::vector<ScanPlane> planes;
 };
 
-/// In one sentence, for the console.
+/// One sentence for the console.
 std::string sentence_of(const Segmentation& segmentation);
 
 }  // namespace reamsim

@@ -9,16 +9,16 @@
 #include "sim/bone/ct/resample.h"
 #include "sim/bone/ct/scan.h"
 #include "sim/bone/ct/words.h"
-#include "sim/bone/voxmap/surface_share.h"
-#include "sim/bone/voxmap/surface_voxels.h"
+#include "sim/bone/voxmap/cube_fraction.h"
+#include "sim/bone/voxmap/sample_voxels.h"
 
 namespace reamsim::ct {
 
 namespace {
 
-/// Air round the bone, so that its surface is closed within the lattice.
+/// Air around the bone, so that its surface is closed within the lattice.
 constexpr int kMarginVoxels = 4;
-/// Between image voxels the field can be above 0 as far as the next voxel, and two where a cut passes.
+/// The field can be above 0 up to the next image voxel outside the bone, and up to the second where a cut passes.
 constexpr int kFieldReach = 2;
 
 struct HuStatistics {
@@ -39,7 +39,7 @@ VoxelGrid grid_of(const Lattice& image, const BoneField& bone, const BoneSetting
   const std::string& path = settings.ct.path;
   const Vec3i reach = Vec3i::Constant(kFieldReach);
   try {
-    const VoxelGrid grid = grid_round(image, bone.min - reach, bone.max + reach, settings.voxel_mm, kMarginVoxels);
+    const VoxelGrid grid = grid_around(image, bone.min - reach, bone.max + reach, settings.voxel_mm, kMarginVoxels);
     check_fits_in_memory(grid.dims.cast<double>().prod(), sizeof(std::uint8_t), path, "bone.voxel_mm");
     return grid;
   } catch (const std::length_error&) {
@@ -47,56 +47,54 @@ VoxelGrid grid_of(const Lattice& image, const BoneField& bone, const BoneSetting
   }
 }
 
-/// Whether a point may be bone at all: in the image, and where no cut took it. A label map knows no cuts.
+/// Whether a point lies in the image and outside the cuts. Cuts do not apply to a label map.
 bool may_be_bone(const CtSettings& settings, const Aabb& image, const Vec3& point_mm) {
   const bool in_image = (point_mm.array() >= image.min.array()).all() && (point_mm.array() <= image.max.array()).all();
   return in_image && (settings.label_map || !is_cut_away(settings, point_mm));
 }
 
-/// Part of a voxel that the cuts and the image's end leave.
-double share_left(const CtSettings& settings, const Aabb& image, const Vec3& center_mm, double voxel_mm) {
-  const Vec3 half = Vec3::Constant(voxel_mm / 2);
-  const Vec3 common = (center_mm + half).cwiseMin(image.max) - (center_mm - half).cwiseMax(image.min);
-  double left = (common.cwiseMax(0) / voxel_mm).prod();
-  if (settings.label_map) return left;
+/// The fraction of a voxel within the image and outside the cuts.
+double remaining_fraction(const CtSettings& settings, const Aabb& image, const Vec3& center_mm, double voxel_mm) {
+  double fraction = fraction_in_box(image, center_mm, voxel_mm);
+  if (settings.label_map) return fraction;
   for (const CutSphereSettings& sphere : settings.cut_spheres) {
     const auto distance = [&](const Vec3& point) { return (point - sphere.center_mm).norm() - sphere.radius_mm; };
-    left *= 1 - share_inside(distance, center_mm, voxel_mm);
+    fraction *= 1 - fraction_inside(distance, center_mm, voxel_mm);
   }
   for (const CutPlaneSettings& plane : settings.cut_planes) {
-    left *=
-        share_inside([&](const Vec3& point) { return plane.normal.dot(point - plane.point_mm); }, center_mm, voxel_mm);
+    fraction *= fraction_inside([&](const Vec3& point) { return plane.normal.dot(point - plane.point_mm); }, center_mm,
+                                voxel_mm);
   }
-  return left;
+  return fraction;
 }
 
 std::uint8_t grade_from_hu(double hu, const DensityMapping& mapping) {
   return DensityMapping::grade_from_density(mapping.density_from_hu(hu));
 }
 
-/// Halvings of a voxel until its parts are no larger than the image's voxels.
+/// Number of halvings of a voxel until its parts are no larger than the voxels of the image.
 int halvings(const Lattice& image, double voxel_mm) {
   constexpr double kRoundingOfLog = 1e-6;
-  constexpr int kMost = 3;
+  constexpr int kMax = 3;
   const double ratio = voxel_mm / image.spacing_mm.minCoeff();
-  return std::clamp(static_cast<int>(std::ceil(std::log2(ratio) - kRoundingOfLog)), 0, kMost);
+  return std::clamp(static_cast<int>(std::ceil(std::log2(ratio) - kRoundingOfLog)), 0, kMax);
 }
 
-/// Fill by the field's zero, between the image's values; grades by the image, which holds the bone's own radiodensity
-/// on both sides of the boundary.
-void part_surface(const BoneField& bone, const SliceResampler& hu, const CtSettings& settings, const Aabb& image,
-                  FilledVoxmap& voxmap) {
+/// The fill follows from the zero of the field. The grade follows from the image, whose values were corrected on both
+/// sides of the boundary.
+void set_fill_at_surface(const BoneField& bone, const SliceResampler& hu, const CtSettings& settings, const Aabb& image,
+                         FilledVoxmap& voxmap) {
   const VoxelGrid& grid = voxmap.grid;
   const int splits = halvings(bone.field.lattice, grid.voxel_mm);
   const NegatedField outside(bone.field);
   const auto sample = [&](const Vec3i& voxel, std::uint8_t grade) -> SurfaceVoxel {
-    const Vec3 center = grid.center_mm(voxel.x(), voxel.y(), voxel.z());
-    const double part = share_inside(outside, center, grid.voxel_mm, splits);
+    const Vec3 center = grid.center_mm(voxel);
+    const double part = fraction_inside(outside, center, grid.voxel_mm, splits);
     if (part == 0) return {0, grade};
-    return {part * share_left(settings, image, center, grid.voxel_mm),
+    return {part * remaining_fraction(settings, image, center, grid.voxel_mm),
             grade != 0 ? grade : grade_from_hu(hu.at(voxel), voxmap.mapping)};
   };
-  part_surface_voxels(sample, voxmap);
+  set_partial_fill(sample, voxmap);
 }
 
 void note_voxmap(const FilledVoxmap& voxmap, const HuStatistics& hu, Report& report) {
@@ -125,19 +123,18 @@ FilledVoxmap voxelize(const AlignedImage& hu, const BoneField& bone, const BoneS
   HuStatistics stats;
   for (int k = 0; k < grid.dims.z(); ++k) {
     const std::vector<double>& slice = resampled.slice(k);
-    for (int j = 0; j < grid.dims.y(); ++j) {
-      for (int i = 0; i < grid.dims.x(); ++i) {
-        if (!in_bone(i, j, k) || !may_be_bone(settings.ct, image, grid.center_mm(i, j, k))) continue;
-        const double value = slice[static_cast<std::size_t>(i + std::int64_t{grid.dims.x()} * j)];
-        voxmap.grade.set({i, j, k}, grade_from_hu(value, voxmap.mapping));
-        stats.add(value);
-      }
-    }
+    for_each_voxel({0, 0, k}, {grid.dims.x() - 1, grid.dims.y() - 1, k}, [&](const Vec3i& voxel) {
+      if (!in_bone(voxel) || !may_be_bone(settings.ct, image, grid.center_mm(voxel))) return;
+      const double value = slice[index_in(grid.dims, {voxel.x(), voxel.y(), 0})];
+      voxmap.grade.set(voxel, grade_from_hu(value, voxmap.mapping));
+      stats.add(value);
+    });
   }
   if (stats.voxels == 0) {
     throw InputError({settings.ct.path}, "bone.voxel_mm", "no bone remains at this voxel size", "use smaller voxels");
   }
-  if (settings.surface_voxels == SurfaceVoxels::partial) part_surface(bone, resampled, settings.ct, image, voxmap);
+  if (settings.surface_voxels == SurfaceVoxels::partial)
+    set_fill_at_surface(bone, resampled, settings.ct, image, voxmap);
   note_voxmap(voxmap, stats, report);
   return voxmap;
 }

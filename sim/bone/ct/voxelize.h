@@ -8,12 +8,11 @@
 
 namespace reamsim::ct {
 
-/// How far from the bone resampling to voxels of `voxel_mm` reads, image voxels.
+/// Distance from the bone at which resampling to voxels of `voxel_mm` reads values, image voxels.
 int resampling_reach(const Lattice& image, double voxel_mm);
 
-/// Resamples HU and bone to voxels of `settings.voxel_mm`, with air all round in whole bricks, and maps HU to density
-/// to grade inside the bone. Throws InputError: too many voxels for this machine, or voxels so large that no bone is
-/// left.
+/// Resamples HU and bone to voxels of `settings.voxel_mm`, with a margin of air in whole bricks, and maps HU to grades.
+/// Throws InputError: too many voxels for this machine, or voxels so large that no bone remains.
 FilledVoxmap voxelize(const AlignedImage& hu, const BoneField& bone, const BoneSettings& settings, Report& report);
 
 }  // namespace reamsim::ct

@@ -7,7 +7,7 @@
 
 namespace reamsim::ct {
 
-/// printf into a string, at most 255 characters: for numbers in messages, not for paths.
+/// printf into a string of at most 255 characters: for numbers in messages, not for paths.
 template <typename... Values>
 std::string words(const char* format, Values... values) {
   char buffer[256];

@@ -11,7 +11,7 @@
 
 namespace reamsim {
 
-/// Which voxels went when: (voxel index, frame), unordered.
+/// Removed voxels and the frames of their removal: (voxel index, frame), unordered.
 using RemovedFrames = std::vector<std::pair<std::int64_t, std::int32_t>>;
 
 /// Text metadata: (name, value).
@@ -22,11 +22,11 @@ using Metadata = std::vector<std::pair<std::string, std::string>>;
 void write_bone_vdb(const std::string& path, const BoneView& bone, const RemovedFrames& removed,
                     const Metadata& metadata);
 
-/// What a VDB says of the bone's anatomy, in B.
+/// The anatomy in the metadata of a VDB, in B.
 struct StoredAnatomy {
   std::optional<GlenoidFrame> glenoid;
   std::optional<LandmarkSettings> landmarks;
-  BodySide side = BodySide::unknown;  ///< left | right | "" where it is not known
+  BodySide side = BodySide::unknown;
 };
 
 /// The same as text metadata, for write_bone_vdb(): `bone_side`, `bone_from_glenoid`, `scapula_landmarks_mm`.
@@ -35,15 +35,13 @@ Metadata metadata_of(const StoredAnatomy& anatomy);
 struct StoredBone {
   FilledVoxmap voxmap;
   StoredAnatomy anatomy;
-  std::string erosion;  ///< of the run that wrote it; "" where it does not say
+  std::string erosion;  ///< of the run that wrote it; "" if unknown
 };
 
-/// Reads `density`, `fill` and what the metadata say back. Throws as read_bone_vdb(), and InputError for an anatomy
-/// that is damaged.
+/// Reads `density`, `fill` and the metadata. Throws as read_bone_vdb(), and InputError for invalid metadata.
 StoredBone read_stored_bone(const std::string& path);
 
-/// Reads `density` and `fill` back. Throws InputError: no such file, truncated, no such grid, not isotropic, absurdly
-/// large.
+/// Reads `density` and `fill`. Throws InputError: no such file, truncated, no such grid, not isotropic, absurdly large.
 FilledVoxmap read_bone_vdb(const std::string& path);
 
 }  // namespace reamsim

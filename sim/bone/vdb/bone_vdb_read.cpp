@@ -6,8 +6,7 @@
 
 #include "sim/base/error.h"
 #include "sim/bone/vdb/bone_vdb.h"
-#include "sim/bone/vdb/bone_vdb_keys.h"
-#include "sim/bone/vdb/stored_anatomy.h"
+#include "sim/bone/vdb/bone_vdb_metadata.h"
 #include "sim/bone/vdb/vdb_archive.h"
 #include "sim/bone/voxmap/lattice.h"
 
@@ -25,7 +24,7 @@ std::optional<T> value_of(const openvdb::FloatGrid& grid, const char* name) {
   return entry ? std::optional<T>(entry->value()) : std::nullopt;
 }
 
-/// Edge length of a voxel, mm; InputError unless index axes are bone axes and voxels are cubes.
+/// Edge length of a voxel, mm. Throws InputError unless voxels are cubes along the axes.
 double checked_voxel(const std::string& path, const openvdb::FloatGrid& grid) {
   const std::string expected = "expected cubic voxels along the axes (a uniform scale and a translation)";
   if (!grid.transform().isLinear()) fail_reading(path, "a grid with a perspective transform", expected);
@@ -45,58 +44,49 @@ double checked_voxel(const std::string& path, const openvdb::FloatGrid& grid) {
   return voxel_mm;
 }
 
-/// A lattice and the index that its voxel (0,0,0) has in the grids.
+/// A lattice and the grid coordinates of its voxel (0,0,0).
 struct Placement {
   VoxelGrid lattice;
   openvdb::Coord first;
 };
 
-/// The lattice that reamsim wrote into the metadata; nullopt for another program's grid.
+/// The lattice in the metadata; nullopt for a grid of another program.
 std::optional<Placement> lattice_from_metadata(const openvdb::FloatGrid& grid) {
   const auto dims = value_of<openvdb::Vec3i>(grid, vdb_keys::kDims);
   const auto origin = value_of<openvdb::Vec3d>(grid, vdb_keys::kOrigin);
   const auto voxel_mm = value_of<double>(grid, vdb_keys::kVoxel);
   if (!dims || !origin || !voxel_mm) return std::nullopt;
-  Placement out;
-  out.lattice.dims = {dims->x(), dims->y(), dims->z()};
-  out.lattice.origin_mm = {origin->x(), origin->y(), origin->z()};
-  out.lattice.voxel_mm = *voxel_mm;
-  return out;
+  return Placement{{{dims->x(), dims->y(), dims->z()}, *voxel_mm, {origin->x(), origin->y(), origin->z()}}, {}};
 }
 
 Placement lattice_from_voxels(const openvdb::FloatGrid& grid, const openvdb::CoordBBox& active, double voxel_mm) {
-  Placement out;
-  out.first = active.min();
   const openvdb::Coord size = active.dim();
-  out.lattice.dims = {size.x(), size.y(), size.z()};
-  out.lattice.voxel_mm = voxel_mm;
   const openvdb::Vec3d corner = grid.indexToWorld(active.min().asVec3d() - openvdb::Vec3d(0.5));
-  out.lattice.origin_mm = {corner.x(), corner.y(), corner.z()};
-  return out;
+  return {{{size.x(), size.y(), size.z()}, voxel_mm, {corner.x(), corner.y(), corner.z()}}, active.min()};
 }
 
-/// The most that bricks with bone can take of a lattice of `voxels`: a leaf may lie across eight bricks.
-double bone_share(const openvdb::FloatGrid& density, double voxels) {
-  constexpr double kAcross = 8;
+/// Upper bound of the fraction of a lattice of `voxels` in bricks with bone.
+double bone_fraction(const openvdb::FloatGrid& density, double voxels) {
+  constexpr double kAcross = 8;  // bricks that a leaf may overlap
   const double in_leaves = static_cast<double>(density.tree().leafCount()) * GradeBricks::kVoxels;
   const double in_tiles = static_cast<double>(density.activeVoxelCount());
   return std::min(1.0, (kAcross * in_leaves + in_tiles) / voxels);
 }
 
-/// Checked before anything of its size is allocated.
+/// Checks the size before anything is allocated.
 Placement checked_placement(const std::string& path, const openvdb::FloatGrid& density) {
   const double voxel_mm = checked_voxel(path, density);
   const openvdb::CoordBBox active = density.evalActiveVoxelBoundingBox();
   if (active.empty()) fail_reading(path, "a grid \"density\" without active voxels", "expected bone");
   Eigen::Array3d dims;
   for (int axis = 0; axis < 3; ++axis) dims[axis] = 1.0 + active.max()[axis] - 1.0 * active.min()[axis];
-  check_lattice(path, dims, voxel_mm, {.bone_share = bone_share(density, dims.prod())});
+  check_lattice(path, dims, voxel_mm, {.bone_fraction = bone_fraction(density, dims.prod())});
 
   const std::optional<Placement> written = lattice_from_metadata(density);
   if (!written) return lattice_from_voxels(density, active, voxel_mm);
   const VoxelGrid& lattice = written->lattice;
   const Eigen::Array3d size = lattice.dims.cast<double>().array();
-  check_lattice(path, size, voxel_mm, {.bone_share = bone_share(density, size.prod())});
+  check_lattice(path, size, voxel_mm, {.bone_fraction = bone_fraction(density, size.prod())});
   const openvdb::Vec3d corner = density.indexToWorld(openvdb::Vec3d(-0.5));
   const double shift_mm = (lattice.origin_mm - Vec3(corner.x(), corner.y(), corner.z())).norm();
   const openvdb::CoordBBox whole({0, 0, 0}, {lattice.dims.x() - 1, lattice.dims.y() - 1, lattice.dims.z() - 1});
@@ -139,7 +129,7 @@ void read_fill(const std::string& path, const openvdb::FloatGrid& fill, const op
   });
 }
 
-/// For messages and pictures: printable, short.
+/// The frame for messages and pictures; "unknown" unless it is short and printable.
 std::string frame_name(const openvdb::FloatGrid& density) {
   const std::string name = value_of<std::string>(density, vdb_keys::kFrame).value_or("unknown");
   const bool plain =
@@ -148,12 +138,11 @@ std::string frame_name(const openvdb::FloatGrid& density) {
 }
 
 DensityMapping mapping_of(const openvdb::FloatGrid& density) {
-  DensityMapping out;
   const auto slope = value_of<double>(density, vdb_keys::kAshSlope);
   const auto offset = value_of<double>(density, vdb_keys::kAshOffset);
   const auto fraction = value_of<double>(density, vdb_keys::kAshFraction);
-  if (slope && offset && fraction && *slope > 0 && *fraction > 0) out = {*slope, *offset, *fraction};
-  return out;
+  const bool valid = slope && offset && fraction && *slope > 0 && *fraction > 0;
+  return valid ? DensityMapping{*slope, *offset, *fraction} : DensityMapping{};
 }
 
 StoredAnatomy anatomy_of(const std::string& path, const openvdb::FloatGrid& density) {
@@ -163,7 +152,7 @@ StoredAnatomy anatomy_of(const std::string& path, const openvdb::FloatGrid& dens
           .side = checked_stored_side(path, text(vdb_keys::kSide))};
 }
 
-/// `stored`, where it is asked for, gets what the metadata say.
+/// Fills `stored`, if not null, from the metadata.
 FilledVoxmap read_voxmap(const std::string& path, StoredBone* stored) {
   VdbFile file(path);
   if (!file.has(vdb_keys::kDensity)) {

@@ -4,10 +4,9 @@
 
 #include "sim/base/error.h"
 #include "sim/bone/vdb/bone_vdb.h"
-#include "sim/bone/vdb/bone_vdb_keys.h"
+#include "sim/bone/vdb/bone_vdb_metadata.h"
 #include "sim/bone/vdb/surface_grid.h"
 #include "sim/bone/vdb/vdb_archive.h"
-#include "sim/bone/vdb/vdb_grid.h"
 
 namespace reamsim {
 
@@ -20,7 +19,7 @@ openvdb::Coord coord_of(const Vec3i& voxel) {
   return {voxel.x(), voxel.y(), voxel.z()};
 }
 
-/// Puts a leaf in its place; as a tile where it has one value throughout, as in most of a bone's inside.
+/// Adds a leaf to the tree, as a tile if it is constant, as most leaves inside a bone are.
 void put(std::unique_ptr<Leaf> leaf, openvdb::FloatTree& tree) {
   float all = 0;
   bool active = false;
@@ -31,8 +30,7 @@ void put(std::unique_ptr<Leaf> leaf, openvdb::FloatTree& tree) {
   }
 }
 
-/// A fog volume whose active voxels are those with grade ≠ 0, `value(grade, fill)` each. Bricks and leaves are the same
-/// blocks.
+/// A fog volume of `value(grade, fill)` at the voxels with grade ≠ 0. Bricks and leaves are the same blocks.
 template <class Value>
 openvdb::FloatGrid::Ptr fog(const BoneView& bone, const Value& value) {
   auto grid = make_float_grid(0.0F);
@@ -76,7 +74,7 @@ openvdb::MetaMap bone_metadata(const BoneView& bone, const Metadata& extra) {
     if (!name.empty()) out.insertMeta(name, openvdb::StringMetadata(value));
   }
   const auto set = [&out](const char* name, const openvdb::Metadata& value) {
-    out.removeMeta(name);  // whatever its type, ours is what the reader relies on
+    out.removeMeta(name);  // it may have another type
     out.insertMeta(name, value);
   };
   const VoxelGrid& grid = bone.voxmap.grid;
@@ -111,7 +109,7 @@ void write_bone_vdb(const std::string& path, const BoneView& bone, const Removed
   openvdb::initialize();
   try {
     const openvdb::MetaMap common = bone_metadata(bone, metadata);
-    const auto surface = surface_level_set(bone);  // first: it needs the most memory on the way
+    const auto surface = surface_level_set(bone);  // first, because it needs the most temporary memory
     openvdb::GridCPtrVec grids;
     const auto add = [&](const openvdb::FloatGrid::Ptr& grid, const char* name, const char* unit) {
       label(*grid, name, unit, common, bone);

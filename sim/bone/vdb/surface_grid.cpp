@@ -7,7 +7,7 @@
 #include <memory>
 
 #include "sim/base/parallel.h"
-#include "sim/bone/vdb/vdb_grid.h"
+#include "sim/bone/vdb/vdb_archive.h"
 
 namespace reamsim {
 
@@ -19,20 +19,17 @@ static_assert(Leaf::DIM == FillBricks::kSide);
 constexpr int kPadded = FillBricks::kSide + 2;
 constexpr float kHalfBand_voxels = 3.0F;
 
-/// The occupancy (0…65535) of a brick and of one voxel all round it.
+/// The occupancy (0…65535) of a brick and of a layer of one voxel around it.
 class PaddedBrick {
  public:
   PaddedBrick(const BoneView& bone, const Vec3i& brick) {
-    for (int z = -1; z <= 1; ++z) {
-      for (int y = -1; y <= 1; ++y) {
-        for (int x = -1; x <= 1; ++x) take_part(bone, brick, {x, y, z});
-      }
-    }
+    for_each_voxel(Vec3i::Constant(-1), Vec3i::Ones(),
+                   [&](const Vec3i& step) { copy_from_neighbour(bone, brick, step); });
   }
 
-  [[nodiscard]] bool empty() const { return !some_; }
-  [[nodiscard]] bool whole() const { return all_; }
-  /// Weights 1-2-1 along each axis: 64 in all.
+  [[nodiscard]] bool empty() const { return empty_; }
+  [[nodiscard]] bool whole() const { return whole_; }
+  /// Weights 1-2-1 along each axis; their sum is 64.
   [[nodiscard]] float smoothed(int x, int y, int z) const {
     int sum = 0;
     for (int dz = 0; dz < 3; ++dz) {
@@ -45,30 +42,24 @@ class PaddedBrick {
   }
 
  private:
-  /// Takes what this brick needs of its neighbour `step` bricks away: all, a face, an edge or a corner.
-  void take_part(const BoneView& bone, const Vec3i& brick, const Vec3i& step) {
-    const Vec3i from = step.unaryExpr([](int s) { return s < 0 ? -1 : s * FillBricks::kSide; });
-    const Vec3i to = step.unaryExpr([](int s) { return s < 0 ? 0 : FillBricks::kSide + s; });
+  /// Copies a face, an edge or a corner of the neighbour `step` bricks away, or the brick itself.
+  void copy_from_neighbour(const BoneView& bone, const Vec3i& brick, const Vec3i& step) {
+    const Vec3i first = step.unaryExpr([](int s) { return s < 0 ? -1 : s * FillBricks::kSide; });
+    const Vec3i last = step.unaryExpr([](int s) { return s < 0 ? -1 : FillBricks::kSide + s - 1; });
     const Vec3i coord = brick + step;
     const bool inside = BrickLattice{bone.voxmap.grade.brick_dims()}.contains(coord);
     const GradeBricks::Brick* grades = inside ? bone.voxmap.grade.brick(coord) : nullptr;
-    if (grades == nullptr) {
-      all_ = false;
-      return;
-    }
+    whole_ = whole_ && grades != nullptr;
+    if (grades == nullptr) return;
     const FillBricks::Brick* fill = bone.fill.brick(coord);
-    for (int z = from.z(); z < to.z(); ++z) {
-      for (int y = from.y(); y < to.y(); ++y) {
-        for (int x = from.x(); x < to.x(); ++x) {
-          const auto offset = static_cast<std::size_t>(BrickLattice::offset_of({x, y, z}));
-          const int left = fill == nullptr ? FillBricks::kWhole : (*fill)[offset];
-          const int value = (*grades)[offset] == 0 ? 0 : left;
-          at(x + 1, y + 1, z + 1) = value;
-          some_ = some_ || value != 0;
-          all_ = all_ && value == FillBricks::kWhole;
-        }
-      }
-    }
+    for_each_voxel(first, last, [&](const Vec3i& v) {
+      const auto offset = static_cast<std::size_t>(BrickLattice::offset_of(v));
+      const int remaining = fill == nullptr ? FillBricks::kWhole : (*fill)[offset];
+      const int value = (*grades)[offset] == 0 ? 0 : remaining;
+      at(v.x() + 1, v.y() + 1, v.z() + 1) = value;
+      empty_ = empty_ && value == 0;
+      whole_ = whole_ && value == FillBricks::kWhole;
+    });
   }
   [[nodiscard]] const int& at(int x, int y, int z) const {
     return values_[static_cast<std::size_t>(x + kPadded * (y + kPadded * z))];
@@ -76,16 +67,16 @@ class PaddedBrick {
   int& at(int x, int y, int z) { return values_[static_cast<std::size_t>(x + kPadded * (y + kPadded * z))]; }
 
   std::array<int, kPadded * kPadded * kPadded> values_{};
-  bool some_ = false;
-  bool all_ = true;
+  bool empty_ = true;
+  bool whole_ = true;
 };
 
 openvdb::Coord leaf_corner(const Vec3i& brick) {
   return {FillBricks::kSide * brick.x(), FillBricks::kSide * brick.y(), FillBricks::kSide * brick.z()};
 }
 
-/// The smoothed occupancy of one brick: a leaf, or one value all over, 0 or 1. No surface passes between a brick of one
-/// value and its neighbours: where their voxels meet, the smoothed occupancy lies less than a half from that value.
+/// The smoothed occupancy of one brick: a leaf, or a constant 0 or 1. No surface lies between a constant brick and its
+/// neighbours: at their common face the smoothed occupancy differs by less than a half from the constant.
 struct SmoothedBrick {
   float all = 0;
   std::unique_ptr<Leaf> leaf;
@@ -96,19 +87,15 @@ SmoothedBrick smoothed_brick(const BoneView& bone, const Vec3i& brick) {
   if (padded.empty()) return {};
   if (padded.whole()) return {1.0F, nullptr};
   auto leaf = std::make_unique<Leaf>(leaf_corner(brick), 0.0F, true);
-  for (int x = 0; x < FillBricks::kSide; ++x) {
-    for (int y = 0; y < FillBricks::kSide; ++y) {
-      for (int z = 0; z < FillBricks::kSide; ++z) {
-        leaf->setValueOnly(Leaf::coordToOffset({x, y, z}), padded.smoothed(x, y, z));
-      }
-    }
-  }
+  for_each_voxel(Vec3i::Constant(FillBricks::kSide), [&](const Vec3i& v) {
+    leaf->setValueOnly(Leaf::coordToOffset({v.x(), v.y(), v.z()}), padded.smoothed(v.x(), v.y(), v.z()));
+  });
   return {0, std::move(leaf)};
 }
 
 openvdb::FloatGrid::Ptr smoothed_occupancy(const BoneView& bone) {
   constexpr std::size_t kAtOnce = 1 << 16;
-  const std::vector<Vec3i> bricks = coords_around(bone.voxmap.grade);
+  const std::vector<Vec3i> bricks = bricks_near_bone(bone.voxmap.grade);
   auto grid = make_float_grid(0.0F);
   grid->setTransform(index_transform(bone.voxmap.grid));
   std::vector<SmoothedBrick> smoothed(std::min(kAtOnce, bricks.size()));
@@ -119,7 +106,7 @@ openvdb::FloatGrid::Ptr smoothed_occupancy(const BoneView& bone) {
       if (smoothed[i].leaf) {
         grid->tree().addLeaf(smoothed[i].leaf.release());
       } else if (smoothed[i].all != 0) {
-        // Not active: only the leaves are searched for the surface.
+        // Inactive: only the leaves are searched for the surface.
         grid->tree().addTile(1, leaf_corner(bricks[first + i]), smoothed[i].all, false);
       }
     }
@@ -131,7 +118,7 @@ openvdb::FloatGrid::Ptr smoothed_occupancy(const BoneView& bone) {
 
 openvdb::math::Transform::Ptr index_transform(const VoxelGrid& grid) {
   auto out = openvdb::math::Transform::createLinearTransform(grid.voxel_mm);
-  const Vec3 first = grid.center_mm(0, 0, 0);
+  const Vec3 first = grid.center_mm({0, 0, 0});
   out->postTranslate(openvdb::Vec3d(first.x(), first.y(), first.z()));
   return out;
 }

@@ -1,16 +1,23 @@
 #include "sim/bone/vdb/vdb_archive.h"
 
+#include <fcntl.h>
+#include <signal.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
 #include <zlib.h>
 
 #include <array>
+#include <chrono>
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <optional>
+#include <thread>
 
 #include "sim/base/error.h"
-#include "sim/bone/vdb/trial_run.h"
 
 namespace reamsim {
 
@@ -18,7 +25,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Metadata of a file that ends with a trailer. Names are written in order, so it stands near the beginning.
+/// Metadata of a file with a trailer. Names are written in alphabetical order, so it is near the beginning.
 constexpr const char* kTrailerKey = "_reamsim_trailer";
 constexpr const char* kTrailerValue = "CRC-32 of all bytes before it";
 constexpr std::size_t kKeySearchBytes = 1 << 16;
@@ -31,7 +38,7 @@ constexpr std::array<char, 8> kMagic{0x20, 0x42, 0x44, 0x56, 0, 0, 0, 0};
   throw InputError({path, 0, 0}, "", found, expected);
 }
 
-/// Opens up OpenVDB's archive for a stream whose state we can watch; its File ignores a full disk.
+/// Writes to a stream whose state can be checked. OpenVDB's own File ignores a full disk.
 class StreamArchive : public openvdb::io::Archive {
  public:
   void write_to(std::ostream& out, const openvdb::GridCPtrVec& grids, const openvdb::MetaMap& metadata) const {
@@ -39,7 +46,7 @@ class StreamArchive : public openvdb::io::Archive {
   }
 };
 
-/// CRC-32 of the first `bytes` bytes; nullopt when they cannot all be read.
+/// CRC-32 of the first `bytes` bytes; nullopt if they cannot be read.
 std::optional<uLong> checksum(std::istream& in, std::uintmax_t bytes) {
   uLong sum = crc32_z(0, nullptr, 0);
   std::vector<char> block(1 << 20);
@@ -58,7 +65,7 @@ std::string trailer(uLong sum) {
   return text;
 }
 
-/// Removes the file unless told that it is complete.
+/// Removes the file unless it was moved to its final path.
 class PartialFile {
  public:
   explicit PartialFile(std::string path) : path_(std::move(path)) {}
@@ -99,14 +106,14 @@ bool write_grids(const std::string& path, const openvdb::GridCPtrVec& grids, con
   if (!out) return false;
   try {
     StreamArchive().write_to(out, grids, metadata);
-  } catch (const std::exception&) {  // OpenVDB's own words say nothing about the file
+  } catch (const std::exception&) {
     return false;
   }
   out.close();
   return out.good();
 }
 
-/// OpenVDB would go on with a warning, and misread.
+/// OpenVDB only warns, and misreads the file.
 void check_version(const std::string& path, const std::string& start) {
   std::uint32_t version = 0;
   if (start.size() >= kMagic.size() + sizeof version) {
@@ -119,8 +126,8 @@ void check_version(const std::string& path, const std::string& start) {
        "expected " + std::to_string(kOldest) + " to " + std::to_string(kNewest) + ", or the file is damaged");
 }
 
-/// Refuses a file that cannot be read, is no VDB, or is ours and damaged. True when it is ours and whole; false for a
-/// file of another program, of which that cannot be known.
+/// Throws InputError for a file that cannot be read, is not a VDB, or has a wrong checksum. Returns whether it has a
+/// checksum; files of other programs do not.
 bool check_bytes(const std::string& path) {
   std::error_code error;
   const fs::file_status status = fs::status(path, error);
@@ -149,23 +156,72 @@ bool check_bytes(const std::string& path) {
   return true;
 }
 
-/// Reads all that is there, as VdbFile will.
+std::uint64_t address_space_bytes() {
+  std::uint64_t pages = 0;
+  std::ifstream("/proc/self/statm") >> pages;
+  return pages * static_cast<std::uint64_t>(sysconf(_SC_PAGE_SIZE));
+}
+
+void limit(__rlimit_resource resource, std::uint64_t bound) {
+  const rlimit both{bound, bound};
+  setrlimit(resource, &both);
+}
+
+[[noreturn]] void run_as_child(const std::function<void()>& work, std::uint64_t max_bytes, int seconds) {
+  limit(RLIMIT_AS, max_bytes);
+  limit(RLIMIT_CPU, static_cast<std::uint64_t>(seconds));
+  limit(RLIMIT_CORE, 0);
+  for (const int fatal : {SIGSEGV, SIGBUS, SIGFPE, SIGABRT, SIGILL, SIGXCPU}) signal(fatal, SIG_DFL);
+  const int null_device = open("/dev/null", O_WRONLY | O_CLOEXEC);
+  dup2(null_device, STDERR_FILENO);  // hides the messages of the library
+  try {
+    work();
+  } catch (...) {
+    _exit(1);
+  }
+  _exit(0);
+}
+
+/// The exit status of the child, which is killed after `seconds`.
+int wait_for(pid_t child, int seconds) {
+  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(seconds);
+  int status = 0;
+  while (waitpid(child, &status, WNOHANG) == 0) {
+    if (std::chrono::steady_clock::now() > end) kill(child, SIGKILL);
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  }
+  return status;
+}
+
+/// Whether `work` ends without an exception in a child process with bounded memory (`memory_bytes` beyond that of this
+/// process) and time. For libraries that damaged input can crash or trap in endless loops. `work` must start no
+/// threads. True as well if no child process can be created.
+bool succeeds_in_child(const std::function<void()>& work, std::uint64_t memory_bytes, int seconds) {
+  const std::uint64_t max_bytes = address_space_bytes() + memory_bytes;
+  const pid_t child = fork();
+  if (child < 0) return true;
+  if (child == 0) run_as_child(work, max_bytes, seconds);
+  const int status = wait_for(child, 4 * seconds);  // wall time of a busy machine
+  return WIFEXITED(status) && WEXITSTATUS(status) == 0;
+}
+
+/// Reads all grids, as VdbFile will.
 void read_everything(const std::string& path) {
   openvdb::io::File file(path);
   file.open(/*delayLoad=*/false);
   for (auto name = file.beginName(); name != file.endName(); ++name) file.readGrid(*name);
 }
 
-/// For a file without our checksum: tried by a child process first.
-void require_harmless(const std::string& path) {
-  constexpr std::uint64_t kLeastMemory = std::uint64_t{2} << 30;
-  constexpr std::uint64_t kMemoryPerFileByte = 200;  // constant regions pack by about that
+/// A file without checksum is first read by a child process.
+void check_in_child(const std::string& path) {
+  constexpr std::uint64_t kMinMemory = std::uint64_t{2} << 30;
+  constexpr std::uint64_t kMemoryPerFileByte = 200;  // about the compression of constant regions
   constexpr int kSeconds = 20;
   std::error_code error;
   const std::uintmax_t size = fs::file_size(path, error);
-  const std::uint64_t memory_bytes = kLeastMemory + (error ? 0 : kMemoryPerFileByte * size);
+  const std::uint64_t memory_bytes = kMinMemory + (error ? 0 : kMemoryPerFileByte * size);
   const int seconds = kSeconds + static_cast<int>(size >> 25);
-  if (!ends_well_in_child([&path] { read_everything(path); }, memory_bytes, seconds)) {
+  if (!succeeds_in_child([&path] { read_everything(path); }, memory_bytes, seconds)) {
     fail(path, "a truncated or damaged VDB file", "expected a complete file");
   }
 }
@@ -196,10 +252,10 @@ VdbFile::VdbFile(const std::string& path, VdbOrigin origin) : path_(path), file_
     if (origin == VdbOrigin::kReamsim) {
       fail(path, "a truncated or damaged VDB file (its checksum is missing)", "expected a complete file of reamsim's");
     }
-    require_harmless(path);
+    check_in_child(path);
   }
   try {
-    file_.open(/*delayLoad=*/false);  // a mapped file that shrinks would end the program
+    file_.open(/*delayLoad=*/false);  // a mapped file that is truncated later would crash the program
   } catch (const std::exception&) {
     fail(path, "a truncated or damaged VDB file", "expected a complete file");
   }
@@ -223,6 +279,14 @@ openvdb::FloatGrid::Ptr VdbFile::read(const std::string& grid) {
   auto out = openvdb::gridPtrCast<openvdb::FloatGrid>(any);
   if (!out) fail(path_, "a grid \"" + grid + "\" of type " + (any ? any->valueType() : "none"), "expected a FloatGrid");
   return out;
+}
+
+openvdb::FloatGrid::Ptr make_float_grid(float background) {
+  return openvdb::FloatGrid::create(background);
+}
+
+openvdb::BoolGrid::Ptr make_bool_grid(bool background) {
+  return openvdb::BoolGrid::create(background);
 }
 
 }  // namespace reamsim

@@ -6,22 +6,22 @@
 
 namespace reamsim {
 
-// Files of OpenVDB grids that cannot be damaged unseen. OpenVDB trusts every byte that it reads, so a damaged file may
-// crash it; ours therefore end with a checksum behind what OpenVDB reads, and say so in their metadata. Files of other
-// programs are read by a child process first.
+// Files of OpenVDB grids whose damage is detected. OpenVDB does not validate what it reads, so a damaged file may crash
+// it. Files of reamsim therefore end with a checksum after the data of OpenVDB, which their metadata announce. Files of
+// other programs are first read by a child process.
 
-/// Writes the grids and the file's metadata to PATH.tmp and puts it in PATH's place when it is complete. The bytes of
-/// the grids depend on nothing but their contents. Throws RunError when the file cannot be written.
+/// Writes the grids and the metadata of the file to PATH.tmp and renames it to PATH when it is complete. The bytes of
+/// the grids depend only on their contents. Throws RunError when the file cannot be written.
 void write_vdb_file(const std::string& path, const openvdb::GridCPtrVec& grids, const openvdb::MetaMap& metadata);
 
-/// Whether a file begins like those that write_vdb_file() writes, complete or not. Reads no further.
+/// Whether the beginning of a file is that of write_vdb_file(). Does not check the rest.
 bool is_vdb_of_reamsim(const std::string& path);
 
-/// Who may have written a file that is to be read.
+/// Which programs may have written a file.
 enum class VdbOrigin { kAnyProgram, kReamsim };
 
 /// A VDB file opened for reading. Throws InputError: no such file, a folder, not a VDB, truncated, damaged; with
-/// VdbOrigin::kReamsim also without our checksum, so that OpenVDB never meets bytes that nobody vouches for.
+/// VdbOrigin::kReamsim also without checksum.
 class VdbFile {
  public:
   explicit VdbFile(const std::string& path, VdbOrigin origin = VdbOrigin::kAnyProgram);
@@ -29,12 +29,17 @@ class VdbFile {
   [[nodiscard]] bool has(const std::string& grid) const { return file_.hasGrid(grid); }
   /// Names of all grids, for messages.
   [[nodiscard]] std::string grid_names() const;
-  /// Throws InputError when the grid is damaged or no FloatGrid.
+  /// Throws InputError when the grid is damaged or not a FloatGrid.
   openvdb::FloatGrid::Ptr read(const std::string& grid);
 
  private:
   std::string path_;
   openvdb::io::File file_;
 };
+
+// An empty grid with the identity as its transform. Defined in one file, because OpenVDB's create() adds half a minute
+// to the compilation of each file that calls it.
+openvdb::FloatGrid::Ptr make_float_grid(float background);
+openvdb::BoolGrid::Ptr make_bool_grid(bool background);
 
 }  // namespace reamsim

@@ -6,8 +6,8 @@
 
 namespace reamsim {
 
-/// The bricks (8×8×8 voxels) that cover a lattice of voxels; those at its upper borders may stick out of it. Brick
-/// (i,j,k) stands at i + nx·(j + ny·k).
+/// The bricks (8×8×8 voxels) that cover a lattice of voxels. Those at its upper borders may extend beyond it. Brick
+/// (i,j,k) has the index i + nx·(j + ny·k).
 struct BrickLattice {
   static constexpr int kSide = 8;
   static constexpr int kVoxels = kSide * kSide * kSide;
@@ -16,13 +16,12 @@ struct BrickLattice {
 
   static BrickLattice over(const Vec3i& voxels) { return {(voxels.array() + (kSide - 1)) / kSide}; }
 
-  /// The brick that holds a voxel (coordinates not negative).
+  /// The brick that contains a voxel. Rounds down for negative coordinates as well.
   static Vec3i brick_of(const Vec3i& voxel) { return {voxel.x() >> 3, voxel.y() >> 3, voxel.z() >> 3}; }
-  /// Voxel (x,y,z) of a brick stands at x + 8·(y + 8·z).
+  /// Voxel (x,y,z) of a brick has the offset x + 8·(y + 8·z).
   static int offset_of(const Vec3i& voxel) {
     return (voxel.x() & 7) + kSide * ((voxel.y() & 7) + kSide * (voxel.z() & 7));
   }
-  /// The voxel at an offset in a brick.
   static Vec3i voxel_at(const Vec3i& brick, int offset) {
     return kSide * brick + Vec3i(offset & 7, (offset >> 3) & 7, offset >> 6);
   }

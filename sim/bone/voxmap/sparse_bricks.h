@@ -10,8 +10,8 @@
 
 namespace reamsim {
 
-/// One value per voxel of a lattice, stored in bricks of 8×8×8 voxels. Bricks whose voxels all are `kAbsent` take no
-/// memory but their place in the table. Voxels beyond the lattice in the last bricks hold whatever is put there.
+/// One value per voxel of a lattice, stored in bricks of 8×8×8 voxels. A brick whose voxels are all `kAbsent` is not
+/// stored. The last bricks may extend beyond the lattice.
 template <class T, T kAbsent>
 class SparseBricks {
  public:
@@ -20,7 +20,7 @@ class SparseBricks {
   using Brick = std::array<T, kVoxels>;
 
   SparseBricks() = default;
-  /// All absent. `dims`: voxels along each axis.
+  /// All voxels are absent. `dims`: voxels along each axis.
   explicit SparseBricks(const Vec3i& dims) : lattice_(BrickLattice::over(dims)), slot_of_brick_(lattice_.count(), -1) {}
 
   [[nodiscard]] T get(const Vec3i& voxel) const {
@@ -28,7 +28,7 @@ class SparseBricks {
     return brick == nullptr ? kAbsent : (*brick)[static_cast<std::size_t>(BrickLattice::offset_of(voxel))];
   }
 
-  /// Returns whether the value is another than before.
+  /// Returns whether the value changed.
   bool set(const Vec3i& voxel, T value) {
     std::int32_t& slot = slot_of_brick_[lattice_.index(BrickLattice::brick_of(voxel))];
     if (slot < 0) {
@@ -42,7 +42,7 @@ class SparseBricks {
     return true;
   }
 
-  /// Replaces a brick; coordinates in bricks. Returns whether it is another than before.
+  /// Replaces a brick; coordinates in bricks. Returns whether it changed.
   bool put(const Vec3i& brick_coord, const Brick& brick) {
     std::int32_t& slot = slot_of_brick_[lattice_.index(brick_coord)];
     const bool absent = all_absent(brick);
@@ -60,7 +60,7 @@ class SparseBricks {
   [[nodiscard]] Vec3i brick_dims() const { return lattice_.dims; }
   [[nodiscard]] const BrickLattice& lattice() const { return lattice_; }
   [[nodiscard]] std::size_t stored_bricks() const { return used_ - free_.size(); }
-  /// A stored brick, or nullptr where all is absent.
+  /// nullptr where all voxels are absent.
   [[nodiscard]] const Brick* brick(const Vec3i& brick_coord) const {
     const std::int32_t slot = slot_of_brick_[lattice_.index(brick_coord)];
     return slot < 0 ? nullptr : &stored(slot);
@@ -104,7 +104,7 @@ class SparseBricks {
   }
 
  private:
-  // Pages of 2 MB, because a single vector that grows would hold all bricks twice.
+  // Pages of 2 MB: a single growing vector would need twice the memory while it reallocates.
   static constexpr std::size_t kPageBricks = (std::size_t{1} << 21) / sizeof(Brick);
 
   static bool all_absent(const Brick& brick) {
@@ -133,16 +133,16 @@ class SparseBricks {
   }
 
   BrickLattice lattice_;
-  std::vector<std::int32_t> slot_of_brick_;  // -1 = all absent
+  std::vector<std::int32_t> slot_of_brick_;  // -1: all absent
   std::vector<std::vector<Brick>> pages_;
-  std::size_t used_ = 0;            // bricks in the pages
-  std::vector<std::int32_t> free_;  // of these, the ones whose brick became absent
+  std::size_t used_ = 0;            // slots in the pages
+  std::vector<std::int32_t> free_;  // slots whose brick became absent
 };
 
 /// The grade of each voxel, 0 = air (DensityMapping).
 using GradeBricks = SparseBricks<std::uint8_t, 0>;
 
-/// The fill of each voxel: the fraction of it that is still bone, in units of 1/65535. It notes which bricks change.
+/// The fill of each voxel, in units of 1/65535. Records which bricks change.
 class FillBricks : private SparseBricks<std::uint16_t, 65535> {
  public:
   using Bricks = SparseBricks<std::uint16_t, 65535>;
@@ -152,18 +152,18 @@ class FillBricks : private SparseBricks<std::uint16_t, 65535> {
   static constexpr std::uint16_t kWhole = 65535;
 
   FillBricks() = default;
-  /// All whole. `dims`: voxels along each axis.
+  /// All voxels are whole. `dims`: voxels along each axis.
   explicit FillBricks(const Vec3i& dims) : Bricks(dims) {}
 
   void set(const Vec3i& voxel, std::uint16_t fill) {
-    if (Bricks::set(voxel, fill)) note_change(lattice().index(BrickLattice::brick_of(voxel)));
+    if (Bricks::set(voxel, fill)) record_change(lattice().index(BrickLattice::brick_of(voxel)));
   }
   /// Coordinates in bricks.
   void put(const Vec3i& brick_coord, const Brick& brick) {
-    if (Bricks::put(brick_coord, brick)) note_change(lattice().index(brick_coord));
+    if (Bricks::put(brick_coord, brick)) record_change(lattice().index(brick_coord));
   }
 
-  /// Bricks that changed since the last call, x fastest, and forgets them.
+  /// Returns the bricks that changed since the last call, x fastest, and resets the record.
   std::vector<Vec3i> take_changed() {
     std::sort(changed_.begin(), changed_.end());
     std::vector<Vec3i> out;
@@ -176,14 +176,14 @@ class FillBricks : private SparseBricks<std::uint16_t, 65535> {
   }
 
  private:
-  void note_change(std::size_t index) {
+  void record_change(std::size_t index) {
     if (is_changed_.empty()) is_changed_.resize(lattice().count());
     if (!is_changed_[index]) changed_.push_back(index);
     is_changed_[index] = true;
   }
 
   std::vector<bool> is_changed_;      // by brick; empty before the first change
-  std::vector<std::size_t> changed_;  // places in the lattice
+  std::vector<std::size_t> changed_;  // indices of bricks
 };
 
 }  // namespace reamsim

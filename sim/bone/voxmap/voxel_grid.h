@@ -8,32 +8,59 @@
 namespace reamsim {
 
 /// An isotropic, axis-aligned voxel lattice in the bone frame B. Voxel (0,0,0) has its lower corner at `origin_mm`;
-/// voxel (i,j,k) is stored at i + nx·(j + ny·k).
+/// voxel (i,j,k) has the index i + nx·(j + ny·k).
 struct VoxelGrid {
   Vec3i dims = Vec3i::Zero();
   double voxel_mm = 0;
   Vec3 origin_mm = Vec3::Zero();
 
   [[nodiscard]] std::int64_t size() const { return std::int64_t{1} * dims.x() * dims.y() * dims.z(); }
-  [[nodiscard]] std::int64_t index(int i, int j, int k) const {
-    return i + std::int64_t{dims.x()} * (j + std::int64_t{dims.y()} * k);
+  [[nodiscard]] std::int64_t index(const Vec3i& v) const {
+    return v.x() + std::int64_t{dims.x()} * (v.y() + std::int64_t{dims.y()} * v.z());
   }
   [[nodiscard]] Vec3i coord(std::int64_t index) const {
     const std::int64_t row = index / dims.x();
     return {static_cast<int>(index % dims.x()), static_cast<int>(row % dims.y()), static_cast<int>(row / dims.y())};
   }
-  [[nodiscard]] Vec3 center_mm(int i, int j, int k) const {
-    return origin_mm + voxel_mm * (Vec3(i, j, k) + Vec3::Constant(0.5));
+  [[nodiscard]] Vec3 center_mm(const Vec3i& v) const {
+    return origin_mm + voxel_mm * (v.cast<double>() + Vec3::Constant(0.5));
   }
-  [[nodiscard]] bool contains(const Vec3i& c) const {
-    return (c.array() >= 0).all() && (c.array() < dims.array()).all();
+  [[nodiscard]] bool contains(const Vec3i& v) const {
+    return (v.array() >= 0).all() && (v.array() < dims.array()).all();
   }
-  /// The voxel that holds a point of B; may lie outside the grid.
+  /// The voxel that contains a point of B; it may lie outside the grid.
   [[nodiscard]] Vec3i voxel_of(const Vec3& point_mm) const {
     return ((point_mm - origin_mm) / voxel_mm).array().floor().cast<int>();
   }
   [[nodiscard]] Aabb bounds_mm() const { return {origin_mm, origin_mm + voxel_mm * dims.cast<double>()}; }
   [[nodiscard]] double voxel_mm3() const { return voxel_mm * voxel_mm * voxel_mm; }
 };
+
+/// Calls visit(voxel) for the voxels from `first` to `last`, both included; x varies fastest.
+template <class Visit>
+void for_each_voxel(const Vec3i& first, const Vec3i& last, const Visit& visit) {
+  for (int z = first.z(); z <= last.z(); ++z) {
+    for (int y = first.y(); y <= last.y(); ++y) {
+      for (int x = first.x(); x <= last.x(); ++x) visit(Vec3i(x, y, z));
+    }
+  }
+}
+/// Calls visit(voxel) for all voxels of a lattice.
+template <class Visit>
+void for_each_voxel(const Vec3i& dims, const Visit& visit) {
+  for_each_voxel(Vec3i::Zero(), dims - Vec3i::Ones(), visit);
+}
+
+/// Calls visit(step, weight) for the eight voxels of a trilinear interpolation whose weight is not 0. `step` is 0 or 1
+/// along each axis; `fraction` is the position between the lower and the upper voxel.
+template <class Visit>
+void for_each_trilinear_weight(const Vec3& fraction, const Visit& visit) {
+  for (int corner = 0; corner < 8; ++corner) {
+    const Vec3i step(corner & 1, corner >> 1 & 1, corner >> 2);
+    double weight = 1;
+    for (int axis = 0; axis < 3; ++axis) weight *= step[axis] != 0 ? fraction[axis] : 1 - fraction[axis];
+    if (weight != 0) visit(step, weight);
+  }
+}
 
 }  // namespace reamsim

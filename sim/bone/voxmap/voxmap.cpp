@@ -6,8 +6,7 @@ namespace reamsim {
 
 namespace {
 
-/// Whether every voxel of a brick lies in a box.
-bool covers(const VoxelBox& box, const Vec3i& brick_coord) {
+bool contains_brick(const VoxelBox& box, const Vec3i& brick_coord) {
   const Vec3i first = GradeBricks::kSide * brick_coord;
   const Vec3i last = first + Vec3i::Constant(GradeBricks::kSide - 1);
   return box.contains(first) && box.contains(last);
@@ -17,20 +16,21 @@ bool covers(const VoxelBox& box, const Vec3i& brick_coord) {
 
 std::int64_t BoneView::count_bone() const {
   std::int64_t count = 0;
-  for_each_bone_voxel(*this, [&count](const Vec3i&, std::uint8_t, std::uint16_t left) { count += left != 0 ? 1 : 0; });
+  for_each_bone_voxel(*this,
+                      [&count](const Vec3i&, std::uint8_t, std::uint16_t value) { count += value != 0 ? 1 : 0; });
   return count;
 }
 
 double BoneView::bone_mm3() const {
-  std::int64_t sum = 0;  // in 1/65535 of a voxel, so that the order of summing does not matter
-  for_each_bone_voxel(*this, [&sum](const Vec3i&, std::uint8_t, std::uint16_t left) { sum += left; });
+  std::int64_t sum = 0;  // in 1/65535 of a voxel: integers, so that the order of summation does not matter
+  for_each_bone_voxel(*this, [&sum](const Vec3i&, std::uint8_t, std::uint16_t value) { sum += value; });
   return static_cast<double>(sum) / FillBricks::kWhole * voxmap.grid.voxel_mm3();
 }
 
 VoxelBox bone_extent(const Voxmap& voxmap) {
   VoxelBox out{voxmap.grid.dims, Vec3i::Constant(-1)};
   voxmap.grade.for_each_brick([&](const Vec3i& coord, const GradeBricks::Brick& grades) {
-    if (covers(out, coord)) return;
+    if (contains_brick(out, coord)) return;
     for (int offset = 0; offset < GradeBricks::kVoxels; ++offset) {
       if (grades[static_cast<std::size_t>(offset)] == 0) continue;
       const Vec3i voxel = BrickLattice::voxel_at(coord, offset);
@@ -41,7 +41,7 @@ VoxelBox bone_extent(const Voxmap& voxmap) {
   return out;
 }
 
-std::vector<Vec3i> coords_around(const GradeBricks& grades) {
+std::vector<Vec3i> bricks_near_bone(const GradeBricks& grades) {
   const BrickLattice wider{grades.brick_dims() + Vec3i::Constant(2)};
   std::vector<bool> near(wider.count(), false);
   grades.for_each_brick([&](const Vec3i& coord, const GradeBricks::Brick&) {
@@ -63,15 +63,15 @@ bool partly_filled(const FillBricks& fill) {
   bool part = false;
   fill.for_each_brick([&part](const Vec3i&, const FillBricks::Brick& brick) {
     part = part || std::any_of(brick.begin(), brick.end(),
-                               [](std::uint16_t left) { return left != 0 && left != FillBricks::kWhole; });
+                               [](std::uint16_t value) { return value != 0 && value != FillBricks::kWhole; });
   });
   return part;
 }
 
-std::vector<std::uint8_t> dense_grades_left(const BoneView& bone) {
+std::vector<std::uint8_t> dense_remaining_grades(const BoneView& bone) {
   std::vector<std::uint8_t> out(static_cast<std::size_t>(bone.voxmap.grid.size()), 0);
-  for_each_bone_voxel(bone, [&](const Vec3i& voxel, std::uint8_t grade, std::uint16_t left) {
-    if (left != 0) out[static_cast<std::size_t>(bone.voxmap.grid.index(voxel.x(), voxel.y(), voxel.z()))] = grade;
+  for_each_bone_voxel(bone, [&](const Vec3i& voxel, std::uint8_t grade, std::uint16_t fill) {
+    if (fill != 0) out[static_cast<std::size_t>(bone.voxmap.grid.index(voxel))] = grade;
   });
   return out;
 }
@@ -82,8 +82,7 @@ std::vector<std::uint16_t> dense_fill(const BoneView& bone) {
     for (int offset = 0; offset < FillBricks::kVoxels; ++offset) {
       const Vec3i voxel = BrickLattice::voxel_at(coord, offset);
       if (!bone.voxmap.grid.contains(voxel)) continue;
-      out[static_cast<std::size_t>(bone.voxmap.grid.index(voxel.x(), voxel.y(), voxel.z()))] =
-          fill[static_cast<std::size_t>(offset)];
+      out[static_cast<std::size_t>(bone.voxmap.grid.index(voxel))] = fill[static_cast<std::size_t>(offset)];
     }
   });
   return out;

@@ -10,7 +10,7 @@
 
 namespace reamsim {
 
-/// The bone before reaming, as voxels (paper §3.2: the voxmap). Nothing changes it once it is made.
+/// The bone before reaming, as voxels (paper §3.2: the voxmap). Immutable once it is built.
 struct Voxmap {
   VoxelGrid grid;
   GradeBricks grade;  ///< density of each voxel; 0 = air
@@ -22,25 +22,25 @@ struct Voxmap {
   explicit Voxmap(const VoxelGrid& lattice) : grid(lattice), grade(lattice.dims) {}
 };
 
-/// A bone to look at: its voxmap, and the fill that is left of each voxel. Both must outlive the view.
+/// A bone for reading: its voxmap, and the current fill of each voxel. Both must outlive the view.
 struct BoneView {
   const Voxmap& voxmap;
   const FillBricks& fill;
 
-  BoneView(const Voxmap& voxels, const FillBricks& fill_left) : voxmap(voxels), fill(fill_left) {}
+  BoneView(const Voxmap& voxels, const FillBricks& current) : voxmap(voxels), fill(current) {}
 
-  /// Voxels with bone left: grade ≠ 0 and fill ≠ 0.
+  /// Voxels with remaining bone: grade ≠ 0 and fill ≠ 0.
   [[nodiscard]] std::int64_t count_bone() const;
-  /// Bone volume left, mm³: Σ fill/65535 · voxel volume over voxels with grade ≠ 0.
+  /// Remaining bone, mm³: Σ fill/65535 · voxel volume over voxels with grade ≠ 0.
   [[nodiscard]] double bone_mm3() const;
 };
 
-/// A voxmap and the fill of its voxels while a bone is made, or as a file has it.
+/// A voxmap and the fill of its voxels, while a bone is built or read from a file.
 struct FilledVoxmap : Voxmap {
-  FillBricks fill;  ///< means nothing where the grade is 0
+  FillBricks fill;  ///< undefined where the grade is 0
 
   FilledVoxmap() = default;
-  /// All air, all whole.
+  /// All voxels are air and whole.
   explicit FilledVoxmap(const VoxelGrid& lattice) : Voxmap(lattice), fill(lattice.dims) {}
 
   operator BoneView() const { return {*this, fill}; }  // not explicit on purpose
@@ -61,7 +61,7 @@ void for_each_bone_voxel(const BoneView& bone, const Visit& visit) {
   });
 }
 
-/// The first and the last voxel of a box, both inside; first > last where it is empty.
+/// The first and the last voxel of a box, both included; first > last in an empty box.
 struct VoxelBox {
   Vec3i first;
   Vec3i last;
@@ -77,15 +77,14 @@ struct VoxelBox {
 /// The box of the voxels with grade ≠ 0.
 VoxelBox bone_extent(const Voxmap& voxmap);
 
-/// Bricks that hold bone or touch such a brick, if only by a corner, x fastest. They reach one brick beyond the lattice
-/// on every side.
-std::vector<Vec3i> coords_around(const GradeBricks& grades);
+/// The bricks that contain bone and their 26 neighbours, x fastest. They may lie one brick outside the lattice.
+std::vector<Vec3i> bricks_near_bone(const GradeBricks& grades);
 
-/// Whether some voxel has lost a part of its fill: neither whole nor removed.
+/// Whether some voxel is partly filled: neither whole nor removed.
 bool partly_filled(const FillBricks& fill);
 
-/// The grade of each voxel where bone is left, 0 elsewhere; grid.size() entries, for engines that keep the bone dense.
-std::vector<std::uint8_t> dense_grades_left(const BoneView& bone);
+/// The grade of each voxel with remaining bone, 0 elsewhere; grid.size() entries, for engines with dense storage.
+std::vector<std::uint8_t> dense_remaining_grades(const BoneView& bone);
 /// The fill of each voxel, air included; grid.size() entries.
 std::vector<std::uint16_t> dense_fill(const BoneView& bone);
 

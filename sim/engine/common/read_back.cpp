@@ -9,7 +9,7 @@ void copy_fill(const std::vector<std::uint16_t>& dense, const Voxmap& voxmap, Fi
     for (int offset = 0; offset < GradeBricks::kVoxels; ++offset) {
       if (grades[static_cast<std::size_t>(offset)] == 0) continue;
       const Vec3i voxel = BrickLattice::voxel_at(coord, offset);
-      const auto remaining = dense[static_cast<std::size_t>(voxmap.grid.index(voxel.x(), voxel.y(), voxel.z()))];
+      const auto remaining = dense[static_cast<std::size_t>(voxmap.grid.index(voxel))];
       if (remaining != FillBricks::kWhole) fill.set(voxel, remaining);
     }
   });
@@ -19,7 +19,7 @@ void append_removed(const RemovedBlock& block, const VoxelGrid& grid, std::int32
   const Vec3i brick = BrickLattice::over(grid.dims).coord(block.brick);
   const auto first = static_cast<rs_i32>((block.detail & 7U) << 6);
   const Vec3i corner = RS_BRICK_SIDE * brick + Vec3i(rs_offset_x(first), rs_offset_y(first), rs_offset_z(first));
-  const std::int64_t base = grid.index(corner.x(), corner.y(), corner.z());
+  const std::int64_t base = grid.index(corner);
   const std::int64_t row_step = grid.dims.x(), layer_step = row_step * grid.dims.y();
   for (rs_u64 rest = block.removed; rest != 0; rest &= rest - 1) {
     const int bit = std::countr_zero(rest);

@@ -102,7 +102,7 @@ SubstepArgs make_args(const Substep& substep, const Aabb& voi, const PointShell&
   const Mat3 step = shell_pose.linear() * (shell.cell_mm / grid.voxel_mm);
   const Mat3 tool_from_bone = substep.pose.orientation.toRotationMatrix().transpose();
   const Mat3 tool_from_voxel = tool_from_bone * grid.voxel_mm;
-  const Vec3 origin = tool_from_bone * (grid.center_mm(0, 0, 0) - substep.pose.position_mm);
+  const Vec3 origin = tool_from_bone * (grid.center_mm({0, 0, 0}) - substep.pose.position_mm);
   const Vec3 velocity = tool_from_bone * substep.origin_velocity_mm_s;
   const Vec3 angular_velocity = tool_from_bone * substep.angular_velocity;
   for (int i = 0; i < 3; ++i) {

@@ -97,7 +97,7 @@ void upload_bone(const cl::Device& device, const DensePlan& plan, const BoneView
                     static_cast<std::size_t>(bone.voxmap.grade.count()) <= plan.bone_voxels &&
                     (plan.fill || !partly_filled(bone.fill));
   if (!same) throw RunError("this is not the bone for which the engine was created");
-  const auto grades = dense_grades_left(bone);
+  const auto grades = dense_remaining_grades(bone);
   if (plan.layout == VoxelLayout::flagged_hu) {
     upload_hu(device, grades, state.scale, state.hu);
   } else {

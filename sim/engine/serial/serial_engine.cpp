@@ -32,7 +32,7 @@ struct SerialState {
 
 void set_bone(const BoneView& bone, SerialState& state) {
   state.grid = bone.voxmap.grid;
-  state.bone = dense_grades_left(bone);
+  state.bone = dense_remaining_grades(bone);
   state.fill = dense_fill(bone);
 }
 
@@ -61,7 +61,7 @@ void find_by_points(SerialState& state, const SubstepArgs& args, std::vector<boo
     const Vec3i voxel(rs_voxel_coordinate(&args, 0, x, y, z), rs_voxel_coordinate(&args, 1, x, y, z),
                       rs_voxel_coordinate(&args, 2, x, y, z));
     if (!state.grid.contains(voxel)) continue;
-    const auto e = static_cast<std::size_t>(state.grid.index(voxel.x(), voxel.y(), voxel.z()));
+    const auto e = static_cast<std::size_t>(state.grid.index(voxel));
     if (state.bone[e] == 0) continue;
     if (args.law == RS_LAW_PER_POINT) rs_point_force(&args, &profile, x, y, z, &point_sums);
     if (claimed[e]) continue;
@@ -91,7 +91,7 @@ void find_in_tool_box(SerialState& state, const SubstepArgs& args, SubstepSums& 
   for (int z = box.first.z(); z <= box.last.z(); ++z) {
     for (int y = box.first.y(); y <= box.last.y(); ++y) {
       for (int x = box.first.x(); x <= box.last.x(); ++x) {
-        const std::int64_t e = grid.index(x, y, z);
+        const std::int64_t e = grid.index({x, y, z});
         if (state.bone[static_cast<std::size_t>(e)] != 0) state.contacts.push_back(e);
       }
     }

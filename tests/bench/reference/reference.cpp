@@ -179,7 +179,7 @@ std::vector<std::int64_t> Reference::removed_voxels() const {
     for (rs_u64 rest = block.removed; rest != 0; rest &= rest - 1) {
       const auto place = static_cast<rs_i32>(block.detail << 6) + std::countr_zero(rest);
       const Vec3i voxel = corner + Vec3i(rs_offset_x(place), rs_offset_y(place), rs_offset_z(place));
-      out.push_back(state_->grid.index(voxel.x(), voxel.y(), voxel.z()));
+      out.push_back(state_->grid.index(voxel));
     }
   }
   std::sort(out.begin(), out.end());

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <array>
 #include <cstdint>
 
 #include "sim/bone/voxmap/voxmap.h"
@@ -14,23 +13,23 @@ struct ReamedBone {
   const FillBricks& fill_after;
 };
 
-/// What part of the space round a point is bone, 0…1.
-struct Shares {
+/// The fractions of bone at a point, 0…1.
+struct Fractions {
   double before = 0;
   double after = 0;
   double dense = 0;  ///< bone after reaming whose density is at least the threshold
 };
 
-/// The bone's shares between the voxels' centres: linear along each axis, air outside the lattice. Shares integrated
-/// along a line keep the bone's volume, so a surface of partly filled voxels is found to a small part of a voxel.
-/// Not for two threads at once: it remembers the brick that it looked at last.
-class BoneShares {
+/// The fractions of bone between the centres of the voxels: trilinear, air outside the lattice. Integrated along a line
+/// they conserve the volume of bone, so that a surface of partly filled voxels is located to a small part of a voxel.
+/// Not thread-safe: it caches the last brick.
+class BoneFractions {
  public:
-  /// `dense_g_cm3`: density from which on bone counts as dense.
-  BoneShares(const ReamedBone& bone, double dense_g_cm3);
+  /// `dense_g_cm3`: the least density of dense bone.
+  BoneFractions(const ReamedBone& bone, double dense_g_cm3);
 
   /// At a point of B.
-  [[nodiscard]] Shares at(const Vec3& point_mm);
+  [[nodiscard]] Fractions at(const Vec3& point_mm);
 
  private:
   struct BrickView {
@@ -40,8 +39,8 @@ class BoneShares {
     const FillBricks::Brick* after = nullptr;
   };
 
-  void look_at(const Vec3i& brick);
-  void add(int offset, double weight, Shares& sum) const;
+  void select_brick(const Vec3i& brick);
+  void add(int offset, double weight, Fractions& sum) const;
 
   const ReamedBone bone_;
   double voxels_per_mm_;

@@ -1,22 +1,22 @@
-#include "sim/metrics/bone_shares.h"
+#include "sim/metrics/bone_fractions.h"
 
 #include <cmath>
 
 namespace reamsim {
 
 int least_dense_grade(double dense_g_cm3) {
-  // A density that is a whole number of steps, such as 1.0, is not exactly one in binary.
+  // A multiple of the grade step, such as 1.0, is not exact in binary.
   constexpr double kSlack = 1e-9;
   return static_cast<int>(std::ceil(dense_g_cm3 / DensityMapping::kGradeStep_g_cm3 - kSlack));
 }
 
-BoneShares::BoneShares(const ReamedBone& bone, double dense_g_cm3)
+BoneFractions::BoneFractions(const ReamedBone& bone, double dense_g_cm3)
     : bone_(bone),
       voxels_per_mm_(1 / bone.voxmap.grid.voxel_mm),
       bricks_(BrickLattice::over(bone.voxmap.grid.dims)),
       dense_grade_(least_dense_grade(dense_g_cm3)) {}
 
-void BoneShares::look_at(const Vec3i& brick) {
+void BoneFractions::select_brick(const Vec3i& brick) {
   if (brick == view_.coord) return;
   view_ = {.coord = brick};
   if (!bricks_.contains(brick)) return;
@@ -25,7 +25,7 @@ void BoneShares::look_at(const Vec3i& brick) {
   view_.after = bone_.fill_after.brick(brick);
 }
 
-void BoneShares::add(int offset, double weight, Shares& sum) const {
+void BoneFractions::add(int offset, double weight, Fractions& sum) const {
   const auto at = static_cast<std::size_t>(offset);
   const int grade = (*view_.grade)[at];
   if (grade == 0) return;
@@ -36,26 +36,19 @@ void BoneShares::add(int offset, double weight, Shares& sum) const {
   if (grade >= dense_grade_) sum.dense += after;
 }
 
-Shares BoneShares::at(const Vec3& point_mm) {
+Fractions BoneFractions::at(const Vec3& point_mm) {
   const Vec3 place = (point_mm - bone_.voxmap.grid.origin_mm) * voxels_per_mm_ - Vec3::Constant(0.5);
   const Vec3 lower = place.array().floor();
-  const Vec3 high = place - lower;
-  const Vec3 low = Vec3::Ones() - high;
   const Vec3i first = lower.cast<int>();
-  // Shifts, unlike division, also round down for voxels below the lattice.
   const Vec3i brick = BrickLattice::brick_of(first);
   const Vec3i local = first - BrickLattice::kSide * brick;
   const bool one_brick = (local.array() < BrickLattice::kSide - 1).all();
-  if (one_brick) look_at(brick);
-  Shares sum;
-  for (int corner = 0; corner < 8; ++corner) {
-    const Vec3i step(corner & 1, (corner >> 1) & 1, corner >> 2);
-    const double weight = (step.x() != 0 ? high.x() : low.x()) * (step.y() != 0 ? high.y() : low.y()) *
-                          (step.z() != 0 ? high.z() : low.z());
-    if (weight == 0) continue;
-    if (!one_brick) look_at(BrickLattice::brick_of(first + step));
+  if (one_brick) select_brick(brick);
+  Fractions sum;
+  for_each_trilinear_weight(place - lower, [&](const Vec3i& step, double weight) {
+    if (!one_brick) select_brick(BrickLattice::brick_of(first + step));
     if (view_.grade != nullptr) add(BrickLattice::offset_of(first + step), weight, sum);
-  }
+  });
   return sum;
 }
 

@@ -1,8 +1,14 @@
 #pragma once
 
-namespace reamsim::vdb_keys {
+#include <string>
 
-// Names of grids and metadata in a bone's VDB, shared by writer and reader.
+#include "sim/bone/vdb/bone_vdb.h"
+
+namespace reamsim {
+
+namespace vdb_keys {
+
+// Names of grids and metadata in the VDB of a bone.
 inline constexpr const char* kDensity = "density";
 inline constexpr const char* kFill = "fill";
 inline constexpr const char* kSurface = "surface";
@@ -23,4 +29,16 @@ inline constexpr const char* kSide = "bone_side";
 inline constexpr const char* kGlenoid = "bone_from_glenoid";
 inline constexpr const char* kLandmarks = "scapula_landmarks_mm";
 
-}  // namespace reamsim::vdb_keys
+}  // namespace vdb_keys
+
+/// The glenoid frame from the text of `bone_from_glenoid`: 16 numbers, 4 × 4, row by row; nullopt for an empty text.
+/// Throws InputError unless they are a rigid transform.
+std::optional<GlenoidFrame> parse_stored_glenoid(const std::string& path, const std::string& text);
+
+/// Glenoid centre, trigonum spinae and inferior angle from 9 numbers; nullopt for an empty text. Throws InputError.
+std::optional<LandmarkSettings> parse_stored_landmarks(const std::string& path, const std::string& text);
+
+/// Throws InputError unless the text is left, right or empty.
+BodySide checked_stored_side(const std::string& path, const std::string& text);
+
+}  // namespace reamsim

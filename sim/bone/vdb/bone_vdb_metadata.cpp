@@ -1,4 +1,4 @@
-#include "sim/bone/vdb/stored_anatomy.h"
+#include "sim/bone/vdb/bone_vdb_metadata.h"
 
 #include <array>
 #include <cmath>
@@ -6,7 +6,6 @@
 #include <sstream>
 
 #include "sim/base/error.h"
-#include "sim/bone/vdb/bone_vdb_keys.h"
 
 namespace reamsim {
 
@@ -26,7 +25,7 @@ bool read_numbers(const std::string& text, std::array<double, N>& numbers) {
   return !(in >> rest);
 }
 
-/// The first of a text that came from a file, without what a terminal would obey.
+/// The beginning of a text from a file, without control characters.
 std::string excerpt(const std::string& text) {
   std::string out = text.substr(0, 60);
   for (char& c : out) {
