@@ -55,7 +55,7 @@ class PictureComposer {
       : dir_(run.dir()),
         view_(run, options.settings),
         schedule_(view_, options),
-        unsuffixed_camera_(options.unsuffixed_camera.empty() ? schedule_.names.front() : options.unsuffixed_camera),
+        camera_without_suffix_(options.camera_without_suffix.empty() ? schedule_.names.front() : options.camera_without_suffix),
         captions_(run.log(), options.mean_travel_mm, options.settings.force_arrow),
         widest_(captions_.widest()),
         before_(schedule_.halves.size()),
@@ -150,18 +150,18 @@ class PictureComposer {
   }
 
   [[nodiscard]] std::string film_path(const std::string& name) const {
-    return dir_ + "/" + name + film_ending(view_.settings().film);
+    return dir_ + "/" + name + film_extension(view_.settings().film);
   }
 
   [[nodiscard]] std::string suffix(std::size_t camera) const {
     const std::string& name = schedule_.names[camera];
-    return name == unsuffixed_camera_ ? std::string() : "_" + name;
+    return name == camera_without_suffix_ ? std::string() : "_" + name;
   }
 
   std::string dir_;
   RunView view_;
   FrameSchedule schedule_;
-  std::string unsuffixed_camera_;
+  std::string camera_without_suffix_;
   Captions captions_;
   std::string widest_;  ///< of the values in pictures along the run
   std::vector<PixelImage> before_;

@@ -127,7 +127,7 @@ int even_px(int px) {
   return std::max(2, px / 2 * 2);
 }
 
-std::string film_ending(FilmFormat format) {
+std::string film_extension(FilmFormat format) {
   return std::string(facts_of(format).ending);
 }
 

@@ -10,7 +10,7 @@
 namespace reamsim {
 
 /// What a file of this format ends in: ".mp4", ".webp", ".apng".
-std::string film_ending(FilmFormat format);
+std::string film_extension(FilmFormat format);
 
 /// The largest even number up to this, and at least 2.
 int even_px(int px);
@@ -22,7 +22,7 @@ void require_encoder(FilmFormat format);
 class FilmEncoder {
  public:
   /// Of the settings' format, rate and size, less a pixel where that is odd, because H.264 wants it even. `path` ends
-  /// as film_ending() says. Throws RunError: no ffmpeg.
+  /// as film_extension() says. Throws RunError: no ffmpeg.
   FilmEncoder(const std::string& path, const RenderSettings& settings);
   /// Without finish(): stops ffmpeg, and takes away what it wrote.
   ~FilmEncoder();

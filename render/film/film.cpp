@@ -9,7 +9,7 @@ namespace {
 
 /// Behind transparent pictures.
 constexpr std::uint32_t kPaper_rgb = 0xffffff;
-constexpr double kPanelShare = 0.36;
+constexpr double kPanelFraction = 0.36;
 /// Smaller panels could not be read.
 constexpr int kLeastPanel_px = 200;
 
@@ -39,7 +39,7 @@ FilmLayout film_layout(int width_px, int height_px) {
   FilmLayout out{even_px(width_px), even_px(height_px), {}, {}, 1};
   out.bone = whole(out);
   const bool upright = out.height_px > out.width_px;
-  const int panel_px = even_px(static_cast<int>(kPanelShare * std::max(out.height_px, out.width_px)));
+  const int panel_px = even_px(static_cast<int>(kPanelFraction * std::max(out.height_px, out.width_px)));
   if (std::min({panel_px, out.width_px, out.height_px}) < kLeastPanel_px) return out;
   out.panel = out.bone;
   if (upright) {

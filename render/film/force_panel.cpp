@@ -21,10 +21,10 @@ constexpr double kTitle = 24;
 constexpr double kNumber = 19;
 
 constexpr std::uint32_t kSheet_rgb = 0xfbfbfc;
-constexpr Ink kGrid{0.86, 0.87, 0.89, 1};
+constexpr Rgba kGrid{0.86, 0.87, 0.89, 1};
 constexpr double kPale = 0.28;
 
-Ink ink_of(std::uint32_t rgb, double opacity) {
+Rgba rgba_of(std::uint32_t rgb, double opacity) {
   return {(rgb >> 16 & 255) / 255.0, (rgb >> 8 & 255) / 255.0, (rgb & 255) / 255.0, opacity};
 }
 
@@ -94,16 +94,16 @@ void ForcePanel::draw_frame(const Curve& curve) {
   cairo_set_line_width(c, std::max(1.0, 1.2 * unit_));
   for (int tick = lowest; tick <= highest; ++tick) {
     const double y = y_of(curve, tick * curve.step);
-    canvas.ink(tick == 0 ? kFaintInk : kGrid);
+    canvas.set_color(tick == 0 ? kFaintTextColor : kGrid);
     cairo_move_to(c, box.x, y);
     cairo_line_to(c, box.x + box.width, y);
     cairo_stroke(c);
     const TextLine number(canvas, numbers.label(tick), kNumber * unit_);
-    canvas.ink(kFaintInk);
+    canvas.set_color(kFaintTextColor);
     number.draw(box.x - 10 * unit_ - number.width, y - 0.5 * number.height);
   }
   const TextLine title(canvas, curve.title + " (" + curve.unit + ")", kTitle * unit_, true);
-  canvas.ink(kInk);
+  canvas.set_color(kTextColor);
   title.draw(box.x, box.y - title.height - 16 * unit_);
   canvas.finish();
 }
@@ -119,17 +119,17 @@ void ForcePanel::draw_time_axis() {
   for (int tick = first; tick * scale.step <= last_s_ + 1e-9 * scale.step; ++tick) {
     const double x = x_of(tick * scale.step);
     for (const Curve& curve : curves_) {
-      canvas.ink(kGrid);
+      canvas.set_color(kGrid);
       cairo_move_to(c, x, curve.box.y);
       cairo_line_to(c, x, curve.box.y + curve.box.height);
       cairo_stroke(c);
     }
     const TextLine number(canvas, scale.label(tick), kNumber * unit_);
-    canvas.ink(kFaintInk);
+    canvas.set_color(kFaintTextColor);
     number.draw(x - 0.5 * number.width, bottom + 8 * unit_);
   }
   const TextLine title(canvas, "Time (s)", kNumber * unit_);
-  canvas.ink(kInk);
+  canvas.set_color(kTextColor);
   title.draw(lower.x + 0.5 * (lower.width - title.width), bottom + 40 * unit_);
   canvas.finish();
 }
@@ -147,7 +147,7 @@ void ForcePanel::draw_curve(const Canvas& canvas, const Curve& curve, std::size_
   cairo_set_line_join(c, CAIRO_LINE_JOIN_ROUND);
   cairo_set_line_cap(c, CAIRO_LINE_CAP_ROUND);
   cairo_set_line_width(c, std::max(1.2, 2.4 * unit_));
-  canvas.ink(ink_of(curve.rgb, opacity));
+  canvas.set_color(rgba_of(curve.rgb, opacity));
   cairo_stroke(c);
 }
 
@@ -161,17 +161,17 @@ PixelImage ForcePanel::at(const ForceRow& row) const {
     const double columns = (x - box.x) / box.width * static_cast<double>(curve.low.size());
     draw_curve(canvas, curve, std::min(curve.low.size(), static_cast<std::size_t>(std::max(0.0, columns)) + 1), 1);
     cairo_set_line_width(c, std::max(1.0, 1.6 * unit_));
-    canvas.ink(kFaintInk);
+    canvas.set_color(kFaintTextColor);
     cairo_move_to(c, x, box.y);
     cairo_line_to(c, x, box.y + box.height);
     cairo_stroke(c);
     cairo_arc(c, x, y_of(curve, row.*curve.value), 7 * unit_, 0, 6.2832);
-    canvas.ink(ink_of(curve.rgb, 1));
+    canvas.set_color(rgba_of(curve.rgb, 1));
     cairo_fill_preserve(c);
-    canvas.ink({1, 1, 1, 1});
+    canvas.set_color({1, 1, 1, 1});
     cairo_stroke(c);
     const TextLine number(canvas, fixed_text(row.*curve.value, curve.decimals), kTitle * unit_, true);
-    canvas.ink(ink_of(curve.rgb, 1));
+    canvas.set_color(rgba_of(curve.rgb, 1));
     number.draw(box.x + box.width - number.width, box.y - number.height - 16 * unit_);
   }
   canvas.finish();

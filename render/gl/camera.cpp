@@ -53,12 +53,12 @@ void frame(Camera& camera, const Mat3& turn, const ViewTarget& target, bool whol
   for (const Vec3& p : target.bone_mm) {
     if (whole_bone || (p - target.focus_mm).norm() < kGlenoidReach_mm) add(p);
   }
-  for (const Vec3& p : target.head_mm) add(p);
+  for (const Vec3& p : target.tool_head_mm) add(p);
   const Vec2 size = (extent.max - extent.min).cwiseMax(5.0);
   const Vec2 middle = 0.5 * (extent.min + extent.max);
   camera.mm_per_px =
       std::max(size.x() / (kUsableWidth * camera.width_px), size.y() / (kUsableHeight * camera.height_px));
-  camera.reach_mm = 2 * target.reach_mm + 10;
+  camera.depth_range_mm = 2 * target.radius_mm + 10;
   camera.eye_from_bone.linear() = turn;
   camera.eye_from_bone.translation() = -(turn * target.focus_mm) - Vec3(middle.x(), middle.y(), 0);
 }
@@ -81,12 +81,12 @@ struct DepthRow {
 };
 
 DepthRow depth_row(const Camera& camera) {
-  if (!camera.eye_mm) return {-1 / camera.reach_mm, 0};
+  if (!camera.eye_mm) return {-1 / camera.depth_range_mm, 0};
   // An eye in the midst of things still needs some way to the first that it can see.
   constexpr double kNearest = 0.002;
   const double eye_mm = *camera.eye_mm;
-  const double near = std::max(eye_mm - camera.reach_mm, kNearest * eye_mm);
-  const double far = eye_mm + camera.reach_mm;
+  const double near = std::max(eye_mm - camera.depth_range_mm, kNearest * eye_mm);
+  const double far = eye_mm + camera.depth_range_mm;
   const double slope = -(far + near) / (eye_mm * (far - near));
   return {slope, far / eye_mm - slope * (eye_mm - far)};
 }
@@ -120,7 +120,7 @@ Eigen::Matrix4d Camera::clip_from_bone() const {
   return clip_from_eye * eye_from_bone.matrix();
 }
 
-double Camera::clip_lift_per_mm() const {
+double Camera::clip_depth_per_mm() const {
   // The slope of (slope·z + offset)/w over z is this over w², with w = 1 − z/eye_mm.
   const DepthRow depth = depth_row(*this);
   return -(depth.slope + (eye_mm ? depth.offset / *eye_mm : 0));
@@ -140,7 +140,7 @@ Camera make_camera(CameraView view, const ViewTarget& target, int width_px, int 
   camera.height_px = height_px;
   const Vec3 front = front_side(target);
   if (view == CameraView::glenoid) {
-    camera.draws_tool = false;
+    camera.shows_tool = false;
     frame(camera, look(target.outward, target.superior), target, false);
   } else if (view == CameraView::oblique || view == CameraView::overview) {
     const Vec3 towards_viewer = 0.72 * target.outward + 0.58 * front + 0.28 * target.superior;
@@ -178,7 +178,7 @@ Camera make_user_camera(const UserCamera& wanted, const ViewTarget& target, int 
   camera.height_px = height_px;
   camera.eye_from_bone.linear() = look(towards_viewer, up);
   camera.eye_from_bone.translation() = -(camera.eye_from_bone.linear() * target_mm);
-  camera.reach_mm = target.reach_mm + (target_mm - target.focus_mm).norm() + 10;
+  camera.depth_range_mm = target.radius_mm + (target_mm - target.focus_mm).norm() + 10;
   if (wanted.projection == Projection::perspective) {
     camera.eye_mm = towards_viewer.norm();
     camera.mm_per_px = 2 * *camera.eye_mm * std::tan(degrees(wanted.fov_deg) / 2) / height_px;
@@ -213,7 +213,7 @@ Camera make_turntable_camera(const ViewTarget& target, double turn, int width_px
   camera.width_px = width_px;
   camera.height_px = height_px;
   camera.mm_per_px = std::max(2 * radius_mm / (kUsableWidth * width_px), tall_mm / (kUsableHeight * height_px));
-  camera.reach_mm = 2 * target.reach_mm + 10;
+  camera.depth_range_mm = 2 * target.radius_mm + 10;
   camera.eye_from_bone.linear() = look(cosine * level + sine * up, up);
   const Vec3 middle_mm = target.focus_mm + 0.5 * (low_mm + high_mm) * up;
   camera.eye_from_bone.translation() = -(camera.eye_from_bone.linear() * middle_mm);

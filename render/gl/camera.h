@@ -18,9 +18,9 @@ struct ViewTarget {
   std::optional<Rigid> bone_from_glenoid;    ///< where the results name a glenoid
   bool anatomical = false;                   ///< `superior` is anatomy, not a guess
   std::vector<Vec3> bone_mm;                 ///< points of the unreamed surface
-  std::vector<Vec3> head_mm;                 ///< points of the tool's head at its deepest
+  std::vector<Vec3> tool_head_mm;                 ///< points of the tool's head at its deepest
   Rigid bone_from_tool = Rigid::Identity();  ///< the tool at its deepest
-  double reach_mm = 0;                       ///< no part of bone or tool is ever farther from the focus
+  double radius_mm = 0;                       ///< no part of bone or tool is ever farther from the focus
 };
 
 /// A view. Orthographic: every length parallel to the picture has the same scale, so the scale bar is right everywhere.
@@ -31,14 +31,14 @@ struct Camera {
   int height_px = 0;
   Rigid eye_from_bone = Rigid::Identity();  ///< x right, y up, z towards the viewer; the picture's middle is x = y = 0
   double mm_per_px = 1;
-  double reach_mm = 1;                       ///< depth kept on either side of the picture's plane
+  double depth_range_mm = 1;                       ///< depth kept on either side of the picture's plane
   std::optional<double> eye_mm;              ///< perspective: the eye is at z = eye_mm; without it orthographic
   std::optional<Eigen::Vector4d> cut_plane;  ///< what has a negative value is cut away; unit normal
-  bool draws_tool = true;                    ///< false: its outline only
+  bool shows_tool = true;                    ///< false: its outline only
 
   [[nodiscard]] Eigen::Matrix4d clip_from_bone() const;
   /// How much less z a point gets in clip space per mm towards the viewer, times its w.
-  [[nodiscard]] double clip_lift_per_mm() const;
+  [[nodiscard]] double clip_depth_per_mm() const;
   /// Where a point of B falls: pixels from the picture's upper left corner, y down. The point is in front of the eye.
   [[nodiscard]] Vec2 pixel(const Vec3& point_mm) const;
 };

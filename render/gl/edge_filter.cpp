@@ -12,7 +12,7 @@ namespace {
 
 // Brightness is from 0 to 255.
 constexpr float kLeastStep = 10;                // smaller steps cannot be seen
-constexpr float kLeastShareOfBrightest = 0.1F;  // nor can these beside something bright
+constexpr float kMinStepFraction = 0.1F;  // nor can these beside something bright
 constexpr int kMostSteps_px = 16;               // how far an edge is followed either way
 constexpr float kSoftening = 0.75F;             // of single pixels
 constexpr std::size_t kGrain_rows = 16;
@@ -55,7 +55,7 @@ Block block_at(const Brightness& brightness, int x, int y) {
 /// Brightest less darkest of the pixel and its four nearest; 0 where that is too little to be seen.
 float visible_step(const Block& b) {
   const auto [least, most] = std::minmax({b[1][1], b[0][1], b[2][1], b[1][0], b[1][2]});
-  return most - least < std::max(kLeastStep, kLeastShareOfBrightest * most) ? 0 : most - least;
+  return most - least < std::max(kLeastStep, kMinStepFraction * most) ? 0 : most - least;
 }
 
 /// Whether the edge through the pixel runs rather along its row than along its column.
@@ -117,7 +117,7 @@ End follow(const Brightness& brightness, const Edge& edge, int x, int y, int sig
 }
 
 /// The share of the pixel that lies beyond the line which the edge's steps stand for.
-float share_beyond(const Brightness& brightness, const Edge& edge, int x, int y) {
+float fraction_beyond(const Brightness& brightness, const Edge& edge, int x, int y) {
   const End back = follow(brightness, edge, x, y, -1);
   const End on = follow(brightness, edge, x, y, 1);
   const End& nearer = back.distance_px < on.distance_px ? back : on;
@@ -139,7 +139,7 @@ std::uint32_t mixed(std::uint32_t pixel, std::uint32_t other, float share) {
 
 }  // namespace
 
-PixelImage edges_smoothed(const PixelImage& image) {
+PixelImage antialiased(const PixelImage& image) {
   const Brightness brightness(image);
   PixelImage out = image;
   const auto index = [&](int x, int y) {
@@ -152,7 +152,7 @@ PixelImage edges_smoothed(const PixelImage& image) {
         const float step = visible_step(block);
         if (step == 0) continue;
         const Edge edge = edge_at(block);
-        const float share = std::max(share_beyond(brightness, edge, x, y), softening(block, step));
+        const float share = std::max(fraction_beyond(brightness, edge, x, y), softening(block, step));
         const int other_x = std::clamp(x + edge.across_x, 0, image.width_px - 1);
         const int other_y = std::clamp(y + edge.across_y, 0, image.height_px - 1);
         out.pixels[index(x, y)] = mixed(image.pixels[index(x, y)], image.pixels[index(other_x, other_y)], share);

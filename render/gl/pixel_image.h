@@ -35,7 +35,7 @@ PixelImage averaged(PixelImage image, int times);
 /// brightness steps, each pixel takes from its neighbour across the step the share that the edge's line, followed along
 /// its steps, would cut off it; single bright or dark pixels are softened (T. Lottes, "FXAA", NVIDIA white paper,
 /// 2009). Flat parts and slow shades stay as they are, to the bit. What is transparent counts as white.
-PixelImage edges_smoothed(const PixelImage& image);
+PixelImage antialiased(const PixelImage& image);
 
 /// Writes the picture as a PNG: RGB where all of it is opaque, RGBA otherwise. Throws RunError when it cannot be
 /// written.

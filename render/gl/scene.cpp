@@ -85,7 +85,7 @@ PixelImage Scene::draw(const DrawCall& call) {
   const int times = call.supersampling;
   const int width_px = times * call.camera.width_px;
   const int height_px = times * call.camera.height_px;
-  const bool multisample = times < kPlainFrom && call.edges == Edges::sampled;
+  const bool multisample = times < kPlainFrom && call.antialiasing == Antialiasing::multisample;
   const GlTarget& target =
       targets_.try_emplace({width_px, height_px, multisample}, gl_, width_px, height_px, multisample).first->second;
   target.bind();
@@ -99,10 +99,10 @@ PixelImage Scene::draw(const DrawCall& call) {
   gl_.DepthFunc(GL_LEQUAL);
   draw_bone(call);
   if (call.cut_face != nullptr && call.cut_face->width > 0) draw_cut_face(call);
-  if (call.bone_from_spinning_tool && call.camera.draws_tool) draw_tool(call);
+  if (call.bone_from_spinning_tool && call.camera.shows_tool) draw_tool(call);
   gl_.check("drawing a picture");
   PixelImage image{width_px, height_px, target.read()};
-  if (call.edges == Edges::smoothed) image = edges_smoothed(image);
+  if (call.antialiasing == Antialiasing::fxaa) image = antialiased(image);
   return averaged(std::move(image), times);
 }
 
@@ -136,7 +136,7 @@ void Scene::draw_bone(const DrawCall& call) const {
     gl_.CullFace(GL_BACK);
   }
   for (const auto& tile : bone_) {
-    if (tile && may_be_seen(tile->bounds, call.camera)) tile->mesh.draw();
+    if (tile && may_be_visible(tile->bounds, call.camera)) tile->mesh.draw();
   }
 }
 
@@ -174,7 +174,7 @@ void Scene::draw_tool(const DrawCall& call) const {
               Eigen::Matrix4f((call.camera.clip_from_bone() * bone_from_tool.matrix()).cast<float>()));
   program.set("eye_from_tool", Eigen::Matrix4f((call.camera.eye_from_bone * bone_from_tool).matrix().cast<float>()));
   program.set("cut_plane", local_plane(call.camera, bone_from_tool));
-  program.set("towards_eye", static_cast<float>(kToolLift_mm * call.camera.clip_lift_per_mm()));
+  program.set("towards_eye", static_cast<float>(kToolLift_mm * call.camera.clip_depth_per_mm()));
   program.set("cut_open", cut_open ? 1 : 0);
   program.set("brushed", call.steel ? 1 : 0);
   program.set("key_direction", call.key_direction);

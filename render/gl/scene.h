@@ -18,7 +18,7 @@ namespace reamsim {
 
 /// How edges are kept from being jagged: by four samples per pixel, or, at half the price, by smoothing them
 /// afterwards.
-enum class Edges { sampled, smoothed };
+enum class Antialiasing { multisample, fxaa };
 
 /// One picture to be drawn.
 struct DrawCall {
@@ -32,7 +32,7 @@ struct DrawCall {
   Background background = Background::studio;
   Eigen::Vector3f key_direction = Eigen::Vector3f::UnitZ();  ///< towards the main light, in the eye's axes; unit length
   int supersampling = 1;                                     ///< drawn so many times as wide and high, and averaged
-  Edges edges = Edges::sampled;
+  Antialiasing antialiasing = Antialiasing::multisample;
 };
 
 /// The meshes, shaders and lights. Its context must be current.

@@ -50,16 +50,16 @@ bool cut_away(const Eigen::AlignedBox3d& box_mm, const Eigen::Vector4d& plane) {
 
 /// All of its triangles seen from behind.
 bool faces_away(const TileBounds& bounds, const Camera& camera) {
-  if (bounds.widest_turn_sine >= 1) return false;
-  const double sine = bounds.widest_turn_sine + kEdgeOn;
+  if (bounds.normal_cone_sine >= 1) return false;
+  const double sine = bounds.normal_cone_sine + kEdgeOn;
   if (!camera.eye_mm) {
     const Vec3 towards_eye = camera.eye_from_bone.linear().transpose().col(2);
-    return bounds.facing.dot(towards_eye) < -sine;
+    return bounds.mean_normal.dot(towards_eye) < -sine;
   }
   const Vec3 eye = camera.eye_from_bone.inverse() * Vec3(0, 0, *camera.eye_mm);
   const Vec3 away = bounds.box_mm.center() - eye;
   // From every point of the box's ball: the direction to the eye turns by no more than the ball is wide.
-  return bounds.facing.dot(away) > sine * away.norm() + bounds.box_mm.diagonal().norm() / 2;
+  return bounds.mean_normal.dot(away) > sine * away.norm() + bounds.box_mm.diagonal().norm() / 2;
 }
 
 }  // namespace
@@ -71,14 +71,14 @@ TileBounds tile_bounds(const BoneSurface& surface) {
   Vec3 sum = Vec3::Zero();
   for (const Vec3& normal : normals) sum += normal;
   if (sum.norm() < 1e-9) return out;
-  out.facing = sum.normalized();
+  out.mean_normal = sum.normalized();
   double cosine = 1;
-  for (const Vec3& normal : normals) cosine = std::min(cosine, normal.dot(out.facing));
-  if (cosine > 0) out.widest_turn_sine = std::sqrt(1 - cosine * cosine);
+  for (const Vec3& normal : normals) cosine = std::min(cosine, normal.dot(out.mean_normal));
+  if (cosine > 0) out.normal_cone_sine = std::sqrt(1 - cosine * cosine);
   return out;
 }
 
-bool may_be_seen(const TileBounds& bounds, const Camera& camera) {
+bool may_be_visible(const TileBounds& bounds, const Camera& camera) {
   if (beside_picture(bounds.box_mm, camera)) return false;
   if (camera.cut_plane) return !cut_away(bounds.box_mm, *camera.cut_plane);
   return !faces_away(bounds, camera);

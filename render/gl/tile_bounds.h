@@ -9,8 +9,8 @@ namespace reamsim {
 /// in.
 struct TileBounds {
   Eigen::AlignedBox3d box_mm;   ///< in B
-  Vec3 facing = Vec3::UnitZ();  ///< the middle of its triangles' outward normals
-  double widest_turn_sine = 1;  ///< sine of the largest angle from there to a normal; 1: a right angle or more
+  Vec3 mean_normal = Vec3::UnitZ();  ///< the middle of its triangles' outward normals
+  double normal_cone_sine = 1;  ///< sine of the largest angle from there to a normal; 1: a right angle or more
 };
 
 /// Bounds of a surface that has triangles.
@@ -18,6 +18,6 @@ TileBounds tile_bounds(const BoneSurface& surface);
 
 /// Can the camera see any of it? False only where all of it lies beside the picture or behind the cut, or, without a
 /// cut, faces away.
-bool may_be_seen(const TileBounds& bounds, const Camera& camera);
+bool may_be_visible(const TileBounds& bounds, const Camera& camera);
 
 }  // namespace reamsim

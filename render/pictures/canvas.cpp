@@ -33,7 +33,7 @@ void Canvas::release() {
   cairo_surface_destroy(surface_);
 }
 
-void Canvas::paper(const Box& box, double radius) const {
+void Canvas::fill_panel(const Box& box, double radius) const {
   constexpr double kQuarter = std::numbers::pi / 2;
   cairo_new_sub_path(cairo_);
   cairo_arc(cairo_, box.x + box.width - radius, box.y + radius, radius, -kQuarter, 0);
@@ -41,7 +41,7 @@ void Canvas::paper(const Box& box, double radius) const {
   cairo_arc(cairo_, box.x + radius, box.y + box.height - radius, radius, kQuarter, 2 * kQuarter);
   cairo_arc(cairo_, box.x + radius, box.y + radius, radius, 2 * kQuarter, 3 * kQuarter);
   cairo_close_path(cairo_);
-  ink(kPaper);
+  ink(kPanelColor);
   cairo_fill(cairo_);
 }
 

@@ -11,12 +11,12 @@
 namespace reamsim {
 
 /// A colour of what is drawn over a picture, 0…1.
-struct Ink {
+struct Rgba {
   double r, g, b, a;
 };
-constexpr Ink kInk{0.10, 0.12, 0.15, 1};
-constexpr Ink kFaintInk{0.28, 0.32, 0.37, 1};
-constexpr Ink kPaper{1, 1, 1, 0.80};
+constexpr Rgba kTextColor{0.10, 0.12, 0.15, 1};
+constexpr Rgba kFaintTextColor{0.28, 0.32, 0.37, 1};
+constexpr Rgba kPanelColor{1, 1, 1, 0.80};
 
 /// A drawing surface over a picture's pixels.
 class Canvas {
@@ -29,9 +29,9 @@ class Canvas {
 
   [[nodiscard]] cairo_t* get() const { return cairo_; }
   [[nodiscard]] cairo_surface_t* surface() const { return surface_; }
-  void ink(const Ink& color) const { cairo_set_source_rgba(cairo_, color.r, color.g, color.b, color.a); }
+  void set_color(const Rgba& color) const { cairo_set_source_rgba(cairo_, color.r, color.g, color.b, color.a); }
   /// A half-transparent sheet with round corners, to write on.
-  void paper(const Box& box, double radius) const;
+  void fill_panel(const Box& box, double radius) const;
   /// Puts what was drawn into the pixels. Throws RunError when drawing failed.
   void finish() const;
 

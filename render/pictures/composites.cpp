@@ -70,7 +70,7 @@ PixelImage before_and_after(const RunView& view, const Camera& half, const Pixel
 }
 
 SheetGrid sheet_grid(int cells, int width_px, int height_px) {
-  const bool bare = std::min(width_px, height_px) < kLeastLabelled_px;
+  const bool bare = std::min(width_px, height_px) < kMinLabelled_px;
   const double u = bare ? 0 : page_unit(width_px, height_px);
   const Box area{kMargin * u, kHead * u, width_px - (kMargin + kLegend) * u, height_px - (kHead + kFoot) * u};
   SheetGrid best{1, cells, 1, 1, area, static_cast<int>(kGap * u)};
@@ -112,8 +112,8 @@ void ContactSheet::add(PixelImage cell, const ForceRow& row) {
     const double u = page_unit(page_.width_px, page_.height_px);
     const Canvas canvas(cell);
     const TextLine text(canvas, fixed_text(row.time_s, 3) + " s · " + depth_text(row.depth_mm), kCaption * u);
-    canvas.paper({8 * u, 8 * u, text.width + 16 * u, text.height + 8 * u}, 5 * u);
-    canvas.ink(kInk);
+    canvas.fill_panel({8 * u, 8 * u, text.width + 16 * u, text.height + 8 * u}, 5 * u);
+    canvas.set_color(kTextColor);
     text.draw(16 * u, 12 * u);
     canvas.finish();
   }
@@ -130,7 +130,7 @@ PixelImage ContactSheet::finish() {
   page.height_px = page_.height_px;
   Labels labels = view_.labels(camera_, std::nullopt);
   labels.title = "Time and tool depth";
-  labels.scale_share = 0.5 * camera_.width_px / page_.width_px;
+  labels.scale_bar_fraction = 0.5 * camera_.width_px / page_.width_px;
   draw_labels(page_, page, labels);
   return std::move(page_);
 }

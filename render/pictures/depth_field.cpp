@@ -58,10 +58,10 @@ void DepthField::place(const std::vector<Row>& rows, const std::string& path) {
     ys.push_back(row.place_mm.y());
   }
   const double step = std::min(least_step(xs), least_step(ys));
-  pitch_mm_ = std::isfinite(step) ? step : 1;
+  spacing_mm_ = std::isfinite(step) ? step : 1;
   corner_mm_ = {*std::min_element(xs.begin(), xs.end()), *std::min_element(ys.begin(), ys.end())};
   const Vec2 last(*std::max_element(xs.begin(), xs.end()), *std::max_element(ys.begin(), ys.end()));
-  const Vec2 size = ((last - corner_mm_) / pitch_mm_).array().round() + 1;
+  const Vec2 size = ((last - corner_mm_) / spacing_mm_).array().round() + 1;
   if (size.prod() > kMostCells) {
     throw InputError({path, 0, 0}, "", "columns do not lie on a regular grid", "the depth_map.csv of a run");
   }
@@ -69,7 +69,7 @@ void DepthField::place(const std::vector<Row>& rows, const std::string& path) {
   ny_ = static_cast<int>(size.y());
   cells_.resize(static_cast<std::size_t>(nx_) * static_cast<std::size_t>(ny_));
   for (const Row& row : rows) {
-    const Vec2 at = ((row.place_mm - corner_mm_) / pitch_mm_).array().round();
+    const Vec2 at = ((row.place_mm - corner_mm_) / spacing_mm_).array().round();
     cells_[index(static_cast<int>(at.x()), static_cast<int>(at.y()))] = row.cell;
   }
 }
@@ -89,7 +89,7 @@ void DepthField::keep_holes() {
     for (int i = 0; i < nx_; ++i) {
       const Cell& own = at(i, j);
       if (!own.through) continue;
-      const double below_mm = own.before_mm - own.depth_mm - pitch_mm_;
+      const double below_mm = own.before_mm - own.depth_mm - spacing_mm_;
       bool edge_near = false;
       look_round(i, j, kEdge, [&](int a, int b) {
         const Cell& beside = cell(a, b);
@@ -147,8 +147,8 @@ void DepthField::round_off() {
     bone.in.push_back(its.bone ? 1 : 0);
     reamed.in.push_back(its.depth_mm > 0 ? 1 : 0);
   }
-  const std::vector<double> of_bone = soft_outline(bone, std::vector<double>(cells_.size(), 1.0));
-  const std::vector<double> of_reamed = soft_outline(reamed, of_bone);
+  const std::vector<double> of_bone = smoothed_mask(bone, std::vector<double>(cells_.size(), 1.0));
+  const std::vector<double> of_reamed = smoothed_mask(reamed, of_bone);
   for (std::size_t i = 0; i < cells_.size(); ++i) cells_[i].shares = {of_bone[i], of_reamed[i]};
 }
 
@@ -160,10 +160,10 @@ void DepthField::sum_up() {
     deepest_mm_ = std::max(deepest_mm_, its.depth_mm);
     sum_mm += its.depth_mm;
     ++columns;
-    if (its.through) through_mm2_ += pitch_mm_ * pitch_mm_;
+    if (its.through) perforated_mm2_ += spacing_mm_ * spacing_mm_;
   }
   mean_mm_ = columns > 0 ? sum_mm / columns : 0;
-  area_mm2_ = columns * pitch_mm_ * pitch_mm_;
+  area_mm2_ = columns * spacing_mm_ * spacing_mm_;
 }
 
 const DepthField::Cell& DepthField::cell(int i, int j) const {
@@ -178,7 +178,7 @@ void DepthField::find_normals() {
     const Cell& from = low.bone ? low : own;
     const Cell& to = high.bone ? high : own;
     const int steps = (low.bone ? 1 : 0) + (high.bone ? 1 : 0);
-    return own.bone && steps > 0 ? (to.before_mm - from.before_mm) / (steps * pitch_mm_) : 0.0;
+    return own.bone && steps > 0 ? (to.before_mm - from.before_mm) / (steps * spacing_mm_) : 0.0;
   };
   for (int j = 0; j < ny_; ++j) {
     for (int i = 0; i < nx_; ++i) {
@@ -190,7 +190,7 @@ void DepthField::find_normals() {
 }
 
 std::array<DepthField::Corner, 4> DepthField::corners(const Vec2& place_mm) const {
-  const Vec2 index = (place_mm - corner_mm_) / pitch_mm_;
+  const Vec2 index = (place_mm - corner_mm_) / spacing_mm_;
   const Vec2 lower = index.array().floor();
   const Vec2 high = index - lower;
   const Vec2 low = Vec2::Ones() - high;

@@ -28,15 +28,15 @@ class DepthField {
   /// Of the unreamed surface there; +z where there is no bone.
   [[nodiscard]] Vec3 normal_before(const Vec2& place_mm) const;
 
-  [[nodiscard]] double pitch_mm() const { return pitch_mm_; }
-  [[nodiscard]] Vec2 min_mm() const { return corner_mm_ - Vec2::Constant(0.5 * pitch_mm_); }
-  [[nodiscard]] Vec2 max_mm() const { return corner_mm_ + pitch_mm_ * Vec2(nx_ - 0.5, ny_ - 0.5); }
+  [[nodiscard]] double spacing_mm() const { return spacing_mm_; }
+  [[nodiscard]] Vec2 min_mm() const { return corner_mm_ - Vec2::Constant(0.5 * spacing_mm_); }
+  [[nodiscard]] Vec2 max_mm() const { return corner_mm_ + spacing_mm_ * Vec2(nx_ - 0.5, ny_ - 0.5); }
   [[nodiscard]] double deepest_mm() const { return deepest_mm_; }
   [[nodiscard]] double mean_mm() const { return mean_mm_; }
   /// Of the reamed columns, across the map's z.
   [[nodiscard]] double area_mm2() const { return area_mm2_; }
   /// Of the holes that were reamed through the bone. Rim that was reamed away is no hole.
-  [[nodiscard]] double through_mm2() const { return through_mm2_; }
+  [[nodiscard]] double perforated_mm2() const { return perforated_mm2_; }
 
  private:
   /// Shares of the columns round a column, weighted by nearness: outlines by them do not go along the columns' edges.
@@ -77,7 +77,7 @@ class DepthField {
   [[nodiscard]] const Cell& cell(int i, int j) const;
   [[nodiscard]] std::array<Corner, 4> corners(const Vec2& place_mm) const;
 
-  double pitch_mm_ = 1;
+  double spacing_mm_ = 1;
   Vec2 corner_mm_ = Vec2::Zero();
   int nx_ = 0;
   int ny_ = 0;
@@ -85,7 +85,7 @@ class DepthField {
   double deepest_mm_ = 0;
   double mean_mm_ = 0;
   double area_mm2_ = 0;
-  double through_mm2_ = 0;
+  double perforated_mm2_ = 0;
 };
 
 }  // namespace reamsim

@@ -101,7 +101,7 @@ class DepthPainter {
   [[nodiscard]] double contour(const Vec2& at, const DepthField::Sample& sample) const {
     const double nearest = std::round(sample.smooth_mm / scale_.step) * scale_.step;
     if (nearest <= 0) return 0;
-    const double h = 0.5 * field_.pitch_mm();
+    const double h = 0.5 * field_.spacing_mm();
     Vec2 slope;
     for (int axis = 0; axis < 2; ++axis) {
       const DepthField::Sample low = field_.at(at - h * Vec2::Unit(axis));
@@ -135,8 +135,8 @@ Labels map_labels(const DepthField& field, const RunInputs& run, const Scale& sc
   labels.values = {{"deepest along axis", fixed_text(field.deepest_mm(), 2) + " mm"},
                    {"mean", fixed_text(field.mean_mm(), 2) + " mm"},
                    {"reamed area", fixed_text(field.area_mm2(), 0) + " mm²"}};
-  if (field.through_mm2() > 0) {
-    labels.values.emplace_back("hole (red)", fixed_text(field.through_mm2(), 1) + " mm²");
+  if (field.perforated_mm2() > 0) {
+    labels.values.emplace_back("hole (red)", fixed_text(field.perforated_mm2(), 1) + " mm²");
   }
   labels.legends.push_back({"Depth", "mm along axis", depth_colors(), scale});
   if (!run.glenoid) return labels;

@@ -11,7 +11,7 @@ namespace {
 constexpr double kMargin = 28;  // all lengths for a picture 1080 pixels high
 constexpr double kText = 23;
 constexpr double kLongestArrow = 0.18;  // of the picture's width
-constexpr Ink kForceInk{0.75, 0.10, 0.20, 1};
+constexpr Rgba kForceColor{0.75, 0.10, 0.20, 1};
 
 /// Pixels of this picture per pixel of one 1080 high and at least 1440 wide.
 double unit(const Camera& camera) {
@@ -19,7 +19,7 @@ double unit(const Camera& camera) {
 }
 
 bool labelled(const Camera& camera) {
-  return std::min(camera.width_px, camera.height_px) >= kLeastLabelled_px;
+  return std::min(camera.width_px, camera.height_px) >= kMinLabelled_px;
 }
 
 /// Title and values in the upper left corner.
@@ -40,17 +40,17 @@ void draw_values(const Canvas& canvas, const Camera& camera, const Labels& label
                                                                     : labels.values.empty() ? 1
                                                                                             : 1.15);
   const Box box{left_px + kMargin * u, kMargin * u, inner + 2 * pad, lines * line + 1.4 * pad};
-  canvas.paper(box, 8 * u);
+  canvas.fill_panel(box, 8 * u);
   double y = box.y + pad * 0.7;
-  canvas.ink(kInk);
+  canvas.set_color(kTextColor);
   if (!labels.title.empty()) {
     title.draw(box.x + pad, y);
     y += 1.15 * line;
   }
   for (const auto& [name, value] : labels.values) {
-    canvas.ink(kFaintInk);
+    canvas.set_color(kFaintTextColor);
     TextLine(canvas, name, kText * u).draw(box.x + pad, y);
-    canvas.ink(kInk);
+    canvas.set_color(kTextColor);
     const TextLine number(canvas, value, kText * u);
     number.draw(box.x + pad + inner - number.width, y);
     y += line;
@@ -67,10 +67,10 @@ void draw_legend(const Canvas& canvas, const Camera& camera, const Legend& legen
   const double pad = 14 * u;
   const double width = 146 * u + 2 * pad;
   const double head = title.height + unit_text.height + 12 * u;
-  canvas.paper({right - width, bar.y - head - pad, width, bar.height + head + 2 * pad + 4 * u}, 8 * u);
-  canvas.ink(kInk);
+  canvas.fill_panel({right - width, bar.y - head - pad, width, bar.height + head + 2 * pad + 4 * u}, 8 * u);
+  canvas.set_color(kTextColor);
   title.draw(right - width + pad, bar.y - head);
-  canvas.ink(kFaintInk);
+  canvas.set_color(kFaintTextColor);
   unit_text.draw(right - width + pad, bar.y - head + title.height);
 
   const int rows = static_cast<int>(std::ceil(bar.height));
@@ -81,7 +81,7 @@ void draw_legend(const Canvas& canvas, const Camera& camera, const Legend& legen
     cairo_rectangle(c, bar.x, bar.y + row, bar.width, std::min(2.0, bar.height - row));
     cairo_fill(c);
   }
-  canvas.ink(kInk);
+  canvas.set_color(kTextColor);
   cairo_set_line_width(c, std::max(1.0, 1.5 * u));
   cairo_rectangle(c, bar.x, bar.y, bar.width, bar.height);
   cairo_stroke(c);
@@ -102,17 +102,17 @@ void draw_scale_bar(const Canvas& canvas, const Camera& camera, double share) {
   Scale exact{length_mm, length_mm};
   const TextLine text(canvas, exact.label(1) + (camera.eye_mm ? " mm at target" : " mm"), kText * u);
   const double width = std::max(bar.width, text.width);
-  canvas.paper(
+  canvas.fill_panel(
       {bar.x - 14 * u, bar.y - text.height - 16 * u, width + 28 * u, text.height + 16 * u + bar.height + 14 * u},
       8 * u);
-  canvas.ink(kInk);
+  canvas.set_color(kTextColor);
   cairo_rectangle(c, bar.x, bar.y, bar.width, bar.height);
   cairo_fill(c);
   text.draw(bar.x + 0.5 * (bar.width - text.width), bar.y - text.height - 6 * u);
 }
 
 /// An arrow with a light rim, so that it shows on bone and on steel. Lengths in pixels.
-void stroke_arrow(const Canvas& canvas, const Vec2& from, const Vec2& to, double width, const Ink& color) {
+void stroke_arrow(const Canvas& canvas, const Vec2& from, const Vec2& to, double width, const Rgba& color) {
   cairo_t* c = canvas.get();
   const Vec2 way = (to - from).normalized();
   const Vec2 side(-way.y(), way.x());
@@ -126,11 +126,11 @@ void stroke_arrow(const Canvas& canvas, const Vec2& from, const Vec2& to, double
   line_to(neck - 0.5 * width * side);
   line_to(from - 0.5 * width * side);
   cairo_close_path(c);
-  canvas.ink({1, 1, 1, 0.9});
+  canvas.set_color({1, 1, 1, 0.9});
   cairo_set_line_join(c, CAIRO_LINE_JOIN_ROUND);
   cairo_set_line_width(c, 0.55 * width);
   cairo_stroke_preserve(c);
-  canvas.ink(color);
+  canvas.set_color(color);
   cairo_fill(c);
 }
 
@@ -140,16 +140,16 @@ void draw_force(const Canvas& canvas, const Camera& camera, const Labels& labels
   const double u = unit(camera);
   const Vec2 from = camera.pixel(labels.force->from_mm);
   const double longest_mm = kLongestArrow * camera.width_px * camera.mm_per_px;
-  const Vec2 to = camera.pixel(labels.force->from_mm + longest_mm * labels.force->way);
+  const Vec2 to = camera.pixel(labels.force->from_mm + longest_mm * labels.force->direction);
   if ((to - from).norm() < 14 * u) return;
-  stroke_arrow(canvas, from, to, 9 * u, kForceInk);
+  stroke_arrow(canvas, from, to, 9 * u, kForceColor);
   const TextLine text(canvas, labels.force->text, kText * u, true);
   const Vec2 way = (to - from).normalized();
   const Vec2 middle = to + (16 * u + 0.5 * (std::abs(way.x()) * text.width + std::abs(way.y()) * text.height)) * way;
   const Box box{middle.x() - 0.5 * text.width - 8 * u, middle.y() - 0.5 * text.height - 3 * u, text.width + 16 * u,
                 text.height + 6 * u};
-  canvas.paper(box, 5 * u);
-  canvas.ink(kForceInk);
+  canvas.fill_panel(box, 5 * u);
+  canvas.set_color(kForceColor);
   text.draw(box.x + 8 * u, box.y + 3 * u);
 }
 
@@ -167,7 +167,7 @@ void draw_directions(const Canvas& canvas, const Camera& camera, const Labels& l
     const Vec2 tip = middle + reach * way;
     way.normalize();
     const Vec2 side(-way.y(), way.x());
-    canvas.ink(kInk);
+    canvas.set_color(kTextColor);
     cairo_set_line_width(c, 2.5 * u);
     cairo_move_to(c, middle.x(), middle.y());
     cairo_line_to(c, tip.x(), tip.y());
@@ -196,10 +196,10 @@ void stroke_outlines(const Canvas& canvas, const Camera& camera, const Labels& l
       cairo_line_to(c, at.x(), at.y());
     }
     cairo_close_path(c);
-    canvas.ink({1, 1, 1, 0.55});
+    canvas.set_color({1, 1, 1, 0.55});
     cairo_set_line_width(c, std::max(2.0, 5 * u));
     cairo_stroke_preserve(c);
-    canvas.ink({0.15, 0.25, 0.40, 1});
+    canvas.set_color({0.15, 0.25, 0.40, 1});
     cairo_set_line_width(c, std::max(1.0, 2.4 * u));
     cairo_set_dash(c, dashes, 2, 0);
     cairo_stroke(c);
@@ -236,7 +236,7 @@ void draw_labels(PixelImage& image, const Camera& camera, const Labels& labels) 
   for (int i = 0; i < count; ++i) {
     draw_legend(canvas, camera, labels.legends[static_cast<std::size_t>(i)], legend_box(camera, i, count));
   }
-  draw_scale_bar(canvas, camera, labels.scale_share);
+  draw_scale_bar(canvas, camera, labels.scale_bar_fraction);
   draw_directions(canvas, camera, labels);
   canvas.finish();
 }

@@ -23,7 +23,7 @@ struct Legend {
 /// A force in B: where it acts, and which way, as long as its share of the run's greatest.
 struct ForceArrow {
   Vec3 from_mm;
-  Vec3 way;
+  Vec3 direction;
   std::string text;
 };
 
@@ -36,11 +36,11 @@ struct Labels {
   std::vector<std::pair<std::string, Vec3>> directions;  ///< anatomical directions: name and unit vector in B
   std::vector<std::vector<Vec3>> outlines_mm;            ///< closed dashed lines in B
   std::optional<ForceArrow> force;
-  double scale_share = 0.20;  ///< how much of the picture's width the scale bar may take
+  double scale_bar_fraction = 0.20;  ///< how much of the picture's width the scale bar may take
 };
 
 /// Pictures smaller than this on a side carry no labels: they could not be read.
-constexpr int kLeastLabelled_px = 200;
+constexpr int kMinLabelled_px = 200;
 
 /// The colour bar of the `index`-th of `count` legends, without its numbers. Empty when the picture is too small.
 Box legend_box(const Camera& camera, int index, int count);

@@ -63,7 +63,7 @@ PixelImage Renderer::render(const Camera& camera, const std::optional<Rigid>& to
   call.background = settings.background;
   call.key_direction = settings.light.normalized().cast<float>();
   call.supersampling = settings.supersampling;
-  call.edges = for_film ? Edges::smoothed : Edges::sampled;
+  call.antialiasing = for_film ? Antialiasing::fxaa : Antialiasing::multisample;
   CutFace cut_face;
   if (camera.cut_plane) {
     cut_face = sample_cut_face(view_.run().voxmap(), state_->fields.fill, state_->fields.solid, camera);

@@ -132,17 +132,17 @@ ViewTarget make_view_target(const RunInputs& run, const ToolPose& deepest, const
   const VoxelGrid& grid = run.voxmap->grid;
   for (const Eigen::Vector3f& p : bone.points) {
     target.bone_mm.emplace_back(grid.origin_mm + grid.voxel_mm * (p.cast<double>() + Vec3::Constant(0.5)));
-    target.reach_mm = std::max(target.reach_mm, (target.bone_mm.back() - target.focus_mm).norm());
+    target.radius_mm = std::max(target.radius_mm, (target.bone_mm.back() - target.focus_mm).norm());
   }
   double tool_reach_mm = 0;
   double lowest_mm = run.tool.bounds().min.z();
   for (const Vec3& v : run.tool.vertices) {
     tool_reach_mm = std::max(tool_reach_mm, v.norm());
-    if (v.z() < lowest_mm + kHead_mm) target.head_mm.push_back(target.bone_from_tool * v);
+    if (v.z() < lowest_mm + kHead_mm) target.tool_head_mm.push_back(target.bone_from_tool * v);
   }
   for (const ToolPose& pose : run.poses) {
     const double away_mm = (pose.position_mm - target.focus_mm).norm() + tool_reach_mm;
-    target.reach_mm = std::max(target.reach_mm, away_mm);
+    target.radius_mm = std::max(target.radius_mm, away_mm);
   }
   return target;
 }

@@ -74,7 +74,7 @@ Labels RunView::labels(const Camera& camera, const std::optional<Rigid>& tool) c
     labels.directions = {{"superior", target.superior}, {"lateral", target.outward}};
     if (target.anterior) labels.directions.emplace_back("anterior", *target.anterior);
   }
-  if (tool && !camera.draws_tool) labels.outlines_mm.push_back(widest_circle(run_.inputs().tool, *tool));
+  if (tool && !camera.shows_tool) labels.outlines_mm.push_back(widest_circle(run_.inputs().tool, *tool));
   return labels;
 }
 

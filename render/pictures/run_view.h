@@ -18,7 +18,7 @@ struct PictureOptions {
   double mean_travel_mm = 0;
   bool film = true;                 ///< of the run, where the settings want films; the turntable's goes by its pictures
   bool stills = true;               ///< reamed.png and frames/; what else there is, the settings say
-  std::string unsuffixed_camera{};  ///< whose files have no suffix; "": the first of the settings
+  std::string camera_without_suffix{};  ///< whose files have no suffix; "": the first of the settings
 };
 
 /// What is the same in every picture of a run, and known before the first: what is looked at, by which cameras, and how

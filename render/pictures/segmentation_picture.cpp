@@ -23,9 +23,9 @@ constexpr double kOutline_px = 1.6;
 /// The window in which radiologists look at bone: black at its lower end, white at its upper end.
 constexpr double kBlack_hu = -450, kWhite_hu = 1050;
 constexpr std::uint32_t kPaperRgb = 0xf7f7f9;
-constexpr Ink kOutlineInk{0.90, 0.62, 0.0, 1};  // Okabe and Ito's orange
-constexpr Ink kMarkInk{0.34, 0.71, 0.91, 1};    // and their sky blue
-constexpr Ink kLetterInk{1, 1, 1, 0.9};
+constexpr Rgba kOutlineColor{0.90, 0.62, 0.0, 1};  // Okabe and Ito's orange
+constexpr Rgba kMarkColor{0.34, 0.71, 0.91, 1};    // and their sky blue
+constexpr Rgba kLetterColor{1, 1, 1, 0.9};
 
 double width_mm(const ScanPlane& plane) {
   return plane.columns * plane.spacing_mm.x();
@@ -116,7 +116,7 @@ void outline_square(const Canvas& canvas, const Panel& panel, int column, int ro
 }
 
 void outline(const Canvas& canvas, const Panel& panel) {
-  canvas.ink(kOutlineInk);
+  canvas.set_color(kOutlineColor);
   cairo_set_line_width(canvas.get(), kOutline_px);
   cairo_set_line_cap(canvas.get(), CAIRO_LINE_CAP_ROUND);
   for (int row = 0; row + 1 < panel.plane.rows; ++row) {
@@ -128,7 +128,7 @@ void outline(const Canvas& canvas, const Panel& panel) {
 /// A ring about the point that the planes share.
 void mark(const Canvas& canvas, const Panel& panel) {
   constexpr double kRadius_px = 7;
-  canvas.ink(kMarkInk);
+  canvas.set_color(kMarkColor);
   cairo_set_line_width(canvas.get(), 2.5);
   cairo_arc(canvas.get(), panel.px_x(panel.plane.through.x()), panel.px_y(panel.plane.through.y()), kRadius_px, 0,
             2 * M_PI);
@@ -136,9 +136,9 @@ void mark(const Canvas& canvas, const Panel& panel) {
 }
 
 void letter(const Canvas& canvas, const Panel& panel) {
-  canvas.ink(kInk);
+  canvas.set_color(kTextColor);
   TextLine(canvas, panel.plane.name, kText_px, true).draw(panel.x, panel.y - 32);
-  canvas.ink(kLetterInk);
+  canvas.set_color(kLetterColor);
   const TextLine left(canvas, panel.plane.left, kText_px), right(canvas, panel.plane.right, kText_px);
   const TextLine top(canvas, panel.plane.top, kText_px), bottom(canvas, panel.plane.bottom, kText_px);
   const double middle_x = panel.x + 0.5 * panel.width, middle_y = panel.y + 0.5 * (panel.height - left.height);
@@ -160,7 +160,7 @@ std::string legend_of(const Segmentation& segmentation) {
 void draw_foot(const Canvas& canvas, const Panel& panel, const std::string& legend, int height_px) {
   const double bar_mm = round_down(200 / panel.px_per_mm), bar_px = bar_mm * panel.px_per_mm;
   const double y = height_px - 0.5 * kFoot_px;
-  canvas.ink(kInk);
+  canvas.set_color(kTextColor);
   cairo_rectangle(canvas.get(), kGap_px, y, bar_px, 4);
   cairo_fill(canvas.get());
   char text[32];

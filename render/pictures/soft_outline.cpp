@@ -94,7 +94,7 @@ void raise_patch(const CellMask& mask, const std::vector<MaskCell>& patch, const
 
 }  // namespace
 
-std::vector<double> soft_outline(const CellMask& mask, const std::vector<double>& of) {
+std::vector<double> smoothed_mask(const CellMask& mask, const std::vector<double>& of) {
   const std::vector<double> hard(mask.in.begin(), mask.in.end());
   std::vector<double> shares = blurred(mask, blurred(mask, hard, 1, 0), 0, 1);
   for (std::size_t i = 0; i < shares.size(); ++i) shares[i] = std::min(shares[i], of[i]);

@@ -20,6 +20,6 @@ struct CellMask {
 /// How much of what lies round each cell is in: half of `of` is then an outline that does not go along the cells'
 /// edges. `of`, from 0 to 1, is what a cell can hold at most: 1, or the share of what the mask is a part of. A patch of
 /// a few cells, in or out, that stands alone stays, and is round; a spur or a sliver of one cell's width may go.
-std::vector<double> soft_outline(const CellMask& mask, const std::vector<double>& of);
+std::vector<double> smoothed_mask(const CellMask& mask, const std::vector<double>& of);
 
 }  // namespace reamsim

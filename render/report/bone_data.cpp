@@ -19,20 +19,20 @@ Json vector_json(const Vector& v) {
 }
 
 BoneSurface surface_of(const Voxmap& voxmap, const FillBricks& fill, const UnreamedSurface& unreamed) {
-  return thinned(make_bone_surface(BoneFields(voxmap, fill, unreamed)), MeshBudget());
+  return simplified(make_bone_surface(BoneFields(voxmap, fill, unreamed)), MeshBudget());
 }
 
 Json mesh_json(const BoneSurface& surface, const Eigen::AlignedBox3f& box, double depth_max_mm) {
   return {{"vertices", surface.vertices.size() / BoneSurface::kStride},
           {"triangles", surface.indices.size() / 3},
-          {"bytes", packed_base64(mesh_bytes(surface, box, depth_max_mm))}};
+          {"bytes", compressed_base64(mesh_bytes(surface, box, depth_max_mm))}};
 }
 
 Json volume_json(const DensityVolume& volume) {
   return {{"dims", {volume.dims.x(), volume.dims.y(), volume.dims.z()}},
           {"origin_mm", vector_json(volume.origin_mm)},
           {"cell_mm", volume.cell_mm},
-          {"bytes", packed_base64(volume.grades)}};
+          {"bytes", compressed_base64(volume.grades)}};
 }
 
 Json colors_json(const ColorMap& map, const Scale& scale) {
@@ -48,7 +48,7 @@ Json view_json(const ViewTarget& target) {
   const Camera section = make_camera(CameraView::section, target, 1000, 1000);
   const Mat3 bone_from_eye = oblique.eye_from_bone.linear().transpose();
   return {{"focus_mm", vector_json(target.focus_mm)},
-          {"reach_mm", short_number(target.reach_mm)},
+          {"reach_mm", short_number(target.radius_mm)},
           {"height_mm", short_number(1000 * oblique.mm_per_px)},
           {"towards_viewer", vector_json(bone_from_eye.col(2))},
           {"outward", vector_json(target.outward)},

@@ -54,7 +54,7 @@ std::string base64(std::span<const std::uint8_t> bytes) {
   return out;
 }
 
-std::string packed_base64(std::span<const std::uint8_t> bytes) {
+std::string compressed_base64(std::span<const std::uint8_t> bytes) {
   uLongf size = compressBound(static_cast<uLong>(bytes.size()));
   std::vector<std::uint8_t> packed(size);
   if (compress2(packed.data(), &size, bytes.data(), static_cast<uLong>(bytes.size()), Z_BEST_COMPRESSION) != Z_OK) {
@@ -84,7 +84,7 @@ double short_number(double value) {
   return std::strtod(text.data(), nullptr);
 }
 
-std::string fill_page(std::string_view page, const std::map<std::string, std::string>& texts) {
+std::string fill_template(std::string_view page, const std::map<std::string, std::string>& texts) {
   std::string out;
   for (std::size_t at = 0;;) {
     const std::size_t open = page.find("{{", at);
@@ -101,7 +101,7 @@ std::string fill_page(std::string_view page, const std::map<std::string, std::st
   }
 }
 
-std::string read_whole(const std::string& path, const std::string& expected) {
+std::string read_file(const std::string& path, const std::string& expected) {
   std::ifstream in(path, std::ios::binary);
   std::ostringstream text;
   text << in.rdbuf();

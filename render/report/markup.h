@@ -16,7 +16,7 @@ std::string escape_html(std::string_view text);
 std::string base64(std::span<const std::uint8_t> bytes);
 
 /// Bytes packed by zlib (RFC 1950), in base 64.
-std::string packed_base64(std::span<const std::uint8_t> bytes);
+std::string compressed_base64(std::span<const std::uint8_t> bytes);
 
 /// JSON as it may stand in a <script> element: no character in it can end the element or open a comment. Text that is
 /// not UTF-8 has its wrong bytes replaced.
@@ -27,9 +27,9 @@ double short_number(double value);
 
 /// `page` with every {{name}} replaced; what is put in is not looked at again. Throws std::logic_error when a name has
 /// no text, because the page is part of the program.
-std::string fill_page(std::string_view page, const std::map<std::string, std::string>& texts);
+std::string fill_template(std::string_view page, const std::map<std::string, std::string>& texts);
 
 /// A whole file. Throws InputError when it cannot be read; `expected` says what it should be.
-std::string read_whole(const std::string& path, const std::string& expected);
+std::string read_file(const std::string& path, const std::string& expected);
 
 }  // namespace reamsim

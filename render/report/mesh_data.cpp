@@ -99,7 +99,7 @@ void put_corners(const std::vector<std::uint32_t>& indices, std::vector<std::uin
 
 }  // namespace
 
-BoneSurface thinned(const BoneSurface& surface, const MeshBudget& budget) {
+BoneSurface simplified(const BoneSurface& surface, const MeshBudget& budget) {
   std::vector<std::uint32_t> plain, reamed;
   for (std::size_t i = 0; i < surface.indices.size(); i += 3) {
     bool touched = false;
@@ -112,7 +112,7 @@ BoneSurface thinned(const BoneSurface& surface, const MeshBudget& budget) {
   }
   BoneSurface out;
   out.deepest_mm = surface.deepest_mm;
-  thin(surface, plain, budget.plain_triangles, out.indices);
+  thin(surface, plain, budget.unreamed_triangles, out.indices);
   thin(surface, reamed, budget.reamed_triangles, out.indices);
   if (out.indices.empty()) return out;
   meshopt_optimizeVertexCache(out.indices.data(), out.indices.data(), out.indices.size(), vertex_count(surface));

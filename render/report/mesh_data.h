@@ -12,14 +12,14 @@ namespace reamsim {
 
 /// How many triangles a mesh on the page may have.
 struct MeshBudget {
-  std::size_t plain_triangles = 110'000;  ///< of bone as it was
+  std::size_t unreamed_triangles = 110'000;  ///< of bone as it was
   std::size_t reamed_triangles = 90'000;  ///< of the reamed face, which is kept finer
 };
 
 /// `surface` with fewer triangles, by meshoptimizer (edge collapses by quadric error); its corners are corners of
 /// `surface`, and no crack opens. The face that was reamed and the rest are thinned one after the other, each with
 /// its border held. Vertices come in the order in which triangles use them first.
-BoneSurface thinned(const BoneSurface& surface, const MeshBudget& budget);
+BoneSurface simplified(const BoneSurface& surface, const MeshBudget& budget);
 
 /// A surface as bytes for the page. Little-endian, one after the other:
 /// x, y, z of the vertices (0…65535 over `box`) and depth (over 0…`depth_max_mm`), 16 bits each, as differences to the

@@ -48,6 +48,6 @@ struct PagePicture {
 std::vector<PagePicture> page_pictures(const std::vector<std::string>& paths, int most_px, std::size_t most_bytes);
 
 /// At most `most` of `count` items, evenly spread, the first and the last among them; ascending.
-std::vector<std::size_t> evenly_chosen(std::size_t count, std::size_t most);
+std::vector<std::size_t> evenly_spaced(std::size_t count, std::size_t most);
 
 }  // namespace reamsim

@@ -99,7 +99,7 @@ std::vector<PagePicture> page_pictures(const std::vector<std::string>& paths, in
   return out;
 }
 
-std::vector<std::size_t> evenly_chosen(std::size_t count, std::size_t most) {
+std::vector<std::size_t> evenly_spaced(std::size_t count, std::size_t most) {
   std::vector<std::size_t> out;
   const std::size_t chosen = std::min(count, most);
   for (std::size_t i = 0; i < chosen; ++i) {

@@ -33,7 +33,7 @@ constexpr int kFrame_px = 960;
 constexpr std::size_t kMostFrames = 120;  // of all cameras together
 
 Json read_json(const std::string& path, const std::string& expected) {
-  Json json = Json::parse(read_whole(path, expected), nullptr, false);
+  Json json = Json::parse(read_file(path, expected), nullptr, false);
   if (!json.is_object()) throw InputError({path, 0, 0}, "", "is not a JSON object", expected);
   return json;
 }
@@ -91,7 +91,7 @@ Json frames_json(const RunData& run, const std::vector<std::string>& cameras) {
   std::vector<std::int64_t> drawn = run.inputs().frames;
   std::erase_if(drawn, [&](std::int64_t frame) { return !fs::exists(frame_path(dir, frame, "")); });
   std::vector<std::int64_t> frames;
-  for (const std::size_t i : evenly_chosen(drawn.size(), std::max<std::size_t>(2, kMostFrames / cameras.size()))) {
+  for (const std::size_t i : evenly_spaced(drawn.size(), std::max<std::size_t>(2, kMostFrames / cameras.size()))) {
     frames.push_back(drawn[i]);
     json["frames"].push_back(frames.back());
     json["time_s"].push_back(short_number(run.row_of(frames.back()).time_s));
@@ -115,7 +115,7 @@ Json frames_json(const RunData& run, const std::vector<std::string>& cameras) {
 std::string printed_plot_html(const std::string& dir) {
   const std::string path = dir + "/forces.png";
   if (!fs::exists(path)) return "";
-  const std::string png = read_whole(path, "a picture");
+  const std::string png = read_file(path, "a picture");
   return "<img class=\"print-only\" alt=\"Force, torque, removed volume and depth against time\" "
          "src=\"data:image/png;base64," +
          base64({reinterpret_cast<const std::uint8_t*>(png.data()), png.size()}) + "\">";
@@ -147,12 +147,12 @@ std::string page_html(const RunData& run, const PictureOptions& options) {
       {"printed_plot", printed_plot_html(dir)},
       {"verification", verification_html(summary, verification, summary_path, verification_path)},
       {"provenance", provenance_html(summary, summary_path)},
-      {"scenario", escape_html(read_whole(dir + "/scenario.yaml", "the scenario.yaml of a run"))},
+      {"scenario", escape_html(read_file(dir + "/scenario.yaml", "the scenario.yaml of a run"))},
       {"script", embedded::report_script}};
   // What takes long comes when all the rest is known to be right.
   texts["figures"] = pictures_html(dir, name_of(options.settings.cameras.front()));
   texts["data"] = json_for_script(script_data(run, options));
-  return fill_page(embedded::report_page, texts);
+  return fill_template(embedded::report_page, texts);
 }
 
 }  // namespace

@@ -96,7 +96,7 @@ Reaming reaming_at(const IsoSurface& iso, const std::vector<Eigen::Vector3f>& po
 /// Smooths away what the voxels' steps have left in it.
 void smooth(const Neighbours& neighbours, const std::vector<Eigen::Vector3f>& points, Reaming& reaming) {
   if (std::ranges::all_of(reaming.fraction, [](float fraction) { return fraction == 0; })) return;
-  const std::vector<float> even = even_weights(neighbours, points);
+  const std::vector<float> even = mean_value_weights(neighbours, points);
   smooth_values(neighbours, even, reaming.fraction, reaming.depth_mm, kDepthRounds);
   smooth_values(neighbours, even, std::vector<float>(reaming.fraction.size(), 1), reaming.fraction, kEdgeRounds);
 }

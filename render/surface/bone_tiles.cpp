@@ -100,7 +100,7 @@ Vec3i BoneTiles::coord_of(std::size_t tile) const {
   return {static_cast<int>(i % tiles_.x()), static_cast<int>(row % tiles_.y()), static_cast<int>(row / tiles_.y())};
 }
 
-std::vector<bool> BoneTiles::tiles_near(const std::vector<Vec3i>& bricks, int reach) const {
+std::vector<bool> BoneTiles::tiles_within(const std::vector<Vec3i>& bricks, int reach) const {
   std::vector<bool> near(surfaces_.size(), false);
   for (const Vec3i& brick : bricks) {
     const Vec3i low = ((brick.array() + 1 - reach).max(0)) / kSideBricks;
@@ -131,8 +131,8 @@ BoneSurface BoneTiles::mesh(const BoneFields& fields, std::size_t tile) const {
 
 std::vector<std::size_t> BoneTiles::update(const BoneFields& fields, const std::vector<Vec3i>& bricks) {
   const int light_bricks = static_cast<int>(std::ceil(fields.ambient.reach_voxels() / kSide));
-  const std::vector<bool> changed = tiles_near(bricks, kChangeReach_bricks);
-  const std::vector<bool> lit = tiles_near(bricks, light_bricks);
+  const std::vector<bool> changed = tiles_within(bricks, kChangeReach_bricks);
+  const std::vector<bool> lit = tiles_within(bricks, light_bricks);
   std::vector<std::size_t> out;
   for (std::size_t tile = 0; tile < surfaces_.size(); ++tile) {
     if (changed[tile] || (lit[tile] && !surfaces_[tile].indices.empty())) out.push_back(tile);

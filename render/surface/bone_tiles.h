@@ -28,7 +28,7 @@ class BoneTiles {
  private:
   [[nodiscard]] Vec3i coord_of(std::size_t tile) const;
   /// Tiles that are no more than `reach` bricks away from any of `bricks`.
-  [[nodiscard]] std::vector<bool> tiles_near(const std::vector<Vec3i>& bricks, int reach) const;
+  [[nodiscard]] std::vector<bool> tiles_within(const std::vector<Vec3i>& bricks, int reach) const;
   [[nodiscard]] BoneSurface mesh(const BoneFields& fields, std::size_t tile) const;
 
   Vec3i tiles_;  ///< along each axis; the first begins one brick below the lattice, because the surface may

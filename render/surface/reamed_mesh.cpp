@@ -94,7 +94,7 @@ void find_depths(ReamedMesh& out, const VoxelGrid& grid, const UnreamedSurface& 
   const Neighbours neighbours(count, corner_indices(out.mesh));
   std::vector<Eigen::Vector3f> points;
   for (const Vec3& p : out.mesh.vertices) points.emplace_back(((p - grid.origin_mm) / grid.voxel_mm).cast<float>());
-  const std::vector<float> even = even_weights(neighbours, points);
+  const std::vector<float> even = mean_value_weights(neighbours, points);
   smooth_values(neighbours, even, out.reamed, out.depth_mm, kMeshDepthRounds);
   smooth_values(neighbours, even, std::vector<float>(count, 1), out.reamed, kMeshDepthRounds);
 }

@@ -77,7 +77,7 @@ void fit_to_normals(const Neighbours& neighbours, const std::vector<Eigen::Vecto
   }
 }
 
-std::vector<float> even_weights(const Neighbours& neighbours, const std::vector<Eigen::Vector3f>& points) {
+std::vector<float> mean_value_weights(const Neighbours& neighbours, const std::vector<Eigen::Vector3f>& points) {
   std::vector<float> out(neighbours.count(), 0);
   parallel_ranges(points.size(), kSmoothingGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {

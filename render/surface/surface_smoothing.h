@@ -47,10 +47,10 @@ void fit_to_normals(const Neighbours& neighbours, const std::vector<Eigen::Vecto
 /// How much each neighbour counts in a mean that leaves alone what changes evenly along the surface, however uneven its
 /// triangles are: mean value coordinates (Floater 2003, doi:10.1016/S0167-8396(03)00002-5), 1 on average. Equal weights
 /// would take a value over from where the neighbours' middle happens to lie, and lines along it would zigzag.
-std::vector<float> even_weights(const Neighbours& neighbours, const std::vector<Eigen::Vector3f>& points);
+std::vector<float> mean_value_weights(const Neighbours& neighbours, const std::vector<Eigen::Vector3f>& points);
 
 /// A number per vertex becomes, `rounds` times, the mean over itself and its neighbours: `weights` per vertex times
-/// even_weights(). Where no weight is, it stays.
+/// mean_value_weights(). Where no weight is, it stays.
 void smooth_values(const Neighbours& neighbours, const std::vector<float>& even, const std::vector<float>& weights,
                    std::vector<float>& values, int rounds);
 

@@ -61,7 +61,7 @@ class DepthPicture : public ::testing::Test {
 TEST_F(DepthPicture, ReadsItsRaster) {
   write(map_text());
   const DepthField field(file());
-  EXPECT_NEAR(field.pitch_mm(), 0.5, 1e-6);
+  EXPECT_NEAR(field.spacing_mm(), 0.5, 1e-6);
   EXPECT_DOUBLE_EQ(field.deepest_mm(), 2);
   EXPECT_NEAR(field.mean_mm(), 1.5, 1e-9);
   EXPECT_NEAR(field.area_mm2(), 36 * M_PI, 3);
@@ -70,7 +70,7 @@ TEST_F(DepthPicture, ReadsItsRaster) {
   EXPECT_NEAR(field.at({0, 0}).depth_mm, 1.5, 1e-6);
   EXPECT_NEAR(field.at({3, 0}).reamed, 1, 1e-3);
   EXPECT_DOUBLE_EQ(field.at({0, 3}).through, 1);
-  EXPECT_DOUBLE_EQ(field.through_mm2(), 4);
+  EXPECT_DOUBLE_EQ(field.perforated_mm2(), 4);
   EXPECT_NEAR(field.at({7.5, 0}).reamed, 0, 0.05);
   EXPECT_NEAR(field.at({7.5, 0}).bone, 1, 0.05);
   EXPECT_DOUBLE_EQ(field.at({9.9, 9.9}).bone, 0);
@@ -89,7 +89,7 @@ TEST_F(DepthPicture, ABreachThatReachesTheRimIsNoHoleHoweverWide) {
   }
   write(text);
   const DepthField field(file());
-  EXPECT_EQ(field.through_mm2(), 0);
+  EXPECT_EQ(field.perforated_mm2(), 0);
   EXPECT_EQ(field.deepest_mm(), 3);
 }
 
@@ -209,7 +209,7 @@ TEST_F(DepthPicture, RimThatWasReamedAwayIsNoHole) {
   const DepthField field(file());
   EXPECT_DOUBLE_EQ(field.at({5, 6}).through, 0);
   EXPECT_DOUBLE_EQ(field.at({8, 6}).through, 1);
-  EXPECT_DOUBLE_EQ(field.through_mm2(), 1);
+  EXPECT_DOUBLE_EQ(field.perforated_mm2(), 1);
 }
 
 TEST_F(DepthPicture, NoneWithoutAMapOrADepth) {

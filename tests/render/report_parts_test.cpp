@@ -44,8 +44,8 @@ TEST(Markup, JsonCannotEndItsScript) {
 }
 
 TEST(Markup, WhatIsPutInIsNotLookedAtAgain) {
-  EXPECT_EQ(fill_page("<{{a}}|{{b}}>", {{"a", "{{b}}"}, {"b", "2"}}), "<{{b}}|2>");
-  EXPECT_THROW(fill_page("{{c}}", {{"a", ""}}), std::logic_error);
+  EXPECT_EQ(fill_template("<{{a}}|{{b}}>", {{"a", "{{b}}"}, {"b", "2"}}), "<{{b}}|2>");
+  EXPECT_THROW(fill_template("{{c}}", {{"a", ""}}), std::logic_error);
 }
 
 TEST(SummaryText, WritesNumbersForPeople) {
@@ -62,10 +62,10 @@ TEST(SummaryText, WritesNumbersForPeople) {
 }
 
 TEST(PictureData, ChoosesEvenlyWithBothEnds) {
-  EXPECT_THAT(evenly_chosen(11, 40), ElementsAre(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10));
-  EXPECT_THAT(evenly_chosen(11, 3), ElementsAre(0, 5, 10));
-  EXPECT_THAT(evenly_chosen(5, 1), ElementsAre(4));
-  EXPECT_TRUE(evenly_chosen(0, 3).empty());
+  EXPECT_THAT(evenly_spaced(11, 40), ElementsAre(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10));
+  EXPECT_THAT(evenly_spaced(11, 3), ElementsAre(0, 5, 10));
+  EXPECT_THAT(evenly_spaced(5, 1), ElementsAre(4));
+  EXPECT_TRUE(evenly_spaced(0, 3).empty());
 }
 
 TEST(PlotData, KeepsTheSpikesOfALongRun) {
@@ -172,7 +172,7 @@ bool closed(const BoneSurface& surface) {
 TEST(MeshData, ThinningKeepsToTheBudgetAndOpensNoCrack) {
   const BoneSurface whole = sphere(120, 20);
   ASSERT_TRUE(closed(whole));
-  const BoneSurface thin = thinned(whole, {.plain_triangles = 6000, .reamed_triangles = 2000});
+  const BoneSurface thin = simplified(whole, {.unreamed_triangles = 6000, .reamed_triangles = 2000});
   EXPECT_TRUE(closed(thin));
   // Borders between the two parts stay, so a few more than the budget may be left.
   EXPECT_LE(thin.indices.size() / 3, 8800u);
@@ -187,8 +187,8 @@ TEST(MeshData, ThinningKeepsToTheBudgetAndOpensNoCrack) {
 
 TEST(MeshData, LeavesASmallMeshAsItIs) {
   const BoneSurface whole = sphere(12, 20);
-  EXPECT_EQ(thinned(whole, MeshBudget()).indices.size(), whole.indices.size());
-  EXPECT_TRUE(thinned(BoneSurface(), MeshBudget()).indices.empty());
+  EXPECT_EQ(simplified(whole, MeshBudget()).indices.size(), whole.indices.size());
+  EXPECT_TRUE(simplified(BoneSurface(), MeshBudget()).indices.empty());
 }
 
 /// Reads back what mesh_bytes() wrote.
@@ -234,7 +234,7 @@ struct Unpacked {
 };
 
 TEST(MeshData, BytesReadBackWithinTheirSteps) {
-  const BoneSurface surface = thinned(sphere(60, 20), {.plain_triangles = 3000, .reamed_triangles = 1000});
+  const BoneSurface surface = simplified(sphere(60, 20), {.unreamed_triangles = 3000, .reamed_triangles = 1000});
   const Eigen::AlignedBox3f box = bounds_of(surface);
   EXPECT_NEAR(box.sizes().x(), 40, 0.1);
   const std::size_t count = surface.vertices.size() / BoneSurface::kStride;
