@@ -28,9 +28,9 @@ Occupancy::Kind Occupancy::classify(const Vec3i& brick) const {
   bool any_bone = false;
   for (std::size_t i = 0; i < grades->size(); ++i) {
     const bool bone = (*grades)[i] != 0;
-    const int left = bone && fill != nullptr ? (*fill)[i] : FillBricks::kWhole;
-    any_bone |= bone && left > 0;
-    any_air |= !bone || left < FillBricks::kWhole;
+    const int remaining = bone && fill != nullptr ? (*fill)[i] : FillBricks::kWhole;
+    any_bone |= bone && remaining > 0;
+    any_air |= !bone || remaining < FillBricks::kWhole;
     if (any_air && any_bone) return Kind::kMixed;
   }
   return any_bone ? Kind::kFull : Kind::kEmpty;
