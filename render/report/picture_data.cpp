@@ -19,7 +19,7 @@
 namespace reamsim {
 namespace {
 
-constexpr int kQuality = 86;  // text in pictures stays clean from here on
+constexpr int kQuality = 86;  // least quality without artefacts around text
 
 using Image = std::unique_ptr<cairo_surface_t, decltype(&cairo_surface_destroy)>;
 
@@ -31,7 +31,7 @@ Image read_png(const std::string& path) {
   return image;
 }
 
-/// On white, at most `most_px` wide.
+/// Scaled down to at most `most_px` wide, on white.
 Image scaled(const Image& image, int most_px) {
   const int width = cairo_image_surface_get_width(image.get());
   const int height = cairo_image_surface_get_height(image.get());

@@ -1,4 +1,4 @@
-// Jagged edges of known shapes, smoothed, against the share of each pixel that the shape covers.
+// Jagged edges of known shapes, smoothed, against the fraction of each pixel that the shape covers.
 #include "render/gl/pixel_image.h"
 
 #include <gtest/gtest.h>
@@ -16,8 +16,8 @@ namespace {
 
 constexpr int kSide_px = 96;
 
-std::uint32_t gray(double share) {
-  const auto value = static_cast<std::uint32_t>(std::lround(255 * share));
+std::uint32_t gray(double fraction) {
+  const auto value = static_cast<std::uint32_t>(std::lround(255 * fraction));
   return 0xff000000U | value << 16 | value << 8 | value;
 }
 
@@ -53,7 +53,7 @@ double difference(const PixelImage& a, const PixelImage& b) {
   return std::sqrt(sum / count);
 }
 
-TEST(EdgeFilter, StraightEdgesComeNearTheirTrueShares) {
+TEST(EdgeFilter, StraightEdgesComeNearTheirTrueFractions) {
   for (const double degrees : {3.0, 10.0, 20.0, 30.0, 40.0, 50.0, 70.0, 85.0, 130.0, 170.0}) {
     const double c = std::cos(degrees * M_PI / 180);
     const double s = std::sin(degrees * M_PI / 180);
@@ -64,7 +64,7 @@ TEST(EdgeFilter, StraightEdgesComeNearTheirTrueShares) {
   }
 }
 
-TEST(EdgeFilter, ADiscComesNearItsTrueShares) {
+TEST(EdgeFilter, ADiscComesNearItsTrueFractions) {
   const auto disc = [](double x, double y) { return std::hypot(x - 48.2, y - 47.9) < 30; };
   const PixelImage jagged = drawn(disc, 1);
   const PixelImage truth = drawn(disc, 16);

@@ -10,7 +10,6 @@
 #include "render/report/markup.h"
 #include "render/report/mesh_data.h"
 #include "render/report/page_data.h"
-#include "render/report/summary_text.h"
 #include "sim/base/error.h"
 
 namespace reamsim {
@@ -194,23 +193,23 @@ TEST(MeshData, LeavesASmallMeshAsItIs) {
 /// Reads back what mesh_bytes() wrote.
 struct Unpacked {
   Unpacked(const Bytes& bytes, std::size_t vertices, std::size_t corners, const Eigen::AlignedBox3f& box)
-      : places(vertices), depth(vertices), dress(vertices) {
+      : places(vertices), depth(vertices), attributes(vertices) {
     for (std::size_t i = 0; i < vertices; ++i) places[i] = box.min();
     for (std::size_t part = 0; part < 4; ++part) {
       std::uint16_t value = 0;
       for (std::size_t i = 0; i < vertices; ++i) {
         const int code = bytes[2 * part * vertices + i] | bytes[(2 * part + 1) * vertices + i] << 8;
         value = static_cast<std::uint16_t>(value + ((code >> 1) ^ -(code & 1)));
-        const auto share = static_cast<float>(value) / 65535;
-        if (part < 3) places[i][static_cast<int>(part)] += box.sizes()[static_cast<int>(part)] * share;
-        if (part == 3) depth[i] = share;
+        const auto fraction = static_cast<float>(value) / 65535;
+        if (part < 3) places[i][static_cast<int>(part)] += box.sizes()[static_cast<int>(part)] * fraction;
+        if (part == 3) depth[i] = fraction;
       }
     }
     for (std::size_t part = 0; part < 6; ++part) {
       std::uint8_t value = 0;
       for (std::size_t i = 0; i < vertices; ++i) {
         value = static_cast<std::uint8_t>(value + bytes[(8 + part) * vertices + i]);
-        dress[i][part] = value;
+        attributes[i][part] = value;
       }
     }
     std::size_t at = 14 * vertices;
@@ -228,7 +227,7 @@ struct Unpacked {
   }
   std::vector<Eigen::Vector3f> places;
   std::vector<float> depth;  // of the greatest
-  std::vector<std::array<std::uint8_t, 6>> dress;
+  std::vector<std::array<std::uint8_t, 6>> attributes;
   std::vector<std::uint32_t> indices;
   std::size_t rest = 0;
 };
@@ -246,12 +245,12 @@ TEST(MeshData, BytesReadBackWithinTheirSteps) {
     EXPECT_LE((back.places[i] - Eigen::Map<const Eigen::Vector3f>(v)).cwiseAbs().maxCoeff(),
               0.51F * 40 / 65535 + 1e-5F);
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      EXPECT_NEAR(static_cast<std::int8_t>(back.dress[i][axis]), 127 * v[3 + axis], 0.51);
+      EXPECT_NEAR(static_cast<std::int8_t>(back.attributes[i][axis]), 127 * v[3 + axis], 0.51);
     }
     EXPECT_NEAR(back.depth[i], v[6] / 2, 1e-5);
-    EXPECT_NEAR(back.dress[i][3], 255 * v[7], 0.51);
-    EXPECT_NEAR(back.dress[i][4], 255 * v[8] / 2, 0.51);
-    EXPECT_NEAR(back.dress[i][5], 255 * v[9], 0.51);
+    EXPECT_NEAR(back.attributes[i][3], 255 * v[7], 0.51);
+    EXPECT_NEAR(back.attributes[i][4], 255 * v[8] / 2, 0.51);
+    EXPECT_NEAR(back.attributes[i][5], 255 * v[9], 0.51);
   }
 }
 
@@ -261,7 +260,7 @@ TEST(MeshData, PlacesOutsideTheBoxGoToItsEdge) {
   Eigen::AlignedBox3f box(Eigen::Vector3f(0, 0, 0), Eigen::Vector3f(10, 10, 10));
   const Unpacked back(mesh_bytes(surface, box, 2.0), 1, 0, box);
   EXPECT_EQ(back.places[0], Eigen::Vector3f(0, 0, 10));
-  EXPECT_THAT(back.dress[0], ElementsAre(0, 0, 127, 255, 255, 255));
+  EXPECT_THAT(back.attributes[0], ElementsAre(0, 0, 127, 255, 255, 255));
 }
 
 }  // namespace

@@ -31,7 +31,7 @@ FilledVoxmap ball() {
   return voxmap;
 }
 
-/// Takes away what lies above z = `height`, by shares.
+/// Takes away what lies above z = `height`, by fractions.
 void plane_off(const VoxelGrid& grid, double height_mm, FillBricks& fill) {
   for (int k = 0; k < grid.dims.z(); ++k) {
     const double left = std::clamp((height_mm - grid.center_mm(0, 0, k).z()) / grid.voxel_mm + 0.5, 0.0, 1.0);
