@@ -1,6 +1,3 @@
-#include <algorithm>
-#include <array>
-#include <cstdio>
 #include <filesystem>
 #include <future>
 #include <limits>
@@ -13,11 +10,12 @@
 #include "render/render.h"
 #include "render/render_thread.h"
 #include "sim/base/error.h"
+#include "sim/base/fixed_text.h"
 
 namespace reamsim {
 namespace {
 
-/// Writes pictures while the next one is drawn, and counts them.
+/// Writes pictures on another thread, and reports progress.
 class PngWriter {
  public:
   PngWriter(PictureProgress progress, int total) : progress_(std::move(progress)), total_(total) {}
@@ -28,14 +26,14 @@ class PngWriter {
     writing_ = std::async(std::launch::async, [path, image = std::move(image)]() mutable { write_png(path, image); });
   }
 
-  /// Waits for the picture that is being compressed; throws what writing it threw.
+  /// Waits for the current picture; throws the exceptions of writing it.
   void finish() {
     if (!writing_.valid()) return;
     writing_.get();
     count(path_);
   }
 
-  /// A picture that went elsewhere.
+  /// Counts a picture.
   void count(const std::string& path) {
     if (progress_) progress_(++done_, total_, path);
   }
@@ -48,14 +46,15 @@ class PngWriter {
   std::future<void> writing_;
 };
 
-/// Makes the pictures of a run from its rendered frames, in the order in which they come.
+/// Composes the pictures of a run from its rendered frames, in their order.
 class PictureComposer {
  public:
   PictureComposer(const RunData& run, const PictureOptions& options, const PictureProgress& progress)
       : dir_(run.dir()),
         view_(run, options.settings),
         schedule_(view_, options),
-        unsuffixed_camera_(options.unsuffixed_camera.empty() ? schedule_.names.front() : options.unsuffixed_camera),
+        camera_without_suffix_(options.camera_without_suffix.empty() ? schedule_.names.front()
+                                                                     : options.camera_without_suffix),
         captions_(run.log(), options.mean_travel_mm, options.settings.force_arrow),
         widest_(captions_.widest()),
         before_(schedule_.halves.size()),
@@ -72,17 +71,17 @@ class PictureComposer {
         before_[frame.camera] = std::move(frame.image);
         break;
       case RenderedFrame::Kind::frame:
-        along_the_run(std::move(frame));
+        add_frame(std::move(frame));
         break;
       case RenderedFrame::Kind::sheet:
         sheet_->add(std::move(frame.image), row_of(frame.frame));
         if (frame.frame == schedule_.sheet_frames.back()) writer_.write(dir_ + "/contact_sheet.png", sheet_->finish());
         break;
       case RenderedFrame::Kind::film:
-        film_frame(std::move(frame));
+        add_film_frame(std::move(frame));
         break;
       case RenderedFrame::Kind::after:
-        after(std::move(frame));
+        add_after(std::move(frame));
         break;
       case RenderedFrame::Kind::after_half:
         writer_.write(dir_ + "/before_after" + suffix(frame.camera) + ".png",
@@ -90,7 +89,7 @@ class PictureComposer {
                                        captions_.after(frame.deepest_mm)));
         break;
       case RenderedFrame::Kind::turntable:
-        turntable(std::move(frame));
+        add_turn(std::move(frame));
         break;
     }
   }
@@ -102,7 +101,7 @@ class PictureComposer {
     return captions_.log().at(frame, dir_ + "/forces.csv");
   }
 
-  void along_the_run(RenderedFrame frame) {
+  void add_frame(RenderedFrame frame) {
     const Camera& camera = schedule_.cameras[frame.camera];
     const ForceRow& row = row_of(frame.frame);
     Labels labels = view_.labels(camera, view_.tool_at(frame.frame));
@@ -110,17 +109,18 @@ class PictureComposer {
     labels.force = captions_.arrow(row);
     labels.widest_value = widest_;
     draw_labels(frame.image, camera, labels);
-    writer_.write(dir_ + "/frames/" + numbered("%06lld", frame.frame) + suffix(frame.camera) + ".png",
-                  std::move(frame.image));
+    writer_.write(
+        dir_ + "/frames/" + formatted("%06lld", static_cast<long long>(frame.frame)) + suffix(frame.camera) + ".png",
+        std::move(frame.image));
   }
 
-  void film_frame(RenderedFrame frame) {
+  void add_film_frame(RenderedFrame frame) {
     film_->add(std::move(frame.image), row_of(frame.frame));
     writer_.count(film_path("reamed"));
     if (frame.frame == view_.frames().back()) film_->finish();
   }
 
-  void after(RenderedFrame frame) {
+  void add_after(RenderedFrame frame) {
     const Camera& camera = schedule_.cameras[frame.camera];
     Labels labels = view_.labels(camera, std::nullopt);
     labels.title = "After reaming";
@@ -129,7 +129,7 @@ class PictureComposer {
     writer_.write(dir_ + "/reamed" + suffix(frame.camera) + ".png", std::move(frame.image));
   }
 
-  void turntable(RenderedFrame frame) {
+  void add_turn(RenderedFrame frame) {
     const Camera& camera = schedule_.turntable[frame.camera];
     draw_labels(frame.image, camera, view_.labels(camera, std::nullopt));
     if (view_.settings().film != FilmFormat::none) {
@@ -139,44 +139,30 @@ class PictureComposer {
       turntable_film_->add(page);
       if (frame.camera + 1 == schedule_.turntable.size()) turntable_film_->finish();
     }
-    writer_.write(dir_ + "/turntable/" + numbered("%03lld", static_cast<std::int64_t>(frame.camera)) + ".png",
-                  std::move(frame.image));
-  }
-
-  [[nodiscard]] static std::string numbered(const char* format, std::int64_t number) {
-    std::array<char, 32> text;
-    std::snprintf(text.data(), text.size(), format, static_cast<long long>(number));
-    return text.data();
+    writer_.write(dir_ + "/turntable/" + formatted("%03zu", frame.camera) + ".png", std::move(frame.image));
   }
 
   [[nodiscard]] std::string film_path(const std::string& name) const {
-    return dir_ + "/" + name + film_ending(view_.settings().film);
+    return dir_ + "/" + name + film_extension(view_.settings().film);
   }
 
   [[nodiscard]] std::string suffix(std::size_t camera) const {
     const std::string& name = schedule_.names[camera];
-    return name == unsuffixed_camera_ ? std::string() : "_" + name;
+    return name == camera_without_suffix_ ? std::string() : "_" + name;
   }
 
   std::string dir_;
   RunView view_;
   FrameSchedule schedule_;
-  std::string unsuffixed_camera_;
+  std::string camera_without_suffix_;
   Captions captions_;
-  std::string widest_;  ///< of the values in pictures along the run
+  std::string widest_;  ///< value in pictures during the run
   std::vector<PixelImage> before_;
   std::optional<ContactSheet> sheet_;
   std::optional<Film> film_;
   std::optional<FilmEncoder> turntable_film_;
   PngWriter writer_;
 };
-
-void require_possible(const RenderSettings& settings) {
-  if (settings.cameras.empty() && settings.user_cameras.empty()) {
-    throw InputError({}, "render.cameras", "found none", "expected at least one camera");
-  }
-  require_film_program(settings);
-}
 
 }  // namespace
 
@@ -186,7 +172,10 @@ void require_film_program(const RenderSettings& settings) {
 
 void render_pictures(const RunData& run, const PictureOptions& options, const PictureProgress& progress, Report* report,
                      RenderThread* thread) {
-  require_possible(options.settings);
+  if (options.settings.cameras.empty() && options.settings.user_cameras.empty()) {
+    throw InputError({}, "render.cameras", "found none", "expected at least one camera");
+  }
+  require_film_program(options.settings);
   std::optional<RenderThread> own_thread;
   if (thread == nullptr) {
     thread = &own_thread.emplace(run, options);

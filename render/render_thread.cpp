@@ -11,11 +11,53 @@
 namespace reamsim {
 namespace {
 
-/// What frames may take until next() takes them: this fraction of the machine's memory, and at most so much.
+/// Limits of the memory for waiting frames: a fraction of the machine's memory, and an absolute one.
 constexpr double kWaitingFraction = 1.0 / 16;
-constexpr double kMostWaiting_bytes = 1e9;
+constexpr double kMaxWaiting_bytes = 1e9;
+
+std::size_t bytes_of(const RenderedFrame& frame) {
+  return frame.image.pixels.size() * sizeof(frame.image.pixels[0]);
+}
 
 }  // namespace
+
+bool FrameQueue::push(RenderedFrame frame) {
+  const std::size_t size = bytes_of(frame);
+  std::unique_lock lock(mutex_);
+  changed_.wait(lock, [&] { return closed_ || frames_.empty() || bytes_ + size <= max_bytes_; });
+  if (closed_) return false;
+  bytes_ += size;
+  frames_.push_back(std::move(frame));
+  changed_.notify_all();
+  return true;
+}
+
+void FrameQueue::finish(std::exception_ptr error) {
+  const std::lock_guard lock(mutex_);
+  finished_ = true;
+  error_ = std::move(error);
+  changed_.notify_all();
+}
+
+std::optional<RenderedFrame> FrameQueue::pop() {
+  std::unique_lock lock(mutex_);
+  changed_.wait(lock, [&] { return finished_ || !frames_.empty(); });
+  if (frames_.empty()) {
+    if (error_) std::rethrow_exception(error_);
+    return std::nullopt;
+  }
+  RenderedFrame out = std::move(frames_.front());
+  frames_.pop_front();
+  bytes_ -= bytes_of(out);
+  changed_.notify_all();
+  return out;
+}
+
+void FrameQueue::close() {
+  const std::lock_guard lock(mutex_);
+  closed_ = true;
+  changed_.notify_all();
+}
 
 /// One pass through the run.
 class RenderThread::Pass {
@@ -27,33 +69,33 @@ class RenderThread::Pass {
     thread_.wait_for_snapshot(view_.frames().front());
     Renderer renderer(view_);
     thread_.warning_ = renderer.warning();
-    by_each(renderer, RenderedFrame::Kind::before, schedule_.halves);
-    if (schedule_.along_the_run()) {
-      for (const std::int64_t frame : view_.frames()) along_the_run(renderer, frame);
+    render_cameras(renderer, RenderedFrame::Kind::before, schedule_.halves);
+    if (schedule_.renders_during_run()) {
+      for (const std::int64_t frame : view_.frames()) render_frame(renderer, frame);
     }
     thread_.wait_for_snapshot(view_.frames().back());
     renderer.advance_to_last();
-    if (schedule_.stills) by_each(renderer, RenderedFrame::Kind::after, schedule_.cameras);
-    by_each(renderer, RenderedFrame::Kind::after_half, schedule_.halves);
-    by_each(renderer, RenderedFrame::Kind::turntable, schedule_.turntable);
+    if (schedule_.stills) render_cameras(renderer, RenderedFrame::Kind::after, schedule_.cameras);
+    render_cameras(renderer, RenderedFrame::Kind::after_half, schedule_.halves);
+    render_cameras(renderer, RenderedFrame::Kind::turntable, schedule_.turntable);
   }
 
  private:
-  void along_the_run(Renderer& renderer, std::int64_t frame) {
+  void render_frame(Renderer& renderer, std::int64_t frame) {
     thread_.wait_for_snapshot(frame);
     renderer.advance_to(frame);
     const std::optional<Rigid> tool = view_.tool_at(frame);
     if (std::ranges::binary_search(schedule_.still_frames, frame)) {
-      by_each(renderer, RenderedFrame::Kind::frame, schedule_.cameras, frame, tool);
+      render_cameras(renderer, RenderedFrame::Kind::frame, schedule_.cameras, frame, tool);
     }
     if (std::ranges::binary_search(schedule_.sheet_frames, frame)) {
-      by_each(renderer, RenderedFrame::Kind::sheet, {*schedule_.sheet}, frame, tool);
+      render_cameras(renderer, RenderedFrame::Kind::sheet, {*schedule_.sheet}, frame, tool);
     }
-    if (schedule_.film) by_each(renderer, RenderedFrame::Kind::film, {*schedule_.film}, frame, tool);
+    if (schedule_.film) render_cameras(renderer, RenderedFrame::Kind::film, {*schedule_.film}, frame, tool);
   }
 
-  void by_each(Renderer& renderer, RenderedFrame::Kind kind, const std::vector<Camera>& cameras, std::int64_t frame = 0,
-               const std::optional<Rigid>& tool = {}) {
+  void render_cameras(Renderer& renderer, RenderedFrame::Kind kind, const std::vector<Camera>& cameras,
+                      std::int64_t frame = 0, const std::optional<Rigid>& tool = {}) {
     for (std::size_t i = 0; i < cameras.size(); ++i) {
       PixelImage image = renderer.render(cameras[i], tool, kind == RenderedFrame::Kind::film);
       if (!thread_.queue_.push({kind, i, frame, renderer.deepest_mm(), std::move(image)})) throw Stopped();
@@ -66,7 +108,7 @@ class RenderThread::Pass {
 };
 
 RenderThread::RenderThread(const RunData& run, const PictureOptions& options)
-    : queue_(static_cast<std::size_t>(std::min(kMostWaiting_bytes, kWaitingFraction * machine_memory_bytes()))),
+    : queue_(static_cast<std::size_t>(std::min(kMaxWaiting_bytes, kWaitingFraction * machine_memory_bytes()))),
       thread_([this, run, options] { work(run, options); }) {}
 
 RenderThread::~RenderThread() {
@@ -97,11 +139,11 @@ void RenderThread::work(const RunData& run, const PictureOptions& options) {
   try {
     const RunView view(run, options.settings);
     if (count_pictures(options, view.frames()) > 0) Pass(*this, view, options).render_all();
-    queue_.end(nullptr);
+    queue_.finish(nullptr);
   } catch (const Stopped&) {
-    queue_.end(nullptr);
+    queue_.finish(nullptr);
   } catch (...) {
-    queue_.end(std::current_exception());
+    queue_.finish(std::current_exception());
   }
 }
 

@@ -2,39 +2,83 @@
 
 #include <condition_variable>
 #include <cstdint>
+#include <deque>
+#include <exception>
 #include <mutex>
 #include <optional>
 #include <string>
 #include <thread>
 
-#include "render/frame_queue.h"
 #include "render/pictures/run_view.h"
 
 namespace reamsim {
 
-/// Renders all frames that a run's pictures are made from on a thread of its own: as soon as a snapshot is written,
-/// beside the simulation. Labels need the log and are drawn later, by another thread. It goes once through the run, and
-/// pauses while the frames that wait for next() take a sixteenth of the machine's memory, or a gigabyte.
+/// One rendered frame of a run, without labels.
+struct RenderedFrame {
+  enum class Kind {
+    before,      ///< left half of a before/after picture; by camera
+    frame,       ///< a frame of the run; by camera
+    sheet,       ///< a cell of the contact sheet
+    film,        ///< a frame of the film
+    after,       ///< the final state; by camera
+    after_half,  ///< right half of a before/after picture; by camera
+    turntable,   ///< the final state; by turn
+  };
+  Kind kind;
+  std::size_t camera = 0;  ///< index in FrameSchedule, or of the turn
+  std::int64_t frame = 0;  ///< of the run
+  double deepest_mm = 0;   ///< of the state
+  PixelImage image;
+};
+
+/// A bounded queue of rendered frames between two threads. Thread-safe.
+class FrameQueue {
+ public:
+  /// Holds up to `max_bytes` of images, and at least one.
+  explicit FrameQueue(std::size_t max_bytes) : max_bytes_(max_bytes) {}
+
+  /// Waits for room. Returns false after close().
+  bool push(RenderedFrame frame);
+  /// Ends the sequence. pop() throws `error`, if not null, once the queue is empty.
+  void finish(std::exception_ptr error);
+  /// Waits for the next frame; none after the last.
+  std::optional<RenderedFrame> pop();
+  /// Rejects further frames.
+  void close();
+
+ private:
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::deque<RenderedFrame> frames_;
+  std::size_t bytes_ = 0;
+  std::size_t max_bytes_;
+  bool finished_ = false;
+  bool closed_ = false;
+  std::exception_ptr error_;
+};
+
+/// Renders all frames of a run's pictures on its own thread, as soon as their snapshots are written. Labels need the
+/// log and are drawn later by another thread. Pauses while the frames that wait for next() occupy a sixteenth of the
+/// machine's memory, or a gigabyte.
 class RenderThread {
  public:
   RenderThread(const RunData& run, const PictureOptions& options);
-  /// Stops it, if need be before the run's end.
+  /// Stops the thread.
   ~RenderThread();
   RenderThread(const RenderThread&) = delete;
   RenderThread& operator=(const RenderThread&) = delete;
 
-  /// All snapshots up to and including this frame's are on disk.
+  /// Announces that the snapshots up to this frame are on disk.
   void snapshots_written(std::int64_t frame);
-  /// Waits for the next frame, in the order of the run, and at each state in that of RenderedFrame::Kind; none after
-  /// the last. Throws what rendering it threw: InputError, RunError, bad_alloc.
+  /// Waits for the next frame, ordered by state and by RenderedFrame::Kind; none after the last. Throws the exceptions
+  /// of rendering: InputError, RunError, bad_alloc.
   std::optional<RenderedFrame> next() { return queue_.pop(); }
-  /// Once next() has returned: says that the requested graphics context is not available and the other one is used;
-  /// else empty.
+  /// After next() has returned: a warning if the requested graphics context is not available; else empty.
   [[nodiscard]] const std::string& warning() const { return warning_; }
 
  private:
   class Pass;
-  struct Stopped {};  ///< thrown where the thread is to stop; never leaves it
+  struct Stopped {};  ///< thrown, and caught, within the thread to stop it
 
   void work(const RunData& run, const PictureOptions& options);
   void wait_for_snapshot(std::int64_t frame);
@@ -45,7 +89,7 @@ class RenderThread {
   bool stop_ = false;
   FrameQueue queue_;
   std::string warning_;
-  std::thread thread_;  ///< last, because it uses the others
+  std::thread thread_;  ///< last member, because it uses the others
 };
 
 }  // namespace reamsim

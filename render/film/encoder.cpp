@@ -1,10 +1,6 @@
 #include "render/film/encoder.h"
 
-#include <fcntl.h>
-#include <spawn.h>
-#include <sys/mman.h>
 #include <sys/socket.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -13,7 +9,8 @@
 #include <csignal>
 #include <cstring>
 #include <filesystem>
-#include <string_view>
+#include <iterator>
+#include <sstream>
 #include <vector>
 
 #include "sim/base/error.h"
@@ -21,12 +18,14 @@
 namespace reamsim {
 namespace {
 
-struct FormatFacts {
-  std::string_view ending, encoder;
+struct Format {
+  const char* extension;
+  const char* encoder;
 };
-constexpr std::array<FormatFacts, 4> kFormats{{{}, {".mp4", "libx264"}, {".webp", "libwebp_anim"}, {".apng", "apng"}}};
 
-const FormatFacts& facts_of(FilmFormat format) {
+const Format& format_of(FilmFormat format) {
+  static constexpr std::array<Format, 4> kFormats{
+      {{"", ""}, {".mp4", "libx264"}, {".webp", "libwebp_anim"}, {".apng", "apng"}}};
   return kFormats[static_cast<std::size_t>(format)];
 }
 
@@ -35,90 +34,26 @@ void close_fd(int& fd) {
   fd = -1;
 }
 
-/// Starts ffmpeg with these arguments and file descriptors, in a process group of its own: Ctrl-C is ours to handle.
-/// Returns 0 or an error number.
-int spawn_ffmpeg(std::vector<std::string> arguments, int in, int out, int err, pid_t& child) {
-  arguments.insert(arguments.begin(), {"ffmpeg", "-hide_banner", "-loglevel", "error"});
-  std::vector<char*> pointers;
-  for (std::string& argument : arguments) pointers.push_back(argument.data());
-  pointers.push_back(nullptr);
-  posix_spawn_file_actions_t actions;
-  posix_spawn_file_actions_init(&actions);
-  posix_spawn_file_actions_adddup2(&actions, in, STDIN_FILENO);
-  posix_spawn_file_actions_adddup2(&actions, out, STDOUT_FILENO);
-  posix_spawn_file_actions_adddup2(&actions, err, STDERR_FILENO);
-  posix_spawnattr_t attributes;
-  posix_spawnattr_init(&attributes);
-  posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP);
-  posix_spawnattr_setpgroup(&attributes, 0);
-  const int error = posix_spawnp(&child, "ffmpeg", &actions, &attributes, pointers.data(), environ);
-  posix_spawnattr_destroy(&attributes);
-  posix_spawn_file_actions_destroy(&actions);
-  return error;
+int spawn_ffmpeg(const std::vector<std::string>& options, int in, int out, int err, pid_t& child) {
+  ChildCommand command{{"ffmpeg", "-hide_banner", "-loglevel", "error"}, "", in, out, err, true};
+  command.arguments.insert(command.arguments.end(), options.begin(), options.end());
+  return spawn(std::move(command), child);
 }
 
-int wait_for(pid_t child) {
-  int status = 0;
-  while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
-  }
-  return status;
+std::vector<std::string> split(const std::string& words) {
+  std::istringstream in(words);
+  return {std::istream_iterator<std::string>(in), {}};
 }
 
-/// A file in memory, closed by whoever asked for it. Throws RunError.
-int memory_file() {
-  const int fd = memfd_create("reamsim-ffmpeg", MFD_CLOEXEC);
-  if (fd < 0) throw RunError(std::string("no memory for the messages of ffmpeg: ") + std::strerror(errno));
-  return fd;
-}
-
-std::string contents(int fd) {
-  std::string text;
-  std::array<char, 4096> buffer;
-  for (off_t at = 0;;) {
-    const ssize_t got = pread(fd, buffer.data(), buffer.size(), at);
-    if (got <= 0) return text;
-    text.append(buffer.data(), static_cast<std::size_t>(got));
-    at += got;
-  }
-}
-
-std::vector<std::string> encoder_arguments(FilmFormat format, int frames_per_s) {
-  switch (format) {
-    case FilmFormat::none:
-      break;
-    case FilmFormat::mp4:
-      // A fixed number of threads and no version in the file: the same pictures give the same film everywhere. A key
-      // frame a second, so that a player finds any frame fast. The matrix is said, or players guess by the size.
-      return {"-vf",
-              "scale=out_color_matrix=bt709:out_range=tv,format=yuv420p",
-              "-c:v",
-              "libx264",
-              "-preset",
-              "medium",
-              "-crf",
-              "18",
-              "-g",
-              std::to_string(frames_per_s),
-              "-threads",
-              "4",
-              "-color_range",
-              "tv",
-              "-colorspace",
-              "bt709",
-              "-color_primaries",
-              "bt709",
-              "-color_trc",
-              "bt709",
-              "-movflags",
-              "+faststart",
-              "-f",
-              "mp4"};
-    case FilmFormat::webp:
-      return {"-c:v", "libwebp_anim", "-quality", "85", "-compression_level", "3", "-loop", "0", "-f", "webp"};
-    case FilmFormat::apng:
-      return {"-pix_fmt", "rgb24", "-c:v", "apng", "-pred", "mixed", "-plays", "0", "-f", "apng"};
-  }
-  return {};
+std::string encoder_options(FilmFormat format, int frames_per_s) {
+  if (format == FilmFormat::webp) return "-c:v libwebp_anim -quality 85 -compression_level 3 -loop 0 -f webp";
+  if (format == FilmFormat::apng) return "-pix_fmt rgb24 -c:v apng -pred mixed -plays 0 -f apng";
+  // A fixed number of threads makes the file reproducible. One key frame per second makes seeking fast. Without a
+  // colour matrix, players guess it from the size.
+  return "-vf scale=out_color_matrix=bt709:out_range=tv,format=yuv420p -c:v libx264 -preset medium -crf 18 -g " +
+         std::to_string(frames_per_s) +
+         " -threads 4 -color_range tv -colorspace bt709 -color_primaries bt709 -color_trc bt709 -movflags +faststart"
+         " -f mp4";
 }
 
 }  // namespace
@@ -127,25 +62,21 @@ int even_px(int px) {
   return std::max(2, px / 2 * 2);
 }
 
-std::string film_ending(FilmFormat format) {
-  return std::string(facts_of(format).ending);
+std::string film_extension(FilmFormat format) {
+  return format_of(format).extension;
 }
 
 void require_encoder(FilmFormat format) {
-  int words = memory_file();
-  const int nothing = open("/dev/null", O_RDONLY | O_CLOEXEC);
+  const MemoryFile output("the messages of ffmpeg");
   pid_t child = 0;
-  const int error = spawn_ffmpeg({"-encoders"}, nothing, words, words, child);
-  close(nothing);
-  if (error == 0) wait_for(child);
-  const std::string list = error == 0 ? contents(words) : "";
-  close_fd(words);
+  const int error = spawn_ffmpeg({"-encoders"}, -1, output.descriptor(), output.descriptor(), child);
   if (error != 0) {
     throw RunError(std::string("a film needs ffmpeg, which cannot start (") + std::strerror(error) +
                    "): install it (apt-get install ffmpeg), or remove render.film and --film");
   }
-  const std::string encoder(facts_of(format).encoder);
-  if (list.find(" " + encoder + " ") == std::string::npos) {
+  wait_for(child);
+  const std::string encoder = format_of(format).encoder;
+  if (output.contents().find(" " + encoder + " ") == std::string::npos) {
     throw RunError("the ffmpeg on this machine cannot write " + name_of(format) + ", because it has no encoder " +
                    encoder + ": install another ffmpeg, or choose another render.film");
   }
@@ -155,41 +86,23 @@ FilmEncoder::FilmEncoder(const std::string& path, const RenderSettings& settings
     : width_px_(even_px(settings.width_px)),
       height_px_(even_px(settings.height_px)),
       path_(path),
-      partial_path_(path + ".partial") {
+      partial_path_(path + ".partial"),
+      messages_("the messages of ffmpeg") {
   int ends[2];
-  // A socket, because writing to one whose reader has gone need not raise SIGPIPE.
+  // A socket, because MSG_NOSIGNAL suppresses SIGPIPE when ffmpeg has exited.
   if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0) {
     throw RunError(std::string("no pipe to ffmpeg: ") + std::strerror(errno));
   }
   pictures_fd_ = ends[0];
-  std::vector<std::string> arguments{"-f",
-                                     "rawvideo",
-                                     "-pixel_format",
-                                     "bgr0",
-                                     "-video_size",
-                                     std::to_string(width_px_) + "x" + std::to_string(height_px_),
-                                     "-framerate",
-                                     std::to_string(settings.film_rate_hz),
-                                     "-i",
-                                     "pipe:0",
-                                     "-an"};
-  for (auto& argument : encoder_arguments(settings.film, settings.film_rate_hz))
-    arguments.push_back(std::move(argument));
-  arguments.insert(arguments.end(), {"-fflags", "+bitexact", "-flags:v", "+bitexact", "-y", "file:" + partial_path_});
-  int error = 0;
-  try {
-    words_fd_ = memory_file();
-    error = spawn_ffmpeg(std::move(arguments), ends[1], words_fd_, words_fd_, child_);
-  } catch (...) {
-    close(ends[1]);
-    close_fd(pictures_fd_);
-    throw;
-  }
+  std::vector<std::string> options =
+      split("-f rawvideo -pixel_format bgr0 -video_size " + std::to_string(width_px_) + "x" +
+            std::to_string(height_px_) + " -framerate " + std::to_string(settings.film_rate_hz) + " -i pipe:0 -an " +
+            encoder_options(settings.film, settings.film_rate_hz) + " -fflags +bitexact -flags:v +bitexact -y");
+  options.push_back("file:" + partial_path_);
+  const int error = spawn_ffmpeg(options, ends[1], messages_.descriptor(), messages_.descriptor(), child_);
   close(ends[1]);
   if (error == 0) return;
-  child_ = -1;
   close_fd(pictures_fd_);
-  close_fd(words_fd_);
   throw RunError(std::string("ffmpeg cannot be started: ") + std::strerror(error));
 }
 
@@ -199,13 +112,12 @@ FilmEncoder::~FilmEncoder() {
     kill(child_, SIGKILL);
     wait_for(child_);
   }
-  close_fd(words_fd_);
   std::error_code ignored;
   std::filesystem::remove(partial_path_, ignored);
 }
 
-void FilmEncoder::fail(const std::string& words) const {
-  std::string line = words.empty() ? "no message" : words.substr(0, 300);
+void FilmEncoder::fail(const std::string& messages) const {
+  std::string line = messages.empty() ? "no message" : messages.substr(0, 300);
   std::ranges::replace(line, '\n', ' ');
   throw RunError(path_ + ": ffmpeg failed: " + line);
 }
@@ -214,9 +126,9 @@ std::string FilmEncoder::wait() {
   close_fd(pictures_fd_);
   const int status = wait_for(child_);
   child_ = -1;
-  if (WIFEXITED(status) && WEXITSTATUS(status) == 0) return "";
-  const std::string words = contents(words_fd_);
-  return words.empty() ? "exited without an error message" : words;
+  if (succeeded(status)) return "";
+  const std::string messages = messages_.contents();
+  return messages.empty() ? "exited without an error message" : messages;
 }
 
 void FilmEncoder::add(const PixelImage& image) {
@@ -226,19 +138,19 @@ void FilmEncoder::add(const PixelImage& image) {
     return add(even);
   }
   const auto* bytes = reinterpret_cast<const char*>(image.pixels.data());
-  std::size_t left = image.pixels.size() * sizeof(image.pixels.front());
-  while (left > 0) {
-    const ssize_t sent = send(pictures_fd_, bytes, left, MSG_NOSIGNAL);
+  std::size_t remaining = image.pixels.size() * sizeof(image.pixels.front());
+  while (remaining > 0) {
+    const ssize_t sent = send(pictures_fd_, bytes, remaining, MSG_NOSIGNAL);
     if (sent < 0 && errno == EINTR) continue;
     if (sent <= 0) fail(wait());
     bytes += sent;
-    left -= static_cast<std::size_t>(sent);
+    remaining -= static_cast<std::size_t>(sent);
   }
 }
 
 void FilmEncoder::finish() {
-  const std::string words = wait();
-  if (!words.empty()) fail(words);
+  const std::string messages = wait();
+  if (!messages.empty()) fail(messages);
   std::error_code error;
   if (std::filesystem::file_size(partial_path_, error) == 0 || error) fail("wrote no file");
   std::filesystem::rename(partial_path_, path_, error);

@@ -1,51 +1,49 @@
 #pragma once
 
-#include <sys/types.h>
-
 #include <string>
 
 #include "render/gl/pixel_image.h"
+#include "sim/base/child_process.h"
 #include "sim/scenario/scenario.h"
 
 namespace reamsim {
 
-/// What a file of this format ends in: ".mp4", ".webp", ".apng".
-std::string film_ending(FilmFormat format);
+/// The file extension of this format: ".mp4", ".webp", ".apng".
+std::string film_extension(FilmFormat format);
 
-/// The largest even number up to this, and at least 2.
+/// Rounds down to an even number, at least 2.
 int even_px(int px);
 
-/// Throws RunError, saying what to install, when there is no ffmpeg that can write this format.
+/// Throws RunError, with what to install, when no ffmpeg can write this format.
 void require_encoder(FilmFormat format);
 
-/// Pipes pictures to ffmpeg, which writes them as a film. The file appears under its name when it is complete.
+/// Pipes pictures to ffmpeg, which writes a film. The file gets its name when it is complete.
 class FilmEncoder {
  public:
-  /// Of the settings' format, rate and size, less a pixel where that is odd, because H.264 wants it even. `path` ends
-  /// as film_ending() says. Throws RunError: no ffmpeg.
+  /// Format, rate and size are the settings'; odd sizes lose a pixel, because H.264 needs even ones. `path` has the
+  /// film_extension(). Throws RunError: no ffmpeg.
   FilmEncoder(const std::string& path, const RenderSettings& settings);
-  /// Without finish(): stops ffmpeg, and takes away what it wrote.
+  /// Without finish(): stops ffmpeg and removes its file.
   ~FilmEncoder();
   FilmEncoder(const FilmEncoder&) = delete;
   FilmEncoder& operator=(const FilmEncoder&) = delete;
 
-  /// The next frame, a picture of the settings' size or the film's. Throws RunError with ffmpeg's words when it has
-  /// ended.
+  /// Adds a frame of the settings' or the film's size. Throws RunError with ffmpeg's message when it has exited.
   void add(const PixelImage& image);
-  /// Ends the film and puts it in place. Throws RunError.
+  /// Completes the film and renames it. Throws RunError.
   void finish();
 
  private:
-  /// Waits for ffmpeg. Returns what it said if it failed, "" if not.
+  /// Waits for ffmpeg. Returns its message if it failed, else "".
   std::string wait();
-  [[noreturn]] void fail(const std::string& words) const;
+  [[noreturn]] void fail(const std::string& messages) const;
 
   int width_px_;
   int height_px_;
   std::string path_;
   std::string partial_path_;
   int pictures_fd_ = -1;  ///< our end of ffmpeg's standard input
-  int words_fd_ = -1;     ///< a file without a name that takes what ffmpeg complains of
+  MemoryFile messages_;   ///< stderr of ffmpeg
   pid_t child_ = -1;
 };
 

@@ -7,15 +7,11 @@
 namespace reamsim {
 namespace {
 
-/// Behind transparent pictures.
-constexpr std::uint32_t kPaper_rgb = 0xffffff;
-constexpr double kPanelShare = 0.36;
-/// Smaller panels could not be read.
-constexpr int kLeastPanel_px = 200;
-
-Box whole(const FilmLayout& layout) {
-  return {0, 0, static_cast<double>(layout.width_px), static_cast<double>(layout.height_px)};
-}
+/// Background of transparent pictures.
+constexpr std::uint32_t kBackground_rgb = 0xffffff;
+constexpr double kPanelFraction = 0.36;
+/// Smaller panels would be illegible.
+constexpr int kMinPanel_px = 200;
 
 std::vector<std::pair<std::string, std::string>> film_values(const ForceRow& row) {
   return {{"time", fixed_text(row.time_s, 3) + " s"},
@@ -23,26 +19,16 @@ std::vector<std::pair<std::string, std::string>> film_values(const ForceRow& row
           {"removed", fixed_text(row.removed_mm3, 1) + " mm³"}};
 }
 
-std::string widest_value(const ForceLog& log) {
-  std::string widest;
-  for (const ForceRow& row : log.rows) {
-    for (const auto& [name, value] : film_values(row)) {
-      if (value.size() > widest.size()) widest = value;
-    }
-  }
-  return widest;
-}
-
 }  // namespace
 
 FilmLayout film_layout(int width_px, int height_px) {
   FilmLayout out{even_px(width_px), even_px(height_px), {}, {}, 1};
-  out.bone = whole(out);
-  const bool upright = out.height_px > out.width_px;
-  const int panel_px = even_px(static_cast<int>(kPanelShare * std::max(out.height_px, out.width_px)));
-  if (std::min({panel_px, out.width_px, out.height_px}) < kLeastPanel_px) return out;
+  out.bone = {0, 0, static_cast<double>(out.width_px), static_cast<double>(out.height_px)};
+  const bool portrait = out.height_px > out.width_px;
+  const int panel_px = even_px(static_cast<int>(kPanelFraction * std::max(out.height_px, out.width_px)));
+  if (std::min({panel_px, out.width_px, out.height_px}) < kMinPanel_px) return out;
   out.panel = out.bone;
-  if (upright) {
+  if (portrait) {
     out.bone.height -= panel_px;
     out.panel.y = out.bone.height;
     out.panel.height = panel_px;
@@ -66,8 +52,12 @@ Film::Film(const std::string& path, const RunView& view, const Captions& caption
       captions_(captions),
       layout_(film_layout(view.settings().width_px, view.settings().height_px)),
       camera_(camera),
-      widest_value_(widest_value(captions.log())),
       encoder_(path, view.settings()) {
+  for (const ForceRow& row : captions.log().rows) {
+    for (const auto& [name, value] : film_values(row)) {
+      if (value.size() > widest_value_.size()) widest_value_ = value;
+    }
+  }
   if (layout_.panel.width == 0) return;
   panel_ = std::make_unique<ForcePanel>(captions.log(), captions.mean(), static_cast<int>(layout_.panel.width),
                                         static_cast<int>(layout_.panel.height), layout_.unit);
@@ -79,14 +69,10 @@ void Film::add(PixelImage bone, const ForceRow& row) {
   labels.widest_value = widest_value_;
   labels.force = captions_.arrow(row);
   draw_labels(bone, camera_, labels);
-  PixelImage frame = plain_image(layout_.width_px, layout_.height_px, kPaper_rgb);
+  PixelImage frame = plain_image(layout_.width_px, layout_.height_px, kBackground_rgb);
   frame.paste(bone, 0, 0);
   if (panel_) frame.paste(panel_->at(row), static_cast<int>(layout_.panel.x), static_cast<int>(layout_.panel.y));
   encoder_.add(frame);
-}
-
-void Film::finish() {
-  encoder_.finish();
 }
 
 }  // namespace reamsim

@@ -10,27 +10,27 @@
 
 namespace reamsim {
 
-/// How a film's picture is parted: the bone, and the force plots beside it, or below it where the film stands upright.
+/// The layout of a film: the bone, with the force panel beside it, or below it in portrait format.
 struct FilmLayout {
-  int width_px, height_px;  ///< of the film; even, as H.264 wants them
-  Box bone, panel;          ///< whole pixels; panel.width is 0 where a plot could not be read
+  int width_px, height_px;  ///< of the film; even, for H.264
+  Box bone, panel;          ///< whole pixels; panel.width is 0 if a plot would be illegible
   double unit;              ///< pixels per pixel of a film 1080 high
 };
 FilmLayout film_layout(int width_px, int height_px);
-/// The camera called `name`, for the bone's part of the film.
+/// The camera `name` for the bone's part of the film.
 Camera film_camera(const RunView& view, const std::string& name);
 
-/// The film of a run: a frame per snapshot, with force and torque running beside the bone.
+/// The film of a run: one frame per snapshot, with force and torque beside the bone.
 class Film {
  public:
-  /// Starts `path`, of the settings' size, rate and format, seen by `camera`. Throws RunError: no ffmpeg. `view` and
-  /// `captions` outlive it.
+  /// Starts the film `path` with the settings' size, rate and format. Throws RunError: no ffmpeg. `view` and `captions`
+  /// outlive it.
   Film(const std::string& path, const RunView& view, const Captions& captions, const Camera& camera);
 
-  /// The next frame: the bone at this row of the log.
+  /// Adds a frame: the bone at this row of the log.
   void add(PixelImage bone, const ForceRow& row);
-  /// Puts the file in place.
-  void finish();
+  /// Completes the file.
+  void finish() { encoder_.finish(); }
 
  private:
   const RunView& view_;
@@ -38,7 +38,7 @@ class Film {
   FilmLayout layout_;
   Camera camera_;
   std::string widest_value_;
-  std::unique_ptr<ForcePanel> panel_;  ///< none where it could not be read
+  std::unique_ptr<ForcePanel> panel_;  ///< null if it would be illegible
   FilmEncoder encoder_;
 };
 

@@ -11,7 +11,7 @@
 namespace reamsim {
 namespace {
 
-// Lengths of a film 1080 pixels high.
+// Lengths in pixels of a film 1080 high.
 constexpr double kLeft = 96;
 constexpr double kRight = 34;
 constexpr double kTop = 84;
@@ -20,11 +20,11 @@ constexpr double kBottom = 96;
 constexpr double kTitle = 24;
 constexpr double kNumber = 19;
 
-constexpr std::uint32_t kSheet_rgb = 0xfbfbfc;
-constexpr Ink kGrid{0.86, 0.87, 0.89, 1};
-constexpr double kPale = 0.28;
+constexpr std::uint32_t kPanel_rgb = 0xfbfbfc;
+constexpr Rgba kGrid{0.86, 0.87, 0.89, 1};
+constexpr double kPaleOpacity = 0.28;
 
-Ink ink_of(std::uint32_t rgb, double opacity) {
+Rgba rgba_of(std::uint32_t rgb, double opacity) {
   return {(rgb >> 16 & 255) / 255.0, (rgb >> 8 & 255) / 255.0, (rgb & 255) / 255.0, opacity};
 }
 
@@ -35,8 +35,8 @@ ForcePanel::ForcePanel(const ForceLog& log, const std::string& mean, int width_p
       unit_(unit),
       first_s_(log.rows.front().time_s),
       last_s_(std::max(log.rows.back().time_s, log.rows.front().time_s + 1e-6)),
-      background_(plain_image(width_px, height_px, kSheet_rgb)) {
-  // Blue and vermilion of Okabe and Ito (2008), as in the plots: apart for any colour vision.
+      background_(plain_image(width_px, height_px, kPanel_rgb)) {
+  // Blue and vermilion of Okabe and Ito (2008), as in the plots: safe for colour-blind readers.
   curves_.push_back({mean + "axial force", "N", &ForceRow::layer_axial_force_n, 1, 0x0072b2, {}});
   curves_.push_back({mean + "spin torque", "N·mm", &ForceRow::layer_spin_torque_nmm, 0, 0xd55e00, {}});
   const double height = (height_px - (kTop + kBetween + kBottom) * unit) / 2;
@@ -45,12 +45,12 @@ ForcePanel::ForcePanel(const ForceLog& log, const std::string& mean, int width_p
     curve.title.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(curve.title.front())));
     curve.box = {kLeft * unit, y, width_px - (kLeft + kRight) * unit, height};
     y += height + kBetween * unit;
-    measure(curve);
+    compute_envelope(curve);
     draw_frame(curve);
   }
   draw_time_axis();
   const Canvas canvas(background_);
-  for (const Curve& curve : curves_) draw_curve(canvas, curve, curve.low.size(), kPale);
+  for (const Curve& curve : curves_) draw_curve(canvas, curve, curve.low.size(), kPaleOpacity);
   canvas.finish();
 }
 
@@ -63,12 +63,11 @@ double ForcePanel::y_of(const Curve& curve, double value) const {
   return curve.box.y + curve.box.height * (curve.max - value) / (curve.max - curve.min);
 }
 
-void ForcePanel::measure(Curve& curve) const {
+void ForcePanel::compute_envelope(Curve& curve) const {
   const auto columns = static_cast<std::size_t>(std::max(1.0, std::ceil(curve.box.width)));
   curve.low.assign(columns, std::numeric_limits<double>::max());
   curve.high.assign(columns, std::numeric_limits<double>::lowest());
-  double least = 0;
-  double most = 0;
+  double least = 0, most = 0;
   for (const ForceRow& row : log_.rows) {
     const double value = row.*curve.value;
     const double place = (x_of(row.time_s) - curve.box.x) / curve.box.width * static_cast<double>(columns);
@@ -86,50 +85,44 @@ void ForcePanel::measure(Curve& curve) const {
 
 void ForcePanel::draw_frame(const Curve& curve) {
   const Canvas canvas(background_);
-  cairo_t* c = canvas.get();
   const Box& box = curve.box;
   const int lowest = static_cast<int>(std::lround(curve.min / curve.step));
   const int highest = static_cast<int>(std::lround(curve.max / curve.step));
   const Scale numbers{curve.max, curve.step};
-  cairo_set_line_width(c, std::max(1.0, 1.2 * unit_));
+  cairo_set_line_width(canvas.get(), std::max(1.0, 1.2 * unit_));
   for (int tick = lowest; tick <= highest; ++tick) {
     const double y = y_of(curve, tick * curve.step);
-    canvas.ink(tick == 0 ? kFaintInk : kGrid);
-    cairo_move_to(c, box.x, y);
-    cairo_line_to(c, box.x + box.width, y);
-    cairo_stroke(c);
+    canvas.set_color(tick == 0 ? kFaintTextColor : kGrid);
+    canvas.line({box.x, y}, {box.x + box.width, y});
     const TextLine number(canvas, numbers.label(tick), kNumber * unit_);
-    canvas.ink(kFaintInk);
+    canvas.set_color(kFaintTextColor);
     number.draw(box.x - 10 * unit_ - number.width, y - 0.5 * number.height);
   }
   const TextLine title(canvas, curve.title + " (" + curve.unit + ")", kTitle * unit_, true);
-  canvas.ink(kInk);
+  canvas.set_color(kTextColor);
   title.draw(box.x, box.y - title.height - 16 * unit_);
   canvas.finish();
 }
 
 void ForcePanel::draw_time_axis() {
   const Canvas canvas(background_);
-  cairo_t* c = canvas.get();
   const Scale scale = scale_up_to(last_s_ - first_s_);
   const Box& lower = curves_.back().box;
   const double bottom = lower.y + lower.height;
-  cairo_set_line_width(c, std::max(1.0, 1.2 * unit_));
+  cairo_set_line_width(canvas.get(), std::max(1.0, 1.2 * unit_));
   const int first = static_cast<int>(std::ceil(first_s_ / scale.step - 1e-9));
   for (int tick = first; tick * scale.step <= last_s_ + 1e-9 * scale.step; ++tick) {
     const double x = x_of(tick * scale.step);
     for (const Curve& curve : curves_) {
-      canvas.ink(kGrid);
-      cairo_move_to(c, x, curve.box.y);
-      cairo_line_to(c, x, curve.box.y + curve.box.height);
-      cairo_stroke(c);
+      canvas.set_color(kGrid);
+      canvas.line({x, curve.box.y}, {x, curve.box.y + curve.box.height});
     }
     const TextLine number(canvas, scale.label(tick), kNumber * unit_);
-    canvas.ink(kFaintInk);
+    canvas.set_color(kFaintTextColor);
     number.draw(x - 0.5 * number.width, bottom + 8 * unit_);
   }
   const TextLine title(canvas, "Time (s)", kNumber * unit_);
-  canvas.ink(kInk);
+  canvas.set_color(kTextColor);
   title.draw(lower.x + 0.5 * (lower.width - title.width), bottom + 40 * unit_);
   canvas.finish();
 }
@@ -139,7 +132,7 @@ void ForcePanel::draw_curve(const Canvas& canvas, const Curve& curve, std::size_
   const double step = curve.box.width / static_cast<double>(curve.low.size());
   cairo_new_path(c);
   for (std::size_t i = 0; i < columns; ++i) {
-    if (curve.low[i] > curve.high[i]) continue;  // no frame falls into this column
+    if (curve.low[i] > curve.high[i]) continue;  // no frame in this column
     const double x = curve.box.x + (static_cast<double>(i) + 0.5) * step;
     cairo_line_to(c, x, y_of(curve, curve.low[i]));
     cairo_line_to(c, x, y_of(curve, curve.high[i]));
@@ -147,7 +140,7 @@ void ForcePanel::draw_curve(const Canvas& canvas, const Curve& curve, std::size_
   cairo_set_line_join(c, CAIRO_LINE_JOIN_ROUND);
   cairo_set_line_cap(c, CAIRO_LINE_CAP_ROUND);
   cairo_set_line_width(c, std::max(1.2, 2.4 * unit_));
-  canvas.ink(ink_of(curve.rgb, opacity));
+  canvas.set_color(rgba_of(curve.rgb, opacity));
   cairo_stroke(c);
 }
 
@@ -161,17 +154,15 @@ PixelImage ForcePanel::at(const ForceRow& row) const {
     const double columns = (x - box.x) / box.width * static_cast<double>(curve.low.size());
     draw_curve(canvas, curve, std::min(curve.low.size(), static_cast<std::size_t>(std::max(0.0, columns)) + 1), 1);
     cairo_set_line_width(c, std::max(1.0, 1.6 * unit_));
-    canvas.ink(kFaintInk);
-    cairo_move_to(c, x, box.y);
-    cairo_line_to(c, x, box.y + box.height);
-    cairo_stroke(c);
+    canvas.set_color(kFaintTextColor);
+    canvas.line({x, box.y}, {x, box.y + box.height});
     cairo_arc(c, x, y_of(curve, row.*curve.value), 7 * unit_, 0, 6.2832);
-    canvas.ink(ink_of(curve.rgb, 1));
+    canvas.set_color(rgba_of(curve.rgb, 1));
     cairo_fill_preserve(c);
-    canvas.ink({1, 1, 1, 1});
+    canvas.set_color({1, 1, 1, 1});
     cairo_stroke(c);
     const TextLine number(canvas, fixed_text(row.*curve.value, curve.decimals), kTitle * unit_, true);
-    canvas.ink(ink_of(curve.rgb, 1));
+    canvas.set_color(rgba_of(curve.rgb, 1));
     number.draw(box.x + box.width - number.width, box.y - number.height - 16 * unit_);
   }
   canvas.finish();

@@ -8,18 +8,18 @@
 
 namespace reamsim {
 
-/// Axial force and spin torque against time, as they stand beside a film's pictures: the whole run pale, what has been
-/// strong, and a cursor. Axes are the run's, so nothing rescales.
+/// Axial force and spin torque against time, beside a film's pictures: the whole run pale, the past opaque, and a
+/// cursor. The axes span the whole run.
 class ForcePanel {
  public:
-  /// Draws what stays. `mean`: before the names of forces that are means. Sizes in pixels; `unit`: pixels per pixel of
-  /// a film 1080 high. `log` outlives the panel. Throws RunError.
+  /// Draws the static background. `mean`: prefix of the names of averaged forces. Sizes in pixels; `unit`: pixels per
+  /// pixel of a film 1080 high. `log` outlives the panel. Throws RunError.
   ForcePanel(const ForceLog& log, const std::string& mean, int width_px, int height_px, double unit);
 
   /// The panel at the time of a row of the log. Throws RunError.
   [[nodiscard]] PixelImage at(const ForceRow& row) const;
 
-  /// Where the two curves are drawn: force, torque.
+  /// The plot area of a curve: 0 force, 1 torque.
   [[nodiscard]] const Box& plot(int curve) const { return curves_.at(static_cast<std::size_t>(curve)).box; }
   /// Pixels from the panel's left edge.
   [[nodiscard]] double x_of(double time_s) const;
@@ -32,10 +32,10 @@ class ForcePanel {
     std::uint32_t rgb;
     Box box;
     double min = 0, max = 1, step = 0.2;  ///< of the axis
-    std::vector<double> low{}, high{};    ///< per column of pixels: extremes of the values in it
+    std::vector<double> low{}, high{};    ///< extremes per column of pixels
   };
 
-  void measure(Curve& curve) const;
+  void compute_envelope(Curve& curve) const;
   void draw_frame(const Curve& curve);
   void draw_time_axis();
   /// Draws the curve up to a column.

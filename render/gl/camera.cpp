@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 
 #include "sim/base/error.h"
@@ -10,17 +9,17 @@
 namespace reamsim {
 namespace {
 
-/// The share of the picture that the target may fill; the rest is for text, legends and the scale bar.
+/// The fraction of the picture that the target may fill; the rest is for text, legends and the scale bar.
 constexpr double kUsableHeight = 0.84;
 constexpr double kUsableWidth = 0.60;
-/// Bone within this distance of the focus has to be in the picture: half a large glenoid and its rim.
-constexpr double kGlenoidReach_mm = 20;
-/// A user's camera stands at least so far from its target, and its up makes at least this sine with its view.
-constexpr double kLeastView_mm = 0.1;
-constexpr double kLeastSine = 0.01;
+/// Bone within this distance of the focus must be in the picture: half a large glenoid and its rim.
+constexpr double kGlenoidRadius_mm = 20;
+/// Least distance of a user's camera from its target, and least sine between its view direction and up.
+constexpr double kMinView_mm = 0.1;
+constexpr double kMinSine = 0.01;
 
-/// Turns so that the viewer stands in the direction `towards_viewer`, with `up` up.
-Mat3 look(const Vec3& towards_viewer, const Vec3& up) {
+/// The rotation of a camera that is seen from the target in the direction `towards_viewer`.
+Mat3 view_rotation(const Vec3& towards_viewer, const Vec3& up) {
   const Vec3 z = towards_viewer.normalized();
   const Vec3 x = up.cross(z).normalized();
   Mat3 eye_from_bone;
@@ -30,43 +29,33 @@ Mat3 look(const Vec3& towards_viewer, const Vec3& up) {
   return eye_from_bone;
 }
 
-/// The direction from which an oblique view looks: anterior where it is known, else to the right of the face.
+/// The side of the oblique view: anterior where it is known, else to the right of the face.
 Vec3 front_side(const ViewTarget& target) {
   return target.anterior ? *target.anterior : Vec3(target.superior.cross(target.outward));
 }
 
-struct Extent {
-  Vec2 min = Vec2::Constant(std::numeric_limits<double>::max());
-  Vec2 max = Vec2::Constant(std::numeric_limits<double>::lowest());
-
-  void add(const Vec2& p) {
-    min = min.cwiseMin(p);
-    max = max.cwiseMax(p);
-  }
-};
-
-/// Chooses scale and middle so that the points to be seen fit into the usable part of the picture.
-void frame(Camera& camera, const Mat3& turn, const ViewTarget& target, bool whole_bone) {
-  Extent extent;
-  const auto add = [&](const Vec3& p) { extent.add((turn * (p - target.focus_mm)).head<2>()); };
+/// Chooses scale and centre so that the target fits into the usable part of the picture.
+void frame_target(Camera& camera, const Mat3& eye_from_bone, const ViewTarget& target, bool whole_bone) {
+  Eigen::AlignedBox2d extent;
+  const auto add = [&](const Vec3& p) { extent.extend((eye_from_bone * (p - target.focus_mm)).head<2>()); };
   add(target.focus_mm);
   for (const Vec3& p : target.bone_mm) {
-    if (whole_bone || (p - target.focus_mm).norm() < kGlenoidReach_mm) add(p);
+    if (whole_bone || (p - target.focus_mm).norm() < kGlenoidRadius_mm) add(p);
   }
-  for (const Vec3& p : target.head_mm) add(p);
-  const Vec2 size = (extent.max - extent.min).cwiseMax(5.0);
-  const Vec2 middle = 0.5 * (extent.min + extent.max);
+  for (const Vec3& p : target.tool_head_mm) add(p);
+  const Vec2 size = extent.sizes().cwiseMax(5.0);
+  const Vec2 middle = 0.5 * (extent.min() + extent.max());
   camera.mm_per_px =
       std::max(size.x() / (kUsableWidth * camera.width_px), size.y() / (kUsableHeight * camera.height_px));
-  camera.reach_mm = 2 * target.reach_mm + 10;
-  camera.eye_from_bone.linear() = turn;
-  camera.eye_from_bone.translation() = -(turn * target.focus_mm) - Vec3(middle.x(), middle.y(), 0);
+  camera.depth_range_mm = 2 * target.radius_mm + 10;
+  camera.eye_from_bone.linear() = eye_from_bone;
+  camera.eye_from_bone.translation() = -(eye_from_bone * target.focus_mm) - Vec3(middle.x(), middle.y(), 0);
 }
 
-/// The plane through the tool's axis that faces the viewer of the section best.
+/// The plane through the tool axis that faces the viewer of the section best.
 Eigen::Vector4d section_plane(const ViewTarget& target) {
   const Vec3 axis = target.bone_from_tool.linear().col(2);
-  // A tool that points at the viewer leaves no choice but to look along the face.
+  // If the tool axis points at the viewer, look along the face.
   const Vec3 front = front_side(target);
   const Vec3 wanted = std::abs(front.dot(axis)) < 0.95 ? front : target.outward;
   const Vec3 normal = (wanted - wanted.dot(axis) * axis).normalized();
@@ -75,36 +64,42 @@ Eigen::Vector4d section_plane(const ViewTarget& target) {
   return plane;
 }
 
-/// Depth in clip space before the division by w: slope·z + offset, z in the eye's coordinates.
+/// Clip-space depth before the division by w: slope·z + offset, with z in eye coordinates.
 struct DepthRow {
   double slope, offset;
 };
 
 DepthRow depth_row(const Camera& camera) {
-  if (!camera.eye_mm) return {-1 / camera.reach_mm, 0};
-  // An eye in the midst of things still needs some way to the first that it can see.
-  constexpr double kNearest = 0.002;
+  if (!camera.eye_mm) return {-1 / camera.depth_range_mm, 0};
+  constexpr double kMinNear = 0.002;  // of the eye's distance, where the eye is within the scene
   const double eye_mm = *camera.eye_mm;
-  const double near = std::max(eye_mm - camera.reach_mm, kNearest * eye_mm);
-  const double far = eye_mm + camera.reach_mm;
+  const double near = std::max(eye_mm - camera.depth_range_mm, kMinNear * eye_mm);
+  const double far = eye_mm + camera.depth_range_mm;
   const double slope = -(far + near) / (eye_mm * (far - near));
   return {slope, far / eye_mm - slope * (eye_mm - far)};
 }
 
-void check_size(int width_px, int height_px) {
-  if (width_px >= 1 && height_px >= 1) return;
-  throw InputError({}, "render.width_px",
-                   "a picture of " + std::to_string(width_px) + " x " + std::to_string(height_px) + " pixels",
-                   "expected at least 1 x 1");
+/// Throws InputError for a size below one pixel.
+Camera sized_camera(const std::string& name, int width_px, int height_px) {
+  if (width_px < 1 || height_px < 1) {
+    throw InputError({}, "render.width_px",
+                     "a picture of " + std::to_string(width_px) + " x " + std::to_string(height_px) + " pixels",
+                     "expected at least 1 x 1");
+  }
+  Camera camera;
+  camera.name = name;
+  camera.width_px = width_px;
+  camera.height_px = height_px;
+  return camera;
 }
 
-/// The direction that is up for a user's camera that names none: superior, or outward for who looks along that.
-Vec3 natural_up(const ViewTarget& target, const Vec3& view) {
+/// The default up direction of a user's camera: superior, or outward for a view along it.
+Vec3 default_up(const ViewTarget& target, const Vec3& view) {
   return std::abs(view.normalized().dot(target.superior)) < 0.99 ? target.superior : target.outward;
 }
 
-double degrees(double angle) {
-  return angle * std::numbers::pi / 180;
+double radians(double degrees) {
+  return degrees * std::numbers::pi / 180;
 }
 
 }  // namespace
@@ -120,8 +115,8 @@ Eigen::Matrix4d Camera::clip_from_bone() const {
   return clip_from_eye * eye_from_bone.matrix();
 }
 
-double Camera::clip_lift_per_mm() const {
-  // The slope of (slope·z + offset)/w over z is this over w², with w = 1 − z/eye_mm.
+double Camera::clip_depth_per_mm() const {
+  // d/dz of (slope·z + offset)/w is the result over w², with w = 1 − z/eye_mm.
   const DepthRow depth = depth_row(*this);
   return -(depth.slope + (eye_mm ? depth.offset / *eye_mm : 0));
 }
@@ -133,30 +128,26 @@ Vec2 Camera::pixel(const Vec3& point_mm) const {
 }
 
 Camera make_camera(CameraView view, const ViewTarget& target, int width_px, int height_px) {
-  check_size(width_px, height_px);
-  Camera camera;
-  camera.name = name_of(view);
-  camera.width_px = width_px;
-  camera.height_px = height_px;
+  Camera camera = sized_camera(name_of(view), width_px, height_px);
   const Vec3 front = front_side(target);
   if (view == CameraView::glenoid) {
-    camera.draws_tool = false;
-    frame(camera, look(target.outward, target.superior), target, false);
+    camera.shows_tool = false;
+    frame_target(camera, view_rotation(target.outward, target.superior), target, false);
   } else if (view == CameraView::oblique || view == CameraView::overview) {
     const Vec3 towards_viewer = 0.72 * target.outward + 0.58 * front + 0.28 * target.superior;
-    frame(camera, look(towards_viewer, target.superior), target, view == CameraView::overview);
+    frame_target(camera, view_rotation(towards_viewer, target.superior), target, view == CameraView::overview);
   } else {
     camera.cut_plane = section_plane(target);
-    const Vec3 facing = -camera.cut_plane->head<3>();
-    // A little from lateral, so that the reamed face shows behind its cut edge.
-    const Vec3 towards_viewer = std::cos(degrees(16)) * facing + std::sin(degrees(16)) * target.outward;
-    frame(camera, look(towards_viewer, target.superior), target, false);
+    const Vec3 normal = -camera.cut_plane->head<3>();
+    // Turned slightly towards lateral so that the reamed face is visible behind the cut edge.
+    const Vec3 towards_viewer = std::cos(radians(16)) * normal + std::sin(radians(16)) * target.outward;
+    frame_target(camera, view_rotation(towards_viewer, target.superior), target, false);
   }
   return camera;
 }
 
 Camera make_user_camera(const UserCamera& wanted, const ViewTarget& target, int width_px, int height_px) {
-  check_size(width_px, height_px);
+  Camera camera = sized_camera(wanted.name, width_px, height_px);
   const std::string key = "render.user_cameras (" + wanted.name + ")";
   Rigid bone_from_frame = Rigid::Identity();
   if (wanted.frame == PoseFrame::glenoid) {
@@ -168,20 +159,16 @@ Camera make_user_camera(const UserCamera& wanted, const ViewTarget& target, int 
   const Vec3 position_mm = bone_from_frame * wanted.position_mm;
   const Vec3 target_mm = wanted.target_mm ? Vec3(bone_from_frame * *wanted.target_mm) : target.focus_mm;
   const Vec3 towards_viewer = position_mm - target_mm;
-  const Vec3 up = wanted.up ? Vec3(bone_from_frame.linear() * *wanted.up) : natural_up(target, towards_viewer);
-  if (towards_viewer.norm() < kLeastView_mm || up.normalized().cross(towards_viewer.normalized()).norm() < kLeastSine) {
+  const Vec3 up = wanted.up ? Vec3(bone_from_frame.linear() * *wanted.up) : default_up(target, towards_viewer);
+  if (towards_viewer.norm() < kMinView_mm || up.normalized().cross(towards_viewer.normalized()).norm() < kMinSine) {
     throw InputError({}, key, "the camera is at its target, or looks along up", "change position_mm, target_mm or up");
   }
-  Camera camera;
-  camera.name = wanted.name;
-  camera.width_px = width_px;
-  camera.height_px = height_px;
-  camera.eye_from_bone.linear() = look(towards_viewer, up);
+  camera.eye_from_bone.linear() = view_rotation(towards_viewer, up);
   camera.eye_from_bone.translation() = -(camera.eye_from_bone.linear() * target_mm);
-  camera.reach_mm = target.reach_mm + (target_mm - target.focus_mm).norm() + 10;
+  camera.depth_range_mm = target.radius_mm + (target_mm - target.focus_mm).norm() + 10;
   if (wanted.projection == Projection::perspective) {
     camera.eye_mm = towards_viewer.norm();
-    camera.mm_per_px = 2 * *camera.eye_mm * std::tan(degrees(wanted.fov_deg) / 2) / height_px;
+    camera.mm_per_px = 2 * *camera.eye_mm * std::tan(radians(wanted.fov_deg) / 2) / height_px;
   } else {
     camera.mm_per_px = wanted.width_mm / width_px;
   }
@@ -189,32 +176,28 @@ Camera make_user_camera(const UserCamera& wanted, const ViewTarget& target, int 
 }
 
 Camera make_turntable_camera(const ViewTarget& target, double turn, int width_px, int height_px) {
-  check_size(width_px, height_px);
-  constexpr double kFromAbove_deg = 15;
+  Camera camera = sized_camera("turntable", width_px, height_px);
+  constexpr double kElevation_deg = 15;
   const Vec3& up = target.superior;
   double radius_mm = 5;
   double low_mm = -5;
   double high_mm = 5;
   for (const Vec3& p : target.bone_mm) {
     const Vec3 from_focus = p - target.focus_mm;
-    if (from_focus.norm() > kGlenoidReach_mm) continue;
+    if (from_focus.norm() > kGlenoidRadius_mm) continue;
     const double height_mm = from_focus.dot(up);
     radius_mm = std::max(radius_mm, (from_focus - height_mm * up).norm());
     low_mm = std::min(low_mm, height_mm);
     high_mm = std::max(high_mm, height_mm);
   }
-  const double sine = std::sin(degrees(kFromAbove_deg));
-  const double cosine = std::cos(degrees(kFromAbove_deg));
+  const double sine = std::sin(radians(kElevation_deg));
+  const double cosine = std::cos(radians(kElevation_deg));
   const double tall_mm = cosine * (high_mm - low_mm) + 2 * sine * radius_mm;
   const double angle = 2 * std::numbers::pi * turn;
   const Vec3 level = std::cos(angle) * target.outward + std::sin(angle) * up.cross(target.outward);
-  Camera camera;
-  camera.name = "turntable";
-  camera.width_px = width_px;
-  camera.height_px = height_px;
   camera.mm_per_px = std::max(2 * radius_mm / (kUsableWidth * width_px), tall_mm / (kUsableHeight * height_px));
-  camera.reach_mm = 2 * target.reach_mm + 10;
-  camera.eye_from_bone.linear() = look(cosine * level + sine * up, up);
+  camera.depth_range_mm = 2 * target.radius_mm + 10;
+  camera.eye_from_bone.linear() = view_rotation(cosine * level + sine * up, up);
   const Vec3 middle_mm = target.focus_mm + 0.5 * (low_mm + high_mm) * up;
   camera.eye_from_bone.translation() = -(camera.eye_from_bone.linear() * middle_mm);
   return camera;

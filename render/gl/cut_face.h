@@ -9,17 +9,17 @@
 
 namespace reamsim {
 
-/// The bone where a plane cuts it, as a picture that lies in the plane.
+/// The section of the bone by a plane, as a texture in the plane.
 struct CutFace {
   std::array<Vec3, 4> corners_mm;  ///< in B: of texture (0,0), (1,0), (1,1), (0,1)
   int width = 0;
   int height = 0;
-  /// Two per place: density of what is left (g/cm³); bone fraction − ½, smoothed as the surface is.
+  /// Two channels: density of the remaining bone (g/cm³); smoothed bone fraction − ½.
   std::vector<float> texels;
 };
 
-/// Samples the plane of `camera` wherever the picture shows it and there may be bone, one texel per pixel but no finer
-/// than a quarter of a voxel. Empty (width 0) when the plane misses the bone.
+/// Samples the cut plane of `camera` within the picture and the bone's box, one texel per pixel but not finer than a
+/// quarter of a voxel. Empty (width 0) when the plane misses the bone.
 CutFace sample_cut_face(const Voxmap& voxmap, const FillBricks& fill, const SolidField& field, const Camera& camera);
 
 }  // namespace reamsim

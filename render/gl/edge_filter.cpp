@@ -11,13 +11,13 @@ namespace reamsim {
 namespace {
 
 // Brightness is from 0 to 255.
-constexpr float kLeastStep = 10;                // smaller steps cannot be seen
-constexpr float kLeastShareOfBrightest = 0.1F;  // nor can these beside something bright
-constexpr int kMostSteps_px = 16;               // how far an edge is followed either way
-constexpr float kSoftening = 0.75F;             // of single pixels
+constexpr float kMinStep = 10;            // smaller steps are invisible
+constexpr float kMinStepFraction = 0.1F;  // of the brighter side; smaller steps are invisible
+constexpr int kMaxSearch_px = 16;         // along an edge, to either side
+constexpr float kSoftening = 0.75F;       // of isolated pixels
 constexpr std::size_t kGrain_rows = 16;
 
-/// How bright each pixel of a picture is on white paper.
+/// The brightness of each pixel of a picture over white.
 class Brightness {
  public:
   explicit Brightness(const PixelImage& image)
@@ -28,7 +28,7 @@ class Brightness {
     }
   }
 
-  /// Beyond the picture's edge it goes on as at the edge.
+  /// Clamped to the edge outside the picture.
   [[nodiscard]] float at(int x, int y) const {
     return values_[static_cast<std::size_t>(std::clamp(y, 0, height_ - 1)) * static_cast<std::size_t>(width_) +
                    static_cast<std::size_t>(std::clamp(x, 0, width_ - 1))];
@@ -41,7 +41,7 @@ class Brightness {
   std::vector<float> values_;
 };
 
-/// A pixel with the eight around it, [row][column].
+/// A pixel with its eight neighbours, [row][column].
 using Block = std::array<std::array<float, 3>, 3>;
 
 Block block_at(const Brightness& brightness, int x, int y) {
@@ -52,13 +52,13 @@ Block block_at(const Brightness& brightness, int x, int y) {
   return out;
 }
 
-/// Brightest less darkest of the pixel and its four nearest; 0 where that is too little to be seen.
+/// The contrast of a pixel and its four nearest neighbours; 0 where it is invisible.
 float visible_step(const Block& b) {
   const auto [least, most] = std::minmax({b[1][1], b[0][1], b[2][1], b[1][0], b[1][2]});
-  return most - least < std::max(kLeastStep, kLeastShareOfBrightest * most) ? 0 : most - least;
+  return most - least < std::max(kMinStep, kMinStepFraction * most) ? 0 : most - least;
 }
 
-/// Whether the edge through the pixel runs rather along its row than along its column.
+/// Does the edge through the pixel run along its row rather than along its column?
 bool runs_along_row(const Block& b) {
   float across_rows = 0;
   float across_columns = 0;
@@ -70,7 +70,7 @@ bool runs_along_row(const Block& b) {
   return across_rows >= across_columns;
 }
 
-/// The share of a single pixel that its surroundings should have.
+/// The blend fraction of an isolated pixel with its surroundings.
 float softening(const Block& b, float step) {
   const float nearest = b[0][1] + b[2][1] + b[1][0] + b[1][2];
   const float corners = b[0][0] + b[0][2] + b[2][0] + b[2][2];
@@ -79,10 +79,10 @@ float softening(const Block& b, float step) {
   return smooth * smooth * kSoftening;
 }
 
-/// The edge between a pixel and a neighbour, followed along the edge.
+/// The edge between a pixel and a neighbour.
 struct Edge {
   int across_x, across_y;  ///< from the pixel to its neighbour on the other side
-  float mean, step;        ///< between the two and from one to the other
+  float mean, step;        ///< brightness: mean and difference of the two
 };
 
 Edge edge_at(const Block& b) {
@@ -95,17 +95,17 @@ Edge edge_at(const Block& b) {
   return {along_row ? 0 : sign, along_row ? sign : 0, (other + b[1][1]) / 2, std::abs(other - b[1][1])};
 }
 
-/// Where an edge ends to one side.
+/// The end of an edge to one side.
 struct End {
   int distance_px;
-  float difference;  ///< of the mean there to that at the start
+  float difference;  ///< of the mean brightness from that at the start
 };
 
 End follow(const Brightness& brightness, const Edge& edge, int x, int y, int sign) {
   const int along_x = edge.across_x == 0 ? sign : 0;
   const int along_y = edge.across_x == 0 ? 0 : sign;
   End end{0, 0};
-  while (end.distance_px < kMostSteps_px) {
+  while (end.distance_px < kMaxSearch_px) {
     ++end.distance_px;
     const int px = x + end.distance_px * along_x;
     const int py = y + end.distance_px * along_y;
@@ -116,19 +116,19 @@ End follow(const Brightness& brightness, const Edge& edge, int x, int y, int sig
   return end;
 }
 
-/// The share of the pixel that lies beyond the line which the edge's steps stand for.
-float share_beyond(const Brightness& brightness, const Edge& edge, int x, int y) {
+/// The fraction of the pixel beyond the line that the staircase of the edge approximates.
+float fraction_beyond(const Brightness& brightness, const Edge& edge, int x, int y) {
   const End back = follow(brightness, edge, x, y, -1);
-  const End on = follow(brightness, edge, x, y, 1);
-  const End& nearer = back.distance_px < on.distance_px ? back : on;
+  const End ahead = follow(brightness, edge, x, y, 1);
+  const End& nearer = back.distance_px < ahead.distance_px ? back : ahead;
   const bool darker = brightness.at(x, y) < edge.mean;
-  // At this end the line runs through the other side of the edge.
+  // At this end the line passes on the other side of the edge.
   if ((nearer.difference < 0) == darker) return 0;
-  return 0.5F - static_cast<float>(nearer.distance_px) / static_cast<float>(back.distance_px + on.distance_px);
+  return 0.5F - static_cast<float>(nearer.distance_px) / static_cast<float>(back.distance_px + ahead.distance_px);
 }
 
-std::uint32_t mixed(std::uint32_t pixel, std::uint32_t other, float share) {
-  const auto weight = static_cast<std::uint32_t>(256 * share);
+std::uint32_t mixed(std::uint32_t pixel, std::uint32_t other, float fraction) {
+  const auto weight = static_cast<std::uint32_t>(256 * fraction);
   std::uint32_t out = 0;
   for (int shift = 0; shift < 32; shift += 8) {
     const std::uint32_t sum = (pixel >> shift & 255U) * (256 - weight) + (other >> shift & 255U) * weight;
@@ -139,12 +139,9 @@ std::uint32_t mixed(std::uint32_t pixel, std::uint32_t other, float share) {
 
 }  // namespace
 
-PixelImage edges_smoothed(const PixelImage& image) {
+PixelImage antialiased(const PixelImage& image) {
   const Brightness brightness(image);
   PixelImage out = image;
-  const auto index = [&](int x, int y) {
-    return static_cast<std::size_t>(y) * static_cast<std::size_t>(image.width_px) + static_cast<std::size_t>(x);
-  };
   parallel_ranges(static_cast<std::size_t>(image.height_px), kGrain_rows, [&](std::size_t begin, std::size_t end) {
     for (int y = static_cast<int>(begin); y < static_cast<int>(end); ++y) {
       for (int x = 0; x < image.width_px; ++x) {
@@ -152,10 +149,11 @@ PixelImage edges_smoothed(const PixelImage& image) {
         const float step = visible_step(block);
         if (step == 0) continue;
         const Edge edge = edge_at(block);
-        const float share = std::max(share_beyond(brightness, edge, x, y), softening(block, step));
+        const float fraction = std::max(fraction_beyond(brightness, edge, x, y), softening(block, step));
         const int other_x = std::clamp(x + edge.across_x, 0, image.width_px - 1);
         const int other_y = std::clamp(y + edge.across_y, 0, image.height_px - 1);
-        out.pixels[index(x, y)] = mixed(image.pixels[index(x, y)], image.pixels[index(other_x, other_y)], share);
+        std::uint32_t& pixel = out.pixels[image.index(x, y)];
+        pixel = mixed(pixel, image.pixels[image.index(other_x, other_y)], fraction);
       }
     }
   });

@@ -1,5 +1,6 @@
 #include "render/gl/gl.h"
 
+#include <array>
 #include <string>
 
 #include "sim/base/error.h"
@@ -7,28 +8,23 @@
 namespace reamsim {
 namespace {
 
-const char* error_name(GLenum code) {
-  switch (code) {
-    case GL_INVALID_ENUM:
-      return "invalid enum";
-    case GL_INVALID_VALUE:
-      return "invalid value";
-    case GL_INVALID_OPERATION:
-      return "invalid operation";
-    case GL_INVALID_FRAMEBUFFER_OPERATION:
-      return "invalid framebuffer operation";
-    case GL_OUT_OF_MEMORY:
-      return "out of memory";
-    default:
-      return "unknown error";
-  }
+std::string error_name(GLenum code) {
+  constexpr std::array<const char*, 7> kNames{"invalid enum",
+                                              "invalid value",
+                                              "invalid operation",
+                                              nullptr,
+                                              nullptr,
+                                              "out of memory",
+                                              "invalid framebuffer operation"};
+  const std::size_t i = code - GL_INVALID_ENUM;  // the codes are consecutive
+  return i < kNames.size() && kNames[i] != nullptr ? kNames[i] : "unknown error";
 }
 
 }  // namespace
 
 void Gl::load(const std::function<void*(const char*)>& address) {
-#define REAMSIM_GL_LOAD(name, type)                   \
-  name = reinterpret_cast<type>(address("gl" #name)); \
+#define REAMSIM_GL_LOAD(name)                                   \
+  name = reinterpret_cast<decltype(name)>(address("gl" #name)); \
   if (name == nullptr) throw RunError("this OpenGL has no function gl" #name);
   REAMSIM_GL_FUNCTIONS(REAMSIM_GL_LOAD)
 #undef REAMSIM_GL_LOAD
@@ -37,7 +33,7 @@ void Gl::load(const std::function<void*(const char*)>& address) {
 void Gl::check(const char* doing) const {
   const GLenum code = GetError();
   if (code == GL_NO_ERROR) return;
-  // A lost context would answer with errors for ever, so no more than a handful is drained.
+  // A lost context reports errors forever, so only a few are drained.
   for (int i = 0; i < 16 && GetError() != GL_NO_ERROR; ++i) {
   }
   throw RunError(std::string("OpenGL failed while ") + doing + ": " + error_name(code));

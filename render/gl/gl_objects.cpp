@@ -9,11 +9,11 @@ namespace reamsim {
 namespace {
 
 constexpr int kSamples = 4;
+constexpr GLsizei kMaxLog = 4096;
 
 std::string trimmed_log(std::string log) {
   std::replace(log.begin(), log.end(), '\n', ' ');
-  while (!log.empty() && (log.back() == '\0' || log.back() == ' ')) log.pop_back();
-  return log;
+  return log.substr(0, log.find_last_not_of(' ') + 1);
 }
 
 GLuint compile(const Gl& gl, const std::string& name, GLenum type, const std::vector<const char*>& texts) {
@@ -23,12 +23,10 @@ GLuint compile(const Gl& gl, const std::string& name, GLenum type, const std::ve
   GLint done = 0;
   gl.GetShaderiv(shader, GL_COMPILE_STATUS, &done);
   if (done == GL_TRUE) return shader;
-  GLint length = 0;
-  gl.GetShaderiv(shader, GL_INFO_LOG_LENGTH, &length);
-  std::string log(static_cast<std::size_t>(std::max(length, 1)), '\0');
-  gl.GetShaderInfoLog(shader, length, nullptr, log.data());
+  std::string log(kMaxLog, '\0');
+  gl.GetShaderInfoLog(shader, kMaxLog, nullptr, log.data());
   gl.DeleteShader(shader);
-  throw RunError("the shader '" + name + "' does not compile: " + trimmed_log(log));
+  throw RunError("the shader '" + name + "' does not compile: " + trimmed_log(log.c_str()));
 }
 
 }  // namespace
@@ -47,8 +45,8 @@ GlProgram::GlProgram(const Gl& gl, const std::string& name, const std::vector<co
   GLint done = 0;
   gl.GetProgramiv(id_, GL_LINK_STATUS, &done);
   if (done == GL_TRUE) return;
-  std::string log(1024, '\0');
-  gl.GetProgramInfoLog(id_, static_cast<GLsizei>(log.size()), nullptr, log.data());
+  std::string log(kMaxLog, '\0');
+  gl.GetProgramInfoLog(id_, kMaxLog, nullptr, log.data());
   gl.DeleteProgram(id_);
   throw RunError("the shader '" + name + "' does not link: " + trimmed_log(log.c_str()));
 }
@@ -57,22 +55,22 @@ GlProgram::~GlProgram() {
   gl_.DeleteProgram(id_);
 }
 
-GlMesh::GlMesh(const Gl& gl, std::span<const float> vertices, std::span<const int> group_sizes,
+GlMesh::GlMesh(const Gl& gl, std::span<const float> vertices, std::span<const int> attribute_sizes,
                std::span<const std::uint32_t> indices)
-    : gl_(gl), count_(static_cast<GLsizei>(indices.size())) {
-  gl.GenVertexArrays(1, &array_);
-  gl.BindVertexArray(array_);
-  gl.GenBuffers(1, &vertices_);
-  gl.BindBuffer(GL_ARRAY_BUFFER, vertices_);
+    : gl_(gl),
+      array_(gl.GenVertexArrays, gl.DeleteVertexArrays),
+      buffers_(gl.GenBuffers, gl.DeleteBuffers),
+      count_(static_cast<GLsizei>(indices.size())) {
+  gl.BindVertexArray(array_[0]);
+  gl.BindBuffer(GL_ARRAY_BUFFER, buffers_[0]);
   gl.BufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(vertices.size_bytes()), vertices.data(), GL_STATIC_DRAW);
-  gl.GenBuffers(1, &indices_);
-  gl.BindBuffer(GL_ELEMENT_ARRAY_BUFFER, indices_);
+  gl.BindBuffer(GL_ELEMENT_ARRAY_BUFFER, buffers_[1]);
   gl.BufferData(GL_ELEMENT_ARRAY_BUFFER, static_cast<GLsizeiptr>(indices.size_bytes()), indices.data(), GL_STATIC_DRAW);
   int stride = 0;
-  for (const int size : group_sizes) stride += size;
+  for (const int size : attribute_sizes) stride += size;
   std::size_t offset = 0;
   GLuint attribute = 0;
-  for (const int size : group_sizes) {
+  for (const int size : attribute_sizes) {
     gl.VertexAttribPointer(attribute, size, GL_FLOAT, GL_FALSE, static_cast<GLsizei>(stride * sizeof(float)),
                            reinterpret_cast<const void*>(offset));
     gl.EnableVertexAttribArray(attribute++);
@@ -81,20 +79,14 @@ GlMesh::GlMesh(const Gl& gl, std::span<const float> vertices, std::span<const in
   gl.check("copying a mesh to the device");
 }
 
-GlMesh::~GlMesh() {
-  gl_.DeleteVertexArrays(1, &array_);
-  gl_.DeleteBuffers(1, &vertices_);
-  gl_.DeleteBuffers(1, &indices_);
-}
-
 void GlMesh::draw() const {
-  gl_.BindVertexArray(array_);
+  gl_.BindVertexArray(array_[0]);
   gl_.DrawElements(GL_TRIANGLES, count_, GL_UNSIGNED_INT, nullptr);
 }
 
-GlTexture::GlTexture(const Gl& gl, int width, int height, int channels, std::span<const float> texels) : gl_(gl) {
-  gl.GenTextures(1, &id_);
-  gl.BindTexture(GL_TEXTURE_2D, id_);
+GlTexture::GlTexture(const Gl& gl, int width, int height, int channels, std::span<const float> texels)
+    : gl_(gl), id_(gl.GenTextures, gl.DeleteTextures) {
+  gl.BindTexture(GL_TEXTURE_2D, id_[0]);
   gl.PixelStorei(GL_UNPACK_ALIGNMENT, 1);
   gl.TexImage2D(GL_TEXTURE_2D, 0, channels == 2 ? GL_RG32F : GL_RGB32F, width, height, 0,
                 channels == 2 ? GL_RG : GL_RGB, GL_FLOAT, texels.data());
@@ -105,18 +97,18 @@ GlTexture::GlTexture(const Gl& gl, int width, int height, int channels, std::spa
   gl.check("copying a texture to the device");
 }
 
-GlTexture::~GlTexture() {
-  gl_.DeleteTextures(1, &id_);
-}
-
 void GlTexture::bind(int unit) const {
   gl_.ActiveTexture(static_cast<GLenum>(GL_TEXTURE0 + unit));
-  gl_.BindTexture(GL_TEXTURE_2D, id_);
+  gl_.BindTexture(GL_TEXTURE_2D, id_[0]);
 }
 
-GlTarget::GlTarget(const Gl& gl, int width, int height, bool multisample) : gl_(gl), width_(width), height_(height) {
-  GLint largest = 0;
-  GLint samples = 0;
+GlTarget::GlTarget(const Gl& gl, int width, int height, bool multisample)
+    : gl_(gl),
+      width_(width),
+      height_(height),
+      framebuffers_(gl.GenFramebuffers, gl.DeleteFramebuffers),
+      buffers_(gl.GenRenderbuffers, gl.DeleteRenderbuffers) {
+  GLint largest = 0, samples = 0;
   gl.GetIntegerv(GL_MAX_RENDERBUFFER_SIZE, &largest);
   gl.GetIntegerv(GL_MAX_SAMPLES, &samples);
   if (width < 1 || height < 1 || width > largest || height > largest) {
@@ -124,23 +116,16 @@ GlTarget::GlTarget(const Gl& gl, int width, int height, bool multisample) : gl_(
                    " pixels are not supported; this OpenGL supports 1 to " + std::to_string(largest) + " on a side");
   }
   samples = multisample ? std::min(samples, kSamples) : 0;
-  gl.GenFramebuffers(2, framebuffers_);
-  gl.GenRenderbuffers(3, buffers_);
   attach(framebuffers_[0], buffers_[0], GL_COLOR_ATTACHMENT0, GL_RGBA8, samples);
   attach(framebuffers_[0], buffers_[1], GL_DEPTH_ATTACHMENT, GL_DEPTH_COMPONENT24, samples);
   attach(framebuffers_[1], buffers_[2], GL_COLOR_ATTACHMENT0, GL_RGBA8, 0);
-  for (const GLuint framebuffer : framebuffers_) {
-    gl.BindFramebuffer(GL_FRAMEBUFFER, framebuffer);
+  for (const std::size_t i : {0U, 1U}) {
+    gl.BindFramebuffer(GL_FRAMEBUFFER, framebuffers_[i]);
     if (gl.CheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE || gl.GetError() != GL_NO_ERROR) {
       throw RunError("OpenGL cannot create a picture of " + std::to_string(width) + " x " + std::to_string(height) +
                      " pixels");
     }
   }
-}
-
-GlTarget::~GlTarget() {
-  gl_.DeleteFramebuffers(2, framebuffers_);
-  gl_.DeleteRenderbuffers(3, buffers_);
 }
 
 void GlTarget::attach(GLuint framebuffer, GLuint buffer, GLenum attachment, GLenum format, int samples) const {

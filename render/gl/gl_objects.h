@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <cstdint>
 #include <span>
 #include <string>
@@ -11,10 +12,10 @@
 
 namespace reamsim {
 
-/// A linked shader program. The context must be current whenever one is made, used or destroyed; so for all below.
+/// A linked shader program. This and the classes below need a current context from construction to destruction.
 class GlProgram {
  public:
-  /// Each shader is the given texts, one after the other. Throws RunError with the compiler's log.
+  /// Each shader is the concatenation of its texts. Throws RunError with the compiler's log.
   GlProgram(const Gl& gl, const std::string& name, const std::vector<const char*>& vertex,
             const std::vector<const char*>& fragment);
   ~GlProgram();
@@ -22,7 +23,7 @@ class GlProgram {
   GlProgram& operator=(const GlProgram&) = delete;
 
   void use() const { gl_.UseProgram(id_); }
-  // Uniforms of the program in use; a name that the shader does not have is ignored, as OpenGL does.
+  // Uniforms of the program in use. OpenGL ignores unknown names.
   void set(const char* name, int value) const { gl_.Uniform1i(location(name), value); }
   void set(const char* name, float value) const { gl_.Uniform1f(location(name), value); }
   void set(const char* name, const Eigen::Vector3f& value) const { gl_.Uniform3fv(location(name), 1, value.data()); }
@@ -38,22 +39,36 @@ class GlProgram {
   GLuint id_ = 0;
 };
 
-/// Triangles on the device: floats per vertex in groups (attribute 0, 1, …), and 32-bit indices.
+/// The names of N OpenGL objects of one kind, deleted with this.
+template <int N>
+class GlNames {
+ public:
+  GlNames(decltype(Gl::GenBuffers) generate, decltype(Gl::DeleteBuffers) destroy) : destroy_(destroy) {
+    generate(N, ids_.data());
+  }
+  ~GlNames() { destroy_(N, ids_.data()); }
+  GlNames(const GlNames&) = delete;
+  GlNames& operator=(const GlNames&) = delete;
+
+  [[nodiscard]] GLuint operator[](std::size_t i) const { return ids_[i]; }
+
+ private:
+  decltype(Gl::DeleteBuffers) destroy_;
+  std::array<GLuint, N> ids_{};
+};
+
+/// Triangles on the device: floats per vertex in attributes 0, 1, …, and 32-bit indices.
 class GlMesh {
  public:
-  GlMesh(const Gl& gl, std::span<const float> vertices, std::span<const int> group_sizes,
+  GlMesh(const Gl& gl, std::span<const float> vertices, std::span<const int> attribute_sizes,
          std::span<const std::uint32_t> indices);
-  ~GlMesh();
-  GlMesh(const GlMesh&) = delete;
-  GlMesh& operator=(const GlMesh&) = delete;
 
   void draw() const;
 
  private:
   const Gl& gl_;
-  GLuint array_ = 0;
-  GLuint vertices_ = 0;
-  GLuint indices_ = 0;
+  GlNames<1> array_;
+  GlNames<2> buffers_;  ///< vertices, indices
   GLsizei count_ = 0;
 };
 
@@ -62,29 +77,23 @@ class GlTexture {
  public:
   /// `channels` is 2 or 3; `texels` has width·height·channels numbers, lowest row first.
   GlTexture(const Gl& gl, int width, int height, int channels, std::span<const float> texels);
-  ~GlTexture();
-  GlTexture(const GlTexture&) = delete;
-  GlTexture& operator=(const GlTexture&) = delete;
 
   void bind(int unit) const;
 
  private:
   const Gl& gl_;
-  GLuint id_ = 0;
+  GlNames<1> id_;
 };
 
-/// What pictures are drawn into: colour and depth, and a plain copy to read from.
+/// A render target: colour and depth, and a single-sampled copy to read from.
 class GlTarget {
  public:
   /// `multisample`: several samples per pixel. Throws RunError when OpenGL cannot make a picture of this size.
   GlTarget(const Gl& gl, int width, int height, bool multisample);
-  ~GlTarget();
-  GlTarget(const GlTarget&) = delete;
-  GlTarget& operator=(const GlTarget&) = delete;
 
-  /// Draws go here from now on.
+  /// Makes this the current render target.
   void bind() const;
-  /// The finished picture, BGRA (as Cairo wants it), top row first.
+  /// The picture, BGRA as in Cairo, top row first.
   [[nodiscard]] std::vector<std::uint32_t> read() const;
 
  private:
@@ -93,8 +102,8 @@ class GlTarget {
   const Gl& gl_;
   int width_;
   int height_;
-  GLuint framebuffers_[2] = {0, 0};
-  GLuint buffers_[3] = {0, 0, 0};
+  GlNames<2> framebuffers_;
+  GlNames<3> buffers_;
 };
 
 }  // namespace reamsim

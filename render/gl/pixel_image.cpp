@@ -5,10 +5,9 @@
 #include <cstddef>
 
 namespace reamsim {
-
 namespace {
 
-/// Premultiplied `over` before premultiplied `under`.
+/// Premultiplied `over` composited over premultiplied `under`.
 std::uint32_t blended(std::uint32_t over, std::uint32_t under) {
   const std::uint32_t alpha = over >> 24;
   if (alpha == 255) return over;
@@ -38,23 +37,21 @@ PixelImage plain_image(int width_px, int height_px, std::uint32_t rgb) {
   return {width_px, height_px, std::vector<std::uint32_t>(count, 0xff000000U | rgb)};
 }
 
-PixelImage averaged(PixelImage image, int times) {
-  if (times == 1) return image;
-  PixelImage out = plain_image(image.width_px / times, image.height_px / times, 0);
-  const auto count = static_cast<std::uint32_t>(times * times);
+PixelImage downsampled(PixelImage image, int factor) {
+  if (factor == 1) return image;
+  PixelImage out = plain_image(image.width_px / factor, image.height_px / factor, 0);
+  const auto count = static_cast<std::uint32_t>(factor * factor);
   for (int y = 0; y < out.height_px; ++y) {
     for (int x = 0; x < out.width_px; ++x) {
       std::array<std::uint32_t, 4> sums{};
-      for (int row = y * times; row < (y + 1) * times; ++row) {
-        const auto from = image.pixels.begin() + std::ptrdiff_t{image.width_px} * row + std::ptrdiff_t{x} * times;
-        for (auto pixel = from; pixel != from + times; ++pixel) {
+      for (int row = y * factor; row < (y + 1) * factor; ++row) {
+        const std::uint32_t* pixel = &image.pixels[image.index(x * factor, row)];
+        for (int column = 0; column < factor; ++column, ++pixel) {
           for (std::size_t i = 0; i < 4; ++i) sums[i] += *pixel >> (8 * i) & 255U;
         }
       }
-      std::uint32_t mean = 0;
+      std::uint32_t& mean = out.pixels[out.index(x, y)] = 0;
       for (std::size_t i = 0; i < 4; ++i) mean |= (sums[i] + count / 2) / count << (8 * i);
-      out.pixels[static_cast<std::size_t>(y) * static_cast<std::size_t>(out.width_px) + static_cast<std::size_t>(x)] =
-          mean;
     }
   }
   return out;

@@ -6,36 +6,35 @@
 
 namespace reamsim {
 
-/// A part of a picture. Pixels, y down; width 0 is nothing.
+/// A rectangle of a picture in pixels, y down; empty if width is 0.
 struct Box {
-  double x = 0;
-  double y = 0;
-  double width = 0;
-  double height = 0;
+  double x = 0, y = 0, width = 0, height = 0;
 };
 
-/// A picture: BGRA, colours times opacity (as Cairo's ARGB32 has it), top row first.
+/// A picture: premultiplied BGRA (Cairo's ARGB32), top row first.
 struct PixelImage {
   int width_px = 0;
   int height_px = 0;
   std::vector<std::uint32_t> pixels;
 
-  /// Lays `part` over this picture, which shows where it is transparent, its upper left corner at (x, y), 0 or more.
-  /// What does not fit is left out.
+  [[nodiscard]] std::size_t index(int x, int y) const {
+    return static_cast<std::size_t>(y) * static_cast<std::size_t>(width_px) + static_cast<std::size_t>(x);
+  }
+  /// Composites `part` over this picture with its upper left corner at (x, y), both at least 0, clipped to this
+  /// picture.
   void paste(const PixelImage& part, int x, int y);
 };
 
 /// A picture of one colour, 0xRRGGBB.
 PixelImage plain_image(int width_px, int height_px, std::uint32_t rgb);
 
-/// The picture 1/`times` as wide and as high: every pixel the mean of a square of them.
-PixelImage averaged(PixelImage image, int times);
+/// The picture reduced by `factor` along each axis: each pixel is the mean of a square.
+PixelImage downsampled(PixelImage image, int factor);
 
-/// The picture with its jagged edges smoothed, as after multisampling at a small part of the price: where the
-/// brightness steps, each pixel takes from its neighbour across the step the share that the edge's line, followed along
-/// its steps, would cut off it; single bright or dark pixels are softened (T. Lottes, "FXAA", NVIDIA white paper,
-/// 2009). Flat parts and slow shades stay as they are, to the bit. What is transparent counts as white.
-PixelImage edges_smoothed(const PixelImage& image);
+/// The picture with smoothed edges, cheaper than multisampling: each pixel at a brightness step is blended with its
+/// neighbour across the step by the fraction that the line through the staircase cuts off; isolated pixels are softened
+/// (T. Lottes, "FXAA", NVIDIA white paper, 2009). Pixels without a step stay identical. Transparency counts as white.
+PixelImage antialiased(const PixelImage& image);
 
 /// Writes the picture as a PNG: RGB where all of it is opaque, RGBA otherwise. Throws RunError when it cannot be
 /// written.

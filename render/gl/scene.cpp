@@ -6,7 +6,6 @@
 #include "render/surface/color_map.h"
 
 namespace reamsim {
-
 namespace embedded {
 extern const char* const shader_lighting;
 extern const char* const shader_background_vert;
@@ -18,17 +17,16 @@ extern const char* const shader_cut_face_frag;
 extern const char* const shader_tool_vert;
 extern const char* const shader_tool_frag;
 }  // namespace embedded
-
 namespace {
 
-/// From here on supersampling alone is smooth enough, and more samples would take memory for nothing.
-constexpr int kPlainFrom = 3;
-/// How far the tool's face is drawn in front of the bone that it touches, which would else show through in patches.
-constexpr double kToolLift_mm = 0.6;
-/// Bone behind a cut fades by 1/e over 25 mm.
+/// From this factor on supersampling needs no multisampling.
+constexpr int kSupersamplingAlone = 3;
+/// Depth offset of the tool towards the viewer, against z-fighting with the bone that it touches.
+constexpr double kToolOffset_mm = 0.6;
+/// Bone behind a section fades by 1/e over 25 mm.
 constexpr float kHaze_per_mm = 0.04F;
 
-std::vector<const char*> lit(const char* shader) {
+std::vector<const char*> with_lighting(const char* shader) {
   return {embedded::shader_lighting, shader};
 }
 
@@ -36,20 +34,35 @@ GlTexture color_texture(const Gl& gl, const ColorMap& map) {
   return {gl, static_cast<int>(map.stops.size()), 1, 3, map.texels()};
 }
 
-/// The plane in the coordinates of `bone_from_local`'s source; cuts nothing away where the camera has none.
+/// The cut plane in local coordinates; without one, a plane that clips nothing.
 Eigen::Vector4f local_plane(const Camera& camera, const Rigid& bone_from_local) {
   if (!camera.cut_plane) return {0, 0, 0, 1};
   return (bone_from_local.matrix().transpose() * *camera.cut_plane).cast<float>();
+}
+
+/// Uses a program and sets the uniforms that several programs have.
+void begin(const GlProgram& program, const DrawCall& call) {
+  program.use();
+  program.set("clip_from_bone", Eigen::Matrix4f(call.camera.clip_from_bone().cast<float>()));
+  program.set("key_direction", call.key_direction);
+  program.set("samples_per_px", static_cast<float>(call.supersampling));
+}
+
+/// Culls back faces unless the solid is cut open.
+void set_culling(const Gl& gl, bool cut_open) {
+  (cut_open ? gl.Disable : gl.Enable)(GL_CULL_FACE);
+  gl.CullFace(GL_BACK);
 }
 
 }  // namespace
 
 struct Scene::Programs {
   explicit Programs(const Gl& gl)
-      : background(gl, "background", {embedded::shader_background_vert}, lit(embedded::shader_background_frag)),
-        bone(gl, "bone", {embedded::shader_bone_vert}, lit(embedded::shader_bone_frag)),
-        cut_face(gl, "cut_face", {embedded::shader_cut_face_vert}, lit(embedded::shader_cut_face_frag)),
-        tool(gl, "tool", {embedded::shader_tool_vert}, lit(embedded::shader_tool_frag)) {}
+      : background(gl, "background", {embedded::shader_background_vert},
+                   with_lighting(embedded::shader_background_frag)),
+        bone(gl, "bone", {embedded::shader_bone_vert}, with_lighting(embedded::shader_bone_frag)),
+        cut_face(gl, "cut_face", {embedded::shader_cut_face_vert}, with_lighting(embedded::shader_cut_face_frag)),
+        tool(gl, "tool", {embedded::shader_tool_vert}, with_lighting(embedded::shader_tool_frag)) {}
 
   GlProgram background;
   GlProgram bone;
@@ -60,15 +73,12 @@ struct Scene::Programs {
 Scene::Scene(const Gl& gl, const ToolSurface& tool)
     : gl_(gl),
       programs_(std::make_unique<Programs>(gl)),
-      tool_(gl, tool.vertices, ToolSurface::kGroups, tool.indices),
+      tool_(gl, tool.vertices, ToolSurface::kAttributeSizes, tool.indices),
       depth_colors_(color_texture(gl, reamsim::depth_colors())),
-      density_colors_(color_texture(gl, reamsim::density_colors())) {
-  gl.GenVertexArrays(1, &empty_array_);
-}
+      density_colors_(color_texture(gl, reamsim::density_colors())),
+      empty_array_(gl.GenVertexArrays, gl.DeleteVertexArrays) {}
 
-Scene::~Scene() {
-  gl_.DeleteVertexArrays(1, &empty_array_);
-}
+Scene::~Scene() = default;
 
 void Scene::set_bone(const std::vector<BoneSurface>& tiles, const std::vector<std::size_t>& changed) {
   bone_.resize(tiles.size());
@@ -77,15 +87,15 @@ void Scene::set_bone(const std::vector<BoneSurface>& tiles, const std::vector<st
     bone_[tile].reset();
     if (surface.indices.empty()) continue;
     bone_[tile] = std::unique_ptr<Tile>(
-        new Tile{{gl_, surface.vertices, BoneSurface::kGroups, surface.indices}, tile_bounds(surface)});
+        new Tile{{gl_, surface.vertices, BoneSurface::kAttributeSizes, surface.indices}, tile_bounds(surface)});
   }
 }
 
 PixelImage Scene::draw(const DrawCall& call) {
-  const int times = call.supersampling;
-  const int width_px = times * call.camera.width_px;
-  const int height_px = times * call.camera.height_px;
-  const bool multisample = times < kPlainFrom && call.edges == Edges::sampled;
+  const int factor = call.supersampling;
+  const int width_px = factor * call.camera.width_px;
+  const int height_px = factor * call.camera.height_px;
+  const bool multisample = factor < kSupersamplingAlone && call.antialiasing == Antialiasing::multisample;
   const GlTarget& target =
       targets_.try_emplace({width_px, height_px, multisample}, gl_, width_px, height_px, multisample).first->second;
   target.bind();
@@ -99,11 +109,11 @@ PixelImage Scene::draw(const DrawCall& call) {
   gl_.DepthFunc(GL_LEQUAL);
   draw_bone(call);
   if (call.cut_face != nullptr && call.cut_face->width > 0) draw_cut_face(call);
-  if (call.bone_from_spinning_tool && call.camera.draws_tool) draw_tool(call);
+  if (call.bone_from_spinning_tool && call.camera.shows_tool) draw_tool(call);
   gl_.check("drawing a picture");
   PixelImage image{width_px, height_px, target.read()};
-  if (call.edges == Edges::smoothed) image = edges_smoothed(image);
-  return averaged(std::move(image), times);
+  if (call.antialiasing == Antialiasing::fxaa) image = antialiased(image);
+  return downsampled(std::move(image), factor);
 }
 
 void Scene::draw_background(Background background) const {
@@ -112,31 +122,23 @@ void Scene::draw_background(Background background) const {
   gl_.Disable(GL_CULL_FACE);
   programs_->background.use();
   programs_->background.set("white", background == Background::white ? 1 : 0);
-  gl_.BindVertexArray(empty_array_);
+  gl_.BindVertexArray(empty_array_[0]);
   gl_.DrawArrays(GL_TRIANGLES, 0, 3);
 }
 
 void Scene::draw_bone(const DrawCall& call) const {
   const GlProgram& program = programs_->bone;
-  program.use();
-  program.set("clip_from_bone", Eigen::Matrix4f(call.camera.clip_from_bone().cast<float>()));
+  begin(program, call);
   program.set("eye_from_bone", Eigen::Matrix4f(call.camera.eye_from_bone.matrix().cast<float>()));
   program.set("cut_plane", local_plane(call.camera, Rigid::Identity()));
   program.set("depth_max_mm", static_cast<float>(call.depth_max_mm));
   program.set("contour_mm", static_cast<float>(call.contour_mm));
   program.set("haze_per_mm", call.camera.cut_plane ? kHaze_per_mm : 0.0F);
-  program.set("key_direction", call.key_direction);
-  program.set("samples_per_px", static_cast<float>(call.supersampling));
   program.set("depth_colors", 0);
   depth_colors_.bind(0);
-  if (call.camera.cut_plane) {
-    gl_.Disable(GL_CULL_FACE);
-  } else {
-    gl_.Enable(GL_CULL_FACE);
-    gl_.CullFace(GL_BACK);
-  }
+  set_culling(gl_, call.camera.cut_plane.has_value());
   for (const auto& tile : bone_) {
-    if (tile && may_be_seen(tile->bounds, call.camera)) tile->mesh.draw();
+    if (tile && may_be_visible(tile->bounds, call.camera)) tile->mesh.draw();
   }
 }
 
@@ -144,18 +146,16 @@ void Scene::draw_cut_face(const DrawCall& call) const {
   const CutFace& face = *call.cut_face;
   const GlTexture texture(gl_, face.width, face.height, 2, face.texels);
   std::vector<float> vertices;
-  constexpr std::array<float, 8> kPlaces{0, 0, 1, 0, 1, 1, 0, 1};
+  constexpr std::array<float, 8> kTexCoords{0, 0, 1, 0, 1, 1, 0, 1};
   for (std::size_t i = 0; i < face.corners_mm.size(); ++i) {
     for (const double value : face.corners_mm[i]) vertices.push_back(static_cast<float>(value));
-    vertices.insert(vertices.end(), {kPlaces[2 * i], kPlaces[2 * i + 1]});
+    vertices.insert(vertices.end(), {kTexCoords[2 * i], kTexCoords[2 * i + 1]});
   }
   const std::array<std::uint32_t, 6> indices{0, 1, 2, 0, 2, 3};
   const GlMesh quad(gl_, vertices, std::array{3, 2}, indices);
   const GlProgram& program = programs_->cut_face;
-  program.use();
-  program.set("clip_from_bone", Eigen::Matrix4f(call.camera.clip_from_bone().cast<float>()));
+  begin(program, call);
   program.set("density_max_g_cm3", static_cast<float>(call.density_max_g_cm3));
-  program.set("samples_per_px", static_cast<float>(call.supersampling));
   program.set("face", 0);
   program.set("density_colors", 1);
   texture.bind(0);
@@ -169,18 +169,16 @@ void Scene::draw_tool(const DrawCall& call) const {
   const Rigid& bone_from_tool = *call.bone_from_spinning_tool;
   const bool cut_open = call.camera.cut_plane.has_value();
   const GlProgram& program = programs_->tool;
-  program.use();
+  begin(program, call);
   program.set("clip_from_tool",
               Eigen::Matrix4f((call.camera.clip_from_bone() * bone_from_tool.matrix()).cast<float>()));
   program.set("eye_from_tool", Eigen::Matrix4f((call.camera.eye_from_bone * bone_from_tool).matrix().cast<float>()));
   program.set("cut_plane", local_plane(call.camera, bone_from_tool));
-  program.set("towards_eye", static_cast<float>(kToolLift_mm * call.camera.clip_lift_per_mm()));
+  program.set("depth_offset", static_cast<float>(kToolOffset_mm * call.camera.clip_depth_per_mm()));
   program.set("cut_open", cut_open ? 1 : 0);
   program.set("brushed", call.steel ? 1 : 0);
-  program.set("key_direction", call.key_direction);
-  program.set("samples_per_px", static_cast<float>(call.supersampling));
   if (!call.steel) {
-    draw_see_through(program, cut_open);
+    draw_translucent(program, cut_open);
     return;
   }
   gl_.Disable(GL_BLEND);
@@ -189,23 +187,19 @@ void Scene::draw_tool(const DrawCall& call) const {
   tool_.draw();
 }
 
-void Scene::draw_see_through(const GlProgram& program, bool cut_open) const {
+void Scene::draw_translucent(const GlProgram& program, bool cut_open) const {
   gl_.Enable(GL_BLEND);
   gl_.Enable(GL_CULL_FACE);
 
-  // First what faces away, all of it and faintly: the inside of the far walls.
+  // First the back faces, faintly: the inside of the far walls.
   gl_.CullFace(cut_open ? GL_BACK : GL_FRONT);
   gl_.DepthMask(GL_FALSE);
   program.set("opacity_facing", 0.10F);
   program.set("opacity_edge", 0.45F);
   tool_.draw();
 
-  // Then only the nearest layer: its depth alone, and its colour where the depth is the same.
-  if (cut_open) {
-    gl_.Disable(GL_CULL_FACE);
-  } else {
-    gl_.CullFace(GL_BACK);
-  }
+  // Then only the nearest layer: a depth pass, and colour where the depth is equal.
+  set_culling(gl_, cut_open);
   gl_.DepthMask(GL_TRUE);
   gl_.ColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
   tool_.draw();

@@ -6,15 +6,15 @@
 namespace reamsim {
 namespace {
 
-/// Triangles that are seen this nearly edge on may be drawn as well, because their corners are rounded to parts of a
-/// pixel. A sine.
-constexpr double kEdgeOn = 0.02;
+/// Sine of the angle within which a triangle seen edge-on counts as visible, because its corners are rounded to
+/// subpixels.
+constexpr double kEdgeOnSine = 0.02;
 
 Vec3 corner_mm(const BoneSurface& surface, std::uint32_t vertex) {
   return Eigen::Map<const Eigen::Vector3f>(surface.vertices.data() + vertex * BoneSurface::kStride).cast<double>();
 }
 
-/// The unit normals of those triangles that have one.
+/// The unit normals of all triangles that are not degenerate.
 std::vector<Vec3> triangle_normals(const BoneSurface& surface) {
   std::vector<Vec3> normals;
   normals.reserve(surface.indices.size() / 3);
@@ -28,8 +28,8 @@ std::vector<Vec3> triangle_normals(const BoneSurface& surface) {
   return normals;
 }
 
-/// All of the box on the far side of one of the picture's sides, of its front or its back.
-bool beside_picture(const Eigen::AlignedBox3d& box_mm, const Camera& camera) {
+/// Is the box outside one plane of the view frustum?
+bool outside_frustum(const Eigen::AlignedBox3d& box_mm, const Camera& camera) {
   const Eigen::Matrix4d clip_from_bone = camera.clip_from_bone();
   std::array<int, 6> outside{};
   for (int i = 0; i < 8; ++i) {
@@ -48,18 +48,18 @@ bool cut_away(const Eigen::AlignedBox3d& box_mm, const Eigen::Vector4d& plane) {
   return normal.dot(box_mm.center()) + plane.w() + normal.cwiseAbs().dot(box_mm.sizes() / 2) < 0;
 }
 
-/// All of its triangles seen from behind.
+/// Are all triangles seen from behind?
 bool faces_away(const TileBounds& bounds, const Camera& camera) {
-  if (bounds.widest_turn_sine >= 1) return false;
-  const double sine = bounds.widest_turn_sine + kEdgeOn;
+  if (bounds.normal_cone_sine >= 1) return false;
+  const double sine = bounds.normal_cone_sine + kEdgeOnSine;
   if (!camera.eye_mm) {
     const Vec3 towards_eye = camera.eye_from_bone.linear().transpose().col(2);
-    return bounds.facing.dot(towards_eye) < -sine;
+    return bounds.mean_normal.dot(towards_eye) < -sine;
   }
   const Vec3 eye = camera.eye_from_bone.inverse() * Vec3(0, 0, *camera.eye_mm);
   const Vec3 away = bounds.box_mm.center() - eye;
-  // From every point of the box's ball: the direction to the eye turns by no more than the ball is wide.
-  return bounds.facing.dot(away) > sine * away.norm() + bounds.box_mm.diagonal().norm() / 2;
+  // Over the bounding sphere of the box, the vector to the eye varies by at most the sphere's radius.
+  return bounds.mean_normal.dot(away) > sine * away.norm() + bounds.box_mm.diagonal().norm() / 2;
 }
 
 }  // namespace
@@ -71,15 +71,15 @@ TileBounds tile_bounds(const BoneSurface& surface) {
   Vec3 sum = Vec3::Zero();
   for (const Vec3& normal : normals) sum += normal;
   if (sum.norm() < 1e-9) return out;
-  out.facing = sum.normalized();
+  out.mean_normal = sum.normalized();
   double cosine = 1;
-  for (const Vec3& normal : normals) cosine = std::min(cosine, normal.dot(out.facing));
-  if (cosine > 0) out.widest_turn_sine = std::sqrt(1 - cosine * cosine);
+  for (const Vec3& normal : normals) cosine = std::min(cosine, normal.dot(out.mean_normal));
+  if (cosine > 0) out.normal_cone_sine = std::sqrt(1 - cosine * cosine);
   return out;
 }
 
-bool may_be_seen(const TileBounds& bounds, const Camera& camera) {
-  if (beside_picture(bounds.box_mm, camera)) return false;
+bool may_be_visible(const TileBounds& bounds, const Camera& camera) {
+  if (outside_frustum(bounds.box_mm, camera)) return false;
   if (camera.cut_plane) return !cut_away(bounds.box_mm, *camera.cut_plane);
   return !faces_away(bounds, camera);
 }

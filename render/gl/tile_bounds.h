@@ -5,19 +5,18 @@
 
 namespace reamsim {
 
-/// Where a part of the bone's surface lies and which way it faces: enough to leave it out of pictures that it is not
-/// in.
+/// Bounding box and normal cone of a part of the bone's surface, for culling.
 struct TileBounds {
-  Eigen::AlignedBox3d box_mm;   ///< in B
-  Vec3 facing = Vec3::UnitZ();  ///< the middle of its triangles' outward normals
-  double widest_turn_sine = 1;  ///< sine of the largest angle from there to a normal; 1: a right angle or more
+  Eigen::AlignedBox3d box_mm;        ///< in B
+  Vec3 mean_normal = Vec3::UnitZ();  ///< of its triangles, outward
+  double normal_cone_sine = 1;       ///< sine of the largest angle to a normal; 1: a right angle or more
 };
 
 /// Bounds of a surface that has triangles.
 TileBounds tile_bounds(const BoneSurface& surface);
 
-/// Can the camera see any of it? False only where all of it lies beside the picture or behind the cut, or, without a
-/// cut, faces away.
-bool may_be_seen(const TileBounds& bounds, const Camera& camera);
+/// Can the camera see any of it? False only if all of it is outside the frustum, cut away, or, without a cut, faces
+/// away.
+bool may_be_visible(const TileBounds& bounds, const Camera& camera);
 
 }  // namespace reamsim

@@ -5,51 +5,48 @@
 #include "sim/base/error.h"
 
 namespace reamsim {
-
 Canvas::Canvas(PixelImage& image)
-    : surface_(cairo_image_surface_create_for_data(reinterpret_cast<unsigned char*>(image.pixels.data()),
-                                                   CAIRO_FORMAT_ARGB32, image.width_px, image.height_px,
-                                                   4 * image.width_px)),
-      cairo_(cairo_create(surface_)) {
-  if (cairo_status(cairo_) != CAIRO_STATUS_SUCCESS) {
-    const std::string reason = cairo_status_to_string(cairo_status(cairo_));
-    release();
-    throw RunError("labels cannot be drawn: " + reason);
-  }
+    : surface_(
+          cairo_image_surface_create_for_data(reinterpret_cast<unsigned char*>(image.pixels.data()),
+                                              CAIRO_FORMAT_ARGB32, image.width_px, image.height_px, 4 * image.width_px),
+          cairo_surface_destroy),
+      cairo_(cairo_create(surface_.get()), cairo_destroy) {
+  check();
   cairo_font_options_t* options = cairo_font_options_create();
   cairo_font_options_set_antialias(options, CAIRO_ANTIALIAS_GRAY);
   cairo_font_options_set_hint_style(options, CAIRO_HINT_STYLE_NONE);
   cairo_font_options_set_hint_metrics(options, CAIRO_HINT_METRICS_OFF);
-  cairo_set_font_options(cairo_, options);
+  cairo_set_font_options(get(), options);
   cairo_font_options_destroy(options);
 }
 
-Canvas::~Canvas() {
-  release();
-}
-
-void Canvas::release() {
-  cairo_destroy(cairo_);
-  cairo_surface_destroy(surface_);
-}
-
-void Canvas::paper(const Box& box, double radius) const {
+void Canvas::fill_panel(const Box& box, double radius) const {
   constexpr double kQuarter = std::numbers::pi / 2;
-  cairo_new_sub_path(cairo_);
-  cairo_arc(cairo_, box.x + box.width - radius, box.y + radius, radius, -kQuarter, 0);
-  cairo_arc(cairo_, box.x + box.width - radius, box.y + box.height - radius, radius, 0, kQuarter);
-  cairo_arc(cairo_, box.x + radius, box.y + box.height - radius, radius, kQuarter, 2 * kQuarter);
-  cairo_arc(cairo_, box.x + radius, box.y + radius, radius, 2 * kQuarter, 3 * kQuarter);
-  cairo_close_path(cairo_);
-  ink(kPaper);
-  cairo_fill(cairo_);
+  cairo_new_sub_path(get());
+  cairo_arc(get(), box.x + box.width - radius, box.y + radius, radius, -kQuarter, 0);
+  cairo_arc(get(), box.x + box.width - radius, box.y + box.height - radius, radius, 0, kQuarter);
+  cairo_arc(get(), box.x + radius, box.y + box.height - radius, radius, kQuarter, 2 * kQuarter);
+  cairo_arc(get(), box.x + radius, box.y + radius, radius, 2 * kQuarter, 3 * kQuarter);
+  cairo_close_path(get());
+  set_color(kPanelColor);
+  cairo_fill(get());
+}
+
+void Canvas::check() const {
+  const cairo_status_t status = cairo_status(get());
+  if (status == CAIRO_STATUS_SUCCESS) return;
+  throw RunError(std::string("labels cannot be drawn: ") + cairo_status_to_string(status));
+}
+
+void Canvas::line(const Vec2& from, const Vec2& to) const {
+  cairo_move_to(get(), from.x(), from.y());
+  cairo_line_to(get(), to.x(), to.y());
+  cairo_stroke(get());
 }
 
 void Canvas::finish() const {
-  cairo_surface_flush(surface_);
-  if (cairo_status(cairo_) != CAIRO_STATUS_SUCCESS) {
-    throw RunError(std::string("labels cannot be drawn: ") + cairo_status_to_string(cairo_status(cairo_)));
-  }
+  cairo_surface_flush(surface_.get());
+  check();
 }
 
 TextLine::TextLine(const Canvas& canvas, const std::string& text, double size_px, bool bold)

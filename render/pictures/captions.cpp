@@ -7,8 +7,8 @@
 namespace reamsim {
 namespace {
 
-/// The least share of the run's greatest force that has an arrow.
-constexpr double kLeastArrow = 0.01;
+/// Least fraction of the run's greatest force that is drawn as an arrow.
+constexpr double kMinArrowFraction = 0.01;
 
 }  // namespace
 
@@ -16,9 +16,9 @@ Captions::Captions(ForceLog log, double mean_travel_mm, bool arrows)
     : log_(std::move(log)), mean_(mean_travel_mm > 0 ? "mean " : ""), arrows_(arrows) {
   add_layer_means(log_, mean_travel_mm);
   for (const ForceRow& row : log_.rows) {
-    most_force_n_ = std::max(most_force_n_, row.layer_force_n.norm());
-    most_.layer_axial_force_n = std::max(most_.layer_axial_force_n, row.layer_axial_force_n);
-    most_.layer_spin_torque_nmm = std::max(most_.layer_spin_torque_nmm, row.layer_spin_torque_nmm);
+    max_force_n_ = std::max(max_force_n_, row.layer_force_n.norm());
+    max_.layer_axial_force_n = std::max(max_.layer_axial_force_n, row.layer_axial_force_n);
+    max_.layer_spin_torque_nmm = std::max(max_.layer_spin_torque_nmm, row.layer_spin_torque_nmm);
   }
 }
 
@@ -32,7 +32,7 @@ Captions::Values Captions::at(const ForceRow& row) const {
 
 std::string Captions::widest() const {
   std::string widest;
-  for (const ForceRow& row : {log_.rows.back(), most_}) {
+  for (const ForceRow& row : {log_.rows.back(), max_}) {
     for (const auto& [name, value] : at(row)) {
       if (value.size() > widest.size()) widest = value;
     }
@@ -51,10 +51,10 @@ Captions::Values Captions::after(double deepest_mm) const {
 
 std::optional<ForceArrow> Captions::arrow(const ForceRow& row) const {
   const double force_n = row.layer_force_n.norm();
-  if (!arrows_ || force_n == 0 || force_n < kLeastArrow * most_force_n_) return std::nullopt;
-  // The whole force, or where it is a mean its axial part.
+  if (!arrows_ || force_n == 0 || force_n < kMinArrowFraction * max_force_n_) return std::nullopt;
+  // The resultant; a mean has only its axial part.
   const std::string name = mean_.empty() ? "resultant " : mean_ + "axial force ";
-  return ForceArrow{row.pose.position_mm, row.layer_force_n / most_force_n_, name + fixed_text(force_n, 1) + " N"};
+  return ForceArrow{row.pose.position_mm, row.layer_force_n / max_force_n_, name + fixed_text(force_n, 1) + " N"};
 }
 
 }  // namespace reamsim

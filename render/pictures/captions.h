@@ -10,38 +10,37 @@
 
 namespace reamsim {
 
-/// What a run's log has to say on its pictures: known when the run has ended, because arrows are drawn to the scale of
-/// its greatest force, and boxes are as wide as its longest number.
+/// Labels of a run's pictures from its force log. They need the complete log: the greatest force scales the arrows, and
+/// the longest value sets the width of boxes.
 class Captions {
  public:
   using Values = std::vector<std::pair<std::string, std::string>>;  ///< name and number with unit
 
-  /// `mean_travel_mm`: forces are means over so much of the tool's travel; 0: single frames. `arrows`: whether any are
-  /// wanted.
+  /// `mean_travel_mm`: the tool's travel over which forces are averaged; 0: single frames. `arrows`: draw force arrows.
   Captions(ForceLog log, double mean_travel_mm, bool arrows);
 
-  /// Of a picture along the run.
+  /// Values of a picture during the run.
   [[nodiscard]] Values at(const ForceRow& row) const;
-  /// The longest value that any picture along the run can show.
+  /// The longest value of any picture during the run.
   [[nodiscard]] std::string widest() const;
-  /// Of a picture of the last state, reamed so deep.
+  /// Values of a picture of the final state.
   [[nodiscard]] Values after(double deepest_mm) const;
-  /// The bone's force on the tool, from the tool's tip; none where it is next to none.
+  /// The bone's force on the tool, at the tool's tip; none if negligible.
   [[nodiscard]] std::optional<ForceArrow> arrow(const ForceRow& row) const;
 
-  /// With the means filled in.
+  /// The log with means.
   [[nodiscard]] const ForceLog& log() const { return log_; }
-  /// What the final pictures and the plots say of the whole run.
+  /// Headline figures of the run.
   [[nodiscard]] Headline headline() const { return headline_of(log_, !mean_.empty()); }
-  /// Stands before the names of forces that are means.
+  /// Prefix of the names of forces: "mean " or empty.
   [[nodiscard]] const std::string& mean() const { return mean_; }
 
  private:
   ForceLog log_;
   std::string mean_;
   bool arrows_;
-  double most_force_n_ = 0;
-  ForceRow most_;  ///< with the greatest axial force and torque
+  double max_force_n_ = 0;
+  ForceRow max_;  ///< with the greatest axial force and torque
 };
 
 }  // namespace reamsim

@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::uint32_t kGap_rgb = 0xffffff;
 
-/// White between the halves; what is left of an odd width.
+/// The white gap between the halves; it absorbs an odd width.
 int gap_px(int width_px) {
   const int thin = std::max(1, width_px / 480);
   return width_px < 3 ? 0 : thin + (width_px - thin) % 2;
@@ -21,20 +21,20 @@ int half_width_px(int width_px) {
   return std::max(1, (width_px - gap_px(width_px)) / 2);
 }
 
-constexpr std::size_t kMostFrames = 20;
+constexpr std::size_t kMaxFrames = 20;
 constexpr std::uint32_t kPage_rgb = 0xf4f6f9;
-/// Cells are neither flatter nor steeper than this, width over height.
-constexpr double kFlattest = 1.6;
-constexpr double kSteepest = 0.8;
-// What is left free round the cells, as shares of a page 1080 high and at least 1440 wide.
+/// Limits of a cell's width over height.
+constexpr double kMaxAspect = 1.6;
+constexpr double kMinAspect = 0.8;
+// Margins around the cells, pixels of a page 1080 high and at least 1440 wide.
 constexpr double kMargin = 28;
 constexpr double kHead = 104;
 constexpr double kFoot = 96;
 constexpr double kLegend = 230;
 constexpr double kGap = 8;
 constexpr double kCaption = 20;
-/// Cells shorter than this carry no caption: it could not be read.
-constexpr int kLeastCaptioned_px = 80;
+/// Lower cells have no caption, because it would be illegible.
+constexpr int kMinCaptioned_px = 80;
 
 double page_unit(int width_px, int height_px) {
   return std::min(height_px / 1080.0, width_px / 1440.0);
@@ -70,8 +70,8 @@ PixelImage before_and_after(const RunView& view, const Camera& half, const Pixel
 }
 
 SheetGrid sheet_grid(int cells, int width_px, int height_px) {
-  const bool bare = std::min(width_px, height_px) < kLeastLabelled_px;
-  const double u = bare ? 0 : page_unit(width_px, height_px);
+  const bool labelled = std::min(width_px, height_px) >= kMinLabelled_px;
+  const double u = !labelled ? 0 : page_unit(width_px, height_px);
   const Box area{kMargin * u, kHead * u, width_px - (kMargin + kLegend) * u, height_px - (kHead + kFoot) * u};
   SheetGrid best{1, cells, 1, 1, area, static_cast<int>(kGap * u)};
   double largest = 0;
@@ -79,8 +79,8 @@ SheetGrid sheet_grid(int cells, int width_px, int height_px) {
     const int rows = (cells + columns - 1) / columns;
     double width = (area.width - (columns - 1) * best.gap_px) / columns;
     double height = (area.height - (rows - 1) * best.gap_px) / rows;
-    width = std::min(width, kFlattest * height);
-    height = std::min(height, width / kSteepest);
+    width = std::min(width, kMaxAspect * height);
+    height = std::min(height, width / kMinAspect);
     if (width * height <= largest) continue;
     largest = width * height;
     best.columns = columns;
@@ -92,7 +92,7 @@ SheetGrid sheet_grid(int cells, int width_px, int height_px) {
 }
 
 std::vector<std::int64_t> ContactSheet::frames_on(const RunView& view) {
-  return evenly_among(view.frames(), kMostFrames);
+  return evenly_among(view.frames(), kMaxFrames);
 }
 
 Camera ContactSheet::cell_camera(const RunView& view, const std::string& name) {
@@ -108,12 +108,12 @@ ContactSheet::ContactSheet(const RunView& view, const Camera& cell)
 
 void ContactSheet::add(PixelImage cell, const ForceRow& row) {
   draw_outlines(cell, camera_, view_.labels(camera_, view_.tool_at(row.frame)));
-  if (cell.height_px >= kLeastCaptioned_px) {
+  if (cell.height_px >= kMinCaptioned_px) {
     const double u = page_unit(page_.width_px, page_.height_px);
     const Canvas canvas(cell);
     const TextLine text(canvas, fixed_text(row.time_s, 3) + " s · " + depth_text(row.depth_mm), kCaption * u);
-    canvas.paper({8 * u, 8 * u, text.width + 16 * u, text.height + 8 * u}, 5 * u);
-    canvas.ink(kInk);
+    canvas.fill_panel({8 * u, 8 * u, text.width + 16 * u, text.height + 8 * u}, 5 * u);
+    canvas.set_color(kTextColor);
     text.draw(16 * u, 12 * u);
     canvas.finish();
   }
@@ -130,7 +130,7 @@ PixelImage ContactSheet::finish() {
   page.height_px = page_.height_px;
   Labels labels = view_.labels(camera_, std::nullopt);
   labels.title = "Time and tool depth";
-  labels.scale_share = 0.5 * camera_.width_px / page_.width_px;
+  labels.scale_bar_fraction = 0.5 * camera_.width_px / page_.width_px;
   draw_labels(page_, page, labels);
   return std::move(page_);
 }

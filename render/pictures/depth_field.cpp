@@ -5,19 +5,18 @@
 #include <cmath>
 #include <limits>
 
-#include "render/pictures/soft_outline.h"
+#include "render/pictures/smoothed_mask.h"
 #include "sim/base/csv.h"
 #include "sim/base/gaussian.h"
 
 namespace reamsim {
-
 namespace {
 
 constexpr std::array<std::string_view, 5> kColumnNames{"x_mm", "y_mm", "before_z_mm", "after_z_mm", "depth_mm"};
-/// A raster larger than this is none of ours.
-constexpr double kMostCells = 1e8;
+/// Limit of a valid raster, against damaged files.
+constexpr double kMaxCells = 1e8;
 
-/// The least distance between two different values.
+/// The least difference between distinct values.
 double least_step(std::vector<double> values) {
   std::sort(values.begin(), values.end());
   double least = std::numeric_limits<double>::infinity();
@@ -30,27 +29,23 @@ double least_step(std::vector<double> values) {
 
 }  // namespace
 
-std::vector<DepthField::Row> DepthField::read(const std::string& path) {
+DepthField::DepthField(const std::string& path) {
   CsvTable table(path, kColumnNames, "the depth_map.csv of a run");
   std::vector<Row> rows;
   for (std::vector<double> v; table.next(v, "after_z_mm");) {
-    rows.push_back({{v[0], v[1]}, {.bone = true, .through = std::isnan(v[3]), .before_mm = v[2], .depth_mm = v[4]}});
+    const Cell cell{.bone = true, .perforated = std::isnan(v[3]), .before_mm = v[2], .depth_mm = v[4]};
+    rows.push_back({{v[0], v[1]}, cell});
   }
-  return rows;
-}
-
-DepthField::DepthField(const std::string& path) {
-  const std::vector<Row> rows = read(path);
   if (rows.empty()) return;
-  place(rows, path);
-  keep_holes();
+  build_raster(rows, path);
+  exclude_rim_from_holes();
   smooth();
-  round_off();
-  find_normals();
-  sum_up();
+  smooth_outlines();
+  compute_normals();
+  compute_totals();
 }
 
-void DepthField::place(const std::vector<Row>& rows, const std::string& path) {
+void DepthField::build_raster(const std::vector<Row>& rows, const std::string& path) {
   std::vector<double> xs;
   std::vector<double> ys;
   for (const Row& row : rows) {
@@ -58,139 +53,125 @@ void DepthField::place(const std::vector<Row>& rows, const std::string& path) {
     ys.push_back(row.place_mm.y());
   }
   const double step = std::min(least_step(xs), least_step(ys));
-  pitch_mm_ = std::isfinite(step) ? step : 1;
+  spacing_mm_ = std::isfinite(step) ? step : 1;
   corner_mm_ = {*std::min_element(xs.begin(), xs.end()), *std::min_element(ys.begin(), ys.end())};
   const Vec2 last(*std::max_element(xs.begin(), xs.end()), *std::max_element(ys.begin(), ys.end()));
-  const Vec2 size = ((last - corner_mm_) / pitch_mm_).array().round() + 1;
-  if (size.prod() > kMostCells) {
+  const Vec2 size = ((last - corner_mm_) / spacing_mm_).array().round() + 1;
+  if (size.prod() > kMaxCells) {
     throw InputError({path, 0, 0}, "", "columns do not lie on a regular grid", "the depth_map.csv of a run");
   }
-  nx_ = static_cast<int>(size.x());
-  ny_ = static_cast<int>(size.y());
-  cells_.resize(static_cast<std::size_t>(nx_) * static_cast<std::size_t>(ny_));
+  raster_ = {static_cast<int>(size.x()), static_cast<int>(size.y())};
+  cells_.resize(raster_.count());
   for (const Row& row : rows) {
-    const Vec2 at = ((row.place_mm - corner_mm_) / pitch_mm_).array().round();
-    cells_[index(static_cast<int>(at.x()), static_cast<int>(at.y()))] = row.cell;
+    const Vec2 at = ((row.place_mm - corner_mm_) / spacing_mm_).array().round();
+    cells_[raster_.index(static_cast<int>(at.x()), static_cast<int>(at.y()))] = row.cell;
   }
 }
 
-/// Columns reamed through that are joined to the bone's edge, or come within two columns of it, are its rim; the bone
-/// ends in air, or where what is beside was not reamed and lies below all that the column lost.
-void DepthField::keep_holes() {
-  constexpr int kEdge = 2;
-  const auto at = [&](int i, int j) -> Cell& { return cells_[index(i, j)]; };
-  std::vector<std::pair<int, int>> rim;
-  const auto look_round = [&](int i, int j, int reach, const auto& visit) {
-    for (int b = j - reach; b <= j + reach; ++b) {
-      for (int a = i - reach; a <= i + reach; ++a) visit(a, b);
-    }
-  };
-  for (int j = 0; j < ny_; ++j) {
-    for (int i = 0; i < nx_; ++i) {
-      const Cell& own = at(i, j);
-      if (!own.through) continue;
-      const double below_mm = own.before_mm - own.depth_mm - pitch_mm_;
-      bool edge_near = false;
-      look_round(i, j, kEdge, [&](int a, int b) {
-        const Cell& beside = cell(a, b);
-        edge_near |= !beside.bone || (beside.depth_mm <= 0 && beside.before_mm < below_mm);
-      });
-      if (edge_near) rim.emplace_back(i, j);
-    }
+/// Perforated columns within two columns of the bone's edge, and those connected to them, belong to the rim and not to
+/// a hole. The bone's edge is air, or an unreamed column below all that was removed here.
+void DepthField::exclude_rim_from_holes() {
+  constexpr int kEdgeColumns = 2;
+  std::vector<std::size_t> rim;
+  for (std::size_t n = 0; n < cells_.size(); ++n) {
+    const Cell& own = cells_[n];
+    if (!own.perforated) continue;
+    const double below_mm = own.before_mm - own.depth_mm - spacing_mm_;
+    const int i = raster_.column(n), j = raster_.row(n);
+    bool near_edge =
+        !raster_.contains(i - kEdgeColumns, j - kEdgeColumns) || !raster_.contains(i + kEdgeColumns, j + kEdgeColumns);
+    raster_.for_each_near(n, kEdgeColumns, [&](std::size_t k) {
+      const Cell& near = cells_[k];
+      near_edge |= !near.bone || (near.depth_mm <= 0 && near.before_mm < below_mm);
+    });
+    if (near_edge) rim.push_back(n);
   }
-  for (const auto& [i, j] : rim) at(i, j).through = false;
+  for (const std::size_t n : rim) cells_[n].perforated = false;
   for (std::size_t k = 0; k < rim.size(); ++k) {
-    const auto [i, j] = rim[k];
-    look_round(i, j, 1, [&](int a, int b) {
-      if (!cell(a, b).through) return;
-      at(a, b).through = false;  // so that it is queued only once
-      rim.emplace_back(a, b);
+    raster_.for_each_near(rim[k], 1, [&](std::size_t n) {
+      if (!cells_[n].perforated) return;
+      cells_[n].perforated = false;
+      rim.push_back(n);
     });
   }
 }
 
-/// A Gaussian over the reamed columns: steps of whole voxels would make contour lines of every grain. And a far
-/// narrower one, which is next to what the nearest of them has.
+/// Averages over the reamed columns with a Gaussian, against contour lines around voxel steps, and with a far narrower
+/// one, which approximates the nearest of them.
 void DepthField::smooth() {
-  constexpr int kReach = 4;
-  constexpr double kSigma = 1.8;   // columns
-  constexpr double kNarrower = 9;  // its variance, as a part of the other's
+  constexpr int kReach = 4, kSide = 2 * kReach + 1;
+  constexpr double kSigma = 1.8;           // columns
+  constexpr double kNarrowerVariance = 9;  // variance of the first over that of the second
   const std::vector<double> weights = gaussian(kSigma, kReach);
-  for (int j = 0; j < ny_; ++j) {
-    for (int i = 0; i < nx_; ++i) {
-      double sum_mm = 0;
-      double sum_weight = 0;
-      double near_mm = 0;
-      double near_weight = 0;
-      for (int n = 0; n < (2 * kReach + 1) * (2 * kReach + 1); ++n) {
-        const int di = n % (2 * kReach + 1);
-        const int dj = n / (2 * kReach + 1);
-        const Cell& its = cell(i + di - kReach, j + dj - kReach);
-        if (its.depth_mm <= 0) continue;
-        const double weight = weights[static_cast<std::size_t>(di)] * weights[static_cast<std::size_t>(dj)];
-        sum_mm += weight * its.depth_mm;
-        sum_weight += weight;
-        near_mm += std::pow(weight, kNarrower) * its.depth_mm;
-        near_weight += std::pow(weight, kNarrower);
-      }
-      Cell& own = cells_[index(i, j)];
-      own.smooth_mm = sum_weight > 0 ? sum_mm / sum_weight : 0;
-      own.near_mm = near_weight > 0 ? near_mm / near_weight : 0;
+  for (std::size_t own = 0; own < cells_.size(); ++own) {
+    double sum_mm = 0, sum_weight = 0, near_mm = 0, near_weight = 0;
+    for (int n = 0; n < kSide * kSide; ++n) {
+      const int di = n % kSide, dj = n / kSide;
+      const Cell& other = cell(raster_.column(own) + di - kReach, raster_.row(own) + dj - kReach);
+      if (other.depth_mm <= 0) continue;
+      const double weight = weights[static_cast<std::size_t>(di)] * weights[static_cast<std::size_t>(dj)];
+      const double narrow = std::pow(weight, kNarrowerVariance);
+      sum_mm += weight * other.depth_mm;
+      sum_weight += weight;
+      near_mm += narrow * other.depth_mm;
+      near_weight += narrow;
     }
+    cells_[own].smooth_mm = sum_weight > 0 ? sum_mm / sum_weight : 0;
+    cells_[own].near_mm = near_weight > 0 ? near_mm / near_weight : 0;
   }
 }
 
-void DepthField::round_off() {
-  CellMask bone{nx_, ny_, {}};
-  CellMask reamed{nx_, ny_, {}};
-  for (const Cell& its : cells_) {
-    bone.in.push_back(its.bone ? 1 : 0);
-    reamed.in.push_back(its.depth_mm > 0 ? 1 : 0);
+void DepthField::smooth_outlines() {
+  std::vector<std::uint8_t> bone, reamed;
+  for (const Cell& c : cells_) {
+    bone.push_back(c.bone ? 1 : 0);
+    reamed.push_back(c.depth_mm > 0 ? 1 : 0);
   }
-  const std::vector<double> of_bone = soft_outline(bone, std::vector<double>(cells_.size(), 1.0));
-  const std::vector<double> of_reamed = soft_outline(reamed, of_bone);
-  for (std::size_t i = 0; i < cells_.size(); ++i) cells_[i].shares = {of_bone[i], of_reamed[i]};
+  const std::vector<double> bone_fraction = smoothed_mask(raster_, bone, std::vector<double>(cells_.size(), 1.0));
+  const std::vector<double> reamed_fraction = smoothed_mask(raster_, reamed, bone_fraction);
+  for (std::size_t i = 0; i < cells_.size(); ++i) {
+    cells_[i].bone_fraction = bone_fraction[i];
+    cells_[i].reamed_fraction = reamed_fraction[i];
+  }
 }
 
-void DepthField::sum_up() {
+void DepthField::compute_totals() {
   double sum_mm = 0;
   double columns = 0;
-  for (const Cell& its : cells_) {
-    if (its.depth_mm <= 0) continue;
-    deepest_mm_ = std::max(deepest_mm_, its.depth_mm);
-    sum_mm += its.depth_mm;
+  for (const Cell& c : cells_) {
+    if (c.depth_mm <= 0) continue;
+    deepest_mm_ = std::max(deepest_mm_, c.depth_mm);
+    sum_mm += c.depth_mm;
     ++columns;
-    if (its.through) through_mm2_ += pitch_mm_ * pitch_mm_;
+    if (c.perforated) perforated_mm2_ += spacing_mm_ * spacing_mm_;
   }
   mean_mm_ = columns > 0 ? sum_mm / columns : 0;
-  area_mm2_ = columns * pitch_mm_ * pitch_mm_;
+  area_mm2_ = columns * spacing_mm_ * spacing_mm_;
 }
 
 const DepthField::Cell& DepthField::cell(int i, int j) const {
   static const Cell outside;
-  if (i < 0 || j < 0 || i >= nx_ || j >= ny_) return outside;
-  return cells_[index(i, j)];
+  return raster_.contains(i, j) ? cells_[raster_.index(i, j)] : outside;
 }
 
-void DepthField::find_normals() {
-  // At the bone's edge by the one side that has bone.
+void DepthField::compute_normals() {
+  // Central differences; one-sided at the bone's edge.
   const auto slope = [&](const Cell& low, const Cell& own, const Cell& high) {
     const Cell& from = low.bone ? low : own;
     const Cell& to = high.bone ? high : own;
     const int steps = (low.bone ? 1 : 0) + (high.bone ? 1 : 0);
-    return own.bone && steps > 0 ? (to.before_mm - from.before_mm) / (steps * pitch_mm_) : 0.0;
+    return own.bone && steps > 0 ? (to.before_mm - from.before_mm) / (steps * spacing_mm_) : 0.0;
   };
-  for (int j = 0; j < ny_; ++j) {
-    for (int i = 0; i < nx_; ++i) {
-      const Cell& own = cell(i, j);
-      const Vec3 normal(-slope(cell(i - 1, j), own, cell(i + 1, j)), -slope(cell(i, j - 1), own, cell(i, j + 1)), 1);
-      cells_[index(i, j)].normal = normal.normalized();
-    }
+  for (std::size_t n = 0; n < cells_.size(); ++n) {
+    const int i = raster_.column(n), j = raster_.row(n);
+    const Vec3 normal(-slope(cell(i - 1, j), cells_[n], cell(i + 1, j)),
+                      -slope(cell(i, j - 1), cells_[n], cell(i, j + 1)), 1);
+    cells_[n].normal = normal.normalized();
   }
 }
 
 std::array<DepthField::Corner, 4> DepthField::corners(const Vec2& place_mm) const {
-  const Vec2 index = (place_mm - corner_mm_) / pitch_mm_;
+  const Vec2 index = (place_mm - corner_mm_) / spacing_mm_;
   const Vec2 lower = index.array().floor();
   const Vec2 high = index - lower;
   const Vec2 low = Vec2::Ones() - high;
@@ -203,26 +184,24 @@ std::array<DepthField::Corner, 4> DepthField::corners(const Vec2& place_mm) cons
 
 DepthField::Sample DepthField::at(const Vec2& place_mm) const {
   Sample out;
-  double reamed = 0;
-  double near = 0;
-  double near_mm = 0;
-  for (const auto& [its, weight] : corners(place_mm)) {
-    out.bone += weight * its.shares.bone;
-    out.reamed += weight * its.shares.reamed;
-    if (its.through) out.through += weight;  // as it is: the smallest hole counts
-    if (its.near_mm > 0) {
+  double reamed = 0, near = 0, near_mm = 0;
+  for (const auto& [c, weight] : corners(place_mm)) {
+    out.bone += weight * c.bone_fraction;
+    out.reamed += weight * c.reamed_fraction;
+    if (c.perforated) out.perforated += weight;  // not smoothed: the smallest hole counts
+    if (c.near_mm > 0) {
       near += weight;
-      near_mm += weight * its.near_mm;
+      near_mm += weight * c.near_mm;
     }
-    if (its.depth_mm <= 0) continue;
+    if (c.depth_mm <= 0) continue;
     reamed += weight;
-    out.depth_mm += weight * its.depth_mm;
-    out.smooth_mm += weight * its.smooth_mm;
+    out.depth_mm += weight * c.depth_mm;
+    out.smooth_mm += weight * c.smooth_mm;
   }
   if (reamed > 0) {
     out.depth_mm /= reamed;
     out.smooth_mm /= reamed;
-  } else if (near > 0) {  // where the outline leaves the reamed columns
+  } else if (near > 0) {  // the smoothed outline extends beyond the reamed columns
     out.depth_mm = out.smooth_mm = near_mm / near;
   }
   return out;
@@ -230,8 +209,8 @@ DepthField::Sample DepthField::at(const Vec2& place_mm) const {
 
 Vec3 DepthField::normal_before(const Vec2& place_mm) const {
   Vec3 sum = Vec3::Zero();
-  for (const auto& [its, weight] : corners(place_mm)) {
-    if (its.bone) sum += weight * its.normal;
+  for (const auto& [c, weight] : corners(place_mm)) {
+    if (c.bone) sum += weight * c.normal;
   }
   return sum.isZero() ? Vec3(Vec3::UnitZ()) : Vec3(sum.normalized());
 }

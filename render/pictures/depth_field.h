@@ -5,56 +5,53 @@
 #include <string>
 #include <vector>
 
+#include "render/pictures/smoothed_mask.h"
 #include "sim/base/geometry.h"
 
 namespace reamsim {
 
-/// depth_map.csv as a raster: what a run took from the bone, seen along −z of the map's frame.
+/// depth_map.csv as a raster: the depth of the removed bone along −z of the map's frame.
 class DepthField {
  public:
-  /// Throws InputError: unreadable, damaged, or not on one raster.
+  /// Throws InputError: unreadable, damaged, or not on a regular grid.
   explicit DepthField(const std::string& path);
 
-  /// What a point of the map shows, smooth between the columns' centres.
+  /// A point of the map, interpolated between the columns' centres.
   struct Sample {
-    double bone = 0;       ///< share of columns with bone round the point, 0…1; half of it is the bone's outline
-    double reamed = 0;     ///< share of reamed columns, 0…1
-    double through = 0;    ///< share of columns in a hole reamed through the bone, 0…1
-    double depth_mm = 0;   ///< of the reamed columns
-    double smooth_mm = 0;  ///< their depth averaged over neighbours, for contour lines
+    double bone = 0;        ///< fraction of bone, 0…1; the outline of the bone is at ½
+    double reamed = 0;      ///< fraction of reamed columns, 0…1
+    double perforated = 0;  ///< fraction of columns in a perforation, 0…1
+    double depth_mm = 0;    ///< of the reamed columns
+    double smooth_mm = 0;   ///< their smoothed depth, for contour lines
   };
-  /// `place` in mm, in the map's frame.
+  /// `place_mm` in the map's frame.
   [[nodiscard]] Sample at(const Vec2& place_mm) const;
-  /// Of the unreamed surface there; +z where there is no bone.
+  /// Normal of the unreamed surface; +z without bone.
   [[nodiscard]] Vec3 normal_before(const Vec2& place_mm) const;
 
-  [[nodiscard]] double pitch_mm() const { return pitch_mm_; }
-  [[nodiscard]] Vec2 min_mm() const { return corner_mm_ - Vec2::Constant(0.5 * pitch_mm_); }
-  [[nodiscard]] Vec2 max_mm() const { return corner_mm_ + pitch_mm_ * Vec2(nx_ - 0.5, ny_ - 0.5); }
+  [[nodiscard]] double spacing_mm() const { return spacing_mm_; }
+  [[nodiscard]] Vec2 min_mm() const { return corner_mm_ - Vec2::Constant(0.5 * spacing_mm_); }
+  [[nodiscard]] Vec2 max_mm() const { return corner_mm_ + spacing_mm_ * Vec2(raster_.nx - 0.5, raster_.ny - 0.5); }
   [[nodiscard]] double deepest_mm() const { return deepest_mm_; }
   [[nodiscard]] double mean_mm() const { return mean_mm_; }
-  /// Of the reamed columns, across the map's z.
+  /// Area of the reamed columns, projected along z of the map.
   [[nodiscard]] double area_mm2() const { return area_mm2_; }
-  /// Of the holes that were reamed through the bone. Rim that was reamed away is no hole.
-  [[nodiscard]] double through_mm2() const { return through_mm2_; }
+  /// Area of the perforations, without reamed rim.
+  [[nodiscard]] double perforated_mm2() const { return perforated_mm2_; }
 
  private:
-  /// Shares of the columns round a column, weighted by nearness: outlines by them do not go along the columns' edges.
-  struct Shares {
-    double bone = 0;
-    double reamed = 0;
-  };
   struct Cell {
     bool bone = false;
-    bool through = false;
-    Shares shares{};
+    bool perforated = false;
+    double bone_fraction = 0;  ///< smoothed masks
+    double reamed_fraction = 0;
     double before_mm = 0;
     double depth_mm = 0;
     double smooth_mm = 0;
-    double near_mm = 0;    ///< depth of the nearest reamed columns, where outlines leave them
+    double near_mm = 0;    ///< depth of the nearest reamed columns
     Vec3 normal{0, 0, 1};  ///< of the unreamed surface
   };
-  /// A corner of the square of columns round a point.
+  /// A corner of the square of columns around a point, with its bilinear weight.
   struct Corner {
     const Cell& cell;
     double weight;
@@ -64,28 +61,20 @@ class DepthField {
     Cell cell;
   };
 
-  static std::vector<Row> read(const std::string& path);
-  void place(const std::vector<Row>& rows, const std::string& path);
-  void keep_holes();
+  void build_raster(const std::vector<Row>& rows, const std::string& path);
+  void exclude_rim_from_holes();
   void smooth();
-  void round_off();
-  void sum_up();
-  void find_normals();
-  [[nodiscard]] std::size_t index(int i, int j) const {
-    return static_cast<std::size_t>(i) + static_cast<std::size_t>(nx_) * static_cast<std::size_t>(j);
-  }
+  void smooth_outlines();
+  void compute_normals();
+  void compute_totals();
   [[nodiscard]] const Cell& cell(int i, int j) const;
   [[nodiscard]] std::array<Corner, 4> corners(const Vec2& place_mm) const;
 
-  double pitch_mm_ = 1;
+  double spacing_mm_ = 1;
   Vec2 corner_mm_ = Vec2::Zero();
-  int nx_ = 0;
-  int ny_ = 0;
+  Raster raster_;
   std::vector<Cell> cells_;
-  double deepest_mm_ = 0;
-  double mean_mm_ = 0;
-  double area_mm2_ = 0;
-  double through_mm2_ = 0;
+  double deepest_mm_ = 0, mean_mm_ = 0, area_mm2_ = 0, perforated_mm2_ = 0;
 };
 
 }  // namespace reamsim

@@ -10,22 +10,21 @@
 #include "sim/base/parallel.h"
 
 namespace reamsim {
-
 namespace {
 
 constexpr int kWidth_px = 1600;
 constexpr int kHeight_px = 1080;
-/// What the map may fill of the picture, and how far right of its middle: between the values and the legend.
+/// The fraction of the picture that the map may fill, and its offset to the right, between values and legend.
 constexpr double kMapWidth = 0.57;
 constexpr double kMapHeight = 0.95;
 constexpr double kShift_px = 125;
-/// Samples per pixel along each axis, against jagged edges.
+/// Samples per pixel along each axis.
 constexpr int kMapSamples = 2;
 constexpr double kContourWidth_px = 1.3;
-/// Contour lines end where fewer columns round a point are reamed: past there the mean depth is not that of the place.
-constexpr double kWellInside = 0.75;
-/// Where the depth changes less than this, mm per mm, it counts as level.
-constexpr double kTerrace = 0.01;
+/// Contour lines end where the reamed fraction is lower, because the mean depth is biased there.
+constexpr double kMinContourFraction = 0.75;
+/// Least slope of the depth with a contour line, mm per mm.
+constexpr double kMinSlope = 0.01;
 
 using Rgb = Eigen::Vector3d;
 
@@ -46,7 +45,7 @@ Camera map_camera(const DepthField& field) {
   return camera;
 }
 
-/// Paints the map into pixels, without words.
+/// Renders the map without labels.
 class DepthPainter {
  public:
   DepthPainter(const DepthField& field, const Camera& camera, const Scale& scale)
@@ -86,7 +85,7 @@ class DepthPainter {
     const DepthField::Sample sample = field_.at(at);
     if (sample.bone < 0.5) return kPaperRgb;
     if (sample.reamed < 0.5 * sample.bone) return bone_color(at);
-    if (sample.through > 0.5 * sample.reamed) return kHoleRgb;
+    if (sample.perforated > 0.5 * sample.reamed) return kHoleRgb;
     const Rgb color = colors_.at(sample.depth_mm / scale_.max).cast<double>();
     return color + contour(at, sample) * (Rgb::Ones() - color);
   }
@@ -97,20 +96,20 @@ class DepthPainter {
     return kBoneRgb * std::clamp(0.55 + 0.45 * light, 0.35, 1.0);
   }
 
-  /// How much of a contour line lies here, 0…1: at whole steps of the legend.
+  /// Opacity of the contour lines, 0…1; they lie at multiples of the legend's step.
   [[nodiscard]] double contour(const Vec2& at, const DepthField::Sample& sample) const {
     const double nearest = std::round(sample.smooth_mm / scale_.step) * scale_.step;
     if (nearest <= 0) return 0;
-    const double h = 0.5 * field_.pitch_mm();
+    const double h = 0.5 * field_.spacing_mm();
     Vec2 slope;
     for (int axis = 0; axis < 2; ++axis) {
       const DepthField::Sample low = field_.at(at - h * Vec2::Unit(axis));
       const DepthField::Sample high = field_.at(at + h * Vec2::Unit(axis));
-      if (low.reamed < kWellInside || high.reamed < kWellInside) return 0;
+      if (low.reamed < kMinContourFraction || high.reamed < kMinContourFraction) return 0;
       slope[axis] = (high.smooth_mm - low.smooth_mm) / (2 * h);
     }
-    // A terrace that lies at a whole step is no line.
-    if (slope.norm() < kTerrace) return 0;
+    // A terrace at a multiple of the step is no line.
+    if (slope.norm() < kMinSlope) return 0;
     const double off_px = std::abs(sample.smooth_mm - nearest) / slope.norm() / camera_.mm_per_px;
     return 0.55 * std::clamp(kContourWidth_px - off_px, 0.0, 1.0);
   }
@@ -135,8 +134,8 @@ Labels map_labels(const DepthField& field, const RunInputs& run, const Scale& sc
   labels.values = {{"deepest along axis", fixed_text(field.deepest_mm(), 2) + " mm"},
                    {"mean", fixed_text(field.mean_mm(), 2) + " mm"},
                    {"reamed area", fixed_text(field.area_mm2(), 0) + " mm²"}};
-  if (field.through_mm2() > 0) {
-    labels.values.emplace_back("hole (red)", fixed_text(field.through_mm2(), 1) + " mm²");
+  if (field.perforated_mm2() > 0) {
+    labels.values.emplace_back("hole (red)", fixed_text(field.perforated_mm2(), 1) + " mm²");
   }
   labels.legends.push_back({"Depth", "mm along axis", depth_colors(), scale});
   if (!run.glenoid) return labels;

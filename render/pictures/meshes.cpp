@@ -13,9 +13,9 @@ namespace {
 double bone_mm3(const Voxmap& voxmap, const FillBricks& fill) {
   std::int64_t sum = 0;  // in 1/65535 of a voxel
   voxmap.grade.for_each_brick([&](const Vec3i& coord, const GradeBricks::Brick& grades) {
-    const FillBricks::Brick* left = fill.brick(coord);
+    const FillBricks::Brick* remaining = fill.brick(coord);
     for (std::size_t i = 0; i < grades.size(); ++i) {
-      if (grades[i] != 0) sum += left == nullptr ? FillBricks::kWhole : (*left)[i];
+      if (grades[i] != 0) sum += remaining == nullptr ? FillBricks::kWhole : (*remaining)[i];
     }
   });
   return static_cast<double>(sum) / FillBricks::kWhole * voxmap.grid.voxel_mm3();
@@ -25,8 +25,8 @@ double bone_mm3(const Voxmap& voxmap, const FillBricks& fill) {
 
 void write_meshes(const RunData& run, double depth_max_mm, Report& report) {
   const std::string& dir = run.dir();
-  const double left_mm3 = bone_mm3(run.voxmap(), run.last_fill());
-  const ReamedMesh reamed = make_reamed_mesh(dir + "/reamed.vdb", run.voxmap().grid, left_mm3, run.unreamed());
+  const double remaining_mm3 = bone_mm3(run.voxmap(), run.last_fill());
+  const ReamedMesh reamed = make_reamed_mesh(dir + "/reamed.vdb", run.voxmap().grid, remaining_mm3, run.unreamed());
   if (reamed.mesh.triangles.empty()) {
     std::filesystem::remove(dir + "/reamed.glb");
     std::filesystem::remove(dir + "/reamed.stl");

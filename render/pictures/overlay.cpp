@@ -8,10 +8,10 @@
 namespace reamsim {
 namespace {
 
-constexpr double kMargin = 28;  // all lengths for a picture 1080 pixels high
+constexpr double kMargin = 28;  // lengths are pixels of a picture 1080 high
 constexpr double kText = 23;
-constexpr double kLongestArrow = 0.18;  // of the picture's width
-constexpr Ink kForceInk{0.75, 0.10, 0.20, 1};
+constexpr double kMaxArrow = 0.18;  // of the picture's width
+constexpr Rgba kForceColor{0.75, 0.10, 0.20, 1};
 
 /// Pixels of this picture per pixel of one 1080 high and at least 1440 wide.
 double unit(const Camera& camera) {
@@ -19,7 +19,7 @@ double unit(const Camera& camera) {
 }
 
 bool labelled(const Camera& camera) {
-  return std::min(camera.width_px, camera.height_px) >= kLeastLabelled_px;
+  return std::min(camera.width_px, camera.height_px) >= kMinLabelled_px;
 }
 
 /// Title and values in the upper left corner.
@@ -40,17 +40,17 @@ void draw_values(const Canvas& canvas, const Camera& camera, const Labels& label
                                                                     : labels.values.empty() ? 1
                                                                                             : 1.15);
   const Box box{left_px + kMargin * u, kMargin * u, inner + 2 * pad, lines * line + 1.4 * pad};
-  canvas.paper(box, 8 * u);
+  canvas.fill_panel(box, 8 * u);
   double y = box.y + pad * 0.7;
-  canvas.ink(kInk);
+  canvas.set_color(kTextColor);
   if (!labels.title.empty()) {
     title.draw(box.x + pad, y);
     y += 1.15 * line;
   }
   for (const auto& [name, value] : labels.values) {
-    canvas.ink(kFaintInk);
+    canvas.set_color(kFaintTextColor);
     TextLine(canvas, name, kText * u).draw(box.x + pad, y);
-    canvas.ink(kInk);
+    canvas.set_color(kTextColor);
     const TextLine number(canvas, value, kText * u);
     number.draw(box.x + pad + inner - number.width, y);
     y += line;
@@ -67,93 +67,90 @@ void draw_legend(const Canvas& canvas, const Camera& camera, const Legend& legen
   const double pad = 14 * u;
   const double width = 146 * u + 2 * pad;
   const double head = title.height + unit_text.height + 12 * u;
-  canvas.paper({right - width, bar.y - head - pad, width, bar.height + head + 2 * pad + 4 * u}, 8 * u);
-  canvas.ink(kInk);
+  canvas.fill_panel({right - width, bar.y - head - pad, width, bar.height + head + 2 * pad + 4 * u}, 8 * u);
+  canvas.set_color(kTextColor);
   title.draw(right - width + pad, bar.y - head);
-  canvas.ink(kFaintInk);
+  canvas.set_color(kFaintTextColor);
   unit_text.draw(right - width + pad, bar.y - head + title.height);
 
   const int rows = static_cast<int>(std::ceil(bar.height));
   for (int row = 0; row < rows; ++row) {
     const Eigen::Vector3f color = legend.colors.at(1 - (row + 0.5) / rows);
     cairo_set_source_rgb(c, color.x(), color.y(), color.z());
-    // One pixel of overlap, so that no seam of the paper shows between rows.
+    // Overlap by one pixel, against seams between rows.
     cairo_rectangle(c, bar.x, bar.y + row, bar.width, std::min(2.0, bar.height - row));
     cairo_fill(c);
   }
-  canvas.ink(kInk);
+  canvas.set_color(kTextColor);
   cairo_set_line_width(c, std::max(1.0, 1.5 * u));
   cairo_rectangle(c, bar.x, bar.y, bar.width, bar.height);
   cairo_stroke(c);
   for (int tick = 0; tick < legend.scale.ticks(); ++tick) {
     const double y = bar.y + bar.height * (1 - tick * legend.scale.step / legend.scale.max);
-    cairo_move_to(c, bar.x + bar.width, y);
-    cairo_line_to(c, bar.x + bar.width + 8 * u, y);
-    cairo_stroke(c);
+    canvas.line({bar.x + bar.width, y}, {bar.x + bar.width + 8 * u, y});
     const TextLine number(canvas, legend.scale.label(tick), 0.87 * kText * u);
     number.draw(bar.x + bar.width + 14 * u, y - 0.5 * number.height);
   }
 }
 
-void draw_scale_bar(const Canvas& canvas, const Camera& camera, double share) {
+void draw_scale_bar(const Canvas& canvas, const Camera& camera, double fraction) {
   const double u = unit(camera);
   cairo_t* c = canvas.get();
-  const auto [bar, length_mm] = scale_bar(camera, share);
+  const auto [bar, length_mm] = scale_bar(camera, fraction);
   Scale exact{length_mm, length_mm};
   const TextLine text(canvas, exact.label(1) + (camera.eye_mm ? " mm at target" : " mm"), kText * u);
   const double width = std::max(bar.width, text.width);
-  canvas.paper(
+  canvas.fill_panel(
       {bar.x - 14 * u, bar.y - text.height - 16 * u, width + 28 * u, text.height + 16 * u + bar.height + 14 * u},
       8 * u);
-  canvas.ink(kInk);
+  canvas.set_color(kTextColor);
   cairo_rectangle(c, bar.x, bar.y, bar.width, bar.height);
   cairo_fill(c);
   text.draw(bar.x + 0.5 * (bar.width - text.width), bar.y - text.height - 6 * u);
 }
 
-/// An arrow with a light rim, so that it shows on bone and on steel. Lengths in pixels.
-void stroke_arrow(const Canvas& canvas, const Vec2& from, const Vec2& to, double width, const Ink& color) {
+/// Appends a closed polygon to the path.
+void trace(const Canvas& canvas, const std::vector<Vec2>& points) {
+  for (const Vec2& p : points) cairo_line_to(canvas.get(), p.x(), p.y());
+  cairo_close_path(canvas.get());
+}
+
+/// An arrow with a light outline, visible on bone and steel. Lengths in pixels.
+void stroke_arrow(const Canvas& canvas, const Vec2& from, const Vec2& to, double width, const Rgba& color) {
   cairo_t* c = canvas.get();
   const Vec2 way = (to - from).normalized();
   const Vec2 side(-way.y(), way.x());
   const Vec2 neck = to - std::min(4.2 * width, (to - from).norm()) * way;
-  const auto line_to = [c](const Vec2& p) { cairo_line_to(c, p.x(), p.y()); };
-  line_to(from + 0.5 * width * side);
-  line_to(neck + 0.5 * width * side);
-  line_to(neck + 1.6 * width * side);
-  line_to(to);
-  line_to(neck - 1.6 * width * side);
-  line_to(neck - 0.5 * width * side);
-  line_to(from - 0.5 * width * side);
-  cairo_close_path(c);
-  canvas.ink({1, 1, 1, 0.9});
+  trace(canvas, {from + 0.5 * width * side, neck + 0.5 * width * side, neck + 1.6 * width * side, to,
+                 neck - 1.6 * width * side, neck - 0.5 * width * side, from - 0.5 * width * side});
+  canvas.set_color({1, 1, 1, 0.9});
   cairo_set_line_join(c, CAIRO_LINE_JOIN_ROUND);
   cairo_set_line_width(c, 0.55 * width);
   cairo_stroke_preserve(c);
-  canvas.ink(color);
+  canvas.set_color(color);
   cairo_fill(c);
 }
 
-/// The force on the tool. Not where it points at the viewer: an arrow that short would say nothing.
+/// The force on the tool, unless it points at the viewer.
 void draw_force(const Canvas& canvas, const Camera& camera, const Labels& labels) {
   if (!labels.force) return;
   const double u = unit(camera);
   const Vec2 from = camera.pixel(labels.force->from_mm);
-  const double longest_mm = kLongestArrow * camera.width_px * camera.mm_per_px;
-  const Vec2 to = camera.pixel(labels.force->from_mm + longest_mm * labels.force->way);
+  const double longest_mm = kMaxArrow * camera.width_px * camera.mm_per_px;
+  const Vec2 to = camera.pixel(labels.force->from_mm + longest_mm * labels.force->direction);
   if ((to - from).norm() < 14 * u) return;
-  stroke_arrow(canvas, from, to, 9 * u, kForceInk);
+  stroke_arrow(canvas, from, to, 9 * u, kForceColor);
   const TextLine text(canvas, labels.force->text, kText * u, true);
   const Vec2 way = (to - from).normalized();
   const Vec2 middle = to + (16 * u + 0.5 * (std::abs(way.x()) * text.width + std::abs(way.y()) * text.height)) * way;
   const Box box{middle.x() - 0.5 * text.width - 8 * u, middle.y() - 0.5 * text.height - 3 * u, text.width + 16 * u,
                 text.height + 6 * u};
-  canvas.paper(box, 5 * u);
-  canvas.ink(kForceInk);
+  canvas.fill_panel(box, 5 * u);
+  canvas.set_color(kForceColor);
   text.draw(box.x + 8 * u, box.y + 3 * u);
 }
 
-/// Arrows that say which way is superior, lateral and anterior, in the lower right corner.
+/// Arrows towards superior, lateral and anterior, in the lower right corner.
 void draw_directions(const Canvas& canvas, const Camera& camera, const Labels& labels) {
   if (labels.directions.empty()) return;
   const double u = unit(camera);
@@ -167,18 +164,10 @@ void draw_directions(const Canvas& canvas, const Camera& camera, const Labels& l
     const Vec2 tip = middle + reach * way;
     way.normalize();
     const Vec2 side(-way.y(), way.x());
-    canvas.ink(kInk);
+    canvas.set_color(kTextColor);
     cairo_set_line_width(c, 2.5 * u);
-    cairo_move_to(c, middle.x(), middle.y());
-    cairo_line_to(c, tip.x(), tip.y());
-    cairo_stroke(c);
-    const Vec2 left = tip - 11 * u * way + 5 * u * side;
-    const Vec2 right = tip - 11 * u * way - 5 * u * side;
-    const Vec2 point = tip + 3 * u * way;
-    cairo_move_to(c, point.x(), point.y());
-    cairo_line_to(c, left.x(), left.y());
-    cairo_line_to(c, right.x(), right.y());
-    cairo_close_path(c);
+    canvas.line(middle, tip);
+    trace(canvas, {tip + 3 * u * way, tip - 11 * u * way + 5 * u * side, tip - 11 * u * way - 5 * u * side});
     cairo_fill(c);
     const TextLine text(canvas, name, 0.80 * kText * u);
     const Vec2 at = tip + (14 * u + 0.5 * std::abs(way.x()) * text.width) * way;
@@ -191,15 +180,13 @@ void stroke_outlines(const Canvas& canvas, const Camera& camera, const Labels& l
   cairo_t* c = canvas.get();
   const double dashes[] = {12 * u, 8 * u};
   for (const auto& outline : labels.outlines_mm) {
-    for (const Vec3& point : outline) {
-      const Vec2 at = camera.pixel(point);
-      cairo_line_to(c, at.x(), at.y());
-    }
-    cairo_close_path(c);
-    canvas.ink({1, 1, 1, 0.55});
+    std::vector<Vec2> points;
+    for (const Vec3& point : outline) points.push_back(camera.pixel(point));
+    trace(canvas, points);
+    canvas.set_color({1, 1, 1, 0.55});
     cairo_set_line_width(c, std::max(2.0, 5 * u));
     cairo_stroke_preserve(c);
-    canvas.ink({0.15, 0.25, 0.40, 1});
+    canvas.set_color({0.15, 0.25, 0.40, 1});
     cairo_set_line_width(c, std::max(1.0, 2.4 * u));
     cairo_set_dash(c, dashes, 2, 0);
     cairo_stroke(c);
@@ -217,10 +204,10 @@ Box legend_box(const Camera& camera, int index, int count) {
   return {camera.width_px - (kMargin + 160) * u, top, 34 * u, height};
 }
 
-std::pair<Box, double> scale_bar(const Camera& camera, double share) {
+std::pair<Box, double> scale_bar(const Camera& camera, double fraction) {
   if (!labelled(camera)) return {{}, 0};
   const double u = unit(camera);
-  const double length_mm = round_down(share * camera.mm_per_px * camera.width_px);
+  const double length_mm = round_down(fraction * camera.mm_per_px * camera.width_px);
   const double height = 9 * u;
   const double x = (kMargin + 14) * u;
   return {{x, camera.height_px - (kMargin + 14) * u - height, length_mm / camera.mm_per_px, height}, length_mm};
@@ -236,7 +223,7 @@ void draw_labels(PixelImage& image, const Camera& camera, const Labels& labels) 
   for (int i = 0; i < count; ++i) {
     draw_legend(canvas, camera, labels.legends[static_cast<std::size_t>(i)], legend_box(camera, i, count));
   }
-  draw_scale_bar(canvas, camera, labels.scale_share);
+  draw_scale_bar(canvas, camera, labels.scale_bar_fraction);
   draw_directions(canvas, camera, labels);
   canvas.finish();
 }

@@ -8,20 +8,10 @@
 #include "sim/record/snapshot.h"
 
 namespace reamsim {
-namespace {
-
-FillBricks first_fill(const RunInputs& run) {
-  FillBricks fill(run.voxmap->grid.dims);
-  apply_snapshot(run.dir, run.frames.front(), fill);
-  return fill;
-}
-
-}  // namespace
-
 struct Renderer::State {
   explicit State(const RunView& view)
       : context(make_context(view.settings().context, warning)),
-        fields(view.run().voxmap(), first_fill(view.run().inputs()), view.run().unreamed()),
+        fields(view.run().voxmap(), fill_at(view.run().inputs(), view.frames().front()), view.run().unreamed()),
         tiles(fields),
         scene(context->gl(), make_tool_surface(view.run().inputs().tool)) {
     std::vector<std::size_t> all(tiles.surfaces().size());
@@ -34,7 +24,7 @@ struct Renderer::State {
   BoneFields fields;
   BoneTiles tiles;
   Scene scene;
-  std::size_t shown = 0;  ///< which of the run's snapshots
+  std::size_t shown = 0;  ///< index of the snapshot
 };
 
 Renderer::Renderer(const RunView& view) : view_(view), state_(std::make_unique<State>(view)) {}
@@ -58,12 +48,12 @@ PixelImage Renderer::render(const Camera& camera, const std::optional<Rigid>& to
   call.contour_mm = view_.depth_scale().step;
   call.density_max_g_cm3 = view_.density_scale().max;
   call.bone_from_spinning_tool = tool;
-  // Solid where it is cut open, as the bone is; other views show the face behind it unless the user wants steel.
+  // Opaque in a section, like the bone. Other views show the face behind the tool, unless the user selects steel.
   call.steel = camera.cut_plane || settings.tool_look == ToolLook::steel;
   call.background = settings.background;
   call.key_direction = settings.light.normalized().cast<float>();
   call.supersampling = settings.supersampling;
-  call.edges = for_film ? Edges::smoothed : Edges::sampled;
+  call.antialiasing = for_film ? Antialiasing::fxaa : Antialiasing::multisample;
   CutFace cut_face;
   if (camera.cut_plane) {
     cut_face = sample_cut_face(view_.run().voxmap(), state_->fields.fill, state_->fields.solid, camera);

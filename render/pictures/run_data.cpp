@@ -21,7 +21,7 @@ namespace reamsim {
 struct RunData::Outcome {
   FillBricks fill;
   ForceLog log;
-  std::shared_ptr<const StoredBone> bone;  ///< as reamed.vdb has it, but for the fill; none where it was not read
+  std::shared_ptr<const StoredBone> bone;  ///< from reamed.vdb, without the fill; null if it was not read
 };
 
 struct RunData::Prediction {
@@ -47,12 +47,12 @@ std::string tool_path(const std::string& dir) {
 }
 
 template <class Compute>
-auto when_asked(Compute compute) {
+auto lazily(Compute compute) {
   return std::async(std::launch::deferred, std::move(compute)).share();
 }
 
-/// A fill with every voxel that an earlier run removed whole again: depth is measured from before it.
-FillBricks with_removed_voxels_whole(const FillBricks& fill) {
+/// The fill with all voxels that an earlier run removed restored, because depth is measured from before it.
+FillBricks with_removed_voxels_restored(const FillBricks& fill) {
   FillBricks out = fill;
   fill.for_each_brick([&](const Vec3i& coord, const FillBricks::Brick& brick) {
     FillBricks::Brick whole = brick;
@@ -87,16 +87,15 @@ RunInputs read_inputs(const std::string& dir, const std::shared_ptr<const Stored
     out.pose_frames.push_back(row.frame);
     out.poses.push_back(row.pose);
   }
-  out.fill = FillBricks(out.voxmap->grid.dims);
-  if (out.frames.front() == 0) apply_snapshot(dir, 0, out.fill);
+  out.fill = out.frames.front() == 0 ? fill_at(out, 0) : FillBricks(out.voxmap->grid.dims);
   out.tool = read_tool(dir);
   return out;
 }
 
-/// The tool's head: what lies no farther than this above its lowest point. The shaft may leave the picture.
+/// Height of the tool's head above its lowest point. The shaft may extend beyond the picture.
 constexpr double kHead_mm = 12;
 
-void from_glenoid(ViewTarget& target, const GlenoidFrame& glenoid, BodySide side, const std::string& frame) {
+void target_glenoid(ViewTarget& target, const GlenoidFrame& glenoid, BodySide side, const std::string& frame) {
   const Mat3 axes = glenoid.bone_from_glenoid.linear();
   target.bone_from_glenoid = glenoid.bone_from_glenoid;
   target.focus_mm = glenoid.bone_from_glenoid.translation();
@@ -106,12 +105,13 @@ void from_glenoid(ViewTarget& target, const GlenoidFrame& glenoid, BodySide side
   // +x of G is superior × lateral: posterior on a left shoulder, anterior on a right one.
   if (side == BodySide::left) target.anterior = -axes.col(0);
   if (side == BodySide::right) target.anterior = axes.col(0);
-  // In patient coordinates +y is posterior, whatever the side.
-  if (side == BodySide::unknown && frame == "LPS")
+  // In LPS +y is posterior on both sides.
+  if (side == BodySide::unknown && frame == "LPS") {
     target.anterior = axes(1, 0) > 0 ? Vec3(-axes.col(0)) : Vec3(axes.col(0));
+  }
 }
 
-void from_tool(ViewTarget& target) {
+void target_tool(ViewTarget& target) {
   target.focus_mm = target.bone_from_tool.translation();
   target.outward = target.bone_from_tool.linear().col(2);
   // Up in the picture is +z of B, or +y where the tool points along z.
@@ -119,30 +119,30 @@ void from_tool(ViewTarget& target) {
   target.superior = (up - up.dot(target.outward) * target.outward).normalized();
 }
 
-/// What the cameras of a run look at: the glenoid where it is known; else the tool where it is deepest, seen along its
-/// own axis. `bone`: the unreamed surface, voxel index space.
+/// The target of the cameras: the glenoid if known; else the tool at its greatest depth, seen along its axis. `bone`:
+/// the unreamed surface, voxel index space.
 ViewTarget make_view_target(const RunInputs& run, const ToolPose& deepest, const IsoSurface& bone) {
   ViewTarget target;
   target.bone_from_tool = deepest.bone_from_tool();
   if (run.glenoid) {
-    from_glenoid(target, *run.glenoid, run.side, run.voxmap->frame);
+    target_glenoid(target, *run.glenoid, run.side, run.voxmap->frame);
   } else {
-    from_tool(target);
+    target_tool(target);
   }
   const VoxelGrid& grid = run.voxmap->grid;
   for (const Eigen::Vector3f& p : bone.points) {
     target.bone_mm.emplace_back(grid.origin_mm + grid.voxel_mm * (p.cast<double>() + Vec3::Constant(0.5)));
-    target.reach_mm = std::max(target.reach_mm, (target.bone_mm.back() - target.focus_mm).norm());
+    target.radius_mm = std::max(target.radius_mm, (target.bone_mm.back() - target.focus_mm).norm());
   }
   double tool_reach_mm = 0;
   double lowest_mm = run.tool.bounds().min.z();
   for (const Vec3& v : run.tool.vertices) {
     tool_reach_mm = std::max(tool_reach_mm, v.norm());
-    if (v.z() < lowest_mm + kHead_mm) target.head_mm.push_back(target.bone_from_tool * v);
+    if (v.z() < lowest_mm + kHead_mm) target.tool_head_mm.push_back(target.bone_from_tool * v);
   }
   for (const ToolPose& pose : run.poses) {
     const double away_mm = (pose.position_mm - target.focus_mm).norm() + tool_reach_mm;
-    target.reach_mm = std::max(target.reach_mm, away_mm);
+    target.radius_mm = std::max(target.radius_mm, away_mm);
   }
   return target;
 }
@@ -153,6 +153,12 @@ const ToolPose& RunInputs::pose_at(std::int64_t frame) const {
   const auto after = std::ranges::upper_bound(pose_frames, frame);
   return after == pose_frames.begin() ? poses.front()
                                       : poses[static_cast<std::size_t>(after - pose_frames.begin()) - 1];
+}
+
+FillBricks fill_at(const RunInputs& run, std::int64_t frame) {
+  FillBricks fill(run.voxmap->grid.dims);
+  apply_snapshot(run.dir, frame, fill);
+  return fill;
 }
 
 TriangleMesh read_tool(const std::string& dir) {
@@ -170,24 +176,24 @@ RunData::Outcome RunData::read_outcome(const std::string& dir) {
 
 RunData::Prediction RunData::predict_outcome(const RunInputs& inputs) {
   const PredictedBone predicted = predict_bone(inputs);
-  UnreamedSurface unreamed(*inputs.voxmap, with_removed_voxels_whole(inputs.fill), predicted.fill);
+  UnreamedSurface unreamed(*inputs.voxmap, with_removed_voxels_restored(inputs.fill), predicted.fill);
   ViewTarget target = make_view_target(inputs, predicted.deepest, unreamed.surface());
   return {std::move(unreamed), std::move(target)};
 }
 
 RunData::RunData(std::string dir) : state_(new State{std::move(dir), {}, {}, {}}) {
   State& state = *state_;
-  state.outcome = when_asked([dir = state.dir] { return read_outcome(dir); });
-  state.inputs = when_asked(
+  state.outcome = lazily([dir = state.dir] { return read_outcome(dir); });
+  state.inputs = lazily(
       [dir = state.dir, outcome = state.outcome] { return read_inputs(dir, outcome.get().bone, outcome.get().log); });
-  state.prediction = when_asked([inputs = state.inputs] { return predict_outcome(inputs.get()); });
+  state.prediction = lazily([inputs = state.inputs] { return predict_outcome(inputs.get()); });
 }
 
 RunData::RunData(RunInputs inputs) : state_(new State{inputs.dir, {}, {}, {}}) {
   std::promise<RunInputs> known;
   known.set_value(std::move(inputs));
   state_->inputs = known.get_future().share();
-  state_->prediction = when_asked([inputs = state_->inputs] { return predict_outcome(inputs.get()); });
+  state_->prediction = lazily([inputs = state_->inputs] { return predict_outcome(inputs.get()); });
 }
 
 void RunData::predict() {
@@ -196,7 +202,7 @@ void RunData::predict() {
 }
 
 void RunData::finish(FillBricks fill) {
-  state_->outcome = when_asked([dir = state_->dir, fill = std::move(fill)]() mutable {
+  state_->outcome = lazily([dir = state_->dir, fill = std::move(fill)]() mutable {
     return Outcome{std::move(fill), read_force_log(log_path(dir)), nullptr};
   });
 }

@@ -16,40 +16,40 @@ namespace reamsim {
 struct ViewTarget;
 class UnreamedSurface;
 
-/// What rendering a run takes beside its snapshots; all of it is known before the simulation begins, and never changes.
+/// The inputs of rendering a run besides its snapshots. All are known before the simulation and immutable.
 struct RunInputs {
-  std::string dir;  ///< where the snapshots are, or will be
+  std::string dir;  ///< folder of the results
   std::shared_ptr<const Voxmap> voxmap;
-  FillBricks fill;            ///< that the run begins with
-  bool whole_voxels = false;  ///< the run removes voxels whole, not in parts
+  FillBricks fill;            ///< at the start of the run
+  bool whole_voxels = false;  ///< the run removes voxels as a whole
   std::optional<GlenoidFrame> glenoid;
   BodySide side = BodySide::unknown;
-  std::vector<std::int64_t> frames;       ///< that have a snapshot, ascending
-  std::vector<std::int64_t> pose_frames;  ///< the frames of `poses`, ascending; with all of `frames` from the first on
+  std::vector<std::int64_t> frames;       ///< with a snapshot, ascending
+  std::vector<std::int64_t> pose_frames;  ///< frames of `poses`, ascending; they include `frames`
   std::vector<ToolPose> poses;
   TriangleMesh tool;  ///< T, mm
 
-  /// The pose in a frame, or the first one where the frame lies before it.
+  /// The pose in a frame, or the first one before it.
   [[nodiscard]] const ToolPose& pose_at(std::int64_t frame) const;
 };
 
-/// A run as pictures, meshes and the report see it. Everything is read or computed when it is first asked for, and only
-/// once. Copies share it; any thread may ask. Where one is wanted, a folder's path will do.
+/// The data of a run for pictures, meshes and the report, read or computed once on first use. Copies share it, and any
+/// thread may use it. Converts from the path of a results folder.
 class RunData {
  public:
-  /// Of a finished run: reads DIR/reamed.vdb (with `bone_from_glenoid`, 16 numbers row by row, `bone_side` and
+  /// A finished run: reads DIR/reamed.vdb (with `bone_from_glenoid`, 16 numbers row by row, `bone_side` and
   /// `erosion` in the metadata of `density`, all optional), DIR/snapshots/ and DIR/forces.csv.
-  RunData(std::string dir);  // not explicit on purpose
-  /// Of a run that is about to begin.
+  RunData(std::string dir);  // implicit
+  /// A run before its start.
   explicit RunData(RunInputs inputs);
 
-  /// Begins to compute unreamed() and target() on another thread. To be called before anybody asks for them.
+  /// Starts computing unreamed() and target() on another thread. Call it before their first use.
   void predict();
-  /// The run has ended with this fill, and its forces.csv is complete.
+  /// Marks the run as ended with this fill and a complete forces.csv.
   void finish(FillBricks fill);
 
   [[nodiscard]] const std::string& dir() const;
-  // These throw InputError where a file is missing or damaged, or the tool sweeps no volume.
+  // These throw InputError when a file is missing or damaged, or the tool sweeps no volume.
   [[nodiscard]] const RunInputs& inputs() const;
   [[nodiscard]] const Voxmap& voxmap() const { return *inputs().voxmap; }
   [[nodiscard]] const UnreamedSurface& unreamed() const;
@@ -72,7 +72,9 @@ class RunData {
   std::shared_ptr<State> state_;
 };
 
-/// The tool as DIR/snapshots/tool.stl has it.
+/// The fill after the snapshot of a frame, which must be the first snapshot. Throws InputError.
+FillBricks fill_at(const RunInputs& run, std::int64_t frame);
+/// The tool in DIR/snapshots/tool.stl.
 TriangleMesh read_tool(const std::string& dir);
 
 }  // namespace reamsim

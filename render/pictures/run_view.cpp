@@ -5,20 +5,19 @@
 #include <numbers>
 
 #include "render/surface/unreamed_surface.h"
-#include "sim/bone/voxmap/density.h"
 
 namespace reamsim {
 namespace {
 
-/// How much closer closer_camera() is.
-constexpr double kCloser = 0.86;
+/// Scale of closer_camera().
+constexpr double kCloserScale = 0.86;
 
 Rigid spinning(const ToolPose& pose) {
-  // Positive spin turns about −z of T.
+  // A positive spin is about −z of T.
   return pose.bone_from_tool() * Eigen::AngleAxisd(-pose.spin_angle_rad, Vec3::UnitZ());
 }
 
-/// The circle that the tool's widest point sweeps, in B.
+/// The circle swept by the tool's outermost point, in B.
 std::vector<Vec3> widest_circle(const TriangleMesh& tool, const Rigid& bone_from_tool) {
   Vec3 widest = Vec3::Zero();
   for (const Vec3& v : tool.vertices) {
@@ -27,9 +26,9 @@ std::vector<Vec3> widest_circle(const TriangleMesh& tool, const Rigid& bone_from
   std::vector<Vec3> circle;
   constexpr int kPoints = 128;
   for (int i = 0; i < kPoints; ++i) {
-    const double turn = 2 * std::numbers::pi * i / kPoints;
+    const double angle = 2 * std::numbers::pi * i / kPoints;
     const double radius = widest.head<2>().norm();
-    circle.emplace_back(bone_from_tool * Vec3(radius * std::cos(turn), radius * std::sin(turn), widest.z()));
+    circle.emplace_back(bone_from_tool * Vec3(radius * std::cos(angle), radius * std::sin(angle), widest.z()));
   }
   return circle;
 }
@@ -41,10 +40,7 @@ Scale depth_scale(const RunData& run, double depth_max_mm) {
 }
 
 RunView::RunView(const RunData& run, const RenderSettings& settings)
-    : run_(run),
-      settings_(settings),
-      depth_scale_(reamsim::depth_scale(run, settings.depth_max_mm)),
-      density_scale_(scale_up_to(DensityMapping::kMaxDensity_g_cm3)) {}
+    : run_(run), settings_(settings), depth_scale_(reamsim::depth_scale(run, settings.depth_max_mm)) {}
 
 Camera RunView::camera(const std::string& name, int width_px, int height_px) const {
   for (const UserCamera& own : settings_.user_cameras) {
@@ -56,7 +52,7 @@ Camera RunView::camera(const std::string& name, int width_px, int height_px) con
 Camera RunView::closer_camera(const std::string& name, int width_px, int height_px) const {
   Camera out = camera(name, width_px, height_px);
   const auto is_it = [&](const UserCamera& own) { return own.name == name; };
-  if (std::ranges::none_of(settings_.user_cameras, is_it)) out.mm_per_px *= kCloser;
+  if (std::ranges::none_of(settings_.user_cameras, is_it)) out.mm_per_px *= kCloserScale;
   return out;
 }
 
@@ -68,13 +64,13 @@ std::optional<Rigid> RunView::tool_at(std::int64_t frame) const {
 Labels RunView::labels(const Camera& camera, const std::optional<Rigid>& tool) const {
   Labels labels;
   labels.legends.push_back({"Reamed depth", "mm", depth_colors(), depth_scale_});
-  if (camera.cut_plane) labels.legends.push_back({"Bone density", "g/cm³", density_colors(), density_scale_});
+  if (camera.cut_plane) labels.legends.push_back({"Bone density", "g/cm³", density_colors(), density_scale()});
   const ViewTarget& target = run_.target();
   if (target.anatomical) {
     labels.directions = {{"superior", target.superior}, {"lateral", target.outward}};
     if (target.anterior) labels.directions.emplace_back("anterior", *target.anterior);
   }
-  if (tool && !camera.draws_tool) labels.outlines_mm.push_back(widest_circle(run_.inputs().tool, *tool));
+  if (tool && !camera.shows_tool) labels.outlines_mm.push_back(widest_circle(run_.inputs().tool, *tool));
   return labels;
 }
 

@@ -6,6 +6,7 @@
 #include "render/gl/camera.h"
 #include "render/pictures/overlay.h"
 #include "render/pictures/run_data.h"
+#include "sim/bone/voxmap/density.h"
 #include "sim/scenario/scenario.h"
 
 namespace reamsim {
@@ -13,46 +14,45 @@ namespace reamsim {
 /// Which pictures of a run are made, and how.
 struct PictureOptions {
   RenderSettings settings{};
-  /// Forces that pictures, plots and the report name are means over so much of the tool's travel; 0: single frames. See
+  /// Tool travel over which forces in pictures, plots and report are averaged; 0: single frames. See
   /// averaged_travel_mm().
   double mean_travel_mm = 0;
-  bool film = true;                 ///< of the run, where the settings want films; the turntable's goes by its pictures
-  bool stills = true;               ///< reamed.png and frames/; what else there is, the settings say
-  std::string unsuffixed_camera{};  ///< whose files have no suffix; "": the first of the settings
+  bool film = true;                     ///< of the run, if the settings have one; the turntable has its own
+  bool stills = true;                   ///< reamed.png and frames/; the settings decide on the rest
+  std::string camera_without_suffix{};  ///< "": the first of the settings
 };
 
-/// What is the same in every picture of a run, and known before the first: what is looked at, by which cameras, and how
-/// far the legends go. Never changes, and so may be asked by several threads.
+/// What all pictures of a run share and is known before the first: target, cameras and legends. Immutable, so that
+/// several threads may use it.
 class RunView {
  public:
   /// Throws as RunData does.
   RunView(const RunData& run, const RenderSettings& settings);
 
-  /// A camera by its name: a CameraView's or the user's. Throws InputError.
+  /// A camera by name, built in or defined by the user. Throws InputError.
   [[nodiscard]] Camera camera(const std::string& name, int width_px, int height_px) const;
-  /// The same a little closer, for pictures without labels of their own; a user's camera stays as it is.
+  /// The same slightly closer, for pictures without labels; a user's camera is unchanged.
   [[nodiscard]] Camera closer_camera(const std::string& name, int width_px, int height_px) const;
-  /// The tool's pose in a frame, with the spin; none where the settings want no tool.
+  /// The tool's pose in a frame with the spin; none if the settings hide the tool.
   [[nodiscard]] std::optional<Rigid> tool_at(std::int64_t frame) const;
-  /// The labels that each picture of this camera has: legends and directions; and the tool's outline, face on.
+  /// The labels of every picture of this camera: legends, directions and, en face, the tool's outline.
   [[nodiscard]] Labels labels(const Camera& camera, const std::optional<Rigid>& tool) const;
 
   [[nodiscard]] const RunData& run() const { return run_; }
   [[nodiscard]] const RenderSettings& settings() const { return settings_; }
   [[nodiscard]] const Scale& depth_scale() const { return depth_scale_; }
-  [[nodiscard]] const Scale& density_scale() const { return density_scale_; }
-  /// Those that have a snapshot, ascending.
+  /// Equal for all bones, so that their pictures compare.
+  [[nodiscard]] static Scale density_scale() { return scale_up_to(DensityMapping::kMaxDensity_g_cm3); }
+  /// Frames with a snapshot, ascending.
   [[nodiscard]] const std::vector<std::int64_t>& frames() const { return run_.inputs().frames; }
 
  private:
   RunData run_;
   RenderSettings settings_;
   Scale depth_scale_;
-  Scale density_scale_;  ///< the same for every bone, so that pictures of different bones compare
 };
 
-/// The legend of a run's depths: it ends at `depth_max_mm`, or, where that is 0, just above the greatest predicted
-/// depth.
+/// The depth legend of a run: it ends at `depth_max_mm`, or, if 0, just above the greatest predicted depth.
 Scale depth_scale(const RunData& run, double depth_max_mm);
 
 }  // namespace reamsim

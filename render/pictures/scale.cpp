@@ -1,28 +1,24 @@
 #include "render/pictures/scale.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstdio>
+
+#include "sim/base/fixed_text.h"
 
 namespace reamsim {
-namespace {
-
-/// Room for rounding, so that 0.1 · 30 counts as 3.
-constexpr double kSlack = 1e-9;
-
-}  // namespace
+/// Tolerance for rounding, so that 0.1 · 30 counts as 3.
+static constexpr double kScaleTolerance = 1e-9;
 
 double round_down(double value) {
-  const double decade = std::pow(10.0, std::floor(std::log10(value) + kSlack));
+  const double decade = std::pow(10.0, std::floor(std::log10(value) + kScaleTolerance));
   const double lead = value / decade;
-  return decade * (lead >= 5 - kSlack ? 5 : lead >= 2 - kSlack ? 2 : 1);
+  return decade * (lead >= 5 - kScaleTolerance ? 5 : lead >= 2 - kScaleTolerance ? 2 : 1);
 }
 
 double round_up(double value) {
   const double below = round_down(value);
-  if (below >= value * (1 - kSlack)) return below;
-  const double decade = std::pow(10.0, std::floor(std::log10(below) + kSlack));
+  if (below >= value * (1 - kScaleTolerance)) return below;
+  const double decade = std::pow(10.0, std::floor(std::log10(below) + kScaleTolerance));
   const double lead = below / decade;
   return decade * (lead < 1.5 ? 2 : lead < 3 ? 5 : 10);
 }
@@ -32,10 +28,8 @@ int Scale::ticks() const {
 }
 
 std::string Scale::label(int tick) const {
-  const int decimals = std::clamp(static_cast<int>(std::ceil(-std::log10(step) - kSlack)), 0, 6);
-  std::array<char, 64> text;
-  std::snprintf(text.data(), text.size(), "%.*f", decimals, tick * step);
-  return text.data();
+  const int decimals = std::clamp(static_cast<int>(std::ceil(-std::log10(step) - kScaleTolerance)), 0, 6);
+  return formatted("%.*f", decimals, tick * step);
 }
 
 Scale scale_up_to(double max) {

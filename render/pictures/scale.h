@@ -9,13 +9,13 @@ double round_down(double value);
 /// The smallest of 1, 2, 5 × 10ⁿ that is not below `value` (> 0).
 double round_up(double value);
 
-/// A legend's numbers: ticks at 0, step, 2·step … max.
+/// Ticks of a legend or axis at 0, step, 2·step … max.
 struct Scale {
   double max = 1;
   double step = 1;
 
   [[nodiscard]] int ticks() const;
-  /// The i-th tick, with as many decimals as the step needs.
+  /// The label of a tick, with the decimals that the step needs.
   [[nodiscard]] std::string label(int tick) const;
 };
 

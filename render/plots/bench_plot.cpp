@@ -7,14 +7,12 @@
 #include "render/plots/plots.h"
 
 namespace reamsim {
-
 namespace embedded {
 extern const char* const bench_plot_script;
 }
-
 namespace {
 
-/// Okabe and Ito's colours, which any colour vision tells apart.
+/// Okabe and Ito's colours, safe for colour-blind readers.
 constexpr const char* kColors[] = {"#009e73", "#0072b2", "#56b4e9", "#d55e00", "#e69f00", "#8c4f86", "#404040"};
 
 std::vector<std::string> programs_of(const BenchPlot& plot) {
@@ -36,12 +34,8 @@ std::string data_of(const BenchPlot& plot) {
   std::set<int> voxmaps;
   for (const auto& point : plot.severe) {
     voxmaps.insert(point.voxmap);
-    out << number(point.program) << ' ' << point.voxmap << ' ' << point.shell << ' ' << point.ms << ' ';
-    if (point.paper_ms) {
-      out << *point.paper_ms << '\n';
-    } else {
-      out << "NaN\n";
-    }
+    out << number(point.program) << ' ' << point.voxmap << ' ' << point.shell << ' ' << point.ms << ' '
+        << (point.paper_ms ? (std::ostringstream() << *point.paper_ms).str() : "NaN") << '\n';
   }
   out << "END\n# program, VOI in % of the tool's box, ms with VOI, ms without\n$voi << END\n";
   for (const auto& point : plot.voi) {

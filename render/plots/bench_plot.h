@@ -6,7 +6,7 @@
 
 namespace reamsim {
 
-/// What the figure of a benchmark shows: times of severe contact by voxmap and shell, and of the VOI curve.
+/// Data of a benchmark's figure: times of severe contact by voxmap and shell, and against the VOI.
 struct BenchPlot {
   struct Point {
     std::string program;

@@ -12,11 +12,9 @@
 #include "sim/record/force_log.h"
 
 namespace reamsim {
-
 namespace embedded {
 extern const char* const compare_script;
 }
-
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -39,16 +37,16 @@ template <class Visit>
 void for_each_number(const Json& json, const std::string& key, const Visit& visit) {
   if (json.is_number()) visit(key, json.get<double>());
   if (!json.is_structured()) return;
-  std::size_t place = 0;
+  std::size_t item = 0;
   for (const auto& [name, value] : json.items()) {
-    const std::string below = json.is_array() ? key + "[" + std::to_string(place++) + "]"
-                              : key.empty()   ? name
-                                              : key + "." + name;
-    for_each_number(value, below, visit);
+    const std::string path = json.is_array() ? key + "[" + std::to_string(item++) + "]"
+                             : key.empty()   ? name
+                                             : key + "." + name;
+    for_each_number(value, path, visit);
   }
 }
 
-/// "a, ""b""" in quotes, where a CSV needs them.
+/// A CSV cell, quoted if necessary (RFC 4180).
 std::string cell(const std::string& text) {
   if (text.find_first_of(",\"\n") == std::string::npos) return text;
   std::string out = "\"";
@@ -71,29 +69,23 @@ std::string metrics_csv(const std::vector<ComparedRun>& runs, const std::vector<
   return out;
 }
 
-/// Frames with less force than this share of the greatest say nothing over depth: a tooth may graze bone on the way
-/// out.
-constexpr double kLeastForce = 0.01;
+/// Least fraction of the greatest force of a frame that counts as contact: a tooth may graze bone on the way out.
+constexpr double kMinForceFraction = 0.01;
 
-double greatest_axial_n(const ForceLog& log) {
-  double most = 0;
-  for (const ForceRow& row : log.rows) most = std::max(most, std::abs(row.layer_axial_force_n));
-  return most;
-}
-
-/// The curves of all runs, thinned to what a plot can show.
+/// The curves of all runs, decimated.
 std::string curves_csv(const std::vector<ComparedRun>& runs) {
-  constexpr std::size_t kMostPoints = 3000;
+  constexpr std::size_t kMaxPoints = 3000;
   std::string out = "run,time_s,depth_mm,contact,axial_force_n,spin_torque_nmm,removed_mm3\n";
   for (std::size_t r = 0; r < runs.size(); ++r) {
     ForceLog log = read_force_log(runs[r].dir + "/forces.csv");
     add_layer_means(log, runs[r].mean_travel_mm);
-    const double least_n = kLeastForce * greatest_axial_n(log);
-    const std::size_t step = 1 + log.rows.size() / kMostPoints;
+    double greatest_n = 0;
+    for (const ForceRow& row : log.rows) greatest_n = std::max(greatest_n, std::abs(row.layer_axial_force_n));
+    const std::size_t step = 1 + log.rows.size() / kMaxPoints;
     for (std::size_t i = 0; i < log.rows.size(); i += step) {
       const ForceRow& row = log.rows[i];
       const ForceRow& middle = log.rows[i - row.layer_frames / 2];
-      const bool contact = std::abs(row.layer_axial_force_n) > least_n;
+      const bool contact = std::abs(row.layer_axial_force_n) > kMinForceFraction * greatest_n;
       out += std::to_string(r + 1);
       for (const double value : {middle.time_s, middle.depth_mm, contact ? 1.0 : 0.0, row.layer_axial_force_n,
                                  row.layer_spin_torque_nmm, middle.removed_mm3}) {
@@ -105,6 +97,7 @@ std::string curves_csv(const std::vector<ComparedRun>& runs) {
   return out;
 }
 
+/// The number of runs and their labels for the script.
 std::string labels_block(const std::vector<ComparedRun>& runs) {
   std::string out = "runs = " + std::to_string(runs.size()) + "\narray label[runs] = [";
   for (std::size_t i = 0; i < runs.size(); ++i) out += (i == 0 ? "" : ", ") + gnuplot_string(runs[i].label);

@@ -5,26 +5,26 @@
 
 namespace reamsim {
 
-/// One of the runs that are held against each other.
+/// One of the compared runs.
 struct ComparedRun {
-  std::string dir;            ///< its results
+  std::string dir;            ///< results folder
   std::string label;          ///< in legends and tables
-  double mean_travel_mm = 0;  ///< forces are means over so much of the tool's travel; 0: single frames
+  double mean_travel_mm = 0;  ///< tool travel over which forces are averaged; 0: single frames
 };
 
-/// A number of summary.json in every run; NaN where a run has none.
+/// A number of summary.json in all runs; NaN where missing.
 struct ComparedMetric {
   std::string key;  ///< "forces.peak_force_n"
   std::vector<double> values;
 
-  /// Of run `i` from the first one.
+  /// Run `i` minus the first one.
   [[nodiscard]] double difference(std::size_t i) const { return values[i] - values[0]; }
-  /// As a share of the first one; NaN where that is 0.
+  /// As a fraction of the first one; NaN where that is 0.
   [[nodiscard]] double relative(std::size_t i) const;
 };
 
-/// Every number in the runs' summary.json, in the order in which they stand there; those of the first run first.
-/// Throws InputError: missing, damaged, not the summary of a run.
+/// All numbers of the runs' summary.json in file order, those of the first run first. Throws InputError: missing,
+/// damaged, not the summary of a run.
 std::vector<ComparedMetric> compare_summaries(const std::vector<ComparedRun>& runs);
 
 /// Writes DIR/compare.csv with the metrics, and DIR/compare.png, .svg, .pdf and .gp: force, torque and removed volume

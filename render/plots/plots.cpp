@@ -3,26 +3,25 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
 
+#include "sim/base/child_process.h"
 #include "sim/base/csv.h"
 #include "sim/base/error.h"
-#include "sim/record/force_log.h"
 
 namespace reamsim {
-
 namespace embedded {
 extern const char* const plot_style;
 extern const char* const plot_script;
 extern const char* const depth_plot_script;
 extern const char* const energy_plot_script;
 }  // namespace embedded
-
 namespace {
 
-/// What cutting has taken from the start to each row, mJ.
+/// Cumulative cutting energy at each row, mJ.
 std::vector<double> cutting_energy(const std::string& path) {
   constexpr std::array<std::string_view, 1> kName{"energy_mj"};
   CsvTable table(path, kName, "the forces.csv of a run");
@@ -32,17 +31,17 @@ std::vector<double> cutting_energy(const std::string& path) {
   return out;
 }
 
-/// W, over the last `frames` frames up to row `i`.
+/// Mean cutting power in W over the last `frames` frames up to row `i`.
 double mean_power_w(const ForceLog& log, const std::vector<double>& energy_mj, std::size_t i, std::size_t frames) {
   const std::size_t first = i - std::min(i, frames);
   const double time_s = log.rows[i].time_s - log.rows[first].time_s;
   return time_s > 0 ? (energy_mj[i] - energy_mj[first]) / time_s / 1000 : 0;
 }
 
-/// A gnuplot data block with the means over a voxel of travel, thinned to what a plot can show.
+/// A gnuplot data block with the means over a voxel of travel, decimated.
 std::string mean_block(const ForceLog& log, const std::vector<double>& energy_mj, double travel_mm) {
-  constexpr std::size_t kMostPoints = 2000;
-  const std::size_t step = 1 + log.rows.size() / kMostPoints;
+  constexpr std::size_t kMaxPoints = 2000;
+  const std::size_t step = 1 + log.rows.size() / kMaxPoints;
   const Headline run = headline_of(log, travel_mm > 0);
   std::ostringstream out;
   out << "# Headline figures, as in pictures, summary.json and report\n"
@@ -56,7 +55,7 @@ std::string mean_block(const ForceLog& log, const std::vector<double>& energy_mj
       << "travel_mm = " << travel_mm << "\n$mean << END\n";
   for (std::size_t i = 0; i < log.rows.size(); i += step) {
     const ForceRow& row = log.rows[i];
-    // A mean stands in the middle of the frames that it is over.
+    // A mean is plotted in the middle of its frames.
     const ForceRow& middle = log.rows[i - row.layer_frames / 2];
     out << middle.time_s << ',' << row.layer_axial_force_n << ',' << row.layer_spin_torque_nmm << ',' << middle.depth_mm
         << ',' << mean_power_w(log, energy_mj, i, std::max(step, row.layer_frames)) << '\n';
@@ -65,14 +64,49 @@ std::string mean_block(const ForceLog& log, const std::vector<double>& energy_mj
   return out.str();
 }
 
-/// The data that all plots over time and depth begin with.
+/// The data of all plots against time and depth.
 std::string means_of(const std::string& dir, double mean_travel_mm) {
   ForceLog log = read_force_log(dir + "/forces.csv");
   add_layer_means(log, mean_travel_mm);
   return mean_block(log, cutting_energy(dir + "/forces.csv"), mean_travel_mm);
 }
 
+std::string on_one_line(std::string text) {
+  std::replace(text.begin(), text.end(), '\n', ' ');
+  const std::size_t first = text.find_first_not_of(' ');
+  const std::size_t last = text.find_last_not_of(' ');
+  return first == std::string::npos ? std::string("no message") : text.substr(first, last - first + 1);
+}
+
 }  // namespace
+
+std::string gnuplot_string(const std::string& text) {
+  std::string out = "'";
+  for (const char c : text) {
+    if (c == '\'') out += '\'';
+    out += static_cast<unsigned char>(c) < ' ' || c == 0x7f ? ' ' : c;
+  }
+  return out + "'";
+}
+
+void run_gnuplot(const std::string& dir, const std::string& script, const std::string& text,
+                 const std::vector<std::string>& pictures) {
+  write_text_file(dir + "/" + script, text);
+  const MemoryFile messages("the messages of gnuplot");
+  // -d ignores the user's gnuplotrc, which could change the figures.
+  pid_t child = 0;
+  const int failure = spawn({{"gnuplot", "-d", script}, dir, -1, -1, messages.descriptor()}, child);
+  if (failure != 0) throw RunError(std::string("gnuplot cannot be started: ") + std::strerror(failure));
+  if (!succeeded(wait_for(child))) {
+    throw RunError(dir + ": gnuplot failed on " + script + ": " + on_one_line(messages.contents()));
+  }
+  for (const std::string& name : pictures) {
+    std::error_code error;
+    if (std::filesystem::file_size(dir + "/" + name, error) == 0 || error) {
+      throw RunError(dir + "/" + name + ": gnuplot wrote nothing: " + on_one_line(messages.contents()));
+    }
+  }
+}
 
 void write_plot_data(const std::string& dir, const std::string& name, const std::string& text) {
   std::error_code error;

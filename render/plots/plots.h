@@ -4,52 +4,66 @@
 #include <vector>
 
 #include "sim/bone/voxmap/voxmap.h"
+#include "sim/record/force_log.h"
 #include "sim/scenario/scenario.h"
 
 namespace reamsim {
 
-/// Over how much of the tool's travel forces are averaged before they are shown, mm: a voxel, because voxels that go
-/// whole make spikes of single frames; nothing where they are clipped, because a mean would only smear contact's ends.
+/// The tool travel over which displayed forces are averaged, mm: a voxel where voxels are removed as a whole, which
+/// makes forces spike; 0 where they are clipped.
 double averaged_travel_mm(const CuttingSettings& cutting, double voxel_mm);
 
-/// Draws DIR/forces.csv with gnuplot: DIR/forces (against time), DIR/plots/forces_depth and DIR/plots/energy, each as
-/// .png, .svg, .pdf and the script .gp. `mean_travel_mm` is the travel over which the means are taken that stand before
-/// the single frames; 0: the frames alone.
-/// Throws InputError when forces.csv is missing or damaged, RunError when gnuplot is missing or fails (with its words).
+/// Draws DIR/forces.csv against time with gnuplot as DIR/forces .png, .svg, .pdf and the script .gp. `mean_travel_mm`:
+/// the travel over which the means shown with single frames are taken; 0: single frames only. Throws InputError when
+/// forces.csv is missing or damaged, RunError when gnuplot is missing or fails.
 void write_force_plots(const std::string& dir, double mean_travel_mm);
 
-/// Draws DIR/plots/forces_depth and DIR/plots/energy from DIR/forces.csv. `mean_travel_mm` as in write_force_plots(),
-/// which see for what is thrown.
+/// Draws DIR/plots/forces_depth and DIR/plots/energy. Arguments and exceptions as for write_force_plots().
 void write_depth_and_energy_plots(const std::string& dir, double mean_travel_mm);
 
-/// Writes what a run removed of each class of density as DIR/plots/removed_density.csv, and draws it. `before`,
-/// `after`: the fill. Throws RunError when gnuplot fails.
+/// Writes the removed volume per density class as DIR/plots/removed_density.csv and draws it. `before`, `after`: the
+/// fill. Throws RunError when gnuplot fails.
 void write_removed_density(const std::string& dir, const Voxmap& voxmap, const FillBricks& before,
                            const FillBricks& after);
 
-/// Writes the spectrum of the spin torque as DIR/plots/spectrum.csv, and draws it with its peaks named. False, and
-/// nothing written, when the tool does not spin or cuts for less than four turns. Throws as above.
+/// One-sided amplitude spectrum of the spin torque in contact.
+struct TorqueSpectrum {
+  struct Line {
+    double frequency_hz = 0;
+    double torque_nmm = 0;  ///< amplitude
+  };
+  std::vector<Line> lines;
+  std::vector<Line> peaks;  ///< the highest at multiples of the spin, ascending in frequency
+  double spin_hz = 0;       ///< revolutions per second in contact
+};
+
+/// The spectrum of the longest stretch of frames with torque by Welch's method (1967, doi:10.1109/TAU.1967.1161901):
+/// Hann windows that overlap by half, zero-padded. The mean over one revolution is subtracted, which removes the feed's
+/// trend and no multiple of the spin. Empty without spin, or when fewer than three revolutions remain.
+TorqueSpectrum torque_spectrum(const ForceLog& log);
+
+/// Writes the spectrum as DIR/plots/spectrum.csv and draws it with labelled peaks. Returns false, and writes nothing,
+/// when the spectrum is empty. Throws as write_force_plots().
 bool write_torque_spectrum(const std::string& dir);
 
-/// Writes the script DIR/`name`.gp, which begins with a line that says what it makes and how to run it again, goes on
-/// with `data` (gnuplot's own) and the look that all plots share, and ends with `script`; runs it in DIR. Throws
-/// RunError when one of DIR/`name`.png, .svg and .pdf is not there afterwards.
+/// Writes the script DIR/`name`.gp (a head comment, `data` for gnuplot, the common style, `script`) and runs it in DIR.
+/// Throws RunError when it does not produce DIR/`name` .png, .svg and .pdf.
 void draw_plot(const std::string& dir, const std::string& name, const std::string& data, const char* script);
 
 /// Writes `text` to `path`. Throws RunError.
 void write_text_file(const std::string& path, const std::string& text);
-/// Writes `text` to DIR/plots/`name`; the folder is made where it is missing. Throws RunError.
+/// Writes `text` to DIR/plots/`name` and creates the folder. Throws RunError.
 void write_plot_data(const std::string& dir, const std::string& name, const std::string& text);
 
-/// The shortest text that reads back as the same number.
+/// The shortest text that parses to the same number.
 std::string shortest_text(double value);
 
-/// `text` as a string of gnuplot: in single quotes, within which gnuplot expands nothing. Double quotes would run what
-/// stands between backticks as a command. Control characters become spaces.
+/// `text` as a single-quoted gnuplot string: in double quotes gnuplot would run text between backticks as a command.
+/// Control characters become spaces.
 std::string gnuplot_string(const std::string& text);
 
 /// Writes `text` to `script` in the folder `dir` and runs gnuplot on it there. Throws RunError when the script cannot
-/// be written, gnuplot is missing or complains, or one of `pictures` (names in `dir`) is not there afterwards.
+/// be written, gnuplot is missing or fails, or one of `pictures` (names in `dir`) is missing afterwards.
 void run_gnuplot(const std::string& dir, const std::string& script, const std::string& text,
                  const std::vector<std::string>& pictures);
 

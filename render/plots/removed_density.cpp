@@ -4,14 +4,12 @@
 #include "render/plots/plots.h"
 
 namespace reamsim {
-
 namespace embedded {
 extern const char* const removed_density_script;
 }
-
 namespace {
 
-// Every class holds as many grades as the others, so that none stands out for holding more.
+// All classes have the same number of grades.
 constexpr int kGradesPerClass = 5;
 constexpr std::size_t kClasses = 250 / kGradesPerClass;
 using Histogram = std::array<double, kClasses>;  // mm³
@@ -24,9 +22,9 @@ Histogram removed_by_density(const Voxmap& voxmap, const FillBricks& before, con
     const FillBricks::Brick* first = before.brick(coord);
     for (std::size_t i = 0; i < last.size(); ++i) {
       if ((*grades)[i] == 0) continue;
-      const int lost = (first == nullptr ? FillBricks::kWhole : (*first)[i]) - last[i];
-      const std::size_t place = std::min<std::size_t>(((*grades)[i] - 1) / kGradesPerClass, kClasses - 1);
-      out[place] += static_cast<double>(lost) / FillBricks::kWhole * voxmap.grid.voxel_mm3();
+      const int removed = (first == nullptr ? FillBricks::kWhole : (*first)[i]) - last[i];
+      const std::size_t density_class = std::min<std::size_t>(((*grades)[i] - 1) / kGradesPerClass, kClasses - 1);
+      out[density_class] += static_cast<double>(removed) / FillBricks::kWhole * voxmap.grid.voxel_mm3();
     }
   });
   return out;

@@ -5,13 +5,14 @@
 #include "render/report/mesh_data.h"
 #include "render/surface/color_map.h"
 #include "render/surface/unreamed_surface.h"
+#include "sim/base/error.h"
 
 namespace reamsim {
 namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::int64_t kMostDensityCells = 2'500'000;
+constexpr std::int64_t kMaxDensityCells = 2'500'000;
 
 template <class Vector>
 Json vector_json(const Vector& v) {
@@ -19,20 +20,20 @@ Json vector_json(const Vector& v) {
 }
 
 BoneSurface surface_of(const Voxmap& voxmap, const FillBricks& fill, const UnreamedSurface& unreamed) {
-  return thinned(make_bone_surface(BoneFields(voxmap, fill, unreamed)), MeshBudget());
+  return simplified(make_bone_surface(BoneFields(voxmap, fill, unreamed)), MeshBudget());
 }
 
 Json mesh_json(const BoneSurface& surface, const Eigen::AlignedBox3f& box, double depth_max_mm) {
   return {{"vertices", surface.vertices.size() / BoneSurface::kStride},
           {"triangles", surface.indices.size() / 3},
-          {"bytes", packed_base64(mesh_bytes(surface, box, depth_max_mm))}};
+          {"bytes", compressed_base64(mesh_bytes(surface, box, depth_max_mm))}};
 }
 
 Json volume_json(const DensityVolume& volume) {
   return {{"dims", {volume.dims.x(), volume.dims.y(), volume.dims.z()}},
           {"origin_mm", vector_json(volume.origin_mm)},
           {"cell_mm", volume.cell_mm},
-          {"bytes", packed_base64(volume.grades)}};
+          {"bytes", compressed_base64(volume.grades)}};
 }
 
 Json colors_json(const ColorMap& map, const Scale& scale) {
@@ -42,13 +43,13 @@ Json colors_json(const ColorMap& map, const Scale& scale) {
   return json;
 }
 
-/// Directions are of length 1; a direction that nobody knows is null.
+/// Directions are unit vectors; unknown ones are null.
 Json view_json(const ViewTarget& target) {
   const Camera oblique = make_camera(CameraView::oblique, target, 1000, 1000);
   const Camera section = make_camera(CameraView::section, target, 1000, 1000);
   const Mat3 bone_from_eye = oblique.eye_from_bone.linear().transpose();
   return {{"focus_mm", vector_json(target.focus_mm)},
-          {"reach_mm", short_number(target.reach_mm)},
+          {"reach_mm", short_number(target.radius_mm)},
           {"height_mm", short_number(1000 * oblique.mm_per_px)},
           {"towards_viewer", vector_json(bone_from_eye.col(2))},
           {"outward", vector_json(target.outward)},
@@ -60,7 +61,65 @@ Json view_json(const ViewTarget& target) {
           {"front", vector_json(-section.cut_plane->head<3>())}};
 }
 
+constexpr int kPadding_cells = 2;  // extrapolated into the air
+
+/// Edge of a cell in voxels, and the lattice of cells.
+int voxels_per_cell(const Vec3i& voxels, std::int64_t most_cells, BrickLattice& cells) {
+  for (int n = 1;; ++n) {
+    cells = {(voxels.array() + n - 1) / n + 2 * kPadding_cells};
+    if (static_cast<std::int64_t>(cells.count()) <= most_cells || cells.dims.maxCoeff() <= 1 + 2 * kPadding_cells) {
+      return n;
+    }
+  }
+}
+
+/// Sets air cells next to bone to the mean of their bone neighbours.
+void extrapolate(const BrickLattice& cells, std::vector<std::uint8_t>& grades) {
+  const std::vector<std::uint8_t> before = grades;
+  for (std::size_t i = 0; i < before.size(); ++i) {
+    if (before[i] != 0) continue;
+    int sum = 0, count = 0;
+    for (int side = 0; side < 6; ++side) {
+      const Vec3i near = cells.coord(i) + (side % 2 == 0 ? 1 : -1) * Vec3i::Unit(side / 2);
+      if (!cells.contains(near)) continue;
+      const int grade = before[cells.index(near)];
+      sum += grade;
+      count += grade != 0 ? 1 : 0;
+    }
+    if (count > 0) grades[i] = static_cast<std::uint8_t>((sum + count / 2) / count);
+  }
+}
+
 }  // namespace
+
+DensityVolume density_volume(const Voxmap& voxmap, std::int64_t most_cells) {
+  const VoxelBox bone = bone_extent(voxmap);
+  if (bone.empty()) throw InputError({"reamed.vdb", 0, 0}, "density", "contains no bone", "the bone of a run");
+  DensityVolume out;
+  BrickLattice cells;
+  const int n = voxels_per_cell(bone.size(), most_cells, cells);
+  out.dims = cells.dims;
+  out.cell_mm = n * voxmap.grid.voxel_mm;
+  const Vec3i first = bone.first - Vec3i::Constant(n * kPadding_cells);
+  out.origin_mm = voxmap.grid.origin_mm + voxmap.grid.voxel_mm * first.cast<double>();
+  std::vector<std::uint32_t> sums(cells.count());
+  std::vector<std::uint32_t> counts(sums.size());
+  voxmap.grade.for_each_brick([&](const Vec3i& coord, const GradeBricks::Brick& grades) {
+    for (int offset = 0; offset < GradeBricks::kVoxels; ++offset) {
+      const std::uint8_t grade = grades[static_cast<std::size_t>(offset)];
+      if (grade == 0) continue;
+      const std::size_t cell = cells.index((BrickLattice::voxel_at(coord, offset) - first) / n);
+      sums[cell] += grade;
+      ++counts[cell];
+    }
+  });
+  out.grades.resize(sums.size());
+  for (std::size_t i = 0; i < sums.size(); ++i) {
+    if (counts[i] > 0) out.grades[i] = static_cast<std::uint8_t>((sums[i] + counts[i] / 2) / counts[i]);
+  }
+  for (int round = 0; round < kPadding_cells; ++round) extrapolate(cells, out.grades);
+  return out;
+}
 
 Json bone_data(const RunData& run, const RenderSettings& settings) {
   const Voxmap& voxmap = run.voxmap();
@@ -78,7 +137,7 @@ Json bone_data(const RunData& run, const RenderSettings& settings) {
   json["density_colors"] = colors_json(density_colors(), scale_up_to(DensityMapping::kMaxDensity_g_cm3));
   json["before"] = mesh_json(before, box, depth.max);
   json["after"] = mesh_json(after, box, depth.max);
-  json["density"] = volume_json(density_volume(voxmap, kMostDensityCells));
+  json["density"] = volume_json(density_volume(voxmap, kMaxDensityCells));
   return json;
 }
 

@@ -3,48 +3,44 @@
 #include <openssl/evp.h>
 #include <zlib.h>
 
+#include <algorithm>
 #include <array>
-#include <cstdio>
 #include <cstdlib>
 #include <fstream>
 #include <sstream>
 #include <stdexcept>
+#include <utility>
 #include <vector>
 
 #include "sim/base/error.h"
+#include "sim/base/fixed_text.h"
 
 namespace reamsim {
+namespace {
 
-std::string escape_html(std::string_view text) {
+using Escape = std::pair<char, const char*>;
+
+std::string escaped(std::string_view text, std::span<const Escape> escapes) {
   std::string out;
   out.reserve(text.size());
   for (const char c : text) {
-    switch (c) {
-      case '&':
-        out += "&amp;";
-        break;
-      case '<':
-        out += "&lt;";
-        break;
-      case '>':
-        out += "&gt;";
-        break;
-      case '"':
-        out += "&quot;";
-        break;
-      case '\'':
-        out += "&#39;";
-        break;
-      default:
-        out += c;
-    }
+    const auto found = std::ranges::find(escapes, c, &Escape::first);
+    found == escapes.end() ? out.append(1, c) : out.append(found->second);
   }
   return out;
 }
 
+}  // namespace
+
+std::string escape_html(std::string_view text) {
+  static constexpr std::array kEscapes{Escape{'&', "&amp;"}, Escape{'<', "&lt;"}, Escape{'>', "&gt;"},
+                                       Escape{'"', "&quot;"}, Escape{'\'', "&#39;"}};
+  return escaped(text, kEscapes);
+}
+
 std::string base64(std::span<const std::uint8_t> bytes) {
   std::string out(4 * ((bytes.size() + 2) / 3), '\0');
-  // OpenSSL ends what it writes with a zero, for which a std::string has room; it counts in int.
+  // OpenSSL appends a zero, for which a std::string has room, and takes an int length.
   constexpr std::size_t kPiece = 3 << 20;
   for (std::size_t from = 0; from < bytes.size(); from += kPiece) {
     const auto piece = bytes.subspan(from, std::min(kPiece, bytes.size() - from));
@@ -54,7 +50,7 @@ std::string base64(std::span<const std::uint8_t> bytes) {
   return out;
 }
 
-std::string packed_base64(std::span<const std::uint8_t> bytes) {
+std::string compressed_base64(std::span<const std::uint8_t> bytes) {
   uLongf size = compressBound(static_cast<uLong>(bytes.size()));
   std::vector<std::uint8_t> packed(size);
   if (compress2(packed.data(), &size, bytes.data(), static_cast<uLong>(bytes.size()), Z_BEST_COMPRESSION) != Z_OK) {
@@ -64,27 +60,16 @@ std::string packed_base64(std::span<const std::uint8_t> bytes) {
 }
 
 std::string json_for_script(const nlohmann::ordered_json& json) {
-  const std::string text = json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
-  std::string out;
-  out.reserve(text.size());
-  // "<" can stand in JSON only within a string, where it may be written as an escape.
-  for (const char c : text) {
-    if (c == '<') {
-      out += "\\u003c";
-    } else {
-      out += c;
-    }
-  }
-  return out;
+  // In JSON "<" occurs only in strings, where an escape may replace it.
+  static constexpr std::array kEscapes{Escape{'<', "\\u003c"}};
+  return escaped(json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace), kEscapes);
 }
 
 double short_number(double value) {
-  std::array<char, 32> text;
-  std::snprintf(text.data(), text.size(), "%.6g", value);
-  return std::strtod(text.data(), nullptr);
+  return std::strtod(formatted("%.6g", value).c_str(), nullptr);
 }
 
-std::string fill_page(std::string_view page, const std::map<std::string, std::string>& texts) {
+std::string fill_template(std::string_view page, const std::map<std::string, std::string>& texts) {
   std::string out;
   for (std::size_t at = 0;;) {
     const std::size_t open = page.find("{{", at);
@@ -101,7 +86,7 @@ std::string fill_page(std::string_view page, const std::map<std::string, std::st
   }
 }
 
-std::string read_whole(const std::string& path, const std::string& expected) {
+std::string read_file(const std::string& path, const std::string& expected) {
   std::ifstream in(path, std::ios::binary);
   std::ostringstream text;
   text << in.rdbuf();

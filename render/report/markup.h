@@ -9,27 +9,26 @@
 
 namespace reamsim {
 
-/// Text as it may stand in HTML, between tags and in quoted attributes.
+/// Text escaped for HTML, between tags and in quoted attributes.
 std::string escape_html(std::string_view text);
 
 /// Bytes in base 64 (RFC 4648, padded).
 std::string base64(std::span<const std::uint8_t> bytes);
 
-/// Bytes packed by zlib (RFC 1950), in base 64.
-std::string packed_base64(std::span<const std::uint8_t> bytes);
+/// Bytes compressed by zlib (RFC 1950), in base 64.
+std::string compressed_base64(std::span<const std::uint8_t> bytes);
 
-/// JSON as it may stand in a <script> element: no character in it can end the element or open a comment. Text that is
-/// not UTF-8 has its wrong bytes replaced.
+/// JSON escaped for a <script> element: it cannot end the element or open a comment. Invalid UTF-8 is replaced.
 std::string json_for_script(const nlohmann::ordered_json& json);
 
-/// A value with at most six significant digits, which keeps its JSON short.
+/// A value rounded to six significant digits, for short JSON.
 double short_number(double value);
 
-/// `page` with every {{name}} replaced; what is put in is not looked at again. Throws std::logic_error when a name has
-/// no text, because the page is part of the program.
-std::string fill_page(std::string_view page, const std::map<std::string, std::string>& texts);
+/// `page` with each {{name}} replaced, not recursively. Throws std::logic_error when a name has no text, because the
+/// page is part of the program.
+std::string fill_template(std::string_view page, const std::map<std::string, std::string>& texts);
 
-/// A whole file. Throws InputError when it cannot be read; `expected` says what it should be.
-std::string read_whole(const std::string& path, const std::string& expected);
+/// The contents of a file. Throws InputError when it cannot be read; `expected` describes the file.
+std::string read_file(const std::string& path, const std::string& expected);
 
 }  // namespace reamsim

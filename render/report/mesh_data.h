@@ -10,26 +10,26 @@
 
 namespace reamsim {
 
-/// How many triangles a mesh on the page may have.
+/// The maximum number of triangles of a mesh on the page.
 struct MeshBudget {
-  std::size_t plain_triangles = 110'000;  ///< of bone as it was
-  std::size_t reamed_triangles = 90'000;  ///< of the reamed face, which is kept finer
+  std::size_t unreamed_triangles = 110'000;  ///< of the unreamed surface
+  std::size_t reamed_triangles = 90'000;     ///< of the reamed face, which stays finer
 };
 
-/// `surface` with fewer triangles, by meshoptimizer (edge collapses by quadric error); its corners are corners of
-/// `surface`, and no crack opens. The face that was reamed and the rest are thinned one after the other, each with
-/// its border held. Vertices come in the order in which triangles use them first.
-BoneSurface thinned(const BoneSurface& surface, const MeshBudget& budget);
+/// Simplifies a surface with meshoptimizer (edge collapses by quadric error). The vertices are a subset and no cracks
+/// open: reamed face and rest are simplified separately with locked borders. Vertices are in the order of their first
+/// use.
+BoneSurface simplified(const BoneSurface& surface, const MeshBudget& budget);
 
-/// A surface as bytes for the page. Little-endian, one after the other:
-/// x, y, z of the vertices (0…65535 over `box`) and depth (over 0…`depth_max_mm`), 16 bits each, as differences to the
-/// vertex before (zigzag), of each all low bytes before all high bytes; then as 8-bit differences to the vertex before
-/// the normal's x, y, z (−127…127), and reamed, density (0…255 over 0…2 g/cm³), ambient accessibility (0…255 over 0…1);
-/// then the triangles' corners, each as the distance below the first vertex that no corner has named yet, in
-/// variable-length numbers of 7 bits a byte, low bits first.
+/// A surface as bytes for the page, little-endian:
+/// x, y, z of the vertices (0…65535 over `box`) and depth (over 0…`depth_max_mm`), 16 bits each, as zigzag differences
+/// to the previous vertex, for each first all low bytes, then all high bytes; then, as 8-bit differences to the
+/// previous vertex, x, y, z of the normal (−127…127), reamed, density (0…255 over 0…2 g/cm³) and ambient accessibility
+/// (0…255 over 0…1); then the triangle indices, each as its distance below the first vertex not yet used, as
+/// variable-length numbers with 7 bits per byte, low bits first.
 std::vector<std::uint8_t> mesh_bytes(const BoneSurface& surface, const Eigen::AlignedBox3f& box, double depth_max_mm);
 
-/// The box of a surface's vertices, mm.
+/// The bounding box of a surface, mm.
 Eigen::AlignedBox3f bounds_of(const BoneSurface& surface);
 
 }  // namespace reamsim

@@ -8,20 +8,20 @@
 
 #include "render/pictures/run_view.h"
 
-// The data that the page's scripts work on, and its pictures.
+// The parts of the page: data of its scripts, pictures, and HTML.
 namespace reamsim {
 
-/// The curves of the page's plot, columns of equal length: `frame`, `time_s`, `depth_mm`, `axial_force_n`,
-/// `spin_torque_nmm`, `removed_mm3` (since the start); and, where forces are means over some travel (the log has them),
-/// `mean_axial_force_n`, `mean_spin_torque_nmm` with `mean_travel_mm`. Of very many rows those stay that have the least
-/// and the greatest force and torque of their neighbours, so that no spike is lost.
+/// The curves of the page's plot as columns: `frame`, `time_s`, `depth_mm`, `axial_force_n`, `spin_torque_nmm`,
+/// `removed_mm3` (cumulative); and, if the log has means over some travel, `mean_axial_force_n`, `mean_spin_torque_nmm`
+/// with `mean_travel_mm`. Long logs are decimated to the rows with the extremes of force and torque, so that spikes
+/// remain.
 nlohmann::ordered_json plot_data(const ForceLog& log, double mean_travel_mm);
 
-/// What the page's 3D view needs, all in B and mm: `before` and `after`, the bone's surface as mesh_bytes() packs it;
-/// `density`, a volume for cuts; colour maps; where to look, and which planes to cut along.
+/// The data of the page's 3D view in B and mm: `before` and `after`, surfaces as in mesh_bytes(); `density`, a volume
+/// for sections; colour maps; view target and section planes.
 nlohmann::ordered_json bone_data(const RunData& run, const RenderSettings& settings);
 
-/// Densities of the unreamed bone on a coarse lattice, for the colours of a cut through it.
+/// Densities of the unreamed bone on a coarse lattice, for the colours of sections.
 struct DensityVolume {
   Vec3i dims = Vec3i::Zero();     ///< cells; x fastest
   Vec3 origin_mm = Vec3::Zero();  ///< lower corner of cell (0, 0, 0), B
@@ -29,25 +29,44 @@ struct DensityVolume {
   std::vector<std::uint8_t> grades;  ///< see sim/bone/voxmap/density.h
 };
 
-/// Means over the bone in cubes of n³ voxels, n the least for which there are at most `most_cells` cells. The bone's
-/// outer cells are carried on into the air round it, so that interpolation at its edge does not mix it with air.
-/// Throws InputError when there is no bone.
+/// Means over the bone in cubes of n³ voxels, with the least n for at most `most_cells` cells. Extrapolated into the
+/// adjacent air, so that interpolation at the surface does not mix bone with air. Throws InputError when there is no
+/// bone.
 DensityVolume density_volume(const Voxmap& voxmap, std::int64_t most_cells);
 
-/// A picture as the page holds it: a JPEG in base 64.
+/// A picture of the page.
 struct PagePicture {
-  std::string name;  ///< of the file it was made from, without folder and ending
+  std::string name;  ///< stem of its source file
   int width_px = 0;
   int height_px = 0;
   std::string jpeg_base64;
 };
 
-/// PNG files as JPEGs in base 64, each at most `most_px` wide. When together they are more than `most_bytes`, all are
-/// made smaller until they fit, or until they are an eighth as wide.
-/// Throws InputError when one cannot be read.
+/// Converts PNG files to JPEGs in base 64, at most `most_px` wide. If they exceed `most_bytes` together, all are
+/// reduced until they fit or are an eighth as wide. Throws InputError when one cannot be read.
 std::vector<PagePicture> page_pictures(const std::vector<std::string>& paths, int most_px, std::size_t most_bytes);
 
-/// At most `most` of `count` items, evenly spread, the first and the last among them; ascending.
-std::vector<std::size_t> evenly_chosen(std::size_t count, std::size_t most);
+/// Indices of at most `most` of `count` items, evenly spaced and ascending, with the first and the last.
+std::vector<std::size_t> evenly_spaced(std::size_t count, std::size_t most);
+
+/// A number with `digits` significant digits, a true minus sign, thin spaces between thousands, and exponents as in
+/// 1.2 × 10⁻⁸.
+std::string number_text(double value, int digits = 4);
+
+/// A text of summary.json, escaped. Throws InputError, naming `path`, if it is missing.
+std::string text_at(const nlohmann::ordered_json& summary, const char* key, const std::string& path);
+
+/// Parts of the page from summary.json, as HTML, without missing values. All throw InputError, naming `path`, for
+/// values that a run does not write.
+std::string key_figures_html(const nlohmann::ordered_json& summary, const std::string& path);
+std::string summary_tables_html(const nlohmann::ordered_json& summary, const std::string& path);
+std::string provenance_html(const nlohmann::ordered_json& summary, const std::string& path);
+/// The warnings of the run; "" without any.
+std::string warnings_html(const nlohmann::ordered_json& summary, const std::string& path);
+
+/// The energy balance of the run and the result of `verification` (verification.json; null if missing), with a note if
+/// program or device differ.
+std::string verification_html(const nlohmann::ordered_json& summary, const nlohmann::ordered_json& verification,
+                              const std::string& summary_path, const std::string& verification_path);
 
 }  // namespace reamsim

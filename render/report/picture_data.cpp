@@ -19,7 +19,7 @@
 namespace reamsim {
 namespace {
 
-constexpr int kQuality = 86;  // text in pictures stays clean from here on
+constexpr int kQuality = 86;  // least quality without artefacts around text
 
 using Image = std::unique_ptr<cairo_surface_t, decltype(&cairo_surface_destroy)>;
 
@@ -31,7 +31,7 @@ Image read_png(const std::string& path) {
   return image;
 }
 
-/// On white, at most `most_px` wide.
+/// Scaled down to at most `most_px` wide, on white.
 Image scaled(const Image& image, int most_px) {
   const int width = cairo_image_surface_get_width(image.get());
   const int height = cairo_image_surface_get_height(image.get());
@@ -99,7 +99,7 @@ std::vector<PagePicture> page_pictures(const std::vector<std::string>& paths, in
   return out;
 }
 
-std::vector<std::size_t> evenly_chosen(std::size_t count, std::size_t most) {
+std::vector<std::size_t> evenly_spaced(std::size_t count, std::size_t most) {
   std::vector<std::size_t> out;
   const std::size_t chosen = std::min(count, most);
   for (std::size_t i = 0; i < chosen; ++i) {

@@ -8,12 +8,12 @@
 namespace reamsim {
 namespace {
 
-/// More cannot be told apart on a screen.
-constexpr std::size_t kMostBuckets = 1000;
+/// About the horizontal resolution of a screen.
+constexpr std::size_t kMaxBuckets = 1000;
 
-/// The rows to show: of each bucket the first, and those with the extremes.
+/// The rows to show: of each bucket the first and the extremes of force and torque.
 std::vector<std::size_t> shown_rows(const std::vector<ForceRow>& rows) {
-  const std::size_t bucket = 1 + (rows.size() - 1) / kMostBuckets;
+  const std::size_t bucket = 1 + (rows.size() - 1) / kMaxBuckets;
   std::vector<std::size_t> out;
   const auto force = [](const ForceRow& a, const ForceRow& b) { return a.axial_force_n < b.axial_force_n; };
   const auto torque = [](const ForceRow& a, const ForceRow& b) { return a.spin_torque_nmm < b.spin_torque_nmm; };
@@ -39,19 +39,19 @@ std::vector<std::size_t> shown_rows(const std::vector<ForceRow>& rows) {
 nlohmann::ordered_json plot_data(const ForceLog& log, double mean_travel_mm) {
   nlohmann::ordered_json json{{"mean_travel_mm", mean_travel_mm}};
   const std::vector<std::size_t> shown = shown_rows(log.rows);
-  const auto column = [&](const char* name, const auto& value) {
+  const auto column = [&](const char* name, double ForceRow::*value) {
     auto& values = json[name] = nlohmann::ordered_json::array();
-    for (const std::size_t i : shown) values.push_back(value(log.rows[i]));
+    for (const std::size_t i : shown) values.push_back(short_number(log.rows[i].*value));
   };
-  column("frame", [](const ForceRow& row) { return row.frame; });
-  column("time_s", [](const ForceRow& row) { return short_number(row.time_s); });
-  column("depth_mm", [](const ForceRow& row) { return short_number(row.depth_mm); });
-  column("axial_force_n", [](const ForceRow& row) { return short_number(row.axial_force_n); });
-  column("spin_torque_nmm", [](const ForceRow& row) { return short_number(row.spin_torque_nmm); });
-  column("removed_mm3", [](const ForceRow& row) { return short_number(row.removed_mm3); });
+  for (const std::size_t i : shown) json["frame"].push_back(log.rows[i].frame);
+  column("time_s", &ForceRow::time_s);
+  column("depth_mm", &ForceRow::depth_mm);
+  column("axial_force_n", &ForceRow::axial_force_n);
+  column("spin_torque_nmm", &ForceRow::spin_torque_nmm);
+  column("removed_mm3", &ForceRow::removed_mm3);
   if (mean_travel_mm > 0) {
-    column("mean_axial_force_n", [](const ForceRow& row) { return short_number(row.layer_axial_force_n); });
-    column("mean_spin_torque_nmm", [](const ForceRow& row) { return short_number(row.layer_spin_torque_nmm); });
+    column("mean_axial_force_n", &ForceRow::layer_axial_force_n);
+    column("mean_spin_torque_nmm", &ForceRow::layer_spin_torque_nmm);
   }
   return json;
 }

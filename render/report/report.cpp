@@ -1,7 +1,6 @@
 #include "render/report/report.h"
 
 #include <algorithm>
-#include <array>
 #include <filesystem>
 #include <map>
 #include <vector>
@@ -9,36 +8,34 @@
 #include "render/plots/plots.h"
 #include "render/report/markup.h"
 #include "render/report/page_data.h"
-#include "render/report/summary_text.h"
 #include "sim/base/error.h"
+#include "sim/base/fixed_text.h"
 
 namespace reamsim {
-
 namespace embedded {
 extern const char* const report_page;
 extern const char* const report_script;
 extern const char* const report_style;
 }  // namespace embedded
-
 namespace {
 
 using Json = nlohmann::ordered_json;
 namespace fs = std::filesystem;
 
-// So that the page stays well under 15 MB, the 3D view's 4 MB and the curves included. Bytes in base 64.
-constexpr std::size_t kMostPictureBytes = 3'000'000;
-constexpr std::size_t kMostFrameBytes = 5'500'000;
+// Limits in base64 bytes that keep the page below 15 MB, with 4 MB for the 3D view and the curves.
+constexpr std::size_t kMaxPictureBytes = 3'000'000;
+constexpr std::size_t kMaxFrameBytes = 5'500'000;
 constexpr int kPicture_px = 1600;
 constexpr int kFrame_px = 960;
-constexpr std::size_t kMostFrames = 120;  // of all cameras together
+constexpr std::size_t kMaxFrames = 120;  // of all cameras
 
 Json read_json(const std::string& path, const std::string& expected) {
-  Json json = Json::parse(read_whole(path, expected), nullptr, false);
+  Json json = Json::parse(read_file(path, expected), nullptr, false);
   if (!json.is_object()) throw InputError({path, 0, 0}, "", "is not a JSON object", expected);
   return json;
 }
 
-/// What a final picture shows, from its file's name; `first`: the camera whose files have no suffix.
+/// The caption of a final picture by its file name; `first`: the camera without suffix.
 std::string caption_of(const std::string& name, const std::string& first) {
   if (name == "depth_map") return "Depth of the removed bone, seen along the axis of the glenoid";
   if (name == "segmentation") return "The CT with the outline of the segmented bone, in three planes";
@@ -68,7 +65,7 @@ std::vector<std::string> final_pictures(const std::string& dir) {
 
 std::string pictures_html(const std::string& dir, const std::string& first_camera) {
   std::string out;
-  for (const PagePicture& picture : page_pictures(final_pictures(dir), kPicture_px, kMostPictureBytes)) {
+  for (const PagePicture& picture : page_pictures(final_pictures(dir), kPicture_px, kMaxPictureBytes)) {
     const std::string caption = escape_html(caption_of(picture.name, first_camera));
     out += "<figure><img alt=\"" + caption + "\" width=\"" + std::to_string(picture.width_px) + "\" height=\"" +
            std::to_string(picture.height_px) + "\" src=\"data:image/jpeg;base64," + picture.jpeg_base64 +
@@ -78,20 +75,18 @@ std::string pictures_html(const std::string& dir, const std::string& first_camer
 }
 
 std::string frame_path(const std::string& dir, std::int64_t frame, const std::string& suffix) {
-  std::array<char, 32> name;
-  std::snprintf(name.data(), name.size(), "%06lld", static_cast<long long>(frame));
-  return dir + "/frames/" + name.data() + suffix + ".png";
+  return dir + "/frames/" + formatted("%06lld", static_cast<long long>(frame)) + suffix + ".png";
 }
 
-/// The pictures along the run: `frames` and `time_s` of those shown, and for each camera that has a picture of all of
-/// them its `name`, `width_px`, `height_px` and `jpegs`.
+/// The pictures during the run: `frames` and `time_s`, and for each camera with a picture of all these frames its
+/// `name`, `width_px`, `height_px` and `jpegs`.
 Json frames_json(const RunData& run, const std::vector<std::string>& cameras) {
   Json json{{"frames", Json::array()}, {"time_s", Json::array()}, {"cameras", Json::array()}};
   const std::string& dir = run.dir();
   std::vector<std::int64_t> drawn = run.inputs().frames;
   std::erase_if(drawn, [&](std::int64_t frame) { return !fs::exists(frame_path(dir, frame, "")); });
   std::vector<std::int64_t> frames;
-  for (const std::size_t i : evenly_chosen(drawn.size(), std::max<std::size_t>(2, kMostFrames / cameras.size()))) {
+  for (const std::size_t i : evenly_spaced(drawn.size(), std::max<std::size_t>(2, kMaxFrames / cameras.size()))) {
     frames.push_back(drawn[i]);
     json["frames"].push_back(frames.back());
     json["time_s"].push_back(short_number(run.row_of(frames.back()).time_s));
@@ -103,7 +98,7 @@ Json frames_json(const RunData& run, const std::vector<std::string>& cameras) {
       paths.push_back(frame_path(dir, frame, camera == cameras.front() ? "" : "_" + camera));
     }
     if (!std::all_of(paths.begin(), paths.end(), [](const std::string& path) { return fs::exists(path); })) continue;
-    const auto pictures = page_pictures(paths, kFrame_px, kMostFrameBytes / cameras.size());
+    const auto pictures = page_pictures(paths, kFrame_px, kMaxFrameBytes / cameras.size());
     Json view{{"name", camera}, {"width_px", pictures.front().width_px}, {"height_px", pictures.front().height_px}};
     for (const PagePicture& picture : pictures) view["jpegs"].push_back(picture.jpeg_base64);
     json["cameras"].push_back(std::move(view));
@@ -111,17 +106,17 @@ Json frames_json(const RunData& run, const std::vector<std::string>& cameras) {
   return json;
 }
 
-/// The plot that gnuplot drew, for print; "" without one.
+/// The gnuplot figure, for print; "" if missing.
 std::string printed_plot_html(const std::string& dir) {
   const std::string path = dir + "/forces.png";
   if (!fs::exists(path)) return "";
-  const std::string png = read_whole(path, "a picture");
+  const std::string png = read_file(path, "a picture");
   return "<img class=\"print-only\" alt=\"Force, torque, removed volume and depth against time\" "
          "src=\"data:image/png;base64," +
          base64({reinterpret_cast<const std::uint8_t*>(png.data()), png.size()}) + "\">";
 }
 
-/// The data that the page's scripts work on.
+/// The data of the page's scripts.
 Json script_data(const RunData& run, const PictureOptions& options) {
   ForceLog log = run.log();
   add_layer_means(log, options.mean_travel_mm);
@@ -147,12 +142,12 @@ std::string page_html(const RunData& run, const PictureOptions& options) {
       {"printed_plot", printed_plot_html(dir)},
       {"verification", verification_html(summary, verification, summary_path, verification_path)},
       {"provenance", provenance_html(summary, summary_path)},
-      {"scenario", escape_html(read_whole(dir + "/scenario.yaml", "the scenario.yaml of a run"))},
+      {"scenario", escape_html(read_file(dir + "/scenario.yaml", "the scenario.yaml of a run"))},
       {"script", embedded::report_script}};
-  // What takes long comes when all the rest is known to be right.
+  // The slow parts come last, after the checks of the others.
   texts["figures"] = pictures_html(dir, name_of(options.settings.cameras.front()));
   texts["data"] = json_for_script(script_data(run, options));
-  return fill_page(embedded::report_page, texts);
+  return fill_template(embedded::report_page, texts);
 }
 
 }  // namespace

@@ -1,14 +1,14 @@
-#include "render/report/summary_text.h"
+#include "render/report/page_data.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <optional>
 #include <span>
 
 #include "render/report/markup.h"
 #include "sim/base/error.h"
+#include "sim/base/fixed_text.h"
 #include "sim/record/headline.h"
 #include "sim/scenario/choices.h"
 
@@ -17,7 +17,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// A line of a table: where its value stands in summary.json.
+/// A row of a table, with the JSON pointer of its value in summary.json.
 struct Line {
   const char* pointer;
   const char* label;
@@ -80,16 +80,17 @@ constexpr std::array kOrientation{
     Line{"/metrics/orientation/reamer/inclination_deg", "Inclination of the reamer", "°"},
     Line{"/metrics/orientation/turned_deg", "Angle between native and reamed axis", "°"},
     Line{"/metrics/orientation/inclination_convention", "Inclination is", ""}};
-constexpr std::array kLeft{Line{"/metrics/dense_bone_left/mean_mm", "Remaining dense bone under the face, mean", "mm"},
-                           Line{"/metrics/dense_bone_left/p05_mm", "5th percentile", "mm"},
-                           Line{"/metrics/dense_bone_left/least_mm", "least", "mm"},
-                           Line{"/metrics/dense_bone_left/exposed_percent", "Face without dense bone", "%"},
-                           Line{"/metrics/perforation/perforated", "Perforated", ""},
-                           Line{"/metrics/perforation/holes", "Holes", ""},
-                           Line{"/metrics/perforation/area_mm2", "Area of the perforations", "mm²"},
-                           Line{"/metrics/seating/seated_percent", "Implant seated", "%"},
-                           Line{"/metrics/seating/mean_gap_mm", "Gap under the implant, mean", "mm"},
-                           Line{"/metrics/seating/max_gap_mm", "Gap under the implant, maximum", "mm"}};
+constexpr std::array kRemaining{
+    Line{"/metrics/dense_bone_left/mean_mm", "Remaining dense bone under the face, mean", "mm"},
+    Line{"/metrics/dense_bone_left/p05_mm", "5th percentile", "mm"},
+    Line{"/metrics/dense_bone_left/least_mm", "least", "mm"},
+    Line{"/metrics/dense_bone_left/exposed_percent", "Face without dense bone", "%"},
+    Line{"/metrics/perforation/perforated", "Perforated", ""},
+    Line{"/metrics/perforation/holes", "Holes", ""},
+    Line{"/metrics/perforation/area_mm2", "Area of the perforations", "mm²"},
+    Line{"/metrics/seating/seated_percent", "Implant seated", "%"},
+    Line{"/metrics/seating/mean_gap_mm", "Gap under the implant, mean", "mm"},
+    Line{"/metrics/seating/max_gap_mm", "Gap under the implant, maximum", "mm"}};
 constexpr std::array kLoads{
     Line{"/forces/peak_layer_axial_force_n", "Axial force, peak over a voxel of travel", "N"},
     Line{"/forces/peak_axial_force_n", "Axial force, peak of a single frame", "N"},
@@ -114,7 +115,7 @@ const std::array kTables{Table{"Bone", kBone},
                          Table{"Segmentation", kSegmentation},
                          Table{"Reamed face", kFace},
                          Table{"Orientation", kOrientation},
-                         Table{"Remaining bone under the face", kLeft},
+                         Table{"Remaining bone under the face", kRemaining},
                          Table{"Force and torque", kLoads},
                          Table{"Energy", kEnergy},
                          Table{"Motion", kMotion}};
@@ -123,7 +124,7 @@ InputError wrong(const std::string& path, const std::string& key, const std::str
   return {{path, 0, 0}, key, "found another type", "expected " + expected};
 }
 
-/// The value of a line as text; "" where the run has none.
+/// The value of a line as text; "" if missing.
 std::string value_text(const Json& summary, const Line& line, const std::string& path) {
   const Json::json_pointer pointer(line.pointer);
   const Json value = summary.contains(pointer) ? summary.at(pointer) : Json();
@@ -139,14 +140,14 @@ std::string unit_html(const char* unit) {
   return *unit == '\0' ? "" : std::string(" <span class=\"unit\">") + unit + "</span>";
 }
 
-/// A text that is longer than a number wraps.
+/// Text longer than a number wraps.
 std::string row_html(const std::string& head, const std::string& cell, const char* unit = "") {
   constexpr std::size_t kLongestNumber = 24;  // bytes
   const char* const kind = cell.size() > kLongestNumber ? "<td class=\"words\">" : "<td>";
   return "<tr><th scope=\"row\">" + head + "</th>" + kind + cell + unit_html(unit) + "</td></tr>\n";
 }
 
-/// 12345.6 → 12 345.6, with thin spaces.
+/// Groups digits by thin spaces: 12345.6 → 12 345.6.
 std::string with_thousands(std::string text) {
   const std::size_t point = std::min(text.find('.'), text.size());
   const std::size_t first = text.front() == '-' ? 1 : 0;
@@ -167,42 +168,12 @@ std::string raised(int exponent) {
   return out;
 }
 
-}  // namespace
-
-std::string text_at(const Json& summary, const char* key, const std::string& path) {
-  if (!summary.contains(key) || !summary.at(key).is_string()) throw wrong(path, key, "a text");
-  return escape_html(summary.at(key).get<std::string>());
-}
-
-std::string number_text(double value, int digits) {
-  if (value == 0) return "0";
-  if (!std::isfinite(value)) return "–";
-  std::array<char, 64> text;
-  std::snprintf(text.data(), text.size(), "%.*e", digits - 1, value);
-  const int exponent = std::stoi(std::string(text.data()).substr(std::string_view(text.data()).find('e') + 1));
-  std::string out;
-  if (exponent < -4) {
-    std::snprintf(text.data(), text.size(), "%.1f", value / std::pow(10.0, exponent));
-    out = std::string(text.data()) + " × 10" + raised(exponent);
-  } else {
-    // 0.25 stays 0.25, but 28.996 becomes 29.00: there the zeros say something.
-    int decimals = std::max(0, digits - 1 - exponent);
-    while (decimals > 0 && std::abs(value - rounded(value, decimals - 1)) < 1e-9 * std::abs(value)) --decimals;
-    std::snprintf(text.data(), text.size(), "%.*f", decimals, value);
-    out = with_thousands(text.data());
-  }
-  if (out.front() == '-') out.replace(0, 1, "−");
-  return out;
-}
-
-namespace {
-
 std::string figure_html(std::string name, const std::string& value, const char* unit) {
   name.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(name.front())));
   return "<div><dt>" + name + "</dt><dd>" + value + unit_html(unit) + "</dd></div>\n";
 }
 
-/// A number of summary.json; nothing where it has none. Throws InputError where something else stands there.
+/// A number of summary.json; none if missing. Throws InputError for another type.
 std::optional<double> number_at(const Json& summary, const char* pointer, const std::string& path) {
   const Json::json_pointer at(pointer);
   if (!summary.contains(at) || summary.at(at).is_null()) return std::nullopt;
@@ -210,10 +181,10 @@ std::optional<double> number_at(const Json& summary, const char* pointer, const 
   return summary.at(at).get<double>();
 }
 
-/// Force, torque and depth as pictures, plots and the run's closing line show them.
+/// The headline figures, as in pictures and plots.
 std::string headline_html(const Json& summary, const std::string& path) {
   Headline run{.means = from_name<ErosionMode>(text_at(summary, "erosion", path)) != ErosionMode::exact};
-  // Runs of earlier versions have the same numbers, but no section for them.
+  // Earlier versions wrote these numbers without the section "headline".
   const auto force = run.means ? "/forces/peak_layer_axial_force_n" : "/forces/peak_axial_force_n";
   const auto torque = run.means ? "/forces/peak_layer_spin_torque_nmm" : "/forces/peak_spin_torque_nmm";
   const auto first_of = [&](const char* pointer, const char* earlier) {
@@ -237,6 +208,29 @@ std::string headline_html(const Json& summary, const std::string& path) {
 }
 
 }  // namespace
+
+std::string text_at(const Json& summary, const char* key, const std::string& path) {
+  if (!summary.contains(key) || !summary.at(key).is_string()) throw wrong(path, key, "a text");
+  return escape_html(summary.at(key).get<std::string>());
+}
+
+std::string number_text(double value, int digits) {
+  if (value == 0) return "0";
+  if (!std::isfinite(value)) return "–";
+  const std::string scientific = formatted("%.*e", digits - 1, value);
+  const int exponent = std::stoi(scientific.substr(scientific.find('e') + 1));
+  std::string out;
+  if (exponent < -4) {
+    out = formatted("%.1f × 10", value / std::pow(10.0, exponent)) + raised(exponent);
+  } else {
+    // 0.25 stays 0.25, but 28.996 becomes 29.00, where the zeros are significant.
+    int decimals = std::max(0, digits - 1 - exponent);
+    while (decimals > 0 && std::abs(value - rounded(value, decimals - 1)) < 1e-9 * std::abs(value)) --decimals;
+    out = with_thousands(formatted("%.*f", decimals, value));
+  }
+  if (out.front() == '-') out.replace(0, 1, "−");
+  return out;
+}
 
 std::string key_figures_html(const Json& summary, const std::string& path) {
   std::string out = headline_html(summary, path);
@@ -264,10 +258,11 @@ std::string summary_tables_html(const Json& summary, const std::string& path) {
 
 std::string provenance_html(const Json& summary, const std::string& path) {
   std::string out = "<table class=\"wide\">\n<caption>Program and settings</caption>\n<tbody>\n";
-  out += row_html("Program", text_at(summary, "program", path)) + row_html("Device", text_at(summary, "device", path)) +
-         row_html("Engine", text_at(summary, "engine", path)) +
-         row_html("Erosion", text_at(summary, "erosion", path)) + row_html("Force law", text_at(summary, "law", path)) +
-         "</tbody>\n</table>\n";
+  constexpr std::array kRows{std::pair{"Program", "program"}, std::pair{"Device", "device"},
+                             std::pair{"Engine", "engine"}, std::pair{"Erosion", "erosion"},
+                             std::pair{"Force law", "law"}};
+  for (const auto& [head, key] : kRows) out += row_html(head, text_at(summary, key, path));
+  out += "</tbody>\n</table>\n";
   if (!summary.contains("inputs") || !summary.at("inputs").is_array()) throw wrong(path, "inputs", "a list of files");
   out +=
       "<table class=\"wide\">\n<caption>Inputs</caption>\n<thead><tr><th scope=\"col\">Key</th><th scope=\"col\">"
@@ -309,14 +304,13 @@ std::string verification_html(const Json& summary, const Json& verification, con
     throw wrong(verification_path, "passed", "the verification.json of reamsim verify");
   }
   const bool passed = verification.at("passed").get<bool>();
+  const auto text = [&](const char* key) { return text_at(verification, key, verification_path); };
   out += std::string("<p class=\"status ") +
-         (passed ? "passed\">Verification passed: " : "failed\">Verification FAILED: ") +
-         text_at(verification, "suite", verification_path) + " suite, " +
+         (passed ? "passed\">Verification passed: " : "failed\">Verification FAILED: ") + text("suite") + " suite, " +
          std::to_string(verification.at("cases").size()) + " cases against closed forms and invariants, " +
-         text_at(verification, "program", verification_path) + " on " +
-         text_at(verification, "device", verification_path) + ".</p>\n";
+         text("program") + " on " + text("device") + ".</p>\n";
   for (const char* key : {"program", "device"}) {
-    if (text_at(verification, key, verification_path) != text_at(summary, key, summary_path)) {
+    if (text(key) != text_at(summary, key, summary_path)) {
       out += std::string("<p class=\"status unknown\">It was made with another ") + key + " than this run.</p>\n";
     }
   }

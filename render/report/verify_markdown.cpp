@@ -1,10 +1,8 @@
-#include <cmath>
-#include <cstdio>
-
 #include "render/report/verify_report.h"
 
-namespace reamsim {
+#include "sim/base/fixed_text.h"
 
+namespace reamsim {
 namespace {
 
 using verify::CaseFindings;
@@ -12,12 +10,6 @@ using verify::Check;
 using verify::Findings;
 using verify::Ladder;
 using verify::Measure;
-
-std::string number(const char* pattern, double value) {
-  char text[64];
-  std::snprintf(text, sizeof text, pattern, value);
-  return text;
-}
 
 std::string row(const std::vector<std::string>& cells) {
   std::string out = "|";
@@ -35,9 +27,9 @@ std::string with_unit(const std::string& quantity, const std::string& unit) {
   return unit.empty() ? quantity : quantity + ", " + unit;
 }
 
-/// A relative error as a percentage; one that has a sign with its sign.
-std::string percent(double share, bool has_sign = true) {
-  return number(has_sign ? "%+.2g" : "%.2g", 100 * share) + " %";
+/// A relative error as a percentage.
+std::string percent(double fraction, bool has_sign = true) {
+  return formatted(has_sign ? "%+.2g %%" : "%.2g %%", 100 * fraction);
 }
 
 std::string error_text(const verify::Level& level) {
@@ -46,26 +38,20 @@ std::string error_text(const verify::Level& level) {
 }
 
 std::string expected_text(const Check& check) {
-  switch (check.measure) {
-    case Measure::at_least:
-      return "≥ " + number("%.6g", check.expected);
-    case Measure::at_most:
-      return "≤ " + number("%.6g", check.expected);
-    case Measure::reported:
-      return "–";
-    default:
-      return number("%.8g", check.expected);
-  }
+  if (check.measure == Measure::reported) return "–";
+  if (check.measure == Measure::at_least) return "≥ " + formatted("%.6g", check.expected);
+  if (check.measure == Measure::at_most) return "≤ " + formatted("%.6g", check.expected);
+  return formatted("%.8g", check.expected);
 }
 
 std::string error_text(const Check& check) {
   if (check.measure == Measure::relative) return percent(check.error());
-  return check.measure == Measure::absolute ? number("%.2g", check.error()) : "–";
+  return check.measure == Measure::absolute ? formatted("%.2g", check.error()) : "–";
 }
 
 std::string tolerance_text(const Check& check) {
-  if (check.measure == Measure::relative) return "±" + number("%.2g", 100 * check.tolerance) + " %";
-  return check.measure == Measure::absolute ? "±" + number("%.2g", check.tolerance) : "–";
+  if (check.measure == Measure::relative) return "±" + formatted("%.2g", 100 * check.tolerance) + " %";
+  return check.measure == Measure::absolute ? "±" + formatted("%.2g", check.tolerance) : "–";
 }
 
 std::string verdict(const Check& check) {
@@ -77,27 +63,27 @@ std::string checks_table(const CaseFindings& findings) {
   std::string out =
       head({"figure", "closed form or limit", "result", "error", "tolerance", "", "reason for the tolerance"});
   for (const Check& check : findings.checks) {
-    out += row({with_unit(check.quantity, check.unit), expected_text(check), number("%.8g", check.found),
+    out += row({with_unit(check.quantity, check.unit), expected_text(check), formatted("%.8g", check.found),
                 error_text(check), tolerance_text(check), verdict(check), check.reason});
   }
   return out + "\n";
 }
 
 std::string order_text(const std::optional<double>& order) {
-  return order ? number("%.2f", *order) : "none";
+  return order ? formatted("%.2f", *order) : "none";
 }
 
 std::string ladder_table(const Ladder& ladder) {
   std::string out = head({ladder.step, with_unit(ladder.quantity, ladder.unit), "closed form", "error", "runs"});
   for (const verify::Level& level : ladder.levels) {
-    out +=
-        row({number("%g", level.step), number("%.8g", level.found),
-             ladder.expected ? number("%.8g", *ladder.expected) : "–", error_text(level), std::to_string(level.runs)});
+    out += row({formatted("%g", level.step), formatted("%.8g", level.found),
+                ladder.expected ? formatted("%.8g", *ladder.expected) : "–", error_text(level),
+                std::to_string(level.runs)});
   }
   out += "\nOrder of the error: " + order_text(ladder.order) +
          "; order from three levels alone: " + order_text(ladder.index.order) + "; grid convergence index " +
-         number("%.2g", 100 * ladder.index.share) + " % (safety factor " + number("%.2f", ladder.index.safety_factor) +
-         ").\n\n";
+         formatted("%.2g", 100 * ladder.index.share) + " % (safety factor " +
+         formatted("%.2f", ladder.index.safety_factor) + ").\n\n";
   return out;
 }
 
@@ -118,7 +104,7 @@ std::string verification_markdown(const Findings& findings) {
   std::string out = "# Verification of reamsim " REAMSIM_VERSION "\n\n";
   out += std::string(findings.quick ? "Quick" : "Full") + " suite on " + findings.device + ", erosion `exact`: " +
          (findings.passed() ? "all cases passed" : std::to_string(findings.failed_checks()) + " figures FAILED") +
-         ". Took " + number("%.0f", findings.seconds) + " s.\n\n" + summary_table(findings);
+         ". Took " + formatted("%.0f", findings.seconds) + " s.\n\n" + summary_table(findings);
   out +=
       "Errors are relative to the closed form unless they have a unit. The order of an error is its slope over the "
       "step size, both logarithmic, by least squares; it is \"none\" where the error is rounding. The order from three "

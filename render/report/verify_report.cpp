@@ -1,6 +1,7 @@
 #include "render/report/verify_report.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <sstream>
@@ -8,11 +9,9 @@
 #include "render/plots/plots.h"
 
 namespace reamsim {
-
 namespace embedded {
 extern const char* const verify_plot_script;
 }
-
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -22,28 +21,16 @@ using verify::Findings;
 using verify::Ladder;
 using verify::Measure;
 
-const char* name_of(Measure measure) {
-  switch (measure) {
-    case Measure::relative:
-      return "relative";
-    case Measure::absolute:
-      return "absolute";
-    case Measure::at_least:
-      return "at_least";
-    case Measure::at_most:
-      return "at_most";
-    case Measure::reported:
-      return "reported";
-  }
-  return "";
-}
+constexpr std::array kMeasureNames{"relative", "absolute", "at_least", "at_most", "reported"};
 
 Json or_null(const std::optional<double>& value) {
   return value ? Json(*value) : Json(nullptr);
 }
 
 Json check_json(const Check& check) {
-  Json out{{"quantity", check.quantity}, {"unit", check.unit}, {"measure", name_of(check.measure)}};
+  Json out{{"quantity", check.quantity},
+           {"unit", check.unit},
+           {"measure", kMeasureNames.at(static_cast<std::size_t>(check.measure))}};
   out["expected"] = check.measure == Measure::reported ? Json(nullptr) : Json(check.expected);
   out["found"] = check.found;
   const bool toleranced = check.measure == Measure::relative || check.measure == Measure::absolute;
@@ -80,16 +67,16 @@ Json case_json(const CaseFindings& found) {
   return out;
 }
 
-/// Which panel of the figure shows a ladder: volumes, or loads.
+/// The panel of a ladder in the figure: 1 volumes, 2 loads.
 int panel_of(const Ladder& ladder) {
   return ladder.unit.starts_with("mm³") ? 1 : 2;
 }
 
-/// The data that the script plots: a curve per ladder with a closed form, its errors in per cent.
+/// The data of the plot: one curve per ladder with a closed form, errors in per cent.
 std::string plot_data(const Findings& findings) {
   std::ostringstream data, names;
   int curve = 0, places[2] = {0, 0};
-  // Place of a curve within its panel, which chooses its colour.
+  // The place of a curve within its panel determines its colour.
   data << "# curve, panel, step, |error| in %\n$errors << END\n";
   for (const CaseFindings& found : findings.cases) {
     for (const Ladder& ladder : found.ladders) {

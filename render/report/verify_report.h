@@ -8,7 +8,7 @@ namespace reamsim {
 
 /// The report of a verification: tables in Markdown, with a reference to verification.png.
 std::string verification_markdown(const verify::Findings& findings);
-/// The same as JSON; docs/formats.md describes it.
+/// The report as JSON; see docs/formats.md.
 std::string verification_json(const verify::Findings& findings);
 
 /// Writes verification.md, verification.json, and the figure of the refinements (verification.gp, .png, .svg) into

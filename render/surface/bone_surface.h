@@ -10,25 +10,26 @@
 
 namespace reamsim {
 
-/// The bone as triangles for the graphics library.
+/// The bone as a triangle mesh for OpenGL.
 struct BoneSurface {
-  /// Numbers per vertex: position in B (mm), outward normal, and (depth below the unreamed surface in mm, how certain
-  /// it is that material was removed here 0…1, density in g/cm³, ambient accessibility 0…1).
-  static constexpr std::array kGroups{3, 3, 4};
+  /// Floats per vertex: position in B (mm), outward normal, and (depth below the unreamed surface in mm, certainty that
+  /// material was removed here 0…1, density in g/cm³, ambient accessibility 0…1).
+  static constexpr std::array kAttributeSizes{3, 3, 4};
   static constexpr std::size_t kStride = 10;
+  static constexpr std::size_t kNormal = 3, kDepth = 6, kReamed = 7, kDensity = 8, kAccessibility = 9;  ///< offsets
 
   std::vector<float> vertices;
   std::vector<std::uint32_t> indices;
-  double deepest_mm = 0;  ///< at the reamed vertices, before depth is smoothed; 0 when nothing is reamed
+  double deepest_mm = 0;  ///< of the reamed vertices, before smoothing; 0 when nothing is reamed
 };
 
-/// What a surface is made from: the bone as it is now, and the fields that are derived from its fill.
+/// The current bone and the fields derived from its fill, from which its surface is extracted.
 struct BoneFields {
   BoneFields(const Voxmap& bone, FillBricks fill_now, const UnreamedSurface& unreamed_surface);
   BoneFields(const BoneFields&) = delete;
   BoneFields& operator=(const BoneFields&) = delete;
 
-  /// Follows changes of `fill`. Returns the bricks that have changed.
+  /// Updates the fields after changes of `fill`. Returns the changed bricks.
   std::vector<Vec3i> update();
 
   const Voxmap& voxmap;
@@ -39,18 +40,18 @@ struct BoneFields {
   AmbientOcclusion ambient;
 };
 
-/// Meshes the bone as it is now, with all attributes of its vertices.
+/// Meshes the current bone, with all vertex attributes.
 BoneSurface make_bone_surface(const BoneFields& fields);
 
-/// How many edges from a vertex another one can lie that still moves it.
+/// The number of edges over which a vertex affects others in add_vertex_attributes().
 constexpr int kAttributeReach = 6;
-/// Makes the vertices of `iso`, where the field is zero, into those of a picture: moved by up to 0.4 voxel until they
-/// fit their normals, with their reaming. Takes over the triangles as they are. What does not depend on neighbours is
-/// left to add_density_and_ambient().
+/// Moves the vertices of `iso`, where the field is zero, by up to 0.4 voxel until they fit their normals, and adds
+/// normals, depth and reaming; triangles stay the same. add_density_and_ambient() adds the attributes that do not
+/// depend on neighbours.
 BoneSurface add_vertex_attributes(const IsoSurface& iso, const BoneFields& fields);
-/// Gives every vertex its density and its ambient accessibility, and the surface its greatest depth.
+/// Adds density and ambient accessibility of each vertex, and the greatest depth of the surface.
 void add_density_and_ambient(const BoneFields& fields, BoneSurface& surface);
-/// Computes the ambient accessibility of every vertex again.
+/// Recomputes the ambient accessibility of each vertex.
 void update_ambient(const BoneFields& fields, BoneSurface& surface);
 
 }  // namespace reamsim

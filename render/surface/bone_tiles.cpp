@@ -13,9 +13,9 @@ namespace {
 
 constexpr int kSide = FillBricks::kSide;
 constexpr int kTileVoxels = BoneTiles::kSideBricks * kSide;
-static_assert(kAttributeReach + 2 <= kSide, "one brick round a tile has to hold all that moves the tile's vertices");
-/// From a voxel that changes to a vertex that does: three voxels through the field, as many through the gradient, and
-/// what smoothing passes on.
+static_assert(kAttributeReach + 2 <= kSide, "the one-brick halo of a tile must contain all that affects its vertices");
+/// How far a changed voxel affects vertices: three voxels by the field, three by the gradient, and the rest by
+/// smoothing.
 constexpr int kChangeReach_bricks = 2;
 
 openvdb::Coord to_coord(const Vec3i& v) {
@@ -27,8 +27,8 @@ Vec3i lowest(const Vec3i& tile) {
   return tile * kTileVoxels - Vec3i::Constant(kSide);
 }
 
-/// A tile's part of the field, and a brick round it.
-openvdb::FloatGrid::Ptr part_of(const openvdb::FloatGrid& field, const Vec3i& lower) {
+/// The field of a tile with a one-brick halo.
+openvdb::FloatGrid::Ptr tile_field(const openvdb::FloatGrid& field, const Vec3i& lower) {
   auto part = make_float_grid(field.background());
   auto from = field.getConstAccessor();
   constexpr int kBricks = BoneTiles::kSideBricks + 2;
@@ -44,7 +44,7 @@ openvdb::FloatGrid::Ptr part_of(const openvdb::FloatGrid& field, const Vec3i& lo
   return part;
 }
 
-/// The cells in which part_of() has the same surface as the whole field.
+/// The cells in which tile_field() has the same surface as the whole field.
 openvdb::BoolGrid::Ptr cells_of(const Vec3i& lower) {
   auto cells = make_bool_grid(false);
   const Vec3i first = lower - Vec3i::Constant(kSide - 1);
@@ -53,7 +53,7 @@ openvdb::BoolGrid::Ptr cells_of(const Vec3i& lower) {
   return cells;
 }
 
-/// Which tile a triangle belongs to: the one with the lowest cell of its corners, whichever tile asks.
+/// Does a triangle belong to this tile? The lowest cell of its corners decides, so that every tile agrees.
 bool owns(const Vec3i& lower, const IsoSurface& iso, std::size_t triangle) {
   for (int axis = 0; axis < 3; ++axis) {
     const auto at = [&](std::size_t corner) { return iso.points[iso.indices[3 * triangle + corner]][axis]; };
@@ -64,23 +64,21 @@ bool owns(const Vec3i& lower, const IsoSurface& iso, std::size_t triangle) {
   return true;
 }
 
-/// The triangles of `all` for which `kept` holds, and their vertices alone.
-BoneSurface keep(const BoneSurface& all, const std::vector<bool>& kept) {
+/// The triangles of `all` that are `owned`, and only their vertices.
+BoneSurface extract_owned(const BoneSurface& all, const std::vector<bool>& owned) {
   constexpr std::uint32_t kNone = ~0U;
   constexpr std::size_t kStride = BoneSurface::kStride;
   BoneSurface out;
-  std::vector<std::uint32_t> places(all.vertices.size() / kStride, kNone);
-  for (std::size_t triangle = 0; triangle < kept.size(); ++triangle) {
-    if (!kept[triangle]) continue;
-    for (std::size_t i = 3 * triangle; i < 3 * triangle + 3; ++i) {
-      std::uint32_t& place = places[all.indices[i]];
-      if (place == kNone) {
-        place = static_cast<std::uint32_t>(out.vertices.size() / kStride);
-        const auto from = all.vertices.begin() + static_cast<std::ptrdiff_t>(kStride * all.indices[i]);
-        out.vertices.insert(out.vertices.end(), from, from + kStride);
-      }
-      out.indices.push_back(place);
+  std::vector<std::uint32_t> new_index(all.vertices.size() / kStride, kNone);
+  for (std::size_t i = 0; i < all.indices.size(); ++i) {
+    if (!owned[i / 3]) continue;
+    std::uint32_t& index = new_index[all.indices[i]];
+    if (index == kNone) {
+      index = static_cast<std::uint32_t>(out.vertices.size() / kStride);
+      const auto from = all.vertices.begin() + static_cast<std::ptrdiff_t>(kStride * all.indices[i]);
+      out.vertices.insert(out.vertices.end(), from, from + kStride);
     }
+    out.indices.push_back(index);
   }
   return out;
 }
@@ -89,27 +87,19 @@ BoneSurface keep(const BoneSurface& all, const std::vector<bool>& kept) {
 
 BoneTiles::BoneTiles(const BoneFields& fields) {
   const Vec3i bricks = (fields.voxmap.grid.dims.array() + kSide - 1) / kSide;
-  tiles_ = (bricks.array() + 2 + kSideBricks - 1) / kSideBricks;
-  surfaces_.resize(static_cast<std::size_t>(std::int64_t{1} * tiles_.x() * tiles_.y() * tiles_.z()));
+  tiles_ = {(bricks.array() + 2 + kSideBricks - 1) / kSideBricks};
+  surfaces_.resize(tiles_.count());
   parallel_items(surfaces_.size(), [&](std::size_t tile) { surfaces_[tile] = mesh(fields, tile); });
 }
 
-Vec3i BoneTiles::coord_of(std::size_t tile) const {
-  const auto i = static_cast<std::int64_t>(tile);
-  const std::int64_t row = i / tiles_.x();
-  return {static_cast<int>(i % tiles_.x()), static_cast<int>(row % tiles_.y()), static_cast<int>(row / tiles_.y())};
-}
-
-std::vector<bool> BoneTiles::tiles_near(const std::vector<Vec3i>& bricks, int reach) const {
+std::vector<bool> BoneTiles::tiles_within(const std::vector<Vec3i>& bricks, int reach) const {
   std::vector<bool> near(surfaces_.size(), false);
   for (const Vec3i& brick : bricks) {
     const Vec3i low = ((brick.array() + 1 - reach).max(0)) / kSideBricks;
-    const Vec3i high = ((brick.array() + 1 + reach) / kSideBricks).min(tiles_.array() - 1);
+    const Vec3i high = ((brick.array() + 1 + reach) / kSideBricks).min(tiles_.dims.array() - 1);
     for (int z = low.z(); z <= high.z(); ++z) {
       for (int y = low.y(); y <= high.y(); ++y) {
-        for (int x = low.x(); x <= high.x(); ++x) {
-          near[static_cast<std::size_t>(x + std::int64_t{tiles_.x()} * (y + std::int64_t{tiles_.y()} * z))] = true;
-        }
+        for (int x = low.x(); x <= high.x(); ++x) near[tiles_.index({x, y, z})] = true;
       }
     }
   }
@@ -117,22 +107,22 @@ std::vector<bool> BoneTiles::tiles_near(const std::vector<Vec3i>& bricks, int re
 }
 
 BoneSurface BoneTiles::mesh(const BoneFields& fields, std::size_t tile) const {
-  const Vec3i lower = lowest(coord_of(tile));
-  const openvdb::FloatGrid::Ptr part = part_of(*fields.solid.grid().vdb, lower);
+  const Vec3i lower = lowest(tiles_.coord(tile));
+  const openvdb::FloatGrid::Ptr part = tile_field(*fields.solid.grid().vdb, lower);
   if (part->tree().leafCount() == 0) return {};
   const IsoSurface iso = extract_surface(*part, 0, cells_of(lower));
   std::vector<bool> owned(iso.indices.size() / 3);
   for (std::size_t i = 0; i < owned.size(); ++i) owned[i] = owns(lower, iso, i);
   if (std::find(owned.begin(), owned.end(), true) == owned.end()) return {};
-  BoneSurface out = keep(add_vertex_attributes(iso, fields), owned);
+  BoneSurface out = extract_owned(add_vertex_attributes(iso, fields), owned);
   add_density_and_ambient(fields, out);
   return out;
 }
 
 std::vector<std::size_t> BoneTiles::update(const BoneFields& fields, const std::vector<Vec3i>& bricks) {
-  const int light_bricks = static_cast<int>(std::ceil(fields.ambient.reach_voxels() / kSide));
-  const std::vector<bool> changed = tiles_near(bricks, kChangeReach_bricks);
-  const std::vector<bool> lit = tiles_near(bricks, light_bricks);
+  const int ambient_reach_bricks = static_cast<int>(std::ceil(fields.ambient.reach_voxels() / kSide));
+  const std::vector<bool> changed = tiles_within(bricks, kChangeReach_bricks);
+  const std::vector<bool> lit = tiles_within(bricks, ambient_reach_bricks);
   std::vector<std::size_t> out;
   for (std::size_t tile = 0; tile < surfaces_.size(); ++tile) {
     if (changed[tile] || (lit[tile] && !surfaces_[tile].indices.empty())) out.push_back(tile);

@@ -7,21 +7,21 @@
 
 namespace reamsim {
 
-/// A colour map: sRGB colours 0…1 at equal steps from 0 to 1, linear between them.
+/// A colour map: sRGB colours 0…1 at equal steps from 0 to 1, interpolated linearly.
 struct ColorMap {
   std::span<const Eigen::Vector3f> stops;
 
   [[nodiscard]] Eigen::Vector3f at(double x) const;
-  /// The stops as numbers, for a texture.
+  /// The stops as texels.
   [[nodiscard]] std::vector<float> texels() const;
 };
 
-/// Depth: viridis (van der Walt and Smith 2015, matplotlib, released as CC0), taken at eleven points. Perceptually
-/// uniform, and readable with any colour vision.
+/// Depth: viridis (van der Walt and Smith 2015, matplotlib, released as CC0), at eleven points: perceptually
+/// uniform and safe for colour-blind readers.
 ColorMap depth_colors();
 
-/// Density: from the dark red-brown of marrow over tan to ivory, as a cut bone looks. Lightness rises all the way, a
-/// little faster where trabecular bone lies; it shares no colour with the depths.
+/// Density: from the dark red-brown of marrow over tan to ivory, like cut bone. Lightness increases monotonically,
+/// faster in the range of trabecular bone. No colour occurs in the depth map.
 ColorMap density_colors();
 
 }  // namespace reamsim

@@ -21,7 +21,7 @@ constexpr std::uint32_t kBinaryChunk = 0x004E4942;
 constexpr int kFloat = 5126, kUnsignedShort = 5123, kUnsignedInt = 5125;
 constexpr int kVertices = 34962, kIndices = 34963;
 
-/// Bone that was not reamed, as light, not as sRGB.
+/// Colour of bone that was not reamed, linear.
 const Eigen::Vector3f kBone(0.72F, 0.60F, 0.45F);
 
 float linear_from_srgb(float c) {
@@ -31,26 +31,30 @@ float linear_from_srgb(float c) {
 /// glTF's vertex colours are linear.
 Eigen::Vector3f color_of(float depth_mm, float reamed, const ColorMap& map, double depth_max_mm) {
   const Eigen::Vector3f depth = map.at(depth_mm / depth_max_mm).unaryExpr(&linear_from_srgb);
-  // The same soft edge as the pictures have.
+  // The same smoothstep as in the shader of the pictures.
   const float t = std::clamp((reamed - 0.35F) / 0.3F, 0.0F, 1.0F);
-  const float share = t * t * (3 - 2 * t);
-  return (1 - share) * kBone + share * depth;
+  const float fraction = t * t * (3 - 2 * t);
+  return (1 - fraction) * kBone + fraction * depth;
 }
 
-/// The binary chunk, and its description while it grows.
+/// The binary chunk with its views and accessors.
 class Buffer {
  public:
-  /// Appends values as one view with one accessor; returns the accessor's number.
+  /// Appends values as one view with one accessor of `count` elements; returns the accessor's index.
   template <class Value>
-  std::size_t add(const std::vector<Value>& values, const Json& layout, int target) {
+  std::size_t add(const std::vector<Value>& values, int target, int component, std::size_t count, const char* type,
+                  const Json& more = Json::object()) {
     const std::size_t bytes = values.size() * sizeof(Value);
     views_.push_back({{"buffer", 0}, {"byteOffset", data_.size()}, {"byteLength", bytes}, {"target", target}});
     const auto* begin = reinterpret_cast<const char*>(values.data());
     data_.insert(data_.end(), begin, begin + bytes);
     data_.resize((data_.size() + 3) / 4 * 4);
-    Json accessor = {{"bufferView", views_.size() - 1}, {"byteOffset", 0}};
-    accessor.update(layout);
-    accessors_.push_back(accessor);
+    accessors_.push_back({{"bufferView", views_.size() - 1},
+                          {"byteOffset", 0},
+                          {"componentType", component},
+                          {"count", count},
+                          {"type", type}});
+    accessors_.back().update(more);
     return accessors_.size() - 1;
   }
 
@@ -64,10 +68,6 @@ class Buffer {
   Json accessors_ = Json::array();
 };
 
-Json layout(int component, std::size_t count, const char* type) {
-  return {{"componentType", component}, {"count", count}, {"type", type}};
-}
-
 std::size_t add_positions(Buffer& buffer, const TriangleMesh& mesh) {
   std::vector<Eigen::Vector3f> positions;
   positions.reserve(mesh.vertices.size());
@@ -78,10 +78,8 @@ std::size_t add_positions(Buffer& buffer, const TriangleMesh& mesh) {
     low = low.cwiseMin(positions.back());
     high = high.cwiseMax(positions.back());
   }
-  Json shape = layout(kFloat, positions.size(), "VEC3");
-  shape["min"] = {low.x(), low.y(), low.z()};
-  shape["max"] = {high.x(), high.y(), high.z()};
-  return buffer.add(positions, shape, kVertices);
+  const Json bounds{{"min", {low.x(), low.y(), low.z()}}, {"max", {high.x(), high.y(), high.z()}}};
+  return buffer.add(positions, kVertices, kFloat, positions.size(), "VEC3", bounds);
 }
 
 std::size_t add_colors(Buffer& buffer, const ReamedMesh& reamed, double depth_max_mm) {
@@ -96,9 +94,7 @@ std::size_t add_colors(Buffer& buffer, const ReamedMesh& reamed, double depth_ma
     };
     colors.push_back({level(c.x()), level(c.y()), level(c.z()), 65535});
   }
-  Json shape = layout(kUnsignedShort, colors.size(), "VEC4");
-  shape["normalized"] = true;
-  return buffer.add(colors, shape, kVertices);
+  return buffer.add(colors, kVertices, kUnsignedShort, colors.size(), "VEC4", {{"normalized", true}});
 }
 
 Json list_of(const Json& item) {
@@ -153,11 +149,11 @@ void write_glb(const std::string& path, const ReamedMesh& reamed, double depth_m
   Buffer buffer;
   Json attributes;
   attributes["POSITION"] = add_positions(buffer, reamed.mesh);
-  attributes["NORMAL"] = buffer.add(reamed.normals, layout(kFloat, reamed.normals.size(), "VEC3"), kVertices);
+  attributes["NORMAL"] = buffer.add(reamed.normals, kVertices, kFloat, reamed.normals.size(), "VEC3");
   attributes["COLOR_0"] = add_colors(buffer, reamed, depth_max_mm);
-  attributes["_DEPTH_MM"] = buffer.add(reamed.depth_mm, layout(kFloat, reamed.depth_mm.size(), "SCALAR"), kVertices);
+  attributes["_DEPTH_MM"] = buffer.add(reamed.depth_mm, kVertices, kFloat, reamed.depth_mm.size(), "SCALAR");
   const std::size_t indices =
-      buffer.add(reamed.mesh.triangles, layout(kUnsignedInt, 3 * reamed.mesh.triangles.size(), "SCALAR"), kIndices);
+      buffer.add(reamed.mesh.triangles, kIndices, kUnsignedInt, 3 * reamed.mesh.triangles.size(), "SCALAR");
   std::string json = document(buffer, attributes, indices, depth_max_mm).dump();
   json.resize((json.size() + 3) / 4 * 4, ' ');
   write_chunks(path, json, buffer.data());

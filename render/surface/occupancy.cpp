@@ -28,9 +28,9 @@ Occupancy::Kind Occupancy::classify(const Vec3i& brick) const {
   bool any_bone = false;
   for (std::size_t i = 0; i < grades->size(); ++i) {
     const bool bone = (*grades)[i] != 0;
-    const int left = bone && fill != nullptr ? (*fill)[i] : FillBricks::kWhole;
-    any_bone |= bone && left > 0;
-    any_air |= !bone || left < FillBricks::kWhole;
+    const int remaining = bone && fill != nullptr ? (*fill)[i] : FillBricks::kWhole;
+    any_bone |= bone && remaining > 0;
+    any_air |= !bone || remaining < FillBricks::kWhole;
     if (any_air && any_bone) return Kind::kMixed;
   }
   return any_bone ? Kind::kFull : Kind::kEmpty;
@@ -41,7 +41,7 @@ void Occupancy::gather(const Vec3i& lower, int side, float* out) const {
   std::fill(out, out + static_cast<std::ptrdiff_t>(side) * side * side, 0.0F);
   const Vec3i from = lower.cwiseMax(0);
   const Vec3i to = (lower.array() + side).min(grid.dims.array());
-  constexpr float kShare = 1.0F / FillBricks::kWhole;
+  constexpr float kPerFillUnit = 1.0F / FillBricks::kWhole;
   for (int z = from.z(); z < to.z(); ++z) {
     for (int y = from.y(); y < to.y(); ++y) {
       float* row = out + side * ((y - lower.y()) + side * (z - lower.z())) - lower.x();
@@ -57,7 +57,7 @@ void Occupancy::gather(const Vec3i& lower, int side, float* out) const {
         for (; x < end; ++x) {
           const auto offset = static_cast<std::size_t>(BrickLattice::offset_of({x, y, z}));
           if ((*grades)[offset] == 0) continue;
-          row[x] = fill ? kShare * static_cast<float>((*fill)[offset]) : 1.0F;
+          row[x] = fill ? kPerFillUnit * static_cast<float>((*fill)[offset]) : 1.0F;
         }
       }
     }

@@ -1,20 +1,17 @@
 #include "render/surface/reamed_mesh.h"
 
 #include <algorithm>
-#include <cmath>
+#include <utility>
 
 #include "render/surface/scalar_grid.h"
-#include "render/surface/surface_smoothing.h"
-#include "sim/base/parallel.h"
 #include "sim/bone/vdb/vdb_archive.h"
 
 namespace reamsim {
 namespace {
 
-constexpr std::size_t kMeshGrain = 2048;
-constexpr int kMeshDepthRounds = 5;  // smooths the voxels' steps in what is found at the vertices
-constexpr int kCorrections = 2;      // of the level; the second is for thin bone, whose area changes with the first
-constexpr double kMostShift_voxels = 0.5;
+constexpr int kMeshSmoothingRounds = 5;
+constexpr int kNewtonSteps = 2;  // of the level; the second matters for thin bone, whose area changes with the level
+constexpr double kMaxShift_voxels = 0.5;
 
 TriangleMesh mesh_at(const openvdb::FloatGrid& surface, double level_mm) {
   const IsoSurface iso = extract_surface(surface, level_mm);
@@ -22,7 +19,7 @@ TriangleMesh mesh_at(const openvdb::FloatGrid& surface, double level_mm) {
   mesh.vertices.reserve(iso.points.size());
   for (const Eigen::Vector3f& p : iso.points) mesh.vertices.emplace_back(p.cast<double>());
   mesh.triangles.reserve(iso.indices.size() / 3);
-  // OpenVDB turns the triangles of a level set inwards.
+  // OpenVDB orients the triangles of a level set inwards.
   const auto corner = [&](std::size_t i) { return static_cast<std::int32_t>(iso.indices[i]); };
   for (std::size_t i = 0; i < iso.indices.size(); i += 3) {
     mesh.triangles.push_back({corner(i), corner(i + 2), corner(i + 1)});
@@ -41,29 +38,20 @@ double area_mm2(const TriangleMesh& mesh) {
   return doubled / 2;
 }
 
-/// The mesh at the level where it encloses `volume_mm3`, found by Newton's method: a volume grows with the level as
-/// fast as the surface has area.
+/// The mesh at the level where it encloses `volume_mm3`, by Newton's method: the derivative of the volume with respect
+/// to the level is the surface area.
 TriangleMesh mesh_of_volume(const openvdb::FloatGrid& surface, double volume_mm3, double voxel_mm) {
   double level_mm = 0;
   TriangleMesh mesh = mesh_at(surface, level_mm);
-  for (int i = 0; i < kCorrections && !mesh.triangles.empty(); ++i) {
-    const double most_mm = kMostShift_voxels * voxel_mm;
-    level_mm = std::clamp(level_mm + (volume_mm3 - mesh.volume_mm3()) / area_mm2(mesh), -most_mm, most_mm);
+  for (int i = 0; i < kNewtonSteps && !mesh.triangles.empty(); ++i) {
+    const double max_mm = kMaxShift_voxels * voxel_mm;
+    level_mm = std::clamp(level_mm + (volume_mm3 - mesh.volume_mm3()) / area_mm2(mesh), -max_mm, max_mm);
     mesh = mesh_at(surface, level_mm);
   }
   return mesh;
 }
 
-std::vector<std::uint32_t> corner_indices(const TriangleMesh& mesh) {
-  std::vector<std::uint32_t> out;
-  out.reserve(3 * mesh.triangles.size());
-  for (const auto& triangle : mesh.triangles) {
-    for (const std::int32_t corner : triangle) out.push_back(static_cast<std::uint32_t>(corner));
-  }
-  return out;
-}
-
-/// Means over the triangles round each vertex, weighted by their area.
+/// Area-weighted means of the triangle normals at each vertex.
 std::vector<Eigen::Vector3f> vertex_normals(const TriangleMesh& mesh) {
   std::vector<Vec3> sums(mesh.vertices.size(), Vec3::Zero());
   for (const auto& triangle : mesh.triangles) {
@@ -78,25 +66,20 @@ std::vector<Eigen::Vector3f> vertex_normals(const TriangleMesh& mesh) {
   return out;
 }
 
-void find_depths(ReamedMesh& out, const VoxelGrid& grid, const UnreamedSurface& unreamed) {
-  const std::size_t count = out.mesh.vertices.size();
-  out.depth_mm.assign(count, 0);
-  out.reamed.assign(count, 0);
-  parallel_ranges(count, kMeshGrain, [&](std::size_t begin, std::size_t end) {
-    const ReamingSampler sampler(unreamed);
-    for (std::size_t i = begin; i < end; ++i) {
-      const Vec3 at = (out.mesh.vertices[i] - grid.origin_mm) / grid.voxel_mm - Vec3::Constant(0.5);
-      const openvdb::Vec3d index(at.x(), at.y(), at.z());
-      out.reamed[i] = sampler.fraction(index);
-      if (out.reamed[i] > 0) out.depth_mm[i] = sampler.depth_mm(index * grid.voxel_mm);
-    }
-  });
-  const Neighbours neighbours(count, corner_indices(out.mesh));
+void add_reaming(ReamedMesh& out, const VoxelGrid& grid, const UnreamedSurface& unreamed) {
+  const auto voxel = [&](std::size_t i) {
+    const Vec3 at = (out.mesh.vertices[i] - grid.origin_mm) / grid.voxel_mm - Vec3::Constant(0.5);
+    return openvdb::Vec3d(at.x(), at.y(), at.z());
+  };
+  Reaming reaming = sample_reaming(out.mesh.vertices.size(), unreamed, voxel,
+                                   [&](std::size_t i) { return voxel(i) * grid.voxel_mm; });
   std::vector<Eigen::Vector3f> points;
   for (const Vec3& p : out.mesh.vertices) points.emplace_back(((p - grid.origin_mm) / grid.voxel_mm).cast<float>());
-  const std::vector<float> even = even_weights(neighbours, points);
-  smooth_values(neighbours, even, out.reamed, out.depth_mm, kMeshDepthRounds);
-  smooth_values(neighbours, even, std::vector<float>(count, 1), out.reamed, kMeshDepthRounds);
+  std::vector<std::uint32_t> corners;
+  for (const auto& triangle : out.mesh.triangles) corners.insert(corners.end(), triangle.begin(), triangle.end());
+  reaming.smooth({points.size(), corners}, points, kMeshSmoothingRounds, kMeshSmoothingRounds);
+  out.depth_mm = std::move(reaming.depth_mm);
+  out.reamed = std::move(reaming.fraction);
 }
 
 }  // namespace
@@ -106,7 +89,7 @@ ReamedMesh make_reamed_mesh(const std::string& path, const VoxelGrid& grid, doub
   ReamedMesh out;
   out.mesh = mesh_of_volume(*VdbFile(path).read("surface"), bone_mm3, grid.voxel_mm);
   out.normals = vertex_normals(out.mesh);
-  find_depths(out, grid, unreamed);
+  add_reaming(out, grid, unreamed);
   return out;
 }
 

@@ -12,7 +12,7 @@
 #include "sim/base/parallel.h"
 #include "sim/bone/vdb/vdb_archive.h"
 
-// OpenVDB's library holds this compiled; it takes a minute to compile again.
+// OpenVDB's library instantiates this template; compiling it takes a minute.
 extern template void openvdb::tools::VolumeToMesh::operator()(const openvdb::FloatGrid&);
 
 namespace reamsim {
@@ -34,7 +34,7 @@ Kernel smoothing_kernel() {
   return kernel;
 }
 
-/// Smooths along the slowest axis of a box of `rows` × `cells` values, and leaves `kBrickSide` of the `kGathered` rows.
+/// Convolves `kGathered` rows of `cells` values along the slowest axis into `kBrickSide` rows.
 void smooth_rows(const Kernel& kernel, int cells, const float* in, float* out) {
   for (int row = 0; row < kBrickSide; ++row) {
     float* to = out + static_cast<std::ptrdiff_t>(row) * cells;
@@ -45,6 +45,10 @@ void smooth_rows(const Kernel& kernel, int cells, const float* in, float* out) {
       for (int i = 0; i < cells; ++i) to[i] += weight * from[i];
     }
   }
+}
+
+openvdb::Coord origin_of(const Vec3i& brick) {
+  return {brick.x() * kBrickSide, brick.y() * kBrickSide, brick.z() * kBrickSide};
 }
 
 /// The field of one brick.
@@ -58,8 +62,7 @@ std::unique_ptr<Leaf> smoothed_leaf(const Occupancy& occupancy, const Kernel& ke
     smooth_rows(kernel, kGathered, after_z.data() + z * kGathered * kGathered,
                 after_y.data() + z * kBrickSide * kGathered);
   }
-  auto leaf = std::make_unique<Leaf>(
-      openvdb::Coord(brick.x() * kBrickSide, brick.y() * kBrickSide, brick.z() * kBrickSide), kAir, true);
+  auto leaf = std::make_unique<Leaf>(origin_of(brick), kAir, true);
   for (int z = 0; z < kBrickSide; ++z) {
     for (int y = 0; y < kBrickSide; ++y) {
       std::array<float, kBrickSide> row;
@@ -72,15 +75,16 @@ std::unique_ptr<Leaf> smoothed_leaf(const Occupancy& occupancy, const Kernel& ke
   return leaf;
 }
 
-/// What the 27 bricks round this one have in common, or kMixed.
+/// The n-th of the 27 offsets −1, 0, 1 along each axis.
+Vec3i neighbour_offset(int n) {
+  return {n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1};
+}
+
+/// The common kind of the 27 bricks about this one, or kMixed.
 Occupancy::Kind neighbourhood(const Occupancy& occupancy, const Vec3i& brick) {
   const Occupancy::Kind own = occupancy.kind(brick);
-  for (int z = -1; z <= 1; ++z) {
-    for (int y = -1; y <= 1; ++y) {
-      for (int x = -1; x <= 1; ++x) {
-        if (occupancy.kind(brick + Vec3i(x, y, z)) != own) return Occupancy::Kind::kMixed;
-      }
-    }
+  for (int n = 0; n < 27; ++n) {
+    if (occupancy.kind(brick + neighbour_offset(n)) != own) return Occupancy::Kind::kMixed;
   }
   return own;
 }
@@ -88,21 +92,18 @@ Occupancy::Kind neighbourhood(const Occupancy& occupancy, const Vec3i& brick) {
 }  // namespace
 
 SolidField::SolidField(const Occupancy& occupancy) : grid_(new ScalarGrid{make_float_grid(kAir)}) {
-  // One brick round the bone: smoothing carries it a little beyond its own bricks, and the lattice.
+  // One brick around the bone: smoothing extends the field beyond the bone's bricks and the lattice.
   compute(occupancy, bricks_near_bone(occupancy.voxmap().grade));
 }
 
 void SolidField::update(const Occupancy& occupancy, const std::vector<Vec3i>& bricks) {
   std::vector<Vec3i> touched;
-  const Vec3i dims = occupancy.brick_dims() + Vec3i::Constant(2);
-  std::unordered_set<std::int64_t> seen;
+  const BrickLattice padded{occupancy.brick_dims() + Vec3i::Constant(2)};
+  std::unordered_set<std::size_t> seen;
   for (const Vec3i& brick : bricks) {
     for (int n = 0; n < 27; ++n) {
-      const Vec3i near = brick + Vec3i(n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1);
-      const Vec3i shifted = near + Vec3i::Ones();
-      const std::int64_t key =
-          shifted.x() + std::int64_t{dims.x()} * (shifted.y() + std::int64_t{dims.y()} * shifted.z());
-      if (seen.insert(key).second) touched.push_back(near);
+      const Vec3i near = brick + neighbour_offset(n);
+      if (seen.insert(padded.index(near + Vec3i::Ones())).second) touched.push_back(near);
     }
   }
   compute(occupancy, touched);
@@ -118,11 +119,10 @@ void SolidField::compute(const Occupancy& occupancy, const std::vector<Vec3i>& b
   });
   auto& tree = grid_->vdb->tree();
   for (std::size_t i = 0; i < bricks.size(); ++i) {
-    const openvdb::Coord origin(bricks[i].x() * kBrickSide, bricks[i].y() * kBrickSide, bricks[i].z() * kBrickSide);
     if (leaves[i]) {
       tree.addLeaf(leaves[i].release());
     } else {
-      tree.addTile(1, origin, kinds[i] == Occupancy::Kind::kFull ? kBone : kAir, false);
+      tree.addTile(1, origin_of(bricks[i]), kinds[i] == Occupancy::Kind::kFull ? kBone : kAir, false);
     }
   }
 }
@@ -152,7 +152,7 @@ IsoSurface extract_surface(const openvdb::FloatGrid& field, double level, openvd
     for (std::size_t i = 0; i < polygons.numTriangles(); ++i) add(polygons.triangle(i));
     for (std::size_t i = 0; i < polygons.numQuads(); ++i) {
       const openvdb::Vec4I& q = polygons.quad(i);
-      // The shorter diagonal bends the surface less.
+      // Split along the shorter diagonal, which bends the surface less.
       const bool first = (points[q[0]] - points[q[2]]).lengthSqr() <= (points[q[1]] - points[q[3]]).lengthSqr();
       add(first ? openvdb::Vec3I(q[0], q[1], q[2]) : openvdb::Vec3I(q[0], q[1], q[3]));
       add(first ? openvdb::Vec3I(q[0], q[2], q[3]) : openvdb::Vec3I(q[1], q[2], q[3]));

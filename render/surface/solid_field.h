@@ -13,16 +13,16 @@ namespace reamsim {
 /// An OpenVDB grid; scalar_grid.h defines it.
 struct ScalarGrid;
 
-/// The solid as a smooth field that is negative inside and zero on the surface: ½ − (bone fraction), the fraction
-/// smoothed by a Gaussian of kSmoothing_voxels, which takes the voxels' steps away and moves a flat face by nothing.
-/// In voxel index space: voxel (i,j,k) has its centre at (i,j,k).
+/// The solid as a smooth implicit field, negative inside: ½ − (bone fraction, smoothed by a Gaussian of
+/// kSmoothing_voxels). Smoothing removes voxel steps and does not displace a flat face. In voxel index space: voxel
+/// (i,j,k) has its centre at (i,j,k).
 class SolidField {
  public:
   static constexpr double kSmoothing_voxels = 1.0;
 
   explicit SolidField(const Occupancy& occupancy);
 
-  /// Follows `occupancy`, which has been updated with the same bricks.
+  /// Updates the field after `occupancy` was updated with the same bricks.
   void update(const Occupancy& occupancy, const std::vector<Vec3i>& bricks);
 
   [[nodiscard]] const ScalarGrid& grid() const { return *grid_; }
@@ -35,7 +35,7 @@ class SolidField {
   std::shared_ptr<ScalarGrid> grid_;
 };
 
-/// A surface as OpenVDB's mesher makes it.
+/// An isosurface from OpenVDB's mesher.
 struct IsoSurface {
   std::vector<Eigen::Vector3f> points;
   std::vector<std::uint32_t> indices;  ///< three per triangle

@@ -7,51 +7,45 @@
 
 namespace reamsim {
 
-/// Who is joined to whom by an edge of a closed triangle mesh.
+/// Vertex adjacency of a closed triangle mesh.
 class Neighbours {
  public:
   Neighbours(std::size_t vertices, std::span<const std::uint32_t> indices);
 
-  [[nodiscard]] std::span<const std::uint32_t> of(std::size_t vertex) const { return part_of(joined_, vertex); }
+  /// The part of `all`, a vector with one value per neighbour of each vertex, that belongs to a vertex.
+  template <class Vector>
+  [[nodiscard]] auto part_of(Vector& all, std::size_t vertex) const {
+    return std::span(all.data() + starts_[vertex], starts_[vertex + 1] - starts_[vertex]);
+  }
+  [[nodiscard]] std::span<const std::uint32_t> of(std::size_t vertex) const { return part_of(next_, vertex); }
   /// For each neighbour the third corner of the triangle in which it follows the vertex.
-  [[nodiscard]] std::span<const std::uint32_t> after(std::size_t vertex) const { return part_of(third_, vertex); }
-  /// The part of `all`, which has a value for every neighbour of every vertex, that belongs to a vertex.
-  template <typename T>
-  [[nodiscard]] std::span<T> part_of(std::vector<T>& all, std::size_t vertex) const {
-    return {all.data() + starts_[vertex], starts_[vertex + 1] - starts_[vertex]};
-  }
-  template <typename T>
-  [[nodiscard]] std::span<const T> part_of(const std::vector<T>& all, std::size_t vertex) const {
-    return {all.data() + starts_[vertex], starts_[vertex + 1] - starts_[vertex]};
-  }
-  /// How many values such a vector has.
-  [[nodiscard]] std::size_t count() const { return joined_.size(); }
+  [[nodiscard]] std::span<const std::uint32_t> opposite(std::size_t vertex) const { return part_of(opposite_, vertex); }
+  /// The size of a vector with one value per neighbour of each vertex.
+  [[nodiscard]] std::size_t count() const { return next_.size(); }
 
  private:
   std::vector<std::uint32_t> starts_;
-  std::vector<std::uint32_t> joined_;
-  std::vector<std::uint32_t> third_;
+  std::vector<std::uint32_t> next_;
+  std::vector<std::uint32_t> opposite_;
 };
 
-/// Evens out what voxel steps leave in the shading: every normal becomes, `rounds` times, the mean of itself and those
-/// neighbours that do not bend away by more than a crease, so that true edges stay sharp.
+/// Smooths voxel steps in the shading: replaces each normal, `rounds` times, by the crease-weighted mean of itself and
+/// its neighbours, so that true edges stay sharp.
 void smooth_normals(const Neighbours& neighbours, std::vector<Eigen::Vector3f>& normals, int rounds);
 
-/// Moves points until the surface fits its (smoothed) normals: each goes, `rounds` times, to the mean of where
-/// its neighbours want it, perpendicular to the normals between (after Sun, Rosin, Martin and Langbein 2007,
-/// doi:10.1109/TVCG.2007.1065, §5, with vertex normals), but no farther than `most` from where it was. Takes the
-/// voxels' terraces off outlines too.
+/// Fits points to their smoothed normals: moves each, `rounds` times, to the mean of the positions that its neighbours
+/// predict from the normals between them (after Sun, Rosin, Martin and Langbein 2007, doi:10.1109/TVCG.2007.1065, §5,
+/// with vertex normals), by at most `max_displacement`. Removes voxel terraces from outlines.
 void fit_to_normals(const Neighbours& neighbours, const std::vector<Eigen::Vector3f>& normals,
-                    std::vector<Eigen::Vector3f>& points, int rounds, float most);
+                    std::vector<Eigen::Vector3f>& points, int rounds, float max_displacement);
 
-/// How much each neighbour counts in a mean that leaves alone what changes evenly along the surface, however uneven its
-/// triangles are: mean value coordinates (Floater 2003, doi:10.1016/S0167-8396(03)00002-5), 1 on average. Equal weights
-/// would take a value over from where the neighbours' middle happens to lie, and lines along it would zigzag.
-std::vector<float> even_weights(const Neighbours& neighbours, const std::vector<Eigen::Vector3f>& points);
+/// Mean value coordinates of each vertex in its neighbours (Floater 2003, doi:10.1016/S0167-8396(03)00002-5), 1 on
+/// average. A mean with them preserves linear functions on uneven triangles; equal weights would bend contour lines.
+std::vector<float> mean_value_weights(const Neighbours& neighbours, const std::vector<Eigen::Vector3f>& points);
 
-/// A number per vertex becomes, `rounds` times, the mean over itself and its neighbours: `weights` per vertex times
-/// even_weights(). Where no weight is, it stays.
-void smooth_values(const Neighbours& neighbours, const std::vector<float>& even, const std::vector<float>& weights,
-                   std::vector<float>& values, int rounds);
+/// Replaces each value, `rounds` times, by the mean over itself and its neighbours, weighted by `weights` per vertex
+/// times `edge_weights` from mean_value_weights(). Values whose weights are all 0 stay.
+void smooth_values(const Neighbours& neighbours, const std::vector<float>& edge_weights,
+                   const std::vector<float>& weights, std::vector<float>& values, int rounds);
 
 }  // namespace reamsim

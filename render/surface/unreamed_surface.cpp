@@ -18,10 +18,9 @@ namespace {
 using openvdb::Vec3d;
 using Point = Eigen::Vector3d;
 
-/// Holes and slits up to twice this wide do not count as surface that depth is measured from.
-constexpr double kBridge_mm = 1.8;
-/// A bone has about this many depth cells inside: finer ones cost time and show nothing new, because a distance varies
-/// smoothly between them.
+/// Depth is not measured from the walls of holes and slits up to twice this wide.
+constexpr double kClosing_mm = 1.8;
+/// Number of depth cells inside the bone. More cost time without benefit, because a distance varies smoothly.
 constexpr double kInteriorCells = 400'000;
 
 double cell_size_mm(const Voxmap& voxmap) {
@@ -29,8 +28,8 @@ double cell_size_mm(const Voxmap& voxmap) {
   return std::max(voxmap.grid.voxel_mm, std::cbrt(bone_mm3 / kInteriorCells));
 }
 
-/// The surface moved outwards by kBridge_mm, which closes narrow holes, and the distances that it was moved along.
-/// Where there is no surface, this one is empty too, and every distance is the background.
+/// The surface offset outwards by kClosing_mm, which closes narrow holes (morphological closing), and its distance
+/// field. Both are empty when the surface is.
 struct OffsetSurface {
   double cell_mm = 0;
   openvdb::FloatGrid::Ptr distance_mm;  ///< from the surface; cells of `cell_mm`
@@ -39,10 +38,10 @@ struct OffsetSurface {
 
 OffsetSurface offset_outwards(const IsoSurface& surface, double voxel_mm, double cell_mm) {
   const auto transform = openvdb::math::Transform::createLinearTransform(cell_mm);
-  const auto outside_cells = static_cast<float>(kBridge_mm / cell_mm + 3);
+  const auto outside_cells = static_cast<float>(kClosing_mm / cell_mm + 3);
   OffsetSurface out;
   out.cell_mm = cell_mm;
-  if (surface.indices.empty()) {  // no bone, or less than a voxel of it
+  if (surface.indices.empty()) {  // less than a voxel of bone
     out.distance_mm = make_float_grid(outside_cells * static_cast<float>(cell_mm));
     out.distance_mm->setTransform(transform);
     return out;
@@ -52,30 +51,23 @@ OffsetSurface offset_outwards(const IsoSurface& surface, double voxel_mm, double
   for (const Eigen::Vector3f& p : surface.points) in_cells.emplace_back(p.x() * scale, p.y() * scale, p.z() * scale);
   std::vector<openvdb::Vec3I> triangles;
   for (std::size_t i = 0; i < surface.indices.size(); i += 3) triangles.emplace_back(surface.indices.data() + i);
-  // This adapter and interrupter are the ones that OpenVDB's library holds compiled; others take minutes to compile.
+  // OpenVDB's library instantiates this adapter and interrupter; others take minutes to compile.
   const openvdb::tools::QuadAndTriangleDataAdapter<openvdb::Vec3s, openvdb::Vec3I> mesh(in_cells, triangles);
   openvdb::util::NullInterrupter never;
   out.distance_mm = openvdb::tools::meshToVolume<openvdb::FloatGrid>(never, mesh, *transform, outside_cells, 3.0F);
-  out.surface = extract_surface(*out.distance_mm, kBridge_mm);
+  out.surface = extract_surface(*out.distance_mm, kClosing_mm);
   return out;
 }
 
-/// A point that depth is measured from, as Eigen's tree wants it.
-struct Source {
-  Point at;
-};
-Eigen::AlignedBox3d bounding_box(const Source& source) {
-  return Eigen::AlignedBox3d(source.at);
-}
-using SourceTree = Eigen::KdBVH<double, 3, Source>;
+using SourceTree = Eigen::KdBVH<double, 3, Point>;
 
-/// Is this voxel bone that was removed?
-bool removed(const Voxmap& voxmap, const FillBricks& last, const FillBricks& before, const Vec3i& voxel) {
+/// Was at least half of this bone voxel removed?
+bool removed(const Voxmap& voxmap, const FillBricks& after, const FillBricks& before, const Vec3i& voxel) {
   if (!voxmap.grid.contains(voxel)) return false;
-  return voxmap.grade.get(voxel) != 0 && 2 * last.get(voxel) < before.get(voxel);
+  return voxmap.grade.get(voxel) != 0 && 2 * after.get(voxel) < before.get(voxel);
 }
 
-/// Has any of this brick's voxels lost material?
+/// Was material removed from any voxel of this brick?
 bool reamed(const FillBricks::Brick& fill, const FillBricks::Brick* before) {
   for (std::size_t i = 0; i < fill.size(); ++i) {
     if (fill[i] < (before == nullptr ? FillBricks::kWhole : (*before)[i])) return true;
@@ -83,9 +75,9 @@ bool reamed(const FillBricks::Brick& fill, const FillBricks::Brick* before) {
   return false;
 }
 
-/// Marks the points of the offset surface below which the bone is removed.
+/// Marks the points of the offset surface below which bone was removed.
 std::vector<std::uint8_t> above_removed_bone(const OffsetSurface& offset, const Voxmap& voxmap,
-                                             const FillBricks& before, const FillBricks& last) {
+                                             const FillBricks& before, const FillBricks& after) {
   const double voxel_mm = voxmap.grid.voxel_mm;
   const auto accessor = offset.distance_mm->getConstAccessor();
   const auto distance_at = [&](const Vec3d& mm) {
@@ -95,22 +87,17 @@ std::vector<std::uint8_t> above_removed_bone(const OffsetSurface& offset, const 
   for (std::size_t i = 0; i < marked.size(); ++i) {
     const Eigen::Vector3f& point = offset.surface.points[i];
     const Vec3d p(point.x(), point.y(), point.z());
-    Vec3d slope;
-    for (int axis = 0; axis < 3; ++axis) {
-      Vec3d step(0.0);
-      step[axis] = 0.5 * offset.distance_mm->voxelSize()[0];
-      slope[axis] = distance_at(p + step) - distance_at(p - step);
-    }
+    const Vec3d slope = central_difference(distance_at, p, 0.5 * offset.distance_mm->voxelSize()[0]);
     if (slope.length() < 1e-9) continue;
-    const Vec3d below = (p - slope.unit() * (kBridge_mm + 0.75 * voxel_mm)) / voxel_mm;
+    const Vec3d below = (p - slope.unit() * (kClosing_mm + 0.75 * voxel_mm)) / voxel_mm;
     const Vec3i voxel = Point(below.x(), below.y(), below.z()).array().round().cast<int>();
-    marked[i] = removed(voxmap, last, before, voxel) ? 1 : 0;
+    marked[i] = removed(voxmap, after, before, voxel) ? 1 : 0;
   }
   return marked;
 }
 
-/// Spreads the marks over the mouths of bridged holes, under which there was no bone to remove.
-void spread(std::vector<std::uint8_t>& marked, const Neighbours& neighbours, int rounds) {
+/// Dilates the marks over the mouths of closed holes, under which there was no bone to remove.
+void dilate(std::vector<std::uint8_t>& marked, const Neighbours& neighbours, int rounds) {
   for (int round = 0; round < rounds; ++round) {
     std::vector<std::uint8_t> wider = marked;
     for (std::size_t i = 0; i < marked.size(); ++i) {
@@ -121,22 +108,22 @@ void spread(std::vector<std::uint8_t>& marked, const Neighbours& neighbours, int
   }
 }
 
-/// For Eigen's tree: the squared distance from `from` to a point, and to a box at least.
+/// For Eigen's tree: the squared distance to a point, and its lower bound in a box.
 struct SquaredDistance {
   using Scalar = double;
   Point from;
 
   double minimumOnVolume(const SourceTree::Volume& box) const { return box.squaredExteriorDistance(from); }
-  double minimumOnObject(const Source& source) const { return (source.at - from).squaredNorm(); }
+  double minimumOnObject(const Point& source) const { return (source - from).squaredNorm(); }
 };
 
-/// An empty grid whose active cells cover every brick that has lost material, and a little more for interpolation.
-openvdb::FloatGrid::Ptr cells_of_changed_bricks(double voxel_mm, const FillBricks& last, const FillBricks& before,
+/// A grid whose active cells cover every changed brick, plus a margin for interpolation.
+openvdb::FloatGrid::Ptr cells_of_changed_bricks(double voxel_mm, const FillBricks& after, const FillBricks& before,
                                                 double cell_mm) {
   auto grid = make_float_grid(0.0F);
   grid->setTransform(openvdb::math::Transform::createLinearTransform(cell_mm));
   const double brick_cells = FillBricks::kSide * voxel_mm / cell_mm;
-  last.for_each_brick([&](const Vec3i& coord, const FillBricks::Brick& fill) {
+  after.for_each_brick([&](const Vec3i& coord, const FillBricks::Brick& fill) {
     if (!reamed(fill, before.brick(coord))) return;
     const Vec3d lower = brick_cells * Vec3d(coord.x(), coord.y(), coord.z());
     const openvdb::Coord from = openvdb::Coord::floor(lower - Vec3d(2));
@@ -147,53 +134,54 @@ openvdb::FloatGrid::Ptr cells_of_changed_bricks(double voxel_mm, const FillBrick
 }
 
 openvdb::FloatGrid::Ptr depth_grid(const IsoSurface& surface, const Voxmap& voxmap, const FillBricks& before,
-                                   const FillBricks& last) {
+                                   const FillBricks& after) {
   const double cell_mm = cell_size_mm(voxmap);
-  auto depth = cells_of_changed_bricks(voxmap.grid.voxel_mm, last, before, cell_mm);
+  auto depth = cells_of_changed_bricks(voxmap.grid.voxel_mm, after, before, cell_mm);
   if (depth->empty()) return depth;
   const OffsetSurface offset = offset_outwards(surface, voxmap.grid.voxel_mm, cell_mm);
-  std::vector<std::uint8_t> marked = above_removed_bone(offset, voxmap, before, last);
-  spread(marked, {offset.surface.points.size(), offset.surface.indices},
-         static_cast<int>(std::ceil(2 * kBridge_mm / cell_mm)));
-  std::vector<Source> sources;
+  std::vector<std::uint8_t> marked = above_removed_bone(offset, voxmap, before, after);
+  dilate(marked, {offset.surface.points.size(), offset.surface.indices},
+         static_cast<int>(std::ceil(2 * kClosing_mm / cell_mm)));
+  std::vector<Point> sources;
   for (std::size_t i = 0; i < marked.size(); ++i) {
-    if (marked[i] != 0) sources.push_back({offset.surface.points[i].cast<double>()});
+    if (marked[i] != 0) sources.push_back(offset.surface.points[i].cast<double>());
   }
   if (sources.empty()) return depth;
-  // Sources stand a cell apart and at least kBridge_mm away, so the nearest of them is as good as the nearest triangle.
-  const SourceTree tree(sources.begin(), sources.end());
+  // Sources are a cell apart and at least kClosing_mm away, so the nearest one approximates the nearest triangle.
+  const std::vector<Eigen::AlignedBox3d> boxes(sources.begin(), sources.end());
+  const SourceTree tree(sources.begin(), sources.end(), boxes.begin(), boxes.end());
   const auto measure = [&](const openvdb::FloatGrid::ValueOnIter& value) {
     const Vec3d mm = depth->indexToWorld(value.getCoord());
     SquaredDistance from{Point(mm.x(), mm.y(), mm.z())};
     const double distance_mm = std::sqrt(Eigen::BVMinimize(tree, from));
-    value.setValue(static_cast<float>(distance_mm - kBridge_mm));
+    value.setValue(static_cast<float>(distance_mm - kClosing_mm));
   };
   depth->tree().voxelizeActiveTiles();
   openvdb::tools::foreach (depth->beginValueOn(), measure);
   return depth;
 }
 
-/// By the pairs of neighbours of which one's centre is removed and the other's is still bone: the surface passes
-/// between them. It is above the latter's centre by (its fill − ½) voxels, or, where that one is whole, by (½ + the
-/// other's fill) voxels.
-double deepest_of(const openvdb::FloatGrid& depth, const Voxmap& voxmap, const FillBricks& last,
-                  const FillBricks& before) {
+/// The greatest depth, from pairs of neighbouring voxels of which one was removed: the surface passes between them. It
+/// lies above the centre of the remaining voxel by (its fill − ½) voxels, or, if that one is whole, by (½ + fill of the
+/// removed one) voxels.
+double max_depth_mm(const openvdb::FloatGrid& depth, const Voxmap& voxmap, const FillBricks& after,
+                    const FillBricks& before) {
   const double voxel_mm = voxmap.grid.voxel_mm;
   const auto depths = depth.getConstAccessor();
-  const auto fraction = [&](const Vec3i& voxel) { return static_cast<double>(last.get(voxel)) / FillBricks::kWhole; };
+  const auto fraction = [&](const Vec3i& voxel) { return static_cast<double>(after.get(voxel)) / FillBricks::kWhole; };
   double deepest_mm = 0;
-  const auto measure = [&](const Vec3i& lost, const Vec3i& kept) {
-    if (!voxmap.grid.contains(kept) || voxmap.grade.get(kept) == 0 || fraction(kept) < 0.5) return;
-    const double above_voxels = fraction(kept) < 1 ? fraction(kept) - 0.5 : 0.5 + fraction(lost);
-    const Vec3d mm = voxel_mm * Vec3d(kept.x(), kept.y(), kept.z());
+  const auto measure = [&](const Vec3i& cut, const Vec3i& bone) {
+    if (!voxmap.grid.contains(bone) || voxmap.grade.get(bone) == 0 || fraction(bone) < 0.5) return;
+    const double above_voxels = fraction(bone) < 1 ? fraction(bone) - 0.5 : 0.5 + fraction(cut);
+    const Vec3d mm = voxel_mm * Vec3d(bone.x(), bone.y(), bone.z());
     const double depth_mm = openvdb::tools::BoxSampler::sample(depths, depth.worldToIndex(mm));
     deepest_mm = std::max(deepest_mm, depth_mm - above_voxels * voxel_mm);
   };
-  last.for_each_brick([&](const Vec3i& coord, const FillBricks::Brick& fill) {
+  after.for_each_brick([&](const Vec3i& coord, const FillBricks::Brick& fill) {
     if (!reamed(fill, before.brick(coord))) return;
     for (int offset = 0; offset < BrickLattice::kVoxels; ++offset) {
       const Vec3i voxel = BrickLattice::voxel_at(coord, offset);
-      if (!removed(voxmap, last, before, voxel)) continue;
+      if (!removed(voxmap, after, before, voxel)) continue;
       for (int axis = 0; axis < 3; ++axis) {
         measure(voxel, voxel + Vec3i::Unit(axis));
         measure(voxel, voxel - Vec3i::Unit(axis));
@@ -205,11 +193,11 @@ double deepest_of(const openvdb::FloatGrid& depth, const Voxmap& voxmap, const F
 
 }  // namespace
 
-UnreamedSurface::UnreamedSurface(const Voxmap& voxmap, FillBricks before, const FillBricks& last)
+UnreamedSurface::UnreamedSurface(const Voxmap& voxmap, FillBricks before, const FillBricks& after)
     : before_(std::move(before)),
       field_(Occupancy(voxmap, before_)),
       surface_(extract_surface(*field_.grid().vdb, 0)),
-      depth_(new ScalarGrid{depth_grid(surface_, voxmap, before_, last)}),
-      deepest_mm_(deepest_of(*depth_->vdb, voxmap, last, before_)) {}
+      depth_(new ScalarGrid{depth_grid(surface_, voxmap, before_, after)}),
+      deepest_mm_(max_depth_mm(*depth_->vdb, voxmap, after, before_)) {}
 
 }  // namespace reamsim

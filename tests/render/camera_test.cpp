@@ -24,8 +24,8 @@ ViewTarget left_shoulder() {
   target.bone_mm.emplace_back(target.focus_mm + Vec3(-90, 0, -60));
   target.bone_from_tool.linear() << 0, 0, 1, 1, 0, 0, 0, 1, 0;  // +z of T is lateral
   target.bone_from_tool.translation() = target.focus_mm;
-  target.head_mm = {target.focus_mm + Vec3(8, 15, 0), target.focus_mm + Vec3(8, -15, 0)};
-  target.reach_mm = 150;
+  target.tool_head_mm = {target.focus_mm + Vec3(8, 15, 0), target.focus_mm + Vec3(8, -15, 0)};
+  target.radius_mm = 150;
   return target;
 }
 
@@ -43,7 +43,7 @@ TEST(CameraTest, FaceOnSuperiorIsUpAndAnteriorOfALeftShoulderIsLeft) {
   EXPECT_NEAR(up.x(), middle.x(), 1e-9);
   EXPECT_NEAR(middle.y() - up.y(), 10 / camera.mm_per_px, 1e-9);
   EXPECT_NEAR(middle.x() - front.x(), 10 / camera.mm_per_px, 1e-9);
-  EXPECT_FALSE(camera.draws_tool);
+  EXPECT_FALSE(camera.shows_tool);
 }
 
 TEST(CameraTest, TheScaleIsTheSameEverywhereInThePicture) {
@@ -66,7 +66,7 @@ TEST(CameraTest, TheGlenoidAndTheToolsHeadAreInThePicture) {
     for (const auto& [width, height] : {std::pair{1920, 1080}, {400, 900}, {4096, 16}}) {
       const Camera camera = make_camera(view, target, width, height);
       for (std::size_t i = 0; i + 1 < target.bone_mm.size(); ++i) EXPECT_TRUE(in_picture(camera, target.bone_mm[i]));
-      for (const Vec3& p : target.head_mm) EXPECT_TRUE(in_picture(camera, p));
+      for (const Vec3& p : target.tool_head_mm) EXPECT_TRUE(in_picture(camera, p));
       EXPECT_EQ(in_picture(camera, target.bone_mm.back()), view == CameraView::overview) << name_of(view);
     }
   }

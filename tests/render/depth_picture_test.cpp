@@ -61,7 +61,7 @@ class DepthPicture : public ::testing::Test {
 TEST_F(DepthPicture, ReadsItsRaster) {
   write(map_text());
   const DepthField field(file());
-  EXPECT_NEAR(field.pitch_mm(), 0.5, 1e-6);
+  EXPECT_NEAR(field.spacing_mm(), 0.5, 1e-6);
   EXPECT_DOUBLE_EQ(field.deepest_mm(), 2);
   EXPECT_NEAR(field.mean_mm(), 1.5, 1e-9);
   EXPECT_NEAR(field.area_mm2(), 36 * M_PI, 3);
@@ -69,8 +69,8 @@ TEST_F(DepthPicture, ReadsItsRaster) {
   EXPECT_DOUBLE_EQ(field.at({3, 0}).depth_mm, 2);
   EXPECT_NEAR(field.at({0, 0}).depth_mm, 1.5, 1e-6);
   EXPECT_NEAR(field.at({3, 0}).reamed, 1, 1e-3);
-  EXPECT_DOUBLE_EQ(field.at({0, 3}).through, 1);
-  EXPECT_DOUBLE_EQ(field.through_mm2(), 4);
+  EXPECT_DOUBLE_EQ(field.at({0, 3}).perforated, 1);
+  EXPECT_DOUBLE_EQ(field.perforated_mm2(), 4);
   EXPECT_NEAR(field.at({7.5, 0}).reamed, 0, 0.05);
   EXPECT_NEAR(field.at({7.5, 0}).bone, 1, 0.05);
   EXPECT_DOUBLE_EQ(field.at({9.9, 9.9}).bone, 0);
@@ -89,7 +89,7 @@ TEST_F(DepthPicture, ABreachThatReachesTheRimIsNoHoleHoweverWide) {
   }
   write(text);
   const DepthField field(file());
-  EXPECT_EQ(field.through_mm2(), 0);
+  EXPECT_EQ(field.perforated_mm2(), 0);
   EXPECT_EQ(field.deepest_mm(), 3);
 }
 
@@ -186,8 +186,8 @@ TEST_F(DepthPicture, ShowsDepthBoneHolesAndAir) {
   const auto color = [&](double x, double y) {
     return shown.at(static_cast<int>(925 + px_per_mm * x), static_cast<int>(540 - px_per_mm * y));
   };
-  const auto expected = [](double share) -> Eigen::Vector3i {
-    return (255 * depth_colors().at(share)).array().round().cast<int>();
+  const auto expected = [](double fraction) -> Eigen::Vector3i {
+    return (255 * depth_colors().at(fraction)).array().round().cast<int>();
   };
   EXPECT_LE((color(-3, 0.3) - expected(0.25)).cwiseAbs().maxCoeff(), 2);
   EXPECT_LE((color(3, 0.3) - expected(0.5)).cwiseAbs().maxCoeff(), 2);
@@ -207,9 +207,9 @@ TEST_F(DepthPicture, RimThatWasReamedAwayIsNoHole) {
   }
   write(text);
   const DepthField field(file());
-  EXPECT_DOUBLE_EQ(field.at({5, 6}).through, 0);
-  EXPECT_DOUBLE_EQ(field.at({8, 6}).through, 1);
-  EXPECT_DOUBLE_EQ(field.through_mm2(), 1);
+  EXPECT_DOUBLE_EQ(field.at({5, 6}).perforated, 0);
+  EXPECT_DOUBLE_EQ(field.at({8, 6}).perforated, 1);
+  EXPECT_DOUBLE_EQ(field.perforated_mm2(), 1);
 }
 
 TEST_F(DepthPicture, NoneWithoutAMapOrADepth) {

@@ -1,4 +1,4 @@
-// Jagged edges of known shapes, smoothed, against the share of each pixel that the shape covers.
+// Jagged edges of known shapes, smoothed, against the fraction of each pixel that the shape covers.
 #include "render/gl/pixel_image.h"
 
 #include <gtest/gtest.h>
@@ -16,8 +16,8 @@ namespace {
 
 constexpr int kSide_px = 96;
 
-std::uint32_t gray(double share) {
-  const auto value = static_cast<std::uint32_t>(std::lround(255 * share));
+std::uint32_t gray(double fraction) {
+  const auto value = static_cast<std::uint32_t>(std::lround(255 * fraction));
   return 0xff000000U | value << 16 | value << 8 | value;
 }
 
@@ -53,22 +53,22 @@ double difference(const PixelImage& a, const PixelImage& b) {
   return std::sqrt(sum / count);
 }
 
-TEST(EdgeFilter, StraightEdgesComeNearTheirTrueShares) {
+TEST(EdgeFilter, StraightEdgesComeNearTheirTrueFractions) {
   for (const double degrees : {3.0, 10.0, 20.0, 30.0, 40.0, 50.0, 70.0, 85.0, 130.0, 170.0}) {
     const double c = std::cos(degrees * M_PI / 180);
     const double s = std::sin(degrees * M_PI / 180);
     const auto half_plane = [&](double x, double y) { return c * (y - 47.3) > s * (x - 47.6); };
     const PixelImage jagged = drawn(half_plane, 1);
     const PixelImage truth = drawn(half_plane, 16);
-    EXPECT_LT(difference(edges_smoothed(jagged), truth), 0.6 * difference(jagged, truth)) << degrees;
+    EXPECT_LT(difference(antialiased(jagged), truth), 0.6 * difference(jagged, truth)) << degrees;
   }
 }
 
-TEST(EdgeFilter, ADiscComesNearItsTrueShares) {
+TEST(EdgeFilter, ADiscComesNearItsTrueFractions) {
   const auto disc = [](double x, double y) { return std::hypot(x - 48.2, y - 47.9) < 30; };
   const PixelImage jagged = drawn(disc, 1);
   const PixelImage truth = drawn(disc, 16);
-  EXPECT_LT(difference(edges_smoothed(jagged), truth), 0.6 * difference(jagged, truth));
+  EXPECT_LT(difference(antialiased(jagged), truth), 0.6 * difference(jagged, truth));
 }
 
 TEST(EdgeFilter, FlatPartsAndSlowShadesStayAsTheyAre) {
@@ -76,7 +76,7 @@ TEST(EdgeFilter, FlatPartsAndSlowShadesStayAsTheyAre) {
   for (int i = 0; i < kSide_px * kSide_px; ++i) {
     image.pixels[static_cast<std::size_t>(i)] = gray((i % kSide_px + i / kSide_px) / (2.0 * kSide_px));
   }
-  EXPECT_EQ(edges_smoothed(image).pixels, image.pixels);
+  EXPECT_EQ(antialiased(image).pixels, image.pixels);
 }
 
 TEST(EdgeFilter, AnEdgeAgainstNothingIsSmoothedToo) {
@@ -85,7 +85,7 @@ TEST(EdgeFilter, AnEdgeAgainstNothingIsSmoothedToo) {
   PixelImage image = drawn(half_plane, 1);
   for (std::uint32_t& pixel : image.pixels) pixel = pixel == 0xffffffffU ? 0xff000000U : 0;
   int half_clear = 0;
-  for (const std::uint32_t pixel : edges_smoothed(image).pixels) {
+  for (const std::uint32_t pixel : antialiased(image).pixels) {
     EXPECT_EQ(pixel & 0xffffffU, 0U);
     half_clear += pixel >> 24 != 0 && pixel >> 24 != 255 ? 1 : 0;
   }

@@ -100,9 +100,9 @@ TEST(ForcePanelTest, TheCursorStandsAtTheTimeAndTheCurveIsStrongUpToIt) {
     EXPECT_LT(dark(x - 12), 0.2 * box.height);
     EXPECT_LT(dark(x + 12), 0.2 * box.height);
     // The force is a ramp from 0 to the top of the axis, 40 N.
-    const auto blue = [&](double share) {
-      const int column = static_cast<int>(box.x + box.width * share);
-      const int middle = static_cast<int>(box.y + box.height * (1 - share));
+    const auto blue = [&](double fraction) {
+      const int column = static_cast<int>(box.x + box.width * fraction);
+      const int middle = static_cast<int>(box.y + box.height * (1 - fraction));
       int least_red = 255;
       for (int y = middle - 3; y <= middle + 3; ++y) least_red = std::min(least_red, seen.at(column, y).x());
       return least_red;

@@ -58,7 +58,7 @@ class Golden : public ::testing::Test {
     for (const std::string& name : kNames) out[name] = difference(test::read_picture(path(name)), name);
     return out;
   }
-  /// The same for the last state, drawn in parts; `spoil` may change the photograph or the labels.
+  /// The same for the last state, drawn in parts; `spoil` may change the picture or the labels.
   template <typename Spoil>
   static double difference_after(const std::string& camera_name, const std::string& name, Spoil spoil) {
     test::OpenedRun opened(dir_->path(), golden_settings());

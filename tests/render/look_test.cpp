@@ -101,7 +101,7 @@ TEST_F(Look, TheArrowIsRedAndOnlyWhereThereIsForce) {
 TEST(Averaged, EveryPixelIsTheMeanOfItsSquare) {
   PixelImage image = plain_image(4, 2, 0x000000);
   image.pixels = {0xff000010, 0xff000020, 0x00000000, 0x00000000, 0xff000030, 0xff000040, 0x00000000, 0x80400000};
-  const PixelImage half = averaged(image, 2);
+  const PixelImage half = downsampled(image, 2);
   EXPECT_EQ(half.width_px, 2);
   EXPECT_EQ(half.height_px, 1);
   EXPECT_EQ(half.pixels, (std::vector<std::uint32_t>{0xff000028, 0x20100000}));

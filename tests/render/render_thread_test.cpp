@@ -100,7 +100,7 @@ TEST(FrameQueueTest, KeepsTheirOrderAndNoMoreThanItHasRoomFor) {
     for (int i = 0; i < 8; ++i) {
       if (queue.push(frame_of(i, 10))) ++pushed;
     }
-    queue.end(nullptr);
+    queue.finish(nullptr);
   });
   for (int i = 0; i < 8; ++i) {
     const auto frame = queue.pop();
@@ -125,7 +125,7 @@ TEST(FrameQueueTest, ClosedItTakesNoneAndEndedItSaysWhy) {
   std::thread giver([&] { EXPECT_FALSE(queue.push(frame_of(1, 1000))) << "there is no room until it is closed"; });
   queue.close();
   giver.join();
-  queue.end(std::make_exception_ptr(RunError("no film in it")));
+  queue.finish(std::make_exception_ptr(RunError("no film in it")));
   EXPECT_TRUE(queue.pop()) << "what was taken before";
   EXPECT_THROW(queue.pop(), RunError);
 }

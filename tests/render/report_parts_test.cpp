@@ -10,7 +10,6 @@
 #include "render/report/markup.h"
 #include "render/report/mesh_data.h"
 #include "render/report/page_data.h"
-#include "render/report/summary_text.h"
 #include "sim/base/error.h"
 
 namespace reamsim {
@@ -44,8 +43,8 @@ TEST(Markup, JsonCannotEndItsScript) {
 }
 
 TEST(Markup, WhatIsPutInIsNotLookedAtAgain) {
-  EXPECT_EQ(fill_page("<{{a}}|{{b}}>", {{"a", "{{b}}"}, {"b", "2"}}), "<{{b}}|2>");
-  EXPECT_THROW(fill_page("{{c}}", {{"a", ""}}), std::logic_error);
+  EXPECT_EQ(fill_template("<{{a}}|{{b}}>", {{"a", "{{b}}"}, {"b", "2"}}), "<{{b}}|2>");
+  EXPECT_THROW(fill_template("{{c}}", {{"a", ""}}), std::logic_error);
 }
 
 TEST(SummaryText, WritesNumbersForPeople) {
@@ -62,10 +61,10 @@ TEST(SummaryText, WritesNumbersForPeople) {
 }
 
 TEST(PictureData, ChoosesEvenlyWithBothEnds) {
-  EXPECT_THAT(evenly_chosen(11, 40), ElementsAre(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10));
-  EXPECT_THAT(evenly_chosen(11, 3), ElementsAre(0, 5, 10));
-  EXPECT_THAT(evenly_chosen(5, 1), ElementsAre(4));
-  EXPECT_TRUE(evenly_chosen(0, 3).empty());
+  EXPECT_THAT(evenly_spaced(11, 40), ElementsAre(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10));
+  EXPECT_THAT(evenly_spaced(11, 3), ElementsAre(0, 5, 10));
+  EXPECT_THAT(evenly_spaced(5, 1), ElementsAre(4));
+  EXPECT_TRUE(evenly_spaced(0, 3).empty());
 }
 
 TEST(PlotData, KeepsTheSpikesOfALongRun) {
@@ -172,7 +171,7 @@ bool closed(const BoneSurface& surface) {
 TEST(MeshData, ThinningKeepsToTheBudgetAndOpensNoCrack) {
   const BoneSurface whole = sphere(120, 20);
   ASSERT_TRUE(closed(whole));
-  const BoneSurface thin = thinned(whole, {.plain_triangles = 6000, .reamed_triangles = 2000});
+  const BoneSurface thin = simplified(whole, {.unreamed_triangles = 6000, .reamed_triangles = 2000});
   EXPECT_TRUE(closed(thin));
   // Borders between the two parts stay, so a few more than the budget may be left.
   EXPECT_LE(thin.indices.size() / 3, 8800u);
@@ -187,30 +186,30 @@ TEST(MeshData, ThinningKeepsToTheBudgetAndOpensNoCrack) {
 
 TEST(MeshData, LeavesASmallMeshAsItIs) {
   const BoneSurface whole = sphere(12, 20);
-  EXPECT_EQ(thinned(whole, MeshBudget()).indices.size(), whole.indices.size());
-  EXPECT_TRUE(thinned(BoneSurface(), MeshBudget()).indices.empty());
+  EXPECT_EQ(simplified(whole, MeshBudget()).indices.size(), whole.indices.size());
+  EXPECT_TRUE(simplified(BoneSurface(), MeshBudget()).indices.empty());
 }
 
 /// Reads back what mesh_bytes() wrote.
 struct Unpacked {
   Unpacked(const Bytes& bytes, std::size_t vertices, std::size_t corners, const Eigen::AlignedBox3f& box)
-      : places(vertices), depth(vertices), dress(vertices) {
+      : places(vertices), depth(vertices), attributes(vertices) {
     for (std::size_t i = 0; i < vertices; ++i) places[i] = box.min();
     for (std::size_t part = 0; part < 4; ++part) {
       std::uint16_t value = 0;
       for (std::size_t i = 0; i < vertices; ++i) {
         const int code = bytes[2 * part * vertices + i] | bytes[(2 * part + 1) * vertices + i] << 8;
         value = static_cast<std::uint16_t>(value + ((code >> 1) ^ -(code & 1)));
-        const auto share = static_cast<float>(value) / 65535;
-        if (part < 3) places[i][static_cast<int>(part)] += box.sizes()[static_cast<int>(part)] * share;
-        if (part == 3) depth[i] = share;
+        const auto fraction = static_cast<float>(value) / 65535;
+        if (part < 3) places[i][static_cast<int>(part)] += box.sizes()[static_cast<int>(part)] * fraction;
+        if (part == 3) depth[i] = fraction;
       }
     }
     for (std::size_t part = 0; part < 6; ++part) {
       std::uint8_t value = 0;
       for (std::size_t i = 0; i < vertices; ++i) {
         value = static_cast<std::uint8_t>(value + bytes[(8 + part) * vertices + i]);
-        dress[i][part] = value;
+        attributes[i][part] = value;
       }
     }
     std::size_t at = 14 * vertices;
@@ -228,13 +227,13 @@ struct Unpacked {
   }
   std::vector<Eigen::Vector3f> places;
   std::vector<float> depth;  // of the greatest
-  std::vector<std::array<std::uint8_t, 6>> dress;
+  std::vector<std::array<std::uint8_t, 6>> attributes;
   std::vector<std::uint32_t> indices;
   std::size_t rest = 0;
 };
 
 TEST(MeshData, BytesReadBackWithinTheirSteps) {
-  const BoneSurface surface = thinned(sphere(60, 20), {.plain_triangles = 3000, .reamed_triangles = 1000});
+  const BoneSurface surface = simplified(sphere(60, 20), {.unreamed_triangles = 3000, .reamed_triangles = 1000});
   const Eigen::AlignedBox3f box = bounds_of(surface);
   EXPECT_NEAR(box.sizes().x(), 40, 0.1);
   const std::size_t count = surface.vertices.size() / BoneSurface::kStride;
@@ -246,12 +245,12 @@ TEST(MeshData, BytesReadBackWithinTheirSteps) {
     EXPECT_LE((back.places[i] - Eigen::Map<const Eigen::Vector3f>(v)).cwiseAbs().maxCoeff(),
               0.51F * 40 / 65535 + 1e-5F);
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      EXPECT_NEAR(static_cast<std::int8_t>(back.dress[i][axis]), 127 * v[3 + axis], 0.51);
+      EXPECT_NEAR(static_cast<std::int8_t>(back.attributes[i][axis]), 127 * v[3 + axis], 0.51);
     }
     EXPECT_NEAR(back.depth[i], v[6] / 2, 1e-5);
-    EXPECT_NEAR(back.dress[i][3], 255 * v[7], 0.51);
-    EXPECT_NEAR(back.dress[i][4], 255 * v[8] / 2, 0.51);
-    EXPECT_NEAR(back.dress[i][5], 255 * v[9], 0.51);
+    EXPECT_NEAR(back.attributes[i][3], 255 * v[7], 0.51);
+    EXPECT_NEAR(back.attributes[i][4], 255 * v[8] / 2, 0.51);
+    EXPECT_NEAR(back.attributes[i][5], 255 * v[9], 0.51);
   }
 }
 
@@ -261,7 +260,7 @@ TEST(MeshData, PlacesOutsideTheBoxGoToItsEdge) {
   Eigen::AlignedBox3f box(Eigen::Vector3f(0, 0, 0), Eigen::Vector3f(10, 10, 10));
   const Unpacked back(mesh_bytes(surface, box, 2.0), 1, 0, box);
   EXPECT_EQ(back.places[0], Eigen::Vector3f(0, 0, 10));
-  EXPECT_THAT(back.dress[0], ElementsAre(0, 0, 127, 255, 255, 255));
+  EXPECT_THAT(back.attributes[0], ElementsAre(0, 0, 127, 255, 255, 255));
 }
 
 }  // namespace

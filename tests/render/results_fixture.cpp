@@ -127,12 +127,12 @@ std::string matrix_text(const Rigid& rigid) {
   return out.str();
 }
 
-/// Lowest point of the tool, glenoid z, at a share 0…1 of the run: down, a moment's dwell, out again.
-double lowest_at(double share, double depth_mm) {
+/// Lowest point of the tool, glenoid z, at a fraction 0…1 of the run: down, a moment's dwell, out again.
+double lowest_at(double fraction, double depth_mm) {
   constexpr double kApproach_mm = 2;
-  if (share < 0.7) return kApproach_mm - (kApproach_mm + depth_mm) * share / 0.7;
-  if (share < 0.8) return -depth_mm;
-  return -depth_mm + 40 * (share - 0.8);
+  if (fraction < 0.7) return kApproach_mm - (kApproach_mm + depth_mm) * fraction / 0.7;
+  if (fraction < 0.8) return -depth_mm;
+  return -depth_mm + 40 * (fraction - 0.8);
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <string>
 
 #include "sim/base/geometry.h"
+#include "sim/scenario/choices.h"
 
 namespace reamsim {
 
@@ -13,7 +14,7 @@ struct FixtureOptions {
   int frames = 60;
   int every = 20;             ///< a snapshot every so many frames
   double depth_mm = 3.0;      ///< of the tool's lowest point below the face
-  bool whole_voxels = false;  ///< erosion by whole voxels instead of shares
+  bool whole_voxels = false;  ///< erosion by whole voxels instead of fractions
   bool glenoid = true;        ///< with the frame G in the metadata
   BodySide side = BodySide::left;
 };

@@ -1,4 +1,4 @@
-#include "render/plots/spectrum.h"
+#include "render/plots/plots.h"
 
 #include <gtest/gtest.h>
 

@@ -31,7 +31,7 @@ FilledVoxmap ball() {
   return voxmap;
 }
 
-/// Takes away what lies above z = `height`, by shares.
+/// Takes away what lies above z = `height`, by fractions.
 void plane_off(const VoxelGrid& grid, double height_mm, FillBricks& fill) {
   for (int k = 0; k < grid.dims.z(); ++k) {
     const double left = std::clamp((height_mm - grid.center_mm({0, 0, k}).z()) / grid.voxel_mm + 0.5, 0.0, 1.0);
@@ -229,7 +229,7 @@ TEST(SurfaceSmoothing, WhatChangesEvenlyIsLeftAloneOnUnevenTriangles) {
   for (const Eigen::Vector3f& p : square.points) slope.push_back(2 * p.x() - 3 * p.y() + 5);
   std::vector<float> even = slope;
   std::vector<float> equal = slope;
-  smooth_values(neighbours, even_weights(neighbours, square.points), ones, even, kRounds);
+  smooth_values(neighbours, mean_value_weights(neighbours, square.points), ones, even, kRounds);
   smooth_values(neighbours, std::vector<float>(neighbours.count(), 1), ones, equal, kRounds);
   float worst_equal = 0;
   for (std::size_t i = 0; i < slope.size(); ++i) {
@@ -245,7 +245,7 @@ TEST(SurfaceSmoothing, NoiseIsEvenedOut) {
   const Neighbours neighbours(square.points.size(), square.indices);
   std::vector<float> values;
   for (std::size_t i = 0; i < square.points.size(); ++i) values.push_back(i % 2 == 0 ? 1.0F : -1.0F);
-  smooth_values(neighbours, even_weights(neighbours, square.points), std::vector<float>(values.size(), 1), values, 4);
+  smooth_values(neighbours, mean_value_weights(neighbours, square.points), std::vector<float>(values.size(), 1), values, 4);
   for (std::size_t i = 0; i < values.size(); ++i) {
     if (UnevenSquare::inside(i, 4)) {
       EXPECT_LT(std::abs(values[i]), 0.3F) << "vertex " << i;

@@ -46,7 +46,7 @@ Camera any_camera(Random& random) {
   camera.width_px = 400;
   camera.height_px = 300;
   camera.mm_per_px = between(random, 0.02, 0.2);
-  camera.reach_mm = 60;
+  camera.depth_range_mm = 60;
   camera.eye_from_bone = Rigid::Identity();
   camera.eye_from_bone.linear() =
       Eigen::Quaterniond(Eigen::Vector4d(direction(random).homogeneous()).normalized()).toRotationMatrix();
@@ -101,7 +101,7 @@ TEST(TileBoundsTest, WhatIsLeftOutIsNotInThePicture) {
     for (std::size_t i = 0; i < surface.indices.size() && !seen; i += 3) {
       seen = is_seen({corner(surface, i), corner(surface, i + 1), corner(surface, i + 2)}, camera);
     }
-    const bool kept = may_be_seen(tile_bounds(surface), camera);
+    const bool kept = may_be_visible(tile_bounds(surface), camera);
     ASSERT_TRUE(kept || !seen) << "trial " << trial;
     unseen += seen ? 0 : 1;
     left_out += kept ? 0 : 1;
@@ -120,10 +120,10 @@ TEST(TileBoundsTest, ASurfaceThatTurnsRoundIsNeverLeftOutForFacingAway) {
   for (const std::uint32_t index : other.indices) both.indices.push_back(offset + index);
   Camera camera;
   camera.width_px = camera.height_px = 100;
-  camera.reach_mm = 60;
+  camera.depth_range_mm = 60;
   for (const Vec3& towards : {Vec3(0, 0, 1), Vec3(0, 0, -1), Vec3(1, 0, 0)}) {
     camera.eye_from_bone.linear() = Eigen::Quaterniond::FromTwoVectors(towards, Vec3::UnitZ()).toRotationMatrix();
-    EXPECT_TRUE(may_be_seen(tile_bounds(both), camera)) << towards.transpose();
+    EXPECT_TRUE(may_be_visible(tile_bounds(both), camera)) << towards.transpose();
   }
 }
 

@@ -26,7 +26,7 @@ ViewTarget askew() {
   for (int i = 0; i < 200; ++i) {
     target.bone_mm.emplace_back(frame * Vec3(12 * std::cos(0.7 * i), 16 * std::sin(0.7 * i), -0.05 * i));
   }
-  target.reach_mm = 90;
+  target.radius_mm = 90;
   return target;
 }
 
@@ -113,7 +113,7 @@ TEST(UserCameraTest, TheLiftOfAPointIsItsStepTowardsTheViewer) {
     for (const double z : {-50.0, 0.0, 50.0}) {
       const double step = 1e-4;
       const double w = depth(z).y();
-      EXPECT_NEAR((depth(z).x() - depth(z + step).x()) / step, camera.clip_lift_per_mm() / (w * w), 1e-6);
+      EXPECT_NEAR((depth(z).x() - depth(z + step).x()) / step, camera.clip_depth_per_mm() / (w * w), 1e-6);
     }
   }
 }

@@ -137,7 +137,7 @@ TEST_F(Views, AUsersCameraSeesWhatAPinholeSees) {
 
 TEST_F(Views, FilesKeepTheirNamesWhenACameraIsDrawnAlone) {
   settings_.cameras = {CameraView::section};
-  render({.unsuffixed_camera = "oblique"});
+  render({.camera_without_suffix = "oblique"});
   EXPECT_TRUE(fs::exists(dir_.path() + "/reamed_section.png"));
   EXPECT_FALSE(fs::exists(dir_.path() + "/reamed.png"));
 }

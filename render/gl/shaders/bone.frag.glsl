@@ -5,48 +5,47 @@ out vec4 color;
 uniform sampler2D depth_colors;
 uniform float depth_max_mm;
 uniform float contour_mm;
-uniform float haze_per_mm;  // how fast bone behind a cut fades, 0 = not at all
+uniform float haze_per_mm;  // fading of bone behind a section; 0: none
 
-in float behind_mm;  // the cut plane, or 1 where there is none
+in float behind_mm;  // distance behind the cut plane; 1 without one
 
 const vec3 kSoftBone = vec3(0.55, 0.39, 0.27);
 const vec3 kDenseBone = vec3(0.80, 0.69, 0.53);
-
 const vec3 kHaze = vec3(0.66, 0.70, 0.76);
 
-// A thin line wherever the depth passes a tick of the legend.
+// A thin line where the depth passes a tick of the legend.
 float contour(float depth_mm) {
   float steps = depth_mm / contour_mm;
   float width = max(fwidth(steps) * samples_per_px, 1e-6);
   float line = abs(fract(steps - 0.5) - 0.5) / width;
-  // Not where lines would run together, nor where the floor is so flat that a line would only trace voxels.
+  // No lines where they would merge, nor on level ground, where they would trace voxels.
   float clear = (1.0 - smoothstep(0.15, 0.4, width)) * smoothstep(0.003, 0.010, width);
   return steps < 0.5 ? 0.0 : (1.0 - smoothstep(0.4, 1.3, line)) * clear;
 }
 
 void main() {
   if (!gl_FrontFacing) {
-    // Seen only through the hair's breadth between a cut face and the surface round it.
+    // Only visible through the gap between a cut face and the surrounding surface.
     color = vec4(0.12, 0.13, 0.16, 1.0);
     return;
   }
   vec3 n = normalize(normal);
-  float open = reaming.w * reaming.w;
+  float accessibility = reaming.w * reaming.w;
   float reamed = smoothstep(0.35, 0.65, reaming.y);
 
   vec3 bone = mix(kSoftBone, kDenseBone, smoothstep(0.2, 1.5, reaming.z));
-  float at = clamp(reaming.x / depth_max_mm, 0.0, 1.0);
+  float fraction = clamp(reaming.x / depth_max_mm, 0.0, 1.0);
   float texels = float(textureSize(depth_colors, 0).x);
-  vec3 map = linear_from_srgb(texture(depth_colors, vec2((at * (texels - 1.0) + 0.5) / texels, 0.5)).rgb);
+  vec3 map = linear_from_srgb(texture(depth_colors, vec2((fraction * (texels - 1.0) + 0.5) / texels, 0.5)).rgb);
   map *= 1.0 - 0.35 * contour(reaming.x);
 
-  vec3 light = sky(n) * open + kKeyColor * wrapped(n, key_direction, 0.25) * mix(0.6, 1.0, open) +
-               kFillColor * wrapped(n, kFillDirection, 0.35) * open + kRimColor * wrapped(n, kRimDirection, 0.0);
-  vec3 shine = highlight(n, key_direction, 0.48, vec3(0.04)) * kKeyColor * open * 1.6;
-  // The reamed face must be readable against the legend, so shading only models its shape.
+  vec3 light = sky(n) * accessibility + kKeyColor * wrapped(n, key_direction, 0.25) * mix(0.6, 1.0, accessibility) +
+               kFillColor * wrapped(n, kFillDirection, 0.35) * accessibility + kRimColor * wrapped(n, kRimDirection, 0.0);
+  vec3 shine = highlight(n, key_direction, 0.48, vec3(0.04)) * kKeyColor * accessibility * 1.6;
+  // Weak shading, so that the colours of the reamed face match the legend.
   vec3 even = mix(vec3(dot(light, vec3(0.3333))), vec3(1.02), 0.55);
   vec3 lit = mix(bone * light + shine, map * even + 0.3 * shine, reamed);
-  // What lies far behind a cut steps back, so that the cut face stands out.
+  // Haze far behind a section sets off the cut face.
   float haze = 0.62 * (1.0 - exp(-haze_per_mm * max(behind_mm, 0.0))) * (1.0 - reamed);
   color = vec4(srgb_from_linear(mix(lit, kHaze, haze)), 1.0);
 }

@@ -5,7 +5,7 @@ layout(location = 2) in vec4 attributes;  // depth mm, reamed 0..1, density g/cm
 
 uniform mat4 clip_from_bone;
 uniform mat4 eye_from_bone;
-uniform vec4 cut_plane;  // what has a negative value is cut away
+uniform vec4 cut_plane;  // clips points with a negative value
 
 out vec3 normal;
 out vec4 reaming;

@@ -1,4 +1,4 @@
-// Shared by every fragment shader: light in eye space (x right, y up, z towards the viewer), linear colours.
+// Shared by all fragment shaders: light in eye space (x right, y up, z towards the viewer), linear colours.
 #version 450 core
 
 uniform vec3 key_direction;  // towards the key light
@@ -19,12 +19,12 @@ vec3 srgb_from_linear(vec3 c) {
   return mix(12.92 * c, 1.055 * pow(c, vec3(1.0 / 2.4)) - 0.055, step(0.0031308, c));
 }
 
-// Light that bends a little round the edge, as it does in a material that scatters inside.
+// Wrapped diffuse light, an approximation of subsurface scattering.
 float wrapped(vec3 normal, vec3 direction, float wrap) { return max((dot(normal, direction) + wrap) / (1.0 + wrap), 0.0); }
 
 vec3 sky(vec3 normal) { return mix(kGroundColor, kSkyColor, 0.5 + 0.5 * normal.y); }
 
-// GGX highlight of a dielectric or metal of reflectance f0, seen along +z.
+// GGX highlight of reflectance f0, seen along +z.
 vec3 highlight(vec3 normal, vec3 direction, float roughness, vec3 f0) {
   vec3 view = vec3(0.0, 0.0, 1.0);
   vec3 halfway = normalize(direction + view);

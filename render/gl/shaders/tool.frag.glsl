@@ -1,19 +1,19 @@
 in vec3 normal;
-in vec3 round_axis;
+in vec3 tangent;
 in vec2 across_mm;
 out vec4 color;
 
 uniform float opacity_facing;
 uniform float opacity_edge;
 uniform int cut_open;
-uniform int brushed;  // opaque brushed steel instead of see-through
+uniform int brushed;  // opaque brushed steel instead of translucent
 
 const vec3 kSteel = vec3(0.62, 0.65, 0.69);
 const vec3 kCutSteel = vec3(0.42, 0.50, 0.60);
 
-const float kHatch_px = 18.0;  // of the finished picture
+const float kHatch_px = 18.0;  // of the output picture
 
-// What polished steel mirrors in a studio: bright ceiling panels, a dark horizon, a grey floor.
+// Environment map of a studio: bright ceiling panels, a dark horizon, a grey floor.
 vec3 studio(vec3 r) {
   float panel = smoothstep(0.30, 0.42, r.y) * (1.0 - smoothstep(0.80, 0.92, r.y));
   float strip = smoothstep(0.45, 0.55, -r.x) * (1.0 - smoothstep(0.75, 0.85, -r.x));
@@ -25,36 +25,36 @@ vec3 studio(vec3 r) {
 
 float hash(float x) { return fract(sin(x * 127.1) * 43758.5453); }
 
-// Grooves of the brush: from -1 to 1 over `x`, in steps that fade out where they are finer than a pixel.
+// Noise of the grooves, -1 to 1, which fades where it is finer than a pixel.
 float grooves(float x) {
   float cell = floor(x);
   float value = 2.0 * mix(hash(cell), hash(cell + 1.0), smoothstep(0.0, 1.0, x - cell)) - 1.0;
   return value * (1.0 - smoothstep(0.25, 0.7, fwidth(x)));
 }
 
-// Steel that was brushed while it turned: what it mirrors is smeared across the grooves.
+// Steel brushed while it rotates: reflections are spread across the grooves.
 vec3 brushed_steel(vec3 n) {
-  vec3 along = round_axis - n * dot(round_axis, n);
+  vec3 along = tangent - n * dot(tangent, n);
   along = length(along) > 1e-4 ? normalize(along) : vec3(1.0, 0.0, 0.0);
   vec3 across = cross(n, along);
-  float place = across_mm.x + across_mm.y;
-  float groove = 0.6 * grooves(7.0 * place) + 0.4 * grooves(17.0 * place);
+  float position = across_mm.x + across_mm.y;
+  float groove = 0.6 * grooves(7.0 * position) + 0.4 * grooves(17.0 * position);
   vec3 mirrored = vec3(0.0);
   for (int i = -3; i <= 3; ++i) {
     vec3 tilted = normalize(n + across * (0.085 * float(i) + 0.03 * groove));
     mirrored += studio(reflect(vec3(0.0, 0.0, -1.0), tilted));
   }
   vec3 halfway = normalize(key_direction + vec3(0.0, 0.0, 1.0));
-  float off = dot(along, halfway);
-  // Kajiya and Kay 1989: a fibre shines where the half vector is square to it.
-  float shine = pow(max(1.0 - off * off, 0.0), 40.0) * max(dot(n, key_direction), 0.0);
+  float cosine = dot(along, halfway);
+  // Kajiya and Kay 1989: a fibre has its highlight where the half vector is perpendicular to it.
+  float shine = pow(max(1.0 - cosine * cosine, 0.0), 40.0) * max(dot(n, key_direction), 0.0);
   vec3 light = mirrored / 7.0 * 0.62 + sky(n) * 0.55 + kKeyColor * wrapped(n, key_direction, 0.2) * 0.30;
   return kSteel * (light * (1.0 + 0.10 * groove) + 0.45 * shine);
 }
 
 void main() {
   if (cut_open == 1 && !gl_FrontFacing) {
-    // Inside of a solid that is cut open: what is seen is its cut.
+    // A back face of a cut solid shows the cut.
     float hatch = abs(fract((gl_FragCoord.x + gl_FragCoord.y) / (kHatch_px * samples_per_px)) - 0.5);
     color = vec4(srgb_from_linear(kCutSteel * (hatch < 0.06 ? 0.6 : 1.0)), brushed == 1 ? 1.0 : 0.55);
     return;

@@ -7,7 +7,7 @@ import { drawAxes, drawScale, legend } from "./marks.js";
 const vector = (v) => new Vector3(...v);
 const byId = (id) => document.getElementById(id);
 
-// The planes that can be cut along: `normal` points towards the viewer of the cut.
+// The section planes: `normal` points towards the viewer of the cut.
 function planesOf(look) {
   const axis = vector(look.axis);
   const front = vector(look.front);
@@ -23,7 +23,7 @@ function planesOf(look) {
 
 function viewsOf(look) {
   const views = [["Oblique", vector(look.towards_viewer)], [look.anatomical ? "En face" : "Along the axis", vector(look.outward)]];
-  // A little from lateral, so that the reamed face shows behind its cut edge.
+  // Turned slightly towards lateral so that the reamed face is visible behind the cut edge.
   const front = vector(look.front).multiplyScalar(0.96).addScaledVector(vector(look.outward), 0.28).normalize();
   views.push([look.anterior ? "Anterior" : "Front", front], [look.anatomical ? "Superior" : "Above", vector(look.superior)]);
   return views;
@@ -36,7 +36,7 @@ class BoneView {
     this.scene = new BoneScene(this.canvas, bone);
     this.controls = new OrbitControls(this.scene.camera, this.canvas);
     this.controls.target.copy(this.scene.focus);
-    this.controls.enableZoom = false;  // until the view has the focus, the wheel scrolls the page
+    this.controls.enableZoom = false;  // without focus the wheel scrolls the page
     this.controls.addEventListener("change", () => this.draw());
     this.planes = planesOf(bone.look);
     this.addViews();
@@ -44,7 +44,7 @@ class BoneView {
     this.addCuts();
     this.addKeys();
     this.showLegends();
-    this.lookFrom(vector(bone.look.towards_viewer));  // OrbitControls has looked at the origin
+    this.lookFrom(vector(bone.look.towards_viewer));  // OrbitControls has set the target to the origin
     new ResizeObserver(() => { this.scene.resize(); this.draw(); }).observe(this.canvas);
   }
 
@@ -55,7 +55,7 @@ class BoneView {
   }
 
   lookFrom(direction) {
-    // Exactly along "up" a camera does not know which way round to stand.
+    // A view direction parallel to "up" leaves the rotation of the camera undefined.
     const up = this.scene.camera.up;
     const tilted = Math.abs(direction.dot(up)) > 0.999 ? direction.clone().addScaledVector(vector(this.bone.look.outward), 0.002) : direction;
     this.scene.look(tilted.clone().normalize());
@@ -94,7 +94,7 @@ class BoneView {
     this.choosePlane();
   }
 
-  // How far the bone reaches on either side of the axis decides how far the slider goes.
+  // The extent of the bone along the normal limits the slider.
   choosePlane() {
     const plane = this.planes[byId("cut-plane").value];
     const slider = byId("cut-offset");

@@ -1,4 +1,4 @@
-// Undoes what render/report/mesh_data.cpp and markup.cpp do.
+// Decodes what render/report/mesh_data.cpp and markup.cpp encode.
 import { unzlibSync } from "fflate";
 
 export function bytesOf(base64) {
@@ -12,7 +12,7 @@ export function unpacked(base64) {
   return unzlibSync(bytesOf(base64));
 }
 
-// The `plane`th run of 16-bit numbers, from zigzag differences.
+// The `plane`th plane of 16-bit numbers, delta and zigzag encoded.
 function numbers16(bytes, plane, count) {
   const out = new Uint16Array(count);
   let value = 0;
@@ -33,7 +33,7 @@ function positions(bytes, count, [low, high]) {
   return out;
 }
 
-// `parts` planes of 8-bit differences, as the values themselves, interleaved.
+// `parts` planes of delta-encoded bytes, decoded and interleaved.
 function interleaved(bytes, from, count, parts, Type) {
   const out = new Type(parts * count);
   for (let part = 0; part < parts; ++part) {
@@ -63,7 +63,7 @@ function corners(bytes, from, count) {
   return out;
 }
 
-// A mesh: places in mm, depths, normals, what else vertices are dressed in (reamed, density, openness), corners.
+// A mesh: positions in mm, depths, normals, attributes (reamed, density, ambient accessibility), triangle indices.
 export function meshOf(packed, box) {
   const bytes = unpacked(packed.bytes);
   const count = packed.vertices;
@@ -71,7 +71,7 @@ export function meshOf(packed, box) {
     positions: positions(bytes, count, box),
     depths: numbers16(bytes, 3, count),
     normals: interleaved(bytes, 8 * count, count, 3, Int8Array),
-    dress: interleaved(bytes, 11 * count, count, 3, Uint8Array),
+    attributes: interleaved(bytes, 11 * count, count, 3, Uint8Array),
     indices: corners(bytes, 14 * count, 3 * packed.triangles),
   };
 }

@@ -1,4 +1,4 @@
-// What stands round the 3D view: directions, scale bar, legends.
+// Decorations of the 3D view: directions, scale bar, legends.
 import { Vector3 } from "three";
 
 const svg = "http://www.w3.org/2000/svg";
@@ -20,7 +20,7 @@ export function drawAxes(place, look, camera) {
     const eye = new Vector3(...direction).transformDirection(camera.matrixWorldInverse);
     const [x, y] = [34 * eye.x, -34 * eye.y];
     place.append(element("line", { x1: 0, y1: 0, x2: x, y2: y }));
-    if (Math.hypot(x, y) < 14) continue;  // seen along it: a label would sit on the others
+    if (Math.hypot(x, y) < 14) continue;  // viewed end-on: its label would overlap the others
     const away = 1 + 7 / Math.hypot(x, y);
     const anchor = Math.abs(x) < 12 ? "middle" : x > 0 ? "start" : "end";
     const below = Math.abs(x) < 12 ? (y > 0 ? 10 : -2) : 4;

@@ -1,4 +1,4 @@
-// The curves: four panels over one time axis, with one cursor.
+// The plot: four panels over one time axis, with one cursor.
 import uPlot from "uplot";
 
 // Okabe and Ito's colours, as in forces.gp.
@@ -15,7 +15,7 @@ const numberText = (v) => {
   return /^\u2212?\d{5,}$/.test(text) ? text.replace(/\B(?=(\d{3})+$)/g, "\u2009") : text;
 };
 
-// Limits with some air. Far above the mean single frames leave their panel; drawn back, the tool leaves it below.
+// Padded axis limits. Single frames far above the mean and a retracted tool are clipped.
 function limits(panel, data) {
   const values = data[panel.column];
   const most = (list) => list.reduce((a, b) => Math.max(a, b), -Infinity);
@@ -44,7 +44,7 @@ function optionsOf(panel, data, isLast, pictureTimes, onMove) {
     cursor: {
       y: false, points: { size: 7, fill: panel.color }, drag: { x: true, y: false },
       sync: { key: "run" },
-      bind: { mouseleave: () => null },  // the cursor stays where it was left
+      bind: { mouseleave: () => null },  // keeps the cursor
     },
     hooks: {
       setCursor: [(u) => { if (u.cursor.event && u.cursor.idx != null) onMove(u.cursor.idx); }],
@@ -53,7 +53,7 @@ function optionsOf(panel, data, isLast, pictureTimes, onMove) {
   };
 }
 
-// Where there are pictures: short ticks above the panel.
+// Short ticks above the panel mark pictures.
 function drawTicks(u, times) {
   const { ctx, bbox } = u;
   ctx.save();
@@ -90,7 +90,7 @@ export class Plots {
     for (const chart of this.charts) {
       if (chart.width !== width) chart.setSize({ width, height: chart.height });
     }
-    // uPlot takes the new size a little later, and the cursor's place depends on it.
+    // uPlot applies the new size asynchronously, and the cursor position depends on it.
     requestAnimationFrame(() => { if (this.row !== undefined) this.moveTo(this.row); });
   }
 

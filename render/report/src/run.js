@@ -1,4 +1,4 @@
-// Picture, readings and curves at one moment of the run.
+// Picture, readings and plot at one time of the run.
 import { Plots } from "./plot.js";
 import { bytesOf } from "./decode.js";
 
@@ -31,7 +31,7 @@ class Run {
     this.moveTo(this.rowToStartWith());
   }
 
-  // The moment of the picture with the greatest force, so that picture and readings agree.
+  // The row of the picture with the greatest force: picture and readings agree.
   rowToStartWith() {
     const force = this.plot.axial_force_n;
     return this.pictures.time_s.map((time) => this.rowAt(time)).reduce((best, row) => (force[row] > force[best] ? row : best), 0);
@@ -49,7 +49,7 @@ class Run {
     this.showPicture();
   }
 
-  // A reamer that is drawn back has no depth.
+  // A retracted reamer has no depth.
   showReading([, column, digits, unit], [value, unitCell]) {
     const number = this.plot[column][this.row];
     const lifted = column === "depth_mm" && number < 0;
@@ -110,7 +110,7 @@ class Run {
     });
   }
 
-  // Plays picture by picture, five seconds for the whole run, and only when asked to.
+  // Plays all pictures within five seconds.
   addPlay() {
     const button = byId("play");
     button.hidden = this.pictures.frames.length < 2;

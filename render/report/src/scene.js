@@ -1,4 +1,4 @@
-// The bone before and after, cut open where wanted. Draws when told to, never by itself.
+// The bone before and after reaming, with an optional section. Draws on request only.
 import {
   BackSide, BufferAttribute, BufferGeometry, Data3DTexture, DecrementWrapStencilOp, AlwaysStencilFunc, FrontSide, DoubleSide, GLSL3,
   IncrementWrapStencilOp, KeepStencilOp, LinearFilter, Mesh, NotEqualStencilFunc, OrthographicCamera, PlaneGeometry, RedFormat,
@@ -14,7 +14,7 @@ function geometryOf(packed, box) {
   const geometry = new BufferGeometry();
   geometry.setAttribute("position", new BufferAttribute(mesh.positions, 3));
   geometry.setAttribute("normal", new BufferAttribute(mesh.normals, 3, true));
-  geometry.setAttribute("dress", new BufferAttribute(mesh.dress, 3, true));
+  geometry.setAttribute("vertex_attributes", new BufferAttribute(mesh.attributes, 3, true));
   geometry.setAttribute("depth", new BufferAttribute(mesh.depths, 1, true));
   geometry.setIndex(new BufferAttribute(mesh.indices, 1));
   return geometry;
@@ -61,7 +61,7 @@ export class BoneScene {
         glslVersion: GLSL3, vertexShader: boneVertex, fragmentShader, uniforms: this.uniforms,
         defines: { DEPTH_STOPS: depth.stops.length }, ...more,
       });
-    // Where a ray meets more back faces than front faces behind the cut, the cut went through bone.
+    // Behind the cut, more back faces than front faces on a ray mean that the cut plane lies in bone there.
     const counting = (side, operation) =>
       material(countFragment, {
         side, depthWrite: false, depthTest: false, colorWrite: false, stencilWrite: true, stencilFunc: AlwaysStencilFunc,
@@ -120,7 +120,7 @@ export class BoneScene {
     }
   }
 
-  // Cuts away what lies in front of the plane: `normal` (length 1) points to what goes. null: nothing.
+  // Cuts away what lies in front of the plane: `normal` (unit length) points to the removed side. null: no section.
   cutAlong(normal, point) {
     this.cap.visible = normal !== null;
     if (normal === null) {
@@ -133,7 +133,7 @@ export class BoneScene {
     this.update();
   }
 
-  // Looks at the focus from a direction, at the first scale again.
+  // Looks at the focus from a direction and resets the zoom.
   look(towardsViewer) {
     this.camera.position.copy(this.focus).addScaledVector(towardsViewer, 2 * this.reach + 10);
     this.camera.zoom = 1;
@@ -145,7 +145,7 @@ export class BoneScene {
     const { clientWidth: width, clientHeight: height } = this.renderer.domElement;
     if (width === 0 || height === 0) return;
     this.renderer.setSize(width, height, false);
-    // The square that the pictures show stays in sight, whatever the canvas's shape.
+    // The square that the pictures show remains visible for every aspect ratio of the canvas.
     const half = 0.5 * this.height * Math.max(1, height / width);
     Object.assign(this.camera, {
       left: (-half * width) / height, right: (half * width) / height, top: half, bottom: -half, near: 0.1, far: 5 * this.reach + 20,

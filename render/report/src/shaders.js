@@ -1,4 +1,4 @@
-// The look of render/shaders, in the dialect of WebGL 2. Light in eye space; colours are linear until the end.
+// The shading of render/gl/shaders for WebGL 2. Light is in eye space; colours are linear until output.
 const common = `
 precision highp float;
 const vec3 kKeyDirection = vec3(-0.509, 0.648, 0.574);
@@ -17,21 +17,21 @@ float wrapped(vec3 normal, vec3 direction, float wrap) { return max((dot(normal,
 `;
 
 export const boneVertex = `
-in vec3 dress;  // reamed 0..1, density over 2 g/cm3, openness 0..1
+in vec3 vertex_attributes;  // reamed 0..1, density over 2 g/cm3, ambient accessibility 0..1
 in float depth;
 out vec3 eye_normal;
-out vec4 dressed;  // depth over the legend's end, then as above
+out vec4 reaming;  // depth over the legend's end, then as above
 out vec3 place_mm;
 void main() {
   place_mm = position;
-  dressed = vec4(depth, dress);
+  reaming = vec4(depth, vertex_attributes);
   eye_normal = normalMatrix * normal;
   gl_Position = projectionMatrix * modelViewMatrix * vec4(position, 1.0);
 }`;
 
 export const boneFragment = `${common}
 in vec3 eye_normal;
-in vec4 dressed;
+in vec4 reaming;
 in vec3 place_mm;
 out vec4 color;
 uniform vec4 cut;
@@ -40,8 +40,8 @@ uniform float depth_max_mm;
 uniform float contour_mm;
 uniform float shows_depth;
 
-vec3 depth_color(float share) {
-  float place = clamp(share, 0.0, 1.0) * float(DEPTH_STOPS - 1);
+vec3 depth_color(float fraction) {
+  float place = clamp(fraction, 0.0, 1.0) * float(DEPTH_STOPS - 1);
   int lower = min(int(place), DEPTH_STOPS - 2);
   return linear_from_srgb(mix(depth_stops[lower], depth_stops[lower + 1], place - float(lower)));
 }
@@ -62,16 +62,16 @@ void main() {
     color = vec4(0.12, 0.13, 0.16, 1.0);
     return;
   }
-  float open = dressed.w * dressed.w;
-  float reamed = smoothstep(0.35, 0.65, dressed.y);
-  vec3 bone = mix(vec3(0.55, 0.39, 0.27), vec3(0.80, 0.69, 0.53), smoothstep(0.1, 0.75, dressed.z));
-  vec3 light = mix(kGroundColor, kSkyColor, 0.5 + 0.5 * n.y) * open +
-               kKeyColor * wrapped(n, kKeyDirection, 0.25) * mix(0.6, 1.0, open) +
-               kFillColor * wrapped(n, kFillDirection, 0.35) * open;
+  float accessibility = reaming.w * reaming.w;
+  float reamed = smoothstep(0.35, 0.65, reaming.y);
+  vec3 bone = mix(vec3(0.55, 0.39, 0.27), vec3(0.80, 0.69, 0.53), smoothstep(0.1, 0.75, reaming.z));
+  vec3 light = mix(kGroundColor, kSkyColor, 0.5 + 0.5 * n.y) * accessibility +
+               kKeyColor * wrapped(n, kKeyDirection, 0.25) * mix(0.6, 1.0, accessibility) +
+               kFillColor * wrapped(n, kFillDirection, 0.35) * accessibility;
   float halfway = max(dot(n, normalize(kKeyDirection + vec3(0.0, 0.0, 1.0))), 0.0);
-  vec3 shine = 0.05 * pow(halfway, 24.0) * kKeyColor * open;
-  float depth_mm = dressed.x * depth_max_mm;
-  vec3 map = depth_color(dressed.x) * (1.0 - 0.35 * contour(depth_mm));
+  vec3 shine = 0.05 * pow(halfway, 24.0) * kKeyColor * accessibility;
+  float depth_mm = reaming.x * depth_max_mm;
+  vec3 map = depth_color(reaming.x) * (1.0 - 0.35 * contour(depth_mm));
   // The reamed face must be readable against the legend, so shading only models its shape.
   vec3 even = mix(vec3(dot(light, vec3(0.3333))), vec3(1.02), 0.55);
   color = vec4(srgb_from_linear(mix(bone * light + shine, map * even + 0.3 * shine, reamed * shows_depth)), 1.0);
@@ -81,7 +81,7 @@ void main() {
 export const countFragment = `
 precision highp float;
 in vec3 eye_normal;
-in vec4 dressed;
+in vec4 reaming;
 in vec3 place_mm;
 out vec4 color;
 uniform vec4 cut;
@@ -109,9 +109,9 @@ uniform vec3 size_mm;
 uniform vec3 density_stops[DENSITY_STOPS];
 uniform float top_grade;  // of the colour map's end
 void main() {
-  float share = texture(density, (place_mm - origin_mm) / size_mm).r * 255.0 / top_grade;
-  if (share == 0.0) discard;  // far from bone: where the count of faces slipped
-  float place = clamp(share, 0.0, 1.0) * float(DENSITY_STOPS - 1);
+  float fraction = texture(density, (place_mm - origin_mm) / size_mm).r * 255.0 / top_grade;
+  if (fraction == 0.0) discard;  // far from bone: where the count of faces slipped
+  float place = clamp(fraction, 0.0, 1.0) * float(DENSITY_STOPS - 1);
   int lower = min(int(place), DENSITY_STOPS - 2);
   color = vec4(mix(density_stops[lower], density_stops[lower + 1], place - float(lower)), 1.0);
 }`;

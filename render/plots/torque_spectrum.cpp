@@ -1,31 +1,27 @@
-#include "render/plots/spectrum.h"
+#include "render/plots/plots.h"
 
 #include <algorithm>
 #include <bit>
 #include <cmath>
 #include <complex>
-#include <cstdio>
 #include <numbers>
 #include <optional>
 #include <unsupported/Eigen/FFT>
 
-#include "render/plots/plots.h"
+#include "sim/base/fixed_text.h"
 
 namespace reamsim {
-
 namespace embedded {
 extern const char* const spectrum_script;
 }
-
 namespace {
 
-constexpr std::size_t kLeastTurns = 3;   // in a stretch that is worth a spectrum
-constexpr std::size_t kWindowTurns = 8;  // in a window, where there is so much
-constexpr std::size_t kMostPeaks = 4;
-constexpr double kLeastPeak = 0.25;  // of the highest
+constexpr std::size_t kMinTurns = 3;     // in contact
+constexpr std::size_t kWindowTurns = 8;  // per window, at most
+constexpr std::size_t kMaxPeaks = 4;
+constexpr double kMinPeak = 0.25;  // fraction of the highest
 
-/// First row and number of rows of the longest stretch with torque. Between two teeth there may be none, but not for a
-/// whole turn.
+/// First row and number of rows of the longest stretch with torque, without a gap of a whole revolution.
 std::pair<std::size_t, std::size_t> longest_contact(const ForceLog& log) {
   std::size_t first = 0, count = 0, begin = 0;
   std::optional<std::size_t> last;
@@ -43,7 +39,7 @@ std::pair<std::size_t, std::size_t> longest_contact(const ForceLog& log) {
   return {first, count};
 }
 
-/// The torque less its centred mean over `turn` frames; half a turn at either end is lost.
+/// The torque minus its centred mean over `turn` frames; half a revolution at each end is dropped.
 std::vector<double> without_mean(const ForceLog& log, std::size_t first, std::size_t count, std::size_t turn) {
   std::vector<double> out;
   double sum = 0;
@@ -88,14 +84,14 @@ std::vector<TorqueSpectrum::Line> welch(const std::vector<double>& values, std::
   return out;
 }
 
-/// What comes from teeth comes back with every turn, so its lines lie at multiples of the spin. Others are the
-/// raster's: tips that pass from voxel to voxel.
+/// Cutting edges are periodic with the spin, so their lines are at its multiples. Other lines are artefacts of the
+/// voxels.
 bool multiple_of_spin(double frequency_hz, double spin_hz) {
   const double order = frequency_hz / spin_hz;
   return order > 0.5 && std::abs(order - std::round(order)) < 0.1;
 }
 
-/// The highest lines at multiples of the spin.
+/// The highest lines at multiples of the spin, ascending in frequency.
 std::vector<TorqueSpectrum::Line> find_peaks(const std::vector<TorqueSpectrum::Line>& lines, double spin_hz) {
   using Line = TorqueSpectrum::Line;
   std::vector<Line> out;
@@ -104,21 +100,19 @@ std::vector<TorqueSpectrum::Line> find_peaks(const std::vector<TorqueSpectrum::L
     if (top && multiple_of_spin(lines[i].frequency_hz, spin_hz)) out.push_back(lines[i]);
   }
   std::sort(out.begin(), out.end(), [](const Line& a, const Line& b) { return a.torque_nmm > b.torque_nmm; });
-  const auto small = std::find_if(
-      out.begin(), out.end(), [&](const Line& line) { return line.torque_nmm < kLeastPeak * out.front().torque_nmm; });
-  out.resize(std::min(kMostPeaks, static_cast<std::size_t>(small - out.begin())));
-  std::sort(out.begin(), out.end(), [](const Line& a, const Line& b) { return a.frequency_hz < b.frequency_hz; });
+  if (out.size() > kMaxPeaks) out.resize(kMaxPeaks);
+  const double least_nmm = out.empty() ? 0 : kMinPeak * out.front().torque_nmm;
+  std::erase_if(out, [&](const Line& line) { return line.torque_nmm < least_nmm; });
+  std::ranges::sort(out, {}, &Line::frequency_hz);
   return out;
 }
 
 /// "25.0 Hz" and, on a line below, "6 × spin".
 std::string peak_label(double frequency_hz, double spin_hz) {
-  char text[64];
-  std::snprintf(text, sizeof text, "%.3g Hz\\n%.0f × spin", frequency_hz, std::round(frequency_hz / spin_hz));
-  return text;
+  return formatted("%.3g Hz\\n%.0f × spin", frequency_hz, std::round(frequency_hz / spin_hz));
 }
 
-/// The peaks for the script, and how far its axis goes.
+/// The peaks and the end of the axis for the script.
 std::string peaks_block(const TorqueSpectrum& spectrum) {
   double last_hz = 10 * spectrum.spin_hz;
   std::string out = "# The highest peaks: frequency (Hz), amplitude (N·mm), label\n$peaks << END\n";
@@ -144,7 +138,7 @@ TorqueSpectrum torque_spectrum(const ForceLog& log) {
   const double spin_hz = std::abs(end.pose.spin_angle_rad - begin.pose.spin_angle_rad) / (2 * std::numbers::pi) /
                          (end.time_s - begin.time_s);
   const double frames_per_turn = spin_hz > 0 ? rate_hz / spin_hz : 0;
-  if (!(frames_per_turn >= 2) || static_cast<double>(count) < (kLeastTurns + 1) * frames_per_turn) return out;
+  if (!(frames_per_turn >= 2) || static_cast<double>(count) < (kMinTurns + 1) * frames_per_turn) return out;
   const auto turn = static_cast<std::size_t>(std::lround(frames_per_turn));
   const std::vector<double> values = without_mean(log, first, count, turn);
   out.spin_hz = spin_hz;

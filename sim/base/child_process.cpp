@@ -1,0 +1,70 @@
+#include "sim/base/child_process.h"
+
+#include <fcntl.h>
+#include <spawn.h>
+#include <sys/mman.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <cstring>
+
+#include "sim/base/error.h"
+
+namespace reamsim {
+
+int spawn(ChildCommand command, pid_t& child) {
+  std::vector<char*> arguments;
+  for (std::string& argument : command.arguments) arguments.push_back(argument.data());
+  arguments.push_back(nullptr);
+  posix_spawn_file_actions_t actions;
+  posix_spawn_file_actions_init(&actions);
+  if (!command.dir.empty()) posix_spawn_file_actions_addchdir_np(&actions, command.dir.c_str());
+  const std::array streams{command.in, command.out, command.err};
+  for (int stream = STDIN_FILENO; stream <= STDERR_FILENO; ++stream) {
+    const int fd = streams[static_cast<std::size_t>(stream)];
+    if (fd >= 0) {
+      posix_spawn_file_actions_adddup2(&actions, fd, stream);
+    } else {
+      posix_spawn_file_actions_addopen(&actions, stream, "/dev/null", O_RDWR, 0);
+    }
+  }
+  posix_spawnattr_t attributes;
+  posix_spawnattr_init(&attributes);
+  if (command.own_group) posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP);
+  const int error = posix_spawnp(&child, arguments[0], &actions, &attributes, arguments.data(), environ);
+  posix_spawnattr_destroy(&attributes);
+  posix_spawn_file_actions_destroy(&actions);
+  return error;
+}
+
+int wait_for(pid_t child) {
+  int status = 0;
+  while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
+  }
+  return status;
+}
+
+bool succeeded(int status) {
+  return WIFEXITED(status) && WEXITSTATUS(status) == 0;
+}
+
+MemoryFile::MemoryFile(const std::string& purpose) : fd_(memfd_create("reamsim", MFD_CLOEXEC)) {
+  if (fd_ < 0) throw RunError("no memory for " + purpose + ": " + std::strerror(errno));
+}
+
+MemoryFile::~MemoryFile() {
+  close(fd_);
+}
+
+std::string MemoryFile::contents() const {
+  std::string text;
+  std::array<char, 4096> buffer;
+  for (ssize_t got = 0; (got = pread(fd_, buffer.data(), buffer.size(), static_cast<off_t>(text.size()))) > 0;) {
+    text.append(buffer.data(), static_cast<std::size_t>(got));
+  }
+  return text;
+}
+
+}  // namespace reamsim
