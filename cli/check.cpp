@@ -1,8 +1,8 @@
+#include <fmt/core.h>
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <cstdio>
 #include <memory>
 
 #include "cli/commands.h"
@@ -11,6 +11,7 @@
 #include "sim/base/error.h"
 #include "sim/base/mistake_list.h"
 #include "sim/base/stopwatch.h"
+#include "sim/base/text.h"
 #include "sim/plan/memory_plan.h"
 #include "sim/plan/time_plan.h"
 #include "sim/predict/contact_forecast.h"
@@ -27,25 +28,17 @@ constexpr double kTiming_s = 1;
 /// A picture of 1920 × 1080, measured on two cores; docs/formats.md says how.
 constexpr double kPicture_s = 0.4;
 
-std::string megabytes(std::size_t bytes) {
-  return std::to_string((bytes + 999'999) / 1'000'000) + " MB";
-}
-
 void note_cost(const ReamingScene& scene, Report& report) {
   const RunCost cost = estimate_cost(scene);
   const VoxelGrid& grid = scene.bone.voxmap->grid;
-  char text[256];
-  std::snprintf(text, sizeof text, "motion: %lld frames (%.3f s at %g Hz), %lld substeps",
-                static_cast<long long>(cost.frames), static_cast<double>(cost.frames) * scene.motion.frame_s(),
-                scene.motion.frame_rate_hz, static_cast<long long>(cost.substeps));
-  report.note(text);
-  std::snprintf(text, sizeof text, "bone: %d x %d x %d voxels of %g mm, %lld contain bone (%.1f mm3)", grid.dims.x(),
-                grid.dims.y(), grid.dims.z(), grid.voxel_mm, static_cast<long long>(scene.bone.view().count_bone()),
-                scene.bone.view().bone_mm3());
-  report.note(text);
-  std::snprintf(text, sizeof text, "tool: %zu shell points, spacing %g mm", scene.tool.shell.codes.size(),
-                scene.tool.shell.cell_mm);
-  report.note(text);
+  report.note(fmt::format("motion: {} frames ({:.3f} s at {:g} Hz), {} substeps", cost.frames,
+                          static_cast<double>(cost.frames) * scene.motion.frame_s(), scene.motion.frame_rate_hz,
+                          cost.substeps));
+  report.note(fmt::format("bone: {} x {} x {} voxels of {:g} mm, {} contain bone ({:.1f} mm3)", grid.dims.x(),
+                          grid.dims.y(), grid.dims.z(), grid.voxel_mm, scene.bone.view().count_bone(),
+                          scene.bone.view().bone_mm3()));
+  report.note(
+      fmt::format("tool: {} shell points, spacing {:g} mm", scene.tool.shell.codes.size(), scene.tool.shell.cell_mm));
   const MemoryPlan memory = plan_memory(scene);
   report.note("memory: " + megabytes(memory.device_bytes) + " on the device, up to " + megabytes(memory.process_bytes) +
               " in total, plus rendering");
@@ -53,7 +46,6 @@ void note_cost(const ReamingScene& scene, Report& report) {
 
 /// Reams the scene's bone. The engine's own mistakes come to light here as well.
 void note_time(ReamingScene& scene, double load_s, MistakeList& mistakes, Report& report) {
-  char text[256];
   const RenderSettings& render = scene.scenario.render;
   const std::vector<std::int64_t> frames = picture_frames(render, std::ssize(scene.motion.poses) - 1);
   const int pictures = render.enabled ? count_pictures({render}, frames) : 0;
@@ -65,13 +57,11 @@ void note_time(ReamingScene& scene, double load_s, MistakeList& mistakes, Report
     load_s += watch.seconds();
     TimePlan plan;
     if (!mistakes.attempt([&] { plan = plan_time(scene, *engine, kTiming_s); })) return;
-    std::snprintf(text, sizeof text, "time: about %.2g s for the simulation (%lld frames in %d windows timed on %s)",
-                  plan.simulate_s, static_cast<long long>(plan.timed_frames), plan.windows, engine->device().c_str());
-    report.note(text);
-    std::snprintf(text, sizeof text,
-                  "time: about %.2g s for %d pictures, rendered during and after the simulation; %.2g s to load",
-                  pictures * kPicture_s * pixels / (1920 * 1080), pictures, load_s);
-    report.note(text);
+    report.note(fmt::format("time: about {:.2g} s for the simulation ({} frames in {} windows timed on {})",
+                            plan.simulate_s, plan.timed_frames, plan.windows, engine->device()));
+    report.note(
+        fmt::format("time: about {:.2g} s for {} pictures, rendered during and after the simulation; {:.2g} s to load",
+                    pictures * kPicture_s * pixels / (1920 * 1080), pictures, load_s));
   } catch (const RunError& error) {
     report.warn(std::string("no time estimate: the engine cannot start: ") + error.what());
   }

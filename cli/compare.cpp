@@ -1,16 +1,17 @@
 #include "render/plots/compare.h"
 #include "render/plots/plots.h"
 
+#include <fmt/core.h>
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <filesystem>
 #include <memory>
 #include <set>
 
 #include "cli/commands.h"
 #include "sim/base/error.h"
+#include "sim/base/text.h"
 #include "sim/record/output_folder.h"
 #include "sim/scenario/parse.h"
 
@@ -79,18 +80,14 @@ void set_means(std::vector<ComparedRun>& runs, const std::vector<ComparedMetric>
 }
 
 std::string number(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, std::isfinite(value) ? "%.6g" : "-", value);
-  return text;
+  return std::isfinite(value) ? rounded_text(value) : "-";
 }
 
 /// "1.5 (+12.3 %)"
 std::string entry(const ComparedMetric& metric, std::size_t run) {
   const double relative = metric.relative(run);
   if (run == 0 || !std::isfinite(relative)) return number(metric.values[run]);
-  char text[32];
-  std::snprintf(text, sizeof text, " (%+.2f %%)", 100 * relative);
-  return number(metric.values[run]) + text;
+  return number(metric.values[run]) + fmt::format(" ({:+.2f} %)", 100 * relative);
 }
 
 void say_table(const Console& console, const std::vector<ComparedRun>& runs,

@@ -1,3 +1,4 @@
+#include <fmt/core.h>
 #include <CLI/CLI.hpp>
 #include <memory>
 #include <new>
@@ -60,14 +61,10 @@ void run_frames(ReamingScene& scene, Engine& engine, Recorder& recorder, Outputs
 /// Closes the run with the same figures, in the same words, as its pictures, plots, summary and report.
 void say_summary(const Console& console, const RunTotals& totals, const RunFacts& facts, double mean_mm) {
   const Headline run = totals.headline(mean_mm > 0);
-  char text[256];
-  std::snprintf(text, sizeof text, "removed %.1f mm3; %s %s mm; %s %s N, %s %s N mm; energy balance %.1e",
-                totals.removed_mm3, Headline::kDepthName, run.depth_text().c_str(), run.force_name().c_str(),
-                run.force_text().c_str(), run.torque_name().c_str(), run.torque_text().c_str(), totals.balance);
-  console.say(text);
-  std::snprintf(text, sizeof text, "%.1f s simulated in %.1f s on %s", totals.simulated_s, facts.simulate_s,
-                facts.device.c_str());
-  console.say(text);
+  console.say(fmt::format("removed {:.1f} mm3; {} {} mm; {} {} N, {} {} N mm; energy balance {:.1e}",
+                          totals.removed_mm3, Headline::kDepthName, run.depth_text(), run.force_name(),
+                          run.force_text(), run.torque_name(), run.torque_text(), totals.balance));
+  console.say(fmt::format("{:.1f} s simulated in {:.1f} s on {}", totals.simulated_s, facts.simulate_s, facts.device));
 }
 
 /// What a user should see before anything is simulated: what the bone was made of, and what the motion will do to it.

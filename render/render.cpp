@@ -1,6 +1,5 @@
+#include <fmt/core.h>
 #include <algorithm>
-#include <array>
-#include <cstdio>
 #include <filesystem>
 #include <future>
 #include <limits>
@@ -110,7 +109,7 @@ class PictureComposer {
     labels.force = captions_.arrow(row);
     labels.widest_value = widest_;
     draw_labels(frame.image, camera, labels);
-    writer_.write(dir_ + "/frames/" + numbered("%06lld", frame.frame) + suffix(frame.camera) + ".png",
+    writer_.write(fmt::format("{}/frames/{:06}{}.png", dir_, frame.frame, suffix(frame.camera)),
                   std::move(frame.image));
   }
 
@@ -139,14 +138,7 @@ class PictureComposer {
       turntable_film_->add(page);
       if (frame.camera + 1 == schedule_.turntable.size()) turntable_film_->finish();
     }
-    writer_.write(dir_ + "/turntable/" + numbered("%03lld", static_cast<std::int64_t>(frame.camera)) + ".png",
-                  std::move(frame.image));
-  }
-
-  [[nodiscard]] static std::string numbered(const char* format, std::int64_t number) {
-    std::array<char, 32> text;
-    std::snprintf(text.data(), text.size(), format, static_cast<long long>(number));
-    return text.data();
+    writer_.write(fmt::format("{}/turntable/{:03}.png", dir_, frame.camera), std::move(frame.image));
   }
 
   [[nodiscard]] std::string film_path(const std::string& name) const {

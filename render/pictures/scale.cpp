@@ -1,9 +1,8 @@
 #include "render/pictures/scale.h"
 
+#include <fmt/core.h>
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstdio>
 
 namespace reamsim {
 namespace {
@@ -33,9 +32,7 @@ int Scale::ticks() const {
 
 std::string Scale::label(int tick) const {
   const int decimals = std::clamp(static_cast<int>(std::ceil(-std::log10(step) - kSlack)), 0, 6);
-  std::array<char, 64> text;
-  std::snprintf(text.data(), text.size(), "%.*f", decimals, tick * step);
-  return text.data();
+  return fmt::format("{:.{}f}", tick * step, decimals);
 }
 
 Scale scale_up_to(double max) {

@@ -1,9 +1,9 @@
 #include "render/pictures/figures.h"
 
+#include <fmt/core.h>
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 
 #include "render/pictures/canvas.h"
 #include "render/pictures/scale.h"
@@ -150,11 +150,9 @@ void letter(const Canvas& canvas, const Panel& panel) {
 
 std::string legend_of(const Segmentation& segmentation) {
   const Vec3& p = segmentation.planes_through_mm;
-  char text[200];
-  std::snprintf(text, sizeof text, "outline: segmented bone (%s); ring: %s, LPS (%.1f, %.1f, %.1f) mm",
-                segmentation.method == "label_map" ? "label map" : "threshold",
-                segmentation.by_seed ? "the seed" : "where the planes meet", p.x(), p.y(), p.z());
-  return text;
+  return fmt::format("outline: segmented bone ({}); ring: {}, LPS ({:.1f}, {:.1f}, {:.1f}) mm",
+                     segmentation.method == "label_map" ? "label map" : "threshold",
+                     segmentation.by_seed ? "the seed" : "where the planes meet", p.x(), p.y(), p.z());
 }
 
 void draw_foot(const Canvas& canvas, const Panel& panel, const std::string& legend, int height_px) {
@@ -163,9 +161,7 @@ void draw_foot(const Canvas& canvas, const Panel& panel, const std::string& lege
   canvas.ink(kInk);
   cairo_rectangle(canvas.get(), kGap_px, y, bar_px, 4);
   cairo_fill(canvas.get());
-  char text[32];
-  std::snprintf(text, sizeof text, "%g mm", bar_mm);
-  const TextLine length(canvas, text, kText_px);
+  const TextLine length(canvas, fmt::format("{:g} mm", bar_mm), kText_px);
   length.draw(kGap_px + bar_px + 12, y + 2 - 0.5 * length.height);
   const TextLine words(canvas, legend, kText_px);
   words.draw(kWidth_px - kGap_px - words.width, y + 2 - 0.5 * words.height);

@@ -9,6 +9,7 @@
 
 #include "render/plots/plots.h"
 #include "sim/base/error.h"
+#include "sim/base/text.h"
 #include "sim/record/force_log.h"
 
 namespace reamsim {

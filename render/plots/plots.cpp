@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
@@ -85,12 +84,6 @@ void write_text_file(const std::string& path, const std::string& text) {
   out << text;
   out.close();
   if (!out) throw RunError(path + ": cannot be written; is the disk full or the folder read-only?");
-}
-
-std::string shortest_text(double value) {
-  std::array<char, 32> text;
-  const auto end = std::to_chars(text.data(), text.data() + text.size(), value).ptr;
-  return {text.data(), end};
 }
 
 void draw_plot(const std::string& dir, const std::string& name, const std::string& data, const char* script) {

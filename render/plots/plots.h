@@ -41,9 +41,6 @@ void write_text_file(const std::string& path, const std::string& text);
 /// Writes `text` to DIR/plots/`name`; the folder is made where it is missing. Throws RunError.
 void write_plot_data(const std::string& dir, const std::string& name, const std::string& text);
 
-/// The shortest text that reads back as the same number.
-std::string shortest_text(double value);
-
 /// `text` as a string of gnuplot: in single quotes, within which gnuplot expands nothing. Double quotes would run what
 /// stands between backticks as a command. Control characters become spaces.
 std::string gnuplot_string(const std::string& text);

@@ -2,6 +2,7 @@
 #include <string>
 
 #include "render/plots/plots.h"
+#include "sim/base/text.h"
 
 namespace reamsim {
 

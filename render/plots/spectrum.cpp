@@ -1,15 +1,16 @@
 #include "render/plots/spectrum.h"
 
+#include <fmt/core.h>
 #include <algorithm>
 #include <bit>
 #include <cmath>
 #include <complex>
-#include <cstdio>
 #include <numbers>
 #include <optional>
 #include <unsupported/Eigen/FFT>
 
 #include "render/plots/plots.h"
+#include "sim/base/text.h"
 
 namespace reamsim {
 
@@ -113,9 +114,7 @@ std::vector<TorqueSpectrum::Line> find_peaks(const std::vector<TorqueSpectrum::L
 
 /// "25.0 Hz" and, on a line below, "6 × spin".
 std::string peak_label(double frequency_hz, double spin_hz) {
-  char text[64];
-  std::snprintf(text, sizeof text, "%.3g Hz\\n%.0f × spin", frequency_hz, std::round(frequency_hz / spin_hz));
-  return text;
+  return fmt::format("{:.3g} Hz\\n{:.0f} × spin", frequency_hz, std::round(frequency_hz / spin_hz));
 }
 
 /// The peaks for the script, and how far its axis goes.

@@ -1,10 +1,9 @@
 #include "render/report/markup.h"
 
+#include <fmt/core.h>
 #include <openssl/evp.h>
 #include <zlib.h>
 
-#include <array>
-#include <cstdio>
 #include <cstdlib>
 #include <fstream>
 #include <sstream>
@@ -79,9 +78,7 @@ std::string json_for_script(const nlohmann::ordered_json& json) {
 }
 
 double short_number(double value) {
-  std::array<char, 32> text;
-  std::snprintf(text.data(), text.size(), "%.6g", value);
-  return std::strtod(text.data(), nullptr);
+  return std::strtod(fmt::format("{:.6g}", value).c_str(), nullptr);
 }
 
 std::string fill_page(std::string_view page, const std::map<std::string, std::string>& texts) {

@@ -1,7 +1,7 @@
 #include "render/report/report.h"
 
+#include <fmt/core.h>
 #include <algorithm>
-#include <array>
 #include <filesystem>
 #include <map>
 #include <vector>
@@ -78,9 +78,7 @@ std::string pictures_html(const std::string& dir, const std::string& first_camer
 }
 
 std::string frame_path(const std::string& dir, std::int64_t frame, const std::string& suffix) {
-  std::array<char, 32> name;
-  std::snprintf(name.data(), name.size(), "%06lld", static_cast<long long>(frame));
-  return dir + "/frames/" + name.data() + suffix + ".png";
+  return fmt::format("{}/frames/{:06}{}.png", dir, frame, suffix);
 }
 
 /// The pictures along the run: `frames` and `time_s` of those shown, and for each camera that has a picture of all of

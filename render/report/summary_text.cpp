@@ -1,9 +1,9 @@
 #include "render/report/summary_text.h"
 
+#include <fmt/core.h>
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <optional>
 #include <span>
 
@@ -177,19 +177,16 @@ std::string text_at(const Json& summary, const char* key, const std::string& pat
 std::string number_text(double value, int digits) {
   if (value == 0) return "0";
   if (!std::isfinite(value)) return "–";
-  std::array<char, 64> text;
-  std::snprintf(text.data(), text.size(), "%.*e", digits - 1, value);
-  const int exponent = std::stoi(std::string(text.data()).substr(std::string_view(text.data()).find('e') + 1));
+  const std::string text = fmt::format("{:.{}e}", value, digits - 1);
+  const int exponent = std::stoi(text.substr(text.find('e') + 1));
   std::string out;
   if (exponent < -4) {
-    std::snprintf(text.data(), text.size(), "%.1f", value / std::pow(10.0, exponent));
-    out = std::string(text.data()) + " × 10" + raised(exponent);
+    out = fmt::format("{:.1f} × 10", value / std::pow(10.0, exponent)) + raised(exponent);
   } else {
     // 0.25 stays 0.25, but 28.996 becomes 29.00: there the zeros say something.
     int decimals = std::max(0, digits - 1 - exponent);
     while (decimals > 0 && std::abs(value - rounded(value, decimals - 1)) < 1e-9 * std::abs(value)) --decimals;
-    std::snprintf(text.data(), text.size(), "%.*f", decimals, value);
-    out = with_thousands(text.data());
+    out = with_thousands(fmt::format("{:.{}f}", value, decimals));
   }
   if (out.front() == '-') out.replace(0, 1, "−");
   return out;

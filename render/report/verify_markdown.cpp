@@ -1,5 +1,5 @@
+#include <fmt/core.h>
 #include <cmath>
-#include <cstdio>
 
 #include "render/report/verify_report.h"
 
@@ -12,12 +12,6 @@ using verify::Check;
 using verify::Findings;
 using verify::Ladder;
 using verify::Measure;
-
-std::string number(const char* pattern, double value) {
-  char text[64];
-  std::snprintf(text, sizeof text, pattern, value);
-  return text;
-}
 
 std::string row(const std::vector<std::string>& cells) {
   std::string out = "|";
@@ -37,7 +31,7 @@ std::string with_unit(const std::string& quantity, const std::string& unit) {
 
 /// A relative error as a percentage; one that has a sign with its sign.
 std::string percent(double share, bool has_sign = true) {
-  return number(has_sign ? "%+.2g" : "%.2g", 100 * share) + " %";
+  return fmt::format(has_sign ? "{:+.2g} %" : "{:.2g} %", 100 * share);
 }
 
 std::string error_text(const verify::Level& level) {
@@ -48,24 +42,24 @@ std::string error_text(const verify::Level& level) {
 std::string expected_text(const Check& check) {
   switch (check.measure) {
     case Measure::at_least:
-      return "≥ " + number("%.6g", check.expected);
+      return "≥ " + fmt::format("{:.6g}", check.expected);
     case Measure::at_most:
-      return "≤ " + number("%.6g", check.expected);
+      return "≤ " + fmt::format("{:.6g}", check.expected);
     case Measure::reported:
       return "–";
     default:
-      return number("%.8g", check.expected);
+      return fmt::format("{:.8g}", check.expected);
   }
 }
 
 std::string error_text(const Check& check) {
   if (check.measure == Measure::relative) return percent(check.error());
-  return check.measure == Measure::absolute ? number("%.2g", check.error()) : "–";
+  return check.measure == Measure::absolute ? fmt::format("{:.2g}", check.error()) : "–";
 }
 
 std::string tolerance_text(const Check& check) {
-  if (check.measure == Measure::relative) return "±" + number("%.2g", 100 * check.tolerance) + " %";
-  return check.measure == Measure::absolute ? "±" + number("%.2g", check.tolerance) : "–";
+  if (check.measure == Measure::relative) return "±" + fmt::format("{:.2g}", 100 * check.tolerance) + " %";
+  return check.measure == Measure::absolute ? "±" + fmt::format("{:.2g}", check.tolerance) : "–";
 }
 
 std::string verdict(const Check& check) {
@@ -77,27 +71,27 @@ std::string checks_table(const CaseFindings& findings) {
   std::string out =
       head({"figure", "closed form or limit", "result", "error", "tolerance", "", "reason for the tolerance"});
   for (const Check& check : findings.checks) {
-    out += row({with_unit(check.quantity, check.unit), expected_text(check), number("%.8g", check.found),
+    out += row({with_unit(check.quantity, check.unit), expected_text(check), fmt::format("{:.8g}", check.found),
                 error_text(check), tolerance_text(check), verdict(check), check.reason});
   }
   return out + "\n";
 }
 
 std::string order_text(const std::optional<double>& order) {
-  return order ? number("%.2f", *order) : "none";
+  return order ? fmt::format("{:.2f}", *order) : "none";
 }
 
 std::string ladder_table(const Ladder& ladder) {
   std::string out = head({ladder.step, with_unit(ladder.quantity, ladder.unit), "closed form", "error", "runs"});
   for (const verify::Level& level : ladder.levels) {
-    out +=
-        row({number("%g", level.step), number("%.8g", level.found),
-             ladder.expected ? number("%.8g", *ladder.expected) : "–", error_text(level), std::to_string(level.runs)});
+    out += row({fmt::format("{:g}", level.step), fmt::format("{:.8g}", level.found),
+                ladder.expected ? fmt::format("{:.8g}", *ladder.expected) : "–", error_text(level),
+                std::to_string(level.runs)});
   }
   out += "\nOrder of the error: " + order_text(ladder.order) +
          "; order from three levels alone: " + order_text(ladder.index.order) + "; grid convergence index " +
-         number("%.2g", 100 * ladder.index.share) + " % (safety factor " + number("%.2f", ladder.index.safety_factor) +
-         ").\n\n";
+         fmt::format("{:.2g}", 100 * ladder.index.share) + " % (safety factor " +
+         fmt::format("{:.2f}", ladder.index.safety_factor) + ").\n\n";
   return out;
 }
 
@@ -118,7 +112,7 @@ std::string verification_markdown(const Findings& findings) {
   std::string out = "# Verification of reamsim " REAMSIM_VERSION "\n\n";
   out += std::string(findings.quick ? "Quick" : "Full") + " suite on " + findings.device + ", erosion `exact`: " +
          (findings.passed() ? "all cases passed" : std::to_string(findings.failed_checks()) + " figures FAILED") +
-         ". Took " + number("%.0f", findings.seconds) + " s.\n\n" + summary_table(findings);
+         ". Took " + fmt::format("{:.0f}", findings.seconds) + " s.\n\n" + summary_table(findings);
   out +=
       "Errors are relative to the closed form unless they have a unit. The order of an error is its slope over the "
       "step size, both logarithmic, by least squares; it is \"none\" where the error is rounding. The order from three "

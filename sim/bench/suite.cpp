@@ -1,8 +1,8 @@
 #include "sim/bench/suite.h"
 
+#include <fmt/core.h>
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <map>
 #include <optional>
 
@@ -153,13 +153,11 @@ std::string find_depths(int voxmap, int shell) {
   const auto points = static_cast<double>(tool.shell.codes.size());
   std::string out;
   for (const Approach& approach : kApproaches) {
-    char line[128];
     const auto depth = [&](Contact contact) {
       return find_depth(bone, tool, approach, wanted_points(contact, points));
     };
-    std::snprintf(line, sizeof line, "{%.4f, %.4f, %.4f}\n", depth(Contact::severe), depth(Contact::light),
-                  depth(Contact::none));
-    out += line;
+    out += fmt::format("{{{:.4f}, {:.4f}, {:.4f}}}\n", depth(Contact::severe), depth(Contact::light),
+                       depth(Contact::none));
   }
   return out;
 }

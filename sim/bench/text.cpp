@@ -1,3 +1,4 @@
+#include <fmt/core.h>
 #include <algorithm>
 #include <set>
 
@@ -18,12 +19,12 @@ std::string cube(int side) {
 }
 
 /// "measured (paper)" in the paper's unit.
-std::string beside(const std::string& measured, std::optional<double> paper, const char* pattern) {
-  return measured + " (" + (paper ? format(pattern, *paper) : "–") + ")";
+std::string beside(const std::string& measured, std::optional<double> paper, fmt::format_string<double&> pattern) {
+  return measured + " (" + (paper ? fmt::format(pattern, *paper) : "–") + ")";
 }
 
 std::string range(const Spread& ms) {
-  return format("%.3f", ms.min) + " – " + format("%.3f", ms.max);
+  return fmt::format("{:.3f}", ms.min) + " – " + fmt::format("{:.3f}", ms.max);
 }
 
 /// The labels of the case rows, in their order.
@@ -59,8 +60,8 @@ std::string severe_table(const Findings& findings, const Label& who) {
     for (const int shell : shells) {
       if (no_shell && shell != shells.back()) continue;
       const CaseRow* row = findings.find(who, voxmap, shell, "severe");
-      cells.push_back(beside(row != nullptr ? format("%.2f", row->ms.median) : "–",
-                             paper_ms(who.engine.c_str(), voxmap, shell), "%.2f"));
+      cells.push_back(beside(row != nullptr ? fmt::format("{:.2f}", row->ms.median) : "–",
+                             paper_ms(who.engine.c_str(), voxmap, shell), "{:.2f}"));
     }
     table.add(cells);
   }
@@ -74,8 +75,9 @@ std::string cases_table(const Findings& findings) {
              "published direct / this"});
   for (const CaseRow& row : findings.cases) {
     table.add({name(row.at.who), cube(row.at.voxmap), cube(row.at.shell), row.at.contact,
-               row.contacts ? format("%.0f", *row.contacts) : "–", format("%.3f", row.ms.median), range(row.ms),
-               format("%.3f", row.kernel_ms), row.ratio_to_direct ? format("%.2f", *row.ratio_to_direct) : "–"});
+               row.contacts ? fmt::format("{:.0f}", *row.contacts) : "–", fmt::format("{:.3f}", row.ms.median),
+               range(row.ms), fmt::format("{:.3f}", row.kernel_ms),
+               row.ratio_to_direct ? fmt::format("{:.2f}", *row.ratio_to_direct) : "–"});
   }
   return table.empty() ? ""
                        : table.text("Every case: a frame alone, broad phase to results read; plunge in batches of 32");
@@ -85,14 +87,16 @@ std::string phases_table(const Findings& findings) {
   const PaperPhases paper;
   TextTable table;
   table.add({"both at the largest, severe, µs", "OBB–OBB", "VOI", "to device", "kernels", "rest, read-back", "total"});
-  table.add({"the paper", format("%.2f", paper.obb), format("%.2f", paper.voi), format("%.1f", paper.upload),
-             format("%.1f", paper.kernel), format("%.1f", paper.read), format("%.1f", paper.total)});
+  table.add({"the paper", fmt::format("{:.2f}", paper.obb), fmt::format("{:.2f}", paper.voi),
+             fmt::format("{:.1f}", paper.upload), fmt::format("{:.1f}", paper.kernel),
+             fmt::format("{:.1f}", paper.read), fmt::format("{:.1f}", paper.total)});
   if (findings.phases.empty()) return "";
   const Place& last = findings.phases.back().at;
   for (const PhaseRow& row : findings.phases) {
     if (row.at.voxmap != last.voxmap || row.at.shell != last.shell) continue;
-    table.add({name(row.at.who), format("%.2f", row.obb), format("%.2f", row.voi), format("%.1f", row.upload),
-               format("%.1f", row.kernel), format("%.1f", row.read), format("%.1f", row.total)});
+    table.add({name(row.at.who), fmt::format("{:.2f}", row.obb), fmt::format("{:.2f}", row.voi),
+               fmt::format("{:.1f}", row.upload), fmt::format("{:.1f}", row.kernel), fmt::format("{:.1f}", row.read),
+               fmt::format("{:.1f}", row.total)});
   }
   return table.text("Phases (Table 2)");
 }
@@ -114,11 +118,12 @@ std::string memory_table(const Findings& findings) {
     const bool new_shell = shown.insert({row.engine, -row.shell}).second;
     if (!new_voxmap && !new_shell) continue;
     table.add({row.engine, new_voxmap ? cube(row.voxmap) : "",
-               new_voxmap
-                   ? beside(format("%.2f", row.voxmap_mb), paper_mb(kPaperVoxmapMb, row.voxmap, row.engine), "%.2f")
-                   : "",
+               new_voxmap ? beside(fmt::format("{:.2f}", row.voxmap_mb),
+                                   paper_mb(kPaperVoxmapMb, row.voxmap, row.engine), "{:.2f}")
+                          : "",
                new_shell ? cube(row.shell) : "",
-               new_shell ? beside(format("%.2f", row.shell_mb), paper_mb(kPaperShellMb, row.shell, row.engine), "%.2f")
+               new_shell ? beside(fmt::format("{:.2f}", row.shell_mb), paper_mb(kPaperShellMb, row.shell, row.engine),
+                                  "{:.2f}")
                          : ""});
   }
   return table.empty() ? "" : table.text("Memory on the device, MB = 10⁶ bytes (Table 4)");
@@ -128,9 +133,9 @@ std::string voi_table(const Findings& findings) {
   TextTable table;
   table.add({"VOI / tool's box", "engine", "contacts", "with VOI ms", "without ms", "saved"});
   for (const VoiRow& row : findings.voi) {
-    table.add({format("%.0f %%", 100 * row.fraction), name(row.who), format("%.0f", row.contacts),
-               format("%.3f", row.with_ms.median), format("%.3f", row.without_ms.median),
-               format("%.0f %%", 100 * (1 - row.with_ms.median / row.without_ms.median))});
+    table.add({fmt::format("{:.0f} %", 100 * row.fraction), name(row.who), fmt::format("{:.0f}", row.contacts),
+               fmt::format("{:.3f}", row.with_ms.median), fmt::format("{:.3f}", row.without_ms.median),
+               fmt::format("{:.0f} %", 100 * (1 - row.with_ms.median / row.without_ms.median))});
   }
   return table.empty() ? "" : table.text("VOI (Fig. 8; the paper saves almost 50 % in glenoid reaming)");
 }
@@ -139,8 +144,8 @@ std::string batches_table(const Findings& findings) {
   TextTable table;
   table.add({"engine", "case", "frames at once", "ms per frame", "min – max"});
   for (const BatchRow& row : findings.batches) {
-    table.add(
-        {name(row.at.who), row.at.contact, std::to_string(row.batch), format("%.3f", row.ms.median), range(row.ms)});
+    table.add({name(row.at.who), row.at.contact, std::to_string(row.batch), fmt::format("{:.3f}", row.ms.median),
+               range(row.ms)});
   }
   return table.empty() ? "" : table.text("Frames enqueued together");
 }
@@ -150,11 +155,11 @@ std::string scatter_table(const Findings& findings) {
   table.add(
       {"engine", "voxmap", "points", "in voxels", "counted", "min – max", "contacts ±", "force ±", "component ±"});
   for (const ScatterRow& row : findings.scatter) {
-    table.add({name(row.at.who), cube(row.at.voxmap), format("%.0f", row.points),
-               row.voxels ? format("%.0f", *row.voxels) : "–", format("%.0f", row.contacts.median),
-               format("%.0f", row.contacts.min) + " – " + format("%.0f", row.contacts.max),
-               format("%.3f %%", 100 * row.contacts_spread), format("%.3f %%", 100 * row.force_spread),
-               format("%.3f %%", 100 * row.component_spread)});
+    table.add({name(row.at.who), cube(row.at.voxmap), fmt::format("{:.0f}", row.points),
+               row.voxels ? fmt::format("{:.0f}", *row.voxels) : "–", fmt::format("{:.0f}", row.contacts.median),
+               fmt::format("{:.0f}", row.contacts.min) + " – " + fmt::format("{:.0f}", row.contacts.max),
+               fmt::format("{:.3f} %", 100 * row.contacts_spread), fmt::format("{:.3f} %", 100 * row.force_spread),
+               fmt::format("{:.3f} %", 100 * row.component_spread)});
   }
   return table.empty() ? "" : table.text("Effect of races: one severe frame repeated (± standard deviation)");
 }
@@ -163,8 +168,9 @@ std::string spheres_table(const Findings& findings) {
   TextTable table;
   table.add({"engine", "erosion", "voxel mm", "ms per frame", "min – max", "removed mm³", "volume error"});
   for (const SphereRow& row : findings.spheres) {
-    table.add({row.engine, name_of(row.erosion), format("%g", row.voxel_mm), format("%.4f", row.ms.median),
-               range(row.ms), format("%.1f", row.removed_mm3), format("%+.3f %%", 100 * row.volume_error)});
+    table.add({row.engine, name_of(row.erosion), fmt::format("{:g}", row.voxel_mm),
+               fmt::format("{:.4f}", row.ms.median), range(row.ms), fmt::format("{:.1f}", row.removed_mm3),
+               fmt::format("{:+.3f} %", 100 * row.volume_error)});
   }
   return table.empty()
              ? ""
@@ -205,7 +211,7 @@ std::string text_of(const Findings& findings) {
   for (const Label& who : labels_of(findings)) out += severe_table(findings, who);
   out += phases_table(findings) + memory_table(findings) + voi_table(findings) + batches_table(findings) +
          scatter_table(findings) + spheres_table(findings) + cases_table(findings) + skipped_list(findings);
-  return out + format("took %.0f s\n", findings.seconds);
+  return out + fmt::format("took {:.0f} s\n", findings.seconds);
 }
 
 }  // namespace reamsim::bench

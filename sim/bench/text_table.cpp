@@ -1,7 +1,6 @@
 #include "sim/bench/text_table.h"
 
 #include <algorithm>
-#include <cstdio>
 
 namespace reamsim::bench {
 
@@ -36,12 +35,6 @@ std::string TextTable::text(const std::string& title) const {
     out += "  " + std::string(all - 2, '-') + "\n";
   }
   return out + "\n";
-}
-
-std::string format(const char* pattern, double value) {
-  char text[64];
-  std::snprintf(text, sizeof text, pattern, value);
-  return text;
 }
 
 }  // namespace reamsim::bench

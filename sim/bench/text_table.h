@@ -17,7 +17,4 @@ class TextTable {
   std::vector<std::vector<std::string>> rows_;
 };
 
-/// printf of one number.
-std::string format(const char* pattern, double value);
-
 }  // namespace reamsim::bench

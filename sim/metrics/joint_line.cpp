@@ -1,8 +1,8 @@
 #include "sim/metrics/joint_line.h"
 
+#include <fmt/core.h>
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <numbers>
 
 namespace reamsim {
@@ -12,12 +12,6 @@ namespace {
 constexpr const char* kNoRim =
     "the rim of the face is unknown: set bone.glenoid.rim_mm (glenoid and cup phantoms have their own)";
 
-std::string text_of(const char* format, double value) {
-  char text[200];
-  std::snprintf(text, sizeof text, format, value);
-  return text;
-}
-
 /// A native face rougher than this is no sphere: mm, or a voxel where that is more. A reamed one: a voxel.
 constexpr double kRoughest_mm = 0.5;
 
@@ -25,12 +19,12 @@ constexpr double kRoughest_mm = 0.5;
 std::string fault_of(const std::optional<FaceSurface>& surface, double roughest_mm) {
   if (!surface) return "the face is too small for a fit";
   if (surface->fitted_fraction < kLeastFittedFraction) {
-    return text_of("the face is not a single sphere or plane: only %.0f %% of it lies on the best fit",
-                   100 * surface->fitted_fraction);
+    return fmt::format("the face is not a single sphere or plane: only {:.0f} % of it lies on the best fit",
+                       100 * surface->fitted_fraction);
   }
   if (surface->rms_mm > roughest_mm) {
-    return text_of("the face is not a single sphere or plane: the best fit leaves a residual of %.2f mm",
-                   surface->rms_mm);
+    return fmt::format("the face is not a single sphere or plane: the best fit leaves a residual of {:.2f} mm",
+                       surface->rms_mm);
   }
   return "";
 }
@@ -42,8 +36,9 @@ Measured<FaceAxis> checked(const std::optional<FaceAxis>& axis) {
                 "the sphere fitted to the face is too small: its radius does not exceed its distance from the centre "
                 "of the face"};
   if (!(axis->error_deg <= kMostAxisError_deg)) {
-    return {.value = {},
-            .reason = text_of("the face is too small or too rough: the standard error of its axis is %.1f degrees",
+    return {
+        .value = {},
+        .reason = fmt::format("the face is too small or too rough: the standard error of its axis is {:.1f} degrees",
                               axis->error_deg)};
   }
   return {.value = axis, .reason = ""};

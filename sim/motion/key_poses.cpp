@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "sim/base/error.h"
-#include "sim/motion/rounded_text.h"
+#include "sim/base/text.h"
 
 namespace reamsim {
 

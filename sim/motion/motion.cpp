@@ -6,9 +6,9 @@
 #include <string>
 
 #include "sim/base/error.h"
+#include "sim/base/text.h"
 #include "sim/motion/key_poses.h"
 #include "sim/motion/pose_csv.h"
-#include "sim/motion/rounded_text.h"
 
 namespace reamsim {
 

@@ -10,7 +10,7 @@
 #include <string_view>
 
 #include "sim/base/error.h"
-#include "sim/motion/rounded_text.h"
+#include "sim/base/text.h"
 
 namespace reamsim {
 

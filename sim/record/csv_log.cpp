@@ -1,9 +1,9 @@
 #include "sim/record/csv_log.h"
 
-#include <charconv>
 #include <cmath>
 
 #include "sim/base/error.h"
+#include "sim/base/text.h"
 
 namespace reamsim {
 
@@ -14,15 +14,13 @@ CsvLog::CsvLog(const std::string& path, const std::string& header) : path_(path)
 
 void CsvLog::row(std::initializer_list<double> values) {
   std::string line;
-  char digits[32];
   bool first = true;
   for (const double value : values) {
     if (!first) line += ',';
     first = false;
     if (std::isnan(value)) continue;
     // −0 and 0 are the same number to a reader.
-    const auto end = std::to_chars(digits, digits + sizeof digits, value == 0 ? 0.0 : value).ptr;
-    line.append(digits, end);
+    line += shortest_text(value == 0 ? 0.0 : value);
   }
   out_ << line << '\n';
   check();

@@ -1,6 +1,6 @@
 #include "sim/record/headline.h"
 
-#include "sim/base/fixed_text.h"
+#include "sim/base/text.h"
 
 namespace reamsim {
 

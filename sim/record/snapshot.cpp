@@ -1,10 +1,10 @@
 #include "sim/record/snapshot.h"
 
+#include <fmt/core.h>
 #include <openvdb/openvdb.h>
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <filesystem>
 
 #include "sim/base/error.h"
@@ -18,9 +18,7 @@ namespace {
 namespace fs = std::filesystem;
 
 std::string snapshot_path(const std::string& dir, std::int64_t frame) {
-  char name[32];
-  std::snprintf(name, sizeof name, "%06lld.vdb", static_cast<long long>(frame));
-  return dir + "/snapshots/" + name;
+  return fmt::format("{}/snapshots/{:06}.vdb", dir, frame);
 }
 
 /// Every voxel of a stored brick, whole ones included, so that a leaf states the whole brick.

@@ -3,11 +3,11 @@
 #include <zlib.h>
 
 #include <algorithm>
-#include <charconv>
 #include <fstream>
 #include <vector>
 
 #include "sim/base/error.h"
+#include "sim/base/text.h"
 
 namespace reamsim {
 
@@ -16,19 +16,14 @@ namespace {
 // Debian's VTK would bring Qt and MPI along; the format is an XML header and zlib blocks.
 constexpr std::size_t kBlockVoxels = 1 << 18;
 
-std::string number(double value) {
-  char digits[32];
-  return {digits, std::to_chars(digits, digits + sizeof digits, value).ptr};
-}
-
 std::string header(const VoxelGrid& grid) {
   const Vec3 first = grid.center_mm(0, 0, 0);
   std::string extent, origin, spacing;
   for (int i = 0; i < 3; ++i) {
     const char* space = i < 2 ? " " : "";
     extent += "0 " + std::to_string(grid.dims[i] - 1) + space;
-    origin += number(first[i]) + space;
-    spacing += number(grid.voxel_mm) + space;
+    origin += shortest_text(first[i]) + space;
+    spacing += shortest_text(grid.voxel_mm) + space;
   }
   return "<?xml version=\"1.0\"?>\n"
          "<VTKFile type=\"ImageData\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\" "

@@ -1,6 +1,6 @@
 // What does not depend on the bone's density, and what a face only half over bone feels.
+#include <fmt/core.h>
 #include <cmath>
-#include <cstdio>
 #include <numbers>
 
 #include "sim/verify/case_parts.h"
@@ -38,9 +38,7 @@ std::vector<SteadyPlunge> ratio_plunges(bool quick) {
 }
 
 std::string with_density(const SteadyPlunge& plunge) {
-  char text[32];
-  std::snprintf(text, sizeof text, ", %g g/cm³", plunge.density_g_cm3);
-  return text_of(plunge) + text;
+  return text_of(plunge) + fmt::format(", {:g} g/cm³", plunge.density_g_cm3);
 }
 
 double measured_ratio_mm(const PlungeRun& run, const Setting& setting) {
@@ -78,9 +76,7 @@ constexpr HalfLoad kHalfLoads[] = {
 
 /// The loads of one half face against the closed forms.
 std::vector<Check> half_checks(const PlungeRun& run, const Setting& setting) {
-  char text[64];
-  std::snprintf(text, sizeof text, ", e at %g°", *run.half_toward_deg);
-  const std::string where = text_of(run.plunge) + text;
+  const std::string where = text_of(run.plunge) + fmt::format(", e at {:g}°", *run.half_toward_deg);
   setting.progress("half face, " + where);
   const HalfFaceLoads expected = run.plunge.half_face(), found = measured_half(run, setting);
   std::vector<Check> out;

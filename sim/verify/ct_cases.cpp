@@ -1,4 +1,5 @@
 // Bone from a CT: what the scan's voxels mix at the bone's surface must not show in energy or force, at any voxel size.
+#include <fmt/core.h>
 #include <cmath>
 #include <numbers>
 
@@ -70,9 +71,7 @@ struct Worst {
 };
 
 std::string number(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%g", value);
-  return text;
+  return fmt::format("{:g}", value);
 }
 
 std::string place(const CtSlab& slab, double voxel_mm) {

@@ -1,7 +1,7 @@
 #include "sim/verify/plunge.h"
 
+#include <fmt/core.h>
 #include <cmath>
-#include <cstdio>
 #include <numbers>
 
 #include "sim/bone/voxmap/surface_share.h"
@@ -46,10 +46,8 @@ Profile head_of(const SteadyPlunge& plunge) {
 }
 
 std::string text_of(const SteadyPlunge& p) {
-  char text[128];
   const std::string face = p.radius_mm ? "R " + std::to_string(static_cast<int>(*p.radius_mm)) : "flat";
-  std::snprintf(text, sizeof text, "%s, a %g mm, %g rpm, %g mm/s", face.c_str(), p.outer_mm, p.rpm, p.feed_mm_s);
-  return text;
+  return fmt::format("{}, a {:g} mm, {:g} rpm, {:g} mm/s", face, p.outer_mm, p.rpm, p.feed_mm_s);
 }
 
 std::vector<FrameResult> steady_rows(const PlungeRun& run, const Setting& setting) {

@@ -1,9 +1,9 @@
 #include "sim/bone/vdb/vdb_archive.h"
 
+#include <fmt/core.h>
 #include <zlib.h>
 
 #include <array>
-#include <cstdio>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
@@ -22,7 +22,6 @@ namespace fs = std::filesystem;
 constexpr const char* kTrailerKey = "_reamsim_trailer";
 constexpr const char* kTrailerValue = "CRC-32 of all bytes before it";
 constexpr std::size_t kKeySearchBytes = 1 << 16;
-constexpr const char* kTrailerFormat = "REAMSIM-CRC32 %08lx\n";
 constexpr std::size_t kTrailerBytes = 23;
 /// The first eight bytes of any VDB file.
 constexpr std::array<char, 8> kMagic{0x20, 0x42, 0x44, 0x56, 0, 0, 0, 0};
@@ -53,9 +52,7 @@ std::optional<uLong> checksum(std::istream& in, std::uintmax_t bytes) {
 }
 
 std::string trailer(uLong sum) {
-  char text[kTrailerBytes + 1];
-  std::snprintf(text, sizeof text, kTrailerFormat, sum & 0xFFFFFFFFUL);
-  return text;
+  return fmt::format("REAMSIM-CRC32 {:08x}\n", sum & 0xFFFFFFFFUL);
 }
 
 /// Removes the file unless told that it is complete.

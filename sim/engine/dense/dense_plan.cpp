@@ -1,10 +1,11 @@
 #include "sim/engine/dense/dense_plan.h"
 
+#include <fmt/core.h>
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 #include "sim/base/error.h"
+#include "sim/base/text.h"
 #include "sim/engine/common/dense_bone.h"
 #include "sim/engine/common/device_batch.h"
 #include "sim/tool/morton.h"
@@ -17,10 +18,6 @@ namespace {
 constexpr std::size_t kRemovedRoom = 4'000'000;
 
 constexpr std::size_t kMostVoxels = std::size_t{1} << 32;
-
-std::string megabytes(std::size_t bytes) {
-  return std::to_string((bytes + 999'999) / 1'000'000) + " MB";
-}
 
 /// Most voxels whose centres the tool can hold, whatever its pose: they are disjoint, and lie in the tool's box grown
 /// by half a voxel's diagonal on every side.
@@ -87,9 +84,8 @@ void require_fit(const DensePlan& plan, const cl::DeviceInfo& device, double vox
   if (most <= 1) return;
   // Memory grows with the inverse cube of the voxel; a little more, because the bone is rounded to whole voxels.
   constexpr double kMargin = 1.02;
-  char fits[96];
-  std::snprintf(fits, sizeof fits, "a bone.voxel_mm of about %.3g or more would fit",
-                voxel_mm * std::cbrt(most) * kMargin);
+  const std::string fits =
+      fmt::format("a bone.voxel_mm of about {:.3g} or more would fit", voxel_mm * std::cbrt(most) * kMargin);
   throw InputError({}, "bone.voxel_mm",
                    "found a voxmap of " + std::to_string(plan.voxels) + " voxels; a dense engine supports at most " +
                        std::to_string(kMostVoxels) + "; it needs " + megabytes(plan.bytes()) + " on the device and " +
