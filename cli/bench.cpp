@@ -6,8 +6,8 @@
 
 #include "cli/commands.h"
 #include "render/plots/bench_plot.h"
-#include "render/plots/plots.h"
 #include "sim/base/error.h"
+#include "sim/base/file.h"
 #include "sim/bench/paper.h"
 #include "sim/bench/suite.h"
 #include "sim/record/output_folder.h"
@@ -35,10 +35,7 @@ bench::Plan plan_of(const BenchOptions& options) {
 
 /// Whether the file is a benchmark's JSON.
 bool is_benchmark(const std::string& path) {
-  std::string start(256, '\0');
-  std::ifstream in(path, std::ios::binary);
-  in.read(start.data(), static_cast<std::streamsize>(start.size()));
-  return start.starts_with("{\n  \"program\": \"reamsim ");
+  return read_file_start(path, 256).starts_with("{\n  \"program\": \"reamsim ");
 }
 
 /// Finds out before minutes of measuring whether the file can be written, and leaves it as it is.
@@ -92,7 +89,7 @@ void bench_command(const BenchOptions& options, const Console& console) {
   watch.stop = stop_requested;
   const bench::Findings findings = bench::run_bench(plan, watch);
   console.say("\n" + bench::text_of(findings));
-  if (!options.json.empty()) write_text_file(options.json, bench::json_of(findings));
+  if (!options.json.empty()) write_file(options.json, bench::json_of(findings));
   BenchPlot plot;
   plot.device = findings.device;
   add_severe(findings, plot);

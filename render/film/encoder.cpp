@@ -1,8 +1,5 @@
 #include "render/film/encoder.h"
 
-#include <fcntl.h>
-#include <spawn.h>
-#include <sys/mman.h>
 #include <sys/socket.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -35,51 +32,16 @@ void close_fd(int& fd) {
   fd = -1;
 }
 
-/// Starts ffmpeg with these arguments and file descriptors, in a process group of its own: Ctrl-C is ours to handle.
-/// Returns 0 or an error number.
-int spawn_ffmpeg(std::vector<std::string> arguments, int in, int out, int err, pid_t& child) {
+/// Starts ffmpeg, which reads `in` and prints to `output`. Returns 0 or an error number.
+int start_ffmpeg(std::vector<std::string> arguments, int in, const ProgramOutput& output, pid_t& child) {
   arguments.insert(arguments.begin(), {"ffmpeg", "-hide_banner", "-loglevel", "error"});
-  std::vector<char*> pointers;
-  for (std::string& argument : arguments) pointers.push_back(argument.data());
-  pointers.push_back(nullptr);
-  posix_spawn_file_actions_t actions;
-  posix_spawn_file_actions_init(&actions);
-  posix_spawn_file_actions_adddup2(&actions, in, STDIN_FILENO);
-  posix_spawn_file_actions_adddup2(&actions, out, STDOUT_FILENO);
-  posix_spawn_file_actions_adddup2(&actions, err, STDERR_FILENO);
-  posix_spawnattr_t attributes;
-  posix_spawnattr_init(&attributes);
-  posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP);
-  posix_spawnattr_setpgroup(&attributes, 0);
-  const int error = posix_spawnp(&child, "ffmpeg", &actions, &attributes, pointers.data(), environ);
-  posix_spawnattr_destroy(&attributes);
-  posix_spawn_file_actions_destroy(&actions);
-  return error;
-}
-
-int wait_for(pid_t child) {
-  int status = 0;
-  while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
-  }
-  return status;
-}
-
-/// A file in memory, closed by whoever asked for it. Throws RunError.
-int memory_file() {
-  const int fd = memfd_create("reamsim-ffmpeg", MFD_CLOEXEC);
-  if (fd < 0) throw RunError(std::string("no memory for the messages of ffmpeg: ") + std::strerror(errno));
-  return fd;
-}
-
-std::string contents(int fd) {
-  std::string text;
-  std::array<char, 4096> buffer;
-  for (off_t at = 0;;) {
-    const ssize_t got = pread(fd, buffer.data(), buffer.size(), at);
-    if (got <= 0) return text;
-    text.append(buffer.data(), static_cast<std::size_t>(got));
-    at += got;
-  }
+  return start_program({.arguments = std::move(arguments),
+                        .folder = "",
+                        .in = in,
+                        .out = output.descriptor(),
+                        .err = output.descriptor(),
+                        .own_group = true},
+                       child);
 }
 
 std::vector<std::string> encoder_arguments(FilmFormat format, int frames_per_s) {
@@ -132,20 +94,16 @@ std::string film_ending(FilmFormat format) {
 }
 
 void require_encoder(FilmFormat format) {
-  int words = memory_file();
-  const int nothing = open("/dev/null", O_RDONLY | O_CLOEXEC);
+  const ProgramOutput output;
   pid_t child = 0;
-  const int error = spawn_ffmpeg({"-encoders"}, nothing, words, words, child);
-  close(nothing);
-  if (error == 0) wait_for(child);
-  const std::string list = error == 0 ? contents(words) : "";
-  close_fd(words);
+  const int error = start_ffmpeg({"-encoders"}, -1, output, child);
   if (error != 0) {
     throw RunError(std::string("a film needs ffmpeg, which cannot start (") + std::strerror(error) +
                    "): install it (apt-get install ffmpeg), or remove render.film and --film");
   }
+  wait_for(child);
   const std::string encoder(facts_of(format).encoder);
-  if (list.find(" " + encoder + " ") == std::string::npos) {
+  if (output.text().find(" " + encoder + " ") == std::string::npos) {
     throw RunError("the ffmpeg on this machine cannot write " + name_of(format) + ", because it has no encoder " +
                    encoder + ": install another ffmpeg, or choose another render.film");
   }
@@ -176,20 +134,10 @@ FilmEncoder::FilmEncoder(const std::string& path, const RenderSettings& settings
   for (auto& argument : encoder_arguments(settings.film, settings.film_rate_hz))
     arguments.push_back(std::move(argument));
   arguments.insert(arguments.end(), {"-fflags", "+bitexact", "-flags:v", "+bitexact", "-y", "file:" + partial_path_});
-  int error = 0;
-  try {
-    words_fd_ = memory_file();
-    error = spawn_ffmpeg(std::move(arguments), ends[1], words_fd_, words_fd_, child_);
-  } catch (...) {
-    close(ends[1]);
-    close_fd(pictures_fd_);
-    throw;
-  }
+  const int error = start_ffmpeg(std::move(arguments), ends[1], output_, child_);
   close(ends[1]);
   if (error == 0) return;
-  child_ = -1;
   close_fd(pictures_fd_);
-  close_fd(words_fd_);
   throw RunError(std::string("ffmpeg cannot be started: ") + std::strerror(error));
 }
 
@@ -199,7 +147,6 @@ FilmEncoder::~FilmEncoder() {
     kill(child_, SIGKILL);
     wait_for(child_);
   }
-  close_fd(words_fd_);
   std::error_code ignored;
   std::filesystem::remove(partial_path_, ignored);
 }
@@ -215,7 +162,7 @@ std::string FilmEncoder::wait() {
   const int status = wait_for(child_);
   child_ = -1;
   if (WIFEXITED(status) && WEXITSTATUS(status) == 0) return "";
-  const std::string words = contents(words_fd_);
+  const std::string words = output_.text();
   return words.empty() ? "exited without an error message" : words;
 }
 

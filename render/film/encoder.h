@@ -1,10 +1,9 @@
 #pragma once
 
-#include <sys/types.h>
-
 #include <string>
 
 #include "render/gl/pixel_image.h"
+#include "sim/base/process.h"
 #include "sim/scenario/scenario.h"
 
 namespace reamsim {
@@ -45,7 +44,7 @@ class FilmEncoder {
   std::string path_;
   std::string partial_path_;
   int pictures_fd_ = -1;  ///< our end of ffmpeg's standard input
-  int words_fd_ = -1;     ///< a file without a name that takes what ffmpeg complains of
+  ProgramOutput output_;
   pid_t child_ = -1;
 };
 

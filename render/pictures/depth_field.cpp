@@ -31,7 +31,7 @@ double least_step(std::vector<double> values) {
 }  // namespace
 
 std::vector<DepthField::Row> DepthField::read(const std::string& path) {
-  CsvTable table(path, kColumnNames, "the depth_map.csv of a run");
+  CsvReader table(path, kColumnNames, "the depth_map.csv of a run");
   std::vector<Row> rows;
   for (std::vector<double> v; table.next(v, "after_z_mm");) {
     rows.push_back({{v[0], v[1]}, {.bone = true, .through = std::isnan(v[3]), .before_mm = v[2], .depth_mm = v[4]}});

@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "sim/base/csv.h"
 #include "sim/bone/voxmap/voxmap.h"
 #include "sim/scenario/scenario.h"
 
@@ -36,10 +37,8 @@ bool write_torque_spectrum(const std::string& dir);
 /// RunError when one of DIR/`name`.png, .svg and .pdf is not there afterwards.
 void draw_plot(const std::string& dir, const std::string& name, const std::string& data, const char* script);
 
-/// Writes `text` to `path`. Throws RunError.
-void write_text_file(const std::string& path, const std::string& text);
-/// Writes `text` to DIR/plots/`name`; the folder is made where it is missing. Throws RunError.
-void write_plot_data(const std::string& dir, const std::string& name, const std::string& text);
+/// Opens DIR/plots/`name` and creates the folder if it is missing. Throws RunError.
+CsvWriter plot_csv(const std::string& dir, const std::string& name, const std::string& header);
 
 /// `text` as a string of gnuplot: in single quotes, within which gnuplot expands nothing. Double quotes would run what
 /// stands between backticks as a command. Control characters become spaces.

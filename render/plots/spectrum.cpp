@@ -155,12 +155,11 @@ TorqueSpectrum torque_spectrum(const ForceLog& log) {
 bool write_torque_spectrum(const std::string& dir) {
   const TorqueSpectrum spectrum = torque_spectrum(read_force_log(dir + "/forces.csv"));
   if (spectrum.lines.empty()) return false;
-  std::string csv = "frequency_hz,frequency_per_spin,spin_torque_nmm\n";
+  CsvWriter csv = plot_csv(dir, "spectrum.csv", "frequency_hz,frequency_per_spin,spin_torque_nmm");
   for (const auto& [frequency_hz, torque_nmm] : spectrum.lines) {
-    csv += shortest_text(frequency_hz) + "," + shortest_text(frequency_hz / spectrum.spin_hz) + "," +
-           shortest_text(torque_nmm) + "\n";
+    csv.row({frequency_hz, frequency_hz / spectrum.spin_hz, torque_nmm});
   }
-  write_plot_data(dir, "spectrum.csv", csv);
+  csv.close();
   draw_plot(dir, "plots/spectrum", peaks_block(spectrum), embedded::spectrum_script);
   return true;
 }

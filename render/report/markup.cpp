@@ -5,8 +5,6 @@
 #include <zlib.h>
 
 #include <cstdlib>
-#include <fstream>
-#include <sstream>
 #include <stdexcept>
 #include <vector>
 
@@ -96,14 +94,6 @@ std::string fill_page(std::string_view page, const std::map<std::string, std::st
     out += text->second;
     at = close + 2;
   }
-}
-
-std::string read_whole(const std::string& path, const std::string& expected) {
-  std::ifstream in(path, std::ios::binary);
-  std::ostringstream text;
-  text << in.rdbuf();
-  if (!in || text.fail()) throw InputError({path, 0, 0}, "", "cannot be read", expected);
-  return text.str();
 }
 
 }  // namespace reamsim

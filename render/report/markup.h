@@ -29,7 +29,4 @@ double short_number(double value);
 /// no text, because the page is part of the program.
 std::string fill_page(std::string_view page, const std::map<std::string, std::string>& texts);
 
-/// A whole file. Throws InputError when it cannot be read; `expected` says what it should be.
-std::string read_whole(const std::string& path, const std::string& expected);
-
 }  // namespace reamsim

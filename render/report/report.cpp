@@ -11,6 +11,7 @@
 #include "render/report/page_data.h"
 #include "render/report/summary_text.h"
 #include "sim/base/error.h"
+#include "sim/base/file.h"
 
 namespace reamsim {
 
@@ -33,7 +34,7 @@ constexpr int kFrame_px = 960;
 constexpr std::size_t kMostFrames = 120;  // of all cameras together
 
 Json read_json(const std::string& path, const std::string& expected) {
-  Json json = Json::parse(read_whole(path, expected), nullptr, false);
+  Json json = Json::parse(read_file(path, expected), nullptr, false);
   if (!json.is_object()) throw InputError({path, 0, 0}, "", "is not a JSON object", expected);
   return json;
 }
@@ -113,7 +114,7 @@ Json frames_json(const RunData& run, const std::vector<std::string>& cameras) {
 std::string printed_plot_html(const std::string& dir) {
   const std::string path = dir + "/forces.png";
   if (!fs::exists(path)) return "";
-  const std::string png = read_whole(path, "a picture");
+  const std::string png = read_file(path, "a picture");
   return "<img class=\"print-only\" alt=\"Force, torque, removed volume and depth against time\" "
          "src=\"data:image/png;base64," +
          base64({reinterpret_cast<const std::uint8_t*>(png.data()), png.size()}) + "\">";
@@ -145,7 +146,7 @@ std::string page_html(const RunData& run, const PictureOptions& options) {
       {"printed_plot", printed_plot_html(dir)},
       {"verification", verification_html(summary, verification, summary_path, verification_path)},
       {"provenance", provenance_html(summary, summary_path)},
-      {"scenario", escape_html(read_whole(dir + "/scenario.yaml", "the scenario.yaml of a run"))},
+      {"scenario", escape_html(read_file(dir + "/scenario.yaml", "the scenario.yaml of a run"))},
       {"script", embedded::report_script}};
   // What takes long comes when all the rest is known to be right.
   texts["figures"] = pictures_html(dir, name_of(options.settings.cameras.front()));
@@ -159,7 +160,7 @@ void write_report(const RunData& run, const PictureOptions& options) {
   if (options.settings.cameras.empty()) {
     throw InputError({}, "render.cameras", "found none", "expected at least one camera");
   }
-  write_text_file(run.dir() + "/report.html", page_html(run, options));
+  write_file(run.dir() + "/report.html", page_html(run, options));
 }
 
 }  // namespace reamsim

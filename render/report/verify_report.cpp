@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include "render/plots/plots.h"
+#include "sim/base/file.h"
 
 namespace reamsim {
 
@@ -127,8 +128,8 @@ std::string verification_json(const Findings& findings) {
 }
 
 void write_verification(const std::string& dir, const Findings& findings) {
-  write_text_file(dir + "/verification.json", verification_json(findings));
-  write_text_file(dir + "/verification.md", verification_markdown(findings));
+  write_file(dir + "/verification.json", verification_json(findings));
+  write_file(dir + "/verification.md", verification_markdown(findings));
   run_gnuplot(dir, "verification.gp", plot_data(findings) + embedded::verify_plot_script,
               {"verification.png", "verification.svg"});
 }

@@ -4,7 +4,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
-#include "sim/record/csv_log.h"
+#include "sim/base/csv.h"
 
 namespace reamsim {
 
@@ -185,7 +185,7 @@ Json metrics_json(const BoneMetrics& metrics) {
 }
 
 void write_depth_map(const std::string& path, const ColumnMap& map) {
-  CsvLog log(path, "x_mm,y_mm,before_z_mm,after_z_mm,depth_mm");
+  CsvWriter log(path, "x_mm,y_mm,before_z_mm,after_z_mm,depth_mm");
   constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
   for (int j = 0; j < map.ny; ++j) {
     for (int i = 0; i < map.nx; ++i) {

@@ -4,7 +4,7 @@
 #include <memory>
 #include <string>
 
-#include "sim/record/csv_log.h"
+#include "sim/base/csv.h"
 #include "sim/record/frame_sink.h"
 #include "sim/record/run_totals.h"
 
@@ -28,8 +28,8 @@ class Recorder final : public FrameSink {
 
  private:
   std::string dir_;
-  CsvLog forces_;
-  CsvLog timings_;
+  CsvWriter forces_;
+  CsvWriter timings_;
   RunTotals totals_;
   RemovedFrames removed_;
 };

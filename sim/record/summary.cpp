@@ -3,10 +3,10 @@
 #include <sys/resource.h>
 
 #include <filesystem>
-#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "sim/base/error.h"
+#include "sim/base/file.h"
 #include "sim/base/stopwatch.h"
 #include "sim/mesh/mesh_io.h"
 #include "sim/record/checksum.h"
@@ -18,13 +18,6 @@
 namespace reamsim {
 
 namespace {
-
-void write_text(const std::string& path, const std::string& text) {
-  std::ofstream out(path, std::ios::binary);
-  out << text;
-  out.close();
-  if (!out) throw RunError(path + ": cannot be written; is the disk full or the folder read-only?");
-}
 
 /// Provenance that the grids carry. No device and no time: the same scenario gives the same grids.
 Metadata provenance(const ReamingScene& scene, const RunFacts& facts) {
@@ -177,7 +170,7 @@ void write_tool(const std::string& dir, const Tool& tool) {
 }
 
 void write_results(const std::string& dir, const ReamingScene& scene, const Recorder& recorder, const RunFacts& facts) {
-  write_text(dir + "/scenario.yaml", scenario_head(facts) + to_yaml(scene.scenario));
+  write_file(dir + "/scenario.yaml", scenario_head(facts) + to_yaml(scene.scenario));
   write_bone_vdb(dir + "/reamed.vdb", scene.bone, recorder.removed_frames(), provenance(scene, facts));
   if (scene.scenario.output.vti) write_vti(dir + "/reamed.vti", scene.bone);
   write_depth_map(dir + "/depth_map.csv", facts.depth_map);
@@ -223,7 +216,7 @@ void write_summary(const std::string& dir, const ReamingScene& scene, const RunT
     json["inputs"].push_back({{"role", input.role}, {"path", input.path}, {"sha256", input.sha256}});
   }
   json["warnings"] = facts.warnings;
-  write_text(dir + "/summary.json", json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n");
+  write_file(dir + "/summary.json", json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n");
 }
 
 }  // namespace reamsim

@@ -3,10 +3,9 @@
 #include <zlib.h>
 
 #include <algorithm>
-#include <fstream>
 #include <vector>
 
-#include "sim/base/error.h"
+#include "sim/base/file.h"
 #include "sim/base/text.h"
 
 namespace reamsim {
@@ -103,8 +102,7 @@ void write_vti(const std::string& path, const BoneView& bone) {
   out << "\n</AppendedData>\n</VTKFile>\n";
   out.seekp(table);
   put(sizes);
-  out.close();
-  if (!out) throw RunError(path + ": cannot be written; is the disk full or the folder read-only?");
+  close_file(out, path);
 }
 
 }  // namespace reamsim

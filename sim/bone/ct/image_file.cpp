@@ -17,6 +17,7 @@
 #include <stdexcept>
 
 #include "sim/base/error.h"
+#include "sim/base/file.h"
 #include "sim/bone/ct/complete.h"
 #include "sim/bone/ct/dicom_probe.h"
 #include "sim/bone/ct/quiet.h"
@@ -61,10 +62,7 @@ bool holds_its_voxels(const std::string& path) {
 
 /// VTK's own formats, legacy and XML.
 bool is_vtk(const std::string& path) {
-  std::ifstream in(path, std::ios::binary);
-  std::string start(256, '\0');
-  in.read(start.data(), static_cast<std::streamsize>(start.size()));
-  start.resize(static_cast<std::size_t>(in.gcount()));
+  const std::string start = read_file_start(path, 256);
   return start.starts_with("# vtk DataFile") || start.find("<VTKFile") != std::string::npos;
 }
 

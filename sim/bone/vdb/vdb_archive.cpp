@@ -10,7 +10,8 @@
 #include <optional>
 
 #include "sim/base/error.h"
-#include "sim/bone/vdb/trial_run.h"
+#include "sim/base/file.h"
+#include "sim/base/process.h"
 
 namespace reamsim {
 
@@ -162,7 +163,7 @@ void require_harmless(const std::string& path) {
   const std::uintmax_t size = fs::file_size(path, error);
   const std::uint64_t memory_bytes = kLeastMemory + (error ? 0 : kMemoryPerFileByte * size);
   const int seconds = kSeconds + static_cast<int>(size >> 25);
-  if (!ends_well_in_child([&path] { read_everything(path); }, memory_bytes, seconds)) {
+  if (run_in_child([&path] { read_everything(path); }, {memory_bytes, seconds}) != 0) {
     fail(path, "a truncated or damaged VDB file", "expected a complete file");
   }
 }
@@ -170,10 +171,7 @@ void require_harmless(const std::string& path) {
 }  // namespace
 
 bool is_vdb_of_reamsim(const std::string& path) {
-  std::string start(kKeySearchBytes, '\0');
-  std::ifstream in(path, std::ios::binary);
-  in.read(start.data(), static_cast<std::streamsize>(start.size()));
-  start.resize(static_cast<std::size_t>(in.gcount()));
+  const std::string start = read_file_start(path, kKeySearchBytes);
   return start.starts_with(std::string_view(kMagic.data(), kMagic.size())) &&
          start.find(kTrailerKey) != std::string::npos;
 }
@@ -183,7 +181,7 @@ void write_vdb_file(const std::string& path, const openvdb::GridCPtrVec& grids, 
   marked.insertMeta(kTrailerKey, openvdb::StringMetadata(kTrailerValue));
   PartialFile partial(path + ".tmp");
   if (!write_grids(partial.path(), grids, marked) || !append_trailer(partial.path()) || !partial.move_to(path)) {
-    throw RunError(path + ": cannot be written (folder missing, not writable, or disk full)");
+    fail_to_write(path);
   }
 }
 
