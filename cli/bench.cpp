@@ -61,7 +61,7 @@ void add_severe(const bench::Findings& findings, BenchPlot& plot) {
     const bool measured_there = no_shell || row.at.who.variant == "published";
     for (const auto& [shell, points] : findings.shell_points) {
       if (!no_shell && shell != row.at.shell) continue;
-      const auto paper = bench::paper_ms(row.at.who.engine.c_str(), row.at.voxmap, shell);
+      const auto paper = bench::paper_ms(row.at.who.engine, row.at.voxmap, shell);
       plot.severe.push_back(
           {program_of(row.at.who), row.at.voxmap, shell, row.ms.median, measured_there ? paper : std::nullopt});
     }

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <optional>
+#include <string_view>
 
 namespace reamsim::bench {
 
@@ -49,6 +50,15 @@ constexpr std::optional<std::size_t> place(const std::array<int, N>& axis, int v
 
 /// The paper's time for an engine's severe case, or nothing where it has none. `direct`, `octree` and `implicit` are
 /// its three methods; `bricked` is set beside its own.
-std::optional<double> paper_ms(const char* engine, int voxmap, int shell);
+inline std::optional<double> paper_ms(std::string_view engine, int voxmap, int shell) {
+  const auto row = place(kVoxmaps, voxmap);
+  const auto column = place(kShells, shell);
+  if (!row) return std::nullopt;
+  if (engine == "implicit") return kPaperImplicit[*row];
+  if (!column) return std::nullopt;
+  if (engine == "octree")
+    return *row < std::size(kPaperOctree) ? std::optional(kPaperOctree[*row][*column]) : std::nullopt;
+  return kPaperDirect[*row][*column];
+}
 
 }  // namespace reamsim::bench

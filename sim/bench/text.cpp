@@ -1,14 +1,54 @@
 #include <fmt/core.h>
 #include <algorithm>
+#include <numeric>
+#include <optional>
 #include <set>
 
 #include "sim/bench/findings.h"
 #include "sim/bench/paper.h"
-#include "sim/bench/text_table.h"
 
 namespace reamsim::bench {
 
 namespace {
+
+/// Characters of UTF-8 text, not bytes.
+std::size_t width(const std::string& text) {
+  return static_cast<std::size_t>(
+      std::count_if(text.begin(), text.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xc0) != 0x80; }));
+}
+
+/// A table of text in columns: the first to the left, the others to the right.
+class TextTable {
+ public:
+  explicit TextTable(std::vector<std::string> head) : rows_{std::move(head)} {}
+  void add(std::vector<std::string> cells) { rows_.push_back(std::move(cells)); }
+
+  /// The rows under a title, the head underlined; "" where there is only the head.
+  [[nodiscard]] std::string text(const std::string& title) const {
+    if (rows_.size() < 2) return "";
+    std::vector<std::size_t> widths(rows_[0].size(), 0);
+    for (const auto& row : rows_) {
+      for (std::size_t c = 0; c < row.size(); ++c) widths[c] = std::max(widths[c], width(row[c]));
+    }
+    std::string out = title + "\n";
+    for (std::size_t r = 0; r < rows_.size(); ++r) {
+      std::string line = "  ";
+      for (std::size_t c = 0; c < rows_[r].size(); ++c) {
+        const std::string gap(widths[c] - width(rows_[r][c]), ' ');
+        line += (c > 0 ? "  " : "") + (c == 0 ? rows_[r][c] + gap : gap + rows_[r][c]);
+      }
+      line.erase(line.find_last_not_of(' ') + 1);
+      out += line + "\n";
+      if (r > 0) continue;
+      const std::size_t all = std::accumulate(widths.begin(), widths.end(), 2 * (widths.size() - 1));
+      out += "  " + std::string(all, '-') + "\n";
+    }
+    return out + "\n";
+  }
+
+ private:
+  std::vector<std::vector<std::string>> rows_;
+};
 
 std::string name(const Label& who) {
   return who.engine + (who.variant == "published" ? ", published" : "");
@@ -18,13 +58,21 @@ std::string cube(int side) {
   return std::to_string(side) + "³";
 }
 
-/// "measured (paper)" in the paper's unit.
-std::string beside(const std::string& measured, std::optional<double> paper, fmt::format_string<double&> pattern) {
-  return measured + " (" + (paper ? fmt::format(pattern, *paper) : "–") + ")";
+std::string number(std::optional<double> value, int decimals) {
+  return value ? fmt::format("{:.{}f}", *value, decimals) : "–";
 }
 
-std::string range(const Spread& ms) {
-  return fmt::format("{:.3f}", ms.min) + " – " + fmt::format("{:.3f}", ms.max);
+std::string percent(double fraction, int decimals) {
+  return fmt::format("{:.{}f} %", 100 * fraction, decimals);
+}
+
+/// "measured (paper)" in the paper's unit.
+std::string beside(std::optional<double> measured, std::optional<double> paper) {
+  return number(measured, 2) + " (" + number(paper, 2) + ")";
+}
+
+std::string range(const Spread& values, int decimals = 3) {
+  return number(values.min, decimals) + " – " + number(values.max, decimals);
 }
 
 /// The labels of the case rows, in their order.
@@ -47,21 +95,20 @@ std::vector<int> sizes_of(const Findings& findings, Member member) {
 /// Tables 1, 3 and 5: severe contact by voxmap (rows) and shell (columns).
 std::string severe_table(const Findings& findings, const Label& who) {
   const std::vector<int> shells = sizes_of(findings, &Place::shell);
-  TextTable table;
   std::vector<std::string> head{"voxmap \\ shell"};
   const bool no_shell = who.engine == "implicit";
   for (const int shell : shells) {
     if (!no_shell) head.push_back(cube(shell));
   }
   if (no_shell) head.push_back("no shell");
-  table.add(head);
+  TextTable table(head);
   for (const int voxmap : sizes_of(findings, &Place::voxmap)) {
     std::vector<std::string> cells{cube(voxmap)};
     for (const int shell : shells) {
       if (no_shell && shell != shells.back()) continue;
       const CaseRow* row = findings.find(who, voxmap, shell, "severe");
-      cells.push_back(beside(row != nullptr ? fmt::format("{:.2f}", row->ms.median) : "–",
-                             paper_ms(who.engine.c_str(), voxmap, shell), "{:.2f}"));
+      const auto measured = row != nullptr ? std::optional(row->ms.median) : std::nullopt;
+      cells.push_back(beside(measured, paper_ms(who.engine, voxmap, shell)));
     }
     table.add(cells);
   }
@@ -70,33 +117,27 @@ std::string severe_table(const Findings& findings, const Label& who) {
 }
 
 std::string cases_table(const Findings& findings) {
-  TextTable table;
-  table.add({"engine", "voxmap", "shell", "case", "contacts", "median ms", "min – max", "kernel ms",
-             "published direct / this"});
+  TextTable table({"engine", "voxmap", "shell", "case", "contacts", "median ms", "min – max", "kernel ms",
+                   "published direct / this"});
   for (const CaseRow& row : findings.cases) {
-    table.add({name(row.at.who), cube(row.at.voxmap), cube(row.at.shell), row.at.contact,
-               row.contacts ? fmt::format("{:.0f}", *row.contacts) : "–", fmt::format("{:.3f}", row.ms.median),
-               range(row.ms), fmt::format("{:.3f}", row.kernel_ms),
-               row.ratio_to_direct ? fmt::format("{:.2f}", *row.ratio_to_direct) : "–"});
+    table.add({name(row.at.who), cube(row.at.voxmap), cube(row.at.shell), row.at.contact, number(row.contacts, 0),
+               number(row.ms.median, 3), range(row.ms), number(row.kernel_ms, 3), number(row.ratio_to_direct, 2)});
   }
-  return table.empty() ? ""
-                       : table.text("Every case: a frame alone, broad phase to results read; plunge in batches of 32");
+  return table.text("Every case: a frame alone, broad phase to results read; plunge in batches of 32");
 }
 
 std::string phases_table(const Findings& findings) {
   const PaperPhases paper;
-  TextTable table;
-  table.add({"both at the largest, severe, µs", "OBB–OBB", "VOI", "to device", "kernels", "rest, read-back", "total"});
-  table.add({"the paper", fmt::format("{:.2f}", paper.obb), fmt::format("{:.2f}", paper.voi),
-             fmt::format("{:.1f}", paper.upload), fmt::format("{:.1f}", paper.kernel),
-             fmt::format("{:.1f}", paper.read), fmt::format("{:.1f}", paper.total)});
+  TextTable table(
+      {"both at the largest, severe, µs", "OBB–OBB", "VOI", "to device", "kernels", "rest, read-back", "total"});
+  table.add({"the paper", number(paper.obb, 2), number(paper.voi, 2), number(paper.upload, 1), number(paper.kernel, 1),
+             number(paper.read, 1), number(paper.total, 1)});
   if (findings.phases.empty()) return "";
   const Place& last = findings.phases.back().at;
   for (const PhaseRow& row : findings.phases) {
     if (row.at.voxmap != last.voxmap || row.at.shell != last.shell) continue;
-    table.add({name(row.at.who), fmt::format("{:.2f}", row.obb), fmt::format("{:.2f}", row.voi),
-               fmt::format("{:.1f}", row.upload), fmt::format("{:.1f}", row.kernel), fmt::format("{:.1f}", row.read),
-               fmt::format("{:.1f}", row.total)});
+    table.add({name(row.at.who), number(row.obb, 2), number(row.voi, 2), number(row.upload, 1), number(row.kernel, 1),
+               number(row.read, 1), number(row.total, 1)});
   }
   return table.text("Phases (Table 2)");
 }
@@ -109,8 +150,7 @@ std::optional<double> paper_mb(const double (&table)[5][2], int side, const std:
 }
 
 std::string memory_table(const Findings& findings) {
-  TextTable table;
-  table.add({"engine", "voxmap", "MB", "shell", "MB"});
+  TextTable table({"engine", "voxmap", "MB", "shell", "MB"});
   std::set<std::pair<std::string, int>> shown;
   for (const MemoryRow& row : findings.memory) {
     // The two structures do not depend on each other: each size once.
@@ -118,63 +158,48 @@ std::string memory_table(const Findings& findings) {
     const bool new_shell = shown.insert({row.engine, -row.shell}).second;
     if (!new_voxmap && !new_shell) continue;
     table.add({row.engine, new_voxmap ? cube(row.voxmap) : "",
-               new_voxmap ? beside(fmt::format("{:.2f}", row.voxmap_mb),
-                                   paper_mb(kPaperVoxmapMb, row.voxmap, row.engine), "{:.2f}")
-                          : "",
+               new_voxmap ? beside(row.voxmap_mb, paper_mb(kPaperVoxmapMb, row.voxmap, row.engine)) : "",
                new_shell ? cube(row.shell) : "",
-               new_shell ? beside(fmt::format("{:.2f}", row.shell_mb), paper_mb(kPaperShellMb, row.shell, row.engine),
-                                  "{:.2f}")
-                         : ""});
+               new_shell ? beside(row.shell_mb, paper_mb(kPaperShellMb, row.shell, row.engine)) : ""});
   }
-  return table.empty() ? "" : table.text("Memory on the device, MB = 10⁶ bytes (Table 4)");
+  return table.text("Memory on the device, MB = 10⁶ bytes (Table 4)");
 }
 
 std::string voi_table(const Findings& findings) {
-  TextTable table;
-  table.add({"VOI / tool's box", "engine", "contacts", "with VOI ms", "without ms", "saved"});
+  TextTable table({"VOI / tool's box", "engine", "contacts", "with VOI ms", "without ms", "saved"});
   for (const VoiRow& row : findings.voi) {
-    table.add({fmt::format("{:.0f} %", 100 * row.fraction), name(row.who), fmt::format("{:.0f}", row.contacts),
-               fmt::format("{:.3f}", row.with_ms.median), fmt::format("{:.3f}", row.without_ms.median),
-               fmt::format("{:.0f} %", 100 * (1 - row.with_ms.median / row.without_ms.median))});
+    table.add({percent(row.fraction, 0), name(row.who), number(row.contacts, 0), number(row.with_ms.median, 3),
+               number(row.without_ms.median, 3), percent(1 - row.with_ms.median / row.without_ms.median, 0)});
   }
-  return table.empty() ? "" : table.text("VOI (Fig. 8; the paper saves almost 50 % in glenoid reaming)");
+  return table.text("VOI (Fig. 8; the paper saves almost 50 % in glenoid reaming)");
 }
 
 std::string batches_table(const Findings& findings) {
-  TextTable table;
-  table.add({"engine", "case", "frames at once", "ms per frame", "min – max"});
+  TextTable table({"engine", "case", "frames at once", "ms per frame", "min – max"});
   for (const BatchRow& row : findings.batches) {
-    table.add({name(row.at.who), row.at.contact, std::to_string(row.batch), fmt::format("{:.3f}", row.ms.median),
-               range(row.ms)});
+    table.add({name(row.at.who), row.at.contact, std::to_string(row.batch), number(row.ms.median, 3), range(row.ms)});
   }
-  return table.empty() ? "" : table.text("Frames enqueued together");
+  return table.text("Frames enqueued together");
 }
 
 std::string scatter_table(const Findings& findings) {
-  TextTable table;
-  table.add(
+  TextTable table(
       {"engine", "voxmap", "points", "in voxels", "counted", "min – max", "contacts ±", "force ±", "component ±"});
   for (const ScatterRow& row : findings.scatter) {
-    table.add({name(row.at.who), cube(row.at.voxmap), fmt::format("{:.0f}", row.points),
-               row.voxels ? fmt::format("{:.0f}", *row.voxels) : "–", fmt::format("{:.0f}", row.contacts.median),
-               fmt::format("{:.0f}", row.contacts.min) + " – " + fmt::format("{:.0f}", row.contacts.max),
-               fmt::format("{:.3f} %", 100 * row.contacts_spread), fmt::format("{:.3f} %", 100 * row.force_spread),
-               fmt::format("{:.3f} %", 100 * row.component_spread)});
+    table.add({name(row.at.who), cube(row.at.voxmap), number(row.points, 0), number(row.voxels, 0),
+               number(row.contacts.median, 0), range(row.contacts, 0), percent(row.contacts_spread, 3),
+               percent(row.force_spread, 3), percent(row.component_spread, 3)});
   }
-  return table.empty() ? "" : table.text("Effect of races: one severe frame repeated (± standard deviation)");
+  return table.text("Effect of races: one severe frame repeated (± standard deviation)");
 }
 
 std::string spheres_table(const Findings& findings) {
-  TextTable table;
-  table.add({"engine", "erosion", "voxel mm", "ms per frame", "min – max", "removed mm³", "volume error"});
+  TextTable table({"engine", "erosion", "voxel mm", "ms per frame", "min – max", "removed mm³", "volume error"});
   for (const SphereRow& row : findings.spheres) {
-    table.add({row.engine, name_of(row.erosion), fmt::format("{:g}", row.voxel_mm),
-               fmt::format("{:.4f}", row.ms.median), range(row.ms), fmt::format("{:.1f}", row.removed_mm3),
-               fmt::format("{:+.3f} %", 100 * row.volume_error)});
+    table.add({row.engine, name_of(row.erosion), fmt::format("{:g}", row.voxel_mm), number(row.ms.median, 4),
+               range(row.ms), number(row.removed_mm3, 1), fmt::format("{:+.3f} %", 100 * row.volume_error)});
   }
-  return table.empty()
-             ? ""
-             : table.text("A sphere of 29 mm radius plunged 4 mm at 0.2 mm/s and 1 kHz, frames in batches of 32");
+  return table.text("A sphere of 29 mm radius plunged 4 mm at 0.2 mm/s and 1 kHz, frames in batches of 32");
 }
 
 std::string head(const Findings& findings) {
