@@ -10,8 +10,8 @@ namespace {
 using verify::CaseFindings;
 using verify::Check;
 using verify::Findings;
-using verify::Ladder;
 using verify::Measure;
+using verify::Refinement;
 
 std::string row(const std::vector<std::string>& cells) {
   std::string out = "|";
@@ -30,8 +30,8 @@ std::string with_unit(const std::string& quantity, const std::string& unit) {
 }
 
 /// A relative error as a percentage; one that has a sign with its sign.
-std::string percent(double share, bool has_sign = true) {
-  return fmt::format(has_sign ? "{:+.2g} %" : "{:.2g} %", 100 * share);
+std::string percent(double fraction, bool has_sign = true) {
+  return fmt::format(has_sign ? "{:+.2g} %" : "{:.2g} %", 100 * fraction);
 }
 
 std::string error_text(const verify::Level& level) {
@@ -81,17 +81,18 @@ std::string order_text(const std::optional<double>& order) {
   return order ? fmt::format("{:.2f}", *order) : "none";
 }
 
-std::string ladder_table(const Ladder& ladder) {
-  std::string out = head({ladder.step, with_unit(ladder.quantity, ladder.unit), "closed form", "error", "runs"});
-  for (const verify::Level& level : ladder.levels) {
+std::string refinement_table(const Refinement& refinement) {
+  std::string out =
+      head({refinement.step, with_unit(refinement.quantity, refinement.unit), "closed form", "error", "runs"});
+  for (const verify::Level& level : refinement.levels) {
     out += row({fmt::format("{:g}", level.step), fmt::format("{:.8g}", level.found),
-                ladder.expected ? fmt::format("{:.8g}", *ladder.expected) : "–", error_text(level),
+                refinement.expected ? fmt::format("{:.8g}", *refinement.expected) : "–", error_text(level),
                 std::to_string(level.runs)});
   }
-  out += "\nOrder of the error: " + order_text(ladder.order) +
-         "; order from three levels alone: " + order_text(ladder.index.order) + "; grid convergence index " +
-         fmt::format("{:.2g}", 100 * ladder.index.share) + " % (safety factor " +
-         fmt::format("{:.2f}", ladder.index.safety_factor) + ").\n\n";
+  out += "\nOrder of the error: " + order_text(refinement.order) +
+         "; order from three levels alone: " + order_text(refinement.index.order) + "; grid convergence index " +
+         fmt::format("{:.2g}", 100 * refinement.index.fraction) + " % (safety factor " +
+         fmt::format("{:.2f}", refinement.index.safety_factor) + ").\n\n";
   return out;
 }
 
@@ -122,7 +123,7 @@ std::string verification_markdown(const Findings& findings) {
   for (const CaseFindings& found : findings.cases) {
     out += "<a id=\"" + found.id + "\"></a>\n## " + found.title + "\n\nScene: " + found.scene +
            ".\n\nClosed form: " + found.form + ".\n\n";
-    for (const Ladder& ladder : found.ladders) out += ladder_table(ladder);
+    for (const Refinement& refinement : found.refinements) out += refinement_table(refinement);
     out += checks_table(found);
   }
   return out;

@@ -40,13 +40,13 @@ struct Level {
 /// Roache's grid convergence index (1994, J. Fluids Eng. 116:405): a band round the finest level's value in which the
 /// value at step zero should lie.
 struct GridIndex {
-  double share = 0;             ///< of the finest value
+  double fraction = 0;             ///< of the finest value
   double safety_factor = 0;     ///< 1.25 where three levels converge monotonically, else 3
   std::optional<double> order;  ///< observed from three levels, without the closed form; none where not monotonic
 };
 
 /// A quantity under refinement, coarsest level first, each step half of the one before.
-struct Ladder {
+struct Refinement {
   std::string quantity;
   std::string unit;
   std::string step;                ///< name and unit of the step: "voxel, mm"
@@ -62,7 +62,7 @@ struct CaseFindings {
   std::string title;
   std::string scene;  ///< what is reamed, and how
   std::string form;   ///< the closed form, or the invariant
-  std::vector<Ladder> ladders;
+  std::vector<Refinement> refinements;
   std::vector<Check> checks;
   double seconds = 0;
 

@@ -38,7 +38,7 @@ struct Sample {
   double found = 0;
 };
 
-/// A level of a ladder from its runs, whose closed forms may differ a little from `nominal`.
+/// A level of a refinement from its runs, whose closed forms may differ a little from `nominal`.
 inline Level level_of(double step, const std::vector<Sample>& samples, double nominal) {
   Level level{.step = step, .runs = static_cast<int>(samples.size())};
   std::vector<double> errors;
@@ -61,12 +61,12 @@ inline std::vector<double> four_voxels(double finest_mm) {
   return {8 * finest_mm, 4 * finest_mm, 2 * finest_mm, finest_mm};
 }
 
-/// The ladder's finest level against its closed form; of several runs the root mean square of their errors.
-inline Check finest_check(const Ladder& ladder, double tolerance, const std::string& reason) {
-  const Level& finest = ladder.levels.back();
-  const std::string where = ladder.quantity + ", finest voxels";
+/// The refinement's finest level against its closed form; of several runs the root mean square of their errors.
+inline Check finest_check(const Refinement& refinement, double tolerance, const std::string& reason) {
+  const Level& finest = refinement.levels.back();
+  const std::string where = refinement.quantity + ", finest voxels";
   if (finest.runs == 1) {
-    return {where, ladder.unit, Measure::relative, *ladder.expected, finest.found, tolerance, reason};
+    return {where, refinement.unit, Measure::relative, *refinement.expected, finest.found, tolerance, reason};
   }
   return {"RMS error of the " + where, "", Measure::at_most, tolerance, *finest.error, 0, reason};
 }

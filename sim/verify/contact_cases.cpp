@@ -10,8 +10,8 @@ namespace reamsim::verify {
 
 namespace {
 
-constexpr double kForceBar = 5e-3;  // of a steady plunge at 0.25 mm
-const char* const kBarReason = "limit set by this project";
+constexpr double kForceLimit = 5e-3;  // of a steady plunge at 0.25 mm
+const char* const kLimitReason = "limit set by this project";
 
 /// The example with one factor changed; a flat face with `radius_mm` 0.
 SteadyPlunge changed(double SteadyPlunge::*member, double value) {
@@ -84,35 +84,35 @@ std::vector<Check> half_checks(const PlungeRun& run, const Setting& setting) {
     const double form = expected.*load.member;
     const std::string quantity = std::string(load.name) + ", " + where;
     if (form != 0) {
-      out.push_back(relative_check(quantity, load.unit, form, found.*load.member, kForceBar, kBarReason));
+      out.push_back(relative_check(quantity, load.unit, form, found.*load.member, kForceLimit, kLimitReason));
     } else {
       // A flat face has no such load: a fraction of the load across it.
       const bool force = load.member == &HalfFaceLoads::along_e_n;
       const double scale = force ? expected.along_t_n : expected.about_t_nmm;
       out.push_back(
-          {quantity, load.unit, Measure::absolute, 0, found.*load.member, kForceBar * std::abs(scale), kBarReason});
+          {quantity, load.unit, Measure::absolute, 0, found.*load.member, kForceLimit * std::abs(scale), kLimitReason});
     }
   }
   return out;
 }
 
-/// The lateral force as ladders over the voxel size, against the law's integral.
-std::vector<Ladder> half_ladders(const Setting& setting) {
-  std::vector<Ladder> ladders;
+/// The lateral force as refinements over the voxel size, against the law's integral.
+std::vector<Refinement> half_refinements(const Setting& setting) {
+  std::vector<Refinement> refinements;
   const HalfFaceLoads expected = kExample.full_half_face();
   for (const HalfLoad& load : kHalfLoads) {
-    ladders.push_back({load.name, load.unit, "voxel, mm", expected.*load.member, {}, {}, {}});
+    refinements.push_back({load.name, load.unit, "voxel, mm", expected.*load.member, {}, {}, {}});
   }
   for (const double voxel_mm : four_voxels(setting.quick ? 0.25 : 0.125)) {
     const HalfFaceLoads found =
         measured_half({.plunge = kExample, .voxel_mm = voxel_mm, .half_toward_deg = 25}, setting);
-    for (std::size_t i = 0; i < ladders.size(); ++i) {
-      const double form = *ladders[i].expected;
-      ladders[i].levels.push_back(level_of(voxel_mm, {{form, found.*kHalfLoads[i].member}}, form));
+    for (std::size_t i = 0; i < refinements.size(); ++i) {
+      const double form = *refinements[i].expected;
+      refinements[i].levels.push_back(level_of(voxel_mm, {{form, found.*kHalfLoads[i].member}}, form));
     }
   }
-  for (Ladder& ladder : ladders) finish(ladder);
-  return ladders;
+  for (Refinement& refinement : refinements) finish(refinement);
+  return refinements;
 }
 
 }  // namespace
@@ -126,13 +126,13 @@ CaseFindings ratio_case(const Setting& setting) {
     setting.progress("ratio, " + with_density(plunge));
     const double found = measured_ratio_mm({.plunge = plunge}, setting);
     out.checks.push_back(relative_check("T/F_z, " + with_density(plunge), "mm", plunge.torque_nmm() / plunge.thrust_n(),
-                                        found, kForceBar, kBarReason));
+                                        found, kForceLimit, kLimitReason));
     out.checks.push_back({"T/F_z in the limit of slow feed, " + with_density(plunge), "mm", Measure::reported,
                           plunge.ratio_mm(), found, 0, "beside it"});
   }
   const double tilted = measured_ratio_mm({.plunge = kExample, .tilt_deg = 17}, setting);
   out.checks.push_back(relative_check("T/F_z, axis tilted by 17°", "mm", kExample.torque_nmm() / kExample.thrust_n(),
-                                      tilted, kForceBar, kBarReason));
+                                      tilted, kForceLimit, kLimitReason));
   return out;
 }
 
@@ -145,7 +145,7 @@ CaseFindings half_face_case(const Setting& setting) {
   out.form =
       "torque and axial force half of full contact; F·t = 2u·(v_f/ω)·(a − r₀); F·e = −k_n·u·(v_f/ω)·(a² − r₀²)/R; M·t "
       "= R·F·e; M·e = −2u·(v_f/ω)·R·[(a − r₀) − (C(a) − C(r₀))]";
-  out.ladders = half_ladders(setting);
+  out.refinements = half_refinements(setting);
   std::vector<PlungeRun> runs = {{.plunge = kExample, .half_toward_deg = 0},
                                  {.plunge = kExample, .half_toward_deg = 25},
                                  {.plunge = with_radius(std::nullopt), .half_toward_deg = 25}};

@@ -17,7 +17,7 @@ std::optional<double> observed_order(const std::vector<Level>& levels);
 /// larger of their differences counts.
 GridIndex grid_index(const std::vector<Level>& levels, double formal_order);
 
-/// Order and index of a ladder whose levels are filled in. Plane clipping is of second order.
-void finish(Ladder& ladder);
+/// Order and index of a refinement whose levels are filled in. Plane clipping is of second order.
+void finish(Refinement& refinement);
 
 }  // namespace reamsim::verify

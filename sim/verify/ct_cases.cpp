@@ -13,7 +13,7 @@ namespace {
 using std::numbers::pi;
 
 constexpr double kRate_hz = 500, kRpm = 250, kFeed_mm_s = 20, kStart_mm = 2;
-constexpr const char* kBar = "limit set by this project for a CT";
+constexpr const char* kCtLimitReason = "limit set by this project for a CT";
 
 /// Energy and volume of a plunge, summed as far as a depth.
 struct Removed {
@@ -104,7 +104,7 @@ Check worst_check(const std::string& quantity, const Worst& worst, double tolera
           0,
           worst.error,
           tolerance,
-          kBar};
+          kCtLimitReason};
 }
 
 }  // namespace
@@ -169,9 +169,10 @@ CaseFindings ct_plate_case(const Setting& setting) {
       }
     }
     const std::string plate = "energy per volume, plate of " + number(thickness_mm) + " mm";
-    const bool has_bar = thickness_mm == 2;
+    const bool has_limit = thickness_mm == 2;
     out.checks.push_back({plate + ", worst of " + std::to_string(worst.runs) + " (" + worst.where + ")", "",
-                          has_bar ? Measure::absolute : Measure::reported, 0, worst.error, 0.10, has_bar ? kBar : ""});
+                          has_limit ? Measure::absolute : Measure::reported, 0, worst.error, 0.10,
+                          has_limit ? kCtLimitReason : ""});
     out.checks.push_back({plate + ", mean", "", Measure::reported, 0, mean / worst.runs, 0, ""});
   }
   return out;
@@ -194,8 +195,8 @@ CaseFindings ct_force_case(const Setting& setting) {
   const PlungeLoads expected = form.full_loads();
   const Tool tool = make_tool(convex_profile(29, 4, 1.25, 8, 0.1));
   const Vec3 n = slab.outward();
-  Ladder torque{"mean spin torque", "N·mm", "voxel, mm", expected.torque_nmm, {}, {}, {}};
-  Ladder thrust{"mean thrust", "N", "voxel, mm", expected.thrust_n, {}, {}, {}};
+  Refinement torque{"mean spin torque", "N·mm", "voxel, mm", expected.torque_nmm, {}, {}, {}};
+  Refinement thrust{"mean thrust", "N", "voxel, mm", expected.thrust_n, {}, {}, {}};
   for (const double voxel_mm : four_voxels(0.25)) {
     constexpr int kDown = 100, kSteady = 400;
     const Motion motion =
@@ -206,10 +207,10 @@ CaseFindings ct_force_case(const Setting& setting) {
     torque.levels.push_back(level_of(voxel_mm, {{expected.torque_nmm, loads.spin_torque_nmm}}, expected.torque_nmm));
     thrust.levels.push_back(level_of(voxel_mm, {{expected.thrust_n, loads.axial_force_n}}, expected.thrust_n));
   }
-  for (Ladder* ladder : {&torque, &thrust}) {
-    finish(*ladder);
-    out.checks.push_back(finest_check(*ladder, 0.01, "the grade of the slab is rounded to 0.4 %"));
-    out.ladders.push_back(*ladder);
+  for (Refinement* refinement : {&torque, &thrust}) {
+    finish(*refinement);
+    out.checks.push_back(finest_check(*refinement, 0.01, "the grade of the slab is rounded to 0.4 %"));
+    out.refinements.push_back(*refinement);
   }
   return out;
 }

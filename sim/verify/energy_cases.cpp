@@ -38,13 +38,13 @@ double work_mj(const ToolPose& before, const FrameResult& row) {
 }
 
 /// Energy that the bone which is gone takes by the closed form of the law, mJ, and its volume, mm³.
-struct Gone {
+struct RemovedBone {
   double energy_mj = 0;
   double volume_mm3 = 0;
 };
 
-Gone gone_from(const BoneView& left) {
-  Gone out;
+RemovedBone removed_from(const BoneView& left) {
+  RemovedBone out;
   for_each_bone_voxel(left, [&](const Vec3i&, std::uint8_t grade, std::uint16_t fill) {
     const double lost = (1 - double(fill) / FillBricks::kWhole) * left.voxmap.grid.voxel_mm3();
     out.volume_mm3 += lost;
@@ -73,7 +73,7 @@ CaseFindings energy_case(const Setting& setting) {
     floor += reamed.rows[k].floor_energy_mj;
     cut += reamed.rows[k].energy_mj;
   }
-  const Gone gone = gone_from(reamed.left);
+  const RemovedBone gone = removed_from(reamed.left);
   const std::string bar = "limit set by this project for every run", reported = "";
   out.checks.push_back({"left side: work of the tool", "mJ", Measure::reported, 0, work, 0, reported});
   out.checks.push_back({"left side: speed-floor energy", "mJ", Measure::reported, 0, floor, 0, reported});

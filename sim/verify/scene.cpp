@@ -84,9 +84,9 @@ Motion path(double rate_hz, const Vec3& from_mm, const std::vector<Leg>& legs) {
   for (const Leg& leg : legs) {
     const ToolPose begin = motion.poses.back();
     for (int k = 1; k <= leg.frames; ++k) {
-      const double share = double(k) / leg.frames;
-      pose.position_mm = begin.position_mm + share * (leg.to_mm - begin.position_mm);
-      pose.orientation = begin.orientation.slerp(share, leg.turned);
+      const double fraction = double(k) / leg.frames;
+      pose.position_mm = begin.position_mm + fraction * (leg.to_mm - begin.position_mm);
+      pose.orientation = begin.orientation.slerp(fraction, leg.turned);
       pose.spin_rpm = leg.rpm;
       pose.spin_angle_rad = begin.spin_angle_rad + angular_speed(leg.rpm) * k / rate_hz;
       motion.poses.push_back(pose);
