@@ -32,7 +32,7 @@ CaseFindings ct_ramp_case(const Setting& setting);
 CaseFindings ct_plate_case(const Setting& setting);
 CaseFindings ct_force_case(const Setting& setting);
 
-/// What one run should give, and what it gave.
+/// A figure of one run.
 struct Sample {
   double expected = 0;
   double found = 0;
@@ -50,6 +50,12 @@ inline Level level_of(double step, const std::vector<Sample>& samples, double no
   return level;
 }
 
+/// Adds the level of one run.
+inline void add_level(Refinement& refinement, double step, double found) {
+  const double expected = *refinement.expected;
+  refinement.levels.push_back(level_of(step, {{expected, found}}, expected));
+}
+
 /// A figure against its closed form.
 inline Check relative_check(const std::string& quantity, const std::string& unit, double expected, double found,
                             double tolerance, const std::string& reason) {
@@ -61,7 +67,7 @@ inline std::vector<double> four_voxels(double finest_mm) {
   return {8 * finest_mm, 4 * finest_mm, 2 * finest_mm, finest_mm};
 }
 
-/// The refinement's finest level against its closed form; of several runs the root mean square of their errors.
+/// The finest level against its closed form; of several runs the root mean square of their errors.
 inline Check finest_check(const Refinement& refinement, double tolerance, const std::string& reason) {
   const Level& finest = refinement.levels.back();
   const std::string where = refinement.quantity + ", finest voxels";
@@ -71,7 +77,22 @@ inline Check finest_check(const Refinement& refinement, double tolerance, const 
   return {"RMS error of the " + where, "", Measure::at_most, tolerance, *finest.error, 0, reason};
 }
 
-/// Offsets within half a step either way, from a seed.
+/// Torque, thrust and removal rate of a steady plunge, without levels.
+inline std::vector<Refinement> load_refinements(const SteadyPlunge& plunge) {
+  const PlungeLoads loads = plunge.full_loads();
+  return {{"torque", "N·mm", "voxel, mm", loads.torque_nmm},
+          {"thrust", "N", "voxel, mm", loads.thrust_n},
+          {"removal rate", "mm³/s", "voxel, mm", plunge.removal_mm3_s()}};
+}
+
+/// Finishes the refinement, checks its finest level and adds both to `out`.
+inline void add_refinement(CaseFindings& out, Refinement refinement, double tolerance, const std::string& reason) {
+  finish(refinement);
+  out.checks.push_back(finest_check(refinement, tolerance, reason));
+  out.refinements.push_back(std::move(refinement));
+}
+
+/// Random offsets from a seed.
 class Offsets {
  public:
   explicit Offsets(unsigned seed) : random_(seed) {}

@@ -1,4 +1,4 @@
-// What does not depend on the bone's density, and what a face only half over bone feels.
+// The ratio of torque to thrust, which does not depend on the bone, and the loads on a face half over bone.
 #include <fmt/core.h>
 #include <cmath>
 #include <numbers>
@@ -101,14 +101,13 @@ std::vector<Refinement> half_refinements(const Setting& setting) {
   std::vector<Refinement> refinements;
   const HalfFaceLoads expected = kExample.full_half_face();
   for (const HalfLoad& load : kHalfLoads) {
-    refinements.push_back({load.name, load.unit, "voxel, mm", expected.*load.member, {}, {}, {}});
+    refinements.push_back({load.name, load.unit, "voxel, mm", expected.*load.member});
   }
   for (const double voxel_mm : four_voxels(setting.quick ? 0.25 : 0.125)) {
     const HalfFaceLoads found =
         measured_half({.plunge = kExample, .voxel_mm = voxel_mm, .half_toward_deg = 25}, setting);
     for (std::size_t i = 0; i < refinements.size(); ++i) {
-      const double form = *refinements[i].expected;
-      refinements[i].levels.push_back(level_of(voxel_mm, {{form, found.*kHalfLoads[i].member}}, form));
+      add_level(refinements[i], voxel_mm, found.*kHalfLoads[i].member);
     }
   }
   for (Refinement& refinement : refinements) finish(refinement);

@@ -10,26 +10,19 @@ namespace reamsim::verify {
 namespace {
 
 constexpr double kClear_mm = 0.1;
-/// Bars of the project for a steady plunge in full contact at 0.25 mm.
+/// Limits of the project for a steady plunge in full contact at 0.25 mm.
 constexpr double kForceLimit = 5e-3, kRippleLimit = 2e-3;
 const char* const kLimitReason = "limit set by this project";
 
 /// Torque, thrust and removal rate as refinements over the voxel size.
 std::vector<Refinement> steady_refinements(const SteadyPlunge& plunge, const Setting& setting) {
-  std::vector<Refinement> refinements(3);
-  const PlungeLoads loads = plunge.full_loads();
-  refinements[0] = {"torque", "N·mm", "voxel, mm", loads.torque_nmm, {}, {}, {}};
-  refinements[1] = {"thrust", "N", "voxel, mm", loads.thrust_n, {}, {}, {}};
-  refinements[2] = {"removal rate", "mm³/s", "voxel, mm", plunge.removal_mm3_s(), {}, {}, {}};
+  std::vector<Refinement> refinements = load_refinements(plunge);
   constexpr int kFrames = 64;
   for (const double voxel_mm : four_voxels(setting.quick ? 0.25 : 0.125)) {
     const MeanLoads mean =
         mean_loads(steady_rows({.plunge = plunge, .voxel_mm = voxel_mm, .frames = kFrames}, setting));
     const double found[] = {mean.spin_torque_nmm, mean.axial_force_n, mean.removed_mm3 / voxel_mm * plunge.feed_mm_s};
-    for (std::size_t i = 0; i < refinements.size(); ++i) {
-      refinements[i].levels.push_back(
-          level_of(voxel_mm, {{*refinements[i].expected, found[i]}}, *refinements[i].expected));
-    }
+    for (std::size_t i = 0; i < refinements.size(); ++i) add_level(refinements[i], voxel_mm, found[i]);
   }
   for (Refinement& refinement : refinements) finish(refinement);
   return refinements;
@@ -160,25 +153,19 @@ CaseFindings layered_case(const Setting& setting) {
   out.title = "Layered block: step of the force at the interface";
   out.scene = "flat cannulated reamer (a 8, r₀ 1.25 mm) along a lattice axis through 2 mm of 1.8 g/cm³ into 0.4 g/cm³";
   out.form = "T = π·u(ρ)·(a² − r₀²)·v_f/ω minus the work of the feed, on both sides; the step at 2 mm";
-  Refinement above{"torque above the interface", "N·mm", "voxel, mm", dense.full_loads().torque_nmm, {}, {}, {}};
-  Refinement below{"torque below the interface", "N·mm", "voxel, mm", soft.full_loads().torque_nmm, {}, {}, {}};
+  Refinement above{"torque above the interface", "N·mm", "voxel, mm", dense.full_loads().torque_nmm};
+  Refinement below{"torque below the interface", "N·mm", "voxel, mm", soft.full_loads().torque_nmm};
   double step_mm = 0;  // at the finest level
   for (const double voxel_mm : four_voxels(setting.quick ? 0.125 : 0.0625)) {
     const auto rows = rows_round_interface(dense, soft, voxel_mm, setting);
     const std::span<const FrameResult> all(rows);
     step_mm = depth_of_step(rows, 0.5 * (dense.torque_nmm() + soft.torque_nmm()));
-    const double torques[] = {mean_loads(all.first(kAroundFrames / 2)).spin_torque_nmm,
-                              mean_loads(all.last(kAroundFrames / 2)).spin_torque_nmm};
-    above.levels.push_back(level_of(voxel_mm, {{*above.expected, torques[0]}}, *above.expected));
-    below.levels.push_back(level_of(voxel_mm, {{*below.expected, torques[1]}}, *below.expected));
+    add_level(above, voxel_mm, mean_loads(all.first(kAroundFrames / 2)).spin_torque_nmm);
+    add_level(below, voxel_mm, mean_loads(all.last(kAroundFrames / 2)).spin_torque_nmm);
   }
-  for (Refinement* refinement : {&above, &below}) {
-    finish(*refinement);
-    out.checks.push_back(finest_check(*refinement, kForceLimit, kLimitReason));
-  }
+  for (const Refinement& refinement : {above, below}) add_refinement(out, refinement, kForceLimit, kLimitReason);
   out.checks.push_back({"depth of the step, finest voxels", "mm", Measure::absolute, kLayer_mm, step_mm,
                         2 * kAround_mm / kAroundFrames, "one frame of feed"});
-  out.refinements = {std::move(above), std::move(below)};
   return out;
 }
 

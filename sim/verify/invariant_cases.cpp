@@ -1,4 +1,4 @@
-// What must not happen, and what must not change.
+// Invariants: no load without a cut, and the same loads under symmetries.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -20,10 +20,10 @@ Tool head() {
 }
 
 Quat oblique(double degrees) {
-  return Quat(Eigen::AngleAxisd(degrees * pi / 180, Vec3(1, 0.4, 0).normalized()));
+  return rotation({1, 0.4, 0}, degrees);
 }
 
-/// What a stretch of frames did at most.
+/// Largest loads and removed volume over rows.
 struct Most {
   double force_n = 0;
   double torque_nmm = 0;
@@ -113,7 +113,7 @@ CaseFindings second_pass_case(const Setting& setting) {
   ReamingScene scene =
       scene_of(block({24, 24, 8}, kVoxel_mm, kDensity), head(), path(kRate_hz, {0.03, 0.05, 2.5}, {down, side}));
   const Reamed first = ream(scene, setting);
-  scene.bone = first.left;
+  scene.bone = first.bone;
   const Reamed second = ream(std::move(scene), setting);
   add_nothing(second.after(0), first.removed_mm3(), out.checks);
   return out;

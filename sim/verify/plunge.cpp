@@ -56,7 +56,7 @@ std::vector<FrameResult> steady_rows(const PlungeRun& run, const Setting& settin
   const double voxel_mm = run.voxel_mm, travel_mm = voxel_mm;
   const Vec3 entry = entry_mm(voxel_mm);
   const double tilt = run.tilt_deg * std::numbers::pi / 180, slant = plunge.outer_mm * std::tan(tilt);
-  const Quat turned(Eigen::AngleAxisd(tilt, Vec3(1, 0.3, 0).normalized()));
+  const Quat turned = rotation({1, 0.3, 0}, run.tilt_deg);
   const Vec3 axis = turned * Vec3(0, 0, 1);
   const double begin = plunge.full_contact_mm() + slant + kPast_mm + 0.37 * voxel_mm, end = begin + travel_mm;
   const double rate = plunge.feed_mm_s * run.frames / travel_mm, above = slant + kClear_mm;

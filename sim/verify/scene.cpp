@@ -73,6 +73,10 @@ FilledVoxmap block(const Vec3& size_mm, double voxel_mm, double density_g_cm3) {
   return block(size_mm, voxel_mm, [=](const Vec3&) { return density_g_cm3; });
 }
 
+Quat rotation(const Vec3& axis, double degrees) {
+  return Quat(Eigen::AngleAxisd(degrees * std::numbers::pi / 180, axis.normalized()));
+}
+
 Motion path(double rate_hz, const Vec3& from_mm, const std::vector<Leg>& legs) {
   Motion motion;
   motion.frame_rate_hz = rate_hz;

@@ -40,6 +40,9 @@ struct Leg {
   Quat turned = Quat::Identity();  ///< orientation at its end
 };
 
+/// The rotation about an axis of any length.
+Quat rotation(const Vec3& axis, double degrees);
+
 /// A path of legs; the tool stands at `from_mm` first, turned as at the end of the first leg.
 Motion path(double rate_hz, const Vec3& from_mm, const std::vector<Leg>& legs);
 

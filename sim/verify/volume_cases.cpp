@@ -43,12 +43,7 @@ Sample plunged_ball(const Tool& tool, double voxel_mm, const Vec3& offset_mm, co
 constexpr double kFinestVoxel_mm = 0.25;
 
 Refinement volume_refinement(double nominal_mm3) {
-  Refinement refinement;
-  refinement.quantity = "removed volume";
-  refinement.unit = "mm³";
-  refinement.step = "voxel, mm";
-  refinement.expected = nominal_mm3;
-  return refinement;
+  return {"removed volume", "mm³", "voxel, mm", nominal_mm3};
 }
 
 constexpr double kOrderLimit = 1.8;
@@ -79,10 +74,8 @@ CaseFindings half_space_case(const Setting& setting) {
     const Sample sample = plunged_ball(tool, voxel_mm, Vec3::Zero(), Quat::Identity(), ErosionMode::exact, setting);
     refinement.levels.push_back(level_of(voxel_mm, {sample}, cap));
   }
-  finish(refinement);
-  out.checks.push_back(finest_check(refinement, kAim, kAimReason));
-  out.checks.push_back(order_check(refinement));
-  out.refinements.push_back(std::move(refinement));
+  add_refinement(out, std::move(refinement), kAim, kAimReason);
+  out.checks.push_back(order_check(out.refinements.back()));
   return out;
 }
 
@@ -167,9 +160,7 @@ CaseFindings cylinder_case(const Setting& setting) {
     for (const double voxel_mm : four_voxels(setting.quick ? 0.125 : 0.0625)) {
       refinement.levels.push_back(plunged_cylinder(tool, voxel_mm, tilt(degrees, 0.4), setting.quick ? 2 : 6, setting));
     }
-    finish(refinement);
-    out.checks.push_back(finest_check(refinement, kAim, kAimReason));
-    out.refinements.push_back(std::move(refinement));
+    add_refinement(out, std::move(refinement), kAim, kAimReason);
   }
   return out;
 }
@@ -194,12 +185,10 @@ CaseFindings sweep_case(const Setting& setting) {
         kRate_hz, origin(start + Vec3(0, 0, kDeep_mm + kClear_mm)),
         {{origin(start), 62, 250, turned}, {origin(start + way), static_cast<int>(kSweep_mm / kStep_mm), 250, turned}});
     const ReamingScene scene = scene_of(block({30, 24, 5}, voxel_mm, kReferenceDensity_g_cm3), tool, motion);
-    refinement.levels.push_back(level_of(voxel_mm, {{volume, ream(scene, setting).removed_mm3()}}, volume));
+    add_level(refinement, voxel_mm, ream(scene, setting).removed_mm3());
   }
-  finish(refinement);
-  out.checks.push_back(
-      finest_check(refinement, 2e-4, "limit of the cap; the ridges between two frames are 1.3·10⁻⁵ of the volume"));
-  out.refinements.push_back(std::move(refinement));
+  add_refinement(out, std::move(refinement), 2e-4,
+                 "limit of the cap; the ridges between two frames are 1.3·10⁻⁵ of the volume");
   return out;
 }
 
