@@ -7,10 +7,10 @@ namespace reamsim {
 /// A number with `decimals`, never "-0.0".
 std::string fixed_text(double value, int decimals);
 
-/// The reamer's travel into the bone, mm, as pictures name it: drawn back behind its first contact, it has no depth.
+/// The tool depth in pictures: "1.25 mm", or "lifted" above the first contact.
 std::string depth_text(double depth_mm);
 
-/// A number as a user would write it, six digits at most: "0.25", "1e+07", "nan".
+/// At most six significant digits: "0.25", "1e+07", "nan".
 std::string rounded_text(double value);
 
 /// The fewest digits that read back to the same value.

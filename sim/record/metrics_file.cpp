@@ -16,7 +16,7 @@ Json vector_json(const Vec3& v) {
   return Json::array({v.x(), v.y(), v.z()});
 }
 
-/// What `make` makes of the value; null without one.
+/// `make` of the value; null where it is missing.
 template <class Value, class Make>
 Json json_or_null(const std::optional<Value>& value, const Make& make) {
   return value ? make(*value) : Json();
@@ -48,7 +48,7 @@ Json face_json(const ReamedFace& face) {
   return json;
 }
 
-/// Beside each value that may be missing stands the reason for it, null where there is a value.
+/// Why a value is missing; null where it is not.
 template <class Value>
 Json reason_json(const Measured<Value>& measured) {
   return measured.value ? Json() : Json(measured.reason);

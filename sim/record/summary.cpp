@@ -19,7 +19,7 @@ namespace reamsim {
 
 namespace {
 
-/// Provenance that the grids carry. No device and no time: the same scenario gives the same grids.
+/// Provenance in the metadata of the grids. Without device and time, so that the same scenario gives the same bytes.
 Metadata provenance(const ReamingScene& scene, const RunFacts& facts) {
   Metadata out{{"program", "reamsim " REAMSIM_VERSION},
                {"scenario", scene.scenario.name},
@@ -40,7 +40,7 @@ std::string scenario_head(const RunFacts& facts) {
   return head;
 }
 
-/// The most memory that the process has held, MB = 10⁶ bytes.
+/// Peak memory of the process, MB = 10⁶ bytes.
 double peak_process_mb() {
   struct rusage usage {};
   getrusage(RUSAGE_SELF, &usage);
@@ -54,7 +54,7 @@ nlohmann::ordered_json headline_json(const Headline& headline) {
           {"force_definition", headline.force_definition()},
           {"depth_name", Headline::kDepthName},
           {"depth_mm", headline.tool_depth_mm},
-          {"depth_definition", Headline::depth_definition()}};
+          {"depth_definition", Headline::kDepthDefinition}};
 }
 
 nlohmann::ordered_json forces_json(const RunTotals& totals) {
@@ -72,7 +72,7 @@ nlohmann::ordered_json forces_json(const RunTotals& totals) {
           {"mean_spin_torque_nmm", totals.means().spin_torque_nmm}};
 }
 
-/// The force law as it ran, for those who cite it.
+/// The force law of the run, for citation.
 nlohmann::ordered_json force_law_json(const CuttingSettings& cutting) {
   nlohmann::ordered_json json;
   json["preset"] =
@@ -112,7 +112,7 @@ nlohmann::ordered_json bone_json(const ReamingScene& scene, const RunTotals& tot
           {"removed_mm3", totals.removed_mm3}};
 }
 
-/// What separated the bone from the rest of the scan.
+/// The segmentation of the scan.
 nlohmann::ordered_json segmentation_json(const Segmentation& s) {
   nlohmann::ordered_json json;
   json["method"] = s.method;
@@ -186,7 +186,7 @@ void write_summary(const std::string& dir, const ReamingScene& scene, const RunT
   json["erosion"] = name_of(scene.scenario.cutting.erosion);
   json["law"] = name_of(scene.scenario.cutting.law);
   if (scene.scenario.cutting.law == CuttingLaw::energy) json["force_law"] = force_law_json(scene.scenario.cutting);
-  // Single frames are spikes where voxels go whole.
+  // Where voxels are removed whole, single frames are spikes.
   json["headline"] = headline_json(totals.headline(scene.scenario.cutting.erosion != ErosionMode::exact));
   json["frames"] = totals.frames;
   json["contact_frames"] = totals.contact_frames;
