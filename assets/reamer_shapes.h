@@ -26,6 +26,6 @@ Profile flat_profile();
 
 /// The convex reamer with six spiral cutting lips and a chip slot through the head before each of them. Its lips lie on
 /// the face of convex_profile(); between them the face is set back by up to 0.9 mm.
-TriangleMesh convex_with_lips();
+TriangleMesh convex_with_cutting_edges();
 
 }  // namespace reamsim::assets

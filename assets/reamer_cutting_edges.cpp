@@ -10,7 +10,7 @@ namespace reamsim::assets {
 
 namespace {
 
-constexpr int kLips = 6;
+constexpr int kCuttingEdges = 6;
 constexpr double kDegree = std::numbers::pi / 180;
 /// How far the face is set back between the lips, and over which radii it reaches that.
 constexpr double kRecessMm = 0.9;
@@ -73,10 +73,10 @@ Rings slotted_rings() {
 }
 
 /// The grid of rings by columns, both closed, as triangles.
-class LipGrid {
+class CuttingEdgeGrid {
  public:
-  LipGrid() : rings_(slotted_rings()), sector_(sector_angles()) {
-    columns_ = kLips * sector_.size();
+  CuttingEdgeGrid() : rings_(slotted_rings()), sector_(sector_angles()) {
+    columns_ = kCuttingEdges * sector_.size();
     for (std::size_t ring = 0; ring < rings_.points.size(); ++ring)
       for (std::size_t column = 0; column < columns_; ++column) mesh_.vertices.push_back(vertex(ring, column));
   }
@@ -96,7 +96,7 @@ class LipGrid {
     const Vec2& rz = rings_.points[ring];
     const double within = sector_[column % sector_.size()];
     const double angle =
-        within + 2 * std::numbers::pi / kLips * static_cast<double>(column / sector_.size()) + kSpiralPerMm * rz.x();
+        within + 2 * std::numbers::pi / kCuttingEdges * static_cast<double>(column / sector_.size()) + kSpiralPerMm * rz.x();
     const double set_back = ring <= rings_.face_end ? recess(rz.x(), within) : 0.0;
     return {rz.x() * std::cos(angle), rz.x() * std::sin(angle), rz.y() + set_back};
   }
@@ -148,8 +148,8 @@ class LipGrid {
 
 }  // namespace
 
-TriangleMesh convex_with_lips() {
-  return LipGrid().build();
+TriangleMesh convex_with_cutting_edges() {
+  return CuttingEdgeGrid().build();
 }
 
 }  // namespace reamsim::assets
