@@ -38,7 +38,7 @@ bool is_benchmark(const std::string& path) {
   return read_file_start(path, 256).starts_with("{\n  \"program\": \"reamsim ");
 }
 
-/// Finds out before minutes of measuring whether the file can be written, and leaves it as it is.
+/// Throws InputError where the file cannot be written. Does not change it.
 void require_writable(const std::string& path, bool overwrite) {
   require_replaceable_file(path, "--json", overwrite, is_benchmark, {});
   const bool existed = std::filesystem::exists(path);
@@ -52,8 +52,8 @@ std::string program_of(const bench::Label& label) {
   return label.engine + (label.variant == "published" ? ", published" : "");
 }
 
-/// Severe contact as curves over the shell, a panel per voxmap. The paper's figures go with the programs that it
-/// measured; what has no shell is a level line.
+/// Severe contact as curves over the shell, a panel per voxmap; engines without a shell are level lines. The programs
+/// that the paper measured also get its figures.
 void add_severe(const bench::Findings& findings, BenchPlot& plot) {
   for (const bench::CaseRow& row : findings.cases) {
     if (row.at.contact != "severe") continue;
@@ -123,7 +123,7 @@ void add_bench_command(CLI::App& app, Console& console) {
       ->delimiter(',')
       ->type_name("E,E");
   command->add_flag("--quiet", console.quiet, "Print only warnings and errors");
-  // Prints the depths that sim/bench/poses.cpp holds, found anew; for whoever changes the scene.
+  // For developers who change the scene: recomputes the depths in sim/bench/poses.cpp.
   command->add_flag("--find-depths", options->find_depths)->group("");
   command->callback([options, &console] { bench_command(*options, console); });
 }

@@ -23,9 +23,9 @@ namespace reamsim {
 
 namespace {
 
-/// So long frames are timed for.
+/// Duration of the timed part of the simulation.
 constexpr double kTiming_s = 1;
-/// A picture of 1920 × 1080, measured on two cores; docs/formats.md says how.
+/// Time of a picture of 1920 × 1080, measured on two cores as docs/formats.md describes.
 constexpr double kPicture_s = 0.4;
 
 void note_cost(const ReamingScene& scene, Report& report) {
@@ -44,7 +44,7 @@ void note_cost(const ReamingScene& scene, Report& report) {
               " in total, plus rendering");
 }
 
-/// Reams the scene's bone. The engine's own mistakes come to light here as well.
+/// Times frames, which reams the bone of the scene. Also collects the mistakes that the engine finds.
 void note_time(ReamingScene& scene, double load_s, MistakeList& mistakes, Report& report) {
   const RenderSettings& render = scene.scenario.render;
   const std::vector<std::int64_t> frames = picture_frames(render, std::ssize(scene.motion.poses) - 1);
@@ -79,8 +79,8 @@ void warn_of_settings(const ReamingScene& scene, Report& report) {
   }
 }
 
-/// As comments, so that the scenario below them stays one.
-void say_findings(const Report& report, const Console& console) {
+/// As YAML comments, so that the output is a scenario.
+void print_findings(const Report& report, const Console& console) {
   for (const std::string& warning : report.warnings) console.say("# warning: " + warning);
   for (const std::string& note : report.notes) console.say("# " + note);
 }
@@ -99,11 +99,11 @@ void check_command(const ScenarioOptions& options, const Console& console) {
   note_time(scene, load_s, mistakes, report);
   if (scene.bone.segmentation) report.note(sentence_of(*scene.bone.segmentation));
   report.notes.insert(report.notes.end(), found.notes.begin(), found.notes.end());
-  // On a terminal standard error would say them a second time.
+  // On a terminal, standard error would repeat them.
   if (isatty(STDOUT_FILENO) == 0 || console.quiet) {
     for (const std::string& warning : report.warnings) console.warn(warning);
   }
-  say_findings(report, console);
+  print_findings(report, console);
   mistakes.throw_if_any();
   console.say(to_yaml(scene.scenario));
 }

@@ -27,13 +27,13 @@ struct CompareOptions {
   bool overwrite = false;
 };
 
-/// What the terminal shows; compare.csv has every number.
+/// The metrics on the terminal; compare.csv has all.
 constexpr std::array kShown{
     "removed_mm3",         "headline.depth_mm",  "headline.peak_axial_force_n", "headline.peak_spin_torque_nmm",
     "energy_mj",           "forces.rms_force_n", "forces.rms_torque_nmm",       "bone.voxel_mm",
     "bone.bone_after_mm3", "simulated_s"};
 
-/// Throws InputError unless each of two or more folders is a run's, and none is named twice.
+/// Throws InputError unless there are two or more different folders of finished runs.
 void check_folders(const std::vector<std::string>& dirs) {
   if (dirs.size() < 2) throw InputError({}, "DIR", "only one folder given", "give two or more results folders");
   std::set<fs::path> seen;
@@ -52,7 +52,7 @@ void check_folders(const std::vector<std::string>& dirs) {
   }
 }
 
-/// The folders' names, or their paths where two have one name.
+/// The names of the folders, or their paths where two have the same name.
 std::vector<ComparedRun> label_runs(const std::vector<std::string>& dirs) {
   std::vector<ComparedRun> runs;
   std::set<std::string> names;
@@ -65,7 +65,7 @@ std::vector<ComparedRun> label_runs(const std::vector<std::string>& dirs) {
   return runs;
 }
 
-/// Where voxels go whole, single frames are spikes: then forces are shown as the run's own plots show them.
+/// Sets the travel of the means to that of the run's own plots.
 void set_means(std::vector<ComparedRun>& runs, const std::vector<ComparedMetric>& metrics) {
   const auto found = std::find_if(metrics.begin(), metrics.end(),
                                   [](const ComparedMetric& metric) { return metric.key == "bone.voxel_mm"; });
@@ -90,8 +90,8 @@ std::string entry(const ComparedMetric& metric, std::size_t run) {
   return number(metric.values[run]) + fmt::format(" ({:+.2f} %)", 100 * relative);
 }
 
-void say_table(const Console& console, const std::vector<ComparedRun>& runs,
-               const std::vector<ComparedMetric>& metrics) {
+void print_table(const Console& console, const std::vector<ComparedRun>& runs,
+                 const std::vector<ComparedMetric>& metrics) {
   std::vector<std::vector<std::string>> rows{{"metric"}};
   for (const ComparedRun& run : runs) rows[0].push_back(run.label);
   for (const char* key : kShown) {
@@ -121,7 +121,7 @@ void compare_command(const CompareOptions& options, const Console& console) {
       {.dir = options.output, .kind = ResultKind::comparison, .overwrite = options.overwrite, .inputs = options.dirs});
   write_comparison(folder.path(), runs, metrics);
   folder.finish();
-  say_table(console, runs, metrics);
+  print_table(console, runs, metrics);
   console.say("differences are relative to " + runs[0].label + "; all numbers: " + folder.final_path() +
               "/compare.csv");
 }
