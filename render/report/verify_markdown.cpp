@@ -31,7 +31,7 @@ std::string with_unit(const std::string& quantity, const std::string& unit) {
 
 /// A relative error as a percentage; one that has a sign with its sign.
 std::string percent(double fraction, bool has_sign = true) {
-  return fmt::format(has_sign ? "{:+.2g} %" : "{:.2g} %", 100 * fraction);
+  return has_sign ? fmt::format("{:+.2g} %", 100 * fraction) : fmt::format("{:.2g} %", 100 * fraction);
 }
 
 std::string error_text(const verify::Level& level) {
