@@ -84,10 +84,10 @@ void bench_command(const BenchOptions& options, const Console& console) {
   if (!options.json.empty()) require_writable(options.json, options.overwrite);
   OutputFolder folder(
       {.dir = options.output, .kind = ResultKind::benchmark, .overwrite = options.overwrite, .inputs = {}});
-  bench::Watch watch;
-  watch.progress = [&](const std::string& stage) { console.say("... " + stage); };
-  watch.stop = stop_requested;
-  const bench::Findings findings = bench::run_bench(plan, watch);
+  bench::BenchControl control;
+  control.progress = [&](const std::string& stage) { console.say("... " + stage); };
+  control.stop = stop_requested;
+  const bench::Findings findings = bench::run_bench(plan, control);
   console.say("\n" + bench::text_of(findings));
   if (!options.json.empty()) write_file(options.json, bench::json_of(findings));
   BenchPlot plot;

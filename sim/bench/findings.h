@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "sim/bench/contender.h"
+#include "sim/bench/program.h"
 
 namespace reamsim::bench {
 

@@ -51,12 +51,12 @@ std::vector<cl_uint> descent_steps(int side) {
   return steps;
 }
 
-PublishedProgram::PublishedProgram(const std::string& engine, const cl::DeviceInfo& info, const Arena& arena,
+PublishedProgram::PublishedProgram(const std::string& engine, const cl::DeviceInfo& info, const Setup& setup,
                                    const char* source, std::size_t record_words)
-    : arena_(arena),
+    : setup_(setup),
       device_(info),
       program_(device_.build("published_" + engine + ".cl", source)),
-      points_(arena.tool->shell.codes.size()),
+      points_(setup.tool->shell.codes.size()),
       frame_(device_, 1, "the frame"),
       label_{engine, "published"},
       touched_kernel_(program_, "published_touched"),
@@ -65,7 +65,7 @@ PublishedProgram::PublishedProgram(const std::string& engine, const cl::DeviceIn
       touched_count_(device_, 1, "their number") {}
 
 void PublishedProgram::prepare(const Substep& frame) {
-  const PublishedFrame args = published_frame(frame, std::nullopt, *arena_.tool, arena_.voxmap->grid);
+  const PublishedFrame args = published_frame(frame, std::nullopt, *setup_.tool, setup_.voxmap->grid);
   frame_.write(device_, &args, 1);
   touched_count_.clear(device_, 1);
   const cl::Event done = touched_kernel_.launch(device_, points_, kPublishedGroup);

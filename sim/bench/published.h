@@ -3,7 +3,7 @@
 #include <optional>
 
 #include "kernels/published.h"
-#include "sim/bench/contender.h"
+#include "sim/bench/program.h"
 
 namespace reamsim::bench {
 
@@ -21,7 +21,7 @@ inline constexpr std::size_t kPublishedGroup = 256;
 
 /// A published program. Before a frame that is prepared it records the voxels that the frame will remove, so that
 /// restore() need not upload the whole bone.
-class PublishedProgram : public Contender {
+class PublishedProgram : public Program {
  public:
   void prepare(const Substep& frame) override;
   BatchSample run(std::span<const Substep> frames, bool use_voi) override;
@@ -30,7 +30,7 @@ class PublishedProgram : public Contender {
 
  protected:
   /// `record_words`: 32-bit words that the kernel `published_touched` writes per point.
-  PublishedProgram(const std::string& engine, const cl::DeviceInfo& info, const Arena& arena, const char* source,
+  PublishedProgram(const std::string& engine, const cl::DeviceInfo& info, const Setup& setup, const char* source,
                    std::size_t record_words);
   /// Sets the arguments of the kernels that record and restore: the shell, what they test, and what they restore.
   template <class Shell, class Bone, class State>
@@ -43,7 +43,7 @@ class PublishedProgram : public Contender {
   /// Restores the whole bone.
   virtual void restore_all() = 0;
 
-  Arena arena_;
+  Setup setup_;
   cl::Device device_;
   cl::Program program_;
   std::size_t points_;

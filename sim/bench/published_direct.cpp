@@ -14,13 +14,13 @@ namespace {
 
 class PublishedDirect final : public PublishedProgram {
  public:
-  PublishedDirect(const cl::DeviceInfo& info, const Arena& arena, bool count)
-      : PublishedProgram("direct", info, arena, embedded::kernel_published_direct, 2),
+  PublishedDirect(const cl::DeviceInfo& info, const Setup& setup, bool count)
+      : PublishedProgram("direct", info, setup, embedded::kernel_published_direct, 2),
         count_(count),
         kernel_(program_, "published_direct"),
         codes_(device_, points_, "the point shell"),
-        bone_(device_, static_cast<std::size_t>(arena.voxmap->grid.size()), "the voxmap") {
-    const PointShell& shell = arena_.tool->shell;
+        bone_(device_, static_cast<std::size_t>(setup.voxmap->grid.size()), "the voxmap") {
+    const PointShell& shell = setup_.tool->shell;
     if (shell.resolution > kNarrowResolution) throw InputError("the published shell has at most 1024 cells an edge");
     const std::vector<cl_uint> codes(shell.codes.begin(), shell.codes.end());
     codes_.write(device_, codes.data(), codes.size());
@@ -33,20 +33,20 @@ class PublishedDirect final : public PublishedProgram {
 
  private:
   void restore_all() override {
-    const auto grades = dense_grades_left(*arena_.voxmap);
+    const auto grades = dense_grades_left(*setup_.voxmap);
     bone_.write(device_, grades.data(), grades.size());
   }
 
   void run_one(const Substep& frame, bool use_voi, BatchSample& sample) override {
-    const Stopwatch watch;
-    const auto voi = broad_phase(arena_.tool_box, arena_.bone_box, frame.pose.bone_from_tool().inverse());
-    sample.broad_s += watch.seconds();
+    const Stopwatch stopwatch;
+    const auto voi = broad_phase(setup_.tool_box, setup_.bone_box, frame.pose.bone_from_tool().inverse());
+    sample.broad_s += stopwatch.seconds();
     if (!voi) {
-      sample.total_s += watch.seconds();
+      sample.total_s += stopwatch.seconds();
       return;
     }
     const Stopwatch upload;
-    PublishedFrame args = published_frame(frame, use_voi ? voi : std::nullopt, *arena_.tool, arena_.voxmap->grid);
+    PublishedFrame args = published_frame(frame, use_voi ? voi : std::nullopt, *setup_.tool, setup_.voxmap->grid);
     args.count_contacts = count_ ? 1 : 0;
     frame_.write(device_, &args, 1, 0, false);
     sample.upload_s += upload.seconds();
@@ -54,7 +54,7 @@ class PublishedDirect final : public PublishedProgram {
     events.push_back(kernel_.launch(device_, points_, kPublishedGroup));
     PublishedFrame result;
     frame_.read(device_, &result, 1);
-    sample.total_s += watch.seconds();
+    sample.total_s += stopwatch.seconds();
     sample.kernel_s += cl::take_seconds(events).front();
     sample.contacts += result.contacts;
     for (int i = 0; i < 3; ++i) sample.force[i] += static_cast<double>(result.force[i]) / RS_PUBLISHED_SCALE;
@@ -68,8 +68,8 @@ class PublishedDirect final : public PublishedProgram {
 
 }  // namespace
 
-std::unique_ptr<Contender> make_published_direct(const cl::DeviceInfo& device, const Arena& arena, bool count) {
-  return std::make_unique<PublishedDirect>(device, arena, count);
+std::unique_ptr<Program> make_published_direct(const cl::DeviceInfo& device, const Setup& setup, bool count) {
+  return std::make_unique<PublishedDirect>(device, setup, count);
 }
 
 }  // namespace bench

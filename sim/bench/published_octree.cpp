@@ -31,15 +31,15 @@ std::vector<float> points_of(const PointShell& shell) {
 
 class PublishedOctree final : public PublishedProgram {
  public:
-  PublishedOctree(const cl::DeviceInfo& info, const Arena& arena)
-      : PublishedProgram("octree", info, arena, embedded::kernel_published_octree, 1),
+  PublishedOctree(const cl::DeviceInfo& info, const Setup& setup)
+      : PublishedProgram("octree", info, setup, embedded::kernel_published_octree, 1),
         detect_(program_, "published_octree"),
         reduce_(program_, "published_reduce"),
-        voxels_(static_cast<std::size_t>(arena.voxmap->grid.size())),
+        voxels_(static_cast<std::size_t>(setup.voxmap->grid.size())),
         hu_(device_, voxels_, "the voxmap's HU"),
         collided_(device_, voxels_, "the voxmap's collision flags"),
-        shell_(cl::upload(device_, points_of(arena.tool->shell), "the point shell")),
-        steps_(cl::upload(device_, descent_steps(arena.voxmap->grid.dims.x()), "the look-up table")),
+        shell_(cl::upload(device_, points_of(setup.tool->shell), "the point shell")),
+        steps_(cl::upload(device_, descent_steps(setup.voxmap->grid.dims.x()), "the look-up table")),
         forces_(device_, 4 * points_, "the points' forces"),
         partial_(device_, 4 * kPartialSums, "the partial sums"),
         sum_(device_, 4, "the sum") {
@@ -64,7 +64,7 @@ class PublishedOctree final : public PublishedProgram {
       hu_of_grade[static_cast<std::size_t>(grade)] =
           grade == 0 ? kAirHu : static_cast<float>(mapping.hu_from_density(density));
     }
-    const auto grades = dense_grades_left(*arena_.voxmap);
+    const auto grades = dense_grades_left(*setup_.voxmap);
     constexpr std::size_t kChunk = std::size_t{1} << 22;
     std::vector<float> chunk;
     for (std::size_t first = 0; first < voxels_; first += kChunk) {
@@ -81,15 +81,15 @@ class PublishedOctree final : public PublishedProgram {
   }
 
   void run_one(const Substep& frame, bool /*use_voi: there is none*/, BatchSample& sample) override {
-    const Stopwatch watch;
-    const bool overlap = boxes_overlap(arena_.tool_box, arena_.bone_box, frame.pose.bone_from_tool().inverse());
-    sample.broad_s += watch.seconds();
+    const Stopwatch stopwatch;
+    const bool overlap = boxes_overlap(setup_.tool_box, setup_.bone_box, frame.pose.bone_from_tool().inverse());
+    sample.broad_s += stopwatch.seconds();
     if (!overlap) {
-      sample.total_s += watch.seconds();
+      sample.total_s += stopwatch.seconds();
       return;
     }
     const Stopwatch upload;
-    const PublishedFrame args = published_frame(frame, std::nullopt, *arena_.tool, arena_.voxmap->grid);
+    const PublishedFrame args = published_frame(frame, std::nullopt, *setup_.tool, setup_.voxmap->grid);
     frame_.write(device_, &args, 1, 0, false);
     sample.upload_s += upload.seconds();
     std::vector<cl::Event> events;
@@ -98,7 +98,7 @@ class PublishedOctree final : public PublishedProgram {
     events.push_back(reduce(partial_, kPartialSums, sum_, 1));
     float result[4];
     sum_.read(device_, result, 4);
-    sample.total_s += watch.seconds();
+    sample.total_s += stopwatch.seconds();
     for (const double s : cl::take_seconds(events)) sample.kernel_s += s;
     sample.contacts += static_cast<std::int64_t>(result[3]);
     sample.force += Vec3(result[0], result[1], result[2]);
@@ -115,8 +115,8 @@ class PublishedOctree final : public PublishedProgram {
 
 }  // namespace
 
-std::unique_ptr<Contender> make_published_octree(const cl::DeviceInfo& device, const Arena& arena) {
-  return std::make_unique<PublishedOctree>(device, arena);
+std::unique_ptr<Program> make_published_octree(const cl::DeviceInfo& device, const Setup& setup) {
+  return std::make_unique<PublishedOctree>(device, setup);
 }
 
 }  // namespace bench

@@ -35,8 +35,8 @@ Plan full_plan();
 /// `severe` and `none` at 256³ and 1024³ for `direct` and `bricked`; under a minute.
 Plan quick_plan();
 
-/// What the caller may watch and steer.
-struct Watch {
+/// What the caller may control and steer.
+struct BenchControl {
   std::function<void(const std::string&)> progress = [](const std::string&) {};
   std::function<bool()> stop = [] { return false; };
 };
@@ -45,7 +45,7 @@ struct Watch {
 void check_plan(const Plan& plan);
 /// Runs the plan. Throws InputError (no such engine or device), RunError (no OpenCL; poses that do not touch what they
 /// should), Interrupted. What a device cannot hold is in Findings::skipped.
-Findings run_bench(const Plan& plan, const Watch& watch);
+Findings run_bench(const Plan& plan, const BenchControl& control);
 
 /// Depths of the approaches at a voxmap and a shell, as text to put into poses.cpp.
 std::string find_depths(int voxmap, int shell);

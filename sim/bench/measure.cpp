@@ -1,4 +1,4 @@
-#include "sim/bench/field.h"
+#include "sim/bench/measure.h"
 
 #include <algorithm>
 #include <functional>
@@ -10,9 +10,9 @@ namespace reamsim::bench {
 
 namespace {
 
-using Maker = std::function<std::unique_ptr<Contender>(const cl::DeviceInfo&, const Plan&, const Arena&)>;
+using Maker = std::function<std::unique_ptr<Program>(const cl::DeviceInfo&, const Plan&, const Setup&)>;
 
-/// A program of the field. A new engine is a line here.
+/// A program of the set. A new engine is a line here.
 struct Entry {
   Label label;
   bool has_shell;
@@ -20,8 +20,8 @@ struct Entry {
 };
 
 Maker engine(const char* name) {
-  return [name](const cl::DeviceInfo&, const Plan& plan, const Arena& arena) {
-    return make_engine_contender(name, plan.device, arena);
+  return [name](const cl::DeviceInfo&, const Plan& plan, const Setup& setup) {
+    return make_engine_program(name, plan.device, setup);
   };
 }
 
@@ -31,14 +31,14 @@ const std::vector<Entry>& entries() {
       {{"direct", "deterministic"}, true, engine("direct")},
       {{"direct", "published"},
        true,
-       [](const cl::DeviceInfo& device, const Plan&, const Arena& arena) {
-         return make_published_direct(device, arena, false);
+       [](const cl::DeviceInfo& device, const Plan&, const Setup& setup) {
+         return make_published_direct(device, setup, false);
        }},
       {{"octree", "deterministic"}, true, engine("octree")},
       {{"octree", "published"},
        true,
-       [](const cl::DeviceInfo& device, const Plan&, const Arena& arena) {
-         return make_published_octree(device, arena);
+       [](const cl::DeviceInfo& device, const Plan&, const Setup& setup) {
+         return make_published_octree(device, setup);
        }},
       {{"implicit", "deterministic"}, false, engine("implicit")},
   };
@@ -58,9 +58,9 @@ const std::vector<std::string>& engine_names() {
   return names;
 }
 
-Field make_field(const Plan& plan, const Arena& arena, const SizePair& size, bool whole,
-                 std::vector<Skipped>& skipped) {
-  Field field{arena, size.voxmap, size.shell, {}};
+ProgramSet make_programs(const Plan& plan, const Setup& setup, const SizePair& size, bool whole,
+                         std::vector<Skipped>& skipped) {
+  ProgramSet set{setup, size.voxmap, size.shell, {}};
   const cl::DeviceInfo device = cl::choose_device(plan.device);
   for (const Entry& entry : entries()) {
     if (std::find(plan.engines.begin(), plan.engines.end(), entry.label.engine) == plan.engines.end()) continue;
@@ -69,7 +69,7 @@ Field make_field(const Plan& plan, const Arena& arena, const SizePair& size, boo
       skipped.push_back({{entry.label, size.voxmap, size.shell, "all"}, reason});
     };
     try {
-      field.contenders.push_back(entry.make(device, plan, arena));
+      set.programs.push_back(entry.make(device, plan, setup));
     } catch (const InputError& error) {
       skip(error.what());
     } catch (const RunError& error) {
@@ -78,30 +78,30 @@ Field make_field(const Plan& plan, const Arena& arena, const SizePair& size, boo
       skip("not enough memory for the copy of the bone");
     }
   }
-  return field;
+  return set;
 }
 
-std::vector<Contender*> all_of(const Field& field) {
-  std::vector<Contender*> out;
-  for (const auto& contender : field.contenders) out.push_back(contender.get());
+std::vector<Program*> pointers_to(const ProgramSet& set) {
+  std::vector<Program*> out;
+  for (const auto& program : set.programs) out.push_back(program.get());
   return out;
 }
 
-std::vector<std::vector<BatchSample>> take_turns(const std::vector<Contender*>& contenders,
-                                                 const std::vector<Substep>& frames, int repetitions, bool use_voi,
-                                                 const Watch& watch) {
+std::vector<std::vector<BatchSample>> run_alternately(const std::vector<Program*>& programs,
+                                                      const std::vector<Substep>& frames, int repetitions, bool use_voi,
+                                                      const BenchControl& control) {
   constexpr int kRounds = 2;
-  std::vector<std::vector<BatchSample>> samples(contenders.size());
+  std::vector<std::vector<BatchSample>> samples(programs.size());
   for (int round = 0; round < kRounds; ++round) {
     const int timed = repetitions * (round + 1) / kRounds - repetitions * round / kRounds;
     for (const Substep& frame : frames) {
-      for (std::size_t i = 0; i < contenders.size(); ++i) {
-        if (watch.stop()) throw Interrupted();
+      for (std::size_t i = 0; i < programs.size(); ++i) {
+        if (control.stop()) throw Interrupted();
         for (int repetition = -1; repetition < timed; ++repetition) {
-          contenders[i]->prepare(frame);
-          const BatchSample sample = contenders[i]->run({&frame, 1}, use_voi);
+          programs[i]->prepare(frame);
+          const BatchSample sample = programs[i]->run({&frame, 1}, use_voi);
           if (repetition >= 0) samples[i].push_back(sample);
-          contenders[i]->restore();
+          programs[i]->restore();
         }
       }
     }

@@ -12,7 +12,7 @@
 namespace reamsim::bench {
 
 /// What a frame meets: the bone, the tool and their boxes. The voxmap and the tool are the caller's.
-struct Arena {
+struct Setup {
   const FilledVoxmap* voxmap = nullptr;
   const Tool* tool = nullptr;
   Aabb bone_box;  ///< B, mm
@@ -37,10 +37,10 @@ struct BatchSample {
   Vec3 force = Vec3::Zero();  ///< an engine: N, in T; a published program: elemental forces, in B
 };
 
-/// A program that collides and cuts, set up on one arena. Frames change its bone until restore().
-class Contender {
+/// A program that collides and cuts, set up on one setup. Frames change its bone until restore().
+class Program {
  public:
-  virtual ~Contender() = default;
+  virtual ~Program() = default;
   /// Called before run(frame) on whole bone: a program that cannot say which voxels went finds out here. Not timed.
   virtual void prepare(const Substep& /*frame*/) {}
   /// Runs substeps as frames, enqueued at once where the program can, and reads what they gave. `use_voi` false: the
@@ -53,13 +53,13 @@ class Contender {
 };
 
 /// `reamsim run`'s own engine on the device. Throws what make_engine() throws.
-std::unique_ptr<Contender> make_engine_contender(const std::string& engine, const std::string& device,
-                                                 const Arena& arena, ErosionMode erosion = ErosionMode::remove);
+std::unique_ptr<Program> make_engine_program(const std::string& engine, const std::string& device, const Setup& setup,
+                                             ErosionMode erosion = ErosionMode::remove);
 
 /// The published program of an engine. `count`: count contacts, at the price of one more atomic sum a point. Throws
 /// RunError when the device has no room.
-std::unique_ptr<Contender> make_published_direct(const cl::DeviceInfo& device, const Arena& arena, bool count);
+std::unique_ptr<Program> make_published_direct(const cl::DeviceInfo& device, const Setup& setup, bool count);
 /// Needs a cube of 2^n voxels an edge. Always counts.
-std::unique_ptr<Contender> make_published_octree(const cl::DeviceInfo& device, const Arena& arena);
+std::unique_ptr<Program> make_published_octree(const cl::DeviceInfo& device, const Setup& setup);
 
 }  // namespace reamsim::bench

@@ -1,0 +1,55 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "sim/bench/findings.h"
+#include "sim/bench/poses.h"
+#include "sim/bench/suite.h"
+
+namespace reamsim::bench {
+
+/// The programs of one setup, and why others are missing.
+struct ProgramSet {
+  Setup setup;
+  int voxmap = 0;
+  int shell = 0;
+  std::vector<std::unique_ptr<Program>> programs;
+
+  [[nodiscard]] Place place(const Program& program, const std::string& contact) const {
+    return {program.label(), voxmap, shell, contact};
+  }
+};
+
+/// Sets up every program of the plan's engines, each in the variants that it has. Those that the device cannot hold go
+/// to `skipped`. `whole`: with those that have no shell.
+ProgramSet make_programs(const Plan& plan, const Setup& setup, const SizePair& size, bool whole,
+                         std::vector<Skipped>& skipped);
+
+/// Runs the frames one by one, each program in turn, `repetitions` times in two rounds, each after one that warms up:
+/// a frame follows one at the same place, as in a run, where caches hold what the tool is about to touch. Samples by
+/// program. Throws Interrupted.
+std::vector<std::vector<BatchSample>> run_alternately(const std::vector<Program*>& programs,
+                                                      const std::vector<Substep>& frames, int repetitions, bool use_voi,
+                                                      const BenchControl& control);
+std::vector<Program*> pointers_to(const ProgramSet& set);
+
+/// Median and spread over samples of `value`.
+template <class Value>
+Spread spread_over(const std::vector<BatchSample>& samples, Value value) {
+  std::vector<double> values;
+  for (const BatchSample& sample : samples) values.push_back(value(sample));
+  return spread_of(std::move(values));
+}
+
+// The parts of a run; each adds its rows to the findings.
+void measure_case(const Plan& plan, const ProgramSet& set, Contact contact, const BenchControl& control,
+                  Findings& findings);
+void measure_memory(const ProgramSet& set, Findings& findings);
+void measure_voi(const Plan& plan, const ProgramSet& set, const BenchControl& control, Findings& findings);
+void measure_batches(const Plan& plan, const ProgramSet& set, const BenchControl& control, Findings& findings);
+void measure_plunge(const Plan& plan, const ProgramSet& set, const BenchControl& control, Findings& findings);
+void measure_scatter(const Plan& plan, const ProgramSet& set, const BenchControl& control, Findings& findings);
+void measure_spheres(const Plan& plan, const BenchControl& control, Findings& findings);
+
+}  // namespace reamsim::bench
