@@ -16,7 +16,7 @@ double mean_touching(const ProgramSet& set, const std::vector<Substep>& frames) 
   return sum / static_cast<double>(frames.size());
 }
 
-/// Mean time of `step` in µs; it is far too short to time by itself.
+/// Mean time of `step` in µs, which is too short to time once.
 template <class Step>
 double microseconds(Step step) {
   constexpr int kTimes = 10'000;
@@ -49,18 +49,18 @@ void set_ratios(Findings& findings) {
   }
 }
 
-/// A program's way through the plunge: mean times of its chunks of frames.
+/// The plunge of a program: mean times of its batches of frames.
 struct PlungeRun {
   Program* program = nullptr;
   std::vector<BatchSample> chunks;
   double spent_s = 0;
   std::size_t frames = 0;
 
-  /// The two that the ratio is of go all the way, however long it takes.
-  [[nodiscard]] bool goes_on() const {
-    constexpr double kPatience = 20;  // s
+  /// The two programs of the ratio always finish.
+  [[nodiscard]] bool continues() const {
+    constexpr double kMost_s = 20;
     const Label& who = program->label();
-    return spent_s <= kPatience || who.engine == "bricked" || is_published_direct();
+    return spent_s <= kMost_s || who.engine == "bricked" || is_published_direct();
   }
   [[nodiscard]] bool is_published_direct() const {
     return program->label().engine == "direct" && program->label().variant == "published";
@@ -70,9 +70,9 @@ struct PlungeRun {
     BatchSample sample = program->run(chunk, true);
     spent_s += sample.total_s;
     frames += chunk.size();
-    const auto share = static_cast<double>(chunk.size());
-    sample.total_s /= share;
-    sample.kernel_s /= share;
+    const auto count = static_cast<double>(chunk.size());
+    sample.total_s /= count;
+    sample.kernel_s /= count;
     chunks.push_back(sample);
   }
 };
@@ -148,7 +148,7 @@ void measure_plunge(const Plan& plan, const ProgramSet& set, const BenchControl&
     if (control.stop()) throw Interrupted();
     const std::span<const Substep> chunk(&frames[first], std::min(kBatch, frames.size() - first));
     for (PlungeRun& run : runs) {
-      if (run.goes_on()) run.run(chunk);
+      if (run.continues()) run.run(chunk);
     }
   }
   const auto direct =

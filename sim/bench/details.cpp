@@ -13,23 +13,23 @@ double volume(const Aabb& box) {
   return (box.max - box.min).prod();
 }
 
-/// Share of the tool's box that the VOI takes at a pose.
-double voi_share(const Setup& setup, const ToolPose& pose) {
+/// Fraction of the tool's box that is VOI at a pose.
+double voi_fraction(const Setup& setup, const ToolPose& pose) {
   const auto voi = broad_phase(setup.tool_box, setup.bone_box, pose.bone_from_tool().inverse());
   return voi ? volume(*voi) / volume(setup.tool_box) : 0;
 }
 
-/// The depth of the first approach at which the VOI takes `share` of the tool's box.
-double depth_of_share(const Setup& setup, double share) {
+/// The depth of the first approach at which the VOI is `fraction` of the tool's box.
+double depth_of_fraction(const Setup& setup, double fraction) {
   double low = -20, high = 30;  // mm: clear of the bone's box, wholly in it
   for (int i = 0; i < 50; ++i) {
     const double middle = (low + high) / 2;
-    (voi_share(setup, pose_at(kApproaches[0], middle)) < share ? low : high) = middle;
+    (voi_fraction(setup, pose_at(kApproaches[0], middle)) < fraction ? low : high) = middle;
   }
   return high;
 }
 
-/// Programs that cull points against the VOI.
+/// Programs that cull points outside the VOI.
 std::vector<Program*> with_voi(const ProgramSet& set) {
   std::vector<Program*> out;
   for (Program* program : pointers_to(set)) {
@@ -77,8 +77,8 @@ ScatterRow scatter_of(const Place& at, const std::vector<BatchSample>& samples) 
 void measure_voi(const Plan& plan, const ProgramSet& set, const BenchControl& control, Findings& findings) {
   const auto programs = with_voi(set);
   for (int tenth = 1; tenth <= 10; ++tenth) {
-    const double share = std::min(0.1 * tenth, 0.9999);
-    const Substep frame = substep_at(pose_at(kApproaches[0], depth_of_share(set.setup, share)));
+    const double fraction = std::min(0.1 * tenth, 0.9999);
+    const Substep frame = substep_at(pose_at(kApproaches[0], depth_of_fraction(set.setup, fraction)));
     const auto with = run_alternately(programs, {frame}, plan.repetitions, true, control);
     const auto without = run_alternately(programs, {frame}, plan.repetitions, false, control);
     const auto touching = count_touching(*set.setup.voxmap, *set.setup.tool, frame);
@@ -91,7 +91,7 @@ void measure_voi(const Plan& plan, const ProgramSet& set, const BenchControl& co
 }
 
 void measure_batches(const Plan& plan, const ProgramSet& set, const BenchControl& control, Findings& findings) {
-  const auto poses = substeps_of(Contact::none);  // nothing goes, so that a batch may repeat them
+  const auto poses = substeps_of(Contact::none);  // nothing is removed, so that a batch may repeat them
   for (const int batch : {1, 8, 64}) {
     std::vector<Substep> frames;
     for (int k = 0; k < batch; ++k) frames.push_back(poses[static_cast<std::size_t>(k) % poses.size()]);

@@ -9,7 +9,7 @@
 
 namespace reamsim::bench {
 
-/// The programs of one setup, and why others are missing.
+/// The programs of one setup.
 struct ProgramSet {
   Setup setup;
   int voxmap = 0;
@@ -21,14 +21,14 @@ struct ProgramSet {
   }
 };
 
-/// Sets up every program of the plan's engines, each in the variants that it has. Those that the device cannot hold go
-/// to `skipped`. `whole`: with those that have no shell.
+/// Creates every program of the plan's engines in all its variants. Programs that the device cannot hold are added to
+/// `skipped`. `whole`: also engines without a shell.
 ProgramSet make_programs(const Plan& plan, const Setup& setup, const SizePair& size, bool whole,
                          std::vector<Skipped>& skipped);
 
-/// Runs the frames one by one, each program in turn, `repetitions` times in two rounds, each after one that warms up:
-/// a frame follows one at the same place, as in a run, where caches hold what the tool is about to touch. Samples by
-/// program. Throws Interrupted.
+/// Runs the frames one by one, each program in turn, `repetitions` times in two rounds, each after a warm-up: a frame
+/// follows one at the same place, as in a run, where caches hold the data near the tool. Returns samples by program.
+/// Throws Interrupted.
 std::vector<std::vector<BatchSample>> run_alternately(const std::vector<Program*>& programs,
                                                       const std::vector<Substep>& frames, int repetitions, bool use_voi,
                                                       const BenchControl& control);
@@ -42,7 +42,7 @@ Spread spread_over(const std::vector<BatchSample>& samples, Value value) {
   return spread_of(std::move(values));
 }
 
-// The parts of a run; each adds its rows to the findings.
+// The parts of the benchmark; each adds its rows to the findings.
 void measure_case(const Plan& plan, const ProgramSet& set, Contact contact, const BenchControl& control,
                   Findings& findings);
 void measure_memory(const ProgramSet& set, Findings& findings);

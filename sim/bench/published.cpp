@@ -8,14 +8,14 @@
 
 namespace reamsim::bench {
 
-// Host and device lay the struct out alike.
+// The layout is the same on host and device.
 static_assert(sizeof(PublishedFrame) == 8 * 4 + 4 * 16 + 4 * 8);
 
 PublishedFrame published_frame(const Substep& substep, const std::optional<Aabb>& voi, const Tool& tool,
                                const VoxelGrid& grid) {
   if (grid.dims != Vec3i::Constant(grid.dims.x())) throw InputError("the published methods need a cubic lattice");
   const PointShell& shell = tool.shell;
-  // The VOI in cells is the engines'.
+  // The VOI in cells is that of the engines.
   const SubstepArgs args =
       voi ? make_args(substep, *voi, shell, grid, bench_cutting(), false) : args_without_voi(substep, tool, grid);
   const Rigid bone_from_tool = substep.pose.bone_from_tool();

@@ -21,8 +21,8 @@ constexpr int kWindows = 4;           // over the depth, in which frames are tim
 constexpr int kWindowFrames = 32;     // enqueued at once, as `reamsim run` by default
 constexpr double kStepVoxels = 0.25;  // between the windows, where the shell's points have to miss no voxel
 
-/// A block that the sphere goes into from above; its top face is z = 0, and it lies askew of the tool's axis by shares
-/// of a voxel, so that nothing is regular.
+/// A block under the sphere with its top face at z = 0, offset from the tool's axis by fractions of a voxel so that
+/// nothing is regular.
 FilledVoxmap block(double voxel_mm) {
   const Vec3 size_mm(kWidthMm + 4, kWidthMm + 4, kDepthMm + 2);
   VoxelGrid grid;
@@ -77,7 +77,7 @@ SphereRow plunge(Program& program, ErosionMode erosion, double voxel_mm, const B
   std::vector<double> ms;
   double voxels = 0;
   double depth = 0;
-  // The whole cap at once is no other: what the tool holds at a depth, it has held on the straight way there too.
+  // implicit: one step gives the same, because the tool at a depth contains all of its straight path.
   const double step_mm = row.engine == "implicit" ? kDepthMm : kStepVoxels * voxel_mm;
   for (int window = 1; window <= kWindows; ++window) {
     const double begin = kDepthMm * window / kWindows - window_mm;

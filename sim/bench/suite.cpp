@@ -21,7 +21,7 @@ std::string size_text(const SizePair& size) {
   return "voxmap " + std::to_string(size.voxmap) + "³, shell " + std::to_string(size.shell) + "³";
 }
 
-/// Counts what the stored depths touch, and refuses to measure something else than is claimed.
+/// Counts the points that touch at the stored depths. Throws RunError where they differ from the cases.
 void verify_poses(const Plan& plan, const Setup& setup, Findings& findings) {
   const auto points = static_cast<double>(setup.tool->shell.codes.size());
   for (const Contact contact : kContacts) {
@@ -41,7 +41,7 @@ void verify_poses(const Plan& plan, const Setup& setup, Findings& findings) {
   }
 }
 
-/// One run over the plan; keeps the current voxmap and the tools.
+/// Runs the plan with the current voxmap and the tools.
 class Bench {
  public:
   Bench(const Plan& plan, const BenchControl& control) : plan_(plan), control_(control) {}
