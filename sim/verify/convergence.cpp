@@ -9,7 +9,7 @@ namespace {
 
 constexpr double kRatio = 2;  // of one step to the next
 constexpr double kFormalOrder = 2;
-/// An observed order below this says that the levels are not yet where the error falls with the step.
+/// Below this observed order the levels are outside the asymptotic range.
 constexpr double kLeastOrder = 0.5;
 constexpr double kSafetyOfThree = 1.25, kSafetyOfTwo = 3;  // Roache
 

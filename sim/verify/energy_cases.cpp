@@ -1,4 +1,4 @@
-// The energy identity (docs/physics.md, 5), its two sides added up apart, and the energy of the removed bone.
+// The energy balance (docs/physics.md, 5) from separate sums of its two sides, and the energy of the removed bone.
 #include <cmath>
 
 #include "sim/verify/case_parts.h"
@@ -13,7 +13,7 @@ double layered_density(const Vec3& p) {
   return p.z() > -kLayer_mm ? kDense : kSoft;
 }
 
-/// Down, sideways at a spin so slow that most of the face is below the speed floor, and tilting.
+/// Down; sideways, so slowly rotating that most of the face is below the speed floor; tilting.
 Motion every_kind_of_motion() {
   const Quat first = rotation({1, 0.4, 0}, 10), last = rotation({0.2, 1, 0}, 8) * first;
   return path(
@@ -21,7 +21,7 @@ Motion every_kind_of_motion() {
       {{{-1.5, -0.5, -2}, 120, 250, first}, {{0.5, 0.5, -2}, 80, 20, first}, {{0.5, 0.5, -2.5}, 60, 100, last}});
 }
 
-/// Work that the tool does on the bone in a frame, from its poses and the frame's mean loads: −(T·ω + F·v)·Δt, mJ.
+/// Work of the tool on the bone in a frame, from its poses and mean loads: −(T·ω + F·v)·Δt, mJ.
 double work_mj(const ToolPose& before, const FrameResult& row) {
   const ToolPose& after = row.pose;
   const Eigen::AngleAxisd tilt(after.orientation * before.orientation.conjugate());

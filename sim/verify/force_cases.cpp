@@ -1,4 +1,4 @@
-// Forces with closed forms: a cannulated reamer in full contact.
+// Forces of a cannulated reamer in full contact against closed forms.
 #include <cmath>
 #include <limits>
 
@@ -28,7 +28,7 @@ std::vector<Refinement> steady_refinements(const SteadyPlunge& plunge, const Set
   return refinements;
 }
 
-/// One factor of the example changed at a time, and a flat face.
+/// The example with one factor changed at a time, and with a flat face.
 std::vector<SteadyPlunge> variations(bool quick) {
   std::vector<SteadyPlunge> out;
   const auto vary = [&](auto member, std::vector<double> values) {
@@ -119,8 +119,8 @@ namespace {
 constexpr double kLayer_mm = 2, kAround_mm = 1;
 constexpr int kAroundFrames = 400;  // from kAround_mm above the interface to as far below it
 
-/// Rows round the interface of a block with a layer of the first plunge's density on that of the second.
-std::vector<FrameResult> rows_round_interface(const SteadyPlunge& dense, const SteadyPlunge& soft, double voxel_mm,
+/// Rows about the interface of a block with a layer of the first plunge's density on that of the second.
+std::vector<FrameResult> rows_about_interface(const SteadyPlunge& dense, const SteadyPlunge& soft, double voxel_mm,
                                               const Setting& setting) {
   constexpr int kApproach = 24;
   const FilledVoxmap bone = block({18, 18, 4}, voxel_mm, [&](const Vec3& p) {
@@ -135,7 +135,7 @@ std::vector<FrameResult> rows_round_interface(const SteadyPlunge& dense, const S
   return {rows.begin(), rows.end()};
 }
 
-/// How deep the tool is when the torque falls below `torque_nmm`, mm; NaN when it never is above.
+/// Depth of the tool when the torque falls below `torque_nmm`, mm; NaN where it never exceeds it.
 double depth_of_step(const std::vector<FrameResult>& rows, double torque_nmm) {
   double depth = std::numeric_limits<double>::quiet_NaN();
   for (const FrameResult& row : rows) {
@@ -157,7 +157,7 @@ CaseFindings layered_case(const Setting& setting) {
   Refinement below{"torque below the interface", "N·mm", "voxel, mm", soft.full_loads().torque_nmm};
   double step_mm = 0;  // at the finest level
   for (const double voxel_mm : four_voxels(setting.quick ? 0.125 : 0.0625)) {
-    const auto rows = rows_round_interface(dense, soft, voxel_mm, setting);
+    const auto rows = rows_about_interface(dense, soft, voxel_mm, setting);
     const std::span<const FrameResult> all(rows);
     step_mm = depth_of_step(rows, 0.5 * (dense.torque_nmm() + soft.torque_nmm()));
     add_level(above, voxel_mm, mean_loads(all.first(kAroundFrames / 2)).spin_torque_nmm);

@@ -14,7 +14,7 @@ constexpr double kClear_mm = 0.1;
 constexpr double kEdge_mm = 0.1;
 constexpr double kHead_mm = 8;  // height of a head
 
-/// The block of `size_mm` less what lies behind the plane through `point_mm` with the normal `inward`.
+/// The part of a block of `size_mm` in front of the plane through `point_mm` with the normal `inward`.
 FilledVoxmap half_block(const Vec3& size_mm, double voxel_mm, double density_g_cm3, const Vec3& point_mm,
                         const Vec3& inward) {
   const VoxelGrid grid = block_grid(size_mm, voxel_mm);
@@ -26,7 +26,7 @@ FilledVoxmap half_block(const Vec3& size_mm, double voxel_mm, double density_g_c
       });
 }
 
-/// Off the lattice by fractions of a voxel, so that nothing is regular.
+/// Offset from the lattice by fractions of a voxel, so that nothing is regular.
 Vec3 entry_mm(double voxel_mm) {
   return {0.12 * voxel_mm, 0.21 * voxel_mm, 0};
 }

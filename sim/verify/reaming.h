@@ -32,17 +32,17 @@ struct Reamed {
   }
 };
 
-/// Reams the scene through the program's main loop. Throws InputError (no such device), RunError, Interrupted.
+/// Reams the scene with the program's main loop. Throws InputError (no such device), RunError, Interrupted.
 Reamed ream(ReamingScene scene, const Setting& setting);
 
-/// Means over rows.
 struct MeanLoads {
   Vec3 force_n = Vec3::Zero();
   Vec3 torque_nmm = Vec3::Zero();
   double axial_force_n = 0;
   double spin_torque_nmm = 0;
-  double removed_mm3 = 0;  ///< sum, no mean
+  double removed_mm3 = 0;  ///< sum, not mean
 };
+/// Means over rows.
 MeanLoads mean_loads(std::span<const FrameResult> rows);
 /// Standard deviation of the rows' spin torque over its mean.
 double torque_ripple(std::span<const FrameResult> rows);

@@ -39,7 +39,7 @@ Profile flat_profile(double outer_mm, double bore_mm, double height_mm) {
 }
 
 Tool make_tool(const Profile& profile, std::optional<double> shell_spacing_mm) {
-  constexpr int kStandIn = 8;  // cells of a shell that nothing looks at
+  constexpr int kUnusedCells = 8;  // of a shell that exact erosion does not use
   Tool tool;
   tool.profile = profile;
   tool.bounds = profile.bounds();
@@ -49,8 +49,8 @@ Tool make_tool(const Profile& profile, std::optional<double> shell_spacing_mm) {
     tool.mesh = revolve(profile, segments_for_sagitta(radius, 0.02 * *shell_spacing_mm));
     tool.shell = voxelise_surface(tool.mesh, static_cast<int>(std::ceil(longest / *shell_spacing_mm)) + 1);
   } else {
-    tool.mesh = revolve({{{0, low}, {radius, low}, {radius, high}, {0, high}}}, 4 * kStandIn);
-    tool.shell = voxelise_surface(tool.mesh, kStandIn);
+    tool.mesh = revolve({{{0, low}, {radius, low}, {radius, high}, {0, high}}}, 4 * kUnusedCells);
+    tool.shell = voxelise_surface(tool.mesh, kUnusedCells);
   }
   for (const Vec2& rz : profile.points) tool.reach_mm = std::max(tool.reach_mm, rz.norm());
   return tool;

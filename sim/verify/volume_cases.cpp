@@ -1,4 +1,4 @@
-// Volumes with closed forms.
+// Removed volumes against closed forms.
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -23,10 +23,10 @@ Quat tilt(double degrees, double towards_rad) {
   return Quat(Eigen::AngleAxisd(degrees * pi / 180, Vec3(std::cos(towards_rad), std::sin(towards_rad), 0)));
 }
 
-/// The ball plunged into the block's top face, its axis turned, its centre above (offset x, offset y).
+/// The ball plunged into the top face of the block, its axis rotated, its centre above (offset x, offset y).
 Sample plunged_ball(const Tool& tool, double voxel_mm, const Vec3& offset_mm, const Quat& turned, ErosionMode erosion,
                     const Setting& setting) {
-  // The face lies between two layers of voxels, so that it is the depth that varies.
+  // The depth varies instead of the face, which is a boundary between layers of voxels.
   const double depth = kDepth_mm + offset_mm.z();
   const auto origin = [&](double z) {
     return ball_origin({offset_mm.x(), offset_mm.y(), kRadius_mm - z}, kRadius_mm, turned);
@@ -39,7 +39,7 @@ Sample plunged_ball(const Tool& tool, double voxel_mm, const Vec3& offset_mm, co
   return {cap_mm3(kRadius_mm, depth), reamed.removed_mm3()};
 }
 
-/// At the next finer level the cap's error is the rounding of single precision and of 16 bits of fill.
+/// At the next finer level the error of the cap would be rounding in single precision and 16 bits of fill.
 constexpr double kFinestVoxel_mm = 0.25;
 
 Refinement volume_refinement(double nominal_mm3) {
@@ -96,7 +96,7 @@ Level tilted_level(const Tool& tool, double voxel_mm, int tilts, ErosionMode ero
 
 CaseFindings tilted_cap_case(const Setting& setting) {
   constexpr double kLimitVoxel_mm = 0.25, kLeastRatio = 50;
-  constexpr double kShellVoxels = 0.4721;  // what a run chooses
+  constexpr double kShellVoxels = 0.4721;  // the default of a run
   CaseFindings out;
   out.title = "Cap under tilt and random sub-voxel offset";
   const int tilts = setting.quick ? 4 : 13;
