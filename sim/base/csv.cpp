@@ -73,7 +73,7 @@ CsvWriter::CsvWriter(const std::string& path, const std::string& header) : path_
   check();
 }
 
-void CsvWriter::row(std::initializer_list<double> values) {
+void CsvWriter::row(std::span<const double> values) {
   std::string line;
   for (const double value : values) {
     if (!std::isnan(value)) line += shortest_text(value == 0 ? 0.0 : value);  // no "-0"

@@ -38,7 +38,8 @@ class CsvWriter {
  public:
   /// Throws RunError when the file cannot be created.
   CsvWriter(const std::string& path, const std::string& header);
-  void row(std::initializer_list<double> values);
+  void row(std::span<const double> values);
+  void row(std::initializer_list<double> values) { row(std::span(values.begin(), values.size())); }
   /// Throws RunError when something could not be written.
   void close();
 

@@ -34,9 +34,9 @@ PhaseRow phases_of(const ProgramSet& set, const Program& program, const std::vec
   row.obb = microseconds([&] { return boxes_overlap(setup.tool_box, setup.bone_box, tool_from_bone); });
   row.voi =
       microseconds([&] { return volume_of_interest(setup.tool_box, setup.bone_box, tool_from_bone).has_value(); });
-  row.upload = 1e6 * spread_over(samples, [](const BatchSample& s) { return s.upload_s; }).median;
-  row.kernel = 1e6 * spread_over(samples, [](const BatchSample& s) { return s.kernel_s; }).median;
-  row.total = 1e6 * spread_over(samples, [](const BatchSample& s) { return s.total_s; }).median;
+  row.upload = spread_over(samples, &BatchSample::upload_s, 1e6).median;
+  row.kernel = spread_over(samples, &BatchSample::kernel_s, 1e6).median;
+  row.total = spread_over(samples, &BatchSample::total_s, 1e6).median;
   row.read = std::max(0.0, row.total - row.obb - row.voi - row.upload - row.kernel);
   return row;
 }
@@ -88,18 +88,17 @@ std::vector<Substep> plunge_frames(const Plan& plan, const ProgramSet& set) {
 }
 
 CaseRow plunge_row(const ProgramSet& set, const PlungeRun& run, const std::vector<BatchSample>& direct) {
-  const auto total = [](const BatchSample& s) { return 1e3 * s.total_s; };
   CaseRow row{.at = set.place(*run.program, "plunge")};
   if (row.at.who.variant == "deterministic") {
     double voxels = 0;
     for (const BatchSample& sample : run.chunks) voxels += static_cast<double>(sample.voxels);
     row.contacts = voxels / static_cast<double>(run.frames);
   }
-  row.ms = spread_over(run.chunks, total);
-  row.kernel_ms = spread_over(run.chunks, [](const BatchSample& s) { return 1e3 * s.kernel_s; }).median;
+  row.ms = spread_over(run.chunks, &BatchSample::total_s);
+  row.kernel_ms = spread_over(run.chunks, &BatchSample::kernel_s).median;
   if (direct.size() >= run.chunks.size()) {
     const std::vector<BatchSample> same(direct.begin(), direct.begin() + std::ssize(run.chunks));
-    row.ratio_to_direct = spread_over(same, total).median / row.ms.median;
+    row.ratio_to_direct = spread_over(same, &BatchSample::total_s).median / row.ms.median;
   }
   return row;
 }
@@ -115,11 +114,9 @@ void measure_case(const Plan& plan, const ProgramSet& set, Contact contact, cons
   for (std::size_t i = 0; i < programs.size(); ++i) {
     CaseRow row{.at = set.place(*programs[i], name_of(contact))};
     const bool points = row.at.who.engine != "implicit";
-    row.contacts =
-        points ? touching
-               : spread_over(samples[i], [](const BatchSample& s) { return static_cast<double>(s.voxels); }).median;
-    row.ms = spread_over(samples[i], [](const BatchSample& s) { return 1e3 * s.total_s; });
-    row.kernel_ms = spread_over(samples[i], [](const BatchSample& s) { return 1e3 * s.kernel_s; }).median;
+    row.contacts = points ? touching : spread_over(samples[i], &BatchSample::voxels, 1).median;
+    row.ms = spread_over(samples[i], &BatchSample::total_s);
+    row.kernel_ms = spread_over(samples[i], &BatchSample::kernel_s).median;
     findings.cases.push_back(row);
     if (contact == Contact::severe) findings.phases.push_back(phases_of(set, *programs[i], samples[i]));
   }

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <string>
 
 #include "sim/base/error.h"
@@ -39,17 +40,15 @@ std::vector<Program*> with_voi(const ProgramSet& set) {
   return out;
 }
 
-double deviation(const std::vector<double>& values) {
-  double mean = 0, sum = 0;
-  for (const double v : values) mean += v / static_cast<double>(values.size());
-  for (const double v : values) sum += (v - mean) * (v - mean);
-  return values.size() > 1 ? std::sqrt(sum / static_cast<double>(values.size() - 1)) : 0;
+double mean(const std::vector<double>& values) {
+  return std::reduce(values.begin(), values.end()) / static_cast<double>(values.size());
 }
 
-double mean(const std::vector<double>& values) {
+double deviation(const std::vector<double>& values) {
+  const double middle = mean(values);
   double sum = 0;
-  for (const double v : values) sum += v;
-  return sum / static_cast<double>(values.size());
+  for (const double v : values) sum += (v - middle) * (v - middle);
+  return values.size() > 1 ? std::sqrt(sum / static_cast<double>(values.size() - 1)) : 0;
 }
 
 ScatterRow scatter_of(const Place& at, const std::vector<BatchSample>& samples) {
@@ -82,10 +81,10 @@ void measure_voi(const Plan& plan, const ProgramSet& set, const BenchControl& co
     const auto with = run_alternately(programs, {frame}, plan.repetitions, true, control);
     const auto without = run_alternately(programs, {frame}, plan.repetitions, false, control);
     const auto touching = count_touching(*set.setup.voxmap, *set.setup.tool, frame);
-    const auto ms = [](const BatchSample& s) { return 1e3 * s.total_s; };
     for (std::size_t i = 0; i < programs.size(); ++i) {
       findings.voi.push_back({programs[i]->label(), 0.1 * tenth, static_cast<double>(touching),
-                              spread_over(with[i], ms), spread_over(without[i], ms)});
+                              spread_over(with[i], &BatchSample::total_s),
+                              spread_over(without[i], &BatchSample::total_s)});
     }
   }
 }
@@ -111,18 +110,15 @@ void measure_batches(const Plan& plan, const ProgramSet& set, const BenchControl
 
 void measure_scatter(const Plan& plan, const ProgramSet& set, const BenchControl& control, Findings& findings) {
   constexpr int kRepetitions = 20;
-  const auto chosen = [&](const char* name) {
-    return std::find(plan.engines.begin(), plan.engines.end(), name) != plan.engines.end();
-  };
   const Substep frame = substeps_of(Contact::severe)[1];
   const auto touching = static_cast<double>(count_touching(*set.setup.voxmap, *set.setup.tool, frame));
   std::optional<double> voxels;
-  std::vector<std::unique_ptr<Program>> counting;
-  if (chosen("direct")) {
-    counting.push_back(make_published_direct(cl::choose_device(plan.device), set.setup, true));
-  }
+  std::unique_ptr<Program> counting;
   std::vector<Program*> racing;
-  for (const auto& program : counting) racing.push_back(program.get());
+  if (std::ranges::count(plan.engines, "direct") > 0) {
+    counting = make_published_direct(cl::choose_device(plan.device), set.setup, true);
+    racing.push_back(counting.get());
+  }
   for (Program* program : pointers_to(set)) {
     const Label& label = program->label();
     if (label.variant == "published" && label.engine == "octree") racing.push_back(program);

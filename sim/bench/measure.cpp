@@ -1,7 +1,6 @@
 #include "sim/bench/measure.h"
 
 #include <algorithm>
-#include <functional>
 #include <new>
 
 #include "sim/base/error.h"
@@ -10,39 +9,14 @@ namespace reamsim::bench {
 
 namespace {
 
-using Maker = std::function<std::unique_ptr<Program>(const cl::DeviceInfo&, const Plan&, const Setup&)>;
+/// The programs, fastest engine first.
+const Label kPrograms[] = {{"bricked", "deterministic"}, {"direct", "deterministic"}, {"direct", "published"},
+                           {"octree", "deterministic"},  {"octree", "published"},     {"implicit", "deterministic"}};
 
-/// A program of the set. A new engine is a line here.
-struct Entry {
-  Label label;
-  bool has_shell;
-  Maker make;
-};
-
-Maker engine(const char* name) {
-  return [name](const cl::DeviceInfo&, const Plan& plan, const Setup& setup) {
-    return make_engine_program(name, plan.device, setup);
-  };
-}
-
-const std::vector<Entry>& entries() {
-  static const std::vector<Entry> list{
-      {{"bricked", "deterministic"}, true, engine("bricked")},
-      {{"direct", "deterministic"}, true, engine("direct")},
-      {{"direct", "published"},
-       true,
-       [](const cl::DeviceInfo& device, const Plan&, const Setup& setup) {
-         return make_published_direct(device, setup, false);
-       }},
-      {{"octree", "deterministic"}, true, engine("octree")},
-      {{"octree", "published"},
-       true,
-       [](const cl::DeviceInfo& device, const Plan&, const Setup& setup) {
-         return make_published_octree(device, setup);
-       }},
-      {{"implicit", "deterministic"}, false, engine("implicit")},
-  };
-  return list;
+std::unique_ptr<Program> make_program(const Label& label, const cl::DeviceInfo& device, const Plan& plan,
+                                      const Setup& setup) {
+  if (label.variant == "deterministic") return make_engine_program(label.engine, plan.device, setup);
+  return label.engine == "octree" ? make_published_octree(device, setup) : make_published_direct(device, setup, false);
 }
 
 }  // namespace
@@ -50,8 +24,8 @@ const std::vector<Entry>& entries() {
 const std::vector<std::string>& engine_names() {
   static const std::vector<std::string> names = [] {
     std::vector<std::string> out;
-    for (const Entry& entry : entries()) {
-      if (out.empty() || out.back() != entry.label.engine) out.push_back(entry.label.engine);
+    for (const Label& label : kPrograms) {
+      if (out.empty() || out.back() != label.engine) out.push_back(label.engine);
     }
     return out;
   }();
@@ -62,14 +36,14 @@ ProgramSet make_programs(const Plan& plan, const Setup& setup, const SizePair& s
                          std::vector<Skipped>& skipped) {
   ProgramSet set{setup, size.voxmap, size.shell, {}};
   const cl::DeviceInfo device = cl::choose_device(plan.device);
-  for (const Entry& entry : entries()) {
-    if (std::find(plan.engines.begin(), plan.engines.end(), entry.label.engine) == plan.engines.end()) continue;
-    if (!whole && !entry.has_shell) continue;
+  for (const Label& label : kPrograms) {
+    if (std::ranges::count(plan.engines, label.engine) == 0) continue;
+    if (!whole && label.engine == "implicit") continue;  // has no shell
     const auto skip = [&](const std::string& reason) {
-      skipped.push_back({{entry.label, size.voxmap, size.shell, "all"}, reason});
+      skipped.push_back({{label, size.voxmap, size.shell, "all"}, reason});
     };
     try {
-      set.programs.push_back(entry.make(device, plan, setup));
+      set.programs.push_back(make_program(label, device, plan, setup));
     } catch (const InputError& error) {
       skip(error.what());
     } catch (const RunError& error) {

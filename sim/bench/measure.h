@@ -34,11 +34,11 @@ std::vector<std::vector<BatchSample>> run_alternately(const std::vector<Program*
                                                       const BenchControl& control);
 std::vector<Program*> pointers_to(const ProgramSet& set);
 
-/// Median and spread over samples of `value`.
+/// Median and spread over samples; `scale`: s to ms by default.
 template <class Value>
-Spread spread_over(const std::vector<BatchSample>& samples, Value value) {
+Spread spread_over(const std::vector<BatchSample>& samples, Value BatchSample::*member, double scale = 1e3) {
   std::vector<double> values;
-  for (const BatchSample& sample : samples) values.push_back(value(sample));
+  for (const BatchSample& sample : samples) values.push_back(scale * static_cast<double>(sample.*member));
   return spread_of(std::move(values));
 }
 

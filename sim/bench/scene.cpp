@@ -209,7 +209,7 @@ Tool cap_tool(int resolution) {
   tool.bounds = tool.mesh.bounds();
   TriangleMesh cap = tool.mesh;
   std::erase_if(cap.triangles, [&](const auto& triangle) {
-    return std::pointers_to(triangle.begin(), triangle.end(), [&](std::int32_t vertex) {
+    return std::all_of(triangle.begin(), triangle.end(), [&](std::int32_t vertex) {
       return cap.vertices[static_cast<std::size_t>(vertex)].z() == kReamerMm;
     });
   });

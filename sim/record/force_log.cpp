@@ -12,22 +12,16 @@
 namespace reamsim {
 namespace {
 
+/// First columns of the quantities in kNames.
 enum ForceColumn {
   kFrame,
   kTime,
-  kX,
-  kY,
-  kZ,
-  kQw,
-  kQx,
-  kQy,
-  kQz,
-  kSpinAngle,
+  kPosition,
+  kOrientation = kPosition + 3,
+  kSpinAngle = kOrientation + 4,
   kDepth,
-  kForceX,
-  kForceY,
-  kForceZ,
-  kAxial,
+  kForce,
+  kAxial = kForce + 3,
   kTorque,
   kRemoved,
   kEnergy,
@@ -39,21 +33,21 @@ constexpr std::array<std::string_view, kColumns> kNames{
     "tool_qx",   "tool_qy",   "tool_qz",       "spin_angle_rad",  "depth_mm",    "force_x_n",
     "force_y_n", "force_z_n", "axial_force_n", "spin_torque_nmm", "removed_mm3", "energy_mj"};
 
-/// `v`: a row's numbers, in the order of kNames.
+/// `v`: the values of a row, in the order of kNames.
 ForceRow make_row(const SourceLocation& where, const std::vector<double>& v) {
   ForceRow row;
   if (v[kFrame] < 0 || v[kFrame] > 1e15) throw InputError(where, "frame", "out of range", "expected 0 or more");
   row.frame = static_cast<std::int64_t>(v[kFrame]);
   row.time_s = v[kTime];
-  row.pose.position_mm = Vec3(v[kX], v[kY], v[kZ]);
-  row.pose.orientation = Quat(v[kQw], v[kQx], v[kQy], v[kQz]);
+  row.pose.position_mm = Vec3(&v[kPosition]);
+  row.pose.orientation = Quat(v[kOrientation], v[kOrientation + 1], v[kOrientation + 2], v[kOrientation + 3]);
   if (std::abs(row.pose.orientation.norm() - 1) > 1e-3) {
     throw InputError(where, "tool_qw", "the quaternion does not have length 1", "expected a rotation");
   }
   row.pose.orientation.normalize();
   row.pose.spin_angle_rad = v[kSpinAngle];
   row.depth_mm = v[kDepth];
-  row.force_n = Vec3(v[kForceX], v[kForceY], v[kForceZ]);
+  row.force_n = Vec3(&v[kForce]);
   row.axial_force_n = v[kAxial];
   row.spin_torque_nmm = v[kTorque];
   row.removed_mm3 = v[kRemoved];

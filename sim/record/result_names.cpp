@@ -31,21 +31,13 @@ Names names_of_run() {
 }
 
 const Names& names_of(ResultKind kind) {
-  static const Names run = names_of_run();
-  static const Names comparison{std::regex("compare\\.(csv|gp|png|svg|pdf)|curves\\.csv"), {"compare.csv"}};
-  static const Names verification{std::regex("verification\\.(md|json|gp|png|svg)"), {"verification.json"}};
-  static const Names benchmark{std::regex("bench\\.(json|gp|png|svg)"), {"bench.gp"}};
-  switch (kind) {
-    case ResultKind::run:
-      return run;
-    case ResultKind::comparison:
-      return comparison;
-    case ResultKind::verification:
-      return verification;
-    case ResultKind::benchmark:
-      return benchmark;
-  }
-  return run;
+  static const Names names[] = {
+      names_of_run(),
+      {std::regex("compare\\.(csv|gp|png|svg|pdf)|curves\\.csv"), {"compare.csv"}},
+      {std::regex("verification\\.(md|json|gp|png|svg)"), {"verification.json"}},
+      {std::regex("bench\\.(json|gp|png|svg)"), {"bench.gp"}},
+  };  // in the order of ResultKind
+  return names[static_cast<std::size_t>(kind)];
 }
 
 constexpr const char* kFolders[] = {"frames", "plots", "snapshots", "turntable"};
