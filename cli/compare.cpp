@@ -67,8 +67,7 @@ std::vector<ComparedRun> label_runs(const std::vector<std::string>& dirs) {
 
 /// Sets the travel of the means to that of the run's own plots.
 void set_means(std::vector<ComparedRun>& runs, const std::vector<ComparedMetric>& metrics) {
-  const auto found = std::find_if(metrics.begin(), metrics.end(),
-                                  [](const ComparedMetric& metric) { return metric.key == "bone.voxel_mm"; });
+  const auto found = std::ranges::find(metrics, "bone.voxel_mm", &ComparedMetric::key);
   for (std::size_t i = 0; i < runs.size(); ++i) {
     if (found == metrics.end() || !(found->values[i] > 0)) {
       throw InputError({runs[i].dir + "/summary.json", 0, 0}, "bone.voxel_mm", "missing or not positive",
@@ -95,21 +94,12 @@ void print_table(const Console& console, const std::vector<ComparedRun>& runs,
   std::vector<std::vector<std::string>> rows{{"metric"}};
   for (const ComparedRun& run : runs) rows[0].push_back(run.label);
   for (const char* key : kShown) {
-    const auto found =
-        std::find_if(metrics.begin(), metrics.end(), [&](const ComparedMetric& metric) { return metric.key == key; });
+    const auto found = std::ranges::find(metrics, key, &ComparedMetric::key);
     if (found == metrics.end()) continue;
     rows.push_back({key});
     for (std::size_t i = 0; i < runs.size(); ++i) rows.back().push_back(entry(*found, i));
   }
-  std::vector<std::size_t> widths(runs.size() + 1, 0);
-  for (const auto& row : rows) {
-    for (std::size_t i = 0; i < row.size(); ++i) widths[i] = std::max(widths[i], row[i].size());
-  }
-  for (const auto& row : rows) {
-    std::string line = row[0] + std::string(widths[0] - row[0].size(), ' ');
-    for (std::size_t i = 1; i < row.size(); ++i) line += "  " + std::string(widths[i] - row[i].size(), ' ') + row[i];
-    console.say(line);
-  }
+  for (const std::string& line : align_columns(rows)) console.say(line);
 }
 
 void compare_command(const CompareOptions& options, const Console& console) {

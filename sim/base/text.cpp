@@ -1,6 +1,7 @@
 #include "sim/base/text.h"
 
 #include <fmt/core.h>
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 
@@ -27,6 +28,26 @@ std::string shortest_text(double value) {
 
 std::string megabytes(std::size_t bytes) {
   return std::to_string((bytes + 999'999) / 1'000'000) + " MB";
+}
+
+std::size_t text_width(const std::string& text) {
+  return static_cast<std::size_t>(
+      std::ranges::count_if(text, [](char c) { return (static_cast<unsigned char>(c) & 0xc0) != 0x80; }));
+}
+
+std::vector<std::string> align_columns(const std::vector<std::vector<std::string>>& rows) {
+  std::vector<std::size_t> widths(rows.front().size(), 0);
+  for (const auto& row : rows) {
+    for (std::size_t i = 0; i < row.size(); ++i) widths[i] = std::max(widths[i], text_width(row[i]));
+  }
+  std::vector<std::string> lines;
+  for (const auto& row : rows) {
+    std::string line = row[0] + std::string(widths[0] - text_width(row[0]), ' ');
+    for (std::size_t i = 1; i < row.size(); ++i)
+      line += "  " + std::string(widths[i] - text_width(row[i]), ' ') + row[i];
+    lines.push_back(line);
+  }
+  return lines;
 }
 
 }  // namespace reamsim

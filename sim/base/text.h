@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 namespace reamsim {
 
@@ -15,6 +16,13 @@ std::string rounded_text(double value);
 
 /// The fewest digits that read back to the same value.
 std::string shortest_text(double value);
+
+/// Number of characters of a UTF-8 text.
+std::size_t text_width(const std::string& text);
+
+/// The lines of a table of text: the first column is left-aligned, the others right-aligned. No row has more cells than
+/// the first.
+std::vector<std::string> align_columns(const std::vector<std::vector<std::string>>& rows);
 
 /// Whole megabytes, 10⁶ bytes, rounded up: "12 MB".
 std::string megabytes(std::size_t bytes);

@@ -28,7 +28,7 @@ double microseconds(Step step) {
 }
 
 PhaseRow phases_of(const ProgramSet& set, const Program& program, const std::vector<BatchSample>& samples) {
-  const Setup& setup = set.setup;
+  const BenchSetup& setup = set.setup;
   const Rigid tool_from_bone = substeps_of(Contact::severe).front().pose.bone_from_tool().inverse();
   PhaseRow row{.at = set.place(program, "severe")};
   row.obb = microseconds([&] { return boxes_overlap(setup.tool_box, setup.bone_box, tool_from_bone); });

@@ -15,13 +15,13 @@ double volume(const Aabb& box) {
 }
 
 /// Fraction of the tool's box that is VOI at a pose.
-double voi_fraction(const Setup& setup, const ToolPose& pose) {
+double voi_fraction(const BenchSetup& setup, const ToolPose& pose) {
   const auto voi = broad_phase(setup.tool_box, setup.bone_box, pose.bone_from_tool().inverse());
   return voi ? volume(*voi) / volume(setup.tool_box) : 0;
 }
 
 /// The depth of the first approach at which the VOI is `fraction` of the tool's box.
-double depth_of_fraction(const Setup& setup, double fraction) {
+double depth_of_fraction(const BenchSetup& setup, double fraction) {
   double low = -20, high = 30;  // mm: clear of the bone's box, wholly in it
   for (int i = 0; i < 50; ++i) {
     const double middle = (low + high) / 2;

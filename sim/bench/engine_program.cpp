@@ -11,7 +11,7 @@ namespace {
 
 class EngineProgram final : public Program {
  public:
-  EngineProgram(const std::string& engine, const std::string& device, const Setup& setup,
+  EngineProgram(const std::string& engine, const std::string& device, const BenchSetup& setup,
                 const CuttingSettings& cutting)
       : setup_(setup),
         cutting_(cutting),
@@ -77,7 +77,7 @@ class EngineProgram final : public Program {
     removed_.insert(removed_.end(), removed.begin(), removed.end());
   }
 
-  Setup setup_;
+  BenchSetup setup_;
   CuttingSettings cutting_;
   Label label_;
   std::unique_ptr<Engine> engine_;
@@ -86,8 +86,8 @@ class EngineProgram final : public Program {
 
 }  // namespace
 
-std::unique_ptr<Program> make_engine_program(const std::string& engine, const std::string& device, const Setup& setup,
-                                             ErosionMode erosion) {
+std::unique_ptr<Program> make_engine_program(const std::string& engine, const std::string& device,
+                                             const BenchSetup& setup, ErosionMode erosion) {
   CuttingSettings cutting = bench_cutting();
   cutting.erosion = erosion;
   return std::make_unique<EngineProgram>(engine, device, setup, cutting);

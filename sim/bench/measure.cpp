@@ -14,7 +14,7 @@ const Label kPrograms[] = {{"bricked", "deterministic"}, {"direct", "determinist
                            {"octree", "deterministic"},  {"octree", "published"},     {"implicit", "deterministic"}};
 
 std::unique_ptr<Program> make_program(const Label& label, const cl::DeviceInfo& device, const Plan& plan,
-                                      const Setup& setup) {
+                                      const BenchSetup& setup) {
   if (label.variant == "deterministic") return make_engine_program(label.engine, plan.device, setup);
   return label.engine == "octree" ? make_published_octree(device, setup) : make_published_direct(device, setup, false);
 }
@@ -32,7 +32,7 @@ const std::vector<std::string>& engine_names() {
   return names;
 }
 
-ProgramSet make_programs(const Plan& plan, const Setup& setup, const SizePair& size, bool whole,
+ProgramSet make_programs(const Plan& plan, const BenchSetup& setup, const SizePair& size, bool whole,
                          std::vector<Skipped>& skipped) {
   ProgramSet set{setup, size.voxmap, size.shell, {}};
   const cl::DeviceInfo device = cl::choose_device(plan.device);

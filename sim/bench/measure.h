@@ -11,7 +11,7 @@ namespace reamsim::bench {
 
 /// The programs of one setup.
 struct ProgramSet {
-  Setup setup;
+  BenchSetup setup;
   int voxmap = 0;
   int shell = 0;
   std::vector<std::unique_ptr<Program>> programs;
@@ -23,7 +23,7 @@ struct ProgramSet {
 
 /// Creates every program of the plan's engines in all its variants. Programs that the device cannot hold are added to
 /// `skipped`. `whole`: also engines without a shell.
-ProgramSet make_programs(const Plan& plan, const Setup& setup, const SizePair& size, bool whole,
+ProgramSet make_programs(const Plan& plan, const BenchSetup& setup, const SizePair& size, bool whole,
                          std::vector<Skipped>& skipped);
 
 /// Runs the frames one by one, each program in turn, `repetitions` times in two rounds, each after a warm-up: a frame

@@ -12,7 +12,7 @@
 namespace reamsim::bench {
 
 /// The bone, the tool and their boxes. The caller owns voxmap and tool.
-struct Setup {
+struct BenchSetup {
   const FilledVoxmap* voxmap = nullptr;
   const Tool* tool = nullptr;
   Aabb bone_box;  ///< B, mm
@@ -53,13 +53,13 @@ class Program {
 };
 
 /// The engine of `reamsim run` on the device. Throws what make_engine() throws.
-std::unique_ptr<Program> make_engine_program(const std::string& engine, const std::string& device, const Setup& setup,
-                                             ErosionMode erosion = ErosionMode::remove);
+std::unique_ptr<Program> make_engine_program(const std::string& engine, const std::string& device,
+                                             const BenchSetup& setup, ErosionMode erosion = ErosionMode::remove);
 
 /// The published program of an engine. `count`: count contacts, with one more atomic sum per point. Throws RunError
 /// when the device has not enough memory.
-std::unique_ptr<Program> make_published_direct(const cl::DeviceInfo& device, const Setup& setup, bool count);
+std::unique_ptr<Program> make_published_direct(const cl::DeviceInfo& device, const BenchSetup& setup, bool count);
 /// Needs a cube of 2^n voxels along each edge. Always counts.
-std::unique_ptr<Program> make_published_octree(const cl::DeviceInfo& device, const Setup& setup);
+std::unique_ptr<Program> make_published_octree(const cl::DeviceInfo& device, const BenchSetup& setup);
 
 }  // namespace reamsim::bench

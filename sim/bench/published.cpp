@@ -51,7 +51,7 @@ std::vector<cl_uint> descent_steps(int side) {
   return steps;
 }
 
-PublishedProgram::PublishedProgram(const std::string& engine, const cl::DeviceInfo& info, const Setup& setup,
+PublishedProgram::PublishedProgram(const std::string& engine, const cl::DeviceInfo& info, const BenchSetup& setup,
                                    const char* source, std::size_t record_words)
     : setup_(setup),
       device_(info),

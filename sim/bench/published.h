@@ -30,7 +30,7 @@ class PublishedProgram : public Program {
 
  protected:
   /// `record_words`: 32-bit words that the kernel `published_touched` writes per point.
-  PublishedProgram(const std::string& engine, const cl::DeviceInfo& info, const Setup& setup, const char* source,
+  PublishedProgram(const std::string& engine, const cl::DeviceInfo& info, const BenchSetup& setup, const char* source,
                    std::size_t record_words);
   /// Sets the arguments of the kernels that record and restore: the shell, what they test, and what they restore.
   template <class Shell, class Bone, class State>
@@ -43,7 +43,7 @@ class PublishedProgram : public Program {
   /// Restores the whole bone.
   virtual void restore_all() = 0;
 
-  Setup setup_;
+  BenchSetup setup_;
   cl::Device device_;
   cl::Program program_;
   std::size_t points_;

@@ -14,7 +14,7 @@ namespace {
 
 class PublishedDirect final : public PublishedProgram {
  public:
-  PublishedDirect(const cl::DeviceInfo& info, const Setup& setup, bool count)
+  PublishedDirect(const cl::DeviceInfo& info, const BenchSetup& setup, bool count)
       : PublishedProgram("direct", info, setup, embedded::kernel_published_direct, 2),
         count_(count),
         kernel_(program_, "published_direct"),
@@ -68,7 +68,7 @@ class PublishedDirect final : public PublishedProgram {
 
 }  // namespace
 
-std::unique_ptr<Program> make_published_direct(const cl::DeviceInfo& device, const Setup& setup, bool count) {
+std::unique_ptr<Program> make_published_direct(const cl::DeviceInfo& device, const BenchSetup& setup, bool count) {
   return std::make_unique<PublishedDirect>(device, setup, count);
 }
 

@@ -31,7 +31,7 @@ std::vector<float> points_of(const PointShell& shell) {
 
 class PublishedOctree final : public PublishedProgram {
  public:
-  PublishedOctree(const cl::DeviceInfo& info, const Setup& setup)
+  PublishedOctree(const cl::DeviceInfo& info, const BenchSetup& setup)
       : PublishedProgram("octree", info, setup, embedded::kernel_published_octree, 1),
         detect_(program_, "published_octree"),
         reduce_(program_, "published_reduce"),
@@ -115,7 +115,7 @@ class PublishedOctree final : public PublishedProgram {
 
 }  // namespace
 
-std::unique_ptr<Program> make_published_octree(const cl::DeviceInfo& device, const Setup& setup) {
+std::unique_ptr<Program> make_published_octree(const cl::DeviceInfo& device, const BenchSetup& setup) {
   return std::make_unique<PublishedOctree>(device, setup);
 }
 

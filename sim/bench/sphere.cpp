@@ -117,7 +117,7 @@ void measure_spheres(const Plan& plan, const BenchControl& control, Findings& fi
   for (const double voxel_mm : plan.sphere_voxels_mm) {
     const FilledVoxmap bone = block(voxel_mm);
     const Tool tool = cap(voxel_mm);
-    const Setup setup{&bone, &tool, bone.grid.bounds_mm(), shell_box(tool)};
+    const BenchSetup setup{&bone, &tool, bone.grid.bounds_mm(), shell_box(tool)};
     for (const auto& [engine, erosion] : sphere_programs(plan)) {
       control.progress("plunged sphere, " + engine + ", " + name_of(erosion));
       const Place place{{engine, "deterministic"}, bone.grid.dims.x(), tool.shell.resolution, "sphere"};

@@ -22,7 +22,7 @@ std::string size_text(const SizePair& size) {
 }
 
 /// Counts the points that touch at the stored depths. Throws RunError where they differ from the cases.
-void verify_poses(const Plan& plan, const Setup& setup, Findings& findings) {
+void verify_poses(const Plan& plan, const BenchSetup& setup, Findings& findings) {
   const auto points = static_cast<double>(setup.tool->shell.codes.size());
   for (const Contact contact : kContacts) {
     int pose = 0;
@@ -32,11 +32,10 @@ void verify_poses(const Plan& plan, const Setup& setup, Findings& findings) {
       findings.poses.push_back(count);
       const double off = std::abs(static_cast<double>(count.points) - count.wanted);
       if (!plan.verify_poses || off <= kPoseTolerance * count.wanted) continue;
-      throw RunError("pose " + std::to_string(count.pose) + " of the case " + count.contact + " touches " +
-                     std::to_string(count.points) + " points and should touch " +
-                     std::to_string(std::lround(count.wanted)) +
-                     " to within 5 %: the scene is not the one that its "
-                     "depths were found for");
+      throw RunError(fmt::format(
+          "pose {} of the case {} touches {} points and should touch {} to within 5 %: the scene is not the "
+          "one that its depths were found for",
+          count.pose, count.contact, count.points, std::lround(count.wanted)));
     }
   }
 }
@@ -81,7 +80,7 @@ class Bench {
       voxmap_ = series_->at(size.voxmap);
     }
     const Tool& reamer = tool(size.shell);
-    const Setup setup{&voxmap_, &reamer, series_->box(size.voxmap), shell_box(reamer)};
+    const BenchSetup setup{&voxmap_, &reamer, series_->box(size.voxmap), shell_box(reamer)};
     if (last) verify_poses(plan_, setup, findings_);
     const bool whole = size.shell == plan_.sizes.back().shell;
     const ProgramSet set = make_programs(plan_, setup, size, whole, findings_.skipped);

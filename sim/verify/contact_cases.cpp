@@ -13,27 +13,15 @@ namespace {
 constexpr double kForceLimit = 5e-3;  // of a steady plunge at 0.25 mm
 const char* const kLimitReason = "limit set by this project";
 
-/// The example with one factor changed; a flat face with `radius_mm` 0.
-SteadyPlunge changed(double SteadyPlunge::*member, double value) {
-  SteadyPlunge out = kExample;
-  out.*member = value;
-  return out;
-}
-
-SteadyPlunge with_radius(std::optional<double> radius_mm) {
-  SteadyPlunge out = kExample;
-  out.radius_mm = radius_mm;
-  return out;
-}
-
 std::vector<SteadyPlunge> ratio_plunges(bool quick) {
-  std::vector<SteadyPlunge> out = {kExample, changed(&SteadyPlunge::density_g_cm3, 0.4),
-                                   changed(&SteadyPlunge::density_g_cm3, 1.0), with_radius(std::nullopt)};
+  std::vector<SteadyPlunge> out = {kExample, example_with(&SteadyPlunge::density_g_cm3, 0.4),
+                                   example_with(&SteadyPlunge::density_g_cm3, 1.0),
+                                   example_with(&SteadyPlunge::radius_mm, std::nullopt)};
   if (quick) return out;
-  for (const double outer_mm : {8.0, 12.5}) out.push_back(changed(&SteadyPlunge::outer_mm, outer_mm));
-  for (const double rpm : {100.0, 500.0}) out.push_back(changed(&SteadyPlunge::rpm, rpm));
-  for (const double feed_mm_s : {0.05, 0.5}) out.push_back(changed(&SteadyPlunge::feed_mm_s, feed_mm_s));
-  for (const double radius_mm : {20.0, 40.0}) out.push_back(with_radius(radius_mm));
+  for (const double outer_mm : {8.0, 12.5}) out.push_back(example_with(&SteadyPlunge::outer_mm, outer_mm));
+  for (const double rpm : {100.0, 500.0}) out.push_back(example_with(&SteadyPlunge::rpm, rpm));
+  for (const double feed_mm_s : {0.05, 0.5}) out.push_back(example_with(&SteadyPlunge::feed_mm_s, feed_mm_s));
+  for (const double radius_mm : {20.0, 40.0}) out.push_back(example_with(&SteadyPlunge::radius_mm, radius_mm));
   return out;
 }
 
@@ -145,13 +133,14 @@ CaseFindings half_face_case(const Setting& setting) {
       "torque and axial force half of full contact; F·t = 2u·(v_f/ω)·(a − r₀); F·e = −k_n·u·(v_f/ω)·(a² − r₀²)/R; M·t "
       "= R·F·e; M·e = −2u·(v_f/ω)·R·[(a − r₀) − (C(a) − C(r₀))]";
   out.refinements = half_refinements(setting);
-  std::vector<PlungeRun> runs = {{.plunge = kExample, .half_toward_deg = 0},
-                                 {.plunge = kExample, .half_toward_deg = 25},
-                                 {.plunge = with_radius(std::nullopt), .half_toward_deg = 25}};
+  std::vector<PlungeRun> runs = {
+      {.plunge = kExample, .half_toward_deg = 0},
+      {.plunge = kExample, .half_toward_deg = 25},
+      {.plunge = example_with(&SteadyPlunge::radius_mm, std::nullopt), .half_toward_deg = 25}};
   if (!setting.quick) {
     runs.push_back({.plunge = kExample, .half_toward_deg = 137});
-    runs.push_back({.plunge = changed(&SteadyPlunge::bore_mm, 4), .half_toward_deg = 25});
-    runs.push_back({.plunge = with_radius(20), .half_toward_deg = 25});
+    runs.push_back({.plunge = example_with(&SteadyPlunge::bore_mm, 4), .half_toward_deg = 25});
+    runs.push_back({.plunge = example_with(&SteadyPlunge::radius_mm, 20), .half_toward_deg = 25});
   }
   for (const PlungeRun& run : runs) {
     for (Check& check : half_checks(run, setting)) out.checks.push_back(std::move(check));

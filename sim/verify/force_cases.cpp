@@ -31,11 +31,8 @@ std::vector<Refinement> steady_refinements(const SteadyPlunge& plunge, const Set
 /// The example with one factor changed at a time, and with a flat face.
 std::vector<SteadyPlunge> variations(bool quick) {
   std::vector<SteadyPlunge> out;
-  const auto vary = [&](auto member, std::vector<double> values) {
-    for (const double value : values) {
-      out.push_back(kExample);
-      out.back().*member = value;
-    }
+  const auto vary = [&](auto member, const std::vector<double>& values) {
+    for (const double value : values) out.push_back(example_with(member, value));
   };
   if (quick) {
     vary(&SteadyPlunge::outer_mm, {8});
@@ -48,12 +45,8 @@ std::vector<SteadyPlunge> variations(bool quick) {
     vary(&SteadyPlunge::bore_mm, {2, 4});
     vary(&SteadyPlunge::density_g_cm3, {0.4, 0.8, 1.2});
   }
-  for (const double radius : {20.0, 40.0}) {
-    out.push_back(kExample);
-    out.back().radius_mm = radius;
-  }
-  out.push_back(kExample);
-  out.back().radius_mm = std::nullopt;
+  vary(&SteadyPlunge::radius_mm, {20, 40});
+  out.push_back(example_with(&SteadyPlunge::radius_mm, std::nullopt));
   return out;
 }
 
@@ -90,8 +83,7 @@ CaseFindings ripple_case(const Setting& setting) {
   out.title = "Ripple of a steady plunge";
   out.scene = "the same reamer at 0.25 mm voxels, 0.2 mm/s and 1 kHz, frame by frame over one voxel of feed";
   out.form = "0: standard deviation of the torque over its mean";
-  SteadyPlunge flat = kExample;
-  flat.radius_mm = std::nullopt;
+  const SteadyPlunge flat = example_with(&SteadyPlunge::radius_mm, std::nullopt);
   const int frames = static_cast<int>(std::lround(kVoxel_mm / kExample.feed_mm_s * kRate_hz));
   const auto ripple = [&](const SteadyPlunge& plunge, ErosionMode erosion, double tilt_deg) {
     setting.progress("ripple, " + text_of(plunge) + ", " + name_of(erosion));

@@ -2,6 +2,7 @@
 
 #include <optional>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 #include "sim/verify/forms.h"
@@ -11,6 +12,14 @@ namespace reamsim::verify {
 
 /// The example of docs/physics.md, 6.
 inline constexpr SteadyPlunge kExample{29, 15, 1.25, 250, 0.2, 1.8};
+
+/// The example with one factor changed.
+template <class Value>
+SteadyPlunge example_with(Value SteadyPlunge::*member, std::type_identity_t<Value> value) {
+  SteadyPlunge out = kExample;
+  out.*member = value;
+  return out;
+}
 
 /// The profile of the reamer's head.
 Profile head_of(const SteadyPlunge& plunge);

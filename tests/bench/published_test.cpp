@@ -48,7 +48,7 @@ class Published : public ::testing::Test {
   // Voxels far smaller than the shell's spacing, so that hardly two points share one.
   const FilledVoxmap bone_ = series_.at(256);
   const Tool tool_ = cap_tool(64);
-  const Setup setup_{&bone_, &tool_, series_.box(256), shell_box(tool_)};
+  const BenchSetup setup_{&bone_, &tool_, series_.box(256), shell_box(tool_)};
 };
 
 TEST_F(Published, DirectForceIsNearTheRaceFreeOne) {
