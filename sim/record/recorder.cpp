@@ -26,7 +26,7 @@ void Recorder::frame(const FrameResult& r, const FrameTimes& times) {
   row << frame, r.time_s, r.pose.position_mm, r.pose.orientation.w(), r.pose.orientation.vec(), r.pose.spin_rpm,
       r.pose.spin_angle_rad, r.depth_mm, r.force_n, r.torque_nmm, r.axial_force_n, r.spin_torque_nmm,
       static_cast<double>(r.contacts), r.removed_mm3, r.energy_mj, r.floor_energy_mj, r.balance;
-  forces_.row(row);
+  forces_.row(std::span<const double>(row.data(), row.size()));
   timings_.row({frame, 1e3 * times.broad_phase_s, 1e3 * times.detect_s, 1e3 * times.cut_s});
   totals_.add(r);
   totals_.broad_phase_s += times.broad_phase_s;
