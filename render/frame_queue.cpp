@@ -22,10 +22,10 @@ bool FrameQueue::push(RenderedFrame frame) {
   return true;
 }
 
-void FrameQueue::end(std::exception_ptr error) {
+void FrameQueue::end(std::exception_ptr why) {
   const std::lock_guard lock(mutex_);
   ended_ = true;
-  error_ = std::move(error);
+  why_ = std::move(why);
   changed_.notify_all();
 }
 
@@ -33,7 +33,7 @@ std::optional<RenderedFrame> FrameQueue::pop() {
   std::unique_lock lock(mutex_);
   changed_.wait(lock, [&] { return ended_ || !frames_.empty(); });
   if (frames_.empty()) {
-    if (error_) std::rethrow_exception(error_);
+    if (why_) std::rethrow_exception(why_);
     return std::nullopt;
   }
   RenderedFrame out = std::move(frames_.front());

@@ -14,34 +14,34 @@ namespace reamsim {
 /// One rendered frame of a run, without labels.
 struct RenderedFrame {
   enum class Kind {
-    before,      ///< left half of a before/after picture
-    frame,       ///< a frame of the run
+    before,      ///< the left half of a picture with before and after; by camera
+    frame,       ///< a frame of the run; by camera
     sheet,       ///< a cell of the contact sheet
     film,        ///< a frame of the film
-    after,       ///< the last state
-    after_half,  ///< right half of a before/after picture
-    turntable,   ///< the last state
+    after,       ///< the last state; by camera
+    after_half,  ///< the right half of a picture with before and after; by camera
+    turntable,   ///< the last state; by turn
   };
   Kind kind;
-  std::size_t camera = 0;  ///< index into the cameras of this kind in FrameSchedule
+  std::size_t camera = 0;  ///< which one of those in FrameSchedule, or which turn
   std::int64_t frame = 0;  ///< of the run
-  double deepest_mm = 0;   ///< greatest depth that it shows
+  double deepest_mm = 0;   ///< of what it shows
   PixelImage image;
 };
 
-/// A queue of rendered frames between two threads. All members are thread-safe.
+/// Rendered frames on their way from one thread to another. All members may be called by any thread.
 class FrameQueue {
  public:
-  /// Holds images of at most this size in total, or one image.
+  /// Has room for images of so many bytes, and at least for one.
   explicit FrameQueue(std::size_t most_bytes) : most_bytes_(most_bytes) {}
 
-  /// Waits for space. Returns false after close().
+  /// Waits for room. Returns false after close().
   bool push(RenderedFrame frame);
-  /// Marks the end. pop() throws `error`, where not null, once the queue is empty.
-  void end(std::exception_ptr error);
-  /// Waits for the next frame; nullopt after the last.
+  /// There will be no more. `why`, where not null, is thrown by pop() once the queue is empty.
+  void end(std::exception_ptr why);
+  /// Waits for the next one; none after the last.
   std::optional<RenderedFrame> pop();
-  /// Rejects further frames.
+  /// No more frames are accepted.
   void close();
 
  private:
@@ -52,7 +52,7 @@ class FrameQueue {
   std::size_t most_bytes_;
   bool ended_ = false;
   bool closed_ = false;
-  std::exception_ptr error_;
+  std::exception_ptr why_;
 };
 
 }  // namespace reamsim

@@ -16,7 +16,7 @@
 namespace reamsim {
 namespace {
 
-/// Writes pictures on another thread, and counts them.
+/// Writes pictures while the next one is drawn, and counts them.
 class PngWriter {
  public:
   PngWriter(PictureProgress progress, int total) : progress_(std::move(progress)), total_(total) {}
@@ -27,14 +27,14 @@ class PngWriter {
     writing_ = std::async(std::launch::async, [path, image = std::move(image)]() mutable { write_png(path, image); });
   }
 
-  /// Waits for the last picture; throws what writing it threw.
+  /// Waits for the picture that is being compressed; throws what writing it threw.
   void finish() {
     if (!writing_.valid()) return;
     writing_.get();
     count(path_);
   }
 
-  /// Counts a picture that is written elsewhere.
+  /// A picture that went elsewhere.
   void count(const std::string& path) {
     if (progress_) progress_(++done_, total_, path);
   }
@@ -47,7 +47,7 @@ class PngWriter {
   std::future<void> writing_;
 };
 
-/// Makes the pictures of a run from its rendered frames.
+/// Makes the pictures of a run from its rendered frames, in the order in which they come.
 class PictureComposer {
  public:
   PictureComposer(const RunData& run, const PictureOptions& options, const PictureProgress& progress)
@@ -163,6 +163,13 @@ class PictureComposer {
   PngWriter writer_;
 };
 
+void require_possible(const RenderSettings& settings) {
+  if (settings.cameras.empty() && settings.user_cameras.empty()) {
+    throw InputError({}, "render.cameras", "found none", "expected at least one camera");
+  }
+  require_film_program(settings);
+}
+
 }  // namespace
 
 void require_film_program(const RenderSettings& settings) {
@@ -171,10 +178,7 @@ void require_film_program(const RenderSettings& settings) {
 
 void render_pictures(const RunData& run, const PictureOptions& options, const PictureProgress& progress, Report* report,
                      RenderThread* thread) {
-  if (options.settings.cameras.empty() && options.settings.user_cameras.empty()) {
-    throw InputError({}, "render.cameras", "found none", "expected at least one camera");
-  }
-  require_film_program(options.settings);
+  require_possible(options.settings);
   std::optional<RenderThread> own_thread;
   if (thread == nullptr) {
     thread = &own_thread.emplace(run, options);

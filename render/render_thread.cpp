@@ -11,7 +11,7 @@
 namespace reamsim {
 namespace {
 
-/// Memory of the frames that wait for next(): a fraction of the machine's, with a maximum.
+/// What frames may take until next() takes them: this fraction of the machine's memory, and at most so much.
 constexpr double kWaitingFraction = 1.0 / 16;
 constexpr double kMostWaiting_bytes = 1e9;
 

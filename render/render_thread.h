@@ -12,28 +12,29 @@
 
 namespace reamsim {
 
-/// Renders the frames of a run's pictures on a separate thread, each as soon as its snapshot is written. Another thread
-/// draws the labels later, because they need the log. Pauses while the frames that wait for next() take a sixteenth of
-/// the machine's memory or a gigabyte.
+/// Renders all frames that a run's pictures are made from on a thread of its own: as soon as a snapshot is written,
+/// beside the simulation. Labels need the log and are drawn later, by another thread. It goes once through the run, and
+/// pauses while the frames that wait for next() take a sixteenth of the machine's memory, or a gigabyte.
 class RenderThread {
  public:
   RenderThread(const RunData& run, const PictureOptions& options);
-  /// Stops the thread, even before the end of the run.
+  /// Stops it, if need be before the run's end.
   ~RenderThread();
   RenderThread(const RenderThread&) = delete;
   RenderThread& operator=(const RenderThread&) = delete;
 
-  /// Call it when all snapshots up to and including that of this frame are on disk.
+  /// All snapshots up to and including this frame's are on disk.
   void snapshots_written(std::int64_t frame);
-  /// Waits for the next frame, in the order of the run and at each state in the order of RenderedFrame::Kind; nullopt
-  /// after the last. Throws what rendering threw: InputError, RunError, bad_alloc.
+  /// Waits for the next frame, in the order of the run, and at each state in that of RenderedFrame::Kind; none after
+  /// the last. Throws what rendering it threw: InputError, RunError, bad_alloc.
   std::optional<RenderedFrame> next() { return queue_.pop(); }
-  /// After next() has returned: a warning where another graphics context than the requested is used; else empty.
+  /// Once next() has returned: says that the requested graphics context is not available and the other one is used;
+  /// else empty.
   [[nodiscard]] const std::string& warning() const { return warning_; }
 
  private:
   class Pass;
-  struct Stopped {};  ///< thrown to stop the thread; never leaves it
+  struct Stopped {};  ///< thrown where the thread is to stop; never leaves it
 
   void work(const RunData& run, const PictureOptions& options);
   void wait_for_snapshot(std::int64_t frame);
@@ -44,7 +45,7 @@ class RenderThread {
   bool stop_ = false;
   FrameQueue queue_;
   std::string warning_;
-  std::thread thread_;  ///< last, because it uses the other members
+  std::thread thread_;  ///< last, because it uses the others
 };
 
 }  // namespace reamsim

@@ -1,7 +1,6 @@
 #include "render/film/encoder.h"
 
 #include <sys/socket.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -33,15 +32,15 @@ void close_fd(int& fd) {
 }
 
 /// Starts ffmpeg, which reads `in` and prints to `output`. Returns 0 or an error number.
-int start_ffmpeg(std::vector<std::string> arguments, int in, const ProgramOutput& output, pid_t& child) {
+int start_ffmpeg(std::vector<std::string> arguments, int in, const MemoryFile& output, pid_t& child) {
   arguments.insert(arguments.begin(), {"ffmpeg", "-hide_banner", "-loglevel", "error"});
-  return start_program({.arguments = std::move(arguments),
-                        .folder = "",
-                        .in = in,
-                        .out = output.descriptor(),
-                        .err = output.descriptor(),
-                        .own_group = true},
-                       child);
+  return spawn({.arguments = std::move(arguments),
+                .dir = "",
+                .in = in,
+                .out = output.descriptor(),
+                .err = output.descriptor(),
+                .own_group = true},
+               child);
 }
 
 std::vector<std::string> encoder_arguments(FilmFormat format, int frames_per_s) {
@@ -94,7 +93,7 @@ std::string film_ending(FilmFormat format) {
 }
 
 void require_encoder(FilmFormat format) {
-  const ProgramOutput output;
+  const MemoryFile output("the messages of ffmpeg");
   pid_t child = 0;
   const int error = start_ffmpeg({"-encoders"}, -1, output, child);
   if (error != 0) {
@@ -103,7 +102,7 @@ void require_encoder(FilmFormat format) {
   }
   wait_for(child);
   const std::string encoder(facts_of(format).encoder);
-  if (output.text().find(" " + encoder + " ") == std::string::npos) {
+  if (output.contents().find(" " + encoder + " ") == std::string::npos) {
     throw RunError("the ffmpeg on this machine cannot write " + name_of(format) + ", because it has no encoder " +
                    encoder + ": install another ffmpeg, or choose another render.film");
   }
@@ -113,7 +112,8 @@ FilmEncoder::FilmEncoder(const std::string& path, const RenderSettings& settings
     : width_px_(even_px(settings.width_px)),
       height_px_(even_px(settings.height_px)),
       path_(path),
-      partial_path_(path + ".partial") {
+      partial_path_(path + ".partial"),
+      output_("the messages of ffmpeg") {
   int ends[2];
   // A socket, because writing to one whose reader has gone need not raise SIGPIPE.
   if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0) {
@@ -161,8 +161,8 @@ std::string FilmEncoder::wait() {
   close_fd(pictures_fd_);
   const int status = wait_for(child_);
   child_ = -1;
-  if (WIFEXITED(status) && WEXITSTATUS(status) == 0) return "";
-  const std::string words = output_.text();
+  if (succeeded(status)) return "";
+  const std::string words = output_.contents();
   return words.empty() ? "exited without an error message" : words;
 }
 

@@ -44,7 +44,7 @@ class FilmEncoder {
   std::string path_;
   std::string partial_path_;
   int pictures_fd_ = -1;  ///< our end of ffmpeg's standard input
-  ProgramOutput output_;
+  MemoryFile output_;
   pid_t child_ = -1;
 };
 

@@ -33,19 +33,19 @@ std::string gnuplot_string(const std::string& text) {
 void run_gnuplot(const std::string& dir, const std::string& script, const std::string& text,
                  const std::vector<std::string>& pictures) {
   write_file(dir + "/" + script, text);
-  const ProgramOutput messages;
+  const MemoryFile messages("the messages of gnuplot");
   pid_t child = 0;
   // -d: without the user's own settings, which could change the figures.
   const int error_number =
-      start_program({.arguments = {"gnuplot", "-d", script}, .folder = dir, .err = messages.descriptor()}, child);
+      spawn({.arguments = {"gnuplot", "-d", script}, .dir = dir, .err = messages.descriptor()}, child);
   if (error_number != 0) throw RunError(std::string("gnuplot cannot be started: ") + std::strerror(error_number));
-  if (wait_for(child) != 0) {
-    throw RunError(dir + ": gnuplot failed on " + script + ": " + on_one_line(messages.text()));
+  if (!succeeded(wait_for(child))) {
+    throw RunError(dir + ": gnuplot failed on " + script + ": " + on_one_line(messages.contents()));
   }
   for (const std::string& name : pictures) {
     std::error_code error;
     if (std::filesystem::file_size(dir + "/" + name, error) == 0 || error) {
-      throw RunError(dir + "/" + name + ": gnuplot wrote nothing: " + on_one_line(messages.text()));
+      throw RunError(dir + "/" + name + ": gnuplot wrote nothing: " + on_one_line(messages.contents()));
     }
   }
 }

@@ -57,15 +57,15 @@ void set_limit(__rlimit_resource resource, std::uint64_t most) {
 
 }  // namespace
 
-ProgramOutput::ProgramOutput() : descriptor_(memfd_create("reamsim-output", MFD_CLOEXEC)) {
-  if (descriptor_ < 0) throw RunError(std::string("no memory for the output of a program: ") + std::strerror(errno));
+MemoryFile::MemoryFile(const std::string& purpose) : descriptor_(memfd_create("reamsim", MFD_CLOEXEC)) {
+  if (descriptor_ < 0) throw RunError("no memory for " + purpose + ": " + std::strerror(errno));
 }
 
-ProgramOutput::~ProgramOutput() {
+MemoryFile::~MemoryFile() {
   close(descriptor_);
 }
 
-std::string ProgramOutput::text() const {
+std::string MemoryFile::contents() const {
   std::string text;
   std::array<char, 4096> buffer;
   for (ssize_t got; (got = pread(descriptor_, buffer.data(), buffer.size(), static_cast<off_t>(text.size()))) > 0;) {
@@ -74,19 +74,19 @@ std::string ProgramOutput::text() const {
   return text;
 }
 
-int start_program(ProgramStart start, pid_t& child) {
+int spawn(ChildCommand command, pid_t& child) {
   std::vector<char*> arguments;
-  for (std::string& argument : start.arguments) arguments.push_back(argument.data());
+  for (std::string& argument : command.arguments) arguments.push_back(argument.data());
   arguments.push_back(nullptr);
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
-  if (!start.folder.empty()) posix_spawn_file_actions_addchdir_np(&actions, start.folder.c_str());
-  add_descriptor(actions, start.in, STDIN_FILENO);
-  add_descriptor(actions, start.out, STDOUT_FILENO);
-  add_descriptor(actions, start.err, STDERR_FILENO);
+  if (!command.dir.empty()) posix_spawn_file_actions_addchdir_np(&actions, command.dir.c_str());
+  add_descriptor(actions, command.in, STDIN_FILENO);
+  add_descriptor(actions, command.out, STDOUT_FILENO);
+  add_descriptor(actions, command.err, STDERR_FILENO);
   posix_spawnattr_t attributes;
   posix_spawnattr_init(&attributes);
-  if (start.own_group) {
+  if (command.own_group) {
     posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP);
     posix_spawnattr_setpgroup(&attributes, 0);
   }
@@ -101,6 +101,10 @@ int wait_for(pid_t child) {
   while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
   }
   return status;
+}
+
+bool succeeded(int status) {
+  return WIFEXITED(status) && WEXITSTATUS(status) == 0;
 }
 
 int run_in_child(const std::function<void()>& work, const ChildLimits& limits) {

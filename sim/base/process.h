@@ -9,38 +9,38 @@
 
 namespace reamsim {
 
-/// A file in memory that takes what a program prints.
-class ProgramOutput {
+/// A file in memory, for the output of a program.
+class MemoryFile {
  public:
-  /// Throws RunError when there is no memory for it.
-  ProgramOutput();
-  ~ProgramOutput();
-  ProgramOutput(const ProgramOutput&) = delete;
-  ProgramOutput& operator=(const ProgramOutput&) = delete;
+  /// `purpose`: for the message. Throws RunError.
+  explicit MemoryFile(const std::string& purpose);
+  ~MemoryFile();
+  MemoryFile(const MemoryFile&) = delete;
+  MemoryFile& operator=(const MemoryFile&) = delete;
 
   [[nodiscard]] int descriptor() const { return descriptor_; }
-  /// All that has been printed so far.
-  [[nodiscard]] std::string text() const;
+  [[nodiscard]] std::string contents() const;
 
  private:
   int descriptor_;
 };
 
-/// How a program is started. File descriptors: −1 stands for /dev/null.
-struct ProgramStart {
-  std::vector<std::string> arguments;  ///< first the name of the program, which is looked up in PATH
-  std::string folder;                  ///< where it runs; "" = here
-  int in = -1;
-  int out = -1;
-  int err = -1;
-  bool own_group = false;  ///< Ctrl-C does not reach it
+/// A program to start.
+struct ChildCommand {
+  std::vector<std::string> arguments;  ///< the program first, which is looked up in PATH
+  std::string dir = {};                ///< its working directory; "" = that of this process
+  int in = -1, out = -1, err = -1;     ///< file descriptors; −1 = /dev/null
+  bool own_group = false;              ///< Ctrl-C in the terminal does not interrupt it
 };
 
 /// Starts a program and sets `child`. Returns 0 or an error number.
-int start_program(ProgramStart start, pid_t& child);
+int spawn(ChildCommand command, pid_t& child);
 
 /// Waits until the child ends. Returns its status, as waitpid() reports it.
 int wait_for(pid_t child);
+
+/// Whether a child with this status exited with 0.
+bool succeeded(int status);
 
 struct ChildLimits {
   std::uint64_t memory_bytes = 0;  ///< more than what this process has; 0 = no limit
