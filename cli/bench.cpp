@@ -6,8 +6,8 @@
 
 #include "cli/commands.h"
 #include "render/plots/bench_plot.h"
-#include "render/plots/plots.h"
 #include "sim/base/error.h"
+#include "sim/base/file.h"
 #include "sim/bench/paper.h"
 #include "sim/bench/suite.h"
 #include "sim/record/output_folder.h"
@@ -35,13 +35,10 @@ bench::Plan plan_of(const BenchOptions& options) {
 
 /// Whether the file is a benchmark's JSON.
 bool is_benchmark(const std::string& path) {
-  std::string start(256, '\0');
-  std::ifstream in(path, std::ios::binary);
-  in.read(start.data(), static_cast<std::streamsize>(start.size()));
-  return start.starts_with("{\n  \"program\": \"reamsim ");
+  return read_file_start(path, 256).starts_with("{\n  \"program\": \"reamsim ");
 }
 
-/// Finds out before minutes of measuring whether the file can be written, and leaves it as it is.
+/// Throws InputError where the file cannot be written. Does not change it.
 void require_writable(const std::string& path, bool overwrite) {
   require_replaceable_file(path, "--json", overwrite, is_benchmark, {});
   const bool existed = std::filesystem::exists(path);
@@ -55,8 +52,8 @@ std::string program_of(const bench::Label& label) {
   return label.engine + (label.variant == "published" ? ", published" : "");
 }
 
-/// Severe contact as curves over the shell, a panel per voxmap. The paper's figures go with the programs that it
-/// measured; what has no shell is a level line.
+/// Severe contact as curves over the shell, a panel per voxmap; engines without a shell are level lines. The programs
+/// that the paper measured also get its figures.
 void add_severe(const bench::Findings& findings, BenchPlot& plot) {
   for (const bench::CaseRow& row : findings.cases) {
     if (row.at.contact != "severe") continue;
@@ -64,7 +61,7 @@ void add_severe(const bench::Findings& findings, BenchPlot& plot) {
     const bool measured_there = no_shell || row.at.who.variant == "published";
     for (const auto& [shell, points] : findings.shell_points) {
       if (!no_shell && shell != row.at.shell) continue;
-      const auto paper = bench::paper_ms(row.at.who.engine.c_str(), row.at.voxmap, shell);
+      const auto paper = bench::paper_ms(row.at.who.engine, row.at.voxmap, shell);
       plot.severe.push_back(
           {program_of(row.at.who), row.at.voxmap, shell, row.ms.median, measured_there ? paper : std::nullopt});
     }
@@ -87,12 +84,12 @@ void bench_command(const BenchOptions& options, const Console& console) {
   if (!options.json.empty()) require_writable(options.json, options.overwrite);
   OutputFolder folder(
       {.dir = options.output, .kind = ResultKind::benchmark, .overwrite = options.overwrite, .inputs = {}});
-  bench::Watch watch;
-  watch.progress = [&](const std::string& stage) { console.say("... " + stage); };
-  watch.stop = stop_requested;
-  const bench::Findings findings = bench::run_bench(plan, watch);
+  bench::BenchControl control;
+  control.progress = [&](const std::string& stage) { console.say("... " + stage); };
+  control.stop = stop_requested;
+  const bench::Findings findings = bench::run_bench(plan, control);
   console.say("\n" + bench::text_of(findings));
-  if (!options.json.empty()) write_text_file(options.json, bench::json_of(findings));
+  if (!options.json.empty()) write_file(options.json, bench::json_of(findings));
   BenchPlot plot;
   plot.device = findings.device;
   add_severe(findings, plot);
@@ -126,7 +123,7 @@ void add_bench_command(CLI::App& app, Console& console) {
       ->delimiter(',')
       ->type_name("E,E");
   command->add_flag("--quiet", console.quiet, "Print only warnings and errors");
-  // Prints the depths that sim/bench/poses.cpp holds, found anew; for whoever changes the scene.
+  // For developers who change the scene: recomputes the depths in sim/bench/poses.cpp.
   command->add_flag("--find-depths", options->find_depths)->group("");
   command->callback([options, &console] { bench_command(*options, console); });
 }

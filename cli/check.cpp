@@ -1,8 +1,8 @@
+#include <fmt/core.h>
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <cstdio>
 #include <memory>
 
 #include "cli/commands.h"
@@ -11,6 +11,7 @@
 #include "sim/base/error.h"
 #include "sim/base/mistake_list.h"
 #include "sim/base/stopwatch.h"
+#include "sim/base/text.h"
 #include "sim/plan/memory_plan.h"
 #include "sim/plan/time_plan.h"
 #include "sim/predict/contact_forecast.h"
@@ -22,38 +23,29 @@ namespace reamsim {
 
 namespace {
 
-/// So long frames are timed for.
+/// Duration of the timed part of the simulation.
 constexpr double kTiming_s = 1;
-/// A picture of 1920 × 1080, measured on two cores; docs/formats.md says how.
+/// Time of a picture of 1920 × 1080, measured on two cores as docs/formats.md describes.
 constexpr double kPicture_s = 0.4;
-
-std::string megabytes(std::size_t bytes) {
-  return std::to_string((bytes + 999'999) / 1'000'000) + " MB";
-}
 
 void note_cost(const ReamingScene& scene, Report& report) {
   const RunCost cost = estimate_cost(scene);
   const VoxelGrid& grid = scene.bone.voxmap->grid;
-  char text[256];
-  std::snprintf(text, sizeof text, "motion: %lld frames (%.3f s at %g Hz), %lld substeps",
-                static_cast<long long>(cost.frames), static_cast<double>(cost.frames) * scene.motion.frame_s(),
-                scene.motion.frame_rate_hz, static_cast<long long>(cost.substeps));
-  report.note(text);
-  std::snprintf(text, sizeof text, "bone: %d x %d x %d voxels of %g mm, %lld contain bone (%.1f mm3)", grid.dims.x(),
-                grid.dims.y(), grid.dims.z(), grid.voxel_mm, static_cast<long long>(scene.bone.view().count_bone()),
-                scene.bone.view().bone_mm3());
-  report.note(text);
-  std::snprintf(text, sizeof text, "tool: %zu shell points, spacing %g mm", scene.tool.shell.codes.size(),
-                scene.tool.shell.cell_mm);
-  report.note(text);
+  report.note(fmt::format("motion: {} frames ({:.3f} s at {:g} Hz), {} substeps", cost.frames,
+                          static_cast<double>(cost.frames) * scene.motion.frame_s(), scene.motion.frame_rate_hz,
+                          cost.substeps));
+  report.note(fmt::format("bone: {} x {} x {} voxels of {:g} mm, {} contain bone ({:.1f} mm3)", grid.dims.x(),
+                          grid.dims.y(), grid.dims.z(), grid.voxel_mm, scene.bone.view().count_bone(),
+                          scene.bone.view().bone_mm3()));
+  report.note(
+      fmt::format("tool: {} shell points, spacing {:g} mm", scene.tool.shell.codes.size(), scene.tool.shell.cell_mm));
   const MemoryPlan memory = plan_memory(scene);
   report.note("memory: " + megabytes(memory.device_bytes) + " on the device, up to " + megabytes(memory.process_bytes) +
               " in total, plus rendering");
 }
 
-/// Reams the scene's bone. The engine's own mistakes come to light here as well.
+/// Times frames, which reams the bone of the scene. Also collects the mistakes that the engine finds.
 void note_time(ReamingScene& scene, double load_s, MistakeList& mistakes, Report& report) {
-  char text[256];
   const RenderSettings& render = scene.scenario.render;
   const std::vector<std::int64_t> frames = picture_frames(render, std::ssize(scene.motion.poses) - 1);
   const int pictures = render.enabled ? count_pictures({render}, frames) : 0;
@@ -65,13 +57,11 @@ void note_time(ReamingScene& scene, double load_s, MistakeList& mistakes, Report
     load_s += watch.seconds();
     TimePlan plan;
     if (!mistakes.attempt([&] { plan = plan_time(scene, *engine, kTiming_s); })) return;
-    std::snprintf(text, sizeof text, "time: about %.2g s for the simulation (%lld frames in %d windows timed on %s)",
-                  plan.simulate_s, static_cast<long long>(plan.timed_frames), plan.windows, engine->device().c_str());
-    report.note(text);
-    std::snprintf(text, sizeof text,
-                  "time: about %.2g s for %d pictures, rendered during and after the simulation; %.2g s to load",
-                  pictures * kPicture_s * pixels / (1920 * 1080), pictures, load_s);
-    report.note(text);
+    report.note(fmt::format("time: about {:.2g} s for the simulation ({} frames in {} windows timed on {})",
+                            plan.simulate_s, plan.timed_frames, plan.windows, engine->device()));
+    report.note(
+        fmt::format("time: about {:.2g} s for {} pictures, rendered during and after the simulation; {:.2g} s to load",
+                    pictures * kPicture_s * pixels / (1920 * 1080), pictures, load_s));
   } catch (const RunError& error) {
     report.warn(std::string("no time estimate: the engine cannot start: ") + error.what());
   }
@@ -89,8 +79,8 @@ void warn_of_settings(const ReamingScene& scene, Report& report) {
   }
 }
 
-/// As comments, so that the scenario below them stays one.
-void say_findings(const Report& report, const Console& console) {
+/// As YAML comments, so that the output is a scenario.
+void print_findings(const Report& report, const Console& console) {
   for (const std::string& warning : report.warnings) console.say("# warning: " + warning);
   for (const std::string& note : report.notes) console.say("# " + note);
 }
@@ -109,11 +99,11 @@ void check_command(const ScenarioOptions& options, const Console& console) {
   note_time(scene, load_s, mistakes, report);
   if (scene.bone.segmentation) report.note(sentence_of(*scene.bone.segmentation));
   report.notes.insert(report.notes.end(), found.notes.begin(), found.notes.end());
-  // On a terminal standard error would say them a second time.
+  // On a terminal, standard error would repeat them.
   if (isatty(STDOUT_FILENO) == 0 || console.quiet) {
     for (const std::string& warning : report.warnings) console.warn(warning);
   }
-  say_findings(report, console);
+  print_findings(report, console);
   mistakes.throw_if_any();
   console.say(to_yaml(scene.scenario));
 }

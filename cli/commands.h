@@ -13,8 +13,8 @@ class App;
 
 namespace reamsim {
 
-/// Each adds one command to `app`; the command runs when the arguments are parsed. Commands throw InputError, RunError
-/// or Interrupted, which main() turns into exit statuses (docs/architecture.md).
+/// Each adds one command to `app`, which runs it while it parses the arguments. Commands throw InputError, RunError or
+/// Interrupted; main() turns them into exit statuses (docs/architecture.md).
 void add_run_command(CLI::App& app, Console& console);
 void add_check_command(CLI::App& app, Console& console);
 void add_render_command(CLI::App& app, Console& console);

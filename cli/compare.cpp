@@ -1,16 +1,17 @@
 #include "render/plots/compare.h"
 #include "render/plots/plots.h"
 
+#include <fmt/core.h>
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <filesystem>
 #include <memory>
 #include <set>
 
 #include "cli/commands.h"
 #include "sim/base/error.h"
+#include "sim/base/text.h"
 #include "sim/record/output_folder.h"
 #include "sim/scenario/parse.h"
 
@@ -26,13 +27,13 @@ struct CompareOptions {
   bool overwrite = false;
 };
 
-/// What the terminal shows; compare.csv has every number.
+/// The metrics on the terminal; compare.csv has all.
 constexpr std::array kShown{
     "removed_mm3",         "headline.depth_mm",  "headline.peak_axial_force_n", "headline.peak_spin_torque_nmm",
     "energy_mj",           "forces.rms_force_n", "forces.rms_torque_nmm",       "bone.voxel_mm",
     "bone.bone_after_mm3", "simulated_s"};
 
-/// Throws InputError unless each of two or more folders is a run's, and none is named twice.
+/// Throws InputError unless there are two or more different folders of finished runs.
 void check_folders(const std::vector<std::string>& dirs) {
   if (dirs.size() < 2) throw InputError({}, "DIR", "only one folder given", "give two or more results folders");
   std::set<fs::path> seen;
@@ -51,7 +52,7 @@ void check_folders(const std::vector<std::string>& dirs) {
   }
 }
 
-/// The folders' names, or their paths where two have one name.
+/// The names of the folders, or their paths where two have the same name.
 std::vector<ComparedRun> label_runs(const std::vector<std::string>& dirs) {
   std::vector<ComparedRun> runs;
   std::set<std::string> names;
@@ -64,10 +65,9 @@ std::vector<ComparedRun> label_runs(const std::vector<std::string>& dirs) {
   return runs;
 }
 
-/// Where voxels go whole, single frames are spikes: then forces are shown as the run's own plots show them.
+/// Sets the travel of the means to that of the run's own plots.
 void set_means(std::vector<ComparedRun>& runs, const std::vector<ComparedMetric>& metrics) {
-  const auto found = std::find_if(metrics.begin(), metrics.end(),
-                                  [](const ComparedMetric& metric) { return metric.key == "bone.voxel_mm"; });
+  const auto found = std::ranges::find(metrics, "bone.voxel_mm", &ComparedMetric::key);
   for (std::size_t i = 0; i < runs.size(); ++i) {
     if (found == metrics.end() || !(found->values[i] > 0)) {
       throw InputError({runs[i].dir + "/summary.json", 0, 0}, "bone.voxel_mm", "missing or not positive",
@@ -79,40 +79,27 @@ void set_means(std::vector<ComparedRun>& runs, const std::vector<ComparedMetric>
 }
 
 std::string number(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, std::isfinite(value) ? "%.6g" : "-", value);
-  return text;
+  return std::isfinite(value) ? rounded_text(value) : "-";
 }
 
 /// "1.5 (+12.3 %)"
 std::string entry(const ComparedMetric& metric, std::size_t run) {
   const double relative = metric.relative(run);
   if (run == 0 || !std::isfinite(relative)) return number(metric.values[run]);
-  char text[32];
-  std::snprintf(text, sizeof text, " (%+.2f %%)", 100 * relative);
-  return number(metric.values[run]) + text;
+  return number(metric.values[run]) + fmt::format(" ({:+.2f} %)", 100 * relative);
 }
 
-void say_table(const Console& console, const std::vector<ComparedRun>& runs,
-               const std::vector<ComparedMetric>& metrics) {
+void print_table(const Console& console, const std::vector<ComparedRun>& runs,
+                 const std::vector<ComparedMetric>& metrics) {
   std::vector<std::vector<std::string>> rows{{"metric"}};
   for (const ComparedRun& run : runs) rows[0].push_back(run.label);
   for (const char* key : kShown) {
-    const auto found =
-        std::find_if(metrics.begin(), metrics.end(), [&](const ComparedMetric& metric) { return metric.key == key; });
+    const auto found = std::ranges::find(metrics, key, &ComparedMetric::key);
     if (found == metrics.end()) continue;
     rows.push_back({key});
     for (std::size_t i = 0; i < runs.size(); ++i) rows.back().push_back(entry(*found, i));
   }
-  std::vector<std::size_t> widths(runs.size() + 1, 0);
-  for (const auto& row : rows) {
-    for (std::size_t i = 0; i < row.size(); ++i) widths[i] = std::max(widths[i], row[i].size());
-  }
-  for (const auto& row : rows) {
-    std::string line = row[0] + std::string(widths[0] - row[0].size(), ' ');
-    for (std::size_t i = 1; i < row.size(); ++i) line += "  " + std::string(widths[i] - row[i].size(), ' ') + row[i];
-    console.say(line);
-  }
+  for (const std::string& line : align_columns(rows)) console.say(line);
 }
 
 void compare_command(const CompareOptions& options, const Console& console) {
@@ -124,7 +111,7 @@ void compare_command(const CompareOptions& options, const Console& console) {
       {.dir = options.output, .kind = ResultKind::comparison, .overwrite = options.overwrite, .inputs = options.dirs});
   write_comparison(folder.path(), runs, metrics);
   folder.finish();
-  say_table(console, runs, metrics);
+  print_table(console, runs, metrics);
   console.say("differences are relative to " + runs[0].label + "; all numbers: " + folder.final_path() +
               "/compare.csv");
 }

@@ -10,7 +10,7 @@ namespace reamsim {
 
 namespace {
 
-// The one piece of global state: a signal handler can reach nothing else.
+// Global, because a signal handler can reach nothing else.
 volatile std::sig_atomic_t stop_signal = 0;
 
 void request_stop(int) {
@@ -31,7 +31,7 @@ void install_stop_handler() {
   action.sa_handler = request_stop;
   sigaction(SIGINT, &action, nullptr);
   sigaction(SIGTERM, &action, nullptr);
-  // A full disk or a size limit is reported where the write fails, not by ending the program.
+  // A full disk or a size limit is reported where the write fails.
   std::signal(SIGXFSZ, SIG_IGN);
   std::signal(SIGPIPE, SIG_IGN);
 }
@@ -45,7 +45,7 @@ void Console::warn(const std::string& line) const {
   std::fprintf(stderr, "reamsim: warning: %s\n", line.c_str());
 }
 
-void Console::tell(Report& report) const {
+void Console::print(Report& report) const {
   if (verbose) {
     for (const auto& note : report.notes) say("  " + note);
   }
@@ -58,14 +58,14 @@ Progress::Progress(const Console& console, std::string stage, std::string unit)
 
 void Progress::update(std::int64_t done, std::int64_t total) {
   if (console_.quiet || total <= 0) return;
-  const double share = static_cast<double>(done) / static_cast<double>(total), seconds = watch_.seconds();
+  const double fraction = static_cast<double>(done) / static_cast<double>(total), seconds = watch_.seconds();
   const double rate = seconds > 0 ? static_cast<double>(done) / seconds : 0;
   const double left = rate > 0 ? static_cast<double>(total - done) / rate : 0;
   const auto d = static_cast<long long>(done), t = static_cast<long long>(total);
   if (terminal_) {
     if (done < total && seconds - last_drawn_s_ < kRedrawSeconds) return;
     last_drawn_s_ = seconds;
-    const int cells = static_cast<int>(share * kBarCells);
+    const int cells = static_cast<int>(fraction * kBarCells);
     const std::string bar = std::string(static_cast<std::size_t>(cells), '#') +
                             std::string(static_cast<std::size_t>(kBarCells - cells), '.');
     std::printf("\r%s [%s] %lld/%lld %s  %.0f/s  %.0f s left \033[K", stage_.c_str(), bar.c_str(), d, t, unit_.c_str(),
@@ -74,7 +74,7 @@ void Progress::update(std::int64_t done, std::int64_t total) {
     open_ = true;
     return;
   }
-  const int tenth = static_cast<int>(10 * share);
+  const int tenth = static_cast<int>(10 * fraction);
   if (tenth <= last_tenth_) return;
   last_tenth_ = tenth;
   std::printf("%s %lld/%lld %s, %.0f per second, %.0f s left\n", stage_.c_str(), d, t, unit_.c_str(), rate, left);

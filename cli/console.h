@@ -8,7 +8,7 @@
 
 namespace reamsim {
 
-/// What the program says: results and progress on stdout, warnings and errors on stderr.
+/// Messages: results and progress on stdout, warnings and errors on stderr.
 class Console {
  public:
   bool quiet = false;
@@ -17,8 +17,8 @@ class Console {
   void say(const std::string& line) const;
   /// "reamsim: warning: ..." on stderr; also when quiet.
   void warn(const std::string& line) const;
-  /// Notes (only when verbose) and warnings of a stage, then forgets them.
-  void tell(Report& report) const;
+  /// Prints the warnings of a stage, and its notes when verbose. Clears the report.
+  void print(Report& report) const;
 };
 
 /// Progress of one stage: a bar with rate and time left on a terminal, a line every tenth elsewhere, nothing when
@@ -41,7 +41,7 @@ class Progress {
   Stopwatch watch_;
 };
 
-/// True after the user asked to stop (SIGINT, SIGTERM). install_stop_handler() makes it so.
+/// Whether SIGINT or SIGTERM arrived after install_stop_handler().
 bool stop_requested();
 void install_stop_handler();
 

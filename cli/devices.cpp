@@ -1,3 +1,4 @@
+#include <fmt/core.h>
 #include <CLI/CLI.hpp>
 
 #include "cli/commands.h"
@@ -9,10 +10,10 @@ namespace reamsim {
 namespace {
 
 std::string line(const cl::DeviceInfo& device, cl_device_id chosen) {
-  std::string out = (device.id == chosen ? "* " : "  ") + device.name + "  [" + device.platform_name + ", driver " +
-                    device.driver + ", " + (device.gpu ? "GPU" : "CPU") + ", " + std::to_string(device.compute_units) +
-                    " compute units, " + std::to_string(device.global_memory_bytes / 1'000'000) +
-                    " MB, largest allocation " + std::to_string(device.max_allocation_bytes / 1'000'000) + " MB]";
+  std::string out = fmt::format("{} {}  [{}, driver {}, {}, {} compute units, {} MB, largest allocation {} MB]",
+                                device.id == chosen ? "*" : " ", device.name, device.platform_name, device.driver,
+                                device.gpu ? "GPU" : "CPU", device.compute_units,
+                                device.global_memory_bytes / 1'000'000, device.max_allocation_bytes / 1'000'000);
   if (!device.missing.empty()) out += "  not usable: missing " + device.missing;
   return out;
 }

@@ -32,15 +32,15 @@ std::string extension(const std::string& path) {
   return text;
 }
 
-/// Of the scenario, or of the defaults for a mesh or a CT with `--set` on top, what concerns the bone. Its surface is
-/// made as for a run.
+/// The bone settings of the scenario; for a mesh or a CT the defaults with `--set`. The surface voxels are those of a
+/// run.
 Scenario scenario_of(const ImportOptions& options) {
   const std::string kind = extension(options.input);
   Scenario scenario;
   if (kind == ".yaml" || kind == ".yml") {
     scenario = parse_scenario(options.input, options.overrides);
   } else {
-    // VTK's surfaces are refused as meshes are, with what to do.
+    // As meshes, VTK's surfaces get a helpful error message.
     const bool mesh = kind == ".stl" || kind == ".obj" || kind == ".ply" || kind == ".vtp" || kind == ".vtk";
     scenario.bone = parse_bone_settings(mesh ? "mesh" : "ct", options.input, options.overrides);
   }
@@ -48,7 +48,7 @@ Scenario scenario_of(const ImportOptions& options) {
   return scenario;
 }
 
-/// Throws InputError also for a glenoid frame that contradicts the bone: it goes into the file.
+/// Throws InputError also for a glenoid frame that contradicts the bone, because the file would store it.
 Bone load_checked(const Scenario& scenario, Report& report) {
   try {
     Bone bone = load_bone(scenario.bone, report);
@@ -74,7 +74,7 @@ void import_command(const ImportOptions& options, const Console& console) {
   const Bone bone = load_checked(scenario, report);
   for (const auto& note : report.notes) console.say(note);
   report.notes.clear();
-  console.tell(report);
+  console.print(report);
   Metadata metadata{{"source", fs::path(options.input).filename().string()}, {"sha256", sha256_of(options.input)}};
   const Metadata anatomy = metadata_of({bone.glenoid, bone.landmarks, bone.side});
   metadata.insert(metadata.end(), anatomy.begin(), anatomy.end());

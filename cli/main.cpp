@@ -19,15 +19,14 @@ int complain(const std::string& message, int status) {
   return status;
 }
 
-/// Where standard input, output or error is closed, the next file that is opened would take its place, and console text
-/// would go into that file.
+/// Opens closed standard streams; otherwise the next opened file would take their place and receive console text.
 void open_standard_streams() {
   for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
     if (fcntl(stream, F_GETFD) == -1 && errno == EBADF) open("/dev/null", O_RDWR);
   }
 }
 
-/// Parses the arguments, which runs the command.
+/// Parses the arguments, which calls the command.
 int run(int argc, char** argv) {
   CLI::App app{
       "reamsim simulates glenoid reaming: it turns a scenario into cutting forces, pictures and an OpenVDB grid."};
@@ -45,7 +44,7 @@ int run(int argc, char** argv) {
   reamsim::add_verify_command(app, console);
 #endif
   reamsim::add_devices_command(app, console);
-  // CLI11 would only say that a command is missing.
+  // CLI11 would only report a missing command.
   const auto named = [&](const CLI::App* command) { return argc > 1 && command->get_name() == argv[1]; };
   if (argc > 1 && argv[1][0] != '-' && app.get_subcommands(named).empty()) {
     const std::string found =
@@ -66,7 +65,7 @@ int run(int argc, char** argv) {
 
 int main(int argc, char** argv) {
   open_standard_streams();
-  // PoCL's worker threads keep their caches only when they stay on their cores; must be set before OpenCL loads.
+  // Pins PoCL's worker threads to their cores, for their caches. Must be set before OpenCL is loaded.
   setenv("POCL_AFFINITY", "1", 0);
   reamsim::install_stop_handler();
   try {

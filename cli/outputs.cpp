@@ -16,10 +16,10 @@ namespace {
 constexpr const char* kNoSpectrum =
     "no torque spectrum: the tool does not rotate, or contact lasts less than four revolutions";
 
-/// The pose that forces.csv is read for, so that a run that is rendered again looks the same to the last bit.
+/// The pose as read from forces.csv, so that re-rendered pictures are byte-identical.
 ToolPose as_logged(ToolPose pose) {
   pose.orientation.normalize();
-  // There is no −0 in it.
+  // Turns −0, which the file does not have, into 0.
   pose.position_mm.array() += 0.0;
   pose.orientation.coeffs().array() += 0.0;
   pose.spin_angle_rad += 0.0;

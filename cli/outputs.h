@@ -7,7 +7,7 @@
 
 namespace reamsim {
 
-/// What is to be made of a run beside its results.
+/// Which outputs a command makes beside the results.
 struct OutputOptions {
   PictureOptions pictures{};
   bool render = true;       ///< make those pictures
@@ -18,25 +18,24 @@ struct OutputOptions {
   bool report = true;
 };
 
-/// Makes a run's pictures, plots, meshes and report. Frames are rendered on a thread of their own, where the run is
-/// simulated as soon as their snapshots are written.
+/// Makes pictures, plots, meshes and report of a run. A separate thread renders frames, during a simulation as soon as
+/// their snapshots are written.
 class Outputs {
  public:
   /// Of a finished run.
   Outputs(RunData run, OutputOptions options) : run_(std::move(run)), options_(std::move(options)) {}
-  /// Of a run that is about to begin. DIR/snapshots/tool.stl is there already.
+  /// Of a run that is about to begin. DIR/snapshots/tool.stl must exist.
   Outputs(const ReamingScene& scene, const std::string& dir);
 
   /// All snapshots up to and including this frame's are on disk.
   void snapshots_written(std::int64_t frame);
   /// The run has ended with this fill, and all its results are on disk.
   void finish_run(const FillBricks& fill) { run_.finish(fill); }
-  /// Makes everything but the report, with progress on the console. Plots and meshes are made beside the pictures, on
-  /// another thread: they keep one core busy, and rendering leaves one idle between its frames. `report` gets the
-  /// warnings of all. Throws InputError when a result is missing or damaged, RunError when something cannot be made or
-  /// written, and Interrupted; always after both threads have ended.
+  /// Makes everything but the report, with progress on the console. Another thread makes plots and meshes meanwhile.
+  /// `report` gets all warnings. Throws InputError when a result is missing or damaged, RunError when an output cannot
+  /// be made or written, and Interrupted; always after both threads have ended.
   void make(Report& report, const Console& console);
-  /// Writes report.html where it is wanted. DIR/summary.json is complete.
+  /// Writes report.html if the options ask for it. DIR/summary.json must be complete.
   void make_report() const;
 
   [[nodiscard]] double mean_travel_mm() const { return options_.pictures.mean_travel_mm; }
@@ -47,7 +46,7 @@ class Outputs {
 
   RunData run_;
   OutputOptions options_;
-  std::unique_ptr<RenderThread> render_thread_;  ///< of a run that is simulated, where pictures are wanted
+  std::unique_ptr<RenderThread> render_thread_;  ///< during a simulation with pictures
 };
 
 }  // namespace reamsim

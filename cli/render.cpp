@@ -32,10 +32,10 @@ struct RenderOptions {
   }
 };
 
-/// What a turntable has where it is asked for and nobody says how many: ten degrees from one to the next.
+/// Of a turntable without a number: steps of ten degrees.
 constexpr int kTurntablePictures = 36;
 
-/// The run's own settings, changed by what the command line says of everything but cameras.
+/// The settings of the run with those of the command line, except its cameras.
 ResultSettings settings_of(const RenderOptions& options, const std::string& own_cameras) {
   std::vector<std::string> overrides = options.overrides;
   for (const std::string& override : overrides) {
@@ -61,7 +61,7 @@ bool describes_a_camera(const std::string& option) {
   return option.starts_with('{');
 }
 
-/// The cameras that the options describe in full, as a YAML list.
+/// The cameras that the options describe in braces, as a YAML list.
 std::string described_cameras(const RenderOptions& options) {
   std::string list;
   for (const auto& camera : options.cameras) {
@@ -70,7 +70,7 @@ std::string described_cameras(const RenderOptions& options) {
   return list.empty() ? list : list + "]";
 }
 
-/// Leaves of the run's cameras those that were asked for by name, and adds those that were described.
+/// Keeps the cameras of the run that the options name, and adds those that they describe.
 void choose_cameras(const RenderOptions& options, RenderSettings& settings) {
   const std::vector<UserCamera> known = std::move(settings.user_cameras);
   settings.cameras.clear();
@@ -98,7 +98,7 @@ void choose_cameras(const RenderOptions& options, RenderSettings& settings) {
   }
 }
 
-/// Leaves what `--only` names; a film or a turntable that is named so is made, whatever the run's settings say.
+/// Keeps what `--only` names. A film or a turntable that it names is made even if the run had none.
 void choose_kinds(const RenderOptions& options, PictureOptions& pictures) {
   if (options.only.empty()) return;
   RenderSettings& settings = pictures.settings;
@@ -136,7 +136,7 @@ void render_command(const RenderOptions& options, const Console& console) {
   Report report;
   outputs.make(report, console);
   outputs.make_report();
-  console.tell(report);
+  console.print(report);
   console.say("pictures: " + options.dir);
 }
 

@@ -1,3 +1,4 @@
+#include <fmt/core.h>
 #include <CLI/CLI.hpp>
 #include <memory>
 #include <new>
@@ -35,10 +36,10 @@ std::vector<std::string> files_read(const Scenario& scenario) {
   return files;
 }
 
-/// Keeps the warnings for summary.json, and says them.
-void tell(Report& report, RunFacts& facts, const Console& console) {
+/// Records the warnings for summary.json and prints them.
+void print_report(Report& report, RunFacts& facts, const Console& console) {
   facts.warnings.insert(facts.warnings.end(), report.warnings.begin(), report.warnings.end());
-  console.tell(report);
+  console.print(report);
 }
 
 void run_frames(ReamingScene& scene, Engine& engine, Recorder& recorder, Outputs& outputs,
@@ -57,22 +58,18 @@ void run_frames(ReamingScene& scene, Engine& engine, Recorder& recorder, Outputs
   outputs.snapshots_written(std::ssize(scene.motion.poses) - 1);  // also where that is frame 0
 }
 
-/// Closes the run with the same figures, in the same words, as its pictures, plots, summary and report.
-void say_summary(const Console& console, const RunTotals& totals, const RunFacts& facts, double mean_mm) {
+/// Prints the same figures, with the same names, as pictures, plots, summary and report have.
+void print_summary(const Console& console, const RunTotals& totals, const RunFacts& facts, double mean_mm) {
   const Headline run = totals.headline(mean_mm > 0);
-  char text[256];
-  std::snprintf(text, sizeof text, "removed %.1f mm3; %s %s mm; %s %s N, %s %s N mm; energy balance %.1e",
-                totals.removed_mm3, Headline::kDepthName, run.depth_text().c_str(), run.force_name().c_str(),
-                run.force_text().c_str(), run.torque_name().c_str(), run.torque_text().c_str(), totals.balance);
-  console.say(text);
-  std::snprintf(text, sizeof text, "%.1f s simulated in %.1f s on %s", totals.simulated_s, facts.simulate_s,
-                facts.device.c_str());
-  console.say(text);
+  console.say(fmt::format("removed {:.1f} mm3; {} {} mm; {} {} N, {} {} N mm; energy balance {:.1e}",
+                          totals.removed_mm3, Headline::kDepthName, run.depth_text(), run.force_name(),
+                          run.force_text(), run.torque_name(), run.torque_text(), totals.balance));
+  console.say(fmt::format("{:.1f} s simulated in {:.1f} s on {}", totals.simulated_s, facts.simulate_s, facts.device));
 }
 
-/// What a user should see before anything is simulated: what the bone was made of, and what the motion will do to it.
-ContactForecast tell_of_scene(const ReamingScene& scene, const std::string& dir, Report& report,
-                              const Console& console) {
+/// Reports the segmentation and the predicted contact before the simulation.
+ContactForecast report_scene(const ReamingScene& scene, const std::string& dir, Report& report,
+                             const Console& console) {
   if (const auto& segmentation = scene.bone.segmentation) {
     console.say(sentence_of(*segmentation));
     if (scene.scenario.render.enabled) write_segmentation_picture(dir, *segmentation);
@@ -82,15 +79,15 @@ ContactForecast tell_of_scene(const ReamingScene& scene, const std::string& dir,
   return contact;
 }
 
-/// The whole job: load, simulate, write, draw, and only then put the folder in place.
+/// Loads, simulates, writes and renders.
 void run_in(OutputFolder& folder, const Scenario& scenario, const Console& console) {
   const Stopwatch load_watch;
   Report report;
   RunFacts facts;
   facts.inputs = input_sums(scenario);
   ReamingScene scene = load_scene(scenario, report);
-  const ContactForecast contact = tell_of_scene(scene, folder.path(), report, console);
-  tell(report, facts, console);
+  const ContactForecast contact = report_scene(scene, folder.path(), report, console);
+  print_report(report, facts, console);
   const std::unique_ptr<Engine> engine = load_engine(scene);
   facts.device = engine->device();
   facts.bone_before_mm3 = scene.bone.view().bone_mm3();
@@ -104,19 +101,19 @@ void run_in(OutputFolder& folder, const Scenario& scenario, const Console& conso
   run_frames(scene, *engine, recorder, outputs, contact, report, console);
   facts.simulate_s = watch.seconds();
   facts.device_bytes = engine->device_bytes();
-  tell(report, facts, console);
+  print_report(report, facts, console);
   measure(facts, scene, fill_before, recorder.totals());
   write_results(folder.path(), scene, recorder, facts);
   const Stopwatch render_watch;
   const auto finish = [&] {
-    tell(report, facts, console);
+    print_report(report, facts, console);
     write_summary(folder.path(), scene, recorder.totals(), facts, render_watch.seconds());
   };
   outputs.finish_run(scene.bone.fill);
   try {
     outputs.make(report, console);
   } catch (const RunError&) {
-    finish();  // numbers that are whole are not lost with a picture
+    finish();  // keep the numbers when pictures fail
     throw;
   } catch (const std::bad_alloc&) {
     finish();
@@ -126,7 +123,7 @@ void run_in(OutputFolder& folder, const Scenario& scenario, const Console& conso
   }
   finish();
   outputs.make_report();
-  say_summary(console, recorder.totals(), facts, outputs.mean_travel_mm());
+  print_summary(console, recorder.totals(), facts, outputs.mean_travel_mm());
 }
 
 void run_command(const RunOptions& options, const Console& console) {

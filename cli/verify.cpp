@@ -19,8 +19,8 @@ struct VerifyOptions {
   bool overwrite = false;
 };
 
-/// The figures that failed, a line each.
-void tell_failures(const verify::Findings& findings, const Console& console) {
+/// The figures that failed, one per line.
+void print_failures(const verify::Findings& findings, const Console& console) {
   for (const verify::CaseFindings& found : findings.cases) {
     for (const verify::Check& check : found.checks) {
       if (!check.passed()) console.warn(found.title + ": " + check.quantity + " exceeds its tolerance");
@@ -29,7 +29,7 @@ void tell_failures(const verify::Findings& findings, const Console& console) {
 }
 
 void verify_command(const VerifyOptions& options, const Console& console) {
-  // Before minutes of reaming: is there such a device, and can the report be written?
+  // Fail early where there is no such device or the report cannot be written.
   const std::string device = options.device == "serial" ? "serial" : cl::choose_device(options.device).name;
   OutputFolder folder(
       {.dir = options.output, .kind = ResultKind::verification, .overwrite = options.overwrite, .inputs = {}});
@@ -48,7 +48,7 @@ void verify_command(const VerifyOptions& options, const Console& console) {
   const std::string report = folder.final_path() + "/verification.md";
   console.say("report: " + report);
   if (findings.passed()) return;
-  tell_failures(findings, console);
+  print_failures(findings, console);
   throw RunError(std::to_string(findings.failed_checks()) + " figures exceed their tolerance; see " + report);
 }
 

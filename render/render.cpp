@@ -1,3 +1,5 @@
+#include <fmt/core.h>
+#include <algorithm>
 #include <filesystem>
 #include <future>
 #include <limits>
@@ -10,7 +12,7 @@
 #include "render/render.h"
 #include "render/render_thread.h"
 #include "sim/base/error.h"
-#include "sim/base/fixed_text.h"
+#include "sim/base/text.h"
 
 namespace reamsim {
 namespace {
@@ -109,9 +111,8 @@ class PictureComposer {
     labels.force = captions_.arrow(row);
     labels.widest_value = widest_;
     draw_labels(frame.image, camera, labels);
-    writer_.write(
-        dir_ + "/frames/" + formatted("%06lld", static_cast<long long>(frame.frame)) + suffix(frame.camera) + ".png",
-        std::move(frame.image));
+    writer_.write(fmt::format("{}/frames/{:06}{}.png", dir_, frame.frame, suffix(frame.camera)),
+                  std::move(frame.image));
   }
 
   void add_film_frame(RenderedFrame frame) {
@@ -139,7 +140,7 @@ class PictureComposer {
       turntable_film_->add(page);
       if (frame.camera + 1 == schedule_.turntable.size()) turntable_film_->finish();
     }
-    writer_.write(dir_ + "/turntable/" + formatted("%03zu", frame.camera) + ".png", std::move(frame.image));
+    writer_.write(fmt::format("{}/turntable/{:03}.png", dir_, frame.camera), std::move(frame.image));
   }
 
   [[nodiscard]] std::string film_path(const std::string& name) const {

@@ -34,10 +34,16 @@ void close_fd(int& fd) {
   fd = -1;
 }
 
-int spawn_ffmpeg(const std::vector<std::string>& options, int in, int out, int err, pid_t& child) {
-  ChildCommand command{{"ffmpeg", "-hide_banner", "-loglevel", "error"}, "", in, out, err, true};
-  command.arguments.insert(command.arguments.end(), options.begin(), options.end());
-  return spawn(std::move(command), child);
+/// Starts ffmpeg, which reads `in` and prints to `output`. Returns 0 or an error number.
+int start_ffmpeg(std::vector<std::string> arguments, int in, const MemoryFile& output, pid_t& child) {
+  arguments.insert(arguments.begin(), {"ffmpeg", "-hide_banner", "-loglevel", "error"});
+  return spawn({.arguments = std::move(arguments),
+                .dir = "",
+                .in = in,
+                .out = output.descriptor(),
+                .err = output.descriptor(),
+                .own_group = true},
+               child);
 }
 
 std::vector<std::string> split(const std::string& words) {
@@ -69,7 +75,7 @@ std::string film_extension(FilmFormat format) {
 void require_encoder(FilmFormat format) {
   const MemoryFile output("the messages of ffmpeg");
   pid_t child = 0;
-  const int error = spawn_ffmpeg({"-encoders"}, -1, output.descriptor(), output.descriptor(), child);
+  const int error = start_ffmpeg({"-encoders"}, -1, output, child);
   if (error != 0) {
     throw RunError(std::string("a film needs ffmpeg, which cannot start (") + std::strerror(error) +
                    "): install it (apt-get install ffmpeg), or remove render.film and --film");
@@ -99,7 +105,7 @@ FilmEncoder::FilmEncoder(const std::string& path, const RenderSettings& settings
             std::to_string(height_px_) + " -framerate " + std::to_string(settings.film_rate_hz) + " -i pipe:0 -an " +
             encoder_options(settings.film, settings.film_rate_hz) + " -fflags +bitexact -flags:v +bitexact -y");
   options.push_back("file:" + partial_path_);
-  const int error = spawn_ffmpeg(options, ends[1], messages_.descriptor(), messages_.descriptor(), child_);
+  const int error = start_ffmpeg(std::move(options), ends[1], messages_, child_);
   close(ends[1]);
   if (error == 0) return;
   close_fd(pictures_fd_);

@@ -3,7 +3,7 @@
 #include <string>
 
 #include "render/gl/pixel_image.h"
-#include "sim/base/child_process.h"
+#include "sim/base/process.h"
 #include "sim/scenario/scenario.h"
 
 namespace reamsim {

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "sim/base/fixed_text.h"
+#include "sim/base/text.h"
 
 namespace reamsim {
 namespace {

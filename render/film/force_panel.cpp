@@ -6,7 +6,7 @@
 
 #include "render/pictures/canvas.h"
 #include "render/pictures/scale.h"
-#include "sim/base/fixed_text.h"
+#include "sim/base/text.h"
 
 namespace reamsim {
 namespace {

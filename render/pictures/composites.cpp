@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "render/pictures/canvas.h"
-#include "sim/base/fixed_text.h"
+#include "sim/base/text.h"
 #include "sim/scenario/picture_frames.h"
 
 namespace reamsim {

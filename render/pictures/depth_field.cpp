@@ -30,7 +30,7 @@ double least_step(std::vector<double> values) {
 }  // namespace
 
 DepthField::DepthField(const std::string& path) {
-  CsvTable table(path, kColumnNames, "the depth_map.csv of a run");
+  CsvReader table(path, kColumnNames, "the depth_map.csv of a run");
   std::vector<Row> rows;
   for (std::vector<double> v; table.next(v, "after_z_mm");) {
     const Cell cell{.bone = true, .perforated = std::isnan(v[3]), .before_mm = v[2], .depth_mm = v[4]};

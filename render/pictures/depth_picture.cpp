@@ -6,8 +6,8 @@
 
 #include "render/pictures/depth_field.h"
 #include "render/pictures/overlay.h"
-#include "sim/base/fixed_text.h"
 #include "sim/base/parallel.h"
+#include "sim/base/text.h"
 
 namespace reamsim {
 namespace {

@@ -1,9 +1,8 @@
 #include "render/pictures/scale.h"
 
+#include <fmt/core.h>
 #include <algorithm>
 #include <cmath>
-
-#include "sim/base/fixed_text.h"
 
 namespace reamsim {
 /// Tolerance for rounding, so that 0.1 · 30 counts as 3.
@@ -29,7 +28,7 @@ int Scale::ticks() const {
 
 std::string Scale::label(int tick) const {
   const int decimals = std::clamp(static_cast<int>(std::ceil(-std::log10(step) - kScaleTolerance)), 0, 6);
-  return formatted("%.*f", decimals, tick * step);
+  return fmt::format("{:.{}f}", tick * step, decimals);
 }
 
 Scale scale_up_to(double max) {

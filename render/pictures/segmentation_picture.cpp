@@ -1,12 +1,13 @@
 #include "render/pictures/figures.h"
 
+#include <fmt/core.h>
 #include <algorithm>
 #include <array>
 #include <cmath>
 
 #include "render/pictures/canvas.h"
 #include "render/pictures/scale.h"
-#include "sim/base/fixed_text.h"
+#include "sim/base/text.h"
 #include "sim/base/parallel.h"
 
 namespace reamsim {
@@ -149,9 +150,9 @@ void draw_letters(const Canvas& canvas, const Panel& panel) {
 
 std::string legend_of(const Segmentation& segmentation) {
   const Vec3& p = segmentation.planes_through_mm;
-  return formatted("outline: segmented bone (%s); ring: %s, LPS (%.1f, %.1f, %.1f) mm",
-                   segmentation.method == "label_map" ? "label map" : "threshold",
-                   segmentation.by_seed ? "the seed" : "where the planes meet", p.x(), p.y(), p.z());
+  return fmt::format("outline: segmented bone ({}); ring: {}, LPS ({:.1f}, {:.1f}, {:.1f}) mm",
+                     segmentation.method == "label_map" ? "label map" : "threshold",
+                     segmentation.by_seed ? "the seed" : "where the planes meet", p.x(), p.y(), p.z());
 }
 
 void draw_foot(const Canvas& canvas, const Panel& panel, const std::string& legend, int height_px) {
@@ -160,7 +161,7 @@ void draw_foot(const Canvas& canvas, const Panel& panel, const std::string& lege
   canvas.set_color(kTextColor);
   cairo_rectangle(canvas.get(), kGap_px, y, bar_px, 4);
   cairo_fill(canvas.get());
-  const TextLine length(canvas, formatted("%g mm", bar_mm), kText_px);
+  const TextLine length(canvas, fmt::format("{:g} mm", bar_mm), kText_px);
   length.draw(kGap_px + bar_px + 12, y + 2 - 0.5 * length.height);
   const TextLine text_line(canvas, legend, kText_px);
   text_line.draw(kWidth_px - kGap_px - text_line.width, y + 2 - 0.5 * text_line.height);

@@ -2,13 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <limits>
 #include <map>
 #include <nlohmann/json.hpp>
 
 #include "render/plots/plots.h"
 #include "sim/base/error.h"
+#include "sim/base/file.h"
+#include "sim/base/text.h"
 #include "sim/record/force_log.h"
 
 namespace reamsim {
@@ -22,9 +23,7 @@ using Json = nlohmann::ordered_json;
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
 Json read_summary(const std::string& path) {
-  std::ifstream in(path, std::ios::binary);
-  if (!in) throw InputError({path, 0, 0}, "", "cannot be read", "expected the results folder of a finished run");
-  const Json summary = Json::parse(in, nullptr, false);
+  const Json summary = Json::parse(read_file(path, "expected the results folder of a finished run"), nullptr, false);
   if (!summary.is_object() || !summary.contains("removed_mm3") || !summary.contains("forces")) {
     throw InputError({path, 0, 0}, "", "damaged, or not the summary of a run",
                      "expected a file written by `reamsim run`");
@@ -72,10 +71,10 @@ std::string metrics_csv(const std::vector<ComparedRun>& runs, const std::vector<
 /// Least fraction of the greatest force of a frame that counts as contact: a tooth may graze bone on the way out.
 constexpr double kMinForceFraction = 0.01;
 
-/// The curves of all runs, decimated.
-std::string curves_csv(const std::vector<ComparedRun>& runs) {
+/// Writes the curves of all runs, decimated.
+void write_curves(const std::string& path, const std::vector<ComparedRun>& runs) {
   constexpr std::size_t kMaxPoints = 3000;
-  std::string out = "run,time_s,depth_mm,contact,axial_force_n,spin_torque_nmm,removed_mm3\n";
+  CsvWriter csv(path, "run,time_s,depth_mm,contact,axial_force_n,spin_torque_nmm,removed_mm3");
   for (std::size_t r = 0; r < runs.size(); ++r) {
     ForceLog log = read_force_log(runs[r].dir + "/forces.csv");
     add_layer_means(log, runs[r].mean_travel_mm);
@@ -86,15 +85,11 @@ std::string curves_csv(const std::vector<ComparedRun>& runs) {
       const ForceRow& row = log.rows[i];
       const ForceRow& middle = log.rows[i - row.layer_frames / 2];
       const bool contact = std::abs(row.layer_axial_force_n) > kMinForceFraction * greatest_n;
-      out += std::to_string(r + 1);
-      for (const double value : {middle.time_s, middle.depth_mm, contact ? 1.0 : 0.0, row.layer_axial_force_n,
-                                 row.layer_spin_torque_nmm, middle.removed_mm3}) {
-        out += "," + shortest_text(value);
-      }
-      out += "\n";
+      csv.row({static_cast<double>(r + 1), middle.time_s, middle.depth_mm, contact ? 1.0 : 0.0, row.layer_axial_force_n,
+               row.layer_spin_torque_nmm, middle.removed_mm3});
     }
   }
-  return out;
+  csv.close();
 }
 
 /// The number of runs and their labels for the script.
@@ -125,9 +120,8 @@ std::vector<ComparedMetric> compare_summaries(const std::vector<ComparedRun>& ru
 
 void write_comparison(const std::string& dir, const std::vector<ComparedRun>& runs,
                       const std::vector<ComparedMetric>& metrics) {
-  const std::string curves = curves_csv(runs);
-  write_text_file(dir + "/compare.csv", metrics_csv(runs, metrics));
-  write_text_file(dir + "/curves.csv", curves);
+  write_curves(dir + "/curves.csv", runs);
+  write_file(dir + "/compare.csv", metrics_csv(runs, metrics));
   draw_plot(dir, "compare", labels_block(runs), embedded::compare_script);
 }
 

@@ -1,16 +1,10 @@
 #include "render/plots/plots.h"
 
 #include <algorithm>
-#include <array>
-#include <charconv>
-#include <cstring>
 #include <filesystem>
-#include <fstream>
 #include <sstream>
 
-#include "sim/base/child_process.h"
-#include "sim/base/csv.h"
-#include "sim/base/error.h"
+#include "sim/record/force_log.h"
 
 namespace reamsim {
 namespace embedded {
@@ -21,25 +15,15 @@ extern const char* const energy_plot_script;
 }  // namespace embedded
 namespace {
 
-/// Cumulative cutting energy at each row, mJ.
-std::vector<double> cutting_energy(const std::string& path) {
-  constexpr std::array<std::string_view, 1> kName{"energy_mj"};
-  CsvTable table(path, kName, "the forces.csv of a run");
-  std::vector<double> out;
-  double sum_mj = 0;
-  for (std::vector<double> values; table.next(values);) out.push_back(sum_mj += values[0]);
-  return out;
-}
-
 /// Mean cutting power in W over the last `frames` frames up to row `i`.
-double mean_power_w(const ForceLog& log, const std::vector<double>& energy_mj, std::size_t i, std::size_t frames) {
-  const std::size_t first = i - std::min(i, frames);
-  const double time_s = log.rows[i].time_s - log.rows[first].time_s;
-  return time_s > 0 ? (energy_mj[i] - energy_mj[first]) / time_s / 1000 : 0;
+double mean_power_w(const ForceLog& log, std::size_t i, std::size_t frames) {
+  const ForceRow &first = log.rows[i - std::min(i, frames)], &last = log.rows[i];
+  const double time_s = last.time_s - first.time_s;
+  return time_s > 0 ? (last.energy_mj - first.energy_mj) / time_s / 1000 : 0;
 }
 
 /// A gnuplot data block with the means over a voxel of travel, decimated.
-std::string mean_block(const ForceLog& log, const std::vector<double>& energy_mj, double travel_mm) {
+std::string mean_block(const ForceLog& log, double travel_mm) {
   constexpr std::size_t kMaxPoints = 2000;
   const std::size_t step = 1 + log.rows.size() / kMaxPoints;
   const Headline run = headline_of(log, travel_mm > 0);
@@ -58,7 +42,7 @@ std::string mean_block(const ForceLog& log, const std::vector<double>& energy_mj
     // A mean is plotted in the middle of its frames.
     const ForceRow& middle = log.rows[i - row.layer_frames / 2];
     out << middle.time_s << ',' << row.layer_axial_force_n << ',' << row.layer_spin_torque_nmm << ',' << middle.depth_mm
-        << ',' << mean_power_w(log, energy_mj, i, std::max(step, row.layer_frames)) << '\n';
+        << ',' << mean_power_w(log, i, std::max(step, row.layer_frames)) << '\n';
   }
   out << "END\n\n";
   return out.str();
@@ -68,7 +52,7 @@ std::string mean_block(const ForceLog& log, const std::vector<double>& energy_mj
 std::string means_of(const std::string& dir, double mean_travel_mm) {
   ForceLog log = read_force_log(dir + "/forces.csv");
   add_layer_means(log, mean_travel_mm);
-  return mean_block(log, cutting_energy(dir + "/forces.csv"), mean_travel_mm);
+  return mean_block(log, mean_travel_mm);
 }
 
 std::string on_one_line(std::string text) {
@@ -80,51 +64,10 @@ std::string on_one_line(std::string text) {
 
 }  // namespace
 
-std::string gnuplot_string(const std::string& text) {
-  std::string out = "'";
-  for (const char c : text) {
-    if (c == '\'') out += '\'';
-    out += static_cast<unsigned char>(c) < ' ' || c == 0x7f ? ' ' : c;
-  }
-  return out + "'";
-}
-
-void run_gnuplot(const std::string& dir, const std::string& script, const std::string& text,
-                 const std::vector<std::string>& pictures) {
-  write_text_file(dir + "/" + script, text);
-  const MemoryFile messages("the messages of gnuplot");
-  // -d ignores the user's gnuplotrc, which could change the figures.
-  pid_t child = 0;
-  const int failure = spawn({{"gnuplot", "-d", script}, dir, -1, -1, messages.descriptor()}, child);
-  if (failure != 0) throw RunError(std::string("gnuplot cannot be started: ") + std::strerror(failure));
-  if (!succeeded(wait_for(child))) {
-    throw RunError(dir + ": gnuplot failed on " + script + ": " + on_one_line(messages.contents()));
-  }
-  for (const std::string& name : pictures) {
-    std::error_code error;
-    if (std::filesystem::file_size(dir + "/" + name, error) == 0 || error) {
-      throw RunError(dir + "/" + name + ": gnuplot wrote nothing: " + on_one_line(messages.contents()));
-    }
-  }
-}
-
-void write_plot_data(const std::string& dir, const std::string& name, const std::string& text) {
+CsvWriter plot_csv(const std::string& dir, const std::string& name, const std::string& header) {
   std::error_code error;
   std::filesystem::create_directories(dir + "/plots", error);
-  write_text_file(dir + "/plots/" + name, text);
-}
-
-void write_text_file(const std::string& path, const std::string& text) {
-  std::ofstream out(path, std::ios::binary);
-  out << text;
-  out.close();
-  if (!out) throw RunError(path + ": cannot be written; is the disk full or the folder read-only?");
-}
-
-std::string shortest_text(double value) {
-  std::array<char, 32> text;
-  const auto end = std::to_chars(text.data(), text.data() + text.size(), value).ptr;
-  return {text.data(), end};
+  return {dir + "/plots/" + name, header};
 }
 
 void draw_plot(const std::string& dir, const std::string& name, const std::string& data, const char* script) {

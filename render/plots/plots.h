@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "sim/base/csv.h"
 #include "sim/bone/voxmap/voxmap.h"
 #include "sim/record/force_log.h"
 #include "sim/scenario/scenario.h"
@@ -50,13 +51,8 @@ bool write_torque_spectrum(const std::string& dir);
 /// Throws RunError when it does not produce DIR/`name` .png, .svg and .pdf.
 void draw_plot(const std::string& dir, const std::string& name, const std::string& data, const char* script);
 
-/// Writes `text` to `path`. Throws RunError.
-void write_text_file(const std::string& path, const std::string& text);
-/// Writes `text` to DIR/plots/`name` and creates the folder. Throws RunError.
-void write_plot_data(const std::string& dir, const std::string& name, const std::string& text);
-
-/// The shortest text that parses to the same number.
-std::string shortest_text(double value);
+/// Opens DIR/plots/`name` and creates the folder if it is missing. Throws RunError.
+CsvWriter plot_csv(const std::string& dir, const std::string& name, const std::string& header);
 
 /// `text` as a single-quoted gnuplot string: in double quotes gnuplot would run text between backticks as a command.
 /// Control characters become spaces.

@@ -35,15 +35,13 @@ Histogram removed_by_density(const Voxmap& voxmap, const FillBricks& before, con
 void write_removed_density(const std::string& dir, const Voxmap& voxmap, const FillBricks& before,
                            const FillBricks& after) {
   const Histogram removed = removed_by_density(voxmap, before, after);
-  std::string csv = "density_from_g_cm3,density_to_g_cm3,removed_mm3\n";
+  CsvWriter csv = plot_csv(dir, "removed_density.csv", "density_from_g_cm3,density_to_g_cm3,removed_mm3");
   for (std::size_t i = 0; i < kClasses; ++i) {
     // In thousandths, so that the bounds are round numbers.
-    const auto bound = [](std::size_t place) {
-      return shortest_text(static_cast<double>(place * kGradesPerClass * 8) / 1000);
-    };
-    csv += bound(i) + "," + bound(i + 1) + "," + shortest_text(removed[i]) + "\n";
+    const auto bound = [](std::size_t place) { return static_cast<double>(place * kGradesPerClass * 8) / 1000; };
+    csv.row({bound(i), bound(i + 1), removed[i]});
   }
-  write_plot_data(dir, "removed_density.csv", csv);
+  csv.close();
   draw_plot(dir, "plots/removed_density", "", embedded::removed_density_script);
 }
 

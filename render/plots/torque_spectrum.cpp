@@ -1,5 +1,6 @@
 #include "render/plots/plots.h"
 
+#include <fmt/core.h>
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -8,7 +9,7 @@
 #include <optional>
 #include <unsupported/Eigen/FFT>
 
-#include "sim/base/fixed_text.h"
+#include "sim/base/text.h"
 
 namespace reamsim {
 namespace embedded {
@@ -109,7 +110,7 @@ std::vector<TorqueSpectrum::Line> find_peaks(const std::vector<TorqueSpectrum::L
 
 /// "25.0 Hz" and, on a line below, "6 × spin".
 std::string peak_label(double frequency_hz, double spin_hz) {
-  return formatted("%.3g Hz\\n%.0f × spin", frequency_hz, std::round(frequency_hz / spin_hz));
+  return fmt::format("{:.3g} Hz\\n{:.0f} × spin", frequency_hz, std::round(frequency_hz / spin_hz));
 }
 
 /// The peaks and the end of the axis for the script.
@@ -150,12 +151,11 @@ TorqueSpectrum torque_spectrum(const ForceLog& log) {
 bool write_torque_spectrum(const std::string& dir) {
   const TorqueSpectrum spectrum = torque_spectrum(read_force_log(dir + "/forces.csv"));
   if (spectrum.lines.empty()) return false;
-  std::string csv = "frequency_hz,frequency_per_spin,spin_torque_nmm\n";
+  CsvWriter csv = plot_csv(dir, "spectrum.csv", "frequency_hz,frequency_per_spin,spin_torque_nmm");
   for (const auto& [frequency_hz, torque_nmm] : spectrum.lines) {
-    csv += shortest_text(frequency_hz) + "," + shortest_text(frequency_hz / spectrum.spin_hz) + "," +
-           shortest_text(torque_nmm) + "\n";
+    csv.row({frequency_hz, frequency_hz / spectrum.spin_hz, torque_nmm});
   }
-  write_plot_data(dir, "spectrum.csv", csv);
+  csv.close();
   draw_plot(dir, "plots/spectrum", peaks_block(spectrum), embedded::spectrum_script);
   return true;
 }

@@ -1,19 +1,18 @@
 #include "render/report/markup.h"
 
+#include <fmt/core.h>
 #include <openssl/evp.h>
 #include <zlib.h>
 
 #include <algorithm>
 #include <array>
 #include <cstdlib>
-#include <fstream>
-#include <sstream>
 #include <stdexcept>
 #include <utility>
 #include <vector>
 
 #include "sim/base/error.h"
-#include "sim/base/fixed_text.h"
+#include "sim/base/text.h"
 
 namespace reamsim {
 namespace {
@@ -66,7 +65,7 @@ std::string json_for_script(const nlohmann::ordered_json& json) {
 }
 
 double short_number(double value) {
-  return std::strtod(formatted("%.6g", value).c_str(), nullptr);
+  return std::strtod(fmt::format("{:.6g}", value).c_str(), nullptr);
 }
 
 std::string fill_template(std::string_view page, const std::map<std::string, std::string>& texts) {
@@ -84,14 +83,6 @@ std::string fill_template(std::string_view page, const std::map<std::string, std
     out += text->second;
     at = close + 2;
   }
-}
-
-std::string read_file(const std::string& path, const std::string& expected) {
-  std::ifstream in(path, std::ios::binary);
-  std::ostringstream text;
-  text << in.rdbuf();
-  if (!in || text.fail()) throw InputError({path, 0, 0}, "", "cannot be read", expected);
-  return text.str();
 }
 
 }  // namespace reamsim

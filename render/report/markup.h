@@ -28,7 +28,4 @@ double short_number(double value);
 /// page is part of the program.
 std::string fill_template(std::string_view page, const std::map<std::string, std::string>& texts);
 
-/// The contents of a file. Throws InputError when it cannot be read; `expected` describes the file.
-std::string read_file(const std::string& path, const std::string& expected);
-
 }  // namespace reamsim

@@ -1,5 +1,6 @@
 #include "render/report/report.h"
 
+#include <fmt/core.h>
 #include <algorithm>
 #include <filesystem>
 #include <map>
@@ -9,7 +10,7 @@
 #include "render/report/markup.h"
 #include "render/report/page_data.h"
 #include "sim/base/error.h"
-#include "sim/base/fixed_text.h"
+#include "sim/base/file.h"
 
 namespace reamsim {
 namespace embedded {
@@ -75,7 +76,7 @@ std::string pictures_html(const std::string& dir, const std::string& first_camer
 }
 
 std::string frame_path(const std::string& dir, std::int64_t frame, const std::string& suffix) {
-  return dir + "/frames/" + formatted("%06lld", static_cast<long long>(frame)) + suffix + ".png";
+  return fmt::format("{}/frames/{:06}{}.png", dir, frame, suffix);
 }
 
 /// The pictures during the run: `frames` and `time_s`, and for each camera with a picture of all these frames its
@@ -156,7 +157,7 @@ void write_report(const RunData& run, const PictureOptions& options) {
   if (options.settings.cameras.empty()) {
     throw InputError({}, "render.cameras", "found none", "expected at least one camera");
   }
-  write_text_file(run.dir() + "/report.html", page_html(run, options));
+  write_file(run.dir() + "/report.html", page_html(run, options));
 }
 
 }  // namespace reamsim

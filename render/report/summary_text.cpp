@@ -1,5 +1,6 @@
 #include "render/report/page_data.h"
 
+#include <fmt/core.h>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -8,7 +9,7 @@
 
 #include "render/report/markup.h"
 #include "sim/base/error.h"
-#include "sim/base/fixed_text.h"
+#include "sim/base/text.h"
 #include "sim/record/headline.h"
 #include "sim/scenario/choices.h"
 
@@ -217,16 +218,16 @@ std::string text_at(const Json& summary, const char* key, const std::string& pat
 std::string number_text(double value, int digits) {
   if (value == 0) return "0";
   if (!std::isfinite(value)) return "–";
-  const std::string scientific = formatted("%.*e", digits - 1, value);
+  const std::string scientific = fmt::format("{:.{}e}", value, digits - 1);
   const int exponent = std::stoi(scientific.substr(scientific.find('e') + 1));
   std::string out;
   if (exponent < -4) {
-    out = formatted("%.1f × 10", value / std::pow(10.0, exponent)) + raised(exponent);
+    out = fmt::format("{:.1f} × 10", value / std::pow(10.0, exponent)) + raised(exponent);
   } else {
     // 0.25 stays 0.25, but 28.996 becomes 29.00, where the zeros are significant.
     int decimals = std::max(0, digits - 1 - exponent);
     while (decimals > 0 && std::abs(value - rounded(value, decimals - 1)) < 1e-9 * std::abs(value)) --decimals;
-    out = with_thousands(formatted("%.*f", decimals, value));
+    out = with_thousands(fmt::format("{:.{}f}", value, decimals));
   }
   if (out.front() == '-') out.replace(0, 1, "−");
   return out;

@@ -1,6 +1,9 @@
+#include <fmt/core.h>
+#include <cmath>
+
 #include "render/report/verify_report.h"
 
-#include "sim/base/fixed_text.h"
+#include "sim/base/text.h"
 
 namespace reamsim {
 namespace {
@@ -8,8 +11,8 @@ namespace {
 using verify::CaseFindings;
 using verify::Check;
 using verify::Findings;
-using verify::Ladder;
 using verify::Measure;
+using verify::Refinement;
 
 std::string row(const std::vector<std::string>& cells) {
   std::string out = "|";
@@ -27,9 +30,9 @@ std::string with_unit(const std::string& quantity, const std::string& unit) {
   return unit.empty() ? quantity : quantity + ", " + unit;
 }
 
-/// A relative error as a percentage.
+/// A relative error as a percentage; one that has a sign with its sign.
 std::string percent(double fraction, bool has_sign = true) {
-  return formatted(has_sign ? "%+.2g %%" : "%.2g %%", 100 * fraction);
+  return has_sign ? fmt::format("{:+.2g} %", 100 * fraction) : fmt::format("{:.2g} %", 100 * fraction);
 }
 
 std::string error_text(const verify::Level& level) {
@@ -39,19 +42,19 @@ std::string error_text(const verify::Level& level) {
 
 std::string expected_text(const Check& check) {
   if (check.measure == Measure::reported) return "–";
-  if (check.measure == Measure::at_least) return "≥ " + formatted("%.6g", check.expected);
-  if (check.measure == Measure::at_most) return "≤ " + formatted("%.6g", check.expected);
-  return formatted("%.8g", check.expected);
+  if (check.measure == Measure::at_least) return "≥ " + fmt::format("{:.6g}", check.expected);
+  if (check.measure == Measure::at_most) return "≤ " + fmt::format("{:.6g}", check.expected);
+  return fmt::format("{:.8g}", check.expected);
 }
 
 std::string error_text(const Check& check) {
   if (check.measure == Measure::relative) return percent(check.error());
-  return check.measure == Measure::absolute ? formatted("%.2g", check.error()) : "–";
+  return check.measure == Measure::absolute ? fmt::format("{:.2g}", check.error()) : "–";
 }
 
 std::string tolerance_text(const Check& check) {
-  if (check.measure == Measure::relative) return "±" + formatted("%.2g", 100 * check.tolerance) + " %";
-  return check.measure == Measure::absolute ? "±" + formatted("%.2g", check.tolerance) : "–";
+  if (check.measure == Measure::relative) return "±" + fmt::format("{:.2g}", 100 * check.tolerance) + " %";
+  return check.measure == Measure::absolute ? "±" + fmt::format("{:.2g}", check.tolerance) : "–";
 }
 
 std::string verdict(const Check& check) {
@@ -63,27 +66,28 @@ std::string checks_table(const CaseFindings& findings) {
   std::string out =
       head({"figure", "closed form or limit", "result", "error", "tolerance", "", "reason for the tolerance"});
   for (const Check& check : findings.checks) {
-    out += row({with_unit(check.quantity, check.unit), expected_text(check), formatted("%.8g", check.found),
+    out += row({with_unit(check.quantity, check.unit), expected_text(check), fmt::format("{:.8g}", check.found),
                 error_text(check), tolerance_text(check), verdict(check), check.reason});
   }
   return out + "\n";
 }
 
 std::string order_text(const std::optional<double>& order) {
-  return order ? formatted("%.2f", *order) : "none";
+  return order ? fmt::format("{:.2f}", *order) : "none";
 }
 
-std::string ladder_table(const Ladder& ladder) {
-  std::string out = head({ladder.step, with_unit(ladder.quantity, ladder.unit), "closed form", "error", "runs"});
-  for (const verify::Level& level : ladder.levels) {
-    out += row({formatted("%g", level.step), formatted("%.8g", level.found),
-                ladder.expected ? formatted("%.8g", *ladder.expected) : "–", error_text(level),
+std::string refinement_table(const Refinement& refinement) {
+  std::string out =
+      head({refinement.step, with_unit(refinement.quantity, refinement.unit), "closed form", "error", "runs"});
+  for (const verify::Level& level : refinement.levels) {
+    out += row({fmt::format("{:g}", level.step), fmt::format("{:.8g}", level.found),
+                refinement.expected ? fmt::format("{:.8g}", *refinement.expected) : "–", error_text(level),
                 std::to_string(level.runs)});
   }
-  out += "\nOrder of the error: " + order_text(ladder.order) +
-         "; order from three levels alone: " + order_text(ladder.index.order) + "; grid convergence index " +
-         formatted("%.2g", 100 * ladder.index.share) + " % (safety factor " +
-         formatted("%.2f", ladder.index.safety_factor) + ").\n\n";
+  out += "\nOrder of the error: " + order_text(refinement.order) +
+         "; order from three levels alone: " + order_text(refinement.index.order) + "; grid convergence index " +
+         fmt::format("{:.2g}", 100 * refinement.index.fraction) + " % (safety factor " +
+         fmt::format("{:.2f}", refinement.index.safety_factor) + ").\n\n";
   return out;
 }
 
@@ -104,7 +108,7 @@ std::string verification_markdown(const Findings& findings) {
   std::string out = "# Verification of reamsim " REAMSIM_VERSION "\n\n";
   out += std::string(findings.quick ? "Quick" : "Full") + " suite on " + findings.device + ", erosion `exact`: " +
          (findings.passed() ? "all cases passed" : std::to_string(findings.failed_checks()) + " figures FAILED") +
-         ". Took " + formatted("%.0f", findings.seconds) + " s.\n\n" + summary_table(findings);
+         ". Took " + fmt::format("{:.0f}", findings.seconds) + " s.\n\n" + summary_table(findings);
   out +=
       "Errors are relative to the closed form unless they have a unit. The order of an error is its slope over the "
       "step size, both logarithmic, by least squares; it is \"none\" where the error is rounding. The order from three "
@@ -114,7 +118,7 @@ std::string verification_markdown(const Findings& findings) {
   for (const CaseFindings& found : findings.cases) {
     out += "<a id=\"" + found.id + "\"></a>\n## " + found.title + "\n\nScene: " + found.scene +
            ".\n\nClosed form: " + found.form + ".\n\n";
-    for (const Ladder& ladder : found.ladders) out += ladder_table(ladder);
+    for (const Refinement& refinement : found.refinements) out += refinement_table(refinement);
     out += checks_table(found);
   }
   return out;

@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include "render/plots/plots.h"
+#include "sim/base/file.h"
 
 namespace reamsim {
 namespace embedded {
@@ -18,8 +19,8 @@ using Json = nlohmann::ordered_json;
 using verify::CaseFindings;
 using verify::Check;
 using verify::Findings;
-using verify::Ladder;
 using verify::Measure;
+using verify::Refinement;
 
 constexpr std::array kMeasureNames{"relative", "absolute", "at_least", "at_most", "reported"};
 
@@ -41,18 +42,18 @@ Json check_json(const Check& check) {
   return out;
 }
 
-Json ladder_json(const Ladder& ladder) {
-  Json out{{"quantity", ladder.quantity}, {"unit", ladder.unit}, {"step", ladder.step}};
-  out["expected"] = or_null(ladder.expected);
+Json refinement_json(const Refinement& refinement) {
+  Json out{{"quantity", refinement.quantity}, {"unit", refinement.unit}, {"step", refinement.step}};
+  out["expected"] = or_null(refinement.expected);
   out["levels"] = Json::array();
-  for (const verify::Level& level : ladder.levels) {
+  for (const verify::Level& level : refinement.levels) {
     out["levels"].push_back(
         {{"step", level.step}, {"found", level.found}, {"error", or_null(level.error)}, {"runs", level.runs}});
   }
-  out["order"] = or_null(ladder.order);
-  out["order_of_three"] = or_null(ladder.index.order);
-  out["grid_convergence_index"] = ladder.index.share;
-  out["safety_factor"] = ladder.index.safety_factor;
+  out["order"] = or_null(refinement.order);
+  out["order_of_three"] = or_null(refinement.index.order);
+  out["grid_convergence_index"] = refinement.index.fraction;
+  out["safety_factor"] = refinement.index.safety_factor;
   return out;
 }
 
@@ -61,33 +62,34 @@ Json case_json(const CaseFindings& found) {
   out["passed"] = found.passed();
   out["seconds"] = found.seconds;
   out["ladders"] = Json::array();
-  for (const Ladder& ladder : found.ladders) out["ladders"].push_back(ladder_json(ladder));
+  for (const Refinement& refinement : found.refinements) out["ladders"].push_back(refinement_json(refinement));
   out["checks"] = Json::array();
   for (const Check& check : found.checks) out["checks"].push_back(check_json(check));
   return out;
 }
 
-/// The panel of a ladder in the figure: 1 volumes, 2 loads.
-int panel_of(const Ladder& ladder) {
-  return ladder.unit.starts_with("mm³") ? 1 : 2;
+/// The panel of a refinement in the figure: 1 volumes, 2 loads.
+int panel_of(const Refinement& refinement) {
+  return refinement.unit.starts_with("mm³") ? 1 : 2;
 }
 
-/// The data of the plot: one curve per ladder with a closed form, errors in per cent.
+/// The data of the plot: one curve per refinement with a closed form, errors in per cent.
 std::string plot_data(const Findings& findings) {
   std::ostringstream data, names;
   int curve = 0, places[2] = {0, 0};
   // The place of a curve within its panel determines its colour.
   data << "# curve, panel, step, |error| in %\n$errors << END\n";
   for (const CaseFindings& found : findings.cases) {
-    for (const Ladder& ladder : found.ladders) {
-      if (!ladder.expected) continue;
+    for (const Refinement& refinement : found.refinements) {
+      if (!refinement.expected) continue;
       ++curve;
-      for (const verify::Level& level : ladder.levels) {
+      for (const verify::Level& level : refinement.levels) {
         const double error = 100 * std::abs(level.error.value_or(0));
-        data << curve << ' ' << panel_of(ladder) << ' ' << level.step << ' ' << std::max(error, 1e-7) << '\n';
+        data << curve << ' ' << panel_of(refinement) << ' ' << level.step << ' ' << std::max(error, 1e-7) << '\n';
       }
-      names << "name[" << curve << "] = " << gnuplot_string(found.title + ": " + ladder.quantity) << "\npanel[" << curve
-            << "] = " << panel_of(ladder) << "\nplace[" << curve << "] = " << ++places[panel_of(ladder) - 1] << '\n';
+      names << "name[" << curve << "] = " << gnuplot_string(found.title + ": " + refinement.quantity) << "\npanel["
+            << curve << "] = " << panel_of(refinement) << "\nplace[" << curve
+            << "] = " << ++places[panel_of(refinement) - 1] << '\n';
     }
   }
   if (curve == 0) data << "0 0 1 1\n";
@@ -114,8 +116,8 @@ std::string verification_json(const Findings& findings) {
 }
 
 void write_verification(const std::string& dir, const Findings& findings) {
-  write_text_file(dir + "/verification.json", verification_json(findings));
-  write_text_file(dir + "/verification.md", verification_markdown(findings));
+  write_file(dir + "/verification.json", verification_json(findings));
+  write_file(dir + "/verification.md", verification_markdown(findings));
   run_gnuplot(dir, "verification.gp", plot_data(findings) + embedded::verify_plot_script,
               {"verification.png", "verification.svg"});
 }

@@ -9,6 +9,7 @@
 
 #include "render/surface/color_map.h"
 #include "sim/base/error.h"
+#include "sim/base/file.h"
 
 namespace reamsim {
 namespace {
@@ -139,8 +140,7 @@ void write_chunks(const std::string& path, const std::string& json, const std::v
   put_word(out, binary.size());
   put_word(out, kBinaryChunk);
   out.write(binary.data(), static_cast<std::streamsize>(binary.size()));
-  out.close();
-  if (!out) throw RunError(path + ": cannot be written (folder missing, not writable, or disk full)");
+  close_file(out, path);
 }
 
 }  // namespace

@@ -5,6 +5,9 @@
 #include <cmath>
 #include <limits>
 
+#include "sim/base/file.h"
+#include "sim/base/text.h"
+
 namespace reamsim {
 
 namespace {
@@ -32,7 +35,7 @@ double number(const SourceLocation& where, std::string_view name, std::string_vi
 
 }  // namespace
 
-CsvTable::CsvTable(const std::string& path, std::span<const std::string_view> names, std::string expected)
+CsvReader::CsvReader(const std::string& path, std::span<const std::string_view> names, const std::string& expected)
     : path_(path), names_(names.begin(), names.end()), in_(path, std::ios::binary) {
   std::string header;
   if (!in_ || !std::getline(in_, header)) throw InputError({path, 0, 0}, "", "cannot be read", expected);
@@ -44,7 +47,7 @@ CsvTable::CsvTable(const std::string& path, std::span<const std::string_view> na
   }
 }
 
-bool CsvTable::next(std::vector<double>& values, std::string_view may_be_empty) {
+bool CsvReader::next(std::vector<double>& values, std::string_view may_be_empty) {
   std::string line;
   do {
     if (!std::getline(in_, line)) return false;
@@ -63,6 +66,31 @@ bool CsvTable::next(std::vector<double>& values, std::string_view may_be_empty) 
     values.push_back(empty ? std::numeric_limits<double>::quiet_NaN() : number(where(), names_[i], cell));
   }
   return true;
+}
+
+CsvWriter::CsvWriter(const std::string& path, const std::string& header) : path_(path), out_(path, std::ios::binary) {
+  out_ << header << '\n';
+  check();
+}
+
+void CsvWriter::row(std::span<const double> values) {
+  std::string line;
+  for (const double value : values) {
+    if (!std::isnan(value)) line += shortest_text(value == 0 ? 0.0 : value);  // no "-0"
+    line += ',';
+  }
+  if (!line.empty()) line.back() = '\n';
+  out_ << line;
+  check();
+}
+
+void CsvWriter::close() {
+  out_.close();
+  check();
+}
+
+void CsvWriter::check() const {
+  if (!out_) fail_to_write(path_);
 }
 
 }  // namespace reamsim

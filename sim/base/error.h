@@ -7,7 +7,7 @@
 
 namespace reamsim {
 
-/// Where in a user's file a mistake stands. Lines and columns count from 1; 0 means unknown.
+/// A location in a user's file. Lines and columns count from 1; 0 means unknown.
 struct SourceLocation {
   std::string file;
   int line = 0;
@@ -28,13 +28,13 @@ struct Mistake {
   [[nodiscard]] std::string line() const;
 };
 
-/// The input is wrong (exit status 2). The message is one line that a user can act on: where, which key, what was
-/// found, what would be right; or several such lines, where several mistakes were collected (sim/base/mistake_list.h).
+/// The input is wrong (exit status 2). The message has one line per mistake (sim/base/mistake_list.h): where, which
+/// key, what was found, what to do.
 class InputError : public std::runtime_error {
  public:
   explicit InputError(const std::string& message) : InputError({}, "", message, "") {}
 
-  /// "FILE:LINE:COLUMN: KEY: FOUND; EXPECTED". Pass "" for whatever does not apply.
+  /// "FILE:LINE:COLUMN: KEY: FOUND; EXPECTED". Pass "" for what does not apply.
   InputError(const SourceLocation& where, const std::string& key, const std::string& found,
              const std::string& expected);
 
@@ -59,7 +59,7 @@ class Interrupted : public std::runtime_error {
   Interrupted() : std::runtime_error("interrupted") {}
 };
 
-/// What to tell the user of an exception, on one line.
+/// The message of an exception for users, on one line.
 std::string message_of(const std::exception& error);
 
 }  // namespace reamsim

@@ -5,14 +5,14 @@
 
 namespace reamsim {
 
-/// A Gaussian at −reach, …, reach; 1 in the middle.
+/// A Gaussian sampled at −reach … reach, with the maximum 1.
 inline std::vector<double> gaussian(double sigma, int reach) {
   std::vector<double> out;
   for (int n = -reach; n <= reach; ++n) out.push_back(std::exp(-0.5 * n * n / (sigma * sigma)));
   return out;
 }
 
-/// The same with a sum of 1.
+/// The same, scaled to the sum 1.
 inline std::vector<double> gaussian_weights(double sigma, int reach) {
   std::vector<double> out = gaussian(sigma, reach);
   double sum = 0;

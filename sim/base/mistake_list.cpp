@@ -1,7 +1,6 @@
 #include "sim/base/mistake_list.h"
 
 #include <algorithm>
-#include <functional>
 #include <string>
 #include <tuple>
 
@@ -9,11 +8,10 @@ namespace reamsim {
 
 namespace {
 
-/// More than these tell a user nothing new.
 constexpr std::size_t kMostShown = 50;
 
-/// Whether `key` is `above` or lies below it.
-bool lies_in(std::string_view key, std::string_view above) {
+/// Whether `key` is `above` or below it.
+bool is_within(std::string_view key, std::string_view above) {
   return key.starts_with(above) && (key.size() == above.size() || key[above.size()] == '.');
 }
 
@@ -24,7 +22,7 @@ void MistakeList::add(const InputError& error) {
 }
 
 bool MistakeList::concerns(std::string_view key) const {
-  const auto related = [&](std::string_view other) { return lies_in(other, key) || lies_in(key, other); };
+  const auto related = [&](std::string_view other) { return is_within(other, key) || is_within(key, other); };
   return std::ranges::any_of(mistakes_, related, &Mistake::key) || std::ranges::any_of(doubted_, related);
 }
 
@@ -39,10 +37,9 @@ bool MistakeList::has_key_in(std::string_view section) const {
 void MistakeList::throw_if_any() const {
   if (mistakes_.empty()) return;
   std::vector<Mistake> sorted = mistakes_;
-  const auto place = [](const Mistake& m) {  // what has no line comes last
-    return std::make_tuple(m.where.line == 0, std::cref(m.where.file), m.where.line, m.where.column);
-  };
-  std::ranges::stable_sort(sorted, [&](const Mistake& a, const Mistake& b) { return place(a) < place(b); });
+  std::ranges::stable_sort(sorted, {}, [](const Mistake& m) {  // mistakes without a line come last
+    return std::make_tuple(m.where.line == 0, m.where.file, m.where.line, m.where.column);
+  });
   if (sorted.size() > kMostShown) {
     Mistake rest;
     rest.found = "and " + std::to_string(sorted.size() - kMostShown) + " mistakes more";

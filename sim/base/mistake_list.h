@@ -9,12 +9,12 @@
 
 namespace reamsim {
 
-/// Mistakes that are collected, so that a user hears of all of them at once.
+/// Collects mistakes, so that all of them are reported at once.
 class MistakeList {
  public:
   void add(const InputError& error);
 
-  /// Does `work`, keeps the mistakes of an InputError, and says whether there was none.
+  /// Calls `work` and adds the mistakes of an InputError. Returns whether there were none.
   template <class Work>
   bool attempt(const Work& work) {
     try {
@@ -26,16 +26,16 @@ class MistakeList {
     }
   }
 
-  /// A key that may be wrong because of a mistake elsewhere; it counts for concerns() alone.
+  /// Marks a key that may be wrong because of a mistake elsewhere. Only concerns() considers it.
   void doubt(std::string key) { doubted_.push_back(std::move(key)); }
 
   [[nodiscard]] bool empty() const { return mistakes_.empty(); }
-  /// Whether one of them, or a doubt, concerns `key`, a key above it or a key below it.
+  /// Whether a mistake or a doubted key is `key`, a key above it or a key below it.
   [[nodiscard]] bool concerns(std::string_view key) const;
-  /// Whether one of them concerns a key that stands directly in the section `section`.
+  /// Whether a mistake concerns a key directly in the section `section`.
   [[nodiscard]] bool has_key_in(std::string_view section) const;
 
-  /// Throws an InputError of all mistakes, by line and column, at most 50. Does nothing without any.
+  /// Throws an InputError of all mistakes, by line and column, at most 50. Does nothing where there are none.
   void throw_if_any() const;
 
  private:

@@ -21,8 +21,8 @@ namespace {
 
 constexpr std::size_t kThreads = 4;
 
-/// Debian's oneTBB is not instrumented, so the sanitizer would take every hand-over in it for a race. While this lives
-/// it hands nothing to other threads, whoever uses it.
+/// Keeps oneTBB, which is not instrumented, on one thread, whichever library uses it: the sanitizer would report its
+/// synchronization as races.
 const tbb::global_control no_threads_of_onetbb(tbb::global_control::max_allowed_parallelism, 1);
 
 }  // namespace

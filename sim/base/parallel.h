@@ -8,16 +8,13 @@ namespace reamsim {
 /// Work on the items `begin`…`end` − 1.
 using RangeBody = std::function<void(std::size_t begin, std::size_t end)>;
 
-/// Splits the items 0…count − 1 into ranges and runs `body` on all of them with the host's threads; returns when the
-/// last one is done. The only way in which this project hands work to oneTBB: under the thread sanitizer, which cannot
-/// look into Debian's oneTBB, plain threads do it instead, and oneTBB has none.
-/// @param count how many items there are
-/// @param grain items that are not worth splitting further: a range has at least half as many, where there are enough
-/// @param body called from several threads at once, in no order
-/// @throws what `body` throws; if several do, one of them
+/// Splits the items 0…count − 1 into ranges, calls `body` for each from the host's threads at once and in no order, and
+/// returns when all are done. A range has at least grain/2 items where there are enough. Throws what `body` throws; if
+/// several calls throw, one of the exceptions. All parallel work of the project goes through this function: the thread
+/// sanitizer needs plain threads, because Debian's oneTBB is not instrumented.
 void parallel_ranges(std::size_t count, std::size_t grain, const RangeBody& body);
 
-/// Calls body(i) for every item 0…count − 1, in the way of parallel_ranges().
+/// Calls body(i) for every item 0…count − 1, as parallel_ranges() does.
 template <typename ItemBody>
 void parallel_items(std::size_t count, const ItemBody& body) {
   parallel_ranges(count, 1, [&body](std::size_t begin, std::size_t end) {

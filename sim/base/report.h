@@ -6,8 +6,7 @@
 
 namespace reamsim {
 
-/// What a stage wants the user to know: `notes` say what was done, `warnings` what may surprise.
-/// A plain sink, so that the engine prints nothing by itself.
+/// Messages of a stage for the user. The caller prints them, so that no engine prints.
 struct Report {
   std::vector<std::string> notes;
   std::vector<std::string> warnings;

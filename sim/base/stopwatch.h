@@ -4,7 +4,7 @@
 
 namespace reamsim {
 
-/// Wall time since it was made.
+/// Wall time since construction.
 class Stopwatch {
  public:
   [[nodiscard]] double seconds() const {

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "sim/bench/contender.h"
+#include "sim/bench/program.h"
 
 namespace reamsim::bench {
 
@@ -17,8 +17,8 @@ struct Spread {
 };
 Spread spread_of(std::vector<double> values);
 
-/// What was measured where. `voxmap` and `shell`: cells along an edge. `implicit` has no shell; its rows stand where
-/// the largest shell does.
+/// Program, sizes and case of a measurement. `voxmap` and `shell`: cells along an edge. `implicit` has no shell; its
+/// rows have the largest.
 struct Place {
   Label who;
   int voxmap = 0;
@@ -29,13 +29,13 @@ struct Place {
 /// A case's frames, each enqueued alone (plunge: in the batches that the program uses by default).
 struct CaseRow {
   Place at;
-  std::optional<double> contacts = {};  ///< points that touch, mean over the poses; plunge and implicit: voxels a frame
+  std::optional<double> contacts = {};  ///< touching points, mean over the poses; plunge and implicit: voxels per frame
   Spread ms = {};                       ///< whole frame, host wall time
   double kernel_ms = 0;                 ///< median, device time
   std::optional<double> ratio_to_direct = {};  ///< published direct's median over this one
 };
 
-/// What could not be measured, and why.
+/// A measurement that was skipped, and why.
 struct Skipped {
   Place at;
   std::string reason;
@@ -47,14 +47,14 @@ struct MemoryRow {
   double voxmap_mb = 0, shell_mb = 0;  ///< 10⁶ bytes
 };
 
-/// Medians over a severe case's frames, µs, as in the paper's Table 2. `read`: what the other phases leave of the
-/// whole: launches, waiting and the results' way back.
+/// Medians over the frames of a severe case, µs, as in the paper's Table 2. `read`: the rest of the total: launches,
+/// waiting and reading of results.
 struct PhaseRow {
   Place at;
   double obb = 0, voi = 0, upload = 0, kernel = 0, read = 0, total = 0;
 };
 
-/// A depth at which the VOI takes `fraction` of the tool's box.
+/// A depth at which the VOI is `fraction` of the tool's box.
 struct VoiRow {
   Label who;
   double fraction = 0;
@@ -69,13 +69,13 @@ struct BatchRow {
   Spread ms = {};
 };
 
-/// How much a racing program's results differ from one repetition of a severe frame to the next.
+/// Variation of a racing program's results over repetitions of a severe frame.
 struct ScatterRow {
   Place at;
   int repetitions = 0;
-  double points = 0;                  ///< that touch: what it would count if every point found its voxel still there
-  std::optional<double> voxels = {};  ///< that they lie in: what it would count if only the first point did
-  Spread contacts = {};               ///< that it counted
+  double points = 0;                  ///< touching points: the count if every point found its voxel unchanged
+  std::optional<double> voxels = {};  ///< their voxels: the count if only the first point of a voxel did
+  Spread contacts = {};               ///< counted
   double force_spread = 0;            ///< standard deviation of the force's magnitude over its mean
   double component_spread = 0;        ///< largest standard deviation of a component over the mean magnitude
   double contacts_spread = 0;         ///< standard deviation over mean
@@ -91,7 +91,7 @@ struct SphereRow {
   double volume_error = 0;  ///< removed over the cap's volume, less 1
 };
 
-/// Points that touch at a pose at the largest voxmap and shell.
+/// Touching points at a pose, with the largest voxmap and shell.
 struct PoseCount {
   std::string contact;
   int pose = 0;
@@ -120,9 +120,9 @@ struct Findings {
   [[nodiscard]] const CaseRow* find(const Label& who, int voxmap, int shell, const std::string& contact) const;
 };
 
-/// The findings as text tables with the paper's figures beside them.
+/// The findings as text tables, with the paper's figures.
 std::string text_of(const Findings& findings);
-/// As JSON; docs/formats.md describes it.
+/// The findings as JSON (docs/formats.md).
 std::string json_of(const Findings& findings);
 
 }  // namespace reamsim::bench

@@ -2,11 +2,12 @@
 
 #include <array>
 #include <optional>
+#include <string_view>
 
 namespace reamsim::bench {
 
-// Figures of the paper (Faieghi, Tutunea-Fatan and Eagleson 2020), measured there on a GTX 970: facts to set beside
-// what this machine does. Times in ms unless named otherwise, sizes in MB = 10⁶ bytes.
+// Figures of the paper (Faieghi, Tutunea-Fatan and Eagleson 2020), measured on a GTX 970. Times in ms unless named
+// otherwise, sizes in MB = 10⁶ bytes.
 
 inline constexpr std::array<int, 5> kShells{64, 128, 256, 512, 1024};
 inline constexpr std::array<int, 4> kVoxmaps{128, 256, 512, 1024};
@@ -38,7 +39,7 @@ inline constexpr std::array<double, 5> kPaperPoints{4.2e3, 18e3, 74e3, 297e3, 1.
 inline constexpr double kSeverePoints = 103'000;
 inline constexpr double kLightPoints = 11'900;
 
-/// Position in a table's axis, or nothing where the paper has no such size.
+/// Position in the axis of a table; nullopt where the paper has no such size.
 template <std::size_t N>
 constexpr std::optional<std::size_t> place(const std::array<int, N>& axis, int value) {
   for (std::size_t i = 0; i < N; ++i) {
@@ -47,8 +48,17 @@ constexpr std::optional<std::size_t> place(const std::array<int, N>& axis, int v
   return std::nullopt;
 }
 
-/// The paper's time for an engine's severe case, or nothing where it has none. `direct`, `octree` and `implicit` are
-/// its three methods; `bricked` is set beside its own.
-std::optional<double> paper_ms(const char* engine, int voxmap, int shell);
+/// The paper's time for the severe case of an engine; nullopt where it has none. `direct`, `octree` and `implicit` are
+/// its three methods; `bricked` is compared with `direct`.
+inline std::optional<double> paper_ms(std::string_view engine, int voxmap, int shell) {
+  const auto row = place(kVoxmaps, voxmap);
+  const auto column = place(kShells, shell);
+  if (!row) return std::nullopt;
+  if (engine == "implicit") return kPaperImplicit[*row];
+  if (!column) return std::nullopt;
+  if (engine == "octree")
+    return *row < std::size(kPaperOctree) ? std::optional(kPaperOctree[*row][*column]) : std::nullopt;
+  return kPaperDirect[*row][*column];
+}
 
 }  // namespace reamsim::bench

@@ -106,8 +106,10 @@ double find_depth(const Voxmap& voxmap, const Tool& tool, const Approach& approa
 }
 
 double wanted_points(Contact contact, double points) {
-  const double share = points / kPaperPoints.back();
-  return contact == Contact::severe ? kSeverePoints * share : contact == Contact::light ? kLightPoints * share : 0;
+  const double fraction = points / kPaperPoints.back();
+  return contact == Contact::severe  ? kSeverePoints * fraction
+         : contact == Contact::light ? kLightPoints * fraction
+                                     : 0;
 }
 
 }  // namespace reamsim::bench

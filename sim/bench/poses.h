@@ -8,21 +8,21 @@
 
 namespace reamsim::bench {
 
-/// The paper's cases of contact: `severe` touches 103,000 points with voxmap and shell at 1024³, `light` 1 % of the
-/// points, and in `none` the boxes overlap and no point touches.
+/// The paper's cases of contact: in `severe` 103,000 points touch with voxmap and shell at 1024³, in `light` 1 % of the
+/// points; in `none` the boxes overlap and no point touches.
 enum class Contact { severe, light, none };
 inline constexpr std::array<Contact, 3> kContacts{Contact::severe, Contact::light, Contact::none};
 const char* name_of(Contact contact);
 
-/// A way of the reamer into the glenoid face. Lengths mm, frame B; depth is along −z of T, 0 with the reamer's lowest
-/// point on the face.
+/// A straight path of the reamer into the glenoid face. Lengths in mm, frame B; depth is along −z of T, 0 with the
+/// lowest point of the reamer on the face.
 struct Approach {
-  double posterior_mm, superior_mm;        ///< where on the face
+  double posterior_mm, superior_mm;        ///< position on the face
   double tilt_posterior_deg, tilt_up_deg;  ///< of the spin axis against the face's normal
   std::array<double, 3> depth_mm;          ///< by Contact, found by find_depth() at 1024³ × 1024³
 };
 
-/// Different places on the face, tilted different ways; the same at every resolution.
+/// Different positions and tilts; the same at every resolution.
 extern const std::array<Approach, 4> kApproaches;
 
 /// The tool at a depth of an approach.
@@ -35,14 +35,14 @@ std::vector<Substep> substeps_of(Contact contact);
 /// Arguments of a substep whose VOI is the whole shell.
 SubstepArgs args_without_voi(const Substep& substep, const Tool& tool, const VoxelGrid& grid);
 
-/// Shell points that lie in bone, in the arithmetic of the deterministic engines. Uses every core.
+/// Number of shell points in bone, in the arithmetic of the deterministic engines. Uses every core.
 std::int64_t count_touching(const Voxmap& voxmap, const Tool& tool, const Substep& substep);
 
-/// Depth at which `wanted` points touch, to within 0.2 %, by bisection; for wanted = 0 the clearance of kClearance_mm
-/// above the first contact.
+/// Depth at which `wanted` points touch, within 0.2 %, by bisection; for wanted = 0 kClearance_mm above the first
+/// contact.
 double find_depth(const Voxmap& voxmap, const Tool& tool, const Approach& approach, double wanted);
 inline constexpr double kClearance_mm = 0.3;
-/// Points that a case should touch with a shell of `points`.
+/// Touching points of a case with a shell of `points`.
 double wanted_points(Contact contact, double points);
 
 }  // namespace reamsim::bench

@@ -1,20 +1,21 @@
 #include "sim/bench/published.h"
 
 #include <bit>
+#include <utility>
 
 #include "sim/base/error.h"
 #include "sim/bench/poses.h"
 
 namespace reamsim::bench {
 
-// Host and device lay the struct out alike.
+// The layout is the same on host and device.
 static_assert(sizeof(PublishedFrame) == 8 * 4 + 4 * 16 + 4 * 8);
 
 PublishedFrame published_frame(const Substep& substep, const std::optional<Aabb>& voi, const Tool& tool,
                                const VoxelGrid& grid) {
   if (grid.dims != Vec3i::Constant(grid.dims.x())) throw InputError("the published methods need a cubic lattice");
   const PointShell& shell = tool.shell;
-  // The VOI in cells is the engines'.
+  // The VOI in cells is that of the engines.
   const SubstepArgs args =
       voi ? make_args(substep, *voi, shell, grid, bench_cutting(), false) : args_without_voi(substep, tool, grid);
   const Rigid bone_from_tool = substep.pose.bone_from_tool();
@@ -48,6 +49,47 @@ std::vector<cl_uint> descent_steps(int side) {
   }
   if (steps.empty()) steps.assign(8, 0);
   return steps;
+}
+
+PublishedProgram::PublishedProgram(const std::string& engine, const cl::DeviceInfo& info, const BenchSetup& setup,
+                                   const char* source, std::size_t record_words)
+    : setup_(setup),
+      device_(info),
+      program_(device_.build("published_" + engine + ".cl", source)),
+      points_(setup.tool->shell.codes.size()),
+      frame_(device_, 1, "the frame"),
+      label_{engine, "published"},
+      touched_kernel_(program_, "published_touched"),
+      restore_kernel_(program_, "published_restore"),
+      touched_(device_, record_words * points_, "the touched voxels"),
+      touched_count_(device_, 1, "their number") {}
+
+void PublishedProgram::prepare(const Substep& frame) {
+  const PublishedFrame args = published_frame(frame, std::nullopt, *setup_.tool, setup_.voxmap->grid);
+  frame_.write(device_, &args, 1);
+  touched_count_.clear(device_, 1);
+  const cl::Event done = touched_kernel_.launch(device_, points_, kPublishedGroup);
+  touched_count_.read(device_, &recorded_, 1);
+  prepared_ = true;
+}
+
+BatchSample PublishedProgram::run(std::span<const Substep> frames, bool use_voi) {
+  BatchSample sample;
+  for (const Substep& frame : frames) run_one(frame, use_voi, sample);
+  if (!std::exchange(prepared_, false)) changed_ = true;
+  return sample;
+}
+
+void PublishedProgram::restore() {
+  if (changed_) {
+    restore_all();
+  } else if (recorded_ > 0) {
+    restore_kernel_.set(1, recorded_);
+    const cl::Event done = restore_kernel_.launch(device_, recorded_, kPublishedGroup);
+  }
+  device_.finish();
+  changed_ = prepared_ = false;
+  recorded_ = 0;
 }
 
 }  // namespace reamsim::bench

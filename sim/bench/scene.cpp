@@ -13,15 +13,21 @@ namespace reamsim::bench {
 
 namespace {
 
-/// The face looks along +x; behind it the cube reaches into the neck.
+/// The face is oriented towards +x; behind it the cube extends into the neck.
 const Vec3 kBoxCornerMm(-30, -20, -20);
 
 VoxelGrid grid_of(int side) {
   return {Vec3i::Constant(side), kBoxMm / side, kBoxCornerMm};
 }
 
-std::uint8_t grade_at(const Voxmap& voxmap, int x, int y, int z) {
-  return voxmap.grade.get({x, y, z});
+/// Calls visit(coord) for begin ≤ coord < end, x fastest.
+template <class Visit>
+void for_each_coord(const Vec3i& begin, const Vec3i& end, const Visit& visit) {
+  for (int z = begin.z(); z < end.z(); ++z) {
+    for (int y = begin.y(); y < end.y(); ++y) {
+      for (int x = begin.x(); x < end.x(); ++x) visit(Vec3i(x, y, z));
+    }
+  }
 }
 
 FilledVoxmap sample(int side) {
@@ -33,21 +39,17 @@ FilledVoxmap sample(int side) {
 
 Aabb tight_box(const Voxmap& voxmap) {
   Vec3i low = voxmap.grid.dims, high = Vec3i::Constant(-1);
-  for (int z = 0; z < voxmap.grid.dims.z(); ++z) {
-    for (int y = 0; y < voxmap.grid.dims.y(); ++y) {
-      for (int x = 0; x < voxmap.grid.dims.x(); ++x) {
-        if (grade_at(voxmap, x, y, z) == 0) continue;
-        low = low.cwiseMin(Vec3i(x, y, z));
-        high = high.cwiseMax(Vec3i(x, y, z));
-      }
-    }
-  }
+  for_each_coord(Vec3i::Zero(), voxmap.grid.dims, [&](const Vec3i& voxel) {
+    if (voxmap.grade.get(voxel) == 0) return;
+    low = low.cwiseMin(voxel);
+    high = high.cwiseMax(voxel);
+  });
   const VoxelGrid& grid = voxmap.grid;
   return {grid.origin_mm + grid.voxel_mm * low.cast<double>(),
           grid.origin_mm + grid.voxel_mm * (high + Vec3i::Ones()).cast<double>()};
 }
 
-/// Where a fine voxel's centre lies between two coarse ones: taps and integer weights that add up to 2·factor.
+/// The two coarse voxels about the centre of a fine one, with integer weights whose sum is 2·factor.
 struct Between {
   int low, high;
   int weight_low, weight_high;
@@ -63,7 +65,7 @@ struct Between {
   }
 };
 
-/// Bricks of the finer voxmap: a voxel is bone where the interpolated share of bone is at least half, with the mean
+/// Bricks of the finer voxmap: a voxel is bone where the interpolated fraction of bone is at least half, with the mean
 /// grade of the bone about it.
 class Refinement {
  public:
@@ -82,9 +84,9 @@ class Refinement {
 
  private:
   static constexpr int kSide = GradeBricks::kSide;
-  /// Share of bone and weighted grade along a line of coarse voxels, as far as a row of a brick can reach.
+  /// Weight of bone and weighted grade along a line of coarse voxels.
   struct Line {
-    std::array<int, kSide + 2> share{}, grade{};
+    std::array<int, kSide + 2> bone{}, grade{};
   };
 
   [[nodiscard]] bool all_air_about(const Vec3i& first) const {
@@ -93,14 +95,10 @@ class Refinement {
     };
     const Vec3i low = BrickLattice::brick_of(clamped(first / factor_ - Vec3i::Ones()));
     const Vec3i high = BrickLattice::brick_of(clamped((first + Vec3i::Constant(kSide)) / factor_ + Vec3i::Ones()));
-    for (int z = low.z(); z <= high.z(); ++z) {
-      for (int y = low.y(); y <= high.y(); ++y) {
-        for (int x = low.x(); x <= high.x(); ++x) {
-          if (coarse_.grade.brick({x, y, z}) != nullptr) return false;
-        }
-      }
-    }
-    return true;
+    bool all_air = true;
+    for_each_coord(low, high + Vec3i::Ones(),
+                   [&](const Vec3i& brick) { all_air = all_air && coarse_.grade.brick(brick) == nullptr; });
+    return all_air;
   }
 
   bool row(const Vec3i& first, int y, int z, std::uint8_t* out) const {
@@ -117,10 +115,10 @@ class Refinement {
     for (int x = 0; x < kSide; ++x) {
       const Between bx(first.x() + x, factor_, side_);
       const auto l = static_cast<std::size_t>(bx.low - x_low), h = static_cast<std::size_t>(bx.high - x_low);
-      const int share = bx.weight_low * line.share[l] + bx.weight_high * line.share[h];
+      const int bone = bx.weight_low * line.bone[l] + bx.weight_high * line.bone[h];
       const int grade = bx.weight_low * line.grade[l] + bx.weight_high * line.grade[h];
-      if (2 * share < whole) continue;
-      out[x] = static_cast<std::uint8_t>(grade / share);
+      if (2 * bone < whole) continue;
+      out[x] = static_cast<std::uint8_t>(grade / bone);
       any = true;
     }
     return any;
@@ -128,9 +126,9 @@ class Refinement {
 
   void add(int y, int z, int weight, int x_low, int x_high, Line& line) const {
     for (int x = x_low; x <= x_high; ++x) {
-      const int grade = grade_at(coarse_, x, y, z);
+      const int grade = coarse_.grade.get({x, y, z});
       if (grade == 0) continue;
-      line.share[static_cast<std::size_t>(x - x_low)] += weight;
+      line.bone[static_cast<std::size_t>(x - x_low)] += weight;
       line.grade[static_cast<std::size_t>(x - x_low)] += weight * grade;
     }
   }
@@ -150,35 +148,25 @@ FilledVoxmap refine(const Voxmap& coarse, int side) {
 
 /// Mean grade of the bone among factor³ voxels, air where less than half of them are bone.
 std::uint8_t merged(const Voxmap& fine, const Vec3i& first, int factor) {
-  int share = 0, grade = 0;
-  for (int z = 0; z < factor; ++z) {
-    for (int y = 0; y < factor; ++y) {
-      for (int x = 0; x < factor; ++x) {
-        const int g = grade_at(fine, first.x() + x, first.y() + y, first.z() + z);
-        share += g != 0;
-        grade += g;
-      }
-    }
-  }
-  return static_cast<std::uint8_t>(2 * share >= factor * factor * factor ? grade / share : 0);
+  int bone = 0, grade = 0;
+  for_each_coord(Vec3i::Zero(), Vec3i::Constant(factor), [&](const Vec3i& offset) {
+    const int g = fine.grade.get(first + offset);
+    bone += g != 0;
+    grade += g;
+  });
+  return static_cast<std::uint8_t>(2 * bone >= factor * factor * factor ? grade / bone : 0);
 }
 
 FilledVoxmap merge(const Voxmap& fine, int side) {
   FilledVoxmap coarse(grid_of(side));
   const int factor = fine.grid.dims.x() / side;
-  for (int z = 0; z < side; ++z) {
-    for (int y = 0; y < side; ++y) {
-      for (int x = 0; x < side; ++x) {
-        if (const std::uint8_t grade = merged(fine, factor * Vec3i(x, y, z), factor); grade != 0) {
-          coarse.grade.set({x, y, z}, grade);
-        }
-      }
-    }
-  }
+  for_each_coord(Vec3i::Zero(), coarse.grid.dims, [&](const Vec3i& voxel) {
+    if (const std::uint8_t grade = merged(fine, factor * voxel, factor); grade != 0) coarse.grade.set(voxel, grade);
+  });
   return coarse;
 }
 
-/// A hemisphere with its lowest point at the origin, closed by the lid that the shell leaves out.
+/// A hemisphere with its lowest point at the origin, closed by a lid that the shell does not have.
 Profile hemisphere() {
   constexpr int kSteps = 96;
   Profile profile;
@@ -213,7 +201,7 @@ Aabb BoneSeries::box(int side) const {
 
 Tool cap_tool(int resolution) {
   constexpr double kFacetCells = 0.02;
-  const int cells = std::max(2, static_cast<int>(std::lround(kCapShare * resolution)));
+  const int cells = std::max(2, static_cast<int>(std::lround(kCapFraction * resolution)));
   Tool tool;
   tool.profile = hemisphere();
   const double cell_mm = 2 * kReamerMm / (cells - 1);

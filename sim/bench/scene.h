@@ -12,16 +12,16 @@ inline constexpr double kBoxMm = 40;
 /// Radius of the hemispherical reamer, mm.
 inline constexpr double kReamerMm = 14;
 
-/// The glenoid phantom over `side`³ voxels of the same cube. It is sampled once, at 256³; finer voxmaps divide its
-/// voxels with interpolation and coarser ones merge them with averaging, as the paper resizes its CT.
+/// The glenoid phantom with `side`³ voxels in the same cube. It is sampled once, at 256³; finer voxmaps interpolate and
+/// coarser ones average, as the paper resizes its CT.
 class BoneSeries {
  public:
-  /// `sampled`: voxels along an edge where the phantom itself is sampled; a power of two.
+  /// `sampled`: voxels along an edge of the sampled phantom; a power of two.
   explicit BoneSeries(int sampled = 256);
 
-  /// `side`: a power of two. Takes no more than a few seconds at 1024.
+  /// `side`: a power of two. Takes a few seconds at 1024.
   [[nodiscard]] FilledVoxmap at(int side) const;
-  /// The box of the bone in B, mm, as the broad phase sees it at this resolution.
+  /// The box of the bone in B, mm, for the broad phase at this resolution.
   [[nodiscard]] Aabb box(int side) const;
 
  private:
@@ -29,15 +29,15 @@ class BoneSeries {
   Aabb box_mm_;
 };
 
-/// The reamer's hemispherical cap without a lid, sampled in a `resolution`³ grid that spans the whole scanned reamer:
-/// the cap takes kCapShare of its edge, which gives the paper's number of points at every resolution.
-inline constexpr double kCapShare = 0.6945;
+/// The hemispherical cap of the reamer without its lid, sampled in a `resolution`³ grid that spans the whole scanned
+/// reamer. The cap spans kCapFraction of its edge, which gives the paper's number of points at every resolution.
+inline constexpr double kCapFraction = 0.6945;
 Tool cap_tool(int resolution);
 
-/// Box of the shell's points, T, mm; half a cell beyond the surface.
+/// Box of the shell points, T, mm: half a cell beyond the surface.
 Aabb shell_box(const Tool& tool);
 
-/// Cutting as the program does it by default.
+/// The program's default cutting settings with whole voxels removed.
 CuttingSettings bench_cutting();
 
 }  // namespace reamsim::bench

@@ -3,7 +3,7 @@
 #include <numbers>
 
 #include "sim/base/error.h"
-#include "sim/bench/field.h"
+#include "sim/bench/measure.h"
 #include "sim/bone/voxmap/sample_voxels.h"
 #include "sim/tool/revolve.h"
 
@@ -21,8 +21,8 @@ constexpr int kWindows = 4;           // over the depth, in which frames are tim
 constexpr int kWindowFrames = 32;     // enqueued at once, as `reamsim run` by default
 constexpr double kStepVoxels = 0.25;  // between the windows, where the shell's points have to miss no voxel
 
-/// A block that the sphere goes into from above; its top face is z = 0, and it lies askew of the tool's axis by shares
-/// of a voxel, so that nothing is regular.
+/// A block under the sphere with its top face at z = 0, offset from the tool's axis by fractions of a voxel so that
+/// nothing is regular.
 FilledVoxmap block(double voxel_mm) {
   const Vec3 size_mm(kWidthMm + 4, kWidthMm + 4, kDepthMm + 2);
   VoxelGrid grid;
@@ -71,25 +71,25 @@ Substep down_to(double depth_mm) {
 }
 
 /// The whole plunge; time per frame of the windows.
-SphereRow plunge(Contender& contender, ErosionMode erosion, double voxel_mm, const Watch& watch) {
-  SphereRow row{.engine = contender.label().engine, .erosion = erosion, .voxel_mm = voxel_mm};
+SphereRow plunge(Program& program, ErosionMode erosion, double voxel_mm, const BenchControl& control) {
+  SphereRow row{.engine = program.label().engine, .erosion = erosion, .voxel_mm = voxel_mm};
   const double frame_mm = kSphereFeedMmS * kSphereFrameS, window_mm = kWindowFrames * frame_mm;
   std::vector<double> ms;
   double voxels = 0;
   double depth = 0;
-  // The whole cap at once is no other: what the tool holds at a depth, it has held on the straight way there too.
+  // implicit: one step gives the same, because the tool at a depth contains all of its straight path.
   const double step_mm = row.engine == "implicit" ? kDepthMm : kStepVoxels * voxel_mm;
   for (int window = 1; window <= kWindows; ++window) {
     const double begin = kDepthMm * window / kWindows - window_mm;
     while (depth < begin) {
-      if (watch.stop()) throw Interrupted();
+      if (control.stop()) throw Interrupted();
       depth = std::min(begin, depth + step_mm);
       const Substep frame = down_to(depth);
-      voxels += contender.run({&frame, 1}, true).removed;
+      voxels += program.run({&frame, 1}, true).removed;
     }
     std::vector<Substep> frames;
     for (int k = 1; k <= kWindowFrames; ++k) frames.push_back(down_to(begin + k * frame_mm));
-    const BatchSample sample = contender.run(frames, true);
+    const BatchSample sample = program.run(frames, true);
     ms.push_back(1e3 * sample.total_s / kWindowFrames);
     voxels += sample.removed;
     depth = begin + window_mm;
@@ -102,7 +102,7 @@ SphereRow plunge(Contender& contender, ErosionMode erosion, double voxel_mm, con
 }
 
 /// Engine and erosion.
-std::vector<std::pair<std::string, ErosionMode>> sphere_contenders(const Plan& plan) {
+std::vector<std::pair<std::string, ErosionMode>> sphere_programs(const Plan& plan) {
   std::vector<std::pair<std::string, ErosionMode>> out;
   for (const std::string& engine : plan.engines) {
     if (engine == "bricked") out.emplace_back("exact", ErosionMode::exact);
@@ -113,17 +113,17 @@ std::vector<std::pair<std::string, ErosionMode>> sphere_contenders(const Plan& p
 
 }  // namespace
 
-void measure_spheres(const Plan& plan, const Watch& watch, Findings& findings) {
+void measure_spheres(const Plan& plan, const BenchControl& control, Findings& findings) {
   for (const double voxel_mm : plan.sphere_voxels_mm) {
     const FilledVoxmap bone = block(voxel_mm);
     const Tool tool = cap(voxel_mm);
-    const Arena arena{&bone, &tool, bone.grid.bounds_mm(), shell_box(tool)};
-    for (const auto& [engine, erosion] : sphere_contenders(plan)) {
-      watch.progress("plunged sphere, " + engine + ", " + name_of(erosion));
+    const BenchSetup setup{&bone, &tool, bone.grid.bounds_mm(), shell_box(tool)};
+    for (const auto& [engine, erosion] : sphere_programs(plan)) {
+      control.progress("plunged sphere, " + engine + ", " + name_of(erosion));
       const Place place{{engine, "deterministic"}, bone.grid.dims.x(), tool.shell.resolution, "sphere"};
       try {
-        const auto contender = make_engine_contender(engine, plan.device, arena, erosion);
-        findings.spheres.push_back(plunge(*contender, erosion, voxel_mm, watch));
+        const auto program = make_engine_program(engine, plan.device, setup, erosion);
+        findings.spheres.push_back(plunge(*program, erosion, voxel_mm, control));
       } catch (const InputError& error) {
         findings.skipped.push_back({place, error.what()});
       } catch (const RunError& error) {

@@ -1,14 +1,14 @@
 #include "sim/bench/suite.h"
 
+#include <fmt/core.h>
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <map>
 #include <optional>
 
 #include "sim/base/error.h"
 #include "sim/base/stopwatch.h"
-#include "sim/bench/field.h"
+#include "sim/bench/measure.h"
 #include "sim/bench/paper.h"
 
 namespace reamsim::bench {
@@ -21,30 +21,29 @@ std::string size_text(const SizePair& size) {
   return "voxmap " + std::to_string(size.voxmap) + "³, shell " + std::to_string(size.shell) + "³";
 }
 
-/// Counts what the stored depths touch, and refuses to measure something else than is claimed.
-void verify_poses(const Plan& plan, const Arena& arena, Findings& findings) {
-  const auto points = static_cast<double>(arena.tool->shell.codes.size());
+/// Counts the points that touch at the stored depths. Throws RunError where they differ from the cases.
+void verify_poses(const Plan& plan, const BenchSetup& setup, Findings& findings) {
+  const auto points = static_cast<double>(setup.tool->shell.codes.size());
   for (const Contact contact : kContacts) {
     int pose = 0;
     for (const Substep& frame : substeps_of(contact)) {
-      PoseCount count{name_of(contact), pose++, count_touching(*arena.voxmap, *arena.tool, frame),
+      PoseCount count{name_of(contact), pose++, count_touching(*setup.voxmap, *setup.tool, frame),
                       wanted_points(contact, points)};
       findings.poses.push_back(count);
       const double off = std::abs(static_cast<double>(count.points) - count.wanted);
       if (!plan.verify_poses || off <= kPoseTolerance * count.wanted) continue;
-      throw RunError("pose " + std::to_string(count.pose) + " of the case " + count.contact + " touches " +
-                     std::to_string(count.points) + " points and should touch " +
-                     std::to_string(std::lround(count.wanted)) +
-                     " to within 5 %: the scene is not the one that its "
-                     "depths were found for");
+      throw RunError(fmt::format(
+          "pose {} of the case {} touches {} points and should touch {} to within 5 %: the scene is not the "
+          "one that its depths were found for",
+          count.pose, count.contact, count.points, std::lround(count.wanted)));
     }
   }
 }
 
-/// One run over the plan; keeps the current voxmap and the tools.
+/// Runs the plan with the current voxmap and the tools.
 class Bench {
  public:
-  Bench(const Plan& plan, const Watch& watch) : plan_(plan), watch_(watch) {}
+  Bench(const Plan& plan, const BenchControl& control) : plan_(plan), control_(control) {}
 
   Findings run() {
     const Stopwatch stopwatch;
@@ -54,11 +53,11 @@ class Bench {
     findings_.driver = device.platform_name + " " + device.driver;
     findings_.compute_units = device.compute_units;
     findings_.repetitions = plan_.repetitions;
-    watch_.progress("generating the bone");
+    control_.progress("generating the bone");
     series_.emplace(plan_.sampled);
     for (std::size_t i = 0; i < plan_.sizes.size(); ++i) measure(plan_.sizes[i], i + 1 == plan_.sizes.size());
     voxmap_ = {};
-    measure_spheres(plan_, watch_, findings_);
+    measure_spheres(plan_, control_, findings_);
     findings_.seconds = stopwatch.seconds();
     return std::move(findings_);
   }
@@ -74,33 +73,33 @@ class Bench {
   }
 
   void measure(const SizePair& size, bool last) {
-    if (watch_.stop()) throw Interrupted();
-    watch_.progress(size_text(size));
+    if (control_.stop()) throw Interrupted();
+    control_.progress(size_text(size));
     if (voxmap_.grid.dims.x() != size.voxmap) {
       voxmap_ = {};
       voxmap_ = series_->at(size.voxmap);
     }
     const Tool& reamer = tool(size.shell);
-    const Arena arena{&voxmap_, &reamer, series_->box(size.voxmap), shell_box(reamer)};
-    if (last) verify_poses(plan_, arena, findings_);
+    const BenchSetup setup{&voxmap_, &reamer, series_->box(size.voxmap), shell_box(reamer)};
+    if (last) verify_poses(plan_, setup, findings_);
     const bool whole = size.shell == plan_.sizes.back().shell;
-    const Field field = make_field(plan_, arena, size, whole, findings_.skipped);
-    measure_memory(field, findings_);
-    measure_case(plan_, field, Contact::severe, watch_, findings_);
-    if (whole && plan_.light) measure_case(plan_, field, Contact::light, watch_, findings_);
-    if (whole) measure_case(plan_, field, Contact::none, watch_, findings_);
-    if (plan_.details && whole) measure_scatter(plan_, field, watch_, findings_);
+    const ProgramSet set = make_programs(plan_, setup, size, whole, findings_.skipped);
+    measure_memory(set, findings_);
+    measure_case(plan_, set, Contact::severe, control_, findings_);
+    if (whole && plan_.light) measure_case(plan_, set, Contact::light, control_, findings_);
+    if (whole) measure_case(plan_, set, Contact::none, control_, findings_);
+    if (plan_.details && whole) measure_scatter(plan_, set, control_, findings_);
     if (!plan_.details || !last) return;
-    watch_.progress("VOI");
-    measure_voi(plan_, field, watch_, findings_);
-    watch_.progress("batches");
-    measure_batches(plan_, field, watch_, findings_);
-    watch_.progress("plunge");
-    measure_plunge(plan_, field, watch_, findings_);
+    control_.progress("VOI");
+    measure_voi(plan_, set, control_, findings_);
+    control_.progress("batches");
+    measure_batches(plan_, set, control_, findings_);
+    control_.progress("plunge");
+    measure_plunge(plan_, set, control_, findings_);
   }
 
   const Plan& plan_;
-  const Watch& watch_;
+  const BenchControl& control_;
   Findings findings_;
   std::optional<BoneSeries> series_;
   FilledVoxmap voxmap_;
@@ -143,8 +142,8 @@ void check_plan(const Plan& plan) {
   cl::choose_device(plan.device);
 }
 
-Findings run_bench(const Plan& plan, const Watch& watch) {
-  return Bench(plan, watch).run();
+Findings run_bench(const Plan& plan, const BenchControl& control) {
+  return Bench(plan, control).run();
 }
 
 std::string find_depths(int voxmap, int shell) {
@@ -153,13 +152,11 @@ std::string find_depths(int voxmap, int shell) {
   const auto points = static_cast<double>(tool.shell.codes.size());
   std::string out;
   for (const Approach& approach : kApproaches) {
-    char line[128];
     const auto depth = [&](Contact contact) {
       return find_depth(bone, tool, approach, wanted_points(contact, points));
     };
-    std::snprintf(line, sizeof line, "{%.4f, %.4f, %.4f}\n", depth(Contact::severe), depth(Contact::light),
-                  depth(Contact::none));
-    out += line;
+    out += fmt::format("{{{:.4f}, {:.4f}, {:.4f}}}\n", depth(Contact::severe), depth(Contact::light),
+                       depth(Contact::none));
   }
   return out;
 }

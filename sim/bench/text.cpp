@@ -1,13 +1,27 @@
+#include <fmt/core.h>
 #include <algorithm>
+#include <optional>
 #include <set>
 
+#include "sim/base/text.h"
 #include "sim/bench/findings.h"
 #include "sim/bench/paper.h"
-#include "sim/bench/text_table.h"
 
 namespace reamsim::bench {
 
 namespace {
+
+using Rows = std::vector<std::vector<std::string>>;
+
+/// The rows under a title, with the head underlined; "" where there is only the head.
+std::string table_text(const std::string& title, const Rows& rows) {
+  if (rows.size() < 2) return "";
+  std::vector<std::string> lines = align_columns(rows);
+  lines.insert(lines.begin() + 1, std::string(text_width(lines[0]), '-'));
+  std::string out = title + "\n";
+  for (const std::string& line : lines) out += "  " + line.substr(0, line.find_last_not_of(' ') + 1) + "\n";
+  return out + "\n";
+}
 
 std::string name(const Label& who) {
   return who.engine + (who.variant == "published" ? ", published" : "");
@@ -17,13 +31,21 @@ std::string cube(int side) {
   return std::to_string(side) + "³";
 }
 
-/// "measured (paper)" in the paper's unit.
-std::string beside(const std::string& measured, std::optional<double> paper, const char* pattern) {
-  return measured + " (" + (paper ? format(pattern, *paper) : "–") + ")";
+std::string number(std::optional<double> value, int decimals) {
+  return value ? fmt::format("{:.{}f}", *value, decimals) : "–";
 }
 
-std::string range(const Spread& ms) {
-  return format("%.3f", ms.min) + " – " + format("%.3f", ms.max);
+std::string percent(double fraction, int decimals) {
+  return fmt::format("{:.{}f} %", 100 * fraction, decimals);
+}
+
+/// "measured (paper)" in the paper's unit.
+std::string beside(std::optional<double> measured, std::optional<double> paper) {
+  return number(measured, 2) + " (" + number(paper, 2) + ")";
+}
+
+std::string range(const Spread& values, int decimals = 3) {
+  return number(values.min, decimals) + " – " + number(values.max, decimals);
 }
 
 /// The labels of the case rows, in their order.
@@ -46,55 +68,51 @@ std::vector<int> sizes_of(const Findings& findings, Member member) {
 /// Tables 1, 3 and 5: severe contact by voxmap (rows) and shell (columns).
 std::string severe_table(const Findings& findings, const Label& who) {
   const std::vector<int> shells = sizes_of(findings, &Place::shell);
-  TextTable table;
   std::vector<std::string> head{"voxmap \\ shell"};
   const bool no_shell = who.engine == "implicit";
   for (const int shell : shells) {
     if (!no_shell) head.push_back(cube(shell));
   }
   if (no_shell) head.push_back("no shell");
-  table.add(head);
+  Rows table{head};
   for (const int voxmap : sizes_of(findings, &Place::voxmap)) {
     std::vector<std::string> cells{cube(voxmap)};
     for (const int shell : shells) {
       if (no_shell && shell != shells.back()) continue;
       const CaseRow* row = findings.find(who, voxmap, shell, "severe");
-      cells.push_back(beside(row != nullptr ? format("%.2f", row->ms.median) : "–",
-                             paper_ms(who.engine.c_str(), voxmap, shell), "%.2f"));
+      const auto measured = row != nullptr ? std::optional(row->ms.median) : std::nullopt;
+      cells.push_back(beside(measured, paper_ms(who.engine, voxmap, shell)));
     }
-    table.add(cells);
+    table.push_back(cells);
   }
   const char* const source = who.engine == "octree" ? "Table 3" : no_shell ? "Table 5" : "Table 1";
-  return table.text(name(who) + ", severe contact, whole frame, ms (the paper's " + source + ")");
+  return table_text(name(who) + ", severe contact, whole frame, ms (the paper's " + source + ")", table);
 }
 
 std::string cases_table(const Findings& findings) {
-  TextTable table;
-  table.add({"engine", "voxmap", "shell", "case", "contacts", "median ms", "min – max", "kernel ms",
-             "published direct / this"});
+  Rows table{{"engine", "voxmap", "shell", "case", "contacts", "median ms", "min – max", "kernel ms",
+              "published direct / this"}};
   for (const CaseRow& row : findings.cases) {
-    table.add({name(row.at.who), cube(row.at.voxmap), cube(row.at.shell), row.at.contact,
-               row.contacts ? format("%.0f", *row.contacts) : "–", format("%.3f", row.ms.median), range(row.ms),
-               format("%.3f", row.kernel_ms), row.ratio_to_direct ? format("%.2f", *row.ratio_to_direct) : "–"});
+    table.push_back({name(row.at.who), cube(row.at.voxmap), cube(row.at.shell), row.at.contact, number(row.contacts, 0),
+                     number(row.ms.median, 3), range(row.ms), number(row.kernel_ms, 3),
+                     number(row.ratio_to_direct, 2)});
   }
-  return table.empty() ? ""
-                       : table.text("Every case: a frame alone, broad phase to results read; plunge in batches of 32");
+  return table_text("Every case: a frame alone, broad phase to results read; plunge in batches of 32", table);
 }
 
 std::string phases_table(const Findings& findings) {
   const PaperPhases paper;
-  TextTable table;
-  table.add({"both at the largest, severe, µs", "OBB–OBB", "VOI", "to device", "kernels", "rest, read-back", "total"});
-  table.add({"the paper", format("%.2f", paper.obb), format("%.2f", paper.voi), format("%.1f", paper.upload),
-             format("%.1f", paper.kernel), format("%.1f", paper.read), format("%.1f", paper.total)});
+  Rows table{{"both at the largest, severe, µs", "OBB–OBB", "VOI", "to device", "kernels", "rest, read-back", "total"}};
+  table.push_back({"the paper", number(paper.obb, 2), number(paper.voi, 2), number(paper.upload, 1),
+                   number(paper.kernel, 1), number(paper.read, 1), number(paper.total, 1)});
   if (findings.phases.empty()) return "";
   const Place& last = findings.phases.back().at;
   for (const PhaseRow& row : findings.phases) {
     if (row.at.voxmap != last.voxmap || row.at.shell != last.shell) continue;
-    table.add({name(row.at.who), format("%.2f", row.obb), format("%.2f", row.voi), format("%.1f", row.upload),
-               format("%.1f", row.kernel), format("%.1f", row.read), format("%.1f", row.total)});
+    table.push_back({name(row.at.who), number(row.obb, 2), number(row.voi, 2), number(row.upload, 1),
+                     number(row.kernel, 1), number(row.read, 1), number(row.total, 1)});
   }
-  return table.text("Phases (Table 2)");
+  return table_text("Phases (Table 2)", table);
 }
 
 std::optional<double> paper_mb(const double (&table)[5][2], int side, const std::string& engine) {
@@ -105,78 +123,65 @@ std::optional<double> paper_mb(const double (&table)[5][2], int side, const std:
 }
 
 std::string memory_table(const Findings& findings) {
-  TextTable table;
-  table.add({"engine", "voxmap", "MB", "shell", "MB"});
+  Rows table{{"engine", "voxmap", "MB", "shell", "MB"}};
   std::set<std::pair<std::string, int>> shown;
   for (const MemoryRow& row : findings.memory) {
     // The two structures do not depend on each other: each size once.
     const bool new_voxmap = shown.insert({row.engine, row.voxmap}).second;
     const bool new_shell = shown.insert({row.engine, -row.shell}).second;
     if (!new_voxmap && !new_shell) continue;
-    table.add({row.engine, new_voxmap ? cube(row.voxmap) : "",
-               new_voxmap
-                   ? beside(format("%.2f", row.voxmap_mb), paper_mb(kPaperVoxmapMb, row.voxmap, row.engine), "%.2f")
-                   : "",
-               new_shell ? cube(row.shell) : "",
-               new_shell ? beside(format("%.2f", row.shell_mb), paper_mb(kPaperShellMb, row.shell, row.engine), "%.2f")
-                         : ""});
+    table.push_back({row.engine, new_voxmap ? cube(row.voxmap) : "",
+                     new_voxmap ? beside(row.voxmap_mb, paper_mb(kPaperVoxmapMb, row.voxmap, row.engine)) : "",
+                     new_shell ? cube(row.shell) : "",
+                     new_shell ? beside(row.shell_mb, paper_mb(kPaperShellMb, row.shell, row.engine)) : ""});
   }
-  return table.empty() ? "" : table.text("Memory on the device, MB = 10⁶ bytes (Table 4)");
+  return table_text("Memory on the device, MB = 10⁶ bytes (Table 4)", table);
 }
 
 std::string voi_table(const Findings& findings) {
-  TextTable table;
-  table.add({"VOI / tool's box", "engine", "contacts", "with VOI ms", "without ms", "saved"});
+  Rows table{{"VOI / tool's box", "engine", "contacts", "with VOI ms", "without ms", "saved"}};
   for (const VoiRow& row : findings.voi) {
-    table.add({format("%.0f %%", 100 * row.fraction), name(row.who), format("%.0f", row.contacts),
-               format("%.3f", row.with_ms.median), format("%.3f", row.without_ms.median),
-               format("%.0f %%", 100 * (1 - row.with_ms.median / row.without_ms.median))});
+    table.push_back({percent(row.fraction, 0), name(row.who), number(row.contacts, 0), number(row.with_ms.median, 3),
+                     number(row.without_ms.median, 3), percent(1 - row.with_ms.median / row.without_ms.median, 0)});
   }
-  return table.empty() ? "" : table.text("VOI (Fig. 8; the paper saves almost 50 % in glenoid reaming)");
+  return table_text("VOI (Fig. 8; the paper saves almost 50 % in glenoid reaming)", table);
 }
 
 std::string batches_table(const Findings& findings) {
-  TextTable table;
-  table.add({"engine", "case", "frames at once", "ms per frame", "min – max"});
+  Rows table{{"engine", "case", "frames at once", "ms per frame", "min – max"}};
   for (const BatchRow& row : findings.batches) {
-    table.add(
-        {name(row.at.who), row.at.contact, std::to_string(row.batch), format("%.3f", row.ms.median), range(row.ms)});
+    table.push_back(
+        {name(row.at.who), row.at.contact, std::to_string(row.batch), number(row.ms.median, 3), range(row.ms)});
   }
-  return table.empty() ? "" : table.text("Frames enqueued together");
+  return table_text("Frames enqueued together", table);
 }
 
 std::string scatter_table(const Findings& findings) {
-  TextTable table;
-  table.add(
-      {"engine", "voxmap", "points", "in voxels", "counted", "min – max", "contacts ±", "force ±", "component ±"});
+  Rows table{
+      {"engine", "voxmap", "points", "in voxels", "counted", "min – max", "contacts ±", "force ±", "component ±"}};
   for (const ScatterRow& row : findings.scatter) {
-    table.add({name(row.at.who), cube(row.at.voxmap), format("%.0f", row.points),
-               row.voxels ? format("%.0f", *row.voxels) : "–", format("%.0f", row.contacts.median),
-               format("%.0f", row.contacts.min) + " – " + format("%.0f", row.contacts.max),
-               format("%.3f %%", 100 * row.contacts_spread), format("%.3f %%", 100 * row.force_spread),
-               format("%.3f %%", 100 * row.component_spread)});
+    table.push_back({name(row.at.who), cube(row.at.voxmap), number(row.points, 0), number(row.voxels, 0),
+                     number(row.contacts.median, 0), range(row.contacts, 0), percent(row.contacts_spread, 3),
+                     percent(row.force_spread, 3), percent(row.component_spread, 3)});
   }
-  return table.empty() ? "" : table.text("Effect of races: one severe frame repeated (± standard deviation)");
+  return table_text("Effect of races: one severe frame repeated (± standard deviation)", table);
 }
 
 std::string spheres_table(const Findings& findings) {
-  TextTable table;
-  table.add({"engine", "erosion", "voxel mm", "ms per frame", "min – max", "removed mm³", "volume error"});
+  Rows table{{"engine", "erosion", "voxel mm", "ms per frame", "min – max", "removed mm³", "volume error"}};
   for (const SphereRow& row : findings.spheres) {
-    table.add({row.engine, name_of(row.erosion), format("%g", row.voxel_mm), format("%.4f", row.ms.median),
-               range(row.ms), format("%.1f", row.removed_mm3), format("%+.3f %%", 100 * row.volume_error)});
+    table.push_back({row.engine, name_of(row.erosion), fmt::format("{:g}", row.voxel_mm), number(row.ms.median, 4),
+                     range(row.ms), number(row.removed_mm3, 1), fmt::format("{:+.3f} %", 100 * row.volume_error)});
   }
-  return table.empty()
-             ? ""
-             : table.text("A sphere of 29 mm radius plunged 4 mm at 0.2 mm/s and 1 kHz, frames in batches of 32");
+  return table_text("A sphere of 29 mm radius plunged 4 mm at 0.2 mm/s and 1 kHz, frames in batches of 32", table);
 }
 
 std::string head(const Findings& findings) {
-  std::string out = "reamsim " REAMSIM_VERSION " bench on " + findings.device + " (" + findings.driver + ", " +
-                    std::to_string(findings.compute_units) +
-                    " compute units); in brackets: the paper's figure on a GTX 970\n" + "medians of " +
-                    std::to_string(findings.repetitions) +
-                    " repetitions of each of 4 poses, after a warm-up, engines alternating\nshells:";
+  std::string out = fmt::format(
+      "reamsim " REAMSIM_VERSION
+      " bench on {} ({}, {} compute units); in brackets: the paper's figure on a GTX 970\nmedians of {} repetitions of "
+      "each of 4 poses, after a warm-up, engines alternating\nshells:",
+      findings.device, findings.driver, findings.compute_units, findings.repetitions);
   for (const auto& [shell, points] : findings.shell_points) {
     out += " " + cube(shell) + " " + std::to_string(points) + " points;";
   }
@@ -192,8 +197,8 @@ std::string skipped_list(const Findings& findings) {
   if (findings.skipped.empty()) return "";
   std::string out = "Not measured\n";
   for (const Skipped& row : findings.skipped) {
-    out += "  " + name(row.at.who) + ", voxmap " + cube(row.at.voxmap) + ", shell " + cube(row.at.shell) + ", " +
-           row.at.contact + ": " + row.reason + "\n";
+    out += fmt::format("  {}, voxmap {}³, shell {}³, {}: {}\n", name(row.at.who), row.at.voxmap, row.at.shell,
+                       row.at.contact, row.reason);
   }
   return out + "\n";
 }
@@ -205,7 +210,7 @@ std::string text_of(const Findings& findings) {
   for (const Label& who : labels_of(findings)) out += severe_table(findings, who);
   out += phases_table(findings) + memory_table(findings) + voi_table(findings) + batches_table(findings) +
          scatter_table(findings) + spheres_table(findings) + cases_table(findings) + skipped_list(findings);
-  return out + format("took %.0f s\n", findings.seconds);
+  return out + fmt::format("took {:.0f} s\n", findings.seconds);
 }
 
 }  // namespace reamsim::bench

@@ -1,8 +1,8 @@
 #include "sim/bone/frame_check.h"
 
+#include <fmt/core.h>
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 #include <numbers>
 #include <utility>
@@ -52,14 +52,8 @@ std::vector<std::pair<double, Vec3i>> bricks_by_distance(const Voxmap& voxmap, c
   return out;
 }
 
-std::string words(const char* format, auto... values) {
-  char text[300];
-  std::snprintf(text, sizeof text, format, values...);
-  return text;
-}
-
-std::string vector_words(const Vec3& v, const char* format) {
-  return words(format, v.x(), v.y(), v.z());
+std::string point_text(const Vec3& p) {
+  return fmt::format("({:.1f}, {:.1f}, {:.1f})", p.x(), p.y(), p.z());
 }
 
 /// The keys of a frame, for messages.
@@ -80,28 +74,29 @@ FrameKeys keys_of(const BoneSettings& settings) {
 void check_center(const NearestSurface& nearest, const Vec3& center_mm, const FrameKeys& keys) {
   if (nearest.distance_mm <= kFarthestCenter_mm) return;
   throw InputError({}, keys.center,
-                   "found " + vector_words(center_mm, "(%.1f, %.1f, %.1f)") + words(", %.1f mm ", nearest.distance_mm) +
-                       (nearest.inside ? "inside" : "outside") + " the surface of the bone",
-                   words("expected the centre of the glenoid face, within %g mm of the bone; the nearest point of the "
-                         "surface is ",
-                         kFarthestCenter_mm) +
-                       vector_words(nearest.point_mm, "(%.1f, %.1f, %.1f)"));
+                   fmt::format("found {}, {:.1f} mm {} the surface of the bone", point_text(center_mm),
+                               nearest.distance_mm, nearest.inside ? "inside" : "outside"),
+                   fmt::format("expected the centre of the glenoid face, within {:g} mm of the bone; the nearest point "
+                               "of the surface is {}",
+                               kFarthestCenter_mm, point_text(nearest.point_mm)));
 }
 
 void check_normal(const NearbyBone& bone, const Vec3& normal, const FrameKeys& keys, Report& report) {
   const double angle_deg = std::acos(std::clamp(normal.dot(bone.outward), -1.0, 1.0)) * 180 / std::numbers::pi;
   if (bone.outward == Vec3::Zero() || angle_deg <= kOblique_deg) return;
-  const std::string found =
-      words("%.0f mm3 of bone within %.1f mm of the glenoid centre lie ahead of the normal and %.0f mm3 behind it",
-            bone.ahead_mm3, bone.radius_mm, bone.behind_mm3);
+  const std::string found = fmt::format(
+      "{:.0f} mm3 of bone within {:.1f} mm of the glenoid centre lie ahead of the normal and {:.0f} mm3 behind it",
+      bone.ahead_mm3, bone.radius_mm, bone.behind_mm3);
   if (bone.ahead_mm3 > kInward * bone.behind_mm3) {
     const bool landmarks = keys.normal.ends_with("trigonum_spinae_mm");
     throw InputError({}, keys.normal, "the glenoid's normal points into the bone: " + found,
                      landmarks ? "place the trigonum spinae medial to the glenoid centre"
-                               : "give the direction out of the bone: " + vector_words(-normal, "[%.3f, %.3f, %.3f]"));
+                               : fmt::format("give the direction out of the bone: [{:.3f}, {:.3f}, {:.3f}]",
+                                             -normal.x(), -normal.y(), -normal.z()));
   }
-  report.warn("the glenoid's normal is about " + words("%.0f", angle_deg) +
-              " degrees away from the direction out of the bone (" + keys.normal + "): " + found);
+  report.warn(
+      fmt::format("the glenoid's normal is about {:.0f} degrees away from the direction out of the bone ({}): {}",
+                  angle_deg, keys.normal, found));
 }
 
 /// False for a mesh, a phantom and a VDB of another program, which have their own axes.
@@ -117,11 +112,11 @@ void check_anatomy(const Bone& bone, const FrameKeys& keys, Report& report) {
       (bone.side == BodySide::left && left < -kMinComponent) || (bone.side == BodySide::right && left > kMinComponent);
   if (contradicts) {
     report.warn("bone.side is " + name_of(bone.side) + ", but the glenoid's normal points to the patient's " +
-                (left > 0 ? "left" : "right") + words(" (x = %.2f in LPS)", left) + ", as on a " +
+                (left > 0 ? "left" : "right") + fmt::format(" (x = {:.2f} in LPS)", left) + ", as on a " +
                 (left > 0 ? "left" : "right") + " shoulder; check bone.side and " + keys.normal + specimen);
   }
   if (up < -kMinComponent) {
-    report.warn("the glenoid's superior direction points down" + words(" (z = %.2f in LPS)", up) + "; check " +
+    report.warn("the glenoid's superior direction points down" + fmt::format(" (z = {:.2f} in LPS)", up) + "; check " +
                 keys.superior + specimen);
   }
 }

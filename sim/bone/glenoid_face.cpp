@@ -1,8 +1,8 @@
 #include "sim/bone/glenoid_face.h"
 
+#include <fmt/core.h>
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 #include <numbers>
 
@@ -17,12 +17,8 @@ double radians(double degrees) {
   return degrees * std::numbers::pi / 180;
 }
 
-[[noreturn]] void fail(const char* key, const char* unit, double value, const char* pattern, double limit) {
-  char found[48];
-  char expected[120];
-  std::snprintf(found, sizeof found, "%.4g %s", value, unit);
-  std::snprintf(expected, sizeof expected, pattern, limit);
-  throw InputError({}, std::string("bone.phantom.") + key, found, expected);
+[[noreturn]] void fail_face(const char* key, double value_mm, const std::string& expected) {
+  throw InputError({}, std::string("bone.phantom.") + key, fmt::format("{:.4g} mm", value_mm), expected);
 }
 
 /// Height of a concave sphere above its lowest point, at a distance from its axis.
@@ -57,8 +53,8 @@ GlenoidFace::GlenoidFace(const PhantomSettings& settings)
 /// The humeral head moves along the Friedman axis, with its centre on a parallel to the axis of the native face.
 void GlenoidFace::wear_concentrically(const PhantomSettings& settings) {
   if (settings.medialization_mm > settings.vault_depth_mm / 2) {
-    fail("medialization_mm", "mm", settings.medialization_mm, "expected at most half of vault_depth_mm: %.4g mm",
-         settings.vault_depth_mm / 2);
+    fail_face("medialization_mm", settings.medialization_mm,
+              fmt::format("expected at most half of vault_depth_mm: {:.4g} mm", settings.vault_depth_mm / 2));
   }
   balls_.push_back(
       {settings.wear_radius_mm * normal_ - settings.medialization_mm * Vec3::UnitX(), settings.wear_radius_mm});
@@ -86,12 +82,12 @@ void GlenoidFace::wear_one_side(const PhantomSettings& settings) {
   const double kept_rim_mm = outline_mm(std::sin(direction), std::cos(direction));
   if (ridge_at_mm <= -0.9 * kept_rim_mm || ridge_at_mm >= 0.9 * worn_rim_mm) {
     const double limit_mm = ridge_at_mm < 0 ? -0.9 * kept_rim_mm : 0.9 * worn_rim_mm;
-    fail("wear_ridge_mm", "mm", ridge_at_mm, "expected a ridge on the face, short of %.4g mm", limit_mm);
+    fail_face("wear_ridge_mm", ridge_at_mm, fmt::format("expected a ridge on the face, short of {:.4g} mm", limit_mm));
   }
   const double chord_mm = (worn_rim_mm - ridge_at_mm) / std::cos(tilt);
   if (settings.wear_radius_mm < 0.6 * chord_mm) {
-    fail("wear_radius_mm", "mm", settings.wear_radius_mm, "expected at least 0.6 of the neoglenoid's length: %.4g mm",
-         0.6 * chord_mm);
+    fail_face("wear_radius_mm", settings.wear_radius_mm,
+              fmt::format("expected at least 0.6 of the neoglenoid's length: {:.4g} mm", 0.6 * chord_mm));
   }
   biconcave_ = true;
   biconcavity_.wear = wear;

@@ -1,4 +1,4 @@
-#include <cstdio>
+#include <fmt/core.h>
 #include <numbers>
 #include <utility>
 
@@ -49,10 +49,9 @@ void require_surface_near(const Voxmap& voxmap, const std::vector<Vec3>& rim_mm)
   for (std::size_t i = 0; i < rim_mm.size(); ++i) {
     const Vec3& p = rim_mm[i];
     if (has_surface_near(voxmap, p, kWithin_mm)) continue;
-    char found[160];
-    std::snprintf(found, sizeof found,
-                  "point %zu, (%.6g, %.6g, %.6g), lies more than %g mm from the surface of the bone", i + 1, p.x(),
-                  p.y(), p.z(), kWithin_mm);
+    const std::string found =
+        fmt::format("point {}, ({:.6g}, {:.6g}, {:.6g}), lies more than {:g} mm from the surface of the bone", i + 1,
+                    p.x(), p.y(), p.z(), kWithin_mm);
     throw InputError({}, "bone.glenoid.rim_mm", found, "give points on the rim of the face, in the bone frame");
   }
 }
@@ -61,9 +60,8 @@ void drill(Bone& bone, const PilotHoleSettings& hole, bool partial, Report& repo
   FilledVoxmap voxels = bone.take_voxels();
   const double drilled_mm3 = drill_pilot_hole(voxels, hole, bone.glenoid, partial);
   bone.set_voxels(std::move(voxels));
-  char text[120];
-  std::snprintf(text, sizeof text, "pilot hole: diameter %.4g mm, %.1f mm^3 of bone removed", hole.diameter_mm,
-                drilled_mm3);
+  const std::string text =
+      fmt::format("pilot hole: diameter {:.4g} mm, {:.1f} mm^3 of bone removed", hole.diameter_mm, drilled_mm3);
   if (drilled_mm3 > 0) {
     report.note(text);
   } else {
@@ -73,7 +71,6 @@ void drill(Bone& bone, const PilotHoleSettings& hole, bool partial, Report& repo
 
 /// Notes where the scenario, which has priority, contradicts the VDB.
 void note_contradictions(const BoneSettings& settings, const StoredAnatomy& stored, Report& report) {
-  char text[200];
   if (settings.side != BodySide::unknown && stored.side != BodySide::unknown && settings.side != stored.side) {
     report.note("bone.side is " + name_of(settings.side) + ", the VDB says " + name_of(stored.side) +
                 "; using that of the scenario");
@@ -86,11 +83,10 @@ void note_contradictions(const BoneSettings& settings, const StoredAnatomy& stor
   const double angle_deg = Eigen::AngleAxisd(apart.linear()).angle() * 180 / std::numbers::pi;
   const double shift_mm = apart.translation().norm();
   if (shift_mm < 0.01 && angle_deg < 0.01) return;
-  std::snprintf(
-      text, sizeof text,
-      "bone.glenoid differs from the glenoid frame of the VDB by %.2f mm and %.2f degrees; using that of the scenario",
-      shift_mm, angle_deg);
-  report.note(text);
+  report.note(
+      fmt::format("bone.glenoid differs from the glenoid frame of the VDB by {:.2f} mm and {:.2f} degrees; using that "
+                  "of the scenario",
+                  shift_mm, angle_deg));
 }
 
 /// With landmarks the normal is the Friedman axis.
@@ -128,10 +124,7 @@ Bone bone_from_vdb(const BoneSettings& settings, Report& report) {
     report.note("glenoid frame from the VDB");
   }
   if (bone.voxmap->grid.voxel_mm != settings.voxel_mm) {
-    char text[120];
-    std::snprintf(text, sizeof text, "voxels of %.6g mm from the VDB; bone.voxel_mm is ignored",
-                  bone.voxmap->grid.voxel_mm);
-    report.note(text);
+    report.note(fmt::format("voxels of {:.6g} mm from the VDB; bone.voxel_mm is ignored", bone.voxmap->grid.voxel_mm));
   }
   return bone;
 }
@@ -148,11 +141,9 @@ Bone load_bone(const BoneSettings& settings, Report& report) {
   set_scapula(bone);
   if (settings.pilot_hole) drill(bone, *settings.pilot_hole, settings.surface_voxels == SurfaceVoxels::partial, report);
   const VoxelGrid& grid = bone.voxmap->grid;
-  char text[200];
-  std::snprintf(text, sizeof text, "bone: %d x %d x %d voxels of %.4g mm, %lld contain bone, %.0f mm^3, frame %s",
-                grid.dims.x(), grid.dims.y(), grid.dims.z(), grid.voxel_mm,
-                static_cast<long long>(bone.view().count_bone()), bone.view().bone_mm3(), bone.voxmap->frame.c_str());
-  report.note(text);
+  report.note(fmt::format("bone: {} x {} x {} voxels of {:.4g} mm, {} contain bone, {:.0f} mm^3, frame {}",
+                          grid.dims.x(), grid.dims.y(), grid.dims.z(), grid.voxel_mm, bone.view().count_bone(),
+                          bone.view().bone_mm3(), bone.voxmap->frame));
   return bone;
 }
 

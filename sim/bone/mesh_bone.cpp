@@ -1,6 +1,6 @@
+#include <fmt/core.h>
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 
 #include "sim/base/error.h"
@@ -21,12 +21,6 @@ namespace {
 
 /// Largest relative deviation of the voxelized volume from that of the mesh.
 constexpr double kMaxVolumeError = 0.1;
-
-std::string format(const char* pattern, double a, double b = 0, double c = 0) {
-  char text[200];
-  std::snprintf(text, sizeof text, pattern, a, b, c);
-  return text;
-}
 
 /// Signed distance in voxels, negative inside, exact down to `inner_voxels` below the surface.
 openvdb::FloatGrid::Ptr signed_distance(const std::string& path, const TriangleMesh& mesh, const VoxelGrid& grid,
@@ -163,9 +157,10 @@ double bone_fraction(const TriangleMesh& mesh, double voxel_mm) {
 /// Compares the volume of the voxels with that of the mesh, to detect leaks and filled cavities.
 void check_volume(const MeshBoneSettings& settings, double voxels_mm3, double mesh_mm3, Report& report) {
   const double error = std::abs(voxels_mm3 - mesh_mm3) / mesh_mm3;
-  report.note(format("bone volume: %.0f mm^3 in voxels, %.0f mm^3 in the mesh", voxels_mm3, mesh_mm3));
+  report.note(fmt::format("bone volume: {:.0f} mm^3 in voxels, {:.0f} mm^3 in the mesh", voxels_mm3, mesh_mm3));
   if (error <= kMaxVolumeError) return;
-  const std::string found = format("the bone has %.0f mm^3 in voxels but %.0f mm^3 in the mesh", voxels_mm3, mesh_mm3);
+  const std::string found =
+      fmt::format("the bone has {:.0f} mm^3 in voxels but {:.0f} mm^3 in the mesh", voxels_mm3, mesh_mm3);
   if (settings.repair) {
     throw InputError(
         {settings.path, 0, 0}, "", "the repair failed: " + found,

@@ -1,9 +1,9 @@
 #include "sim/bone/mesh_unit.h"
 
+#include <fmt/core.h>
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <vector>
 
 #include "sim/base/error.h"
@@ -34,13 +34,6 @@ struct LengthUnit {
 constexpr std::array kUnits{LengthUnit{"metres", 1000}, LengthUnit{"centimetres", 10}, LengthUnit{"inches", 25.4},
                             LengthUnit{"micrometres", 0.001}};
 
-template <typename... Values>
-std::string print(const char* pattern, Values... values) {
-  char text[200];
-  std::snprintf(text, sizeof text, pattern, values...);
-  return text;
-}
-
 /// The units for which the length lies in the range, sorted by the similarity to a scapula.
 std::vector<LengthUnit> units_that_fit(double file_length, const LengthRange& range) {
   std::vector<LengthUnit> out;
@@ -56,9 +49,10 @@ std::string scale_advice(double file_length) {
   std::vector<std::string> scales;
   const std::vector<LengthUnit> units = units_that_fit(file_length, kBoneWithGlenoid);
   for (const LengthUnit& unit : units) {
-    scales.push_back(print("%g if the file is in %s (%.0f mm)", unit.mm, unit.name, unit.mm * file_length));
+    scales.push_back(fmt::format("{:g} if the file is in {} ({:.0f} mm)", unit.mm, unit.name, unit.mm * file_length));
   }
-  const std::string estimate = print("about %.2g for a scapula of %.0f mm", kScapula_mm / file_length, kScapula_mm);
+  const std::string estimate =
+      fmt::format("about {:.2g} for a scapula of {:.0f} mm", kScapula_mm / file_length, kScapula_mm);
   const bool unit_is_likely = !units.empty() && kScapulas.contains(units.front().mm * file_length);
   scales.insert(unit_is_likely ? scales.end() : scales.begin(), estimate);
   std::string out = "set bone.mesh.scale: ";
@@ -73,12 +67,12 @@ std::string scale_advice(double file_length) {
 void check_mesh_unit(const std::string& path, const Aabb& bounds_mm, double scale, bool has_glenoid, Report& report) {
   const double length_mm = (bounds_mm.max - bounds_mm.min).maxCoeff();
   if ((has_glenoid ? kBoneWithGlenoid : kAnySolid).contains(length_mm)) return;
-  const std::string found = print("the mesh is %.3g mm long", length_mm);
+  const std::string found = fmt::format("the mesh is {:.3g} mm long", length_mm);
   const std::string advice = scale_advice(length_mm / scale);
   if (!has_glenoid) return report.warn(path + ": " + found + "; if that is wrong, " + advice);
   throw InputError({path, 0, 0}, "bone.mesh.scale",
-                   found + print(", expected %.0f to %.0f mm for a bone with a glenoid frame",
-                                 kBoneWithGlenoid.least_mm, kBoneWithGlenoid.most_mm),
+                   found + fmt::format(", expected {:.0f} to {:.0f} mm for a bone with a glenoid frame",
+                                       kBoneWithGlenoid.least_mm, kBoneWithGlenoid.most_mm),
                    advice);
 }
 

@@ -1,7 +1,7 @@
 #include "sim/bone/phantom.h"
 
+#include <fmt/core.h>
 #include <cmath>
-#include <cstdio>
 #include <numbers>
 
 #include "sim/base/error.h"
@@ -18,9 +18,7 @@ namespace {
 }
 
 std::string millimetres(double value_mm) {
-  char text[48];
-  std::snprintf(text, sizeof text, "%.4g mm", value_mm);
-  return text;
+  return fmt::format("{:.4g} mm", value_mm);
 }
 
 /// The block, its top face at z = 0, centred on the z axis.

@@ -1,7 +1,7 @@
 #include "sim/bone/phantom.h"
 
+#include <fmt/core.h>
 #include <cmath>
-#include <cstdio>
 #include <numbers>
 
 #include "sim/base/error.h"
@@ -127,26 +127,23 @@ class GlenoidDensity {
   std::uint32_t seed_;
 };
 
-[[noreturn]] void fail(const std::string& key, double value_mm, const char* pattern, double limit_mm) {
-  char found[48];
-  char expected[120];
-  std::snprintf(found, sizeof found, "%.4g mm", value_mm);
-  std::snprintf(expected, sizeof expected, pattern, limit_mm);
-  throw InputError({}, "bone.phantom." + key, found, expected);
+[[noreturn]] void fail(const std::string& key, double value_mm, const std::string& expected) {
+  throw InputError({}, "bone.phantom." + key, fmt::format("{:.4g} mm", value_mm), expected);
 }
 
 void check(const BoneSettings& settings) {
   const PhantomSettings& phantom = settings.phantom;
   if (settings.side == BodySide::unknown) throw InputError({}, "bone.side", "missing", "a glenoid needs left or right");
   if (phantom.width_mm >= phantom.height_mm) {
-    fail("width_mm", phantom.width_mm, "expected less than the height of %.4g mm", phantom.height_mm);
+    fail("width_mm", phantom.width_mm, fmt::format("expected less than the height of {:.4g} mm", phantom.height_mm));
   }
   if (phantom.width_mm < 0.4 * phantom.height_mm) {
-    fail("width_mm", phantom.width_mm, "expected at least 0.4 of the height: %.4g mm", 0.4 * phantom.height_mm);
+    fail("width_mm", phantom.width_mm,
+         fmt::format("expected at least 0.4 of the height: {:.4g} mm", 0.4 * phantom.height_mm));
   }
   if (phantom.face_radius_mm < 0.55 * phantom.height_mm) {
-    fail("face_radius_mm", phantom.face_radius_mm, "expected at least 0.55 of the height: %.4g mm",
-         0.55 * phantom.height_mm);
+    fail("face_radius_mm", phantom.face_radius_mm,
+         fmt::format("expected at least 0.55 of the height: {:.4g} mm", 0.55 * phantom.height_mm));
   }
 }
 
@@ -183,10 +180,8 @@ LandmarkSettings landmarks_of(const GlenoidFace& face, const Sides& sides, const
 
 void note_part(Report& report, const char* part, double radius_mm, const Vec3& normal) {
   constexpr double kDegrees = 180 / std::numbers::pi;
-  char text[160];
-  std::snprintf(text, sizeof text, "%s: radius %.4g mm, retroversion %.2f degrees, superior inclination %.2f degrees",
-                part, radius_mm, kDegrees * version_of(normal), kDegrees * inclination_of(normal));
-  report.note(text);
+  report.note(fmt::format("{}: radius {:.4g} mm, retroversion {:.2f} degrees, superior inclination {:.2f} degrees",
+                          part, radius_mm, kDegrees * version_of(normal), kDegrees * inclination_of(normal)));
 }
 
 void describe(const GlenoidFace& face, const PhantomSettings& phantom, Report& report) {
@@ -195,10 +190,8 @@ void describe(const GlenoidFace& face, const PhantomSettings& phantom, Report& r
   if (both == nullptr) return note_part(report, "face", face.balls().back().radius_mm, face.normal());
   note_part(report, "paleoglenoid", face.balls()[0].radius_mm, face.native_normal());
   note_part(report, "neoglenoid", face.balls()[1].radius_mm, both->neo_normal);
-  char text[160];
-  std::snprintf(text, sizeof text, "rim to rim: retroversion %.2f degrees, biconcavity %.2f degrees",
-                180 / std::numbers::pi * version_of(face.normal()), 180 / std::numbers::pi * both->angle);
-  report.note(text);
+  report.note(fmt::format("rim to rim: retroversion {:.2f} degrees, biconcavity {:.2f} degrees",
+                          180 / std::numbers::pi * version_of(face.normal()), 180 / std::numbers::pi * both->angle));
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include <sstream>
 
 #include "sim/base/error.h"
+#include "sim/base/text.h"
 
 namespace reamsim::cl {
 
@@ -82,17 +83,16 @@ void Device::finish() const {
 }
 
 Memory allocate_memory(const Device& device, std::size_t bytes, const char* what) {
-  const auto mb = [](std::size_t n) { return std::to_string((n + 999'999) / 1'000'000) + " MB"; };
   const DeviceInfo& info = device.info();
   if (bytes > info.max_allocation_bytes) {
-    throw RunError(std::string(what) + " needs " + mb(bytes) + " in one allocation, but " + info.name +
-                   " supports at most " + mb(info.max_allocation_bytes) +
+    throw RunError(std::string(what) + " needs " + megabytes(bytes) + " in one allocation, but " + info.name +
+                   " supports at most " + megabytes(info.max_allocation_bytes) +
                    "; use a larger bone.voxel_mm or a smaller crop");
   }
   cl_int status = CL_SUCCESS;
   Memory memory(clCreateBuffer(device.context(), CL_MEM_READ_WRITE, bytes == 0 ? 1 : bytes, nullptr, &status));
   if (status != CL_SUCCESS) {
-    throw RunError(std::string(what) + ": " + info.name + " has not enough memory for " + mb(bytes) + " (" +
+    throw RunError(std::string(what) + ": " + info.name + " has not enough memory for " + megabytes(bytes) + " (" +
                    error_name(status) + ")");
   }
   return memory;

@@ -1,7 +1,7 @@
 #include "sim/mesh/mesh_check.h"
 
+#include <fmt/core.h>
 #include <algorithm>
-#include <cstdio>
 #include <numeric>
 
 namespace reamsim {
@@ -88,9 +88,7 @@ struct FirstEdge {
 
 std::string at_text(const std::optional<Vec3>& point) {
   if (!point) return "";
-  char text[96];
-  std::snprintf(text, sizeof text, " (the first at %.2f, %.2f, %.2f mm)", point->x(), point->y(), point->z());
-  return text;
+  return fmt::format(" (the first at {:.2f}, {:.2f}, {:.2f} mm)", point->x(), point->y(), point->z());
 }
 
 std::string count_text(std::size_t count, const char* one, const char* many) {

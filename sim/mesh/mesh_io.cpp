@@ -17,6 +17,7 @@
 #include <unordered_map>
 
 #include "sim/base/error.h"
+#include "sim/base/file.h"
 
 namespace reamsim {
 
@@ -63,17 +64,9 @@ std::uintmax_t checked_size(const std::string& path) {
   return size;
 }
 
-std::string read_start(const std::string& path, std::size_t bytes) {
-  std::ifstream in(path, std::ios::binary);
-  std::string out(bytes, '\0');
-  in.read(out.data(), static_cast<std::streamsize>(bytes));
-  out.resize(static_cast<std::size_t>(std::max<std::streamsize>(in.gcount(), 0)));
-  return out;
-}
-
 /// Detects VTK's legacy and XML formats by the content of the file.
 void check_is_not_vtk(const std::string& path) {
-  const std::string start = read_start(path, 256);
+  const std::string start = read_file_start(path, 256);
   if (start.starts_with("# vtk DataFile") || start.find("<VTKFile") != std::string::npos) refuse_vtk(path);
 }
 
@@ -86,7 +79,7 @@ bool stl_is_binary(const std::string& start) {
 
 /// Checks the number of triangles in the header of a binary STL, which assimp trusts.
 void check_stl(const std::string& path, std::uintmax_t size) {
-  const std::string start = read_start(path, 1024);
+  const std::string start = read_file_start(path, 1024);
   if (!stl_is_binary(start)) return;
   if (size < kStlHeaderBytes)
     fail(path, "a truncated STL of " + std::to_string(size) + " bytes", "expected 84 or more");
@@ -104,7 +97,7 @@ void check_stl(const std::string& path, std::uintmax_t size) {
 
 /// Checks the counts in a PLY header, for which assimp reserves memory.
 void check_ply(const std::string& path, std::uintmax_t size) {
-  std::istringstream header(read_start(path, 64 * 1024));
+  std::istringstream header(read_file_start(path, 64 * 1024));
   std::string line;
   bool ended = false;
   std::getline(header, line);
@@ -230,10 +223,7 @@ void write_stl(const std::string& path, const TriangleMesh& mesh) {
     for (const Vec3& corner : corners) append_point(bytes, corner);
     bytes.append(2, '\0');
   }
-  std::ofstream out(path, std::ios::binary | std::ios::trunc);
-  out.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-  out.close();
-  if (!out) throw RunError(path + ": cannot be written (folder missing, not writable, or disk full)");
+  write_file(path, bytes);
 }
 
 }  // namespace reamsim

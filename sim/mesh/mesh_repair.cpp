@@ -1,7 +1,7 @@
 #include "sim/mesh/mesh_repair.h"
 
+#include <fmt/core.h>
 #include <algorithm>
-#include <cstdio>
 #include <map>
 #include <set>
 
@@ -82,11 +82,8 @@ RepairResult repair(TriangleMesh& mesh) {
 }
 
 std::string RepairResult::text() const {
-  char text[200];
-  std::snprintf(text, sizeof text,
-                "%zu degenerate triangles removed, %zu holes closed with %zu triangles (largest hole: %.2f mm)",
-                dropped_triangles, closed_holes, added_triangles, widest_hole_mm);
-  return text;
+  return fmt::format("{} degenerate triangles removed, {} holes closed with {} triangles (largest hole: {:.2f} mm)",
+                     dropped_triangles, closed_holes, added_triangles, widest_hole_mm);
 }
 
 }  // namespace reamsim

@@ -1,8 +1,8 @@
 #include "sim/metrics/joint_line.h"
 
+#include <fmt/core.h>
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <numbers>
 
 namespace reamsim {
@@ -12,12 +12,6 @@ namespace {
 constexpr const char* kNoRim =
     "the rim of the face is unknown: set bone.glenoid.rim_mm (glenoid and cup phantoms have their own)";
 
-std::string text_of(const char* format, double value) {
-  char text[200];
-  std::snprintf(text, sizeof text, format, value);
-  return text;
-}
-
 /// Largest residual of a native face, mm; one voxel where that is more. For a reamed face it is one voxel.
 constexpr double kRoughest_mm = 0.5;
 
@@ -25,12 +19,12 @@ constexpr double kRoughest_mm = 0.5;
 std::string fit_failure(const std::optional<FaceSurface>& surface, double roughest_mm) {
   if (!surface) return "the face is too small for a fit";
   if (surface->fitted_fraction < kMinFittedFraction) {
-    return text_of("the face is not a single sphere or plane: only %.0f %% of it lies on the best fit",
-                   100 * surface->fitted_fraction);
+    return fmt::format("the face is not a single sphere or plane: only {:.0f} % of it lies on the best fit",
+                       100 * surface->fitted_fraction);
   }
   if (surface->rms_mm > roughest_mm) {
-    return text_of("the face is not a single sphere or plane: the best fit leaves a residual of %.2f mm",
-                   surface->rms_mm);
+    return fmt::format("the face is not a single sphere or plane: the best fit leaves a residual of {:.2f} mm",
+                       surface->rms_mm);
   }
   return "";
 }
@@ -43,8 +37,9 @@ Measured<FaceAxis> checked(const std::optional<FaceAxis>& axis) {
                 "of the face"};
   }
   if (!(axis->error_deg <= kMaxAxisError_deg)) {
-    return {.value = {},
-            .reason = text_of("the face is too small or too rough: the standard error of its axis is %.1f degrees",
+    return {
+        .value = {},
+        .reason = fmt::format("the face is too small or too rough: the standard error of its axis is {:.1f} degrees",
                               axis->error_deg)};
   }
   return {.value = axis, .reason = ""};

@@ -1,8 +1,8 @@
 #include "sim/metrics/run_metrics.h"
 
+#include <fmt/core.h>
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <numbers>
 
 #include "sim/metrics/statistics.h"
@@ -71,10 +71,8 @@ FaceOrientation measure_orientation(const JointLine& line, const ReamedFace& fac
   const auto reamed = angles_of(line.reamed, known, "");
   const double fraction = line.reamed_fraction.value.value_or(0);
   if (native.value && reamed.value && fraction < kMinReamedFraction) {
-    char text[120];
-    std::snprintf(text, sizeof text, "only %.0f %% of the face was reamed: the rest keeps its orientation",
-                  100 * fraction);
-    out.corrected.reason = text;
+    out.corrected.reason =
+        fmt::format("only {:.0f} % of the face was reamed: the rest keeps its orientation", 100 * fraction);
   } else if (native.value && reamed.value) {
     out.corrected.value = *native.value - *reamed.value;
     out.turned_deg = angle_deg(line.native.value->direction, line.reamed.value->direction);

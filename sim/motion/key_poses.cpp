@@ -4,6 +4,7 @@
 #include <cstdio>
 
 #include "sim/base/error.h"
+#include "sim/base/text.h"
 
 namespace reamsim {
 

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "sim/base/error.h"
+#include "sim/base/text.h"
 #include "sim/motion/key_poses.h"
 #include "sim/motion/pose_csv.h"
 

@@ -10,6 +10,7 @@
 #include <string_view>
 
 #include "sim/base/error.h"
+#include "sim/base/text.h"
 
 namespace reamsim {
 

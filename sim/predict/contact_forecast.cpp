@@ -1,8 +1,8 @@
 #include "sim/predict/contact_forecast.h"
 
+#include <fmt/core.h>
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 #include <vector>
 
@@ -150,22 +150,20 @@ ContactForecast forecast_contact(const ReamingScene& scene) {
 }
 
 void warn_of_contact(const ReamingScene& scene, const ContactForecast& forecast, Report& report) {
-  char text[300];
   if (forecast.start_mm3 > scene.bone.voxmap->grid.voxel_mm3()) {
     const bool exact = scene.scenario.cutting.erosion == ErosionMode::exact;
-    std::snprintf(text, sizeof text,
-                  "the tool starts in the bone: at its first pose it contains about %.3g mm3 of bone%s",
-                  forecast.start_mm3,
-                  exact ? ", which is removed without force" : ", so the force of the first frames is not meaningful");
-    report.warn(std::string(text) + "; start further out (motion)");
+    report.warn(fmt::format(
+        "the tool starts in the bone: at its first pose it contains about {:.3g} mm3 of bone{}; start further out "
+        "(motion)",
+        forecast.start_mm3,
+        exact ? ", which is removed without force" : ", so the force of the first frames is not meaningful"));
   }
   if (!forecast.touches) {
     const Vec3& p = forecast.bone_mm;
-    std::snprintf(text, sizeof text,
-                  "the tool never touches the bone: its smallest distance is %.2f mm, in frame %lld, from the bone at "
-                  "(%.1f, %.1f, %.1f) mm; check motion and, if it is used, the glenoid frame",
-                  forecast.nearest_mm, static_cast<long long>(forecast.frame), p.x(), p.y(), p.z());
-    report.warn(text);
+    report.warn(fmt::format(
+        "the tool never touches the bone: its smallest distance is {:.2f} mm, in frame {}, from the bone at "
+        "({:.1f}, {:.1f}, {:.1f}) mm; check motion and, if it is used, the glenoid frame",
+        forecast.nearest_mm, forecast.frame, p.x(), p.y(), p.z()));
   }
 }
 

@@ -12,50 +12,46 @@
 namespace reamsim {
 namespace {
 
+/// First columns of the quantities in kNames.
 enum ForceColumn {
   kFrame,
   kTime,
-  kX,
-  kY,
-  kZ,
-  kQw,
-  kQx,
-  kQy,
-  kQz,
-  kSpinAngle,
+  kPosition,
+  kOrientation = kPosition + 3,
+  kSpinAngle = kOrientation + 4,
   kDepth,
-  kForceX,
-  kForceY,
-  kForceZ,
-  kAxial,
+  kForce,
+  kAxial = kForce + 3,
   kTorque,
   kRemoved,
+  kEnergy,
   kColumns
 };
 
 constexpr std::array<std::string_view, kColumns> kNames{
-    "frame",     "time_s",    "tool_x_mm",     "tool_y_mm",       "tool_z_mm",  "tool_qw",
-    "tool_qx",   "tool_qy",   "tool_qz",       "spin_angle_rad",  "depth_mm",   "force_x_n",
-    "force_y_n", "force_z_n", "axial_force_n", "spin_torque_nmm", "removed_mm3"};
+    "frame",     "time_s",    "tool_x_mm",     "tool_y_mm",       "tool_z_mm",   "tool_qw",
+    "tool_qx",   "tool_qy",   "tool_qz",       "spin_angle_rad",  "depth_mm",    "force_x_n",
+    "force_y_n", "force_z_n", "axial_force_n", "spin_torque_nmm", "removed_mm3", "energy_mj"};
 
-/// `v`: a row's numbers, in the order of kNames.
+/// `v`: the values of a row, in the order of kNames.
 ForceRow make_row(const SourceLocation& where, const std::vector<double>& v) {
   ForceRow row;
   if (v[kFrame] < 0 || v[kFrame] > 1e15) throw InputError(where, "frame", "out of range", "expected 0 or more");
   row.frame = static_cast<std::int64_t>(v[kFrame]);
   row.time_s = v[kTime];
-  row.pose.position_mm = Vec3(v[kX], v[kY], v[kZ]);
-  row.pose.orientation = Quat(v[kQw], v[kQx], v[kQy], v[kQz]);
+  row.pose.position_mm = Vec3(&v[kPosition]);
+  row.pose.orientation = Quat(v[kOrientation], v[kOrientation + 1], v[kOrientation + 2], v[kOrientation + 3]);
   if (std::abs(row.pose.orientation.norm() - 1) > 1e-3) {
     throw InputError(where, "tool_qw", "the quaternion does not have length 1", "expected a rotation");
   }
   row.pose.orientation.normalize();
   row.pose.spin_angle_rad = v[kSpinAngle];
   row.depth_mm = v[kDepth];
-  row.force_n = Vec3(v[kForceX], v[kForceY], v[kForceZ]);
+  row.force_n = Vec3(&v[kForce]);
   row.axial_force_n = v[kAxial];
   row.spin_torque_nmm = v[kTorque];
   row.removed_mm3 = v[kRemoved];
+  row.energy_mj = v[kEnergy];
   return row;
 }
 
@@ -74,16 +70,16 @@ const ForceRow& ForceLog::at(std::int64_t frame, const std::string& path) const 
 }
 
 ForceLog read_force_log(const std::string& path) {
-  CsvTable table(path, kNames, "the forces.csv of a run");
+  CsvReader table(path, kNames, "the forces.csv of a run");
   ForceLog log;
-  double removed_mm3 = 0;
+  double removed_mm3 = 0, energy_mj = 0;
   for (std::vector<double> values; table.next(values);) {
     ForceRow row = make_row(table.where(), values);
     if (!log.rows.empty() && row.frame <= log.rows.back().frame) {
       throw InputError(table.where(), "frame", "frames are not in ascending order", "the forces.csv of a run");
     }
-    removed_mm3 += row.removed_mm3;
-    row.removed_mm3 = removed_mm3;
+    row.removed_mm3 = removed_mm3 += row.removed_mm3;
+    row.energy_mj = energy_mj += row.energy_mj;
     log.rows.push_back(row);
   }
   if (log.rows.empty()) throw InputError({path, 0, 0}, "", "has no rows", "run the scenario again");

@@ -1,13 +1,13 @@
 #pragma once
 
 #include <string>
-#include <utility>
-#include <vector>
+
+#include "sim/base/text.h"
 
 namespace reamsim {
 
-/// The figures that stand first wherever a run is summed up: one force, one torque, one depth (docs/formats.md,
-/// "Headline"). Whoever shows one takes name and text from here, so that all show the same.
+/// The first figures of every summary: one force, one torque, one depth (docs/formats.md, "Headline"). All outputs take
+/// their names and texts from here.
 struct Headline {
   bool means = false;  ///< force and torque are means over a voxel of travel; otherwise of single frames
   double peak_axial_force_n = 0;
@@ -19,13 +19,15 @@ struct Headline {
   [[nodiscard]] std::string torque_name() const { return means ? "peak mean spin torque" : "peak spin torque"; }
 
   /// The numbers as text, without their units (N, N·mm, mm).
-  [[nodiscard]] std::string force_text() const;
-  [[nodiscard]] std::string torque_text() const;
-  [[nodiscard]] std::string depth_text() const;
+  [[nodiscard]] std::string force_text() const { return fixed_text(peak_axial_force_n, 1); }
+  [[nodiscard]] std::string torque_text() const { return fixed_text(peak_spin_torque_nmm, 0); }
+  [[nodiscard]] std::string depth_text() const { return fixed_text(tool_depth_mm, 2); }
 
-  /// How force and torque, and depth, are defined, for those who read a result without the documentation.
-  [[nodiscard]] std::string force_definition() const;
-  [[nodiscard]] static std::string depth_definition();
+  [[nodiscard]] std::string force_definition() const {
+    return std::string("maximum component of the force along the tool axis, and maximum torque about it, ") +
+           (means ? "of the means over one voxel of travel" : "of a single frame");
+  }
+  static constexpr const char* kDepthDefinition = "maximum travel of the tool along its axis since first contact";
 };
 
 }  // namespace reamsim

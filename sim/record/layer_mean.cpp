@@ -4,8 +4,8 @@ namespace reamsim {
 
 namespace {
 
-/// A step below this share of the mean step counts as standing still.
-constexpr double kStillShare = 0.01;
+/// The tool stands still where its step is below this fraction of the mean step.
+constexpr double kStillFraction = 0.01;
 
 }  // namespace
 
@@ -18,12 +18,12 @@ void LayerMean::drop_oldest() {
 LayerMean::Means LayerMean::add(const Vec3& position_mm, double axial_force_n, double spin_torque_nmm) {
   const double step = frames_.empty() ? 0 : (position_mm - last_mm_).norm();
   const double path = frames_.empty() ? 0 : frames_.back().path_mm + step;
-  if (full_ && step * static_cast<double>(frames_.size()) < kStillShare * voxel_mm_) drop_oldest();
+  if (full_ && step * static_cast<double>(frames_.size()) < kStillFraction * voxel_mm_) drop_oldest();
   last_mm_ = position_mm;
   frames_.push_back({path, {axial_force_n, spin_torque_nmm, 1}});
   sums_.axial_force_n += axial_force_n;
   sums_.spin_torque_nmm += spin_torque_nmm;
-  // A frame leaves when the travel since its end alone makes up a voxel.
+  // A frame is dropped when the travel after its end amounts to a voxel.
   while (frames_.size() > 1 && path - frames_.front().path_mm >= voxel_mm_ * (1 - 1e-9)) {
     drop_oldest();
     full_ = true;

@@ -6,8 +6,8 @@
 
 namespace reamsim {
 
-/// Running means of axial force and spin torque over the last voxel of the tool's travel. Voxels go whole, so single
-/// frames are spikes; a mean over one layer of voxels is what can be compared with a measurement (docs/physics.md).
+/// Running means of axial force and spin torque over the last voxel of the tool's travel. Where voxels are removed
+/// whole, single frames are spikes; only a mean over one layer of voxels compares with a measurement (docs/physics.md).
 class LayerMean {
  public:
   explicit LayerMean(double voxel_mm) : voxel_mm_(voxel_mm) {}
@@ -15,19 +15,19 @@ class LayerMean {
   struct Means {
     double axial_force_n = 0;
     double spin_torque_nmm = 0;
-    std::size_t frames = 0;  ///< that the means are over
+    std::size_t frames = 0;  ///< number of frames in the means
   };
 
-  /// Takes the next frame: where the tool is (mm, B), and its force and torque. Returns the means over the frames of
-  /// the last voxel of travel, this one included; zero until the tool has travelled so far. While
-  /// the tool stands still the means stay over as many frames as when it stopped.
+  /// Adds the next frame: the tool's position in B, its force and its torque. Returns the means over the frames of the
+  /// last voxel of travel, this one included; zero until the tool has travelled a voxel. While the tool stands still
+  /// the number of frames stays constant.
   Means add(const Vec3& position_mm, double axial_force_n, double spin_torque_nmm);
 
  private:
   void drop_oldest();
 
   struct Frame {
-    double path_mm;  ///< travelled up to the end of the frame
+    double path_mm;  ///< length of the path at the end of the frame
     Means values;
   };
 

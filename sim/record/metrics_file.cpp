@@ -4,7 +4,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
-#include "sim/record/csv_log.h"
+#include "sim/base/csv.h"
 
 namespace reamsim {
 
@@ -16,7 +16,7 @@ Json vector_json(const Vec3& v) {
   return Json::array({v.x(), v.y(), v.z()});
 }
 
-/// What `make` makes of the value; null without one.
+/// `make` of the value; null where it is missing.
 template <class Value, class Make>
 Json json_or_null(const std::optional<Value>& value, const Make& make) {
   return value ? make(*value) : Json();
@@ -48,7 +48,7 @@ Json face_json(const ReamedFace& face) {
   return json;
 }
 
-/// Beside each value that may be missing stands the reason for it, null where there is a value.
+/// Why a value is missing; null where it is not.
 template <class Value>
 Json reason_json(const Measured<Value>& measured) {
   return measured.value ? Json() : Json(measured.reason);
@@ -185,7 +185,7 @@ Json metrics_json(const BoneMetrics& metrics) {
 }
 
 void write_depth_map(const std::string& path, const ColumnMap& map) {
-  CsvLog log(path, "x_mm,y_mm,before_z_mm,after_z_mm,depth_mm");
+  CsvWriter log(path, "x_mm,y_mm,before_z_mm,after_z_mm,depth_mm");
   constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
   map.for_each([&](const ColumnPlace& place) {
     const Column& column = map.at(place);

@@ -7,7 +7,7 @@
 
 namespace reamsim {
 
-/// The object `metrics` of summary.json; what could not be measured is null.
+/// The object `metrics` of summary.json; missing values are null.
 nlohmann::ordered_json metrics_json(const BoneMetrics& metrics);
 
 /// Writes depth_map.csv: a row for each column that meets bone. Throws RunError when it cannot be written.

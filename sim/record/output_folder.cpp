@@ -32,8 +32,8 @@ std::string resolved(const std::string& path) {
   return out.has_filename() ? out.string() : out.parent_path().string();
 }
 
-/// Is `path` the folder itself or somewhere below it?
-bool lies_in(const std::string& path, const std::string& folder) {
+/// Whether `path` is the folder or below it.
+bool is_within_folder(const std::string& path, const std::string& folder) {
   const fs::path inner(path), outer(folder);
   return std::mismatch(outer.begin(), outer.end(), inner.begin(), inner.end()).first == outer.end();
 }
@@ -47,19 +47,18 @@ std::vector<std::string> homes() {
   return out;
 }
 
-/// Throws InputError where replacing or removing `dir` would take away a folder that somebody stands in, lives in or
-/// reads from.
+/// Throws InputError where `dir` holds the current folder, a home or an input.
 void require_harmless(const std::string& dir, const std::vector<std::string>& inputs) {
   std::error_code error;
   const std::string choose = "choose another folder with -o";
-  if (const fs::path here = fs::current_path(error); !error && lies_in(here.string(), dir)) {
+  if (const fs::path here = fs::current_path(error); !error && is_within_folder(here.string(), dir)) {
     refuse(dir, "holds the current folder", choose);
   }
   for (const std::string& home : homes()) {
-    if (lies_in(resolved(home), dir)) refuse(dir, "is or holds a home folder", choose);
+    if (is_within_folder(resolved(home), dir)) refuse(dir, "is or holds a home folder", choose);
   }
   for (const std::string& input : inputs) {
-    if (lies_in(resolved(input), dir)) refuse(dir, "holds the input " + input, choose);
+    if (is_within_folder(resolved(input), dir)) refuse(dir, "holds the input " + input, choose);
   }
 }
 
@@ -74,8 +73,8 @@ void require_no_link(const std::string& dir) {
   refuse(dir, "is a link", "remove it, or choose another folder with -o");
 }
 
-/// Throws InputError unless `dir` holds nothing but what a command of this kind writes. `must_be_marked`: and is a
-/// finished folder of that kind, or empty.
+/// Throws InputError unless `dir` holds only what a command of this kind writes. `must_be_marked`: it must also be
+/// finished, or empty.
 void require_ours(const std::string& dir, ResultKind kind, bool must_be_marked) {
   const std::string expected = "reamsim replaces only folders that it wrote: choose another folder with -o";
   require_no_link(dir);
@@ -86,15 +85,11 @@ void require_ours(const std::string& dir, ResultKind kind, bool must_be_marked) 
     refuse(dir, "is not a finished results folder", expected);
 }
 
-/// Exchanges two folders at once, where the file system can. Returns 0 or an error number.
-int exchange(const std::string& a, const std::string& b) {
-  return renameat2(AT_FDCWD, a.c_str(), AT_FDCWD, b.c_str(), RENAME_EXCHANGE) == 0 ? 0 : errno;
-}
-
-/// Puts `partial` in the place of the folder `dir`, and returns where the old one is now. Throws std::system_error.
+/// Moves `partial` to `dir`, atomically where the file system can, and returns the new path of the old folder. Throws
+/// std::system_error.
 std::string replace(const std::string& partial, const std::string& dir) {
-  const int error = exchange(partial, dir);
-  if (error == 0) return partial;
+  if (renameat2(AT_FDCWD, partial.c_str(), AT_FDCWD, dir.c_str(), RENAME_EXCHANGE) == 0) return partial;
+  const int error = errno;
   if (error != EINVAL && error != ENOSYS) throw std::system_error(error, std::generic_category());
   std::string old = dir + ".old-XXXXXX";
   if (mkdtemp(old.data()) == nullptr) throw std::system_error(errno, std::generic_category());
@@ -146,7 +141,7 @@ void OutputFolder::finish() {
       fs::rename(partial_, dir_);
       return;
     }
-    require_ours(dir_, kind_, true);  // it may have changed meanwhile
+    require_ours(dir_, kind_, true);  // it may have changed since
     remove_results(replace(partial_, dir_), kind_);
     return;
   } catch (const std::system_error& error) {

@@ -21,34 +21,12 @@ Recorder::Recorder(const std::string& dir, double voxel_mm)
       totals_(voxel_mm) {}
 
 void Recorder::frame(const FrameResult& r, const FrameTimes& times) {
-  const Vec3& p = r.pose.position_mm;
-  const Quat& q = r.pose.orientation;
   const auto frame = static_cast<double>(r.frame);
-  forces_.row({frame,
-               r.time_s,
-               p.x(),
-               p.y(),
-               p.z(),
-               q.w(),
-               q.x(),
-               q.y(),
-               q.z(),
-               r.pose.spin_rpm,
-               r.pose.spin_angle_rad,
-               r.depth_mm,
-               r.force_n.x(),
-               r.force_n.y(),
-               r.force_n.z(),
-               r.torque_nmm.x(),
-               r.torque_nmm.y(),
-               r.torque_nmm.z(),
-               r.axial_force_n,
-               r.spin_torque_nmm,
-               static_cast<double>(r.contacts),
-               r.removed_mm3,
-               r.energy_mj,
-               r.floor_energy_mj,
-               r.balance});
+  Eigen::Vector<double, 25> row;
+  row << frame, r.time_s, r.pose.position_mm, r.pose.orientation.w(), r.pose.orientation.vec(), r.pose.spin_rpm,
+      r.pose.spin_angle_rad, r.depth_mm, r.force_n, r.torque_nmm, r.axial_force_n, r.spin_torque_nmm,
+      static_cast<double>(r.contacts), r.removed_mm3, r.energy_mj, r.floor_energy_mj, r.balance;
+  forces_.row(std::span<const double>(row.data(), row.size()));
   timings_.row({frame, 1e3 * times.broad_phase_s, 1e3 * times.detect_s, 1e3 * times.cut_s});
   totals_.add(r);
   totals_.broad_phase_s += times.broad_phase_s;

@@ -4,16 +4,16 @@
 #include <memory>
 #include <string>
 
-#include "sim/record/csv_log.h"
-#include "sim/record/frame_sink.h"
+#include "sim/base/csv.h"
+#include "sim/record/results.h"
 #include "sim/record/run_totals.h"
 
 namespace reamsim {
 
-/// Writes what a run gives into its folder while it goes: forces.csv, timings.csv, snapshots/.
+/// Writes the results of a run into its folder frame by frame: forces.csv, timings.csv, snapshots/.
 class Recorder final : public FrameSink {
  public:
-  /// Opens the files in `dir`; `voxel_mm` is the bone's. Throws RunError when they cannot be written.
+  /// Opens the files in `dir`. `voxel_mm`: of the bone. Throws RunError when they cannot be written.
   Recorder(const std::string& dir, double voxel_mm);
 
   void frame(const FrameResult& result, const FrameTimes& times) override;
@@ -28,8 +28,8 @@ class Recorder final : public FrameSink {
 
  private:
   std::string dir_;
-  CsvLog forces_;
-  CsvLog timings_;
+  CsvWriter forces_;
+  CsvWriter timings_;
   RunTotals totals_;
   RemovedFrames removed_;
 };

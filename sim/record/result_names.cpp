@@ -11,15 +11,15 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Names of files relative to the results folder, and the files of which a finished folder has at least one.
+/// Names of files relative to the results folder; a finished folder has at least one of `marks`.
 struct Names {
   std::regex files;
   std::vector<std::string> marks;
 };
 
 Names names_of_run() {
-  const std::string camera = "(_[a-z0-9_-]+)?";           // as render.user_cameras are named
-  const std::string unfinished = "(\\.tmp|\\.partial)?";  // what an interrupted write leaves
+  const std::string camera = "(_[a-z0-9_-]+)?";           // the names that render.user_cameras may have
+  const std::string unfinished = "(\\.tmp|\\.partial)?";  // of an interrupted write
   const std::string files =
       "scenario\\.yaml|summary\\.json|verification\\.json|timings\\.csv|report\\.html|segmentation\\.png|contact_"
       "sheet\\.png|"
@@ -31,26 +31,18 @@ Names names_of_run() {
 }
 
 const Names& names_of(ResultKind kind) {
-  static const Names run = names_of_run();
-  static const Names comparison{std::regex("compare\\.(csv|gp|png|svg|pdf)|curves\\.csv"), {"compare.csv"}};
-  static const Names verification{std::regex("verification\\.(md|json|gp|png|svg)"), {"verification.json"}};
-  static const Names benchmark{std::regex("bench\\.(json|gp|png|svg)"), {"bench.gp"}};
-  switch (kind) {
-    case ResultKind::run:
-      return run;
-    case ResultKind::comparison:
-      return comparison;
-    case ResultKind::verification:
-      return verification;
-    case ResultKind::benchmark:
-      return benchmark;
-  }
-  return run;
+  static const Names names[] = {
+      names_of_run(),
+      {std::regex("compare\\.(csv|gp|png|svg|pdf)|curves\\.csv"), {"compare.csv"}},
+      {std::regex("verification\\.(md|json|gp|png|svg)"), {"verification.json"}},
+      {std::regex("bench\\.(json|gp|png|svg)"), {"bench.gp"}},
+  };  // in the order of ResultKind
+  return names[static_cast<std::size_t>(kind)];
 }
 
 constexpr const char* kFolders[] = {"frames", "plots", "snapshots", "turntable"};
 
-/// `place`: relative to the results folder. Links are never followed: none of ours is one.
+/// `place`: relative to the results folder. Links are never followed and never ours.
 bool is_ours(const fs::directory_entry& entry, const std::string& place, ResultKind kind) {
   std::error_code error;
   const fs::file_type type = entry.symlink_status(error).type();
@@ -60,8 +52,9 @@ bool is_ours(const fs::directory_entry& entry, const std::string& place, ResultK
   return type == fs::file_type::regular && std::regex_match(place, names_of(kind).files);
 }
 
-/// Calls visit(entry, place) for everything in `dir` and in those of its folders that are ours, until it returns false.
-/// `below`: where `dir` is in the results folder, "" or "frames/". False where the walk was ended, or could not go on.
+/// Calls visit(entry, place) for every entry of `dir` and of its folders that are ours, until it returns false.
+/// `below`: the path of `dir` in the results folder, "" or "frames/". Returns false where `visit` did or an entry
+/// cannot be read.
 template <class Visit>
 bool walk(const std::string& dir, const std::string& below, ResultKind kind, const Visit& visit) {
   std::error_code error;

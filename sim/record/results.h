@@ -1,13 +1,14 @@
 #pragma once
 
 #include <cstdint>
-#include <vector>
 
+#include "sim/bone/vdb/bone_vdb.h"
+#include "sim/bone/voxmap/sparse_bricks.h"
 #include "sim/motion/motion.h"
 
 namespace reamsim {
 
-/// What happened in frame k, over the time (k−1, k]. Forces are exerted by the bone on the tool, in B.
+/// The results of frame k, over the time (k−1, k]. Forces are those of the bone on the tool, in B.
 struct FrameResult {
   std::int64_t frame = 0;
   double time_s = 0;
@@ -22,6 +23,23 @@ struct FrameResult {
   double energy_mj = 0;
   double floor_energy_mj = 0;
   double balance = 0;  ///< (work done − energy cut)/energy cut, cumulative; 0 before contact
+};
+
+/// Times of the stages of a frame: broad phase on the host, detect and cut on the device.
+struct FrameTimes {
+  double broad_phase_s = 0;
+  double detect_s = 0;
+  double cut_s = 0;
+};
+
+/// Receives the results of a run frame by frame.
+class FrameSink {
+ public:
+  virtual ~FrameSink() = default;
+  virtual void frame(const FrameResult& result, const FrameTimes& times) = 0;
+  /// The fill of the bone after `frame`. The sink may take its changes since the last call.
+  virtual void snapshot(std::int64_t frame, FillBricks& fill) = 0;
+  virtual void removed(const RemovedFrames& voxels) = 0;
 };
 
 }  // namespace reamsim

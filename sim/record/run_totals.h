@@ -11,7 +11,7 @@ namespace reamsim {
 /// Sums and extremes over a run, for summary.json.
 class RunTotals {
  public:
-  /// `voxel_mm` sets the travel over which layer means are taken.
+  /// `voxel_mm`: the travel of the layer means.
   explicit RunTotals(double voxel_mm) : layer_(voxel_mm) {}
 
   std::int64_t frames = 0;          ///< rows, the first (frame 0) included
@@ -40,20 +40,20 @@ class RunTotals {
   [[nodiscard]] double rms_force_n() const;
   [[nodiscard]] double rms_torque_nmm() const;
 
-  /// Rows from the first to the last with contact: the reaming time in frames. A row between without contact counts,
-  /// because whether a frame touches depends on how erosion rounds to voxels.
+  /// The reaming time in frames: rows from the first to the last with contact. Rows between without contact count,
+  /// because contact of a single frame depends on the rounding of erosion to voxels.
   [[nodiscard]] std::int64_t reaming_frames() const;
   /// Means over the reaming time; 0 without contact.
   struct Means {
-    double force_n = 0;  ///< of the force's length; likewise the torque's
+    double force_n = 0;  ///< of the magnitude; likewise the torque
     double torque_nmm = 0;
     double axial_force_n = 0;
     double spin_torque_nmm = 0;
   };
   [[nodiscard]] Means means() const;
-  /// `means`: of the means over a voxel of travel, as where voxels go whole.
+  /// `means`: of the means over a voxel of travel, for erosion that removes whole voxels.
   [[nodiscard]] Headline headline(bool means) const;
-  /// Work that the drill did on the bone, −Σ(T·ω + F·v)·Δt, from the energy account.
+  /// Work of the drive and feed on the bone, −Σ(T·ω + F·v)·Δt, from the energy balance.
   [[nodiscard]] double work_mj() const { return energy_mj * (1 + balance) - floor_energy_mj; }
 
  private:

@@ -1,10 +1,10 @@
 #include "sim/record/snapshot.h"
 
+#include <fmt/core.h>
 #include <openvdb/openvdb.h>
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <filesystem>
 
 #include "sim/base/error.h"
@@ -17,12 +17,10 @@ namespace {
 namespace fs = std::filesystem;
 
 std::string snapshot_path(const std::string& dir, std::int64_t frame) {
-  char name[32];
-  std::snprintf(name, sizeof name, "%06lld.vdb", static_cast<long long>(frame));
-  return dir + "/snapshots/" + name;
+  return fmt::format("{}/snapshots/{:06}.vdb", dir, frame);
 }
 
-/// Every voxel of a stored brick, whole ones included, so that a leaf states the whole brick.
+/// Sets every voxel of a brick, whole ones included, so that a leaf holds the complete brick.
 void put_brick(openvdb::FloatGrid& grid, const Vec3i& brick_coord, const FillBricks& fill) {
   const FillBricks::Brick* brick = fill.brick(brick_coord);
   const openvdb::Coord corner(8 * brick_coord.x(), 8 * brick_coord.y(), 8 * brick_coord.z());
@@ -47,7 +45,7 @@ void write_snapshot(const std::string& dir, std::int64_t frame, FillBricks& fill
   auto grid = make_float_grid(1.0F);
   grid->setName("fill");
   for (const Vec3i& brick : fill.take_changed()) put_brick(*grid, brick, fill);
-  std::error_code ignored;  // a folder that cannot be made is one that cannot be written to
+  std::error_code ignored;  // writing reports it
   fs::create_directories(fs::path(path).parent_path(), ignored);
   write_vdb_file(path, {grid}, {});
 }

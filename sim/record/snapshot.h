@@ -9,16 +9,16 @@
 
 namespace reamsim {
 
-/// The bricks that changed since the last snapshot: DIR/snapshots/NNNNNN.vdb, one FloatGrid `fill` (0…1) whose
-/// leaves are those bricks, in voxel index space. The first one (frame 0) holds every brick that is not whole.
+/// Writes the bricks that changed since the last snapshot to DIR/snapshots/NNNNNN.vdb: one FloatGrid `fill` (0…1) whose
+/// leaves are those bricks, in voxel index space. The first snapshot (frame 0) holds every brick that is not whole.
 /// Throws RunError when the file cannot be written.
 void write_snapshot(const std::string& dir, std::int64_t frame, FillBricks& fill);
 
 /// Frames that have a snapshot in DIR, ascending.
 std::vector<std::int64_t> snapshot_frames(const std::string& dir);
 
-/// Puts the bricks of one snapshot into `fill`. Throws InputError when the file is missing, truncated,
-/// damaged (its checksum is checked before anything else) or of another bone.
+/// Sets the bricks of one snapshot in `fill`. Throws InputError when the file is missing, truncated, damaged (the
+/// checksum is verified first) or of another bone.
 void apply_snapshot(const std::string& dir, std::int64_t frame, FillBricks& fill);
 
 }  // namespace reamsim

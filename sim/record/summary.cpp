@@ -3,10 +3,10 @@
 #include <sys/resource.h>
 
 #include <filesystem>
-#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "sim/base/error.h"
+#include "sim/base/file.h"
 #include "sim/base/stopwatch.h"
 #include "sim/mesh/mesh_io.h"
 #include "sim/record/checksum.h"
@@ -19,14 +19,7 @@ namespace reamsim {
 
 namespace {
 
-void write_text(const std::string& path, const std::string& text) {
-  std::ofstream out(path, std::ios::binary);
-  out << text;
-  out.close();
-  if (!out) throw RunError(path + ": cannot be written; is the disk full or the folder read-only?");
-}
-
-/// Provenance that the grids carry. No device and no time: the same scenario gives the same grids.
+/// Provenance in the metadata of the grids. Without device and time, so that the same scenario gives the same bytes.
 Metadata provenance(const ReamingScene& scene, const RunFacts& facts) {
   Metadata out{{"program", "reamsim " REAMSIM_VERSION},
                {"scenario", scene.scenario.name},
@@ -47,7 +40,7 @@ std::string scenario_head(const RunFacts& facts) {
   return head;
 }
 
-/// The most memory that the process has held, MB = 10⁶ bytes.
+/// Peak memory of the process, MB = 10⁶ bytes.
 double peak_process_mb() {
   struct rusage usage {};
   getrusage(RUSAGE_SELF, &usage);
@@ -61,7 +54,7 @@ nlohmann::ordered_json headline_json(const Headline& headline) {
           {"force_definition", headline.force_definition()},
           {"depth_name", Headline::kDepthName},
           {"depth_mm", headline.tool_depth_mm},
-          {"depth_definition", Headline::depth_definition()}};
+          {"depth_definition", Headline::kDepthDefinition}};
 }
 
 nlohmann::ordered_json forces_json(const RunTotals& totals) {
@@ -79,7 +72,7 @@ nlohmann::ordered_json forces_json(const RunTotals& totals) {
           {"mean_spin_torque_nmm", totals.means().spin_torque_nmm}};
 }
 
-/// The force law as it ran, for those who cite it.
+/// The force law of the run, for citation.
 nlohmann::ordered_json force_law_json(const CuttingSettings& cutting) {
   nlohmann::ordered_json json;
   json["preset"] =
@@ -119,7 +112,7 @@ nlohmann::ordered_json bone_json(const ReamingScene& scene, const RunTotals& tot
           {"removed_mm3", totals.removed_mm3}};
 }
 
-/// What separated the bone from the rest of the scan.
+/// The segmentation of the scan.
 nlohmann::ordered_json segmentation_json(const Segmentation& s) {
   nlohmann::ordered_json json;
   json["method"] = s.method;
@@ -177,7 +170,7 @@ void write_tool(const std::string& dir, const Tool& tool) {
 }
 
 void write_results(const std::string& dir, const ReamingScene& scene, const Recorder& recorder, const RunFacts& facts) {
-  write_text(dir + "/scenario.yaml", scenario_head(facts) + to_yaml(scene.scenario));
+  write_file(dir + "/scenario.yaml", scenario_head(facts) + to_yaml(scene.scenario));
   write_bone_vdb(dir + "/reamed.vdb", scene.bone, recorder.removed_frames(), provenance(scene, facts));
   if (scene.scenario.output.vti) write_vti(dir + "/reamed.vti", scene.bone);
   write_depth_map(dir + "/depth_map.csv", facts.depth_map);
@@ -193,7 +186,7 @@ void write_summary(const std::string& dir, const ReamingScene& scene, const RunT
   json["erosion"] = name_of(scene.scenario.cutting.erosion);
   json["law"] = name_of(scene.scenario.cutting.law);
   if (scene.scenario.cutting.law == CuttingLaw::energy) json["force_law"] = force_law_json(scene.scenario.cutting);
-  // Single frames are spikes where voxels go whole.
+  // Where voxels are removed whole, single frames are spikes.
   json["headline"] = headline_json(totals.headline(scene.scenario.cutting.erosion != ErosionMode::exact));
   json["frames"] = totals.frames;
   json["contact_frames"] = totals.contact_frames;
@@ -223,7 +216,7 @@ void write_summary(const std::string& dir, const ReamingScene& scene, const RunT
     json["inputs"].push_back({{"role", input.role}, {"path", input.path}, {"sha256", input.sha256}});
   }
   json["warnings"] = facts.warnings;
-  write_text(dir + "/summary.json", json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n");
+  write_file(dir + "/summary.json", json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n");
 }
 
 }  // namespace reamsim

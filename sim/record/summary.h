@@ -8,17 +8,17 @@
 
 namespace reamsim {
 
-/// An input file with its role and sum.
+/// An input file with its role and checksum.
 struct InputSum {
   std::string role;
   std::string path;
   std::string sha256;
 };
 
-/// Sums of every input of the scenario, the scenario file first. Throws InputError when one cannot be read.
+/// Checksums of every input of the scenario, the scenario file first. Throws InputError when one cannot be read.
 std::vector<InputSum> input_sums(const Scenario& scenario);
 
-/// What a run took, for summary.json.
+/// Facts of a run for summary.json.
 struct RunFacts {
   std::string device;
   std::size_t device_bytes = 0;
@@ -32,15 +32,14 @@ struct RunFacts {
   ColumnMap depth_map;
 };
 
-/// Writes snapshots/tool.stl into `dir`, which drawing reads beside the simulation. Throws RunError when the disk is
-/// full.
+/// Writes snapshots/tool.stl into `dir`, for rendering during the simulation. Throws RunError when the disk is full.
 void write_tool(const std::string& dir, const Tool& tool);
 
-/// Writes scenario.yaml (resolved, with the sums in its head), reamed.vdb, reamed.vti and depth_map.csv into `dir`.
-/// Throws RunError when the disk is full.
+/// Writes scenario.yaml (resolved, with the checksums in its head), reamed.vdb, reamed.vti and depth_map.csv into
+/// `dir`. Throws RunError when the disk is full.
 void write_results(const std::string& dir, const ReamingScene& scene, const Recorder& recorder, const RunFacts& facts);
 
-/// Writes summary.json into `dir`; `render_s` is the time of pictures and plots, 0 without.
+/// Writes summary.json into `dir`; `render_s`: time of pictures and plots, 0 without.
 void write_summary(const std::string& dir, const ReamingScene& scene, const RunTotals& totals, const RunFacts& facts,
                    double render_s);
 

@@ -6,11 +6,11 @@
 
 namespace reamsim::verify {
 
-/// How a figure is held against what it should be.
+/// How a figure is compared with its expected value.
 enum class Measure {
-  relative,  ///< error = found/expected − 1, at most `tolerance` either way
-  absolute,  ///< error = found − expected, in the unit, at most `tolerance` either way
-  at_least,  ///< found ≥ expected, which is a bar and no closed form
+  relative,  ///< error = found/expected − 1, at most ±`tolerance`
+  absolute,  ///< error = found − expected, in the unit, at most ±`tolerance`
+  at_least,  ///< found ≥ expected, which is a limit and not a closed form
   at_most,   ///< found ≤ expected, likewise
   reported,  ///< for the record; never fails
 };
@@ -20,10 +20,10 @@ struct Check {
   std::string quantity;
   std::string unit;
   Measure measure = Measure::relative;
-  double expected = 0;   ///< closed form, or the bar
-  double found = 0;      ///< what the program gave
+  double expected = 0;   ///< closed form or limit
+  double found = 0;      ///< result of the program
   double tolerance = 0;  ///< of a relative or an absolute error
-  std::string reason;    ///< why this tolerance or bar
+  std::string reason;    ///< for this tolerance or limit
 
   [[nodiscard]] double error() const;
   [[nodiscard]] bool passed() const;
@@ -37,32 +37,32 @@ struct Level {
   int runs = 1;
 };
 
-/// Roache's grid convergence index (1994, J. Fluids Eng. 116:405): a band round the finest level's value in which the
-/// value at step zero should lie.
+/// Roache's grid convergence index (1994, J. Fluids Eng. 116:405): a band about the value of the finest level that
+/// should contain the value at step zero.
 struct GridIndex {
-  double share = 0;             ///< of the finest value
+  double fraction = 0;          ///< of the finest value
   double safety_factor = 0;     ///< 1.25 where three levels converge monotonically, else 3
   std::optional<double> order;  ///< observed from three levels, without the closed form; none where not monotonic
 };
 
-/// A quantity under refinement, coarsest level first, each step half of the one before.
-struct Ladder {
+/// A quantity under refinement, coarsest level first; each step is half of the previous one.
+struct Refinement {
   std::string quantity;
   std::string unit;
   std::string step;                ///< name and unit of the step: "voxel, mm"
   std::optional<double> expected;  ///< none where there is no closed form
-  std::vector<Level> levels;
-  std::optional<double> order;  ///< of the error against the closed form; none without one, or where it is rounding
-  GridIndex index;
+  std::vector<Level> levels = {};
+  std::optional<double> order = {};  ///< of the error against the closed form; none without one or below rounding
+  GridIndex index = {};
 };
 
-/// What a case gave.
+/// The results of a case.
 struct CaseFindings {
   std::string id;
   std::string title;
   std::string scene;  ///< what is reamed, and how
   std::string form;   ///< the closed form, or the invariant
-  std::vector<Ladder> ladders;
+  std::vector<Refinement> refinements;
   std::vector<Check> checks;
   double seconds = 0;
 

@@ -1,13 +1,13 @@
 #include "sim/record/vti.h"
 
+#include <fmt/core.h>
 #include <zlib.h>
 
 #include <algorithm>
-#include <charconv>
-#include <fstream>
 #include <vector>
 
-#include "sim/base/error.h"
+#include "sim/base/file.h"
+#include "sim/base/text.h"
 
 namespace reamsim {
 
@@ -16,31 +16,24 @@ namespace {
 // Debian's VTK would bring Qt and MPI along; the format is an XML header and zlib blocks.
 constexpr std::size_t kBlockVoxels = 1 << 18;
 
-std::string number(double value) {
-  char digits[32];
-  return {digits, std::to_chars(digits, digits + sizeof digits, value).ptr};
-}
-
 std::string header(const VoxelGrid& grid) {
   const Vec3 first = grid.center_mm({0, 0, 0});
-  std::string extent, origin, spacing;
-  for (int i = 0; i < 3; ++i) {
-    const char* space = i < 2 ? " " : "";
-    extent += "0 " + std::to_string(grid.dims[i] - 1) + space;
-    origin += number(first[i]) + space;
-    spacing += number(grid.voxel_mm) + space;
-  }
-  return "<?xml version=\"1.0\"?>\n"
-         "<VTKFile type=\"ImageData\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\" "
-         "compressor=\"vtkZLibDataCompressor\">\n"
-         "<ImageData WholeExtent=\"" +
-         extent + "\" Origin=\"" + origin + "\" Spacing=\"" + spacing +
-         "\">\n"
-         "<Piece Extent=\"" +
-         extent +
-         "\">\n<PointData Scalars=\"density_g_cm3\">\n"
-         "<DataArray type=\"Float32\" Name=\"density_g_cm3\" format=\"appended\" offset=\"0\"/>\n"
-         "</PointData>\n</Piece>\n</ImageData>\n<AppendedData encoding=\"raw\">\n_";
+  const std::string extent = fmt::format("0 {} 0 {} 0 {}", grid.dims.x() - 1, grid.dims.y() - 1, grid.dims.z() - 1);
+  const std::string step = shortest_text(grid.voxel_mm);
+  return fmt::format(
+      R"(<?xml version="1.0"?>
+<VTKFile type="ImageData" version="1.0" byte_order="LittleEndian" header_type="UInt64" )"
+      R"(compressor="vtkZLibDataCompressor">
+<ImageData WholeExtent="{0}" Origin="{1} {2} {3}" Spacing="{4} {4} {4}">
+<Piece Extent="{0}">
+<PointData Scalars="density_g_cm3">
+<DataArray type="Float32" Name="density_g_cm3" format="appended" offset="0"/>
+</PointData>
+</Piece>
+</ImageData>
+<AppendedData encoding="raw">
+_)",
+      extent, shortest_text(first.x()), shortest_text(first.y()), shortest_text(first.z()), step);
 }
 
 /// Density × fill of `count` voxels along x that lie in one brick; leaves air as it is.
@@ -108,8 +101,7 @@ void write_vti(const std::string& path, const BoneView& bone) {
   out << "\n</AppendedData>\n</VTKFile>\n";
   out.seekp(table);
   put(sizes);
-  out.close();
-  if (!out) throw RunError(path + ": cannot be written; is the disk full or the folder read-only?");
+  close_file(out, path);
 }
 
 }  // namespace reamsim

@@ -1,8 +1,7 @@
 #include "sim/run/simulation.h"
 
+#include <fmt/core.h>
 #include <algorithm>
-#include <iomanip>
-#include <sstream>
 
 #include "sim/base/error.h"
 #include "sim/base/stopwatch.h"
@@ -172,9 +171,8 @@ class Simulation {
     if (result.contacts == 0) return;
     const std::string at = "frame " + std::to_string(result.frame);
     if (result.frame == 0) {
-      std::ostringstream volume;
-      volume << std::setprecision(3) << result.removed_mm3;
-      report_.warn("the tool starts in the bone: " + volume.str() + " mm3 were removed at frame 0, without force");
+      report_.warn(fmt::format("the tool starts in the bone: {:.3g} mm3 were removed at frame 0, without force",
+                               result.removed_mm3));
     }
     if (!touched_ && result.frame == 1 && !exact_) {
       report_.warn("the tool starts in contact with the bone: the force of the first frames is not meaningful");

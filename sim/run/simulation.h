@@ -5,7 +5,7 @@
 #include <memory>
 
 #include "sim/engine/make_engine.h"
-#include "sim/record/frame_sink.h"
+#include "sim/record/results.h"
 #include "sim/scene/scene.h"
 
 namespace reamsim {

@@ -1,7 +1,7 @@
 #include "sim/tool/clipped_tool.h"
 
+#include <fmt/core.h>
 #include <cmath>
-#include <cstdio>
 #include <string>
 
 #include "sim/tool/thin_walls.h"
@@ -14,26 +14,20 @@ void warn_of_thin_walls(const Tool& tool, bool teeth, double voxel_mm, Report& r
   const double limit_mm = kThinWallVoxels * voxel_mm;
   const auto wall = teeth ? thinnest_wall(tool.mesh, limit_mm) : thinnest_wall(tool.profile, limit_mm);
   if (!wall) return;
-  char text[240];
-  std::snprintf(text, sizeof text,
-                "tool.mesh: a wall of the tool is %.3g mm thick at (%.3g, %.3g, %.3g) mm, less than two voxels (%.3g "
-                "mm); its cut is inaccurate: use voxels of %.3g mm or less",
-                wall->thickness_mm, wall->at_mm.x(), wall->at_mm.y(), wall->at_mm.z(), limit_mm,
-                wall->thickness_mm / kThinWallVoxels);
-  report.warn(text);
+  report.warn(fmt::format(
+      "tool.mesh: a wall of the tool is {:.3g} mm thick at ({:.3g}, {:.3g}, {:.3g}) mm, less than two voxels ({:.3g} "
+      "mm); its cut is inaccurate: use voxels of {:.3g} mm or less",
+      wall->thickness_mm, wall->at_mm.x(), wall->at_mm.y(), wall->at_mm.z(), limit_mm,
+      wall->thickness_mm / kThinWallVoxels));
 }
 
 void report_volume(const DistanceGrid& grid, Report& report) {
-  char text[240];
-  std::snprintf(text, sizeof text,
-                "tool: the distance grid has %zu bricks, sample spacing %.3g mm, volume %.2f mm^3; the mesh has %.2f "
-                "mm^3 (%+.3f %%)",
-                grid.stored_bricks(), grid.spacing_mm, grid.volume_mm3, grid.mesh_mm3, 100 * grid.volume_error());
+  const std::string text = fmt::format(
+      "tool: the distance grid has {} bricks, sample spacing {:.3g} mm, volume {:.2f} mm^3; the mesh has {:.2f} "
+      "mm^3 ({:+.3f} %)",
+      grid.stored_bricks(), grid.spacing_mm, grid.volume_mm3, grid.mesh_mm3, 100 * grid.volume_error());
   if (std::abs(grid.volume_error()) <= kGridVolumeTolerance) return report.note(text);
-  char tolerance[80];
-  std::snprintf(tolerance, sizeof tolerance, "; the difference exceeds %.1f %%: use smaller voxels",
-                100 * kGridVolumeTolerance);
-  report.warn(std::string(text) + tolerance);
+  report.warn(text + fmt::format("; the difference exceeds {:.1f} %: use smaller voxels", 100 * kGridVolumeTolerance));
 }
 
 }  // namespace

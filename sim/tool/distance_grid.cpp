@@ -1,8 +1,8 @@
 #include "sim/tool/distance_grid.h"
 
+#include <fmt/core.h>
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <new>
 
 #include "sim/base/error.h"
@@ -226,11 +226,9 @@ void require_room_for_grid(double need_bytes, double have_bytes, double voxel_mm
   if (need_bytes <= have_bytes) return;
   // The number of bricks in the band is inversely proportional to the square of the spacing.
   const double fitting_mm = 1.05 * voxel_mm * std::sqrt(need_bytes / have_bytes);
-  char text[200];
-  std::snprintf(text, sizeof text, "the distance grid needs %.4g MB, but %s has %.4g MB available", need_bytes / 1e6,
-                what.c_str(), have_bytes / 1e6);
-  char fit[100];
-  std::snprintf(fit, sizeof fit, "use voxels of about %.3g mm, or tool.spin: envelope", fitting_mm);
+  const std::string text = fmt::format("the distance grid needs {:.4g} MB, but {} has {:.4g} MB available",
+                                       need_bytes / 1e6, what, have_bytes / 1e6);
+  const std::string fit = fmt::format("use voxels of about {:.3g} mm, or tool.spin: envelope", fitting_mm);
   throw InputError({}, "bone.voxel_mm", text, fit);
 }
 

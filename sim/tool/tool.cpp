@@ -1,8 +1,8 @@
 #include "sim/tool/tool.h"
 
+#include <fmt/core.h>
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <string>
 #include <utility>
 
@@ -38,9 +38,7 @@ constexpr double kOffAxisError = 0.1;
 constexpr double kOffOriginWarn = 0.1;
 
 std::string text(double value) {
-  char buffer[32];
-  std::snprintf(buffer, sizeof buffer, "%.4g", value);
-  return buffer;
+  return fmt::format("{:.4g}", value);
 }
 
 InputError tool_error(const ToolSettings& settings, const std::string& found, const std::string& expected) {

@@ -32,13 +32,13 @@ CaseFindings ct_ramp_case(const Setting& setting);
 CaseFindings ct_plate_case(const Setting& setting);
 CaseFindings ct_force_case(const Setting& setting);
 
-/// What one run should give, and what it gave.
+/// A figure of one run.
 struct Sample {
   double expected = 0;
   double found = 0;
 };
 
-/// A level of a ladder from its runs, whose closed forms may differ a little from `nominal`.
+/// A level of a refinement from its runs, whose closed forms may differ a little from `nominal`.
 inline Level level_of(double step, const std::vector<Sample>& samples, double nominal) {
   Level level{.step = step, .runs = static_cast<int>(samples.size())};
   std::vector<double> errors;
@@ -48,6 +48,12 @@ inline Level level_of(double step, const std::vector<Sample>& samples, double no
   }
   level.error = samples.size() == 1 ? errors.front() : rms(errors);
   return level;
+}
+
+/// Adds the level of one run.
+inline void add_level(Refinement& refinement, double step, double found) {
+  const double expected = *refinement.expected;
+  refinement.levels.push_back(level_of(step, {{expected, found}}, expected));
 }
 
 /// A figure against its closed form.
@@ -61,17 +67,32 @@ inline std::vector<double> four_voxels(double finest_mm) {
   return {8 * finest_mm, 4 * finest_mm, 2 * finest_mm, finest_mm};
 }
 
-/// The ladder's finest level against its closed form; of several runs the root mean square of their errors.
-inline Check finest_check(const Ladder& ladder, double tolerance, const std::string& reason) {
-  const Level& finest = ladder.levels.back();
-  const std::string where = ladder.quantity + ", finest voxels";
+/// The finest level against its closed form; of several runs the root mean square of their errors.
+inline Check finest_check(const Refinement& refinement, double tolerance, const std::string& reason) {
+  const Level& finest = refinement.levels.back();
+  const std::string where = refinement.quantity + ", finest voxels";
   if (finest.runs == 1) {
-    return {where, ladder.unit, Measure::relative, *ladder.expected, finest.found, tolerance, reason};
+    return {where, refinement.unit, Measure::relative, *refinement.expected, finest.found, tolerance, reason};
   }
   return {"RMS error of the " + where, "", Measure::at_most, tolerance, *finest.error, 0, reason};
 }
 
-/// Offsets within half a step either way, from a seed.
+/// Torque, thrust and removal rate of a steady plunge, without levels.
+inline std::vector<Refinement> load_refinements(const SteadyPlunge& plunge) {
+  const PlungeLoads loads = plunge.full_loads();
+  return {{"torque", "N·mm", "voxel, mm", loads.torque_nmm},
+          {"thrust", "N", "voxel, mm", loads.thrust_n},
+          {"removal rate", "mm³/s", "voxel, mm", plunge.removal_mm3_s()}};
+}
+
+/// Finishes the refinement, checks its finest level and adds both to `out`.
+inline void add_refinement(CaseFindings& out, Refinement refinement, double tolerance, const std::string& reason) {
+  finish(refinement);
+  out.checks.push_back(finest_check(refinement, tolerance, reason));
+  out.refinements.push_back(std::move(refinement));
+}
+
+/// Random offsets from a seed.
 class Offsets {
  public:
   explicit Offsets(unsigned seed) : random_(seed) {}

@@ -1,6 +1,6 @@
-// What does not depend on the bone's density, and what a face only half over bone feels.
+// The ratio of torque to thrust, which does not depend on the bone, and the loads on a face half over bone.
+#include <fmt/core.h>
 #include <cmath>
-#include <cstdio>
 #include <numbers>
 
 #include "sim/verify/case_parts.h"
@@ -10,37 +10,23 @@ namespace reamsim::verify {
 
 namespace {
 
-constexpr double kForceBar = 5e-3;  // of a steady plunge at 0.25 mm
-const char* const kBarReason = "limit set by this project";
-
-/// The example with one factor changed; a flat face with `radius_mm` 0.
-SteadyPlunge changed(double SteadyPlunge::*member, double value) {
-  SteadyPlunge out = kExample;
-  out.*member = value;
-  return out;
-}
-
-SteadyPlunge with_radius(std::optional<double> radius_mm) {
-  SteadyPlunge out = kExample;
-  out.radius_mm = radius_mm;
-  return out;
-}
+constexpr double kForceLimit = 5e-3;  // of a steady plunge at 0.25 mm
+const char* const kLimitReason = "limit set by this project";
 
 std::vector<SteadyPlunge> ratio_plunges(bool quick) {
-  std::vector<SteadyPlunge> out = {kExample, changed(&SteadyPlunge::density_g_cm3, 0.4),
-                                   changed(&SteadyPlunge::density_g_cm3, 1.0), with_radius(std::nullopt)};
+  std::vector<SteadyPlunge> out = {kExample, example_with(&SteadyPlunge::density_g_cm3, 0.4),
+                                   example_with(&SteadyPlunge::density_g_cm3, 1.0),
+                                   example_with(&SteadyPlunge::radius_mm, std::nullopt)};
   if (quick) return out;
-  for (const double outer_mm : {8.0, 12.5}) out.push_back(changed(&SteadyPlunge::outer_mm, outer_mm));
-  for (const double rpm : {100.0, 500.0}) out.push_back(changed(&SteadyPlunge::rpm, rpm));
-  for (const double feed_mm_s : {0.05, 0.5}) out.push_back(changed(&SteadyPlunge::feed_mm_s, feed_mm_s));
-  for (const double radius_mm : {20.0, 40.0}) out.push_back(with_radius(radius_mm));
+  for (const double outer_mm : {8.0, 12.5}) out.push_back(example_with(&SteadyPlunge::outer_mm, outer_mm));
+  for (const double rpm : {100.0, 500.0}) out.push_back(example_with(&SteadyPlunge::rpm, rpm));
+  for (const double feed_mm_s : {0.05, 0.5}) out.push_back(example_with(&SteadyPlunge::feed_mm_s, feed_mm_s));
+  for (const double radius_mm : {20.0, 40.0}) out.push_back(example_with(&SteadyPlunge::radius_mm, radius_mm));
   return out;
 }
 
 std::string with_density(const SteadyPlunge& plunge) {
-  char text[32];
-  std::snprintf(text, sizeof text, ", %g g/cm³", plunge.density_g_cm3);
-  return text_of(plunge) + text;
+  return text_of(plunge) + fmt::format(", {:g} g/cm³", plunge.density_g_cm3);
 }
 
 double measured_ratio_mm(const PlungeRun& run, const Setting& setting) {
@@ -78,9 +64,7 @@ constexpr HalfLoad kHalfLoads[] = {
 
 /// The loads of one half face against the closed forms.
 std::vector<Check> half_checks(const PlungeRun& run, const Setting& setting) {
-  char text[64];
-  std::snprintf(text, sizeof text, ", e at %g°", *run.half_toward_deg);
-  const std::string where = text_of(run.plunge) + text;
+  const std::string where = text_of(run.plunge) + fmt::format(", e at {:g}°", *run.half_toward_deg);
   setting.progress("half face, " + where);
   const HalfFaceLoads expected = run.plunge.half_face(), found = measured_half(run, setting);
   std::vector<Check> out;
@@ -88,35 +72,34 @@ std::vector<Check> half_checks(const PlungeRun& run, const Setting& setting) {
     const double form = expected.*load.member;
     const std::string quantity = std::string(load.name) + ", " + where;
     if (form != 0) {
-      out.push_back(relative_check(quantity, load.unit, form, found.*load.member, kForceBar, kBarReason));
+      out.push_back(relative_check(quantity, load.unit, form, found.*load.member, kForceLimit, kLimitReason));
     } else {
       // A flat face has no such load: a fraction of the load across it.
       const bool force = load.member == &HalfFaceLoads::along_e_n;
       const double scale = force ? expected.along_t_n : expected.about_t_nmm;
       out.push_back(
-          {quantity, load.unit, Measure::absolute, 0, found.*load.member, kForceBar * std::abs(scale), kBarReason});
+          {quantity, load.unit, Measure::absolute, 0, found.*load.member, kForceLimit * std::abs(scale), kLimitReason});
     }
   }
   return out;
 }
 
-/// The lateral force as ladders over the voxel size, against the law's integral.
-std::vector<Ladder> half_ladders(const Setting& setting) {
-  std::vector<Ladder> ladders;
+/// The lateral force as refinements over the voxel size, against the law's integral.
+std::vector<Refinement> half_refinements(const Setting& setting) {
+  std::vector<Refinement> refinements;
   const HalfFaceLoads expected = kExample.full_half_face();
   for (const HalfLoad& load : kHalfLoads) {
-    ladders.push_back({load.name, load.unit, "voxel, mm", expected.*load.member, {}, {}, {}});
+    refinements.push_back({load.name, load.unit, "voxel, mm", expected.*load.member});
   }
   for (const double voxel_mm : four_voxels(setting.quick ? 0.25 : 0.125)) {
     const HalfFaceLoads found =
         measured_half({.plunge = kExample, .voxel_mm = voxel_mm, .half_toward_deg = 25}, setting);
-    for (std::size_t i = 0; i < ladders.size(); ++i) {
-      const double form = *ladders[i].expected;
-      ladders[i].levels.push_back(level_of(voxel_mm, {{form, found.*kHalfLoads[i].member}}, form));
+    for (std::size_t i = 0; i < refinements.size(); ++i) {
+      add_level(refinements[i], voxel_mm, found.*kHalfLoads[i].member);
     }
   }
-  for (Ladder& ladder : ladders) finish(ladder);
-  return ladders;
+  for (Refinement& refinement : refinements) finish(refinement);
+  return refinements;
 }
 
 }  // namespace
@@ -130,13 +113,13 @@ CaseFindings ratio_case(const Setting& setting) {
     setting.progress("ratio, " + with_density(plunge));
     const double found = measured_ratio_mm({.plunge = plunge}, setting);
     out.checks.push_back(relative_check("T/F_z, " + with_density(plunge), "mm", plunge.torque_nmm() / plunge.thrust_n(),
-                                        found, kForceBar, kBarReason));
+                                        found, kForceLimit, kLimitReason));
     out.checks.push_back({"T/F_z in the limit of slow feed, " + with_density(plunge), "mm", Measure::reported,
                           plunge.ratio_mm(), found, 0, "beside it"});
   }
   const double tilted = measured_ratio_mm({.plunge = kExample, .tilt_deg = 17}, setting);
   out.checks.push_back(relative_check("T/F_z, axis tilted by 17°", "mm", kExample.torque_nmm() / kExample.thrust_n(),
-                                      tilted, kForceBar, kBarReason));
+                                      tilted, kForceLimit, kLimitReason));
   return out;
 }
 
@@ -149,14 +132,15 @@ CaseFindings half_face_case(const Setting& setting) {
   out.form =
       "torque and axial force half of full contact; F·t = 2u·(v_f/ω)·(a − r₀); F·e = −k_n·u·(v_f/ω)·(a² − r₀²)/R; M·t "
       "= R·F·e; M·e = −2u·(v_f/ω)·R·[(a − r₀) − (C(a) − C(r₀))]";
-  out.ladders = half_ladders(setting);
-  std::vector<PlungeRun> runs = {{.plunge = kExample, .half_toward_deg = 0},
-                                 {.plunge = kExample, .half_toward_deg = 25},
-                                 {.plunge = with_radius(std::nullopt), .half_toward_deg = 25}};
+  out.refinements = half_refinements(setting);
+  std::vector<PlungeRun> runs = {
+      {.plunge = kExample, .half_toward_deg = 0},
+      {.plunge = kExample, .half_toward_deg = 25},
+      {.plunge = example_with(&SteadyPlunge::radius_mm, std::nullopt), .half_toward_deg = 25}};
   if (!setting.quick) {
     runs.push_back({.plunge = kExample, .half_toward_deg = 137});
-    runs.push_back({.plunge = changed(&SteadyPlunge::bore_mm, 4), .half_toward_deg = 25});
-    runs.push_back({.plunge = with_radius(20), .half_toward_deg = 25});
+    runs.push_back({.plunge = example_with(&SteadyPlunge::bore_mm, 4), .half_toward_deg = 25});
+    runs.push_back({.plunge = example_with(&SteadyPlunge::radius_mm, 20), .half_toward_deg = 25});
   }
   for (const PlungeRun& run : runs) {
     for (Check& check : half_checks(run, setting)) out.checks.push_back(std::move(check));

@@ -9,7 +9,7 @@ namespace {
 
 constexpr double kRatio = 2;  // of one step to the next
 constexpr double kFormalOrder = 2;
-/// An observed order below this says that the levels are not yet where the error falls with the step.
+/// Below this observed order the levels are outside the asymptotic range.
 constexpr double kLeastOrder = 0.5;
 constexpr double kSafetyOfThree = 1.25, kSafetyOfTwo = 3;  // Roache
 
@@ -41,7 +41,7 @@ std::optional<double> observed_order(const std::vector<Level>& levels) {
 GridIndex grid_index(const std::vector<Level>& levels, double formal_order) {
   const std::size_t n = levels.size();
   const double fine = levels[n - 1].found, after = std::abs(fine - levels[n - 2].found);
-  GridIndex out{.share = 0, .safety_factor = kSafetyOfTwo, .order = {}};
+  GridIndex out{.fraction = 0, .safety_factor = kSafetyOfTwo, .order = {}};
   double difference = after, order = formal_order;
   if (n >= 3) {
     difference = std::max(after, std::abs(levels[n - 2].found - levels[n - 3].found));
@@ -52,13 +52,13 @@ GridIndex grid_index(const std::vector<Level>& levels, double formal_order) {
     order = std::min(*out.order, formal_order);
     difference = after;
   }
-  out.share = out.safety_factor * difference / (std::abs(fine) * (std::pow(kRatio, order) - 1));
+  out.fraction = out.safety_factor * difference / (std::abs(fine) * (std::pow(kRatio, order) - 1));
   return out;
 }
 
-void finish(Ladder& ladder) {
-  ladder.order = observed_order(ladder.levels);
-  ladder.index = grid_index(ladder.levels, kFormalOrder);
+void finish(Refinement& refinement) {
+  refinement.order = observed_order(refinement.levels);
+  refinement.index = grid_index(refinement.levels, kFormalOrder);
 }
 
 }  // namespace reamsim::verify

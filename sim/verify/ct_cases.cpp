@@ -1,4 +1,5 @@
-// Bone from a CT: what the scan's voxels mix at the bone's surface must not show in energy or force, at any voxel size.
+// Bone from a CT: the partial volume at its surface must not affect energy or force at any voxel size.
+#include <fmt/core.h>
 #include <cmath>
 #include <numbers>
 
@@ -12,7 +13,7 @@ namespace {
 using std::numbers::pi;
 
 constexpr double kRate_hz = 500, kRpm = 250, kFeed_mm_s = 20, kStart_mm = 2;
-constexpr const char* kBar = "limit set by this project for a CT";
+constexpr const char* kCtLimitReason = "limit set by this project for a CT";
 
 /// Energy and volume of a plunge, summed as far as a depth.
 struct Removed {
@@ -69,15 +70,9 @@ struct Worst {
   }
 };
 
-std::string number(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%g", value);
-  return text;
-}
-
 std::string place(const CtSlab& slab, double voxel_mm) {
-  return "scan " + number(slab.spacing_mm) + " mm, offset " + number(slab.offset_voxels) + ", tilt " +
-         number(slab.tilt_deg) + "°, voxels " + number(voxel_mm) + " mm";
+  return fmt::format("scan {:g} mm, offset {:g}, tilt {:g}°, voxels {:g} mm", slab.spacing_mm, slab.offset_voxels,
+                     slab.tilt_deg, voxel_mm);
 }
 
 /// Calls visit(slab, voxel) for spacings, offsets, tilts and voxel sizes; the quick suite has a part of them.
@@ -98,14 +93,15 @@ void for_each_scan(CtSlab slab, const Setting& setting, const Visit& visit) {
   }
 }
 
-Check worst_check(const std::string& quantity, const Worst& worst, double tolerance) {
-  return {quantity + ", worst of " + std::to_string(worst.runs) + " (" + worst.where + ")",
-          "",
-          Measure::absolute,
-          0,
-          worst.error,
-          tolerance,
-          kBar};
+Check worst_check(const std::string& quantity, const Worst& worst, double tolerance, bool has_limit = true) {
+  const Measure measure = has_limit ? Measure::absolute : Measure::reported;
+  return {.quantity = fmt::format("{}, worst of {} ({})", quantity, worst.runs, worst.where),
+          .unit = "",
+          .measure = measure,
+          .expected = 0,
+          .found = worst.error,
+          .tolerance = tolerance,
+          .reason = has_limit ? kCtLimitReason : ""};
 }
 
 }  // namespace
@@ -169,10 +165,8 @@ CaseFindings ct_plate_case(const Setting& setting) {
         mean += found / expected - 1;
       }
     }
-    const std::string plate = "energy per volume, plate of " + number(thickness_mm) + " mm";
-    const bool has_bar = thickness_mm == 2;
-    out.checks.push_back({plate + ", worst of " + std::to_string(worst.runs) + " (" + worst.where + ")", "",
-                          has_bar ? Measure::absolute : Measure::reported, 0, worst.error, 0.10, has_bar ? kBar : ""});
+    const std::string plate = fmt::format("energy per volume, plate of {:g} mm", thickness_mm);
+    out.checks.push_back(worst_check(plate, worst, 0.10, thickness_mm == 2));
     out.checks.push_back({plate + ", mean", "", Measure::reported, 0, mean / worst.runs, 0, ""});
   }
   return out;
@@ -195,8 +189,8 @@ CaseFindings ct_force_case(const Setting& setting) {
   const PlungeLoads expected = form.full_loads();
   const Tool tool = make_tool(convex_profile(29, 4, 1.25, 8, 0.1));
   const Vec3 n = slab.outward();
-  Ladder torque{"mean spin torque", "N·mm", "voxel, mm", expected.torque_nmm, {}, {}, {}};
-  Ladder thrust{"mean thrust", "N", "voxel, mm", expected.thrust_n, {}, {}, {}};
+  Refinement torque{"mean spin torque", "N·mm", "voxel, mm", expected.torque_nmm};
+  Refinement thrust{"mean thrust", "N", "voxel, mm", expected.thrust_n};
   for (const double voxel_mm : four_voxels(0.25)) {
     constexpr int kDown = 100, kSteady = 400;
     const Motion motion =
@@ -204,13 +198,11 @@ CaseFindings ct_force_case(const Setting& setting) {
              {{slab.face_mm() - 2 * n, kDown, kRpm, along(n)}, {slab.face_mm() - 3 * n, kSteady, kRpm, along(n)}});
     const Reamed reamed = ream(scene_of(scan_and_import(slab, voxel_mm), tool, motion), setting);
     const MeanLoads loads = mean_loads(reamed.after(kDown));
-    torque.levels.push_back(level_of(voxel_mm, {{expected.torque_nmm, loads.spin_torque_nmm}}, expected.torque_nmm));
-    thrust.levels.push_back(level_of(voxel_mm, {{expected.thrust_n, loads.axial_force_n}}, expected.thrust_n));
+    add_level(torque, voxel_mm, loads.spin_torque_nmm);
+    add_level(thrust, voxel_mm, loads.axial_force_n);
   }
-  for (Ladder* ladder : {&torque, &thrust}) {
-    finish(*ladder);
-    out.checks.push_back(finest_check(*ladder, 0.01, "the grade of the slab is rounded to 0.4 %"));
-    out.ladders.push_back(*ladder);
+  for (const Refinement& refinement : {torque, thrust}) {
+    add_refinement(out, refinement, 0.01, "the grade of the slab is rounded to 0.4 %");
   }
   return out;
 }

@@ -10,11 +10,11 @@ namespace reamsim::verify {
 
 namespace {
 
-/// Soft tissue above the face, and bone beside and below what is reamed, mm: more than a tool's reach and the scan's
-/// point spread.
+/// Soft tissue above the face, and bone beside and below the reamed region, mm: more than the reach of the tool and the
+/// PSF of the scan.
 constexpr double kAbove_mm = 4, kBeside_mm = 4;
 
-/// The slab's scan, computed when it is read.
+/// The scan of the slab, computed on reading.
 class SlabScan final : public ct::ScanSource {
  public:
   explicit SlabScan(const CtSlab& slab) : slab_(slab) {
@@ -44,7 +44,7 @@ class SlabScan final : public ct::ScanSource {
   [[nodiscard]] double depth_of(const Vec3& point) const { return slab_.outward().dot(slab_.face_mm() - point); }
   [[nodiscard]] double hu_at(double depth) const { return depth < 0 ? kSoftTissue_hu : slab_.hu(depth); }
 
-  /// Mean over the voxel: at many points where the profile is not straight across it.
+  /// Mean over the voxel, from many points where the profile is not linear across it.
   [[nodiscard]] double mean_hu(const Vec3& center) const {
     constexpr int kAcross = 6, kAlong = 24;
     const double depth = depth_of(center);

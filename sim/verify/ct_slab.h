@@ -8,19 +8,18 @@
 
 namespace reamsim::verify {
 
-/// A slab of bone as a CT with voxel averaging sees it: radiodensity over the depth below a tilted face, soft tissue
-/// outside.
+/// A slab of bone in a CT with voxel averaging: radiodensity over the depth below a tilted face, soft tissue outside.
 struct CtSlab {
-  std::function<double(double depth_mm)> hu;  ///< straight between the breaks
-  std::vector<double> breaks_mm = {};         ///< depths where `hu` has a step or a corner; the face is one of itself
+  std::function<double(double depth_mm)> hu;  ///< linear between the breaks
+  std::vector<double> breaks_mm = {};         ///< depths where `hu` has a step or a corner, besides the face
   double spacing_mm = 1;                      ///< of the scan
   double offset_voxels = 0;                   ///< of the face against the scan's voxels
   double tilt_deg = 0;
-  double depth_mm = 6;  ///< that is reamed at most
+  double depth_mm = 6;  ///< greatest reamed depth
   double radius_mm = 5;
 
   [[nodiscard]] Vec3 outward() const;
-  /// A point of the face, in the middle of what is reamed.
+  /// The point of the face in the middle of the reamed region.
   [[nodiscard]] Vec3 face_mm() const;
   /// Energy per volume of the bone down to a depth, by quadrature, mJ/mm³.
   [[nodiscard]] double specific_energy_to(double depth_mm) const;

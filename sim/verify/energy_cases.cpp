@@ -1,6 +1,5 @@
-// The energy identity (docs/physics.md, 5), its two sides added up apart, and the energy of the removed bone.
+// The energy balance (docs/physics.md, 5) from separate sums of its two sides, and the energy of the removed bone.
 #include <cmath>
-#include <numbers>
 
 #include "sim/verify/case_parts.h"
 
@@ -8,27 +7,21 @@ namespace reamsim::verify {
 
 namespace {
 
-using std::numbers::pi;
-
 constexpr double kVoxel_mm = 0.25, kRate_hz = 500, kLayer_mm = 1.5, kDense = 1.8, kSoft = 0.4;
 
 double layered_density(const Vec3& p) {
   return p.z() > -kLayer_mm ? kDense : kSoft;
 }
 
-Quat about(const Vec3& axis, double degrees) {
-  return Quat(Eigen::AngleAxisd(degrees * pi / 180, axis.normalized()));
-}
-
-/// Down, sideways at a spin so slow that most of the face is below the speed floor, and tilting.
+/// Down; sideways, so slowly rotating that most of the face is below the speed floor; tilting.
 Motion every_kind_of_motion() {
-  const Quat first = about({1, 0.4, 0}, 10), last = about({0.2, 1, 0}, 8) * first;
+  const Quat first = rotation({1, 0.4, 0}, 10), last = rotation({0.2, 1, 0}, 8) * first;
   return path(
       kRate_hz, {-1.5, -0.5, 2},
       {{{-1.5, -0.5, -2}, 120, 250, first}, {{0.5, 0.5, -2}, 80, 20, first}, {{0.5, 0.5, -2.5}, 60, 100, last}});
 }
 
-/// Work that the tool does on the bone in a frame, from its poses and the frame's mean loads: −(T·ω + F·v)·Δt, mJ.
+/// Work of the tool on the bone in a frame, from its poses and mean loads: −(T·ω + F·v)·Δt, mJ.
 double work_mj(const ToolPose& before, const FrameResult& row) {
   const ToolPose& after = row.pose;
   const Eigen::AngleAxisd tilt(after.orientation * before.orientation.conjugate());
@@ -37,16 +30,16 @@ double work_mj(const ToolPose& before, const FrameResult& row) {
   return -(row.torque_nmm.dot(turn) + row.force_n.dot(after.position_mm - before.position_mm));
 }
 
-/// Energy that the bone which is gone takes by the closed form of the law, mJ, and its volume, mm³.
-struct Gone {
+/// The removed bone: its cutting energy by the closed form of the law, and its volume.
+struct RemovedBone {
   double energy_mj = 0;
   double volume_mm3 = 0;
 };
 
-Gone gone_from(const BoneView& left) {
-  Gone out;
-  for_each_bone_voxel(left, [&](const Vec3i&, std::uint8_t grade, std::uint16_t fill) {
-    const double lost = (1 - double(fill) / FillBricks::kWhole) * left.voxmap.grid.voxel_mm3();
+RemovedBone removed_from(const BoneView& remaining) {
+  RemovedBone out;
+  for_each_bone_voxel(remaining, [&](const Vec3i&, std::uint8_t grade, std::uint16_t fill) {
+    const double lost = (1 - double(fill) / FillBricks::kWhole) * remaining.voxmap.grid.voxel_mm3();
     out.volume_mm3 += lost;
     out.energy_mj += lost * specific_energy(DensityMapping::density_from_grade(grade));
   });
@@ -73,16 +66,16 @@ CaseFindings energy_case(const Setting& setting) {
     floor += reamed.rows[k].floor_energy_mj;
     cut += reamed.rows[k].energy_mj;
   }
-  const Gone gone = gone_from(reamed.left);
+  const RemovedBone removed = removed_from(reamed.bone);
   const std::string bar = "limit set by this project for every run", reported = "";
   out.checks.push_back({"left side: work of the tool", "mJ", Measure::reported, 0, work, 0, reported});
   out.checks.push_back({"left side: speed-floor energy", "mJ", Measure::reported, 0, floor, 0, reported});
   out.checks.push_back({"left side against right side, E_cut", "mJ", Measure::relative, cut, work + floor, 1e-4, bar});
   out.checks.push_back(
       {"balance reported by the program", "", Measure::absolute, 0, reamed.rows.back().balance, 1e-4, bar});
-  out.checks.push_back({"E_cut against the removed bone", "mJ", Measure::relative, gone.energy_mj, cut, 1e-5,
+  out.checks.push_back({"E_cut against the removed bone", "mJ", Measure::relative, removed.energy_mj, cut, 1e-5,
                         "energies are single-precision sums over integer fractions of voxels"});
-  out.checks.push_back({"removed volume against the removed bone", "mm³", Measure::relative, gone.volume_mm3,
+  out.checks.push_back({"removed volume against the removed bone", "mm³", Measure::relative, removed.volume_mm3,
                         reamed.removed_mm3(), 1e-9, "the same integers"});
   return out;
 }

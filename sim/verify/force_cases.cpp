@@ -1,4 +1,4 @@
-// Forces with closed forms: a cannulated reamer in full contact.
+// Forces of a cannulated reamer in full contact against closed forms.
 #include <cmath>
 #include <limits>
 
@@ -10,38 +10,29 @@ namespace reamsim::verify {
 namespace {
 
 constexpr double kClear_mm = 0.1;
-/// Bars of the project for a steady plunge in full contact at 0.25 mm.
-constexpr double kForceBar = 5e-3, kRippleBar = 2e-3;
-const char* const kBarReason = "limit set by this project";
+/// Limits of the project for a steady plunge in full contact at 0.25 mm.
+constexpr double kForceLimit = 5e-3, kRippleLimit = 2e-3;
+const char* const kLimitReason = "limit set by this project";
 
-/// Torque, thrust and removal rate as ladders over the voxel size.
-std::vector<Ladder> steady_ladders(const SteadyPlunge& plunge, const Setting& setting) {
-  std::vector<Ladder> ladders(3);
-  const PlungeLoads loads = plunge.full_loads();
-  ladders[0] = {"torque", "N·mm", "voxel, mm", loads.torque_nmm, {}, {}, {}};
-  ladders[1] = {"thrust", "N", "voxel, mm", loads.thrust_n, {}, {}, {}};
-  ladders[2] = {"removal rate", "mm³/s", "voxel, mm", plunge.removal_mm3_s(), {}, {}, {}};
+/// Torque, thrust and removal rate as refinements over the voxel size.
+std::vector<Refinement> steady_refinements(const SteadyPlunge& plunge, const Setting& setting) {
+  std::vector<Refinement> refinements = load_refinements(plunge);
   constexpr int kFrames = 64;
   for (const double voxel_mm : four_voxels(setting.quick ? 0.25 : 0.125)) {
     const MeanLoads mean =
         mean_loads(steady_rows({.plunge = plunge, .voxel_mm = voxel_mm, .frames = kFrames}, setting));
     const double found[] = {mean.spin_torque_nmm, mean.axial_force_n, mean.removed_mm3 / voxel_mm * plunge.feed_mm_s};
-    for (std::size_t i = 0; i < ladders.size(); ++i) {
-      ladders[i].levels.push_back(level_of(voxel_mm, {{*ladders[i].expected, found[i]}}, *ladders[i].expected));
-    }
+    for (std::size_t i = 0; i < refinements.size(); ++i) add_level(refinements[i], voxel_mm, found[i]);
   }
-  for (Ladder& ladder : ladders) finish(ladder);
-  return ladders;
+  for (Refinement& refinement : refinements) finish(refinement);
+  return refinements;
 }
 
-/// One factor of the example changed at a time, and a flat face.
+/// The example with one factor changed at a time, and with a flat face.
 std::vector<SteadyPlunge> variations(bool quick) {
   std::vector<SteadyPlunge> out;
-  const auto vary = [&](auto member, std::vector<double> values) {
-    for (const double value : values) {
-      out.push_back(kExample);
-      out.back().*member = value;
-    }
+  const auto vary = [&](auto member, const std::vector<double>& values) {
+    for (const double value : values) out.push_back(example_with(member, value));
   };
   if (quick) {
     vary(&SteadyPlunge::outer_mm, {8});
@@ -54,12 +45,8 @@ std::vector<SteadyPlunge> variations(bool quick) {
     vary(&SteadyPlunge::bore_mm, {2, 4});
     vary(&SteadyPlunge::density_g_cm3, {0.4, 0.8, 1.2});
   }
-  for (const double radius : {20.0, 40.0}) {
-    out.push_back(kExample);
-    out.back().radius_mm = radius;
-  }
-  out.push_back(kExample);
-  out.back().radius_mm = std::nullopt;
+  vary(&SteadyPlunge::radius_mm, {20, 40});
+  out.push_back(example_with(&SteadyPlunge::radius_mm, std::nullopt));
   return out;
 }
 
@@ -72,20 +59,20 @@ CaseFindings steady_case(const Setting& setting) {
       "cannulated reamer (r₀ 1.25 mm) fed along its axis in full contact, ρ 1.8 g/cm³; means over one voxel of feed; "
       "refinements: R 29, a 15 mm, 250 rpm, 0.2 mm/s";
   out.form = "T = π·u·(a² − r₀²)·v_f/ω; F_z = 2π·k_n·u·(v_f/ω)·[C(a) − C(r₀)] + 2π·u·(v_f/ω)²·ln(a/r₀)";
-  out.ladders = steady_ladders(kExample, setting);
+  out.refinements = steady_refinements(kExample, setting);
   const double simple[] = {kExample.torque_nmm(), kExample.thrust_n(), kExample.removal_mm3_s()};
-  for (std::size_t i = 0; i < out.ladders.size(); ++i) {
-    const Ladder& ladder = out.ladders[i];
-    out.checks.push_back(relative_check(ladder.quantity + ", " + text_of(kExample), ladder.unit, simple[i],
-                                        ladder.levels.back().found, kForceBar, kBarReason));
+  for (std::size_t i = 0; i < out.refinements.size(); ++i) {
+    const Refinement& refinement = out.refinements[i];
+    out.checks.push_back(relative_check(refinement.quantity + ", " + text_of(kExample), refinement.unit, simple[i],
+                                        refinement.levels.back().found, kForceLimit, kLimitReason));
   }
   for (const SteadyPlunge& plunge : variations(setting.quick)) {
     setting.progress("steady plunge, " + text_of(plunge));
     const MeanLoads mean = mean_loads(steady_rows({.plunge = plunge}, setting));
     out.checks.push_back(relative_check("torque, " + text_of(plunge), "N·mm", plunge.torque_nmm(), mean.spin_torque_nmm,
-                                        kForceBar, kBarReason));
+                                        kForceLimit, kLimitReason));
     out.checks.push_back(relative_check("thrust, " + text_of(plunge), "N", plunge.thrust_n(), mean.axial_force_n,
-                                        kForceBar, kBarReason));
+                                        kForceLimit, kLimitReason));
   }
   return out;
 }
@@ -96,8 +83,7 @@ CaseFindings ripple_case(const Setting& setting) {
   out.title = "Ripple of a steady plunge";
   out.scene = "the same reamer at 0.25 mm voxels, 0.2 mm/s and 1 kHz, frame by frame over one voxel of feed";
   out.form = "0: standard deviation of the torque over its mean";
-  SteadyPlunge flat = kExample;
-  flat.radius_mm = std::nullopt;
+  const SteadyPlunge flat = example_with(&SteadyPlunge::radius_mm, std::nullopt);
   const int frames = static_cast<int>(std::lround(kVoxel_mm / kExample.feed_mm_s * kRate_hz));
   const auto ripple = [&](const SteadyPlunge& plunge, ErosionMode erosion, double tilt_deg) {
     setting.progress("ripple, " + text_of(plunge) + ", " + name_of(erosion));
@@ -105,10 +91,10 @@ CaseFindings ripple_case(const Setting& setting) {
         {.plunge = plunge, .voxel_mm = kVoxel_mm, .frames = frames, .erosion = erosion, .tilt_deg = tilt_deg},
         setting));
   };
-  out.checks.push_back({"convex, axis tilted by 17°, exact", "", Measure::at_most, kRippleBar,
-                        ripple(kExample, ErosionMode::exact, 17), 0, kBarReason});
-  out.checks.push_back({"convex along the lattice, exact", "", Measure::at_most, kRippleBar,
-                        ripple(kExample, ErosionMode::exact, 0), 0, kBarReason});
+  out.checks.push_back({"convex, axis tilted by 17°, exact", "", Measure::at_most, kRippleLimit,
+                        ripple(kExample, ErosionMode::exact, 17), 0, kLimitReason});
+  out.checks.push_back({"convex along the lattice, exact", "", Measure::at_most, kRippleLimit,
+                        ripple(kExample, ErosionMode::exact, 0), 0, kLimitReason});
   out.checks.push_back({"flat along the lattice, exact", "", Measure::reported, 0, ripple(flat, ErosionMode::exact, 0),
                         0, "0.2 µm per frame is 52 of the 65535 steps of a voxel, and all voxels round together"});
   out.checks.push_back({"convex along the lattice, remove", "", Measure::reported, 0,
@@ -125,8 +111,8 @@ namespace {
 constexpr double kLayer_mm = 2, kAround_mm = 1;
 constexpr int kAroundFrames = 400;  // from kAround_mm above the interface to as far below it
 
-/// Rows round the interface of a block with a layer of the first plunge's density on that of the second.
-std::vector<FrameResult> rows_round_interface(const SteadyPlunge& dense, const SteadyPlunge& soft, double voxel_mm,
+/// Rows about the interface of a block with a layer of the first plunge's density on that of the second.
+std::vector<FrameResult> rows_about_interface(const SteadyPlunge& dense, const SteadyPlunge& soft, double voxel_mm,
                                               const Setting& setting) {
   constexpr int kApproach = 24;
   const FilledVoxmap bone = block({18, 18, 4}, voxel_mm, [&](const Vec3& p) {
@@ -141,7 +127,7 @@ std::vector<FrameResult> rows_round_interface(const SteadyPlunge& dense, const S
   return {rows.begin(), rows.end()};
 }
 
-/// How deep the tool is when the torque falls below `torque_nmm`, mm; NaN when it never is above.
+/// Depth of the tool when the torque falls below `torque_nmm`, mm; NaN where it never exceeds it.
 double depth_of_step(const std::vector<FrameResult>& rows, double torque_nmm) {
   double depth = std::numeric_limits<double>::quiet_NaN();
   for (const FrameResult& row : rows) {
@@ -159,25 +145,19 @@ CaseFindings layered_case(const Setting& setting) {
   out.title = "Layered block: step of the force at the interface";
   out.scene = "flat cannulated reamer (a 8, r₀ 1.25 mm) along a lattice axis through 2 mm of 1.8 g/cm³ into 0.4 g/cm³";
   out.form = "T = π·u(ρ)·(a² − r₀²)·v_f/ω minus the work of the feed, on both sides; the step at 2 mm";
-  Ladder above{"torque above the interface", "N·mm", "voxel, mm", dense.full_loads().torque_nmm, {}, {}, {}};
-  Ladder below{"torque below the interface", "N·mm", "voxel, mm", soft.full_loads().torque_nmm, {}, {}, {}};
+  Refinement above{"torque above the interface", "N·mm", "voxel, mm", dense.full_loads().torque_nmm};
+  Refinement below{"torque below the interface", "N·mm", "voxel, mm", soft.full_loads().torque_nmm};
   double step_mm = 0;  // at the finest level
   for (const double voxel_mm : four_voxels(setting.quick ? 0.125 : 0.0625)) {
-    const auto rows = rows_round_interface(dense, soft, voxel_mm, setting);
+    const auto rows = rows_about_interface(dense, soft, voxel_mm, setting);
     const std::span<const FrameResult> all(rows);
     step_mm = depth_of_step(rows, 0.5 * (dense.torque_nmm() + soft.torque_nmm()));
-    const double torques[] = {mean_loads(all.first(kAroundFrames / 2)).spin_torque_nmm,
-                              mean_loads(all.last(kAroundFrames / 2)).spin_torque_nmm};
-    above.levels.push_back(level_of(voxel_mm, {{*above.expected, torques[0]}}, *above.expected));
-    below.levels.push_back(level_of(voxel_mm, {{*below.expected, torques[1]}}, *below.expected));
+    add_level(above, voxel_mm, mean_loads(all.first(kAroundFrames / 2)).spin_torque_nmm);
+    add_level(below, voxel_mm, mean_loads(all.last(kAroundFrames / 2)).spin_torque_nmm);
   }
-  for (Ladder* ladder : {&above, &below}) {
-    finish(*ladder);
-    out.checks.push_back(finest_check(*ladder, kForceBar, kBarReason));
-  }
+  for (const Refinement& refinement : {above, below}) add_refinement(out, refinement, kForceLimit, kLimitReason);
   out.checks.push_back({"depth of the step, finest voxels", "mm", Measure::absolute, kLayer_mm, step_mm,
                         2 * kAround_mm / kAroundFrames, "one frame of feed"});
-  out.ladders = {std::move(above), std::move(below)};
   return out;
 }
 

@@ -92,7 +92,7 @@ HalfFaceLoads SteadyPlunge::full_half_face() const {
     const double slope = radius_mm ? std::sqrt(1 - r * r / (*radius_mm * *radius_mm)) : 1;
     const double radial = radius_mm ? r / *radius_mm : 0, z = radius_mm ? *radius_mm * (1 - slope) : 0;
     const double speed = std::hypot(omega * r, feed_mm_s);
-    // F_t of a ring dr per radian, then its parts along the spin, outwards and along the axis. n·v̂ = v_f·slope/|v|.
+    // F_t of a ring dr per radian; its components along the rotation, outwards and along the axis. n·v̂ = v_f·slope/|v|.
     const double per_radian = u * feed_mm_s * r / speed, into = feed_mm_s * slope / speed;
     const double spin = per_radian * (omega * r / speed) * (1 - kNormalRatio * into);
     const double outward = -kNormalRatio * per_radian * radial;

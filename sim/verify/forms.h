@@ -6,7 +6,7 @@
 
 namespace reamsim::verify {
 
-/// The law's constants as the suite states them, and not as the program's defaults happen to be.
+/// The constants of the law, independent of the program's defaults.
 inline constexpr double kSpecificEnergy_mj_mm3 = 150;  ///< at kReferenceDensity
 inline constexpr double kReferenceDensity_g_cm3 = 1.8;
 inline constexpr double kDensityExponent = 2;
@@ -23,19 +23,19 @@ double angular_speed(double rpm);  ///< rad/s
 
 /// Volume of a spherical cap: π·d²·(R − d/3). d ≤ R.
 double cap_mm3(double radius_mm, double depth_mm);
-/// Area that a disc of radius R has beyond a chord at R − d from its centre.
+/// Area of a disc of radius R beyond a chord at R − d from its centre.
 double segment_mm2(double radius_mm, double depth_mm);
 
-/// Torque against the spin and thrust out of the bone.
+/// Torque against the rotation, and thrust out of the bone.
 struct PlungeLoads {
   double torque_nmm = 0;
   double thrust_n = 0;
 };
 
-/// Loads of a face of which one half is over bone: the half towards e, which lies across the axis. t lies a quarter
-/// turn further, counter-clockwise seen from the drive; spin turns clockwise (docs/formats.md).
+/// Loads of a face with bone under one half: towards e, perpendicular to the axis. t is e rotated by 90°,
+/// counter-clockwise seen from the drive; the tool rotates clockwise (docs/formats.md).
 struct HalfFaceLoads {
-  double torque_nmm = 0;   ///< against the spin
+  double torque_nmm = 0;   ///< against the rotation
   double thrust_n = 0;     ///< out of the bone
   double along_e_n = 0;    ///< of the normal parts: away from the bone, so negative
   double along_t_n = 0;    ///< of the tangential parts
@@ -56,12 +56,12 @@ struct SteadyPlunge {
   [[nodiscard]] double torque_nmm() const;
   /// 2π·k_n·u·(v_f/ω)·[C(a) − C(r₀)] + 2π·u·(v_f/ω)²·ln(a/r₀), N.
   [[nodiscard]] double thrust_n() const;
-  /// The law's integral over the face by quadrature, which these two approach for v_f ≪ ωr: the spin's work is less by
-  /// that of the feed, thrust·v_f.
+  /// The law's integral over the face by quadrature, which both approach for v_f ≪ ωr. The work of the rotation is less
+  /// by that of the feed, thrust·v_f.
   [[nodiscard]] PlungeLoads full_loads() const;
-  /// Torque over thrust while v_f ≪ ωr, mm: (a² − r₀²)/(2·k_n·[C(a) − C(r₀)]). No density and no energy is in it.
+  /// Torque over thrust for v_f ≪ ωr, mm: (a² − r₀²)/(2·k_n·[C(a) − C(r₀)]). Independent of density and energy.
   [[nodiscard]] double ratio_mm() const;
-  /// Half of the face over bone: torque and thrust half of the above;
+  /// With bone under half of the face: torque and thrust are half of the above;
   /// F·e = −k_n·u·(v_f/ω)·(a² − r₀²)/R (flat: 0), F·t = 2u·(v_f/ω)·(a − r₀);
   /// M·e = −2u·(v_f/ω)·R·[(a − r₀) − (C(a) − C(r₀))] (flat: 0), M·t = −k_n·u·(v_f/ω)·(a² − r₀²).
   [[nodiscard]] HalfFaceLoads half_face() const;
@@ -69,7 +69,7 @@ struct SteadyPlunge {
   [[nodiscard]] HalfFaceLoads full_half_face() const;
   /// π·(a² − r₀²)·v_f, mm³/s.
   [[nodiscard]] double removal_mm3_s() const;
-  /// Depth from which on the face is in contact out to a, mm.
+  /// Depth of full contact, mm.
   [[nodiscard]] double full_contact_mm() const;
 };
 

@@ -1,4 +1,4 @@
-// What must not happen, and what must not change.
+// Invariants: no load without a cut, and the same loads under symmetries.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -20,10 +20,10 @@ Tool head() {
 }
 
 Quat oblique(double degrees) {
-  return Quat(Eigen::AngleAxisd(degrees * pi / 180, Vec3(1, 0.4, 0).normalized()));
+  return rotation({1, 0.4, 0}, degrees);
 }
 
-/// What a stretch of frames did at most.
+/// Largest loads and removed volume over rows.
 struct Most {
   double force_n = 0;
   double torque_nmm = 0;
@@ -49,7 +49,7 @@ void add_nothing(std::span<const FrameResult> rows, double cut_mm3, std::vector<
   checks.push_back({"volume removed before", "mm³", Measure::at_least, 10, cut_mm3, 0, "the test needs removed bone"});
 }
 
-/// The head taken through the block.
+/// The block reamed by the head along a path.
 Reamed reamed_along(const std::vector<Leg>& legs, const Setting& setting) {
   const Motion motion = path(kRate_hz, {0.03, 0.05, 2.5}, legs);
   return ream(scene_of(block({20, 20, 8}, kVoxel_mm, kDensity), head(), motion), setting);
@@ -85,14 +85,14 @@ CaseFindings retraction_case(const Setting& setting) {
   out.form = "no force, no torque, nothing removed";
   const Quat turned = oblique(12);
   const Vec3 axis = turned * Vec3(0, 0, 1), entry(0.03, 0.05, 0);
-  // The rim's lowest point meets the face first.
+  // The lowest point of the rim touches the face first.
   const double touch = kHead.outer_mm * std::tan(12 * pi / 180);
   const Vec3 above = entry + (touch + 0.05) * axis, low = above - 1.5 * axis;
   const Leg slow{low, 600, 250, turned}, back{above, 150, 250, turned};
   const Reamed reamed =
       ream(scene_of(block({20, 20, 8}, kVoxel_mm, kDensity), head(), path(kRate_hz, above, {slow, back})), setting);
   add_nothing(reamed.after(600), reamed.removed_mm3(), out.checks);
-  // In a plunge so fast the corner of the rim does not come by every voxel where it would take most.
+  // In such a fast plunge the corner of the rim does not pass each voxel at its deepest position.
   Leg fast = down_leg(), fast_back = fast;
   fast_back.to_mm = {0.03, 0.05, 2.5};
   fast_back.frames = 3 * kDown;
@@ -113,7 +113,7 @@ CaseFindings second_pass_case(const Setting& setting) {
   ReamingScene scene =
       scene_of(block({24, 24, 8}, kVoxel_mm, kDensity), head(), path(kRate_hz, {0.03, 0.05, 2.5}, {down, side}));
   const Reamed first = ream(scene, setting);
-  scene.bone = first.left;
+  scene.bone = first.bone;
   const Reamed second = ream(std::move(scene), setting);
   add_nothing(second.after(0), first.removed_mm3(), out.checks);
   return out;
@@ -121,7 +121,7 @@ CaseFindings second_pass_case(const Setting& setting) {
 
 namespace {
 
-/// A rigid change of a scene, maybe with a mirror: p → turn·p + shift. `turn` is orthogonal.
+/// A rotation or reflection with a translation: p → turn·p + shift. `turn` is orthogonal.
 struct Change {
   Mat3 turn = Mat3::Identity();
   Vec3 shift = Vec3::Zero();
@@ -129,7 +129,7 @@ struct Change {
   [[nodiscard]] double handedness() const { return turn.determinant(); }
 };
 
-/// The path under a change. The tool is a surface of revolution, so that its mirror image is itself, turned.
+/// The transformed path. The tool is a surface of revolution, so its mirror image is itself, rotated.
 Motion changed(const Motion& motion, const Change& change) {
   const Mat3 flip = change.handedness() < 0 ? Mat3(Vec3(-1, 1, 1).asDiagonal()) : Mat3(Mat3::Identity());
   Motion out = motion;
@@ -142,7 +142,7 @@ Motion changed(const Motion& motion, const Change& change) {
   return out;
 }
 
-/// Bone with a density that has no symmetry, g/cm³.
+/// A density without symmetry, g/cm³.
 double uneven_density(const Vec3& p) {
   return 1.0 + 0.5 * std::sin(1.3 * p.x() + 0.4) * std::cos(0.9 * p.y() - 0.2) +
          0.3 * std::sin(2.1 * p.z() + 0.3 * p.x());
@@ -150,7 +150,7 @@ double uneven_density(const Vec3& p) {
 
 constexpr double kChangedBlock_mm = 20;
 
-/// The uneven block under a change that takes the lattice's directions to each other.
+/// The transformed block, for a `turn` that permutes the axes of the lattice.
 FilledVoxmap changed_block(const Change& change) {
   const Mat3 back = change.turn.transpose();
   FilledVoxmap bone = block({kChangedBlock_mm, kChangedBlock_mm, 8}, kVoxel_mm,
@@ -159,8 +159,8 @@ FilledVoxmap changed_block(const Change& change) {
   return bone;
 }
 
-/// Largest differences over the frames, as shares of the largest loads, between a scene's loads under a change and the
-/// changed scene's loads.
+/// Compares the transformed loads of a scene with the loads of the transformed scene: the largest differences over the
+/// frames, as fractions of the largest loads.
 void compare(const Change& change, const Setting& setting, double tolerance, const std::string& reason,
              std::vector<Check>& checks) {
   const Quat turned = oblique(12);
@@ -172,7 +172,7 @@ void compare(const Change& change, const Setting& setting, double tolerance, con
   for (std::size_t k = 0; k < plain.rows.size(); ++k) {
     const FrameResult &a = plain.rows[k], &b = other.rows[k];
     force = std::max(force, (b.force_n - change.turn * a.force_n).norm());
-    // Torque is an axial vector.
+    // An axial vector.
     torque = std::max(torque, (b.torque_nmm - change.handedness() * (change.turn * a.torque_nmm)).norm());
   }
   const Most most = most_of(plain.rows);
@@ -219,7 +219,7 @@ CaseFindings rotated_case(const Setting& setting) {
   const Tool tool = make_tool(convex_profile(*kHead.radius_mm, kHead.outer_mm, kHead.bore_mm, 14, 0.05));
   const auto loads = [&](const Quat& turned, const Vec3& offset) {
     const Vec3 axis = turned * Vec3(0, 0, 1);
-    // So deep along the axis that the whole face is in the bone.
+    // Deep enough for full contact.
     const double begin = 8, end = begin + 2 * kVoxel_mm;
     const Motion motion =
         path(kHead.feed_mm_s * kFrames / (2 * kVoxel_mm), offset + 5 * axis,

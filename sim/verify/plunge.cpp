@@ -1,7 +1,7 @@
 #include "sim/verify/plunge.h"
 
+#include <fmt/core.h>
 #include <cmath>
-#include <cstdio>
 #include <numbers>
 
 #include "sim/bone/voxmap/cube_fraction.h"
@@ -14,7 +14,7 @@ constexpr double kClear_mm = 0.1;
 constexpr double kEdge_mm = 0.1;
 constexpr double kHead_mm = 8;  // height of a head
 
-/// The block of `size_mm` less what lies behind the plane through `point_mm` with the normal `inward`.
+/// The part of a block of `size_mm` in front of the plane through `point_mm` with the normal `inward`.
 FilledVoxmap half_block(const Vec3& size_mm, double voxel_mm, double density_g_cm3, const Vec3& point_mm,
                         const Vec3& inward) {
   const VoxelGrid grid = block_grid(size_mm, voxel_mm);
@@ -26,7 +26,7 @@ FilledVoxmap half_block(const Vec3& size_mm, double voxel_mm, double density_g_c
       });
 }
 
-/// Off the lattice by fractions of a voxel, so that nothing is regular.
+/// Offset from the lattice by fractions of a voxel, so that nothing is regular.
 Vec3 entry_mm(double voxel_mm) {
   return {0.12 * voxel_mm, 0.21 * voxel_mm, 0};
 }
@@ -46,10 +46,8 @@ Profile head_of(const SteadyPlunge& plunge) {
 }
 
 std::string text_of(const SteadyPlunge& p) {
-  char text[128];
   const std::string face = p.radius_mm ? "R " + std::to_string(static_cast<int>(*p.radius_mm)) : "flat";
-  std::snprintf(text, sizeof text, "%s, a %g mm, %g rpm, %g mm/s", face.c_str(), p.outer_mm, p.rpm, p.feed_mm_s);
-  return text;
+  return fmt::format("{}, a {:g} mm, {:g} rpm, {:g} mm/s", face, p.outer_mm, p.rpm, p.feed_mm_s);
 }
 
 std::vector<FrameResult> steady_rows(const PlungeRun& run, const Setting& setting) {
@@ -58,7 +56,7 @@ std::vector<FrameResult> steady_rows(const PlungeRun& run, const Setting& settin
   const double voxel_mm = run.voxel_mm, travel_mm = voxel_mm;
   const Vec3 entry = entry_mm(voxel_mm);
   const double tilt = run.tilt_deg * std::numbers::pi / 180, slant = plunge.outer_mm * std::tan(tilt);
-  const Quat turned(Eigen::AngleAxisd(tilt, Vec3(1, 0.3, 0).normalized()));
+  const Quat turned = rotation({1, 0.3, 0}, run.tilt_deg);
   const Vec3 axis = turned * Vec3(0, 0, 1);
   const double begin = plunge.full_contact_mm() + slant + kPast_mm + 0.37 * voxel_mm, end = begin + travel_mm;
   const double rate = plunge.feed_mm_s * run.frames / travel_mm, above = slant + kClear_mm;

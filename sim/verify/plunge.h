@@ -2,6 +2,7 @@
 
 #include <optional>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 #include "sim/verify/forms.h"
@@ -12,20 +13,28 @@ namespace reamsim::verify {
 /// The example of docs/physics.md, 6.
 inline constexpr SteadyPlunge kExample{29, 15, 1.25, 250, 0.2, 1.8};
 
-/// The head of the plunge's reamer.
+/// The example with one factor changed.
+template <class Value>
+SteadyPlunge example_with(Value SteadyPlunge::*member, std::type_identity_t<Value> value) {
+  SteadyPlunge out = kExample;
+  out.*member = value;
+  return out;
+}
+
+/// The profile of the reamer's head.
 Profile head_of(const SteadyPlunge& plunge);
 /// "R 29, a 15 mm, 250 rpm, 0.2 mm/s".
 std::string text_of(const SteadyPlunge& plunge);
 
-/// A steady plunge and how it is sampled.
+/// A steady plunge and its discretization.
 struct PlungeRun {
   SteadyPlunge plunge = {};
   double voxel_mm = 0.25;
   int frames = 32;  ///< over one voxel of feed
   ErosionMode erosion = ErosionMode::exact;
   double tilt_deg = 0;  ///< of the axis against the lattice
-  /// Bone only on one side of a plane through the axis: where (cos, sin) of this angle in the tool's x and y points.
-  /// None: bone under the whole face.
+  /// Bone on one side only of a plane through the axis: the side of (cos, sin) of this angle in the tool's x and y.
+  /// nullopt: bone under the whole face.
   std::optional<double> half_toward_deg = {};
 };
 

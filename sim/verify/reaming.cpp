@@ -7,7 +7,7 @@ namespace reamsim::verify {
 
 namespace {
 
-/// Keeps every row, and nothing else.
+/// Collects the rows.
 class Rows final : public FrameSink {
  public:
   std::vector<FrameResult> rows;

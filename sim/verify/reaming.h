@@ -11,20 +11,19 @@ namespace reamsim::verify {
 /// Makes the engine of a scene, as make_engine() does.
 using EngineMaker = std::function<std::unique_ptr<Engine>(const Scenario&, const BoneView&, const Tool&)>;
 
-/// How the suite is run.
 struct Setting {
   bool quick = true;
   std::string device = "auto";
-  /// Whoever tests the suite puts an engine with a wrong constant here.
+  /// Tests of the suite put an engine with a wrong constant here.
   EngineMaker engine = make_engine;
   std::function<void(const std::string&)> progress = [](const std::string&) {};
   std::function<bool()> stop = [] { return false; };
 };
 
-/// What reaming a scene gave.
+/// The result of reaming a scene.
 struct Reamed {
   std::vector<FrameResult> rows;  ///< rows[k] is frame k
-  Bone left;
+  Bone bone;                      ///< after reaming
 
   [[nodiscard]] double removed_mm3() const;
   /// Rows of the frames after `frame`.
@@ -33,17 +32,17 @@ struct Reamed {
   }
 };
 
-/// Reams the scene through the program's main loop. Throws InputError (no such device), RunError, Interrupted.
+/// Reams the scene with the program's main loop. Throws InputError (no such device), RunError, Interrupted.
 Reamed ream(ReamingScene scene, const Setting& setting);
 
-/// Means over rows.
 struct MeanLoads {
   Vec3 force_n = Vec3::Zero();
   Vec3 torque_nmm = Vec3::Zero();
   double axial_force_n = 0;
   double spin_torque_nmm = 0;
-  double removed_mm3 = 0;  ///< sum, no mean
+  double removed_mm3 = 0;  ///< sum, not mean
 };
+/// Means over rows.
 MeanLoads mean_loads(std::span<const FrameResult> rows);
 /// Standard deviation of the rows' spin torque over its mean.
 double torque_ripple(std::span<const FrameResult> rows);

@@ -39,7 +39,7 @@ Profile flat_profile(double outer_mm, double bore_mm, double height_mm) {
 }
 
 Tool make_tool(const Profile& profile, std::optional<double> shell_spacing_mm) {
-  constexpr int kStandIn = 8;  // cells of a shell that nothing looks at
+  constexpr int kUnusedCells = 8;  // of a shell that exact erosion does not use
   Tool tool;
   tool.profile = profile;
   tool.bounds = profile.bounds();
@@ -49,8 +49,8 @@ Tool make_tool(const Profile& profile, std::optional<double> shell_spacing_mm) {
     tool.mesh = revolve(profile, segments_for_sagitta(radius, 0.02 * *shell_spacing_mm));
     tool.shell = voxelize_surface(tool.mesh, static_cast<int>(std::ceil(longest / *shell_spacing_mm)) + 1);
   } else {
-    tool.mesh = revolve({{{0, low}, {radius, low}, {radius, high}, {0, high}}}, 4 * kStandIn);
-    tool.shell = voxelize_surface(tool.mesh, kStandIn);
+    tool.mesh = revolve({{{0, low}, {radius, low}, {radius, high}, {0, high}}}, 4 * kUnusedCells);
+    tool.shell = voxelize_surface(tool.mesh, kUnusedCells);
   }
   for (const Vec2& rz : profile.points) tool.reach_mm = std::max(tool.reach_mm, rz.norm());
   return tool;
@@ -73,6 +73,10 @@ FilledVoxmap block(const Vec3& size_mm, double voxel_mm, double density_g_cm3) {
   return block(size_mm, voxel_mm, [=](const Vec3&) { return density_g_cm3; });
 }
 
+Quat rotation(const Vec3& axis, double degrees) {
+  return Quat(Eigen::AngleAxisd(degrees * std::numbers::pi / 180, axis.normalized()));
+}
+
 Motion path(double rate_hz, const Vec3& from_mm, const std::vector<Leg>& legs) {
   Motion motion;
   motion.frame_rate_hz = rate_hz;
@@ -84,9 +88,9 @@ Motion path(double rate_hz, const Vec3& from_mm, const std::vector<Leg>& legs) {
   for (const Leg& leg : legs) {
     const ToolPose begin = motion.poses.back();
     for (int k = 1; k <= leg.frames; ++k) {
-      const double share = double(k) / leg.frames;
-      pose.position_mm = begin.position_mm + share * (leg.to_mm - begin.position_mm);
-      pose.orientation = begin.orientation.slerp(share, leg.turned);
+      const double fraction = double(k) / leg.frames;
+      pose.position_mm = begin.position_mm + fraction * (leg.to_mm - begin.position_mm);
+      pose.orientation = begin.orientation.slerp(fraction, leg.turned);
       pose.spin_rpm = leg.rpm;
       pose.spin_angle_rad = begin.spin_angle_rad + angular_speed(leg.rpm) * k / rate_hz;
       motion.poses.push_back(pose);

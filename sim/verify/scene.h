@@ -7,7 +7,7 @@ namespace reamsim::verify {
 
 // ---- tools ------------------------------------------------------------------------------------------------------
 
-// A curve is given by points on it, `edge_mm` apart: exact erosion takes the arc through them (sim/tool/outline.h).
+// Curves are points at a spacing of `edge_mm`; exact erosion fits arcs to them (sim/tool/outline.h).
 
 /// A ball that touches z = 0 from above.
 Profile ball_profile(double radius_mm, double edge_mm);
@@ -17,33 +17,36 @@ Profile convex_profile(double radius_mm, double outer_mm, double bore_mm, double
 /// The same with a flat face.
 Profile flat_profile(double outer_mm, double bore_mm, double height_mm);
 
-/// A tool made from its profile. Exact erosion has no shell: without a spacing the tool gets one of a few points.
+/// A tool from its profile. Without a shell spacing it gets a minimal shell, because exact erosion does not use one.
 Tool make_tool(const Profile& profile, std::optional<double> shell_spacing_mm = {});
 
 // ---- bones -----------------------------------------------------------------------------------------------------
 
-/// The lattice of a block whose top face is z = 0, its middle at x = y = 0.
+/// The lattice of a block with its top face at z = 0 and its middle at x = y = 0. Extents are rounded up to even
+/// numbers of voxels.
 VoxelGrid block_grid(const Vec3& size_mm, double voxel_mm);
-/// A block whose top face is z = 0, its middle at x = y = 0, of the density that `field` (g/cm³) has at the voxels'
-/// centres. Extents are rounded up to whole voxels, an even number of them in x and y.
+/// A block on this lattice with the density `field` (g/cm³) at the centres of the voxels.
 FilledVoxmap block(const Vec3& size_mm, double voxel_mm, const DensityField& field);
-/// Of one density.
+/// A block of uniform density.
 FilledVoxmap block(const Vec3& size_mm, double voxel_mm, double density_g_cm3);
 
 // ---- paths -----------------------------------------------------------------------------------------------------
 
-/// A straight part of a path: where it ends, in how many frames, and at which spin.
+/// A straight part of a path.
 struct Leg {
   Vec3 to_mm = Vec3::Zero();
   int frames = 1;
   double rpm = 250;
-  Quat turned = Quat::Identity();  ///< orientation at its end
+  Quat turned = Quat::Identity();  ///< orientation at the end
 };
 
-/// A path of legs; the tool stands at `from_mm` first, turned as at the end of the first leg.
+/// The rotation about an axis of any length.
+Quat rotation(const Vec3& axis, double degrees);
+
+/// A path of legs from `from_mm`. Its first orientation is that at the end of the first leg.
 Motion path(double rate_hz, const Vec3& from_mm, const std::vector<Leg>& legs);
 
-/// The tool's origin when a ball of `radius_mm`, its axis turned, has its centre at `center_mm`.
+/// The origin of a ball tool with its centre at `center_mm` and its axis rotated by `turned`.
 Vec3 ball_origin(const Vec3& center_mm, double radius_mm, const Quat& turned);
 
 /// The scene with the suite's cutting law.

@@ -1,14 +1,11 @@
-// What refinement in time and space changes, and what must not change at all.
+// Refinement in time and space, and settings that must not change the result.
 #include <cmath>
-#include <numbers>
 
 #include "sim/verify/case_parts.h"
 
 namespace reamsim::verify {
 
 namespace {
-
-using std::numbers::pi;
 
 constexpr double kDensity = 1.8;
 
@@ -31,7 +28,7 @@ ReamingScene swept_ball(double frame_s, std::optional<double> shell_spacing_mm) 
                   motion);
 }
 
-/// What the sweep, without the plunge before it, gave.
+/// Results of the sweep, without the plunge before it.
 struct Sweep {
   double removed_mm3 = 0;  ///< with the plunge
   MeanLoads loads;
@@ -42,7 +39,7 @@ Sweep sweep_of(const ReamingScene& scene, const Setting& setting) {
   return {reamed.removed_mm3(), mean_loads(reamed.after(kDownFrames))};
 }
 
-/// What the settings that must not matter change.
+/// Compares runs under settings that must not change the result.
 void add_indifference(const Sweep& plain, const Setting& setting, std::vector<Check>& checks) {
   const std::string reason = "no shell is used and sums are integers: the same numbers";
   const auto add = [&](const std::string& what, const Sweep& other) {
@@ -69,9 +66,9 @@ CaseFindings time_step_case(const Setting& setting) {
       "ball of 8 mm radius plunged 3 mm, then moved 8 mm sideways at 10 mm/s, 0.5 mm voxels; frame time halved three "
       "times; then other batches and another shell";
   out.form = "volume of the part of a capsule below the face; mean loads of the sweep do not change";
-  Ladder volume{"removed volume", "mm³", "frame, s", {}, {}, {}, {}};
-  Ladder torque{"mean spin torque", "N·mm", "frame, s", {}, {}, {}, {}};
-  Ladder force{"mean force", "N", "frame, s", {}, {}, {}, {}};
+  Refinement volume{"removed volume", "mm³", "frame, s", {}};
+  Refinement torque{"mean spin torque", "N·mm", "frame, s", {}};
+  Refinement force{"mean force", "N", "frame, s", {}};
   std::vector<Sweep> sweeps;
   for (const double frame_s : {4e-3, 2e-3, 1e-3, 0.5e-3}) {
     sweeps.push_back(sweep_of(swept_ball(frame_s, {}), setting));
@@ -79,7 +76,7 @@ CaseFindings time_step_case(const Setting& setting) {
     torque.levels.push_back({frame_s, sweeps.back().loads.spin_torque_nmm, {}, 1});
     force.levels.push_back({frame_s, sweeps.back().loads.force_n.norm(), {}, 1});
   }
-  for (Ladder* ladder : {&volume, &torque, &force}) finish(*ladder);
+  for (Refinement* refinement : {&volume, &torque, &force}) finish(*refinement);
   const std::string bar = "limit set by this project";
   const Sweep &fine = sweeps.back(), &before = sweeps[sweeps.size() - 2];
   const auto relative = [&](const std::string& what, const std::string& unit, double a, double b) {
@@ -91,7 +88,7 @@ CaseFindings time_step_case(const Setting& setting) {
   relative("mean spin torque", "N·mm", before.loads.spin_torque_nmm, fine.loads.spin_torque_nmm);
   relative("mean force", "N", before.loads.force_n.norm(), fine.loads.force_n.norm());
   add_indifference(sweeps[0], setting, out.checks);
-  out.ladders = {std::move(volume), std::move(torque), std::move(force)};
+  out.refinements = {std::move(volume), std::move(torque), std::move(force)};
   return out;
 }
 
@@ -104,7 +101,7 @@ constexpr SteadyPlunge kHead{12, 5, 1, 250, 0.2, kDensity};
 MeanLoads tilted_plunge(const Tool& tool, double voxel_mm, const Vec3& entry, const Setting& setting) {
   constexpr double kBegin_mm = 5.5, kTravel_mm = 1;
   constexpr int kFrames = 200, kDown = 110;
-  const Quat turned(Eigen::AngleAxisd(25 * pi / 180, Vec3(1, 0.4, 0).normalized()));
+  const Quat turned = rotation({1, 0.4, 0}, 25);
   const Vec3 axis = turned * Vec3(0, 0, 1), begin = entry - kBegin_mm * axis, end = begin - kTravel_mm * axis;
   const double seconds = kTravel_mm / kHead.feed_mm_s;
   const Motion motion =
@@ -125,27 +122,20 @@ CaseFindings voxel_case(const Setting& setting) {
       "means over 1 mm of feed";
   out.form = "as for the steady plunge, its integral over the face";
   const Tool tool = make_tool(convex_profile(*kHead.radius_mm, kHead.outer_mm, kHead.bore_mm, 12, 0.05));
-  const PlungeLoads loads = kHead.full_loads();
-  std::vector<Ladder> ladders = {{"torque", "N·mm", "voxel, mm", loads.torque_nmm, {}, {}, {}},
-                                 {"thrust", "N", "voxel, mm", loads.thrust_n, {}, {}, {}},
-                                 {"removal rate", "mm³/s", "voxel, mm", kHead.removal_mm3_s(), {}, {}, {}}};
+  std::vector<Refinement> refinements = load_refinements(kHead);
   for (const double voxel_mm : four_voxels(setting.quick ? 0.125 : 0.0625)) {
     Offsets offsets(25);
     std::vector<Sample> samples[3];
     for (int run = 0; run < (setting.quick ? 1 : 4); ++run) {
       const MeanLoads mean = tilted_plunge(tool, voxel_mm, offsets.draw(voxel_mm), setting);
       const double found[] = {mean.spin_torque_nmm, mean.axial_force_n, mean.removed_mm3};
-      for (std::size_t i = 0; i < ladders.size(); ++i) samples[i].push_back({*ladders[i].expected, found[i]});
+      for (std::size_t i = 0; i < refinements.size(); ++i) samples[i].push_back({*refinements[i].expected, found[i]});
     }
-    for (std::size_t i = 0; i < ladders.size(); ++i) {
-      ladders[i].levels.push_back(level_of(voxel_mm, samples[i], *ladders[i].expected));
+    for (std::size_t i = 0; i < refinements.size(); ++i) {
+      refinements[i].levels.push_back(level_of(voxel_mm, samples[i], *refinements[i].expected));
     }
   }
-  for (Ladder& ladder : ladders) {
-    finish(ladder);
-    out.checks.push_back(finest_check(ladder, 5e-3, "limit of a steady plunge"));
-  }
-  out.ladders = std::move(ladders);
+  for (const Refinement& refinement : refinements) add_refinement(out, refinement, 5e-3, "limit of a steady plunge");
   return out;
 }
 

@@ -5,7 +5,7 @@
 
 namespace reamsim::verify {
 
-/// A scene with a closed-form answer, or with one that must not change.
+/// A scene with a closed-form solution or an invariant.
 struct Case {
   const char* id;
   CaseFindings (*run)(const Setting&);

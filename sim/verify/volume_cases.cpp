@@ -1,4 +1,4 @@
-// Volumes with closed forms.
+// Removed volumes against closed forms.
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -23,10 +23,10 @@ Quat tilt(double degrees, double towards_rad) {
   return Quat(Eigen::AngleAxisd(degrees * pi / 180, Vec3(std::cos(towards_rad), std::sin(towards_rad), 0)));
 }
 
-/// The ball plunged into the block's top face, its axis turned, its centre above (offset x, offset y).
+/// The ball plunged into the top face of the block, its axis rotated, its centre above (offset x, offset y).
 Sample plunged_ball(const Tool& tool, double voxel_mm, const Vec3& offset_mm, const Quat& turned, ErosionMode erosion,
                     const Setting& setting) {
-  // The face lies between two layers of voxels, so that it is the depth that varies.
+  // The depth varies instead of the face, which is a boundary between layers of voxels.
   const double depth = kDepth_mm + offset_mm.z();
   const auto origin = [&](double z) {
     return ball_origin({offset_mm.x(), offset_mm.y(), kRadius_mm - z}, kRadius_mm, turned);
@@ -39,28 +39,23 @@ Sample plunged_ball(const Tool& tool, double voxel_mm, const Vec3& offset_mm, co
   return {cap_mm3(kRadius_mm, depth), reamed.removed_mm3()};
 }
 
-/// At the next finer level the cap's error is the rounding of single precision and of 16 bits of fill.
+/// At the next finer level the error of the cap would be rounding in single precision and 16 bits of fill.
 constexpr double kFinestVoxel_mm = 0.25;
 
-Ladder volume_ladder(double nominal_mm3) {
-  Ladder ladder;
-  ladder.quantity = "removed volume";
-  ladder.unit = "mm³";
-  ladder.step = "voxel, mm";
-  ladder.expected = nominal_mm3;
-  return ladder;
+Refinement volume_refinement(double nominal_mm3) {
+  return {"removed volume", "mm³", "voxel, mm", nominal_mm3};
 }
 
-constexpr double kOrderBar = 1.8;
+constexpr double kOrderLimit = 1.8;
 constexpr double kAim = 5e-5;
 const char* const kAimReason = "aim of this project at 0.25 mm; its limit is 0.02 %";
 
-Check order_check(const Ladder& ladder) {
+Check order_check(const Refinement& refinement) {
   return {.quantity = "observed order",
           .unit = "",
           .measure = Measure::at_least,
-          .expected = kOrderBar,
-          .found = ladder.order.value_or(std::numeric_limits<double>::quiet_NaN()),
+          .expected = kOrderLimit,
+          .found = refinement.order.value_or(std::numeric_limits<double>::quiet_NaN()),
           .tolerance = 0,
           .reason = "a plane in each voxel is of second order; 0.2 for scatter"};
 }
@@ -74,15 +69,13 @@ CaseFindings half_space_case(const Setting& setting) {
   out.form = "π·d²·(R − d/3)";
   const double cap = cap_mm3(kRadius_mm, kDepth_mm);
   const Tool tool = make_tool(ball_profile(kRadius_mm, kEdge_mm));
-  Ladder ladder = volume_ladder(cap);
+  Refinement refinement = volume_refinement(cap);
   for (const double voxel_mm : four_voxels(kFinestVoxel_mm)) {
     const Sample sample = plunged_ball(tool, voxel_mm, Vec3::Zero(), Quat::Identity(), ErosionMode::exact, setting);
-    ladder.levels.push_back(level_of(voxel_mm, {sample}, cap));
+    refinement.levels.push_back(level_of(voxel_mm, {sample}, cap));
   }
-  finish(ladder);
-  out.checks.push_back(finest_check(ladder, kAim, kAimReason));
-  out.checks.push_back(order_check(ladder));
-  out.ladders.push_back(std::move(ladder));
+  add_refinement(out, std::move(refinement), kAim, kAimReason);
+  out.checks.push_back(order_check(out.refinements.back()));
   return out;
 }
 
@@ -102,8 +95,8 @@ Level tilted_level(const Tool& tool, double voxel_mm, int tilts, ErosionMode ero
 }  // namespace
 
 CaseFindings tilted_cap_case(const Setting& setting) {
-  constexpr double kBarVoxel_mm = 0.25, kLeastRatio = 50;
-  constexpr double kShellVoxels = 0.4721;  // what a run chooses
+  constexpr double kLimitVoxel_mm = 0.25, kLeastRatio = 50;
+  constexpr double kShellVoxels = 0.4721;  // the default of a run
   CaseFindings out;
   out.title = "Cap under tilt and random sub-voxel offset";
   const int tilts = setting.quick ? 4 : 13;
@@ -111,22 +104,22 @@ CaseFindings tilted_cap_case(const Setting& setting) {
               " steps, offset at random by up to half a voxel along each axis (seed " + std::to_string(kSeed) + ")";
   out.form = "π·d²·(R − d/3)";
   const Tool tool = make_tool(ball_profile(kRadius_mm, kEdge_mm));
-  Ladder ladder = volume_ladder(cap_mm3(kRadius_mm, kDepth_mm));
-  double at_bar = std::numeric_limits<double>::quiet_NaN();
+  Refinement refinement = volume_refinement(cap_mm3(kRadius_mm, kDepth_mm));
+  double at_limit = std::numeric_limits<double>::quiet_NaN();
   for (const double voxel_mm : four_voxels(kFinestVoxel_mm)) {
     setting.progress("cap under tilt, " + std::to_string(voxel_mm) + " mm");
-    ladder.levels.push_back(tilted_level(tool, voxel_mm, tilts, ErosionMode::exact, setting));
-    if (voxel_mm == kBarVoxel_mm) at_bar = *ladder.levels.back().error;
+    refinement.levels.push_back(tilted_level(tool, voxel_mm, tilts, ErosionMode::exact, setting));
+    if (voxel_mm == kLimitVoxel_mm) at_limit = *refinement.levels.back().error;
   }
-  finish(ladder);
-  const Tool sampled = make_tool(ball_profile(kRadius_mm, 10 * kEdge_mm), kShellVoxels * kBarVoxel_mm);
-  const double whole = *tilted_level(sampled, kBarVoxel_mm, 2, ErosionMode::remove, setting).error;
-  out.checks.push_back({"RMS volume error at 0.25 mm, exact", "", Measure::at_most, kAim, at_bar, 0, kAimReason});
-  out.checks.push_back(order_check(ladder));
+  finish(refinement);
+  const Tool sampled = make_tool(ball_profile(kRadius_mm, 10 * kEdge_mm), kShellVoxels * kLimitVoxel_mm);
+  const double whole = *tilted_level(sampled, kLimitVoxel_mm, 2, ErosionMode::remove, setting).error;
+  out.checks.push_back({"RMS volume error at 0.25 mm, exact", "", Measure::at_most, kAim, at_limit, 0, kAimReason});
+  out.checks.push_back(order_check(refinement));
   out.checks.push_back({"RMS volume error at 0.25 mm, remove", "", Measure::reported, 0, whole, 0, "beside it"});
   out.checks.push_back(
-      {"remove / exact", "", Measure::at_least, kLeastRatio, whole / at_bar, 0, "limit set by this project"});
-  out.ladders.push_back(std::move(ladder));
+      {"remove / exact", "", Measure::at_least, kLeastRatio, whole / at_limit, 0, "limit set by this project"});
+  out.refinements.push_back(std::move(refinement));
   return out;
 }
 
@@ -162,14 +155,12 @@ CaseFindings cylinder_case(const Setting& setting) {
   out.form = "π·a²·L, L the length of the axis below the face";
   const Tool tool = make_tool(flat_profile(kOuter_mm, 0, 20));
   for (const double degrees : {0.0, 20.0}) {
-    Ladder ladder = volume_ladder(pi * kOuter_mm * kOuter_mm * kLength_mm);
-    ladder.quantity += degrees > 0 ? ", tilted" : ", square";
+    Refinement refinement = volume_refinement(pi * kOuter_mm * kOuter_mm * kLength_mm);
+    refinement.quantity += degrees > 0 ? ", tilted" : ", square";
     for (const double voxel_mm : four_voxels(setting.quick ? 0.125 : 0.0625)) {
-      ladder.levels.push_back(plunged_cylinder(tool, voxel_mm, tilt(degrees, 0.4), setting.quick ? 2 : 6, setting));
+      refinement.levels.push_back(plunged_cylinder(tool, voxel_mm, tilt(degrees, 0.4), setting.quick ? 2 : 6, setting));
     }
-    finish(ladder);
-    out.checks.push_back(finest_check(ladder, kAim, kAimReason));
-    out.ladders.push_back(std::move(ladder));
+    add_refinement(out, std::move(refinement), kAim, kAimReason);
   }
   return out;
 }
@@ -186,7 +177,7 @@ CaseFindings sweep_case(const Setting& setting) {
   const Tool tool = make_tool(ball_profile(kBall_mm, kEdge_mm));
   const Quat turned = tilt(20, 0.7);
   const Vec3 way = kSweep_mm * Vec3(std::cos(25 * pi / 180), std::sin(25 * pi / 180), 0);
-  Ladder ladder = volume_ladder(volume);
+  Refinement refinement = volume_refinement(volume);
   for (const double voxel_mm : four_voxels(setting.quick ? 0.125 : 0.0625)) {
     const Vec3 start(-0.5 * way.x() + 0.31 * voxel_mm, -0.5 * way.y() + 0.17 * voxel_mm, kBall_mm - kDeep_mm);
     const auto origin = [&](const Vec3& center) { return ball_origin(center, kBall_mm, turned); };
@@ -194,12 +185,10 @@ CaseFindings sweep_case(const Setting& setting) {
         kRate_hz, origin(start + Vec3(0, 0, kDeep_mm + kClear_mm)),
         {{origin(start), 62, 250, turned}, {origin(start + way), static_cast<int>(kSweep_mm / kStep_mm), 250, turned}});
     const ReamingScene scene = scene_of(block({30, 24, 5}, voxel_mm, kReferenceDensity_g_cm3), tool, motion);
-    ladder.levels.push_back(level_of(voxel_mm, {{volume, ream(scene, setting).removed_mm3()}}, volume));
+    add_level(refinement, voxel_mm, ream(scene, setting).removed_mm3());
   }
-  finish(ladder);
-  out.checks.push_back(
-      finest_check(ladder, 2e-4, "limit of the cap; the ridges between two frames are 1.3·10⁻⁵ of the volume"));
-  out.ladders.push_back(std::move(ladder));
+  add_refinement(out, std::move(refinement), 2e-4,
+                 "limit of the cap; the ridges between two frames are 1.3·10⁻⁵ of the volume");
   return out;
 }
 

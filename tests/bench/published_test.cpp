@@ -29,11 +29,11 @@ class Published : public ::testing::Test {
     return frame.pose.orientation * force;  // the engine sums in T
   }
 
-  void expect_near_race_free(Contender& contender) const {
+  void expect_near_race_free(Program& program) const {
     for (const Substep& frame : substeps_of(Contact::severe)) {
-      contender.prepare(frame);
-      const BatchSample sample = contender.run({&frame, 1}, true);
-      contender.restore();
+      program.prepare(frame);
+      const BatchSample sample = program.run({&frame, 1}, true);
+      program.restore();
       const auto touching = static_cast<double>(count_touching(bone_, tool_, frame));
       ASSERT_GT(touching, 300);
       const Vec3 expected = race_free_force(frame);
@@ -48,46 +48,46 @@ class Published : public ::testing::Test {
   // Voxels far smaller than the shell's spacing, so that hardly two points share one.
   const FilledVoxmap bone_ = series_.at(256);
   const Tool tool_ = cap_tool(64);
-  const Arena arena_{&bone_, &tool_, series_.box(256), shell_box(tool_)};
+  const BenchSetup setup_{&bone_, &tool_, series_.box(256), shell_box(tool_)};
 };
 
 TEST_F(Published, DirectForceIsNearTheRaceFreeOne) {
-  const auto contender = make_published_direct(cl::choose_device("auto"), arena_, true);
-  expect_near_race_free(*contender);
-  EXPECT_EQ(contender->bytes().voxmap, 256U * 256 * 256);
-  EXPECT_EQ(contender->bytes().shell, 4 * tool_.shell.codes.size());
+  const auto program = make_published_direct(cl::choose_device("auto"), setup_, true);
+  expect_near_race_free(*program);
+  EXPECT_EQ(program->bytes().voxmap, 256U * 256 * 256);
+  EXPECT_EQ(program->bytes().shell, 4 * tool_.shell.codes.size());
 }
 
 TEST_F(Published, OctreeForceIsNearTheRaceFreeOne) {
-  const auto contender = make_published_octree(cl::choose_device("auto"), arena_);
-  expect_near_race_free(*contender);
-  EXPECT_EQ(contender->bytes().voxmap, 5U * 256 * 256 * 256);
-  EXPECT_EQ(contender->bytes().shell, 12 * tool_.shell.codes.size());
+  const auto program = make_published_octree(cl::choose_device("auto"), setup_);
+  expect_near_race_free(*program);
+  EXPECT_EQ(program->bytes().voxmap, 5U * 256 * 256 * 256);
+  EXPECT_EQ(program->bytes().shell, 12 * tool_.shell.codes.size());
 }
 
 TEST_F(Published, RestoringPutsTheBoneBack) {
   const Substep frame = substeps_of(Contact::severe)[0];
   for (const bool octree : {false, true}) {
     const cl::DeviceInfo device = cl::choose_device("auto");
-    const auto contender = octree ? make_published_octree(device, arena_) : make_published_direct(device, arena_, true);
-    contender->prepare(frame);
-    const auto first = contender->run({&frame, 1}, true).contacts;
-    EXPECT_LT(contender->run({&frame, 1}, true).contacts, first / 100) << "the bone is gone there";
-    contender->restore();
-    contender->prepare(frame);
-    EXPECT_NEAR(static_cast<double>(contender->run({&frame, 1}, true).contacts), static_cast<double>(first),
+    const auto program = octree ? make_published_octree(device, setup_) : make_published_direct(device, setup_, true);
+    program->prepare(frame);
+    const auto first = program->run({&frame, 1}, true).contacts;
+    EXPECT_LT(program->run({&frame, 1}, true).contacts, first / 100) << "the bone is gone there";
+    program->restore();
+    program->prepare(frame);
+    EXPECT_NEAR(static_cast<double>(program->run({&frame, 1}, true).contacts), static_cast<double>(first),
                 0.05 * static_cast<double>(first));
   }
 }
 
 TEST_F(Published, EngineRestoresVoxelByVoxel) {
-  const auto contender = make_engine_contender("direct", "auto", arena_);
+  const auto program = make_engine_program("direct", "auto", setup_);
   const Substep frame = substeps_of(Contact::severe)[0];
-  const auto first = contender->run({&frame, 1}, true);
+  const auto first = program->run({&frame, 1}, true);
   EXPECT_GT(first.voxels, 300);
-  EXPECT_EQ(contender->run({&frame, 1}, true).voxels, 0);
-  contender->restore();
-  const auto again = contender->run({&frame, 1}, false);
+  EXPECT_EQ(program->run({&frame, 1}, true).voxels, 0);
+  program->restore();
+  const auto again = program->run({&frame, 1}, false);
   EXPECT_EQ(again.voxels, first.voxels) << "with and without VOI";
   EXPECT_EQ(again.force, first.force);
 }

@@ -111,9 +111,9 @@ TEST(BenchSuite, WrongEngineOrDeviceIsAnInputError) {
 }
 
 TEST(BenchSuite, StopsWhenAsked) {
-  Watch watch;
-  watch.stop = [] { return true; };
-  EXPECT_THROW(run_bench(small_plan(), watch), Interrupted);
+  BenchControl control;
+  control.stop = [] { return true; };
+  EXPECT_THROW(run_bench(small_plan(), control), Interrupted);
 }
 
 }  // namespace

@@ -2,7 +2,7 @@
 #include <nlohmann/json.hpp>
 
 #include "render/pictures/captions.h"
-#include "sim/base/fixed_text.h"
+#include "sim/base/text.h"
 #include "sim/record/force_log.h"
 #include "tests/cli/cli_fixture.h"
 

@@ -6,9 +6,9 @@
 #include <filesystem>
 #include <limits>
 
+#include "sim/base/csv.h"
 #include "sim/base/error.h"
 #include "sim/record/checksum.h"
-#include "sim/record/csv_log.h"
 #include "sim/record/output_folder.h"
 #include "sim/record/recorder.h"
 #include "sim/record/vti.h"
@@ -19,10 +19,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-TEST(CsvLog, NumbersReadBackToTheSameValue) {
+TEST(CsvWriter, NumbersReadBackToTheSameValue) {
   const TempDir dir;
   const std::string path = dir.path() + "/a.csv";
-  CsvLog log(path, "x,y,z");
+  CsvWriter log(path, "x,y,z");
   log.row({0.1, 1.0 / 3, -0.0});
   log.row({1e-300, 123456789, 2});
   log.row({std::numeric_limits<double>::quiet_NaN(), 1, std::numeric_limits<double>::quiet_NaN()});
@@ -30,10 +30,10 @@ TEST(CsvLog, NumbersReadBackToTheSameValue) {
   EXPECT_EQ(file_bytes(path), "x,y,z\n0.1,0.3333333333333333,0\n1e-300,123456789,2\n,1,\n");
 }
 
-TEST(CsvLog, AFullDiskIsARunError) {
+TEST(CsvWriter, AFullDiskIsARunError) {
   EXPECT_THROW(
       {
-        CsvLog log("/dev/full", "x");
+        CsvWriter log("/dev/full", "x");
         log.row({1});
         log.close();
       },

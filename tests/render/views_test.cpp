@@ -8,7 +8,7 @@
 #include "render/pictures/run_view.h"
 #include "render/render.h"
 #include "sim/base/error.h"
-#include "sim/base/fixed_text.h"
+#include "sim/base/text.h"
 #include "sim/scenario/picture_frames.h"
 #include "tests/render/picture_file.h"
 #include "tests/render/results_fixture.h"

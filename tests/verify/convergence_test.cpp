@@ -39,14 +39,14 @@ TEST(Convergence, IndexOfThreeLevelsIsTheErrorTimesItsSafety) {
   const auto levels = series(12, 0.01, 2, 4);
   const GridIndex index = grid_index(levels, 2);
   EXPECT_DOUBLE_EQ(index.safety_factor, 1.25);
-  EXPECT_NEAR(index.share, 1.25 * std::abs(12 - levels.back().found) / levels.back().found, 1e-12);
+  EXPECT_NEAR(index.fraction, 1.25 * std::abs(12 - levels.back().found) / levels.back().found, 1e-12);
 }
 
 TEST(Convergence, OrderAboveTheFormalOneIsNotTrusted) {
   // An order of 4 would make the index small; the formal order bounds it.
   const auto levels = series(12, 0.01, 4, 3);
   const double difference = std::abs(levels[2].found - levels[1].found);
-  EXPECT_NEAR(grid_index(levels, 2).share, 1.25 * difference / (3 * levels[2].found), 1e-12);
+  EXPECT_NEAR(grid_index(levels, 2).fraction, 1.25 * difference / (3 * levels[2].found), 1e-12);
 }
 
 TEST(Convergence, LevelsThatDoNotConvergeTakeTheLargerFactor) {
@@ -54,7 +54,7 @@ TEST(Convergence, LevelsThatDoNotConvergeTakeTheLargerFactor) {
   const GridIndex index = grid_index(levels, 2);
   EXPECT_FALSE(index.order);
   EXPECT_DOUBLE_EQ(index.safety_factor, 3);
-  EXPECT_NEAR(index.share, 3 * 2 / (3 * 11.5), 1e-12) << "the larger of the differences counts";
+  EXPECT_NEAR(index.fraction, 3 * 2 / (3 * 11.5), 1e-12) << "the larger of the differences counts";
   levels.erase(levels.begin());
   EXPECT_DOUBLE_EQ(grid_index(levels, 2).safety_factor, 3) << "two levels";
 }

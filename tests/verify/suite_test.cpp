@@ -30,7 +30,7 @@ TEST_P(QuickCase, HoldsItsTolerances) {
                                 << ", error " << check.error() << ", tolerance " << check.tolerance;
     EXPECT_FALSE(check.measure != Measure::reported && check.reason.empty()) << check.quantity;
   }
-  for (const Ladder& ladder : found.ladders) EXPECT_EQ(ladder.levels.size(), 4U) << ladder.quantity;
+  for (const Refinement& refinement : found.refinements) EXPECT_EQ(refinement.levels.size(), 4U) << refinement.quantity;
 }
 
 INSTANTIATE_TEST_SUITE_P(Verify, QuickCase, ::testing::ValuesIn(ids()),

@@ -1,5 +1,6 @@
 #include "sim/bone/ct/ct_import.h"
 
+#include <fmt/core.h>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -24,8 +25,8 @@ constexpr const char* kPathKey = "bone.ct.path";
 
 std::string shape_text(const ct::ScanGeometry& g) {
   const Vec3 spacing = g.spacing_mm();
-  return ct::words("%dx%dx%d voxels of %.4gx%.4gx%.4g mm", g.dims.x(), g.dims.y(), g.dims.z(), spacing.x(), spacing.y(),
-                   spacing.z());
+  return fmt::format("{}x{}x{} voxels of {:.4g}x{:.4g}x{:.4g} mm", g.dims.x(), g.dims.y(), g.dims.z(), spacing.x(),
+                     spacing.y(), spacing.z());
 }
 
 void note_image(const ct::ScanSource& source, const std::string& path, Report& report) {
@@ -50,8 +51,8 @@ float replace_non_finite(std::vector<float>& values, const std::string& path, co
   const auto count = std::count_if(values.begin(), values.end(), not_finite);
   if (count == 0) return least;
   std::replace_if(values.begin(), values.end(), not_finite, least);
-  report.warn(path + ct::words(": %lld voxels are NaN or infinite; replaced by %.0f, the minimum",
-                               static_cast<long long>(count), static_cast<double>(least)));
+  report.warn(path + fmt::format(": {} voxels are NaN or infinite; replaced by {:.0f}, the minimum", count,
+                                 static_cast<double>(least)));
   return least;
 }
 
@@ -77,7 +78,7 @@ ct::AlignedImage read_cropped(const ct::ScanSource& source, const ct::IndexBox& 
 void note_crop(const ct::AlignedImage& image, const ct::ScanSource& source, Report& report) {
   if (image.lattice.size() >= source.geometry().size()) return;
   const Vec3i& dims = image.lattice.dims;
-  report.note(ct::words("crop: %dx%dx%d voxels, ", dims.x(), dims.y(), dims.z()) +
+  report.note(fmt::format("crop: {}x{}x{} voxels, ", dims.x(), dims.y(), dims.z()) +
               ct::box_words(image.lattice.bounds_mm()));
 }
 
@@ -87,23 +88,22 @@ void filter(ct::AlignedImage& image, const CtSettings& settings, Report& report)
     report.note("median filter, radius " + std::to_string(settings.median_radius_voxels) + " voxels");
   } else if (settings.filter == CtFilter::curvature_anisotropic) {
     ct::curvature_anisotropic_filter(image, settings.anisotropic_iterations, settings.anisotropic_conductance);
-    report.note(ct::words("curvature anisotropic diffusion, %d iterations, conductance %g",
-                          settings.anisotropic_iterations, settings.anisotropic_conductance));
+    report.note(fmt::format("curvature anisotropic diffusion, {} iterations, conductance {:g}",
+                            settings.anisotropic_iterations, settings.anisotropic_conductance));
   }
 }
 
 void note_trabecular(const ct::BoneField& bone, double threshold_hu, Report& report) {
-  report.note(ct::words("interior kept: %lld of %lld bone voxels (%.1f %%) are below %.0f HU",
-                        static_cast<long long>(bone.inside_below), static_cast<long long>(bone.voxels),
-                        100.0 * static_cast<double>(bone.inside_below) / static_cast<double>(bone.voxels),
-                        threshold_hu));
+  report.note(
+      fmt::format("interior kept: {} of {} bone voxels ({:.1f} %) are below {:.0f} HU", bone.inside_below, bone.voxels,
+                  100.0 * static_cast<double>(bone.inside_below) / static_cast<double>(bone.voxels), threshold_hu));
 }
 
 void note_boundary(const ct::BoundaryDensity& boundary, Report& report) {
-  report.note(ct::words(
-      "partial volume: the density of %lld boundary voxels comes from the bone below them; in %.1f %% of "
-      "them the cortex is thinner than the scan resolves, and the density is a lower bound (noise %.0f HU)",
-      static_cast<long long>(boundary.boundary_voxels), 100 * boundary.unresolved_fraction(), boundary.noise_hu));
+  report.note(fmt::format(
+      "partial volume: the density of {} boundary voxels comes from the bone below them; in {:.1f} % of "
+      "them the cortex is thinner than the scan resolves, and the density is a lower bound (noise {:.0f} HU)",
+      boundary.boundary_voxels, 100 * boundary.unresolved_fraction(), boundary.noise_hu));
 }
 
 /// A plane of LPS in the radiological convention.

@@ -2,17 +2,14 @@
 
 #include <itkGDCMImageIO.h>
 #include <sys/mman.h>
-#include <sys/resource.h>
 #include <sys/wait.h>
-#include <unistd.h>
 
 #include <atomic>
-#include <cerrno>
-#include <csignal>
 #include <memory>
 #include <new>
 
 #include "sim/base/error.h"
+#include "sim/base/process.h"
 #include "sim/bone/ct/dicom_header.h"
 #include "sim/bone/ct/image_file.h"
 #include "sim/bone/ct/quiet.h"
@@ -42,37 +39,22 @@ void read_whole(const std::string& file, const std::string& key) {
   read_voxels(*io, {Vec3i::Zero(), geometry.dims}, file, key);
 }
 
-/// Reads the files from `first` on and exits.
-template <typename Read>
-[[noreturn]] void read_all_and_exit(const std::vector<std::string>& files, std::size_t first, Counter& current,
-                                    const Read& read) {
-  const rlimit no_core{0, 0};
-  setrlimit(RLIMIT_CORE, &no_core);
-  for (const int signal : {SIGABRT, SIGSEGV, SIGBUS, SIGFPE, SIGILL}) std::signal(signal, SIG_DFL);
-  for (std::size_t n = first; n < files.size(); ++n) {
-    current.store(n);
-    try {
-      read(files[n]);
-    } catch (...) {
-      continue;  // the reader will report it
-    }
-  }
-  _exit(0);
-}
-
 /// The first file from `first` on that crashes a child process; files.size() if none does.
 template <typename Read>
 std::size_t first_that_crashes(const std::vector<std::string>& files, std::size_t first, const Read& read) {
   const auto current = shared_counter();
   if (first >= files.size() || !current) return files.size();
   const QuietLibraries quiet;
-  const pid_t child = fork();
-  if (child == 0) read_all_and_exit(files, first, *current, read);
-  if (child < 0) return files.size();
-  int status = 0;
-  while (waitpid(child, &status, 0) < 0) {
-    if (errno != EINTR) return files.size();
-  }
+  const int status = run_in_child([&] {
+    for (std::size_t n = first; n < files.size(); ++n) {
+      current->store(n);
+      try {
+        read(files[n]);
+      } catch (...) {
+        continue;  // the reader will report it
+      }
+    }
+  });
   return WIFEXITED(status) ? files.size() : current->load();
 }
 

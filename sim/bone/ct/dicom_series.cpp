@@ -1,5 +1,6 @@
 #include "sim/bone/ct/dicom_series.h"
 
+#include <fmt/core.h>
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
@@ -57,8 +58,8 @@ std::string words_of(const DicomSeries& series) {
   const DicomHeader& first = series.images.front();
   const Vec3& s = series.spacing_mm;
   std::string out = "UID " + series.uid + ", \"" + series.description + "\", " + series.modality + ", ";
-  out += first.frames > 1 ? words("%d frames", first.frames) : std::to_string(series.images.size()) + " slices";
-  out += words(" of %dx%d, %.4gx%.4gx%.4g mm", first.columns, first.rows, s.x(), s.y(), s.z());
+  out += first.frames > 1 ? fmt::format("{} frames", first.frames) : std::to_string(series.images.size()) + " slices";
+  out += fmt::format(" of {}x{}, {:.4g}x{:.4g}x{:.4g} mm", first.columns, first.rows, s.x(), s.y(), s.z());
   if (!series.kernel.empty()) out += ", kernel " + series.kernel;
   return out;
 }

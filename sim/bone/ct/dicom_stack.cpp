@@ -1,3 +1,4 @@
+#include <fmt/core.h>
 #include <itkGDCMImageIO.h>
 
 #include <algorithm>
@@ -47,7 +48,7 @@ bool may_be_slice(const DicomHeader& header) {
 [[noreturn]] void refuse_image(const DicomHeader& header, const std::string& key) {
   const SourceLocation where{header.path};
   if (header.frames > 1) {
-    throw InputError(where, key, words("a multi-frame DICOM file (%d frames)", header.frames),
+    throw InputError(where, key, fmt::format("a multi-frame DICOM file ({} frames)", header.frames),
                      "convert it to NRRD or NIfTI (3D Slicer, dcm2niix), or export single slices");
   }
   if (!header.position_mm) {
@@ -123,13 +124,14 @@ std::vector<Stack> groups_of(const std::vector<const DicomHeader*>& slices, cons
 
 std::string difference(const ScanGeometry& other, const ScanGeometry& usual) {
   if (other.dims != usual.dims) {
-    return words("%dx%d pixels; the other slices have %dx%d", other.dims.x(), other.dims.y(), usual.dims.x(),
-                 usual.dims.y());
+    return fmt::format("{}x{} pixels; the other slices have {}x{}", other.dims.x(), other.dims.y(), usual.dims.x(),
+                       usual.dims.y());
   }
   const Vec3 a = other.spacing_mm();
   const Vec3 b = usual.spacing_mm();
   if ((a - b).head<2>().cwiseAbs().maxCoeff() > kSameAxes * b.head<2>().minCoeff()) {
-    return words("pixels of %.4gx%.4g mm; those of the other slices are %.4gx%.4g mm", a.x(), a.y(), b.x(), b.y());
+    return fmt::format("pixels of {:.4g}x{:.4g} mm; those of the other slices are {:.4g}x{:.4g} mm", a.x(), a.y(),
+                       b.x(), b.y());
   }
   return "an orientation different from that of the other slices";
 }
@@ -185,8 +187,9 @@ void check_distances(const std::vector<Stack>& groups, double typical_mm, const 
   for (std::size_t k = 1; k < stack.size(); ++k) {
     const double gap = stack[k].height_mm - stack[k - 1].height_mm;
     if (std::abs(gap - typical_mm) <= kSpacingTolerance * typical_mm) continue;
-    const std::string found = words("slice spacing is %.3f mm; most slices are %.3f mm apart: ", gap, typical_mm) +
-                              stack[k - 1].path() + " and " + stack[k].path();
+    const std::string found =
+        fmt::format("slice spacing is {:.3f} mm; most slices are {:.3f} mm apart: ", gap, typical_mm) +
+        stack[k - 1].path() + " and " + stack[k].path();
     const long missing = std::lround(gap / typical_mm) - 1;
     const std::string between = missing == 1  ? "a slice is missing between them"
                                 : missing > 1 ? std::to_string(missing) + " slices are missing between them"
@@ -203,7 +206,8 @@ void check_straight(const Stack& stack, const Vec3& step_mm, const std::string& 
     const Vec3 due = stack.front().geometry.origin_mm + static_cast<double>(k) * step_mm;
     const double off = (stack[k].geometry.origin_mm - due).norm();
     if (off <= kStraight_pixels * std::max(side, kSpacingTolerance * step_mm.norm())) continue;
-    throw InputError({stack[k].path()}, key, words("the slice is displaced by %.2f mm against its neighbours", off),
+    throw InputError({stack[k].path()}, key,
+                     fmt::format("the slice is displaced by {:.2f} mm against its neighbours", off),
                      "export the original series");
   }
 }

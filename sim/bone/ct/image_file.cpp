@@ -1,5 +1,6 @@
 #include "sim/bone/ct/image_file.h"
 
+#include <fmt/core.h>
 #include <itkGDCMImageIO.h>
 #include <itkMetaDataObject.h>
 #include <itkMetaImageIO.h>
@@ -19,6 +20,7 @@
 #include <stdexcept>
 
 #include "sim/base/error.h"
+#include "sim/base/file.h"
 #include "sim/bone/ct/dicom_probe.h"
 #include "sim/bone/ct/quiet.h"
 #include "sim/bone/ct/words.h"
@@ -66,10 +68,7 @@ bool contains_its_voxels(const std::string& path) {
 
 /// VTK's own formats, legacy and XML.
 bool is_vtk(const std::string& path) {
-  std::ifstream in(path, std::ios::binary);
-  std::string start(256, '\0');
-  in.read(start.data(), static_cast<std::streamsize>(start.size()));
-  start.resize(static_cast<std::size_t>(in.gcount()));
+  const std::string start = read_file_start(path, 256);
   return start.starts_with("# vtk DataFile") || start.find("<VTKFile") != std::string::npos;
 }
 
@@ -343,8 +342,9 @@ std::vector<float> read_voxels(itk::ImageIOBase& io, const IndexBox& box, const 
 void check_fits_in_memory(double voxels, double bytes_per_voxel, const std::string& path, const std::string& key) {
   const double memory = static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGE_SIZE));
   if (voxels * bytes_per_voxel <= 0.5 * memory) return;
-  const std::string text = words("%.3g voxels need %.3g GB, more than half of this machine's memory (%.3g GB)", voxels,
-                                 voxels * bytes_per_voxel / 1e9, memory / 1e9);
+  const std::string text =
+      fmt::format("{:.3g} voxels need {:.3g} GB, more than half of this machine's memory ({:.3g} GB)", voxels,
+                  voxels * bytes_per_voxel / 1e9, memory / 1e9);
   throw InputError({path}, key, text, "use fewer voxels, or check that the header is not damaged");
 }
 

@@ -1,5 +1,6 @@
 #include "sim/bone/ct/label_map.h"
 
+#include <fmt/core.h>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -101,10 +102,11 @@ void add_end(const ScanGeometry& labels, const Scan& part, const IndexBox& box, 
 
 void report_cut_off(const CutOff& cut, const std::string& path, double threshold_hu, Report& report) {
   if (cut.contact_mm2 == 0) return;
-  const std::string text = path + words(
-                                      ": the label touches the border of the map over %.0f mm2 inside the image, with "
-                                      "%.0f mm2 at or above %.0f HU beyond it",
-                                      cut.contact_mm2, cut.bone_mm2, threshold_hu);
+  const std::string text =
+      path + fmt::format(
+                 ": the label touches the border of the map over {:.0f} mm2 inside the image, with "
+                 "{:.0f} mm2 at or above {:.0f} HU beyond it",
+                 cut.contact_mm2, cut.bone_mm2, threshold_hu);
   if (cut.bone_mm2 >= kCutOff_mm2) {
     report.warn(text + "; the map truncates the bone there");
   } else {
@@ -155,8 +157,8 @@ class LabelReader {
   [[nodiscard]] std::string shape() const {
     const ScanGeometry& g = source_->geometry();
     const Vec3 s = g.spacing_mm();
-    std::string out =
-        words(", %dx%dx%d voxels of %.4gx%.4gx%.4g mm, ", g.dims.x(), g.dims.y(), g.dims.z(), s.x(), s.y(), s.z());
+    std::string out = fmt::format(", {}x{}x{} voxels of {:.4g}x{:.4g}x{:.4g} mm, ", g.dims.x(), g.dims.y(), g.dims.z(),
+                                  s.x(), s.y(), s.z());
     if (source_->layers() > 1) out += std::to_string(source_->layers()) + " layers, ";
     return out + box_words(g.bounds_mm());
   }
@@ -193,10 +195,10 @@ class LabelReader {
       const float value = labels.value[at];
       if (std::isfinite(value) && value == std::floor(value)) continue;
       const Vec3i c = box.start + Lattice{.dims = box.size}.voxel_at(at);
-      throw InputError(
-          {map_.path}, kLabelPathKey,
-          words("the value %g at voxel (%d, %d, %d) is not a label", static_cast<double>(value), c.x(), c.y(), c.z()),
-          "expected whole numbers; threshold a probability map and save it as integers");
+      throw InputError({map_.path}, kLabelPathKey,
+                       fmt::format("the value {:g} at voxel ({}, {}, {}) is not a label", static_cast<double>(value),
+                                   c.x(), c.y(), c.z()),
+                       "expected whole numbers; threshold a probability map and save it as integers");
     }
   }
 
@@ -205,7 +207,7 @@ class LabelReader {
     std::size_t count = 0;
     for (const float value : seen_) {
       if (++count > kMaxValues) break;
-      values += (values.empty() ? "" : ", ") + words("%.0f", static_cast<double>(value));
+      values += (values.empty() ? "" : ", ") + fmt::format("{:.0f}", static_cast<double>(value));
     }
     if (count > kMaxValues) values += ", ...";
     throw InputError(

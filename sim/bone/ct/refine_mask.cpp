@@ -1,5 +1,6 @@
 #include "sim/bone/ct/segment.h"
 
+#include <fmt/core.h>
 #include <algorithm>
 #include <cmath>
 
@@ -124,9 +125,9 @@ void refine_to_isosurface(AlignedImage& field, const AlignedImage& other, const 
     removed += before[at] && !refined[at];
   }
   field.value = signed_field(hu, threshold_hu, refined);
-  report.note(words("refined to the %.0f HU isosurface within %.2g mm: %lld voxels added, %lld removed, %+.0f mm3",
-                    threshold_hu, reach_mm, static_cast<long long>(added), static_cast<long long>(removed),
-                    static_cast<double>(added - removed) * hu.lattice.voxel_mm3()));
+  report.note(fmt::format(
+      "refined to the {:.0f} HU isosurface within {:.2g} mm: {} voxels added, {} removed, {:+.0f} mm3", threshold_hu,
+      reach_mm, added, removed, static_cast<double>(added - removed) * hu.lattice.voxel_mm3()));
 }
 
 }  // namespace reamsim::ct

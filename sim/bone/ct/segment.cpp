@@ -1,5 +1,6 @@
 #include "sim/bone/ct/segment.h"
 
+#include <fmt/core.h>
 #include <algorithm>
 #include <cmath>
 
@@ -26,11 +27,11 @@ Mask above_threshold(const AlignedImage& hu, const CtSettings& settings, Report&
     const float highest = *std::max_element(hu.value.begin(), hu.value.end());
     throw InputError({settings.path}, "bone.ct.threshold_hu",
                      "no bone in the crop: the maximum of " + std::to_string(mask.size()) + " voxels has " +
-                         words("%.0f", highest) + " HU, the threshold is " + words("%.0f", settings.threshold_hu) +
-                         " HU",
+                         fmt::format("{:.0f}", highest) + " HU, the threshold is " +
+                         fmt::format("{:.0f}", settings.threshold_hu) + " HU",
                      "lower the threshold or move the crop; it spans " + box_words(hu.lattice.bounds_mm()));
   }
-  report.note("threshold " + words("%.0f", settings.threshold_hu) + " HU: " + std::to_string(voxels) + " of " +
+  report.note("threshold " + fmt::format("{:.0f}", settings.threshold_hu) + " HU: " + std::to_string(voxels) + " of " +
               std::to_string(mask.size()) + " voxels at or above");
   return mask;
 }
@@ -101,8 +102,9 @@ SolidPiece choose_piece(const Pieces& pieces, const AlignedImage& hu, const CtSe
   }
   const float there = hu.value[lattice.index(seed)];
   throw InputError({settings.path}, "bone.ct.seed_mm",
-                   point_words(*settings.seed_mm) + " lies outside bone: " + words("%.0f", there) +
-                       " HU there, and no piece above " + words("%.0f", settings.threshold_hu) + " HU encloses it",
+                   point_words(*settings.seed_mm) + " lies outside bone: " + fmt::format("{:.0f}", there) +
+                       " HU there, and no piece above " + fmt::format("{:.0f}", settings.threshold_hu) +
+                       " HU encloses it",
                    "give a point inside the bone to be kept, LPS, mm");
 }
 
@@ -120,9 +122,10 @@ void note_pieces(const Pieces& pieces, const SolidPiece& solid, const CtSettings
                  Report& report) {
   const double kept_mm3 = static_cast<double>(count(solid.mask)) * lattice.voxel_mm3();
   report.note(std::to_string(pieces.list.size()) + " connected pieces; kept the " +
-              (settings.seed_mm ? "one with the seed" : "largest") + ", " + words("%.0f", kept_mm3) +
+              (settings.seed_mm ? "one with the seed" : "largest") + ", " + fmt::format("{:.0f}", kept_mm3) +
               " mm3 when closed (" + std::to_string(solid.closed) + " voxels added by " +
-              words("%.1f", settings.closing_mm) + " mm) and filled (" + std::to_string(solid.filled) + " voxels)");
+              fmt::format("{:.1f}", settings.closing_mm) + " mm) and filled (" + std::to_string(solid.filled) +
+              " voxels)");
 }
 
 Segmentation facts_of(const Pieces& pieces, const SolidPiece& solid, std::int64_t cut, const CtSettings& settings,
@@ -149,10 +152,10 @@ Segmentation facts_of(const Pieces& pieces, const SolidPiece& solid, std::int64_
 void warn_of_second_piece(const Segmentation& facts, Report& report) {
   constexpr double kAnotherBone = 0.05;  // smaller pieces are noise, calcifications or parts of ribs
   if (facts.by_seed || facts.second_mm3 < kAnotherBone * facts.largest_mm3) return;
-  report.warn(
-      words("bone.ct.seed_mm is missing: the largest piece is kept, %.0f mm3. The second largest has %.0f mm3 and may "
-            "be the intended bone: set bone.ct.seed_mm to a point inside it",
-            facts.largest_mm3, facts.second_mm3));
+  report.warn(fmt::format(
+      "bone.ct.seed_mm is missing: the largest piece is kept, {:.0f} mm3. The second largest has {:.0f} mm3 and may "
+      "be the intended bone: set bone.ct.seed_mm to a point inside it",
+      facts.largest_mm3, facts.second_mm3));
 }
 
 /// The sums that all methods of segmentation have.
@@ -195,7 +198,7 @@ BoneField segment_by_threshold(const AlignedImage& hu, const CtSettings& setting
   const std::int64_t removed = apply_cuts(after_cuts, lattice, settings);
   if (removed > 0) {
     report.note("cuts removed " + std::to_string(removed) + " voxels above the threshold, " +
-                words("%.0f", static_cast<double>(removed) * lattice.voxel_mm3()) + " mm3");
+                fmt::format("{:.0f}", static_cast<double>(removed) * lattice.voxel_mm3()) + " mm3");
   }
   const Pieces pieces = connected_pieces(after_cuts, lattice);
   if (pieces.list.empty()) {
@@ -234,7 +237,7 @@ BoneField segment_by_label(LabelImages labels, const AlignedImage& hu, const CtS
   bone.facts.method = "label_map";
   finish_facts(bone, hu.lattice, settings.threshold_hu);
   report.note("label " + words_of_labels(map.label) + ": " + std::to_string(bone.voxels) + " voxels, " +
-              words("%.0f", static_cast<double>(bone.voxels) * hu.lattice.voxel_mm3()) + " mm3");
+              fmt::format("{:.0f}", static_cast<double>(bone.voxels) * hu.lattice.voxel_mm3()) + " mm3");
   bone.field = std::move(selected);
   return bone;
 }

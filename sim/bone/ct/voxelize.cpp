@@ -1,5 +1,6 @@
 #include "sim/bone/ct/voxelize.h"
 
+#include <fmt/core.h>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -99,10 +100,10 @@ void set_fill_at_surface(const BoneField& bone, const SliceResampler& hu, const 
 
 void note_voxmap(const FilledVoxmap& voxmap, const HuStatistics& hu, Report& report) {
   const VoxelGrid& grid = voxmap.grid;
-  report.note(words("voxmap: %dx%dx%d voxels of %g mm; bone %lld voxels, %.0f mm3; HU %.0f to %.0f, mean %.0f",
-                    grid.dims.x(), grid.dims.y(), grid.dims.z(), grid.voxel_mm,
-                    static_cast<long long>(voxmap.count_bone()), voxmap.bone_mm3(), hu.least, hu.most,
-                    hu.sum / static_cast<double>(hu.voxels)));
+  report.note(
+      fmt::format("voxmap: {}x{}x{} voxels of {:g} mm; bone {} voxels, {:.0f} mm3; HU {:.0f} to {:.0f}, mean {:.0f}",
+                  grid.dims.x(), grid.dims.y(), grid.dims.z(), grid.voxel_mm, voxmap.count_bone(), voxmap.bone_mm3(),
+                  hu.least, hu.most, hu.sum / static_cast<double>(hu.voxels)));
 }
 
 }  // namespace

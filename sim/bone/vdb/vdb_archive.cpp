@@ -1,23 +1,17 @@
 #include "sim/bone/vdb/vdb_archive.h"
 
-#include <fcntl.h>
-#include <signal.h>
-#include <sys/resource.h>
-#include <sys/wait.h>
-#include <unistd.h>
+#include <fmt/core.h>
 #include <zlib.h>
 
 #include <array>
-#include <chrono>
-#include <cstdio>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
-#include <functional>
 #include <optional>
-#include <thread>
 
 #include "sim/base/error.h"
+#include "sim/base/file.h"
+#include "sim/base/process.h"
 
 namespace reamsim {
 
@@ -29,7 +23,6 @@ namespace fs = std::filesystem;
 constexpr const char* kTrailerKey = "_reamsim_trailer";
 constexpr const char* kTrailerValue = "CRC-32 of all bytes before it";
 constexpr std::size_t kKeySearchBytes = 1 << 16;
-constexpr const char* kTrailerFormat = "REAMSIM-CRC32 %08lx\n";
 constexpr std::size_t kTrailerBytes = 23;
 /// The first eight bytes of any VDB file.
 constexpr std::array<char, 8> kMagic{0x20, 0x42, 0x44, 0x56, 0, 0, 0, 0};
@@ -60,9 +53,7 @@ std::optional<uLong> checksum(std::istream& in, std::uintmax_t bytes) {
 }
 
 std::string trailer(uLong sum) {
-  char text[kTrailerBytes + 1];
-  std::snprintf(text, sizeof text, kTrailerFormat, sum & 0xFFFFFFFFUL);
-  return text;
+  return fmt::format("REAMSIM-CRC32 {:08x}\n", sum & 0xFFFFFFFFUL);
 }
 
 /// Removes the file unless it was moved to its final path.
@@ -156,55 +147,6 @@ bool check_bytes(const std::string& path) {
   return true;
 }
 
-std::uint64_t address_space_bytes() {
-  std::uint64_t pages = 0;
-  std::ifstream("/proc/self/statm") >> pages;
-  return pages * static_cast<std::uint64_t>(sysconf(_SC_PAGE_SIZE));
-}
-
-void limit(__rlimit_resource resource, std::uint64_t bound) {
-  const rlimit both{bound, bound};
-  setrlimit(resource, &both);
-}
-
-[[noreturn]] void run_as_child(const std::function<void()>& work, std::uint64_t max_bytes, int seconds) {
-  limit(RLIMIT_AS, max_bytes);
-  limit(RLIMIT_CPU, static_cast<std::uint64_t>(seconds));
-  limit(RLIMIT_CORE, 0);
-  for (const int fatal : {SIGSEGV, SIGBUS, SIGFPE, SIGABRT, SIGILL, SIGXCPU}) signal(fatal, SIG_DFL);
-  const int null_device = open("/dev/null", O_WRONLY | O_CLOEXEC);
-  dup2(null_device, STDERR_FILENO);  // hides the messages of the library
-  try {
-    work();
-  } catch (...) {
-    _exit(1);
-  }
-  _exit(0);
-}
-
-/// The exit status of the child, which is killed after `seconds`.
-int wait_for(pid_t child, int seconds) {
-  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(seconds);
-  int status = 0;
-  while (waitpid(child, &status, WNOHANG) == 0) {
-    if (std::chrono::steady_clock::now() > end) kill(child, SIGKILL);
-    std::this_thread::sleep_for(std::chrono::milliseconds(2));
-  }
-  return status;
-}
-
-/// Whether `work` ends without an exception in a child process with bounded memory (`memory_bytes` beyond that of this
-/// process) and time. For libraries that damaged input can crash or trap in endless loops. `work` must start no
-/// threads. True as well if no child process can be created.
-bool succeeds_in_child(const std::function<void()>& work, std::uint64_t memory_bytes, int seconds) {
-  const std::uint64_t max_bytes = address_space_bytes() + memory_bytes;
-  const pid_t child = fork();
-  if (child < 0) return true;
-  if (child == 0) run_as_child(work, max_bytes, seconds);
-  const int status = wait_for(child, 4 * seconds);  // wall time of a busy machine
-  return WIFEXITED(status) && WEXITSTATUS(status) == 0;
-}
-
 /// Reads all grids, as VdbFile will.
 void read_everything(const std::string& path) {
   openvdb::io::File file(path);
@@ -221,7 +163,7 @@ void check_in_child(const std::string& path) {
   const std::uintmax_t size = fs::file_size(path, error);
   const std::uint64_t memory_bytes = kMinMemory + (error ? 0 : kMemoryPerFileByte * size);
   const int seconds = kSeconds + static_cast<int>(size >> 25);
-  if (!succeeds_in_child([&path] { read_everything(path); }, memory_bytes, seconds)) {
+  if (run_in_child([&path] { read_everything(path); }, {memory_bytes, seconds}) != 0) {
     fail(path, "a truncated or damaged VDB file", "expected a complete file");
   }
 }
@@ -229,10 +171,7 @@ void check_in_child(const std::string& path) {
 }  // namespace
 
 bool is_vdb_of_reamsim(const std::string& path) {
-  std::string start(kKeySearchBytes, '\0');
-  std::ifstream in(path, std::ios::binary);
-  in.read(start.data(), static_cast<std::streamsize>(start.size()));
-  start.resize(static_cast<std::size_t>(in.gcount()));
+  const std::string start = read_file_start(path, kKeySearchBytes);
   return start.starts_with(std::string_view(kMagic.data(), kMagic.size())) &&
          start.find(kTrailerKey) != std::string::npos;
 }
@@ -242,7 +181,7 @@ void write_vdb_file(const std::string& path, const openvdb::GridCPtrVec& grids, 
   marked.insertMeta(kTrailerKey, openvdb::StringMetadata(kTrailerValue));
   PartialFile partial(path + ".tmp");
   if (!write_grids(partial.path(), grids, marked) || !append_trailer(partial.path()) || !partial.move_to(path)) {
-    throw RunError(path + ": cannot be written (folder missing, not writable, or disk full)");
+    fail_to_write(path);
   }
 }
 

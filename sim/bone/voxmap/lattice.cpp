@@ -1,11 +1,11 @@
 #include "sim/bone/voxmap/lattice.h"
 
+#include <fmt/core.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <cstdio>
 #include <limits>
 
 #include "sim/base/error.h"
@@ -45,9 +45,7 @@ double fitting_factor(const Eigen::Array3d& dims, const LatticeLoad& load, doubl
 /// Rounded up to two digits, so that the lattice does fit.
 std::string fitting_voxel_text(double voxel_mm) {
   const double unit = std::pow(10.0, std::floor(std::log10(voxel_mm)) - 1);
-  char text[48];
-  std::snprintf(text, sizeof text, "%.3g", std::ceil(voxel_mm / unit) * unit);
-  return text;
+  return fmt::format("{:.3g}", std::ceil(voxel_mm / unit) * unit);
 }
 
 }  // namespace
@@ -60,10 +58,9 @@ void check_lattice(const std::string& what, const Eigen::Array3d& dims, double v
                    double memory_bytes) {
   if (fits(dims, load, memory_bytes)) return;
   const double voxels = dims.prod();
-  char found[200];
-  std::snprintf(
-      found, sizeof found,
-      "the lattice has %.4g x %.4g x %.4g voxels of %.4g mm (%.3g in total) and needs %.3g GB; %.3g GB are available",
+  const std::string found = fmt::format(
+      "the lattice has {:.4g} x {:.4g} x {:.4g} voxels of {:.4g} mm ({:.3g} in total) and needs {:.3g} GB; {:.3g} GB "
+      "are available",
       dims.x(), dims.y(), dims.z(), voxel_mm, voxels, planned_bytes(voxels, load) / 1e9,
       kMemoryFraction * memory_bytes / 1e9);
   if (!std::isfinite(voxels) || voxels < 0) throw InputError({what, 0, 0}, "", found, "give a bone of finite size");

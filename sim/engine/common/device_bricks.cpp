@@ -8,6 +8,7 @@
 #include <cstring>
 
 #include "sim/base/error.h"
+#include "sim/base/text.h"
 #include "sim/engine/common/read_back.h"
 
 namespace reamsim {
@@ -79,9 +80,9 @@ std::size_t bytes_of(const BrickLayout& layout, const BoneView& bone) {
 
 [[noreturn]] void does_not_fit(const cl::Device& device, const BoneView& bone, std::size_t need, std::size_t have) {
   const double factor = std::cbrt(static_cast<double>(need) / static_cast<double>(have));
-  const auto mb = [](std::size_t bytes) { return std::to_string(bytes / 1'000'000) + " MB"; };
   throw InputError(
-      {}, "bone.voxel_mm", "the bone's bricks need " + mb(need) + " of the " + mb(have) + " of " + device.info().name,
+      {}, "bone.voxel_mm",
+      "the bone's bricks need " + megabytes(need) + " of the " + megabytes(have) + " of " + device.info().name,
       "about " + std::to_string(bone.voxmap.grid.voxel_mm * std::max(1.0, factor) * 1.05) + " mm would fit");
 }
 

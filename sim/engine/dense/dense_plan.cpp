@@ -1,10 +1,11 @@
 #include "sim/engine/dense/dense_plan.h"
 
+#include <fmt/core.h>
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 #include "sim/base/error.h"
+#include "sim/base/text.h"
 #include "sim/engine/common/device_batch.h"
 #include "sim/engine/common/read_back.h"
 #include "sim/tool/morton.h"
@@ -17,10 +18,6 @@ namespace {
 constexpr std::size_t kRemovedRoom = 4'000'000;
 
 constexpr std::size_t kMaxVoxels = std::size_t{1} << 32;
-
-std::string megabytes(std::size_t bytes) {
-  return std::to_string((bytes + 999'999) / 1'000'000) + " MB";
-}
 
 /// Bound of the number of voxels with centres in the tool, in any pose: the volume of the tool's box, extended by half
 /// a voxel's diagonal on every side.
@@ -87,9 +84,8 @@ void require_fit(const DensePlan& plan, const cl::DeviceInfo& device, double vox
   if (most <= 1) return;
   // Memory is inversely proportional to the cube of the voxel size; the margin covers the rounding to whole voxels.
   constexpr double kMargin = 1.02;
-  char fits[96];
-  std::snprintf(fits, sizeof fits, "a bone.voxel_mm of about %.3g or more would fit",
-                voxel_mm * std::cbrt(most) * kMargin);
+  const std::string fits =
+      fmt::format("a bone.voxel_mm of about {:.3g} or more would fit", voxel_mm * std::cbrt(most) * kMargin);
   throw InputError({}, "bone.voxel_mm",
                    "found a voxmap of " + std::to_string(plan.voxels) + " voxels; a dense engine supports at most " +
                        std::to_string(kMaxVoxels) + "; it needs " + megabytes(plan.bytes()) + " on the device and " +

@@ -1,11 +1,11 @@
 #include "sim/engine/exact/fill_pages.h"
 
+#include <fmt/core.h>
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstdio>
 
 #include "sim/base/error.h"
+#include "sim/base/text.h"
 
 namespace reamsim {
 
@@ -20,13 +20,11 @@ std::size_t most_room(std::size_t needed) {
 }
 
 [[noreturn]] void does_not_fit(const cl::Device& device, std::size_t pages, std::size_t largest, double voxel_mm) {
-  const auto mb = [](std::size_t count) { return std::to_string((count * kPageBytes + 999'999) / 1'000'000) + " MB"; };
   const double factor = std::cbrt(static_cast<double>(pages) / static_cast<double>(std::max<std::size_t>(1, largest)));
-  char voxel[32];
-  std::snprintf(voxel, sizeof voxel, "%.3g", 1.05 * factor * voxel_mm);
-  throw RunError("the fill of cut bricks needs " + mb(pages) + " in one allocation, but " + device.info().name +
-                 " supports at most " + mb(largest) + "; bone.voxel_mm of " + voxel +
-                 " or more would fit, or a smaller crop");
+  throw RunError(fmt::format(
+      "the fill of cut bricks needs {} in one allocation, but {} supports at most {}; bone.voxel_mm of {:.3g} or more "
+      "would fit, or a smaller crop",
+      megabytes(pages * kPageBytes), device.info().name, megabytes(largest * kPageBytes), 1.05 * factor * voxel_mm));
 }
 
 std::size_t bricks_with_fill(const BoneView& bone) {

@@ -1,35 +1,35 @@
 #include <algorithm>
 
 #include "sim/base/stopwatch.h"
-#include "sim/bench/contender.h"
 #include "sim/bench/poses.h"
+#include "sim/bench/program.h"
 #include "sim/engine/make_engine.h"
 
 namespace reamsim::bench {
 
 namespace {
 
-class EngineContender final : public Contender {
+class EngineProgram final : public Program {
  public:
-  EngineContender(const std::string& engine, const std::string& device, const Arena& arena,
-                  const CuttingSettings& cutting)
-      : arena_(arena),
+  EngineProgram(const std::string& engine, const std::string& device, const BenchSetup& setup,
+                const CuttingSettings& cutting)
+      : setup_(setup),
         cutting_(cutting),
         label_{engine, "deterministic"},
-        engine_(make_engine(settings(engine, device, cutting), *arena.voxmap, *arena.tool)) {}
+        engine_(make_engine(settings(engine, device, cutting), *setup.voxmap, *setup.tool)) {}
 
   BatchSample run(std::span<const Substep> frames, bool use_voi) override {
     BatchSample sample;
-    const Stopwatch watch;
+    const Stopwatch stopwatch;
     for (const Substep& frame : frames) enqueue(frame, use_voi, sample);
     collect(sample);
-    sample.total_s = watch.seconds();
+    sample.total_s = stopwatch.seconds();
     keep_removed();  // bookkeeping of the benchmark
     return sample;
   }
 
   void restore() override {
-    engine_->restore_voxels(*arena_.voxmap, removed_);
+    engine_->restore_voxels(*setup_.voxmap, removed_);
     removed_.clear();
   }
 
@@ -48,7 +48,7 @@ class EngineContender final : public Contender {
 
   void enqueue(const Substep& frame, bool use_voi, BatchSample& sample) {
     const Stopwatch broad;
-    const auto voi = broad_phase(arena_.tool_box, arena_.bone_box, frame.pose.bone_from_tool().inverse());
+    const auto voi = broad_phase(setup_.tool_box, setup_.bone_box, frame.pose.bone_from_tool().inverse());
     sample.broad_s += broad.seconds();
     if (!voi) return;
     if (engine_->full()) {
@@ -56,9 +56,9 @@ class EngineContender final : public Contender {
       keep_removed();
     }
     const Stopwatch upload;
-    const VoxelGrid& grid = arena_.voxmap->grid;
-    engine_->enqueue(use_voi ? make_args(frame, *voi, arena_.tool->shell, grid, cutting_, false)
-                             : args_without_voi(frame, *arena_.tool, grid));
+    const VoxelGrid& grid = setup_.voxmap->grid;
+    engine_->enqueue(use_voi ? make_args(frame, *voi, setup_.tool->shell, grid, cutting_, false)
+                             : args_without_voi(frame, *setup_.tool, grid));
     sample.upload_s += upload.seconds();
   }
 
@@ -77,7 +77,7 @@ class EngineContender final : public Contender {
     removed_.insert(removed_.end(), removed.begin(), removed.end());
   }
 
-  Arena arena_;
+  BenchSetup setup_;
   CuttingSettings cutting_;
   Label label_;
   std::unique_ptr<Engine> engine_;
@@ -86,11 +86,11 @@ class EngineContender final : public Contender {
 
 }  // namespace
 
-std::unique_ptr<Contender> make_engine_contender(const std::string& engine, const std::string& device,
-                                                 const Arena& arena, ErosionMode erosion) {
+std::unique_ptr<Program> make_engine_program(const std::string& engine, const std::string& device,
+                                             const BenchSetup& setup, ErosionMode erosion) {
   CuttingSettings cutting = bench_cutting();
   cutting.erosion = erosion;
-  return std::make_unique<EngineContender>(engine, device, arena, cutting);
+  return std::make_unique<EngineProgram>(engine, device, setup, cutting);
 }
 
 }  // namespace reamsim::bench

@@ -10,20 +10,20 @@ namespace reamsim::assets {
 
 namespace {
 
-constexpr int kLips = 6;
+constexpr int kCuttingEdges = 6;
 constexpr double kDegree = std::numbers::pi / 180;
-/// How far the face is set back between the lips, and over which radii it reaches that.
+/// Set-back of the face between the cutting edges, and the radii between which it grows to that.
 constexpr double kRecessMm = 0.9;
 constexpr double kRecessStartMm = kCannulaRadiusMm, kRecessFullMm = 5;
-/// Angles of one lip's sector. The tool turns towards smaller angles: the cutting edge is at 0, the land behind it,
-/// then the relief falls off; the chip slot before the next lip's edge closes the sector.
+/// Angles of the sector of one tooth. The tool rotates towards smaller angles. From 0 on: cutting edge, land, relief,
+/// and the chip slot before the next cutting edge.
 constexpr double kLandEnd = 3 * kDegree, kReliefEnd = 34 * kDegree, kSlotStart = 37 * kDegree;
-/// The lips trail as they go outwards.
+/// The outer parts of the cutting edges trail.
 constexpr double kSpiralPerMm = 1.4 * kDegree;
-/// The slot lies between these radii.
+/// Radii of the slot.
 constexpr double kSlotInnerMm = 7.4, kSlotOuterMm = 13.2;
 
-/// Columns of the grid within a sector: fine where the lip is, the slot's edges and the next lip's edge on a column.
+/// Columns of the grid within a sector: fine near the cutting edge, with a column at each edge of the slot.
 std::vector<double> sector_angles() {
   std::vector<double> angles{0, 1.5, 3};
   for (int i = 1; i <= 16; ++i) angles.push_back(3 + 2.125 * i);  // to the slot's start at 37°
@@ -40,8 +40,8 @@ double recess(double radius, double angle) {
   return kRecessMm * radial * angular;
 }
 
-/// The generating polygon with, behind each face point of the slot, a point of equal radius on the head's back, so that
-/// the slot's walls join ring to ring.
+/// The generating polygon. For each face point of the slot it has a point of equal radius on the back of the head, so
+/// that the walls of the slot connect ring to ring.
 struct Rings {
   std::vector<Vec2> points;
   std::size_t face_end = 0;                             ///< the rim's ring, last of the face
@@ -57,8 +57,8 @@ Rings slotted_rings() {
       const Vec2 from = rings.points.back();
       rings.slot_back_first = rings.points.size();
       for (std::size_t i = rings.slot_face_last + 1; i-- > rings.slot_face_first;) {
-        const double radius = rings.points[i].x(), share = (from.x() - radius) / (from.x() - p.x());
-        rings.points.emplace_back(radius, from.y() + share * (p.y() - from.y()));
+        const double radius = rings.points[i].x(), fraction = (from.x() - radius) / (from.x() - p.x());
+        rings.points.emplace_back(radius, from.y() + fraction * (p.y() - from.y()));
       }
       rings.slot_back_last = rings.points.size() - 1;
     }
@@ -72,11 +72,11 @@ Rings slotted_rings() {
   return rings;
 }
 
-/// The grid of rings by columns, both closed, as triangles.
-class LipGrid {
+/// The mesh of rings by columns, both closed.
+class CuttingEdgeGrid {
  public:
-  LipGrid() : rings_(slotted_rings()), sector_(sector_angles()) {
-    columns_ = kLips * sector_.size();
+  CuttingEdgeGrid() : rings_(slotted_rings()), sector_(sector_angles()) {
+    columns_ = kCuttingEdges * sector_.size();
     for (std::size_t ring = 0; ring < rings_.points.size(); ++ring)
       for (std::size_t column = 0; column < columns_; ++column) mesh_.vertices.push_back(vertex(ring, column));
   }
@@ -95,8 +95,8 @@ class LipGrid {
   [[nodiscard]] Vec3 vertex(std::size_t ring, std::size_t column) const {
     const Vec2& rz = rings_.points[ring];
     const double within = sector_[column % sector_.size()];
-    const double angle =
-        within + 2 * std::numbers::pi / kLips * static_cast<double>(column / sector_.size()) + kSpiralPerMm * rz.x();
+    const double angle = within + 2 * std::numbers::pi / kCuttingEdges * static_cast<double>(column / sector_.size()) +
+                         kSpiralPerMm * rz.x();
     const double set_back = ring <= rings_.face_end ? recess(rz.x(), within) : 0.0;
     return {rz.x() * std::cos(angle), rz.x() * std::sin(angle), rz.y() + set_back};
   }
@@ -125,8 +125,7 @@ class LipGrid {
     mesh_.triangles.push_back({a, c, d});
   }
 
-  /// A wall takes the place of the quad that is missing beside it, so it runs the shared edges the same way as that
-  /// did.
+  /// Each wall replaces the missing quad beside it, with the same orientation of the shared edges.
   void add_slot_walls(std::size_t column) {
     const std::size_t inner = rings_.slot_face_first, outer = rings_.slot_face_last;
     add_quad(at(inner, column), at(inner, column + 1), at(behind(inner), column + 1), at(behind(inner), column));
@@ -148,8 +147,8 @@ class LipGrid {
 
 }  // namespace
 
-TriangleMesh convex_with_lips() {
-  return LipGrid().build();
+TriangleMesh convex_with_cutting_edges() {
+  return CuttingEdgeGrid().build();
 }
 
 }  // namespace reamsim::assets

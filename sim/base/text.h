@@ -1,0 +1,30 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace reamsim {
+
+/// A number with `decimals`, never "-0.0".
+std::string fixed_text(double value, int decimals);
+
+/// The tool depth in pictures: "1.25 mm", or "lifted" above the first contact.
+std::string depth_text(double depth_mm);
+
+/// At most six significant digits: "0.25", "1e+07", "nan".
+std::string rounded_text(double value);
+
+/// The fewest digits that read back to the same value.
+std::string shortest_text(double value);
+
+/// Number of characters of a UTF-8 text.
+std::size_t text_width(const std::string& text);
+
+/// The lines of a table of text: the first column is left-aligned, the others right-aligned. No row has more cells than
+/// the first.
+std::vector<std::string> align_columns(const std::vector<std::vector<std::string>>& rows);
+
+/// Whole megabytes, 10⁶ bytes, rounded up: "12 MB".
+std::string megabytes(std::size_t bytes);
+
+}  // namespace reamsim

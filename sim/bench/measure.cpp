@@ -1,0 +1,86 @@
+#include "sim/bench/measure.h"
+
+#include <algorithm>
+#include <new>
+
+#include "sim/base/error.h"
+
+namespace reamsim::bench {
+
+namespace {
+
+/// The programs, fastest engine first.
+const Label kPrograms[] = {{"bricked", "deterministic"}, {"direct", "deterministic"}, {"direct", "published"},
+                           {"octree", "deterministic"},  {"octree", "published"},     {"implicit", "deterministic"}};
+
+std::unique_ptr<Program> make_program(const Label& label, const cl::DeviceInfo& device, const Plan& plan,
+                                      const BenchSetup& setup) {
+  if (label.variant == "deterministic") return make_engine_program(label.engine, plan.device, setup);
+  return label.engine == "octree" ? make_published_octree(device, setup) : make_published_direct(device, setup, false);
+}
+
+}  // namespace
+
+const std::vector<std::string>& engine_names() {
+  static const std::vector<std::string> names = [] {
+    std::vector<std::string> out;
+    for (const Label& label : kPrograms) {
+      if (out.empty() || out.back() != label.engine) out.push_back(label.engine);
+    }
+    return out;
+  }();
+  return names;
+}
+
+ProgramSet make_programs(const Plan& plan, const BenchSetup& setup, const SizePair& size, bool whole,
+                         std::vector<Skipped>& skipped) {
+  ProgramSet set{setup, size.voxmap, size.shell, {}};
+  const cl::DeviceInfo device = cl::choose_device(plan.device);
+  for (const Label& label : kPrograms) {
+    if (std::ranges::count(plan.engines, label.engine) == 0) continue;
+    if (!whole && label.engine == "implicit") continue;  // has no shell
+    const auto skip = [&](const std::string& reason) {
+      skipped.push_back({{label, size.voxmap, size.shell, "all"}, reason});
+    };
+    try {
+      set.programs.push_back(make_program(label, device, plan, setup));
+    } catch (const InputError& error) {
+      skip(error.what());
+    } catch (const RunError& error) {
+      skip(error.what());
+    } catch (const std::bad_alloc&) {
+      skip("not enough memory for the copy of the bone");
+    }
+  }
+  return set;
+}
+
+std::vector<Program*> pointers_to(const ProgramSet& set) {
+  std::vector<Program*> out;
+  for (const auto& program : set.programs) out.push_back(program.get());
+  return out;
+}
+
+std::vector<std::vector<BatchSample>> run_alternately(const std::vector<Program*>& programs,
+                                                      const std::vector<Substep>& frames, int repetitions, bool use_voi,
+                                                      const BenchControl& control) {
+  constexpr int kRounds = 2;
+  std::vector<std::vector<BatchSample>> samples(programs.size());
+  for (int round = 0; round < kRounds; ++round) {
+    const int timed = repetitions * (round + 1) / kRounds - repetitions * round / kRounds;
+    for (const Substep& frame : frames) {
+      for (std::size_t i = 0; i < programs.size(); ++i) {
+        if (control.stop()) throw Interrupted();
+        for (int repetition = -1; repetition < timed; ++repetition) {
+          programs[i]->prepare(frame);
+          const BatchSample sample = programs[i]->run({&frame, 1}, use_voi);
+          if (repetition >= 0) samples[i].push_back(sample);
+          programs[i]->restore();
+        }
+      }
+    }
+  }
+  return samples;
+}
+
+}  // namespace reamsim::bench
