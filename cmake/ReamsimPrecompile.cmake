@@ -31,13 +31,15 @@ endfunction()
 
 if(REAMSIM_PRECOMPILE)
   set(common <Eigen/Geometry> <algorithm> <array> <charconv> <cmath> <cstdint> <cstring> <filesystem> <fstream> <functional>
-      <iomanip> <limits> <map> <memory> <numeric> <optional> <set> <span> <sstream> <string> <string_view> <utility> <variant>
-      <vector>)
-  reamsim_headers(common_headers LINK Eigen3::Eigen HEADERS ${common})
-  reamsim_headers(command_headers OPTIONS ${REAMSIM_QUICK_TO_COMPILE} LINK Eigen3::Eigen CLI11::CLI11
+      <iomanip> <limits> <map> <memory> <nlohmann/json.hpp> <numeric> <optional> <set> <span> <sstream> <string>
+      <string_view> <utility> <variant> <vector>)
+  reamsim_headers(common_headers LINK Eigen3::Eigen nlohmann_json::nlohmann_json HEADERS ${common})
+  reamsim_headers(openvdb_headers LINK Eigen3::Eigen nlohmann_json::nlohmann_json OpenVDB::openvdb
+                  HEADERS ${common} <openvdb/openvdb.h>)
+  reamsim_headers(command_headers OPTIONS ${REAMSIM_QUICK_TO_COMPILE} LINK Eigen3::Eigen nlohmann_json::nlohmann_json CLI11::CLI11
                   HEADERS ${common} <CLI/CLI.hpp>)
   if(REAMSIM_TESTS)
-    reamsim_headers(test_headers OPTIONS ${REAMSIM_QUICK_TO_COMPILE} LINK Eigen3::Eigen GTest::gmock
+    reamsim_headers(test_headers OPTIONS ${REAMSIM_QUICK_TO_COMPILE} LINK Eigen3::Eigen nlohmann_json::nlohmann_json GTest::gmock
                     HEADERS ${common} <gmock/gmock.h>)
   endif()
 endif()

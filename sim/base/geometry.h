@@ -54,4 +54,8 @@ struct ScapularAxes {
   Vec3 anterior = Vec3::UnitZ();
 };
 
+/// The rotation by the smallest angle that takes direction `from` to direction `to`; where they are opposite, about any
+/// axis across them. It is a function of its own because Eigen's version takes long to compile.
+Quat smallest_rotation(const Vec3& from, const Vec3& to);
+
 }  // namespace reamsim

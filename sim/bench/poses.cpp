@@ -48,7 +48,7 @@ ToolPose pose_at(const Approach& approach, double depth_mm) {
   const Vec3 axis = Eigen::AngleAxisd(radians(approach.tilt_posterior_deg), Vec3::UnitZ()) *
                     (Eigen::AngleAxisd(-radians(approach.tilt_up_deg), Vec3::UnitY()) * (center - place).normalized());
   ToolPose pose;
-  pose.orientation = Quat::FromTwoVectors(Vec3::UnitZ(), axis);
+  pose.orientation = smallest_rotation(Vec3::UnitZ(), axis);
   pose.position_mm = place - depth_mm * axis;
   pose.spin_rpm = kSpinRpm;
   return pose;

@@ -102,7 +102,7 @@ std::vector<KeyPose> keyframe_poses(const std::vector<KeyframeSettings>& keyfram
     } else {
       const Vec3 axis = unit_axis(*k.axis, where + ".axis");
       orientation = poses.empty() ? orientation_from_axis(axis)
-                                  : Quat::FromTwoVectors(*last_axis, axis) * poses.back().pose.orientation;
+                                  : smallest_rotation(*last_axis, axis) * poses.back().pose.orientation;
     }
     last_axis = orientation * Vec3::UnitZ();
     poses.push_back({k.time_s, {k.position_mm, orientation.normalized(), 0, k.spin_rpm}});

@@ -24,7 +24,7 @@ struct Removed {
 };
 
 Quat along(const Vec3& direction) {
-  return Quat::FromTwoVectors(Vec3::UnitZ(), direction);
+  return smallest_rotation(Vec3::UnitZ(), direction);
 }
 
 /// A flat-ended cylinder down the face's normal to each of the depths, which rise.

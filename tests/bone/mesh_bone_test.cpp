@@ -150,7 +150,7 @@ TEST_F(MeshBone, LatticeThatCannotFit) {
 /// A bar from corner to corner of a cube, as wide as its side, along a diagonal of space.
 TriangleMesh diagonal_bar(double cube_mm, double side_mm) {
   TriangleMesh bar = box_mesh({-side_mm / 2, -side_mm / 2, 0}, {side_mm / 2, side_mm / 2, std::sqrt(3.0) * cube_mm});
-  const Eigen::Matrix3d turn = Eigen::Quaterniond::FromTwoVectors(Vec3::UnitZ(), Vec3::Ones()).toRotationMatrix();
+  const Eigen::Matrix3d turn = smallest_rotation(Vec3::UnitZ(), Vec3::Ones()).toRotationMatrix();
   for (Vec3& vertex : bar.vertices) vertex = turn * vertex;
   return bar;
 }

@@ -92,7 +92,7 @@ TEST(BoneMetrics, ATiltedPlaneHasKnownVersionAndInclination) {
   const Vec3 middle(0.1, -0.2, -4.1);
   block.ream(both(above_plane(middle, normal), rod(middle, normal, 11)));
   Rigid bone_from_tool = Rigid::Identity();
-  bone_from_tool.linear() = Quat::FromTwoVectors(Vec3::UnitZ(), normal).toRotationMatrix();
+  bone_from_tool.linear() = smallest_rotation(Vec3::UnitZ(), normal).toRotationMatrix();
   bone_from_tool.translation() = middle;
   const ScapularAxes axes{.lateral = Vec3::UnitZ(), .superior = Vec3::UnitY(), .anterior = -Vec3::UnitX()};
   const BoneMetrics found = block.measure(bone_from_tool, {}, {.scapula = axes, .glenoid = {}});

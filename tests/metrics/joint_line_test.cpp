@@ -50,7 +50,7 @@ struct Glenoid {
   /// The convex reamer with a bore, its lowest point at `apex`, looking along `axis` out of the bone.
   void ream_convex(const Vec3& apex, const Vec3& axis) {
     ream(without(both(cap_along(apex, axis), rod(apex, axis, kReamerRadius_mm)), rod(apex, axis, kCannula_mm)));
-    pose.linear() = Quat::FromTwoVectors(Vec3::UnitZ(), axis).toRotationMatrix();
+    pose.linear() = smallest_rotation(Vec3::UnitZ(), axis).toRotationMatrix();
     pose.translation() = apex;
   }
   static Solid cap_along(const Vec3& apex, const Vec3& axis) {
@@ -279,7 +279,7 @@ TEST(JointLine, AFlatFaceHasTheNormalOfItsPlane) {
   const Vec3 normal = Vec3(std::sin(8 * kDegree), 0, std::cos(8 * kDegree));
   block.ream(both(above_plane({0.1, 0, -2.2}, normal), rod({0.1, 0, -2.2}, normal, 13)));
   Rigid pose = Rigid::Identity();
-  pose.linear() = Quat::FromTwoVectors(Vec3::UnitZ(), normal).toRotationMatrix();
+  pose.linear() = smallest_rotation(Vec3::UnitZ(), normal).toRotationMatrix();
   pose.translation() = Vec3(0.1, 0, -2.2);
   const BoneMetrics found = block.measure(pose, {}, plate_axes());
   EXPECT_FALSE(found.joint_line->native_face->surface->spherical || found.joint_line->reamed_surface->spherical);

@@ -85,7 +85,7 @@ TEST(CameraTest, TheSectionPlaneHoldsTheToolsAxisAndIsSeenFromAnterior) {
 
 TEST(CameraTest, AToolThatPointsAtTheViewerStillHasASection) {
   ViewTarget target = left_shoulder();
-  target.bone_from_tool.linear() = Eigen::Quaterniond::FromTwoVectors(Vec3::UnitZ(), *target.anterior).matrix();
+  target.bone_from_tool.linear() = smallest_rotation(Vec3::UnitZ(), *target.anterior).matrix();
   const Camera camera = make_camera(CameraView::section, target, 800, 600);
   EXPECT_TRUE(camera.cut_plane->allFinite());
   EXPECT_NEAR(camera.cut_plane->head<3>().dot(*target.anterior), 0, 1e-9);

@@ -122,7 +122,7 @@ TEST(TileBoundsTest, ASurfaceThatTurnsRoundIsNeverLeftOutForFacingAway) {
   camera.width_px = camera.height_px = 100;
   camera.depth_range_mm = 60;
   for (const Vec3& towards : {Vec3(0, 0, 1), Vec3(0, 0, -1), Vec3(1, 0, 0)}) {
-    camera.eye_from_bone.linear() = Eigen::Quaterniond::FromTwoVectors(towards, Vec3::UnitZ()).toRotationMatrix();
+    camera.eye_from_bone.linear() = smallest_rotation(towards, Vec3::UnitZ()).toRotationMatrix();
     EXPECT_TRUE(may_be_visible(tile_bounds(both), camera)) << towards.transpose();
   }
 }
