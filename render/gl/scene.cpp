@@ -41,7 +41,7 @@ Eigen::Vector4f local_plane(const Camera& camera, const Rigid& bone_from_local) 
 }
 
 /// Uses a program and sets the uniforms that several programs have.
-void begin(const GlProgram& program, const DrawCall& call) {
+void use_program(const GlProgram& program, const DrawCall& call) {
   program.use();
   program.set("clip_from_bone", Eigen::Matrix4f(call.camera.clip_from_bone().cast<float>()));
   program.set("key_direction", call.key_direction);
@@ -128,7 +128,7 @@ void Scene::draw_background(Background background) const {
 
 void Scene::draw_bone(const DrawCall& call) const {
   const GlProgram& program = programs_->bone;
-  begin(program, call);
+  use_program(program, call);
   program.set("eye_from_bone", Eigen::Matrix4f(call.camera.eye_from_bone.matrix().cast<float>()));
   program.set("cut_plane", local_plane(call.camera, Rigid::Identity()));
   program.set("depth_max_mm", static_cast<float>(call.depth_max_mm));
@@ -154,7 +154,7 @@ void Scene::draw_cut_face(const DrawCall& call) const {
   const std::array<std::uint32_t, 6> indices{0, 1, 2, 0, 2, 3};
   const GlMesh quad(gl_, vertices, std::array{3, 2}, indices);
   const GlProgram& program = programs_->cut_face;
-  begin(program, call);
+  use_program(program, call);
   program.set("density_max_g_cm3", static_cast<float>(call.density_max_g_cm3));
   program.set("face", 0);
   program.set("density_colors", 1);
@@ -169,7 +169,7 @@ void Scene::draw_tool(const DrawCall& call) const {
   const Rigid& bone_from_tool = *call.bone_from_spinning_tool;
   const bool cut_open = call.camera.cut_plane.has_value();
   const GlProgram& program = programs_->tool;
-  begin(program, call);
+  use_program(program, call);
   program.set("clip_from_tool",
               Eigen::Matrix4f((call.camera.clip_from_bone() * bone_from_tool.matrix()).cast<float>()));
   program.set("eye_from_tool", Eigen::Matrix4f((call.camera.eye_from_bone * bone_from_tool).matrix().cast<float>()));

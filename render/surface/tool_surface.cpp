@@ -5,7 +5,7 @@
 namespace reamsim {
 
 ToolSurface make_tool_surface(const TriangleMesh& mesh) {
-  constexpr double kCreaseCosine = 0.80;  // 37°
+  constexpr double kToolCreaseCosine = 0.80;  // 37°
   const std::size_t count = mesh.triangles.size();
   std::vector<Vec3> areas(count);  // normal times twice the area
   std::vector<std::vector<std::uint32_t>> around(mesh.vertices.size());
@@ -21,7 +21,7 @@ ToolSurface make_tool_surface(const TriangleMesh& mesh) {
     for (const std::int32_t corner : mesh.triangles[t]) {
       Vec3 sum = Vec3::Zero();
       for (const std::uint32_t other : around[corner]) {
-        if (areas[other].dot(own) >= kCreaseCosine * areas[other].norm()) sum += areas[other];
+        if (areas[other].dot(own) >= kToolCreaseCosine * areas[other].norm()) sum += areas[other];
       }
       const Eigen::Vector3f normal = (sum.norm() > 0 ? sum.normalized() : own).cast<float>();
       const Eigen::Vector3f position = mesh.vertices[corner].cast<float>();
