@@ -23,8 +23,8 @@ struct RunControl {
 /// make_engine() for the scene, whose mistakes stand at their keys. Throws InputError, RunError.
 std::unique_ptr<Engine> load_engine(const ReamingScene& scene);
 
-/// Runs the motion: per substep broad phase → enqueue, per batch collect → record. `scene.bone` is reamed; rows, snapshots
-/// and timings go to `sink`. Warns when the tool never touches, starts inside bone, or cuts without spin.
+/// Runs the motion: per substep broad phase → enqueue, per batch collect → record. `scene.bone` is reamed; rows,
+/// snapshots and timings go to `sink`. Warns when the tool never touches, starts inside bone, or cuts without spin.
 void simulate(ReamingScene& scene, Engine& engine, FrameSink& sink, const RunControl& control, Report& report);
 
 /// What a run will cost, from the motion alone.
