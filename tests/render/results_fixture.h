@@ -3,6 +3,7 @@
 #include <string>
 
 #include "sim/base/geometry.h"
+#include "sim/scenario/choices.h"
 
 namespace reamsim {
 
