@@ -26,7 +26,8 @@ verify::Findings some_findings() {
   verify::Refinement refinement{"removed volume", "mm³", "voxel, mm", 100, {}, 2.0, {0.001, 1.25, 2.1}};
   for (const double step : {1.0, 0.5, 0.25, 0.125})
     refinement.levels.push_back({step, 100 + step * step, step * step / 100, 1});
-  verify::Refinement free{"mean force", "N", "frame, s", {}, {{0.002, 11, {}, 1}, {0.001, 10, {}, 1}}, {}, {0.1, 3, {}}};
+  verify::Refinement free{"mean force", "N",         "frame, s", {}, {{0.002, 11, {}, 1}, {0.001, 10, {}, 1}},
+                          {},           {0.1, 3, {}}};
   found.refinements = {refinement, free};
   found.checks = {{"volume", "mm³", Measure::relative, 100, 100.01, 2e-4, "the bar"},
                   {"force", "N", Measure::absolute, 0, 0, 0, "nothing is nothing"},
