@@ -121,7 +121,8 @@ void render_command(const RenderOptions& options, const Console& console) {
     throw InputError({options.dir, 0, 0}, "", "folder not found", "expected the results folder of a finished run");
   }
   const ResultSettings settings = settings_of(options, "");
-  PictureOptions pictures{.settings = settings.render, .camera_without_suffix = name_of(settings.render.cameras.front())};
+  PictureOptions pictures{.settings = settings.render,
+                          .camera_without_suffix = name_of(settings.render.cameras.front())};
   if (!options.cameras.empty()) choose_cameras(options, pictures.settings);
   choose_kinds(options, pictures);
   pictures.settings.enabled = true;

@@ -7,8 +7,8 @@
 
 #include "render/pictures/canvas.h"
 #include "render/pictures/scale.h"
-#include "sim/base/text.h"
 #include "sim/base/parallel.h"
+#include "sim/base/text.h"
 
 namespace reamsim {
 namespace {

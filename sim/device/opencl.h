@@ -200,6 +200,8 @@ std::vector<double> take_seconds(std::vector<Event>& events);
 /// the batch.
 class SlotKernel : public Kernel {
  public:
+  static constexpr cl_uint kAfterSlot = 1;  ///< number of the first argument behind the slot
+
   /// The device must outlive the kernel.
   SlotKernel(const Device& device, const Program& program, const char* name, std::size_t group)
       : Kernel(program, name), device_(&device), group_(group) {}

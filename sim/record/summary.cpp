@@ -97,8 +97,9 @@ nlohmann::ordered_json force_law_json(const CuttingSettings& cutting) {
                            {"most_mm", size->most_mm}};
   }
   if (const auto& edge = cutting.edge_force) {
-    json["edge_force"] = {
-        {"tangential_n_mm", edge->tangential_n_mm}, {"normal_n_mm", edge->normal_n_mm}, {"cutting_edges", edge->cutting_edges}};
+    json["edge_force"] = {{"tangential_n_mm", edge->tangential_n_mm},
+                          {"normal_n_mm", edge->normal_n_mm},
+                          {"cutting_edges", edge->cutting_edges}};
   }
   return json;
 }

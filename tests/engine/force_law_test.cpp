@@ -12,8 +12,8 @@ namespace {
 constexpr double kRadius = 29, kRim = 15, kBore = 1.25, kRpm = 250, kOmega = kRpm * 2 * M_PI / 60;
 
 CuttingSettings size_effect(CuttingSettings cutting, double exponent = 0.4) {
-  cutting.size_effect =
-      SizeEffectSettings{.exponent = exponent, .reference_mm = 0.05, .least_mm = 0.001, .most_mm = 0.5, .cutting_edges = 6};
+  cutting.size_effect = SizeEffectSettings{
+      .exponent = exponent, .reference_mm = 0.05, .least_mm = 0.001, .most_mm = 0.5, .cutting_edges = 6};
   return cutting;
 }
 

@@ -72,8 +72,8 @@ inline Leftovers ream_and_look(ReamingScene& scene, double deeper_than_voxels, d
   for (std::int64_t e = 0; e < grid.size(); ++e) {
     const Vec3i c = grid.coord(e);
     const bool removed = scene.bone.fill.get(c) == 0;
-    const double depth_mm = volume.depth_mm(grid.center_mm(c),
-                                            removed ? limit_mm : std::numeric_limits<double>::infinity());
+    const double depth_mm =
+        volume.depth_mm(grid.center_mm(c), removed ? limit_mm : std::numeric_limits<double>::infinity());
     if (depth_mm <= limit_mm) continue;
     ++out.swept;
     if (removed) continue;

@@ -245,7 +245,8 @@ TEST(SurfaceSmoothing, NoiseIsEvenedOut) {
   const Neighbours neighbours(square.points.size(), square.indices);
   std::vector<float> values;
   for (std::size_t i = 0; i < square.points.size(); ++i) values.push_back(i % 2 == 0 ? 1.0F : -1.0F);
-  smooth_values(neighbours, mean_value_weights(neighbours, square.points), std::vector<float>(values.size(), 1), values, 4);
+  smooth_values(neighbours, mean_value_weights(neighbours, square.points), std::vector<float>(values.size(), 1), values,
+                4);
   for (std::size_t i = 0; i < values.size(); ++i) {
     if (UnevenSquare::inside(i, 4)) {
       EXPECT_LT(std::abs(values[i]), 0.3F) << "vertex " << i;

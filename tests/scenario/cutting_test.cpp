@@ -117,7 +117,8 @@ TEST_F(Cutting, OptionsNeedTheirErosionAndLaw) {
   EXPECT_EQ(bad("law: per_point, erosion: exact, " + kEdge),
             "s.yaml:17:4: cutting.law: found per_point; expected energy, because cutting.edge_force is given");
   EXPECT_THAT(bad("law: per_point, " + kSize), HasSubstr("cutting.size_effect: does not apply: law is"));
-  EXPECT_THAT(bad("law: per_point, friction_fraction: 0.2"), HasSubstr("cutting.friction_fraction: does not apply: law is"));
+  EXPECT_THAT(bad("law: per_point, friction_fraction: 0.2"),
+              HasSubstr("cutting.friction_fraction: does not apply: law is"));
 }
 
 TEST_F(Cutting, ValuesOfOptions) {
@@ -129,7 +130,8 @@ TEST_F(Cutting, ValuesOfOptions) {
               HasSubstr("cutting.size_effect.least_mm: found 0.6; expected no more than most_mm"));
   EXPECT_THAT(bad("erosion: exact, edge_force: {tangential_n_mm: 0, normal_n_mm: 1, lips: 6}"),
               HasSubstr("cutting.edge_force.tangential_n_mm: found 0; expected a number, above 0, up to 1000 (N/mm)"));
-  EXPECT_THAT(bad("friction_fraction: 1.1"), StartsWith("s.yaml:17:23: cutting.friction_fraction: found 1.1; expected"));
+  EXPECT_THAT(bad("friction_fraction: 1.1"),
+              StartsWith("s.yaml:17:23: cutting.friction_fraction: found 1.1; expected"));
 }
 
 }  // namespace

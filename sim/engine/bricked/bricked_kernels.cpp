@@ -13,9 +13,9 @@ BrickedStage make_detect_bricked(const cl::Device& device, const BrickedState& s
   BrickedStage out{{device, device.build("detect_bricked.cl", embedded::kernel_detect_bricked, defines),
                     "detect_bricked", options.work_group},
                    options.shape == KernelShape::cpu ? state.runs.count() : state.cells.count() * options.work_group};
-  out.kernel.set_from(1, batch.args(), state.cells, static_cast<cl_uint>(state.cells.count()), state.runs,
-                      cl_uint{kRunCells}, state.offsets, state.bone.slot_of_brick, state.bone.occupancy, state.listed,
-                      state.touched_list, batch.contact_count(), batch.sums(), state.bone.dims,
+  out.kernel.set_from(cl::SlotKernel::kAfterSlot, batch.args(), state.cells, static_cast<cl_uint>(state.cells.count()),
+                      state.runs, cl_uint{kRunCells}, state.offsets, state.bone.slot_of_brick, state.bone.occupancy,
+                      state.listed, state.touched_list, batch.contact_count(), batch.sums(), state.bone.dims,
                       cl_int{options.culling ? 1 : 0}, batch.removed_room(), batch.removed_count(),
                       batch.removed_before(), state.profile.arguments(), state.bone.pool_arguments());
   return out;
@@ -27,11 +27,11 @@ BrickedStage make_cut_bricked(const cl::Device& device, const BrickedState& stat
   BrickedStage out{{device, device.build("cut_bricked.cl", embedded::kernel_cut_bricked, defines), "cut_bricked",
                     options.work_group},
                    cut_items(device.info(), options)};
-  out.kernel.set_from(1, batch.args(), state.bone.lattice_of_slot, state.listed, state.bone.occupancy,
-                      state.touched_list, batch.contact_count(), batch.sums(), batch.removed(), batch.removed_count(),
-                      batch.removed_room(), batch.removed_before(), state.energy_of_grade, state.units_of_grade,
-                      state.density_of_grade, state.bits_of_byte, state.bone.dims, state.profile.arguments(),
-                      state.bone.pool_arguments());
+  out.kernel.set_from(cl::SlotKernel::kAfterSlot, batch.args(), state.bone.lattice_of_slot, state.listed,
+                      state.bone.occupancy, state.touched_list, batch.contact_count(), batch.sums(), batch.removed(),
+                      batch.removed_count(), batch.removed_room(), batch.removed_before(), state.energy_of_grade,
+                      state.units_of_grade, state.density_of_grade, state.bits_of_byte, state.bone.dims,
+                      state.profile.arguments(), state.bone.pool_arguments());
   return out;
 }
 

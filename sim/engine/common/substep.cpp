@@ -52,7 +52,8 @@ void set_law(const CuttingSettings& cutting, double duration_s, double spin_rate
   if (const auto& size = cutting.size_effect) {
     // Without spin the time between two cutting edges is infinite; the chip thickness is limited anyway.
     constexpr double kLongest_s = 1e9;
-    const double period_s = spin_rate > 0 ? std::min(kTurn / (size->cutting_edges * spin_rate), kLongest_s) : kLongest_s;
+    const double period_s =
+        spin_rate > 0 ? std::min(kTurn / (size->cutting_edges * spin_rate), kLongest_s) : kLongest_s;
     args.size_exponent = static_cast<float>(size->exponent);
     args.chip_per_speed = static_cast<float>(period_s / size->reference_mm);
     args.min_chip = static_cast<float>(size->least_mm / size->reference_mm);

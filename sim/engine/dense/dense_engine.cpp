@@ -20,8 +20,7 @@ std::size_t group_size(const cl::DeviceInfo& info, const EngineSettings& engine,
 }
 
 DensePlan fitting_plan(const cl::DeviceInfo& info, const Scenario& scenario, const BoneView& bone, const Tool& tool) {
-  const DensePlan plan =
-      plan_dense(engine_of(scenario), bone, tool, scenario.cutting.erosion == ErosionMode::wear);
+  const DensePlan plan = plan_dense(engine_of(scenario), bone, tool, scenario.cutting.erosion == ErosionMode::wear);
   require_fit(plan, info, bone.voxmap.grid.voxel_mm);
   return plan;
 }

@@ -24,8 +24,8 @@ DenseStage make_detect_direct(const cl::Device& device, const DenseState& state,
   const cl::Program program =
       device.build("detect_direct.cl", embedded::kernel_detect_direct, wide_codes ? "-DRS_WIDE_CODES" : "");
   DenseStage out{{device, program, "detect_direct", work_group}, always(state.point_count)};
-  out.kernel.set_from(1, batch.args(), state.codes, state.point_count, state.grades, state.claims, state.contacts,
-                      batch.contact_count(), batch.sums(), state.profile.arguments());
+  out.kernel.set_from(cl::SlotKernel::kAfterSlot, batch.args(), state.codes, state.point_count, state.grades,
+                      state.claims, state.contacts, batch.contact_count(), batch.sums(), state.profile.arguments());
   return out;
 }
 
@@ -37,7 +37,7 @@ DenseStage make_detect_octree(const cl::Device& device, const DenseState& state,
   DenseStage out{
       {device, device.build("detect_octree.cl", embedded::kernel_detect_octree, defines), "detect_octree", group},
       always(state.point_count)};
-  out.kernel.set_from(1, batch.args(), state.points, state.point_count, state.hu,
+  out.kernel.set_from(cl::SlotKernel::kAfterSlot, batch.args(), state.points, state.point_count, state.hu,
                       static_cast<cl_float>(state.scale.of_air), state.claims, state.contacts, batch.contact_count(),
                       batch.sums(), state.profile.arguments(), state.children, state.levels);
   return out;
@@ -49,13 +49,16 @@ DenseStage make_detect_implicit(const cl::Device& device, const DenseState& stat
     const VoxelBox voi = voxel_voi(args, tool_box, bone);
     const Vec3i size = voi.size();
     const auto n = [&](int axis) { return static_cast<cl_uint>(size[axis]); };
-    kernel.set_from(1, cl_int4{{voi.first.x(), voi.first.y(), voi.first.z(), 0}}, cl_uint4{{n(0), n(1), n(2), 0}});
+    kernel.set_from(cl::SlotKernel::kAfterSlot, cl_int4{{voi.first.x(), voi.first.y(), voi.first.z(), 0}},
+                    cl_uint4{{n(0), n(1), n(2), 0}});
     return static_cast<std::size_t>(size.cast<std::int64_t>().prod());
   };
   DenseStage out{
       {device, device.build("detect_implicit.cl", embedded::kernel_detect_implicit), "detect_implicit", work_group},
       prepare};
-  out.kernel.set_from(3, batch.args(), state.grades, state.contacts, batch.contact_count(), state.profile.arguments());
+  constexpr cl_uint kAfterVoi = 3;
+  out.kernel.set_from(kAfterVoi, batch.args(), state.grades, state.contacts, batch.contact_count(),
+                      state.profile.arguments());
   return out;
 }
 
@@ -83,7 +86,7 @@ DenseStage make_cut_kernel(const cl::Device& device, const DensePlan& plan, cons
   DenseStage out{
       {device, device.build("cut_voxels.cl", embedded::kernel_cut_voxels, defines), "cut_voxels", work_group},
       always(items)};
-  out.kernel.set_from(1, batch.args(), hu ? state.hu.get() : state.grades.get(), state.fill,
+  out.kernel.set_from(cl::SlotKernel::kAfterSlot, batch.args(), hu ? state.hu.get() : state.grades.get(), state.fill,
                       cl_int{state.has_fill ? 1 : 0}, state.claims, state.contacts, batch.contact_count(), batch.sums(),
                       batch.removed(), batch.removed_count(), state.energy_of_grade, state.density_of_grade,
                       state.profile.arguments(), state.scale.of_air, state.scale.per_grade);

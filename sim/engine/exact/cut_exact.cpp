@@ -10,6 +10,9 @@ extern const char* const kernel_cut_exact;
 
 namespace {
 
+/// Number of the first argument that all visits share; those before it are set by enqueue().
+constexpr cl_uint kAfterVisit = 6;
+
 /// SubstepLanes of kernels/cut_exact.cl: sums in the lanes of a vector.
 constexpr std::size_t kLanesOfSubstep = 10 * 16;
 
@@ -38,8 +41,9 @@ CutExact::CutExact(const cl::Device& device, const DeviceBricks& bone, const Dev
               "cut_exact", options.work_group) {
   const std::vector<cl_mem> pools = bone.pool_arguments();
   const auto set_constant = [&](const auto&... teeth_arguments) {
-    kernel_.set_from(6, batch.args(), windows_, list.listed(), list.counts(), bone.lattice_of_slot, bone.occupancy,
-                     bone.dims, batch.sums(), energy_, outline_.arguments(), lanes_, pools, teeth_arguments...);
+    kernel_.set_from(kAfterVisit, batch.args(), windows_, list.listed(), list.counts(), bone.lattice_of_slot,
+                     bone.occupancy, bone.dims, batch.sums(), energy_, outline_.arguments(), lanes_, pools,
+                     teeth_arguments...);
   };
   teeth != nullptr ? set_constant(teeth->arguments()) : set_constant();
 }
@@ -51,8 +55,8 @@ std::size_t CutExact::max_records(std::size_t listed, int substeps) {
 
 void CutExact::enqueue(const VisitPlan& plan, const FillPages& fill, const cl::Buffer<RemovedBlock>& removed) {
   windows_.write(device_, plan.windows.data(), plan.windows.size());
-  kernel_.set_from(1, static_cast<cl_uint>(plan.windows.size()), fill.page_of_slot, fill.slot_of_page, fill.fills,
-                   removed);
+  kernel_.set_from(cl::SlotKernel::kAfterSlot, static_cast<cl_uint>(plan.windows.size()), fill.page_of_slot,
+                   fill.slot_of_page, fill.fills, removed);
   kernel_.run(plan.first, items_);
 }
 

@@ -34,6 +34,9 @@ CoarseGrid coarse_grid(const DistanceTable& table) {
           static_cast<float>(std::sqrt(0.5) * table.pitch_mm + kRounding_mm), table.count_r, table.count_z};
 }
 
+/// Number of the first argument that all visits share; those before it are set by list().
+constexpr cl_uint kAfterVisit = 4;
+
 }  // namespace
 
 ListBricks::ListBricks(const cl::Device& device, const DeviceBricks& bone, const DeviceBatch& batch,
@@ -46,15 +49,16 @@ ListBricks::ListBricks(const cl::Device& device, const DeviceBricks& bone, const
   const DistanceTable table = brick_distances(profile, bone.grid.voxel_mm, slack_mm);
   grid_ = cl::upload(device, std::array{coarse_grid(table)}, "the tool's distances");
   distances_ = cl::upload(device, table.mm, "the tool's distances");
-  kernel_.set_from(4, batch.args(), grid_, distances_, bone.occupancy, bone.slot_of_brick, bone.dims, listed_, counts_);
+  kernel_.set_from(kAfterVisit, batch.args(), grid_, distances_, bone.occupancy, bone.slot_of_brick, bone.dims, listed_,
+                   counts_);
 }
 
 std::size_t ListBricks::list(const VisitPlan& visit, VisitCounts counts) {
   counts_.write(device_, &counts, 1);
   if (visit.superbricks.empty()) return 0;
   const Vec3i first = visit.superbricks.first, size = visit.superbricks.size();
-  kernel_.set_from(1, cl_int4{{first.x(), first.y(), first.z(), 0}}, cl_int4{{size.x(), size.y(), size.z(), 0}},
-                   visit.shift_mm + slack_mm_);
+  kernel_.set_from(cl::SlotKernel::kAfterSlot, cl_int4{{first.x(), first.y(), first.z(), 0}},
+                   cl_int4{{size.x(), size.y(), size.z(), 0}}, visit.shift_mm + slack_mm_);
   kernel_.run(visit.first, static_cast<std::size_t>(size.cast<std::int64_t>().prod()));
   counts_.read(device_, &counts, 1);
   return counts.listed;
