@@ -55,13 +55,6 @@ std::string means_of(const std::string& dir, double mean_travel_mm) {
   return mean_block(log, mean_travel_mm);
 }
 
-std::string on_one_line(std::string text) {
-  std::replace(text.begin(), text.end(), '\n', ' ');
-  const std::size_t first = text.find_first_not_of(' ');
-  const std::size_t last = text.find_last_not_of(' ');
-  return first == std::string::npos ? std::string("no message") : text.substr(first, last - first + 1);
-}
-
 }  // namespace
 
 CsvWriter plot_csv(const std::string& dir, const std::string& name, const std::string& header) {

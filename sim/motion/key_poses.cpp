@@ -1,7 +1,6 @@
 #include "sim/motion/key_poses.h"
 
 #include <cmath>
-#include <cstdio>
 
 #include "sim/base/error.h"
 #include "sim/base/text.h"
@@ -30,12 +29,6 @@ Vec3 unit_axis(const Vec3& axis, const std::string& key) {
 }
 
 }  // namespace
-
-std::string rounded_text(double value) {
-  char buffer[32];
-  std::snprintf(buffer, sizeof buffer, "%.6g", value);
-  return buffer;
-}
 
 Quat orientation_from_axis(const Vec3& tool_z) {
   const Vec3 z = tool_z.normalized();

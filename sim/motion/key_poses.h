@@ -30,7 +30,4 @@ std::vector<KeyPose> keyframe_poses(const std::vector<KeyframeSettings>& keyfram
 /// Messages begin with `where`.
 Quat normalized_or_warn(const Quat& q, const std::string& where, Report& report);
 
-/// A number with up to six significant digits, for messages: "0.25", "1e+07", "nan".
-std::string rounded_text(double value);
-
 }  // namespace reamsim
