@@ -39,6 +39,7 @@ void note_cost(const ReamingScene& scene, Report& report) {
                           scene.bone.view().bone_mm3()));
   report.note(
       fmt::format("tool: {} shell points, spacing {:g} mm", scene.tool.shell.codes.size(), scene.tool.shell.cell_mm));
+  report.note("engine: " + name_of(engine_of(scene.scenario)));
   const MemoryPlan memory = plan_memory(scene);
   report.note("memory: " + megabytes(memory.device_bytes) + " on the device, up to " + megabytes(memory.process_bytes) +
               " in total, plus rendering");

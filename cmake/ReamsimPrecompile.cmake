@@ -2,6 +2,13 @@
 # without, so that a file that forgets an include of its own is found.
 option(REAMSIM_PRECOMPILE "Precompile common headers" ON)
 
+# ccache, where it is installed, also caches files that use precompiled headers.
+find_program(REAMSIM_CCACHE ccache)
+if(REAMSIM_CCACHE AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
+  set(CMAKE_CXX_COMPILER_LAUNCHER ${CMAKE_COMMAND} -E env CCACHE_SLOPPINESS=pch_defines,time_macros ${REAMSIM_CCACHE})
+  add_compile_options($<$<CXX_COMPILER_ID:GNU>:-fpch-preprocess>)
+endif()
+
 # Nothing in the code of tests or of the command line itself is hot.
 set(REAMSIM_QUICK_TO_COMPILE $<$<CONFIG:Release>:-O1>)
 

@@ -19,7 +19,7 @@ namespace {
 double mean_power_w(const ForceLog& log, std::size_t i, std::size_t frames) {
   const ForceRow &first = log.rows[i - std::min(i, frames)], &last = log.rows[i];
   const double time_s = last.time_s - first.time_s;
-  return time_s > 0 ? (last.energy_mj - first.energy_mj) / time_s / 1000 : 0;
+  return time_s > 0 ? (last.cumulative_energy_mj - first.cumulative_energy_mj) / time_s / 1000 : 0;
 }
 
 /// A gnuplot data block with the means over a voxel of travel, decimated.

@@ -1,9 +1,12 @@
 #include "sim/base/csv.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <limits>
+#include <stdexcept>
 
 #include "sim/base/file.h"
 #include "sim/base/text.h"
@@ -68,18 +71,24 @@ bool CsvReader::next(std::vector<double>& values, std::string_view may_be_empty)
   return true;
 }
 
-CsvWriter::CsvWriter(const std::string& path, const std::string& header) : path_(path), out_(path, std::ios::binary) {
+CsvWriter::CsvWriter(const std::string& path, const std::string& header)
+    : path_(path),
+      out_(path, std::ios::binary),
+      columns_(1 + static_cast<std::size_t>(std::ranges::count(header, ','))) {
   out_ << header << '\n';
   check();
 }
 
 void CsvWriter::row(std::span<const double> values) {
+  if (values.size() != columns_) {
+    throw std::logic_error(fmt::format("{}: {} values for {} columns", path_, values.size(), columns_));
+  }
   std::string line;
   for (const double value : values) {
     if (!std::isnan(value)) line += shortest_text(value == 0 ? 0.0 : value);  // no "-0"
     line += ',';
   }
-  if (!line.empty()) line.back() = '\n';
+  line.back() = '\n';
   out_ << line;
   check();
 }

@@ -38,6 +38,7 @@ class CsvWriter {
  public:
   /// Throws RunError when the file cannot be created.
   CsvWriter(const std::string& path, const std::string& header);
+  /// One value for each column. Throws RunError when it cannot be written.
   void row(std::span<const double> values);
   void row(std::initializer_list<double> values) { row(std::span(values.begin(), values.size())); }
   /// Throws RunError when something could not be written.
@@ -48,6 +49,7 @@ class CsvWriter {
 
   std::string path_;
   std::ofstream out_;
+  std::size_t columns_;
 };
 
 }  // namespace reamsim

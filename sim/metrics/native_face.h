@@ -44,7 +44,7 @@ inline constexpr double kFacePitch_mm = 0.5;
 inline constexpr double kRimMargin_mm = 2.5;
 
 /// Measures the unreamed surface within the outline, along the normal of the outline's plane. Heights are integrals of
-/// fill, as in ColumnMap. Areas use the slope of a plane through the heights within kSlopeRadius_mm.
+/// fill, as in ColumnMap. Areas use the slope of a plane through the heights within 1.5 mm.
 NativeFace measure_native_face(const ReamedBone& bone, const FaceOutline& outline);
 
 }  // namespace reamsim

@@ -15,7 +15,7 @@ double degrees(double radians) {
   return radians * 180 / std::numbers::pi;
 }
 
-std::optional<ReamedDepth> measure_depth(const ColumnMap& map) {
+std::optional<AxialDepth> measure_depth(const ColumnMap& map) {
   std::vector<double> depths;
   for (const Column& column : map.columns) {
     if (column.state == ColumnState::reamed || column.state == ColumnState::through) {
@@ -23,7 +23,7 @@ std::optional<ReamedDepth> measure_depth(const ColumnMap& map) {
     }
   }
   if (depths.empty()) return std::nullopt;
-  return ReamedDepth{.max_mm = *std::max_element(depths.begin(), depths.end()),
+  return AxialDepth{.max_mm = *std::max_element(depths.begin(), depths.end()),
                      .mean_mm = mean(depths),
                      .p95_mm = quantile(depths, 0.95),
                      .area_mm2 = static_cast<double>(depths.size()) * map.pitch_mm * map.pitch_mm};

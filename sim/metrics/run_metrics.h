@@ -17,8 +17,8 @@ struct RemovedVolume {
   double dense_mm3 = 0;  ///< subchondral and cortical
 };
 
-/// Reamed depth along the reamer's axis.
-struct ReamedDepth {
+/// Depth along the reamer's axis (docs/formats.md, Headline).
+struct AxialDepth {
   double max_mm = 0;
   double mean_mm = 0;
   double p95_mm = 0;    ///< 95 % of the reamed area is less deep
@@ -53,7 +53,7 @@ struct FaceOrientation {
 struct BoneMetrics {
   RemovedVolume removed;
   // The following are missing if no column lost bone.
-  std::optional<ReamedDepth> depth;
+  std::optional<AxialDepth> depth;
   std::optional<ReamedFace> face;
   std::optional<JointLine> joint_line;
   std::optional<FaceOrientation> orientation;

@@ -51,7 +51,7 @@ ForceRow make_row(const SourceLocation& where, const std::vector<double>& v) {
   row.axial_force_n = v[kAxial];
   row.spin_torque_nmm = v[kTorque];
   row.removed_mm3 = v[kRemoved];
-  row.energy_mj = v[kEnergy];
+  row.cumulative_energy_mj = v[kEnergy];
   return row;
 }
 
@@ -79,7 +79,7 @@ ForceLog read_force_log(const std::string& path) {
       throw InputError(table.where(), "frame", "frames are not in ascending order", "the forces.csv of a run");
     }
     row.removed_mm3 = removed_mm3 += row.removed_mm3;
-    row.energy_mj = energy_mj += row.energy_mj;
+    row.cumulative_energy_mj = energy_mj += row.cumulative_energy_mj;
     log.rows.push_back(row);
   }
   if (log.rows.empty()) throw InputError({path, 0, 0}, "", "has no rows", "run the scenario again");

@@ -18,7 +18,7 @@ struct ForceRow {
   double axial_force_n = 0;
   double spin_torque_nmm = 0;
   double removed_mm3 = 0;             ///< since the start
-  double energy_mj = 0;               ///< cutting energy since the start
+  double cumulative_energy_mj = 0;    ///< cutting energy since the start
   Vec3 force_n = Vec3::Zero();        ///< of the bone on the tool, in B
   double layer_axial_force_n = 0;     ///< mean over the last voxel of travel, see add_layer_means()
   double layer_spin_torque_nmm = 0;   ///< likewise

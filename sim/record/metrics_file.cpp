@@ -169,7 +169,7 @@ Json metrics_json(const BoneMetrics& metrics) {
   json["removed"] = {{"total_mm3", metrics.removed.total_mm3},
                      {"trabecular_mm3", metrics.removed.trabecular_mm3},
                      {"dense_mm3", metrics.removed.dense_mm3}};
-  json["depth"] = json_or_null(metrics.depth, [](const ReamedDepth& depth) {
+  json["depth"] = json_or_null(metrics.depth, [](const AxialDepth& depth) {
     return Json{
         {"max_mm", depth.max_mm}, {"mean_mm", depth.mean_mm}, {"p95_mm", depth.p95_mm}, {"area_mm2", depth.area_mm2}};
   });

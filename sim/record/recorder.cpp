@@ -22,11 +22,33 @@ Recorder::Recorder(const std::string& dir, double voxel_mm)
 
 void Recorder::frame(const FrameResult& r, const FrameTimes& times) {
   const auto frame = static_cast<double>(r.frame);
-  Eigen::Vector<double, 25> row;
-  row << frame, r.time_s, r.pose.position_mm, r.pose.orientation.w(), r.pose.orientation.vec(), r.pose.spin_rpm,
-      r.pose.spin_angle_rad, r.depth_mm, r.force_n, r.torque_nmm, r.axial_force_n, r.spin_torque_nmm,
-      static_cast<double>(r.contacts), r.removed_mm3, r.energy_mj, r.floor_energy_mj, r.balance;
-  forces_.row(std::span<const double>(row.data(), row.size()));
+  const Vec3 &p = r.pose.position_mm, &f = r.force_n, &t = r.torque_nmm;
+  const Quat& q = r.pose.orientation;
+  forces_.row({frame,
+               r.time_s,
+               p.x(),
+               p.y(),
+               p.z(),
+               q.w(),
+               q.x(),
+               q.y(),
+               q.z(),
+               r.pose.spin_rpm,
+               r.pose.spin_angle_rad,
+               r.depth_mm,
+               f.x(),
+               f.y(),
+               f.z(),
+               t.x(),
+               t.y(),
+               t.z(),
+               r.axial_force_n,
+               r.spin_torque_nmm,
+               static_cast<double>(r.contacts),
+               r.removed_mm3,
+               r.energy_mj,
+               r.floor_energy_mj,
+               r.balance});
   timings_.row({frame, 1e3 * times.broad_phase_s, 1e3 * times.detect_s, 1e3 * times.cut_s});
   totals_.add(r);
   totals_.broad_phase_s += times.broad_phase_s;

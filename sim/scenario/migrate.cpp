@@ -59,7 +59,7 @@ class Migration {
     if (entry == section.entries.end()) return;
     const std::string path = std::string(change.section) + ".";
     if (change.new_name.empty()) {
-      notes_.push_back(note(*entry, path, "changes no result and is ignored: remove it"));
+      notes_.push_back(note(*entry, path, "ignored, because it changes no result: remove it"));
       section.entries.erase(entry);
       return;
     }
@@ -68,10 +68,12 @@ class Migration {
       throw InputError(entry->mark.in(file_), path + entry->key, "given together with " + new_name,
                        "expected " + new_name + " only");
     }
-    notes_.push_back(note(*entry, path, "is " + new_name + " since format version 2: rename it"));
-    entry->key = new_name;
     // Version 1 had no name of its own for the engine of exact erosion.
-    if (new_name == "type" && is_text(*entry->value, "bricked")) entry->value = with_text(*entry->value, "auto");
+    const bool any_sparse = new_name == "type" && is_text(*entry->value, "bricked");
+    notes_.push_back(
+        note(*entry, path, "outdated since format version 2: write " + path + new_name + (any_sparse ? ": auto" : "")));
+    if (any_sparse) entry->value = with_text(*entry->value, "auto");
+    entry->key = new_name;
   }
 
   [[nodiscard]] std::string note(const YamlEntry& entry, const std::string& path, const std::string& text) const {

@@ -88,7 +88,7 @@ class Page:
         self.find(f"input[name={name}][value={value}]").click()
 
 
-def changed_share(before, after):
+def changed_fraction(before, after):
     """Share of pixels that differ by more than a shade."""
     gray = ImageChops.difference(before, after).convert("L").point(lambda p: 255 if p > 12 else 0)
     return gray.histogram()[255] / (gray.width * gray.height)
@@ -136,21 +136,21 @@ def check_bone(page):
     warm = sum(red > blue + 20 for red, green, blue in after.getdata()) / (after.width * after.height)
     assert warm > 0.1, f"only {warm:.1%} of the 3D view look like bone"
     page.choose("state", "before")
-    assert changed_share(after, page.bone()) > 0.01, "before and after look the same"
+    assert changed_fraction(after, page.bone()) > 0.01, "before and after look the same"
     page.choose("state", "after")
-    assert changed_share(after, page.bone()) < 0.001, "the view does not come back"
+    assert changed_fraction(after, page.bone()) < 0.001, "the view does not come back"
     page.choose("surface", "plain")
-    assert changed_share(after, page.bone()) > 0.01, "depth colours make no difference"
+    assert changed_fraction(after, page.bone()) > 0.01, "depth colours make no difference"
     page.choose("surface", "depth")
     Select(page.find("#cut-plane")).select_by_index(1)
     middle = page.bone()
-    assert changed_share(after, middle) > 0.02, "the section cuts nothing"
+    assert changed_fraction(after, middle) > 0.02, "the section cuts nothing"
     page.set_slider("#cut-offset", -4)
-    assert changed_share(middle, page.bone()) > 0.01, "the section's slider moves nothing"
+    assert changed_fraction(middle, page.bone()) > 0.01, "the section's slider moves nothing"
     Select(page.find("#cut-plane")).select_by_index(0)
-    assert changed_share(after, page.bone()) < 0.001, "the section does not close again"
+    assert changed_fraction(after, page.bone()) < 0.001, "the section does not close again"
     page.find("#bone-canvas").send_keys(Keys.ARROW_RIGHT, Keys.ARROW_RIGHT)
-    assert changed_share(after, page.bone()) > 0.01, "arrow keys do not turn the bone"
+    assert changed_fraction(after, page.bone()) > 0.01, "arrow keys do not turn the bone"
 
 
 def check_names(page):

@@ -8,9 +8,9 @@
 namespace reamsim::test::exact_tests {
 namespace {
 
-/// The same share by slicing the cube and integrating the part of each slice in closed form would hide the same
+/// The same fraction by slicing the cube and integrating the part of each slice in closed form would hide the same
 /// mistakes: count the points of a lattice instead.
-double counted_share(const Vec3& n, double distance, int per_axis) {
+double counted_fraction(const Vec3& n, double distance, int per_axis) {
   std::int64_t outside = 0;
   for (int i = 0; i < per_axis; ++i)
     for (int j = 0; j < per_axis; ++j)
@@ -34,13 +34,13 @@ TEST(Clip, AgreesWithCountingPoints) {
     n.normalize();
     const double distance = u(random);
     const float nf[3] = {static_cast<float>(n.x()), static_cast<float>(n.y()), static_cast<float>(n.z())};
-    EXPECT_NEAR(rs_outside_fraction(nf, static_cast<float>(distance)), counted_share(n, distance, 60), 0.012)
+    EXPECT_NEAR(rs_outside_fraction(nf, static_cast<float>(distance)), counted_fraction(n, distance, 60), 0.012)
         << n.transpose() << ", " << distance;
   }
 }
 
 TEST(Clip, SharesOfAStackOfVoxelsAddUpToTheDistance) {
-  // Along any axis the shares of a column of cubes add up to where the plane meets the column's middle, whatever the
+  // Along any axis the fractions of a column of cubes add up to where the plane meets the column's middle, whatever the
   // tilt: no volume is made or lost.
   constexpr unsigned kSeed = 12;
   std::cout << "seed " << kSeed << '\n';

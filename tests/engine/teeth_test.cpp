@@ -109,7 +109,7 @@ TEST(Teeth, NothingIsLeftOfWhatTheySweep) {
   constexpr double kRateHz = 200, kAbove = 0.1;
   const int frames = static_cast<int>((kDepth + kAbove) / kFeed * kRateHz);
   scene.motion = straight({0.02, 0.03, kAbove}, {0.02, 0.03, -kDepth}, frames, kRateHz, kRpm);
-  // Between two lips the tool goes a sixth of its feed per turn deeper; what lies there is swept only once they have
+  // Between two cutting edges the tool goes a sixth of its feed per turn deeper; what lies there is swept only once they have
   // come round again.
   const double lag_voxels = kFeed / (kRpm / 60) / 6 / kVoxel;
   ASSERT_LT(lag_voxels, 0.05);

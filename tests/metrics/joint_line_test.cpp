@@ -41,7 +41,7 @@ struct Glenoid {
     for_each_bone_voxel(bone, [&](const Vec3i& voxel, std::uint8_t, std::uint16_t fill) {
       const VoxelGrid& grid = bone.voxmap->grid;
       const Vec3 place = grid.center_mm(voxel);
-      const double outside = share_outside(solid, place, grid.voxel_mm);
+      const double outside = fraction_outside(solid, place, grid.voxel_mm);
       const auto most = static_cast<std::uint16_t>(std::lround(outside * FillBricks::kWhole));
       if (most < fill) changed.emplace_back(voxel, most);
     });

@@ -32,8 +32,8 @@ inline Solid without(const Solid& a, const Solid& b) {
   return [=](const Vec3& p) { return std::max(a(p), -b(p)); };
 }
 
-/// The share of a voxel that lies outside a solid, from 12³ points.
-inline double share_outside(const Solid& solid, const Vec3& center, double voxel) {
+/// The fraction of a voxel that lies outside a solid, from 12³ points.
+inline double fraction_outside(const Solid& solid, const Vec3& center, double voxel) {
   const double distance = solid(center);
   if (std::abs(distance) > voxel) return distance > 0 ? 1 : 0;
   constexpr int kPoints = 12;
@@ -73,7 +73,7 @@ struct Block {
   void ream(const Solid& solid) {
     for_each_bone_voxel(after, [&](const Vec3i& voxel, std::uint8_t, std::uint16_t fill) {
       const Vec3 center = after.grid.center_mm(voxel);
-      const double left = share_outside(solid, center, after.grid.voxel_mm);
+      const double left = fraction_outside(solid, center, after.grid.voxel_mm);
       const auto most = static_cast<std::uint16_t>(std::lround(left * FillBricks::kWhole));
       if (most < fill) changed.emplace_back(voxel, most);
     });

@@ -13,8 +13,8 @@ using ::testing::IsEmpty;
 using ::testing::Not;
 using ::testing::StartsWith;
 
-const std::string kSize = "size_effect: {exponent: 0.3, reference_mm: 0.05, lips: 6}";
-const std::string kEdge = "edge_force: {tangential_n_mm: 1, normal_n_mm: 2, lips: 6}";
+const std::string kSize = "size_effect: {exponent: 0.3, reference_mm: 0.05, cutting_edges: 6}";
+const std::string kEdge = "edge_force: {tangential_n_mm: 1, normal_n_mm: 2, cutting_edges: 6}";
 const std::string kTable =
     "specific_energy_table: [{density_g_cm3: 0, energy_j_mm3: 0}, {density_g_cm3: 1.8, "
     "energy_j_mm3: 0.2}]";
@@ -122,13 +122,13 @@ TEST_F(Cutting, OptionsNeedTheirErosionAndLaw) {
 }
 
 TEST_F(Cutting, ValuesOfOptions) {
-  EXPECT_THAT(bad("size_effect: {exponent: 1.5, reference_mm: 0.05, lips: 6}"),
+  EXPECT_THAT(bad("size_effect: {exponent: 1.5, reference_mm: 0.05, cutting_edges: 6}"),
               HasSubstr("cutting.size_effect.exponent: found 1.5; expected a number, above 0, up to 1"));
   EXPECT_THAT(bad("size_effect: {exponent: 0.5, reference_mm: 0.05}"),
               HasSubstr("cutting.size_effect.cutting_edges: missing; expected this key"));
-  EXPECT_THAT(bad("size_effect: {exponent: 0.5, reference_mm: 0.05, lips: 6, least_mm: 0.6}"),
+  EXPECT_THAT(bad("size_effect: {exponent: 0.5, reference_mm: 0.05, cutting_edges: 6, least_mm: 0.6}"),
               HasSubstr("cutting.size_effect.least_mm: found 0.6; expected no more than most_mm"));
-  EXPECT_THAT(bad("erosion: exact, edge_force: {tangential_n_mm: 0, normal_n_mm: 1, lips: 6}"),
+  EXPECT_THAT(bad("erosion: exact, edge_force: {tangential_n_mm: 0, normal_n_mm: 1, cutting_edges: 6}"),
               HasSubstr("cutting.edge_force.tangential_n_mm: found 0; expected a number, above 0, up to 1000 (N/mm)"));
   EXPECT_THAT(bad("friction_fraction: 1.1"),
               StartsWith("s.yaml:17:23: cutting.friction_fraction: found 1.1; expected"));

@@ -27,8 +27,9 @@ TEST_F(Migrate, TheDetectorIsTheEngine) {
   const Scenario old = version_1("engine: {detector: octree}\n");
   EXPECT_EQ(old.engine.type, EngineKind::octree);
   EXPECT_EQ(engine_of(old), EngineKind::octree);
-  EXPECT_THAT(old.notes,
-              ElementsAre(HasSubstr("s.yaml:16:10: engine.detector: is type since format version 2: rename it")));
+  EXPECT_THAT(
+      old.notes,
+      ElementsAre(HasSubstr("s.yaml:16:10: engine.detector: outdated since format version 2: write engine.type")));
   EXPECT_THAT(complaint(kValid + "engine:\n  detector: fast\n"),
               HasSubstr("s.yaml:17:13: engine.type: found the text \"fast\""));
 }
@@ -59,11 +60,13 @@ TEST_F(Migrate, SpeedOnlyKeysAreIgnoredWithANote) {
     EXPECT_EQ(s.engine.batch_frames, 4);
     EXPECT_TRUE(s.engine.tuning.culling);
     ASSERT_EQ(s.notes.size(), 3U);
-    for (const std::string& note : s.notes) EXPECT_THAT(note, HasSubstr("changes no result and is ignored: remove it"));
+    for (const std::string& note : s.notes)
+      EXPECT_THAT(note, HasSubstr("ignored, because it changes no result: remove it"));
     EXPECT_EQ(to_yaml(s), to_yaml(parse(kValid + "engine: {batch_frames: 4}\n")));
   }
   EXPECT_THAT(parse(kValid, {"engine.kernel_shape=gpu"}).notes,
-              ElementsAre(HasSubstr("--set engine.kernel_shape=gpu: engine.kernel_shape: changes no result")));
+              ElementsAre(HasSubstr(
+                  "--set engine.kernel_shape=gpu: engine.kernel_shape: ignored, because it changes no result")));
 }
 
 TEST_F(Migrate, BothNamesAreAnError) {
