@@ -27,18 +27,15 @@ if(REAMSIM_SANITIZE)
   set(REAMSIM_PROGRAM_TIMEOUT_S 600)
 endif()
 
-# reamsim_library(NAME SOURCES ... LINK ... [PRIVATE ...] [HEADERS SET]): one static library per folder, so that the linker
-# enforces the layers. SET: precompiled headers other than common_headers.
+# reamsim_library(NAME SOURCES ... LINK ... [PRIVATE ...]): one static library per folder, so that the linker enforces the
+# layers.
 function(reamsim_library name)
-  cmake_parse_arguments(ARG "" "HEADERS" "SOURCES;LINK;PRIVATE" ${ARGN})
+  cmake_parse_arguments(ARG "" "" "SOURCES;LINK;PRIVATE" ${ARGN})
   add_library(${name} STATIC ${ARG_SOURCES})
   set_property(GLOBAL APPEND PROPERTY REAMSIM_LIBRARIES ${name})
   target_link_libraries(${name} PUBLIC ${ARG_LINK} PRIVATE reamsim_options ${ARG_PRIVATE})
   target_include_directories(${name} PUBLIC ${PROJECT_SOURCE_DIR})
-  if(NOT ARG_HEADERS)
-    set(ARG_HEADERS common_headers)
-  endif()
-  reamsim_precompile(${name} ${ARG_HEADERS})
+  reamsim_precompile(${name} common_headers)
 endfunction()
 
 # reamsim_test(NAME SOURCES ... LINK ... [SHARED ...] [HOST_THREADS]): a GoogleTest program whose cases CTest lists one by

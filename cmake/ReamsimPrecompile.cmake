@@ -41,8 +41,6 @@ if(REAMSIM_PRECOMPILE)
       <iomanip> <limits> <map> <memory> <nlohmann/json.hpp> <numeric> <optional> <set> <span> <sstream> <string>
       <string_view> <utility> <variant> <vector>)
   reamsim_headers(common_headers LINK Eigen3::Eigen nlohmann_json::nlohmann_json HEADERS ${common})
-  reamsim_headers(openvdb_headers LINK Eigen3::Eigen nlohmann_json::nlohmann_json OpenVDB::openvdb
-                  HEADERS ${common} <openvdb/openvdb.h>)
   reamsim_headers(command_headers OPTIONS ${REAMSIM_QUICK_TO_COMPILE} LINK Eigen3::Eigen nlohmann_json::nlohmann_json CLI11::CLI11
                   HEADERS ${common} <CLI/CLI.hpp>)
   if(REAMSIM_TESTS)

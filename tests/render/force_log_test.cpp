@@ -40,7 +40,7 @@ TEST_F(ForceLogFile, RowsAreReadAndVolumesSummed) {
   ASSERT_EQ(log.rows.size(), 2U);
   EXPECT_EQ(log.rows[1].frame, 2);
   EXPECT_DOUBLE_EQ(log.rows[1].removed_mm3, 4.0);
-  EXPECT_DOUBLE_EQ(log.rows[1].energy_mj, 7.0);
+  EXPECT_DOUBLE_EQ(log.rows[1].cumulative_energy_mj, 7.0);
   EXPECT_DOUBLE_EQ(log.rows[1].axial_force_n, 11);
   EXPECT_EQ(log.rows[1].force_n, Vec3(6, 7, 8));
   EXPECT_DOUBLE_EQ(log.rows[1].pose.orientation.z(), 1);

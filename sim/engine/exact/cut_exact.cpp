@@ -11,7 +11,7 @@ extern const char* const kernel_cut_exact;
 namespace {
 
 /// Number of the first argument that all visits share; those before it are set by enqueue().
-constexpr cl_uint kAfterVisit = 6;
+constexpr cl_uint kAfterPlan = 6;
 
 /// SubstepLanes of kernels/cut_exact.cl: sums in the lanes of a vector.
 constexpr std::size_t kLanesOfSubstep = 10 * 16;
@@ -41,7 +41,7 @@ CutExact::CutExact(const cl::Device& device, const DeviceBricks& bone, const Dev
               "cut_exact", options.work_group) {
   const std::vector<cl_mem> pools = bone.pool_arguments();
   const auto set_constant = [&](const auto&... teeth_arguments) {
-    kernel_.set_from(kAfterVisit, batch.args(), windows_, list.listed(), list.counts(), bone.lattice_of_slot,
+    kernel_.set_from(kAfterPlan, batch.args(), windows_, list.listed(), list.counts(), bone.lattice_of_slot,
                      bone.occupancy, bone.dims, batch.sums(), energy_, outline_.arguments(), lanes_, pools,
                      teeth_arguments...);
   };

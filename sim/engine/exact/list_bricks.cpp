@@ -35,7 +35,7 @@ CoarseGrid coarse_grid(const DistanceTable& table) {
 }
 
 /// Number of the first argument that all visits share; those before it are set by list().
-constexpr cl_uint kAfterVisit = 4;
+constexpr cl_uint kAfterVisitArguments = 4;
 
 }  // namespace
 
@@ -49,7 +49,7 @@ ListBricks::ListBricks(const cl::Device& device, const DeviceBricks& bone, const
   const DistanceTable table = brick_distances(profile, bone.grid.voxel_mm, slack_mm);
   grid_ = cl::upload(device, std::array{coarse_grid(table)}, "the tool's distances");
   distances_ = cl::upload(device, table.mm, "the tool's distances");
-  kernel_.set_from(kAfterVisit, batch.args(), grid_, distances_, bone.occupancy, bone.slot_of_brick, bone.dims, listed_,
+  kernel_.set_from(kAfterVisitArguments, batch.args(), grid_, distances_, bone.occupancy, bone.slot_of_brick, bone.dims, listed_,
                    counts_);
 }
 
