@@ -107,7 +107,7 @@ TEST_F(Cutting, SizeEffectOrEdgeForce) {
   EXPECT_EQ(bad(kSize), "");
   EXPECT_EQ(bad("erosion: exact, " + kEdge), "");
   EXPECT_EQ(bad("erosion: exact, " + kSize + ", " + kEdge),
-            "s.yaml:17:79: cutting.edge_force: given together with size_effect; expected one of size_effect or "
+            "s.yaml:17:88: cutting.edge_force: given together with size_effect; expected one of size_effect or "
             "edge_force");
 }
 
