@@ -3,7 +3,7 @@
 option(REAMSIM_PRECOMPILE "Precompile common headers" ON)
 
 # ccache, where it is installed, also caches files that use precompiled headers.
-find_program(REAMSIM_CCACHE ccache)
+find_program(REAMSIM_CCACHE ccache NO_CACHE)
 if(REAMSIM_CCACHE AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
   set(CMAKE_CXX_COMPILER_LAUNCHER ${CMAKE_COMMAND} -E env CCACHE_SLOPPINESS=pch_defines,time_macros ${REAMSIM_CCACHE})
   add_compile_options($<$<CXX_COMPILER_ID:GNU>:-fpch-preprocess>)

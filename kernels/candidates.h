@@ -15,9 +15,9 @@ typedef struct {
   int count;
   ushort place[RS_BRICK_VOXELS + 16];
   int fill[RS_BRICK_VOXELS + 16];
-  float energy[RS_BRICK_VOXELS + 16];      /* of the whole voxel, mJ */
-  EdgeList near[RS_BRICK_VOXELS / 16 + 1]; /* per sixteen: the pieces that can be nearest */
-  bool smooth[RS_BRICK_VOXELS / 16 + 1];   /* per sixteen: one piece, with its ends out of reach */
+  float energy[RS_BRICK_VOXELS + 16];       /* of the whole voxel, mJ */
+  PieceList near[RS_BRICK_VOXELS / 16 + 1]; /* per sixteen: the pieces that can be nearest */
+  bool smooth[RS_BRICK_VOXELS / 16 + 1];    /* per sixteen: one piece, with its ends out of reach */
 } Candidates;
 
 RS_INLINE float16 offset_x(const int16 place) {
@@ -33,15 +33,15 @@ RS_INLINE float16 offset_z(const int16 place) {
 /* For sixteen voxels: the section of the brick's list with all pieces that can be nearest to any of them while the tool
  * moves by `shift` mm, and whether it is a single piece with its ends out of reach. */
 RS_INLINE void find_nearest_pieces(__global const SubstepArgs* a, const OutlineView* outline, const Visit* v,
-                                   const int16 place, const float shift, EdgeList* near, bool* smooth) {
-  const EdgeList list = v->list;
+                                   const int16 place, const float shift, PieceList* near, bool* smooth) {
+  const PieceList list = v->list;
   float16 p[3];
   rs_voxel_in_tool(a, v->corner, offset_x(place), offset_y(place), offset_z(place), p);
   const float16 r = sqrt(p[0] * p[0] + p[1] * p[1]);
   const float16 limit = fabs(rs_outline_nearest(outline, list, r, p[2]).distance) + 2.0f * (shift + POSITION_SLACK);
   uint begin = list.count, end = 0;
   for (uint i = 0; i < list.count; ++i) {
-    const EdgeList one = {list.first + i, 1};
+    const PieceList one = {list.first + i, 1};
     if (!any(fabs(rs_outline_nearest(outline, one, r, p[2]).distance) <= limit)) continue;
     begin = min(begin, i);
     end = i + 1;
@@ -66,7 +66,7 @@ RS_INLINE float16 distance_beyond_reach(__global const SubstepArgs* a, const Out
 
 /* Bound of half the width of a voxel along the surface's normal while the tool moves by `shift`, voxels. The normal
  * rotates with the curvature of the surface and with the tool; next to a sharp corner it is discontinuous. */
-RS_INLINE float16 half_width(__global const SubstepArgs* a, const OutlineView* outline, const EdgeList list,
+RS_INLINE float16 half_width(__global const SubstepArgs* a, const OutlineView* outline, const PieceList list,
                              const NearestPiece* nearest, const float16 px, const float16 py, const float16 r,
                              const float shift) {
   const float widest = RS_CLIP_REACH;

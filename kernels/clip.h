@@ -94,7 +94,7 @@ RS_INLINE void rs_apply_corner(RS_GLOBAL const SubstepArgs* a, const OutlineView
 
 /* Distance of the surface from voxel (x, y, z), counted within its brick, mm. `brick`: centre of the brick's lowest
  * voxel, T. */
-RS_INLINE rs_real rs_clip_distance(RS_GLOBAL const SubstepArgs* a, const OutlineView* outline, EdgeList list,
+RS_INLINE rs_real rs_clip_distance(RS_GLOBAL const SubstepArgs* a, const OutlineView* outline, PieceList list,
                                    const float* brick, rs_real x, rs_real y, rs_real z) {
   rs_real p[3];
   rs_voxel_in_tool(a, brick, x, y, z, p);
@@ -120,7 +120,7 @@ RS_INLINE Clip rs_clip_at(RS_GLOBAL const SubstepArgs* a, const NearestPiece* ne
 }
 
 /* The tool next to the voxel (x, y, z), counted within its brick. */
-RS_INLINE Clip rs_clip(RS_GLOBAL const SubstepArgs* a, const OutlineView* outline, EdgeList list, const float* brick,
+RS_INLINE Clip rs_clip(RS_GLOBAL const SubstepArgs* a, const OutlineView* outline, PieceList list, const float* brick,
                        rs_real x, rs_real y, rs_real z) {
   rs_real p[3];
   rs_voxel_in_tool(a, brick, x, y, z, p);

@@ -2,7 +2,7 @@
 #ifndef REAMSIM_KERNELS_CUBE_FRACTION_H
 #define REAMSIM_KERNELS_CUBE_FRACTION_H
 
-#include "profile.h"
+#include "outline.h"
 
 /* A surface farther than this from a voxel's centre does not intersect the voxel, voxels: half its diagonal and an
  * allowance for curvature. */

@@ -48,8 +48,8 @@ float remove_fill(__global const SubstepArgs* a, __global Brick* brick, const Ma
       __global SubstepSums *sums, __global RemovedBlock *removed, __global uint *removed_count, const uint2 room,    \
       __global const uint *removed_before, __global const double *energy_of_grade,                                   \
       __global const long *units_of_grade, __global const double *density_of_grade,                                  \
-      __global const ulong *bits_of_byte, const int4 bricks, __global const ProfileEdge *edges,                      \
-      __global const ushort *numbers, __global const EdgeList *lists, __global const ProfileGrid *grid,              \
+      __global const ulong *bits_of_byte, const int4 bricks, __global const OutlinePiece *pieces,                    \
+      __global const ushort *numbers, __global const PieceList *lists, __global const OutlineGrid *grid,             \
       RS_POOL_PARAMETERS
 
 /* The number of bricks to cut: 0 where the list of removed voxels might overflow. A negative number of contacts tells
@@ -114,12 +114,12 @@ void remove_all_fill(__global const SubstepArgs* a, const uint substep, __global
 }
 
 /* The law for the listed voxels, sixteen at a time. (x, y, z): lowest voxel of the brick. */
-void accumulate_cut_forces(__global const SubstepArgs* a, const ProfileView* profile, const int x, const int y,
+void accumulate_cut_forces(__global const SubstepArgs* a, const OutlineView* outline, const int x, const int y,
                            const int z, const ushort* places, const float* energies, const int count, LaneSums* sums) {
   float corner[3], middle[3];
   rs_brick_in_tool(a, x, y, z, corner);
   rs_brick_middle(a, corner, middle);
-  const EdgeList list = rs_edges_near(profile, sqrt(middle[0] * middle[0] + middle[1] * middle[1]), middle[2]);
+  const PieceList list = rs_pieces_near(outline, sqrt(middle[0] * middle[0] + middle[1] * middle[1]), middle[2]);
   for (int i = 0; i < count; i += 16) {
     const int16 place = convert_int16(vload16(0, places + i));
     const float16 lx = convert_float16((place >> 6 & 1) << 2 | (place & 3));
@@ -127,7 +127,7 @@ void accumulate_cut_forces(__global const SubstepArgs* a, const ProfileView* pro
     const float16 lz = convert_float16((place >> 8 & 1) << 2 | (place >> 4 & 3));
     float16 p[3], n[3];
     rs_voxel_in_tool(a, corner, lx, ly, lz, p);
-    rs_tool_nearest(profile, list, p, n);
+    rs_outline_normal(outline, list, p, n);
     rs_cut_force(a, n, p, vload16(0, energies + i), sums);
   }
 }
@@ -136,7 +136,7 @@ __kernel void cut_bricked(PARAMETERS) {
   __global const SubstepArgs* a = args + substep;
   const uint count = bricks_to_cut(room, removed_before, touched_count, substep, sums);
   const Material material = {energy_of_grade, units_of_grade, density_of_grade};
-  const ProfileView profile = {edges, numbers, lists, grid};
+  const OutlineView outline = {pieces, numbers, lists, grid};
   __global Brick* pools[RS_POOLS] = RS_POOL_ARRAY;
   LaneSums law = zero_sums();
   Tally tally;
@@ -152,7 +152,7 @@ __kernel void cut_bricked(PARAMETERS) {
     const int touched = list_places(brick, bits_of_byte, places);
     remove_all_fill(a, substep, brick, &material, places, touched, energies, &tally);
     if (a->law == RS_LAW_ENERGY)
-      accumulate_cut_forces(a, &profile, 8 * at.x, 8 * at.y, 8 * at.z, places, energies, touched, &law);
+      accumulate_cut_forces(a, &outline, 8 * at.x, 8 * at.y, 8 * at.z, places, energies, touched, &law);
     clear_if_empty(brick, occupancy, at, bricks);
   }
   finish_tally(&tally, &law, &sums[substep]);
@@ -163,11 +163,11 @@ __kernel void cut_bricked(PARAMETERS) {
 /* Cuts one touched voxel; the touched bit is cleared later by the work-item of its block. Returns whether no fill
  * remains. (x, y, z): lowest voxel of the brick. */
 bool cut_voxel(__global const SubstepArgs* a, __global Brick* brick, const int place, const int x, const int y,
-               const int z, const Material* material, const ProfileView* profile, LaneSums* law, Tally* tally) {
+               const int z, const Material* material, const OutlineView* outline, LaneSums* law, Tally* tally) {
   bool removed;
   const float energy = remove_fill(a, brick, material, place, tally, &removed);
   if (a->law == RS_LAW_ENERGY)
-    rs_voxel_force(a, profile, x + rs_offset_x(place), y + rs_offset_y(place), z + rs_offset_z(place), energy, law);
+    rs_voxel_force(a, outline, x + rs_offset_x(place), y + rs_offset_y(place), z + rs_offset_z(place), energy, law);
   return removed;
 }
 
@@ -176,7 +176,7 @@ __kernel void cut_bricked(PARAMETERS) {
   __global const SubstepArgs* a = args + substep;
   const uint count = bricks_to_cut(room, removed_before, touched_count, substep, sums);
   const Material material = {energy_of_grade, units_of_grade, density_of_grade};
-  const ProfileView profile = {edges, numbers, lists, grid};
+  const OutlineView outline = {pieces, numbers, lists, grid};
   __global Brick* pools[RS_POOLS] = RS_POOL_ARRAY;
   LaneSums law = zero_sums();
   Tally tally;
@@ -192,7 +192,7 @@ __kernel void cut_bricked(PARAMETERS) {
     barrier(CLK_LOCAL_MEM_FENCE | CLK_GLOBAL_MEM_FENCE);
     for (uint place = item; place < RS_BRICK_VOXELS; place += items) {
       if ((brick->touched[place >> 5] >> (place & 31u) & 1u) == 0) continue;
-      if (cut_voxel(a, brick, (int)place, 8 * at.x, 8 * at.y, 8 * at.z, &material, &profile, &law, &tally))
+      if (cut_voxel(a, brick, (int)place, 8 * at.x, 8 * at.y, 8 * at.z, &material, &outline, &law, &tally))
         atomic_or(&removed_words[place >> 5], 1u << (place & 31u));
     }
     barrier(CLK_LOCAL_MEM_FENCE | CLK_GLOBAL_MEM_FENCE);

@@ -24,7 +24,7 @@ typedef struct {
       __global const SubstepWindow *windows, __global const uint *listed, __global VisitCounts *counts,              \
       __global const uint *lattice_of_slot, __global uint *occupancy, const int4 bricks, __global SubstepSums *sums, \
       __global const float *energy_of_grade, __global const OutlinePiece *pieces, __global const ushort *numbers,    \
-      __global const EdgeList *lists, __global const ProfileGrid *grid, __global SubstepLanes *lanes_of_item,        \
+      __global const PieceList *lists, __global const OutlineGrid *grid, __global SubstepLanes *lanes_of_item,       \
       RS_POOL_PARAMETERS TEETH_PARAMETERS
 
 #if defined(RS_LANES)

@@ -3,8 +3,8 @@
 #define REAMSIM_KERNELS_CUT_LAW_H
 
 #include "bricks.h"
+#include "outline.h"
 #include "power.h"
-#include "profile.h"
 #include "shared.h"
 
 /* Sums of the law, lane by lane. */
@@ -144,34 +144,34 @@ RS_INLINE void rs_add_lanes(SubstepSums* sums, const LaneSums* lanes) {
 }
 
 /* rs_cut_force() for voxel (x, y, z) of the lattice. */
-RS_INLINE void rs_voxel_force(RS_GLOBAL const SubstepArgs* a, const ProfileView* profile, rs_i32 x, rs_i32 y, rs_i32 z,
+RS_INLINE void rs_voxel_force(RS_GLOBAL const SubstepArgs* a, const OutlineView* outline, rs_i32 x, rs_i32 y, rs_i32 z,
                               float energy, LaneSums* sums) {
   float brick[3], p[3];
   rs_brick_in_tool(a, x, y, z, brick);
   rs_voxel_in_tool(a, brick, (float)(x & 7), (float)(y & 7), (float)(z & 7), p);
   float n[3];
-  rs_tool_nearest(profile, rs_edges_near(profile, RS_SQRT(p[0] * p[0] + p[1] * p[1]), p[2]), p, n);
+  rs_outline_normal(outline, rs_pieces_near(outline, RS_SQRT(p[0] * p[0] + p[1] * p[1]), p[2]), p, n);
   rs_cut_force(a, n, p, energy, sums);
 }
 
 /* Whether the centre of voxel (x, y, z) lies in the tool's solid of revolution. */
-RS_INLINE int rs_contains_voxel(RS_GLOBAL const SubstepArgs* a, const ProfileView* profile, rs_i32 x, rs_i32 y,
+RS_INLINE int rs_contains_voxel(RS_GLOBAL const SubstepArgs* a, const OutlineView* outline, rs_i32 x, rs_i32 y,
                                 rs_i32 z) {
   float brick[3], p[3];
   rs_brick_in_tool(a, x, y, z, brick);
   rs_voxel_in_tool(a, brick, (float)(x & 7), (float)(y & 7), (float)(z & 7), p);
-  return rs_inside_profile(profile, RS_SQRT(p[0] * p[0] + p[1] * p[1]), p[2]);
+  return rs_inside_outline(outline, RS_SQRT(p[0] * p[0] + p[1] * p[1]), p[2]);
 }
 
 /* The paper's force law: each touching point exerts a given elemental force along its inward normal. In the shell's
  * frame; the profile does not depend on the spin angle. */
-RS_INLINE void rs_point_force(RS_GLOBAL const SubstepArgs* a, const ProfileView* profile, rs_i32 x, rs_i32 y, rs_i32 z,
+RS_INLINE void rs_point_force(RS_GLOBAL const SubstepArgs* a, const OutlineView* outline, rs_i32 x, rs_i32 y, rs_i32 z,
                               LaneSums* sums) {
   const float p[3] = {(float)(a->shell_origin[0] + (x + 0.5) * a->cell_mm),
                       (float)(a->shell_origin[1] + (y + 0.5) * a->cell_mm),
                       (float)(a->shell_origin[2] + (z + 0.5) * a->cell_mm)};
   float n[3];
-  rs_tool_nearest(profile, rs_edges_near(profile, RS_SQRT(p[0] * p[0] + p[1] * p[1]), p[2]), p, n);
+  rs_outline_normal(outline, rs_pieces_near(outline, RS_SQRT(p[0] * p[0] + p[1] * p[1]), p[2]), p, n);
   const float f[3] = {-a->force_per_point * n[0], -a->force_per_point * n[1], -a->force_per_point * n[2]};
   rs_add_force(sums, f, p);
 }

@@ -42,12 +42,12 @@ __kernel void cut_voxels(const uint substep, __global const SubstepArgs* args, _
                          __global ushort* fill, const int has_fill, __global Claim* claims,
                          __global const uint* contacts, __global const uint* contact_count, __global SubstepSums* sums,
                          __global uint2* removed, __global uint* removed_count, __global const double* energy_of_grade,
-                         __global const double* density_of_grade, __global const ProfileEdge* edges,
-                         __global const ushort* numbers, __global const EdgeList* lists,
-                         __global const ProfileGrid* grid, const double hu_of_air, const double hu_per_grade) {
+                         __global const double* density_of_grade, __global const OutlinePiece* pieces,
+                         __global const ushort* numbers, __global const PieceList* lists,
+                         __global const OutlineGrid* grid, const double hu_of_air, const double hu_per_grade) {
   __global const SubstepArgs* a = args + substep;
   const uint count = contact_count[substep];
-  const ProfileView profile = {edges, numbers, lists, grid};
+  const OutlineView outline = {pieces, numbers, lists, grid};
   SubstepSums part = {{0, 0, 0}, {0, 0, 0}, 0, 0, 0, 0};
   LaneSums law = {{0, 0, 0}, {0, 0, 0}, 0, 0};
   for (uint c = get_global_id(0); c < count; c += get_global_size(0)) {
@@ -61,7 +61,7 @@ __kernel void cut_voxels(const uint substep, __global const SubstepArgs* args, _
     part.energy += rs_energy_units(energy);
     if (a->law == RS_LAW_ENERGY) {
       const uint row = e / (uint)a->dims[0];
-      rs_voxel_force(a, &profile, (int)(e % (uint)a->dims[0]), (int)(row % (uint)a->dims[1]),
+      rs_voxel_force(a, &outline, (int)(e % (uint)a->dims[0]), (int)(row % (uint)a->dims[1]),
                      (int)(row / (uint)a->dims[1]), (float)energy, &law);
     }
     if (has_fill) fill[e] = (ushort)(before - lost);

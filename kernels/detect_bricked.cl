@@ -110,7 +110,7 @@ int word_of_block(const int x, const int y, const int z) {
 }
 
 /* Law per_point: the elemental force of a point, if it lies in bone. */
-void add_point_force(__global const SubstepArgs* a, const Bricks* b, const ProfileView* profile,
+void add_point_force(__global const SubstepArgs* a, const Bricks* b, const OutlineView* outline,
                      __global const ShellCell* cell, const ushort offset, LaneSums* sums) {
   const int x = cell->first[0] + (offset & 31), y = cell->first[1] + (offset >> 5 & 31),
             z = cell->first[2] + (offset >> 10);
@@ -119,7 +119,7 @@ void add_point_force(__global const SubstepArgs* a, const Bricks* b, const Profi
   const int slot = slot_of_block(b, i >> 2, j >> 2, k >> 2);
   if (slot < 0) return;
   const int place = rs_brick_offset(i, j, k);
-  if ((brick_at(b, slot)->bone[place >> 5] >> (place & 31) & 1u) != 0) rs_point_force(a, profile, x, y, z, sums);
+  if ((brick_at(b, slot)->bone[place >> 5] >> (place & 31) & 1u) != 0) rs_point_force(a, outline, x, y, z, sums);
 }
 
 #define PARAMETERS                                                                                              \
@@ -128,8 +128,8 @@ void add_point_force(__global const SubstepArgs* a, const Bricks* b, const Profi
       __global const int *slot_of_brick, __global const uint *occupancy, __global uint *listed,                 \
       __global uint *touched_list, __global uint *touched_count, __global SubstepSums *sums, const int4 bricks, \
       const int culling, const uint2 room, __global const uint *removed_count, __global uint *removed_before,   \
-      __global const ProfileEdge *edges, __global const ushort *numbers, __global const EdgeList *lists,        \
-      __global const ProfileGrid *grid, RS_POOL_PARAMETERS
+      __global const OutlinePiece *pieces, __global const ushort *numbers, __global const PieceList *lists,     \
+      __global const OutlineGrid *grid, RS_POOL_PARAMETERS
 #define BRICKS                                                                              \
   {                                                                                         \
     slot_of_brick, occupancy, listed, touched_list, touched_count + substep, RS_POOL_ARRAY, \
@@ -201,7 +201,7 @@ __kernel void detect_bricked(PARAMETERS) {
   if (must_wait(room, removed_count, removed_before, touched_count, substep) || first >= cell_count) return;
   __global const SubstepArgs* a = args + substep;
   const Bricks b = BRICKS;
-  const ProfileView profile = {edges, numbers, lists, grid};
+  const OutlineView outline = {pieces, numbers, lists, grid};
   if (culling) {
     const Reach whole = cell_reach(a, runs + run);
     if (!meets_voi(a, runs + run) || !meets_bone(a, &b, &whole)) return;
@@ -219,7 +219,7 @@ __kernel void detect_bricked(PARAMETERS) {
     flush_window(&b, &reach, origin, window);
     if (a->law == RS_LAW_PER_POINT)
       for (uint p = 0; p < cell->count; ++p)
-        add_point_force(a, &b, &profile, cell, offsets[cell->begin + p], &point_sums);
+        add_point_force(a, &b, &outline, cell, offsets[cell->begin + p], &point_sums);
   }
   if (a->law == RS_LAW_PER_POINT) rs_add_point_sums(&sums[substep], &point_sums);
 }
@@ -231,7 +231,7 @@ __kernel void detect_bricked(PARAMETERS) {
   __global const SubstepArgs* a = args + substep;
   __global const ShellCell* cell = cells + get_group_id(0);
   const Bricks b = BRICKS;
-  const ProfileView profile = {edges, numbers, lists, grid};
+  const OutlineView outline = {pieces, numbers, lists, grid};
   const Reach reach = cell_reach(a, cell);
   /* All work-items decide alike, and reach the barriers. */
   const bool waits = must_wait(room, removed_count, removed_before, touched_count, substep);
@@ -253,7 +253,7 @@ __kernel void detect_bricked(PARAMETERS) {
     const int block = v[0] >> 2 | (v[1] >> 2) << 3 | (v[2] >> 2) << 6;
     const int bit = (v[0] & 3) | (v[1] & 3) << 2 | (v[2] & 3) << 4;
     atomic_or(&window[2 * block + (bit >> 5)], 1u << (bit & 31));
-    if (a->law == RS_LAW_PER_POINT) add_point_force(a, &b, &profile, cell, offset, &point_sums);
+    if (a->law == RS_LAW_PER_POINT) add_point_force(a, &b, &outline, cell, offset, &point_sums);
   }
   barrier(CLK_LOCAL_MEM_FENCE);
   for (uint w = get_local_id(0); w < 2 * WINDOW_BLOCKS; w += get_local_size(0)) {

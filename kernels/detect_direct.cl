@@ -15,8 +15,8 @@ typedef rs_u32 ShellCode;
 __kernel void detect_direct(const uint substep, __global const SubstepArgs* args, __global const ShellCode* codes,
                             const uint point_count, __global const uchar* bone, __global uint* claims,
                             __global uint* contacts, __global uint* contact_count, __global SubstepSums* sums,
-                            __global const ProfileEdge* edges, __global const ushort* numbers,
-                            __global const EdgeList* lists, __global const ProfileGrid* grid) {
+                            __global const OutlinePiece* pieces, __global const ushort* numbers,
+                            __global const PieceList* lists, __global const OutlineGrid* grid) {
   const uint point = get_global_id(0);
   if (point >= point_count) return;
   __global const SubstepArgs* a = args + substep;
@@ -34,8 +34,8 @@ __kernel void detect_direct(const uint substep, __global const SubstepArgs* args
 
   if (a->law == RS_LAW_PER_POINT) {
     LaneSums point_sums = {{0, 0, 0}, {0, 0, 0}, 0};
-    const ProfileView profile = {edges, numbers, lists, grid};
-    rs_point_force(a, &profile, x, y, z, &point_sums);
+    const OutlineView outline = {pieces, numbers, lists, grid};
+    rs_point_force(a, &outline, x, y, z, &point_sums);
     rs_add_point_sums(&sums[substep], &point_sums);
   }
   const uint bit = 1u << (e & 31u);

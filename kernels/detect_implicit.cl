@@ -8,9 +8,9 @@
  * entry. */
 __kernel void detect_implicit(const uint substep, const int4 voi_min, const uint4 voi_size,
                               __global const SubstepArgs* args, __global const uchar* bone, __global uint* contacts,
-                              __global uint* contact_count, __global const ProfileEdge* edges,
-                              __global const ushort* numbers, __global const EdgeList* lists,
-                              __global const ProfileGrid* grid) {
+                              __global uint* contact_count, __global const OutlinePiece* pieces,
+                              __global const ushort* numbers, __global const PieceList* lists,
+                              __global const OutlineGrid* grid) {
   const size_t item = get_global_id(0);
   if (item >= (size_t)voi_size.x * voi_size.y * voi_size.z) return;
   __global const SubstepArgs* a = args + substep;
@@ -20,6 +20,6 @@ __kernel void detect_implicit(const uint substep, const int4 voi_min, const uint
   const int k = voi_min.z + (int)(row / voi_size.y);
   const uint e = i + a->dims[0] * (j + (uint)a->dims[1] * k);
   if (bone[e] == 0) return;
-  const ProfileView profile = {edges, numbers, lists, grid};
-  if (rs_contains_voxel(a, &profile, i, j, k)) contacts[atomic_inc(&contact_count[substep])] = e;
+  const OutlineView outline = {pieces, numbers, lists, grid};
+  if (rs_contains_voxel(a, &outline, i, j, k)) contacts[atomic_inc(&contact_count[substep])] = e;
 }

@@ -55,9 +55,9 @@ void reduce_forces(__local rs_i64* partial, __global SubstepSums* total, const L
 __kernel void detect_octree(const uint substep, __global const SubstepArgs* args, __global const float* points,
                             const uint point_count, __global const float* hu, const float hu_of_air,
                             __global uint* flags, __global uint* contacts, __global uint* contact_count,
-                            __global SubstepSums* sums, __global const ProfileEdge* edges,
-                            __global const ushort* numbers, __global const EdgeList* lists,
-                            __global const ProfileGrid* grid, __global const uint4* children, const int levels) {
+                            __global SubstepSums* sums, __global const OutlinePiece* pieces,
+                            __global const ushort* numbers, __global const PieceList* lists,
+                            __global const OutlineGrid* grid, __global const uint4* children, const int levels) {
   const uint point = get_global_id(0);
   __global const SubstepArgs* a = args + substep;
   int touches = 0, x = 0, y = 0, z = 0;
@@ -78,9 +78,9 @@ __kernel void detect_octree(const uint substep, __global const SubstepArgs* args
   }
 #ifdef REAMSIM_GROUP_SIZE
   __local rs_i64 partial[6 * REAMSIM_GROUP_SIZE];
-  const ProfileView profile = {edges, numbers, lists, grid};
+  const OutlineView outline = {pieces, numbers, lists, grid};
   LaneSums own = {{0, 0, 0}, {0, 0, 0}, 0};
-  rs_point_force(a, &profile, x, y, z, &own);
+  rs_point_force(a, &outline, x, y, z, &own);
   for (int c = 0; c < 3; ++c) {
     own.force[c] *= touches;
     own.torque[c] *= touches;

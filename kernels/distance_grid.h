@@ -1,6 +1,6 @@
 /* The signed distance to a tool with resolved cutting edges, sampled on a lattice that rotates with them. Bricks of
  * 8x8x8 cells are stored next to the surface only; in a cell the distance is trilinear. The same code serves host,
- * work-item and lanes, as in profile.h. */
+ * work-item and lanes, as in lanes.h. */
 #ifndef REAMSIM_KERNELS_DISTANCE_GRID_H
 #define REAMSIM_KERNELS_DISTANCE_GRID_H
 
@@ -120,7 +120,7 @@ RS_INLINE Clip rs_clip_grid(RS_GLOBAL const SubstepArgs* a, const DistanceView* 
 }
 
 /* Resolved cutting edges exert the force along the normal of their envelope (docs/physics.md, 4). */
-RS_INLINE void rs_use_envelope_normal(const OutlineView* outline, EdgeList list, Clip* clip) {
+RS_INLINE void rs_use_envelope_normal(const OutlineView* outline, PieceList list, Clip* clip) {
   const rs_real r = RS_SQRT(clip->p[0] * clip->p[0] + clip->p[1] * clip->p[1]);
   const rs_real per_r = r > 0.0f ? (rs_real)1.0f / r : (rs_real)0.0f;
   const NearestPiece nearest = rs_outline_nearest(outline, list, r, clip->p[2]);

@@ -1,9 +1,9 @@
-/* The tool's outline in (r, z) of T as lines and arcs: smooth where the profile (profile.h) has many short edges. The
- * same code serves host, work-item and lanes, as in profile.h. */
+/* The outline of the tool's envelope of revolution in (r, z) of T, as lines and arcs. The same code serves host,
+ * work-item and lanes (lanes.h). */
 #ifndef REAMSIM_KERNELS_OUTLINE_H
 #define REAMSIM_KERNELS_OUTLINE_H
 
-#include "profile.h"
+#include "lanes.h"
 
 /* A line or an arc of at most 100 degrees from (r0, z0) to (r1, z1), mm, with the inside on its left: unit tangents at
  * both ends, and its middle with the outward unit normal. */
@@ -15,12 +15,25 @@ typedef struct {
   rs_i32 before, after; /* the piece beyond a sharp corner at the begin, at the end; -1: none */
 } OutlinePiece;
 
-/* The outline in device memory: lists of pieces for cells of (r, z), as in ProfileView. */
+/* A grid of square cells over (r, z), each with an ascending list of the pieces that can be nearest to a point within
+ * the grid's reach of the cell. Cells far from the outline, and points off the grid, use list 0 of all pieces. */
+typedef struct {
+  float z0; /* mm; r begins at 0 */
+  float per_mm;
+  rs_i32 count_r, count_z;
+} OutlineGrid;
+
+typedef struct {
+  rs_u32 first; /* into the array of piece numbers */
+  rs_u32 count;
+} PieceList;
+
+/* The outline in device memory. */
 typedef struct {
   RS_GLOBAL const OutlinePiece* pieces;
-  RS_GLOBAL const rs_u16* numbers;
-  RS_GLOBAL const EdgeList* lists;
-  RS_GLOBAL const ProfileGrid* grid;
+  RS_GLOBAL const rs_u16* numbers;  /* of pieces, list after list */
+  RS_GLOBAL const PieceList* lists; /* [1 + count_r * count_z]; cell (r, z) has list 1 + r + count_r * z */
+  RS_GLOBAL const OutlineGrid* grid;
 } OutlineView;
 
 /* The nearest point of the outline. */
@@ -107,7 +120,7 @@ RS_INLINE NearestPiece rs_nearest_piece(const PieceDistance* best, rs_real curva
 
 /* The nearest point of (r, z), of the pieces in `list`. The normal is the gradient of the distance. Of two pieces
  * equally near up to rounding, as next to a vertex, the more perpendicular one decides the sign. */
-RS_INLINE NearestPiece rs_outline_nearest(const OutlineView* outline, EdgeList list, rs_real r, rs_real z) {
+RS_INLINE NearestPiece rs_outline_nearest(const OutlineView* outline, PieceList list, rs_real r, rs_real z) {
   const rs_real one = (rs_real)1.0f;
   rs_i32 number = outline->numbers[list.first];
   PieceDistance best = rs_piece_distance(outline->pieces + number, r, z);
@@ -134,8 +147,29 @@ RS_INLINE NearestPiece rs_outline_nearest(const OutlineView* outline, EdgeList l
 }
 
 /* The list of pieces for points within the grid's reach of (r, z). */
-RS_INLINE EdgeList rs_pieces_near(const OutlineView* outline, float r, float z) {
-  return rs_list_of_cell(outline->grid, outline->lists, r, z);
+RS_INLINE PieceList rs_pieces_near(const OutlineView* outline, float r, float z) {
+  RS_GLOBAL const OutlineGrid* g = outline->grid;
+  const float cr = r * g->per_mm, cz = (z - g->z0) * g->per_mm;
+  if (!(cr < (float)g->count_r && cz >= 0 && cz < (float)g->count_z)) return outline->lists[0];
+  return outline->lists[1 + (rs_i32)cr + g->count_r * (rs_i32)cz];
 }
+
+/* Outward unit normal in T at the surface point nearest to `p` (T, mm), of the pieces in `list`. It has no radial part
+ * on the spin axis. */
+RS_INLINE void rs_outline_normal(const OutlineView* outline, PieceList list, const rs_real* p, rs_real* normal) {
+  const rs_real r = RS_SQRT(p[0] * p[0] + p[1] * p[1]);
+  const NearestPiece nearest = rs_outline_nearest(outline, list, r, p[2]);
+  const rs_real radial = r > 0.0f ? nearest.normal_r / r : (rs_real)0.0f;
+  normal[0] = radial * p[0];
+  normal[1] = radial * p[1];
+  normal[2] = nearest.normal_z;
+}
+
+#if !defined(RS_LANES)
+/* Whether (r, z), r >= 0, lies in the solid of revolution or, up to the rounding of single precision, on its surface. */
+RS_INLINE int rs_inside_outline(const OutlineView* outline, float r, float z) {
+  return rs_outline_nearest(outline, rs_pieces_near(outline, r, z), r, z).distance <= 1e-6f;
+}
+#endif
 
 #endif

@@ -2,7 +2,7 @@
 #ifndef REAMSIM_KERNELS_POWER_H
 #define REAMSIM_KERNELS_POWER_H
 
-#include "profile.h"
+#include "lanes.h"
 
 /* log2(x), x > 0 and not subnormal, error below 10^-7: exponent, and the series of artanh for the mantissa in 2^(-1/2)
  * .. 2^(1/2). */

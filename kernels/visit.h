@@ -22,7 +22,7 @@ typedef struct {
   __global Brick* brick;
   int3 at;            /* position in the lattice of bricks */
   float corner[3];    /* centre of its lowest voxel in the current substep, T */
-  EdgeList list;      /* pieces of the outline that can be nearest in the current window */
+  PieceList list;     /* pieces of the outline that can be nearest in the current window */
   DistanceView teeth; /* with RS_DISTANCE_GRID */
 } Visit;
 
@@ -40,7 +40,7 @@ RS_INLINE void set_window(__global const SubstepArgs* a, const OutlineView* outl
 
 /* The tool next to voxel (x, y, z) of the brick, by the pieces in `list`. */
 RS_INLINE Clip clip_voxel(__global const SubstepArgs* a, const OutlineView* outline, const Visit* v,
-                          const EdgeList list, const rs_real x, const rs_real y, const rs_real z) {
+                          const PieceList list, const rs_real x, const rs_real y, const rs_real z) {
 #ifdef RS_DISTANCE_GRID
   return rs_clip_grid(a, &v->teeth, v->corner, x, y, z);
 #else
@@ -49,7 +49,7 @@ RS_INLINE Clip clip_voxel(__global const SubstepArgs* a, const OutlineView* outl
 }
 
 /* The normal of the force: the envelope's, also where the cutting edges are resolved. */
-RS_INLINE void set_force_normal(const OutlineView* outline, const EdgeList list, Clip* clip) {
+RS_INLINE void set_force_normal(const OutlineView* outline, const PieceList list, Clip* clip) {
 #ifdef RS_DISTANCE_GRID
   rs_use_envelope_normal(outline, list, clip);
 #endif

@@ -117,50 +117,5 @@ TEST(ShellCells, ACellFitsTheWindowHoweverItIsTurned) {
   }
 }
 
-TEST(ProfileTable, DistancesAreThoseOfTheProfile) {
-  // Far outside and inside too, where the nearest point is mostly a vertex, and rounding decides between its two edges.
-  for (const Profile& profile : {cap_profile(5, 6, 2.5, 0.6), cap_profile(29, 36, 9, 1.25)}) {
-    const ProfileTable table = full_profile_table(profile);
-    const ProfileView view = view_of(table);
-    const double width = 1.3 * profile.max_radius_mm();
-    for (int i = 0; i < 700; ++i) {
-      for (int k = 0; k < 700; ++k) {
-        const float r = static_cast<float>(width * i / 700), z = static_cast<float>(width * (k - 250) / 700);
-        const double expected = profile.nearest({r, z}).distance_mm;
-        ASSERT_NEAR(rs_profile_nearest(&view, view.lists[0], r, z).distance, expected, 2e-5) << r << ", " << z;
-      }
-    }
-  }
-}
-
-TEST(ProfileTable, ListsGiveTheDistancesOfTheFullProfile) {
-  constexpr unsigned kSeed = 99;
-  std::cout << "seed " << kSeed << '\n';
-  std::mt19937 random(kSeed);
-  std::uniform_real_distribution<double> u(0, 1);
-  const Profile profile = cap_profile(29, 36, 9, 1.25);
-  for (const double voxel_mm : {0.05, 0.25, 1.0}) {
-    const ProfileTable full = full_profile_table(profile), table = make_profile_table(profile, voxel_mm);
-    EXPECT_LT(table.near.numbers.size(), 80 * table.near.lists.size());
-    const ProfileView all = view_of(full), some = view_of(table);
-    for (int i = 0; i < 20000; ++i) {
-      // A point near the surface, and the brick about it that its list was found for.
-      const auto edge = static_cast<std::size_t>(random() % profile.points.size());
-      const Vec2 a = profile.points[edge], b = profile.points[(edge + 1) % profile.points.size()];
-      const Vec2 near = a + u(random) * (b - a) + 2 * voxel_mm * Vec2(u(random) - 0.5, u(random) - 0.5);
-      const double turn = 2 * M_PI * u(random), away = 6.06 * voxel_mm * u(random);
-      const Vec2 center = near + away * Vec2(std::cos(turn), std::sin(turn));
-      const auto r = static_cast<float>(std::abs(near.x())), z = static_cast<float>(near.y());
-      const Nearest expected = rs_profile_nearest(&all, all.lists[0], r, z);
-      const EdgeList list =
-          rs_edges_near(&some, static_cast<float>(std::abs(center.x())), static_cast<float>(center.y()));
-      const Nearest found = rs_profile_nearest(&some, list, r, z);
-      ASSERT_EQ(found.distance, expected.distance) << near.transpose();
-      ASSERT_EQ(found.normal_r, expected.normal_r) << near.transpose();
-      ASSERT_EQ(found.normal_z, expected.normal_z) << near.transpose();
-    }
-  }
-}
-
 }  // namespace
 }  // namespace reamsim::test::bricked_tests

@@ -97,7 +97,7 @@ TEST(Outline, ListsGiveTheDistancesOfTheWhole) {
       const Vec2 center = near + away * Vec2(std::cos(turn), std::sin(turn));
       const auto r = static_cast<float>(std::abs(near.x())), z = static_cast<float>(near.y());
       const NearestPiece expected = rs_outline_nearest(&all, all.lists[0], r, z);
-      const EdgeList list =
+      const PieceList list =
           rs_pieces_near(&some, static_cast<float>(std::abs(center.x())), static_cast<float>(center.y()));
       const NearestPiece found = rs_outline_nearest(&some, list, r, z);
       ASSERT_EQ(found.distance, expected.distance) << near.transpose();

@@ -17,7 +17,7 @@ BrickedStage make_detect_bricked(const cl::Device& device, const BrickedState& s
                       state.runs, cl_uint{kRunCells}, state.offsets, state.bone.slot_of_brick, state.bone.occupancy,
                       state.listed, state.touched_list, batch.contact_count(), batch.sums(), state.bone.dims,
                       cl_int{options.culling ? 1 : 0}, batch.removed_room(), batch.removed_count(),
-                      batch.removed_before(), state.profile.arguments(), state.bone.pool_arguments());
+                      batch.removed_before(), state.outline.arguments(), state.bone.pool_arguments());
   return out;
 }
 
@@ -31,7 +31,7 @@ BrickedStage make_cut_bricked(const cl::Device& device, const BrickedState& stat
                       state.bone.occupancy, state.touched_list, batch.contact_count(), batch.sums(), batch.removed(),
                       batch.removed_count(), batch.removed_room(), batch.removed_before(), state.energy_of_grade,
                       state.units_of_grade, state.density_of_grade, state.bits_of_byte, state.bone.dims,
-                      state.profile.arguments(), state.bone.pool_arguments());
+                      state.outline.arguments(), state.bone.pool_arguments());
   return out;
 }
 

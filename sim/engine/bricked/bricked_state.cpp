@@ -44,7 +44,7 @@ BrickedState make_bricked_state(const cl::Device& device, const BoneView& bone, 
   state.cells = cl::upload(device, shell.cells, "the shell's cells");
   state.runs = cl::upload(device, shell.runs, "the shell's cells");
   state.offsets = cl::upload(device, shell.offsets, "the point shell");
-  state.profile = {device, make_profile_table(tool.profile, bone.voxmap.grid.voxel_mm)};
+  state.outline = {device, make_outline_table(tool.profile, bone.voxmap.grid.voxel_mm)};
   std::array<rs_i64, 256> units{};
   std::ranges::transform(energy.energy_mj, units.begin(), rs_energy_units);
   state.energy_of_grade = cl::upload(device, energy.energy_mj, "the energy table");

@@ -3,7 +3,7 @@
 #include "sim/engine/bricked/shell_cells.h"
 #include "sim/engine/common/device_bricks.h"
 #include "sim/engine/common/energy_table.h"
-#include "sim/engine/common/profile_table.h"
+#include "sim/engine/common/outline_table.h"
 #include "sim/scenario/choices.h"
 #include "sim/tool/tool.h"
 
@@ -18,7 +18,7 @@ struct BrickedState {
   cl::Buffer<ShellCell> cells;
   cl::Buffer<ShellCell> runs;
   cl::Buffer<cl_ushort> offsets;
-  DeviceProfile profile;
+  DeviceOutline outline;
   cl::Buffer<double> energy_of_grade;   ///< mJ
   cl::Buffer<rs_i64> units_of_grade;    ///< the same in units of the energy sum
   cl::Buffer<double> density_of_grade;  ///< g/cm³

@@ -10,8 +10,8 @@
 namespace reamsim {
 
 // The structs have the same layout on host and device.
-static_assert(sizeof(EdgeList) == 8);
-static_assert(sizeof(ProfileGrid) == 16);
+static_assert(sizeof(PieceList) == 8);
+static_assert(sizeof(OutlineGrid) == 16);
 
 namespace {
 
@@ -28,7 +28,7 @@ constexpr int kParts = 8;
 constexpr double kSlack_mm = 1e-3;
 
 /// The grid over the profile and its band. Its cells grow where there would be more than kMaxCells.
-ProfileGrid make_grid(const Profile& profile, double voxel_mm) {
+OutlineGrid make_grid(const Profile& profile, double voxel_mm) {
   const Aabb box = profile.bounds();
   const double margin = kBandVoxels * voxel_mm;
   const double width = box.max.x() + margin, height = box.max.z() - box.min.z() + 2 * margin;

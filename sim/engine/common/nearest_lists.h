@@ -3,7 +3,7 @@
 #include <functional>
 #include <vector>
 
-#include "kernels/profile.h"
+#include "kernels/outline.h"
 #include "sim/tool/profile.h"
 
 namespace reamsim {
@@ -12,11 +12,11 @@ namespace reamsim {
 /// voxel of a window is tested in each of its substeps.
 inline constexpr double kWindowShiftVoxels = 0.5;
 
-/// Lists of the parts of a tool's outline in (r, z) that can be nearest, by cell; see ProfileGrid in kernels/profile.h.
+/// Lists of the parts of a tool's outline in (r, z) that can be nearest, by cell; see OutlineGrid in kernels/outline.h.
 struct NearestLists {
   std::vector<rs_u16> numbers;  ///< of parts, list after list, beginning with the list of all
-  std::vector<EdgeList> lists;
-  ProfileGrid grid{};
+  std::vector<PieceList> lists;
+  OutlineGrid grid{};
 };
 
 /// Lists for voxels of `voxel_mm`: each is valid for all voxels of a brick whose centre lies in its cell. `distance` of

@@ -99,4 +99,12 @@ OutlineTable make_outline_table(const Profile& profile, double voxel_mm) {
   return table;
 }
 
+DeviceOutline::DeviceOutline(const cl::Device& device, const OutlineTable& table) {
+  constexpr const char* kWhat = "the tool's surface";
+  pieces_ = cl::upload(device, table.pieces, kWhat);
+  numbers_ = cl::upload(device, table.near.numbers, kWhat);
+  lists_ = cl::upload(device, table.near.lists, kWhat);
+  grid_ = cl::upload(device, std::array{table.near.grid}, kWhat);
+}
+
 }  // namespace reamsim

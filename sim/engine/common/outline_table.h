@@ -1,14 +1,24 @@
 #pragma once
 
+#include <array>
+#include <tuple>
+#include <vector>
+
 #include "kernels/outline.h"
-#include "sim/engine/common/surface_table.h"
+#include "sim/device/opencl.h"
+#include "sim/engine/common/nearest_lists.h"
 #include "sim/tool/outline.h"
 
 namespace reamsim {
 
-/// The tool's outline for exact erosion: lines and arcs (kernels/outline.h).
-using OutlineTable = SurfaceTable<OutlinePiece>;
-using DeviceOutline = DeviceSurface<OutlinePiece>;
+/// The tool's outline as kernels read it: lines and arcs in (r, z), and for each cell near the surface the list of
+/// those that can be nearest there. The distance of a voxel then takes constant time, whatever the length of the
+/// profile.
+struct OutlineTable {
+  std::vector<OutlinePiece> pieces;
+  NearestLists near;
+  double bulge_mm = 0;  ///< largest distance of a piece from the profile's edges
+};
 
 inline OutlineView view_of(const OutlineTable& table) {
   return {table.pieces.data(), table.near.numbers.data(), table.near.lists.data(), &table.near.grid};
@@ -21,5 +31,21 @@ OutlineTable full_outline_table(const Profile& profile, double voxel_mm);
 /// With lists for voxels of `voxel_mm`. Distances and normals are bitwise those of full_outline_table(). Throws
 /// InputError beyond 65535 pieces.
 OutlineTable make_outline_table(const Profile& profile, double voxel_mm);
+
+/// A table on the device.
+class DeviceOutline {
+ public:
+  DeviceOutline() = default;
+  DeviceOutline(const cl::Device& device, const OutlineTable& table);
+
+  /// Four arguments of a kernel: pieces, numbers, lists, grid.
+  [[nodiscard]] auto arguments() const { return std::tie(pieces_, numbers_, lists_, grid_); }
+
+ private:
+  cl::Buffer<OutlinePiece> pieces_;
+  cl::Buffer<rs_u16> numbers_;
+  cl::Buffer<PieceList> lists_;
+  cl::Buffer<OutlineGrid> grid_;
+};
 
 }  // namespace reamsim

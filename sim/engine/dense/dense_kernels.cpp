@@ -25,7 +25,7 @@ DenseStage make_detect_direct(const cl::Device& device, const DenseState& state,
       device.build("detect_direct.cl", embedded::kernel_detect_direct, wide_codes ? "-DRS_WIDE_CODES" : "");
   DenseStage out{{device, program, "detect_direct", work_group}, always(state.point_count)};
   out.kernel.set_from(cl::SlotKernel::kAfterSlot, batch.args(), state.codes, state.point_count, state.grades,
-                      state.claims, state.contacts, batch.contact_count(), batch.sums(), state.profile.arguments());
+                      state.claims, state.contacts, batch.contact_count(), batch.sums(), state.outline.arguments());
   return out;
 }
 
@@ -39,7 +39,7 @@ DenseStage make_detect_octree(const cl::Device& device, const DenseState& state,
       always(state.point_count)};
   out.kernel.set_from(cl::SlotKernel::kAfterSlot, batch.args(), state.points, state.point_count, state.hu,
                       static_cast<cl_float>(state.scale.of_air), state.claims, state.contacts, batch.contact_count(),
-                      batch.sums(), state.profile.arguments(), state.children, state.levels);
+                      batch.sums(), state.outline.arguments(), state.children, state.levels);
   return out;
 }
 
@@ -58,7 +58,7 @@ DenseStage make_detect_implicit(const cl::Device& device, const DenseState& stat
       prepare};
   constexpr cl_uint kAfterVoi = 3;
   out.kernel.set_from(kAfterVoi, batch.args(), state.grades, state.contacts, batch.contact_count(),
-                      state.profile.arguments());
+                      state.outline.arguments());
   return out;
 }
 
@@ -89,7 +89,7 @@ DenseStage make_cut_kernel(const cl::Device& device, const DensePlan& plan, cons
   out.kernel.set_from(cl::SlotKernel::kAfterSlot, batch.args(), hu ? state.hu.get() : state.grades.get(), state.fill,
                       cl_int{state.has_fill ? 1 : 0}, state.claims, state.contacts, batch.contact_count(), batch.sums(),
                       batch.removed(), batch.removed_count(), state.energy_of_grade, state.density_of_grade,
-                      state.profile.arguments(), state.scale.of_air, state.scale.per_grade);
+                      state.outline.arguments(), state.scale.of_air, state.scale.per_grade);
   return out;
 }
 

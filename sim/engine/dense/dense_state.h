@@ -5,7 +5,7 @@
 #include "kernels/shared.h"
 #include "sim/bone/voxmap/density.h"
 #include "sim/engine/common/energy_table.h"
-#include "sim/engine/common/profile_table.h"
+#include "sim/engine/common/outline_table.h"
 #include "sim/engine/dense/dense_plan.h"
 
 namespace reamsim {
@@ -37,7 +37,7 @@ struct DenseState {
   bool has_fill = false;
   cl::Buffer<cl_uint> claims;  ///< a bit or a byte per voxel, or one dummy word
   cl::Buffer<cl_uint> contacts;
-  DeviceProfile profile;
+  DeviceOutline outline;
   cl_uint point_count = 0;        ///< of the shell
   cl::Buffer<cl_uint> codes;      ///< of the shell's points, one or two words each; where the layout is claimed_grade
   cl::Buffer<cl_float> points;    ///< cell numbers of the shell's points; where the layout is flagged_hu

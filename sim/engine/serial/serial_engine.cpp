@@ -8,7 +8,6 @@
 #include "sim/engine/common/broad_phase.h"
 #include "sim/engine/common/energy_table.h"
 #include "sim/engine/common/outline_table.h"
-#include "sim/engine/common/profile_table.h"
 #include "sim/engine/common/read_back.h"
 #include "sim/engine/common/teeth_table.h"
 #include "sim/tool/morton.h"
@@ -20,7 +19,6 @@ namespace {
 /// Data that detection and cut share.
 struct SerialState {
   const Tool* tool = nullptr;
-  ProfileTable profile;
   OutlineTable outline;
   DistanceLattice lattice{};  ///< of the resolved cutting edges
   VoxelGrid grid;
@@ -39,7 +37,6 @@ void set_bone(const BoneView& bone, SerialState& state) {
 SerialState make_serial_state(const BoneView& bone, const Tool& tool) {
   SerialState state;
   state.tool = &tool;
-  state.profile = full_profile_table(tool.profile);
   state.outline = full_outline_table(tool.profile, bone.voxmap.grid.voxel_mm);
   if (tool.teeth) state.lattice = distance_lattice(*tool.teeth);
   set_bone(bone, state);
@@ -53,7 +50,7 @@ using FindContacts = std::function<void(SerialState& state, const SubstepArgs& a
 /// The voxels that contain a shell point. Without culling, so that it also verifies the VOI. `claimed`: by voxel, all
 /// false before and after.
 void find_by_points(SerialState& state, const SubstepArgs& args, std::vector<bool>& claimed, SubstepSums& sums) {
-  const ProfileView profile = view_of(state.profile);
+  const OutlineView outline = view_of(state.outline);
   LaneSums point_sums{};
   for (const std::uint64_t code : state.tool->shell.codes) {
     const Vec3i cell = morton_decode(code);
@@ -63,7 +60,7 @@ void find_by_points(SerialState& state, const SubstepArgs& args, std::vector<boo
     if (!state.grid.contains(voxel)) continue;
     const auto e = static_cast<std::size_t>(state.grid.index(voxel));
     if (state.bone[e] == 0) continue;
-    if (args.law == RS_LAW_PER_POINT) rs_point_force(&args, &profile, x, y, z, &point_sums);
+    if (args.law == RS_LAW_PER_POINT) rs_point_force(&args, &outline, x, y, z, &point_sums);
     if (claimed[e]) continue;
     claimed[e] = true;
     state.contacts.push_back(static_cast<std::int64_t>(e));
@@ -73,12 +70,12 @@ void find_by_points(SerialState& state, const SubstepArgs& args, std::vector<boo
 }
 
 /// The reference of `implicit`: every voxel against the tool's solid of revolution, without culling.
-void find_by_profile(SerialState& state, const SubstepArgs& args, SubstepSums& /*sums*/) {
-  const ProfileView profile = view_of(state.profile);
+void find_in_outline(SerialState& state, const SubstepArgs& args, SubstepSums& /*sums*/) {
+  const OutlineView outline = view_of(state.outline);
   for (std::int64_t e = 0; e < state.grid.size(); ++e) {
     if (state.bone[static_cast<std::size_t>(e)] == 0) continue;
     const Vec3i voxel = state.grid.coord(e);
-    if (rs_contains_voxel(&args, &profile, voxel.x(), voxel.y(), voxel.z())) state.contacts.push_back(e);
+    if (rs_contains_voxel(&args, &outline, voxel.x(), voxel.y(), voxel.z())) state.contacts.push_back(e);
   }
 }
 
@@ -100,7 +97,7 @@ void find_in_tool_box(SerialState& state, const SubstepArgs& args, SubstepSums& 
 
 FindContacts choose_detection(const Scenario& scenario, const SerialState& state) {
   if (scenario.cutting.erosion == ErosionMode::exact) return find_in_tool_box;
-  if (engine_of(scenario) == EngineKind::implicit) return find_by_profile;
+  if (engine_of(scenario) == EngineKind::implicit) return find_in_outline;
   return [claimed = std::vector<bool>(state.bone.size(), false)](SerialState& now, const SubstepArgs& args,
                                                                  SubstepSums& sums) mutable {
     find_by_points(now, args, claimed, sums);
@@ -117,8 +114,8 @@ rs_i32 cut_touched(const SerialState& state, const EnergyTable& table, const Sub
   law.energy += rs_energy_units(energy);
   if (args.law == RS_LAW_ENERGY) {
     const Vec3i voxel = state.grid.coord(e);
-    const ProfileView profile = view_of(state.profile);
-    rs_voxel_force(&args, &profile, voxel.x(), voxel.y(), voxel.z(), static_cast<float>(energy), &law);
+    const OutlineView outline = view_of(state.outline);
+    rs_voxel_force(&args, &outline, voxel.x(), voxel.y(), voxel.z(), static_cast<float>(energy), &law);
   }
   return lost;
 }

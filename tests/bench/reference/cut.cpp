@@ -23,43 +23,68 @@ struct Tally {
 
 // ---- The law ----
 
-/// Outward unit normal of the profile at the point nearest to (r, z): rs_profile_nearest().
-void profile_normal(const ProfileView& profile, EdgeList list, Reals r, Reals z, Reals& normal_r, Reals& normal_z) {
+/// PieceDistance without the signed distance.
+struct Piece {
+  Reals square, side, r, z, scale;
+};
+
+/// rs_piece_distance().
+Piece piece_distance(const OutlinePiece& e, Reals r, Reals z) {
   const Reals zero = {}, one = zero + 1.0F;
-  Reals best = zero + 1e30F, best_side = zero, beside = zero, dr = zero, dz = zero, nr = zero, nz = -one;
-  for (rs_u32 i = 0; i < list.count; ++i) {
-    const ProfileEdge& e = profile.edges[profile.numbers[list.first + i]];
-    const Reals vr = r - e.r0, vz = z - e.z0;
-    const Reals along = (vr * e.along_r + vz * e.along_z) * e.inverse_length2;
-    Reals t = along > 0.0F ? along : zero;
-    t = t < 1.0F ? t : one;
-    const Reals pr = t < 1.0F ? vr - t * e.along_r : r - e.r1, pz = t < 1.0F ? vz - t * e.along_z : z - e.z1;
-    const Reals d2 = pr * pr + pz * pz;
-    const Reals side = pr * e.normal_r + pz * e.normal_z;
-    const Reals abs_side = side < 0.0F ? -side : side, abs_best = best_side < 0.0F ? -best_side : best_side;
-    const Reals rounding = best * 2e-6F + 1e-10F;
-    const Reals tie = d2 <= best + rounding ? abs_side - abs_best : -one;
-    const Reals gain = d2 < best - rounding ? one : tie;
-    best = gain > 0.0F ? d2 : best;
-    best_side = gain > 0.0F ? side : best_side;
-    beside = gain > 0.0F ? (t == along ? one : zero) : beside;
-    dr = gain > 0.0F ? pr : dr;
-    dz = gain > 0.0F ? pz : dz;
-    nr = gain > 0.0F ? zero + e.normal_r : nr;
-    nz = gain > 0.0F ? zero + e.normal_z : nz;
+  const Reals wr = r - e.middle_r, wz = z - e.middle_z;
+  const Reals q = e.curvature * (wr * wr + wz * wz) + 2.0F * (wr * e.normal_r + wz * e.normal_z);
+  const Reals x = e.curvature * q, size = x < 0.0F ? -x : x;
+  Reals distance = q * (0.5F + x * (-0.125F + x * (0.0625F + x * (-5.0F / 128.0F + x * (7.0F / 256.0F)))));
+  Reals scale = one + x * (-0.5F + x * (0.375F + x * (-0.3125F + x * (35.0F / 128.0F))));
+  if (any(size > RS_NEAR_CIRCLE)) {
+    const Reals length = root(one + x > 0.0F ? one + x : zero);
+    distance = size > RS_NEAR_CIRCLE ? q / (one + length) : distance;
+    scale = size > RS_NEAR_CIRCLE ? (length > 1e-6F ? one / length : zero) : scale;
   }
-  const Reals signed_inverse = (best_side < 0.0F ? -one : one) / root(best);
-  beside = best > 1e-12F ? beside : one;
-  normal_r = beside > 0.0F ? nr : dr * signed_inverse;
-  normal_z = beside > 0.0F ? nz : dz * signed_inverse;
+  Piece out = {distance * distance, distance, e.normal_r + e.curvature * wr, e.normal_z + e.curvature * wz, scale};
+  const Reals r0 = r - e.r0, z0 = z - e.z0, r1 = r - e.r1, z1 = z - e.z1;
+  const Reals past = r1 * e.along_r1 + z1 * e.along_z1, short_of = -(r0 * e.along_r0 + z0 * e.along_z0);
+  const Reals off = past > short_of ? past : short_of;
+  if (!any(off > 0.0F)) return out;
+  const Reals pr = past > 0.0F ? r1 : r0, pz = past > 0.0F ? z1 : z0;
+  const Reals end_side = past > 0.0F ? r1 * e.along_z1 - z1 * e.along_r1 : r0 * e.along_z0 - z0 * e.along_r0;
+  const Reals square = pr * pr + pz * pz, length = root(square);
+  const Reals per_away = length > 1e-6F ? one / (end_side < 0.0F ? -length : length) : zero;
+  out.square = off > 0.0F ? square : out.square;
+  out.side = off > 0.0F ? end_side : out.side;
+  out.r = off > 0.0F ? pr : out.r;
+  out.z = off > 0.0F ? pz : out.z;
+  out.scale = off > 0.0F ? per_away : out.scale;
+  return out;
 }
 
-/// rs_tool_nearest().
-void normal_at(const ProfileView& profile, EdgeList list, const Reals* p, Reals* normal) {
+/// rs_outline_nearest(): the normal alone.
+void nearest_normal(const OutlineView& outline, PieceList list, Reals r, Reals z, Reals& normal_r, Reals& normal_z) {
+  const Reals zero = {}, one = zero + 1.0F;
+  Piece best = piece_distance(outline.pieces[outline.numbers[list.first]], r, z);
+  for (rs_u32 i = 1; i < list.count; ++i) {
+    const Piece found = piece_distance(outline.pieces[outline.numbers[list.first + i]], r, z);
+    const Reals side = found.side < 0.0F ? -found.side : found.side;
+    const Reals best_side = best.side < 0.0F ? -best.side : best.side;
+    const Reals rounding = best.square * 2e-6F + 1e-10F;
+    const Reals tie = found.square <= best.square + rounding ? side - best_side : -one;
+    const Reals gain = found.square < best.square - rounding ? one : tie;
+    best.square = gain > 0.0F ? found.square : best.square;
+    best.side = gain > 0.0F ? found.side : best.side;
+    best.r = gain > 0.0F ? found.r : best.r;
+    best.z = gain > 0.0F ? found.z : best.z;
+    best.scale = gain > 0.0F ? found.scale : best.scale;
+  }
+  normal_r = best.r * best.scale;
+  normal_z = best.scale < 0.0F || best.scale > 0.0F ? best.z * best.scale : -one;
+}
+
+/// rs_outline_normal().
+void normal_at(const OutlineView& outline, PieceList list, const Reals* p, Reals* normal) {
   const Reals zero = {};
   const Reals r = root(p[0] * p[0] + p[1] * p[1]);
   Reals radial;
-  profile_normal(profile, list, r, p[2], radial, normal[2]);
+  nearest_normal(outline, list, r, p[2], radial, normal[2]);
   const Reals share = r > 0.0F ? radial / r : zero;
   normal[0] = share * p[0];
   normal[1] = share * p[1];
@@ -75,7 +100,7 @@ void add_force(Tally& tally, const Reals* f, const Reals* p) {
 }
 
 /// rs_cut_force().
-void cut_force(const SubstepArgs& a, const ProfileView& profile, EdgeList list, const Reals* p, Reals energy,
+void cut_force(const SubstepArgs& a, const OutlineView& outline, PieceList list, const Reals* p, Reals energy,
                Tally& tally) {
   const Reals zero = {}, one = zero + 1.0F;
   const float *w = a.angular_velocity, *v0 = a.origin_velocity;
@@ -88,7 +113,7 @@ void cut_force(const SubstepArgs& a, const ProfileView& profile, EdgeList list, 
   const Reals over_floor = speed > a.speed_floor ? zero : energy * (one - speed * a.per_speed_floor);
   tally.floor_energy.add(over_floor * static_cast<float>(RS_ENERGY_SCALE));
   Reals n[3];
-  normal_at(profile, list, p, n);
+  normal_at(outline, list, p, n);
   const Reals along = (n[0] * vx + n[1] * vy + n[2] * vz) * per_speed;
   const Reals normal = speed > 0.0F ? a.normal_ratio * tangential : zero;
   const Reals against = (tangential - normal * along) * per_speed;
@@ -100,13 +125,13 @@ void cut_force(const SubstepArgs& a, const ProfileView& profile, EdgeList list, 
 // ---- Bricks ----
 
 /// The edges that can be nearest to any voxel of the brick whose lowest voxel's centre is `corner`, T.
-EdgeList edges_near_brick(const SubstepArgs& a, const ProfileView& profile, const float* corner) {
+PieceList edges_near_brick(const SubstepArgs& a, const OutlineView& outline, const float* corner) {
   float p[3];
   for (int i = 0; i < 3; ++i) {
     const double* row = a.tool_from_voxel + 3 * i;
     p[i] = corner[i] + static_cast<float>(3.5 * (row[0] + row[1] + row[2]));
   }
-  return rs_edges_near(&profile, __builtin_sqrtf(p[0] * p[0] + p[1] * p[1]), p[2]);
+  return rs_pieces_near(&outline, __builtin_sqrtf(p[0] * p[0] + p[1] * p[1]), p[2]);
 }
 
 /// Lists the places of the touched voxels, in ascending order and padded to a multiple of the lanes; returns how many.
@@ -161,7 +186,7 @@ void push_back(const Frame& f, const rs_i32* voxel, const rs_u16* places, const 
   float corner[3], step[9];
   rs_brick_in_tool(&a, voxel[0], voxel[1], voxel[2], corner);
   for (int i = 0; i < 9; ++i) step[i] = static_cast<float>(a.tool_from_voxel[i]);
-  const EdgeList list = edges_near_brick(a, f.profile, corner);
+  const PieceList list = edges_near_brick(a, f.outline, corner);
   for (int i = 0; i < count; i += kLanes) {
     const Ints place = ints_of(places + i);
     const Reals x = __builtin_convertvector((place >> 6 & 1) << 2 | (place & 3), Reals);
@@ -169,7 +194,7 @@ void push_back(const Frame& f, const rs_i32* voxel, const rs_u16* places, const 
     const Reals z = __builtin_convertvector((place >> 8 & 1) << 2 | (place >> 4 & 3), Reals);
     Reals p[3];
     for (int c = 0; c < 3; ++c) p[c] = corner[c] + (step[3 * c] * x + step[3 * c + 1] * y + step[3 * c + 2] * z);
-    cut_force(a, f.profile, list, p, load<Reals>(energies + i), tally);
+    cut_force(a, f.outline, list, p, load<Reals>(energies + i), tally);
   }
 }
 

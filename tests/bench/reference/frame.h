@@ -28,7 +28,7 @@ struct Frame {
   const double* energy;
   const rs_i64* units;
   const rs_u64* bits_of_byte;  ///< per byte the numbers of its bits, a byte each, lowest first; then zeros
-  ProfileView profile;
+  OutlineView outline;
   // what detect leaves for cut
   rs_u32* listed;  ///< per slot
   rs_u32* touched_list;

@@ -59,6 +59,13 @@ inline Reals root(Reals value) {
 #endif
 }
 
+/// Whether a condition holds in any lane.
+inline bool any(Ints condition) {
+  rs_i32 out = 0;
+  for (int l = 0; l < kLanes; ++l) out |= condition[l];
+  return out != 0;
+}
+
 /// A sum of 64-bit integers, by lane.
 struct Sum {
   HalfOfLongs low{}, high{};

@@ -7,7 +7,7 @@
 #include "sim/base/error.h"
 #include "sim/engine/bricked/shell_cells.h"
 #include "sim/engine/common/energy_table.h"
-#include "sim/engine/common/profile_table.h"
+#include "sim/engine/common/outline_table.h"
 #include "tests/bench/reference/frame.h"
 #include "tests/bench/reference/workers.h"
 
@@ -76,7 +76,7 @@ struct Reference::State {
       : grid(bone.voxmap.grid),
         lattice(BrickLattice::over(grid.dims)),
         shell(make_shell_cells(tool.shell, shell_cell_side(tool.shell.cell_mm / grid.voxel_mm))),
-        profile(make_profile_table(tool.profile, grid.voxel_mm)),
+        outline(make_outline_table(tool.profile, grid.voxel_mm)),
         energy(make_energy_table(cutting, grid.voxel_mm)),
         bits(bits_of_byte()),
         passes(passes_for(target)),
@@ -123,7 +123,7 @@ struct Reference::State {
     frame.energy = energy.energy_mj.data();
     frame.units = units.data();
     frame.bits_of_byte = bits.data();
-    frame.profile = view_of(profile);
+    frame.outline = view_of(outline);
     frame.listed = listed.data();
     frame.touched_list = touched_list.data();
     frame.removed = removed.data();
@@ -132,7 +132,7 @@ struct Reference::State {
   VoxelGrid grid;
   BrickLattice lattice;
   ShellCells shell;
-  ProfileTable profile;
+  OutlineTable outline;
   EnergyTable energy;
   std::array<rs_i64, 256> units{};
   std::vector<rs_u64> bits;

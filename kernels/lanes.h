@@ -1,0 +1,48 @@
+/* Arithmetic that is the same for the host, a single work-item, and sixteen voxels in the lanes of a vector (RS_LANES
+ * 16): the same operations in the same order, and so the same bits. */
+#ifndef REAMSIM_KERNELS_LANES_H
+#define REAMSIM_KERNELS_LANES_H
+
+#include "shared.h"
+#ifndef __OPENCL_C_VERSION__
+#include <string.h>
+#endif
+
+#if defined(RS_LANES) && RS_LANES == 16
+typedef float16 rs_real;
+typedef int16 rs_int;
+typedef long16 rs_sum;
+#define RS_TO_SUM(value) convert_long16(value)
+#define RS_TO_INT(value) convert_int16(value)
+#define RS_TO_REAL(value) convert_float16(value)
+#define RS_BITS_OF(real) as_int16(real)
+#define RS_REAL_OF(bits) as_float16(bits)
+#define RS_ANY(condition) any(condition)
+#else
+typedef float rs_real;
+typedef rs_i32 rs_int;
+typedef rs_i64 rs_sum;
+#define RS_ANY(condition) (condition)
+#define RS_TO_SUM(value) ((rs_i64)(value))
+#define RS_TO_INT(value) ((rs_i32)(value))
+#define RS_TO_REAL(value) ((float)(value))
+#ifdef __OPENCL_C_VERSION__
+#define RS_BITS_OF(real) as_int(real)
+#define RS_REAL_OF(bits) as_float(bits)
+#else
+RS_INLINE rs_i32 rs_bits_of(float real) {
+  rs_i32 bits;
+  memcpy(&bits, &real, sizeof bits);
+  return bits;
+}
+RS_INLINE float rs_real_of(rs_i32 bits) {
+  float real;
+  memcpy(&real, &bits, sizeof real);
+  return real;
+}
+#define RS_BITS_OF(real) rs_bits_of(real)
+#define RS_REAL_OF(bits) rs_real_of(bits)
+#endif
+#endif
+
+#endif
