@@ -18,6 +18,7 @@ namespace {
 
 struct BenchOptions {
   bool quick = false;
+  bool exact = false;
   bool find_depths = false;
   std::string json;
   std::string output = "out/bench";
@@ -27,7 +28,7 @@ struct BenchOptions {
 };
 
 bench::Plan plan_of(const BenchOptions& options) {
-  bench::Plan plan = options.quick ? bench::quick_plan() : bench::full_plan();
+  bench::Plan plan = options.exact ? bench::sphere_plan() : options.quick ? bench::quick_plan() : bench::full_plan();
   plan.device = options.device;
   if (!options.engines.empty()) plan.engines = options.engines;
   return plan;
@@ -108,6 +109,7 @@ void add_bench_command(CLI::App& app, Console& console) {
   auto options = std::make_shared<BenchOptions>();
   command->add_flag("--quick", options->quick,
                     "Short suite, under a minute: severe and no contact, engines direct and bricked");
+  command->add_flag("--exact", options->exact, "Only the plunged sphere with exact erosion, half a minute");
   command->add_option("--json", options->json, "Write the measurements as JSON")
       ->check(refuse_empty)
       ->type_name("FILE");

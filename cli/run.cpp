@@ -103,11 +103,14 @@ void run_in(OutputFolder& folder, const Scenario& scenario, const Console& conso
   facts.device_bytes = engine->device_bytes();
   print_report(report, facts, console);
   measure(facts, scene, fill_before, recorder.totals());
+  const Stopwatch write_watch;
   write_results(folder.path(), scene, recorder, facts);
+  facts.write_s = write_watch.seconds();
   const Stopwatch render_watch;
   const auto finish = [&] {
     print_report(report, facts, console);
-    write_summary(folder.path(), scene, recorder.totals(), facts, render_watch.seconds());
+    facts.render_s = render_watch.seconds();
+    write_summary(folder.path(), scene, recorder.totals(), facts);
   };
   outputs.finish_run(scene.bone.fill);
   try {

@@ -21,8 +21,9 @@ bool set_tuning(EngineTuning& tuning, const std::string& text) {
     tuning.kernel_shape = *from_name<KernelShape>(value);
     return true;
   }
-  if (name == "culling" && (value == "true" || value == "false")) {
-    tuning.culling = value == "true";
+  for (const auto& [flag, member] : {std::pair{"culling", &tuning.culling}, std::pair{"windows", &tuning.windows}}) {
+    if (name != flag || (value != "true" && value != "false")) continue;
+    *member = value == "true";
     return true;
   }
   const char* const end = value.data() + value.size();
@@ -37,7 +38,7 @@ EngineTuning tuning_of_environment() {
   for (std::string word; words >> word;) {
     if (!set_tuning(tuning, word)) {
       throw InputError({}, kTuningVariable, "found " + word,
-                       "expected kernel_shape=auto|cpu|gpu, culling=true|false or work_group_size=N");
+                       "expected kernel_shape=auto|cpu|gpu, culling=true|false, windows=true|false or work_group_size=N");
     }
   }
   return tuning;

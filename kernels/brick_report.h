@@ -31,17 +31,22 @@ void flush_report(RemovedReport* report) {
   report->count = 0;
 }
 
-/* Removes the voxels `low`, `high` (a bit each) of a block of the brick, and reports them. */
-void remove_voxels(__global Brick* brick, const uint substep, const int block, const uint low, const uint high,
-                   RemovedReport* report) {
-  if ((low | high) == 0) return;
-  brick->bone[2 * block] &= ~low;
-  brick->bone[2 * block + 1] &= ~high;
+/* Reports the removed voxels `low`, `high` (a bit each) of a block of the brick. */
+void report_removed(const uint substep, const int block, const uint low, const uint high, RemovedReport* report) {
   if (report->count == RS_COLLECTED) flush_report(report);
   RemovedBlock* record = report->collected + report->count++;
   record->brick = report->brick;
   record->detail = substep << 3 | (uint)block;
   record->removed = low | (ulong)high << 32;
+}
+
+/* Removes voxels of a block, and reports them. */
+void remove_voxels(__global Brick* brick, const uint substep, const int block, const uint low, const uint high,
+                   RemovedReport* report) {
+  if ((low | high) == 0) return;
+  brick->bone[2 * block] &= ~low;
+  brick->bone[2 * block + 1] &= ~high;
+  report_removed(substep, block, low, high, report);
 }
 
 LaneSums zero_sums(void) {

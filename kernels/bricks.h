@@ -91,11 +91,13 @@ RS_INLINE int rs_list_would_overflow(rs_u32 records, rs_u32 per_substep, rs_u32 
 /* Exact erosion: the largest number of substeps that a brick passes through in one visit. */
 #define RS_VISIT_SUBSTEPS 64
 
-/* Substeps first…end-1, in which no point near the tool moves further than `shift_mm` from its place in the first. */
+/* Substeps first…end-1, in which no point near the tool moves further than `shift_mm` from its place in the first.
+ * `motion`: number of their MotionWindow (window.h), or -1 to cut frame by frame. */
 typedef struct {
   rs_u32 first;
   rs_u32 end;
   float shift_mm;
+  rs_i32 motion;
 } SubstepWindow;
 
 /* Counters of a visit. */

@@ -102,6 +102,19 @@ RS_INLINE uint bits_of(const int16 lanes) {
   return (uint)(two.x | two.y);
 }
 
+/* Pads the candidates, and finds the pieces that can be nearest while the tool moves by `shift` mm. */
+RS_INLINE void finish_candidates(__global const SubstepArgs* a, const OutlineView* outline, const Visit* v,
+                                 const float shift, Candidates* c) {
+  vstore16((ushort16)0, 0, c->place + c->count);
+  vstore16((int16)0, 0, c->fill + c->count);
+  vstore16((float16)0.0f, 0, c->energy + c->count);
+#ifndef RS_DISTANCE_GRID
+  for (int i = 0; i < c->count; i += 16)
+    find_nearest_pieces(a, outline, v, convert_int16(vload16(0, c->place + i)), shift, c->near + (i >> 4),
+                        c->smooth + (i >> 4));
+#endif
+}
+
 /* The voxels that the surface can intersect, or that lie inside it, while the tool moves by `shift` voxels. */
 RS_INLINE void find_candidates(__global const SubstepArgs* a, const OutlineView* outline, const Visit* v,
                                const float shift, __global const ushort* page, __global const float* energy_of_grade,
@@ -131,14 +144,7 @@ RS_INLINE void find_candidates(__global const SubstepArgs* a, const OutlineView*
       }
     }
   }
-  vstore16((ushort16)0, 0, c->place + c->count);
-  vstore16((int16)0, 0, c->fill + c->count);
-  vstore16((float16)0.0f, 0, c->energy + c->count);
-#ifndef RS_DISTANCE_GRID
-  for (int i = 0; i < c->count; i += 16)
-    find_nearest_pieces(a, outline, v, convert_int16(vload16(0, c->place + i)), shift * a->voxel_mm, c->near + (i >> 4),
-                        c->smooth + (i >> 4));
-#endif
+  finish_candidates(a, outline, v, shift * a->voxel_mm, c);
 }
 
 #endif

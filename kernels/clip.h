@@ -18,6 +18,7 @@ typedef struct {
   ClipPlane plane;
   rs_real corner;
   ClipPlane other;
+  rs_int piece; /* of the outline, nearest */
 } Clip;
 
 /* The direction from the spin axis to `p` at radius r. On the axis it is arbitrary but defined, because the wall of a
@@ -116,6 +117,7 @@ RS_INLINE Clip rs_clip_at(RS_GLOBAL const SubstepArgs* a, const NearestPiece* ne
       rs_clip_plane(a, c, s, nearest->normal_r, nearest->normal_z, nearest->distance, nearest->curvature, per_r);
   clip.other = clip.plane;
   clip.corner = (rs_real)0.0f;
+  clip.piece = nearest->piece;
   return clip;
 }
 
@@ -235,7 +237,9 @@ RS_INLINE void rs_edge_force(RS_GLOBAL const SubstepArgs* a, const Clip* clip, r
   const rs_real engaged = m.speed > 0.0f ? edge : zero;
   const rs_real tangential = engaged * a->edge_tangential;
   sums->energy += RS_TO_SUM(tangential * (m.speed * a->duration) * (float)RS_ENERGY_SCALE);
-  rs_add_resistance(&m, clip->n, clip->p, tangential, engaged * a->edge_normal, sums);
+  rs_real f[3];
+  rs_resistance(&m, clip->n, tangential, engaged * a->edge_normal, f);
+  rs_add_force(sums, f, clip->p);
 }
 
 #endif

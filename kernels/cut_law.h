@@ -87,14 +87,11 @@ RS_INLINE ToolMotion rs_tool_motion(RS_GLOBAL const SubstepArgs* a, const rs_rea
   return m;
 }
 
-/* Adds -tangential·v/|v| - normal·n_perp at `p`; only the first term does work. `n`: the tool's outward normal. */
-RS_INLINE void rs_add_resistance(const ToolMotion* m, const rs_real* n, const rs_real* p, rs_real tangential,
-                                 rs_real normal, LaneSums* sums) {
+/* The force -tangential·v/|v| - normal·n_perp; only the first term does work. `n`: the tool's outward normal. */
+RS_INLINE void rs_resistance(const ToolMotion* m, const rs_real* n, rs_real tangential, rs_real normal, rs_real* f) {
   const rs_real along = (n[0] * m->v[0] + n[1] * m->v[1] + n[2] * m->v[2]) * m->per_speed;
   const rs_real against = (tangential - normal * along) * m->per_speed;
-  const rs_real f[3] = {-(against * m->v[0]) - normal * n[0], -(against * m->v[1]) - normal * n[1],
-                        -(against * m->v[2]) - normal * n[2]};
-  rs_add_force(sums, f, p);
+  for (int i = 0; i < 3; ++i) f[i] = -(against * m->v[i]) - normal * n[i];
 }
 
 /* Speed of a surface of revolution with normal `n` at `p` along n, mm/s. The spin has no component along n, and is
@@ -114,23 +111,42 @@ RS_INLINE rs_real rs_size_factor(RS_GLOBAL const SubstepArgs* a, const rs_real* 
   return rs_power(at_least < most ? at_least : most, -a->size_exponent);
 }
 
-/* Adds the force of a voxel with centre `p` (T, mm) whose loss took `energy` mJ: -F_t·v/|v| - k_n·F_t·n_perp with F_t =
- * E/(max(|v|, v_floor)·dt). Where the tool is at rest the force is zero, and all energy is speed-floor energy. `n`: the
- * tool's outward normal. `energy` excludes the size effect, whose part is added to the energy sum here. */
-RS_INLINE void rs_cut_force(RS_GLOBAL const SubstepArgs* a, const rs_real* n, const rs_real* p, rs_real energy,
-                            LaneSums* sums) {
+/* What the loss of a voxel exerts on the tool: force (N, T), the part of its energy below the speed floor, and the
+ * energy that the size effect adds (mJ). */
+typedef struct {
+  rs_real force[3];
+  rs_real floor_energy;
+  rs_real added_energy;
+} CutResponse;
+
+/* The response of a voxel with centre `p` (T, mm) whose loss took `energy` mJ, the size effect excluded:
+ * -F_t·v/|v| - k_n·F_t·n_perp with F_t = E/(max(|v|, v_floor)·dt). Where the tool is at rest the force is zero, and all
+ * energy is speed-floor energy. `n`: the tool's outward normal. */
+RS_INLINE CutResponse rs_cut_response(RS_GLOBAL const SubstepArgs* a, const rs_real* n, const rs_real* p,
+                                      rs_real energy) {
   const rs_real zero = (rs_real)0.0f, one = (rs_real)1.0f;
+  CutResponse out;
+  out.added_energy = zero;
   if (a->size_exponent > 0.0f) {
     const rs_real sized = energy * rs_size_factor(a, n, p);
-    sums->energy += RS_TO_SUM((sized - energy) * (float)RS_ENERGY_SCALE);
+    out.added_energy = sized - energy;
     energy = sized;
   }
   const ToolMotion m = rs_tool_motion(a, p);
   const rs_real tangential =
       energy * (m.speed > a->speed_floor ? m.per_speed * a->per_duration : (rs_real)a->floor_rate);
-  const rs_real over_floor = m.speed > a->speed_floor ? zero : energy * (one - m.speed * a->per_speed_floor);
-  sums->floor_energy += RS_TO_SUM(over_floor * (float)RS_ENERGY_SCALE);
-  rs_add_resistance(&m, n, p, tangential, m.speed > 0.0f ? a->normal_ratio * tangential : zero, sums);
+  out.floor_energy = m.speed > a->speed_floor ? zero : energy * (one - m.speed * a->per_speed_floor);
+  rs_resistance(&m, n, tangential, m.speed > 0.0f ? a->normal_ratio * tangential : zero, out.force);
+  return out;
+}
+
+/* Adds the response of a voxel. `energy` itself is summed by the caller. */
+RS_INLINE void rs_cut_force(RS_GLOBAL const SubstepArgs* a, const rs_real* n, const rs_real* p, rs_real energy,
+                            LaneSums* sums) {
+  const CutResponse found = rs_cut_response(a, n, p, energy);
+  if (a->size_exponent > 0.0f) sums->energy += RS_TO_SUM(found.added_energy * (float)RS_ENERGY_SCALE);
+  sums->floor_energy += RS_TO_SUM(found.floor_energy * (float)RS_ENERGY_SCALE);
+  rs_add_force(sums, found.force, p);
 }
 
 #if !defined(RS_LANES)

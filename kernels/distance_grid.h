@@ -116,6 +116,7 @@ RS_INLINE Clip rs_clip_grid(RS_GLOBAL const SubstepArgs* a, const DistanceView* 
   clip.plane = rs_lattice_plane(a, clip.n, clip.distance * a->per_voxel_mm);
   clip.other = clip.plane;
   clip.corner = zero;
+  clip.piece = (rs_int)0;
   return clip;
 }
 

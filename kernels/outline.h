@@ -166,7 +166,8 @@ RS_INLINE void rs_outline_normal(const OutlineView* outline, PieceList list, con
 }
 
 #if !defined(RS_LANES)
-/* Whether (r, z), r >= 0, lies in the solid of revolution or, up to the rounding of single precision, on its surface. */
+/* Whether (r, z), r >= 0, lies in the solid of revolution or, up to the rounding of single precision, on its surface.
+ */
 RS_INLINE int rs_inside_outline(const OutlineView* outline, float r, float z) {
   return rs_outline_nearest(outline, rs_pieces_near(outline, r, z), r, z).distance <= 1e-6f;
 }

@@ -3,6 +3,7 @@
 #include "sim/base/stopwatch.h"
 #include "sim/bench/poses.h"
 #include "sim/bench/program.h"
+#include "sim/engine/common/motion_windows.h"
 #include "sim/engine/make_engine.h"
 
 namespace reamsim::bench {
@@ -21,7 +22,8 @@ class EngineProgram final : public Program {
   BatchSample run(std::span<const Substep> frames, bool use_voi) override {
     BatchSample sample;
     const Stopwatch stopwatch;
-    for (const Substep& frame : frames) enqueue(frame, use_voi, sample);
+    MotionWindows windows = windows_of(frames);
+    for (const Substep& frame : frames) enqueue(frame, use_voi, windows, sample);
     collect(sample);
     sample.total_s = stopwatch.seconds();
     keep_removed();  // bookkeeping of the benchmark
@@ -46,7 +48,18 @@ class EngineProgram final : public Program {
     return scenario;
   }
 
-  void enqueue(const Substep& frame, bool use_voi, BatchSample& sample) {
+  /// The windows of smooth motion of consecutive frames.
+  MotionWindows windows_of(std::span<const Substep> frames) const {
+    const std::int64_t first = frames.front().frame, last = frames.back().frame;
+    const auto args_of = [=, this](std::int64_t frame) -> std::optional<SubstepArgs> {
+      if (frame < first) return std::nullopt;
+      return make_args(frames[static_cast<std::size_t>(frame - first)], setup_.tool_box, setup_.tool->shell,
+                       setup_.voxmap->grid, cutting_, false);
+    };
+    return {args_of, last, setup_.tool_box};
+  }
+
+  void enqueue(const Substep& frame, bool use_voi, MotionWindows& windows, BatchSample& sample) {
     const Stopwatch broad;
     const auto voi = broad_phase(setup_.tool_box, setup_.bone_box, frame.pose.bone_from_tool().inverse());
     sample.broad_s += broad.seconds();
@@ -58,7 +71,8 @@ class EngineProgram final : public Program {
     const Stopwatch upload;
     const VoxelGrid& grid = setup_.voxmap->grid;
     engine_->enqueue(use_voi ? make_args(frame, *voi, setup_.tool->shell, grid, cutting_, false)
-                             : args_without_voi(frame, *setup_.tool, grid));
+                             : args_without_voi(frame, *setup_.tool, grid),
+                     cutting_.erosion == ErosionMode::exact ? windows.of(frame.frame) : nullptr);
     sample.upload_s += upload.seconds();
   }
 

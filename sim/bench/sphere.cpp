@@ -17,8 +17,9 @@ constexpr double kWidthMm = 30;
 constexpr double kSpacingVoxels = 0.4721;  // what `reamsim run` chooses
 constexpr double kSphereFeedMmS = 0.2;
 constexpr double kSphereFrameS = 1e-3;
-constexpr int kWindows = 4;           // over the depth, in which frames are timed at the true feed
-constexpr int kWindowFrames = 32;     // enqueued at once, as `reamsim run` by default
+constexpr int kWindows = 4;         // depths at which frames are timed at the true feed
+constexpr int kWindowFrames = 256;  // at each: four windows of smooth motion (kernels/window.h)
+constexpr std::int64_t kAligned = 64;
 constexpr double kStepVoxels = 0.25;  // between the windows, where the shell's points have to miss no voxel
 
 /// A block under the sphere with its top face at z = 0, offset from the tool's axis by fractions of a voxel so that
@@ -60,43 +61,46 @@ Tool cap(double voxel_mm) {
   return tool;
 }
 
-Substep down_to(double depth_mm) {
+Substep down_to(double depth_mm, std::int64_t number) {
   ToolPose pose;
   pose.position_mm = {0, 0, -depth_mm};
   pose.spin_rpm = 250;
   Substep frame = substep_at(pose);
   frame.origin_velocity_mm_s = {0, 0, -kSphereFeedMmS};
   frame.duration_s = kSphereFrameS;
+  frame.frame = number;
   return frame;
 }
 
 /// The whole plunge; time per frame of the windows.
 SphereRow plunge(Program& program, ErosionMode erosion, double voxel_mm, const BenchControl& control) {
   SphereRow row{.engine = program.label().engine, .erosion = erosion, .voxel_mm = voxel_mm};
-  const double frame_mm = kSphereFeedMmS * kSphereFrameS, window_mm = kWindowFrames * frame_mm;
+  const double frame_mm = kSphereFeedMmS * kSphereFrameS;
   std::vector<double> ms;
   double voxels = 0;
   double depth = 0;
   // implicit: one step gives the same, because the tool at a depth contains all of its straight path.
   const double step_mm = row.engine == "implicit" ? kDepthMm : kStepVoxels * voxel_mm;
   for (int window = 1; window <= kWindows; ++window) {
-    const double begin = kDepthMm * window / kWindows - window_mm;
+    const auto last = std::lround(kDepthMm * window / kWindows / frame_mm / kAligned) * kAligned;
+    const std::int64_t first = last - kWindowFrames;
+    const double begin = static_cast<double>(first) * frame_mm;
     while (depth < begin) {
       if (control.stop()) throw Interrupted();
       depth = std::min(begin, depth + step_mm);
-      const Substep frame = down_to(depth);
+      const Substep frame = down_to(depth, 0);
       voxels += program.run({&frame, 1}, true).removed;
     }
     std::vector<Substep> frames;
-    for (int k = 1; k <= kWindowFrames; ++k) frames.push_back(down_to(begin + k * frame_mm));
+    for (std::int64_t k = first; k < last; ++k) frames.push_back(down_to(static_cast<double>(k) * frame_mm, k));
     const BatchSample sample = program.run(frames, true);
     ms.push_back(1e3 * sample.total_s / kWindowFrames);
     voxels += sample.removed;
-    depth = begin + window_mm;
+    depth = begin + (kWindowFrames - 1) * frame_mm;
   }
   row.ms = spread_of(ms);
   row.removed_mm3 = voxels * std::pow(voxel_mm, 3);
-  const double cap_mm3 = std::numbers::pi * kDepthMm * kDepthMm * (kRadiusMm - kDepthMm / 3);
+  const double cap_mm3 = std::numbers::pi * depth * depth * (kRadiusMm - depth / 3);
   row.volume_error = row.removed_mm3 / cap_mm3 - 1;
   return row;
 }
@@ -105,8 +109,8 @@ SphereRow plunge(Program& program, ErosionMode erosion, double voxel_mm, const B
 std::vector<std::pair<std::string, ErosionMode>> sphere_programs(const Plan& plan) {
   std::vector<std::pair<std::string, ErosionMode>> out;
   for (const std::string& engine : plan.engines) {
-    if (engine == "bricked") out.emplace_back("exact", ErosionMode::exact);
-    out.emplace_back(engine, ErosionMode::remove);
+    if (engine == "bricked" || engine == "exact") out.emplace_back("exact", ErosionMode::exact);
+    if (engine != "exact") out.emplace_back(engine, ErosionMode::remove);
   }
   return out;
 }

@@ -53,8 +53,10 @@ class Bench {
     findings_.driver = device.platform_name + " " + device.driver;
     findings_.compute_units = device.compute_units;
     findings_.repetitions = plan_.repetitions;
-    control_.progress("generating the bone");
-    series_.emplace(plan_.sampled);
+    if (!plan_.sizes.empty()) {
+      control_.progress("generating the bone");
+      series_.emplace(plan_.sampled);
+    }
     for (std::size_t i = 0; i < plan_.sizes.size(); ++i) measure(plan_.sizes[i], i + 1 == plan_.sizes.size());
     voxmap_ = {};
     measure_spheres(plan_, control_, findings_);
@@ -117,6 +119,12 @@ Plan full_plan() {
   return plan;
 }
 
+Plan sphere_plan() {
+  Plan plan;
+  plan.engines = {"exact"};
+  return plan;
+}
+
 Plan quick_plan() {
   Plan plan;
   plan.engines = {"bricked", "direct"};
@@ -130,7 +138,7 @@ Plan quick_plan() {
 void check_plan(const Plan& plan) {
   for (const std::string& engine : plan.engines) {
     const auto& known = engine_names();
-    if (std::find(known.begin(), known.end(), engine) != known.end()) continue;
+    if (engine == "exact" || std::find(known.begin(), known.end(), engine) != known.end()) continue;
     std::string names;
     for (const std::string& name : known) names += (names.empty() ? "" : ", ") + name;
     throw InputError({}, "--engines", "\"" + engine + "\"", "expected some of " + names);

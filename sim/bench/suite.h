@@ -35,6 +35,9 @@ Plan full_plan();
 /// `severe` and `none` at 256³ and 1024³ for `direct` and `bricked`; under a minute.
 Plan quick_plan();
 
+/// The plunged sphere with `erosion: exact` alone; half a minute.
+Plan sphere_plan();
+
 /// Progress messages and the request to stop.
 struct BenchControl {
   std::function<void(const std::string&)> progress = [](const std::string&) {};

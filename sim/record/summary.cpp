@@ -177,8 +177,7 @@ void write_results(const std::string& dir, const ReamingScene& scene, const Reco
   write_depth_map(dir + "/depth_map.csv", facts.depth_map);
 }
 
-void write_summary(const std::string& dir, const ReamingScene& scene, const RunTotals& totals, const RunFacts& facts,
-                   double render_s) {
+void write_summary(const std::string& dir, const ReamingScene& scene, const RunTotals& totals, const RunFacts& facts) {
   nlohmann::ordered_json json;
   json["program"] = "reamsim " REAMSIM_VERSION;
   json["scenario"] = scene.scenario.name;
@@ -211,7 +210,7 @@ void write_summary(const std::string& dir, const ReamingScene& scene, const RunT
   json["timings_s"] = {
       {"load", facts.load_s},      {"simulate", facts.simulate_s}, {"broad_phase", totals.broad_phase_s},
       {"detect", totals.detect_s}, {"cut", totals.cut_s},          {"measure", facts.measure_s},
-      {"render", render_s}};
+      {"write", facts.write_s},    {"render", facts.render_s},     {"total", facts.since_start.seconds()}};
   json["memory_mb"] = {{"peak_process", peak_process_mb()}, {"device", static_cast<double>(facts.device_bytes) / 1e6}};
   for (const auto& input : facts.inputs) {
     json["inputs"].push_back({{"role", input.role}, {"path", input.path}, {"sha256", input.sha256}});

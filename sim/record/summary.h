@@ -2,6 +2,7 @@
 
 #include <string>
 
+#include "sim/base/stopwatch.h"
 #include "sim/metrics/run_metrics.h"
 #include "sim/record/recorder.h"
 #include "sim/scene/scene.h"
@@ -26,6 +27,9 @@ struct RunFacts {
   double load_s = 0;
   double simulate_s = 0;
   double measure_s = 0;
+  double write_s = 0;
+  double render_s = 0;
+  Stopwatch since_start;
   std::vector<InputSum> inputs;
   std::vector<std::string> warnings;
   BoneMetrics metrics;
@@ -39,8 +43,7 @@ void write_tool(const std::string& dir, const Tool& tool);
 /// `dir`. Throws RunError when the disk is full.
 void write_results(const std::string& dir, const ReamingScene& scene, const Recorder& recorder, const RunFacts& facts);
 
-/// Writes summary.json into `dir`; `render_s`: time of pictures and plots, 0 without.
-void write_summary(const std::string& dir, const ReamingScene& scene, const RunTotals& totals, const RunFacts& facts,
-                   double render_s);
+/// Writes summary.json into `dir`.
+void write_summary(const std::string& dir, const ReamingScene& scene, const RunTotals& totals, const RunFacts& facts);
 
 }  // namespace reamsim

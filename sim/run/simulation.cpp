@@ -6,6 +6,7 @@
 #include "sim/base/error.h"
 #include "sim/base/stopwatch.h"
 #include "sim/engine/common/broad_phase.h"
+#include "sim/engine/common/motion_windows.h"
 #include "sim/engine/make_engine.h"
 #include "sim/run/frame_ledger.h"
 #include "sim/scenario/picture_frames.h"
@@ -55,6 +56,7 @@ class Simulation {
                 scene.scenario.cutting.law == CuttingLaw::per_point && scene.scenario.tool.spin == ToolSpin::resolved),
         resolved_(is_moved_by_spin(scene)),
         exact_(scene.scenario.cutting.erosion == ErosionMode::exact),
+        windows_([this](std::int64_t frame) { return args_of(frame); }, std::ssize(scene.motion.poses) - 1, tool_box_),
         max_step_mm_(scene.scenario.engine.max_step_voxels * scene.bone.voxmap->grid.voxel_mm) {}
 
   /// The main loop. Substeps of several frames are one batch, which ends with a frame that has a picture.
@@ -69,7 +71,7 @@ class Simulation {
         if (const auto voi = broad_phase(substep, pending)) enqueue(substep, *voi, pending);
       }
       const bool picture = std::ranges::binary_search(pictures, frame);
-      if (!picture && std::ssize(pending_) < scene_.scenario.engine.batch_frames) continue;
+      if (!picture && (frame + 1) % scene_.scenario.engine.batch_frames != 0) continue;
       collect();
       record();
       if (picture) snapshot(frame);
@@ -120,13 +122,23 @@ class Simulation {
     return voi;
   }
 
+  /// The substep of a frame that has one.
+  [[nodiscard]] std::optional<SubstepArgs> args_of(std::int64_t frame) const {
+    const auto& poses = scene_.motion.poses;
+    const ToolPose &before = poses[static_cast<std::size_t>(frame - 1)], &pose = poses[static_cast<std::size_t>(frame)];
+    if (count_substeps(before, pose, scene_.tool, resolved_, max_step_mm_) != 1) return std::nullopt;
+    return make_args(make_substep(before, pose, 0, 1, scene_.motion.frame_s(), frame), tool_box_, scene_.tool.shell,
+                     scene_.bone.voxmap->grid, scene_.scenario.cutting, resolved_);
+  }
+
   /// `law` overrides the scenario's.
   void enqueue(const Substep& substep, const Aabb& voi, PendingFrame& pending, std::optional<rs_i32> law = {}) {
     if (engine_.full()) collect();
     SubstepArgs args =
         make_args(substep, voi, scene_.tool.shell, scene_.bone.voxmap->grid, scene_.scenario.cutting, resolved_);
     if (law) args.law = *law;
-    engine_.enqueue(args);
+    const bool windowed = exact_ && !law && !resolved_ && scene_.scenario.engine.tuning.windows;
+    engine_.enqueue(args, windowed ? windows_.of(pending.frame) : nullptr);
     pending.cut.emplace_back(enqueued_++, substep);
   }
 
@@ -193,6 +205,7 @@ class Simulation {
   FrameLedger ledger_;
   bool resolved_;
   bool exact_;
+  MotionWindows windows_;
   double max_step_mm_;
   std::vector<PendingFrame> pending_;
   Batch batch_;               ///< of the pending frames

@@ -192,13 +192,14 @@ struct MotionSettings {
 struct EngineTuning {
   KernelShape kernel_shape = KernelShape::automatic;  ///< of the engines exact and bricked
   bool culling = true;                                ///< bricked skips cells of shell points that cannot touch bone
+  bool windows = true;                                ///< exact uses windows of smooth motion; false: frame by frame
   int work_group_size = 0;                            ///< 0: chosen by the device
 };
 
 struct EngineSettings {
   EngineKind type = EngineKind::automatic;  ///< see engine_of()
   std::string device = "auto";              ///< auto | serial | part of an OpenCL device's name
-  int batch_frames = 32;                    ///< frames whose results are read back at once
+  int batch_frames = 64;                    ///< frames whose results are read back at once
   double max_step_voxels = 0.5;             ///< longest motion of any point of the tool in a substep
   EngineTuning tuning;
 };

@@ -20,7 +20,7 @@ class FaultyEngine final : public Engine {
  public:
   FaultyEngine(std::unique_ptr<Engine> engine, Fault fault) : engine_(std::move(engine)), fault_(std::move(fault)) {}
 
-  void enqueue(const SubstepArgs& args) override {
+  void enqueue(const SubstepArgs& args, std::shared_ptr<const MotionWindow> /*window*/) override {
     SubstepArgs faulty = args;
     fault_.args(faulty);
     engine_->enqueue(faulty);

@@ -40,7 +40,7 @@ class BrickedEngine final : public Engine {
         detect_(make_detect_bricked(device_, state_, batch_, choose_options(info, scenario.engine.tuning))),
         cut_(make_cut_bricked(device_, state_, batch_, choose_options(info, scenario.engine.tuning))) {}
 
-  void enqueue(const SubstepArgs& args) override {
+  void enqueue(const SubstepArgs& args, std::shared_ptr<const MotionWindow> /*window*/) override {
     const int slot = batch_.begin(args);
     detect_.enqueue(slot);
     cut_.enqueue(slot);

@@ -1,8 +1,10 @@
 #pragma once
 
+#include <memory>
 #include <string>
 #include <vector>
 
+#include "kernels/window.h"
 #include "sim/bone/vdb/bone_vdb.h"
 #include "sim/bone/voxmap/voxmap.h"
 #include "sim/engine/common/substep.h"
@@ -32,8 +34,10 @@ struct StructureBytes {
 class Engine {
  public:
   virtual ~Engine() = default;
-  /// Adds a substep to the batch, which must not be full. It is executed at any time until collect() returns.
-  virtual void enqueue(const SubstepArgs& args) = 0;
+  /// Adds a substep to the batch, which must not be full. It is executed at any time until collect() returns. `window`:
+  /// of smooth motion that the substep belongs to, for `exact`; nullptr: none.
+  virtual void enqueue(const SubstepArgs& args, std::shared_ptr<const MotionWindow> window) = 0;
+  void enqueue(const SubstepArgs& args) { enqueue(args, nullptr); }
   /// Whether another substep might not fit; collect() empties the batch.
   [[nodiscard]] virtual bool full() const = 0;
   /// Finishes the batch, and returns its results.

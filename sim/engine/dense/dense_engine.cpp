@@ -38,7 +38,7 @@ class DenseEngine final : public Engine {
         cut_(make_cut_kernel(device_, plan_, state_, batch_, group_size(info, scenario.engine, info.gpu ? 256 : 16))),
         restorer_(device_) {}
 
-  void enqueue(const SubstepArgs& args) override {
+  void enqueue(const SubstepArgs& args, std::shared_ptr<const MotionWindow> /*window*/) override {
     const int slot = batch_.begin(args);
     detect_.enqueue(slot, args);
     cut_.enqueue(slot, args);

@@ -14,13 +14,20 @@ namespace {
 constexpr cl_uint kAfterPlan = 6;
 
 /// SubstepLanes of kernels/cut_exact.cl: sums in the lanes of a vector.
-constexpr std::size_t kLanesOfSubstep = 10 * 16;
+constexpr std::size_t kLanesOfSubstep = 11 * 16;
+
+/// On a CPU the items of a group run one after another, each with some 50 KB on the stack.
+constexpr std::size_t kMostItemsOnStack = 16;
+
+std::size_t group_size(const KernelOptions& options) {
+  return options.shape == KernelShape::cpu ? std::min(options.work_group, kMostItemsOnStack) : options.work_group;
+}
 
 /// Every work-item of a launch, which has whole groups, keeps sums for the substeps of a visit.
 std::size_t lane_count(std::size_t items, const KernelOptions& options) {
   if (options.shape != KernelShape::cpu) return 1;
-  const std::size_t groups = (items + options.work_group - 1) / options.work_group;
-  return groups * options.work_group * RS_VISIT_SUBSTEPS * kLanesOfSubstep;
+  const std::size_t groups = (items + group_size(options) - 1) / group_size(options);
+  return groups * group_size(options) * RS_VISIT_SUBSTEPS * kLanesOfSubstep;
 }
 
 }  // namespace
@@ -33,15 +40,16 @@ CutExact::CutExact(const cl::Device& device, const DeviceBricks& bone, const Dev
       energy_(
           cl::upload(device, std::vector<float>(table.energy_mj.begin(), table.energy_mj.end()), "the energy table")),
       windows_(device, RS_VISIT_SUBSTEPS, "the windows of a visit"),
+      motions_(device, RS_VISIT_SUBSTEPS, "the windows of a visit"),
       lanes_(device, lane_count(items_, options), "the sums of a visit"),
       outline_(device, outline),
       kernel_(device,
               device.build("cut_exact.cl", embedded::kernel_cut_exact,
                            cut_defines(bone.layout, options.shape) + (teeth != nullptr ? " -DRS_DISTANCE_GRID" : "")),
-              "cut_exact", options.work_group) {
+              "cut_exact", group_size(options)) {
   const std::vector<cl_mem> pools = bone.pool_arguments();
   const auto set_constant = [&](const auto&... teeth_arguments) {
-    kernel_.set_from(kAfterPlan, batch.args(), windows_, list.listed(), list.counts(), bone.lattice_of_slot,
+    kernel_.set_from(kAfterPlan, batch.args(), windows_, motions_, list.listed(), list.counts(), bone.lattice_of_slot,
                      bone.occupancy, bone.dims, batch.sums(), energy_, outline_.arguments(), lanes_, pools,
                      teeth_arguments...);
   };
@@ -55,6 +63,7 @@ std::size_t CutExact::max_records(std::size_t listed, int substeps) {
 
 void CutExact::enqueue(const VisitPlan& plan, const FillPages& fill, const cl::Buffer<RemovedBlock>& removed) {
   windows_.write(device_, plan.windows.data(), plan.windows.size());
+  if (!plan.motions.empty()) motions_.write(device_, plan.motions.data(), plan.motions.size());
   kernel_.set_from(cl::SlotKernel::kAfterSlot, static_cast<cl_uint>(plan.windows.size()), fill.page_of_slot,
                    fill.slot_of_page, fill.fills, removed);
   kernel_.run(plan.first, items_);

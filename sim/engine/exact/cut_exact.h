@@ -29,6 +29,7 @@ class CutExact {
   std::size_t items_;
   cl::Buffer<float> energy_;
   cl::Buffer<SubstepWindow> windows_;
+  cl::Buffer<MotionWindow> motions_;
   cl::Buffer<cl_long> lanes_;
   DeviceOutline outline_;
   cl::SlotKernel kernel_;

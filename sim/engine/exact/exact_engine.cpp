@@ -49,7 +49,10 @@ class ExactEngine final : public Engine {
         records_(device_, 1, "the list of removed voxels") {}
 
   /// Stores the arguments. collect() lists and cuts the bricks of several substeps at once.
-  void enqueue(const SubstepArgs& args) override { batch_.begin(args); }
+  void enqueue(const SubstepArgs& args, std::shared_ptr<const MotionWindow> window) override {
+    batch_.begin(args);
+    motions_.push_back(std::move(window));
+  }
   [[nodiscard]] bool full() const override { return batch_.full(); }
 
   /// Visit by visit, lists the bricks in reach of the tool's surface and cuts them in all substeps of the visit.
@@ -65,6 +68,7 @@ class ExactEngine final : public Engine {
       first = plan.end;
     }
     out.sums = batch_.collect();
+    motions_.clear();
     return out;
   }
 
@@ -87,11 +91,11 @@ class ExactEngine final : public Engine {
  private:
   /// Cuts the bricks in reach in as many substeps from `first` on as one visit can have. Returns the visit.
   VisitPlan visit(int first) {
-    VisitPlan plan = plan_visit(batch_.args_used(), first, RS_VISIT_SUBSTEPS, tool_box_, extent_);
+    VisitPlan plan = plan_visit(batch_.args_used(), motions_, first, RS_VISIT_SUBSTEPS, tool_box_, extent_);
     VisitCounts counts{.listed = 0, .pages = static_cast<rs_u32>(fill_.used), .removed = 0};
     std::size_t listed = list_.list(plan, counts);
     while (CutExact::max_records(listed, plan.end - first) > kMaxRecords && plan.end - first > 1) {
-      plan = plan_visit(batch_.args_used(), first, (plan.end - first) / 2, tool_box_, extent_);
+      plan = plan_visit(batch_.args_used(), motions_, first, (plan.end - first) / 2, tool_box_, extent_);
       listed = list_.list(plan, counts);
     }
     if (listed == 0) return plan;
@@ -117,6 +121,7 @@ class ExactEngine final : public Engine {
   DeviceBricks bricks_;
   FillPages fill_;
   DeviceBatch batch_;
+  MotionsOfSlots motions_;
   std::optional<DeviceTeeth> teeth_;
   std::size_t teeth_bytes_;
   ListBricks list_;

@@ -11,7 +11,7 @@ extern const char* const kernel_list_bricks;
 }
 
 // The structs have the same layout on host and device.
-static_assert(sizeof(SubstepWindow) == 12);
+static_assert(sizeof(SubstepWindow) == 16);
 static_assert(sizeof(VisitCounts) == 12);
 static_assert(sizeof(CoarseGrid) == 20);
 
@@ -49,8 +49,8 @@ ListBricks::ListBricks(const cl::Device& device, const DeviceBricks& bone, const
   const DistanceTable table = brick_distances(profile, bone.grid.voxel_mm, slack_mm);
   grid_ = cl::upload(device, std::array{coarse_grid(table)}, "the tool's distances");
   distances_ = cl::upload(device, table.mm, "the tool's distances");
-  kernel_.set_from(kAfterVisitArguments, batch.args(), grid_, distances_, bone.occupancy, bone.slot_of_brick, bone.dims, listed_,
-                   counts_);
+  kernel_.set_from(kAfterVisitArguments, batch.args(), grid_, distances_, bone.occupancy, bone.slot_of_brick, bone.dims,
+                   listed_, counts_);
 }
 
 std::size_t ListBricks::list(const VisitPlan& visit, VisitCounts counts) {

@@ -48,28 +48,52 @@ void include(const VoxelBox& part, VoxelBox& whole) {
   whole.last = whole.last.cwiseMax(part.last);
 }
 
+/// Bound of the motion between any two frames of a window, mm.
+float shift_of(const MotionWindow& window, const Aabb& box) {
+  const Mat3 no_spin = Mat3::Identity();
+  return static_cast<float>(motion_bound(window.first, window.middle, box, no_spin) +
+                            motion_bound(window.middle, window.last, box, no_spin));
+}
+
+/// Adds a substep to the last window of the plan, or to a new one.
+void add_to_window(std::span<const SubstepArgs> args, const MotionsOfSlots& motions, int slot, const Aabb& box,
+                   VisitPlan& plan) {
+  const auto at = [&](std::size_t i) -> const SubstepArgs& { return args[i]; };
+  const auto here = static_cast<std::size_t>(slot);
+  const MotionWindow* motion = motions[here].get();
+  SubstepWindow* window = plan.windows.empty() ? nullptr : &plan.windows.back();
+  const bool same = window != nullptr && motions[window->first].get() == motion;
+  if (motion != nullptr) {
+    if (!same) {
+      plan.windows.push_back(
+          {static_cast<rs_u32>(slot), 0, shift_of(*motion, box), static_cast<rs_i32>(plan.motions.size())});
+      plan.motions.push_back(*motion);
+    }
+  } else {
+    const double moved = same ? motion_bound_with_spin(at(window->first), at(here), box) : 0;
+    if (!same || moved > kWindowShiftVoxels * double{at(here).voxel_mm}) {
+      plan.windows.push_back({static_cast<rs_u32>(slot), 0, 0, -1});
+    } else {
+      window->shift_mm = std::max(window->shift_mm, static_cast<float>(moved));
+    }
+  }
+  plan.windows.back().end = static_cast<rs_u32>(slot + 1);
+}
+
 }  // namespace
 
-VisitPlan plan_visit(std::span<const SubstepArgs> args, int first, int most, const Aabb& tool_box,
-                     const VoxelBox& bone) {
+VisitPlan plan_visit(std::span<const SubstepArgs> args, const MotionsOfSlots& motions, int first, int most,
+                     const Aabb& tool_box, const VoxelBox& bone) {
   const double voxel_mm = args[static_cast<std::size_t>(first)].voxel_mm;
   const Aabb box = tool_box.expanded(voxel_mm);  // an intersected voxel may protrude
   const auto at = [&](int slot) -> const SubstepArgs& { return args[static_cast<std::size_t>(slot)]; };
-  VisitPlan plan{.first = first, .end = first, .windows = {}, .superbricks = {Vec3i::Zero(), Vec3i::Constant(-1)}};
+  VisitPlan plan{
+      .first = first, .end = first, .windows = {}, .motions = {}, .superbricks = {Vec3i::Zero(), Vec3i::Constant(-1)}};
   const int last = std::min(static_cast<int>(args.size()), first + std::min(most, RS_VISIT_SUBSTEPS));
   for (int slot = first; slot < last; ++slot) {
     const double motion = motion_bound(at(first), at(slot), box, Mat3::Identity());
     if (slot > first && motion > kVisitShiftVoxels * voxel_mm) break;
-    SubstepWindow* window = plan.windows.empty() ? nullptr : &plan.windows.back();
-    const double in_window =
-        window == nullptr ? 0 : motion_bound_with_spin(at(static_cast<int>(window->first)), at(slot), box);
-    if (window == nullptr || in_window > kWindowShiftVoxels * voxel_mm) {
-      plan.windows.push_back({static_cast<rs_u32>(slot), 0, 0});
-      window = &plan.windows.back();
-    } else {
-      window->shift_mm = std::max(window->shift_mm, static_cast<float>(in_window));
-    }
-    window->end = static_cast<rs_u32>(slot + 1);
+    add_to_window(args, motions, slot, box, plan);
     plan.end = slot + 1;
     plan.shift_mm = std::max(plan.shift_mm, static_cast<float>(motion));
     include(voxel_voi(at(slot), box, bone), plan.superbricks);

@@ -1,20 +1,26 @@
 #pragma once
 
+#include <memory>
 #include <span>
 #include <vector>
 
 #include "kernels/bricks.h"
+#include "kernels/window.h"
 #include "sim/base/geometry.h"
 #include "sim/bone/voxmap/voxmap.h"
 #include "sim/engine/common/nearest_lists.h"
 
 namespace reamsim {
 
+/// The window of smooth motion of each slot; nullptr: none.
+using MotionsOfSlots = std::vector<std::shared_ptr<const MotionWindow>>;
+
 /// The substeps of a visit (`erosion: exact`), divided into windows of little motion.
 struct VisitPlan {
   int first = 0;                       ///< slot
   int end = 0;                         ///< past the last
   std::vector<SubstepWindow> windows;  ///< in order, without gaps
+  std::vector<MotionWindow> motions;   ///< of these windows
   float shift_mm = 0;                  ///< bound of the motion of any point near the tool since `first`, T
   VoxelBox superbricks;                ///< of 4×4×4 bricks, that overlap the tool's box in any substep
 };
@@ -23,7 +29,7 @@ struct VisitPlan {
 inline constexpr double kVisitShiftVoxels = 16;
 
 /// Plans a visit of at most `most` substeps from slot `first` on. `tool_box`: T, mm; `bone`: voxels with bone.
-VisitPlan plan_visit(std::span<const SubstepArgs> args, int first, int most, const Aabb& tool_box,
-                     const VoxelBox& bone);
+VisitPlan plan_visit(std::span<const SubstepArgs> args, const MotionsOfSlots& motions, int first, int most,
+                     const Aabb& tool_box, const VoxelBox& bone);
 
 }  // namespace reamsim

@@ -1,9 +1,12 @@
 #include "sim/engine/serial/serial_engine.h"
 
+#include <array>
 #include <functional>
+#include <unordered_map>
 #include <utility>
 
 #include "kernels/distance_grid.h"
+#include "kernels/window.h"
 #include "sim/base/stopwatch.h"
 #include "sim/engine/common/broad_phase.h"
 #include "sim/engine/common/energy_table.h"
@@ -79,18 +82,28 @@ void find_in_outline(SerialState& state, const SubstepArgs& args, SubstepSums& /
   }
 }
 
+/// Appends the voxels with bone of a brick that lie in `box`, in the order of their places.
+void find_in_brick(const Vec3i& brick, const VoxelBox& box, SerialState& state) {
+  for (int place = 0; place < RS_BRICK_VOXELS; ++place) {
+    const Vec3i voxel = RS_BRICK_SIDE * brick + Vec3i(rs_offset_x(place), rs_offset_y(place), rs_offset_z(place));
+    if ((voxel.array() < box.first.array()).any() || (voxel.array() > box.last.array()).any()) continue;
+    const std::int64_t e = state.grid.index(voxel);
+    if (state.bone[static_cast<std::size_t>(e)] != 0) state.contacts.push_back(e);
+  }
+}
+
 /// For `exact`, which clips every contact: all voxels with bone in the tool's box.
 void find_in_tool_box(SerialState& state, const SubstepArgs& args, SubstepSums& /*sums*/) {
   const VoxelGrid& grid = state.grid;
   // A surface that intersects a voxel passes less than the voxel's diagonal from its centre.
   const Aabb tool = state.tool->clip_bounds().expanded(grid.voxel_mm + state.outline.bulge_mm);
   const VoxelBox box = voxel_voi(args, tool, {Vec3i::Zero(), grid.dims - Vec3i::Ones()});
-  for (int z = box.first.z(); z <= box.last.z(); ++z) {
-    for (int y = box.first.y(); y <= box.last.y(); ++y) {
-      for (int x = box.first.x(); x <= box.last.x(); ++x) {
-        const std::int64_t e = grid.index({x, y, z});
-        if (state.bone[static_cast<std::size_t>(e)] != 0) state.contacts.push_back(e);
-      }
+  if (box.empty()) return;
+  // Brick by brick, because sums of windows are rounded once per brick.
+  const Vec3i first = box.first / RS_BRICK_SIDE, last = box.last / RS_BRICK_SIDE;
+  for (int z = first.z(); z <= last.z(); ++z) {
+    for (int y = first.y(); y <= last.y(); ++y) {
+      for (int x = first.x(); x <= last.x(); ++x) find_in_brick({x, y, z}, box, state);
     }
   }
 }
@@ -132,6 +145,18 @@ Clip clip_voxel(const SerialState& state, const SubstepArgs& args, const Outline
   return rs_clip_grid(&args, &teeth, corner, x, y, z);
 }
 
+/// A voxel in a window, from the tool next to it at the three nodes.
+WindowVoxel fit_voxel(const SerialState& state, const EnergyTable& table, const MotionWindow& w, std::int64_t e) {
+  const OutlineView outline = view_of(state.outline);
+  const Vec3i voxel = state.grid.coord(e);
+  const Clip first = clip_voxel(state, w.first, outline, voxel), middle = clip_voxel(state, w.middle, outline, voxel),
+             last = clip_voxel(state, w.last, outline, voxel);
+  WindowVoxel out;
+  rs_fit_voxel(&w, &first, &middle, &last, static_cast<float>(table.energy_mj[state.bone[static_cast<std::size_t>(e)]]),
+               &out);
+  return out;
+}
+
 /// As cut_touched(), for `exact`.
 rs_i32 cut_by_clipping(const SerialState& state, const EnergyTable& table, const SubstepArgs& args, std::int64_t e,
                        LaneSums& law) {
@@ -154,7 +179,9 @@ class SerialEngine final : public Engine {
         energy_(make_energy_table(scenario.cutting, bone.voxmap.grid.voxel_mm)),
         exact_(scenario.cutting.erosion == ErosionMode::exact) {}
 
-  void enqueue(const SubstepArgs& args) override {
+  void enqueue(const SubstepArgs& args, std::shared_ptr<const MotionWindow> window) override {
+    if (window != window_) fits_.clear();
+    window_ = std::move(window);
     SubstepSums& sums = batch_.sums.emplace_back();
     StageTimes& times = batch_.times.emplace_back();
     const Stopwatch watch;
@@ -179,7 +206,8 @@ class SerialEngine final : public Engine {
     LaneSums law{};
     for (const std::int64_t e : state_.contacts) {
       const auto i = static_cast<std::size_t>(e);
-      const rs_i32 lost = (exact_ ? cut_by_clipping : cut_touched)(state_, energy_, args, e, law);
+      const rs_i32 lost = window_ ? cut_in_window(args, e, law, sums)
+                                  : (exact_ ? cut_by_clipping : cut_touched)(state_, energy_, args, e, law);
       if (lost == 0) continue;
       sums.contacts += 1;
       sums.removed += lost;
@@ -188,14 +216,56 @@ class SerialEngine final : public Engine {
       state_.bone[i] = 0;
       state_.removed.emplace_back(e, args.frame);
     }
+    if (window_) finish_brick(args, -1, sums);
     rs_add_lanes(&sums, &law);
     state_.contacts.clear();
+  }
+
+  /// As cut_by_clipping(), in a window of smooth motion: adds to the sums of the voxel's brick.
+  rs_i32 cut_in_window(const SubstepArgs& args, std::int64_t e, LaneSums& law, SubstepSums& sums) {
+    const Vec3i brick = state_.grid.coord(e) / RS_BRICK_SIDE;
+    finish_brick(args, state_.grid.index(brick), sums);
+    auto found = fits_.find(e);
+    if (found == fits_.end()) found = fits_.emplace(e, fit_voxel(state_, energy_, *window_, e)).first;
+    const WindowVoxel& fit = found->second;
+    if (fit.pieces == 0) return cut_by_clipping(state_, energy_, args, e, law);
+    const rs_i32 outside = rs_window_outside(&fit, rs_window_time(window_.get(), args.frame), RS_WINDOW_PIECES);
+    const rs_i32 lost = rs_clip_loss(&args, state_.fill[static_cast<std::size_t>(e)], outside);
+    if (rs_has_edge(&args)) {
+      const Clip clip = clip_voxel(state_, args, view_of(state_.outline), state_.grid.coord(e));
+      rs_edge_force(&args, &clip, state_.fill[static_cast<std::size_t>(e)] - lost, outside, &law);
+    }
+    const auto loss = static_cast<float>(lost);
+    for (std::size_t i = 0; i < RS_WINDOW_SUMS; ++i) {
+      brick_sums_[i] = RS_FMA(loss, fit.base[i], brick_sums_[i]);
+      brick_sums_[RS_WINDOW_SUMS + i] = RS_FMA(loss, fit.slope[i], brick_sums_[RS_WINDOW_SUMS + i]);
+    }
+    return lost;
+  }
+
+  /// Adds the sums of the last brick, when `brick` is another one.
+  void finish_brick(const SubstepArgs& args, std::int64_t brick, SubstepSums& sums) {
+    if (brick == brick_) return;
+    std::array<rs_i64, RS_WINDOW_SUMS> total{};
+    rs_finish_window_sums(brick_sums_.data(), rs_window_time(window_.get(), args.frame), total.data());
+    for (std::size_t i = 0; i < 3; ++i) {
+      sums.force[i] += total[i];
+      sums.torque[i] += total[3 + i];
+    }
+    sums.floor_energy += total[6];
+    sums.energy += total[7];
+    brick_sums_ = {};
+    brick_ = brick;
   }
 
   SerialState state_;
   FindContacts find_;
   EnergyTable energy_;
   bool exact_;
+  std::shared_ptr<const MotionWindow> window_;          ///< of the current substep
+  std::unordered_map<std::int64_t, WindowVoxel> fits_;  ///< of its voxels
+  std::array<float, 2 * RS_WINDOW_SUMS> brick_sums_{};  ///< of the current brick
+  std::int64_t brick_ = -1;
   Batch batch_;
 };
 

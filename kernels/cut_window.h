@@ -1,0 +1,286 @@
+/* Exact erosion of a brick in a window of smooth motion (window.h). On a CPU sixteen voxels lie in the lanes of a
+ * vector while their losses are found frame by frame, and the sixteen coefficients of a voxel's force while these are
+ * summed: the sums of all frames are one product of matrices. */
+#ifndef REAMSIM_KERNELS_CUT_WINDOW_H
+#define REAMSIM_KERNELS_CUT_WINDOW_H
+
+#include "candidates.h"
+#include "window.h"
+
+/* Centres of a brick's lowest voxel at the nodes of a window, T. */
+typedef struct {
+  float first[3], middle[3], last[3];
+} NodeCorners;
+
+RS_INLINE NodeCorners node_corners(__global const MotionWindow* w, const Visit* v) {
+  const int x = 8 * v->at.x, y = 8 * v->at.y, z = 8 * v->at.z;
+  NodeCorners out;
+  rs_brick_in_tool(&w->first, x, y, z, out.first);
+  rs_brick_in_tool(&w->middle, x, y, z, out.middle);
+  rs_brick_in_tool(&w->last, x, y, z, out.last);
+  return out;
+}
+
+#if defined(RS_LANES)
+
+#define FRAMES_AT_ONCE 8
+
+/* Sums of a substep in a work-item, lane by lane; those of windows, by component. */
+typedef struct {
+  LaneSums sums;
+  long16 removed, contacts;
+  long window[16];
+} SubstepLanes;
+
+/* A brick in a window: the losses of sixteen voxels, frame by frame; their coefficients, voxel by voxel; sums of
+ * frames. */
+typedef struct {
+  float lost[RS_VISIT_SUBSTEPS * 16];
+  float basis[16 * 16];
+  float16 sums[RS_VISIT_SUBSTEPS];
+  int16 lost_fill[RS_VISIT_SUBSTEPS], contacts[RS_VISIT_SUBSTEPS];
+  ulong removing; /* a bit per frame in which a voxel is removed */
+  int removed_count;
+  ushort removed_place[RS_BRICK_VOXELS];
+  uchar removed_frame[RS_BRICK_VOXELS];
+} WindowSums;
+
+/* Fits sixteen voxels of the candidates from `first` on. */
+RS_INLINE void fit_sixteen(__global const MotionWindow* w, const OutlineView* outline, const NodeCorners* corners,
+                           const Candidates* c, const int first, WindowVoxel* out) {
+  const int16 place = convert_int16(vload16(0, c->place + first));
+  const float16 x = offset_x(place), y = offset_y(place), z = offset_z(place), whole = vload16(0, c->energy + first);
+  const PieceList near = c->near[first >> 4];
+  if (c->smooth[first >> 4]) {
+    __global const OutlinePiece* piece = outline->pieces + outline->numbers[near.first];
+    const Clip c0 = rs_clip_smooth(&w->first, piece, corners->first, x, y, z);
+    const Clip c1 = rs_clip_smooth(&w->middle, piece, corners->middle, x, y, z);
+    const Clip c2 = rs_clip_smooth(&w->last, piece, corners->last, x, y, z);
+    rs_fit_voxel(w, &c0, &c1, &c2, whole, out);
+    return;
+  }
+  const Clip c0 = rs_clip(&w->first, outline, near, corners->first, x, y, z);
+  const Clip c1 = rs_clip(&w->middle, outline, near, corners->middle, x, y, z);
+  const Clip c2 = rs_clip(&w->last, outline, near, corners->last, x, y, z);
+  rs_fit_voxel(w, &c0, &c1, &c2, whole, out);
+}
+
+/* Lowers the fill of sixteen voxels through the frames. `pieces`: the most of any of them. */
+RS_INLINE int16 lower_fill(__global const SubstepArgs* args, const SubstepWindow* window,
+                           __global const MotionWindow* w, const WindowVoxel* v, const int pieces, int16 fill,
+                           WindowSums* sums) {
+  const int count = (int)(window->end - window->first);
+  for (int f = 0; f < count; ++f) {
+    __global const SubstepArgs* a = args + window->first + f;
+    const int16 outside = rs_window_outside(v, (float16)rs_window_time(w, a->frame), pieces);
+    const int16 lost = rs_clip_loss(a, fill, outside);
+    fill -= lost;
+    sums->lost_fill[f] += lost;
+    sums->contacts[f] -= lost > 0;
+    vstore16(convert_float16(lost), f, sums->lost);
+  }
+  return fill;
+}
+
+/* Adds the forces of cutting edges in contact with sixteen voxels that had `fill` before the window. */
+RS_INLINE void add_edge_forces(__global const SubstepArgs* args, const SubstepWindow* window,
+                               __global const MotionWindow* w, const OutlineView* outline, Visit* v,
+                               const Candidates* c, const int first, const WindowVoxel* fit, int16 fill,
+                               const WindowSums* sums, __global SubstepLanes* lanes) {
+  const int16 place = convert_int16(vload16(0, c->place + first));
+  for (uint f = 0; f < window->end - window->first; ++f) {
+    __global const SubstepArgs* a = args + window->first + f;
+    set_substep(a, v);
+    const Clip clip =
+        rs_clip(a, outline, c->near[first >> 4], v->corner, offset_x(place), offset_y(place), offset_z(place));
+    fill -= convert_int16(vload16(f, sums->lost));
+    const int16 outside = rs_window_outside(fit, (float16)rs_window_time(w, a->frame), RS_WINDOW_PIECES);
+    LaneSums edge = lanes[f].sums;
+    rs_edge_force(a, &clip, fill, outside, &edge);
+    lanes[f].sums = edge;
+  }
+  set_substep(args + window->first, v);
+}
+
+/* Adds the losses times the coefficients, voxel by voxel, so that the order does not depend on anything else. */
+RS_INLINE void add_products(const int count, WindowSums* sums) {
+  for (int f = 0; f < count; f += FRAMES_AT_ONCE) {
+    const float* lost = sums->lost + 16 * f;
+    float16* s = sums->sums + f;
+    float16 s0 = s[0], s1 = s[1], s2 = s[2], s3 = s[3], s4 = s[4], s5 = s[5], s6 = s[6], s7 = s[7];
+    for (int v = 0; v < 16; ++v) {
+      const float16 basis = vload16(v, sums->basis);
+      s0 = fma((float16)lost[v], basis, s0);
+      s1 = fma((float16)lost[v + 16], basis, s1);
+      s2 = fma((float16)lost[v + 32], basis, s2);
+      s3 = fma((float16)lost[v + 48], basis, s3);
+      s4 = fma((float16)lost[v + 64], basis, s4);
+      s5 = fma((float16)lost[v + 80], basis, s5);
+      s6 = fma((float16)lost[v + 96], basis, s6);
+      s7 = fma((float16)lost[v + 112], basis, s7);
+    }
+    s[0] = s0, s[1] = s1, s[2] = s2, s[3] = s3, s[4] = s4, s[5] = s5, s[6] = s6, s[7] = s7;
+  }
+}
+
+/* Notes the voxels that have lost all of their fill, and the frames in which they did. */
+RS_INLINE void note_removed(const Candidates* c, const int first, const int16 removed, const int count,
+                            WindowSums* sums) {
+  for (uint rest = bits_of(removed); rest != 0; rest &= rest - 1) {
+    const int lane = (int)popcount((rest & -rest) - 1);
+    int f = count - 1;
+    while (sums->lost[16 * f + lane] == 0.0f) --f;
+    sums->removing |= 1ul << f;
+    sums->removed_place[sums->removed_count] = c->place[first + lane];
+    sums->removed_frame[sums->removed_count++] = (uchar)f;
+  }
+}
+
+/* Clears the noted voxels, and reports them. */
+RS_INLINE void remove_noted(const SubstepWindow* window, const Visit* v, const WindowSums* sums,
+                            RemovedReport* report) {
+  for (ulong rest = sums->removing; rest != 0; rest &= rest - 1) {
+    const uint f = (uint)popcount((rest & -rest) - 1);
+    uint words[RS_BRICK_WORDS] = {0};
+    for (int i = 0; i < sums->removed_count; ++i) {
+      const uint at = sums->removed_place[i];
+      if (sums->removed_frame[i] == f) words[at >> 5] |= 1u << (at & 31);
+    }
+    for (int block = 0; block < RS_BRICK_WORDS / 2; ++block)
+      remove_voxels(v->brick, window->first + f, block, words[2 * block], words[2 * block + 1], report);
+  }
+}
+
+/* Appends the voxels in the lanes of `which` to `to`. */
+RS_INLINE void append_candidates(const Candidates* from, const int first, const int16 which, Candidates* to) {
+  for (uint rest = bits_of(which); rest != 0; rest &= rest - 1) {
+    const int i = first + (int)popcount((rest & -rest) - 1);
+    to->place[to->count] = from->place[i];
+    to->fill[to->count] = from->fill[i];
+    to->energy[to->count++] = from->energy[i];
+  }
+}
+
+/* Writes the coefficients voxel by voxel; zeros for those in the lanes of `without`. */
+RS_INLINE void set_basis(const WindowVoxel* v, const int16 without, WindowSums* sums) {
+  float16 rows[2 * RS_WINDOW_SUMS];
+  for (int i = 0; i < RS_WINDOW_SUMS; ++i) {
+    rows[i] = without ? (float16)0.0f : v->base[i];
+    rows[RS_WINDOW_SUMS + i] = without ? (float16)0.0f : v->slope[i];
+  }
+  const float* row = (const float*)rows;
+  for (int lane = 0; lane < 16; ++lane)
+    for (int i = 0; i < 16; ++i) sums->basis[16 * lane + i] = row[16 * i + lane];
+}
+
+/* Cuts the candidates in the window, except those that must be cut frame by frame, which are moved to `framed`. Returns
+ * whether any voxel loses fill. */
+bool cut_smooth(__global const SubstepArgs* args, const SubstepWindow* window, __global const MotionWindow* w,
+                const OutlineView* outline, Visit* v, Candidates* c, Candidates* framed, WindowSums* sums,
+                RemovedReport* report, __global SubstepLanes* lanes) {
+  const int count = (int)(window->end - window->first);
+  const int padded = (count + FRAMES_AT_ONCE - 1) / FRAMES_AT_ONCE * FRAMES_AT_ONCE;
+  const NodeCorners corners = node_corners(w, v);
+  for (int f = 0; f < padded; ++f) {
+    sums->sums[f] = (float16)0.0f;
+    sums->lost_fill[f] = sums->contacts[f] = (int16)0;
+    vstore16((float16)0.0f, f, sums->lost);
+  }
+  sums->removing = 0;
+  sums->removed_count = 0;
+  framed->count = 0;
+  bool any_cut = false;
+  for (int i = 0; i < c->count; i += 16) {
+    WindowVoxel fit;
+    fit_sixteen(w, outline, &corners, c, i, &fit);
+    const int16 before = vload16(0, c->fill + i), without = fit.pieces == 0.0f;
+    append_candidates(c, i, without && before > 0, framed);
+    const int16 start = without ? (int16)0 : before;
+    const int pieces = any(fit.pieces > 2.0f) ? 3 : any(fit.pieces > 1.0f) ? 2 : 1;
+    int16 fill;
+    if (pieces == 1)
+      fill = lower_fill(args, window, w, &fit, 1, start, sums);
+    else if (pieces == 2)
+      fill = lower_fill(args, window, w, &fit, 2, start, sums);
+    else
+      fill = lower_fill(args, window, w, &fit, 3, start, sums);
+    if (rs_has_edge(args)) add_edge_forces(args, window, w, outline, v, c, i, &fit, start, sums, lanes);
+    if (!any(fill < start)) continue;
+    any_cut = true;
+    set_basis(&fit, without, sums);
+    add_products(padded, sums);
+    vstore16(without ? before : fill, 0, c->fill + i);
+    const int16 removed = start > 0 && fill == 0;
+    if (any(removed)) note_removed(c, i, removed, count, sums);
+  }
+  remove_noted(window, v, sums, report);
+  return any_cut;
+}
+
+#else
+
+/* Voxels that a work-group fits and cuts before it sums their losses. */
+#define VOXELS_AT_ONCE 64
+
+/* A work-group in a window: losses and coefficients of some voxels, and sums of frames over all of the brick. */
+typedef struct {
+  ushort lost[RS_VISIT_SUBSTEPS * VOXELS_AT_ONCE];
+  float basis[VOXELS_AT_ONCE * 2 * RS_WINDOW_SUMS];
+  float sums[RS_VISIT_SUBSTEPS * 2 * RS_WINDOW_SUMS];
+  int lost_fill[RS_VISIT_SUBSTEPS], contacts[RS_VISIT_SUBSTEPS];
+} WindowSums;
+
+/* Fits a voxel, and lowers its fill through the frames. `lost`, `basis`: of the voxel; the losses of consecutive frames
+ * are VOXELS_AT_ONCE apart. Returns false where it must be cut frame by frame. */
+RS_INLINE bool cut_smooth_voxel(__global const SubstepArgs* args, const SubstepWindow* window,
+                                __global const MotionWindow* w, const OutlineView* outline, Visit* v,
+                                const NodeCorners* corners, const int place, const float whole, __global ushort* page,
+                                __local ushort* lost, __local float* basis, __global SubstepSums* sums) {
+  const float x = (float)rs_offset_x(place), y = (float)rs_offset_y(place), z = (float)rs_offset_z(place);
+  const Clip c0 = rs_clip(&w->first, outline, v->list, corners->first, x, y, z);
+  const Clip c1 = rs_clip(&w->middle, outline, v->list, corners->middle, x, y, z);
+  const Clip c2 = rs_clip(&w->last, outline, v->list, corners->last, x, y, z);
+  WindowVoxel fit;
+  rs_fit_voxel(w, &c0, &c1, &c2, whole, &fit);
+  if (fit.pieces == 0.0f) return false;
+  int fill = page[place];
+  for (uint s = window->first; s < window->end; ++s) {
+    __global const SubstepArgs* a = args + s;
+    const int outside = rs_window_outside(&fit, rs_window_time(w, a->frame), RS_WINDOW_PIECES);
+    const int loss = rs_clip_loss(a, fill, outside);
+    fill -= loss;
+    lost[VOXELS_AT_ONCE * (s - window->first)] = (ushort)loss;
+    if (!rs_has_edge(a)) continue;
+    set_substep(a, v);
+    const Clip clip = rs_clip(a, outline, v->list, v->corner, x, y, z);
+    LaneSums edge = zero_sums();
+    rs_edge_force(a, &clip, fill, outside, &edge);
+    add_brick_sums(sums + s, &edge, 0, 0, 0);
+  }
+  page[place] = (ushort)fill;
+  for (int i = 0; i < RS_WINDOW_SUMS; ++i) {
+    basis[i] = fit.base[i];
+    basis[RS_WINDOW_SUMS + i] = fit.slope[i];
+  }
+  return true;
+}
+
+/* Adds the losses of the voxels in frame `f`. */
+RS_INLINE void add_losses(const uint f, __local WindowSums* sums) {
+  float total[2 * RS_WINDOW_SUMS];
+  __local float* to = sums->sums + 2 * RS_WINDOW_SUMS * f;
+  for (int i = 0; i < 2 * RS_WINDOW_SUMS; ++i) total[i] = to[i];
+  for (int voxel = 0; voxel < VOXELS_AT_ONCE; ++voxel) {
+    const int lost = sums->lost[VOXELS_AT_ONCE * f + voxel];
+    if (lost == 0) continue;
+    const __local float* basis = sums->basis + 2 * RS_WINDOW_SUMS * voxel;
+    for (int i = 0; i < 2 * RS_WINDOW_SUMS; ++i) total[i] = fma((float)lost, basis[i], total[i]);
+    sums->lost_fill[f] += lost;
+    sums->contacts[f] += 1;
+  }
+  for (int i = 0; i < 2 * RS_WINDOW_SUMS; ++i) to[i] = total[i];
+}
+
+#endif
+
+#endif
