@@ -95,6 +95,7 @@ void bench_command(const BenchOptions& options, const Console& console) {
   plot.device = findings.device;
   add_severe(findings, plot);
   add_voi(findings, plot);
+  if (options.exact) return;  // nothing of it is in the figure
   if (plot.severe.empty()) return console.warn("no engine could be measured: no figure written");
   write_bench_plot(folder.path(), plot);
   folder.finish();

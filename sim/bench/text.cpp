@@ -173,7 +173,7 @@ std::string spheres_table(const Findings& findings) {
     table.push_back({row.engine, name_of(row.erosion), fmt::format("{:g}", row.voxel_mm), number(row.ms.median, 4),
                      range(row.ms), number(row.removed_mm3, 1), fmt::format("{:+.3f} %", 100 * row.volume_error)});
   }
-  return table_text("A sphere of 29 mm radius plunged 4 mm at 0.2 mm/s and 1 kHz, frames in batches of 32", table);
+  return table_text("A sphere of 29 mm radius plunged 4 mm at 0.2 mm/s and 1 kHz, 256 frames at each of four depths", table);
 }
 
 std::string head(const Findings& findings) {

@@ -147,6 +147,29 @@ TEST_F(BoneVdb, SurfaceIsThatOfTheSphere) {
   EXPECT_NEAR(surface->tree().getValue(openvdb::Coord::round(inside)), -1, 0.5);
 }
 
+TEST_F(BoneVdb, SurfaceHasTheDistancesOfTheSphere) {
+  BoneSettings settings = phantom(PhantomShape::sphere, 0.5);
+  settings.phantom.radius_mm = 8;
+  Report report;
+  write_bone_vdb(path(), load_bone(settings, report), {}, {});
+  const auto surface = openvdb::gridPtrCast<openvdb::FloatGrid>(grids_of(path())["surface"]);
+  double sum = 0, squares = 0, worst = 0;
+  int count = 0;
+  for (auto value = surface->cbeginValueOn(); value; ++value) {
+    const double off = double{*value} - (surface->indexToWorld(value.getCoord()).length() - 8);
+    sum += off;
+    squares += off * off;
+    worst = std::max(worst, std::abs(off));
+    ++count;
+  }
+  std::cout << count << " voxels: mean error " << sum / count << " mm, RMS " << std::sqrt(squares / count)
+            << ", largest " << worst << '\n';
+  // Distances to a mesh of the same surface, by OpenVDB: mean 0.011 mm, RMS 0.033, largest 0.080.
+  EXPECT_NEAR(sum / count, 0, 0.02);
+  EXPECT_LT(std::sqrt(squares / count), 0.05);
+  EXPECT_LT(worst, 0.15);
+}
+
 TEST_F(BoneVdb, SurfaceFollowsTheFill) {
   // A block whose top layer is a quarter full: the surface stands lower than that of the whole block.
   BoneSettings settings = phantom(PhantomShape::half_space, 0.5);

@@ -1,12 +1,10 @@
 #include "sim/bone/vdb/surface_grid.h"
 
-#include <openvdb/tools/MeshToVolume.h>
-#include <openvdb/tools/VolumeToMesh.h>
-
 #include <algorithm>
 #include <memory>
 
 #include "sim/base/parallel.h"
+#include "sim/bone/vdb/narrow_band.h"
 #include "sim/bone/vdb/vdb_archive.h"
 
 namespace reamsim {
@@ -17,7 +15,6 @@ using Leaf = openvdb::FloatTree::LeafNodeType;
 static_assert(Leaf::DIM == FillBricks::kSide);
 
 constexpr int kPadded = FillBricks::kSide + 2;
-constexpr float kHalfBand_voxels = 3.0F;
 
 /// The occupancy (0…65535) of a brick and of a layer of one voxel around it.
 class PaddedBrick {
@@ -124,18 +121,7 @@ openvdb::math::Transform::Ptr index_transform(const VoxelGrid& grid) {
 }
 
 openvdb::FloatGrid::Ptr surface_level_set(const BoneView& bone) {
-  const auto transform = index_transform(bone.voxmap.grid);
-  std::vector<openvdb::Vec3s> points;
-  std::vector<openvdb::Vec3I> triangles;
-  std::vector<openvdb::Vec4I> quads;
-  openvdb::tools::volumeToMesh(*smoothed_occupancy(bone), points, triangles, quads, 0.5, 0.0);
-  if (points.empty()) {
-    auto empty = make_float_grid(static_cast<float>(bone.voxmap.grid.voxel_mm) * kHalfBand_voxels);
-    empty->setGridClass(openvdb::GRID_LEVEL_SET);
-    empty->setTransform(transform);
-    return empty;
-  }
-  return openvdb::tools::meshToLevelSet<openvdb::FloatGrid>(*transform, points, triangles, quads, kHalfBand_voxels);
+  return narrow_band(*smoothed_occupancy(bone));
 }
 
 }  // namespace reamsim

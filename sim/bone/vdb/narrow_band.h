@@ -1,0 +1,16 @@
+#pragma once
+
+#include <openvdb/openvdb.h>
+
+namespace reamsim {
+
+/// Half width of the band of a level set, voxels.
+inline constexpr float kHalfBandVoxels = 3;
+
+/// The level set of the surface where an occupancy is one half: signed distance in units of the transform, negative
+/// inside, active within kHalfBandVoxels of the surface. `occupancy`: leaves where it is not constant, tiles of 1
+/// inside, background 0. A voxel's distance is that of the closest point of the trilinear interpolation, found from the
+/// nearest cell that the surface intersects. Much faster than a mesh of the surface and its distances.
+openvdb::FloatGrid::Ptr narrow_band(const openvdb::FloatGrid& occupancy);
+
+}  // namespace reamsim
