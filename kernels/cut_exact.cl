@@ -248,6 +248,7 @@ void cut_framed(__global const SubstepArgs* args, const SubstepWindow* window, c
                 RemovedReport* report, __global SubstepSums* sums) {
   uint any = 0;
   for (int word = 0; word < RS_BRICK_WORDS; ++word) any |= m->framed[word];
+  barrier(CLK_LOCAL_MEM_FENCE); /* all have read it before the next window clears it */
   const uint end = any == 0 ? window->first : window->end;
   for (uint s = window->first; s < end; ++s) {
     for (uint w = get_local_id(0); w < RS_BRICK_WORDS; w += get_local_size(0)) m->removed[w] = 0;

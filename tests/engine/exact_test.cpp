@@ -80,6 +80,41 @@ TEST(Exact, EqualsTheSerialReference) {
   }
 }
 
+/// Bone of all densities, with sharp corners, size effect and edge force: 200 frames of feed and tilt, most of them in
+/// windows of smooth motion, and a stroke through several substeps before the last.
+ReamingScene slow_scene(const std::string& device) {
+  ReamingScene scene = exact(oblique_scene(device));
+  scene.scenario.cutting.size_effect.emplace();
+  scene.scenario.cutting.edge_force.emplace();
+  const ToolPose begin = scene.motion.poses[20];
+  ToolPose end = begin;
+  end.position_mm += Vec3(0.02, 0.01, -0.3);
+  end.orientation = Quat(Eigen::AngleAxisd(0.01, Vec3(1, 0.3, 0).normalized())) * begin.orientation;
+  end.spin_angle_rad += 5;
+  scene.motion.frame_rate_hz = 1000;
+  scene.motion.poses.clear();
+  for (int k = 0; k <= 200; ++k) scene.motion.poses.push_back(interpolate(begin, end, k / 200.0));
+  for (int k = 150; k <= 200; ++k) scene.motion.poses[static_cast<std::size_t>(k)].position_mm.z() -= 0.4;
+  return scene;
+}
+
+TEST(Exact, WindowsEqualTheSerialReference) {
+  const Outcome serial = run(slow_scene("serial"));
+  EXPECT_GT(serial.removed.size(), 100U);
+  ReamingScene framed = slow_scene("auto");
+  framed.scenario.engine.tuning.windows = false;
+  EXPECT_NE(run(framed).forces, serial.forces) << "windows are in use";
+  for (const KernelShape shape : {KernelShape::cpu, KernelShape::gpu}) {
+    for (const int batch : {1, 7, 1000}) {
+      SCOPED_TRACE(name_of(shape) + ", batch " + std::to_string(batch));
+      ReamingScene scene = slow_scene("auto");
+      scene.scenario.engine.tuning.kernel_shape = shape;
+      scene.scenario.engine.batch_frames = batch;
+      expect_same(run(scene), serial);
+    }
+  }
+}
+
 /// A ball, radius 29 mm, with an edge every `step_mm`.
 Tool ball(double step_mm, int shell = 64) {
   constexpr double kRadius = 29;
