@@ -37,8 +37,9 @@ void note_cost(const ReamingScene& scene, Report& report) {
   report.note(fmt::format("bone: {} x {} x {} voxels of {:g} mm, {} contain bone ({:.1f} mm3)", grid.dims.x(),
                           grid.dims.y(), grid.dims.z(), grid.voxel_mm, scene.bone.view().count_bone(),
                           scene.bone.view().bone_mm3()));
-  report.note(
-      fmt::format("tool: {} shell points, spacing {:g} mm", scene.tool.shell.codes.size(), scene.tool.shell.cell_mm));
+  if (const PointShell& shell = scene.tool.shell; !shell.codes.empty()) {
+    report.note(fmt::format("tool: {} shell points, spacing {:g} mm", shell.codes.size(), shell.cell_mm));
+  }
   report.note("engine: " + name_of(engine_of(scene.scenario)));
   const MemoryPlan memory = plan_memory(scene);
   report.note("memory: " + megabytes(memory.device_bytes) + " on the device, up to " + megabytes(memory.process_bytes) +

@@ -29,6 +29,8 @@ class Outputs {
 
   /// All snapshots up to and including this frame's are on disk.
   void snapshots_written(std::int64_t frame);
+  /// Fill of the bone before the run.
+  [[nodiscard]] const FillBricks& fill_before() const { return run_.inputs().fill; }
   /// The run has ended with this fill, and all its results are on disk.
   void finish_run(const FillBricks& fill) { run_.finish(fill); }
   /// Makes everything but the report, with progress on the console. Another thread makes plots and meshes meanwhile.

@@ -8,6 +8,7 @@
 #include "render/pictures/figures.h"
 #include "render/render.h"
 #include "sim/base/error.h"
+#include "sim/base/memory.h"
 #include "sim/predict/contact_forecast.h"
 #include "sim/record/output_folder.h"
 #include "sim/record/summary.h"
@@ -88,10 +89,10 @@ void run_in(OutputFolder& folder, const Scenario& scenario, const Console& conso
   ReamingScene scene = load_scene(scenario, report);
   const ContactForecast contact = report_scene(scene, folder.path(), report, console);
   print_report(report, facts, console);
-  const std::unique_ptr<Engine> engine = load_engine(scene);
+  std::unique_ptr<Engine> engine = load_engine(scene);
   facts.device = engine->device();
   facts.bone_before_mm3 = scene.bone.view().bone_mm3();
-  const FillBricks fill_before = scene.bone.fill;
+  return_free_memory();
   facts.load_s = load_watch.seconds();
 
   write_tool(folder.path(), scene.tool);
@@ -102,9 +103,12 @@ void run_in(OutputFolder& folder, const Scenario& scenario, const Console& conso
   facts.simulate_s = watch.seconds();
   facts.device_bytes = engine->device_bytes();
   print_report(report, facts, console);
-  measure(facts, scene, fill_before, recorder.totals());
+  measure(facts, scene, outputs.fill_before(), recorder.totals());
+  engine.reset();
+  return_free_memory();
   const Stopwatch write_watch;
   write_results(folder.path(), scene, recorder, facts);
+  return_free_memory();
   facts.write_s = write_watch.seconds();
   const Stopwatch render_watch;
   const auto finish = [&] {

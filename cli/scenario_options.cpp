@@ -37,8 +37,9 @@ EngineTuning tuning_of_environment() {
   std::istringstream words(given == nullptr ? "" : given);
   for (std::string word; words >> word;) {
     if (!set_tuning(tuning, word)) {
-      throw InputError({}, kTuningVariable, "found " + word,
-                       "expected kernel_shape=auto|cpu|gpu, culling=true|false, windows=true|false or work_group_size=N");
+      throw InputError(
+          {}, kTuningVariable, "found " + word,
+          "expected kernel_shape=auto|cpu|gpu, culling=true|false, windows=true|false or work_group_size=N");
     }
   }
   return tuning;

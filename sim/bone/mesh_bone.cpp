@@ -5,13 +5,13 @@
 
 #include "sim/base/error.h"
 #include "sim/bone/bone.h"
+#include "sim/bone/mesh_depth.h"
 #include "sim/bone/mesh_unit.h"
 #include "sim/bone/sample_phantom.h"
 #include "sim/bone/voxmap/cube_fraction.h"
 #include "sim/bone/voxmap/lattice.h"
 #include "sim/bone/voxmap/sample_voxels.h"
 #include "sim/mesh/mesh_check.h"
-#include "sim/mesh/mesh_distance.h"
 #include "sim/mesh/mesh_io.h"
 #include "sim/mesh/mesh_repair.h"
 
@@ -21,22 +21,6 @@ namespace {
 
 /// Largest relative deviation of the voxelized volume from that of the mesh.
 constexpr double kMaxVolumeError = 0.1;
-
-/// Signed distance in voxels, negative inside, exact down to `inner_voxels` below the surface.
-openvdb::FloatGrid::Ptr signed_distance(const std::string& path, const TriangleMesh& mesh, const VoxelGrid& grid,
-                                        double inner_voxels) {
-  try {
-    return mesh_distance(mesh, {.first_mm = grid.center_mm({0, 0, 0}),
-                                .spacing_mm = grid.voxel_mm,
-                                .outer_spacings = kMarginVoxels - 1,
-                                .inner_spacings = inner_voxels});
-  } catch (const std::bad_alloc&) {
-    throw InputError({path, 0, 0}, "", "the distance field of the mesh does not fit into memory",
-                     "increase bone.voxel_mm");
-  } catch (const openvdb::Exception&) {
-    throw InputError({path, 0, 0}, "", "the mesh cannot be voxelized", "give a closed surface");
-  }
-}
 
 /// Grades by depth below the surface, voxels: cortical down to `cortical_voxels`, trabecular below.
 struct GradesByDepth {
@@ -51,34 +35,35 @@ struct GradesByDepth {
   }
 };
 
-/// Bricks and leaves of the distance grid are the same blocks of voxels.
-bool grade_brick(const openvdb::FloatTree& distance, const GradesByDepth& by_depth, const Vec3i& brick_coord,
+bool grade_brick(const MeshDepth& depth, const GradesByDepth& by_depth, const Vec3i& brick_coord,
                  GradeBricks::Brick& out) {
-  using Leaf = openvdb::FloatTree::LeafNodeType;
-  static_assert(Leaf::DIM == GradeBricks::kSide);
+  // The interpolated distance changes by at most one for each voxel along each axis.
+  constexpr double kFromCentre = 3 * (GradeBricks::kSide - 1) / 2.0;
   const Vec3i first = GradeBricks::kSide * brick_coord;
   const openvdb::Coord corner(first.x(), first.y(), first.z());
-  const Leaf* leaf = distance.probeConstLeaf(corner);
-  if (leaf == nullptr) {
-    const std::uint8_t all = by_depth.grade(distance.getValue(corner));
-    if (all != 0) out.fill(all);
-    return all != 0;
+  if (depth.near_surface().probeConstLeaf(corner) == nullptr) {
+    float all = depth.near_surface().getValue(corner);
+    if (all > 0) return false;
+    bool uniform = !depth.interpolated();
+    if (!uniform) {
+      all = depth.below(first.cast<double>() + Vec3::Constant((GradeBricks::kSide - 1) / 2.0));
+      uniform = std::abs(-all - by_depth.cortical_voxels) > kFromCentre;
+    }
+    if (uniform) {
+      out.fill(by_depth.grade(all));
+      return true;
+    }
   }
-  bool any = false;
-  for (int offset = 0; offset < GradeBricks::kVoxels; ++offset) {
-    const Vec3i voxel = BrickLattice::voxel_at(Vec3i::Zero(), offset);
-    const std::uint8_t grade = by_depth.grade(leaf->getValue(Leaf::coordToOffset({voxel.x(), voxel.y(), voxel.z()})));
-    out[static_cast<std::size_t>(offset)] = grade;
-    any = any || grade != 0;
-  }
-  return any;
+  MeshDepth::Distances distances;
+  depth.of_brick(brick_coord, distances);
+  std::ranges::transform(distances, out.begin(), [&](float distance) { return by_depth.grade(distance); });
+  return std::ranges::any_of(out, [](std::uint8_t grade) { return grade != 0; });
 }
 
-FilledVoxmap grades_from_distance(const openvdb::FloatGrid& distance, const VoxelGrid& grid,
-                                  const GradesByDepth& by_depth) {
+FilledVoxmap grades_from_depth(const MeshDepth& depth, const VoxelGrid& grid, const GradesByDepth& by_depth) {
   FilledVoxmap voxmap(grid);
   voxmap.grade = sample_bricks(grid.dims, [&](const Vec3i& brick_coord, GradeBricks::Brick& brick) {
-    return grade_brick(distance.tree(), by_depth, brick_coord, brick);
+    return grade_brick(depth, by_depth, brick_coord, brick);
   });
   return voxmap;
 }
@@ -179,19 +164,19 @@ FilledVoxmap voxmap_from_mesh(const BoneSettings& settings, Report& report) {
   const VoxelGrid grid = lattice_around(bone.path, mesh.bounds(), settings.voxel_mm, kMarginVoxels,
                                         {bone_fraction(mesh, settings.voxel_mm), kMeshBytesPerVoxel});
   const double cortical_voxels = bone.cortical_mm / settings.voxel_mm;
-  const auto distance = signed_distance(bone.path, mesh, grid, cortical_voxels + 2);
+  const MeshDepth depth(bone.path, mesh, grid, cortical_voxels);
 
   const DensityMapping mapping = mapping_from(settings.density);
   const auto grade = [&mapping](double hu) { return DensityMapping::grade_from_density(mapping.density_from_hu(hu)); };
   const GradesByDepth by_depth{cortical_voxels, grade(bone.cortical_hu), grade(bone.trabecular_hu)};
-  FilledVoxmap voxmap = grades_from_distance(*distance, grid, by_depth);
+  FilledVoxmap voxmap = grades_from_depth(depth, grid, by_depth);
   voxmap.mapping = mapping;
   voxmap.frame = "mesh";
   if (voxmap.count_bone() == 0) {
     throw InputError({bone.path, 0, 0}, "bone.voxel_mm", "the mesh contains no voxel centre",
                      "use smaller voxels, a larger bone.mesh.scale, or a closed mesh");
   }
-  if (settings.surface_voxels == SurfaceVoxels::partial) set_fill_at_surface(distance->tree(), by_depth, voxmap);
+  if (settings.surface_voxels == SurfaceVoxels::partial) set_fill_at_surface(depth.near_surface(), by_depth, voxmap);
   check_volume(bone, voxmap.bone_mm3(), std::abs(mesh.volume_mm3()), report);
   return voxmap;
 }

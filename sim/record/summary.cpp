@@ -140,9 +140,13 @@ nlohmann::ordered_json segmentation_json(const Segmentation& s) {
 }
 
 nlohmann::ordered_json tool_json(const Tool& tool) {
-  nlohmann::ordered_json json = {{"shell_points", tool.shell.codes.size()},
-                                 {"shell_resolution", tool.shell.resolution},
-                                 {"shell_spacing_mm", tool.shell.cell_mm}};
+  nlohmann::ordered_json json = {
+      {"shell_points", nullptr}, {"shell_resolution", nullptr}, {"shell_spacing_mm", nullptr}};
+  if (!tool.shell.codes.empty()) {
+    json = {{"shell_points", tool.shell.codes.size()},
+            {"shell_resolution", tool.shell.resolution},
+            {"shell_spacing_mm", tool.shell.cell_mm}};
+  }
   if (const auto& teeth = tool.teeth) {
     json["distance_grid"] = {{"spacing_mm", teeth->spacing_mm},
                              {"bricks", teeth->stored_bricks()},

@@ -12,7 +12,7 @@ namespace {
 /// Engines that clip voxels or test them against the surface need no shell points.
 ShellUse shell_use(const Scenario& scenario) {
   const bool by_surface = engine_of(scenario) == EngineKind::exact || engine_of(scenario) == EngineKind::implicit;
-  return by_surface ? ShellUse::extent : ShellUse::touches_voxels;
+  return by_surface ? ShellUse::none : ShellUse::touches_voxels;
 }
 
 void load_tool_of(ReamingScene& scene, double voxel_mm, Report& report) {

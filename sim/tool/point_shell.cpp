@@ -130,26 +130,24 @@ void mark_triangle(const GridTriangle& t, int resolution, CodeSet& cells) {
   }
 }
 
-/// The grid around the box, as voxelize_surface() documents it. The lowest point lies at cell centres, so that a tool's
-/// cutting end is sampled without an offset.
-PointShell make_grid(const Aabb& box, int resolution) {
+}  // namespace
+
+PointShell shell_grid(const Aabb& box, int resolution) {
+  if (resolution < 1 || resolution > kMaxShellResolution)
+    throw InputError("shell resolution " + std::to_string(resolution) + " is outside 1 to " +
+                     std::to_string(kMaxShellResolution));
+  if (box.empty() || !((box.max - box.min).maxCoeff() > 0)) throw InputError("the mesh has no extent");
   PointShell shell;
   shell.resolution = resolution;
   shell.cell_mm = (box.max - box.min).maxCoeff() / std::max(1, resolution - 1);
   shell.origin_mm = box.center() - Vec3::Constant(0.5 * resolution * shell.cell_mm);
+  // The lowest point lies at cell centres, so that a tool's cutting end is sampled without an offset.
   if (resolution > 1) shell.origin_mm.z() = box.min.z() - 0.5 * shell.cell_mm;
   return shell;
 }
 
-}  // namespace
-
 PointShell voxelize_surface(const TriangleMesh& mesh, int resolution) {
-  if (resolution < 1 || resolution > kMaxShellResolution)
-    throw InputError("shell resolution " + std::to_string(resolution) + " is outside 1 to " +
-                     std::to_string(kMaxShellResolution));
-  const Aabb box = mesh.bounds();
-  if (box.empty() || !((box.max - box.min).maxCoeff() > 0)) throw InputError("the mesh has no extent");
-  PointShell shell = make_grid(box, resolution);
+  PointShell shell = shell_grid(mesh.bounds(), resolution);
   CodeSet cells(resolution);
   const auto grid = [&](std::int32_t vertex) -> Vec3 {
     return (mesh.vertices[static_cast<std::size_t>(vertex)] - shell.origin_mm) / shell.cell_mm;

@@ -23,5 +23,7 @@ struct PointShell {
 /// point lies at the centres of the lowest cells. Throws InputError when resolution is outside 1…kMaxShellResolution or
 /// the mesh has no extent.
 PointShell voxelize_surface(const TriangleMesh& mesh, int resolution);
+/// The grid of voxelize_surface() for a surface with this box, without points. Throws likewise.
+PointShell shell_grid(const Aabb& box, int resolution);
 
 }  // namespace reamsim

@@ -23,8 +23,8 @@ constexpr double kSafeSpacingVoxels = 0.5;
 /// Automatic spacing, in voxels: below the safe one, and no simple fraction of a voxel. At exactly half a voxel,
 /// aligned with the lattice, all layers of points would enter their next layers of voxels in the same frame.
 constexpr double kChosenSpacingVoxels = 0.4721;
-/// Limit of the automatic resolution of a shell that only determines the tool's reach.
-constexpr int kExtentResolution = 1024;
+/// Limit of the automatic resolution of a shell without points.
+constexpr int kGridResolution = 1024;
 /// Relative tolerance of the spacing, for the rounding of coordinates in an STL.
 constexpr double kSpacingSlack = 1e-6;
 constexpr double kLargestMm = 1000;
@@ -93,9 +93,9 @@ int least_resolution(const ToolSettings& settings, double extent_mm, double voxe
   const auto cells_at = [&](double spacing) {
     return std::ceil(extent_mm / (spacing * voxel_mm) * (1 - kSpacingSlack)) + 1;
   };
-  const int most = use == ShellUse::extent ? kExtentResolution : kMaxShellResolution;
+  const int most = use == ShellUse::none ? kGridResolution : kMaxShellResolution;
   const double cells = cells_at(kSafeSpacingVoxels);
-  if (cells <= kMaxShellResolution || use == ShellUse::extent) {
+  if (cells <= kMaxShellResolution || use == ShellUse::none) {
     return static_cast<int>(std::clamp<double>(cells_at(kChosenSpacingVoxels), 2, most));
   }
   const double least_voxel = extent_mm / (kMaxShellResolution - 1) / kSafeSpacingVoxels;
@@ -136,11 +136,15 @@ Tool load_tool(const ToolSettings& settings, double voxel_mm, ShellUse use, Repo
   const double extent = (tool.bounds.max - tool.bounds.min).maxCoeff();
   const int resolution =
       settings.shell_resolution > 0 ? settings.shell_resolution : least_resolution(settings, extent, voxel_mm, use);
+  if (use == ShellUse::none) {
+    tool.shell = shell_grid(tool.bounds, resolution);
+    for (const Vec3& vertex : tool.mesh.vertices) tool.reach_mm = std::max(tool.reach_mm, vertex.norm());
+    return tool;
+  }
   const double cell = extent / std::max(1, resolution - 1);
   tool.shell = voxelize_surface(
       teeth ? tool.mesh : revolve(tool.profile, segments_for_sagitta(radius, kFacetCells * cell)), resolution);
-  if (use == ShellUse::touches_voxels) warn_of_leak(tool.shell, voxel_mm, report);
-
+  warn_of_leak(tool.shell, voxel_mm, report);
   for (const std::uint64_t code : tool.shell.codes) {
     const Vec3 point =
         tool.shell.origin_mm + tool.shell.cell_mm * (morton_decode(code).cast<double>().array() + 0.5).matrix();

@@ -16,9 +16,10 @@ namespace reamsim {
 struct Tool {
   TriangleMesh mesh;                  ///< with cutting edges; for pictures
   Profile profile;                    ///< envelope of revolution about z
-  PointShell shell;                   ///< of the envelope (`spin: envelope`) or of the mesh (`spin: resolved`)
+  PointShell shell;                   ///< of the envelope (`spin: envelope`) or of the mesh (`spin: resolved`); without
+                                      ///< points in a run that uses none
   Aabb bounds;                        ///< of the shell's surface, T, mm
-  double reach_mm = 0;                ///< farthest shell point from the origin of T
+  double reach_mm = 0;                ///< farthest point of the shell, or of the surface without one, from T's origin
   bool revolved = false;              ///< the mesh is the surface of revolution of the profile
   std::optional<DistanceGrid> teeth;  ///< distance to resolved cutting edges, for `erosion: exact` (clipped_tool.h)
 
@@ -31,7 +32,7 @@ struct Tool {
 /// The use of the tool's point shell in a run.
 enum class ShellUse {
   touches_voxels,  ///< its points determine the touched voxels; a coarse shell misses some
-  extent,          ///< it determines only the tool's reach; voxels are tested against the surface
+  none,            ///< voxels are tested against the surface; the shell has a grid but no points
 };
 
 /// Reads the mesh, computes its envelope of revolution and samples its surface. Without a resolution in the scenario

@@ -55,6 +55,19 @@ TEST_F(MeshBone, SphereVolumeAndCorticalShell) {
   EXPECT_TRUE(report_.warnings.empty());
 }
 
+TEST_F(MeshBone, ALayerOfManyVoxelsIsAsThickAsOneOfFew) {
+  BoneSettings settings = settings_for(sphere_mesh({3.1, -7.3, 20.7}, 8, 6), 0.1);
+  settings.mesh.cortical_mm = 2;  // 20 voxels: distances are interpolated
+  const int trabecular = DensityMapping::grade_from_density(DensityMapping().density_from_hu(300));
+  const FilledVoxmap voxmap = voxmap_from_mesh(settings, report_);
+  const double inner_mm3 = static_cast<double>(count_grade(voxmap, trabecular)) * voxmap.grid.voxel_mm3();
+  EXPECT_NEAR(std::cbrt(0.75 * inner_mm3 / std::numbers::pi), 6, 0.01);
+  for (const Vec3& axis : {Vec3(1, 0, 0), Vec3(0, -1, 0), Vec3(0.6, 0, -0.8), Vec3(-0.577, 0.577, 0.577)}) {
+    EXPECT_EQ(grade_at(voxmap, Vec3(3.1, -7.3, 20.7) + 5.9 * axis), trabecular) << axis.transpose();
+    EXPECT_NE(grade_at(voxmap, Vec3(3.1, -7.3, 20.7) + 6.1 * axis), trabecular) << axis.transpose();
+  }
+}
+
 TEST_F(MeshBone, BoxIsExact) {
   const BoneSettings settings = settings_for(box_mesh({0, 0, 0}, {10, 6, 4}), 0.5);
   EXPECT_DOUBLE_EQ(voxmap_from_mesh(settings, report_).bone_mm3(), 240);

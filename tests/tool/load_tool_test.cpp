@@ -97,14 +97,15 @@ TEST_F(LoadTool, SaysWhetherALeakIsABoundOrAFigure) {
 }
 
 TEST_F(LoadTool, AShellThatTouchesNoVoxelsLeavesNoneBehind) {
-  const Tool tool = load_tool(shipped("convex", 31), 0.25, ShellUse::extent, report_);
+  const Tool tool = load_tool(shipped("convex", 31), 0.25, ShellUse::none, report_);
   EXPECT_EQ(tool.shell.resolution, 31);
+  EXPECT_TRUE(tool.shell.codes.empty());
   EXPECT_THAT(report_.warnings, IsEmpty());
 }
 
 TEST_F(LoadTool, AShellThatTouchesNoVoxelsMayBeCoarserThanTheyAre) {
   // Cells of half a voxel would be 6001 an axis, more than are possible.
-  const Tool tool = load_tool(shipped("convex"), 0.01, ShellUse::extent, report_);
+  const Tool tool = load_tool(shipped("convex"), 0.01, ShellUse::none, report_);
   EXPECT_EQ(tool.shell.resolution, 1024);
   EXPECT_NEAR(tool.reach_mm, std::hypot(3.5, 30), tool.shell.cell_mm);
   EXPECT_THAT(report_.warnings, IsEmpty());

@@ -3,6 +3,7 @@
 #include <memory>
 
 #include "sim/base/error.h"
+#include "sim/base/memory.h"
 #include "sim/bone/vdb/bone_vdb.h"
 #include "sim/bone/vdb/bone_vdb_metadata.h"
 #include "sim/bone/vdb/surface_grid.h"
@@ -110,6 +111,7 @@ void write_bone_vdb(const std::string& path, const BoneView& bone, const Removed
   try {
     const openvdb::MetaMap common = bone_metadata(bone, metadata);
     const auto surface = surface_level_set(bone);  // first, because it needs the most temporary memory
+    return_free_memory();
     openvdb::GridCPtrVec grids;
     const auto add = [&](const openvdb::FloatGrid::Ptr& grid, const char* name, const char* unit) {
       label(*grid, name, unit, common, bone);

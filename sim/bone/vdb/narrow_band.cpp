@@ -68,15 +68,20 @@ class Block {
 
   [[nodiscard]] float at(int x, int y, int z) const { return values_[place(x, y, z)]; }
 
+  /// The values at the corners of a cell; x varies fastest.
+  using Corners = std::array<float, 8>;
+  [[nodiscard]] Corners corners(const Vec3i& cell) const {
+    const float* v = values_.data() + place(cell.x(), cell.y(), cell.z());
+    constexpr std::size_t kRow = kSamples, kLayer = kSamples * kSamples;
+    return {v[0], v[1], v[kRow], v[kRow + 1], v[kLayer], v[kLayer + 1], v[kLayer + kRow], v[kLayer + kRow + 1]};
+  }
+
   /// Value, and its gradient, of the trilinear interpolation.
   float interpolate(const Point& p, Point& gradient) const {
     const Eigen::Array3f limited = p.array().max(0.0F).min(static_cast<float>(kCells) - 1e-3F);
     const Eigen::Array3i cell = limited.cast<int>();
     const Eigen::Array3f t = limited - cell.cast<float>(), u = 1.0F - t;
-    std::array<float, 8> v{};
-    for (int i = 0; i < 8; ++i) {
-      v[static_cast<std::size_t>(i)] = at(cell.x() + (i & 1), cell.y() + (i >> 1 & 1), cell.z() + (i >> 2));
-    }
+    const Corners v = corners(cell.matrix());
     const float x0 = u.x() * v[0] + t.x() * v[1], x1 = u.x() * v[2] + t.x() * v[3];
     const float x2 = u.x() * v[4] + t.x() * v[5], x3 = u.x() * v[6] + t.x() * v[7];
     const float y0 = u.y() * x0 + t.y() * x1, y1 = u.y() * x2 + t.y() * x3;
@@ -94,132 +99,199 @@ class Block {
   std::array<std::uint32_t, kSamples * kSamples> inside_{};  ///< of a row along x, a bit per sample
 };
 
-/// Moves a point to the surface along the gradient.
-Point on_surface(const Block& block, const Point& p) {
-  Point gradient;
-  const float value = block.interpolate(p, gradient);
-  const float steepness2 = gradient.squaredNorm();
-  if (steepness2 < 1e-6F) return p;
-  const Point step = (0.5F - value) / steepness2 * gradient;
-  const float length = step.norm(), most = 0.5F;
-  return length > most ? Point(p + most / length * step) : Point(p + step);
-}
-
-/// A point of the surface in every cell that it intersects, by component.
-struct SurfacePoints {
-  std::vector<float> x, y, z;
+/// A point of the surface in a cell that it intersects, with the occupancy there and its gradient.
+struct Foot {
+  Point at, gradient;
+  float value = 0;
 };
 
+Foot foot_at(const Block& block, const Point& p) {
+  Foot out{.at = p, .gradient = {}};
+  out.value = block.interpolate(p, out.gradient);
+  return out;
+}
+
+/// A point moved to the surface along the gradient.
+Foot on_surface(const Block& block, const Point& p) {
+  const Foot from = foot_at(block, p);
+  const float steepness2 = from.gradient.squaredNorm();
+  if (steepness2 < 1e-6F) return from;
+  const Point step = (0.5F - from.value) / steepness2 * from.gradient;
+  const float length = step.norm(), most = 0.5F;
+  return foot_at(block, length > most ? Point(p + most / length * step) : Point(p + step));
+}
+
 /// The mean of the points where the surface intersects the edges of a cell, moved to the surface.
-Point point_in_cell(const Block& block, const Vec3i& cell) {
+Foot foot_in_cell(const Block& block, const Vec3i& cell) {
+  const Block::Corners corner = block.corners(cell);
   int count = 0;
-  Point sum = Point::Zero();
-  for (int axis = 0; axis < 3; ++axis) {
-    for (int i = 0; i < 4; ++i) {
-      Vec3i begin = cell;
-      begin[(axis + 1) % 3] += i & 1;
-      begin[(axis + 2) % 3] += i >> 1;
-      Vec3i end = begin;
-      ++end[axis];
-      const float a = block.at(begin.x(), begin.y(), begin.z()), b = block.at(end.x(), end.y(), end.z());
-      if (inside(a) == inside(b)) continue;
-      Point p = begin.cast<float>();
-      p[axis] += (0.5F - a) / (b - a);
-      sum += p;
+  std::array<float, 3> sum{};
+  for (unsigned axis = 0; axis < 3; ++axis) {
+    for (unsigned from = 0; from < 8; ++from) {
+      const unsigned to = from | 1U << axis;
+      if (to == from || inside(corner[from]) == inside(corner[to])) continue;
+      for (unsigned i = 0; i < 3; ++i) sum[i] += static_cast<float>(from >> i & 1);
+      sum[axis] += (0.5F - corner[from]) / (corner[to] - corner[from]);
       ++count;
     }
   }
-  return on_surface(block, sum / static_cast<float>(count));
+  const Point within = Point(sum[0], sum[1], sum[2]) / static_cast<float>(count);
+  return on_surface(block, cell.cast<float>() + within);
 }
 
-SurfacePoints surface_points(const Block& block) {
-  SurfacePoints out;
+std::vector<Foot> feet_of(const Block& block) {
+  std::vector<Foot> out;
   for (int z = 0; z < kCells; ++z) {
     for (int y = 0; y < kCells; ++y) {
       for (std::uint32_t rest = block.mixed_cells(y, z); rest != 0; rest &= rest - 1) {
-        const Point p = point_in_cell(block, {std::countr_zero(rest), y, z});
-        out.x.push_back(p.x());
-        out.y.push_back(p.y());
-        out.z.push_back(p.z());
+        out.push_back(foot_in_cell(block, {std::countr_zero(rest), y, z}));
       }
     }
   }
   return out;
 }
 
-/// Those of the points within the reach of a box of voxels.
-SurfacePoints near_box(const SurfacePoints& points, const Point& first, const Point& last) {
-  constexpr float kReach = kHalfBandVoxels + kWithinCell;
-  const Eigen::Array3f low = first.array() - kReach, high = last.array() + kReach;
-  SurfacePoints out;
-  for (std::size_t i = 0; i < points.x.size(); ++i) {
-    const Eigen::Array3f p(points.x[i], points.y[i], points.z[i]);
-    if ((p < low).any() || (p > high).any()) continue;
-    out.x.push_back(points.x[i]);
-    out.y.push_back(points.y[i]);
-    out.z.push_back(points.z[i]);
+/// Points by component, with their numbers; the compiler vectorizes searches in it.
+class PointSet {
+ public:
+  PointSet() = default;
+  explicit PointSet(const std::vector<Foot>& feet) {
+    for (std::size_t i = 0; i < feet.size(); ++i) add(feet[i].at, static_cast<std::int32_t>(i));
   }
-  return out;
-}
 
-/// The nearest of the points. Squared distance and number are compared as one integer, which the compiler vectorizes.
-Point nearest(const SurfacePoints& points, const Point& p) {
-  constexpr int kNumberBits = 12;  // there are at most 16³ cells
-  static_assert(kCells * kCells * kCells <= 1 << kNumberBits);
-  constexpr float kPerSquare = 1024;
-  std::int32_t best = std::numeric_limits<std::int32_t>::max();
-  const auto count = static_cast<std::int32_t>(points.x.size());
-  for (std::int32_t i = 0; i < count; ++i) {
-    const auto k = static_cast<std::size_t>(i);
-    const float dx = points.x[k] - p.x(), dy = points.y[k] - p.y(), dz = points.z[k] - p.z();
-    const float square = (dx * dx + dy * dy + dz * dz) * kPerSquare;
-    const std::int32_t key = static_cast<std::int32_t>(square) << kNumberBits | i;
-    best = key < best ? key : best;
+  [[nodiscard]] bool empty() const { return number_.empty(); }
+
+  /// Sets `out` to those within `reach` of a box.
+  void select(const Point& first, const Point& last, float reach, PointSet& out) const {
+    const Eigen::Array3f low = first.array() - reach, high = last.array() + reach;
+    out.clear();
+    for (std::size_t i = 0; i < number_.size(); ++i) {
+      const Point p = point(i);
+      if ((p.array() >= low).all() && (p.array() <= high).all()) out.add(p, number_[i]);
+    }
   }
-  const auto k = static_cast<std::size_t>(best & ((1 << kNumberBits) - 1));
-  return {points.x[k], points.y[k], points.z[k]};
-}
 
-/// Distance from the surface near `start`, voxels: steps to the surface and along it, to where the gradient leads to
+  /// The nearest of the points, by number, and its distance. Squared distance and place are compared as one integer.
+  struct Nearest {
+    std::int32_t number = 0;
+    float distance = 0;
+  };
+  [[nodiscard]] Nearest nearest(const Point& p) const {
+    constexpr int kPlaceBits = 12;  // there are at most 16³ cells
+    static_assert(kCells * kCells * kCells <= 1 << kPlaceBits);
+    constexpr float kPerSquare = 1024;
+    std::int32_t best = std::numeric_limits<std::int32_t>::max();
+    const auto count = static_cast<std::int32_t>(number_.size());
+    for (std::int32_t i = 0; i < count; ++i) {
+      const auto k = static_cast<std::size_t>(i);
+      const float dx = x_[k] - p.x(), dy = y_[k] - p.y(), dz = z_[k] - p.z();
+      const float square = (dx * dx + dy * dy + dz * dz) * kPerSquare;
+      const std::int32_t key = static_cast<std::int32_t>(square) << kPlaceBits | i;
+      best = key < best ? key : best;
+    }
+    const auto k = static_cast<std::size_t>(best & ((1 << kPlaceBits) - 1));
+    return {number_[k], (point(k) - p).norm()};
+  }
+
+  void clear() {
+    for (std::vector<float>* values : {&x_, &y_, &z_}) values->clear();
+    number_.clear();
+  }
+
+ private:
+  void add(const Point& p, std::int32_t number) {
+    x_.push_back(p.x());
+    y_.push_back(p.y());
+    z_.push_back(p.z());
+    number_.push_back(number);
+  }
+  [[nodiscard]] Point point(std::size_t i) const { return {x_[i], y_[i], z_[i]}; }
+
+  std::vector<float> x_, y_, z_;
+  std::vector<std::int32_t> number_;
+};
+
+/// Distance from the surface near a foot, voxels: steps to the surface and along it, to where the gradient leads to
 /// `p`.
-float refined_distance(const Block& block, const Point& p, Point start) {
-  const float nearest = (p - start).norm();
-  if (nearest > kHalfBandVoxels + kWithinCell) return kHalfBandVoxels;
+float refined_distance(const Block& block, const Point& p, Foot foot) {
+  constexpr float kSmallStep = 0.05F;  // a step along the surface moves the distance by its square
+  const float nearest = (p - foot.at).norm();
   for (int i = 0; i < kRefinements; ++i) {
-    Point gradient;
-    const float value = block.interpolate(start, gradient);
-    const float steepness2 = gradient.squaredNorm();
+    const float steepness2 = foot.gradient.squaredNorm();
     if (steepness2 < 1e-6F) break;
-    const Point to_p = p - start;
-    const Point along = to_p - (to_p.dot(gradient) - (0.5F - value)) / steepness2 * gradient;
+    const Point to_p = p - foot.at;
+    const Point along = to_p - (to_p.dot(foot.gradient) - (0.5F - foot.value)) / steepness2 * foot.gradient;
     const float length = along.norm();
-    start += length > 1 ? Point(along / length) : along;
+    foot.at += length > 1 ? Point(along / length) : along;
+    if (length < kSmallStep) break;
+    foot.value = block.interpolate(foot.at, foot.gradient);
   }
-  return std::min(nearest, (p - start).norm());
+  return std::min(nearest, (p - foot.at).norm());
 }
+
+/// Distances of a leaf's voxels from the feet, at most kHalfBandVoxels. Feet are first selected for cubes of 4³ voxels,
+/// then for cubes of 2³: what is nearest to a voxel is hardly further from the cube's centre than what is nearest
+/// there.
+class LeafDistances {
+ public:
+  LeafDistances(const Block& block, const std::vector<Foot>& feet) : block_(block), feet_(feet) {
+    const PointSet all(feet);
+    constexpr int kPart = kSide / 2;
+    for_each_voxel(Vec3i::Constant(2), [&](const Vec3i& part) {
+      const Vec3i first = kPart * part;
+      all.select(place(first), place(first + Vec3i::Constant(kPart - 1)), kReach, near_part_);
+      for_each_voxel(Vec3i::Constant(kPart / 2), [&](const Vec3i& pair) { set_pair(first + 2 * pair); });
+    });
+  }
+
+  [[nodiscard]] float at(const Vec3i& v) const { return distances_[Leaf::coordToOffset({v.x(), v.y(), v.z()})]; }
+
+ private:
+  static constexpr float kReach = kHalfBandVoxels + kWithinCell;
+
+  static Point place(const Vec3i& v) { return v.cast<float>().array() + static_cast<float>(kMargin); }
+
+  /// Two voxels along each axis.
+  void set_pair(const Vec3i& first) {
+    constexpr float kFromCentre = 0.867F;  // half the diagonal of the cube of their centres
+    const Point centre = place(first).array() + 0.5F;
+    near_pair_.clear();
+    if (!near_part_.empty()) {
+      const float distance = near_part_.nearest(centre).distance;
+      if (distance <= kReach + kFromCentre) near_part_.select(centre, centre, distance + 2 * kFromCentre, near_pair_);
+    }
+    for_each_voxel(Vec3i::Constant(2), [&](const Vec3i& step) {
+      const Vec3i v = first + step;
+      float& out = distances_[Leaf::coordToOffset({v.x(), v.y(), v.z()})];
+      out = kHalfBandVoxels;
+      if (near_pair_.empty()) return;
+      const PointSet::Nearest found = near_pair_.nearest(place(v));
+      if (found.distance > kReach) return;
+      out = std::min(out, refined_distance(block_, place(v), feet_[static_cast<std::size_t>(found.number)]));
+    });
+  }
+
+  const Block& block_;
+  const std::vector<Foot>& feet_;
+  std::array<float, Leaf::SIZE> distances_{};
+  PointSet near_part_, near_pair_;
+};
 
 /// A leaf of the level set; nullptr where the surface is out of reach.
 std::unique_ptr<Leaf> band_leaf(const openvdb::FloatTree& occupancy, const openvdb::Coord& corner, float voxel_mm) {
   const Block block(occupancy, corner);
-  const SurfacePoints all = surface_points(block);
-  if (all.x.empty()) return nullptr;
+  const std::vector<Foot> feet = feet_of(block);
+  if (feet.empty()) return nullptr;
+  const LeafDistances distances(block, feet);
   auto leaf = std::make_unique<Leaf>(corner, 0.0F, false);
   bool any = false;
-  constexpr int kPart = kSide / 2;
-  for (int part = 0; part < 8; ++part) {
-    const Vec3i first = kPart * Vec3i(part & 1, part >> 1 & 1, part >> 2);
-    const auto place = [](const Vec3i& v) { return Point(v.cast<float>().array() + static_cast<float>(kMargin)); };
-    const SurfacePoints points = near_box(all, place(first), place(first + Vec3i::Constant(kPart - 1)));
-    for_each_voxel(first, first + Vec3i::Constant(kPart - 1), [&](const Vec3i& v) {
-      const Point p = place(v);
-      const bool in = inside(block.at(v.x() + kMargin, v.y() + kMargin, v.z() + kMargin));
-      float distance = kHalfBandVoxels;
-      if (!points.x.empty()) distance = std::min(distance, refined_distance(block, p, nearest(points, p)));
-      const auto at = Leaf::coordToOffset({v.x(), v.y(), v.z()});
-      leaf->setValueOnly(at, (in ? -distance : distance) * voxel_mm);
-      if (distance < kHalfBandVoxels) leaf->setValueOn(at), any = true;
-    });
-  }
+  for_each_voxel(Vec3i::Constant(kSide), [&](const Vec3i& v) {
+    const float distance = distances.at(v);
+    const bool in = inside(block.at(v.x() + kMargin, v.y() + kMargin, v.z() + kMargin));
+    const auto at = Leaf::coordToOffset({v.x(), v.y(), v.z()});
+    leaf->setValueOnly(at, (in ? -distance : distance) * voxel_mm);
+    if (distance < kHalfBandVoxels) leaf->setValueOn(at), any = true;
+  });
   return any ? std::move(leaf) : nullptr;
 }
 
