@@ -137,7 +137,7 @@ void measure_memory(const ProgramSet& set, Findings& findings) {
 }
 
 void measure_plunge(const Plan& plan, const ProgramSet& set, const BenchControl& control, Findings& findings) {
-  constexpr std::size_t kBatch = 32;  // as `reamsim run` by default
+  constexpr std::size_t kBatch = 64;  // as `reamsim run` by default
   const std::vector<Substep> frames = plunge_frames(plan, set);
   std::vector<PlungeRun> runs;
   for (Program* program : pointers_to(set)) runs.push_back({.program = program, .chunks = {}});

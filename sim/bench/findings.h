@@ -81,7 +81,8 @@ struct ScatterRow {
   double contacts_spread = 0;         ///< standard deviation over mean
 };
 
-/// The plunged sphere of a verification: time per frame at 0.2 mm/s and 1 kHz, and the volume's error.
+/// The plunged sphere of a verification: time per frame at 0.2 mm/s and 1 kHz, and the volume's error. `exact`: whole
+/// frames with the rows of forces.csv, by window of 64; others: from the pose to the sums, by depth.
 struct SphereRow {
   std::string engine;
   ErosionMode erosion = {};
@@ -89,6 +90,21 @@ struct SphereRow {
   Spread ms = {};
   double removed_mm3 = 0;
   double volume_error = 0;  ///< removed over the cap's volume, less 1
+  // exact only
+  double kernel_ms = 0;                    ///< of a frame, median
+  double voxels = 0;                       ///< that lose bone in a frame, mean
+  std::optional<Spread> one_core_ms = {};  ///< on one compute unit of a processor with several
+  std::optional<double> one_core_kernel_ms = {};
+
+  /// Simulated over wall time at 1 kHz.
+  [[nodiscard]] double times_real_time() const { return 1 / ms.median; }
+};
+
+/// What a device does at most: 10⁹ operations a second in single precision, a fused multiply-add as two; 10⁹ bytes a
+/// second, read and written.
+struct MachinePeaks {
+  double gops = 0;
+  double gb_s = 0;
 };
 
 /// Touching points at a pose, with the largest voxmap and shell.
@@ -114,6 +130,7 @@ struct Findings {
   std::vector<BatchRow> batches;
   std::vector<ScatterRow> scatter;
   std::vector<SphereRow> spheres;
+  std::optional<MachinePeaks> peaks;
   double seconds = 0;
 
   /// The row of a case, or nullptr.

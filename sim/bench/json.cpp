@@ -1,6 +1,7 @@
 #include <nlohmann/json.hpp>
 
 #include "sim/bench/findings.h"
+#include "sim/bench/peaks.h"
 
 namespace reamsim::bench {
 
@@ -110,10 +111,23 @@ std::string json_of(const Findings& findings) {
   out["spheres"] = list(findings.spheres, [](const SphereRow& row) {
     Json json{{"engine", row.engine}, {"erosion", name_of(row.erosion)}, {"voxel_mm", row.voxel_mm}};
     add_spread(json, row.ms);
+    json["times_real_time"] = row.times_real_time();
+    const bool exact = row.erosion == ErosionMode::exact;
+    json["kernel_ms"] = or_null(exact ? std::optional(row.kernel_ms) : std::nullopt);
+    json["one_core_ms"] = or_null(row.one_core_ms ? std::optional(row.one_core_ms->median) : std::nullopt);
+    json["one_core_kernel_ms"] = or_null(row.one_core_kernel_ms);
+    json["voxels"] = or_null(exact ? std::optional(row.voxels) : std::nullopt);
     json["removed_mm3"] = row.removed_mm3;
     json["volume_error"] = row.volume_error;
     return json;
   });
+  out["peaks"] = nullptr;
+  if (const auto& peaks = findings.peaks) {
+    out["peaks"] = {{"gops", peaks->gops},
+                    {"gb_s", peaks->gb_s},
+                    {"operations_per_voxel", kExactOperations},
+                    {"bytes_per_voxel", kExactBytes}};
+  }
   out["poses"] = list(findings.poses, [](const PoseCount& row) {
     return Json{{"case", row.contact}, {"pose", row.pose}, {"points", row.points}, {"wanted", row.wanted}};
   });

@@ -50,6 +50,8 @@ void measure_voi(const Plan& plan, const ProgramSet& set, const BenchControl& co
 void measure_batches(const Plan& plan, const ProgramSet& set, const BenchControl& control, Findings& findings);
 void measure_plunge(const Plan& plan, const ProgramSet& set, const BenchControl& control, Findings& findings);
 void measure_scatter(const Plan& plan, const ProgramSet& set, const BenchControl& control, Findings& findings);
+void measure_exact_case(const Plan& plan, const BenchSetup& setup, const SizePair& size, const std::string& contact,
+                        const BenchControl& control, Findings& findings);
 void measure_spheres(const Plan& plan, const BenchControl& control, Findings& findings);
 
 }  // namespace reamsim::bench

@@ -1,90 +1,41 @@
+#include <fmt/core.h>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
 #include "sim/base/error.h"
 #include "sim/bench/measure.h"
-#include "sim/bone/voxmap/sample_voxels.h"
-#include "sim/tool/revolve.h"
+#include "sim/bench/peaks.h"
+#include "sim/bench/sphere_scene.h"
+#include "sim/bench/whole_frames.h"
 
 namespace reamsim::bench {
 
 namespace {
 
-constexpr double kRadiusMm = 29;
-constexpr double kDepthMm = 4;
-constexpr double kWidthMm = 30;
-constexpr double kSpacingVoxels = 0.4721;  // what `reamsim run` chooses
-constexpr double kSphereFeedMmS = 0.2;
-constexpr double kSphereFrameS = 1e-3;
-constexpr int kWindows = 4;         // depths at which frames are timed at the true feed
-constexpr int kWindowFrames = 256;  // at each: four windows of smooth motion (kernels/window.h)
-constexpr std::int64_t kAligned = 64;
-constexpr double kStepVoxels = 0.25;  // between the windows, where the shell's points have to miss no voxel
+using sphere::block, sphere::cap, sphere::down_to, sphere::kDepthMm, sphere::kRadiusMm, sphere::kSphereFeedMmS,
+    sphere::kSphereFrameS;
 
-/// A block under the sphere with its top face at z = 0, offset from the tool's axis by fractions of a voxel so that
-/// nothing is regular.
-FilledVoxmap block(double voxel_mm) {
-  const Vec3 size_mm(kWidthMm + 4, kWidthMm + 4, kDepthMm + 2);
-  VoxelGrid grid;
-  grid.voxel_mm = voxel_mm;
-  for (int i = 0; i < 3; ++i) grid.dims[i] = 8 * static_cast<int>(std::ceil(size_mm[i] / voxel_mm / 8));
-  const Vec3 extent = voxel_mm * grid.dims.cast<double>();
-  grid.origin_mm = {-extent.x() / 2 + 0.37 * voxel_mm, -extent.y() / 2 + 0.21 * voxel_mm, -extent.z()};
-  FilledVoxmap voxmap(grid);
-  const std::uint8_t grade = DensityMapping::grade_from_density(1.8);
-  GradeBricks::Brick brick;
-  brick.fill(grade);
-  voxmap.grade = sample_bricks(grid.dims, [&](const Vec3i&, GradeBricks::Brick& out) {
-    out = brick;
-    return true;
-  });
-  voxmap.frame = "phantom";
-  return voxmap;
+constexpr int kDepths = 4;            // at which frames are timed at the true feed
+constexpr int kFramesOfDepth = 256;   // with erosion `remove`
+constexpr int kWindowsOfDepth = 5;    // with `exact`, the first of them untimed
+constexpr double kStepVoxels = 0.25;  // between the depths, where the shell's points have to miss no voxel
+
+double cap_mm3(double depth_mm) {
+  return std::numbers::pi * depth_mm * depth_mm * (kRadiusMm - depth_mm / 3);
 }
 
-Tool cap(double voxel_mm) {
-  constexpr int kSteps = 64;  // exact erosion takes the arc through the vertices
-  Tool tool;
-  const double rim = std::asin(kWidthMm / 2 / kRadiusMm);
-  for (int i = 0; i <= kSteps; ++i) {
-    const double angle = rim * i / kSteps;
-    tool.profile.points.emplace_back(kRadiusMm * std::sin(angle), kRadiusMm * (1 - std::cos(angle)));
-  }
-  tool.profile.points.emplace_back(kWidthMm / 2, 8);
-  tool.profile.points.emplace_back(0, 8);
-  const int resolution = static_cast<int>(std::ceil(kWidthMm / (kSpacingVoxels * voxel_mm))) + 1;
-  tool.mesh = revolve(tool.profile, segments_for_sagitta(kWidthMm / 2, 0.02 * kSpacingVoxels * voxel_mm));
-  tool.shell = voxelize_surface(tool.mesh, std::min(resolution, 1024));
-  tool.bounds = tool.mesh.bounds();
-  tool.reach_mm = std::hypot(kWidthMm / 2, 8.0) + tool.shell.cell_mm;
-  return tool;
-}
-
-Substep down_to(double depth_mm, std::int64_t number) {
-  ToolPose pose;
-  pose.position_mm = {0, 0, -depth_mm};
-  pose.spin_rpm = 250;
-  Substep frame = substep_at(pose);
-  frame.origin_velocity_mm_s = {0, 0, -kSphereFeedMmS};
-  frame.duration_s = kSphereFrameS;
-  frame.frame = number;
-  return frame;
-}
-
-/// The whole plunge; time per frame of the windows.
-SphereRow plunge(Program& program, ErosionMode erosion, double voxel_mm, const BenchControl& control) {
-  SphereRow row{.engine = program.label().engine, .erosion = erosion, .voxel_mm = voxel_mm};
+/// The whole plunge with a shell; time per frame at the depths.
+SphereRow plunge(Program& program, double voxel_mm, const BenchControl& control) {
+  SphereRow row{.engine = program.label().engine, .erosion = ErosionMode::remove, .voxel_mm = voxel_mm};
   const double frame_mm = kSphereFeedMmS * kSphereFrameS;
   std::vector<double> ms;
   double voxels = 0;
   double depth = 0;
   // implicit: one step gives the same, because the tool at a depth contains all of its straight path.
   const double step_mm = row.engine == "implicit" ? kDepthMm : kStepVoxels * voxel_mm;
-  for (int window = 1; window <= kWindows; ++window) {
-    const auto last = std::lround(kDepthMm * window / kWindows / frame_mm / kAligned) * kAligned;
-    const std::int64_t first = last - kWindowFrames;
-    const double begin = static_cast<double>(first) * frame_mm;
+  for (int i = 1; i <= kDepths; ++i) {
+    const double begin = kDepthMm * i / kDepths - kFramesOfDepth * frame_mm;
     while (depth < begin) {
       if (control.stop()) throw Interrupted();
       depth = std::min(begin, depth + step_mm);
@@ -92,42 +43,70 @@ SphereRow plunge(Program& program, ErosionMode erosion, double voxel_mm, const B
       voxels += program.run({&frame, 1}, true).removed;
     }
     std::vector<Substep> frames;
-    for (std::int64_t k = first; k < last; ++k) frames.push_back(down_to(static_cast<double>(k) * frame_mm, k));
+    for (int k = 1; k <= kFramesOfDepth; ++k) frames.push_back(down_to(begin + k * frame_mm, k));
     const BatchSample sample = program.run(frames, true);
-    ms.push_back(1e3 * sample.total_s / kWindowFrames);
+    ms.push_back(1e3 * sample.total_s / kFramesOfDepth);
     voxels += sample.removed;
-    depth = begin + (kWindowFrames - 1) * frame_mm;
+    depth = begin + kFramesOfDepth * frame_mm;
   }
   row.ms = spread_of(ms);
   row.removed_mm3 = voxels * std::pow(voxel_mm, 3);
-  const double cap_mm3 = std::numbers::pi * depth * depth * (kRadiusMm - depth / 3);
-  row.volume_error = row.removed_mm3 / cap_mm3 - 1;
+  row.volume_error = row.removed_mm3 / cap_mm3(depth) - 1;
   return row;
 }
 
-/// Engine and erosion.
-std::vector<std::pair<std::string, ErosionMode>> sphere_programs(const Plan& plan) {
-  std::vector<std::pair<std::string, ErosionMode>> out;
-  for (const std::string& engine : plan.engines) {
-    if (engine == "bricked" || engine == "exact") out.emplace_back("exact", ErosionMode::exact);
-    if (engine != "exact") out.emplace_back(engine, ErosionMode::remove);
+/// The windows of `erosion: exact` at the depths; removed_mm3: of the last.
+WholeFrames exact_frames(const FilledVoxmap& bone, const Tool& tool, const std::string& device, int cores,
+                         const BenchControl& control) {
+  WholeFrames all;
+  for (int i = 1; i <= kDepths; ++i) {
+    const ToolPose last = down_to(kDepthMm * i / kDepths, 0).pose;
+    const ExactRun run{.bone = &bone,
+                       .tool = &tool,
+                       .motion = straight_motion(last, kSphereFeedMmS, kWindowsOfDepth),
+                       .device = device,
+                       .cores = cores};
+    const WholeFrames part = time_whole_frames(run, control);
+    all.ms.insert(all.ms.end(), part.ms.begin(), part.ms.end());
+    all.kernel_ms.insert(all.kernel_ms.end(), part.kernel_ms.begin(), part.kernel_ms.end());
+    all.voxels += part.voxels / kDepths;
+    all.removed_mm3 = part.removed_mm3;
   }
-  return out;
+  return all;
+}
+
+SphereRow exact_row(const FilledVoxmap& bone, const Tool& tool, const Plan& plan, const BenchControl& control) {
+  const cl::DeviceInfo device = cl::choose_device(plan.device);
+  const WholeFrames frames = exact_frames(bone, tool, plan.device, 0, control);
+  SphereRow row{.engine = "exact", .erosion = ErosionMode::exact, .voxel_mm = bone.grid.voxel_mm};
+  row.ms = spread_of(frames.ms);
+  row.removed_mm3 = frames.removed_mm3;
+  row.volume_error = row.removed_mm3 / cap_mm3(kDepthMm) - 1;
+  row.kernel_ms = spread_of(frames.kernel_ms).median;
+  row.voxels = frames.voxels;
+  if (device.gpu || device.compute_units < 2) return row;
+  const WholeFrames one_core = exact_frames(bone, tool, plan.device, 1, control);
+  row.one_core_ms = spread_of(one_core.ms);
+  row.one_core_kernel_ms = spread_of(one_core.kernel_ms).median;
+  return row;
 }
 
 }  // namespace
 
 void measure_spheres(const Plan& plan, const BenchControl& control, Findings& findings) {
+  const bool exact = std::ranges::count(plan.engines, "exact") > 0;
+  if (exact && !plan.sphere_voxels_mm.empty()) findings.peaks = measure_peaks(cl::choose_device(plan.device));
   for (const double voxel_mm : plan.sphere_voxels_mm) {
     const FilledVoxmap bone = block(voxel_mm);
     const Tool tool = cap(voxel_mm);
     const BenchSetup setup{&bone, &tool, bone.grid.bounds_mm(), shell_box(tool)};
-    for (const auto& [engine, erosion] : sphere_programs(plan)) {
-      control.progress("plunged sphere, " + engine + ", " + name_of(erosion));
+    for (const std::string& engine : plan.engines) {
+      control.progress("plunged sphere, " + engine + fmt::format(", voxels of {:g} mm", voxel_mm));
       const Place place{{engine, "deterministic"}, bone.grid.dims.x(), tool.shell.resolution, "sphere"};
       try {
-        const auto program = make_engine_program(engine, plan.device, setup, erosion);
-        findings.spheres.push_back(plunge(*program, erosion, voxel_mm, control));
+        findings.spheres.push_back(engine == "exact"
+                                       ? exact_row(bone, tool, plan, control)
+                                       : plunge(*make_engine_program(engine, plan.device, setup), voxel_mm, control));
       } catch (const InputError& error) {
         findings.skipped.push_back({place, error.what()});
       } catch (const RunError& error) {

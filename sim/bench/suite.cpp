@@ -87,9 +87,9 @@ class Bench {
     const bool whole = size.shell == plan_.sizes.back().shell;
     const ProgramSet set = make_programs(plan_, setup, size, whole, findings_.skipped);
     measure_memory(set, findings_);
-    measure_case(plan_, set, Contact::severe, control_, findings_);
-    if (whole && plan_.light) measure_case(plan_, set, Contact::light, control_, findings_);
-    if (whole) measure_case(plan_, set, Contact::none, control_, findings_);
+    measure_contact(set, size, Contact::severe, last);
+    if (whole && plan_.light) measure_contact(set, size, Contact::light, last);
+    if (whole) measure_contact(set, size, Contact::none, last);
     if (plan_.details && whole) measure_scatter(plan_, set, control_, findings_);
     if (!plan_.details || !last) return;
     control_.progress("VOI");
@@ -98,6 +98,13 @@ class Bench {
     measure_batches(plan_, set, control_, findings_);
     control_.progress("plunge");
     measure_plunge(plan_, set, control_, findings_);
+    measure_exact_case(plan_, set.setup, size, "plunge", control_, findings_);
+  }
+
+  /// `exact` has no shell: the last size is enough.
+  void measure_contact(const ProgramSet& set, const SizePair& size, Contact contact, bool last) {
+    measure_case(plan_, set, contact, control_, findings_);
+    if (last) measure_exact_case(plan_, set.setup, size, name_of(contact), control_, findings_);
   }
 
   const Plan& plan_;
@@ -127,7 +134,7 @@ Plan sphere_plan() {
 
 Plan quick_plan() {
   Plan plan;
-  plan.engines = {"bricked", "direct"};
+  plan.engines = {"exact", "bricked", "direct"};
   plan.sizes = {{256, 256}, {256, 1024}, {1024, 1024}};
   plan.light = false;
   plan.details = false;
@@ -138,7 +145,7 @@ Plan quick_plan() {
 void check_plan(const Plan& plan) {
   for (const std::string& engine : plan.engines) {
     const auto& known = engine_names();
-    if (engine == "exact" || std::find(known.begin(), known.end(), engine) != known.end()) continue;
+    if (std::find(known.begin(), known.end(), engine) != known.end()) continue;
     std::string names;
     for (const std::string& name : known) names += (names.empty() ? "" : ", ") + name;
     throw InputError({}, "--engines", "\"" + engine + "\"", "expected some of " + names);

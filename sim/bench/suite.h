@@ -25,14 +25,14 @@ struct Plan {
   bool light = true;            ///< the case `light`, wherever the shell is the last pair's
   bool details = true;          ///< VOI curve, batches, plunge, scatter
   int plunge_frames = 1000;
-  std::vector<double> sphere_voxels_mm{0.25, 0.1, 0.04};
+  std::vector<double> sphere_voxels_mm{0.25, 0.1, 0.04};  ///< of the plunged sphere
 };
 
-/// All engines, fastest first.
+/// All engines: `exact`, then those of `remove`, fastest first.
 const std::vector<std::string>& engine_names();
 /// All of the paper's tables; about ten minutes on two cores.
 Plan full_plan();
-/// `severe` and `none` at 256³ and 1024³ for `direct` and `bricked`; under a minute.
+/// `severe` and `none` at 256³ and 1024³ for `exact`, `bricked` and `direct`; a minute.
 Plan quick_plan();
 
 /// The plunged sphere with `erosion: exact` alone; half a minute.

@@ -119,4 +119,17 @@ DeviceInfo choose_device(const std::string& wanted) {
                    "expected auto, serial or part of one of " + names(devices));
 }
 
+DeviceInfo part_of(const DeviceInfo& device, unsigned compute_units) {
+  const cl_device_partition_property by_count[] = {CL_DEVICE_PARTITION_BY_COUNTS,
+                                                   static_cast<cl_device_partition_property>(compute_units),
+                                                   CL_DEVICE_PARTITION_BY_COUNTS_LIST_END, 0};
+  cl_device_id id = nullptr;
+  check(clCreateSubDevices(device.id, by_count, 1, &id, nullptr), "clCreateSubDevices");
+  DeviceInfo out = device;
+  out.id = id;
+  out.compute_units = compute_units;
+  out.part = std::shared_ptr<void>(id, [](void* part) { clReleaseDevice(static_cast<cl_device_id>(part)); });
+  return out;
+}
+
 }  // namespace reamsim::cl

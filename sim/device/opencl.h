@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <iterator>
+#include <memory>
 #include <ranges>
 #include <string>
 #include <tuple>
@@ -61,6 +62,7 @@ struct DeviceInfo {
   std::size_t max_allocation_bytes = 0;
   bool rounds_division = false;  ///< division and square root of floats are correctly rounded, as on the host
   std::string missing;           ///< required extensions that the device lacks; empty: usable
+  std::shared_ptr<void> part;    ///< owns `id` where it is a part of a device
 };
 
 /// The devices of all platforms.
@@ -70,6 +72,9 @@ std::vector<DeviceInfo> list_devices();
 /// of the device's name, in either case. Throws RunError when there is no OpenCL device, InputError when none matches
 /// or the match lacks extensions.
 DeviceInfo choose_device(const std::string& wanted);
+
+/// A part of a device with fewer compute units. Throws RunError where the device cannot be divided.
+DeviceInfo part_of(const DeviceInfo& device, unsigned compute_units);
 
 /// One device with its context and an in-order queue.
 class Device {

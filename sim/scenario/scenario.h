@@ -194,6 +194,7 @@ struct EngineTuning {
   bool culling = true;                                ///< bricked skips cells of shell points that cannot touch bone
   bool windows = true;                                ///< exact uses windows of smooth motion; false: frame by frame
   int work_group_size = 0;                            ///< 0: chosen by the device
+  int compute_units = 0;                              ///< of the device; 0: all
 };
 
 struct EngineSettings {

@@ -6,6 +6,7 @@ namespace reamsim {
 
 cl::DeviceInfo device_for(const EngineSettings& engine) {
   cl::DeviceInfo info = cl::choose_device(engine.device);
+  if (engine.tuning.compute_units > 0) info = cl::part_of(info, static_cast<unsigned>(engine.tuning.compute_units));
   const int wanted = engine.tuning.work_group_size;
   if (wanted > 0 && static_cast<std::size_t>(wanted) > info.max_work_group) {
     throw InputError({}, "work_group_size", "found " + std::to_string(wanted),

@@ -1,0 +1,120 @@
+#include "sim/bench/whole_frames.h"
+
+#include <cstdlib>
+#include <filesystem>
+
+#include "sim/base/error.h"
+#include "sim/base/stopwatch.h"
+#include "sim/record/recorder.h"
+#include "sim/run/simulation.h"
+
+namespace reamsim::bench {
+
+namespace {
+
+constexpr std::int64_t kWindowFrames = 64;  // kernels/window.h
+constexpr double kRateHz = 1000;
+
+/// A folder that exists as long as this object.
+class TemporaryFolder {
+ public:
+  TemporaryFolder() {
+    path_ = (std::filesystem::temp_directory_path() / "reamsim-bench-XXXXXX").string();
+    if (mkdtemp(path_.data()) == nullptr) throw RunError(path_ + ": cannot be created");
+  }
+  ~TemporaryFolder() {
+    std::error_code ignored;
+    std::filesystem::remove_all(path_, ignored);
+  }
+  TemporaryFolder(const TemporaryFolder&) = delete;
+  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+
+  [[nodiscard]] const std::string& path() const { return path_; }
+
+ private:
+  std::string path_;
+};
+
+/// Writes rows and adds up what the frames report.
+class CountingSink final : public FrameSink {
+ public:
+  explicit CountingSink(const FilledVoxmap& bone, const std::string& dir) : recorder_(dir, bone.grid.voxel_mm) {}
+
+  void frame(const FrameResult& result, const FrameTimes& times) override {
+    recorder_.frame(result, times);
+    kernel_s += times.detect_s + times.cut_s;
+    contacts += result.contacts;
+    removed_mm3 += result.removed_mm3;
+  }
+  void snapshot(std::int64_t /*frame*/, FillBricks& /*fill*/) override {}
+  void removed(const RemovedFrames& /*voxels*/) override {}
+
+  double kernel_s = 0;
+  std::int64_t contacts = 0;
+  double removed_mm3 = 0;
+
+ private:
+  Recorder recorder_;
+};
+
+ReamingScene scene_of_run(const ExactRun& run) {
+  ReamingScene scene;
+  scene.scenario.name = "bench";
+  scene.scenario.cutting = bench_cutting();
+  scene.scenario.cutting.erosion = ErosionMode::exact;
+  scene.scenario.engine.device = run.device;
+  scene.scenario.engine.tuning.compute_units = run.cores;
+  scene.scenario.engine.batch_frames = static_cast<int>(kWindowFrames);
+  scene.scenario.render.enabled = false;
+  scene.bone.set_voxels(FilledVoxmap(*run.bone));
+  scene.tool = *run.tool;
+  scene.motion = run.motion;
+  return scene;
+}
+
+}  // namespace
+
+WholeFrames time_whole_frames(const ExactRun& run, const BenchControl& control) {
+  WholeFrames out;
+  ReamingScene scene = scene_of_run(run);
+  const std::unique_ptr<Engine> engine = load_engine(scene);
+  const TemporaryFolder folder;
+  CountingSink sink(*run.bone, folder.path());
+  Stopwatch watch;
+  double kernel_before_s = 0;
+  std::int64_t contacts_before = 0;
+  RunControl hooks;
+  hooks.stop = control.stop;
+  hooks.progress = [&](std::int64_t frame, std::int64_t) {
+    if (frame >= kWindowFrames) {
+      out.ms.push_back(1e3 * watch.seconds() / kWindowFrames);
+      out.kernel_ms.push_back(1e3 * (sink.kernel_s - kernel_before_s) / kWindowFrames);
+    } else {
+      contacts_before = sink.contacts;
+    }
+    kernel_before_s = sink.kernel_s;
+    watch = Stopwatch();
+  };
+  Report report;
+  simulate(scene, *engine, sink, hooks, report);
+  const auto timed = static_cast<double>(kWindowFrames * std::ssize(out.ms));
+  out.voxels = static_cast<double>(sink.contacts - contacts_before) / timed;
+  out.removed_mm3 = sink.removed_mm3;
+  out.bytes = engine->structure_bytes();
+  return out;
+}
+
+Motion straight_motion(const ToolPose& last, double feed_mm_s, int windows) {
+  Motion motion;
+  motion.frame_rate_hz = kRateHz;
+  const std::int64_t frames = kWindowFrames * windows;
+  const Vec3 up = last.orientation * Vec3::UnitZ();
+  for (std::int64_t k = 0; k < frames; ++k) {
+    ToolPose pose = last;
+    pose.position_mm += static_cast<double>(frames - 1 - k) * feed_mm_s / kRateHz * up;
+    motion.poses.push_back(pose);
+  }
+  return motion;
+}
+
+}  // namespace reamsim::bench
