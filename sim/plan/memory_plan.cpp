@@ -10,15 +10,15 @@ namespace reamsim {
 
 namespace {
 
-// Measured on scapulae of 0.15 and 0.075 mm voxels (memory_mb.peak_process of their summaries).
+// Measured on a scapula of 0.1 mm voxels (memory_mb.peak_process of its summary).
 
 /// The program and its libraries.
 constexpr double kProgramBytes = 1e8;
 /// The kernel compiler, and heap memory retained from loading the bone.
 constexpr double kCompilerBytes = 9e7;
-/// Per brick on the surface, while `surface` of reamed.vdb is computed: smoothed occupancy, polygons, distances and
-/// indices of the nearest polygons.
-constexpr double kSurfaceBytes = 16'000;
+/// Per brick on the surface, while `surface` of reamed.vdb is computed: leaves of the smoothed occupancy and of the
+/// distances.
+constexpr double kSurfaceBytes = 7'000;
 /// A leaf of a FloatGrid.
 constexpr double kLeafBytes = 2'200;
 /// The serial engine's dense grades and fill, per voxel.
@@ -66,8 +66,8 @@ MemoryPlan plan_memory(const ReamingScene& scene) {
   const double voxels = static_cast<double>(voxmap.grade.count());
   const double loading = scene.scenario.bone.source == BoneSource::mesh ? kMeshBytesPerVoxel * voxels : 0;
   const bool serial = scene.scenario.engine.device == "serial";
-  const double engine = serial ? kSerialBytes * static_cast<double>(voxmap.grid.size())
-                               : kCompilerBytes + static_cast<double>(plan.device_bytes);
+  const double engine =
+      serial ? kSerialBytes * static_cast<double>(voxmap.grid.size()) : static_cast<double>(plan.device_bytes);
   // The fill at the start of the run, and the current one.
   const double fill =
       std::max(2.0 * static_cast<double>(scene.bone.fill.bytes()),
@@ -76,8 +76,9 @@ MemoryPlan plan_memory(const ReamingScene& scene) {
   // The reamed face is part of the surface.
   bricks.partial += static_cast<double>(forecast.listed);
   bricks.mixed += static_cast<double>(forecast.listed);
-  const double resident = static_cast<double>(voxmap.grade.bytes()) + fill + engine;
-  const double most = std::max(loading, resident + results_bytes(bricks));
+  const double resident = static_cast<double>(voxmap.grade.bytes()) + fill + (serial ? 0 : kCompilerBytes);
+  // The engine is freed before the results are written.
+  const double most = std::max(loading, resident + std::max(engine, results_bytes(bricks)));
   plan.process_bytes = static_cast<std::size_t>(kProgramBytes + most);
   return plan;
 }
