@@ -51,8 +51,8 @@ void remove_voxels(__global Brick* brick, const uint substep, const int block, c
 
 LaneSums zero_sums(void) {
   LaneSums sums;
-  for (int i = 0; i < 3; ++i) sums.force[i] = sums.torque[i] = (rs_sum)0;
-  sums.floor_energy = sums.energy = (rs_sum)0;
+  for (int i = 0; i < 3; ++i) sums.force[i] = sums.torque[i] = RS_SUM(0);
+  sums.floor_energy = sums.energy = RS_SUM(0);
   return sums;
 }
 

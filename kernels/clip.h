@@ -24,7 +24,7 @@ typedef struct {
 /* The direction from the spin axis to `p` at radius r. On the axis it is arbitrary but defined, because the wall of a
  * bore can be next to a voxel there. */
 RS_INLINE void rs_axis_direction(const rs_real* p, rs_real r, rs_real per_r, rs_real* c, rs_real* s) {
-  *c = r > 0.0f ? p[0] * per_r : (rs_real)1.0f;
+  *c = r > 0.0f ? p[0] * per_r : RS_REAL(1.0f);
   *s = p[1] * per_r;
 }
 
@@ -46,7 +46,7 @@ RS_INLINE ClipPlane rs_lattice_plane(RS_GLOBAL const SubstepArgs* a, const rs_re
  * not resolved. */
 RS_INLINE ClipPlane rs_clip_plane(RS_GLOBAL const SubstepArgs* a, rs_real c, rs_real s, rs_real nr, rs_real nz,
                                   rs_real away, rs_real curvature, rs_real per_r) {
-  const rs_real most = (rs_real)a->per_voxel_mm; /* more is a corner */
+  const rs_real most = RS_REAL(a->per_voxel_mm); /* more is a corner */
   const rs_real both = curvature + nr * rs_min(per_r, most + most);
   const rs_real bulge = rs_max(rs_min(both, most), -most);
   const rs_real n[3] = {nr * c, nr * s, nz};
@@ -69,7 +69,7 @@ RS_INLINE void rs_apply_corner(RS_GLOBAL const SubstepArgs* a, const OutlineView
   RS_GLOBAL const OutlinePiece *e = outline->pieces + first, *f = outline->pieces + second;
   /* Outward normals of both pieces at the corner, to the right of the direction of travel. */
   const float er = e->along_z1, ez = -e->along_r1, fr = f->along_z0, fz = -f->along_r0;
-  const rs_real zero = (rs_real)0.0f, one = (rs_real)1.0f;
+  const rs_real zero = RS_REAL(0.0f), one = RS_REAL(1.0f);
   const rs_real vr = r - f->r0, vz = clip->p[2] - f->z0;
   const rs_real d2 = vr * vr + vz * vz;
   const rs_real nearer = d2 < *least ? one : zero;
@@ -77,16 +77,16 @@ RS_INLINE void rs_apply_corner(RS_GLOBAL const SubstepArgs* a, const OutlineView
   if (!RS_ANY(there > 0.0f)) return;
   *least = there > 0.0f ? d2 : *least;
   const int bulges = e->along_r1 * f->along_z0 - e->along_z1 * f->along_r0 > 0.0f;
-  clip->corner = there > 0.0f ? (rs_real)(bulges ? 1.0f : -1.0f) : clip->corner;
+  clip->corner = there > 0.0f ? RS_REAL(bulges ? 1.0f : -1.0f) : clip->corner;
   rs_real c, s;
   rs_axis_direction(clip->p, r, per_r, &c, &s);
   const ClipPlane one_side =
-      rs_clip_plane(a, c, s, (rs_real)er, (rs_real)ez, vr * er + vz * ez, (rs_real)e->curvature, per_r);
+      rs_clip_plane(a, c, s, RS_REAL(er), RS_REAL(ez), vr * er + vz * ez, RS_REAL(e->curvature), per_r);
   const ClipPlane other_side =
-      rs_clip_plane(a, c, s, (rs_real)fr, (rs_real)fz, vr * fr + vz * fz, (rs_real)f->curvature, per_r);
+      rs_clip_plane(a, c, s, RS_REAL(fr), RS_REAL(fz), vr * fr + vz * fz, RS_REAL(f->curvature), per_r);
   rs_select_plane(there, &one_side, &clip->plane);
   rs_select_plane(there, &other_side, &clip->other);
-  const rs_real ne[3] = {c * er, s * er, (rs_real)ez}, nf[3] = {c * fr, s * fr, (rs_real)fz};
+  const rs_real ne[3] = {c * er, s * er, RS_REAL(ez)}, nf[3] = {c * fr, s * fr, RS_REAL(fz)};
   const rs_real we = rs_max(rs_advance(a, ne, clip->p), zero), wf = rs_max(rs_advance(a, nf, clip->p), zero);
   const rs_real both = we + wf;
   const rs_real moves = both > 0.0f ? there : zero;
@@ -116,7 +116,7 @@ RS_INLINE Clip rs_clip_at(RS_GLOBAL const SubstepArgs* a, const NearestPiece* ne
   clip.plane =
       rs_clip_plane(a, c, s, nearest->normal_r, nearest->normal_z, nearest->distance, nearest->curvature, per_r);
   clip.other = clip.plane;
-  clip.corner = (rs_real)0.0f;
+  clip.corner = RS_REAL(0.0f);
   clip.piece = nearest->piece;
   return clip;
 }
@@ -127,11 +127,11 @@ RS_INLINE Clip rs_clip(RS_GLOBAL const SubstepArgs* a, const OutlineView* outlin
   rs_real p[3];
   rs_voxel_in_tool(a, brick, x, y, z, p);
   const rs_real r = RS_SQRT(p[0] * p[0] + p[1] * p[1]);
-  const rs_real per_r = r > 0.0f ? (rs_real)1.0f / r : (rs_real)0.0f;
+  const rs_real per_r = r > 0.0f ? RS_REAL(1.0f) / r : RS_REAL(0.0f);
   const NearestPiece nearest = rs_outline_nearest(outline, list, r, p[2]);
   Clip clip = rs_clip_at(a, &nearest, p, r, per_r);
   const float reach = RS_CLIP_REACH * a->voxel_mm;
-  rs_real least = (rs_real)(reach * reach);
+  rs_real least = RS_REAL(reach * reach);
   for (rs_u32 i = 0; i < list.count; ++i) {
     const rs_i32 mine = outline->numbers[list.first + i];
     const rs_i32 before = outline->pieces[mine].before, after = outline->pieces[mine].after;
@@ -147,9 +147,9 @@ RS_INLINE Clip rs_clip_smooth(RS_GLOBAL const SubstepArgs* a, RS_GLOBAL const Ou
   rs_real p[3];
   rs_voxel_in_tool(a, brick, x, y, z, p);
   const rs_real r = RS_SQRT(p[0] * p[0] + p[1] * p[1]);
-  const rs_real per_r = r > 0.0f ? (rs_real)1.0f / r : (rs_real)0.0f;
+  const rs_real per_r = r > 0.0f ? RS_REAL(1.0f) / r : RS_REAL(0.0f);
   const PieceDistance away = rs_circle_distance(piece, r, p[2]);
-  const NearestPiece nearest = rs_nearest_piece(&away, (rs_real)piece->curvature, (rs_int)0);
+  const NearestPiece nearest = rs_nearest_piece(&away, RS_REAL(piece->curvature), RS_INT(0));
   return rs_clip_at(a, &nearest, p, r, per_r);
 }
 
@@ -158,7 +158,7 @@ RS_INLINE rs_real rs_clip_fraction(const Clip* clip, float ahead, float other_ah
   ClipPlane a = clip->plane, b = clip->other;
   a.away -= ahead;
   b.away -= other_ahead;
-  const rs_real zero = (rs_real)0.0f, one = (rs_real)1.0f;
+  const rs_real zero = RS_REAL(0.0f), one = RS_REAL(1.0f);
   const rs_real first = rs_outside_fraction(a.n, a.away);
   if (!RS_ANY(clip->corner != 0.0f)) return first;
   const rs_real other = rs_outside_fraction(b.n, b.away);
@@ -178,8 +178,8 @@ RS_INLINE rs_int rs_fill_outside(const Clip* clip) {
  * ignored, unless nothing remains. */
 RS_INLINE rs_int rs_clip_loss(RS_GLOBAL const SubstepArgs* a, rs_int fill, rs_int outside) {
   const rs_int lost = fill - outside;
-  const rs_int enough = outside == 0 ? (rs_int)1 : (rs_int)a->min_loss;
-  return lost >= enough ? lost : (rs_int)0;
+  const rs_int enough = outside == 0 ? RS_INT(1) : RS_INT(a->min_loss);
+  return lost >= enough ? lost : RS_INT(0);
 }
 
 /* Adds energy and force of a voxel that loses `lost` of its fill. `whole`: energy of a whole voxel, mJ. */
@@ -202,14 +202,14 @@ RS_INLINE void rs_clip_force(RS_GLOBAL const SubstepArgs* a, const Clip* clip, r
  * edges. `outside`: fraction outside the tool. */
 RS_INLINE rs_real rs_probe_loss(const Clip* clip, rs_real nz, rs_real outside, float ahead, float other_ahead) {
   const rs_real next = outside - rs_clip_fraction(clip, ahead, other_ahead);
-  return -nz > RS_LEAST_FACING ? next : (rs_real)0.0f;
+  return -nz > RS_LEAST_FACING ? next : RS_REAL(0.0f);
 }
 
 /* Area of the tool's face in contact with a voxel, mm2: the volume that a small advance would remove, over the advance.
  * The areas of all voxels add up to the face. `remaining`: fill of the voxel; `outside`: fill that a whole voxel keeps.
  */
 RS_INLINE rs_real rs_contact_area(RS_GLOBAL const SubstepArgs* a, const Clip* clip, rs_int remaining, rs_int outside) {
-  const rs_real zero = (rs_real)0.0f;
+  const rs_real zero = RS_REAL(0.0f);
   const rs_real now = rs_clip_fraction(clip, 0.0f, 0.0f);
   rs_real probed = rs_probe_loss(clip, clip->plane.nz, now, RS_EDGE_PROBE, 0.0f);
   if (RS_ANY(clip->corner != 0.0f)) {
@@ -230,9 +230,9 @@ RS_INLINE int rs_has_edge(RS_GLOBAL const SubstepArgs* a) {
  * mm of edge per mm2. It needs no speed floor, because it does not depend on the speed. */
 RS_INLINE void rs_edge_force(RS_GLOBAL const SubstepArgs* a, const Clip* clip, rs_int remaining, rs_int outside,
                              LaneSums* sums) {
-  const rs_real zero = (rs_real)0.0f;
+  const rs_real zero = RS_REAL(0.0f);
   const rs_real r = RS_SQRT(clip->p[0] * clip->p[0] + clip->p[1] * clip->p[1]);
-  const rs_real edge = rs_contact_area(a, clip, remaining, outside) / rs_max(r, (rs_real)(0.5f * a->voxel_mm));
+  const rs_real edge = rs_contact_area(a, clip, remaining, outside) / rs_max(r, RS_REAL(0.5f * a->voxel_mm));
   const ToolMotion m = rs_tool_motion(a, clip->p);
   const rs_real engaged = m.speed > 0.0f ? edge : zero;
   const rs_real tangential = engaged * a->edge_tangential;

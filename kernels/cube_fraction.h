@@ -8,21 +8,11 @@
  * allowance for curvature. */
 #define RS_CLIP_REACH (0.8660254f + 1.0f / 24.0f)
 
-RS_INLINE rs_real rs_abs(rs_real x) {
-  return x < 0.0f ? -x : x;
-}
-RS_INLINE rs_real rs_min(rs_real a, rs_real b) {
-  return a < b ? a : b;
-}
-RS_INLINE rs_real rs_max(rs_real a, rs_real b) {
-  return a < b ? b : a;
-}
-
 /* Fraction of a unit cube on the outer side of a plane with outward unit normal `n`, when the cube's centre lies
  * `distance` outside. The smaller part is a sum of pyramids (Scardovelli and Zaleski 2000, J. Comput. Phys. 164:228,
  * eq. 16-19), in a form without cancellation where the plane is nearly perpendicular to an axis. */
 RS_INLINE rs_real rs_outside_fraction(const rs_real* n, rs_real distance) {
-  const rs_real zero = (rs_real)0.0f, middle = (rs_real)0.5f, least = (rs_real)1e-9f;
+  const rs_real zero = RS_REAL(0.0f), middle = RS_REAL(0.5f), least = RS_REAL(1e-9f);
   const rs_real a = rs_abs(n[0]), b = rs_abs(n[1]), c = rs_abs(n[2]);
   const rs_real low = rs_min(a, b), high = rs_max(a, b), other = rs_max(low, c);
   /* Components in ascending order; `depth` of the plane from the nearest corner, half their sum at the centre. */
@@ -31,8 +21,8 @@ RS_INLINE rs_real rs_outside_fraction(const rs_real* n, rs_real distance) {
   const rs_real m3 = rs_max(other, high);
   const rs_real depth = rs_max(middle * (m1 + m2 + m3) - rs_abs(distance), zero);
   /* One division instead of three. */
-  const rs_real m23 = m2 * m3, per_all = (rs_real)1.0f / (m1 * m23);
-  const rs_real per_m1 = per_all * m23, per_6m23 = per_all * m1 * (rs_real)(1.0f / 6.0f);
+  const rs_real m23 = m2 * m3, per_all = RS_REAL(1.0f) / (m1 * m23);
+  const rs_real per_m1 = per_all * m23, per_6m23 = per_all * m1 * RS_REAL(1.0f / 6.0f);
   const rs_real over2 = rs_max(depth - m2, zero), over3 = rs_max(depth - m3, zero);
   const rs_real pyramid = depth * depth * depth * per_m1;
   const rs_real frustum = 3.0f * depth * (depth - m1) + m1 * m1;
@@ -40,7 +30,7 @@ RS_INLINE rs_real rs_outside_fraction(const rs_real* n, rs_real distance) {
   const rs_real skew = ((depth < m1 ? pyramid : frustum) - corners) * per_6m23;
   const rs_real slab = (depth - middle * (m1 + m2)) * (per_all * (m1 * m2));
   const rs_real smaller = m1 + m2 <= rs_min(depth, m3) ? slab : skew;
-  return distance > 0.0f ? (rs_real)1.0f - smaller : smaller;
+  return distance > 0.0f ? RS_REAL(1.0f) - smaller : smaller;
 }
 
 /* A plane next to a voxel: unit normal in lattice axes, distance of the voxel's centre outside it (`away`, voxels), and
@@ -62,7 +52,7 @@ RS_INLINE float rs_clip_point(rs_i32 i) {
  * parallel planes, and the excess of the sum over 1 for opposite ones; other angles interpolate by the cosine. */
 RS_INLINE rs_real rs_outside_both(const ClipPlane* a, const ClipPlane* b) {
   const float spacing = 1.0f / RS_CLIP_POINTS;
-  const rs_real zero = (rs_real)0.0f, one = (rs_real)1.0f, middle = (rs_real)0.5f;
+  const rs_real zero = RS_REAL(0.0f), one = RS_REAL(1.0f), middle = RS_REAL(0.5f);
   const rs_real per_a = (float)RS_CLIP_POINTS / (rs_abs(a->n[0]) + rs_abs(a->n[1]) + rs_abs(a->n[2]));
   const rs_real per_b = (float)RS_CLIP_POINTS / (rs_abs(b->n[0]) + rs_abs(b->n[1]) + rs_abs(b->n[2]));
   const rs_real cosine = a->n[0] * b->n[0] + a->n[1] * b->n[1] + a->n[2] * b->n[2];

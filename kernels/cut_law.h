@@ -83,7 +83,7 @@ RS_INLINE ToolMotion rs_tool_motion(RS_GLOBAL const SubstepArgs* a, const rs_rea
   m.v[1] = v0[1] + (w[2] * p[0] - w[0] * p[2]);
   m.v[2] = v0[2] + (w[0] * p[1] - w[1] * p[0]);
   m.speed = RS_SQRT(m.v[0] * m.v[0] + m.v[1] * m.v[1] + m.v[2] * m.v[2]);
-  m.per_speed = m.speed > 0.0f ? (rs_real)1.0f / m.speed : (rs_real)0.0f;
+  m.per_speed = m.speed > 0.0f ? RS_REAL(1.0f) / m.speed : RS_REAL(0.0f);
   return m;
 }
 
@@ -104,7 +104,7 @@ RS_INLINE rs_real rs_advance(RS_GLOBAL const SubstepArgs* a, const rs_real* n, c
 /* Factor of the size effect: (h0/h)^m with the chip thickness h, the advance of the surface along its normal between
  * two cutting edges. */
 RS_INLINE rs_real rs_size_factor(RS_GLOBAL const SubstepArgs* a, const rs_real* n, const rs_real* p) {
-  const rs_real least = (rs_real)a->min_chip, most = (rs_real)a->max_chip;
+  const rs_real least = RS_REAL(a->min_chip), most = RS_REAL(a->max_chip);
   const rs_real advance = rs_advance(a, n, p);
   const rs_real chip = (advance < 0.0f ? -advance : advance) * a->chip_per_speed;
   const rs_real at_least = chip > least ? chip : least;
@@ -124,7 +124,7 @@ typedef struct {
  * energy is speed-floor energy. `n`: the tool's outward normal. */
 RS_INLINE CutResponse rs_cut_response(RS_GLOBAL const SubstepArgs* a, const rs_real* n, const rs_real* p,
                                       rs_real energy) {
-  const rs_real zero = (rs_real)0.0f, one = (rs_real)1.0f;
+  const rs_real zero = RS_REAL(0.0f), one = RS_REAL(1.0f);
   CutResponse out;
   out.added_energy = zero;
   if (a->size_exponent > 0.0f) {
@@ -134,7 +134,7 @@ RS_INLINE CutResponse rs_cut_response(RS_GLOBAL const SubstepArgs* a, const rs_r
   }
   const ToolMotion m = rs_tool_motion(a, p);
   const rs_real tangential =
-      energy * (m.speed > a->speed_floor ? m.per_speed * a->per_duration : (rs_real)a->floor_rate);
+      energy * (m.speed > a->speed_floor ? m.per_speed * a->per_duration : RS_REAL(a->floor_rate));
   out.floor_energy = m.speed > a->speed_floor ? zero : energy * (one - m.speed * a->per_speed_floor);
   rs_resistance(&m, n, tangential, m.speed > 0.0f ? a->normal_ratio * tangential : zero, out.force);
   return out;

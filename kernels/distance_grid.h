@@ -66,7 +66,7 @@ RS_INLINE rs_real rs_grid_distance(const DistanceView* view, const rs_real* q, r
   rs_real t[3], c[8];
   for (int i = 0; i < 3; ++i) {
     const rs_real at = (q[i] - g->origin[i]) * g->per_mm;
-    const rs_real on = rs_min(rs_max(at, (rs_real)0.0f), (rs_real)g->last[i]);
+    const rs_real on = rs_min(rs_max(at, RS_REAL(0.0f)), RS_REAL(g->last[i]));
     cell[i] = RS_TO_INT(on);
     t[i] = on - RS_TO_REAL(cell[i]);
   }
@@ -102,7 +102,7 @@ RS_INLINE rs_real rs_clip_grid_distance(RS_GLOBAL const SubstepArgs* a, const Di
  * and not yet that of the force. */
 RS_INLINE Clip rs_clip_grid(RS_GLOBAL const SubstepArgs* a, const DistanceView* teeth, const float* brick, rs_real x,
                             rs_real y, rs_real z) {
-  const rs_real zero = (rs_real)0.0f, one = (rs_real)1.0f;
+  const rs_real zero = RS_REAL(0.0f), one = RS_REAL(1.0f);
   Clip clip;
   rs_real q[3], g[3];
   rs_voxel_in_tool(a, brick, x, y, z, clip.p);
@@ -116,14 +116,14 @@ RS_INLINE Clip rs_clip_grid(RS_GLOBAL const SubstepArgs* a, const DistanceView* 
   clip.plane = rs_lattice_plane(a, clip.n, clip.distance * a->per_voxel_mm);
   clip.other = clip.plane;
   clip.corner = zero;
-  clip.piece = (rs_int)0;
+  clip.piece = RS_INT(0);
   return clip;
 }
 
 /* Resolved cutting edges exert the force along the normal of their envelope (docs/physics.md, 4). */
 RS_INLINE void rs_use_envelope_normal(const OutlineView* outline, PieceList list, Clip* clip) {
   const rs_real r = RS_SQRT(clip->p[0] * clip->p[0] + clip->p[1] * clip->p[1]);
-  const rs_real per_r = r > 0.0f ? (rs_real)1.0f / r : (rs_real)0.0f;
+  const rs_real per_r = r > 0.0f ? RS_REAL(1.0f) / r : RS_REAL(0.0f);
   const NearestPiece nearest = rs_outline_nearest(outline, list, r, clip->p[2]);
   rs_real c, s;
   rs_axis_direction(clip->p, r, per_r, &c, &s);

@@ -1,5 +1,6 @@
-/* Arithmetic that is the same for the host, a single work-item, and sixteen voxels in the lanes of a vector (RS_LANES
- * 16): the same operations in the same order, and so the same bits. */
+/* Arithmetic that is the same for the host, a single work-item, and voxels in the lanes of a vector (RS_LANES of them:
+ * 16 in a kernel; 4, 8 or 16 in C++, as wide as the instruction set): the same operations in the same order, and so the
+ * same bits. */
 #ifndef REAMSIM_KERNELS_LANES_H
 #define REAMSIM_KERNELS_LANES_H
 
@@ -8,7 +9,7 @@
 #include <string.h>
 #endif
 
-#if defined(RS_LANES) && RS_LANES == 16
+#if defined(RS_LANES) && defined(__OPENCL_C_VERSION__)
 typedef float16 rs_real;
 typedef int16 rs_int;
 typedef long16 rs_sum;
@@ -18,6 +19,9 @@ typedef long16 rs_sum;
 #define RS_BITS_OF(real) as_int16(real)
 #define RS_REAL_OF(bits) as_float16(bits)
 #define RS_ANY(condition) any(condition)
+#define RS_FMA(a, b, c) fma(a, b, c)
+#elif defined(RS_LANES)
+#include "host_lanes.h"
 #else
 typedef float rs_real;
 typedef rs_i32 rs_int;
@@ -29,6 +33,7 @@ typedef rs_i64 rs_sum;
 #ifdef __OPENCL_C_VERSION__
 #define RS_BITS_OF(real) as_int(real)
 #define RS_REAL_OF(bits) as_float(bits)
+#define RS_FMA(a, b, c) fma(a, b, c)
 #else
 RS_INLINE rs_i32 rs_bits_of(float real) {
   rs_i32 bits;
@@ -42,7 +47,27 @@ RS_INLINE float rs_real_of(rs_i32 bits) {
 }
 #define RS_BITS_OF(real) rs_bits_of(real)
 #define RS_REAL_OF(bits) rs_real_of(bits)
+#define RS_FMA(a, b, c) __builtin_fmaf(a, b, c)
 #endif
+#endif
+
+/* A scalar in every lane. */
+#ifndef RS_REAL
+#define RS_REAL(scalar) ((rs_real)(scalar))
+#define RS_INT(scalar) ((rs_int)(scalar))
+#define RS_SUM(scalar) ((rs_sum)(scalar))
+#endif
+
+RS_INLINE rs_real rs_abs(rs_real x) {
+  return x < 0.0f ? -x : x;
+}
+#ifndef RS_HAS_MIN
+RS_INLINE rs_real rs_min(rs_real a, rs_real b) {
+  return a < b ? a : b;
+}
+RS_INLINE rs_real rs_max(rs_real a, rs_real b) {
+  return a < b ? b : a;
+}
 #endif
 
 #endif

@@ -58,7 +58,7 @@ typedef struct {
  * normal n. Written without cancellation, and so that a line is an arc of curvature 0: q/(1 + sqrt(1 + x)) with x =
  * q/R, q = w^2/R + 2 w.n. */
 RS_INLINE PieceDistance rs_circle_distance(RS_GLOBAL const OutlinePiece* e, rs_real r, rs_real z) {
-  const rs_real zero = (rs_real)0.0f, one = (rs_real)1.0f;
+  const rs_real zero = RS_REAL(0.0f), one = RS_REAL(1.0f);
   const rs_real wr = r - e->middle_r, wz = z - e->middle_z;
   const rs_real q = e->curvature * (wr * wr + wz * wz) + 2.0f * (wr * e->normal_r + wz * e->normal_z);
   const rs_real x = e->curvature * q, size = x < 0.0f ? -x : x;
@@ -95,7 +95,7 @@ RS_INLINE PieceDistance rs_piece_distance(RS_GLOBAL const OutlinePiece* e, rs_re
   out.distance = off > 0.0f ? away : out.distance;
   out.r = off > 0.0f ? pr : out.r;
   out.z = off > 0.0f ? pz : out.z;
-  const rs_real per_away = root > 1e-6f ? (rs_real)1.0f / away : (rs_real)0.0f;
+  const rs_real per_away = root > 1e-6f ? RS_REAL(1.0f) / away : RS_REAL(0.0f);
   out.scale = off > 0.0f ? per_away : out.scale;
   return out;
 }
@@ -112,7 +112,7 @@ RS_INLINE NearestPiece rs_nearest_piece(const PieceDistance* best, rs_real curva
   NearestPiece out;
   out.distance = best->distance;
   out.normal_r = best->r * best->scale;
-  out.normal_z = known > 0.0f ? best->z * best->scale : (rs_real)-1.0f;
+  out.normal_z = known > 0.0f ? best->z * best->scale : RS_REAL(-1.0f);
   out.curvature = curvature;
   out.piece = piece;
   return out;
@@ -121,11 +121,11 @@ RS_INLINE NearestPiece rs_nearest_piece(const PieceDistance* best, rs_real curva
 /* The nearest point of (r, z), of the pieces in `list`. The normal is the gradient of the distance. Of two pieces
  * equally near up to rounding, as next to a vertex, the more perpendicular one decides the sign. */
 RS_INLINE NearestPiece rs_outline_nearest(const OutlineView* outline, PieceList list, rs_real r, rs_real z) {
-  const rs_real one = (rs_real)1.0f;
+  const rs_real one = RS_REAL(1.0f);
   rs_i32 number = outline->numbers[list.first];
   PieceDistance best = rs_piece_distance(outline->pieces + number, r, z);
-  rs_real curvature = (rs_real)outline->pieces[number].curvature;
-  rs_int piece = (rs_int)number;
+  rs_real curvature = RS_REAL(outline->pieces[number].curvature);
+  rs_int piece = RS_INT(number);
   for (rs_u32 i = 1; i < list.count; ++i) {
     number = outline->numbers[list.first + i];
     const PieceDistance found = rs_piece_distance(outline->pieces + number, r, z);
@@ -140,8 +140,8 @@ RS_INLINE NearestPiece rs_outline_nearest(const OutlineView* outline, PieceList 
     best.r = gain > 0.0f ? found.r : best.r;
     best.z = gain > 0.0f ? found.z : best.z;
     best.scale = gain > 0.0f ? found.scale : best.scale;
-    curvature = gain > 0.0f ? (rs_real)outline->pieces[number].curvature : curvature;
-    piece = gain > 0.0f ? (rs_int)number : piece;
+    curvature = gain > 0.0f ? RS_REAL(outline->pieces[number].curvature) : curvature;
+    piece = gain > 0.0f ? RS_INT(number) : piece;
   }
   return rs_nearest_piece(&best, curvature, piece);
 }
@@ -159,7 +159,7 @@ RS_INLINE PieceList rs_pieces_near(const OutlineView* outline, float r, float z)
 RS_INLINE void rs_outline_normal(const OutlineView* outline, PieceList list, const rs_real* p, rs_real* normal) {
   const rs_real r = RS_SQRT(p[0] * p[0] + p[1] * p[1]);
   const NearestPiece nearest = rs_outline_nearest(outline, list, r, p[2]);
-  const rs_real radial = r > 0.0f ? nearest.normal_r / r : (rs_real)0.0f;
+  const rs_real radial = r > 0.0f ? nearest.normal_r / r : RS_REAL(0.0f);
   normal[0] = radial * p[0];
   normal[1] = radial * p[1];
   normal[2] = nearest.normal_z;

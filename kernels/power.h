@@ -7,8 +7,8 @@
 /* log2(x), x > 0 and not subnormal, error below 10^-7: exponent, and the series of artanh for the mantissa in 2^(-1/2)
  * .. 2^(1/2). */
 RS_INLINE rs_real rs_log2(rs_real x) {
-  const rs_real one = (rs_real)1.0f;
-  const rs_int bits = RS_BITS_OF(x), zero = (rs_int)0, single = (rs_int)1;
+  const rs_real one = RS_REAL(1.0f);
+  const rs_int bits = RS_BITS_OF(x), zero = RS_INT(0), single = RS_INT(1);
   const rs_real whole = RS_REAL_OF((bits & 0x007fffff) | 0x3f800000); /* 1 .. 2 */
   const rs_real mantissa = whole > 1.41421356f ? whole * 0.5f : whole;
   const rs_int exponent = (bits >> 23) - 127 + (whole > 1.41421356f ? single : zero);

@@ -7,12 +7,6 @@
 
 #include "clip.h"
 
-#ifdef __OPENCL_C_VERSION__
-#define RS_FMA(a, b, c) fma(a, b, c)
-#else
-#define RS_FMA(a, b, c) __builtin_fmaf(a, b, c)
-#endif
-
 /* A window of frames, each of a single substep: the substeps of its nodes, and their times in units of half a window
  * from the middle node. */
 typedef struct {
@@ -65,7 +59,7 @@ typedef struct {
 } CubeDepths;
 
 RS_INLINE CubeDepths rs_cube_depths(const rs_real* n) {
-  const rs_real least = (rs_real)1e-9f;
+  const rs_real least = RS_REAL(1e-9f);
   const rs_real a = rs_abs(n[0]), b = rs_abs(n[1]), c = rs_abs(n[2]);
   const rs_real low = rs_min(a, b), high = rs_max(a, b), other = rs_max(low, c);
   CubeDepths out;
@@ -81,7 +75,7 @@ RS_INLINE CubeDepths rs_cube_depths(const rs_real* n) {
 
 /* Where region 1, 2, ... 8 begins. */
 RS_INLINE rs_real rs_region_begin(const CubeDepths* d, int region) {
-  const rs_real zero = (rs_real)0.0f;
+  const rs_real zero = RS_REAL(0.0f);
   switch (region) {
     case 1:
       return zero;
@@ -112,7 +106,7 @@ RS_INLINE void rs_subtract_cube(rs_real scale, rs_real e, Cubic* f) {
 
 /* The cubic of a region about depth `at`. */
 RS_INLINE Cubic rs_region_cubic(const CubeDepths* d, int region, rs_real at) {
-  const rs_real zero = (rs_real)0.0f, one = (rs_real)1.0f;
+  const rs_real zero = RS_REAL(0.0f), one = RS_REAL(1.0f);
   const int mirrored = region > 4, lower = mirrored ? 8 - region : region;
   const rs_real g = mirrored ? d->whole - at : at;
   Cubic f = {at, {zero, zero, zero, zero}};
@@ -145,9 +139,9 @@ RS_INLINE Cubic rs_region_cubic(const CubeDepths* d, int region, rs_real at) {
 
 /* Sets the pieces for depths `low` to `high` about `at`. */
 RS_INLINE void rs_set_pieces(const CubeDepths* d, rs_real low, rs_real high, rs_real at, WindowVoxel* v) {
-  const rs_real zero = (rs_real)0.0f, one = (rs_real)1.0f, far = (rs_real)1e30f, unit = (rs_real)(float)RS_WHOLE_FILL;
+  const rs_real zero = RS_REAL(0.0f), one = RS_REAL(1.0f), far = RS_REAL(1e30f), unit = RS_REAL((float)RS_WHOLE_FILL);
   const rs_real from = low - 1e-6f, to = high + 1e-6f;
-  const rs_real narrow = rs_min((rs_real)RS_NARROW_REGION, (to - from) * 0.25f);
+  const rs_real narrow = rs_min(RS_REAL(RS_NARROW_REGION), (to - from) * 0.25f);
   v->pieces = zero;
   for (int i = 0; i < RS_WINDOW_PIECES; ++i) {
     v->piece[i].at = zero;
@@ -191,7 +185,7 @@ RS_INLINE rs_real rs_pieces_at(const WindowVoxel* v, rs_real y, int pieces) {
 RS_INLINE rs_int rs_window_outside(const WindowVoxel* v, rs_real time, int pieces) {
   const rs_real y = time * RS_FMA(time, v->depth2, v->depth1), more = time * RS_FMA(time, v->error2, v->error1);
   const rs_real fill = rs_pieces_at(v, y, pieces) + more;
-  return RS_TO_INT(rs_max(rs_min(fill, (rs_real)(float)RS_WHOLE_FILL), (rs_real)0.0f) + 0.5f);
+  return RS_TO_INT(rs_max(rs_min(fill, RS_REAL((float)RS_WHOLE_FILL)), RS_REAL(0.0f)) + 0.5f);
 }
 
 /* A voxel whose normal turns so much that the fraction misses that of a node by more, units of fill, is cut frame by
@@ -202,7 +196,7 @@ RS_INLINE rs_int rs_window_outside(const WindowVoxel* v, rs_real time, int piece
 /* Sets the polynomials from the tool next to the voxel at the three nodes. */
 RS_INLINE void rs_fit_fraction(RS_GLOBAL const MotionWindow* w, const Clip* first, const Clip* middle, const Clip* last,
                                WindowVoxel* v) {
-  const rs_real zero = (rs_real)0.0f, unit = (rs_real)(float)RS_WHOLE_FILL;
+  const rs_real zero = RS_REAL(0.0f), unit = RS_REAL((float)RS_WHOLE_FILL);
   const CubeDepths d = rs_cube_depths(middle->plane.n);
   const rs_real y0 = first->plane.away - middle->plane.away, y2 = last->plane.away - middle->plane.away;
   const rs_real at = 0.5f * d.whole + middle->plane.away;
@@ -225,7 +219,7 @@ RS_INLINE void rs_fit_fraction(RS_GLOBAL const MotionWindow* w, const Clip* firs
 /* Sets the line through the responses at the three nodes that deviates least on average. */
 RS_INLINE void rs_fit_force(RS_GLOBAL const MotionWindow* w, const rs_real* first, const rs_real* middle,
                             const rs_real* last, WindowVoxel* v) {
-  const rs_real zero = (rs_real)0.0f;
+  const rs_real zero = RS_REAL(0.0f);
   rs_real bend = zero, size = zero;
   for (int i = 0; i < RS_WINDOW_SUMS; ++i) {
     rs_real c1, c2;
@@ -260,7 +254,7 @@ RS_INLINE void rs_window_response(RS_GLOBAL const SubstepArgs* a, const Clip* cl
 /* The voxel in a window, from the tool next to it at the three nodes. `whole`: energy of a whole voxel, mJ. */
 RS_INLINE void rs_fit_voxel(RS_GLOBAL const MotionWindow* w, const Clip* first, const Clip* middle, const Clip* last,
                             rs_real whole, WindowVoxel* v) {
-  const rs_real zero = (rs_real)0.0f, one = (rs_real)1.0f;
+  const rs_real zero = RS_REAL(0.0f), one = RS_REAL(1.0f);
   rs_fit_fraction(w, first, middle, last, v);
   rs_real at_first[RS_WINDOW_SUMS], at_middle[RS_WINDOW_SUMS], at_last[RS_WINDOW_SUMS];
   rs_window_response(&w->first, first, whole, at_first);

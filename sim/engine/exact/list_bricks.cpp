@@ -26,13 +26,13 @@ DistanceTable brick_distances(const Profile& profile, double voxel_mm, double sl
                              static_cast<int>(std::ceil(height / cell_mm)));
 }
 
-namespace {
-
 CoarseGrid coarse_grid(const DistanceTable& table) {
   constexpr double kRounding_mm = 1e-3;  // may move a point into the next cell
   return {static_cast<float>(table.first.y() - 0.5 * table.pitch_mm), static_cast<float>(1 / table.pitch_mm),
           static_cast<float>(std::sqrt(0.5) * table.pitch_mm + kRounding_mm), table.count_r, table.count_z};
 }
+
+namespace {
 
 /// Number of the first argument that all visits share; those before it are set by list().
 constexpr cl_uint kAfterVisitArguments = 4;

@@ -10,6 +10,8 @@ namespace reamsim {
 /// Distances for lists of bricks. They cover every point within the reach of kernels/list_bricks.cl plus `slack_mm` of
 /// the profile. Samples lie at the centres of the kernel's cells.
 DistanceTable brick_distances(const Profile& profile, double voxel_mm, double slack_mm);
+/// The grid of these samples, for the kernel.
+CoarseGrid coarse_grid(const DistanceTable& table);
 
 /// The bricks that the tool's surface can intersect in a visit; see kernels/list_bricks.cl.
 class ListBricks {

@@ -66,7 +66,7 @@ bool meets_bone(const Frame& f, const Reach& reach) {
     low[i] = most(reach.low[i], 0) >> 3;
     high[i] = least(reach.high[i], f.args->dims[i] - 1) >> 3;
   }
-  const rs_i32 nx = (f.brick_dims[0] + 3) >> 2, ny = (f.brick_dims[1] + 3) >> 2;
+  const rs_i32 nx = (f.bone.brick_dims[0] + 3) >> 2, ny = (f.bone.brick_dims[1] + 3) >> 2;
   rs_u32 found = 0;
   for (rs_i32 sz = low[2] >> 2; sz <= high[2] >> 2; ++sz) {
     const rs_u32 mz = nibble(sz, low[2], high[2]);
@@ -75,7 +75,7 @@ bool meets_bone(const Frame& f, const Reach& reach) {
       const rs_u32 rows = ((my & 1U) | (my & 2U) << 3 | (my & 4U) << 6 | (my & 8U) << 9) * 0xfU;
       for (rs_i32 sx = low[0] >> 2; sx <= high[0] >> 2; ++sx) {
         const rs_u32 layer = rows & (nibble(sx, low[0], high[0]) * 0x1111U);
-        const rs_u32* words = f.occupancy + 2 * (sx + nx * (sy + ny * sz));
+        const rs_u32* words = f.bone.occupancy + 2 * (sx + nx * (sy + ny * sz));
         const rs_u32 lower = ((mz & 1U) | (mz & 2U) << 15) * layer, upper = ((mz >> 2 & 1U) | (mz & 8U) << 13) * layer;
         found |= (words[0] & lower) | (words[1] & upper);
       }
@@ -107,7 +107,7 @@ void gather(const Frame& f, const ShellCell& cell, const Reach& reach, const rs_
 
 /// Notes that the voxels `bits` of half a block are touched, where they are bone.
 void touch(Frame& f, rs_i32 slot, int word, rs_u32 bits) {
-  Brick& brick = f.bricks[slot];
+  Brick& brick = f.bone.bricks[slot];
   const rs_u32 bone = bits & brick.bone[word];
   if (bone == 0) return;
   // Who touches a word first may be the first in the brick.
@@ -119,9 +119,9 @@ void touch(Frame& f, rs_i32 slot, int word, rs_u32 bits) {
 /// Slot of the brick that holds a block (coordinates in blocks of 4 voxels), or -1.
 rs_i32 slot_of_block(const Frame& f, rs_i32 x, rs_i32 y, rs_i32 z) {
   const rs_i32 bx = x >> 1, by = y >> 1, bz = z >> 1;
-  const rs_i32* n = f.brick_dims;
+  const rs_i32* n = f.bone.brick_dims;
   if (bx < 0 || by < 0 || bz < 0 || bx >= n[0] || by >= n[1] || bz >= n[2]) return -1;
-  return f.slot_of_brick[bx + static_cast<rs_i64>(n[0]) * (by + static_cast<rs_i64>(n[1]) * bz)];
+  return f.bone.slot_of_brick[bx + static_cast<rs_i64>(n[0]) * (by + static_cast<rs_i64>(n[1]) * bz)];
 }
 
 /// Hands the window's bits to the bricks and leaves it empty.

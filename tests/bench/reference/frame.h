@@ -1,6 +1,7 @@
 #pragma once
 
-#include "kernels/cut_law.h"
+#include "kernels/bricks.h"
+#include "kernels/outline.h"
 
 // What the passes of every instruction set share. No inline functions in here, nor in any header that the passes
 // include: the linker keeps one copy of them, which must not hold instructions that the processor lacks.
@@ -9,8 +10,17 @@ namespace reamsim::reference {
 /// Points of the shell's cells are padded to a multiple of this.
 inline constexpr int kPadding = 16;
 
-/// One substep on plain memory: the structures of `bricked` (kernels/bricks.h) and what the threads add to. Energetic
-/// law, erosion `remove`, voxels whole or gone.
+/// The bone, in the structures of the engines (kernels/bricks.h).
+struct BoneArrays {
+  Brick* bricks;
+  const rs_i32* slot_of_brick;  ///< -1: no bone
+  const rs_u32* lattice_of_slot;
+  rs_u32* occupancy;     ///< two words per 4×4×4 bricks
+  rs_i32 brick_dims[3];  ///< of the lattice
+};
+
+/// One substep of `bricked` on plain memory, and what the threads add to. Energetic law, erosion `remove`, voxels whole
+/// or removed.
 struct Frame {
   const SubstepArgs* args;
   // shell
@@ -18,16 +28,11 @@ struct Frame {
   rs_u32 run_count;
   const ShellCell* cells;
   const rs_u16* offsets;
-  // bone
-  Brick* bricks;
-  const rs_i32* slot_of_brick;  ///< -1: no bone
-  const rs_u32* lattice_of_slot;
-  rs_u32* occupancy;     ///< two words per 4×4×4 bricks
-  rs_i32 brick_dims[3];  ///< of the lattice
-  // what a voxel is worth, by grade: mJ, and units of the sum
+  BoneArrays bone;
+  // cutting energy of a voxel by grade: mJ, and units of the sum
   const double* energy;
   const rs_i64* units;
-  const rs_u64* bits_of_byte;  ///< per byte the numbers of its bits, a byte each, lowest first; then zeros
+  const rs_u64* bits_of_byte;  ///< bits_of_bytes()
   OutlineView outline;
   // what detect leaves for cut
   rs_u32* listed;  ///< per slot

@@ -1,11 +1,10 @@
-// `bricked` against the same frame in C++ without OpenCL, at 1024³ × 1024³: severe contact, light contact, none. A
-// frame is broad phase, arguments, narrow phase, cut, and the sums read; the bone is put back after it, which is not
-// timed.
+// The engines against the same frames in C++ without OpenCL. `bricked` at 1024³ × 1024³: severe contact, light contact,
+// none. A frame is broad phase, arguments, narrow phase, cut, and the sums read; the bone is restored after it, which
+// is not timed. `exact` on the plunged sphere: see sphere_bench.h.
 //
-//   reference_bench [--benchmark_min_time=S] [--benchmark_filter=severe]
+//   reference_bench [--benchmark_min_time=S] [--benchmark_filter=severe|sphere]
 //
-// Checks first that both compute the same to the last bit. Ends with medians and their ratio; status 1 where they
-// differ.
+// Checks that both compute the same to the last bit. Ends with medians and their ratio; status 1 where they differ.
 #include <benchmark/benchmark.h>
 
 #include <algorithm>
@@ -21,6 +20,7 @@
 #include "sim/engine/common/broad_phase.h"
 #include "sim/engine/make_engine.h"
 #include "tests/bench/reference/reference.h"
+#include "tests/bench/reference/sphere_bench.h"
 
 namespace reamsim::reference {
 namespace {
@@ -28,6 +28,7 @@ namespace {
 using bench::Contact;
 
 constexpr int kSide = 1024;
+constexpr const char* kBricked = "bricked";
 /// Read before every frame, so that none finds its bone in the cores' own caches because of how it was put back.
 constexpr std::size_t kSweepBytes = 16 << 20;
 
@@ -127,7 +128,7 @@ void sweep_caches() {
   benchmark::DoNotOptimize(sum);
 }
 
-/// Milliseconds a frame, by case and program.
+/// Milliseconds per frame, by case and program.
 using Times = std::map<std::pair<std::string, std::string>, std::vector<double>>;
 
 /// An iteration is a frame on each approach; its time is their mean.
@@ -160,15 +161,14 @@ Spread spread_of(std::vector<double> values) {
 
 /// The lowest are printed too, because other programs on the machine only ever add.
 void print_ratios(const Times& times) {
-  std::printf("\nms a frame, median (lowest); x: how many times as long bricked takes\n");
   for (const Contact contact : bench::kContacts) {
     const std::string name = bench::name_of(contact);
-    const auto found = times.find({name, "bricked"});
+    const auto found = times.find({name, kBricked});
     if (found == times.end() || found->second.empty()) continue;
     const Spread bricked = spread_of(found->second);
     std::printf("%-7s bricked %.3f (%.3f)", name.c_str(), bricked.median, bricked.lowest);
     for (const auto& [key, values] : times) {
-      if (key.first != name || key.second == "bricked" || values.empty()) continue;
+      if (key.first != name || key.second == kBricked || values.empty()) continue;
       const Spread other = spread_of(values);
       std::printf("   %s %.3f (%.3f) %.2fx (%.2fx)", key.second.c_str(), other.median, other.lowest,
                   bricked.median / other.median, bricked.lowest / other.lowest);
@@ -177,32 +177,54 @@ void print_ratios(const Times& times) {
   }
 }
 
-int run() {
-  const Arena arena;
-  BrickedProgram bricked(arena);
-  std::printf("bricked on %s; C++ on %u threads\n", bricked.device().c_str(), std::thread::hardware_concurrency());
-  std::vector<std::pair<std::string, std::unique_ptr<Program>>> programs;
-  for (const Target target : usable_targets()) {
-    programs.emplace_back(name_of(target), std::make_unique<CppProgram>(arena, target));
-    check_agreement(bricked, *programs.back().second, programs.back().first);
+/// The programs, made when the first benchmark runs.
+class BrickedBench {
+ public:
+  void register_rows() {
+    for (const Contact contact : bench::kContacts) {
+      for (const Target target : usable_targets()) register_row(contact, name_of(target));
+      register_row(contact, kBricked);
+    }
   }
-  std::printf("sums and voxels agree to the last bit in every case\n");
-  Times times;
-  const auto enter = [&](const std::string& name, Program& program, Contact contact) {
+  void print() const { print_ratios(times_); }
+
+ private:
+  void register_row(Contact contact, const std::string& name) {
     const std::string label = bench::name_of(contact);
-    auto& into = times[{label, name}];
-    benchmark::RegisterBenchmark(
-        (label + "/" + name).c_str(),
-        [&program, contact, &into](benchmark::State& state) { measure(state, program, contact, into); })
-        ->UseManualTime()
-        ->Unit(benchmark::kMillisecond);
-  };
-  for (const Contact contact : bench::kContacts) {
-    for (const auto& [name, program] : programs) enter(name, *program, contact);
-    enter("bricked", bricked, contact);
+    const auto row = [this, contact, name, label](benchmark::State& state) {
+      if (programs_.empty()) make_programs();
+      measure(state, *programs_.at(name), contact, times_[{label, name}]);
+    };
+    benchmark::RegisterBenchmark((label + "/" + name).c_str(), row)->UseManualTime()->Unit(benchmark::kMillisecond);
   }
+
+  void make_programs() {
+    arena_ = std::make_unique<Arena>();
+    auto bricked = std::make_unique<BrickedProgram>(*arena_);
+    std::printf("bricked on %s; C++ on %u threads\n", bricked->device().c_str(), std::thread::hardware_concurrency());
+    for (const Target target : usable_targets()) {
+      auto program = std::make_unique<CppProgram>(*arena_, target);
+      check_agreement(*bricked, *program, name_of(target));
+      programs_[name_of(target)] = std::move(program);
+    }
+    programs_[kBricked] = std::move(bricked);
+    std::printf("sums and voxels agree to the last bit in every case\n");
+  }
+
+  std::unique_ptr<Arena> arena_;
+  std::map<std::string, std::unique_ptr<Program>> programs_;
+  Times times_;
+};
+
+int run() {
+  BrickedBench bricked;
+  SphereBench spheres;
+  bricked.register_rows();
+  spheres.register_rows();
   benchmark::RunSpecifiedBenchmarks();
-  print_ratios(times);
+  std::printf("\nms per frame, median (lowest); x: how many times as long the engine takes\n");
+  bricked.print();
+  spheres.print_ratios();
   return 0;
 }
 
