@@ -124,7 +124,8 @@ bool cut_in_window(__global const SubstepArgs* args, const SubstepWindow* window
     bool cut = cut_smooth(args, window, w, outline, v, &work->candidates, &work->framed, &work->sums, report, lanes);
     if (cut) add_window_sums(args, window, w, &work->sums, lanes);
     if (work->framed.count > 0) {
-      finish_candidates(args + window->first, outline, v, window->shift_mm, &work->framed);
+      const bool smooth = brick_is_smooth(args + window->first, outline, v, window->shift_mm);
+      finish_candidates(args + window->first, outline, v, smooth, window->shift_mm, &work->framed);
       cut |= cut_framed(args, window, outline, v, &work->framed, report, lanes);
     }
     return cut;
@@ -158,6 +159,20 @@ bool cut_brick(__global const SubstepArgs* args, __global const SubstepWindow* w
   return any_cut;
 }
 
+/* Requests memory that will be read soon. */
+RS_INLINE void prefetch_lines(__global const void* memory, const int bytes) {
+#ifdef POCL_DEVICE_ADDRESS_BITS /* PoCL, whose compiler is clang; OpenCL's prefetch() does nothing there */
+  for (int i = 0; i < bytes; i += 64) __builtin_prefetch((__global const char*)memory + i);
+#endif
+}
+
+/* Requests what a brick reads: its bone, grades and page. */
+RS_INLINE void prefetch_brick(__global const Brick* brick, const int page, __global const ushort* pages) {
+  prefetch_lines(brick->bone, sizeof brick->bone);
+  prefetch_lines(brick->grade, sizeof brick->grade);
+  if (page >= 0) prefetch_lines(pages + (ulong)page * RS_BRICK_VOXELS, RS_BRICK_VOXELS * sizeof(ushort));
+}
+
 /* Adds the sums of windows to lane 0. */
 void add_window_lanes(const long* window, LaneSums* sums) {
   for (int i = 0; i < 3; ++i) {
@@ -180,7 +195,11 @@ __kernel void cut_exact(PARAMETERS) {
   begin_report(&report, removed, &counts->removed);
   Workspace work;
   for (uint t = get_global_id(0); t < counts->listed; t += get_global_size(0)) {
-    const uint slot = listed[t];
+    const uint slot = listed[t], following = t + (uint)get_global_size(0);
+    if (following < counts->listed) {
+      const uint next = listed[following];
+      prefetch_brick(pools[next >> RS_POOL_BITS] + (next & RS_POOL_MASK), page_of_slot[next], pages);
+    }
     report.brick = lattice_of_slot[slot];
     Visit v;
     v.brick = pools[slot >> RS_POOL_BITS] + (slot & RS_POOL_MASK);

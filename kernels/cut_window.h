@@ -29,14 +29,15 @@ RS_INLINE NodeCorners node_corners(__global const MotionWindow* w, const Visit* 
 typedef struct {
   LaneSums sums;
   long16 removed, contacts;
-  long window[16];
+  long window[RS_WINDOW_SUMS];
 } SubstepLanes;
 
 /* A brick in a window: the losses of sixteen voxels, frame by frame; their coefficients, voxel by voxel; sums of
  * frames. */
 typedef struct {
+  float times[RS_VISIT_SUBSTEPS]; /* of the substeps in the window */
   float lost[RS_VISIT_SUBSTEPS * 16];
-  float basis[16 * 16];
+  float16 basis[16];
   float16 sums[RS_VISIT_SUBSTEPS];
   int16 lost_fill[RS_VISIT_SUBSTEPS], contacts[RS_VISIT_SUBSTEPS];
   ulong removing; /* a bit per frame in which a voxel is removed */
@@ -65,16 +66,19 @@ RS_INLINE void fit_sixteen(__global const MotionWindow* w, const OutlineView* ou
   rs_fit_voxel(w, &c0, &c1, &c2, whole, out);
 }
 
-/* Lowers the fill of sixteen voxels through the frames. `pieces`: the most of any of them. */
-RS_INLINE int16 lower_fill(__global const SubstepArgs* args, const SubstepWindow* window,
-                           __global const MotionWindow* w, const WindowVoxel* v, const int pieces, int16 fill,
-                           WindowSums* sums) {
-  const int count = (int)(window->end - window->first);
+/* Lowers the fill of sixteen voxels through the frames. `pieces`: the most of any of them, a constant where it is
+ * called, so that the fit stays in registers. */
+__attribute__((always_inline)) RS_INLINE int16 lower_fill(__global const SubstepArgs* a, const int count,
+                                                          const WindowVoxel* voxels, const int pieces, int16 fill,
+                                                          WindowSums* sums) {
+  const WindowVoxel v = *voxels;
+  const int16 min_loss = a->min_loss, one = 1;
   for (int f = 0; f < count; ++f) {
-    __global const SubstepArgs* a = args + window->first + f;
-    const int16 outside = rs_window_outside(v, (float16)rs_window_time(w, a->frame), pieces);
-    const int16 lost = rs_clip_loss(a, fill, outside);
-    fill -= lost;
+    const int16 outside = rs_window_outside(&v, (float16)sums->times[f], pieces);
+    /* As rs_clip_loss(), written so that only a comparison and a choice wait for the frame before. */
+    const int16 least_cut = outside + (outside == 0 ? one : min_loss), before = fill;
+    fill = least_cut <= fill ? outside : fill;
+    const int16 lost = before - fill;
     sums->lost_fill[f] += lost;
     sums->contacts[f] -= lost > 0;
     vstore16(convert_float16(lost), f, sums->lost);
@@ -84,9 +88,9 @@ RS_INLINE int16 lower_fill(__global const SubstepArgs* args, const SubstepWindow
 
 /* Adds the forces of cutting edges in contact with sixteen voxels that had `fill` before the window. */
 RS_INLINE void add_edge_forces(__global const SubstepArgs* args, const SubstepWindow* window,
-                               __global const MotionWindow* w, const OutlineView* outline, Visit* v,
-                               const Candidates* c, const int first, const WindowVoxel* fit, int16 fill,
-                               const WindowSums* sums, __global SubstepLanes* lanes) {
+                               const OutlineView* outline, Visit* v, const Candidates* c, const int first,
+                               const WindowVoxel* fit, int16 fill, const WindowSums* sums,
+                               __global SubstepLanes* lanes) {
   const int16 place = convert_int16(vload16(0, c->place + first));
   for (uint f = 0; f < window->end - window->first; ++f) {
     __global const SubstepArgs* a = args + window->first + f;
@@ -94,7 +98,7 @@ RS_INLINE void add_edge_forces(__global const SubstepArgs* args, const SubstepWi
     const Clip clip =
         rs_clip(a, outline, c->near[first >> 4], v->corner, offset_x(place), offset_y(place), offset_z(place));
     fill -= convert_int16(vload16(f, sums->lost));
-    const int16 outside = rs_window_outside(fit, (float16)rs_window_time(w, a->frame), RS_WINDOW_PIECES);
+    const int16 outside = rs_window_outside(fit, (float16)sums->times[f], RS_WINDOW_PIECES);
     LaneSums edge = lanes[f].sums;
     rs_edge_force(a, &clip, fill, outside, &edge);
     lanes[f].sums = edge;
@@ -109,7 +113,7 @@ RS_INLINE void add_products(const int count, WindowSums* sums) {
     float16* s = sums->sums + f;
     float16 s0 = s[0], s1 = s[1], s2 = s[2], s3 = s[3], s4 = s[4], s5 = s[5], s6 = s[6], s7 = s[7];
     for (int v = 0; v < 16; ++v) {
-      const float16 basis = vload16(v, sums->basis);
+      const float16 basis = sums->basis[v];
       s0 = fma((float16)lost[v], basis, s0);
       s1 = fma((float16)lost[v + 16], basis, s1);
       s2 = fma((float16)lost[v + 32], basis, s2);
@@ -161,16 +165,37 @@ RS_INLINE void append_candidates(const Candidates* from, const int first, const 
   }
 }
 
+/* Alternating elements of two vectors: those of their first and of their second halves. */
+RS_INLINE float16 zip_low(const float16 a, const float16 b) {
+  return (float16)(a.s0, b.s0, a.s1, b.s1, a.s2, b.s2, a.s3, b.s3, a.s4, b.s4, a.s5, b.s5, a.s6, b.s6, a.s7, b.s7);
+}
+RS_INLINE float16 zip_high(const float16 a, const float16 b) {
+  return (float16)(a.s8, b.s8, a.s9, b.s9, a.sa, b.sa, a.sb, b.sb, a.sc, b.sc, a.sd, b.sd, a.se, b.se, a.sf, b.sf);
+}
+
+RS_INLINE void shuffle_rows(const float16* from, float16* to) {
+  for (int i = 0; i < 8; ++i) {
+    to[2 * i] = zip_low(from[i], from[i + 8]);
+    to[2 * i + 1] = zip_high(from[i], from[i + 8]);
+  }
+}
+
+/* Exchanges rows and columns: four perfect shuffles of 16 x 16 elements. */
+RS_INLINE void transpose_sixteen(float16* rows) {
+  float16 other[16];
+  shuffle_rows(rows, other);
+  shuffle_rows(other, rows);
+  shuffle_rows(rows, other);
+  shuffle_rows(other, rows);
+}
+
 /* Writes the coefficients voxel by voxel; zeros for those in the lanes of `without`. */
 RS_INLINE void set_basis(const WindowVoxel* v, const int16 without, WindowSums* sums) {
-  float16 rows[2 * RS_WINDOW_SUMS];
   for (int i = 0; i < RS_WINDOW_SUMS; ++i) {
-    rows[i] = without ? (float16)0.0f : v->base[i];
-    rows[RS_WINDOW_SUMS + i] = without ? (float16)0.0f : v->slope[i];
+    sums->basis[i] = without ? (float16)0.0f : v->base[i];
+    sums->basis[RS_WINDOW_SUMS + i] = without ? (float16)0.0f : v->slope[i];
   }
-  const float* row = (const float*)rows;
-  for (int lane = 0; lane < 16; ++lane)
-    for (int i = 0; i < 16; ++i) sums->basis[16 * lane + i] = row[16 * i + lane];
+  transpose_sixteen(sums->basis);
 }
 
 /* Cuts the candidates in the window, except those that must be cut frame by frame, which are moved to `framed`. Returns
@@ -181,6 +206,7 @@ bool cut_smooth(__global const SubstepArgs* args, const SubstepWindow* window, _
   const int count = (int)(window->end - window->first);
   const int padded = (count + FRAMES_AT_ONCE - 1) / FRAMES_AT_ONCE * FRAMES_AT_ONCE;
   const NodeCorners corners = node_corners(w, v);
+  for (int f = 0; f < count; ++f) sums->times[f] = rs_window_time(w, args[window->first + f].frame);
   for (int f = 0; f < padded; ++f) {
     sums->sums[f] = (float16)0.0f;
     sums->lost_fill[f] = sums->contacts[f] = (int16)0;
@@ -196,15 +222,11 @@ bool cut_smooth(__global const SubstepArgs* args, const SubstepWindow* window, _
     const int16 before = vload16(0, c->fill + i), without = fit.pieces == 0.0f;
     append_candidates(c, i, without && before > 0, framed);
     const int16 start = without ? (int16)0 : before;
-    const int pieces = any(fit.pieces > 2.0f) ? 3 : any(fit.pieces > 1.0f) ? 2 : 1;
-    int16 fill;
-    if (pieces == 1)
-      fill = lower_fill(args, window, w, &fit, 1, start, sums);
-    else if (pieces == 2)
-      fill = lower_fill(args, window, w, &fit, 2, start, sums);
-    else
-      fill = lower_fill(args, window, w, &fit, 3, start, sums);
-    if (rs_has_edge(args)) add_edge_forces(args, window, w, outline, v, c, i, &fit, start, sums, lanes);
+    __global const SubstepArgs* a = args + window->first;
+    const int16 fill = any(fit.pieces > 2.0f)   ? lower_fill(a, count, &fit, 3, start, sums)
+                       : any(fit.pieces > 1.0f) ? lower_fill(a, count, &fit, 2, start, sums)
+                                                : lower_fill(a, count, &fit, 1, start, sums);
+    if (rs_has_edge(args)) add_edge_forces(args, window, outline, v, c, i, &fit, start, sums, lanes);
     if (!any(fill < start)) continue;
     any_cut = true;
     set_basis(&fit, without, sums);

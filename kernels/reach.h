@@ -69,6 +69,23 @@ RS_INLINE int rs_brick_is_smooth(RS_GLOBAL const SubstepArgs* a, const OutlineVi
   return -beyond > (RS_BRICK_RADIUS + RS_CLIP_REACH) * a->voxel_mm + shift + RS_POSITION_SLACK;
 }
 
+/* rs_distance_beyond_reach() in such a brick. The width of the voxels is found only where it decides. */
+RS_INLINE rs_real rs_distance_beyond_reach_of_piece(RS_GLOBAL const SubstepArgs* a, const OutlineView* outline,
+                                                    PieceList list, const float* brick, rs_real x, rs_real y, rs_real z,
+                                                    float shift) {
+  const float narrowest = 0.5f, slack = shift + RS_POSITION_SLACK * a->per_voxel_mm;
+  RS_GLOBAL const OutlinePiece* piece = outline->pieces + outline->numbers[list.first];
+  rs_real p[3];
+  rs_voxel_in_tool(a, brick, x, y, z, p);
+  const rs_real r = RS_SQRT(p[0] * p[0] + p[1] * p[1]);
+  const PieceDistance away = rs_circle_distance(piece, r, p[2]);
+  const rs_real distance = away.distance * a->per_voxel_mm - slack;
+  const rs_real undecided = distance > narrowest ? RS_REAL(RS_CLIP_REACH) - distance : RS_REAL(-1.0f);
+  if (!RS_ANY(undecided >= 0.0f)) return distance - narrowest;
+  const NearestPiece nearest = rs_nearest_piece(&away, RS_REAL(piece->curvature), RS_INT(0));
+  return distance - rs_half_width(a, outline, list, &nearest, p, r, slack);
+}
+
 /* For the voxels in the lanes: the section of the brick's list with all pieces that can be nearest to any of them while
  * the tool moves by `shift` mm. Returns whether it is a single piece with its ends out of reach. */
 RS_INLINE int rs_find_nearest_pieces(RS_GLOBAL const SubstepArgs* a, const OutlineView* outline, PieceList list,

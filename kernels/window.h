@@ -171,12 +171,17 @@ RS_INLINE rs_real rs_cubic(const Cubic* f, rs_real y) {
   return RS_FMA(RS_FMA(RS_FMA(f->c[3], x, f->c[2]), x, f->c[1]), x, f->c[0]);
 }
 
-/* The fraction outside at depth y, units of fill, without correction. `pieces`: at most this number. */
+/* The fraction outside at depth y, units of fill, without correction. `pieces`: at least the number of the voxel, at
+ * most RS_WINDOW_PIECES. */
 RS_INLINE rs_real rs_pieces_at(const WindowVoxel* v, rs_real y, int pieces) {
   rs_real out = rs_cubic(&v->piece[0], y);
-  for (int i = 1; i < pieces; ++i) {
-    const rs_real next = rs_cubic(&v->piece[i], y);
-    out = y >= v->begin[i - 1] ? next : out;
+  if (pieces > 1) {
+    const rs_real second = rs_cubic(&v->piece[1], y);
+    out = y >= v->begin[0] ? second : out;
+  }
+  if (pieces > 2) {
+    const rs_real third = rs_cubic(&v->piece[2], y);
+    out = y >= v->begin[1] ? third : out;
   }
   return out;
 }

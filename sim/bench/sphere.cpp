@@ -60,7 +60,7 @@ WholeFrames exact_frames(const FilledVoxmap& bone, const Tool& tool, const std::
                          const BenchControl& control) {
   WholeFrames all;
   for (int i = 1; i <= kDepths; ++i) {
-    const ToolPose last = down_to(kDepthMm * i / kDepths, 0).pose;
+    const ToolPose last = down_to(kDepthMm * i / kDepths - kSphereFeedMmS * kSphereFrameS, 0).pose;
     const ExactRun run{.bone = &bone,
                        .tool = &tool,
                        .motion = straight_motion(last, kSphereFeedMmS, kWindowsOfDepth),

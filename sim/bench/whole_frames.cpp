@@ -82,23 +82,25 @@ WholeFrames time_whole_frames(const ExactRun& run, const BenchControl& control) 
   CountingSink sink(*run.bone, folder.path());
   Stopwatch watch;
   double kernel_before_s = 0;
-  std::int64_t contacts_before = 0;
+  std::int64_t contacts_before = 0, contacts = 0;
   RunControl hooks;
   hooks.stop = control.stop;
-  hooks.progress = [&](std::int64_t frame, std::int64_t) {
+  hooks.progress = [&](std::int64_t frame, std::int64_t last) {
+    if (frame == last) return;
     if (frame >= kWindowFrames) {
       out.ms.push_back(1e3 * watch.seconds() / kWindowFrames);
       out.kernel_ms.push_back(1e3 * (sink.kernel_s - kernel_before_s) / kWindowFrames);
     } else {
       contacts_before = sink.contacts;
     }
+    contacts = sink.contacts;
     kernel_before_s = sink.kernel_s;
     watch = Stopwatch();
   };
   Report report;
   simulate(scene, *engine, sink, hooks, report);
   const auto timed = static_cast<double>(kWindowFrames * std::ssize(out.ms));
-  out.voxels = static_cast<double>(sink.contacts - contacts_before) / timed;
+  out.voxels = static_cast<double>(contacts - contacts_before) / timed;
   out.removed_mm3 = sink.removed_mm3;
   out.bytes = engine->structure_bytes();
   return out;
@@ -109,7 +111,7 @@ Motion straight_motion(const ToolPose& last, double feed_mm_s, int windows) {
   motion.frame_rate_hz = kRateHz;
   const std::int64_t frames = kWindowFrames * windows;
   const Vec3 up = last.orientation * Vec3::UnitZ();
-  for (std::int64_t k = 0; k < frames; ++k) {
+  for (std::int64_t k = 0; k <= frames; ++k) {
     ToolPose pose = last;
     pose.position_mm += static_cast<double>(frames - 1 - k) * feed_mm_s / kRateHz * up;
     motion.poses.push_back(pose);

@@ -13,14 +13,13 @@ namespace reamsim::bench {
 struct ExactRun {
   const FilledVoxmap* bone = nullptr;
   const Tool* tool = nullptr;
-  Motion motion;  ///< the first pose removes what is inside the tool; whole windows of 64 frames, the first of them
-                  ///< untimed
+  Motion motion;  ///< see straight_motion(); the first pose removes what is inside the tool
   std::string device = "auto";
   int cores = 0;  ///< compute units of the device; 0: all
 };
 
-/// Frames of an ExactRun, timed over its windows of 64 frames but the first. A whole frame is what `reamsim run` does:
-/// substeps, broad phase, windows, kernels, sums read, rows of forces.csv and timings.csv written.
+/// Frames of an ExactRun, timed over its whole windows of 64 frames but the first. A whole frame is what `reamsim run`
+/// does: substeps, broad phase, windows, kernels, sums read, rows of forces.csv and timings.csv written.
 struct WholeFrames {
   std::vector<double> ms;         ///< per whole frame, by window
   std::vector<double> kernel_ms;  ///< of it: kernels, by the clock of the device
@@ -33,7 +32,8 @@ struct WholeFrames {
 /// InputError.
 WholeFrames time_whole_frames(const ExactRun& run, const BenchControl& control);
 
-/// A straight motion at 1 kHz of `windows` windows of 64 frames that ends at `last` after a feed along −z of T.
+/// A straight motion at 1 kHz along −z of T, of `windows` windows of 64 frames, which end at `last`, and one frame
+/// more: the last frame of a run includes that its fill is read back.
 Motion straight_motion(const ToolPose& last, double feed_mm_s, int windows);
 
 }  // namespace reamsim::bench

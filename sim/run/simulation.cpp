@@ -153,8 +153,9 @@ class Simulation {
 
   /// Closes the frames of the batch: fill of the bone, rows, and removed voxels.
   void record() {
+    // Exact erosion: read_fill() includes the removed voxels.
     for (const auto& [voxel, frame] : removed_) {
-      scene_.bone.fill.set(scene_.bone.voxmap->grid.coord(voxel), 0);
+      if (!exact_) scene_.bone.fill.set(scene_.bone.voxmap->grid.coord(voxel), 0);
     }
     sink_.removed(removed_);
     for (const PendingFrame& pending : pending_) {
