@@ -89,13 +89,16 @@ int3 brick_position(const uint index, const int4 bricks) {
 }
 
 /* Clears the occupancy bit of an empty brick, so that later substeps skip it. */
-void clear_if_empty(__global const Brick* brick, __global uint* occupancy, const int3 at, const int4 bricks) {
-  uint remaining = 0;
-  for (int w = 0; w < RS_BRICK_WORDS; ++w) remaining |= brick->bone[w];
-  if (remaining != 0) return;
+void clear_occupied(__global uint* occupancy, const int3 at, const int4 bricks) {
   const int superbrick = (at.x >> 2) + ((bricks.x + 3) >> 2) * ((at.y >> 2) + ((bricks.y + 3) >> 2) * (at.z >> 2));
   const uint bit = (uint)((at.x & 3) | (at.y & 3) << 2 | (at.z & 3) << 4);
   atomic_and(&occupancy[2 * superbrick + (bit >> 5)], ~(1u << (bit & 31u)));
+}
+
+void clear_if_empty(__global const Brick* brick, __global uint* occupancy, const int3 at, const int4 bricks) {
+  uint remaining = 0;
+  for (int w = 0; w < RS_BRICK_WORDS; ++w) remaining |= brick->bone[w];
+  if (remaining == 0) clear_occupied(occupancy, at, bricks);
 }
 
 #endif

@@ -1,6 +1,6 @@
 /* Cut over bricks: every touched voxel loses fill, takes energy and exerts a force (docs/physics.md, 4). Work-items, or
- * work-groups on a GPU, stride over the list of touched bricks, whose length only the device knows. On a CPU (RS_LANES
- * 16) the law is evaluated for sixteen voxels in the lanes of a vector; on a GPU a work-item takes one voxel.
+ * work-groups on a GPU, divide the list of touched bricks, whose length only the device knows. On a CPU (RS_LANES 16)
+ * the law is evaluated for sixteen voxels in the lanes of a vector; on a GPU a work-item takes one voxel.
  *
  * Compiled with RS_POOLS, RS_POOL_BITS and, where voxels can be partly removed, RS_BRICK_FILL. */
 #include "brick_report.h"
@@ -20,10 +20,9 @@ typedef struct {
   long energy;
 } Tally;
 
-/* Lowers the fill of voxel `place`. Returns the energy, mJ; `removed` tells whether no fill remains. */
+/* Lowers the fill of voxel `place` of the grade. Returns the energy, mJ; `removed` tells whether no fill remains. */
 float remove_fill(__global const SubstepArgs* a, __global Brick* brick, const Material* material, const int place,
-                  Tally* tally, bool* removed) {
-  const uchar grade = brick->grade[place];
+                  const uchar grade, Tally* tally, bool* removed) {
   tally->contacts += 1;
 #ifdef RS_BRICK_FILL
   const int before = brick->fill[place];
@@ -73,12 +72,38 @@ void finish_tally(Tally* tally, const LaneSums* law, __global SubstepSums* sums)
 
 #if defined(RS_LANES)
 
+/* Bricks that a work-item cuts together: their data are requested before the first is used, because waiting for memory
+ * takes most of the time. */
+#define GROUP 8
+/* Touched voxels of a group, each brick's padded to a multiple of 16. A group ends before a brick might not fit:
+ * private memory is small where a work-group has many work-items. */
+#define GROUP_VOXELS (2 * (RS_BRICK_VOXELS + 16))
+
+/* A touched brick. Its touched voxels are in the group's list from `first`, a multiple of 16, on. */
+typedef struct {
+  __global Brick* brick;
+  uint16 bone;
+  uint16 touched;
+  uint lattice; /* index in the lattice of bricks */
+  int first;
+  int count;
+} CutBrick;
+
+/* Reads the bits of a brick. */
+void take_brick(__global Brick* brick, const uint lattice, CutBrick* cut) {
+  cut->brick = brick;
+  cut->bone = vload16(0, brick->bone);
+  cut->touched = vload16(0, brick->touched);
+  cut->lattice = lattice;
+}
+
 /* Lists the places of the touched voxels in ascending order, padded to a multiple of 16. Returns their number.
  * `bits_of_byte[b]`: the numbers of the bits of b, a byte each, lowest first. */
-int list_places(__global const Brick* brick, __global const ulong* bits_of_byte, ushort* places) {
+int list_places(const uint16 touched, __global const ulong* bits_of_byte, ushort* places) {
+  const uint* words = (const uint*)&touched;
   int count = 0;
   for (int w = 0; w < RS_BRICK_WORDS; ++w) {
-    const uint word = brick->touched[w];
+    const uint word = words[w];
     if (word == 0) continue;
     for (int b = 0; b < 4; ++b) {
       const uint byte = word >> 8 * b & 0xffu;
@@ -91,36 +116,76 @@ int list_places(__global const Brick* brick, __global const ulong* bits_of_byte,
   return count;
 }
 
-/* Lowers the fill of the listed voxels, and removes those without fill from the brick. */
-void remove_all_fill(__global const SubstepArgs* a, const uint substep, __global Brick* brick, const Material* material,
-                     const ushort* places, const int count, float* energies, Tally* tally) {
-#ifdef RS_BRICK_FILL
-  uint removed_words[RS_BRICK_WORDS] = {0};
-#else
-  __global const uint* removed_words = brick->touched; /* a touched voxel is removed whole */
-#endif
-  for (int i = 0; i < count; ++i) {
-    bool removed;
-    energies[i] = remove_fill(a, brick, material, places[i], tally, &removed);
-#ifdef RS_BRICK_FILL
-    removed_words[places[i] >> 5] |= (uint)removed << (places[i] & 31);
-#endif
-  }
-  vstore16((float16)0.0f, 0, energies + count);
-  for (int block = 0; block < RS_BRICK_WORDS / 2; ++block) {
-    remove_voxels(brick, substep, block, removed_words[2 * block], removed_words[2 * block + 1], &tally->report);
-    brick->touched[2 * block] = brick->touched[2 * block + 1] = 0;
-  }
+/* The grades of a brick's touched voxels: a loop by itself, so that the processor waits for many of them at once. */
+void read_grades(const CutBrick* cut, const ushort* restrict places, uchar* restrict grades) {
+  __global const uchar* grade = cut->brick->grade;
+  const int count = cut->count;
+  for (int i = 0; i < count; ++i) grades[i] = grade[places[i]];
 }
 
-/* The law for the listed voxels, sixteen at a time. (x, y, z): lowest voxel of the brick. */
-void accumulate_cut_forces(__global const SubstepArgs* a, const OutlineView* outline, const int x, const int y,
-                           const int z, const ushort* places, const float* energies, const int count, LaneSums* sums) {
+/* Lists the touched voxels of the group and their grades, brick by brick while there is room, and clears the bricks'
+ * marks. Returns the number of bricks. */
+int list_group(CutBrick* cuts, const int group, __global const ulong* bits_of_byte, ushort* places, uchar* grades) {
+  int first = 0, bricks = 0;
+  for (; bricks < group && first <= GROUP_VOXELS - (RS_BRICK_VOXELS + 16); ++bricks) {
+    CutBrick* cut = cuts + bricks;
+    cut->first = first;
+    cut->count = list_places(cut->touched, bits_of_byte, places + first);
+    first += (cut->count + 15) & ~15;
+    vstore16((uint16)0, 0, cut->brick->touched);
+  }
+  for (int g = 0; g < bricks; ++g) read_grades(cuts + g, places + cuts[g].first, grades + cuts[g].first);
+  return bricks;
+}
+
+/* Lowers the fill of the listed voxels of a brick. Returns those without fill, a bit each. */
+uint16 remove_all_fill(__global const SubstepArgs* a, const CutBrick* cut, const Material* material,
+                       const ushort* places, const uchar* grades, float* energies, Tally* tally) {
+#ifdef RS_BRICK_FILL
+  uint16 removed_voxels = (uint16)0;
+  uint* removed_words = (uint*)&removed_voxels;
+  for (int i = 0; i < cut->count; ++i) {
+    bool removed;
+    energies[i] = remove_fill(a, cut->brick, material, places[i], grades[i], tally, &removed);
+    removed_words[places[i] >> 5] |= (uint)removed << (places[i] & 31);
+  }
+#else
+  const uint16 removed_voxels = cut->touched; /* a touched voxel is removed whole */
+  long units = 0;
+  for (int i = 0; i < cut->count; ++i) {
+    units += material->units[grades[i]];
+    energies[i] = (float)material->energy[grades[i]];
+  }
+  tally->contacts += cut->count;
+  tally->fill += (long)RS_WHOLE_FILL * cut->count;
+  tally->energy += units;
+#endif
+  vstore16((float16)0.0f, 0, energies + cut->count);
+  return removed_voxels;
+}
+
+/* Removes voxels without fill from the brick, and reports them. */
+void remove_from_brick(const CutBrick* cut, const uint16 removed_voxels, const uint substep, __global uint* occupancy,
+                       const int4 bricks, RemovedReport* report) {
+  const uint16 bone = cut->bone & ~removed_voxels;
+  vstore16(bone, 0, cut->brick->bone);
+  const uint* words = (const uint*)&removed_voxels;
+  report->brick = cut->lattice;
+  for (int block = 0; block < RS_BRICK_WORDS / 2; ++block)
+    if ((words[2 * block] | words[2 * block + 1]) != 0)
+      report_removed(substep, block, words[2 * block], words[2 * block + 1], report);
+  if (!any(bone != 0u)) clear_occupied(occupancy, brick_position(cut->lattice, bricks), bricks);
+}
+
+/* The law for the listed voxels of a brick, sixteen at a time. */
+void accumulate_cut_forces(__global const SubstepArgs* a, const OutlineView* outline, const CutBrick* cut,
+                           const int4 bricks, const ushort* places, const float* energies, LaneSums* sums) {
+  const int3 at = brick_position(cut->lattice, bricks);
   float corner[3], middle[3];
-  rs_brick_in_tool(a, x, y, z, corner);
+  rs_brick_in_tool(a, 8 * at.x, 8 * at.y, 8 * at.z, corner);
   rs_brick_middle(a, corner, middle);
   const PieceList list = rs_pieces_near(outline, sqrt(middle[0] * middle[0] + middle[1] * middle[1]), middle[2]);
-  for (int i = 0; i < count; i += 16) {
+  for (int i = 0; i < cut->count; i += 16) {
     const int16 place = convert_int16(vload16(0, places + i));
     const float16 lx = convert_float16((place >> 6 & 1) << 2 | (place & 3));
     const float16 ly = convert_float16((place >> 7 & 1) << 2 | (place >> 2 & 3));
@@ -134,26 +199,36 @@ void accumulate_cut_forces(__global const SubstepArgs* a, const OutlineView* out
 
 __kernel void cut_bricked(PARAMETERS) {
   __global const SubstepArgs* a = args + substep;
-  const uint count = bricks_to_cut(room, removed_before, touched_count, substep, sums);
+  const ulong count = bricks_to_cut(room, removed_before, touched_count, substep, sums);
   const Material material = {energy_of_grade, units_of_grade, density_of_grade};
   const OutlineView outline = {pieces, numbers, lists, grid};
   __global Brick* pools[RS_POOLS] = RS_POOL_ARRAY;
   LaneSums law = zero_sums();
   Tally tally;
   begin_tally(&tally, removed, removed_count);
-  ushort places[RS_BRICK_VOXELS + 16];
-  float energies[RS_BRICK_VOXELS + 16];
-  for (uint t = get_global_id(0); t < count; t += get_global_size(0)) {
-    const uint slot = touched_list[t];
-    __global Brick* brick = pools[slot >> RS_POOL_BITS] + (slot & RS_POOL_MASK);
-    listed[slot] = 0;
-    tally.report.brick = lattice_of_slot[slot];
-    const int3 at = brick_position(tally.report.brick, bricks);
-    const int touched = list_places(brick, bits_of_byte, places);
-    remove_all_fill(a, substep, brick, &material, places, touched, energies, &tally);
-    if (a->law == RS_LAW_ENERGY)
-      accumulate_cut_forces(a, &outline, 8 * at.x, 8 * at.y, 8 * at.z, places, energies, touched, &law);
-    clear_if_empty(brick, occupancy, at, bricks);
+  CutBrick cuts[GROUP];
+  ushort places[GROUP_VOXELS];
+  uchar grades[GROUP_VOXELS];
+  float energies[GROUP_VOXELS];
+  /* Bricks that were listed one after the other lie close together. */
+  const uint last = (uint)(count * (get_global_id(0) + 1) / get_global_size(0));
+  int group;
+  for (uint t = (uint)(count * get_global_id(0) / get_global_size(0)); t < last; t += (uint)group) {
+    const int wanted = (int)min(last - t, (uint)GROUP);
+    for (int g = 0; g < wanted; ++g) {
+      const uint slot = touched_list[t + (uint)g];
+      take_brick(pools[slot >> RS_POOL_BITS] + (slot & RS_POOL_MASK), lattice_of_slot[slot], cuts + g);
+      listed[slot] = 0;
+    }
+    group = list_group(cuts, wanted, bits_of_byte, places, grades);
+    for (int g = 0; g < group; ++g) {
+      const int first = cuts[g].first;
+      const uint16 removed_voxels =
+          remove_all_fill(a, cuts + g, &material, places + first, grades + first, energies + first, &tally);
+      remove_from_brick(cuts + g, removed_voxels, substep, occupancy, bricks, &tally.report);
+    }
+    for (int g = 0; g < group && a->law == RS_LAW_ENERGY; ++g)
+      accumulate_cut_forces(a, &outline, cuts + g, bricks, places + cuts[g].first, energies + cuts[g].first, &law);
   }
   finish_tally(&tally, &law, &sums[substep]);
 }
@@ -165,7 +240,7 @@ __kernel void cut_bricked(PARAMETERS) {
 bool cut_voxel(__global const SubstepArgs* a, __global Brick* brick, const int place, const int x, const int y,
                const int z, const Material* material, const OutlineView* outline, LaneSums* law, Tally* tally) {
   bool removed;
-  const float energy = remove_fill(a, brick, material, place, tally, &removed);
+  const float energy = remove_fill(a, brick, material, place, brick->grade[place], tally, &removed);
   if (a->law == RS_LAW_ENERGY)
     rs_voxel_force(a, outline, x + rs_offset_x(place), y + rs_offset_y(place), z + rs_offset_z(place), energy, law);
   return removed;

@@ -8,6 +8,7 @@
 #include "cut_law.h"
 
 #define WINDOW_BLOCKS 512 /* of 4x4x4 voxels */
+#define LIST_BLOCKS 768   /* of several cells, so that the memory of many blocks is requested at once */
 
 /* The bricks and their tables. */
 typedef struct {
@@ -88,13 +89,11 @@ bool meets_bone(__global const SubstepArgs* a, const Bricks* b, const Reach* rea
   return found != 0;
 }
 
-/* Marks the voxels `bits` of half a block as touched, where they are bone. */
+/* Marks the voxels `bits` of half a block as touched. They are bone. */
 void mark_touched(const Bricks* b, const int slot, const int word, const uint bits) {
-  __global Brick* brick = brick_at(b, slot);
-  const uint bone = bits & brick->bone[word];
-  if (bone == 0) return;
+  if (bits == 0) return;
   /* Only the first mark of a word can be the first of the brick. */
-  if (atomic_or(&brick->touched[word], bone) == 0 && atomic_xchg(&b->listed[slot], 1u) == 0)
+  if (atomic_or(&brick_at(b, slot)->touched[word], bits) == 0 && atomic_xchg(&b->listed[slot], 1u) == 0)
     b->touched_list[atomic_inc(b->touched_count)] = (uint)slot;
 }
 
@@ -172,8 +171,33 @@ void collect_points(__global const SubstepArgs* a, __global const ShellCell* cel
   }
 }
 
-/* Marks the window's voxels in the bricks, and clears the window. */
-void flush_window(const Bricks* b, const Reach* reach, const int* origin, ulong* window) {
+/* Blocks with points, of one window or several. */
+typedef struct {
+  ulong bits[LIST_BLOCKS];
+  int slot[LIST_BLOCKS];   /* of the brick */
+  uchar word[LIST_BLOCKS]; /* of the brick's bits, the first of two */
+  int count;
+} BlockList;
+
+/* Lists the blocks of a row of the window that lie in stored bricks. (x, y, z): the first one, in blocks of 4 voxels.
+ */
+void list_row(const Bricks* b, const int x, const int y, const int z, const ulong8 blocks, BlockList* list) {
+  const int by = y >> 1, bz = z >> 1;
+  if (by < 0 || bz < 0 || by >= b->bricks[1] || bz >= b->bricks[2]) return;
+  __global const int* slots = b->slot_of_brick + (ulong)b->bricks[0] * (by + (ulong)b->bricks[1] * bz);
+  const ulong* each = (const ulong*)&blocks;
+  for (int i = 0; i < 8; ++i) {
+    const int bx = (x + i) >> 1;
+    if (each[i] == 0 || bx < 0 || bx >= b->bricks[0]) continue;
+    list->bits[list->count] = each[i];
+    list->slot[list->count] = slots[bx];
+    list->word[list->count] = (uchar)word_of_block(x + i, y, z);
+    list->count += slots[bx] >= 0;
+  }
+}
+
+/* Lists the blocks of the window with points, and clears the window. */
+void list_blocks(const Bricks* b, const Reach* reach, const int* origin, ulong* window, BlockList* list) {
   const int ox = origin[0] >> 2, oy = origin[1] >> 2, oz = origin[2] >> 2;
   const int last_y = (reach->high[1] >> 2) - oy, last_z = (reach->high[2] >> 2) - oz;
   for (int z = 0; z <= last_z; ++z) {
@@ -182,17 +206,21 @@ void flush_window(const Bricks* b, const Reach* reach, const int* origin, ulong*
       const ulong8 blocks = vload8(0, row);
       if (!any(blocks != 0ul)) continue;
       vstore8((ulong8)0, 0, row);
-      const ulong* each = (const ulong*)&blocks;
-      for (int x = 0; x < 8; ++x) {
-        if (each[x] == 0) continue;
-        const int slot = slot_of_block(b, ox + x, oy + y, oz + z);
-        if (slot < 0) continue;
-        const int word = word_of_block(ox + x, oy + y, oz + z);
-        mark_touched(b, slot, word, (uint)each[x]);
-        mark_touched(b, slot, word + 1, (uint)(each[x] >> 32));
-      }
+      list_row(b, ox, oy + y, oz + z, blocks, list);
     }
   }
+}
+
+/* Marks the voxels of the list that are bone, and empties it. The bone of all blocks is read before the first is
+ * marked, because waiting for memory takes most of the time. */
+void mark_blocks(const Bricks* b, BlockList* list) {
+  for (int i = 0; i < list->count; ++i)
+    list->bits[i] &= as_ulong(vload2(0, brick_at(b, list->slot[i])->bone + list->word[i]));
+  for (int i = 0; i < list->count; ++i) {
+    mark_touched(b, list->slot[i], list->word[i], (uint)list->bits[i]);
+    mark_touched(b, list->slot[i], list->word[i] + 1, (uint)(list->bits[i] >> 32));
+  }
+  list->count = 0;
 }
 
 __kernel void detect_bricked(PARAMETERS) {
@@ -208,6 +236,8 @@ __kernel void detect_bricked(PARAMETERS) {
   }
   ulong window[WINDOW_BLOCKS];
   for (int w = 0; w < WINDOW_BLOCKS; ++w) window[w] = 0;
+  BlockList list;
+  list.count = 0;
   LaneSums point_sums = {{0, 0, 0}, {0, 0, 0}, 0};
   for (uint c = first; c < last; ++c) {
     __global const ShellCell* cell = cells + c;
@@ -216,11 +246,13 @@ __kernel void detect_bricked(PARAMETERS) {
     if (culling && !meets_bone(a, &b, &reach)) continue;
     const int origin[3] = {reach.low[0] & ~3, reach.low[1] & ~3, reach.low[2] & ~3};
     collect_points(a, cell, offsets, &reach, origin, window);
-    flush_window(&b, &reach, origin, window);
+    list_blocks(&b, &reach, origin, window, &list);
+    if (list.count > LIST_BLOCKS - WINDOW_BLOCKS) mark_blocks(&b, &list);
     if (a->law == RS_LAW_PER_POINT)
       for (uint p = 0; p < cell->count; ++p)
         add_point_force(a, &b, &outline, cell, offsets[cell->begin + p], &point_sums);
   }
+  mark_blocks(&b, &list);
   if (a->law == RS_LAW_PER_POINT) rs_add_point_sums(&sums[substep], &point_sums);
 }
 
@@ -263,7 +295,8 @@ __kernel void detect_bricked(PARAMETERS) {
     const int x = (origin[0] >> 2) + (block & 7), y = (origin[1] >> 2) + (block >> 3 & 7),
               z = (origin[2] >> 2) + (block >> 6);
     const int slot = slot_of_block(&b, x, y, z);
-    if (slot >= 0) mark_touched(&b, slot, word_of_block(x, y, z) + (int)(w & 1u), bits);
+    const int word = word_of_block(x, y, z) + (int)(w & 1u);
+    if (slot >= 0) mark_touched(&b, slot, word, bits & brick_at(&b, slot)->bone[word]);
   }
   if (a->law == RS_LAW_PER_POINT && count != 0) rs_add_point_sums(&sums[substep], &point_sums);
 }

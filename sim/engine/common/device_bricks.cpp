@@ -131,7 +131,7 @@ DeviceBricks make_device_bricks(const cl::Device& device, const BoneView& bone, 
   std::vector<cl_int> slot_of_brick(BrickLattice::over(bone.voxmap.grid.dims).count(), -1);
   std::vector<cl_uint> lattice_of_slot;
   const BrickLattice lattice{bricks};
-  bone.voxmap.grade.for_each_brick([&](const Vec3i& coord, const GradeBricks::Brick&) {
+  for_each_slot(bone.voxmap.grade, [&](const Vec3i& coord, const GradeBricks::Brick&) {
     const std::size_t index = lattice.index(coord);
     slot_of_brick[index] = static_cast<cl_int>(lattice_of_slot.size());
     lattice_of_slot.push_back(static_cast<cl_uint>(index));
@@ -167,7 +167,7 @@ void upload_bone(const cl::Device& device, const BoneView& bone, DeviceBricks& o
     }
     first = slot;
   };
-  bone.voxmap.grade.for_each_brick([&](const Vec3i& brick, const GradeBricks::Brick& grades) {
+  for_each_slot(bone.voxmap.grade, [&](const Vec3i& brick, const GradeBricks::Brick& grades) {
     if (write_brick(bone, brick, grades, out.layout.fill == FillStore::bricks, chunk.data() + (slot - first) * bytes)) {
       set_occupied(brick, superbricks, occupancy);
     }
@@ -213,7 +213,7 @@ void read_brick_fill(const cl::Device& device, const DeviceBricks& out, const Vo
   std::vector<cl_uchar> record(bytes);
   std::array<rs_u16, RS_BRICK_VOXELS> fill{};
   std::size_t slot = 0;
-  voxmap.grade.for_each_brick([&](const Vec3i& brick, const GradeBricks::Brick& grades) {
+  for_each_slot(voxmap.grade, [&](const Vec3i& brick, const GradeBricks::Brick& grades) {
     out.pools[out.layout.pool_of(slot)].read(device, record.data(), bytes, out.layout.place_in_pool(slot) * bytes);
     std::memcpy(fill.data(), record.data() + sizeof(Brick), kFillBytes);
     ++slot;

@@ -52,7 +52,7 @@ FillPages make_fill_pages(const cl::Device& device, const BoneView& bone) {
   std::vector<cl_int> page_of_slot;
   std::vector<cl_uint> slot_of_page;
   std::vector<cl_ushort> fills;
-  bone.voxmap.grade.for_each_brick([&](const Vec3i& coord, const GradeBricks::Brick&) {
+  for_each_slot(bone.voxmap.grade, [&](const Vec3i& coord, const GradeBricks::Brick&) {
     const FillBricks::Brick* brick = bone.fill.brick(coord);
     const auto slot = static_cast<cl_uint>(page_of_slot.size());
     page_of_slot.push_back(brick == nullptr ? -1 : static_cast<cl_int>(slot_of_page.size()));
