@@ -2,6 +2,7 @@
 
 #include <cstdlib>
 #include <filesystem>
+#include <limits>
 
 #include "sim/base/error.h"
 #include "sim/base/stopwatch.h"
@@ -65,7 +66,7 @@ ReamingScene scene_of_run(const ExactRun& run) {
   scene.scenario.engine.device = run.device;
   scene.scenario.engine.tuning.compute_units = run.cores;
   scene.scenario.engine.batch_frames = static_cast<int>(kWindowFrames);
-  scene.scenario.render.enabled = false;
+  scene.scenario.render.every_frames = std::numeric_limits<int>::max();  // a snapshot ends a batch
   scene.bone.set_voxels(FilledVoxmap(*run.bone));
   scene.tool = *run.tool;
   scene.motion = run.motion;

@@ -25,12 +25,20 @@ DeviceBatch::DeviceBatch(const cl::Device& device, const RemovedList& removed)
   removed_count_.clear(device_, 1);
 }
 
+int DeviceBatch::add(const SubstepArgs& args) {
+  host_args_[static_cast<std::size_t>(used_)] = args;
+  return used_++;
+}
+
+void DeviceBatch::write_args() {
+  if (used_ > 0) args_.write(device_, host_args_.data(), static_cast<std::size_t>(used_), 0, false);
+}
+
 int DeviceBatch::begin(const SubstepArgs& args) {
   if (has_removed_) removed_count_.clear(device_, 1);
   has_removed_ = false;
-  const int slot = used_++;
+  const int slot = add(args);
   const auto at = static_cast<std::size_t>(slot);
-  host_args_[at] = args;
   args_.write(device_, &host_args_[at], 1, at, false);
   return slot;
 }

@@ -34,6 +34,9 @@ class DeviceBatch {
   /// Throws RunError when the device runs out of memory. The device must outlive the batch.
   DeviceBatch(const cl::Device& device, const RemovedList& removed);
 
+  /// Takes a substep's arguments into the next slot, and returns the slot. write_args() writes those of all slots.
+  int add(const SubstepArgs& args);
+  void write_args();
   /// Writes a substep's arguments to the next slot, and returns the slot.
   int begin(const SubstepArgs& args);
   [[nodiscard]] const SubstepArgs& args_of(int slot) const { return host_args_[static_cast<std::size_t>(slot)]; }

@@ -62,8 +62,8 @@ std::size_t CutExact::max_records(std::size_t listed, int substeps) {
 }
 
 void CutExact::enqueue(const VisitPlan& plan, const FillPages& fill, const cl::Buffer<RemovedBlock>& removed) {
-  windows_.write(device_, plan.windows.data(), plan.windows.size());
-  if (!plan.motions.empty()) motions_.write(device_, plan.motions.data(), plan.motions.size());
+  windows_.write(device_, plan.windows.data(), plan.windows.size(), 0, false);
+  if (!plan.motions.empty()) motions_.write(device_, plan.motions.data(), plan.motions.size(), 0, false);
   kernel_.set_from(cl::SlotKernel::kAfterSlot, static_cast<cl_uint>(plan.windows.size()), fill.page_of_slot,
                    fill.slot_of_page, fill.fills, removed);
   kernel_.run(plan.first, items_);

@@ -54,8 +54,8 @@ ListBricks::ListBricks(const cl::Device& device, const DeviceBricks& bone, const
 }
 
 std::size_t ListBricks::list(const VisitPlan& visit, VisitCounts counts) {
-  counts_.write(device_, &counts, 1);
   if (visit.superbricks.empty()) return 0;
+  counts_.write(device_, &counts, 1, 0, false);
   const Vec3i first = visit.superbricks.first, size = visit.superbricks.size();
   kernel_.set_from(cl::SlotKernel::kAfterSlot, cl_int4{{first.x(), first.y(), first.z(), 0}},
                    cl_int4{{size.x(), size.y(), size.z(), 0}}, visit.shift_mm + slack_mm_);
