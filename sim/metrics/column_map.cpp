@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sim/base/parallel.h"
+
 namespace reamsim {
 
 namespace {
@@ -172,9 +174,15 @@ ColumnMap map_columns(const ReamedBone& bone, const Rigid& bone_from_map, const 
 
   const double reach_mm = kReachVoxels * voxel_mm;
   const double top_mm = box.max.z() + reach_mm;
-  ColumnScan scan(bone, top_mm, box.min.z() - 2 * reach_mm);
   const Vec3 down = -bone_from_map.linear().col(2);
-  map.for_each([&](const ColumnPlace& p) { map.columns[map.index(p)] = scan.scan(map.in_bone(p, top_mm), down); });
+  constexpr std::size_t kColumnsAtOnce = 1024;
+  parallel_ranges(map.columns.size(), kColumnsAtOnce, [&](std::size_t begin, std::size_t end) {
+    ColumnScan scan(bone, top_mm, box.min.z() - 2 * reach_mm);
+    for (std::size_t i = begin; i < end; ++i) {
+      const int column = static_cast<int>(i);
+      map.columns[i] = scan.scan(map.in_bone({column % map.nx, column / map.nx}, top_mm), down);
+    }
+  });
   return map;
 }
 
