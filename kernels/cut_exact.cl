@@ -1,8 +1,9 @@
 /* Exact erosion over bricks (docs/physics.md, 3): a voxel keeps the part outside the tool. A brick passes through all
  * substeps of a visit at once, because no voxel depends on another; forces are added to the slots of the substeps. The
- * substeps form windows, in which the tool moves so little that one list of candidate voxels serves all of them. On a
- * CPU (RS_LANES 16) a work-item takes a brick and clips sixteen voxels in the lanes of a vector. On a GPU a work-group
- * takes a brick, and its work-items stride over the voxels.
+ * substeps form windows, in which the tool moves so little that one list of candidate voxels serves all of them. Where
+ * the motion of a window is smooth, its voxels are cut in all of its frames at once (cut_window.h). On a CPU
+ * (RS_LANES 16) a work-item takes a brick, with sixteen voxels in the lanes of a vector. On a GPU a work-group takes a
+ * brick, and its work-items stride over the voxels.
  *
  * Compiled with RS_POOLS and RS_POOL_BITS, and with RS_DISTANCE_GRID where the cutting edges are resolved: the tool's
  * distance then comes from their grid instead of the envelope's outline. */

@@ -1,9 +1,11 @@
 #include <openvdb/openvdb.h>
 
+#include <array>
 #include <memory>
 
 #include "sim/base/error.h"
 #include "sim/base/memory.h"
+#include "sim/base/parallel.h"
 #include "sim/bone/vdb/bone_vdb.h"
 #include "sim/bone/vdb/bone_vdb_metadata.h"
 #include "sim/bone/vdb/surface_grid.h"
@@ -117,10 +119,14 @@ void write_bone_vdb(const std::string& path, const BoneView& bone, const Removed
       label(*grid, name, unit, common, bone);
       grids.push_back(grid);
     };
-    add(density_grid(bone), vdb_keys::kDensity, "g/cm^3");
-    add(fill_grid(bone), vdb_keys::kFill, "1");
+    std::array<openvdb::FloatGrid::Ptr, 3> others;
+    parallel_items(others.size(), [&](std::size_t i) {
+      others[i] = i == 0 ? density_grid(bone) : i == 1 ? fill_grid(bone) : removed_grid(bone, removed);
+    });
+    add(others[0], vdb_keys::kDensity, "g/cm^3");
+    add(others[1], vdb_keys::kFill, "1");
     add(surface, vdb_keys::kSurface, "mm");
-    add(removed_grid(bone, removed), vdb_keys::kRemovedFrame, "frame index");
+    add(others[2], vdb_keys::kRemovedFrame, "frame index");
     write_vdb_file(path, grids, common);
   } catch (const std::bad_alloc&) {
     throw RunError(path + ": cannot be written (not enough memory for its grids)");

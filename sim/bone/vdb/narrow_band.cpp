@@ -27,25 +27,35 @@ constexpr int kCells = kSamples - 1;
 constexpr int kRefinements = 3;
 constexpr float kWithinCell = 0.9F;  // half a cell's diagonal: from the nearest point of a cell to the closest one
 
+/// Offset of a voxel in the leaf that holds it. The axes are in the order z, y, x.
+std::ptrdiff_t offset_in_leaf(const Vec3i& v) {
+  return (v.z() & (kSide - 1)) * kSide * kSide + (v.y() & (kSide - 1)) * kSide + (v.x() & (kSide - 1));
+}
+
 bool inside(float occupancy) {
   return occupancy >= 0.5F;
 }
 
-/// The occupancy of a leaf and its margin, by place: voxel centres from (-kMargin, -kMargin, -kMargin) on.
+/// The occupancy of a leaf and its margin, by place: voxel centres from (-kMargin, -kMargin, -kMargin) on. Here and
+/// below the axes are in the order z, y, x, because z varies fastest in a leaf.
 class Block {
  public:
   Block(const openvdb::FloatTree& occupancy, const openvdb::Coord& corner) : values_(kSamples * kSamples * kSamples) {
     for_each_voxel(Vec3i::Constant(-1), Vec3i::Ones(), [&](const Vec3i& step) {
-      const openvdb::Coord from = corner.offsetBy(kSide * step.x(), kSide * step.y(), kSide * step.z());
+      const openvdb::Coord from = corner.offsetBy(kSide * step.z(), kSide * step.y(), kSide * step.x());
       const Leaf* leaf = occupancy.probeConstLeaf(from);
       const float all = leaf == nullptr ? occupancy.getValue(from) : 0.0F;
+      const float* values = leaf == nullptr ? nullptr : leaf->buffer().data();
       const Vec3i first = (kSide * step).cwiseMax(-kMargin),
                   last = (kSide * step.array() + kSide - 1).min(kSide + kMargin);
       for (int z = first.z(); z <= last.z(); ++z) {
         for (int y = first.y(); y <= last.y(); ++y) {
-          for (int x = first.x(); x <= last.x(); ++x) {
-            values_[place(x + kMargin, y + kMargin, z + kMargin)] =
-                leaf == nullptr ? all : leaf->getValue(Leaf::coordToOffset({x, y, z}));
+          float* to = &values_[place(first.x() + kMargin, y + kMargin, z + kMargin)];
+          const int count = last.x() - first.x() + 1;
+          if (values == nullptr) {
+            std::fill_n(to, count, all);
+          } else {
+            std::copy_n(values + offset_in_leaf({first.x(), y, z}), count, to);
           }
         }
       }
@@ -151,24 +161,35 @@ std::vector<Foot> feet_of(const Block& block) {
   return out;
 }
 
-/// Points by component, with their numbers; the compiler vectorizes searches in it.
+/// Points by component, with their numbers. The compiler vectorizes searches in it.
 class PointSet {
  public:
   PointSet() = default;
   explicit PointSet(const std::vector<Foot>& feet) {
-    for (std::size_t i = 0; i < feet.size(); ++i) add(feet[i].at, static_cast<std::int32_t>(i));
+    resize(feet.size());
+    for (std::size_t i = 0; i < feet.size(); ++i) set(i, feet[i].at, static_cast<std::int32_t>(i));
   }
 
   [[nodiscard]] bool empty() const { return number_.empty(); }
 
   /// Sets `out` to those within `reach` of a box.
-  void select(const Point& first, const Point& last, float reach, PointSet& out) const {
+  void select_near_box(const Point& first, const Point& last, float reach, PointSet& out) const {
     const Eigen::Array3f low = first.array() - reach, high = last.array() + reach;
-    out.clear();
-    for (std::size_t i = 0; i < number_.size(); ++i) {
-      const Point p = point(i);
-      if ((p.array() >= low).all() && (p.array() <= high).all()) out.add(p, number_[i]);
+    select([&](std::size_t i) { return (point(i).array() >= low).all() && (point(i).array() <= high).all(); }, out);
+  }
+  /// Sets `out` to those that are further from `p` than the nearest by at most `more`; to none if that is further away
+  /// than `reach`.
+  void select_nearest(const Point& p, float reach, float more, PointSet& out) {
+    squares_.resize(number_.size());
+    float least = std::numeric_limits<float>::max();
+    for (std::size_t i = 0; i < squares_.size(); ++i) {
+      const float dx = x_[i] - p.x(), dy = y_[i] - p.y(), dz = z_[i] - p.z();
+      squares_[i] = dx * dx + dy * dy + dz * dz;
+      least = squares_[i] < least ? squares_[i] : least;
     }
+    const float nearest = std::sqrt(least), most = (nearest + more) * (nearest + more);
+    if (nearest > reach) return out.resize(0);
+    select([&](std::size_t i) { return squares_[i] <= most; }, out);
   }
 
   /// The nearest of the points, by number, and its distance. Squared distance and place are compared as one integer.
@@ -193,22 +214,37 @@ class PointSet {
     return {number_[k], (point(k) - p).norm()};
   }
 
-  void clear() {
-    for (std::vector<float>* values : {&x_, &y_, &z_}) values->clear();
-    number_.clear();
+  void resize(std::size_t count) {
+    for (std::vector<float>* values : {&x_, &y_, &z_}) values->resize(count);
+    number_.resize(count);
   }
 
  private:
-  void add(const Point& p, std::int32_t number) {
-    x_.push_back(p.x());
-    y_.push_back(p.y());
-    z_.push_back(p.z());
-    number_.push_back(number);
+  /// Sets `out` to the points that meet a condition, without branches.
+  template <class Condition>
+  void select(const Condition& condition, PointSet& out) const {
+    out.resize(number_.size());
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < number_.size(); ++i) {
+      out.x_[count] = x_[i];
+      out.y_[count] = y_[i];
+      out.z_[count] = z_[i];
+      out.number_[count] = number_[i];
+      count += condition(i) ? 1 : 0;
+    }
+    out.resize(count);
+  }
+  void set(std::size_t i, const Point& p, std::int32_t number) {
+    x_[i] = p.x();
+    y_[i] = p.y();
+    z_[i] = p.z();
+    number_[i] = number;
   }
   [[nodiscard]] Point point(std::size_t i) const { return {x_[i], y_[i], z_[i]}; }
 
   std::vector<float> x_, y_, z_;
   std::vector<std::int32_t> number_;
+  std::vector<float> squares_;  ///< of select_nearest()
 };
 
 /// Distance from the surface near a foot, voxels: steps to the surface and along it, to where the gradient leads to
@@ -239,12 +275,13 @@ class LeafDistances {
     constexpr int kPart = kSide / 2;
     for_each_voxel(Vec3i::Constant(2), [&](const Vec3i& part) {
       const Vec3i first = kPart * part;
-      all.select(place(first), place(first + Vec3i::Constant(kPart - 1)), kReach, near_part_);
+      all.select_near_box(place(first), place(first + Vec3i::Constant(kPart - 1)), kReach, near_part_);
       for_each_voxel(Vec3i::Constant(kPart / 2), [&](const Vec3i& pair) { set_pair(first + 2 * pair); });
     });
   }
 
-  [[nodiscard]] float at(const Vec3i& v) const { return distances_[Leaf::coordToOffset({v.x(), v.y(), v.z()})]; }
+  /// By offset_in_leaf().
+  [[nodiscard]] float at(std::ptrdiff_t offset) const { return distances_[static_cast<std::size_t>(offset)]; }
 
  private:
   static constexpr float kReach = kHalfBandVoxels + kWithinCell;
@@ -255,14 +292,10 @@ class LeafDistances {
   void set_pair(const Vec3i& first) {
     constexpr float kFromCentre = 0.867F;  // half the diagonal of the cube of their centres
     const Point centre = place(first).array() + 0.5F;
-    near_pair_.clear();
-    if (!near_part_.empty()) {
-      const float distance = near_part_.nearest(centre).distance;
-      if (distance <= kReach + kFromCentre) near_part_.select(centre, centre, distance + 2 * kFromCentre, near_pair_);
-    }
+    near_part_.select_nearest(centre, kReach + kFromCentre, 2 * kFromCentre, near_pair_);
     for_each_voxel(Vec3i::Constant(2), [&](const Vec3i& step) {
       const Vec3i v = first + step;
-      float& out = distances_[Leaf::coordToOffset({v.x(), v.y(), v.z()})];
+      float& out = distances_[static_cast<std::size_t>(offset_in_leaf(v))];
       out = kHalfBandVoxels;
       if (near_pair_.empty()) return;
       const PointSet::Nearest found = near_pair_.nearest(place(v));
@@ -286,9 +319,9 @@ std::unique_ptr<Leaf> band_leaf(const openvdb::FloatTree& occupancy, const openv
   auto leaf = std::make_unique<Leaf>(corner, 0.0F, false);
   bool any = false;
   for_each_voxel(Vec3i::Constant(kSide), [&](const Vec3i& v) {
-    const float distance = distances.at(v);
+    const auto at = static_cast<openvdb::Index>(offset_in_leaf(v));
+    const float distance = distances.at(at);
     const bool in = inside(block.at(v.x() + kMargin, v.y() + kMargin, v.z() + kMargin));
-    const auto at = Leaf::coordToOffset({v.x(), v.y(), v.z()});
     leaf->setValueOnly(at, (in ? -distance : distance) * voxel_mm);
     if (distance < kHalfBandVoxels) leaf->setValueOn(at), any = true;
   });

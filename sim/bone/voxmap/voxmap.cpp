@@ -12,18 +12,30 @@ bool contains_brick(const VoxelBox& box, const Vec3i& brick_coord) {
   return box.contains(first) && box.contains(last);
 }
 
+/// Sum of `value(fill)` over the voxels with grade ≠ 0.
+template <class Value>
+std::int64_t sum_over_bone(const BoneView& bone, const Value& value) {
+  std::int64_t sum = 0;
+  bone.voxmap.grade.for_each_brick([&](const Vec3i& coord, const GradeBricks::Brick& grades) {
+    const FillBricks::Brick* fill = bone.fill.brick(coord);
+    if (fill == nullptr) {
+      sum += value(FillBricks::kWhole) * (GradeBricks::kVoxels - std::ranges::count(grades, 0));
+      return;
+    }
+    for (std::size_t i = 0; i < grades.size(); ++i) sum += grades[i] != 0 ? value((*fill)[i]) : 0;
+  });
+  return sum;
+}
+
 }  // namespace
 
 std::int64_t BoneView::count_bone() const {
-  std::int64_t count = 0;
-  for_each_bone_voxel(*this,
-                      [&count](const Vec3i&, std::uint8_t, std::uint16_t value) { count += value != 0 ? 1 : 0; });
-  return count;
+  return sum_over_bone(*this, [](std::uint16_t value) { return std::int64_t{value != 0 ? 1 : 0}; });
 }
 
 double BoneView::bone_mm3() const {
-  std::int64_t sum = 0;  // in 1/65535 of a voxel: integers, so that the order of summation does not matter
-  for_each_bone_voxel(*this, [&sum](const Vec3i&, std::uint8_t, std::uint16_t value) { sum += value; });
+  // In 1/65535 of a voxel: integers, so that the order of summation does not matter.
+  const std::int64_t sum = sum_over_bone(*this, [](std::uint16_t value) { return std::int64_t{value}; });
   return static_cast<double>(sum) / FillBricks::kWhole * voxmap.grid.voxel_mm3();
 }
 
