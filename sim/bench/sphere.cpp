@@ -17,7 +17,7 @@ using sphere::block, sphere::cap, sphere::down_to, sphere::kDepthMm, sphere::kRa
     sphere::kSphereFrameS;
 
 constexpr int kDepths = 4;            // at which frames are timed at the true feed
-constexpr int kFramesOfDepth = 256;   // with erosion `remove`
+constexpr int kFramesOfDepth = 16;    // with erosion `remove`
 constexpr int kWindowsOfDepth = 5;    // with `exact`, the first of them untimed
 constexpr double kStepVoxels = 0.25;  // between the depths, where the shell's points have to miss no voxel
 

@@ -184,9 +184,9 @@ std::string spheres_table(const Findings& findings) {
                      number(row.removed_mm3, 1), fmt::format("{:+.5f} %", 100 * row.volume_error)});
   }
   return table_text(
-      "A sphere of 29 mm radius plunged 4 mm at 0.2 mm/s and 1 kHz, 256 frames at each of four depths; exact: whole "
+      "A sphere of 29 mm radius plunged 4 mm at 0.2 mm/s and 1 kHz, timed at four depths. exact: at each 256 whole "
       "frames "
-      "with the rows of forces.csv, by window of 64",
+      "with the rows of forces.csv, by window of 64; others: 16 frames from the pose to the sums",
       table);
 }
 
