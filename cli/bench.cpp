@@ -124,22 +124,26 @@ void add_bench_command(CLI::App& app, Console& console) {
   auto options = std::make_shared<BenchOptions>();
   auto* quick = command->add_flag("--quick", options->quick,
                                   "Short suite, a minute: severe and no contact, engines exact, bricked and direct");
-  command->add_flag("--exact", options->exact, "Only the plunged sphere with exact erosion, half a minute, no figure")
-      ->excludes(quick);
+  auto* exact =
+      command
+          ->add_flag("--exact", options->exact, "Only the plunged sphere with exact erosion, half a minute, no figure")
+          ->excludes(quick);
   command->add_option("--json", options->json, "Write the measurements as JSON")
       ->check(refuse_empty)
       ->type_name("FILE");
   command
       ->add_option("-o,--output", options->output,
                    "Output folder for bench.png, bench.svg and bench.gp (default: out/bench)")
-      ->check(refuse_empty);
+      ->check(refuse_empty)
+      ->excludes(exact);
   command->add_flag("--overwrite", options->overwrite, "Replace an existing figure and JSON file");
   command->add_option("--device", options->device, "auto, or part of the name of an OpenCL device")->type_name("NAME");
   command
       ->add_option("--engines", options->engines,
                    "Engines to measure: exact, bricked, direct, octree, implicit (default: all)")
       ->delimiter(',')
-      ->type_name("E,E");
+      ->type_name("E,E")
+      ->excludes(exact);
   command->add_flag("--quiet", console.quiet, "Print only warnings and errors");
   // For developers who change the scene: recomputes the depths in sim/bench/poses.cpp.
   command->add_flag("--find-depths", options->find_depths)->group("");

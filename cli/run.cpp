@@ -104,7 +104,7 @@ void run_in(OutputFolder& folder, const Scenario& scenario, const Console& conso
   facts.device_bytes = engine->device_bytes();
   print_report(report, facts, console);
   measure(facts, scene, outputs.fill_before(), recorder.totals());
-  engine.reset();
+  engine.reset();  // its copy of the fill is not needed any more, and writing needs memory
   return_free_memory();
   const Stopwatch write_watch;
   write_results(folder.path(), scene, recorder, facts);

@@ -3,7 +3,6 @@
 #include "sim/base/stopwatch.h"
 #include "sim/bench/poses.h"
 #include "sim/bench/program.h"
-#include "sim/engine/common/motion_windows.h"
 #include "sim/engine/make_engine.h"
 
 namespace reamsim::bench {
@@ -12,18 +11,15 @@ namespace {
 
 class EngineProgram final : public Program {
  public:
-  EngineProgram(const std::string& engine, const std::string& device, const BenchSetup& setup,
-                const CuttingSettings& cutting)
+  EngineProgram(const std::string& engine, const std::string& device, const BenchSetup& setup)
       : setup_(setup),
-        cutting_(cutting),
         label_{engine, "deterministic"},
-        engine_(make_engine(settings(engine, device, cutting), *setup.voxmap, *setup.tool)) {}
+        engine_(make_engine(settings(engine, device), *setup.voxmap, *setup.tool)) {}
 
   BatchSample run(std::span<const Substep> frames, bool use_voi) override {
     BatchSample sample;
     const Stopwatch stopwatch;
-    MotionWindows windows = windows_of(frames);
-    for (const Substep& frame : frames) enqueue(frame, use_voi, windows, sample);
+    for (const Substep& frame : frames) enqueue(frame, use_voi, sample);
     collect(sample);
     sample.total_s = stopwatch.seconds();
     keep_removed();  // bookkeeping of the benchmark
@@ -39,27 +35,16 @@ class EngineProgram final : public Program {
   [[nodiscard]] const Label& label() const override { return label_; }
 
  private:
-  static Scenario settings(const std::string& engine, const std::string& device, const CuttingSettings& cutting) {
+  static Scenario settings(const std::string& engine, const std::string& device) {
     Scenario scenario;
     scenario.name = "bench";
     scenario.engine.type = *from_name<EngineKind>(engine);
     scenario.engine.device = device;
-    scenario.cutting = cutting;
+    scenario.cutting = bench_cutting();
     return scenario;
   }
 
-  /// The windows of smooth motion of consecutive frames.
-  MotionWindows windows_of(std::span<const Substep> frames) const {
-    const std::int64_t first = frames.front().frame, last = frames.back().frame;
-    const auto args_of = [=, this](std::int64_t frame) -> std::optional<SubstepArgs> {
-      if (frame < first) return std::nullopt;
-      return make_args(frames[static_cast<std::size_t>(frame - first)], setup_.tool_box, setup_.tool->shell,
-                       setup_.voxmap->grid, cutting_, false);
-    };
-    return {args_of, last, setup_.tool_box};
-  }
-
-  void enqueue(const Substep& frame, bool use_voi, MotionWindows& windows, BatchSample& sample) {
+  void enqueue(const Substep& frame, bool use_voi, BatchSample& sample) {
     const Stopwatch broad;
     const auto voi = broad_phase(setup_.tool_box, setup_.bone_box, frame.pose.bone_from_tool().inverse());
     sample.broad_s += broad.seconds();
@@ -70,9 +55,9 @@ class EngineProgram final : public Program {
     }
     const Stopwatch upload;
     const VoxelGrid& grid = setup_.voxmap->grid;
-    engine_->enqueue(use_voi ? make_args(frame, *voi, setup_.tool->shell, grid, cutting_, false)
+    engine_->enqueue(use_voi ? make_args(frame, *voi, setup_.tool->shell, grid, bench_cutting(), false)
                              : args_without_voi(frame, *setup_.tool, grid),
-                     cutting_.erosion == ErosionMode::exact ? windows.of(frame.frame) : nullptr);
+                     nullptr);
     sample.upload_s += upload.seconds();
   }
 
@@ -92,7 +77,6 @@ class EngineProgram final : public Program {
   }
 
   BenchSetup setup_;
-  CuttingSettings cutting_;
   Label label_;
   std::unique_ptr<Engine> engine_;
   RemovedFrames removed_;  ///< since the bone was whole
@@ -101,10 +85,8 @@ class EngineProgram final : public Program {
 }  // namespace
 
 std::unique_ptr<Program> make_engine_program(const std::string& engine, const std::string& device,
-                                             const BenchSetup& setup, ErosionMode erosion) {
-  CuttingSettings cutting = bench_cutting();
-  cutting.erosion = erosion;
-  return std::make_unique<EngineProgram>(engine, device, setup, cutting);
+                                             const BenchSetup& setup) {
+  return std::make_unique<EngineProgram>(engine, device, setup);
 }
 
 }  // namespace reamsim::bench

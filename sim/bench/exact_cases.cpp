@@ -1,6 +1,5 @@
 #include <algorithm>
 
-#include "sim/base/error.h"
 #include "sim/bench/measure.h"
 #include "sim/bench/whole_frames.h"
 
@@ -12,17 +11,9 @@ constexpr int kWindowsOfCase = 3;     // the first of them untimed
 constexpr int kWindowsOfPlunge = 16;  // 1024 frames
 constexpr double kCaseFeedMmS = 1;    // as the other engines' substeps (poses.h)
 
-/// Adds the frames of one run to those of its case.
-void append_frames(const WholeFrames& part, WholeFrames& to) {
-  to.ms.insert(to.ms.end(), part.ms.begin(), part.ms.end());
-  to.kernel_ms.insert(to.kernel_ms.end(), part.kernel_ms.begin(), part.kernel_ms.end());
-  to.voxels += part.voxels;
-  to.bytes = part.bytes;
-}
-
-CaseRow row_of(const Place& at, const WholeFrames& frames, double runs) {
+CaseRow row_of(const Place& at, const WholeFrames& frames) {
   CaseRow row{.at = at};
-  row.contacts = frames.voxels / runs;
+  row.contacts = frames.voxels;
   row.ms = spread_of(frames.ms);
   row.kernel_ms = spread_of(frames.kernel_ms).median;
   return row;
@@ -52,23 +43,19 @@ void measure_exact_case(const Plan& plan, const BenchSetup& setup, const SizePai
                         const BenchControl& control, Findings& findings) {
   if (std::ranges::count(plan.engines, "exact") == 0) return;
   const Place at{{"exact", "deterministic"}, size.voxmap, size.shell, contact};
-  const std::vector<Motion> motions = motions_of(contact, setup.voxmap->grid.voxel_mm);
-  WholeFrames all;
-  try {
-    for (const Motion& motion : motions) {
-      const ExactRun run{.bone = setup.voxmap, .tool = setup.tool, .motion = motion, .device = plan.device};
-      append_frames(time_whole_frames(run, control), all);
-    }
-  } catch (const RunError& error) {
-    findings.skipped.push_back({at, error.what()});
-    return;
-  }
-  CaseRow row = row_of(at, all, static_cast<double>(motions.size()));
-  const CaseRow* direct = findings.find({"direct", "published"}, size.voxmap, size.shell, contact);
-  if (direct != nullptr && row.ms.median > 0) row.ratio_to_direct = direct->ms.median / row.ms.median;
-  findings.cases.push_back(row);
-  if (contact != name_of(Contact::severe)) return;
-  findings.memory.push_back({"exact", size.voxmap, size.shell, static_cast<double>(all.bytes.voxmap) / 1e6, 0});
+  const ExactRuns runs{.bone = setup.voxmap,
+                       .tool = setup.tool,
+                       .motions = motions_of(contact, setup.voxmap->grid.voxel_mm),
+                       .device = plan.device};
+  measure_or_skip(at, findings.skipped, [&] {
+    const WholeFrames frames = time_whole_frames(runs, control);
+    CaseRow row = row_of(at, frames);
+    const CaseRow* direct = findings.find({"direct", "published"}, size.voxmap, size.shell, contact);
+    if (direct != nullptr && row.ms.median > 0) row.ratio_to_direct = direct->ms.median / row.ms.median;
+    findings.cases.push_back(row);
+    if (contact != name_of(Contact::severe)) return;
+    findings.memory.push_back({"exact", size.voxmap, size.shell, static_cast<double>(frames.bytes.voxmap) / 1e6, 0});
+  });
 }
 
 }  // namespace reamsim::bench

@@ -81,6 +81,14 @@ struct ScatterRow {
   double contacts_spread = 0;         ///< standard deviation over mean
 };
 
+/// More of the plunged sphere with `exact`.
+struct ExactFrames {
+  double kernel_ms = 0;                    ///< of a frame, median
+  double voxels = 0;                       ///< that lose bone in a frame, mean
+  std::optional<Spread> one_core_ms = {};  ///< on one compute unit of a processor with several
+  std::optional<double> one_core_kernel_ms = {};
+};
+
 /// The plunged sphere of a verification: time per frame at 0.2 mm/s and 1 kHz, and the volume's error. `exact`: whole
 /// frames with the rows of forces.csv, by window of 64; others: from the pose to the sums, by depth.
 struct SphereRow {
@@ -90,11 +98,7 @@ struct SphereRow {
   Spread ms = {};
   double removed_mm3 = 0;
   double volume_error = 0;  ///< removed over the cap's volume, less 1
-  // exact only
-  double kernel_ms = 0;                    ///< of a frame, median
-  double voxels = 0;                       ///< that lose bone in a frame, mean
-  std::optional<Spread> one_core_ms = {};  ///< on one compute unit of a processor with several
-  std::optional<double> one_core_kernel_ms = {};
+  std::optional<ExactFrames> exact = {};
 
   /// Simulated over wall time at 1 kHz.
   [[nodiscard]] double times_real_time() const { return 1 / ms.median; }

@@ -112,11 +112,11 @@ std::string json_of(const Findings& findings) {
     Json json{{"engine", row.engine}, {"erosion", name_of(row.erosion)}, {"voxel_mm", row.voxel_mm}};
     add_spread(json, row.ms);
     json["times_real_time"] = row.times_real_time();
-    const bool exact = row.erosion == ErosionMode::exact;
-    json["kernel_ms"] = or_null(exact ? std::optional(row.kernel_ms) : std::nullopt);
-    json["one_core_ms"] = or_null(row.one_core_ms ? std::optional(row.one_core_ms->median) : std::nullopt);
-    json["one_core_kernel_ms"] = or_null(row.one_core_kernel_ms);
-    json["voxels"] = or_null(exact ? std::optional(row.voxels) : std::nullopt);
+    const ExactFrames exact = row.exact.value_or(ExactFrames{});
+    json["kernel_ms"] = or_null(row.exact ? std::optional(exact.kernel_ms) : std::nullopt);
+    json["one_core_ms"] = or_null(exact.one_core_ms ? std::optional(exact.one_core_ms->median) : std::nullopt);
+    json["one_core_kernel_ms"] = or_null(exact.one_core_kernel_ms);
+    json["voxels"] = or_null(row.exact ? std::optional(exact.voxels) : std::nullopt);
     json["removed_mm3"] = row.removed_mm3;
     json["volume_error"] = row.volume_error;
     return json;

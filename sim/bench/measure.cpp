@@ -33,6 +33,18 @@ const std::vector<std::string>& engine_names() {
   return names;
 }
 
+void measure_or_skip(const Place& at, std::vector<Skipped>& skipped, const std::function<void()>& measure) {
+  try {
+    measure();
+  } catch (const InputError& error) {
+    skipped.push_back({at, error.what()});
+  } catch (const RunError& error) {
+    skipped.push_back({at, error.what()});
+  } catch (const std::bad_alloc&) {
+    skipped.push_back({at, "not enough memory for the copy of the bone"});
+  }
+}
+
 ProgramSet make_programs(const Plan& plan, const BenchSetup& setup, const SizePair& size, bool whole,
                          std::vector<Skipped>& skipped) {
   ProgramSet set{setup, size.voxmap, size.shell, {}};
@@ -40,18 +52,8 @@ ProgramSet make_programs(const Plan& plan, const BenchSetup& setup, const SizePa
   for (const Label& label : kPrograms) {
     if (std::ranges::count(plan.engines, label.engine) == 0) continue;
     if (!whole && label.engine == "implicit") continue;  // has no shell
-    const auto skip = [&](const std::string& reason) {
-      skipped.push_back({{label, size.voxmap, size.shell, "all"}, reason});
-    };
-    try {
-      set.programs.push_back(make_program(label, device, plan, setup));
-    } catch (const InputError& error) {
-      skip(error.what());
-    } catch (const RunError& error) {
-      skip(error.what());
-    } catch (const std::bad_alloc&) {
-      skip("not enough memory for the copy of the bone");
-    }
+    measure_or_skip({label, size.voxmap, size.shell, "all"}, skipped,
+                    [&] { set.programs.push_back(make_program(label, device, plan, setup)); });
   }
   return set;
 }

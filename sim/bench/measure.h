@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -8,6 +9,9 @@
 #include "sim/bench/suite.h"
 
 namespace reamsim::bench {
+
+/// Calls `measure`; where the device cannot do it (InputError, RunError, no memory), notes that in `skipped`.
+void measure_or_skip(const Place& at, std::vector<Skipped>& skipped, const std::function<void()>& measure);
 
 /// The programs of one setup.
 struct ProgramSet {

@@ -52,9 +52,9 @@ class Program {
   [[nodiscard]] virtual const Label& label() const = 0;
 };
 
-/// The engine of `reamsim run` on the device. Throws what make_engine() throws.
+/// An engine of `erosion: remove` on the device. Throws what make_engine() throws.
 std::unique_ptr<Program> make_engine_program(const std::string& engine, const std::string& device,
-                                             const BenchSetup& setup, ErosionMode erosion = ErosionMode::remove);
+                                             const BenchSetup& setup);
 
 /// The published program of an engine. `count`: count contacts, with one more atomic sum per point. Throws RunError
 /// when the device has not enough memory.

@@ -55,39 +55,30 @@ SphereRow plunge(Program& program, double voxel_mm, const BenchControl& control)
   return row;
 }
 
-/// The windows of `erosion: exact` at the depths; removed_mm3: of the last.
-WholeFrames exact_frames(const FilledVoxmap& bone, const Tool& tool, const std::string& device, int cores,
-                         const BenchControl& control) {
-  WholeFrames all;
+/// The motions of `erosion: exact`: its windows at each depth.
+std::vector<Motion> motions_at_depths() {
+  std::vector<Motion> out;
   for (int i = 1; i <= kDepths; ++i) {
     const ToolPose last = down_to(kDepthMm * i / kDepths - kSphereFeedMmS * kSphereFrameS, 0).pose;
-    const ExactRun run{.bone = &bone,
-                       .tool = &tool,
-                       .motion = straight_motion(last, kSphereFeedMmS, kWindowsOfDepth),
-                       .device = device,
-                       .cores = cores};
-    const WholeFrames part = time_whole_frames(run, control);
-    all.ms.insert(all.ms.end(), part.ms.begin(), part.ms.end());
-    all.kernel_ms.insert(all.kernel_ms.end(), part.kernel_ms.begin(), part.kernel_ms.end());
-    all.voxels += part.voxels / kDepths;
-    all.removed_mm3 = part.removed_mm3;
+    out.push_back(straight_motion(last, kSphereFeedMmS, kWindowsOfDepth));
   }
-  return all;
+  return out;
 }
 
 SphereRow exact_row(const FilledVoxmap& bone, const Tool& tool, const Plan& plan, const BenchControl& control) {
-  const cl::DeviceInfo device = cl::choose_device(plan.device);
-  const WholeFrames frames = exact_frames(bone, tool, plan.device, 0, control);
+  ExactRuns runs{.bone = &bone, .tool = &tool, .motions = motions_at_depths(), .device = plan.device};
+  const WholeFrames frames = time_whole_frames(runs, control);
   SphereRow row{.engine = "exact", .erosion = ErosionMode::exact, .voxel_mm = bone.grid.voxel_mm};
   row.ms = spread_of(frames.ms);
   row.removed_mm3 = frames.removed_mm3;
   row.volume_error = row.removed_mm3 / cap_mm3(kDepthMm) - 1;
-  row.kernel_ms = spread_of(frames.kernel_ms).median;
-  row.voxels = frames.voxels;
+  row.exact = {.kernel_ms = spread_of(frames.kernel_ms).median, .voxels = frames.voxels};
+  const cl::DeviceInfo device = cl::choose_device(plan.device);
   if (device.gpu || device.compute_units < 2) return row;
-  const WholeFrames one_core = exact_frames(bone, tool, plan.device, 1, control);
-  row.one_core_ms = spread_of(one_core.ms);
-  row.one_core_kernel_ms = spread_of(one_core.kernel_ms).median;
+  runs.cores = 1;
+  const WholeFrames one_core = time_whole_frames(runs, control);
+  row.exact->one_core_ms = spread_of(one_core.ms);
+  row.exact->one_core_kernel_ms = spread_of(one_core.kernel_ms).median;
   return row;
 }
 
@@ -103,15 +94,11 @@ void measure_spheres(const Plan& plan, const BenchControl& control, Findings& fi
     for (const std::string& engine : plan.engines) {
       control.progress("plunged sphere, " + engine + fmt::format(", voxels of {:g} mm", voxel_mm));
       const Place place{{engine, "deterministic"}, bone.grid.dims.x(), tool.shell.resolution, "sphere"};
-      try {
+      measure_or_skip(place, findings.skipped, [&] {
         findings.spheres.push_back(engine == "exact"
                                        ? exact_row(bone, tool, plan, control)
                                        : plunge(*make_engine_program(engine, plan.device, setup), voxel_mm, control));
-      } catch (const InputError& error) {
-        findings.skipped.push_back({place, error.what()});
-      } catch (const RunError& error) {
-        findings.skipped.push_back({place, error.what()});
-      }
+      });
     }
   }
 }

@@ -30,7 +30,7 @@ struct Plan {
 
 /// All engines: `exact`, then those of `remove`, fastest first.
 const std::vector<std::string>& engine_names();
-/// All of the paper's tables; about ten minutes on two cores.
+/// All of the paper's tables; eleven minutes on two cores.
 Plan full_plan();
 /// `severe` and `none` at 256³ and 1024³ for `exact`, `bricked` and `direct`; a minute.
 Plan quick_plan();

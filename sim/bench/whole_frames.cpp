@@ -39,7 +39,7 @@ class TemporaryFolder {
 /// Writes rows and adds up what the frames report.
 class CountingSink final : public FrameSink {
  public:
-  explicit CountingSink(const FilledVoxmap& bone, const std::string& dir) : recorder_(dir, bone.grid.voxel_mm) {}
+  CountingSink(double voxel_mm, const std::string& dir) : recorder_(dir, voxel_mm) {}
 
   void frame(const FrameResult& result, const FrameTimes& times) override {
     recorder_.frame(result, times);
@@ -58,29 +58,27 @@ class CountingSink final : public FrameSink {
   Recorder recorder_;
 };
 
-ReamingScene scene_of_run(const ExactRun& run) {
+ReamingScene scene_of(const ExactRuns& runs, const Motion& motion) {
   ReamingScene scene;
   scene.scenario.name = "bench";
   scene.scenario.cutting = bench_cutting();
   scene.scenario.cutting.erosion = ErosionMode::exact;
-  scene.scenario.engine.device = run.device;
-  scene.scenario.engine.tuning.compute_units = run.cores;
+  scene.scenario.engine.device = runs.device;
+  scene.scenario.engine.tuning.compute_units = runs.cores;
   scene.scenario.engine.batch_frames = static_cast<int>(kWindowFrames);
   scene.scenario.render.every_frames = std::numeric_limits<int>::max();  // a snapshot ends a batch
-  scene.bone.set_voxels(FilledVoxmap(*run.bone));
-  scene.tool = *run.tool;
-  scene.motion = run.motion;
+  scene.bone.set_voxels(FilledVoxmap(*runs.bone));
+  scene.tool = *runs.tool;
+  scene.motion = motion;
   return scene;
 }
 
-}  // namespace
-
-WholeFrames time_whole_frames(const ExactRun& run, const BenchControl& control) {
-  WholeFrames out;
-  ReamingScene scene = scene_of_run(run);
+/// Times a run, and adds its windows to `out`. Returns the voxels that lose bone, summed over the timed frames.
+double time_run(const ExactRuns& runs, const Motion& motion, const BenchControl& control, WholeFrames& out) {
+  ReamingScene scene = scene_of(runs, motion);
   const std::unique_ptr<Engine> engine = load_engine(scene);
   const TemporaryFolder folder;
-  CountingSink sink(*run.bone, folder.path());
+  CountingSink sink(runs.bone->grid.voxel_mm, folder.path());
   Stopwatch watch;
   double kernel_before_s = 0;
   std::int64_t contacts_before = 0, contacts = 0;
@@ -100,10 +98,18 @@ WholeFrames time_whole_frames(const ExactRun& run, const BenchControl& control) 
   };
   Report report;
   simulate(scene, *engine, sink, hooks, report);
-  const auto timed = static_cast<double>(kWindowFrames * std::ssize(out.ms));
-  out.voxels = static_cast<double>(contacts - contacts_before) / timed;
   out.removed_mm3 = sink.removed_mm3;
   out.bytes = engine->structure_bytes();
+  return static_cast<double>(contacts - contacts_before);
+}
+
+}  // namespace
+
+WholeFrames time_whole_frames(const ExactRuns& runs, const BenchControl& control) {
+  WholeFrames out;
+  double voxels = 0;
+  for (const Motion& motion : runs.motions) voxels += time_run(runs, motion, control, out);
+  out.voxels = voxels / static_cast<double>(kWindowFrames * std::ssize(out.ms));
   return out;
 }
 

@@ -54,7 +54,11 @@ TEST(BenchSuite, SmallRunHasEveryRowAndKey) {
               {"engine", "variant", "obb_us", "voi_us", "upload_us", "kernel_us", "read_us", "total_us"});
   expect_keys(json["voi"], {"engine", "variant", "fraction", "contacts", "with_ms", "without_ms"});
   expect_keys(json["scatter"], {"engine", "variant", "points", "contacts_min", "contacts_max", "force_spread"});
-  expect_keys(json["spheres"], {"engine", "erosion", "voxel_mm", "median_ms", "volume_error"});
+  expect_keys(json["spheres"], {"engine", "erosion", "voxel_mm", "median_ms", "times_real_time", "kernel_ms",
+                                "one_core_ms", "one_core_kernel_ms", "voxels", "removed_mm3", "volume_error"});
+  for (const char* key : {"gops", "gb_s", "operations_per_voxel", "bytes_per_voxel"}) {
+    EXPECT_GT(json["peaks"].value(key, 0.0), 0) << key;
+  }
 
   for (const char* contact : {"severe", "light", "none", "plunge"}) {
     const CaseRow* direct = findings.find({"direct", "published"}, 64, 64, contact);
@@ -71,6 +75,25 @@ TEST(BenchSuite, SmallRunHasEveryRowAndKey) {
   // Voxels of 0.6 mm reach up to a reamer that stands 0.3 mm clear of the bone at 1024³.
   EXPECT_LT(contacts("none"), contacts("light") / 2);
   EXPECT_THAT(text_of(findings), HasSubstr("direct, published, severe contact"));
+}
+
+TEST(BenchSuite, ExactHasEveryCaseAndItsSphere) {
+  Plan plan = small_plan();
+  plan.engines = {"exact"};
+  const Findings findings = run_bench(plan, {});
+  EXPECT_TRUE(findings.skipped.empty()) << text_of(findings);
+  for (const char* contact : {"severe", "light", "none", "plunge"}) {
+    const CaseRow* row = findings.find({"exact", "deterministic"}, 64, 64, contact);
+    ASSERT_NE(row, nullptr) << contact;
+    EXPECT_LE(row->kernel_ms, row->ms.max) << contact;
+  }
+  ASSERT_EQ(findings.spheres.size(), 1U);
+  const SphereRow& sphere = findings.spheres.front();
+  ASSERT_TRUE(sphere.exact);
+  EXPECT_LT(std::abs(sphere.volume_error), 1e-3);
+  EXPECT_GT(sphere.exact->voxels, 0);
+  EXPECT_EQ(sphere.ms.samples, 4 * 4);  // windows at each depth
+  EXPECT_EQ(sphere.exact->one_core_ms.has_value(), findings.compute_units > 1);
 }
 
 TEST(BenchSuite, AnEngineIsMeasuredOrListedWithTheReason) {

@@ -71,12 +71,13 @@ TEST_P(ShellAgreement, ResolvedSpin) {
 }
 
 TEST_P(EngineAgreement, PartlyReamedBone) {
-  agreed([](ReamingScene& s) {
+  const Outcome outcome = agreed([](ReamingScene& s) {
     std::mt19937 random(11);
     for (std::int64_t e = 0; e < s.bone.voxmap->grid.size(); e += 3) {
       s.bone.fill.set(s.bone.voxmap->grid.coord(e), static_cast<std::uint16_t>(random() % 65536));
     }
   });
+  EXPECT_GT(outcome.totals.removed_mm3, 1);
 }
 
 TEST_P(EngineAgreement, WorkGroupAndBatchDoNotMatter) {
@@ -97,6 +98,7 @@ TEST_P(EngineAgreement, RandomScenes) {
   std::cout << "seed " << kSeed << '\n';
   std::mt19937 random(kSeed);
   std::uniform_real_distribution<double> u(-1, 1);
+  int removing = 0;
   for (int trial = 0; trial < 12; ++trial) {
     const Vec3i dims(1 + static_cast<int>(random() % 40), 1 + static_cast<int>(random() % 40),
                      1 + static_cast<int>(random() % 40));
@@ -105,14 +107,16 @@ TEST_P(EngineAgreement, RandomScenes) {
     const Quat tilt = Quat(u(random), u(random), u(random), u(random)).normalized();
     const Vec3 from(6 * u(random), 6 * u(random), 6 * u(random)), to(2 * u(random), 2 * u(random), 2 * u(random));
     SCOPED_TRACE("trial " + std::to_string(trial));
-    agreed([&](ReamingScene& s) {
+    const Outcome outcome = agreed([&](ReamingScene& s) {
       FilledVoxmap bone = random_bone(dims, 0.25, bone_seed);
       bone.grade.set({0, 0, 0}, 100);  // never without bone
       s.bone.set_voxels(std::move(bone));
       s.tool = make_tool(cap_profile(5, 6, 2.5, 0.6), resolution);
       s.motion = straight(from, to, 20, 50, 100, tilt);
     });
+    removing += outcome.removed.empty() ? 0 : 1;
   }
+  EXPECT_GE(removing, 6);
 }
 
 TEST_P(EngineAgreement, OneVoxel) {

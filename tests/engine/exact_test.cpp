@@ -69,15 +69,7 @@ ReamingScene exact(ReamingScene scene) {
 TEST(Exact, EqualsTheSerialReference) {
   const Outcome serial = run(exact(oblique_scene("serial")));
   EXPECT_GT(serial.removed.size(), 100U);
-  for (const KernelShape shape : {KernelShape::cpu, KernelShape::gpu}) {
-    for (const int batch : {1, 7, 1000}) {
-      SCOPED_TRACE(name_of(shape) + ", batch " + std::to_string(batch));
-      ReamingScene scene = exact(oblique_scene("auto"));
-      scene.scenario.engine.tuning.kernel_shape = shape;
-      scene.scenario.engine.batch_frames = batch;
-      expect_same(run(scene), serial);
-    }
-  }
+  expect_all_shapes_give(serial, [](const std::string& device) { return exact(oblique_scene(device)); });
 }
 
 /// Bone of all densities, with sharp corners, size effect and edge force: 200 frames of feed and tilt, most of them in
@@ -104,15 +96,7 @@ TEST(Exact, WindowsEqualTheSerialReference) {
   ReamingScene framed = slow_scene("auto");
   framed.scenario.engine.tuning.windows = false;
   EXPECT_NE(run(framed).forces, serial.forces) << "windows are in use";
-  for (const KernelShape shape : {KernelShape::cpu, KernelShape::gpu}) {
-    for (const int batch : {1, 7, 1000}) {
-      SCOPED_TRACE(name_of(shape) + ", batch " + std::to_string(batch));
-      ReamingScene scene = slow_scene("auto");
-      scene.scenario.engine.tuning.kernel_shape = shape;
-      scene.scenario.engine.batch_frames = batch;
-      expect_same(run(scene), serial);
-    }
-  }
+  expect_all_shapes_give(serial, slow_scene);
 }
 
 /// A ball, radius 29 mm, with an edge every `step_mm`.

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "sim/device/opencl.h"
 #include "tests/engine/scene_fixture.h"
 #include "tests/support/temp_dir.h"
 
@@ -48,6 +49,25 @@ inline void expect_same(const Outcome& a, const Outcome& b) {
   EXPECT_EQ(a.forces, b.forces);
   EXPECT_EQ(a.removed, b.removed);
   EXPECT_EQ(a.fill, b.fill);
+}
+
+/// Runs `exact` with kernels of both shapes, batches of several sizes, and one core. `scene_of` takes the device.
+template <class SceneOf>
+void expect_all_shapes_give(const Outcome& serial, SceneOf scene_of) {
+  const auto expect = [&](KernelShape shape, int batch, int compute_units) {
+    SCOPED_TRACE(name_of(shape) + ", batch " + std::to_string(batch) + ", " + std::to_string(compute_units) +
+                 " compute units");
+    ReamingScene scene = scene_of("auto");
+    scene.scenario.engine.tuning.kernel_shape = shape;
+    scene.scenario.engine.tuning.compute_units = compute_units;
+    scene.scenario.engine.batch_frames = batch;
+    expect_same(run(scene), serial);
+  };
+  const cl::DeviceInfo device = cl::choose_device("auto");
+  for (const KernelShape shape : {KernelShape::cpu, KernelShape::gpu}) {
+    for (const int batch : {1, 7, 1000}) expect(shape, batch, 0);
+    if (!device.gpu && device.compute_units > 1) expect(shape, 7, 1);
+  }
 }
 
 /// Engines with a shell, and the shapes of the kernels of `bricked`.

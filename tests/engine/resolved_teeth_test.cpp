@@ -59,15 +59,7 @@ ReamingScene oblique_gear(const std::string& device) {
 TEST(ResolvedTeeth, EqualTheSerialReference) {
   const Outcome serial = run(oblique_gear("serial"));
   EXPECT_GT(serial.removed.size(), 100U);
-  for (const KernelShape shape : {KernelShape::cpu, KernelShape::gpu}) {
-    for (const int batch : {1, 7, 1000}) {
-      SCOPED_TRACE(name_of(shape) + ", batch " + std::to_string(batch));
-      ReamingScene scene = oblique_gear("auto");
-      scene.scenario.engine.tuning.kernel_shape = shape;
-      scene.scenario.engine.batch_frames = batch;
-      expect_same(run(scene), serial);
-    }
-  }
+  expect_all_shapes_give(serial, oblique_gear);
   ReamingScene envelope = oblique_gear("auto");
   envelope.tool.teeth.reset();
   EXPECT_NE(run(envelope).forces, serial.forces) << "the envelope cuts otherwise";

@@ -41,7 +41,8 @@ TEST_F(RoundTrip, EveryPhantom) {
         "{shape: sphere, density_g_cm3: 0.123456789}", "{shape: layered, size_mm: [10, 10, 6]}",
         "{shape: glenoid, version_deg: -12.5, seed: 7}", "{walch: A1}", "{walch: B2, wear_tilt_deg: 20}",
         "{walch: C, rim_rounding_mm: 5}", "{}"}) {
-    resolved(with(kValid, sized, "  side: right\n  phantom: " + phantom + "\n"));
+    EXPECT_THAT(resolved(with(kValid, sized, "  side: right\n  phantom: " + phantom + "\n")),
+                HasSubstr("  phantom:\n"));
   }
 }
 

@@ -3,11 +3,15 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <filesystem>
 #include <iostream>
 
 #include "sim/engine/make_engine.h"
+#include "sim/scenario/parse.h"
+#include "sim/scene/scene.h"
 #include "sim/verify/suite.h"
 #include "tests/engine/outcome.h"
+#include "tests/support/real_data.h"
 
 namespace reamsim::verify {
 namespace {
@@ -121,8 +125,15 @@ EngineMaker both_engines(std::vector<std::shared_ptr<Runs>>& all) {
   };
 }
 
-/// Checks the runs, and prints their largest differences. `single`: bound for one frame.
-void expect_agreement(const std::string& name, const std::vector<std::shared_ptr<Runs>>& all, double single = 3e-4) {
+/// Bounds of force, torque and energy, of the peak.
+struct Bounds {
+  double single = 3e-4;  ///< of a frame
+  double mean = 1e-5;    ///< of the mean of 64 frames
+};
+
+/// Checks the runs, and prints their largest differences.
+void expect_agreement(const std::string& name, const std::vector<std::shared_ptr<Runs>>& all,
+                      const Bounds& bounds = {}) {
   Difference worst;
   bool any_window = false;
   for (const auto& runs : all) {
@@ -137,8 +148,8 @@ void expect_agreement(const std::string& name, const std::vector<std::shared_ptr
             << ", mean of 64 frames " << worst.mean << ", single frame " << worst.single << '\n';
   EXPECT_LE(worst.volume, 1e-5) << name;
   EXPECT_LE(worst.energy, 1e-5) << name;
-  EXPECT_LE(worst.mean, 1e-5) << name;
-  EXPECT_LE(worst.single, single) << name;
+  EXPECT_LE(worst.mean, bounds.mean) << name;
+  EXPECT_LE(worst.single, bounds.single) << name;
 }
 
 class WindowsAgree : public testing::TestWithParam<std::string> {};
@@ -180,7 +191,21 @@ TEST(WindowsAgree, WithFrameByFrameWhereTheToolTilts) {
   ASSERT_TRUE(all.front()->any_window);
   // From frame to frame the forces of the path without windows scatter by 3.5e-4, because positions are rounded to
   // single precision in every frame; in windows by 2.9e-4.
-  expect_agreement("tilting", all, 5e-4);
+  expect_agreement("tilting", all, {.single = 5e-4});
+}
+
+TEST(WindowsAgree, WithFrameByFrameOnAScan) {
+  const std::string scan = test::data_file("shoulder_ct/shoulder_left.nrrd");
+  if (!std::filesystem::exists(scan)) GTEST_SKIP() << "no " << scan << "; set REAMSIM_DATA";
+  Report report;
+  const ReamingScene scene = load_scene(parse_scenario(REAMSIM_TRAJECTORIES "/ct_shoulder.yaml", {}), report);
+  std::vector<std::shared_ptr<Runs>> all;
+  const auto engine = both_engines(all)(scene.scenario, scene.bone.view(), scene.tool);
+  test::run_on(*engine, scene);
+  ASSERT_TRUE(all.front()->any_window);
+  // Near the spin axis a voxel passes from one piece of the outline to the next: it then loses up to 0.7 % of its
+  // volume in one frame of the path without windows. Where the tool is slow, one voxel has a large force.
+  expect_agreement("shoulder", all, {.single = 2e-3, .mean = 2e-5});
 }
 
 }  // namespace
