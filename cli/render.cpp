@@ -9,6 +9,7 @@
 #include "cli/outputs.h"
 #include "render/plots/plots.h"
 #include "sim/base/error.h"
+#include "sim/record/output_folder.h"
 #include "sim/scenario/parse.h"
 
 namespace reamsim {
@@ -134,9 +135,11 @@ void render_command(const RenderOptions& options, const Console& console) {
                         .torque_spectrum = settings.tool_spin == ToolSpin::resolved,
                         .meshes = options.wants("meshes") && settings.output.meshes,
                         .report = options.wants("report") && pictures.settings.report});
+  ResultUpdate update(options.dir, ResultKind::run);
   Report report;
   outputs.make(report, console);
   outputs.make_report();
+  update.finish();
   console.print(report);
   console.say("pictures: " + options.dir);
 }

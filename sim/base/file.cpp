@@ -1,5 +1,10 @@
 #include "sim/base/file.h"
 
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <filesystem>
 #include <iterator>
 
 #include "sim/base/error.h"
@@ -25,6 +30,32 @@ void write_file(const std::string& path, std::string_view content) {
   std::ofstream out(path, std::ios::binary);
   out.write(content.data(), static_cast<std::streamsize>(content.size()));
   close_file(out, path);
+}
+
+void replace_file(const std::string& path, std::string_view content) {
+  const std::string unfinished = path + ".tmp";
+  write_file(unfinished, content);
+  sync_to_disk(unfinished);
+  std::error_code error;
+  std::filesystem::rename(unfinished, path, error);
+  if (error) fail_to_write(path);
+  sync_to_disk(std::filesystem::absolute(path).parent_path().string());
+}
+
+void sync_to_disk(const std::string& path) {
+  const int opened = open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW);
+  // EINVAL, ENOSYS: a file system that cannot be asked.
+  const bool synced = opened >= 0 && (fsync(opened) == 0 || errno == EINVAL || errno == ENOSYS);
+  if (opened >= 0) close(opened);
+  if (!synced) fail_to_write(path);
+}
+
+void sync_folder_to_disk(const std::string& dir) {
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(dir)) {
+    const bool link = entry.is_symlink();
+    if (!link && (entry.is_regular_file() || entry.is_directory())) sync_to_disk(entry.path().string());
+  }
+  sync_to_disk(dir);
 }
 
 void close_file(std::ofstream& out, const std::string& path) {

@@ -15,6 +15,14 @@ std::string read_file_start(const std::string& path, std::size_t most_bytes);
 /// Writes a file, replacing an older one. Throws RunError.
 void write_file(const std::string& path, std::string_view content);
 
+/// As write_file(); the file has either the old or the new content, and the new one is on the disk on return.
+void replace_file(const std::string& path, std::string_view content);
+
+/// Waits until a file or the entries of a folder are on the disk. Throws RunError where they cannot be written.
+void sync_to_disk(const std::string& path);
+/// The same for a folder and everything below it. Links are not followed.
+void sync_folder_to_disk(const std::string& dir);
+
 /// Closes `out`, which writes the file `path`. Throws RunError when anything could not be written.
 void close_file(std::ofstream& out, const std::string& path);
 

@@ -68,10 +68,8 @@ MemoryPlan plan_memory(const ReamingScene& scene) {
   const bool serial = scene.scenario.engine.device == "serial";
   const double engine =
       serial ? kSerialBytes * static_cast<double>(voxmap.grid.size()) : static_cast<double>(plan.device_bytes);
-  // The fill at the start of the run, and the current one.
-  const double fill =
-      std::max(2.0 * static_cast<double>(scene.bone.fill.bytes()),
-               static_cast<double>(scene.bone.fill.bytes() + sizeof(FillBricks::Brick) * forecast.partial));
+  // The fill at the start of the run, and the current one where it differs.
+  const double fill = static_cast<double>(scene.bone.fill.bytes() + sizeof(FillBricks::Brick) * forecast.partial);
   BrickCounts bricks = count_bricks(voxmap.grade);
   // The reamed face is part of the surface.
   bricks.partial += static_cast<double>(forecast.listed);

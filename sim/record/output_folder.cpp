@@ -13,6 +13,8 @@
 #include <fstream>
 
 #include "sim/base/error.h"
+#include "sim/base/file.h"
+#include "sim/record/manifest.h"
 
 namespace reamsim {
 
@@ -30,6 +32,10 @@ std::string resolved(const std::string& path) {
   fs::path out = fs::weakly_canonical(fs::absolute(path), error);
   if (error) out = fs::absolute(path).lexically_normal();
   return out.has_filename() ? out.string() : out.parent_path().string();
+}
+
+std::string without_suffix(const std::string& text, const std::string& suffix) {
+  return text.ends_with(suffix) ? text.substr(0, text.size() - suffix.size()) : text;
 }
 
 /// Whether `path` is the folder or below it.
@@ -101,10 +107,38 @@ std::string replace(const std::string& partial, const std::string& dir) {
   throw std::system_error(failed);
 }
 
+/// Moves `partial` to `dir`, which must not exist. Throws std::system_error.
+void move_without_replacing(const std::string& partial, const std::string& dir) {
+  if (renameat2(AT_FDCWD, partial.c_str(), AT_FDCWD, dir.c_str(), RENAME_NOREPLACE) == 0) return;
+  const int error = errno;
+  if (error != EINVAL && error != ENOSYS) throw std::system_error(error, std::generic_category());
+  fs::rename(partial, dir);  // replaces nothing but an empty folder
+}
+
 }  // namespace
 
+OutputFolder::NewFolders::NewFolders(const std::string& below) {
+  std::error_code error;
+  const std::string dir = fs::path(below).parent_path().string();
+  for (fs::path at(dir); !at.empty() && !fs::exists(fs::symlink_status(at, error)); at = at.parent_path()) {
+    created_.push_back(at.string());
+  }
+  fs::create_directories(dir, error);
+  if (error || !fs::is_directory(dir, error)) refuse(below, "cannot be created", "choose a writable place with -o");
+}
+
+OutputFolder::NewFolders::~NewFolders() {
+  std::error_code ignored;
+  for (const std::string& dir : created_) fs::remove(dir, ignored);
+}
+
 OutputFolder::OutputFolder(const OutputRequest& request)
-    : kind_(request.kind), dir_(resolved(request.dir)), partial_(dir_ + ".partial"), overwrite_(request.overwrite) {
+    : kind_(request.kind),
+      dir_(resolved(request.dir)),
+      partial_(dir_ + ".partial"),
+      overwrite_(request.overwrite),
+      parents_(dir_),
+      lock_(dir_) {
   std::error_code error;
   for (const std::string& place : {dir_, partial_}) {
     if (!fs::exists(fs::symlink_status(place, error))) continue;
@@ -117,7 +151,7 @@ OutputFolder::OutputFolder(const OutputRequest& request)
     require_ours(place, kind_, place == dir_);
   }
   remove_results(partial_, kind_);
-  fs::create_directories(partial_, error);
+  fs::create_directory(partial_, error);
   if (error || !fs::is_directory(partial_, error)) {
     refuse(partial_, "cannot be created", "choose a writable place with -o");
   }
@@ -137,19 +171,33 @@ void OutputFolder::finish() {
   keep_ = true;  // complete, so never removed again
   std::string why;
   try {
-    if (!overwrite_ || !fs::exists(dir_)) {
-      fs::rename(partial_, dir_);
-      return;
-    }
-    require_ours(dir_, kind_, true);  // it may have changed since
-    remove_results(replace(partial_, dir_), kind_);
+    list_results(partial_, kind_);
+    sync_folder_to_disk(partial_);
+    put_in_place();
+    sync_to_disk(fs::path(dir_).parent_path().string());
     return;
   } catch (const std::system_error& error) {
     why = dir_ + ": cannot be moved into place (" + error.code().message() + ")";
-  } catch (const InputError& error) {
-    why = error.what();
+  } catch (const std::runtime_error& error) {
+    why = message_of(error);
   }
   throw RunError(why + "; the results are complete in " + partial_);
+}
+
+void OutputFolder::put_in_place() {
+  if (!overwrite_ || !fs::exists(dir_)) {
+    move_without_replacing(partial_, dir_);
+    return;
+  }
+  require_ours(dir_, kind_, true);  // it may have changed since
+  remove_results(replace(partial_, dir_), kind_);
+}
+
+ResultUpdate::ResultUpdate(const std::string& dir, ResultKind kind)
+    : dir_(resolved(dir)), kind_(kind), lock_(without_suffix(dir_, ".partial")), foreign_(open_results(dir_, kind)) {}
+
+void ResultUpdate::finish() {
+  if (read_manifest(dir_)) list_results(dir_, kind_, foreign_);
 }
 
 void require_replaceable_file(const std::string& path, const std::string& key, bool overwrite,

@@ -1,8 +1,10 @@
 #pragma once
 
+#include <set>
 #include <string>
 #include <vector>
 
+#include "sim/record/folder_lock.h"
 #include "sim/record/result_names.h"
 
 namespace reamsim {
@@ -15,15 +17,16 @@ struct OutputRequest {
   std::vector<std::string> inputs;  ///< files and folders that the command reads; they must not be replaced
 };
 
-/// The output folder of a command. Results are written to DIR.partial/, which becomes DIR when all are complete.
+/// The output folder of a command. Results are written to DIR.partial/, which becomes DIR when all are complete and on
+/// the disk. DIR.lock reserves both.
 ///
-/// Only files that a command of this kind writes are ever deleted. With `overwrite`, DIR and DIR.partial may be
-/// replaced when they hold nothing else; never the current folder, a home, a mount point, the folder of an input, or a
-/// folder above one of these.
+/// Only files that a command of this kind wrote are ever deleted (manifest.h). With `overwrite`, DIR and DIR.partial
+/// may be replaced when they hold nothing else; never the current folder, a home, a mount point, the folder of an
+/// input, or a folder above one of these.
 class OutputFolder {
  public:
-  /// Creates DIR.partial. Throws InputError: DIR exists and not `overwrite`, DIR or DIR.partial may not be replaced, or
-  /// the parent is not writable.
+  /// Creates DIR.partial. Throws InputError: DIR exists and not `overwrite`, DIR or DIR.partial may not be replaced,
+  /// another process uses them, or the parent is not writable.
   explicit OutputFolder(const OutputRequest& request);
   /// Removes DIR.partial unless finish() or keep() was called.
   ~OutputFolder();
@@ -35,18 +38,49 @@ class OutputFolder {
   [[nodiscard]] const std::string& final_path() const { return dir_; }
   /// Whether it has recorded frames, which are worth keeping after a failure.
   [[nodiscard]] bool has_frames() const;
-  /// Moves DIR.partial to DIR and removes an old DIR only then. Throws RunError when that fails; the complete results
-  /// stay in DIR.partial.
+  /// Lists the results in their manifest, moves DIR.partial to DIR, and removes an old DIR only then. Throws RunError
+  /// when that fails; the complete results stay in DIR.partial.
   void finish();
   /// Keeps DIR.partial (interrupted, or failed with finished frames).
   void keep() { keep_ = true; }
 
  private:
+  void put_in_place();
+
+  /// The folders above the output, created where they do not exist; the destructor removes those that stay empty.
+  class NewFolders {
+   public:
+    explicit NewFolders(const std::string& below);
+    ~NewFolders();
+    NewFolders(const NewFolders&) = delete;
+    NewFolders& operator=(const NewFolders&) = delete;
+
+   private:
+    std::vector<std::string> created_;
+  };
+
   ResultKind kind_;
   std::string dir_;
   std::string partial_;
   bool overwrite_ = false;
   bool keep_ = false;
+  NewFolders parents_;
+  FolderLock lock_;
+};
+
+/// Files that a command adds to finished results. Reserves the folder meanwhile.
+class ResultUpdate {
+ public:
+  /// Throws InputError where another process uses the folder or it is not writable.
+  ResultUpdate(const std::string& dir, ResultKind kind);
+  /// Adds the new files to the manifest. Throws RunError.
+  void finish();
+
+ private:
+  std::string dir_;
+  ResultKind kind_;
+  FolderLock lock_;
+  std::set<std::string> foreign_;
 };
 
 /// Throws InputError where writing the file `path` (`key` names the option) would destroy something: a folder, one of

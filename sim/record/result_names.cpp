@@ -5,6 +5,8 @@
 #include <regex>
 #include <vector>
 
+#include "sim/record/manifest.h"
+
 namespace reamsim {
 
 namespace {
@@ -21,6 +23,7 @@ Names names_of_run() {
   const std::string camera = "(_[a-z0-9_-]+)?";           // the names that render.user_cameras may have
   const std::string unfinished = "(\\.tmp|\\.partial)?";  // of an interrupted write
   const std::string files =
+      "checkpoint-[01]\\.bin|"
       "scenario\\.yaml|summary\\.json|verification\\.json|timings\\.csv|report\\.html|segmentation\\.png|contact_"
       "sheet\\.png|"
       "forces\\.(csv|gp|png|svg|pdf)|depth_map\\.(csv|png)|reamed\\.(vdb|vti|glb|stl)|"
@@ -42,21 +45,51 @@ const Names& names_of(ResultKind kind) {
 
 constexpr const char* kFolders[] = {"frames", "plots", "snapshots", "turntable"};
 
-/// `place`: relative to the results folder. Links are never followed and never ours.
-bool is_ours(const fs::directory_entry& entry, const std::string& place, ResultKind kind) {
-  std::error_code error;
-  const fs::file_type type = entry.symlink_status(error).type();
-  if (type == fs::file_type::directory) {
-    return kind == ResultKind::run && std::ranges::find(kFolders, place) != std::end(kFolders);
-  }
-  return type == fs::file_type::regular && std::regex_match(place, names_of(kind).files);
+/// Users copy it into a run, whose report then shows it (docs/formats.md).
+constexpr const char* kVerification = "verification.json";
+
+std::string kind_name(ResultKind kind) {
+  static const char* const names[] = {"run", "comparison", "verification", "benchmark"};  // in the order of ResultKind
+  return names[static_cast<std::size_t>(kind)];
 }
 
-/// Calls visit(entry, place) for every entry of `dir` and of its folders that are ours, until it returns false.
+bool has_known_name(const std::string& file, ResultKind kind) {
+  return std::regex_match(file, names_of(kind).files);
+}
+
+/// Says which entries of a results folder reamsim wrote: those of its manifest; without a complete one, also those
+/// with known names.
+class OwnEntries {
+ public:
+  OwnEntries(const std::string& dir, ResultKind kind) : kind_(kind), manifest_(read_manifest(dir)) {
+    if (manifest_ && manifest_->kind != kind_name(kind)) manifest_.reset();
+  }
+
+  [[nodiscard]] bool has_manifest() const { return manifest_.has_value(); }
+
+  /// `place`: relative to the results folder. Links are never followed and never ours.
+  [[nodiscard]] bool contains(const fs::directory_entry& entry, const std::string& place) const {
+    std::error_code error;
+    const fs::file_type type = entry.symlink_status(error).type();
+    if (type == fs::file_type::directory) {
+      return kind_ == ResultKind::run && std::ranges::find(kFolders, place) != std::end(kFolders);
+    }
+    if (type != fs::file_type::regular) return false;
+    if (manifest_ && (place == kManifestName || manifest_->files.contains(place))) return true;
+    if (kind_ == ResultKind::run && place == kVerification) return true;
+    return (!manifest_ || !manifest_->complete) && has_known_name(place, kind_);
+  }
+
+ private:
+  ResultKind kind_;
+  std::optional<Manifest> manifest_;
+};
+
+/// Calls visit(entry, place, ours) for every entry of `dir` and of its folders that are ours, until it returns false.
 /// `below`: the path of `dir` in the results folder, "" or "frames/". Returns false where `visit` did or an entry
 /// cannot be read.
 template <class Visit>
-bool walk(const std::string& dir, const std::string& below, ResultKind kind, const Visit& visit) {
+bool walk(const std::string& dir, const std::string& below, const OwnEntries& own, const Visit& visit) {
   std::error_code error;
   std::vector<fs::directory_entry> entries;
   for (fs::directory_iterator at(dir, error), end; !error && at != end; at.increment(error)) entries.push_back(*at);
@@ -64,9 +97,10 @@ bool walk(const std::string& dir, const std::string& below, ResultKind kind, con
   std::ranges::sort(entries);
   for (const fs::directory_entry& entry : entries) {
     const std::string place = below + entry.path().filename().string();
+    const bool ours = own.contains(entry, place);
     const bool folder = entry.symlink_status(error).type() == fs::file_type::directory;
-    if (folder && is_ours(entry, place, kind) && !walk(entry.path().string(), place + "/", kind, visit)) return false;
-    if (!visit(entry, place)) return false;
+    if (folder && ours && !walk(entry.path().string(), place + "/", own, visit)) return false;
+    if (!visit(entry, place, ours)) return false;
   }
   return true;
 }
@@ -75,25 +109,53 @@ bool walk(const std::string& dir, const std::string& below, ResultKind kind, con
 
 std::optional<std::string> foreign_entry(const std::string& dir, ResultKind kind) {
   std::optional<std::string> found;
-  const bool read = walk(dir, "", kind, [&](const fs::directory_entry& entry, const std::string& place) {
-    if (!is_ours(entry, place, kind)) found = place;
-    return !found;
-  });
+  const bool read =
+      walk(dir, "", OwnEntries(dir, kind), [&](const fs::directory_entry&, const std::string& place, bool ours) {
+        if (!ours) found = place;
+        return ours;
+      });
   if (!read && !found) return "something that cannot be read";
   return found;
 }
 
 bool is_marked(const std::string& dir, ResultKind kind) {
+  if (OwnEntries(dir, kind).has_manifest()) return true;
   return std::ranges::any_of(names_of(kind).marks, [&](const std::string& mark) {
     std::error_code error;
     return fs::is_regular_file(dir + "/" + mark, error);
   });
 }
 
+void list_results(const std::string& dir, ResultKind kind, const std::set<std::string>& foreign) {
+  Manifest manifest{.kind = kind_name(kind), .files = {}};
+  walk(dir, "", OwnEntries(dir, kind), [&](const fs::directory_entry& entry, const std::string& place, bool ours) {
+    std::error_code error;
+    const bool file = entry.symlink_status(error).type() == fs::file_type::regular;
+    if (ours && file && place != kManifestName && !foreign.contains(place)) manifest.files.insert(place);
+    return true;
+  });
+  write_manifest(dir, manifest);
+}
+
+std::set<std::string> open_results(const std::string& dir, ResultKind kind) {
+  std::set<std::string> foreign;
+  std::optional<Manifest> manifest = read_manifest(dir);
+  if (!manifest || manifest->kind != kind_name(kind)) return foreign;
+  if (manifest->complete) {
+    walk(dir, "", OwnEntries(dir, kind), [&](const fs::directory_entry&, const std::string& place, bool ours) {
+      if (!ours) foreign.insert(place);
+      return true;
+    });
+  }
+  manifest->complete = false;
+  write_manifest(dir, *manifest);
+  return foreign;
+}
+
 void remove_results(const std::string& dir, ResultKind kind) {
   std::error_code ignored;
-  walk(dir, "", kind, [&](const fs::directory_entry& entry, const std::string& place) {
-    if (is_ours(entry, place, kind)) fs::remove(entry.path(), ignored);  // a folder only once it is empty
+  walk(dir, "", OwnEntries(dir, kind), [&](const fs::directory_entry& entry, const std::string&, bool ours) {
+    if (ours) fs::remove(entry.path(), ignored);  // a folder only once it is empty
     return true;
   });
   fs::remove(dir, ignored);

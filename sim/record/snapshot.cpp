@@ -47,7 +47,7 @@ void write_snapshot(const std::string& dir, std::int64_t frame, FillBricks& fill
   for (const Vec3i& brick : fill.take_changed()) put_brick(*grid, brick, fill);
   std::error_code ignored;  // writing reports it
   fs::create_directories(fs::path(path).parent_path(), ignored);
-  write_vdb_file(path, {grid}, {});
+  write_vdb_file(path, {[&grid] { return grid; }}, {});
 }
 
 std::vector<std::int64_t> snapshot_frames(const std::string& dir) {

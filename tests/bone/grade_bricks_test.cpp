@@ -120,7 +120,7 @@ TEST(GradeBricks, EqualityIsThatOfTheGrades) {
 }
 
 TEST(GradeBricks, HoldMoreThanAPage) {
-  GradeBricks grades({8 * 20, 8 * 20, 8 * 21});  // 8400 bricks; a page has 4096
+  GradeBricks grades({8 * 20, 8 * 20, 8 * 21});  // 8400 bricks; a page has 512
   const auto grade = [](const Vec3i& brick) {
     return static_cast<std::uint8_t>(1 + (brick.x() + 7 * brick.y() + 31 * brick.z()) % 250);
   };
@@ -134,6 +134,28 @@ TEST(GradeBricks, HoldMoreThanAPage) {
   copy.for_each_brick([&](const Vec3i& coord, const GradeBricks::Brick&) {
     ASSERT_EQ(copy.get(8 * coord + Vec3i(3, 1, 7)), grade(coord)) << coord.transpose();
   });
+}
+
+TEST(GradeBricks, ACopyKeepsItsValuesWhenTheOriginalChanges) {
+  GradeBricks bricks({40, 16, 8});
+  for (int x = 0; x < 40; x += 8) bricks.set({x, 0, 0}, 7);
+  const GradeBricks before = bricks;
+  GradeBricks other = bricks;
+  EXPECT_EQ(bricks.brick({0, 0, 0}), before.brick({0, 0, 0})) << "memory is shared until a change";
+  bricks.set({0, 0, 0}, 9);  // another value
+  bricks.set({8, 0, 0}, 0);  // a brick that becomes air
+  bricks.set({0, 8, 0}, 5);  // a new brick
+  bricks.put({2, 0, 0}, GradeBricks::Brick{1, 2});
+  other.set({0, 15, 0}, 3);
+  for (int x = 0; x < 40; x += 8) EXPECT_EQ(before.get({x, 0, 0}), 7) << x;
+  EXPECT_EQ(before.stored_bricks(), 5U);
+  EXPECT_EQ(before.get({0, 8, 0}), 0);
+  EXPECT_EQ(before.get({0, 15, 0}), 0);
+  EXPECT_EQ(other.get({0, 0, 0}), 7);
+  EXPECT_EQ(other.get({0, 15, 0}), 3);
+  EXPECT_EQ(other.get({0, 8, 0}), 0);
+  EXPECT_EQ(bricks.get({0, 0, 0}), 9);
+  EXPECT_EQ(bricks.get({16, 0, 0}), 1);
 }
 
 TEST(SampleBricks, GivesWhatTheSamplerSays) {

@@ -49,6 +49,7 @@ TEST_F(Overwrite, AFolderWithSomethingElseInItIsLeftAlone) {
   fs::copy(path("out"), path("linked"), fs::copy_options::recursive);
   fs::create_directory_symlink(path("thesis"), path("linked/frames"));
   fs::copy(path("out"), path("only_known_names"), fs::copy_options::recursive);
+  fs::remove(path("only_known_names/manifest.json"));
   fs::remove(path("only_known_names/summary.json"));
   fs::remove(path("only_known_names/scenario.yaml"));
   const std::vector<std::pair<std::string, const char*>> folders{

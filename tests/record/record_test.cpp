@@ -129,7 +129,7 @@ TEST(OutputFolder, FinishedResultsStayWhereTheyCannotBePutInPlace) {
     fs::remove_all(out);
     fs::remove_all(out + ".partial");
   };
-  expect_kept(false, "not empty");
+  expect_kept(false, "File exists");
   expect_kept(true, "thesis.tex");
 }
 
@@ -144,6 +144,77 @@ TEST(OutputFolder, KeepsWhatWasInterrupted) {
   EXPECT_THROW(OutputFolder(request(out, false)), InputError);  // nothing is lost without being asked
   const OutputFolder again(request(out, true));
   EXPECT_TRUE(fs::exists(again.path()));
+}
+
+TEST(OutputFolder, OnlyOneRunAtATimeUsesAFolder) {
+  const TempDir dir;
+  const std::string out = dir.path() + "/run";
+  {
+    OutputFolder first(request(out, false));
+    std::ofstream(first.path() + "/summary.json") << "first";
+    for (const bool overwrite : {false, true}) {
+      try {
+        const OutputFolder second(request(out, overwrite));
+        FAIL() << "expected an error";
+      } catch (const InputError& error) {
+        EXPECT_THAT(error.what(), ::testing::HasSubstr(out + ": output folder: is in use by reamsim process "));
+      }
+    }
+    first.finish();
+  }
+  EXPECT_EQ(file_bytes(out + "/summary.json"), "first");
+  EXPECT_FALSE(fs::exists(out + ".lock"));
+  std::ofstream(out + ".lock") << "a file of the user";
+  EXPECT_THROW(OutputFolder(request(out, true)), InputError);
+  EXPECT_EQ(file_bytes(out + ".lock"), "a file of the user");
+}
+
+TEST(OutputFolder, FilesThatTheManifestDoesNotListAreForeign) {
+  const TempDir dir;
+  const std::string out = dir.path() + "/run";
+  {
+    OutputFolder folder(request(out, false));
+    std::ofstream(folder.path() + "/summary.json") << "1";
+    folder.finish();
+  }
+  std::ofstream(out + "/reamed_side.png") << "a picture of the user, with a name that render might use";
+  EXPECT_THROW(OutputFolder(request(out, true)), InputError);
+  {
+    ResultUpdate update(out, ResultKind::run);
+    std::ofstream(out + "/reamed_top.png") << "new";
+    EXPECT_THROW(OutputFolder(request(out, true)), InputError) << "in use";
+    update.finish();
+  }
+  try {
+    OutputFolder(request(out, true));
+    FAIL() << "expected an error";
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), ::testing::HasSubstr("holds reamed_side.png"));
+  }
+  fs::remove(out + "/reamed_side.png");
+  OutputFolder again(request(out, true));
+  again.finish();
+  EXPECT_EQ(std::distance(fs::directory_iterator(out), fs::directory_iterator()), 1) << "the manifest alone";
+}
+
+TEST(OutputFolder, FoldersOfADamagedOrOlderManifestAreRecognizedByTheirNames) {
+  const TempDir dir;
+  const std::string out = dir.path() + "/run";
+  fs::create_directory(out);
+  std::ofstream(out + "/summary.json") << "1";
+  for (const char* text : {"", "{", "[]", "{\"kind\": 7}", "{\"kind\": \"run\", \"files\": [1]}"}) {
+    std::ofstream(out + "/manifest.json") << text;
+    EXPECT_THROW(OutputFolder(request(out, true)), InputError) << text;
+  }
+  fs::remove(out + "/manifest.json");
+  OutputFolder(request(out, true)).finish();
+  EXPECT_FALSE(fs::exists(out + "/summary.json"));
+}
+
+TEST(OutputFolder, AFailureLeavesNoEmptyFoldersBehind) {
+  const TempDir dir;
+  { const OutputFolder folder(request(dir.path() + "/new/deep/run", false)); }
+  EXPECT_FALSE(fs::exists(dir.path() + "/new"));
 }
 
 TEST(OutputFolder, AFileInTheWay) {

@@ -112,21 +112,20 @@ void write_bone_vdb(const std::string& path, const BoneView& bone, const Removed
   openvdb::initialize();
   try {
     const openvdb::MetaMap common = bone_metadata(bone, metadata);
-    const auto surface = surface_level_set(bone);  // first, because it needs the most temporary memory
-    return_free_memory();
-    openvdb::GridCPtrVec grids;
-    const auto add = [&](const openvdb::FloatGrid::Ptr& grid, const char* name, const char* unit) {
+    const auto labelled = [&](const openvdb::FloatGrid::Ptr& grid, const char* name, const char* unit) {
       label(*grid, name, unit, common, bone);
-      grids.push_back(grid);
+      return grid;
     };
-    std::array<openvdb::FloatGrid::Ptr, 3> others;
-    parallel_items(others.size(), [&](std::size_t i) {
-      others[i] = i == 0 ? density_grid(bone) : i == 1 ? fill_grid(bone) : removed_grid(bone, removed);
-    });
-    add(others[0], vdb_keys::kDensity, "g/cm^3");
-    add(others[1], vdb_keys::kFill, "1");
-    add(surface, vdb_keys::kSurface, "mm");
-    add(others[2], vdb_keys::kRemovedFrame, "frame index");
+    const auto surface = [&] {
+      auto grid = labelled(surface_level_set(bone), vdb_keys::kSurface, "mm");
+      return_free_memory();
+      return grid;
+    };
+    const std::vector<GridMaker> grids{
+        surface,  // first, because it needs the most temporary memory
+        [&] { return labelled(density_grid(bone), vdb_keys::kDensity, "g/cm^3"); },
+        [&] { return labelled(fill_grid(bone), vdb_keys::kFill, "1"); },
+        [&] { return labelled(removed_grid(bone, removed), vdb_keys::kRemovedFrame, "frame index"); }};
     write_vdb_file(path, grids, common);
   } catch (const std::bad_alloc&) {
     throw RunError(path + ": cannot be written (not enough memory for its grids)");

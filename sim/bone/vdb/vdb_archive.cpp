@@ -7,10 +7,12 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <future>
 #include <optional>
 
 #include "sim/base/error.h"
 #include "sim/base/file.h"
+#include "sim/base/memory.h"
 #include "sim/base/process.h"
 
 namespace reamsim {
@@ -31,11 +33,27 @@ constexpr std::array<char, 8> kMagic{0x20, 0x42, 0x44, 0x56, 0, 0, 0, 0};
   throw InputError({path, 0, 0}, "", found, expected);
 }
 
-/// Writes to a stream whose state can be checked. OpenVDB's own File ignores a full disk.
+/// Writes grid after grid to a stream whose state can be checked. OpenVDB's own File needs all grids at once, and
+/// ignores a full disk.
 class StreamArchive : public openvdb::io::Archive {
  public:
-  void write_to(std::ostream& out, const openvdb::GridCPtrVec& grids, const openvdb::MetaMap& metadata) const {
-    openvdb::io::Archive::write(out, grids, /*seekable=*/true, metadata);
+  void write_to(std::ostream& out, const std::vector<GridMaker>& grids, const openvdb::MetaMap& metadata) const {
+    writeHeader(out, /*seekable=*/true);
+    metadata.writeMeta(out);
+    const auto count = static_cast<openvdb::Int32>(grids.size());
+    out.write(reinterpret_cast<const char*>(&count), sizeof count);
+    std::future<openvdb::GridBase::Ptr> next;
+    for (std::size_t i = 0; i < grids.size(); ++i) {
+      openvdb::GridBase::Ptr grid = i == 0 ? grids[i]() : next.get();
+      if (i + 1 < grids.size()) next = std::async(std::launch::async, grids[i + 1]);
+      grid->addStatsMetadata();
+      grid->insertMeta(openvdb::GridBase::META_FILE_COMPRESSION,
+                       openvdb::StringMetadata(openvdb::io::compressionToString(compression())));
+      openvdb::io::GridDescriptor descriptor(grid->getName(), grid->type(), grid->saveFloatAsHalf());
+      writeGrid(descriptor, grid, out, /*seekable=*/true);
+      grid.reset();
+      return_free_memory();
+    }
   }
 };
 
@@ -80,24 +98,45 @@ class PartialFile {
   std::string path_;
 };
 
-bool append_trailer(const std::string& path) {
-  std::ifstream in(path, std::ios::binary);
-  std::error_code error;
-  const std::uintmax_t bytes = fs::file_size(path, error);
-  if (error) return false;
-  const std::optional<uLong> sum = checksum(in, bytes);
-  std::ofstream out(path, std::ios::binary | std::ios::app);
-  if (sum) out << trailer(*sum);
-  out.close();
-  return sum && out.good();
+/// Where OpenVDB writes a random identifier, 36 characters, with which it recognizes a file that has changed.
+constexpr std::streamoff kUuidPlace = 21;
+constexpr std::size_t kUuidBytes = 36;
+
+/// An identifier of the form 00000000-0000-8000-8000-000000000000 (RFC 9562, version 8).
+std::string uuid_of(uLong sum, std::uintmax_t bytes) {
+  return fmt::format("{:08x}-0000-8000-8000-{:012x}", sum & 0xFFFFFFFFUL, bytes & 0xFFFFFFFFFFFFULL);
 }
 
-bool write_grids(const std::string& path, const openvdb::GridCPtrVec& grids, const openvdb::MetaMap& metadata) {
+bool overwrite(const std::string& path, std::streamoff place, const std::string& text) {
+  std::fstream file(path, std::ios::binary | std::ios::in | std::ios::out);
+  file.seekp(place) << text;
+  file.close();
+  return file.good();
+}
+
+/// Replaces the random identifier by one of the contents, and appends the trailer.
+bool finish_file(const std::string& path) {
+  std::error_code error;
+  const std::uintmax_t bytes = fs::file_size(path, error);
+  if (error || !overwrite(path, kUuidPlace, std::string(kUuidBytes, '0'))) return false;
+  for (const bool identified : {false, true}) {
+    std::ifstream in(path, std::ios::binary);
+    const std::optional<uLong> sum = checksum(in, bytes);
+    if (!sum) return false;
+    const bool written = identified ? overwrite(path, static_cast<std::streamoff>(bytes), trailer(*sum))
+                                    : overwrite(path, kUuidPlace, uuid_of(*sum, bytes));
+    if (!written) return false;
+  }
+  return true;
+}
+
+/// Throws what a maker throws.
+bool write_grids(const std::string& path, const std::vector<GridMaker>& grids, const openvdb::MetaMap& metadata) {
   std::ofstream out(path, std::ios::binary | std::ios::trunc);
   if (!out) return false;
   try {
     StreamArchive().write_to(out, grids, metadata);
-  } catch (const std::exception&) {
+  } catch (const openvdb::IoError&) {
     return false;
   }
   out.close();
@@ -176,11 +215,11 @@ bool is_vdb_of_reamsim(const std::string& path) {
          start.find(kTrailerKey) != std::string::npos;
 }
 
-void write_vdb_file(const std::string& path, const openvdb::GridCPtrVec& grids, const openvdb::MetaMap& metadata) {
+void write_vdb_file(const std::string& path, const std::vector<GridMaker>& grids, const openvdb::MetaMap& metadata) {
   openvdb::MetaMap marked(metadata);
   marked.insertMeta(kTrailerKey, openvdb::StringMetadata(kTrailerValue));
   PartialFile partial(path + ".tmp");
-  if (!write_grids(partial.path(), grids, marked) || !append_trailer(partial.path()) || !partial.move_to(path)) {
+  if (!write_grids(partial.path(), grids, marked) || !finish_file(partial.path()) || !partial.move_to(path)) {
     fail_to_write(path);
   }
 }

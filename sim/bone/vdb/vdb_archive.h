@@ -2,7 +2,9 @@
 
 #include <openvdb/openvdb.h>
 
+#include <functional>
 #include <string>
+#include <vector>
 
 namespace reamsim {
 
@@ -10,9 +12,13 @@ namespace reamsim {
 // it. Files of reamsim therefore end with a checksum after the data of OpenVDB, which their metadata announce. Files of
 // other programs are first read by a child process.
 
-/// Writes the grids and the metadata of the file to PATH.tmp and renames it to PATH when it is complete. The bytes of
-/// the grids depend only on their contents. Throws RunError when the file cannot be written.
-void write_vdb_file(const std::string& path, const openvdb::GridCPtrVec& grids, const openvdb::MetaMap& metadata);
+/// Makes a grid that is about to be written.
+using GridMaker = std::function<openvdb::GridBase::Ptr()>;
+
+/// Writes the grids and the metadata of the file to PATH.tmp and renames it to PATH when it is complete. Makes a grid
+/// while the one before is written, so that only two exist at a time. The bytes depend only on the contents. Throws
+/// RunError when the file cannot be written, and what a maker throws.
+void write_vdb_file(const std::string& path, const std::vector<GridMaker>& grids, const openvdb::MetaMap& metadata);
 
 /// Whether the beginning of a file is that of write_vdb_file(). Does not check the rest.
 bool is_vdb_of_reamsim(const std::string& path);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <utility>
 #include <vector>
 
@@ -11,7 +12,7 @@
 namespace reamsim {
 
 /// One value per voxel of a lattice, stored in bricks of 8×8×8 voxels. A brick whose voxels are all `kAbsent` is not
-/// stored. The last bricks may extend beyond the lattice.
+/// stored. The last bricks may extend beyond the lattice. Copies share memory until one of them changes.
 template <class T, T kAbsent>
 class SparseBricks {
  public:
@@ -35,9 +36,10 @@ class SparseBricks {
       if (value == kAbsent) return false;
       slot = take_slot();
     }
+    const auto offset = static_cast<std::size_t>(BrickLattice::offset_of(voxel));
+    if (std::as_const(*this).stored(slot)[offset] == value) return false;
     Brick& brick = stored(slot);
-    T& old = brick[static_cast<std::size_t>(BrickLattice::offset_of(voxel))];
-    if (std::exchange(old, value) == value) return false;
+    brick[offset] = value;
     if (value == kAbsent && all_absent(brick)) free_slot(slot);
     return true;
   }
@@ -46,7 +48,7 @@ class SparseBricks {
   bool put(const Vec3i& brick_coord, const Brick& brick) {
     std::int32_t& slot = slot_of_brick_[lattice_.index(brick_coord)];
     const bool absent = all_absent(brick);
-    if (slot < 0 ? absent : stored(slot) == brick) return false;
+    if (slot < 0 ? absent : std::as_const(*this).stored(slot) == brick) return false;
     if (absent) {
       free_slot(slot);
       return true;
@@ -104,17 +106,33 @@ class SparseBricks {
   }
 
  private:
-  // Pages of 2 MB: a single growing vector would need twice the memory while it reallocates.
-  static constexpr std::size_t kPageBricks = (std::size_t{1} << 21) / sizeof(Brick);
+  // Pages: a single growing vector would need twice the memory while it reallocates, and copies share what has not
+  // changed.
+  static constexpr std::size_t kPageBricks = (std::size_t{1} << 18) / sizeof(Brick);
+  using Page = std::vector<Brick>;
 
   static bool all_absent(const Brick& brick) {
     return std::all_of(brick.begin(), brick.end(), [](T value) { return value == kAbsent; });
   }
   [[nodiscard]] const Brick& stored(std::int32_t slot) const {
     const auto at = static_cast<std::size_t>(slot);
-    return pages_[at / kPageBricks][at % kPageBricks];
+    return (*pages_[at / kPageBricks])[at % kPageBricks];
   }
-  Brick& stored(std::int32_t slot) { return const_cast<Brick&>(std::as_const(*this).stored(slot)); }
+  Brick& stored(std::int32_t slot) {
+    const auto at = static_cast<std::size_t>(slot);
+    return own(pages_[at / kPageBricks])[at % kPageBricks];
+  }
+
+  /// The page, after copying it where another object has it too.
+  static Page& own(std::shared_ptr<Page>& page) {
+    if (page.use_count() > 1) {
+      auto copy = std::make_shared<Page>();
+      copy->reserve(kPageBricks);
+      *copy = *page;
+      page = std::move(copy);
+    }
+    return *page;
+  }
 
   std::int32_t take_slot() {
     if (!free_.empty()) {
@@ -123,8 +141,8 @@ class SparseBricks {
       stored(slot).fill(kAbsent);
       return slot;
     }
-    if (used_ % kPageBricks == 0) pages_.emplace_back().reserve(kPageBricks);
-    pages_.back().emplace_back().fill(kAbsent);
+    if (used_ % kPageBricks == 0) pages_.emplace_back(std::make_shared<Page>())->reserve(kPageBricks);
+    own(pages_.back()).emplace_back().fill(kAbsent);
     return static_cast<std::int32_t>(used_++);
   }
   void free_slot(std::int32_t& slot) {
@@ -134,7 +152,7 @@ class SparseBricks {
 
   BrickLattice lattice_;
   std::vector<std::int32_t> slot_of_brick_;  // -1: all absent
-  std::vector<std::vector<Brick>> pages_;
+  std::vector<std::shared_ptr<Page>> pages_;
   std::size_t used_ = 0;            // slots in the pages
   std::vector<std::int32_t> free_;  // slots whose brick became absent
 };

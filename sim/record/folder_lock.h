@@ -1,0 +1,26 @@
+#pragma once
+
+#include <string>
+
+namespace reamsim {
+
+/// Reserves a results folder for this process while this object exists, so that two runs never write into one folder.
+/// The lock is the file DIR.lock, which names its holder and disappears with this object. After a crash the system
+/// releases it; the file that stays then does not matter.
+class FolderLock {
+ public:
+  /// Throws InputError: another process holds the lock (the message says which), the file cannot be created, or it
+  /// is not a lock. On file systems without locks it only creates the file.
+  explicit FolderLock(const std::string& dir);
+  ~FolderLock();
+  FolderLock(const FolderLock&) = delete;
+  FolderLock& operator=(const FolderLock&) = delete;
+
+ private:
+  void describe_holder() const;
+
+  std::string path_;
+  int descriptor_ = -1;
+};
+
+}  // namespace reamsim

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <optional>
+#include <set>
+#include <string>
+
+namespace reamsim {
+
+/// The file of a results folder that lists what reamsim wrote into it.
+inline constexpr const char* kManifestName = "manifest.json";
+
+/// What a command wrote into a results folder.
+struct Manifest {
+  std::string kind;             ///< run | comparison | verification | benchmark
+  std::set<std::string> files;  ///< relative to the folder, without the manifest
+  bool complete = true;         ///< false while a command adds files
+};
+
+/// DIR/manifest.json; nullopt where it does not exist or is not a manifest.
+std::optional<Manifest> read_manifest(const std::string& dir);
+/// Replaces DIR/manifest.json. Throws RunError when it cannot be written.
+void write_manifest(const std::string& dir, const Manifest& manifest);
+
+}  // namespace reamsim
