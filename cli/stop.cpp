@@ -13,27 +13,19 @@ namespace reamsim {
 
 namespace {
 
-// Global, because a signal handler can reach nothing else.
-volatile std::sig_atomic_t stop_signal = 0;
-int wake_pipe[2] = {-1, -1};
-
+std::atomic<bool> stopped = false;
 std::atomic<int> graces = 0;
 std::atomic<int> exit_status = -1;
 std::mutex end_mutex;
 std::function<StopOutcome()> end_by_force;  // guarded by end_mutex
 
-void request_stop(int) {
-  stop_signal = 1;
-  const char byte = 0;
-  if (write(wake_pipe[1], &byte, 1) < 0) return;  // the pipe is full: the thread is awake
-}
-
-/// Waits for a signal. Ends the process where the command has not ended soon after.
-void watch_for_stop() {
+/// Waits for one of the signals. Ends the process where the command has not ended soon after.
+void watch_for_stop(sigset_t signals) {
   using namespace std::chrono_literals;
-  char byte = 0;
-  while (read(wake_pipe[0], &byte, 1) != 1) {
+  int signal = 0;
+  while (sigwait(&signals, &signal) != 0) {
   }
+  stopped = true;
   do {
     while (graces > 0) std::this_thread::sleep_for(20ms);
     std::this_thread::sleep_for(700ms);
@@ -51,18 +43,22 @@ void watch_for_stop() {
 }  // namespace
 
 bool stop_requested() {
-  return stop_signal != 0;
+  return stopped;
 }
 
 void install_stop_handler() {
-  if (pipe(wake_pipe) == 0) std::thread(watch_for_stop).detach();
-  struct sigaction action = {}, before = {};
-  action.sa_handler = request_stop;
+  sigset_t signals;
+  sigemptyset(&signals);
   for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGUSR1}) {
+    struct sigaction before = {};
     // nohup and shells ignore some for a program that is to go on.
     if (sigaction(signal, nullptr, &before) == 0 && before.sa_handler == SIG_IGN) continue;
-    sigaction(signal, &action, nullptr);
+    sigaddset(&signals, signal);
   }
+  // Blocked in this and in all later threads, and taken by one of their own: a handler would be replaced by that of the
+  // kernel compiler.
+  pthread_sigmask(SIG_BLOCK, &signals, nullptr);
+  std::thread(watch_for_stop, signals).detach();
   // A full disk or a size limit is reported where the write fails.
   std::signal(SIGXFSZ, SIG_IGN);
   std::signal(SIGPIPE, SIG_IGN);
