@@ -1,5 +1,6 @@
 #include "cli/outputs.h"
 
+#include <filesystem>
 #include <future>
 
 #include "render/pictures/figures.h"
@@ -7,6 +8,8 @@
 #include "render/render.h"
 #include "render/report/report.h"
 #include "sim/base/error.h"
+#include "sim/run/checkpoint.h"
+#include "sim/scenario/parse.h"
 #include "sim/scenario/picture_frames.h"
 
 namespace reamsim {
@@ -26,6 +29,8 @@ ToolPose as_logged(ToolPose pose) {
   return pose;
 }
 
+}  // namespace
+
 RunInputs inputs_of(const ReamingScene& scene, const std::string& dir) {
   RunInputs run;
   run.dir = dir;
@@ -42,6 +47,25 @@ RunInputs inputs_of(const ReamingScene& scene, const std::string& dir) {
   run.tool = read_tool(dir);
   return run;
 }
+
+bool is_unfinished(const std::string& dir) {
+  return !std::filesystem::exists(dir + "/reamed.vdb");
+}
+
+RunData open_run(const std::string& dir) {
+  const std::optional<Checkpoint> checkpoint = is_unfinished(dir) ? CheckpointFiles(dir).read() : std::nullopt;
+  if (!checkpoint) return {dir};
+  Report report;
+  ReamingScene scene = load_scene(parse_scenario(dir + "/scenario.yaml", {}), report);
+  RunInputs inputs = inputs_of(scene, dir);  // with the poses to come, so that views and legend are those of the run
+  std::erase_if(inputs.frames, [&](std::int64_t frame) { return frame > checkpoint->simulation.frame; });
+  RunData run(std::move(inputs));
+  restore_fill(*checkpoint, scene.bone.fill);
+  run.finish(std::move(scene.bone.fill));
+  return run;
+}
+
+namespace {
 
 OutputOptions options_of(const ReamingScene& scene) {
   const Scenario& scenario = scene.scenario;
@@ -71,9 +95,9 @@ void Outputs::make_figures(Report& report) const {
   const double mean_mm = mean_travel_mm();
   if (options_.force_plots) {
     write_force_plots(dir, mean_mm);
-    write_depth_picture(run_, options_.pictures.settings.depth_max_mm);
+    if (options_.finished) write_depth_picture(run_, options_.pictures.settings.depth_max_mm);
   }
-  if (options_.meshes) write_meshes(run_, options_.pictures.settings.depth_max_mm, report);
+  if (options_.meshes && options_.finished) write_meshes(run_, options_.pictures.settings.depth_max_mm, report);
   if (!options_.all_plots) return;
   write_depth_and_energy_plots(dir, mean_mm);
   write_removed_density(dir, run_.voxmap(), run_.inputs().fill, run_.last_fill());
@@ -99,7 +123,7 @@ void Outputs::make(Report& report, const Console& console) {
 }
 
 void Outputs::make_report() const {
-  if (options_.report) write_report(run_, options_.pictures);
+  if (options_.report && options_.finished) write_report(run_, options_.pictures);
 }
 
 }  // namespace reamsim

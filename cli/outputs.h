@@ -16,7 +16,16 @@ struct OutputOptions {
   bool torque_spectrum = true;
   bool meshes = true;
   bool report = true;
+  bool finished = true;  ///< false: a run with a checkpoint only; no depth map, meshes or report can be made
 };
+
+/// What pictures of a run need before it begins. DIR/snapshots/tool.stl must exist.
+RunInputs inputs_of(const ReamingScene& scene, const std::string& dir);
+
+/// Whether DIR holds a run that can only be rendered from its checkpoint.
+bool is_unfinished(const std::string& dir);
+/// The run in DIR. The bone of an unfinished one is loaded again. Throws InputError.
+RunData open_run(const std::string& dir);
 
 /// Makes pictures, plots, meshes and report of a run. A separate thread renders frames, during a simulation as soon as
 /// their snapshots are written.

@@ -127,14 +127,15 @@ void render_command(const RenderOptions& options, const Console& console) {
   if (!options.cameras.empty()) choose_cameras(options, pictures.settings);
   choose_kinds(options, pictures);
   pictures.settings.enabled = true;
-  const RunData run(options.dir);
+  const RunData run = open_run(options.dir);
   pictures.mean_travel_mm = averaged_travel_mm(settings.cutting, run.voxmap().grid.voxel_mm);
   Outputs outputs(run, {.pictures = pictures,
                         .force_plots = options.wants("plots"),
                         .all_plots = options.wants("plots"),
                         .torque_spectrum = settings.tool_spin == ToolSpin::resolved,
                         .meshes = options.wants("meshes") && settings.output.meshes,
-                        .report = options.wants("report") && pictures.settings.report});
+                        .report = options.wants("report") && pictures.settings.report,
+                        .finished = !is_unfinished(options.dir)});
   ResultUpdate update(options.dir, ResultKind::run);
   Report report;
   outputs.make(report, console);

@@ -100,7 +100,8 @@ class ScenarioRun {
     const StopGrace until_saved;
     Progress progress(console_, "simulate", "frames");
     const auto save = [&](const SimulationState& state) {
-      checkpoints_.save(state, recorder, scene_.bone.fill, report_);
+      const bool saved = checkpoints_.save(state, recorder, scene_.bone.fill, report_);
+      if (saved) write_summary(dir_, scene_, recorder.totals(), facts_, /*finished=*/false);
     };
     RunControl control{.save_due = [this] { return checkpoints_.due(); }, .save = save, .from = checkpoints_.state()};
     control.progress = [&](std::int64_t done, std::int64_t total) {

@@ -42,9 +42,9 @@ std::optional<SimulationState> RunCheckpoints::state() const {
   return last_ ? std::optional(last_->simulation) : std::nullopt;
 }
 
-void RunCheckpoints::save(const SimulationState& state, Recorder& recorder, const FillBricks& fill,
+bool RunCheckpoints::save(const SimulationState& state, Recorder& recorder, const FillBricks& fill,
                           const Report& report) {
-  if (every_s_ <= 0 || saved_frame_ == state.frame) return;
+  if (every_s_ <= 0 || saved_frame_ == state.frame) return false;
   files_.write({.identity = identity_,
                 .simulation = state,
                 .logs = recorder.sync(),
@@ -54,6 +54,7 @@ void RunCheckpoints::save(const SimulationState& state, Recorder& recorder, cons
                 .changed = fill.changed()});
   saved_frame_ = state.frame;
   since_last_ = Stopwatch();
+  return true;
 }
 
 }  // namespace reamsim

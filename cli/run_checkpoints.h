@@ -30,8 +30,8 @@ class RunCheckpoints {
 
   /// Whether the time for a checkpoint has come.
   [[nodiscard]] bool due() const { return every_s_ > 0 && since_last_.seconds() >= every_s_; }
-  /// Saves the state, unless no checkpoints are wanted. Throws RunError.
-  void save(const SimulationState& state, Recorder& recorder, const FillBricks& fill, const Report& report);
+  /// Saves the state, unless no checkpoints are wanted. Returns whether it did. Throws RunError.
+  bool save(const SimulationState& state, Recorder& recorder, const FillBricks& fill, const Report& report);
   /// The frame of the last checkpoint; nullopt where there is none.
   [[nodiscard]] std::optional<std::int64_t> saved_frame() const { return saved_frame_; }
   /// Removes the checkpoints of a run that is complete.

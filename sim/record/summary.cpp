@@ -184,7 +184,10 @@ void write_results(const std::string& dir, const ReamingScene& scene, const Reco
   write_depth_map(dir + "/depth_map.csv", facts.depth_map);
 }
 
-void write_summary(const std::string& dir, const ReamingScene& scene, const RunTotals& totals, const RunFacts& facts) {
+namespace {
+
+/// What is known after every frame.
+nlohmann::ordered_json totals_json(const ReamingScene& scene, const RunTotals& totals, const RunFacts& facts) {
   nlohmann::ordered_json json;
   json["program"] = "reamsim " REAMSIM_VERSION;
   json["scenario"] = scene.scenario.name;
@@ -210,14 +213,28 @@ void write_summary(const std::string& dir, const ReamingScene& scene, const RunT
   }
   json["balance"] = totals.balance;
   json["forces"] = forces_json(totals);
-  json["metrics"] = metrics_json(facts.metrics);
+  return json;
+}
+
+}  // namespace
+
+void write_summary(const std::string& dir, const ReamingScene& scene, const RunTotals& totals, const RunFacts& facts,
+                   bool finished) {
+  nlohmann::ordered_json json = totals_json(scene, totals, facts);
+  if (finished) {
+    json["metrics"] = metrics_json(facts.metrics);
+  } else {
+    json["finished"] = false;
+  }
   json["bone"] = bone_json(scene, totals, facts);
   if (scene.bone.segmentation) json["segmentation"] = segmentation_json(*scene.bone.segmentation);
   json["tool"] = tool_json(scene.tool);
-  json["timings_s"] = {
-      {"load", facts.load_s},      {"simulate", facts.simulate_s}, {"broad_phase", totals.broad_phase_s},
-      {"detect", totals.detect_s}, {"cut", totals.cut_s},          {"measure", facts.measure_s},
-      {"write", facts.write_s},    {"render", facts.render_s},     {"total", facts.since_start.seconds()}};
+  if (finished) {
+    json["timings_s"] = {
+        {"load", facts.load_s},      {"simulate", facts.simulate_s}, {"broad_phase", totals.broad_phase_s},
+        {"detect", totals.detect_s}, {"cut", totals.cut_s},          {"measure", facts.measure_s},
+        {"write", facts.write_s},    {"render", facts.render_s},     {"total", facts.since_start.seconds()}};
+  }
   json["memory_mb"] = {{"peak_process", peak_process_mb()}, {"device", static_cast<double>(facts.device_bytes) / 1e6}};
   for (const auto& input : facts.inputs) {
     json["inputs"].push_back({{"role", input.role}, {"path", input.path}, {"sha256", input.sha256}});

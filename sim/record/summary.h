@@ -45,7 +45,8 @@ void write_scenario(const std::string& dir, const Scenario& scenario, const RunF
 /// Writes reamed.vdb, reamed.vti and depth_map.csv into `dir`. Throws RunError when the disk is full.
 void write_results(const std::string& dir, const ReamingScene& scene, const Recorder& recorder, const RunFacts& facts);
 
-/// Writes summary.json into `dir`.
-void write_summary(const std::string& dir, const ReamingScene& scene, const RunTotals& totals, const RunFacts& facts);
+/// Writes summary.json into `dir`. `finished` false: of the frames so far, without metrics and times.
+void write_summary(const std::string& dir, const ReamingScene& scene, const RunTotals& totals, const RunFacts& facts,
+                   bool finished = true);
 
 }  // namespace reamsim

@@ -103,6 +103,26 @@ TEST_F(Resume, KilledRunsContinueFromTheirLastCheckpoint) {
   expect_same_results("whole", "cut");
 }
 
+TEST_F(Resume, AnUnfinishedRunCanBeRenderedAndCompared) {
+  const std::string drawn = with(kLong, "enabled: false", "width_px: 160\n  height_px: 120\n  report: false");
+  write("s.yaml", drawn);
+  ASSERT_EQ(call({"-o", "whole"}).status, 0);
+  const auto has_pictures = [this] { return exists("cut.partial/frames/000999.png"); };
+  ASSERT_EQ(call({"-o", "cut"}, has_pictures).status, kSuspended);
+  fs::remove_all(path("cut.partial/frames"));
+  const ProgramResult render =
+      reamsim({.arguments = {"render", "cut.partial"}, .environment = {}, .folder = "", .interrupt_when = {}});
+  EXPECT_EQ(render.status, 0) << render.err;
+  EXPECT_TRUE(exists("cut.partial/reamed.png"));
+  EXPECT_TRUE(read("cut.partial/frames/000999.png") == read("whole/frames/000999.png"));
+  const ProgramResult compare = reamsim(
+      {.arguments = {"compare", "whole", "cut.partial"}, .environment = {}, .folder = "", .interrupt_when = {}});
+  EXPECT_EQ(compare.status, 0) << compare.err;
+  EXPECT_THAT(compare.out, HasSubstr("removed_mm3"));
+  ASSERT_EQ(call({"-o", "cut", "--resume"}).status, 0);
+  expect_same_results("whole", "cut");
+}
+
 TEST_F(Resume, ADamagedCheckpointFallsBackToTheOther) {
   write("s.yaml", kLong);
   ASSERT_EQ(call({"-o", "whole"}).status, 0);
