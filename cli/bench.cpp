@@ -90,6 +90,7 @@ bench::Findings measure(const bench::Plan& plan, const BenchOptions& options, co
 void measure_with_figure(const bench::Plan& plan, const BenchOptions& options, const Console& console) {
   OutputFolder folder(
       {.dir = options.output, .kind = ResultKind::benchmark, .overwrite = options.overwrite, .inputs = {}});
+  const ForcedStop forced = abandoning(folder);
   const bench::Findings findings = measure(plan, options, console);
   BenchPlot plot;
   plot.device = findings.device;

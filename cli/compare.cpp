@@ -109,6 +109,7 @@ void compare_command(const CompareOptions& options, const Console& console) {
   set_means(runs, metrics);
   OutputFolder folder(
       {.dir = options.output, .kind = ResultKind::comparison, .overwrite = options.overwrite, .inputs = options.dirs});
+  const ForcedStop forced = abandoning(folder);
   write_comparison(folder.path(), runs, metrics);
   folder.finish();
   print_table(console, runs, metrics);

@@ -70,6 +70,11 @@ void import_command(const ImportOptions& options, const Console& console) {
   const BoneSettings& settings = scenario.bone;
   require_replaceable_file(options.output, "-o", options.overwrite, is_vdb_of_reamsim,
                            {settings.ct.path, settings.mesh.path, settings.vdb.path});
+  const ForcedStop forced([unfinished = options.output + ".tmp"] {
+    std::error_code ignored;
+    fs::remove(unfinished, ignored);
+    return StopOutcome{};
+  });
   Report report;
   const Bone bone = load_checked(scenario, report);
   for (const auto& note : report.notes) console.say(note);

@@ -32,6 +32,15 @@ class ForcedStop {
   ForcedStop& operator=(const ForcedStop&) = delete;
 };
 
+/// The ForcedStop of a command whose unfinished results in `folder` (OutputFolder) are of no use.
+template <class Folder>
+ForcedStop abandoning(Folder& folder) {
+  return ForcedStop([&folder] {
+    folder.abandon();
+    return StopOutcome{};
+  });
+}
+
 /// While it exists, a command that ends by itself is given more time: it writes what would be lost.
 class StopGrace {
  public:

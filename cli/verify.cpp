@@ -33,6 +33,7 @@ void verify_command(const VerifyOptions& options, const Console& console) {
   const std::string device = options.device == "serial" ? "serial" : cl::choose_device(options.device).name;
   OutputFolder folder(
       {.dir = options.output, .kind = ResultKind::verification, .overwrite = options.overwrite, .inputs = {}});
+  const ForcedStop forced = abandoning(folder);
   verify::Setting setting;
   setting.quick = options.quick;
   setting.device = options.device;

@@ -1,4 +1,5 @@
 // Runs that are interrupted and continued end with the bytes of a run without interruption.
+#include <chrono>
 #include <csignal>
 #include <nlohmann/json.hpp>
 
@@ -105,7 +106,7 @@ TEST_F(Resume, KilledRunsContinueFromTheirLastCheckpoint) {
 
 TEST_F(Resume, AnUnfinishedRunCanBeRenderedAndCompared) {
   const std::string drawn = with(kLong, "enabled: false", "width_px: 160\n  height_px: 120\n  report: false");
-  write("s.yaml", drawn);
+  write("s.yaml", with(drawn, "voxel_mm: 0.5", "voxel_mm: 0.2"));  // slow enough to be interrupted
   ASSERT_EQ(call({"-o", "whole"}).status, 0);
   const auto has_pictures = [this] { return exists("cut.partial/frames/000999.png"); };
   ASSERT_EQ(call({"-o", "cut"}, has_pictures).status, kSuspended);
@@ -184,6 +185,33 @@ TEST_F(Resume, EverySignalOfABatchSystemSavesTheRun) {
   }
   EXPECT_EQ(call({"-o", "none", "--set", "output.checkpoint_s=0"}, has_rows("none.partial", 100)).status, 130);
   EXPECT_FALSE(exists("none.partial/checkpoint-0.bin"));
+}
+
+TEST_F(Resume, EveryCommandEndsSoonAfterASignal) {
+  // Loading this bone takes several seconds.
+  write("s.yaml", with(with_bone("  source: phantom\n  side: left\n  voxel_mm: 0.08\n"), "  device: serial\n",
+                       "  batch_frames: 1\n"));
+  const std::vector<std::vector<std::string>> commands{{"run", "s.yaml", "-o", "out"},
+                                                       {"check", "s.yaml"},
+                                                       {"import", "s.yaml", "-o", "bone.vdb"},
+                                                       {"verify", "-o", "verification"},
+                                                       {"bench", "-o", "benchmark"}};
+  using Clock = std::chrono::steady_clock;
+  for (const std::vector<std::string>& command : commands) {
+    SCOPED_TRACE(command.front());
+    const auto start = Clock::now();
+    Clock::time_point signalled;
+    const auto when = [&] {
+      if (Clock::now() - start < std::chrono::milliseconds(700)) return false;
+      signalled = Clock::now();
+      return true;
+    };
+    const ProgramResult result =
+        reamsim({.arguments = command, .environment = {}, .folder = "", .interrupt_when = when});
+    EXPECT_EQ(result.status, 130) << result.err;
+    EXPECT_LT(std::chrono::duration<double>(Clock::now() - signalled).count(), 2) << "on a busy machine";
+    EXPECT_EQ(std::distance(fs::directory_iterator(path(".")), {}), 1) << "nothing but the scenario is left";
+  }
 }
 
 }  // namespace
