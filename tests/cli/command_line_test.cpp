@@ -30,7 +30,7 @@ TEST_F(CommandLine, MissingArgument) {
 TEST_F(CommandLine, UnknownOption) {
   write("s.yaml", kSmall);
   expect_refused(call({"run", "s.yaml", "--turbo"}), 2, {"--turbo"});
-  expect_refused(call({"run", "s.yaml", "--resume"}), 2, {"--resume"});
+  expect_refused(call({"run", "s.yaml", "--restart"}), 2, {"--restart"});
 }
 
 TEST_F(CommandLine, OptionWithoutItsValue) {

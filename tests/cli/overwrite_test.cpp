@@ -1,4 +1,6 @@
 #include <algorithm>
+#include <array>
+#include <future>
 #include <map>
 
 #include "tests/cli/cli_fixture.h"
@@ -135,6 +137,41 @@ TEST_F(Overwrite, ADanglingLinkIsRefusedBeforeAnyWork) {
   write("s.yaml", kSmall);
   expect_kept(".", {"run", "s.yaml", "-o", "link"}, {"link", "is a link"});
   expect_kept(".", {"run", "s.yaml", "-o", "link", "--overwrite"}, {"link", "is a link"});
+}
+
+TEST_F(Overwrite, OfTwoRunsAtATimeOneIsToldToWait) {
+  write("s.yaml", kSmall);
+  int refused = 0;
+  for (int pair = 0; pair < 8; ++pair) {
+    std::array<std::future<ProgramResult>, 2> runs;
+    for (auto& run : runs) {
+      run = std::async(std::launch::async, [this] { return call({"run", "s.yaml", "-o", "out", "--overwrite"}); });
+    }
+    int done = 0;
+    for (auto& run : runs) {
+      const ProgramResult result = run.get();
+      done += result.status == 0 ? 1 : 0;
+      if (result.status == 0) continue;
+      ++refused;
+      EXPECT_EQ(result.status, 2) << result.err;
+      EXPECT_THAT(result.err, HasSubstr("is in use by reamsim process "));
+    }
+    EXPECT_GE(done, 1);
+    EXPECT_TRUE(exists("out/manifest.json"));
+    for (const char* left : {"out.partial", "out.lock"}) EXPECT_FALSE(exists(left)) << left;
+  }
+  EXPECT_GT(refused, 0);
+}
+
+TEST_F(Overwrite, WhatAKilledRunLeavesBetweenTheRenamesIsNoObstacle) {
+  expect_done(run(kSmall));
+  fs::copy(path("out"), path("out.partial"), fs::copy_options::recursive);  // the old results, already exchanged
+  write("out.lock", "reamsim process 1 on a machine since some time\n");
+  for (int time = 0; time < 2; ++time) {
+    expect_done(run(kSmall, {"--overwrite"}));
+    EXPECT_FALSE(exists("out.partial"));
+    EXPECT_FALSE(exists("out.lock"));
+  }
 }
 
 TEST_F(Overwrite, AnEmptyNameIsRefused) {
