@@ -32,8 +32,8 @@ class CsvReader {
   int line_ = 1;
 };
 
-/// Writes a CSV file with a header line. Numbers have the fewest digits that read back to the same value, so the same
-/// run gives the same bytes; NaN is an empty cell.
+/// Writes a CSV file with a header line. Numbers have the fewest digits that read back to the same value, and
+/// integers no exponent, so the same run gives the same bytes; NaN is an empty cell.
 class CsvWriter {
  public:
   /// Throws RunError when the file cannot be created.
