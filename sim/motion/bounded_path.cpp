@@ -53,6 +53,7 @@ void BoundedPath::choose_again() {
     if (const std::optional<PathSample> last = chooser_->last()) old.push_back(*last);
   }
   samples_ = {old.front()};
+  thinned_ = true;
   chooser_.emplace(reach_mm_, step_mm_);
   for (const PathSample& sample : old) choose(sample);
 }

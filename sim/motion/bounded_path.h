@@ -25,6 +25,8 @@ class BoundedPath {
   std::vector<PathSample> finish();
   /// The step after the last pose; the first one as long as all poses are kept.
   [[nodiscard]] double step_mm() const { return step_mm_; }
+  /// Bound of the motion from a pose that is not kept to the nearest one that is: the sum of all steps so far.
+  [[nodiscard]] double deviation_mm() const { return thinned_ ? 2 * step_mm_ : 0; }
 
  private:
   void choose(const PathSample& sample);
@@ -37,6 +39,7 @@ class BoundedPath {
   std::vector<std::int64_t> keep_;
   std::size_t most_;
   std::vector<PathSample> samples_;
+  bool thinned_ = false;
   std::optional<StepChooser> chooser_;  ///< none as long as all poses are kept
 };
 

@@ -111,7 +111,7 @@ ExactForecast forecast_exact(const ReamingScene& scene) {
   path.add(scene.motion.poses);
   const double step_mm = path.step_mm();
   for (const PathSample& sample : sample_path(path.finish(), scene.tool.reach_mm, step_mm)) {
-    swept.add(sample.pose, step_mm);
+    swept.add(sample.pose, step_mm + path.deviation_mm());
   }
   return swept.forecast();
 }

@@ -110,6 +110,7 @@ TEST(BoundedPathTest, KeepsAllPosesOfAShortPath) {
   for (std::size_t k = 0; k < 1000; ++k) path.add(at_height(1e-4 * static_cast<double>(k)), k);
   EXPECT_EQ(path.finish().size(), 1000u);
   EXPECT_EQ(path.step_mm(), 0.5);
+  EXPECT_EQ(path.deviation_mm(), 0);
 }
 
 TEST(BoundedPathTest, ALongPathKeepsItsEndsItsDepthAndGivenFrames) {
@@ -122,7 +123,7 @@ TEST(BoundedPathTest, ALongPathKeepsItsEndsItsDepthAndGivenFrames) {
   const std::vector<std::int64_t> keep{12'345, 123'456};
   BoundedPath path(10, 0.01, keep, kMost);
   for (std::size_t k = 0; k < kFrames; ++k) path.add(at_height(height(k)), k);
-  const double step_mm = path.step_mm();
+  const double step_mm = path.step_mm(), deviation_mm = path.deviation_mm();
   const std::vector<PathSample> kept = path.finish();
   EXPECT_LE(kept.size(), kMost + keep.size() + 1);
   EXPECT_GT(step_mm, 0.01);
@@ -134,6 +135,15 @@ TEST(BoundedPathTest, ALongPathKeepsItsEndsItsDepthAndGivenFrames) {
   }
   const auto deepest = std::ranges::min_element(kept, {}, [](const PathSample& s) { return s.pose.position_mm.z(); });
   EXPECT_NEAR(deepest->pose.position_mm.z(), -0.01 * 299 * 2, step_mm);
+  double farthest_mm = 0;
+  for (std::size_t k = 0, i = 0; k < kFrames; ++k) {
+    if (i + 1 < kept.size() && kept[i + 1].frame <= k) ++i;
+    const double before_mm = kept[i].pose.position_mm.z(),
+                 after_mm = kept[std::min(i + 1, kept.size() - 1)].pose.position_mm.z();
+    farthest_mm = std::max(farthest_mm, std::min(std::abs(height(k) - before_mm), std::abs(height(k) - after_mm)));
+  }
+  EXPECT_LE(farthest_mm, deviation_mm);
+  EXPECT_GT(farthest_mm, 0);
   EXPECT_TRUE(std::ranges::is_sorted(kept, {}, &PathSample::frame));
 }
 
