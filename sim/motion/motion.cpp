@@ -18,7 +18,7 @@ constexpr double kMaxFrames = 1e7;
 /// Tolerance of the last frame's time, frames: rounding must not add one.
 constexpr double kEndSlack = 1e-6;
 /// A key pose that the motion at the frame rate misses by more is warned of, mm.
-constexpr double kMissedMm = 0.1;
+constexpr double kMissedMm = 0.5;
 
 ToolPose pose_between(const KeyPose& a, const KeyPose& b, double time_s) {
   ToolPose pose = interpolate(a.pose, b.pose, (time_s - a.time_s) / (b.time_s - a.time_s));
