@@ -17,7 +17,9 @@ namespace reamsim {
 namespace {
 
 constexpr const char* kNoSpectrum =
-    "no torque spectrum: the tool does not rotate, or contact lasts less than four revolutions";
+    "no torque spectrum: the tool does not rotate, or contact lasts less than four revolutions, or a revolution takes "
+    "more than "
+    "100,000 frames";
 
 /// The pose as read from forces.csv, so that re-rendered pictures are byte-identical.
 ToolPose as_logged(ToolPose pose) {
@@ -39,12 +41,11 @@ RunInputs inputs_of(const ReamingScene& scene, const std::string& dir) {
   run.whole_voxels = scene.scenario.cutting.erosion != ErosionMode::exact;
   run.glenoid = scene.bone.glenoid;
   run.side = scene.bone.side;
-  for (const ToolPose& pose : scene.motion.poses) {
-    run.pose_frames.push_back(std::ssize(run.poses));
-    run.poses.push_back(as_logged(pose));
-  }
-  run.frames = picture_frames(scene.scenario.render, run.pose_frames.back());
+  run.frames = picture_frames(scene.scenario.render, std::ssize(scene.motion.poses) - 1);
   run.tool = read_tool(dir);
+  RunPath path(run);
+  for (std::size_t k = 0; k < scene.motion.poses.size(); ++k) path.add(as_logged(scene.motion.poses[k]), k);
+  path.give(run);
   return run;
 }
 
@@ -90,16 +91,21 @@ void Outputs::snapshots_written(std::int64_t frame) {
   if (render_thread_) render_thread_->snapshots_written(frame);
 }
 
+ForceLog Outputs::log_with_means() const {
+  ForceLog log = run_.log();
+  add_layer_means(log, mean_travel_mm());
+  return log;
+}
+
 void Outputs::make_figures(Report& report) const {
   const std::string& dir = run_.dir();
-  const double mean_mm = mean_travel_mm();
   if (options_.force_plots) {
-    write_force_plots(dir, mean_mm);
+    write_force_plots(dir, log_with_means());
     if (options_.finished) write_depth_picture(run_, options_.pictures.settings.depth_max_mm);
   }
   if (options_.meshes && options_.finished) write_meshes(run_, options_.pictures.settings.depth_max_mm, report);
   if (!options_.all_plots) return;
-  write_depth_and_energy_plots(dir, mean_mm);
+  write_depth_and_energy_plots(dir, log_with_means());
   write_removed_density(dir, run_.voxmap(), run_.inputs().fill, run_.last_fill());
   if (options_.torque_spectrum && !write_torque_spectrum(dir)) report.warn(kNoSpectrum);
 }

@@ -52,6 +52,7 @@ class Outputs {
   [[nodiscard]] double mean_travel_mm() const { return options_.pictures.mean_travel_mm; }
 
  private:
+  [[nodiscard]] ForceLog log_with_means() const;
   void make_figures(Report& report) const;
   void make_pictures(Report& report, const Console& console);
 

@@ -21,7 +21,7 @@ namespace reamsim {
 struct RunData::Outcome {
   FillBricks fill;
   ForceLog log;
-  std::shared_ptr<const StoredBone> bone;  ///< from reamed.vdb, without the fill; null if it was not read
+  std::optional<RunInputs> inputs;  ///< where they were read with it
 };
 
 struct RunData::Prediction {
@@ -51,6 +51,16 @@ auto lazily(Compute compute) {
   return std::async(std::launch::deferred, std::move(compute)).share();
 }
 
+/// Motion of the tool between two poses that are kept of a long run, voxels: as finely as its swept volume is sampled.
+constexpr double kPathStep_voxels = 0.5;
+
+/// The farthest point of the tool from its origin, mm.
+double reach_of(const TriangleMesh& tool) {
+  double reach_mm = 0;
+  for (const Vec3& v : tool.vertices) reach_mm = std::max(reach_mm, v.norm());
+  return reach_mm;
+}
+
 /// The fill with all voxels that an earlier run removed restored, because depth is measured from before it.
 FillBricks with_removed_voxels_restored(const FillBricks& fill) {
   FillBricks out = fill;
@@ -71,7 +81,8 @@ PredictedBone predict_bone(const RunInputs& run) {
   }
 }
 
-RunInputs read_inputs(const std::string& dir, const std::shared_ptr<const StoredBone>& bone, const ForceLog& log) {
+/// The inputs in the folder of a run, without the poses.
+RunInputs read_inputs(const std::string& dir, const std::shared_ptr<const StoredBone>& bone) {
   RunInputs out;
   out.dir = dir;
   out.voxmap = {bone, &bone->voxmap};
@@ -82,14 +93,14 @@ RunInputs read_inputs(const std::string& dir, const std::shared_ptr<const Stored
   if (out.frames.empty()) {
     throw InputError({dir + "/snapshots", 0, 0}, "", "contains no snapshot", "the output folder of a run");
   }
-  for (const std::int64_t frame : out.frames) static_cast<void>(log.at(frame, log_path(dir)));
-  for (const ForceRow& row : log.rows) {
-    out.pose_frames.push_back(row.frame);
-    out.poses.push_back(row.pose);
-  }
   out.fill = out.frames.front() == 0 ? fill_at(out, 0) : FillBricks(out.voxmap->grid.dims);
   out.tool = read_tool(dir);
   return out;
+}
+
+/// How the log of a run is read: with the means and the rows that its pictures show.
+LogOptions log_options(const RunInputs& run) {
+  return {.mean_travel_mm = run.whole_voxels ? run.voxmap->grid.voxel_mm : 0, .keep = run.frames};
 }
 
 /// Height of the tool's head above its lowest point. The shaft may extend beyond the picture.
@@ -149,6 +160,16 @@ ViewTarget make_view_target(const RunInputs& run, const ToolPose& deepest, const
 
 }  // namespace
 
+RunPath::RunPath(const RunInputs& run)
+    : path_(reach_of(run.tool), kPathStep_voxels * run.voxmap->grid.voxel_mm, run.frames) {}
+
+void RunPath::give(RunInputs& run) {
+  for (const PathSample& sample : path_.finish()) {
+    run.pose_frames.push_back(static_cast<std::int64_t>(sample.frame));
+    run.poses.push_back(sample.pose);
+  }
+}
+
 const ToolPose& RunInputs::pose_at(std::int64_t frame) const {
   const auto after = std::ranges::upper_bound(pose_frames, frame);
   return after == pose_frames.begin() ? poses.front()
@@ -171,7 +192,14 @@ RunData::Outcome RunData::read_outcome(const std::string& dir) {
   }
   auto bone = std::make_shared<StoredBone>(read_stored_bone(dir + "/reamed.vdb"));
   FillBricks fill = std::exchange(bone->voxmap.fill, FillBricks(bone->voxmap.grid.dims));
-  return {std::move(fill), read_force_log(log_path(dir)), std::move(bone)};
+  RunInputs inputs = read_inputs(dir, bone);
+  RunPath path(inputs);
+  LogOptions options = log_options(inputs);
+  options.each = [&path](const ForceRow& row) { path.add(row.pose, row.frame); };
+  ForceLog log = read_force_log(log_path(dir), options);
+  for (const std::int64_t frame : inputs.frames) static_cast<void>(log.at(frame, log_path(dir)));
+  path.give(inputs);
+  return {std::move(fill), std::move(log), std::move(inputs)};
 }
 
 RunData::Prediction RunData::predict_outcome(const RunInputs& inputs) {
@@ -184,8 +212,7 @@ RunData::Prediction RunData::predict_outcome(const RunInputs& inputs) {
 RunData::RunData(std::string dir) : state_(new State{std::move(dir), {}, {}, {}}) {
   State& state = *state_;
   state.outcome = lazily([dir = state.dir] { return read_outcome(dir); });
-  state.inputs = lazily(
-      [dir = state.dir, outcome = state.outcome] { return read_inputs(dir, outcome.get().bone, outcome.get().log); });
+  state.inputs = lazily([outcome = state.outcome] { return *outcome.get().inputs; });
   state.prediction = lazily([inputs = state.inputs] { return predict_outcome(inputs.get()); });
 }
 
@@ -202,8 +229,8 @@ void RunData::predict() {
 }
 
 void RunData::finish(FillBricks fill) {
-  state_->outcome = lazily([dir = state_->dir, fill = std::move(fill)]() mutable {
-    return Outcome{std::move(fill), read_force_log(log_path(dir)), nullptr};
+  state_->outcome = lazily([dir = state_->dir, inputs = state_->inputs, fill = std::move(fill)]() mutable {
+    return Outcome{std::move(fill), read_force_log(log_path(dir), log_options(inputs.get())), std::nullopt};
   });
 }
 

@@ -8,7 +8,7 @@
 
 #include "sim/bone/voxmap/voxmap.h"
 #include "sim/mesh/triangle_mesh.h"
-#include "sim/motion/motion.h"
+#include "sim/motion/bounded_path.h"
 #include "sim/record/force_log.h"
 
 namespace reamsim {
@@ -26,11 +26,24 @@ struct RunInputs {
   BodySide side = BodySide::unknown;
   std::vector<std::int64_t> frames;       ///< with a snapshot, ascending
   std::vector<std::int64_t> pose_frames;  ///< frames of `poses`, ascending; they include `frames`
-  std::vector<ToolPose> poses;
-  TriangleMesh tool;  ///< T, mm
+  std::vector<ToolPose> poses;            ///< of every frame, or of those that RunPath chooses
+  TriangleMesh tool;                      ///< T, mm
 
   /// The pose in a frame, or the first one before it.
   [[nodiscard]] const ToolPose& pose_at(std::int64_t frame) const;
+};
+
+/// Chooses the poses of a long run that pictures need, in bounded memory and one pass (sim/motion/bounded_path.h).
+class RunPath {
+ public:
+  /// Voxmap, frames with a snapshot and tool of `run` are set.
+  explicit RunPath(const RunInputs& run);
+  void add(const ToolPose& pose, std::int64_t frame) { path_.add(pose, static_cast<std::size_t>(frame)); }
+  /// Sets the poses of `run`.
+  void give(RunInputs& run);
+
+ private:
+  BoundedPath path_;
 };
 
 /// The data of a run for pictures, meshes and the report, read or computed once on first use. Copies share it, and any
@@ -56,6 +69,8 @@ class RunData {
   [[nodiscard]] const ViewTarget& target() const;
   // These also throw std::logic_error before the run has ended.
   [[nodiscard]] const FillBricks& last_fill() const;
+  /// With the means over a voxel of travel where the run removes voxels as a whole; decimated for a long run, with the
+  /// rows of all snapshots.
   [[nodiscard]] const ForceLog& log() const;
   /// The log's row of a frame.
   [[nodiscard]] const ForceRow& row_of(std::int64_t frame) const;

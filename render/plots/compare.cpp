@@ -76,14 +76,13 @@ void write_curves(const std::string& path, const std::vector<ComparedRun>& runs)
   constexpr std::size_t kMaxPoints = 3000;
   CsvWriter csv(path, "run,time_s,depth_mm,contact,axial_force_n,spin_torque_nmm,removed_mm3");
   for (std::size_t r = 0; r < runs.size(); ++r) {
-    ForceLog log = read_force_log(runs[r].dir + "/forces.csv");
-    add_layer_means(log, runs[r].mean_travel_mm);
+    const ForceLog log = read_force_log(runs[r].dir + "/forces.csv", {.mean_travel_mm = runs[r].mean_travel_mm});
     double greatest_n = 0;
     for (const ForceRow& row : log.rows) greatest_n = std::max(greatest_n, std::abs(row.layer_axial_force_n));
     const std::size_t step = 1 + log.rows.size() / kMaxPoints;
     for (std::size_t i = 0; i < log.rows.size(); i += step) {
       const ForceRow& row = log.rows[i];
-      const ForceRow& middle = log.rows[i - row.layer_frames / 2];
+      const RowPoint& middle = row.layer_middle;
       const bool contact = std::abs(row.layer_axial_force_n) > kMinForceFraction * greatest_n;
       csv.row({static_cast<double>(r + 1), middle.time_s, middle.depth_mm, contact ? 1.0 : 0.0, row.layer_axial_force_n,
                row.layer_spin_torque_nmm, middle.removed_mm3});

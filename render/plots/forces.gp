@@ -1,5 +1,6 @@
 # ---- what the run holds
-csv = "forces.csv"
+if (!exists("csv")) csv = "forces.csv"
+if (!exists("bucket_rows")) bucket_rows = 1
 stats csv using "time_s" nooutput name "T"
 rows = T_records
 t_min = T_min
@@ -15,8 +16,9 @@ stats $mean using 2 nooutput name "A"
 stats $mean using 3 nooutput name "B"
 clip(peak, mean) = mean > 0 && peak > 4 * mean ? 4 * mean : peak
 note(peak, mean) = mean > 0 && peak > 4 * mean ? sprintf(" (up to %.3g)", peak) : ""
-step = int(ceil(rows / 12000.0))
-light_title = step > 1 ? sprintf("every %d frames", step) : "each frame"
+step = bucket_rows > 1 ? 1 : int(ceil(rows / 12000.0))
+light_title = bucket_rows > 1 ? sprintf("extremes of every %d frames", bucket_rows) : \
+              step > 1 ? sprintf("every %d frames", step) : "each frame"
 mean_title = sprintf("mean over %g mm of travel, one voxel", travel_mm)
 
 set xrange [t_min:t_max]

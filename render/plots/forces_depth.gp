@@ -1,5 +1,6 @@
 # ---- what the run holds
-csv = "forces.csv"
+if (!exists("csv")) csv = "forces.csv"
+if (!exists("bucket_rows")) bucket_rows = 1
 stats csv using "removed_mm3" nooutput name "V"
 stats csv using "axial_force_n" nooutput name "F"
 stats csv using "spin_torque_nmm" nooutput name "M"
@@ -12,8 +13,9 @@ touching(y) = abs(column("axial_force_n")) > 0.01 * F_max ? y : NaN
 touching_mean(y) = abs(column(2)) > 0.01 * A_max ? y : NaN
 clip(peak, mean) = mean > 0 && peak > 4 * mean ? 4 * mean : peak
 note(peak, mean) = mean > 0 && peak > 4 * mean ? sprintf(" (up to %.3g)", peak) : ""
-step = int(ceil(V_records / 12000.0))
-light_title = step > 1 ? sprintf("every %d frames", step) : "each frame"
+step = bucket_rows > 1 ? 1 : int(ceil(V_records / 12000.0))
+light_title = bucket_rows > 1 ? sprintf("extremes of every %d frames", bucket_rows) : \
+              step > 1 ? sprintf("every %d frames", step) : "each frame"
 mean_title = sprintf("mean over %g mm of travel, one voxel", travel_mm)
 
 set xrange [min(D_min > 0 ? D_min : 0, 0):high(0, D_max)]

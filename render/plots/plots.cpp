@@ -15,17 +15,20 @@ extern const char* const energy_plot_script;
 }  // namespace embedded
 namespace {
 
-/// Mean cutting power in W over the last `frames` frames up to row `i`.
-double mean_power_w(const ForceLog& log, std::size_t i, std::size_t frames) {
-  const ForceRow &first = log.rows[i - std::min(i, frames)], &last = log.rows[i];
-  const double time_s = last.time_s - first.time_s;
-  return time_s > 0 ? (last.cumulative_energy_mj - first.cumulative_energy_mj) / time_s / 1000 : 0;
+/// Mean cutting power in W over the last `step` rows, or over the frames of the row's means if those are more.
+double mean_power_w(const ForceLog& log, std::size_t i, std::size_t step) {
+  const ForceRow &first = log.rows[i - std::min(i, step)], &last = log.rows[i];
+  RowPoint begin{.time_s = first.time_s, .cumulative_energy_mj = first.cumulative_energy_mj};
+  if (last.layer_begin.time_s < begin.time_s) begin = last.layer_begin;
+  const double time_s = last.time_s - begin.time_s;
+  return time_s > 0 ? (last.cumulative_energy_mj - begin.cumulative_energy_mj) / time_s / 1000 : 0;
 }
 
 /// A gnuplot data block with the means over a voxel of travel, decimated.
-std::string mean_block(const ForceLog& log, double travel_mm) {
+std::string mean_block(const ForceLog& log) {
   constexpr std::size_t kMaxPoints = 2000;
   const std::size_t step = 1 + log.rows.size() / kMaxPoints;
+  const double travel_mm = log.mean_travel_mm;
   const Headline run = headline_of(log, travel_mm > 0);
   std::ostringstream out;
   out << "# Headline figures, as in pictures, summary.json and report\n"
@@ -40,19 +43,41 @@ std::string mean_block(const ForceLog& log, double travel_mm) {
   for (std::size_t i = 0; i < log.rows.size(); i += step) {
     const ForceRow& row = log.rows[i];
     // A mean is plotted in the middle of its frames.
-    const ForceRow& middle = log.rows[i - row.layer_frames / 2];
+    const RowPoint& middle = row.layer_middle;
     out << middle.time_s << ',' << row.layer_axial_force_n << ',' << row.layer_spin_torque_nmm << ',' << middle.depth_mm
-        << ',' << mean_power_w(log, i, std::max(step, row.layer_frames)) << '\n';
+        << ',' << mean_power_w(log, i, step) << '\n';
   }
   out << "END\n\n";
   return out.str();
 }
 
+constexpr const char* kDecimated = "forces_decimated.csv";
+
+/// Writes the rows of a decimated log with the columns that the scripts read. What forces.csv has per frame is the sum
+/// since the row before.
+void write_decimated(const std::string& dir, const ForceLog& log) {
+  CsvWriter csv = plot_csv(dir, kDecimated,
+                           "frame,time_s,depth_mm,axial_force_n,spin_torque_nmm,removed_mm3,energy_mj,floor_energy_mj,"
+                           "balance");
+  ForceRow before;
+  for (const ForceRow& row : log.rows) {
+    csv.row({static_cast<double>(row.frame), row.time_s, row.depth_mm, row.axial_force_n, row.spin_torque_nmm,
+             row.removed_mm3 - before.removed_mm3, row.cumulative_energy_mj - before.cumulative_energy_mj,
+             row.cumulative_floor_mj - before.cumulative_floor_mj, row.balance});
+    before = row;
+  }
+  csv.close();
+}
+
 /// The data of all plots against time and depth.
-std::string means_of(const std::string& dir, double mean_travel_mm) {
-  ForceLog log = read_force_log(dir + "/forces.csv");
-  add_layer_means(log, mean_travel_mm);
-  return mean_block(log, mean_travel_mm);
+std::string data_of(const std::string& dir, const ForceLog& log) {
+  if (!log.is_decimated()) return mean_block(log);
+  write_decimated(dir, log);
+  std::ostringstream out;
+  out << "# Of every " << log.bucket_rows << " rows of forces.csv the first and the extremes\n"
+      << "csv = \"plots/" << kDecimated << "\"\nbucket_rows = " << log.bucket_rows << "\n\n"
+      << mean_block(log);
+  return out.str();
 }
 
 }  // namespace
@@ -77,14 +102,14 @@ double averaged_travel_mm(const CuttingSettings& cutting, double voxel_mm) {
   return cutting.erosion == ErosionMode::exact ? 0 : voxel_mm;
 }
 
-void write_force_plots(const std::string& dir, double mean_travel_mm) {
-  draw_plot(dir, "forces", means_of(dir, mean_travel_mm), embedded::plot_script);
+void write_force_plots(const std::string& dir, const ForceLog& log) {
+  draw_plot(dir, "forces", data_of(dir, log), embedded::plot_script);
 }
 
-void write_depth_and_energy_plots(const std::string& dir, double mean_travel_mm) {
-  const std::string means = means_of(dir, mean_travel_mm);
-  draw_plot(dir, "plots/forces_depth", means, embedded::depth_plot_script);
-  draw_plot(dir, "plots/energy", means, embedded::energy_plot_script);
+void write_depth_and_energy_plots(const std::string& dir, const ForceLog& log) {
+  const std::string data = data_of(dir, log);
+  draw_plot(dir, "plots/forces_depth", data, embedded::depth_plot_script);
+  draw_plot(dir, "plots/energy", data, embedded::energy_plot_script);
 }
 
 }  // namespace reamsim

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -14,18 +15,22 @@ namespace reamsim {
 /// makes forces spike; 0 where they are clipped.
 double averaged_travel_mm(const CuttingSettings& cutting, double voxel_mm);
 
-/// Draws DIR/forces.csv against time with gnuplot as DIR/forces .png, .svg, .pdf and the script .gp. `mean_travel_mm`:
-/// the travel over which the means shown with single frames are taken; 0: single frames only. Throws InputError when
-/// forces.csv is missing or damaged, RunError when gnuplot is missing or fails.
-void write_force_plots(const std::string& dir, double mean_travel_mm);
+/// Draws DIR/forces.csv against time with gnuplot as DIR/forces .png, .svg, .pdf and the script .gp. `log`: that file,
+/// read with the travel over which the means shown with single frames are taken (0: single frames only). A decimated
+/// log is written to DIR/plots/forces_decimated.csv and drawn from there. Throws RunError when gnuplot is missing or
+/// fails.
+void write_force_plots(const std::string& dir, const ForceLog& log);
 
 /// Draws DIR/plots/forces_depth and DIR/plots/energy. Arguments and exceptions as for write_force_plots().
-void write_depth_and_energy_plots(const std::string& dir, double mean_travel_mm);
+void write_depth_and_energy_plots(const std::string& dir, const ForceLog& log);
 
 /// Writes the removed volume per density class as DIR/plots/removed_density.csv and draws it. `before`, `after`: the
 /// fill. Throws RunError when gnuplot fails.
 void write_removed_density(const std::string& dir, const Voxmap& voxmap, const FillBricks& before,
                            const FillBricks& after);
+
+/// Calls a function with each row of a log, in order.
+using RowPass = std::function<void(const std::function<void(const ForceRow&)>&)>;
 
 /// One-sided amplitude spectrum of the spin torque in contact.
 struct TorqueSpectrum {
@@ -40,8 +45,9 @@ struct TorqueSpectrum {
 
 /// The spectrum of the longest stretch of frames with torque by Welch's method (1967, doi:10.1109/TAU.1967.1161901):
 /// Hann windows that overlap by half, zero-padded. The mean over one revolution is subtracted, which removes the feed's
-/// trend and no multiple of the spin. Empty without spin, or when fewer than three revolutions remain.
-TorqueSpectrum torque_spectrum(const ForceLog& log);
+/// trend and no multiple of the spin. Empty without spin, or when fewer than three revolutions remain, or for a
+/// revolution of more than 100,000 frames.
+TorqueSpectrum torque_spectrum(const RowPass& pass);
 
 /// Writes the spectrum as DIR/plots/spectrum.csv and draws it with labelled peaks. Returns false, and writes nothing,
 /// when the spectrum is empty. Throws as write_force_plots().

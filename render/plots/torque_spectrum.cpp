@@ -5,8 +5,8 @@
 #include <bit>
 #include <cmath>
 #include <complex>
+#include <deque>
 #include <numbers>
-#include <optional>
 #include <unsupported/Eigen/FFT>
 
 #include "sim/base/text.h"
@@ -22,36 +22,51 @@ constexpr std::size_t kWindowTurns = 8;  // per window, at most
 constexpr std::size_t kMaxPeaks = 4;
 constexpr double kMinPeak = 0.25;  // fraction of the highest
 
-/// First row and number of rows of the longest stretch with torque, without a gap of a whole revolution.
-std::pair<std::size_t, std::size_t> longest_contact(const ForceLog& log) {
-  std::size_t first = 0, count = 0, begin = 0;
-  std::optional<std::size_t> last;
-  for (std::size_t i = 0; i < log.rows.size(); ++i) {
-    if (log.rows[i].spin_torque_nmm == 0) continue;
-    const bool near =
-        last && std::abs(log.rows[i].pose.spin_angle_rad - log.rows[*last].pose.spin_angle_rad) < 2 * std::numbers::pi;
-    if (!near) begin = i;
-    last = i;
-    if (i - begin + 1 > count) {
-      first = begin;
-      count = i - begin + 1;
-    }
-  }
-  return {first, count};
+/// More frames per revolution would need too much memory.
+constexpr double kMaxFramesPerTurn = 100'000;
+
+/// The longest stretch of rows with torque, without a gap of a whole revolution.
+struct Contact {
+  std::size_t first = 0;  ///< row
+  std::size_t count = 0;
+  double begin_s = 0, end_s = 0;
+  double begin_rad = 0, end_rad = 0;
+};
+
+Contact longest_contact(const RowPass& pass) {
+  Contact longest, now;
+  std::size_t i = 0;
+  pass([&](const ForceRow& row) {
+    const std::size_t at = i++;
+    if (row.spin_torque_nmm == 0) return;
+    const double angle_rad = row.pose.spin_angle_rad;
+    const bool near = now.count > 0 && std::abs(angle_rad - now.end_rad) < 2 * std::numbers::pi;
+    if (!near) now = {.first = at, .begin_s = row.time_s, .begin_rad = angle_rad};
+    now.end_s = row.time_s;
+    now.end_rad = angle_rad;
+    now.count = at - now.first + 1;
+    if (now.count > longest.count) longest = now;
+  });
+  return longest;
 }
 
-/// The torque minus its centred mean over `turn` frames; half a revolution at each end is dropped.
-std::vector<double> without_mean(const ForceLog& log, std::size_t first, std::size_t count, std::size_t turn) {
-  std::vector<double> out;
+/// Calls visit() with the torque of the contact minus its centred mean over `turn` frames; half a revolution at each
+/// end is dropped.
+template <class Visit>
+void for_each_without_mean(const RowPass& pass, const Contact& contact, std::size_t turn, const Visit& visit) {
+  std::deque<double> torque_nmm;  // of the last revolution
   double sum = 0;
-  for (std::size_t i = 0; i < count; ++i) {
-    sum += log.rows[first + i].spin_torque_nmm;
-    if (i + 1 < turn) continue;
-    const std::size_t middle = i - turn / 2;
-    out.push_back(log.rows[first + middle].spin_torque_nmm - sum / static_cast<double>(turn));
-    sum -= log.rows[first + i + 1 - turn].spin_torque_nmm;
-  }
-  return out;
+  std::size_t i = 0;
+  pass([&](const ForceRow& row) {
+    const std::size_t at = i++;
+    if (at < contact.first || at >= contact.first + contact.count) return;
+    torque_nmm.push_back(row.spin_torque_nmm);
+    sum += row.spin_torque_nmm;
+    if (torque_nmm.size() < turn) return;
+    visit(torque_nmm[turn - 1 - turn / 2] - sum / static_cast<double>(turn));
+    sum -= torque_nmm.front();
+    torque_nmm.pop_front();
+  });
 }
 
 /// Adds the power of one window of `values` to `power`.
@@ -70,20 +85,36 @@ void add_window(const double* values, std::size_t length, std::vector<double>& p
   for (std::size_t i = 0; i < power.size(); ++i) power[i] += std::norm(2.0 / weights * lines[i]);
 }
 
-std::vector<TorqueSpectrum::Line> welch(const std::vector<double>& values, std::size_t window, double rate_hz) {
-  const std::size_t length = std::bit_ceil(4 * window);
-  std::vector<double> power(length / 2 + 1, 0.0);
-  std::size_t windows = 0;
-  for (std::size_t begin = 0; begin + window <= values.size(); begin += window / 2, ++windows) {
-    add_window(values.data() + begin, window, power);
+/// Welch's method for values that come one by one.
+class Welch {
+ public:
+  explicit Welch(std::size_t window)
+      : window_(window), length_(std::bit_ceil(4 * window)), power_(length_ / 2 + 1, 0.0) {}
+
+  void add(double value) {
+    values_.push_back(value);
+    if (values_.size() < window_) return;
+    add_window(values_.data(), window_, power_);
+    ++windows_;
+    values_.erase(values_.begin(), values_.begin() + static_cast<std::ptrdiff_t>(window_ / 2));
   }
-  std::vector<TorqueSpectrum::Line> out;
-  for (std::size_t i = 0; i < power.size(); ++i) {
-    out.push_back({static_cast<double>(i) * rate_hz / static_cast<double>(length),
-                   std::sqrt(power[i] / static_cast<double>(windows))});
+
+  [[nodiscard]] std::vector<TorqueSpectrum::Line> lines(double rate_hz) const {
+    std::vector<TorqueSpectrum::Line> out;
+    for (std::size_t i = 0; i < power_.size(); ++i) {
+      out.push_back({static_cast<double>(i) * rate_hz / static_cast<double>(length_),
+                     std::sqrt(power_[i] / static_cast<double>(windows_))});
+    }
+    return out;
   }
-  return out;
-}
+
+ private:
+  std::size_t window_;
+  std::size_t length_;
+  std::vector<double> values_;
+  std::vector<double> power_;
+  std::size_t windows_ = 0;
+};
 
 /// Cutting edges are periodic with the spin, so their lines are at its multiples. Other lines are artefacts of the
 /// voxels.
@@ -129,27 +160,28 @@ std::string peaks_block(const TorqueSpectrum& spectrum) {
 
 }  // namespace
 
-TorqueSpectrum torque_spectrum(const ForceLog& log) {
+TorqueSpectrum torque_spectrum(const RowPass& pass) {
   TorqueSpectrum out;
-  const auto [first, count] = longest_contact(log);
-  if (count < 2) return out;
-  const ForceRow& begin = log.rows[first];
-  const ForceRow& end = log.rows[first + count - 1];
-  const double rate_hz = static_cast<double>(count - 1) / (end.time_s - begin.time_s);
-  const double spin_hz = std::abs(end.pose.spin_angle_rad - begin.pose.spin_angle_rad) / (2 * std::numbers::pi) /
-                         (end.time_s - begin.time_s);
+  const Contact contact = longest_contact(pass);
+  if (contact.count < 2) return out;
+  const double duration_s = contact.end_s - contact.begin_s;
+  const double rate_hz = static_cast<double>(contact.count - 1) / duration_s;
+  const double spin_hz = std::abs(contact.end_rad - contact.begin_rad) / (2 * std::numbers::pi) / duration_s;
   const double frames_per_turn = spin_hz > 0 ? rate_hz / spin_hz : 0;
-  if (!(frames_per_turn >= 2) || static_cast<double>(count) < (kMinTurns + 1) * frames_per_turn) return out;
+  if (!(frames_per_turn >= 2) || frames_per_turn > kMaxFramesPerTurn) return out;
+  if (static_cast<double>(contact.count) < (kMinTurns + 1) * frames_per_turn) return out;
   const auto turn = static_cast<std::size_t>(std::lround(frames_per_turn));
-  const std::vector<double> values = without_mean(log, first, count, turn);
+  Welch welch(std::min(contact.count + 1 - turn, kWindowTurns * turn));
+  for_each_without_mean(pass, contact, turn, [&](double value) { welch.add(value); });
   out.spin_hz = spin_hz;
-  out.lines = welch(values, std::min(values.size(), kWindowTurns * turn), rate_hz);
+  out.lines = welch.lines(rate_hz);
   out.peaks = find_peaks(out.lines, spin_hz);
   return out;
 }
 
 bool write_torque_spectrum(const std::string& dir) {
-  const TorqueSpectrum spectrum = torque_spectrum(read_force_log(dir + "/forces.csv"));
+  const TorqueSpectrum spectrum = torque_spectrum(
+      [&](const std::function<void(const ForceRow&)>& visit) { for_each_force_row(dir + "/forces.csv", visit); });
   if (spectrum.lines.empty()) return false;
   CsvWriter csv = plot_csv(dir, "spectrum.csv", "frequency_hz,frequency_per_spin,spin_torque_nmm");
   for (const auto& [frequency_hz, torque_nmm] : spectrum.lines) {

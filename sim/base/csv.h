@@ -33,9 +33,9 @@ class CsvReader {
   int line_ = 1;
 };
 
-/// Writes a CSV file with a header line. Numbers have the fewest digits that read back to the same value, so the same
-/// run gives the same bytes; NaN is an empty cell. Only whole rows are written, so that a process that is killed leaves
-/// none incomplete.
+/// Writes a CSV file with a header line. Numbers have the fewest digits that read back to the same value, and
+/// integers no exponent, so the same run gives the same bytes; NaN is an empty cell. Only whole rows are written, so that
+/// a process that is killed leaves none incomplete.
 class CsvWriter {
  public:
   /// Throws RunError when the file cannot be created.

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <cstdint>
 
 namespace reamsim {
 
@@ -22,8 +23,14 @@ std::string rounded_text(double value) {
 }
 
 std::string shortest_text(double value) {
+  // Up to here doubles hold every integer.
+  constexpr double kIntegers = 9007199254740992.0;
   char digits[32];
-  return {digits, std::to_chars(digits, digits + sizeof digits, value).ptr};
+  const bool integer =
+      std::abs(value) <= kIntegers && value == std::trunc(value) && !(value == 0 && std::signbit(value));
+  const auto end = integer ? std::to_chars(digits, digits + sizeof digits, static_cast<std::int64_t>(value))
+                           : std::to_chars(digits, digits + sizeof digits, value);
+  return {digits, end.ptr};
 }
 
 std::string megabytes(std::size_t bytes) {

@@ -14,7 +14,7 @@ std::string depth_text(double depth_mm);
 /// At most six significant digits: "0.25", "1e+07", "nan".
 std::string rounded_text(double value);
 
-/// The fewest digits that read back to the same value.
+/// The fewest digits that read back to the same value. Integers up to 2⁵³ have no exponent: "100000", not "1e+05".
 std::string shortest_text(double value);
 
 /// Number of characters of a UTF-8 text.

@@ -114,16 +114,15 @@ WholeFrames time_whole_frames(const ExactRuns& runs, const BenchControl& control
 }
 
 Motion straight_motion(const ToolPose& last, double feed_mm_s, int windows) {
-  Motion motion;
-  motion.frame_rate_hz = kRateHz;
+  std::vector<ToolPose> poses;
   const std::int64_t frames = kWindowFrames * windows;
   const Vec3 up = last.orientation * Vec3::UnitZ();
   for (std::int64_t k = 0; k <= frames; ++k) {
     ToolPose pose = last;
     pose.position_mm += static_cast<double>(frames - 1 - k) * feed_mm_s / kRateHz * up;
-    motion.poses.push_back(pose);
+    poses.push_back(pose);
   }
-  return motion;
+  return {kRateHz, std::move(poses)};
 }
 
 }  // namespace reamsim::bench

@@ -4,6 +4,7 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <cstdint>
 #include <filesystem>
 #include <fstream>
 #include <string>
@@ -14,7 +15,8 @@
 
 namespace reamsim {
 
-namespace {
+/// The reader that PoseCsv hides.
+namespace pose_rows {
 
 enum Column { kTime, kX, kY, kZ, kQw, kQx, kQy, kQz, kSpin, kColumns };
 constexpr std::array<std::string_view, kColumns> kNames{"time_s", "x_mm", "y_mm", "z_mm",    "qw",
@@ -79,6 +81,13 @@ class LineReader {
   }
 
   [[nodiscard]] std::string_view line() const { return line_; }
+  [[nodiscard]] PoseCsv::Place place() const { return {byte_, line_number_}; }
+  void seek(const PoseCsv::Place& place) {
+    stream_.clear();
+    stream_.seekg(place.byte);
+    byte_ = place.byte;
+    line_number_ = place.line;
+  }
   [[nodiscard]] SourceLocation here() const { return {path_, line_number_, 0}; }
 
   [[noreturn]] void fail(const std::string& found, const std::string& expected) const {
@@ -93,6 +102,7 @@ class LineReader {
     if (stream_.bad()) fail("cannot be read", "check the disk");
     if (stream_.eof() && stream_.gcount() == 0) return false;
     ++line_number_;
+    byte_ += stream_.gcount();
     if (stream_.fail() && !stream_.eof()) fail("a line of more than 4095 bytes", "is this a CSV file?");
     const auto got = static_cast<std::size_t>(stream_.gcount());
     line_.assign(buffer.data(), stream_.eof() ? got : got - 1);
@@ -102,6 +112,7 @@ class LineReader {
   std::string path_;
   std::ifstream stream_;
   std::string line_;
+  std::int64_t byte_ = 0;  ///< after the line
   int line_number_ = 0;
 };
 
@@ -169,33 +180,87 @@ KeyPose read_row(const LineReader& lines, const Layout& layout, double default_s
           {{value[kX], value[kY], value[kZ]}, normalized_or_warn(q, lines.here().text(), row_report), 0, value[kSpin]}};
 }
 
-/// Reports the first warnings about rows, and the number of the others.
-void report_rows(const Report& rows, const std::string& path, Report& report) {
-  const std::size_t shown = std::min(kMaxRowWarnings, rows.warnings.size());
-  for (std::size_t i = 0; i < shown; ++i) report.warn(rows.warnings[i]);
-  if (rows.warnings.size() > shown)
-    report.warn(path + ": the same of " + std::to_string(rows.warnings.size() - shown) + " more rows");
+/// Reports the first warnings about rows, and counts the others.
+class RowWarnings {
+ public:
+  /// Takes the warnings of a row.
+  void take(Report& row, Report& report) {
+    for (const std::string& warning : row.warnings) {
+      if (count_++ < kMaxRowWarnings) report.warn(warning);
+    }
+    row.warnings.clear();
+  }
+  void finish(const std::string& path, Report& report) const {
+    if (count_ <= kMaxRowWarnings) return;
+    report.warn(path + ": the same of " + std::to_string(count_ - kMaxRowWarnings) + " more rows");
+  }
+
+ private:
+  std::size_t count_ = 0;
+};
+
+}  // namespace pose_rows
+
+struct PoseCsv::State {
+  pose_rows::LineReader lines;
+  pose_rows::Layout layout;
+  double spin_rpm;
+};
+
+PoseCsv::PoseCsv(const CsvMotionSettings& settings, Report& report)
+    : state_(new State{pose_rows::LineReader(settings.path), {}, settings.spin_rpm}) {
+  state_->layout = pose_rows::read_header(state_->lines, report);
+}
+PoseCsv::PoseCsv(PoseCsv&&) noexcept = default;
+PoseCsv::~PoseCsv() = default;
+
+bool PoseCsv::next(KeyPose& pose, Report& row_report) {
+  if (!state_->lines.next()) return false;
+  pose = pose_rows::read_row(state_->lines, state_->layout, state_->spin_rpm, row_report);
+  return true;
 }
 
-}  // namespace
+PoseCsv::Place PoseCsv::place() const {
+  return state_->lines.place();
+}
+
+void PoseCsv::seek(const Place& place) {
+  state_->lines.seek(place);
+}
+
+SourceLocation PoseCsv::here() const {
+  return state_->lines.here();
+}
+
+void scan_pose_csv(PoseCsv& csv, const std::string& path, Report& report,
+                   const std::function<void(const KeyPose&, const PoseCsv::Place&)>& visit) {
+  Report row_report;
+  pose_rows::RowWarnings warnings;
+  std::size_t rows = 0;
+  double before_s = 0;
+  KeyPose pose;
+  for (PoseCsv::Place place = csv.place(); csv.next(pose, row_report); place = csv.place(), ++rows) {
+    if (rows == pose_rows::kMaxRows)
+      throw InputError(csv.here(), "", "more than ten million rows", "record at a lower rate");
+    if (rows > 0 && !(pose.time_s > before_s)) {
+      throw InputError(csv.here(), "", "time_s is " + rounded_text(pose.time_s) + " after " + rounded_text(before_s),
+                       "times must increase from row to row");
+    }
+    before_s = pose.time_s;
+    warnings.take(row_report, report);
+    visit(pose, place);
+  }
+  if (rows < 2) {
+    throw InputError(SourceLocation{path, 0, 0}, "", std::to_string(rows) + " rows of poses",
+                     "at least two are needed");
+  }
+  warnings.finish(path, report);
+}
 
 std::vector<KeyPose> read_pose_csv(const CsvMotionSettings& settings, Report& report) {
-  LineReader lines(settings.path);
-  const Layout layout = read_header(lines, report);
+  PoseCsv csv(settings, report);
   std::vector<KeyPose> poses;
-  Report row_report;
-  while (lines.next()) {
-    if (poses.size() == kMaxRows) lines.fail("more than ten million rows", "record at a lower rate");
-    KeyPose pose = read_row(lines, layout, settings.spin_rpm, row_report);
-    if (!poses.empty() && !(pose.time_s > poses.back().time_s))
-      lines.fail("time_s is " + rounded_text(pose.time_s) + " after " + rounded_text(poses.back().time_s),
-                 "times must increase from row to row");
-    poses.push_back(pose);
-  }
-  if (poses.size() < 2)
-    throw InputError(SourceLocation{settings.path, 0, 0}, "", std::to_string(poses.size()) + " rows of poses",
-                     "at least two are needed");
-  report_rows(row_report, settings.path, report);
+  scan_pose_csv(csv, settings.path, report, [&](const KeyPose& pose, const PoseCsv::Place&) { poses.push_back(pose); });
   return poses;
 }
 

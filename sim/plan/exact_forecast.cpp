@@ -4,7 +4,7 @@
 
 #include "sim/engine/common/broad_phase.h"
 #include "sim/engine/exact/list_bricks.h"
-#include "sim/motion/tool_path.h"
+#include "sim/motion/bounded_path.h"
 #include "sim/plan/memory_plan.h"
 
 namespace reamsim {
@@ -107,9 +107,12 @@ class SweptBricks {
 
 ExactForecast forecast_exact(const ReamingScene& scene) {
   SweptBricks swept(scene);
-  const auto& poses = scene.motion.poses;
-  const double step_mm = kStepVoxels * scene.bone.voxmap->grid.voxel_mm;
-  for (const PathSample& sample : sample_path(poses, scene.tool.reach_mm, step_mm)) swept.add(sample.pose, step_mm);
+  BoundedPath path(scene.tool.reach_mm, kStepVoxels * scene.bone.voxmap->grid.voxel_mm);
+  path.add(scene.motion.poses);
+  const double step_mm = path.step_mm();
+  for (const PathSample& sample : sample_path(path.finish(), scene.tool.reach_mm, step_mm)) {
+    swept.add(sample.pose, step_mm + path.deviation_mm());
+  }
   return swept.forecast();
 }
 

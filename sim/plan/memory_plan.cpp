@@ -5,6 +5,8 @@
 #include "sim/bone/voxmap/lattice.h"
 #include "sim/engine/bricked/bricked_engine.h"
 #include "sim/engine/dense/dense_plan.h"
+#include "sim/motion/bounded_path.h"
+#include "sim/record/force_log.h"
 
 namespace reamsim {
 
@@ -23,6 +25,16 @@ constexpr double kSurfaceBytes = 7'000;
 constexpr double kLeafBytes = 2'200;
 /// The serial engine's dense grades and fill, per voxel.
 constexpr double kSerialBytes = 3;
+
+/// Of a long run, poses and rows are thinned; until then all are held, and vectors double as they grow.
+double path_bytes(double frames) {
+  return 2 * sizeof(PathSample) * std::min(frames, static_cast<double>(BoundedPath::kMost));
+}
+
+/// The rows of the log, and a copy with the means that the plots show.
+double log_bytes(double frames) {
+  return 2 * sizeof(ForceRow) * std::min(frames, static_cast<double>(LogOptions{}.most_rows));
+}
 
 struct BrickCounts {
   double partial = 0;  ///< with bone and air
@@ -74,9 +86,12 @@ MemoryPlan plan_memory(const ReamingScene& scene) {
   // The reamed face is part of the surface.
   bricks.partial += static_cast<double>(forecast.listed);
   bricks.mixed += static_cast<double>(forecast.listed);
-  const double resident = static_cast<double>(voxmap.grade.bytes()) + fill + (serial ? 0 : kCompilerBytes);
+  const double resident = static_cast<double>(voxmap.grade.bytes()) + fill;
+  const auto frames = static_cast<double>(scene.motion.poses.size());
+  // What is held of the frames uses the memory that the compiler has left.
+  const double held = std::max(serial ? 0 : kCompilerBytes, path_bytes(frames) + log_bytes(frames));
   // The engine is freed before the results are written.
-  const double most = std::max(loading, resident + std::max(engine, results_bytes(bricks)));
+  const double most = std::max(loading, resident + held + std::max(engine, results_bytes(bricks)));
   plan.process_bytes = static_cast<std::size_t>(kProgramBytes + most);
   return plan;
 }

@@ -7,7 +7,7 @@
 
 namespace reamsim {
 
-/// Estimate of the peak memory of a run until its results are written, without pictures.
+/// Estimate of the peak memory of a run until its results and force plots are written, without pictures.
 struct MemoryPlan {
   std::size_t device_bytes = 0;   ///< 0 for the serial engine
   std::size_t process_bytes = 0;  ///< within a third of measurements; includes device memory, as for a CPU

@@ -93,7 +93,7 @@ BatchTimes time_window(ReamingScene& scene, Engine& engine, double most_s) {
 }  // namespace
 
 TimePlan plan_time(ReamingScene& scene, Engine& engine, double budget_s) {
-  const std::vector<ToolPose> poses = std::move(scene.motion.poses);
+  const PoseSequence poses = scene.motion.poses;
   const Scenario original = scene.scenario;
   scene.scenario.render.every_frames = std::numeric_limits<int>::max();  // no snapshots in between
   if (original.engine.device == "serial") scene.scenario.engine.batch_frames = kSerialBatch;
@@ -107,7 +107,7 @@ TimePlan plan_time(ReamingScene& scene, Engine& engine, double budget_s) {
   for (int i = 0; i < kWindows && window > 0 && watch.seconds() < budget_s; ++i) {
     const std::int64_t first = first_of(i);
     if (i > 0 && first == first_of(i - 1)) continue;  // a run shorter than the windows
-    scene.motion.poses.assign(poses.begin() + first, poses.begin() + first + window + 1);
+    scene.motion.poses = poses.part(static_cast<std::size_t>(first), static_cast<std::size_t>(window) + 1);
     const BatchTimes times = time_window(scene, engine, budget_s / kWindows);
     read_s = std::max(read_s, times.read_s());
     const auto frames = static_cast<double>(times.frames());

@@ -6,7 +6,7 @@
 #include <limits>
 #include <vector>
 
-#include "sim/motion/tool_path.h"
+#include "sim/motion/bounded_path.h"
 
 namespace reamsim {
 
@@ -16,6 +16,13 @@ namespace {
 constexpr double kBrickRadius_voxels = 0.5 * BrickLattice::kSide * 1.7320508;
 /// Smallest step along the path, voxels.
 constexpr double kStep_voxels = 0.5;
+
+/// Every pose of the motion, or those of a long one at the smallest step.
+std::vector<PathSample> path_of(const ReamingScene& scene) {
+  BoundedPath path(scene.tool.reach_mm, kStep_voxels * scene.bone.voxmap->grid.voxel_mm);
+  path.add(scene.motion.poses);
+  return path.finish();
+}
 
 /// A brick with bone, and the smallest distance of the tool from its middle.
 struct Brick {
@@ -32,7 +39,7 @@ class ContactSearch {
         fill_(scene.bone.fill),
         profile_(scene.tool.profile),
         voxel_mm_(voxmap_.grid.voxel_mm),
-        path_(scene.motion.poses, scene.tool.reach_mm) {
+        path_(path_of(scene), scene.tool.reach_mm) {
     voxmap_.grade.for_each_brick([&](const Vec3i& coord, const GradeBricks::Brick&) {
       const Vec3 middle =
           voxmap_.grid.origin_mm + voxel_mm_ * BrickLattice::kSide * (coord.cast<double>() + Vec3::Constant(0.5));

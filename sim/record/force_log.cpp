@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <deque>
 #include <string_view>
 
 #include "sim/base/csv.h"
 #include "sim/base/error.h"
 #include "sim/record/layer_mean.h"
+#include "sim/record/row_decimator.h"
 
 namespace reamsim {
 namespace {
@@ -25,13 +27,15 @@ enum ForceColumn {
   kTorque,
   kRemoved,
   kEnergy,
+  kFloorEnergy,
+  kBalance,
   kColumns
 };
 
 constexpr std::array<std::string_view, kColumns> kNames{
-    "frame",     "time_s",    "tool_x_mm",     "tool_y_mm",       "tool_z_mm",   "tool_qw",
-    "tool_qx",   "tool_qy",   "tool_qz",       "spin_angle_rad",  "depth_mm",    "force_x_n",
-    "force_y_n", "force_z_n", "axial_force_n", "spin_torque_nmm", "removed_mm3", "energy_mj"};
+    "frame",         "time_s",          "tool_x_mm",      "tool_y_mm", "tool_z_mm",       "tool_qw",   "tool_qx",
+    "tool_qy",       "tool_qz",         "spin_angle_rad", "depth_mm",  "force_x_n",       "force_y_n", "force_z_n",
+    "axial_force_n", "spin_torque_nmm", "removed_mm3",    "energy_mj", "floor_energy_mj", "balance"};
 
 /// `v`: the values of a row, in the order of kNames.
 ForceRow make_row(const SourceLocation& where, const std::vector<double>& v) {
@@ -52,8 +56,47 @@ ForceRow make_row(const SourceLocation& where, const std::vector<double>& v) {
   row.spin_torque_nmm = v[kTorque];
   row.removed_mm3 = v[kRemoved];
   row.cumulative_energy_mj = v[kEnergy];
+  row.cumulative_floor_mj = v[kFloorEnergy];
+  row.balance = v[kBalance];
   return row;
 }
+
+/// Sets the means of rows in ascending order.
+class LayerMeans {
+ public:
+  explicit LayerMeans(double travel_mm) : travel_mm_(travel_mm), mean_(travel_mm) {}
+
+  void set(ForceRow& row) {
+    if (travel_mm_ == 0) {
+      row.layer_axial_force_n = row.axial_force_n;
+      row.layer_spin_torque_nmm = row.spin_torque_nmm;
+      row.layer_force_n = row.force_n;
+      row.layer_frames = 1;
+    } else {
+      const auto means = mean_.add(row.pose.position_mm, row.axial_force_n, row.spin_torque_nmm);
+      row.layer_axial_force_n = means.axial_force_n;
+      row.layer_spin_torque_nmm = means.spin_torque_nmm;
+      row.layer_force_n = means.axial_force_n * (row.pose.orientation * Vec3::UnitZ());
+      row.layer_frames = means.frames;
+    }
+    points_.push_back({row.time_s, row.depth_mm, row.removed_mm3, row.cumulative_energy_mj});
+    if (points_.size() > kMaxPoints) points_.pop_front();
+    row.layer_middle = point_before(row.layer_frames / 2);
+    row.layer_begin = point_before(row.layer_frames);
+  }
+
+ private:
+  /// A longer stretch of frames begins here: 4 MB.
+  static constexpr std::size_t kMaxPoints = 131'072;
+
+  [[nodiscard]] const RowPoint& point_before(std::size_t frames) const {
+    return points_[points_.size() - 1 - std::min(frames, points_.size() - 1)];
+  }
+
+  double travel_mm_;
+  LayerMean mean_;
+  std::deque<RowPoint> points_;  ///< of the last rows
+};
 
 }  // namespace
 
@@ -69,39 +112,42 @@ const ForceRow& ForceLog::at(std::int64_t frame, const std::string& path) const 
   return row;
 }
 
-ForceLog read_force_log(const std::string& path) {
+void for_each_force_row(const std::string& path, const std::function<void(const ForceRow&)>& visit) {
   CsvReader table(path, kNames, "the forces.csv of a run");
-  ForceLog log;
-  double removed_mm3 = 0, energy_mj = 0;
+  double removed_mm3 = 0, energy_mj = 0, floor_mj = 0;
+  std::int64_t before = -1;
   for (std::vector<double> values; table.next(values);) {
     ForceRow row = make_row(table.where(), values);
-    if (!log.rows.empty() && row.frame <= log.rows.back().frame) {
+    if (row.frame <= before) {
       throw InputError(table.where(), "frame", "frames are not in ascending order", "the forces.csv of a run");
     }
+    before = row.frame;
     row.removed_mm3 = removed_mm3 += row.removed_mm3;
     row.cumulative_energy_mj = energy_mj += row.cumulative_energy_mj;
-    log.rows.push_back(row);
+    row.cumulative_floor_mj = floor_mj += row.cumulative_floor_mj;
+    visit(row);
   }
-  if (log.rows.empty()) throw InputError({path, 0, 0}, "", "has no rows", "run the scenario again");
-  return log;
+  if (before < 0) throw InputError({path, 0, 0}, "", "has no rows", "run the scenario again");
+}
+
+ForceLog read_force_log(const std::string& path, const LogOptions& options) {
+  LayerMeans means(options.mean_travel_mm);
+  RowDecimator decimator(options.keep, options.most_rows);
+  for_each_force_row(path, [&](const ForceRow& read) {
+    ForceRow row = read;
+    means.set(row);
+    if (options.each) options.each(row);
+    decimator.add(row);
+  });
+  return {decimator.finish(), options.mean_travel_mm, decimator.bucket_rows()};
 }
 
 void add_layer_means(ForceLog& log, double travel_mm) {
-  LayerMean mean(travel_mm);
-  for (ForceRow& row : log.rows) {
-    if (travel_mm == 0) {
-      row.layer_axial_force_n = row.axial_force_n;
-      row.layer_spin_torque_nmm = row.spin_torque_nmm;
-      row.layer_force_n = row.force_n;
-      row.layer_frames = 1;
-      continue;
-    }
-    const auto means = mean.add(row.pose.position_mm, row.axial_force_n, row.spin_torque_nmm);
-    row.layer_axial_force_n = means.axial_force_n;
-    row.layer_spin_torque_nmm = means.spin_torque_nmm;
-    row.layer_force_n = means.axial_force_n * (row.pose.orientation * Vec3::UnitZ());
-    row.layer_frames = means.frames;
-  }
+  // The frames between the rows of a decimated log are needed for means.
+  if (log.is_decimated() && travel_mm != 0) return;
+  LayerMeans means(travel_mm);
+  for (ForceRow& row : log.rows) means.set(row);
+  log.mean_travel_mm = travel_mm;
 }
 
 Headline headline_of(const ForceLog& log, bool means) {

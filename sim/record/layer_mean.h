@@ -24,16 +24,23 @@ class LayerMean {
   Means add(const Vec3& position_mm, double axial_force_n, double spin_torque_nmm);
 
  private:
-  void drop_oldest();
-
+  /// A frame, or several successive ones where there are very many: their sums.
   struct Frame {
-    double path_mm;  ///< length of the path at the end of the frame
+    double path_mm = 0;  ///< length of the path at the end of the frame
     Means values;
   };
+
+  void drop_oldest();
+  /// Keeps the number of frames constant for one more that the tool stands still.
+  void drop_while_still();
+  void append(double path_mm, double axial_force_n, double spin_torque_nmm);
+  void merge_pairs();
 
   double voxel_mm_;
   Vec3 last_mm_ = Vec3::Zero();
   std::deque<Frame> frames_;
+  std::size_t frames_per_entry_ = 1;
+  std::size_t still_frames_ = 0;  ///< for which no frame has been dropped yet
   Means sums_;
   bool full_ = false;
 };

@@ -132,14 +132,14 @@ struct Change {
 /// The transformed path. The tool is a surface of revolution, so its mirror image is itself, rotated.
 Motion changed(const Motion& motion, const Change& change) {
   const Mat3 flip = change.handedness() < 0 ? Mat3(Vec3(-1, 1, 1).asDiagonal()) : Mat3(Mat3::Identity());
-  Motion out = motion;
-  for (ToolPose& pose : out.poses) {
+  std::vector<ToolPose> poses = motion.poses.all();
+  for (ToolPose& pose : poses) {
     pose.position_mm = change.turn * pose.position_mm + change.shift;
     pose.orientation = Quat(Mat3(change.turn * pose.orientation.toRotationMatrix() * flip));
     pose.spin_angle_rad *= change.handedness();
     pose.spin_rpm *= change.handedness();
   }
-  return out;
+  return {motion.frame_rate_hz, std::move(poses)};
 }
 
 /// A density without symmetry, g/cm³.

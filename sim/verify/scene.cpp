@@ -78,25 +78,24 @@ Quat rotation(const Vec3& axis, double degrees) {
 }
 
 Motion path(double rate_hz, const Vec3& from_mm, const std::vector<Leg>& legs) {
-  Motion motion;
-  motion.frame_rate_hz = rate_hz;
+  std::vector<ToolPose> poses;
   ToolPose pose;
   pose.position_mm = from_mm;
   pose.orientation = legs.front().turned;
   pose.spin_rpm = legs.front().rpm;
-  motion.poses.push_back(pose);
+  poses.push_back(pose);
   for (const Leg& leg : legs) {
-    const ToolPose begin = motion.poses.back();
+    const ToolPose begin = poses.back();
     for (int k = 1; k <= leg.frames; ++k) {
       const double fraction = double(k) / leg.frames;
       pose.position_mm = begin.position_mm + fraction * (leg.to_mm - begin.position_mm);
       pose.orientation = begin.orientation.slerp(fraction, leg.turned);
       pose.spin_rpm = leg.rpm;
       pose.spin_angle_rad = begin.spin_angle_rad + angular_speed(leg.rpm) * k / rate_hz;
-      motion.poses.push_back(pose);
+      poses.push_back(pose);
     }
   }
-  return motion;
+  return {rate_hz, std::move(poses)};
 }
 
 Vec3 ball_origin(const Vec3& center_mm, double radius_mm, const Quat& turned) {

@@ -111,9 +111,12 @@ TEST(ClosedForm, WithdrawalTakesNothing) {
   scene.scenario = quiet_scenario("auto");
   scene.bone.set_voxels(block({12, 12, 4}, 0.25, 1.2));
   scene.tool = make_tool(cap_profile(8, 8, 4, 0.5), 80);
-  Motion down = straight({0, 0, 0.2}, {0, 0, -1}, 100, 500, 250), up = straight({0, 0, -1}, {0, 0, 1}, 100, 500, 250);
+  const Motion down = straight({0, 0, 0.2}, {0, 0, -1}, 100, 500, 250),
+               up = straight({0, 0, -1}, {0, 0, 1}, 100, 500, 250);
   scene.motion = down;
-  scene.motion.poses.insert(scene.motion.poses.end(), up.poses.begin() + 1, up.poses.end());
+  std::vector<ToolPose> poses = down.poses.all();
+  for (std::size_t k = 1; k < up.poses.size(); ++k) poses.push_back(up.poses[k]);
+  scene.motion.poses = poses;
   const TempDir dir;
   Report report;
   Recorder recorder(dir.path(), scene.bone.voxmap->grid.voxel_mm);

@@ -84,9 +84,10 @@ ReamingScene slow_scene(const std::string& device) {
   end.orientation = Quat(Eigen::AngleAxisd(0.01, Vec3(1, 0.3, 0).normalized())) * begin.orientation;
   end.spin_angle_rad += 5;
   scene.motion.frame_rate_hz = 1000;
-  scene.motion.poses.clear();
-  for (int k = 0; k <= 200; ++k) scene.motion.poses.push_back(interpolate(begin, end, k / 200.0));
-  for (int k = 150; k <= 200; ++k) scene.motion.poses[static_cast<std::size_t>(k)].position_mm.z() -= 0.4;
+  std::vector<ToolPose> poses;
+  for (int k = 0; k <= 200; ++k) poses.push_back(interpolate(begin, end, k / 200.0));
+  for (int k = 150; k <= 200; ++k) poses[static_cast<std::size_t>(k)].position_mm.z() -= 0.4;
+  scene.motion.poses = poses;
   return scene;
 }
 
@@ -208,12 +209,13 @@ TEST(Exact, ARimAlongTheLatticeTakesTheSameFromEveryLayer) {
 TEST(Exact, RestingTurningAndComingBackTakeNothing) {
   const Tool tool = ball(0.3);
   ReamingScene scene = plunged_ball(tool, 0.5, Vec3(0.11, 0.23, 0), Quat(Eigen::AngleAxisd(0.3, Vec3::UnitX())));
-  std::vector<ToolPose>& poses = scene.motion.poses;
-  const std::vector<ToolPose> down = poses;
+  const std::vector<ToolPose> down = scene.motion.poses.all();
+  std::vector<ToolPose> poses = down;
   for (int k = 0; k < 50; ++k) poses.push_back(down.back());  // rests, and spins
   poses.insert(poses.end(), down.rbegin(), down.rend());      // goes back
   poses.insert(poses.end(), down.begin(), down.end());        // and comes again
   for (std::size_t k = 0; k < poses.size(); ++k) poses[k].spin_angle_rad = 0.026 * static_cast<double>(k);
+  scene.motion.poses = poses;
   const Outcome outcome = run(scene);
   std::istringstream rows(outcome.forces);
   std::string line;
@@ -231,7 +233,7 @@ TEST(Exact, RestingTurningAndComingBackTakeNothing) {
 TEST(Exact, BoneThatTheToolStartsInGoesWithoutForce) {
   const Tool tool = ball(0.1);
   ReamingScene scene = plunged_ball(tool, 0.5, Vec3(0.2, 0.1, 0), Quat::Identity());
-  scene.motion.poses.assign(3, scene.motion.poses.back());
+  scene.motion.poses = std::vector<ToolPose>(3, scene.motion.poses.back());
   const Outcome outcome = run(scene);
   EXPECT_NEAR(outcome.totals.removed_mm3, M_PI * 16 * (3 * 29 - 4) / 3, 0.2);
   EXPECT_EQ(outcome.totals.energy_mj, 0);

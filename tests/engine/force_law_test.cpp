@@ -100,7 +100,9 @@ ReamingScene plunge(const Face& face, const CuttingSettings& cutting, double vox
   for (int k = 0; k < kRest; ++k) depths.push_back(depths.back());
   for (int k = 0; k < kOut; ++k) depths.push_back(depths.back() - kFeed / kRateHz);
   scene.motion = straight(Vec3::Zero(), Vec3::Zero(), static_cast<int>(depths.size()) - 1, kRateHz, kRpm);
-  for (std::size_t k = 0; k < depths.size(); ++k) scene.motion.poses[k].position_mm = {0.03, 0.05, -depths[k]};
+  std::vector<ToolPose> poses = scene.motion.poses.all();
+  for (std::size_t k = 0; k < depths.size(); ++k) poses[k].position_mm = {0.03, 0.05, -depths[k]};
+  scene.motion.poses = poses;
   return scene;
 }
 

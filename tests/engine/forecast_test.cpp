@@ -63,7 +63,9 @@ TEST(Forecast, OfOneJumpAndOfManySteps) {
 
 TEST(Forecast, CountsBricksThatAreNotWholeAlready) {
   ReamingScene scene = plunge();
-  for (ToolPose& pose : scene.motion.poses) pose.position_mm.z() += 100;  // never comes near
+  std::vector<ToolPose> poses = scene.motion.poses.all();
+  for (ToolPose& pose : poses) pose.position_mm.z() += 100;  // never comes near
+  scene.motion.poses = poses;
   EXPECT_EQ(forecast_exact(scene).partial, 0U);
   scene.bone.fill.set({3, 3, 3}, 1000);
   scene.bone.fill.set({100, 3, 3}, 1000);

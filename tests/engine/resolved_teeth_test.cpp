@@ -176,10 +176,11 @@ TEST(ResolvedTeeth, ATurnTakesWhatTheEnvelopeTakes) {
 
 TEST(ResolvedTeeth, TheSamePathAgainTakesNothing) {
   ReamingScene scene = plunge(-7, 2, true);
-  const std::vector<ToolPose> down = scene.motion.poses;
-  std::vector<ToolPose>& poses = scene.motion.poses;
+  const std::vector<ToolPose> down = scene.motion.poses.all();
+  std::vector<ToolPose> poses = down;
   poses.insert(poses.end(), down.rbegin(), down.rend());
   poses.insert(poses.end(), down.begin(), down.end());
+  scene.motion.poses = poses;
   const Outcome outcome = run(scene);
   const std::vector<double> contacts = column(outcome.forces, "contacts");
   EXPECT_GT(std::accumulate(contacts.begin(), contacts.end(), 0.0), 1000);

@@ -70,17 +70,16 @@ inline FilledVoxmap random_bone(const Vec3i& dims, double voxel_mm, unsigned see
 /// A straight path at constant spin.
 inline Motion straight(const Vec3& from, const Vec3& to, int frames, double rate_hz, double rpm,
                        const Quat& orientation = Quat::Identity()) {
-  Motion motion;
-  motion.frame_rate_hz = rate_hz;
+  std::vector<ToolPose> poses;
   for (int k = 0; k <= frames; ++k) {
     ToolPose pose;
     pose.position_mm = from + (to - from) * (double(k) / frames);
     pose.orientation = orientation;
     pose.spin_rpm = rpm;
     pose.spin_angle_rad = 2 * M_PI * rpm / 60 * k / rate_hz;
-    motion.poses.push_back(pose);
+    poses.push_back(pose);
   }
-  return motion;
+  return {rate_hz, std::move(poses)};
 }
 
 /// Scenario defaults for a scene made in memory.

@@ -77,7 +77,9 @@ TEST(Teeth, OneVoxelFeelsTheEnvelopesNormal) {
   scene.tool = toothed_reamer(kVoxel);
   scene.motion = straight({0, 0, 0}, {0, 0, 0}, 200, kRateHz, kRpm);
   const double start = angle_behind_a_lip(scene.tool, at, kVoxel);
-  for (ToolPose& pose : scene.motion.poses) pose.spin_angle_rad += start;
+  std::vector<ToolPose> poses = scene.motion.poses.all();
+  for (ToolPose& pose : poses) pose.spin_angle_rad += start;
+  scene.motion.poses = poses;
   const TempDir dir;
   Report report;
   Recorder recorder(dir.path(), kVoxel);
@@ -109,8 +111,8 @@ TEST(Teeth, NothingIsLeftOfWhatTheySweep) {
   constexpr double kRateHz = 200, kAbove = 0.1;
   const int frames = static_cast<int>((kDepth + kAbove) / kFeed * kRateHz);
   scene.motion = straight({0.02, 0.03, kAbove}, {0.02, 0.03, -kDepth}, frames, kRateHz, kRpm);
-  // Between two cutting edges the tool goes a sixth of its feed per turn deeper; what lies there is swept only once they have
-  // come round again.
+  // Between two cutting edges the tool goes a sixth of its feed per turn deeper; what lies there is swept only once
+  // they have come round again.
   const double lag_voxels = kFeed / (kRpm / 60) / 6 / kVoxel;
   ASSERT_LT(lag_voxels, 0.05);
   const Leftovers found = ream_and_look(scene, 0.5 + lag_voxels);

@@ -106,7 +106,7 @@ TEST(Keyframes, SpinAngleIsTheIntegralOfALinearSpeed) {
   }
 }
 
-TEST(Keyframes, LastFrameIsAtOrJustBeforeTheEnd) {
+TEST(Keyframes, LastFrameIsAtOrJustAfterTheEnd) {
   const auto count = [](double end_s, double rate_hz) {
     return build(keyframes({keyframe(0, Vec3::Zero(), {0, 0, 1}, 0), keyframe(end_s, Vec3::UnitX(), {0, 0, 1}, 0)},
                            rate_hz))
@@ -114,8 +114,18 @@ TEST(Keyframes, LastFrameIsAtOrJustBeforeTheEnd) {
   };
   EXPECT_EQ(count(1.0, 1000), 1001u);
   EXPECT_EQ(count(0.3, 1000), 301u) << "0.3 is not exact in binary";
-  EXPECT_EQ(count(0.0999, 100), 10u);
-  EXPECT_EQ(count(0.001, 100), 1u);
+  EXPECT_EQ(count(0.0999, 100), 11u);
+  EXPECT_EQ(count(0.001, 100), 2u);
+}
+
+TEST(Keyframes, TheToolRestsUntilTheLastFrameEnds) {
+  // 60 rpm, and 2.5 frames of motion.
+  const Motion m =
+      build(keyframes({keyframe(0, Vec3::Zero(), {0, 0, 1}, 60), keyframe(0.025, {5, 0, 0}, {0, 0, 1}, 60)}));
+  ASSERT_EQ(m.poses.size(), 4u);
+  EXPECT_NEAR(m.poses[2].position_mm.x(), 4, 1e-12);
+  EXPECT_NEAR(m.poses[3].position_mm.x(), 5, 1e-12);
+  for (std::size_t k = 0; k < 4; ++k) EXPECT_NEAR(m.poses[k].spin_angle_rad, 2 * kPi * 0.01 * double(k), 1e-12) << k;
 }
 
 TEST(Keyframes, FirstKeyframeIsTimeZero) {
@@ -191,6 +201,29 @@ TEST(Plunge, WithoutDwellOrRetraction) {
   const Motion m = build(plunge(p));
   EXPECT_EQ(m.poses.size(), 1001u);
   EXPECT_NEAR(m.poses.back().position_mm.z(), -1, 1e-12);
+}
+
+TEST(Plunge, FasterThanTheFramesIsWarnedOf) {
+  PlungeSettings p;
+  p.approach_mm = 5;
+  p.depth_mm = 5;
+  p.feed_mm_s = 1000;
+  p.dwell_s = 0;
+  p.retract_mm = 20;
+  p.retract_mm_s = 1000;
+  MotionSettings fast = plunge(p);
+  fast.frame_rate_hz = 10;
+  Report report;
+  const Motion m = build_motion(fast, std::nullopt, report);
+  EXPECT_EQ(m.poses.size(), 2u) << "0.03 s of motion";
+  EXPECT_NEAR(m.poses.back().position_mm.z(), 15, 1e-12);
+  ASSERT_EQ(report.warnings.size(), 1u);
+  EXPECT_NE(report.warnings[0].find("the pose at 0.01 s lies between two frames"), std::string::npos)
+      << report.warnings[0];
+  Report none;
+  fast.frame_rate_hz = 1000;
+  build_motion(fast, std::nullopt, none);
+  EXPECT_TRUE(none.warnings.empty());
 }
 
 TEST(Plunge, ToolPointsAgainstAnyAxis) {

@@ -30,6 +30,16 @@ TEST(CsvWriter, NumbersReadBackToTheSameValue) {
   EXPECT_EQ(file_bytes(path), "x,y,z\n0.1,0.3333333333333333,0\n1e-300,123456789,2\n,1,\n");
 }
 
+TEST(CsvWriter, IntegersHaveNoExponent) {
+  const TempDir dir;
+  const std::string path = dir.path() + "/a.csv";
+  CsvWriter log(path, "x,y,z");
+  log.row({100000, 1e7, -3e15});
+  log.row({9007199254740992.0, 1e300, 100000.5});
+  log.close();
+  EXPECT_EQ(file_bytes(path), "x,y,z\n100000,10000000,-3000000000000000\n9007199254740992,1e+300,100000.5\n");
+}
+
 TEST(CsvWriter, AFullDiskIsARunError) {
   EXPECT_THROW(
       {

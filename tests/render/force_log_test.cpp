@@ -13,7 +13,8 @@ namespace {
 
 constexpr const char* kLogHeader =
     "frame,time_s,tool_x_mm,tool_y_mm,tool_z_mm,tool_qw,tool_qx,tool_qy,tool_qz,spin_angle_rad,depth_mm,force_x_n,"
-    "force_y_n,force_z_n,axial_force_n,spin_torque_nmm,removed_mm3,energy_mj\n";
+    "force_y_n,force_z_n,axial_force_n,spin_torque_nmm,removed_mm3,energy_mj,"
+    "floor_energy_mj,balance\n";
 
 class ForceLogFile : public ::testing::Test {
  protected:
@@ -35,12 +36,14 @@ class ForceLogFile : public ::testing::Test {
 };
 
 TEST_F(ForceLogFile, RowsAreReadAndVolumesSummed) {
-  const ForceLog log = read(std::string(kLogHeader) + "1,0.001,1,2,3,1,0,0,0,0.5,0.1,3,4,5,10,100,2.5,4\r\n" +
-                            "2,0.002,1,2,3,0,0,0,1,0.6,0.2,6,7,8,11,110,1.5,3\n");
+  const ForceLog log = read(std::string(kLogHeader) + "1,0.001,1,2,3,1,0,0,0,0.5,0.1,3,4,5,10,100,2.5,4,1,0.5\r\n" +
+                            "2,0.002,1,2,3,0,0,0,1,0.6,0.2,6,7,8,11,110,1.5,3,2,-0.5\n");
   ASSERT_EQ(log.rows.size(), 2U);
   EXPECT_EQ(log.rows[1].frame, 2);
   EXPECT_DOUBLE_EQ(log.rows[1].removed_mm3, 4.0);
   EXPECT_DOUBLE_EQ(log.rows[1].cumulative_energy_mj, 7.0);
+  EXPECT_DOUBLE_EQ(log.rows[1].cumulative_floor_mj, 3.0);
+  EXPECT_DOUBLE_EQ(log.rows[1].balance, -0.5);
   EXPECT_DOUBLE_EQ(log.rows[1].axial_force_n, 11);
   EXPECT_EQ(log.rows[1].force_n, Vec3(6, 7, 8));
   EXPECT_DOUBLE_EQ(log.rows[1].pose.orientation.z(), 1);
@@ -51,9 +54,10 @@ TEST_F(ForceLogFile, RowsAreReadAndVolumesSummed) {
 
 TEST_F(ForceLogFile, ColumnsMayStandAnywhere) {
   const ForceLog log = read(
-      "removed_mm3,energy_mj,other,frame,time_s,tool_x_mm,tool_y_mm,tool_z_mm,tool_qw,tool_qx,tool_qy,tool_qz,spin_"
+      "balance,floor_energy_mj,removed_mm3,energy_mj,other,frame,time_s,tool_x_mm,tool_y_mm,tool_z_mm,tool_qw,tool_qx,"
+      "tool_qy,tool_qz,spin_"
       "angle_rad,"
-      "depth_mm,axial_force_n,spin_torque_nmm,force_x_n,force_y_n,force_z_n\n7,8,x,1,0.5,0,0,0,1,0,0,0,0,0,0,0,0,0,"
+      "depth_mm,axial_force_n,spin_torque_nmm,force_x_n,force_y_n,force_z_n\n0,0,7,8,x,1,0.5,0,0,0,1,0,0,0,0,0,0,0,0,0,"
       "0\n");
   EXPECT_DOUBLE_EQ(log.rows[0].removed_mm3, 7);
   EXPECT_DOUBLE_EQ(log.rows[0].time_s, 0.5);
@@ -64,12 +68,12 @@ TEST_F(ForceLogFile, MistakesAreNamedWithTheirLine) {
   expect_complaint("", "forces.csv");
   expect_complaint("frame,time_s\n1,2\n", "tool_x_mm");
   expect_complaint(kLogHeader, "no row");
-  const std::string good = std::string(kLogHeader) + "1,0,0,0,0,1,0,0,0,0,0,0,0,0,0,0,0,0\n";
-  expect_complaint(good + "2,0,0,oops,0,1,0,0,0,0,0,0,0,0,0,0,0,0\n", "forces.csv:3: tool_y_mm: found 'oops'");
-  expect_complaint(good + "2,0,0,nan,0,1,0,0,0,0,0,0,0,0,0,0,0,0\n", "tool_y_mm");
+  const std::string good = std::string(kLogHeader) + "1,0,0,0,0,1,0,0,0,0,0,0,0,0,0,0,0,0,0,0\n";
+  expect_complaint(good + "2,0,0,oops,0,1,0,0,0,0,0,0,0,0,0,0,0,0,0,0\n", "forces.csv:3: tool_y_mm: found 'oops'");
+  expect_complaint(good + "2,0,0,nan,0,1,0,0,0,0,0,0,0,0,0,0,0,0,0,0\n", "tool_y_mm");
   expect_complaint(good + "2,0,0,0\n", "forces.csv:3");
-  expect_complaint(good + "1,0,0,0,0,1,0,0,0,0,0,0,0,0,0,0,0,0\n", "ascend");
-  expect_complaint(good + "2,0,0,0,0,1,1,0,0,0,0,0,0,0,0,0,0,0\n", "quaternion");
+  expect_complaint(good + "1,0,0,0,0,1,0,0,0,0,0,0,0,0,0,0,0,0,0,0\n", "ascend");
+  expect_complaint(good + "2,0,0,0,0,1,1,0,0,0,0,0,0,0,0,0,0,0,0,0\n", "quaternion");
 }
 
 }  // namespace

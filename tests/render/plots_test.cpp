@@ -36,8 +36,9 @@ void write_log(const std::string& dir, int rows, double force) {
 
 /// All that is drawn from forces.csv.
 void draw_all(const std::string& dir, double mean_travel_mm) {
-  write_force_plots(dir, mean_travel_mm);
-  write_depth_and_energy_plots(dir, mean_travel_mm);
+  const ForceLog log = read_force_log(dir + "/forces.csv", {.mean_travel_mm = mean_travel_mm});
+  write_force_plots(dir, log);
+  write_depth_and_energy_plots(dir, log);
 }
 
 class Plots : public ::testing::Test {
@@ -102,6 +103,33 @@ TEST_F(Plots, ARunGivesFourCurves) {
   }
 }
 
+TEST_F(Plots, ALongRunIsDecimatedWithItsPeaksAndSums) {
+  constexpr int kRows = 6000;
+  write_log(dir_.path(), kRows, 1);
+  const ForceLog whole = read_force_log(dir_.path() + "/forces.csv");
+  const ForceLog log = read_force_log(dir_.path() + "/forces.csv", {.keep = {1234}, .most_rows = 1000});
+  ASSERT_TRUE(log.is_decimated());
+  EXPECT_NO_THROW((void)log.at(1234, ""));
+  EXPECT_EQ(headline_of(log, false).peak_axial_force_n, headline_of(whole, false).peak_axial_force_n);
+  EXPECT_EQ(headline_of(log, false).peak_spin_torque_nmm, headline_of(whole, false).peak_spin_torque_nmm);
+  write_force_plots(dir_.path(), log);
+  write_depth_and_energy_plots(dir_.path(), log);
+  expect_plots();
+  EXPECT_THAT(test::file_bytes(dir_.path() + "/forces.gp"),
+              ::testing::HasSubstr("csv = \"plots/forces_decimated.csv\""));
+  static constexpr std::string_view kNames[] = {"axial_force_n", "removed_mm3", "energy_mj"};
+  CsvReader drawn(dir_.path() + "/plots/forces_decimated.csv", kNames, "a plot's data");
+  double peak_n = 0, removed_mm3 = 0, energy_mj = 0;
+  for (std::vector<double> row; drawn.next(row);) {
+    peak_n = std::max(peak_n, row[0]);
+    removed_mm3 += row[1];
+    energy_mj += row[2];
+  }
+  EXPECT_EQ(peak_n, headline_of(whole, false).peak_axial_force_n);
+  EXPECT_NEAR(removed_mm3, whole.rows.back().removed_mm3, 1e-9 * removed_mm3);
+  EXPECT_NEAR(energy_mj, whole.rows.back().cumulative_energy_mj, 1e-9 * energy_mj);
+}
+
 TEST_F(Plots, FramesSpeakForThemselvesWhereVoxelsAreClipped) {
   CuttingSettings cutting;
   cutting.erosion = ErosionMode::exact;
@@ -126,7 +154,7 @@ TEST_F(Plots, AllZeroColumnsAndASingleRowHaveAxesToo) {
 
 TEST_F(Plots, AHundredThousandRowsAreDrawn) {
   write_log(dir_.path(), 100'000, 1);
-  write_force_plots(dir_.path(), 0.25);
+  write_force_plots(dir_.path(), read_force_log(dir_.path() + "/forces.csv", {.mean_travel_mm = 0.25}));
   const test::Picture plot = test::read_picture(dir_.path() + "/forces.png");
   EXPECT_GT(plot.width, 1000);
 }

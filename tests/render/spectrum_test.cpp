@@ -5,6 +5,7 @@
 #include <cmath>
 #include <functional>
 #include <numbers>
+#include <utility>
 
 namespace reamsim {
 namespace {
@@ -26,13 +27,23 @@ ForceLog log_of(const std::function<double(double)>& torque, double contact_s = 
   return log;
 }
 
+RowPass pass_of(ForceLog log) {
+  return [log = std::move(log)](const std::function<void(const ForceRow&)>& visit) {
+    for (const ForceRow& row : log.rows) visit(row);
+  };
+}
+
+TorqueSpectrum spectrum_of(ForceLog log) {
+  return torque_spectrum(pass_of(std::move(log)));
+}
+
 double sine(double frequency_hz, double time_s) {
   return std::sin(2 * std::numbers::pi * frequency_hz * time_s);
 }
 
 TEST(Spectrum, FindsTheTeethOnARisingTorque) {
   const TorqueSpectrum found =
-      torque_spectrum(log_of([](double t) { return 400 * (2 - std::exp(-t)) + 60 * sine(24, t) + 20 * sine(48, t); }));
+      spectrum_of(log_of([](double t) { return 400 * (2 - std::exp(-t)) + 60 * sine(24, t) + 20 * sine(48, t); }));
   EXPECT_NEAR(found.spin_hz, kSpin_hz, 1e-9);
   ASSERT_EQ(found.peaks.size(), 2u);
   EXPECT_NEAR(found.peaks[0].frequency_hz, 24, 0.3);
@@ -45,7 +56,7 @@ TEST(Spectrum, FindsTheTeethOnARisingTorque) {
 TEST(Spectrum, PausesBetweenTeethDoNotEndIt) {
   // One tooth, in contact for a third of the turn.
   const TorqueSpectrum found =
-      torque_spectrum(log_of([](double t) { return std::fmod(t * kSpin_hz, 1.0) < 1.0 / 3 ? 300.0 : 0.0; }));
+      spectrum_of(log_of([](double t) { return std::fmod(t * kSpin_hz, 1.0) < 1.0 / 3 ? 300.0 : 0.0; }));
   ASSERT_FALSE(found.peaks.empty());
   EXPECT_NEAR(found.peaks[0].frequency_hz, kSpin_hz, 0.3);
   // First line of a rectangle's Fourier series.
@@ -53,12 +64,12 @@ TEST(Spectrum, PausesBetweenTeethDoNotEndIt) {
 }
 
 TEST(Spectrum, NeedsFourTurnsAndASpin) {
-  EXPECT_TRUE(torque_spectrum(log_of([](double) { return 100; }, 0.9)).lines.empty());
-  EXPECT_TRUE(torque_spectrum(log_of([](double) { return 0; })).lines.empty());
+  EXPECT_TRUE(spectrum_of(log_of([](double) { return 100; }, 0.9)).lines.empty());
+  EXPECT_TRUE(spectrum_of(log_of([](double) { return 0; })).lines.empty());
   ForceLog still = log_of([](double t) { return 100 + sine(24, t); });
   for (ForceRow& row : still.rows) row.pose.spin_angle_rad = 0;
-  EXPECT_TRUE(torque_spectrum(still).lines.empty());
-  EXPECT_TRUE(torque_spectrum({}).lines.empty());
+  EXPECT_TRUE(spectrum_of(still).lines.empty());
+  EXPECT_TRUE(spectrum_of({}).lines.empty());
 }
 
 }  // namespace

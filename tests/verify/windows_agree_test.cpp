@@ -184,7 +184,9 @@ TEST(WindowsAgree, WithFrameByFrameWhereTheToolTilts) {
   end.orientation = Eigen::AngleAxisd(0.01, Vec3(1, 0.3, 0).normalized());
   end.spin_angle_rad = 250 * 2 * M_PI / 60 * 0.512;
   constexpr int kFrames = 512;
-  for (int k = 0; k <= kFrames; ++k) scene.motion.poses.push_back(interpolate(begin, end, double(k) / kFrames));
+  std::vector<ToolPose> poses;
+  for (int k = 0; k <= kFrames; ++k) poses.push_back(interpolate(begin, end, double(k) / kFrames));
+  scene.motion.poses = std::move(poses);
   std::vector<std::shared_ptr<Runs>> all;
   const auto engine = both_engines(all)(scene.scenario, scene.bone.view(), scene.tool);
   test::run_on(*engine, scene);
