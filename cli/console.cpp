@@ -6,6 +6,8 @@
 #include <csignal>
 #include <cstdio>
 
+#include "sim/isolation/read_in_child.h"
+
 namespace reamsim {
 
 namespace {
@@ -31,6 +33,7 @@ void install_stop_handler() {
   action.sa_handler = request_stop;
   sigaction(SIGINT, &action, nullptr);
   sigaction(SIGTERM, &action, nullptr);
+  interrupt_reading_when(stop_requested);
   // A full disk or a size limit is reported where the write fails.
   std::signal(SIGXFSZ, SIG_IGN);
   std::signal(SIGPIPE, SIG_IGN);
