@@ -15,4 +15,4 @@ fi
 install_missing "${build_packages[@]}" "${test_packages[@]}"
 build_release ON all "-DREAMSIM_BROWSER_TESTS=$browser"
 say "testing"
-ctest --test-dir "$build" --output-on-failure --parallel "$(nproc)" "$@"
+ctest --test-dir "$build" --label-exclude "^long$" --output-on-failure --parallel "$(nproc)" "$@"
