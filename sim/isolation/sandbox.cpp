@@ -149,6 +149,9 @@ bool restrict_system_calls() {
 }  // namespace
 
 bool enter_sandbox(const SandboxLimits& limits, int keep) {
+  sigset_t none;
+  sigemptyset(&none);
+  sigprocmask(SIG_SETMASK, &none, nullptr);  // the program may block signals that are to end this process
   for (const int fatal : {SIGSEGV, SIGBUS, SIGFPE, SIGABRT, SIGILL, SIGXCPU, SIGINT, SIGTERM, SIGHUP}) {
     std::signal(fatal, SIG_DFL);
   }

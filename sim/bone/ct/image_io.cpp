@@ -14,6 +14,7 @@
 #include <cstring>
 #include <filesystem>
 #include <limits>
+#include <regex>
 #include <sstream>
 #include <stdexcept>
 
@@ -128,6 +129,8 @@ InputError cut_off(const std::string& path, const std::string& key) {
   return {{path}, key, "the voxels cannot be read: the file is truncated or damaged", "give a complete file"};
 }
 
+constexpr std::size_t kLongestLine = 200;
+
 /// The beginning of a line of a damaged file, for a message.
 std::string printable_start(const std::string& line) {
   constexpr std::size_t kMost = 60;
@@ -140,16 +143,13 @@ std::string printable_start(const std::string& line) {
 
 /// MetaIO reads as many numbers as the header has dimensions, without end.
 void check_meta_image(const std::string& path, const std::string& key) {
-  constexpr long kMostDimensions = 16;
+  static const std::regex few_dimensions(R"(NDims\s*[=:]\s*[1-9]\s*)");
   std::istringstream header(read_file_start(path, 1 << 16));
   for (std::string line; std::getline(header, line);) {
-    std::istringstream words(line);
-    std::string name;
-    std::string equals;
-    if (!(words >> name) || name != "NDims") continue;
-    long dimensions = 0;
-    if (words >> equals >> dimensions && dimensions > 0 && dimensions <= kMostDimensions) continue;
-    throw InputError({path}, key, "the MetaImage header says " + printable_start(line), "expected NDims = 3");
+    if (line == "ElementDataFile = LOCAL") return;  // voxels follow
+    if (line.find("NDims") == std::string::npos || std::regex_match(line.substr(0, kLongestLine), few_dimensions))
+      continue;
+    throw InputError({path}, key, "the MetaImage header says \"" + printable_start(line) + "\"", "expected NDims = 3");
   }
 }
 
@@ -214,7 +214,7 @@ void check_file_length(const std::string& path, const std::string& key, std::int
 
 itk::ImageIOBase::Pointer open_image_io(const std::string& path, const std::string& key, std::string& format) {
   const QuietLibraries quiet;
-  check_meta_image(path, key);
+  if (format_by_name(path) == "MetaImage") check_meta_image(path, key);
   const std::pair<std::string, itk::ImageIOBase::Pointer> readers[] = {
       {"NRRD", itk::NrrdImageIO::New().GetPointer()},
       {"NIfTI", itk::NiftiImageIO::New().GetPointer()},
