@@ -3,41 +3,16 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <csignal>
 #include <cstdio>
-
-#include "sim/isolation/read_in_child.h"
 
 namespace reamsim {
 
 namespace {
 
-// Global, because a signal handler can reach nothing else.
-volatile std::sig_atomic_t stop_signal = 0;
-
-void request_stop(int) {
-  stop_signal = 1;
-}
-
 constexpr int kBarCells = 30;
 constexpr double kRedrawSeconds = 0.1;
 
 }  // namespace
-
-bool stop_requested() {
-  return stop_signal != 0;
-}
-
-void install_stop_handler() {
-  struct sigaction action = {};
-  action.sa_handler = request_stop;
-  sigaction(SIGINT, &action, nullptr);
-  sigaction(SIGTERM, &action, nullptr);
-  interrupt_reading_when(stop_requested);
-  // A full disk or a size limit is reported where the write fails.
-  std::signal(SIGXFSZ, SIG_IGN);
-  std::signal(SIGPIPE, SIG_IGN);
-}
 
 void Console::say(const std::string& line) const {
   if (!quiet) std::printf("%s\n", line.c_str());

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <string>
 
+#include "cli/stop.h"
 #include "sim/base/report.h"
 #include "sim/base/stopwatch.h"
 
@@ -40,9 +41,5 @@ class Progress {
   double last_drawn_s_ = -1;
   Stopwatch watch_;
 };
-
-/// Whether SIGINT or SIGTERM arrived after install_stop_handler().
-bool stop_requested();
-void install_stop_handler();
 
 }  // namespace reamsim

@@ -8,11 +8,12 @@
 #include <exception>
 
 #include "cli/commands.h"
+#include "cli/stop.h"
 #include "sim/base/error.h"
 
 namespace {
 
-constexpr int kFailed = 1, kWrongInput = 2, kInterrupted = 130;
+constexpr int kFailed = 1, kWrongInput = 2;
 
 int complain(const std::string& message, int status) {
   std::fprintf(stderr, "reamsim: error: %s\n", message.c_str());
@@ -61,6 +62,22 @@ int run(int argc, char** argv) {
   return 0;
 }
 
+/// As run(), with a message and a status for every error.
+int run_and_report(int argc, char** argv) {
+  try {
+    return run(argc, argv);
+  } catch (const reamsim::InputError& error) {
+    for (const reamsim::Mistake& mistake : error.mistakes()) complain(mistake.line(), kWrongInput);
+    return kWrongInput;
+  } catch (const reamsim::Suspended& error) {
+    return complain(error.what(), reamsim::kSuspendedStatus);
+  } catch (const reamsim::Interrupted& error) {
+    return complain(error.what(), reamsim::kInterruptedStatus);
+  } catch (const std::exception& error) {
+    return complain(reamsim::message_of(error), kFailed);
+  }
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -68,14 +85,5 @@ int main(int argc, char** argv) {
   // Pins PoCL's worker threads to their cores, for their caches. Must be set before OpenCL is loaded.
   setenv("POCL_AFFINITY", "1", 0);
   reamsim::install_stop_handler();
-  try {
-    return run(argc, argv);
-  } catch (const reamsim::InputError& error) {
-    for (const reamsim::Mistake& mistake : error.mistakes()) complain(mistake.line(), kWrongInput);
-    return kWrongInput;
-  } catch (const reamsim::Interrupted& error) {
-    return complain(error.what(), kInterrupted);
-  } catch (const std::exception& error) {
-    return complain(reamsim::message_of(error), kFailed);
-  }
+  return reamsim::end_with(run_and_report(argc, argv));
 }

@@ -5,6 +5,7 @@
 
 #include "cli/commands.h"
 #include "cli/outputs.h"
+#include "cli/run_checkpoints.h"
 #include "render/pictures/figures.h"
 #include "render/render.h"
 #include "sim/base/error.h"
@@ -24,6 +25,7 @@ struct RunOptions {
   ScenarioOptions scenario;
   std::string output;
   bool overwrite = false;
+  bool resume = false;
 };
 
 std::string output_dir(const RunOptions& options, const Scenario& scenario) {
@@ -37,28 +39,6 @@ std::vector<std::string> files_read(const Scenario& scenario) {
   return files;
 }
 
-/// Records the warnings for summary.json and prints them.
-void print_report(Report& report, RunFacts& facts, const Console& console) {
-  facts.warnings.insert(facts.warnings.end(), report.warnings.begin(), report.warnings.end());
-  console.print(report);
-}
-
-void run_frames(ReamingScene& scene, Engine& engine, Recorder& recorder, Outputs& outputs,
-                const ContactForecast& contact, Report& report, const Console& console) {
-  Progress progress(console, "simulate", "frames");
-  RunControl control;
-  control.progress = [&](std::int64_t done, std::int64_t total) {
-    outputs.snapshots_written(done);
-    progress.update(done, total);
-  };
-  control.stop = stop_requested;
-  control.warned_of_no_contact = !contact.touches;
-  simulate(scene, engine, recorder, control, report);
-  progress.finish();
-  recorder.close();
-  outputs.snapshots_written(std::ssize(scene.motion.poses) - 1);  // also where that is frame 0
-}
-
 /// Prints the same figures, with the same names, as pictures, plots, summary and report have.
 void print_summary(const Console& console, const RunTotals& totals, const RunFacts& facts, double mean_mm) {
   const Headline run = totals.headline(mean_mm > 0);
@@ -68,69 +48,141 @@ void print_summary(const Console& console, const RunTotals& totals, const RunFac
   console.say(fmt::format("{:.1f} s simulated in {:.1f} s on {}", totals.simulated_s, facts.simulate_s, facts.device));
 }
 
-/// Reports the segmentation and the predicted contact before the simulation.
-ContactForecast report_scene(const ReamingScene& scene, const std::string& dir, Report& report,
-                             const Console& console) {
-  if (const auto& segmentation = scene.bone.segmentation) {
-    console.say(sentence_of(*segmentation));
-    if (scene.scenario.render.enabled) write_segmentation_picture(dir, *segmentation);
+/// A run of a scenario into a folder: load, simulate, write, render.
+class ScenarioRun {
+ public:
+  ScenarioRun(const std::string& dir, const Scenario& scenario, RunCheckpoints& checkpoints, const Console& console)
+      : dir_(dir), scenario_(scenario), checkpoints_(checkpoints), console_(console) {}
+
+  void run() {
+    load();
+    Recorder recorder = checkpoints_.open_logs(scene_.bone.voxmap->grid.voxel_mm, report_);
+    simulate_frames(recorder);
+    write(recorder);
+    render(recorder.totals());
+    print_summary(console_, recorder.totals(), facts_, outputs_->mean_travel_mm());
   }
-  const ContactForecast contact = forecast_contact(scene);
-  warn_of_contact(scene, contact, report);
-  return contact;
-}
 
-/// Loads, simulates, writes and renders.
-void run_in(OutputFolder& folder, const Scenario& scenario, const Console& console) {
-  const Stopwatch load_watch;
-  Report report;
-  RunFacts facts;
-  facts.inputs = input_sums(scenario);
-  ReamingScene scene = load_scene(scenario, report);
-  const ContactForecast contact = report_scene(scene, folder.path(), report, console);
-  print_report(report, facts, console);
-  std::unique_ptr<Engine> engine = load_engine(scene);
-  facts.device = engine->device();
-  facts.bone_before_mm3 = scene.bone.view().bone_mm3();
-  return_free_memory();
-  facts.load_s = load_watch.seconds();
+  /// Whether frames have been simulated, or are.
+  [[nodiscard]] bool simulates() const { return simulates_; }
 
-  write_tool(folder.path(), scene.tool);
-  Outputs outputs(scene, folder.path());
-  Recorder recorder(folder.path(), scene.bone.voxmap->grid.voxel_mm);
-  const Stopwatch watch;
-  run_frames(scene, *engine, recorder, outputs, contact, report, console);
-  facts.simulate_s = watch.seconds();
-  facts.device_bytes = engine->device_bytes();
-  print_report(report, facts, console);
-  measure(facts, scene, outputs.fill_before(), recorder.totals());
-  engine.reset();  // its copy of the fill is not needed any more, and writing needs memory
-  return_free_memory();
-  const Stopwatch write_watch;
-  write_results(folder.path(), scene, recorder, facts);
-  return_free_memory();
-  facts.write_s = write_watch.seconds();
-  const Stopwatch render_watch;
-  const auto finish = [&] {
-    print_report(report, facts, console);
-    facts.render_s = render_watch.seconds();
-    write_summary(folder.path(), scene, recorder.totals(), facts);
-  };
-  outputs.finish_run(scene.bone.fill);
-  try {
-    outputs.make(report, console);
-  } catch (const RunError&) {
-    finish();  // keep the numbers when pictures fail
-    throw;
-  } catch (const std::bad_alloc&) {
+ private:
+  void load() {
+    const Stopwatch watch;
+    facts_.inputs = input_sums(scenario_);
+    checkpoints_.identify(scenario_, facts_.inputs);
+    scene_ = load_scene(scenario_, report_);
+    report_segmentation();
+    contact_ = forecast_contact(scene_);
+    warn_of_contact(scene_, contact_, report_);
+    print_report();
+    facts_.bone_before_mm3 = scene_.bone.view().bone_mm3();
+    write_tool(dir_, scene_.tool);
+    outputs_.emplace(scene_, dir_);
+    checkpoints_.restore(scene_.bone.fill);
+    engine_ = load_engine(scene_);
+    facts_.device = engine_->device();
+    checkpoints_.use_device(facts_.device, report_);
+    write_scenario(dir_, scene_.scenario, facts_);
+    return_free_memory();
+    facts_.load_s = watch.seconds();
+  }
+
+  void report_segmentation() const {
+    const auto& segmentation = scene_.bone.segmentation;
+    if (!segmentation) return;
+    console_.say(sentence_of(*segmentation));
+    if (scenario_.render.enabled) write_segmentation_picture(dir_, *segmentation);
+  }
+
+  void simulate_frames(Recorder& recorder) {
+    simulates_ = true;
+    const StopGrace until_saved;
+    Progress progress(console_, "simulate", "frames");
+    const auto save = [&](const SimulationState& state) {
+      checkpoints_.save(state, recorder, scene_.bone.fill, report_);
+    };
+    RunControl control{.save_due = [this] { return checkpoints_.due(); }, .save = save, .from = checkpoints_.state()};
+    control.progress = [&](std::int64_t done, std::int64_t total) {
+      outputs_->snapshots_written(done);
+      progress.update(done, total);
+    };
+    control.stop = stop_requested;
+    control.warned_of_no_contact = !contact_.touches;
+    const Stopwatch watch;
+    const SimulationState end = simulate(scene_, *engine_, recorder, control, report_);
+    facts_.simulate_s = watch.seconds();
+    progress.finish();
+    constexpr double kWorthSaving_s = 1;  // what follows may be interrupted as well
+    if (facts_.simulate_s > kWorthSaving_s) save(end);
+    recorder.close();
+    outputs_->snapshots_written(end.frame);  // also where that is frame 0
+    facts_.device_bytes = engine_->device_bytes();
+    print_report();
+  }
+
+  void write(const Recorder& recorder) {
+    measure(facts_, scene_, outputs_->fill_before(), recorder.totals());
+    engine_.reset();  // its copy of the fill is not needed any more, and writing needs memory
+    return_free_memory();
+    const Stopwatch watch;
+    write_results(dir_, scene_, recorder, facts_);
+    return_free_memory();
+    facts_.write_s = watch.seconds();
+    outputs_->finish_run(scene_.bone.fill);
+  }
+
+  /// Makes pictures, plots and meshes, and writes summary.json, also where those fail.
+  void render(const RunTotals& totals) {
+    const Stopwatch watch;
+    const auto finish = [&] {
+      print_report();
+      facts_.render_s = watch.seconds();
+      write_summary(dir_, scene_, totals, facts_);
+    };
+    try {
+      outputs_->make(report_, console_);
+    } catch (const RunError&) {
+      finish();
+      throw;
+    } catch (const std::bad_alloc&) {
+      finish();
+      throw RunError(
+          dir_ +
+          ": not enough memory for pictures and meshes; use smaller pictures, larger voxels, or output.meshes: false");
+    }
     finish();
-    throw RunError(
-        folder.path() +
-        ": not enough memory for pictures and meshes; use smaller pictures, larger voxels, or output.meshes: false");
+    outputs_->make_report();
   }
-  finish();
-  outputs.make_report();
-  print_summary(console, recorder.totals(), facts, outputs.mean_travel_mm());
+
+  /// Keeps the warnings so far for summary.json, and prints them.
+  void print_report() {
+    facts_.warnings.insert(facts_.warnings.end(), report_.warnings.begin(), report_.warnings.end());
+    console_.print(report_);
+  }
+
+  const std::string& dir_;
+  const Scenario& scenario_;
+  RunCheckpoints& checkpoints_;
+  const Console& console_;
+  Report report_;
+  RunFacts facts_;
+  ReamingScene scene_;
+  ContactForecast contact_;
+  std::optional<Outputs> outputs_;
+  std::unique_ptr<Engine> engine_;
+  bool simulates_ = false;
+};
+
+/// What an interrupted run leaves.
+StopOutcome outcome_of(const RunCheckpoints& checkpoints, const OutputFolder& folder) {
+  if (const auto frame = checkpoints.saved_frame()) {
+    return {kSuspendedStatus,
+            fmt::format("interrupted; frame {} is saved in {}; the same command with --resume continues", *frame,
+                        folder.path())};
+  }
+  if (!folder.has_frames()) return {};
+  return {kInterruptedStatus, "interrupted; finished frames are in " + folder.path()};
 }
 
 void run_command(const RunOptions& options, const Console& console) {
@@ -139,19 +191,35 @@ void run_command(const RunOptions& options, const Console& console) {
   OutputFolder folder({.dir = output_dir(options, scenario),
                        .kind = ResultKind::run,
                        .overwrite = options.overwrite,
+                       .resume = options.resume,
                        .inputs = files_read(scenario)});
   console.say("reamsim " REAMSIM_VERSION ": " + scenario.name + " -> " + folder.final_path());
+  RunCheckpoints checkpoints(folder.path(), scenario.output.checkpoint_s, options.resume);
+  if (checkpoints.resumes()) {
+    console.say("continued after frame " + std::to_string(*checkpoints.saved_frame()));
+    folder.keep();
+  } else {
+    folder.clear();
+  }
+  const ForcedStop forced([&] {
+    const StopOutcome outcome = outcome_of(checkpoints, folder);
+    folder.abandon();
+    return outcome;
+  });
+  ScenarioRun run(folder.path(), scenario, checkpoints, console);
   try {
-    run_in(folder, scenario, console);
+    run.run();
   } catch (const Interrupted&) {
     folder.keep();
-    console.warn("interrupted; finished frames are in " + folder.path());
-    throw;
+    const StopOutcome outcome = outcome_of(checkpoints, folder);
+    if (outcome.status == kSuspendedStatus) throw Suspended(outcome.message);
+    throw Interrupted(outcome.message);
   } catch (const std::exception& error) {
-    if (!folder.has_frames()) throw;
+    if (!run.simulates() || !folder.has_frames()) throw;
     folder.keep();
     throw RunError(message_of(error) + "; finished frames are kept in " + folder.path());
   }
+  checkpoints.remove();
   folder.finish();
   console.say("results: " + folder.final_path());
 }
@@ -164,6 +232,8 @@ void add_run_command(CLI::App& app, Console& console) {
   options->scenario.add_to(*command);
   command->add_option("-o,--output", options->output, "Output folder (default: out/NAME)")->check(refuse_empty);
   command->add_flag("--overwrite", options->overwrite, "Replace an existing results folder once the run succeeds");
+  command->add_flag("--resume", options->resume,
+                    "Continue an interrupted run from its last checkpoint; without one, start at the first frame");
   command->add_flag("--quiet", console.quiet, "Print only warnings and errors");
   command->add_flag("--verbose", console.verbose, "Print what each stage did");
   command->callback([options, &console] { run_command(*options, console); });

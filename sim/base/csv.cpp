@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <filesystem>
 #include <limits>
 #include <stdexcept>
 
@@ -14,6 +15,8 @@
 namespace reamsim {
 
 namespace {
+
+constexpr std::size_t kBufferBytes = 1 << 16;
 
 std::vector<std::string_view> split(std::string_view line) {
   if (!line.empty() && line.back() == '\r') line.remove_suffix(1);
@@ -71,29 +74,60 @@ bool CsvReader::next(std::vector<double>& values, std::string_view may_be_empty)
   return true;
 }
 
-CsvWriter::CsvWriter(const std::string& path, const std::string& header)
-    : path_(path),
-      out_(path, std::ios::binary),
-      columns_(1 + static_cast<std::size_t>(std::ranges::count(header, ','))) {
-  out_ << header << '\n';
+CsvWriter::CsvWriter(const std::string& path, const std::string& header, std::ios::openmode mode)
+    : path_(path), columns_(1 + static_cast<std::size_t>(std::ranges::count(header, ','))) {
+  out_.rdbuf()->pubsetbuf(nullptr, 0);  // rows_ is the buffer
+  out_.open(path, mode | std::ios::binary);
   check();
+}
+
+CsvWriter::CsvWriter(const std::string& path, const std::string& header)
+    : CsvWriter(path, header, std::ios::out | std::ios::trunc) {
+  rows_ = header + '\n';
+  flush();
+}
+
+CsvWriter::CsvWriter(const std::string& path, const std::string& header, std::uintmax_t bytes)
+    : CsvWriter(path, header, std::ios::app) {
+  std::error_code error;
+  const bool complete = std::filesystem::file_size(path, error) >= bytes && !error;
+  if (complete) std::filesystem::resize_file(path, bytes, error);
+  if (!complete || error) throw RunError(path + ": cannot be continued; it is shorter than it was");
+}
+
+CsvWriter::~CsvWriter() {
+  if (out_.is_open()) out_ << rows_;  // finished frames are worth keeping after a failure
 }
 
 void CsvWriter::row(std::span<const double> values) {
   if (values.size() != columns_) {
     throw std::logic_error(fmt::format("{}: {} values for {} columns", path_, values.size(), columns_));
   }
-  std::string line;
   for (const double value : values) {
-    if (!std::isnan(value)) line += shortest_text(value == 0 ? 0.0 : value);  // no "-0"
-    line += ',';
+    if (!std::isnan(value)) rows_ += shortest_text(value == 0 ? 0.0 : value);  // no "-0"
+    rows_ += ',';
   }
-  line.back() = '\n';
-  out_ << line;
+  rows_.back() = '\n';
+  if (rows_.size() > kBufferBytes) flush();
+}
+
+void CsvWriter::flush() {
+  out_ << rows_;
+  rows_.clear();
   check();
 }
 
+std::uintmax_t CsvWriter::sync() {
+  flush();
+  sync_to_disk(path_);
+  std::error_code error;
+  const std::uintmax_t bytes = std::filesystem::file_size(path_, error);
+  if (error) fail_to_write(path_);
+  return bytes;
+}
+
 void CsvWriter::close() {
+  flush();
   out_.close();
   check();
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <fstream>
 #include <initializer_list>
 #include <span>
@@ -33,23 +34,35 @@ class CsvReader {
 };
 
 /// Writes a CSV file with a header line. Numbers have the fewest digits that read back to the same value, so the same
-/// run gives the same bytes; NaN is an empty cell.
+/// run gives the same bytes; NaN is an empty cell. Only whole rows are written, so that a process that is killed leaves
+/// none incomplete.
 class CsvWriter {
  public:
   /// Throws RunError when the file cannot be created.
   CsvWriter(const std::string& path, const std::string& header);
+  /// Continues a file that sync() said has `bytes` bytes; what follows them is removed. Throws RunError.
+  CsvWriter(const std::string& path, const std::string& header, std::uintmax_t bytes);
+  ~CsvWriter();
+  CsvWriter(const CsvWriter&) = delete;
+  CsvWriter& operator=(const CsvWriter&) = delete;
+
   /// One value for each column. Throws RunError when it cannot be written.
   void row(std::span<const double> values);
   void row(std::initializer_list<double> values) { row(std::span(values.begin(), values.size())); }
+  /// Waits until all rows are on the disk. Returns the length of the file. Throws RunError.
+  std::uintmax_t sync();
   /// Throws RunError when something could not be written.
   void close();
 
  private:
+  CsvWriter(const std::string& path, const std::string& header, std::ios::openmode mode);
+  void flush();
   void check() const;
 
   std::string path_;
   std::ofstream out_;
   std::size_t columns_;
+  std::string rows_;  // not yet in the file
 };
 
 }  // namespace reamsim

@@ -56,7 +56,13 @@ class RunError : public std::runtime_error {
 /// The user interrupted the run (exit status 130).
 class Interrupted : public std::runtime_error {
  public:
-  Interrupted() : std::runtime_error("interrupted") {}
+  explicit Interrupted(const std::string& message = "interrupted") : std::runtime_error(message) {}
+};
+
+/// The user interrupted the run, which has a checkpoint to continue from (exit status 75, EX_TEMPFAIL of sysexits.h).
+class Suspended : public Interrupted {
+ public:
+  using Interrupted::Interrupted;
 };
 
 /// The message of an exception for users, on one line.

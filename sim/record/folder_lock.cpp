@@ -70,6 +70,10 @@ FolderLock::FolderLock(const std::string& dir) : path_(dir + ".lock") {
 }
 
 FolderLock::~FolderLock() {
+  release();
+}
+
+void FolderLock::release() const {
   unlink(path_.c_str());  // before the lock is released, so that nobody else holds it
   close(descriptor_);
 }

@@ -53,6 +53,12 @@ std::vector<std::string> homes() {
   return out;
 }
 
+[[noreturn]] void refuse_existing(const std::string& place, bool finished) {
+  if (finished) refuse(place, "exists already", "choose another with -o, or add --overwrite");
+  refuse(place, "was left by an earlier, unfinished run",
+         "choose another with -o, continue that run with `reamsim run --resume`, or add --overwrite");
+}
+
 /// Throws InputError where `dir` holds the current folder, a home or an input.
 void require_harmless(const std::string& dir, const std::vector<std::string>& inputs) {
   std::error_code error;
@@ -144,21 +150,37 @@ OutputFolder::OutputFolder(const OutputRequest& request)
     if (!fs::exists(fs::symlink_status(place, error))) continue;
     require_no_link(place);
     require_harmless(place, request.inputs);
-    if (!overwrite_) {
-      refuse(place, place == dir_ ? "exists already" : "was left by an earlier, unfinished run",
-             "choose another with -o, or add --overwrite");
-    }
+    const bool resumes = request.resume && place == partial_;
+    if (!overwrite_ && !resumes) refuse_existing(place, place == dir_);
     require_ours(place, kind_, place == dir_);
+    if (resumes && read_manifest(place)) {
+      refuse(place, "holds complete results", "rename it, or start again with --overwrite");
+    }
   }
-  remove_results(partial_, kind_);
+  if (!request.resume) remove_results(partial_, kind_);
+  create_partial();
+}
+
+void OutputFolder::create_partial() const {
+  std::error_code error;
   fs::create_directory(partial_, error);
   if (error || !fs::is_directory(partial_, error)) {
     refuse(partial_, "cannot be created", "choose a writable place with -o");
   }
 }
 
+void OutputFolder::clear() {
+  remove_results(partial_, kind_);
+  create_partial();
+}
+
 OutputFolder::~OutputFolder() {
   if (!keep_) remove_results(partial_, kind_);
+}
+
+void OutputFolder::abandon() {
+  if (!keep_ && !has_frames()) remove_results(partial_, kind_);
+  lock_.release();
 }
 
 bool OutputFolder::has_frames() const {

@@ -14,6 +14,7 @@ struct OutputRequest {
   std::string dir;
   ResultKind kind = ResultKind::run;
   bool overwrite = false;           ///< an older folder of the same kind may be replaced
+  bool resume = false;              ///< the unfinished DIR.partial is to be continued
   std::vector<std::string> inputs;  ///< files and folders that the command reads; they must not be replaced
 };
 
@@ -36,15 +37,20 @@ class OutputFolder {
   /// DIR.partial while working.
   [[nodiscard]] const std::string& path() const { return partial_; }
   [[nodiscard]] const std::string& final_path() const { return dir_; }
+  /// Removes what DIR.partial holds.
+  void clear();
   /// Whether it has recorded frames, which are worth keeping after a failure.
   [[nodiscard]] bool has_frames() const;
   /// Lists the results in their manifest, moves DIR.partial to DIR, and removes an old DIR only then. Throws RunError
   /// when that fails; the complete results stay in DIR.partial.
   void finish();
+  /// Tidies up for a process that ends at once: releases DIR.lock, and removes DIR.partial unless it has frames.
+  void abandon();
   /// Keeps DIR.partial (interrupted, or failed with finished frames).
   void keep() { keep_ = true; }
 
  private:
+  void create_partial() const;
   void put_in_place();
 
   /// The folders above the output, created where they do not exist; the destructor removes those that stay empty.

@@ -1,5 +1,8 @@
 #include "sim/record/recorder.h"
 
+#include <utility>
+
+#include "sim/base/file.h"
 #include "sim/record/snapshot.h"
 
 namespace reamsim {
@@ -12,6 +15,38 @@ constexpr const char* kForceColumns =
     "removed_mm3,energy_mj,floor_energy_mj,balance";
 constexpr const char* kTimingColumns = "frame,broad_phase_ms,detect_ms,cut_ms";
 
+std::vector<std::string_view> names_in(std::string_view columns) {
+  std::vector<std::string_view> out;
+  for (;;) {
+    const std::size_t comma = columns.find(',');
+    out.push_back(columns.substr(0, comma));
+    if (comma == std::string_view::npos) return out;
+    columns.remove_prefix(comma + 1);
+  }
+}
+
+/// `v`: a row of forces.csv, as Recorder::frame() writes it.
+FrameResult result_of(const std::vector<double>& v) {
+  FrameResult out;
+  out.frame = static_cast<std::int64_t>(v[0]);
+  out.time_s = v[1];
+  out.pose = {.position_mm = Vec3(&v[2]),
+              .orientation = Quat(v[5], v[6], v[7], v[8]),
+              .spin_angle_rad = v[10],
+              .spin_rpm = v[9]};
+  out.depth_mm = v[11];
+  out.force_n = Vec3(&v[12]);
+  out.torque_nmm = Vec3(&v[15]);
+  out.axial_force_n = v[18];
+  out.spin_torque_nmm = v[19];
+  out.contacts = static_cast<std::int64_t>(v[20]);
+  out.removed_mm3 = v[21];
+  out.energy_mj = v[22];
+  out.floor_energy_mj = v[23];
+  out.balance = v[24];
+  return out;
+}
+
 }  // namespace
 
 Recorder::Recorder(const std::string& dir, double voxel_mm)
@@ -19,6 +54,28 @@ Recorder::Recorder(const std::string& dir, double voxel_mm)
       forces_(dir + "/forces.csv", kForceColumns),
       timings_(dir + "/timings.csv", kTimingColumns),
       totals_(voxel_mm) {}
+
+Recorder::Recorder(const std::string& dir, double voxel_mm, std::int64_t frame, const LogLengths& logs,
+                   RemovedFrames removed)
+    : dir_(dir),
+      forces_(dir + "/forces.csv", kForceColumns, logs.forces_bytes),
+      timings_(dir + "/timings.csv", kTimingColumns, logs.timings_bytes),
+      totals_(voxel_mm),
+      removed_(std::move(removed)) {
+  remove_snapshots_after(dir, frame);
+  add_rows_again();
+}
+
+void Recorder::add_rows_again() {
+  const std::vector<std::string_view> forces = names_in(kForceColumns), timings = names_in(kTimingColumns);
+  std::vector<double> row;
+  for (CsvReader log(dir_ + "/forces.csv", forces, "the log of a run"); log.next(row);) totals_.add(result_of(row));
+  for (CsvReader log(dir_ + "/timings.csv", timings, "the log of a run"); log.next(row);) {
+    totals_.broad_phase_s += row[1] / 1e3;
+    totals_.detect_s += row[2] / 1e3;
+    totals_.cut_s += row[3] / 1e3;
+  }
+}
 
 void Recorder::frame(const FrameResult& r, const FrameTimes& times) {
   const auto frame = static_cast<double>(r.frame);
@@ -58,10 +115,17 @@ void Recorder::frame(const FrameResult& r, const FrameTimes& times) {
 
 void Recorder::snapshot(std::int64_t frame, FillBricks& fill) {
   write_snapshot(dir_, frame, fill);
+  unsynced_.push_back(snapshot_path(dir_, frame));
 }
 
 void Recorder::removed(const RemovedFrames& voxels) {
   removed_.insert(removed_.end(), voxels.begin(), voxels.end());
+}
+
+LogLengths Recorder::sync() {
+  for (const std::string& snapshot : std::exchange(unsynced_, {})) sync_to_disk(snapshot);
+  sync_to_disk(dir_ + "/snapshots");
+  return {.forces_bytes = forces_.sync(), .timings_bytes = timings_.sync()};
 }
 
 void Recorder::close() {

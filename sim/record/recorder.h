@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "sim/base/csv.h"
 #include "sim/record/results.h"
@@ -10,16 +11,27 @@
 
 namespace reamsim {
 
+/// Lengths of forces.csv and timings.csv after a frame, bytes.
+struct LogLengths {
+  std::uintmax_t forces_bytes = 0;
+  std::uintmax_t timings_bytes = 0;
+};
+
 /// Writes the results of a run into its folder frame by frame: forces.csv, timings.csv, snapshots/.
 class Recorder final : public FrameSink {
  public:
   /// Opens the files in `dir`. `voxel_mm`: of the bone. Throws RunError when they cannot be written.
   Recorder(const std::string& dir, double voxel_mm);
+  /// Continues the files after `frame`: removes what was written later, and adds up the rows again. Throws InputError
+  /// where they are damaged, RunError where they cannot be written.
+  Recorder(const std::string& dir, double voxel_mm, std::int64_t frame, const LogLengths& logs, RemovedFrames removed);
 
   void frame(const FrameResult& result, const FrameTimes& times) override;
   /// Bricks that changed since the last snapshot.
   void snapshot(std::int64_t frame, FillBricks& fill) override;
   void removed(const RemovedFrames& voxels) override;
+  /// Waits until all results so far are on the disk. Throws RunError.
+  LogLengths sync();
   /// Flushes the logs; RunError when the disk is full.
   void close();
 
@@ -27,11 +39,14 @@ class Recorder final : public FrameSink {
   [[nodiscard]] const RemovedFrames& removed_frames() const { return removed_; }
 
  private:
+  void add_rows_again();
+
   std::string dir_;
   CsvWriter forces_;
   CsvWriter timings_;
   RunTotals totals_;
   RemovedFrames removed_;
+  std::vector<std::string> unsynced_;  ///< snapshots that may not be on the disk
 };
 
 }  // namespace reamsim

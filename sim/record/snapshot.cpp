@@ -16,10 +16,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::string snapshot_path(const std::string& dir, std::int64_t frame) {
-  return fmt::format("{}/snapshots/{:06}.vdb", dir, frame);
-}
-
 /// Sets every voxel of a brick, whole ones included, so that a leaf holds the complete brick.
 void put_brick(openvdb::FloatGrid& grid, const Vec3i& brick_coord, const FillBricks& fill) {
   const FillBricks::Brick* brick = fill.brick(brick_coord);
@@ -38,6 +34,17 @@ void put_brick(openvdb::FloatGrid& grid, const Vec3i& brick_coord, const FillBri
 }
 
 }  // namespace
+
+std::string snapshot_path(const std::string& dir, std::int64_t frame) {
+  return fmt::format("{}/snapshots/{:06}.vdb", dir, frame);
+}
+
+void remove_snapshots_after(const std::string& dir, std::int64_t frame) {
+  std::error_code ignored;
+  for (const std::int64_t later : snapshot_frames(dir)) {
+    if (later > frame) fs::remove(snapshot_path(dir, later), ignored);
+  }
+}
 
 void write_snapshot(const std::string& dir, std::int64_t frame, FillBricks& fill) {
   const std::string path = snapshot_path(dir, frame);

@@ -14,6 +14,11 @@ namespace reamsim {
 /// Throws RunError when the file cannot be written.
 void write_snapshot(const std::string& dir, std::int64_t frame, FillBricks& fill);
 
+/// DIR/snapshots/NNNNNN.vdb
+std::string snapshot_path(const std::string& dir, std::int64_t frame);
+/// Removes the snapshots of frames after this one.
+void remove_snapshots_after(const std::string& dir, std::int64_t frame);
+
 /// Frames that have a snapshot in DIR, ascending.
 std::vector<std::int64_t> snapshot_frames(const std::string& dir);
 

@@ -174,8 +174,11 @@ void write_tool(const std::string& dir, const Tool& tool) {
   write_stl(folder + "/tool.stl", tool.mesh);
 }
 
+void write_scenario(const std::string& dir, const Scenario& scenario, const RunFacts& facts) {
+  write_file(dir + "/scenario.yaml", scenario_head(facts) + to_yaml(scenario));
+}
+
 void write_results(const std::string& dir, const ReamingScene& scene, const Recorder& recorder, const RunFacts& facts) {
-  write_file(dir + "/scenario.yaml", scenario_head(facts) + to_yaml(scene.scenario));
   write_bone_vdb(dir + "/reamed.vdb", scene.bone, recorder.removed_frames(), provenance(scene, facts));
   if (scene.scenario.output.vti) write_vti(dir + "/reamed.vti", scene.bone);
   write_depth_map(dir + "/depth_map.csv", facts.depth_map);

@@ -39,8 +39,10 @@ struct RunFacts {
 /// Writes snapshots/tool.stl into `dir`, for rendering during the simulation. Throws RunError when the disk is full.
 void write_tool(const std::string& dir, const Tool& tool);
 
-/// Writes scenario.yaml (resolved, with the checksums in its head), reamed.vdb, reamed.vti and depth_map.csv into
-/// `dir`. Throws RunError when the disk is full.
+/// Writes scenario.yaml (resolved, with the checksums in its head) into `dir`. Throws RunError when the disk is full.
+void write_scenario(const std::string& dir, const Scenario& scenario, const RunFacts& facts);
+
+/// Writes reamed.vdb, reamed.vti and depth_map.csv into `dir`. Throws RunError when the disk is full.
 void write_results(const std::string& dir, const ReamingScene& scene, const Recorder& recorder, const RunFacts& facts);
 
 /// Writes summary.json into `dir`.

@@ -21,7 +21,8 @@ FrameResult FrameLedger::close(const PendingFrame& frame, const std::vector<Subs
     const Mat3 bone_from_sums = bone_from_shell(substep.pose, sums_rotate_).linear();
     const Vec3 force = bone_from_sums * scaled(sum.force, RS_FORCE_SCALE);
     const Vec3 torque = bone_from_sums * scaled(sum.torque, RS_TORQUE_SCALE);
-    work_mj_ -= (torque.dot(substep.angular_velocity) + force.dot(substep.origin_velocity_mm_s)) * substep.duration_s;
+    run_.work_mj -=
+        (torque.dot(substep.angular_velocity) + force.dot(substep.origin_velocity_mm_s)) * substep.duration_s;
     out.force_n += force / frame.substeps;
     out.torque_nmm += torque / frame.substeps;
     out.energy_mj += static_cast<double>(sum.energy) / RS_ENERGY_SCALE;
@@ -30,16 +31,16 @@ FrameResult FrameLedger::close(const PendingFrame& frame, const std::vector<Subs
     removed += sum.removed;
   }
   out.removed_mm3 = static_cast<double>(removed) / RS_WHOLE_FILL * voxel_mm3_;
-  floor_mj_ += out.floor_energy_mj;
-  cut_mj_ += out.energy_mj;
+  run_.floor_mj += out.floor_energy_mj;
+  run_.cut_mj += out.energy_mj;
   out.balance = balance();
 
   const Vec3 tool_z = frame.pose.orientation * Vec3::UnitZ();
   out.axial_force_n = out.force_n.dot(tool_z);
   // The tool spins about −z of T, so the torque of the bone on it is about +z.
   out.spin_torque_nmm = out.torque_nmm.dot(tool_z);
-  if (out.contacts > 0 && !first_contact_mm_) first_contact_mm_ = frame.before.position_mm;
-  if (first_contact_mm_) out.depth_mm = -(frame.pose.position_mm - *first_contact_mm_).dot(tool_z);
+  if (out.contacts > 0 && !run_.first_contact_mm) run_.first_contact_mm = frame.before.position_mm;
+  if (run_.first_contact_mm) out.depth_mm = -(frame.pose.position_mm - *run_.first_contact_mm).dot(tool_z);
   return out;
 }
 

@@ -19,6 +19,14 @@ struct PendingFrame {
   double broad_phase_s = 0;
 };
 
+/// The energy balance of a run so far, and where it began to cut.
+struct LedgerSums {
+  double work_mj = 0;
+  double floor_mj = 0;
+  double cut_mj = 0;
+  std::optional<Vec3> first_contact_mm = {};  ///< of the tool's origin, B
+};
+
 /// Converts the integer sums of the substeps to the rows of forces.csv, and keeps the energy balance: the work on the
 /// bone, −Σ(T·ω + F·v)·Δt + E_floor, against the cutting energy, which is summed independently (docs/physics.md, 5).
 class FrameLedger {
@@ -31,16 +39,18 @@ class FrameLedger {
   FrameResult close(const PendingFrame& frame, const std::vector<SubstepSums>& sums);
 
   /// (work + E_floor − cut)/cut; 0 before contact.
-  [[nodiscard]] double balance() const { return cut_mj_ > 0 ? (work_mj_ + floor_mj_ - cut_mj_) / cut_mj_ : 0; }
+  [[nodiscard]] double balance() const {
+    return run_.cut_mj > 0 ? (run_.work_mj + run_.floor_mj - run_.cut_mj) / run_.cut_mj : 0;
+  }
+  [[nodiscard]] const LedgerSums& sums() const { return run_; }
+  /// Continues a run.
+  void restore(const LedgerSums& sums) { run_ = sums; }
 
  private:
   double voxel_mm3_;
   double frame_s_;
   bool sums_rotate_;
-  double work_mj_ = 0;
-  double floor_mj_ = 0;
-  double cut_mj_ = 0;
-  std::optional<Vec3> first_contact_mm_;  ///< of the tool's origin, B
+  LedgerSums run_;
 };
 
 }  // namespace reamsim

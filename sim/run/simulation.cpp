@@ -60,30 +60,66 @@ class Simulation {
         max_step_mm_(scene.scenario.engine.max_step_voxels * scene.bone.voxmap->grid.voxel_mm) {}
 
   /// The main loop. Substeps of several frames are one batch, which ends with a frame that has a picture.
-  void run(const RunControl& control) {
+  SimulationState run(const RunControl& control) {
     const auto last = std::ssize(scene_.motion.poses) - 1;
     const std::vector<std::int64_t> pictures = picture_frames(scene_.scenario.render, last);
-    snapshot(0);  // the bone before the first pose removes any
-    start();
-    for (std::int64_t frame = 1; frame <= last; ++frame) {
+    if (control.from) {
+      resume(*control.from);
+    } else {
+      snapshot(0);  // the bone before the first pose removes any
+      start();
+    }
+    for (std::int64_t frame = state_.frame + 1; frame <= last; ++frame) {
       PendingFrame& pending = open_frame(frame);
       for (const Substep& substep : substeps_of(pending)) {
         if (const auto voi = broad_phase(substep, pending)) enqueue(substep, *voi, pending);
       }
       const bool picture = std::ranges::binary_search(pictures, frame);
-      if (!picture && (frame + 1) % scene_.scenario.engine.batch_frames != 0) continue;
+      if (!picture && !is_batch(frame)) continue;
       collect();
       record();
       if (picture) snapshot(frame);
       control.progress(frame, last);
-      if (control.stop()) throw Interrupted();
+      finish_batch(control);
     }
-    if (!touched_ && !control.warned_of_no_contact) {
+    const bool had_ended = control.from && control.from->frame == last;
+    if (!had_ended && !state_.touched && !control.warned_of_no_contact) {
       report_.warn("the tool never touches the bone: check motion and, if it is used, the glenoid frame");
     }
+    return state();
   }
 
  private:
+  [[nodiscard]] SimulationState state() const {
+    SimulationState out = state_;
+    out.ledger = ledger_.sums();
+    return out;
+  }
+
+  void resume(const SimulationState& from) {
+    state_ = from;
+    ledger_.restore(from.ledger);
+  }
+
+  /// Whether the pending frames, up to this one, are a batch. Slow frames make small ones, so that a run stops soon
+  /// when it is asked to. Results do not depend on batches.
+  [[nodiscard]] bool is_batch(std::int64_t frame) const {
+    constexpr double kMostSeconds = 0.2;
+    const auto count = static_cast<double>(pending_.size());
+    return (frame + 1) % scene_.scenario.engine.batch_frames == 0 || count * frame_s_ > kMostSeconds;
+  }
+
+  /// Saves the state where that is due, and ends the run where that is asked for.
+  void finish_batch(const RunControl& control) {
+    batch_watch_ = Stopwatch();
+    const bool stop = control.stop();
+    if (stop || control.save_due()) {
+      engine_.read_fill(*scene_.bone.voxmap, scene_.bone.fill);
+      control.save(state());
+    }
+    if (stop) throw Interrupted();
+  }
+
   /// Frame 0. Where voxels are clipped, bone in the tool's first pose is removed without force.
   void start() {
     PendingFrame& pending = open_frame(0);
@@ -167,7 +203,9 @@ class Simulation {
       }
       warn_of(result);
       sink_.frame(result, times);
+      state_.frame = pending.frame;
     }
+    frame_s_ = batch_watch_.seconds() / static_cast<double>(std::max<std::size_t>(pending_.size(), 1));
     pending_.clear();
     batch_ = {};
     enqueued_ = 0;
@@ -187,14 +225,14 @@ class Simulation {
       report_.warn(fmt::format("the tool starts in the bone: {:.3g} mm3 were removed at frame 0, without force",
                                result.removed_mm3));
     }
-    if (!touched_ && result.frame == 1 && !exact_) {
+    if (!state_.touched && result.frame == 1 && !exact_) {
       report_.warn("the tool starts in contact with the bone: the force of the first frames is not meaningful");
     }
-    if (!warned_of_no_spin_ && result.frame > 0 && result.pose.spin_rpm == 0) {
+    if (!state_.warned_of_no_spin && result.frame > 0 && result.pose.spin_rpm == 0) {
       report_.warn(at + ": spindle speed is zero: forces are those of a non-rotating tool");
-      warned_of_no_spin_ = true;
+      state_.warned_of_no_spin = true;
     }
-    touched_ = true;
+    state_.touched = true;
   }
 
   ReamingScene& scene_;
@@ -212,8 +250,9 @@ class Simulation {
   Batch batch_;               ///< of the pending frames
   std::size_t enqueued_ = 0;  ///< substeps of these frames
   RemovedFrames removed_;
-  bool touched_ = false;
-  bool warned_of_no_spin_ = false;
+  Stopwatch batch_watch_;
+  double frame_s_ = 0;     ///< wall time of a frame in the last batch
+  SimulationState state_;  ///< without the ledger's sums
 };
 
 }  // namespace
@@ -226,8 +265,9 @@ std::unique_ptr<Engine> load_engine(const ReamingScene& scene) {
   }
 }
 
-void simulate(ReamingScene& scene, Engine& engine, FrameSink& sink, const RunControl& control, Report& report) {
-  Simulation(scene, engine, sink, report).run(control);
+SimulationState simulate(ReamingScene& scene, Engine& engine, FrameSink& sink, const RunControl& control,
+                         Report& report) {
+  return Simulation(scene, engine, sink, report).run(control);
 }
 
 RunCost estimate_cost(const ReamingScene& scene) {

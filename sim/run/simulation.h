@@ -3,19 +3,35 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 
 #include "sim/engine/make_engine.h"
 #include "sim/record/results.h"
+#include "sim/run/frame_ledger.h"
 #include "sim/scene/scene.h"
 
 namespace reamsim {
+
+/// What a simulation has to know to go on after a frame, besides the fill of the bone.
+struct SimulationState {
+  std::int64_t frame = 0;  ///< the last one that is recorded
+  LedgerSums ledger;
+  bool touched = false;  ///< the tool has been in contact
+  bool warned_of_no_spin = false;
+};
 
 /// Callbacks of a run.
 struct RunControl {
   /// Called after each batch with (finished frames, all frames).
   std::function<void(std::int64_t, std::int64_t)> progress = [](std::int64_t, std::int64_t) {};
-  /// Called after each batch; true ends the run with Interrupted.
+  /// Called after each batch; true ends the run with Interrupted, after `save`.
   std::function<bool()> stop = [] { return false; };
+  /// Called after each batch; true asks for `save`.
+  std::function<bool()> save_due = [] { return false; };
+  /// Receives the state after a batch. The fill of the bone is up to date.
+  std::function<void(const SimulationState&)> save = [](const SimulationState&) {};
+  /// Goes on after this state, which `save` received; the fill of the bone must be that of the state as well.
+  std::optional<SimulationState> from = {};
   /// The user has been warned already that the tool will never touch the bone (contact_forecast.h).
   bool warned_of_no_contact = false;
 };
@@ -25,7 +41,9 @@ std::unique_ptr<Engine> load_engine(const ReamingScene& scene);
 
 /// Runs the motion: per substep broad phase → enqueue, per batch collect → record. `scene.bone` is reamed; `sink`
 /// receives rows, snapshots and timings. Warns when the tool never touches, starts inside bone, or cuts without spin.
-void simulate(ReamingScene& scene, Engine& engine, FrameSink& sink, const RunControl& control, Report& report);
+/// Returns the state after the last frame. The same results whether a run is one or continues another.
+SimulationState simulate(ReamingScene& scene, Engine& engine, FrameSink& sink, const RunControl& control,
+                         Report& report);
 
 /// Cost of a run, from the motion alone.
 struct RunCost {

@@ -150,6 +150,10 @@ void describe_output(KeyVisitor& v, OutputSettings& output) {
          output.dir);
   v.flag({.name = "vti", .doc = "Write reamed.vti beside reamed.vdb"}, output.vti);
   v.flag({.name = "meshes", .doc = "Write the surface of the reamed bone as reamed.glb and reamed.stl"}, output.meshes);
+  v.number({.name = "checkpoint_s",
+            .doc = "Wall time between two checkpoints, from which `run --resume` continues an interrupted run; 0: none",
+            .range = between(0, 86400)},
+           output.checkpoint_s);
 }
 
 void describe_scenario(KeyVisitor& v, Scenario& scenario) {

@@ -307,6 +307,7 @@ struct OutputSettings {
   std::string dir;  ///< "" = out/<scenario name> below the working folder
   bool vti = true;
   bool meshes = true;
+  double checkpoint_s = 60;  ///< wall time between two checkpoints of a run; 0: none
 };
 
 /// Version of the scenario format that this program writes. It reads version 1 as well: see migrate().

@@ -106,13 +106,13 @@ pid_t spawn(const std::string& program, const ProgramCall& call, const Capture& 
   return pid;
 }
 
-int wait_for(pid_t pid, const std::function<bool()>& interrupt_when, rusage& usage) {
+int wait_for(pid_t pid, const ProgramCall& call, rusage& usage) {
   const auto start = std::chrono::steady_clock::now();
   bool interrupted = false, killed = false;
   int status = 0;
   while (wait4(pid, &status, WNOHANG, &usage) == 0) {
-    if (interrupt_when && !interrupted && interrupt_when()) {
-      kill(pid, SIGINT);
+    if (call.interrupt_when && !interrupted && call.interrupt_when()) {
+      kill(pid, call.interrupt_signal);
       interrupted = true;
     }
     if (!killed && std::chrono::steady_clock::now() - start > kTimeLimit) {
@@ -129,7 +129,7 @@ int wait_for(pid_t pid, const std::function<bool()>& interrupt_when, rusage& usa
 ProgramResult run_program(const std::string& program, const ProgramCall& call) {
   Capture out, err;
   rusage usage{};
-  const int status = wait_for(spawn(program, call, out, err), call.interrupt_when, usage);
+  const int status = wait_for(spawn(program, call, out, err), call, usage);
   ProgramResult result;
   result.peak_mb = static_cast<double>(usage.ru_maxrss) * 1024 / 1e6;  // Linux counts KiB
   if (WIFEXITED(status)) result.status = WEXITSTATUS(status);

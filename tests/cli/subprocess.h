@@ -2,6 +2,7 @@
 
 #include <sys/types.h>
 
+#include <csignal>
 #include <functional>
 #include <map>
 #include <string>
@@ -15,8 +16,9 @@ struct ProgramCall {
   std::map<std::string, std::string> environment;  ///< on top of ours
   std::string folder;                              ///< its working folder; "" = ours
   long file_size_limit = -1;                       ///< bytes that it may write into one file; -1 = no limit
-  std::function<bool()> interrupt_when;            ///< SIGINT is sent once this is true
+  std::function<bool()> interrupt_when;            ///< interrupt_signal is sent once this is true
   bool closed_output = false;                      ///< started with standard output closed
+  int interrupt_signal = SIGINT;
 };
 
 /// How it ended. A program that runs longer than a minute is killed.

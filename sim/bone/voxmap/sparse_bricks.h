@@ -181,6 +181,15 @@ class FillBricks : private SparseBricks<std::uint16_t, 65535> {
     if (Bricks::put(brick_coord, brick)) record_change(lattice().index(brick_coord));
   }
 
+  /// The bricks that changed since the last take_changed().
+  [[nodiscard]] std::vector<Vec3i> changed() const {
+    std::vector<Vec3i> out;
+    out.reserve(changed_.size());
+    for (const std::size_t index : changed_) out.push_back(lattice().coord(index));
+    return out;
+  }
+  /// Records that a brick has changed; coordinates in bricks.
+  void mark_changed(const Vec3i& brick_coord) { record_change(lattice().index(brick_coord)); }
   /// Returns the bricks that changed since the last call, x fastest, and resets the record.
   std::vector<Vec3i> take_changed() {
     std::sort(changed_.begin(), changed_.end());

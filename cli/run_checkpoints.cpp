@@ -1,0 +1,59 @@
+#include "cli/run_checkpoints.h"
+
+#include "sim/scenario/parse.h"
+
+namespace reamsim {
+
+RunCheckpoints::RunCheckpoints(const std::string& dir, double every_s, bool resume)
+    : dir_(dir), every_s_(every_s), files_(dir) {
+  if (resume) last_ = files_.read();
+  if (last_) saved_frame_ = last_->simulation.frame;
+}
+
+void RunCheckpoints::identify(const Scenario& scenario, const std::vector<InputSum>& inputs) {
+  identity_ = {.program = "reamsim " REAMSIM_VERSION, .device = "", .scenario = to_yaml(scenario), .inputs = {}};
+  for (const InputSum& input : inputs) {
+    if (input.path != scenario.file) identity_.inputs.push_back(input);
+  }
+  if (last_) require_same_run(last_->identity, identity_, dir_);
+}
+
+void RunCheckpoints::use_device(const std::string& device, Report& report) {
+  identity_.device = device;
+  if (last_ && last_->identity.device != device) {
+    report.warn("continued on " + device + "; the run began on " + last_->identity.device);
+  }
+}
+
+void RunCheckpoints::restore(FillBricks& fill) {
+  before_ = fill;
+  if (!last_) return;
+  restore_fill(*last_, fill);
+  last_->fill.clear();
+}
+
+Recorder RunCheckpoints::open_logs(double voxel_mm, Report& report) {
+  if (!last_) return {dir_, voxel_mm};
+  for (const std::string& warning : last_->warnings) report.warn(warning);
+  return {dir_, voxel_mm, last_->simulation.frame, last_->logs, std::move(last_->removed)};
+}
+
+std::optional<SimulationState> RunCheckpoints::state() const {
+  return last_ ? std::optional(last_->simulation) : std::nullopt;
+}
+
+void RunCheckpoints::save(const SimulationState& state, Recorder& recorder, const FillBricks& fill,
+                          const Report& report) {
+  if (every_s_ <= 0 || saved_frame_ == state.frame) return;
+  files_.write({.identity = identity_,
+                .simulation = state,
+                .logs = recorder.sync(),
+                .warnings = report.warnings,
+                .removed = recorder.removed_frames(),
+                .fill = reamed_bricks(before_, fill),
+                .changed = fill.changed()});
+  saved_frame_ = state.frame;
+  since_last_ = Stopwatch();
+}
+
+}  // namespace reamsim

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "sim/base/stopwatch.h"
+#include "sim/run/checkpoint.h"
+
+namespace reamsim {
+
+/// The checkpoints of a run: saves its state from time to time, and continues an interrupted run from the last one.
+class RunCheckpoints {
+ public:
+  /// `every_s`: wall time between two checkpoints; 0: none are written. `resume`: the last one, if there is one, is to
+  /// be continued.
+  RunCheckpoints(const std::string& dir, double every_s, bool resume);
+
+  /// Sets what identifies the run. Throws InputError where the checkpoint to continue is one of another run.
+  void identify(const Scenario& scenario, const std::vector<InputSum>& inputs);
+  /// Notes the device of the run. Warns where the checkpoint to continue is from another one.
+  void use_device(const std::string& device, Report& report);
+  /// Whether a checkpoint is to be continued.
+  [[nodiscard]] bool resumes() const { return last_.has_value(); }
+  /// Sets the fill of the bone, before the engine is made. Keeps a copy of the fill before the run.
+  void restore(FillBricks& fill);
+  /// The logs of the run: new, or those of the checkpoint. `report` gets its warnings.
+  Recorder open_logs(double voxel_mm, Report& report);
+  /// The state to go on from; nullopt at the start.
+  [[nodiscard]] std::optional<SimulationState> state() const;
+
+  /// Whether the time for a checkpoint has come.
+  [[nodiscard]] bool due() const { return every_s_ > 0 && since_last_.seconds() >= every_s_; }
+  /// Saves the state, unless no checkpoints are wanted. Throws RunError.
+  void save(const SimulationState& state, Recorder& recorder, const FillBricks& fill, const Report& report);
+  /// The frame of the last checkpoint; nullopt where there is none.
+  [[nodiscard]] std::optional<std::int64_t> saved_frame() const { return saved_frame_; }
+  /// Removes the checkpoints of a run that is complete.
+  void remove() const { files_.remove(); }
+
+ private:
+  std::string dir_;
+  double every_s_;
+  CheckpointFiles files_;
+  std::optional<Checkpoint> last_;
+  RunIdentity identity_;
+  FillBricks before_;
+  Stopwatch since_last_;
+  std::optional<std::int64_t> saved_frame_;
+};
+
+}  // namespace reamsim

@@ -1,0 +1,93 @@
+#include "cli/stop.h"
+
+#include <unistd.h>
+
+#include <atomic>
+#include <chrono>
+#include <csignal>
+#include <cstdio>
+#include <mutex>
+#include <thread>
+
+#include "sim/isolation/read_in_child.h"
+
+namespace reamsim {
+
+namespace {
+
+std::atomic<bool> stopped = false;
+std::atomic<int> graces = 0;
+std::atomic<int> exit_status = -1;
+std::mutex end_mutex;
+std::function<StopOutcome()> end_by_force;  // guarded by end_mutex
+
+/// Waits for one of the signals. Ends the process where the command has not ended soon after.
+void watch_for_stop(sigset_t signals) {
+  using namespace std::chrono_literals;
+  int signal = 0;
+  while (sigwait(&signals, &signal) != 0) {
+  }
+  stopped = true;
+  do {
+    while (graces > 0) std::this_thread::sleep_for(20ms);
+    std::this_thread::sleep_for(700ms);
+  } while (graces > 0);
+  if (const int status = exit_status; status >= 0) _exit(status);  // only the libraries' own end takes long
+  StopOutcome outcome;
+  {
+    const std::lock_guard lock(end_mutex);
+    if (end_by_force) outcome = end_by_force();
+  }
+  std::fprintf(stderr, "reamsim: error: %s\n", outcome.message.c_str());
+  _exit(outcome.status);
+}
+
+}  // namespace
+
+bool stop_requested() {
+  return stopped;
+}
+
+void install_stop_handler() {
+  sigset_t signals;
+  sigemptyset(&signals);
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGUSR1}) {
+    struct sigaction before = {};
+    // nohup and shells ignore some for a program that is to go on.
+    if (sigaction(signal, nullptr, &before) == 0 && before.sa_handler == SIG_IGN) continue;
+    sigaddset(&signals, signal);
+  }
+  // Blocked in this and in all later threads, and taken by one of their own: a handler would be replaced by that of the
+  // kernel compiler.
+  pthread_sigmask(SIG_BLOCK, &signals, nullptr);
+  std::thread(watch_for_stop, signals).detach();
+  interrupt_reading_when(stop_requested);
+  // A full disk or a size limit is reported where the write fails.
+  std::signal(SIGXFSZ, SIG_IGN);
+  std::signal(SIGPIPE, SIG_IGN);
+}
+
+int end_with(int status) {
+  exit_status = status;
+  return status;
+}
+
+ForcedStop::ForcedStop(std::function<StopOutcome()> end) {
+  const std::lock_guard lock(end_mutex);
+  end_by_force = std::move(end);
+}
+
+ForcedStop::~ForcedStop() {
+  const std::lock_guard lock(end_mutex);
+  end_by_force = nullptr;
+}
+
+StopGrace::StopGrace() {
+  ++graces;
+}
+
+StopGrace::~StopGrace() {
+  --graces;
+}
+
+}  // namespace reamsim

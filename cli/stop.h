@@ -1,0 +1,44 @@
+#pragma once
+
+#include <functional>
+#include <string>
+
+namespace reamsim {
+
+/// Exit statuses of a command that a signal ended: without and with a checkpoint to continue from.
+inline constexpr int kInterruptedStatus = 130, kSuspendedStatus = 75;
+
+/// Whether SIGINT, SIGTERM, SIGHUP or SIGUSR1 has arrived since install_stop_handler().
+bool stop_requested();
+/// Handles these signals. A command that does not end by itself soon after one of them is ended by force.
+void install_stop_handler();
+
+/// Notes the exit status of a command that has ended, and returns it.
+int end_with(int status);
+
+/// How a command that a signal ended, ends.
+struct StopOutcome {
+  int status = kInterruptedStatus;
+  std::string message = "interrupted";
+};
+
+/// What to do when a command is ended by force: `end` tidies up. It is called on another thread, while the command
+/// still works.
+class ForcedStop {
+ public:
+  explicit ForcedStop(std::function<StopOutcome()> end);
+  ~ForcedStop();
+  ForcedStop(const ForcedStop&) = delete;
+  ForcedStop& operator=(const ForcedStop&) = delete;
+};
+
+/// While it exists, a command that ends by itself is given more time: it writes what would be lost.
+class StopGrace {
+ public:
+  StopGrace();
+  ~StopGrace();
+  StopGrace(const StopGrace&) = delete;
+  StopGrace& operator=(const StopGrace&) = delete;
+};
+
+}  // namespace reamsim

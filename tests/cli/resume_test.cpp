@@ -1,0 +1,170 @@
+// Runs that are interrupted and continued end with the bytes of a run without interruption.
+#include <csignal>
+#include <nlohmann/json.hpp>
+
+#include "tests/cli/cli_fixture.h"
+
+namespace reamsim::test {
+namespace {
+
+using ::testing::HasSubstr;
+namespace fs = std::filesystem;
+
+constexpr int kSuspended = 75;
+
+/// Some seconds of reaming, with snapshots.
+const std::string kLong =
+    with(with(with(kSmall, "feed_mm_s: 5", "feed_mm_s: 0.01"), "  enabled: false\n",
+              "  enabled: false\n  every_frames: 999\n"),
+         "engine:\n  device: serial\n", "engine:\n  batch_frames: 10\noutput:\n  checkpoint_s: 0.05\n");
+
+class Resume : public CliTest {
+ protected:
+  ProgramResult call(const std::vector<std::string>& more, const std::function<bool()>& when = {},
+                     int signal = SIGINT) const {
+    ProgramCall call{
+        .arguments = {"run", "s.yaml", "--quiet"}, .environment = {}, .folder = "", .interrupt_when = when};
+    call.arguments.insert(call.arguments.end(), more.begin(), more.end());
+    call.interrupt_signal = signal;
+    return reamsim(call);
+  }
+
+  /// Rows of the log in a folder, and the header.
+  std::ptrdiff_t rows(const std::string& dir) const {
+    if (!exists(dir + "/forces.csv")) return 0;
+    const std::string log = read(dir + "/forces.csv");
+    return std::ranges::count(log, '\n');
+  }
+  auto has_rows(const std::string& dir, std::ptrdiff_t least) const {
+    return [this, dir, least] { return rows(dir) > least; };
+  }
+
+  /// Both folders hold the same results; times and memory may differ.
+  void expect_same_results(const std::string& a, const std::string& b) const {
+    for (const auto& entry : fs::recursive_directory_iterator(path(a))) {
+      const std::string file = fs::relative(entry.path(), path(a)).string();
+      if (!entry.is_regular_file() || file == "timings.csv" || file == "scenario.yaml") continue;
+      if (file == "summary.json" || file.ends_with(".pdf")) continue;  // a PDF holds its date
+      EXPECT_TRUE(read(a + "/" + file) == read(b + "/" + file)) << file;
+    }
+    auto summary_a = nlohmann::json::parse(read(a + "/summary.json")),
+         summary_b = nlohmann::json::parse(read(b + "/summary.json"));
+    for (const char* key : {"timings_s", "memory_mb", "inputs"}) {
+      summary_a.erase(key);
+      summary_b.erase(key);
+    }
+    EXPECT_EQ(summary_a, summary_b);
+    EXPECT_EQ(std::distance(fs::recursive_directory_iterator(path(a)), {}),
+              std::distance(fs::recursive_directory_iterator(path(b)), {}));
+  }
+};
+
+TEST_F(Resume, EndsWithTheSameBytesForEveryErosionAndEngine) {
+  const std::string teeth =
+      with(kLong, "/assets/reamer_flat.stl\n", "/assets/reamer_convex_lips.stl\n  spin: resolved\n");
+  const std::vector<std::pair<std::string, std::string>> cases{
+      {"exact", kLong},
+      {"exact with teeth", with(teeth, "plunge:\n", "plunge:\n    spin_rpm: 100\n")},
+      {"serial", with(kLong, "batch_frames: 10\n", "batch_frames: 10\n  device: serial\n")},
+      {"bricked", kLong + "cutting: {erosion: remove}\n"},
+      {"wear", kLong + "cutting: {erosion: wear, wear_g_cm3_per_s: 2}\n"},
+      {"direct", with(kLong, "engine:\n", "engine:\n  type: direct\n") + "cutting: {erosion: remove}\n"}};
+  for (const auto& [name, yaml] : cases) {
+    SCOPED_TRACE(name);
+    for (const char* dir : {"whole", "cut", "cut.partial"}) fs::remove_all(path(dir));
+    write("s.yaml", yaml);
+    ASSERT_EQ(call({"-o", "whole"}).status, 0);
+    const std::ptrdiff_t all = rows("whole");
+    const std::vector<double> fractions = name == "exact" ? std::vector{0.2, 0.6} : std::vector{0.3};
+    for (const double fraction : fractions) {
+      const auto when = has_rows("cut.partial", static_cast<std::ptrdiff_t>(fraction * static_cast<double>(all)));
+      const ProgramResult cut = call({"-o", "cut", "--resume"}, when);
+      EXPECT_EQ(cut.status, kSuspended) << cut.err;
+      EXPECT_THAT(cut.err, HasSubstr("--resume continues"));
+      EXPECT_LT(rows("cut.partial"), all);
+    }
+    const ProgramResult done = call({"-o", "cut", "--resume"});
+    ASSERT_EQ(done.status, 0) << done.err;
+    expect_same_results("whole", "cut");
+  }
+}
+
+TEST_F(Resume, KilledRunsContinueFromTheirLastCheckpoint) {
+  write("s.yaml", kLong);
+  ASSERT_EQ(call({"-o", "whole"}).status, 0);
+  const std::ptrdiff_t all = rows("whole");
+  for (const double fraction : {0.15, 0.4, 0.7}) {
+    const auto when = has_rows("cut.partial", static_cast<std::ptrdiff_t>(fraction * static_cast<double>(all)));
+    EXPECT_EQ(call({"-o", "cut", "--resume"}, when, SIGKILL).signal, SIGKILL);
+    EXPECT_TRUE(read("cut.partial/forces.csv").ends_with("\n")) << "no incomplete row";
+    EXPECT_TRUE(exists("cut.partial/scenario.yaml"));
+  }
+  ASSERT_EQ(call({"-o", "cut", "--resume"}).status, 0);
+  expect_same_results("whole", "cut");
+}
+
+TEST_F(Resume, ADamagedCheckpointFallsBackToTheOther) {
+  write("s.yaml", kLong);
+  ASSERT_EQ(call({"-o", "whole"}).status, 0);
+  const auto both = [this] { return exists("cut.partial/checkpoint-0.bin") && exists("cut.partial/checkpoint-1.bin"); };
+  ASSERT_EQ(call({"-o", "cut"}, both).status, kSuspended);
+  for (const char* file : {"cut.partial/checkpoint-0.bin", "cut.partial/checkpoint-1.bin"}) {
+    fs::copy(path("cut.partial"), path("copy"), fs::copy_options::recursive);
+    std::string bytes = read(file);
+    bytes[bytes.size() / 2] = static_cast<char>(bytes[bytes.size() / 2] ^ 1);
+    write(file, bytes);
+    const ProgramResult done = call({"-o", "cut", "--resume"});
+    ASSERT_EQ(done.status, 0) << done.err;
+    expect_same_results("whole", "cut");
+    fs::remove_all(path("cut"));
+    fs::rename(path("copy"), path("cut.partial"));
+  }
+}
+
+TEST_F(Resume, AnotherScenarioOrInputIsRefusedByName) {
+  fs::copy(REAMSIM_ROOT "/assets/reamer_flat.stl", path("tool.stl"));
+  const std::string yaml = with(kLong, REAMSIM_ROOT "/assets/reamer_flat.stl", "tool.stl");
+  write("s.yaml", yaml);
+  ASSERT_EQ(call({"-o", "out"}, has_rows("out.partial", 200)).status, kSuspended);
+  const auto expect_named = [this](const std::vector<std::string>& more, const std::string& name) {
+    std::vector<std::string> arguments{"-o", "out", "--resume"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const ProgramResult result = call(arguments);
+    EXPECT_EQ(result.status, 2) << result.err;
+    EXPECT_THAT(result.err, HasSubstr(name));
+    EXPECT_THAT(result.err, HasSubstr("has changed since the checkpoint"));
+    EXPECT_TRUE(exists("out.partial/checkpoint-0.bin")) << "kept";
+  };
+  expect_named({"--set", "motion.plunge.depth_mm=0.9"}, "motion.plunge.depth_mm");
+  expect_named({"--set", "cutting.friction_fraction=0.4"}, "cutting.friction_fraction");
+  fs::copy(REAMSIM_ROOT "/assets/reamer_convex.stl", path("tool.stl"), fs::copy_options::overwrite_existing);
+  expect_named({}, "tool.stl");
+  fs::copy(REAMSIM_ROOT "/assets/reamer_flat.stl", path("tool.stl"), fs::copy_options::overwrite_existing);
+  EXPECT_EQ(call({"-o", "out", "--resume", "--set", "output.checkpoint_s=30"}).status, 0) << "changes no result";
+}
+
+TEST_F(Resume, WithoutACheckpointItStartsAtTheFirstFrame) {
+  write("s.yaml", kSmall);
+  EXPECT_EQ(call({"-o", "out", "--resume"}).status, 0);
+  EXPECT_EQ(call({"-o", "out", "--resume"}).status, 2) << "finished";
+  fs::create_directory(path("new.partial"));
+  write("new.partial/forces.csv", "frame\n");
+  write("new.partial/checkpoint-0.bin", "damaged");
+  EXPECT_EQ(call({"-o", "new", "--resume"}).status, 0);
+  EXPECT_EQ(read("out/forces.csv"), read("new/forces.csv"));
+}
+
+TEST_F(Resume, EverySignalOfABatchSystemSavesTheRun) {
+  write("s.yaml", with(kLong, "dwell_s: 0", "dwell_s: 3600"));
+  for (const int signal : {SIGTERM, SIGHUP, SIGUSR1}) {
+    SCOPED_TRACE(signal);
+    const std::string dir = "out" + std::to_string(signal);
+    EXPECT_EQ(call({"-o", dir}, has_rows(dir + ".partial", 100), signal).status, kSuspended);
+    EXPECT_TRUE(exists(dir + ".partial/checkpoint-0.bin"));
+  }
+  EXPECT_EQ(call({"-o", "none", "--set", "output.checkpoint_s=0"}, has_rows("none.partial", 100)).status, 130);
+  EXPECT_FALSE(exists("none.partial/checkpoint-0.bin"));
+}
+
+}  // namespace
+}  // namespace reamsim::test
