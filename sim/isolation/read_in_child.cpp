@@ -43,7 +43,7 @@ constexpr int kSlowdown = 10;
 constexpr int kSlowdown = 1;
 #endif
 /// Of the clock, for a second of the processor: other programs, and discs on a network.
-constexpr int kClockPerCpu = 3;
+constexpr int kClockPerCpu = 10;
 /// How often a stop request and the limits of time are looked at.
 constexpr int kPollMs = 20;
 

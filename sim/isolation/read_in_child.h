@@ -22,7 +22,7 @@ struct ForeignFile {
 struct ReadLimits {
   std::uint64_t memory_bytes = std::uint64_t{768} << 20;  ///< address space for reading
   std::uint64_t result_bytes = std::uint64_t{16} << 20;
-  int seconds = 3;  ///< of the processor, for each file; three times as many on the clock, for slow discs
+  int seconds = 3;  ///< of the processor, for each file; ten times as many on the clock, for slow discs
   int files = 1;
 
   /// More memory and time for a file of `file_bytes` that becomes `contents_bytes` in memory.
