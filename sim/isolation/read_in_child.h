@@ -49,7 +49,7 @@ class ChildResult {
 void interrupt_reading_when(bool (*stop)());
 
 /// Runs `read` in a child process and returns what it wrote. `read` may throw InputError or RunError, which this
-/// function throws again, and must start no threads.
+/// function throws again.
 /// Throws InputError, with the file that was being read, if the child crashes or exceeds a limit; Interrupted within
 /// a fraction of a second if the function of interrupt_reading_when() says so.
 ChildResult read_in_child(const ForeignFile& file, const ReadLimits& limits,

@@ -12,7 +12,7 @@ struct SandboxLimits {
 
 /// Restricts this process, for ever: memory, processor time, few open files, files that are not written, no core dump;
 /// and, where the kernel has seccomp, only the system calls that reading files needs. Others fail with EPERM, among
-/// them network, new processes and threads, programs, ptrace, signals to others, and opening for writing.
+/// them network, new processes, programs, ptrace, signals to others, and opening for writing.
 /// Closes every file but the standard streams and `keep`. Returns whether system calls are restricted.
 bool enter_sandbox(const SandboxLimits& limits, int keep);
 

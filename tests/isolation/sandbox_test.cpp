@@ -84,6 +84,15 @@ TEST(Sandbox, ReadingWorks) {
   EXPECT_EQ(attempt.returned, 0);
 }
 
+TEST(Sandbox, ThreadsOfALibraryWork) {
+  const Attempt attempt = in_sandbox([] {
+    int done = 0;
+    std::thread([&done] { done = 5; }).join();
+    return done;
+  });
+  EXPECT_EQ(attempt.returned, 5);
+}
+
 TEST(Sandbox, FilesOfTheParentAreClosed) {
   const int opened = fcntl(STDERR_FILENO, F_DUPFD, 20);
   ASSERT_GE(opened, 20);

@@ -142,7 +142,7 @@ void add_labels(SeedWriter& writer) {
                      "Segment0_ID:=a\nSegment0_Name:=bone\nSegment0_LabelValue:=1\nSegment0_Layer:=0\n");
     }
     seed.files = {name};
-    seed.named = name;
+    seed.named = seed.folder;  // a valid map may leave no bone of the scan, which is then named
     seed.bone = bone_from_file(seed.folder + "/scan.nrrd");
     seed.bone.ct.label_map = LabelMapSettings{.path = path, .label = {"1"}};
     writer.add(std::move(seed));

@@ -1,6 +1,7 @@
 #include "sim/bone/vdb/vdb_archive.h"
 
 #include <fmt/core.h>
+#include <tbb/global_control.h>
 #include <zlib.h>
 
 #include <algorithm>
@@ -202,6 +203,8 @@ constexpr const char* kDamaged = "a truncated or damaged VDB file";
 ChildResult read_vdb_in_child(const std::string& path,
                               const std::function<void(openvdb::io::File&, ResultWriter&)>& read) {
   return read_in_child({path, ""}, limits_for(path), [&](ResultWriter& out) {
+    // Threads of the parent do not exist in the child.
+    const tbb::global_control one_thread(tbb::global_control::max_allowed_parallelism, 1);
     try {
       openvdb::io::File file(path);
       file.open(/*delayLoad=*/false);
