@@ -9,6 +9,8 @@
 #include <mutex>
 #include <thread>
 
+#include "sim/isolation/read_in_child.h"
+
 namespace reamsim {
 
 namespace {
@@ -59,6 +61,7 @@ void install_stop_handler() {
   // kernel compiler.
   pthread_sigmask(SIG_BLOCK, &signals, nullptr);
   std::thread(watch_for_stop, signals).detach();
+  interrupt_reading_when(stop_requested);
   // A full disk or a size limit is reported where the write fails.
   std::signal(SIGXFSZ, SIG_IGN);
   std::signal(SIGPIPE, SIG_IGN);

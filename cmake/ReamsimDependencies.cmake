@@ -27,6 +27,7 @@ find_path(GDCM_HEADERS gdcmReader.h PATH_SUFFIXES gdcm-3.0 gdcm REQUIRED)
 
 pkg_check_modules(OSMESA REQUIRED IMPORTED_TARGET osmesa)
 pkg_check_modules(EGL REQUIRED IMPORTED_TARGET egl)
+pkg_check_modules(SECCOMP REQUIRED IMPORTED_TARGET libseccomp)
 pkg_check_modules(PANGOCAIRO REQUIRED IMPORTED_TARGET pangocairo)
 
 if(REAMSIM_TESTS)

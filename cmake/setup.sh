@@ -9,6 +9,7 @@ build_packages=(
   ocl-icd-opencl-dev opencl-headers pocl-opencl-icd libeigen3-dev libosmesa6-dev libegl-dev libgl-dev
   libopenvdb-dev libtbb-dev libboost-iostreams-dev libassimp-dev libfmt-dev libyaml-cpp-dev libinsighttoolkit5-dev
   libcli11-dev nlohmann-json3-dev libpango1.0-dev libssl-dev zlib1g-dev libjpeg-dev libpng-dev libmeshoptimizer-dev
+  libseccomp-dev
   gnuplot-nox fonts-dejavu-core)
 test_packages=(ffmpeg libgtest-dev libgmock-dev libbenchmark-dev python3-openvdb python3-jsonschema libopenvdb-tools oclgrind)
 browser_packages=(chromium chromium-driver python3-selenium python3-pil blender)

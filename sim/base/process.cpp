@@ -3,17 +3,12 @@
 #include <fcntl.h>
 #include <spawn.h>
 #include <sys/mman.h>
-#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <array>
 #include <cerrno>
-#include <chrono>
-#include <csignal>
 #include <cstring>
-#include <fstream>
-#include <thread>
 
 #include "sim/base/error.h"
 
@@ -27,32 +22,6 @@ void add_descriptor(posix_spawn_file_actions_t& actions, int from, int to) {
   } else {
     posix_spawn_file_actions_addopen(&actions, to, "/dev/null", to == STDIN_FILENO ? O_RDONLY : O_WRONLY, 0);
   }
-}
-
-std::uint64_t address_space_bytes() {
-  std::uint64_t pages = 0;
-  std::ifstream("/proc/self/statm") >> pages;
-  return pages * static_cast<std::uint64_t>(sysconf(_SC_PAGE_SIZE));
-}
-
-void set_limit(__rlimit_resource resource, std::uint64_t most) {
-  const rlimit both{most, most};
-  setrlimit(resource, &both);
-}
-
-[[noreturn]] void work_and_exit(const std::function<void()>& work, const ChildLimits& limits,
-                                std::uint64_t most_bytes) {
-  if (limits.memory_bytes > 0) set_limit(RLIMIT_AS, most_bytes);
-  if (limits.seconds > 0) set_limit(RLIMIT_CPU, static_cast<std::uint64_t>(limits.seconds));
-  set_limit(RLIMIT_CORE, 0);
-  for (const int fatal : {SIGSEGV, SIGBUS, SIGFPE, SIGABRT, SIGILL, SIGXCPU}) std::signal(fatal, SIG_DFL);
-  dup2(open("/dev/null", O_WRONLY | O_CLOEXEC), STDERR_FILENO);
-  try {
-    work();
-  } catch (...) {
-    _exit(1);
-  }
-  _exit(0);
 }
 
 }  // namespace
@@ -107,21 +76,6 @@ int wait_for(pid_t child) {
 
 bool succeeded(int status) {
   return WIFEXITED(status) && WEXITSTATUS(status) == 0;
-}
-
-int run_in_child(const std::function<void()>& work, const ChildLimits& limits) {
-  const std::uint64_t most_bytes = address_space_bytes() + limits.memory_bytes;
-  const pid_t child = fork();
-  if (child < 0) return 0;
-  if (child == 0) work_and_exit(work, limits, most_bytes);
-  if (limits.seconds == 0) return wait_for(child);
-  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(4 * limits.seconds);  // on a busy machine
-  int status = 0;
-  while (waitpid(child, &status, WNOHANG) == 0) {
-    if (std::chrono::steady_clock::now() > end) kill(child, SIGKILL);
-    std::this_thread::sleep_for(std::chrono::milliseconds(2));
-  }
-  return status;
 }
 
 }  // namespace reamsim

@@ -2,8 +2,6 @@
 
 #include <sys/types.h>
 
-#include <cstdint>
-#include <functional>
 #include <string>
 #include <vector>
 
@@ -41,16 +39,5 @@ int wait_for(pid_t child);
 
 /// Whether a child with this status exited with 0.
 bool succeeded(int status);
-
-struct ChildLimits {
-  std::uint64_t memory_bytes = 0;  ///< more than what this process has; 0 = no limit
-  int seconds = 0;                 ///< of the processor; 0 = no limit
-};
-
-/// Runs `work` in a copy of this process and returns the status of the copy, as waitpid() reports it; 0 where no copy
-/// can be made. It exits with 1 if `work` throws. For libraries that damaged input can crash or send into endless
-/// loops: the child fails alone, its standard error is discarded, and what `work` changes is lost with it. `work` must
-/// start no threads.
-int run_in_child(const std::function<void()>& work, const ChildLimits& limits = {});
 
 }  // namespace reamsim

@@ -18,6 +18,7 @@
 
 #include "sim/base/error.h"
 #include "sim/base/file.h"
+#include "sim/isolation/read_in_child.h"
 
 namespace reamsim {
 
@@ -131,6 +132,24 @@ void keep_only_reader(Assimp::Importer& importer, const std::string& extension) 
   }
 }
 
+/// assimp's own checks do not find faces without vertices, and its triangulation crashes on them.
+void check_faces(const aiScene& scene, const std::string& path) {
+  for (unsigned m = 0; m < scene.mNumMeshes; ++m) {
+    const aiMesh& part = *scene.mMeshes[m];
+    for (unsigned f = 0; f < part.mNumFaces; ++f) {
+      const aiFace& face = part.mFaces[f];
+      if (face.mNumIndices == 0 || face.mIndices == nullptr) {
+        fail(path, "face " + std::to_string(f + 1) + " has no vertices", "give a complete mesh");
+      }
+      for (unsigned c = 0; c < face.mNumIndices; ++c) {
+        if (face.mIndices[c] >= part.mNumVertices) {
+          fail(path, "face " + std::to_string(f + 1) + " refers to a missing vertex", "give a complete mesh");
+        }
+      }
+    }
+  }
+}
+
 struct PositionHash {
   std::size_t operator()(const std::array<float, 3>& p) const {
     std::uint64_t hash = 1469598103934665603ULL;
@@ -178,6 +197,57 @@ class MeshBuilder {
   std::unordered_map<std::array<float, 3>, std::int32_t, PositionHash> vertex_of_;
 };
 
+/// Reads with assimp. Throws InputError.
+TriangleMesh read_with_assimp(const std::string& path, const std::string& extension, double scale) {
+  MeshBuilder builder(path, scale);
+  Assimp::Importer importer;
+  keep_only_reader(importer, extension);
+  // Triangulation trusts the faces, so they are checked first; it comes only then.
+  const aiScene* scene = importer.ReadFile(path, 0);
+  if (scene != nullptr) check_faces(*scene, path);
+  if (scene != nullptr) scene = importer.ApplyPostProcessing(aiProcess_Triangulate);
+  if (scene == nullptr) {
+    fail(path, "not a readable " + extension + " mesh (truncated or damaged)", "expected a surface");
+  }
+  for (unsigned i = 0; i < scene->mNumMeshes; ++i) builder.add(*scene->mMeshes[i]);
+  return builder.take();
+}
+
+void put_mesh(ResultWriter& out, const TriangleMesh& mesh) {
+  auto* coordinate = out.array<double>(3 * mesh.vertices.size());
+  for (const Vec3& vertex : mesh.vertices) coordinate = std::copy_n(vertex.data(), 3, coordinate);
+  auto* corner = out.array<std::int32_t>(3 * mesh.triangles.size());
+  for (const auto& triangle : mesh.triangles) corner = std::copy_n(triangle.data(), 3, corner);
+}
+
+TriangleMesh take_mesh(ResultReader& in) {
+  TriangleMesh mesh;
+  const auto coordinate = in.array<double>();
+  const auto corner = in.array<std::int32_t>();
+  if (coordinate.size() % 3 != 0 || corner.size() % 3 != 0) in.fail();
+  mesh.vertices.reserve(coordinate.size() / 3);
+  for (std::size_t i = 0; i < coordinate.size(); i += 3) {
+    mesh.vertices.emplace_back(coordinate[i], coordinate[i + 1], coordinate[i + 2]);
+    if (!mesh.vertices.back().allFinite()) in.fail();
+  }
+  mesh.triangles.reserve(corner.size() / 3);
+  for (std::size_t i = 0; i < corner.size(); i += 3) {
+    mesh.triangles.push_back({corner[i], corner[i + 1], corner[i + 2]});
+    for (const std::int32_t vertex : mesh.triangles.back()) {
+      if (vertex < 0 || static_cast<std::size_t>(vertex) >= mesh.vertices.size()) in.fail();
+    }
+  }
+  return mesh;
+}
+
+/// What assimp may need: its own arrays for each number in a text file.
+ReadLimits limits_for(std::uintmax_t file_bytes) {
+  constexpr std::uint64_t kMemoryPerFileByte = 48;
+  ReadLimits limits = ReadLimits().with(file_bytes, kMemoryPerFileByte * file_bytes);
+  limits.result_bytes += 16 * file_bytes;
+  return limits;
+}
+
 void append_point(std::string& out, const Vec3& p) {
   const Eigen::Vector3f narrow = p.cast<float>();
   out.append(reinterpret_cast<const char*>(narrow.data()), 3 * sizeof(float));
@@ -192,21 +262,10 @@ TriangleMesh read_mesh(const std::string& path, double scale) {
   check_is_not_vtk(path);
   if (extension == "stl") check_stl(path, size);
   if (extension == "ply") check_ply(path, size);
-  MeshBuilder builder(path, scale);
-  try {
-    Assimp::Importer importer;
-    keep_only_reader(importer, extension);
-    const aiScene* scene = importer.ReadFile(path, aiProcess_Triangulate);
-    if (scene == nullptr) {
-      fail(path, "not a readable " + extension + " mesh (truncated or damaged)", "expected a surface");
-    }
-    for (unsigned i = 0; i < scene->mNumMeshes; ++i) builder.add(*scene->mMeshes[i]);
-  } catch (const std::bad_alloc&) {
-    fail(path, "the mesh does not fit into memory", "use a smaller mesh");
-  } catch (const std::length_error&) {
-    fail(path, "the mesh does not fit into memory", "use a smaller mesh");
-  }
-  TriangleMesh mesh = builder.take();
+  ChildResult result = read_in_child({path, ""}, limits_for(size), [&](ResultWriter& out) {
+    put_mesh(out, read_with_assimp(path, extension, scale));
+  });
+  TriangleMesh mesh = take_mesh(result.reader());
   if (mesh.triangles.empty()) fail(path, "a mesh of 0 triangles", "expected a surface");
   return mesh;
 }

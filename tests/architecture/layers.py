@@ -13,6 +13,7 @@ import sys
 LAYERS = [
     ("kernels", ["kernels"]),
     ("sim/base", ["sim_base"]),
+    ("sim/isolation", ["sim_isolation"]),
     ("sim/scenario", ["sim_scenario"]),
     ("sim/device", ["sim_device"]),
     ("sim/mesh", ["sim_mesh", "sim_mesh_distance"]),

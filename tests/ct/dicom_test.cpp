@@ -188,6 +188,31 @@ TEST_F(Dicom, ADamagedSliceIsNamedWhereItIsMissing) {
   EXPECT_THAT(error_of("half"), HasSubstr("slice010.dcm"));
 }
 
+TEST_F(Dicom, ADamagedSliceAtAnEndIsNamed) {
+  const auto damages = {"cut", "emptied", "overwritten", "no rows"};
+  for (const std::string slice : {"slice001.dcm", "slice024.dcm"}) {
+    for (const std::string how : damages) {
+      SCOPED_TRACE(slice + " " + how);
+      fs::remove_all(folder_.file("cd"));
+      write_dicom(egg_, folder_.file("cd"));
+      const std::string path = folder_.file("cd/" + slice);
+      if (how == "cut") fs::resize_file(path, 150);
+      if (how == "emptied") fs::resize_file(path, 0);
+      if (how == "overwritten") write("cd/" + slice, std::string(5000, 'x'));
+      if (how == "no rows") patch_file(path, std::string("\x28\0\x10\0", 4), std::string("\x28\0\x0f\0", 4));
+      EXPECT_THAT(error_of("cd"), AllOf(HasSubstr(slice + ": bone.ct.path: cannot be read as a DICOM slice"),
+                                        HasSubstr("move it out of the folder")));
+    }
+  }
+}
+
+TEST_F(Dicom, AnOverwrittenSliceInTheMiddleIsNamed) {
+  write_dicom(egg_, folder_.file("cd"));
+  write("cd/slice010.dcm", std::string(5000, 'x'));
+  EXPECT_THAT(error_of("cd"),
+              AllOf(HasSubstr("a slice is missing between them"), HasSubstr("slice010.dcm was skipped")));
+}
+
 TEST_F(Dicom, PicturesInASeriesAreLeftOut) {
   // A dose report with the series' own UID: an image without a place.
   write_dicom(egg_, folder_.file("cd"));

@@ -166,6 +166,13 @@ TEST_F(MeshIo, DamagedFilesNeverCrash) {
   }
 }
 
+TEST_F(MeshIo, AFaceWithoutVertices) {
+  const std::string text =
+      "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+      "element face 2\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n0\n";
+  EXPECT_THAT(error_of(write("face.ply", text)), HasSubstr("face 2 has no vertices"));
+}
+
 TEST_F(MeshIo, WritingWhereNothingCanBeWritten) {
   EXPECT_THROW(write_stl(dir_.path() + "/none/box.stl", box_mesh({0, 0, 0}, {1, 1, 1})), RunError);
 }

@@ -113,7 +113,10 @@ DicomKind read_dicom_header(const std::string& path, DicomHeader& header) {
   header.path = path;
   header.rows = values.short_integer(0x0028, 0x0010);
   header.columns = values.short_integer(0x0028, 0x0011);
-  if (header.rows == 0 || header.columns == 0) return DicomKind::no_image;
+  if (header.rows == 0 || header.columns == 0) {
+    // A report has no pixels; a slice of a CT always does.
+    return values.text(0x0008, 0x0016) == kCtStorage ? DicomKind::damaged : DicomKind::no_image;
+  }
   fill_header(values, header);
   return DicomKind::image;
 }

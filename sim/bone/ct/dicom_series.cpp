@@ -8,7 +8,7 @@
 #include <tuple>
 
 #include "sim/base/error.h"
-#include "sim/bone/ct/dicom_probe.h"
+#include "sim/bone/ct/dicom_files.h"
 #include "sim/bone/ct/words.h"
 
 namespace reamsim::ct {
@@ -133,13 +133,13 @@ int DicomSeries::slices() const {
 DicomFolder find_dicom_series(const std::string& folder, const std::string& key, Report& report) {
   DicomFolder out;
   const std::vector<std::string> files = files_below(folder);
-  const std::vector<bool> survived = dicom_headers_readable(files);
+  std::vector<DicomFile> read = read_dicom_headers(files, folder, key);
   std::map<std::string, std::vector<DicomHeader>> by_uid;
   for (std::size_t n = 0; n < files.size(); ++n) {
-    DicomHeader header;
-    const DicomKind kind = survived[n] ? read_dicom_header(files[n], header) : DicomKind::damaged;
-    if (kind == DicomKind::damaged) out.damaged.push_back(files[n]);
-    if (kind == DicomKind::image) by_uid[header.series_uid].push_back(std::move(header));
+    DicomHeader& header = read[n].header;
+    if (read[n].kind == DicomKind::damaged) out.damaged.push_back(files[n]);
+    if (read[n].kind == DicomKind::other) out.others.push_back(files[n]);
+    if (read[n].kind == DicomKind::image) by_uid[header.series_uid].push_back(std::move(header));
   }
   if (!out.damaged.empty()) {
     report.warn(folder + ": damaged DICOM files skipped: " + std::to_string(out.damaged.size()) + ", the first is " +

@@ -27,6 +27,7 @@ struct DicomSeries {
 struct DicomFolder {
   std::vector<DicomSeries> series;   ///< by series number, then UID: the order that the scenario's numbers refer to
   std::vector<std::string> damaged;  ///< DICOM files that cannot be read
+  std::vector<std::string> others;   ///< not recognized as DICOM
 };
 
 /// All DICOM images in a folder and its subfolders. Throws InputError if there is none.

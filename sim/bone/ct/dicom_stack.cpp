@@ -1,14 +1,16 @@
 #include <fmt/core.h>
-#include <itkGDCMImageIO.h>
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
+#include <iterator>
+#include <set>
+#include <utility>
 
 #include "sim/base/error.h"
-#include "sim/bone/ct/dicom_probe.h"
+#include "sim/bone/ct/dicom_files.h"
 #include "sim/bone/ct/dicom_series.h"
 #include "sim/bone/ct/image_file.h"
-#include "sim/bone/ct/quiet.h"
 #include "sim/bone/ct/words.h"
 
 namespace reamsim::ct {
@@ -27,7 +29,8 @@ constexpr double kStraight_pixels = 0.5;
 struct Slice {
   const DicomHeader* header = nullptr;
   ScanGeometry geometry;  ///< from the file; its slice thickness may differ from the slice spacing
-  double height_mm = 0;   ///< of its origin along the slice normal
+  std::string pixel_type;
+  double height_mm = 0;  ///< of its origin along the slice normal
 
   [[nodiscard]] const std::string& path() const { return header->path; }
 };
@@ -37,6 +40,7 @@ using Stack = std::vector<Slice>;
 /// Slices that form a volume, in the order of their positions.
 struct DicomStack {
   std::vector<std::string> path;
+  std::string pixel_type;
   ScanGeometry geometry;
 };
 
@@ -87,19 +91,6 @@ void check_grey_values(const Stack& stack, const std::string& key) {
   }
 }
 
-ScanGeometry slice_geometry(const std::string& path, const std::string& key) {
-  const auto io = itk::GDCMImageIO::New();
-  const QuietLibraries quiet;
-  try {
-    io->SetFileName(path);
-    io->ReadImageInformation();
-  } catch (const std::exception&) {
-    throw InputError({path}, key, "the slice cannot be read: it is truncated or damaged", "give a complete file");
-  }
-  if (quiet.reports_missing_voxels()) throw InputError({path}, key, "the slice is truncated", "give a complete file");
-  return geometry_of(*io, path, key, true);
-}
-
 bool belong_together(const ScanGeometry& a, const ScanGeometry& b) {
   const double side = a.step_mm.leftCols<2>().colwise().norm().minCoeff();
   return a.dims == b.dims && (a.step_mm - b.step_mm).leftCols<2>().cwiseAbs().maxCoeff() <= kSameAxes * side;
@@ -107,9 +98,12 @@ bool belong_together(const ScanGeometry& a, const ScanGeometry& b) {
 
 /// Groups of slices of one size, spacing and orientation, the largest group first.
 std::vector<Stack> groups_of(const std::vector<const DicomHeader*>& slices, const std::string& key) {
+  std::vector<std::string> files;
+  for (const DicomHeader* header : slices) files.push_back(header->path);
+  std::vector<SliceFacts> facts = read_slice_facts(files, key);
   std::vector<Stack> groups;
-  for (const DicomHeader* header : slices) {
-    const Slice slice{header, slice_geometry(header->path, key), 0};
+  for (std::size_t n = 0; n < slices.size(); ++n) {
+    const Slice slice{slices[n], std::move(facts[n].geometry), std::move(facts[n].pixel_type), 0};
     const auto group = std::ranges::find_if(
         groups, [&](const Stack& g) { return belong_together(g.front().geometry, slice.geometry); });
     if (group == groups.end()) {
@@ -200,6 +194,39 @@ void check_distances(const std::vector<Stack>& groups, double typical_mm, const 
   }
 }
 
+/// A file's name with "#" for each run of digits.
+std::string name_pattern(const std::string& path) {
+  std::string out;
+  for (const char c : std::filesystem::path(path).filename().string()) {
+    const bool digit = c >= '0' && c <= '9';
+    if (!digit) out += c;
+    if (digit && !out.ends_with('#')) out += '#';
+  }
+  return out;
+}
+
+/// The files that lie beside the slices and are named like them: slices that are damaged beyond recognition.
+std::vector<std::string> named_like_slices(const Stack& stack, const std::vector<std::string>& files) {
+  std::set<std::pair<std::filesystem::path, std::string>> names;
+  const auto name_of = [](const std::string& path) {
+    return std::pair(std::filesystem::path(path).parent_path(), name_pattern(path));
+  };
+  for (const Slice& slice : stack) names.insert(name_of(slice.path()));
+  std::vector<std::string> out;
+  std::ranges::copy_if(files, std::back_inserter(out),
+                       [&](const std::string& f) { return names.contains(name_of(f)); });
+  return out;
+}
+
+/// A slice that is missing at an end leaves no gap.
+void refuse_damaged_slices(const std::vector<std::string>& damaged, const std::string& key) {
+  if (damaged.empty()) return;
+  const std::string others = damaged.size() == 1 ? "" : fmt::format(", as {} more", damaged.size() - 1);
+  throw InputError({damaged.front()}, key,
+                   "cannot be read as a DICOM slice" + others + ", but is named like the slices of the series",
+                   "give a complete file, or move it out of the folder if it is no slice of this series");
+}
+
 void check_straight(const Stack& stack, const Vec3& step_mm, const std::string& key) {
   const double side = stack.front().geometry.step_mm.leftCols<2>().colwise().norm().minCoeff();
   for (std::size_t k = 0; k < stack.size(); ++k) {
@@ -236,15 +263,11 @@ void check_count(const std::vector<Stack>& groups, const std::string& key) {
 }
 
 /// Sorts the slices of a series. Skips, with a warning, images of another size, spacing or orientation (a scout) and
-/// copies of a slice. `damaged` files may be missing slices.
-/// Throws InputError with the file: truncated, MONOCHROME1, multi-frame, missing, duplicate, displaced.
-DicomStack stack_slices(const DicomSeries& series, const std::vector<std::string>& damaged, const std::string& key,
-                        Report& report) {
-  std::vector<std::string> skipped = damaged;
+/// copies of a slice. Files of `folder` that cannot be read may be missing slices.
+/// Throws InputError with the file: truncated, damaged, MONOCHROME1, multi-frame, missing, duplicate, displaced.
+DicomStack stack_slices(const DicomSeries& series, const DicomFolder& folder, const std::string& key, Report& report) {
+  std::vector<std::string> skipped = folder.damaged;
   const std::vector<const DicomHeader*> slices = slices_among(series, skipped, key, report);
-  std::vector<std::string> files;
-  for (const DicomHeader* header : slices) files.push_back(header->path);
-  check_dicom_in_child(files, key);
   std::vector<Stack> groups = groups_of(slices, key);
   check_count(groups, key);
   Stack& stack = groups.front();
@@ -256,17 +279,26 @@ DicomStack stack_slices(const DicomSeries& series, const std::vector<std::string
   const double typical_mm = typical_distance(stack);
   remove_duplicates(stack, typical_mm, key, report);
   check_count(groups, key);
+  std::vector<std::string> unreadable = folder.damaged;
+  unreadable.insert(unreadable.end(), folder.others.begin(), folder.others.end());
+  const std::vector<std::string> damaged = named_like_slices(stack, unreadable);
+  skipped.insert(skipped.begin(), damaged.begin(), damaged.end());
   check_distances(groups, typical_mm, normal, skipped, key);
+  refuse_damaged_slices(damaged, key);
   warn_of_other_groups(groups, report);
 
   DicomStack out;
   for (const Slice& slice : stack) out.path.push_back(slice.path());
+  out.pixel_type = stack.front().pixel_type;
   out.geometry = stack.front().geometry;
   out.geometry.dims.z() = static_cast<int>(stack.size());
   // From the positions, not the slice thickness in the header: a tilted gantry is a shear.
   out.geometry.step_mm.col(2) =
       (stack.back().geometry.origin_mm - stack.front().geometry.origin_mm) / static_cast<double>(stack.size() - 1);
   check_straight(stack, out.geometry.step_mm.col(2), key);
+  if (!is_plausible(out.geometry)) {
+    throw InputError({out.path.front()}, key, "voxel spacing or axes are degenerate", "export the original series");
+  }
   return out;
 }
 
@@ -280,44 +312,28 @@ class DicomScan : public ScanSource {
       report.warn(folder + ": modality " + (series.modality.empty() ? "unknown" : series.modality) +
                   ", not CT; thresholds and densities are wrong unless its values are HU");
     }
-    stack_ = stack_slices(series, found.damaged, key, report);
+    stack_ = stack_slices(series, found, key, report);
     name_ = series.description.empty() ? "" : " \"" + series.description + "\"";
     check_fits_in_memory(static_cast<double>(stack_.geometry.size()), sizeof(float), folder_, key_);
-    pixel_type_ = pixel_type_of(*reader(0));
   }
 
   [[nodiscard]] const ScanGeometry& geometry() const override { return stack_.geometry; }
   [[nodiscard]] std::string description() const override {
-    return "DICOM series" + name_ + " of " + std::to_string(stack_.path.size()) + " files, " + pixel_type_;
+    return "DICOM series" + name_ + " of " + std::to_string(stack_.path.size()) + " files, " + stack_.pixel_type;
   }
-  [[nodiscard]] bool is_unsigned() const override { return pixel_type_.starts_with("uint"); }
+  [[nodiscard]] bool is_unsigned() const override { return stack_.pixel_type.starts_with("uint"); }
 
   [[nodiscard]] Scan read(const IndexBox& box) const override {
-    Scan scan{part_of(stack_.geometry, box), {}};
-    scan.value.reserve(static_cast<std::size_t>(box.voxels()));
     const IndexBox in_slice{{box.start.x(), box.start.y(), 0}, {box.size.x(), box.size.y(), 1}};
-    for (int k = 0; k < box.size.z(); ++k) {
-      const std::size_t slice = static_cast<std::size_t>(box.start.z() + k);
-      const std::vector<float> values = read_voxels(*reader(slice), in_slice, stack_.path[slice], key_);
-      scan.value.insert(scan.value.end(), values.begin(), values.end());
-    }
-    return scan;
+    const auto first = stack_.path.begin() + box.start.z();
+    return {part_of(stack_.geometry, box), read_slices({first, first + box.size.z()}, in_slice, key_)};
   }
 
  private:
-  /// Each slice has its own rescale slope and intercept, so it needs its own reader.
-  [[nodiscard]] itk::GDCMImageIO::Pointer reader(std::size_t slice) const {
-    auto io = itk::GDCMImageIO::New();
-    io->SetFileName(stack_.path[slice]);
-    read_header(*io, stack_.path[slice], key_, "DICOM");
-    return io;
-  }
-
   std::string folder_;
   std::string key_;
   std::string name_;
   DicomStack stack_;
-  std::string pixel_type_;
 };
 
 }  // namespace

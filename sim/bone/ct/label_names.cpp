@@ -8,11 +8,13 @@
 
 #include "sim/base/error.h"
 #include "sim/bone/ct/quiet.h"
+#include "sim/isolation/read_in_child.h"
 
 namespace reamsim::ct {
 
 namespace {
 
+constexpr const char* kLabelMapPathKey = "bone.ct.label_map.path";
 constexpr const char* kLabelChoiceKey = "bone.ct.label_map.label";
 /// Names that a message lists; TotalSegmentator has 117.
 constexpr std::size_t kMaxNames = 40;
@@ -137,7 +139,10 @@ std::vector<NamedSegment> segments_of_nrrd(const std::map<std::string, std::stri
   return out;
 }
 
-std::vector<NamedSegment> segments_of_nifti(const std::string& path) {
+namespace {
+
+/// In a child process.
+std::vector<NamedSegment> read_nifti_segments(const std::string& path) {
   const QuietLibraries quiet;
   std::vector<NamedSegment> out;
   if (!is_nifti_file(path.c_str())) return out;
@@ -151,6 +156,26 @@ std::vector<NamedSegment> segments_of_nifti(const std::string& path) {
     add_xml_labels(std::string(extension.edata, static_cast<std::size_t>(extension.esize - kHead)), out);
   }
   return out;
+}
+
+}  // namespace
+
+std::vector<NamedSegment> segments_of_nifti(const std::string& path) {
+  const ReadLimits limits = ReadLimits().with(bytes_of_file(path), 0);
+  ChildResult result = read_in_child({path, kLabelMapPathKey}, limits, [&](ResultWriter& out) {
+    for (const NamedSegment& segment : read_nifti_segments(path)) {
+      out.put(true);
+      out.put(segment.name);
+      out.put(segment.label.value);
+    }
+    out.put(false);
+  });
+  std::vector<NamedSegment> segments;
+  while (result.reader().get<unsigned char>() != 0) {
+    std::string name = result.reader().text();
+    segments.push_back({std::move(name), {0, result.reader().get<double>()}});
+  }
+  return segments;
 }
 
 std::vector<LabelValue> find_labels(const std::vector<std::string>& wanted, const std::vector<NamedSegment>& segments,

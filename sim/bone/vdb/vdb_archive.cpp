@@ -1,8 +1,10 @@
 #include "sim/bone/vdb/vdb_archive.h"
 
 #include <fmt/core.h>
+#include <tbb/global_control.h>
 #include <zlib.h>
 
+#include <algorithm>
 #include <array>
 #include <cstring>
 #include <filesystem>
@@ -13,7 +15,8 @@
 #include "sim/base/error.h"
 #include "sim/base/file.h"
 #include "sim/base/memory.h"
-#include "sim/base/process.h"
+#include "sim/bone/vdb/grid_transfer.h"
+#include "sim/isolation/read_in_child.h"
 
 namespace reamsim {
 
@@ -186,25 +189,52 @@ bool check_bytes(const std::string& path) {
   return true;
 }
 
-/// Reads all grids, as VdbFile will.
-void read_everything(const std::string& path) {
-  openvdb::io::File file(path);
-  file.open(/*delayLoad=*/false);
-  for (auto name = file.beginName(); name != file.endName(); ++name) file.readGrid(*name);
+ReadLimits limits_for(const std::string& path) {
+  constexpr std::uint64_t kMemoryPerFileByte = 200;  // about the compression of constant regions
+  const std::uint64_t bytes = bytes_of_file(path);
+  ReadLimits limits = ReadLimits().with(bytes, kMemoryPerFileByte * bytes);
+  limits.result_bytes = limits.memory_bytes;
+  return limits;
 }
 
-/// A file without checksum is first read by a child process.
-void check_in_child(const std::string& path) {
-  constexpr std::uint64_t kMinMemory = std::uint64_t{2} << 30;
-  constexpr std::uint64_t kMemoryPerFileByte = 200;  // about the compression of constant regions
-  constexpr int kSeconds = 20;
-  std::error_code error;
-  const std::uintmax_t size = fs::file_size(path, error);
-  const std::uint64_t memory_bytes = kMinMemory + (error ? 0 : kMemoryPerFileByte * size);
-  const int seconds = kSeconds + static_cast<int>(size >> 25);
-  if (run_in_child([&path] { read_everything(path); }, {memory_bytes, seconds}) != 0) {
-    fail(path, "a truncated or damaged VDB file", "expected a complete file");
+constexpr const char* kDamaged = "a truncated or damaged VDB file";
+
+/// Calls `read` with the opened file, in a child process.
+ChildResult read_vdb_in_child(const std::string& path,
+                              const std::function<void(openvdb::io::File&, ResultWriter&)>& read) {
+  return read_in_child({path, ""}, limits_for(path), [&](ResultWriter& out) {
+    // Threads of the parent do not exist in the child.
+    const tbb::global_control one_thread(tbb::global_control::max_allowed_parallelism, 1);
+    try {
+      openvdb::io::File file(path);
+      file.open(/*delayLoad=*/false);
+      read(file, out);
+    } catch (const openvdb::Exception&) {
+      fail(path, kDamaged, "expected a complete file");
+    }
+  });
+}
+
+void put_names(openvdb::io::File& file, ResultWriter& out) {
+  for (auto name = file.beginName(); name != file.endName(); ++name) {
+    out.put(true);
+    out.put(std::string(*name));
   }
+  out.put(false);
+}
+
+void put_named_grid(openvdb::io::File& file, const std::string& path, const std::string& name, ResultWriter& out) {
+  openvdb::GridBase::Ptr any;
+  try {
+    any = file.readGrid(name);
+  } catch (const openvdb::Exception&) {
+    fail(path, "a truncated or damaged grid \"" + name + "\"", "expected a complete VDB file");
+  }
+  const auto grid = openvdb::gridPtrCast<openvdb::FloatGrid>(any);
+  if (!grid) {
+    fail(path, "a grid \"" + name + "\" of type " + (any ? any->valueType() : "none"), "expected a FloatGrid");
+  }
+  put_grid(out, *grid);
 }
 
 }  // namespace
@@ -224,39 +254,29 @@ void write_vdb_file(const std::string& path, const std::vector<GridMaker>& grids
   }
 }
 
-VdbFile::VdbFile(const std::string& path, VdbOrigin origin) : path_(path), file_(path) {
+VdbFile::VdbFile(const std::string& path, VdbOrigin origin) : path_(path) {
   openvdb::initialize();
-  if (!check_bytes(path)) {
-    if (origin == VdbOrigin::kReamsim) {
-      fail(path, "a truncated or damaged VDB file (its checksum is missing)", "expected a complete file of reamsim's");
-    }
-    check_in_child(path);
+  if (!check_bytes(path) && origin == VdbOrigin::kReamsim) {
+    fail(path, "a truncated or damaged VDB file (its checksum is missing)", "expected a complete file of reamsim's");
   }
-  try {
-    file_.open(/*delayLoad=*/false);  // a mapped file that is truncated later would crash the program
-  } catch (const std::exception&) {
-    fail(path, "a truncated or damaged VDB file", "expected a complete file");
-  }
+  ChildResult result = read_vdb_in_child(path, put_names);
+  while (result.reader().get<unsigned char>() != 0) names_.push_back(result.reader().text());
+}
+
+bool VdbFile::has(const std::string& grid) const {
+  return std::ranges::count(names_, grid) > 0;
 }
 
 std::string VdbFile::grid_names() const {
   std::string out;
-  for (auto name = file_.beginName(); name != file_.endName(); ++name) {
-    out += (out.empty() ? "" : ", ") + *name;
-  }
+  for (const std::string& name : names_) out += (out.empty() ? "" : ", ") + name;
   return out.empty() ? "none" : out;
 }
 
-openvdb::FloatGrid::Ptr VdbFile::read(const std::string& grid) {
-  openvdb::GridBase::Ptr any;
-  try {
-    any = file_.readGrid(grid);
-  } catch (const std::exception&) {
-    fail(path_, "a truncated or damaged grid \"" + grid + "\"", "expected a complete VDB file");
-  }
-  auto out = openvdb::gridPtrCast<openvdb::FloatGrid>(any);
-  if (!out) fail(path_, "a grid \"" + grid + "\" of type " + (any ? any->valueType() : "none"), "expected a FloatGrid");
-  return out;
+openvdb::FloatGrid::Ptr VdbFile::read(const std::string& grid) const {
+  ChildResult result = read_vdb_in_child(
+      path_, [&](openvdb::io::File& file, ResultWriter& out) { put_named_grid(file, path_, grid, out); });
+  return take_grid(result.reader());
 }
 
 openvdb::FloatGrid::Ptr make_float_grid(float background) {

@@ -9,8 +9,8 @@
 namespace reamsim {
 
 // Files of OpenVDB grids whose damage is detected. OpenVDB does not validate what it reads, so a damaged file may crash
-// it. Files of reamsim therefore end with a checksum after the data of OpenVDB, which their metadata announce. Files of
-// other programs are first read by a child process.
+// it. Files of reamsim therefore end with a checksum after the data of OpenVDB, which their metadata announce. All
+// files are read by child processes.
 
 /// Makes a grid that is about to be written.
 using GridMaker = std::function<openvdb::GridBase::Ptr()>;
@@ -32,15 +32,15 @@ class VdbFile {
  public:
   explicit VdbFile(const std::string& path, VdbOrigin origin = VdbOrigin::kAnyProgram);
 
-  [[nodiscard]] bool has(const std::string& grid) const { return file_.hasGrid(grid); }
+  [[nodiscard]] bool has(const std::string& grid) const;
   /// Names of all grids, for messages.
   [[nodiscard]] std::string grid_names() const;
   /// Throws InputError when the grid is damaged or not a FloatGrid.
-  openvdb::FloatGrid::Ptr read(const std::string& grid);
+  [[nodiscard]] openvdb::FloatGrid::Ptr read(const std::string& grid) const;
 
  private:
   std::string path_;
-  openvdb::io::File file_;
+  std::vector<std::string> names_;
 };
 
 // An empty grid with the identity as its transform. Defined in one file, because OpenVDB's create() adds half a minute

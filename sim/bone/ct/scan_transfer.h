@@ -1,0 +1,44 @@
+#pragma once
+
+#include <map>
+#include <string>
+
+#include "sim/bone/ct/dicom_header.h"
+#include "sim/bone/ct/scan.h"
+#include "sim/isolation/child_result.h"
+
+namespace reamsim::ct {
+
+// What child processes hand back about images. The functions that take it throw InputError where it is inconsistent.
+
+/// What the header of an image file says.
+struct ImageFacts {
+  std::string format;
+  std::string pixel_type;  ///< "int16", "float", ...
+  ScanGeometry geometry;
+  int layers = 1;
+  double bytes_per_voxel = 0;  ///< of all layers
+};
+
+/// A DICOM file of a folder.
+struct DicomFile {
+  DicomKind kind = DicomKind::other;
+  DicomHeader header;
+};
+
+/// Whether voxels have a volume, and edges of a plausible length.
+bool is_plausible(const ScanGeometry& geometry);
+
+void put_geometry(ResultWriter& out, const ScanGeometry& geometry);
+ScanGeometry take_geometry(ResultReader& in);
+
+void put_facts(ResultWriter& out, const ImageFacts& facts);
+ImageFacts take_facts(ResultReader& in);
+
+void put_texts(ResultWriter& out, const std::map<std::string, std::string>& texts);
+std::map<std::string, std::string> take_texts(ResultReader& in);
+
+void put_dicom_file(ResultWriter& out, const DicomFile& file);
+DicomFile take_dicom_file(ResultReader& in);
+
+}  // namespace reamsim::ct

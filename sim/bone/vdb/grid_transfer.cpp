@@ -1,0 +1,208 @@
+#include "sim/bone/vdb/grid_transfer.h"
+
+#include <array>
+#include <cmath>
+
+#include "sim/bone/vdb/vdb_archive.h"
+
+namespace reamsim {
+
+namespace {
+
+using Tree = openvdb::FloatTree;
+using Leaf = Tree::LeafNodeType;
+
+/// A region of one value, 8, 128 or 4096 voxels wide.
+struct PlainTile {
+  std::array<std::int32_t, 3> corner;
+  std::uint32_t level;
+  float value;
+  std::uint32_t active;
+};
+
+struct PlainLeaf {
+  std::array<std::int32_t, 3> corner;
+  std::array<std::uint64_t, Leaf::NUM_VALUES / 64> active;
+  std::array<float, Leaf::NUM_VALUES> value;
+};
+
+enum class ValueKind : std::uint8_t { end, text, real, narrow_real, integer, long_integer, truth, integers, reals };
+
+/// Writes a value of metadata if it has type T.
+template <class T, class Put>
+bool put_if(const openvdb::Metadata& value, const Put& put) {
+  const auto* typed = dynamic_cast<const openvdb::TypedMetadata<T>*>(&value);
+  if (typed != nullptr) put(typed->value());
+  return typed != nullptr;
+}
+
+void put_value(ResultWriter& out, const std::string& name, const openvdb::Metadata& value) {
+  const auto head = [&](ValueKind kind) {
+    out.put(kind);
+    out.put(name);
+  };
+  const auto number = [&](ValueKind kind) {
+    return [&, kind](auto n) {
+      head(kind);
+      out.put(n);
+    };
+  };
+  const auto vector = [&](ValueKind kind) {
+    return [&, kind](const auto& v) {
+      head(kind);
+      for (int axis = 0; axis < 3; ++axis) out.put(v[axis]);
+    };
+  };
+  const auto text = [&](const std::string& t) {
+    head(ValueKind::text);
+    out.put(t);
+  };
+  (void)(put_if<std::string>(value, text) || put_if<double>(value, number(ValueKind::real)) ||
+         put_if<float>(value, number(ValueKind::narrow_real)) || put_if<int>(value, number(ValueKind::integer)) ||
+         put_if<openvdb::Int64>(value, number(ValueKind::long_integer)) ||
+         put_if<bool>(value, number(ValueKind::truth)) || put_if<openvdb::Vec3i>(value, vector(ValueKind::integers)) ||
+         put_if<openvdb::Vec3d>(value, vector(ValueKind::reals)));
+}
+
+template <class Vector>
+Vector take_vector(ResultReader& in) {
+  Vector out;
+  for (int axis = 0; axis < 3; ++axis) out[axis] = in.get<typename Vector::value_type>();
+  return out;
+}
+
+void take_metadata(ResultReader& in, openvdb::FloatGrid& grid) {
+  while (true) {
+    const auto kind = in.get<ValueKind>();
+    if (kind == ValueKind::end) return;
+    const std::string name = in.text();
+    const auto insert = [&](const auto& value) {
+      grid.insertMeta(name, openvdb::TypedMetadata<std::decay_t<decltype(value)>>(value));
+    };
+    switch (kind) {
+      case ValueKind::text:
+        insert(in.text());
+        break;
+      case ValueKind::real:
+        insert(in.get<double>());
+        break;
+      case ValueKind::narrow_real:
+        insert(in.get<float>());
+        break;
+      case ValueKind::integer:
+        insert(in.get<int>());
+        break;
+      case ValueKind::long_integer:
+        insert(in.get<openvdb::Int64>());
+        break;
+      case ValueKind::truth:
+        insert(in.get<unsigned char>() != 0);
+        break;
+      case ValueKind::integers:
+        insert(take_vector<openvdb::Vec3i>(in));
+        break;
+      case ValueKind::reals:
+        insert(take_vector<openvdb::Vec3d>(in));
+        break;
+      default:
+        in.fail();
+    }
+  }
+}
+
+/// A transform that is not linear cannot be handed back: the reader refuses it.
+void put_transform(ResultWriter& out, const openvdb::math::Transform& transform) {
+  out.put(transform.isLinear());
+  if (!transform.isLinear()) return;
+  const openvdb::math::Mat4d matrix = transform.baseMap()->getAffineMap()->getMat4();
+  for (int i = 0; i < 16; ++i) out.put(matrix.asPointer()[i]);
+}
+
+openvdb::math::Transform::Ptr take_transform(ResultReader& in) {
+  using openvdb::math::Transform;
+  if (in.get<unsigned char>() == 0) {
+    return Transform::createFrustumTransform(openvdb::BBoxd({0, 0, 0}, {1, 1, 1}), 0.5, 1);
+  }
+  openvdb::math::Mat4d matrix;
+  for (int i = 0; i < 16; ++i) {
+    matrix.asPointer()[i] = in.get<double>();
+    if (!std::isfinite(matrix.asPointer()[i])) in.fail();
+  }
+  try {
+    return Transform::createLinearTransform(matrix);
+  } catch (const openvdb::Exception&) {  // a singular matrix
+    in.fail();
+  }
+}
+
+void put_tiles(ResultWriter& out, const Tree& tree) {
+  std::vector<PlainTile> tiles;
+  auto tile = tree.cbeginValueAll();
+  tile.setMaxDepth(Tree::ValueAllCIter::LEAF_DEPTH - 1);
+  for (; tile; ++tile) {
+    if (!tile.isValueOn() && tile.getValue() == tree.background()) continue;
+    const openvdb::Coord c = tile.getCoord();
+    tiles.push_back({{c.x(), c.y(), c.z()}, tile.getLevel(), tile.getValue(), tile.isValueOn() ? 1U : 0U});
+  }
+  out.put(tiles);
+}
+
+void put_leaves(ResultWriter& out, Tree& tree) {
+  auto* place = out.array<PlainLeaf>(tree.leafCount());
+  for (auto leaf = tree.beginLeaf(); leaf; ++leaf, ++place) {
+    const openvdb::Coord c = leaf->origin();
+    place->corner = {c.x(), c.y(), c.z()};
+    for (openvdb::Index word = 0; word < place->active.size(); ++word) {
+      place->active[word] = leaf->valueMask().getWord<std::uint64_t>(word);
+    }
+    std::copy_n(leaf->buffer().data(), Leaf::NUM_VALUES, place->value.begin());
+    Leaf::Buffer none;
+    leaf->swap(none);
+  }
+}
+
+void add_tiles(ResultReader& in, Tree& tree) {
+  for (const PlainTile& tile : in.array<PlainTile>()) {
+    if (tile.level < 1 || tile.level >= Tree::DEPTH) in.fail();
+    tree.addTile(tile.level, {tile.corner[0], tile.corner[1], tile.corner[2]}, tile.value, tile.active != 0);
+  }
+}
+
+void add_leaves(ResultReader& in, Tree& tree) {
+  in.for_each_in_array<PlainLeaf>([&](const PlainLeaf& plain) {
+    auto leaf = std::make_unique<Leaf>(openvdb::Coord(plain.corner[0], plain.corner[1], plain.corner[2]));
+    std::copy(plain.value.begin(), plain.value.end(), leaf->buffer().data());
+    Leaf::NodeMaskType active;
+    for (openvdb::Index word = 0; word < plain.active.size(); ++word) {
+      active.getWord<std::uint64_t>(word) = plain.active[word];
+    }
+    leaf->setValueMask(active);
+    tree.addLeaf(leaf.release());
+  });
+}
+
+}  // namespace
+
+void put_grid(ResultWriter& out, openvdb::FloatGrid& grid) {
+  out.put(grid.getName());
+  for (auto value = grid.beginMeta(); value != grid.endMeta(); ++value) put_value(out, value->first, *value->second);
+  out.put(ValueKind::end);
+  put_transform(out, grid.transform());
+  out.put(grid.background());
+  put_tiles(out, grid.tree());
+  put_leaves(out, grid.tree());
+}
+
+openvdb::FloatGrid::Ptr take_grid(ResultReader& in) {
+  const std::string name = in.text();
+  const openvdb::FloatGrid::Ptr grid = make_float_grid(0);
+  take_metadata(in, *grid);
+  grid->setName(name);
+  grid->setTransform(take_transform(in));
+  grid->setTree(std::make_shared<Tree>(in.get<float>()));
+  add_tiles(in, grid->tree());
+  add_leaves(in, grid->tree());
+  return grid;
+}
+
+}  // namespace reamsim

@@ -1,0 +1,18 @@
+#pragma once
+
+#include <openvdb/openvdb.h>
+
+#include "sim/isolation/child_result.h"
+
+namespace reamsim {
+
+// Grids as plain arrays, which child processes hand back: values of leaves and tiles, the affine transform, and the
+// metadata that are numbers or texts.
+
+/// Writes a grid, and empties its leaves on the way.
+void put_grid(ResultWriter& out, openvdb::FloatGrid& grid);
+
+/// Throws InputError where the arrays are inconsistent.
+openvdb::FloatGrid::Ptr take_grid(ResultReader& in);
+
+}  // namespace reamsim

@@ -1,0 +1,143 @@
+#pragma once
+
+#include <algorithm>
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <string>
+#include <type_traits>
+#include <vector>
+
+namespace reamsim {
+
+// What a child process hands back: numbers, texts and arrays, one after the other in memory that it shares with its
+// parent. The parent reads them in the same order, and trusts none of them.
+
+/// A plain value: the same bytes in child and parent.
+template <class T>
+concept PlainValue = std::is_trivially_copyable_v<T> && !std::is_pointer_v<T>;
+
+/// How the work of a child ended.
+enum class ChildOutcome : std::uint32_t { died, done, wrong_input, failed, out_of_memory, result_too_large };
+
+/// Memory that child processes share with this one. Its pages are taken from the system when they are written.
+class SharedMemory {
+ public:
+  /// At most `result_bytes` of result; less where the address space is limited. Throws RunError.
+  explicit SharedMemory(std::uint64_t result_bytes);
+  ~SharedMemory();
+  SharedMemory(const SharedMemory&) = delete;
+  SharedMemory& operator=(const SharedMemory&) = delete;
+
+  /// What lies before the result.
+  struct Head {
+    static constexpr std::size_t kPathBytes = 8192;
+    ChildOutcome outcome = ChildOutcome::died;
+    std::atomic<std::uint64_t> bytes = 0;       ///< of the result so far
+    std::atomic<std::uint64_t> files_read = 0;  ///< files that the child has begun to read
+    char path[kPathBytes] = {};                 ///< the last of them; "" = the first file
+  };
+
+  [[nodiscard]] Head& head() const { return *static_cast<Head*>(memory_); }
+  [[nodiscard]] std::byte* result() const;
+  [[nodiscard]] std::uint64_t capacity() const { return capacity_; }
+
+ private:
+  void* memory_ = nullptr;
+  std::uint64_t capacity_ = 0;
+};
+
+/// Thrown in the child when the result exceeds the shared memory.
+class ResultTooLarge {};
+
+/// Writes a result, in the child.
+class ResultWriter {
+ public:
+  explicit ResultWriter(SharedMemory& memory) : memory_(memory) {}
+
+  template <PlainValue T>
+  void put(const T& value) {
+    std::memcpy(take(sizeof value, 1), &value, sizeof value);
+  }
+  void put(const std::string& text);
+  template <PlainValue T>
+  void put(const std::vector<T>& values) {
+    T* place = array<T>(values.size());
+    if (!values.empty()) std::memcpy(place, values.data(), values.size() * sizeof(T));
+  }
+  /// An array of `count` values for the caller to fill.
+  template <PlainValue T>
+  T* array(std::size_t count) {
+    put(std::uint64_t{count});
+    if (count > memory_.capacity() / sizeof(T)) throw ResultTooLarge();
+    return reinterpret_cast<T*>(take(count * sizeof(T), kAlignment));
+  }
+
+  /// Says which file is read from now on. The limit of time counts anew, and an error names this file.
+  void begin_file(const std::string& path);
+  /// Removes the result so far.
+  void clear() { memory_.head().bytes = 0; }
+
+  static constexpr std::size_t kAlignment = 16;
+
+ private:
+  std::byte* take(std::uint64_t bytes, std::size_t alignment);
+
+  SharedMemory& memory_;
+};
+
+/// Reads a result, in the parent. Throws InputError, with the file, where the result ends too early.
+class ResultReader {
+ public:
+  ResultReader(const SharedMemory& memory, std::string path, std::string key);
+
+  template <PlainValue T>
+  T get() {
+    T value;
+    std::memcpy(&value, take(sizeof value, 1), sizeof value);
+    return value;
+  }
+  std::string text();
+  /// Calls `use` with the first and the end of each block of an array. Its pages return to the system, so that the
+  /// array does not exist twice.
+  template <PlainValue T, class Use>
+  void for_each_block(std::uint64_t count, const Use& use) {
+    if (count > bytes_ / sizeof(T)) fail();
+    const auto* values = reinterpret_cast<const T*>(take(count * sizeof(T), ResultWriter::kAlignment));
+    constexpr std::uint64_t kBlock = (std::uint64_t{4} << 20) / sizeof(T);
+    for (std::uint64_t first = 0; first < count; first += kBlock) {
+      const std::uint64_t next = std::min(count, first + kBlock);
+      use(values + first, values + next);
+      give_back(reinterpret_cast<const std::byte*>(values + first), (next - first) * sizeof(T));
+    }
+  }
+  template <PlainValue T>
+  std::vector<T> array() {
+    const auto count = get<std::uint64_t>();
+    std::vector<T> out;
+    out.reserve(std::min(count, bytes_ / sizeof(T)));
+    for_each_block<T>(count, [&](const T* first, const T* last) { out.insert(out.end(), first, last); });
+    return out;
+  }
+  /// Calls `use` with each value of an array.
+  template <PlainValue T, class Use>
+  void for_each_in_array(const Use& use) {
+    for_each_block<T>(get<std::uint64_t>(), [&](const T* first, const T* last) { std::for_each(first, last, use); });
+  }
+  /// Throws InputError: the result is inconsistent.
+  [[noreturn]] void fail() const;
+
+ private:
+  const std::byte* take(std::uint64_t bytes, std::size_t alignment);
+  /// Returns the whole pages of a range to the system.
+  static void give_back(const std::byte* first, std::uint64_t bytes);
+
+  const std::byte* result_;
+  std::uint64_t bytes_;
+  std::uint64_t place_ = 0;
+  std::string path_;
+  std::string key_;
+};
+
+}  // namespace reamsim

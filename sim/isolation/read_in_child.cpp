@@ -1,0 +1,275 @@
+#include "sim/isolation/read_in_child.h"
+
+#include <fcntl.h>
+#include <fmt/core.h>
+#include <poll.h>
+#include <sys/prctl.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <cerrno>
+#include <chrono>
+#include <csignal>
+#include <cstring>
+#include <ctime>
+#include <filesystem>
+#include <limits>
+#include <new>
+#include <optional>
+#include <stdexcept>
+
+#include "sim/base/error.h"
+#include "sim/base/process.h"
+#include "sim/isolation/sandbox.h"
+
+namespace reamsim {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+// Global, because the readers know nothing of the program's signals.
+std::atomic<bool (*)()> stop_query = nullptr;
+
+bool stop_requested() {
+  bool (*const query)() = stop_query;
+  return query != nullptr && query();
+}
+
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+constexpr int kSlowdown = 10;
+#else
+constexpr int kSlowdown = 1;
+#endif
+/// Of the clock, for a second of the processor: other programs, and discs on a network.
+constexpr int kClockPerCpu = 10;
+/// How often a stop request and the limits of time are looked at.
+constexpr int kPollMs = 20;
+
+/// For all files. The parent counts for each file, and comes first: it says what happened.
+int cpu_seconds(const ReadLimits& limits) {
+  constexpr std::int64_t kAfterParent = 2;
+  const std::int64_t all = std::int64_t{kSlowdown} * limits.seconds * std::max(1, limits.files) + kAfterParent;
+  return static_cast<int>(std::min<std::int64_t>(all, std::numeric_limits<int>::max()));
+}
+
+void put_mistakes(ResultWriter& out, const InputError& error) {
+  out.put(std::uint64_t{error.mistakes().size()});
+  for (const Mistake& mistake : error.mistakes()) {
+    out.put(mistake.where.file);
+    out.put(mistake.where.line);
+    out.put(mistake.where.column);
+    for (const std::string* text : {&mistake.key, &mistake.found, &mistake.expected}) out.put(*text);
+  }
+}
+
+[[noreturn]] void throw_mistakes(ResultReader& in) {
+  constexpr std::uint64_t kMost = 1000;
+  const auto count = in.get<std::uint64_t>();
+  if (count == 0 || count > kMost) in.fail();
+  std::vector<Mistake> mistakes(count);
+  for (Mistake& mistake : mistakes) {
+    mistake.where.file = in.text();
+    mistake.where.line = in.get<int>();
+    mistake.where.column = in.get<int>();
+    for (std::string* text : {&mistake.key, &mistake.found, &mistake.expected}) *text = in.text();
+  }
+  throw InputError(std::move(mistakes));
+}
+
+/// Returns how it ended. What a failed attempt wrote is replaced by the error.
+ChildOutcome write_result(ResultWriter& out, const std::function<void(ResultWriter&)>& read) {
+  try {
+    read(out);
+    return ChildOutcome::done;
+  } catch (const InputError& error) {
+    out.clear();
+    put_mistakes(out, error);
+    return ChildOutcome::wrong_input;
+  } catch (const ResultTooLarge&) {
+    return ChildOutcome::result_too_large;
+  } catch (const std::bad_alloc&) {
+    return ChildOutcome::out_of_memory;
+  } catch (const std::length_error&) {
+    return ChildOutcome::out_of_memory;
+  } catch (const RunError& error) {
+    out.clear();
+    out.put(std::string(error.what()));
+    return ChildOutcome::failed;
+  }
+}
+
+[[noreturn]] void work_and_exit(SharedMemory& memory, const ReadLimits& limits, int alive,
+                                const std::function<void(ResultWriter&)>& read) {
+  prctl(PR_SET_PDEATHSIG, SIGKILL);
+  enter_sandbox({limits.memory_bytes, cpu_seconds(limits)}, alive);
+  try {
+    ResultWriter out(memory);
+    memory.head().outcome = write_result(out, read);
+  } catch (...) {  // of a library, or no room for the error
+    _exit(1);
+  }
+  _exit(0);
+}
+
+/// A pipe that the child keeps open as long as it lives.
+struct AlivePipe {
+  AlivePipe() {
+    if (pipe2(ends, O_CLOEXEC) != 0) throw RunError(std::string("no child process: ") + std::strerror(errno));
+  }
+  ~AlivePipe() {
+    close(ends[0]);
+    close_writer();
+  }
+  AlivePipe(const AlivePipe&) = delete;
+  AlivePipe& operator=(const AlivePipe&) = delete;
+  void close_writer() {
+    if (ends[1] >= 0) close(ends[1]);
+    ends[1] = -1;
+  }
+  /// Waits a moment. Returns whether the child has ended.
+  [[nodiscard]] bool ended() const {
+    pollfd reader{ends[0], 0, 0};
+    return poll(&reader, 1, kPollMs) > 0;
+  }
+
+  int ends[2] = {-1, -1};
+};
+
+double cpu_seconds_of(pid_t child) {
+  clockid_t clock{};
+  timespec used{};
+  if (clock_getcpuclockid(child, &clock) != 0 || clock_gettime(clock, &used) != 0) return 0;
+  return static_cast<double>(used.tv_sec) + 1e-9 * static_cast<double>(used.tv_nsec);
+}
+
+enum class Ending { by_itself, out_of_time, stopped };
+
+/// Waits for the child; kills it when its time is over or a stop is requested.
+class Watch {
+ public:
+  Watch(pid_t child, const SharedMemory& memory, const ReadLimits& limits)
+      : child_(child), memory_(memory), seconds_(kSlowdown * limits.seconds) {}
+
+  Ending wait(const AlivePipe& alive) {
+    while (!alive.ended()) {
+      if (stop_requested()) return killed(Ending::stopped);
+      if (is_out_of_time()) return killed(Ending::out_of_time);
+    }
+    status_ = wait_for(child_);
+    return Ending::by_itself;
+  }
+  [[nodiscard]] int status() const { return status_; }
+
+ private:
+  Ending killed(Ending why) {
+    kill(child_, SIGKILL);
+    status_ = wait_for(child_);
+    return why;
+  }
+  /// Counts from the file that is being read.
+  bool is_out_of_time() {
+    const double cpu = cpu_seconds_of(child_);
+    const auto now = Clock::now();
+    const std::uint64_t files = memory_.head().files_read;
+    if (files != files_) {
+      files_ = files;
+      cpu_before_ = cpu;
+      begun_ = now;
+    }
+    return cpu - cpu_before_ > seconds_ || now - begun_ > std::chrono::seconds(kClockPerCpu * seconds_);
+  }
+
+  pid_t child_;
+  const SharedMemory& memory_;
+  int seconds_;
+  int status_ = 0;
+  std::uint64_t files_ = 0;
+  double cpu_before_ = 0;
+  Clock::time_point begun_ = Clock::now();
+};
+
+/// The file that the child was reading.
+ForeignFile current_file(const ForeignFile& file, const SharedMemory& memory) {
+  const char* path = memory.head().path;
+  const std::string current(path, strnlen(path, SharedMemory::Head::kPathBytes));
+  return {current.empty() ? file.path : current, file.key};
+}
+
+[[noreturn]] void throw_died(const ForeignFile& file, const std::string& found) {
+  throw InputError({file.path, 0, 0}, file.key, found, "the file is damaged: give a complete file, or export it again");
+}
+
+std::string crash_of(int status) {
+  if (!WIFSIGNALED(status)) return "the library that reads it failed";
+  return fmt::format("the library that reads it crashed (signal {})", WTERMSIG(status));
+}
+
+void throw_unless_done(const ForeignFile& file, const SharedMemory& memory, const ReadLimits& limits, int status) {
+  ResultReader reader(memory, file.path, file.key);
+  const auto too_much = [&](std::uint64_t bytes) {
+    throw InputError({file.path, 0, 0}, file.key, fmt::format("reading it needs more than {} MB", bytes / 1'000'000),
+                     "the file is damaged, or too large for its contents: use a smaller one");
+  };
+  if (!succeeded(status)) throw_died(file, crash_of(status));
+  switch (memory.head().outcome) {
+    case ChildOutcome::done:
+      return;
+    case ChildOutcome::wrong_input:
+      throw_mistakes(reader);
+    case ChildOutcome::failed:
+      throw RunError(reader.text());
+    case ChildOutcome::out_of_memory:
+      return too_much(limits.memory_bytes);
+    case ChildOutcome::result_too_large:
+      return too_much(memory.capacity());
+    case ChildOutcome::died:
+      break;
+  }
+  throw_died(file, crash_of(status));  // it ended without a word
+}
+
+}  // namespace
+
+void interrupt_reading_when(bool (*stop)()) {
+  stop_query = stop;
+}
+
+ReadLimits ReadLimits::with(std::uint64_t file_bytes, std::uint64_t contents_bytes) const {
+  constexpr std::uint64_t kFileBytesPerSecond = 8'000'000;
+  constexpr std::uint64_t kContentsPerSecond = 50'000'000;
+  constexpr std::uint64_t kMostSeconds = 100'000;
+  ReadLimits out = *this;
+  out.memory_bytes += file_bytes + contents_bytes;
+  const std::uint64_t more = file_bytes / kFileBytesPerSecond + contents_bytes / kContentsPerSecond;
+  out.seconds += static_cast<int>(std::min(more, kMostSeconds));
+  return out;
+}
+
+std::uint64_t bytes_of_file(const std::string& path) {
+  std::error_code error;
+  const std::uintmax_t bytes = std::filesystem::file_size(path, error);
+  return error ? 0 : bytes;
+}
+
+ChildResult read_in_child(const ForeignFile& file, const ReadLimits& limits,
+                          const std::function<void(ResultWriter&)>& read) {
+  auto memory = std::make_unique<SharedMemory>(limits.result_bytes);
+  AlivePipe alive;
+  const pid_t child = fork();
+  if (child < 0) throw RunError(std::string("no child process to read ") + file.path + ": " + std::strerror(errno));
+  if (child == 0) work_and_exit(*memory, limits, alive.ends[1], read);
+  alive.close_writer();
+  Watch watch(child, *memory, limits);
+  const Ending ending = watch.wait(alive);
+  if (ending == Ending::stopped) throw Interrupted();
+  const ForeignFile current = current_file(file, *memory);
+  if (ending == Ending::out_of_time) throw_died(current, fmt::format("reading it took more than {} s", limits.seconds));
+  // Ctrl-C in a terminal reaches the child too.
+  if (WIFSIGNALED(watch.status()) && WTERMSIG(watch.status()) == SIGINT) throw Interrupted();
+  throw_unless_done(current, *memory, limits, watch.status());
+  return {std::move(memory), file};
+}
+
+}  // namespace reamsim

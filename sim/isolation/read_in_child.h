@@ -1,0 +1,58 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "sim/isolation/child_result.h"
+
+namespace reamsim {
+
+// Every file of foreign origin is read by a child process: libraries for meshes, images and grids crash, loop or
+// allocate without limit on some damaged files, and have had defects that run code of the file's author. The child has
+// limits (sandbox.h) and hands back plain arrays. Only the child fails.
+
+/// A file, and the scenario key that names it, for messages.
+struct ForeignFile {
+  std::string path;
+  std::string key;
+};
+
+struct ReadLimits {
+  std::uint64_t memory_bytes = std::uint64_t{768} << 20;  ///< address space for reading
+  std::uint64_t result_bytes = std::uint64_t{16} << 20;
+  int seconds = 3;  ///< of the processor, for each file; ten times as many on the clock, for slow discs
+  int files = 1;
+
+  /// More memory and time for a file of `file_bytes` that becomes `contents_bytes` in memory.
+  [[nodiscard]] ReadLimits with(std::uint64_t file_bytes, std::uint64_t contents_bytes) const;
+};
+
+/// Length of a file, bytes; 0 if it cannot be found out.
+std::uint64_t bytes_of_file(const std::string& path);
+
+/// The result of a child, until it has been read.
+class ChildResult {
+ public:
+  ChildResult(std::unique_ptr<SharedMemory> memory, const ForeignFile& file)
+      : memory_(std::move(memory)), reader_(*memory_, file.path, file.key) {}
+
+  [[nodiscard]] ResultReader& reader() { return reader_; }
+
+ private:
+  std::unique_ptr<SharedMemory> memory_;
+  ResultReader reader_;
+};
+
+/// Sets the function that says whether the user has asked the program to stop; several times a second it is called.
+void interrupt_reading_when(bool (*stop)());
+
+/// Runs `read` in a child process and returns what it wrote. `read` may throw InputError or RunError, which this
+/// function throws again.
+/// Throws InputError, with the file that was being read, if the child crashes or exceeds a limit; Interrupted within
+/// a fraction of a second if the function of interrupt_reading_when() says so.
+ChildResult read_in_child(const ForeignFile& file, const ReadLimits& limits,
+                          const std::function<void(ResultWriter&)>& read);
+
+}  // namespace reamsim

@@ -1,0 +1,161 @@
+#include "sim/isolation/read_in_child.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+
+#include <cerrno>
+#include <chrono>
+#include <csignal>
+#include <cstdlib>
+#include <new>
+#include <numeric>
+
+#include "sim/base/error.h"
+
+namespace reamsim::test {
+namespace {
+
+using ::testing::HasSubstr;
+
+const ForeignFile kFile{"scan.nrrd", "bone.ct.path"};
+
+std::string input_error(const std::function<void(ResultWriter&)>& read, const ReadLimits& limits = {}) {
+  try {
+    read_in_child(kFile, limits, read);
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  ADD_FAILURE() << "no InputError";
+  return "";
+}
+
+/// Keeps the processor busy for ever.
+void loop() {
+  for (volatile unsigned n = 0;;) n = n + 1;
+}
+
+TEST(ReadInChild, HandsBackNumbersTextsAndArrays) {
+  constexpr std::size_t kMany = 5'000'000;  // several blocks
+  ReadLimits limits;
+  limits.result_bytes = kMany * sizeof(float) + 4096;
+  ChildResult result = read_in_child(kFile, limits, [](ResultWriter& out) {
+    out.put(7);
+    out.put(std::string("text\0 with zero", 15));
+    out.put(2.5);
+    float* values = out.array<float>(kMany);
+    std::iota(values, values + kMany, 0.0F);
+    out.put(std::vector<std::int16_t>{});
+    out.put(std::string());
+  });
+  ResultReader& in = result.reader();
+  EXPECT_EQ(in.get<int>(), 7);
+  EXPECT_EQ(in.text(), std::string("text\0 with zero", 15));
+  EXPECT_EQ(in.get<double>(), 2.5);
+  const std::vector<float> values = in.array<float>();
+  ASSERT_EQ(values.size(), kMany);
+  for (std::size_t i = 0; i < kMany; i += 999) ASSERT_EQ(values[i], static_cast<float>(i));
+  EXPECT_TRUE(in.array<std::int16_t>().empty());
+  EXPECT_EQ(in.text(), "");
+  EXPECT_THROW(in.get<char>(), InputError) << "behind the end";
+}
+
+TEST(ReadInChild, ChangesNothingInTheParent) {
+  int number = 1;
+  read_in_child(kFile, {}, [&](ResultWriter&) { number = 2; });
+  EXPECT_EQ(number, 1);
+}
+
+TEST(ReadInChild, ThrowsTheErrorsOfTheReader) {
+  try {
+    read_in_child(kFile, {}, [](ResultWriter& out) {
+      out.put(1);
+      throw InputError({{{"a.yaml", 3, 4}, "key", "found", "expected"}, {{"b.yaml", 0, 0}, "", "only found", ""}});
+    });
+    FAIL() << "no InputError";
+  } catch (const InputError& error) {
+    ASSERT_EQ(error.mistakes().size(), 2U);
+    EXPECT_EQ(error.mistakes()[0].line(), "a.yaml:3:4: key: found; expected");
+    EXPECT_EQ(error.mistakes()[1].line(), "b.yaml: only found");
+  }
+  try {
+    read_in_child(kFile, {}, [](ResultWriter&) { throw RunError("no device"); });
+    FAIL() << "no RunError";
+  } catch (const RunError& error) {
+    EXPECT_STREQ(error.what(), "no device");
+  }
+}
+
+TEST(ReadInChild, ACrashNamesTheFile) {
+  EXPECT_THAT(input_error([](ResultWriter&) { std::raise(SIGSEGV); }),
+              HasSubstr("scan.nrrd: bone.ct.path: the library that reads it crashed (signal 11); the file is damaged"));
+  EXPECT_THAT(input_error([](ResultWriter&) { std::abort(); }), HasSubstr("crashed (signal 6)"));
+  EXPECT_THAT(input_error([](ResultWriter&) { throw 1; }), HasSubstr("the library that reads it failed"));
+  EXPECT_THAT(input_error([](ResultWriter&) { _Exit(0); }), HasSubstr("the library that reads it failed"));
+}
+
+TEST(ReadInChild, ACrashNamesTheFileThatWasBeingRead) {
+  EXPECT_THAT(input_error([](ResultWriter& out) {
+                out.begin_file("slice1.dcm");
+                out.begin_file("slice2.dcm");
+                std::abort();
+              }),
+              HasSubstr("slice2.dcm: bone.ct.path"));
+}
+
+TEST(ReadInChild, AnEndlessLoopEndsAtTheLimitOfTime) {
+  ReadLimits limits;
+  limits.seconds = 1;
+  EXPECT_THAT(input_error([](ResultWriter&) { loop(); }, limits),
+              HasSubstr("scan.nrrd: bone.ct.path: reading it took more than 1 s"));
+  EXPECT_THAT(input_error([](ResultWriter&) { pause(); }, limits), HasSubstr("took more than 1 s")) << "on the clock";
+}
+
+TEST(ReadInChild, TheLimitOfTimeCountsForEachFile) {
+  ReadLimits limits;
+  limits.seconds = 1;
+  limits.files = 3;
+  const auto read = [](ResultWriter& out) {
+    for (int file = 0; file < 3; ++file) {
+      out.begin_file("slice");
+      const std::clock_t begun = std::clock();
+      while (std::clock() - begun < CLOCKS_PER_SEC * 6 / 10) {
+      }
+    }
+    out.put(3);
+  };
+  EXPECT_EQ(read_in_child(kFile, limits, read).reader().get<int>(), 3);
+}
+
+TEST(ReadInChild, MemoryAndResultHaveLimits) {
+  ReadLimits limits;
+  limits.memory_bytes = 100'000'000;
+  limits.result_bytes = 2'000'000;
+  const auto take = [](std::size_t bytes) {
+    return [bytes](ResultWriter& out) { out.put(std::vector<char>(bytes, 'x').back()); };
+  };
+  EXPECT_NO_THROW(read_in_child(kFile, limits, take(50'000'000)));
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)  // they end the process
+  EXPECT_THAT(input_error(take(150'000'000), limits), HasSubstr("reading it needs more than 100 MB"));
+#endif
+  EXPECT_THAT(input_error([](ResultWriter& out) { out.array<char>(3'000'000); }, limits),
+              HasSubstr("reading it needs more than 2 MB"));
+}
+
+TEST(ReadInChild, AStopRequestEndsTheChildSoon) {
+  static std::chrono::steady_clock::time_point begun;
+  begun = std::chrono::steady_clock::now();
+  static constexpr auto kUntilStop = std::chrono::milliseconds(100);
+  interrupt_reading_when([] { return std::chrono::steady_clock::now() - begun > kUntilStop; });
+  EXPECT_THROW(read_in_child(kFile, {}, [](ResultWriter&) { loop(); }), Interrupted);
+  EXPECT_LT(std::chrono::steady_clock::now() - begun, std::chrono::seconds(1));
+  EXPECT_EQ(waitpid(-1, nullptr, WNOHANG), -1) << "the child is still there";
+  EXPECT_EQ(errno, ECHILD);
+}
+
+TEST(ReadInChild, CtrlCInATerminalReachesTheChildFirst) {
+  EXPECT_THROW(read_in_child(kFile, {}, [](ResultWriter&) { std::raise(SIGINT); }), Interrupted);
+}
+
+}  // namespace
+}  // namespace reamsim::test

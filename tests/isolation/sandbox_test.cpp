@@ -1,0 +1,117 @@
+#include "sim/isolation/sandbox.h"
+
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <sys/mman.h>
+#include <sys/ptrace.h>
+#include <sys/resource.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <csignal>
+#include <fstream>
+#include <thread>
+
+#include "sim/isolation/read_in_child.h"
+
+namespace reamsim::test {
+namespace {
+
+/// What `attempt` returns and the error number that it leaves, in a child that reads a file.
+struct Attempt {
+  long returned = 0;
+  int error = 0;
+};
+
+template <class Call>
+Attempt in_sandbox(const Call& call) {
+  ChildResult result = read_in_child({"file", "key"}, {}, [&](ResultWriter& out) {
+    errno = 0;
+    out.put(static_cast<long>(call()));
+    out.put(errno);
+  });
+  Attempt out;
+  out.returned = result.reader().get<long>();
+  out.error = result.reader().get<int>();
+  return out;
+}
+
+template <class Call>
+void expect_denied(const char* what, const Call& call) {
+  const Attempt attempt = in_sandbox(call);
+  EXPECT_EQ(attempt.returned, -1) << what;
+  EXPECT_EQ(attempt.error, EPERM) << what;
+}
+
+class SystemCalls : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    if (!restricts_system_calls()) GTEST_SKIP() << "the kernel has no seccomp";
+  }
+};
+
+TEST_F(SystemCalls, WhatReadingDoesNotNeedIsDenied) {
+  expect_denied("network", [] { return socket(AF_INET, SOCK_STREAM, 0); });
+  expect_denied("local sockets", [] { return socket(AF_UNIX, SOCK_STREAM, 0); });
+  expect_denied("a process", [] { return syscall(SYS_fork); });
+  expect_denied("a program", [] { return execl("/bin/true", "true", nullptr); });
+  expect_denied("ptrace", [] { return ptrace(PTRACE_ATTACH, getppid(), nullptr, nullptr); });
+  expect_denied("a signal to the parent", [] { return kill(getppid(), SIGTERM); });
+  expect_denied("deleting", [] { return unlink("/tmp/reamsim_no_such_file"); });
+  expect_denied("renaming", [] { return rename("/tmp/reamsim_no_such_file", "/tmp/reamsim_nor_this"); });
+  expect_denied("executable memory", [] {
+    void* memory = mmap(nullptr, 4096, PROT_READ | PROT_EXEC, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+    return memory == MAP_FAILED ? -1 : 0;
+  });
+  expect_denied("other limits", [] {
+    const rlimit more{RLIM_INFINITY, RLIM_INFINITY};
+    return setrlimit(RLIMIT_AS, &more);
+  });
+}
+
+TEST_F(SystemCalls, OpeningForWritingIsDenied) {
+  for (const int flags : {O_WRONLY, O_RDWR, O_RDONLY | O_CREAT, O_RDONLY | O_TRUNC, O_WRONLY | O_APPEND}) {
+    expect_denied("open", [flags] { return open("/dev/null", flags, 0600); });
+  }
+}
+
+TEST(Sandbox, ReadingWorks) {
+  const Attempt attempt = in_sandbox([] {
+    std::ifstream file("/proc/self/status");
+    return file.get() == EOF ? -1 : 0;
+  });
+  EXPECT_EQ(attempt.returned, 0);
+}
+
+TEST(Sandbox, ThreadsOfALibraryWork) {
+  const Attempt attempt = in_sandbox([] {
+    int done = 0;
+    std::thread([&done] { done = 5; }).join();
+    return done;
+  });
+  EXPECT_EQ(attempt.returned, 5);
+}
+
+TEST(Sandbox, FilesOfTheParentAreClosed) {
+  const int opened = fcntl(STDERR_FILENO, F_DUPFD, 20);
+  ASSERT_GE(opened, 20);
+  const Attempt attempt = in_sandbox([opened] { return lseek(opened, 0, SEEK_SET); });
+  EXPECT_EQ(attempt.returned, -1);
+  EXPECT_EQ(attempt.error, EBADF);
+  close(opened);
+}
+
+TEST(Sandbox, FewFilesAreOpenAtATime) {
+  const Attempt attempt = in_sandbox([] {
+    int opened = 0;
+    for (int n = 0; n < 1000; ++n) opened += open("/dev/null", O_RDONLY) >= 0 ? 1 : 0;
+    return opened;
+  });
+  EXPECT_GT(attempt.returned, 8);
+  EXPECT_LT(attempt.returned, 64);
+  EXPECT_EQ(attempt.error, EMFILE);
+}
+
+}  // namespace
+}  // namespace reamsim::test

@@ -1,0 +1,36 @@
+// fuzz_readers INPUTS SEED [FOLDER]: reads INPUTS damaged files and prints a table. Files with a complaint are kept in
+// FOLDER. Exits with 1 if there are any.
+#include <cstdio>
+#include <cstdlib>
+
+#include "reader_campaign.h"
+
+int main(int argc, char** argv) {
+  using namespace reamsim::test;
+  if (argc < 3) {
+    std::fprintf(stderr, "usage: fuzz_readers INPUTS SEED [FOLDER for files with a complaint]\n");
+    return 2;
+  }
+  const Campaign campaign{
+      .inputs = std::atoi(argv[1]), .seed = std::strtoull(argv[2], nullptr, 10), .keep = argc > 3 ? argv[3] : ""};
+  std::size_t complaints = 0;
+  ReaderFindings all;
+  std::printf(
+      "| reader | inputs | accepted | longest, s | most memory, MB | complaints |\n|---|---|---|---|---|---|\n");
+  const auto print = [](const char* reader, const ReaderFindings& f, std::size_t count) {
+    std::printf("| %s | %d | %d | %.2f | %.0f | %zu |\n", reader, f.inputs, f.accepted, f.slowest_s, f.largest_mb,
+                count);
+  };
+  for (const auto& [reader, findings] : run_campaign(campaign)) {
+    print(reader.c_str(), findings, findings.complaints.size());
+    for (const std::string& complaint : findings.complaints)
+      std::fprintf(stderr, "%s: %s\n", reader.c_str(), complaint.c_str());
+    complaints += findings.complaints.size();
+    all.inputs += findings.inputs;
+    all.accepted += findings.accepted;
+    all.slowest_s = std::max(all.slowest_s, findings.slowest_s);
+    all.largest_mb = std::max(all.largest_mb, findings.largest_mb);
+  }
+  print("all", all, complaints);
+  return complaints == 0 ? 0 : 1;
+}
