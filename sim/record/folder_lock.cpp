@@ -9,7 +9,9 @@
 
 #include <array>
 #include <cerrno>
+#include <chrono>
 #include <ctime>
+#include <thread>
 
 #include "sim/base/error.h"
 
@@ -39,6 +41,17 @@ std::string holder_of(int descriptor) {
   return all.substr(0, all.find('\n'));
 }
 
+/// The holder of a lock that another process has. That process writes its name just after it took the lock, so a file
+/// without one is read again for up to a second.
+std::string wait_for_holder(int descriptor) {
+  std::string holder = holder_of(descriptor);
+  for (int attempt = 0; attempt < 50 && holder.empty(); ++attempt) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    holder = holder_of(descriptor);
+  }
+  return holder.empty() ? "another run" : holder;
+}
+
 std::string host_name() {
   std::array<char, 256> name{};
   return gethostname(name.data(), name.size() - 1) == 0 ? name.data() : "this machine";
@@ -56,9 +69,9 @@ FolderLock::FolderLock(const std::string& dir) : path_(dir + ".lock") {
       refuse(path_, "is not a lock of reamsim", "choose another folder with -o");
     }
     if (flock(opened, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
+      const std::string name = wait_for_holder(opened);
       close(opened);
-      refuse(dir, "is in use by " + (holder.empty() ? "another run" : holder),
-             "wait until that ends, or choose another folder with -o");
+      refuse(dir, "is in use by " + name, "wait until that ends, or choose another folder with -o");
     }
     if (is_file_of(opened, path_)) {
       descriptor_ = opened;
@@ -73,9 +86,11 @@ FolderLock::~FolderLock() {
   release();
 }
 
-void FolderLock::release() const {
+void FolderLock::release() {
+  if (descriptor_ < 0) return;
   unlink(path_.c_str());  // before the lock is released, so that nobody else holds it
   close(descriptor_);
+  descriptor_ = -1;
 }
 
 void FolderLock::describe_holder() const {

@@ -13,8 +13,8 @@ class FolderLock {
   /// is not a lock. On file systems without locks it only creates the file.
   explicit FolderLock(const std::string& dir);
   ~FolderLock();
-  /// Releases the lock early. Called once.
-  void release() const;
+  /// Releases the lock early.
+  void release();
   FolderLock(const FolderLock&) = delete;
   FolderLock& operator=(const FolderLock&) = delete;
 
