@@ -81,7 +81,7 @@ bench::Findings measure(const bench::Plan& plan, const BenchOptions& options, co
   control.progress = [&](const std::string& stage) { console.say("... " + stage); };
   control.stop = stop_requested;
   bench::Findings findings = bench::run_bench(plan, control);
-  console.say("\n" + bench::text_of(findings));
+  console.say_lines("\n" + bench::text_of(findings));
   if (!options.json.empty()) write_file(options.json, bench::json_of(findings));
   return findings;
 }
@@ -106,7 +106,7 @@ void bench_command(const BenchOptions& options, const Console& console) {
   const bench::Plan plan = plan_of(options);
   bench::check_plan(plan);
   if (options.find_depths) {
-    console.say(bench::find_depths(bench::kVoxmaps.back(), bench::kShells.back()));
+    console.say_lines(bench::find_depths(bench::kVoxmaps.back(), bench::kShells.back()));
     return;
   }
   if (!options.json.empty()) require_writable(options.json, options.overwrite);

@@ -84,6 +84,7 @@ void warn_of_settings(const ReamingScene& scene, Report& report) {
 /// As YAML comments, so that the output is a scenario.
 void print_findings(const Report& report, const Console& console) {
   for (const std::string& warning : report.warnings) console.say("# warning: " + warning);
+  for (const std::string& listing : report.listings) console.say("# " + listing);
   for (const std::string& note : report.notes) console.say("# " + note);
 }
 
@@ -96,10 +97,12 @@ void check_command(const ScenarioOptions& options, const Console& console) {
   const double load_s = load_watch.seconds();
   warn_of_contact(scene, forecast_contact(scene), found);
   warn_of_settings(scene, found);
-  Report report{.notes = {}, .warnings = found.warnings};
+  Report report;
+  report.warnings = found.warnings;
   note_cost(scene, report);
   note_time(scene, load_s, mistakes, report);
   if (scene.bone.segmentation) report.note(sentence_of(*scene.bone.segmentation));
+  report.listings = std::move(found.listings);
   report.notes.insert(report.notes.end(), found.notes.begin(), found.notes.end());
   // On a terminal, standard error would repeat them.
   if (isatty(STDOUT_FILENO) == 0 || console.quiet) {
@@ -107,7 +110,7 @@ void check_command(const ScenarioOptions& options, const Console& console) {
   }
   print_findings(report, console);
   mistakes.throw_if_any();
-  console.say(to_yaml(scene.scenario));
+  console.say_lines(to_yaml(scene.scenario));
 }
 
 }  // namespace

@@ -14,6 +14,7 @@
 #include "sim/base/text.h"
 #include "sim/record/output_folder.h"
 #include "sim/scenario/parse.h"
+#include "sim/scenario/paths.h"
 
 namespace reamsim {
 
@@ -61,7 +62,7 @@ std::vector<ComparedRun> label_runs(const std::vector<std::string>& dirs) {
     names.insert(runs.back().label);
   }
   if (names.size() == runs.size()) return runs;
-  for (ComparedRun& run : runs) run.label = run.dir;
+  for (ComparedRun& run : runs) run.label = recorded_text(run.dir);
   return runs;
 }
 

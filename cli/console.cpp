@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cstdio>
 
+#include "sim/base/printable.h"
+
 namespace reamsim {
 
 namespace {
@@ -15,12 +17,19 @@ constexpr double kRedrawSeconds = 0.1;
 }  // namespace
 
 void Console::say(const std::string& line) const {
-  if (!quiet) std::printf("%s\n", line.c_str());
+  if (!quiet) std::printf("%s\n", printable(line).c_str());
   std::fflush(stdout);
 }
 
+void Console::say_lines(std::string_view text) const {
+  for (std::size_t end; !text.empty(); text.remove_prefix(std::min(end + 1, text.size()))) {
+    end = std::min(text.find('\n'), text.size());
+    say(std::string(text.substr(0, end)));
+  }
+}
+
 void Console::warn(const std::string& line) const {
-  std::fprintf(stderr, "reamsim: warning: %s\n", line.c_str());
+  std::fprintf(stderr, "reamsim: warning: %s\n", printable(line).c_str());
 }
 
 void Console::print(Report& report) const {
@@ -28,6 +37,7 @@ void Console::print(Report& report) const {
     for (const auto& note : report.notes) say("  " + note);
   }
   for (const auto& warning : report.warnings) warn(warning);
+  for (const auto& listing : report.listings) std::fprintf(stderr, "reamsim: %s\n", printable(listing).c_str());
   report = {};
 }
 

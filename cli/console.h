@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <string>
+#include <string_view>
 
 #include "cli/stop.h"
 #include "sim/base/report.h"
@@ -15,7 +16,10 @@ class Console {
   bool quiet = false;
   bool verbose = false;
 
+  /// One line, printable().
   void say(const std::string& line) const;
+  /// say() for each line of a text.
+  void say_lines(std::string_view text) const;
   /// "reamsim: warning: ..." on stderr; also when quiet.
   void warn(const std::string& line) const;
   /// Prints the warnings of a stage, and its notes when verbose. Clears the report.

@@ -10,13 +10,14 @@
 #include "cli/commands.h"
 #include "cli/stop.h"
 #include "sim/base/error.h"
+#include "sim/base/printable.h"
 
 namespace {
 
 constexpr int kFailed = 1, kWrongInput = 2;
 
 int complain(const std::string& message, int status) {
-  std::fprintf(stderr, "reamsim: error: %s\n", message.c_str());
+  std::fprintf(stderr, "reamsim: error: %s\n", reamsim::printable(message).c_str());
   return status;
 }
 

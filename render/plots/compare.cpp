@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "render/plots/plots.h"
+#include "sim/base/csv.h"
 #include "sim/base/error.h"
 #include "sim/base/file.h"
 #include "sim/base/text.h"
@@ -45,14 +46,6 @@ void for_each_number(const Json& json, const std::string& key, const Visit& visi
   }
 }
 
-/// A CSV cell, quoted if necessary (RFC 4180).
-std::string cell(const std::string& text) {
-  if (text.find_first_of(",\"\n") == std::string::npos) return text;
-  std::string out = "\"";
-  for (const char c : text) out += c == '"' ? std::string("\"\"") : std::string(1, c);
-  return out + "\"";
-}
-
 std::string number_cell(double value) {
   return std::isfinite(value) ? shortest_text(value) : std::string();
 }
@@ -61,7 +54,7 @@ std::string metrics_csv(const std::vector<ComparedRun>& runs, const std::vector<
   std::string out = "metric,run,value,difference,relative_difference\n";
   for (const ComparedMetric& metric : metrics) {
     for (std::size_t i = 0; i < runs.size(); ++i) {
-      out += metric.key + "," + cell(runs[i].label) + "," + number_cell(metric.values[i]) + "," +
+      out += csv_text(metric.key) + "," + csv_text(runs[i].label) + "," + number_cell(metric.values[i]) + "," +
              number_cell(metric.difference(i)) + "," + number_cell(metric.relative(i)) + "\n";
     }
   }

@@ -6,6 +6,7 @@
 
 #include "sim/base/error.h"
 #include "sim/base/file.h"
+#include "sim/base/printable.h"
 #include "sim/base/process.h"
 
 namespace reamsim {
@@ -23,9 +24,9 @@ std::string on_one_line(std::string text) {
 
 std::string gnuplot_string(const std::string& text) {
   std::string out = "'";
-  for (const char c : text) {
+  for (const char c : printable(text)) {
     if (c == '\'') out += '\'';
-    out += static_cast<unsigned char>(c) < ' ' || c == 0x7f ? ' ' : c;
+    out += c;
   }
   return out + "'";
 }

@@ -1,8 +1,10 @@
 #include <fmt/core.h>
+#include <algorithm>
 #include <cmath>
 
 #include "render/report/verify_report.h"
 
+#include "sim/base/printable.h"
 #include "sim/base/text.h"
 
 namespace reamsim {
@@ -57,6 +59,13 @@ std::string tolerance_text(const Check& check) {
   return check.measure == Measure::absolute ? "±" + fmt::format("{:.2g}", check.tolerance) : "–";
 }
 
+/// A text that is not markup.
+std::string code(const std::string& text) {
+  std::string out = printable(text);
+  std::ranges::replace(out, '`', '\'');
+  return "`" + out + "`";
+}
+
 std::string verdict(const Check& check) {
   if (check.measure == Measure::reported) return "–";
   return check.passed() ? "pass" : "**FAIL**";
@@ -106,7 +115,7 @@ std::string summary_table(const Findings& findings) {
 
 std::string verification_markdown(const Findings& findings) {
   std::string out = "# Verification of reamsim " REAMSIM_VERSION "\n\n";
-  out += std::string(findings.quick ? "Quick" : "Full") + " suite on " + findings.device + ", erosion `exact`: " +
+  out += std::string(findings.quick ? "Quick" : "Full") + " suite on " + code(findings.device) + ", erosion `exact`: " +
          (findings.passed() ? "all cases passed" : std::to_string(findings.failed_checks()) + " figures FAILED") +
          ". Took " + fmt::format("{:.0f}", findings.seconds) + " s.\n\n" + summary_table(findings);
   out +=

@@ -10,6 +10,7 @@
 #include <stdexcept>
 
 #include "sim/base/file.h"
+#include "sim/base/printable.h"
 #include "sim/base/text.h"
 
 namespace reamsim {
@@ -72,6 +73,15 @@ bool CsvReader::next(std::vector<double>& values, std::string_view may_be_empty)
     values.push_back(empty ? std::numeric_limits<double>::quiet_NaN() : number(where(), names_[i], cell));
   }
   return true;
+}
+
+std::string csv_text(std::string_view text) {
+  const bool formula = !text.empty() && std::string_view("=+-@").find(text.front()) != std::string_view::npos;
+  const std::string plain = (formula ? "'" : "") + printable(text);
+  if (plain.find_first_of(",\"") == std::string::npos) return plain;
+  std::string out = "\"";
+  for (const char c : plain) out += c == '"' ? std::string("\"\"") : std::string(1, c);
+  return out + "\"";
 }
 
 CsvWriter::CsvWriter(const std::string& path, const std::string& header, std::ios::openmode mode)

@@ -33,9 +33,13 @@ class CsvReader {
   int line_ = 1;
 };
 
+/// A text as a CSV cell, on one line and quoted where necessary (RFC 4180). A spreadsheet would take a text that begins
+/// with =, +, - or @ for a formula, so an apostrophe precedes it.
+std::string csv_text(std::string_view text);
+
 /// Writes a CSV file with a header line. Numbers have the fewest digits that read back to the same value, and
-/// integers no exponent, so the same run gives the same bytes; NaN is an empty cell. Only whole rows are written, so that
-/// a process that is killed leaves none incomplete.
+/// integers no exponent, so the same run gives the same bytes; NaN is an empty cell. Only whole rows are written, so
+/// that a process that is killed leaves none incomplete.
 class CsvWriter {
  public:
   /// Throws RunError when the file cannot be created.

@@ -14,6 +14,7 @@
 
 #include "sim/base/error.h"
 #include "sim/base/file.h"
+#include "sim/base/printable.h"
 #include "sim/record/manifest.h"
 
 namespace reamsim {
@@ -32,6 +33,12 @@ std::string resolved(const std::string& path) {
   fs::path out = fs::weakly_canonical(fs::absolute(path), error);
   if (error) out = fs::absolute(path).lexically_normal();
   return out.has_filename() ? out.string() : out.parent_path().string();
+}
+
+/// `dir`, whose files the other commands must be able to name in their results. Throws InputError.
+const std::string& recordable(const std::string& dir) {
+  if (!is_printable(dir)) refuse(dir, "is no UTF-8 on one line", "choose another name with -o");
+  return dir;
 }
 
 std::string without_suffix(const std::string& text, const std::string& suffix) {
@@ -144,7 +151,7 @@ OutputFolder::OutputFolder(const OutputRequest& request)
       partial_(dir_ + ".partial"),
       overwrite_(request.overwrite),
       parents_(dir_),
-      lock_(dir_) {
+      lock_(recordable(dir_)) {
   std::error_code error;
   for (const std::string& place : {dir_, partial_}) {
     if (!fs::exists(fs::symlink_status(place, error))) continue;
@@ -228,6 +235,9 @@ void require_replaceable_file(const std::string& path, const std::string& key, b
     throw InputError({path, 0, 0}, key, found, expected);
   };
   std::error_code error;
+  const fs::path folder = fs::absolute(path).parent_path();
+  if (!is_printable(path)) fail("is no UTF-8 on one line", "choose another name");
+  if (!fs::is_directory(folder, error)) fail("there is no folder " + folder.string(), "create it, or choose another");
   if (!fs::exists(fs::symlink_status(path, error))) return;
   for (const std::string& input : inputs) {
     if (fs::equivalent(input, path, error)) fail("is an input", "choose another name");

@@ -13,6 +13,7 @@
 #include "sim/record/metrics_file.h"
 #include "sim/record/vti.h"
 #include "sim/scenario/parse.h"
+#include "sim/scenario/paths.h"
 #include "sim/scenario/presets.h"
 
 namespace reamsim {
@@ -36,7 +37,7 @@ Metadata provenance(const ReamingScene& scene, const RunFacts& facts) {
 std::string scenario_head(const RunFacts& facts) {
   std::string head = "# Resolved by reamsim " REAMSIM_VERSION ", with all defaults. Run on " + facts.device + ".\n";
   for (const auto& input : facts.inputs)
-    head += "# sha256 " + input.sha256 + "  " + input.role + "  " + input.path + "\n";
+    head += "# sha256 " + input.sha256 + "  " + input.role + "  " + recorded_path(input.path) + "\n";
   return head;
 }
 
@@ -237,9 +238,10 @@ void write_summary(const std::string& dir, const ReamingScene& scene, const RunT
   }
   json["memory_mb"] = {{"peak_process", peak_process_mb()}, {"device", static_cast<double>(facts.device_bytes) / 1e6}};
   for (const auto& input : facts.inputs) {
-    json["inputs"].push_back({{"role", input.role}, {"path", input.path}, {"sha256", input.sha256}});
+    json["inputs"].push_back({{"role", input.role}, {"path", recorded_path(input.path)}, {"sha256", input.sha256}});
   }
-  json["warnings"] = facts.warnings;
+  json["warnings"] = nlohmann::ordered_json::array();
+  for (const std::string& warning : facts.warnings) json["warnings"].push_back(recorded_text(warning));
   write_file(dir + "/summary.json", json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n");
 }
 

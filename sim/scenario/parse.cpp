@@ -104,6 +104,7 @@ Scenario parse_scenario(const std::string& path, const std::vector<std::string>&
     MistakeList mistakes;
     reject_unknown_keys(*document, file, mistakes);
     const fs::path absolute = fs::absolute(path).lexically_normal();
+    require_recordable(absolute.string(), {file, 0, 0}, "");
     ScenarioReader reader(document, file, absolute.parent_path().string(), mistakes);
     describe_scenario(reader, scenario);
     apply_preset(reader.locations(), scenario.cutting);
@@ -141,7 +142,9 @@ ResultSettings parse_result_settings(const std::string& path, const std::vector<
 BoneSettings parse_bone_settings(const std::string& source, const std::string& path,
                                  const std::vector<std::string>& overrides) {
   const std::string file = shown_path(path);
-  YamlNodePtr document = section_of("bone", section_of(source, section_of("path", text_of(escape_path(path)))));
+  YamlNodePtr document = section_of(
+      "bone",
+      section_of(source, section_of("path", text_of(recorded_path(fs::absolute(path).lexically_normal().string())))));
   document = apply_override(document, "bone.source=" + source);
   for (const auto& assignment : overrides) {
     document = apply_override(document, assignment);

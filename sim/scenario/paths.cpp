@@ -1,12 +1,14 @@
 #include "sim/scenario/paths.h"
 
+#include <pwd.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <cstdlib>
 #include <filesystem>
 #include <system_error>
+#include <vector>
 
+#include "sim/base/printable.h"
 #include "sim/scenario/show.h"
 
 namespace reamsim {
@@ -15,9 +17,35 @@ namespace {
 
 namespace fs = std::filesystem;
 
+const std::string kHomeVariable = "${HOME}/";
+
 bool is_variable_name(const std::string& name) {
   return !name.empty() &&
          name.find_first_not_of("ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_") == std::string::npos;
+}
+
+/// The user's home as the environment has it, else as the system has it; "" where there is none.
+std::string home_folder() {
+  const char* variable = std::getenv("HOME");
+  if (variable != nullptr && *variable != '\0') return variable;
+  const passwd* user = getpwuid(geteuid());
+  return user != nullptr && user->pw_dir != nullptr ? user->pw_dir : "";
+}
+
+/// The home with a slash at its end, as it is named and with links resolved. Empty where it is no folder of a user.
+std::vector<std::string> home_prefixes() {
+  const fs::path home = fs::path(home_folder() + "/").lexically_normal();
+  if (!home.is_absolute() || !home.has_relative_path()) return {};
+  std::error_code error;
+  const std::string real = fs::weakly_canonical(home, error).string();
+  if (error || real.empty() || real == "/") return {home.string()};
+  return {home.string(), real.back() == '/' ? real : real + "/"};
+}
+
+std::string value_of(const std::string& variable) {
+  if (variable == "HOME") return home_folder();
+  const char* value = std::getenv(variable.c_str());
+  return value == nullptr ? "" : value;
 }
 
 std::string expand_variables(const std::string& text, const SourceLocation& where, const std::string& key) {
@@ -40,8 +68,8 @@ std::string expand_variables(const std::string& text, const SourceLocation& wher
                        "expected ${NAME} with the name of a variable, or $${ "
                        "for the characters ${");
     }
-    const char* value = std::getenv(name.c_str());
-    if (value == nullptr || *value == '\0') {
+    const std::string value = value_of(name);
+    if (value.empty()) {
       throw InputError(where, key, "the environment variable " + name + " in " + shown_text(text) + " is not set",
                        "expected it to name a folder or file (export " + name + "=...)");
     }
@@ -69,22 +97,7 @@ void require_input(const std::string& path, TextKind kind, const SourceLocation&
   }
 }
 
-}  // namespace
-
-std::string resolve_path(const std::string& text, TextKind kind, const std::string& folder, const SourceLocation& where,
-                         const std::string& key) {
-  if (text.empty()) return text;
-  const fs::path path = fs::path(folder) / expand_variables(text, where, key);
-  std::string absolute = path.lexically_normal().string();
-  const auto is_control = [](char c) { return (c >= 0 && c < 0x20) || c == 0x7f; };
-  if (std::ranges::any_of(absolute, is_control)) {
-    throw InputError(where, key, "found the path " + shown_path(absolute), "expected one without control characters");
-  }
-  if (absolute.size() > 1 && absolute.back() == '/') absolute.pop_back();
-  if (kind != TextKind::output_folder) require_input(absolute, kind, where, key);
-  return absolute;
-}
-
+/// `path` with "${" as "$${".
 std::string escape_path(const std::string& path) {
   std::string out;
   for (std::size_t i = 0; i < path.size(); ++i) {
@@ -92,6 +105,41 @@ std::string escape_path(const std::string& path) {
     out += path[i];
   }
   return out;
+}
+
+}  // namespace
+
+void require_recordable(const std::string& path, const SourceLocation& where, const std::string& key) {
+  if (is_printable(path)) return;
+  throw InputError(where, key, "found the path " + shown_path(path),
+                   "rename it: expected UTF-8 without line breaks or control characters");
+}
+
+std::string resolve_path(const std::string& text, TextKind kind, const std::string& folder, const SourceLocation& where,
+                         const std::string& key) {
+  if (text.empty()) return text;
+  const fs::path path = fs::path(folder) / expand_variables(text, where, key);
+  std::string absolute = path.lexically_normal().string();
+  require_recordable(absolute, where, key);
+  if (absolute.size() > 1 && absolute.back() == '/') absolute.pop_back();
+  if (kind != TextKind::output_folder) require_input(absolute, kind, where, key);
+  return absolute;
+}
+
+std::string recorded_path(const std::string& path) {
+  for (const std::string& home : home_prefixes()) {
+    if (path.starts_with(home)) return kHomeVariable + escape_path(path.substr(home.size()));
+  }
+  return escape_path(path);
+}
+
+std::string recorded_text(std::string text) {
+  for (const std::string& home : home_prefixes()) {
+    for (std::size_t at = 0; (at = text.find(home, at)) != std::string::npos; at += kHomeVariable.size()) {
+      text.replace(at, home.size(), kHomeVariable);
+    }
+  }
+  return text;
 }
 
 }  // namespace reamsim

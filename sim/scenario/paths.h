@@ -8,12 +8,19 @@
 namespace reamsim {
 
 /// Expands ${VAR} from the environment ("$${" stands for "${"), and makes the path absolute: relative to `folder`.
-/// An input must exist, be readable, and be a file where `kind` says so. "" stays "".
+/// An input must exist, be readable, and be a file where `kind` says so. "" stays "". Must be recordable.
 /// Throws InputError with `where` and `key`.
 std::string resolve_path(const std::string& text, TextKind kind, const std::string& folder, const SourceLocation& where,
                          const std::string& key);
 
-/// A path written so that resolve_path() gives it back: "${" becomes "$${".
-std::string escape_path(const std::string& path);
+/// Throws InputError with `where` and `key` unless the path can stand in YAML, JSON and metadata (is_printable()).
+void require_recordable(const std::string& path, const SourceLocation& where, const std::string& key);
+
+/// An absolute path as results hold it, so that resolve_path() gives it back: the user's home is ${HOME}, which keeps
+/// the name of the user out of what is published; "${" is "$${".
+std::string recorded_path(const std::string& path);
+
+/// A message as results hold it: the user's home in it is ${HOME}.
+std::string recorded_text(std::string text);
 
 }  // namespace reamsim

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "sim/base/printable.h"
 #include "sim/scenario/key_tree.h"
 #include "sim/scenario/paths.h"
 #include "sim/scenario/show.h"
@@ -127,8 +128,7 @@ std::string ScenarioReader::checked_text(const KeyInfo& info, const YamlNode& no
   if (other_type)
     reject(info.name, node, "found " + shown(node), expected + " (in quotes where it looks like a number)");
   if (node.text.empty() && info.text != TextKind::output_folder) reject(info.name, node, "found \"\"", expected);
-  const auto is_control = [](char c) { return (c >= 0 && c < 0x20) || c == 0x7f; };
-  if (std::ranges::any_of(node.text, is_control)) {
+  if (!is_printable(node.text)) {
     reject(info.name, node, "found " + shown(node), expected + " without line breaks or control characters");
   }
   return node.text;

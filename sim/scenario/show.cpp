@@ -7,23 +7,16 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
+#include "sim/base/printable.h"
+
 namespace reamsim {
 
 namespace {
 
 constexpr std::size_t kShownBytes = 60;
 constexpr std::size_t kShownPathBytes = 300;
-constexpr std::string_view kHex = "0123456789abcdef";
 
-unsigned char byte_at(std::string_view text, std::size_t at) {
-  return static_cast<unsigned char>(text[at]);
-}
-
-bool continues(std::string_view text, std::size_t at) {
-  return at < text.size() && (byte_at(text, at) & 0xC0) == 0x80;
-}
-
-/// One printable line: control characters and broken UTF-8 as \xNN, "..." where it was cut after `limit` bytes.
+/// printable(), with "..." where the text was cut after `limit` bytes.
 std::string cleaned(std::string_view text, std::size_t limit) {
   const bool cut = text.size() > limit;
   if (cut) {
@@ -31,19 +24,7 @@ std::string cleaned(std::string_view text, std::size_t limit) {
     while (end > 0 && (text[end] & 0xC0) == 0x80) --end;  // not in the middle of a character
     text = text.substr(0, end);
   }
-  std::string out;
-  for (std::size_t i = 0; i < text.size();) {
-    const std::size_t length = utf8_length(text, i);
-    const auto byte = static_cast<unsigned char>(text[i]);
-    if (length == 0 || byte < 0x20 || byte == 0x7f) {
-      out += {'\\', 'x', kHex[byte >> 4], kHex[byte & 15]};
-      ++i;
-    } else {
-      out += text.substr(i, length);
-      i += length;
-    }
-  }
-  return out + (cut ? "..." : "");
+  return printable(text) + (cut ? "..." : "");
 }
 
 bool is_letter(char c) {
@@ -62,21 +43,6 @@ bool is_reserved_word(std::string_view text) {
 }
 
 }  // namespace
-
-std::size_t utf8_length(std::string_view text, std::size_t at) {
-  const unsigned char first = byte_at(text, at);
-  if (first < 0x80) return 1;
-  const std::size_t length = first >= 0xF0 ? 4 : first >= 0xE0 ? 3 : 2;
-  if (first < 0xC2 || first > 0xF4) return 0;
-  for (std::size_t i = 1; i < length; ++i) {
-    if (!continues(text, at + i)) return 0;
-  }
-  const unsigned char second = byte_at(text, at + 1);
-  const bool overlong = (first == 0xE0 && second < 0xA0) || (first == 0xF0 && second < 0x90);
-  const bool surrogate = first == 0xED && second > 0x9F;
-  const bool beyond = first == 0xF4 && second > 0x8F;
-  return overlong || surrogate || beyond ? 0 : length;
-}
 
 std::string shown_text(std::string_view text) {
   return "\"" + cleaned(text, kShownBytes) + "\"";

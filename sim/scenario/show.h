@@ -1,6 +1,5 @@
 #pragma once
 
-#include <cstddef>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -9,10 +8,7 @@
 
 namespace reamsim {
 
-/// Bytes of the UTF-8 character at `text[at]`, 1 to 4; 0 where there is none (stray, overlong, surrogate, cut off).
-std::size_t utf8_length(std::string_view text, std::size_t at);
-
-/// A user's text for a message: in double quotes, control characters and broken UTF-8 as \xNN, cut after 60 bytes.
+/// A user's text for a message: in double quotes, printable(), cut after 60 bytes.
 std::string shown_text(std::string_view text);
 
 /// A file name for a message: without quotes, otherwise as shown_text(), cut after 300 bytes.

@@ -23,8 +23,8 @@ class YamlWriter : public KeyVisitor {
   void text(const KeyInfo& info, std::string& value) override {
     if (!info.choices.empty()) levels_.back()[info.name] = value;
     if (value.empty() && info.text != TextKind::output_folder) return;
-    line(info,
-         info.number_too ? name_scalar(value) : yaml_scalar(info.text == TextKind::word ? value : escape_path(value)));
+    line(info, info.number_too ? name_scalar(value)
+                               : yaml_scalar(info.text == TextKind::word ? value : recorded_path(value)));
   }
 
   void names(const KeyInfo& info, std::vector<std::string>& values) override {

@@ -8,6 +8,7 @@
 #include <sstream>
 #include <utility>
 
+#include "sim/base/printable.h"
 #include "sim/scenario/show.h"
 #include "sim/scenario/yaml_builder.h"
 

@@ -139,6 +139,7 @@ void write_dicom(const TestImage& image, const std::string& folder, int skip, co
     put("0020|0052", "1.2.3.4.5.7");  // frame of reference
     put("0020|0013", std::to_string(k + 1));
     put("0028|0004", "MONOCHROME2");
+    for (const auto& [tag, text] : tags.more) put(tag.c_str(), text);
     char name[32];
     std::snprintf(name, sizeof name, "/slice%03d", image.dims.z() - k);
     write<std::int16_t>(slice, *io, folder + name + ".dcm", false);

@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -54,7 +55,8 @@ struct DicomTags {
   std::string description{};
   std::string kernel{};
   std::string modality = "CT";
-  std::string ending = ".dcm";  ///< of the files' names
+  std::string ending = ".dcm";                ///< of the files' names
+  std::map<std::string, std::string> more{};  ///< text elements by "GGGG|EEEE", which replace those of every file
 };
 
 /// Writes one DICOM file per slice (int16), file names in the reverse order of the slices. A `skip`ped slice is left

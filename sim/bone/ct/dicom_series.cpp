@@ -183,8 +183,8 @@ const DicomSeries& choose_series(const DicomFolder& found, const DicomChoice& ch
     const std::string why =
         candidates.size() > 1 ? "; using the one with the most slices (" : "; using the only CT volume (";
     report.warn(folder + ": " + std::to_string(found.series.size()) + " DICOM series" + why +
-                std::to_string(best.slices()) + " slices), UID " + best.uid +
-                "; select another with bone.ct.series: " + list_of(found.series));
+                std::to_string(best.slices()) + " slices); select another with bone.ct.series");
+    report.list("DICOM series, the one in use is " + best.uid + ": " + list_of(found.series));
   }
   return best;
 }

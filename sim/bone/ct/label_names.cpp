@@ -7,6 +7,7 @@
 #include <memory>
 
 #include "sim/base/error.h"
+#include "sim/base/printable.h"
 #include "sim/bone/ct/quiet.h"
 #include "sim/isolation/read_in_child.h"
 
@@ -25,14 +26,6 @@ bool is_whole_number(const std::string& text) {
 
 std::string in_lower_case(std::string text) {
   std::ranges::transform(text, text.begin(), [](unsigned char c) { return std::tolower(c); });
-  return text;
-}
-
-/// Replaces control characters. Keeps UTF-8.
-std::string printable(std::string text) {
-  for (char& c : text) {
-    if ((c >= 0 && c < 0x20) || c == 0x7f) c = '?';
-  }
   return text;
 }
 

@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include "sim/base/error.h"
+#include "sim/base/printable.h"
 
 namespace reamsim {
 
@@ -25,13 +26,9 @@ bool read_numbers(const std::string& text, std::array<double, N>& numbers) {
   return !(in >> rest);
 }
 
-/// The beginning of a text from a file, without control characters.
+/// The beginning of a text from a file.
 std::string excerpt(const std::string& text) {
-  std::string out = text.substr(0, 60);
-  for (char& c : out) {
-    if (c < 0x20 || c == 0x7f) c = '?';
-  }
-  return "found '" + out + "'";
+  return "found '" + printable(text.substr(0, 60)) + "'";
 }
 
 std::ostringstream exact_text() {
