@@ -11,6 +11,7 @@
 #include "cli/stop.h"
 #include "sim/base/error.h"
 #include "sim/base/printable.h"
+#include "sim/isolation/reader_server.h"
 
 namespace {
 
@@ -83,6 +84,7 @@ int run_and_report(int argc, char** argv) {
 
 int main(int argc, char** argv) {
   open_standard_streams();
+  reamsim::start_reader_server();  // before there are threads
   // Pins PoCL's worker threads to their cores, for their caches. Must be set before OpenCL is loaded.
   setenv("POCL_AFFINITY", "1", 0);
   reamsim::install_stop_handler();

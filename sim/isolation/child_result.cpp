@@ -1,6 +1,8 @@
 #include "sim/isolation/child_result.h"
 
+#include <sys/ipc.h>
 #include <sys/mman.h>
+#include <sys/shm.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -14,6 +16,7 @@ namespace {
 
 constexpr std::size_t kHeadBytes = 16384;
 constexpr std::uint64_t kLeastResult = std::uint64_t{1} << 20;
+void* const kNotAttached = reinterpret_cast<void*>(-1);
 
 std::uint64_t aligned(std::uint64_t place, std::uint64_t alignment) {
   return (place + alignment - 1) / alignment * alignment;
@@ -24,19 +27,27 @@ std::uint64_t aligned(std::uint64_t place, std::uint64_t alignment) {
 SharedMemory::SharedMemory(std::uint64_t result_bytes) : capacity_(std::max(result_bytes, kLeastResult)) {
   static_assert(sizeof(Head) <= kHeadBytes && kHeadBytes % ResultWriter::kAlignment == 0);
   static_assert(std::atomic<std::uint64_t>::is_always_lock_free);  // between processes
-  // Anonymous: the limit of file sizes, which this process may have itself, counts for files in memory too.
+  // System V memory: for files in memory the limit of file sizes counts, which this process may have itself.
   for (; memory_ == nullptr; capacity_ /= 2) {
     if (capacity_ < kLeastResult) throw RunError("no memory to read files in a child process");
-    void* memory = mmap(nullptr, kHeadBytes + capacity_, PROT_READ | PROT_WRITE,
-                        MAP_SHARED | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
-    if (memory == MAP_FAILED) continue;
+    id_ = shmget(IPC_PRIVATE, kHeadBytes + capacity_, IPC_CREAT | SHM_NORESERVE | 0600);
+    if (id_ < 0) continue;
+    void* memory = shmat(id_, nullptr, 0);
+    shmctl(id_, IPC_RMID, nullptr);  // it exists as long as a process holds it
+    if (memory == kNotAttached) continue;
     memory_ = new (memory) Head;
     break;
   }
 }
 
+SharedMemory::SharedMemory(const Handle& handle) : id_(handle.id), capacity_(handle.capacity) {
+  void* memory = shmat(id_, nullptr, 0);
+  if (memory == kNotAttached) throw RunError("the shared memory of the parent is gone");
+  memory_ = memory;
+}
+
 SharedMemory::~SharedMemory() {
-  munmap(memory_, kHeadBytes + capacity_);
+  shmdt(memory_);
 }
 
 std::byte* SharedMemory::result() const {
@@ -46,6 +57,11 @@ std::byte* SharedMemory::result() const {
 void ResultWriter::put(const std::string& text) {
   put(std::uint64_t{text.size()});
   std::memcpy(take(text.size(), 1), text.data(), text.size());
+}
+
+void ResultWriter::put(const std::vector<std::string>& texts) {
+  put(std::uint64_t{texts.size()});
+  for (const std::string& text : texts) put(text);
 }
 
 void ResultWriter::begin_file(const std::string& path) {
@@ -74,6 +90,13 @@ std::string ResultReader::text() {
   const auto length = get<std::uint64_t>();
   const std::byte* first = take(length, 1);
   return {reinterpret_cast<const char*>(first), length};
+}
+
+std::vector<std::string> ResultReader::texts() {
+  const auto count = get<std::uint64_t>();
+  std::vector<std::string> out;
+  while (out.size() < count) out.push_back(text());
+  return out;
 }
 
 const std::byte* ResultReader::take(std::uint64_t bytes, std::size_t alignment) {

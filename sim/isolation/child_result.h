@@ -1,7 +1,9 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <atomic>
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
@@ -24,8 +26,16 @@ enum class ChildOutcome : std::uint32_t { died, done, wrong_input, failed, out_o
 /// Memory that child processes share with this one. Its pages are taken from the system when they are written.
 class SharedMemory {
  public:
+  /// By which a child finds it.
+  struct Handle {
+    int id = -1;
+    std::uint64_t capacity = 0;
+  };
+
   /// At most `result_bytes` of result; less where the address space is limited. Throws RunError.
   explicit SharedMemory(std::uint64_t result_bytes);
+  /// That of the parent, in a child. Throws RunError.
+  explicit SharedMemory(const Handle& handle);
   ~SharedMemory();
   SharedMemory(const SharedMemory&) = delete;
   SharedMemory& operator=(const SharedMemory&) = delete;
@@ -39,11 +49,13 @@ class SharedMemory {
     char path[kPathBytes] = {};                 ///< the last of them; "" = the first file
   };
 
+  [[nodiscard]] Handle handle() const { return {id_, capacity_}; }
   [[nodiscard]] Head& head() const { return *static_cast<Head*>(memory_); }
   [[nodiscard]] std::byte* result() const;
   [[nodiscard]] std::uint64_t capacity() const { return capacity_; }
 
  private:
+  int id_ = -1;
   void* memory_ = nullptr;
   std::uint64_t capacity_ = 0;
 };
@@ -51,7 +63,7 @@ class SharedMemory {
 /// Thrown in the child when the result exceeds the shared memory.
 class ResultTooLarge {};
 
-/// Writes a result, in the child.
+/// Writes a result, in the child, and before that the arguments, in the parent.
 class ResultWriter {
  public:
   explicit ResultWriter(SharedMemory& memory) : memory_(memory) {}
@@ -61,6 +73,7 @@ class ResultWriter {
     std::memcpy(take(sizeof value, 1), &value, sizeof value);
   }
   void put(const std::string& text);
+  void put(const std::vector<std::string>& texts);
   template <PlainValue T>
   void put(const std::vector<T>& values) {
     T* place = array<T>(values.size());
@@ -87,18 +100,22 @@ class ResultWriter {
   SharedMemory& memory_;
 };
 
-/// Reads a result, in the parent. Throws InputError, with the file, where the result ends too early.
+/// Reads a result, in the parent, and before that the arguments, in the child. Throws InputError, with the file, where
+/// the result ends too early.
 class ResultReader {
  public:
   ResultReader(const SharedMemory& memory, std::string path, std::string key);
+  /// Reads the arguments.
+  explicit ResultReader(const std::vector<std::byte>& bytes) : result_(bytes.data()), bytes_(bytes.size()) {}
 
   template <PlainValue T>
   T get() {
-    T value;
-    std::memcpy(&value, take(sizeof value, 1), sizeof value);
-    return value;
+    std::array<std::byte, sizeof(T)> bytes;
+    std::memcpy(bytes.data(), take(sizeof(T), 1), sizeof(T));
+    return std::bit_cast<T>(bytes);
   }
   std::string text();
+  std::vector<std::string> texts();
   /// Calls `use` with the first and the end of each block of an array. Its pages return to the system, so that the
   /// array does not exist twice.
   template <PlainValue T, class Use>
@@ -125,6 +142,17 @@ class ResultReader {
   void for_each_in_array(const Use& use) {
     for_each_block<T>(get<std::uint64_t>(), [&](const T* first, const T* last) { std::for_each(first, last, use); });
   }
+  /// The next value by its type.
+  template <PlainValue T>
+  T take_value(std::type_identity<T>) {
+    return get<T>();
+  }
+  template <PlainValue T>
+  std::vector<T> take_value(std::type_identity<std::vector<T>>) {
+    return array<T>();
+  }
+  std::string take_value(std::type_identity<std::string>) { return text(); }
+  std::vector<std::string> take_value(std::type_identity<std::vector<std::string>>) { return texts(); }
   /// Throws InputError: the result is inconsistent.
   [[noreturn]] void fail() const;
 

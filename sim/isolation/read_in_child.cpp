@@ -3,7 +3,6 @@
 #include <fcntl.h>
 #include <fmt/core.h>
 #include <poll.h>
-#include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -15,13 +14,11 @@
 #include <ctime>
 #include <filesystem>
 #include <limits>
-#include <new>
-#include <optional>
-#include <stdexcept>
 
 #include "sim/base/error.h"
 #include "sim/base/process.h"
-#include "sim/isolation/sandbox.h"
+#include "sim/isolation/mistakes.h"
+#include "sim/isolation/reader_server.h"
 
 namespace reamsim {
 
@@ -52,65 +49,6 @@ int cpu_seconds(const ReadLimits& limits) {
   constexpr std::int64_t kAfterParent = 2;
   const std::int64_t all = std::int64_t{kSlowdown} * limits.seconds * std::max(1, limits.files) + kAfterParent;
   return static_cast<int>(std::min<std::int64_t>(all, std::numeric_limits<int>::max()));
-}
-
-void put_mistakes(ResultWriter& out, const InputError& error) {
-  out.put(std::uint64_t{error.mistakes().size()});
-  for (const Mistake& mistake : error.mistakes()) {
-    out.put(mistake.where.file);
-    out.put(mistake.where.line);
-    out.put(mistake.where.column);
-    for (const std::string* text : {&mistake.key, &mistake.found, &mistake.expected}) out.put(*text);
-  }
-}
-
-[[noreturn]] void throw_mistakes(ResultReader& in) {
-  constexpr std::uint64_t kMost = 1000;
-  const auto count = in.get<std::uint64_t>();
-  if (count == 0 || count > kMost) in.fail();
-  std::vector<Mistake> mistakes(count);
-  for (Mistake& mistake : mistakes) {
-    mistake.where.file = in.text();
-    mistake.where.line = in.get<int>();
-    mistake.where.column = in.get<int>();
-    for (std::string* text : {&mistake.key, &mistake.found, &mistake.expected}) *text = in.text();
-  }
-  throw InputError(std::move(mistakes));
-}
-
-/// Returns how it ended. What a failed attempt wrote is replaced by the error.
-ChildOutcome write_result(ResultWriter& out, const std::function<void(ResultWriter&)>& read) {
-  try {
-    read(out);
-    return ChildOutcome::done;
-  } catch (const InputError& error) {
-    out.clear();
-    put_mistakes(out, error);
-    return ChildOutcome::wrong_input;
-  } catch (const ResultTooLarge&) {
-    return ChildOutcome::result_too_large;
-  } catch (const std::bad_alloc&) {
-    return ChildOutcome::out_of_memory;
-  } catch (const std::length_error&) {
-    return ChildOutcome::out_of_memory;
-  } catch (const RunError& error) {
-    out.clear();
-    out.put(std::string(error.what()));
-    return ChildOutcome::failed;
-  }
-}
-
-[[noreturn]] void work_and_exit(SharedMemory& memory, const ReadLimits& limits, int alive,
-                                const std::function<void(ResultWriter&)>& read) {
-  prctl(PR_SET_PDEATHSIG, SIGKILL);
-  enter_sandbox({limits.memory_bytes, cpu_seconds(limits)}, alive);
-  try {
-    ResultWriter out(memory);
-    memory.head().outcome = write_result(out, read);
-  } catch (...) {  // of a library, or no room for the error
-    _exit(1);
-  }
-  _exit(0);
 }
 
 /// A pipe that the child keeps open as long as it lives.
@@ -227,7 +165,7 @@ void throw_unless_done(const ForeignFile& file, const SharedMemory& memory, cons
     case ChildOutcome::died:
       break;
   }
-  throw_died(file, crash_of(status));  // it ended without a word
+  throw_died(file, crash_of(status));  // it exited without an error
 }
 
 }  // namespace
@@ -253,23 +191,25 @@ std::uint64_t bytes_of_file(const std::string& path) {
   return error ? 0 : bytes;
 }
 
-ChildResult read_in_child(const ForeignFile& file, const ReadLimits& limits,
-                          const std::function<void(ResultWriter&)>& read) {
-  auto memory = std::make_unique<SharedMemory>(limits.result_bytes);
+ChildRun::ChildRun(const ReadLimits& limits)
+    : limits_(limits), memory_(std::make_unique<SharedMemory>(limits.result_bytes)), arguments_(*memory_) {}
+
+ChildResult ChildRun::run(const ForeignFile& file, ChildFunction function) {
   AlivePipe alive;
-  const pid_t child = fork();
-  if (child < 0) throw RunError(std::string("no child process to read ") + file.path + ": " + std::strerror(errno));
-  if (child == 0) work_and_exit(*memory, limits, alive.ends[1], read);
+  const pid_t child =
+      start_child({function, limits_.memory_bytes, cpu_seconds(limits_), memory_->handle()}, alive.ends[1]);
   alive.close_writer();
-  Watch watch(child, *memory, limits);
+  Watch watch(child, *memory_, limits_);
   const Ending ending = watch.wait(alive);
   if (ending == Ending::stopped) throw Interrupted();
-  const ForeignFile current = current_file(file, *memory);
-  if (ending == Ending::out_of_time) throw_died(current, fmt::format("reading it took more than {} s", limits.seconds));
+  const ForeignFile current = current_file(file, *memory_);
+  if (ending == Ending::out_of_time) {
+    throw_died(current, fmt::format("reading it took more than {} s", limits_.seconds));
+  }
   // Ctrl-C in a terminal reaches the child too.
   if (WIFSIGNALED(watch.status()) && WTERMSIG(watch.status()) == SIGINT) throw Interrupted();
-  throw_unless_done(current, *memory, limits, watch.status());
-  return {std::move(memory), file};
+  throw_unless_done(current, *memory_, limits_, watch.status());
+  return {std::move(memory_), file};
 }
 
 }  // namespace reamsim

@@ -94,15 +94,6 @@ void set_limits(const SandboxLimits& limits) {
   set_limit(RLIMIT_CORE, 0);
 }
 
-/// Standard streams to /dev/null; libraries print about damaged files.
-void close_files(int keep) {
-  const int null_device = open("/dev/null", O_RDWR | O_CLOEXEC);
-  for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) dup2(null_device, stream);
-  constexpr int kKept = STDERR_FILENO + 1;
-  if (keep > kKept) dup2(keep, kKept);
-  close_range(kKept + 1, ~0U, 0);
-}
-
 using Filter = std::unique_ptr<void, decltype(&seccomp_release)>;
 
 int allow(const Filter& filter, int call) {
@@ -152,6 +143,15 @@ bool restrict_system_calls() {
 
 }  // namespace
 
+int close_files(int keep) {
+  const int null_device = open("/dev/null", O_RDWR | O_CLOEXEC);
+  for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) dup2(null_device, stream);
+  constexpr int kKept = STDERR_FILENO + 1;
+  if (keep > kKept) dup2(keep, kKept);
+  close_range(kKept + 1, ~0U, 0);
+  return kKept;
+}
+
 bool enter_sandbox(const SandboxLimits& limits, int keep) {
   sigset_t none;
   sigemptyset(&none);
@@ -159,7 +159,7 @@ bool enter_sandbox(const SandboxLimits& limits, int keep) {
   for (const int fatal : {SIGSEGV, SIGBUS, SIGFPE, SIGABRT, SIGILL, SIGXCPU, SIGINT, SIGTERM, SIGHUP}) {
     std::signal(fatal, SIG_DFL);
   }
-  close_files(keep);
+  close_files(keep);  // libraries print about damaged files
   set_limits(limits);
   return restrict_system_calls();
 }

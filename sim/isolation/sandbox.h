@@ -16,6 +16,10 @@ struct SandboxLimits {
 /// Closes every file but the standard streams and `keep`. Returns whether system calls are restricted.
 bool enter_sandbox(const SandboxLimits& limits, int keep);
 
+/// Connects the standard streams to /dev/null and closes every other file but `keep`. Returns the new number of that
+/// one.
+int close_files(int keep);
+
 /// Whether enter_sandbox() restricts system calls on this kernel. Forks once.
 bool restricts_system_calls();
 

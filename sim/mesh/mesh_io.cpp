@@ -240,6 +240,10 @@ TriangleMesh take_mesh(ResultReader& in) {
   return mesh;
 }
 
+void read_and_put(ResultWriter& out, const std::string& path, const std::string& extension, double scale) {
+  put_mesh(out, read_with_assimp(path, extension, scale));
+}
+
 /// What assimp may need: its own arrays for each number in a text file.
 ReadLimits limits_for(std::uintmax_t file_bytes) {
   constexpr std::uint64_t kMemoryPerFileByte = 48;
@@ -262,9 +266,7 @@ TriangleMesh read_mesh(const std::string& path, double scale) {
   check_is_not_vtk(path);
   if (extension == "stl") check_stl(path, size);
   if (extension == "ply") check_ply(path, size);
-  ChildResult result = read_in_child({path, ""}, limits_for(size), [&](ResultWriter& out) {
-    put_mesh(out, read_with_assimp(path, extension, scale));
-  });
+  ChildResult result = read_in_child<read_and_put>({path, ""}, limits_for(size), path, extension, scale);
   TriangleMesh mesh = take_mesh(result.reader());
   if (mesh.triangles.empty()) fail(path, "a mesh of 0 triangles", "expected a surface");
   return mesh;

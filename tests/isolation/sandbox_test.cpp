@@ -24,22 +24,23 @@ struct Attempt {
   int error = 0;
 };
 
-template <class Call>
-Attempt in_sandbox(const Call& call) {
-  ChildResult result = read_in_child({"file", "key"}, {}, [&](ResultWriter& out) {
+template <auto Call, class... Arguments>
+Attempt in_sandbox(Arguments... arguments) {
+  constexpr auto kAttempt = [](ResultWriter& out, const Arguments&... values) {
     errno = 0;
-    out.put(static_cast<long>(call()));
+    out.put(static_cast<long>(Call(values...)));
     out.put(errno);
-  });
+  };
+  ChildResult result = read_in_child<kAttempt>({"file", "key"}, {}, arguments...);
   Attempt out;
   out.returned = result.reader().get<long>();
   out.error = result.reader().get<int>();
   return out;
 }
 
-template <class Call>
-void expect_denied(const char* what, const Call& call) {
-  const Attempt attempt = in_sandbox(call);
+template <auto Call, class... Arguments>
+void expect_denied(const char* what, Arguments... arguments) {
+  const Attempt attempt = in_sandbox<Call>(arguments...);
   EXPECT_EQ(attempt.returned, -1) << what;
   EXPECT_EQ(attempt.error, EPERM) << what;
 }
@@ -52,62 +53,62 @@ class SystemCalls : public ::testing::Test {
 };
 
 TEST_F(SystemCalls, WhatReadingDoesNotNeedIsDenied) {
-  expect_denied("network", [] { return socket(AF_INET, SOCK_STREAM, 0); });
-  expect_denied("local sockets", [] { return socket(AF_UNIX, SOCK_STREAM, 0); });
-  expect_denied("a process", [] { return syscall(SYS_fork); });
-  expect_denied("a program", [] { return execl("/bin/true", "true", nullptr); });
-  expect_denied("ptrace", [] { return ptrace(PTRACE_ATTACH, getppid(), nullptr, nullptr); });
-  expect_denied("a signal to the parent", [] { return kill(getppid(), SIGTERM); });
-  expect_denied("deleting", [] { return unlink("/tmp/reamsim_no_such_file"); });
-  expect_denied("renaming", [] { return rename("/tmp/reamsim_no_such_file", "/tmp/reamsim_nor_this"); });
-  expect_denied("executable memory", [] {
+  expect_denied<[] { return socket(AF_INET, SOCK_STREAM, 0); }>("network");
+  expect_denied<[] { return socket(AF_UNIX, SOCK_STREAM, 0); }>("local sockets");
+  expect_denied<[] { return syscall(SYS_fork); }>("a process");
+  expect_denied<[] { return execl("/bin/true", "true", nullptr); }>("a program");
+  expect_denied<[] { return ptrace(PTRACE_ATTACH, getppid(), nullptr, nullptr); }>("ptrace");
+  expect_denied<[] { return kill(getppid(), SIGTERM); }>("a signal to the parent");
+  expect_denied<[] { return unlink("/tmp/reamsim_no_such_file"); }>("deleting");
+  expect_denied<[] { return rename("/tmp/reamsim_no_such_file", "/tmp/reamsim_nor_this"); }>("renaming");
+  expect_denied<[] {
     void* memory = mmap(nullptr, 4096, PROT_READ | PROT_EXEC, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
     return memory == MAP_FAILED ? -1 : 0;
-  });
-  expect_denied("other limits", [] {
+  }>("executable memory");
+  expect_denied<[] {
     const rlimit more{RLIM_INFINITY, RLIM_INFINITY};
     return setrlimit(RLIMIT_AS, &more);
-  });
+  }>("other limits");
 }
 
 TEST_F(SystemCalls, OpeningForWritingIsDenied) {
   for (const int flags : {O_WRONLY, O_RDWR, O_RDONLY | O_CREAT, O_RDONLY | O_TRUNC, O_WRONLY | O_APPEND}) {
-    expect_denied("open", [flags] { return open("/dev/null", flags, 0600); });
+    expect_denied<[](int flags_of_open) { return open("/dev/null", flags_of_open, 0600); }>("open", flags);
   }
 }
 
 TEST(Sandbox, ReadingWorks) {
-  const Attempt attempt = in_sandbox([] {
+  const Attempt attempt = in_sandbox<[] {
     std::ifstream file("/proc/self/status");
     return file.get() == EOF ? -1 : 0;
-  });
+  }>();
   EXPECT_EQ(attempt.returned, 0);
 }
 
 TEST(Sandbox, ThreadsOfALibraryWork) {
-  const Attempt attempt = in_sandbox([] {
+  const Attempt attempt = in_sandbox<[] {
     int done = 0;
     std::thread([&done] { done = 5; }).join();
     return done;
-  });
+  }>();
   EXPECT_EQ(attempt.returned, 5);
 }
 
 TEST(Sandbox, FilesOfTheParentAreClosed) {
   const int opened = fcntl(STDERR_FILENO, F_DUPFD, 20);
   ASSERT_GE(opened, 20);
-  const Attempt attempt = in_sandbox([opened] { return lseek(opened, 0, SEEK_SET); });
+  const Attempt attempt = in_sandbox<[](int file) { return lseek(file, 0, SEEK_SET); }>(opened);
   EXPECT_EQ(attempt.returned, -1);
   EXPECT_EQ(attempt.error, EBADF);
   close(opened);
 }
 
 TEST(Sandbox, FewFilesAreOpenAtATime) {
-  const Attempt attempt = in_sandbox([] {
+  const Attempt attempt = in_sandbox<[] {
     int opened = 0;
     for (int n = 0; n < 1000; ++n) opened += open("/dev/null", O_RDONLY) >= 0 ? 1 : 0;
     return opened;
-  });
+  }>();
   EXPECT_GT(attempt.returned, 8);
   EXPECT_LT(attempt.returned, 64);
   EXPECT_EQ(attempt.error, EMFILE);

@@ -34,17 +34,39 @@ std::map<std::string, std::string> metadata_of(const itk::ImageIOBase& io) {
   return out;
 }
 
+void put_header(ResultWriter& out, const std::string& path, const std::string& key, bool allow_layers) {
+  std::string format;
+  const itk::ImageIOBase::Pointer io = open_image_io(path, key, format);
+  put_facts(out, check_image(*io, path, key, format, allow_layers));
+  put_texts(out, metadata_of(*io));
+}
+
+/// What is read of a file that had these dimensions and layers.
+struct Part {
+  PlainBox whole;
+  int layers;
+  PlainBox box;
+  int layer;
+};
+
+void put_part(ResultWriter& out, const std::string& path, const std::string& key, const Part& part) {
+  std::string format;
+  const itk::ImageIOBase::Pointer io = open_image_io(path, key, format);
+  read_header(*io, path, key, format);
+  const ScanGeometry now = geometry_of(*io, path, key, false, true);
+  if (now.dims != part.whole.get().size || static_cast<int>(io->GetNumberOfComponents()) != part.layers) {
+    throw InputError({path}, key, "the file has changed while it was read", "start again");
+  }
+  const IndexBox box = part.box.get();
+  read_voxels(*io, box, part.layer, path, key, out.array<float>(static_cast<std::size_t>(box.voxels())));
+}
+
 /// An NRRD, NIfTI or MetaImage file. A child process reads its header, and another one its voxels.
 class FileScan : public LabelSource {
  public:
   FileScan(const std::string& path, const std::string& key, bool allow_layers) : path_(path), key_(key) {
     const ReadLimits limits = ReadLimits().with(bytes_of_file(path), 0);
-    ChildResult result = read_in_child({path, key}, limits, [&](ResultWriter& out) {
-      std::string format;
-      const itk::ImageIOBase::Pointer io = open_image_io(path, key, format);
-      put_facts(out, check_image(*io, path, key, format, allow_layers));
-      put_texts(out, metadata_of(*io));
-    });
+    ChildResult result = read_in_child<put_header>({path, key}, limits, path, key, allow_layers);
     facts_ = take_facts(result.reader());
     metadata_ = take_texts(result.reader());
     check_fits_in_memory(static_cast<double>(facts_.geometry.size()), facts_.bytes_per_voxel, path, key);
@@ -61,16 +83,8 @@ class FileScan : public LabelSource {
   }
   [[nodiscard]] Scan read_layer(const IndexBox& box, int layer) const override {
     const auto voxels = static_cast<std::size_t>(box.voxels());
-    ChildResult result = read_in_child({path_, key_}, limits_for(voxels), [&](ResultWriter& out) {
-      std::string format;
-      const itk::ImageIOBase::Pointer io = open_image_io(path_, key_, format);
-      read_header(*io, path_, key_, format);
-      const ScanGeometry now = geometry_of(*io, path_, key_, false, true);
-      if (now.dims != facts_.geometry.dims || static_cast<int>(io->GetNumberOfComponents()) != facts_.layers) {
-        throw InputError({path_}, key_, "the file has changed while it was read", "start again");
-      }
-      read_voxels(*io, box, layer, path_, key_, out.array<float>(voxels));
-    });
+    const Part part{PlainBox({Vec3i::Zero(), facts_.geometry.dims}), facts_.layers, PlainBox(box), layer};
+    ChildResult result = read_in_child<put_part>({path_, key_}, limits_for(voxels), path_, key_, part);
     Scan scan{part_of(facts_.geometry, box), result.reader().array<float>()};
     if (scan.value.size() != voxels) result.reader().fail();
     return scan;

@@ -151,18 +151,20 @@ std::vector<NamedSegment> read_nifti_segments(const std::string& path) {
   return out;
 }
 
+void put_nifti_segments(ResultWriter& out, const std::string& path) {
+  for (const NamedSegment& segment : read_nifti_segments(path)) {
+    out.put(true);
+    out.put(segment.name);
+    out.put(segment.label.value);
+  }
+  out.put(false);
+}
+
 }  // namespace
 
 std::vector<NamedSegment> segments_of_nifti(const std::string& path) {
   const ReadLimits limits = ReadLimits().with(bytes_of_file(path), 0);
-  ChildResult result = read_in_child({path, kLabelMapPathKey}, limits, [&](ResultWriter& out) {
-    for (const NamedSegment& segment : read_nifti_segments(path)) {
-      out.put(true);
-      out.put(segment.name);
-      out.put(segment.label.value);
-    }
-    out.put(false);
-  });
+  ChildResult result = read_in_child<put_nifti_segments>({path, kLabelMapPathKey}, limits, path);
   std::vector<NamedSegment> segments;
   while (result.reader().get<unsigned char>() != 0) {
     std::string name = result.reader().text();

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <map>
 #include <string>
 
@@ -24,6 +25,16 @@ struct ImageFacts {
 struct DicomFile {
   DicomKind kind = DicomKind::other;
   DicomHeader header;
+};
+
+/// An IndexBox, or dimensions, as a plain value for a child.
+struct PlainBox {
+  explicit PlainBox(const IndexBox& box)
+      : start{box.start.x(), box.start.y(), box.start.z()}, size{box.size.x(), box.size.y(), box.size.z()} {}
+  [[nodiscard]] IndexBox get() const { return {Vec3i(start[0], start[1], start[2]), Vec3i(size[0], size[1], size[2])}; }
+
+  std::array<int, 3> start;
+  std::array<int, 3> size;
 };
 
 /// Whether voxels have a volume, and edges of a plausible length.

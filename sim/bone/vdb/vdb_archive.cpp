@@ -199,31 +199,32 @@ ReadLimits limits_for(const std::string& path) {
 
 constexpr const char* kDamaged = "a truncated or damaged VDB file";
 
-/// Calls `read` with the opened file, in a child process.
-ChildResult read_vdb_in_child(const std::string& path,
-                              const std::function<void(openvdb::io::File&, ResultWriter&)>& read) {
-  return read_in_child({path, ""}, limits_for(path), [&](ResultWriter& out) {
-    // Threads of the parent do not exist in the child.
-    const tbb::global_control one_thread(tbb::global_control::max_allowed_parallelism, 1);
-    try {
-      openvdb::io::File file(path);
-      file.open(/*delayLoad=*/false);
-      read(file, out);
-    } catch (const openvdb::Exception&) {
-      fail(path, kDamaged, "expected a complete file");
-    }
-  });
+/// Calls `read` with the opened file, in the child.
+template <class Read>
+void read_opened(const std::string& path, const Read& read) {
+  openvdb::initialize();
+  const tbb::global_control one_thread(tbb::global_control::max_allowed_parallelism, 1);
+  try {
+    openvdb::io::File file(path);
+    file.open(/*delayLoad=*/false);
+    read(file);
+  } catch (const openvdb::Exception&) {
+    fail(path, kDamaged, "expected a complete file");
+  }
 }
 
-void put_names(openvdb::io::File& file, ResultWriter& out) {
-  for (auto name = file.beginName(); name != file.endName(); ++name) {
-    out.put(true);
-    out.put(std::string(*name));
-  }
+void put_names(ResultWriter& out, const std::string& path) {
+  read_opened(path, [&](openvdb::io::File& file) {
+    for (auto name = file.beginName(); name != file.endName(); ++name) {
+      out.put(true);
+      out.put(std::string(*name));
+    }
+  });
   out.put(false);
 }
 
-void put_named_grid(openvdb::io::File& file, const std::string& path, const std::string& name, ResultWriter& out) {
+/// A grid of a file, in the child.
+openvdb::FloatGrid::Ptr read_grid(openvdb::io::File& file, const std::string& path, const std::string& name) {
   openvdb::GridBase::Ptr any;
   try {
     any = file.readGrid(name);
@@ -234,7 +235,11 @@ void put_named_grid(openvdb::io::File& file, const std::string& path, const std:
   if (!grid) {
     fail(path, "a grid \"" + name + "\" of type " + (any ? any->valueType() : "none"), "expected a FloatGrid");
   }
-  put_grid(out, *grid);
+  return grid;
+}
+
+void put_named_grid(ResultWriter& out, const std::string& path, const std::string& name) {
+  read_opened(path, [&](openvdb::io::File& file) { put_grid(out, *read_grid(file, path, name)); });
 }
 
 }  // namespace
@@ -259,7 +264,7 @@ VdbFile::VdbFile(const std::string& path, VdbOrigin origin) : path_(path) {
   if (!check_bytes(path) && origin == VdbOrigin::kReamsim) {
     fail(path, "a truncated or damaged VDB file (its checksum is missing)", "expected a complete file of reamsim's");
   }
-  ChildResult result = read_vdb_in_child(path, put_names);
+  ChildResult result = read_in_child<put_names>({path, ""}, limits_for(path), path);
   while (result.reader().get<unsigned char>() != 0) names_.push_back(result.reader().text());
 }
 
@@ -274,8 +279,7 @@ std::string VdbFile::grid_names() const {
 }
 
 openvdb::FloatGrid::Ptr VdbFile::read(const std::string& grid) const {
-  ChildResult result = read_vdb_in_child(
-      path_, [&](openvdb::io::File& file, ResultWriter& out) { put_named_grid(file, path_, grid, out); });
+  ChildResult result = read_in_child<put_named_grid>({path_, ""}, limits_for(path_), path_, grid);
   return take_grid(result.reader());
 }
 
