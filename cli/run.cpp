@@ -186,6 +186,17 @@ StopOutcome outcome_of(const RunCheckpoints& checkpoints, const OutputFolder& fo
   return {kInterruptedStatus, "interrupted; finished frames are in " + folder.path()};
 }
 
+/// Moves results to their place that were complete when their process was killed.
+void finish_complete(OutputFolder& folder, const Scenario& scenario, const Console& console) {
+  folder.keep();
+  if (!is_result_of(folder.path(), scenario)) {
+    throw InputError({folder.path(), 0, 0}, "--resume", "holds the complete results of another scenario",
+                     "rename it, or start again with --overwrite and without --resume");
+  }
+  folder.finish();
+  console.say("the results were complete: " + folder.final_path());
+}
+
 void run_command(const RunOptions& options, const Console& console) {
   const Scenario scenario = options.scenario.parse();
   require_film_program(scenario.render);
@@ -195,6 +206,7 @@ void run_command(const RunOptions& options, const Console& console) {
                        .resume = options.resume,
                        .inputs = files_read(scenario)});
   console.say("reamsim " REAMSIM_VERSION ": " + scenario.name + " -> " + folder.final_path());
+  if (folder.is_complete()) return finish_complete(folder, scenario, console);
   RunCheckpoints checkpoints(folder.path(), scenario.output.checkpoint_s, options.resume);
   if (checkpoints.resumes()) {
     console.say("continued after frame " + std::to_string(*checkpoints.saved_frame()));
@@ -220,8 +232,7 @@ void run_command(const RunOptions& options, const Console& console) {
     folder.keep();
     throw RunError(message_of(error) + "; finished frames are kept in " + folder.path());
   }
-  checkpoints.remove();
-  folder.finish();
+  folder.finish([&] { checkpoints.remove(); });
   console.say("results: " + folder.final_path());
 }
 

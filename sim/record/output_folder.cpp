@@ -160,9 +160,7 @@ OutputFolder::OutputFolder(const OutputRequest& request)
     const bool resumes = request.resume && place == partial_;
     if (!overwrite_ && !resumes) refuse_existing(place, place == dir_);
     require_ours(place, kind_, place == dir_);
-    if (resumes && read_manifest(place)) {
-      refuse(place, "holds complete results", "rename it, or start again with --overwrite");
-    }
+    complete_ = resumes && read_manifest(place).has_value();
   }
   if (!request.resume) remove_results(partial_, kind_);
   create_partial();
@@ -196,12 +194,20 @@ bool OutputFolder::has_frames() const {
   return std::getline(forces, header) && forces.peek() != std::ifstream::traits_type::eof();
 }
 
-void OutputFolder::finish() {
+void OutputFolder::seal() {
   keep_ = true;  // complete, so never removed again
+  list_results(partial_, kind_);
+  sync_folder_to_disk(partial_);
+}
+
+void OutputFolder::finish(const std::function<void()>& remove_unfinished) {
   std::string why;
   try {
-    list_results(partial_, kind_);
-    sync_folder_to_disk(partial_);
+    seal();
+    if (remove_unfinished) {
+      remove_unfinished();
+      seal();
+    }
     put_in_place();
     sync_to_disk(fs::path(dir_).parent_path().string());
     return;

@@ -43,6 +43,9 @@ const Names& names_of(ResultKind kind) {
   return names[static_cast<std::size_t>(kind)];
 }
 
+/// Of a process that was killed while it wrote the manifest.
+const std::string kUnfinishedManifest = std::string(kManifestName) + ".tmp";
+
 constexpr const char* kFolders[] = {"frames", "plots", "snapshots", "turntable"};
 
 /// Users copy it into a run, whose report then shows it (docs/formats.md).
@@ -75,6 +78,7 @@ class OwnEntries {
       return kind_ == ResultKind::run && std::ranges::find(kFolders, place) != std::end(kFolders);
     }
     if (type != fs::file_type::regular) return false;
+    if (place == kUnfinishedManifest) return true;
     if (manifest_ && (place == kManifestName || manifest_->files.contains(place))) return true;
     if (kind_ == ResultKind::run && place == kVerification) return true;
     return (!manifest_ || !manifest_->complete) && has_known_name(place, kind_);

@@ -34,11 +34,18 @@ Metadata provenance(const ReamingScene& scene, const RunFacts& facts) {
   return out;
 }
 
-std::string scenario_head(const RunFacts& facts) {
-  std::string head = "# Resolved by reamsim " REAMSIM_VERSION ", with all defaults. Run on " + facts.device + ".\n";
-  for (const auto& input : facts.inputs)
-    head += "# sha256 " + input.sha256 + "  " + input.role + "  " + recorded_path(input.path) + "\n";
-  return head;
+std::string checksum_line(const InputSum& input) {
+  return "# sha256 " + input.sha256 + "  " + input.role + "  " + recorded_path(input.path) + "\n";
+}
+
+/// The first lines of scenario.yaml: program, device, and the file that the user wrote.
+constexpr int kHeadLines = 2;
+
+/// The other lines: what the results depend on. `inputs`: the scenario file first.
+std::string scenario_body(const Scenario& scenario, const std::vector<InputSum>& inputs) {
+  std::string out;
+  for (std::size_t i = 1; i < inputs.size(); ++i) out += checksum_line(inputs[i]);
+  return out + to_yaml(scenario);
 }
 
 /// Peak memory of the process, MB = 10⁶ bytes.
@@ -176,7 +183,20 @@ void write_tool(const std::string& dir, const Tool& tool) {
 }
 
 void write_scenario(const std::string& dir, const Scenario& scenario, const RunFacts& facts) {
-  write_file(dir + "/scenario.yaml", scenario_head(facts) + to_yaml(scenario));
+  const std::string head =
+      "# Resolved by reamsim " REAMSIM_VERSION ", with all defaults. Run on " + facts.device + ".\n";
+  write_file(dir + "/scenario.yaml",
+             head + checksum_line(facts.inputs.front()) + scenario_body(scenario, facts.inputs));
+}
+
+bool is_result_of(const std::string& dir, const Scenario& scenario) {
+  const std::string text = read_file(dir + "/scenario.yaml", "the scenario.yaml of a run");
+  std::size_t body = 0;
+  for (int line = 0; line < kHeadLines && body != std::string::npos; ++line) {
+    body = text.find('\n', body);
+    if (body != std::string::npos) ++body;
+  }
+  return body != std::string::npos && text.substr(body) == scenario_body(scenario, input_sums(scenario));
 }
 
 void write_results(const std::string& dir, const ReamingScene& scene, const Recorder& recorder, const RunFacts& facts) {

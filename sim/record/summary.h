@@ -42,6 +42,10 @@ void write_tool(const std::string& dir, const Tool& tool);
 /// Writes scenario.yaml (resolved, with the checksums in its head) into `dir`. Throws RunError when the disk is full.
 void write_scenario(const std::string& dir, const Scenario& scenario, const RunFacts& facts);
 
+/// Whether the scenario.yaml in `dir` is that of this scenario, with the same inputs. Throws InputError when one cannot
+/// be read.
+bool is_result_of(const std::string& dir, const Scenario& scenario);
+
 /// Writes reamed.vdb, reamed.vti and depth_map.csv into `dir`. Throws RunError when the disk is full.
 void write_results(const std::string& dir, const ReamingScene& scene, const Recorder& recorder, const RunFacts& facts);
 

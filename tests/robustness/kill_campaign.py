@@ -3,11 +3,14 @@
     kill_campaign.py REAMSIM ROOT KILLS
 
 KILLS SIGKILLs are spread over scenarios: a phantom without pictures, one with pictures, resolved cutting edges, erosion
-`remove`, and the shoulder CT where REAMSIM_DATA is set. Every kill hits a run that continues the one before. Checks
+`remove`, and the shoulder CT where REAMSIM_DATA is set. Every kill hits a run that continues the one before. Kills come
+in turn at four kinds of moments: at random, in the first 0.3 s (while the run resumes), while a checkpoint is written, and
+while the results are listed and moved to their place, where an older result is replaced. Checks
 after each kill: no incomplete row in forces.csv, scenario.yaml present once there is a row, `reamsim render` works from
 the first checkpoint on (every tenth time). At the end: the same forces.csv, grids and summary (times and memory apart).
 """
 
+import collections
 import filecmp
 import json
 import os
@@ -75,19 +78,33 @@ class Campaign:
         self.program = program
         self.kills = kills
         self.random = random.Random(SEED)
+        self.kinds = collections.Counter()
         self.torn = self.without_scenario = self.rendered = self.render_failures = self.done = 0
 
-    def run(self, arguments, kill_after=None):
+    def run(self, arguments, kill_when=None):
         process = subprocess.Popen([self.program, *arguments, "--quiet"], stderr=subprocess.PIPE)
-        if kill_after is None:
-            _, error = process.communicate()
-            return process.returncode, error.decode()
-        try:
-            process.communicate(timeout=kill_after)
-        except subprocess.TimeoutExpired:
-            process.send_signal(signal.SIGKILL)
-            process.communicate()
-        return process.returncode, ""
+        begin = time.monotonic()
+        while kill_when is not None and process.poll() is None:
+            if kill_when(time.monotonic() - begin):
+                process.send_signal(signal.SIGKILL)
+                break
+            time.sleep(0.0005)
+        _, error = process.communicate()
+        return process.returncode, error.decode()
+
+    def moment(self, partial, seconds):
+        """The next kind of moment, and a function that says whether it has come."""
+        kind = ("random", "resuming", "checkpoint", "renames")[self.done % 4]
+        after = self.random.uniform(0.05, 1.05) * seconds
+        if kind == "random":
+            return kind, lambda t: t > after
+        if kind == "resuming":
+            early = self.random.uniform(0, 0.3)
+            return kind, lambda t: t > early
+        if kind == "checkpoint":
+            names = [f"{partial}/checkpoint-{i}.bin.tmp" for i in (0, 1)]
+            return kind, lambda t: t > 0.6 * after and any(os.path.exists(name) for name in names)
+        return kind, lambda t: os.path.exists(f"{partial}/manifest.json.tmp") or os.path.exists(f"{partial}/manifest.json")
 
     def check_partial(self, partial):
         log = f"{partial}/forces.csv"
@@ -118,16 +135,19 @@ class Campaign:
         seconds = time.monotonic() - begin
         killed = 0
         while killed < kills:
-            shutil.rmtree(cut, ignore_errors=True)
             while killed < kills:
-                status, _ = self.run(["run", scenario, "-o", cut, "--resume"], self.random.uniform(0.05, 1.05) * seconds)
+                kind, when = self.moment(cut + ".partial", seconds)
+                status, error = self.run(["run", scenario, "-o", cut, "--resume", "--overwrite"], when)
                 if status == 0:
                     break
+                assert status == -signal.SIGKILL, f"{name}: status {status} after a kill: {error}"
                 killed += 1
                 self.done += 1
+                self.kinds[kind] += 1
                 self.check_partial(cut + ".partial")
-            if not os.path.exists(cut):
-                status, error = self.run(["run", scenario, "-o", cut, "--resume"])
+                assert not os.path.exists(cut) or same(whole, cut) is None, f"{name}: the older result has changed"
+            if killed == kills:
+                status, error = self.run(["run", scenario, "-o", cut, "--resume", "--overwrite"])
                 assert status == 0, error
             different = same(whole, cut)
             assert different is None, f"{name}: {different} differs"
@@ -142,6 +162,7 @@ def main():
         listed = list(scenarios(root))
         for name, yaml in listed:
             campaign.one(name, yaml, -(-kills // len(listed)), folder)
+    print("moments:", ", ".join(f"{count} {kind}" for kind, count in campaign.kinds.items()))
     print(f"{campaign.done} kills, {campaign.torn} incomplete rows, {campaign.without_scenario} without scenario.yaml, "
           f"{campaign.rendered} rendered, {campaign.render_failures} of these failed")
     assert campaign.torn == campaign.without_scenario == campaign.render_failures == 0
