@@ -116,6 +116,8 @@ class ScenarioRun {
     progress.finish();
     constexpr double kWorthSaving_s = 1;  // what follows may be interrupted as well
     if (facts_.simulate_s > kWorthSaving_s) save(end);
+    facts_.checkpoints_s = checkpoints_.seconds();
+    report_.note(checkpoints_.cost());
     recorder.close();
     outputs_->snapshots_written(end.frame);  // also where that is frame 0
     facts_.device_bytes = engine_->device_bytes();

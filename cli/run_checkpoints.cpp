@@ -1,5 +1,8 @@
 #include "cli/run_checkpoints.h"
 
+#include <fmt/core.h>
+#include <algorithm>
+
 #include "sim/scenario/parse.h"
 
 namespace reamsim {
@@ -45,16 +48,26 @@ std::optional<SimulationState> RunCheckpoints::state() const {
 bool RunCheckpoints::save(const SimulationState& state, Recorder& recorder, const FillBricks& fill,
                           const Report& report) {
   if (every_s_ <= 0 || saved_frame_ == state.frame) return false;
-  files_.write({.identity = identity_,
-                .simulation = state,
-                .logs = recorder.sync(),
-                .warnings = report.warnings,
-                .removed = recorder.removed_frames(),
-                .fill = reamed_bricks(before_, fill),
-                .changed = fill.changed()});
+  const Stopwatch watch;
+  const std::size_t bytes = files_.write({.identity = identity_,
+                                          .simulation = state,
+                                          .logs = recorder.sync(),
+                                          .warnings = report.warnings,
+                                          .removed = recorder.removed_frames(),
+                                          .fill = reamed_bricks(before_, fill),
+                                          .changed = fill.changed()});
   saved_frame_ = state.frame;
   since_last_ = Stopwatch();
+  ++written_;
+  seconds_ += watch.seconds();
+  largest_bytes_ = std::max(largest_bytes_, bytes);
   return true;
+}
+
+std::string RunCheckpoints::cost() const {
+  if (written_ == 0) return "no checkpoint was due";
+  return fmt::format("checkpoints written: {}, {:.3f} s in all, the largest {:.2f} MB", written_, seconds_,
+                     static_cast<double>(largest_bytes_) / 1e6);
 }
 
 }  // namespace reamsim

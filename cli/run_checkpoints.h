@@ -34,6 +34,9 @@ class RunCheckpoints {
   bool save(const SimulationState& state, Recorder& recorder, const FillBricks& fill, const Report& report);
   /// The frame of the last checkpoint; nullopt where there is none.
   [[nodiscard]] std::optional<std::int64_t> saved_frame() const { return saved_frame_; }
+  /// Their number, time and size, in words.
+  [[nodiscard]] std::string cost() const;
+  [[nodiscard]] double seconds() const { return seconds_; }
   /// Removes the checkpoints of a run that is complete.
   void remove() const { files_.remove(); }
 
@@ -46,6 +49,9 @@ class RunCheckpoints {
   FillBricks before_;
   Stopwatch since_last_;
   std::optional<std::int64_t> saved_frame_;
+  int written_ = 0;
+  double seconds_ = 0;
+  std::size_t largest_bytes_ = 0;
 };
 
 }  // namespace reamsim

@@ -251,10 +251,16 @@ void write_summary(const std::string& dir, const ReamingScene& scene, const RunT
   if (scene.bone.segmentation) json["segmentation"] = segmentation_json(*scene.bone.segmentation);
   json["tool"] = tool_json(scene.tool);
   if (finished) {
-    json["timings_s"] = {
-        {"load", facts.load_s},      {"simulate", facts.simulate_s}, {"broad_phase", totals.broad_phase_s},
-        {"detect", totals.detect_s}, {"cut", totals.cut_s},          {"measure", facts.measure_s},
-        {"write", facts.write_s},    {"render", facts.render_s},     {"total", facts.since_start.seconds()}};
+    json["timings_s"] = {{"load", facts.load_s},
+                         {"simulate", facts.simulate_s},
+                         {"broad_phase", totals.broad_phase_s},
+                         {"detect", totals.detect_s},
+                         {"cut", totals.cut_s},
+                         {"measure", facts.measure_s},
+                         {"checkpoints", facts.checkpoints_s},
+                         {"write", facts.write_s},
+                         {"render", facts.render_s},
+                         {"total", facts.since_start.seconds()}};
   }
   json["memory_mb"] = {{"peak_process", peak_process_mb()}, {"device", static_cast<double>(facts.device_bytes) / 1e6}};
   for (const auto& input : facts.inputs) {

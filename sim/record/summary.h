@@ -26,6 +26,7 @@ struct RunFacts {
   double bone_before_mm3 = 0;
   double load_s = 0;
   double simulate_s = 0;
+  double checkpoints_s = 0;  ///< within and after simulate_s
   double measure_s = 0;
   double write_s = 0;
   double render_s = 0;

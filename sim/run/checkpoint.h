@@ -46,8 +46,8 @@ class CheckpointFiles {
 
   /// The later one of those that are not damaged; nullopt where there is none.
   [[nodiscard]] std::optional<Checkpoint> read();
-  /// Returns when it is on the disk. Throws RunError.
-  void write(const Checkpoint& checkpoint);
+  /// Returns its length in bytes, when it is on the disk. Throws RunError.
+  std::size_t write(const Checkpoint& checkpoint);
   void remove() const;
 
  private:

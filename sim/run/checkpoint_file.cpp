@@ -171,12 +171,13 @@ std::optional<Checkpoint> CheckpointFiles::read() {
   return take_first ? std::move(first) : std::move(second);
 }
 
-void CheckpointFiles::write(const Checkpoint& checkpoint) {
+std::size_t CheckpointFiles::write(const Checkpoint& checkpoint) {
   Writer writer;
   visit_values(writer, checkpoint);
   writer(crc_of(writer.text));
   replace_file(path(next_), writer.text);
   next_ = 1 - next_;
+  return writer.text.size();
 }
 
 void CheckpointFiles::remove() const {

@@ -60,6 +60,26 @@ class Resume : public CliTest {
   }
 };
 
+TEST_F(Resume, ResultsThatWereCompleteWhenTheirProcessWasKilledAreMoved) {
+  write("s.yaml", kSmall);
+  expect_done(run(kSmall));
+  const std::string forces = read("out/forces.csv");
+  fs::rename(path("out"), path("out.partial"));
+  const ProgramResult other =
+      reamsim({.arguments = {"run", "s.yaml", "-o", "out", "--resume", "--set", "motion.plunge.depth_mm=2"},
+               .environment = {},
+               .folder = "",
+               .interrupt_when = {}});
+  EXPECT_EQ(other.status, 2);
+  EXPECT_THAT(other.err, HasSubstr("holds the complete results of another scenario"));
+  EXPECT_EQ(read("out.partial/forces.csv"), forces);
+  const ProgramResult same = run(kSmall, {"--resume"});
+  EXPECT_EQ(same.status, 0) << same.err;
+  EXPECT_THAT(same.out, HasSubstr("the results were complete"));
+  EXPECT_EQ(read("out/forces.csv"), forces);
+  EXPECT_FALSE(exists("out.partial"));
+}
+
 TEST_F(Resume, EndsWithTheSameBytesForEveryErosionAndEngine) {
   const std::string teeth =
       with(kLong, "/assets/reamer_flat.stl\n", "/assets/reamer_convex_lips.stl\n  spin: resolved\n");
