@@ -39,7 +39,7 @@ class TrackPoses final : public PoseSource {
     const double time_s = std::min(frame_time_s, track_->end_s());
     const KeySegment keys = track_->at(time_s);
     ToolPose pose = pose_between(keys.begin, keys.end, time_s);
-    // The motion ends within the last frame: the tool rests until the frame's end, and the spin goes on.
+    // The motion ends within the last frame: for the rest of that frame the tool only rotates.
     const double rest_s = frame_time_s - time_s;
     if (rest_s * frame_rate_hz_ > kEndSlack) pose.spin_angle_rad += spin_rad(pose.spin_rpm, pose.spin_rpm, rest_s);
     return pose;

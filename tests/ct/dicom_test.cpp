@@ -284,7 +284,7 @@ TEST_F(Dicom, AnEnhancedMultiFrameFileIsRefused) {
                              HasSubstr("convert it to NRRD or NIfTI (3D Slicer, dcm2niix), or export single slices"));
   EXPECT_THAT(error_of("cd"), refusal);
   EXPECT_THAT(error_of("cd/IM0001"), refusal);
-  // It is not passed over for a smaller series without a word.
+  // It is not silently replaced by a smaller series.
   write_dicom(egg_, folder_.file("cd/slices"), -1, {.series = "1.2.8"});
   EXPECT_THAT(error_of("cd"), refusal);
   series_ = "1.2.8";

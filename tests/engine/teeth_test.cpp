@@ -111,8 +111,8 @@ TEST(Teeth, NothingIsLeftOfWhatTheySweep) {
   constexpr double kRateHz = 200, kAbove = 0.1;
   const int frames = static_cast<int>((kDepth + kAbove) / kFeed * kRateHz);
   scene.motion = straight({0.02, 0.03, kAbove}, {0.02, 0.03, -kDepth}, frames, kRateHz, kRpm);
-  // Between two cutting edges the tool goes a sixth of its feed per turn deeper; what lies there is swept only once
-  // they have come round again.
+  // From one cutting edge to the next the tool advances by a sixth of its feed per turn; the last such layer is
+  // swept only when the edges come round again.
   const double lag_voxels = kFeed / (kRpm / 60) / 6 / kVoxel;
   ASSERT_LT(lag_voxels, 0.05);
   const Leftovers found = ream_and_look(scene, 0.5 + lag_voxels);

@@ -231,7 +231,7 @@ itk::ImageIOBase::Pointer open_image_io(const std::string& path, const std::stri
   if (is_vtk(path)) {
     throw InputError(
         {path}, key, "a VTK file",
-        "save it as NRRD, NIfTI or MetaImage (ParaView, 3D Slicer); a surface goes to bone.mesh, as STL or PLY");
+        "save it as NRRD, NIfTI or MetaImage (ParaView, 3D Slicer); use bone.mesh for a surface, as STL or PLY");
   }
   const std::string found = fs::file_size(path) == 0 ? "the file is empty"
                             : promised.empty()       ? "not a readable CT image"
