@@ -220,8 +220,10 @@ void run_command(const RunOptions& options, const Console& console) {
     folder.keep();
     throw RunError(message_of(error) + "; finished frames are kept in " + folder.path());
   }
-  checkpoints.remove();
-  folder.finish();
+  Report report;
+  checkpoints.remove(report);
+  console.print(report);
+  finish(folder, console);
   console.say("results: " + folder.final_path());
 }
 

@@ -35,7 +35,7 @@ class RunCheckpoints {
   /// The frame of the last checkpoint; nullopt where there is none.
   [[nodiscard]] std::optional<std::int64_t> saved_frame() const { return saved_frame_; }
   /// Removes the checkpoints of a run that is complete.
-  void remove() const { files_.remove(); }
+  void remove(Report& report) const { files_.remove(report); }
 
  private:
   std::string dir_;

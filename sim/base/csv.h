@@ -34,13 +34,14 @@ class CsvReader {
 };
 
 /// Writes a CSV file with a header line. Numbers have the fewest digits that read back to the same value, and
-/// integers no exponent, so the same run gives the same bytes; NaN is an empty cell. Only whole rows are written, so that
-/// a process that is killed leaves none incomplete.
+/// integers no exponent, so the same run gives the same bytes; NaN is an empty cell. Only whole rows are written, so
+/// that a process that is killed leaves none incomplete.
 class CsvWriter {
  public:
   /// Throws RunError when the file cannot be created.
   CsvWriter(const std::string& path, const std::string& header);
-  /// Continues a file that sync() said has `bytes` bytes; what follows them is removed. Throws RunError.
+  /// Continues a file that sync() said has `bytes` bytes; what follows them is removed. Throws InputError
+  /// where it is shorter, RunError where it cannot be written.
   CsvWriter(const std::string& path, const std::string& header, std::uintmax_t bytes);
   ~CsvWriter();
   CsvWriter(const CsvWriter&) = delete;
@@ -57,12 +58,15 @@ class CsvWriter {
  private:
   CsvWriter(const std::string& path, const std::string& header, std::ios::openmode mode);
   void flush();
+  /// Writes rows_; where that fails, the file ends with its last whole row.
+  void write_rows();
   void check() const;
 
   std::string path_;
   std::ofstream out_;
   std::size_t columns_;
-  std::string rows_;  // not yet in the file
+  std::string rows_;                // not yet in the file
+  std::uintmax_t whole_bytes_ = 0;  // of the file, with whole rows only
 };
 
 }  // namespace reamsim

@@ -41,9 +41,9 @@ class OutputFolder {
   void clear();
   /// Whether it has recorded frames, which are worth keeping after a failure.
   [[nodiscard]] bool has_frames() const;
-  /// Lists the results in their manifest, moves DIR.partial to DIR, and removes an old DIR only then. Throws RunError
-  /// when that fails; the complete results stay in DIR.partial.
-  void finish();
+  /// Lists the results in their manifest, moves DIR.partial to DIR, and removes an old DIR only then; Throws
+  /// RunError, which says where the results are. Returns a warning where parts of an old DIR remain, else "".
+  std::string finish();
   /// Tidies up for a process that ends at once: releases DIR.lock, and removes DIR.partial unless it has frames.
   void abandon();
   /// Keeps DIR.partial (interrupted, or failed with finished frames).
@@ -51,7 +51,7 @@ class OutputFolder {
 
  private:
   void create_partial() const;
-  void put_in_place();
+  std::string put_in_place();
 
   /// The folders above the output, created where they do not exist; the destructor removes those that stay empty.
   class NewFolders {

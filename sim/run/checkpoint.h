@@ -48,7 +48,8 @@ class CheckpointFiles {
   [[nodiscard]] std::optional<Checkpoint> read();
   /// Returns when it is on the disk. Throws RunError.
   void write(const Checkpoint& checkpoint);
-  void remove() const;
+  /// Warns where that is not possible.
+  void remove(Report& report) const;
 
  private:
   [[nodiscard]] std::string path(int number) const;

@@ -179,9 +179,12 @@ void CheckpointFiles::write(const Checkpoint& checkpoint) {
   next_ = 1 - next_;
 }
 
-void CheckpointFiles::remove() const {
-  std::error_code ignored;
-  for (const int number : {0, 1}) std::filesystem::remove(path(number), ignored);
+void CheckpointFiles::remove(Report& report) const {
+  for (const int number : {0, 1}) {
+    std::error_code error;
+    std::filesystem::remove(path(number), error);
+    if (error) report.warn(path(number) + ": cannot be removed (" + error.message() + "); the results do not need it");
+  }
 }
 
 }  // namespace reamsim
