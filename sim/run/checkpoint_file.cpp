@@ -72,6 +72,12 @@ class Reader {
     static_assert(std::is_trivially_copyable_v<T>);
     std::memcpy(&value, take(sizeof value).data(), sizeof value);
   }
+  void operator()(bool& value) {
+    std::uint8_t byte = 0;
+    (*this)(byte);
+    if (byte > 1) throw Damaged();
+    value = byte == 1;
+  }
   void operator()(std::string& value) { value = take(length()); }
   void operator()(Vec3i& v) {
     for (int& i : v) (*this)(i);

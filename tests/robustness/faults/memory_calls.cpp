@@ -5,6 +5,7 @@
 
 #include <link.h>
 #include <array>
+#include <cerrno>
 #include <cstdint>
 #include <cstdlib>
 #include <cstring>
@@ -53,8 +54,10 @@ bool is_caller(const void* address) {
 }
 
 bool malloc_fails(const char* call, std::size_t bytes, const void* caller) {
-  return injects(FaultKind::allocation) && is_large(bytes) && is_caller(caller) &&
-         must_fail(FaultKind::allocation, call, "");
+  if (!injects(FaultKind::allocation) || !is_large(bytes) || !is_caller(caller)) return false;
+  if (!must_fail(FaultKind::allocation, call, "")) return false;
+  errno = ENOMEM;
+  return true;
 }
 
 }  // namespace
