@@ -56,7 +56,12 @@ CsvReader::CsvReader(const std::string& path, std::span<const std::string_view> 
 bool CsvReader::next(std::vector<double>& values, std::string_view may_be_empty) {
   std::string line;
   do {
-    if (!std::getline(in_, line)) return false;
+    if (!std::getline(in_, line)) {
+      // std::getline() also swallows exceptions of the memory.
+      if (in_.bad())
+        throw RunError(path_ + ": cannot be read to its end; is the disk damaged, or the memory exhausted?");
+      return false;
+    }
     ++line_;
   } while (line.empty());
   const auto cells = split(line);

@@ -42,11 +42,16 @@ void write_file(const std::string& path, std::string_view content) {
 
 void replace_file(const std::string& path, std::string_view content) {
   const std::string unfinished = path + ".tmp";
-  write_file(unfinished, content);
-  sync_to_disk(unfinished);
   std::error_code error;
-  std::filesystem::rename(unfinished, path, error);
-  if (error) fail_to_write(path);
+  try {
+    write_file(unfinished, content);
+    sync_to_disk(unfinished);
+    std::filesystem::rename(unfinished, path, error);
+    if (error) fail_to_write(path);
+  } catch (const RunError&) {
+    std::filesystem::remove(unfinished, error);
+    throw;
+  }
   sync_to_disk(std::filesystem::absolute(path).parent_path().string());
 }
 

@@ -5,6 +5,7 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <new>
 #include <set>
 #include <sstream>
 
@@ -105,6 +106,7 @@ void check_ply(const std::string& path, std::uintmax_t size) {
              "expected a complete PLY file");
     }
   }
+  if (header.bad()) throw std::bad_alloc();  // std::getline() swallows it
   if (!ended) refuse(path, "a PLY header without \"end_header\"", "expected a complete PLY file");
 }
 

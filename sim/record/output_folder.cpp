@@ -190,7 +190,8 @@ void OutputFolder::abandon() {
 bool OutputFolder::has_frames() const {
   std::ifstream forces(partial_ + "/forces.csv", std::ios::binary);
   std::string header;
-  return std::getline(forces, header) && forces.peek() != std::ifstream::traits_type::eof();
+  const bool rows = std::getline(forces, header) && forces.peek() != std::ifstream::traits_type::eof();
+  return rows || forces.bad();  // what cannot be read may have rows
 }
 
 std::string OutputFolder::finish() {
