@@ -182,7 +182,7 @@ def complaint_about_success(runs, place, text):
     return first_difference(files, runs.new)
 
 
-def complaint_about_failure(runs, place, text):
+def complaint_about_failure(runs, place, text, removes):
     out, partial = contents(f"{place}/out"), contents(f"{place}/out.partial")
     whole = first_difference(out, runs.new) is None
     if not whole and out != runs.old:
@@ -196,15 +196,17 @@ def complaint_about_failure(runs, place, text):
     kept = "finished frames are kept" in text
     if kept and not partial.get("forces.csv", b"").endswith(b"\n"):
         return "forces.csv ends within a row"
-    if text.startswith("reamsim: ") and not kept and not whole and os.path.exists(f"{place}/out.partial"):
+    if text.startswith("reamsim: ") and removes and not kept and not whole and os.path.exists(f"{place}/out.partial"):
         return "left without a word: out.partial"
     return None
 
 
-def complaint_about_results(runs, place, status, text):
-    if status >= 0 and os.path.exists(f"{place}/out.lock") and "out.lock" not in contents_of_report(place):
+def complaint_about_results(runs, place, status, text, removes):
+    if status >= 0 and removes and os.path.exists(f"{place}/out.lock") and "out.lock" not in contents_of_report(place):
         return "the lock is left"
-    return complaint_about_success(runs, place, text) if status == 0 else complaint_about_failure(runs, place, text)
+    if status == 0:
+        return complaint_about_success(runs, place, text)
+    return complaint_about_failure(runs, place, text, removes)
 
 
 def complaint_about_rest(runs, place, status, text):
@@ -229,12 +231,17 @@ class Campaign:
         assert status == 0, text
         return int(report.split("count ")[1])
 
+    def removes(self):
+        """Not where every later removal fails."""
+        kind, _, lasts, _, _ = self.settings
+        return not (kind == "rename" and lasts)
+
     def one(self, at):
         place = f"{self.runs.folder}/at{at}"
         try:
             status, text, report = self.runs.faulty(place, self.settings, at)
             complaint = complaint_about_message(status, text, self.settings[0])
-            complaint = complaint or complaint_about_results(self.runs, place, status, text)
+            complaint = complaint or complaint_about_results(self.runs, place, status, text, self.removes())
             if self.resumes and complaint is None:
                 complaint = complaint_about_rest(self.runs, place, status, text)
         except subprocess.TimeoutExpired:
@@ -269,7 +276,8 @@ def points_of(name, calls, length):
 
 
 def main():
-    program, library, root, length = sys.argv[1:5]
+    program, library, root = (os.path.abspath(path) for path in sys.argv[1:4])
+    length = sys.argv[4]
     chosen = [sys.argv[5]] if len(sys.argv) > 5 else list(CAMPAIGNS)
     limits = [int(text) for text in sys.argv[6:8]]
     base = "/dev/shm" if os.access("/dev/shm", os.W_OK) else None
