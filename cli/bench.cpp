@@ -98,7 +98,7 @@ void measure_with_figure(const bench::Plan& plan, const BenchOptions& options, c
   add_voi(findings, plot);
   if (plot.severe.empty()) return console.warn("no engine could be measured: no figure written");
   write_bench_plot(folder.path(), plot);
-  folder.finish();
+  finish(folder, console);
   console.say("figure: " + folder.final_path() + "/bench.png");
 }
 

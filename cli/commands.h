@@ -1,10 +1,12 @@
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "cli/console.h"
+#include "sim/record/output_folder.h"
 #include "sim/scenario/scenario.h"
 
 namespace CLI {
@@ -36,6 +38,11 @@ struct ScenarioOptions {
   /// REAMSIM_ENGINE_TUNING, which tests use (docs/engines.md). Throws InputError.
   [[nodiscard]] Scenario parse() const;
 };
+
+/// Finishes the output folder of a command, and prints its warning.
+inline void finish(OutputFolder& folder, const Console& console, const std::function<void()>& remove_unfinished = {}) {
+  if (const std::string warning = folder.finish(remove_unfinished); !warning.empty()) console.warn(warning);
+}
 
 /// For CLI11's check(): refuses the name "".
 inline std::string refuse_empty(const std::string& name) {

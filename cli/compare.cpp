@@ -112,7 +112,7 @@ void compare_command(const CompareOptions& options, const Console& console) {
       {.dir = options.output, .kind = ResultKind::comparison, .overwrite = options.overwrite, .inputs = options.dirs});
   const ForcedStop forced = abandoning(folder);
   write_comparison(folder.path(), runs, metrics);
-  folder.finish();
+  finish(folder, console);
   print_table(console, runs, metrics);
   console.say("differences are relative to " + runs[0].label + "; all numbers: " + folder.final_path() +
               "/compare.csv");

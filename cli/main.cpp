@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
+#include <new>
 
 #include "cli/commands.h"
 #include "cli/stop.h"
@@ -17,8 +18,9 @@ namespace {
 
 constexpr int kFailed = 1, kWrongInput = 2;
 
-int complain(const std::string& message, int status) {
-  std::fprintf(stderr, "reamsim: error: %s\n", reamsim::printable(message).c_str());
+/// `message`: printable(). No std::string: memory may be exhausted.
+int complain(const char* message, int status) {
+  std::fprintf(stderr, "reamsim: error: %s\n", message);
   return status;
 }
 
@@ -53,13 +55,13 @@ int run(int argc, char** argv) {
     const std::string found =
         std::string(argv[1]) +
         ": unknown command; expected run, check, render, compare, import, bench, verify or devices";
-    return complain(found, kWrongInput);
+    return complain(reamsim::printable(found).c_str(), kWrongInput);
   }
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return app.exit(error);  // --help, --version
-    return complain(std::string(error.what()) + "; see reamsim --help", kWrongInput);
+    return complain((reamsim::printable(error.what()) + "; see reamsim --help").c_str(), kWrongInput);
   }
   return 0;
 }
@@ -67,16 +69,28 @@ int run(int argc, char** argv) {
 /// As run(), with a message and a status for every error.
 int run_and_report(int argc, char** argv) {
   try {
+    reamsim::start_reader_server();  // before there are threads
+    reamsim::install_stop_handler();
     return run(argc, argv);
   } catch (const reamsim::InputError& error) {
-    for (const reamsim::Mistake& mistake : error.mistakes()) complain(mistake.line(), kWrongInput);
+    for (const reamsim::Mistake& mistake : error.mistakes())
+      complain(reamsim::printable(mistake.line()).c_str(), kWrongInput);
     return kWrongInput;
   } catch (const reamsim::Suspended& error) {
-    return complain(error.what(), reamsim::kSuspendedStatus);
+    return complain(reamsim::printable(error.what()).c_str(), reamsim::kSuspendedStatus);
   } catch (const reamsim::Interrupted& error) {
-    return complain(error.what(), reamsim::kInterruptedStatus);
+    return complain(reamsim::printable(error.what()).c_str(), reamsim::kInterruptedStatus);
   } catch (const std::exception& error) {
-    return complain(reamsim::message_of(error), kFailed);
+    return complain(reamsim::printable(reamsim::message_of(error)).c_str(), kFailed);
+  }
+}
+
+/// As run_and_report(), also where there is no memory for its message.
+int run_and_report_always(int argc, char** argv) {
+  try {
+    return run_and_report(argc, argv);
+  } catch (const std::bad_alloc&) {
+    return complain("out of memory; use a larger bone.voxel_mm or a smaller crop", kFailed);
   }
 }
 
@@ -84,9 +98,7 @@ int run_and_report(int argc, char** argv) {
 
 int main(int argc, char** argv) {
   open_standard_streams();
-  reamsim::start_reader_server();  // before there are threads
   // Pins PoCL's worker threads to their cores, for their caches. Must be set before OpenCL is loaded.
   setenv("POCL_AFFINITY", "1", 0);
-  reamsim::install_stop_handler();
-  return reamsim::end_with(run_and_report(argc, argv));
+  return reamsim::end_with(run_and_report_always(argc, argv));
 }

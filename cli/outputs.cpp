@@ -61,7 +61,7 @@ RunData open_run(const std::string& dir) {
   RunInputs inputs = inputs_of(scene, dir);  // with the poses to come, so that views and legend are those of the run
   std::erase_if(inputs.frames, [&](std::int64_t frame) { return frame > checkpoint->simulation.frame; });
   RunData run(std::move(inputs));
-  restore_fill(*checkpoint, scene.bone.fill);
+  restore_fill(*checkpoint, scene.bone.fill, dir);
   run.finish(std::move(scene.bone.fill));
   return run;
 }

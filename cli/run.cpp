@@ -195,7 +195,7 @@ void finish_complete(OutputFolder& folder, const Scenario& scenario, const Conso
     throw InputError({folder.path(), 0, 0}, "--resume", "holds the complete results of another scenario",
                      "rename it, or start again with --overwrite and without --resume");
   }
-  folder.finish();
+  finish(folder, console);
   console.say("the results were complete: " + folder.final_path());
 }
 
@@ -234,7 +234,11 @@ void run_command(const RunOptions& options, const Console& console) {
     folder.keep();
     throw RunError(message_of(error) + "; finished frames are kept in " + folder.path());
   }
-  folder.finish([&] { checkpoints.remove(); });
+  finish(folder, console, [&] {
+    Report report;
+    checkpoints.remove(report);
+    console.print(report);
+  });
   console.say("results: " + folder.final_path());
 }
 

@@ -31,7 +31,7 @@ void RunCheckpoints::use_device(const std::string& device, Report& report) {
 void RunCheckpoints::restore(FillBricks& fill) {
   before_ = fill;
   if (!last_) return;
-  restore_fill(*last_, fill);
+  restore_fill(*last_, fill, dir_);
   last_->fill.clear();
 }
 

@@ -38,7 +38,7 @@ class RunCheckpoints {
   [[nodiscard]] std::string cost() const;
   [[nodiscard]] double seconds() const { return seconds_; }
   /// Removes the checkpoints of a run that is complete.
-  void remove() const { files_.remove(); }
+  void remove(Report& report) const { files_.remove(report); }
 
  private:
   std::string dir_;

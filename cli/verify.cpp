@@ -42,7 +42,7 @@ void verify_command(const VerifyOptions& options, const Console& console) {
   verify::Findings findings = verify::run_suite(setting);
   findings.device = device;
   write_verification(folder.path(), findings);
-  folder.finish();
+  finish(folder, console);
   for (const verify::CaseFindings& found : findings.cases) {
     console.say((found.passed() ? "pass  " : "FAIL  ") + found.title);
   }

@@ -19,6 +19,12 @@ if(REAMSIM_SANITIZE)
   endif()
 endif()
 
+if(REAMSIM_FUZZ)
+  add_compile_options(-fsanitize=fuzzer-no-link,address,undefined -fno-sanitize-recover=undefined -ffunction-sections
+                      -fdata-sections)
+  add_link_options(-fsanitize=address,undefined)
+endif()
+
 # How long a test, and a program that a test starts, may take; sanitizers slow everything down.
 set(REAMSIM_TEST_TIMEOUT_S 600)
 set(REAMSIM_PROGRAM_TIMEOUT_S 60)

@@ -5,6 +5,7 @@
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
+#include <new>
 
 #include "render/gl/pixel_image.h"
 #include "sim/base/error.h"
@@ -70,6 +71,7 @@ void write_png(const std::string& path, const PixelImage& image) {
   const bool written = file != nullptr && compress(file, image, rows);
   const bool closed = file != nullptr && std::fclose(file) == 0;
   if (written && closed) return;
+  if (errno == ENOMEM) throw std::bad_alloc();
   throw RunError(path + ": cannot be written (" + (errno != 0 ? std::strerror(errno) : "no PNG can hold it") +
                  "); is the disk full or the folder read-only?");
 }

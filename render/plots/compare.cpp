@@ -2,9 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
-#include <map>
-#include <nlohmann/json.hpp>
 
 #include "render/plots/plots.h"
 #include "sim/base/csv.h"
@@ -18,33 +15,6 @@ namespace embedded {
 extern const char* const compare_script;
 }
 namespace {
-
-using Json = nlohmann::ordered_json;
-
-constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-
-Json read_summary(const std::string& path) {
-  const Json summary = Json::parse(read_file(path, "expected the results folder of a finished run"), nullptr, false);
-  if (!summary.is_object() || !summary.contains("removed_mm3") || !summary.contains("forces")) {
-    throw InputError({path, 0, 0}, "", "damaged, or not the summary of a run",
-                     "expected a file written by `reamsim run`");
-  }
-  return summary;
-}
-
-/// Calls visit(key, number) for every number below `json`.
-template <class Visit>
-void for_each_number(const Json& json, const std::string& key, const Visit& visit) {
-  if (json.is_number()) visit(key, json.get<double>());
-  if (!json.is_structured()) return;
-  std::size_t item = 0;
-  for (const auto& [name, value] : json.items()) {
-    const std::string path = json.is_array() ? key + "[" + std::to_string(item++) + "]"
-                             : key.empty()   ? name
-                                             : key + "." + name;
-    for_each_number(value, path, visit);
-  }
-}
 
 std::string number_cell(double value) {
   return std::isfinite(value) ? shortest_text(value) : std::string();
@@ -92,23 +62,6 @@ std::string labels_block(const std::vector<ComparedRun>& runs) {
 }
 
 }  // namespace
-
-double ComparedMetric::relative(std::size_t i) const {
-  return values[0] == 0 ? kNone : difference(i) / std::abs(values[0]);
-}
-
-std::vector<ComparedMetric> compare_summaries(const std::vector<ComparedRun>& runs) {
-  std::vector<ComparedMetric> out;
-  std::map<std::string, std::size_t> places;
-  for (std::size_t i = 0; i < runs.size(); ++i) {
-    for_each_number(read_summary(runs[i].dir + "/summary.json"), "", [&](const std::string& key, double value) {
-      const auto [found, is_new] = places.try_emplace(key, out.size());
-      if (is_new) out.push_back({key, std::vector<double>(runs.size(), kNone)});
-      out[found->second].values[i] = value;
-    });
-  }
-  return out;
-}
 
 void write_comparison(const std::string& dir, const std::vector<ComparedRun>& runs,
                       const std::vector<ComparedMetric>& metrics) {

@@ -7,11 +7,11 @@
 #include <algorithm>
 #include <array>
 #include <cstdlib>
+#include <new>
 #include <stdexcept>
 #include <utility>
 #include <vector>
 
-#include "sim/base/error.h"
 #include "sim/base/text.h"
 
 namespace reamsim {
@@ -53,7 +53,7 @@ std::string compressed_base64(std::span<const std::uint8_t> bytes) {
   uLongf size = compressBound(static_cast<uLong>(bytes.size()));
   std::vector<std::uint8_t> packed(size);
   if (compress2(packed.data(), &size, bytes.data(), static_cast<uLong>(bytes.size()), Z_BEST_COMPRESSION) != Z_OK) {
-    throw RunError("report.html: zlib cannot pack its data");
+    throw std::bad_alloc();  // the room suffices, so memory is all that can be missing
   }
   return base64({packed.data(), size});
 }

@@ -11,6 +11,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <memory>
+#include <new>
 
 #include "render/report/markup.h"
 #include "sim/base/error.h"
@@ -23,8 +24,14 @@ constexpr int kQuality = 86;  // least quality without artefacts around text
 
 using Image = std::unique_ptr<cairo_surface_t, decltype(&cairo_surface_destroy)>;
 
+/// Cairo marks what it has no memory for, and goes on.
+void check_memory(const Image& image) {
+  if (cairo_surface_status(image.get()) == CAIRO_STATUS_NO_MEMORY) throw std::bad_alloc();
+}
+
 Image read_png(const std::string& path) {
   Image image(cairo_image_surface_create_from_png(path.c_str()), &cairo_surface_destroy);
+  check_memory(image);
   if (cairo_surface_status(image.get()) != CAIRO_STATUS_SUCCESS) {
     throw InputError({path, 0, 0}, "", "is not a readable picture", "a PNG written by reamsim render");
   }
@@ -48,6 +55,7 @@ Image scaled(const Image& image, int most_px) {
   cairo_paint(pen);
   cairo_destroy(pen);
   cairo_surface_flush(out.get());
+  check_memory(out);
   return out;
 }
 

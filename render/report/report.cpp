@@ -11,6 +11,7 @@
 #include "render/report/page_data.h"
 #include "sim/base/error.h"
 #include "sim/base/file.h"
+#include "sim/record/result_json.h"
 
 namespace reamsim {
 namespace embedded {
@@ -31,7 +32,7 @@ constexpr int kFrame_px = 960;
 constexpr std::size_t kMaxFrames = 120;  // of all cameras
 
 Json read_json(const std::string& path, const std::string& expected) {
-  Json json = Json::parse(read_file(path, expected), nullptr, false);
+  Json json = parse_result_json(read_file(path, expected));
   if (!json.is_object()) throw InputError({path, 0, 0}, "", "is not a JSON object", expected);
   return json;
 }

@@ -57,7 +57,12 @@ CsvReader::CsvReader(const std::string& path, std::span<const std::string_view> 
 bool CsvReader::next(std::vector<double>& values, std::string_view may_be_empty) {
   std::string line;
   do {
-    if (!std::getline(in_, line)) return false;
+    if (!std::getline(in_, line)) {
+      // std::getline() also swallows exceptions of the memory.
+      if (in_.bad())
+        throw RunError(path_ + ": cannot be read to its end; is the disk damaged, or the memory exhausted?");
+      return false;
+    }
     ++line_;
   } while (line.empty());
   const auto cells = split(line);
@@ -101,12 +106,17 @@ CsvWriter::CsvWriter(const std::string& path, const std::string& header, std::ui
     : CsvWriter(path, header, std::ios::app) {
   std::error_code error;
   const bool complete = std::filesystem::file_size(path, error) >= bytes && !error;
-  if (complete) std::filesystem::resize_file(path, bytes, error);
-  if (!complete || error) throw RunError(path + ": cannot be continued; it is shorter than it was");
+  if (!complete) {
+    throw InputError({path, 0, 0}, "", "is shorter than when the checkpoint was written",
+                     "start again with --overwrite");
+  }
+  std::filesystem::resize_file(path, bytes, error);
+  if (error) fail_to_write(path);
+  whole_bytes_ = bytes;
 }
 
 CsvWriter::~CsvWriter() {
-  if (out_.is_open()) out_ << rows_;  // finished frames are worth keeping after a failure
+  if (out_.is_open() && out_) write_rows();  // finished frames are worth keeping after a failure
 }
 
 void CsvWriter::row(std::span<const double> values) {
@@ -121,9 +131,19 @@ void CsvWriter::row(std::span<const double> values) {
   if (rows_.size() > kBufferBytes) flush();
 }
 
-void CsvWriter::flush() {
+void CsvWriter::write_rows() {
   out_ << rows_;
+  std::error_code ignored;
+  if (out_) {
+    whole_bytes_ += rows_.size();
+  } else {
+    std::filesystem::resize_file(path_, whole_bytes_, ignored);  // a full disk may have taken a part of a row
+  }
   rows_.clear();
+}
+
+void CsvWriter::flush() {
+  write_rows();
   check();
 }
 

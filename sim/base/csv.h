@@ -44,7 +44,8 @@ class CsvWriter {
  public:
   /// Throws RunError when the file cannot be created.
   CsvWriter(const std::string& path, const std::string& header);
-  /// Continues a file that sync() said has `bytes` bytes; what follows them is removed. Throws RunError.
+  /// Continues a file that sync() said has `bytes` bytes; what follows them is removed. Throws InputError
+  /// where it is shorter, RunError where it cannot be written.
   CsvWriter(const std::string& path, const std::string& header, std::uintmax_t bytes);
   ~CsvWriter();
   CsvWriter(const CsvWriter&) = delete;
@@ -61,12 +62,15 @@ class CsvWriter {
  private:
   CsvWriter(const std::string& path, const std::string& header, std::ios::openmode mode);
   void flush();
+  /// Writes rows_; where that fails, the file ends with its last whole row.
+  void write_rows();
   void check() const;
 
   std::string path_;
   std::ofstream out_;
   std::size_t columns_;
-  std::string rows_;  // not yet in the file
+  std::string rows_;                // not yet in the file
+  std::uintmax_t whole_bytes_ = 0;  // of the file, with whole rows only
 };
 
 }  // namespace reamsim

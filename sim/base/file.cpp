@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <filesystem>
 #include <iterator>
@@ -20,9 +21,16 @@ std::string read_file(const std::string& path, const std::string& expected) {
 
 std::string read_file_start(const std::string& path, std::size_t most_bytes) {
   std::ifstream in(path, std::ios::binary);
-  std::string start(most_bytes, '\0');
-  in.read(start.data(), static_cast<std::streamsize>(start.size()));
-  start.resize(static_cast<std::size_t>(in.gcount()));
+  constexpr std::size_t kFirstBytes = 4096;
+  std::string start;
+  // Doubles, so that a limit far beyond the file costs no memory.
+  for (std::size_t end = std::min(most_bytes, kFirstBytes); start.size() < end; end = std::min(most_bytes, 2 * end)) {
+    const std::size_t before = start.size();
+    start.resize(end);
+    in.read(start.data() + before, static_cast<std::streamsize>(end - before));
+    start.resize(before + static_cast<std::size_t>(in.gcount()));
+    if (start.size() < end) break;
+  }
   return start;
 }
 
@@ -34,11 +42,16 @@ void write_file(const std::string& path, std::string_view content) {
 
 void replace_file(const std::string& path, std::string_view content) {
   const std::string unfinished = path + ".tmp";
-  write_file(unfinished, content);
-  sync_to_disk(unfinished);
   std::error_code error;
-  std::filesystem::rename(unfinished, path, error);
-  if (error) fail_to_write(path);
+  try {
+    write_file(unfinished, content);
+    sync_to_disk(unfinished);
+    std::filesystem::rename(unfinished, path, error);
+    if (error) fail_to_write(path);
+  } catch (const RunError&) {
+    std::filesystem::remove(unfinished, error);
+    throw;
+  }
   sync_to_disk(std::filesystem::absolute(path).parent_path().string());
 }
 

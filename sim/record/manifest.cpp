@@ -1,8 +1,7 @@
 #include "sim/record/manifest.h"
 
-#include <nlohmann/json.hpp>
-
 #include "sim/base/file.h"
+#include "sim/record/result_json.h"
 
 namespace reamsim {
 
@@ -11,7 +10,7 @@ using Json = nlohmann::ordered_json;
 std::optional<Manifest> read_manifest(const std::string& dir) {
   constexpr std::size_t kMostBytes = 64'000'000;  // a million pictures
   const std::string text = read_file_start(dir + "/" + kManifestName, kMostBytes);
-  const Json json = Json::parse(text, nullptr, /*allow_exceptions=*/false);
+  const Json json = parse_result_json(text);
   if (!json.is_object() || !json.contains("kind") || !json["kind"].is_string()) return std::nullopt;
   if (!json.contains("files") || !json["files"].is_array()) return std::nullopt;
   Manifest out{.kind = json["kind"], .files = {}, .complete = json.value("complete", true)};

@@ -11,6 +11,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <new>
 
 #include "sim/base/error.h"
 #include "sim/base/file.h"
@@ -141,8 +142,7 @@ OutputFolder::NewFolders::NewFolders(const std::string& below) {
 }
 
 OutputFolder::NewFolders::~NewFolders() {
-  std::error_code ignored;
-  for (const std::string& dir : created_) fs::remove(dir, ignored);
+  for (const std::string& dir : created_) rmdir(dir.c_str());
 }
 
 OutputFolder::OutputFolder(const OutputRequest& request)
@@ -180,7 +180,11 @@ void OutputFolder::clear() {
 }
 
 OutputFolder::~OutputFolder() {
-  if (!keep_) remove_results(partial_, kind_);
+  if (keep_) return;
+  try {
+    remove_results(partial_, kind_);
+  } catch (const std::bad_alloc&) {  // the next command with --overwrite or --resume removes it
+  }
 }
 
 void OutputFolder::abandon() {
@@ -191,41 +195,44 @@ void OutputFolder::abandon() {
 bool OutputFolder::has_frames() const {
   std::ifstream forces(partial_ + "/forces.csv", std::ios::binary);
   std::string header;
-  return std::getline(forces, header) && forces.peek() != std::ifstream::traits_type::eof();
+  const bool rows = std::getline(forces, header) && forces.peek() != std::ifstream::traits_type::eof();
+  return rows || forces.bad();  // what cannot be read may have rows
 }
 
-void OutputFolder::seal() {
+std::string OutputFolder::finish(const std::function<void()>& remove_unfinished) {
   keep_ = true;  // complete, so never removed again
-  list_results(partial_, kind_);
-  sync_folder_to_disk(partial_);
-}
-
-void OutputFolder::finish(const std::function<void()>& remove_unfinished) {
-  std::string why;
+  std::string why, where = "the results, without their manifest, are in " + partial_;
   try {
-    seal();
+    list_results(partial_, kind_);
+    where = "the results are in " + partial_ + ", where a power failure may still damage them";
+    sync_folder_to_disk(partial_);
+    where = "the results are complete in " + partial_;
     if (remove_unfinished) {
       remove_unfinished();
-      seal();
+      list_results(partial_, kind_);
     }
-    put_in_place();
+    const std::string warning = put_in_place();
+    where = "the results are in " + dir_ + ", but a power failure may undo that";
     sync_to_disk(fs::path(dir_).parent_path().string());
-    return;
+    return warning;
   } catch (const std::system_error& error) {
     why = dir_ + ": cannot be moved into place (" + error.code().message() + ")";
   } catch (const std::runtime_error& error) {
     why = message_of(error);
+  } catch (const std::bad_alloc& error) {
+    why = message_of(error);
   }
-  throw RunError(why + "; the results are complete in " + partial_);
+  throw RunError(why + "; " + where);
 }
 
-void OutputFolder::put_in_place() {
+std::string OutputFolder::put_in_place() {
   if (!overwrite_ || !fs::exists(dir_)) {
     move_without_replacing(partial_, dir_);
-    return;
+    return "";
   }
   require_ours(dir_, kind_, true);  // it may have changed since
-  remove_results(replace(partial_, dir_), kind_);
+  const std::string old = replace(partial_, dir_);
+  return remove_results(old, kind_) ? "" : old + ": the replaced results cannot be removed; delete this folder";
 }
 
 ResultUpdate::ResultUpdate(const std::string& dir, ResultKind kind)

@@ -44,10 +44,11 @@ class OutputFolder {
   [[nodiscard]] bool has_frames() const;
   /// Whether the results to be continued are complete: their process ended before it had moved them.
   [[nodiscard]] bool is_complete() const { return complete_; }
-  /// Lists the results in their manifest, moves DIR.partial to DIR, and removes an old DIR only then. Throws RunError
-  /// when that fails; the complete results stay in DIR.partial. Calls `remove_unfinished` between, for files that are
-  /// of use only until the results are complete: a process that is killed leaves at least one of both.
-  void finish(const std::function<void()>& remove_unfinished = {});
+  /// Lists the results in their manifest, moves DIR.partial to DIR, and removes an old DIR only then. Throws RunError,
+  /// which says where the results are. Returns a warning where parts of an old DIR remain, else "". Calls
+  /// `remove_unfinished` once the results are complete, for files that are of use only until then: a process that is
+  /// killed leaves at least one of both.
+  std::string finish(const std::function<void()>& remove_unfinished = {});
   /// Tidies up for a process that ends at once: releases DIR.lock, and removes DIR.partial unless it has frames.
   void abandon();
   /// Keeps DIR.partial (interrupted, or failed with finished frames).
@@ -55,9 +56,7 @@ class OutputFolder {
 
  private:
   void create_partial() const;
-  /// Lists the results: from now on they are complete, even if this process is killed.
-  void seal();
-  void put_in_place();
+  std::string put_in_place();
 
   /// The folders above the output, created where they do not exist; the destructor removes those that stay empty.
   class NewFolders {

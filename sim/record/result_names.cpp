@@ -56,15 +56,12 @@ std::string kind_name(ResultKind kind) {
   return names[static_cast<std::size_t>(kind)];
 }
 
-bool has_known_name(const std::string& file, ResultKind kind) {
-  return std::regex_match(file, names_of(kind).files);
-}
-
 /// Says which entries of a results folder reamsim wrote: those of its manifest; without a complete one, also those
 /// with known names.
 class OwnEntries {
  public:
-  OwnEntries(const std::string& dir, ResultKind kind) : kind_(kind), manifest_(read_manifest(dir)) {
+  OwnEntries(const std::string& dir, ResultKind kind)
+      : kind_(kind), names_(names_of(kind)), manifest_(read_manifest(dir)) {
     if (manifest_ && manifest_->kind != kind_name(kind)) manifest_.reset();
   }
 
@@ -81,11 +78,12 @@ class OwnEntries {
     if (place == kUnfinishedManifest) return true;
     if (manifest_ && (place == kManifestName || manifest_->files.contains(place))) return true;
     if (kind_ == ResultKind::run && place == kVerification) return true;
-    return (!manifest_ || !manifest_->complete) && has_known_name(place, kind_);
+    return (!manifest_ || !manifest_->complete) && std::regex_match(place, names_.files);
   }
 
  private:
   ResultKind kind_;
+  const Names& names_;  // made before results are written: to remove them must not need the memory
   std::optional<Manifest> manifest_;
 };
 
@@ -156,13 +154,14 @@ std::set<std::string> open_results(const std::string& dir, ResultKind kind) {
   return foreign;
 }
 
-void remove_results(const std::string& dir, ResultKind kind) {
+bool remove_results(const std::string& dir, ResultKind kind) {
   std::error_code ignored;
   walk(dir, "", OwnEntries(dir, kind), [&](const fs::directory_entry& entry, const std::string&, bool ours) {
     if (ours) fs::remove(entry.path(), ignored);  // a folder only once it is empty
     return true;
   });
   fs::remove(dir, ignored);
+  return !fs::exists(fs::symlink_status(dir, ignored));
 }
 
 }  // namespace reamsim

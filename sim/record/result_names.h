@@ -24,7 +24,8 @@ void list_results(const std::string& dir, ResultKind kind, const std::set<std::s
 /// that are not ours. Throws RunError.
 std::set<std::string> open_results(const std::string& dir, ResultKind kind);
 
-/// Removes from `dir` what a command of this kind wrote, then `dir` itself if it is empty.
-void remove_results(const std::string& dir, ResultKind kind);
+/// Removes from `dir` what a command of this kind wrote, then `dir` itself if it is empty. Returns whether
+/// `dir` is gone.
+bool remove_results(const std::string& dir, ResultKind kind);
 
 }  // namespace reamsim

@@ -4,6 +4,7 @@
 #include <zlib.h>
 
 #include <algorithm>
+#include <new>
 #include <vector>
 
 #include "sim/base/file.h"
@@ -69,7 +70,9 @@ std::vector<unsigned char> deflated(const std::vector<float>& values) {
   const auto bytes = static_cast<uLong>(values.size() * sizeof(float));
   std::vector<unsigned char> out(compressBound(bytes));
   uLongf size = out.size();
-  compress2(out.data(), &size, reinterpret_cast<const Bytef*>(values.data()), bytes, Z_BEST_SPEED);
+  const auto* first = reinterpret_cast<const Bytef*>(values.data());
+  // The room suffices, so memory is all that can be missing.
+  if (compress2(out.data(), &size, first, bytes, Z_BEST_SPEED) != Z_OK) throw std::bad_alloc();
   out.resize(size);
   return out;
 }

@@ -66,17 +66,17 @@ std::vector<PlacedBrick> reamed_bricks(const FillBricks& before, const FillBrick
   return out;
 }
 
-void restore_fill(const Checkpoint& checkpoint, FillBricks& fill) {
+void restore_fill(const Checkpoint& checkpoint, FillBricks& fill, const std::string& dir) {
   const auto inside = [dims = fill.brick_dims()](const Vec3i& coord) {
     return (coord.array() >= 0).all() && (coord.array() < dims.array()).all();
   };
   for (const auto& [coord, brick] : checkpoint.fill) {
-    if (!inside(coord)) throw InputError({}, "checkpoint", "does not fit the bone", kStartAgain);
+    if (!inside(coord)) throw InputError({dir, 0, 0}, "checkpoint", "does not fit the bone", kStartAgain);
     fill.put(coord, brick);
   }
   fill.take_changed();
   for (const Vec3i& coord : checkpoint.changed) {
-    if (!inside(coord)) throw InputError({}, "checkpoint", "does not fit the bone", kStartAgain);
+    if (!inside(coord)) throw InputError({dir, 0, 0}, "checkpoint", "does not fit the bone", kStartAgain);
     fill.mark_changed(coord);
   }
 }

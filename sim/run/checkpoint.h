@@ -36,7 +36,7 @@ struct Checkpoint {
 /// The bricks of `now` that differ from those before the run.
 std::vector<PlacedBrick> reamed_bricks(const FillBricks& before, const FillBricks& now);
 /// Sets the fill to that of the checkpoint. `fill`: that before the run. Throws InputError where it has other bricks.
-void restore_fill(const Checkpoint& checkpoint, FillBricks& fill);
+void restore_fill(const Checkpoint& checkpoint, FillBricks& fill, const std::string& dir);
 
 /// The two checkpoints of a run, DIR/checkpoint-0.bin and DIR/checkpoint-1.bin. A new one replaces the older, so that
 /// one is always complete.
@@ -48,7 +48,8 @@ class CheckpointFiles {
   [[nodiscard]] std::optional<Checkpoint> read();
   /// Returns its length in bytes, when it is on the disk. Throws RunError.
   std::size_t write(const Checkpoint& checkpoint);
-  void remove() const;
+  /// Warns where that is not possible.
+  void remove(Report& report) const;
 
  private:
   [[nodiscard]] std::string path(int number) const;

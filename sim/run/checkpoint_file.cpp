@@ -72,6 +72,12 @@ class Reader {
     static_assert(std::is_trivially_copyable_v<T>);
     std::memcpy(&value, take(sizeof value).data(), sizeof value);
   }
+  void operator()(bool& value) {
+    std::uint8_t byte = 0;
+    (*this)(byte);
+    if (byte > 1) throw Damaged();
+    value = byte == 1;
+  }
   void operator()(std::string& value) { value = take(length()); }
   void operator()(Vec3i& v) {
     for (int& i : v) (*this)(i);
@@ -180,9 +186,12 @@ std::size_t CheckpointFiles::write(const Checkpoint& checkpoint) {
   return writer.text.size();
 }
 
-void CheckpointFiles::remove() const {
-  std::error_code ignored;
-  for (const int number : {0, 1}) std::filesystem::remove(path(number), ignored);
+void CheckpointFiles::remove(Report& report) const {
+  for (const int number : {0, 1}) {
+    std::error_code error;
+    std::filesystem::remove(path(number), error);
+    if (error) report.warn(path(number) + ": cannot be removed (" + error.message() + "); the results do not need it");
+  }
 }
 
 }  // namespace reamsim

@@ -1,5 +1,6 @@
-// fuzz_readers INPUTS SEED [FOLDER]: reads INPUTS damaged files and prints a table. Files with a complaint are kept in
-// FOLDER. Exits with 1 if there are any.
+// fuzz_readers INPUTS SEED [texts|files [FOLDER]]: reads INPUTS damaged files and prints a table. Files with a
+// complaint are kept in FOLDER. `texts` are what reamsim itself parses; `files`, the default, come from elsewhere.
+// Exits with 1 if there are complaints.
 #include <cstdio>
 #include <cstdlib>
 
@@ -8,11 +9,13 @@
 int main(int argc, char** argv) {
   using namespace reamsim::test;
   if (argc < 3) {
-    std::fprintf(stderr, "usage: fuzz_readers INPUTS SEED [FOLDER for files with a complaint]\n");
+    std::fprintf(stderr, "usage: fuzz_readers INPUTS SEED [texts|files [FOLDER for files with a complaint]]\n");
     return 2;
   }
-  const Campaign campaign{
-      .inputs = std::atoi(argv[1]), .seed = std::strtoull(argv[2], nullptr, 10), .keep = argc > 3 ? argv[3] : ""};
+  const Campaign campaign{.texts = argc > 3 && std::string(argv[3]) == "texts",
+                          .inputs = std::atoi(argv[1]),
+                          .seed = std::strtoull(argv[2], nullptr, 10),
+                          .keep = argc > 4 ? argv[4] : ""};
   std::size_t complaints = 0;
   ReaderFindings all;
   std::printf(

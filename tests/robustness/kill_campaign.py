@@ -79,7 +79,7 @@ class Campaign:
         self.kills = kills
         self.random = random.Random(SEED)
         self.kinds = collections.Counter()
-        self.torn = self.without_scenario = self.rendered = self.render_failures = self.done = 0
+        self.torn = self.without_scenario = self.rendered = self.render_failures = self.done = self.tried = 0
 
     def run(self, arguments, kill_when=None):
         process = subprocess.Popen([self.program, *arguments, "--quiet"], stderr=subprocess.PIPE)
@@ -94,7 +94,8 @@ class Campaign:
 
     def moment(self, partial, seconds):
         """The next kind of moment, and a function that says whether it has come."""
-        kind = ("random", "resuming", "checkpoint", "renames")[self.done % 4]
+        self.tried += 1  # a run may end before its moment comes
+        kind = ("random", "resuming", "checkpoint", "renames")[self.tried % 4]
         after = self.random.uniform(0.05, 1.05) * seconds
         if kind == "random":
             return kind, lambda t: t > after
@@ -103,7 +104,7 @@ class Campaign:
             return kind, lambda t: t > early
         if kind == "checkpoint":
             names = [f"{partial}/checkpoint-{i}.bin.tmp" for i in (0, 1)]
-            return kind, lambda t: t > 0.6 * after and any(os.path.exists(name) for name in names)
+            return kind, lambda t: t > 0.3 * after and any(os.path.exists(name) for name in names)
         return kind, lambda t: os.path.exists(f"{partial}/manifest.json.tmp") or os.path.exists(f"{partial}/manifest.json")
 
     def check_partial(self, partial):

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 namespace reamsim::test {
@@ -123,7 +125,101 @@ void change_line(std::string& bytes, Random& random) {
   bytes.replace(from, end - from, line);
 }
 
+/// Where a word, a number or a text in quotes begins and ends.
+std::pair<std::size_t, std::size_t> some_token(const std::string& text, Random& random) {
+  constexpr std::string_view kBetween = " \n\t,:[]{}";
+  std::size_t from = below(random, text.size());
+  while (from > 0 && kBetween.find(text[from - 1]) == std::string_view::npos) --from;
+  return {from, std::min(text.find_first_of(kBetween, from), text.size())};
+}
+
+void change_token(std::string& text, Random& random) {
+  static const std::vector<std::string> odd{"0",
+                                            "-1",
+                                            "1e308",
+                                            "-1e308",
+                                            "1e-308",
+                                            "nan",
+                                            ".inf",
+                                            "-.inf",
+                                            "null",
+                                            "~",
+                                            "true",
+                                            "[]",
+                                            "{}",
+                                            "\"\"",
+                                            "''",
+                                            "*x",
+                                            "&x 1",
+                                            "<<",
+                                            "!!binary x",
+                                            "|",
+                                            ">",
+                                            "? a",
+                                            "- 1",
+                                            "a: b",
+                                            "[1, 2]",
+                                            "{a: 1}",
+                                            "\"",
+                                            "'",
+                                            "\\",
+                                            "2147483648",
+                                            "9223372036854775808",
+                                            "0x7fff",
+                                            "1_000",
+                                            "1,5",
+                                            "\t",
+                                            "\xEF\xBB\xBF",
+                                            "\xC3\x28",
+                                            "/dev/zero",
+                                            "/",
+                                            ".",
+                                            "/proc/self/mem",
+                                            "--- ",
+                                            "...",
+                                            "#",
+                                            "%YAML 9.9"};
+  const auto [from, end] = some_token(text, random);
+  text.replace(from, end - from, odd[below(random, odd.size())]);
+}
+
+/// Replaces a value by one from elsewhere in the text.
+void copy_token(std::string& text, Random& random) {
+  const auto [from, end] = some_token(text, random);
+  const std::string other = text.substr(from, end - from);
+  const auto [to, to_end] = some_token(text, random);
+  text.replace(to, to_end - to, other);
+}
+
+void nest_deeply(std::string& text, Random& random) {
+  static const std::array<std::string, 5> open{"[", "{\"a\":", "{a: ", "- ", "\n "};
+  const std::string& one = open[below(random, open.size())];
+  std::string many;
+  for (std::size_t left = std::size_t{10} << below(random, 15); left > 0; --left) many += one;
+  text.insert(some_token(text, random).first, many);
+}
+
+void change_indentation(std::string& text, Random& random) {
+  const std::size_t line = text.find('\n', below(random, text.size()));
+  if (line == std::string::npos) return;
+  if (random() % 2 == 0) {
+    text.insert(line + 1, 1 + below(random, 4), ' ');
+  } else {
+    text.erase(line + 1, text.find_first_not_of(' ', line + 1) - line - 1);
+  }
+}
+
 }  // namespace
+
+std::string mutated_text(std::string text, Random& random) {
+  constexpr std::array kWays{change_token, change_token, change_token,      copy_token,
+                             copy_token,   nest_deeply,  change_indentation};
+  if (random() % 3 == 0) return mutated(std::move(text), random);
+  for (std::size_t left = 1 + below(random, 3); left > 0 && !text.empty(); --left) {
+    kWays[below(random, kWays.size())](text, random);
+  }
+  return text;
+}
 
 std::string mutated(std::string bytes, Random& random) {
   constexpr std::array kWays{change_bytes, put_number,   cut,         repeat_block,

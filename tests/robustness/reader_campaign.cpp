@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <sstream>
 
 #include "mutate.h"
 #include "seeds.h"
@@ -32,6 +33,12 @@ void add(const Verdict& verdict, ReaderFindings& findings) {
   findings.largest_mb = std::max(findings.largest_mb, verdict.peak_mb);
 }
 
+std::string damaged_bytes(const Seed& seed, const std::string& name, const std::string& whole, Random& random) {
+  const bool text = seed.text && (name.ends_with(".yaml") || name.ends_with(".csv") || name.ends_with(".json"));
+  std::string out = text ? mutated_text(whole, random) : mutated(whole, random);
+  return seed.repair ? seed.repair(name, std::move(out)) : out;
+}
+
 }  // namespace
 
 std::string complaint_about(const Verdict& verdict, const std::string& named) {
@@ -40,14 +47,16 @@ std::string complaint_about(const Verdict& verdict, const std::string& named) {
   if (verdict.seconds > kMostSeconds) return fmt::format("{:.1f} s", verdict.seconds);
   if (verdict.peak_mb > kMostMemory_mb) return fmt::format("{:.0f} MB", verdict.peak_mb);
   if (verdict.accepted) return "";
-  if (verdict.message.find(named) == std::string::npos) return "does not name the file: " + verdict.message;
-  if (verdict.message.find('\n') != std::string::npos) return "several lines: " + verdict.message;
-  return "";
+  std::istringstream lines(verdict.message);  // one for each mistake
+  for (std::string line; std::getline(lines, line);) {
+    if (line.find(named) == std::string::npos) return "does not name the file: " + verdict.message;
+  }
+  return verdict.message.empty() ? "says nothing" : "";
 }
 
 std::map<std::string, ReaderFindings> run_campaign(const Campaign& campaign) {
   const TempDir folder;
-  const std::vector<Seed> seeds = write_seeds(folder.path());
+  const std::vector<Seed> seeds = campaign.texts ? write_text_seeds(folder.path()) : write_seeds(folder.path());
   Random random(campaign.seed);
   std::map<std::string, ReaderFindings> out;
   for (int n = 0; n < campaign.inputs; ++n) {
@@ -55,14 +64,15 @@ std::map<std::string, ReaderFindings> run_campaign(const Campaign& campaign) {
     const std::string name = seed.files[random() % seed.files.size()];
     const std::string path = seed.folder + "/" + name;
     const std::string whole = read_bytes(path);
-    const std::string damaged = mutated(whole, random);
+    const std::string damaged = damaged_bytes(seed, name, whole, random);
     write_bytes(path, damaged);
-    Verdict verdict = supervised([&] { load(seed.bone); });
+    Verdict verdict = supervised([&] { seed.read(path); });
     // Other programs may have kept the processor busy.
-    if (verdict.signal == 0 && verdict.seconds > kMostSeconds) verdict = supervised([&] { load(seed.bone); });
+    if (verdict.signal == 0 && verdict.seconds > kMostSeconds) verdict = supervised([&] { seed.read(path); });
     ReaderFindings& findings = out[seed.reader];
     add(verdict, findings);
-    if (const std::string complaint = complaint_about(verdict, seed.named); !complaint.empty()) {
+    if (const std::string complaint = complaint_about(verdict, seed.named.empty() ? name : seed.named);
+        !complaint.empty()) {
       findings.complaints.push_back(fmt::format("input {}: {}", n, complaint));
       const std::string kept = fmt::format("{}/{}_{}", campaign.keep, n, fs::path(name).filename().string());
       if (!campaign.keep.empty()) write_bytes(kept, damaged);

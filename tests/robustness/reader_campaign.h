@@ -26,6 +26,7 @@ struct ReaderFindings {
 };
 
 struct Campaign {
+  bool texts = false;  ///< what reamsim itself parses, instead of files of foreign origin
   int inputs = 0;
   std::uint64_t seed = 1;
   std::string keep;  ///< a folder for files with a complaint; "" = none

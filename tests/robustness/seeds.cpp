@@ -39,7 +39,7 @@ class SeedWriter {
     seed.named = name;
     write(seed.folder + "/" + name);
     seed.bone = bone_from_file(seed.folder + "/" + name);
-    seeds_.push_back(std::move(seed));
+    add(std::move(seed));
   }
   void add_text(const std::string& reader, const std::string& name, const std::string& text) {
     add(reader, name, [&](const std::string& path) { std::ofstream(path, std::ios::binary) << text; });
@@ -52,7 +52,10 @@ class SeedWriter {
     fs::create_directories(seed.folder);
     return seed;
   }
-  void add(Seed seed) { seeds_.push_back(std::move(seed)); }
+  void add(Seed seed) {
+    seed.read = [bone = seed.bone](const std::string&) { load(bone); };
+    seeds_.push_back(std::move(seed));
+  }
   std::vector<Seed> take() { return std::move(seeds_); }
 
  private:

@@ -1,0 +1,22 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+
+namespace reamsim {
+
+// Of a binary STL.
+inline constexpr std::size_t kStlHeaderBytes = 84;
+inline constexpr std::size_t kStlTriangleBytes = 50;
+
+/// A mesh file before it is read.
+struct MeshFile {
+  std::string extension;  ///< "stl", "obj" or "ply"
+  std::uintmax_t bytes = 0;
+};
+
+/// Checks the name, size and header of a mesh file, whose counts the library that reads it trusts. Throws InputError.
+MeshFile check_mesh_file(const std::string& path);
+
+}  // namespace reamsim

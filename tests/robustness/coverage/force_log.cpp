@@ -1,0 +1,11 @@
+#include "sim/record/force_log.h"
+
+#include "input_file.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace reamsim;
+  return test::read_input(data, size, "forces.csv", [](const std::string& path) {
+    ForceLog log = read_force_log(path, {.mean_travel_mm = 0.5, .most_rows = 16});
+    add_layer_means(log, 0.25);
+  });
+}

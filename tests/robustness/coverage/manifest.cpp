@@ -1,0 +1,10 @@
+#include "sim/record/manifest.h"
+
+#include "input_file.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace reamsim;
+  return test::read_input(data, size, kManifestName, [](const std::string&) {
+    if (const auto manifest = read_manifest(test::input_folder())) write_manifest(test::input_folder(), *manifest);
+  });
+}
