@@ -1,13 +1,10 @@
-#include <fcntl.h>
-#include <unistd.h>
-
 #include <CLI/CLI.hpp>
-#include <cerrno>
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
 
 #include "cli/commands.h"
+#include "cli/environment.h"
 #include "cli/stop.h"
 #include "sim/base/error.h"
 
@@ -18,13 +15,6 @@ constexpr int kFailed = 1, kWrongInput = 2;
 int complain(const std::string& message, int status) {
   std::fprintf(stderr, "reamsim: error: %s\n", message.c_str());
   return status;
-}
-
-/// Opens closed standard streams; otherwise the next opened file would take their place and receive console text.
-void open_standard_streams() {
-  for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
-    if (fcntl(stream, F_GETFD) == -1 && errno == EBADF) open("/dev/null", O_RDWR);
-  }
 }
 
 /// Parses the arguments, which calls the command.
@@ -81,9 +71,10 @@ int run_and_report(int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  open_standard_streams();
+  reamsim::open_standard_streams();
+  reamsim::explain_fatal_signals();
   // Pins PoCL's worker threads to their cores, for their caches. Must be set before OpenCL is loaded.
   setenv("POCL_AFFINITY", "1", 0);
   reamsim::install_stop_handler();
-  return reamsim::end_with(run_and_report(argc, argv));
+  return reamsim::end_with(reamsim::flush_standard_output(run_and_report(argc, argv)));
 }

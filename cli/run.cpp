@@ -4,6 +4,7 @@
 #include <new>
 
 #include "cli/commands.h"
+#include "cli/environment.h"
 #include "cli/outputs.h"
 #include "cli/run_checkpoints.h"
 #include "render/pictures/figures.h"
@@ -189,6 +190,7 @@ StopOutcome outcome_of(const RunCheckpoints& checkpoints, const OutputFolder& fo
 void run_command(const RunOptions& options, const Console& console) {
   const Scenario scenario = options.scenario.parse();
   require_film_program(scenario.render);
+  const auto kernels = prepare_opencl(scenario.engine.device, console);
   OutputFolder folder({.dir = output_dir(options, scenario),
                        .kind = ResultKind::run,
                        .overwrite = options.overwrite,

@@ -249,7 +249,7 @@ TEST_F(Rules, FilesMustBeThere) {
   EXPECT_EQ(bone("  source: vdb\n  vdb: {path: folder}\n"),
             "s.yaml:4:15: bone.vdb.path: folder is a folder; expected a file");
   EXPECT_EQ(changed("tool.stl", "/dev/null"),
-            "s.yaml:9:9: tool.mesh: /dev/null cannot be read; expected a file with read permission");
+            "s.yaml:9:9: tool.mesh: /dev/null is a pipe, a device or a socket; expected a file on a disk");
 }
 
 TEST_F(Rules, VariablesInPaths) {
