@@ -72,7 +72,7 @@ void describe_glenoid_size(KeyVisitor& v, PhantomSettings& phantom) {
            phantom.height_mm);
   v.number({.name = "width_mm",
             .doc = "Width of the face, anterior to posterior, of the lower, wider part",
-            .range = between(10, 80),
+            .range = between(6, 79),
             .when = glenoid,
             .default_by = "walch"},
            phantom.width_mm);
@@ -300,10 +300,10 @@ void describe_ct(KeyVisitor& v, CtSettings& ct) {
          ct.series);
   v.choice({.name = "modality", .doc = "Accepted DICOM modality; any: also series that are not CT"}, ct.modality);
   v.optional_vector(
-      {.name = "crop_min_mm", .doc = "Lower corner of the crop, LPS; with crop_max_mm", .range = kPosition},
+      {.name = "crop_min_mm", .doc = "Lower corner of the crop, LPS; with crop_max_mm", .range = between(-10000, 9990)},
       ct.crop_min_mm);
   v.optional_vector(
-      {.name = "crop_max_mm", .doc = "Upper corner of the crop, LPS; with crop_min_mm", .range = kPosition},
+      {.name = "crop_max_mm", .doc = "Upper corner of the crop, LPS; with crop_min_mm", .range = between(-9990, 10000)},
       ct.crop_max_mm);
   v.choice({.name = "filter", .doc = "Noise filter before thresholding"}, ct.filter);
   v.integer({.name = "median_radius_voxels", .doc = "Used by `filter: median` only", .range = between(1, 10)},

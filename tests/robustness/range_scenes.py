@@ -79,7 +79,13 @@ def plunge(rate_hz, **more):
 def keyframes(first, last, rate_hz=100):
     keys = [{"time_s": 0, "position_mm": [0, 0, 0.5], "axis": [0, 0, 1], **first}]
     keys += [{"time_s": 0.2, "position_mm": [0, 0, -0.5], "axis": [0, 0, 1], **last}]
+    keys = [{name: value for name, value in key.items() if value is not None} for key in keys]
     return {"motion": {"plunge": None, "frame_rate_hz": rate_hz, "keyframes": keys}}
+
+
+def keyframe(value, **more):
+    """More keys of the keyframe that has the value: the first at a minimum, else the last."""
+    return keyframes(more, {}) if value < 0 else keyframes({}, more)
 
 
 def cutting(**more):
@@ -151,35 +157,37 @@ KEYS = {
     PHANTOM + "cortical_mm@max": merged(shape("layered", size_mm=[10, 10, 505]), {"bone": {"voxel_mm": 1}}),
     PHANTOM + "cortical_density_g_cm3": shape("layered", size_mm=[10, 10, 6]),
     PHANTOM + "trabecular_density_g_cm3": shape("layered", size_mm=[10, 10, 6]),
-    PHANTOM + "height_mm@min": glenoid(width_mm=10),
-    PHANTOM + "height_mm@max": glenoid(face_radius_mm=40),
-    PHANTOM + "width_mm@max": glenoid(height_mm=80, face_radius_mm=40),
-    PHANTOM + "face_radius_mm@min": glenoid(height_mm=30),
-    **{PHANTOM + "medialization_mm" + end: glenoid(walch="A2") for end in ("@min", "@max")},
+    PHANTOM + "height_mm@min": glenoid(width_mm=8),
+    PHANTOM + "height_mm@max": glenoid(width_mm=40, face_radius_mm=60),
+    PHANTOM + "width_mm@max": glenoid(height_mm=80, face_radius_mm=60),
+    PHANTOM + "width_mm@min": glenoid(height_mm=12),
+    PHANTOM + "face_radius_mm@min": glenoid(height_mm=25, width_mm=20),
+    PHANTOM + "medialization_mm": glenoid(walch="A2", vault_depth_mm=100),
     PHANTOM + "wear_radius_mm": glenoid(walch="B2"),
     PHANTOM + "wear_direction_deg": glenoid(walch="B2"),
-    PHANTOM + "wear_ridge_mm": glenoid(walch="B2"),
+    PHANTOM + "wear_ridge_mm": glenoid(walch="B2", height_mm=80, width_mm=79, face_radius_mm=60, wear_radius_mm=60),
     PHANTOM + "wear_tilt_deg": glenoid(walch="B2"),
     PHANTOM + "rim_rounding_mm": glenoid(walch="C"),
     **{
         PHANTOM + key: GLENOID
         for key in (
-            "width_mm@min", "face_radius_mm@max", "vault_depth_mm", "version_deg", "inclination_deg", "shell_mm",
+            "face_radius_mm@max", "vault_depth_mm", "version_deg", "inclination_deg", "shell_mm",
             "subchondral_density_g_cm3", "subchondral_mm", "trabecular_gradient", "texture", "seed",
         )
     },
-    "bone.ct.median_radius_voxels": ct_bone(filter="median"),
+    "bone.ct.median_radius_voxels": merged(ct_bone(filter="median"), {"files": {"scan.nrrd": scan(side=60)}}),
     "bone.ct.anisotropic_iterations": ct_bone(filter="curvature_anisotropic"),
     "bone.ct.anisotropic_conductance": ct_bone(filter="curvature_anisotropic"),
     "bone.ct.threshold_hu@min": ct_bone(air=-3000),
     "bone.ct.threshold_hu@max": ct_bone(bone=20000),
     "bone.ct.label_map.refine_hu@min": labelled(bone=1000, refine_mm=1),
     "bone.ct.label_map.refine_hu@max": labelled(bone=20000, refine_mm=1),
+    "bone.ct.cut_spheres[].radius_mm@max": ct_bone(cut_spheres=[{"center_mm": [503, 0, 0]}]),
     "bone.mesh.scale@min": {"files": {"bone.obj": cube(2e7)}},
     "bone.mesh.scale@max": {"files": {"bone.obj": cube(2e-5)}},
     "tool.scale@min": {"files": {"tool.obj": cylinder(4e6, 6e6)}},
     "tool.scale@max": {"files": {"tool.obj": cylinder(4e-6, 6e-6)}},
-    "tool.shell_resolution": cutting(erosion="remove"),
+    "tool.shell_resolution": merged(cutting(erosion="remove"), {"files": {"tool.obj": cylinder(0.4, 6)}}),
     "motion.frame_rate_hz@min": plunge(1, feed_mm_s=0.1, retract_mm_s=0.1),
     "motion.frame_rate_hz@max": plunge(1e5, approach_mm=0.05, depth_mm=0.05, retract_mm=0.05, feed_mm_s=500, retract_mm_s=500),
     "motion.plunge.approach_mm@max": plunge(100, feed_mm_s=1000),
@@ -190,7 +198,6 @@ KEYS = {
     "motion.plunge.retract_mm@max": plunge(100, retract_mm_s=1000),
     "motion.keyframes[].time_s@min": keyframes({}, {}),
     "motion.keyframes[].time_s@max": keyframes({"time_s": 99990}, {}, rate_hz=1),
-    "motion.keyframes[].quaternion": keyframes({}, {"axis": None}),
     "engine.max_step_voxels@min": plunge(100, approach_mm=0.1, depth_mm=0.1),
     "cutting.force_per_point_n": cutting(law="per_point"),
     "cutting.wear_g_cm3_per_s": cutting(erosion="wear"),
@@ -204,6 +211,9 @@ KEYS = {
 }
 
 
+
+# Ends of many seconds, which are run with --full only.
+LONG = ("tool.shell_resolution@max", "render.turntable_pictures@max")
 
 # Vectors: scenario by component (0 to 2) and value. The key's other components are those given here.
 
@@ -307,8 +317,8 @@ DIRECTED = {
     "bone.pilot_hole.entry_mm": lambda component, value: merged(mesh_bone(axis(component, value)), HOLE),
     "bone.pilot_hole.axis": lambda component, value: merged(HOLE, {"bone": {"pilot_hole": {"entry_mm": [0, 0, -3], "axis": [0, 0, 0]}}}),
     "motion.plunge.axis": plunge_axis,
-    "motion.keyframes[].axis": lambda component, value: keyframes({}, {"axis": [0, 0, 0]}),
-    "motion.keyframes[].quaternion": lambda component, value: keyframes({}, {"axis": None, "quaternion": [0, 0, 0, 0]}),
+    "motion.keyframes[].axis": lambda component, value: keyframe(value, axis=[0, 0, 0]),
+    "motion.keyframes[].quaternion": lambda component, value: keyframe(value, axis=None, quaternion=[0, 0, 0, 0]),
     "render.user_cameras[].target_mm": lambda component, value: camera(target_mm=[0, 0, 0]),
     "render.user_cameras[].up": camera_up,
 }

@@ -65,7 +65,7 @@ TEST_F(Rules, GeometryOfPhantoms) {
   EXPECT_THAT(changed(kPhantom, "  phantom: {shape: layered, size_mm: [10, 10, 6], cortical_mm: 6}\n"),
               HasSubstr("bone.phantom.cortical_mm: found 6; expected less than the block's height"));
   EXPECT_THAT(changed(kPhantom, "  side: left\n  phantom: {shape: glenoid, width_mm: 36}\n"),
-              HasSubstr("bone.phantom.width_mm: found 36; expected no more than height_mm"));
+              HasSubstr("bone.phantom.width_mm: found 36; expected less than height_mm"));
 }
 
 TEST_F(Rules, SideIsNeededWithAGlenoid) {
