@@ -10,11 +10,11 @@
 #include <csignal>
 #include <cstdio>
 #include <cstring>
-#include <filesystem>
 #include <string>
 
 #include "cli/console.h"
 #include "sim/base/memory.h"
+#include "sim/device/opencl.h"
 
 namespace reamsim {
 
@@ -72,14 +72,10 @@ void open_standard_streams() {
 }
 
 void explain_fatal_signals() {
-  std::error_code error;
-  std::string reason = address_space_note();
-  if (!reason.empty()) reason += ", which is the likely cause: raise the limit";
-  if (!std::filesystem::exists("/sys/devices/system", error))
-    reason += (reason.empty() ? "" : "; ") +
-              std::string("/sys is not mounted, which OpenCL drivers need: mount it, or use --device serial");
-  if (reason.empty()) return;
-  const std::string line = "reamsim: error: a library ended the program; " + reason + "\n";
+  const std::string limit = address_space_note();
+  if (limit.empty()) return;
+  const std::string line =
+      "reamsim: error: a library ended the program; " + limit + ", which is the likely cause: raise the limit\n";
   std::strncpy(fatal_reason, line.c_str(), sizeof fatal_reason - 1);
   explained_process = getpid();
   for (const int signal : {SIGABRT, SIGTRAP, SIGSEGV, SIGBUS}) std::signal(signal, end_with_reason);
@@ -97,6 +93,10 @@ std::unique_ptr<cl::KernelCache> prepare_opencl(const std::string& device, const
   if (device == "serial") return nullptr;
   auto cache = std::make_unique<cl::KernelCache>();
   if (!cache->warning().empty()) console.warn(cache->warning());
+  if (!address_space_note().empty()) {
+    cl::list_devices();  // loads the drivers, whose compilers set handlers of their own
+    explain_fatal_signals();
+  }
   return cache;
 }
 

@@ -14,8 +14,8 @@ class Console;
 /// Opens closed standard streams; otherwise the next opened file would take their place and receive console text.
 void open_standard_streams();
 
-/// Where the address space is limited, or /sys is missing, libraries end the program by a signal, without a reason.
-/// Afterwards these signals end it with a message that names the likely cause, and exit status 1.
+/// Where the address space is limited (`ulimit -v`), libraries end the program by a signal, without a reason.
+/// Afterwards these signals end it with a message that names the limit, and exit status 1.
 void explain_fatal_signals();
 
 /// Writes what is left of standard output. Returns `status`, or 1 with a message where text was lost although the

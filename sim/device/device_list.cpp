@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cctype>
 #include <cstdint>
+#include <filesystem>
 #include <string_view>
 #include <thread>
 
@@ -107,6 +108,8 @@ void require_address_space() {
 
 std::vector<DeviceInfo> list_devices() {
   require_address_space();
+  if (!std::filesystem::exists("/sys/devices/system"))  // PoCL ends the program
+    throw RunError("/sys is not mounted, and OpenCL drivers need it: mount it, or use --device serial");
   std::vector<DeviceInfo> devices;
   cl_uint platform_count = 0;
   if (clGetPlatformIDs(0, nullptr, &platform_count) != CL_SUCCESS || platform_count == 0) return devices;

@@ -65,7 +65,8 @@ struct DeviceInfo {
   std::shared_ptr<void> part;    ///< owns `id` where it is a part of a device
 };
 
-/// The devices of all platforms. Throws RunError where a limit of the address space (`ulimit -v`) hides them.
+/// The devices of all platforms. Throws RunError where a limit of the address space (`ulimit -v`) or a missing
+/// /sys hides them.
 std::vector<DeviceInfo> list_devices();
 
 /// The device that `wanted` names: "auto" is the first usable GPU, else the first usable CPU; any other text is a part
