@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "cli/commands.h"
+#include "cli/environment.h"
 #include "render/plots/bench_plot.h"
 #include "sim/base/error.h"
 #include "sim/base/file.h"
@@ -103,6 +104,7 @@ void measure_with_figure(const bench::Plan& plan, const BenchOptions& options, c
 }
 
 void bench_command(const BenchOptions& options, const Console& console) {
+  const auto kernels = prepare_opencl(options.device, console);
   const bench::Plan plan = plan_of(options);
   bench::check_plan(plan);
   if (options.find_depths) {

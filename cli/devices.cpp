@@ -2,6 +2,7 @@
 #include <CLI/CLI.hpp>
 
 #include "cli/commands.h"
+#include "cli/environment.h"
 #include "sim/base/error.h"
 #include "sim/device/opencl.h"
 
@@ -19,6 +20,7 @@ std::string line(const cl::DeviceInfo& device, cl_device_id chosen) {
 }
 
 void devices_command(const Console& console) {
+  const auto kernels = prepare_opencl("auto", console);
   const auto devices = cl::list_devices();
   if (devices.empty()) {
     console.say("no OpenCL device found: install a driver (Debian: pocl-opencl-icd), or use --device serial (slow)");

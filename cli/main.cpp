@@ -1,14 +1,13 @@
-#include <fcntl.h>
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
-#include <cerrno>
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
 #include <new>
 
 #include "cli/commands.h"
+#include "cli/environment.h"
 #include "cli/stop.h"
 #include "sim/base/error.h"
 #include "sim/base/printable.h"
@@ -24,11 +23,19 @@ int complain(const char* message, int status) {
   return status;
 }
 
-/// Opens closed standard streams; otherwise the next opened file would take their place and receive console text.
-void open_standard_streams() {
-  for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
-    if (fcntl(stream, F_GETFD) == -1 && errno == EBADF) open("/dev/null", O_RDWR);
+constexpr const char* kOutOfMemory = "out of memory; use a larger bone.voxel_mm or a smaller crop";
+
+/// For std::terminate(): destructors of libraries that need memory and find none. Unfinished results stay.
+[[noreturn]] void end_with_message() {
+  try {
+    if (std::current_exception()) std::rethrow_exception(std::current_exception());
+    complain("internal error: please report it with the scenario", kFailed);
+  } catch (const std::bad_alloc&) {
+    complain(kOutOfMemory, kFailed);
+  } catch (...) {
+    complain("internal error: please report it with the scenario", kFailed);
   }
+  _exit(kFailed);
 }
 
 /// Parses the arguments, which calls the command.
@@ -70,6 +77,7 @@ int run(int argc, char** argv) {
 int run_and_report(int argc, char** argv) {
   try {
     reamsim::start_reader_server();  // before there are threads
+    std::set_terminate(end_with_message);
     reamsim::install_stop_handler();
     return run(argc, argv);
   } catch (const reamsim::InputError& error) {
@@ -90,15 +98,16 @@ int run_and_report_always(int argc, char** argv) {
   try {
     return run_and_report(argc, argv);
   } catch (const std::bad_alloc&) {
-    return complain("out of memory; use a larger bone.voxel_mm or a smaller crop", kFailed);
+    return complain(kOutOfMemory, kFailed);
   }
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  open_standard_streams();
+  reamsim::open_standard_streams();
+  reamsim::explain_fatal_signals();
   // Pins PoCL's worker threads to their cores, for their caches. Must be set before OpenCL is loaded.
   setenv("POCL_AFFINITY", "1", 0);
-  return reamsim::end_with(run_and_report_always(argc, argv));
+  return reamsim::end_with(reamsim::flush_standard_output(run_and_report_always(argc, argv)));
 }

@@ -4,6 +4,7 @@
 #include <new>
 
 #include "cli/commands.h"
+#include "cli/environment.h"
 #include "cli/outputs.h"
 #include "cli/run_checkpoints.h"
 #include "render/pictures/figures.h"
@@ -202,6 +203,7 @@ void finish_complete(OutputFolder& folder, const Scenario& scenario, const Conso
 void run_command(const RunOptions& options, const Console& console) {
   const Scenario scenario = options.scenario.parse();
   require_film_program(scenario.render);
+  const auto kernels = prepare_opencl(scenario.engine.device, console);
   OutputFolder folder({.dir = output_dir(options, scenario),
                        .kind = ResultKind::run,
                        .overwrite = options.overwrite,

@@ -2,6 +2,7 @@
 #include <memory>
 
 #include "cli/commands.h"
+#include "cli/environment.h"
 #include "render/report/verify_report.h"
 #include "sim/base/error.h"
 #include "sim/device/opencl.h"
@@ -29,6 +30,7 @@ void print_failures(const verify::Findings& findings, const Console& console) {
 }
 
 void verify_command(const VerifyOptions& options, const Console& console) {
+  const auto kernels = prepare_opencl(options.device, console);
   // Fail early where there is no such device or the report cannot be written.
   const std::string device = options.device == "serial" ? "serial" : cl::choose_device(options.device).name;
   OutputFolder folder(

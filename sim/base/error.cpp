@@ -3,6 +3,8 @@
 #include <new>
 #include <utility>
 
+#include "sim/base/memory.h"
+
 namespace reamsim {
 
 std::string SourceLocation::text() const {
@@ -44,7 +46,9 @@ std::string message_of(const std::exception& error) {
                     dynamic_cast<const Interrupted*>(&error) != nullptr;
   if (ours) return error.what();
   if (dynamic_cast<const std::bad_alloc*>(&error) != nullptr) {
-    return "out of memory; use a larger bone.voxel_mm or a smaller crop";
+    const std::string limit = address_space_note();
+    return "out of memory; " + (limit.empty() ? "" : limit + ": raise it, or ") +
+           "use a larger bone.voxel_mm or a smaller crop";
   }
   return "internal error: please report it with the scenario";
 }

@@ -1,8 +1,13 @@
 #include <algorithm>
 #include <cctype>
+#include <cstdint>
+#include <filesystem>
 #include <string_view>
+#include <thread>
 
 #include "sim/base/error.h"
+#include "sim/base/memory.h"
+#include "sim/base/text.h"
 #include "sim/device/opencl.h"
 
 namespace reamsim::cl {
@@ -83,9 +88,28 @@ DeviceInfo choose_automatically(const std::vector<DeviceInfo>& devices) {
                  devices.front().missing + "); --device serial runs without OpenCL");
 }
 
+/// Address space that a driver takes beside a small scenario, mostly without using it: libraries of the compiler and a
+/// first compilation, 0.7 GB with PoCL 3.1, and the stacks of a thread for each core.
+std::uint64_t driver_address_space() {
+  constexpr std::uint64_t kLibraries = 800'000'000, kStack = 16'000'000;
+  return kLibraries + kStack * std::thread::hardware_concurrency();
+}
+
+/// A driver that runs out of address space hides its devices, or aborts the program.
+void require_address_space() {
+  const auto limit = address_space_limit();
+  const std::uint64_t used = address_space_in_use();
+  if (!limit || *limit >= used + driver_address_space()) return;
+  throw RunError(address_space_note() + ", of which " + megabytes(used) + " are taken; OpenCL needs " +
+                 megabytes(driver_address_space()) + " more: raise the limit, or use --device serial");
+}
+
 }  // namespace
 
 std::vector<DeviceInfo> list_devices() {
+  require_address_space();
+  if (!std::filesystem::exists("/sys/devices/system"))  // PoCL ends the program
+    throw RunError("/sys is not mounted, and OpenCL drivers need it: mount it, or use --device serial");
   std::vector<DeviceInfo> devices;
   cl_uint platform_count = 0;
   if (clGetPlatformIDs(0, nullptr, &platform_count) != CL_SUCCESS || platform_count == 0) return devices;

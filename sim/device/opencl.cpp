@@ -82,18 +82,22 @@ void Device::finish() const {
   check(clFinish(queue_.get()), "clFinish");
 }
 
-Memory allocate_memory(const Device& device, std::size_t bytes, const char* what) {
+Memory allocate_memory(const Device& device, std::size_t bytes, const char* what, const char* key) {
   const DeviceInfo& info = device.info();
+  const std::string need = std::string(what) + " needs " + megabytes(bytes);
+  const std::string expected =
+      std::string(key) == kSizeKey ? "use larger voxels or a smaller crop" : "use a smaller value";
   if (bytes > info.max_allocation_bytes) {
-    throw RunError(std::string(what) + " needs " + megabytes(bytes) + " in one allocation, but " + info.name +
-                   " supports at most " + megabytes(info.max_allocation_bytes) +
-                   "; use a larger bone.voxel_mm or a smaller crop");
+    throw InputError(
+        {}, key,
+        need + " in one allocation; " + info.name + " supports at most " + megabytes(info.max_allocation_bytes),
+        expected);
   }
   cl_int status = CL_SUCCESS;
   Memory memory(clCreateBuffer(device.context(), CL_MEM_READ_WRITE, bytes == 0 ? 1 : bytes, nullptr, &status));
   if (status != CL_SUCCESS) {
-    throw RunError(std::string(what) + ": " + info.name + " has not enough memory for " + megabytes(bytes) + " (" +
-                   error_name(status) + ")");
+    throw InputError({}, key, need + "; " + info.name + " has not enough memory (" + error_name(status) + ")",
+                     expected + ", or another engine.device");
   }
   return memory;
 }

@@ -65,7 +65,8 @@ struct DeviceInfo {
   std::shared_ptr<void> part;    ///< owns `id` where it is a part of a device
 };
 
-/// The devices of all platforms.
+/// The devices of all platforms. Throws RunError where a limit of the address space (`ulimit -v`) or a missing
+/// /sys hides them.
 std::vector<DeviceInfo> list_devices();
 
 /// The device that `wanted` names: "auto" is the first usable GPU, else the first usable CPU; any other text is a part
@@ -98,16 +99,20 @@ class Device {
   Queue queue_;
 };
 
-/// Allocates device memory. Throws RunError that names the purpose `what` and the limit of the device.
-Memory allocate_memory(const Device& device, std::size_t bytes, const char* what);
+/// The key of a scenario that most decides how much memory a device needs.
+inline constexpr const char* kSizeKey = "bone.voxel_mm";
+
+/// Allocates device memory. Where the device has not that much, throws InputError for `key`, which decides how much it
+/// is, with the purpose `what` and the limit of the device.
+Memory allocate_memory(const Device& device, std::size_t bytes, const char* what, const char* key = kSizeKey);
 
 /// A device buffer of `count` elements of T.
 template <class T>
 class Buffer {
  public:
   Buffer() = default;
-  Buffer(const Device& device, std::size_t count, const char* what)
-      : count_(count), memory_(allocate_memory(device, count * sizeof(T), what)) {}
+  Buffer(const Device& device, std::size_t count, const char* what, const char* key = kSizeKey)
+      : count_(count), memory_(allocate_memory(device, count * sizeof(T), what, key)) {}
 
   [[nodiscard]] std::size_t count() const { return count_; }
   [[nodiscard]] std::size_t bytes() const { return count_ * sizeof(T); }
@@ -143,9 +148,9 @@ class Buffer {
 
 /// A buffer with these elements; with a single zero element where `data` is empty.
 template <class Range, class T = std::ranges::range_value_t<Range>>
-Buffer<T> upload(const Device& device, const Range& data, const char* what) {
+Buffer<T> upload(const Device& device, const Range& data, const char* what, const char* key = kSizeKey) {
   const std::size_t count = std::size(data);
-  Buffer<T> buffer(device, std::max<std::size_t>(1, count), what);
+  Buffer<T> buffer(device, std::max<std::size_t>(1, count), what, key);
   if (count > 0) {
     buffer.write(device, std::data(data), count);
   } else {

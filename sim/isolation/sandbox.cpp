@@ -14,6 +14,8 @@
 #include <fstream>
 #include <memory>
 
+#include "sim/base/memory.h"
+
 namespace reamsim {
 
 namespace {
@@ -80,14 +82,8 @@ void set_limit(__rlimit_resource resource, std::uint64_t most) {
   setrlimit(resource, &limit);
 }
 
-std::uint64_t address_space_bytes() {
-  std::uint64_t pages = 0;
-  std::ifstream("/proc/self/statm") >> pages;
-  return pages * static_cast<std::uint64_t>(sysconf(_SC_PAGE_SIZE));
-}
-
 void set_limits(const SandboxLimits& limits) {
-  set_limit(RLIMIT_AS, address_space_bytes() + limits.memory_bytes);
+  set_limit(RLIMIT_AS, address_space_in_use() + limits.memory_bytes);
   set_limit(RLIMIT_CPU, static_cast<std::uint64_t>(limits.cpu_seconds));
   set_limit(RLIMIT_NOFILE, kOpenFiles);
   set_limit(RLIMIT_FSIZE, 0);

@@ -23,7 +23,7 @@ void describe_engine(KeyVisitor& v, EngineSettings& engine) {
       {.name = "max_step_voxels",
        .doc =
            "Longest motion of any point of the tool in one substep, voxels; above 0.5 bone may survive between steps",
-       .range = above(0, 10)},
+       .range = between(0.001, 10)},
       engine.max_step_voxels);
 }
 
@@ -40,26 +40,23 @@ void describe_implant(KeyVisitor& v, ImplantSettings& implant) {
        .doc = "Diameter of the footprint, a circle around the axis of the reamer; 0: the footprint is the reamed face",
        .range = between(0, 200)},
       implant.diameter_mm);
-  v.number({.name = "gap_mm", .doc = "Largest gap that counts as seated", .range = above(0, 10)}, implant.gap_mm);
+  v.number({.name = "gap_mm", .doc = "Largest gap that counts as seated", .range = between(0.001, 10)}, implant.gap_mm);
 }
-
-/// Positions further out than this are mistakes of unit or frame.
-constexpr Range kPlace = between(-10000, 10000);
 
 void describe_user_camera(KeyVisitor& v, UserCamera& camera) {
   v.text({.name = "name", .doc = "Lower-case letters, digits, _ and -; suffix of its file names", .required = true},
          camera.name);
   v.choice({.name = "frame", .doc = "Frame of position_mm, target_mm and up"}, camera.frame);
-  v.vector({.name = "position_mm", .doc = "Position of the camera", .required = true, .range = kPlace},
+  v.vector({.name = "position_mm", .doc = "Position of the camera", .required = true, .range = kPosition},
            camera.position_mm);
   v.optional_vector(
       {.name = "target_mm",
        .doc = "Point in the centre of the picture; without it the centre of the glenoid, or the reamed region",
-       .range = kPlace},
+       .range = kPosition},
       camera.target_mm);
   v.optional_vector({.name = "up",
                      .doc = "Upward direction of the picture; without it superior",
-                     .range = between(-1000, 1000),
+                     .range = kComponent,
                      .nonzero = true},
                     camera.up);
   v.choice({.name = "projection",
@@ -83,7 +80,7 @@ void describe_user_camera(KeyVisitor& v, UserCamera& camera) {
 void describe_metrics(KeyVisitor& v, MetricSettings& metrics) {
   v.number({.name = "dense_g_cm3",
             .doc = "Least density of dense bone (subchondral plate and cortex); bone below it is trabecular",
-            .range = above(0, 2)},
+            .range = kDensity},
            metrics.dense_g_cm3);
   v.optional_section({.name = "implant", .doc = "Glenoid implant whose seating on the reamed face is measured"},
                      metrics.implant, describe_implant);
@@ -129,7 +126,7 @@ void describe_render(KeyVisitor& v, RenderSettings& render) {
            render.background);
   v.vector({.name = "light",
             .doc = "Direction of the main light in the picture: right, up, towards the viewer",
-            .range = between(-1000, 1000),
+            .range = kComponent,
             .nonzero = true},
            render.light);
   v.integer({.name = "supersampling",

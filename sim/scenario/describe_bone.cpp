@@ -5,7 +5,6 @@ namespace reamsim {
 
 namespace {
 
-constexpr Range kDensity = above(0, 2);
 constexpr int kLeastRimPoints = 6;
 constexpr Range kHu = between(-2000, 10000);
 
@@ -13,7 +12,7 @@ void describe_density(KeyVisitor& v, DensitySettings& density) {
   v.number(
       {.name = "ash_slope_g_cm3_per_hu",
        .doc = "Ash density = slope·HU + offset. Measured on a femur at 120 kVp (PMC5234499, Table 1), not on a scapula",
-       .range = above(0, 0.1)},
+       .range = between(1e-6, 0.1)},
       density.ash_slope_g_cm3_per_hu);
   v.number({.name = "ash_offset_g_cm3", .doc = "See ash_slope_g_cm3_per_hu", .range = between(-2, 2)},
            density.ash_offset_g_cm3);
@@ -73,7 +72,7 @@ void describe_glenoid_size(KeyVisitor& v, PhantomSettings& phantom) {
            phantom.height_mm);
   v.number({.name = "width_mm",
             .doc = "Width of the face, anterior to posterior, of the lower, wider part",
-            .range = between(10, 80),
+            .range = between(6, 79),
             .when = glenoid,
             .default_by = "walch"},
            phantom.width_mm);
@@ -127,7 +126,7 @@ void describe_wear(KeyVisitor& v, PhantomSettings& phantom) {
            phantom.wear_ridge_mm);
   v.number({.name = "wear_tilt_deg",
             .doc = "Angle from the axis of the native face to that of the neoglenoid",
-            .range = above(0, 40),
+            .range = between(0.1, 40),
             .when = biconcave},
            phantom.wear_tilt_deg);
   v.number({.name = "rim_rounding_mm",
@@ -197,11 +196,11 @@ void describe_phantom(KeyVisitor& v, PhantomSettings& phantom) {
             .range = between(0.5, 500),
             .when = {"shape", {"sphere", "cup"}}},
            phantom.radius_mm);
-  v.number({.name = "cup_depth_mm", .doc = "Depth of the cup", .range = above(0, 500), .when = {"shape", {"cup"}}},
+  v.number({.name = "cup_depth_mm", .doc = "Depth of the cup", .range = between(0.01, 500), .when = {"shape", {"cup"}}},
            phantom.cup_depth_mm);
   v.number({.name = "cortical_mm",
             .doc = "Thickness of the top layer",
-            .range = above(0, 500),
+            .range = between(0.01, 500),
             .when = {"shape", {"layered"}}},
            phantom.cortical_mm);
   v.number({.name = "cortical_density_g_cm3",
@@ -239,8 +238,9 @@ void describe_label_map(KeyVisitor& v, LabelMapSettings& labels) {
 
 void describe_cut_sphere(KeyVisitor& v, CutSphereSettings& sphere) {
   v.vector({.name = "center_mm", .doc = "LPS", .required = true, .range = kPosition}, sphere.center_mm);
-  v.number({.name = "radius_mm", .doc = "Bone inside the sphere is removed", .required = true, .range = above(0, 500)},
-           sphere.radius_mm);
+  v.number(
+      {.name = "radius_mm", .doc = "Bone inside the sphere is removed", .required = true, .range = between(0.01, 500)},
+      sphere.radius_mm);
 }
 
 void describe_cut_plane(KeyVisitor& v, CutPlaneSettings& plane) {
@@ -300,10 +300,10 @@ void describe_ct(KeyVisitor& v, CtSettings& ct) {
          ct.series);
   v.choice({.name = "modality", .doc = "Accepted DICOM modality; any: also series that are not CT"}, ct.modality);
   v.optional_vector(
-      {.name = "crop_min_mm", .doc = "Lower corner of the crop, LPS; with crop_max_mm", .range = kPosition},
+      {.name = "crop_min_mm", .doc = "Lower corner of the crop, LPS; with crop_max_mm", .range = between(-10000, 9990)},
       ct.crop_min_mm);
   v.optional_vector(
-      {.name = "crop_max_mm", .doc = "Upper corner of the crop, LPS; with crop_min_mm", .range = kPosition},
+      {.name = "crop_max_mm", .doc = "Upper corner of the crop, LPS; with crop_min_mm", .range = between(-9990, 10000)},
       ct.crop_max_mm);
   v.choice({.name = "filter", .doc = "Noise filter before thresholding"}, ct.filter);
   v.integer({.name = "median_radius_voxels", .doc = "Used by `filter: median` only", .range = between(1, 10)},
@@ -314,7 +314,7 @@ void describe_ct(KeyVisitor& v, CtSettings& ct) {
             ct.anisotropic_iterations);
   v.number({.name = "anisotropic_conductance",
             .doc = "Used by `filter: curvature_anisotropic` only",
-            .range = above(0, 100)},
+            .range = between(0.01, 100)},
            ct.anisotropic_conductance);
   v.optional_section({.name = kLabels, .doc = "Instead of threshold, closing, filling, seed and cuts"}, ct.label_map,
                      describe_label_map);
@@ -324,7 +324,7 @@ void describe_ct(KeyVisitor& v, CtSettings& ct) {
 
 void describe_mesh(KeyVisitor& v, MeshBoneSettings& mesh) {
   v.text({.name = "path", .doc = "STL, OBJ or PLY", .required = true, .text = TextKind::input_file}, mesh.path);
-  v.number({.name = "scale", .doc = "File units to mm", .range = above(0, 1e6)}, mesh.scale);
+  v.number({.name = "scale", .doc = "File units to mm", .range = kFileUnit}, mesh.scale);
   v.number({.name = "cortical_mm", .doc = "Thickness of the cortical shell", .range = between(0, 50)},
            mesh.cortical_mm);
   v.number({.name = "cortical_hu", .doc = "HU of the shell", .range = kHu}, mesh.cortical_hu);
@@ -342,10 +342,10 @@ void describe_vdb(KeyVisitor& v, VdbBoneSettings& vdb) {
 }
 
 void describe_pilot_hole(KeyVisitor& v, PilotHoleSettings& hole) {
-  v.number({.name = "diameter_mm", .doc = "Diameter of the hole", .range = above(0, 30)}, hole.diameter_mm);
+  v.number({.name = "diameter_mm", .doc = "Diameter of the hole", .range = between(0.01, 30)}, hole.diameter_mm);
   v.vector({.name = "entry_mm", .doc = "Start of the axis of the hole", .range = kPosition}, hole.entry_mm);
   v.vector({.name = "axis", .doc = "Direction of drilling", .range = kComponent, .nonzero = true}, hole.axis);
-  v.number({.name = "depth_mm", .doc = "Depth of the hole from entry_mm", .range = above(0, 500)}, hole.depth_mm);
+  v.number({.name = "depth_mm", .doc = "Depth of the hole from entry_mm", .range = between(0.01, 500)}, hole.depth_mm);
   v.choice({.name = "frame", .doc = "Frame of entry_mm and axis"}, hole.frame);
 }
 

@@ -26,7 +26,7 @@ void describe_size_effect(KeyVisitor& v, SizeEffectSettings& size) {
   v.number({.name = "exponent",
             .doc = "m in u·(reference/h)^m; 1: the force is independent of the chip thickness",
             .required = true,
-            .range = above(0, 1)},
+            .range = between(0.001, 1)},
            size.exponent);
   v.number({.name = "reference_mm",
             .doc = "Chip thickness at which the specific energy was measured",
@@ -42,7 +42,7 @@ void describe_edge_force(KeyVisitor& v, EdgeForceSettings& edge) {
   v.number({.name = "tangential_n_mm",
             .doc = "Force against the motion per length of cutting edge in contact",
             .required = true,
-            .range = above(0, 1000)},
+            .range = between(1e-6, 1000)},
            edge.tangential_n_mm);
   v.number({.name = "normal_n_mm",
             .doc = "Normal force per length of cutting edge in contact; it pushes the tool out of the bone",
@@ -68,12 +68,12 @@ void describe_specific_energies(KeyVisitor& v, CuttingSettings& cutting) {
   v.number({.name = "specific_energy_j_mm3",
             .doc = "Specific cutting energy at the reference density (u0). Uncalibrated; 0.05 to 0.30 is assumed, thin "
                    "chips need more",
-            .range = above(0, 10),
+            .range = between(1e-6, 10),
             .unless = kTable},
            cutting.specific_energy_j_mm3);
   v.number({.name = "reference_density_g_cm3",
             .doc = "Density at which the specific cutting energy is specific_energy_j_mm3",
-            .range = above(0, 2),
+            .range = kDensity,
             .unless = kTable},
            cutting.reference_density_g_cm3);
   v.number({.name = "density_exponent",
@@ -131,7 +131,7 @@ void describe_cutting(KeyVisitor& v, CuttingSettings& cutting) {
       {.name = "speed_floor_mm_s",
        .doc =
            "Lower limit of the cutting speed in the force law; it keeps the force finite where the tool hardly moves",
-       .range = above(0, 10000)},
+       .range = between(0.001, 10000)},
       cutting.speed_floor_mm_s);
   v.number({.name = "force_per_point_n",
             .doc = "Force of one shell point in contact; used by `law: per_point` only",
@@ -139,7 +139,7 @@ void describe_cutting(KeyVisitor& v, CuttingSettings& cutting) {
            cutting.force_per_point_n);
   v.number({.name = "wear_g_cm3_per_s",
             .doc = "Density that a touched voxel loses per second; used by `erosion: wear` only",
-            .range = above(0, 1e6)},
+            .range = between(0.001, 1e6)},
            cutting.wear_g_cm3_per_s);
 }
 

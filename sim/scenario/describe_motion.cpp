@@ -5,6 +5,7 @@ namespace reamsim {
 namespace {
 
 constexpr Range kSpin = between(-20000, 20000);
+constexpr Range kFeed = between(1e-4, 1000);  // mm/s
 
 void describe_plunge(KeyVisitor& v, PlungeSettings& plunge) {
   v.vector({.name = "entry_mm",
@@ -17,11 +18,11 @@ void describe_plunge(KeyVisitor& v, PlungeSettings& plunge) {
             .nonzero = true},
            plunge.axis);
   v.number({.name = "approach_mm", .doc = "Distance before entry_mm", .range = between(0, 500)}, plunge.approach_mm);
-  v.number({.name = "feed_mm_s", .doc = "Feed rate", .range = above(0, 1000)}, plunge.feed_mm_s);
+  v.number({.name = "feed_mm_s", .doc = "Feed rate", .range = kFeed}, plunge.feed_mm_s);
   v.number({.name = "depth_mm", .doc = "Distance beyond entry_mm", .range = between(0, 500)}, plunge.depth_mm);
   v.number({.name = "dwell_s", .doc = "Time at full depth", .range = between(0, 3600)}, plunge.dwell_s);
   v.number({.name = "retract_mm", .doc = "Retraction distance", .range = between(0, 1000)}, plunge.retract_mm);
-  v.number({.name = "retract_mm_s", .doc = "Retraction speed", .range = above(0, 1000)}, plunge.retract_mm_s);
+  v.number({.name = "retract_mm_s", .doc = "Retraction speed", .range = kFeed}, plunge.retract_mm_s);
   v.number({.name = "spin_rpm", .doc = "Spindle speed, positive clockwise seen from the drive", .range = kSpin},
            plunge.spin_rpm);
 }
@@ -61,7 +62,7 @@ void describe_csv(KeyVisitor& v, CsvMotionSettings& csv) {
 void describe_tool(KeyVisitor& v, ToolSettings& tool) {
   v.text({.name = "mesh", .doc = "STL, OBJ or PLY in the tool frame", .required = true, .text = TextKind::input_file},
          tool.mesh);
-  v.number({.name = "scale", .doc = "File units to mm", .range = above(0, 1e6)}, tool.scale);
+  v.number({.name = "scale", .doc = "File units to mm", .range = kFileUnit}, tool.scale);
   v.integer({.name = "shell_resolution",
              .doc = "M of the M³ grid whose cells sample the surface; 0: a spacing of 0.47 voxel, which leaves no "
                     "voxel behind. Not used with erosion exact and the detector implicit, which use the surface itself",

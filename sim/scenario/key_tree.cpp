@@ -134,11 +134,8 @@ std::string range_text(const Range& range) {
   const bool high = std::isfinite(range.max);
   if (!low && !high) return "";
   if (low && high && range.min == range.max) return number_text(range.min);
-  if (low && high && !range.min_excluded) return number_text(range.min) + " to " + number_text(range.max);
-  std::string out;
-  if (low) out = (range.min_excluded ? "above " : "at least ") + number_text(range.min);
-  if (high) out += (low ? ", up to " : "up to ") + number_text(range.max);
-  return out;
+  if (low && high) return number_text(range.min) + " to " + number_text(range.max);
+  return low ? "at least " + number_text(range.min) : "up to " + number_text(range.max);
 }
 
 std::string join_or(const std::vector<std::string_view>& words) {

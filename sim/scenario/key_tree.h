@@ -31,10 +31,10 @@ std::string_view unit_of(std::string_view name);
 /// A key's name without its unit, "feed" for "feed_mm_s".
 std::string_view without_unit(std::string_view name);
 
-/// The values that a key accepts, in words: "a number above 0, up to 5 (mm)", "one of left, right".
+/// The values that a key accepts, in words: "a number, 0.01 to 5 (mm)", "one of left, right".
 std::string expectation(const KeyInfo& info, KeyNode::Kind kind);
 
-/// A range in words: "above 0, up to 5"; "" where there is none.
+/// A range in words: "0.01 to 5"; "" where there is none.
 std::string range_text(const Range& range);
 
 /// "a, b or c".

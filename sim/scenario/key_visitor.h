@@ -12,21 +12,16 @@
 
 namespace reamsim {
 
-/// An interval of allowed numbers; for vectors, of each component.
+/// An interval of allowed numbers, both ends included; for vectors, of each component. A run accepts both ends
+/// (tests/robustness/key_ranges.py): a key that must not be 0 has a least value.
 struct Range {
   double min = -std::numeric_limits<double>::infinity();
   double max = std::numeric_limits<double>::infinity();
-  bool min_excluded = false;
 
-  [[nodiscard]] bool contains(double value) const {
-    return std::isfinite(value) && value <= max && (min_excluded ? value > min : value >= min);
-  }
+  [[nodiscard]] bool contains(double value) const { return std::isfinite(value) && value >= min && value <= max; }
 };
 constexpr Range between(double min, double max) {
-  return {min, max, false};
-}
-constexpr Range above(double min, double max) {
-  return {min, max, true};
+  return {min, max};
 }
 
 /// What a text key may name.

@@ -1,13 +1,9 @@
 #include "sim/scenario/parse.h"
 
 #include <algorithm>
-#include <array>
 #include <cctype>
-#include <cerrno>
 #include <filesystem>
-#include <fstream>
 #include <new>
-#include <system_error>
 #include <utility>
 
 #include "sim/base/error.h"
@@ -18,6 +14,7 @@
 #include "sim/scenario/presets.h"
 #include "sim/scenario/reader.h"
 #include "sim/scenario/show.h"
+#include "sim/scenario/text_file.h"
 #include "sim/scenario/yaml_tree.h"
 
 namespace reamsim {
@@ -26,37 +23,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kExpectedFile = "expected a scenario file (YAML)";
-
-/// The file's text; no more than it takes to see that it is too large.
-std::string read_text(const std::string& path) {
-  const SourceLocation where{shown_path(path), 0, 0};
-  std::error_code error;
-  const fs::file_status status = fs::status(path, error);
-  if (path.empty() || status.type() == fs::file_type::not_found) {
-    throw InputError(where, "", "no such file", kExpectedFile);
-  }
-  if (status.type() == fs::file_type::directory) throw InputError(where, "", "is a folder", kExpectedFile);
-  errno = 0;
-  std::ifstream stream(path, std::ios::binary);
-  std::string text;
-  std::array<char, 65536> chunk{};
-  while (stream && text.size() <= YamlLimits::kMaxBytes) {
-    stream.read(chunk.data(), chunk.size());
-    text.append(chunk.data(), static_cast<std::size_t>(stream.gcount()));
-  }
-  if (!stream.is_open() || stream.bad()) {
-    const std::string why = errno == 0 ? "" : " (" + std::generic_category().message(errno) + ")";
-    throw InputError(where, "", "cannot be read" + why, kExpectedFile);
-  }
-  return text;
-}
-
 /// The file's document, with overrides, in the present version of the format. `notes`: see migrate().
 YamlNodePtr read_document(const std::string& path, const std::vector<std::string>& overrides,
                           std::vector<std::string>& notes) {
   const std::string file = shown_path(path);
-  YamlNodePtr document = parse_yaml(read_text(path), file);
+  YamlNodePtr document = parse_yaml(read_scenario_text(path, YamlLimits::kMaxBytes), file);
   if (document->kind == YamlNode::Kind::null) {
     throw InputError({file, 0, 0}, "", "is empty", "expected a scenario with the keys version, bone, tool and motion");
   }
@@ -115,7 +86,7 @@ Scenario parse_scenario(const std::string& path, const std::vector<std::string>&
     if (scenario.name.empty()) scenario.name = absolute.stem().string();
     return scenario;
   } catch (const std::bad_alloc&) {
-    throw InputError({shown_path(path), 0, 0}, "", "not enough memory", kExpectedFile);
+    throw InputError({shown_path(path), 0, 0}, "", "not enough memory", "expected a scenario file (YAML)");
   }
 }
 

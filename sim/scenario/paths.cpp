@@ -91,8 +91,11 @@ void require_input(const std::string& path, TextKind kind, const SourceLocation&
   if (folder && kind == TextKind::input_file) {
     throw InputError(where, key, name + " is a folder", "expected " + wanted);
   }
-  const bool usable = folder || status.type() == fs::file_type::regular;
-  if (!usable || access(path.c_str(), folder ? R_OK | X_OK : R_OK) != 0) {
+  if (!folder && status.type() != fs::file_type::regular) {
+    // It is read more than once: for its checksum, and again by --resume.
+    throw InputError(where, key, name + " is a pipe, a device or a socket", "expected " + wanted + " on a disk");
+  }
+  if (access(path.c_str(), folder ? R_OK | X_OK : R_OK) != 0) {
     throw InputError(where, key, name + " cannot be read", "expected " + wanted + " with read permission");
   }
 }

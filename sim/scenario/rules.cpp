@@ -187,7 +187,7 @@ void Rules::check_phantom() const {
   } else if (p.shape == PhantomShape::layered) {
     require(p.cortical_mm < p.size_mm.z(), at + "cortical_mm", p.cortical_mm, "less than the block's height");
   } else if (p.shape == PhantomShape::glenoid) {
-    require(p.width_mm <= p.height_mm, at + "width_mm", p.width_mm, "no more than height_mm");
+    require(p.width_mm < p.height_mm, at + "width_mm", p.width_mm, "less than height_mm");
     require(2 * p.face_radius_mm >= p.height_mm, at + "face_radius_mm", p.face_radius_mm, "at least half of height_mm");
     require(2 * p.shell_mm < p.width_mm, at + "shell_mm", p.shell_mm, "less than half of width_mm");
     require(p.subchondral_mm < p.vault_depth_mm, at + "subchondral_mm", p.subchondral_mm, "less than vault_depth_mm");

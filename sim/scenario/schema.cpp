@@ -22,7 +22,7 @@ void add_range(Json& out, const Range& range) {
     out["const"] = number(range.min);
     return;
   }
-  if (std::isfinite(range.min)) out[range.min_excluded ? "exclusiveMinimum" : "minimum"] = number(range.min);
+  if (std::isfinite(range.min)) out["minimum"] = number(range.min);
   if (std::isfinite(range.max)) out["maximum"] = number(range.max);
 }
 

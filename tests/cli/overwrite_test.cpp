@@ -268,7 +268,7 @@ TEST_F(Overwrite, AWorkGroupTooLargeForTheDeviceIsRefused) {
                     .interrupt_when = {}});
   };
   expect_refused(run_with("culling=true work_group_size=40960"), 2,
-                 {"work_group_size", "found 40960", "expected at most"});
+                 {"REAMSIM_ENGINE_TUNING", "found work_group_size=40960", "expected at most"});
   expect_refused(run_with("kernel_shape=fpga"), 2,
                  {"REAMSIM_ENGINE_TUNING", "found kernel_shape=fpga", "auto|cpu|gpu"});
 }

@@ -146,5 +146,23 @@ TEST(FillPages, WhatDoesNotFitSaysWhatWould) {
   }
 }
 
+TEST(DeviceMemory, WhatDoesNotFitIsAMistakeInTheInput) {
+  cl::DeviceInfo info = cl::choose_device("auto");
+  info.max_allocation_bytes = 1'000'000;
+  const cl::Device device(info);
+  const auto mistake = [&](const char* key) {
+    try {
+      cl::allocate_memory(device, 2'000'000, "the list", key);
+    } catch (const InputError& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  EXPECT_THAT(mistake("bone.voxel_mm"),
+              testing::AllOf(testing::StartsWith("bone.voxel_mm: the list needs 2 MB in one allocation; "),
+                             testing::HasSubstr(" supports at most 1 MB; use larger voxels")));
+  EXPECT_THAT(mistake("tool.shell_resolution"), testing::EndsWith("use a smaller value"));
+}
+
 }  // namespace
 }  // namespace reamsim::test::forecast_tests

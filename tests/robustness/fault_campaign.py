@@ -148,15 +148,8 @@ class Runs:
         return status, text, contents_of_report(place)
 
 
-def is_abort_without_memory(status, text, kind):
-    """A library's destructor that needed memory (docs/reliability.md). Results must be intact even so."""
-    return kind == "allocation" and status == -6 and text.startswith("terminate called")
-
-
 def complaint_about_message(status, text, kind):
     errors = [line for line in text.splitlines() if not line.startswith("reamsim: warning: ")]
-    if is_abort_without_memory(status, text, kind):
-        return None
     if status not in STATUSES:
         return f"status {status}"
     if status == 0:

@@ -41,9 +41,9 @@ BrickedState make_bricked_state(const cl::Device& device, const BoneView& bone, 
   state.touched_list = {device, slots, "the list of touched bricks"};
   const ShellCells shell =
       make_shell_cells(tool.shell, shell_cell_side(tool.shell.cell_mm / bone.voxmap.grid.voxel_mm));
-  state.cells = cl::upload(device, shell.cells, "the shell's cells");
-  state.runs = cl::upload(device, shell.runs, "the shell's cells");
-  state.offsets = cl::upload(device, shell.offsets, "the point shell");
+  state.cells = cl::upload(device, shell.cells, "the shell's cells", "tool.shell_resolution");
+  state.runs = cl::upload(device, shell.runs, "the shell's cells", "tool.shell_resolution");
+  state.offsets = cl::upload(device, shell.offsets, "the point shell", "tool.shell_resolution");
   state.outline = {device, make_outline_table(tool.profile, bone.voxmap.grid.voxel_mm)};
   std::array<rs_i64, 256> units{};
   std::ranges::transform(energy.energy_mj, units.begin(), rs_energy_units);

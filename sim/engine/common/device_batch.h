@@ -31,7 +31,7 @@ class DeviceBatch {
     bool resumes = false;         ///< kernels stop before an overflow and the engine resumes; else batches are shorter
   };
 
-  /// Throws RunError when the device runs out of memory. The device must outlive the batch.
+  /// Throws InputError when the device runs out of memory. The device must outlive the batch.
   DeviceBatch(const cl::Device& device, const RemovedList& removed);
 
   /// Takes a substep's arguments into the next slot, and returns the slot. write_args() writes those of all slots.

@@ -9,7 +9,7 @@ cl::DeviceInfo device_for(const EngineSettings& engine) {
   if (engine.tuning.compute_units > 0) info = cl::part_of(info, static_cast<unsigned>(engine.tuning.compute_units));
   const int wanted = engine.tuning.work_group_size;
   if (wanted > 0 && static_cast<std::size_t>(wanted) > info.max_work_group) {
-    throw InputError({}, "work_group_size", "found " + std::to_string(wanted),
+    throw InputError({}, "REAMSIM_ENGINE_TUNING", "found work_group_size=" + std::to_string(wanted),
                      "expected at most " + std::to_string(info.max_work_group) + " on " + info.name);
   }
   return info;

@@ -48,9 +48,10 @@ std::vector<cl_float> cell_numbers(const PointShell& shell) {
 void upload_shell(const cl::Device& device, const DensePlan& plan, const PointShell& shell, const VoxelGrid& grid,
                   DenseState& state) {
   state.point_count = static_cast<cl_uint>(plan.points);
-  if (plan.layout == VoxelLayout::claimed_grade) state.codes = cl::upload(device, code_words(shell), "the point shell");
+  if (plan.layout == VoxelLayout::claimed_grade)
+    state.codes = cl::upload(device, code_words(shell), "the point shell", "tool.shell_resolution");
   if (plan.layout != VoxelLayout::flagged_hu) return;
-  state.points = cl::upload(device, cell_numbers(shell), "the point shell");
+  state.points = cl::upload(device, cell_numbers(shell), "the point shell", "tool.shell_resolution");
   state.children = cl::upload(device, octree_children(grid), "the look-up tables");
   state.levels = octree_levels(grid);
 }

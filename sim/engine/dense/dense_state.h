@@ -47,7 +47,7 @@ struct DenseState {
   cl::Buffer<double> density_of_grade;  ///< g/cm³
 };
 
-/// Uploads bone, tool and tables. Throws RunError when the device runs out of memory, InputError when the layout is
+/// Uploads bone, tool and tables. Throws InputError when the device runs out of memory, or when the layout is
 /// flagged_hu and the conversion of grades to HU is lossy.
 DenseState make_dense_state(const cl::Device& device, const DensePlan& plan, const BoneView& bone, const Tool& tool,
                             const EnergyTable& energy);

@@ -1,0 +1,103 @@
+#include "cli/environment.h"
+
+#include <fcntl.h>
+#include <poll.h>
+#include <sched.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <csignal>
+#include <cstdio>
+#include <cstring>
+#include <string>
+
+#include "cli/console.h"
+#include "sim/base/memory.h"
+#include "sim/device/opencl.h"
+
+namespace reamsim {
+
+namespace {
+
+/// Of the libraries that the loader maps, 131 MB, and of their initializers.
+constexpr rlim_t kLeastAddressSpace = 256'000'000;
+
+void write_text(const char* text) {
+  [[maybe_unused]] const ssize_t written = write(STDERR_FILENO, text, std::strlen(text));
+}
+
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)  // whose own memory is larger
+/// The loader calls it before the initializers of libraries, some of which abort without memory. Only system calls work
+/// here.
+void refuse_small_address_space(int, char**, char**) {
+  rlimit limit{};
+  const bool unlimited = getrlimit(RLIMIT_AS, &limit) != 0 || limit.rlim_cur == RLIM_INFINITY;
+  if (unlimited || limit.rlim_cur >= kLeastAddressSpace) return;
+  write_text(
+      "reamsim: error: the address space is limited to less than 256 MB (ulimit -v); raise the limit: 2 GB suffice for "
+      "small scenarios with pictures\n");
+  _exit(1);
+}
+
+__attribute__((section(".preinit_array"), used)) void (*const kBeforeLibraries)(int, char**,
+                                                                                char**) = refuse_small_address_space;
+#endif
+
+/// The message of end_with_reason(): a handler must not allocate.
+char fatal_reason[512];
+
+pid_t explained_process = 0;
+
+void end_with_reason(int signal) {
+  if (getpid() == explained_process) {
+    write_text(fatal_reason);
+    _exit(1);
+  }
+  std::signal(signal, SIG_DFL);  // a child that reads a file: this process says what happened
+  raise(signal);
+}
+
+bool reader_has_left(int descriptor) {
+  pollfd output{.fd = descriptor, .events = POLLOUT, .revents = 0};
+  return poll(&output, 1, 0) == 1 && (output.revents & POLLERR) != 0;
+}
+
+}  // namespace
+
+void open_standard_streams() {
+  for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
+    if (fcntl(stream, F_GETFD) == -1 && errno == EBADF) open("/dev/null", O_RDWR);
+  }
+}
+
+void explain_fatal_signals() {
+  const std::string limit = address_space_note();
+  if (limit.empty()) return;
+  const std::string line =
+      "reamsim: error: a library ended the program; " + limit + ", which is the likely cause: raise the limit\n";
+  std::strncpy(fatal_reason, line.c_str(), sizeof fatal_reason - 1);
+  explained_process = getpid();
+  for (const int signal : {SIGABRT, SIGTRAP, SIGSEGV, SIGBUS}) std::signal(signal, end_with_reason);
+}
+
+int flush_standard_output(int status) {
+  const bool lost = std::fflush(stdout) != 0 || std::ferror(stdout) != 0;
+  if (!lost || status != 0 || reader_has_left(STDOUT_FILENO)) return status;
+  write_text(
+      "reamsim: error: standard output: cannot be written; is the disk full? Results in files are not affected\n");
+  return 1;
+}
+
+std::unique_ptr<cl::KernelCache> prepare_opencl(const std::string& device, const Console& console) {
+  if (device == "serial") return nullptr;
+  auto cache = std::make_unique<cl::KernelCache>();
+  if (!cache->warning().empty()) console.warn(cache->warning());
+  if (!address_space_note().empty()) {
+    cl::list_devices();  // loads the drivers, whose compilers set handlers of their own
+    explain_fatal_signals();
+  }
+  return cache;
+}
+
+}  // namespace reamsim
