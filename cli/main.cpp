@@ -23,18 +23,11 @@ int complain(const char* message, int status) {
   return status;
 }
 
-constexpr const char* kOutOfMemory = "out of memory; use a larger bone.voxel_mm or a smaller crop";
-
-/// For std::terminate(): destructors of libraries that need memory and find none. Unfinished results stay.
+/// For std::terminate(): functions of libraries that must not throw, and find no memory. Results and DIR.lock stay, which
+/// no longer locks.
 [[noreturn]] void end_with_message() {
-  try {
-    if (std::current_exception()) std::rethrow_exception(std::current_exception());
-    complain("internal error: please report it with the scenario", kFailed);
-  } catch (const std::bad_alloc&) {
-    complain(kOutOfMemory, kFailed);
-  } catch (...) {
-    complain("internal error: please report it with the scenario", kFailed);
-  }
+  complain("out of memory, or an internal error: use a larger bone.voxel_mm or a smaller crop, or report it", kFailed);
+  reamsim::stop_reader_server();
   _exit(kFailed);
 }
 
@@ -98,7 +91,7 @@ int run_and_report_always(int argc, char** argv) {
   try {
     return run_and_report(argc, argv);
   } catch (const std::bad_alloc&) {
-    return complain(kOutOfMemory, kFailed);
+    return complain("out of memory; use a larger bone.voxel_mm or a smaller crop", kFailed);
   }
 }
 

@@ -10,6 +10,7 @@
 #include <thread>
 
 #include "sim/isolation/read_in_child.h"
+#include "sim/isolation/reader_server.h"
 
 namespace reamsim {
 
@@ -20,6 +21,11 @@ std::atomic<int> graces = 0;
 std::atomic<int> exit_status = -1;
 std::mutex end_mutex;
 std::function<StopOutcome()> end_by_force;  // guarded by end_mutex
+
+[[noreturn]] void end_process(int status) {
+  stop_reader_server();
+  _exit(status);
+}
 
 /// Waits for one of the signals. Ends the process where the command has not ended soon after.
 void watch_for_stop(sigset_t signals) {
@@ -32,14 +38,14 @@ void watch_for_stop(sigset_t signals) {
     while (graces > 0) std::this_thread::sleep_for(20ms);
     std::this_thread::sleep_for(700ms);
   } while (graces > 0);
-  if (const int status = exit_status; status >= 0) _exit(status);  // only the libraries' own end takes long
+  if (const int status = exit_status; status >= 0) end_process(status);  // only the libraries' own end takes long
   StopOutcome outcome;
   {
     const std::lock_guard lock(end_mutex);
     if (end_by_force) outcome = end_by_force();
   }
   std::fprintf(stderr, "reamsim: error: %s\n", outcome.message.c_str());
-  _exit(outcome.status);
+  end_process(outcome.status);
 }
 
 }  // namespace

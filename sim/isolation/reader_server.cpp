@@ -4,11 +4,14 @@
 #include <sys/prctl.h>
 #include <sys/socket.h>
 #include <sys/syscall.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include <array>
+#include <atomic>
 #include <cerrno>
 #include <csignal>
+#include <cstdlib>
 #include <cstring>
 #include <mutex>
 #include <new>
@@ -132,9 +135,11 @@ pid_t fork_sibling() {
   _exit(0);
 }
 
-/// This process's end of the socket to the server; −1 = not started. Global: there is one server for a process.
+// Global: there is one server for a process.
 std::mutex server_mutex;
-int server = -1;
+int server = -1;                         // this process's end of the socket; −1 = not started
+pid_t owner = 0;                         // the process that started the server; its forks have none
+std::atomic<pid_t> server_process = -1;  // −1 = none, or ended
 
 [[noreturn]] void fail_to_start() {
   throw RunError(std::string("no child process to read files: ") + std::strerror(errno));
@@ -156,18 +161,34 @@ void start_server() {
     fail_to_start();
   }
   server = ends[0];
+  owner = getpid();
+  if (server_process.exchange(process) < 0) std::atexit(stop_reader_server);
+}
+
+void require_server() {
+  if (server >= 0 && owner == getpid()) return;
+  if (server >= 0) close(server);
+  start_server();
 }
 
 }  // namespace
 
 void start_reader_server() {
   const std::lock_guard lock(server_mutex);
-  if (server < 0) start_server();
+  require_server();
+}
+
+void stop_reader_server() {
+  const pid_t process = owner == getpid() ? server_process.exchange(-1) : -1;
+  if (process < 0) return;
+  kill(process, SIGKILL);
+  while (waitpid(process, nullptr, 0) < 0 && errno == EINTR) {
+  }
 }
 
 pid_t start_child(const ChildStart& start, int alive) {
   const std::lock_guard lock(server_mutex);
-  if (server < 0) start_server();
+  require_server();
   pid_t child = -EPIPE;  // the server has ended
   const bool sent = send_with_descriptor(server, start, alive);
   while (sent && recv(server, &child, sizeof child, 0) < 0 && errno == EINTR) {

@@ -25,6 +25,11 @@ struct ChildStart {
 /// Throws RunError.
 void start_reader_server();
 
+/// Ends the server, without which it would be left to the system's first process, which in a container may never wait
+/// for it. Runs when the program exits; call it before _exit(). Does nothing in a fork of the process. Never waits for
+/// another thread.
+void stop_reader_server();
+
 /// Starts a child of this process in the sandbox (sandbox.h), with the descriptor `alive` open. Thread-safe.
 /// Throws RunError.
 pid_t start_child(const ChildStart& start, int alive);

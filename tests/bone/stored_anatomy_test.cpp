@@ -80,7 +80,7 @@ TEST_F(StoredBoneTest, DamagedAnatomyIsAnInputError) {
     EXPECT_THAT(said("bone_from_glenoid", wrong), HasSubstr("bone.vdb: bone_from_glenoid: found '"));
   }
   EXPECT_THAT(said("scapula_landmarks_mm", "1 2 3 4"), HasSubstr("expected 9 numbers"));
-  EXPECT_THAT(said("bone_side", "up\x1b[2J"), HasSubstr("found 'up?[2J'"));
+  EXPECT_THAT(said("bone_side", "up\x1b[2J"), HasSubstr("found 'up\\x1b[2J'"));
 }
 
 }  // namespace
