@@ -26,7 +26,7 @@ int complain(const char* message, int status) {
 /// For std::terminate(): functions of libraries that must not throw, and find no memory. Results and DIR.lock stay, which
 /// no longer locks.
 [[noreturn]] void end_with_message() {
-  complain("out of memory, or an internal error: use a larger bone.voxel_mm or a smaller crop, or report it", kFailed);
+  complain("out of memory, or a program error: use a larger bone.voxel_mm or a smaller crop, or report it", kFailed);
   reamsim::stop_reader_server();
   _exit(kFailed);
 }

@@ -207,10 +207,7 @@ std::string OutputFolder::finish(const std::function<void()>& remove_unfinished)
     where = "the results are in " + partial_ + ", where a power failure may still damage them";
     sync_folder_to_disk(partial_);
     where = "the results are complete in " + partial_;
-    if (remove_unfinished) {
-      remove_unfinished();
-      list_results(partial_, kind_);
-    }
+    if (remove_unfinished) remove_unfinished();
     const std::string warning = put_in_place();
     where = "the results are in " + dir_ + ", but a power failure may undo that";
     sync_to_disk(fs::path(dir_).parent_path().string());

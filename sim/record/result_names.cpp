@@ -23,7 +23,6 @@ Names names_of_run() {
   const std::string camera = "(_[a-z0-9_-]+)?";           // the names that render.user_cameras may have
   const std::string unfinished = "(\\.tmp|\\.partial)?";  // of an interrupted write
   const std::string files =
-      "checkpoint-[01]\\.bin|"
       "scenario\\.yaml|summary\\.json|verification\\.json|timings\\.csv|report\\.html|segmentation\\.png|contact_"
       "sheet\\.png|"
       "forces\\.(csv|gp|png|svg|pdf)|depth_map\\.(csv|png)|reamed\\.(vdb|vti|glb|stl)|"
@@ -43,8 +42,13 @@ const Names& names_of(ResultKind kind) {
   return names[static_cast<std::size_t>(kind)];
 }
 
-/// Of a process that was killed while it wrote the manifest.
-const std::string kUnfinishedManifest = std::string(kManifestName) + ".tmp";
+/// Files that only unfinished results have: ours, and in no manifest. A process that is killed may leave them in
+/// complete ones.
+bool is_of_unfinished(const std::string& place, ResultKind kind) {
+  static const std::regex checkpoints("checkpoint-[01]\\.bin(\\.tmp)?");
+  if (place == std::string(kManifestName) + ".tmp") return true;
+  return kind == ResultKind::run && std::regex_match(place, checkpoints);
+}
 
 constexpr const char* kFolders[] = {"frames", "plots", "snapshots", "turntable"};
 
@@ -75,7 +79,7 @@ class OwnEntries {
       return kind_ == ResultKind::run && std::ranges::find(kFolders, place) != std::end(kFolders);
     }
     if (type != fs::file_type::regular) return false;
-    if (place == kUnfinishedManifest) return true;
+    if (is_of_unfinished(place, kind_)) return true;
     if (manifest_ && (place == kManifestName || manifest_->files.contains(place))) return true;
     if (kind_ == ResultKind::run && place == kVerification) return true;
     return (!manifest_ || !manifest_->complete) && std::regex_match(place, names_.files);
@@ -133,7 +137,8 @@ void list_results(const std::string& dir, ResultKind kind, const std::set<std::s
   walk(dir, "", OwnEntries(dir, kind), [&](const fs::directory_entry& entry, const std::string& place, bool ours) {
     std::error_code error;
     const bool file = entry.symlink_status(error).type() == fs::file_type::regular;
-    if (ours && file && place != kManifestName && !foreign.contains(place)) manifest.files.insert(place);
+    const bool listed = ours && file && place != kManifestName && !is_of_unfinished(place, kind);
+    if (listed && !foreign.contains(place)) manifest.files.insert(place);
     return true;
   });
   write_manifest(dir, manifest);
