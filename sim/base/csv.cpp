@@ -19,17 +19,6 @@ namespace {
 
 constexpr std::size_t kBufferBytes = 1 << 16;
 
-std::vector<std::string_view> split(std::string_view line) {
-  if (!line.empty() && line.back() == '\r') line.remove_suffix(1);
-  std::vector<std::string_view> cells;
-  for (;;) {
-    const std::size_t comma = line.find(',');
-    cells.push_back(line.substr(0, comma));
-    if (comma == std::string_view::npos) return cells;
-    line.remove_prefix(comma + 1);
-  }
-}
-
 double number(const SourceLocation& where, std::string_view name, std::string_view cell) {
   double value = 0;
   const auto [end, error] = std::from_chars(cell.data(), cell.data() + cell.size(), value);
@@ -42,11 +31,22 @@ double number(const SourceLocation& where, std::string_view name, std::string_vi
 
 }  // namespace
 
+std::vector<std::string_view> csv_cells(std::string_view line) {
+  if (!line.empty() && line.back() == '\r') line.remove_suffix(1);
+  std::vector<std::string_view> cells;
+  for (;;) {
+    const std::size_t comma = line.find(',');
+    cells.push_back(line.substr(0, comma));
+    if (comma == std::string_view::npos) return cells;
+    line.remove_prefix(comma + 1);
+  }
+}
+
 CsvReader::CsvReader(const std::string& path, std::span<const std::string_view> names, const std::string& expected)
     : path_(path), names_(names.begin(), names.end()), in_(path, std::ios::binary) {
   std::string header;
   if (!in_ || !std::getline(in_, header)) throw InputError({path, 0, 0}, "", "cannot be read", expected);
-  const auto found_names = split(header);
+  const auto found_names = csv_cells(header);
   for (const std::string_view name : names_) {
     const auto found = std::find(found_names.begin(), found_names.end(), name);
     if (found == found_names.end()) throw InputError({path, 1, 0}, std::string(name), "no such column", expected);
@@ -65,7 +65,7 @@ bool CsvReader::next(std::vector<double>& values, std::string_view may_be_empty)
     }
     ++line_;
   } while (line.empty());
-  const auto cells = split(line);
+  const auto cells = csv_cells(line);
   values.clear();
   for (std::size_t i = 0; i < names_.size(); ++i) {
     if (places_[i] >= cells.size()) {

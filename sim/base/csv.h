@@ -33,6 +33,9 @@ class CsvReader {
   int line_ = 1;
 };
 
+/// The cells of a line, without quotes; a carriage return at its end is no part of it.
+std::vector<std::string_view> csv_cells(std::string_view line);
+
 /// A text as a CSV cell, on one line and quoted where necessary (RFC 4180). A spreadsheet would take a text that begins
 /// with =, +, - or @ for a formula, so an apostrophe precedes it.
 std::string csv_text(std::string_view text);

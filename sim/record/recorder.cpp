@@ -15,16 +15,6 @@ constexpr const char* kForceColumns =
     "removed_mm3,energy_mj,floor_energy_mj,balance";
 constexpr const char* kTimingColumns = "frame,broad_phase_ms,detect_ms,cut_ms";
 
-std::vector<std::string_view> names_in(std::string_view columns) {
-  std::vector<std::string_view> out;
-  for (;;) {
-    const std::size_t comma = columns.find(',');
-    out.push_back(columns.substr(0, comma));
-    if (comma == std::string_view::npos) return out;
-    columns.remove_prefix(comma + 1);
-  }
-}
-
 /// `v`: a row of forces.csv, as Recorder::frame() writes it.
 FrameResult result_of(const std::vector<double>& v) {
   FrameResult out;
@@ -67,7 +57,7 @@ Recorder::Recorder(const std::string& dir, double voxel_mm, std::int64_t frame, 
 }
 
 void Recorder::add_rows_again() {
-  const std::vector<std::string_view> forces = names_in(kForceColumns), timings = names_in(kTimingColumns);
+  const std::vector<std::string_view> forces = csv_cells(kForceColumns), timings = csv_cells(kTimingColumns);
   std::vector<double> row;
   for (CsvReader log(dir_ + "/forces.csv", forces, "the log of a run"); log.next(row);) totals_.add(result_of(row));
   for (CsvReader log(dir_ + "/timings.csv", timings, "the log of a run"); log.next(row);) {
