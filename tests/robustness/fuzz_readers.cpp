@@ -9,13 +9,14 @@
 int main(int argc, char** argv) {
   using namespace reamsim::test;
   if (argc < 3) {
-    std::fprintf(stderr, "usage: fuzz_readers INPUTS SEED [texts|files [FOLDER for files with a complaint]]\n");
+    std::fprintf(stderr, "usage: fuzz_readers INPUTS SEED [texts|files [FOLDER for files with a complaint [FIRST]]]\n");
     return 2;
   }
   const Campaign campaign{.texts = argc > 3 && std::string(argv[3]) == "texts",
                           .inputs = std::atoi(argv[1]),
                           .seed = std::strtoull(argv[2], nullptr, 10),
-                          .keep = argc > 4 ? argv[4] : ""};
+                          .keep = argc > 4 ? argv[4] : "",
+                          .first = argc > 5 ? std::atoi(argv[5]) : 0};
   std::size_t complaints = 0;
   ReaderFindings all;
   std::printf(

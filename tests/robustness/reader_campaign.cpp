@@ -65,6 +65,7 @@ std::map<std::string, ReaderFindings> run_campaign(const Campaign& campaign) {
     const std::string path = seed.folder + "/" + name;
     const std::string whole = read_bytes(path);
     const std::string damaged = damaged_bytes(seed, name, whole, random);
+    if (n < campaign.first) continue;
     write_bytes(path, damaged);
     Verdict verdict = supervised([&] { seed.read(path); });
     // Other programs may have kept the processor busy.

@@ -30,6 +30,7 @@ struct Campaign {
   int inputs = 0;
   std::uint64_t seed = 1;
   std::string keep;  ///< a folder for files with a complaint; "" = none
+  int first = 0;     ///< inputs before this one are made but not read
 };
 
 /// Reads damaged files, taking the readers in turn. The same campaign has the same inputs.
