@@ -129,7 +129,7 @@ TEST_F(Cutting, ValuesOfOptions) {
   EXPECT_THAT(bad("size_effect: {exponent: 0.5, reference_mm: 0.05, cutting_edges: 6, least_mm: 0.6}"),
               HasSubstr("cutting.size_effect.least_mm: found 0.6; expected no more than most_mm"));
   EXPECT_THAT(bad("erosion: exact, edge_force: {tangential_n_mm: 0, normal_n_mm: 1, cutting_edges: 6}"),
-              HasSubstr("cutting.edge_force.tangential_n_mm: found 0; expected a number, 1e-06 to 1000 (N/mm)"));
+              HasSubstr("cutting.edge_force.tangential_n_mm: found 0; expected a number, 0.000001 to 1000 (N/mm)"));
   EXPECT_THAT(bad("friction_fraction: 1.1"),
               StartsWith("s.yaml:17:23: cutting.friction_fraction: found 1.1; expected"));
 }

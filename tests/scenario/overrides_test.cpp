@@ -104,7 +104,7 @@ TEST_F(ImportSettings, Complain) {
   EXPECT_EQ(complaint_of("mesh", "tool.stl", {"render.enabled=true"}),
             "--set render.enabled=true: not a key of the bone section; expected bone.KEY=VALUE");
   EXPECT_THAT(complaint_of("mesh", "tool.stl", {"bone.mesh.scale=0"}),
-              StartsWith("--set bone.mesh.scale=0: bone.mesh.scale: found 0; expected a number, 1e-06 to 1000000"));
+              StartsWith("--set bone.mesh.scale=0: bone.mesh.scale: found 0; expected a number, 0.000001 to 1000000"));
 }
 
 TEST_F(ImportSettings, RenderSettingsDoNotAskForInputs) {
