@@ -24,7 +24,7 @@ constexpr int kQuality = 86;  // least quality without artefacts around text
 
 using Image = std::unique_ptr<cairo_surface_t, decltype(&cairo_surface_destroy)>;
 
-/// Cairo marks what it has no memory for, and goes on.
+/// Throws bad_alloc where Cairo had no memory: it only sets the status of the surface.
 void check_memory(const Image& image) {
   if (cairo_surface_status(image.get()) == CAIRO_STATUS_NO_MEMORY) throw std::bad_alloc();
 }

@@ -42,7 +42,7 @@ SharedMemory::SharedMemory(std::uint64_t result_bytes) : capacity_(std::max(resu
 
 SharedMemory::SharedMemory(const Handle& handle) : id_(handle.id), capacity_(handle.capacity) {
   void* memory = shmat(id_, nullptr, 0);
-  if (memory == kNotAttached) throw RunError("the shared memory of the parent is gone");
+  if (memory == kNotAttached) throw RunError("the shared memory of the parent process no longer exists");
   memory_ = memory;
 }
 

@@ -26,45 +26,44 @@ namespace reamsim {
 
 namespace {
 
-/// Room for the control message that carries one descriptor.
-struct DescriptorRoom {
-  alignas(cmsghdr) std::array<char, CMSG_SPACE(sizeof(int))> bytes{};
+/// A message of a ChildStart, with room for the control message that carries one descriptor.
+struct Message {
+  explicit Message(ChildStart& start) : data{&start, sizeof start} {
+    head.msg_iov = &data;
+    head.msg_iovlen = 1;
+    head.msg_control = control.data();
+    head.msg_controllen = control.size();
+  }
+  Message(const Message&) = delete;
+  Message& operator=(const Message&) = delete;
+
+  alignas(cmsghdr) std::array<char, CMSG_SPACE(sizeof(int))> control{};
+  iovec data;
+  msghdr head{};
 };
 
 /// Sends plain bytes and a descriptor. Returns whether it succeeded.
 bool send_with_descriptor(int socket, const ChildStart& start, int descriptor) {
   ChildStart copy = start;
-  iovec data{&copy, sizeof copy};
-  DescriptorRoom room;
-  msghdr message{};
-  message.msg_iov = &data;
-  message.msg_iovlen = 1;
-  message.msg_control = room.bytes.data();
-  message.msg_controllen = room.bytes.size();
-  cmsghdr* head = CMSG_FIRSTHDR(&message);
+  Message message(copy);
+  cmsghdr* head = CMSG_FIRSTHDR(&message.head);
   head->cmsg_level = SOL_SOCKET;
   head->cmsg_type = SCM_RIGHTS;
   head->cmsg_len = CMSG_LEN(sizeof descriptor);
   std::memcpy(CMSG_DATA(head), &descriptor, sizeof descriptor);
   ssize_t sent = 0;
-  while ((sent = sendmsg(socket, &message, MSG_NOSIGNAL)) < 0 && errno == EINTR) {
+  while ((sent = sendmsg(socket, &message.head, MSG_NOSIGNAL)) < 0 && errno == EINTR) {
   }
   return sent == static_cast<ssize_t>(sizeof start);
 }
 
 /// Receives what send_with_descriptor() sent. Returns the descriptor; −1 when the other side has ended.
 int receive_with_descriptor(int socket, ChildStart& start) {
-  iovec data{&start, sizeof start};
-  DescriptorRoom room;
-  msghdr message{};
-  message.msg_iov = &data;
-  message.msg_iovlen = 1;
-  message.msg_control = room.bytes.data();
-  message.msg_controllen = room.bytes.size();
+  Message message(start);
   ssize_t received = 0;
-  while ((received = recvmsg(socket, &message, MSG_CMSG_CLOEXEC)) < 0 && errno == EINTR) {
+  while ((received = recvmsg(socket, &message.head, MSG_CMSG_CLOEXEC)) < 0 && errno == EINTR) {
   }
-  const cmsghdr* head = CMSG_FIRSTHDR(&message);
+  const cmsghdr* head = CMSG_FIRSTHDR(&message.head);
   if (received != static_cast<ssize_t>(sizeof start) || head == nullptr) return -1;
   int descriptor = -1;
   std::memcpy(&descriptor, CMSG_DATA(head), sizeof descriptor);
