@@ -92,8 +92,23 @@ ChildOutcome write_result(ChildFunction function, ResultReader& arguments, Resul
   }
 }
 
+// Global, because a signal handler reads it.
+pid_t program = 0;  // the process that the server and the children belong to
+
+void exit_without_program(int = 0) {
+  if (getppid() != program) _exit(1);
+}
+
+/// Ends this process when the program does. The system signals the end of the thread that started the server, too, so
+/// that the signal alone must end nothing.
+void live_as_long_as_program() {
+  std::signal(SIGUSR1, exit_without_program);
+  prctl(PR_SET_PDEATHSIG, SIGUSR1);
+  exit_without_program();
+}
+
 [[noreturn]] void work_and_exit(const ChildStart& start, int alive) {
-  prctl(PR_SET_PDEATHSIG, SIGKILL);
+  live_as_long_as_program();
   try {
     SharedMemory memory(start.memory);
     enter_sandbox({start.memory_bytes, start.cpu_seconds}, alive);
@@ -114,7 +129,8 @@ pid_t fork_sibling() {
   return static_cast<pid_t>(syscall(SYS_clone, CLONE_PARENT | SIGCHLD, nullptr, nullptr, nullptr, nullptr));
 }
 
-[[noreturn]] void serve(int socket) {
+[[noreturn]] void serve(int socket, pid_t parent) {
+  program = parent;
   // The program decides when to end; Ctrl-C in a terminal reaches this process too.
   for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGUSR1, SIGQUIT, SIGPIPE, SIGXFSZ}) {
     std::signal(signal, SIG_IGN);
@@ -147,10 +163,11 @@ std::atomic<pid_t> server_process = -1;  // −1 = none, or ended
 void start_server() {
   int ends[2];
   if (socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, ends) != 0) fail_to_start();
+  const pid_t parent = getpid();
   const pid_t process = fork();
   if (process == 0) {
     close(ends[0]);
-    serve(ends[1]);
+    serve(ends[1], parent);
   }
   const int error = errno;
   close(ends[1]);
@@ -160,7 +177,7 @@ void start_server() {
     fail_to_start();
   }
   server = ends[0];
-  owner = getpid();
+  owner = parent;
   if (server_process.exchange(process) < 0) std::atexit(stop_reader_server);
 }
 

@@ -2,7 +2,9 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/prctl.h>
 #include <sys/wait.h>
+#include <unistd.h>
 
 #include <atomic>
 #include <chrono>
@@ -13,6 +15,7 @@
 #include <new>
 #include <numeric>
 #include <thread>
+#include <vector>
 
 #include "sim/base/error.h"
 
@@ -39,12 +42,12 @@ void loop() {
   for (volatile unsigned n = 0;;) n = n + 1;
 }
 
-/// Child processes that this one has.
-int children() {
-  int out = 0;
-  for (const auto& task : std::filesystem::directory_iterator("/proc/self/task")) {
+/// Child processes that a process has.
+std::vector<pid_t> children(pid_t process) {
+  std::vector<pid_t> out;
+  for (const auto& task : std::filesystem::directory_iterator("/proc/" + std::to_string(process) + "/task")) {
     std::ifstream list(task.path() / "children");
-    for (int child = 0; list >> child;) ++out;
+    for (pid_t child = 0; list >> child;) out.push_back(child);
   }
   return out;
 }
@@ -100,6 +103,39 @@ TEST(ReadInChild, SeveralThreadsReadAtATime) {
   }
   for (std::thread& thread : threads) thread.join();
   EXPECT_EQ(sum, 20 * 28);
+}
+
+/// Takes some milliseconds.
+constexpr auto kReadSlowly = [](ResultWriter& out, int milliseconds) {
+  std::this_thread::sleep_for(std::chrono::milliseconds(milliseconds));
+  out.put(milliseconds);
+};
+
+TEST(ReadInChild, TheThreadThatStartedTheServerMayEnd) {
+  std::atomic<bool> started = false;
+  std::thread first([&] {
+    read_in_child<kReadSlowly>(kFile, {}, 1);
+    started = true;
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  });
+  while (!started) std::this_thread::yield();
+  EXPECT_EQ(read_in_child<kReadSlowly>(kFile, {}, 400).reader().get<int>(), 400);
+  first.join();
+}
+
+TEST(ReadInChild, ServerAndChildEndWithTheProgram) {
+  prctl(PR_SET_CHILD_SUBREAPER, 1);  // the processes of a program that has ended become children of this one
+  const pid_t program = fork();
+  if (program == 0) {
+    std::thread([] { read_in_child<[](ResultWriter&) { pause(); }>(kFile, {}); }).join();
+    _exit(0);
+  }
+  while (children(program).size() < 2) std::this_thread::yield();
+  const std::vector<pid_t> processes = children(program);
+  kill(program, SIGKILL);
+  EXPECT_EQ(waitpid(program, nullptr, 0), program);
+  for (const pid_t process : processes) EXPECT_EQ(waitpid(process, nullptr, 0), process);
+  prctl(PR_SET_CHILD_SUBREAPER, 0);
 }
 
 TEST(ReadInChild, ChangesNothingInTheParent) {
@@ -190,7 +226,7 @@ TEST(ReadInChild, AStopRequestEndsTheChildSoon) {
   EXPECT_THROW(read_in_child<[](ResultWriter&) { loop(); }>(kFile, {}), Interrupted);
   EXPECT_LT(std::chrono::steady_clock::now() - begun, std::chrono::seconds(1));
   EXPECT_EQ(waitpid(-1, nullptr, WNOHANG), 0) << "no child has ended without being waited for";
-  EXPECT_EQ(children(), 1) << "the server";
+  EXPECT_EQ(children(getpid()).size(), 1U) << "the server";
 }
 
 TEST(ReadInChild, CtrlCInATerminalReachesTheChildFirst) {
