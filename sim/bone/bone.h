@@ -54,7 +54,8 @@ Bone bone_from_vdb(const BoneSettings& settings, Report& report);
 /// InputError: inconsistent shapes, a glenoid without `side`, absurdly large.
 Bone bone_from_phantom(const BoneSettings& settings, Report& report);
 
-/// The glenoid frame of the scenario, from centre/normal/superior or from landmarks; nullopt without either. `superior`
+/// The glenoid frame of the scenario, from centre/normal/superior or from landmarks; nullopt without either,
+/// and where the face must be found (find_glenoid.h). `superior`
 /// is projected perpendicular to the normal. With landmarks the normal is the Friedman axis (trigonum spinae to glenoid
 /// centre, lateral), and superior lies in the scapular plane, away from the inferior angle. The frame is right-handed
 /// on both sides: +x is posterior on a left scapula, anterior on a right one. Throws InputError: an incomplete set,

@@ -63,6 +63,7 @@ struct FrameKeys {
 
 FrameKeys keys_of(const BoneSettings& settings) {
   const std::string at = "bone.glenoid.";
+  if (settings.glenoid.near_mm) return {at + "near_mm", at + "near_mm", at + "superior"};
   if (settings.glenoid.landmarks) {
     return {at + "landmarks.glenoid_center_mm", at + "landmarks.trigonum_spinae_mm",
             at + "landmarks.inferior_angle_mm"};
@@ -166,7 +167,7 @@ NearbyBone nearby_bone(const Voxmap& voxmap, const Vec3& point_mm, const Vec3& n
 }
 
 void check_glenoid_frame(const Bone& bone, const BoneSettings& settings, MistakeList& mistakes, Report& report) {
-  const bool given = settings.glenoid.center_mm || settings.glenoid.landmarks;
+  const bool given = settings.glenoid.center_mm || settings.glenoid.landmarks || settings.glenoid.near_mm;
   if (!bone.glenoid || (bone.voxmap->frame == "phantom" && !given)) return;
   const FrameKeys keys = keys_of(settings);
   const Rigid& frame = bone.glenoid->bone_from_glenoid;

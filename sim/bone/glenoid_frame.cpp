@@ -52,6 +52,7 @@ ScapularAxes axes_of(const GlenoidFrame& glenoid, BodySide side) {
 }
 
 std::optional<GlenoidFrame> glenoid_frame(const GlenoidSettings& settings, BodySide side) {
+  if (settings.near_mm) return std::nullopt;
   const bool any = settings.center_mm || settings.normal || settings.superior;
   if (!any && !settings.landmarks) return std::nullopt;
   if (side == BodySide::unknown) fail_frame("bone.side", "missing", "a glenoid frame needs left or right");

@@ -5,6 +5,7 @@
 #include "sim/base/error.h"
 #include "sim/bone/bone.h"
 #include "sim/bone/ct/ct_import.h"
+#include "sim/bone/find_glenoid.h"
 #include "sim/bone/vdb/bone_vdb.h"
 #include "sim/bone/voxmap/lattice.h"
 
@@ -89,6 +90,18 @@ void note_contradictions(const BoneSettings& settings, const StoredAnatomy& stor
                   shift_mm, angle_deg));
 }
 
+/// Sets the frame and the rim of the face round `near_mm`.
+void find_face(Bone& bone, const GlenoidSettings& settings, Report& report) {
+  if (bone.side == BodySide::unknown) {
+    throw InputError({}, "bone.side", "missing", "left or right, because bone.glenoid is given");
+  }
+  const FoundGlenoid found = find_glenoid(bone, settings, bone.side);
+  bone.glenoid = found.frame;
+  bone.rim_mm = found.rim_mm;
+  report.note(sentence_of(found));
+  for (const std::string& doubt : doubts_of(found)) report.warn(doubt);
+}
+
 /// With landmarks the normal is the Friedman axis.
 void set_scapula(Bone& bone) {
   if (!bone.landmarks) return;
@@ -120,7 +133,8 @@ Bone bone_from_vdb(const BoneSettings& settings, Report& report) {
   bone.glenoid = stored.anatomy.glenoid;
   bone.landmarks = stored.anatomy.landmarks;
   bone.side = stored.anatomy.side;
-  if (stored.anatomy.glenoid && !settings.glenoid.center_mm && !settings.glenoid.landmarks) {
+  if (stored.anatomy.glenoid && !settings.glenoid.center_mm && !settings.glenoid.landmarks &&
+      !settings.glenoid.near_mm) {
     report.note("glenoid frame from the VDB");
   }
   if (bone.voxmap->grid.voxel_mm != settings.voxel_mm) {
@@ -133,6 +147,7 @@ Bone load_bone(const BoneSettings& settings, Report& report) {
   Bone bone = bone_from_source(settings, report);
   if (settings.side != BodySide::unknown) bone.side = settings.side;
   if (const auto given = glenoid_frame(settings.glenoid, bone.side)) bone.glenoid = given;
+  if (settings.glenoid.near_mm) find_face(bone, settings.glenoid, report);
   if (settings.glenoid.landmarks) bone.landmarks = settings.glenoid.landmarks;
   if (!settings.glenoid.rim_mm.empty()) {
     require_surface_near(*bone.voxmap, settings.glenoid.rim_mm);

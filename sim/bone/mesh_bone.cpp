@@ -159,7 +159,7 @@ void check_volume(const MeshBoneSettings& settings, double voxels_mm3, double me
 FilledVoxmap voxmap_from_mesh(const BoneSettings& settings, Report& report) {
   const MeshBoneSettings& bone = settings.mesh;
   const TriangleMesh mesh = checked_mesh(bone, report);
-  const bool has_glenoid = settings.glenoid.center_mm || settings.glenoid.landmarks;
+  const bool has_glenoid = settings.glenoid.center_mm || settings.glenoid.landmarks || settings.glenoid.near_mm;
   check_mesh_unit(bone.path, mesh.bounds(), bone.scale, has_glenoid, report);
   const VoxelGrid grid = lattice_around(bone.path, mesh.bounds(), settings.voxel_mm, kMarginVoxels,
                                         {bone_fraction(mesh, settings.voxel_mm), kMeshBytesPerVoxel});

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "sim/metrics/column_map.h"
-#include "sim/metrics/face_surface.h"
+#include "sim/bone/face_surface.h"
 
 namespace reamsim {
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "sim/metrics/column_map.h"
-#include "sim/metrics/face_surface.h"
+#include "sim/bone/face_surface.h"
 
 namespace reamsim {
 
@@ -30,7 +30,6 @@ struct ReamedFace {
 /// A sphere describes the face if its residual is at most this fraction of that of the plane, and the residual of the
 /// plane exceeds kFlatVoxels. Below that the voxels determine the residual, and the face counts as flat.
 inline constexpr double kSphereGain = 0.5;
-inline constexpr double kFlatVoxels = 0.1;
 
 ReamedFace find_face(const ColumnMap& map, double voxel_mm);
 

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "sim/metrics/statistics.h"
+#include "sim/base/statistics.h"
 
 namespace reamsim {
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sim/metrics/statistics.h"
+#include "sim/base/statistics.h"
 
 namespace reamsim {
 

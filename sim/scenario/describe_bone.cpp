@@ -37,6 +37,11 @@ void describe_landmarks(KeyVisitor& v, LandmarkSettings& landmarks) {
 }
 
 void describe_glenoid(KeyVisitor& v, GlenoidSettings& glenoid) {
+  v.optional_vector({.name = "near_mm",
+                     .doc = "A point within 8 mm of the centre of the face, bone frame. The face is found round it: "
+                            "centre and normal, and superior too unless superior or landmarks give it",
+                     .range = kPosition},
+                    glenoid.near_mm);
   v.optional_vector({.name = "center_mm", .doc = "Origin of the glenoid frame, bone frame", .range = kPosition},
                     glenoid.center_mm);
   v.optional_vector({.name = "normal",
@@ -49,14 +54,18 @@ void describe_glenoid(KeyVisitor& v, GlenoidSettings& glenoid) {
                      .range = kComponent,
                      .nonzero = true},
                     glenoid.superior);
-  v.optional_section({.name = "landmarks", .doc = "Instead of center_mm, normal and superior"}, glenoid.landmarks,
-                     describe_landmarks);
+  v.optional_section(
+      {.name = "landmarks",
+       .doc = "Instead of center_mm, normal and superior; beside near_mm for superior and the scapular frame"},
+      glenoid.landmarks, describe_landmarks);
   v.points({.name = "rim_mm",
             .doc = "Points on the rim of the face before reaming, bone frame, in order around it, at least 6. They "
                    "delimit the face whose orientation and area are measured. A glenoid or cup phantom has its own",
             .range = kPosition,
             .least_points = kLeastRimPoints},
            glenoid.rim_mm);
+  v.group({.names = {"near_mm", "center_mm"}, .one_needed = false});
+  v.group({.names = {"near_mm", "normal"}, .one_needed = false});
   v.group({.names = {"landmarks", "center_mm"}, .one_needed = false});
   v.group({.names = {"landmarks", "normal"}, .one_needed = false});
   v.group({.names = {"landmarks", "superior"}, .one_needed = false});
@@ -367,7 +376,8 @@ void describe_bone(KeyVisitor& v, BoneSettings& bone) {
       bone.surface_voxels);
   v.section({.name = "density", .doc = "Relation from HU to density"}, bone.density, describe_density);
   v.section({.name = "glenoid",
-             .doc = "Glenoid frame (center_mm, normal and superior, or landmarks), and the rim of the face. Without a "
+             .doc = "Glenoid frame (near_mm; or center_mm, normal and superior; or landmarks), and the rim of the "
+                    "face. Without a "
                     "frame that of a phantom or VDB applies"},
             bone.glenoid, describe_glenoid);
   v.section({.name = "phantom", .doc = "A generated bone", .when = {"source", {"phantom"}}}, bone.phantom,

@@ -58,7 +58,7 @@ class Rules {
   }
 
   [[nodiscard]] bool glenoid_given() const {
-    return s_.bone.glenoid.landmarks.has_value() || s_.bone.glenoid.center_mm.has_value();
+    return s_.bone.glenoid.landmarks || s_.bone.glenoid.center_mm || s_.bone.glenoid.near_mm;
   }
   [[nodiscard]] bool glenoid_phantom() const {
     return s_.bone.source == BoneSource::phantom && s_.bone.phantom.shape == PhantomShape::glenoid;
@@ -117,7 +117,7 @@ void Rules::check_glenoid() const {
     return;
   }
   const bool any = glenoid.center_mm || glenoid.normal || glenoid.superior;
-  if (!any) return;
+  if (!any || glenoid.near_mm) return;
   const auto need = [&](bool given, const std::string& name) {
     if (!given) fail("bone.glenoid." + name, "missing", "center_mm, normal and superior together");
   };

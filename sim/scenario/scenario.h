@@ -29,8 +29,10 @@ struct LandmarkSettings {
   Vec3 inferior_angle_mm = Vec3::Zero();
 };
 
-/// The glenoid frame: centre, normal and superior direction, or landmarks; never both.
+/// The glenoid frame: centre, normal and superior direction; or a point near the centre of a face to be found, with or
+/// without a superior direction; or landmarks.
 struct GlenoidSettings {
+  std::optional<Vec3> near_mm;
   std::optional<Vec3> center_mm;
   std::optional<Vec3> normal;
   std::optional<Vec3> superior;

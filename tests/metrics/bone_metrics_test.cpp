@@ -2,7 +2,7 @@
 
 #include <numeric>
 
-#include "sim/metrics/statistics.h"
+#include "sim/base/statistics.h"
 #include "tests/metrics/reamed_fixture.h"
 
 namespace reamsim::test {

@@ -167,6 +167,7 @@ std::vector<ScanPlane> scan_planes(const ct::AlignedImage& hu, const ct::BoneFie
 /// The seed, else the centre of the glenoid, else the centre of the bone.
 Vec3 point_of_interest(const BoneSettings& settings, const ct::BoneField& bone) {
   if (settings.ct.seed_mm) return *settings.ct.seed_mm;
+  if (settings.glenoid.near_mm) return *settings.glenoid.near_mm;
   if (settings.glenoid.center_mm) return *settings.glenoid.center_mm;
   if (settings.glenoid.landmarks) return settings.glenoid.landmarks->glenoid_center_mm;
   const ct::Lattice& lattice = bone.field.lattice;

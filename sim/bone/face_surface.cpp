@@ -1,4 +1,4 @@
-#include "sim/metrics/face_surface.h"
+#include "sim/bone/face_surface.h"
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/QR>
@@ -6,8 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "sim/metrics/reamed_face.h"
-#include "sim/metrics/statistics.h"
+#include "sim/base/statistics.h"
 
 namespace reamsim {
 

@@ -30,6 +30,9 @@ std::optional<SphereFit> fit_sphere(const std::vector<Vec3>& points_mm);
 
 inline constexpr double kLargestRadius_mm = 1000;
 
+/// Below a residual of the plane of this many voxels the voxels determine it, and a face counts as flat.
+inline constexpr double kFlatVoxels = 0.1;
+
 /// A sphere or plane fitted robustly to points of a face: up to a quarter of them may be outliers (rim, osteophytes,
 /// holes).
 ///
