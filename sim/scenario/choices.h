@@ -43,6 +43,10 @@ enum class Modality { ct, any };
 template <>
 inline constexpr auto kChoiceNames<Modality> = name_list("ct", "any");
 
+enum class Separate { none, humerus };
+template <>
+inline constexpr auto kChoiceNames<Separate> = name_list("none", "humerus");
+
 enum class CtFilter { none, median, curvature_anisotropic };
 template <>
 inline constexpr auto kChoiceNames<CtFilter> = name_list("none", "median", "curvature_anisotropic");

@@ -290,6 +290,13 @@ void describe_segmentation(KeyVisitor& v, CtSettings& ct) {
                      .range = kPosition,
                      .unless = kLabels},
                     ct.seed_mm);
+  v.choice(
+      {.name = "separate",
+       .doc = "humerus: a sphere is fitted to the head of the humerus next to the glenoid (bone.glenoid.near_mm, "
+              "center_mm or landmarks), and the bone is cut along the joint gap. Without seed_mm the scapula is the "
+              "piece behind the gap",
+       .unless = kLabels},
+      ct.separate);
   v.list({.name = "cut_spheres", .doc = "Spheres that separate the bone from its neighbours", .unless = kLabels},
          ct.cut_spheres, describe_cut_sphere);
   v.list({.name = "cut_planes", .doc = "Planes that separate the bone from its neighbours", .unless = kLabels},

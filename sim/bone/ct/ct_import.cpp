@@ -10,6 +10,7 @@
 #include "sim/base/error.h"
 #include "sim/bone/ct/aligned_image.h"
 #include "sim/bone/ct/boundary_density.h"
+#include "sim/bone/ct/humeral_head.h"
 #include "sim/bone/ct/label_map.h"
 #include "sim/bone/ct/morphology.h"
 #include "sim/bone/ct/scan.h"
@@ -164,12 +165,18 @@ std::vector<ScanPlane> scan_planes(const ct::AlignedImage& hu, const ct::BoneFie
   return out;
 }
 
+/// The point of the scenario on the face of the glenoid, or near it.
+std::optional<Vec3> glenoid_point(const GlenoidSettings& glenoid) {
+  if (glenoid.near_mm) return glenoid.near_mm;
+  if (glenoid.center_mm) return glenoid.center_mm;
+  if (glenoid.landmarks) return glenoid.landmarks->glenoid_center_mm;
+  return std::nullopt;
+}
+
 /// The seed, else the centre of the glenoid, else the centre of the bone.
 Vec3 point_of_interest(const BoneSettings& settings, const ct::BoneField& bone) {
   if (settings.ct.seed_mm) return *settings.ct.seed_mm;
-  if (settings.glenoid.near_mm) return *settings.glenoid.near_mm;
-  if (settings.glenoid.center_mm) return *settings.glenoid.center_mm;
-  if (settings.glenoid.landmarks) return settings.glenoid.landmarks->glenoid_center_mm;
+  if (const auto glenoid = glenoid_point(settings.glenoid)) return *glenoid;
   const ct::Lattice& lattice = bone.field.lattice;
   return 0.5 * (lattice.center_mm(bone.min) + lattice.center_mm(bone.max));
 }
@@ -181,15 +188,46 @@ Segmentation segmentation_of(const ct::AlignedImage& hu, const ct::BoneField& bo
   return out;
 }
 
+/// The settings with the cut through the joint gap, and a seed behind it.
+BoneSettings with_humerus_cut(const ct::AlignedImage& hu, const BoneSettings& settings, Report& report) {
+  const auto near = glenoid_point(settings.glenoid);
+  if (!near)
+    throw InputError({}, "bone.ct.separate", "no glenoid", "give bone.glenoid.near_mm, on the face of the glenoid");
+  const auto head = ct::find_humeral_head(hu, settings.ct.threshold_hu, *near);
+  if (!head) {
+    throw InputError({}, "bone.ct.separate",
+                     fmt::format("no head of a humerus next to the glenoid at {}", ct::point_words(*near)),
+                     "check bone.glenoid.near_mm and threshold_hu; or give cut_spheres, or a label map");
+  }
+  BoneSettings out = settings;
+  out.ct.cut_spheres.push_back({head->center_mm, head->cut_radius_mm});
+  const Vec3 inward = (*near - head->center_mm).normalized();
+  constexpr double kBehindGap_mm = 12;
+  if (!out.ct.seed_mm) out.ct.seed_mm = head->center_mm + (head->cut_radius_mm + kBehindGap_mm) * inward;
+  report.note(
+      fmt::format("humeral head: sphere of radius {:.1f} mm about {}, within {:.2f} mm (rms); cut at {:.1f} mm, "
+                  "through the joint gap",
+                  head->radius_mm, ct::point_words(head->center_mm), head->rms_mm, head->cut_radius_mm));
+  constexpr double kMostTouching = 0.1;
+  if (head->touching_fraction > kMostTouching) {
+    report.warn(
+        fmt::format("humerus and scapula touch in {:.0f} % of the joint: no voxel between them is below {:.0f} HU. "
+                    "The cut goes through bone there; a label map is more reliable (bone.ct.label_map)",
+                    100 * head->touching_fraction, settings.ct.threshold_hu));
+  }
+  return out;
+}
+
 }  // namespace
 
-FilledVoxmap voxmap_from_scan(const ct::ScanSource& source, const BoneSettings& settings, Report& report,
+FilledVoxmap voxmap_from_scan(const ct::ScanSource& source, const BoneSettings& given, Report& report,
                               Segmentation* segmentation) {
-  const CtSettings& ct_settings = settings.ct;
-  const ct::IndexBox box = cropped_box(source, ct_settings);
-  ct::AlignedImage hu = read_cropped(source, box, ct_settings, report);
+  const ct::IndexBox box = cropped_box(source, given.ct);
+  ct::AlignedImage hu = read_cropped(source, box, given.ct, report);
   note_crop(hu, source, report);
-  filter(hu, ct_settings, report);
+  filter(hu, given.ct, report);
+  const BoneSettings settings = given.ct.separate == Separate::humerus ? with_humerus_cut(hu, given, report) : given;
+  const CtSettings& ct_settings = settings.ct;
   const ct::BoneField bone =
       ct_settings.label_map ? ct::segment_by_label(ct::read_labels(ct_settings, source.geometry(), box, hu, report), hu,
                                                    ct_settings, report)
