@@ -44,6 +44,7 @@ int run(int argc, char** argv) {
   reamsim::add_render_command(app, console);
   reamsim::add_compare_command(app, console);
   reamsim::add_import_command(app, console);
+  reamsim::add_init_command(app, console);
 #ifdef REAMSIM_VERIFICATION
   reamsim::add_bench_command(app, console);
   reamsim::add_verify_command(app, console);
@@ -54,7 +55,7 @@ int run(int argc, char** argv) {
   if (argc > 1 && argv[1][0] != '-' && app.get_subcommands(named).empty()) {
     const std::string found =
         std::string(argv[1]) +
-        ": unknown command; expected run, check, render, compare, import, bench, verify or devices";
+        ": unknown command; expected run, check, render, compare, import, init, bench, verify or devices";
     return complain(reamsim::printable(found).c_str(), kWrongInput);
   }
   try {

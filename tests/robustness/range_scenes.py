@@ -232,6 +232,13 @@ def center(component, value):
     return glenoid_frame([place[0], place[1], place[2] - HALF], center_mm=place)
 
 
+def near(component, value):
+    place = axis(component, value)
+    frame = {"near_mm": place}
+    bone = merged(mesh_bone([place[0], place[1], place[2] - HALF]), {"bone": {"voxel_mm": 1}})
+    return merged(bone, {"bone": {"side": "left", "glenoid": frame}})
+
+
 def normal(component, value):
     return glenoid_frame(axis(component, -HALF * sign(value)), normal=axis(component), superior=axis((component + 1) % 3))
 
@@ -303,6 +310,7 @@ def camera_up(component, value):
 
 DIRECTED = {
     "bone.glenoid.center_mm": center,
+    "bone.glenoid.near_mm": near,
     "bone.glenoid.normal": normal,
     "bone.glenoid.superior": superior,
     "bone.glenoid.rim_mm": rim,
