@@ -17,7 +17,6 @@ using ::testing::HasSubstr;
 constexpr double kReamerCurvature_mm = 29;
 constexpr double kReamerRadius_mm = 15;
 constexpr double kCannula_mm = 1.25;
-constexpr double kDegree = kPi / 180;
 
 /// A glenoid phantom that can be reamed.
 struct Glenoid {
