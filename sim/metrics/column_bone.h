@@ -11,6 +11,8 @@ class ColumnBone {
   /// `map` must outlive the object. `dense_g_cm3`: the least density of dense bone.
   ColumnBone(const ReamedBone& bone, const ColumnMap& map, double dense_g_cm3);
 
+  [[nodiscard]] double voxel_mm() const { return voxel_mm_; }
+
   struct Length {
     double bone_mm = 0;   ///< remaining bone
     double dense_mm = 0;  ///< of that, dense bone
@@ -18,6 +20,10 @@ class ColumnBone {
   /// The bone in the layer of `depth_mm` below a surface at the height `top_mm` of the map.
   [[nodiscard]] Length layer(const ColumnPlace& place, double top_mm, double depth_mm);
 
+  /// The fraction of remaining bone at a height of the map.
+  [[nodiscard]] double fraction(const ColumnPlace& place, double z_mm) {
+    return fractions_.at(map_.in_bone(place, z_mm)).after;
+  }
   /// The largest fraction of remaining bone between two heights of the map.
   [[nodiscard]] double largest_fraction(const ColumnPlace& place, double top_mm, double bottom_mm);
 

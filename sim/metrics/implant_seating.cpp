@@ -108,6 +108,19 @@ double bone_under(const SeatedImplant& implant, const FootprintColumn& column, C
   return std::min(bone.largest_fraction(column.place, back_mm, back_mm - kOverhangDepth_mm), 1.0);
 }
 
+/// The fraction of a column whose bone lies within `gap_mm` under the back. The height of a column that grazes a wall
+/// is a mean over both sides of the wall: there the fraction of bone at that depth counts.
+double seated_fraction(const SeatedImplant& implant, const FootprintColumn& column, double gap_mm, ColumnBone& bone) {
+  constexpr double kBlurVoxels = 1.5;  // of a surface across the column
+  constexpr double kWhole = 0.99;
+  const Column& found = implant.map.at(column.place);
+  const double inside_mm = found.after_mm - kBlurVoxels * bone.voxel_mm();
+  if (has_bone(found) && bone.fraction(column.place, inside_mm) >= kWhole) {
+    return implant.gap_mm(column) <= gap_mm ? 1 : 0;
+  }
+  return bone.fraction(column.place, implant.apex_mm + column.back_mm - gap_mm);
+}
+
 }  // namespace
 
 std::optional<SeatedImplant> place_implant(const ReamedBone& bone, const Rigid& bone_from_implant,
@@ -138,10 +151,10 @@ Seating measure_seating(const ReamedBone& bone, const SeatedImplant& implant, co
     const double gap_mm = implant.gap_mm(column);
     footprint += column.weight;
     if (!column.hole) overhang += column.weight * (1 - bone_under(implant, column, below));
+    seated += column.weight * seated_fraction(implant, column, settings.gap_mm, below);
     if (!has_bone(found)) continue;
     const double weight = column.weight * found.cover;
     covered += weight;
-    seated += gap_mm <= settings.gap_mm ? weight : 0;
     gaps_mm += weight * std::max(gap_mm, 0.0);
     out.max_gap_mm = std::max(out.max_gap_mm, gap_mm);
     const ColumnBone::Length layer = below.layer(column.place, found.after_mm, settings.support_depth_mm);

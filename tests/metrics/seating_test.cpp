@@ -37,7 +37,7 @@ TEST(Seating, ASmallerRadiusTouchesInTheMiddle) {
   const auto difference = [&](double r) { return sagitta(radius, r) - sagitta(kRadius, r); };
   double seated_r = 0;
   while (seated_r < 10 && difference(seated_r) - difference(1) <= gap) seated_r += 1e-3;
-  EXPECT_NEAR(found->seating.seated_percent, seated_r * seated_r, 1.5);  // 100·(r/10)²
+  EXPECT_NEAR(found->seating.seated_percent, seated_r * seated_r, 1);  // 100·(r/10)²
   EXPECT_NEAR(found->seating.max_gap_mm, difference(10) - difference(1), 0.05);
 }
 
@@ -49,7 +49,7 @@ TEST(Seating, AFlatBackRestsOnTheRimOfItsFootprint) {
   // Seated where sagitta(r) ≥ sagitta(rest) − 0.5.
   const double least = sagitta(kRadius, rest_r) - 0.5;
   const double inner2 = kRadius * kRadius - (kRadius - least) * (kRadius - least);
-  EXPECT_NEAR(found->seating.seated_percent, 100 - inner2, 2);
+  EXPECT_NEAR(found->seating.seated_percent, 100 - inner2, 1);
   EXPECT_NEAR(found->seating.mean_gap_mm, sagitta(kRadius, rest_r) / 2, 0.05);  // the sagitta is nearly linear in r²
 }
 
@@ -60,7 +60,7 @@ TEST(Seating, WhatIsNotReamedHoldsItOff) {
   const auto found = block.measure(Rigid::Identity(), with_implant(0, 32)).planning;
   ASSERT_TRUE(found);
   EXPECT_NEAR(found->seating.max_gap_mm, 3, 0.05);
-  EXPECT_NEAR(found->seating.seated_percent, 100 * (1 - 144.0 / 256), 2.5);
+  EXPECT_NEAR(found->seating.seated_percent, 100 * (1 - 144.0 / 256), 1);
 }
 
 TEST(Seating, ACoreInTheMiddleDoesNot) {
@@ -84,7 +84,7 @@ TEST(Seating, AHollowThatTheReamerDidNotReachIsAGap) {
   const auto found = block.measure(Rigid::Identity(), with_implant(0, 20)).planning;
   ASSERT_TRUE(found);
   EXPECT_NEAR(found->seating.max_gap_mm, 2, 0.05);
-  EXPECT_NEAR(found->seating.seated_percent, 100 * (1 - 16.0 / 100), 2.5);
+  EXPECT_NEAR(found->seating.seated_percent, 100 * (1 - 16.0 / 100), 1);
 }
 
 TEST(Seating, WhereThereIsNoBoneNothingSeats) {
@@ -96,7 +96,7 @@ TEST(Seating, WhereThereIsNoBoneNothingSeats) {
   const auto found = block.measure(Rigid::Identity(), with_implant(0, 20)).planning;
   ASSERT_TRUE(found);
   const double missing = 100 * std::acos(0.5) - 5 * std::sqrt(75.0);  // the segment beyond x = 5
-  EXPECT_NEAR(found->seating.seated_percent, 100 * (1 - missing / (100 * kPi)), 2.5);
+  EXPECT_NEAR(found->seating.seated_percent, 100 * (1 - missing / (100 * kPi)), 1);
 }
 
 }  // namespace
