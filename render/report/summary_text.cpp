@@ -119,6 +119,11 @@ InputError wrong(const std::string& path, const std::string& key, const std::str
   return {{path, 0, 0}, key, "found another type", "expected " + expected};
 }
 
+double rounded(double value, int decimals) {
+  const double step = std::pow(10.0, decimals);
+  return std::round(value * step) / step;
+}
+
 /// The value of a line as text; "" if missing.
 std::string value_text(const Json& summary, const Line& line, const std::string& path) {
   const Json::json_pointer pointer(line.pointer);
@@ -127,6 +132,7 @@ std::string value_text(const Json& summary, const Line& line, const std::string&
   if (value.is_boolean()) return value.get<bool>() ? "yes" : "no";
   if (value.is_string()) return escape_html(value.get<std::string>());
   if (value.is_number_integer()) return number_text(value.get<double>(), 15);
+  if (value.is_number() && line.decimals >= 0) return number_text(rounded(value.get<double>(), line.decimals));
   if (value.is_number()) return number_text(value.get<double>());
   throw wrong(path, line.pointer, "a number");
 }
@@ -149,11 +155,6 @@ std::string with_thousands(std::string text) {
   if (point - first < 5) return text;
   for (std::size_t at = point; at > first + 3;) text.insert(at -= 3, "\u2009");
   return text;
-}
-
-double rounded(double value, int decimals) {
-  const double step = std::pow(10.0, decimals);
-  return std::round(value * step) / step;
 }
 
 std::string raised(int exponent) {
