@@ -184,9 +184,8 @@ TEST(JointLine, AnImplantOnTheReamedFace) {
     expect_angles(found->planned, {-3, 2}, 1e-6);
     expect_angles(found->corrected, {8, 4}, 0.1);
     ASSERT_TRUE(found->medialization_mm.value) << found->medialization_mm.reason;
-    const double closed_form_mm =
-        down_to_sphere(phantom.center(), phantom.bone.scapula->lateral,
-                       apex + (kReamerCurvature_mm + thickness) * axis, kReamerCurvature_mm);
+    const double closed_form_mm = down_to_sphere(phantom.center(), phantom.bone.scapula->lateral,
+                                                 apex + (kReamerCurvature_mm + thickness) * axis, kReamerCurvature_mm);
     EXPECT_NEAR(*found->medialization_mm.value, closed_form_mm, 0.05) << "thickness " << thickness;
   }
 }
