@@ -60,6 +60,8 @@ std::string text_at(const nlohmann::ordered_json& summary, const char* key, cons
 /// values that a run does not write.
 std::string key_figures_html(const nlohmann::ordered_json& summary, const std::string& path);
 std::string summary_tables_html(const nlohmann::ordered_json& summary, const std::string& path);
+/// The section on the fit of the implant; "" for a run without an implant.
+std::string planning_html(const nlohmann::ordered_json& summary, const std::string& path);
 std::string provenance_html(const nlohmann::ordered_json& summary, const std::string& path);
 /// The warnings of the run; "" without any.
 std::string warnings_html(const nlohmann::ordered_json& summary, const std::string& path);

@@ -140,6 +140,7 @@ std::string page_html(const RunData& run, const PictureOptions& options) {
       {"style", embedded::report_style},
       {"warnings", warnings_html(summary, summary_path)},
       {"key_figures", key_figures_html(summary, summary_path)},
+      {"planning", planning_html(summary, summary_path)},
       {"tables", summary_tables_html(summary, summary_path)},
       {"printed_plot", printed_plot_html(dir)},
       {"verification", verification_html(summary, verification, summary_path, verification_path)},

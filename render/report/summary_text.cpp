@@ -8,6 +8,7 @@
 #include <span>
 
 #include "render/report/markup.h"
+#include "render/report/summary_table.h"
 #include "sim/base/error.h"
 #include "sim/base/text.h"
 #include "sim/record/headline.h"
@@ -18,12 +19,8 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// A row of a table, with the JSON pointer of its value in summary.json.
-struct Line {
-  const char* pointer;
-  const char* label;
-  const char* unit;
-};
+using Line = SummaryLine;
+
 struct Table {
   const char* title;
   std::span<const Line> lines;
@@ -88,10 +85,7 @@ constexpr std::array kRemaining{
     Line{"/metrics/dense_bone_left/exposed_percent", "Face without dense bone", "%"},
     Line{"/metrics/perforation/perforated", "Perforated", ""},
     Line{"/metrics/perforation/holes", "Holes", ""},
-    Line{"/metrics/perforation/area_mm2", "Area of the perforations", "mm²"},
-    Line{"/metrics/seating/seated_percent", "Implant seated", "%"},
-    Line{"/metrics/seating/mean_gap_mm", "Gap under the implant, mean", "mm"},
-    Line{"/metrics/seating/max_gap_mm", "Gap under the implant, maximum", "mm"}};
+    Line{"/metrics/perforation/area_mm2", "Area of the perforations", "mm²"}};
 constexpr std::array kLoads{
     Line{"/forces/peak_layer_axial_force_n", "Axial force, peak over a voxel of travel", "N"},
     Line{"/forces/peak_axial_force_n", "Axial force, peak of a single frame", "N"},
@@ -125,6 +119,11 @@ InputError wrong(const std::string& path, const std::string& key, const std::str
   return {{path, 0, 0}, key, "found another type", "expected " + expected};
 }
 
+double rounded(double value, int decimals) {
+  const double step = std::pow(10.0, decimals);
+  return std::round(value * step) / step;
+}
+
 /// The value of a line as text; "" if missing.
 std::string value_text(const Json& summary, const Line& line, const std::string& path) {
   const Json::json_pointer pointer(line.pointer);
@@ -133,6 +132,7 @@ std::string value_text(const Json& summary, const Line& line, const std::string&
   if (value.is_boolean()) return value.get<bool>() ? "yes" : "no";
   if (value.is_string()) return escape_html(value.get<std::string>());
   if (value.is_number_integer()) return number_text(value.get<double>(), 15);
+  if (value.is_number() && line.decimals >= 0) return number_text(rounded(value.get<double>(), line.decimals));
   if (value.is_number()) return number_text(value.get<double>());
   throw wrong(path, line.pointer, "a number");
 }
@@ -155,11 +155,6 @@ std::string with_thousands(std::string text) {
   if (point - first < 5) return text;
   for (std::size_t at = point; at > first + 3;) text.insert(at -= 3, "\u2009");
   return text;
-}
-
-double rounded(double value, int decimals) {
-  const double step = std::pow(10.0, decimals);
-  return std::round(value * step) / step;
 }
 
 std::string raised(int exponent) {
@@ -243,17 +238,20 @@ std::string key_figures_html(const Json& summary, const std::string& path) {
   return out;
 }
 
+std::string summary_table_html(const Json& summary, const char* title, std::span<const SummaryLine> lines,
+                               const std::string& path) {
+  std::string rows;
+  for (const Line& line : lines) {
+    const std::string value = value_text(summary, line, path);
+    if (!value.empty()) rows += row_html(line.label, value, line.unit);
+  }
+  if (rows.empty()) return "";
+  return std::string("<table>\n<caption>") + title + "</caption>\n<tbody>\n" + rows + "</tbody>\n</table>\n";
+}
+
 std::string summary_tables_html(const Json& summary, const std::string& path) {
   std::string out;
-  for (const Table& table : kTables) {
-    std::string rows;
-    for (const Line& line : table.lines) {
-      const std::string value = value_text(summary, line, path);
-      if (!value.empty()) rows += row_html(line.label, value, line.unit);
-    }
-    if (rows.empty()) continue;
-    out += std::string("<table>\n<caption>") + table.title + "</caption>\n<tbody>\n" + rows + "</tbody>\n</table>\n";
-  }
+  for (const Table& table : kTables) out += summary_table_html(summary, table.title, table.lines, path);
   return out;
 }
 

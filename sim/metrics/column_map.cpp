@@ -45,9 +45,14 @@ class ColumnScan {
   Column scan(const Vec3& top, const Vec3& down) {
     const double bone = sample(top, down);
     if (removed_mm_ >= kMinDepthVoxels * voxel_mm_) return reamed_column();
-    if (bone * step_mm_ < kHalf * voxel_mm_) return {};
-    const double height_mm = top_surface();
-    return {.state = ColumnState::bone, .before_mm = height_mm, .after_mm = height_mm, .depth_mm = 0};
+    const std::size_t deep = fullest(before_, first_bone());
+    const double height_mm = surface_above(before_, deep);
+    const bool grazed = bone * step_mm_ < kHalf * voxel_mm_;
+    return {.state = grazed ? ColumnState::air : ColumnState::bone,
+            .before_mm = height_mm,
+            .after_mm = height_mm,
+            .depth_mm = 0,
+            .cover = after_[deep]};
   }
 
   /// The unreamed surface on the same column.
@@ -96,11 +101,13 @@ class ColumnScan {
     return best;
   }
 
-  [[nodiscard]] double top_surface() const {
+  [[nodiscard]] std::size_t first_bone() const {
     std::size_t first = 0;
     while (first + 1 < before_.size() && before_[first] < kNegligible) ++first;
-    return surface_above(before_, fullest(before_, first));
+    return first;
   }
+
+  [[nodiscard]] double top_surface() const { return surface_above(before_, fullest(before_, first_bone())); }
 
   /// Whether the bone at sample `deep` is a thin sheet across the column. Its fraction is then small because the sheet
   /// is thin, not because the column grazes a wall.
@@ -124,7 +131,8 @@ class ColumnScan {
     return {.state = remains ? ColumnState::reamed : ColumnState::through,
             .before_mm = after_mm + removed_mm_,
             .after_mm = after_mm,
-            .depth_mm = removed_mm_};
+            .depth_mm = removed_mm_,
+            .cover = remains ? after_[deep] : 0};
   }
 
   BoneFractions fractions_;
@@ -162,9 +170,11 @@ ColumnMap map_columns(const ReamedBone& bone, const Rigid& bone_from_map, const 
   if (box.empty()) return map;
   const double voxel_mm = bone.voxmap.grid.voxel_mm;
   const Vec3 margin = Vec3::Constant(extent.margin_mm + voxel_mm);
-  const Vec3 from = (box.min - margin).cwiseMin(-extent.radius_mm);
-  const Vec3 to = (box.max + margin).cwiseMax(extent.radius_mm);
-  map.pitch_mm = std::max(voxel_mm, (to - from).head<2>().maxCoeff() / kMaxColumns);
+  const Vec3 square = Vec3::Constant(extent.radius_mm);
+  const Vec3 from = extent.around_axis ? Vec3(-square) : Vec3((box.min - margin).cwiseMin(-square));
+  const Vec3 to = extent.around_axis ? square : Vec3((box.max + margin).cwiseMax(square));
+  const double least_pitch_mm = extent.pitch_mm > 0 ? extent.pitch_mm : voxel_mm;
+  map.pitch_mm = std::max(least_pitch_mm, (to - from).head<2>().maxCoeff() / kMaxColumns);
   const auto [first_x, last_x] = columns_over(from.x(), to.x(), map.pitch_mm);
   const auto [first_y, last_y] = columns_over(from.y(), to.y(), map.pitch_mm);
   map.nx = last_x - first_x + 1;
@@ -177,7 +187,7 @@ ColumnMap map_columns(const ReamedBone& bone, const Rigid& bone_from_map, const 
   const Vec3 down = -bone_from_map.linear().col(2);
   constexpr std::size_t kColumnsAtOnce = 1024;
   parallel_ranges(map.columns.size(), kColumnsAtOnce, [&](std::size_t begin, std::size_t end) {
-    ColumnScan scan(bone, top_mm, box.min.z() - 2 * reach_mm);
+    ColumnScan scan(bone, top_mm, box.min.z() - std::max(2 * reach_mm, extent.below_mm));
     for (std::size_t i = begin; i < end; ++i) {
       const int column = static_cast<int>(i);
       map.columns[i] = scan.scan(map.in_bone({column % map.nx, column / map.nx}, top_mm), down);

@@ -23,6 +23,7 @@ struct Column {
   double before_mm = 0;  ///< the surface before reaming; in a reamed column after_mm + depth_mm
   double after_mm = 0;   ///< the remaining surface; undefined for `through`
   double depth_mm = 0;   ///< length of removed bone
+  double cover = 0;  ///< fraction of remaining bone under the surface, 0…1: below 1 beside a wall along the column
 };
 
 /// The coordinates of a column in a map.
@@ -65,13 +66,16 @@ struct ColumnMap {
 
 /// With less removed bone than this, in voxels, a column is not reamed; with less remaining bone it is reamed through.
 inline constexpr double kMinDepthVoxels = 0.1;
-/// Columns are at least a voxel wide; a map has at most about this many along an edge.
+/// Columns are a voxel wide unless MapExtent::pitch_mm says otherwise; a map has at most about this many along an edge.
 inline constexpr int kMaxColumns = 320;
 
-/// What a map covers beside the region that lost bone, mm.
+/// What a map covers, mm.
 struct MapExtent {
-  double margin_mm = 0;  ///< around that region
-  double radius_mm = 0;  ///< at least this far from x = y = 0
+  double margin_mm = 0;      ///< around the region that lost bone
+  double radius_mm = 0;      ///< at least this far from x = y = 0
+  bool around_axis = false;  ///< covers the square of radius_mm alone, not the region that lost bone
+  double below_mm = 0;       ///< columns reach at least this far below that region
+  double pitch_mm = 0;       ///< least distance of columns; 0: one voxel
 };
 
 class ColumnScan;

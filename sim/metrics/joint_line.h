@@ -17,6 +17,7 @@ struct BoneAxes {
   std::optional<ScapularAxes> glenoid;   ///< of the glenoid frame, see axes_of()
   std::optional<Vec3> face_center_mm{};  ///< centre of the articular face, on the Friedman axis
   std::vector<Vec3> rim_mm{};            ///< of the articular face, in order; empty: unknown
+  std::optional<Rigid> bone_from_glenoid{};
 };
 
 /// Retroversion and superior tilt are positive.
@@ -24,6 +25,9 @@ struct FaceAngles {
   double version_deg = 0;
   double inclination_deg = 0;
 };
+inline FaceAngles operator-(const FaceAngles& a, const FaceAngles& b) {
+  return {a.version_deg - b.version_deg, a.inclination_deg - b.inclination_deg};
+}
 
 /// Version and inclination of a unit vector out of a face: version = atan2(−n·anterior, n·lateral), inclination =
 /// asin(n·superior). The convention of bone.phantom.version_deg and inclination_deg.

@@ -24,13 +24,9 @@ std::optional<AxialDepth> measure_depth(const ColumnMap& map) {
   }
   if (depths.empty()) return std::nullopt;
   return AxialDepth{.max_mm = *std::max_element(depths.begin(), depths.end()),
-                     .mean_mm = mean(depths),
-                     .p95_mm = quantile(depths, 0.95),
-                     .area_mm2 = static_cast<double>(depths.size()) * map.pitch_mm * map.pitch_mm};
-}
-
-FaceAngles operator-(const FaceAngles& a, const FaceAngles& b) {
-  return {a.version_deg - b.version_deg, a.inclination_deg - b.inclination_deg};
+                    .mean_mm = mean(depths),
+                    .p95_mm = quantile(depths, 0.95),
+                    .area_mm2 = static_cast<double>(depths.size()) * map.pitch_mm * map.pitch_mm};
 }
 
 double angle_deg(const Vec3& a, const Vec3& b) {
@@ -103,8 +99,7 @@ BoneMetrics measure_bone(const ReamedBone& bone, const Rigid& bone_from_tool, co
   BoneMetrics out;
   const double voxel_mm = bone.voxmap.grid.voxel_mm;
   out.removed = removed_volume(bone, settings.dense_g_cm3);
-  const double footprint_mm = settings.implant ? settings.implant->diameter_mm : 0;
-  const ColumnMap map = map_columns(bone, bone_from_tool, {.margin_mm = voxel_mm, .radius_mm = footprint_mm / 2});
+  const ColumnMap map = map_columns(bone, bone_from_tool, {.margin_mm = voxel_mm});
   out.depth = measure_depth(map);
   if (!out.depth) return out;
   out.face = find_face(map, voxel_mm);
@@ -112,7 +107,7 @@ BoneMetrics measure_bone(const ReamedBone& bone, const Rigid& bone_from_tool, co
   out.orientation = measure_orientation(*out.joint_line, *out.face, bone_from_tool.linear().col(2), axes);
   out.remaining_dense = remaining_dense_bone(bone, map, *out.face, settings.dense_g_cm3);
   out.perforation = find_perforation(map, voxel_mm);
-  if (settings.implant) out.seating = seat_implant(map, *out.face, *settings.implant, voxel_mm);
+  if (settings.implant) out.planning = measure_planning(bone, bone_from_tool, *out.joint_line, axes, settings);
   return out;
 }
 

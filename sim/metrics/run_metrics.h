@@ -4,6 +4,7 @@
 
 #include "sim/bone/bone.h"
 #include "sim/metrics/joint_line.h"
+#include "sim/metrics/planning.h"
 #include "sim/metrics/reamed_face.h"
 #include "sim/metrics/under_face.h"
 #include "sim/scenario/scenario.h"
@@ -59,7 +60,7 @@ struct BoneMetrics {
   std::optional<FaceOrientation> orientation;
   std::optional<RemainingDenseBone> remaining_dense;
   std::optional<Perforation> perforation;
-  std::optional<Seating> seating;  ///< only with an implant
+  std::optional<Planning> planning;  ///< only with an implant
 };
 
 RemovedVolume removed_volume(const ReamedBone& bone, double dense_g_cm3);

@@ -149,11 +149,57 @@ Json perforation_json(const Perforation& perforation) {
           {"rim_area_mm2", perforation.rim_area_mm2}};
 }
 
-Json seating_json(const Seating& seating) {
+Json seating_json(const Planning& planning) {
+  const Seating& seating = planning.seating;
   return {{"footprint_mm2", seating.footprint_mm2},
           {"seated_percent", seating.seated_percent},
           {"mean_gap_mm", seating.mean_gap_mm},
-          {"max_gap_mm", seating.max_gap_mm}};
+          {"max_gap_mm", seating.max_gap_mm},
+          {"overhang_mm2", seating.overhang_mm2},
+          {"overhang_percent", seating.overhang_percent},
+          {"dense_percent", number_or_null(seating.dense_percent)}};
+}
+
+Json vault_json(const Vault& vault) {
+  return {{"before_mm3", vault.before_mm3},
+          {"left_mm3", vault.left_mm3},
+          {"left_percent", vault.before_mm3 > 0 ? Json(100 * vault.left_mm3 / vault.before_mm3) : Json()},
+          {"mean_depth_mm", vault.mean_depth_mm},
+          {"axis_depth_mm", number_or_null(vault.axis_depth_mm)}};
+}
+
+Json pegs_json(const std::vector<PegWall>& pegs) {
+  Json json = Json::array();
+  for (const PegWall& peg : pegs) {
+    json.push_back({{"length_mm", peg.length_mm},
+                    {"in_bone_mm", peg.in_bone_mm},
+                    {"perforated_mm", peg.perforated_mm},
+                    {"least_wall_mm", number_or_null(peg.least_wall_mm)}});
+  }
+  return json;
+}
+
+Json planning_json(const Planning& planning) {
+  const Rigid& pose = planning.bone_from_implant;
+  const auto corrected = [&](double FaceAngles::*angle) {
+    return json_or_null(planning.corrected.value, [&](const FaceAngles& angles) { return Json(angles.*angle); });
+  };
+  const bool scapular = planning.planned.value.has_value();
+  return {{"apex_mm", vector_json(pose.translation())},
+          {"axis", vector_json(pose.linear().col(2))},
+          {"superior", vector_json(pose.linear().col(1))},
+          {"native", angles_json(planning.native.value)},
+          {"native_reason", reason_json(planning.native)},
+          {"planned", angles_json(planning.planned.value)},
+          {"planned_reason", reason_json(planning.planned)},
+          {"retroversion_corrected_deg", corrected(&FaceAngles::version_deg)},
+          {"inclination_corrected_deg", corrected(&FaceAngles::inclination_deg)},
+          {"corrected_reason", reason_json(planning.corrected)},
+          {"corrected_frame", planning.corrected.value ? Json(scapular ? "scapular" : "glenoid") : Json()},
+          {"medialization_mm", number_or_null(planning.medialization_mm.value)},
+          {"medialization_reason", reason_json(planning.medialization_mm)},
+          {"vault", vault_json(planning.vault)},
+          {"pegs", pegs_json(planning.pegs)}};
 }
 
 /// To a millionth of a millimetre, so that -13.8 is not written as -13.800000000000002.
@@ -180,7 +226,8 @@ Json metrics_json(const BoneMetrics& metrics) {
   json["joint_line"] = json_or_null(metrics.joint_line, joint_line_json);
   json["dense_bone_left"] = json_or_null(metrics.remaining_dense, dense_json);
   json["perforation"] = json_or_null(metrics.perforation, perforation_json);
-  json["seating"] = json_or_null(metrics.seating, seating_json);
+  json["seating"] = json_or_null(metrics.planning, seating_json);
+  json["planning"] = json_or_null(metrics.planning, planning_json);
   return json;
 }
 

@@ -12,7 +12,8 @@ void measure(RunFacts& facts, const ReamingScene& scene, const FillBricks& fill_
   axes.rim_mm = scene.bone.rim_mm;
   if (scene.bone.glenoid) {
     axes.glenoid = axes_of(*scene.bone.glenoid, scene.bone.side);
-    axes.face_center_mm = scene.bone.glenoid->bone_from_glenoid.translation();
+    axes.bone_from_glenoid = scene.bone.glenoid->bone_from_glenoid;
+    axes.face_center_mm = axes.bone_from_glenoid->translation();
   }
   if (scene.bone.landmarks) axes.face_center_mm = scene.bone.landmarks->glenoid_center_mm;
   facts.metrics = measure_bone(bone, bone_from_tool, axes, scene.scenario.metrics);

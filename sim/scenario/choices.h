@@ -56,6 +56,15 @@ enum class PoseFrame { bone, glenoid };
 template <>
 inline constexpr auto kChoiceNames<PoseFrame> = name_list("bone", "glenoid");
 
+/// The frame in which the pose of an implant is given.
+enum class ImplantFrame { reamer, glenoid, bone };
+template <>
+inline constexpr auto kChoiceNames<ImplantFrame> = name_list("reamer", "glenoid", "bone");
+
+enum class FootprintShape { ellipse, pear };
+template <>
+inline constexpr auto kChoiceNames<FootprintShape> = name_list("ellipse", "pear");
+
 enum class ToolSpin { envelope, resolved };
 template <>
 inline constexpr auto kChoiceNames<ToolSpin> = name_list("envelope", "resolved");

@@ -29,20 +29,6 @@ void describe_engine(KeyVisitor& v, EngineSettings& engine) {
 
 namespace {
 
-void describe_implant(KeyVisitor& v, ImplantSettings& implant) {
-  v.number({.name = "backside_radius_mm",
-            .doc = "Radius of the spherical back of the implant; 0: flat",
-            .required = true,
-            .range = between(0, 500)},
-           implant.backside_radius_mm);
-  v.number(
-      {.name = "diameter_mm",
-       .doc = "Diameter of the footprint, a circle around the axis of the reamer; 0: the footprint is the reamed face",
-       .range = between(0, 200)},
-      implant.diameter_mm);
-  v.number({.name = "gap_mm", .doc = "Largest gap that counts as seated", .range = between(0.001, 10)}, implant.gap_mm);
-}
-
 void describe_user_camera(KeyVisitor& v, UserCamera& camera) {
   v.text({.name = "name", .doc = "Lower-case letters, digits, _ and -; suffix of its file names", .required = true},
          camera.name);
@@ -82,7 +68,7 @@ void describe_metrics(KeyVisitor& v, MetricSettings& metrics) {
             .doc = "Least density of dense bone (subchondral plate and cortex); bone below it is trabecular",
             .range = kDensity},
            metrics.dense_g_cm3);
-  v.optional_section({.name = "implant", .doc = "Glenoid implant whose seating on the reamed face is measured"},
+  v.optional_section({.name = "implant", .doc = "Glenoid implant whose fit in the reamed bone is measured"},
                      metrics.implant, describe_implant);
 }
 

@@ -13,13 +13,14 @@ constexpr Range kDensity = between(0.008, 2);
 /// Range of the length in mm of a unit of a file, from nanometres to kilometres.
 constexpr Range kFileUnit = between(1e-6, 1e6);
 
-// The parts of describe_scenario(), one per top-level section.
+// The parts of describe_scenario(), one per top-level section; describe_implant() belongs to describe_metrics().
 
 void describe_bone(KeyVisitor& v, BoneSettings& bone);
 void describe_tool(KeyVisitor& v, ToolSettings& tool);
 void describe_motion(KeyVisitor& v, MotionSettings& motion);
 void describe_engine(KeyVisitor& v, EngineSettings& engine);
 void describe_cutting(KeyVisitor& v, CuttingSettings& cutting);
+void describe_implant(KeyVisitor& v, ImplantSettings& implant);
 void describe_metrics(KeyVisitor& v, MetricSettings& metrics);
 void describe_render(KeyVisitor& v, RenderSettings& render);
 void describe_output(KeyVisitor& v, OutputSettings& output);

@@ -34,6 +34,10 @@ void check_rules(const Scenario& scenario, const KeyLocations& locations, Mistak
 /// Throws InputError.
 void check_cameras(const RenderSettings& render, const KeyLocations& locations);
 
+/// The rules of metrics.implant: a footprint that its back covers, directions that span its frame, pegs with a length.
+/// Throws InputError.
+void check_implant(const ImplantSettings& implant, const KeyLocations& locations);
+
 /// The rules of bone.glenoid.rim_mm: the size of a joint face, not on a line, in order around it. Throws InputError.
 void check_rim(const std::vector<Vec3>& rim_mm, const KeyLocations& locations);
 

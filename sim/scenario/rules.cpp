@@ -36,6 +36,7 @@ class Rules {
     rule({"engine.type", "tool.spin"}, &Rules::check_spin_of_implicit);
     rule({"engine.type", "cutting.law"}, &Rules::check_law_of_implicit);
     rule({"metrics.implant"}, &Rules::check_implant);
+    rule({"bone.source", "bone.glenoid", "metrics.implant"}, &Rules::check_implant_frame);
     rule({"cutting.specific_energy_table"}, &Rules::check_energy_table);
     rule({"cutting.size_effect"}, &Rules::check_size_effect);
     rule({"cutting", "tool.spin"}, &Rules::check_edge_force);
@@ -79,7 +80,10 @@ class Rules {
   void check_spin_of_implicit() const;
   void check_law_of_implicit() const;
   void check_exact() const;
-  void check_implant() const;
+  void check_implant() const {
+    if (s_.metrics.implant) reamsim::check_implant(*s_.metrics.implant, at_);
+  }
+  void check_implant_frame() const;
   void check_energy_table() const;
   void check_size_effect() const;
   void check_edge_force() const;
@@ -162,6 +166,11 @@ void Rules::check_camera_frames() const {
   }
 }
 
+void Rules::check_implant_frame() const {
+  const auto& implant = s_.metrics.implant;
+  if (implant && implant->frame == ImplantFrame::glenoid) need_glenoid_frame("metrics.implant.frame");
+}
+
 void Rules::check_crop() const {
   const CtSettings& ct = s_.bone.ct;
   if (ct.crop_min_mm.has_value() != ct.crop_max_mm.has_value()) {
@@ -233,13 +242,6 @@ void Rules::check_spin_of_implicit() const {
 void Rules::check_law_of_implicit() const {
   if (s_.engine.type != EngineKind::implicit || s_.cutting.law == CuttingLaw::energy) return;
   fail("cutting.law", "found " + name_of(s_.cutting.law), "energy, because engine.type is implicit");
-}
-
-void Rules::check_implant() const {
-  const auto& implant = s_.metrics.implant;
-  if (!implant || implant->backside_radius_mm == 0) return;
-  require(implant->diameter_mm <= 2 * implant->backside_radius_mm, "metrics.implant.diameter_mm", implant->diameter_mm,
-          "no more than twice backside_radius_mm");
 }
 
 void Rules::check_exact() const {

@@ -1,5 +1,6 @@
 // The studies of trajectories/ run as they are; here coarsely, for what they claim to show.
 #include <cmath>
+#include <nlohmann/json.hpp>
 #include <numbers>
 #include <sstream>
 
@@ -99,6 +100,28 @@ TEST_F(Studies, EccentricReamTurnsTheFaceByTenDegrees) {
   const double superior = 1 - 2 * (x * x + y * y);
   EXPECT_NEAR(std::atan2(posterior, lateral) * 180 / std::numbers::pi, 5, 0.01);
   EXPECT_NEAR(std::asin(superior) * 180 / std::numbers::pi, 8, 0.01);
+}
+
+TEST_F(Studies, APlanHasItsNumbers) {
+  coarse_run(REAMSIM_ROOT "/trajectories/plan_implant.yaml", "0.5", {});
+  const auto metrics = nlohmann::json::parse(read("out/summary.json"))["metrics"];
+  const auto& planning = metrics["planning"];
+  EXPECT_NEAR(planning["native"]["version_deg"].get<double>(), 15, 0.1);
+  EXPECT_NEAR(planning["planned"]["version_deg"].get<double>(), 5, 0.01);
+  EXPECT_NEAR(planning["retroversion_corrected_deg"].get<double>(), 10, 0.1);
+  // The implant is 4 mm thick. It rests on the reamed face, and on the edge of the unreamed part, which holds it off.
+  const double reamed_mm = metrics["joint_line"]["medialization_mm"].get<double>();
+  EXPECT_NEAR(planning["medialization_mm"].get<double>(), reamed_mm - 4, 0.25);
+  EXPECT_GT(metrics["seating"]["seated_percent"].get<double>(), 90);
+  EXPECT_LT(metrics["seating"]["overhang_percent"].get<double>(), 1);
+  const double left = planning["vault"]["left_percent"].get<double>();
+  EXPECT_TRUE(left > 90 && left < 100) << left;
+  ASSERT_EQ(planning["pegs"].size(), 4);
+  for (const auto& peg : planning["pegs"]) EXPECT_EQ(peg["perforated_mm"], 0.0);
+  // The pegs are symmetric, the vault is not: behind the posterior one there is less bone.
+  const double anterior = planning["pegs"][2]["least_wall_mm"].get<double>();
+  EXPECT_GT(anterior, planning["pegs"][3]["least_wall_mm"].get<double>() + 1);
+  EXPECT_TRUE(metrics["seating"]["dense_percent"].is_number());
 }
 
 TEST_F(Studies, FlatReamerTakesMoreOfAUniconcaveAndLessOfABiconcaveFace) {

@@ -48,7 +48,7 @@ TEST(BoneMetrics, ACapOfKnownRadiusAndDepth) {
   EXPECT_LT(found.face->sphere->rms_mm, 0.02 * kVoxel);
   EXPECT_EQ(found.perforation->holes, 0);
   EXPECT_EQ(found.perforation->rim_area_mm2, 0);
-  EXPECT_FALSE(found.seating);
+  EXPECT_FALSE(found.planning);
 }
 
 TEST(BoneMetrics, ACapSeenFromATiltedAxis) {

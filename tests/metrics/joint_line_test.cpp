@@ -17,7 +17,6 @@ using ::testing::HasSubstr;
 constexpr double kReamerCurvature_mm = 29;
 constexpr double kReamerRadius_mm = 15;
 constexpr double kCannula_mm = 1.25;
-constexpr double kDegree = kPi / 180;
 
 /// A glenoid phantom that can be reamed.
 struct Glenoid {
@@ -63,8 +62,8 @@ struct Glenoid {
     out.rim_mm = bone.rim_mm;
     return out;
   }
-  [[nodiscard]] BoneMetrics measure(const BoneAxes& known) const {
-    return measure_bone({*bone.voxmap, before, bone.fill}, pose, known, {});
+  [[nodiscard]] BoneMetrics measure(const BoneAxes& known, const MetricSettings& settings = {}) const {
+    return measure_bone({*bone.voxmap, before, bone.fill}, pose, known, settings);
   }
   [[nodiscard]] BoneMetrics measure() const { return measure(axes()); }
 
@@ -166,6 +165,29 @@ Glenoid reamed_phantom(double voxel_mm = 0.5) {
   const Vec3 axis = out.direction({5, 6});
   out.ream_convex(out.center() - 1.5 * axis, axis);
   return out;
+}
+
+TEST(JointLine, AnImplantOnTheReamedFace) {
+  // Native 5°/6°, reamed and implanted at −3°/2°; the back fits the reamer, so that the implant rests where it cut.
+  Glenoid phantom(glenoid(Walch::none, BodySide::left, 5, 6, 0.5));
+  const Vec3 axis = phantom.direction({-3, 2});
+  const Vec3 apex = phantom.center() - 2.5 * axis;
+  phantom.ream_convex(apex, axis);
+  MetricSettings settings;
+  settings.implant = ImplantSettings{.backside_radius_mm = kReamerCurvature_mm, .diameter_mm = 20};
+  for (const double thickness : {0.0, 4.0}) {
+    settings.implant->thickness_mm = thickness;
+    const auto found = phantom.measure(phantom.axes(), settings).planning;
+    ASSERT_TRUE(found);
+    EXPECT_NEAR((found->bone_from_implant.translation() - apex).norm(), 0, 0.05);
+    expect_angles(found->native, {5, 6}, 0.1);
+    expect_angles(found->planned, {-3, 2}, 1e-6);
+    expect_angles(found->corrected, {8, 4}, 0.1);
+    ASSERT_TRUE(found->medialization_mm.value) << found->medialization_mm.reason;
+    const double closed_form_mm = down_to_sphere(phantom.center(), phantom.bone.scapula->lateral,
+                                                 apex + (kReamerCurvature_mm + thickness) * axis, kReamerCurvature_mm);
+    EXPECT_NEAR(*found->medialization_mm.value, closed_form_mm, 0.05) << "thickness " << thickness;
+  }
 }
 
 TEST(JointLine, AreaOfTheNativeFace) {

@@ -9,6 +9,7 @@
 namespace reamsim::test {
 
 inline constexpr double kPi = std::numbers::pi;
+inline constexpr double kDegree = kPi / 180;
 inline constexpr double kVoxel = 0.5;
 
 /// Distance of a point of B from a solid, mm: negative inside; its slope is at most 1.

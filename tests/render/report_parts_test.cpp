@@ -94,6 +94,26 @@ TEST(PlotData, KeepsTheSpikesOfALongRun) {
   EXPECT_EQ(plot_data(log, 0.25)["mean_axial_force_n"].size(), frames.size());
 }
 
+TEST(PlanningHtml, IsThereWithAnImplantOnly) {
+  using nlohmann::ordered_json;
+  EXPECT_EQ(planning_html(ordered_json{{"metrics", {{"seating", nullptr}, {"planning", nullptr}}}}, "s.json"), "");
+  const auto summary = ordered_json::parse(R"({"metrics": {
+      "seating": {"seated_percent": 91.27, "overhang_mm2": 0},
+      "planning": {"native": {"version_deg": 15.0002, "inclination_deg": 8.0}, "planned": null, "planned_reason": "a <b>",
+                   "vault": {"left_mm3": 9876.5}, "pegs": [
+                     {"length_mm": 12, "in_bone_mm": 12, "perforated_mm": 0, "least_wall_mm": 2.13},
+                     {"length_mm": 0, "in_bone_mm": 0, "perforated_mm": 0, "least_wall_mm": null}]}}})");
+  const std::string html = planning_html(summary, "s.json");
+  EXPECT_THAT(html, HasSubstr("Backside seated</th><td>91.3"));
+  EXPECT_THAT(html, HasSubstr("Version, native face</th><td>15"));
+  EXPECT_THAT(html, HasSubstr("No planned orientation</th><td>a &lt;b&gt;"));
+  EXPECT_THAT(html, HasSubstr("<tr><th scope=\"row\">1</th><td>12.0</td><td>12.0</td><td>0.0</td><td>2.1</td></tr>"));
+  EXPECT_THAT(html, HasSubstr("<tr><th scope=\"row\">2</th><td>0.0</td><td>0.0</td><td>0.0</td><td>–</td></tr>"));
+  EXPECT_THAT(html, Not(HasSubstr("Version, implant")));
+  EXPECT_THROW(planning_html(ordered_json::parse(R"({"metrics": {"planning": {"pegs": [{"length_mm": "x"}]}}})"), "s"),
+               InputError);
+}
+
 TEST(DensityVolume, AveragesBoneAndCarriesItIntoTheAir) {
   VoxelGrid grid;
   grid.voxel_mm = 0.5;

@@ -30,6 +30,10 @@ FILES = {"tool.obj": cylinder(4, 6), "poses.csv": POSES}
 HALF = 10.0  # half the side of the cube that stands for a scanned bone, mm
 
 
+def implant(**more):
+    return {"metrics": {"implant": {"backside_radius_mm": 30, "diameter_mm": 6, **more}}}
+
+
 def shape(name, **more):
     return {"bone": {"phantom": {"shape": name, "size_mm": None, **more}}}
 
@@ -138,7 +142,9 @@ SECTIONS = {
     "cutting.size_effect": cutting(**SIZE_EFFECT),
     "cutting.edge_force": cutting(**EDGE_FORCE),
     "metrics": {},
-    "metrics.implant": {"metrics": {"implant": {"backside_radius_mm": 30, "diameter_mm": 6}}},
+    "metrics.implant": implant(),
+    "metrics.implant.augment": implant(augment={"angle_deg": 15}),
+    "metrics.implant.pegs": implant(pegs=[{"from_mm": [0, 0, 0.05], "to_mm": [0, 0.1, -3], "diameter_mm": 2}]),
     "render": pictures(),
     "render.user_cameras": camera(),
     "output": {},
@@ -205,6 +211,10 @@ KEYS = {
     "cutting.size_effect.most_mm@min": cutting(size_effect={"least_mm": 1e-5}),
     "metrics.implant.diameter_mm@max": {"metrics": {"implant": {"backside_radius_mm": 100}}},
     "metrics.implant.backside_radius_mm@min": {},
+    "metrics.implant.width_mm": implant(diameter_mm=0, height_mm=8, backside_radius_mm=100),
+    "metrics.implant.width_mm@min": implant(diameter_mm=0, height_mm=0),
+    "metrics.implant.height_mm": implant(diameter_mm=0, width_mm=8, backside_radius_mm=100),
+    "metrics.implant.height_mm@min": implant(diameter_mm=0, width_mm=0),
     "render.every_frames@min": {"render": {"every_frames": 0}},
     "render.film_rate_hz": pictures(film="mp4"),
     "render.user_cameras[].width_mm": camera(projection="orthographic"),
@@ -327,6 +337,11 @@ DIRECTED = {
     "motion.plunge.axis": plunge_axis,
     "motion.keyframes[].axis": lambda component, value: keyframe(value, axis=[0, 0, 0]),
     "motion.keyframes[].quaternion": lambda component, value: keyframe(value, axis=None, quaternion=[0, 0, 0, 0]),
+    "metrics.implant.axis": lambda component, value: implant(frame="bone", axis=[0, 0, 0]),
+    "metrics.implant.superior": lambda component, value: implant(
+        frame="bone", axis=[1, 0, 0] if component == 2 else [0, 0, 1], superior=[0, 0, 0]
+    ),
+    "metrics.implant.augment.direction": lambda component, value: implant(augment={"angle_deg": 15, "direction": [0.1, 0, 0]}),
     "render.user_cameras[].target_mm": lambda component, value: camera(target_mm=[0, 0, 0]),
     "render.user_cameras[].up": camera_up,
 }

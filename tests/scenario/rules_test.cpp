@@ -160,6 +160,43 @@ TEST_F(Rules, AnImplantFitsOnItsOwnRadius) {
             "s.yaml:16:45: metrics.implant.diameter_mm: found 41; expected no more than twice backside_radius_mm");
 }
 
+TEST_F(Rules, AnImplantHasAFootprintAFrameAndPegs) {
+  const auto implant = [&](const std::string& keys) {
+    return complaint(kValid + "metrics: {implant: {backside_radius_mm: 20, " + keys + "}}\n");
+  };
+  EXPECT_EQ(implant("width_mm: 26, height_mm: 36, footprint: pear, axis: [0.2, 0, 1], superior: [0, 1, 0], "
+                    "augment: {angle_deg: 15, direction: [-1, 0, 3]}, "
+                    "pegs: [{from_mm: [0, 0, 0], to_mm: [0, 0, -12], diameter_mm: 6}]"),
+            "");
+  EXPECT_EQ(implant("width_mm: 26"),
+            "s.yaml:16:11: metrics.implant.height_mm: missing; expected width_mm and height_mm together");
+  EXPECT_EQ(implant("height_mm: 26"),
+            "s.yaml:16:11: metrics.implant.width_mm: missing; expected width_mm and height_mm together");
+  EXPECT_THAT(
+      implant("diameter_mm: 20, width_mm: 26, height_mm: 30"),
+      HasSubstr("metrics.implant.diameter_mm: found diameter_mm beside width_mm or height_mm; expected either"));
+  EXPECT_THAT(implant("width_mm: 26, height_mm: 25, footprint: pear"),
+              HasSubstr("metrics.implant.height_mm: found 25; expected at least width_mm, because footprint is pear"));
+  EXPECT_THAT(implant("width_mm: 26, height_mm: 41"),
+              HasSubstr("metrics.implant.height_mm: found 41; expected no more than twice backside_radius_mm"));
+  EXPECT_THAT(implant("axis: [1, 0, 0]"), HasSubstr("metrics.implant.axis: found an axis with z ≤ 0"));
+  EXPECT_EQ(implant("axis: [1, 0, 0], frame: bone"), "");
+  EXPECT_THAT(implant("axis: [0, 1, 2], superior: [0, 2, 4]"),
+              HasSubstr("metrics.implant.superior: found a direction along axis"));
+  EXPECT_THAT(implant("augment: {angle_deg: 15, direction: [0, 0, 1]}"),
+              HasSubstr("metrics.implant.augment.direction: found x = y = 0"));
+  EXPECT_THAT(implant("pegs: [{from_mm: [1, 0, 0], to_mm: [1, 0, 0.05], diameter_mm: 3}]"),
+              HasSubstr("metrics.implant.pegs.0.to_mm: found a point closer than 0.1 mm to from_mm"));
+}
+
+TEST_F(Rules, TheFrameOfAnImplantIsKnown) {
+  const std::string implant = "metrics: {implant: {backside_radius_mm: 20, frame: glenoid}}\n";
+  EXPECT_EQ(complaint(kValid + implant), "");
+  const std::string mesh = with(kValid, "  source: phantom\n", "  source: mesh\n  mesh: {path: tool.stl}\n");
+  EXPECT_THAT(complaint(mesh + implant),
+              HasSubstr("metrics.implant.frame: frame is glenoid but bone.glenoid is missing"));
+}
+
 TEST_F(Rules, ValuesOfMetrics) {
   const auto metrics = [&](const std::string& keys) { return complaint(kValid + "metrics: {" + keys + "}\n"); };
   EXPECT_EQ(metrics("implant: {}"),
