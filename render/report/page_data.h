@@ -11,6 +11,10 @@
 // The parts of the page: data of its scripts, pictures, and HTML.
 namespace reamsim {
 
+/// The rows of a log that the page shows: of each of at most 1000 groups the first and the extremes of force and
+/// torque, ascending, and the last row. `rows` must not be empty.
+std::vector<std::size_t> shown_rows(const std::vector<ForceRow>& rows);
+
 /// The curves of the page's plot as columns: `frame`, `time_s`, `depth_mm`, `axial_force_n`, `spin_torque_nmm`,
 /// `removed_mm3` (cumulative); and, if the log has means over some travel, `mean_axial_force_n`, `mean_spin_torque_nmm`
 /// with `mean_travel_mm`. Long logs are decimated to the rows with the extremes of force and torque, so that spikes
@@ -20,6 +24,12 @@ nlohmann::ordered_json plot_data(const ForceLog& log, double mean_travel_mm);
 /// The data of the page's 3D view in B and mm: `before` and `after`, surfaces as in mesh_bytes(); `density`, a volume
 /// for sections; colour maps; view target and section planes.
 nlohmann::ordered_json bone_data(const RunData& run, const RenderSettings& settings);
+
+/// The reamer in the 3D view: `mesh` as in mesh_json() in T over `box_mm`, simplified, `shown` and `look` as the
+/// settings say, and `poses`, one for each of shown_rows(): `count`, `box_mm` of their positions in B, and `bytes`,
+/// eight numbers each in the code of mesh_bytes(): x, y, z over that box, the quaternion's x, y, z, w over −1…1, and
+/// the spin angle (about −z of T) over a turn. null for a tool without triangles.
+nlohmann::ordered_json tool_data(const TriangleMesh& tool, const ForceLog& log, const RenderSettings& settings);
 
 /// Densities of the unreamed bone on a coarse lattice, for the colours of sections.
 struct DensityVolume {

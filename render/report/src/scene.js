@@ -1,24 +1,15 @@
-// The bone before and after reaming, with an optional section. Draws on request only.
+// The bone before and after reaming and the reamer, with an optional section. Draws on request only.
 import {
-  BackSide, BufferAttribute, BufferGeometry, Data3DTexture, DecrementWrapStencilOp, AlwaysStencilFunc, FrontSide, DoubleSide, GLSL3,
+  BackSide, Data3DTexture, DecrementWrapStencilOp, AlwaysStencilFunc, FrontSide, DoubleSide, GLSL3,
   IncrementWrapStencilOp, KeepStencilOp, LinearFilter, Mesh, NotEqualStencilFunc, OrthographicCamera, PlaneGeometry, RedFormat,
   Scene, ShaderMaterial, Vector3, Vector4, WebGLRenderer,
 } from "three";
 import { boneFragment, boneVertex, capFragment, capVertex, countFragment } from "./shaders.js";
-import { meshOf, unpacked } from "./decode.js";
+import { unpacked } from "./decode.js";
+import { geometryOf } from "./geometry.js";
+import { ToolModel } from "./tool.js";
 
 const vector = (v) => new Vector3(...v);
-
-function geometryOf(packed, box) {
-  const mesh = meshOf(packed, box);
-  const geometry = new BufferGeometry();
-  geometry.setAttribute("position", new BufferAttribute(mesh.positions, 3));
-  geometry.setAttribute("normal", new BufferAttribute(mesh.normals, 3, true));
-  geometry.setAttribute("vertex_attributes", new BufferAttribute(mesh.attributes, 3, true));
-  geometry.setAttribute("depth", new BufferAttribute(mesh.depths, 1, true));
-  geometry.setIndex(new BufferAttribute(mesh.indices, 1));
-  return geometry;
-}
 
 function densityTexture(volume) {
   const texture = new Data3DTexture(unpacked(volume.bytes), ...volume.dims);
@@ -31,7 +22,7 @@ function densityTexture(volume) {
 }
 
 export class BoneScene {
-  constructor(canvas, bone) {
+  constructor(canvas, bone, tool) {
     this.renderer = new WebGLRenderer({ canvas, antialias: true, stencil: true, alpha: true });
     this.renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
     this.focus = vector(bone.look.focus_mm);
@@ -43,6 +34,7 @@ export class BoneScene {
     this.cut = new Vector4(0, 0, 0, 1);
     this.addBone(bone);
     this.addCap(bone);
+    this.addTool(tool);
     this.look(vector(bone.look.towards_viewer));
     this.show("after");
   }
@@ -108,6 +100,13 @@ export class BoneScene {
     this.scene.add(this.cap);
   }
 
+  addTool(tool) {
+    if (tool === null) return;
+    this.tool = new ToolModel(tool, this.cut);
+    this.tool.look = tool.shown ? tool.look : "hidden";
+    this.scene.add(this.tool.group);
+  }
+
   show(state) {
     this.state = state;
     this.update();
@@ -118,6 +117,7 @@ export class BoneScene {
       bone.visible = name === this.state;
       back.visible = front.visible = bone.visible && this.cap.visible;
     }
+    if (this.tool) this.tool.uniforms.has_cut.value = this.cap.visible ? 1 : 0;
   }
 
   // Cuts away what lies in front of the plane: `normal` (unit length) points to the removed side. null: no section.
@@ -159,6 +159,7 @@ export class BoneScene {
 
   draw() {
     this.camera.updateMatrixWorld();
+    this.tool?.prepare(this.camera);
     this.renderer.render(this.scene, this.camera);
   }
 }
