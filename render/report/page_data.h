@@ -63,6 +63,11 @@ std::vector<std::size_t> evenly_spaced(std::size_t count, std::size_t most);
 /// 1.2 × 10⁻⁸.
 std::string number_text(double value, int digits = 4);
 
+/// A measured value with the decimals that mean something for its unit ("mm": 0.01), and digits behind the point
+/// only up to the fourth significant one: 0.2734 mm is "0.27". Below ten steps it has one decimal more, and a positive
+/// value that would be zero is "< 0.01". A value of another unit has three significant digits.
+std::string measured_text(double value, const char* unit);
+
 /// A text of summary.json, escaped. Throws InputError, naming `path`, if it is missing.
 std::string text_at(const nlohmann::ordered_json& summary, const char* key, const std::string& path);
 

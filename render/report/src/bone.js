@@ -49,8 +49,17 @@ class BoneView {
     new ResizeObserver(() => { this.scene.resize(); this.draw(); }).observe(this.canvas);
   }
 
+  // The bone at most once per picture of the screen, because it takes long without a GPU.
   draw() {
-    this.scene.draw();
+    this.drawing ??= requestAnimationFrame(() => {
+      this.drawing = undefined;
+      this.scene.draw();
+    });
+    this.scene.camera.updateMatrixWorld();
+    // For tests: what the picture alone does not tell.
+    const away = this.scene.camera.position.clone().sub(this.controls.target).normalize();
+    this.canvas.dataset.towardsViewer = away.toArray().map((v) => v.toFixed(4)).join(" ");
+    if (this.scene.tool) this.canvas.dataset.toolMm = this.scene.tool.group.position.toArray().map((v) => v.toFixed(3)).join(" ");
     drawAxes(byId("bone-axes"), this.bone.look, this.scene.camera);
     drawScale(byId("bone-scale"), this.scene.mmPerPixel());
   }

@@ -29,5 +29,6 @@ export function showPictures() {
     first.className = "screen-only";
     byId("gallery").prepend(first);
   }
+  byId("pictures-help").hidden = false;
   document.querySelectorAll(".gallery img, .frame img").forEach(makeOpenable);
 }
