@@ -126,6 +126,7 @@ Json bone_data(const RunData& run, const RenderSettings& settings) {
   json["density_colors"] = colors_json(density_colors(), scale_up_to(DensityMapping::kMaxDensity_g_cm3));
   json["before"] = mesh_json(before, box, depth.max);
   json["after"] = mesh_json(after, box, depth.max);
+  json["reaming"] = reaming_data(run, after);
   json["density"] = volume_json(density_volume(voxmap, kMaxDensityCells));
   return json;
 }

@@ -116,6 +116,10 @@ BoneSurface simplified(const BoneSurface& surface, const MeshBudget& budget) {
   return out;
 }
 
+bool counts_as_reamed(const float* vertex) {
+  return byte_of(vertex[BoneSurface::kReamed]) > 0;
+}
+
 void append_numbers16(std::span<const double> values, double low, double size, std::vector<std::uint8_t>& out) {
   std::vector<std::uint8_t> high;
   std::uint16_t before = 0;

@@ -31,6 +31,9 @@ BoneSurface simplified(const BoneSurface& surface, const MeshBudget& budget);
 /// variable-length numbers with 7 bits per byte, low bits first.
 std::vector<std::uint8_t> mesh_bytes(const BoneSurface& surface, const Eigen::AlignedBox3f& box, double depth_max_mm);
 
+/// Whether mesh_bytes() writes a vertex as reamed.
+bool counts_as_reamed(const float* vertex);
+
 /// Appends `values` as 16-bit numbers, 0…65535 from `low` to `low` + `size`, in the code of mesh_bytes().
 void append_numbers16(std::span<const double> values, double low, double size, std::vector<std::uint8_t>& out);
 

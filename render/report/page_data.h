@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "render/pictures/run_view.h"
+#include "render/surface/bone_surface.h"
 
 // The parts of the page: data of its scripts, pictures, and HTML.
 namespace reamsim {
@@ -24,6 +25,12 @@ nlohmann::ordered_json plot_data(const ForceLog& log, double mean_travel_mm);
 /// The data of the page's 3D view in B and mm: `before` and `after`, surfaces as in mesh_bytes(); `density`, a volume
 /// for sections; colour maps; view target and section planes.
 nlohmann::ordered_json bone_data(const RunData& run, const RenderSettings& settings);
+
+/// The reaming between the two surfaces of bone_data(), at up to 12 of the pictures along the run: at each of `time_s`,
+/// how much bone stood over each reamed vertex of `after` (counts_as_reamed(), in the order of the mesh) along the axis
+/// of the tool, 0…`most_mm`, in the code of mesh_bytes(). null without snapshots or reamed vertices. Throws as
+/// apply_snapshot() does.
+nlohmann::ordered_json reaming_data(const RunData& run, const BoneSurface& after);
 
 /// The reamer in the 3D view: `mesh` as in mesh_json() in T over `box_mm`, simplified, `shown` and `look` as the
 /// settings say, and `poses`, one for each of shown_rows(): `count`, `box_mm` of their positions in B, and `bytes`,

@@ -83,12 +83,17 @@ class BoneView {
   }
 
   addStates() {
+    const now = document.querySelector("input[name=state][value=now]");
+    now.closest("label").hidden = this.bone.reaming === null;
+    now.checked = this.bone.reaming !== null;
+    if (now.checked) this.scene.show("now");
     for (const input of document.querySelectorAll("input[name=state]")) {
-      input.addEventListener("change", () => { this.scene.show(input.value); this.draw(); });
+      input.addEventListener("change", () => { this.scene.show(input.value); this.showLegends(); this.draw(); });
     }
     for (const input of document.querySelectorAll("input[name=surface]")) {
       input.addEventListener("change", () => {
         this.scene.uniforms.shows_depth.value = input.value === "depth" ? 1 : 0;
+        this.showLegends();
         this.draw();
       });
     }
@@ -103,9 +108,8 @@ class BoneView {
     }
   }
 
-  moveTool(row) {
-    if (this.scene.tool === undefined) return;
-    this.scene.tool.moveTo(row);
+  moveTo(row, time, touched) {
+    this.scene.moveTo(row, time, touched);
     this.draw();
   }
 
@@ -211,7 +215,8 @@ class BoneView {
   }
 
   showLegends() {
-    const legends = [legend("Reamed depth, mm", this.bone.depth_colors)];
+    const legends = [];
+    if (this.scene.state !== "before" && this.scene.uniforms.shows_depth.value === 1) legends.push(legend("Reamed depth, mm", this.bone.depth_colors));
     if (byId("cut-plane").value !== "") legends.push(legend("Bone density, g/cm³", this.bone.density_colors));
     byId("bone-legends").replaceChildren(...legends);
   }

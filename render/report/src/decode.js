@@ -44,6 +44,13 @@ export function posesOf(packed) {
   return Array.from(spins, (spin, row) => ({ position: places.map((c) => c[row]), quaternion: turns.map((c) => c[row]), spin }));
 }
 
+// The bone over each reamed vertex in mm, one list for each time.
+export function liftsOf(reaming) {
+  const bytes = unpacked(reaming.bytes);
+  const step = reaming.most_mm / 65535;
+  return reaming.time_s.map((_, state) => Float32Array.from(numbers16(bytes, state, reaming.vertices), (n) => step * n));
+}
+
 // `parts` planes of delta-encoded bytes, decoded and interleaved.
 function interleaved(bytes, from, count, parts, Type) {
   const out = new Type(parts * count);

@@ -4,5 +4,5 @@ import { showRun } from "./run.js";
 
 const data = JSON.parse(document.getElementById("run-data").textContent);
 const bone = showBone(data.bone, data.tool);
-showRun(data.plot, data.pictures, (row) => bone?.moveTool(row));
+showRun(data.plot, data.pictures, (...moment) => bone?.moveTo(...moment));
 showPictures();

@@ -16,7 +16,7 @@ const fixed = (value, digits) => {
 };
 
 class Run {
-  // `onMove` is told the row of the time that is shown.
+  // `onMove` is told the row and the time that are shown, and whether bone was removed by then.
   constructor(plot, pictures, onMove) {
     this.plot = plot;
     this.onMove = onMove;
@@ -33,10 +33,11 @@ class Run {
     this.moveTo(this.rowToStartWith());
   }
 
-  // The row of the picture with the greatest force: picture and readings agree.
+  // The last row in contact: the reamer stands in the finished face.
   rowToStartWith() {
-    const force = this.plot.axial_force_n;
-    return this.pictures.time_s.map((time) => this.rowAt(time)).reduce((best, row) => (force[row] > force[best] ? row : best), 0);
+    const { removed_mm3: removed, axial_force_n: force } = this.plot;
+    const last = force.findLastIndex((f, row) => f !== 0 && removed[row] > 0);
+    return Math.max(0, last);
   }
 
   moveTo(row) {
@@ -49,7 +50,7 @@ class Run {
     readings.forEach((reading, i) => this.showReading(reading, this.cells[i]));
     this.plots.moveTo(row);
     this.showPicture();
-    this.onMove(row);
+    this.onMove(row, this.plot.time_s[row], this.plot.removed_mm3[row] > 0);
   }
 
   depthText(row) {

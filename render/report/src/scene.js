@@ -1,4 +1,4 @@
-// The bone before and after reaming and the reamer, with an optional section. Draws on request only.
+// The bone before, during and after reaming and the reamer, with an optional section. Draws on request only.
 import {
   BackSide, Data3DTexture, DecrementWrapStencilOp, AlwaysStencilFunc, FrontSide, DoubleSide, GLSL3,
   IncrementWrapStencilOp, KeepStencilOp, LinearFilter, Mesh, NotEqualStencilFunc, OrthographicCamera, PlaneGeometry, RedFormat,
@@ -7,6 +7,7 @@ import {
 import { boneFragment, boneVertex, capFragment, capVertex, countFragment } from "./shaders.js";
 import { unpacked } from "./decode.js";
 import { geometryOf } from "./geometry.js";
+import { Reaming } from "./reaming.js";
 import { ToolModel } from "./tool.js";
 
 const vector = (v) => new Vector3(...v);
@@ -47,6 +48,7 @@ export class BoneScene {
       depth_max_mm: { value: depth.max },
       contour_mm: { value: depth.step },
       shows_depth: { value: 1 },
+      lift_axis: { value: vector(bone.look.axis) },
     };
     const material = (fragmentShader, more) =>
       new ShaderMaterial({
@@ -66,6 +68,7 @@ export class BoneScene {
     this.states = {};
     for (const state of ["before", "after"]) {
       const geometry = geometryOf(bone[state], bone.box_mm);
+      if (state === "after" && bone.reaming !== null) this.reaming = new Reaming(geometry, bone.reaming, bone.look.axis);
       this.states[state] = materials.map((made, i) => {
         const mesh = new Mesh(geometry, made);
         mesh.renderOrder = i < 2 ? 1 : 3;
@@ -107,16 +110,27 @@ export class BoneScene {
     this.scene.add(this.tool.group);
   }
 
+  // "before" or "after" the run, or "now": at the time of moveTo().
   show(state) {
     this.state = state;
     this.update();
   }
 
+  // Tool and bone at a row of the log.
+  // `touched`: bone was removed before.
+  moveTo(row, time, touched) {
+    [this.time, this.touched] = [time, touched];
+    this.tool?.moveTo(row);
+    this.update();
+  }
+
   update() {
+    const shown = this.state !== "now" ? this.state : this.touched ? "after" : "before";
     for (const [name, [back, front, bone]] of Object.entries(this.states)) {
-      bone.visible = name === this.state;
+      bone.visible = name === shown;
       back.visible = front.visible = bone.visible && this.cap.visible;
     }
+    if (this.state !== "before") this.reaming?.moveTo(this.state === "now" ? this.time : undefined);
     if (this.tool) this.tool.uniforms.has_cut.value = this.cap.visible ? 1 : 0;
   }
 

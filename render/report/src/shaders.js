@@ -19,14 +19,18 @@ float wrapped(vec3 normal, vec3 direction, float wrap) { return max((dot(normal,
 export const boneVertex = `
 in vec3 vertex_attributes;  // reamed 0..1, density over 2 g/cm3, ambient accessibility 0..1
 in float depth;
+in vec2 lift;               // bone that is still there: mm along the axis, and as a fraction
+uniform vec3 lift_axis;
 out vec3 eye_normal;
 out vec4 reaming;  // depth over the legend's end, then as above
 out vec3 place_mm;
 void main() {
-  place_mm = position;
-  reaming = vec4(depth, vertex_attributes);
+  place_mm = position + lift.x * lift_axis;
+  float removed = 1.0 - lift.y;
+  reaming = vec4(depth * removed, vertex_attributes);
+  reaming.y *= smoothstep(0.0, 0.03, removed);
   eye_normal = normalMatrix * normal;
-  gl_Position = projectionMatrix * modelViewMatrix * vec4(position, 1.0);
+  gl_Position = projectionMatrix * modelViewMatrix * vec4(place_mm, 1.0);
 }`;
 
 export const boneFragment = `${common}
