@@ -80,6 +80,18 @@ def check_motion(page):
     WebDriverWait(page.driver, 60).until(lambda _: play.text == "Play" and value() == int(slider.get_attribute("max")))
 
 
+def check_without_scripts(page):
+    """The pictures take the place of 3D view and curves."""
+    page.driver.execute_cdp_cmd("Emulation.setScriptExecutionDisabled", {"value": True})
+    try:
+        page.driver.refresh()
+        shown = {selector: page.find(selector).rect["height"] > 0
+                 for selector in ("#bone-still img", "#run img.print-only", "#bone-interactive", "#timeline", "#run-interactive")}
+    finally:
+        page.driver.execute_cdp_cmd("Emulation.setScriptExecutionDisabled", {"value": False})
+    assert list(shown.values()) == [True, True, False, False, False], shown
+
+
 def check_paper(page):
     """Three pages, with the bone on the first, from every window."""
     for name, (width, height) in PAPER_IN.items():

@@ -294,6 +294,7 @@ def check_page(browser, path, size):
     report_access.check_keyboard(page)
     report_access.check_paper(page)
     check_loads_alone(driver, path)
+    report_access.check_without_scripts(page)
 
 
 def main():

@@ -36,8 +36,9 @@ class Run {
   // The last row in contact: the reamer stands in the finished face.
   rowToStartWith() {
     const { removed_mm3: removed, axial_force_n: force } = this.plot;
-    const last = force.findLastIndex((f, row) => f !== 0 && removed[row] > 0);
-    return Math.max(0, last);
+    let row = force.length - 1;
+    while (row > 0 && (force[row] === 0 || removed[row] === 0)) --row;
+    return row;
   }
 
   moveTo(row) {
