@@ -78,26 +78,33 @@ std::vector<double> smoothed(std::vector<double> heights_mm, const Columns& colu
   return heights_mm;
 }
 
-/// Bone in each column that `fill` has and `last` has not, mm.
-std::vector<double> heights(const Columns& columns, const Voxmap& voxmap, const FillBricks& fill,
-                            const FillBricks& last) {
+/// Bone in each column, mm.
+std::vector<double> bone_in(const Columns& columns, const Voxmap& voxmap, const FillBricks& fill) {
   std::vector<double> out(columns.feet.size());
   const double step_mm = kStep_voxels * voxmap.grid.voxel_mm;
   parallel_items(out.size(), [&](std::size_t i) {
     for (double s = -voxmap.grid.voxel_mm; s < columns.length_mm; s += step_mm) {
-      const Vec3 point = columns.feet[i] + s * columns.axis;
-      out[i] += step_mm * (bone_at(voxmap, fill, point) - bone_at(voxmap, last, point));
+      out[i] += step_mm * bone_at(voxmap, fill, columns.feet[i] + s * columns.axis);
     }
   });
-  return smoothed(std::move(out), columns, voxmap.grid.voxel_mm);
+  return out;
+}
+
+/// Heights over the final surface, where the columns hold `now_mm` of bone, and in the end `last_mm`.
+std::vector<double> heights(std::vector<double> now_mm, const std::vector<double>& last_mm, const Columns& columns,
+                            double voxel_mm) {
+  for (std::size_t i = 0; i < now_mm.size(); ++i) now_mm[i] -= last_mm[i];
+  return smoothed(std::move(now_mm), columns, voxel_mm);
 }
 
 }  // namespace
 
 Json reaming_data(const RunData& run, const BoneSurface& after) {
   const std::vector<std::int64_t>& frames = run.inputs().frames;
-  const Columns columns = columns_over(after, run.target().bone_from_tool.linear().col(2), run.voxmap().grid.voxel_mm);
+  const Voxmap& voxmap = run.voxmap();
+  const Columns columns = columns_over(after, run.target().bone_from_tool.linear().col(2), voxmap.grid.voxel_mm);
   if (frames.size() < 2 || columns.feet.empty()) return nullptr;
+  const std::vector<double> last_mm = bone_in(columns, voxmap, run.last_fill());
   FillBricks fill = fill_at(run.inputs(), frames.front());
   Json times = Json::array();
   std::vector<std::vector<double>> states;
@@ -105,7 +112,7 @@ Json reaming_data(const RunData& run, const BoneSurface& after) {
   for (const std::size_t chosen : evenly_spaced(frames.size(), kMaxStates)) {
     while (applied < chosen) apply_snapshot(run.dir(), frames[++applied], fill);
     times.push_back(short_number(run.row_of(frames[chosen]).time_s));
-    states.push_back(heights(columns, run.voxmap(), fill, run.last_fill()));
+    states.push_back(heights(bone_in(columns, voxmap, fill), last_mm, columns, voxmap.grid.voxel_mm));
   }
   double most_mm = 0;
   for (const auto& state : states) most_mm = std::max(most_mm, *std::ranges::max_element(state));
