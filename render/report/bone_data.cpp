@@ -14,19 +14,8 @@ using Json = nlohmann::ordered_json;
 
 constexpr std::int64_t kMaxDensityCells = 2'500'000;
 
-template <class Vector>
-Json vector_json(const Vector& v) {
-  return {short_number(v.x()), short_number(v.y()), short_number(v.z())};
-}
-
 BoneSurface surface_of(const Voxmap& voxmap, const FillBricks& fill, const UnreamedSurface& unreamed) {
   return simplified(make_bone_surface(BoneFields(voxmap, fill, unreamed)), MeshBudget());
-}
-
-Json mesh_json(const BoneSurface& surface, const Eigen::AlignedBox3f& box, double depth_max_mm) {
-  return {{"vertices", surface.vertices.size() / BoneSurface::kStride},
-          {"triangles", surface.indices.size() / 3},
-          {"bytes", compressed_base64(mesh_bytes(surface, box, depth_max_mm))}};
 }
 
 Json volume_json(const DensityVolume& volume) {
@@ -130,13 +119,14 @@ Json bone_data(const RunData& run, const RenderSettings& settings) {
   const Eigen::AlignedBox3f box = bounds_of(before).merged(bounds_of(after));
   Json json;
   json["look"] = view_json(run.target());
-  json["box_mm"] = {vector_json(box.min()), vector_json(box.max())};
+  json["box_mm"] = box_json(box.min(), box.max());
   json["grade_per_g_cm3"] = DensityMapping::kMaxGrade / DensityMapping::kMaxDensity_g_cm3;
   json["deepest_mm"] = short_number(after.deepest_mm);
   json["depth_colors"] = colors_json(depth_colors(), depth);
   json["density_colors"] = colors_json(density_colors(), scale_up_to(DensityMapping::kMaxDensity_g_cm3));
   json["before"] = mesh_json(before, box, depth.max);
   json["after"] = mesh_json(after, box, depth.max);
+  json["reaming"] = reaming_data(run, after);
   json["density"] = volume_json(density_volume(voxmap, kMaxDensityCells));
   return json;
 }

@@ -42,20 +42,14 @@ std::uint16_t zigzag(std::uint16_t difference) {
   return static_cast<std::uint16_t>((difference << 1) ^ (difference & 0x8000 ? 0xFFFF : 0));
 }
 
-/// Appends one float of each vertex, quantized to 0…65535 from `low` to `low` + `size`.
-void append_numbers16(const BoneSurface& surface, std::size_t component, float low, float size,
-                      std::vector<std::uint8_t>& out) {
-  std::vector<std::uint8_t> high;
-  std::uint16_t before = 0;
+/// One float of each vertex.
+std::vector<double> components(const BoneSurface& surface, std::size_t component) {
+  std::vector<double> out;
+  out.reserve(vertex_count(surface));
   for (std::size_t i = component; i < surface.vertices.size(); i += BoneSurface::kStride) {
-    const float fraction = (surface.vertices[i] - low) / size;
-    const auto now = static_cast<std::uint16_t>(std::lround(65535 * std::clamp(fraction, 0.0F, 1.0F)));
-    const std::uint16_t code = zigzag(static_cast<std::uint16_t>(now - before));
-    before = now;
-    out.push_back(static_cast<std::uint8_t>(code & 255));
-    high.push_back(static_cast<std::uint8_t>(code >> 8));
+    out.push_back(surface.vertices[i]);
   }
-  out.insert(out.end(), high.begin(), high.end());
+  return out;
 }
 
 /// Normal and attributes of a vertex except depth, quantized.
@@ -122,15 +116,39 @@ BoneSurface simplified(const BoneSurface& surface, const MeshBudget& budget) {
   return out;
 }
 
+bool counts_as_reamed(const float* vertex) {
+  return byte_of(vertex[BoneSurface::kReamed]) > 0;
+}
+
+void append_numbers16(std::span<const double> values, double low, double size, std::vector<std::uint8_t>& out) {
+  std::vector<std::uint8_t> high;
+  std::uint16_t before = 0;
+  for (const double value : values) {
+    const double fraction = (value - low) / std::max(size, 1e-6);
+    const auto now = static_cast<std::uint16_t>(std::lround(65535 * std::clamp(fraction, 0.0, 1.0)));
+    const std::uint16_t code = zigzag(static_cast<std::uint16_t>(now - before));
+    before = now;
+    out.push_back(static_cast<std::uint8_t>(code & 255));
+    high.push_back(static_cast<std::uint8_t>(code >> 8));
+  }
+  out.insert(out.end(), high.begin(), high.end());
+}
+
 std::vector<std::uint8_t> mesh_bytes(const BoneSurface& surface, const Eigen::AlignedBox3f& box, double depth_max_mm) {
   std::vector<std::uint8_t> out;
   for (int axis = 0; axis < 3; ++axis) {
-    append_numbers16(surface, static_cast<std::size_t>(axis), box.min()[axis], std::max(box.sizes()[axis], 1e-6F), out);
+    append_numbers16(components(surface, static_cast<std::size_t>(axis)), box.min()[axis], box.sizes()[axis], out);
   }
-  append_numbers16(surface, BoneSurface::kDepth, 0, static_cast<float>(depth_max_mm), out);
+  append_numbers16(components(surface, BoneSurface::kDepth), 0, depth_max_mm, out);
   append_attributes(surface, out);
   append_indices(surface.indices, out);
   return out;
+}
+
+nlohmann::ordered_json mesh_json(const BoneSurface& surface, const Eigen::AlignedBox3f& box, double depth_max_mm) {
+  return {{"vertices", vertex_count(surface)},
+          {"triangles", surface.indices.size() / 3},
+          {"bytes", compressed_base64(mesh_bytes(surface, box, depth_max_mm))}};
 }
 
 Eigen::AlignedBox3f bounds_of(const BoneSurface& surface) {

@@ -4,8 +4,10 @@
 #include <cstddef>
 #include <cstdint>
 #include <nlohmann/json.hpp>
+#include <span>
 #include <vector>
 
+#include "render/report/markup.h"
 #include "render/surface/bone_surface.h"
 
 namespace reamsim {
@@ -28,6 +30,26 @@ BoneSurface simplified(const BoneSurface& surface, const MeshBudget& budget);
 /// (0…255 over 0…1); then the triangle indices, each as its distance below the first vertex not yet used, as
 /// variable-length numbers with 7 bits per byte, low bits first.
 std::vector<std::uint8_t> mesh_bytes(const BoneSurface& surface, const Eigen::AlignedBox3f& box, double depth_max_mm);
+
+/// Whether mesh_bytes() writes a vertex as reamed.
+bool counts_as_reamed(const float* vertex);
+
+/// Appends `values` as 16-bit numbers, 0…65535 from `low` to `low` + `size`, in the code of mesh_bytes().
+void append_numbers16(std::span<const double> values, double low, double size, std::vector<std::uint8_t>& out);
+
+/// A surface for the page's JSON: `vertices`, `triangles`, and mesh_bytes() compressed as `bytes`.
+nlohmann::ordered_json mesh_json(const BoneSurface& surface, const Eigen::AlignedBox3f& box, double depth_max_mm);
+
+/// x, y, z with six significant digits.
+template <class Vector>
+nlohmann::ordered_json vector_json(const Vector& v) {
+  return {short_number(v.x()), short_number(v.y()), short_number(v.z())};
+}
+/// Lower and upper corner of a box.
+template <class Vector>
+nlohmann::ordered_json box_json(const Vector& low, const Vector& high) {
+  return nlohmann::ordered_json::array({vector_json(low), vector_json(high)});
+}
 
 /// The bounding box of a surface, mm.
 Eigen::AlignedBox3f bounds_of(const BoneSurface& surface);

@@ -33,7 +33,8 @@ Image read_png(const std::string& path) {
   Image image(cairo_image_surface_create_from_png(path.c_str()), &cairo_surface_destroy);
   if (cairo_surface_status(image.get()) != CAIRO_STATUS_SUCCESS) {
     // Cairo reports every error of libpng as missing memory.
-    throw InputError({path, 0, 0}, "", "is not a readable picture, or memory is exhausted", "a PNG written by reamsim render");
+    throw InputError({path, 0, 0}, "", "is not a readable picture, or memory is exhausted",
+                     "a PNG written by reamsim render");
   }
   return image;
 }

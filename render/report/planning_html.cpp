@@ -11,32 +11,31 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::array kPose{
-    SummaryLine{"/metrics/planning/native/version_deg", "Version, native face", "°", 1},
-    SummaryLine{"/metrics/planning/planned/version_deg", "Version, implant", "°", 1},
-    SummaryLine{"/metrics/planning/retroversion_corrected_deg", "Retroversion corrected", "°", 1},
-    SummaryLine{"/metrics/planning/native/inclination_deg", "Inclination, native face", "°", 1},
-    SummaryLine{"/metrics/planning/planned/inclination_deg", "Inclination, implant", "°", 1},
-    SummaryLine{"/metrics/planning/inclination_corrected_deg", "Inclination corrected", "°", 1},
-    SummaryLine{"/metrics/planning/corrected_frame", "Frame of the corrections", ""},
-    SummaryLine{"/metrics/planning/medialization_mm", "Medialization of the joint line", "mm", 2},
-    SummaryLine{"/metrics/planning/native_reason", "No native orientation", ""},
-    SummaryLine{"/metrics/planning/planned_reason", "No planned orientation", ""},
-    SummaryLine{"/metrics/planning/corrected_reason", "No correction", ""},
-    SummaryLine{"/metrics/planning/medialization_reason", "No medialization", ""}};
+constexpr std::array kPose{SummaryLine{"/metrics/planning/native/version_deg", "Version, native face", "°"},
+                           SummaryLine{"/metrics/planning/planned/version_deg", "Version, implant", "°"},
+                           SummaryLine{"/metrics/planning/retroversion_corrected_deg", "Retroversion corrected", "°"},
+                           SummaryLine{"/metrics/planning/native/inclination_deg", "Inclination, native face", "°"},
+                           SummaryLine{"/metrics/planning/planned/inclination_deg", "Inclination, implant", "°"},
+                           SummaryLine{"/metrics/planning/inclination_corrected_deg", "Inclination corrected", "°"},
+                           SummaryLine{"/metrics/planning/corrected_frame", "Frame of the corrections", ""},
+                           SummaryLine{"/metrics/planning/medialization_mm", "Medialization of the joint line", "mm"},
+                           SummaryLine{"/metrics/planning/native_reason", "No native orientation", ""},
+                           SummaryLine{"/metrics/planning/planned_reason", "No planned orientation", ""},
+                           SummaryLine{"/metrics/planning/corrected_reason", "No correction", ""},
+                           SummaryLine{"/metrics/planning/medialization_reason", "No medialization", ""}};
 constexpr std::array kSupport{
-    SummaryLine{"/metrics/seating/seated_percent", "Backside seated", "%", 1},
-    SummaryLine{"/metrics/seating/mean_gap_mm", "Gap under the implant, mean", "mm", 2},
-    SummaryLine{"/metrics/seating/max_gap_mm", "Gap under the implant, maximum", "mm", 2},
-    SummaryLine{"/metrics/seating/footprint_mm2", "Footprint", "mm²", 1},
-    SummaryLine{"/metrics/seating/overhang_mm2", "Overhang", "mm²", 1},
-    SummaryLine{"/metrics/seating/overhang_percent", "Overhang, of the footprint", "%", 1},
-    SummaryLine{"/metrics/seating/dense_percent", "Dense fraction of the supporting bone", "%", 1}};
+    SummaryLine{"/metrics/seating/seated_percent", "Backside seated", "%"},
+    SummaryLine{"/metrics/seating/mean_gap_mm", "Gap under the implant, mean", "mm"},
+    SummaryLine{"/metrics/seating/max_gap_mm", "Gap under the implant, maximum", "mm"},
+    SummaryLine{"/metrics/seating/footprint_mm2", "Footprint", "mm²"},
+    SummaryLine{"/metrics/seating/overhang_mm2", "Overhang", "mm²"},
+    SummaryLine{"/metrics/seating/overhang_percent", "Overhang, of the footprint", "%"},
+    SummaryLine{"/metrics/seating/dense_percent", "Dense fraction of the supporting bone", "%"}};
 constexpr std::array kVault{
-    SummaryLine{"/metrics/planning/vault/left_mm3", "Vault bone under the implant", "mm³", 0},
-    SummaryLine{"/metrics/planning/vault/left_percent", "of the vault before reaming", "%", 1},
-    SummaryLine{"/metrics/planning/vault/axis_depth_mm", "Depth on the axis of the implant", "mm", 2},
-    SummaryLine{"/metrics/planning/vault/mean_depth_mm", "Depth, mean", "mm", 2}};
+    SummaryLine{"/metrics/planning/vault/left_mm3", "Vault bone under the implant", "mm³"},
+    SummaryLine{"/metrics/planning/vault/left_percent", "of the vault before reaming", "%"},
+    SummaryLine{"/metrics/planning/vault/axis_depth_mm", "Depth on the axis of the implant", "mm"},
+    SummaryLine{"/metrics/planning/vault/mean_depth_mm", "Depth, mean", "mm"}};
 
 struct PegColumn {
   const char* key;
@@ -50,8 +49,7 @@ std::string peg_cell(const Json& peg, const char* key, const std::string& path) 
   const Json value = peg.is_object() && peg.contains(key) ? peg.at(key) : Json();
   if (value.is_null()) return "–";
   if (!value.is_number()) {
-    throw InputError({path, 0, 0}, std::string("metrics.planning.pegs.") + key, "found another type",
-                     "expected a number");
+    throw InputError({path, 0}, std::string("metrics.planning.pegs.") + key, "found another type", "expected a number");
   }
   return fmt::format("{:.1f}", value.get<double>());
 }

@@ -11,7 +11,8 @@ namespace {
 /// About the horizontal resolution of a screen.
 constexpr std::size_t kMaxBuckets = 1000;
 
-/// The rows to show: of each bucket the first and the extremes of force and torque.
+}  // namespace
+
 std::vector<std::size_t> shown_rows(const std::vector<ForceRow>& rows) {
   const std::size_t bucket = 1 + (rows.size() - 1) / kMaxBuckets;
   std::vector<std::size_t> out;
@@ -33,8 +34,6 @@ std::vector<std::size_t> shown_rows(const std::vector<ForceRow>& rows) {
   if (out.back() != rows.size() - 1) out.push_back(rows.size() - 1);
   return out;
 }
-
-}  // namespace
 
 nlohmann::ordered_json plot_data(const ForceLog& log, double mean_travel_mm) {
   nlohmann::ordered_json json{{"mean_travel_mm", mean_travel_mm}};

@@ -28,7 +28,7 @@ namespace fs = std::filesystem;
 constexpr std::size_t kMaxPictureBytes = 3'000'000;
 constexpr std::size_t kMaxFrameBytes = 5'500'000;
 constexpr int kPicture_px = 1600;
-constexpr int kFrame_px = 960;
+constexpr int kFrame_px = 1200;
 constexpr std::size_t kMaxFrames = 120;  // of all cameras
 
 Json read_json(const std::string& path, const std::string& expected) {
@@ -65,13 +65,15 @@ std::vector<std::string> final_pictures(const std::string& dir) {
   return out;
 }
 
-std::string pictures_html(const std::string& dir, const std::string& first_camera) {
-  std::string out;
+/// The final pictures as figures.
+std::vector<std::string> figures_html(const std::string& dir, const std::string& first_camera) {
+  std::vector<std::string> out;
   for (const PagePicture& picture : page_pictures(final_pictures(dir), kPicture_px, kMaxPictureBytes)) {
     const std::string caption = escape_html(caption_of(picture.name, first_camera));
-    out += "<figure><img alt=\"" + caption + "\" width=\"" + std::to_string(picture.width_px) + "\" height=\"" +
-           std::to_string(picture.height_px) + "\" src=\"data:image/jpeg;base64," + picture.jpeg_base64 +
-           "\"><figcaption>" + caption + "</figcaption></figure>\n";
+    out.push_back(std::string(out.empty() ? "<figure id=\"bone-still\">" : "<figure>") + "<img alt=\"" + caption +
+                  "\" width=\"" + std::to_string(picture.width_px) + "\" height=\"" +
+                  std::to_string(picture.height_px) + "\" src=\"data:image/jpeg;base64," + picture.jpeg_base64 +
+                  "\"><figcaption>" + caption + "</figcaption></figure>\n");
   }
   return out;
 }
@@ -124,7 +126,8 @@ Json script_data(const RunData& run, const PictureOptions& options) {
   add_layer_means(log, options.mean_travel_mm);
   return {{"plot", plot_data(log, options.mean_travel_mm)},
           {"pictures", frames_json(run, names_of(options.settings.cameras))},
-          {"bone", bone_data(run, options.settings)}};
+          {"bone", bone_data(run, options.settings)},
+          {"tool", tool_data(run.inputs().tool, log, options.settings)}};
 }
 
 std::string page_html(const RunData& run, const PictureOptions& options) {
@@ -146,9 +149,12 @@ std::string page_html(const RunData& run, const PictureOptions& options) {
       {"verification", verification_html(summary, verification, summary_path, verification_path)},
       {"provenance", provenance_html(summary, summary_path)},
       {"scenario", escape_html(read_file(dir + "/scenario.yaml", "the scenario.yaml of a run"))},
+      {"bone_figure", ""},  // the first picture: in place of the 3D view on paper and without JavaScript
+      {"figures", ""},
       {"script", embedded::report_script}};
   // The slow parts come last, after the checks of the others.
-  texts["figures"] = pictures_html(dir, name_of(options.settings.cameras.front()));
+  const auto figures = figures_html(dir, name_of(options.settings.cameras.front()));
+  for (std::size_t i = 0; i < figures.size(); ++i) texts[i == 0 ? "bone_figure" : "figures"] += figures[i];
   texts["data"] = json_for_script(script_data(run, options));
   return fill_template(embedded::report_page, texts);
 }

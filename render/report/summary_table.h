@@ -11,7 +11,7 @@ struct SummaryLine {
   const char* pointer;
   const char* label;
   const char* unit;
-  int decimals = -1;  ///< at most; -1: four significant digits
+  const char* only_with = "";  ///< pointer of a value without which the row is left out
 };
 
 /// A table of values, without those that are missing; "" without any. Throws InputError, naming `path`, for values that

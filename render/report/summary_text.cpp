@@ -1,9 +1,7 @@
 #include "render/report/page_data.h"
 
-#include <fmt/core.h>
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <optional>
 #include <span>
 
@@ -67,25 +65,25 @@ constexpr std::array kOrientation{
     Line{"/metrics/orientation/native/inclination_deg", "Inclination, native face", "°"},
     Line{"/metrics/orientation/reamed/inclination_deg", "Inclination, reamed face", "°"},
     Line{"/metrics/orientation/inclination_corrected_deg", "Inclination corrected", "°"},
-    Line{"/metrics/orientation/native_reason", "No native orientation", ""},
-    Line{"/metrics/orientation/reamed_reason", "No reamed orientation", ""},
-    Line{"/metrics/orientation/native_shape", "Shape of the native face", ""},
-    Line{"/metrics/orientation/reamed_shape", "Shape of the reamed face", ""},
+    Line{"/metrics/orientation/native_reason", "Native orientation unknown", ""},
+    Line{"/metrics/orientation/reamed_reason", "Reamed orientation unknown", ""},
+    Line{"/metrics/orientation/native_shape", "Surface fitted to the native face", ""},
+    Line{"/metrics/orientation/reamed_shape", "Surface fitted to the reamed face", ""},
     Line{"/metrics/joint_line/medialization_mm", "Medialization of the joint line", "mm"},
-    Line{"/metrics/joint_line/medialization_reason", "No medialization", ""},
+    Line{"/metrics/joint_line/medialization_reason", "Medialization unknown", ""},
     Line{"/metrics/joint_line/reamed_fraction", "Fraction of the face reamed", ""},
     Line{"/metrics/orientation/reamer/version_deg", "Version of the reamer", "°"},
     Line{"/metrics/orientation/reamer/inclination_deg", "Inclination of the reamer", "°"},
     Line{"/metrics/orientation/turned_deg", "Angle between native and reamed axis", "°"},
-    Line{"/metrics/orientation/inclination_convention", "Inclination is", ""}};
-constexpr std::array kRemaining{
-    Line{"/metrics/dense_bone_left/mean_mm", "Remaining dense bone under the face, mean", "mm"},
-    Line{"/metrics/dense_bone_left/p05_mm", "5th percentile", "mm"},
-    Line{"/metrics/dense_bone_left/least_mm", "least", "mm"},
-    Line{"/metrics/dense_bone_left/exposed_percent", "Face without dense bone", "%"},
-    Line{"/metrics/perforation/perforated", "Perforated", ""},
-    Line{"/metrics/perforation/holes", "Holes", ""},
-    Line{"/metrics/perforation/area_mm2", "Area of the perforations", "mm²"}};
+    Line{"/metrics/orientation/inclination_convention", "Convention of the inclination", "",
+         "/metrics/orientation/reamer/inclination_deg"}};
+constexpr std::array kRemaining{Line{"/metrics/dense_bone_left/mean_mm", "Dense bone, mean", "mm"},
+                                Line{"/metrics/dense_bone_left/p05_mm", "Dense bone, 5th percentile", "mm"},
+                                Line{"/metrics/dense_bone_left/least_mm", "Dense bone, least", "mm"},
+                                Line{"/metrics/dense_bone_left/exposed_percent", "Face without dense bone", "%"},
+                                Line{"/metrics/perforation/perforated", "Perforated", ""},
+                                Line{"/metrics/perforation/holes", "Holes", ""},
+                                Line{"/metrics/perforation/area_mm2", "Area of the perforations", "mm²"}};
 constexpr std::array kLoads{
     Line{"/forces/peak_layer_axial_force_n", "Axial force, peak over a voxel of travel", "N"},
     Line{"/forces/peak_axial_force_n", "Axial force, peak of a single frame", "N"},
@@ -119,21 +117,21 @@ InputError wrong(const std::string& path, const std::string& key, const std::str
   return {{path, 0, 0}, key, "found another type", "expected " + expected};
 }
 
-double rounded(double value, int decimals) {
-  const double step = std::pow(10.0, decimals);
-  return std::round(value * step) / step;
+/// The value at a pointer; null if missing.
+Json value_at(const Json& summary, const char* pointer) {
+  const Json::json_pointer at(pointer);
+  return summary.contains(at) ? summary.at(at) : Json();
 }
 
 /// The value of a line as text; "" if missing.
 std::string value_text(const Json& summary, const Line& line, const std::string& path) {
-  const Json::json_pointer pointer(line.pointer);
-  const Json value = summary.contains(pointer) ? summary.at(pointer) : Json();
+  if (*line.only_with != '\0' && value_at(summary, line.only_with).is_null()) return "";
+  const Json value = value_at(summary, line.pointer);
   if (value.is_null()) return "";
   if (value.is_boolean()) return value.get<bool>() ? "yes" : "no";
   if (value.is_string()) return escape_html(value.get<std::string>());
   if (value.is_number_integer()) return number_text(value.get<double>(), 15);
-  if (value.is_number() && line.decimals >= 0) return number_text(rounded(value.get<double>(), line.decimals));
-  if (value.is_number()) return number_text(value.get<double>());
+  if (value.is_number()) return escape_html(measured_text(value.get<double>(), line.unit));
   throw wrong(path, line.pointer, "a number");
 }
 
@@ -148,22 +146,6 @@ std::string row_html(const std::string& head, const std::string& cell, const cha
   return "<tr><th scope=\"row\">" + head + "</th>" + kind + cell + unit_html(unit) + "</td></tr>\n";
 }
 
-/// Groups digits by thin spaces: 12345.6 → 12 345.6.
-std::string with_thousands(std::string text) {
-  const std::size_t point = std::min(text.find('.'), text.size());
-  const std::size_t first = text.front() == '-' ? 1 : 0;
-  if (point - first < 5) return text;
-  for (std::size_t at = point; at > first + 3;) text.insert(at -= 3, "\u2009");
-  return text;
-}
-
-std::string raised(int exponent) {
-  static const std::array<const char*, 10> digits{"⁰", "¹", "²", "³", "⁴", "⁵", "⁶", "⁷", "⁸", "⁹"};
-  std::string out = exponent < 0 ? "⁻" : "";
-  for (const char c : std::to_string(std::abs(exponent))) out += digits[static_cast<std::size_t>(c - '0')];
-  return out;
-}
-
 std::string figure_html(std::string name, const std::string& value, const char* unit) {
   name.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(name.front())));
   return "<div><dt>" + name + "</dt><dd>" + value + unit_html(unit) + "</dd></div>\n";
@@ -171,10 +153,10 @@ std::string figure_html(std::string name, const std::string& value, const char* 
 
 /// A number of summary.json; none if missing. Throws InputError for another type.
 std::optional<double> number_at(const Json& summary, const char* pointer, const std::string& path) {
-  const Json::json_pointer at(pointer);
-  if (!summary.contains(at) || summary.at(at).is_null()) return std::nullopt;
-  if (!summary.at(at).is_number()) throw wrong(path, pointer, "a number");
-  return summary.at(at).get<double>();
+  const Json value = value_at(summary, pointer);
+  if (value.is_null()) return std::nullopt;
+  if (!value.is_number()) throw wrong(path, pointer, "a number");
+  return value.get<double>();
 }
 
 /// The headline figures, as in pictures and plots.
@@ -208,24 +190,6 @@ std::string headline_html(const Json& summary, const std::string& path) {
 std::string text_at(const Json& summary, const char* key, const std::string& path) {
   if (!summary.contains(key) || !summary.at(key).is_string()) throw wrong(path, key, "a text");
   return escape_html(summary.at(key).get<std::string>());
-}
-
-std::string number_text(double value, int digits) {
-  if (value == 0) return "0";
-  if (!std::isfinite(value)) return "–";
-  const std::string scientific = fmt::format("{:.{}e}", value, digits - 1);
-  const int exponent = std::stoi(scientific.substr(scientific.find('e') + 1));
-  std::string out;
-  if (exponent < -4) {
-    out = fmt::format("{:.1f} × 10", value / std::pow(10.0, exponent)) + raised(exponent);
-  } else {
-    // 0.25 stays 0.25, but 28.996 becomes 29.00, where the zeros are significant.
-    int decimals = std::max(0, digits - 1 - exponent);
-    while (decimals > 0 && std::abs(value - rounded(value, decimals - 1)) < 1e-9 * std::abs(value)) --decimals;
-    out = with_thousands(fmt::format("{:.{}f}", value, decimals));
-  }
-  if (out.front() == '-') out.replace(0, 1, "−");
-  return out;
 }
 
 std::string key_figures_html(const Json& summary, const std::string& path) {

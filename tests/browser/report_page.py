@@ -1,9 +1,9 @@
 """report_page.py CHROMIUM CHROMEDRIVER RESULTS: opens RESULTS/report.html in a headless Chromium and uses it as a reader would."""
 
+import csv
 import io
 import json
 import pathlib
-import subprocess
 import sys
 import tempfile
 import time
@@ -12,55 +12,12 @@ from PIL import Image, ImageChops
 from selenium import webdriver
 from selenium.webdriver.common.by import By
 from selenium.webdriver.common.keys import Keys
-from selenium.webdriver.common.utils import is_connectable
 from selenium.webdriver.support.ui import Select, WebDriverWait
 
+import report_access
+from chromium import Browser
+
 MOST_BYTES = 15_000_000
-FLAGS = [
-    "--headless=new", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-dev-shm-usage",
-    "--disable-background-networking", "--disable-component-update", "--disable-sync", "--force-device-scale-factor=1",
-    # WebGL on the CPU, and no way out of this machine.
-    "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--host-resolver-rules=MAP * ~NOTFOUND",
-]
-
-
-class Driver(webdriver.chrome.service.Service):
-    """Found by its number: a bare Debian has no /etc/hosts that knows localhost."""
-
-    @property
-    def service_url(self):
-        return f"http://127.0.0.1:{self.port}"
-
-    def is_connectable(self):
-        return is_connectable(self.port, "127.0.0.1")
-
-
-class Browser:
-    """A Chromium of its own profile and the driver that steers it. It is started here and found by its port, because the
-    driver would look for it on localhost."""
-
-    def __init__(self, programs, profile, width, height):
-        chromium, chromedriver = programs
-        self.process = subprocess.Popen(
-            [chromium, *FLAGS, "--remote-debugging-port=0", f"--user-data-dir={profile}", f"--window-size={width},{height}"],
-            stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-        options = webdriver.ChromeOptions()
-        options.debugger_address = f"127.0.0.1:{self.port(profile / 'DevToolsActivePort')}"
-        options.set_capability("goog:loggingPrefs", {"browser": "ALL", "performance": "ALL"})
-        self.driver = webdriver.Chrome(options=options, service=Driver(chromedriver))
-
-    def port(self, file):
-        for _ in range(600):
-            assert self.process.poll() is None, f"Chromium ended with status {self.process.returncode}"
-            if file.exists() and file.read_text().count("\n") > 0:
-                return int(file.read_text().split()[0])
-            time.sleep(0.1)
-        raise TimeoutError("Chromium has opened no port within a minute")
-
-    def close(self):
-        self.driver.quit()
-        self.process.terminate()
-        self.process.wait(60)
 
 
 class Page:
@@ -76,16 +33,34 @@ class Page:
         self.driver.execute_script(
             "arguments[0].value = arguments[1]; arguments[0].dispatchEvent(new Event('input'));", self.find(selector), value)
 
+    def data(self):
+        """What the page holds for its scripts, without the large parts."""
+        return json.loads(self.driver.execute_script("""
+          const {plot, bone, tool, pictures} = JSON.parse(document.getElementById('run-data').textContent);
+          return JSON.stringify({frame: plot.frame, look: bone.look, triangles: tool.mesh.triangles, removed: plot.removed_mm3});"""))
+
+    def numbers(self, name):
+        """Numbers in a data attribute of the 3D view."""
+        return [float(number) for number in self.find("#bone-canvas").get_attribute(f"data-{name}").split()]
+
     def bone(self):
         """The 3D view as it stands on the screen."""
-        time.sleep(0.3)
+        self.driver.execute_script("document.querySelector('.stage').scrollIntoView({behavior: 'instant'})")
+        # Drawn with the next picture of the screen.
+        self.driver.execute_async_script("requestAnimationFrame(() => requestAnimationFrame(arguments[0]))")
+        time.sleep(0.1)
         return Image.open(io.BytesIO(self.find("#bone-canvas").screenshot_as_png)).convert("RGB")
 
     def pictured_frame(self):
         return int(self.find("#frame-picture").get_attribute("data-frame"))
 
+    def click(self, element):
+        """In the middle of the window, where the bar of the time slider does not cover it."""
+        self.driver.execute_script("arguments[0].scrollIntoView({block: 'center', behavior: 'instant'})", element)
+        element.click()
+
     def choose(self, name, value):
-        self.find(f"input[name={name}][value={value}]").click()
+        self.click(self.find(f"input[name={name}][value={value}]"))
 
 
 def changed_fraction(before, after):
@@ -117,6 +92,8 @@ def check_cursor(page):
     assert page.find("#frame-picture").get_attribute("src") != first_picture
     cursors = page.driver.find_elements(By.CSS_SELECTOR, "#plots .u-cursor-x")
     assert len(cursors) == 4
+    if page.find("#plot-ranges").is_displayed():
+        page.choose("range", "whole")
     plot = page.find("#plots .u-over")
     page.driver.execute_script("arguments[0].scrollIntoView({block: 'center', behavior: 'instant'})", plot)
     webdriver.ActionChains(page.driver).move_to_element_with_offset(plot, -plot.size["width"] // 2 + 3, 0).perform()
@@ -131,7 +108,7 @@ def check_cursor(page):
 
 
 def check_bone(page):
-    page.driver.execute_script("document.getElementById('bone').scrollIntoView({behavior: 'instant'})")
+    page.choose("state", "after")
     after = page.bone()
     warm = sum(red > blue + 20 for red, green, blue in after.getdata()) / (after.width * after.height)
     assert warm > 0.1, f"only {warm:.1%} of the 3D view look like bone"
@@ -148,16 +125,141 @@ def check_bone(page):
     page.set_slider("#cut-offset", -4)
     assert changed_fraction(middle, page.bone()) > 0.01, "the section's slider moves nothing"
     Select(page.find("#cut-plane")).select_by_index(0)
+    page.click(page.find("#bone-views button"))  # the view of the beginning; the section has turned it
     assert changed_fraction(after, page.bone()) < 0.001, "the section does not close again"
     page.find("#bone-canvas").send_keys(Keys.ARROW_RIGHT, Keys.ARROW_RIGHT)
     assert changed_fraction(after, page.bone()) > 0.01, "arrow keys do not turn the bone"
+
+
+def near(found, expected, most):
+    return max(abs(a - b) for a, b in zip(found, expected, strict=True)) <= most
+
+
+def check_tool(page, results):
+    """The reamer is where forces.csv has the tool, and is seen to move."""
+    with open(results / "forces.csv", encoding="utf-8") as file:
+        rows = {int(row["frame"]): row for row in csv.DictReader(line for line in file if not line.startswith("#"))}
+    data = page.data()
+    assert data["triangles"] >= 100
+    last = len(data["frame"]) - 1
+    looks = {}
+    for row in (0, last // 2, last):
+        page.set_slider("#time", row)
+        logged = rows[data["frame"][row]]
+        expected = [float(logged[f"tool_{axis}_mm"]) for axis in "xyz"]
+        found = page.numbers("tool-mm")
+        assert near(found, expected, 0.01), f"row {row}: the reamer is at {found}, and the log has {expected}"
+        looks[row] = page.bone()
+    assert changed_fraction(looks[0], looks[last // 2]) > 0.005, "the slider does not move the reamer"
+    page.choose("tool", "steel")
+    steel = page.bone()
+    assert changed_fraction(looks[last], steel) > 0.005, "a reamer of steel looks like one of glass"
+    page.choose("tool", "hidden")
+    assert changed_fraction(steel, page.bone()) > 0.01, "the reamer cannot be hidden"
+    page.set_slider("#time", 0)
+    hidden = page.bone()
+    page.set_slider("#time", last)
+    assert changed_fraction(hidden, page.bone()) == 0, "a hidden reamer is seen to move"
+
+
+def check_reaming(page):
+    """The bone follows the slider from before to after; the reamer is hidden."""
+    last = int(page.find("#time").get_attribute("max"))
+    page.choose("state", "before")
+    before = page.bone()
+    page.choose("state", "after")
+    after = page.bone()
+    page.choose("state", "now")
+    assert changed_fraction(after, page.bone()) < 0.01, "during the run, the end is not the bone after it"
+    page.set_slider("#time", 0)
+    assert changed_fraction(before, page.bone()) == 0, "during the run, the beginning is not the bone before it"
+    removed = page.data()["removed"]
+    half = next(i for i, volume in enumerate(removed) if volume > removed[last] / 2)
+    page.set_slider("#time", half)
+    middle = page.bone()
+    assert min(changed_fraction(middle, other) for other in (before, after)) > 0.005, "the bone is not reamed step by step"
+
+
+def check_views(page):
+    """Buttons and sections turn the camera where their names say."""
+    look = page.data()["look"]
+    for button in page.driver.find_elements(By.CSS_SELECTOR, "#bone-views button"):
+        page.click(button)
+        if button.text in ("En face", "Along the axis"):
+            assert near(page.numbers("towards-viewer"), look["outward"], 0.01), button.text
+    section = Select(page.find("#cut-plane"))
+    directions = {1: look["front"], 3: look["axis"]}
+    for index, direction in directions.items():
+        section.select_by_index(index)
+        name = section.first_selected_option.text
+        assert near(page.numbers("towards-viewer"), direction, 0.01), f"{name}: seen from {page.numbers('towards-viewer')}"
+    page.click(page.find("#cut-flip"))
+    assert near(page.numbers("towards-viewer"), [-v for v in look["axis"]], 0.01), "the other half is seen from outside"
+    page.click(page.find("#cut-flip"))
+    section.select_by_index(0)
+
+
+def check_labels(page):
+    """No two labels of the directions overlap, from wherever the bone is seen, and none leaves the view."""
+    overlaps = page.driver.execute_script("""
+      const canvas = document.getElementById('bone-canvas'), found = [];
+      const press = (key) => canvas.dispatchEvent(new KeyboardEvent('keydown', {key}));
+      for (let step = 0; step < 144; ++step) {
+        press('ArrowRight');
+        if (step % 12 === 5) press(step < 72 ? 'ArrowDown' : 'ArrowUp');
+        const stage = canvas.getBoundingClientRect();
+        const boxes = [...document.querySelectorAll('#bone-axes text')].map((e) => [e.textContent, e.getBoundingClientRect()]);
+        boxes.forEach(([name, a], i) => {
+          if (a.left < stage.left || a.right > stage.right || a.top < stage.top || a.bottom > stage.bottom) found.push(`${step}: ${name} outside`);
+          for (const [other, b] of boxes.slice(i + 1))
+            if (a.left < b.right - 1 && b.left < a.right - 1 && a.top < b.bottom - 2 && b.top < a.bottom - 2) found.push(`${step}: ${name} over ${other}`);
+        });
+      }
+      return found;""")
+    assert not overlaps, overlaps[:5]
+
+
+def check_ranges(page):
+    """The curves begin with the contact, say so, and show the whole run on request."""
+    if not page.find("#plot-ranges").is_displayed():
+        return
+    page.choose("range", "contact")
+    contact = page.find("#plot-range").text
+    page.choose("range", "whole")
+    whole = page.find("#plot-range").text
+    assert contact != whole and whole.startswith("0.00 to"), f"{contact} became {whole}"
+    page.choose("range", "contact")
+    assert page.find("#plot-range").text == contact
+
+
+def check_pictures(page, width):
+    """Pictures are as wide as the page allows, and open at a size at which their text is readable."""
+    room = page.driver.execute_script("return document.querySelector('main').clientWidth")
+    for image in page.driver.find_elements(By.CSS_SELECTOR, ".gallery img, #frame-picture"):
+        natural = int(image.get_attribute("naturalWidth"))
+        assert image.size["width"] >= min(natural, room) - 1, f"{image.size} of {natural} px in a window of {width}"
+    page.driver.execute_script("window.chosen = document.querySelector('.gallery .open-picture'); chosen.focus()")
+    page.driver.switch_to.active_element.send_keys(Keys.ENTER)
+    shown = page.find("#viewer img")
+    assert shown.is_displayed() and shown.size["width"] >= min(960, int(shown.get_attribute("naturalWidth")))
+    assert page.find("#viewer-caption").text
+    page.driver.switch_to.active_element.send_keys(Keys.ESCAPE)
+    assert not shown.is_displayed(), "Escape does not close the picture"
+    assert page.driver.execute_script("return document.activeElement === chosen"), "the focus is lost"
+
+
+def check_numbers(page):
+    """No number of a table has digits that mean nothing."""
+    long = [cell.text for cell in page.driver.find_elements(By.CSS_SELECTOR, ".tables td:not(.words), .key-figures dd")
+            if sum(c.isdigit() for c in cell.text.split("×")[0].partition(".")[2]) > 4]
+    assert not long, long
 
 
 def check_names(page):
     """Every control has a name that a screen reader can say."""
     nameless = page.driver.execute_script("""
       return [...document.querySelectorAll('button, input, select, canvas, img, [role=img]')].filter((e) => e.getClientRects().length > 0 && !e.closest('[role=img] *') &&
-        !(e.getAttribute('aria-label') || e.alt || e.textContent.trim() || (e.labels && e.labels.length > 0))).map((e) => e.outerHTML.slice(0, 80));""")
+        !(e.getAttribute('aria-label') || e.alt || e.textContent.trim() || e.querySelector('img')?.alt || (e.labels && e.labels.length > 0))).map((e) => e.outerHTML.slice(0, 80));""")
     assert not nameless, nameless
 
 
@@ -166,23 +268,44 @@ def check_width(page, width):
     assert wide <= width, f"the page is {wide} px wide in a window of {width}"
 
 
+WIDE, NARROW = (1280, 900), (400, 800)
+
+
+def check_page(browser, path, size):
+    driver = browser.driver
+    width, height = size
+    driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride",
+                           {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": False})
+    page = Page(driver, path)
+    check_width(page, width)
+    report_access.check_rules(page)
+    check_cursor(page)
+    if size == WIDE:  # the 3D view does not depend on the window
+        check_bone(page)
+        check_tool(page, path.parent)
+        check_reaming(page)
+        check_views(page)
+        check_numbers(page)
+        report_access.check_motion(page)
+    check_labels(page)
+    check_ranges(page)
+    check_pictures(page, width)
+    check_names(page)
+    report_access.check_keyboard(page)
+    report_access.check_paper(page)
+    check_loads_alone(driver, path)
+    report_access.check_without_scripts(page)
+
+
 def main():
     *programs, results = sys.argv[1:]
     path = pathlib.Path(results) / "report.html"
     assert path.stat().st_size < MOST_BYTES, f"{path.stat().st_size} bytes"
-    with tempfile.TemporaryDirectory() as folder:
-        for width, height in ((1400, 1000), (400, 800)):
-            browser = Browser(programs, pathlib.Path(folder) / str(width), width, height)
-            driver = browser.driver
+    with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder:  # Chromium may still write
+        for size in (WIDE, NARROW):
+            browser = Browser(programs, pathlib.Path(folder) / str(size[0]), *size)
             try:
-                driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride",
-                                       {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": False})
-                page = Page(driver, path)
-                check_width(page, width)
-                check_cursor(page)
-                check_bone(page)
-                check_names(page)
-                check_loads_alone(driver, path)
+                check_page(browser, path, size)
             finally:
                 browser.close()
 

@@ -60,6 +60,39 @@ TEST(SummaryText, WritesNumbersForPeople) {
   EXPECT_EQ(number_text(28.99556), "29.00");
 }
 
+TEST(SummaryText, RoundsByUnit) {
+  EXPECT_EQ(measured_text(0.273417, "mm"), "0.27");
+  EXPECT_EQ(measured_text(28.99556, "mm"), "29.00");
+  EXPECT_EQ(measured_text(0.4, "mm"), "0.4") << "a setting stays as it was set";
+  EXPECT_EQ(measured_text(0.0173, "mm"), "0.017") << "small values keep two digits";
+  EXPECT_EQ(measured_text(0.0007026, "mm³"), "< 0.01");
+  EXPECT_EQ(measured_text(-0.0005953, "°"), "0.00");
+  EXPECT_EQ(measured_text(0, "mm²"), "0");
+  EXPECT_EQ(measured_text(-5.2187, "°"), "−5.2");
+  EXPECT_EQ(measured_text(726.6634, "mm³"), "726.7");
+  EXPECT_EQ(measured_text(27319.31, "mm³"), "27\u2009319");
+  EXPECT_EQ(measured_text(908.31, "N·mm"), "908");
+  EXPECT_EQ(measured_text(0.42, "N·mm"), "0.4");
+  EXPECT_EQ(measured_text(84.4655, "%"), "84.5");
+  EXPECT_EQ(measured_text(0.032914, ""), "0.0329");
+  EXPECT_EQ(measured_text(-1.9e-8, ""), "−1.9 × 10⁻⁸");
+}
+
+TEST(SummaryText, AConventionNeedsItsAngle) {
+  nlohmann::ordered_json summary{{"metrics",
+                                  {{"orientation",
+                                    {{"inclination_convention", "superior tilt positive"},
+                                     {"native_shape", "sphere"},
+                                     {"native_reason", "no rim"}}}}}};
+  const std::string without = summary_tables_html(summary, "summary.json");
+  EXPECT_THAT(without, HasSubstr("Native orientation unknown</th><td>no rim"));
+  EXPECT_THAT(without, Not(HasSubstr("superior tilt positive")));
+  summary["metrics"]["orientation"]["reamer"]["inclination_deg"] = 0.0007;
+  const std::string with = summary_tables_html(summary, "summary.json");
+  EXPECT_THAT(with, HasSubstr("superior tilt positive"));
+  EXPECT_THAT(with, HasSubstr("<td>&lt; 0.01 <span class=\"unit\">°"));
+}
+
 TEST(PictureData, ChoosesEvenlyWithBothEnds) {
   EXPECT_THAT(evenly_spaced(11, 40), ElementsAre(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10));
   EXPECT_THAT(evenly_spaced(11, 3), ElementsAre(0, 5, 10));

@@ -118,6 +118,23 @@ TEST_F(ReportPage, HoldsTheRun) {
   for (const char* state : {"before", "after"}) EXPECT_GT(data["bone"][state]["triangles"], 1000) << state;
 }
 
+TEST_F(ReportPage, HasTheReamerAndTheReamingAlongTheRun) {
+  const nlohmann::json data = data_of(page());
+  EXPECT_GE(data["tool"]["mesh"]["triangles"], 12);
+  EXPECT_TRUE(data["tool"]["shown"]);
+  EXPECT_EQ(data["tool"]["look"], "see-through");
+  EXPECT_EQ(data["tool"]["poses"]["count"], data["plot"]["frame"].size());
+  const nlohmann::json& reaming = data["bone"]["reaming"];
+  EXPECT_EQ(reaming["time_s"].size(), 4u) << "one for each snapshot";
+  EXPECT_GT(reaming["vertices"], 20);
+  EXPECT_NEAR(reaming["most_mm"].get<double>(), 3.0, 0.8) << "the depth of the final bone";
+}
+
+TEST_F(ReportPage, HidesTheReamerThatPicturesHide) {
+  settings_.tool = false;
+  EXPECT_FALSE(data_of(page())["tool"]["shown"]);
+}
+
 TEST_F(ReportPage, IsTheSameAfterPicturesOfTheSameRun) {
   const std::string alone = page();
   const RunData run(dir());

@@ -30,10 +30,10 @@ function viewsOf(look) {
 }
 
 class BoneView {
-  constructor(bone) {
+  constructor(bone, tool) {
     this.bone = bone;
     this.canvas = byId("bone-canvas");
-    this.scene = new BoneScene(this.canvas, bone);
+    this.scene = new BoneScene(this.canvas, bone, tool);
     this.controls = new OrbitControls(this.scene.camera, this.canvas);
     this.controls.target.copy(this.scene.focus);
     this.controls.enableZoom = false;  // without focus the wheel scrolls the page
@@ -41,6 +41,7 @@ class BoneView {
     this.planes = planesOf(bone.look);
     this.addViews();
     this.addStates();
+    this.addToolLooks(tool);
     this.addCuts();
     this.addKeys();
     this.showLegends();
@@ -48,8 +49,17 @@ class BoneView {
     new ResizeObserver(() => { this.scene.resize(); this.draw(); }).observe(this.canvas);
   }
 
+  // The bone at most once per picture of the screen, because it takes long without a GPU.
   draw() {
-    this.scene.draw();
+    this.drawing ??= requestAnimationFrame(() => {
+      this.drawing = undefined;
+      this.scene.draw();
+    });
+    this.scene.camera.updateMatrixWorld();
+    // For tests: what the picture alone does not tell.
+    const away = this.scene.camera.position.clone().sub(this.controls.target).normalize();
+    this.canvas.dataset.towardsViewer = away.toArray().map((v) => v.toFixed(4)).join(" ");
+    if (this.scene.tool) this.canvas.dataset.toolMm = this.scene.tool.group.position.toArray().map((v) => v.toFixed(3)).join(" ");
     drawAxes(byId("bone-axes"), this.bone.look, this.scene.camera);
     drawScale(byId("bone-scale"), this.scene.mmPerPixel());
   }
@@ -73,32 +83,64 @@ class BoneView {
   }
 
   addStates() {
+    const now = document.querySelector("input[name=state][value=now]");
+    now.closest("label").hidden = this.bone.reaming === null;
+    now.checked = this.bone.reaming !== null;
+    if (now.checked) this.scene.show("now");
     for (const input of document.querySelectorAll("input[name=state]")) {
-      input.addEventListener("change", () => { this.scene.show(input.value); this.draw(); });
+      input.addEventListener("change", () => { this.scene.show(input.value); this.showLegends(); this.draw(); });
     }
     for (const input of document.querySelectorAll("input[name=surface]")) {
       input.addEventListener("change", () => {
         this.scene.uniforms.shows_depth.value = input.value === "depth" ? 1 : 0;
+        this.showLegends();
         this.draw();
       });
     }
+  }
+
+  addToolLooks(tool) {
+    byId("tool-looks").hidden = tool === null;
+    if (tool === null) return;
+    for (const input of document.querySelectorAll("input[name=tool]")) {
+      input.checked = input.value === (tool.shown ? tool.look : "hidden");
+      input.addEventListener("change", () => { this.scene.tool.look = input.value; this.draw(); });
+    }
+  }
+
+  moveTo(row, time, touched) {
+    this.scene.moveTo(row, time, touched);
+    this.draw();
   }
 
   addCuts() {
     const select = byId("cut-plane");
     select.append(new Option("off", ""));
     this.planes.forEach((plane, i) => select.append(new Option(plane.name, i)));
-    select.addEventListener("change", () => this.choosePlane());
+    select.addEventListener("change", () => { this.choosePlane(); this.faceCut(); });
     byId("cut-offset").addEventListener("input", () => this.moveCut());
-    byId("cut-flip").addEventListener("change", () => this.moveCut());
+    byId("cut-flip").addEventListener("change", () => { this.moveCut(); this.faceCut(); });
     this.choosePlane();
+  }
+
+  // Out of the bone that a section keeps; null without a section.
+  cutNormal() {
+    const plane = this.planes[byId("cut-plane").value];
+    if (plane === undefined) return null;
+    return byId("cut-flip").checked ? plane.normal.clone().negate() : plane.normal;
+  }
+
+  // A section is seen from the side that its name says.
+  faceCut() {
+    const normal = this.cutNormal();
+    if (normal !== null) this.lookFrom(normal);
   }
 
   // The extent of the bone along the normal limits the slider.
   choosePlane() {
     const plane = this.planes[byId("cut-plane").value];
     const slider = byId("cut-offset");
-    slider.disabled = byId("cut-flip").disabled = plane === undefined;
+    byId("cut-settings").hidden = plane === undefined;
     if (plane !== undefined) {
       const [low, high] = this.bone.box_mm;
       const reaches = [];
@@ -116,13 +158,13 @@ class BoneView {
   moveCut() {
     const plane = this.planes[byId("cut-plane").value];
     const offset = Number(byId("cut-offset").value);
-    byId("cut-value").textContent = plane === undefined ? "–" : `${offset.toFixed(1).replace("-", "−")} mm`;
+    byId("cut-value").textContent = `${offset.toFixed(1).replace("-", "−")} mm`;
     byId("cut-offset").setAttribute("aria-valuetext", `${offset.toFixed(1)} mm from the tool axis`);
     if (plane === undefined) {
       this.scene.cutAlong(null);
     } else {
       const point = vector(this.bone.look.axis_point_mm).addScaledVector(plane.normal, offset);
-      this.scene.cutAlong(byId("cut-flip").checked ? plane.normal.clone().negate() : plane.normal, point);
+      this.scene.cutAlong(this.cutNormal(), point);
     }
     this.draw();
   }
@@ -134,6 +176,7 @@ class BoneView {
     this.canvas.addEventListener("keydown", (event) => {
       const zoom = { "+": 1.15, "=": 1.15, "-": 1 / 1.15 }[event.key];
       if (zoom !== undefined) this.zoomBy(zoom);
+      else if (event.key in turns && event.shiftKey) this.pan(...turns[event.key]);
       else if (event.key in turns) this.turn(...turns[event.key]);
       else return;
       event.preventDefault();
@@ -160,20 +203,36 @@ class BoneView {
     this.draw();
   }
 
+  // Steps of a twentieth of the view's height to the right and down.
+  pan(right, down) {
+    const camera = this.scene.camera;
+    const step = 0.05 * this.scene.mmPerPixel() * this.canvas.clientHeight;
+    const shift = new Vector3(-right * step, down * step, 0).transformDirection(camera.matrixWorld).multiplyScalar(step);
+    camera.position.add(shift);
+    this.controls.target.add(shift);
+    this.controls.update();
+    this.draw();
+  }
+
   showLegends() {
-    const legends = [legend("Reamed depth, mm", this.bone.depth_colors)];
+    const legends = [];
+    if (this.scene.state !== "before" && this.scene.uniforms.shows_depth.value === 1) legends.push(legend("Reamed depth, mm", this.bone.depth_colors));
     if (byId("cut-plane").value !== "") legends.push(legend("Bone density, g/cm³", this.bone.density_colors));
     byId("bone-legends").replaceChildren(...legends);
   }
 }
 
-export function showBone(bone) {
-  byId("bone").hidden = false;
+// Without WebGL the first picture remains.
+export function showBone(bone, tool) {
+  byId("bone-interactive").hidden = false;
   try {
-    new BoneView(bone);
+    const view = new BoneView(bone, tool);
+    byId("bone-still")?.classList.add("print-only");
+    return view;
   } catch (error) {
     const note = Object.assign(document.createElement("p"), { className: "note" });
-    note.textContent = `This browser cannot show the 3D view (${error.message}). The pictures below show the bone.`;
-    document.querySelector("#bone .bone").replaceChildren(note);
+    note.textContent = `This browser cannot show the 3D view (${error.message}). The pictures show the bone.`;
+    byId("bone-interactive").replaceChildren(note);
+    return undefined;
   }
 }

@@ -33,6 +33,24 @@ function positions(bytes, count, [low, high]) {
   return out;
 }
 
+// Poses of the tool: position in mm, quaternion and spin angle in radians, one each for every row of the curves.
+export function posesOf(packed) {
+  const bytes = unpacked(packed.bytes);
+  const [low, high] = packed.box_mm;
+  const column = (plane, from, size) => Float64Array.from(numbers16(bytes, plane, packed.count), (n) => from + (size * n) / 65535);
+  const places = [0, 1, 2].map((axis) => column(axis, low[axis], high[axis] - low[axis]));
+  const turns = [3, 4, 5, 6].map((plane) => column(plane, -1, 2));
+  const spins = column(7, 0, 2 * Math.PI);
+  return Array.from(spins, (spin, row) => ({ position: places.map((c) => c[row]), quaternion: turns.map((c) => c[row]), spin }));
+}
+
+// The bone over each reamed vertex in mm, one list for each time.
+export function liftsOf(reaming) {
+  const bytes = unpacked(reaming.bytes);
+  const step = reaming.most_mm / 65535;
+  return reaming.time_s.map((_, state) => Float32Array.from(numbers16(bytes, state, reaming.vertices), (n) => step * n));
+}
+
 // `parts` planes of delta-encoded bytes, decoded and interleaved.
 function interleaved(bytes, from, count, parts, Type) {
   const out = new Type(parts * count);

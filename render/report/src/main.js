@@ -1,6 +1,8 @@
 import { showBone } from "./bone.js";
+import { showPictures } from "./pictures.js";
 import { showRun } from "./run.js";
 
 const data = JSON.parse(document.getElementById("run-data").textContent);
-showRun(data.plot, data.pictures);
-showBone(data.bone);
+const bone = showBone(data.bone, data.tool);
+showRun(data.plot, data.pictures, (...moment) => bone?.moveTo(...moment));
+showPictures();

@@ -10,22 +10,66 @@ function element(name, attributes, text) {
   return made;
 }
 
+const lineLength = 34;
+const shortest = 14;  // an axis viewed end-on has no label
+
+// Places of a label at the end of an axis: beyond it, above, below and beside it. `text` has its size already.
+function placesOf(text, x, y) {
+  const { width, height } = text.getBBox();
+  const length = Math.hypot(x, y);
+  const [right, down] = [x / length, y / length];
+  const beyond = [x + right * (5 + width / 2), y + down * (4 + height / 2)];
+  const around = [[0, -1], [0, 1], [-1, 0], [1, 0]].map(([i, j]) => [x + i * (5 + width / 2), y + j * (3 + height / 2)]);
+  return [beyond, ...around].map(([cx, cy], rank) => ({ cx, cy, rank, left: cx - width / 2, right: cx + width / 2, top: cy - height / 2, bottom: cy + height / 2 }));
+}
+
+const overlap = (a, b) =>
+  Math.max(0, Math.min(a.right, b.right) + 3 - Math.max(a.left, b.left)) * Math.max(0, Math.min(a.bottom, b.bottom) - Math.max(a.top, b.top));
+
+// How many of the sampled points of an axis lie under a label.
+const crossings = (box, [x, y]) =>
+  [0, 0.25, 0.5, 0.75, 1].filter((t) => t * x > box.left - 2 && t * x < box.right + 2 && t * y > box.top && t * y < box.bottom).length;
+
+// The choice of one place for each label with the least overlap, and then with the best places.
+function bestPlaces(choices, ends) {
+  let best, least = Infinity;
+  const extend = (chosen, cost) => {
+    if (cost >= least) return;
+    if (chosen.length === choices.length) {
+      [best, least] = [chosen, cost];
+      return;
+    }
+    for (const place of choices[chosen.length]) {
+      const covered = chosen.reduce((sum, other) => sum + overlap(place, other), 0);
+      const crossed = ends.reduce((sum, end) => sum + crossings(place, end), 0);
+      extend([...chosen, place], cost + 1000 * covered + 20 * crossed + place.rank);
+    }
+  };
+  extend([], 0);
+  return best;
+}
+
 export function drawAxes(place, look, camera) {
   const directions = look.anatomical
     ? [["superior", look.superior], ["lateral", look.outward], ["anterior", look.anterior]]
-    : [["tool's axis", look.axis]];
+    : [["tool axis", look.axis]];
   place.replaceChildren();
+  const [labels, labelled, ends] = [[], [], []];
   for (const [name, direction] of directions) {
     if (direction === null) continue;
     const eye = new Vector3(...direction).transformDirection(camera.matrixWorldInverse);
-    const [x, y] = [34 * eye.x, -34 * eye.y];
-    place.append(element("line", { x1: 0, y1: 0, x2: x, y2: y }));
-    if (Math.hypot(x, y) < 14) continue;  // viewed end-on: its label would overlap the others
-    const away = 1 + 7 / Math.hypot(x, y);
-    const anchor = Math.abs(x) < 12 ? "middle" : x > 0 ? "start" : "end";
-    const below = Math.abs(x) < 12 ? (y > 0 ? 10 : -2) : 4;
-    place.append(element("text", { x: x * away, y: y * away + below, "text-anchor": anchor }, name));
+    const end = [lineLength * eye.x, -lineLength * eye.y];
+    place.append(element("line", { x1: 0, y1: 0, x2: end[0], y2: end[1] }));
+    ends.push(end);
+    if (Math.hypot(...end) < shortest) continue;
+    labels.push(element("text", { "text-anchor": "middle", "dominant-baseline": "central" }, name));
+    labelled.push(end);
   }
+  place.append(...labels);
+  bestPlaces(labels.map((text, i) => placesOf(text, ...labelled[i])), ends).forEach(({ cx, cy }, i) => {
+    labels[i].setAttribute("x", cx);
+    labels[i].setAttribute("y", cy);
+  });
 }
 
 export function drawScale(place, mmPerPixel) {

@@ -27,18 +27,29 @@ function limits(panel, data) {
   return [bottom < 0 ? bottom - air : -air / 2, top + air];
 }
 
-function optionsOf(panel, data, isLast, pictureTimes, onMove) {
+// The time in contact with a margin; null if that is about the whole run, or none.
+function contactRange(data) {
+  const removed = data.removed_mm3, times = data.time_s, last = times.length - 1;
+  const end = removed.findIndex((v) => v >= removed[last]);
+  const begin = removed.findIndex((v) => v > 0) - 1;
+  if (!(removed[last] > 0) || end <= begin) return null;
+  const air = 0.04 * (times[end] - times[Math.max(0, begin)]);
+  const range = { min: Math.max(times[0], times[Math.max(0, begin)] - air), max: Math.min(times[last], times[end] + air) };
+  return range.max - range.min > 0.85 * (times[last] - times[0]) ? null : range;
+}
+
+function optionsOf(panel, data, pictureTimes, onMove) {
   const line = { stroke: panel.color, width: 2, points: { show: false } };
   const series = [{}, data[panel.mean] ? { ...line, stroke: panel.light, width: 1 } : line];
   if (data[panel.mean]) series.push(line);
   const axis = { stroke: "#333", font: "12px system-ui, sans-serif", grid: { stroke: "#e3e5e8", width: 1 }, ticks: { stroke: "#b9bec5", size: 5 } };
   return {
-    width: 300, height: isLast ? 168 : 132, legend: { show: false },
-    padding: [14, 8, isLast ? 0 : 8, 0],
+    width: 300, height: 168, legend: { show: false },
+    padding: [14, 8, 0, 0],
     scales: { x: { time: false }, y: { range: limits(panel, data) } },
     series,
     axes: [
-      { ...axis, size: isLast ? 44 : 6, ticks: { ...axis.ticks, show: isLast }, values: isLast ? undefined : (u, splits) => splits.map(() => ""), label: isLast ? "Time, s" : undefined, labelSize: 18, labelGap: -6, labelFont: "12px system-ui, sans-serif" },
+      { ...axis, size: 44, label: "Time, s", labelSize: 18, labelGap: -6, labelFont: "12px system-ui, sans-serif" },
       { ...axis, size: 58, space: 26, values: (u, splits) => splits.map((v) => numberText(v)) },
     ],
     cursor: {
@@ -68,7 +79,7 @@ function drawTicks(u, times) {
 export class Plots {
   constructor(place, data, pictureTimes, onMove) {
     this.data = data;
-    this.charts = panels.map((panel, i) => {
+    this.charts = panels.map((panel) => {
       const title = Object.assign(document.createElement("div"), { className: "panel-title" });
       const means = data[panel.mean] ? `; dark: mean over ${data.mean_travel_mm} mm of travel` : "";
       title.textContent = `${panel.label}, ${panel.unit}${means}`;
@@ -79,15 +90,36 @@ export class Plots {
       box.append(title);
       place.append(box);
       const columns = [data.time_s, data[panel.column], ...(data[panel.mean] ? [data[panel.mean]] : [])];
-      return new uPlot(optionsOf(panel, data, i === panels.length - 1, pictureTimes, onMove), columns, box);
+      return new uPlot(optionsOf(panel, data, pictureTimes, onMove), columns, box);
     });
-    new ResizeObserver(() => this.resize(place.clientWidth)).observe(place);
-    this.resize(place.clientWidth);
+    this.place = place;
+    new ResizeObserver(() => this.resize()).observe(place);
+    this.resize();
+    this.addRanges();
   }
 
-  resize(width) {
-    if (width < 50) return;
+  // Contact only, or the whole run.
+  addRanges() {
+    const { time_s: times } = this.data;
+    const contact = contactRange(this.data);
+    const whole = { min: times[0], max: times[times.length - 1] };
+    const inputs = document.querySelectorAll("input[name=range]");
+    document.getElementById("plot-ranges").hidden = contact === null;
+    const show = (name) => {
+      const range = name === "contact" ? contact : whole;
+      for (const chart of this.charts) chart.setScale("x", range);
+      const ends = [range.min, range.max].map((time) => time.toFixed(2));
+      document.getElementById("plot-range").textContent = `${ends[0]} to ${ends[1]} s of ${whole.max.toFixed(2)} s`;
+    };
+    inputs.forEach((input) => input.addEventListener("change", () => show(input.value)));
+    this.place.addEventListener("dblclick", () => { inputs[1].checked = true; show("whole"); });
+    if (contact !== null) show("contact");
+  }
+
+  resize() {
     for (const chart of this.charts) {
+      const width = chart.root.parentElement.clientWidth;
+      if (width < 50) continue;
       if (chart.width !== width) chart.setSize({ width, height: chart.height });
     }
     // uPlot applies the new size asynchronously, and the cursor position depends on it.

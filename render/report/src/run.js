@@ -1,4 +1,4 @@
-// Picture, readings and plot at one time of the run.
+// Reamer, readings, curves and picture at one time of the run.
 import { Plots } from "./plot.js";
 import { bytesOf } from "./decode.js";
 
@@ -6,7 +6,7 @@ const byId = (id) => document.getElementById(id);
 const names = { oblique: "Oblique", glenoid: "En face", section: "Section", overview: "Overview" };
 
 const readings = [
-  ["Time", "time_s", 3, "s"], ["Tool depth", "depth_mm", 2, "mm"], ["Axial force", "axial_force_n", 1, "N"],
+  ["Tool depth", "depth_mm", 2, "mm"], ["Axial force", "axial_force_n", 1, "N"],
   ["Spin torque", "spin_torque_nmm", 0, "N·mm"], ["Removed", "removed_mm3", 1, "mm³"],
 ];
 
@@ -16,14 +16,16 @@ const fixed = (value, digits) => {
 };
 
 class Run {
-  constructor(plot, pictures) {
+  // `onMove` is told the row and the time that are shown, and whether bone was removed by then.
+  constructor(plot, pictures, onMove) {
     this.plot = plot;
+    this.onMove = onMove;
     this.pictures = pictures;
     this.urls = new Map();
     this.camera = pictures.cameras[0];
     this.slider = byId("time");
     this.slider.max = plot.frame.length - 1;
-    this.slider.addEventListener("input", () => this.moveTo(Number(this.slider.value)));
+    this.slider.addEventListener("input", () => { this.stop(); this.moveTo(Number(this.slider.value)); });
     this.addReadings();
     this.addCameras();
     this.addPlay();
@@ -31,10 +33,12 @@ class Run {
     this.moveTo(this.rowToStartWith());
   }
 
-  // The row of the picture with the greatest force: picture and readings agree.
+  // The last row in contact: the reamer stands in the finished face.
   rowToStartWith() {
-    const force = this.plot.axial_force_n;
-    return this.pictures.time_s.map((time) => this.rowAt(time)).reduce((best, row) => (force[row] > force[best] ? row : best), 0);
+    const { removed_mm3: removed, axial_force_n: force } = this.plot;
+    let row = force.length - 1;
+    while (row > 0 && (force[row] === 0 || removed[row] === 0)) --row;
+    return row;
   }
 
   moveTo(row) {
@@ -43,10 +47,15 @@ class Run {
     this.slider.value = row;
     const text = `${fixed(this.plot.time_s[row], 3)} s`;
     byId("time-value").textContent = text;
-    this.slider.setAttribute("aria-valuetext", `${text}, axial force ${fixed(this.plot.axial_force_n[row], 1)} newton`);
+    this.slider.setAttribute("aria-valuetext", `${text}, tool depth ${this.depthText(row)}, axial force ${fixed(this.plot.axial_force_n[row], 1)} newton`);
     readings.forEach((reading, i) => this.showReading(reading, this.cells[i]));
     this.plots.moveTo(row);
     this.showPicture();
+    this.onMove(row, this.plot.time_s[row], this.plot.removed_mm3[row] > 0);
+  }
+
+  depthText(row) {
+    return this.plot.depth_mm[row] < 0 ? "lifted" : `${fixed(this.plot.depth_mm[row], 2)} mm`;
   }
 
   // A retracted reamer has no depth.
@@ -110,35 +119,63 @@ class Run {
     });
   }
 
-  // Plays all pictures within five seconds.
+  // Plays the run once, in 5 to 15 s. Who wants less motion gets the next picture with every press.
   addPlay() {
     const button = byId("play");
-    button.hidden = this.pictures.frames.length < 2;
-    const stop = () => {
-      clearInterval(this.playing);
+    const still = matchMedia("(prefers-reduced-motion: reduce)");
+    const name = () => { button.textContent = this.playing !== undefined ? "Pause" : still.matches ? "Next" : "Play"; };
+    this.stop = () => {
+      cancelAnimationFrame(this.playing);
       this.playing = undefined;
-      button.textContent = "Play";
-      button.setAttribute("aria-pressed", "false");
+      name();
     };
     button.addEventListener("click", () => {
-      if (this.playing !== undefined) return stop();
-      let i = this.nearestPicture() >= this.pictures.frames.length - 1 ? -1 : this.nearestPicture();
-      button.textContent = "Pause";
-      button.setAttribute("aria-pressed", "true");
-      this.playing = setInterval(() => {
-        this.moveTo(this.rowAt(this.pictures.time_s[++i]));
-        if (i >= this.pictures.frames.length - 1) stop();
-      }, Math.max(80, 5000 / this.pictures.frames.length));
+      if (this.playing !== undefined) this.stop();
+      else if (still.matches) this.showNext();
+      else this.play();
+      name();
     });
+    still.addEventListener("change", () => this.stop());
+    name();
+  }
+
+  play() {
+    const times = this.plot.time_s;
+    const end = times[times.length - 1];
+    const begin = this.row === times.length - 1 ? times[0] : times[this.row];
+    const speed = (end - times[0]) / Math.min(15, Math.max(5, end - times[0])) / 1000;
+    const start = performance.now();
+    const step = (now) => {
+      const time = begin + speed * Math.max(0, now - start);
+      this.playing = requestAnimationFrame(step);
+      this.moveTo(this.rowAt(time));
+      if (time >= end) this.stop();
+    };
+    this.playing = requestAnimationFrame(step);
+  }
+
+  // The next picture, or a tenth of the run without pictures.
+  showNext() {
+    const times = this.plot.time_s;
+    const end = times[times.length - 1];
+    const stops = this.pictures.time_s.length > 1 ? this.pictures.time_s : Array.from({ length: 11 }, (_, i) => times[0] + (i / 10) * (end - times[0]));
+    const next = stops.find((time) => this.rowAt(time) > this.row);
+    this.moveTo(this.rowAt(next ?? stops[0]));
   }
 
   rowAt(time) {
-    const row = this.plot.time_s.findIndex((t) => t >= time);
-    return row < 0 ? this.plot.time_s.length - 1 : row;
+    const times = this.plot.time_s;
+    let [low, high] = [0, times.length - 1];
+    while (low < high) {
+      const middle = (low + high) >> 1;
+      if (times[middle] >= time) high = middle;
+      else low = middle + 1;
+    }
+    return low;
   }
 }
 
-export function showRun(plot, pictures) {
-  byId("run-interactive").hidden = false;
-  new Run(plot, pictures);
+export function showRun(plot, pictures, onMove) {
+  byId("run-interactive").hidden = byId("timeline").hidden = false;
+  new Run(plot, pictures, onMove);
 }

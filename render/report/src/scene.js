@@ -1,24 +1,16 @@
-// The bone before and after reaming, with an optional section. Draws on request only.
+// The bone before, during and after reaming and the reamer, with an optional section. Draws on request only.
 import {
-  BackSide, BufferAttribute, BufferGeometry, Data3DTexture, DecrementWrapStencilOp, AlwaysStencilFunc, FrontSide, DoubleSide, GLSL3,
+  BackSide, Data3DTexture, DecrementWrapStencilOp, AlwaysStencilFunc, FrontSide, DoubleSide, GLSL3,
   IncrementWrapStencilOp, KeepStencilOp, LinearFilter, Mesh, NotEqualStencilFunc, OrthographicCamera, PlaneGeometry, RedFormat,
   Scene, ShaderMaterial, Vector3, Vector4, WebGLRenderer,
 } from "three";
 import { boneFragment, boneVertex, capFragment, capVertex, countFragment } from "./shaders.js";
-import { meshOf, unpacked } from "./decode.js";
+import { unpacked } from "./decode.js";
+import { geometryOf } from "./geometry.js";
+import { Reaming } from "./reaming.js";
+import { ToolModel } from "./tool.js";
 
 const vector = (v) => new Vector3(...v);
-
-function geometryOf(packed, box) {
-  const mesh = meshOf(packed, box);
-  const geometry = new BufferGeometry();
-  geometry.setAttribute("position", new BufferAttribute(mesh.positions, 3));
-  geometry.setAttribute("normal", new BufferAttribute(mesh.normals, 3, true));
-  geometry.setAttribute("vertex_attributes", new BufferAttribute(mesh.attributes, 3, true));
-  geometry.setAttribute("depth", new BufferAttribute(mesh.depths, 1, true));
-  geometry.setIndex(new BufferAttribute(mesh.indices, 1));
-  return geometry;
-}
 
 function densityTexture(volume) {
   const texture = new Data3DTexture(unpacked(volume.bytes), ...volume.dims);
@@ -31,7 +23,7 @@ function densityTexture(volume) {
 }
 
 export class BoneScene {
-  constructor(canvas, bone) {
+  constructor(canvas, bone, tool) {
     this.renderer = new WebGLRenderer({ canvas, antialias: true, stencil: true, alpha: true });
     this.renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
     this.focus = vector(bone.look.focus_mm);
@@ -43,6 +35,7 @@ export class BoneScene {
     this.cut = new Vector4(0, 0, 0, 1);
     this.addBone(bone);
     this.addCap(bone);
+    this.addTool(tool);
     this.look(vector(bone.look.towards_viewer));
     this.show("after");
   }
@@ -55,6 +48,7 @@ export class BoneScene {
       depth_max_mm: { value: depth.max },
       contour_mm: { value: depth.step },
       shows_depth: { value: 1 },
+      lift_axis: { value: vector(bone.look.axis) },
     };
     const material = (fragmentShader, more) =>
       new ShaderMaterial({
@@ -74,6 +68,7 @@ export class BoneScene {
     this.states = {};
     for (const state of ["before", "after"]) {
       const geometry = geometryOf(bone[state], bone.box_mm);
+      if (state === "after" && bone.reaming !== null) this.reaming = new Reaming(geometry, bone.reaming, bone.look.axis);
       this.states[state] = materials.map((made, i) => {
         const mesh = new Mesh(geometry, made);
         mesh.renderOrder = i < 2 ? 1 : 3;
@@ -108,16 +103,35 @@ export class BoneScene {
     this.scene.add(this.cap);
   }
 
+  addTool(tool) {
+    if (tool === null) return;
+    this.tool = new ToolModel(tool, this.cut);
+    this.tool.look = tool.shown ? tool.look : "hidden";
+    this.scene.add(this.tool.group);
+  }
+
+  // "before" or "after" the run, or "now": at the time of moveTo().
   show(state) {
     this.state = state;
     this.update();
   }
 
+  // Tool and bone at a row of the log.
+  // `touched`: bone was removed before.
+  moveTo(row, time, touched) {
+    [this.time, this.touched] = [time, touched];
+    this.tool?.moveTo(row);
+    this.update();
+  }
+
   update() {
+    const shown = this.state !== "now" ? this.state : this.touched ? "after" : "before";
     for (const [name, [back, front, bone]] of Object.entries(this.states)) {
-      bone.visible = name === this.state;
+      bone.visible = name === shown;
       back.visible = front.visible = bone.visible && this.cap.visible;
     }
+    if (this.state !== "before") this.reaming?.moveTo(this.state === "now" ? this.time : undefined);
+    if (this.tool) this.tool.uniforms.has_cut.value = this.cap.visible ? 1 : 0;
   }
 
   // Cuts away what lies in front of the plane: `normal` (unit length) points to the removed side. null: no section.
@@ -159,6 +173,7 @@ export class BoneScene {
 
   draw() {
     this.camera.updateMatrixWorld();
+    this.tool?.prepare(this.camera);
     this.renderer.render(this.scene, this.camera);
   }
 }

@@ -19,14 +19,18 @@ float wrapped(vec3 normal, vec3 direction, float wrap) { return max((dot(normal,
 export const boneVertex = `
 in vec3 vertex_attributes;  // reamed 0..1, density over 2 g/cm3, ambient accessibility 0..1
 in float depth;
+in vec2 lift;               // bone that is still there: mm along the axis, and as a fraction
+uniform vec3 lift_axis;
 out vec3 eye_normal;
 out vec4 reaming;  // depth over the legend's end, then as above
 out vec3 place_mm;
 void main() {
-  place_mm = position;
-  reaming = vec4(depth, vertex_attributes);
+  place_mm = position + lift.x * lift_axis;
+  float removed = 1.0 - lift.y;
+  reaming = vec4(depth * removed, vertex_attributes);
+  reaming.y *= smoothstep(0.0, 0.03, removed);
   eye_normal = normalMatrix * normal;
-  gl_Position = projectionMatrix * modelViewMatrix * vec4(position, 1.0);
+  gl_Position = projectionMatrix * modelViewMatrix * vec4(place_mm, 1.0);
 }`;
 
 export const boneFragment = `${common}
@@ -114,4 +118,49 @@ void main() {
   float place = clamp(fraction, 0.0, 1.0) * float(DENSITY_STOPS - 1);
   int lower = min(int(place), DENSITY_STOPS - 2);
   color = vec4(mix(density_stops[lower], density_stops[lower + 1], place - float(lower)), 1.0);
+}`;
+
+export const toolVertex = `
+out vec3 eye_normal;
+out vec3 place_mm;  // in the bone frame
+void main() {
+  vec4 place = modelMatrix * vec4(position, 1.0);
+  place_mm = place.xyz;
+  eye_normal = normalMatrix * normal;
+  gl_Position = projectionMatrix * viewMatrix * place;
+}`;
+
+export const toolFragment = `${common}
+in vec3 eye_normal;
+in vec3 place_mm;
+out vec4 color;
+uniform vec4 cut;
+uniform float has_cut;
+uniform float opaque;
+uniform vec3 towards_viewer;  // in the bone frame
+uniform float depth_per_mm;   // of the depth buffer
+
+const vec3 kSteel = vec3(0.42, 0.45, 0.49);
+const vec3 kCutSteel = vec3(0.42, 0.50, 0.60);
+const float kLift_mm = 0.02;  // towards the viewer, where bone and reamer touch
+
+void main() {
+  float kept_mm = dot(cut, vec4(place_mm, 1.0));
+  if (kept_mm < 0.0) discard;
+  float lift_mm = kLift_mm;
+  float facing_cut = -dot(cut.xyz, towards_viewer);
+  if (has_cut > 0.5 && !gl_FrontFacing && facing_cut > 0.0) {
+    // A back face of a cut solid shows the cut, which lies in its plane.
+    lift_mm += kept_mm / facing_cut;
+    float hatch = abs(fract((gl_FragCoord.x + gl_FragCoord.y) / 9.0) - 0.5);
+    color = vec4(srgb_from_linear(kCutSteel * (hatch < 0.08 ? 0.55 : 1.0)), mix(0.55, 1.0, opaque));
+  } else {
+    vec3 n = normalize(gl_FrontFacing ? eye_normal : -eye_normal);
+    vec3 halfway = normalize(kKeyDirection + vec3(0.0, 0.0, 1.0));
+    vec3 light = mix(kGroundColor, kSkyColor, 0.5 + 0.5 * n.y) + kKeyColor * wrapped(n, kKeyDirection, 0.25) + kFillColor * wrapped(n, kFillDirection, 0.35);
+    vec3 lit = kSteel * light + 0.5 * pow(max(dot(n, halfway), 0.0), 40.0) * kKeyColor;
+    float edge = pow(1.0 - clamp(abs(n.z), 0.0, 1.0), 2.2);
+    color = vec4(srgb_from_linear(lit), mix(mix(0.16, 0.8, edge), 1.0, opaque));
+  }
+  gl_FragDepth = gl_FragCoord.z - lift_mm * depth_per_mm;
 }`;

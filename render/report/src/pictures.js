@@ -1,0 +1,34 @@
+// Pictures open at full size, where their text is readable on small screens.
+const byId = (id) => document.getElementById(id);
+
+function open(picture) {
+  const shown = document.querySelector("#viewer img");
+  shown.src = picture.src;
+  shown.alt = picture.alt;
+  byId("viewer-caption").textContent = picture.closest("figure").querySelector("figcaption").textContent;
+  byId("viewer").showModal();
+}
+
+// A button round the picture, so that the keyboard reaches it.
+function makeOpenable(picture) {
+  const button = Object.assign(document.createElement("button"), { type: "button", className: "open-picture", title: "Show at full size" });
+  button.addEventListener("click", () => open(picture));
+  picture.replaceWith(button);
+  button.append(picture);
+}
+
+export function showPictures() {
+  const dialog = byId("viewer");
+  byId("viewer-close").addEventListener("click", () => dialog.close());
+  dialog.addEventListener("click", (event) => { if (event.target === dialog) dialog.close(); });
+  // The 3D view takes the place of the first picture, which then begins the gallery.
+  const still = document.querySelector("#bone-still.print-only");
+  if (still !== null) {
+    const first = still.cloneNode(true);
+    first.removeAttribute("id");
+    first.className = "screen-only";
+    byId("gallery").prepend(first);
+  }
+  byId("pictures-help").hidden = false;
+  document.querySelectorAll(".gallery img, .frame img").forEach(makeOpenable);
+}
