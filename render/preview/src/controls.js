@@ -1,6 +1,6 @@
 // The controls beside the views.
 import { colors } from "./looks.js";
-import { same } from "./vector.js";
+import { same, text } from "./vector.js";
 
 const byId = (id) => document.getElementById(id);
 const kTools = [
@@ -14,7 +14,7 @@ function made(tag, attributes = {}, ...children) {
   return element;
 }
 
-const pointText = (p) => (p === null ? "not placed" : p.map((c) => c.toFixed(1).replace("-", "−")).join(", "));
+const pointText = (p) => (p === null ? "not placed" : p.map((c) => text(c, 1)).join(", "));
 
 export class Controls {
   constructor(model, slices, window) {
@@ -75,8 +75,8 @@ export class Controls {
       });
     }
     return (values, digits) => inputs.forEach((input, i) => {
-      const text = values === null ? "" : String(Number(values[i].toFixed(digits)));
-      if (input.value !== text) input.value = text;
+      const shown = values === null ? "" : String(Number(values[i].toFixed(digits)) + 0);
+      if (input.value !== shown) input.value = shown;
     });
   }
 
@@ -117,9 +117,9 @@ export class Controls {
     slider.step = ct.threshold_hu % 5 === 0 ? 5 : 1;
     slider.addEventListener("input", () => this.soon({ threshold_hu: Number(slider.value) }));
     byId("add-sphere").addEventListener("click", () => {
-      const { values, cross } = this.model;
-      this.model.set({ cut_spheres: [...values.cut_spheres, { center_mm: [...cross], radius_mm: 20 }] });
-      this.model.choose(`sphere-${values.cut_spheres.length}`);
+      const { values: { cut_spheres }, cross } = this.model;
+      this.model.set({ cut_spheres: [...cut_spheres, { center_mm: [...cross], radius_mm: 20 }] });
+      this.model.choose(`sphere-${cut_spheres.length}`);
     });
   }
 
@@ -182,11 +182,11 @@ export class Controls {
   showPose() {
     const { reamer, pose, posed } = this.model;
     if (reamer === null) return;
-    const text = posed === null ? "needs a glenoid frame" : `${reamer.motion.time_s[pose].toFixed(2)} s`;
+    const shown = posed === null ? "needs a glenoid frame" : `${reamer.motion.time_s[pose].toFixed(2)} s`;
     byId("pose").value = pose;
     byId("pose").disabled = posed === null;
-    byId("pose-value").textContent = text;
-    byId("pose").setAttribute("aria-valuetext", text);
+    byId("pose-value").textContent = shown;
+    byId("pose").setAttribute("aria-valuetext", shown);
   }
 
   addWindow() {
@@ -196,9 +196,9 @@ export class Controls {
     const show = () => {
       for (const key of ["level", "width", "zoom"]) {
         window[key] = Number(byId(key).value);
-        const text = key === "zoom" ? `${window.zoom.toFixed(1)}×` : `${window[key].toFixed(digits).replace("-", "−")} ${model.volume.unit}`;
-        byId(`${key}-value`).textContent = text;
-        byId(key).setAttribute("aria-valuetext", text);
+        const shown = key === "zoom" ? `${window.zoom.toFixed(1)}×` : `${text(window[key], digits)} ${model.volume.unit}`;
+        byId(`${key}-value`).textContent = shown;
+        byId(key).setAttribute("aria-valuetext", shown);
       }
       for (const slice of this.slices) slice.draw();
     };
@@ -211,10 +211,10 @@ export class Controls {
     if (model.data.ct !== null && !model.data.ct.label_map) items.push(["live", "bone with your changes"], ["sphere", "cut sphere"]);
     if (model.reamer !== null) items.push(["reamer", "reamer"]);
     items.push(["center", "normal"]);
-    byId("key").append(...items.map(([name, text]) => {
+    byId("key").append(...items.map(([name, words]) => {
       const line = made("span", { className: "line" });
       line.style.background = colors[name];
-      return made("li", {}, line, text);
+      return made("li", {}, line, words);
     }));
   }
 
@@ -223,12 +223,12 @@ export class Controls {
     const findings = this.model.findings;
     if (same(findings, this.shown)) return;
     this.shown = findings;
-    byId("warnings").replaceChildren(...findings.map(({ level, text }) => made("li", { className: level }, made("strong", { textContent: `${names[level]}: ` }), text)));
+    byId("warnings").replaceChildren(...findings.map((each) => made("li", { className: each.level }, made("strong", { textContent: `${names[each.level]}: ` }), each.text)));
   }
 
   show() {
     this.showTools();
-    byId("point-name").textContent = this.tools.find(([tool]) => tool === this.model.tool)?.[0] === "look" ? "Cross" : this.tools.find(([tool]) => tool === this.model.tool)[1];
+    byId("point-name").textContent = this.model.tool === "look" ? "Cross" : this.tools.find(([tool]) => tool === this.model.tool)[1];
     this.showPoint(this.model.pointOf(this.model.tool), 2);
     this.showFrame();
     this.showSegmentation();

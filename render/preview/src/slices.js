@@ -1,6 +1,7 @@
 // A slice across an axis: image, outlines, reamer, points, cross; in the radiological convention where axes are a patient's.
 import { contour } from "./contour.js";
 import { colors, marksOf } from "./looks.js";
+import { text } from "./vector.js";
 
 // across, down: axes of columns and rows; `up`: the rows' axis points up.
 const kViews = {
@@ -148,7 +149,7 @@ export class Slice {
     this.painted = painted;
     this.slider.value = index;
     this.slider.setAttribute("aria-valuetext", `${"xyz"[this.axis]} = ${lattice.mm(index, this.axis).toFixed(1)} mm`);
-    this.figure.querySelector(".where").textContent = `${"xyz"[this.axis]} = ${model.cross[this.axis].toFixed(1).replace("-", "−")} mm`;
+    this.figure.querySelector(".where").textContent = `${"xyz"[this.axis]} = ${text(model.cross[this.axis], 1)} mm`;
     this.canvas.setAttribute("aria-label", `${this.name} slice. Cross at ${model.cross.map((c, i) => `${"xyz"[i]} ${c.toFixed(1)}`).join(", ")} mm.`);
     const { scale, width, height } = this.frame();
     context.setTransform(this.ratio, 0, 0, this.ratio, 0, 0);
@@ -292,10 +293,10 @@ export class Slice {
     context.lineWidth = 3;
     context.font = "13px system-ui, sans-serif";
     context.textBaseline = "middle";
-    const put = (text, x, y, align) => {
+    const put = (letter, x, y, align) => {
       context.textAlign = align;
-      context.strokeText(text, x, y);
-      context.fillText(text, x, y);
+      context.strokeText(letter, x, y);
+      context.fillText(letter, x, y);
     };
     put(left, 6, 0.5 * height, "left");
     put(right, width - 6, 0.5 * height, "right");

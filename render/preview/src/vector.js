@@ -9,3 +9,5 @@ export const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * 
 export const distance = (a, b) => length(minus(a, b));
 export const same = (a, b) => a === b || JSON.stringify(a) === JSON.stringify(b);
 export const rounded = (a, digits) => a.map((v) => Number(v.toFixed(digits)) + 0);
+// For the eye: a true minus sign, and never "−0.0".
+export const text = (value, digits) => Number(value.toFixed(digits)) === 0 ? (0).toFixed(digits) : value.toFixed(digits).replace("-", "\u2212");

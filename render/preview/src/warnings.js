@@ -42,7 +42,7 @@ function contactWarnings(contact, reamer, say) {
   } else if (contact.first < 0) {
     say("problem", `The reamer never meets the bone${contact.nearest < Infinity ? `; it comes as near as ${mm(contact.nearest)}` : ": it stays more than 30 mm away"}.`);
   } else {
-    say("fine", `The reamer meets the bone at ${reamer.motion.time_s[contact.first].toFixed(2)} s.`);
+    say("fine", `The reamer meets the bone at about ${reamer.motion.time_s[contact.first].toFixed(2)} s.`);
   }
 }
 
