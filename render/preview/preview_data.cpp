@@ -1,11 +1,12 @@
 #include "render/preview/preview_data.h"
 
-#include <algorithm>
+#include <filesystem>
 
 #include "render/report/markup.h"
 #include "render/report/page_data.h"
 #include "sim/base/error.h"
 #include "sim/motion/motion.h"
+#include "sim/scenario/paths.h"
 #include "sim/tool/tool.h"
 
 namespace reamsim {
@@ -155,8 +156,10 @@ Json preview_data(const PreviewRequest& request, const PreviewBone& bone, std::i
       volume_json(bone.bone ? preview_of_voxmap(*bone.bone, most_voxels) : preview_of_scan(bone.scan, most_voxels));
   json["problems"] = Json::array();
   for (const Mistake& mistake : mistakes) {
-    json["problems"].push_back((mistake.key.empty() ? "" : mistake.key + ": ") + mistake.found +
-                               (mistake.expected.empty() ? "" : "; " + mistake.expected));
+    // The file's name suffices, and says nothing about the machine.
+    Mistake shown = mistake;
+    shown.where = {std::filesystem::path(mistake.where.file).filename().string(), 0, 0};
+    json["problems"].push_back(recorded_text(shown.line()));
   }
   return json;
 }
