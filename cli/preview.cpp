@@ -11,6 +11,7 @@
 #include "cli/input_kind.h"
 #include "sim/base/error.h"
 #include "sim/base/file.h"
+#include "sim/base/text.h"
 #include "sim/record/output_folder.h"
 #include "sim/scenario/parse.h"
 #include "sim/scenario/paths.h"
@@ -25,6 +26,7 @@ struct PreviewOptions {
   std::string input;
   std::string output;
   std::string tool;
+  double scale = 1;
   bool overwrite = false;
 };
 
@@ -46,28 +48,32 @@ std::string quoted(const std::string& path) {
   return "'" + out + "'";
 }
 
-/// A first scenario for a bone: its file, the reamer `tool`, and a plunge along the normal of a glenoid that is still
-/// to be placed.
-PreviewRequest starting_request(const std::string& bone, const std::string& tool) {
+/// A first scenario for the bone in `options.input`: its file, the reamer `tool`, and a plunge along the normal of a
+/// glenoid that is still to be placed.
+PreviewRequest starting_request(const PreviewOptions& options, const std::string& tool) {
+  const std::string& bone = options.input;
   const std::string source = name_of(source_by_name(bone));
   PreviewRequest out;
   Scenario& scenario = out.scenario;
+  std::string keys;  // of the source
   if (source == "vdb") {
     scenario.bone.source = BoneSource::vdb;
     scenario.bone.vdb.path = bone;
+  } else if (source == "mesh") {
+    const std::string scale = shortest_text(options.scale);
+    scenario.bone = parse_bone_settings(source, bone, {"bone.voxel_mm=0.4", "bone.mesh.scale=" + scale});
+    keys = "    scale: " + scale + "                 # file units to mm\n";
   } else {
     scenario.bone = parse_bone_settings(source, bone, {"bone.voxel_mm=0.4"});
+    keys = "    threshold_hu: " + shortest_text(scenario.bone.ct.threshold_hu) + "\n";
   }
   scenario.tool.mesh = tool;
   scenario.motion.frame = PoseFrame::glenoid;
   scenario.motion.plunge = PlungeSettings();
   const PlungeSettings& plunge = *scenario.motion.plunge;
-  const std::string voxels = source == "vdb" ? "" : "  voxel_mm: 0.4\n";
-  const std::string threshold =
-      source == "ct" ? fmt::format("    threshold_hu: {}\n", scenario.bone.ct.threshold_hu) : "";
   out.text = "# A first scenario, put together by reamsim preview.\nversion: 2\n\nbone:\n  source: " + source + "\n" +
-             voxels + "  " + source + ":\n    path: " + quoted(bone) + "\n" + threshold +
-             "\ntool:\n  mesh: " + quoted(tool) +
+             (source == "vdb" ? "" : "  voxel_mm: 0.4\n") + "  " + source + ":\n    path: " + quoted(bone) + "\n" +
+             keys + "\ntool:\n  mesh: " + quoted(tool) +
              "\n\nmotion:\n  frame: glenoid            # +z out of the face\n  plunge:\n    entry_mm: [0, 0, 0]\n"
              "    axis: [0, 0, -1]\n" +
              fmt::format("    approach_mm: {}\n    feed_mm_s: {}\n    depth_mm: {}\n    spin_rpm: {}\n",
@@ -106,9 +112,10 @@ PreviewRequest request_of(const PreviewOptions& options) {
     if (tool.empty() || !fs::is_regular_file(tool)) {
       throw InputError({tool, 0, 0}, "--tool", "there is no such reamer", "give a mesh with --tool MESH");
     }
-    return starting_request(options.input, tool);
+    return starting_request(options, tool);
   }
   if (!options.tool.empty()) throw InputError({}, "--tool", "the scenario names the reamer", "change tool.mesh there");
+  if (options.scale != 1) throw InputError({}, "--scale", "the scenario has a scale", "change bone.mesh.scale there");
   const Scenario scenario = parse_for_preview(options.input);
   return {.scenario = scenario,
           .text = read_file(options.input, "a scenario"),
@@ -151,6 +158,7 @@ void add_preview_command(CLI::App& app, Console& console) {
   command->add_option("-o,--output", options->output, "HTML file to write")->required()->check(refuse_empty);
   command->add_option("--tool", options->tool, "Reamer of a bone without a scenario (default: the convex one)")
       ->type_name("MESH");
+  command->add_option("--scale", options->scale, "Millimetres per unit of a mesh without a scenario");
   command->add_flag("--overwrite", options->overwrite, "Replace the output file");
   command->add_flag("--quiet", console.quiet, "Print only warnings and errors");
   command->callback([options, &console] { preview_command(*options, console); });

@@ -161,6 +161,8 @@ Json preview_data(const PreviewRequest& request, const PreviewBone& bone, std::i
     shown.where = {std::filesystem::path(mistake.where.file).filename().string(), 0, 0};
     json["problems"].push_back(recorded_text(shown.line()));
   }
+  json["warnings"] = Json::array();
+  for (const std::string& warning : report.warnings) json["warnings"].push_back(recorded_text(warning));
   return json;
 }
 

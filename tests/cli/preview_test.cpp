@@ -64,6 +64,12 @@ TEST_F(Preview, PutsAScenarioTogetherForABareBone) {
     EXPECT_THAT(read("p.html"), HasSubstr("reamer_convex.stl"));
   }
   EXPECT_THAT(read("p.html"), HasSubstr("\"file_name\":\"cube.yaml\""));
+  // In centimetres: the page says what the terminal does.
+  write("cube.stl", cube_stl(1.2));
+  EXPECT_THAT(preview({"cube.stl", "-o", "q.html"}).err, HasSubstr("set bone.mesh.scale"));
+  EXPECT_THAT(read("q.html"), HasSubstr("the mesh is 1.2 mm long"));
+  EXPECT_EQ(preview({"cube.stl", "-o", "q.html", "--scale", "10", "--overwrite"}).status, 0);
+  EXPECT_THAT(read("q.html"), HasSubstr("scale: 10 "));
 }
 
 TEST_F(Preview, RefusesWrongInputBeforeAnyWork) {

@@ -99,11 +99,12 @@ export class Model {
       if (this.reamer !== null && this.surface !== null && this.reamer.pose(0, this.glenoid) !== null) this.contact = contactOf(this);
     }
     this.findings = warningsOf({
-      bone: this.bone, surface: this.surface, glenoid: this.glenoid, side: this.values.side, anatomical: this.data.anatomical,
+      bone: this.bone, surface: this.surface, glenoid: this.glenoid, from: this.values.from, side: this.values.side, anatomical: this.data.anatomical,
       reamer: this.reamer, contact: this.contact, rim: this.values.rim, seedMissed: this.seedMissed,
     });
-    if (!this.segmentationChanged && this.same()) {
-      for (const text of this.data.problems) this.findings.unshift({ level: "problem", text });
+    if (this.same()) {  // what the program itself has said
+      this.findings.push(...this.data.warnings.map((text) => ({ level: "note", text })));
+      this.findings.unshift(...this.data.problems.map((text) => ({ level: "problem", text })));
     }
   }
 

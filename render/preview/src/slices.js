@@ -37,8 +37,11 @@ export class Slice {
   }
 
   listen() {
-    this.canvas.addEventListener("pointerdown", (event) => this.press(event));
-    this.canvas.addEventListener("pointermove", (event) => { if (event.buttons === 1 && this.model.tool === "look") this.press(event); });
+    // Not on pointerdown, with which a finger begins to scroll the page.
+    this.canvas.addEventListener("click", (event) => this.press(event, true));
+    this.canvas.addEventListener("pointermove", (event) => {
+      if (event.pointerType === "mouse" && event.buttons === 1 && this.model.tool === "look") this.press(event, false);
+    });
     this.canvas.addEventListener("keydown", (event) => this.key(event));
     this.canvas.addEventListener("wheel", (event) => {
       if (document.activeElement !== this.canvas) return;  // without focus the wheel scrolls the page
@@ -52,13 +55,12 @@ export class Slice {
     });
   }
 
-  press(event) {
-    if (event.button > 0) return;
+  press(event, places) {
     const box = this.canvas.getBoundingClientRect();
     const place = this.placeAt(event.clientX - box.left, event.clientY - box.top);
     if (!this.model.volume.lattice.contains(place)) return;
     this.model.moveCross(place);
-    if (event.type === "pointerdown") this.model.place(this.model.tool, this.model.cross);
+    if (places) this.model.place(this.model.tool, this.model.cross);
   }
 
   // Page Up and Page Down, and the wheel.

@@ -46,7 +46,7 @@ function contactWarnings(contact, reamer, say) {
   }
 }
 
-// `view`: bone (Field), surface, glenoid, side, anatomical, reamer, contact, rim, seed, seedMissed.
+// `view`: bone (Field), surface, glenoid, from, side, anatomical, reamer, contact, rim, seed, seedMissed.
 export function warningsOf(view) {
   const out = [];
   const say = (level, text) => out.push({ level, text });
@@ -55,8 +55,11 @@ export function warningsOf(view) {
     say("problem", "No bone is above the threshold.");
     return out;
   }
-  if (view.glenoid === null) say("problem", "There is no glenoid frame yet: place the glenoid centre, then the superior point.");
-  else frameWarnings(view, say);
+  if (view.glenoid === null) {
+    const missing = view.from === "landmarks" ? "the glenoid centre, the trigonum spinae and the inferior angle" : "the glenoid centre, then the superior point";
+    say("problem", `There is no glenoid frame yet: place ${missing}.`);
+  }
+  if (view.glenoid !== null) frameWarnings(view, say);
   if (view.glenoid !== null && view.side === null) say("problem", "The side is missing: choose left or right.");
   view.rim.forEach((point, i) => {
     const away = nearestSurface(view.surface, point);
