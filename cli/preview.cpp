@@ -138,6 +138,11 @@ void preview_command(const PreviewOptions& options, const Console& console) {
   }
   require_replaceable_file(options.output, "-o", options.overwrite, is_preview_page, {options.input});
   const PreviewRequest request = request_of(options);
+  const ForcedStop forced([unfinished = options.output + ".tmp"] {
+    std::error_code ignored;
+    fs::remove(unfinished, ignored);
+    return StopOutcome{};
+  });
   Report report;
   const std::string page = page_of(request, report);
   console.print(report);

@@ -1,5 +1,7 @@
 """preview_page.py CHROMIUM CHROMEDRIVER REAMSIM ASSETS: opens the page of `reamsim preview` in a headless Chromium, places
-points in it as a user would, compares them with a scan whose bodies are known, and runs the scenario that it saves."""
+points in it as a user would, compares them with a scan whose bodies are known, and runs the scenario that it saves.
+
+preview_page.py CHROMIUM CHROMEDRIVER PAGE.html...: prints the size of pages and the time until they are ready."""
 
 import difflib
 import io
@@ -255,6 +257,25 @@ def check_keys(page):
     assert order == 0, "the focus leaves the order of the page"
 
 
+def check_landmarks(page):
+    """Landmarks take the place of centre, normal and superior, and give it back."""
+    points = {"trigonum": [31, 80, 200], "inferior": [36, 60, 110]}
+    for tool, point in points.items():
+        page.choose(tool)
+        page.type_numbers("point", point)
+    before = page.yaml()
+    page.press("input[name=from][value=landmarks]")
+    glenoid = yaml.safe_load(page.yaml())["bone"]["glenoid"]
+    assert set(glenoid) == {"landmarks"}, glenoid
+    assert glenoid["landmarks"]["trigonum_spinae_mm"] == points["trigonum"]
+    assert glenoid["landmarks"]["inferior_angle_mm"] == points["inferior"]
+    normal = [float(page.find(f"#normal input[data-axis='{axis}']").get_attribute("value")) for axis in range(3)]
+    friedman = numpy.array(glenoid["landmarks"]["glenoid_center_mm"]) - points["trigonum"]
+    assert numpy.allclose(normal, friedman / numpy.linalg.norm(friedman), atol=1e-3), normal
+    page.press("input[name=from][value=face]")
+    assert page.yaml() == before
+
+
 def live_mm3(page):
     return page.script("""
       const { live } = preview.model;
@@ -382,6 +403,7 @@ def use(page, scenario, folder, reamsim):
     place_frame(page)
     check_keys(page)
     check_warnings(page)
+    check_landmarks(page)
     check_mask(page)
     place_rim(page)
     page.press("#show-reamer")
@@ -391,7 +413,24 @@ def use(page, scenario, folder, reamsim):
     assert page.yaml() == scenario.read_text()
 
 
+def time_pages(programs, pages):
+    """From the start of loading until everything is drawn and can be used; the median of five."""
+    for path in pages:
+        times = []
+        for _ in range(5):
+            with tempfile.TemporaryDirectory() as folder:
+                browser = Browser(programs, pathlib.Path(folder), 1280, 900)
+                try:
+                    times.append(Page(browser.driver, path).ready_ms)
+                finally:
+                    browser.close()
+        print(f"{path.name}: {path.stat().st_size / 1e6:.1f} MB, ready after {sorted(times)[2]} ms ({min(times)} to {max(times)})")
+
+
 def main():
+    if sys.argv[3].endswith(".html"):
+        time_pages(sys.argv[1:3], [pathlib.Path(page) for page in sys.argv[3:]])
+        return
     *programs, reamsim, assets = sys.argv[1:]
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
