@@ -146,7 +146,7 @@ Json preview_data(const PreviewRequest& request, const PreviewBone& bone, std::i
   json["scenario"] = request.text;
   json["file_name"] = request.file_name;
   json["source"] = name_of(settings.source);
-  json["anatomical"] = bone.frame == "LPS" || (bone.frame == "phantom" && bone.glenoid.has_value());
+  json["anatomical"] = bone.frame == "LPS" || (bone.frame == "phantom" && bone.side != BodySide::unknown);
   json["side"] = bone.side == BodySide::unknown ? Json() : Json(name_of(bone.side));
   json["ct"] = settings.source == BoneSource::ct ? ct_json(settings.ct) : Json();
   json["glenoid"] = glenoid_json(bone, settings.glenoid);

@@ -99,13 +99,19 @@ export class Model {
       if (this.reamer !== null && this.surface !== null && this.reamer.pose(0, this.glenoid) !== null) this.contact = contactOf(this);
     }
     this.findings = warningsOf({
-      bone: this.bone, surface: this.surface, glenoid: this.glenoid, from: this.values.from, side: this.values.side, anatomical: this.data.anatomical,
+      bone: this.bone, surface: this.surface, glenoid: this.glenoid, from: this.values.from, side: this.values.side, needsSide: this.needsSide, anatomical: this.data.anatomical,
       reamer: this.reamer, contact: this.contact, rim: this.values.rim, seedMissed: this.seedMissed,
     });
     if (this.same()) {  // what the program itself has said
       this.findings.push(...this.data.warnings.map((text) => ({ level: "note", text })));
       this.findings.unshift(...this.data.problems.map((text) => ({ level: "problem", text })));
     }
+  }
+
+  // A frame that the scenario gives needs a side; one that a phantom has of itself does not.
+  get needsSide() {
+    const keys = ["from", "center", "normal", "superior"];
+    return this.glenoid !== null && (this.data.glenoid.given !== "none" || keys.some((key) => !same(this.values[key], this.initial[key])));
   }
 
   same() { return same(this.values, this.initial); }

@@ -82,7 +82,10 @@ export class Reamer {
     for (let i = 0; i < positions.length; i += 3) {
       const x = positions[i] - ox, y = positions[i + 1] - oy, z = positions[i + 2] - oz;
       if (x * x + y * y + z * z > far) continue;
-      const near = this.distance(a[0] * x + a[1] * y + a[2] * z, b[0] * x + b[1] * y + b[2] * z, c[0] * x + c[1] * y + c[2] * z);
+      const u = a[0] * x + a[1] * y + a[2] * z, v = b[0] * x + b[1] * y + b[2] * z, w = c[0] * x + c[1] * y + c[2] * z;
+      let near = this.distance(u, v, w);
+      // The table is coarse at edges and at the bore, where the reamer touches first.
+      if (Math.abs(near) < 2 * kCell_mm && near < least + kCell_mm) near = profileDistance(this.points, Math.hypot(u, v), w);
       if (near < least) least = near;
     }
     return least;

@@ -21,17 +21,17 @@ function frameWarnings({ bone, surface, glenoid, side, anatomical }, say) {
   if (glenoid.axes[1][2] < -0.1) say("note", "The superior direction points down.");
 }
 
-// Where the reamer first meets the bone, and how near it comes. Returns the index of the first contact or −1.
+// Where the reamer first meets the bone: the index of the pose or −1; and until then how near it comes.
 export function contactOf({ reamer, glenoid, surface, bone }) {
   const spacing = Math.min(...bone.lattice.spacing);
   let first = -1, nearest = Infinity, startsInside = false;
-  for (let k = 0; k < reamer.count; ++k) {
+  for (let k = 0; k < reamer.count && first < 0; ++k) {
     const pose = reamer.pose(k, glenoid);
     const away = reamer.leastDistance(pose, surface.positions, 30);
     nearest = Math.min(nearest, away);
     // Half a voxel is what the coarse surface may be wrong by.
     if (k === 0) startsInside = away < -0.5 * spacing || bone.at(pose.origin) > 160;
-    if (away <= 0 && first < 0) first = k;
+    if (away <= 0) first = k;
   }
   return { first, nearest, startsInside };
 }
@@ -46,7 +46,7 @@ function contactWarnings(contact, reamer, say) {
   }
 }
 
-// `view`: bone (Field), surface, glenoid, from, side, anatomical, reamer, contact, rim, seed, seedMissed.
+// `view`: bone (Field), surface, glenoid, from, side, needsSide, anatomical, reamer, contact, rim, seed, seedMissed.
 export function warningsOf(view) {
   const out = [];
   const say = (level, text) => out.push({ level, text });
@@ -60,7 +60,7 @@ export function warningsOf(view) {
     say("problem", `There is no glenoid frame yet: place ${missing}.`);
   }
   if (view.glenoid !== null) frameWarnings(view, say);
-  if (view.glenoid !== null && view.side === null) say("problem", "The side is missing: choose left or right.");
+  if (view.needsSide && view.side === null) say("problem", "The side is missing: choose left or right.");
   view.rim.forEach((point, i) => {
     const away = nearestSurface(view.surface, point);
     if (away > 5) say("problem", `Rim point ${i + 1} is ${mm(away)} from the surface of the bone; at most 5 mm are accepted.`);
