@@ -23,6 +23,7 @@ void add_render_command(CLI::App& app, Console& console);
 void add_compare_command(CLI::App& app, Console& console);
 void add_import_command(CLI::App& app, Console& console);
 void add_init_command(CLI::App& app, Console& console);
+void add_preview_command(CLI::App& app, Console& console);
 void add_bench_command(CLI::App& app, Console& console);
 void add_verify_command(CLI::App& app, Console& console);
 void add_devices_command(CLI::App& app, Console& console);

@@ -1,9 +1,9 @@
 #include <CLI/CLI.hpp>
-#include <algorithm>
 #include <filesystem>
 #include <memory>
 
 #include "cli/commands.h"
+#include "cli/input_kind.h"
 #include "sim/base/error.h"
 #include "sim/bone/bone.h"
 #include "sim/bone/frame_check.h"
@@ -26,22 +26,14 @@ struct ImportOptions {
   bool overwrite = false;
 };
 
-std::string extension(const std::string& path) {
-  std::string text = fs::path(path).extension().string();
-  std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return std::tolower(c); });
-  return text;
-}
-
 /// The bone settings of the scenario; for a mesh or a CT the defaults with `--set`. The surface voxels are those of a
 /// run.
 Scenario scenario_of(const ImportOptions& options) {
-  const std::string kind = extension(options.input);
   Scenario scenario;
-  if (kind == ".yaml" || kind == ".yml") {
+  if (is_scenario_name(options.input)) {
     scenario = parse_scenario(options.input, options.overrides);
   } else {
-    // As meshes, VTK's surfaces get a helpful error message.
-    const bool mesh = kind == ".stl" || kind == ".obj" || kind == ".ply" || kind == ".vtp" || kind == ".vtk";
+    const bool mesh = source_by_name(options.input) == BoneSource::mesh;
     scenario.bone = parse_bone_settings(mesh ? "mesh" : "ct", options.input, options.overrides);
   }
   scenario.bone = with_surface_voxels(scenario.bone, scenario.cutting);
@@ -62,7 +54,7 @@ Bone load_checked(const Scenario& scenario, Report& report) {
 }
 
 void import_command(const ImportOptions& options, const Console& console) {
-  if (extension(options.output) != ".vdb") {
+  if (lower_extension(options.output) != ".vdb") {
     throw InputError({options.output, 0, 0}, "", "output file does not end in .vdb", "use -o NAME.vdb");
   }
   require_replaceable_file(options.output, "-o", options.overwrite, is_vdb_of_reamsim, {options.input});

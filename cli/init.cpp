@@ -1,11 +1,11 @@
 #include <fmt/core.h>
 
 #include <CLI/CLI.hpp>
-#include <algorithm>
 #include <filesystem>
 #include <memory>
 
 #include "cli/commands.h"
+#include "cli/input_kind.h"
 #include "sim/base/error.h"
 #include "sim/base/file.h"
 #include "sim/bone/bone.h"
@@ -33,9 +33,7 @@ struct InitOptions {
 };
 
 bool is_mesh(const std::string& path) {
-  std::string text = fs::path(path).extension().string();
-  std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return std::tolower(c); });
-  return text == ".stl" || text == ".obj" || text == ".ply";
+  return source_by_name(path) == BoneSource::mesh;
 }
 
 bool is_first_scenario(const std::string& path) {

@@ -23,8 +23,8 @@ int complain(const char* message, int status) {
   return status;
 }
 
-/// For std::terminate(): functions of libraries that must not throw, and find no memory. Results and DIR.lock stay, which
-/// no longer locks.
+/// For std::terminate(): functions of libraries that must not throw, and find no memory. Results and DIR.lock stay,
+/// which no longer locks.
 [[noreturn]] void end_with_message() {
   complain("out of memory, or a program error: use a larger bone.voxel_mm or a smaller crop, or report it", kFailed);
   reamsim::stop_reader_server();
@@ -45,6 +45,7 @@ int run(int argc, char** argv) {
   reamsim::add_compare_command(app, console);
   reamsim::add_import_command(app, console);
   reamsim::add_init_command(app, console);
+  reamsim::add_preview_command(app, console);
 #ifdef REAMSIM_VERIFICATION
   reamsim::add_bench_command(app, console);
   reamsim::add_verify_command(app, console);
@@ -55,7 +56,7 @@ int run(int argc, char** argv) {
   if (argc > 1 && argv[1][0] != '-' && app.get_subcommands(named).empty()) {
     const std::string found =
         std::string(argv[1]) +
-        ": unknown command; expected run, check, render, compare, import, init, bench, verify or devices";
+        ": unknown command; expected run, check, render, compare, import, init, preview, bench, verify or devices";
     return complain(reamsim::printable(found).c_str(), kWrongInput);
   }
   try {

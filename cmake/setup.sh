@@ -12,7 +12,7 @@ build_packages=(
   libseccomp-dev
   gnuplot-nox fonts-dejavu-core)
 test_packages=(ffmpeg libgtest-dev libgmock-dev libbenchmark-dev python3-openvdb python3-jsonschema libopenvdb-tools oclgrind)
-browser_packages=(chromium chromium-driver python3-selenium python3-pil blender)
+browser_packages=(chromium chromium-driver python3-selenium python3-pil python3-numpy python3-yaml blender)
 
 say() { printf '\n== %s\n' "$*"; }
 

@@ -45,6 +45,7 @@ LAYERS = [
     ("render/plots", ["render_plots"]),
     ("render", ["render"]),
     ("render/report", ["render_report"]),
+    ("render/preview", ["render_preview"]),
     ("cli", ["reamsim"]),
 ]
 RANK = {name: rank for rank, (folder, libraries) in enumerate(LAYERS) for name in [folder, *libraries]}

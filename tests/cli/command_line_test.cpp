@@ -41,7 +41,8 @@ TEST_F(CommandLine, OptionWithoutItsValue) {
 TEST_F(CommandLine, HelpAndVersion) {
   const ProgramResult help = call({"--help"});
   EXPECT_EQ(help.status, 0) << help.err;
-  for (const char* command : {"run", "check", "render", "import", "devices"}) EXPECT_THAT(help.out, HasSubstr(command));
+  for (const char* command : {"run", "check", "render", "import", "preview", "devices"})
+    EXPECT_THAT(help.out, HasSubstr(command));
   const ProgramResult version = call({"--version"});
   EXPECT_EQ(version.status, 0);
   EXPECT_THAT(version.out, HasSubstr("reamsim "));

@@ -311,5 +311,30 @@ TEST(ConnectedPieces, CountsFacesNotCornersLargestFirst) {
   EXPECT_EQ(pieces.label[lattice.index({0, 0, 0})], 2U);
 }
 
+TEST_F(Segmentation, AScanToLookAtHasTheSameBoneAsTheVoxmap) {
+  BoneSettings settings = write(two_bones(-1));
+  settings.ct.cut_spheres.push_back({Vec3(15, 0, 0), 7});
+  const FilledVoxmap voxmap = import(settings);
+  const SegmentedScan scan = segmented_scan(settings.ct, report_);
+  ASSERT_EQ(scan.field.size(), scan.hu.value.size());
+  double bone_mm3 = 0;
+  scan.hu.lattice.for_each([&](const Vec3i& voxel, std::size_t at) {
+    if (scan.field[at] <= 0) return;
+    bone_mm3 += scan.hu.lattice.voxel_mm3();
+    EXPECT_GE((scan.hu.lattice.center_mm(voxel) - Vec3(15, 0, 0)).norm(), 7) << "cut away";
+  });
+  EXPECT_NEAR(bone_mm3 / volume_mm3(voxmap), 1, 0.03);
+}
+
+TEST_F(Segmentation, AScanToLookAtSurvivesASeedOutsideTheBone) {
+  BoneSettings settings = write(two_bones(2));
+  settings.ct.seed_mm = Vec3(-11, -11, -11);
+  const SegmentedScan scan = segmented_scan(settings.ct, report_);
+  EXPECT_TRUE(scan.field.empty());
+  EXPECT_FALSE(scan.hu.value.empty());
+  ASSERT_EQ(scan.mistakes.size(), 1U);
+  EXPECT_EQ(scan.mistakes[0].key, "bone.ct.seed_mm");
+}
+
 }  // namespace
 }  // namespace reamsim::test

@@ -218,6 +218,38 @@ BoneSettings with_humerus_cut(const ct::AlignedImage& hu, const BoneSettings& se
   return out;
 }
 
+/// The settings, with the cut of `separate`.
+BoneSettings with_cuts(const ct::AlignedImage& hu, const BoneSettings& settings, Report& report) {
+  return settings.ct.separate == Separate::humerus ? with_humerus_cut(hu, settings, report) : settings;
+}
+
+/// Threshold or label map, as the settings say.
+ct::BoneField segment(const ct::ScanSource& source, const ct::IndexBox& box, const ct::AlignedImage& hu,
+                      const CtSettings& settings, Report& report) {
+  if (!settings.label_map) return ct::segment_by_threshold(hu, settings, report);
+  return ct::segment_by_label(ct::read_labels(settings, source.geometry(), box, hu, report), hu, settings, report);
+}
+
+/// Opens the scan and calls `use(source)`. Errors of ITK and of the memory become InputErrors.
+template <class Use>
+auto with_open_scan(const CtSettings& settings, Report& report, const Use& use) {
+  try {
+    const ct::DicomChoice choice{settings.series, settings.modality == Modality::any};
+    const auto source = ct::open_scan(settings.path, kPathKey, choice, report);
+    note_image(*source, settings.path, report);
+    return use(*source);
+  } catch (const InputError&) {
+    throw;
+  } catch (const std::bad_alloc&) {
+    throw InputError({settings.path}, kPathKey, "the image and its voxmap need more memory than this machine has",
+                     "crop it, or use larger voxels");
+  } catch (const std::exception&) {  // from a filter of ITK
+    throw InputError({settings.path}, kPathKey,
+                     "the image cannot be processed: its size, spacing or axes are implausible",
+                     "check the file, or crop it");
+  }
+}
+
 }  // namespace
 
 FilledVoxmap voxmap_from_scan(const ct::ScanSource& source, const BoneSettings& given, Report& report,
@@ -226,12 +258,9 @@ FilledVoxmap voxmap_from_scan(const ct::ScanSource& source, const BoneSettings& 
   ct::AlignedImage hu = read_cropped(source, box, given.ct, report);
   note_crop(hu, source, report);
   filter(hu, given.ct, report);
-  const BoneSettings settings = given.ct.separate == Separate::humerus ? with_humerus_cut(hu, given, report) : given;
+  const BoneSettings settings = with_cuts(hu, given, report);
   const CtSettings& ct_settings = settings.ct;
-  const ct::BoneField bone =
-      ct_settings.label_map ? ct::segment_by_label(ct::read_labels(ct_settings, source.geometry(), box, hu, report), hu,
-                                                   ct_settings, report)
-                            : ct::segment_by_threshold(hu, ct_settings, report);
+  const ct::BoneField bone = segment(source, box, hu, ct_settings, report);
   note_trabecular(bone, ct_settings.threshold_hu, report);
   if (segmentation != nullptr) *segmentation = segmentation_of(hu, bone, settings);
   const ct::BoundaryDensity boundary =
@@ -245,22 +274,29 @@ FilledVoxmap voxmap_from_scan(const ct::ScanSource& source, const BoneSettings& 
 }
 
 FilledVoxmap voxmap_from_ct(const BoneSettings& settings, Report& report, Segmentation* segmentation) {
-  const CtSettings& ct_settings = settings.ct;
-  try {
-    const ct::DicomChoice choice{ct_settings.series, ct_settings.modality == Modality::any};
-    const auto source = ct::open_scan(ct_settings.path, kPathKey, choice, report);
-    note_image(*source, ct_settings.path, report);
-    return voxmap_from_scan(*source, settings, report, segmentation);
-  } catch (const InputError&) {
-    throw;
-  } catch (const std::bad_alloc&) {
-    throw InputError({ct_settings.path}, kPathKey, "the image and its voxmap need more memory than this machine has",
-                     "crop it, or use larger voxels");
-  } catch (const std::exception&) {  // from a filter of ITK
-    throw InputError({ct_settings.path}, kPathKey,
-                     "the image cannot be processed: its size, spacing or axes are implausible",
-                     "check the file, or crop it");
-  }
+  return with_open_scan(settings.ct, report, [&](const ct::ScanSource& source) {
+    return voxmap_from_scan(source, settings, report, segmentation);
+  });
+}
+
+SegmentedScan segmented_scan(const BoneSettings& given, Report& report) {
+  return with_open_scan(given.ct, report, [&](const ct::ScanSource& source) {
+    const ct::IndexBox box = cropped_box(source, given.ct);
+    SegmentedScan out{
+        .hu = read_cropped(source, box, given.ct, report), .field = {}, .settings = given.ct, .mistakes = {}};
+    filter(out.hu, given.ct, report);
+    try {
+      out.settings = with_cuts(out.hu, given, report).ct;
+      out.field = segment(source, box, out.hu, out.settings, report).field.value;
+    } catch (const InputError& error) {
+      out.mistakes = error.mistakes();
+    }
+    if (out.field.empty() || out.settings.label_map) return out;
+    out.hu.lattice.for_each([&](const Vec3i& voxel, std::size_t at) {
+      if (ct::is_cut_away(out.settings, out.hu.lattice.center_mm(voxel))) out.field[at] = -std::abs(out.field[at]);
+    });
+    return out;
+  });
 }
 
 }  // namespace reamsim

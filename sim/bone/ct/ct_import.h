@@ -1,6 +1,8 @@
 #pragma once
 
+#include "sim/base/error.h"
 #include "sim/base/report.h"
+#include "sim/bone/ct/aligned_image.h"
 #include "sim/bone/ct/scan.h"
 #include "sim/bone/ct/segmentation.h"
 #include "sim/bone/voxmap/voxmap.h"
@@ -17,5 +19,18 @@ FilledVoxmap voxmap_from_ct(const BoneSettings& settings, Report& report, Segmen
 /// The same for an open scan; `settings.ct.path` is its name in messages.
 FilledVoxmap voxmap_from_scan(const ct::ScanSource& source, const BoneSettings& settings, Report& report,
                               Segmentation* segmentation = nullptr);
+
+/// A scan as the segmentation sees it, before it is resampled: for looking at it.
+struct SegmentedScan {
+  ct::AlignedImage hu;            ///< cropped and filtered
+  std::vector<float> field;       ///< per voxel, above 0 in the bone; empty where the segmentation failed
+  CtSettings settings;            ///< with the cut of `separate`, and its seed
+  std::vector<Mistake> mistakes;  ///< why it failed
+};
+
+/// Reads, crops, filters and segments a scan as voxmap_from_ct() does. A segmentation that fails (no bone above the
+/// threshold, a seed outside the bone) is no error: the scan is returned without it. Throws InputError: unreadable,
+/// truncated, absurdly large, an empty crop.
+SegmentedScan segmented_scan(const BoneSettings& settings, Report& report);
 
 }  // namespace reamsim

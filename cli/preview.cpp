@@ -1,0 +1,172 @@
+#include "render/preview/preview.h"
+
+#include <fmt/core.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <filesystem>
+#include <memory>
+
+#include "cli/commands.h"
+#include "cli/input_kind.h"
+#include "sim/base/error.h"
+#include "sim/base/file.h"
+#include "sim/base/text.h"
+#include "sim/record/output_folder.h"
+#include "sim/scenario/parse.h"
+#include "sim/scenario/paths.h"
+
+namespace reamsim {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+struct PreviewOptions {
+  std::string input;
+  std::string output;
+  std::string tool;
+  double scale = 1;
+  bool overwrite = false;
+};
+
+/// The convex reamer that comes with the program; "" where it is not installed.
+std::string own_reamer() {
+  std::error_code ignored;
+  const fs::path folder = fs::read_symlink("/proc/self/exe", ignored).parent_path();
+  for (const char* assets : {"../share/reamsim/assets", "../../../assets", "assets"}) {
+    const fs::path path = (folder / assets / "reamer_convex.stl").lexically_normal();
+    if (fs::exists(path, ignored)) return path.string();
+  }
+  return "";
+}
+
+std::string quoted(const std::string& path) {
+  std::string out;
+  for (const char c : recorded_path(fs::absolute(path).lexically_normal().string()))
+    out += c == '\'' ? "''" : std::string(1, c);
+  return "'" + out + "'";
+}
+
+/// A first scenario for the bone in `options.input`: its file, the reamer `tool`, and a plunge along the normal of a
+/// glenoid that is still to be placed.
+PreviewRequest starting_request(const PreviewOptions& options, const std::string& tool) {
+  const std::string& bone = options.input;
+  const std::string source = name_of(source_by_name(bone));
+  PreviewRequest out;
+  Scenario& scenario = out.scenario;
+  std::string keys;  // of the source
+  if (source == "vdb") {
+    scenario.bone.source = BoneSource::vdb;
+    scenario.bone.vdb.path = bone;
+  } else if (source == "mesh") {
+    const std::string scale = shortest_text(options.scale);
+    scenario.bone = parse_bone_settings(source, bone, {"bone.voxel_mm=0.4", "bone.mesh.scale=" + scale});
+    keys = "    scale: " + scale + "                 # file units to mm\n";
+  } else {
+    scenario.bone = parse_bone_settings(source, bone, {"bone.voxel_mm=0.4"});
+    keys = "    threshold_hu: " + shortest_text(scenario.bone.ct.threshold_hu) + "\n";
+  }
+  scenario.tool.mesh = tool;
+  scenario.motion.frame = PoseFrame::glenoid;
+  scenario.motion.plunge = PlungeSettings();
+  const PlungeSettings& plunge = *scenario.motion.plunge;
+  out.text = "# A first scenario, put together by reamsim preview.\nversion: 2\n\nbone:\n  source: " + source + "\n" +
+             (source == "vdb" ? "" : "  voxel_mm: 0.4\n") + "  " + source + ":\n    path: " + quoted(bone) + "\n" +
+             keys + "\ntool:\n  mesh: " + quoted(tool) +
+             "\n\nmotion:\n  frame: glenoid            # +z out of the face\n  plunge:\n    entry_mm: [0, 0, 0]\n"
+             "    axis: [0, 0, -1]\n" +
+             fmt::format("    approach_mm: {}\n    feed_mm_s: {}\n    depth_mm: {}\n    spin_rpm: {}\n",
+                         plunge.approach_mm, plunge.feed_mm_s, plunge.depth_mm, plunge.spin_rpm);
+  const fs::path name = fs::path(bone).lexically_normal();
+  out.source = (name.has_filename() ? name : name.parent_path()).filename().string();
+  out.file_name = fs::path(out.source).stem().string() + ".yaml";
+  return out;
+}
+
+/// Whether the preview can show, and its page place, what this key lacks.
+bool is_placed_in_page(const Mistake& mistake) {
+  return mistake.key == "bone.side" || mistake.key == "motion.frame";
+}
+
+/// The scenario. A glenoid frame or a side that is still missing is no mistake, because the page is there to place it.
+Scenario parse_for_preview(const std::string& file) {
+  try {
+    return parse_scenario(file, {});
+  } catch (const InputError& error) {
+    if (!std::ranges::all_of(error.mistakes(), is_placed_in_page)) throw;
+    const auto names = [&](const char* key) { return std::ranges::count(error.mistakes(), key, &Mistake::key) > 0; };
+    std::vector<std::string> overrides;
+    if (names("bone.side")) overrides.emplace_back("bone.side=left");
+    if (names("motion.frame")) overrides.emplace_back("motion.frame=bone");
+    Scenario scenario = parse_scenario(file, overrides);
+    if (names("bone.side")) scenario.bone.side = BodySide::unknown;
+    if (names("motion.frame")) scenario.motion.frame = PoseFrame::glenoid;
+    return scenario;
+  }
+}
+
+PreviewRequest request_of(const PreviewOptions& options) {
+  if (!is_scenario_name(options.input)) {
+    const std::string tool = options.tool.empty() ? own_reamer() : options.tool;
+    if (tool.empty() || !fs::is_regular_file(tool)) {
+      throw InputError({tool, 0, 0}, "--tool", "there is no such reamer", "give a mesh with --tool MESH");
+    }
+    return starting_request(options, tool);
+  }
+  if (!options.tool.empty()) throw InputError({}, "--tool", "the scenario names the reamer", "change tool.mesh there");
+  if (options.scale != 1) throw InputError({}, "--scale", "the scenario has a scale", "change bone.mesh.scale there");
+  const Scenario scenario = parse_for_preview(options.input);
+  return {.scenario = scenario,
+          .text = read_file(options.input, "a scenario"),
+          .file_name = fs::path(options.input).filename().string(),
+          .source = scenario.name};
+}
+
+std::string page_of(const PreviewRequest& request, Report& report) {
+  try {
+    return preview_page(request, report);
+  } catch (const InputError& error) {
+    throw request.scenario.keys.located(error);
+  }
+}
+
+void preview_command(const PreviewOptions& options, const Console& console) {
+  const std::string kind = lower_extension(options.output);
+  if (kind != ".html" && kind != ".htm") {
+    throw InputError({options.output, 0, 0}, "", "output file does not end in .html", "use -o NAME.html");
+  }
+  require_replaceable_file(options.output, "-o", options.overwrite, is_preview_page, {options.input});
+  const PreviewRequest request = request_of(options);
+  const ForcedStop forced([unfinished = options.output + ".tmp"] {
+    std::error_code ignored;
+    fs::remove(unfinished, ignored);
+    return StopOutcome{};
+  });
+  Report report;
+  const std::string page = page_of(request, report);
+  console.print(report);
+  replace_file(options.output, page);
+  console.say(fmt::format("wrote {} ({:.1f} MB); open it in a browser", options.output, 1e-6 * double(page.size())));
+}
+
+}  // namespace
+
+void add_preview_command(CLI::App& app, Console& console) {
+  auto* command = app.add_subcommand(
+      "preview", "Write an HTML page to look at a bone, place the glenoid and see the reamer before a run");
+  auto options = std::make_shared<PreviewOptions>();
+  command
+      ->add_option("INPUT", options->input,
+                   "Scenario (YAML), CT (DICOM folder, NRRD, NIfTI, MetaImage), mesh (STL, OBJ, PLY), or VDB")
+      ->required();
+  command->add_option("-o,--output", options->output, "HTML file to write")->required()->check(refuse_empty);
+  command->add_option("--tool", options->tool, "Reamer of a bone without a scenario (default: the convex one)")
+      ->type_name("MESH");
+  command->add_option("--scale", options->scale, "Millimetres per unit of a mesh without a scenario");
+  command->add_flag("--overwrite", options->overwrite, "Replace the output file");
+  command->add_flag("--quiet", console.quiet, "Print only warnings and errors");
+  command->callback([options, &console] { preview_command(*options, console); });
+}
+
+}  // namespace reamsim

@@ -1,0 +1,191 @@
+#include "render/preview/preview_data.h"
+
+#include <filesystem>
+#include <span>
+
+#include "render/report/markup.h"
+#include "render/report/page_data.h"
+#include "sim/base/error.h"
+#include "sim/motion/motion.h"
+#include "sim/scenario/paths.h"
+#include "sim/tool/tool.h"
+
+namespace reamsim {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr std::size_t kMaxPoses = 240;
+
+Json optional_json(const std::optional<Vec3>& v) {
+  return v ? point_json(*v) : Json();
+}
+
+Json points_json(const std::vector<Vec3>& points) {
+  Json json = Json::array();
+  for (const Vec3& p : points) json.push_back(point_json(p));
+  return json;
+}
+
+/// Calls `work` and adds the mistakes of an InputError to `mistakes`.
+template <class Work>
+void attempt(std::vector<Mistake>& mistakes, const Work& work) {
+  try {
+    work();
+  } catch (const InputError& error) {
+    mistakes.insert(mistakes.end(), error.mistakes().begin(), error.mistakes().end());
+  }
+}
+
+Json spheres_json(std::span<const CutSphereSettings> spheres) {
+  Json out = Json::array();
+  for (const CutSphereSettings& sphere : spheres) {
+    out.push_back({{"center_mm", point_json(sphere.center_mm)}, {"radius_mm", sphere.radius_mm}});
+  }
+  return out;
+}
+
+/// `used`: with the cut and the seed of `separate`, which the page uses and does not write.
+Json ct_json(const CtSettings& settings, const CtSettings& used) {
+  Json planes = Json::array();
+  for (const CutPlaneSettings& plane : settings.cut_planes) {
+    planes.push_back({{"point_mm", point_json(plane.point_mm)}, {"normal", point_json(plane.normal)}});
+  }
+  return {{"threshold_hu", settings.threshold_hu},
+          {"closing_mm", settings.closing_mm},
+          {"fill_holes", settings.fill_holes},
+          {"label_map", settings.label_map.has_value()},
+          {"seed_mm", optional_json(settings.seed_mm)},
+          {"cut_spheres", spheres_json(settings.cut_spheres)},
+          {"separated", spheres_json(std::span(used.cut_spheres).subspan(settings.cut_spheres.size()))},
+          {"separated_seed_mm", optional_json(used.seed_mm)},
+          {"cut_planes", planes}};
+}
+
+/// `given`: by a point near the face, the landmarks or the face of the scenario; else the bone has it, or nothing.
+Json glenoid_json(const PreviewBone& bone, const GlenoidSettings& given) {
+  Json json{{"given", given.near_mm     ? "near"
+                      : given.landmarks ? "landmarks"
+                      : given.center_mm ? "face"
+                                        : "none"},
+            {"center_mm", Json()},
+            {"normal", Json()},
+            {"superior", Json()},
+            {"landmarks", Json()},
+            {"rim_mm", points_json(bone.rim_mm)},
+            {"rim_given", !given.rim_mm.empty()}};
+  if (bone.glenoid) {
+    const Rigid& frame = bone.glenoid->bone_from_glenoid;
+    json["center_mm"] = point_json(frame.translation());
+    json["normal"] = point_json(frame.linear().col(2));
+    json["superior"] = point_json(frame.linear().col(1));
+  }
+  // As they are written, so that a direction that does not change keeps its digits.
+  if (given.center_mm) json["center_mm"] = point_json(*given.center_mm);
+  if (given.normal) json["normal"] = point_json(given.normal->normalized());
+  if (given.superior) json["superior"] = point_json(given.superior->normalized());
+  if (bone.landmarks) {
+    json["landmarks"] = {{"glenoid_center_mm", point_json(bone.landmarks->glenoid_center_mm)},
+                         {"trigonum_spinae_mm", point_json(bone.landmarks->trigonum_spinae_mm)},
+                         {"inferior_angle_mm", point_json(bone.landmarks->inferior_angle_mm)}};
+  }
+  return json;
+}
+
+/// The envelope of revolution of the tool; null where it cannot be read.
+Json tool_json(const ToolSettings& settings, double voxel_mm, std::vector<Mistake>& mistakes, Report& report) {
+  Json json;
+  attempt(mistakes, [&] {
+    const Tool tool = load_tool(settings, voxel_mm, ShellUse::none, report);
+    Json profile = Json::array();
+    for (const Vec2& p : tool.profile.points) profile.push_back({short_number(p.x()), short_number(p.y())});
+    json = {{"profile", profile}};
+  });
+  return json;
+}
+
+/// The path of the tool in its own frame: `frame`, and for evenly spaced frames `time_s` and `poses` as x, y, z (mm)
+/// and qw, qx, qy, qz. Without poses where it cannot be read.
+Json motion_json(const MotionSettings& settings, std::vector<Mistake>& mistakes, Report& report) {
+  Json json{{"frame", name_of(settings.frame)}, {"time_s", Json::array()}, {"poses", Json::array()}};
+  attempt(mistakes, [&] {
+    const Motion motion = build_motion(settings, GlenoidFrame{}, report);
+    for (const std::size_t k : evenly_spaced(motion.poses.size(), kMaxPoses)) {
+      const ToolPose pose = motion.poses[k];
+      const Vec3& p = pose.position_mm;
+      const Quat& q = pose.orientation;
+      json["time_s"].push_back(short_number(static_cast<double>(k) * motion.frame_s()));
+      json["poses"].push_back({short_number(p.x()), short_number(p.y()), short_number(p.z()), short_number(q.w()),
+                               short_number(q.x()), short_number(q.y()), short_number(q.z())});
+    }
+  });
+  return json;
+}
+
+/// A face round `near_mm` is found on the bone as a run finds it.
+std::optional<GlenoidFrame> glenoid_of_scan(const Scenario& scenario, Report& report) {
+  const BoneSettings& settings = scenario.bone;
+  if (!settings.glenoid.near_mm) return glenoid_frame(settings.glenoid, settings.side);
+  Report said_before;  // by segmented_scan()
+  BoneSettings without_hole = with_surface_voxels(settings, scenario.cutting);
+  without_hole.pilot_hole.reset();
+  const Bone bone = load_bone(without_hole, said_before);
+  for (const std::string& note : said_before.notes) report.note(note);
+  return bone.glenoid;
+}
+
+}  // namespace
+
+PreviewBone load_preview_bone(const Scenario& scenario, Report& report) {
+  const BoneSettings& settings = scenario.bone;
+  PreviewBone out;
+  out.side = settings.side;
+  if (settings.source == BoneSource::ct) {
+    out.scan = segmented_scan(settings, report);
+    out.mistakes = out.scan.mistakes;
+    out.landmarks = settings.glenoid.landmarks;
+    out.rim_mm = settings.glenoid.rim_mm;
+    attempt(out.mistakes, [&] { out.glenoid = glenoid_of_scan(scenario, report); });
+    return out;
+  }
+  // A rim that lies beside the bone is what the preview is for: it must not stop it.
+  BoneSettings without_rim = with_surface_voxels(settings, scenario.cutting);
+  without_rim.glenoid.rim_mm.clear();
+  out.bone = load_bone(without_rim, report);
+  out.glenoid = out.bone->glenoid;
+  out.landmarks = out.bone->landmarks;
+  out.rim_mm = settings.glenoid.rim_mm.empty() ? out.bone->rim_mm : settings.glenoid.rim_mm;
+  out.side = out.bone->side;
+  out.frame = out.bone->voxmap->frame;
+  return out;
+}
+
+Json preview_data(const PreviewRequest& request, const PreviewBone& bone, std::int64_t most_voxels, Report& report) {
+  const Scenario& scenario = request.scenario;
+  const BoneSettings& settings = scenario.bone;
+  std::vector<Mistake> mistakes = bone.mistakes;
+  Json json;
+  json["scenario"] = request.text;
+  json["file_name"] = request.file_name;
+  json["source"] = name_of(settings.source);
+  json["anatomical"] = bone.frame == "LPS" || (bone.frame == "phantom" && bone.side != BodySide::unknown);
+  json["side"] = bone.side == BodySide::unknown ? Json() : Json(name_of(bone.side));
+  json["ct"] = settings.source == BoneSource::ct ? ct_json(settings.ct, bone.scan.settings) : Json();
+  json["glenoid"] = glenoid_json(bone, settings.glenoid);
+  json["tool"] = tool_json(scenario.tool, settings.voxel_mm, mistakes, report);
+  json["motion"] = motion_json(scenario.motion, mistakes, report);
+  json["volume"] =
+      volume_json(bone.bone ? preview_of_voxmap(*bone.bone, most_voxels) : preview_of_scan(bone.scan, most_voxels));
+  json["problems"] = Json::array();
+  for (const Mistake& mistake : mistakes) {
+    // The file's name suffices, and says nothing about the machine.
+    Mistake shown = mistake;
+    shown.where = {std::filesystem::path(mistake.where.file).filename().string(), 0, 0};
+    json["problems"].push_back(recorded_text(shown.line()));
+  }
+  json["warnings"] = Json::array();
+  for (const std::string& warning : report.warnings) json["warnings"].push_back(recorded_text(warning));
+  return json;
+}
+
+}  // namespace reamsim

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <cstdint>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "sim/bone/ct/ct_import.h"
+#include "sim/bone/voxmap/voxmap.h"
+
+namespace reamsim {
+
+/// What the page shows in its slices, on a lattice along the axes of B.
+struct PreviewVolume {
+  ct::Lattice lattice;
+  std::string unit;          ///< of `value`: "HU" or "g/cm³"
+  std::vector<float> value;  ///< radiodensity, or density with 0 in the air
+  std::vector<float> bone;   ///< above 0 in the bone, 0 at its surface, within −1…1; empty without a segmentation
+};
+
+/// A CT scan and its segmentation, with at most `most_voxels` voxels. Larger scans are averaged, first along the axes
+/// with the smallest spacing.
+PreviewVolume preview_of_scan(const SegmentedScan& scan, std::int64_t most_voxels);
+
+/// A voxmap, averaged over cubes of n³ voxels, with the least n for at most `most_voxels` cubes.
+PreviewVolume preview_of_voxmap(const BoneView& bone, std::int64_t most_voxels);
+
+/// The volume for the page: `dims`, `origin_mm` (centre of the first voxel), `spacing_mm`, `unit`, and zlib in base 64:
+/// `values`, a byte v per voxel for low + step·v, and `bone`, a byte per voxel, 128 at the surface and more inside, or
+/// null. Bytes are differences to the previous voxel, which compress better.
+nlohmann::ordered_json volume_json(const PreviewVolume& volume);
+
+/// A point in mm or a direction, with six significant digits.
+nlohmann::ordered_json point_json(const Vec3& p);
+
+}  // namespace reamsim

@@ -1,0 +1,238 @@
+// The controls beside the views.
+import { colors } from "./looks.js";
+import { same, text } from "./vector.js";
+
+const byId = (id) => document.getElementById(id);
+const kTools = [
+  ["look", "Nothing: move the cross"], ["center", "Glenoid centre"], ["superior", "Superior of the glenoid"], ["seed", "Seed in the bone"],
+  ["trigonum", "Trigonum spinae"], ["inferior", "Inferior angle"], ["rim", "Rim of the face"],
+];
+
+function made(tag, attributes = {}, ...children) {
+  const element = Object.assign(document.createElement(tag), attributes);
+  element.append(...children);
+  return element;
+}
+
+const pointText = (p) => (p === null ? "not placed" : p.map((c) => text(c, 1)).join(", "));
+
+export class Controls {
+  constructor(model, slices, window) {
+    Object.assign(this, { model, slices, window });
+    this.addTools();
+    this.addPoint();
+    this.addFrame();
+    this.addSegmentation();
+    this.addReamer();
+    this.addWindow();
+    this.addKey();
+    this.show();
+  }
+
+  get tools() {
+    const ct = this.model.data.ct !== null && !this.model.data.ct.label_map;
+    const spheres = this.model.values.cut_spheres.map((_, i) => [`sphere-${i}`, `Centre of cut sphere ${i + 1}`]);
+    return [...kTools.filter(([tool]) => ct || tool !== "seed"), ...spheres];
+  }
+
+  addTools() {
+    byId("tools").addEventListener("change", (event) => this.model.choose(event.target.value));
+    byId("place-here").addEventListener("click", () => this.model.place(this.model.tool, this.model.cross));
+    byId("go-there").addEventListener("click", () => {
+      const point = this.model.pointOf(this.model.tool);
+      if (point !== null) this.model.moveCross(point);
+    });
+    byId("remove-point").addEventListener("click", () => this.model.remove(this.model.tool));
+  }
+
+  // Rebuilt only when the list changes, so that the focus stays.
+  showTools() {
+    const { model } = this, names = this.tools, key = names.map(([tool]) => tool).join();
+    if (key !== this.toolKey) {
+      this.toolKey = key;
+      byId("tools").replaceChildren(byId("tools").querySelector("legend"), ...names.map(([tool, name]) => {
+        const dot = made("span", { className: "dot" });
+        dot.style.background = colors[tool] ?? (tool === "look" ? "transparent" : colors.sphere);
+        return made("label", { className: "tool" }, made("input", { type: "radio", name: "tool", value: tool }), dot, made("span", { textContent: name }), made("output", { id: `at-${tool}` }));
+      }));
+    }
+    for (const [tool] of names) {
+      byId("tools").querySelector(`input[value=${tool}]`).checked = tool === model.tool;
+      byId(`at-${tool}`).textContent = tool === "look" ? "" : tool === "rim" ? `${model.values.rim.length} points`
+        : tool === "superior" ? (model.values.superior === null ? "not placed" : "placed") : pointText(model.pointOf(tool));
+    }
+    const placed = model.tool !== "look" && model.pointOf(model.tool) !== null;
+    byId("place-here").disabled = model.tool === "look" || (model.tool === "superior" && model.values.center === null);
+    byId("go-there").disabled = byId("remove-point").disabled = !placed;
+  }
+
+  numbers(id, apply) {
+    const inputs = [...document.querySelectorAll(`#${id} input`)];
+    for (const input of inputs) {
+      input.addEventListener("change", () => {
+        const values = inputs.map((each) => Number(each.value));
+        if (inputs.every((each) => each.value !== "") && values.every(Number.isFinite)) apply(values);
+      });
+    }
+    return (values, digits) => inputs.forEach((input, i) => {
+      const shown = values === null ? "" : String(Number(values[i].toFixed(digits)) + 0);
+      if (input.value !== shown) input.value = shown;
+    });
+  }
+
+  addPoint() {
+    this.showPoint = this.numbers("point", (point) => {
+      if (this.model.tool === "look") return this.model.moveCross(point);
+      const placed = this.model.pointOf(this.model.tool) !== null;
+      this.model.place(this.model.tool, point, placed && this.model.tool !== "center");
+      return this.model.moveCross(point);
+    });
+  }
+
+  addFrame() {
+    for (const input of document.querySelectorAll("input[name=side]")) input.addEventListener("change", () => this.model.set({ side: input.value }));
+    for (const input of document.querySelectorAll("input[name=from]")) input.addEventListener("change", () => this.model.set({ from: input.value }));
+    this.showNormal = this.numbers("normal", (normal) => { if (normal.some((n) => n !== 0)) this.model.set({ normal }); });
+    byId("fit-normal").addEventListener("click", () => this.model.fitNormal());
+    byId("flip-normal").addEventListener("click", () => this.model.set({ normal: this.model.values.normal.map((n) => -n + 0) }));
+  }
+
+  showFrame() {
+    const { values } = this.model, face = values.from === "face";
+    for (const input of document.querySelectorAll("input[name=side]")) input.checked = input.value === values.side;
+    for (const input of document.querySelectorAll("input[name=from]")) input.checked = input.value === values.from;
+    this.showNormal(face ? values.normal : this.model.glenoid?.axes[2] ?? null, 4);
+    for (const input of document.querySelectorAll("#normal input")) input.disabled = !face;
+    byId("fit-normal").disabled = !face || values.center === null;
+    byId("flip-normal").disabled = !face || values.normal === null;
+  }
+
+  addSegmentation() {
+    const { ct } = this.model.data;
+    if (ct === null || ct.label_map) return;
+    byId("segmentation").hidden = false;
+    const slider = byId("threshold");
+    Object.assign(slider, { min: Math.min(-200, ct.threshold_hu), max: Math.max(1000, ct.threshold_hu) });
+    // A threshold between the slider's steps stays as it is until the slider moves.
+    slider.step = ct.threshold_hu % 5 === 0 ? 5 : 1;
+    slider.addEventListener("input", () => this.soon({ threshold_hu: Number(slider.value) }));
+    byId("add-sphere").addEventListener("click", () => {
+      const { values: { cut_spheres }, cross } = this.model;
+      this.model.set({ cut_spheres: [...cut_spheres, { center_mm: [...cross], radius_mm: 20 }] });
+      this.model.choose(`sphere-${cut_spheres.length}`);
+    });
+  }
+
+  // The mask of a slider's last place in a frame; it takes longer than a frame.
+  soon(changes) {
+    if (this.waiting === undefined) {
+      setTimeout(() => {
+        const all = this.waiting;
+        this.waiting = undefined;
+        this.model.set(all);
+      }, 30);
+    }
+    this.waiting = { ...this.waiting, ...changes };
+  }
+
+  showSegmentation() {
+    const { values, data, live, segmentationChanged } = this.model;
+    if (byId("segmentation").hidden) return;
+    byId("threshold").value = values.threshold_hu;
+    byId("threshold-value").textContent = `${values.threshold_hu} HU`;
+    byId("threshold").setAttribute("aria-valuetext", `${values.threshold_hu} HU`);
+    this.showSpheres();
+    byId("mask-note").textContent = segmentationChanged || data.volume.bone === null
+      ? (live === null ? "No bone remains." : "Blue: what these settings would segment, on a coarse copy of the scan. Orange: what the program has segmented.")
+      : "Orange: the bone as the program has segmented it. Changes show their effect in blue.";
+  }
+
+  showSpheres() {
+    const spheres = this.model.values.cut_spheres, place = byId("spheres");
+    if (place.children.length !== spheres.length) {
+      place.replaceChildren(...spheres.map((_, i) => {
+        const id = `radius-${i}`, slider = made("input", { type: "range", id, min: 1, max: 60, step: 0.1 });
+        slider.addEventListener("input", () => this.soon({
+          cut_spheres: this.model.values.cut_spheres.map((sphere, k) => (k === i ? { ...sphere, radius_mm: Number(slider.value) } : sphere)),
+        }));
+        const remove = made("button", { type: "button", textContent: "Remove" });
+        remove.setAttribute("aria-label", `Remove cut sphere ${i + 1}`);
+        remove.addEventListener("click", () => this.model.remove(`sphere-${i}`));
+        return made("div", { className: "sphere" }, made("label", { htmlFor: id, className: "field" }, `Radius of cut sphere ${i + 1} `, made("output", {})), slider, remove);
+      }));
+    }
+    spheres.forEach((sphere, i) => {
+      byId(`radius-${i}`).value = sphere.radius_mm;
+      place.children[i].querySelector("output").textContent = `${sphere.radius_mm.toFixed(1)} mm`;
+    });
+  }
+
+  addReamer() {
+    const { reamer } = this.model;
+    if (reamer === null) return;
+    byId("reamer").hidden = false;
+    byId("pose").max = reamer.count - 1;
+    byId("pose").addEventListener("input", () => this.model.setPose(Number(byId("pose").value)));
+    byId("show-reamer").addEventListener("change", () => {
+      this.model.showsReamer = byId("show-reamer").checked;
+      this.model.notify("pose");
+    });
+  }
+
+  showPose() {
+    const { reamer, pose, posed } = this.model;
+    if (reamer === null) return;
+    const shown = posed === null ? "needs a glenoid frame" : `${reamer.motion.time_s[pose].toFixed(2)} s`;
+    byId("pose").value = pose;
+    byId("pose").disabled = posed === null;
+    byId("pose-value").textContent = shown;
+    byId("pose").setAttribute("aria-valuetext", shown);
+  }
+
+  addWindow() {
+    const { window, model } = this, digits = model.volume.unit === "HU" ? 0 : 2;
+    Object.assign(byId("level"), { min: window.least, max: window.most, step: window.step, value: window.level });
+    Object.assign(byId("width"), { min: window.step, max: 2 * (window.most - window.least), step: window.step, value: window.width });
+    const show = () => {
+      for (const key of ["level", "width", "zoom"]) {
+        window[key] = Number(byId(key).value);
+        const shown = key === "zoom" ? `${window.zoom.toFixed(1)}×` : `${text(window[key], digits)} ${model.volume.unit}`;
+        byId(`${key}-value`).textContent = shown;
+        byId(key).setAttribute("aria-valuetext", shown);
+      }
+      for (const slice of this.slices) slice.draw();
+    };
+    for (const key of ["level", "width", "zoom"]) byId(key).addEventListener("input", show);
+    show();
+  }
+
+  addKey() {
+    const { model } = this, items = [["bone", "bone"]];
+    if (model.data.ct !== null && !model.data.ct.label_map) items.push(["live", "bone with your changes"], ["sphere", "cut sphere"]);
+    if (model.reamer !== null) items.push(["reamer", "reamer"]);
+    items.push(["center", "normal"]);
+    byId("key").append(...items.map(([name, words]) => {
+      const line = made("span", { className: "line" });
+      line.style.background = colors[name];
+      return made("li", {}, line, words);
+    }));
+  }
+
+  showFindings() {
+    const names = { problem: "Problem", note: "Note", fine: "Fine" };
+    const findings = this.model.findings;
+    if (same(findings, this.shown)) return;
+    this.shown = findings;
+    byId("warnings").replaceChildren(...findings.map((each) => made("li", { className: each.level }, made("strong", { textContent: `${names[each.level]}: ` }), each.text)));
+  }
+
+  show() {
+    this.showTools();
+    byId("point-name").textContent = this.model.tool === "look" ? "Cross" : this.tools.find(([tool]) => tool === this.model.tool)[1];
+    this.showPoint(this.model.pointOf(this.model.tool), 2);
+    this.showFrame();
+    this.showSegmentation();
+    this.showPose();
+    this.showFindings();
+  }
+}

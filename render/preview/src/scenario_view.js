@@ -1,0 +1,77 @@
+// The scenario's text with its changed lines marked, to copy or to save.
+import { scenarioText } from "./scenario_text.js";
+
+const byId = (id) => document.getElementById(id);
+
+// Which lines of `after` are not in `before`, by a longest common subsequence.
+export function changedLines(before, after) {
+  const rows = before.length + 1, columns = after.length + 1;
+  const longest = new Uint16Array(rows * columns);
+  for (let i = before.length - 1; i >= 0; --i) {
+    for (let j = after.length - 1; j >= 0; --j) {
+      longest[i * columns + j] = before[i] === after[j] ? longest[(i + 1) * columns + j + 1] + 1
+        : Math.max(longest[(i + 1) * columns + j], longest[i * columns + j + 1]);
+    }
+  }
+  const changed = new Array(after.length).fill(true);
+  for (let i = 0, j = 0; i < before.length && j < after.length;) {
+    if (before[i] === after[j]) { changed[j] = false; ++i; ++j; }
+    else if (longest[(i + 1) * columns + j] >= longest[i * columns + j + 1]) ++i;
+    else ++j;
+  }
+  return changed;
+}
+
+export class ScenarioView {
+  constructor(model) {
+    this.model = model;
+    this.text = model.data.scenario;
+    byId("save").addEventListener("click", () => this.save());
+    byId("copy").addEventListener("click", () => this.copy());
+    byId("undo").addEventListener("click", () => model.undo());
+    byId("yaml-help").textContent = "Save it beside the original: relative paths start from its folder. Then validate it with reamsim check.";
+    this.show();
+  }
+
+  show() {
+    const { data } = this.model;
+    let problem = "";
+    try {
+      this.text = scenarioText(this.model);
+    } catch (error) {
+      problem = error.message;
+    }
+    const before = data.scenario.split("\n"), after = this.text.split("\n");
+    const changed = this.text === data.scenario ? [] : changedLines(before, after);
+    byId("yaml").replaceChildren(...after.flatMap((line, i) => {
+      const end = i + 1 < after.length ? "\n" : "";
+      if (!changed[i]) return [line + end];
+      return [Object.assign(document.createElement("mark"), { textContent: line }), end];
+    }));
+    const count = changed.filter((each) => each).length;
+    byId("yaml-state").textContent = problem !== "" ? `Not written: ${problem}.` : this.text === data.scenario ? "Unchanged." : count === 0 ? "Lines removed." : `${count} ${count === 1 ? "line" : "lines"} changed.`;
+    byId("yaml-state").classList.toggle("bad", problem !== "");
+    byId("undo").disabled = this.model.same();
+  }
+
+  save() {
+    const link = Object.assign(document.createElement("a"), {
+      href: URL.createObjectURL(new Blob([this.text], { type: "application/yaml" })), download: this.model.data.file_name,
+    });
+    link.click();
+    setTimeout(() => URL.revokeObjectURL(link.href), 10_000);
+    byId("yaml-state").textContent = `Saved as ${this.model.data.file_name}.`;
+  }
+
+  async copy() {
+    let done = false;
+    try {
+      await navigator.clipboard.writeText(this.text);
+      done = true;
+    } catch {
+      getSelection().selectAllChildren(byId("yaml"));
+      done = document.execCommand("copy");
+    }
+    byId("yaml-state").textContent = done ? "Copied." : "Copying is not allowed here: select the text.";
+  }
+}

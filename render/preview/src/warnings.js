@@ -1,0 +1,71 @@
+// What would go wrong in a run, from the coarse bone. Each message has a `level`: problem or note.
+import { dot } from "./vector.js";
+import { nearbyBone, nearestSurface } from "./glenoid.js";
+
+const mm = (value) => `${value.toFixed(1)} mm`;
+
+function frameWarnings({ bone, surface, glenoid, side, anatomical }, say) {
+  const away = nearestSurface(surface, glenoid.center);
+  if (away > 10) say("problem", `The glenoid centre is ${mm(away)} from the surface of the bone; at most 10 mm are accepted.`);
+  const round = nearbyBone(bone, glenoid.center, glenoid.axes[2], away + 8);
+  if (round.ahead > 1.5 * round.behind) {
+    say("problem", `The normal points into the bone: ${round.ahead.toFixed(0)} mm³ lie ahead of it, ${round.behind.toFixed(0)} mm³ behind it. Flip it.`);
+  } else if (round.outward !== null && dot(round.outward, glenoid.axes[2]) < Math.cos((50 * Math.PI) / 180)) {
+    say("note", "The normal is more than 50° away from the direction out of the bone.");
+  }
+  if (!anatomical) return;
+  const left = glenoid.axes[2][0];
+  if ((side === "left" && left < -0.1) || (side === "right" && left > 0.1)) {
+    say("note", `The side is ${side}, but the normal points to the patient's ${left > 0 ? "left" : "right"}.`);
+  }
+  if (glenoid.axes[1][2] < -0.1) say("note", "The superior direction points down.");
+}
+
+// Where the reamer first meets the bone: the index of the pose or −1; and until then how near it comes.
+export function contactOf({ reamer, glenoid, surface, bone }) {
+  const spacing = Math.min(...bone.lattice.spacing);
+  let first = -1, nearest = Infinity, startsInside = false;
+  for (let k = 0; k < reamer.count && first < 0; ++k) {
+    const pose = reamer.pose(k, glenoid);
+    const away = reamer.leastDistance(pose, surface.positions, 30);
+    nearest = Math.min(nearest, away);
+    // Half a voxel is what the coarse surface may be wrong by.
+    if (k === 0) startsInside = away < -0.5 * spacing || bone.at(pose.origin) > 160;
+    if (away <= 0) first = k;
+  }
+  return { first, nearest, startsInside };
+}
+
+function contactWarnings(contact, reamer, say) {
+  if (contact.startsInside) {
+    say("problem", "The reamer starts in bone: it would remove bone at once, without force. Move its start out of the bone.");
+  } else if (contact.first < 0) {
+    say("problem", `The reamer never meets the bone${contact.nearest < Infinity ? `; it comes as near as ${mm(contact.nearest)}` : ": it stays more than 30 mm away"}.`);
+  } else {
+    say("fine", `The reamer meets the bone at about ${reamer.motion.time_s[contact.first].toFixed(2)} s.`);
+  }
+}
+
+// `view`: bone (Field), surface, glenoid, from, side, needsSide, anatomical, reamer, contact, rim, seed, seedMissed.
+export function warningsOf(view) {
+  const out = [];
+  const say = (level, text) => out.push({ level, text });
+  if (view.seedMissed) say("problem", "The seed is in no bone: the largest piece is shown.");
+  if (view.surface === null) {
+    say("problem", "No bone is above the threshold.");
+    return out;
+  }
+  if (view.glenoid === null) {
+    const missing = view.from === "landmarks" ? "the glenoid centre, the trigonum spinae and the inferior angle" : "the glenoid centre, then the superior point";
+    say("problem", `There is no glenoid frame yet: place ${missing}.`);
+  }
+  if (view.glenoid !== null) frameWarnings(view, say);
+  if (view.needsSide && view.side === null) say("problem", "The side is missing: choose left or right.");
+  view.rim.forEach((point, i) => {
+    const away = nearestSurface(view.surface, point);
+    if (away > 5) say("problem", `Rim point ${i + 1} is ${mm(away)} from the surface of the bone; at most 5 mm are accepted.`);
+  });
+  if (view.rim.length > 0 && view.rim.length < 6) say("problem", `A rim needs at least 6 points; ${view.rim.length} are placed.`);
+  if (view.contact !== null) contactWarnings(view.contact, view.reamer, say);
+  return out;
+}
