@@ -315,7 +315,7 @@ TEST_F(Segmentation, AScanToLookAtHasTheSameBoneAsTheVoxmap) {
   BoneSettings settings = write(two_bones(-1));
   settings.ct.cut_spheres.push_back({Vec3(15, 0, 0), 7});
   const FilledVoxmap voxmap = import(settings);
-  const SegmentedScan scan = segmented_scan(settings.ct, report_);
+  const SegmentedScan scan = segmented_scan(settings, report_);
   ASSERT_EQ(scan.field.size(), scan.hu.value.size());
   double bone_mm3 = 0;
   scan.hu.lattice.for_each([&](const Vec3i& voxel, std::size_t at) {
@@ -329,7 +329,7 @@ TEST_F(Segmentation, AScanToLookAtHasTheSameBoneAsTheVoxmap) {
 TEST_F(Segmentation, AScanToLookAtSurvivesASeedOutsideTheBone) {
   BoneSettings settings = write(two_bones(2));
   settings.ct.seed_mm = Vec3(-11, -11, -11);
-  const SegmentedScan scan = segmented_scan(settings.ct, report_);
+  const SegmentedScan scan = segmented_scan(settings, report_);
   EXPECT_TRUE(scan.field.empty());
   EXPECT_FALSE(scan.hu.value.empty());
   ASSERT_EQ(scan.mistakes.size(), 1U);
