@@ -172,11 +172,12 @@ void Scene::draw_cut_face(const DrawCall& call) const {
 }
 
 void Scene::draw_lines(const DrawCall& call) const {
-  const LineRibbons ribbons = make_line_ribbons(*call.lines, call.camera, call.line_width_px, kLineLift_mm);
+  const LineRibbons ribbons = make_line_ribbons(*call.lines, call.camera, call.line_width_px + 1, kLineLift_mm);
   const GlMesh mesh(gl_, ribbons.vertices, LineRibbons::kAttributeSizes, ribbons.indices);
   const GlProgram& program = programs_->line;
   use_program(program, call);
   program.set("cut_plane", local_plane(call.camera, Rigid::Identity()));
+  program.set("half_width_px", static_cast<float>(0.5 * call.line_width_px));
   program.set("opacity", static_cast<float>(call.line_opacity));
   gl_.Disable(GL_CULL_FACE);
   gl_.Enable(GL_BLEND);

@@ -168,6 +168,10 @@ void draw_directions(const Canvas& canvas, const Camera& camera, const Labels& l
     const Vec2 tip = middle + reach * way;
     way.normalize();
     const Vec2 side(-way.y(), way.x());
+    // A light outline, visible on dark bone and on a dark slide behind a transparent background.
+    canvas.set_color(kPanelColor);
+    cairo_set_line_width(c, 8 * u);
+    canvas.line(middle, tip + 5 * u * way);
     canvas.set_color(kTextColor);
     cairo_set_line_width(c, 2.5 * u);
     canvas.line(middle, tip);
@@ -175,7 +179,13 @@ void draw_directions(const Canvas& canvas, const Camera& camera, const Labels& l
     cairo_fill(c);
     const TextLine text(canvas, name, 0.80 * kText * u);
     const Vec2 at = tip + (14 * u + 0.5 * std::abs(way.x()) * text.width) * way;
-    text.draw(at.x() - 0.5 * text.width, at.y() - 0.5 * text.height);
+    text.trace(at.x() - 0.5 * text.width, at.y() - 0.5 * text.height);
+    canvas.set_color(kPanelColor);
+    cairo_set_line_join(c, CAIRO_LINE_JOIN_ROUND);
+    cairo_set_line_width(c, 6 * u);
+    cairo_stroke_preserve(c);
+    canvas.set_color(kTextColor);
+    cairo_fill(c);
   }
 }
 
