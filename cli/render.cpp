@@ -134,7 +134,7 @@ void require_states_for_film(const RenderOptions& options, const PictureOptions&
       {options.dir + "/snapshots", 0, 0}, "",
       "the run kept " + std::to_string(states) + " states: a film of them would last " + fixed_text(film_s, 2) + " s",
       "run the scenario again with --set render.film=" + name_of(settings.film) +
-          ", which keeps 150 states, or show these slowly with --film-rate " + rate);
+          ", which keeps up to 150 states, or show these slowly with --film-rate " + rate);
 }
 
 /// Checks everything that can be wrong with the options before the first file is written: the cameras against the run,

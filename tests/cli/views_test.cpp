@@ -110,13 +110,13 @@ TEST_F(ViewsOfARun, CamerasInBracesOfTheRunAndUnknown) {
   expect_complaint(render({"--only", "posters"}), "posters");
 }
 
-// Of a run with three states.
+// Of a run with two states.
 TEST_F(ViewsOfARun, ARefusedOptionLeavesEveryFileAsItIs) {
   expect_done(run(kDrawn));
   const auto before = files_of(path("out"));
   expect_complaint(render({"--camera", "{name: at, frame: glenoid, position_mm: [0, 0, 0]}"}),
                    "the camera is at its target");
-  expect_complaint(render({"--film"}), "kept 3 states: a film of them would last 0.12 s");
+  expect_complaint(render({"--film"}), "kept 2 states: a film of them would last 0.08 s");
   expect_complaint(render({"--only", "film"}), "--set render.film=mp4");
   expect_complaint(render({"--only", "film", "--set", "render.film_rate_hz=3"}), "--film-rate 1");
   EXPECT_EQ(files_of(path("out")), before);
