@@ -129,7 +129,10 @@ void Outputs::make(Report& report, const Console& console) {
 }
 
 void Outputs::make_report() const {
-  if (options_.report && options_.finished) write_report(run_, options_.pictures);
+  if (!options_.report || !options_.finished) return;
+  PictureOptions pictures = options_.pictures;
+  if (!options_.report_cameras.empty()) pictures.settings.cameras = options_.report_cameras;
+  write_report(run_, pictures);
 }
 
 }  // namespace reamsim

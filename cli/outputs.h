@@ -16,6 +16,7 @@ struct OutputOptions {
   bool torque_spectrum = true;
   bool meshes = true;
   bool report = true;
+  std::vector<CameraView> report_cameras{};  ///< of the run, whose pictures the report shows; none: those of `pictures`
   bool finished = true;  ///< false: a run with a checkpoint only; no depth map, meshes or report can be made
 };
 

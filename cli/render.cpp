@@ -7,8 +7,11 @@
 
 #include "cli/commands.h"
 #include "cli/outputs.h"
+#include "render/frame_schedule.h"
 #include "render/plots/plots.h"
+#include "render/render.h"
 #include "sim/base/error.h"
+#include "sim/base/text.h"
 #include "sim/record/output_folder.h"
 #include "sim/scenario/parse.h"
 
@@ -117,6 +120,35 @@ void choose_kinds(const RenderOptions& options, PictureOptions& pictures) {
   if (pictures.film && settings.film == FilmFormat::none) settings.film = FilmFormat::mp4;
 }
 
+/// Shorter films are refused unless the user sets their frame rate: a run without a film keeps eleven states.
+constexpr double kShortestFilm_s = 2;
+
+/// Throws InputError for a film that would show only a few states, and says what would give more.
+void require_states_for_film(const RenderOptions& options, const PictureOptions& pictures, std::size_t states) {
+  const RenderSettings& settings = pictures.settings;
+  if (!pictures.film || settings.film == FilmFormat::none || options.film_rate_hz != 0) return;
+  const double film_s = static_cast<double>(states) / settings.film_rate_hz;
+  if (film_s >= kShortestFilm_s) return;
+  const std::string rate = std::to_string(std::max(1, static_cast<int>(static_cast<double>(states) / kShortestFilm_s)));
+  throw InputError(
+      {options.dir + "/snapshots", 0, 0}, "",
+      "the run kept " + std::to_string(states) + " states: a film of them would last " + fixed_text(film_s, 2) + " s",
+      "run the scenario again with --set render.film=" + name_of(settings.film) +
+          ", which keeps up to 150 states, or show these slowly with --film-rate " + rate);
+}
+
+/// Checks everything that can be wrong with the options before the first file is written: the cameras against the run,
+/// the states that a film needs, and its program. Throws InputError, RunError.
+void require_drawable(const RenderOptions& options, const PictureOptions& pictures, const RunData& run) {
+  require_states_for_film(options, pictures, run.inputs().frames.size());
+  const RunView view(run, pictures.settings);
+  if (count_pictures(pictures, view.frames()) == 0) return;
+  static_cast<void>(FrameSchedule(view, pictures));
+  PictureOptions own = pictures;
+  if (!own.film && own.settings.turntable_pictures == 0) own.settings.film = FilmFormat::none;
+  require_film_program(own.settings);
+}
+
 void render_command(const RenderOptions& options, const Console& console) {
   if (!std::filesystem::is_directory(options.dir)) {
     throw InputError({options.dir, 0, 0}, "", "folder not found", "expected the results folder of a finished run");
@@ -128,6 +160,7 @@ void render_command(const RenderOptions& options, const Console& console) {
   choose_kinds(options, pictures);
   pictures.settings.enabled = true;
   const RunData run = open_run(options.dir);
+  require_drawable(options, pictures, run);
   pictures.mean_travel_mm = averaged_travel_mm(settings.cutting, run.voxmap().grid.voxel_mm);
   Outputs outputs(run, {.pictures = pictures,
                         .force_plots = options.wants("plots"),
@@ -135,6 +168,7 @@ void render_command(const RenderOptions& options, const Console& console) {
                         .torque_spectrum = settings.tool_spin == ToolSpin::resolved,
                         .meshes = options.wants("meshes") && settings.output.meshes,
                         .report = options.wants("report") && pictures.settings.report,
+                        .report_cameras = settings.render.cameras,
                         .finished = !is_unfinished(options.dir)});
   ResultUpdate update(options.dir, ResultKind::run);
   Report report;

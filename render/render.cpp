@@ -88,7 +88,7 @@ class PictureComposer {
       case RenderedFrame::Kind::after_half:
         writer_.write(dir_ + "/before_after" + suffix(frame.camera) + ".png",
                       before_and_after(view_, schedule_.halves[frame.camera], before_[frame.camera], frame.image,
-                                       captions_.after(frame.deepest_mm)));
+                                       captions_.after(frame.deepest_mm), frame.contours));
         break;
       case RenderedFrame::Kind::turntable:
         add_turn(std::move(frame));
@@ -110,6 +110,7 @@ class PictureComposer {
     labels.values = captions_.at(row);
     labels.force = captions_.arrow(row);
     labels.widest_value = widest_;
+    labels.contours = std::move(frame.contours);
     draw_labels(frame.image, camera, labels);
     writer_.write(fmt::format("{}/frames/{:06}{}.png", dir_, frame.frame, suffix(frame.camera)),
                   std::move(frame.image));
@@ -126,6 +127,7 @@ class PictureComposer {
     Labels labels = view_.labels(camera, std::nullopt);
     labels.title = "After reaming";
     labels.values = captions_.after(frame.deepest_mm);
+    labels.contours = std::move(frame.contours);
     draw_labels(frame.image, camera, labels);
     writer_.write(dir_ + "/reamed" + suffix(frame.camera) + ".png", std::move(frame.image));
   }

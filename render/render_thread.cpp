@@ -98,7 +98,11 @@ class RenderThread::Pass {
                       std::int64_t frame = 0, const std::optional<Rigid>& tool = {}) {
     for (std::size_t i = 0; i < cameras.size(); ++i) {
       PixelImage image = renderer.render(cameras[i], tool, kind == RenderedFrame::Kind::film);
-      if (!thread_.queue_.push({kind, i, frame, renderer.deepest_mm(), std::move(image)})) throw Stopped();
+      const bool numbered = kind != RenderedFrame::Kind::sheet && !(tool && cameras[i].shows_tool);
+      std::vector<SeenContour> contours;
+      if (numbered) contours = renderer.contours(cameras[i]);
+      RenderedFrame out{kind, i, frame, renderer.deepest_mm(), std::move(contours), std::move(image)};
+      if (!thread_.queue_.push(std::move(out))) throw Stopped();
     }
   }
 

@@ -25,9 +25,10 @@ struct RenderedFrame {
     turntable,   ///< the final state; by turn
   };
   Kind kind;
-  std::size_t camera = 0;  ///< index in FrameSchedule, or of the turn
-  std::int64_t frame = 0;  ///< of the run
-  double deepest_mm = 0;   ///< of the state
+  std::size_t camera = 0;               ///< index in FrameSchedule, or of the turn
+  std::int64_t frame = 0;               ///< of the run
+  double deepest_mm = 0;                ///< of the state
+  std::vector<SeenContour> contours{};  ///< that get their numbers: none where the tool may hide them
   PixelImage image;
 };
 

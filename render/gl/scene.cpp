@@ -14,6 +14,8 @@ extern const char* const shader_bone_vert;
 extern const char* const shader_bone_frag;
 extern const char* const shader_cut_face_vert;
 extern const char* const shader_cut_face_frag;
+extern const char* const shader_line_vert;
+extern const char* const shader_line_frag;
 extern const char* const shader_tool_vert;
 extern const char* const shader_tool_frag;
 }  // namespace embedded
@@ -23,6 +25,8 @@ namespace {
 constexpr int kSupersamplingAlone = 3;
 /// Depth offset of the tool towards the viewer, against z-fighting with the bone that it touches.
 constexpr double kToolOffset_mm = 0.6;
+/// The same of contour lines.
+constexpr double kLineLift_mm = 0.35;
 /// Bone behind a section fades by 1/e over 25 mm.
 constexpr float kHaze_per_mm = 0.04F;
 
@@ -62,11 +66,13 @@ struct Scene::Programs {
                    with_lighting(embedded::shader_background_frag)),
         bone(gl, "bone", {embedded::shader_bone_vert}, with_lighting(embedded::shader_bone_frag)),
         cut_face(gl, "cut_face", {embedded::shader_cut_face_vert}, with_lighting(embedded::shader_cut_face_frag)),
+        line(gl, "line", {embedded::shader_line_vert}, with_lighting(embedded::shader_line_frag)),
         tool(gl, "tool", {embedded::shader_tool_vert}, with_lighting(embedded::shader_tool_frag)) {}
 
   GlProgram background;
   GlProgram bone;
   GlProgram cut_face;
+  GlProgram line;
   GlProgram tool;
 };
 
@@ -109,6 +115,7 @@ PixelImage Scene::draw(const DrawCall& call) {
   gl_.DepthFunc(GL_LEQUAL);
   draw_bone(call);
   if (call.cut_face != nullptr && call.cut_face->width > 0) draw_cut_face(call);
+  if (call.lines != nullptr && !call.lines->empty()) draw_lines(call);
   if (call.bone_from_spinning_tool && call.camera.shows_tool) draw_tool(call);
   gl_.check("drawing a picture");
   PixelImage image{width_px, height_px, target.read()};
@@ -132,7 +139,6 @@ void Scene::draw_bone(const DrawCall& call) const {
   program.set("eye_from_bone", Eigen::Matrix4f(call.camera.eye_from_bone.matrix().cast<float>()));
   program.set("cut_plane", local_plane(call.camera, Rigid::Identity()));
   program.set("depth_max_mm", static_cast<float>(call.depth_max_mm));
-  program.set("contour_mm", static_cast<float>(call.contour_mm));
   program.set("haze_per_mm", call.camera.cut_plane ? kHaze_per_mm : 0.0F);
   program.set("depth_colors", 0);
   depth_colors_.bind(0);
@@ -163,6 +169,21 @@ void Scene::draw_cut_face(const DrawCall& call) const {
   gl_.Disable(GL_CULL_FACE);
   gl_.Enable(GL_BLEND);
   quad.draw();
+}
+
+void Scene::draw_lines(const DrawCall& call) const {
+  const LineRibbons ribbons = make_line_ribbons(*call.lines, call.camera, call.line_width_px + 1, kLineLift_mm);
+  const GlMesh mesh(gl_, ribbons.vertices, LineRibbons::kAttributeSizes, ribbons.indices);
+  const GlProgram& program = programs_->line;
+  use_program(program, call);
+  program.set("cut_plane", local_plane(call.camera, Rigid::Identity()));
+  program.set("half_width_px", static_cast<float>(0.5 * call.line_width_px));
+  program.set("opacity", static_cast<float>(call.line_opacity));
+  gl_.Disable(GL_CULL_FACE);
+  gl_.Enable(GL_BLEND);
+  gl_.DepthMask(GL_FALSE);
+  mesh.draw();
+  gl_.DepthMask(GL_TRUE);
 }
 
 void Scene::draw_tool(const DrawCall& call) const {

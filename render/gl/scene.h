@@ -8,6 +8,7 @@
 #include "render/gl/camera.h"
 #include "render/gl/cut_face.h"
 #include "render/gl/gl_objects.h"
+#include "render/gl/line_ribbons.h"
 #include "render/gl/pixel_image.h"
 #include "render/gl/tile_bounds.h"
 #include "render/surface/bone_surface.h"
@@ -22,12 +23,14 @@ enum class Antialiasing { multisample, fxaa };
 /// The parameters of one picture.
 struct DrawCall {
   Camera camera;
-  double depth_max_mm = 1;                       ///< upper end of the depth colours
-  double contour_mm = 1;                         ///< spacing of contour lines on the reamed face
-  double density_max_g_cm3 = 2;                  ///< upper end of the density colours
-  std::optional<Rigid> bone_from_spinning_tool;  ///< without: no tool
-  bool steel = false;                            ///< opaque brushed steel instead of a translucent tool
-  const CutFace* cut_face = nullptr;             ///< section of the bone by the camera's cut plane
+  double depth_max_mm = 1;                          ///< upper end of the depth colours
+  double density_max_g_cm3 = 2;                     ///< upper end of the density colours
+  std::optional<Rigid> bone_from_spinning_tool;     ///< without: no tool
+  bool steel = false;                               ///< opaque brushed steel instead of a translucent tool
+  const std::vector<SurfaceLine>* lines = nullptr;  ///< contour lines on the reamed face
+  double line_width_px = 1;
+  double line_opacity = 1;
+  const CutFace* cut_face = nullptr;  ///< section of the bone by the camera's cut plane
   Background background = Background::studio;
   Eigen::Vector3f key_direction = Eigen::Vector3f::UnitZ();  ///< towards the key light, eye axes; unit length
   int supersampling = 1;                                     ///< factor along each axis
@@ -56,6 +59,7 @@ class Scene {
   void draw_background(Background background) const;
   void draw_bone(const DrawCall& call) const;
   void draw_cut_face(const DrawCall& call) const;
+  void draw_lines(const DrawCall& call) const;
   void draw_tool(const DrawCall& call) const;
   void draw_translucent(const GlProgram& program, bool cut_open) const;
 

@@ -69,4 +69,10 @@ void TextLine::draw(double x, double y) const {
   pango_cairo_show_layout(cairo_, layout_.get());
 }
 
+void TextLine::trace(double x, double y) const {
+  cairo_new_path(cairo_);
+  cairo_move_to(cairo_, x, y);
+  pango_cairo_layout_path(cairo_, layout_.get());
+}
+
 }  // namespace reamsim

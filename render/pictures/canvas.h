@@ -49,6 +49,8 @@ class TextLine {
 
   /// Draws it with its upper left corner at (x, y).
   void draw(double x, double y) const;
+  /// Appends its outline to the path, in the same place.
+  void trace(double x, double y) const;
 
   double width = 0, height = 0;
 

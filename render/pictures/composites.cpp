@@ -52,13 +52,16 @@ Camera half_camera(const RunView& view, const std::string& name) {
 }
 
 PixelImage before_and_after(const RunView& view, const Camera& half, const PixelImage& before, const PixelImage& after,
-                            const std::vector<std::pair<std::string, std::string>>& values) {
+                            const std::vector<std::pair<std::string, std::string>>& values,
+                            const std::vector<SeenContour>& contours) {
   Camera page = half;
   page.width_px = view.settings().width_px;
   PixelImage image = plain_image(page.width_px, page.height_px, kGap_rgb);
   image.paste(before, 0, 0);
   const int right_px = page.width_px - after.width_px;
-  image.paste(after, right_px, 0);
+  PixelImage numbered = after;
+  if (std::min(after.width_px, after.height_px) >= kMinLabelled_px) draw_contour_numbers(numbered, half, contours, {});
+  image.paste(numbered, right_px, 0);
   Labels labels = view.labels(half, std::nullopt);
   labels.title = "Before reaming";
   draw_labels(image, page, labels);

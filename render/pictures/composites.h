@@ -14,9 +14,11 @@ namespace reamsim {
 /// size.
 Camera half_camera(const RunView& view, const std::string& name);
 
-/// Composes such a picture from its halves. `values` of the right half: name and number with unit, one per line.
+/// Composes such a picture from its halves. `values` and `contours` of the right half: name and number with unit, one
+/// per line; lines that get their numbers.
 PixelImage before_and_after(const RunView& view, const Camera& half, const PixelImage& before, const PixelImage& after,
-                            const std::vector<std::pair<std::string, std::string>>& values);
+                            const std::vector<std::pair<std::string, std::string>>& values,
+                            const std::vector<SeenContour>& contours);
 
 /// The layout of a contact sheet.
 struct SheetGrid {

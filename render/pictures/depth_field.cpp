@@ -96,29 +96,41 @@ void DepthField::exclude_rim_from_holes() {
   }
 }
 
-/// Averages over the reamed columns with a Gaussian, against contour lines around voxel steps, and with a far narrower
-/// one, which approximates the nearest of them.
+/// Smooths the depth, and extends it by the mean of the nearest reamed columns to where the smoothed outline may reach.
 void DepthField::smooth() {
-  constexpr int kReach = 4, kSide = 2 * kReach + 1;
-  constexpr double kSigma = 1.8;           // columns
-  constexpr double kNarrowerVariance = 9;  // variance of the first over that of the second
+  constexpr int kReach = 4;
+  constexpr double kSigma = 0.6;  // columns: approximates the nearest of them
   const std::vector<double> weights = gaussian(kSigma, kReach);
+  std::vector<std::uint8_t> reamed;
+  for (const Cell& c : cells_) reamed.push_back(c.depth_mm > 0 ? 1 : 0);
+  signed_depth_ = signed_depth(field_of([](const Cell& c) { return c.depth_mm; }), reamed);
   for (std::size_t own = 0; own < cells_.size(); ++own) {
-    double sum_mm = 0, sum_weight = 0, near_mm = 0, near_weight = 0;
-    for (int n = 0; n < kSide * kSide; ++n) {
-      const int di = n % kSide, dj = n / kSide;
-      const Cell& other = cell(raster_.column(own) + di - kReach, raster_.row(own) + dj - kReach);
-      if (other.depth_mm <= 0) continue;
-      const double weight = weights[static_cast<std::size_t>(di)] * weights[static_cast<std::size_t>(dj)];
-      const double narrow = std::pow(weight, kNarrowerVariance);
-      sum_mm += weight * other.depth_mm;
-      sum_weight += weight;
-      near_mm += narrow * other.depth_mm;
-      near_weight += narrow;
-    }
-    cells_[own].smooth_mm = sum_weight > 0 ? sum_mm / sum_weight : 0;
+    double near_mm = 0, near_weight = 0;
+    raster_.for_each_near(own, kReach, [&](std::size_t n) {
+      if (reamed[n] == 0) return;
+      const int di = raster_.column(n) - raster_.column(own), dj = raster_.row(n) - raster_.row(own);
+      const double weight =
+          weights[static_cast<std::size_t>(di + kReach)] * weights[static_cast<std::size_t>(dj + kReach)];
+      near_mm += weight * cells_[n].depth_mm;
+      near_weight += weight;
+    });
+    cells_[own].smooth_mm = reamed[own] != 0 ? signed_depth_.values[own] : 0;
     cells_[own].near_mm = near_weight > 0 ? near_mm / near_weight : 0;
   }
+}
+
+RasterField DepthField::field_of(const std::function<double(const Cell&)>& value) const {
+  RasterField out{raster_, corner_mm_, spacing_mm_, {}};
+  for (const Cell& c : cells_) out.values.push_back(value(c));
+  return out;
+}
+
+std::vector<ContourLine> DepthField::bone_outlines() const {
+  return contour_lines(field_of([](const Cell& c) { return c.bone_fraction; }), 0.5);
+}
+
+std::vector<ContourLine> DepthField::reamed_outlines() const {
+  return contour_lines(field_of([](const Cell& c) { return c.reamed_fraction - 0.5 * c.bone_fraction; }), 0);
 }
 
 void DepthField::smooth_outlines() {

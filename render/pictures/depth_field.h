@@ -1,11 +1,12 @@
 #pragma once
 
 #include <array>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "render/pictures/smoothed_mask.h"
+#include "render/pictures/contour_lines.h"
 #include "sim/base/geometry.h"
 
 namespace reamsim {
@@ -22,12 +23,18 @@ class DepthField {
     double reamed = 0;      ///< fraction of reamed columns, 0…1
     double perforated = 0;  ///< fraction of columns in a perforation, 0…1
     double depth_mm = 0;    ///< of the reamed columns
-    double smooth_mm = 0;   ///< their smoothed depth, for contour lines
+    double smooth_mm = 0;   ///< their smoothed depth, for colours and contour lines
   };
   /// `place_mm` in the map's frame.
   [[nodiscard]] Sample at(const Vec2& place_mm) const;
   /// Normal of the unreamed surface; +z without bone.
   [[nodiscard]] Vec3 normal_before(const Vec2& place_mm) const;
+
+  /// The smoothed depth with negative values outside the rim, for contour lines.
+  [[nodiscard]] const RasterField& signed_depth_mm() const { return signed_depth_; }
+  /// Smooth outlines, closed: of the bone, with what was perforated, and of its reamed face.
+  [[nodiscard]] std::vector<ContourLine> bone_outlines() const;
+  [[nodiscard]] std::vector<ContourLine> reamed_outlines() const;
 
   [[nodiscard]] double spacing_mm() const { return spacing_mm_; }
   [[nodiscard]] Vec2 min_mm() const { return corner_mm_ - Vec2::Constant(0.5 * spacing_mm_); }
@@ -64,6 +71,7 @@ class DepthField {
   void build_raster(const std::vector<Row>& rows, const std::string& path);
   void exclude_rim_from_holes();
   void smooth();
+  [[nodiscard]] RasterField field_of(const std::function<double(const Cell&)>& value) const;
   void smooth_outlines();
   void compute_normals();
   void compute_totals();
@@ -74,6 +82,7 @@ class DepthField {
   Vec2 corner_mm_ = Vec2::Zero();
   Raster raster_;
   std::vector<Cell> cells_;
+  RasterField signed_depth_;
   double deepest_mm_ = 0, mean_mm_ = 0, area_mm2_ = 0, perforated_mm2_ = 0;
 };
 

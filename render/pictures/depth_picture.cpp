@@ -4,6 +4,8 @@
 #include <cmath>
 #include <filesystem>
 
+#include "render/pictures/canvas.h"
+#include "render/pictures/contour_labels.h"
 #include "render/pictures/depth_field.h"
 #include "render/pictures/overlay.h"
 #include "sim/base/parallel.h"
@@ -20,11 +22,6 @@ constexpr double kMapHeight = 0.95;
 constexpr double kShift_px = 125;
 /// Samples per pixel along each axis.
 constexpr int kMapSamples = 2;
-constexpr double kContourWidth_px = 1.3;
-/// Contour lines end where the reamed fraction is lower, because the mean depth is biased there.
-constexpr double kMinContourFraction = 0.75;
-/// Least slope of the depth with a contour line, mm per mm.
-constexpr double kMinSlope = 0.01;
 
 using Rgb = Eigen::Vector3d;
 
@@ -55,15 +52,17 @@ class DepthPainter {
         scale_(scale),
         colors_(depth_colors()) {}
 
-  [[nodiscard]] std::vector<std::uint32_t> paint() const {
-    const auto width = static_cast<std::size_t>(camera_.width_px), height = static_cast<std::size_t>(camera_.height_px);
-    std::vector<std::uint32_t> pixels(width * height);
-    parallel_items(height, [&](std::size_t y) {
-      for (std::size_t x = 0; x < width; ++x) {
-        pixels[x + width * y] = packed(pixel(static_cast<int>(x), static_cast<int>(y)));
-      }
-    });
-    return pixels;
+  [[nodiscard]] PixelImage paint() const {
+    PixelImage page = plain_image(camera_.width_px, camera_.height_px, packed(kPaperRgb));
+    const Canvas canvas(page);
+    fill(canvas, field_.bone_outlines(), image_of([&](const Vec2& at) { return bone_color(at); }));
+    cairo_save(canvas.get());
+    trace(canvas, field_.bone_outlines());
+    cairo_clip(canvas.get());
+    fill(canvas, field_.reamed_outlines(), image_of([&](const Vec2& at) { return depth_color(at); }));
+    cairo_restore(canvas.get());
+    canvas.finish();
+    return page;
   }
 
  private:
@@ -73,45 +72,55 @@ class DepthPainter {
     return (map_from_eye_ * eye).head<2>();
   }
 
-  [[nodiscard]] Rgb pixel(int x, int y) const {
-    Rgb sum = Rgb::Zero();
-    for (int n = 0; n < kMapSamples * kMapSamples; ++n) {
-      sum += color(place(x + (n % kMapSamples + 0.5) / kMapSamples, y + (n / kMapSamples + 0.5) / kMapSamples));
-    }
-    return sum / (kMapSamples * kMapSamples);
+  /// A layer of the map: the mean colour of the samples of each pixel.
+  template <class Color>
+  [[nodiscard]] PixelImage image_of(const Color& color) const {
+    PixelImage image = plain_image(camera_.width_px, camera_.height_px, 0);
+    const auto width = static_cast<std::size_t>(camera_.width_px);
+    parallel_items(static_cast<std::size_t>(camera_.height_px), [&](std::size_t y) {
+      for (std::size_t x = 0; x < width; ++x) {
+        Rgb sum = Rgb::Zero();
+        for (int n = 0; n < kMapSamples * kMapSamples; ++n) {
+          const double across = static_cast<double>(x) + (n % kMapSamples + 0.5) / kMapSamples;
+          const double down = static_cast<double>(y) + (n / kMapSamples + 0.5) / kMapSamples;
+          sum += color(place(across, down));
+        }
+        image.pixels[x + width * y] = packed(sum / (kMapSamples * kMapSamples));
+      }
+    });
+    return image;
   }
 
-  [[nodiscard]] Rgb color(const Vec2& at) const {
+  void trace(const Canvas& canvas, const std::vector<ContourLine>& outlines) const {
+    for (const ContourLine& line : outlines) {
+      cairo_new_sub_path(canvas.get());
+      for (const Vec2& p : line.points_mm) {
+        const Vec2 px = camera_.pixel({p.x(), p.y(), 0});
+        cairo_line_to(canvas.get(), px.x(), px.y());
+      }
+      cairo_close_path(canvas.get());
+    }
+  }
+
+  /// Fills the area within outlines, without that within inner ones, with a layer.
+  void fill(const Canvas& canvas, const std::vector<ContourLine>& outlines, PixelImage layer) const {
+    const Canvas source(layer);
+    trace(canvas, outlines);
+    cairo_set_fill_rule(canvas.get(), CAIRO_FILL_RULE_EVEN_ODD);
+    cairo_set_source_surface(canvas.get(), source.surface(), 0, 0);
+    cairo_fill(canvas.get());
+  }
+
+  [[nodiscard]] Rgb depth_color(const Vec2& at) const {
     const DepthField::Sample sample = field_.at(at);
-    if (sample.bone < 0.5) return kPaperRgb;
-    if (sample.reamed < 0.5 * sample.bone) return bone_color(at);
-    if (sample.perforated > 0.5 * sample.reamed) return kHoleRgb;
-    const Rgb color = colors_.at(sample.depth_mm / scale_.max).cast<double>();
-    return color + contour(at, sample) * (Rgb::Ones() - color);
+    if (sample.perforated > 0.5 * sample.reamed && sample.reamed > 0) return kHoleRgb;
+    return colors_.at(sample.smooth_mm / scale_.max).cast<double>();
   }
 
   /// Unreamed bone, lit from the upper left.
   [[nodiscard]] Rgb bone_color(const Vec2& at) const {
     const double light = field_.normal_before(at).dot(Vec3(-0.4, 0.5, 0.77).normalized());
     return kBoneRgb * std::clamp(0.55 + 0.45 * light, 0.35, 1.0);
-  }
-
-  /// Opacity of the contour lines, 0…1; they lie at multiples of the legend's step.
-  [[nodiscard]] double contour(const Vec2& at, const DepthField::Sample& sample) const {
-    const double nearest = std::round(sample.smooth_mm / scale_.step) * scale_.step;
-    if (nearest <= 0) return 0;
-    const double h = 0.5 * field_.spacing_mm();
-    Vec2 slope;
-    for (int axis = 0; axis < 2; ++axis) {
-      const DepthField::Sample low = field_.at(at - h * Vec2::Unit(axis));
-      const DepthField::Sample high = field_.at(at + h * Vec2::Unit(axis));
-      if (low.reamed < kMinContourFraction || high.reamed < kMinContourFraction) return 0;
-      slope[axis] = (high.smooth_mm - low.smooth_mm) / (2 * h);
-    }
-    // A terrace at a multiple of the step is no line.
-    if (slope.norm() < kMinSlope) return 0;
-    const double off_px = std::abs(sample.smooth_mm - nearest) / slope.norm() / camera_.mm_per_px;
-    return 0.55 * std::clamp(kContourWidth_px - off_px, 0.0, 1.0);
   }
 
   static std::uint32_t packed(const Rgb& color) {
@@ -127,6 +136,17 @@ class DepthPainter {
   const Scale& scale_;
   ColorMap colors_;
 };
+
+/// The contour lines as seen by the camera, all of them visible.
+std::vector<SeenContour> map_contours(const DepthField& field, const Camera& camera, const Scale& scale) {
+  std::vector<SeenContour> out;
+  for (const ContourLine& line : depth_contours(field.signed_depth_mm(), scale)) {
+    SeenContour& seen = out.emplace_back(contour_style(line.value, scale));
+    for (const Vec2& p : line.points_mm) seen.points_px.push_back(camera.pixel({p.x(), p.y(), 0}));
+    seen.visible.assign(seen.points_px.size(), true);
+  }
+  return out;
+}
 
 Labels map_labels(const DepthField& field, const RunInputs& run, const Scale& scale) {
   Labels labels;
@@ -155,8 +175,11 @@ void write_depth_picture(const RunData& run, double depth_max_mm) {
   if (field.deepest_mm() == 0) return;
   const Scale scale = depth_max_mm > 0 ? scale_exactly(depth_max_mm) : scale_up_to(field.deepest_mm());
   const Camera camera = map_camera(field);
-  PixelImage image{camera.width_px, camera.height_px, DepthPainter(field, camera, scale).paint()};
-  draw_labels(image, camera, map_labels(field, run.inputs(), scale));
+  PixelImage image = DepthPainter(field, camera, scale).paint();
+  Labels labels = map_labels(field, run.inputs(), scale);
+  labels.contours = map_contours(field, camera, scale);
+  draw_contours(image, camera, labels.contours);
+  draw_labels(image, camera, labels);
   write_png(run.dir() + "/depth_map.png", image);
 }
 

@@ -22,9 +22,9 @@ bool labelled(const Camera& camera) {
   return std::min(camera.width_px, camera.height_px) >= kMinLabelled_px;
 }
 
-/// Title and values in the upper left corner.
-void draw_values(const Canvas& canvas, const Camera& camera, const Labels& labels, double left_px) {
-  if (labels.title.empty() && labels.values.empty()) return;
+/// Title and values in the upper left corner. Returns the panel's box.
+Box draw_values(const Canvas& canvas, const Camera& camera, const Labels& labels, double left_px) {
+  if (labels.title.empty() && labels.values.empty()) return {};
   const double u = unit(camera);
   const double pad = 14 * u;
   const double line = 1.42 * kText * u;
@@ -55,10 +55,11 @@ void draw_values(const Canvas& canvas, const Camera& camera, const Labels& label
     number.draw(box.x + pad + inner - number.width, y);
     y += line;
   }
+  return box;
 }
 
-/// A vertical colour bar with ticks, numbers and title.
-void draw_legend(const Canvas& canvas, const Camera& camera, const Legend& legend, const Box& bar) {
+/// A vertical colour bar with ticks, numbers and title. Returns the panel's box.
+Box draw_legend(const Canvas& canvas, const Camera& camera, const Legend& legend, const Box& bar) {
   const double u = unit(camera);
   cairo_t* c = canvas.get();
   const TextLine title(canvas, legend.title, 0.87 * kText * u);
@@ -67,7 +68,8 @@ void draw_legend(const Canvas& canvas, const Camera& camera, const Legend& legen
   const double pad = 14 * u;
   const double width = 146 * u + 2 * pad;
   const double head = title.height + unit_text.height + 12 * u;
-  canvas.fill_panel({right - width, bar.y - head - pad, width, bar.height + head + 2 * pad + 4 * u}, 8 * u);
+  const Box panel{right - width, bar.y - head - pad, width, bar.height + head + 2 * pad + 4 * u};
+  canvas.fill_panel(panel, 8 * u);
   canvas.set_color(kTextColor);
   title.draw(right - width + pad, bar.y - head);
   canvas.set_color(kFaintTextColor);
@@ -91,22 +93,24 @@ void draw_legend(const Canvas& canvas, const Camera& camera, const Legend& legen
     const TextLine number(canvas, legend.scale.label(tick), 0.87 * kText * u);
     number.draw(bar.x + bar.width + 14 * u, y - 0.5 * number.height);
   }
+  return panel;
 }
 
-void draw_scale_bar(const Canvas& canvas, const Camera& camera, double fraction) {
+Box draw_scale_bar(const Canvas& canvas, const Camera& camera, double fraction) {
   const double u = unit(camera);
   cairo_t* c = canvas.get();
   const auto [bar, length_mm] = scale_bar(camera, fraction);
   Scale exact{length_mm, length_mm};
   const TextLine text(canvas, exact.label(1) + (camera.eye_mm ? " mm at target" : " mm"), kText * u);
   const double width = std::max(bar.width, text.width);
-  canvas.fill_panel(
-      {bar.x - 14 * u, bar.y - text.height - 16 * u, width + 28 * u, text.height + 16 * u + bar.height + 14 * u},
-      8 * u);
+  const Box panel{bar.x - 14 * u, bar.y - text.height - 16 * u, width + 28 * u,
+                  text.height + 16 * u + bar.height + 14 * u};
+  canvas.fill_panel(panel, 8 * u);
   canvas.set_color(kTextColor);
   cairo_rectangle(c, bar.x, bar.y, bar.width, bar.height);
   cairo_fill(c);
   text.draw(bar.x + 0.5 * (bar.width - text.width), bar.y - text.height - 6 * u);
+  return panel;
 }
 
 /// Appends a closed polygon to the path.
@@ -164,6 +168,10 @@ void draw_directions(const Canvas& canvas, const Camera& camera, const Labels& l
     const Vec2 tip = middle + reach * way;
     way.normalize();
     const Vec2 side(-way.y(), way.x());
+    // A light outline, visible on dark bone and on a dark slide behind a transparent background.
+    canvas.set_color(kPanelColor);
+    cairo_set_line_width(c, 8 * u);
+    canvas.line(middle, tip + 5 * u * way);
     canvas.set_color(kTextColor);
     cairo_set_line_width(c, 2.5 * u);
     canvas.line(middle, tip);
@@ -171,7 +179,13 @@ void draw_directions(const Canvas& canvas, const Camera& camera, const Labels& l
     cairo_fill(c);
     const TextLine text(canvas, name, 0.80 * kText * u);
     const Vec2 at = tip + (14 * u + 0.5 * std::abs(way.x()) * text.width) * way;
-    text.draw(at.x() - 0.5 * text.width, at.y() - 0.5 * text.height);
+    text.trace(at.x() - 0.5 * text.width, at.y() - 0.5 * text.height);
+    canvas.set_color(kPanelColor);
+    cairo_set_line_join(c, CAIRO_LINE_JOIN_ROUND);
+    cairo_set_line_width(c, 6 * u);
+    cairo_stroke_preserve(c);
+    canvas.set_color(kTextColor);
+    cairo_fill(c);
   }
 }
 
@@ -218,14 +232,16 @@ void draw_labels(PixelImage& image, const Camera& camera, const Labels& labels) 
   const Canvas canvas(image);
   stroke_outlines(canvas, camera, labels);
   draw_force(canvas, camera, labels);
-  draw_values(canvas, camera, labels, 0);
+  std::vector<Box> panels{draw_values(canvas, camera, labels, 0)};
   const int count = static_cast<int>(labels.legends.size());
   for (int i = 0; i < count; ++i) {
-    draw_legend(canvas, camera, labels.legends[static_cast<std::size_t>(i)], legend_box(camera, i, count));
+    panels.push_back(
+        draw_legend(canvas, camera, labels.legends[static_cast<std::size_t>(i)], legend_box(camera, i, count)));
   }
-  draw_scale_bar(canvas, camera, labels.scale_bar_fraction);
+  panels.push_back(draw_scale_bar(canvas, camera, labels.scale_bar_fraction));
   draw_directions(canvas, camera, labels);
   canvas.finish();
+  draw_contour_numbers(image, camera, labels.contours, panels);
 }
 
 void draw_outlines(PixelImage& image, const Camera& camera, const Labels& labels) {

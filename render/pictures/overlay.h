@@ -7,6 +7,7 @@
 
 #include "render/gl/camera.h"
 #include "render/gl/pixel_image.h"
+#include "render/pictures/contour_labels.h"
 #include "render/pictures/scale.h"
 #include "render/surface/color_map.h"
 
@@ -36,7 +37,8 @@ struct Labels {
   std::vector<std::pair<std::string, Vec3>> directions;  ///< anatomical directions: name and unit vector in B
   std::vector<std::vector<Vec3>> outlines_mm;            ///< closed dashed lines in B
   std::optional<ForceArrow> force;
-  double scale_bar_fraction = 0.20;  ///< of the picture's width, at most
+  std::vector<SeenContour> contours;  ///< lines of the picture that get their numbers
+  double scale_bar_fraction = 0.20;   ///< of the picture's width, at most
 };
 
 /// Smaller pictures have no labels, because these would be illegible.

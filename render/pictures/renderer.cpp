@@ -1,9 +1,11 @@
 #include "render/pictures/renderer.h"
 
+#include <algorithm>
 #include <numeric>
 
 #include "render/gl/context.h"
 #include "render/gl/scene.h"
+#include "render/pictures/surface_contours.h"
 #include "render/surface/bone_tiles.h"
 #include "sim/record/snapshot.h"
 
@@ -25,6 +27,8 @@ struct Renderer::State {
   BoneTiles tiles;
   Scene scene;
   std::size_t shown = 0;  ///< index of the snapshot
+  std::vector<FaceContour> contours;
+  std::vector<SurfaceLine> lines;  ///< the same, to draw
 };
 
 Renderer::Renderer(const RunView& view) : view_(view), state_(std::make_unique<State>(view)) {}
@@ -38,6 +42,21 @@ void Renderer::advance_to(std::int64_t frame) {
   }
   const auto changed = state_->tiles.update(state_->fields, state_->fields.update());
   state_->scene.set_bone(state_->tiles.surfaces(), changed);
+  update_contours();
+}
+
+void Renderer::update_contours() {
+  const Scale& scale = view_.depth_scale();
+  state_->contours =
+      face_contours(state_->tiles.surfaces(), view_.map_from_bone(), view_.run().voxmap().grid.voxel_mm, scale);
+  state_->lines.clear();
+  for (const FaceContour& contour : state_->contours) {
+    state_->lines.push_back({contour.points_mm, contour_style(contour.value_mm, scale).light});
+  }
+}
+
+std::vector<SeenContour> Renderer::contours(const Camera& camera) const {
+  return seen_contours(state_->contours, camera, state_->fields, view_.depth_scale());
 }
 
 PixelImage Renderer::render(const Camera& camera, const std::optional<Rigid>& tool, bool for_film) {
@@ -45,7 +64,9 @@ PixelImage Renderer::render(const Camera& camera, const std::optional<Rigid>& to
   DrawCall call;
   call.camera = camera;
   call.depth_max_mm = view_.depth_scale().max;
-  call.contour_mm = view_.depth_scale().step;
+  call.lines = &state_->lines;
+  call.line_width_px = kContourWidth_px * std::max(0.6, camera.height_px / 1080.0);
+  call.line_opacity = kContourOpacity;
   call.density_max_g_cm3 = view_.density_scale().max;
   call.bone_from_spinning_tool = tool;
   // Opaque in a section, like the bone. Other views show the face behind the tool, unless the user selects steel.

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "render/gl/pixel_image.h"
+#include "render/pictures/contour_labels.h"
 #include "render/pictures/run_view.h"
 
 namespace reamsim {
@@ -27,6 +28,8 @@ class Renderer {
   /// filter, in half the time.
   [[nodiscard]] PixelImage render(const Camera& camera, const std::optional<Rigid>& tool, bool for_film = false);
 
+  /// The contour lines of the current surface as a camera sees them.
+  [[nodiscard]] std::vector<SeenContour> contours(const Camera& camera) const;
   /// The greatest depth of the current surface, mm.
   [[nodiscard]] double deepest_mm() const;
   /// A warning if the requested graphics context is not available and the other one is used; else empty.
@@ -34,6 +37,8 @@ class Renderer {
 
  private:
   struct State;
+
+  void update_contours();
 
   const RunView& view_;
   std::unique_ptr<State> state_;  ///< keeps OpenGL out of this header

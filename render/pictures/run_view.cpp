@@ -61,6 +61,11 @@ std::optional<Rigid> RunView::tool_at(std::int64_t frame) const {
   return spinning(run_.inputs().pose_at(frame));
 }
 
+Rigid RunView::map_from_bone() const {
+  const ViewTarget& target = run_.target();
+  return (target.bone_from_glenoid ? *target.bone_from_glenoid : target.bone_from_tool).inverse();
+}
+
 Labels RunView::labels(const Camera& camera, const std::optional<Rigid>& tool) const {
   Labels labels;
   labels.legends.push_back({"Reamed depth", "mm", depth_colors(), depth_scale_});

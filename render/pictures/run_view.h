@@ -38,6 +38,9 @@ class RunView {
   /// The labels of every picture of this camera: legends, directions and, en face, the tool's outline.
   [[nodiscard]] Labels labels(const Camera& camera, const std::optional<Rigid>& tool) const;
 
+  /// The frame of the depth map: the glenoid's, else the tool's at its deepest; +z is out of the bone.
+  [[nodiscard]] Rigid map_from_bone() const;
+
   [[nodiscard]] const RunData& run() const { return run_; }
   [[nodiscard]] const RenderSettings& settings() const { return settings_; }
   [[nodiscard]] const Scale& depth_scale() const { return depth_scale_; }

@@ -110,6 +110,27 @@ TEST_F(ViewsOfARun, CamerasInBracesOfTheRunAndUnknown) {
   expect_complaint(render({"--only", "posters"}), "posters");
 }
 
+// Of a run with two states.
+TEST_F(ViewsOfARun, ARefusedOptionLeavesEveryFileAsItIs) {
+  expect_done(run(kDrawn));
+  const auto before = files_of(path("out"));
+  expect_complaint(render({"--camera", "{name: at, frame: glenoid, position_mm: [0, 0, 0]}"}),
+                   "the camera is at its target");
+  expect_complaint(render({"--film"}), "kept 2 states: a film of them would last 0.08 s");
+  expect_complaint(render({"--only", "film"}), "--set render.film=mp4");
+  expect_complaint(render({"--only", "film", "--set", "render.film_rate_hz=3"}), "--film-rate 1");
+  EXPECT_EQ(files_of(path("out")), before);
+}
+
+// As README says: no --only, so that the report is written too, which shows the cameras of the run.
+TEST_F(ViewsOfARun, AllOutputsOfADescribedCameraAlone) {
+  expect_done(run(kDrawn));
+  std::filesystem::remove(path("out/report.html"));
+  EXPECT_EQ(render({"--camera", "{name: rim, position_mm: [60, 35, 70]}"}).status, 0);
+  EXPECT_TRUE(exists("out/reamed_rim.png"));
+  EXPECT_THAT(read("out/report.html"), HasSubstr("\"name\":\"oblique\""));
+}
+
 TEST_F(ViewsOfARun, OnlyWhatIsNamedIsMadeAgain) {
   expect_done(run(kSmall));
   EXPECT_EQ(

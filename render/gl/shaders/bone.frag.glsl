@@ -4,7 +4,6 @@ out vec4 color;
 
 uniform sampler2D depth_colors;
 uniform float depth_max_mm;
-uniform float contour_mm;
 uniform float haze_per_mm;  // fading of bone behind a section; 0: none
 
 in float behind_mm;  // distance behind the cut plane; 1 without one
@@ -12,16 +11,6 @@ in float behind_mm;  // distance behind the cut plane; 1 without one
 const vec3 kSoftBone = vec3(0.55, 0.39, 0.27);
 const vec3 kDenseBone = vec3(0.80, 0.69, 0.53);
 const vec3 kHaze = vec3(0.66, 0.70, 0.76);
-
-// A thin line where the depth passes a tick of the legend.
-float contour(float depth_mm) {
-  float steps = depth_mm / contour_mm;
-  float width = max(fwidth(steps) * samples_per_px, 1e-6);
-  float line = abs(fract(steps - 0.5) - 0.5) / width;
-  // No lines where they would merge, nor on level ground, where they would trace voxels.
-  float clear = (1.0 - smoothstep(0.15, 0.4, width)) * smoothstep(0.003, 0.010, width);
-  return steps < 0.5 ? 0.0 : (1.0 - smoothstep(0.4, 1.3, line)) * clear;
-}
 
 void main() {
   if (!gl_FrontFacing) {
@@ -37,7 +26,6 @@ void main() {
   float fraction = clamp(reaming.x / depth_max_mm, 0.0, 1.0);
   float texels = float(textureSize(depth_colors, 0).x);
   vec3 map = linear_from_srgb(texture(depth_colors, vec2((fraction * (texels - 1.0) + 0.5) / texels, 0.5)).rgb);
-  map *= 1.0 - 0.35 * contour(reaming.x);
 
   vec3 light = sky(n) * accessibility + kKeyColor * wrapped(n, key_direction, 0.25) * mix(0.6, 1.0, accessibility) +
                kFillColor * wrapped(n, kFillDirection, 0.35) * accessibility + kRimColor * wrapped(n, kRimDirection, 0.0);
