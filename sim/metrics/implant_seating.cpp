@@ -4,9 +4,9 @@
 #include <cmath>
 #include <utility>
 
+#include "sim/base/statistics.h"
 #include "sim/metrics/column_bone.h"
 #include "sim/metrics/reamed_face.h"
-#include "sim/base/statistics.h"
 
 namespace reamsim {
 

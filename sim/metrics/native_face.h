@@ -3,8 +3,8 @@
 #include <optional>
 #include <vector>
 
-#include "sim/metrics/column_map.h"
 #include "sim/bone/face_surface.h"
+#include "sim/metrics/column_map.h"
 
 namespace reamsim {
 

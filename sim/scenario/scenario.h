@@ -103,7 +103,7 @@ struct CtSettings {
   double psf_mm = 0;  ///< full width of the point spread; 0: the voxel spacing along each axis
   double closing_mm = 1.5;
   bool fill_holes = true;
-  std::optional<Vec3> seed_mm;  ///< the piece that contains it is kept; without it the largest
+  std::optional<Vec3> seed_mm;         ///< the piece that contains it is kept; without it the largest
   Separate separate = Separate::none;  ///< humerus: its head is found next to the glenoid and cut off
   std::vector<CutSphereSettings> cut_spheres;
   std::vector<CutPlaneSettings> cut_planes;

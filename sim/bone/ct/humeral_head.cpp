@@ -19,7 +19,7 @@ constexpr double kCell_mm = 2;  // of the votes
 constexpr double kNearest_mm = -9, kFarthest_mm = 12;
 constexpr double kLeastSlope_hu_mm = 40;  // of the surface of bone
 constexpr double kFacing = 0.85;          // cosine between the surface's normal and the way from the centre
-constexpr double kLeastSupport = 0.4;    // of the area of the sphere
+constexpr double kLeastSupport = 0.4;     // of the area of the sphere
 
 struct SurfacePoint {
   Vec3 place_mm;
