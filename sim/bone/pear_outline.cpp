@@ -96,7 +96,7 @@ PearOutline first_outline(const std::vector<Vec2>& points, bool reversed) {
   for (const Vec2& p : points) spread += (p - mean) * (p - mean).transpose();
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(spread / static_cast<double>(points.size()));
   const Vec2 along = axes.eigenvectors().col(1);
-  // Of points all round an ellipse, half of each squared semi-axis.
+  // The variance of points around an ellipse is half of each squared semi-axis.
   const Vec2 half = (2 * axes.eigenvalues().cwiseMax(1e-6)).cwiseSqrt();
   PearOutline out{.center_mm = mean,
                   .axis_rad = std::atan2(along.y(), along.x()) + (reversed ? std::numbers::pi : 0.0),

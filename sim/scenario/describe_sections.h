@@ -13,8 +13,13 @@ constexpr Range kDensity = between(0.008, 2);
 /// Range of the length in mm of a unit of a file, from nanometres to kilometres.
 constexpr Range kFileUnit = between(1e-6, 1e6);
 
-// The parts of describe_scenario(), one per top-level section; describe_implant() belongs to describe_metrics().
+/// Range of radiodensities.
+constexpr Range kHu = between(-2000, 10000);
 
+// The parts of describe_scenario(), one per top-level section; describe_ct() belongs to describe_bone(),
+// describe_implant() to describe_metrics().
+
+void describe_ct(KeyVisitor& v, CtSettings& ct);
 void describe_bone(KeyVisitor& v, BoneSettings& bone);
 void describe_tool(KeyVisitor& v, ToolSettings& tool);
 void describe_motion(KeyVisitor& v, MotionSettings& motion);

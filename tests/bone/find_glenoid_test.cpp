@@ -72,9 +72,10 @@ INSTANTIATE_TEST_SUITE_P(Walch, FindGlenoid, testing::Values(Walch::none, Walch:
                          [](const auto& chosen) { return name_of(chosen.param); });
 
 TEST(FindGlenoid, InADeeplyWornPhantomTheMiddleOfTheWornFace) {
-  // The frame of the phantom lies on its Friedman axis, which leaves the middle of the face as wear goes on. The middle
-  // of the rim, and the direction from there to the centre of the ball that wore the face, have closed forms. Where the
-  // coracoid begins the surface does not fall, and the face that is found reaches higher than this rim.
+  // The frame of the phantom lies on its Friedman axis, which deviates from the middle of the face with the depth of
+  // the wear. The middle of the rim, and the direction from there to the centre of the ball that wore the face, have
+  // closed forms. Where the coracoid begins the surface does not fall, and the face that is found reaches higher than
+  // this rim.
   const BoneSettings settings = walch(Walch::a2);
   const Bone bone = make(settings);
   Aabb box = Aabb::none();

@@ -68,8 +68,8 @@ TEST_F(HumeralHeadTest, IsCutOffAlongTheJointGap) {
   const FilledVoxmap scapula = voxmap_from_ct(write(3), report_);
   EXPECT_THAT(said(report_.notes), HasSubstr("humeral head: sphere of radius 2"));
   EXPECT_THAT(said(report_.warnings), Not(HasSubstr("touch")));
-  EXPECT_EQ(grade_at(scapula, kCenter), 0) << "the head is gone";
-  EXPECT_EQ(grade_at(scapula, kCenter + Vec3(6, 0, -40)), 0) << "and its shaft";
+  EXPECT_EQ(grade_at(scapula, kCenter), 0) << "the head is cut off";
+  EXPECT_EQ(grade_at(scapula, kCenter + Vec3(6, 0, -40)), 0) << "the shaft is another piece";
   EXPECT_NE(grade_at(scapula, Vec3(-10, 0, 0)), 0) << "the scapula is there";
   // The face keeps its place: 26 mm from the centre of the head.
   EXPECT_EQ(grade_at(scapula, Vec3(kCenter.x() - kHead_mm - 3 + 1.2, 1, 2)), 0);

@@ -41,7 +41,7 @@ Dome make_dome() {
   return out;
 }
 
-// Each tick has one line, closed and all round: no breaks at the steep rim, no rings round the core.
+// Each tick has one closed line: no gaps at the steep rim, no rings around the core.
 TEST(DepthContours, OneClosedRoundLinePerTick) {
   const Dome dome = make_dome();
   const Scale scale = scale_up_to(1.5);
