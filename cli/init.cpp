@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "cli/commands.h"
+#include "cli/first_scenario.h"
 #include "cli/input_kind.h"
 #include "sim/base/error.h"
 #include "sim/base/file.h"
@@ -40,25 +41,16 @@ bool is_first_scenario(const std::string& path) {
   return read_file_start(path, std::string_view(kFirstLine).size()) == kFirstLine;
 }
 
-/// The convex reamer beside the program: in the folder of the sources, or where it is installed.
-std::string default_tool() {
-  std::error_code error;
-  fs::path folder = fs::read_symlink("/proc/self/exe", error).parent_path();
-  for (int up = 0; up < 4 && !folder.empty(); ++up, folder = folder.parent_path()) {
-    for (const char* assets : {"assets", "share/reamsim/assets"}) {
-      const fs::path tool = folder / assets / "reamer_convex.stl";
-      if (fs::exists(tool, error)) return tool.string();
-    }
-  }
-  throw InputError({}, "--tool", "missing, and no reamer_convex.stl beside the program", "give the mesh of a reamer");
+/// The reamer of the options, or that of the program.
+std::string tool_of(const InitOptions& options) {
+  const std::string tool = options.tool.empty() ? own_reamer() : options.tool;
+  if (!tool.empty()) return tool;
+  throw InputError({}, "--tool", "missing, and the program has no reamer of its own", "give the mesh of a reamer");
 }
 
 /// A path as a YAML text, relative to the folder of the scenario.
 std::string yaml_path(const std::string& path, const std::string& scenario) {
-  const std::string relative = fs::proximate(path, fs::absolute(scenario).parent_path()).string();
-  std::string out = "'";
-  for (const char c : relative) out += c == '\'' ? "''" : std::string(1, c);
-  return out + "'";
+  return yaml_quoted(fs::proximate(path, fs::absolute(scenario).parent_path()).string());
 }
 
 std::string yaml_vector(const Vec3& v, int digits) {
@@ -191,7 +183,7 @@ void init_command(const InitOptions& options, const Console& console) {
     throw InputError({}, "--side", "missing", "left or right: a mesh does not say which");
   }
   require_replaceable_file(options.output, "-o", options.overwrite, is_first_scenario, {options.input, options.tool});
-  const std::string tool = options.tool.empty() ? default_tool() : options.tool;
+  const std::string tool = tool_of(options);
   Report report;
   const LoadedBone loaded = load(options, report);
   const double approach = approach_mm(loaded, tool, report);

@@ -8,6 +8,7 @@
 #include <memory>
 
 #include "cli/commands.h"
+#include "cli/first_scenario.h"
 #include "cli/input_kind.h"
 #include "sim/base/error.h"
 #include "sim/base/file.h"
@@ -30,22 +31,8 @@ struct PreviewOptions {
   bool overwrite = false;
 };
 
-/// The convex reamer that comes with the program; "" where it is not installed.
-std::string own_reamer() {
-  std::error_code ignored;
-  const fs::path folder = fs::read_symlink("/proc/self/exe", ignored).parent_path();
-  for (const char* assets : {"../share/reamsim/assets", "../../../assets", "assets"}) {
-    const fs::path path = (folder / assets / "reamer_convex.stl").lexically_normal();
-    if (fs::exists(path, ignored)) return path.string();
-  }
-  return "";
-}
-
 std::string quoted(const std::string& path) {
-  std::string out;
-  for (const char c : recorded_path(fs::absolute(path).lexically_normal().string()))
-    out += c == '\'' ? "''" : std::string(1, c);
-  return "'" + out + "'";
+  return yaml_quoted(recorded_path(fs::absolute(path).lexically_normal().string()));
 }
 
 /// A first scenario for the bone in `options.input`: its file, the reamer `tool`, and a plunge along the normal of a
