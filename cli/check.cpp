@@ -41,37 +41,71 @@ void note_cost(const ReamingScene& scene, Report& report) {
     report.note(fmt::format("tool: {} shell points, spacing {:g} mm", shell.codes.size(), shell.cell_mm));
   }
   report.note("engine: " + name_of(engine_of(scene.scenario)));
-  const MemoryPlan memory = plan_memory(scene);
-  report.note("memory: " + megabytes(memory.device_bytes) + " on the device, up to " + megabytes(memory.process_bytes) +
-              " in total, plus rendering");
 }
 
-/// Times frames, which reams the bone of the scene. Also collects the mistakes that the engine finds.
-void note_time(ReamingScene& scene, double load_s, MistakeList& mistakes, Report& report) {
+/// The pictures of a run, and their time.
+std::string picture_time(const ReamingScene& scene, double load_s) {
   const RenderSettings& render = scene.scenario.render;
-  const std::vector<std::int64_t> frames = picture_frames(render, std::ssize(scene.motion.poses) - 1);
-  const int pictures = render.enabled ? count_pictures({render}, frames) : 0;
+  const int pictures = render.enabled ? count_pictures({render}, picture_frames(render, scene.last_frame())) : 0;
   const double pixels = double(render.width_px) * render.height_px * render.supersampling * render.supersampling;
+  return fmt::format("time: about {:.2g} s for {} pictures, rendered during and after the simulation; {:.2g} s to load",
+                     pictures * kPicture_s * pixels / (1920 * 1080), pictures, load_s);
+}
+
+/// Estimates of all passes.
+struct PassPlans {
+  MemoryPlan memory;  ///< the most of any pass
+  TimePlan time;
+  std::string device;
+  double load_s = 0;  ///< of the engines
+};
+
+/// Adds the present pass. Times a part of its frames, which reams the bone of the scene.
+void add_pass(ReamingScene& scene, double budget_s, PassPlans& plans) {
+  const MemoryPlan memory = plan_memory(scene);
+  plans.memory.device_bytes = std::max(plans.memory.device_bytes, memory.device_bytes);
+  plans.memory.process_bytes = std::max(plans.memory.process_bytes, memory.process_bytes);
+  const Stopwatch watch;
+  const std::unique_ptr<Engine> engine = load_engine(scene);
+  plans.load_s += watch.seconds();
+  plans.device = engine->device();
+  const TimePlan time = plan_time(scene, *engine, budget_s);
+  plans.time.simulate_s += time.simulate_s;
+  plans.time.timed_frames += time.timed_frames;
+  plans.time.windows += time.windows;
+}
+
+/// Estimates memory and time. Also collects the mistakes that the engine finds. No pass is left in the scene but the
+/// last.
+void note_plans(ReamingScene& scene, double load_s, MistakeList& mistakes, Report& report) {
+  PassPlans plans;
+  std::string no_time;
+  const double budget_s = kTiming_s / static_cast<double>(1 + scene.later_passes.size());
   try {
-    const Stopwatch watch;
-    std::unique_ptr<Engine> engine;
-    if (!mistakes.attempt([&] { engine = load_engine(scene); })) return;
-    load_s += watch.seconds();
-    TimePlan plan;
-    if (!mistakes.attempt([&] { plan = plan_time(scene, *engine, kTiming_s); })) return;
-    report.note(fmt::format("time: about {:.2g} s for the simulation ({} frames in {} windows timed on {})",
-                            plan.simulate_s, plan.timed_frames, plan.windows, engine->device()));
-    report.note(
-        fmt::format("time: about {:.2g} s for {} pictures, rendered during and after the simulation; {:.2g} s to load",
-                    pictures * kPicture_s * pixels / (1920 * 1080), pictures, load_s));
+    const bool fine = mistakes.attempt([&] {
+      do {
+        add_pass(scene, budget_s, plans);
+      } while (begin_next_pass(scene));
+    });
+    if (!fine) no_time = "-";
   } catch (const RunError& error) {
-    report.warn(std::string("no time estimate: the engine cannot start: ") + error.what());
+    no_time = error.what();
   }
+  report.note("memory: " + megabytes(plans.memory.device_bytes) + " on the device, up to " +
+              megabytes(plans.memory.process_bytes) + " in total, plus rendering");
+  if (no_time == "-") return;
+  if (!no_time.empty()) return report.warn("no time estimate: the engine cannot start: " + no_time);
+  report.note(fmt::format("time: about {:.2g} s for the simulation ({} frames in {} windows timed on {})",
+                          plans.time.simulate_s, plans.time.timed_frames, plans.time.windows, plans.device));
+  report.note(picture_time(scene, load_s + plans.load_s));
 }
 
 void warn_of_settings(const ReamingScene& scene, Report& report) {
-  const auto& poses = scene.motion.poses;
-  if (std::none_of(poses.begin(), poses.end(), [](const ToolPose& p) { return p.spin_rpm != 0; })) {
+  const auto still = [](const Motion& motion) {
+    const auto& poses = motion.poses;
+    return std::none_of(poses.begin(), poses.end(), [](const ToolPose& p) { return p.spin_rpm != 0; });
+  };
+  if (still(scene.motion) || std::ranges::any_of(scene.later_passes, still, &Pass::motion)) {
     report.warn("spindle speed is zero: forces are those of a non-rotating tool");
   }
   try {
@@ -95,12 +129,12 @@ void check_command(const ScenarioOptions& options, const Console& console) {
   MistakeList mistakes;
   ReamingScene scene = load_scene(scenario, found, mistakes);
   const double load_s = load_watch.seconds();
-  warn_of_contact(scene, forecast_contact(scene), found);
+  warn_of_contact(scene, forecast_passes(scene), found);
   warn_of_settings(scene, found);
   Report report;
   report.warnings = found.warnings;
   note_cost(scene, report);
-  note_time(scene, load_s, mistakes, report);
+  note_plans(scene, load_s, mistakes, report);
   if (scene.bone.segmentation) report.note(sentence_of(*scene.bone.segmentation));
   report.listings = std::move(found.listings);
   report.notes.insert(report.notes.end(), found.notes.begin(), found.notes.end());

@@ -41,10 +41,15 @@ RunInputs inputs_of(const ReamingScene& scene, const std::string& dir) {
   run.whole_voxels = scene.scenario.cutting.erosion != ErosionMode::exact;
   run.glenoid = scene.bone.glenoid;
   run.side = scene.bone.side;
-  run.frames = picture_frames(scene.scenario.render, std::ssize(scene.motion.poses) - 1);
-  run.tool = read_tool(dir);
+  run.frames = picture_frames(scene.scenario.render, scene.last_frame());
+  run.passes = read_tools(dir);
   RunPath path(run);
-  for (std::size_t k = 0; k < scene.motion.poses.size(); ++k) path.add(as_logged(scene.motion.poses[k]), k);
+  const auto add = [&](const Motion& motion) {
+    std::int64_t frame = motion.first_frame;
+    for (const ToolPose& pose : motion.poses) path.add(as_logged(pose), frame++, motion.pass);
+  };
+  add(scene.motion);
+  for (const Pass& pass : scene.later_passes) add(pass.motion);
   path.give(run);
   return run;
 }

@@ -1,5 +1,6 @@
 #include <fmt/core.h>
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <memory>
 #include <new>
 
@@ -46,6 +47,13 @@ void print_summary(const Console& console, const RunTotals& totals, const RunFac
   console.say(fmt::format("removed {:.1f} mm3; {} {} mm; {} {} N, {} {} N mm; energy balance {:.1e}",
                           totals.removed_mm3, Headline::kDepthName, run.depth_text(), run.force_name(),
                           run.force_text(), run.torque_name(), run.torque_text(), totals.balance));
+  for (std::size_t i = 0; i < totals.passes.size() && totals.passes.size() > 1; ++i) {
+    const PassTotals& pass = totals.passes[i];
+    console.say(
+        fmt::format("pass {}: removed {:.1f} mm3; tool depth {:.2f} mm; peak axial force {:.1f} N, peak spin "
+                    "torque {:.0f} N mm",
+                    i + 1, pass.removed_mm3, pass.max_depth_mm, pass.peak_axial_force_n, pass.peak_spin_torque_nmm));
+  }
   console.say(fmt::format("{:.1f} s simulated in {:.1f} s on {}", totals.simulated_s, facts.simulate_s, facts.device));
 }
 
@@ -74,19 +82,27 @@ class ScenarioRun {
     checkpoints_.identify(scenario_, facts_.inputs);
     scene_ = load_scene(scenario_, report_);
     report_segmentation();
-    contact_ = forecast_contact(scene_);
-    warn_of_contact(scene_, contact_, report_);
+    contacts_ = forecast_passes(scene_);
+    warn_of_contact(scene_, contacts_, report_);
     print_report();
     facts_.bone_before_mm3 = scene_.bone.view().bone_mm3();
-    write_tool(dir_, scene_.tool);
+    write_tools(dir_, scene_);
     outputs_.emplace(scene_, dir_);
     checkpoints_.restore(scene_.bone.fill);
+    skip_finished_passes();
     engine_ = load_engine(scene_);
     facts_.device = engine_->device();
     checkpoints_.use_device(facts_.device, report_);
     write_scenario(dir_, scene_.scenario, facts_);
     return_free_memory();
     facts_.load_s = watch.seconds();
+  }
+
+  /// A run that continues begins with the pass of its checkpoint.
+  void skip_finished_passes() {
+    const auto state = checkpoints_.state();
+    while (state && state->frame >= scene_.motion.last_frame() && begin_next_pass(scene_)) {
+    }
   }
 
   void report_segmentation() const {
@@ -110,9 +126,14 @@ class ScenarioRun {
       progress.update(done, total);
     };
     control.stop = stop_requested;
-    control.warned_of_no_contact = !contact_.touches;
     const Stopwatch watch;
-    const SimulationState end = simulate(scene_, *engine_, recorder, control, report_);
+    SimulationState end;
+    do {
+      control.warned_of_no_contact = !contacts_[static_cast<std::size_t>(scene_.motion.pass) - 1].touches;
+      end = simulate(scene_, *engine_, recorder, control, report_);
+      control.from = end;
+      facts_.device_bytes = std::max(facts_.device_bytes, engine_->device_bytes());
+    } while (next_pass());
     facts_.simulate_s = watch.seconds();
     progress.finish();
     constexpr double kWorthSaving_s = 1;  // what follows may be interrupted as well
@@ -121,8 +142,16 @@ class ScenarioRun {
     report_.note(checkpoints_.cost());
     recorder.close();
     outputs_->snapshots_written(end.frame);  // also where that is frame 0
-    facts_.device_bytes = engine_->device_bytes();
     print_report();
+  }
+
+  /// Changes the tool. Returns false after the last pass.
+  bool next_pass() {
+    if (scene_.later_passes.empty()) return false;
+    engine_.reset();
+    begin_next_pass(scene_);
+    engine_ = load_engine(scene_);
+    return true;
   }
 
   void write(const Recorder& recorder) {
@@ -172,7 +201,7 @@ class ScenarioRun {
   Report report_;
   RunFacts facts_;
   ReamingScene scene_;
-  ContactForecast contact_;
+  std::vector<ContactForecast> contacts_;  ///< by pass
   std::optional<Outputs> outputs_;
   std::unique_ptr<Engine> engine_;
   bool simulates_ = false;

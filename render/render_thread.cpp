@@ -84,7 +84,7 @@ class RenderThread::Pass {
   void render_frame(Renderer& renderer, std::int64_t frame) {
     thread_.wait_for_snapshot(frame);
     renderer.advance_to(frame);
-    const std::optional<Rigid> tool = view_.tool_at(frame);
+    const std::optional<PlacedTool> tool = view_.tool_at(frame);
     if (std::ranges::binary_search(schedule_.still_frames, frame)) {
       render_cameras(renderer, RenderedFrame::Kind::frame, schedule_.cameras, frame, tool);
     }
@@ -95,7 +95,7 @@ class RenderThread::Pass {
   }
 
   void render_cameras(Renderer& renderer, RenderedFrame::Kind kind, const std::vector<Camera>& cameras,
-                      std::int64_t frame = 0, const std::optional<Rigid>& tool = {}) {
+                      std::int64_t frame = 0, const std::optional<PlacedTool>& tool = {}) {
     for (std::size_t i = 0; i < cameras.size(); ++i) {
       PixelImage image = renderer.render(cameras[i], tool, kind == RenderedFrame::Kind::film);
       const bool numbered = kind != RenderedFrame::Kind::sheet && !(tool && cameras[i].shows_tool);

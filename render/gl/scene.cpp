@@ -76,13 +76,16 @@ struct Scene::Programs {
   GlProgram tool;
 };
 
-Scene::Scene(const Gl& gl, const ToolSurface& tool)
+Scene::Scene(const Gl& gl, const std::vector<ToolSurface>& tools)
     : gl_(gl),
       programs_(std::make_unique<Programs>(gl)),
-      tool_(gl, tool.vertices, ToolSurface::kAttributeSizes, tool.indices),
       depth_colors_(color_texture(gl, reamsim::depth_colors())),
       density_colors_(color_texture(gl, reamsim::density_colors())),
-      empty_array_(gl.GenVertexArrays, gl.DeleteVertexArrays) {}
+      empty_array_(gl.GenVertexArrays, gl.DeleteVertexArrays) {
+  for (const ToolSurface& tool : tools) {
+    tools_.emplace_back(gl, tool.vertices, ToolSurface::kAttributeSizes, tool.indices);
+  }
+}
 
 Scene::~Scene() = default;
 
@@ -189,6 +192,7 @@ void Scene::draw_lines(const DrawCall& call) const {
 void Scene::draw_tool(const DrawCall& call) const {
   const Rigid& bone_from_tool = *call.bone_from_spinning_tool;
   const bool cut_open = call.camera.cut_plane.has_value();
+  const GlMesh& tool = tools_.at(call.tool);
   const GlProgram& program = programs_->tool;
   use_program(program, call);
   program.set("clip_from_tool",
@@ -199,16 +203,16 @@ void Scene::draw_tool(const DrawCall& call) const {
   program.set("cut_open", cut_open ? 1 : 0);
   program.set("brushed", call.steel ? 1 : 0);
   if (!call.steel) {
-    draw_translucent(program, cut_open);
+    draw_translucent(tool, program, cut_open);
     return;
   }
   gl_.Disable(GL_BLEND);
   gl_.Disable(GL_CULL_FACE);
   gl_.DepthMask(GL_TRUE);
-  tool_.draw();
+  tool.draw();
 }
 
-void Scene::draw_translucent(const GlProgram& program, bool cut_open) const {
+void Scene::draw_translucent(const GlMesh& tool, const GlProgram& program, bool cut_open) const {
   gl_.Enable(GL_BLEND);
   gl_.Enable(GL_CULL_FACE);
 
@@ -217,17 +221,17 @@ void Scene::draw_translucent(const GlProgram& program, bool cut_open) const {
   gl_.DepthMask(GL_FALSE);
   program.set("opacity_facing", 0.10F);
   program.set("opacity_edge", 0.45F);
-  tool_.draw();
+  tool.draw();
 
   // Then only the nearest layer: a depth pass, and colour where the depth is equal.
   set_culling(gl_, cut_open);
   gl_.DepthMask(GL_TRUE);
   gl_.ColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
-  tool_.draw();
+  tool.draw();
   gl_.ColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
   program.set("opacity_facing", 0.38F);
   program.set("opacity_edge", 0.95F);
-  tool_.draw();
+  tool.draw();
 }
 
 }  // namespace reamsim

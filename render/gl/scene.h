@@ -1,5 +1,6 @@
 #pragma once
 
+#include <deque>
 #include <map>
 #include <memory>
 #include <optional>
@@ -26,6 +27,7 @@ struct DrawCall {
   double depth_max_mm = 1;                          ///< upper end of the depth colours
   double density_max_g_cm3 = 2;                     ///< upper end of the density colours
   std::optional<Rigid> bone_from_spinning_tool;     ///< without: no tool
+  std::size_t tool = 0;                             ///< index of the scene's tool
   bool steel = false;                               ///< opaque brushed steel instead of a translucent tool
   const std::vector<SurfaceLine>* lines = nullptr;  ///< contour lines on the reamed face
   double line_width_px = 1;
@@ -41,7 +43,7 @@ struct DrawCall {
 class Scene {
  public:
   /// Throws RunError when a shader does not compile.
-  Scene(const Gl& gl, const ToolSurface& tool);
+  Scene(const Gl& gl, const std::vector<ToolSurface>& tools);
   ~Scene();
 
   /// Uploads the changed tiles of the bone.
@@ -61,12 +63,12 @@ class Scene {
   void draw_cut_face(const DrawCall& call) const;
   void draw_lines(const DrawCall& call) const;
   void draw_tool(const DrawCall& call) const;
-  void draw_translucent(const GlProgram& program, bool cut_open) const;
+  void draw_translucent(const GlMesh& tool, const GlProgram& program, bool cut_open) const;
 
   const Gl& gl_;
   std::unique_ptr<Programs> programs_;
   std::map<std::tuple<int, int, bool>, GlTarget> targets_;  ///< by width, height and whether it is multisampled
-  GlMesh tool_;
+  std::deque<GlMesh> tools_;
   std::vector<std::unique_ptr<Tile>> bone_;  ///< null where a tile is empty
   GlTexture depth_colors_;
   GlTexture density_colors_;

@@ -10,12 +10,22 @@
 #include "sim/record/snapshot.h"
 
 namespace reamsim {
+namespace {
+
+std::vector<ToolSurface> tool_surfaces(const RunInputs& run) {
+  std::vector<ToolSurface> out;
+  for (const ToolPass& pass : run.passes) out.push_back(make_tool_surface(pass.tool));
+  return out;
+}
+
+}  // namespace
+
 struct Renderer::State {
   explicit State(const RunView& view)
       : context(make_context(view.settings().context, warning)),
         fields(view.run().voxmap(), fill_at(view.run().inputs(), view.frames().front()), view.run().unreamed()),
         tiles(fields),
-        scene(context->gl(), make_tool_surface(view.run().inputs().tool)) {
+        scene(context->gl(), tool_surfaces(view.run().inputs())) {
     std::vector<std::size_t> all(tiles.surfaces().size());
     std::iota(all.begin(), all.end(), std::size_t{0});
     scene.set_bone(tiles.surfaces(), all);
@@ -59,7 +69,7 @@ std::vector<SeenContour> Renderer::contours(const Camera& camera) const {
   return seen_contours(state_->contours, camera, state_->fields, view_.depth_scale());
 }
 
-PixelImage Renderer::render(const Camera& camera, const std::optional<Rigid>& tool, bool for_film) {
+PixelImage Renderer::render(const Camera& camera, const std::optional<PlacedTool>& tool, bool for_film) {
   const RenderSettings& settings = view_.settings();
   DrawCall call;
   call.camera = camera;
@@ -68,7 +78,10 @@ PixelImage Renderer::render(const Camera& camera, const std::optional<Rigid>& to
   call.line_width_px = kContourWidth_px * std::max(0.6, camera.height_px / 1080.0);
   call.line_opacity = kContourOpacity;
   call.density_max_g_cm3 = view_.density_scale().max;
-  call.bone_from_spinning_tool = tool;
+  if (tool) {
+    call.bone_from_spinning_tool = tool->bone_from_tool;
+    call.tool = tool->pass;
+  }
   // Opaque in a section, like the bone. Other views show the face behind the tool, unless the user selects steel.
   call.steel = camera.cut_plane || settings.tool_look == ToolLook::steel;
   call.background = settings.background;

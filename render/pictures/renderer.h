@@ -24,9 +24,9 @@ class Renderer {
   void advance_to(std::int64_t frame);
   void advance_to_last() { advance_to(view_.frames().back()); }
 
-  /// The current picture without labels. `tool`: its pose with the spin; none: no tool. `for_film`: antialiasing by a
-  /// filter, in half the time.
-  [[nodiscard]] PixelImage render(const Camera& camera, const std::optional<Rigid>& tool, bool for_film = false);
+  /// The current picture without labels, and without a tool where there is none. `for_film`: antialiasing by a filter,
+  /// in half the time.
+  [[nodiscard]] PixelImage render(const Camera& camera, const std::optional<PlacedTool>& tool, bool for_film = false);
 
   /// The contour lines of the current surface as a camera sees them.
   [[nodiscard]] std::vector<SeenContour> contours(const Camera& camera) const;

@@ -42,10 +42,6 @@ std::string log_path(const std::string& dir) {
   return dir + "/forces.csv";
 }
 
-std::string tool_path(const std::string& dir) {
-  return dir + "/snapshots/tool.stl";
-}
-
 template <class Compute>
 auto lazily(Compute compute) {
   return std::async(std::launch::deferred, std::move(compute)).share();
@@ -72,13 +68,26 @@ FillBricks with_removed_voxels_restored(const FillBricks& fill) {
   return out;
 }
 
-PredictedBone predict_bone(const RunInputs& run) {
-  try {
-    return predict_swept_bone(*run.voxmap, run.fill, envelope_of_revolution(run.tool).profile, run.poses,
-                              run.whole_voxels);
-  } catch (const InputError& error) {
-    throw InputError({tool_path(run.dir), 0, 0}, "", error.what(), "expected the tool of a run");
+/// The predicted bone, and the last pass that removes any.
+struct PredictedRun {
+  PredictedBone bone;
+  std::size_t pass = 0;
+};
+
+PredictedRun predict_run(const RunInputs& run) {
+  PredictedRun out{.bone = {.fill = run.fill, .deepest = run.passes.front().poses.front()}};
+  for (std::size_t i = 0; i < run.passes.size(); ++i) {
+    const ToolPass& pass = run.passes[i];
+    try {
+      PredictedBone bone = predict_swept_bone(*run.voxmap, out.bone.fill, envelope_of_revolution(pass.tool).profile,
+                                              pass.poses, run.whole_voxels);
+      if (bone.touches) out = {std::move(bone), i};
+    } catch (const InputError& error) {
+      throw InputError({tool_path(run.dir, static_cast<int>(i) + 1), 0, 0}, "", error.what(),
+                       "expected the tool of a run");
+    }
   }
+  return out;
 }
 
 /// The inputs in the folder of a run, without the poses.
@@ -94,7 +103,7 @@ RunInputs read_inputs(const std::string& dir, const std::shared_ptr<const Stored
     throw InputError({dir + "/snapshots", 0, 0}, "", "contains no snapshot", "the output folder of a run");
   }
   out.fill = out.frames.front() == 0 ? fill_at(out, 0) : FillBricks(out.voxmap->grid.dims);
-  out.tool = read_tool(dir);
+  out.passes = read_tools(dir);
   return out;
 }
 
@@ -130,11 +139,26 @@ void target_tool(ViewTarget& target) {
   target.superior = (up - up.dot(target.outward) * target.outward).normalized();
 }
 
+/// Extends the target by tools on their paths; the head is that of the pass of the greatest depth.
+void include_tools(ViewTarget& target, const RunInputs& run, std::size_t deepest_pass) {
+  const TriangleMesh& deepest = run.passes[deepest_pass].tool;
+  const double lowest_mm = deepest.bounds().min.z();
+  for (const Vec3& v : deepest.vertices) {
+    if (v.z() < lowest_mm + kHead_mm) target.tool_head_mm.push_back(target.bone_from_tool * v);
+  }
+  for (const ToolPass& pass : run.passes) {
+    const double reach_mm = reach_of(pass.tool);
+    for (const ToolPose& pose : pass.poses) {
+      target.radius_mm = std::max(target.radius_mm, (pose.position_mm - target.focus_mm).norm() + reach_mm);
+    }
+  }
+}
+
 /// The target of the cameras: the glenoid if known; else the tool at its greatest depth, seen along its axis. `bone`:
 /// the unreamed surface, voxel index space.
-ViewTarget make_view_target(const RunInputs& run, const ToolPose& deepest, const IsoSurface& bone) {
+ViewTarget make_view_target(const RunInputs& run, const PredictedRun& predicted, const IsoSurface& bone) {
   ViewTarget target;
-  target.bone_from_tool = deepest.bone_from_tool();
+  target.bone_from_tool = predicted.bone.deepest.bone_from_tool();
   if (run.glenoid) {
     target_glenoid(target, *run.glenoid, run.side, run.voxmap->frame);
   } else {
@@ -145,35 +169,50 @@ ViewTarget make_view_target(const RunInputs& run, const ToolPose& deepest, const
     target.bone_mm.emplace_back(grid.origin_mm + grid.voxel_mm * (p.cast<double>() + Vec3::Constant(0.5)));
     target.radius_mm = std::max(target.radius_mm, (target.bone_mm.back() - target.focus_mm).norm());
   }
-  double tool_reach_mm = 0;
-  double lowest_mm = run.tool.bounds().min.z();
-  for (const Vec3& v : run.tool.vertices) {
-    tool_reach_mm = std::max(tool_reach_mm, v.norm());
-    if (v.z() < lowest_mm + kHead_mm) target.tool_head_mm.push_back(target.bone_from_tool * v);
-  }
-  for (const ToolPose& pose : run.poses) {
-    const double away_mm = (pose.position_mm - target.focus_mm).norm() + tool_reach_mm;
-    target.radius_mm = std::max(target.radius_mm, away_mm);
-  }
+  include_tools(target, run, predicted.pass);
   return target;
 }
 
 }  // namespace
 
-RunPath::RunPath(const RunInputs& run)
-    : path_(reach_of(run.tool), kPathStep_voxels * run.voxmap->grid.voxel_mm, run.frames) {}
-
-void RunPath::give(RunInputs& run) {
-  for (const PathSample& sample : path_.finish()) {
-    run.pose_frames.push_back(static_cast<std::int64_t>(sample.frame));
-    run.poses.push_back(sample.pose);
+RunPath::RunPath(const RunInputs& run) : dir_(run.dir), used_(run.passes.size(), false) {
+  for (const ToolPass& pass : run.passes) {
+    paths_.emplace_back(reach_of(pass.tool), kPathStep_voxels * run.voxmap->grid.voxel_mm, run.frames);
   }
 }
 
+void RunPath::add(const ToolPose& pose, std::int64_t frame, int pass) {
+  const auto i = static_cast<std::size_t>(pass - 1);
+  if (i >= paths_.size()) {
+    throw InputError({tool_path(dir_, pass), 0, 0}, "", "no such file", "the tool of pass " + std::to_string(pass));
+  }
+  paths_[i].add(pose, static_cast<std::size_t>(frame));
+  used_[i] = true;
+}
+
+void RunPath::give(RunInputs& run) {
+  std::size_t used = 0;  // an interrupted run has not come to its last passes
+  while (used < used_.size() && used_[used]) ++used;
+  run.passes.resize(used);
+  for (std::size_t i = 0; i < used; ++i) {
+    for (const PathSample& sample : paths_[i].finish()) {
+      run.passes[i].pose_frames.push_back(static_cast<std::int64_t>(sample.frame));
+      run.passes[i].poses.push_back(sample.pose);
+    }
+  }
+}
+
+std::size_t RunInputs::pass_at(std::int64_t frame) const {
+  std::size_t out = 0;
+  while (out + 1 < passes.size() && passes[out + 1].pose_frames.front() <= frame) ++out;
+  return out;
+}
+
 const ToolPose& RunInputs::pose_at(std::int64_t frame) const {
-  const auto after = std::ranges::upper_bound(pose_frames, frame);
-  return after == pose_frames.begin() ? poses.front()
-                                      : poses[static_cast<std::size_t>(after - pose_frames.begin()) - 1];
+  const ToolPass& pass = passes[pass_at(frame)];
+  const auto after = std::ranges::upper_bound(pass.pose_frames, frame);
+  return after == pass.pose_frames.begin() ? pass.poses.front()
+                                           : pass.poses[static_cast<std::size_t>(after - pass.pose_frames.begin()) - 1];
 }
 
 FillBricks fill_at(const RunInputs& run, std::int64_t frame) {
@@ -182,8 +221,12 @@ FillBricks fill_at(const RunInputs& run, std::int64_t frame) {
   return fill;
 }
 
-TriangleMesh read_tool(const std::string& dir) {
-  return read_mesh(tool_path(dir), 1.0);
+std::vector<ToolPass> read_tools(const std::string& dir) {
+  std::vector<ToolPass> out;
+  do {
+    out.push_back({.tool = read_mesh(tool_path(dir, static_cast<int>(out.size()) + 1), 1.0)});
+  } while (std::filesystem::exists(tool_path(dir, static_cast<int>(out.size()) + 1)));
+  return out;
 }
 
 RunData::Outcome RunData::read_outcome(const std::string& dir) {
@@ -195,7 +238,7 @@ RunData::Outcome RunData::read_outcome(const std::string& dir) {
   RunInputs inputs = read_inputs(dir, bone);
   RunPath path(inputs);
   LogOptions options = log_options(inputs);
-  options.each = [&path](const ForceRow& row) { path.add(row.pose, row.frame); };
+  options.each = [&path](const ForceRow& row) { path.add(row.pose, row.frame, row.pass); };
   ForceLog log = read_force_log(log_path(dir), options);
   for (const std::int64_t frame : inputs.frames) static_cast<void>(log.at(frame, log_path(dir)));
   path.give(inputs);
@@ -203,9 +246,9 @@ RunData::Outcome RunData::read_outcome(const std::string& dir) {
 }
 
 RunData::Prediction RunData::predict_outcome(const RunInputs& inputs) {
-  const PredictedBone predicted = predict_bone(inputs);
-  UnreamedSurface unreamed(*inputs.voxmap, with_removed_voxels_restored(inputs.fill), predicted.fill);
-  ViewTarget target = make_view_target(inputs, predicted.deepest, unreamed.surface());
+  const PredictedRun predicted = predict_run(inputs);
+  UnreamedSurface unreamed(*inputs.voxmap, with_removed_voxels_restored(inputs.fill), predicted.bone.fill);
+  ViewTarget target = make_view_target(inputs, predicted, unreamed.surface());
   return {std::move(unreamed), std::move(target)};
 }
 

@@ -16,6 +16,13 @@ namespace reamsim {
 struct ViewTarget;
 class UnreamedSurface;
 
+/// A tool of a run on its path.
+struct ToolPass {
+  TriangleMesh tool;                        ///< T, mm
+  std::vector<std::int64_t> pose_frames{};  ///< frames of `poses`, ascending; those with a snapshot are among them
+  std::vector<ToolPose> poses{};            ///< of every frame, or of those that RunPath chooses
+};
+
 /// The inputs of rendering a run besides its snapshots. All are known before the simulation and immutable.
 struct RunInputs {
   std::string dir;  ///< folder of the results
@@ -24,11 +31,11 @@ struct RunInputs {
   bool whole_voxels = false;  ///< the run removes voxels as a whole
   std::optional<GlenoidFrame> glenoid;
   BodySide side = BodySide::unknown;
-  std::vector<std::int64_t> frames;       ///< with a snapshot, ascending
-  std::vector<std::int64_t> pose_frames;  ///< frames of `poses`, ascending; they include `frames`
-  std::vector<ToolPose> poses;            ///< of every frame, or of those that RunPath chooses
-  TriangleMesh tool;                      ///< T, mm
+  std::vector<std::int64_t> frames;  ///< with a snapshot, ascending
+  std::vector<ToolPass> passes;      ///< at least one
 
+  /// Index of the pass of a frame.
+  [[nodiscard]] std::size_t pass_at(std::int64_t frame) const;
   /// The pose in a frame, or the first one before it.
   [[nodiscard]] const ToolPose& pose_at(std::int64_t frame) const;
 };
@@ -36,14 +43,17 @@ struct RunInputs {
 /// Chooses the poses of a long run that pictures need, in bounded memory and one pass (sim/motion/bounded_path.h).
 class RunPath {
  public:
-  /// Voxmap, frames with a snapshot and tool of `run` are set.
+  /// Voxmap, frames with a snapshot and tools of `run` are set.
   explicit RunPath(const RunInputs& run);
-  void add(const ToolPose& pose, std::int64_t frame) { path_.add(pose, static_cast<std::size_t>(frame)); }
-  /// Sets the poses of `run`.
+  /// `pass`: from 1. Throws InputError where the run has no tool of this pass.
+  void add(const ToolPose& pose, std::int64_t frame, int pass);
+  /// Sets the poses of `run`, whose passes without a frame are removed.
   void give(RunInputs& run);
 
  private:
-  BoundedPath path_;
+  std::string dir_;
+  std::vector<BoundedPath> paths_;  ///< by pass
+  std::vector<bool> used_;
 };
 
 /// The data of a run for pictures, meshes and the report, read or computed once on first use. Copies share it, and any
@@ -89,7 +99,7 @@ class RunData {
 
 /// The fill after the snapshot of a frame, which must be the first snapshot. Throws InputError.
 FillBricks fill_at(const RunInputs& run, std::int64_t frame);
-/// The tool in DIR/snapshots/tool.stl.
-TriangleMesh read_tool(const std::string& dir);
+/// The tools in DIR/snapshots, without poses: tool.stl, and tool_2.stl … of later passes.
+std::vector<ToolPass> read_tools(const std::string& dir);
 
 }  // namespace reamsim

@@ -56,9 +56,9 @@ Camera RunView::closer_camera(const std::string& name, int width_px, int height_
   return out;
 }
 
-std::optional<Rigid> RunView::tool_at(std::int64_t frame) const {
+std::optional<PlacedTool> RunView::tool_at(std::int64_t frame) const {
   if (!settings_.tool) return std::nullopt;
-  return spinning(run_.inputs().pose_at(frame));
+  return PlacedTool{spinning(run_.inputs().pose_at(frame)), run_.inputs().pass_at(frame)};
 }
 
 Rigid RunView::map_from_bone() const {
@@ -66,7 +66,7 @@ Rigid RunView::map_from_bone() const {
   return (target.bone_from_glenoid ? *target.bone_from_glenoid : target.bone_from_tool).inverse();
 }
 
-Labels RunView::labels(const Camera& camera, const std::optional<Rigid>& tool) const {
+Labels RunView::labels(const Camera& camera, const std::optional<PlacedTool>& tool) const {
   Labels labels;
   labels.legends.push_back({"Reamed depth", "mm", depth_colors(), depth_scale_});
   if (camera.cut_plane) labels.legends.push_back({"Bone density", "g/cm³", density_colors(), density_scale()});
@@ -75,7 +75,9 @@ Labels RunView::labels(const Camera& camera, const std::optional<Rigid>& tool) c
     labels.directions = {{"superior", target.superior}, {"lateral", target.outward}};
     if (target.anterior) labels.directions.emplace_back("anterior", *target.anterior);
   }
-  if (tool && !camera.shows_tool) labels.outlines_mm.push_back(widest_circle(run_.inputs().tool, *tool));
+  if (tool && !camera.shows_tool) {
+    labels.outlines_mm.push_back(widest_circle(run_.inputs().passes[tool->pass].tool, tool->bone_from_tool));
+  }
   return labels;
 }
 

@@ -22,6 +22,12 @@ struct PictureOptions {
   std::string camera_without_suffix{};  ///< "": the first of the settings
 };
 
+/// A tool of a run in a picture.
+struct PlacedTool {
+  Rigid bone_from_tool;  ///< with the spin
+  std::size_t pass = 0;  ///< index
+};
+
 /// What all pictures of a run share and is known before the first: target, cameras and legends. Immutable, so that
 /// several threads may use it.
 class RunView {
@@ -33,10 +39,10 @@ class RunView {
   [[nodiscard]] Camera camera(const std::string& name, int width_px, int height_px) const;
   /// The same slightly closer, for pictures without labels; a user's camera is unchanged.
   [[nodiscard]] Camera closer_camera(const std::string& name, int width_px, int height_px) const;
-  /// The tool's pose in a frame with the spin; none if the settings hide the tool.
-  [[nodiscard]] std::optional<Rigid> tool_at(std::int64_t frame) const;
+  /// The tool in a frame; none if the settings hide it.
+  [[nodiscard]] std::optional<PlacedTool> tool_at(std::int64_t frame) const;
   /// The labels of every picture of this camera: legends, directions and, en face, the tool's outline.
-  [[nodiscard]] Labels labels(const Camera& camera, const std::optional<Rigid>& tool) const;
+  [[nodiscard]] Labels labels(const Camera& camera, const std::optional<PlacedTool>& tool) const;
 
   /// The frame of the depth map: the glenoid's, else the tool's at its deepest; +z is out of the bone.
   [[nodiscard]] Rigid map_from_bone() const;

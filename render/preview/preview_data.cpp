@@ -7,6 +7,7 @@
 #include "render/report/page_data.h"
 #include "sim/base/error.h"
 #include "sim/motion/motion.h"
+#include "sim/scenario/passes.h"
 #include "sim/scenario/paths.h"
 #include "sim/tool/tool.h"
 
@@ -172,8 +173,9 @@ Json preview_data(const PreviewRequest& request, const PreviewBone& bone, std::i
   json["side"] = bone.side == BodySide::unknown ? Json() : Json(name_of(bone.side));
   json["ct"] = settings.source == BoneSource::ct ? ct_json(settings.ct, bone.scan.settings) : Json();
   json["glenoid"] = glenoid_json(bone, settings.glenoid);
-  json["tool"] = tool_json(scenario.tool, settings.voxel_mm, mistakes, report);
-  json["motion"] = motion_json(scenario.motion, mistakes, report);
+  const PassSpec last = passes_of(scenario).back();
+  json["tool"] = tool_json(last.tool, settings.voxel_mm, mistakes, report);
+  json["motion"] = motion_json(last.motion, mistakes, report);
   json["volume"] =
       volume_json(bone.bone ? preview_of_voxmap(*bone.bone, most_voxels) : preview_of_scan(bone.scan, most_voxels));
   json["problems"] = Json::array();

@@ -32,11 +32,13 @@ nlohmann::ordered_json bone_data(const RunData& run, const RenderSettings& setti
 /// apply_snapshot() does.
 nlohmann::ordered_json reaming_data(const RunData& run, const BoneSurface& after);
 
-/// The reamer in the 3D view: `mesh` as in mesh_json() in T over `box_mm`, simplified, `shown` and `look` as the
-/// settings say, and `poses`, one for each of shown_rows(): `count`, `box_mm` of their positions in B, and `bytes`,
-/// eight numbers each in the code of mesh_bytes(): x, y, z over that box, the quaternion's x, y, z, w over −1…1, and
-/// the spin angle (about −z of T) over a turn. null for a tool without triangles.
-nlohmann::ordered_json tool_data(const TriangleMesh& tool, const ForceLog& log, const RenderSettings& settings);
+/// The reamers in the 3D view: `passes`, each with its `mesh` as in mesh_json() in T over `box_mm`, simplified, and its
+/// first `row` of shown_rows(); `shown` and `look` as the settings say; and `poses`, one for each of shown_rows():
+/// `count`, `box_mm` of their positions in B, and `bytes`, eight numbers each in the code of mesh_bytes(): x, y, z over
+/// that box, the quaternion's x, y, z, w over −1…1, and the spin angle (about −z of T) over a turn. null for a tool
+/// without triangles.
+nlohmann::ordered_json tool_data(const std::vector<ToolPass>& passes, const ForceLog& log,
+                                 const RenderSettings& settings);
 
 /// Densities of the unreamed bone on a coarse lattice, for the colours of sections.
 struct DensityVolume {

@@ -1,10 +1,8 @@
-#include <fmt/core.h>
 #include <array>
 #include <string>
 
 #include "render/report/page_data.h"
 #include "render/report/summary_table.h"
-#include "sim/base/error.h"
 
 namespace reamsim {
 namespace {
@@ -37,46 +35,17 @@ constexpr std::array kVault{
     SummaryLine{"/metrics/planning/vault/axis_depth_mm", "Depth on the axis of the implant", "mm"},
     SummaryLine{"/metrics/planning/vault/mean_depth_mm", "Depth, mean", "mm"}};
 
-struct PegColumn {
-  const char* key;
-  const char* title;
-};
-constexpr std::array kPegColumns{PegColumn{"length_mm", "Length, mm"}, PegColumn{"in_bone_mm", "In bone, mm"},
-                                 PegColumn{"perforated_mm", "Perforated, mm"},
-                                 PegColumn{"least_wall_mm", "Least wall, mm"}};
-
-std::string peg_cell(const Json& peg, const char* key, const std::string& path) {
-  const Json value = peg.is_object() && peg.contains(key) ? peg.at(key) : Json();
-  if (value.is_null()) return "–";
-  if (!value.is_number()) {
-    throw InputError({path, 0}, std::string("metrics.planning.pegs.") + key, "found another type", "expected a number");
-  }
-  return fmt::format("{:.1f}", value.get<double>());
-}
-
-/// A row for each peg, numbered as in the scenario.
-std::string pegs_html(const Json& summary, const std::string& path) {
-  const Json::json_pointer at("/metrics/planning/pegs");
-  if (!summary.contains(at) || summary.at(at).empty()) return "";
-  std::string out = "<table>\n<caption>Pegs</caption>\n<thead><tr><th scope=\"col\">Peg</th>";
-  for (const PegColumn& column : kPegColumns)
-    out += std::string("<th scope=\"col\" style=\"text-align: right\">") + column.title + "</th>";
-  out += "</tr></thead>\n<tbody>\n";
-  int number = 0;
-  for (const Json& peg : summary.at(at)) {
-    out += "<tr><th scope=\"row\">" + std::to_string(++number) + "</th>";
-    for (const PegColumn& column : kPegColumns) out += "<td>" + peg_cell(peg, column.key, path) + "</td>";
-    out += "</tr>\n";
-  }
-  return out + "</tbody>\n</table>\n";
-}
+constexpr std::array kPegColumns{ListColumn{"length_mm", "Length, mm"}, ListColumn{"in_bone_mm", "In bone, mm"},
+                                 ListColumn{"perforated_mm", "Perforated, mm"},
+                                 ListColumn{"least_wall_mm", "Least wall, mm"}};
+constexpr ListTable kPegs{"/metrics/planning/pegs", "Pegs", "Peg", kPegColumns};
 
 }  // namespace
 
 std::string planning_html(const Json& summary, const std::string& path) {
   const std::string tables = summary_table_html(summary, "Implant and joint line", kPose, path) +
                              summary_table_html(summary, "Support of the implant", kSupport, path) +
-                             summary_table_html(summary, "Vault", kVault, path) + pegs_html(summary, path);
+                             summary_table_html(summary, "Vault", kVault, path) + list_table_html(summary, kPegs, path);
   if (tables.empty()) return "";
   return "<section aria-labelledby=\"planning-title\" class=\"planning\">\n<h2 id=\"planning-title\">Planning</h2>\n"
          "<div class=\"tables\">\n" +

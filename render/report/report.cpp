@@ -127,7 +127,7 @@ Json script_data(const RunData& run, const PictureOptions& options) {
   return {{"plot", plot_data(log, options.mean_travel_mm)},
           {"pictures", frames_json(run, names_of(options.settings.cameras))},
           {"bone", bone_data(run, options.settings)},
-          {"tool", tool_data(run.inputs().tool, log, options.settings)}};
+          {"tool", tool_data(run.inputs().passes, log, options.settings)}};
 }
 
 std::string page_html(const RunData& run, const PictureOptions& options) {

@@ -19,4 +19,21 @@ struct SummaryLine {
 std::string summary_table_html(const nlohmann::ordered_json& summary, const char* title,
                                std::span<const SummaryLine> lines, const std::string& path);
 
+/// A column of a table with a row for each item of a list.
+struct ListColumn {
+  const char* key;  ///< in the item
+  const char* title;
+  int decimals = 1;
+};
+
+struct ListTable {
+  const char* pointer;  ///< of the list in summary.json
+  const char* title;
+  const char* item;  ///< heads the column of the numbers, from 1
+  std::span<const ListColumn> columns;
+};
+
+/// A row for each item, numbered as in the scenario; "" without any. Throws as summary_table_html().
+std::string list_table_html(const nlohmann::ordered_json& summary, const ListTable& table, const std::string& path);
+
 }  // namespace reamsim

@@ -104,6 +104,12 @@ constexpr std::array kMotion{Line{"/simulated_s", "Simulated time", "s"},
                              Line{"/contact_frames", "Frames in contact", ""},
                              Line{"/first_contact_frame", "First frame in contact", ""}};
 
+constexpr std::array kPassColumns{ListColumn{"tool", "Reamer"}, ListColumn{"removed_mm3", "Removed, mm³"},
+                                  ListColumn{"max_depth_mm", "Tool depth, mm", 2},
+                                  ListColumn{"peak_axial_force_n", "Peak axial force, N"},
+                                  ListColumn{"peak_spin_torque_nmm", "Peak spin torque, N·mm", 0}};
+constexpr ListTable kPasses{"/passes", "Passes", "Pass", kPassColumns};
+
 const std::array kTables{Table{"Bone", kBone},
                          Table{"Segmentation", kSegmentation},
                          Table{"Reamed face", kFace},
@@ -216,7 +222,7 @@ std::string summary_table_html(const Json& summary, const char* title, std::span
 std::string summary_tables_html(const Json& summary, const std::string& path) {
   std::string out;
   for (const Table& table : kTables) out += summary_table_html(summary, table.title, table.lines, path);
-  return out;
+  return out + list_table_html(summary, kPasses, path);
 }
 
 std::string provenance_html(const Json& summary, const std::string& path) {

@@ -1,5 +1,6 @@
 #include <meshoptimizer.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -63,16 +64,30 @@ Json poses_json(const ForceLog& log) {
           {"bytes", compressed_base64(pose_bytes(log, rows, box))}};
 }
 
-}  // namespace
+/// The first of the shown rows that has the tool of this pass.
+std::size_t first_row(const ForceLog& log, int pass) {
+  const std::vector<std::size_t> rows = shown_rows(log.rows);
+  const auto found = std::ranges::find_if(rows, [&](std::size_t row) { return log.rows[row].pass >= pass; });
+  return static_cast<std::size_t>(found - rows.begin());
+}
 
-Json tool_data(const TriangleMesh& tool, const ForceLog& log, const RenderSettings& settings) {
-  if (tool.triangles.empty()) return nullptr;
+Json pass_json(const TriangleMesh& tool, std::size_t row) {
   const BoneSurface surface = simplified(tool_surface(tool), {.unreamed_triangles = kMaxToolTriangles});
   const Eigen::AlignedBox3f box = bounds_of(surface);
+  return {{"row", row}, {"box_mm", box_json(box.min(), box.max())}, {"mesh", mesh_json(surface, box, 1)}};
+}
+
+}  // namespace
+
+Json tool_data(const std::vector<ToolPass>& passes, const ForceLog& log, const RenderSettings& settings) {
+  Json tools = Json::array();
+  for (std::size_t i = 0; i < passes.size(); ++i) {
+    if (passes[i].tool.triangles.empty()) return nullptr;
+    tools.push_back(pass_json(passes[i].tool, first_row(log, static_cast<int>(i) + 1)));
+  }
   return {{"shown", settings.tool},
           {"look", name_of(settings.tool_look)},
-          {"box_mm", box_json(box.min(), box.max())},
-          {"mesh", mesh_json(surface, box, 1)},
+          {"passes", std::move(tools)},
           {"poses", poses_json(log)}};
 }
 

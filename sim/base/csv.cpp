@@ -18,6 +18,8 @@ namespace reamsim {
 namespace {
 
 constexpr std::size_t kBufferBytes = 1 << 16;
+/// Place of a column that is missing.
+constexpr std::size_t kMissing = std::numeric_limits<std::size_t>::max();
 
 double number(const SourceLocation& where, std::string_view name, std::string_view cell) {
   double value = 0;
@@ -42,15 +44,18 @@ std::vector<std::string_view> csv_cells(std::string_view line) {
   }
 }
 
-CsvReader::CsvReader(const std::string& path, std::span<const std::string_view> names, const std::string& expected)
+CsvReader::CsvReader(const std::string& path, std::span<const std::string_view> names, const std::string& expected,
+                     std::string_view optional)
     : path_(path), names_(names.begin(), names.end()), in_(path, std::ios::binary) {
   std::string header;
   if (!in_ || !std::getline(in_, header)) throw InputError({path, 0, 0}, "", "cannot be read", expected);
   const auto found_names = csv_cells(header);
+  if (!optional.empty()) names_.push_back(optional);
   for (const std::string_view name : names_) {
     const auto found = std::find(found_names.begin(), found_names.end(), name);
-    if (found == found_names.end()) throw InputError({path, 1, 0}, std::string(name), "no such column", expected);
-    places_.push_back(static_cast<std::size_t>(found - found_names.begin()));
+    const bool missing = found == found_names.end();
+    if (missing && name != optional) throw InputError({path, 1, 0}, std::string(name), "no such column", expected);
+    places_.push_back(missing ? kMissing : static_cast<std::size_t>(found - found_names.begin()));
   }
 }
 
@@ -68,6 +73,10 @@ bool CsvReader::next(std::vector<double>& values, std::string_view may_be_empty)
   const auto cells = csv_cells(line);
   values.clear();
   for (std::size_t i = 0; i < names_.size(); ++i) {
+    if (places_[i] == kMissing) {
+      values.push_back(std::numeric_limits<double>::quiet_NaN());
+      continue;
+    }
     if (places_[i] >= cells.size()) {
       throw InputError(where(), std::string(names_[i]),
                        "the line ends after " + std::to_string(cells.size()) + " cells",

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstdint>
+#include <iterator>
 #include <optional>
 
 #include "sim/base/report.h"
@@ -8,12 +10,19 @@
 
 namespace reamsim {
 
-/// The tool's path at the frame rate: poses[k] is the pose at time k/frame_rate_hz.
+/// The path of a tool at the frame rate: poses[k] is the pose of frame `first_frame` + k, at time frame/frame_rate_hz.
 struct Motion {
   double frame_rate_hz = 1000;
   PoseSequence poses;
+  std::int64_t first_frame = 0;  ///< not 0 in later passes of a run
+  int pass = 1;                  ///< number of the pass
 
   [[nodiscard]] double frame_s() const { return 1.0 / frame_rate_hz; }
+  [[nodiscard]] std::int64_t last_frame() const { return first_frame + std::ssize(poses) - 1; }
+  /// `frame`: from first_frame to last_frame().
+  [[nodiscard]] ToolPose pose_of(std::int64_t frame) const {
+    return poses[static_cast<std::size_t>(frame - first_frame)];
+  }
 };
 
 /// Resamples keyframes, plunge or recorded CSV to the frame rate, in B. Position and spindle speed are interpolated

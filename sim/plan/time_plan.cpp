@@ -93,7 +93,10 @@ BatchTimes time_window(ReamingScene& scene, Engine& engine, double most_s) {
 }  // namespace
 
 TimePlan plan_time(ReamingScene& scene, Engine& engine, double budget_s) {
-  const PoseSequence poses = scene.motion.poses;
+  const Motion motion = scene.motion;
+  const PoseSequence& poses = motion.poses;
+  std::vector<Pass> later_passes = std::exchange(scene.later_passes, {});
+  scene.motion.first_frame = 0;
   const Scenario original = scene.scenario;
   scene.scenario.render.every_frames = std::numeric_limits<int>::max();  // no snapshots in between
   if (original.engine.device == "serial") scene.scenario.engine.batch_frames = kSerialBatch;
@@ -116,11 +119,14 @@ TimePlan plan_time(ReamingScene& scene, Engine& engine, double budget_s) {
     plan.timed_frames += times.frames();
   }
   plan.windows = static_cast<int>(timed.size());
-  scene.motion.poses = poses;
+  scene.motion = motion;
+  scene.later_passes = std::move(later_passes);
   scene.scenario = original;
   if (timed.empty()) return plan;
   // A snapshot is read back and written to disk, which takes about as long.
-  const auto snapshots = static_cast<double>(picture_frames(original.render, all).size());
+  const auto in_pass = [&](std::int64_t frame) { return frame >= motion.first_frame && frame <= motion.last_frame(); };
+  const auto snapshots =
+      static_cast<double>(std::ranges::count_if(picture_frames(original.render, scene.last_frame()), in_pass));
   plan.simulate_s = integrate_s(timed, static_cast<double>(all)) + 2 * snapshots * read_s;
   return plan;
 }

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "sim/motion/bounded_path.h"
+#include "sim/predict/swept_bone.h"
 
 namespace reamsim {
 
@@ -18,9 +19,9 @@ constexpr double kBrickRadius_voxels = 0.5 * BrickLattice::kSide * 1.7320508;
 constexpr double kStep_voxels = 0.5;
 
 /// Every pose of the motion, or those of a long one at the smallest step.
-std::vector<PathSample> path_of(const ReamingScene& scene) {
-  BoundedPath path(scene.tool.reach_mm, kStep_voxels * scene.bone.voxmap->grid.voxel_mm);
-  path.add(scene.motion.poses);
+std::vector<PathSample> path_of(const Tool& tool, const Motion& motion, double voxel_mm) {
+  BoundedPath path(tool.reach_mm, kStep_voxels * voxel_mm);
+  path.add(motion.poses);
   return path.finish();
 }
 
@@ -34,12 +35,13 @@ struct Brick {
 /// Distances between the voxels of a bone and the profile of a tool along its path.
 class ContactSearch {
  public:
-  explicit ContactSearch(const ReamingScene& scene)
-      : voxmap_(*scene.bone.voxmap),
-        fill_(scene.bone.fill),
-        profile_(scene.tool.profile),
+  /// Holds references to voxmap, fill and profile.
+  ContactSearch(const Voxmap& voxmap, const FillBricks& fill, const Tool& tool, const Motion& motion)
+      : voxmap_(voxmap),
+        fill_(fill),
+        profile_(tool.profile),
         voxel_mm_(voxmap_.grid.voxel_mm),
-        path_(path_of(scene), scene.tool.reach_mm) {
+        path_(path_of(tool, motion, voxel_mm_), tool.reach_mm) {
     voxmap_.grade.for_each_brick([&](const Vec3i& coord, const GradeBricks::Brick&) {
       const Vec3 middle =
           voxmap_.grid.origin_mm + voxel_mm_ * BrickLattice::kSide * (coord.cast<double>() + Vec3::Constant(0.5));
@@ -141,36 +143,66 @@ class ContactSearch {
   std::vector<Brick> bricks_;
 };
 
-}  // namespace
-
-ContactForecast forecast_contact(const ReamingScene& scene) {
+ContactForecast forecast_pass(const Voxmap& voxmap, const FillBricks& fill, const Tool& tool, const Motion& motion) {
   ContactForecast out;
-  if (scene.motion.poses.empty()) return out;
-  ContactSearch search(scene);
+  if (motion.poses.empty()) return out;
+  ContactSearch search(voxmap, fill, tool, motion);
   out.start_mm3 = search.start_mm3();
-  if (out.start_mm3 > scene.bone.voxmap->grid.voxel_mm3()) {
+  if (out.start_mm3 > voxmap.grid.voxel_mm3()) {
     out.touches = true;
   } else {
     search.find_nearest(out);
+    out.frame += motion.first_frame;
   }
   return out;
 }
 
-void warn_of_contact(const ReamingScene& scene, const ContactForecast& forecast, Report& report) {
+}  // namespace
+
+ContactForecast forecast_contact(const ReamingScene& scene) {
+  return forecast_pass(*scene.bone.voxmap, scene.bone.fill, scene.tool, scene.motion);
+}
+
+std::vector<ContactForecast> forecast_passes(const ReamingScene& scene) {
+  std::vector<ContactForecast> out{forecast_contact(scene)};
+  const Voxmap& voxmap = *scene.bone.voxmap;
+  const bool whole_voxels = scene.scenario.cutting.erosion != ErosionMode::exact;
+  FillBricks fill = scene.bone.fill;
+  const Tool* tool = &scene.tool;
+  const Motion* motion = &scene.motion;
+  for (const Pass& pass : scene.later_passes) {
+    std::vector<ToolPose> poses;
+    for (const PathSample& sample : path_of(*tool, *motion, voxmap.grid.voxel_mm)) poses.push_back(sample.pose);
+    fill = predict_swept_bone(voxmap, fill, tool->profile, poses, whole_voxels).fill;
+    out.push_back(forecast_pass(voxmap, fill, pass.tool, pass.motion));
+    tool = &pass.tool;
+    motion = &pass.motion;
+  }
+  return out;
+}
+
+void warn_of_contact(const ReamingScene& scene, const ContactForecast& forecast, Report& report,
+                     const std::string& pass) {
   if (forecast.start_mm3 > scene.bone.voxmap->grid.voxel_mm3()) {
     const bool exact = scene.scenario.cutting.erosion == ErosionMode::exact;
     report.warn(fmt::format(
-        "the tool starts in the bone: at its first pose it contains about {:.3g} mm3 of bone{}; start further out "
+        "{}the tool starts in the bone: at its first pose it contains about {:.3g} mm3 of bone{}; start further out "
         "(motion)",
-        forecast.start_mm3,
+        pass, forecast.start_mm3,
         exact ? ", which is removed without force" : ", so the force of the first frames is not meaningful"));
   }
   if (!forecast.touches) {
     const Vec3& p = forecast.bone_mm;
     report.warn(fmt::format(
-        "the tool never touches the bone: its smallest distance is {:.2f} mm, in frame {}, from the bone at "
+        "{}the tool never touches the bone: its smallest distance is {:.2f} mm, in frame {}, from the bone at "
         "({:.1f}, {:.1f}, {:.1f}) mm; check motion and, if it is used, the glenoid frame",
-        forecast.nearest_mm, forecast.frame, p.x(), p.y(), p.z()));
+        pass, forecast.nearest_mm, forecast.frame, p.x(), p.y(), p.z()));
+  }
+}
+
+void warn_of_contact(const ReamingScene& scene, const std::vector<ContactForecast>& forecasts, Report& report) {
+  for (std::size_t i = 0; i < forecasts.size(); ++i) {
+    warn_of_contact(scene, forecasts[i], report, forecasts.size() > 1 ? "pass " + std::to_string(i + 1) + ": " : "");
   }
 }
 

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
+#include <vector>
 
 #include "sim/scene/scene.h"
 
@@ -15,9 +17,14 @@ struct ContactForecast {
   Vec3 bone_mm = Vec3::Zero();  ///< the nearest point of the bone, B
 };
 
+/// Of the present pass.
 ContactForecast forecast_contact(const ReamingScene& scene);
+/// Of the present pass and the later ones, with the bone that the passes before are predicted to leave.
+std::vector<ContactForecast> forecast_passes(const ReamingScene& scene);
 
-/// Warns of a tool that starts in the bone or never touches it.
-void warn_of_contact(const ReamingScene& scene, const ContactForecast& forecast, Report& report);
+/// Warns of a tool that starts in the bone or never touches it. `pass` begins the messages.
+void warn_of_contact(const ReamingScene& scene, const ContactForecast& forecast, Report& report,
+                     const std::string& pass = "");
+void warn_of_contact(const ReamingScene& scene, const std::vector<ContactForecast>& forecasts, Report& report);
 
 }  // namespace reamsim

@@ -194,7 +194,8 @@ PredictedBone predict_swept_bone(const Voxmap& voxmap, const FillBricks& before,
     out.fill.put(loss.coord, loss.fill);
     contact = std::min(contact, loss.first_pose);
   }
-  if (contact < poses.size()) out.deepest = deepest_from(poses, contact);
+  out.touches = contact < poses.size();
+  if (out.touches) out.deepest = deepest_from(poses, contact);
   return out;
 }
 

@@ -15,6 +15,7 @@ struct PredictedBone {
   FillBricks fill;  ///< voxels in the swept volume: the fraction outside it, or 0; others: as before
   /// The pose in which the tool is deepest along its axis, from about the first contact on; without contact the first.
   ToolPose deepest;
+  bool touches = false;  ///< the tool removes bone
 };
 
 /// `tool`: an envelope about z of the tool frame T; `poses` in the bone frame B, at least one; `before`: the fill at

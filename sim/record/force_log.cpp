@@ -37,11 +37,19 @@ constexpr std::array<std::string_view, kColumns> kNames{
     "tool_qy",       "tool_qz",         "spin_angle_rad", "depth_mm",  "force_x_n",       "force_y_n", "force_z_n",
     "axial_force_n", "spin_torque_nmm", "removed_mm3",    "energy_mj", "floor_energy_mj", "balance"};
 
-/// `v`: the values of a row, in the order of kNames.
+/// Logs of older versions do not have it.
+constexpr std::string_view kPassName = "pass";
+/// More passes are a damaged file.
+constexpr double kMostPasses = 1e4;
+
+/// `v`: the values of a row, in the order of kNames, and the pass.
 ForceRow make_row(const SourceLocation& where, const std::vector<double>& v) {
   ForceRow row;
   if (v[kFrame] < 0 || v[kFrame] > 1e15) throw InputError(where, "frame", "out of range", "expected 0 or more");
   row.frame = static_cast<std::int64_t>(v[kFrame]);
+  const double pass = std::isnan(v[kColumns]) ? 1 : v[kColumns];
+  if (!(pass >= 1 && pass <= kMostPasses)) throw InputError(where, "pass", "out of range", "expected 1 or more");
+  row.pass = static_cast<int>(pass);
   row.time_s = v[kTime];
   row.pose.position_mm = Vec3(&v[kPosition]);
   row.pose.orientation = Quat(v[kOrientation], v[kOrientation + 1], v[kOrientation + 2], v[kOrientation + 3]);
@@ -113,7 +121,7 @@ const ForceRow& ForceLog::at(std::int64_t frame, const std::string& path) const 
 }
 
 void for_each_force_row(const std::string& path, const std::function<void(const ForceRow&)>& visit) {
-  CsvReader table(path, kNames, "the forces.csv of a run");
+  CsvReader table(path, kNames, "the forces.csv of a run", kPassName);
   double removed_mm3 = 0, energy_mj = 0, floor_mj = 0;
   std::int64_t before = -1;
   for (std::vector<double> values; table.next(values);) {

@@ -21,6 +21,7 @@ struct RowPoint {
 /// The columns of forces.csv that pictures and plots need, for one frame.
 struct ForceRow {
   std::int64_t frame = 0;
+  int pass = 1;  ///< of the tool
   double time_s = 0;
   ToolPose pose;
   double depth_mm = 0;

@@ -12,7 +12,7 @@ namespace {
 constexpr const char* kForceColumns =
     "frame,time_s,tool_x_mm,tool_y_mm,tool_z_mm,tool_qw,tool_qx,tool_qy,tool_qz,spin_rpm,spin_angle_rad,depth_mm,"
     "force_x_n,force_y_n,force_z_n,torque_x_nmm,torque_y_nmm,torque_z_nmm,axial_force_n,spin_torque_nmm,contacts,"
-    "removed_mm3,energy_mj,floor_energy_mj,balance";
+    "removed_mm3,energy_mj,floor_energy_mj,balance,pass";
 constexpr const char* kTimingColumns = "frame,broad_phase_ms,detect_ms,cut_ms";
 
 /// `v`: a row of forces.csv, as Recorder::frame() writes it.
@@ -34,6 +34,7 @@ FrameResult result_of(const std::vector<double>& v) {
   out.energy_mj = v[22];
   out.floor_energy_mj = v[23];
   out.balance = v[24];
+  out.pass = static_cast<int>(v[25]);
   return out;
 }
 
@@ -95,7 +96,8 @@ void Recorder::frame(const FrameResult& r, const FrameTimes& times) {
                r.removed_mm3,
                r.energy_mj,
                r.floor_energy_mj,
-               r.balance});
+               r.balance,
+               static_cast<double>(r.pass)});
   timings_.row({frame, 1e3 * times.broad_phase_s, 1e3 * times.detect_s, 1e3 * times.cut_s});
   totals_.add(r);
   totals_.broad_phase_s += times.broad_phase_s;

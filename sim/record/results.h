@@ -11,9 +11,10 @@ namespace reamsim {
 /// The results of frame k, over the time (k−1, k]. Forces are those of the bone on the tool, in B.
 struct FrameResult {
   std::int64_t frame = 0;
+  int pass = 1;  ///< number of the tool's pass
   double time_s = 0;
   ToolPose pose;                   ///< at the end of the frame
-  double depth_mm = 0;             ///< travel along −z of T since first contact
+  double depth_mm = 0;             ///< travel along −z of T since first contact of the pass
   Vec3 force_n = Vec3::Zero();     ///< mean over the substeps
   Vec3 torque_nmm = Vec3::Zero();  ///< about the tool's origin
   double axial_force_n = 0;        ///< along +z of T

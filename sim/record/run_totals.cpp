@@ -2,18 +2,32 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 namespace reamsim {
 
+void PassTotals::add(const FrameResult& row) {
+  last_frame = row.frame;
+  if (row.contacts > 0 && first_contact_frame < 0) first_contact_frame = row.frame;
+  removed_mm3 += row.removed_mm3;
+  energy_mj += row.energy_mj;
+  max_depth_mm = std::max(max_depth_mm, row.depth_mm);
+  peak_axial_force_n = std::max(peak_axial_force_n, row.axial_force_n);
+  peak_spin_torque_nmm = std::max(peak_spin_torque_nmm, row.spin_torque_nmm);
+}
+
 void RunTotals::add(const FrameResult& row) {
   ++frames;
+  if (std::ssize(passes) < row.pass) passes.push_back({.first_frame = row.frame});
+  PassTotals& pass = passes.back();
+  const bool first_contact = row.contacts > 0 && pass.first_contact_frame < 0;
+  if (first_contact || row.depth_mm > pass.max_depth_mm) deepest_pose = row.pose;
+  pass.add(row);
   simulated_s = row.time_s;
   removed_mm3 += row.removed_mm3;
   energy_mj += row.energy_mj;
   floor_energy_mj += row.floor_energy_mj;
   balance = row.balance;
-  const bool first_contact = row.contacts > 0 && first_contact_frame < 0;
-  if (first_contact || row.depth_mm > max_depth_mm) deepest_pose = row.pose;
   max_depth_mm = std::max(max_depth_mm, row.depth_mm);
   peak_force_n = std::max(peak_force_n, row.force_n.norm());
   peak_axial_force_n = std::max(peak_axial_force_n, row.axial_force_n);

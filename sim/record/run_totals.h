@@ -1,12 +1,27 @@
 #pragma once
 
 #include <cstdint>
+#include <vector>
 
 #include "sim/record/headline.h"
 #include "sim/record/layer_mean.h"
 #include "sim/record/results.h"
 
 namespace reamsim {
+
+/// Sums and extremes over one pass of a run.
+struct PassTotals {
+  std::int64_t first_frame = 0;
+  std::int64_t last_frame = 0;
+  std::int64_t first_contact_frame = -1;
+  double removed_mm3 = 0;
+  double energy_mj = 0;
+  double max_depth_mm = 0;        ///< since first contact of the pass
+  double peak_axial_force_n = 0;  ///< of single frames, like the torque
+  double peak_spin_torque_nmm = 0;
+
+  void add(const FrameResult& row);
+};
 
 /// Sums and extremes over a run, for summary.json.
 class RunTotals {
@@ -21,7 +36,8 @@ class RunTotals {
   double simulated_s = 0;
   double removed_mm3 = 0;
   double max_depth_mm = 0;
-  ToolPose deepest_pose;  ///< at the first row with max_depth_mm, no earlier than the first contact
+  ToolPose deepest_pose;  ///< at the first row with the greatest depth of the last pass with contact
+  std::vector<PassTotals> passes;
   double energy_mj = 0;
   double floor_energy_mj = 0;
   double balance = 0;

@@ -35,6 +35,10 @@ void put_brick(openvdb::FloatGrid& grid, const Vec3i& brick_coord, const FillBri
 
 }  // namespace
 
+std::string tool_path(const std::string& dir, int pass) {
+  return dir + "/snapshots/tool" + (pass == 1 ? "" : "_" + std::to_string(pass)) + ".stl";
+}
+
 std::string snapshot_path(const std::string& dir, std::int64_t frame) {
   return fmt::format("{}/snapshots/{:06}.vdb", dir, frame);
 }

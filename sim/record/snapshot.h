@@ -14,6 +14,9 @@ namespace reamsim {
 /// Throws RunError when the file cannot be written.
 void write_snapshot(const std::string& dir, std::int64_t frame, FillBricks& fill);
 
+/// DIR/snapshots/tool.stl, or tool_N.stl of a later pass; the first one is 1.
+std::string tool_path(const std::string& dir, int pass);
+
 /// DIR/snapshots/NNNNNN.vdb
 std::string snapshot_path(const std::string& dir, std::int64_t frame);
 /// Removes the snapshots of frames after this one.

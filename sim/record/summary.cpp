@@ -11,8 +11,10 @@
 #include "sim/mesh/mesh_io.h"
 #include "sim/record/checksum.h"
 #include "sim/record/metrics_file.h"
+#include "sim/record/snapshot.h"
 #include "sim/record/vti.h"
 #include "sim/scenario/parse.h"
+#include "sim/scenario/passes.h"
 #include "sim/scenario/paths.h"
 #include "sim/scenario/presets.h"
 
@@ -174,12 +176,13 @@ std::vector<InputSum> input_sums(const Scenario& scenario) {
   return sums;
 }
 
-void write_tool(const std::string& dir, const Tool& tool) {
+void write_tools(const std::string& dir, const ReamingScene& scene) {
   const std::string folder = dir + "/snapshots";
   std::error_code error;
   std::filesystem::create_directories(folder, error);
   if (error) throw RunError(folder + ": " + error.message());
-  write_stl(folder + "/tool.stl", tool.mesh);
+  write_stl(tool_path(dir, scene.motion.pass), scene.tool.mesh);
+  for (const Pass& pass : scene.later_passes) write_stl(tool_path(dir, pass.motion.pass), pass.tool.mesh);
 }
 
 void write_scenario(const std::string& dir, const Scenario& scenario, const RunFacts& facts) {
@@ -206,6 +209,26 @@ void write_results(const std::string& dir, const ReamingScene& scene, const Reco
 }
 
 namespace {
+
+/// Of a run with several passes, those that it has come to.
+nlohmann::ordered_json passes_json(const Scenario& scenario, const RunTotals& totals) {
+  nlohmann::ordered_json json = nlohmann::ordered_json::array();
+  const std::vector<PassSpec> specs = passes_of(scenario);
+  for (std::size_t i = 0; i < totals.passes.size(); ++i) {
+    const PassTotals& pass = totals.passes[i];
+    json.push_back({{"pass", i + 1},
+                    {"tool", recorded_path(specs[i].tool.mesh)},
+                    {"first_frame", pass.first_frame},
+                    {"last_frame", pass.last_frame},
+                    {"first_contact_frame", pass.first_contact_frame},
+                    {"removed_mm3", pass.removed_mm3},
+                    {"energy_mj", pass.energy_mj},
+                    {"max_depth_mm", pass.max_depth_mm},
+                    {"peak_axial_force_n", pass.peak_axial_force_n},
+                    {"peak_spin_torque_nmm", pass.peak_spin_torque_nmm}});
+  }
+  return json;
+}
 
 /// What is known after every frame.
 nlohmann::ordered_json totals_json(const ReamingScene& scene, const RunTotals& totals, const RunFacts& facts) {
@@ -234,6 +257,7 @@ nlohmann::ordered_json totals_json(const ReamingScene& scene, const RunTotals& t
   }
   json["balance"] = totals.balance;
   json["forces"] = forces_json(totals);
+  if (!scene.scenario.motion.passes.empty()) json["passes"] = passes_json(scene.scenario, totals);
   return json;
 }
 

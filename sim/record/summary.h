@@ -37,8 +37,9 @@ struct RunFacts {
   ColumnMap depth_map;
 };
 
-/// Writes snapshots/tool.stl into `dir`, for rendering during the simulation. Throws RunError when the disk is full.
-void write_tool(const std::string& dir, const Tool& tool);
+/// Writes the tools of all passes into `dir` (tool_path()), for rendering during the simulation. Throws RunError when
+/// the disk is full.
+void write_tools(const std::string& dir, const ReamingScene& scene);
 
 /// Writes scenario.yaml (resolved, with the checksums in its head) into `dir`. Throws RunError when the disk is full.
 void write_scenario(const std::string& dir, const Scenario& scenario, const RunFacts& facts);

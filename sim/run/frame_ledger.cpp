@@ -13,6 +13,7 @@ Vec3 scaled(const rs_i64* sums, double scale) {
 FrameResult FrameLedger::close(const PendingFrame& frame, const std::vector<SubstepSums>& sums) {
   FrameResult out;
   out.frame = frame.frame;
+  out.pass = frame.pass;
   out.time_s = static_cast<double>(frame.frame) * frame_s_;
   out.pose = frame.pose;
   rs_i64 removed = 0;

@@ -11,6 +11,7 @@ namespace reamsim {
 /// A frame with substeps in the engine's batch.
 struct PendingFrame {
   std::int64_t frame = 0;
+  int pass = 1;
   ToolPose before;  ///< pose at the start of the frame
   ToolPose pose;    ///< pose at its end
   int substeps = 1;
@@ -43,6 +44,8 @@ class FrameLedger {
     return run_.cut_mj > 0 ? (run_.work_mj + run_.floor_mj - run_.cut_mj) / run_.cut_mj : 0;
   }
   [[nodiscard]] const LedgerSums& sums() const { return run_; }
+  /// The next frame is the first one of another tool.
+  void begin_pass() { run_.first_contact_mm.reset(); }
   /// Continues a run.
   void restore(const LedgerSums& sums) { run_ = sums; }
 

@@ -37,12 +37,12 @@ Aabb cutting_box(const ReamingScene& scene) {
 }
 
 /// Whether the spin moves the cutting surface. A surface of revolution that clips voxels is its own envelope.
-bool is_moved_by_spin(const ReamingScene& scene) {
-  if (scene.scenario.cutting.erosion == ErosionMode::exact) return scene.tool.teeth.has_value();
-  return scene.scenario.tool.spin == ToolSpin::resolved;
+bool is_moved_by_spin(const Scenario& scenario, const Tool& tool) {
+  if (scenario.cutting.erosion == ErosionMode::exact) return tool.teeth.has_value();
+  return tool.spin == ToolSpin::resolved;
 }
 
-/// The run of a scene: the batch, its frames, and the energy balance.
+/// The run of a pass: the batch, its frames, and the energy balance.
 class Simulation {
  public:
   Simulation(ReamingScene& scene, Engine& engine, FrameSink& sink, Report& report)
@@ -53,39 +53,42 @@ class Simulation {
         tool_box_(cutting_box(scene)),
         bone_box_(bone_box(*scene.bone.voxmap)),
         ledger_(scene.bone.voxmap->grid.voxel_mm3(), scene.motion.frame_s(),
-                scene.scenario.cutting.law == CuttingLaw::per_point && scene.scenario.tool.spin == ToolSpin::resolved),
-        resolved_(is_moved_by_spin(scene)),
+                scene.scenario.cutting.law == CuttingLaw::per_point && scene.tool.spin == ToolSpin::resolved),
+        resolved_(is_moved_by_spin(scene.scenario, scene.tool)),
         exact_(scene.scenario.cutting.erosion == ErosionMode::exact),
-        windows_([this](std::int64_t frame) { return args_of(frame); }, std::ssize(scene.motion.poses) - 1, tool_box_),
+        windows_([this](std::int64_t frame) { return args_of(frame); }, scene.motion.last_frame(), tool_box_),
         max_step_mm_(scene.scenario.engine.max_step_voxels * scene.bone.voxmap->grid.voxel_mm) {}
 
   /// The main loop. Substeps of several frames are one batch, which ends with a frame that has a picture.
   SimulationState run(const RunControl& control) {
-    const auto last = std::ssize(scene_.motion.poses) - 1;
-    const std::vector<std::int64_t> pictures = picture_frames(scene_.scenario.render, last);
-    if (control.from) {
-      resume(*control.from);
-    } else {
-      snapshot(0);  // the bone before the first pose removes any
-      start();
+    const std::int64_t first = scene_.motion.first_frame, last = scene_.motion.last_frame();
+    const std::vector<std::int64_t> pictures = picture_frames(scene_.scenario.render, scene_.last_frame());
+    const auto has_picture = [&](std::int64_t frame) { return std::ranges::binary_search(pictures, frame); };
+    const bool had_ended = control.from && control.from->frame == last;
+    if (control.from) resume(*control.from);
+    if (first == 0 && !control.from) snapshot(0);  // the bone before the first pose removes any
+    if (!control.from || control.from->frame < first) {
+      start(first);
+      if (first > 0 && has_picture(first)) snapshot(first);
     }
     for (std::int64_t frame = state_.frame + 1; frame <= last; ++frame) {
       PendingFrame& pending = open_frame(frame);
       for (const Substep& substep : substeps_of(pending)) {
         if (const auto voi = broad_phase(substep, pending)) enqueue(substep, *voi, pending);
       }
-      const bool picture = std::ranges::binary_search(pictures, frame);
-      if (!picture && !is_batch(frame)) continue;
+      const bool picture = has_picture(frame);
+      if (!picture && frame != last && !is_batch(frame)) continue;
       collect();
       record();
       if (picture) snapshot(frame);
-      control.progress(frame, last);
+      control.progress(frame, scene_.last_frame());
       finish_batch(control);
     }
-    const bool had_ended = control.from && control.from->frame == last;
     if (!had_ended && !state_.touched && !control.warned_of_no_contact) {
-      report_.warn("the tool never touches the bone: check motion and, if it is used, the glenoid frame");
+      report_.warn(name_of_pass() +
+                   "the tool never touches the bone: check motion and, if it is used, the glenoid frame");
     }
+    engine_.read_fill(*scene_.bone.voxmap, scene_.bone.fill);
     return state();
   }
 
@@ -120,9 +123,11 @@ class Simulation {
     if (stop) throw Interrupted();
   }
 
-  /// Frame 0. Where voxels are clipped, bone in the tool's first pose is removed without force.
-  void start() {
-    PendingFrame& pending = open_frame(0);
+  /// The first frame of the pass. Where voxels are clipped, bone in the tool's first pose is removed without force.
+  void start(std::int64_t first) {
+    ledger_.begin_pass();
+    state_.touched = false;
+    PendingFrame& pending = open_frame(first);
     const Substep rest{.pose = pending.pose, .duration_s = scene_.motion.frame_s()};
     if (exact_) {
       if (const auto voi = broad_phase(rest, pending)) enqueue(rest, *voi, pending, RS_LAW_NONE);
@@ -132,10 +137,10 @@ class Simulation {
   }
 
   PendingFrame& open_frame(std::int64_t frame) {
-    const auto& poses = scene_.motion.poses;
-    const ToolPose& before = poses[static_cast<std::size_t>(std::max<std::int64_t>(frame - 1, 0))];
+    const Motion& motion = scene_.motion;
+    const ToolPose before = motion.pose_of(std::max(frame - 1, motion.first_frame));
     return pending_.emplace_back(
-        PendingFrame{.frame = frame, .before = before, .pose = poses[static_cast<std::size_t>(frame)], .cut = {}});
+        PendingFrame{.frame = frame, .pass = motion.pass, .before = before, .pose = motion.pose_of(frame), .cut = {}});
   }
 
   std::vector<Substep> substeps_of(PendingFrame& pending) const {
@@ -160,8 +165,8 @@ class Simulation {
 
   /// The substep of a frame that has one.
   [[nodiscard]] std::optional<SubstepArgs> args_of(std::int64_t frame) const {
-    const auto& poses = scene_.motion.poses;
-    const ToolPose &before = poses[static_cast<std::size_t>(frame - 1)], &pose = poses[static_cast<std::size_t>(frame)];
+    if (frame <= scene_.motion.first_frame) return std::nullopt;
+    const ToolPose before = scene_.motion.pose_of(frame - 1), pose = scene_.motion.pose_of(frame);
     if (count_substeps(before, pose, scene_.tool, resolved_, max_step_mm_) != 1) return std::nullopt;
     return make_args(make_substep(before, pose, 0, 1, scene_.motion.frame_s(), frame), tool_box_, scene_.tool.shell,
                      scene_.bone.voxmap->grid, scene_.scenario.cutting, resolved_);
@@ -217,18 +222,25 @@ class Simulation {
     sink_.snapshot(frame, scene_.bone.fill);
   }
 
+  /// "pass 2: " in a run of several.
+  [[nodiscard]] std::string name_of_pass() const {
+    const bool several = scene_.motion.pass > 1 || !scene_.later_passes.empty();
+    return several ? "pass " + std::to_string(scene_.motion.pass) + ": " : "";
+  }
+
   /// Warns once of conditions that the user may not intend.
   void warn_of(const FrameResult& result) {
     if (result.contacts == 0) return;
     const std::string at = "frame " + std::to_string(result.frame);
-    if (result.frame == 0) {
-      report_.warn(fmt::format("the tool starts in the bone: {:.3g} mm3 were removed at frame 0, without force",
-                               result.removed_mm3));
+    const std::int64_t first = scene_.motion.first_frame;
+    if (result.frame == first) {
+      report_.warn(fmt::format("the tool starts in the bone: {:.3g} mm3 were removed at {}, without force",
+                               result.removed_mm3, at));
     }
-    if (!state_.touched && result.frame == 1 && !exact_) {
+    if (!state_.touched && result.frame == first + 1 && !exact_) {
       report_.warn("the tool starts in contact with the bone: the force of the first frames is not meaningful");
     }
-    if (!state_.warned_of_no_spin && result.frame > 0 && result.pose.spin_rpm == 0) {
+    if (!state_.warned_of_no_spin && result.frame > first && result.pose.spin_rpm == 0) {
       report_.warn(at + ": spindle speed is zero: forces are those of a non-rotating tool");
       state_.warned_of_no_spin = true;
     }
@@ -271,12 +283,16 @@ SimulationState simulate(ReamingScene& scene, Engine& engine, FrameSink& sink, c
 }
 
 RunCost estimate_cost(const ReamingScene& scene) {
-  const auto& poses = scene.motion.poses;
   const double max_step_mm = scene.scenario.engine.max_step_voxels * scene.bone.voxmap->grid.voxel_mm;
-  RunCost cost{.frames = std::ssize(poses) - 1};
-  for (std::size_t k = 1; k < poses.size(); ++k) {
-    cost.substeps += count_substeps(poses[k - 1], poses[k], scene.tool, is_moved_by_spin(scene), max_step_mm);
-  }
+  RunCost cost{.frames = scene.last_frame()};
+  const auto add = [&](const Tool& tool, const PoseSequence& poses) {
+    for (std::size_t k = 1; k < poses.size(); ++k) {
+      cost.substeps +=
+          count_substeps(poses[k - 1], poses[k], tool, is_moved_by_spin(scene.scenario, tool), max_step_mm);
+    }
+  };
+  add(scene.tool, scene.motion.poses);
+  for (const Pass& pass : scene.later_passes) add(pass.tool, pass.motion.poses);
   return cost;
 }
 

@@ -30,7 +30,8 @@ struct RunControl {
   std::function<bool()> save_due = [] { return false; };
   /// Receives the state after a batch. The fill of the bone is up to date.
   std::function<void(const SimulationState&)> save = [](const SimulationState&) {};
-  /// Goes on after this state, which `save` received; the fill of the bone must be that of the state as well.
+  /// Goes on after this state, which `save` received or the pass before returned; the fill of the bone must be that of
+  /// the state as well.
   std::optional<SimulationState> from = {};
   /// The user has been warned already that the tool will never touch the bone (contact_forecast.h).
   bool warned_of_no_contact = false;
@@ -39,7 +40,7 @@ struct RunControl {
 /// make_engine() for the scene, with mistakes located at their keys. Throws InputError, RunError.
 std::unique_ptr<Engine> load_engine(const ReamingScene& scene);
 
-/// Runs the motion: per substep broad phase → enqueue, per batch collect → record. `scene.bone` is reamed; `sink`
+/// Runs the present pass: per substep broad phase → enqueue, per batch collect → record. `scene.bone` is reamed; `sink`
 /// receives rows, snapshots and timings. Warns when the tool never touches, starts inside bone, or cuts without spin.
 /// Returns the state after the last frame. The same results whether a run is one or continues another.
 SimulationState simulate(ReamingScene& scene, Engine& engine, FrameSink& sink, const RunControl& control,

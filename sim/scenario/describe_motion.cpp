@@ -48,6 +48,12 @@ void describe_keyframe(KeyVisitor& v, KeyframeSettings& key) {
            key.spin_rpm);
 }
 
+void describe_pass(KeyVisitor& v, PassSettings& pass) {
+  v.optional_section({.name = "tool", .doc = "Tool of this pass; without it the section `tool`"}, pass.tool,
+                     describe_tool);
+  v.section({.name = "plunge", .doc = "Motion of this pass"}, pass.plunge, describe_plunge);
+}
+
 void describe_csv(KeyVisitor& v, CsvMotionSettings& csv) {
   v.text({.name = "path",
           .doc = "Recorded poses: time_s,x_mm,y_mm,z_mm,qw,qx,qy,qz and optionally spin_rpm",
@@ -80,11 +86,16 @@ void describe_motion(KeyVisitor& v, MotionSettings& motion) {
            motion.frame_rate_hz);
   v.optional_section({.name = "plunge", .doc = "Straight motion in, dwell, straight motion out"}, motion.plunge,
                      describe_plunge);
+  v.list(
+      {.name = "passes",
+       .doc = "Plunges one after another on the same bone, each with a tool of its own: reaming in increasing sizes. "
+              "The change of tools takes no time"},
+      motion.passes, describe_pass);
   v.list({.name = "keyframes",
           .doc = "Two or more poses; position and spindle speed are interpolated linearly, orientation spherically"},
          motion.keyframes, describe_keyframe);
   v.optional_section({.name = "csv", .doc = "Poses from a file"}, motion.csv, describe_csv);
-  v.group({.names = {"plunge", "keyframes", "csv"}});
+  v.group({.names = {"plunge", "passes", "keyframes", "csv"}});
 }
 
 }  // namespace reamsim

@@ -10,6 +10,7 @@
 #include "sim/base/mistake_list.h"
 #include "sim/scenario/describe_sections.h"
 #include "sim/scenario/parse_steps.h"
+#include "sim/scenario/passes.h"
 #include "sim/scenario/paths.h"
 #include "sim/scenario/presets.h"
 #include "sim/scenario/reader.h"
@@ -90,6 +91,29 @@ Scenario parse_scenario(const std::string& path, const std::vector<std::string>&
   }
 }
 
+namespace {
+
+/// The value of a key, or nullptr.
+const YamlNode* value_of(const YamlNode* node, std::string_view key) {
+  const YamlEntry* entry = node == nullptr ? nullptr : node->find(key);
+  return entry == nullptr ? nullptr : entry->value.get();
+}
+
+/// Whether the tool of any pass is resolved.
+bool resolves_cutting_edges(const YamlNode& document) {
+  const auto resolved = [](const YamlNode* holder) {
+    const YamlNode* spin = value_of(value_of(holder, "tool"), "spin");
+    return spin != nullptr && spin->text == name_of(ToolSpin::resolved);
+  };
+  const YamlNode* passes = value_of(value_of(&document, "motion"), "passes");
+  if (passes == nullptr || passes->items.empty()) return resolved(&document);
+  return std::ranges::any_of(passes->items, [&](const YamlNodePtr& pass) {
+    return value_of(pass.get(), "tool") == nullptr ? resolved(&document) : resolved(pass.get());
+  });
+}
+
+}  // namespace
+
 ResultSettings parse_result_settings(const std::string& path, const std::vector<std::string>& overrides) {
   std::vector<std::string> unused_notes;
   const YamlNodePtr document = read_document(path, overrides, unused_notes);
@@ -103,10 +127,7 @@ ResultSettings parse_result_settings(const std::string& path, const std::vector<
   reader.section({.name = "output"}, out.output, describe_output);
   mistakes.throw_if_any();
   check_cameras(out.render, reader.locations());
-  const YamlEntry* tool = document->find("tool");
-  const YamlEntry* spin = tool == nullptr ? nullptr : tool->value->find("spin");
-  out.tool_spin =
-      spin == nullptr ? ToolSettings().spin : from_name<ToolSpin>(spin->value->text).value_or(ToolSettings().spin);
+  if (resolves_cutting_edges(*document)) out.tool_spin = ToolSpin::resolved;
   return out;
 }
 
@@ -143,6 +164,9 @@ std::vector<std::pair<std::string, std::string>> input_files(const Scenario& sce
   if (bone.source == BoneSource::mesh) files.emplace_back("bone.mesh.path", bone.mesh.path);
   if (bone.source == BoneSource::vdb) files.emplace_back("bone.vdb.path", bone.vdb.path);
   files.emplace_back("tool.mesh", scenario.tool.mesh);
+  for (const PassSpec& pass : passes_of(scenario)) {
+    if (pass.tool_key != "tool") files.emplace_back(pass.tool_key + ".mesh", pass.tool.mesh);
+  }
   if (scenario.motion.csv) files.emplace_back("motion.csv.path", scenario.motion.csv->path);
   return files;
 }

@@ -6,6 +6,7 @@
 #include <string>
 #include <string_view>
 
+#include "sim/scenario/passes.h"
 #include "sim/scenario/show.h"
 
 namespace reamsim {
@@ -33,13 +34,13 @@ class Rules {
     if (s_.bone.source == BoneSource::phantom) rule({"bone.phantom"}, &Rules::check_phantom);
     rule({"motion"}, &Rules::check_keyframes);
     rule({"motion"}, &Rules::check_frame_count);
-    rule({"engine.type", "tool.spin"}, &Rules::check_spin_of_implicit);
+    rule({"engine.type", "tool.spin", "motion.passes"}, &Rules::check_spin_of_implicit);
     rule({"engine.type", "cutting.law"}, &Rules::check_law_of_implicit);
     rule({"metrics.implant"}, &Rules::check_implant);
     rule({"bone.source", "bone.glenoid", "metrics.implant"}, &Rules::check_implant_frame);
     rule({"cutting.specific_energy_table"}, &Rules::check_energy_table);
     rule({"cutting.size_effect"}, &Rules::check_size_effect);
-    rule({"cutting", "tool.spin"}, &Rules::check_edge_force);
+    rule({"cutting", "tool.spin", "motion.passes"}, &Rules::check_edge_force);
     rule({"cutting", "engine.type"}, &Rules::check_exact);
     rule({"render.user_cameras"}, &Rules::check_user_cameras);
   }
@@ -77,6 +78,7 @@ class Rules {
   void check_phantom() const;
   void check_keyframes() const;
   void check_frame_count() const;
+  void require_envelope(const std::string& because) const;
   void check_spin_of_implicit() const;
   void check_law_of_implicit() const;
   void check_exact() const;
@@ -218,10 +220,13 @@ void Rules::check_keyframes() const {
 
 void Rules::check_frame_count() const {
   double duration_s = 0;
-  std::string key = "motion.plunge";
-  if (const auto& p = s_.motion.plunge) {
-    duration_s = (p->approach_mm + p->depth_mm) / p->feed_mm_s + p->dwell_s + p->retract_mm / p->retract_mm_s;
-  } else if (!s_.motion.keyframes.empty()) {
+  std::string key = s_.motion.passes.empty() ? "motion.plunge" : "motion.passes";
+  for (const PassSpec& pass : passes_of(s_)) {
+    const auto& p = pass.motion.plunge;
+    if (!p) continue;
+    duration_s += (p->approach_mm + p->depth_mm) / p->feed_mm_s + p->dwell_s + p->retract_mm / p->retract_mm_s;
+  }
+  if (!s_.motion.keyframes.empty()) {
     key = "motion.keyframes";
     duration_s = s_.motion.keyframes.back().time_s - s_.motion.keyframes.front().time_s;
   }
@@ -234,9 +239,15 @@ void Rules::check_frame_count() const {
 
 // The engine `implicit` knows the tool by its envelope of revolution, and has no shell points.
 
+void Rules::require_envelope(const std::string& because) const {
+  for (const PassSpec& pass : passes_of(s_)) {
+    if (pass.tool.spin == ToolSpin::envelope) continue;
+    fail(pass.tool_key + ".spin", "found " + name_of(pass.tool.spin), "envelope, because " + because);
+  }
+}
+
 void Rules::check_spin_of_implicit() const {
-  if (s_.engine.type != EngineKind::implicit || s_.tool.spin == ToolSpin::envelope) return;
-  fail("tool.spin", "found " + name_of(s_.tool.spin), "envelope, because engine.type is implicit");
+  if (s_.engine.type == EngineKind::implicit) require_envelope("engine.type is implicit");
 }
 
 void Rules::check_law_of_implicit() const {
@@ -280,10 +291,8 @@ void Rules::check_edge_force() const {
   if (cutting.edge_force && cutting.law != CuttingLaw::energy) {
     fail("cutting.law", "found " + name_of(cutting.law), "energy, because cutting.edge_force is given");
   }
-  if (cutting.edge_force && s_.tool.spin != ToolSpin::envelope) {
-    // The edge force is that of the envelope of revolution.
-    fail("tool.spin", "found " + name_of(s_.tool.spin), "envelope, because cutting.edge_force is given");
-  }
+  // The edge force is that of the envelope of revolution.
+  if (cutting.edge_force) require_envelope("cutting.edge_force is given");
 }
 
 /// A name that tells files apart on any file system.

@@ -181,10 +181,17 @@ struct CsvMotionSettings {
   double spin_rpm = 250;  ///< where the file has no such column
 };
 
+/// A plunge of a procedure with several reamers.
+struct PassSettings {
+  std::optional<ToolSettings> tool;  ///< without it that of the scenario
+  PlungeSettings plunge;
+};
+
 struct MotionSettings {
   PoseFrame frame = PoseFrame::bone;
   double frame_rate_hz = 1000;
   std::optional<PlungeSettings> plunge;
+  std::vector<PassSettings> passes;
   std::vector<KeyframeSettings> keyframes;
   std::optional<CsvMotionSettings> csv;
 };

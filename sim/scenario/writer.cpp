@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <map>
+#include <optional>
 #include <utility>
 
 #include "sim/scenario/key_visitor.h"
@@ -86,7 +87,7 @@ class YamlWriter : public KeyVisitor {
   }
   void begin_item(std::size_t) override {
     levels_.emplace_back();
-    first_of_item_ = true;
+    item_ = pending_.size();
   }
   void end_list() override { levels_.pop_back(); }
 
@@ -110,15 +111,16 @@ class YamlWriter : public KeyVisitor {
 
   void line(const KeyInfo& info, const std::string& value) {
     if (!applies(info)) return;
-    out_ += std::exchange(pending_, "");
-    std::string start = indent();
-    if (std::exchange(first_of_item_, false)) start.replace(start.size() - 2, 2, "- ");
-    out_ += start + std::string(info.name) + ": " + value + "\n";
+    std::string lines = std::exchange(pending_, "") + indent() + std::string(info.name) + ": " + value + "\n";
+    if (const auto item = std::exchange(item_, std::nullopt)) {
+      lines.replace(lines.find_first_not_of(' ', *item) - 2, 2, "- ");  // the item's first line, perhaps a heading
+    }
+    out_ += lines;
   }
 
   std::string out_;
-  std::string pending_;  // headings of sections whose first key has not come yet
-  bool first_of_item_ = false;
+  std::string pending_;              // headings of sections whose first key has not come yet
+  std::optional<std::size_t> item_;  // where an item begins in pending_, until its first key has come
   std::vector<Level> levels_{1};
 };
 

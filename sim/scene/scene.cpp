@@ -1,8 +1,11 @@
 #include "sim/scene/scene.h"
 
+#include <utility>
+
 #include "sim/base/error.h"
 #include "sim/bone/frame_check.h"
 #include "sim/bone/voxmap/lattice.h"
+#include "sim/scenario/passes.h"
 #include "sim/tool/clipped_tool.h"
 
 namespace reamsim {
@@ -15,12 +18,46 @@ ShellUse shell_use(const Scenario& scenario) {
   return by_surface ? ShellUse::none : ShellUse::touches_voxels;
 }
 
-void load_tool_of(ReamingScene& scene, double voxel_mm, Report& report) {
-  const Scenario& scenario = scene.scenario;
-  scene.tool = load_tool(scenario.tool, voxel_mm, shell_use(scenario), report);
-  if (scenario.cutting.erosion != ErosionMode::exact) return;
+Tool load_tool_for(const Scenario& scenario, const ToolSettings& settings, double voxel_mm, Report& report) {
+  Tool tool = load_tool(settings, voxel_mm, shell_use(scenario), report);
+  if (scenario.cutting.erosion != ErosionMode::exact) return tool;
   constexpr double kGridMemoryFraction = 0.25;  // bone, engine and results need the rest
-  prepare_clipping(scene.tool, scenario.tool, voxel_mm, kGridMemoryFraction * machine_memory_bytes(), report);
+  prepare_clipping(tool, settings, voxel_mm, kGridMemoryFraction * machine_memory_bytes(), report);
+  return tool;
+}
+
+/// Loads a pass of a scenario. `bone`: it has been loaded; without it no motion in its frame can be.
+Pass load_pass(const ReamingScene& scene, const PassSpec& spec, bool bone, MistakeList& mistakes, Report& report) {
+  const double voxel_mm = bone ? scene.bone.voxmap->grid.voxel_mm : scene.scenario.bone.voxel_mm;
+  Pass pass;
+  const auto attempt = [&](const auto& work) {
+    mistakes.attempt([&] {
+      try {
+        work();
+      } catch (const InputError& error) {
+        throw in_pass(spec, error);
+      }
+    });
+  };
+  attempt([&] { pass.tool = load_tool_for(scene.scenario, spec.tool, voxel_mm, report); });
+  if (bone || spec.motion.frame != PoseFrame::glenoid) {
+    attempt([&] { pass.motion = build_motion(spec.motion, scene.bone.glenoid, report); });
+  }
+  return pass;
+}
+
+/// Loads all passes; their frames follow one another.
+void load_passes(ReamingScene& scene, bool bone, MistakeList& mistakes, Report& report) {
+  std::vector<Pass> passes;
+  for (const PassSpec& spec : passes_of(scene.scenario)) {
+    Pass& pass = passes.emplace_back(load_pass(scene, spec, bone, mistakes, report));
+    if (passes.size() == 1) continue;
+    const Motion& before = passes[passes.size() - 2].motion;
+    pass.motion.first_frame = before.last_frame() + 1;
+    pass.motion.pass = before.pass + 1;
+  }
+  scene.later_passes = std::move(passes);
+  begin_next_pass(scene);
 }
 
 /// Checks that need the anatomy of a VDB, which is known only after reading it.
@@ -35,6 +72,14 @@ void check_camera_frames(const ReamingScene& scene) {
 
 }  // namespace
 
+bool begin_next_pass(ReamingScene& scene) {
+  if (scene.later_passes.empty()) return false;
+  scene.tool = std::move(scene.later_passes.front().tool);
+  scene.motion = std::move(scene.later_passes.front().motion);
+  scene.later_passes.erase(scene.later_passes.begin());
+  return true;
+}
+
 ReamingScene load_scene(const Scenario& scenario, Report& report, MistakeList& frame_mistakes) {
   ReamingScene scene;
   scene.scenario = scenario;
@@ -45,11 +90,7 @@ ReamingScene load_scene(const Scenario& scenario, Report& report, MistakeList& f
     scene.bone = load_bone(with_surface_voxels(scenario.bone, scenario.cutting), report);
     scene.scenario.bone.side = scene.bone.side;
   });
-  const double voxel_mm = bone ? scene.bone.voxmap->grid.voxel_mm : scenario.bone.voxel_mm;
-  mistakes.attempt([&] { load_tool_of(scene, voxel_mm, report); });
-  if (bone || scenario.motion.frame != PoseFrame::glenoid) {
-    mistakes.attempt([&] { scene.motion = build_motion(scenario.motion, scene.bone.glenoid, report); });
-  }
+  load_passes(scene, bone, mistakes, report);
   if (bone) mistakes.attempt([&] { check_camera_frames(scene); });
   MistakeList frame;
   if (bone) check_glenoid_frame(scene.bone, scenario.bone, frame, report);

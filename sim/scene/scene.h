@@ -1,5 +1,8 @@
 #pragma once
 
+#include <cstdint>
+#include <vector>
+
 #include "sim/base/mistake_list.h"
 #include "sim/base/report.h"
 #include "sim/bone/bone.h"
@@ -8,13 +11,28 @@
 
 namespace reamsim {
 
+/// A tool on its path.
+struct Pass {
+  Tool tool;
+  Motion motion;
+};
+
 /// The validated input of a run.
 struct ReamingScene {
   Scenario scenario;
   Bone bone;
-  Tool tool;
-  Motion motion;
+  Tool tool;      ///< of the present pass, the first one after loading
+  Motion motion;  ///< of the present pass
+  std::vector<Pass> later_passes = {};
+
+  /// The last frame of the run.
+  [[nodiscard]] std::int64_t last_frame() const {
+    return later_passes.empty() ? motion.last_frame() : later_passes.back().motion.last_frame();
+  }
 };
+
+/// Replaces tool and motion by those of the next pass. Returns false where there is none.
+bool begin_next_pass(ReamingScene& scene);
 
 /// Loads bone, tool and motion of a scenario. Throws InputError with all mistakes, each at its key in the scenario
 /// file. A glenoid frame that contradicts the bone is added to `frame_mistakes` instead: the scene is complete, but

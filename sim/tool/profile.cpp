@@ -18,8 +18,9 @@ struct EdgeDistance {
 
 EdgeDistance distance_to_edge(const Vec2& point, const Vec2& a, const Vec2& b) {
   const Vec2 edge = b - a;
-  const double t = std::clamp((point - a).dot(edge) / edge.squaredNorm(), 0.0, 1.0);
-  const Vec2 offset = point - (a + t * edge);
+  const double t = (point - a).dot(edge) / edge.squaredNorm();
+  // At its ends the very vertex, not a rounded one: edges that share it must tie.
+  const Vec2 offset = point - (t <= 0 ? a : t >= 1 ? b : Vec2(a + t * edge));
   const Vec2 normal = Vec2(edge.y(), -edge.x()).normalized();
   return {offset.squaredNorm(), offset.dot(normal), offset, normal};
 }

@@ -14,12 +14,13 @@ namespace reamsim {
 /// The reamer, in the tool frame T: origin at the lowest point of the cutting surface on the spin axis, +z out of the
 /// bone towards the drive.
 struct Tool {
-  TriangleMesh mesh;                  ///< with cutting edges; for pictures
-  Profile profile;                    ///< envelope of revolution about z
-  PointShell shell;                   ///< of the envelope (`spin: envelope`) or of the mesh (`spin: resolved`); without
-                                      ///< points in a run that uses none
-  Aabb bounds;                        ///< of the shell's surface, T, mm
-  double reach_mm = 0;                ///< farthest point of the shell, or of the surface without one, from T's origin
+  TriangleMesh mesh;    ///< with cutting edges; for pictures
+  Profile profile;      ///< envelope of revolution about z
+  PointShell shell;     ///< of the envelope (`spin: envelope`) or of the mesh (`spin: resolved`); without
+                        ///< points in a run that uses none
+  Aabb bounds;          ///< of the shell's surface, T, mm
+  double reach_mm = 0;  ///< farthest point of the shell, or of the surface without one, from T's origin
+  ToolSpin spin = ToolSpin::envelope;
   bool revolved = false;              ///< the mesh is the surface of revolution of the profile
   std::optional<DistanceGrid> teeth;  ///< distance to resolved cutting edges, for `erosion: exact` (clipped_tool.h)
 

@@ -83,8 +83,16 @@ TEST_F(Resume, ResultsThatWereCompleteWhenTheirProcessWasKilledAreMoved) {
 TEST_F(Resume, EndsWithTheSameBytesForEveryErosionAndEngine) {
   const std::string teeth =
       with(kLong, "/assets/reamer_flat.stl\n", "/assets/reamer_convex_lips.stl\n  spin: resolved\n");
+  const std::string passes = kLong.substr(0, kLong.find("  plunge:\n")) +
+                             "  passes:\n"
+                             "  - plunge: {approach_mm: 0.3, feed_mm_s: 0.01, depth_mm: 0.4, retract_mm: 2}\n"
+                             "  - tool: {mesh: " REAMSIM_ROOT
+                             "/assets/reamer_hemispherical.stl, scale: 0.3}\n"
+                             "    plunge: {approach_mm: 0, feed_mm_s: 0.01, depth_mm: 0.8, retract_mm: 2}\n" +
+                             kLong.substr(kLong.find("render:\n"));
   const std::vector<std::pair<std::string, std::string>> cases{
       {"exact", kLong},
+      {"several passes", passes},
       {"exact with teeth", with(teeth, "plunge:\n", "plunge:\n    spin_rpm: 100\n")},
       {"serial", with(kLong, "batch_frames: 10\n", "batch_frames: 10\n  device: serial\n")},
       {"bricked", kLong + "cutting: {erosion: remove}\n"},
@@ -96,7 +104,8 @@ TEST_F(Resume, EndsWithTheSameBytesForEveryErosionAndEngine) {
     write("s.yaml", yaml);
     ASSERT_EQ(call({"-o", "whole"}).status, 0);
     const std::ptrdiff_t all = rows("whole");
-    const std::vector<double> fractions = name == "exact" ? std::vector{0.2, 0.6} : std::vector{0.3};
+    const std::vector<double> fractions =
+        (name == "exact" || name == "several passes") ? std::vector{0.2, 0.6} : std::vector{0.3};
     for (const double fraction : fractions) {
       const auto when = has_rows("cut.partial", static_cast<std::ptrdiff_t>(fraction * static_cast<double>(all)));
       const ProgramResult cut = call({"-o", "cut", "--resume"}, when);

@@ -67,7 +67,7 @@ TEST_P(ShellAgreement, PerPointLaw) {
 }
 
 TEST_P(ShellAgreement, ResolvedSpin) {
-  EXPECT_GT(agreed([](ReamingScene& s) { s.scenario.tool.spin = ToolSpin::resolved; }).totals.removed_mm3, 5);
+  EXPECT_GT(agreed([](ReamingScene& s) { s.tool.spin = ToolSpin::resolved; }).totals.removed_mm3, 5);
 }
 
 TEST_P(EngineAgreement, PartlyReamedBone) {

@@ -71,7 +71,6 @@ TEST(Teeth, OneVoxelFeelsTheEnvelopesNormal) {
   const Vec3 at(10, 0, kRadius - std::sqrt(kRadius * kRadius - 100) + 0.05);
   ReamingScene scene;
   scene.scenario = quiet_scenario("auto");
-  scene.scenario.tool.spin = ToolSpin::resolved;
   const std::uint8_t grade = DensityMapping::grade_from_density(1.8);
   scene.bone.set_voxels(one_voxel(kVoxel, at - Vec3::Constant(kVoxel / 2), grade));
   scene.tool = toothed_reamer(kVoxel);
@@ -105,9 +104,9 @@ TEST(Teeth, NothingIsLeftOfWhatTheySweep) {
   constexpr double kVoxel = 0.5, kRpm = 500, kFeed = 0.8, kDepth = 0.8;
   ReamingScene scene;
   scene.scenario = quiet_scenario("auto");
-  scene.scenario.tool.spin = ToolSpin::resolved;
   scene.bone.set_voxels(block({20, 20, 2.5}, kVoxel, 1.2));
   scene.tool = toothed_reamer(kVoxel);
+  scene.tool.spin = ToolSpin::resolved;
   constexpr double kRateHz = 200, kAbove = 0.1;
   const int frames = static_cast<int>((kDepth + kAbove) / kFeed * kRateHz);
   scene.motion = straight({0.02, 0.03, kAbove}, {0.02, 0.03, -kDepth}, frames, kRateHz, kRpm);
@@ -125,9 +124,10 @@ TEST(Teeth, ATurnTakesAsManySubstepsAsTheRimIsHalfVoxelsLong) {
   scene.scenario = quiet_scenario("serial");
   scene.bone.set_voxels(block({4, 4, 2}, 0.5, 1.2));
   scene.tool = toothed_reamer(0.5);
+  scene.tool.spin = ToolSpin::envelope;
   scene.motion = straight({0, 0, 9}, {0, 0, 9}, 100, 100, 60);
   EXPECT_EQ(estimate_cost(scene).substeps, 100) << "the envelope does not move";
-  scene.scenario.tool.spin = ToolSpin::resolved;
+  scene.tool.spin = ToolSpin::resolved;
   const double rim_mm = 2 * M_PI * 15;
   EXPECT_GE(static_cast<double>(estimate_cost(scene).substeps), rim_mm / 0.25);
   EXPECT_LE(static_cast<double>(estimate_cost(scene).substeps), rim_mm / 0.25 + 100) << "rounded up per frame";

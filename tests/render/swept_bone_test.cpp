@@ -120,8 +120,9 @@ TEST(PredictedBoneTest, ARunIsPredictedAsItHappens) {
   const RunData run(dir.path());
   const RunInputs& inputs = run.inputs();
   const Voxmap& bone = run.voxmap();
-  const Profile tool = envelope_of_revolution(inputs.tool).profile;
-  const PredictedBone predicted = predict_swept_bone(bone, inputs.fill, tool, inputs.poses, inputs.whole_voxels);
+  const Profile tool = envelope_of_revolution(inputs.passes.front().tool).profile;
+  const PredictedBone predicted =
+      predict_swept_bone(bone, inputs.fill, tool, inputs.passes.front().poses, inputs.whole_voxels);
   EXPECT_NEAR(removed_mm3({bone, predicted.fill}) / removed_mm3({bone, run.last_fill()}), 1, 0.01);
   EXPECT_NEAR(run.unreamed().deepest_mm(), truth.deepest_mm, 0.1);
 }
@@ -172,14 +173,31 @@ TEST(PredictedBoneTest, WhatAnEarlierRunTookIsReamedToo) {
   RunInputs inputs;
   inputs.voxmap = std::make_shared<Voxmap>(bone);
   inputs.fill = bone.fill;
-  inputs.poses = {pose_at({7, 7, 1}), pose_at({7, 7, -1})};
-  inputs.pose_frames = {0, 1};
+  inputs.passes = {{revolve(ball(), 48), {0, 1}, {pose_at({7, 7, 1}), pose_at({7, 7, -1})}}};
   inputs.frames = {0, 1};
-  inputs.tool = revolve(ball(), 48);
   const RunData run(inputs);
   EXPECT_NEAR(run.unreamed().deepest_mm(), 3, 0.3);
   const openvdb::Vec3d floor(kVoxel_mm * openvdb::Vec3d(9.5, 9.5, 13.5));
   EXPECT_NEAR(ReamingSampler(run.unreamed()).depth_mm(floor), 3, 0.3);
+}
+
+TEST(PredictedBoneTest, LaterPassesFindTheBoneThatEarlierOnesLeave) {
+  const FilledVoxmap bone = slab();
+  RunInputs inputs;
+  inputs.voxmap = std::make_shared<Voxmap>(bone);
+  inputs.fill = bone.fill;
+  const TriangleMesh tool = revolve(ball(), 48);
+  inputs.passes = {{tool, {0, 1}, {pose_at({0, 0, 1}), pose_at({0, 0, -2})}},
+                   {tool, {2, 3}, {pose_at({0.5, 0, 1}), pose_at({0.5, 0, -1})}},
+                   {tool, {4, 5}, {pose_at({0, 0, 8}), pose_at({0, 0, 2})}}};
+  inputs.frames = {0, 3, 5};
+  EXPECT_EQ(inputs.pass_at(1), 0u);
+  EXPECT_EQ(inputs.pass_at(2), 1u);
+  EXPECT_EQ(inputs.pass_at(9), 2u);
+  EXPECT_EQ(inputs.pose_at(4).position_mm, Vec3(0, 0, 8));
+  const RunData run(inputs);
+  EXPECT_NEAR(run.unreamed().deepest_mm(), 2, 0.1) << "of the first pass";
+  EXPECT_EQ(run.target().bone_from_tool.translation(), Vec3(0.5, 0, -1)) << "of the last one that removes bone";
 }
 
 }  // namespace

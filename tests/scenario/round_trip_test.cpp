@@ -105,6 +105,23 @@ TEST_F(RoundTrip, EverySource) {
   }
 }
 
+TEST_F(RoundTrip, Passes) {
+  const std::string yaml = kValid.substr(0, kValid.find("  keyframes:")) +
+                           "  passes:\n  - tool: {mesh: tool.stl, scale: 0.5}\n    plunge: {depth_mm: 3}\n"
+                           "  - plunge: {depth_mm: 5}\n" +
+                           kValid.substr(kValid.find("render:"));
+  const std::string written = resolved(yaml);
+  EXPECT_THAT(written, HasSubstr("  passes:\n    - tool:\n        mesh: "));
+  EXPECT_THAT(written, HasSubstr("    - plunge:\n        entry_mm: [0, 0, 0]\n"));
+  const Scenario s = parse(written);
+  ASSERT_EQ(s.motion.passes.size(), 2u);
+  EXPECT_EQ(s.motion.passes[0].tool->scale, 0.5);
+  EXPECT_EQ(s.motion.passes[0].plunge.depth_mm, 3);
+  EXPECT_FALSE(s.motion.passes[1].tool.has_value());
+  EXPECT_EQ(s.motion.passes[1].plunge.depth_mm, 5);
+  EXPECT_EQ(resolved(written), written);
+}
+
 TEST_F(RoundTrip, NumbersAreExact) {
   std::mt19937_64 random(20261);
   std::uniform_real_distribution<double> uniform(0.01, 5);

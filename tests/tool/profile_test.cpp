@@ -57,6 +57,34 @@ TEST(Profile, ABoreIsOutside) {
   EXPECT_NEAR(p.nearest({1.5, 5}).distance_mm, -0.5, 1e-12);
 }
 
+/// Whether a vertical ray from the point upwards meets the polygon an odd number of times.
+bool is_inside(const Profile& profile, const Vec2& at) {
+  bool inside = false;
+  for (std::size_t i = 0; i < profile.points.size(); ++i) {
+    const Vec2 &a = profile.points[i], &b = profile.points[(i + 1) % profile.points.size()];
+    if ((a.x() > at.x()) == (b.x() > at.x())) continue;
+    inside ^= a.y() + (at.x() - a.x()) / (b.x() - a.x()) * (b.y() - a.y()) > at.y();
+  }
+  return inside;
+}
+
+TEST(Profile, TheSignIsRightBeyondCornersWhateverTheirRounding) {
+  constexpr unsigned kSeed = 20261124;
+  std::mt19937 random(kSeed);
+  std::uniform_real_distribution<double> scale(0.1, 3), r(0, 40), z(-40, 60);
+  for (int tool = 0; tool < 50; ++tool) {
+    // A disc with a rim and a hub, with sharp and blunt corners.
+    Profile p{{{1.25, 0.03}, {7.1, 0.9}, {15, 4.18}, {15, 5.8}, {6.5, 7.3}, {4, 30}, {1.25, 30}}};
+    const double factor = scale(random);
+    for (Vec2& point : p.points) point *= factor;
+    for (int i = 0; i < 2000; ++i) {
+      const Vec2 at(r(random), z(random));
+      const double mm = p.nearest(at).distance_mm;
+      ASSERT_EQ(mm < 0, is_inside(p, at)) << "seed " << kSeed << ", scale " << factor << ", at " << at.transpose();
+    }
+  }
+}
+
 TEST(Profile, DistanceToASphereIsWithinTheChordError) {
   constexpr double kRadius = 12;
   constexpr int kEdges = 400;

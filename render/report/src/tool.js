@@ -6,6 +6,19 @@ import { geometryOf } from "./geometry.js";
 
 const spinAxis = new Vector3(0, 0, -1);  // of a positive spin, in the tool frame
 
+// The reamer of a pass.
+function modelOf(pass, materials) {
+  const geometry = geometryOf(pass.mesh, pass.box_mm);
+  const model = new Group();
+  materials.forEach((material, i) => {
+    const mesh = new Mesh(geometry, material);
+    mesh.renderOrder = 10 + i;
+    mesh.frustumCulled = false;
+    model.add(mesh);
+  });
+  return model;
+}
+
 export class ToolModel {
   constructor(tool, cut) {
     this.poses = posesOf(tool.poses);
@@ -19,20 +32,17 @@ export class ToolModel {
     });
     // Its nearest faces alone are drawn, so that its walls do not add up.
     const materials = [material({ colorWrite: false }), material({ depthWrite: false })];
-    const geometry = geometryOf(tool.mesh, tool.box_mm);
     this.group = new Group();
-    materials.forEach((made, i) => {
-      const mesh = new Mesh(geometry, made);
-      mesh.renderOrder = 10 + i;
-      mesh.frustumCulled = false;
-      this.group.add(mesh);
-    });
+    this.passes = tool.passes.map((pass) => ({ row: pass.row, model: modelOf(pass, materials) }));
+    for (const pass of this.passes) this.group.add(pass.model);
     this.moveTo(0);
   }
 
   // To the pose of a row.
   moveTo(row) {
     const { position, quaternion, spin } = this.poses[row];
+    const present = this.passes.findLast((pass) => pass.row <= row);
+    for (const pass of this.passes) pass.model.visible = pass === present;
     this.group.position.set(...position);
     this.group.quaternion.set(...quaternion).normalize();
     this.group.quaternion.multiply(new Quaternion().setFromAxisAngle(spinAxis, spin));
