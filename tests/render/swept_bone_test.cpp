@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "render/gl/camera.h"
 #include "render/pictures/run_data.h"
 #include "render/surface/scalar_grid.h"
 #include "sim/tool/envelope.h"
