@@ -33,6 +33,16 @@ void check_camera_frames(const ReamingScene& scene) {
   }
 }
 
+/// The motion, with the depth of a plunge counted from entry_mm.
+MotionSettings counted_motion(ReamingScene& scene, Report& report) {
+  MotionSettings motion = scene.scenario.motion;
+  if (!motion.plunge || motion.plunge->from != PlungeStart::contact) return motion;
+  scene.first_contact = find_first_contact(scene.bone, scene.tool, *motion.plunge, motion.frame);
+  motion.plunge = counted_from(*scene.first_contact, *motion.plunge);
+  report.note(sentence_of(*scene.first_contact));
+  return motion;
+}
+
 }  // namespace
 
 ReamingScene load_scene(const Scenario& scenario, Report& report, MistakeList& frame_mistakes) {
@@ -46,9 +56,10 @@ ReamingScene load_scene(const Scenario& scenario, Report& report, MistakeList& f
     scene.scenario.bone.side = scene.bone.side;
   });
   const double voxel_mm = bone ? scene.bone.voxmap->grid.voxel_mm : scenario.bone.voxel_mm;
-  mistakes.attempt([&] { load_tool_of(scene, voxel_mm, report); });
-  if (bone || scenario.motion.frame != PoseFrame::glenoid) {
-    mistakes.attempt([&] { scene.motion = build_motion(scenario.motion, scene.bone.glenoid, report); });
+  const bool tool = mistakes.attempt([&] { load_tool_of(scene, voxel_mm, report); });
+  const bool from_contact = scenario.motion.plunge && scenario.motion.plunge->from == PlungeStart::contact;
+  if (from_contact ? bone && tool : bone || scenario.motion.frame != PoseFrame::glenoid) {
+    mistakes.attempt([&] { scene.motion = build_motion(counted_motion(scene, report), scene.bone.glenoid, report); });
   }
   if (bone) mistakes.attempt([&] { check_camera_frames(scene); });
   MistakeList frame;

@@ -4,6 +4,7 @@
 #include "sim/base/report.h"
 #include "sim/bone/bone.h"
 #include "sim/motion/motion.h"
+#include "sim/scene/first_contact.h"
 #include "sim/tool/tool.h"
 
 namespace reamsim {
@@ -14,6 +15,7 @@ struct ReamingScene {
   Bone bone;
   Tool tool;
   Motion motion;
+  std::optional<FirstContact> first_contact{};  ///< of a plunge whose depth counts from it
 };
 
 /// Loads bone, tool and motion of a scenario. Throws InputError with all mistakes, each at its key in the scenario
