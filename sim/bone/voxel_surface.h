@@ -7,7 +7,7 @@
 namespace reamsim {
 
 /// The surface of the bone in a partly filled voxel: the plane across the gradient of the fill that leaves the voxel's
-/// fill on its inner side (Youngs 1982). Bone is where normal·(p − centre) ≤ offset_mm.
+/// fill on its inner side (Parker and Youngs 1992, AWE preprint 01/92). Bone is where normal·(p − centre) ≤ offset_mm.
 struct VoxelPlane {
   Vec3 normal;  ///< unit vector out of the bone
   double offset_mm = 0;

@@ -182,11 +182,11 @@ void write_tool(const std::string& dir, const Tool& tool) {
   write_stl(folder + "/tool.stl", tool.mesh);
 }
 
-void write_scenario(const std::string& dir, const Scenario& scenario, const RunFacts& facts) {
-  const std::string head =
-      "# Resolved by reamsim " REAMSIM_VERSION ", with all defaults. Run on " + facts.device + ".\n";
+void write_scenario(const std::string& dir, const ReamingScene& scene, const RunFacts& facts) {
+  std::string head = "# Resolved by reamsim " REAMSIM_VERSION ", with all defaults. Run on " + facts.device + ".";
+  if (scene.first_contact) head += " Found: " + sentence_of(*scene.first_contact) + ".";
   write_file(dir + "/scenario.yaml",
-             head + checksum_line(facts.inputs.front()) + scenario_body(scenario, facts.inputs));
+             head + "\n" + checksum_line(facts.inputs.front()) + scenario_body(scene.scenario, facts.inputs));
 }
 
 bool is_result_of(const std::string& dir, const Scenario& scenario) {
@@ -207,6 +207,11 @@ void write_results(const std::string& dir, const ReamingScene& scene, const Reco
 
 namespace {
 
+nlohmann::ordered_json plunge_contact_json(const FirstContact& contact) {
+  const Vec3& p = contact.bone_mm;
+  return {{"travel_mm", contact.travel_mm}, {"bone_mm", {p.x(), p.y(), p.z()}}};
+}
+
 /// What is known after every frame.
 nlohmann::ordered_json totals_json(const ReamingScene& scene, const RunTotals& totals, const RunFacts& facts) {
   nlohmann::ordered_json json;
@@ -222,6 +227,7 @@ nlohmann::ordered_json totals_json(const ReamingScene& scene, const RunTotals& t
   json["frames"] = totals.frames;
   json["contact_frames"] = totals.contact_frames;
   json["first_contact_frame"] = totals.first_contact_frame;
+  if (scene.first_contact) json["plunge_contact"] = plunge_contact_json(*scene.first_contact);
   json["simulated_s"] = totals.simulated_s;
   json["reaming_s"] = static_cast<double>(totals.reaming_frames()) * scene.motion.frame_s();
   json["removed_mm3"] = totals.removed_mm3;

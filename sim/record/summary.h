@@ -40,8 +40,9 @@ struct RunFacts {
 /// Writes snapshots/tool.stl into `dir`, for rendering during the simulation. Throws RunError when the disk is full.
 void write_tool(const std::string& dir, const Tool& tool);
 
-/// Writes scenario.yaml (resolved, with the checksums in its head) into `dir`. Throws RunError when the disk is full.
-void write_scenario(const std::string& dir, const Scenario& scenario, const RunFacts& facts);
+/// Writes scenario.yaml (resolved, with the checksums and the first contact of a plunge in its head) into `dir`. Throws
+/// RunError when the disk is full.
+void write_scenario(const std::string& dir, const ReamingScene& scene, const RunFacts& facts);
 
 /// Whether the scenario.yaml in `dir` is that of this scenario, with the same inputs. Throws InputError when one cannot
 /// be read.

@@ -42,6 +42,11 @@ bool is_moved_by_spin(const ReamingScene& scene) {
   return scene.scenario.tool.spin == ToolSpin::resolved;
 }
 
+/// The tool's origin at the first contact of a plunge that counts from it, B.
+std::optional<Vec3> contact_of(const ReamingScene& scene) {
+  return scene.first_contact ? std::optional(scene.first_contact->origin_mm) : std::nullopt;
+}
+
 /// The run of a scene: the batch, its frames, and the energy balance.
 class Simulation {
  public:
@@ -53,7 +58,8 @@ class Simulation {
         tool_box_(cutting_box(scene)),
         bone_box_(bone_box(*scene.bone.voxmap)),
         ledger_(scene.bone.voxmap->grid.voxel_mm3(), scene.motion.frame_s(),
-                scene.scenario.cutting.law == CuttingLaw::per_point && scene.scenario.tool.spin == ToolSpin::resolved),
+                scene.scenario.cutting.law == CuttingLaw::per_point && scene.scenario.tool.spin == ToolSpin::resolved,
+                contact_of(scene)),
         resolved_(is_moved_by_spin(scene)),
         exact_(scene.scenario.cutting.erosion == ErosionMode::exact),
         windows_([this](std::int64_t frame) { return args_of(frame); }, std::ssize(scene.motion.poses) - 1, tool_box_),

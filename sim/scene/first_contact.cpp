@@ -167,7 +167,7 @@ std::optional<FirstContact> find_first_contact(const BoneView& bone, const Profi
   const double fine_mm = kFine_voxels * voxel_mm;
   const Meeting first = rays.refined(rays.least(fine_mm, bound_mm), fine_mm);
   if (first.travel_mm == kNever) return std::nullopt;
-  return FirstContact{first.travel_mm, rays.bone_mm(first)};
+  return FirstContact{first.travel_mm, through_mm + first.travel_mm * direction, rays.bone_mm(first)};
 }
 
 FirstContact find_first_contact(const Bone& bone, const Tool& tool, const PlungeSettings& plunge, PoseFrame frame) {

@@ -11,8 +11,9 @@ namespace reamsim {
 
 /// Where a tool that comes along a line from outside first touches the bone.
 struct FirstContact {
-  double travel_mm = 0;         ///< of the tool's origin along the line, from the given point
-  Vec3 bone_mm = Vec3::Zero();  ///< the point of the bone that is touched, B
+  double travel_mm = 0;           ///< of the tool's origin along the line, from the given point
+  Vec3 origin_mm = Vec3::Zero();  ///< the tool's origin there, B
+  Vec3 bone_mm = Vec3::Zero();    ///< the point of the bone that is touched, B
 };
 
 /// First contact of an envelope with the axis `-direction` (unit vector, B) whose origin moves along `direction` on the
