@@ -104,29 +104,25 @@ std::string side_of(const InitOptions& options, const Bone& bone) {
   return bone.glenoid->bone_from_glenoid.linear()(0, 2) > 0 ? "left" : "right";
 }
 
-/// The longest approach of these that starts outside the bone, mm.
-double approach_mm(const LoadedBone& loaded, const std::string& tool, Report& report) {
+/// Distance of the reamer's start before its first contact, mm.
+constexpr double kApproach_mm = 2;
+
+/// Warns where the reamer meets no bone, or starts in bone because some lies behind its start.
+void check_plunge(const LoadedBone& loaded, const std::string& tool, Report& report) {
   ReamingScene scene;
   scene.bone = loaded.bone;
   scene.scenario.bone = loaded.settings;
   scene.scenario.tool.mesh = tool;
-  scene.scenario.motion.frame = PoseFrame::glenoid;
   scene.tool = load_tool(scene.scenario.tool, loaded.settings.voxel_mm, ShellUse::none, report);
-  constexpr double kChoices_mm[] = {6, 4, 3, 2, 1, 0.5};
-  for (const double approach : kChoices_mm) {
-    PlungeSettings plunge;
-    plunge.approach_mm = approach;
-    plunge.depth_mm = 3;
-    scene.scenario.motion.plunge = plunge;
-    Report ignored;
-    scene.motion = build_motion(scene.scenario.motion, scene.bone.glenoid, ignored);
-    const ContactForecast forecast = forecast_contact(scene);
-    if (forecast.start_mm3 > 0) continue;
-    if (!forecast.touches) warn_of_contact(scene, forecast, report);
-    return approach;
-  }
-  report.warn("the reamer starts in bone at any approach: look at the pictures, and change motion.plunge");
-  return kChoices_mm[5];
+  MotionSettings motion;
+  motion.frame = PoseFrame::glenoid;
+  motion.plunge.emplace().approach_mm = kApproach_mm;
+  const FirstContact contact = find_first_contact(scene.bone, scene.tool, *motion.plunge, motion.frame);
+  report.note(sentence_of(contact));
+  motion.plunge = counted_from(contact, *motion.plunge);
+  Report ignored;
+  scene.motion = build_motion(motion, scene.bone.glenoid, ignored);
+  warn_of_contact(scene, forecast_contact(scene), report);
 }
 
 std::string source_text(const InitOptions& options, const BoneSettings& settings) {
@@ -161,21 +157,21 @@ std::string glenoid_text(const LoadedBone& loaded) {
   return out;
 }
 
-std::string scenario_text(const InitOptions& options, const LoadedBone& loaded, const std::string& tool,
-                          double approach) {
+std::string scenario_text(const InitOptions& options, const LoadedBone& loaded, const std::string& tool) {
   return fmt::format(
       "{} docs/formats.md lists all keys.\n"
       "version: 2\n\nbone:\n  source: {}\n  side: {}\n  voxel_mm: {}\n{}{}\n"
       "tool:\n  mesh: {}\n\n"
       "motion:\n  frame: glenoid            # entry and axis are in the glenoid frame: +z out of the face, +y "
       "superior\n"
-      "  plunge:\n    entry_mm: [0, 0, 0]     # the centre of the face\n    axis: [0, 0, -1]\n"
-      "    approach_mm: {:g}          # before the entry\n    feed_mm_s: 1\n    depth_mm: 3             # beyond the "
-      "entry\n"
+      "  plunge:\n    entry_mm: [0, 0, 0]     # the line of the plunge passes the centre of the face\n"
+      "    axis: [0, 0, -1]\n    from: contact           # of the reamer with the bone, found before the run\n"
+      "    approach_mm: {:g}          # before the contact\n    feed_mm_s: 1\n    depth_mm: 3             # beyond the "
+      "contact\n"
       "    dwell_s: 0.2\n    retract_mm: 12\n    retract_mm_s: 20\n    spin_rpm: 250\n\n"
       "render:\n  cameras: [glenoid, section, oblique]\n",
       kFirstLine, name_of(loaded.settings.source), side_of(options, loaded.bone), options.voxel_mm,
-      source_text(options, loaded.settings), glenoid_text(loaded), yaml_path(tool, options.output), approach);
+      source_text(options, loaded.settings), glenoid_text(loaded), yaml_path(tool, options.output), kApproach_mm);
 }
 
 void init_command(const InitOptions& options, const Console& console) {
@@ -186,8 +182,8 @@ void init_command(const InitOptions& options, const Console& console) {
   const std::string tool = tool_of(options);
   Report report;
   const LoadedBone loaded = load(options, report);
-  const double approach = approach_mm(loaded, tool, report);
-  replace_file(options.output, scenario_text(options, loaded, tool, approach));
+  check_plunge(loaded, tool, report);
+  replace_file(options.output, scenario_text(options, loaded, tool));
   for (const std::string& note : report.notes) console.say(note);
   report.notes.clear();
   console.print(report);

@@ -93,7 +93,7 @@ class ScenarioRun {
     engine_ = load_engine(scene_);
     facts_.device = engine_->device();
     checkpoints_.use_device(facts_.device, report_);
-    write_scenario(dir_, scene_.scenario, facts_);
+    write_scenario(dir_, scene_, facts_);
     return_free_memory();
     facts_.load_s = watch.seconds();
   }

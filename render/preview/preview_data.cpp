@@ -106,9 +106,15 @@ Json tool_json(const ToolSettings& settings, double voxel_mm, std::vector<Mistak
 }
 
 /// The path of the tool in its own frame: `frame`, and for evenly spaced frames `time_s` and `poses` as x, y, z (mm)
-/// and qw, qx, qy, qz. Without poses where it cannot be read.
+/// and qw, qx, qy, qz. Without poses where it cannot be read. `contact`: of a plunge whose depth counts
+/// from the first contact, which the page finds, its direction and approach; else null.
 Json motion_json(const MotionSettings& settings, std::vector<Mistake>& mistakes, Report& report) {
-  Json json{{"frame", name_of(settings.frame)}, {"time_s", Json::array()}, {"poses", Json::array()}};
+  Json json{
+      {"frame", name_of(settings.frame)}, {"time_s", Json::array()}, {"poses", Json::array()}, {"contact", Json()}};
+  const auto& plunge = settings.plunge;
+  if (plunge && plunge->from == PlungeStart::contact) {
+    json["contact"] = {{"along", point_json(plunge->axis.normalized())}, {"approach_mm", plunge->approach_mm}};
+  }
   attempt(mistakes, [&] {
     const Motion motion = build_motion(settings, GlenoidFrame{}, report);
     for (const std::size_t k : evenly_spaced(motion.poses.size(), kMaxPoses)) {

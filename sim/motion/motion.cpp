@@ -64,15 +64,6 @@ std::size_t count_frames(double end_s, double frame_rate_hz) {
   return static_cast<std::size_t>(frames);
 }
 
-std::optional<Rigid> bone_from_poses(const MotionSettings& settings, const std::optional<GlenoidFrame>& glenoid) {
-  if (settings.frame != PoseFrame::glenoid) return std::nullopt;
-  if (!glenoid) {
-    throw InputError(SourceLocation{}, "motion.frame", "frame is glenoid but bone.glenoid is missing",
-                     "add it, or use frame: bone");
-  }
-  return glenoid->bone_from_glenoid;
-}
-
 /// The poses of a plunge or of keyframes; empty for a CSV.
 std::vector<KeyPose> read_key_poses(const MotionSettings& settings, Report& report) {
   if (settings.plunge) return plunge_poses(*settings.plunge);
@@ -107,9 +98,18 @@ void warn_of_missed_keys(const std::vector<KeyPose>& keys, const Motion& motion,
 
 }  // namespace
 
+std::optional<Rigid> bone_from_frame(PoseFrame frame, const std::optional<GlenoidFrame>& glenoid) {
+  if (frame != PoseFrame::glenoid) return std::nullopt;
+  if (!glenoid) {
+    throw InputError(SourceLocation{}, "motion.frame", "frame is glenoid but bone.glenoid is missing",
+                     "add it, or use frame: bone");
+  }
+  return glenoid->bone_from_glenoid;
+}
+
 Motion build_motion(const MotionSettings& settings, const std::optional<GlenoidFrame>& glenoid, Report& report) {
   std::vector<KeyPose> keys = read_key_poses(settings, report);
-  const std::optional<Rigid> to_bone = bone_from_poses(settings, glenoid);
+  const std::optional<Rigid> to_bone = bone_from_frame(settings.frame, glenoid);
   if (!settings.csv) keys = integrated(std::move(keys), to_bone, report);
   std::unique_ptr<const KeyTrack> track =
       settings.csv ? open_csv_track(*settings.csv, to_bone, report) : store_track(keys);

@@ -185,11 +185,13 @@ void write_tools(const std::string& dir, const ReamingScene& scene) {
   for (const Pass& pass : scene.later_passes) write_stl(tool_path(dir, pass.motion.pass), pass.tool.mesh);
 }
 
-void write_scenario(const std::string& dir, const Scenario& scenario, const RunFacts& facts) {
-  const std::string head =
-      "# Resolved by reamsim " REAMSIM_VERSION ", with all defaults. Run on " + facts.device + ".\n";
+void write_scenario(const std::string& dir, const ReamingScene& scene, const RunFacts& facts) {
+  std::string head = "# Resolved by reamsim " REAMSIM_VERSION ", with all defaults. Run on " + facts.device + ".";
+  for (const auto& contact : scene.first_contacts) {
+    if (contact) head += " Found: " + sentence_of(*contact) + ".";
+  }
   write_file(dir + "/scenario.yaml",
-             head + checksum_line(facts.inputs.front()) + scenario_body(scenario, facts.inputs));
+             head + "\n" + checksum_line(facts.inputs.front()) + scenario_body(scene.scenario, facts.inputs));
 }
 
 bool is_result_of(const std::string& dir, const Scenario& scenario) {
@@ -210,10 +212,15 @@ void write_results(const std::string& dir, const ReamingScene& scene, const Reco
 
 namespace {
 
+nlohmann::ordered_json plunge_contact_json(const FirstContact& contact) {
+  const Vec3& p = contact.bone_mm;
+  return {{"travel_mm", contact.travel_mm}, {"bone_mm", {p.x(), p.y(), p.z()}}};
+}
+
 /// Of a run with several passes, those that it has come to.
-nlohmann::ordered_json passes_json(const Scenario& scenario, const RunTotals& totals) {
+nlohmann::ordered_json passes_json(const ReamingScene& scene, const RunTotals& totals) {
   nlohmann::ordered_json json = nlohmann::ordered_json::array();
-  const std::vector<PassSpec> specs = passes_of(scenario);
+  const std::vector<PassSpec> specs = passes_of(scene.scenario);
   for (std::size_t i = 0; i < totals.passes.size(); ++i) {
     const PassTotals& pass = totals.passes[i];
     json.push_back({{"pass", i + 1},
@@ -226,6 +233,7 @@ nlohmann::ordered_json passes_json(const Scenario& scenario, const RunTotals& to
                     {"max_depth_mm", pass.max_depth_mm},
                     {"peak_axial_force_n", pass.peak_axial_force_n},
                     {"peak_spin_torque_nmm", pass.peak_spin_torque_nmm}});
+    if (const auto& contact = scene.first_contacts[i]) json.back()["plunge_contact"] = plunge_contact_json(*contact);
   }
   return json;
 }
@@ -257,7 +265,11 @@ nlohmann::ordered_json totals_json(const ReamingScene& scene, const RunTotals& t
   }
   json["balance"] = totals.balance;
   json["forces"] = forces_json(totals);
-  if (!scene.scenario.motion.passes.empty()) json["passes"] = passes_json(scene.scenario, totals);
+  if (!scene.scenario.motion.passes.empty()) {
+    json["passes"] = passes_json(scene, totals);
+  } else if (const auto contact = scene.first_contact()) {
+    json["plunge_contact"] = plunge_contact_json(*contact);
+  }
   return json;
 }
 

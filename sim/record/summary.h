@@ -41,8 +41,9 @@ struct RunFacts {
 /// the disk is full.
 void write_tools(const std::string& dir, const ReamingScene& scene);
 
-/// Writes scenario.yaml (resolved, with the checksums in its head) into `dir`. Throws RunError when the disk is full.
-void write_scenario(const std::string& dir, const Scenario& scenario, const RunFacts& facts);
+/// Writes scenario.yaml (resolved, with the checksums and the first contact of a plunge in its head) into `dir`. Throws
+/// RunError when the disk is full.
+void write_scenario(const std::string& dir, const ReamingScene& scene, const RunFacts& facts);
 
 /// Whether the scenario.yaml in `dir` is that of this scenario, with the same inputs. Throws InputError when one cannot
 /// be read.

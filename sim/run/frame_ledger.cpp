@@ -40,7 +40,8 @@ FrameResult FrameLedger::close(const PendingFrame& frame, const std::vector<Subs
   out.axial_force_n = out.force_n.dot(tool_z);
   // The tool spins about −z of T, so the torque of the bone on it is about +z.
   out.spin_torque_nmm = out.torque_nmm.dot(tool_z);
-  if (out.contacts > 0 && !run_.first_contact_mm) run_.first_contact_mm = frame.before.position_mm;
+  if (out.contacts > 0 && !run_.first_contact_mm)
+    run_.first_contact_mm = contact_mm_.value_or(frame.before.position_mm);
   if (run_.first_contact_mm) out.depth_mm = -(frame.pose.position_mm - *run_.first_contact_mm).dot(tool_z);
   return out;
 }

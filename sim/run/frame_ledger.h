@@ -34,8 +34,9 @@ class FrameLedger {
  public:
   /// `sums_rotate`: sums are in the shell's frame, which rotates with resolved cutting edges (law per_point), and not
   /// in the tool's frame without spin.
-  FrameLedger(double voxel_mm3, double frame_s, bool sums_rotate)
-      : voxel_mm3_(voxel_mm3), frame_s_(frame_s), sums_rotate_(sums_rotate) {}
+  /// `contact_mm`: the tool's origin at the first contact (B), where that has been found before the run.
+  FrameLedger(double voxel_mm3, double frame_s, bool sums_rotate, const std::optional<Vec3>& contact_mm = {})
+      : voxel_mm3_(voxel_mm3), frame_s_(frame_s), sums_rotate_(sums_rotate), contact_mm_(contact_mm) {}
 
   FrameResult close(const PendingFrame& frame, const std::vector<SubstepSums>& sums);
 
@@ -53,6 +54,7 @@ class FrameLedger {
   double voxel_mm3_;
   double frame_s_;
   bool sums_rotate_;
+  std::optional<Vec3> contact_mm_;
   LedgerSums run_;
 };
 

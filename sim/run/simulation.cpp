@@ -42,6 +42,12 @@ bool is_moved_by_spin(const Scenario& scenario, const Tool& tool) {
   return tool.spin == ToolSpin::resolved;
 }
 
+/// The tool's origin at the first contact of a plunge that counts from it, B.
+std::optional<Vec3> contact_of(const ReamingScene& scene) {
+  const std::optional<FirstContact> contact = scene.first_contact();
+  return contact ? std::optional(contact->origin_mm) : std::nullopt;
+}
+
 /// The run of a pass: the batch, its frames, and the energy balance.
 class Simulation {
  public:
@@ -53,7 +59,8 @@ class Simulation {
         tool_box_(cutting_box(scene)),
         bone_box_(bone_box(*scene.bone.voxmap)),
         ledger_(scene.bone.voxmap->grid.voxel_mm3(), scene.motion.frame_s(),
-                scene.scenario.cutting.law == CuttingLaw::per_point && scene.tool.spin == ToolSpin::resolved),
+                scene.scenario.cutting.law == CuttingLaw::per_point && scene.tool.spin == ToolSpin::resolved,
+                contact_of(scene)),
         resolved_(is_moved_by_spin(scene.scenario, scene.tool)),
         exact_(scene.scenario.cutting.erosion == ErosionMode::exact),
         windows_([this](std::int64_t frame) { return args_of(frame); }, scene.motion.last_frame(), tool_box_),

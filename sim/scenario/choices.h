@@ -69,6 +69,11 @@ enum class ToolSpin { envelope, resolved };
 template <>
 inline constexpr auto kChoiceNames<ToolSpin> = name_list("envelope", "resolved");
 
+/// Where the depth of a plunge is 0.
+enum class PlungeStart { entry, contact };
+template <>
+inline constexpr auto kChoiceNames<PlungeStart> = name_list("entry", "contact");
+
 enum class EngineKind { automatic, exact, bricked, direct, octree, implicit };
 template <>
 inline constexpr auto kChoiceNames<EngineKind> = name_list("auto", "exact", "bricked", "direct", "octree", "implicit");

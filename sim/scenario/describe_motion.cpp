@@ -9,7 +9,7 @@ constexpr Range kFeed = between(1e-4, 1000);  // mm/s
 
 void describe_plunge(KeyVisitor& v, PlungeSettings& plunge) {
   v.vector({.name = "entry_mm",
-            .doc = "Start of the plunge depth; the origin of the tool passes through it",
+            .doc = "A point of the line of the plunge, through which the origin of the tool passes",
             .range = kPosition},
            plunge.entry_mm);
   v.vector({.name = "axis",
@@ -17,9 +17,15 @@ void describe_plunge(KeyVisitor& v, PlungeSettings& plunge) {
             .range = kComponent,
             .nonzero = true},
            plunge.axis);
-  v.number({.name = "approach_mm", .doc = "Distance before entry_mm", .range = between(0, 500)}, plunge.approach_mm);
+  v.choice({.name = "from",
+            .doc = "Where the depth begins. entry: at entry_mm. contact: where the envelope of the tool, coming along "
+                   "axis from outside the bone, first touches the bone as it is before the run"},
+           plunge.from);
+  v.number({.name = "approach_mm", .doc = "Distance before the point where the depth begins", .range = between(0, 500)},
+           plunge.approach_mm);
   v.number({.name = "feed_mm_s", .doc = "Feed rate", .range = kFeed}, plunge.feed_mm_s);
-  v.number({.name = "depth_mm", .doc = "Distance beyond entry_mm", .range = between(0, 500)}, plunge.depth_mm);
+  v.number({.name = "depth_mm", .doc = "Distance beyond the point where the depth begins", .range = between(0, 500)},
+           plunge.depth_mm);
   v.number({.name = "dwell_s", .doc = "Time at full depth", .range = between(0, 3600)}, plunge.dwell_s);
   v.number({.name = "retract_mm", .doc = "Retraction distance", .range = between(0, 1000)}, plunge.retract_mm);
   v.number({.name = "retract_mm_s", .doc = "Retraction speed", .range = kFeed}, plunge.retract_mm_s);

@@ -158,7 +158,8 @@ struct ToolSettings {
 
 struct PlungeSettings {
   Vec3 entry_mm = Vec3::Zero();
-  Vec3 axis{0, 0, -1};  ///< direction of the feed, opposite to +z of T
+  Vec3 axis{0, 0, -1};                    ///< direction of the feed, opposite to +z of T
+  PlungeStart from = PlungeStart::entry;  ///< where depth and approach begin
   double approach_mm = 2;
   double feed_mm_s = 1;
   double depth_mm = 4;

@@ -26,12 +26,23 @@ Tool load_tool_for(const Scenario& scenario, const ToolSettings& settings, doubl
   return tool;
 }
 
-/// Loads a pass of a scenario. `bone`: it has been loaded; without it no motion in its frame can be.
-Pass load_pass(const ReamingScene& scene, const PassSpec& spec, bool bone, MistakeList& mistakes, Report& report) {
+/// The motion of a pass, with the depth of its plunge counted from entry_mm.
+MotionSettings counted_motion(ReamingScene& scene, const PassSpec& spec, const Tool& tool, Report& report) {
+  std::optional<FirstContact>& contact = scene.first_contacts.emplace_back();
+  MotionSettings motion = spec.motion;
+  if (!motion.plunge || motion.plunge->from != PlungeStart::contact) return motion;
+  contact = find_first_contact(scene.bone, tool, *motion.plunge, motion.frame);
+  motion.plunge = counted_from(*contact, *motion.plunge);
+  report.note(sentence_of(*contact));
+  return motion;
+}
+
+/// Loads a pass of a scenario. `bone`: it has been loaded; without it, no motion that needs it can be.
+Pass load_pass(ReamingScene& scene, const PassSpec& spec, bool bone, MistakeList& mistakes, Report& report) {
   const double voxel_mm = bone ? scene.bone.voxmap->grid.voxel_mm : scene.scenario.bone.voxel_mm;
   Pass pass;
   const auto attempt = [&](const auto& work) {
-    mistakes.attempt([&] {
+    return mistakes.attempt([&] {
       try {
         work();
       } catch (const InputError& error) {
@@ -39,9 +50,12 @@ Pass load_pass(const ReamingScene& scene, const PassSpec& spec, bool bone, Mista
       }
     });
   };
-  attempt([&] { pass.tool = load_tool_for(scene.scenario, spec.tool, voxel_mm, report); });
-  if (bone || spec.motion.frame != PoseFrame::glenoid) {
-    attempt([&] { pass.motion = build_motion(spec.motion, scene.bone.glenoid, report); });
+  const bool tool = attempt([&] { pass.tool = load_tool_for(scene.scenario, spec.tool, voxel_mm, report); });
+  const bool from_contact = spec.motion.plunge && spec.motion.plunge->from == PlungeStart::contact;
+  if (from_contact ? bone && tool : bone || spec.motion.frame != PoseFrame::glenoid) {
+    attempt([&] {
+      pass.motion = build_motion(counted_motion(scene, spec, pass.tool, report), scene.bone.glenoid, report);
+    });
   }
   return pass;
 }

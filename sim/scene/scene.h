@@ -7,6 +7,7 @@
 #include "sim/base/report.h"
 #include "sim/bone/bone.h"
 #include "sim/motion/motion.h"
+#include "sim/scene/first_contact.h"
 #include "sim/tool/tool.h"
 
 namespace reamsim {
@@ -24,7 +25,13 @@ struct ReamingScene {
   Tool tool;      ///< of the present pass, the first one after loading
   Motion motion;  ///< of the present pass
   std::vector<Pass> later_passes = {};
+  std::vector<std::optional<FirstContact>> first_contacts = {};  ///< by pass, of plunges whose depth counts from it
 
+  /// Of the present pass.
+  [[nodiscard]] std::optional<FirstContact> first_contact() const {
+    const auto i = static_cast<std::size_t>(motion.pass) - 1;
+    return i < first_contacts.size() ? first_contacts[i] : std::nullopt;
+  }
   /// The last frame of the run.
   [[nodiscard]] std::int64_t last_frame() const {
     return later_passes.empty() ? motion.last_frame() : later_passes.back().motion.last_frame();

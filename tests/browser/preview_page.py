@@ -8,6 +8,7 @@ import io
 import json
 import math
 import pathlib
+import re
 import subprocess
 import sys
 import tempfile
@@ -344,6 +345,33 @@ def use(page, scenario, folder, reamsim):
     assert page.yaml() == scenario.read_text()
 
 
+def check_contact(programs, folder, reamsim):
+    """The page finds the contact from which a depth counts where `check` finds it, also after the glenoid has moved."""
+    scenario, path = folder / "contact.yaml", folder / "contact.html"
+    glenoid = f"  side: left\n  glenoid: {{center_mm: {[*(BONE + [0, -RADIUS - 5, 0])]}, normal: [0, -1, 0], superior: [0, 0, 1]}}\n"
+    text = (folder / "ball.yaml").read_text()
+    scenario.write_text(text.replace("  ct:\n", glenoid + "  ct:\n", 1).replace("{entry_mm", "{from: contact, entry_mm"))
+    checked = subprocess.run([reamsim, "check", scenario], capture_output=True, text=True, check=True).stdout
+    travel = float(re.search(r"first contact ([\d.]+) mm beyond entry_mm", checked)[1])
+    assert abs(travel - 5.1) < 0.1, travel
+    subprocess.run([reamsim, "preview", scenario, "-o", path, "--quiet"], check=True)
+    browser = Browser(programs, folder / "contact", 1280, 900)
+    try:
+        page = Page(browser.driver, path)
+
+        def shown(side):
+            return float(re.search(rf"first contact, about ([\d.]+) mm {side} entry_mm", " ".join(page.warnings()))[1])
+
+        assert abs(shown("beyond") - travel) < 0.5 * max(SPACING), page.warnings()
+        assert page.warned("meets the bone at about 1.") or page.warned("meets the bone at about 0.9"), "2 mm at 2 mm/s"
+        page.choose("center")
+        page.type_numbers("point", BONE + [0, -RADIUS + 3, 0])
+        assert abs(shown("before") - (8 - travel)) < 0.5 * max(SPACING), page.warnings()
+        assert not page.warned("starts in bone"), page.warnings()
+    finally:
+        browser.close()
+
+
 def time_pages(programs, pages):
     """From the start of loading until everything is drawn and can be used; the median of five."""
     for path in pages:
@@ -371,6 +399,7 @@ def main():
         subprocess.run([reamsim, "preview", scenario, "-o", path, "--quiet"], check=True)
         assert path.stat().st_size < MOST_BYTES, f"{path.stat().st_size} bytes"
         (folder / "saved").mkdir()
+        check_contact(programs, folder, reamsim)
         for width, height in ((1280, 900), (400, 800)):
             browser = Browser(programs, folder / str(width), width, height)
             driver = browser.driver

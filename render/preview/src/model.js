@@ -87,8 +87,8 @@ export class Model {
     this.glenoid = values.from === "landmarks"
       ? frameOfLandmarks({ glenoid_center_mm: values.center, trigonum_spinae_mm: values.trigonum, inferior_angle_mm: values.inferior })
       : frameOf(values.center, values.normal, values.superior);
-    this.posed = this.reamer === null ? null : this.reamer.pose(this.pose, this.glenoid);
     this.check();
+    this.posed = this.reamer === null ? null : this.reamer.pose(this.pose, this.glenoid);
   }
 
   // The contact does not depend on the pose that is shown.
@@ -97,6 +97,7 @@ export class Model {
     if (key !== this.contactKey) {
       this.contactKey = key;
       this.contact = null;
+      this.reamer?.startAtContact(this.glenoid, this.surface?.positions ?? []);
       if (this.reamer !== null && this.surface !== null && this.reamer.pose(0, this.glenoid) !== null) this.contact = contactOf(this);
     }
     this.findings = warningsOf({

@@ -20,6 +20,17 @@ function profileDistance(points, r, z) {
   return inside ? -least : least;
 }
 
+// Lowest z of a closed polygon at radius r, the polygon included; Infinity where it has none.
+function lowestZ(points, r) {
+  let lowest = Infinity;
+  points.forEach(([ar, az], i) => {
+    const [br, bz] = points[(i + 1) % points.length];
+    if (r < Math.min(ar, br) || r > Math.max(ar, br)) return;
+    lowest = Math.min(lowest, ar === br ? Math.min(az, bz) : az + ((bz - az) * (r - ar)) / (br - ar));
+  });
+  return lowest;
+}
+
 export class Reamer {
   constructor(tool, motion) {
     this.points = tool.profile;
@@ -28,6 +39,8 @@ export class Reamer {
     this.high = Math.max(...this.points.map(([, z]) => z));
     this.reach = Math.max(...this.points.map(([r, z]) => Math.hypot(r, z)));
     this.motion = motion;
+    this.travel = 0;  // by which a plunge that counts from its first contact moves along its axis; null: no contact
+    this.lowest = Array.from({ length: 257 }, (_, i) => lowestZ(tool.profile, (this.radius * i) / 256));
     this.tabulate();
   }
 
@@ -56,7 +69,8 @@ export class Reamer {
 
   // The pose in the bone frame: origin and the tool's axes. Null where the motion needs a glenoid frame that is missing.
   pose(k, glenoid) {
-    const [x, y, z, qw, qx, qy, qz] = this.motion.poses[k];
+    const [px, py, pz, qw, qx, qy, qz] = this.motion.poses[k];
+    const [x, y, z] = this.travel ? add([px, py, pz], this.motion.contact.along, this.travel) : [px, py, pz];
     const turn = (v) => {
       const t = scaled(cross([qx, qy, qz], v), 2);
       return add(add(v, t, qw), cross([qx, qy, qz], t));
@@ -66,6 +80,24 @@ export class Reamer {
     if (glenoid === null) return null;
     const out = (v) => add(add(scaled(glenoid.axes[0], v[0]), glenoid.axes[1], v[1]), glenoid.axes[2], v[2]);
     return { origin: add(glenoid.center, out([x, y, z])), axes: axes.map(out) };
+  }
+
+  // Moves a plunge whose depth counts from the first contact with these points of the bone (x, y, z after one another):
+  // a point meets the reamer after its way along the axis and the height of the reamer at its radius.
+  startAtContact(glenoid, positions) {
+    this.travel = 0;
+    if (this.motion.contact === null) return;
+    const pose = this.pose(0, glenoid);
+    if (pose === null) return;
+    const [ox, oy, oz] = pose.origin, [ax, ay, az] = pose.axes[2], most = this.radius * this.radius;
+    let least = Infinity;
+    for (let i = 0; i < positions.length; i += 3) {
+      const x = positions[i] - ox, y = positions[i + 1] - oy, z = positions[i + 2] - oz;
+      const along = -(x * ax + y * ay + z * az), across = x * x + y * y + z * z - along * along;
+      if (across > most) continue;
+      least = Math.min(least, along + this.lowest[Math.round((256 * Math.sqrt(Math.max(0, across))) / this.radius)]);
+    }
+    this.travel = least < Infinity ? least - this.motion.contact.approach_mm : null;
   }
 
   // Signed distance of a point in the bone frame.

@@ -42,6 +42,8 @@ function contactWarnings(contact, reamer, say) {
   } else if (contact.first < 0) {
     say("problem", `The reamer never meets the bone${contact.nearest < Infinity ? `; it comes as near as ${mm(contact.nearest)}` : ": it stays more than 30 mm away"}.`);
   } else {
+    const { travel } = reamer;
+    if (reamer.motion.contact !== null) say("fine", `The depth counts from the first contact, about ${mm(Math.abs(travel))} ${travel < 0 ? "before" : "beyond"} entry_mm.`);
     say("fine", `The reamer meets the bone at about ${reamer.motion.time_s[contact.first].toFixed(2)} s.`);
   }
 }

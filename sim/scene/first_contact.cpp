@@ -1,0 +1,197 @@
+#include "sim/scene/first_contact.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <vector>
+
+#include "sim/base/error.h"
+#include "sim/base/parallel.h"
+#include "sim/bone/bone_ray.h"
+#include "sim/motion/key_poses.h"
+
+namespace reamsim {
+
+namespace {
+
+constexpr double kNever = std::numeric_limits<double>::infinity();
+/// Distances of neighbouring rays, voxels: of those that bound the travel, and of those that find it.
+constexpr double kCoarse_voxels = 2;
+constexpr double kFine_voxels = 0.125;
+/// Halvings of the distance of the rays around the first contact.
+constexpr int kHalvings = 5;
+constexpr double kMargin_voxels = 1;
+/// A ray ends this far behind the travel that another one has found, because of rounding.
+constexpr double kSlack_voxels = 1e-3;
+
+/// Lowest z of a closed profile at a radius, the points of its outline included; infinite where it has none.
+double lowest_z(const Profile& profile, double r) {
+  double out = kNever;
+  for (std::size_t i = 0; i < profile.points.size(); ++i) {
+    const Vec2& a = profile.points[i];
+    const Vec2& b = profile.points[(i + 1) % profile.points.size()];
+    if (r < std::min(a.x(), b.x()) || r > std::max(a.x(), b.x())) continue;
+    const double width = b.x() - a.x();
+    const double z =
+        width == 0 ? std::min(a.y(), b.y()) : a.y() + (b.y() - a.y()) * std::clamp((r - a.x()) / width, 0.0, 1.0);
+    out = std::min(out, z);
+  }
+  return out;
+}
+
+/// A circle of points of the envelope that face the bone.
+struct Ring {
+  double radius_mm;
+  double low_mm;  ///< z of T
+};
+
+/// Rings at the corners of the profile, and between them at most `spacing_mm` apart.
+std::vector<Ring> rings_of(const Profile& profile, double spacing_mm) {
+  std::vector<double> radii;
+  for (const Vec2& p : profile.points) radii.push_back(p.x());
+  const double last_mm = profile.max_radius_mm();
+  const int count = static_cast<int>(std::ceil(last_mm / spacing_mm));
+  for (int i = 0; i <= count; ++i) radii.push_back(last_mm * i / count);
+  std::ranges::sort(radii);
+  radii.erase(std::ranges::unique(radii).begin(), radii.end());
+  std::vector<Ring> out;
+  for (const double r : radii) {
+    if (const double z = lowest_z(profile, r); z < kNever) out.push_back({r, z});
+  }
+  return out;
+}
+
+/// A ray along the line of the tool, and the travel at which the envelope meets bone on it.
+struct Meeting {
+  double travel_mm = kNever;
+  Vec2 place_mm = Vec2::Zero();  ///< across the line
+  double bone_mm = 0;            ///< the bone's point along the line
+};
+
+/// Meetings of the envelope with the bone on rays along the line.
+class ContactRays {
+ public:
+  ContactRays(const BoneView& bone, const Profile& envelope, const Vec3& through_mm, const Vec3& direction)
+      : bone_(bone),
+        envelope_(envelope),
+        through_mm_(through_mm),
+        axes_(orientation_from_axis(direction).toRotationMatrix()) {
+    const VoxelGrid& grid = bone.voxmap.grid;
+    const Aabb box = grid.bounds_mm().expanded(kMargin_voxels * grid.voxel_mm);
+    start_mm_ = kNever;
+    end_mm_ = -kNever;
+    for (int corner = 0; corner < 8; ++corner) {
+      const double at_mm = (box.corner(corner) - through_mm_).dot(axes_.col(2));
+      start_mm_ = std::min(start_mm_, at_mm);
+      end_mm_ = std::max(end_mm_, at_mm);
+    }
+  }
+
+  /// The least travel on rays `spacing_mm` apart, if it is at most `most_mm`.
+  [[nodiscard]] Meeting least(double spacing_mm, double most_mm) const {
+    const std::vector<Ring> rings = rings_of(envelope_, spacing_mm);
+    std::vector<Meeting> found(rings.size());
+    parallel_items(rings.size(), [&](std::size_t i) { found[i] = least_on(rings[i], spacing_mm, most_mm); });
+    return *std::ranges::min_element(found, {}, &Meeting::travel_mm);
+  }
+
+  /// Follows the least travel to places between the rays.
+  [[nodiscard]] Meeting refined(Meeting best, double spacing_mm) const {
+    for (int halving = 0; halving < kHalvings; ++halving) {
+      spacing_mm /= 2;
+      for (bool moved = true; moved;) {
+        moved = false;
+        for (const Vec2& step : {Vec2(1, 0), Vec2(-1, 0), Vec2(0, 1), Vec2(0, -1)}) {
+          const Vec2 place_mm = best.place_mm + spacing_mm * step;
+          const Meeting tried = at(place_mm, lowest_z(envelope_, place_mm.norm()), best.travel_mm);
+          if (tried.travel_mm >= best.travel_mm) continue;
+          best = tried;
+          moved = true;
+        }
+      }
+    }
+    return best;
+  }
+
+  [[nodiscard]] Vec3 bone_mm(const Meeting& meeting) const { return point_mm(meeting.place_mm, meeting.bone_mm); }
+
+ private:
+  [[nodiscard]] Vec3 point_mm(const Vec2& place_mm, double along_mm) const {
+    return through_mm_ + axes_ * Vec3(place_mm.x(), place_mm.y(), along_mm);
+  }
+
+  [[nodiscard]] Meeting least_on(const Ring& ring, double spacing_mm, double most_mm) const {
+    const int count = std::max(1, static_cast<int>(std::ceil(2 * std::numbers::pi * ring.radius_mm / spacing_mm)));
+    Meeting best{.travel_mm = most_mm};
+    bool any = false;
+    for (int i = 0; i < count; ++i) {
+      const double angle = 2 * std::numbers::pi * i / count;
+      const Vec2 place_mm = ring.radius_mm * Vec2(std::cos(angle), std::sin(angle));
+      const Meeting here = at(place_mm, ring.low_mm, best.travel_mm);
+      if (here.travel_mm > best.travel_mm || (any && here.travel_mm == best.travel_mm)) continue;
+      best = here;
+      any = true;
+    }
+    return any ? best : Meeting{};
+  }
+
+  /// The meeting on one ray, where the envelope begins at `low_mm`.
+  [[nodiscard]] Meeting at(const Vec2& place_mm, double low_mm, double most_mm) const {
+    if (low_mm == kNever) return {};
+    const double ray_mm = std::min(end_mm_, most_mm - low_mm) - start_mm_;
+    if (ray_mm < 0) return {};
+    const auto met = first_bone_mm(bone_, point_mm(place_mm, start_mm_), axes_.col(2), ray_mm);
+    if (!met) return {};
+    const double bone_mm = start_mm_ + *met;
+    return {bone_mm + low_mm, place_mm, bone_mm};
+  }
+
+  BoneView bone_;
+  const Profile& envelope_;
+  Vec3 through_mm_;
+  Mat3 axes_;  ///< of the line; z is its direction
+  double start_mm_;
+  double end_mm_;
+};
+
+}  // namespace
+
+std::optional<FirstContact> find_first_contact(const BoneView& bone, const Profile& envelope, const Vec3& through_mm,
+                                               const Vec3& direction) {
+  const double voxel_mm = bone.voxmap.grid.voxel_mm;
+  const ContactRays rays(bone, envelope, through_mm, direction);
+  const double bound_mm = rays.least(kCoarse_voxels * voxel_mm, kNever).travel_mm + kSlack_voxels * voxel_mm;
+  const double fine_mm = kFine_voxels * voxel_mm;
+  const Meeting first = rays.refined(rays.least(fine_mm, bound_mm), fine_mm);
+  if (first.travel_mm == kNever) return std::nullopt;
+  return FirstContact{first.travel_mm, through_mm + first.travel_mm * direction, rays.bone_mm(first)};
+}
+
+FirstContact find_first_contact(const Bone& bone, const Tool& tool, const PlungeSettings& plunge, PoseFrame frame) {
+  const std::optional<Rigid> to_bone = bone_from_frame(frame, bone.glenoid);
+  const Rigid bone_from_poses = to_bone ? *to_bone : Rigid::Identity();
+  const std::optional<FirstContact> found = find_first_contact(bone, tool.profile, bone_from_poses * plunge.entry_mm,
+                                                               (bone_from_poses.linear() * plunge.axis).normalized());
+  if (found) return *found;
+  throw InputError({}, "motion.plunge.entry_mm", "the tool meets no bone on the line of the plunge",
+                   "give a point from which axis leads to the bone, or use from: entry");
+}
+
+std::string sentence_of(const FirstContact& contact) {
+  const Vec3& p = contact.bone_mm;
+  return fmt::format(
+      "plunge: first contact {:.4f} mm {} entry_mm, at the point ({:.2f}, {:.2f}, {:.2f}) mm of the bone; the depth "
+      "counts from there",
+      std::abs(contact.travel_mm), contact.travel_mm < 0 ? "before" : "beyond", p.x(), p.y(), p.z());
+}
+
+PlungeSettings counted_from(const FirstContact& contact, PlungeSettings plunge) {
+  plunge.entry_mm += contact.travel_mm * plunge.axis.normalized();
+  plunge.from = PlungeStart::entry;
+  return plunge;
+}
+
+}  // namespace reamsim

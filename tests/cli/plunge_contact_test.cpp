@@ -1,0 +1,58 @@
+// motion.plunge.from: contact, from the command line.
+#include "tests/cli/cli_fixture.h"
+#include "tests/support/real_data.h"
+
+namespace reamsim::test {
+namespace {
+
+using ::testing::HasSubstr;
+
+const std::string kFromContact = with(kSmall, "  plunge:\n", "  plunge:\n    from: contact\n");
+
+class PlungeContact : public CliTest {
+ protected:
+  ProgramResult call(const std::vector<std::string>& arguments) const {
+    return reamsim({.arguments = arguments, .environment = {}, .folder = "", .interrupt_when = {}});
+  }
+};
+
+TEST_F(PlungeContact, IsReportedAndItsScenarioRunsAgain) {
+  // The entry lies 3.7 mm above the block, out of reach of a plunge of 1 mm from it.
+  const ProgramResult first = run(with(kFromContact, "    approach_mm", "    entry_mm: [0, 0, 3.7]\n    approach_mm"));
+  expect_done(first);
+  const std::string summary = read("out/summary.json");
+  EXPECT_NEAR(number_after(summary, "\"travel_mm\": "), 3.7, 1e-6);
+  EXPECT_NEAR(number_after(summary, "\"max_depth_mm\": "), 1, 0.05);
+  const std::string resolved = read("out/scenario.yaml");
+  EXPECT_THAT(resolved, HasSubstr("Found: plunge: first contact 3.7000 mm beyond entry_mm"));
+  EXPECT_THAT(resolved, HasSubstr("from: contact"));
+  const std::string forces = read("out/forces.csv");
+  write("again.yaml", resolved);
+  const ProgramResult again = call({"run", "again.yaml", "-o", "again"});
+  ASSERT_EQ(again.status, 0) << again.err;
+  EXPECT_EQ(read("again/forces.csv"), forces);
+  const ProgramResult checked = call({"check", "s.yaml"});
+  EXPECT_THAT(checked.out, HasSubstr("# plunge: first contact 3.7000 mm beyond entry_mm, at the point ("));
+}
+
+TEST_F(PlungeContact, BesideTheBoneIsAMistakeOfTheEntry) {
+  expect_refused(run(with(kFromContact, "    approach_mm", "    entry_mm: [90, 0, 0]\n    approach_mm")), 2,
+                 {"s.yaml:14:", "motion.plunge.entry_mm: the tool meets no bone on the line of the plunge"});
+}
+
+TEST_F(PlungeContact, ReamersCompareAtEqualDepthOnAScan) {
+  const std::string scan = data_file("shoulder_ct/shoulder_left.nrrd");
+  if (!std::filesystem::exists(scan)) GTEST_SKIP() << "no " << scan << "; set REAMSIM_DATA";
+  for (const std::string reamer : {"convex", "flat"}) {
+    const ProgramResult done =
+        call({"run", REAMSIM_ROOT "/trajectories/ct_shoulder.yaml", "-o", reamer, "--set",
+              "tool.mesh=" REAMSIM_ROOT "/assets/reamer_" + reamer + ".stl", "--set", "render.enabled=false", "--set",
+              "output.meshes=false", "--set", "motion.frame_rate_hz=100", "--set",
+              "motion.plunge={from: contact, approach_mm: 1, depth_mm: 2, feed_mm_s: 2, retract_mm: 4}"});
+    ASSERT_EQ(done.status, 0) << done.err;
+    EXPECT_NEAR(number_after(read(reamer + "/summary.json"), "\"max_depth_mm\": "), 2, 0.04) << "0.1 voxel; " << reamer;
+  }
+}
+
+}  // namespace
+}  // namespace reamsim::test
