@@ -1,10 +1,93 @@
 #include "cli/first_scenario.h"
 
+#include <fmt/core.h>
 #include <filesystem>
+
+#include "cli/input_kind.h"
+#include "sim/base/text.h"
+#include "sim/scenario/parse.h"
 
 namespace reamsim {
 
+namespace {
+
 namespace fs = std::filesystem;
+
+/// A text in single quotes for YAML.
+std::string quoted(const std::string& text) {
+  std::string out = "'";
+  for (const char c : text) out += c == '\'' ? "''" : std::string(1, c);
+  return out + "'";
+}
+
+std::string yaml_vector(const Vec3& v, int digits) {
+  return fmt::format("[{:.{}f}, {:.{}f}, {:.{}f}]", v.x(), digits, v.y(), digits, v.z(), digits);
+}
+
+std::string ct_text(const CtSettings& ct) {
+  std::string out;
+  if (ct.crop_min_mm && ct.crop_max_mm) {
+    out += fmt::format("    crop_min_mm: {}   # a box round the scapula, LPS\n    crop_max_mm: {}\n",
+                       yaml_vector(*ct.crop_min_mm, 1), yaml_vector(*ct.crop_max_mm, 1));
+  }
+  out +=
+      fmt::format("    threshold_hu: {}          # least radiodensity of bone; lower it where the surface has holes\n",
+                  shortest_text(ct.threshold_hu));
+  if (ct.separate != Separate::none) {
+    out += fmt::format("    separate: {}         # cuts the head of the humerus off along the joint gap\n",
+                       name_of(ct.separate));
+  }
+  return out;
+}
+
+std::string mesh_text(const MeshBoneSettings& mesh) {
+  return fmt::format(
+      "    scale: {}                  # file units to mm\n"
+      "    cortical_mm: {}          # a mesh has no density: a shell of cortical bone on trabecular bone\n"
+      "    cortical_hu: {}\n    trabecular_hu: {}\n",
+      shortest_text(mesh.scale), shortest_text(mesh.cortical_mm), shortest_text(mesh.cortical_hu),
+      shortest_text(mesh.trabecular_hu));
+}
+
+std::string glenoid_text(const FirstScenario& first) {
+  if (!first.bone.glenoid.near_mm || !first.glenoid) return "";
+  const Mat3 axes = first.glenoid->linear();
+  const char* superior = first.bone.source == BoneSource::mesh
+                             ? "    superior: {}   # towards the narrow end of the face: check it\n"
+                             : "    # superior: {}\n";
+  return fmt::format(
+             "  glenoid:\n    near_mm: {}   # the face is found round this point\n"
+             "    # Found: center_mm: {}, normal: {}.\n",
+             yaml_vector(*first.bone.glenoid.near_mm, 2), yaml_vector(first.glenoid->translation(), 2),
+             yaml_vector(axes.col(2), 4)) +
+         fmt::format(fmt::runtime(superior), yaml_vector(axes.col(1), 4));
+}
+
+std::string bone_text(const FirstScenario& first) {
+  const BoneSettings& bone = first.bone;
+  std::string out = fmt::format("bone:\n  source: {}\n", name_of(bone.source));
+  if (bone.side != BodySide::unknown) out += fmt::format("  side: {}\n", name_of(bone.side));
+  if (bone.source != BoneSource::vdb) out += fmt::format("  voxel_mm: {}\n", shortest_text(bone.voxel_mm));
+  out += fmt::format("  {}:\n    path: {}\n", name_of(bone.source), quoted(first.bone_path));
+  if (bone.source == BoneSource::ct) out += ct_text(bone.ct);
+  if (bone.source == BoneSource::mesh) out += mesh_text(bone.mesh);
+  return out + glenoid_text(first);
+}
+
+std::string motion_text(const PlungeSettings& plunge) {
+  return fmt::format(
+      "motion:\n  frame: glenoid            # entry and axis are in the glenoid frame: +z out of the face, +y "
+      "superior\n"
+      "  plunge:\n    entry_mm: [0, 0, 0]     # the line of the plunge passes the centre of the face\n"
+      "    axis: [0, 0, -1]\n    from: {}           # of the reamer with the bone, found before the run\n"
+      "    approach_mm: {:g}          # before the contact\n    feed_mm_s: {:g}\n"
+      "    depth_mm: {:g}             # beyond the contact\n    dwell_s: {:g}\n    retract_mm: {:g}\n"
+      "    retract_mm_s: {:g}\n    spin_rpm: {:g}\n",
+      name_of(plunge.from), plunge.approach_mm, plunge.feed_mm_s, plunge.depth_mm, plunge.dwell_s, plunge.retract_mm, plunge.retract_mm_s,
+      plunge.spin_rpm);
+}
+
+}  // namespace
 
 std::string own_reamer() {
   std::error_code ignored;
@@ -16,10 +99,42 @@ std::string own_reamer() {
   return "";
 }
 
-std::string yaml_quoted(const std::string& text) {
-  std::string out = "'";
-  for (const char c : text) out += c == '\'' ? "''" : std::string(1, c);
-  return out + "'";
+BoneSettings first_bone(const std::string& path, double voxel_mm, double scale, double threshold_hu,
+                        const std::vector<std::string>& more) {
+  const BoneSource source = source_by_name(path);
+  if (source == BoneSource::vdb) {
+    BoneSettings out;
+    out.source = source;
+    out.vdb.path = path;
+    return out;
+  }
+  std::vector<std::string> set{"bone.voxel_mm=" + shortest_text(voxel_mm)};
+  set.push_back(source == BoneSource::mesh ? "bone.mesh.scale=" + shortest_text(scale)
+                                           : "bone.ct.threshold_hu=" + shortest_text(threshold_hu));
+  set.insert(set.end(), more.begin(), more.end());
+  return parse_bone_settings(name_of(source), path, set);
+}
+
+void crop_round_glenoid(CtSettings& ct, const Vec3& near_mm) {
+  ct.crop_min_mm = Vec3(near_mm - Vec3(120, 90, 160));
+  ct.crop_max_mm = Vec3(near_mm + Vec3(120, 90, 70));
+}
+
+PlungeSettings first_plunge() {
+  PlungeSettings out;
+  out.from = PlungeStart::contact;
+  out.approach_mm = 2;
+  out.feed_mm_s = 1;
+  out.depth_mm = 3;
+  out.dwell_s = 0.2;
+  out.retract_mm = 12;
+  out.retract_mm_s = 20;
+  return out;
+}
+
+std::string text_of(const FirstScenario& first) {
+  return fmt::format("{}\nversion: 2\n\n{}\ntool:\n  mesh: {}\n\n{}\nrender:\n  cameras: [glenoid, section, oblique]\n",
+                     first.first_line, bone_text(first), quoted(first.tool_path), motion_text(first.plunge));
 }
 
 }  // namespace reamsim

@@ -1,16 +1,39 @@
 #pragma once
 
+#include <optional>
 #include <string>
+
+#include "sim/scenario/scenario.h"
 
 namespace reamsim {
 
-// What the first scenarios of `init` and `preview` share.
+// The first scenario of a bone, which `init` and `preview` write.
 
 /// The convex reamer that comes with the program: in the folder of the sources, or where it is installed; "" without
 /// it.
 std::string own_reamer();
 
-/// A text in single quotes for YAML.
-std::string yaml_quoted(const std::string& text);
+/// The settings of a bone file: `voxel_mm` and, for a mesh, `scale`, for a CT, `threshold_hu`, and more overrides.
+/// Throws InputError.
+BoneSettings first_bone(const std::string& path, double voxel_mm, double scale, double threshold_hu,
+                        const std::vector<std::string>& more = {});
+
+/// A box round a scapula, whose medial side is not known yet. LPS.
+void crop_round_glenoid(CtSettings& ct, const Vec3& near_mm);
+
+/// A plunge of 3 mm beyond first contact, along the normal at the centre of the face.
+PlungeSettings first_plunge();
+
+struct FirstScenario {
+  std::string first_line;  ///< a comment
+  BoneSettings bone;       ///< a side that is unknown, a crop that is open, and a near_mm that is missing: left out
+  std::string bone_path;   ///< as it stands in the file
+  std::string tool_path;   ///< likewise
+  std::optional<Rigid> glenoid;  ///< bone_from_glenoid that was found
+  PlungeSettings plunge;
+};
+
+/// The file: comments say what its keys are for.
+std::string text_of(const FirstScenario& first);
 
 }  // namespace reamsim

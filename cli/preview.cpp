@@ -23,6 +23,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr double kVoxel_mm = 0.4;  // of a first scenario
+
 struct PreviewOptions {
   std::string input;
   std::string output;
@@ -31,41 +33,27 @@ struct PreviewOptions {
   bool overwrite = false;
 };
 
-std::string quoted(const std::string& path) {
-  return yaml_quoted(recorded_path(fs::absolute(path).lexically_normal().string()));
+/// A path as a page holds it, which may lie anywhere.
+std::string absolute_path(const std::string& path) {
+  return recorded_path(fs::absolute(path).lexically_normal().string());
 }
 
 /// A first scenario for the bone in `options.input`: its file, the reamer `tool`, and a plunge along the normal of a
 /// glenoid that is still to be placed.
 PreviewRequest starting_request(const PreviewOptions& options, const std::string& tool) {
-  const std::string& bone = options.input;
-  const std::string source = name_of(source_by_name(bone));
+  const FirstScenario first{.first_line = "# A first scenario, put together by reamsim preview.",
+                            .bone = first_bone(options.input, kVoxel_mm, options.scale, CtSettings().threshold_hu),
+                            .bone_path = absolute_path(options.input),
+                            .tool_path = absolute_path(tool),
+                            .glenoid = std::nullopt,
+                            .plunge = first_plunge()};
   PreviewRequest out;
-  Scenario& scenario = out.scenario;
-  std::string keys;  // of the source
-  if (source == "vdb") {
-    scenario.bone.source = BoneSource::vdb;
-    scenario.bone.vdb.path = bone;
-  } else if (source == "mesh") {
-    const std::string scale = shortest_text(options.scale);
-    scenario.bone = parse_bone_settings(source, bone, {"bone.voxel_mm=0.4", "bone.mesh.scale=" + scale});
-    keys = "    scale: " + scale + "                 # file units to mm\n";
-  } else {
-    scenario.bone = parse_bone_settings(source, bone, {"bone.voxel_mm=0.4"});
-    keys = "    threshold_hu: " + shortest_text(scenario.bone.ct.threshold_hu) + "\n";
-  }
-  scenario.tool.mesh = tool;
-  scenario.motion.frame = PoseFrame::glenoid;
-  scenario.motion.plunge = PlungeSettings();
-  const PlungeSettings& plunge = *scenario.motion.plunge;
-  out.text = "# A first scenario, put together by reamsim preview.\nversion: 2\n\nbone:\n  source: " + source + "\n" +
-             (source == "vdb" ? "" : "  voxel_mm: 0.4\n") + "  " + source + ":\n    path: " + quoted(bone) + "\n" +
-             keys + "\ntool:\n  mesh: " + quoted(tool) +
-             "\n\nmotion:\n  frame: glenoid            # +z out of the face\n  plunge:\n    entry_mm: [0, 0, 0]\n"
-             "    axis: [0, 0, -1]\n" +
-             fmt::format("    approach_mm: {}\n    feed_mm_s: {}\n    depth_mm: {}\n    spin_rpm: {}\n",
-                         plunge.approach_mm, plunge.feed_mm_s, plunge.depth_mm, plunge.spin_rpm);
-  const fs::path name = fs::path(bone).lexically_normal();
+  out.scenario.bone = first.bone;
+  out.scenario.tool.mesh = tool;
+  out.scenario.motion.frame = PoseFrame::glenoid;
+  out.scenario.motion.plunge = first.plunge;
+  out.text = text_of(first);
+  const fs::path name = fs::path(options.input).lexically_normal();
   out.source = (name.has_filename() ? name : name.parent_path()).filename().string();
   out.file_name = fs::path(out.source).stem().string() + ".yaml";
   return out;

@@ -6,12 +6,9 @@
 
 #include "sim/base/report.h"
 #include "sim/bone/bone.h"
-#include "sim/bone/face_surface.h"
+#include "sim/bone/settle_face.h"
 
 namespace reamsim {
-
-/// Where the normal of a found face comes from.
-enum class FaceNormal { sphere, plane, rim };
 
 /// An articular face found on the surface of a bone.
 struct FoundGlenoid {
@@ -23,6 +20,7 @@ struct FoundGlenoid {
   double rim_rms_mm = 0;               ///< of their distances from it
   double face_rms_mm = 0;              ///< of the distances of the face from the sphere or plane
   double radius_mm = 0;                ///< of the sphere; 0: none
+  double confidence = 0;               ///< place_of(): 0…1
   bool superior_guessed = false;       ///< from the shape of the face only
 };
 

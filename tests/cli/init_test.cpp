@@ -1,5 +1,12 @@
-// reamsim init: a first scenario from one point of the glenoid, which runs.
+// reamsim init: a first scenario with or without a point on the glenoid, which runs.
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <cstdio>
+#include <cstring>
+
 #include "tests/cli/cli_fixture.h"
+#include "tests/cli/data_files.h"
 #include "tests/support/real_data.h"
 
 namespace reamsim::test {
@@ -38,6 +45,87 @@ TEST_F(InitTest, WritesAScenarioOfAMeshThatRuns) {
                                    "--set", "motion.frame_rate_hz=100"});
   ASSERT_EQ(done.status, 0) << done.err;
   EXPECT_GT(number_after(read("out/summary.json"), "\"removed_mm3\": "), 300);
+}
+
+/// The numbers of "# Found: center_mm: [x, y, z]".
+std::array<double, 3> found_center(const std::string& yaml) {
+  const auto at = yaml.find("# Found: center_mm: [");
+  std::array<double, 3> out{};
+  EXPECT_NE(at, std::string::npos) << yaml;
+  if (at == std::string::npos) return out;
+  EXPECT_EQ(std::sscanf(yaml.c_str() + at, "# Found: center_mm: [%lf, %lf, %lf]", out.data(), &out[1], &out[2]), 3);
+  return out;
+}
+
+double distance(const std::array<double, 3>& a, const std::array<double, 3>& b) {
+  return std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]);
+}
+
+TEST_F(InitTest, SearchesTheGlenoidOfAMesh) {
+  write_glenoid_mesh();
+  const std::vector<std::string> options{"--side", "left", "--voxel-mm", "0.8", "--quiet"};
+  const auto init = [&](std::vector<std::string> arguments) {
+    arguments.insert(arguments.end(), options.begin(), options.end());
+    return call(arguments);
+  };
+  ASSERT_EQ(init({"init", "bone.stl", "-o", "searched.yaml"}).status, 0);
+  ASSERT_EQ(init({"init", "bone.stl", "-o", "near.yaml", "--near=3,-2,4"}).status, 0);
+  EXPECT_LE(distance(found_center(read("searched.yaml")), found_center(read("near.yaml"))), 0.3);
+}
+
+TEST_F(InitTest, SaysWhyTheSearchForTheGlenoidFoundNone) {
+  write_glenoid_mesh();
+  // The same bone twice, 200 mm apart: a binary STL has 84 bytes and 50 for each triangle, with three corners.
+  const std::string one = read("bone.stl");
+  std::string both = one + one.substr(84);
+  std::uint32_t count = 0;
+  std::memcpy(&count, one.data() + 80, 4);
+  for (std::size_t n = 0; n < count; ++n) {
+    for (std::size_t corner = 1; corner <= 3; ++corner) {
+      char* place = both.data() + one.size() + 50 * n + 12 * corner;
+      float x = 0;
+      std::memcpy(&x, place, 4);
+      x += 200;
+      std::memcpy(place, &x, 4);
+    }
+  }
+  count *= 2;
+  std::memcpy(both.data() + 80, &count, 4);
+  write("two.stl", both);
+  const ProgramResult two = call({"init", "two.stl", "-o", "my.yaml", "--side", "left"});
+  EXPECT_EQ(two.status, 2);
+  EXPECT_THAT(two.err, AllOf(HasSubstr("--near: missing, and the search found several faces that may be the glenoid"),
+                             HasSubstr("reamsim preview BONE")));
+  write("cube.stl", cube_stl(30));
+  const ProgramResult none = call({"init", "cube.stl", "-o", "my.yaml", "--side", "left"});
+  EXPECT_EQ(none.status, 2);
+  EXPECT_THAT(none.err, HasSubstr("--near: missing, and the search found no"));
+  EXPECT_FALSE(exists("my.yaml"));
+}
+
+TEST_F(InitTest, SearchesTheGlenoidOfTheRealBones) {
+  struct Case {
+    std::string file;
+    std::vector<std::string> options;
+    std::string near;
+  };
+  const Case cases[] = {{"shoulder_ct/shoulder_left.nrrd", {}, "--near=129,178,-443"},
+                        {"scapula_mesh/scapula_left.stl", {"--side", "left", "--scale", "55"}, "--near=-41,11,39"}};
+  for (const Case& bone : cases) {
+    const std::string file = data_file(bone.file);
+    if (!std::filesystem::exists(file)) GTEST_SKIP() << "no " << file << "; set REAMSIM_DATA";
+    const auto center_of = [&](const std::vector<std::string>& more) {
+      std::vector<std::string> arguments{"init", file, "-o", "my.yaml", "--voxel-mm", "0.8", "--overwrite"};
+      arguments.insert(arguments.end(), bone.options.begin(), bone.options.end());
+      arguments.insert(arguments.end(), more.begin(), more.end());
+      const ProgramResult made = call(arguments);
+      EXPECT_EQ(made.status, 0) << made.err;
+      EXPECT_EQ(made.out.find("search for the glenoid") == std::string::npos, !more.empty()) << made.out;
+      EXPECT_THAT(made.out, HasSubstr("confidence 0."));
+      return found_center(read("my.yaml"));
+    };
+    EXPECT_LE(distance(center_of({}), center_of({bone.near})), 0.5) << bone.file;
+  }
 }
 
 TEST_F(InitTest, KeepsWhatItDidNotWrite) {

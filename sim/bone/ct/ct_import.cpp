@@ -10,7 +10,6 @@
 #include "sim/base/error.h"
 #include "sim/bone/ct/aligned_image.h"
 #include "sim/bone/ct/boundary_density.h"
-#include "sim/bone/ct/humeral_head.h"
 #include "sim/bone/ct/label_map.h"
 #include "sim/bone/ct/morphology.h"
 #include "sim/bone/ct/scan.h"
@@ -296,6 +295,14 @@ SegmentedScan segmented_scan(const BoneSettings& given, Report& report) {
       if (ct::is_cut_away(out.settings, out.hu.lattice.center_mm(voxel))) out.field[at] = -std::abs(out.field[at]);
     });
     return out;
+  });
+}
+
+std::vector<ct::Joint> joints_in_scan(const BoneSettings& settings, Report& report) {
+  return with_open_scan(settings.ct, report, [&](const ct::ScanSource& source) {
+    ct::AlignedImage hu = read_cropped(source, cropped_box(source, settings.ct), settings.ct, report);
+    filter(hu, settings.ct, report);
+    return ct::find_joints(hu, settings.ct.threshold_hu);
   });
 }
 

@@ -3,6 +3,7 @@
 #include "sim/base/error.h"
 #include "sim/base/report.h"
 #include "sim/bone/ct/aligned_image.h"
+#include "sim/bone/ct/humeral_head.h"
 #include "sim/bone/ct/scan.h"
 #include "sim/bone/ct/segmentation.h"
 #include "sim/bone/voxmap/voxmap.h"
@@ -32,5 +33,9 @@ struct SegmentedScan {
 /// threshold, a seed outside the bone) is no error: the scan is returned without it. Throws InputError: unreadable,
 /// truncated, absurdly large, an empty crop.
 SegmentedScan segmented_scan(const BoneSettings& settings, Report& report);
+
+/// The joints of a scan, the clearest first (ct::find_joints()). Crop and filter of the settings apply. Throws
+/// InputError as segmented_scan() does.
+std::vector<ct::Joint> joints_in_scan(const BoneSettings& settings, Report& report);
 
 }  // namespace reamsim

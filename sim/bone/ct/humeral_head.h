@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <vector>
 
 #include "sim/bone/ct/aligned_image.h"
 
@@ -20,5 +21,16 @@ struct HumeralHead {
 /// fitted to those that face away from the centre, and the cut is chosen by the mean radiodensity over spheres round
 /// it. nullopt where no sphere of 16 to 32 mm radius is next to the point.
 std::optional<HumeralHead> find_humeral_head(const AlignedImage& hu, double threshold_hu, const Vec3& near_mm);
+
+/// A head that faces another bone across a gap. LPS, mm.
+struct Joint {
+  HumeralHead head;             ///< without its cut
+  Vec3 near_mm = Vec3::Zero();  ///< a point on the face opposite to the head
+  double gap_fraction = 0;      ///< of the cap of the head towards it: bone follows behind a gap
+};
+
+/// Searches a whole scan for heads of 16 to 32 mm radius, each with the face opposite to it: in the same way, with
+/// votes for all places. Those with the clearest gap come first. A hip is such a joint too.
+std::vector<Joint> find_joints(const AlignedImage& hu, double threshold_hu);
 
 }  // namespace reamsim::ct
