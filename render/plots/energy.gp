@@ -6,6 +6,7 @@ rows = T_records
 t_min = T_min
 t_max = T_max > T_min ? T_max : T_min + 1
 frame_s = rows > 1 && T_max > T_min ? (T_max - T_min) / (rows - 1) : 1
+#include "contact.gp"
 stats csv using "energy_mj" nooutput name "E"
 stats csv using "floor_energy_mj" nooutput name "L"
 stats $mean using 5 nooutput name "P"
@@ -20,8 +21,6 @@ power_of_ten = worst > 0 ? int(floor(log10(worst))) : 0
 unit = power_of_ten == 0 ? "" : sprintf(" (10^{%d})", power_of_ten)
 worst_shown = worst > 0 ? worst / 10.0**power_of_ten : 1
 
-set xrange [t_min:t_max]
-set mxtics 2
 set key top left reverse Left
 
 do for [format in "png svg pdf"] {
@@ -49,7 +48,7 @@ do for [format in "png svg pdf"] {
          lc rgb dark_red title "speed-floor energy"
 
   set format x "%g"
-  set xlabel "Time (s)"
+  set xlabel "Time (s)" . time_note
   set ylabel "Energy balance" . unit
   set yrange [-1.3 * worst_shown:1.3 * worst_shown]
   plot csv using "time_s":(column("balance") / 10.0**power_of_ten) every step with lines lw 1 lc rgb purple notitle

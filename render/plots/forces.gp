@@ -5,10 +5,10 @@ stats csv using "time_s" nooutput name "T"
 rows = T_records
 t_min = T_min
 t_max = T_max > T_min ? T_max : T_min + 1
-stats csv using "removed_mm3" nooutput name "V"
 stats csv using "axial_force_n" nooutput name "F"
 stats csv using "spin_torque_nmm" nooutput name "M"
-stats csv using "depth_mm" nooutput name "D"
+#include "contact.gp"
+stats csv using (in_view(column("depth_mm"))) nooutput name "D"
 
 # Force and torque of every frame (of very many, every n-th). Where voxels go whole, frames are spikes: then they stand
 # in a light colour, on top the mean over a layer of voxels, and what lies far above the mean leaves the panel.
@@ -21,8 +21,6 @@ light_title = bucket_rows > 1 ? sprintf("extremes of every %d frames", bucket_ro
               step > 1 ? sprintf("every %d frames", step) : "each frame"
 mean_title = sprintf("mean over %g mm of travel, one voxel", travel_mm)
 
-set xrange [t_min:t_max]
-set mxtics 2
 set key top left reverse Left
 # Below the key, where there is one.
 label_y = travel_mm > 0 ? 0.72 : 0.93
@@ -65,7 +63,7 @@ do for [format in "png svg pdf"] {
   plot csv using "time_s":(removed = removed + column("removed_mm3")) with lines lw 1.5 lc rgb green notitle
 
   set format x "%g"
-  set xlabel "Time (s)"
+  set xlabel "Time (s)" . time_note
   set ylabel "Tool depth (mm)"
   # Drawn back, the tool is far above the bone; that part of the curve leaves the panel.
   bottom = D_max > 0 ? max(min(D_min, 0), -0.25 * D_max) : min(D_min, 0)

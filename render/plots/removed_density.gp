@@ -2,6 +2,14 @@ csv = "plots/removed_density.csv"
 stats csv using "removed_mm3" nooutput name "V"
 stats csv using "density_to_g_cm3" nooutput name "R"
 
+# A histogram says nothing of bone that has about one density: a line of text says it.
+stats csv using (column("removed_mm3") == V_max ? column("density_to_g_cm3") : NaN) nooutput name "M"
+stats csv using (column("removed_mm3") == V_max ? column("density_from_g_cm3") : NaN) nooutput name "L"
+uniform = V_max >= 0.98 * V_sum
+sentence = V_sum > 0 ? \
+           sprintf("%.4g mm³ removed, %.4g %% of it with\n%g to %g g/cm³: no histogram", V_sum, 100 * V_max / V_sum, L_min, M_max) : \
+           "No bone was removed: no histogram"
+
 set key off
 set style fill solid 0.85 border rgb "white"
 set xrange [0:R_max]
@@ -12,8 +20,16 @@ set mxtics 2
 middle(a, b) = 0.5 * (a + b)
 
 do for [format in "png svg pdf"] {
-  eval "set terminal " . terminal(format, 85, 65)
+  eval "set terminal " . terminal(format, 85, uniform ? 14 : 65)
   set output "plots/removed_density." . format
+  if (uniform) {
+    unset border; unset tics; unset grid; unset xlabel; unset ylabel
+    set lmargin 0; set rmargin 0; set tmargin 0; set bmargin 0
+    set label 1 sentence at screen 0.5, screen 0.65 center
+    plot NaN notitle
+    unset output
+    continue
+  }
   set lmargin 9; set rmargin 2; set tmargin 1; set bmargin 3.5
   plot csv using (middle(column("density_from_g_cm3"), column("density_to_g_cm3"))):"removed_mm3": \
          (column("density_to_g_cm3") - column("density_from_g_cm3")) with boxes lc rgb dark_blue

@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <sstream>
 
 #include "render/pictures/run_data.h"
 #include "render/plots/plots.h"
@@ -101,6 +102,46 @@ TEST_F(Plots, ARunGivesFourCurves) {
     }
     EXPECT_GT(found, 500) << "panel " << panel;
   }
+}
+
+/// The same log with contact from row `from` to row `to` only.
+void leave_contact(const std::string& dir, int from, int to) {
+  std::istringstream rows(test::file_bytes(dir + "/forces.csv"));
+  std::ofstream csv(dir + "/forces.csv");
+  std::string line;
+  for (int i = 0; std::getline(rows, line); ++i) {
+    if (i == 0 || (from <= i && i <= to)) {
+      csv << line << '\n';
+      continue;
+    }
+    const std::size_t depth = line.find(",250,");
+    csv << line.substr(0, depth) << ",250," << 0.026 * i << ",0,0,0,0,0,0,0,0,0,0,0,0,0,0\n";
+  }
+}
+
+TEST_F(Plots, TheTimeAxisIsThatOfContactUnlessTheUserAsksForTheWholeRun) {
+  write_log(dir_.path(), 1000, 1);
+  leave_contact(dir_.path(), 400, 700);
+  const std::string log = test::file_bytes(dir_.path() + "/forces.csv");
+  draw_all(dir_.path(), 0);
+  const char* note = "without contact, not shown: 0.001–0.385 s and 0.715–1 s";
+  for (const char* name : {"/forces.svg", "/plots/energy.svg"}) {
+    EXPECT_THAT(test::file_bytes(dir_.path() + name), ::testing::HasSubstr(note)) << name;
+  }
+  EXPECT_EQ(test::file_bytes(dir_.path() + "/forces.csv"), log);
+  // The script is the user's: it runs again as it is, and with the switch that it names.
+  const std::string again = "cd " + dir_.path() + " && gnuplot -d -e 'whole_run = 1' ";
+  for (const char* name : {"forces", "plots/energy"}) {
+    ASSERT_EQ(std::system((again + name + ".gp").c_str()), 0);
+    EXPECT_THAT(test::file_bytes(dir_.path() + "/" + name + ".svg"), ::testing::Not(::testing::HasSubstr("not shown")));
+  }
+}
+
+TEST_F(Plots, ARunInContactThroughoutIsShownWhole) {
+  write_log(dir_.path(), 1000, 1);
+  leave_contact(dir_.path(), 60, 960);
+  draw_all(dir_.path(), 0);
+  EXPECT_THAT(test::file_bytes(dir_.path() + "/forces.svg"), ::testing::Not(::testing::HasSubstr("not shown")));
 }
 
 TEST_F(Plots, ALongRunIsDecimatedWithItsPeaksAndSums) {
@@ -211,6 +252,25 @@ TEST_F(Plots, WhatWasRemovedIsCountedByDensity) {
   EXPECT_NEAR(sum_mm3, after.bone_mm3() - after_mm3, 1e-9 * sum_mm3);
   EXPECT_GT(dense_mm3, 0.3 * sum_mm3) << "the bone's dense outside";
   EXPECT_GT(fs::file_size(dir_.path() + "/plots/removed_density.pdf"), 1000u);
+}
+
+TEST_F(Plots, BoneOfOneDensityGetsASentenceInPlaceOfAHistogram) {
+  FilledVoxmap bone;
+  bone.grid = {.dims = {8, 8, 8}, .voxel_mm = 0.5, .origin_mm = Vec3::Zero()};
+  bone.grade = GradeBricks(bone.grid.dims);
+  for (int i = 0; i < 8; ++i) bone.grade.set({i, 0, 0}, 137);
+  const FillBricks before(bone.grid.dims);
+  FillBricks after = before;
+  const auto svg = [&] {
+    write_removed_density(dir_.path(), bone, before, after);
+    return test::file_bytes(dir_.path() + "/plots/removed_density.svg");
+  };
+  EXPECT_THAT(svg(), ::testing::HasSubstr("No bone was removed"));
+  for (int i = 0; i < 4; ++i) after.set({i, 0, 0}, 0);
+  EXPECT_THAT(svg(), ::testing::AllOf(::testing::HasSubstr("0.5 mm³ removed, 100 % of it"),
+                                      ::testing::HasSubstr("1.08 to 1.12 g/cm³")));
+  bone.grade.set({1, 0, 0}, 20);
+  EXPECT_THAT(svg(), ::testing::Not(::testing::HasSubstr("histogram")));
 }
 
 TEST_F(Plots, BadDataIsAnInputError) {
