@@ -9,9 +9,10 @@ namespace reamsim {
 FrameSchedule::FrameSchedule(const RunView& view, const PictureOptions& options)
     : names(names_of(view.settings().cameras)), stills(options.stills) {
   const RenderSettings& settings = view.settings();
+  const PageLayout page = view.page();
   for (const UserCamera& own : settings.user_cameras) names.push_back(own.name);
   for (const std::string& name : names) {
-    cameras.push_back(view.camera(name, settings.width_px, settings.height_px));
+    cameras.push_back(view.camera(name, page.view_width_px, page.height_px));
     if (settings.before_after) halves.push_back(half_camera(view, name));
   }
   if (stills) still_frames = reamsim::still_frames(view.frames(), settings);
@@ -22,7 +23,7 @@ FrameSchedule::FrameSchedule(const RunView& view, const PictureOptions& options)
   if (options.film && settings.film != FilmFormat::none) film = film_camera(view, names.front());
   for (int i = 0; i < settings.turntable_pictures; ++i) {
     const double turn = static_cast<double>(i) / settings.turntable_pictures;
-    turntable.push_back(make_turntable_camera(view.run().target(), turn, settings.width_px, settings.height_px));
+    turntable.push_back(make_turntable_camera(view.run().target(), turn, page.view_width_px, page.height_px));
   }
 }
 

@@ -58,7 +58,6 @@ class PictureComposer {
         camera_without_suffix_(options.camera_without_suffix.empty() ? schedule_.names.front()
                                                                      : options.camera_without_suffix),
         captions_(run.log(), options.mean_travel_mm, options.settings.force_arrow),
-        widest_(captions_.widest()),
         before_(schedule_.halves.size()),
         writer_(progress, count_pictures(options, view_.frames())) {
     std::filesystem::create_directories(dir_ + "/frames");
@@ -109,11 +108,9 @@ class PictureComposer {
     Labels labels = view_.labels(camera, view_.tool_at(frame.frame));
     labels.values = captions_.at(row);
     labels.force = captions_.arrow(row);
-    labels.widest_value = widest_;
     labels.contours = std::move(frame.contours);
-    draw_labels(frame.image, camera, labels);
     writer_.write(fmt::format("{}/frames/{:06}{}.png", dir_, frame.frame, suffix(frame.camera)),
-                  std::move(frame.image));
+                  page_with(std::move(frame.image), camera, labels));
   }
 
   void add_film_frame(RenderedFrame frame) {
@@ -128,21 +125,24 @@ class PictureComposer {
     labels.title = "After reaming";
     labels.values = captions_.after(frame.deepest_mm);
     labels.contours = std::move(frame.contours);
-    draw_labels(frame.image, camera, labels);
-    writer_.write(dir_ + "/reamed" + suffix(frame.camera) + ".png", std::move(frame.image));
+    writer_.write(dir_ + "/reamed" + suffix(frame.camera) + ".png", page_with(std::move(frame.image), camera, labels));
   }
 
   void add_turn(RenderedFrame frame) {
     const Camera& camera = schedule_.turntable[frame.camera];
-    draw_labels(frame.image, camera, view_.labels(camera, std::nullopt));
+    PixelImage picture = page_with(std::move(frame.image), camera, view_.labels(camera, std::nullopt));
     if (view_.settings().film != FilmFormat::none) {
       if (!turntable_film_) turntable_film_.emplace(film_path("turntable"), view_.settings());
-      PixelImage page = plain_image(frame.image.width_px, frame.image.height_px, 0xffffff);
-      page.paste(frame.image, 0, 0);
+      PixelImage page = plain_image(picture.width_px, picture.height_px, 0xffffff);
+      page.paste(picture, 0, 0);
       turntable_film_->add(page);
       if (frame.camera + 1 == schedule_.turntable.size()) turntable_film_->finish();
     }
-    writer_.write(fmt::format("{}/turntable/{:03}.png", dir_, frame.camera), std::move(frame.image));
+    writer_.write(fmt::format("{}/turntable/{:03}.png", dir_, frame.camera), std::move(picture));
+  }
+
+  [[nodiscard]] PixelImage page_with(PixelImage view, const Camera& camera, const Labels& labels) const {
+    return labelled_page(std::move(view), view_.page(), camera, labels, view_.settings().background);
   }
 
   [[nodiscard]] std::string film_path(const std::string& name) const {
@@ -159,7 +159,6 @@ class PictureComposer {
   FrameSchedule schedule_;
   std::string camera_without_suffix_;
   Captions captions_;
-  std::string widest_;  ///< value in pictures during the run
   std::vector<PixelImage> before_;
   std::optional<ContactSheet> sheet_;
   std::optional<Film> film_;

@@ -19,6 +19,11 @@ std::vector<std::pair<std::string, std::string>> film_values(const ForceRow& row
           {"removed", fixed_text(row.removed_mm3, 1) + " mm³"}};
 }
 
+/// The layout of the bone's part of a film.
+PageLayout page_of(const FilmLayout& film) {
+  return page_layout(static_cast<int>(film.bone.width), static_cast<int>(film.bone.height));
+}
+
 }  // namespace
 
 FilmLayout film_layout(int width_px, int height_px) {
@@ -43,8 +48,8 @@ FilmLayout film_layout(int width_px, int height_px) {
 }
 
 Camera film_camera(const RunView& view, const std::string& name) {
-  const Box bone = film_layout(view.settings().width_px, view.settings().height_px).bone;
-  return view.camera(name, static_cast<int>(bone.width), static_cast<int>(bone.height));
+  const PageLayout page = page_of(film_layout(view.settings().width_px, view.settings().height_px));
+  return view.camera(name, page.view_width_px, page.height_px);
 }
 
 Film::Film(const std::string& path, const RunView& view, const Captions& captions, const Camera& camera)
@@ -53,11 +58,6 @@ Film::Film(const std::string& path, const RunView& view, const Captions& caption
       layout_(film_layout(view.settings().width_px, view.settings().height_px)),
       camera_(camera),
       encoder_(path, view.settings()) {
-  for (const ForceRow& row : captions.log().rows) {
-    for (const auto& [name, value] : film_values(row)) {
-      if (value.size() > widest_value_.size()) widest_value_ = value;
-    }
-  }
   if (layout_.panel.width == 0) return;
   panel_ = std::make_unique<ForcePanel>(captions.log(), captions.mean(), static_cast<int>(layout_.panel.width),
                                         static_cast<int>(layout_.panel.height), layout_.unit);
@@ -66,11 +66,9 @@ Film::Film(const std::string& path, const RunView& view, const Captions& caption
 void Film::add(PixelImage bone, const ForceRow& row) {
   Labels labels = view_.labels(camera_, view_.tool_at(row.frame));
   labels.values = film_values(row);
-  labels.widest_value = widest_value_;
   labels.force = captions_.arrow(row);
-  draw_labels(bone, camera_, labels);
   PixelImage frame = plain_image(layout_.width_px, layout_.height_px, kBackground_rgb);
-  frame.paste(bone, 0, 0);
+  frame.paste(labelled_page(std::move(bone), page_of(layout_), camera_, labels, view_.settings().background), 0, 0);
   if (panel_) frame.paste(panel_->at(row), static_cast<int>(layout_.panel.x), static_cast<int>(layout_.panel.y));
   encoder_.add(frame);
 }

@@ -37,7 +37,6 @@ class Film {
   const Captions& captions_;
   FilmLayout layout_;
   Camera camera_;
-  std::string widest_value_;
   std::unique_ptr<ForcePanel> panel_;  ///< null if it would be illegible
   FilmEncoder encoder_;
 };

@@ -20,7 +20,6 @@ constexpr double kBottom = 96;
 constexpr double kTitle = 24;
 constexpr double kNumber = 19;
 
-constexpr std::uint32_t kPanel_rgb = 0xfbfbfc;
 constexpr Rgba kGrid{0.86, 0.87, 0.89, 1};
 constexpr double kPaleOpacity = 0.28;
 
@@ -35,7 +34,7 @@ ForcePanel::ForcePanel(const ForceLog& log, const std::string& mean, int width_p
       unit_(unit),
       first_s_(log.rows.front().time_s),
       last_s_(std::max(log.rows.back().time_s, log.rows.front().time_s + 1e-6)),
-      background_(plain_image(width_px, height_px, kPanel_rgb)) {
+      background_(plain_image(width_px, height_px, kColumnRgb)) {
   // Blue and vermilion of Okabe and Ito (2008), as in the plots: safe for colour-blind readers.
   curves_.push_back({mean + "axial force", "N", &ForceRow::layer_axial_force_n, 1, 0x0072b2, {}});
   curves_.push_back({mean + "spin torque", "N·mm", &ForceRow::layer_spin_torque_nmm, 0, 0xd55e00, {}});

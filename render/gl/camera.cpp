@@ -9,9 +9,8 @@
 namespace reamsim {
 namespace {
 
-/// The fraction of the picture that the target may fill; the rest is for text, legends and the scale bar.
-constexpr double kUsableHeight = 0.84;
-constexpr double kUsableWidth = 0.60;
+/// The fraction of the picture that the target may fill, along each side.
+constexpr double kUsable = 0.92;
 /// Bone within this distance of the focus must be in the picture: half a large glenoid and its rim.
 constexpr double kGlenoidRadius_mm = 20;
 /// Least distance of a user's camera from its target, and least sine between its view direction and up.
@@ -45,8 +44,7 @@ void frame_target(Camera& camera, const Mat3& eye_from_bone, const ViewTarget& t
   for (const Vec3& p : target.tool_head_mm) add(p);
   const Vec2 size = extent.sizes().cwiseMax(5.0);
   const Vec2 middle = 0.5 * (extent.min() + extent.max());
-  camera.mm_per_px =
-      std::max(size.x() / (kUsableWidth * camera.width_px), size.y() / (kUsableHeight * camera.height_px));
+  camera.mm_per_px = std::max(size.x() / camera.width_px, size.y() / camera.height_px) / kUsable;
   camera.depth_range_mm = 2 * target.radius_mm + 10;
   camera.eye_from_bone.linear() = eye_from_bone;
   camera.eye_from_bone.translation() = -(eye_from_bone * target.focus_mm) - Vec3(middle.x(), middle.y(), 0);
@@ -195,7 +193,7 @@ Camera make_turntable_camera(const ViewTarget& target, double turn, int width_px
   const double tall_mm = cosine * (high_mm - low_mm) + 2 * sine * radius_mm;
   const double angle = 2 * std::numbers::pi * turn;
   const Vec3 level = std::cos(angle) * target.outward + std::sin(angle) * up.cross(target.outward);
-  camera.mm_per_px = std::max(2 * radius_mm / (kUsableWidth * width_px), tall_mm / (kUsableHeight * height_px));
+  camera.mm_per_px = std::max(2 * radius_mm / width_px, tall_mm / height_px) / kUsable;
   camera.depth_range_mm = 2 * target.radius_mm + 10;
   camera.eye_from_bone.linear() = view_rotation(cosine * level + sine * up, up);
   const Vec3 middle_mm = target.focus_mm + 0.5 * (low_mm + high_mm) * up;

@@ -20,7 +20,7 @@ Canvas::Canvas(PixelImage& image)
   cairo_font_options_destroy(options);
 }
 
-void Canvas::fill_panel(const Box& box, double radius) const {
+void Canvas::fill_panel(const Box& box, double radius, const Rgba& color) const {
   constexpr double kQuarter = std::numbers::pi / 2;
   cairo_new_sub_path(get());
   cairo_arc(get(), box.x + box.width - radius, box.y + radius, radius, -kQuarter, 0);
@@ -28,7 +28,7 @@ void Canvas::fill_panel(const Box& box, double radius) const {
   cairo_arc(get(), box.x + radius, box.y + box.height - radius, radius, kQuarter, 2 * kQuarter);
   cairo_arc(get(), box.x + radius, box.y + radius, radius, 2 * kQuarter, 3 * kQuarter);
   cairo_close_path(get());
-  set_color(kPanelColor);
+  set_color(color);
   cairo_fill(get());
 }
 
@@ -44,12 +44,17 @@ void Canvas::line(const Vec2& from, const Vec2& to) const {
   cairo_stroke(get());
 }
 
+void Canvas::trace(const std::vector<Vec2>& points) const {
+  for (const Vec2& p : points) cairo_line_to(get(), p.x(), p.y());
+  cairo_close_path(get());
+}
+
 void Canvas::finish() const {
   cairo_surface_flush(surface_.get());
   check();
 }
 
-TextLine::TextLine(const Canvas& canvas, const std::string& text, double size_px, bool bold)
+TextLine::TextLine(const Canvas& canvas, const std::string& text, double size_px, bool bold, double wrap_px)
     : cairo_(canvas.get()), layout_(pango_cairo_create_layout(canvas.get()), g_object_unref) {
   PangoFontDescription* font = pango_font_description_new();
   pango_font_description_set_family(font, "DejaVu Sans");
@@ -57,6 +62,7 @@ TextLine::TextLine(const Canvas& canvas, const std::string& text, double size_px
   pango_font_description_set_absolute_size(font, size_px * PANGO_SCALE);
   pango_layout_set_font_description(layout_.get(), font);
   pango_font_description_free(font);
+  if (wrap_px > 0) pango_layout_set_width(layout_.get(), static_cast<int>(wrap_px * PANGO_SCALE));
   pango_layout_set_text(layout_.get(), text.c_str(), -1);
   PangoRectangle logical;
   pango_layout_get_extents(layout_.get(), nullptr, &logical);

@@ -5,6 +5,7 @@
 
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "render/gl/pixel_image.h"
 #include "sim/base/geometry.h"
@@ -18,6 +19,9 @@ struct Rgba {
 constexpr Rgba kTextColor{0.10, 0.12, 0.15, 1};
 constexpr Rgba kFaintTextColor{0.28, 0.32, 0.37, 1};
 constexpr Rgba kPanelColor{1, 1, 1, 0.80};
+constexpr Rgba kPlateColor{1, 1, 1, 1};
+/// The ground of columns of labels and of plots beside pictures.
+constexpr std::uint32_t kColumnRgb = 0xfbfbfc;
 
 /// A drawing surface over a picture's pixels.
 class Canvas {
@@ -28,10 +32,12 @@ class Canvas {
   [[nodiscard]] cairo_t* get() const { return cairo_.get(); }
   [[nodiscard]] cairo_surface_t* surface() const { return surface_.get(); }
   void set_color(const Rgba& color) const { cairo_set_source_rgba(get(), color.r, color.g, color.b, color.a); }
-  /// Fills a translucent panel with round corners, as a background for text.
-  void fill_panel(const Box& box, double radius) const;
+  /// Fills a panel with round corners, as a background for text.
+  void fill_panel(const Box& box, double radius, const Rgba& color = kPanelColor) const;
   /// Strokes a straight line.
   void line(const Vec2& from, const Vec2& to) const;
+  /// Appends a closed polygon to the path.
+  void trace(const std::vector<Vec2>& points) const;
   /// Flushes the drawing into the pixels. Throws RunError when drawing failed.
   void finish() const;
 
@@ -42,10 +48,11 @@ class Canvas {
   std::unique_ptr<cairo_t, decltype(&cairo_destroy)> cairo_;
 };
 
-/// One line of text with its measured size.
+/// Text with its measured size; one line unless it is wrapped.
 class TextLine {
  public:
-  TextLine(const Canvas& canvas, const std::string& text, double size_px, bool bold = false);
+  /// `wrap_px`: width of lines; 0: one line.
+  TextLine(const Canvas& canvas, const std::string& text, double size_px, bool bold = false, double wrap_px = 0);
 
   /// Draws it with its upper left corner at (x, y).
   void draw(double x, double y) const;

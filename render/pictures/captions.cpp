@@ -17,8 +17,6 @@ Captions::Captions(ForceLog log, double mean_travel_mm, bool arrows)
   add_layer_means(log_, mean_travel_mm);
   for (const ForceRow& row : log_.rows) {
     max_force_n_ = std::max(max_force_n_, row.layer_force_n.norm());
-    max_.layer_axial_force_n = std::max(max_.layer_axial_force_n, row.layer_axial_force_n);
-    max_.layer_spin_torque_nmm = std::max(max_.layer_spin_torque_nmm, row.layer_spin_torque_nmm);
   }
 }
 
@@ -28,16 +26,6 @@ Captions::Values Captions::at(const ForceRow& row) const {
           {mean_ + "axial force", fixed_text(row.layer_axial_force_n, 1) + " N"},
           {mean_ + "spin torque", fixed_text(row.layer_spin_torque_nmm, 0) + " N·mm"},
           {"removed", fixed_text(row.removed_mm3, 1) + " mm³"}};
-}
-
-std::string Captions::widest() const {
-  std::string widest;
-  for (const ForceRow& row : {log_.rows.back(), max_}) {
-    for (const auto& [name, value] : at(row)) {
-      if (value.size() > widest.size()) widest = value;
-    }
-  }
-  return widest;
 }
 
 Captions::Values Captions::after(double deepest_mm) const {

@@ -10,8 +10,7 @@
 
 namespace reamsim {
 
-/// Labels of a run's pictures from its force log. They need the complete log: the greatest force scales the arrows, and
-/// the longest value sets the width of boxes.
+/// Labels of a run's pictures from its force log. They need the complete log: the greatest force scales the arrows.
 class Captions {
  public:
   using Values = std::vector<std::pair<std::string, std::string>>;  ///< name and number with unit
@@ -21,8 +20,6 @@ class Captions {
 
   /// Values of a picture during the run.
   [[nodiscard]] Values at(const ForceRow& row) const;
-  /// The longest value of any picture during the run.
-  [[nodiscard]] std::string widest() const;
   /// Values of a picture of the final state.
   [[nodiscard]] Values after(double deepest_mm) const;
   /// The bone's force on the tool, at the tool's tip; none if negligible.
@@ -40,7 +37,6 @@ class Captions {
   std::string mean_;
   bool arrows_;
   double max_force_n_ = 0;
-  ForceRow max_;  ///< with the greatest axial force and torque
 };
 
 }  // namespace reamsim

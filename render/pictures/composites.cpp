@@ -9,16 +9,36 @@
 namespace reamsim {
 namespace {
 
-constexpr std::uint32_t kGap_rgb = 0xffffff;
+constexpr double kHalfTitle = 27;  // pixels of a page 1080 high
+constexpr double kHalfHead = 56;
 
-/// The white gap between the halves; it absorbs an odd width.
+/// The gap between the halves; it absorbs an odd width.
 int gap_px(int width_px) {
-  const int thin = std::max(1, width_px / 480);
+  const int thin = std::max(1, width_px / 240);
   return width_px < 3 ? 0 : thin + (width_px - thin) % 2;
 }
 
-int half_width_px(int width_px) {
-  return std::max(1, (width_px - gap_px(width_px)) / 2);
+int half_width_px(const PageLayout& page) {
+  return std::max(1, (page.view_width_px - gap_px(page.view_width_px)) / 2);
+}
+
+/// Height of the titles above the halves.
+int half_head_px(const PageLayout& page) {
+  return page.labelled() ? static_cast<int>(std::lround(kHalfHead * page.unit)) : 0;
+}
+
+/// Draws the title of a half above it, on a plate.
+void draw_half_title(PixelImage& image, const PageLayout& page, const std::string& title, int left_px,
+                     const Rgba& plate) {
+  if (!page.labelled()) return;
+  const double u = page.unit;
+  const Canvas canvas(image);
+  const TextLine text(canvas, title, kHalfTitle * u, true);
+  const double y = 0.5 * (kHalfHead * u - text.height);
+  canvas.fill_panel({left_px + 8 * u, y - 3 * u, text.width + 24 * u, text.height + 6 * u}, 6 * u, plate);
+  canvas.set_color(kTextColor);
+  text.draw(left_px + 20 * u, y);
+  canvas.finish();
 }
 
 constexpr std::size_t kMaxFrames = 20;
@@ -27,18 +47,11 @@ constexpr std::uint32_t kPage_rgb = 0xf4f6f9;
 constexpr double kMaxAspect = 1.6;
 constexpr double kMinAspect = 0.8;
 // Margins around the cells, pixels of a page 1080 high and at least 1440 wide.
-constexpr double kMargin = 28;
-constexpr double kHead = 104;
-constexpr double kFoot = 96;
-constexpr double kLegend = 230;
+constexpr double kMargin = 24;
 constexpr double kGap = 8;
 constexpr double kCaption = 20;
 /// Lower cells have no caption, because it would be illegible.
 constexpr int kMinCaptioned_px = 80;
-
-double page_unit(int width_px, int height_px) {
-  return std::min(height_px / 1080.0, width_px / 1440.0);
-}
 
 SheetGrid grid_of(const RunView& view) {
   const auto cells = static_cast<int>(ContactSheet::frames_on(view).size());
@@ -48,34 +61,34 @@ SheetGrid grid_of(const RunView& view) {
 }  // namespace
 
 Camera half_camera(const RunView& view, const std::string& name) {
-  return view.camera(name, half_width_px(view.settings().width_px), view.settings().height_px);
+  const PageLayout page = view.page();
+  return view.camera(name, half_width_px(page), page.height_px - half_head_px(page));
 }
 
 PixelImage before_and_after(const RunView& view, const Camera& half, const PixelImage& before, const PixelImage& after,
                             const std::vector<std::pair<std::string, std::string>>& values,
                             const std::vector<SeenContour>& contours) {
-  Camera page = half;
-  page.width_px = view.settings().width_px;
-  PixelImage image = plain_image(page.width_px, page.height_px, kGap_rgb);
-  image.paste(before, 0, 0);
-  const int right_px = page.width_px - after.width_px;
+  const PageLayout page = view.page();
+  const Background background = view.settings().background;
+  const int head_px = half_head_px(page);
+  const int right_px = page.view_width_px - after.width_px;
   PixelImage numbered = after;
-  if (std::min(after.width_px, after.height_px) >= kMinLabelled_px) draw_contour_numbers(numbered, half, contours, {});
-  image.paste(numbered, right_px, 0);
+  if (page.labelled()) draw_contour_numbers(numbered, half, page.unit, contours);
+  PixelImage both = blank_page(page.view_width_px, page.height_px, background);
+  both.paste(before, 0, head_px);
+  both.paste(numbered, right_px, head_px);
+  const Rgba plate = background == Background::transparent ? kPlateColor : Rgba{};
+  draw_half_title(both, page, "Before reaming", 0, plate);
+  draw_half_title(both, page, "After reaming", right_px, plate);
   Labels labels = view.labels(half, std::nullopt);
-  labels.title = "Before reaming";
-  draw_labels(image, page, labels);
-  Labels of_right;
-  of_right.title = "After reaming";
-  of_right.values = values;
-  draw_value_box(image, page, of_right, right_px);
-  return image;
+  labels.values = values;
+  return labelled_page(std::move(both), page, half, labels, background);
 }
 
 SheetGrid sheet_grid(int cells, int width_px, int height_px) {
-  const bool labelled = std::min(width_px, height_px) >= kMinLabelled_px;
-  const double u = !labelled ? 0 : page_unit(width_px, height_px);
-  const Box area{kMargin * u, kHead * u, width_px - (kMargin + kLegend) * u, height_px - (kHead + kFoot) * u};
+  const PageLayout page = page_layout(width_px, height_px);
+  const double u = page.labelled() ? page.unit : 0;
+  const Box area{kMargin * u, kMargin * u, page.view_width_px - 2 * kMargin * u, height_px - 2 * kMargin * u};
   SheetGrid best{1, cells, 1, 1, area, static_cast<int>(kGap * u)};
   double largest = 0;
   for (int columns = 1; columns <= cells; ++columns) {
@@ -100,19 +113,20 @@ std::vector<std::int64_t> ContactSheet::frames_on(const RunView& view) {
 
 Camera ContactSheet::cell_camera(const RunView& view, const std::string& name) {
   const SheetGrid grid = grid_of(view);
-  return view.closer_camera(name, grid.cell_width_px, grid.cell_height_px);
+  return view.camera(name, grid.cell_width_px, grid.cell_height_px);
 }
 
 ContactSheet::ContactSheet(const RunView& view, const Camera& cell)
     : view_(view),
       grid_(grid_of(view)),
       camera_(cell),
-      page_(plain_image(view.settings().width_px, view.settings().height_px, kPage_rgb)) {}
+      page_(plain_image(view.page().view_width_px, view.page().height_px, kPage_rgb)) {}
 
 void ContactSheet::add(PixelImage cell, const ForceRow& row) {
-  draw_outlines(cell, camera_, view_.labels(camera_, view_.tool_at(row.frame)));
+  draw_marks(cell, camera_, picture_unit(cell.width_px, cell.height_px),
+             view_.labels(camera_, view_.tool_at(row.frame)));
   if (cell.height_px >= kMinCaptioned_px) {
-    const double u = page_unit(page_.width_px, page_.height_px);
+    const double u = view_.page().unit;
     const Canvas canvas(cell);
     const TextLine text(canvas, fixed_text(row.time_s, 3) + " s · " + depth_text(row.depth_mm), kCaption * u);
     canvas.fill_panel({8 * u, 8 * u, text.width + 16 * u, text.height + 8 * u}, 5 * u);
@@ -128,14 +142,10 @@ void ContactSheet::add(PixelImage cell, const ForceRow& row) {
 }
 
 PixelImage ContactSheet::finish() {
-  Camera page = camera_;
-  page.width_px = page_.width_px;
-  page.height_px = page_.height_px;
   Labels labels = view_.labels(camera_, std::nullopt);
   labels.title = "Time and tool depth";
   labels.scale_bar_fraction = 0.5 * camera_.width_px / page_.width_px;
-  draw_labels(page_, page, labels);
-  return std::move(page_);
+  return labelled_page(std::move(page_), view_.page(), camera_, labels, Background::studio);
 }
 
 }  // namespace reamsim

@@ -10,8 +10,8 @@
 
 namespace reamsim {
 
-/// The camera `name` for one half of a picture of the bone before and after reaming, side by side, of the settings'
-/// size.
+/// The camera `name` for one half of a picture of the bone before and after reaming, side by side below their titles,
+/// of the settings' size.
 Camera half_camera(const RunView& view, const std::string& name);
 
 /// Composes such a picture from its halves. `values` and `contours` of the right half: name and number with unit, one

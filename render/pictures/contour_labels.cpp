@@ -19,10 +19,6 @@ const Rgba kLightLine{1, 1, 1, kContourOpacity};
 const Rgba kDarkLine{0.05, 0.07, 0.10, kContourOpacity};
 constexpr Rgba kHalo{1, 1, 1, 0.85};
 
-double unit_of(const Camera& camera) {
-  return std::min(camera.height_px / 1080.0, camera.width_px / 1440.0);
-}
-
 Box around(const Vec2& middle, double width, double height) {
   return {middle.x() - 0.5 * width, middle.y() - 0.5 * height, width, height};
 }
@@ -73,8 +69,8 @@ SeenContour contour_style(double value, const Scale& scale) {
 }
 
 std::vector<ContourNumber> place_contour_numbers(const std::vector<SeenContour>& contours, const Camera& camera,
-                                                 const std::vector<Box>& taken) {
-  const double height = kTextHeight * unit_of(camera);
+                                                 double unit) {
+  const double height = kTextHeight * unit;
   std::vector<ContourNumber> out;
   for (std::size_t k = 0; k < contours.size(); ++k) {
     const SeenContour& contour = contours[k];
@@ -84,8 +80,7 @@ std::vector<ContourNumber> place_contour_numbers(const std::vector<SeenContour>&
     for (std::size_t n = 0; n < contour.points_px.size(); ++n) {
       if (!visible_around(contour, n, width)) continue;
       const Box box = around(contour.points_px[n], width, height);
-      const auto hits = [&](const Box& other) { return overlap(box, other); };
-      if (!inside(box, camera) || std::ranges::any_of(taken, hits)) continue;
+      if (!inside(box, camera)) continue;
       if (std::ranges::any_of(out, [&](const ContourNumber& other) { return overlap(box, other.box); })) continue;
       const double room = room_at(contour.points_px[n], contours, k);
       if (room < kLeastRoom * height) continue;
@@ -101,10 +96,10 @@ std::vector<ContourNumber> place_contour_numbers(const std::vector<SeenContour>&
   return out;
 }
 
-void draw_contours(PixelImage& image, const Camera& camera, const std::vector<SeenContour>& contours) {
+void draw_contours(PixelImage& image, double unit, const std::vector<SeenContour>& contours) {
   const Canvas canvas(image);
   cairo_t* c = canvas.get();
-  cairo_set_line_width(c, std::max(1.0, kContourWidth_px * unit_of(camera)));
+  cairo_set_line_width(c, std::max(1.0, kContourWidth_px * unit));
   cairo_set_line_join(c, CAIRO_LINE_JOIN_ROUND);
   for (const SeenContour& contour : contours) {
     canvas.set_color(contour.light ? kLightLine : kDarkLine);
@@ -115,18 +110,17 @@ void draw_contours(PixelImage& image, const Camera& camera, const std::vector<Se
   canvas.finish();
 }
 
-void draw_contour_numbers(PixelImage& image, const Camera& camera, const std::vector<SeenContour>& contours,
-                          const std::vector<Box>& taken) {
+void draw_contour_numbers(PixelImage& image, const Camera& camera, double unit,
+                          const std::vector<SeenContour>& contours) {
   const Canvas canvas(image);
   cairo_t* c = canvas.get();
-  const double u = unit_of(camera);
-  for (const ContourNumber& number : place_contour_numbers(contours, camera, taken)) {
-    const TextLine text(canvas, contours[number.contour].text, kTextHeight * 0.92 * u);
+  for (const ContourNumber& number : place_contour_numbers(contours, camera, unit)) {
+    const TextLine text(canvas, contours[number.contour].text, kTextHeight * 0.92 * unit);
     const Vec2 middle = middle_of(number.box);
     text.trace(middle.x() - 0.5 * text.width, middle.y() - 0.5 * text.height);
     canvas.set_color(kHalo);
     cairo_set_line_join(c, CAIRO_LINE_JOIN_ROUND);
-    cairo_set_line_width(c, 5 * u);
+    cairo_set_line_width(c, 5 * unit);
     cairo_stroke_preserve(c);
     canvas.set_color(kTextColor);
     cairo_fill(c);

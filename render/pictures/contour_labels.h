@@ -23,19 +23,20 @@ SeenContour contour_style(double value, const Scale& scale);
 constexpr double kContourOpacity = 0.75;
 constexpr double kContourWidth_px = 2.2;
 
-/// Where the number of each contour is drawn: where the line is visible, farthest from the other lines and numbers, and
-/// outside of `taken`. Contours without such a place have no number.
+/// Where the number of each contour is drawn: where the line is visible, farthest from the other lines and numbers.
+/// Contours without such a place have no number.
+/// `unit`: pixels per pixel of a picture 1080 high.
 struct ContourNumber {
   std::size_t contour;
   Box box;
 };
 std::vector<ContourNumber> place_contour_numbers(const std::vector<SeenContour>& contours, const Camera& camera,
-                                                 const std::vector<Box>& taken);
+                                                 double unit);
 
 /// Draws the lines, without numbers. Throws RunError.
-void draw_contours(PixelImage& image, const Camera& camera, const std::vector<SeenContour>& contours);
+void draw_contours(PixelImage& image, double unit, const std::vector<SeenContour>& contours);
 /// Draws the numbers. Throws RunError.
-void draw_contour_numbers(PixelImage& image, const Camera& camera, const std::vector<SeenContour>& contours,
-                          const std::vector<Box>& taken);
+void draw_contour_numbers(PixelImage& image, const Camera& camera, double unit,
+                          const std::vector<SeenContour>& contours);
 
 }  // namespace reamsim

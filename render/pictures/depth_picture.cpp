@@ -16,29 +16,27 @@ namespace {
 
 constexpr int kWidth_px = 1600;
 constexpr int kHeight_px = 1080;
-/// The fraction of the picture that the map may fill, and its offset to the right, between values and legend.
-constexpr double kMapWidth = 0.57;
-constexpr double kMapHeight = 0.95;
-constexpr double kShift_px = 125;
+/// The fraction of the view that the map may fill.
+constexpr double kMapFraction = 0.95;
 /// Samples per pixel along each axis.
 constexpr int kMapSamples = 2;
 
 using Rgb = Eigen::Vector3d;
 
-const Rgb kPaperRgb(0.97, 0.97, 0.975);
+const Rgb kPaperRgb(0.984, 0.984, 0.988);
 const Rgb kBoneRgb(0.90, 0.87, 0.82);
 const Rgb kHoleRgb(0.75, 0.10, 0.12);
 
 /// The view along −z of the map.
-Camera map_camera(const DepthField& field) {
+Camera map_camera(const DepthField& field, const PageLayout& page) {
   const Vec2 size = field.max_mm() - field.min_mm();
   const Vec2 middle = 0.5 * (field.min_mm() + field.max_mm());
   Camera camera;
   camera.name = "depth_map";
-  camera.width_px = kWidth_px;
-  camera.height_px = kHeight_px;
-  camera.mm_per_px = std::max(size.x() / (kMapWidth * kWidth_px), size.y() / (kMapHeight * kHeight_px));
-  camera.eye_from_bone.translation() = Vec3(kShift_px * camera.mm_per_px - middle.x(), -middle.y(), 0);
+  camera.width_px = page.view_width_px;
+  camera.height_px = page.height_px;
+  camera.mm_per_px = std::max(size.x() / camera.width_px, size.y() / camera.height_px) / kMapFraction;
+  camera.eye_from_bone.translation() = Vec3(-middle.x(), -middle.y(), 0);
   return camera;
 }
 
@@ -174,12 +172,13 @@ void write_depth_picture(const RunData& run, double depth_max_mm) {
   const DepthField field(path);
   if (field.deepest_mm() == 0) return;
   const Scale scale = depth_max_mm > 0 ? scale_exactly(depth_max_mm) : scale_up_to(field.deepest_mm());
-  const Camera camera = map_camera(field);
+  const PageLayout page = page_layout(kWidth_px, kHeight_px);
+  const Camera camera = map_camera(field, page);
   PixelImage image = DepthPainter(field, camera, scale).paint();
   Labels labels = map_labels(field, run.inputs(), scale);
   labels.contours = map_contours(field, camera, scale);
-  draw_contours(image, camera, labels.contours);
-  draw_labels(image, camera, labels);
+  draw_contours(image, page.unit, labels.contours);
+  image = labelled_page(std::move(image), page, camera, labels, Background::studio);
   write_png(run.dir() + "/depth_map.png", image);
 }
 

@@ -8,8 +8,10 @@
 #include "render/gl/camera.h"
 #include "render/gl/pixel_image.h"
 #include "render/pictures/contour_labels.h"
+#include "render/pictures/page_layout.h"
 #include "render/pictures/scale.h"
 #include "render/surface/color_map.h"
+#include "sim/scenario/choices.h"
 
 namespace reamsim {
 
@@ -31,29 +33,25 @@ struct ForceArrow {
 /// The labels of a picture.
 struct Labels {
   std::string title;
-  std::vector<std::pair<std::string, std::string>> values;  ///< name and number with unit, one per line
-  std::string widest_value;  ///< reserves room, so that the box has one width in all pictures of a run
-  std::vector<Legend> legends;
-  std::vector<std::pair<std::string, Vec3>> directions;  ///< anatomical directions: name and unit vector in B
-  std::vector<std::vector<Vec3>> outlines_mm;            ///< closed dashed lines in B
+  std::vector<std::pair<std::string, std::string>> values;  ///< name and number with unit
+  std::vector<Legend> legends;                              ///< at most two
+  std::vector<std::pair<std::string, Vec3>> directions;     ///< anatomical directions: name and unit vector in B
+  std::vector<std::vector<Vec3>> outlines_mm;               ///< closed dashed lines in B
   std::optional<ForceArrow> force;
   std::vector<SeenContour> contours;  ///< lines of the picture that get their numbers
-  double scale_bar_fraction = 0.20;   ///< of the picture's width, at most
+  double scale_bar_fraction = 0.25;   ///< of the view's width, at most
 };
 
-/// Smaller pictures have no labels, because these would be illegible.
-constexpr int kMinLabelled_px = 200;
+/// The page of a view: the view with what marks a place in it (outlines, force, numbers of contours), and the column of
+/// all other labels beside it. `view` has the size of the layout's view, `camera` that of the view or, for several
+/// pictures in one view, of one of them. Throws RunError.
+PixelImage labelled_page(PixelImage view, const PageLayout& layout, const Camera& camera, const Labels& labels,
+                         Background background);
+/// An empty page: the colour of the column of labels, or nothing on a transparent background.
+PixelImage blank_page(int width_px, int height_px, Background background);
 
-/// The colour bar, without numbers, of legend `index` of `count`. Empty when the picture is too small.
-Box legend_box(const Camera& camera, int index, int count);
-/// The scale bar and its length in mm: a round number, at most this fraction of the picture's width.
-std::pair<Box, double> scale_bar(const Camera& camera, double fraction = 0.20);
-
-/// Draws the labels over a picture of the camera's size. Throws RunError.
-void draw_labels(PixelImage& image, const Camera& camera, const Labels& labels);
-/// Draws only the outlines, on a picture of any size. Throws RunError.
-void draw_outlines(PixelImage& image, const Camera& camera, const Labels& labels);
-/// Draws only title and values, moved right by `left_px`. Throws RunError.
-void draw_value_box(PixelImage& image, const Camera& camera, const Labels& labels, double left_px);
+/// Draws what marks a place in a view of the camera's size: outlines, the force and the numbers of contours. `unit`:
+/// pixels per pixel of a picture 1080 high. Throws RunError.
+void draw_marks(PixelImage& view, const Camera& camera, double unit, const Labels& labels);
 
 }  // namespace reamsim

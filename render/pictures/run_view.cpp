@@ -9,9 +9,6 @@
 namespace reamsim {
 namespace {
 
-/// Scale of closer_camera().
-constexpr double kCloserScale = 0.86;
-
 Rigid spinning(const ToolPose& pose) {
   // A positive spin is about −z of T.
   return pose.bone_from_tool() * Eigen::AngleAxisd(-pose.spin_angle_rad, Vec3::UnitZ());
@@ -47,13 +44,6 @@ Camera RunView::camera(const std::string& name, int width_px, int height_px) con
     if (own.name == name) return make_user_camera(own, run_.target(), width_px, height_px);
   }
   return make_camera(from_name<CameraView>(name).value(), run_.target(), width_px, height_px);
-}
-
-Camera RunView::closer_camera(const std::string& name, int width_px, int height_px) const {
-  Camera out = camera(name, width_px, height_px);
-  const auto is_it = [&](const UserCamera& own) { return own.name == name; };
-  if (std::ranges::none_of(settings_.user_cameras, is_it)) out.mm_per_px *= kCloserScale;
-  return out;
 }
 
 std::optional<PlacedTool> RunView::tool_at(std::int64_t frame) const {

@@ -35,10 +35,10 @@ class RunView {
   /// Throws as RunData does.
   RunView(const RunData& run, const RenderSettings& settings);
 
+  /// The layout of a picture of the settings' size.
+  [[nodiscard]] PageLayout page() const { return page_layout(settings_.width_px, settings_.height_px); }
   /// A camera by name, built in or defined by the user. Throws InputError.
   [[nodiscard]] Camera camera(const std::string& name, int width_px, int height_px) const;
-  /// The same slightly closer, for pictures without labels; a user's camera is unchanged.
-  [[nodiscard]] Camera closer_camera(const std::string& name, int width_px, int height_px) const;
   /// The tool in a frame; none if the settings hide it.
   [[nodiscard]] std::optional<PlacedTool> tool_at(std::int64_t frame) const;
   /// The labels of every picture of this camera: legends, directions and, en face, the tool's outline.

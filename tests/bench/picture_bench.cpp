@@ -35,8 +35,7 @@ PixelImage picture(OpenedRun& run, const Camera& camera, const ForceRow& row, bo
   PixelImage image = run.renderer.render(camera, tool, for_film);
   Labels labels = run.view.labels(camera, tool);
   labels.force = run.captions.arrow(row);
-  draw_labels(image, camera, labels);
-  return image;
+  return labelled_page(std::move(image), run.view.page(), camera, labels, Background::studio);
 }
 
 /// From the results on disk to the first picture.

@@ -8,6 +8,7 @@
 
 #include "render/pictures/depth_field.h"
 #include "render/pictures/figures.h"
+#include "render/pictures/page_layout.h"
 #include "render/render.h"
 #include "render/surface/color_map.h"
 #include "sim/base/error.h"
@@ -182,9 +183,10 @@ TEST_F(DepthPicture, ShowsDepthBoneHolesAndAir) {
   const Picture shown = test::read_picture(dir_.path() + "/depth_map.png");
   ASSERT_EQ(shown.width, 1600);
   ASSERT_EQ(shown.height, 1080);
-  const double px_per_mm = 0.57 * 1600 / 18;  // the bone's width
+  const double px_per_mm = 0.95 * 1080 / 18;  // the bone's height
+  const double middle = 0.5 * page_layout(1600, 1080).view_width_px;
   const auto color = [&](double x, double y) {
-    return shown.at(static_cast<int>(925 + px_per_mm * x), static_cast<int>(540 - px_per_mm * y));
+    return shown.at(static_cast<int>(middle + px_per_mm * x), static_cast<int>(540 - px_per_mm * y));
   };
   const auto expected = [](double fraction) -> Eigen::Vector3i {
     return (255 * depth_colors().at(fraction)).array().round().cast<int>();

@@ -67,9 +67,9 @@ class Golden : public ::testing::Test {
     PixelImage image = opened.renderer.render(camera, std::nullopt);
     Labels labels = opened.view.labels(camera, std::nullopt);
     spoil(image, labels);
-    draw_labels(image, camera, labels);
+    PixelImage page = labelled_page(image, opened.view.page(), camera, labels, Background::studio);
     const std::string file = dir_->path() + "/spoiled.png";
-    write_png(file, image);
+    write_png(file, page);
     return difference(test::read_picture(file), name);
   }
   static double difference(const Picture& picture, const std::string& name) {

@@ -14,7 +14,7 @@ struct OpenedRun {
       : run(dir), view(run, settings), renderer(view), captions(run.log(), 0, true) {}
 
   [[nodiscard]] Camera camera(const std::string& name) const {
-    return view.camera(name, view.settings().width_px, view.settings().height_px);
+    return view.camera(name, view.page().view_width_px, view.page().height_px);
   }
   [[nodiscard]] const ForceRow& last_row() const { return captions.log().rows.back(); }
 

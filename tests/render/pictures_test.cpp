@@ -24,6 +24,7 @@ namespace fs = std::filesystem;
 
 constexpr int kWidth = 960;
 constexpr int kHeight = 540;
+const PageLayout kPage = page_layout(kWidth, kHeight);
 
 RenderSettings small_settings() {
   RenderSettings settings;
@@ -53,7 +54,7 @@ class Pictures : public ::testing::Test {
 
   static Picture picture(const std::string& name) { return test::read_picture(dir_->path() + "/" + name); }
   static Camera camera(const std::string& name) {
-    return make_camera(from_name<CameraView>(name).value(), *target_, kWidth, kHeight);
+    return make_camera(from_name<CameraView>(name).value(), *target_, kPage.view_width_px, kHeight);
   }
   /// The colour where a point of the glenoid frame falls.
   static Eigen::Vector3i color_at(const Picture& picture, const Camera& camera, const Vec3& glenoid_mm) {
@@ -166,17 +167,17 @@ TEST_F(Pictures, FaceOnTheToolIsAnOutlineOnly) {
 TEST_F(Pictures, TheLegendShowsTheColoursAndTheScaleBarItsLength) {
   const Picture shown = picture("reamed.png");
   const Camera oblique = camera("oblique");
-  const Box bar = legend_box(oblique, 0, 1);
+  const Box bar = kPage.legend_bar(0);
   const int x = static_cast<int>(bar.x + bar.width / 2);
   const Eigen::Vector3i top = shown.at(x, static_cast<int>(bar.y) + 3);
   const Eigen::Vector3i bottom = shown.at(x, static_cast<int>(bar.y + bar.height) - 3);
   EXPECT_LT((top - rgb(depth_colors().at(0.99))).cwiseAbs().maxCoeff(), 12);
   EXPECT_LT((bottom - rgb(depth_colors().at(0.01))).cwiseAbs().maxCoeff(), 12);
 
-  const auto [scale, length_mm] = scale_bar(oblique);
+  const auto [scale, length_mm] = kPage.scale_bar(oblique);
   int dark = 0;
   const int y = static_cast<int>(scale.y + scale.height / 2);
-  for (int column = 0; column < kWidth / 2; ++column) dark += shown.at(column, y).maxCoeff() < 60 ? 1 : 0;
+  for (int column = kPage.view_width_px; column < kWidth; ++column) dark += shown.at(column, y).maxCoeff() < 60 ? 1 : 0;
   EXPECT_NEAR(dark * oblique.mm_per_px, length_mm, 2 * oblique.mm_per_px);
 }
 
@@ -189,9 +190,10 @@ TEST_F(Pictures, NumbersStandBesideTheLegendAndInTheCorner) {
     }
     return ink;
   };
-  const Box bar = legend_box(camera("oblique"), 0, 1);
+  const Box bar = kPage.legend_bar(0);
   EXPECT_GT(ink_in({bar.x + bar.width + 6, bar.y - 6, 45, bar.height + 12}), 100);
-  EXPECT_GT(ink_in({14, 14, 190, 90}), 200);
+  const Box labels = kPage.labels();
+  EXPECT_GT(ink_in({labels.x, labels.y, labels.width, 0.3 * labels.height}), 200);
 }
 
 TEST_F(Pictures, TheSameRunGivesTheSameBytes) {

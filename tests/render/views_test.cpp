@@ -85,15 +85,16 @@ TEST_F(Views, BeforeAndAfterAreSeenByTheSameCamera) {
   ASSERT_EQ(both.height, kViewHeight);
 
   const RunView view(dir_.path(), settings_);
-  const int gap = 2;  // of 640 pixels
-  const int half = (kViewWidth - gap) / 2;
-  const Camera camera = view.camera("glenoid", half, kViewHeight);
+  const Camera camera = half_camera(view, "glenoid");
+  const int half = camera.width_px;
+  const int right_px = page_layout(kViewWidth, kViewHeight).view_width_px - half;
+  const int head = kViewHeight - camera.height_px;
   const auto colors_at = [&](const Vec3& glenoid_mm) {
     const Vec2 at = camera.pixel(truth_.bone_from_glenoid * glenoid_mm);
     const int x = static_cast<int>(at.x());
     const int y = static_cast<int>(at.y());
     EXPECT_TRUE(x >= 0 && x < half);
-    return std::pair(both.at(x, y), both.at(half + gap + x, y));
+    return std::pair(both.at(x, head + y), both.at(right_px + x, head + y));
   };
   const auto [whole, reamed] = colors_at(Vec3(4, -4, -2));
   EXPECT_TRUE(test::looks_like_bone(whole)) << whole.transpose();
@@ -103,7 +104,7 @@ TEST_F(Views, BeforeAndAfterAreSeenByTheSameCamera) {
     EXPECT_TRUE(test::looks_like_bone(left));
     EXPECT_LE((left - right).cwiseAbs().maxCoeff(), 3);
   }
-  EXPECT_EQ(both.at(half, kViewHeight / 2), Eigen::Vector3i(255, 255, 255)) << "the halves are parted";
+  EXPECT_GT(both.at(half, kViewHeight / 2).minCoeff(), 250) << "the halves are parted";
 }
 
 TEST_F(Views, EachCameraHasItsOwnBeforeAndAfter) {
@@ -123,9 +124,10 @@ TEST_F(Views, AUsersCameraSeesWhatAPinholeSees) {
   EXPECT_TRUE(fs::exists(dir_.path() + "/frames/000030_own.png"));
   const Picture seen = picture("reamed_own.png");
   ASSERT_EQ(seen.width, kViewWidth);
+  const int view_width = page_layout(kViewWidth, kViewHeight).view_width_px;
   const double focal_px = 0.5 * kViewHeight / std::tan(15 * 3.14159265358979 / 180);
   const auto color_at = [&](const Vec3& p) {
-    return seen.at(static_cast<int>(0.5 * kViewWidth + focal_px * p.x() / (100 - p.z())),
+    return seen.at(static_cast<int>(0.5 * view_width + focal_px * p.x() / (100 - p.z())),
                    static_cast<int>(0.5 * kViewHeight - focal_px * p.y() / (100 - p.z())));
   };
   // The bump on the superior rim is a ball of 3 mm about (0, 15, 0.5).
