@@ -3,10 +3,14 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <filesystem>
 #include <memory>
 
 #include "cli/commands.h"
+#include "cli/input_kind.h"
+#include "cli/outputs.h"
 #include "render/frame_schedule.h"
+#include "render/pictures/setup_picture.h"
 #include "render/render.h"
 #include "sim/base/error.h"
 #include "sim/base/mistake_list.h"
@@ -15,6 +19,7 @@
 #include "sim/plan/memory_plan.h"
 #include "sim/plan/time_plan.h"
 #include "sim/predict/contact_forecast.h"
+#include "sim/record/output_folder.h"
 #include "sim/run/simulation.h"
 #include "sim/scenario/parse.h"
 #include "sim/scenario/picture_frames.h"
@@ -49,8 +54,8 @@ void note_cost(const ReamingScene& scene, Report& report) {
 /// Times frames, which reams the bone of the scene. Also collects the mistakes that the engine finds.
 void note_time(ReamingScene& scene, double load_s, MistakeList& mistakes, Report& report) {
   const RenderSettings& render = scene.scenario.render;
-  const std::vector<std::int64_t> frames = picture_frames(render, std::ssize(scene.motion.poses) - 1);
-  const int pictures = render.enabled ? count_pictures({render}, frames) : 0;
+  const std::vector<std::int64_t> frames = picture_frames(render, std::ssize(scene.motion.poses) - 1, scene.contact);
+  const int pictures = render.enabled ? count_pictures({render}, frames, scene.contact) : 0;
   const double pixels = double(render.width_px) * render.height_px * render.supersampling * render.supersampling;
   try {
     const Stopwatch watch;
@@ -88,15 +93,52 @@ void print_findings(const Report& report, const Console& console) {
   for (const std::string& note : report.notes) console.say("# " + note);
 }
 
-void check_command(const ScenarioOptions& options, const Console& console) {
+struct CheckOptions {
+  ScenarioOptions scenario;
+  std::string picture;
+  bool overwrite = false;
+};
+
+/// Throws InputError for a file that is no PNG, or that must not be replaced.
+void require_picture_file(const CheckOptions& options, const Scenario& scenario) {
+  if (options.picture.empty()) return;
+  if (lower_extension(options.picture) != ".png") {
+    throw InputError({options.picture, 0, 0}, "--picture", "the file does not end in .png", "use --picture NAME.png");
+  }
+  std::vector<std::string> inputs{scenario.file};
+  for (const auto& [role, path] : input_files(scenario)) inputs.push_back(path);
+  require_replaceable_file(options.picture, "--picture", options.overwrite, is_setup_picture, inputs);
+}
+
+void draw_setup(const CheckOptions& options, const ReamingScene& scene, const ContactForecast& contact,
+                Report& report) {
+  if (options.picture.empty()) return;
+  const ForcedStop forced([unfinished = options.picture + ".tmp"] {
+    std::error_code ignored;
+    std::filesystem::remove(unfinished, ignored);
+    return StopOutcome{};
+  });
+  const std::string warning = write_setup_picture(options.picture, {.inputs = inputs_without_folder(scene),
+                                                                    .contact = contact,
+                                                                    .frame_s = scene.motion.frame_s(),
+                                                                    .settings = scene.scenario.render});
+  if (!warning.empty()) report.warn(warning);
+  report.note("picture: " + options.picture);
+}
+
+void check_command(const CheckOptions& options, const Console& console) {
   const Stopwatch load_watch;
-  const Scenario scenario = options.parse();
+  const Scenario scenario = options.scenario.parse();
+  require_picture_file(options, scenario);
   Report found;
   MistakeList mistakes;
   ReamingScene scene = load_scene(scenario, found, mistakes);
   const double load_s = load_watch.seconds();
-  warn_of_contact(scene, forecast_contact(scene), found);
+  const ContactForecast contact = forecast_contact(scene);
+  scene.contact = contact.frames;
+  warn_of_contact(scene, contact, found);
   warn_of_settings(scene, found);
+  draw_setup(options, scene, contact, found);  // before a mistake of the pose ends the command: it shows there
   Report report;
   report.warnings = found.warnings;
   note_cost(scene, report);
@@ -116,10 +158,17 @@ void check_command(const ScenarioOptions& options, const Console& console) {
 }  // namespace
 
 void add_check_command(CLI::App& app, Console& console) {
-  auto* command = app.add_subcommand(
-      "check", "Validate a scenario, estimate time and memory, and print it with all defaults; write nothing");
-  auto options = std::make_shared<ScenarioOptions>();
-  options->add_to(*command);
+  auto* command = app.add_subcommand("check",
+                                     "Validate a scenario, estimate time and memory, and print it with all defaults; "
+                                     "write nothing but a picture on request");
+  auto options = std::make_shared<CheckOptions>();
+  options->scenario.add_to(*command);
+  command
+      ->add_option("--picture", options->picture,
+                   "Draw bone, reamer and path as three views in this PNG file: at the start and at the greatest depth")
+      ->type_name("FILE.png")
+      ->check(refuse_empty);
+  command->add_flag("--overwrite", options->overwrite, "Replace the picture");
   command->callback([options, &console] { check_command(*options, console); });
 }
 

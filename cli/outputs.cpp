@@ -8,6 +8,7 @@
 #include "render/render.h"
 #include "render/report/report.h"
 #include "sim/base/error.h"
+#include "sim/predict/contact_forecast.h"
 #include "sim/run/checkpoint.h"
 #include "sim/scenario/parse.h"
 #include "sim/scenario/picture_frames.h"
@@ -33,7 +34,10 @@ ToolPose as_logged(ToolPose pose) {
 
 }  // namespace
 
-RunInputs inputs_of(const ReamingScene& scene, const std::string& dir) {
+namespace {
+
+RunInputs inputs_with(const ReamingScene& scene, const std::string& dir, TriangleMesh tool,
+                      std::vector<std::int64_t> frames) {
   RunInputs run;
   run.dir = dir;
   run.voxmap = scene.bone.voxmap;
@@ -41,12 +45,23 @@ RunInputs inputs_of(const ReamingScene& scene, const std::string& dir) {
   run.whole_voxels = scene.scenario.cutting.erosion != ErosionMode::exact;
   run.glenoid = scene.bone.glenoid;
   run.side = scene.bone.side;
-  run.frames = picture_frames(scene.scenario.render, std::ssize(scene.motion.poses) - 1);
-  run.tool = read_tool(dir);
+  run.frames = std::move(frames);
+  run.tool = std::move(tool);
   RunPath path(run);
   for (std::size_t k = 0; k < scene.motion.poses.size(); ++k) path.add(as_logged(scene.motion.poses[k]), k);
   path.give(run);
   return run;
+}
+
+}  // namespace
+
+RunInputs inputs_of(const ReamingScene& scene, const std::string& dir) {
+  const std::int64_t last = std::ssize(scene.motion.poses) - 1;
+  return inputs_with(scene, dir, read_tool(dir), picture_frames(scene.scenario.render, last, scene.contact));
+}
+
+RunInputs inputs_without_folder(const ReamingScene& scene) {
+  return inputs_with(scene, "", scene.tool.mesh, {0});
 }
 
 bool is_unfinished(const std::string& dir) {
@@ -58,6 +73,7 @@ RunData open_run(const std::string& dir) {
   if (!checkpoint) return {dir};
   Report report;
   ReamingScene scene = load_scene(parse_scenario(dir + "/scenario.yaml", {}), report);
+  scene.contact = forecast_contact(scene).frames;
   RunInputs inputs = inputs_of(scene, dir);  // with the poses to come, so that views and legend are those of the run
   std::erase_if(inputs.frames, [&](std::int64_t frame) { return frame > checkpoint->simulation.frame; });
   RunData run(std::move(inputs));

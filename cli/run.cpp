@@ -75,6 +75,7 @@ class ScenarioRun {
     scene_ = load_scene(scenario_, report_);
     report_segmentation();
     contact_ = forecast_contact(scene_);
+    scene_.contact = contact_.frames;
     warn_of_contact(scene_, contact_, report_);
     print_report();
     facts_.bone_before_mm3 = scene_.bone.view().bone_mm3();

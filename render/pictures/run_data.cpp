@@ -12,7 +12,7 @@
 #include "sim/base/error.h"
 #include "sim/bone/vdb/bone_vdb.h"
 #include "sim/mesh/mesh_io.h"
-#include "sim/predict/swept_bone.h"
+#include "sim/predict/contact_forecast.h"
 #include "sim/record/snapshot.h"
 #include "sim/tool/envelope.h"
 
@@ -27,6 +27,7 @@ struct RunData::Outcome {
 struct RunData::Prediction {
   UnreamedSurface unreamed;
   ViewTarget target;
+  std::optional<FrameSpan> contact;
 };
 
 struct RunData::State {
@@ -72,13 +73,13 @@ FillBricks with_removed_voxels_restored(const FillBricks& fill) {
   return out;
 }
 
-PredictedBone predict_bone(const RunInputs& run) {
-  try {
-    return predict_swept_bone(*run.voxmap, run.fill, envelope_of_revolution(run.tool).profile, run.poses,
-                              run.whole_voxels);
-  } catch (const InputError& error) {
-    throw InputError({tool_path(run.dir), 0, 0}, "", error.what(), "expected the tool of a run");
+std::optional<FrameSpan> forecast_contact_of(const RunInputs& run) {
+  std::vector<PathSample> path;
+  for (std::size_t i = 0; i < run.poses.size(); ++i) {
+    path.push_back({run.poses[i], static_cast<std::size_t>(run.pose_frames[i])});
   }
+  return forecast_contact_frames(*run.voxmap, run.fill, envelope_of_revolution(run.tool).profile,
+                                 ToolPath(std::move(path), reach_of(run.tool)));
 }
 
 /// The inputs in the folder of a run, without the poses.
@@ -176,7 +177,17 @@ const ToolPose& RunInputs::pose_at(std::int64_t frame) const {
                                       : poses[static_cast<std::size_t>(after - pose_frames.begin()) - 1];
 }
 
+PredictedBone predict_bone(const RunInputs& run) {
+  try {
+    return predict_swept_bone(*run.voxmap, run.fill, envelope_of_revolution(run.tool).profile, run.poses,
+                              run.whole_voxels);
+  } catch (const InputError& error) {
+    throw InputError({tool_path(run.dir), 0, 0}, "", error.what(), "expected the tool of a run");
+  }
+}
+
 FillBricks fill_at(const RunInputs& run, std::int64_t frame) {
+  if (run.dir.empty()) return run.fill;
   FillBricks fill(run.voxmap->grid.dims);
   apply_snapshot(run.dir, frame, fill);
   return fill;
@@ -206,7 +217,7 @@ RunData::Prediction RunData::predict_outcome(const RunInputs& inputs) {
   const PredictedBone predicted = predict_bone(inputs);
   UnreamedSurface unreamed(*inputs.voxmap, with_removed_voxels_restored(inputs.fill), predicted.fill);
   ViewTarget target = make_view_target(inputs, predicted.deepest, unreamed.surface());
-  return {std::move(unreamed), std::move(target)};
+  return {std::move(unreamed), std::move(target), forecast_contact_of(inputs)};
 }
 
 RunData::RunData(std::string dir) : state_(new State{std::move(dir), {}, {}, {}}) {
@@ -248,6 +259,10 @@ const UnreamedSurface& RunData::unreamed() const {
 
 const ViewTarget& RunData::target() const {
   return state_->prediction.get().target;
+}
+
+const std::optional<FrameSpan>& RunData::contact() const {
+  return state_->prediction.get().contact;
 }
 
 const RunData::Outcome& RunData::outcome() const {

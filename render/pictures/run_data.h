@@ -9,7 +9,9 @@
 #include "sim/bone/voxmap/voxmap.h"
 #include "sim/mesh/triangle_mesh.h"
 #include "sim/motion/bounded_path.h"
+#include "sim/predict/swept_bone.h"
 #include "sim/record/force_log.h"
+#include "sim/scenario/picture_frames.h"
 
 namespace reamsim {
 
@@ -67,6 +69,8 @@ class RunData {
   [[nodiscard]] const Voxmap& voxmap() const { return *inputs().voxmap; }
   [[nodiscard]] const UnreamedSurface& unreamed() const;
   [[nodiscard]] const ViewTarget& target() const;
+  /// The frames in which the tool is expected to touch bone; none if it never does.
+  [[nodiscard]] const std::optional<FrameSpan>& contact() const;
   // These also throw std::logic_error before the run has ended.
   [[nodiscard]] const FillBricks& last_fill() const;
   /// With the means over a voxel of travel where the run removes voxels as a whole; decimated for a long run, with the
@@ -87,8 +91,11 @@ class RunData {
   std::shared_ptr<State> state_;
 };
 
-/// The fill after the snapshot of a frame, which must be the first snapshot. Throws InputError.
+/// The fill after the snapshot of a frame, which must be the first snapshot; of a run without a folder the fill at its
+/// start. Throws InputError.
 FillBricks fill_at(const RunInputs& run, std::int64_t frame);
+/// The bone after a run, predicted from the swept volume of its tool. Throws InputError when that has none.
+PredictedBone predict_bone(const RunInputs& run);
 /// The tool in DIR/snapshots/tool.stl.
 TriangleMesh read_tool(const std::string& dir);
 

@@ -120,7 +120,7 @@ TimePlan plan_time(ReamingScene& scene, Engine& engine, double budget_s) {
   scene.scenario = original;
   if (timed.empty()) return plan;
   // A snapshot is read back and written to disk, which takes about as long.
-  const auto snapshots = static_cast<double>(picture_frames(original.render, all).size());
+  const auto snapshots = static_cast<double>(picture_frames(original.render, all, scene.contact).size());
   plan.simulate_s = integrate_s(timed, static_cast<double>(all)) + 2 * snapshots * read_s;
   return plan;
 }

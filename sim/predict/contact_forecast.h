@@ -1,7 +1,10 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 
+#include "sim/motion/tool_path.h"
+#include "sim/scenario/picture_frames.h"
 #include "sim/scene/scene.h"
 
 namespace reamsim {
@@ -13,9 +16,15 @@ struct ContactForecast {
   double nearest_mm = 0;        ///< smallest distance if it does not, to within a voxel (more on very long paths)
   std::int64_t frame = 0;       ///< the frame of that distance
   Vec3 bone_mm = Vec3::Zero();  ///< the nearest point of the bone, B
+  /// From the first contact to the last removal of bone, which is known to within a brick; none without contact.
+  std::optional<FrameSpan> frames;
 };
 
 ContactForecast forecast_contact(const ReamingScene& scene);
+
+/// ContactForecast::frames alone. `tool`: an envelope about z of T that moves along `path` (B); `fill` at its start.
+std::optional<FrameSpan> forecast_contact_frames(const Voxmap& voxmap, const FillBricks& fill, const Profile& tool,
+                                                 const ToolPath& path);
 
 /// Warns of a tool that starts in the bone or never touches it.
 void warn_of_contact(const ReamingScene& scene, const ContactForecast& forecast, Report& report);

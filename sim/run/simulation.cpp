@@ -62,7 +62,7 @@ class Simulation {
   /// The main loop. Substeps of several frames are one batch, which ends with a frame that has a picture.
   SimulationState run(const RunControl& control) {
     const auto last = std::ssize(scene_.motion.poses) - 1;
-    const std::vector<std::int64_t> pictures = picture_frames(scene_.scenario.render, last);
+    const std::vector<std::int64_t> pictures = picture_frames(scene_.scenario.render, last, scene_.contact);
     if (control.from) {
       resume(*control.from);
     } else {

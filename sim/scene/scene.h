@@ -4,6 +4,7 @@
 #include "sim/base/report.h"
 #include "sim/bone/bone.h"
 #include "sim/motion/motion.h"
+#include "sim/scenario/picture_frames.h"
 #include "sim/tool/tool.h"
 
 namespace reamsim {
@@ -14,6 +15,7 @@ struct ReamingScene {
   Bone bone;
   Tool tool;
   Motion motion;
+  std::optional<FrameSpan> contact{};  ///< expected (sim/predict), for the choice of pictures; none: not known
 };
 
 /// Loads bone, tool and motion of a scenario. Throws InputError with all mistakes, each at its key in the scenario
