@@ -3,10 +3,14 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <filesystem>
 #include <memory>
 
 #include "cli/commands.h"
+#include "cli/input_kind.h"
+#include "cli/outputs.h"
 #include "render/frame_schedule.h"
+#include "render/pictures/setup_picture.h"
 #include "render/render.h"
 #include "sim/base/error.h"
 #include "sim/base/mistake_list.h"
@@ -15,6 +19,7 @@
 #include "sim/plan/memory_plan.h"
 #include "sim/plan/time_plan.h"
 #include "sim/predict/contact_forecast.h"
+#include "sim/record/output_folder.h"
 #include "sim/run/simulation.h"
 #include "sim/scenario/parse.h"
 #include "sim/scenario/picture_frames.h"
@@ -46,7 +51,8 @@ void note_cost(const ReamingScene& scene, Report& report) {
 /// The pictures of a run, and their time.
 std::string picture_time(const ReamingScene& scene, double load_s) {
   const RenderSettings& render = scene.scenario.render;
-  const int pictures = render.enabled ? count_pictures({render}, picture_frames(render, scene.last_frame())) : 0;
+  const std::vector<std::int64_t> frames = picture_frames(render, scene.last_frame(), scene.contact);
+  const int pictures = render.enabled ? count_pictures({render}, frames, scene.contact) : 0;
   const double pixels = double(render.width_px) * render.height_px * render.supersampling * render.supersampling;
   return fmt::format("time: about {:.2g} s for {} pictures, rendered during and after the simulation; {:.2g} s to load",
                      pictures * kPicture_s * pixels / (1920 * 1080), pictures, load_s);
@@ -122,15 +128,53 @@ void print_findings(const Report& report, const Console& console) {
   for (const std::string& note : report.notes) console.say("# " + note);
 }
 
-void check_command(const ScenarioOptions& options, const Console& console) {
+struct CheckOptions {
+  ScenarioOptions scenario;
+  std::string picture;
+  bool overwrite = false;
+};
+
+/// Throws InputError for a file that is no PNG, or that must not be replaced.
+void require_picture_file(const CheckOptions& options, const Scenario& scenario) {
+  if (options.picture.empty()) return;
+  if (lower_extension(options.picture) != ".png") {
+    throw InputError({options.picture, 0, 0}, "--picture", "the file does not end in .png", "use --picture NAME.png");
+  }
+  std::vector<std::string> inputs{scenario.file};
+  for (const auto& [role, path] : input_files(scenario)) inputs.push_back(path);
+  require_replaceable_file(options.picture, "--picture", options.overwrite, is_setup_picture, inputs);
+}
+
+void draw_setup(const CheckOptions& options, const ReamingScene& scene, const ContactForecast& contact,
+                Report& report) {
+  if (options.picture.empty()) return;
+  const ForcedStop forced([unfinished = options.picture + ".tmp"] {
+    std::error_code ignored;
+    std::filesystem::remove(unfinished, ignored);
+    return StopOutcome{};
+  });
+  const std::string warning = write_setup_picture(options.picture, {.inputs = inputs_without_folder(scene),
+                                                                    .contact = contact,
+                                                                    .frame_s = scene.motion.frame_s(),
+                                                                    .settings = scene.scenario.render});
+  if (!warning.empty()) report.warn(warning);
+  report.note("picture: " + options.picture);
+}
+
+void check_command(const CheckOptions& options, const Console& console) {
   const Stopwatch load_watch;
-  const Scenario scenario = options.parse();
+  const Scenario scenario = options.scenario.parse();
+  require_picture_file(options, scenario);
   Report found;
   MistakeList mistakes;
   ReamingScene scene = load_scene(scenario, found, mistakes);
   const double load_s = load_watch.seconds();
-  warn_of_contact(scene, forecast_passes(scene), found);
+  const std::vector<ContactForecast> contacts = forecast_passes(scene);
+  const ContactForecast contact = of_whole_run(contacts);
+  scene.contact = contact.frames;
+  warn_of_contact(scene, contacts, found);
   warn_of_settings(scene, found);
+  draw_setup(options, scene, contact, found);  // before a mistake of the pose ends the command: it shows there
   Report report;
   report.warnings = found.warnings;
   note_cost(scene, report);
@@ -150,10 +194,17 @@ void check_command(const ScenarioOptions& options, const Console& console) {
 }  // namespace
 
 void add_check_command(CLI::App& app, Console& console) {
-  auto* command = app.add_subcommand(
-      "check", "Validate a scenario, estimate time and memory, and print it with all defaults; write nothing");
-  auto options = std::make_shared<ScenarioOptions>();
-  options->add_to(*command);
+  auto* command = app.add_subcommand("check",
+                                     "Validate a scenario, estimate time and memory, and print it with all defaults; "
+                                     "write nothing but a picture on request");
+  auto options = std::make_shared<CheckOptions>();
+  options->scenario.add_to(*command);
+  command
+      ->add_option("--picture", options->picture,
+                   "Draw bone, reamer and path as three views in this PNG file: at the start and at the greatest depth")
+      ->type_name("FILE.png")
+      ->check(refuse_empty);
+  command->add_flag("--overwrite", options->overwrite, "Replace the picture");
   command->callback([options, &console] { check_command(*options, console); });
 }
 

@@ -8,6 +8,7 @@
 #include "render/render.h"
 #include "render/report/report.h"
 #include "sim/base/error.h"
+#include "sim/predict/contact_forecast.h"
 #include "sim/run/checkpoint.h"
 #include "sim/scenario/parse.h"
 #include "sim/scenario/picture_frames.h"
@@ -33,7 +34,10 @@ ToolPose as_logged(ToolPose pose) {
 
 }  // namespace
 
-RunInputs inputs_of(const ReamingScene& scene, const std::string& dir) {
+namespace {
+
+RunInputs inputs_with(const ReamingScene& scene, const std::string& dir, std::vector<ToolPass> tools,
+                      std::vector<std::int64_t> frames) {
   RunInputs run;
   run.dir = dir;
   run.voxmap = scene.bone.voxmap;
@@ -41,8 +45,8 @@ RunInputs inputs_of(const ReamingScene& scene, const std::string& dir) {
   run.whole_voxels = scene.scenario.cutting.erosion != ErosionMode::exact;
   run.glenoid = scene.bone.glenoid;
   run.side = scene.bone.side;
-  run.frames = picture_frames(scene.scenario.render, scene.last_frame());
-  run.passes = read_tools(dir);
+  run.frames = std::move(frames);
+  run.passes = std::move(tools);
   RunPath path(run);
   const auto add = [&](const Motion& motion) {
     std::int64_t frame = motion.first_frame;
@@ -54,6 +58,19 @@ RunInputs inputs_of(const ReamingScene& scene, const std::string& dir) {
   return run;
 }
 
+}  // namespace
+
+RunInputs inputs_of(const ReamingScene& scene, const std::string& dir) {
+  return inputs_with(scene, dir, read_tools(dir),
+                     picture_frames(scene.scenario.render, scene.last_frame(), scene.contact));
+}
+
+RunInputs inputs_without_folder(const ReamingScene& scene) {
+  std::vector<ToolPass> tools{{.tool = scene.tool.mesh}};
+  for (const Pass& pass : scene.later_passes) tools.push_back({.tool = pass.tool.mesh});
+  return inputs_with(scene, "", std::move(tools), {0});
+}
+
 bool is_unfinished(const std::string& dir) {
   return !std::filesystem::exists(dir + "/reamed.vdb");
 }
@@ -63,6 +80,7 @@ RunData open_run(const std::string& dir) {
   if (!checkpoint) return {dir};
   Report report;
   ReamingScene scene = load_scene(parse_scenario(dir + "/scenario.yaml", {}), report);
+  scene.contact = of_whole_run(forecast_passes(scene)).frames;
   RunInputs inputs = inputs_of(scene, dir);  // with the poses to come, so that views and legend are those of the run
   std::erase_if(inputs.frames, [&](std::int64_t frame) { return frame > checkpoint->simulation.frame; });
   RunData run(std::move(inputs));

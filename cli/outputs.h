@@ -22,6 +22,8 @@ struct OutputOptions {
 
 /// What pictures of a run need before it begins. DIR/snapshots/tool.stl must exist.
 RunInputs inputs_of(const ReamingScene& scene, const std::string& dir);
+/// The same of a scene that is only looked at: without a folder, and with the snapshot of frame 0 only.
+RunInputs inputs_without_folder(const ReamingScene& scene);
 
 /// Whether DIR holds a run that can only be rendered from its checkpoint.
 bool is_unfinished(const std::string& dir);

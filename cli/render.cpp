@@ -142,7 +142,7 @@ void require_states_for_film(const RenderOptions& options, const PictureOptions&
 void require_drawable(const RenderOptions& options, const PictureOptions& pictures, const RunData& run) {
   require_states_for_film(options, pictures, run.inputs().frames.size());
   const RunView view(run, pictures.settings);
-  if (count_pictures(pictures, view.frames()) == 0) return;
+  if (count_pictures(pictures, view.frames(), run.contact()) == 0) return;
   static_cast<void>(FrameSchedule(view, pictures));
   PictureOptions own = pictures;
   if (!own.film && own.settings.turntable_pictures == 0) own.settings.film = FilmFormat::none;

@@ -83,6 +83,7 @@ class ScenarioRun {
     scene_ = load_scene(scenario_, report_);
     report_segmentation();
     contacts_ = forecast_passes(scene_);
+    scene_.contact = of_whole_run(contacts_).frames;
     warn_of_contact(scene_, contacts_, report_);
     print_report();
     facts_.bone_before_mm3 = scene_.bone.view().bone_mm3();

@@ -15,7 +15,7 @@ FrameSchedule::FrameSchedule(const RunView& view, const PictureOptions& options)
     cameras.push_back(view.camera(name, page.view_width_px, page.height_px));
     if (settings.before_after) halves.push_back(half_camera(view, name));
   }
-  if (stills) still_frames = reamsim::still_frames(view.frames(), settings);
+  if (stills) still_frames = reamsim::still_frames(view.frames(), settings, view.run().contact());
   if (settings.contact_sheet) {
     sheet_frames = ContactSheet::frames_on(view);
     sheet = ContactSheet::cell_camera(view, names.front());
@@ -27,10 +27,11 @@ FrameSchedule::FrameSchedule(const RunView& view, const PictureOptions& options)
   }
 }
 
-int count_pictures(const PictureOptions& options, const std::vector<std::int64_t>& frames) {
+int count_pictures(const PictureOptions& options, const std::vector<std::int64_t>& frames,
+                   const std::optional<FrameSpan>& contact) {
   const RenderSettings& settings = options.settings;
   const std::size_t cameras = settings.cameras.size() + settings.user_cameras.size();
-  std::size_t sum = options.stills ? cameras * (1 + still_frames(frames, settings).size()) : 0;
+  std::size_t sum = options.stills ? cameras * (1 + still_frames(frames, settings, contact).size()) : 0;
   if (settings.before_after) sum += cameras;
   if (settings.contact_sheet) ++sum;
   if (options.film && settings.film != FilmFormat::none) sum += frames.size();

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "render/pictures/run_view.h"
+#include "sim/scenario/picture_frames.h"
 
 namespace reamsim {
 
@@ -26,7 +27,8 @@ struct FrameSchedule {
   std::vector<Camera> turntable;
 };
 
-/// The number of pictures of a run with these snapshots, counting each frame of a film.
-int count_pictures(const PictureOptions& options, const std::vector<std::int64_t>& frames);
+/// The number of pictures of a run with these snapshots and this contact, counting each frame of a film.
+int count_pictures(const PictureOptions& options, const std::vector<std::int64_t>& frames,
+                   const std::optional<FrameSpan>& contact);
 
 }  // namespace reamsim

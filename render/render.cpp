@@ -59,7 +59,7 @@ class PictureComposer {
                                                                      : options.camera_without_suffix),
         captions_(run.log(), options.mean_travel_mm, options.settings.force_arrow),
         before_(schedule_.halves.size()),
-        writer_(progress, count_pictures(options, view_.frames())) {
+        writer_(progress, count_pictures(options, view_.frames(), run.contact())) {
     std::filesystem::create_directories(dir_ + "/frames");
     if (!schedule_.turntable.empty()) std::filesystem::create_directories(dir_ + "/turntable");
     if (schedule_.sheet) sheet_.emplace(view_, *schedule_.sheet);

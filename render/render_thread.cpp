@@ -142,7 +142,7 @@ void RenderThread::wait_for_snapshot(std::int64_t frame) {
 void RenderThread::work(const RunData& run, const PictureOptions& options) {
   try {
     const RunView view(run, options.settings);
-    if (count_pictures(options, view.frames()) > 0) Pass(*this, view, options).render_all();
+    if (count_pictures(options, view.frames(), run.contact()) > 0) Pass(*this, view, options).render_all();
     queue_.finish(nullptr);
   } catch (const Stopped&) {
     queue_.finish(nullptr);

@@ -36,8 +36,8 @@ PixelImage downsampled(PixelImage image, int factor);
 /// (T. Lottes, "FXAA", NVIDIA white paper, 2009). Pixels without a step stay identical. Transparency counts as white.
 PixelImage antialiased(const PixelImage& image);
 
-/// Writes the picture as a PNG: RGB where all of it is opaque, RGBA otherwise. Throws RunError when it cannot be
-/// written.
-void write_png(const std::string& path, const PixelImage& image);
+/// Writes the picture as a PNG: RGB where all of it is opaque, RGBA otherwise. `software`, if any, is stored near the
+/// file's beginning. Throws RunError when it cannot be written.
+void write_png(const std::string& path, const PixelImage& image, const std::string& software = "");
 
 }  // namespace reamsim

@@ -108,7 +108,7 @@ SheetGrid sheet_grid(int cells, int width_px, int height_px) {
 }
 
 std::vector<std::int64_t> ContactSheet::frames_on(const RunView& view) {
-  return evenly_among(view.frames(), kMaxFrames);
+  return evenly_among(in_contact(view.frames(), view.run().contact()), kMaxFrames);
 }
 
 Camera ContactSheet::cell_camera(const RunView& view, const std::string& name) {
@@ -138,12 +138,31 @@ void ContactSheet::add(PixelImage cell, const ForceRow& row) {
   const int line = done_ / grid_.columns;
   page_.paste(cell, static_cast<int>(grid_.area.x) + column * (grid_.cell_width_px + grid_.gap_px),
               static_cast<int>(grid_.area.y) + line * (grid_.cell_height_px + grid_.gap_px));
-  ++done_;
+  if (done_++ == 0) first_s_ = row.time_s;
+  last_s_ = row.time_s;
+}
+
+std::string ContactSheet::title() const {
+  const std::vector<ForceRow>& rows = view_.run().log().rows;
+  const double removed_mm3 = rows.back().removed_mm3;
+  const auto first = std::ranges::find_if(rows, [](const ForceRow& row) { return row.removed_mm3 > 0; });
+  const auto last = std::ranges::find_if(rows, [&](const ForceRow& row) { return row.removed_mm3 >= removed_mm3; });
+  const auto span = [](double from_s, double to_s) {
+    const std::string from = fixed_text(from_s, 2), to = fixed_text(to_s, 2);
+    return to_s > from_s && from != to ? " " + from + "–" + to + " s" : std::string();
+  };
+  std::string hidden;
+  if (removed_mm3 > 0) {
+    hidden = span(rows.front().time_s, std::min(first_s_, first->time_s));
+    const std::string after = span(std::max(last_s_, last->time_s), rows.back().time_s);
+    hidden += hidden.empty() || after.empty() ? after : " and" + after;
+  }
+  return "Time and tool depth" + (hidden.empty() ? "" : "; without contact, not shown:" + hidden);
 }
 
 PixelImage ContactSheet::finish() {
   Labels labels = view_.labels(camera_, std::nullopt);
-  labels.title = "Time and tool depth";
+  labels.title = title();
   labels.scale_bar_fraction = 0.5 * camera_.width_px / page_.width_px;
   return labelled_page(std::move(page_), view_.page(), camera_, labels, Background::studio);
 }

@@ -30,7 +30,8 @@ struct SheetGrid {
 /// The layout with the largest cells that leaves room for title, legend and scale.
 SheetGrid sheet_grid(int cells, int width_px, int height_px);
 
-/// The run on one page: up to twenty small pictures of one camera with time and depth.
+/// The run on one page: up to twenty small pictures of one camera with time and depth, of the time in contact. The
+/// title says what is not shown.
 class ContactSheet {
  public:
   /// The frames with a cell, ascending.
@@ -47,11 +48,15 @@ class ContactSheet {
   [[nodiscard]] PixelImage finish();
 
  private:
+  [[nodiscard]] std::string title() const;
+
   const RunView& view_;
   SheetGrid grid_;
   Camera camera_;  ///< of a cell
   PixelImage page_;
   int done_ = 0;
+  double first_s_ = 0;  ///< time of the first cell
+  double last_s_ = 0;
 };
 
 }  // namespace reamsim

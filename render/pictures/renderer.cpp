@@ -50,6 +50,15 @@ void Renderer::advance_to(std::int64_t frame) {
   while (state_->shown + 1 < frames.size() && frames[state_->shown + 1] <= frame) {
     apply_snapshot(view_.run().dir(), frames[++state_->shown], state_->fields.fill);
   }
+  update_bone();
+}
+
+void Renderer::show(const FillBricks& fill) {
+  state_->fields.fill = fill;
+  update_bone();
+}
+
+void Renderer::update_bone() {
   const auto changed = state_->tiles.update(state_->fields, state_->fields.update());
   state_->scene.set_bone(state_->tiles.surfaces(), changed);
   update_contours();

@@ -23,6 +23,8 @@ class Renderer {
   /// Applies all snapshots up to this frame to the bone.
   void advance_to(std::int64_t frame);
   void advance_to_last() { advance_to(view_.frames().back()); }
+  /// Shows the bone with this fill.
+  void show(const FillBricks& fill);
 
   /// The current picture without labels, and without a tool where there is none. `for_film`: antialiasing by a filter,
   /// in half the time.
@@ -38,6 +40,7 @@ class Renderer {
  private:
   struct State;
 
+  void update_bone();
   void update_contours();
 
   const RunView& view_;

@@ -8,13 +8,12 @@
 #include <utility>
 
 #include "render/gl/camera.h"
+#include "render/pictures/predicted_run.h"
 #include "render/surface/unreamed_surface.h"
 #include "sim/base/error.h"
 #include "sim/bone/vdb/bone_vdb.h"
 #include "sim/mesh/mesh_io.h"
-#include "sim/predict/swept_bone.h"
 #include "sim/record/snapshot.h"
-#include "sim/tool/envelope.h"
 
 namespace reamsim {
 
@@ -27,6 +26,7 @@ struct RunData::Outcome {
 struct RunData::Prediction {
   UnreamedSurface unreamed;
   ViewTarget target;
+  std::optional<FrameSpan> contact;
 };
 
 struct RunData::State {
@@ -50,13 +50,6 @@ auto lazily(Compute compute) {
 /// Motion of the tool between two poses that are kept of a long run, voxels: as finely as its swept volume is sampled.
 constexpr double kPathStep_voxels = 0.5;
 
-/// The farthest point of the tool from its origin, mm.
-double reach_of(const TriangleMesh& tool) {
-  double reach_mm = 0;
-  for (const Vec3& v : tool.vertices) reach_mm = std::max(reach_mm, v.norm());
-  return reach_mm;
-}
-
 /// The fill with all voxels that an earlier run removed restored, because depth is measured from before it.
 FillBricks with_removed_voxels_restored(const FillBricks& fill) {
   FillBricks out = fill;
@@ -65,28 +58,6 @@ FillBricks with_removed_voxels_restored(const FillBricks& fill) {
     std::replace(whole.begin(), whole.end(), std::uint16_t{0}, FillBricks::kWhole);
     out.put(coord, whole);
   });
-  return out;
-}
-
-/// The predicted bone, and the last pass that removes any.
-struct PredictedRun {
-  PredictedBone bone;
-  std::size_t pass = 0;
-};
-
-PredictedRun predict_run(const RunInputs& run) {
-  PredictedRun out{.bone = {.fill = run.fill, .deepest = run.passes.front().poses.front()}};
-  for (std::size_t i = 0; i < run.passes.size(); ++i) {
-    const ToolPass& pass = run.passes[i];
-    try {
-      PredictedBone bone = predict_swept_bone(*run.voxmap, out.bone.fill, envelope_of_revolution(pass.tool).profile,
-                                              pass.poses, run.whole_voxels);
-      if (bone.touches) out = {std::move(bone), i};
-    } catch (const InputError& error) {
-      throw InputError({tool_path(run.dir, static_cast<int>(i) + 1), 0, 0}, "", error.what(),
-                       "expected the tool of a run");
-    }
-  }
   return out;
 }
 
@@ -147,7 +118,7 @@ void include_tools(ViewTarget& target, const RunInputs& run, std::size_t deepest
     if (v.z() < lowest_mm + kHead_mm) target.tool_head_mm.push_back(target.bone_from_tool * v);
   }
   for (const ToolPass& pass : run.passes) {
-    const double reach_mm = reach_of(pass.tool);
+    const double reach_mm = tool_reach_mm(pass.tool);
     for (const ToolPose& pose : pass.poses) {
       target.radius_mm = std::max(target.radius_mm, (pose.position_mm - target.focus_mm).norm() + reach_mm);
     }
@@ -177,7 +148,7 @@ ViewTarget make_view_target(const RunInputs& run, const PredictedRun& predicted,
 
 RunPath::RunPath(const RunInputs& run) : dir_(run.dir), used_(run.passes.size(), false) {
   for (const ToolPass& pass : run.passes) {
-    paths_.emplace_back(reach_of(pass.tool), kPathStep_voxels * run.voxmap->grid.voxel_mm, run.frames);
+    paths_.emplace_back(tool_reach_mm(pass.tool), kPathStep_voxels * run.voxmap->grid.voxel_mm, run.frames);
   }
 }
 
@@ -216,6 +187,7 @@ const ToolPose& RunInputs::pose_at(std::int64_t frame) const {
 }
 
 FillBricks fill_at(const RunInputs& run, std::int64_t frame) {
+  if (run.dir.empty()) return run.fill;
   FillBricks fill(run.voxmap->grid.dims);
   apply_snapshot(run.dir, frame, fill);
   return fill;
@@ -246,10 +218,10 @@ RunData::Outcome RunData::read_outcome(const std::string& dir) {
 }
 
 RunData::Prediction RunData::predict_outcome(const RunInputs& inputs) {
-  const PredictedRun predicted = predict_run(inputs);
+  PredictedRun predicted = predict_run(inputs);
   UnreamedSurface unreamed(*inputs.voxmap, with_removed_voxels_restored(inputs.fill), predicted.bone.fill);
   ViewTarget target = make_view_target(inputs, predicted, unreamed.surface());
-  return {std::move(unreamed), std::move(target)};
+  return {std::move(unreamed), std::move(target), predicted.contact};
 }
 
 RunData::RunData(std::string dir) : state_(new State{std::move(dir), {}, {}, {}}) {
@@ -291,6 +263,10 @@ const UnreamedSurface& RunData::unreamed() const {
 
 const ViewTarget& RunData::target() const {
   return state_->prediction.get().target;
+}
+
+const std::optional<FrameSpan>& RunData::contact() const {
+  return state_->prediction.get().contact;
 }
 
 const RunData::Outcome& RunData::outcome() const {

@@ -10,6 +10,7 @@
 #include "sim/mesh/triangle_mesh.h"
 #include "sim/motion/bounded_path.h"
 #include "sim/record/force_log.h"
+#include "sim/scenario/picture_frames.h"
 
 namespace reamsim {
 
@@ -77,6 +78,8 @@ class RunData {
   [[nodiscard]] const Voxmap& voxmap() const { return *inputs().voxmap; }
   [[nodiscard]] const UnreamedSurface& unreamed() const;
   [[nodiscard]] const ViewTarget& target() const;
+  /// The frames in which the tool is expected to touch bone; none if it never does.
+  [[nodiscard]] const std::optional<FrameSpan>& contact() const;
   // These also throw std::logic_error before the run has ended.
   [[nodiscard]] const FillBricks& last_fill() const;
   /// With the means over a voxel of travel where the run removes voxels as a whole; decimated for a long run, with the
@@ -97,7 +100,8 @@ class RunData {
   std::shared_ptr<State> state_;
 };
 
-/// The fill after the snapshot of a frame, which must be the first snapshot. Throws InputError.
+/// The fill after the snapshot of a frame, which must be the first snapshot; of a run without a folder the fill at its
+/// start. Throws InputError.
 FillBricks fill_at(const RunInputs& run, std::int64_t frame);
 /// The tools in DIR/snapshots, without poses: tool.stl, and tool_2.stl … of later passes.
 std::vector<ToolPass> read_tools(const std::string& dir);

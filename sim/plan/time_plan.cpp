@@ -125,8 +125,8 @@ TimePlan plan_time(ReamingScene& scene, Engine& engine, double budget_s) {
   if (timed.empty()) return plan;
   // A snapshot is read back and written to disk, which takes about as long.
   const auto in_pass = [&](std::int64_t frame) { return frame >= motion.first_frame && frame <= motion.last_frame(); };
-  const auto snapshots =
-      static_cast<double>(std::ranges::count_if(picture_frames(original.render, scene.last_frame()), in_pass));
+  const auto snapshots = static_cast<double>(
+      std::ranges::count_if(picture_frames(original.render, scene.last_frame(), scene.contact), in_pass));
   plan.simulate_s = integrate_s(timed, static_cast<double>(all)) + 2 * snapshots * read_s;
   return plan;
 }

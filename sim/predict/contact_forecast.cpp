@@ -4,8 +4,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <vector>
 
+#include "sim/base/parallel.h"
 #include "sim/motion/bounded_path.h"
 #include "sim/predict/swept_bone.h"
 
@@ -17,6 +19,8 @@ namespace {
 constexpr double kBrickRadius_voxels = 0.5 * BrickLattice::kSide * 1.7320508;
 /// Smallest step along the path, voxels.
 constexpr double kStep_voxels = 0.5;
+/// The same where the first contact is searched for.
+constexpr double kFineStep_voxels = 0.05;
 
 /// Every pose of the motion, or those of a long one at the smallest step.
 std::vector<PathSample> path_of(const Tool& tool, const Motion& motion, double voxel_mm) {
@@ -25,23 +29,38 @@ std::vector<PathSample> path_of(const Tool& tool, const Motion& motion, double v
   return path.finish();
 }
 
+/// The same where the tool turns.
+constexpr double kTurnStep_voxels = 0.005;
+
+constexpr double kNever = std::numeric_limits<double>::infinity();
+
 /// A brick with bone, and the smallest distance of the tool from its middle.
 struct Brick {
   Vec3i coord;
   Vec3 middle_mm;
-  double least_mm = std::numeric_limits<double>::infinity();
+  double least_mm = kNever;
+};
+
+/// Two places along the path.
+struct PathPart {
+  double from_mm;
+  double to_mm;
+};
+
+/// Where along the path the tool is within reach of a brick for the first time, and where it first is as close, or as
+/// deep in it, as it ever is.
+struct BrickVisit {
+  double enter_mm = kNever;
+  double closest_mm = 0;
+  double least_mm = kNever;  ///< distance from the brick's middle there
 };
 
 /// Distances between the voxels of a bone and the profile of a tool along its path.
 class ContactSearch {
  public:
-  /// Holds references to voxmap, fill and profile.
-  ContactSearch(const Voxmap& voxmap, const FillBricks& fill, const Tool& tool, const Motion& motion)
-      : voxmap_(voxmap),
-        fill_(fill),
-        profile_(tool.profile),
-        voxel_mm_(voxmap_.grid.voxel_mm),
-        path_(path_of(tool, motion, voxel_mm_), tool.reach_mm) {
+  /// Holds references to all arguments.
+  ContactSearch(const Voxmap& voxmap, const FillBricks& fill, const Profile& tool, const ToolPath& path)
+      : voxmap_(voxmap), fill_(fill), profile_(tool), voxel_mm_(voxmap_.grid.voxel_mm), path_(path) {
     voxmap_.grade.for_each_brick([&](const Vec3i& coord, const GradeBricks::Brick&) {
       const Vec3 middle =
           voxmap_.grid.origin_mm + voxel_mm_ * BrickLattice::kSide * (coord.cast<double>() + Vec3::Constant(0.5));
@@ -65,7 +84,7 @@ class ContactSearch {
 
   /// Finds the smallest distance between the tool and a voxel's face.
   void find_nearest(ContactForecast& out) {
-    double bound_mm = std::numeric_limits<double>::infinity();  // upper bound of the distance
+    double bound_mm = kNever;  // upper bound of the distance
     for (Brick& brick : bricks_) {
       follow(brick.middle_mm, [&](double mm, double) {
         brick.least_mm = std::min(brick.least_mm, mm);
@@ -77,7 +96,7 @@ class ContactSearch {
       return;
     }
     std::ranges::stable_sort(bricks_, {}, &Brick::least_mm);
-    double best_mm = std::numeric_limits<double>::infinity();
+    double best_mm = kNever;
     for (const Brick& brick : bricks_) {
       if (brick.least_mm - radius_mm() - kStep_voxels * voxel_mm_ > best_mm) break;
       for_each_bone_voxel(brick.coord, [&](const Vec3& center_mm, double) {
@@ -98,7 +117,89 @@ class ContactSearch {
     out.nearest_mm = std::max(0.0, best_mm);
   }
 
+  /// From the first contact to the last removal of bone.
+  [[nodiscard]] std::optional<FrameSpan> frames() const {
+    std::vector<BrickVisit> visits(bricks_.size());
+    parallel_items(bricks_.size(), [&](std::size_t i) { visits[i] = visit_of(bricks_[i].middle_mm); });
+    const double first_mm = first_contact_mm(visits);
+    if (first_mm == kNever) return std::nullopt;
+    return FrameSpan{static_cast<std::int64_t>(path_.frame_at(first_mm)),
+                     static_cast<std::int64_t>(path_.frame_at(last_removal_mm(visits, first_mm)))};
+  }
+
  private:
+  [[nodiscard]] double distance_at_mm(const Vec3& point_mm, double at_mm) const {
+    return distance_mm(tool_from_bone(at_mm), point_mm);
+  }
+
+  [[nodiscard]] BrickVisit visit_of(const Vec3& middle_mm) const {
+    BrickVisit out;
+    double before_mm = 0;  // where the previous distance was taken
+    for (double at_mm = 0;;) {
+      const double mm = distance_at_mm(middle_mm, at_mm);
+      if (mm < radius_mm()) out.enter_mm = std::min(out.enter_mm, at_mm);
+      // A tool that is drawn back passes the same places again, sampled at others.
+      const double gain_mm = out.closest_mm == before_mm ? 0 : kStep_voxels * voxel_mm_;
+      if (mm < out.least_mm - gain_mm) {
+        out.least_mm = mm;
+        out.closest_mm = at_mm;
+      }
+      before_mm = at_mm;
+      const bool removed = mm <= -radius_mm();
+      if (removed || at_mm >= path_.length_mm()) return out;
+      const double bound_mm = out.enter_mm == kNever ? radius_mm() : out.least_mm;
+      at_mm = std::min(path_.length_mm(), at_mm + std::max(kStep_voxels * voxel_mm_, mm - bound_mm));
+    }
+  }
+
+  /// Where the last brick is removed as far as it ever is.
+  [[nodiscard]] double last_removal_mm(const std::vector<BrickVisit>& visits, double first_mm) const {
+    double last_mm = first_mm;
+    std::size_t last = visits.size();
+    for (std::size_t i = 0; i < visits.size(); ++i) {
+      if (visits[i].least_mm >= 0.5 * BrickLattice::kSide * voxel_mm_ || visits[i].closest_mm <= last_mm) continue;
+      last_mm = visits[i].closest_mm;
+      last = i;
+    }
+    if (last == visits.size()) return first_mm;
+    // The steps of visit_of() may miss the place where the tool turns, and the frame must be before it rests there.
+    const Vec3& middle_mm = bricks_[last].middle_mm;
+    const double from_mm = std::max(first_mm, last_mm - kStep_voxels * voxel_mm_);
+    const double to_mm = std::min(path_.length_mm(), last_mm + kStep_voxels * voxel_mm_);
+    double least_mm = kNever;
+    for (double at_mm = from_mm; at_mm <= to_mm; at_mm += kTurnStep_voxels * voxel_mm_) {
+      least_mm = std::min(least_mm, distance_at_mm(middle_mm, at_mm));
+    }
+    return first_within(middle_mm, least_mm + kTurnStep_voxels * voxel_mm_, {from_mm, to_mm}, kTurnStep_voxels);
+  }
+
+  /// Where, between these places, the tool is first within `reach_mm` of a point; `to_mm` if nowhere.
+  [[nodiscard]] double first_within(const Vec3& point_mm, double reach_mm, const PathPart& part,
+                                    double step_voxels) const {
+    const double end_mm = std::min(part.to_mm, path_.length_mm());
+    for (double at_mm = part.from_mm; at_mm < end_mm;) {
+      const double mm = distance_at_mm(point_mm, at_mm);
+      if (mm < reach_mm) return at_mm;
+      at_mm += std::max(step_voxels * voxel_mm_, mm - reach_mm);
+    }
+    return part.to_mm;
+  }
+
+  /// Where the tool first touches what is filled of a voxel, or kNever.
+  [[nodiscard]] double first_contact_mm(const std::vector<BrickVisit>& visits) const {
+    std::vector<std::size_t> order(visits.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::ranges::stable_sort(order, {}, [&](std::size_t i) { return visits[i].enter_mm; });
+    double best_mm = kNever;
+    for (const std::size_t i : order) {
+      if (visits[i].enter_mm >= best_mm) break;
+      for_each_bone_voxel(bricks_[i].coord, [&](const Vec3& center_mm, double fill) {
+        best_mm = first_within(center_mm, (fill - 0.5) * voxel_mm_, {visits[i].enter_mm, best_mm}, kFineStep_voxels);
+      });
+    }
+    return best_mm;
+  }
+
   [[nodiscard]] double radius_mm() const { return kBrickRadius_voxels * voxel_mm_; }
 
   [[nodiscard]] Rigid tool_from_bone(double at_mm) const { return path_.pose_at(at_mm).bone_from_tool().inverse(); }
@@ -139,14 +240,15 @@ class ContactSearch {
   const FillBricks& fill_;
   const Profile& profile_;
   double voxel_mm_;
-  ToolPath path_;
+  const ToolPath& path_;
   std::vector<Brick> bricks_;
 };
 
 ContactForecast forecast_pass(const Voxmap& voxmap, const FillBricks& fill, const Tool& tool, const Motion& motion) {
   ContactForecast out;
   if (motion.poses.empty()) return out;
-  ContactSearch search(voxmap, fill, tool, motion);
+  const ToolPath path(path_of(tool, motion, voxmap.grid.voxel_mm), tool.reach_mm);
+  ContactSearch search(voxmap, fill, tool.profile, path);
   out.start_mm3 = search.start_mm3();
   if (out.start_mm3 > voxmap.grid.voxel_mm3()) {
     out.touches = true;
@@ -154,6 +256,8 @@ ContactForecast forecast_pass(const Voxmap& voxmap, const FillBricks& fill, cons
     search.find_nearest(out);
     out.frame += motion.first_frame;
   }
+  if (out.touches) out.frames = search.frames();
+  if (out.frames) out.frames = FrameSpan{out.frames->first + motion.first_frame, out.frames->last + motion.first_frame};
   return out;
 }
 
@@ -179,6 +283,24 @@ std::vector<ContactForecast> forecast_passes(const ReamingScene& scene) {
     motion = &pass.motion;
   }
   return out;
+}
+
+ContactForecast of_whole_run(const std::vector<ContactForecast>& passes) {
+  ContactForecast out = *std::ranges::min_element(passes, {}, &ContactForecast::nearest_mm);
+  out.start_mm3 = passes.front().start_mm3;
+  for (const ContactForecast& pass : passes) {
+    out.touches = out.touches || pass.touches;
+    if (!pass.frames) continue;
+    if (!out.frames) out.frames = pass.frames;
+    out.frames =
+        FrameSpan{std::min(out.frames->first, pass.frames->first), std::max(out.frames->last, pass.frames->last)};
+  }
+  return out;
+}
+
+std::optional<FrameSpan> forecast_contact_frames(const Voxmap& voxmap, const FillBricks& fill, const Profile& tool,
+                                                 const ToolPath& path) {
+  return ContactSearch(voxmap, fill, tool, path).frames();
 }
 
 void warn_of_contact(const ReamingScene& scene, const ContactForecast& forecast, Report& report,

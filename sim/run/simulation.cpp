@@ -69,7 +69,8 @@ class Simulation {
   /// The main loop. Substeps of several frames are one batch, which ends with a frame that has a picture.
   SimulationState run(const RunControl& control) {
     const std::int64_t first = scene_.motion.first_frame, last = scene_.motion.last_frame();
-    const std::vector<std::int64_t> pictures = picture_frames(scene_.scenario.render, scene_.last_frame());
+    const std::vector<std::int64_t> pictures =
+        picture_frames(scene_.scenario.render, scene_.last_frame(), scene_.contact);
     const auto has_picture = [&](std::int64_t frame) { return std::ranges::binary_search(pictures, frame); };
     const bool had_ended = control.from && control.from->frame == last;
     if (control.from) resume(*control.from);

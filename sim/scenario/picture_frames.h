@@ -1,20 +1,36 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "sim/scenario/scenario.h"
 
 namespace reamsim {
 
-/// Frames of which a snapshot is kept for pictures: 0, every n-th and `last`. Ascending.
-std::vector<std::int64_t> picture_frames(const RenderSettings& settings, std::int64_t last);
+/// Frames of a run, both ends included.
+struct FrameSpan {
+  std::int64_t first = 0;
+  std::int64_t last = 0;
+
+  friend bool operator==(const FrameSpan&, const FrameSpan&) = default;
+};
+
+/// Frames of which a snapshot is kept for pictures: 0, `last` and, between, every n-th. Without a number in the
+/// settings these are evenly spaced: for a film along the run, else in `contact`, the time in which the tool is
+/// expected to touch bone, or along the run if that is none. Ascending.
+std::vector<std::int64_t> picture_frames(const RenderSettings& settings, std::int64_t last,
+                                         const std::optional<FrameSpan>& contact);
+
+/// Of `frames` (ascending), those in contact with a margin of 5 %; all of them if there are not two of these.
+std::vector<std::int64_t> in_contact(const std::vector<std::int64_t>& frames, const std::optional<FrameSpan>& contact);
 
 /// At most `most` (2 or more) of `frames` (ascending), evenly distributed, with the first and the last.
 std::vector<std::int64_t> evenly_among(const std::vector<std::int64_t>& frames, std::size_t most);
 
 /// Of the frames with a snapshot, those that are rendered as still pictures: all of them, or some where a film has set
-/// their number.
-std::vector<std::int64_t> still_frames(const std::vector<std::int64_t>& frames, const RenderSettings& settings);
+/// their number: the first, the last, and others in contact.
+std::vector<std::int64_t> still_frames(const std::vector<std::int64_t>& frames, const RenderSettings& settings,
+                                       const std::optional<FrameSpan>& contact);
 
 }  // namespace reamsim

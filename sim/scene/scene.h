@@ -7,6 +7,7 @@
 #include "sim/base/report.h"
 #include "sim/bone/bone.h"
 #include "sim/motion/motion.h"
+#include "sim/scenario/picture_frames.h"
 #include "sim/scene/first_contact.h"
 #include "sim/tool/tool.h"
 
@@ -25,6 +26,7 @@ struct ReamingScene {
   Tool tool;      ///< of the present pass, the first one after loading
   Motion motion;  ///< of the present pass
   std::vector<Pass> later_passes = {};
+  std::optional<FrameSpan> contact{};  ///< expected (sim/predict), for the choice of pictures; none: not known
   std::vector<std::optional<FirstContact>> first_contacts = {};  ///< by pass, of plunges whose depth counts from it
 
   /// Of the present pass.

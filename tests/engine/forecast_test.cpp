@@ -2,7 +2,9 @@
 #include <gmock/gmock.h>
 
 #include <cmath>
+#include <fstream>
 #include <numbers>
+#include <sstream>
 
 #include "sim/base/error.h"
 #include "sim/engine/exact/exact_engine.h"
@@ -102,6 +104,64 @@ TEST(ContactForecast, MeetsWhatItTouches) {
   EXPECT_TRUE(forecast_contact(upright({0, 1, 9}, {0, 1, -0.05})).touches);
   EXPECT_TRUE(forecast_contact(upright({-90, 0, -0.3}, {90, 0, -0.3})).touches) << "only on the way";
   EXPECT_TRUE(forecast_contact(plunge()).touches);
+}
+
+/// The first and the last frame that removes bone.
+FrameSpan removing_frames(ReamingScene scene) {
+  const TempDir dir;
+  Recorder recorder(dir.path(), scene.bone.voxmap->grid.voxel_mm);
+  Report report;
+  const auto engine = make_engine(scene.scenario, scene.bone, scene.tool);
+  simulate(scene, *engine, recorder, {}, report);
+  recorder.close();
+  std::ifstream csv(dir.path() + "/forces.csv");
+  std::string line;
+  std::getline(csv, line);
+  std::optional<FrameSpan> out;
+  for (std::int64_t frame = 0; std::getline(csv, line); ++frame) {
+    std::vector<std::string> cells;
+    std::istringstream row(line);
+    for (std::string cell; std::getline(row, cell, ',');) cells.push_back(cell);
+    if (std::stod(cells.at(21)) <= 0) continue;
+    out = FrameSpan{out ? out->first : frame, frame};
+  }
+  return out.value_or(FrameSpan{-1, -1});
+}
+
+TEST(ContactForecast, TellsFromWhenToWhenBoneIsRemoved) {
+  // Down for 2 s with 3 mm/s, the last 4 mm of them in the bone; at rest for 0.5 s; and back.
+  const auto there_and_back = [](const Quat& orientation) {
+    ReamingScene scene = plunge();
+    scene.motion = straight({0, 1, 2}, {0, 1, -4}, 2000, 1000, 250, orientation);
+    std::vector<ToolPose> poses = scene.motion.poses.all();
+    const std::vector<ToolPose> down = poses;
+    poses.insert(poses.end(), 500, down.back());
+    for (std::size_t i = down.size(); i-- > 0;) poses.push_back(down[i]);
+    scene.motion.poses = poses;
+    return scene;
+  };
+  for (const Quat& orientation : {Quat::Identity(), Quat(Eigen::AngleAxisd(0.2, Vec3(1, 2, 0).normalized()))}) {
+    const ReamingScene scene = there_and_back(orientation);
+    const std::optional<FrameSpan> expected = forecast_contact(scene).frames;
+    ASSERT_TRUE(expected);
+    const FrameSpan found = removing_frames(scene);
+    // A tenth of a voxel is 7 frames; the bone's voxels have 0.2 mm.
+    EXPECT_NEAR(static_cast<double>(expected->first), static_cast<double>(found.first), 20);
+    EXPECT_NEAR(static_cast<double>(expected->last), static_cast<double>(found.last), 20);
+  }
+  EXPECT_FALSE(forecast_contact(upright({0, 1, 9}, {0, 1, 6})).frames);
+  EXPECT_EQ(forecast_contact(upright({0, 0, -4}, {0, 0, -5})).frames->first, 0) << "it starts in the bone";
+}
+
+TEST(ContactForecast, EndsWithTheLastBoneOfASweep) {
+  // Across the block, from beside it to beside it.
+  const ReamingScene scene = upright({-30, 0, -1}, {30, 0, -1});
+  const std::optional<FrameSpan> expected = forecast_contact(scene).frames;
+  ASSERT_TRUE(expected);
+  const FrameSpan found = removing_frames(scene);
+  const double brick_frames = 8 * 0.2 / (60.0 / 200);
+  EXPECT_NEAR(static_cast<double>(expected->first), static_cast<double>(found.first), 2);
+  EXPECT_NEAR(static_cast<double>(expected->last), static_cast<double>(found.last), brick_frames);
 }
 
 TEST(ContactForecast, WhatAStartInTheBoneTakesAway) {

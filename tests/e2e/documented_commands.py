@@ -1,0 +1,234 @@
+"""documented_commands.py REAMSIM ROOT BUILD: every command in README and docs works as it is written.
+
+A command without placeholders runs in a copy of the project's folders, where small pictures save time. Of a synopsis,
+such as `reamsim run SCENARIO [-o DIR]`, every option must be one of the program, and an example of it runs. The filters of
+ctest must select tests. What takes minutes is named in RUN_ELSEWHERE with the test that runs it. With the shoulder of
+REAMSIM_DATA the README's scenario is that of the README; without it a phantom takes its place."""
+
+import os
+import pathlib
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+
+import yaml
+
+import dicom_folder
+import documented
+
+SMALL = {"width_px": 160, "height_px": 120}
+
+# Commands, by how they begin, that other tests or the build itself run.
+RUN_ELSEWHERE = {
+    "git clone": "a developer",
+    "./test.sh": "the tests are its",
+    "cmake ": "the build; .ci/run",
+    "time reamsim run": "the runs below",
+    "reamsim bench": "cli_test (Bench), bench tests",
+    "reamsim verify": "cli_test (Verify), verify tests",
+    "build/release/tests/": "tests BenchReference, ExactReference",
+    "reamsim check S.yaml | head": "cli_test (Environment)",
+    "reamsim run <(command)": "cli_test (Environment)",
+}
+# What stands for something of the user's. `{scan}` and `{near}` are those of the bone at hand.
+EXAMPLES = {
+    "reamsim run SCENARIO": "reamsim run s.yaml -o out/s --device serial",
+    "reamsim run SCENARIO -o DIR --resume": "reamsim run s.yaml -o out/resumed --resume",
+    "reamsim run --set render.enabled=false": "reamsim run s.yaml -o out/plain --set render.enabled=false --set output.meshes=false",
+    "reamsim run --verbose": "reamsim run s.yaml -o out/verbose --verbose",
+    "reamsim check SCENARIO": "reamsim check s.yaml --picture scenario.png",
+    "REAMSIM_DATA=... reamsim check FILE": "reamsim check s.yaml",
+    "reamsim render DIR.partial": "",  # of an interrupted run: cli_test (Resume)
+    "reamsim render DIR": "reamsim render out/s --only pictures --width 96 --height 64",
+    "reamsim compare": "reamsim compare out/s out/plain -o out/compared",
+    "build/release/cli/reamsim preview SCAN_OR_SCENARIO": "build/release/cli/reamsim preview {scan} -o page.html",
+    "reamsim preview BONE": "reamsim preview {scan} -o bone.html --tool assets/reamer_convex.stl",
+    "reamsim init": "reamsim init {scan} --near {near} -o first.yaml",
+    "reamsim import": "reamsim import s.yaml -o bone.vdb",
+    "reamsim run trajectories/mesh_scapula.yaml --set bone.voxel_mm=V": "",  # its data: e2e.mesh_scapula
+    "reamsim run trajectories/study_X.yaml": "reamsim run trajectories/study_eccentric_10deg.yaml",
+}
+PLACEHOLDER = re.compile(r"\b(SCENARIO|DIR|BONE|CT|MESH|FILE|PAGE|SCAN_OR_SCENARIO)\b|=[VK]\b|_X\b|\[-")
+# Interrupted runs and such: the words of a sentence, not a command on its own.
+IN_A_SENTENCE = re.compile(r"^(build/release/cli/)?reamsim( \w+)?$|^gnuplot$|^ctest$|^\./run\.sh$")
+MOTION = {
+    "plunge": {"approach_mm": 0.5, "feed_mm_s": 5, "depth_mm": 1, "retract_mm": 2},
+    "keyframes": [{"time_s": 0, "position_mm": [0, 0, 1], "axis": [0, 0, 1]},
+                  {"time_s": 0.5, "position_mm": [0, 0, -1], "axis": [0, 0, 1]}],
+}
+
+
+class Place:
+    """A folder like the project's, with a home, a scan and scenarios of a user."""
+
+    def __init__(self, program, root, folder):
+        self.root, self.folder = root, folder
+        for name in ("build/release/cli", "bin", "home/scans"):
+            (folder / name).mkdir(parents=True)
+        (folder / "build/release/cli/reamsim").symlink_to(program)
+        (folder / "bin/reamsim").symlink_to(program)
+        (folder / "bin/scontrol").write_text("#!/bin/sh\nexit 9\n")
+        (folder / "bin/scontrol").chmod(0o755)
+        (folder / "assets").symlink_to(root / "assets")
+        shutil.copytree(root / "trajectories", folder / "trajectories")
+        (folder / "poses.csv").write_text("time_s,x_mm,y_mm,z_mm,qw,qx,qy,qz\n0,0,0,1,1,0,0,0\n0.5,0,0,-1,1,0,0,0\n")
+        self.environment = dict(os.environ, HOME=str(folder / "home"), PATH=f"{folder}/bin:{os.environ['PATH']}")
+        self.shrink_scenarios()
+        self.add_users_scan()
+        self.set_motion("plunge")
+        self.write("scenario.yaml", yaml.safe_load((folder / "s.yaml").read_text()))
+        self.write_run_sh()
+
+    def write(self, name, scenario):
+        (self.folder / name).write_text(yaml.safe_dump(scenario, sort_keys=False))
+
+    def shrink_scenarios(self):
+        for path in (self.folder / "trajectories").glob("*.yaml"):
+            scenario = yaml.safe_load(path.read_text())
+            scenario["render"] = {**(scenario.get("render") or {}), **SMALL}
+            self.write(f"trajectories/{path.name}", scenario)
+
+    def add_users_scan(self):
+        data = self.environment.get("REAMSIM_DATA", "")
+        nrrd = pathlib.Path(data) / "shoulder_ct/shoulder_left.nrrd"
+        mine = self.folder / "trajectories/my.yaml"
+        if data and nrrd.exists():
+            dicom_folder.write(nrrd, self.folder / "home/scans/shoulder")
+            scenario = yaml.safe_load(documented.blocks((self.root / "README.md").read_text(), "yaml")[0])
+            scenario["render"] = SMALL
+            self.write("trajectories/my.yaml", scenario)
+            self.example = {"scan": "~/scans/shoulder", "near": ",".join(map(str, scenario["bone"]["glenoid"]["center_mm"]))}
+        else:
+            print("without REAMSIM_DATA: a phantom for the README's scan")
+            shutil.copy(self.folder / "trajectories/default.yaml", mine)
+            self.example = None
+        # What the page of the preview saves.
+        self.write("shoulder.yaml", {**yaml.safe_load(mine.read_text()), "tool": {"mesh": "assets/reamer_convex.stl"}})
+
+    def set_motion(self, kind):
+        self.write("s.yaml", {
+            "version": 2, "bone": {"source": "phantom", "voxel_mm": 0.5, "phantom": {"shape": "half_space", "size_mm": [10, 10, 6]}},
+            "tool": {"mesh": "assets/reamer_flat.stl"}, "motion": {"frame_rate_hz": 100, kind: MOTION[kind]}, "render": SMALL})
+
+    def write_run_sh(self):
+        """run.sh without the part that installs and builds."""
+        runs = (self.root / "run.sh").read_text().split('cd "$start"\n')[1]
+        head = 'set -euo pipefail\nroot=$PWD\nbuild=$PWD/build/release\nsay() { echo "$@"; }\n'
+        (self.folder / "run.sh").write_text(f"#!/usr/bin/env bash\n{head}{runs}")
+        (self.folder / "run.sh").chmod(0o755)
+
+    def run(self, command, where=".", expected=0):
+        print("$", command, flush=True)
+        done = subprocess.run(["bash", "-c", command], cwd=self.folder / where, env=self.environment, capture_output=True,
+                              text=True, timeout=300)
+        assert done.returncode == expected, f"{command}\nended with {done.returncode}\n{done.stdout[-2000:]}{done.stderr}"
+        return done.stdout
+
+    def run_documented(self, command):
+        """Runs a command of a user, who has no results of that name yet."""
+        where = "out/my" if command.startswith("gnuplot") else "."
+        if re.match(r"(build/release/cli/)?reamsim run ", command):
+            self.set_motion("keyframes" if "keyframes" in command else "plunge")
+            named = re.search(r"-o (\S+)", command)
+            scenario = re.search(r"(\w+)\.yaml", command)
+            shutil.rmtree(self.folder / (named[1] if named else f"out/{scenario[1]}"), ignore_errors=True)
+        self.run(command, where)
+
+
+def check_options(place, command):
+    """Every option of a synopsis is one of the program."""
+    program = re.match(r".*?reamsim (\w+)", command)
+    known = place.run(f"reamsim {program[1]} --help")
+    for option in re.findall(r"--[a-z-]+", command):
+        assert re.search(rf"{option}\b", known), f"{command}: reamsim {program[1]} has no {option}"
+
+
+def check_filter(build, command):
+    """A filter of ctest selects tests. Some are there only in a build with browsers, or are long."""
+    wanted = re.search(r"-R (\"[^\"]+\"|\S+)", command)
+    if wanted is None or "browser" in command or "-L long" in command or "fuzz" in command:
+        return
+    listed = subprocess.run(["ctest", "--test-dir", build, "-N", "-R", wanted[1].strip('"').replace("\\|", "|")],
+                            capture_output=True, text=True, check=True).stdout
+    assert "Total Tests: 0" not in listed, f"{command} selects no test"
+
+
+def example_of(command):
+    starts = [start for start in EXAMPLES if command.startswith(start)]
+    assert starts, f"{command}: no example for its placeholders; add one to EXAMPLES"
+    return EXAMPLES[max(starts, key=len)]
+
+
+def check_page(place, build, commands):
+    for command in commands:
+        if any(command.startswith(start) for start in RUN_ELSEWHERE):
+            continue
+        if command.startswith("ctest"):
+            check_filter(build, command)
+        elif IN_A_SENTENCE.match(command):
+            if "reamsim" in command:
+                place.run(f"{command} --help")
+        elif PLACEHOLDER.search(command) or "..." in command or re.match(r"reamsim run --", command):
+            check_options(place, command)
+            example = example_of(command)
+            if "{scan}" in example and place.example is None:
+                continue
+            if example:
+                example = example.format(**(place.example or {}))
+                for made in re.findall(r"\S+\.(?:html|png|vdb)|first\.yaml", example):
+                    (place.folder / made).unlink(missing_ok=True)
+                shutil.rmtree(place.folder / "out/compared", ignore_errors=True)
+                place.run_documented(example)
+        elif "~/scans" not in command or place.example:
+            place.run_documented(command)
+
+
+def check_fragments(place, text):
+    """Options alone, as in "a figure for a paper"."""
+    for fragment in re.findall(r"`(--set [^`]+)`", text):
+        if PLACEHOLDER.search(fragment) or "KEY" in fragment:
+            continue
+        place.run(f"reamsim {'render out/my --only pictures' if '--set render.' in fragment else 'check s.yaml'} {fragment}")
+
+
+def check_python(place, text):
+    for block in documented.blocks(text, "python"):
+        if "bpy." in block:
+            continue  # tests/browser/blender_results.py runs it
+        script = place.folder / "block.py"
+        script.write_text(block)
+        place.run(f"{sys.executable} block.py")
+
+
+def check_batch_script(place, text):
+    """The script for Slurm: of a run that ends, and of one that the batch system interrupts."""
+    script, = [block for block in documented.blocks(text, "sh") if "SBATCH" in block]
+    (place.folder / "job.sh").write_text(script)
+    place.run("sh -n job.sh")
+    shutil.rmtree(place.folder / "out/my", ignore_errors=True)
+    place.run("SLURM_JOB_ID=7 sh job.sh")
+    assert (place.folder / "out/my/summary.json").exists()
+
+
+def main():
+    program, root, build = sys.argv[1:]
+    root = pathlib.Path(root)
+    found = documented.all_commands(root)
+    assert sum(map(len, found.values())) > 60, found
+    for wanted in ("reamsim init", "reamsim preview", "reamsim check", "reamsim render"):
+        assert any(wanted in command for command in found["README.md"]), wanted
+    with tempfile.TemporaryDirectory() as folder:
+        place = Place(program, root, pathlib.Path(folder))
+        place.run_documented("reamsim run trajectories/default.yaml")
+        for page, commands in found.items():
+            print(f"-- {page}")
+            check_page(place, build, commands)
+            if page == "README.md":
+                check_fragments(place, (root / page).read_text())
+                check_python(place, (root / page).read_text())
+        check_batch_script(place, (root / "docs/formats.md").read_text())
+
+
+main()
