@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
+#include "render/surface/layer_boundary.h"
 #include "sim/base/parallel.h"
 
 namespace reamsim {
@@ -44,9 +46,48 @@ Rectangle visible_rectangle(const Aabb& bone, const Camera& camera) {
   return out;
 }
 
+/// The texels at most `reach` columns and rows from a marked one.
+std::vector<std::uint8_t> dilated(const std::vector<std::uint8_t>& marked, int width, int height, int reach) {
+  const auto along = [&](const std::vector<std::uint8_t>& from, int count, int step, int lines, int line_step) {
+    std::vector<std::uint8_t> out(from.size(), 0);
+    for (int line = 0; line < lines; ++line) {
+      int left = 0;  // texels that the last mark reaches
+      const auto at = [&](int i) { return static_cast<std::size_t>(line * line_step + i * step); };
+      for (int i = -reach; i < count; ++i) {
+        if (i + reach < count && from[at(i + reach)] != 0) left = 2 * reach + 1;
+        if (i >= 0 && left > 0) out[at(i)] = 1;
+        --left;
+      }
+    }
+    return out;
+  };
+  return along(along(marked, width, 1, height, width), height, width, width, 1);
+}
+
+/// Draws the boundary between the layers of a bone at its depth. `points` in voxel index space, row by row.
+void draw_layers(const Voxmap& voxmap, const UnreamedSurface& unreamed, const std::vector<Vec3>& points,
+                 double step_voxels, CutFace& face) {
+  const LayerBoundary boundary(voxmap, unreamed, points.front(), points.back(),
+                               points[static_cast<std::size_t>(face.width) - 1]);
+  std::vector<std::uint8_t> mixed(points.size());
+  parallel_ranges(points.size(), 4096, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) mixed[i] = boundary.near(points[i]) ? 1 : 0;
+  });
+  const std::vector<std::uint8_t> near =
+      dilated(mixed, face.width, face.height, static_cast<int>(std::ceil(1 / step_voxels)));
+  parallel_ranges(points.size(), 256, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      if (near[i] != 0 && face.texels[2 * i] > 0) {
+        face.texels[2 * i] = static_cast<float>(boundary.density_at(points[i], step_voxels));
+      }
+    }
+  });
+}
+
 }  // namespace
 
-CutFace sample_cut_face(const Voxmap& voxmap, const FillBricks& fill, const SolidField& field, const Camera& camera) {
+CutFace sample_cut_face(const Voxmap& voxmap, const FillBricks& fill, const SolidField& field,
+                        const UnreamedSurface& unreamed, const Camera& camera) {
   const VoxelGrid& grid = voxmap.grid;
   Aabb box = grid.bounds_mm();
   box.min.array() -= 3 * grid.voxel_mm;
@@ -65,12 +106,14 @@ CutFace sample_cut_face(const Voxmap& voxmap, const FillBricks& fill, const Soli
   out.texels.resize(static_cast<std::size_t>(out.width) * out.height * 2);
   // By fill, so that air does not reduce the density at the edge of the cut.
   const auto by_fill = [&](const Vec3i& voxel) { return static_cast<double>(fill.get(voxel)); };
+  const auto width = static_cast<std::size_t>(out.width);
+  std::vector<Vec3> all(width * static_cast<std::size_t>(out.height));
   parallel_items(static_cast<std::size_t>(out.height), [&](std::size_t row) {
-    std::vector<Vec3> points;
-    for (int column = 0; column < out.width; ++column) {
-      const Vec3 mm = rectangle.origin_mm + step_mm * ((column + 0.5) * rectangle.across +
+    const std::span<Vec3> points = std::span(all).subspan(row * width, width);
+    for (std::size_t column = 0; column < width; ++column) {
+      const Vec3 mm = rectangle.origin_mm + step_mm * ((static_cast<double>(column) + 0.5) * rectangle.across +
                                                        (static_cast<double>(row) + 0.5) * rectangle.upward);
-      points.emplace_back((mm - grid.origin_mm) / grid.voxel_mm - Vec3::Constant(0.5));
+      points[column] = (mm - grid.origin_mm) / grid.voxel_mm - Vec3::Constant(0.5);
     }
     const std::vector<float> fields = field.at(points);
     for (std::size_t column = 0; column < points.size(); ++column) {
@@ -79,6 +122,7 @@ CutFace sample_cut_face(const Voxmap& voxmap, const FillBricks& fill, const Soli
       texel[1] = -fields[column];
     }
   });
+  if (voxmap.layers) draw_layers(voxmap, unreamed, all, step_mm / grid.voxel_mm, out);
   return out;
 }
 

@@ -18,7 +18,7 @@ namespace reamsim {
   X(FramebufferRenderbuffer) X(GenBuffers) X(GenFramebuffers) X(GenRenderbuffers) X(GenTextures) X(GenVertexArrays) \
   X(BindRenderbuffer) X(GetError) X(GetIntegerv) X(GetProgramInfoLog) X(GetProgramiv) X(GetShaderInfoLog) \
   X(GetShaderiv) X(GetUniformLocation) X(LinkProgram) X(PixelStorei) X(ReadPixels) \
-  X(RenderbufferStorageMultisample) X(ShaderSource) X(TexImage2D) X(TexParameteri) X(Uniform1f) X(Uniform1i) \
+  X(RenderbufferStorageMultisample) X(ShaderSource) X(StencilFunc) X(StencilOpSeparate) X(TexImage2D) X(TexParameteri) X(Uniform1f) X(Uniform1i) \
   X(Uniform3fv) X(Uniform4fv) X(UniformMatrix4fv) X(UseProgram) X(VertexAttribPointer) X(Viewport)
 // clang-format on
 

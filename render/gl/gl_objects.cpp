@@ -117,7 +117,7 @@ GlTarget::GlTarget(const Gl& gl, int width, int height, bool multisample)
   }
   samples = multisample ? std::min(samples, kSamples) : 0;
   attach(framebuffers_[0], buffers_[0], GL_COLOR_ATTACHMENT0, GL_RGBA8, samples);
-  attach(framebuffers_[0], buffers_[1], GL_DEPTH_ATTACHMENT, GL_DEPTH_COMPONENT24, samples);
+  attach(framebuffers_[0], buffers_[1], GL_DEPTH_STENCIL_ATTACHMENT, GL_DEPTH24_STENCIL8, samples);
   attach(framebuffers_[1], buffers_[2], GL_COLOR_ATTACHMENT0, GL_RGBA8, 0);
   for (const std::size_t i : {0U, 1U}) {
     gl.BindFramebuffer(GL_FRAMEBUFFER, framebuffers_[i]);

@@ -18,6 +18,8 @@ extern const char* const shader_line_vert;
 extern const char* const shader_line_frag;
 extern const char* const shader_tool_vert;
 extern const char* const shader_tool_frag;
+extern const char* const shader_tool_cut_vert;
+extern const char* const shader_tool_cut_frag;
 }  // namespace embedded
 namespace {
 
@@ -25,6 +27,8 @@ namespace {
 constexpr int kSupersamplingAlone = 3;
 /// Depth offset of the tool towards the viewer, against z-fighting with the bone that it touches.
 constexpr double kToolOffset_mm = 0.6;
+/// The same of the cut through it: enough against the cut face of the bone in the same plane.
+constexpr double kToolCutOffset_mm = 0.05;
 /// The same of contour lines.
 constexpr double kLineLift_mm = 0.35;
 /// Bone behind a section fades by 1/e over 25 mm.
@@ -67,13 +71,15 @@ struct Scene::Programs {
         bone(gl, "bone", {embedded::shader_bone_vert}, with_lighting(embedded::shader_bone_frag)),
         cut_face(gl, "cut_face", {embedded::shader_cut_face_vert}, with_lighting(embedded::shader_cut_face_frag)),
         line(gl, "line", {embedded::shader_line_vert}, with_lighting(embedded::shader_line_frag)),
-        tool(gl, "tool", {embedded::shader_tool_vert}, with_lighting(embedded::shader_tool_frag)) {}
+        tool(gl, "tool", {embedded::shader_tool_vert}, with_lighting(embedded::shader_tool_frag)),
+        tool_cut(gl, "tool_cut", {embedded::shader_tool_cut_vert}, with_lighting(embedded::shader_tool_cut_frag)) {}
 
   GlProgram background;
   GlProgram bone;
   GlProgram cut_face;
   GlProgram line;
   GlProgram tool;
+  GlProgram tool_cut;
 };
 
 Scene::Scene(const Gl& gl, const std::vector<ToolSurface>& tools)
@@ -111,7 +117,7 @@ PixelImage Scene::draw(const DrawCall& call) {
   gl_.Enable(GL_MULTISAMPLE);
   gl_.Enable(GL_CLIP_DISTANCE0);
   gl_.DepthMask(GL_TRUE);
-  gl_.Clear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
+  gl_.Clear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT | GL_STENCIL_BUFFER_BIT);
   gl_.BlendFuncSeparate(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA, GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
   if (call.background != Background::transparent) draw_background(call.background);
   gl_.Enable(GL_DEPTH_TEST);
@@ -200,31 +206,63 @@ void Scene::draw_tool(const DrawCall& call) const {
   program.set("eye_from_tool", Eigen::Matrix4f((call.camera.eye_from_bone * bone_from_tool).matrix().cast<float>()));
   program.set("cut_plane", local_plane(call.camera, bone_from_tool));
   program.set("depth_offset", static_cast<float>(kToolOffset_mm * call.camera.clip_depth_per_mm()));
-  program.set("cut_open", cut_open ? 1 : 0);
-  program.set("brushed", call.steel ? 1 : 0);
-  if (!call.steel) {
-    draw_translucent(tool, program, cut_open);
+  const bool steel = call.steel || cut_open;
+  program.set("brushed", steel ? 1 : 0);
+  if (!steel) {
+    draw_translucent(tool, program);
     return;
   }
   gl_.Disable(GL_BLEND);
   gl_.Disable(GL_CULL_FACE);
   gl_.DepthMask(GL_TRUE);
+  if (cut_open) {
+    draw_tool_cut(tool, program, call);
+    gl_.Enable(GL_CULL_FACE);
+    gl_.CullFace(GL_BACK);
+  }
+  program.use();
   tool.draw();
 }
 
-void Scene::draw_translucent(const GlMesh& tool, const GlProgram& program, bool cut_open) const {
+void Scene::draw_tool_cut(const GlMesh& tool, const GlProgram& program, const DrawCall& call) const {
+  // The plane is inside the tool where more of its back faces than of its front faces are behind the plane. The bone
+  // does not hide them: it may reach into the tool by the part of a voxel that smoothing rounds its edges by.
+  program.use();
+  gl_.Enable(GL_STENCIL_TEST);
+  gl_.Disable(GL_DEPTH_TEST);
+  gl_.ColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
+  gl_.StencilFunc(GL_ALWAYS, 0, 255);
+  gl_.StencilOpSeparate(GL_FRONT, GL_KEEP, GL_KEEP, GL_DECR_WRAP);
+  gl_.StencilOpSeparate(GL_BACK, GL_KEEP, GL_KEEP, GL_INCR_WRAP);
+  tool.draw();
+  gl_.ColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+  gl_.Enable(GL_DEPTH_TEST);
+  gl_.StencilFunc(GL_NOTEQUAL, 0, 255);
+  gl_.StencilOpSeparate(GL_FRONT_AND_BACK, GL_KEEP, GL_KEEP, GL_KEEP);
+  const GlProgram& cut = programs_->tool_cut;
+  cut.use();
+  const Eigen::Matrix4d bone_from_clip = call.camera.clip_from_bone().inverse();
+  cut.set("plane_in_clip", Eigen::Vector4f((bone_from_clip.transpose() * *call.camera.cut_plane).cast<float>()));
+  cut.set("depth_offset", static_cast<float>(kToolCutOffset_mm * call.camera.clip_depth_per_mm()));
+  cut.set("samples_per_px", static_cast<float>(call.supersampling));
+  gl_.BindVertexArray(empty_array_[0]);
+  gl_.DrawArrays(GL_TRIANGLES, 0, 3);
+  gl_.Disable(GL_STENCIL_TEST);
+}
+
+void Scene::draw_translucent(const GlMesh& tool, const GlProgram& program) const {
   gl_.Enable(GL_BLEND);
   gl_.Enable(GL_CULL_FACE);
 
   // First the back faces, faintly: the inside of the far walls.
-  gl_.CullFace(cut_open ? GL_BACK : GL_FRONT);
+  gl_.CullFace(GL_FRONT);
   gl_.DepthMask(GL_FALSE);
   program.set("opacity_facing", 0.10F);
   program.set("opacity_edge", 0.45F);
   tool.draw();
 
   // Then only the nearest layer: a depth pass, and colour where the depth is equal.
-  set_culling(gl_, cut_open);
+  gl_.CullFace(GL_BACK);
   gl_.DepthMask(GL_TRUE);
   gl_.ColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
   tool.draw();

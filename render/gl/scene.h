@@ -28,7 +28,7 @@ struct DrawCall {
   double density_max_g_cm3 = 2;                     ///< upper end of the density colours
   std::optional<Rigid> bone_from_spinning_tool;     ///< without: no tool
   std::size_t tool = 0;                             ///< index of the scene's tool
-  bool steel = false;                               ///< opaque brushed steel instead of a translucent tool
+  bool steel = false;                               ///< opaque brushed steel, as always in a section, not translucent
   const std::vector<SurfaceLine>* lines = nullptr;  ///< contour lines on the reamed face
   double line_width_px = 1;
   double line_opacity = 1;
@@ -63,7 +63,9 @@ class Scene {
   void draw_cut_face(const DrawCall& call) const;
   void draw_lines(const DrawCall& call) const;
   void draw_tool(const DrawCall& call) const;
-  void draw_translucent(const GlMesh& tool, const GlProgram& program, bool cut_open) const;
+  /// The cut through the tool; `program` draws the tool.
+  void draw_tool_cut(const GlMesh& tool, const GlProgram& program, const DrawCall& call) const;
+  void draw_translucent(const GlMesh& tool, const GlProgram& program) const;
 
   const Gl& gl_;
   std::unique_ptr<Programs> programs_;

@@ -99,7 +99,8 @@ PixelImage Renderer::render(const Camera& camera, const std::optional<PlacedTool
   call.antialiasing = for_film ? Antialiasing::fxaa : Antialiasing::multisample;
   CutFace cut_face;
   if (camera.cut_plane) {
-    cut_face = sample_cut_face(view_.run().voxmap(), state_->fields.fill, state_->fields.solid, camera);
+    cut_face = sample_cut_face(view_.run().voxmap(), state_->fields.fill, state_->fields.solid, view_.run().unreamed(),
+                               camera);
     call.cut_face = &cut_face;
   }
   return state_->scene.draw(call);

@@ -14,7 +14,9 @@ constexpr int kBorder = 3;             // columns around the reamed face
 constexpr double kMaxColumns = 4e6;    // against a huge face with small voxels
 constexpr double kClear_voxels = 2;    // bone this near the face does not hide a line
 constexpr double kCutMargin_mm = 0.8;  // nearer to the cut a line has no number
-constexpr double kMaxHiding_mm = 60;   // bone farther in front of the face is not looked for
+constexpr int kHeightReach = 4;        // points of a line over which its height is smoothed, to each side
+constexpr int kHeightRounds = 2;
+constexpr double kMaxHiding_mm = 60;  // bone farther in front of the face is not looked for
 
 /// A vertex in the map, mm, with its depth and the certainty of its removal.
 struct MapVertex {
@@ -127,6 +129,20 @@ bool is_visible(const Vec3& point_mm, const Camera& camera, const BoneFields& bo
   return std::ranges::none_of(fields, [](float field) { return field < 0; });
 }
 
+/// Smooths the heights of a closed line. On a steep wall those of neighbouring columns differ by many voxels.
+void smooth_heights(std::vector<Vec3>& line) {
+  const std::size_t count = line.size();
+  if (count <= 2 * kHeightReach) return;
+  for (int round = 0; round < kHeightRounds; ++round) {
+    std::vector<double> heights(count, 0);
+    for (std::size_t n = 0; n < count; ++n) {
+      for (std::size_t k = 0; k <= 2 * kHeightReach; ++k)
+        heights[n] += line[(n + count + k - kHeightReach) % count].z();
+    }
+    for (std::size_t n = 0; n < count; ++n) line[n].z() = heights[n] / (2 * kHeightReach + 1);
+  }
+}
+
 }  // namespace
 
 std::vector<FaceContour> face_contours(const std::vector<BoneSurface>& tiles, const Rigid& map_from_bone,
@@ -141,8 +157,10 @@ std::vector<FaceContour> face_contours(const std::vector<BoneSurface>& tiles, co
     FaceContour& contour = out.emplace_back(FaceContour{line.value, {}});
     for (const Vec2& p : line.points_mm) {
       const double z = height.at(p);
-      if (std::isfinite(z)) contour.points_mm.push_back(bone_from_map * Vec3(p.x(), p.y(), z));
+      if (std::isfinite(z)) contour.points_mm.emplace_back(p.x(), p.y(), z);
     }
+    smooth_heights(contour.points_mm);
+    for (Vec3& p : contour.points_mm) p = bone_from_map * p;
   }
   return out;
 }

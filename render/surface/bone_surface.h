@@ -12,8 +12,8 @@ namespace reamsim {
 
 /// The bone as a triangle mesh for OpenGL.
 struct BoneSurface {
-  /// Floats per vertex: position in B (mm), outward normal, and (depth below the unreamed surface in mm, certainty that
-  /// material was removed here 0…1, density in g/cm³, ambient accessibility 0…1).
+  /// Floats per vertex: position in B (mm), outward normal, and (depth below the unreamed surface in mm; 0…1, above ½
+  /// on the reamed face; density in g/cm³; ambient accessibility 0…1).
   static constexpr std::array kAttributeSizes{3, 3, 4};
   static constexpr std::size_t kStride = 10;
   static constexpr std::size_t kNormal = 3, kDepth = 6, kReamed = 7, kDensity = 8, kAccessibility = 9;  ///< offsets

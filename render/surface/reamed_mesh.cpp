@@ -71,15 +71,21 @@ void add_reaming(ReamedMesh& out, const VoxelGrid& grid, const UnreamedSurface& 
     const Vec3 at = (out.mesh.vertices[i] - grid.origin_mm) / grid.voxel_mm - Vec3::Constant(0.5);
     return openvdb::Vec3d(at.x(), at.y(), at.z());
   };
-  Reaming reaming = sample_reaming(out.mesh.vertices.size(), unreamed, voxel,
-                                   [&](std::size_t i) { return voxel(i) * grid.voxel_mm; });
+  // Without the field of the current bone the certainty stands for the edge as well.
+  std::vector<Removal> removal(out.mesh.vertices.size());
+  const ReamingSampler sampler(unreamed);
+  for (std::size_t i = 0; i < removal.size(); ++i) {
+    const float certainty = sampler.fraction(voxel(i));
+    removal[i] = {certainty, certainty};
+  }
+  Reaming reaming = reaming_at(removal, unreamed, [&](std::size_t i) { return voxel(i) * grid.voxel_mm; });
   std::vector<Eigen::Vector3f> points;
   for (const Vec3& p : out.mesh.vertices) points.emplace_back(((p - grid.origin_mm) / grid.voxel_mm).cast<float>());
   std::vector<std::uint32_t> corners;
   for (const auto& triangle : out.mesh.triangles) corners.insert(corners.end(), triangle.begin(), triangle.end());
   reaming.smooth({points.size(), corners}, points, kMeshSmoothingRounds, kMeshSmoothingRounds);
   out.depth_mm = std::move(reaming.depth_mm);
-  out.reamed = std::move(reaming.fraction);
+  out.reamed = std::move(reaming.reamed);
 }
 
 }  // namespace

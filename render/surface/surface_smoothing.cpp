@@ -37,6 +37,7 @@ Neighbours::Neighbours(std::size_t vertices, std::span<const std::uint32_t> indi
 }
 
 void smooth_normals(const Neighbours& neighbours, std::vector<Eigen::Vector3f>& normals, int rounds) {
+  const std::vector<Eigen::Vector3f> original = normals;
   std::vector<Eigen::Vector3f> next(normals.size());
   for (int round = 0; round < rounds; ++round) {
     parallel_ranges(normals.size(), kSmoothingGrain, [&](std::size_t begin, std::size_t end) {
@@ -51,6 +52,17 @@ void smooth_normals(const Neighbours& neighbours, std::vector<Eigen::Vector3f>& 
     });
     normals.swap(next);
   }
+  // Across an edge smoothing would make each normal that of one face or of the other, and triangles do not end at the
+  // edge: it would be a row of bright and dark teeth.
+  parallel_ranges(normals.size(), kSmoothingGrain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      float same_face = 1;
+      for (const std::uint32_t other : neighbours.of(i)) {
+        same_face = std::min(same_face, crease_weight(original[i], original[other]));
+      }
+      normals[i] = (same_face * normals[i] + (1 - same_face) * original[i]).normalized();
+    }
+  });
 }
 
 void fit_to_normals(const Neighbours& neighbours, const std::vector<Eigen::Vector3f>& normals,

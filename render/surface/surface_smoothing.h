@@ -30,7 +30,7 @@ class Neighbours {
 };
 
 /// Smooths voxel steps in the shading: replaces each normal, `rounds` times, by the crease-weighted mean of itself and
-/// its neighbours, so that true edges stay sharp.
+/// its neighbours, so that faces do not shade each other. Normals on an edge between faces stay as they are.
 void smooth_normals(const Neighbours& neighbours, std::vector<Eigen::Vector3f>& normals, int rounds);
 
 /// Fits points to their smoothed normals: moves each, `rounds` times, to the mean of the positions that its neighbours

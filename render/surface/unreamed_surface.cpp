@@ -5,9 +5,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <unsupported/Eigen/BVH>
 #include <utility>
 
+#include "render/surface/point_distance.h"
 #include "render/surface/scalar_grid.h"
 #include "render/surface/surface_smoothing.h"
 #include "sim/bone/vdb/vdb_archive.h"
@@ -59,8 +59,6 @@ OffsetSurface offset_outwards(const IsoSurface& surface, double voxel_mm, double
   return out;
 }
 
-using SourceTree = Eigen::KdBVH<double, 3, Point>;
-
 /// Was at least half of this bone voxel removed?
 bool removed(const Voxmap& voxmap, const FillBricks& after, const FillBricks& before, const Vec3i& voxel) {
   if (!voxmap.grid.contains(voxel)) return false;
@@ -108,15 +106,6 @@ void dilate(std::vector<std::uint8_t>& marked, const Neighbours& neighbours, int
   }
 }
 
-/// For Eigen's tree: the squared distance to a point, and its lower bound in a box.
-struct SquaredDistance {
-  using Scalar = double;
-  Point from;
-
-  double minimumOnVolume(const SourceTree::Volume& box) const { return box.squaredExteriorDistance(from); }
-  double minimumOnObject(const Point& source) const { return (source - from).squaredNorm(); }
-};
-
 /// A grid whose active cells cover every changed brick, plus a margin for interpolation.
 openvdb::FloatGrid::Ptr cells_of_changed_bricks(double voxel_mm, const FillBricks& after, const FillBricks& before,
                                                 double cell_mm) {
@@ -149,10 +138,10 @@ openvdb::FloatGrid::Ptr depth_grid(const IsoSurface& surface, const Voxmap& voxm
   if (sources.empty()) return depth;
   // Sources are a cell apart and at least kClosing_mm away, so the nearest one approximates the nearest triangle.
   const std::vector<Eigen::AlignedBox3d> boxes(sources.begin(), sources.end());
-  const SourceTree tree(sources.begin(), sources.end(), boxes.begin(), boxes.end());
+  const PointTree tree(sources.begin(), sources.end(), boxes.begin(), boxes.end());
   const auto measure = [&](const openvdb::FloatGrid::ValueOnIter& value) {
     const Vec3d mm = depth->indexToWorld(value.getCoord());
-    SquaredDistance from{Point(mm.x(), mm.y(), mm.z())};
+    PointDistance from{Point(mm.x(), mm.y(), mm.z())};
     const double distance_mm = std::sqrt(Eigen::BVMinimize(tree, from));
     value.setValue(static_cast<float>(distance_mm - kClosing_mm));
   };

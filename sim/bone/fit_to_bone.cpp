@@ -65,6 +65,7 @@ FilledVoxmap fit_to_bone(const FilledVoxmap& voxmap, int margin_voxels) {
   out.fill = FillBricks(dims);
   copy_fill_within(extent, voxmap.fill, shift, out.fill);
   out.mapping = voxmap.mapping;
+  out.layers = voxmap.layers;
   out.frame = voxmap.frame;
   return out;
 }

@@ -171,6 +171,8 @@ FilledVoxmap voxmap_from_mesh(const BoneSettings& settings, Report& report) {
   const GradesByDepth by_depth{cortical_voxels, grade(bone.cortical_hu), grade(bone.trabecular_hu)};
   FilledVoxmap voxmap = grades_from_depth(depth, grid, by_depth);
   voxmap.mapping = mapping;
+  voxmap.layers = BoneLayers{bone.cortical_mm, DensityMapping::density_from_grade(by_depth.cortical),
+                             DensityMapping::density_from_grade(by_depth.trabecular)};
   voxmap.frame = "mesh";
   if (voxmap.count_bone() == 0) {
     throw InputError({bone.path, 0, 0}, "bone.voxel_mm", "the mesh contains no voxel centre",

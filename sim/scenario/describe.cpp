@@ -37,7 +37,7 @@ void describe_user_camera(KeyVisitor& v, UserCamera& camera) {
            camera.position_mm);
   v.optional_vector(
       {.name = "target_mm",
-       .doc = "Point in the centre of the picture; without it the centre of the glenoid, or the reamed region",
+       .doc = "Point in the centre of the view; without it the centre of the glenoid, or the reamed region",
        .range = kPosition},
       camera.target_mm);
   v.optional_vector({.name = "up",
@@ -55,7 +55,7 @@ void describe_user_camera(KeyVisitor& v, UserCamera& camera) {
             .when = {"projection", {"perspective"}}},
            camera.fov_deg);
   v.number({.name = "width_mm",
-            .doc = "Width of the view",
+            .doc = "Width of the view, without the column of labels",
             .range = between(0.1, 10000),
             .when = {"projection", {"orthographic"}}},
            camera.width_mm);
@@ -107,9 +107,12 @@ void describe_render(KeyVisitor& v, RenderSettings& render) {
   v.flag({.name = "force_arrow",
           .doc = "Draw the force of the bone on the reamer as an arrow with its magnitude, in pictures along the run"},
          render.force_arrow);
-  v.choice({.name = "background",
-            .doc = "Background of the pictures. Films, contact sheet and report use white instead of transparent"},
-           render.background);
+  v.choice(
+      {.name = "background",
+       .doc =
+           "Background of the pictures. Films, contact sheet and report use white instead of transparent, and labels "
+           "have a white ground"},
+      render.background);
   v.vector({.name = "light",
             .doc = "Direction of the main light in the picture: right, up, towards the viewer",
             .range = kComponent,

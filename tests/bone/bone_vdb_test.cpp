@@ -23,6 +23,7 @@ FilledVoxmap ragged_bone(unsigned seed) {
   FilledVoxmap voxmap(VoxelGrid{{21, 18, 27}, 0.3, {-4.7, 12.9, 1.0 / 3}});
   voxmap.mapping = {0.0008, -0.01, 0.55};
   voxmap.frame = "mesh";
+  voxmap.layers = BoneLayers{1.0 / 3, 1.8, 0.4};
   std::mt19937 random(seed);
   for (std::int64_t e = 0; e < voxmap.grid.size(); ++e) {
     if (random() % 3 == 0) continue;
@@ -63,6 +64,12 @@ void expect_same(const FilledVoxmap& a, const FilledVoxmap& b) {
   EXPECT_EQ(a.mapping.ash_slope_g_cm3_per_hu, b.mapping.ash_slope_g_cm3_per_hu);
   EXPECT_EQ(a.mapping.ash_offset_g_cm3, b.mapping.ash_offset_g_cm3);
   EXPECT_EQ(a.mapping.ash_fraction, b.mapping.ash_fraction);
+  ASSERT_EQ(a.layers.has_value(), b.layers.has_value());
+  if (a.layers) {
+    EXPECT_EQ(a.layers->cortical_mm, b.layers->cortical_mm);
+    EXPECT_EQ(a.layers->cortical_g_cm3, b.layers->cortical_g_cm3);
+    EXPECT_EQ(a.layers->trabecular_g_cm3, b.layers->trabecular_g_cm3);
+  }
   ASSERT_EQ(a.grade, b.grade);
   for (std::int64_t e = 0; e < a.grid.size(); ++e) {
     const Vec3i c = a.grid.coord(e);

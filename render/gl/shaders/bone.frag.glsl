@@ -20,7 +20,7 @@ void main() {
   }
   vec3 n = normalize(normal);
   float accessibility = reaming.w * reaming.w;
-  float reamed = smoothstep(0.35, 0.65, reaming.y);
+  float reamed = clamp((reaming.y - 0.5) / max(fwidth(reaming.y), 1e-5) + 0.5, 0.0, 1.0);
 
   vec3 bone = mix(kSoftBone, kDenseBone, smoothstep(0.2, 1.5, reaming.z));
   float fraction = clamp(reaming.x / depth_max_mm, 0.0, 1.0);

@@ -1,7 +1,7 @@
 #version 450 core
 layout(location = 0) in vec3 position_mm;
 layout(location = 1) in vec3 normal_in_bone;
-layout(location = 2) in vec4 attributes;  // depth mm, reamed 0..1, density g/cm3, ambient accessibility 0..1
+layout(location = 2) in vec4 attributes;  // depth mm, above 0.5 reamed, density g/cm3, ambient accessibility 0..1
 
 uniform mat4 clip_from_bone;
 uniform mat4 eye_from_bone;

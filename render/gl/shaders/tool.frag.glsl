@@ -5,13 +5,9 @@ out vec4 color;
 
 uniform float opacity_facing;
 uniform float opacity_edge;
-uniform int cut_open;
 uniform int brushed;  // opaque brushed steel instead of translucent
 
 const vec3 kSteel = vec3(0.62, 0.65, 0.69);
-const vec3 kCutSteel = vec3(0.42, 0.50, 0.60);
-
-const float kHatch_px = 18.0;  // of the output picture
 
 // Environment map of a studio: bright ceiling panels, a dark horizon, a grey floor.
 vec3 studio(vec3 r) {
@@ -53,12 +49,6 @@ vec3 brushed_steel(vec3 n) {
 }
 
 void main() {
-  if (cut_open == 1 && !gl_FrontFacing) {
-    // A back face of a cut solid shows the cut.
-    float hatch = abs(fract((gl_FragCoord.x + gl_FragCoord.y) / (kHatch_px * samples_per_px)) - 0.5);
-    color = vec4(srgb_from_linear(kCutSteel * (hatch < 0.06 ? 0.6 : 1.0)), brushed == 1 ? 1.0 : 0.55);
-    return;
-  }
   vec3 n = normalize(gl_FrontFacing ? normal : -normal);
   if (brushed == 1) {
     color = vec4(srgb_from_linear(brushed_steel(n)), 1.0);

@@ -80,6 +80,18 @@ std::optional<LandmarkSettings> parse_stored_landmarks(const std::string& path, 
   return LandmarkSettings{{n[0], n[1], n[2]}, {n[3], n[4], n[5]}, {n[6], n[7], n[8]}};
 }
 
+std::optional<BoneLayers> parse_stored_layers(const std::string& text) {
+  std::array<double, 3> n{};
+  if (!read_numbers(text, n) || n[0] < 0 || n[1] < 0 || n[2] < 0) return std::nullopt;
+  return BoneLayers{n[0], n[1], n[2]};
+}
+
+std::string stored_text(const BoneLayers& layers) {
+  std::ostringstream out = exact_text();
+  out << layers.cortical_mm << " " << layers.cortical_g_cm3 << " " << layers.trabecular_g_cm3;
+  return out.str();
+}
+
 BodySide checked_stored_side(const std::string& path, const std::string& text) {
   if (const auto side = from_name<BodySide>(text)) return *side;
   throw InputError({path, 0, 0}, vdb_keys::kSide, excerpt(text), std::string("expected left or right") + kRemedy);

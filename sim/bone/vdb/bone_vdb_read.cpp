@@ -167,6 +167,7 @@ FilledVoxmap read_voxmap(const std::string& path, StoredBone* stored) {
   FilledVoxmap voxmap(placement.lattice);
   voxmap.frame = frame_name(*density);
   voxmap.mapping = mapping_of(*density);
+  voxmap.layers = parse_stored_layers(value_of<std::string>(*density, vdb_keys::kLayers).value_or(""));
   read_grades(path, *density, placement.first, voxmap);
   if (file.has(vdb_keys::kFill)) {
     const openvdb::FloatGrid::Ptr fill = file.read(vdb_keys::kFill);

@@ -91,6 +91,7 @@ openvdb::MetaMap bone_metadata(const BoneView& bone, const Metadata& extra) {
   set(vdb_keys::kAshSlope, openvdb::DoubleMetadata(bone.voxmap.mapping.ash_slope_g_cm3_per_hu));
   set(vdb_keys::kAshOffset, openvdb::DoubleMetadata(bone.voxmap.mapping.ash_offset_g_cm3));
   set(vdb_keys::kAshFraction, openvdb::DoubleMetadata(bone.voxmap.mapping.ash_fraction));
+  if (bone.voxmap.layers) set(vdb_keys::kLayers, openvdb::StringMetadata(stored_text(*bone.voxmap.layers)));
   return out;
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -10,12 +11,21 @@
 
 namespace reamsim {
 
+/// The two layers of a mesh bone: cortical down to a depth below its surface, trabecular below. Voxels have one density
+/// or the other, so pictures need the depth to draw the boundary without voxel steps.
+struct BoneLayers {
+  double cortical_mm;
+  double cortical_g_cm3;
+  double trabecular_g_cm3;
+};
+
 /// The bone before reaming, as voxels (paper §3.2: the voxmap). Immutable once it is built.
 struct Voxmap {
   VoxelGrid grid;
   GradeBricks grade;  ///< density of each voxel; 0 = air
   DensityMapping mapping;
   std::string frame = "LPS";  ///< the bone frame B: "LPS" for CT, "mesh" for a mesh, "phantom"
+  std::optional<BoneLayers> layers;
 
   Voxmap() = default;
   /// All air.

@@ -1,0 +1,11 @@
+#version 450 core
+// One triangle in the cut plane that covers the picture; no vertex buffer.
+uniform vec4 plane_in_clip;  // zero on the cut plane, clip coordinates
+uniform float depth_offset;  // towards the viewer: in front of the cut face of the bone
+
+void main() {
+  vec2 place = 2.0 * vec2(float((gl_VertexID << 1) & 2), float(gl_VertexID & 2)) - 1.0;
+  float depth = -(dot(plane_in_clip.xy, place) + plane_in_clip.w) / plane_in_clip.z;
+  gl_Position = vec4(place, depth - depth_offset, 1.0);
+  gl_ClipDistance[0] = 1.0;
+}

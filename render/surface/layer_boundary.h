@@ -1,0 +1,29 @@
+#pragma once
+
+#include <memory>
+
+#include "render/surface/unreamed_surface.h"
+
+namespace reamsim {
+
+/// The boundary between the layers of a bone (Voxmap::layers) in a plane: at their depth below the unreamed surface,
+/// not between voxels.
+class LayerBoundary {
+ public:
+  /// For points in the plane through three points, in voxel index space. All must outlive this.
+  LayerBoundary(const Voxmap& voxmap, const UnreamedSurface& unreamed, const Vec3& a, const Vec3& b, const Vec3& c);
+  ~LayerBoundary();
+
+  /// Whether the eight voxels nearest to a point (voxel index space) are of both layers.
+  [[nodiscard]] bool near(const Vec3& point) const;
+  /// The density in g/cm³ at a point by its depth, blended over `blend_voxels` across the boundary.
+  [[nodiscard]] double density_at(const Vec3& point, double blend_voxels) const;
+
+ private:
+  struct Surface;
+
+  const Voxmap& voxmap_;
+  std::unique_ptr<Surface> surface_;  ///< near the plane
+};
+
+}  // namespace reamsim
