@@ -14,6 +14,7 @@
 #include "sim/base/text.h"
 #include "sim/plan/memory_plan.h"
 #include "sim/plan/time_plan.h"
+#include "sim/predict/clearance.h"
 #include "sim/predict/contact_forecast.h"
 #include "sim/run/simulation.h"
 #include "sim/scenario/parse.h"
@@ -96,11 +97,14 @@ void check_command(const ScenarioOptions& options, const Console& console) {
   ReamingScene scene = load_scene(scenario, found, mistakes);
   const double load_s = load_watch.seconds();
   warn_of_contact(scene, forecast_contact(scene), found);
+  const std::optional<HolderClearance> clearance = find_clearance(scene);
+  if (clearance) warn_of_clearance(*clearance, scene, found);
   warn_of_settings(scene, found);
   Report report;
   report.warnings = found.warnings;
   note_cost(scene, report);
   note_time(scene, load_s, mistakes, report);
+  if (clearance) report.note(sentence_of(*clearance, scene));
   if (scene.bone.segmentation) report.note(sentence_of(*scene.bone.segmentation));
   report.listings = std::move(found.listings);
   report.notes.insert(report.notes.end(), found.notes.begin(), found.notes.end());

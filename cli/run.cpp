@@ -12,6 +12,7 @@
 #include "sim/base/error.h"
 #include "sim/base/memory.h"
 #include "sim/predict/contact_forecast.h"
+#include "sim/record/clearance_file.h"
 #include "sim/record/output_folder.h"
 #include "sim/record/summary.h"
 #include "sim/run/measure.h"
@@ -76,6 +77,7 @@ class ScenarioRun {
     report_segmentation();
     contact_ = forecast_contact(scene_);
     warn_of_contact(scene_, contact_, report_);
+    find_clearance_of_holder();
     print_report();
     facts_.bone_before_mm3 = scene_.bone.view().bone_mm3();
     write_tool(dir_, scene_.tool);
@@ -87,6 +89,14 @@ class ScenarioRun {
     write_scenario(dir_, scene_, facts_);
     return_free_memory();
     facts_.load_s = watch.seconds();
+  }
+
+  void find_clearance_of_holder() {
+    facts_.clearance = find_clearance(scene_);
+    if (!facts_.clearance) return;
+    console_.say(sentence_of(*facts_.clearance, scene_));
+    warn_of_clearance(*facts_.clearance, scene_, report_);
+    write_clearance(dir_ + "/clearance.csv", *facts_.clearance, scene_.motion.frame_s());
   }
 
   void report_segmentation() const {

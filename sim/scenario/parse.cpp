@@ -143,6 +143,7 @@ std::vector<std::pair<std::string, std::string>> input_files(const Scenario& sce
   if (bone.source == BoneSource::mesh) files.emplace_back("bone.mesh.path", bone.mesh.path);
   if (bone.source == BoneSource::vdb) files.emplace_back("bone.vdb.path", bone.vdb.path);
   files.emplace_back("tool.mesh", scenario.tool.mesh);
+  if (scenario.clearance.envelope) files.emplace_back("clearance.envelope.path", scenario.clearance.envelope->path);
   if (scenario.motion.csv) files.emplace_back("motion.csv.path", scenario.motion.csv->path);
   return files;
 }

@@ -31,6 +31,7 @@ class Rules {
     rule({"bone.source", "bone.glenoid", "render.user_cameras"}, &Rules::check_camera_frames);
     if (s_.bone.source == BoneSource::ct) rule({"bone.ct"}, &Rules::check_crop);
     if (s_.bone.source == BoneSource::phantom) rule({"bone.phantom"}, &Rules::check_phantom);
+    rule({"tool.holder"}, &Rules::check_holder);
     rule({"motion"}, &Rules::check_keyframes);
     rule({"motion"}, &Rules::check_frame_count);
     rule({"engine.type", "tool.spin"}, &Rules::check_spin_of_implicit);
@@ -75,6 +76,7 @@ class Rules {
   void check_camera_frames() const;
   void check_crop() const;
   void check_phantom() const;
+  void check_holder() const;
   void check_keyframes() const;
   void check_frame_count() const;
   void check_spin_of_implicit() const;
@@ -200,6 +202,14 @@ void Rules::check_phantom() const {
     require(2 * p.face_radius_mm >= p.height_mm, at + "face_radius_mm", p.face_radius_mm, "at least half of height_mm");
     require(2 * p.shell_mm < p.width_mm, at + "shell_mm", p.shell_mm, "less than half of width_mm");
     require(p.subchondral_mm < p.vault_depth_mm, at + "subchondral_mm", p.subchondral_mm, "less than vault_depth_mm");
+  }
+}
+
+void Rules::check_holder() const {
+  for (std::size_t i = 0; i < s_.tool.holder.size(); ++i) {
+    const HolderPartSettings& part = s_.tool.holder[i];
+    require(part.to_z_mm > part.from_z_mm, "tool.holder." + std::to_string(i) + ".to_z_mm", part.to_z_mm,
+            "more than from_z_mm, " + number_text(part.from_z_mm));
   }
 }
 
