@@ -104,6 +104,15 @@ constexpr std::array kMotion{Line{"/simulated_s", "Simulated time", "s"},
                              Line{"/contact_frames", "Frames in contact", ""},
                              Line{"/first_contact_frame", "First frame in contact", ""}};
 
+constexpr std::array kClearance{Line{"/clearance/least_mm", "Least clearance of the holder", "mm"},
+                                Line{"/clearance/part", "Part of the holder", ""},
+                                Line{"/clearance/obstacle", "Nearest surface", ""},
+                                Line{"/clearance/frame", "Frame", ""},
+                                Line{"/clearance/time_s", "Time", "s"},
+                                Line{"/clearance/limit_mm", "Limit", "mm"},
+                                Line{"/clearance/first_frame_below", "First frame below the limit", ""},
+                                Line{"/clearance/last_frame_below", "Last frame below the limit", ""}};
+
 const std::array kTables{Table{"Bone", kBone},
                          Table{"Segmentation", kSegmentation},
                          Table{"Reamed face", kFace},
@@ -111,7 +120,8 @@ const std::array kTables{Table{"Bone", kBone},
                          Table{"Remaining bone under the face", kRemaining},
                          Table{"Force and torque", kLoads},
                          Table{"Energy", kEnergy},
-                         Table{"Motion", kMotion}};
+                         Table{"Motion", kMotion},
+                         Table{"Clearance", kClearance}};
 
 InputError wrong(const std::string& path, const std::string& key, const std::string& expected) {
   return {{path, 0, 0}, key, "found another type", "expected " + expected};

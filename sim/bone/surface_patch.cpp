@@ -83,9 +83,9 @@ Vec3 SurfacePatch::nearest(const Vec3& point) const {
   for (std::size_t i = 0; i < count; ++i) {
     const Vec3& a = vertices[i];
     const Vec3 edge = vertices[(i + 1) % count] - a;
-    // The centre tells the inner side of an edge, in either order of the vertices.
+    // The centre tells the inner side of an edge, in either order of the vertices. A polygon without area has none.
     const Vec3 across = normal.cross(edge);
-    inside &= across.dot(flat - a) * across.dot(center - a) >= 0;
+    inside &= across.dot(flat - a) * across.dot(center - a) > 0;
     const double length2 = edge.squaredNorm();
     const double part = length2 > 0 ? std::clamp(edge.dot(flat - a) / length2, 0.0, 1.0) : 0;
     const Vec3 here = a + part * edge;

@@ -74,6 +74,7 @@ class Surfaces {
     if (const auto& envelope = scene.scenario.clearance.envelope) add_envelope(*envelope, kCellVoxels * grid.voxel_mm);
   }
 
+  /// Makes the polygons of a cluster of bone, once.
   void build(Cluster& cluster) const {
     if (cluster.built) return;
     cluster.built = true;
@@ -82,6 +83,12 @@ class Surfaces {
       const Vec3i voxel = BrickLattice::voxel_at(cluster.brick, offset);
       if (bone_fraction(bone_, voxel) > 0) add_voxel(voxel, cuts[static_cast<std::size_t>(offset)], cluster);
     }
+  }
+
+  /// The surface of what a plane beside the tool leaves of a voxel.
+  void add_solid(const PassingVoxel& voxel, const VoxelPlane& left, std::vector<SurfacePatch>& out) const {
+    const VoxelPlane planes[] = {left, voxel.surface.value_or(left)};
+    add_solid_patches(voxel.center, bone_.voxmap.grid.voxel_mm, std::span(planes, voxel.surface ? 2 : 1), out);
   }
 
   /// Whether a point lies in bone that no tool comes near.
@@ -103,14 +110,6 @@ class Surfaces {
     if (cut.plane) add_solid(passing, *cut.plane, cluster.patches);
   }
 
- public:
-  /// The surface of what a plane beside the tool leaves of a voxel.
-  void add_solid(const PassingVoxel& voxel, const VoxelPlane& left, std::vector<SurfacePatch>& out) const {
-    const VoxelPlane planes[] = {left, voxel.surface.value_or(left)};
-    add_solid_patches(voxel.center, bone_.voxmap.grid.voxel_mm, std::span(planes, voxel.surface ? 2 : 1), out);
-  }
-
- private:
   void add_envelope(const ClearanceEnvelopeSettings& settings, double cell_mm) {
     const TriangleMesh mesh = read_mesh(settings.path, settings.scale);
     std::map<std::tuple<int, int, int>, std::vector<SurfacePatch>> cells;
