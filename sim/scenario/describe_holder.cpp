@@ -4,7 +4,9 @@ namespace reamsim {
 
 namespace {
 
-constexpr Range kAlongTool = between(-1000, 1000);
+// So that either end may be at its limit.
+constexpr Range kBegin = between(-1000, 999);
+constexpr Range kEnd = between(-999, 1000);
 constexpr Range kDiameter = between(0, 1000);
 
 void describe_envelope(KeyVisitor& v, ClearanceEnvelopeSettings& envelope) {
@@ -23,9 +25,9 @@ void describe_holder_part(KeyVisitor& v, HolderPartSettings& part) {
   v.number({.name = "from_z_mm",
             .doc = "Begin on the spin axis, in the tool frame; +z leads to the drive",
             .required = true,
-            .range = kAlongTool},
+            .range = kBegin},
            part.from_z_mm);
-  v.number({.name = "to_z_mm", .doc = "End, more than from_z_mm", .required = true, .range = kAlongTool}, part.to_z_mm);
+  v.number({.name = "to_z_mm", .doc = "End, more than from_z_mm", .required = true, .range = kEnd}, part.to_z_mm);
   v.number({.name = "diameter_mm", .doc = "Diameter at from_z_mm", .required = true, .range = between(0.01, 1000)},
            part.diameter_mm);
   v.number({.name = "end_diameter_mm", .doc = "Diameter at to_z_mm, of a cone; 0: diameter_mm", .range = kDiameter},
