@@ -18,6 +18,7 @@
 #include "sim/base/text.h"
 #include "sim/plan/memory_plan.h"
 #include "sim/plan/time_plan.h"
+#include "sim/predict/clearance.h"
 #include "sim/predict/contact_forecast.h"
 #include "sim/record/output_folder.h"
 #include "sim/run/simulation.h"
@@ -173,12 +174,15 @@ void check_command(const CheckOptions& options, const Console& console) {
   const ContactForecast contact = of_whole_run(contacts);
   scene.contact = contact.frames;
   warn_of_contact(scene, contacts, found);
+  const std::optional<HolderClearance> clearance = find_clearance(scene);
+  if (clearance) warn_of_clearance(*clearance, scene, found);
   warn_of_settings(scene, found);
   draw_setup(options, scene, contact, found);  // before a mistake of the pose ends the command: it shows there
   Report report;
   report.warnings = found.warnings;
   note_cost(scene, report);
   note_plans(scene, load_s, mistakes, report);
+  if (clearance) report.note(sentence_of(*clearance, scene));
   if (scene.bone.segmentation) report.note(sentence_of(*scene.bone.segmentation));
   report.listings = std::move(found.listings);
   report.notes.insert(report.notes.end(), found.notes.begin(), found.notes.end());

@@ -83,8 +83,8 @@ std::string motion_text(const PlungeSettings& plunge) {
       "    approach_mm: {:g}          # before the contact\n    feed_mm_s: {:g}\n"
       "    depth_mm: {:g}             # beyond the contact\n    dwell_s: {:g}\n    retract_mm: {:g}\n"
       "    retract_mm_s: {:g}\n    spin_rpm: {:g}\n",
-      name_of(plunge.from), plunge.approach_mm, plunge.feed_mm_s, plunge.depth_mm, plunge.dwell_s, plunge.retract_mm, plunge.retract_mm_s,
-      plunge.spin_rpm);
+      name_of(plunge.from), plunge.approach_mm, plunge.feed_mm_s, plunge.depth_mm, plunge.dwell_s, plunge.retract_mm,
+      plunge.retract_mm_s, plunge.spin_rpm);
 }
 
 }  // namespace

@@ -13,6 +13,7 @@
 #include "sim/base/error.h"
 #include "sim/base/memory.h"
 #include "sim/predict/contact_forecast.h"
+#include "sim/record/clearance_file.h"
 #include "sim/record/output_folder.h"
 #include "sim/record/summary.h"
 #include "sim/run/measure.h"
@@ -85,6 +86,7 @@ class ScenarioRun {
     contacts_ = forecast_passes(scene_);
     scene_.contact = of_whole_run(contacts_).frames;
     warn_of_contact(scene_, contacts_, report_);
+    find_clearance_of_holder();
     print_report();
     facts_.bone_before_mm3 = scene_.bone.view().bone_mm3();
     write_tools(dir_, scene_);
@@ -104,6 +106,14 @@ class ScenarioRun {
     const auto state = checkpoints_.state();
     while (state && state->frame >= scene_.motion.last_frame() && begin_next_pass(scene_)) {
     }
+  }
+
+  void find_clearance_of_holder() {
+    facts_.clearance = find_clearance(scene_);
+    if (!facts_.clearance) return;
+    console_.say(sentence_of(*facts_.clearance, scene_));
+    warn_of_clearance(*facts_.clearance, scene_, report_);
+    write_clearance(dir_ + "/clearance.csv", *facts_.clearance, scene_.motion.frame_s());
   }
 
   void report_segmentation() const {

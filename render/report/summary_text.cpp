@@ -109,6 +109,14 @@ constexpr std::array kPassColumns{ListColumn{"tool", "Reamer"}, ListColumn{"remo
                                   ListColumn{"peak_axial_force_n", "Peak axial force, N"},
                                   ListColumn{"peak_spin_torque_nmm", "Peak spin torque, N·mm", 0}};
 constexpr ListTable kPasses{"/passes", "Passes", "Pass", kPassColumns};
+constexpr std::array kClearance{Line{"/clearance/least_mm", "Least clearance of the holder", "mm"},
+                                Line{"/clearance/part", "Part of the holder", ""},
+                                Line{"/clearance/obstacle", "Nearest surface", ""},
+                                Line{"/clearance/frame", "Frame", ""},
+                                Line{"/clearance/time_s", "Time", "s"},
+                                Line{"/clearance/limit_mm", "Limit", "mm"},
+                                Line{"/clearance/first_frame_below", "First frame below the limit", ""},
+                                Line{"/clearance/last_frame_below", "Last frame below the limit", ""}};
 
 const std::array kTables{Table{"Bone", kBone},
                          Table{"Segmentation", kSegmentation},
@@ -117,7 +125,8 @@ const std::array kTables{Table{"Bone", kBone},
                          Table{"Remaining bone under the face", kRemaining},
                          Table{"Force and torque", kLoads},
                          Table{"Energy", kEnergy},
-                         Table{"Motion", kMotion}};
+                         Table{"Motion", kMotion},
+                         Table{"Clearance", kClearance}};
 
 InputError wrong(const std::string& path, const std::string& key, const std::string& expected) {
   return {{path, 0, 0}, key, "found another type", "expected " + expected};

@@ -9,7 +9,7 @@
 
 #include "sim/base/parallel.h"
 #include "sim/motion/bounded_path.h"
-#include "sim/predict/swept_bone.h"
+#include "sim/predict/predicted_passes.h"
 
 namespace reamsim {
 
@@ -268,20 +268,10 @@ ContactForecast forecast_contact(const ReamingScene& scene) {
 }
 
 std::vector<ContactForecast> forecast_passes(const ReamingScene& scene) {
-  std::vector<ContactForecast> out{forecast_contact(scene)};
-  const Voxmap& voxmap = *scene.bone.voxmap;
-  const bool whole_voxels = scene.scenario.cutting.erosion != ErosionMode::exact;
-  FillBricks fill = scene.bone.fill;
-  const Tool* tool = &scene.tool;
-  const Motion* motion = &scene.motion;
-  for (const Pass& pass : scene.later_passes) {
-    std::vector<ToolPose> poses;
-    for (const PathSample& sample : path_of(*tool, *motion, voxmap.grid.voxel_mm)) poses.push_back(sample.pose);
-    fill = predict_swept_bone(voxmap, fill, tool->profile, poses, whole_voxels).fill;
-    out.push_back(forecast_pass(voxmap, fill, pass.tool, pass.motion));
-    tool = &pass.tool;
-    motion = &pass.motion;
-  }
+  std::vector<ContactForecast> out;
+  for_each_predicted_pass(scene, [&](const FillBricks& fill, const Tool& tool, const Motion& motion) {
+    out.push_back(forecast_pass(*scene.bone.voxmap, fill, tool, motion));
+  });
   return out;
 }
 

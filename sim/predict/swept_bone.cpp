@@ -21,14 +21,6 @@ constexpr double kTablePitchVoxels = 0.5;
 /// Margin around the tool's box, voxels: larger than a brick's radius and a voxel.
 constexpr double kMarginVoxels = 9;
 
-/// The tool's distances, with an error of a fraction of a voxel at corners.
-DistanceTable make_distances(const Profile& tool, double voxel_mm) {
-  const double pitch_mm = kTablePitchVoxels * voxel_mm;
-  const Aabb box = tool.bounds().expanded(kMarginVoxels * voxel_mm);
-  return make_distance_table(tool, {0, box.min.z()}, pitch_mm, static_cast<int>(std::ceil(box.max.x() / pitch_mm)) + 2,
-                             static_cast<int>(std::ceil((box.max.z() - box.min.z()) / pitch_mm)) + 2);
-}
-
 /// A tested pose of the tool.
 struct TestedPose {
   Rigid tool_from_bone;
@@ -79,7 +71,8 @@ class SweptBone {
         grade_(voxmap.grade),
         before_(before),
         whole_voxels_(whole_voxels),
-        table_(make_distances(tool, voxmap.grid.voxel_mm)),
+        table_(distance_table_around(tool, kTablePitchVoxels * voxmap.grid.voxel_mm,
+                                     kMarginVoxels * voxmap.grid.voxel_mm)),
         tested_poses_(sample_poses(poses, tool.bounds().expanded(kMarginVoxels * voxmap.grid.voxel_mm),
                                    kStepVoxels * voxmap.grid.voxel_mm)) {}
 

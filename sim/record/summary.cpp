@@ -10,6 +10,7 @@
 #include "sim/base/stopwatch.h"
 #include "sim/mesh/mesh_io.h"
 #include "sim/record/checksum.h"
+#include "sim/record/clearance_file.h"
 #include "sim/record/metrics_file.h"
 #include "sim/record/snapshot.h"
 #include "sim/record/vti.h"
@@ -286,6 +287,7 @@ void write_summary(const std::string& dir, const ReamingScene& scene, const RunT
   json["bone"] = bone_json(scene, totals, facts);
   if (scene.bone.segmentation) json["segmentation"] = segmentation_json(*scene.bone.segmentation);
   json["tool"] = tool_json(scene.tool);
+  if (facts.clearance) json["clearance"] = clearance_json(*facts.clearance, scene);
   if (finished) {
     json["timings_s"] = {{"load", facts.load_s},
                          {"simulate", facts.simulate_s},

@@ -4,6 +4,7 @@
 
 #include "sim/base/stopwatch.h"
 #include "sim/metrics/run_metrics.h"
+#include "sim/predict/clearance.h"
 #include "sim/record/recorder.h"
 #include "sim/scene/scene.h"
 
@@ -33,6 +34,7 @@ struct RunFacts {
   Stopwatch since_start;
   std::vector<InputSum> inputs;
   std::vector<std::string> warnings;
+  std::optional<HolderClearance> clearance;
   BoneMetrics metrics;
   ColumnMap depth_map;
 };

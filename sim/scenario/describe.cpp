@@ -151,6 +151,8 @@ void describe_scenario(KeyVisitor& v, Scenario& scenario) {
   v.text({.name = "name", .doc = "Name of the run; without it the file name without its extension"}, scenario.name);
   v.section({.name = "bone", .doc = "The bone to be reamed", .required = true}, scenario.bone, describe_bone);
   v.section({.name = "tool", .doc = "The reamer", .required = true}, scenario.tool, describe_tool);
+  v.section({.name = "clearance", .doc = "Clearance of the parts of tool.holder along the motion"}, scenario.clearance,
+            describe_clearance);
   v.section({.name = "motion", .doc = "Motion of the reamer", .required = true}, scenario.motion, describe_motion);
   v.section({.name = "engine", .doc = "Engine and device"}, scenario.engine, describe_engine);
   v.defaults([&scenario] {

@@ -84,6 +84,10 @@ void describe_tool(KeyVisitor& v, ToolSettings& tool) {
       {.name = "spin",
        .doc = "envelope: the envelope of revolution of the reamer; resolved: the rotating cutting edges themselves"},
       tool.spin);
+  v.list({.name = "holder",
+          .doc = "Parts of shaft and holder, stacked cylinders and cones about the spin axis. They do not cut; their "
+                 "clearance from the bone is reported"},
+         tool.holder, describe_holder_part);
 }
 
 void describe_motion(KeyVisitor& v, MotionSettings& motion) {

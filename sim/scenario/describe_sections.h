@@ -22,6 +22,8 @@ constexpr Range kHu = between(-2000, 10000);
 void describe_ct(KeyVisitor& v, CtSettings& ct);
 void describe_bone(KeyVisitor& v, BoneSettings& bone);
 void describe_tool(KeyVisitor& v, ToolSettings& tool);
+void describe_holder_part(KeyVisitor& v, HolderPartSettings& part);
+void describe_clearance(KeyVisitor& v, ClearanceSettings& clearance);
 void describe_motion(KeyVisitor& v, MotionSettings& motion);
 void describe_engine(KeyVisitor& v, EngineSettings& engine);
 void describe_cutting(KeyVisitor& v, CuttingSettings& cutting);

@@ -167,6 +167,7 @@ std::vector<std::pair<std::string, std::string>> input_files(const Scenario& sce
   for (const PassSpec& pass : passes_of(scenario)) {
     if (pass.tool_key != "tool") files.emplace_back(pass.tool_key + ".mesh", pass.tool.mesh);
   }
+  if (scenario.clearance.envelope) files.emplace_back("clearance.envelope.path", scenario.clearance.envelope->path);
   if (scenario.motion.csv) files.emplace_back("motion.csv.path", scenario.motion.csv->path);
   return files;
 }

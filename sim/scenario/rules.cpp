@@ -32,6 +32,7 @@ class Rules {
     rule({"bone.source", "bone.glenoid", "render.user_cameras"}, &Rules::check_camera_frames);
     if (s_.bone.source == BoneSource::ct) rule({"bone.ct"}, &Rules::check_crop);
     if (s_.bone.source == BoneSource::phantom) rule({"bone.phantom"}, &Rules::check_phantom);
+    rule({"tool.holder", "motion.passes"}, &Rules::check_holder);
     rule({"motion"}, &Rules::check_keyframes);
     rule({"motion"}, &Rules::check_frame_count);
     rule({"engine.type", "tool.spin", "motion.passes"}, &Rules::check_spin_of_implicit);
@@ -76,6 +77,7 @@ class Rules {
   void check_camera_frames() const;
   void check_crop() const;
   void check_phantom() const;
+  void check_holder() const;
   void check_keyframes() const;
   void check_frame_count() const;
   void require_envelope(const std::string& because) const;
@@ -202,6 +204,16 @@ void Rules::check_phantom() const {
     require(2 * p.face_radius_mm >= p.height_mm, at + "face_radius_mm", p.face_radius_mm, "at least half of height_mm");
     require(2 * p.shell_mm < p.width_mm, at + "shell_mm", p.shell_mm, "less than half of width_mm");
     require(p.subchondral_mm < p.vault_depth_mm, at + "subchondral_mm", p.subchondral_mm, "less than vault_depth_mm");
+  }
+}
+
+void Rules::check_holder() const {
+  for (const PassSpec& pass : passes_of(s_)) {
+    for (std::size_t i = 0; i < pass.tool.holder.size(); ++i) {
+      const HolderPartSettings& part = pass.tool.holder[i];
+      require(part.to_z_mm > part.from_z_mm, pass.tool_key + ".holder." + std::to_string(i) + ".to_z_mm", part.to_z_mm,
+              "more than from_z_mm, " + number_text(part.from_z_mm));
+    }
   }
 }
 

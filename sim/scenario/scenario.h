@@ -147,11 +147,32 @@ struct BoneSettings {
 
 // ---- tool ------------------------------------------------------------------------------------------------------
 
+/// A part of shaft or holder, which does not cut and must not touch: a cylinder or cone about z of T.
+struct HolderPartSettings {
+  std::string name;  ///< for messages; "": its number
+  double from_z_mm = 0;
+  double to_z_mm = 0;
+  double diameter_mm = 0;      ///< at from_z_mm
+  double end_diameter_mm = 0;  ///< at to_z_mm; 0: the same
+};
+
 struct ToolSettings {
   std::string mesh;  ///< STL, OBJ or PLY in the tool frame T
   double scale = 1;
   int shell_resolution = 0;            ///< M of the M³ grid; 0 = spacing of 0.47 voxel, which leaks nothing
   ToolSpin spin = ToolSpin::envelope;  ///< envelope of revolution | resolved cutting edges
+  std::vector<HolderPartSettings> holder;
+};
+
+/// Soft tissue from which a holder is kept clear, as a mesh in B.
+struct ClearanceEnvelopeSettings {
+  std::string path;
+  double scale = 1;
+};
+
+struct ClearanceSettings {
+  double least_mm = 0;  ///< of the holder; less is warned of
+  std::optional<ClearanceEnvelopeSettings> envelope{};
 };
 
 // ---- motion ----------------------------------------------------------------------------------------------------
@@ -360,6 +381,7 @@ struct Scenario {
   KeyLocations keys;  ///< their places in it, for messages
   BoneSettings bone;
   ToolSettings tool;
+  ClearanceSettings clearance;
   MotionSettings motion;
   EngineSettings engine;
   CuttingSettings cutting;

@@ -45,4 +45,11 @@ DistanceTable make_distance_table(const Profile& profile, const Vec2& first, dou
   return out;
 }
 
+DistanceTable distance_table_around(const Profile& profile, double pitch_mm, double margin_mm) {
+  const Aabb box = profile.bounds().expanded(margin_mm);
+  return make_distance_table(profile, {0, box.min.z()}, pitch_mm,
+                             static_cast<int>(std::ceil(box.max.x() / pitch_mm)) + 2,
+                             static_cast<int>(std::ceil((box.max.z() - box.min.z()) / pitch_mm)) + 2);
+}
+
 }  // namespace reamsim

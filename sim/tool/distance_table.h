@@ -21,6 +21,9 @@ struct DistanceTable {
   [[nodiscard]] double nearest(const Vec2& rz) const;
 };
 
+/// Over the profile's box and `margin_mm` round it.
+DistanceTable distance_table_around(const Profile& profile, double pitch_mm, double margin_mm);
+
 DistanceTable make_distance_table(const Profile& profile, const Vec2& first, double pitch_mm, int count_r, int count_z);
 
 }  // namespace reamsim

@@ -131,6 +131,7 @@ Tool load_tool(const ToolSettings& settings, double voxel_mm, ShellUse use, Repo
   check_frame(settings, tool.mesh, tool.profile, report);
 
   tool.spin = settings.spin;
+  tool.holder = settings.holder;
   const bool teeth = settings.spin == ToolSpin::resolved;
   const double radius = tool.profile.max_radius_mm();
   tool.bounds = teeth ? tool.mesh.bounds() : tool.profile.bounds();

@@ -100,7 +100,12 @@ SIZE_EFFECT = {"size_effect": {"exponent": 0.3, "reference_mm": 0.05, "cutting_e
 EDGE_FORCE = {"edge_force": {"tangential_n_mm": 1, "normal_n_mm": 0.5, "cutting_edges": 2}}
 TABLE = {"specific_energy_table": [{"density_g_cm3": 0.5, "energy_j_mm3": 0.02}, {"density_g_cm3": 1.5, "energy_j_mm3": 0.1}]}
 HOLE = {"bone": {"pilot_hole": {"diameter_mm": 2, "entry_mm": [0, 0, 0], "axis": [0, 0, -1], "depth_mm": 3}}}
+SKIN = {"files": {"skin.obj": cube(30)}, "clearance": {"envelope": {"path": "skin.obj"}}}
 SLOW = {"approach_mm": 0.001, "depth_mm": 0.001, "retract_mm": 0.001}
+
+
+def holder(**part):
+    return {"tool": {"holder": [{"from_z_mm": 8, "to_z_mm": 40, "diameter_mm": 3, **part}]}}
 
 
 def merged(base, patch):
@@ -132,6 +137,9 @@ SECTIONS = {
     "bone.mesh": mesh_bone(),
     "bone.pilot_hole": HOLE,
     "tool": {},
+    "tool.holder": holder(),
+    "clearance": holder(),
+    "clearance.envelope": merged(holder(), SKIN),
     "motion": {},
     "motion.plunge": {},
     "motion.keyframes": keyframes({}, {}),
@@ -194,6 +202,10 @@ KEYS = {
     "tool.scale@min": {"files": {"tool.obj": cylinder(4e6, 6e6)}},
     "tool.scale@max": {"files": {"tool.obj": cylinder(4e-6, 6e-6)}},
     "tool.shell_resolution": merged(cutting(erosion="remove"), {"files": {"tool.obj": cylinder(0.4, 6)}}),
+    "tool.holder[].from_z_mm@max": holder(to_z_mm=1000),
+    "tool.holder[].to_z_mm@min": holder(from_z_mm=-1000),
+    "clearance.envelope.scale@min": merged(SKIN, {"files": {"skin.obj": cube(3e7)}}),
+    "clearance.envelope.scale@max": merged(SKIN, {"files": {"skin.obj": cube(3e-5)}}),
     "motion.frame_rate_hz@min": plunge(1, feed_mm_s=0.1, retract_mm_s=0.1),
     "motion.frame_rate_hz@max": plunge(1e5, approach_mm=0.05, depth_mm=0.05, retract_mm=0.05, feed_mm_s=500, retract_mm_s=500),
     "motion.plunge.approach_mm@max": plunge(100, feed_mm_s=1000),
