@@ -148,19 +148,19 @@ TEST(Clearance, IsNoneWithoutAHolderAndTheSameForLongMotions) {
 }
 
 TEST(Clearance, LaterPassesMeetTheBoneThatEarlierOnesLeave) {
-  // The first pass drills a hole of radius 8 mm and 5 mm depth; the second one goes half as deep in it, with a holder.
-  const Bone bone = half_space();
-  ReamingScene scene = scene_of(bone, {0, 0, 3}, {0, 0, -5}, {});
-  const ReamingScene second = scene_of(bone, {0, 0, 3}, {0, 0, -2.5}, {cylinder(1, 30, 10)});
+  // The first pass cuts a hole of 8 mm radius; the second one enters it with a holder of 5 mm radius.
+  const Bone bone = phantom_bone(PhantomShape::half_space);
+  ReamingScene scene = scene_of(bone, {0.2, 0.1, 3}, {0.2, 0.1, -12}, {});
+  const ReamingScene second = scene_of(bone, {0.2, 0.1, 3}, {0.2, 0.1, -8}, {part(kHead_mm, 60, 10)});
   scene.scenario.motion.passes = {{scene.scenario.tool, {}}, {second.scenario.tool, {}}};
   scene.later_passes.push_back({second.tool, second.motion});
   scene.later_passes[0].motion.first_frame = scene.motion.last_frame() + 1;
   scene.later_passes[0].motion.pass = 2;
   const HolderClearance found = clearance_of(scene);
   EXPECT_EQ(found.frames.front().frame, scene.motion.last_frame() + 1);
+  EXPECT_NEAR(found.frames.front().mm, std::hypot(3, 3 + kHead_mm), kTolerance_mm) << "the rim of the hole";
   EXPECT_EQ(found.least.pass, 2);
-  // The wall of the hole is 3 mm beside the holder, and its floor 5 − 2.5 + 1 mm below.
-  EXPECT_NEAR(found.least.mm, 3, kTolerance_mm);
+  EXPECT_NEAR(found.least.mm, 3, kTolerance_mm) << "its wall";
 }
 
 }  // namespace
