@@ -14,6 +14,7 @@ constexpr double kValue = 28;
 constexpr double kName = 22;     // of values, legends and directions
 constexpr double kValueGap = 9;  // between values
 constexpr double kReach = 56;    // of the arrows of directions
+constexpr Rgba kLineColor{0.78, 0.80, 0.83, 1};
 
 /// Draws title and values, one below the other.
 void draw_values(const Canvas& canvas, const PageLayout& layout, const Labels& labels) {
@@ -100,11 +101,17 @@ void draw_directions(const Canvas& canvas, const PageLayout& layout, const Camer
   }
 }
 
-/// The column's ground. On a transparent background it is a plate of its own, so that text is legible on any slide.
+/// The column's ground. On a transparent background it is a plate of its own, so that text is legible on any slide; on
+/// a white one a line parts it from bone that the edge of the view cuts off.
 void draw_ground(const Canvas& canvas, const PageLayout& layout, Background background) {
   const double column = layout.width_px - layout.view_width_px;
   const Box box{static_cast<double>(layout.view_width_px), 0, column, static_cast<double>(layout.height_px)};
   if (background == Background::transparent) canvas.fill_panel(box, 12 * layout.unit, kPlateColor);
+  if (background != Background::white) return;
+  canvas.set_color(kLineColor);
+  cairo_set_line_width(canvas.get(), std::max(1.0, 1.5 * layout.unit));
+  const double x = box.x + std::max(1.0, layout.unit);
+  canvas.line({x, 0}, {x, box.height});
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "render/gl/pixel_image.h"
+#include "render/pictures/page_layout.h"
 #include "render/render.h"
 #include "tests/render/picture_file.h"
 #include "tests/render/results_fixture.h"
@@ -62,7 +63,7 @@ TEST_F(Look, ATransparentBackgroundIsNothingAndTheBoneOpaque) {
   // Laid on white it is the picture on white, also where the tool is see-through.
   int most = 0;
   for (int y = 0; y < clear.height; ++y) {
-    for (int x = 0; x < clear.width; ++x) {
+    for (int x = 0; x < page_layout(clear.width, clear.height).view_width_px; ++x) {
       const Eigen::Vector3i on_white = clear.at(x, y) + Eigen::Vector3i::Constant(255 - alpha(clear, x, y));
       most = std::max(most, (on_white - white.at(x, y)).cwiseAbs().maxCoeff());
     }
