@@ -108,7 +108,8 @@ Json tool_json(const ToolSettings& settings, double voxel_mm, std::vector<Mistak
 /// and qw, qx, qy, qz. Without poses where it cannot be read. `contact`: of a plunge whose depth counts
 /// from the first contact, which the page finds, its direction and approach; else null.
 Json motion_json(const MotionSettings& settings, std::vector<Mistake>& mistakes, Report& report) {
-  Json json{{"frame", name_of(settings.frame)}, {"time_s", Json::array()}, {"poses", Json::array()}, {"contact", Json()}};
+  Json json{
+      {"frame", name_of(settings.frame)}, {"time_s", Json::array()}, {"poses", Json::array()}, {"contact", Json()}};
   const auto& plunge = settings.plunge;
   if (plunge && plunge->from == PlungeStart::contact) {
     json["contact"] = {{"along", point_json(plunge->axis.normalized())}, {"approach_mm", plunge->approach_mm}};
