@@ -296,8 +296,11 @@ class ClearanceSearch {
   double way_mm_ = 0;
 };
 
-double seconds_of(std::int64_t frame, const ReamingScene& scene) {
-  return static_cast<double>(frame) * scene.motion.frame_s();
+/// Where and when a clearance is.
+std::string place_of(const FrameClearance& at, const ReamingScene& scene) {
+  const Vec3& p = at.point_mm;
+  return fmt::format("the {} at ({:.1f}, {:.1f}, {:.1f}) mm, in frame {} ({:.3f} s)", name_of(at.obstacle), p.x(),
+                     p.y(), p.z(), at.frame, static_cast<double>(at.frame) * scene.motion.frame_s());
 }
 
 /// Adds the frames of a pass.
@@ -341,28 +344,19 @@ std::optional<HolderClearance> find_clearance(const ReamingScene& scene) {
 
 std::string sentence_of(const HolderClearance& clearance, const ReamingScene& scene) {
   const FrameClearance& least = clearance.least;
-  const Vec3& p = least.point_mm;
-  return fmt::format(
-      "clearance of the holder: at least {:.2f} mm ({}), in frame {} ({:.3f} s), from the {} at ({:.1f}, "
-      "{:.1f}, {:.1f}) mm",
-      least.mm, holder_part_name(scene.scenario, least), least.frame, seconds_of(least.frame, scene),
-      name_of(least.obstacle), p.x(), p.y(), p.z());
+  const std::string part = holder_part_name(scene.scenario, least);
+  const std::string place = place_of(least, scene);
+  if (least.mm <= 0) {
+    return fmt::format("clearance of the holder: none, {} touches {}, {:.2f} mm deep", part, place, -least.mm);
+  }
+  return fmt::format("clearance of the holder: at least {:.2f} mm, {} from {}", least.mm, part, place);
 }
 
 void warn_of_clearance(const HolderClearance& clearance, const ReamingScene& scene, Report& report) {
   if (!clearance.first_below) return;
-  const double limit_mm = scene.scenario.clearance.least_mm;
-  const FrameClearance& least = clearance.least;
-  const Vec3& p = least.point_mm;
-  const std::string place =
-      fmt::format("the {} at ({:.1f}, {:.1f}, {:.1f}) mm in frame {} ({:.3f} s)", name_of(least.obstacle), p.x(), p.y(),
-                  p.z(), least.frame, seconds_of(least.frame, scene));
-  const std::string what =
-      least.mm <= 0
-          ? fmt::format("{} touches {}, {:.2f} mm deep", holder_part_name(scene.scenario, least), place, -least.mm)
-          : fmt::format("{} comes within {:.2f} mm of {}", holder_part_name(scene.scenario, least), least.mm, place);
-  report.warn(fmt::format("{}; less than clearance.least_mm ({:g} mm) between frames {} and {}", what, limit_mm,
-                          *clearance.first_below, *clearance.last_below));
+  report.warn(fmt::format("{}; less than clearance.least_mm ({:g} mm) between frames {} and {}",
+                          sentence_of(clearance, scene), scene.scenario.clearance.least_mm, *clearance.first_below,
+                          *clearance.last_below));
 }
 
 }  // namespace reamsim

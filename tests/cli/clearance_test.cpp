@@ -1,5 +1,6 @@
 // tool.holder and clearance, from the command line.
 #include "tests/cli/cli_fixture.h"
+#include "tests/support/real_data.h"
 
 namespace reamsim::test {
 namespace {
@@ -18,7 +19,7 @@ class Clearance : public CliTest {};
 TEST_F(Clearance, IsReportedAndWarnedOf) {
   const ProgramResult done = run(kWithHolder);
   expect_done(done);
-  EXPECT_THAT(done.out, HasSubstr("clearance of the holder: at least 11.00 mm (shaft)"));
+  EXPECT_THAT(done.out, HasSubstr("clearance of the holder: at least 11.00 mm, shaft from the bone at ("));
   EXPECT_THAT(done.err, Not(HasSubstr("clearance")));
   const std::string summary = read("out/summary.json");
   EXPECT_NEAR(number_after(summary, "\"clearance\": {\n    \"least_mm\": "), 11, 0.05)
@@ -32,9 +33,26 @@ TEST_F(Clearance, IsReportedAndWarnedOf) {
   const ProgramResult checked =
       reamsim({.arguments = {"check", "s.yaml"}, .environment = {}, .folder = "", .interrupt_when = {}});
   EXPECT_EQ(checked.status, 0) << checked.err;
-  EXPECT_THAT(checked.out, AllOf(HasSubstr("# warning: shaft comes within 11.00 mm of the bone at ("),
-                                 HasSubstr("less than clearance.least_mm (11.22 mm) between frames 26 and "),
-                                 HasSubstr("end_diameter_mm: 40")));
+  EXPECT_THAT(checked.out,
+              AllOf(HasSubstr("# warning: clearance of the holder: at least 11.00 mm, shaft from the bone at ("),
+                    HasSubstr("less than clearance.least_mm (11.22 mm) between frames 26 and "),
+                    HasSubstr("end_diameter_mm: 40")));
+}
+
+TEST_F(Clearance, FromTheAcromionOfAScan) {
+  if (!std::filesystem::exists(data_file("shoulder_ct/shoulder_left.nrrd"))) GTEST_SKIP() << "set REAMSIM_DATA";
+  const auto check_mm = [&](const std::string& diameter_mm) {
+    const ProgramResult checked =
+        reamsim({.arguments = {"check", REAMSIM_ROOT "/trajectories/ct_shoulder.yaml", "--set",
+                               "tool.holder=[{from_z_mm: 20, to_z_mm: 180, diameter_mm: " + diameter_mm + "}]"},
+                 .environment = {},
+                 .folder = "",
+                 .interrupt_when = {}});
+    EXPECT_EQ(checked.status, 0) << checked.err;
+    return number_after(checked.out, "clearance of the holder: at least ");
+  };
+  // The acromion lies beside the holder, so that the clearance is the distance from its axis less its radius.
+  EXPECT_NEAR(check_mm("30") - check_mm("40"), 5, 0.04);
 }
 
 TEST_F(Clearance, MistakesAreInputErrors) {

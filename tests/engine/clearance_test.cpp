@@ -104,7 +104,8 @@ TEST(Clearance, WarnsOfTooLittle) {
   Report report;
   warn_of_clearance(clearance_of(scene), scene, report);
   ASSERT_EQ(report.warnings.size(), 1U);
-  EXPECT_THAT(report.warnings[0], testing::StartsWith("handpiece comes within 2.00 mm of the bone at ("));
+  EXPECT_THAT(report.warnings[0],
+              testing::StartsWith("clearance of the holder: at least 2.00 mm, handpiece from the bone at ("));
   // 3 mm are left 3 mm below the face.
   EXPECT_THAT(report.warnings[0], testing::HasSubstr("less than clearance.least_mm (3 mm) between frames 172 and 200"));
   scene.scenario.clearance.least_mm = 2 - kTolerance_mm;
@@ -116,7 +117,7 @@ TEST(Clearance, WarnsOfTooLittle) {
   Report alarm;
   warn_of_clearance(touching, scene, alarm);
   ASSERT_EQ(alarm.warnings.size(), 1U);
-  EXPECT_THAT(alarm.warnings[0], testing::StartsWith("handpiece touches the bone at ("));
+  EXPECT_THAT(alarm.warnings[0], testing::StartsWith("clearance of the holder: none, handpiece touches the bone at ("));
 }
 
 TEST(Clearance, FromAnEnvelopeOfSoftTissue) {
