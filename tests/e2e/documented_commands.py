@@ -221,7 +221,8 @@ def main():
         assert any(wanted in command for command in found["README.md"]), wanted
     with tempfile.TemporaryDirectory() as folder:
         place = Place(program, root, pathlib.Path(folder))
-        place.run_documented("reamsim run trajectories/default.yaml")
+        for name in ("trajectories/default.yaml", "s.yaml -o out/s", "s.yaml -o out/plain"):  # results that commands name
+            place.run_documented(f"reamsim run {name}")
         for page, commands in found.items():
             print(f"-- {page}")
             check_page(place, build, commands)
