@@ -19,7 +19,8 @@ constexpr double kApart_mm = 3;  // starts nearer to each other count as one
 constexpr std::size_t kFineSearches = 4;
 /// A face is refused below these.
 constexpr double kLeastScore = 0.35, kDoubtfulScore = 0.5;
-constexpr double kLeastRim = 0.5;  // of the directions
+constexpr double kLeastRim = 0.5;   // of the directions
+constexpr double kWholeRim = 0.95;  // a larger fraction has no gap
 
 /// Points of the surface round a point, with directions out of the bone.
 std::vector<Rigid> starts_round(const BoneView& bone, const BoneProbe& probe, const Vec3& near_mm) {
@@ -72,19 +73,17 @@ std::vector<SettledFace> settled_finely(const BoneProbe& probe, const std::vecto
                     [&](std::size_t i) { return settle_on_face(probe, distinct[i].bone_from_face, kFineEffort); });
 }
 
-/// Other faces that the search finds from starts towards both ends of one, which may have grown into the base of the
-/// coracoid.
+/// Faces that the search finds from starts towards both ends of one, which may have grown into the base of the
+/// coracoid. A coarse search would return to it.
 std::vector<SettledFace> faces_beside(const BoneProbe& probe, const SettledFace& face) {
   constexpr double kAside[] = {-0.3, -0.15, 0.15, 0.3}, kAbove_mm = 4;  // of the height
   const Vec3 along = face.fit.outline.height_mm * face.along(), outward = face.bone_from_face.linear().col(2);
-  std::vector<SettledFace> coarse = settle_all(std::size(kAside), [&](std::size_t i) -> std::optional<SettledFace> {
+  return settle_all(std::size(kAside), [&](std::size_t i) -> std::optional<SettledFace> {
     const Vec3 from = face.bone_from_face.translation() + kAside[i] * along + kAbove_mm * outward;
     const auto fall = probe.distance_to_bone(from, -outward, 3 * kAbove_mm);
     if (!fall) return std::nullopt;
-    return settle_on_face(probe, frame_at(from - *fall * outward, outward), kCoarseEffort);
+    return settle_on_face(probe, frame_at(from - *fall * outward, outward), kFineEffort);
   });
-  std::erase_if(coarse, [&](const SettledFace& other) { return is_same(face, other); });
-  return settled_finely(probe, coarse, std::size(kAside));
 }
 
 /// The best face from several starts; nullopt where they lead nowhere.
@@ -98,20 +97,20 @@ std::optional<SettledFace> best_from(const BoneProbe& probe, const std::vector<R
   return best == fine.end() ? std::nullopt : std::optional(*best);
 }
 
-/// Replaces a face by a better one. From a doubtful one by starts all over the surface, because rays from a point
-/// beside a deep face may meet its walls only. From any one by starts at both of its ends: the search rests in more
-/// than one outline where the rim passes into the base of the coracoid.
+/// Replaces a face by a better one. A doubtful one by starts all over the surface, because rays from a point beside a
+/// deep face may meet its walls only. One whose rim has a gap by starts towards both of its ends: the search rests in
+/// more than one outline where the rim passes into the base of the coracoid.
 void improve(const BoneView& bone, const BoneProbe& probe, const Vec3& near_mm, std::optional<SettledFace>& best) {
-  const auto take_better = [&](const SettledFace& face) {
-    if (!best || score_of(face, near_mm) > score_of(*best, near_mm)) best = face;
-  };
   if (!best || score_of(*best, near_mm) < kDoubtfulScore) {
-    const Ball around{near_mm, kFarthestStart_mm};
-    const auto face = best_from(probe, starts_on_surface(bone, probe, around), near_mm);
-    if (face && place_of(probe, *face).confidence >= kDoubtfulScore) take_better(*face);
+    const auto face = best_from(probe, starts_on_surface(bone, probe, {near_mm, kFarthestStart_mm}), near_mm);
+    const bool clear = face && place_of(probe, *face).confidence >= kDoubtfulScore;
+    if (clear && (!best || score_of(*face, near_mm) > score_of(*best, near_mm))) best = face;
   }
-  if (!best) return;
-  for (const SettledFace& beside : faces_beside(probe, *best)) take_better(beside);
+  if (!best || best->rim_fraction() > kWholeRim) return;
+  for (const SettledFace& beside : faces_beside(probe, *best)) {
+    // These are outlines of the same joint: the distance from the point does not count.
+    if (score_of(beside, near_mm) > 0 && face_score(beside) > face_score(*best)) best = beside;
+  }
 }
 
 SettledFace best_face(const BoneView& bone, const BoneProbe& probe, const Vec3& near_mm) {
