@@ -1,5 +1,7 @@
 #include "render/preview/preview_data.h"
 
+#include <fmt/core.h>
+
 #include <filesystem>
 #include <span>
 
@@ -47,6 +49,15 @@ Json spheres_json(std::span<const CutSphereSettings> spheres) {
   return out;
 }
 
+std::string filter_text(const CtSettings& settings) {
+  const std::string name = name_of(settings.filter);
+  if (settings.filter == CtFilter::median)
+    return fmt::format("{}, radius {} voxels", name, settings.median_radius_voxels);
+  if (settings.filter == CtFilter::none) return name;
+  return fmt::format("{}, {} iterations, conductance {:g}", name, settings.anisotropic_iterations,
+                     settings.anisotropic_conductance);
+}
+
 /// `used`: with the cut and the seed of `separate`, which the page uses and does not write.
 Json ct_json(const CtSettings& settings, const CtSettings& used) {
   Json planes = Json::array();
@@ -61,7 +72,10 @@ Json ct_json(const CtSettings& settings, const CtSettings& used) {
           {"cut_spheres", spheres_json(settings.cut_spheres)},
           {"separated", spheres_json(std::span(used.cut_spheres).subspan(settings.cut_spheres.size()))},
           {"separated_seed_mm", optional_json(used.seed_mm)},
-          {"cut_planes", planes}};
+          {"cut_planes", planes},
+          {"crop_min_mm", optional_json(settings.crop_min_mm)},
+          {"crop_max_mm", optional_json(settings.crop_max_mm)},
+          {"filter", filter_text(settings)}};
 }
 
 /// `given`: by a point near the face, the landmarks or the face of the scenario; else the bone has it, or nothing.
