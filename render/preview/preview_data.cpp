@@ -1,11 +1,15 @@
 #include "render/preview/preview_data.h"
 
+#include <fmt/core.h>
+
 #include <filesystem>
 #include <span>
 
 #include "render/report/markup.h"
 #include "render/report/page_data.h"
 #include "sim/base/error.h"
+#include "sim/bone/find_glenoid.h"
+#include "sim/bone/voxmap/lattice.h"
 #include "sim/motion/motion.h"
 #include "sim/scenario/passes.h"
 #include "sim/scenario/paths.h"
@@ -46,6 +50,15 @@ Json spheres_json(std::span<const CutSphereSettings> spheres) {
   return out;
 }
 
+std::string filter_text(const CtSettings& settings) {
+  const std::string name = name_of(settings.filter);
+  if (settings.filter == CtFilter::median)
+    return fmt::format("{}, radius {} voxels", name, settings.median_radius_voxels);
+  if (settings.filter == CtFilter::none) return name;
+  return fmt::format("{}, {} iterations, conductance {:g}", name, settings.anisotropic_iterations,
+                     settings.anisotropic_conductance);
+}
+
 /// `used`: with the cut and the seed of `separate`, which the page uses and does not write.
 Json ct_json(const CtSettings& settings, const CtSettings& used) {
   Json planes = Json::array();
@@ -60,7 +73,10 @@ Json ct_json(const CtSettings& settings, const CtSettings& used) {
           {"cut_spheres", spheres_json(settings.cut_spheres)},
           {"separated", spheres_json(std::span(used.cut_spheres).subspan(settings.cut_spheres.size()))},
           {"separated_seed_mm", optional_json(used.seed_mm)},
-          {"cut_planes", planes}};
+          {"cut_planes", planes},
+          {"crop_min_mm", optional_json(settings.crop_min_mm)},
+          {"crop_max_mm", optional_json(settings.crop_max_mm)},
+          {"filter", filter_text(settings)}};
 }
 
 /// `given`: by a point near the face, the landmarks or the face of the scenario; else the bone has it, or nothing.
@@ -129,16 +145,17 @@ Json motion_json(const MotionSettings& settings, std::vector<Mistake>& mistakes,
   return json;
 }
 
-/// A face round `near_mm` is found on the bone as a run finds it.
-std::optional<GlenoidFrame> glenoid_of_scan(const Scenario& scenario, Report& report) {
-  const BoneSettings& settings = scenario.bone;
+/// The frame of the scenario; a face round `near_mm` is found on the voxels as a run finds it.
+std::optional<GlenoidFrame> glenoid_of_scan(const BoneSettings& settings, std::optional<FilledVoxmap> voxels,
+                                            Report& report) {
   if (!settings.glenoid.near_mm) return glenoid_frame(settings.glenoid, settings.side);
-  Report said_before;  // by segmented_scan()
-  BoneSettings without_hole = with_surface_voxels(settings, scenario.cutting);
-  without_hole.pilot_hole.reset();
-  const Bone bone = load_bone(without_hole, said_before);
-  for (const std::string& note : said_before.notes) report.note(note);
-  return bone.glenoid;
+  if (!voxels) return std::nullopt;  // the segmentation failed, which is said
+  if (settings.side == BodySide::unknown) return std::nullopt;
+  const FoundGlenoid found =
+      find_glenoid(fit_to_bone(std::move(*voxels), kMarginVoxels), settings.glenoid, settings.side);
+  report.note(sentence_of(found));
+  for (const std::string& doubt : doubts_of(found)) report.warn(doubt);
+  return found.frame;
 }
 
 }  // namespace
@@ -148,11 +165,13 @@ PreviewBone load_preview_bone(const Scenario& scenario, Report& report) {
   PreviewBone out;
   out.side = settings.side;
   if (settings.source == BoneSource::ct) {
-    out.scan = segmented_scan(settings, report);
+    std::optional<FilledVoxmap> voxels;
+    const BoneSettings with_surface = with_surface_voxels(settings, scenario.cutting);
+    out.scan = segmented_scan(with_surface, report, settings.glenoid.near_mm ? &voxels : nullptr);
     out.mistakes = out.scan.mistakes;
     out.landmarks = settings.glenoid.landmarks;
     out.rim_mm = settings.glenoid.rim_mm;
-    attempt(out.mistakes, [&] { out.glenoid = glenoid_of_scan(scenario, report); });
+    attempt(out.mistakes, [&] { out.glenoid = glenoid_of_scan(settings, std::move(voxels), report); });
     return out;
   }
   // A rim that lies beside the bone is what the preview is for: it must not stop it.

@@ -14,11 +14,13 @@ namespace reamsim {
 namespace {
 
 constexpr double kFarthestStart_mm = 15;  // of the surface from the given point
-constexpr double kApart_mm = 3;           // starts nearer to each other count as one
-constexpr std::size_t kFineSearches = 2;
+constexpr double kFarthestFace_mm = 15;
+constexpr double kApart_mm = 3;  // starts nearer to each other count as one
+constexpr std::size_t kFineSearches = 4;
 /// A face is refused below these.
 constexpr double kLeastScore = 0.35, kDoubtfulScore = 0.5;
-constexpr double kLeastRim = 0.5;  // of the directions
+constexpr double kLeastRim = 0.5;   // of the directions
+constexpr double kWholeRim = 0.95;  // a larger fraction has no gap
 
 /// Points of the surface round a point, with directions out of the bone.
 std::vector<Rigid> starts_round(const BoneView& bone, const BoneProbe& probe, const Vec3& near_mm) {
@@ -39,11 +41,12 @@ std::vector<Rigid> starts_round(const BoneView& bone, const BoneProbe& probe, co
   return out;
 }
 
-/// face_score(), the nearer the better.
+/// face_score(), the nearer the better; -1 for a face beyond the point.
 double score_of(const SettledFace& face, const Vec3& near_mm) {
   constexpr double kDistanceWeight = 0.02;
   const double score = face_score(face);
-  return score < 0 ? score : score - kDistanceWeight * (face.bone_from_face.translation() - near_mm).norm();
+  const double away_mm = (face.bone_from_face.translation() - near_mm).norm();
+  return score < 0 || away_mm > kFarthestFace_mm ? -1 : score - kDistanceWeight * away_mm;
 }
 
 [[noreturn]] void fail(const Vec3& near_mm, const std::string& found, const std::string& expected) {
@@ -51,22 +54,63 @@ double score_of(const SettledFace& face, const Vec3& near_mm) {
                    fmt::format("({:.1f}, {:.1f}, {:.1f}): ", near_mm.x(), near_mm.y(), near_mm.z()) + found, expected);
 }
 
-/// Faces that the search finds from both ends of a doubtful one, which may have grown into the base of the coracoid.
-std::vector<SettledFace> faces_beside(const BoneProbe& probe, const SettledFace& face) {
-  constexpr double kAside = 0.2, kAbove_mm = 4;  // of the height
-  std::vector<SettledFace> out;
-  const Vec3 along = face.along();
-  const Vec3 outward = face.bone_from_face.linear().col(2);
-  for (const double side : {-kAside, kAside}) {
-    const Vec3 from =
-        face.bone_from_face.translation() + side * face.fit.outline.height_mm * along + kAbove_mm * outward;
-    const auto fall = probe.distance_to_bone(from, -outward, 3 * kAbove_mm);
-    if (!fall) continue;
-    if (const auto found = settle_on_face(probe, frame_at(from - *fall * outward, outward), kFineEffort)) {
-      out.push_back(*found);
-    }
+bool is_same(const SettledFace& a, const SettledFace& b) {
+  constexpr double kSame_mm = 1.5, kSameNormal = 0.98;  // a cosine
+  const Rigid &one = a.bone_from_face, &other = b.bone_from_face;
+  return (one.translation() - other.translation()).norm() < kSame_mm &&
+         one.linear().col(2).dot(other.linear().col(2)) > kSameNormal;
+}
+
+/// The first `most` faces that are no repetition of one before, settled finely.
+std::vector<SettledFace> settled_finely(const BoneProbe& probe, const std::vector<SettledFace>& coarse,
+                                        std::size_t most) {
+  std::vector<SettledFace> distinct;
+  for (const SettledFace& face : coarse) {
+    const auto same = [&](const SettledFace& other) { return is_same(face, other); };
+    if (distinct.size() < most && std::ranges::none_of(distinct, same)) distinct.push_back(face);
   }
-  return out;
+  return settle_all(distinct.size(),
+                    [&](std::size_t i) { return settle_on_face(probe, distinct[i].bone_from_face, kFineEffort); });
+}
+
+/// Faces that the search finds from starts towards both ends of one, which may have grown into the base of the
+/// coracoid. A coarse search would return to it.
+std::vector<SettledFace> faces_beside(const BoneProbe& probe, const SettledFace& face) {
+  constexpr double kAside[] = {-0.3, -0.15, 0.15, 0.3}, kAbove_mm = 4;  // of the height
+  const Vec3 along = face.fit.outline.height_mm * face.along(), outward = face.bone_from_face.linear().col(2);
+  return settle_all(std::size(kAside), [&](std::size_t i) -> std::optional<SettledFace> {
+    const Vec3 from = face.bone_from_face.translation() + kAside[i] * along + kAbove_mm * outward;
+    const auto fall = probe.distance_to_bone(from, -outward, 3 * kAbove_mm);
+    if (!fall) return std::nullopt;
+    return settle_on_face(probe, frame_at(from - *fall * outward, outward), kFineEffort);
+  });
+}
+
+/// The best face from several starts; nullopt where they lead nowhere.
+std::optional<SettledFace> best_from(const BoneProbe& probe, const std::vector<Rigid>& starts, const Vec3& near_mm) {
+  std::vector<SettledFace> coarse =
+      settle_all(starts.size(), [&](std::size_t i) { return settle_on_face(probe, starts[i], kCoarseEffort); });
+  const auto worth = [&](const SettledFace& face) { return -score_of(face, near_mm); };
+  std::ranges::stable_sort(coarse, {}, worth);
+  const std::vector<SettledFace> fine = settled_finely(probe, coarse, kFineSearches);
+  const auto best = std::ranges::min_element(fine, {}, worth);
+  return best == fine.end() ? std::nullopt : std::optional(*best);
+}
+
+/// Replaces a face by a better one. A doubtful one by starts all over the surface, because rays from a point beside a
+/// deep face may meet its walls only. One whose rim has a gap by starts towards both of its ends: the search rests in
+/// more than one outline where the rim passes into the base of the coracoid.
+void improve(const BoneView& bone, const BoneProbe& probe, const Vec3& near_mm, std::optional<SettledFace>& best) {
+  if (!best || score_of(*best, near_mm) < kDoubtfulScore) {
+    const auto face = best_from(probe, starts_on_surface(bone, probe, {near_mm, kFarthestStart_mm}), near_mm);
+    const bool clear = face && place_of(probe, *face).confidence >= kDoubtfulScore;
+    if (clear && (!best || score_of(*face, near_mm) > score_of(*best, near_mm))) best = face;
+  }
+  if (!best || best->rim_fraction() > kWholeRim) return;
+  for (const SettledFace& beside : faces_beside(probe, *best)) {
+    // These are outlines of the same joint: the distance from the point does not count.
+    if (score_of(beside, near_mm) > 0 && face_score(beside) > face_score(*best)) best = beside;
+  }
 }
 
 SettledFace best_face(const BoneView& bone, const BoneProbe& probe, const Vec3& near_mm) {
@@ -75,24 +119,8 @@ SettledFace best_face(const BoneView& bone, const BoneProbe& probe, const Vec3& 
     fail(near_mm, fmt::format("no surface of the bone within {:g} mm", kFarthestStart_mm),
          "give a point on the face of the glenoid, in the bone frame");
   }
-  std::vector<SettledFace> coarse =
-      settle_all(starts.size(), [&](std::size_t i) { return settle_on_face(probe, starts[i], kCoarseEffort); });
-  const auto better = [&](const SettledFace& a, const SettledFace& b) {
-    return score_of(a, near_mm) > score_of(b, near_mm);
-  };
-  std::stable_sort(coarse.begin(), coarse.end(), better);
-  coarse.resize(std::min<std::size_t>(coarse.size(), kFineSearches));
-  const std::vector<SettledFace> fine = settle_all(
-      coarse.size(), [&](std::size_t i) { return settle_on_face(probe, coarse[i].bone_from_face, kFineEffort); });
-  std::optional<SettledFace> best;
-  for (const SettledFace& face : fine) {
-    if (!best || better(face, *best)) best = face;
-  }
-  if (best && score_of(*best, near_mm) < kDoubtfulScore) {
-    for (const SettledFace& beside : faces_beside(probe, *best)) {
-      if (better(beside, *best)) best = beside;
-    }
-  }
+  std::optional<SettledFace> best = best_from(probe, starts, near_mm);
+  improve(bone, probe, near_mm, best);
   if (!best || score_of(*best, near_mm) < kLeastScore || best->rim_fraction() < kLeastRim) {
     fail(near_mm,
          best ? fmt::format("no joint face round the point: {:.0f} % of the directions meet a rim",

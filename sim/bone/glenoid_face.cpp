@@ -113,13 +113,14 @@ void GlenoidFace::place_center() {
   }
 }
 
-std::optional<Vec3> GlenoidFace::at(double superior, double anterior) const {
+std::optional<Vec3> GlenoidFace::at(double superior, double anterior, double below_mm) const {
   std::optional<double> deepest_mm;
   for (const Ball& ball : balls_) {
     const Vec3 center = face_from_anatomy_ * ball.center_mm;
     const double from_axis = std::hypot(superior - center.y(), anterior - center.z());
-    if (from_axis >= ball.radius_mm) continue;
-    const double normal_mm = center.x() - std::sqrt(ball.radius_mm * ball.radius_mm - from_axis * from_axis);
+    const double radius_mm = ball.radius_mm + below_mm;
+    if (from_axis >= radius_mm) continue;
+    const double normal_mm = center.x() - std::sqrt(radius_mm * radius_mm - from_axis * from_axis);
     deepest_mm = std::min(deepest_mm.value_or(normal_mm), normal_mm);
   }
   if (!deepest_mm) return std::nullopt;

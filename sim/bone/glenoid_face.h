@@ -35,8 +35,8 @@ class GlenoidFace {
 
   /// Exact distance below the face, positive into the bone.
   [[nodiscard]] double below_mm(const Vec3& point) const;
-  /// The point of the face at a position across the native axis; nullopt beside the balls.
-  [[nodiscard]] std::optional<Vec3> at(double superior, double anterior) const;
+  /// The point at a depth below the face, at a position across the native axis; nullopt beside the balls.
+  [[nodiscard]] std::optional<Vec3> at(double superior, double anterior, double below_mm = 0) const;
   /// The native face first, then the worn one.
   [[nodiscard]] const std::vector<Ball>& balls() const { return balls_; }
   /// Axis of the native face: lateral, rotated by version (posterior positive) and inclination.

@@ -14,7 +14,6 @@ constexpr double kFarthest_mm = 35;
 constexpr double kAbove_mm = 3;  // a surface that rises more than this in a step is a wall
 constexpr double kBelow_mm = 8;  // one that falls more ends
 constexpr double kLeastStep_mm = 0.4;
-
 /// Distance from the origin, height.
 using Profile = std::vector<Vec2>;
 
@@ -36,10 +35,10 @@ std::optional<Profile> profile_of(const BoneProbe& probe, const Rigid& bone_from
   return std::nullopt;
 }
 
-/// Where the surface has turned to fall by 45 degrees: the point farthest outwards and upwards.
+/// Where the surface has turned to fall by 45 degrees: the point farthest outwards and upwards. Of a rounded rim that is
+/// about its middle; where a gentle slope begins beside the face a steeper edge would lie far down on it.
 Vec2 corner_of(const Profile& profile) {
-  const auto nearer = [](const Vec2& a, const Vec2& b) { return a.sum() < b.sum(); };
-  return *std::max_element(profile.begin(), profile.end(), nearer);
+  return *std::ranges::max_element(profile, {}, [](const Vec2& p) { return p.sum(); });
 }
 
 }  // namespace

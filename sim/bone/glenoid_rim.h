@@ -14,7 +14,7 @@ struct RimWalk {
 
 /// Walks over the surface from the origin of a frame on it, whose +z points out of the bone, in `directions` equal
 /// steps of angle. A walk ends where the surface has fallen by 4 mm below its highest point or ends; the rim is its
-/// corner, the point farthest from the line between both ends. A walk has no rim where the surface rises steeply, or
+/// corner, where it has turned to fall by 45 degrees. A walk has no rim where the surface rises steeply, or
 /// extends beyond 35 mm.
 RimWalk walk_to_rim(const BoneProbe& probe, const Rigid& bone_from_face, int directions);
 

@@ -121,21 +121,37 @@ double GlenoidShape::stumps(const Vec3& point) const {
   return smooth_union(out, body, 4.0);
 }
 
-std::vector<Vec3> GlenoidShape::rim_mm() const {
-  constexpr int kPoints = 120;
+/// Where the surfaces that lie `rounding_mm(point)` below face and wall meet; the value may vary along the rim.
+std::vector<Vec3> GlenoidShape::rim_where(const std::function<double(const Vec3&)>& rounding_mm) const {
+  constexpr int kPoints = 120, kTurns = 4;
   std::vector<Vec3> out;
   for (int k = 0; k < kPoints; ++k) {
     const double angle = 2 * std::numbers::pi * k / kPoints;
-    const auto at = [&](double from_axis_mm) {
-      return face_.at(from_axis_mm * std::sin(angle), from_axis_mm * std::cos(angle));
-    };
-    const double rim_at_mm = implicit::bisect(0, height_mm_, 50, [&](double from_axis_mm) {
-      const std::optional<Vec3> point = at(from_axis_mm);
-      return point && vault(in_face(*point)) < 0;
-    });
-    if (const std::optional<Vec3> point = at(rim_at_mm)) out.push_back(*point);
+    double below_mm = 0;
+    std::optional<Vec3> point;
+    for (int turn = 0; turn < kTurns; ++turn) {
+      const auto at = [&](double from_axis_mm) {
+        return face_.at(from_axis_mm * std::sin(angle), from_axis_mm * std::cos(angle), below_mm);
+      };
+      point = at(implicit::bisect(0, height_mm_, 50, [&](double from_axis_mm) {
+        const std::optional<Vec3> tried = at(from_axis_mm);
+        return tried && vault(in_face(*tried)) < -below_mm;
+      }));
+      if (!point) break;
+      below_mm = rounding_mm(*point);
+    }
+    if (point) out.push_back(*point);
   }
   return out;
+}
+
+std::vector<Vec3> GlenoidShape::rim_mm() const {
+  return rim_where([](const Vec3&) { return 0.0; });
+}
+
+std::vector<Vec3> GlenoidShape::rounded_rim_mm() const {
+  constexpr double kOffset = 0.25;  // of the blend, where smooth_intersection() has two equal arguments
+  return rim_where([this](const Vec3& point) { return kOffset * rim_blend_mm(in_face(point)); });
 }
 
 double GlenoidShape::solid(const Vec3& point) const {

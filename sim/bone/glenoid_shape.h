@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <vector>
 
 #include "sim/bone/glenoid_face.h"
@@ -26,6 +27,8 @@ class GlenoidShape {
   [[nodiscard]] const GlenoidFace& face() const { return face_; }
   /// The edge of the face before the rim is rounded, in order, mm.
   [[nodiscard]] std::vector<Vec3> rim_mm() const;
+  /// The middle of the rounded edge, on the surface, in order, mm: face and wall are blended there in equal parts.
+  [[nodiscard]] std::vector<Vec3> rounded_rim_mm() const;
   /// The stumps end at this lateral coordinate, mm.
   [[nodiscard]] double medial_end_mm() const { return medial_end_mm_; }
   /// Bounding box of the solid up to the medial end.
@@ -45,6 +48,7 @@ class GlenoidShape {
   };
 
   void place_stumps();
+  [[nodiscard]] std::vector<Vec3> rim_where(const std::function<double(const Vec3&)>& rounding_mm) const;
   [[nodiscard]] Vec3 in_face(const Vec3& point) const;
   [[nodiscard]] double vault(const Vec3& in_face) const;
   [[nodiscard]] double rim_blend_mm(const Vec3& in_face) const;

@@ -34,7 +34,7 @@ bool is_at_surface(const Voxmap& voxmap, const Vec3i& voxel) {
 }
 
 /// A voxel of the surface in each cell of kStartsApart_mm, that nearest to the middle of the cell.
-std::vector<Vec3> spread_over(const BoneView& bone) {
+std::vector<Vec3> spread_over(const BoneView& bone, const Ball& within) {
   struct Nearest {
     double away_mm;
     Vec3 point_mm;
@@ -44,8 +44,8 @@ std::vector<Vec3> spread_over(const BoneView& bone) {
   };
   std::map<Vec3i, Nearest, decltype(by_coordinates)> cells(by_coordinates);
   for_each_bone_voxel(bone, [&](const Vec3i& voxel, std::uint8_t, std::uint16_t) {
-    if (!is_at_surface(bone.voxmap, voxel)) return;
     const Vec3 point = bone.voxmap.grid.center_mm(voxel);
+    if ((point - within.center_mm).norm() > within.radius_mm || !is_at_surface(bone.voxmap, voxel)) return;
     const Vec3i cell = (point / kStartsApart_mm).array().floor().cast<int>();
     const double away_mm = (point - kStartsApart_mm * (cell.cast<double>() + Vec3::Constant(0.5))).norm();
     const auto [at, first] = cells.try_emplace(cell, Nearest{away_mm, point});
@@ -124,13 +124,19 @@ std::optional<FacePlace> place_at(const BoneView& bone, const Rigid& bone_from_f
   return face ? std::optional(place_of(probe, *face)) : std::nullopt;
 }
 
+std::vector<Rigid> starts_on_surface(const BoneView& bone, const BoneProbe& probe, const Ball& within) {
+  std::vector<Rigid> out;
+  for (const Vec3& point : spread_over(bone, within)) {
+    if (const auto start = start_at(bone, probe, point)) out.push_back(*start);
+  }
+  return out;
+}
+
 std::vector<FacePlace> search_faces(const BoneView& bone) {
   const BoneProbe probe(bone);
-  const std::vector<Vec3> points = spread_over(bone);
-  std::vector<SettledFace> coarse = settle_all(points.size(), [&](std::size_t i) -> std::optional<SettledFace> {
-    const auto start = start_at(bone, probe, points[i]);
-    if (!start) return std::nullopt;
-    auto face = settle_on_face(probe, *start, kSearchEffort);
+  const std::vector<Rigid> starts = starts_on_surface(bone, probe, {});
+  const std::vector<SettledFace> coarse = settle_all(starts.size(), [&](std::size_t i) -> std::optional<SettledFace> {
+    auto face = settle_on_face(probe, starts[i], kSearchEffort);
     return face && face_score(*face) >= kLeastCoarseScore ? face : std::nullopt;
   });
   std::vector<SettledFace> chosen;

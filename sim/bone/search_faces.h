@@ -1,5 +1,6 @@
 #pragma once
 
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -23,6 +24,16 @@ FacePlace place_of(const BoneProbe& probe, const SettledFace& face);
 
 /// The place at a frame on the surface, settled finely; nullopt where there is no face.
 std::optional<FacePlace> place_at(const BoneView& bone, const Rigid& bone_from_face);
+
+/// A region of B.
+struct Ball {
+  Vec3 center_mm = Vec3::Zero();
+  double radius_mm = std::numeric_limits<double>::infinity();
+};
+
+/// Frames every 5 mm on the surface in a region, +z out of the bone, where the bone is thick and nothing stands in
+/// front of it: where settle_on_face() may start.
+std::vector<Rigid> starts_on_surface(const BoneView& bone, const BoneProbe& probe, const Ball& within);
 
 /// Searches the whole surface of a bone for faces that resemble a glenoid: a rim round a concave or flat face of 20 to
 /// 50 mm, with a vault of at least 10 mm behind it, which the acromion and the fossae of the scapula have not. Starts

@@ -17,7 +17,7 @@ constexpr double kGrid_mm = 1;      // of the points of the face
 constexpr double kLeastHeight_mm = 15, kMostHeight_mm = 60;
 constexpr double kMostConvexity_per_mm = 1.0 / 80;
 /// A residual of the sphere beyond this, with the part of the face that it fits, means more than one surface.
-constexpr double kOneSurface_mm = 0.45;
+constexpr double kOneSurface_mm = 0.55;
 
 /// Points of the face at a distance from the outline, in B.
 std::vector<Vec3> points_inside(const BoneProbe& probe, const SettledFace& face) {

@@ -111,6 +111,7 @@ export class Controls {
     const { ct } = this.model.data;
     if (ct === null || ct.label_map) return;
     byId("segmentation").hidden = false;
+    this.addFixed();
     const slider = byId("threshold");
     Object.assign(slider, { min: Math.min(-200, ct.threshold_hu), max: Math.max(1000, ct.threshold_hu) });
     // A threshold between the slider's steps stays as it is until the slider moves.
@@ -121,6 +122,16 @@ export class Controls {
       this.model.set({ cut_spheres: [...cut_spheres, { center_mm: [...cross], radius_mm: 20 }] });
       this.model.choose(`sphere-${cut_spheres.length}`);
     });
+  }
+
+  // Keys that the page uses and does not change.
+  addFixed() {
+    const { ct } = this.model.data, box = (p, open) => (p === null ? open : p.map((c) => text(c, 1)).join(", "));
+    const rows = [["crop_min_mm", box(ct.crop_min_mm, "the scan's")], ["crop_max_mm", box(ct.crop_max_mm, "the scan's")], ["filter", ct.filter],
+      ["closing_mm", text(ct.closing_mm, 2)], ["fill_holes", ct.fill_holes ? "true" : "false"],
+      ...ct.cut_planes.map((plane, i) => [`cut_planes ${i + 1}`, `through ${box(plane.point_mm)}; normal ${plane.normal.map((c) => text(c, 3)).join(", ")}`]),
+      ...ct.separated.map((sphere) => ["separate: humerus", `sphere of ${text(sphere.radius_mm, 1)} mm about ${box(sphere.center_mm)}`])];
+    byId("fixed").replaceChildren(...rows.flatMap(([key, value]) => [made("dt", { textContent: key }), made("dd", { textContent: value })]));
   }
 
   // The mask of a slider's last place in a frame; it takes longer than a frame.

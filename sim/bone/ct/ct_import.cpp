@@ -6,6 +6,7 @@
 #include <limits>
 #include <new>
 #include <stdexcept>
+#include <utility>
 
 #include "sim/base/error.h"
 #include "sim/bone/ct/aligned_image.h"
@@ -249,6 +250,19 @@ auto with_open_scan(const CtSettings& settings, Report& report, const Use& use) 
   }
 }
 
+/// Corrects the density at the boundary and resamples.
+FilledVoxmap voxels_of(ct::AlignedImage hu, const ct::BoneField& bone, const BoneSettings& settings, Report& report,
+                       Segmentation* segmentation) {
+  const ct::BoundaryDensity boundary =
+      ct::correct_boundary(hu, bone, settings.ct.psf_mm, ct::resampling_reach(hu.lattice, settings.voxel_mm));
+  note_boundary(boundary, report);
+  if (segmentation != nullptr) {
+    segmentation->lower_bound_fraction = boundary.unresolved_fraction();
+    segmentation->noise_hu = boundary.noise_hu;
+  }
+  return ct::voxelize(hu, bone, settings, report);
+}
+
 }  // namespace
 
 FilledVoxmap voxmap_from_scan(const ct::ScanSource& source, const BoneSettings& given, Report& report,
@@ -262,14 +276,7 @@ FilledVoxmap voxmap_from_scan(const ct::ScanSource& source, const BoneSettings& 
   const ct::BoneField bone = segment(source, box, hu, ct_settings, report);
   note_trabecular(bone, ct_settings.threshold_hu, report);
   if (segmentation != nullptr) *segmentation = segmentation_of(hu, bone, settings);
-  const ct::BoundaryDensity boundary =
-      ct::correct_boundary(hu, bone, ct_settings.psf_mm, ct::resampling_reach(hu.lattice, settings.voxel_mm));
-  note_boundary(boundary, report);
-  if (segmentation != nullptr) {
-    segmentation->lower_bound_fraction = boundary.unresolved_fraction();
-    segmentation->noise_hu = boundary.noise_hu;
-  }
-  return ct::voxelize(hu, bone, settings, report);
+  return voxels_of(std::move(hu), bone, settings, report, segmentation);
 }
 
 FilledVoxmap voxmap_from_ct(const BoneSettings& settings, Report& report, Segmentation* segmentation) {
@@ -278,15 +285,18 @@ FilledVoxmap voxmap_from_ct(const BoneSettings& settings, Report& report, Segmen
   });
 }
 
-SegmentedScan segmented_scan(const BoneSettings& given, Report& report) {
+SegmentedScan segmented_scan(const BoneSettings& given, Report& report, std::optional<FilledVoxmap>* voxmap) {
   return with_open_scan(given.ct, report, [&](const ct::ScanSource& source) {
     const ct::IndexBox box = cropped_box(source, given.ct);
     SegmentedScan out{
         .hu = read_cropped(source, box, given.ct, report), .field = {}, .settings = given.ct, .mistakes = {}};
     filter(out.hu, given.ct, report);
     try {
-      out.settings = with_cuts(out.hu, given, report).ct;
-      out.field = segment(source, box, out.hu, out.settings, report).field.value;
+      const BoneSettings settings = with_cuts(out.hu, given, report);
+      out.settings = settings.ct;
+      ct::BoneField bone = segment(source, box, out.hu, out.settings, report);
+      if (voxmap != nullptr) *voxmap = voxels_of(out.hu, bone, settings, report, nullptr);
+      out.field = std::move(bone.field.value);
     } catch (const InputError& error) {
       out.mistakes = error.mistakes();
     }

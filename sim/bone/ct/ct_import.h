@@ -32,7 +32,9 @@ struct SegmentedScan {
 /// Reads, crops, filters and segments a scan as voxmap_from_ct() does. A segmentation that fails (no bone above the
 /// threshold, a seed outside the bone) is no error: the scan is returned without it. Throws InputError: unreadable,
 /// truncated, absurdly large, an empty crop.
-SegmentedScan segmented_scan(const BoneSettings& settings, Report& report);
+/// `voxmap`, if not null, becomes what voxmap_from_ct() makes of it, where the segmentation succeeds.
+SegmentedScan segmented_scan(const BoneSettings& settings, Report& report,
+                             std::optional<FilledVoxmap>* voxmap = nullptr);
 
 /// The joints of a scan, the clearest first (ct::find_joints()). Crop and filter of the settings apply. Throws
 /// InputError as segmented_scan() does.
