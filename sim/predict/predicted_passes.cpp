@@ -10,11 +10,11 @@ namespace reamsim {
 namespace {
 
 /// Motion of the tool between two poses of a long motion, voxels.
-constexpr double kStep_voxels = 0.5;
+constexpr double kPassStep_voxels = 0.5;
 
 FillBricks predicted_after(const ReamingScene& scene, const FillBricks& fill, const Tool& tool, const Motion& motion) {
   if (motion.poses.empty()) return fill;
-  BoundedPath path(tool.reach_mm, kStep_voxels * scene.bone.voxmap->grid.voxel_mm);
+  BoundedPath path(tool.reach_mm, kPassStep_voxels * scene.bone.voxmap->grid.voxel_mm);
   path.add(motion.poses);
   std::vector<ToolPose> poses;
   for (const PathSample& sample : path.finish()) poses.push_back(sample.pose);
