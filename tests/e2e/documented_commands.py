@@ -31,6 +31,7 @@ RUN_ELSEWHERE = {
     "build/release/tests/": "tests BenchReference, ExactReference",
     "reamsim check S.yaml | head": "cli_test (Environment)",
     "reamsim run <(command)": "cli_test (Environment)",
+    "REAMSIM_LONG_TESTS=1 ctest": "a developer: it takes hours",
 }
 # What stands for something of the user's. `{scan}` and `{near}` are those of the bone at hand.
 EXAMPLES = {
@@ -64,7 +65,7 @@ class Place:
     """A folder like the project's, with a home, a scan and scenarios of a user."""
 
     def __init__(self, program, root, folder):
-        self.root, self.folder = root, folder
+        self.root, self.folder, self.done = root, folder, set()
         for name in ("build/release/cli", "bin", "home/scans"):
             (folder / name).mkdir(parents=True)
         (folder / "build/release/cli/reamsim").symlink_to(program)
@@ -127,7 +128,10 @@ class Place:
         return done.stdout
 
     def run_documented(self, command):
-        """Runs a command of a user, who has no results of that name yet."""
+        """Runs a command of a user, who has no results of that name yet. Once, however often pages name it."""
+        if command in self.done:
+            return
+        self.done.add(command)
         where = "out/my" if command.startswith("gnuplot") else "."
         if re.match(r"(build/release/cli/)?reamsim run ", command):
             self.set_motion("keyframes" if "keyframes" in command else "plunge")
