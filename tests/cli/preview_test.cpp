@@ -46,6 +46,14 @@ TEST_F(Preview, ShowsWhatStopsARun) {
   EXPECT_THAT(missed, HasSubstr("\"bone\":null")) << "there is no segmentation to show";
 }
 
+TEST_F(Preview, HoldsTheKeysOfAScanThatItDoesNotChange) {
+  write("block.nrrd", block_nrrd());
+  const std::string page = page_of(
+      with_bone(kBlockScan + "    filter: median\n    crop_min_mm: [-50, -50, -50]\n    crop_max_mm: [50, 50, 50]\n"));
+  EXPECT_THAT(page, HasSubstr("\"crop_min_mm\":[-50.0,-50.0,-50.0],\"crop_max_mm\":[50.0,50.0,50.0],\"filter\":"
+                              "\"median, radius 1 voxels\""));
+}
+
 TEST_F(Preview, AcceptsAScenarioWhoseGlenoidIsStillToBePlaced) {
   write("block.nrrd", block_nrrd());
   const std::string yaml = with(with_bone(kBlockScan), "motion:\n", "motion:\n  frame: glenoid\n");

@@ -106,6 +106,16 @@ TEST_F(HumeralHeadTest, WhereThereIsNoneItIsAnInputError) {
   }
 }
 
+TEST_F(HumeralHeadTest, IsFoundInAWholeScanWithTheFaceOppositeToIt) {
+  const std::vector<ct::Joint> joints = joints_in_scan(write(3), report_);
+  ASSERT_EQ(joints.size(), 1U);
+  EXPECT_LE((joints[0].head.center_mm - kCenter).norm(), 0.7);
+  EXPECT_NEAR(joints[0].head.radius_mm, kHead_mm, 0.7);
+  EXPECT_GE(joints[0].gap_fraction, 0.8);
+  // The middle of the face, 26 mm from the centre of the head.
+  EXPECT_LE((joints[0].near_mm - (kCenter - Vec3(kHead_mm + 3, 0, 0))).norm(), 4);
+}
+
 TEST(HumeralHeadOfAScan, GlenoidAndHeadAreFoundFromOnePoint) {
   const std::string scan = data_file("shoulder_ct/shoulder_left.nrrd");
   if (!std::filesystem::exists(scan)) GTEST_SKIP() << "no " << scan << "; set REAMSIM_DATA";

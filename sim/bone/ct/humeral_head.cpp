@@ -293,6 +293,16 @@ std::optional<Joint> joint_of(const AlignedImage& hu, double threshold_hu, const
     best.near_mm = sum.normalized();
   }
   if (best.gap_fraction < kLeastGap) return std::nullopt;
+  // A face larger than the cap holds it in many places: to the middle of the face.
+  constexpr double kWider = 50 * std::numbers::pi / 180;
+  constexpr int kTurns = 30;
+  for (int turn = 0; turn < kTurns; ++turn) {
+    Vec3 sum = Vec3::Zero();
+    for (const Vec3& direction : facing) {
+      if (direction.dot(best.near_mm) >= std::cos(kWider)) sum += direction;
+    }
+    best.near_mm = sum.normalized();
+  }
   constexpr double kBehindGap_mm = 1;
   best.near_mm = head.center_mm + (quantile(gap_mm, 0.5) + kBehindGap_mm) * best.near_mm;
   return best;
