@@ -116,6 +116,16 @@ TEST_F(HumeralHeadTest, IsFoundInAWholeScanWithTheFaceOppositeToIt) {
   EXPECT_LE((joints[0].near_mm - (kCenter - Vec3(kHead_mm + 3, 0, 0))).norm(), 4);
 }
 
+TEST_F(HumeralHeadTest, AScanOfTwoSlicesHasNoJoint) {
+  BoneSettings settings = write(3);
+  image_.dims = {92, 62, 2};
+  image_.value.clear();
+  image_.sample(joint(3));
+  write_image<std::int16_t>(image_, folder_.file("slices.nrrd"));
+  settings.ct.path = folder_.file("slices.nrrd");
+  EXPECT_TRUE(joints_in_scan(settings, report_).empty());
+}
+
 TEST(HumeralHeadOfAScan, GlenoidAndHeadAreFoundFromOnePoint) {
   const std::string scan = data_file("shoulder_ct/shoulder_left.nrrd");
   if (!std::filesystem::exists(scan)) GTEST_SKIP() << "no " << scan << "; set REAMSIM_DATA";

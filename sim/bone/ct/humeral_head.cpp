@@ -45,6 +45,7 @@ double value_at(const AlignedImage& hu, const Vec3& point_mm) {
 /// The surface of all bone in a box of voxels; of every `step`-th voxel along each axis.
 std::vector<SurfacePoint> surface_in(const AlignedImage& hu, double threshold_hu, const Vec3i& first, const Vec3i& last,
                                      int step = 1) {
+  if ((first.array() > last.array()).any()) return {};
   std::vector<SurfacePoint> out;
   const auto dense = [&](const Vec3i& v) { return double{hu.at(v)} >= threshold_hu; };
   for_each_voxel(Vec3i::Zero(), (last - first) / step, [&](const Vec3i& at) {
@@ -72,7 +73,6 @@ std::vector<SurfacePoint> surface_round(const AlignedImage& hu, double threshold
   const Lattice& lattice = hu.lattice;
   const Vec3i first = lattice.voxel_of(point_mm - Vec3::Constant(reach_mm)).cwiseMax(1);
   const Vec3i last = lattice.voxel_of(point_mm + Vec3::Constant(reach_mm)).cwiseMin(lattice.dims - Vec3i::Constant(2));
-  if ((first.array() > last.array()).any()) return {};
   return surface_in(hu, threshold_hu, first, last);
 }
 
