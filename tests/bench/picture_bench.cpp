@@ -31,7 +31,7 @@ RenderSettings settings_with(int supersampling) {
 using test::OpenedRun;
 
 PixelImage picture(OpenedRun& run, const Camera& camera, const ForceRow& row, bool for_film = false) {
-  const std::optional<Rigid> tool = run.view.tool_at(row.frame);
+  const std::optional<PlacedTool> tool = run.view.tool_at(row.frame);
   PixelImage image = run.renderer.render(camera, tool, for_film);
   Labels labels = run.view.labels(camera, tool);
   labels.force = run.captions.arrow(row);
