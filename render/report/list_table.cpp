@@ -9,11 +9,14 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// A number with the decimals of its column, the last part of a path, or a dash for a missing value.
+/// A number with the decimals of its column, a text, or a dash for a missing value.
 std::string cell_text(const Json& value, const ListColumn& column, const std::string& key, const std::string& path) {
   if (value.is_null()) return "–";
-  if (value.is_number()) return fmt::format("{:.{}f}", value.get<double>(), column.decimals);
-  if (!value.is_string()) throw InputError({path, 0}, key, "found another type", "expected a number or a text");
+  const bool text_column = column.decimals == kTextColumn;
+  if (!(text_column ? value.is_string() : value.is_number())) {
+    throw InputError({path, 0}, key, "found another type", text_column ? "expected a text" : "expected a number");
+  }
+  if (!text_column) return fmt::format("{:.{}f}", value.get<double>(), column.decimals);
   const std::string text = value.get<std::string>();
   return escape_html(text.substr(text.rfind('/') + 1));
 }

@@ -23,8 +23,9 @@ std::string summary_table_html(const nlohmann::ordered_json& summary, const char
 struct ListColumn {
   const char* key;  ///< in the item
   const char* title;
-  int decimals = 1;
+  int decimals = 1;  ///< kTextColumn: a text, of a path its last part
 };
+constexpr int kTextColumn = -1;
 
 struct ListTable {
   const char* pointer;  ///< of the list in summary.json

@@ -104,7 +104,7 @@ constexpr std::array kMotion{Line{"/simulated_s", "Simulated time", "s"},
                              Line{"/contact_frames", "Frames in contact", ""},
                              Line{"/first_contact_frame", "First frame in contact", ""}};
 
-constexpr std::array kPassColumns{ListColumn{"tool", "Reamer"}, ListColumn{"removed_mm3", "Removed, mm³"},
+constexpr std::array kPassColumns{ListColumn{"tool", "Reamer", kTextColumn}, ListColumn{"removed_mm3", "Removed, mm³"},
                                   ListColumn{"max_depth_mm", "Tool depth, mm", 2},
                                   ListColumn{"peak_axial_force_n", "Peak axial force, N"},
                                   ListColumn{"peak_spin_torque_nmm", "Peak spin torque, N·mm", 0}};

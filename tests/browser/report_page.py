@@ -37,7 +37,7 @@ class Page:
         """What the page holds for its scripts, without the large parts."""
         return json.loads(self.driver.execute_script("""
           const {plot, bone, tool, pictures} = JSON.parse(document.getElementById('run-data').textContent);
-          return JSON.stringify({frame: plot.frame, look: bone.look, triangles: tool.mesh.triangles, removed: plot.removed_mm3});"""))
+          return JSON.stringify({frame: plot.frame, look: bone.look, triangles: tool.passes[0].mesh.triangles, removed: plot.removed_mm3});"""))
 
     def numbers(self, name):
         """Numbers in a data attribute of the 3D view."""

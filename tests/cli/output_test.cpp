@@ -30,7 +30,7 @@ TEST_F(Output, IsComplete) {
   EXPECT_TRUE(forces.starts_with(
       "frame,time_s,tool_x_mm,tool_y_mm,tool_z_mm,tool_qw,tool_qx,tool_qy,tool_qz,spin_rpm,spin_angle_rad,depth_mm,"
       "force_x_n,force_y_n,force_z_n,torque_x_nmm,torque_y_nmm,torque_z_nmm,axial_force_n,spin_torque_nmm,contacts,"
-      "removed_mm3,energy_mj,floor_energy_mj,balance\n"));
+      "removed_mm3,energy_mj,floor_energy_mj,balance,pass\n"));
   EXPECT_GT(std::count(forces.begin(), forces.end(), '\n'), 35);
 }
 

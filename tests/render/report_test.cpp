@@ -120,7 +120,7 @@ TEST_F(ReportPage, HoldsTheRun) {
 
 TEST_F(ReportPage, HasTheReamerAndTheReamingAlongTheRun) {
   const nlohmann::json data = data_of(page());
-  EXPECT_GE(data["tool"]["mesh"]["triangles"], 12);
+  EXPECT_GE(data["tool"]["passes"][0]["mesh"]["triangles"], 12);
   EXPECT_TRUE(data["tool"]["shown"]);
   EXPECT_EQ(data["tool"]["look"], "see-through");
   EXPECT_EQ(data["tool"]["poses"]["count"], data["plot"]["frame"].size());

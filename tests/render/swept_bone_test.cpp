@@ -189,7 +189,7 @@ TEST(PredictedBoneTest, LaterPassesFindTheBoneThatEarlierOnesLeave) {
   inputs.fill = bone.fill;
   const TriangleMesh tool = revolve(ball(), 48);
   inputs.passes = {{tool, {0, 1}, {pose_at({0, 0, 1}), pose_at({0, 0, -2})}},
-                   {tool, {2, 3}, {pose_at({0.5, 0, 1}), pose_at({0.5, 0, -1})}},
+                   {tool, {2, 3}, {pose_at({4, 0, 1}), pose_at({4, 0, -1})}},
                    {tool, {4, 5}, {pose_at({0, 0, 8}), pose_at({0, 0, 2})}}};
   inputs.frames = {0, 3, 5};
   EXPECT_EQ(inputs.pass_at(1), 0u);
@@ -198,7 +198,7 @@ TEST(PredictedBoneTest, LaterPassesFindTheBoneThatEarlierOnesLeave) {
   EXPECT_EQ(inputs.pose_at(4).position_mm, Vec3(0, 0, 8));
   const RunData run(inputs);
   EXPECT_NEAR(run.unreamed().deepest_mm(), 2, 0.1) << "of the first pass";
-  EXPECT_EQ(run.target().bone_from_tool.translation(), Vec3(0.5, 0, -1)) << "of the last one that removes bone";
+  EXPECT_EQ(run.target().bone_from_tool.translation(), Vec3(4, 0, -1)) << "of the last one that removes bone";
 }
 
 }  // namespace

@@ -63,8 +63,29 @@ def keys_of_list(key, here):
         yield Key(here, items["items"], True, range(items["minItems"]))
 
 
+PASS = "motion.passes[]."
+
+
+def outside_passes(path):
+    """The key of a scenario without passes that a key of a pass is like."""
+    if not path.startswith(PASS):
+        return path
+    path = path.removeprefix(PASS)
+    return path if path.startswith("tool") else "motion." + path
+
+
 def scenario_of(key, end, value, component):
     """The scenario in which the key has the value; its entry "files" holds input files."""
+    plain = Key(outside_passes(key.path), key.schema, key.is_list, key.components)
+    if plain.path == key.path:
+        return plain_scenario_of(key, end, value, component)
+    scenario = plain_scenario_of(plain, end, value, component)
+    scenario["motion"]["passes"] = [{"tool": copy.deepcopy(scenario["tool"]), "plunge": scenario["motion"].pop("plunge")}]
+    return scenario
+
+
+def plain_scenario_of(key, end, value, component):
+    """The same for a key that is of no pass."""
     scenario = merged(copy.deepcopy(BASE), SECTIONS[key.section()])
     for name in (key.path, f"{key.path}@{end}"):
         scenario = merged(scenario, KEYS.get(name, {}))
@@ -141,7 +162,7 @@ def complaint(reamsim, scenario, options):
 def components_of(key, end, options):
     if "--full" in options:
         return key.components
-    if f"{key.path}@{end}" in LONG:
+    if f"{outside_passes(key.path)}@{end}" in LONG:
         return []
     return key.components[:1] if end == "min" else key.components[-1:]
 
@@ -161,7 +182,7 @@ def complaints_of(reamsim, key, options):
 def failures_of(reamsim, key, options):
     if None in key.ends().values():
         yield f"{key.path}: no finite range"
-    elif key.section() not in SECTIONS:
+    elif Key(outside_passes(key.path), {}, False, [None]).section() not in SECTIONS:
         yield f"{key.path}: its section is not in SECTIONS of range_scenes.py"
     else:
         yield from complaints_of(reamsim, key, options)
