@@ -108,7 +108,7 @@ class Surfaces {
     if (cut.frame == VoxelCut::kNever) return add_surface_patches(bone_, voxel, cluster.patches);
     const PassingVoxel passing{bone_.voxmap.grid.center_mm(voxel), voxel_plane(bone_, voxel, Vec3::UnitZ()), cut.frame};
     cluster.passing.push_back(passing);
-    // Bone only goes: what is left at the end has been there all the time.
+    // Bone is only removed, so what remains at the end was there all the time.
     if (cut.plane) add_solid(passing, *cut.plane, cluster.patches);
   }
 

@@ -30,7 +30,7 @@ struct RunControl {
   std::function<bool()> save_due = [] { return false; };
   /// Receives the state after a batch. The fill of the bone is up to date.
   std::function<void(const SimulationState&)> save = [](const SimulationState&) {};
-  /// Goes on after this state, which `save` received or the pass before returned; the fill of the bone must be that of
+  /// Continues after this state, which `save` received or the pass before returned; the fill of the bone must be that of
   /// the state as well.
   std::optional<SimulationState> from = {};
   /// The user has been warned already that the tool will never touch the bone (contact_forecast.h).

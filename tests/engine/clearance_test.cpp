@@ -61,7 +61,7 @@ TEST(Clearance, OfAWideHolderFromTheFaceOfABlock) {
   EXPECT_FALSE(found.first_below);
 }
 
-TEST(Clearance, CountsBoneThatIsGoneAsGone) {
+TEST(Clearance, CountsRemovedBoneAsRemoved) {
   const Bone bone = phantom_bone(PhantomShape::half_space);
   const ReamingScene scene = scene_of(bone, {0.2, 0.1, 3}, {0.2, 0.1, -10}, {part(kHead_mm, 60, 10)});
   const HolderClearance found = clearance_of(scene);
