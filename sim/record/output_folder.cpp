@@ -105,19 +105,21 @@ void require_ours(const std::string& dir, ResultKind kind, bool must_be_marked) 
     refuse(dir, "is not a finished results folder", expected);
 }
 
-/// Moves `partial` to `dir`, atomically where the file system can, and returns the new path of the old folder. Throws
-/// std::system_error.
+/// Moves `partial` to `dir`, atomically where the file system can, and returns the new path of the old folder.
+/// Allocates nothing once a folder has moved, so that a failure leaves both where they were. Throws std::system_error.
 std::string replace(const std::string& partial, const std::string& dir) {
-  if (renameat2(AT_FDCWD, partial.c_str(), AT_FDCWD, dir.c_str(), RENAME_EXCHANGE) == 0) return partial;
+  std::string exchanged = partial;
+  if (renameat2(AT_FDCWD, partial.c_str(), AT_FDCWD, dir.c_str(), RENAME_EXCHANGE) == 0) return exchanged;
   const int error = errno;
   if (error != EINVAL && error != ENOSYS) throw std::system_error(error, std::generic_category());
   std::string old = dir + ".old-XXXXXX";
   if (mkdtemp(old.data()) == nullptr) throw std::system_error(errno, std::generic_category());
-  fs::rename(dir, old);
+  const fs::path from(partial), to(dir), aside(old);
+  fs::rename(to, aside);
   std::error_code failed;
-  fs::rename(partial, dir, failed);
+  fs::rename(from, to, failed);
   if (!failed) return old;
-  fs::rename(old, dir);
+  fs::rename(aside, to);
   throw std::system_error(failed);
 }
 
@@ -127,6 +129,15 @@ void move_without_replacing(const std::string& partial, const std::string& dir) 
   const int error = errno;
   if (error != EINVAL && error != ENOSYS) throw std::system_error(error, std::generic_category());
   fs::rename(partial, dir);  // replaces nothing but an empty folder
+}
+
+/// Removes what reamsim wrote into `dir`. Returns false where anything remains, also for want of memory.
+bool removed(const std::string& dir, ResultKind kind) {
+  try {
+    return remove_results(dir, kind);
+  } catch (const std::bad_alloc&) {  // the next command with --overwrite or --resume removes it
+    return false;
+  }
 }
 
 }  // namespace
@@ -180,11 +191,7 @@ void OutputFolder::clear() {
 }
 
 OutputFolder::~OutputFolder() {
-  if (keep_) return;
-  try {
-    remove_results(partial_, kind_);
-  } catch (const std::bad_alloc&) {  // the next command with --overwrite or --resume removes it
-  }
+  if (!keep_) removed(partial_, kind_);
 }
 
 void OutputFolder::abandon() {
@@ -201,17 +208,26 @@ bool OutputFolder::has_frames() const {
 
 std::string OutputFolder::finish(const std::function<void()>& remove_unfinished) {
   keep_ = true;  // complete, so never removed again
-  std::string why, where = "the results, without their manifest, are in " + partial_;
+  // Written beforehand: where memory runs out, the message must still say where the results are.
+  const std::string unlisted = "the results, without their manifest, are in " + partial_;
+  const std::string unsynced = "the results are in " + partial_ + ", where a power failure may still damage them";
+  const std::string complete = "the results are complete in " + partial_;
+  const std::string in_place = "the results are in " + dir_ + ", but a power failure may undo that";
+  const std::string safe = "the results are in " + dir_;
+  const std::string* where = &unlisted;
+  std::string why;
   try {
     list_results(partial_, kind_);
-    where = "the results are in " + partial_ + ", where a power failure may still damage them";
+    where = &unsynced;
     sync_folder_to_disk(partial_);
-    where = "the results are complete in " + partial_;
+    where = &complete;
     if (remove_unfinished) remove_unfinished();
-    const std::string warning = put_in_place();
-    where = "the results are in " + dir_ + ", but a power failure may undo that";
+    const std::string replaced = put_in_place();
+    where = &in_place;
     sync_to_disk(fs::path(dir_).parent_path().string());
-    return warning;
+    where = &safe;
+    if (replaced.empty() || removed(replaced, kind_)) return "";
+    return replaced + ": the replaced results cannot be removed; delete this folder";
   } catch (const std::system_error& error) {
     why = dir_ + ": cannot be moved into place (" + error.code().message() + ")";
   } catch (const std::runtime_error& error) {
@@ -219,7 +235,7 @@ std::string OutputFolder::finish(const std::function<void()>& remove_unfinished)
   } catch (const std::bad_alloc& error) {
     why = message_of(error);
   }
-  throw RunError(why + "; " + where);
+  throw RunError(why + "; " + *where);
 }
 
 std::string OutputFolder::put_in_place() {
@@ -228,8 +244,7 @@ std::string OutputFolder::put_in_place() {
     return "";
   }
   require_ours(dir_, kind_, true);  // it may have changed since
-  const std::string old = replace(partial_, dir_);
-  return remove_results(old, kind_) ? "" : old + ": the replaced results cannot be removed; delete this folder";
+  return replace(partial_, dir_);
 }
 
 ResultUpdate::ResultUpdate(const std::string& dir, ResultKind kind)
