@@ -1,0 +1,39 @@
+#pragma once
+
+#include <string>
+
+#include "cli/console.h"
+#include "sim/engine/common/engine_device.h"
+#include "sim/scenario/scenario.h"
+#include "sim/scene/bone_cache.h"
+
+namespace reamsim {
+
+/// What stays in the folder of a run beside scenario.yaml and summary.json.
+struct KeptFiles {
+  bool forces = true;    ///< forces.csv
+  bool grids = true;     ///< reamed.vdb, reamed.vti and depth_map.csv
+  bool pictures = true;  ///< pictures, plots, meshes, report, and what these are made from
+};
+
+/// One run of a scenario into a folder.
+struct RunRequest {
+  Scenario scenario;
+  std::string dir;
+  bool overwrite = false;  ///< an older run in the folder is replaced once this one succeeds
+  bool resume = false;     ///< an interrupted run is continued from its last checkpoint
+  KeptFiles keep{};
+  bool durable = true;  ///< the results are on the disk on return
+};
+
+/// What runs that follow one another in a process share.
+struct RunResources {
+  EngineDevices devices;
+  BoneCache* bones = nullptr;  ///< only where the next run may have the same bone
+};
+
+/// Loads, simulates, writes and renders. Throws InputError, RunError, Interrupted, and Suspended where a checkpoint is
+/// left; the message says what remains.
+void run_scenario(const RunRequest& request, RunResources& resources, const Console& console);
+
+}  // namespace reamsim
