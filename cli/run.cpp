@@ -23,8 +23,11 @@ std::string output_dir(const RunOptions& options, const Scenario& scenario) {
 }
 
 void run_command(const RunOptions& options, const Console& console) {
-  RunRequest request{.scenario = options.scenario.parse(), .overwrite = options.overwrite, .resume = options.resume};
+  RunRequest request;
+  request.scenario = options.scenario.parse();
   request.dir = output_dir(options, request.scenario);
+  request.overwrite = options.overwrite;
+  request.resume = options.resume;
   require_film_program(request.scenario.render);
   const auto kernels = prepare_opencl(request.scenario.engine.device, console);
   RunResources resources;

@@ -71,7 +71,7 @@ class ScenarioRun {
     } else {
       finish_summary(recorder.totals());
     }
-    if (!keep_.forces) remove_logs();
+    remove_logs();
     print_summary(console_, recorder.totals(), facts_, mean_travel_mm());
   }
 
@@ -209,10 +209,12 @@ class ScenarioRun {
     write_summary(dir_, scene_, totals, facts_);
   }
 
-  /// Removes what only forces.csv is written with.
+  /// Removes the logs that are not kept.
   void remove_logs() const {
     std::error_code ignored;
-    for (const char* name : {"forces.csv", "timings.csv"}) fs::remove(dir_ + "/" + name, ignored);
+    if (!keep_.forces && !keep_.pictures) fs::remove(dir_ + "/forces.csv", ignored);
+    if (keep_.pictures) return;
+    fs::remove(dir_ + "/timings.csv", ignored);
     fs::remove_all(dir_ + "/snapshots", ignored);
   }
 

@@ -4,17 +4,11 @@
 
 #include "cli/console.h"
 #include "sim/engine/common/engine_device.h"
+#include "sim/record/kept_files.h"
 #include "sim/scenario/scenario.h"
 #include "sim/scene/bone_cache.h"
 
 namespace reamsim {
-
-/// What stays in the folder of a run beside scenario.yaml and summary.json.
-struct KeptFiles {
-  bool forces = true;    ///< forces.csv
-  bool grids = true;     ///< reamed.vdb, reamed.vti and depth_map.csv
-  bool pictures = true;  ///< pictures, plots, meshes, report, and what these are made from
-};
 
 /// One run of a scenario into a folder.
 struct RunRequest {

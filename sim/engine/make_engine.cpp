@@ -7,8 +7,8 @@
 
 namespace reamsim {
 
-std::unique_ptr<Engine> make_engine(const Scenario& scenario, const BoneView& bone, const Tool& tool,
-                                    EngineDevices& devices) {
+std::unique_ptr<Engine> make_engine_on(EngineDevices& devices, const Scenario& scenario, const BoneView& bone,
+                                       const Tool& tool) {
   if (scenario.engine.device == "serial") return make_serial_engine(scenario, bone, tool);
   const cl::Device device = devices.of(scenario.engine);
   switch (engine_of(scenario)) {
@@ -23,7 +23,7 @@ std::unique_ptr<Engine> make_engine(const Scenario& scenario, const BoneView& bo
 
 std::unique_ptr<Engine> make_engine(const Scenario& scenario, const BoneView& bone, const Tool& tool) {
   EngineDevices devices;
-  return make_engine(scenario, bone, tool, devices);
+  return make_engine_on(devices, scenario, bone, tool);
 }
 
 }  // namespace reamsim

@@ -279,7 +279,7 @@ class Simulation {
 
 std::unique_ptr<Engine> load_engine(const ReamingScene& scene, EngineDevices& devices) {
   try {
-    return make_engine(scene.scenario, scene.bone, scene.tool, devices);
+    return make_engine_on(devices, scene.scenario, scene.bone, scene.tool);
   } catch (const InputError& error) {
     throw scene.scenario.keys.located(error);
   }
