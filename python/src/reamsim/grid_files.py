@@ -12,6 +12,7 @@ from .errors import MissingPackage, ResultsError
 from .grid import DepthMap, Grid
 from .tables import number_array
 
+_TRAILER_KEY, _TRAILER = b"_reamsim_trailer", b"REAMSIM-CRC32 %08x\n"  # ends reamed.vdb: a sum of the bytes before it
 _MOST_VOXELS = 2**33  # of a lattice; more is taken for a damaged file
 
 
@@ -28,6 +29,8 @@ def read_vdb(path: pathlib.Path, name: str, unit: str) -> Grid:
         raise MissingPackage("pyopenvdb", f"the grid {name} of {path.name}", "python3-openvdb") from None
     if not path.is_file():
         raise ResultsError(f"{path}: no such file; the run did not write it, or it was deleted")
+    if not _is_complete(path):
+        raise ResultsError(f"{path}: damaged: its checksum does not fit; expected a complete file")
     try:
         grid = pyopenvdb.read(str(path), name)
         dims = tuple(int(n) for n in grid.metadata["lattice_dims"])
@@ -37,6 +40,20 @@ def read_vdb(path: pathlib.Path, name: str, unit: str) -> Grid:
     grid.copyToArray(values)
     return Grid(values, numpy.array(grid.transform.indexToWorld((0, 0, 0))), float(grid.transform.voxelSize()[0]),
                 unit=unit)
+
+
+def _is_complete(path: pathlib.Path) -> bool:
+    """Whether the checksum fits. OpenVDB would read a file that is cut off, or crash."""
+    with path.open("rb") as file:
+        left = path.stat().st_size - len(_TRAILER % 0)
+        if _TRAILER_KEY not in file.read(4096):
+            return left > 0  # of an older version, without a checksum
+        file.seek(0)
+        checksum = 0
+        while left > 0 and (block := file.read(min(left, 1 << 20))):
+            checksum = zlib.crc32(block, checksum)
+            left -= len(block)
+        return file.read() == _TRAILER % checksum
 
 
 def read_vti(path: pathlib.Path) -> Grid:
@@ -83,6 +100,8 @@ def _inflated(data: bytes, at: int, dims: tuple[int, ...]) -> numpy.ndarray:
             raise ValueError(f"block {block} has {len(raw)} bytes; expected {wanted}")
         out[block * whole // 4:][:wanted // 4] = numpy.frombuffer(raw, "<f4")
         at += size
+    if data[at:].strip() != b"</AppendedData>\n</VTKFile>":
+        raise ValueError("cut off")
     # x runs fastest in the file
     return out.reshape(dims, order="F")
 

@@ -105,7 +105,7 @@ def plot_forces(run: Run, over: str = "time") -> Figure:
             axes.set_ylim(bottom=min(0.0, float(y.min(initial=0))))
         panels[-1].set_xlabel(_LABELS[_AXES[over]])
         panels[-1].set_xlim(left=0)
-        panels[0].set_title(str(run.summary.get("scenario", run.dir.name)), loc="left")
+        panels[0].set_title(str(run.summary.get("scenario", "")), loc="left")
     return figure
 
 
@@ -130,15 +130,23 @@ def plot_depth_map(run: Run) -> Figure:
             figure.colorbar(image, ax=axes, label="Depth of removed bone (mm)", shrink=0.9)
             step = _round_step(float(reamed.max()) / 8)
             levels = numpy.arange(1, int(reamed.max() / step) + 1) * step
-            if levels.size:
-                lines = axes.contour(depth_map.centers_mm(0), depth_map.centers_mm(1), numpy.nan_to_num(depth).T,
+            if (_inner(depth) > levels[:1]).any():
+                lines = axes.contour(depth_map.centers_mm(0), depth_map.centers_mm(1), _inner(depth).T,
                                      levels=levels, colors="#202020", linewidths=0.6)
                 axes.clabel(lines, fmt="%g", fontsize=7)
         axes.set_aspect("equal")
         axes.set_xlabel("x (mm)")
         axes.set_ylabel("y (mm)")
-        axes.set_title(str(run.summary.get("scenario", run.dir.name)), loc="left")
+        axes.set_title(str(run.summary.get("scenario", "")), loc="left")
     return figure
+
+
+def _inner(depth: numpy.ndarray, cells: int = 2) -> numpy.ndarray:
+    """`depth` without its edge, where contour lines would lie on each other: NaN within some cells of one not reamed."""
+    reamed = numpy.pad(depth > 0, cells)
+    sides = range(2 * cells + 1)
+    whole = numpy.logical_and.reduce([reamed[i:i + depth.shape[0], j:j + depth.shape[1]] for i in sides for j in sides])
+    return numpy.where(whole, depth, numpy.nan)
 
 
 def _round_step(step: float) -> float:

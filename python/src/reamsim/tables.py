@@ -28,12 +28,12 @@ def number_array(path: pathlib.Path) -> numpy.ndarray:
             names = file.readline().rstrip("\r\n").split(",")
             types = [(name, numpy.int64 if name in INTEGERS else numpy.float64) for name in names]
             filled = (line.rstrip("\r\n").replace(",,", ",nan,").replace(",,", ",nan,") for line in file)
-            rows = ("nan" * line.startswith(",") + line + "nan" * line.endswith(",") for line in filled)
+            rows = ["nan" * line.startswith(",") + line + "nan" * line.endswith(",") for line in filled]
+            if not rows:
+                raise ValueError("has no row")
             table = numpy.loadtxt(rows, dtype=types, delimiter=",", comments=None, ndmin=1)
     except (ValueError, UnicodeDecodeError) as error:
         raise ResultsError(f"{path}: damaged: {error}") from error
-    if table.size == 0:
-        raise ResultsError(f"{path}: damaged: has no row")
     return table
 
 
