@@ -15,7 +15,7 @@ array least[3] = [min(F_min, 0), min(M_min, 0), 0]
 array most[3] = [F_max, M_max, V_max]
 
 set dashtype 11 (14,5)
-set dashtype 12 (2,4)
+set dashtype 12 (3,4)
 set dashtype 13 (14,4,2,4)
 dash_type(d) = d == 1 ? 1 : 9 + d
 ramp = colored_by ne ""
@@ -76,7 +76,7 @@ do for [format in "png svg pdf"] {
          csv using (few ? column("contact_time_s") : NaN):(of_first(since_contact(column(column_of[panel])))) with lines \
            lw 2.4 dt dash_type(dash[1]) lc rgb shade[1] notitle, \
          for [d = 1:4] csv using (column("contact_time_s")):(drawn(d, since_contact(column(column_of[panel])))): \
-           (color_of(column("run"))) with lines lw (few ? 1.2 : 0.8) dt dash_type(d) lc rgb variable notitle
+           (color_of(column("run"))) with lines lw (few ? 1.2 : 1) dt dash_type(d) lc rgb variable notitle
     unset key
     if (panel == 1) {
       unset object
@@ -92,7 +92,7 @@ do for [format in "png svg pdf"] {
     plot csv using (few ? column("depth_mm") : NaN):(of_first(touching(column(column_of[panel])))) with lines lw 2.4 \
            dt dash_type(dash[1]) lc rgb shade[1] notitle, \
          for [d = 1:4] csv using (column("depth_mm")):(drawn(d, touching(column(column_of[panel])))): \
-           (color_of(column("run"))) with lines lw (few ? 1.2 : 0.8) dt dash_type(d) lc rgb variable notitle
+           (color_of(column("run"))) with lines lw (few ? 1.2 : 1) dt dash_type(d) lc rgb variable notitle
   }
   unset multiplot
   unset xlabel

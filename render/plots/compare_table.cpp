@@ -99,7 +99,11 @@ std::vector<std::string> row_per_run(const std::vector<std::string>& labels, con
   Legend legend;
   const std::vector<std::string> names = short_names(columns);
   Rows heads{{"run"}};
-  for (std::size_t i = 0; i < labels.size(); ++i) heads.push_back({std::to_string(i + 1) + " " + legend.of(labels[i])});
+  const std::size_t digits = std::to_string(labels.size()).size();
+  for (std::size_t i = 0; i < labels.size(); ++i) {
+    const std::string number = std::to_string(i + 1);
+    heads.push_back({std::string(digits - number.size(), ' ') + number + " " + legend.of(labels[i])});
+  }
   std::size_t label_width = 0;
   for (const auto& head : heads) label_width = std::max(label_width, text_width(head[0]));
   for (std::size_t i = 0; i < heads.size(); ++i) heads[i][0] += std::string(label_width - text_width(heads[i][0]), ' ');
