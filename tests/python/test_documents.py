@@ -41,7 +41,7 @@ def test_every_block_of_the_page_runs(checkout):
         assert done.returncode == 0, f"{block}\n{done.stdout}{done.stderr}"
         assert "Warning" not in done.stderr, f"{block}\n{done.stderr}"
     assert "voxel_mm" in done.stdout, "the last block prints the mistake"
-    for picture in ("forces.png", "depth_map.png", "bands.png"):
+    for picture in ("forces.png", "depth_map.png", "bands.png", "study.png"):
         assert has_content(checkout / picture), picture
 
 

@@ -6,6 +6,7 @@ import sys
 import numpy
 import pytest
 import reamsim
+import yaml
 
 TABLE = """run,id,status,message,bone.voxel_mm,tool.mesh,removed_mm3,forces.peak_force_n
 1,0012,done,,0.5,a.stl,96.5,800
@@ -86,3 +87,30 @@ def test_a_wrong_study(fake_program):
     fake_program('echo "reamsim: error: my.yaml:3:1: vary: wrong" >&2; exit 2')
     with pytest.raises(reamsim.InputError, match="^my.yaml:3:1: vary: wrong$"):
         reamsim.sweep("my.yaml")
+
+
+def test_a_study_of_the_program(small, tmp_path):
+    """With the real command: two runs, and one whose scenario is wrong."""
+    (tmp_path / "base.yaml").write_text(yaml.safe_dump({"version": 2, **small}))
+    (tmp_path / "my.yaml").write_text(yaml.safe_dump({
+        "version": 1, "base": "base.yaml", "vary": [{"motion.plunge.depth_mm": [0.5, 1, -7]}], "keep": ["summary", "forces"]}))
+    with pytest.warns(reamsim.ReamsimWarning, match="depth_mm"):
+        sweep = reamsim.sweep(tmp_path / "my.yaml", tmp_path / "out", jobs=2)
+    assert sweep.statuses == ["done", "done", "failed"]
+    assert list(sweep.runs["motion.plunge.depth_mm"]) == [0.5, 1, -7]
+    assert "depth_mm" in list(sweep.runs["message"])[2]
+    removed = sweep.runs["removed_mm3"]
+    assert removed[1] == pytest.approx(2 * removed[0], rel=1e-3), "a flat reamer in a block"
+    runs = list(sweep)
+    assert len(runs) == 2
+    assert runs[0].force_array["removed_mm3"].sum() == pytest.approx(removed[0], rel=1e-9)
+    assert runs[1].scenario["motion"]["plunge"]["depth_mm"] == 1
+    depth_mm, force_n = reamsim.plots.bands(sweep)
+    assert depth_mm[-1] == pytest.approx(0.5) and force_n.min() > 0
+
+
+def test_a_study_that_fails_as_a_whole(study, fake_program):
+    fake_program('[ "$2" = run ] && { echo "reamsim: error: No space left" >&2; exit 1; }; exit 0')
+    (study / "runs.csv").write_text(TABLE.replace("3,ab34,done", "3,ab34,missing"))
+    with pytest.raises(reamsim.RunError, match="No space left"):
+        reamsim.sweep("my.yaml", study)

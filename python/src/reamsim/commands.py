@@ -76,11 +76,19 @@ def sweep(study: str | os.PathLike[str], output: str | os.PathLike[str] | None =
         show_output: print the program's progress.
 
     Raises:
-        InputError, RunError, Interrupted, ProgramNotFound: as `run`. A run that fails is a row of ``.runs`` instead.
+        InputError, RunError, Interrupted, ProgramNotFound: as `run`. A run that fails is a row of ``.runs``
+            instead, with a warning.
     """
     path = pathlib.Path(study)
     folder = pathlib.Path(output) if output is not None else pathlib.Path("out", path.stem)
     parallel = [] if jobs is None else ["--jobs", str(jobs)]
-    call(["sweep", "run", str(path), "-o", str(folder), *parallel], show_output=show_output)
+    failure = None
+    try:
+        call(["sweep", "run", str(path), "-o", str(folder), *parallel], show_output=show_output)
+    except RunError as error:  # some runs failed, or the study did: the table tells
+        failure = error
     call(["sweep", "collect", str(path), "-o", str(folder)], show_output=show_output)
-    return load_sweep(folder)
+    collected = load_sweep(folder)
+    if failure is not None and set(collected.statuses) != {"done", "failed"} and set(collected.statuses) != {"failed"}:
+        raise failure
+    return collected

@@ -28,7 +28,7 @@ def read_vdb(path: pathlib.Path, name: str, unit: str) -> Grid:
     except ImportError:
         raise MissingPackage("pyopenvdb", f"the grid {name} of {path.name}", "python3-openvdb") from None
     if not path.is_file():
-        raise ResultsError(f"{path}: no such file; the run did not write it, or it was deleted")
+        raise ResultsError(f"{path}: no such file; the run did not write or keep it")
     if not _is_complete(path):
         raise ResultsError(f"{path}: damaged: its checksum does not fit; expected a complete file")
     try:

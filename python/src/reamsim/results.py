@@ -72,7 +72,7 @@ class Run:
         """The resolved scenario: every default filled in."""
         path = self.dir / "scenario.yaml"
         if not path.is_file():
-            raise ResultsError(f"{path}: no such file; the run did not write it, or it was deleted")
+            raise ResultsError(f"{path}: no such file; the run did not write or keep it")
         try:
             scenario = load_yaml(path.read_text(encoding="utf-8"))
         except (yaml.YAMLError, UnicodeDecodeError) as error:

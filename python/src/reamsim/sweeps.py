@@ -67,6 +67,11 @@ class Sweep:
         """Identifiers of all runs, in the order of the table."""
         return [str(name) for name in self._columns["id"]]
 
+    @property
+    def statuses(self) -> list[str]:
+        """Status of all runs, in the order of the table: ``done``, ``failed``, ``interrupted`` or ``missing``."""
+        return [str(status) for status in self._columns["status"]]
+
     @functools.cached_property
     def runs(self) -> Any:
         """runs.csv: a row per run. Columns ``run``, ``id``, ``status``, ``message``, then the parameters, then every

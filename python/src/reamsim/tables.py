@@ -22,7 +22,7 @@ def number_array(path: pathlib.Path) -> numpy.ndarray:
         ResultsError: the file is missing, has no row, or a cell is no number.
     """
     if not path.is_file():
-        raise ResultsError(f"{path}: no such file; the run did not write it, or it was deleted")
+        raise ResultsError(f"{path}: no such file; the run did not write or keep it")
     try:
         with path.open(encoding="utf-8", newline="") as file:
             names = file.readline().rstrip("\r\n").split(",")
