@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import itertools
 import pathlib
 from collections.abc import Iterable, Mapping
 from typing import Any
@@ -27,14 +28,21 @@ def number_array(path: pathlib.Path) -> numpy.ndarray:
         with path.open(encoding="utf-8", newline="") as file:
             names = file.readline().rstrip("\r\n").split(",")
             types = [(name, numpy.int64 if name in INTEGERS else numpy.float64) for name in names]
-            filled = (line.rstrip("\r\n").replace(",,", ",nan,").replace(",,", ",nan,") for line in file)
-            rows = ["nan" * line.startswith(",") + line + "nan" * line.endswith(",") for line in filled]
-            if not rows:
+            rows = (_filled(line.rstrip("\r\n")) for line in file)
+            first = next(rows, None)
+            if first is None:
                 raise ValueError("has no row")
-            table = numpy.loadtxt(rows, dtype=types, delimiter=",", comments=None, ndmin=1)
+            table = numpy.loadtxt(itertools.chain([first], rows), dtype=types, delimiter=",", comments=None, ndmin=1)
     except (ValueError, UnicodeDecodeError) as error:
         raise ResultsError(f"{path}: damaged: {error}") from error
     return table
+
+
+def _filled(line: str) -> str:
+    """A row with NaN in its empty cells."""
+    if ",," not in line and not line.startswith(",") and not line.endswith(","):
+        return line
+    return ",".join(cell or "nan" for cell in line.split(","))
 
 
 def mixed_columns(path: pathlib.Path, texts: Iterable[str]) -> dict[str, numpy.ndarray]:
