@@ -22,10 +22,13 @@ ramp = colored_by ne ""
 few = runs <= 20
 # One pass over the file draws all runs of a dash type. The first row of a run is left out, which ends the line before it.
 previous = 0
-is_new(i) = i == previous ? 0 : (previous = i, 1)
+reached = 0
+is_new(i) = i == previous ? 0 : (previous = i, reached = 0, 1)
 drawn(d, y) = is_new(column("run")) || (few && column("run") == 1) || dash[int(column("run"))] != d ? NaN : y
 of_first(y) = column("run") == 1 ? y : NaN
-touching(y) = column("contact") > 0 ? y : NaN
+# From the first contact on, however small the force is at first; later only where the force is a hundredth of its maximum.
+touching(y) = column("contact") > 0 ? (reached = 1, y) : reached || column("contact_time_s") < 0 ? NaN : y
+begun(x) = (reached = (column(0) == 0 ? 0 : reached), few ? x : NaN)
 since_contact(y) = column("contact_time_s") < 0 || column("contact_time_s") > t_max ? NaN : few ? y : touching(y)
 color_of(i) = shade[int(i)]
 
@@ -73,7 +76,7 @@ do for [format in "png svg pdf"] {
     }
     plot for [i = 1:|entry|] NaN with lines lw 1.8 dt dash_type(entry_dash[i]) lc rgb entry_shade[i] \
            title entry[i] noenhanced, \
-         csv using (few ? column("contact_time_s") : NaN):(of_first(since_contact(column(column_of[panel])))) with lines \
+         csv using (begun(column("contact_time_s"))):(of_first(since_contact(column(column_of[panel])))) with lines \
            lw 2.4 dt dash_type(dash[1]) lc rgb shade[1] notitle, \
          for [d = 1:4] csv using (column("contact_time_s")):(drawn(d, since_contact(column(column_of[panel])))): \
            (color_of(column("run"))) with lines lw (few ? 1.2 : 1) dt dash_type(d) lc rgb variable notitle
@@ -89,7 +92,7 @@ do for [format in "png svg pdf"] {
     unset ylabel
     set xrange [0:high(0, D_max)]
     if (panel == 3) { set xlabel "Tool depth since first contact (mm)" }
-    plot csv using (few ? column("depth_mm") : NaN):(of_first(touching(column(column_of[panel])))) with lines lw 2.4 \
+    plot csv using (begun(column("depth_mm"))):(of_first(touching(column(column_of[panel])))) with lines lw 2.4 \
            dt dash_type(dash[1]) lc rgb shade[1] notitle, \
          for [d = 1:4] csv using (column("depth_mm")):(drawn(d, touching(column(column_of[panel])))): \
            (color_of(column("run"))) with lines lw (few ? 1.2 : 1) dt dash_type(d) lc rgb variable notitle
