@@ -36,20 +36,30 @@ std::string key_of(const BoneSettings& settings) {
   return key;
 }
 
+/// Whether the voxels of the bone, and what is said of them, do not depend on its glenoid frame: those of a CT do where
+/// the humerus is cut off, or no seed is given.
+bool is_apart_from_anatomy(const BoneSettings& settings) {
+  return settings.source == BoneSource::ct && settings.ct.separate == Separate::none && settings.ct.seed_mm &&
+         !settings.pilot_hole;
+}
+
 }  // namespace
 
 Bone BoneCache::load(const BoneSettings& settings, Report& report) {
-  if (std::string key = key_of(settings); key != key_) {
+  const bool shared = is_apart_from_anatomy(settings);
+  BoneSettings counted = settings;
+  if (shared) counted.glenoid = {};
+  if (std::string key = key_of(counted); key != key_) {
     key_.clear();
     bone_ = Bone();  // its memory is needed
     report_ = {};
-    bone_ = load_bone(settings, report_);
+    bone_ = shared ? bone_from_source(settings, report_) : load_bone(settings, report_);
     key_ = std::move(key);
   }
   report.notes.insert(report.notes.end(), report_.notes.begin(), report_.notes.end());
   report.warnings.insert(report.warnings.end(), report_.warnings.begin(), report_.warnings.end());
   report.listings.insert(report.listings.end(), report_.listings.begin(), report_.listings.end());
-  return bone_;
+  return shared ? with_anatomy(bone_, settings, report) : bone_;
 }
 
 }  // namespace reamsim

@@ -12,7 +12,7 @@ namespace reamsim {
 class BoneCache {
  public:
   /// As load_bone(), with the same report. A bone is the same where its settings are, and where its files have kept
-  /// their length and time of modification.
+  /// their length and time of modification. Runs on a CT may have different glenoid frames.
   Bone load(const BoneSettings& settings, Report& report);
 
  private:
