@@ -77,6 +77,7 @@ class Place:
         (folder / "bin/scontrol").write_text("#!/bin/sh\nexit 9\n")
         (folder / "bin/scontrol").chmod(0o755)
         (folder / "assets").symlink_to(root / "assets")
+        (folder / "python").symlink_to(root / "python")
         shutil.copytree(root / "trajectories", folder / "trajectories")
         (folder / "poses.csv").write_text("time_s,x_mm,y_mm,z_mm,qw,qx,qy,qz\n0,0,0,1,1,0,0,0\n0.5,0,0,-1,1,0,0,0\n")
         self.environment = dict(os.environ, HOME=str(folder / "home"), PATH=f"{folder}/bin:{os.environ['PATH']}")
