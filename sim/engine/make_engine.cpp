@@ -1,5 +1,8 @@
 #include "sim/engine/make_engine.h"
 
+#include <utility>
+
+#include "sim/engine/basis/basis_engine.h"
 #include "sim/engine/bricked/bricked_engine.h"
 #include "sim/engine/dense/dense_engine.h"
 #include "sim/engine/exact/exact_engine.h"
@@ -7,7 +10,9 @@
 
 namespace reamsim {
 
-std::unique_ptr<Engine> make_engine(const Scenario& scenario, const BoneView& bone, const Tool& tool) {
+namespace {
+
+std::unique_ptr<Engine> make_plain_engine(const Scenario& scenario, const BoneView& bone, const Tool& tool) {
   if (scenario.engine.device == "serial") return make_serial_engine(scenario, bone, tool);
   switch (engine_of(scenario)) {
     case EngineKind::exact:
@@ -17,6 +22,13 @@ std::unique_ptr<Engine> make_engine(const Scenario& scenario, const BoneView& bo
     default:
       return make_dense_engine(scenario, bone, tool);
   }
+}
+
+}  // namespace
+
+std::unique_ptr<Engine> make_engine(const Scenario& scenario, const BoneView& bone, const Tool& tool) {
+  std::unique_ptr<Engine> engine = make_plain_engine(scenario, bone, tool);
+  return scenario.output.force_basis ? make_basis_engine(std::move(engine), scenario, bone, tool) : std::move(engine);
 }
 
 }  // namespace reamsim

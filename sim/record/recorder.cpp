@@ -40,11 +40,13 @@ FrameResult result_of(const std::vector<double>& v) {
 
 }  // namespace
 
-Recorder::Recorder(const std::string& dir, double voxel_mm)
+Recorder::Recorder(const std::string& dir, double voxel_mm, bool force_basis)
     : dir_(dir),
       forces_(dir + "/forces.csv", kForceColumns),
       timings_(dir + "/timings.csv", kTimingColumns),
-      totals_(voxel_mm) {}
+      totals_(voxel_mm) {
+  if (force_basis) basis_.emplace(dir + "/" + kForceBasisName);
+}
 
 Recorder::Recorder(const std::string& dir, double voxel_mm, std::int64_t frame, const LogLengths& logs,
                    RemovedFrames removed)
@@ -53,6 +55,7 @@ Recorder::Recorder(const std::string& dir, double voxel_mm, std::int64_t frame, 
       timings_(dir + "/timings.csv", kTimingColumns, logs.timings_bytes),
       totals_(voxel_mm),
       removed_(std::move(removed)) {
+  if (logs.basis_bytes > 0) basis_.emplace(dir + "/" + kForceBasisName, logs.basis_bytes);
   remove_snapshots_after(dir, frame);
   add_rows_again();
 }
@@ -105,6 +108,10 @@ void Recorder::frame(const FrameResult& r, const FrameTimes& times) {
   totals_.cut_s += times.cut_s;
 }
 
+void Recorder::basis(const std::vector<BasisRow>& rows) {
+  if (basis_) basis_->rows(rows);
+}
+
 void Recorder::snapshot(std::int64_t frame, FillBricks& fill) {
   write_snapshot(dir_, frame, fill);
   unsynced_.push_back(snapshot_path(dir_, frame));
@@ -117,12 +124,13 @@ void Recorder::removed(const RemovedFrames& voxels) {
 LogLengths Recorder::sync() {
   for (const std::string& snapshot : std::exchange(unsynced_, {})) sync_to_disk(snapshot);
   sync_to_disk(dir_ + "/snapshots");
-  return {.forces_bytes = forces_.sync(), .timings_bytes = timings_.sync()};
+  return {.forces_bytes = forces_.sync(), .timings_bytes = timings_.sync(), .basis_bytes = basis_ ? basis_->sync() : 0};
 }
 
 void Recorder::close() {
   forces_.close();
   timings_.close();
+  if (basis_) basis_->close();
 }
 
 }  // namespace reamsim

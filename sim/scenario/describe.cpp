@@ -136,6 +136,11 @@ void describe_output(KeyVisitor& v, OutputSettings& output) {
          output.dir);
   v.flag({.name = "vti", .doc = "Write reamed.vti beside reamed.vdb"}, output.vti);
   v.flag({.name = "meshes", .doc = "Write the surface of the reamed bone as reamed.glb and reamed.stl"}, output.meshes);
+  v.flag({.name = "force_basis",
+          .doc = "Write force_basis.npy, from which `reamsim reforce` and `reamsim fit` compute forces for other "
+                 "constants without a run. Needs `law: energy`, and erosion exact, or remove with engine.type bricked "
+                 "or engine.device serial"},
+         output.force_basis);
   v.number({.name = "checkpoint_s",
             .doc = "Wall time between two checkpoints, from which `run --resume` continues an interrupted run; 0: none",
             .range = between(0, 86400)},

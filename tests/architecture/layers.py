@@ -29,6 +29,7 @@ LAYERS = [
     ("sim/engine/bricked", ["sim_engine_bricked"]),
     ("sim/engine/exact", ["sim_engine_exact"]),
     ("sim/engine/serial", ["sim_engine_serial"]),
+    ("sim/engine/basis", ["sim_engine_basis"]),
     ("sim/engine", ["sim_engine"]),
     ("sim/scene", ["sim_scene"]),
     ("sim/metrics", ["sim_metrics"]),
