@@ -43,6 +43,8 @@ int run(int argc, char** argv) {
   reamsim::add_check_command(app, console);
   reamsim::add_render_command(app, console);
   reamsim::add_compare_command(app, console);
+  reamsim::add_reforce_command(app, console);
+  reamsim::add_fit_command(app, console);
   reamsim::add_import_command(app, console);
   reamsim::add_init_command(app, console);
   reamsim::add_preview_command(app, console);
@@ -56,7 +58,7 @@ int run(int argc, char** argv) {
   if (argc > 1 && argv[1][0] != '-' && app.get_subcommands(named).empty()) {
     const std::string found =
         std::string(argv[1]) +
-        ": unknown command; expected run, check, render, compare, import, init, preview, bench, verify or devices";
+        ": unknown command; expected run, check, render, compare, reforce, fit, import, init, preview, bench, verify or devices";
     return complain(reamsim::printable(found).c_str(), kWrongInput);
   }
   try {
