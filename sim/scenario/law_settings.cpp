@@ -69,6 +69,12 @@ void replace_block(const std::string& head, const std::string& from, std::string
     text.replace(ours.begin, ours.end - ours.begin, from, theirs.begin, theirs.end - theirs.begin);
 }
 
+/// The part of `bone` that the law depends on. The other keys name files, which are not required here.
+void describe_source_and_density(KeyVisitor& v, BoneSettings& bone) {
+  v.choice({.name = "source", .doc = "Source of the bone", .required = true}, bone.source);
+  v.section({.name = "density", .doc = "Relation from HU to density"}, bone.density, describe_density);
+}
+
 }  // namespace
 
 LawSettings parse_law_settings(const std::string& path, const std::vector<std::string>& overrides) {
@@ -83,10 +89,7 @@ LawSettings parse_law_settings(const std::string& path, const std::vector<std::s
   reader.section({.name = "cutting"}, scenario.cutting, describe_cutting);
   reader.section({.name = "output"}, scenario.output, describe_output);
   reader.section({.name = "engine"}, scenario.engine, describe_engine);
-  reader.section({.name = "bone"}, scenario.bone, [](KeyVisitor& v, BoneSettings& bone) {
-    v.choice({.name = "source", .doc = "", .required = true}, bone.source);
-    v.section({.name = "density", .doc = ""}, bone.density, describe_density);
-  });
+  reader.section({.name = "bone"}, scenario.bone, describe_source_and_density);
   apply_preset(reader.locations(), scenario.cutting);
   check_rules(scenario, reader.locations(), mistakes);
   mistakes.throw_if_any();

@@ -11,15 +11,15 @@
 
 namespace reamsim {
 
-namespace {
-
-/// The grade of the edge force in a basis.
-constexpr int kEdge = 0;
-
 /// The arguments at the nodes of a window of smooth motion.
 struct NodeUnits {
   UnitArgs first, middle, last;
 };
+
+namespace {
+
+/// The grade of the edge force in a basis.
+constexpr int kEdge = 0;
 
 /// The block of 4×4×4 voxels of a voxel in its brick.
 int block_of(int offset) {

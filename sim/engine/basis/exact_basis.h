@@ -3,9 +3,12 @@
 #include <memory>
 #include <span>
 
+#include "kernels/distance_grid.h"
 #include "sim/engine/basis/visit_basis.h"
 #include "sim/engine/common/outline_table.h"
 #include "sim/engine/exact/visit_plan.h"
+#include "sim/scenario/scenario.h"
+#include "sim/tool/tool.h"
 #include "sim/tool/distance_table.h"
 
 namespace reamsim {

@@ -2,8 +2,10 @@
 
 #include <span>
 
+#include "sim/bone/vdb/bone_vdb.h"
 #include "sim/engine/basis/visit_basis.h"
 #include "sim/engine/common/outline_table.h"
+#include "sim/tool/tool.h"
 
 namespace reamsim {
 
