@@ -91,7 +91,9 @@ LawSettings parse_law_settings(const std::string& path, const std::vector<std::s
   reader.section({.name = "engine"}, scenario.engine, describe_engine);
   reader.section({.name = "bone"}, scenario.bone, describe_source_and_density);
   apply_preset(reader.locations(), scenario.cutting);
-  check_rules(scenario, reader.locations(), mistakes);
+  Scenario checked = scenario;
+  checked.bone.source = BoneSource::vdb;  // the rules of the other sources need keys that are not read here
+  check_rules(checked, reader.locations(), mistakes);
   mistakes.throw_if_any();
   LawSettings out{.cutting = scenario.cutting,
                   .density = scenario.bone.density,

@@ -30,6 +30,9 @@ constexpr double kNegligible = 1e-8;
 /// Logarithms of density that spread less (standard deviation, by removed volume) do not tell an exponent.
 constexpr double kLeastSpread = 0.02;
 
+/// A constant with a larger standard error is not determined: relative to its value, or of an exponent.
+constexpr double kMostRelativeError = 0.5, kMostExponentError = 1;
+
 /// Constants with a higher correlation are hard to tell apart.
 constexpr double kHighCorrelation = 0.99;
 
@@ -114,6 +117,14 @@ class Fit {
 
   ForceFit run() {
     choose_searches();
+    ForceFit out = fit();
+    if (fix_undetermined(out)) out = fit();
+    add_statements(out);
+    return out;
+  }
+
+ private:
+  ForceFit fit() {
     problem_.weigh(nullptr, 0);
     search();
     for (int round = 0; round < 3; ++round) {
@@ -124,7 +135,23 @@ class Fit {
     return result();
   }
 
- private:
+  /// Fixes k_n and p where their errors show that the data do not tell them: they would only spoil the others. Returns
+  /// whether it did.
+  bool fix_undetermined(const ForceFit& fit) {
+    const auto is_vague = [&](const char* name, double most) { return fit.of(name).standard_error > most; };
+    const bool normal = fit_normal_ratio_ && is_vague("k_n", kMostRelativeError * std::max(normal_ratio_, 0.1));
+    const bool exponent = fit_exponent_ && is_vague("p", kMostExponentError);
+    if (normal) {
+      fit_normal_ratio_ = normal_matters_ = false;
+      normal_ratio_ = cutting_.normal_ratio;
+    }
+    if (exponent) {
+      fit_exponent_ = false;
+      exponent_ = cutting_.density_exponent;
+    }
+    return normal || exponent;
+  }
+
   [[nodiscard]] bool is_law() const { return options_.model == FitModel::law; }
 
   std::vector<std::vector<int>> units() {
@@ -262,10 +289,12 @@ class Fit {
       const auto at = static_cast<Eigen::Index>(i);
       out.constants[static_cast<std::size_t>(free[i])].standard_error = std::sqrt(out.covariance(at, at));
     }
-    add_correlations(free, out);
   }
 
-  static void add_correlations(const std::vector<Eigen::Index>& free, ForceFit& out) {
+  static void add_correlations(ForceFit& out) {
+    std::vector<std::size_t> free;
+    for (std::size_t i = 0; i < out.constants.size(); ++i)
+      if (out.constants[i].fitted && !out.constants[i].at_bound) free.push_back(i);
     for (std::size_t i = 0; i < free.size(); ++i) {
       for (std::size_t j = i + 1; j < free.size(); ++j) {
         const auto a = static_cast<Eigen::Index>(i), b = static_cast<Eigen::Index>(j);
@@ -274,8 +303,7 @@ class Fit {
         out.statements.push_back(
             fmt::format("{} and {} are hard to tell apart (correlation {:.4f}): only a combination "
                         "of them is well determined",
-                        out.constants[static_cast<std::size_t>(free[i])].name,
-                        out.constants[static_cast<std::size_t>(free[j])].name, correlation));
+                        out.constants[free[i]].name, out.constants[free[j]].name, correlation));
       }
     }
   }
@@ -290,17 +318,19 @@ class Fit {
     }
     if (options_.fit_normal_ratio && !normal_matters_) {
       out.statements.push_back(fmt::format(
-          "the measured columns do not depend on k_n, which stays that of the run ({:g}); measure the axial force",
+          "the measured columns do not tell k_n, which stays that of the run ({:g}); measure the axial force and the "
+          "spin torque together",
           normal_ratio_));
     }
     for (const FittedConstant& c : out.constants) {
       if (c.at_bound) {
         out.statements.push_back(c.name +
                                  " is 0: a negative value would fit better, so the model or the data are wrong");
-      } else if (c.fitted && c.standard_error > 0.5 * std::abs(c.value)) {
+      } else if (c.fitted && c.standard_error > kMostRelativeError * std::abs(c.value)) {
         out.statements.push_back(c.name + " is not determined by these data: its standard error exceeds half of it");
       }
     }
+    add_correlations(out);
     if (out.statements.empty()) out.statements.emplace_back("all constants are determined by these data");
   }
 
@@ -339,7 +369,6 @@ class Fit {
     out.residuals = problem_.residuals(coefficients_at());
     out.force = force();
     add_covariance(out);
-    add_statements(out);
     return out;
   }
 

@@ -39,7 +39,7 @@ inline BasisError error_of(const ForceBasis& basis, const CuttingSettings& cutti
                            const std::vector<FrameResult>& results) {
   const ForceConstants constants = force_constants(cutting);
   BasisError error;
-  double force = 0, torque = 0, energy = 0, work = 0, floor = 0, cut = 0;
+  double force = 0, torque = 0, energy = 0, work = 0, floor = 0, cut = 0, cut_of_run = 0;
   for (const FrameResult& result : results) {
     const FrameForces found = basis.forces(result.frame, constants);
     force = std::max(force, result.force_n.norm());
@@ -52,13 +52,16 @@ inline BasisError error_of(const ForceBasis& basis, const CuttingSettings& cutti
     work += found.work_mj;
     floor += found.floor_energy_mj;
     cut += found.energy_mj;
-    if (cut > 0) error.work = std::max(error.work, std::abs((work + floor - cut) / cut - result.balance));
+    // What does not balance, because the balance itself is a small difference divided by a small number at first.
+    cut_of_run += result.energy_mj;
+    error.work = std::max(error.work, std::abs(work + floor - cut - result.balance * cut_of_run));
   }
   EXPECT_GT(force, 0);
   error.force /= force;
   error.torque /= torque;
   error.energy /= energy;
   error.floor_energy /= energy;
+  error.work /= cut;
   return error;
 }
 

@@ -187,7 +187,7 @@ TEST(Fit, SaysThatTorqueAloneCannotTellTheNormalRatio) {
   const ForceFit fit = fit_forces(run.basis, run.frames, run.cutting,
                                   measure(run, true_constants(), {ForceChannel::spin_torque}, 0.01, random), kClasses);
   EXPECT_FALSE(fit.of("k_n").fitted);
-  EXPECT_THAT(fit.statements, Contains(HasSubstr("do not depend on k_n")));
+  EXPECT_THAT(fit.statements, Contains(HasSubstr("do not tell k_n")));
   EXPECT_NEAR(fit.of("u1").value / kU1, 1, 0.02);
   EXPECT_NEAR(fit.of("u2").value / kU2, 1, 0.02);
 }
