@@ -37,7 +37,7 @@ LAYERS = [
     ("sim/record", ["sim_record"]),
     ("sim/run", ["sim_run"]),
     ("sim/plan", ["sim_plan"]),
-    ("sim/study", ["sim_study_forces"]),
+    ("sim/study", ["sim_study", "sim_study_forces"]),
     ("sim/bench", ["sim_bench"]),
     ("sim/verify", ["sim_verify"]),
     ("render/surface", ["render_surface"]),
