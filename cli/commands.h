@@ -21,6 +21,8 @@ void add_run_command(CLI::App& app, Console& console);
 void add_check_command(CLI::App& app, Console& console);
 void add_render_command(CLI::App& app, Console& console);
 void add_compare_command(CLI::App& app, Console& console);
+void add_reforce_command(CLI::App& app, Console& console);
+void add_fit_command(CLI::App& app, Console& console);
 void add_import_command(CLI::App& app, Console& console);
 void add_init_command(CLI::App& app, Console& console);
 void add_preview_command(CLI::App& app, Console& console);

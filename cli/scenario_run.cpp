@@ -63,7 +63,8 @@ class ScenarioRun {
 
   void run() {
     load();
-    Recorder recorder = checkpoints_.open_logs(scene_.bone.voxmap->grid.voxel_mm, report_);
+    Recorder recorder =
+        checkpoints_.open_logs(scene_.bone.voxmap->grid.voxel_mm, scenario_.output.force_basis, report_);
     simulate_frames(recorder);
     write(recorder);
     if (outputs_) {

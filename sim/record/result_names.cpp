@@ -25,7 +25,7 @@ Names names_of_run() {
   const std::string files =
       "scenario\\.yaml|summary\\.json|verification\\.json|timings\\.csv|report\\.html|segmentation\\.png|contact_"
       "sheet\\.png|"
-      "forces\\.(csv|gp|png|svg|pdf)|depth_map\\.(csv|png)|clearance\\.csv|reamed\\.(vdb|vti|glb|stl)|"
+      "forces\\.(csv|gp|png|svg|pdf)|force_basis\\.npy|depth_map\\.(csv|png)|clearance\\.csv|reamed\\.(vdb|vti|glb|stl)|"
       "(reamed|turntable)\\.(mp4|webp|apng)|snapshots/([0-9]+\\.vdb|tool(_[0-9]+)?\\.stl)|turntable/[0-9]+\\.png|"
       "plots/(forces_decimated|forces_depth|energy|removed_density|spectrum)\\.(csv|gp|png|svg|pdf)";
   const std::string pictures = "(reamed|before_after|frames/[0-9]+)" + camera + "\\.png";

@@ -8,6 +8,7 @@
 #include "sim/engine/common/broad_phase.h"
 #include "sim/engine/common/motion_windows.h"
 #include "sim/engine/make_engine.h"
+#include "sim/run/frame_basis.h"
 #include "sim/run/frame_ledger.h"
 #include "sim/scenario/picture_frames.h"
 #include "sim/tool/outline.h"
@@ -197,6 +198,7 @@ class Simulation {
     const auto append = [](auto& to, const auto& from) { to.insert(to.end(), from.begin(), from.end()); };
     append(batch_.sums, part.sums);
     append(batch_.times, part.times);
+    append(batch_.basis, part.basis);
     append(removed_, engine_.take_removed());
   }
 
@@ -216,6 +218,7 @@ class Simulation {
       }
       warn_of(result);
       sink_.frame(result, times);
+      if (!batch_.basis.empty()) sink_.basis(basis_rows(pending, batch_.basis));
       state_.frame = pending.frame;
     }
     frame_s_ = batch_watch_.seconds() / static_cast<double>(std::max<std::size_t>(pending_.size(), 1));

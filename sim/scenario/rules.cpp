@@ -42,6 +42,7 @@ class Rules {
     rule({"cutting.specific_energy_table"}, &Rules::check_energy_table);
     rule({"cutting.size_effect"}, &Rules::check_size_effect);
     rule({"cutting", "tool.spin", "motion.passes"}, &Rules::check_edge_force);
+    rule({"cutting", "engine", "output"}, &Rules::check_force_basis);
     rule({"cutting", "engine.type"}, &Rules::check_exact);
     rule({"render.user_cameras"}, &Rules::check_user_cameras);
   }
@@ -91,6 +92,7 @@ class Rules {
   void check_energy_table() const;
   void check_size_effect() const;
   void check_edge_force() const;
+  void check_force_basis() const;
   void check_user_cameras() const { check_cameras(s_.render, at_); }
 
   const Scenario& s_;
@@ -305,6 +307,18 @@ void Rules::check_edge_force() const {
   }
   // The edge force is that of the envelope of revolution.
   if (cutting.edge_force) require_envelope("cutting.edge_force is given");
+}
+
+void Rules::check_force_basis() const {
+  if (!s_.output.force_basis) return;
+  const std::string because = ", because output.force_basis is true";
+  if (s_.cutting.law != CuttingLaw::energy) {
+    fail("cutting.law", "found " + name_of(s_.cutting.law), "energy" + because);
+  } else if (s_.cutting.erosion == ErosionMode::wear) {
+    fail("cutting.erosion", "found wear", "exact or remove" + because);
+  } else if (engine_of(s_) != EngineKind::exact && engine_of(s_) != EngineKind::bricked) {
+    fail("engine.type", "found " + name_of(s_.engine.type), "auto, exact or bricked" + because);
+  }
 }
 
 /// A name that tells files apart on any file system.

@@ -43,6 +43,8 @@ EXAMPLES = {
     "REAMSIM_DATA=... reamsim check FILE": "reamsim check s.yaml",
     "reamsim render DIR.partial": "",  # of an interrupted run: cli_test (Resume)
     "reamsim render DIR": "reamsim render out/s --only pictures --width 96 --height 64",
+    "reamsim reforce DIR": "",  # cli_test (Reforce); the how-to names others
+    "reamsim fit DIR": "",
     "reamsim compare": "reamsim compare out/s out/plain -o out/compared",
     "build/release/cli/reamsim preview SCAN_OR_SCENARIO": "build/release/cli/reamsim preview {scan} -o page.html",
     "reamsim preview BONE": "reamsim preview {scan} -o bone.html --tool assets/reamer_convex.stl",
@@ -80,6 +82,8 @@ class Place:
         (folder / "python").symlink_to(root / "python")
         shutil.copytree(root / "trajectories", folder / "trajectories")
         (folder / "poses.csv").write_text("time_s,x_mm,y_mm,z_mm,qw,qx,qy,qz\n0,0,0,1,1,0,0,0\n0.5,0,0,-1,1,0,0,0\n")
+        (folder / "measured.csv").write_text("time_s,axial_force_n,spin_torque_nmm\n" +
+                                             "".join(f"{i / 10},20,300\n" for i in range(300)))
         self.environment = dict(os.environ, HOME=str(folder / "home"), PATH=f"{folder}/bin:{os.environ['PATH']}")
         self.shrink_scenarios()
         self.add_users_scan()

@@ -49,7 +49,7 @@ class BrickedEngine final : public Engine {
   Batch collect() override {
     removed_.clear();
     for (int slot = batch_.first_waiting(); slot >= 0; slot = batch_.first_waiting()) resume(slot);
-    return {batch_.collect(), stage_times(detect_.kernel.take_seconds(), cut_.kernel.take_seconds())};
+    return {.sums = batch_.collect(), .times = stage_times(detect_.kernel.take_seconds(), cut_.kernel.take_seconds())};
   }
 
   RemovedFrames take_removed() override {

@@ -47,7 +47,7 @@ class DenseEngine final : public Engine {
 
   Batch collect() override {
     std::vector<SubstepSums> sums = batch_.collect();
-    return {std::move(sums), stage_times(detect_.kernel.take_seconds(), cut_.kernel.take_seconds())};
+    return {.sums = std::move(sums), .times = stage_times(detect_.kernel.take_seconds(), cut_.kernel.take_seconds())};
   }
 
   RemovedFrames take_removed() override {
