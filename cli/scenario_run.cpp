@@ -11,6 +11,7 @@
 #include "cli/outputs.h"
 #include "cli/run_checkpoints.h"
 #include "render/pictures/figures.h"
+#include "render/plots/plots.h"
 #include "sim/base/error.h"
 #include "sim/base/memory.h"
 #include "sim/predict/contact_forecast.h"
