@@ -43,6 +43,7 @@ int run(int argc, char** argv) {
   reamsim::add_check_command(app, console);
   reamsim::add_render_command(app, console);
   reamsim::add_compare_command(app, console);
+  reamsim::add_sweep_command(app, console);
   reamsim::add_import_command(app, console);
   reamsim::add_init_command(app, console);
   reamsim::add_preview_command(app, console);
@@ -56,7 +57,7 @@ int run(int argc, char** argv) {
   if (argc > 1 && argv[1][0] != '-' && app.get_subcommands(named).empty()) {
     const std::string found =
         std::string(argv[1]) +
-        ": unknown command; expected run, check, render, compare, import, init, preview, bench, verify or devices";
+        ": unknown command; expected run, check, render, compare, sweep, import, init, preview, bench, verify or devices";
     return complain(reamsim::printable(found).c_str(), kWrongInput);
   }
   try {

@@ -132,7 +132,7 @@ bool is_marked(const std::string& dir, ResultKind kind) {
   });
 }
 
-void list_results(const std::string& dir, ResultKind kind, const std::set<std::string>& foreign) {
+void list_results(const std::string& dir, ResultKind kind, const std::set<std::string>& foreign, bool durable) {
   Manifest manifest{.kind = kind_name(kind), .files = {}};
   walk(dir, "", OwnEntries(dir, kind), [&](const fs::directory_entry& entry, const std::string& place, bool ours) {
     std::error_code error;
@@ -141,7 +141,7 @@ void list_results(const std::string& dir, ResultKind kind, const std::set<std::s
     if (listed && !foreign.contains(place)) manifest.files.insert(place);
     return true;
   });
-  write_manifest(dir, manifest);
+  write_manifest(dir, manifest, durable);
 }
 
 std::set<std::string> open_results(const std::string& dir, ResultKind kind) {

@@ -277,12 +277,17 @@ class Simulation {
 
 }  // namespace
 
-std::unique_ptr<Engine> load_engine(const ReamingScene& scene) {
+std::unique_ptr<Engine> load_engine(const ReamingScene& scene, EngineDevices& devices) {
   try {
-    return make_engine(scene.scenario, scene.bone, scene.tool);
+    return make_engine_on(devices, scene.scenario, scene.bone, scene.tool);
   } catch (const InputError& error) {
     throw scene.scenario.keys.located(error);
   }
+}
+
+std::unique_ptr<Engine> load_engine(const ReamingScene& scene) {
+  EngineDevices devices;
+  return load_engine(scene, devices);
 }
 
 SimulationState simulate(ReamingScene& scene, Engine& engine, FrameSink& sink, const RunControl& control,

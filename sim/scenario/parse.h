@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -31,6 +32,8 @@ BoneSettings parse_bone_settings(const std::string& source, const std::string& p
 
 /// The resolved scenario as YAML text: every default filled in. Parsing it again gives the same scenario.
 std::string to_yaml(const Scenario& scenario);
+/// The same with `path_text` of every path in place of recorded_path().
+std::string to_yaml(const Scenario& scenario, const std::function<std::string(const std::string&)>& path_text);
 
 /// assets/scenario.schema.json, generated from the same description of keys that the parser uses.
 std::string scenario_json_schema();

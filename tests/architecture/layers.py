@@ -36,6 +36,7 @@ LAYERS = [
     ("sim/record", ["sim_record"]),
     ("sim/run", ["sim_run"]),
     ("sim/plan", ["sim_plan"]),
+    ("sim/study", ["sim_study"]),
     ("sim/bench", ["sim_bench"]),
     ("sim/verify", ["sim_verify"]),
     ("render/surface", ["render_surface"]),
