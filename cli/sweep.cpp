@@ -50,7 +50,7 @@ int default_jobs() {
 
 void add_jobs(CLI::App& command, int& jobs) {
   jobs = default_jobs();
-  command.add_option("--jobs", jobs, "Runs at a time; each takes its share of the processors (default: one for each)")
+  command.add_option("--jobs", jobs, "Runs at a time, which divide the processors among them (default: one for each processor)")
       ->check(CLI::Range(1, 1024));
 }
 

@@ -21,6 +21,7 @@ std::string run_id(const Scenario& scenario, const KeptFiles& keep, Checksums& c
   Scenario counted = scenario;
   counted.name.clear();
   counted.output = {};
+  counted.output.force_basis = scenario.output.force_basis;
   if (!keep.pictures) counted.render = {};
   std::map<std::string, std::string> sums;
   for (const auto& [role, path] : input_files(scenario)) sums[path] = checksums.of(path);
