@@ -27,6 +27,7 @@ TEST_F(RunId, DependsOnTheContentAndNotOnThePlace) {
   EXPECT_EQ(id("base.yaml", {"name=other"}), before);
   EXPECT_EQ(id("base.yaml", {"bone.voxel_mm=0.5"}), before) << "the resolved scenario is the same";
   EXPECT_EQ(id("base.yaml", {"output.vti=false"}), before);
+  EXPECT_NE(id("base.yaml", {"output.force_basis=true"}), before) << "another file is wanted";
   EXPECT_NE(id("base.yaml", {"motion.plunge.depth_mm=2"}), before);
   EXPECT_NE(id("base.yaml", {"tool.mesh=convex.stl"}), before);
   std::filesystem::copy_file(path("convex.stl"), path("elsewhere/flat.stl"),
