@@ -62,7 +62,7 @@ class Reforce : public CliTest {
 TEST_F(Reforce, ARunWithABasisHasTheSameResults) {
   expect_done(run(kSmall));
   fs::rename(path("out"), path("plain"));
-  run_with_basis();
+  expect_done(run(kSmall, {"--set", "output.force_basis=true"}));
   EXPECT_TRUE(exists("out/force_basis.npy"));
   for (const char* file : {"forces.csv", "reamed.vdb", "reamed.vti", "reamed.stl"})
     EXPECT_TRUE(read(std::string("out/") + file) == read(std::string("plain/") + file)) << file;
