@@ -88,7 +88,7 @@ class ScenarioRun {
     scene_ = load_scene(scenario_, report_, resources_.bones);
     report_segmentation();
     contacts_ = forecast_passes(scene_);
-    scene_.contact = of_whole_run(contacts_).frames;
+    scene_.contact = contact_frames(contacts_);
     warn_of_contact(scene_, contacts_, report_);
     find_clearance_of_holder();
     print_report();

@@ -27,13 +27,13 @@ struct RunEstimate {
 /// is timed.
 class RunEstimator {
  public:
-  /// Throws InputError with every mistake of the scenario.
+  /// `resources` must have a cache of bones. Throws InputError with every mistake of the scenario.
   RunEstimate estimate(const Scenario& scenario, RunResources& resources);
 
  private:
   double simulate_s(ReamingScene& scene, RunResources& resources);
 
-  std::map<std::pair<const Voxmap*, std::string>, double> s_per_frame_;  ///< by bone and tool
+  std::map<std::pair<int, std::string>, double> s_per_frame_;  ///< by bone (BoneCache::loaded) and tool
 };
 
 }  // namespace reamsim

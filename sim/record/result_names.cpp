@@ -35,7 +35,7 @@ Names names_of_run() {
 const Names& names_of(ResultKind kind) {
   static const Names names[] = {
       names_of_run(),
-      {std::regex("compare\\.(csv|gp|png|svg|pdf)|curves\\.csv"), {"compare.csv"}},
+      {std::regex("compare\\.(csv|gp|png|svg|pdf)|(curves|runs)\\.csv"), {"compare.csv"}},
       {std::regex("verification\\.(md|json|gp|png|svg)"), {"verification.json"}},
       {std::regex("bench\\.(json|gp|png|svg)"), {"bench.gp"}},
   };  // in the order of ResultKind

@@ -33,6 +33,7 @@ class Rules {
     if (s_.bone.source == BoneSource::ct) rule({"bone.ct"}, &Rules::check_crop);
     if (s_.bone.source == BoneSource::phantom) rule({"bone.phantom"}, &Rules::check_phantom);
     rule({"tool.holder", "motion.passes"}, &Rules::check_holder);
+    rule({"tool.holder", "motion.passes", "clearance"}, &Rules::check_clearance);
     rule({"motion"}, &Rules::check_keyframes);
     rule({"motion"}, &Rules::check_frame_count);
     rule({"engine.type", "tool.spin", "motion.passes"}, &Rules::check_spin_of_implicit);
@@ -79,6 +80,7 @@ class Rules {
   void check_crop() const;
   void check_phantom() const;
   void check_holder() const;
+  void check_clearance() const;
   void check_keyframes() const;
   void check_frame_count() const;
   void require_envelope(const std::string& because) const;
@@ -217,6 +219,15 @@ void Rules::check_holder() const {
               "more than from_z_mm, " + number_text(part.from_z_mm));
     }
   }
+}
+
+/// A limit that nothing is compared with would look like one that is kept.
+void Rules::check_clearance() const {
+  const auto has_holder = [](const PassSpec& pass) { return !pass.tool.holder.empty(); };
+  if (std::ranges::any_of(passes_of(s_), has_holder)) return;
+  const std::string expected = "tool.holder as well: it lists the parts whose clearance is measured";
+  require(s_.clearance.least_mm == 0, "clearance.least_mm", s_.clearance.least_mm, expected);
+  if (s_.clearance.envelope) fail("clearance.envelope", "found without tool.holder", expected);
 }
 
 void Rules::check_keyframes() const {

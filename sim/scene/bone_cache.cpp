@@ -55,6 +55,7 @@ Bone BoneCache::load(const BoneSettings& settings, Report& report) {
     report_ = {};
     bone_ = shared ? bone_from_source(settings, report_) : load_bone(settings, report_);
     key_ = std::move(key);
+    ++loaded_;
   }
   report.notes.insert(report.notes.end(), report_.notes.begin(), report_.notes.end());
   report.warnings.insert(report.warnings.end(), report_.warnings.begin(), report_.warnings.end());

@@ -27,7 +27,7 @@ struct ReamingScene {
   Tool tool;      ///< of the present pass, the first one after loading
   Motion motion;  ///< of the present pass
   std::vector<Pass> later_passes = {};
-  std::optional<FrameSpan> contact{};  ///< expected (sim/predict), for the choice of pictures; none: not known
+  FrameSpans contact{};                                          ///< expected (sim/predict), for the choice of pictures
   std::vector<std::optional<FirstContact>> first_contacts = {};  ///< by pass, of plunges whose depth counts from it
 
   /// Of the present pass.

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "sim/base/file.h"
 #include "sim/scenario/show.h"
+#include "sim/scenario/text_file.h"
 
 namespace reamsim {
 
@@ -11,6 +11,7 @@ namespace {
 
 constexpr std::string_view kLabel = "label";
 constexpr std::size_t kMostRows = 1'000'000;
+constexpr std::size_t kMostTableBytes = 1 << 30;
 
 struct CsvLine {
   int number = 0;  ///< of its first line in the file
@@ -154,7 +155,7 @@ class TableReader {
 }  // namespace
 
 CohortTable read_cohort_table(const std::string& path, const KeyValues& values, MistakeList& mistakes) {
-  return TableReader(path, values, mistakes).read(read_file(path, "expected a CSV file of scenario keys"));
+  return TableReader(path, values, mistakes).read(read_scenario_text(path, kMostTableBytes));
 }
 
 }  // namespace reamsim

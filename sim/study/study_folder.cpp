@@ -18,7 +18,7 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-constexpr std::size_t kMostBytes = 1'000'000;  // of a summary or a note
+constexpr std::size_t kMostBytes = 16'000'000;  // of a summary or a note
 
 std::string mark_of(const std::string& dir) {
   return dir + "/study.json";
@@ -82,8 +82,12 @@ RunState StudyFolder::state(const std::string& id) const {
   const auto has = [&](const char* name) {
     return manifest->files.contains(name) && fs::file_size(run_dir(id) + "/" + name, error) > 0 && !error;
   };
-  if (manifest && manifest->complete && has("summary.json") && (!keep_.forces || has("forces.csv")) &&
-      (!keep_.grids || has("reamed.vdb")) && (!keep_.pictures || has("forces.png"))) {
+  const auto has_whole_summary = [&] {
+    return parse_result_json(read_file_start(run_dir(id) + "/summary.json", kMostBytes)).is_object();
+  };
+  if (manifest && manifest->complete && has("summary.json") && has_whole_summary() &&
+      (!keep_.forces || has("forces.csv")) && (!keep_.grids || has("reamed.vdb")) &&
+      (!keep_.pictures || has("forces.png"))) {
     return RunState::done;
   }
   if (fs::exists(run_dir(id) + ".partial", error)) return RunState::interrupted;
