@@ -345,6 +345,7 @@ void add_sweep_command(CLI::App& app, Console& console) {
   add_sweep_run(*sweep, console);
   add_sweep_status(*sweep, console);
   add_sweep_collect(*sweep, console);
+  add_sweep_submit(*sweep, console);
   add_sweep_worker(*sweep);
 }
 

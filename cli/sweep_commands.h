@@ -13,6 +13,7 @@ void add_sweep_plan(CLI::App& sweep, Console& console);
 void add_sweep_run(CLI::App& sweep, Console& console);
 void add_sweep_status(CLI::App& sweep, Console& console);
 void add_sweep_collect(CLI::App& sweep, Console& console);
+void add_sweep_submit(CLI::App& sweep, Console& console);
 void add_sweep_worker(CLI::App& sweep);
 
 }  // namespace reamsim

@@ -157,5 +157,30 @@ TEST_F(Sweep, AFolderWithSomethingElseIsLeftAlone) {
   EXPECT_FALSE(exists("out/runs"));
 }
 
+TEST_F(Sweep, SubmitWritesScriptsAndNothingElse) {
+  const auto submit = [this](std::vector<std::string> more) {
+    more.insert(more.begin(), {"submit", "study.yaml", "-o", "out", "--to", "scripts"});
+    return sweep(std::move(more));
+  };
+  const ProgramResult result = submit({"--slurm", "--shards", "4"});
+  ASSERT_EQ(result.status, 0) << result.err;
+  EXPECT_THAT(result.out, HasSubstr("sbatch --parsable ./study.sbatch"));
+  EXPECT_THAT(read("scripts/study.sbatch"),
+              AllOf(HasSubstr("--array=1-4"), HasSubstr("study='" + path("study.yaml") + "'")));
+  EXPECT_TRUE(exists("scripts/study.collect.sbatch"));
+  EXPECT_FALSE(exists("out"));
+  EXPECT_EQ(submit({"--slurm"}).status, 2) << "exists";
+  EXPECT_EQ(submit({"--slurm", "--overwrite"}).status, 0);
+  EXPECT_EQ(submit({"--parallel", "--shards", "8"}).status, 0);
+  EXPECT_EQ(submit({"--snakemake"}).status, 0);
+  write("scripts/Snakefile", "mine\n");
+  EXPECT_EQ(submit({"--snakemake", "--overwrite"}).status, 2) << "not its own file";
+  EXPECT_EQ(read("scripts/Snakefile"), "mine\n");
+  EXPECT_EQ(submit({}).status, 2) << "no system";
+  EXPECT_EQ(submit({"--slurm", "--parallel"}).status, 2) << "two systems";
+  EXPECT_THAT(submit({"--slurm", "--overwrite", "--shards", "9"}).err, HasSubstr("9 shards of 8 runs"));
+  EXPECT_THAT(submit({"--slurm", "--overwrite", "--time-limit", "90"}).err, HasSubstr("--time-limit"));
+}
+
 }  // namespace
 }  // namespace reamsim::test

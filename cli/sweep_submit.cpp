@@ -1,0 +1,127 @@
+#include <fmt/core.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <filesystem>
+#include <memory>
+
+#include "cli/commands.h"
+#include "cli/sweep_commands.h"
+#include "cli/sweep_options.h"
+#include "sim/base/error.h"
+#include "sim/base/file.h"
+#include "sim/record/output_folder.h"
+#include "sim/study/submit.h"
+
+namespace reamsim {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kDefaultShards = 10;
+/// Shards save checkpoints 60 s before the limit.
+constexpr int kLeastLimit_s = 120;
+
+struct SubmitOptions {
+  SweepOptions sweep;
+  bool slurm = false, snakemake = false, parallel = false;
+  int shards = 0;
+  int jobs = 1;
+  std::string time_limit = "01:00:00";
+  std::string to;
+  bool overwrite = false;
+
+  [[nodiscard]] BatchSystem system() const {
+    if (slurm) return BatchSystem::slurm;
+    return snakemake ? BatchSystem::snakemake : BatchSystem::parallel;
+  }
+};
+
+bool is_submission(const std::string& path) {
+  return is_submission_text(read_file_start(path, 256));
+}
+
+std::string absolute_path(const std::string& path) {
+  return fs::absolute(path).lexically_normal().string();
+}
+
+int shards_of(const SubmitOptions& options, std::size_t runs) {
+  const int most = static_cast<int>(std::min<std::size_t>(runs, 1'000'000));
+  if (options.shards > most) {
+    throw InputError({}, "--shards", fmt::format("{} shards of {} runs", options.shards, runs),
+                     "give at most as many shards as the study has runs");
+  }
+  return options.shards > 0 ? options.shards : std::min(kDefaultShards, most);
+}
+
+Submission submission_of(const SubmitOptions& options) {
+  if (seconds_of_time_limit(options.time_limit) < kLeastLimit_s) {
+    throw InputError({}, "--time-limit", "found " + options.time_limit,
+                     "expected HH:MM:SS of at least 00:02:00, for example 01:00:00");
+  }
+  const Study study = read_study(options.sweep.file);
+  const StudyPlan plan = make_plan(study, options.sweep.overrides);
+  return {.name = study.name,
+          .program = fs::read_symlink("/proc/self/exe").string(),
+          .study = study.file,
+          .output = absolute_path(options.sweep.dir(study)),
+          .overrides = options.sweep.overrides,
+          .shards = shards_of(options, plan.runs.size()),
+          .jobs = options.jobs,
+          .time_limit = options.time_limit};
+}
+
+void write_submission(const std::string& path, const SubmissionFile& file) {
+  std::error_code error;
+  fs::create_directories(fs::path(path).parent_path(), error);
+  if (error) fail_to_write(path);
+  write_file(path, file.text);
+  using fs::perms;
+  if (file.executable) {
+    fs::permissions(path, perms::owner_exec | perms::group_exec | perms::others_exec, fs::perm_options::add, error);
+    if (error) fail_to_write(path);
+  }
+}
+
+void submit_command(const SubmitOptions& options, const Console& console) {
+  const Submission submission = submission_of(options);
+  const std::vector<SubmissionFile> files = submission_files(options.system(), submission);
+  const auto path_of = [&](const SubmissionFile& file) { return options.to + "/" + file.path; };
+  for (const SubmissionFile& file : files) {
+    require_replaceable_file(path_of(file), "--to", options.overwrite, is_submission, {submission.study});
+  }
+  for (const SubmissionFile& file : files) {
+    write_submission(path_of(file), file);
+    console.say("wrote " + path_of(file));
+  }
+  console.say("start with:");
+  console.say("  cd " + shell_word(options.to));
+  for (const std::string& line : start_commands(options.system(), submission)) console.say("  " + line);
+}
+
+}  // namespace
+
+void add_sweep_submit(CLI::App& sweep, Console& console) {
+  auto* command = sweep.add_subcommand("submit", "Write scripts that run the study on a cluster; start nothing");
+  auto options = std::make_shared<SubmitOptions>();
+  options->sweep.add_to(*command);
+  auto* system = command->add_option_group("system");
+  system->add_flag("--slurm", options->slurm, "A Slurm job array, which is requeued before its time limit");
+  system->add_flag("--snakemake", options->snakemake, "A Snakemake 7 workflow with a profile for Slurm");
+  system->add_flag("--parallel", options->parallel, "A script of GNU parallel for one machine");
+  system->require_option(1);
+  command->add_option("--shards", options->shards, "Parts of the study (default: 10, at most a run each)")
+      ->check(CLI::Range(1, 1'000'000));
+  command->add_option("--jobs", options->jobs, "Runs at a time, and processors, of a shard (default: 1)")
+      ->check(CLI::Range(1, 1024));
+  command
+      ->add_option("--time-limit", options->time_limit,
+                   "Time limit of a shard (default: 01:00:00); 60 s before it checkpoints are saved")
+      ->type_name("HH:MM:SS");
+  command->add_option("--to", options->to, "Folder for the scripts")->required()->check(refuse_empty);
+  command->add_flag("--overwrite", options->overwrite, "Replace scripts of an earlier submit");
+  command->callback([options, &console] { submit_command(*options, console); });
+}
+
+}  // namespace reamsim

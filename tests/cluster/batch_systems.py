@@ -1,0 +1,134 @@
+"""batch_systems.py slurm|snakemake|parallel REAMSIM ROOT: the study of 36 runs, submitted in 4 shards, has the table of
+a plain `sweep run`.
+
+With Slurm, one array task is killed and requeued, and one meets its time limit and is requeued from its checkpoints."""
+
+import os
+import pathlib
+import re
+import subprocess
+import sys
+import tempfile
+import time
+
+import local_slurm
+from local_slurm import call, squeue, wait_until
+
+SHARDS = 4
+CPUS = 2
+# Slurm looks for time limits every 30 s only: frames that make a shard take some seconds.
+SLOW = ["--set", "motion.frame_rate_hz=1000"]
+
+
+class Study:
+    def __init__(self, program, root, work, settings=()):
+        self.program, self.work, self.settings = program, work, list(settings)
+        self.file = root / "trajectories/studies/reamers.yaml"
+        self.output = work / "out of shards"
+
+    def sweep(self, command, *more):
+        return call(self.program, "sweep", command, self.file, *self.settings, *more)
+
+    def submit(self, system, *more):
+        """The folder with the scripts, whose name needs quotes."""
+        folder = self.work / "it's scripts"
+        self.sweep("submit", f"--{system}", "--shards", SHARDS, "-o", self.output, "--to", folder, *more)
+        return folder
+
+    def check(self):
+        """Whether the shards give the table of one command."""
+        begin = time.monotonic()
+        self.sweep("run", "--jobs", CPUS, "-o", self.work / "plain")
+        print(f"plain sweep run --jobs {CPUS}: {time.monotonic() - begin:.1f} s")
+        table = (self.output / "runs.csv").read_bytes()
+        assert table.count(b",done,") == 36, table.decode()[:2000]
+        assert table == (self.work / "plain/runs.csv").read_bytes(), "the tables differ"
+
+
+def overhead(work, tasks=20):
+    """Seconds that Slurm adds to a task, from an array of empty ones."""
+    script = work / "empty.sh"
+    script.write_text("#!/bin/sh\n")
+    begin = time.monotonic()
+    call("sbatch", f"--array=1-{tasks}", "--output=/dev/null", script)
+    wait_until(lambda: not squeue(), "empty tasks", 120)
+    print(f"overhead of Slurm: {(time.monotonic() - begin) / tasks * CPUS:.2f} s per empty array task and processor")
+
+
+def finished_runs(study):
+    folder = study.output / "runs"
+    return [path for path in folder.iterdir() if not path.suffix] if folder.exists() else []
+
+
+def slurm(study):
+    scripts = study.submit("slurm", "--time-limit", "00:02:00")
+    os.chdir(scripts)
+    overhead(study.work)
+    begin = time.monotonic()
+    # A limit of a minute, the least of Slurm, is met when Slurm first looks at it.
+    job = call("sbatch", "--parsable", "--time=1", "./reamers.sbatch")
+    call("sbatch", f"--dependency=afterany:{job}", "./reamers.collect.sbatch")
+    wait_until(lambda: squeue().get(f"{job}_1") == "RUNNING" and finished_runs(study), "the first task", 120)
+    call("scancel", "--signal=KILL", "--full", f"{job}_1")
+    wait_until(lambda: f"{job}_1" not in squeue(), "the end of the killed task", 60)
+    assert "JobState=FAILED" in call("scontrol", "show", "job", f"{job}_1")
+    print(f"task 1 killed after {time.monotonic() - begin:.1f} s")
+    call("scontrol", "requeue", f"{job}_1")
+    wait_until(lambda: not squeue(), "all tasks", 540)
+    print(f"all tasks and the table: {time.monotonic() - begin:.1f} s")
+    logs = {path.name: path.read_text() for path in sorted(scripts.glob("slurm-*.out"))}
+    saved = [name for name, text in logs.items() if "interrupted; the same command continues" in text]
+    print(f"met the time limit and continued: {saved}")
+    for name, text in logs.items():
+        print(f"--- {name}\n{text[-1500:]}")
+    assert saved, "no task met its time limit"
+    for task in range(1, SHARDS + 1):
+        state = call("scontrol", "show", "job", f"{job}_{task}")
+        print(f"task {task}: {re.search(r'JobState=.*|$', state)[0]}, {re.search(r'Restarts=[0-9]+|$', state)[0]}")
+        assert "JobState=COMPLETED" in state, state
+
+
+def snakemake(study):
+    scripts = study.submit("snakemake", "--time-limit", "00:10:00")
+    begin = time.monotonic()
+    home = {**os.environ, "HOME": str(study.work), "XDG_CACHE_HOME": str(study.work / "cache")}
+    result = subprocess.run(["snakemake", "--profile", "profile"], cwd=scripts, env=home, text=True,
+                            stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+    print(result.stdout[-3000:])
+    assert result.returncode == 0, result.returncode
+    assert len(list(scripts.glob("slurm-*.out"))) == SHARDS, "the shards were not Slurm jobs"
+    print(f"Snakemake with Slurm: {time.monotonic() - begin:.1f} s")
+
+
+def parallel(study):
+    scripts = study.submit("parallel")
+    begin = time.monotonic()
+    print(call("./reamers.parallel.sh", cwd=scripts))
+    print(f"GNU parallel: {time.monotonic() - begin:.1f} s")
+
+
+def main():
+    system, program, root = sys.argv[1], pathlib.Path(sys.argv[2]).resolve(), pathlib.Path(sys.argv[3]).resolve()
+    if system == "parallel":
+        local_slurm.require("parallel")
+    else:
+        if system == "snakemake":
+            local_slurm.require("snakemake")
+        local_slurm.enter()
+    with tempfile.TemporaryDirectory(prefix="reamsim-") as name:
+        work = pathlib.Path(name)
+        study = Study(program, root, work, SLOW if system == "slurm" else [])
+        if system == "parallel":
+            parallel(study)
+        else:
+            daemons = work / "slurm"
+            daemons.mkdir()
+            work.chmod(0o755)
+            with local_slurm.cluster(daemons, CPUS):
+                (slurm if system == "slurm" else snakemake)(study)
+            os.chdir("/")
+        study.check()
+    print("passed")
+
+
+main()
