@@ -72,10 +72,14 @@ Submission submission_of(const SubmitOptions& options) {
           .time_limit = options.time_limit};
 }
 
-void write_submission(const std::string& path, const SubmissionFile& file) {
+void create_folder_of(const std::string& path) {
   std::error_code error;
   fs::create_directories(fs::path(path).parent_path(), error);
   if (error) fail_to_write(path);
+}
+
+void write_submission(const std::string& path, const SubmissionFile& file) {
+  std::error_code error;
   write_file(path, file.text);
   using fs::perms;
   if (file.executable) {
@@ -89,6 +93,7 @@ void submit_command(const SubmitOptions& options, const Console& console) {
   const std::vector<SubmissionFile> files = submission_files(options.system(), submission);
   const auto path_of = [&](const SubmissionFile& file) { return options.to + "/" + file.path; };
   for (const SubmissionFile& file : files) {
+    create_folder_of(path_of(file));
     require_replaceable_file(path_of(file), "--to", options.overwrite, is_submission, {submission.study});
   }
   for (const SubmissionFile& file : files) {

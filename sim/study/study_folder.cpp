@@ -1,9 +1,11 @@
 #include "sim/study/study_folder.h"
 
 #include <fcntl.h>
+#include <fmt/core.h>
 #include <unistd.h>
 
 #include <filesystem>
+#include <random>
 
 #include "sim/base/error.h"
 #include "sim/base/file.h"
@@ -29,6 +31,17 @@ bool is_study(const std::string& dir) {
   return json.is_object() && json.value("kind", Json()) == Json("study");
 }
 
+/// Whether a folder is empty, or holds only what another process has created before it marks the folder.
+bool is_begun(const std::string& dir) {
+  std::error_code error;
+  for (fs::directory_iterator entry(dir, error), end; !error && entry != end; entry.increment(error)) {
+    const std::string name = entry->path().filename().string();
+    const bool empty_part = (name == "runs" || name == "failed") && fs::is_empty(entry->path(), error);
+    if (!empty_part && !name.starts_with("study.json.")) return false;
+  }
+  return !error;
+}
+
 std::string absolute(const std::string& dir) {
   fs::path out = fs::absolute(dir).lexically_normal();
   if (!out.has_filename()) out = out.parent_path();
@@ -42,12 +55,10 @@ std::string absolute(const std::string& dir) {
 
 StudyFolder::StudyFolder(const Study& study, const std::string& dir) : dir_(absolute(dir)), keep_(study.keep) {
   std::error_code error;
-  if (fs::exists(fs::symlink_status(dir_, error)) && !is_study(dir_)) {
-    const bool empty = fs::is_directory(dir_, error) && fs::is_empty(dir_, error);
-    if (!empty) {
-      throw InputError({dir_, 0, 0}, "output folder", "exists and is not the folder of a study",
-                       "choose another with -o");
-    }
+  // Another shard may create the folder at the same time, and mark it between the two looks.
+  if (fs::exists(fs::symlink_status(dir_, error)) && !is_study(dir_) && !is_begun(dir_) && !is_study(dir_)) {
+    throw InputError({dir_, 0, 0}, "output folder", "exists and is not the folder of a study",
+                     "choose another with -o");
   }
   for (const char* part : {"/runs", "/failed"}) {
     fs::create_directories(dir_ + part, error);
@@ -73,7 +84,13 @@ void StudyFolder::mark(const Study& study) const {
   json["kind"] = "study";
   json["study"] = study.name;
   if (is_study(dir_) && read_file_start(mark_of(dir_), kMostBytes) == json.dump(2) + "\n") return;
-  replace_file(mark_of(dir_), json.dump(2) + "\n");
+  // Shards on several machines may do so at the same time: each writes a file of its own.
+  std::random_device random;
+  const std::string own = fmt::format("{}.{:08x}{:08x}", mark_of(dir_), random(), random());
+  replace_file(own, json.dump(2) + "\n");
+  std::error_code error;
+  fs::rename(own, mark_of(dir_), error);
+  if (error) fail_to_write(mark_of(dir_));
 }
 
 RunState StudyFolder::state(const std::string& id) const {

@@ -1,7 +1,9 @@
 #include "sim/study/collect.h"
 
+#include <atomic>
 #include <nlohmann/json.hpp>
 #include <sstream>
+#include <thread>
 
 #include "sim/base/csv.h"
 #include "sim/record/manifest.h"
@@ -87,6 +89,25 @@ TEST_F(Collect, AnotherFolderIsNoStudy) {
   EXPECT_THROW(StudyFolder::open(study_, path("none")), InputError);
   EXPECT_THROW(StudyFolder(study_, path("base.yaml")), InputError);
   EXPECT_TRUE(std::filesystem::exists(path("mine/thesis.txt")));
+}
+
+/// Shards of a study begin at the same time, in a folder that does not exist.
+TEST_F(Collect, ManyCreateTheFolderAtOnce) {
+  for (int round = 0; round < 50; ++round) {
+    std::atomic<int> refused = 0;
+    std::vector<std::thread> shards;
+    for (int i = 0; i < 4; ++i) {
+      shards.emplace_back([&, round] {
+        try {
+          const StudyFolder folder(study_, path("at once " + std::to_string(round)));
+        } catch (const std::exception&) {
+          ++refused;
+        }
+      });
+    }
+    for (std::thread& shard : shards) shard.join();
+    ASSERT_EQ(refused, 0) << "round " << round;
+  }
 }
 
 }  // namespace
