@@ -1,5 +1,5 @@
 """batch_systems.py slurm|snakemake|parallel REAMSIM ROOT: the study of 36 runs, submitted in 4 shards, has the table of
-a plain `sweep run`.
+a plain `sweep run`. `measure` prints the times of docs/cluster.md instead.
 
 With Slurm, one array task is killed and requeued, and one meets its time limit and is requeued from its checkpoints."""
 
@@ -30,10 +30,10 @@ class Study:
     def sweep(self, command, *more):
         return call(self.program, "sweep", command, self.file, *self.settings, *more)
 
-    def submit(self, system, *more):
+    def submit(self, system, *more, shards=SHARDS):
         """The folder with the scripts, whose name needs quotes."""
-        folder = self.work / "it's scripts"
-        self.sweep("submit", f"--{system}", "--shards", SHARDS, "-o", self.output, "--to", folder, *more)
+        folder = self.work / f"it's scripts of {shards}"
+        self.sweep("submit", f"--{system}", "--shards", shards, "-o", self.output, "--to", folder, *more)
         return folder
 
     def check(self):
@@ -137,6 +137,17 @@ def parallel(study):
     print(f"GNU parallel: {time.monotonic() - begin:.1f} s")
 
 
+def measure(study):
+    overhead(study.work)
+    for shards in (4, 12):
+        study.output = study.work / f"out of {shards}"
+        scripts = study.submit("slurm", shards=shards)
+        begin = time.monotonic()
+        call("sbatch", "./reamers.sbatch", cwd=scripts)
+        wait_until(lambda: not squeue(), "all tasks", 540)
+        print(f"{shards} shards on {CPUS} processors through Slurm: {time.monotonic() - begin:.1f} s")
+
+
 def main():
     system, program, root = sys.argv[1], pathlib.Path(sys.argv[2]).resolve(), pathlib.Path(sys.argv[3]).resolve()
     if system == "parallel":
@@ -155,9 +166,10 @@ def main():
             daemons.mkdir()
             work.chmod(0o755)
             with local_slurm.cluster(daemons, CPUS):
-                (slurm if system == "slurm" else snakemake)(study)
+                {"slurm": slurm, "snakemake": snakemake, "measure": measure}[system](study)
             os.chdir("/")
-        study.check()
+        if system != "measure":
+            study.check()
     print("passed")
 
 
