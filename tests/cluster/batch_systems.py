@@ -1,7 +1,8 @@
 """batch_systems.py slurm|snakemake|parallel REAMSIM ROOT: the study of 36 runs, submitted in 4 shards, has the table of
 a plain `sweep run`. `measure` prints the times of docs/cluster.md instead.
 
-With Slurm, one array task is killed and requeued, and one meets its time limit and is requeued from its checkpoints."""
+With Slurm, one array task is killed and requeued, and one meets its time limit and is requeued from its checkpoints.
+Snakemake submits to Slurm, and one of its jobs is cancelled."""
 
 import os
 import pathlib
@@ -122,11 +123,17 @@ def snakemake(study):
     scripts = study.submit("snakemake", "--time-limit", "00:10:00")
     begin = time.monotonic()
     home = {**os.environ, "HOME": str(study.work), "XDG_CACHE_HOME": str(study.work / "cache")}
-    result = subprocess.run(["snakemake", "--profile", "profile"], cwd=scripts, env=home, text=True,
-                            stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
-    print(result.stdout[-3000:])
-    assert result.returncode == 0, result.returncode
-    assert len(list(scripts.glob("slurm-*.out"))) == SHARDS, "the shards were not Slurm jobs"
+    log = study.work / "snakemake.log"
+    with log.open("w") as out:
+        workflow = subprocess.Popen(["snakemake", "--profile", "profile"], cwd=scripts, env=home, stdout=out, stderr=out)
+    wait_until(lambda: finished_runs(study) and "RUNNING" in squeue().values(), "the first job", 120)
+    cancelled = next(job for job, state in squeue().items() if state == "RUNNING")
+    call("scancel", cancelled)
+    status = workflow.wait()
+    print(log.read_text()[-3000:])
+    assert status == 0, status
+    assert "Trying to restart job" in log.read_text(), "the cancelled job was not repeated"
+    assert len(list(scripts.glob("slurm-*.out"))) == SHARDS + 1, "the shards were not Slurm jobs"
     print(f"Snakemake with Slurm: {time.monotonic() - begin:.1f} s")
 
 

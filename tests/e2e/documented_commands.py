@@ -52,6 +52,7 @@ EXAMPLES = {
     "reamsim sweep": "reamsim sweep run trajectories/studies/reamers.yaml -o out/swept --set motion.frame_rate_hz=50",
     "reamsim sweep run STUDY.yaml --shard": "reamsim sweep run trajectories/studies/reamers.yaml -o out/swept --shard 2/8",
     "reamsim sweep collect": "reamsim sweep collect trajectories/studies/reamers.yaml -o out/swept --set motion.frame_rate_hz=50",
+    "reamsim sweep submit": "reamsim sweep submit trajectories/studies/reamers.yaml --slurm --to out/scripts",
     "reamsim sweep status": "reamsim sweep status trajectories/studies/reamers.yaml -o out/swept",
     "reamsim import": "reamsim import s.yaml -o bone.vdb",
     "reamsim run trajectories/mesh_scapula.yaml --set bone.voxel_mm=V": "",  # its data: e2e.mesh_scapula
