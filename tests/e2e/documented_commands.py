@@ -154,7 +154,7 @@ class Place:
 def check_options(place, command):
     """Every option of a synopsis is one of the program."""
     program = re.match(r".*?reamsim (sweep \w+|\w+)", command)
-    name = "sweep run" if "|" in command and program[1].startswith("sweep") else program[1]
+    name = "sweep run" if program[1].startswith("sweep") and command[program.end():].startswith("|") else program[1]
     known = place.run(f"reamsim {name} --help")
     for option in re.findall(r"--[a-z-]+", command):
         assert re.search(rf"{option}\b", known), f"{command}: reamsim {program[1]} has no {option}"
