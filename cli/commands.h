@@ -30,6 +30,7 @@ void add_bench_command(CLI::App& app, Console& console);
 void add_verify_command(CLI::App& app, Console& console);
 void add_devices_command(CLI::App& app, Console& console);
 void add_sweep_command(CLI::App& app, Console& console);
+void add_uq_command(CLI::App& app, Console& console);
 
 /// The arguments that `run` and `check` share.
 struct ScenarioOptions {

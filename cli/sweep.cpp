@@ -39,20 +39,18 @@ SweepRuns load_sweep(const SweepOptions& options) {
   return out;
 }
 
+void add_jobs(CLI::App& command, int& jobs) {
+  jobs = static_cast<int>(std::max(1L, sysconf(_SC_NPROCESSORS_ONLN)));
+  command
+      .add_option("--jobs", jobs,
+                  "Runs at a time, which divide the processors among them (default: one for each processor)")
+      ->check(CLI::Range(1, 1024));
+}
+
 namespace {
 
 /// Mistakes on standard error, at most.
 constexpr std::size_t kMostShown = 10;
-
-int default_jobs() {
-  return static_cast<int>(std::max(1L, sysconf(_SC_NPROCESSORS_ONLN)));
-}
-
-void add_jobs(CLI::App& command, int& jobs) {
-  jobs = default_jobs();
-  command.add_option("--jobs", jobs, "Runs at a time, which divide the processors among them (default: one for each processor)")
-      ->check(CLI::Range(1, 1024));
-}
 
 std::string counts_text(const StudyCounts& counts) {
   return fmt::format("{} runs: {} done, {} failed, {} interrupted, {} missing", counts.all(), counts.done,
@@ -238,12 +236,12 @@ std::vector<std::size_t> runs_to_do(const SweepRuns& sweep, const StudyFolder& f
 /// Simulates what is missing. Returns whether all is done that could be.
 class StudyRun {
  public:
-  StudyRun(const RunOptionsOfSweep& options, const Console& console)
-      : options_(options),
+  StudyRun(RunOptionsOfSweep options, const Console& console)
+      : options_(std::move(options)),
         console_(console),
-        shard_(parse_shard(options.shard)),
-        sweep_(load_sweep(options.sweep)),
-        folder_(sweep_.study, options.sweep.dir(sweep_.study)) {}
+        shard_(parse_shard(options_.shard)),
+        sweep_(load_sweep(options_.sweep)),
+        folder_(sweep_.study, options_.sweep.dir(sweep_.study)) {}
 
   void run() {
     const std::vector<std::size_t> runs = runs_to_do(sweep_, folder_, shard_);
@@ -263,6 +261,7 @@ class StudyRun {
     if (shard_.count == 1) collect();
     report();
   }
+  [[nodiscard]] const SweepRuns& runs() const { return sweep_; }
 
  private:
   void note_wrong_scenarios() {
@@ -294,7 +293,7 @@ class StudyRun {
     }
   }
 
-  const RunOptionsOfSweep& options_;
+  RunOptionsOfSweep options_;
   const Console& console_;
   Shard shard_;
   SweepRuns sweep_;
@@ -305,6 +304,12 @@ class StudyRun {
 };
 
 }  // namespace
+
+SweepRuns simulate_study(const SweepOptions& options, int jobs, const Console& console) {
+  StudyRun study({.sweep = options, .jobs = jobs, .shard = ""}, console);
+  study.run();
+  return study.runs();
+}
 
 void add_sweep_plan(CLI::App& sweep, Console& console) {
   auto* command = sweep.add_subcommand("plan", "Validate every run and estimate time, memory and disk; write nothing");

@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "cli/console.h"
 #include "sim/study/identify.h"
 
 namespace CLI {
@@ -31,5 +32,12 @@ struct SweepRuns {
 
 /// Reads the study and parses the scenarios of all runs. Throws InputError for a wrong study.
 SweepRuns load_sweep(const SweepOptions& options);
+
+/// Simulates the runs that are not done, and collects them. Throws RunError where some fail, Suspended when it is
+/// interrupted.
+SweepRuns simulate_study(const SweepOptions& options, int jobs, const Console& console);
+
+/// The option --jobs.
+void add_jobs(CLI::App& command, int& jobs);
 
 }  // namespace reamsim

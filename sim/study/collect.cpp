@@ -9,43 +9,15 @@
 #include "sim/base/error.h"
 #include "sim/base/file.h"
 #include "sim/base/text.h"
-#include "sim/record/result_json.h"
 #include "sim/scenario/show.h"
+#include "sim/study/summary_numbers.h"
 
 namespace reamsim {
 
 namespace {
 
 namespace fs = std::filesystem;
-using Json = nlohmann::ordered_json;
 using Numbers = std::vector<std::pair<std::string, double>>;
-
-constexpr std::size_t kMostSummaryBytes = 16'000'000;
-
-/// Sections of summary.json that are not the same in every run of a scenario.
-bool differs_from_run_to_run(const std::string& name) {
-  return name == "timings_s" || name == "memory_mb";
-}
-
-void flatten(const Json& json, const std::string& name, Numbers& out) {
-  if (json.is_number()) {
-    out.emplace_back(name, json.get<double>());
-  } else if (json.is_object()) {
-    for (const auto& [key, value] : json.items()) {
-      if (!name.empty() || !differs_from_run_to_run(key)) flatten(value, name.empty() ? key : name + "." + key, out);
-    }
-  } else if (json.is_array()) {
-    for (std::size_t i = 0; i < json.size(); ++i) flatten(json[i], name + "." + std::to_string(i), out);
-  }
-}
-
-/// The numbers of a finished run; none where its summary is damaged.
-Numbers numbers_of(const std::string& run_dir) {
-  Numbers out;
-  const Json json = parse_result_json(read_file_start(run_dir + "/summary.json", kMostSummaryBytes));
-  if (json.is_object()) flatten(json, "", out);
-  return out;
-}
 
 /// The names of all numbers, each once; new ones follow those of the runs before.
 class NumberColumns {
@@ -112,7 +84,7 @@ StudyCounts count_runs(const StudyFolder& folder, const std::vector<IdentifiedRu
 StudyCounts collect_runs(const StudyFolder& folder, const StudyPlan& plan, const std::vector<IdentifiedRun>& runs) {
   NumberColumns columns;
   for (const IdentifiedRun& run : runs) {
-    if (state_of(folder, run) == RunState::done) columns.add(numbers_of(folder.run_dir(run.id)));
+    if (state_of(folder, run) == RunState::done) columns.add(summary_numbers(folder.run_dir(run.id)));
   }
   const std::string path = folder.path() + "/runs.csv", unfinished = path + ".tmp";
   std::ofstream out(unfinished, std::ios::binary);
@@ -128,7 +100,7 @@ StudyCounts collect_runs(const StudyFolder& folder, const StudyPlan& plan, const
     if (message.empty() && state == RunState::failed) message = folder.failure(runs[i].id);
     std::vector<std::string> cells{std::to_string(plan.runs[i].number), runs[i].id, name_of(state), csv_text(message)};
     for (const std::string& text : plan.runs[i].cells) cells.push_back(cell(text));
-    const Numbers numbers = state == RunState::done ? numbers_of(folder.run_dir(runs[i].id)) : Numbers();
+    const Numbers numbers = state == RunState::done ? summary_numbers(folder.run_dir(runs[i].id)) : Numbers();
     for (std::string& text : columns.cells(numbers)) cells.push_back(std::move(text));
     write_line(out, cells);
   }

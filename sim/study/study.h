@@ -50,6 +50,7 @@ struct SampleSettings {
   int n = 0;
   std::uint64_t seed = 1;
   std::vector<SampledKey> of;
+  std::vector<std::vector<double>> points;  ///< given points of the unit cube, in place of those of the method
 };
 
 /// A study: a base scenario and what varies. Every level of `vary` is combined with every row of the table and every

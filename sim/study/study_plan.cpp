@@ -85,7 +85,10 @@ class Planner {
     if (!study_.sample) return;
     int dimensions = 0;
     for (const SampledKey& sampled : study_.sample->of) dimensions += sampled.distribution.dimensions();
-    points_ = unit_points(study_.sample->method, study_.sample->n, dimensions, study_.sample->seed);
+    points_ = study_.sample->points;
+    if (points_.empty()) {
+      points_ = unit_points(study_.sample->method, study_.sample->n, dimensions, study_.sample->seed);
+    }
     const bool changes_vectors = std::ranges::any_of(
         study_.sample->of, [](const SampledKey& sampled) { return sampled.distribution.dimensions() > 1; });
     if (changes_vectors) base_ = parse_yaml(read_file(study_.base, "expected a scenario"), shown_path(study_.base));

@@ -1,6 +1,8 @@
 // Studies: one command simulates what is missing, whatever happened before.
 #include <algorithm>
+#include <cmath>
 #include <csignal>
+#include <nlohmann/json.hpp>
 #include <sstream>
 
 #include "tests/cli/cli_fixture.h"
@@ -180,6 +182,78 @@ TEST_F(Sweep, SubmitWritesScriptsAndNothingElse) {
   EXPECT_EQ(submit({"--slurm", "--parallel"}).status, 2) << "two systems";
   EXPECT_THAT(submit({"--slurm", "--overwrite", "--shards", "9"}).err, HasSubstr("9 shards of 8 runs"));
   EXPECT_THAT(submit({"--slurm", "--overwrite", "--time-limit", "90"}).err, HasSubstr("--time-limit"));
+}
+
+// --- uncertainty
+
+class Uq : public Sweep {
+ protected:
+  Uq() { write("s.yaml", with(read("s.yaml"), "engine:\n", "cutting: {specific_energy_j_mm3: 0.15}\nengine:\n")); }
+
+  nlohmann::json uq(const std::string& sample) const {
+    write("uq.yaml", "version: 1\nbase: s.yaml\nsample: " + sample + "\n");
+    const ProgramResult result = reamsim({.arguments = {"uq", "uq.yaml", "-o", "uq", "--jobs", "2"},
+                                          .environment = {},
+                                          .folder = "",
+                                          .interrupt_when = {}});
+    EXPECT_EQ(result.status, 0) << result.err;
+    return nlohmann::json::parse(read("uq/uq.json"));
+  }
+};
+
+TEST_F(Uq, ConstantsOfTheLawNeedOneRun) {
+  const auto json =
+      uq("{n: 256, of: {cutting.specific_energy_j_mm3: {lognormal: [0.15, 0.3]}, cutting.normal_ratio: {uniform: [0.4, "
+         "0.6]}}}");
+  EXPECT_EQ(json["runs"], 1);
+  expect_done(run(read("s.yaml")));
+  const auto summary = nlohmann::json::parse(read("out/summary.json"));
+  // Energy and torque are proportional to the specific energy; its quantiles are 0.15·exp(±0.3·1.645).
+  const auto& energy = json["outputs"]["energy_mj"];
+  const double median_mj = summary["energy_mj"];
+  EXPECT_NEAR(energy["p50"].get<double>() / median_mj, 1, 0.01);
+  EXPECT_NEAR(energy["p95"].get<double>() / median_mj, std::exp(0.3 * 1.645), 0.03);
+  EXPECT_NEAR(energy["p05"].get<double>() / median_mj, std::exp(-0.3 * 1.645), 0.02);
+  EXPECT_NEAR(energy["inputs"]["cutting.specific_energy_j_mm3"]["total"].get<double>(), 1, 0.05);
+  EXPECT_NEAR(energy["inputs"]["cutting.normal_ratio"]["total"].get<double>(), 0, 1e-9);
+  // The axial force depends on the ratio as well.
+  const auto& force = json["outputs"]["peak_axial_force_n"];
+  EXPECT_GT(force["inputs"]["cutting.normal_ratio"]["total"].get<double>(), 0.02);
+  const std::vector<std::string> bands = lines("uq/uq.csv");
+  EXPECT_THAT(bands[0], HasSubstr("time_s,axial_force_n_p05"));
+  EXPECT_GT(bands.size(), 20U);
+  for (const char* file : {"uq/uq.png", "uq/uq.svg", "uq/uq.pdf", "uq/uq.gp"}) EXPECT_TRUE(exists(file)) << file;
+}
+
+TEST_F(Uq, OtherInputsNeedRuns) {
+  const auto json =
+      uq("{n: 8, of: {motion.plunge.depth_mm: {uniform: [0.5, 1]}, cutting.specific_energy_j_mm3: {lognormal: [0.15, "
+         "0.3]}}}");
+  EXPECT_EQ(json["runs"], 16) << "the constant needs no run of its own";
+  EXPECT_EQ(json["samples"], 16);
+  const auto& removed = json["outputs"]["removed_mm3"];
+  EXPECT_GT(removed["inputs"]["motion.plunge.depth_mm"]["total"].get<double>(), 0.5);
+  EXPECT_EQ(removed["inputs"]["cutting.specific_energy_j_mm3"]["total"], 0);
+  EXPECT_GT(removed["inputs"]["motion.plunge.depth_mm"]["mean_in_highest_fifth"].get<double>(),
+            removed["inputs"]["motion.plunge.depth_mm"]["mean_in_lowest_fifth"].get<double>());
+}
+
+TEST_F(Uq, StudiesThatAreNoUncertaintyAnalysisAreRefused) {
+  const auto refused = [&](const std::string& lines) {
+    write("uq.yaml", "version: 1\nbase: s.yaml\n" + lines);
+    const ProgramResult result =
+        reamsim({.arguments = {"uq", "uq.yaml", "-o", "uq"}, .environment = {}, .folder = "", .interrupt_when = {}});
+    EXPECT_EQ(result.status, 2);
+    EXPECT_FALSE(exists("uq"));
+    return result.err;
+  };
+  EXPECT_THAT(refused("keep: forces\n"), HasSubstr("sample: missing"));
+  EXPECT_THAT(
+      refused(
+          "vary: [{motion.plunge.depth_mm: [1]}]\nsample: {n: 8, of: {cutting.normal_ratio: {normal: [1, 0.1]}}}\n"),
+      HasSubstr("vary: an uncertainty analysis has no such key"));
+  EXPECT_THAT(refused("sample: {n: 2, of: {cutting.normal_ratio: {normal: [1, 0.1]}}}\n"),
+              HasSubstr("expected 4 or more"));
 }
 
 }  // namespace

@@ -49,6 +49,7 @@ EXAMPLES = {
     "build/release/cli/reamsim preview SCAN_OR_SCENARIO": "build/release/cli/reamsim preview {scan} -o page.html",
     "reamsim preview BONE": "reamsim preview {scan} -o bone.html --tool assets/reamer_convex.stl",
     "reamsim init": "reamsim init {scan} --near {near} -o first.yaml",
+    "reamsim uq": "reamsim uq uq.yaml -o out/uq",
     "reamsim sweep": "reamsim sweep run trajectories/studies/reamers.yaml -o out/swept --set motion.frame_rate_hz=50",
     "reamsim sweep run STUDY.yaml --shard": "reamsim sweep run trajectories/studies/reamers.yaml -o out/swept --shard 2/8",
     "reamsim sweep collect": "reamsim sweep collect trajectories/studies/reamers.yaml -o out/swept --set motion.frame_rate_hz=50",
@@ -90,6 +91,8 @@ class Place:
         self.add_users_scan()
         self.set_motion("plunge")
         self.write("scenario.yaml", yaml.safe_load((folder / "s.yaml").read_text()))
+        self.write("uq.yaml", {"version": 1, "base": "s.yaml",
+                               "sample": {"n": 8, "of": {"cutting.normal_ratio": {"uniform": [0.4, 0.6]}}}})
         self.write_run_sh()
 
     def write(self, name, scenario):

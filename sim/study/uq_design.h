@@ -1,0 +1,52 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "sim/study/study_plan.h"
+
+namespace reamsim {
+
+/// An independent variable of an uncertainty analysis: a sampled number, or one part of a tilt or shift.
+struct UncertainInput {
+  std::string name;       ///< the key; of parts as in the columns of a plan
+  std::size_t key = 0;    ///< index in the sample of the study
+  bool constant = false;  ///< of the cutting law: forces follow from the force basis, without a run
+};
+
+/// The points at which the outputs of a study are needed for bands and sensitivity indices, and the runs that they
+/// need.
+class UqDesign {
+ public:
+  /// Throws InputError unless the study consists of samples alone.
+  explicit UqDesign(Study study);
+
+  [[nodiscard]] const std::vector<UncertainInput>& inputs() const { return inputs_; }
+  /// Two independent samples of the unit cube, rows · inputs.
+  [[nodiscard]] const Eigen::MatrixXd& a() const { return a_; }
+  [[nodiscard]] const Eigen::MatrixXd& b() const { return b_; }
+  /// All points: the rows of `a`, those of `b`, and for every input those of `a` with its column of `b`.
+  [[nodiscard]] std::vector<Eigen::VectorXd> points() const;
+  /// The number of different runs.
+  [[nodiscard]] std::size_t runs() const { return run_points_.size(); }
+  /// The run of a point. Its number in the study of runs is one more.
+  [[nodiscard]] std::size_t run_of(const Eigen::VectorXd& point) const;
+  /// The constants at a point, "key=value".
+  [[nodiscard]] std::vector<std::string> constants(const Eigen::VectorXd& point) const;
+  /// Writes DIR/runs.yaml, a study of the runs with their force basis, and its table. Returns its path. Throws
+  /// RunError.
+  [[nodiscard]] std::string write_runs(const std::string& dir) const;
+
+ private:
+  [[nodiscard]] std::vector<double> run_part(const Eigen::VectorXd& point) const;
+
+  Study study_;
+  std::vector<UncertainInput> inputs_;
+  Eigen::MatrixXd a_, b_;
+  std::vector<std::vector<double>> run_points_;  ///< coordinates of the inputs that are no constants
+  std::map<std::vector<double>, std::size_t> run_places_;
+};
+
+}  // namespace reamsim
