@@ -31,7 +31,7 @@ class Collect : public StudyTest {
   }
   /// The lines of runs.csv.
   [[nodiscard]] std::vector<std::string> table(StudyCounts& counts) const {
-    counts = collect_runs(folder_, plan_, runs_);
+    counts = collect_runs(folder_, plan_, runs_).counts;
     std::istringstream text(file_bytes(path("out/runs.csv")));
     std::vector<std::string> lines;
     for (std::string line; std::getline(text, line);) lines.push_back(line);

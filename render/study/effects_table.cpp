@@ -1,0 +1,166 @@
+#include "render/study/effects_table.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "render/plots/compare_table.h"
+#include "sim/base/printable.h"
+#include "sim/base/text.h"
+
+namespace reamsim {
+
+namespace {
+
+constexpr std::size_t kMostRunsInRows = 20;
+/// Rows of levels, so that the table fits a screen.
+constexpr std::size_t kMostRows = 24;
+
+using Row = std::vector<std::string>;
+
+// --- a row per run
+
+bool varies(const Row& cells) {
+  return std::ranges::any_of(cells, [&](const std::string& cell) { return cell != cells[0]; });
+}
+
+std::vector<std::string> rows_of_runs(const RunTable& table, std::size_t width) {
+  std::vector<std::string> labels;
+  for (const CollectedRun& run : table.runs) labels.emplace_back(name_of(run.state));
+  std::vector<RunColumn> columns;
+  for (std::size_t p = 0; p < table.parameters.size(); ++p) {
+    RunColumn column{printable(table.parameters[p]), {}};
+    for (const CollectedRun& run : table.runs) column.cells.push_back(printable(shown_cell(run.cells[p])));
+    if (varies(column.cells)) columns.push_back(std::move(column));
+  }
+  for (const ColumnName& name : headline_results()) {
+    const auto found = std::ranges::find(table.results, name.key);
+    if (found == table.results.end()) continue;
+    const auto place = static_cast<std::size_t>(found - table.results.begin());
+    RunColumn column{name.key, {}};
+    for (const CollectedRun& run : table.runs) {
+      column.cells.push_back(std::isnan(run.numbers[place]) ? "-" : fmt::format("{:.4g}", run.numbers[place]));
+    }
+    if (varies(column.cells) || table.runs.size() == 1) columns.push_back(std::move(column));
+  }
+  return run_table(labels, columns, width);
+}
+
+// --- means by level
+
+/// Two lines of about the same length.
+std::pair<std::string, std::string> on_two_lines(const std::string& title) {
+  std::size_t best = std::string::npos;
+  const auto distance = [&](std::size_t at) {
+    return std::abs(static_cast<double>(at) - 0.5 * static_cast<double>(title.size()));
+  };
+  for (std::size_t at = title.find(' '); at != std::string::npos; at = title.find(' ', at + 1)) {
+    if (best == std::string::npos || distance(at) < distance(best)) best = at;
+  }
+  if (best == std::string::npos) return {"", title};
+  return {title.substr(0, best), title.substr(best + 1)};
+}
+
+/// 47.1 ± 3.2: the deviation with two digits, the mean with as many decimals.
+std::string mean_text(const EffectGroup& group) {
+  if (group.runs == 1) return fmt::format("{:.4g}", group.mean);
+  const int decimals = group.sd > 0 ? static_cast<int>(std::clamp(1 - std::floor(std::log10(group.sd)), 0.0, 6.0)) : 2;
+  return fmt::format("{:.{}f} ± {:.{}f}", group.mean, decimals, group.sd, decimals);
+}
+
+std::string range_or_level(const EffectParameter& parameter, const EffectGroup& group) {
+  if (!parameter.has_intervals) return level_text(parameter, group);
+  return fmt::format("{:.3g} to {:.3g}", group.from, group.to);
+}
+
+/// Mean and deviation over all runs.
+EffectGroup all_of(const EffectResult& result) {
+  EffectGroup out;
+  for (const double y : result.y) {
+    if (std::isnan(y)) continue;
+    ++out.runs;
+    out.mean += y;
+  }
+  out.mean /= out.runs;
+  for (const double y : result.y) {
+    if (!std::isnan(y)) out.sd += (y - out.mean) * (y - out.mean);
+  }
+  out.sd = out.runs > 1 ? std::sqrt(out.sd / (out.runs - 1)) : 0;
+  return out;
+}
+
+class MeansTable {
+ public:
+  explicit MeansTable(const MainEffects& effects) : effects_(effects) {
+    for (std::size_t p = 0; p < effects.parameters.size(); ++p) {
+      const std::size_t groups = effects.effects[p][0].groups.size();
+      if (parameters_ > 0 && levels_ + groups > kMostRows) break;
+      levels_ += groups;
+      ++parameters_;
+    }
+  }
+
+  /// With as many results as fit.
+  [[nodiscard]] std::vector<std::string> lines(std::size_t width) const {
+    std::vector<std::string> out;
+    for (std::size_t results = 1; results <= effects_.results.size(); ++results) {
+      std::vector<std::string> more = align_columns(rows(results));
+      const auto too_wide = [&](const std::string& line) { return text_width(line) > width; };
+      if (std::ranges::any_of(more, too_wide)) break;
+      out = std::move(more);
+    }
+    const std::size_t left_out = effects_.parameters.size() - parameters_;
+    if (left_out > 0) out.push_back(fmt::format("{} more parameters explain less", left_out));
+    return out;
+  }
+
+ private:
+  [[nodiscard]] std::vector<Row> rows(std::size_t results) const {
+    std::vector<Row> out{{"mean ± SD", "", ""}, {"", "", "runs"}, {"all", "", std::to_string(effects_.runs.size())}};
+    for (std::size_t r = 0; r < results; ++r) {
+      const auto [upper, lower] = on_two_lines(effects_.results[r].name.title());
+      out[0].push_back(upper);
+      out[1].push_back(lower);
+      out[2].push_back(mean_text(all_of(effects_.results[r])));
+    }
+    for (std::size_t p = 0; p < parameters_; ++p) add_parameter(p, results, out);
+    return out;
+  }
+  void add_parameter(std::size_t p, std::size_t results, std::vector<Row>& out) const {
+    const EffectParameter& parameter = effects_.parameters[p];
+    for (std::size_t g = 0; g < effects_.effects[p][0].groups.size(); ++g) {
+      const EffectGroup& first = effects_.effects[p][0].groups[g];
+      Row row{g == 0 ? cut(parameter.name.title(), 28) : "", cut(range_or_level(parameter, first), 20),
+              std::to_string(first.runs)};
+      for (std::size_t r = 0; r < results; ++r) {
+        const auto& groups = effects_.effects[p][r].groups;
+        row.push_back(g < groups.size() && groups.size() == effects_.effects[p][0].groups.size() ? mean_text(groups[g])
+                                                                                                 : "-");
+      }
+      out.push_back(std::move(row));
+    }
+  }
+  static std::string cut(const std::string& text, std::size_t most) {
+    std::string out;
+    for (const char c : printable(text)) {
+      if ((static_cast<unsigned char>(c) & 0xc0) != 0x80 && text_width(out) == most) return out;
+      out += c;
+    }
+    return out;
+  }
+
+  const MainEffects& effects_;
+  std::size_t parameters_ = 0, levels_ = 0;
+};
+
+}  // namespace
+
+std::vector<std::string> study_table(const RunTable& table, const MainEffects& effects, std::size_t width) {
+  const auto is_done = [](const CollectedRun& run) { return run.state == RunState::done; };
+  if (std::ranges::none_of(table.runs, is_done)) return {};
+  if (table.all <= kMostRunsInRows) return rows_of_runs(table, width);
+  return effects.empty() ? std::vector<std::string>() : MeansTable(effects).lines(width);
+}
+
+}  // namespace reamsim
