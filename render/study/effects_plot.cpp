@@ -66,7 +66,7 @@ class EffectsFigure {
   [[nodiscard]] std::string data() const {
     std::string out = fmt::format("parameters = {}\nresults = {}\n", parameters_, results_);
     out += list("x_title", parameters_, [&](std::size_t p) { return gnuplot_string(x_title(effects_.parameters[p])); });
-    out += list("y_title", results_, [&](std::size_t r) { return gnuplot_string(effects_.results[r].name.title()); });
+    out += list("y_title", results_, [&](std::size_t r) { return on_two_lines(effects_.results[r].name.title()); });
     out += list("joined", parameters_, [&](std::size_t p) { return effects_.parameters[p].is_number ? "1" : "0"; });
     out += list("named", parameters_, [&](std::size_t p) { return is_named(effects_.parameters[p]) ? "1" : "0"; });
     out += list("slanted", parameters_, [&](std::size_t p) { return is_slanted(effects_.parameters[p]) ? "1" : "0"; });
@@ -89,6 +89,12 @@ class EffectsFigure {
            list(name + "_high", count, [&](std::size_t i) { return fmt::format("{:.9g}", limits(i).high); });
   }
 
+  /// As an expression of gnuplot: a title is longer than a panel is high.
+  static std::string on_two_lines(const std::string& title) {
+    const auto [upper, lower] = two_lines(title);
+    return upper.empty() ? gnuplot_string(lower) : gnuplot_string(upper) + " . \"\\n\" . " + gnuplot_string(lower);
+  }
+
   static bool is_named(const EffectParameter& parameter) {
     return !parameter.has_intervals && parameter.levels.size() <= kMostNamedLevels;
   }
@@ -97,7 +103,7 @@ class EffectsFigure {
     if (!is_named(parameter)) return false;
     std::size_t longest = 0;
     for (const std::string& level : parameter.levels) longest = std::max(longest, text_width(level));
-    return 1.5 * static_cast<double>(longest * parameter.levels.size()) > 0.85 * 156 / static_cast<double>(parameters_);
+    return 1.5 * static_cast<double>(longest * parameter.levels.size()) > 0.85 * 153 / static_cast<double>(parameters_);
   }
   /// Height of the names of levels below the lowest panels.
   [[nodiscard]] double label_mm() const {
@@ -151,7 +157,7 @@ class EffectsFigure {
     return {range.low - 0.05 * range.span(), range.high + 0.17 * range.span()};  // the fraction stands above the dots
   }
 
-  /// A block for each panel: position, mean, standard deviation, name of the level, fraction explained.
+  /// A block for each panel: position, mean, standard deviation, name of the level, fraction explained, blank.
   [[nodiscard]] std::string means() const {
     std::string out = "$means << END\n";
     for (std::size_t p = 0; p < parameters_; ++p) {
@@ -159,7 +165,7 @@ class EffectsFigure {
       for (std::size_t r = 0; r < results_; ++r) {
         const MainEffect& effect = effects_.effects[p][r];
         for (const EffectGroup& group : effect.groups) {
-          out += fmt::format("{:.9g},{:.9g},{:.9g},{},{:.4f}\n", group.x, group.mean, group.sd,
+          out += fmt::format("{:.9g},{:.9g},{:.9g},{},{:.4f},\" \"\n", group.x, group.mean, group.sd,
                              csv_text(cut(level_text(parameter, group))), effect.explained);
         }
         out += "\n\n";

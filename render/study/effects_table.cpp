@@ -49,19 +49,6 @@ std::vector<std::string> rows_of_runs(const RunTable& table, std::size_t width) 
 
 // --- means by level
 
-/// Two lines of about the same length.
-std::pair<std::string, std::string> on_two_lines(const std::string& title) {
-  std::size_t best = std::string::npos;
-  const auto distance = [&](std::size_t at) {
-    return std::abs(static_cast<double>(at) - 0.5 * static_cast<double>(title.size()));
-  };
-  for (std::size_t at = title.find(' '); at != std::string::npos; at = title.find(' ', at + 1)) {
-    if (best == std::string::npos || distance(at) < distance(best)) best = at;
-  }
-  if (best == std::string::npos) return {"", title};
-  return {title.substr(0, best), title.substr(best + 1)};
-}
-
 /// 47.1 ± 3.2: the deviation with two digits, the mean with as many decimals.
 std::string mean_text(const EffectGroup& group) {
   if (group.runs == 1) return fmt::format("{:.4g}", group.mean);
@@ -119,7 +106,7 @@ class MeansTable {
   [[nodiscard]] std::vector<Row> rows(std::size_t results) const {
     std::vector<Row> out{{"mean ± SD", "", ""}, {"", "", "runs"}, {"all", "", std::to_string(effects_.runs.size())}};
     for (std::size_t r = 0; r < results; ++r) {
-      const auto [upper, lower] = on_two_lines(effects_.results[r].name.title());
+      const auto [upper, lower] = two_lines(effects_.results[r].name.title());
       out[0].push_back(upper);
       out[1].push_back(lower);
       out[2].push_back(mean_text(all_of(effects_.results[r])));

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <cmath>
 #include <filesystem>
 #include <map>
 
@@ -45,16 +46,28 @@ std::pair<std::string, std::string> name_and_unit(const std::string& part) {
   return {std::string(without_unit(part)), std::string(unit_of(part))};
 }
 
-/// One word, or the parts of a tilt or shift, say too little without the part before them.
+bool is_index(const std::string& part) {
+  return !part.empty() && std::ranges::all_of(part, [](unsigned char c) { return std::isdigit(c) != 0; });
+}
+
+/// One word, or a part of a tilt or shift, says too little without what is before it.
 bool needs_parent(const std::string& name) {
   return name.find('_') == std::string::npos || name.starts_with("tilt_") || name.starts_with("shift_");
 }
 
-ColumnName made_name(const std::string& key) {
+/// The name of a column by the last parts of its key: those that it needs, and `more`.
+ColumnName made_name(const std::string& key, std::size_t more) {
   const std::vector<std::string> parts = parts_of(key);
-  const auto [name, unit] = name_and_unit(parts.back());
-  std::string text = words_of(name);
-  if (needs_parent(name) && parts.size() > 1) text = words_of(parts[parts.size() - 2]) + " " + text;
+  std::size_t at = parts.size() - 1;
+  std::string index;
+  while (at > 0 && is_index(parts[at])) index = " " + parts[at--] + index;
+  const auto [name, unit] = name_and_unit(parts[at]);
+  std::string text = words_of(name) + index;
+  if (needs_parent(name)) ++more;
+  while (at > 0 && (more > 0 || is_index(parts[at - 1]))) {
+    if (!is_index(parts[--at])) --more;
+    text = words_of(parts[at]) + " " + text;
+  }
   return {key, text, unit};
 }
 
@@ -84,20 +97,47 @@ const std::vector<ColumnName>& headline_results() {
 }
 
 std::vector<ColumnName> column_names(const std::vector<std::string>& keys) {
+  constexpr std::size_t kMostParents = 4;
   const auto& fixed = headline_results();
-  std::vector<ColumnName> out;
+  std::vector<ColumnName> out(keys.size());
   std::map<std::string, int> uses;
-  for (const std::string& key : keys) {
-    const auto found = std::ranges::find(fixed, key, &ColumnName::key);
-    out.push_back(found == fixed.end() ? made_name(key) : *found);
-    ++uses[out.back().title()];
+  for (const ColumnName& name : fixed) ++uses[name.title()];
+  std::vector<std::size_t> unnamed;
+  for (std::size_t i = 0; i < keys.size(); ++i) {
+    const auto found = std::ranges::find(fixed, keys[i], &ColumnName::key);
+    if (found != fixed.end()) {
+      out[i] = *found;
+    } else {
+      unnamed.push_back(i);
+    }
   }
-  for (ColumnName& name : out) {
-    if (uses[name.title()] == 1) continue;
-    name.text = name.key;
-    name.unit = "";
+  // Names that several keys would have get more parts.
+  for (std::size_t more = 0; more <= kMostParents && !unnamed.empty(); ++more) {
+    std::map<std::string, int> now = uses;
+    for (const std::size_t i : unnamed) {
+      out[i] = made_name(keys[i], more);
+      ++now[out[i].title()];
+    }
+    std::erase_if(unnamed, [&](std::size_t i) {
+      const bool is_unique = now[out[i].title()] == 1;
+      if (is_unique) ++uses[out[i].title()];
+      return is_unique;
+    });
   }
+  for (const std::size_t i : unnamed) out[i] = {keys[i], keys[i], ""};
   return out;
+}
+
+std::pair<std::string, std::string> two_lines(const std::string& title) {
+  std::size_t best = std::string::npos;
+  const auto distance = [&](std::size_t at) {
+    return std::abs(static_cast<double>(at) - 0.5 * static_cast<double>(title.size()));
+  };
+  for (std::size_t at = title.find(' '); at != std::string::npos; at = title.find(' ', at + 1)) {
+    if (best == std::string::npos || distance(at) < distance(best)) best = at;
+  }
+  if (best == std::string::npos) return {"", title};
+  return {title.substr(0, best), title.substr(best + 1)};
 }
 
 std::string shown_cell(const std::string& cell) {

@@ -212,7 +212,7 @@ class EffectSums {
 void sort_by_effect(MainEffects& effects) {
   std::vector<std::size_t> order(effects.parameters.size());
   std::iota(order.begin(), order.end(), 0U);
-  std::ranges::stable_sort(order, std::greater(), [&](std::size_t p) { return effects.most_explained(p); });
+  std::ranges::stable_sort(order, std::greater(), [&](std::size_t p) { return effects.explains(p); });
   MainEffects sorted{effects.runs, {}, std::move(effects.results), {}};
   for (const std::size_t p : order) {
     sorted.parameters.push_back(std::move(effects.parameters[p]));
@@ -223,10 +223,10 @@ void sort_by_effect(MainEffects& effects) {
 
 }  // namespace
 
-double MainEffects::most_explained(std::size_t parameter) const {
-  double most = 0;
-  for (const MainEffect& effect : effects[parameter]) most = std::max(most, effect.explained);
-  return most;
+double MainEffects::explains(std::size_t parameter) const {
+  double sum = 0;
+  for (const MainEffect& effect : effects[parameter]) sum += effect.explained;
+  return results.empty() ? 0 : sum / static_cast<double>(results.size());
 }
 
 std::string level_text(const EffectParameter& parameter, const EffectGroup& group) {

@@ -46,20 +46,20 @@ struct MainEffect {
 /// Main effects of a study.
 struct MainEffects {
   std::vector<std::size_t> runs;                 ///< those that are done, by their place in the table
-  std::vector<EffectParameter> parameters;       ///< descending by the greatest fraction that they explain of a result
+  std::vector<EffectParameter> parameters;       ///< descending by explains()
   std::vector<EffectResult> results;             ///< headline_results() that vary
   std::vector<std::vector<MainEffect>> effects;  ///< effects[parameter][result]
 
   [[nodiscard]] bool empty() const { return parameters.empty() || results.empty(); }
-  /// The greatest fraction that a parameter explains of a result.
-  [[nodiscard]] double most_explained(std::size_t parameter) const;
+  /// What a parameter explains: the mean of its fractions over the results.
+  [[nodiscard]] double explains(std::size_t parameter) const;
 };
 
 /// The level of a group; "" for an interval.
 std::string level_text(const EffectParameter& parameter, const EffectGroup& group);
 
 /// The effects of all parameters with two or more values in the runs that are done. A number with more than eight
-/// values is grouped by intervals with equally many of them. Texts with more than `kMostLevels` values, and texts that
+/// values is grouped by intervals with equally many of them. Texts with more than forty values, and texts that
 /// differ in every run, are no parameters; of parameters that group the runs in the same way, the first stands for all.
 MainEffects main_effects(const RunTable& table);
 

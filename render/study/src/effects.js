@@ -14,7 +14,7 @@ function groupsOf(column, runs) {
     const differs = codes.length === runs.length && runs.length > 2 && !column.numeric;
     if (codes.length < 2 || codes.length > kMostLevels || differs) return null;
     const place = new Map(codes.map((code, i) => [code, i]));
-    return { count: codes.length, of: (run) => place.get(column.codes[run]), names: codes.map((code) => column.levels[code]), intervals: false };
+    return { count: codes.length, of: (run) => place.get(column.codes[run]), names: column.numeric ? codes.map((code) => column.levels[code]) : shortened(codes.map((code) => column.levels[code])), intervals: false };
   }
   const values = Float64Array.from(new Set(Array.from(runs, (run) => column.values[run]))).sort();
   if (values.length < 2) return null;
@@ -22,6 +22,14 @@ function groupsOf(column, runs) {
   const count = isLevels ? values.length : Math.min(kMostIntervals, Math.max(2, Math.floor(values.length / kLeastValuesOfInterval)));
   const place = new Map(Array.from(values, (value, i) => [value, isLevels ? i : Math.floor((i * count) / values.length)]));
   return { count, of: (run) => place.get(column.values[run]), names: isLevels ? Array.from(values, numberText) : null, intervals: !isLevels };
+}
+
+// Without what all begin with, up to the last separator in it: "reamer_flat" is "flat".
+function shortened(names) {
+  let same = 0;
+  while (names.every((name) => same < name.length && name[same] === names[0][same])) ++same;
+  const separator = Math.max(...["_", "-", " "].map((c) => names[0].slice(0, same).lastIndexOf(c)));
+  return names.some((name) => name.length === separator + 1) ? names : names.map((name) => name.slice(separator + 1));
 }
 
 export function effectOf(parameter, result, runs) {

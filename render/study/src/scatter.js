@@ -21,6 +21,7 @@ export class Scatter {
     this.study = study;
     this.showRun = showRun;
     this.canvas = find("scatter-canvas");
+    this.context = this.canvas.getContext("2d", { willReadFrequently: true });
     this.runs = new Uint32Array();
     this.chosen = -1;
     for (const id of ["scatter-x", "scatter-y", "scatter-color"]) find(id).addEventListener("change", () => this.draw());
@@ -66,7 +67,7 @@ export class Scatter {
     this.canvas.height = Math.round(kHigh * ratio);
     Object.assign(this.canvas.style, { width: `${width}px`, height: `${kHigh}px` });
     const runs = this.runs.filter((run) => !Number.isNaN(x.values[run]) && !Number.isNaN(y.values[run]));
-    const draw = this.canvas.getContext("2d");
+    const draw = this.context;
     draw.setTransform(ratio, 0, 0, ratio, 0, 0);
     draw.font = "12px system-ui, sans-serif";
     this.width = width;
@@ -202,7 +203,7 @@ export class Scatter {
 
   mark(chosen) {
     this.chosen = chosen;
-    const draw = this.canvas.getContext("2d");
+    const draw = this.context;
     if (this.picture) draw.putImageData(this.picture, 0, 0);
     if (chosen < 0) {
       find("scatter-run").textContent = "";

@@ -26,7 +26,7 @@ export class Table {
       { key: "status", title: "Status", chars: 9, values: study.states, cell: (run) => study.stateText(run) },
     ];
     if (study.reports.includes(1)) fixed.push({ key: "report", title: "Report", chars: 6, values: study.reports });
-    if (study.states.includes(2)) fixed.push({ key: "message", title: "Message", chars: 30, text: (run) => study.message(run), cell: (run) => study.message(run) });
+    if (study.states.includes(2)) fixed.push({ key: "message", title: "Message", chars: 30, words: (run) => study.message(run), cell: (run) => study.message(run) });
     return fixed;
   }
 
@@ -68,14 +68,14 @@ export class Table {
     if (this.sorted !== null) {
       const { column, descending } = this.sorted;
       const sign = descending ? -1 : 1;
-      const byText = (a, b) => sign * column.text(a).localeCompare(column.text(b));
+      const byText = (a, b) => sign * column.words(a).localeCompare(column.words(b));
       const byNumber = (a, b) => {
         const [x, y] = [column.values[a], column.values[b]];
         if (x === y) return 0;
         if (Number.isNaN(x)) return Number.isNaN(y) ? 0 : 1;  // missing values come last
         return Number.isNaN(y) ? -1 : sign * (x - y);
       };
-      this.runs = Uint32Array.from([...this.runs].sort(column.text ? byText : byNumber));
+      this.runs = Uint32Array.from([...this.runs].sort(column.words ? byText : byNumber));
     }
     [...this.head.rows[0].cells].forEach((cell, i) => {
       const isSorted = this.sorted?.column === this.columns[i];
@@ -113,7 +113,7 @@ export class Table {
         return part("td", {}, ...(study.reports[run] ? [link] : []));
       }
       const text = column.cell(run);
-      const kind = column.key === "status" ? `state ${text}` : column.levels && !column.numeric || column.text ? "words" : "number";
+      const kind = column.key === "status" ? `state ${text}` : (column.levels && !column.numeric) || column.words ? "words" : "number";
       return part("td", { class: kind, title: text.length > 24 ? text : "" }, text);
     });
     return part("tr", { "aria-rowindex": `${place + 2}` }, ...cells);
