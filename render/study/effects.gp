@@ -5,7 +5,7 @@ gap = 3.5
 wide = 180.0
 left_edge = 23.0
 top_edge = 9.0
-bottom_edge = label_mm + 7.0
+bottom_edge = label_mm + 9.0
 tall = top_edge + results * panel_height + (results - 1) * gap + bottom_edge
 step = (wide - left_edge - 3.0) / parameters
 # A few parameters do not make panels wider than high enough to read.
@@ -39,14 +39,14 @@ do for [format in "png svg pdf"] {
       set format y (p == 1 ? "%g" : "")
       set format x (r == results ? "%g" : "")
       if (slanted[p]) { set xtics rotate by 40 right offset 0.6,0.1 } else { set xtics norotate center offset 0,0.2 }
-      if (named[p]) { set xtics () } else { set xtics tic(0.8 * (x_high[p] - x_low[p])) }
+      if (named[p]) { set xtics () } else { set xtics tic((step < 35 ? 1.2 : 0.8) * (x_high[p] - x_low[p])) }
       name_column = r == results ? 4 : 6  # the sixth is blank
       unset label
       stats $means index panel using (explained = column(5), column(2)) nooutput
       set label 1 percent(explained) at graph 0.97,0.92 right textcolor rgb grey
       if (p == 1) { set label 4 y_title[r] at screen 3.2 / wide, graph 0.5 center rotate by 90 }
       if (r == results) {
-        set label 3 x_title[p] at screen (left_edge + (p - 0.5) * step - 1.2) / wide, screen 3.5 / tall center
+        set label 3 x_title[p] at screen (left_edge + (p - 0.5) * step - 1.2) / wide, screen 6.0 / tall center
       }
       if (r == 1 && p == 1) {
         set label 2 "Mean ± SD over all other parameters; grey: single runs; %: fraction of the variance explained" \

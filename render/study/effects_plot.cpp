@@ -20,10 +20,13 @@ extern const char* const effects_plot_script;
 namespace {
 
 /// Dots of single runs in a panel; more would hide the means.
-constexpr std::size_t kMostDots = 500;
+constexpr std::size_t kMostDots = 300;
 /// Names of levels that fit the axis of a panel; with more it counts them.
 constexpr std::size_t kMostNamedLevels = 8;
 constexpr std::size_t kMostInName = 22;
+constexpr double kCharacter_mm = 1.5;
+/// As in effects.gp.
+constexpr double kWidth_mm = 154, kWidestPanel_mm = 62;
 
 std::string effects_csv(const MainEffects& effects) {
   std::string out = "parameter,result,level,from,to,runs,mean,sd,explained\n";
@@ -65,7 +68,7 @@ class EffectsFigure {
 
   [[nodiscard]] std::string data() const {
     std::string out = fmt::format("parameters = {}\nresults = {}\n", parameters_, results_);
-    out += list("x_title", parameters_, [&](std::size_t p) { return gnuplot_string(x_title(effects_.parameters[p])); });
+    out += list("x_title", parameters_, [&](std::size_t p) { return x_title(effects_.parameters[p]); });
     out += list("y_title", results_, [&](std::size_t r) { return on_two_lines(effects_.results[r].name.title()); });
     out += list("joined", parameters_, [&](std::size_t p) { return effects_.parameters[p].is_number ? "1" : "0"; });
     out += list("named", parameters_, [&](std::size_t p) { return is_named(effects_.parameters[p]) ? "1" : "0"; });
@@ -95,15 +98,18 @@ class EffectsFigure {
     return upper.empty() ? gnuplot_string(lower) : gnuplot_string(upper) + " . \"\\n\" . " + gnuplot_string(lower);
   }
 
+  [[nodiscard]] double panel_mm() const {
+    return std::min(kWidth_mm / static_cast<double>(parameters_), kWidestPanel_mm) - 2.5;
+  }
   static bool is_named(const EffectParameter& parameter) {
     return !parameter.has_intervals && parameter.levels.size() <= kMostNamedLevels;
   }
-  /// Whether names side by side would overlap; a character is 1.5 mm wide.
+  /// Whether names side by side would overlap.
   [[nodiscard]] bool is_slanted(const EffectParameter& parameter) const {
     if (!is_named(parameter)) return false;
     std::size_t longest = 0;
     for (const std::string& level : parameter.levels) longest = std::max(longest, text_width(level));
-    return 1.5 * static_cast<double>(longest * parameter.levels.size()) > 0.85 * 153 / static_cast<double>(parameters_);
+    return kCharacter_mm * static_cast<double>(longest * parameter.levels.size()) > 0.85 * panel_mm();
   }
   /// Height of the names of levels below the lowest panels.
   [[nodiscard]] double label_mm() const {
@@ -111,7 +117,7 @@ class EffectsFigure {
     for (std::size_t p = 0; p < parameters_; ++p) {
       if (!is_slanted(effects_.parameters[p])) continue;
       for (const std::string& level : effects_.parameters[p].levels) {
-        most = std::max(most, 3 + 1.5 * 0.6 * static_cast<double>(text_width(cut(level))));
+        most = std::max(most, 3 + 0.6 * kCharacter_mm * static_cast<double>(text_width(cut(level))));
       }
     }
     return most;
@@ -125,8 +131,11 @@ class EffectsFigure {
     }
     return out + "…";
   }
-  static std::string x_title(const EffectParameter& parameter) {
-    return parameter.is_number || is_named(parameter) ? parameter.name.title() : parameter.name.title() + ", by number";
+  [[nodiscard]] std::string x_title(const EffectParameter& parameter) const {
+    const bool is_plain = parameter.is_number || is_named(parameter);
+    const std::string title = parameter.name.title() + (is_plain ? "" : ", by number");
+    return kCharacter_mm * static_cast<double>(text_width(title)) < panel_mm() ? gnuplot_string(title)
+                                                                               : on_two_lines(title);
   }
 
   /// Least distance of levels.

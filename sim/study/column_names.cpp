@@ -66,7 +66,7 @@ ColumnName made_name(const std::string& key, std::size_t more) {
   if (needs_parent(name)) ++more;
   while (at > 0 && (more > 0 || is_index(parts[at - 1]))) {
     if (!is_index(parts[--at])) --more;
-    text = words_of(parts[at]) + " " + text;
+    text = words_of(name_and_unit(parts[at]).first) + " " + text;
   }
   return {key, text, unit};
 }

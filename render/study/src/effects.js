@@ -73,7 +73,7 @@ const hasParts = (column, all) => all.some((other) => other.key.startsWith(`${co
 const shortText = (text) => (text.length > 13 ? `${text.slice(0, 12)}…` : text);
 const percent = (fraction) => (fraction < 0.005 ? "< 1 %" : `${Math.round(100 * fraction)} %`);
 
-const kWide = 260, kHigh = 190, kLeft = 52, kRight = 8, kTop = 22, kBottom = 40;
+const kWide = 260, kHigh = 190, kLeft = 52, kRight = 8, kTop = 28, kBottom = 40;
 
 // A panel: single runs in grey, means with standard deviations.
 function panelOf(effect) {
@@ -96,7 +96,7 @@ function panelOf(effect) {
     svg.append(svgPart("text", { x: kLeft - 5, y: y(tick) + 4, "text-anchor": "end" }, numberText(tick)));
   }
   const place = (sum, i) => x(byNumber ? sum.x : i + 1);
-  const ticks = effect.intervals || sums.length > 6 ? stepsOf(xLow, xHigh, 4).map((value) => [x(value), numberText(value)]) : sums.map((sum, i) => [place(sum, i), shortText(sum.name)]);
+  const ticks = effect.intervals || sums.length > 6 ? stepsOf(xLow, xHigh, 5).map((value) => [x(value), numberText(value)]) : sums.map((sum, i) => [place(sum, i), shortText(sum.name)]);
   let free = -Infinity;
   for (const [at, text] of ticks) {
     if (at - 3.2 * text.length < free) continue;

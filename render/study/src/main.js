@@ -11,7 +11,8 @@ const failed = Array.from(study.states.keys()).filter((run) => study.stateText(r
 
 // --- the values of one run
 
-function valueRow(name, value, key) {
+function valueRow(text, value, key) {
+  const name = text.charAt(0).toUpperCase() + text.slice(1);
   return part("tr", {}, part("th", { scope: "row" }, name), part("td", {}, value), part("td", {}, part("code", {}, key)));
 }
 
@@ -84,8 +85,8 @@ function showFiltered() {
 
 function begin() {
   const counts = ["done", "failed", "interrupted", "missing"].map((state, i) => [study.states.filter((s) => s === 3 - i).length, state]);
-  const part_ = study.count < study.all ? ` The page has ${study.count} of the ${study.all} runs, drawn at random; runs.csv has all.` : "";
-  find("counts").textContent = `${numberText(study.count)} runs: ${counts.filter(([n]) => n > 0).map(([n, state]) => `${numberText(n)} ${state}`).join(", ")}.${part_}`;
+  const missing = study.count < study.all ? ` The page has ${study.count} of the ${study.all} runs, drawn at random; runs.csv has all.` : "";
+  find("counts").textContent = `${numberText(study.count)} runs: ${counts.filter(([n]) => n > 0).map(([n, state]) => `${numberText(n)} ${state}`).join(", ")}.${missing}`;
   showFailures();
   const results = study.headline.map((key) => study.byKey.get(key));
   const others = study.results.filter((column) => !results.includes(column));
