@@ -4,8 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
-#include "render/plots/compare_table.h"
 #include "sim/base/printable.h"
 #include "sim/base/text.h"
 
@@ -19,32 +19,67 @@ constexpr std::size_t kMostRows = 24;
 
 using Row = std::vector<std::string>;
 
+std::string cut(const std::string& text, std::size_t most) {
+  std::string out;
+  for (const char c : printable(text)) {
+    if ((static_cast<unsigned char>(c) & 0xc0) != 0x80 && text_width(out) == most) return out;
+    out += c;
+  }
+  return out;
+}
+
+bool is_wider(const std::vector<std::string>& lines, std::size_t width) {
+  return std::ranges::any_of(lines, [&](const std::string& line) { return text_width(line) > width; });
+}
+
 // --- a row per run
 
 bool varies(const Row& cells) {
   return std::ranges::any_of(cells, [&](const std::string& cell) { return cell != cells[0]; });
 }
 
-std::vector<std::string> rows_of_runs(const RunTable& table, std::size_t width) {
-  std::vector<std::string> labels;
-  for (const CollectedRun& run : table.runs) labels.emplace_back(name_of(run.state));
-  std::vector<RunColumn> columns;
-  for (std::size_t p = 0; p < table.parameters.size(); ++p) {
-    RunColumn column{printable(table.parameters[p]), {}};
-    for (const CollectedRun& run : table.runs) column.cells.push_back(printable(shown_cell(run.cells[p])));
-    if (varies(column.cells)) columns.push_back(std::move(column));
+/// A column with its title on two lines.
+Row titled(const ColumnName& name, const Row& cells) {
+  const auto [upper, lower] = two_lines(cut(name.title(), 32));
+  Row out{upper, lower};
+  out.insert(out.end(), cells.begin(), cells.end());
+  return out;
+}
+
+/// Parameters and results that differ between the runs.
+std::vector<Row> columns_of_runs(const RunTable& table) {
+  std::vector<Row> out;
+  const std::vector<ColumnName> names = column_names(table.parameters);
+  for (std::size_t p = 0; p < names.size(); ++p) {
+    Row cells;
+    for (const CollectedRun& run : table.runs) cells.push_back(cut(shown_cell(run.cells[p]), 24));
+    if (varies(cells)) out.push_back(titled(names[p], cells));
   }
   for (const ColumnName& name : headline_results()) {
     const auto found = std::ranges::find(table.results, name.key);
     if (found == table.results.end()) continue;
     const auto place = static_cast<std::size_t>(found - table.results.begin());
-    RunColumn column{name.key, {}};
+    Row cells;
     for (const CollectedRun& run : table.runs) {
-      column.cells.push_back(std::isnan(run.numbers[place]) ? "-" : fmt::format("{:.4g}", run.numbers[place]));
+      const double number = run.numbers.empty() ? std::numeric_limits<double>::quiet_NaN() : run.numbers[place];
+      cells.push_back(std::isnan(number) ? "-" : fmt::format("{:.4g}", number));
     }
-    if (varies(column.cells) || table.runs.size() == 1) columns.push_back(std::move(column));
+    if (varies(cells) || table.runs.size() == 1) out.push_back(titled(name, cells));
   }
-  return run_table(labels, columns, width);
+  return out;
+}
+
+/// A row per run, with as many columns as fit.
+std::vector<std::string> rows_of_runs(const RunTable& table, std::size_t width) {
+  std::vector<Row> rows{{"run"}, {""}};
+  for (const CollectedRun& run : table.runs) rows.push_back({fmt::format("{:2} {}", run.number, name_of(run.state))});
+  for (const Row& column : columns_of_runs(table)) {
+    std::vector<Row> more = rows;
+    for (std::size_t i = 0; i < rows.size(); ++i) more[i].push_back(column[i]);
+    if (is_wider(align_columns(more), width)) break;
+    rows = std::move(more);
+  }
+  return align_columns(rows);
 }
 
 // --- means by level
@@ -93,8 +128,7 @@ class MeansTable {
     std::vector<std::string> out;
     for (std::size_t results = 1; results <= effects_.results.size(); ++results) {
       std::vector<std::string> more = align_columns(rows(results));
-      const auto too_wide = [&](const std::string& line) { return text_width(line) > width; };
-      if (std::ranges::any_of(more, too_wide)) break;
+      if (is_wider(more, width)) break;
       out = std::move(more);
     }
     const std::size_t left_out = effects_.parameters.size() - parameters_;
@@ -128,15 +162,6 @@ class MeansTable {
       out.push_back(std::move(row));
     }
   }
-  static std::string cut(const std::string& text, std::size_t most) {
-    std::string out;
-    for (const char c : printable(text)) {
-      if ((static_cast<unsigned char>(c) & 0xc0) != 0x80 && text_width(out) == most) return out;
-      out += c;
-    }
-    return out;
-  }
-
   const MainEffects& effects_;
   std::size_t parameters_ = 0, levels_ = 0;
 };

@@ -64,7 +64,7 @@ ColumnName made_name(const std::string& key, std::size_t more) {
   const auto [name, unit] = name_and_unit(parts[at]);
   std::string text = words_of(name) + index;
   if (needs_parent(name)) ++more;
-  while (at > 0 && (more > 0 || is_index(parts[at - 1]))) {
+  while (at > 0 && (more > 0 || is_index(parts[at]))) {
     if (!is_index(parts[--at])) --more;
     text = words_of(name_and_unit(parts[at]).first) + " " + text;
   }
