@@ -27,11 +27,12 @@ export class Scatter {
     for (const id of ["scatter-x", "scatter-y", "scatter-color"]) find(id).addEventListener("change", () => this.draw());
     this.canvas.addEventListener("pointermove", (event) => this.point(event));
     this.canvas.addEventListener("click", (event) => {
-      this.point(event);
-      if (this.chosen >= 0) this.showRun(this.points[this.chosen].run);
+      const chosen = this.point(event);
+      if (chosen >= 0) this.showRun(this.points[chosen].run);
     });
     this.canvas.addEventListener("keydown", (event) => this.key(event));
-    new ResizeObserver(() => this.draw()).observe(this.canvas.parentElement);
+    // A change of height alone, as of the text below the plot, changes nothing in it.
+    new ResizeObserver(() => { if (this.canvas.parentElement.clientWidth !== this.width) this.draw(); }).observe(this.canvas.parentElement);
   }
 
   choose(x, y, color) {
@@ -187,12 +188,17 @@ export class Scatter {
       const distance = (point.x - x) ** 2 + (point.y - y) ** 2;
       if (distance < least) [nearest, least] = [i, distance];
     });
-    if (nearest !== this.chosen) this.mark(nearest);
+    if (nearest >= 0 && nearest !== this.chosen) this.mark(nearest);
+    return nearest;
   }
 
   key(event) {
     if (!this.points?.length) return;
-    if (event.key === "Enter" && this.chosen >= 0) return this.showRun(this.points[this.chosen].run);
+    if (event.key === "Enter" && this.chosen >= 0) {
+      event.preventDefault();  // or the key would press the button that has the focus now
+      this.showRun(this.points[this.chosen].run);
+      return;
+    }
     const step = { ArrowRight: 1, ArrowUp: 1, ArrowLeft: -1, ArrowDown: -1 }[event.key];
     if (step === undefined) return;
     event.preventDefault();
