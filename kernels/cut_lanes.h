@@ -7,7 +7,7 @@
 
 /* Marks the candidates without fill, of the sixteen from `first` on. */
 void mark_removed(const Candidates* c, const int first, const int16 removed, uint* removed_words) {
-  for (uint rest = bits_of(removed); rest != 0; rest &= rest - 1) {
+  for (uint rest = rs_lane_bits(removed); rest != 0; rest &= rest - 1) {
     const int at = c->place[first + (int)popcount((rest & -rest) - 1)];
     removed_words[at >> 5] |= 1u << (at & 31);
   }
@@ -51,14 +51,14 @@ bool cut_candidates(__global const SubstepArgs* a, const OutlineView* outline, c
     vstore16(before - lost, 0, c->fill + i);
     const int16 removed = lost > 0 && before == lost;
     any_removed |= removed;
-    if (any(removed)) mark_removed(c, i, removed, removed_words);
+    if (RS_ANY(removed)) mark_removed(c, i, removed, removed_words);
   }
   const int contact_count = add_int_lanes(contacts);
   if (contact_count == 0 && !rs_has_edge(a)) return false;
   add_law(&law, total);
   total->removed += add_int_lanes(lost_sum);
   total->contacts += contact_count;
-  if (any(any_removed)) {
+  if (RS_ANY(any_removed)) {
     for (int block = 0; block < RS_BRICK_WORDS / 2; ++block)
       remove_voxels(v->brick, substep, block, removed_words[2 * block], removed_words[2 * block + 1], report);
   }
