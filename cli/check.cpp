@@ -172,7 +172,7 @@ void check_command(const CheckOptions& options, const Console& console) {
   const double load_s = load_watch.seconds();
   const std::vector<ContactForecast> contacts = forecast_passes(scene);
   const ContactForecast contact = of_whole_run(contacts);
-  scene.contact = contact.frames;
+  scene.contact = contact_frames(contacts);
   warn_of_contact(scene, contacts, found);
   const std::optional<HolderClearance> clearance = find_clearance(scene);
   if (clearance) warn_of_clearance(*clearance, scene, found);

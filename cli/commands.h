@@ -21,12 +21,15 @@ void add_run_command(CLI::App& app, Console& console);
 void add_check_command(CLI::App& app, Console& console);
 void add_render_command(CLI::App& app, Console& console);
 void add_compare_command(CLI::App& app, Console& console);
+void add_reforce_command(CLI::App& app, Console& console);
+void add_fit_command(CLI::App& app, Console& console);
 void add_import_command(CLI::App& app, Console& console);
 void add_init_command(CLI::App& app, Console& console);
 void add_preview_command(CLI::App& app, Console& console);
 void add_bench_command(CLI::App& app, Console& console);
 void add_verify_command(CLI::App& app, Console& console);
 void add_devices_command(CLI::App& app, Console& console);
+void add_sweep_command(CLI::App& app, Console& console);
 
 /// The arguments that `run` and `check` share.
 struct ScenarioOptions {

@@ -1,4 +1,5 @@
 #include "render/plots/compare.h"
+#include "render/plots/compare_table.h"
 #include "render/plots/plots.h"
 
 #include <fmt/core.h>
@@ -11,6 +12,7 @@
 
 #include "cli/commands.h"
 #include "sim/base/error.h"
+#include "sim/base/printable.h"
 #include "sim/base/text.h"
 #include "sim/record/output_folder.h"
 #include "sim/scenario/parse.h"
@@ -25,10 +27,17 @@ namespace fs = std::filesystem;
 struct CompareOptions {
   std::vector<std::string> dirs;
   std::string output = "out/compare";
+  std::string color_by;
   bool overwrite = false;
 };
 
-/// The metrics on the terminal; compare.csv has all.
+/// With more runs the table has no relative differences, and no metric that is the same in all of them.
+constexpr std::size_t kMostWithDifferences = 8;
+
+/// Characters of a line on the terminal.
+constexpr std::size_t kTerminalWidth = 100;
+
+/// The metrics on the terminal; runs.csv has all.
 constexpr std::array kShown{
     "removed_mm3",         "headline.depth_mm",  "headline.peak_axial_force_n", "headline.peak_spin_torque_nmm",
     "energy_mj",           "forces.rms_force_n", "forces.rms_torque_nmm",       "bone.voxel_mm",
@@ -83,39 +92,54 @@ std::string number(double value) {
   return std::isfinite(value) ? rounded_text(value) : "-";
 }
 
-/// "1.5 (+12.3 %)"
+/// "1.5 (+12.3 %)", or of many runs "1.5".
 std::string entry(const ComparedMetric& metric, std::size_t run) {
   const double relative = metric.relative(run);
-  if (run == 0 || !std::isfinite(relative)) return number(metric.values[run]);
+  if (run == 0 || metric.values.size() > kMostWithDifferences || !std::isfinite(relative))
+    return number(metric.values[run]);
   return number(metric.values[run]) + fmt::format(" ({:+.2f} %)", 100 * relative);
 }
 
-void print_table(const Console& console, const std::vector<ComparedRun>& runs,
-                 const std::vector<ComparedMetric>& metrics) {
-  std::vector<std::vector<std::string>> rows{{"metric"}};
-  for (const ComparedRun& run : runs) rows[0].push_back(run.label);
-  for (const char* key : kShown) {
-    const auto found = std::ranges::find(metrics, key, &ComparedMetric::key);
-    if (found == metrics.end()) continue;
-    rows.push_back({key});
-    for (std::size_t i = 0; i < runs.size(); ++i) rows.back().push_back(entry(*found, i));
+bool is_left_out(const ComparedMetric& metric) {
+  const auto is_first = [&](double value) { return value == metric.values[0]; };
+  return metric.values.size() > kMostWithDifferences && std::ranges::all_of(metric.values, is_first);
+}
+
+void print_table(const Console& console, const Comparison& comparison) {
+  std::vector<RunColumn> columns;
+  for (const ComparedParameter& parameter : comparison.parameters) {
+    columns.push_back({printable(parameter.key), {}});
+    for (const std::string& value : parameter.shown)
+      columns.back().cells.push_back(value.empty() ? "-" : printable(value));
   }
-  for (const std::string& line : align_columns(rows)) console.say(line);
+  for (const char* key : kShown) {
+    const auto found = std::ranges::find(comparison.metrics, key, &ComparedMetric::key);
+    const bool is_column = std::ranges::find(columns, key, &RunColumn::key) != columns.end();
+    if (found == comparison.metrics.end() || is_column || is_left_out(*found)) continue;
+    columns.push_back({key, {}});
+    for (std::size_t i = 0; i < comparison.runs.size(); ++i) columns.back().cells.push_back(entry(*found, i));
+  }
+  std::vector<std::string> labels;
+  for (const ComparedRun& run : comparison.runs) labels.push_back(printable(run.label));
+  for (const std::string& line : run_table(labels, columns, kTerminalWidth)) console.say(line);
 }
 
 void compare_command(const CompareOptions& options, const Console& console) {
   check_folders(options.dirs);
-  std::vector<ComparedRun> runs = label_runs(options.dirs);
-  const std::vector<ComparedMetric> metrics = compare_summaries(runs);
-  set_means(runs, metrics);
+  Comparison comparison{label_runs(options.dirs), {}, {}, options.color_by};
+  comparison.metrics = compare_summaries(comparison.runs);
+  comparison.parameters = compare_scenarios(comparison.runs);
+  set_means(comparison.runs, comparison.metrics);
+  colored_by(comparison);  // refuses a wrong key before a folder is made
   OutputFolder folder(
       {.dir = options.output, .kind = ResultKind::comparison, .overwrite = options.overwrite, .inputs = options.dirs});
   const ForcedStop forced = abandoning(folder);
-  write_comparison(folder.path(), runs, metrics);
+  write_comparison(folder.path(), comparison);
   finish(folder, console);
-  print_table(console, runs, metrics);
-  console.say("differences are relative to " + runs[0].label + "; all numbers: " + folder.final_path() +
-              "/compare.csv");
+  print_table(console, comparison);
+  if (comparison.runs.size() <= kMostWithDifferences)
+    console.say("differences are relative to " + comparison.runs[0].label);
+  console.say("all numbers: " + folder.final_path() + "/runs.csv, and differences: compare.csv");
 }
 
 }  // namespace
@@ -127,6 +151,10 @@ void add_compare_command(CLI::App& app, Console& console) {
   command->add_option("DIR", options->dirs, "Results folders of finished runs; differences are relative to the first")
       ->required();
   command->add_option("-o,--output", options->output, "Output folder (default: out/compare)")->check(refuse_empty);
+  command
+      ->add_option("--color-by", options->color_by,
+                   "Colour the curves by a number: a differing key of the scenario, or a key of summary.json")
+      ->check(refuse_empty);
   command->add_flag("--overwrite", options->overwrite, "Replace an existing comparison once this one succeeds");
   command->add_flag("--quiet", console.quiet, "Print only warnings and errors");
   command->callback([options, &console] { compare_command(*options, console); });

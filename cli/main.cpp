@@ -43,6 +43,9 @@ int run(int argc, char** argv) {
   reamsim::add_check_command(app, console);
   reamsim::add_render_command(app, console);
   reamsim::add_compare_command(app, console);
+  reamsim::add_reforce_command(app, console);
+  reamsim::add_fit_command(app, console);
+  reamsim::add_sweep_command(app, console);
   reamsim::add_import_command(app, console);
   reamsim::add_init_command(app, console);
   reamsim::add_preview_command(app, console);
@@ -54,9 +57,9 @@ int run(int argc, char** argv) {
   // CLI11 would only report a missing command.
   const auto named = [&](const CLI::App* command) { return argc > 1 && command->get_name() == argv[1]; };
   if (argc > 1 && argv[1][0] != '-' && app.get_subcommands(named).empty()) {
-    const std::string found =
-        std::string(argv[1]) +
-        ": unknown command; expected run, check, render, compare, import, init, preview, bench, verify or devices";
+    const std::string found = std::string(argv[1]) +
+                              ": unknown command; expected run, check, render, compare, reforce, fit, sweep, import, "
+                              "init, preview, bench, verify or devices";
     return complain(reamsim::printable(found).c_str(), kWrongInput);
   }
   try {

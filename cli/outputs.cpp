@@ -80,7 +80,7 @@ RunData open_run(const std::string& dir) {
   if (!checkpoint) return {dir};
   Report report;
   ReamingScene scene = load_scene(parse_scenario(dir + "/scenario.yaml", {}), report);
-  scene.contact = of_whole_run(forecast_passes(scene)).frames;
+  scene.contact = contact_frames(forecast_passes(scene));
   RunInputs inputs = inputs_of(scene, dir);  // with the poses to come, so that views and legend are those of the run
   std::erase_if(inputs.frames, [&](std::int64_t frame) { return frame > checkpoint->simulation.frame; });
   RunData run(std::move(inputs));

@@ -35,8 +35,8 @@ void RunCheckpoints::restore(FillBricks& fill) {
   last_->fill.clear();
 }
 
-Recorder RunCheckpoints::open_logs(double voxel_mm, Report& report) {
-  if (!last_) return {dir_, voxel_mm};
+Recorder RunCheckpoints::open_logs(double voxel_mm, bool force_basis, Report& report) {
+  if (!last_) return {dir_, voxel_mm, force_basis};
   for (const std::string& warning : last_->warnings) report.warn(warning);
   return {dir_, voxel_mm, last_->simulation.frame, last_->logs, std::move(last_->removed)};
 }

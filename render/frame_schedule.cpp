@@ -27,8 +27,7 @@ FrameSchedule::FrameSchedule(const RunView& view, const PictureOptions& options)
   }
 }
 
-int count_pictures(const PictureOptions& options, const std::vector<std::int64_t>& frames,
-                   const std::optional<FrameSpan>& contact) {
+int count_pictures(const PictureOptions& options, const std::vector<std::int64_t>& frames, const FrameSpans& contact) {
   const RenderSettings& settings = options.settings;
   const std::size_t cameras = settings.cameras.size() + settings.user_cameras.size();
   std::size_t sum = options.stills ? cameras * (1 + still_frames(frames, settings, contact).size()) : 0;

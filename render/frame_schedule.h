@@ -28,7 +28,6 @@ struct FrameSchedule {
 };
 
 /// The number of pictures of a run with these snapshots and this contact, counting each frame of a film.
-int count_pictures(const PictureOptions& options, const std::vector<std::int64_t>& frames,
-                   const std::optional<FrameSpan>& contact);
+int count_pictures(const PictureOptions& options, const std::vector<std::int64_t>& frames, const FrameSpans& contact);
 
 }  // namespace reamsim

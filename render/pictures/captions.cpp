@@ -21,7 +21,8 @@ Captions::Captions(ForceLog log, double mean_travel_mm, bool arrows)
 }
 
 Captions::Values Captions::at(const ForceRow& row) const {
-  return {{"time", fixed_text(row.time_s, 3) + " s"},
+  const bool several = log_.rows.back().pass > 1;
+  return {{several ? "pass " + std::to_string(row.pass) + ", time" : "time", fixed_text(row.time_s, 3) + " s"},
           {"tool depth", depth_text(row.depth_mm)},
           {mean_ + "axial force", fixed_text(row.layer_axial_force_n, 1) + " N"},
           {mean_ + "spin torque", fixed_text(row.layer_spin_torque_nmm, 0) + " N·mm"},

@@ -128,7 +128,8 @@ void ContactSheet::add(PixelImage cell, const ForceRow& row) {
   if (cell.height_px >= kMinCaptioned_px) {
     const double u = view_.page().unit;
     const Canvas canvas(cell);
-    const TextLine text(canvas, fixed_text(row.time_s, 3) + " s · " + depth_text(row.depth_mm), kCaption * u);
+    const std::string pass = view_.run().inputs().passes.size() > 1 ? "pass " + std::to_string(row.pass) + " · " : "";
+    const TextLine text(canvas, pass + fixed_text(row.time_s, 3) + " s · " + depth_text(row.depth_mm), kCaption * u);
     canvas.fill_panel({8 * u, 8 * u, text.width + 16 * u, text.height + 8 * u}, 5 * u);
     canvas.set_color(kTextColor);
     text.draw(16 * u, 12 * u);
@@ -149,15 +150,20 @@ std::string ContactSheet::title() const {
   const auto last = std::ranges::find_if(rows, [&](const ForceRow& row) { return row.removed_mm3 >= removed_mm3; });
   const auto span = [](double from_s, double to_s) {
     const std::string from = fixed_text(from_s, 2), to = fixed_text(to_s, 2);
-    return to_s > from_s && from != to ? " " + from + "–" + to + " s" : std::string();
+    return to_s > from_s && from != to ? from + "–" + to + " s" : std::string();
   };
-  std::string hidden;
+  std::vector<std::string> hidden;
   if (removed_mm3 > 0) {
-    hidden = span(rows.front().time_s, std::min(first_s_, first->time_s));
-    const std::string after = span(std::max(last_s_, last->time_s), rows.back().time_s);
-    hidden += hidden.empty() || after.empty() ? after : " and" + after;
+    hidden.push_back(span(rows.front().time_s, std::min(first_s_, first->time_s)));
+    if (view_.run().contact().size() > 1) hidden.emplace_back("between passes");
+    hidden.push_back(span(std::max(last_s_, last->time_s), rows.back().time_s));
+    std::erase(hidden, "");
   }
-  return "Time and tool depth" + (hidden.empty() ? "" : "; without contact, not shown:" + hidden);
+  std::string text;
+  for (std::size_t i = 0; i < hidden.size(); ++i) {
+    text += (i == 0 ? " " : i + 1 < hidden.size() ? ", " : hidden.size() > 2 ? ", and " : " and ") + hidden[i];
+  }
+  return "Time and tool depth" + (text.empty() ? "" : "; without contact, not shown:" + text);
 }
 
 PixelImage ContactSheet::finish() {

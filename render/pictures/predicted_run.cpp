@@ -26,7 +26,7 @@ void add_pass(const RunInputs& run, std::size_t index, PredictedRun& out) {
   const ToolPass& pass = run.passes[index];
   const Profile tool = envelope_of_revolution(pass.tool).profile;
   const auto contact = forecast_contact_frames(*run.voxmap, out.bone.fill, tool, path_of_pass(pass));
-  if (contact) out.contact = FrameSpan{out.contact ? out.contact->first : contact->first, contact->last};
+  if (contact) out.contact.push_back(*contact);
   PredictedBone bone = predict_swept_bone(*run.voxmap, out.bone.fill, tool, pass.poses, run.whole_voxels);
   if (!bone.touches) return;
   out.bone = std::move(bone);

@@ -10,8 +10,8 @@ namespace reamsim {
 /// The bone after a run, predicted from the swept volume of its tools.
 struct PredictedRun {
   PredictedBone bone;
-  std::size_t pass = 0;              ///< index of the last one that removes bone
-  std::optional<FrameSpan> contact;  ///< from the first contact of any pass to the last
+  std::size_t pass = 0;  ///< index of the last one that removes bone
+  FrameSpans contact;    ///< of the passes that touch the bone
 };
 
 /// Throws InputError when a tool has no swept volume.

@@ -26,7 +26,7 @@ struct RunData::Outcome {
 struct RunData::Prediction {
   UnreamedSurface unreamed;
   ViewTarget target;
-  std::optional<FrameSpan> contact;
+  FrameSpans contact;
 };
 
 struct RunData::State {
@@ -265,7 +265,7 @@ const ViewTarget& RunData::target() const {
   return state_->prediction.get().target;
 }
 
-const std::optional<FrameSpan>& RunData::contact() const {
+const FrameSpans& RunData::contact() const {
   return state_->prediction.get().contact;
 }
 

@@ -78,8 +78,8 @@ class RunData {
   [[nodiscard]] const Voxmap& voxmap() const { return *inputs().voxmap; }
   [[nodiscard]] const UnreamedSurface& unreamed() const;
   [[nodiscard]] const ViewTarget& target() const;
-  /// The frames in which the tool is expected to touch bone; none if it never does.
-  [[nodiscard]] const std::optional<FrameSpan>& contact() const;
+  /// The frames in which the tools are expected to touch bone.
+  [[nodiscard]] const FrameSpans& contact() const;
   // These also throw std::logic_error before the run has ended.
   [[nodiscard]] const FillBricks& last_fill() const;
   /// With the means over a voxel of travel where the run removes voxels as a whole; decimated for a long run, with the

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -23,14 +24,53 @@ struct ComparedMetric {
   [[nodiscard]] double relative(std::size_t i) const;
 };
 
+/// A key of the scenario whose value differs between the runs.
+struct ComparedParameter {
+  std::string key;                  ///< "motion.plunge.depth_mm"
+  std::vector<std::string> values;  ///< as in scenario.yaml, lists on one line; "" where a run lacks the key
+  std::vector<double> numbers;      ///< the same as numbers; NaN where the value is none
+  std::vector<std::string> shown;   ///< of paths the file name, where no two paths share one; else as `values`
+
+  /// Whether all values are numbers.
+  [[nodiscard]] bool is_number() const;
+  /// The number of different values.
+  [[nodiscard]] std::size_t distinct() const;
+};
+
+/// All that is compared.
+struct Comparison {
+  std::vector<ComparedRun> runs;
+  std::vector<ComparedParameter> parameters;
+  std::vector<ComparedMetric> metrics;
+  std::string color_by;  ///< key of a parameter or metric that colours the curves; "": chosen by colored_by()
+};
+
 /// All numbers of the runs' summary.json in file order, those of the first run first. Throws InputError: missing,
 /// damaged, not the summary of a run.
 std::vector<ComparedMetric> compare_summaries(const std::vector<ComparedRun>& runs);
 
-/// Writes DIR/compare.csv with the metrics, and DIR/compare.png, .svg, .pdf and .gp: force, torque and removed volume
-/// of every run against time and depth, from DIR/curves.csv. Throws InputError when a forces.csv is missing or damaged,
-/// RunError when a file cannot be written or gnuplot fails.
-void write_comparison(const std::string& dir, const std::vector<ComparedRun>& runs,
-                      const std::vector<ComparedMetric>& metrics);
+/// The keys of the runs' scenario.yaml that differ, in file order, without those that change no number: `version`,
+/// `name`, `output`, `render`. Throws InputError: missing or damaged.
+std::vector<ComparedParameter> compare_scenarios(const std::vector<ComparedRun>& runs);
+
+/// What a colour ramp shows: a number per run.
+struct RampKey {
+  std::string key;  ///< "" for the number of the run
+  std::vector<double> values;
+};
+
+/// The number that colours the curves: `color_by`; otherwise, with more runs than there are line styles, the numeric
+/// parameter that correlates most with the peak axial force by rank, or the number of the run. None: each run has a
+/// line style of its own. Throws InputError when `color_by` is no number in these runs.
+std::optional<RampKey> colored_by(const Comparison& comparison);
+
+/// The number of line styles that can be told apart.
+constexpr std::size_t kLineStyles = 20;
+
+/// Writes to DIR: compare.csv (a row for each metric and run), runs.csv (a row for each run: parameters, then metrics),
+/// curves.csv, and compare.png, .svg, .pdf and .gp: force, torque and removed volume of every run against time and
+/// depth since first contact. Throws InputError when a forces.csv is missing or damaged, or as colored_by(); RunError
+/// when a file cannot be written or gnuplot fails.
+void write_comparison(const std::string& dir, const Comparison& comparison);
 
 }  // namespace reamsim

@@ -28,11 +28,14 @@ do for [format in "png svg pdf"] {
   set output "plots/energy." . format
   set multiplot layout 3,1 margins char 11, char 2, char 3.5, char 1 spacing char 1.8
   set format x ""
+  eval bare_tics
+  eval pass_labels
   unset xlabel
 
   set ylabel "Cutting power (W)" offset -0.4
   set yrange [low(0, P_max):high(0, P_max)]
-  plot $mean using 1:5 with lines lw 1.5 lc rgb orange notitle
+  plot $mean using (shown(column(1))):5 with lines lw 1.5 lc rgb orange notitle
+  unset label  # the key is there
 
   set ylabel "Energy (J)"
   top = max(E_sum, L_sum) / 1000
@@ -40,18 +43,19 @@ do for [format in "png svg pdf"] {
   taken = 0.0
   cut = 0.0
   slow = 0.0
-  plot csv using "time_s":(taken = taken + column("energy_mj"), taken / 1000) with lines lw 3.5 lc rgb light_blue \
+  plot csv using (shown(column("time_s"))):(taken = taken + column("energy_mj"), taken / 1000) with lines lw 3.5 lc rgb light_blue \
          title "cutting energy", \
-       csv using "time_s":(cut = cut + column("energy_mj"), cut * (1 + column("balance")) / 1000) with lines \
+       csv using (shown(column("time_s"))):(cut = cut + column("energy_mj"), cut * (1 + column("balance")) / 1000) with lines \
          lw 1 lc rgb dark_blue title "work of the drive + speed-floor energy", \
-       csv using "time_s":(slow = slow + column("floor_energy_mj"), slow / 1000) with lines lw 1 dt (6, 4) \
+       csv using (shown(column("time_s"))):(slow = slow + column("floor_energy_mj"), slow / 1000) with lines lw 1 dt (6, 4) \
          lc rgb dark_red title "speed-floor energy"
 
   set format x "%g"
+  eval labelled_tics
   set xlabel "Time (s)" . time_note
   set ylabel "Energy balance" . unit
   set yrange [-1.3 * worst_shown:1.3 * worst_shown]
-  plot csv using "time_s":(column("balance") / 10.0**power_of_ten) every step with lines lw 1 lc rgb purple notitle
+  plot csv using (shown(column("time_s"))):(column("balance") / 10.0**power_of_ten) every step with lines lw 1 lc rgb purple notitle
   unset multiplot
   unset output
 }

@@ -30,6 +30,8 @@ do for [format in "png svg pdf"] {
   set output "forces." . format
   set multiplot layout 4,1 margins char 11, char 2, char 3.5, char 1 spacing char 1.8
   set format x ""
+  eval bare_tics
+  eval pass_labels
   unset xlabel
 
   set ylabel "Axial force (N)" offset -0.4
@@ -37,11 +39,11 @@ do for [format in "png svg pdf"] {
   top = clip(F_max, A_max)
   set yrange [low(min(F_min, 0), top):high(min(F_min, 0), top)]
   if (travel_mm > 0) {
-    plot csv using "time_s":"axial_force_n" every step with lines lw 0.6 lc rgb light_blue \
+    plot csv using (shown(column("time_s"))):"axial_force_n" every step with lines lw 0.6 lc rgb light_blue \
            title light_title . note(F_max, A_max), \
-         $mean using 1:2 with lines lw 1.5 lc rgb dark_blue title mean_title
+         $mean using (shown(column(1))):2 with lines lw 1.5 lc rgb dark_blue title mean_title
   } else {
-    plot csv using "time_s":"axial_force_n" every step with lines lw 1.2 lc rgb dark_blue notitle
+    plot csv using (shown(column("time_s"))):"axial_force_n" every step with lines lw 1.2 lc rgb dark_blue notitle
   }
 
   set ylabel "Spin torque (N·mm)"
@@ -49,27 +51,28 @@ do for [format in "png svg pdf"] {
   top = clip(M_max, B_max)
   set yrange [low(min(M_min, 0), top):high(min(M_min, 0), top)]
   if (travel_mm > 0) {
-    plot csv using "time_s":"spin_torque_nmm" every step with lines lw 0.6 lc rgb light_red \
+    plot csv using (shown(column("time_s"))):"spin_torque_nmm" every step with lines lw 0.6 lc rgb light_red \
            title light_title . note(M_max, B_max), \
-         $mean using 1:3 with lines lw 1.5 lc rgb dark_red title mean_title
+         $mean using (shown(column(1))):3 with lines lw 1.5 lc rgb dark_red title mean_title
   } else {
-    plot csv using "time_s":"spin_torque_nmm" every step with lines lw 1.2 lc rgb dark_red notitle
+    plot csv using (shown(column("time_s"))):"spin_torque_nmm" every step with lines lw 1.2 lc rgb dark_red notitle
   }
 
   unset label 1
   set ylabel "Removed volume (mm³)"
   set yrange [low(0, V_sum):high(0, V_sum)]
   removed = 0.0
-  plot csv using "time_s":(removed = removed + column("removed_mm3")) with lines lw 1.5 lc rgb green notitle
+  plot csv using (shown(column("time_s"))):(removed = removed + column("removed_mm3")) with lines lw 1.5 lc rgb green notitle
 
   set format x "%g"
+  eval labelled_tics
   set xlabel "Time (s)" . time_note
   set ylabel "Tool depth (mm)"
   # Drawn back, the tool is far above the bone; that part of the curve leaves the panel.
   bottom = D_max > 0 ? max(min(D_min, 0), -0.25 * D_max) : min(D_min, 0)
   set yrange [low(bottom, D_max):high(bottom, D_max)]
   set label 1 headline_depth at graph 0.012, graph 0.93 left front
-  plot csv using "time_s":"depth_mm" with lines lw 1.5 lc rgb purple notitle
+  plot csv using (shown(column("time_s"))):"depth_mm" with lines lw 1.5 lc rgb purple notitle
   unset label 1
   unset multiplot
   unset output

@@ -40,7 +40,8 @@ do for [format in "png svg pdf"] {
            title light_title . note(F_max, A_max), \
          $mean using 4:(touching_mean(column(2))) with lines lw 1.5 lc rgb dark_blue title mean_title
   } else {
-    plot csv using "depth_mm":(touching(column("axial_force_n"))) every step with lines lw 1.2 lc rgb dark_blue notitle
+    plot csv using "depth_mm":(touching(column("axial_force_n"))) every step with lines lw 1.2 lc rgb dark_blue notitle, \
+         for [i = 1:passes] $pass_end using 1:2:5 every ::(i - 1)::(i - 1) with labels left offset 0.5, 0 notitle
   }
 
   set ylabel "Spin torque (N·mm)"
@@ -52,17 +53,19 @@ do for [format in "png svg pdf"] {
            title light_title . note(M_max, B_max), \
          $mean using 4:(touching_mean(column(3))) with lines lw 1.5 lc rgb dark_red title mean_title
   } else {
-    plot csv using "depth_mm":(touching(column("spin_torque_nmm"))) every step with lines lw 1.2 lc rgb dark_red notitle
+    plot csv using "depth_mm":(touching(column("spin_torque_nmm"))) every step with lines lw 1.2 lc rgb dark_red notitle, \
+         for [i = 1:passes] $pass_end using 1:3:5 every ::(i - 1)::(i - 1) with labels left offset 0.5, 0 notitle
   }
 
   set format x "%g"
   set label 1 headline_depth at graph 0.012, graph 0.93 left front
-  set xlabel "Tool depth (mm)"
+  set xlabel "Tool depth (mm)" . (passes ? "; numbers: passes" : "")
   set ylabel "Removed volume (mm³)"
   set yrange [low(0, V_sum):high(0, V_sum)]
   removed = 0.0
   plot csv using "depth_mm":(removed = removed + column("removed_mm3"), touching(removed)) with lines lw 1.5 \
-         lc rgb green notitle
+         lc rgb green notitle, \
+       for [i = 1:passes] $pass_end using 1:4:5 every ::(i - 1)::(i - 1) with labels left offset 0.5, 0 notitle
   unset label 1
   unset multiplot
   unset output

@@ -51,6 +51,58 @@ std::string mean_block(const ForceLog& log) {
   return out.str();
 }
 
+/// A pass from the row before it removes bone to the last one in which it does.
+struct CuttingPass {
+  const ForceRow* first = nullptr;
+  const ForceRow* last = nullptr;
+  double peak_force_n = 0;
+  double peak_torque_nmm = 0;
+};
+
+std::vector<CuttingPass> cutting_passes(const ForceLog& log) {
+  std::vector<CuttingPass> out;
+  for (std::size_t i = 1; i < log.rows.size(); ++i) {
+    const ForceRow& row = log.rows[i];
+    if (row.removed_mm3 <= log.rows[i - 1].removed_mm3) continue;
+    if (out.empty() || out.back().last->pass != row.pass) out.push_back({.first = &log.rows[i - 1]});
+    CuttingPass& pass = out.back();
+    pass.last = &row;
+    pass.peak_force_n = std::max(pass.peak_force_n, row.layer_axial_force_n);
+    pass.peak_torque_nmm = std::max(pass.peak_torque_nmm, row.layer_spin_torque_nmm);
+  }
+  return out;
+}
+
+/// What the scripts know of passes: the time before each that they hide, and where to put its number. A run of one pass
+/// has none.
+std::string pass_block(const ForceLog& log) {
+  constexpr double kMargin = 0.05;  // of the time of contact, shown before and after that of a pass
+  std::vector<CuttingPass> passes = cutting_passes(log);
+  if (passes.size() < 2) return "passes = 0\n$pass_end << END\n0,0,0,0,0\nEND\n\n";
+  double contact_s = 0;
+  for (const CuttingPass& pass : passes) contact_s += pass.last->time_s - pass.first->time_s;
+  std::ostringstream out;
+  out << "# Passes that remove bone: their numbers, and the time before each that is not shown, from and to (s)\n"
+      << "passes = " << passes.size() << '\n'
+      << "array pass_number[passes]\narray hidden_from[passes]\narray hidden_to[passes]\n";
+  for (std::size_t i = 0; i < passes.size(); ++i) {
+    const double to = passes[i].first->time_s - kMargin * contact_s;
+    const double from = i == 0 ? to : std::min(to, passes[i - 1].last->time_s + kMargin * contact_s);
+    const std::string index = "[" + std::to_string(i + 1) + "] = ";
+    out << "pass_number" << index << passes[i].last->pass << "; hidden_from" << index << from << "; hidden_to" << index
+        << to << '\n';
+  }
+  out << "# Of each: greatest depth (mm), axial force (N) and spin torque (N·mm), removed volume at its end (mm³), "
+         "number\n"
+      << "$pass_end << END\n";
+  for (const CuttingPass& pass : passes) {
+    out << pass.last->depth_mm << ',' << pass.peak_force_n << ',' << pass.peak_torque_nmm << ','
+        << pass.last->removed_mm3 << ',' << pass.last->pass << '\n';
+  }
+  out << "END\n\n";
+  return out.str();
+}
+
 constexpr const char* kDecimated = "forces_decimated.csv";
 
 /// Writes the rows of a decimated log with the columns that the scripts read. What forces.csv has per frame is the sum
@@ -71,12 +123,12 @@ void write_decimated(const std::string& dir, const ForceLog& log) {
 
 /// The data of all plots against time and depth.
 std::string data_of(const std::string& dir, const ForceLog& log) {
-  if (!log.is_decimated()) return mean_block(log);
+  if (!log.is_decimated()) return pass_block(log) + mean_block(log);
   write_decimated(dir, log);
   std::ostringstream out;
   out << "# Of every " << log.bucket_rows << " rows of forces.csv the first and the extremes\n"
       << "csv = \"plots/" << kDecimated << "\"\nbucket_rows = " << log.bucket_rows << "\n\n"
-      << mean_block(log);
+      << pass_block(log) << mean_block(log);
   return out.str();
 }
 

@@ -40,6 +40,13 @@ struct Bone {
 /// with with_surface_voxels(). Notes voxels, volumes and pieces in `report`. Throws InputError for invalid data.
 Bone load_bone(const BoneSettings& settings, Report& report);
 
+// The two steps of load_bone(), for bones that differ in their anatomy only.
+
+/// The voxels, without the glenoid frame and the landmarks of the scenario, and without the pilot hole.
+Bone bone_from_source(const BoneSettings& settings, Report& report);
+/// Adds these. Voxmaps are not copied: with a pilot hole, that of `bone` must not be shared.
+Bone with_anatomy(Bone bone, const BoneSettings& settings, Report& report);
+
 // The sources of load_bone(), with voxmap_from_ct() (sim/bone/ct/ct_import.h): isotropic voxmaps in the frame B.
 
 /// A closed mesh: cortical grade down to `cortical_mm` below the surface, trabecular grade below. Throws InputError:

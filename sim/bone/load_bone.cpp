@@ -13,22 +13,6 @@ namespace reamsim {
 
 namespace {
 
-Bone bone_from_source(const BoneSettings& settings, Report& report) {
-  if (settings.source == BoneSource::phantom) {
-    Bone bone = bone_from_phantom(settings, report);
-    bone.set_voxels(fit_to_bone(bone.take_voxels(), kMarginVoxels));
-    return bone;
-  }
-  if (settings.source == BoneSource::ct) {
-    Bone bone;
-    bone.segmentation.emplace();
-    bone.set_voxels(fit_to_bone(voxmap_from_ct(settings, report, &*bone.segmentation), kMarginVoxels));
-    return bone;
-  }
-  if (settings.source == BoneSource::mesh) return Bone(fit_to_bone(voxmap_from_mesh(settings, report), kMarginVoxels));
-  return bone_from_vdb(settings, report);
-}
-
 /// Whether a cube around a point contains both bone and air.
 bool has_surface_near(const Voxmap& voxmap, const Vec3& point_mm, double within_mm) {
   const VoxelGrid& grid = voxmap.grid;
@@ -143,8 +127,27 @@ Bone bone_from_vdb(const BoneSettings& settings, Report& report) {
   return bone;
 }
 
+Bone bone_from_source(const BoneSettings& settings, Report& report) {
+  if (settings.source == BoneSource::phantom) {
+    Bone bone = bone_from_phantom(settings, report);
+    bone.set_voxels(fit_to_bone(bone.take_voxels(), kMarginVoxels));
+    return bone;
+  }
+  if (settings.source == BoneSource::ct) {
+    Bone bone;
+    bone.segmentation.emplace();
+    bone.set_voxels(fit_to_bone(voxmap_from_ct(settings, report, &*bone.segmentation), kMarginVoxels));
+    return bone;
+  }
+  if (settings.source == BoneSource::mesh) return Bone(fit_to_bone(voxmap_from_mesh(settings, report), kMarginVoxels));
+  return bone_from_vdb(settings, report);
+}
+
 Bone load_bone(const BoneSettings& settings, Report& report) {
-  Bone bone = bone_from_source(settings, report);
+  return with_anatomy(bone_from_source(settings, report), settings, report);
+}
+
+Bone with_anatomy(Bone bone, const BoneSettings& settings, Report& report) {
   if (settings.side != BodySide::unknown) bone.side = settings.side;
   if (const auto given = glenoid_frame(settings.glenoid, bone.side)) bone.glenoid = given;
   if (settings.glenoid.near_mm) find_face(bone, settings.glenoid, report);

@@ -45,22 +45,9 @@ std::string build_log(cl_program program, cl_device_id device) {
   return log;
 }
 
-}  // namespace
-
-void check(cl_int status, const char* call) {
-  if (status == CL_SUCCESS) return;
-  throw RunError(std::string(call) + ": " + error_name(status) + " (" + std::to_string(status) + ")");
-}
-
-Device::Device(const DeviceInfo& info) : info_(info) {
-  cl_int status = CL_SUCCESS;
-  context_ = Context(clCreateContext(nullptr, 1, &info_.id, nullptr, nullptr, &status));
-  check(status, "clCreateContext");
-  queue_ = Queue(clCreateCommandQueue(context_.get(), info_.id, CL_QUEUE_PROFILING_ENABLE, &status));
-  check(status, "clCreateCommandQueue");
-}
-
-Program Device::build(const std::string& name, const char* source, const std::string& options) const {
+/// Throws RunError with the compiler's log.
+Program build_program(const DeviceInfo& info, cl_context context, const std::string& name, const char* source,
+                      const std::string& options) {
   std::string text, folder_option;
   const char* folder = std::getenv("REAMSIM_KERNEL_DIR");
   if (folder != nullptr && *folder != '\0' && std::filesystem::exists(std::filesystem::path(folder) / name)) {
@@ -69,17 +56,40 @@ Program Device::build(const std::string& name, const char* source, const std::st
     source = text.c_str();
   }
   cl_int status = CL_SUCCESS;
-  Program program(clCreateProgramWithSource(context_.get(), 1, &source, nullptr, &status));
+  Program program(clCreateProgramWithSource(context, 1, &source, nullptr, &status));
   check(status, "clCreateProgramWithSource");
-  const std::string rounding = info_.rounds_division ? "-cl-fp32-correctly-rounded-divide-sqrt " : "";
+  const std::string rounding = info.rounds_division ? "-cl-fp32-correctly-rounded-divide-sqrt " : "";
   const std::string all_options = "-cl-std=CL1.2 " + folder_option + rounding + options;
-  status = clBuildProgram(program.get(), 1, &info_.id, all_options.c_str(), nullptr, nullptr);
+  status = clBuildProgram(program.get(), 1, &info.id, all_options.c_str(), nullptr, nullptr);
   if (status == CL_SUCCESS) return program;
-  throw RunError("kernel " + name + " does not build on " + info_.name + ": " + build_log(program.get(), info_.id));
+  throw RunError("kernel " + name + " does not build on " + info.name + ": " + build_log(program.get(), info.id));
+}
+
+}  // namespace
+
+void check(cl_int status, const char* call) {
+  if (status == CL_SUCCESS) return;
+  throw RunError(std::string(call) + ": " + error_name(status) + " (" + std::to_string(status) + ")");
+}
+
+Device::Device(const DeviceInfo& info) : opened_(std::make_shared<Opened>()) {
+  opened_->info = info;
+  cl_int status = CL_SUCCESS;
+  opened_->context = Context(clCreateContext(nullptr, 1, &info.id, nullptr, nullptr, &status));
+  check(status, "clCreateContext");
+  opened_->queue = Queue(clCreateCommandQueue(context(), info.id, CL_QUEUE_PROFILING_ENABLE, &status));
+  check(status, "clCreateCommandQueue");
+}
+
+Program Device::build(const std::string& name, const char* source, const std::string& options) const {
+  Program& program = opened_->programs[name + " " + options];
+  if (program.get() == nullptr) program = build_program(info(), context(), name, source, options);
+  check(clRetainProgram(program.get()), "clRetainProgram");
+  return Program(program.get());
 }
 
 void Device::finish() const {
-  check(clFinish(queue_.get()), "clFinish");
+  check(clFinish(queue()), "clFinish");
 }
 
 Memory allocate_memory(const Device& device, std::size_t bytes, const char* what, const char* key) {

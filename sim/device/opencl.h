@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <iterator>
+#include <map>
 #include <memory>
 #include <ranges>
 #include <string>
@@ -77,14 +78,15 @@ DeviceInfo choose_device(const std::string& wanted);
 /// A part of a device with fewer compute units. Throws RunError where the device cannot be divided.
 DeviceInfo part_of(const DeviceInfo& device, unsigned compute_units);
 
-/// One device with its context and an in-order queue.
+/// One device with its context and an in-order queue. Copies share both, and the programs that any of them has built;
+/// engines that run one after another open the device and compile their kernels once.
 class Device {
  public:
   explicit Device(const DeviceInfo& info);
 
-  [[nodiscard]] const DeviceInfo& info() const { return info_; }
-  [[nodiscard]] cl_context context() const { return context_.get(); }
-  [[nodiscard]] cl_command_queue queue() const { return queue_.get(); }
+  [[nodiscard]] const DeviceInfo& info() const { return opened_->info; }
+  [[nodiscard]] cl_context context() const { return opened_->context.get(); }
+  [[nodiscard]] cl_command_queue queue() const { return opened_->queue.get(); }
 
   /// Builds a program from `source`, or from the file `name` in the folder REAMSIM_KERNEL_DIR (environment) if it
   /// exists. `options` are compiler options such as "-DNAME=1". Throws RunError with the compiler's log when the build
@@ -94,9 +96,13 @@ class Device {
   void finish() const;
 
  private:
-  DeviceInfo info_;
-  Context context_;
-  Queue queue_;
+  struct Opened {
+    DeviceInfo info;
+    Context context;
+    Queue queue;
+    std::map<std::string, Program> programs;  ///< by name and options
+  };
+  std::shared_ptr<Opened> opened_;
 };
 
 /// The key of a scenario that most decides how much memory a device needs.

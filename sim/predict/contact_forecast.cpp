@@ -288,6 +288,14 @@ ContactForecast of_whole_run(const std::vector<ContactForecast>& passes) {
   return out;
 }
 
+FrameSpans contact_frames(const std::vector<ContactForecast>& passes) {
+  FrameSpans out;
+  for (const ContactForecast& pass : passes) {
+    if (pass.frames) out.push_back(*pass.frames);
+  }
+  return out;
+}
+
 std::optional<FrameSpan> forecast_contact_frames(const Voxmap& voxmap, const FillBricks& fill, const Profile& tool,
                                                  const ToolPath& path) {
   return ContactSearch(voxmap, fill, tool, path).frames();

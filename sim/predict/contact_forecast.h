@@ -29,6 +29,8 @@ std::vector<ContactForecast> forecast_passes(const ReamingScene& scene);
 
 /// Of a run with these passes: at its start, its first and last contact, and its nearest pose.
 ContactForecast of_whole_run(const std::vector<ContactForecast>& passes);
+/// In which frames these passes touch the bone.
+FrameSpans contact_frames(const std::vector<ContactForecast>& passes);
 /// ContactForecast::frames alone. `tool`: an envelope about z of T that moves along `path` (B); `fill` at its start.
 std::optional<FrameSpan> forecast_contact_frames(const Voxmap& voxmap, const FillBricks& fill, const Profile& tool,
                                                  const ToolPath& path);

@@ -65,4 +65,10 @@ std::string sha256_of(const std::string& path) {
   return sum.hex();
 }
 
+std::string sha256_of_text(const std::string& text) {
+  Sha256 sum;
+  sum.add(text.data(), text.size());
+  return sum.hex();
+}
+
 }  // namespace reamsim

@@ -8,4 +8,7 @@ namespace reamsim {
 /// sorted by path. Throws InputError when a file cannot be read.
 std::string sha256_of(const std::string& path);
 
+/// SHA-256 of a text, in hex.
+std::string sha256_of_text(const std::string& text);
+
 }  // namespace reamsim

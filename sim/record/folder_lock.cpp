@@ -71,7 +71,8 @@ FolderLock::FolderLock(const std::string& dir) : path_(dir + ".lock") {
     if (flock(opened, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
       const std::string name = wait_for_holder(opened);
       close(opened);
-      refuse(dir, "is in use by " + name, "wait until that ends, or choose another folder with -o");
+      throw FolderInUse({dir, 0, 0}, "output folder", "is in use by " + name,
+                        "wait until that ends, or choose another folder with -o");
     }
     if (is_file_of(opened, path_)) {
       descriptor_ = opened;

@@ -2,15 +2,23 @@
 
 #include <string>
 
+#include "sim/base/error.h"
+
 namespace reamsim {
+
+/// Another process has reserved a results folder.
+class FolderInUse : public InputError {
+ public:
+  using InputError::InputError;
+};
 
 /// Reserves a results folder for this process while this object exists, so that two runs never write into one folder.
 /// The lock is the file DIR.lock, which names its holder and disappears with this object. After a crash the system
 /// releases it; the file that stays then does not matter.
 class FolderLock {
  public:
-  /// Throws InputError: another process holds the lock (the message says which), the file cannot be created, or it
-  /// is not a lock. On file systems without locks it only creates the file.
+  /// Throws FolderInUse (the message says by which process), or InputError: the file cannot be created, or is not a
+  /// lock. On file systems without locks it only creates the file.
   explicit FolderLock(const std::string& dir);
   ~FolderLock();
   /// Releases the lock early.

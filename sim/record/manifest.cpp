@@ -21,13 +21,14 @@ std::optional<Manifest> read_manifest(const std::string& dir) {
   return out;
 }
 
-void write_manifest(const std::string& dir, const Manifest& manifest) {
+void write_manifest(const std::string& dir, const Manifest& manifest, bool durable) {
   Json json;
   json["program"] = "reamsim " REAMSIM_VERSION;
   json["kind"] = manifest.kind;
   json["complete"] = manifest.complete;
   json["files"] = manifest.files;
-  replace_file(dir + "/" + kManifestName, json.dump(2) + "\n");
+  const auto write = durable ? replace_file : write_file;
+  write(dir + "/" + kManifestName, json.dump(2) + "\n");
 }
 
 }  // namespace reamsim

@@ -18,7 +18,7 @@ struct Manifest {
 
 /// DIR/manifest.json; nullopt where it does not exist or is not a manifest.
 std::optional<Manifest> read_manifest(const std::string& dir);
-/// Replaces DIR/manifest.json. Throws RunError when it cannot be written.
-void write_manifest(const std::string& dir, const Manifest& manifest);
+/// Replaces DIR/manifest.json. `durable`: it is on the disk on return. Throws RunError when it cannot be written.
+void write_manifest(const std::string& dir, const Manifest& manifest, bool durable = true);
 
 }  // namespace reamsim

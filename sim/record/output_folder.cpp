@@ -161,6 +161,7 @@ OutputFolder::OutputFolder(const OutputRequest& request)
       dir_(resolved(request.dir)),
       partial_(dir_ + ".partial"),
       overwrite_(request.overwrite),
+      durable_(request.durable),
       parents_(dir_),
       lock_(recordable(dir_)) {
   std::error_code error;
@@ -217,14 +218,14 @@ std::string OutputFolder::finish(const std::function<void()>& remove_unfinished)
   const std::string* where = &unlisted;
   std::string why;
   try {
-    list_results(partial_, kind_);
+    list_results(partial_, kind_, {}, durable_);
     where = &unsynced;
-    sync_folder_to_disk(partial_);
+    if (durable_) sync_folder_to_disk(partial_);
     where = &complete;
     if (remove_unfinished) remove_unfinished();
     const std::string replaced = put_in_place();
     where = &in_place;
-    sync_to_disk(fs::path(dir_).parent_path().string());
+    if (durable_) sync_to_disk(fs::path(dir_).parent_path().string());
     where = &safe;
     if (replaced.empty() || removed(replaced, kind_)) return "";
     return replaced + ": the replaced results cannot be removed; delete this folder";

@@ -17,6 +17,7 @@ struct OutputRequest {
   bool overwrite = false;           ///< an older folder of the same kind may be replaced
   bool resume = false;              ///< the unfinished DIR.partial is to be continued
   std::vector<std::string> inputs;  ///< files and folders that the command reads; they must not be replaced
+  bool durable = true;              ///< finish() waits until the results are on the disk
 };
 
 /// The output folder of a command. Results are written to DIR.partial/, which becomes DIR when all are complete and on
@@ -74,6 +75,7 @@ class OutputFolder {
   std::string dir_;
   std::string partial_;
   bool overwrite_ = false;
+  bool durable_ = true;
   bool keep_ = false;
   bool complete_ = false;
   NewFolders parents_;

@@ -25,7 +25,7 @@ Names names_of_run() {
   const std::string files =
       "scenario\\.yaml|summary\\.json|verification\\.json|timings\\.csv|report\\.html|segmentation\\.png|contact_"
       "sheet\\.png|"
-      "forces\\.(csv|gp|png|svg|pdf)|depth_map\\.(csv|png)|clearance\\.csv|reamed\\.(vdb|vti|glb|stl)|"
+      "forces\\.(csv|gp|png|svg|pdf)|force_basis\\.npy|depth_map\\.(csv|png)|clearance\\.csv|reamed\\.(vdb|vti|glb|stl)|"
       "(reamed|turntable)\\.(mp4|webp|apng)|snapshots/([0-9]+\\.vdb|tool(_[0-9]+)?\\.stl)|turntable/[0-9]+\\.png|"
       "plots/(forces_decimated|forces_depth|energy|removed_density|spectrum)\\.(csv|gp|png|svg|pdf)";
   const std::string pictures = "(reamed|before_after|frames/[0-9]+)" + camera + "\\.png";
@@ -35,7 +35,7 @@ Names names_of_run() {
 const Names& names_of(ResultKind kind) {
   static const Names names[] = {
       names_of_run(),
-      {std::regex("compare\\.(csv|gp|png|svg|pdf)|curves\\.csv"), {"compare.csv"}},
+      {std::regex("compare\\.(csv|gp|png|svg|pdf)|(curves|runs)\\.csv"), {"compare.csv"}},
       {std::regex("verification\\.(md|json|gp|png|svg)"), {"verification.json"}},
       {std::regex("bench\\.(json|gp|png|svg)"), {"bench.gp"}},
   };  // in the order of ResultKind
@@ -132,7 +132,7 @@ bool is_marked(const std::string& dir, ResultKind kind) {
   });
 }
 
-void list_results(const std::string& dir, ResultKind kind, const std::set<std::string>& foreign) {
+void list_results(const std::string& dir, ResultKind kind, const std::set<std::string>& foreign, bool durable) {
   Manifest manifest{.kind = kind_name(kind), .files = {}};
   walk(dir, "", OwnEntries(dir, kind), [&](const fs::directory_entry& entry, const std::string& place, bool ours) {
     std::error_code error;
@@ -141,7 +141,7 @@ void list_results(const std::string& dir, ResultKind kind, const std::set<std::s
     if (listed && !foreign.contains(place)) manifest.files.insert(place);
     return true;
   });
-  write_manifest(dir, manifest);
+  write_manifest(dir, manifest, durable);
 }
 
 std::set<std::string> open_results(const std::string& dir, ResultKind kind) {

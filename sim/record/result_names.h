@@ -17,8 +17,10 @@ std::optional<std::string> foreign_entry(const std::string& dir, ResultKind kind
 /// Whether `dir` holds a file that marks a finished folder of this kind.
 bool is_marked(const std::string& dir, ResultKind kind);
 
-/// Writes DIR/manifest.json with what reamsim wrote, except the files `foreign`. Throws RunError.
-void list_results(const std::string& dir, ResultKind kind, const std::set<std::string>& foreign = {});
+/// Writes DIR/manifest.json with what reamsim wrote, except the files `foreign`. `durable`: it is on the disk on
+/// return. Throws RunError.
+void list_results(const std::string& dir, ResultKind kind, const std::set<std::string>& foreign = {},
+                  bool durable = true);
 
 /// Marks the manifest of DIR, if it has one, as incomplete until list_results(): files will be added. Returns the files
 /// that are not ours. Throws RunError.

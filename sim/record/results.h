@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <vector>
 
 #include "sim/bone/vdb/bone_vdb.h"
 #include "sim/bone/voxmap/sparse_bricks.h"
@@ -26,6 +27,24 @@ struct FrameResult {
   double balance = 0;  ///< (work done − energy cut)/energy cut, cumulative; 0 before contact
 };
 
+/// What the voxels of one grade exert on the tool in a frame, per specific energy of 1 N/mm²; a row of force_basis.npy
+/// (docs/formats.md). Force = Σ u·(P + k_n·N), in B. Grade 0 is the edge force: P per K_t, N per K_n, each 1 N/mm.
+struct BasisRow {
+  std::int32_t frame = 0;
+  std::int32_t grade = 0;
+  float density_g_cm3 = 0;
+  float p_mm2[3] = {};
+  float p_torque_mm3[3] = {};
+  float n_mm2[3] = {};
+  float n_torque_mm3[3] = {};
+  float p_work_mm3 = 0;  ///< work on the bone
+  float n_work_mm3 = 0;
+  float energy_mm3 = 0;
+  float floor_energy_mm3 = 0;
+};
+/// Its values from p_mm2 on.
+inline constexpr std::size_t kBasisRowValues = 16;
+
 /// Times of the stages of a frame: broad phase on the host, detect and cut on the device.
 struct FrameTimes {
   double broad_phase_s = 0;
@@ -38,6 +57,8 @@ class FrameSink {
  public:
   virtual ~FrameSink() = default;
   virtual void frame(const FrameResult& result, const FrameTimes& times) = 0;
+  /// The force basis of the frame that frame() received last, with `output.force_basis`; ascending grades.
+  virtual void basis(const std::vector<BasisRow>& /*rows*/) {}
   /// The fill of the bone after `frame`. The sink may take its changes since the last call.
   virtual void snapshot(std::int64_t frame, FillBricks& fill) = 0;
   virtual void removed(const RemovedFrames& voxels) = 0;

@@ -12,6 +12,7 @@
 #include "sim/record/checksum.h"
 #include "sim/record/clearance_file.h"
 #include "sim/record/metrics_file.h"
+#include "sim/record/result_json.h"
 #include "sim/record/snapshot.h"
 #include "sim/record/vti.h"
 #include "sim/scenario/parse.h"
@@ -274,7 +275,38 @@ nlohmann::ordered_json totals_json(const ReamingScene& scene, const RunTotals& t
   return json;
 }
 
+/// Replaces the figures of `json`, a summary, that depend on the constants of the force law.
+void replace_forces(const CuttingSettings& cutting, const RunTotals& totals, nlohmann::ordered_json& json) {
+  json["force_law"] = force_law_json(cutting);
+  json["headline"] = headline_json(totals.headline(cutting.erosion != ErosionMode::exact));
+  json["work_mj"] = totals.work_mj();
+  json["energy_mj"] = totals.energy_mj;
+  json["floor_energy_mj"] = totals.floor_energy_mj;
+  json["friction_energy_mj"] = cutting.friction_fraction * totals.energy_mj;
+  json["balance"] = totals.balance;
+  json["forces"] = forces_json(totals);
+  if (!json.contains("passes") || !json["passes"].is_array()) return;
+  for (std::size_t i = 0; i < json["passes"].size() && i < totals.passes.size(); ++i) {
+    json["passes"][i]["energy_mj"] = totals.passes[i].energy_mj;
+    json["passes"][i]["peak_axial_force_n"] = totals.passes[i].peak_axial_force_n;
+    json["passes"][i]["peak_spin_torque_nmm"] = totals.passes[i].peak_spin_torque_nmm;
+  }
+}
+
+std::string text_of_summary(const nlohmann::ordered_json& json) {
+  return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+}
+
 }  // namespace
+
+std::string reforced_summary(const std::string& dir, const CuttingSettings& cutting, const RunTotals& totals) {
+  const std::string path = dir + "/summary.json";
+  nlohmann::ordered_json json = parse_result_json(read_file(path, "the summary of a run"));
+  if (!json.is_object()) throw InputError({path, 0, 0}, "", "is damaged", "expected the summary of a run");
+  replace_forces(cutting, totals, json);
+  json["forces_from_basis"] = true;
+  return text_of_summary(json);
+}
 
 void write_summary(const std::string& dir, const ReamingScene& scene, const RunTotals& totals, const RunFacts& facts,
                    bool finished) {
@@ -306,7 +338,7 @@ void write_summary(const std::string& dir, const ReamingScene& scene, const RunT
   }
   json["warnings"] = nlohmann::ordered_json::array();
   for (const std::string& warning : facts.warnings) json["warnings"].push_back(recorded_text(warning));
-  write_file(dir + "/summary.json", json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n");
+  write_file(dir + "/summary.json", text_of_summary(json));
 }
 
 }  // namespace reamsim

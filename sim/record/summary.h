@@ -58,4 +58,7 @@ void write_results(const std::string& dir, const ReamingScene& scene, const Reco
 void write_summary(const std::string& dir, const ReamingScene& scene, const RunTotals& totals, const RunFacts& facts,
                    bool finished = true);
 
+/// The summary.json of the run in `dir` with the forces of other constants. Throws InputError where it is damaged.
+std::string reforced_summary(const std::string& dir, const CuttingSettings& cutting, const RunTotals& totals);
+
 }  // namespace reamsim

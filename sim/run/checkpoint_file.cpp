@@ -14,7 +14,7 @@ namespace reamsim {
 
 namespace {
 
-constexpr std::string_view kMagic = "reamsim checkpoint 1\n";
+constexpr std::string_view kMagic = "reamsim checkpoint 2\n";
 
 /// A damaged file.
 struct Damaged : std::runtime_error {
@@ -137,6 +137,7 @@ void visit_values(Visit& visit, State& c) {
   visit(c.simulation.warned_of_no_spin);
   visit(c.logs.forces_bytes);
   visit(c.logs.timings_bytes);
+  visit(c.logs.basis_bytes);
   visit(c.warnings);
   visit(c.removed);
   visit(c.fill);

@@ -8,6 +8,7 @@
 #include "sim/engine/common/broad_phase.h"
 #include "sim/engine/common/motion_windows.h"
 #include "sim/engine/make_engine.h"
+#include "sim/run/frame_basis.h"
 #include "sim/run/frame_ledger.h"
 #include "sim/scenario/picture_frames.h"
 #include "sim/tool/outline.h"
@@ -197,6 +198,7 @@ class Simulation {
     const auto append = [](auto& to, const auto& from) { to.insert(to.end(), from.begin(), from.end()); };
     append(batch_.sums, part.sums);
     append(batch_.times, part.times);
+    append(batch_.basis, part.basis);
     append(removed_, engine_.take_removed());
   }
 
@@ -216,6 +218,7 @@ class Simulation {
       }
       warn_of(result);
       sink_.frame(result, times);
+      if (!batch_.basis.empty()) sink_.basis(basis_rows(pending, batch_.basis));
       state_.frame = pending.frame;
     }
     frame_s_ = batch_watch_.seconds() / static_cast<double>(std::max<std::size_t>(pending_.size(), 1));
@@ -277,12 +280,17 @@ class Simulation {
 
 }  // namespace
 
-std::unique_ptr<Engine> load_engine(const ReamingScene& scene) {
+std::unique_ptr<Engine> load_engine(const ReamingScene& scene, EngineDevices& devices) {
   try {
-    return make_engine(scene.scenario, scene.bone, scene.tool);
+    return make_engine_on(devices, scene.scenario, scene.bone, scene.tool);
   } catch (const InputError& error) {
     throw scene.scenario.keys.located(error);
   }
+}
+
+std::unique_ptr<Engine> load_engine(const ReamingScene& scene) {
+  EngineDevices devices;
+  return load_engine(scene, devices);
 }
 
 SimulationState simulate(ReamingScene& scene, Engine& engine, FrameSink& sink, const RunControl& control,

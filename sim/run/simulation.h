@@ -38,6 +38,8 @@ struct RunControl {
 };
 
 /// make_engine() for the scene, with mistakes located at their keys. Throws InputError, RunError.
+std::unique_ptr<Engine> load_engine(const ReamingScene& scene, EngineDevices& devices);
+/// The same on a device of its own.
 std::unique_ptr<Engine> load_engine(const ReamingScene& scene);
 
 /// Runs the present pass: per substep broad phase → enqueue, per batch collect → record. `scene.bone` is reamed; `sink`

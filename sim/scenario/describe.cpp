@@ -78,7 +78,8 @@ void describe_render(KeyVisitor& v, RenderSettings& render) {
   v.integer({.name = "width_px", .doc = "Width of the pictures", .range = between(64, 16384)}, render.width_px);
   v.integer({.name = "height_px", .doc = "Height of the pictures", .range = between(64, 16384)}, render.height_px);
   v.integer({.name = "every_frames",
-             .doc = "Number of frames between pictures; 0: eleven pictures, nine of them over the expected time of contact, and 150 along the run for a film",
+             .doc = "Number of frames between pictures; 0: eleven pictures, nine of them over the expected time of "
+                    "contact, and 150 along the run for a film",
              .range = between(0, 1e9)},
             render.every_frames);
   v.choice_list({.name = "cameras", .doc = "Views, each at most once; the files of the first have no suffix"},
@@ -88,8 +89,9 @@ void describe_render(KeyVisitor& v, RenderSettings& render) {
   v.flag({.name = "before_after",
           .doc = "Render before_after.png for every camera: the bone before and after, side by side"},
          render.before_after);
-  v.flag({.name = "contact_sheet", .doc = "Render contact_sheet.png: the time of contact in up to twenty small pictures"},
-         render.contact_sheet);
+  v.flag(
+      {.name = "contact_sheet", .doc = "Render contact_sheet.png: the time of contact in up to twenty small pictures"},
+      render.contact_sheet);
   v.integer({.name = "turntable_pictures",
              .doc = "Number of turntable pictures (turntable/NNN.png), 360° about the superior axis; 0: none",
              .range = between(0, 3600)},
@@ -136,6 +138,11 @@ void describe_output(KeyVisitor& v, OutputSettings& output) {
          output.dir);
   v.flag({.name = "vti", .doc = "Write reamed.vti beside reamed.vdb"}, output.vti);
   v.flag({.name = "meshes", .doc = "Write the surface of the reamed bone as reamed.glb and reamed.stl"}, output.meshes);
+  v.flag({.name = "force_basis",
+          .doc = "Write force_basis.npy, from which `reamsim reforce` and `reamsim fit` compute forces for other "
+                 "constants without a run. Needs `law: energy`, and erosion exact, or remove with engine.type bricked "
+                 "or engine.device serial"},
+         output.force_basis);
   v.number({.name = "checkpoint_s",
             .doc = "Wall time between two checkpoints, from which `run --resume` continues an interrupted run; 0: none",
             .range = between(0, 86400)},

@@ -7,6 +7,8 @@ namespace {
 
 constexpr int kLeastRimPoints = 6;
 
+}  // namespace
+
 void describe_density(KeyVisitor& v, DensitySettings& density) {
   v.number(
       {.name = "ash_slope_g_cm3_per_hu",
@@ -18,6 +20,8 @@ void describe_density(KeyVisitor& v, DensitySettings& density) {
   v.number({.name = "ash_fraction", .doc = "Ash density over apparent density", .range = between(0.05, 1)},
            density.ash_fraction);
 }
+
+namespace {
 
 void describe_landmarks(KeyVisitor& v, LandmarkSettings& landmarks) {
   v.vector(

@@ -20,11 +20,6 @@
 
 namespace reamsim {
 
-namespace {
-
-namespace fs = std::filesystem;
-
-/// The file's document, with overrides, in the present version of the format. `notes`: see migrate().
 YamlNodePtr read_document(const std::string& path, const std::vector<std::string>& overrides,
                           std::vector<std::string>& notes) {
   const std::string file = shown_path(path);
@@ -42,6 +37,10 @@ YamlNodePtr read_document(const std::string& path, const std::vector<std::string
   mistakes.throw_if_any();
   return migrate(document, file, notes);
 }
+
+namespace {
+
+namespace fs = std::filesystem;
 
 std::shared_ptr<YamlNode> text_of(const std::string& text) {
   auto node = std::make_shared<YamlNode>();

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -24,6 +25,19 @@ struct ResultSettings {
 /// results only.
 ResultSettings parse_result_settings(const std::string& path, const std::vector<std::string>& overrides = {});
 
+/// What forces depend on beside the geometry, in a run's scenario.yaml.
+struct LawSettings {
+  CuttingSettings cutting;
+  DensitySettings density;
+  std::string bone_source;   ///< as in the file
+  std::string yaml;          ///< the file's text with these settings
+  bool force_basis = false;  ///< the run has one
+};
+
+/// Reads them, with overrides of keys of `cutting` and `bone.density`; the other keys are those of the run. A preset or
+/// a table in the overrides replaces the power law of the run. Does not require the input files. Throws InputError.
+LawSettings parse_law_settings(const std::string& path, const std::vector<std::string>& overrides = {});
+
 /// A bone section that consists of a source ("ct" or "mesh"), its path and overrides ("bone.voxel_mm=0.5"), for
 /// `reamsim import`; validated as in a scenario.
 BoneSettings parse_bone_settings(const std::string& source, const std::string& path,
@@ -31,6 +45,8 @@ BoneSettings parse_bone_settings(const std::string& source, const std::string& p
 
 /// The resolved scenario as YAML text: every default filled in. Parsing it again gives the same scenario.
 std::string to_yaml(const Scenario& scenario);
+/// The same with `path_text` of every path in place of recorded_path().
+std::string to_yaml(const Scenario& scenario, const std::function<std::string(const std::string&)>& path_text);
 
 /// assets/scenario.schema.json, generated from the same description of keys that the parser uses.
 std::string scenario_json_schema();

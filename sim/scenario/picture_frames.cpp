@@ -1,6 +1,7 @@
 #include "sim/scenario/picture_frames.h"
 
 #include <algorithm>
+#include <iterator>
 
 namespace reamsim {
 namespace {
@@ -17,23 +18,44 @@ void sort_once(std::vector<std::int64_t>& frames) {
   frames.erase(repeated.begin(), repeated.end());
 }
 
+/// The i-th of the frames of all spans.
+std::int64_t frame_of(const FrameSpans& spans, std::int64_t i) {
+  for (const FrameSpan& span : spans) {
+    const std::int64_t frames = span.last - span.first + 1;
+    if (i < frames) return span.first + i;
+    i -= frames;
+  }
+  return spans.back().last;
+}
+
 /// 0, `last`, and between them as many in contact as make the number of stills.
-std::vector<std::int64_t> spread_over(const FrameSpan& contact, std::int64_t last) {
-  const std::int64_t first = std::clamp<std::int64_t>(contact.first, 0, last);
-  const std::int64_t end = std::clamp(contact.last, first, last);
-  const std::int64_t steps = kStills - (first > 0 ? 1 : 0) - (end < last ? 1 : 0) - 1;
+std::vector<std::int64_t> spread_over(FrameSpans contact, std::int64_t last) {
+  std::int64_t frames = 0;
+  for (FrameSpan& span : contact) {
+    span.first = std::clamp<std::int64_t>(span.first, 0, last);
+    span.last = std::clamp(span.last, span.first, last);
+    frames += span.last - span.first + 1;
+  }
+  const int ends = (contact.front().first > 0 ? 1 : 0) + (contact.back().last < last ? 1 : 0);
+  const std::int64_t steps = kStills - ends - 1;
   std::vector<std::int64_t> out{0, last};
-  for (std::int64_t i = 0; i <= steps; ++i) out.push_back(first + (2 * i * (end - first) + steps) / (2 * steps));
+  for (std::int64_t i = 0; i <= steps; ++i) {
+    out.push_back(frame_of(contact, (2 * i * (frames - 1) + steps) / (2 * steps)));
+  }
   sort_once(out);
   return out;
 }
 
+bool is_near(const FrameSpan& contact, std::int64_t frame) {
+  const std::int64_t margin = 1 + (contact.last - contact.first) / kMarginParts;
+  return frame >= contact.first - margin && frame <= contact.last + margin;
+}
+
 }  // namespace
 
-std::vector<std::int64_t> picture_frames(const RenderSettings& settings, std::int64_t last,
-                                         const std::optional<FrameSpan>& contact) {
+std::vector<std::int64_t> picture_frames(const RenderSettings& settings, std::int64_t last, const FrameSpans& contact) {
   const bool film = settings.enabled && settings.film != FilmFormat::none;
-  if (settings.every_frames == 0 && !film && contact) return spread_over(*contact, last);
+  if (settings.every_frames == 0 && !film && !contact.empty()) return spread_over(contact, last);
   const std::int64_t pictures = film ? kFilmPictures : kStills - 1;
   const std::int64_t spread = std::max<std::int64_t>(1, (last + pictures - 1) / pictures);
   const std::int64_t interval = settings.every_frames > 0 ? settings.every_frames : spread;
@@ -43,12 +65,11 @@ std::vector<std::int64_t> picture_frames(const RenderSettings& settings, std::in
   return out;
 }
 
-std::vector<std::int64_t> in_contact(const std::vector<std::int64_t>& frames, const std::optional<FrameSpan>& contact) {
-  if (!contact) return frames;
-  const std::int64_t margin = 1 + (contact->last - contact->first) / kMarginParts;
+std::vector<std::int64_t> in_contact(const std::vector<std::int64_t>& frames, const FrameSpans& contact) {
+  if (contact.empty()) return frames;
   std::vector<std::int64_t> out;
   std::ranges::copy_if(frames, std::back_inserter(out), [&](std::int64_t frame) {
-    return frame >= contact->first - margin && frame <= contact->last + margin;
+    return std::ranges::any_of(contact, [frame](const FrameSpan& span) { return is_near(span, frame); });
   });
   return out.size() < 2 ? frames : out;
 }
@@ -64,7 +85,7 @@ std::vector<std::int64_t> evenly_among(const std::vector<std::int64_t>& frames, 
 }
 
 std::vector<std::int64_t> still_frames(const std::vector<std::int64_t>& frames, const RenderSettings& settings,
-                                       const std::optional<FrameSpan>& contact) {
+                                       const FrameSpans& contact) {
   if (settings.film == FilmFormat::none || settings.every_frames > 0) return frames;
   const std::vector<std::int64_t> among = in_contact(frames, contact);
   const auto ends = std::int64_t{among.front() != frames.front()} + std::int64_t{among.back() != frames.back()};

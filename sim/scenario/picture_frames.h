@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <optional>
 #include <vector>
 
 #include "sim/scenario/scenario.h"
@@ -16,14 +15,16 @@ struct FrameSpan {
   friend bool operator==(const FrameSpan&, const FrameSpan&) = default;
 };
 
+/// Ascending, of the passes that touch the bone; none: not known, or no contact.
+using FrameSpans = std::vector<FrameSpan>;
+
 /// Frames of which a snapshot is kept for pictures: 0, `last` and, between, every n-th. Without a number in the
-/// settings these are evenly spaced: for a film along the run, else in `contact`, the time in which the tool is
-/// expected to touch bone, or along the run if that is none. Ascending.
-std::vector<std::int64_t> picture_frames(const RenderSettings& settings, std::int64_t last,
-                                         const std::optional<FrameSpan>& contact);
+/// settings these are evenly spaced: for a film along the run, else in `contact`, the time in which the tools are
+/// expected to touch bone, without that between passes, or along the run if that is none. Ascending.
+std::vector<std::int64_t> picture_frames(const RenderSettings& settings, std::int64_t last, const FrameSpans& contact);
 
 /// Of `frames` (ascending), those in contact with a margin of 5 %; all of them if there are not two of these.
-std::vector<std::int64_t> in_contact(const std::vector<std::int64_t>& frames, const std::optional<FrameSpan>& contact);
+std::vector<std::int64_t> in_contact(const std::vector<std::int64_t>& frames, const FrameSpans& contact);
 
 /// At most `most` (2 or more) of `frames` (ascending), evenly distributed, with the first and the last.
 std::vector<std::int64_t> evenly_among(const std::vector<std::int64_t>& frames, std::size_t most);
@@ -31,6 +32,6 @@ std::vector<std::int64_t> evenly_among(const std::vector<std::int64_t>& frames, 
 /// Of the frames with a snapshot, those that are rendered as still pictures: all of them, or some where a film has set
 /// their number: the first, the last, and others in contact.
 std::vector<std::int64_t> still_frames(const std::vector<std::int64_t>& frames, const RenderSettings& settings,
-                                       const std::optional<FrameSpan>& contact);
+                                       const FrameSpans& contact);
 
 }  // namespace reamsim

@@ -33,6 +33,7 @@ class Rules {
     if (s_.bone.source == BoneSource::ct) rule({"bone.ct"}, &Rules::check_crop);
     if (s_.bone.source == BoneSource::phantom) rule({"bone.phantom"}, &Rules::check_phantom);
     rule({"tool.holder", "motion.passes"}, &Rules::check_holder);
+    rule({"tool.holder", "motion.passes", "clearance"}, &Rules::check_clearance);
     rule({"motion"}, &Rules::check_keyframes);
     rule({"motion"}, &Rules::check_frame_count);
     rule({"engine.type", "tool.spin", "motion.passes"}, &Rules::check_spin_of_implicit);
@@ -42,6 +43,7 @@ class Rules {
     rule({"cutting.specific_energy_table"}, &Rules::check_energy_table);
     rule({"cutting.size_effect"}, &Rules::check_size_effect);
     rule({"cutting", "tool.spin", "motion.passes"}, &Rules::check_edge_force);
+    rule({"cutting", "engine", "output"}, &Rules::check_force_basis);
     rule({"cutting", "engine.type"}, &Rules::check_exact);
     rule({"render.user_cameras"}, &Rules::check_user_cameras);
   }
@@ -78,6 +80,7 @@ class Rules {
   void check_crop() const;
   void check_phantom() const;
   void check_holder() const;
+  void check_clearance() const;
   void check_keyframes() const;
   void check_frame_count() const;
   void require_envelope(const std::string& because) const;
@@ -91,6 +94,7 @@ class Rules {
   void check_energy_table() const;
   void check_size_effect() const;
   void check_edge_force() const;
+  void check_force_basis() const;
   void check_user_cameras() const { check_cameras(s_.render, at_); }
 
   const Scenario& s_;
@@ -217,6 +221,15 @@ void Rules::check_holder() const {
   }
 }
 
+/// A limit that nothing is compared with would look like one that is kept.
+void Rules::check_clearance() const {
+  const auto has_holder = [](const PassSpec& pass) { return !pass.tool.holder.empty(); };
+  if (std::ranges::any_of(passes_of(s_), has_holder)) return;
+  const std::string expected = "tool.holder as well: it lists the parts whose clearance is measured";
+  require(s_.clearance.least_mm == 0, "clearance.least_mm", s_.clearance.least_mm, expected);
+  if (s_.clearance.envelope) fail("clearance.envelope", "found without tool.holder", expected);
+}
+
 void Rules::check_keyframes() const {
   const auto& keys = s_.motion.keyframes;
   if (!at_.given("motion.keyframes")) return;
@@ -305,6 +318,18 @@ void Rules::check_edge_force() const {
   }
   // The edge force is that of the envelope of revolution.
   if (cutting.edge_force) require_envelope("cutting.edge_force is given");
+}
+
+void Rules::check_force_basis() const {
+  if (!s_.output.force_basis) return;
+  const std::string because = ", because output.force_basis is true";
+  if (s_.cutting.law != CuttingLaw::energy) {
+    fail("cutting.law", "found " + name_of(s_.cutting.law), "energy" + because);
+  } else if (s_.cutting.erosion == ErosionMode::wear) {
+    fail("cutting.erosion", "found wear", "exact or remove" + because);
+  } else if (engine_of(s_) != EngineKind::exact && engine_of(s_) != EngineKind::bricked) {
+    fail("engine.type", "found " + name_of(s_.engine.type), "auto, exact or bricked" + because);
+  }
 }
 
 /// A name that tells files apart on any file system.

@@ -368,6 +368,7 @@ struct OutputSettings {
   std::string dir;  ///< "" = out/<scenario name> below the working folder
   bool vti = true;
   bool meshes = true;
+  bool force_basis = false;
   double checkpoint_s = 60;  ///< wall time between two checkpoints of a run; 0: none
 };
 

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <functional>
 #include <map>
 #include <optional>
 #include <utility>
@@ -15,6 +16,9 @@ namespace {
 /// Writes every key that applies, in the order of the description.
 class YamlWriter : public KeyVisitor {
  public:
+  /// `path_text`: how paths are written.
+  explicit YamlWriter(std::function<std::string(const std::string&)> path_text) : path_text_(std::move(path_text)) {}
+
   [[nodiscard]] const std::string& yaml() const { return out_; }
 
   void number(const KeyInfo& info, double& value) override { line(info, number_text(value)); }
@@ -24,8 +28,8 @@ class YamlWriter : public KeyVisitor {
   void text(const KeyInfo& info, std::string& value) override {
     if (!info.choices.empty()) levels_.back()[info.name] = value;
     if (value.empty() && info.text != TextKind::output_folder) return;
-    line(info, info.number_too ? name_scalar(value)
-                               : yaml_scalar(info.text == TextKind::word ? value : recorded_path(value)));
+    line(info,
+         info.number_too ? name_scalar(value) : yaml_scalar(info.text == TextKind::word ? value : path_text_(value)));
   }
 
   void names(const KeyInfo& info, std::vector<std::string>& values) override {
@@ -118,6 +122,7 @@ class YamlWriter : public KeyVisitor {
     out_ += lines;
   }
 
+  std::function<std::string(const std::string&)> path_text_;
   std::string out_;
   std::string pending_;              // headings of sections whose first key has not come yet
   std::optional<std::size_t> item_;  // where an item begins in pending_, until its first key has come
@@ -127,7 +132,11 @@ class YamlWriter : public KeyVisitor {
 }  // namespace
 
 std::string to_yaml(const Scenario& scenario) {
-  YamlWriter writer;
+  return to_yaml(scenario, recorded_path);
+}
+
+std::string to_yaml(const Scenario& scenario, const std::function<std::string(const std::string&)>& path_text) {
+  YamlWriter writer(path_text);
   Scenario copy = scenario;
   describe_scenario(writer, copy);
   return writer.yaml();

@@ -94,14 +94,15 @@ bool begin_next_pass(ReamingScene& scene) {
   return true;
 }
 
-ReamingScene load_scene(const Scenario& scenario, Report& report, MistakeList& frame_mistakes) {
+ReamingScene load_scene(const Scenario& scenario, Report& report, MistakeList& frame_mistakes, BoneCache* bones) {
   ReamingScene scene;
   scene.scenario = scenario;
   for (const std::string& note : scenario.notes) report.warn(note);
   MistakeList mistakes;
   // All parts are loaded even if one fails, to report all mistakes at once.
   const bool bone = mistakes.attempt([&] {
-    scene.bone = load_bone(with_surface_voxels(scenario.bone, scenario.cutting), report);
+    const BoneSettings settings = with_surface_voxels(scenario.bone, scenario.cutting);
+    scene.bone = bones == nullptr ? load_bone(settings, report) : bones->load(settings, report);
     scene.scenario.bone.side = scene.bone.side;
   });
   load_passes(scene, bone, mistakes, report);
@@ -122,9 +123,9 @@ ReamingScene load_scene(const Scenario& scenario, Report& report, MistakeList& f
   return scene;
 }
 
-ReamingScene load_scene(const Scenario& scenario, Report& report) {
+ReamingScene load_scene(const Scenario& scenario, Report& report, BoneCache* bones) {
   MistakeList mistakes;
-  ReamingScene scene = load_scene(scenario, report, mistakes);
+  ReamingScene scene = load_scene(scenario, report, mistakes, bones);
   mistakes.throw_if_any();
   return scene;
 }

@@ -8,6 +8,7 @@
 #include "sim/bone/bone.h"
 #include "sim/motion/motion.h"
 #include "sim/scenario/picture_frames.h"
+#include "sim/scene/bone_cache.h"
 #include "sim/scene/first_contact.h"
 #include "sim/tool/tool.h"
 
@@ -26,7 +27,7 @@ struct ReamingScene {
   Tool tool;      ///< of the present pass, the first one after loading
   Motion motion;  ///< of the present pass
   std::vector<Pass> later_passes = {};
-  std::optional<FrameSpan> contact{};  ///< expected (sim/predict), for the choice of pictures; none: not known
+  FrameSpans contact{};                                          ///< expected (sim/predict), for the choice of pictures
   std::vector<std::optional<FirstContact>> first_contacts = {};  ///< by pass, of plunges whose depth counts from it
 
   /// Of the present pass.
@@ -45,9 +46,10 @@ bool begin_next_pass(ReamingScene& scene);
 
 /// Loads bone, tool and motion of a scenario. Throws InputError with all mistakes, each at its key in the scenario
 /// file. A glenoid frame that contradicts the bone is added to `frame_mistakes` instead: the scene is complete, but
-/// must not run.
-ReamingScene load_scene(const Scenario& scenario, Report& report, MistakeList& frame_mistakes);
+/// must not run. `bones`: takes the bone from there where it is the same.
+ReamingScene load_scene(const Scenario& scenario, Report& report, MistakeList& frame_mistakes,
+                        BoneCache* bones = nullptr);
 /// The same; throws for a wrong frame as well.
-ReamingScene load_scene(const Scenario& scenario, Report& report);
+ReamingScene load_scene(const Scenario& scenario, Report& report, BoneCache* bones = nullptr);
 
 }  // namespace reamsim

@@ -60,6 +60,9 @@ TEST_F(Clearance, MistakesAreInputErrors) {
                  {"tool.holder.0.to_z_mm", "found 12", "more than from_z_mm, 12"});
   expect_refused(run(with(kWithHolder, "{least_mm: 10.9}", "{least_mm: 1, envelope: {path: none.stl}}")), 2,
                  {"clearance.envelope.path", "no such file"});
+  // A limit that nothing is compared with.
+  expect_refused(run(with(kSmall, "motion:\n", "clearance: {least_mm: 1}\nmotion:\n")), 2,
+                 {"clearance.least_mm", "found 1", "expected tool.holder as well"});
   write("skin.stl", "not a mesh");
   expect_refused(run(with(kWithHolder, "{least_mm: 10.9}", "{least_mm: 1, envelope: {path: skin.stl}}")), 2,
                  {"skin.stl"});

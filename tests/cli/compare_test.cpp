@@ -1,11 +1,16 @@
 #include <algorithm>
+#include <cmath>
+#include <map>
+#include <sstream>
 
+#include "sim/base/text.h"
 #include "tests/cli/cli_fixture.h"
 
 namespace reamsim::test {
 namespace {
 
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 class Compare : public CliTest {
  protected:
@@ -43,7 +48,8 @@ TEST_F(Compare, RunsOfOtherFrameRatesBonesAndErosionsCompare) {
   make_run("whole", kSmall + "cutting:\n  erosion: remove\n");
   const ProgramResult result = compare({"coarse", "fine, \"deep\"", "whole"});
   EXPECT_EQ(result.status, 0) << result.err;
-  for (const char* file : {"compare.csv", "curves.csv", "compare.png", "compare.svg", "compare.pdf", "compare.gp"}) {
+  for (const char* file :
+       {"compare.csv", "runs.csv", "curves.csv", "compare.png", "compare.svg", "compare.pdf", "compare.gp"}) {
     EXPECT_TRUE(exists(std::string("out/") + file)) << file;
   }
   EXPECT_FALSE(exists("out.partial"));
@@ -58,12 +64,104 @@ TEST_F(Compare, RunsOfOtherFrameRatesBonesAndErosionsCompare) {
   EXPECT_THAT(result.out, HasSubstr("removed_mm3"));
   EXPECT_THAT(result.out, HasSubstr("fine, \"deep\""));
   const std::string svg = read("out/compare.svg");
-  for (const char* words :
-       {"coarse", "Axial force (N)", "Spin torque", "Removed volume", "Time (s)", "Tool depth (mm)"}) {
+  for (const char* words : {"coarse", "Axial force (N)", "Spin torque", "Removed volume",
+                            "Time since first contact (s)", "Tool depth since first contact (mm)"}) {
     EXPECT_THAT(svg, HasSubstr(words));
   }
   const std::string curves = read("out/curves.csv");
   for (const char* begin : {"\n1,", "\n2,", "\n3,"}) EXPECT_THAT(curves, HasSubstr(begin));
+}
+
+/// The characters of the longest line.
+std::size_t widest_line(const std::string& text) {
+  std::size_t widest = 0;
+  for (std::size_t at = 0; at < text.size();) {
+    const std::size_t end = std::min(text.find('\n', at), text.size());
+    widest = std::max(widest, text_width(text.substr(at, end - at)));
+    at = end + 1;
+  }
+  return widest;
+}
+
+TEST_F(Compare, KeysThatDifferAreColumns) {
+  make_run("one", kSmall);
+  make_run("two", with(kSmall, "depth_mm: 1", "depth_mm: 0.5") + "output:\n  vti: false\n");
+  make_run("three", with(with(kSmall, "voxel_mm: 0.5", "voxel_mm: 1"), "approach_mm: 0.5",
+                         "entry_mm: [-1, 0, 0]\n    approach_mm: 0.5"));
+  const ProgramResult result = compare({"one", "two", "three"});
+  EXPECT_EQ(result.status, 0) << result.err;
+  const std::string table = read("out/runs.csv");
+  EXPECT_THAT(table, HasSubstr("run,label,bone.voxel_mm,motion.plunge.entry_mm,motion.plunge.depth_mm,force_law."));
+  EXPECT_THAT(table, HasSubstr("\n1,one,0.5,\"[0, 0, 0]\",1,"));
+  EXPECT_THAT(table, HasSubstr("\n2,two,0.5,\"[0, 0, 0]\",0.5,"));
+  EXPECT_THAT(table, HasSubstr("\n3,three,1,\"[-1, 0, 0]\",1,"));
+  EXPECT_EQ(table.find("bone.voxel_mm"), table.rfind("bone.voxel_mm")) << "no two columns of one name";
+  EXPECT_THAT(table, Not(HasSubstr("output"))) << "a key without effect on numbers";
+  EXPECT_THAT(result.out, HasSubstr("depth_mm"));
+  EXPECT_LE(widest_line(result.out), 100u) << result.out;
+}
+
+TEST_F(Compare, TimeCountsFromTheFirstContact) {
+  make_run("near", with(kSmall, "approach_mm: 0.5", "approach_mm: 0.1"));
+  make_run("far", with(kSmall, "approach_mm: 0.5", "approach_mm: 2"));
+  ASSERT_EQ(compare({"near", "far"}).status, 0);
+  std::istringstream curves(read("out/curves.csv"));
+  std::string line;
+  std::getline(curves, line);
+  EXPECT_EQ(line, "run,time_s,depth_mm,contact,axial_force_n,spin_torque_nmm,removed_mm3,contact_time_s");
+  // Contact begins 0.38 s later; then force, depth and removed volume are the same at the same time since contact.
+  std::map<long, std::vector<double>> near;
+  int met = 0;
+  while (std::getline(curves, line)) {
+    std::vector<double> row;
+    std::istringstream cells(line);
+    for (std::string cell; std::getline(cells, cell, ',');) row.push_back(std::stod(cell));
+    const long frame = std::lround(100 * row[7]);
+    if (row[0] == 1) near[frame] = row;
+    if (row[0] == 1 || row[3] == 0) continue;
+    ASSERT_TRUE(near.contains(frame)) << line;
+    EXPECT_NEAR(row[1] - near[frame][1], 0.38, 1e-9);
+    for (const std::size_t column : {2, 4, 6}) EXPECT_NEAR(row[column], near[frame][column], 1e-6 * row[column] + 1e-9);
+    ++met;
+  }
+  EXPECT_GE(met, 18) << "frames in contact";
+}
+
+TEST_F(Compare, ManyRunsHaveARampAndALegendOfNumbers) {
+  const std::string long_name = "a run whose name is longer than a column of the table may be wide";
+  std::vector<std::string> dirs;
+  for (int i = 0; i < 21; ++i) {
+    dirs.push_back(i == 7 ? long_name : "r" + std::to_string(i));
+    std::filesystem::path copy = path(dirs.back());
+    if (i == 0) {
+      make_run("r0", kSmall);
+    } else {
+      std::filesystem::copy(path("r0"), copy, std::filesystem::copy_options::recursive);
+    }
+    const std::string energy = "specific_energy_j_mm3: ";
+    write(dirs.back() + "/scenario.yaml", with(read("r0/scenario.yaml"), i == 0 ? "version" : energy + "0.15",
+                                               i == 0 ? "version" : energy + std::to_string(0.1 + 0.01 * i)));
+  }
+  const ProgramResult result = compare(dirs);
+  EXPECT_EQ(result.status, 0) << result.err;
+  EXPECT_LE(widest_line(result.out), 100u) << result.out;
+  EXPECT_THAT(result.out, HasSubstr(" 8 [1] "));
+  EXPECT_THAT(result.out, HasSubstr("\n[1] " + long_name + "\n"));
+  EXPECT_THAT(result.out, HasSubstr("specific_energy_j_mm3"));
+  EXPECT_THAT(read("out/compare.gp"), HasSubstr("colored_by = 'cutting.specific_energy_j_mm3'"));
+  EXPECT_THAT(read("out/compare.svg"), HasSubstr("cutting.specific_energy_j_mm3"));
+  dirs.pop_back();
+  EXPECT_EQ(compare(dirs, {"--overwrite"}).status, 0);
+  EXPECT_THAT(read("out/compare.gp"), HasSubstr("colored_by = ''")) << "20 runs have a style each";
+  EXPECT_EQ(compare(dirs, {"--overwrite", "--color-by", "removed_mm3"}).status, 0);
+  EXPECT_THAT(read("out/compare.gp"), HasSubstr("colored_by = 'removed_mm3'"));
+}
+
+TEST_F(Compare, AWrongKeyForColoursIsRefused) {
+  make_run("one", kSmall);
+  make_run("two", with(kSmall, "depth_mm: 1", "depth_mm: 0.5"));
+  expect_refused(compare({"one", "two"}, {"--color-by", "bone.voxle_mm"}), 2,
+                 {"--color-by", "bone.voxle_mm", "runs.csv"});
 }
 
 TEST_F(Compare, WrongFoldersAreRefusedAndNothingIsWritten) {

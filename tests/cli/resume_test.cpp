@@ -93,6 +93,9 @@ TEST_F(Resume, EndsWithTheSameBytesForEveryErosionAndEngine) {
   const std::vector<std::pair<std::string, std::string>> cases{
       {"exact", kLong},
       {"several passes", passes},
+      {"force basis", with(passes, "output:\n", "output:\n  force_basis: true\n")},
+      {"force basis of removed voxels",
+       with(kLong, "output:\n", "output:\n  force_basis: true\n") + "cutting: {erosion: remove}\n"},
       {"exact with teeth", with(teeth, "plunge:\n", "plunge:\n    spin_rpm: 100\n")},
       {"serial", with(kLong, "batch_frames: 10\n", "batch_frames: 10\n  device: serial\n")},
       {"bricked", kLong + "cutting: {erosion: remove}\n"},

@@ -43,15 +43,21 @@ EXAMPLES = {
     "REAMSIM_DATA=... reamsim check FILE": "reamsim check s.yaml",
     "reamsim render DIR.partial": "",  # of an interrupted run: cli_test (Resume)
     "reamsim render DIR": "reamsim render out/s --only pictures --width 96 --height 64",
+    "reamsim reforce DIR": "",  # cli_test (Reforce); the how-to names others
+    "reamsim fit DIR": "",
     "reamsim compare": "reamsim compare out/s out/plain -o out/compared",
     "build/release/cli/reamsim preview SCAN_OR_SCENARIO": "build/release/cli/reamsim preview {scan} -o page.html",
     "reamsim preview BONE": "reamsim preview {scan} -o bone.html --tool assets/reamer_convex.stl",
     "reamsim init": "reamsim init {scan} --near {near} -o first.yaml",
+    "reamsim sweep": "reamsim sweep run trajectories/studies/reamers.yaml -o out/swept --set motion.frame_rate_hz=50",
+    "reamsim sweep run STUDY.yaml --shard": "reamsim sweep run trajectories/studies/reamers.yaml -o out/swept --shard 2/8",
+    "reamsim sweep collect": "reamsim sweep collect trajectories/studies/reamers.yaml -o out/swept --set motion.frame_rate_hz=50",
+    "reamsim sweep status": "reamsim sweep status trajectories/studies/reamers.yaml -o out/swept",
     "reamsim import": "reamsim import s.yaml -o bone.vdb",
     "reamsim run trajectories/mesh_scapula.yaml --set bone.voxel_mm=V": "",  # its data: e2e.mesh_scapula
     "reamsim run trajectories/study_X.yaml": "reamsim run trajectories/study_eccentric_10deg.yaml",
 }
-PLACEHOLDER = re.compile(r"\b(SCENARIO|DIR|BONE|CT|MESH|FILE|PAGE|SCAN_OR_SCENARIO)\b|=[VK]\b|_X\b|\[-")
+PLACEHOLDER = re.compile(r"\b(STUDY|SCENARIO|DIR|BONE|CT|MESH|FILE|PAGE|SCAN_OR_SCENARIO)\b|=[VK]\b|_X\b|\[-")
 # Interrupted runs and such: the words of a sentence, not a command on its own.
 IN_A_SENTENCE = re.compile(r"^(build/release/cli/)?reamsim( \w+)?$|^gnuplot$|^ctest$|^\./run\.sh$")
 MOTION = {
@@ -73,8 +79,11 @@ class Place:
         (folder / "bin/scontrol").write_text("#!/bin/sh\nexit 9\n")
         (folder / "bin/scontrol").chmod(0o755)
         (folder / "assets").symlink_to(root / "assets")
+        (folder / "python").symlink_to(root / "python")
         shutil.copytree(root / "trajectories", folder / "trajectories")
         (folder / "poses.csv").write_text("time_s,x_mm,y_mm,z_mm,qw,qx,qy,qz\n0,0,0,1,1,0,0,0\n0.5,0,0,-1,1,0,0,0\n")
+        (folder / "measured.csv").write_text("time_s,axial_force_n,spin_torque_nmm\n" +
+                                             "".join(f"{i / 10},20,300\n" for i in range(300)))
         self.environment = dict(os.environ, HOME=str(folder / "home"), PATH=f"{folder}/bin:{os.environ['PATH']}")
         self.shrink_scenarios()
         self.add_users_scan()
@@ -143,8 +152,9 @@ class Place:
 
 def check_options(place, command):
     """Every option of a synopsis is one of the program."""
-    program = re.match(r".*?reamsim (\w+)", command)
-    known = place.run(f"reamsim {program[1]} --help")
+    program = re.match(r".*?reamsim (sweep \w+|\w+)", command)
+    name = "sweep run" if "|" in command and program[1].startswith("sweep") else program[1]
+    known = place.run(f"reamsim {name} --help")
     for option in re.findall(r"--[a-z-]+", command):
         assert re.search(rf"{option}\b", known), f"{command}: reamsim {program[1]} has no {option}"
 
@@ -232,6 +242,7 @@ def main():
             check_page(place, build, commands)
             if page == "README.md":
                 check_fragments(place, (root / page).read_text())
+            if page in ("README.md", "docs/studies.md"):
                 check_python(place, (root / page).read_text())
         check_batch_script(place, (root / "docs/formats.md").read_text())
 

@@ -23,14 +23,14 @@ TEST(Bricked, BricksInManyPoolsGiveTheSame) {
       EXPECT_GT(one.removed.size(), 100U);
       // 120 bricks in pools of 8 or, with fill, of 8 larger ones.
       const std::size_t largest = erosion == ErosionMode::wear ? 14'000 : 6'000;
-      const auto engine = make_bricked_engine(cl::choose_device("auto"), scene.scenario, scene.bone, scene.tool,
-                                              {.largest_pool = largest});
+      const auto engine = make_bricked_engine(cl::Device(cl::choose_device("auto")), scene.scenario, scene.bone,
+                                              scene.tool, {.largest_pool = largest});
       expect_same(run_on(*engine, scene), one);
       engine->restore(scene.bone);
       expect_same(run_on(*engine, scene), one);
-      EXPECT_THROW(
-          make_bricked_engine(cl::choose_device("auto"), scene.scenario, scene.bone, scene.tool, {.largest_pool = 700}),
-          InputError)
+      EXPECT_THROW(make_bricked_engine(cl::Device(cl::choose_device("auto")), scene.scenario, scene.bone, scene.tool,
+                                       {.largest_pool = 700}),
+                   InputError)
           << "16 pools of a brick each do not hold 120";
     }
   }
@@ -57,8 +57,8 @@ TEST(Bricked, AShortListOfRemovedVoxelsGivesTheSame) {
       const Outcome roomy = run(scene);
       // Room for what one substep could remove, which the run, a single batch, removes several times over.
       EXPECT_GT(records_of(roomy.removed, scene.bone.voxmap->grid), 2 * scene.tool.shell.codes.size());
-      const auto engine =
-          make_bricked_engine(cl::choose_device("auto"), scene.scenario, scene.bone, scene.tool, {.removed_room = 1});
+      const auto engine = make_bricked_engine(cl::Device(cl::choose_device("auto")), scene.scenario, scene.bone,
+                                              scene.tool, {.removed_room = 1});
       expect_same(run_on(*engine, scene), roomy);
     }
   }
@@ -69,7 +69,7 @@ TEST(Bricked, WhatDoesNotFitSaysWhatWould) {
   info.global_memory_bytes = 50'000;
   const ReamingScene scene = oblique_scene("auto");
   try {
-    make_bricked_engine(info, scene.scenario, scene.bone, scene.tool);
+    make_bricked_engine(cl::Device(info), scene.scenario, scene.bone, scene.tool);
     FAIL() << "it fits";
   } catch (const InputError& error) {
     const std::string text = error.what();

@@ -137,6 +137,36 @@ TEST_F(Plots, TheTimeAxisIsThatOfContactUnlessTheUserAsksForTheWholeRun) {
   }
 }
 
+/// The same log as that of two passes, the second after row `last`, with no contact between `from` and `to`.
+void split_in_passes(const std::string& dir, int from, int last, int to) {
+  std::istringstream rows(test::file_bytes(dir + "/forces.csv"));
+  std::ofstream csv(dir + "/forces.csv");
+  std::string line;
+  for (int i = 0; std::getline(rows, line); ++i) {
+    if (from < i && i < to) line = line.substr(0, line.find(",250,")) + ",250,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0";
+    csv << line << (i == 0 ? ",pass" : i <= last ? ",1" : ",2") << '\n';
+  }
+}
+
+TEST_F(Plots, TheTimeBetweenPassesIsNotShown) {
+  write_log(dir_.path(), 1000, 1);
+  split_in_passes(dir_.path(), 300, 500, 700);
+  draw_all(dir_.path(), 0);
+  for (const char* name : {"/forces.svg", "/plots/energy.svg"}) {
+    const std::string svg = test::file_bytes(dir_.path() + name);
+    EXPECT_THAT(svg, ::testing::HasSubstr("not shown: between passes")) << name;
+    EXPECT_THAT(svg, ::testing::HasSubstr("pass 2")) << name;
+  }
+  // Ticks, every 0.1 s, have the times of the run, without those between the passes.
+  const std::string forces = test::file_bytes(dir_.path() + "/forces.svg");
+  EXPECT_THAT(forces, ::testing::HasSubstr(">0.8<"));
+  EXPECT_THAT(forces, ::testing::Not(::testing::HasSubstr(">0.5<")));
+  EXPECT_THAT(test::file_bytes(dir_.path() + "/plots/forces_depth.svg"), ::testing::HasSubstr("numbers: passes"));
+  const std::string again = "cd " + dir_.path() + " && gnuplot -d -e 'whole_run = 1' forces.gp";
+  ASSERT_EQ(std::system(again.c_str()), 0);
+  EXPECT_THAT(test::file_bytes(dir_.path() + "/forces.svg"), ::testing::Not(::testing::HasSubstr("not shown")));
+}
+
 TEST_F(Plots, ARunInContactThroughoutIsShownWhole) {
   write_log(dir_.path(), 1000, 1);
   leave_contact(dir_.path(), 60, 960);

@@ -35,7 +35,7 @@ FilledVoxmap slab() {
 }
 
 /// A ball that stands on the origin of T.
-Profile ball() {
+Profile ball_profile() {
   Profile out;
   constexpr int kEdges = 90;
   for (int i = 0; i <= kEdges; ++i) {
@@ -67,7 +67,7 @@ TEST(PredictedBoneTest, APlungeTakesTheCapOfItsDeepestPose) {
   std::vector<ToolPose> poses;
   for (int k = 0; k <= 31; ++k) poses.push_back(pose_at({0.1, 0.2, 1 - 0.1 * k}));
   for (int k = 0; k <= 40; ++k) poses.push_back(pose_at({0.1, 0.2, -2.1 + 0.13 * k}));
-  const PredictedBone predicted = predict_swept_bone(bone, bone.fill, ball(), poses, false);
+  const PredictedBone predicted = predict_swept_bone(bone, bone.fill, ball_profile(), poses, false);
   EXPECT_DOUBLE_EQ(predicted.deepest.position_mm.z(), -2.1);
   EXPECT_NEAR(removed_mm3({bone, predicted.fill}) / cap_mm3(2.1), 1, 0.01);
   const UnreamedSurface unreamed(bone, bone.fill, predicted.fill);
@@ -77,7 +77,7 @@ TEST(PredictedBoneTest, APlungeTakesTheCapOfItsDeepestPose) {
 TEST(PredictedBoneTest, BetweenTwoPosesFarApartTheToolIsEverywhere) {
   const FilledVoxmap bone = slab();
   const PredictedBone predicted =
-      predict_swept_bone(bone, bone.fill, ball(), {pose_at({-6, 0, -2}), pose_at({6, 0, -2})}, false);
+      predict_swept_bone(bone, bone.fill, ball_profile(), {pose_at({-6, 0, -2}), pose_at({6, 0, -2})}, false);
   // A trench, with half a cap at either end. Its section is the circle's segment.
   const double half = std::acos((kRadius_mm - 2) / kRadius_mm);
   const double segment_mm2 = kRadius_mm * kRadius_mm * (half - std::sin(half) * std::cos(half));
@@ -90,7 +90,7 @@ TEST(PredictedBoneTest, ATiltedToolIsFollowed) {
   // About the ball's middle, so that nothing but the tool's axis changes.
   const Vec3 middle(0, 0, kRadius_mm - 2);
   ToolPose tilted{.position_mm = middle - kRadius_mm * (tilt * Vec3::UnitZ()), .orientation = tilt};
-  const PredictedBone predicted = predict_swept_bone(bone, bone.fill, ball(), {tilted}, false);
+  const PredictedBone predicted = predict_swept_bone(bone, bone.fill, ball_profile(), {tilted}, false);
   EXPECT_NEAR(removed_mm3({bone, predicted.fill}) / cap_mm3(2), 1, 0.01);
 }
 
@@ -98,7 +98,7 @@ TEST(PredictedBoneTest, WhatTheToolNeverMeetsStaysAsItWas) {
   FilledVoxmap bone = slab();
   bone.fill.set({3, 3, 19}, 1000);
   const PredictedBone predicted =
-      predict_swept_bone(bone, bone.fill, ball(), {pose_at({0, 0, 9}), pose_at({0, 0, 0.4})}, false);
+      predict_swept_bone(bone, bone.fill, ball_profile(), {pose_at({0, 0, 9}), pose_at({0, 0, 0.4})}, false);
   EXPECT_EQ(predicted.deepest.position_mm.z(), 9) << "the first pose, as nothing else is known";
   EXPECT_EQ(predicted.fill.get({3, 3, 19}), 1000);
   EXPECT_NEAR(removed_mm3({bone, predicted.fill}), (1 - 1000.0 / FillBricks::kWhole) * bone.grid.voxel_mm3(), 1e-9);
@@ -109,7 +109,7 @@ TEST(PredictedBoneTest, NeverFillsAgainWhatWasGone) {
   bone.fill.set({24, 24, 19}, 0);
   bone.fill.set({24, 24, 12}, 30000);
   const PredictedBone predicted =
-      predict_swept_bone(bone, bone.fill, ball(), {pose_at({0, 0, 1}), pose_at({0, 0, -1})}, false);
+      predict_swept_bone(bone, bone.fill, ball_profile(), {pose_at({0, 0, 1}), pose_at({0, 0, -1})}, false);
   for_each_bone_voxel(bone, [&](const Vec3i& voxel, std::uint8_t, std::uint16_t fill) {
     ASSERT_LE(predicted.fill.get(voxel), fill) << voxel.transpose();
   });
@@ -131,8 +131,8 @@ TEST(PredictedBoneTest, ARunIsPredictedAsItHappens) {
 TEST(PredictedBoneTest, WhereVoxelsGoWholeEachOneThatIsTouchedGoes) {
   const FilledVoxmap bone = slab();
   const Vec3 middle(0.13, 0.21, kRadius_mm - 2.2);
-  const PredictedBone predicted =
-      predict_swept_bone(bone, bone.fill, ball(), {pose_at({0.13, 0.21, 3}), pose_at({0.13, 0.21, -2.2})}, true);
+  const PredictedBone predicted = predict_swept_bone(bone, bone.fill, ball_profile(),
+                                                     {pose_at({0.13, 0.21, 3}), pose_at({0.13, 0.21, -2.2})}, true);
   int wrong = 0, gone = 0;
   for_each_bone_voxel(bone, [&](const Vec3i& voxel, std::uint8_t, std::uint16_t) {
     const Vec3 center = bone.grid.center_mm(voxel);
@@ -174,7 +174,7 @@ TEST(PredictedBoneTest, WhatAnEarlierRunTookIsReamedToo) {
   RunInputs inputs;
   inputs.voxmap = std::make_shared<Voxmap>(bone);
   inputs.fill = bone.fill;
-  inputs.passes = {{revolve(ball(), 48), {0, 1}, {pose_at({7, 7, 1}), pose_at({7, 7, -1})}}};
+  inputs.passes = {{revolve(ball_profile(), 48), {0, 1}, {pose_at({7, 7, 1}), pose_at({7, 7, -1})}}};
   inputs.frames = {0, 1};
   const RunData run(inputs);
   EXPECT_NEAR(run.unreamed().deepest_mm(), 3, 0.3);
@@ -187,7 +187,7 @@ TEST(PredictedBoneTest, LaterPassesFindTheBoneThatEarlierOnesLeave) {
   RunInputs inputs;
   inputs.voxmap = std::make_shared<Voxmap>(bone);
   inputs.fill = bone.fill;
-  const TriangleMesh tool = revolve(ball(), 48);
+  const TriangleMesh tool = revolve(ball_profile(), 48);
   inputs.passes = {{tool, {0, 1}, {pose_at({0, 0, 1}), pose_at({0, 0, -2})}},
                    {tool, {2, 3}, {pose_at({4, 0, 1}), pose_at({4, 0, -1})}},
                    {tool, {4, 5}, {pose_at({0, 0, 8}), pose_at({0, 0, 2})}}};

@@ -164,20 +164,29 @@ TEST(ContactSheetTest, TwentyFramesAtMostFirstAndLastAmongThem) {
 
 TEST(PictureFrames, AreSpreadOverTheContact) {
   const RenderSettings settings;
-  const FrameSpan contact{1000, 1800};
+  const FrameSpans contact{{1000, 1800}};
   EXPECT_EQ(picture_frames(settings, 3000, contact),
             (std::vector<std::int64_t>{0, 1000, 1100, 1200, 1300, 1400, 1500, 1600, 1700, 1800, 3000}));
   // As many of a run that begins or ends in contact, or is never out of it.
-  EXPECT_EQ(picture_frames(settings, 3000, FrameSpan{0, 3000}), picture_frames(settings, 3000, std::nullopt));
-  EXPECT_EQ(picture_frames(settings, 3000, FrameSpan{0, 900}).size(), 11U);
-  EXPECT_EQ(picture_frames(settings, 3000, FrameSpan{900, 3000}).size(), 11U);
-  EXPECT_EQ(picture_frames(settings, 3000, FrameSpan{900, 902}), (std::vector<std::int64_t>{0, 900, 901, 902, 3000}));
-  EXPECT_EQ(picture_frames(settings, 0, FrameSpan{0, 0}), std::vector<std::int64_t>{0});
+  EXPECT_EQ(picture_frames(settings, 3000, {{0, 3000}}), picture_frames(settings, 3000, {}));
+  EXPECT_EQ(picture_frames(settings, 3000, {{0, 900}}).size(), 11U);
+  EXPECT_EQ(picture_frames(settings, 3000, {{900, 3000}}).size(), 11U);
+  EXPECT_EQ(picture_frames(settings, 3000, {{900, 902}}), (std::vector<std::int64_t>{0, 900, 901, 902, 3000}));
+  EXPECT_EQ(picture_frames(settings, 0, {{0, 0}}), std::vector<std::int64_t>{0});
+}
+
+TEST(PictureFrames, AreNotBetweenPasses) {
+  const FrameSpans passes{{1000, 1200}, {2000, 2300}, {2900, 3190}};
+  const std::vector<std::int64_t> frames = picture_frames(RenderSettings(), 3500, passes);
+  // Every 99th of the 793 frames of the passes.
+  EXPECT_EQ(frames, (std::vector<std::int64_t>{0, 1000, 1099, 1198, 2096, 2195, 2294, 2992, 3091, 3190, 3500}));
+  EXPECT_EQ(in_contact(frames, passes).size(), 9U);
+  EXPECT_EQ(in_contact({0, 1050, 1500, 2100, 2600, 3000, 3500}, passes), (std::vector<std::int64_t>{1050, 2100, 3000}));
 }
 
 TEST(PictureFrames, FollowANumberOfTheUserAndAFilm) {
   RenderSettings settings;
-  const FrameSpan contact{1000, 1800};
+  const FrameSpans contact{{1000, 1800}};
   settings.every_frames = 1500;
   EXPECT_EQ(picture_frames(settings, 3000, contact), (std::vector<std::int64_t>{0, 1500, 3000}));
   EXPECT_EQ(still_frames({0, 1500, 3000}, settings, contact).size(), 3U);
@@ -195,11 +204,11 @@ TEST(PictureFrames, FollowANumberOfTheUserAndAFilm) {
 }
 
 TEST(PictureFrames, OnTheContactSheetAreThoseInContact) {
-  EXPECT_EQ(in_contact({0, 990, 1000, 1400, 1800, 3000}, FrameSpan{1000, 1800}),
+  EXPECT_EQ(in_contact({0, 990, 1000, 1400, 1800, 3000}, {{1000, 1800}}),
             (std::vector<std::int64_t>{990, 1000, 1400, 1800}));
-  EXPECT_EQ(in_contact({0, 1500, 3000}, FrameSpan{1000, 1800}), (std::vector<std::int64_t>{0, 1500, 3000}))
+  EXPECT_EQ(in_contact({0, 1500, 3000}, {{1000, 1800}}), (std::vector<std::int64_t>{0, 1500, 3000}))
       << "one alone is no sheet";
-  EXPECT_EQ(in_contact({0, 1500, 3000}, std::nullopt).size(), 3U);
+  EXPECT_EQ(in_contact({0, 1500, 3000}, {}).size(), 3U);
 }
 
 TEST(ContactSheetTest, EveryCellHasItsPlaceOnThePage) {

@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "sim/engine/bricked/bricked_kernels.h"
-#include "sim/engine/common/engine_device.h"
 #include "sim/engine/common/read_back.h"
 
 namespace reamsim {
@@ -29,16 +28,16 @@ DeviceBatch::RemovedList removed_list(const BoneView& bone, const Tool& tool, co
 
 class BrickedEngine final : public Engine {
  public:
-  BrickedEngine(const cl::DeviceInfo& info, const Scenario& scenario, const BoneView& bone, const Tool& tool,
+  BrickedEngine(const cl::Device& device, const Scenario& scenario, const BoneView& bone, const Tool& tool,
                 const BrickedLimits& limits)
-      : device_(info),
+      : device_(device),
         bytes_(bricked_engine_bytes(scenario, bone, tool)),
         grid_(bone.voxmap.grid),
         state_(make_bricked_state(device_, bone, tool, make_energy_table(scenario.cutting, bone.voxmap.grid.voxel_mm),
                                   fill_store(scenario), limits.largest_pool)),
         batch_(device_, removed_list(bone, tool, limits)),
-        detect_(make_detect_bricked(device_, state_, batch_, choose_options(info, scenario.engine.tuning))),
-        cut_(make_cut_bricked(device_, state_, batch_, choose_options(info, scenario.engine.tuning))) {}
+        detect_(make_detect_bricked(device_, state_, batch_, choose_options(device.info(), scenario.engine.tuning))),
+        cut_(make_cut_bricked(device_, state_, batch_, choose_options(device.info(), scenario.engine.tuning))) {}
 
   void enqueue(const SubstepArgs& args, std::shared_ptr<const MotionWindow> /*window*/) override {
     const int slot = batch_.begin(args);
@@ -50,7 +49,7 @@ class BrickedEngine final : public Engine {
   Batch collect() override {
     removed_.clear();
     for (int slot = batch_.first_waiting(); slot >= 0; slot = batch_.first_waiting()) resume(slot);
-    return {batch_.collect(), stage_times(detect_.kernel.take_seconds(), cut_.kernel.take_seconds())};
+    return {.sums = batch_.collect(), .times = stage_times(detect_.kernel.take_seconds(), cut_.kernel.take_seconds())};
   }
 
   RemovedFrames take_removed() override {
@@ -100,13 +99,9 @@ class BrickedEngine final : public Engine {
 
 }  // namespace
 
-std::unique_ptr<Engine> make_bricked_engine(const cl::DeviceInfo& info, const Scenario& scenario, const BoneView& bone,
+std::unique_ptr<Engine> make_bricked_engine(const cl::Device& device, const Scenario& scenario, const BoneView& bone,
                                             const Tool& tool, const BrickedLimits& limits) {
-  return std::make_unique<BrickedEngine>(info, scenario, bone, tool, limits);
-}
-
-std::unique_ptr<Engine> make_bricked_engine(const Scenario& scenario, const BoneView& bone, const Tool& tool) {
-  return make_bricked_engine(device_for(scenario.engine), scenario, bone, tool);
+  return std::make_unique<BrickedEngine>(device, scenario, bone, tool, limits);
 }
 
 std::size_t bricked_engine_bytes(const Scenario& scenario, const BoneView& bone, const Tool& tool) {

@@ -15,11 +15,9 @@ struct BrickedLimits {
   std::size_t removed_room = 1'000'000;  ///< records in a batch's list of removed voxels; one substep always fits
 };
 
-/// The `bricked` engine on `info`. Throws InputError when the bone does not fit.
-std::unique_ptr<Engine> make_bricked_engine(const cl::DeviceInfo& info, const Scenario& scenario, const BoneView& bone,
+/// The `bricked` engine on `device`. Throws InputError when the bone does not fit.
+std::unique_ptr<Engine> make_bricked_engine(const cl::Device& device, const Scenario& scenario, const BoneView& bone,
                                             const Tool& tool, const BrickedLimits& limits = {});
-/// The same on the device that the scenario names.
-std::unique_ptr<Engine> make_bricked_engine(const Scenario& scenario, const BoneView& bone, const Tool& tool);
 
 /// Device memory that make_bricked_engine() would take, bytes.
 std::size_t bricked_engine_bytes(const Scenario& scenario, const BoneView& bone, const Tool& tool);

@@ -20,18 +20,22 @@ double interpolated(const std::vector<SpecificEnergySettings>& table, double den
 
 }  // namespace
 
-EnergyTable make_energy_table(const CuttingSettings& cutting, double voxel_mm) {
+double cutting_energy_mj(const CuttingSettings& cutting, double density_g_cm3, double voxel_mm) {
   constexpr double kMillijoulePerJoule = 1000;
+  if (!cutting.specific_energy_table.empty()) {
+    return kMillijoulePerJoule * interpolated(cutting.specific_energy_table, density_g_cm3) * voxel_mm * voxel_mm *
+           voxel_mm;
+  }
   const double whole = kMillijoulePerJoule * cutting.specific_energy_j_mm3 * voxel_mm * voxel_mm * voxel_mm;
-  const bool power_law = cutting.specific_energy_table.empty();
+  return whole * std::pow(density_g_cm3 / cutting.reference_density_g_cm3, cutting.density_exponent);
+}
+
+EnergyTable make_energy_table(const CuttingSettings& cutting, double voxel_mm) {
   EnergyTable table;
   for (std::size_t grade = 1; grade < table.energy_mj.size(); ++grade) {
     const double density = DensityMapping::density_from_grade(static_cast<std::uint8_t>(grade));
     table.density_g_cm3[grade] = density;
-    table.energy_mj[grade] = power_law
-                                 ? whole * std::pow(density / cutting.reference_density_g_cm3, cutting.density_exponent)
-                                 : kMillijoulePerJoule * interpolated(cutting.specific_energy_table, density) *
-                                       voxel_mm * voxel_mm * voxel_mm;
+    table.energy_mj[grade] = cutting_energy_mj(cutting, density, voxel_mm);
   }
   return table;
 }

@@ -7,6 +7,7 @@
 #include "kernels/window.h"
 #include "sim/bone/vdb/bone_vdb.h"
 #include "sim/bone/voxmap/voxmap.h"
+#include "sim/engine/common/force_basis.h"
 #include "sim/engine/common/substep.h"
 
 namespace reamsim {
@@ -21,6 +22,7 @@ struct StageTimes {
 struct Batch {
   std::vector<SubstepSums> sums;
   std::vector<StageTimes> times;
+  std::vector<SubstepBasis> basis{};  ///< with `output.force_basis`; else empty
 };
 
 /// Device memory of bone and tool, bytes: the structures of the paper's Table 4, without the lists and slots of a

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <bit>
 
-#include "sim/engine/common/engine_device.h"
 #include "sim/engine/common/read_back.h"
 #include "sim/engine/dense/dense_kernels.h"
 #include "sim/engine/dense/restore_voxels.h"
@@ -27,15 +26,16 @@ DensePlan fitting_plan(const cl::DeviceInfo& info, const Scenario& scenario, con
 
 class DenseEngine final : public Engine {
  public:
-  DenseEngine(const cl::DeviceInfo& info, const Scenario& scenario, const BoneView& bone, const Tool& tool)
-      : device_(info),
-        plan_(fitting_plan(info, scenario, bone, tool)),
+  DenseEngine(const cl::Device& device, const Scenario& scenario, const BoneView& bone, const Tool& tool)
+      : device_(device),
+        plan_(fitting_plan(device.info(), scenario, bone, tool)),
         state_(make_dense_state(device_, plan_, bone, tool,
                                 make_energy_table(scenario.cutting, bone.voxmap.grid.voxel_mm))),
         batch_(device_, plan_.removed_list()),
-        detect_(
-            make_detect_kernel(device_, scenario, state_, batch_, bone, tool, group_size(info, scenario.engine, 256))),
-        cut_(make_cut_kernel(device_, plan_, state_, batch_, group_size(info, scenario.engine, info.gpu ? 256 : 16))),
+        detect_(make_detect_kernel(device_, scenario, state_, batch_, bone, tool,
+                                   group_size(device.info(), scenario.engine, 256))),
+        cut_(make_cut_kernel(device_, plan_, state_, batch_,
+                             group_size(device.info(), scenario.engine, device.info().gpu ? 256 : 16))),
         restorer_(device_) {}
 
   void enqueue(const SubstepArgs& args, std::shared_ptr<const MotionWindow> /*window*/) override {
@@ -47,7 +47,7 @@ class DenseEngine final : public Engine {
 
   Batch collect() override {
     std::vector<SubstepSums> sums = batch_.collect();
-    return {std::move(sums), stage_times(detect_.kernel.take_seconds(), cut_.kernel.take_seconds())};
+    return {.sums = std::move(sums), .times = stage_times(detect_.kernel.take_seconds(), cut_.kernel.take_seconds())};
   }
 
   RemovedFrames take_removed() override {
@@ -103,8 +103,9 @@ class DenseEngine final : public Engine {
 
 }  // namespace
 
-std::unique_ptr<Engine> make_dense_engine(const Scenario& scenario, const BoneView& bone, const Tool& tool) {
-  return std::make_unique<DenseEngine>(device_for(scenario.engine), scenario, bone, tool);
+std::unique_ptr<Engine> make_dense_engine(const cl::Device& device, const Scenario& scenario, const BoneView& bone,
+                                          const Tool& tool) {
+  return std::make_unique<DenseEngine>(device, scenario, bone, tool);
 }
 
 }  // namespace reamsim

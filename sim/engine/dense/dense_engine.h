@@ -2,11 +2,13 @@
 
 #include <memory>
 
+#include "sim/device/opencl.h"
 #include "sim/engine/common/engine.h"
 
 namespace reamsim {
 
-/// The engines with a dense array of voxels (`direct`, `octree`, `implicit`), on the scenario's device.
-std::unique_ptr<Engine> make_dense_engine(const Scenario& scenario, const BoneView& bone, const Tool& tool);
+/// The engines with a dense array of voxels (`direct`, `octree`, `implicit`).
+std::unique_ptr<Engine> make_dense_engine(const cl::Device& device, const Scenario& scenario, const BoneView& bone,
+                                          const Tool& tool);
 
 }  // namespace reamsim

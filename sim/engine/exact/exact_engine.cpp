@@ -4,7 +4,6 @@
 #include <optional>
 #include <utility>
 
-#include "sim/engine/common/engine_device.h"
 #include "sim/engine/common/read_back.h"
 #include "sim/engine/exact/cut_exact.h"
 
@@ -31,8 +30,8 @@ std::optional<DeviceTeeth> make_teeth(const cl::Device& device, const Tool& tool
 
 class ExactEngine final : public Engine {
  public:
-  ExactEngine(const cl::DeviceInfo& info, const Scenario& scenario, const BoneView& bone, const Tool& tool)
-      : device_(info),
+  ExactEngine(const cl::Device& device, const Scenario& scenario, const BoneView& bone, const Tool& tool)
+      : device_(device),
         grid_(bone.voxmap.grid),
         extent_(bone_extent(bone.voxmap)),
         outline_(make_outline_table(tool.profile, bone.voxmap.grid.voxel_mm)),
@@ -43,9 +42,9 @@ class ExactEngine final : public Engine {
         teeth_(make_teeth(device_, tool, bone, outline_.bulge_mm)),
         teeth_bytes_(tool.teeth ? tool.teeth->bytes() : 0),
         list_(device_, bricks_, batch_, tool.profile, tool.clip_slack_mm() + outline_.bulge_mm,
-              choose_options(info, scenario.engine.tuning).work_group),
+              choose_options(device.info(), scenario.engine.tuning).work_group),
         cut_(device_, bricks_, batch_, list_, outline_, make_energy_table(scenario.cutting, bone.voxmap.grid.voxel_mm),
-             choose_options(info, scenario.engine.tuning), teeth_ ? &*teeth_ : nullptr),
+             choose_options(device.info(), scenario.engine.tuning), teeth_ ? &*teeth_ : nullptr),
         records_(device_, 1, "the list of removed voxels") {}
 
   /// Stores the arguments. collect() lists and cuts the bricks of several substeps at once.
@@ -133,8 +132,9 @@ class ExactEngine final : public Engine {
 
 }  // namespace
 
-std::unique_ptr<Engine> make_exact_engine(const Scenario& scenario, const BoneView& bone, const Tool& tool) {
-  return std::make_unique<ExactEngine>(device_for(scenario.engine), scenario, bone, tool);
+std::unique_ptr<Engine> make_exact_engine(const cl::Device& device, const Scenario& scenario, const BoneView& bone,
+                                          const Tool& tool) {
+  return std::make_unique<ExactEngine>(device, scenario, bone, tool);
 }
 
 std::size_t exact_engine_bytes(const BoneView& bone, const Tool& tool, const ExactForecast& forecast) {

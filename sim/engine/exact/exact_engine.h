@@ -14,8 +14,9 @@ struct ExactForecast {
   std::size_t listed = 0;   ///< bricks that the tool's surface can intersect in one visit
 };
 
-/// `erosion: exact` over bricks, on the scenario's device. Throws InputError when the bone does not fit.
-std::unique_ptr<Engine> make_exact_engine(const Scenario& scenario, const BoneView& bone, const Tool& tool);
+/// `erosion: exact` over bricks. Throws InputError when the bone does not fit.
+std::unique_ptr<Engine> make_exact_engine(const cl::Device& device, const Scenario& scenario, const BoneView& bone,
+                                          const Tool& tool);
 
 /// Bound of the engine's device memory, bytes.
 std::size_t exact_engine_bytes(const BoneView& bone, const Tool& tool, const ExactForecast& forecast);

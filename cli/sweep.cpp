@@ -1,0 +1,351 @@
+#include <fmt/core.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <memory>
+
+#include "cli/commands.h"
+#include "cli/sweep_commands.h"
+#include "cli/sweep_estimate.h"
+#include "cli/sweep_options.h"
+#include "cli/sweep_workers.h"
+#include "sim/base/error.h"
+#include "sim/base/text.h"
+#include "sim/study/collect.h"
+
+namespace reamsim {
+
+void SweepOptions::add_to(CLI::App& command) {
+  command.add_option("STUDY", file, "Study file (YAML)")->required();
+  command.add_option("-o,--output", output, "Folder of the study (default: out/NAME)")->check(refuse_empty);
+  command.add_option("--set", overrides, "Override a key of every run, for example engine.device=serial; repeatable")
+      ->type_name("KEY.PATH=VALUE")
+      ->expected(1)
+      ->take_all();
+}
+
+std::string SweepOptions::dir(const Study& study) const {
+  return output.empty() ? "out/" + study.name : output;
+}
+
+SweepRuns load_sweep(const SweepOptions& options) {
+  SweepRuns out;
+  out.study = read_study(options.file);
+  out.plan = make_plan(out.study, options.overrides);
+  out.runs = identify_runs(out.study, out.plan, [](std::size_t) {
+    if (stop_requested()) throw Interrupted();
+  });
+  return out;
+}
+
+namespace {
+
+/// Mistakes on standard error, at most.
+constexpr std::size_t kMostShown = 10;
+
+int default_jobs() {
+  return static_cast<int>(std::max(1L, sysconf(_SC_NPROCESSORS_ONLN)));
+}
+
+void add_jobs(CLI::App& command, int& jobs) {
+  jobs = default_jobs();
+  command.add_option("--jobs", jobs, "Runs at a time, which divide the processors among them (default: one for each processor)")
+      ->check(CLI::Range(1, 1024));
+}
+
+std::string counts_text(const StudyCounts& counts) {
+  return fmt::format("{} runs: {} done, {} failed, {} interrupted, {} missing", counts.all(), counts.done,
+                     counts.failed, counts.interrupted, counts.missing);
+}
+
+/// The mistakes of runs, each message once, with the first run that has it.
+class MistakesOfRuns {
+ public:
+  void add(int number, const std::string& message) {
+    ++runs_;
+    const auto found = std::ranges::find(shown_, message, &Shown::message);
+    if (found != shown_.end()) {
+      ++found->runs;
+    } else if (shown_.size() < kMostShown) {
+      shown_.push_back({number, 1, message});
+    }
+  }
+  [[nodiscard]] int runs() const { return runs_; }
+  void print(const Console& console) const {
+    for (const Shown& shown : shown_) {
+      const std::string more = shown.runs > 1 ? fmt::format(" and {} more", shown.runs - 1) : "";
+      console.warn(fmt::format("run {}{}: {}", shown.number, more, shown.message));
+    }
+  }
+
+ private:
+  struct Shown {
+    int number;
+    int runs;
+    std::string message;
+  };
+  std::vector<Shown> shown_;
+  int runs_ = 0;
+};
+
+// --- plan ---
+
+struct PlanOptions {
+  SweepOptions sweep;
+  int jobs = 1;
+};
+
+/// Sums of the estimates of runs.
+struct StudyEstimate {
+  double total_s = 0;
+  double longest_s = 0;
+  std::size_t largest_bytes = 0;
+  std::int64_t frames = 0;
+  int with_warnings = 0;
+
+  void add(const RunEstimate& run) {
+    total_s += run.load_s + run.simulate_s;
+    longest_s = std::max(longest_s, run.load_s + run.simulate_s);
+    largest_bytes = std::max(largest_bytes, run.memory_bytes);
+    frames += run.frames;
+    with_warnings += run.warnings > 0 ? 1 : 0;
+  }
+};
+
+/// Bytes on the disk: summary and scenario 12 kB; 230 bytes per frame in forces.csv, as runs of the shipped scenarios
+/// have. Grids and pictures are not estimated.
+double disk_bytes(const Study& study, const StudyEstimate& estimate, std::size_t runs) {
+  constexpr double kSummaryBytes = 12e3, kFrameBytes = 230;
+  const double rows = study.keep.forces || study.keep.pictures ? kFrameBytes * static_cast<double>(estimate.frames) : 0;
+  return kSummaryBytes * static_cast<double>(runs) + rows;
+}
+
+void print_estimate(const Console& console, const Study& study, const StudyEstimate& estimate, std::size_t runs,
+                    int jobs) {
+  const int parallel = std::min(jobs, static_cast<int>(runs));
+  console.say(fmt::format("time: about {:.2g} s with --jobs {}, the longest run {:.2g} s{}",
+                          estimate.total_s / std::max(1, parallel), jobs, estimate.longest_s,
+                          study.keep.pictures ? ", plus pictures" : ""));
+  console.say("memory: up to " + megabytes(estimate.largest_bytes) + " per job, " +
+              megabytes(estimate.largest_bytes * static_cast<std::size_t>(std::max(1, parallel))) + " in total");
+  const std::string more = study.keep.grids || study.keep.pictures ? ", plus grids and pictures" : "";
+  console.say("disk: about " + megabytes(static_cast<std::size_t>(disk_bytes(study, estimate, runs))) + more);
+  if (estimate.with_warnings > 0) {
+    console.say(fmt::format("{} runs have warnings; `reamsim check` of one shows them", estimate.with_warnings));
+  }
+}
+
+void plan_command(const PlanOptions& options, const Console& console) {
+  const SweepRuns sweep = load_sweep(options.sweep);
+  std::vector<std::size_t> valid;
+  MistakesOfRuns mistakes;
+  for (std::size_t i = 0; i < sweep.runs.size(); ++i) {
+    if (sweep.runs[i].id.empty()) {
+      mistakes.add(sweep.plan.runs[i].number, sweep.runs[i].mistake);
+    } else {
+      valid.push_back(i);
+    }
+  }
+  console.say(fmt::format("{}: {} runs of {}", sweep.study.name, sweep.runs.size(), sweep.study.base));
+  StudyEstimate estimate;
+  Progress progress(console, "check", "runs");
+  std::int64_t checked = 0;
+  const auto answered = [&](const WorkerAnswer& answer) {
+    progress.update(++checked, static_cast<std::int64_t>(valid.size()));
+    if (answer.outcome == WorkerAnswer::Outcome::done) {
+      estimate.add(RunEstimate::parse(answer.text));
+    } else if (answer.outcome == WorkerAnswer::Outcome::failed) {
+      mistakes.add(sweep.plan.runs[answer.run].number, answer.text);
+    }
+  };
+  SweepWorkers workers(options.sweep, "", WorkerTask::check, options.jobs);
+  const bool all = workers.work(sweep, valid, answered);
+  progress.finish();
+  if (!all) throw Interrupted();
+  print_estimate(console, sweep.study, estimate, valid.size(), options.jobs);
+  mistakes.print(console);
+  if (mistakes.runs() > 0) {
+    throw InputError({options.sweep.file, 0, 0}, "",
+                     fmt::format("{} of {} runs are wrong", mistakes.runs(), sweep.runs.size()),
+                     "correct the study or its scenario; the warnings above name the mistakes");
+  }
+}
+
+// --- status, collect ---
+
+void status_command(const SweepOptions& options, const Console& console) {
+  const SweepRuns sweep = load_sweep(options);
+  const StudyFolder folder = StudyFolder::open(sweep.study, options.dir(sweep.study));
+  console.say(counts_text(count_runs(folder, sweep.runs)));
+  MistakesOfRuns failures;
+  for (std::size_t i = 0; i < sweep.runs.size(); ++i) {
+    const IdentifiedRun& run = sweep.runs[i];
+    if (run.id.empty()) failures.add(sweep.plan.runs[i].number, run.mistake);
+    if (!run.id.empty() && folder.state(run.id) == RunState::failed) {
+      failures.add(sweep.plan.runs[i].number, folder.failure(run.id));
+    }
+  }
+  failures.print(console);
+}
+
+void collect_command(const SweepOptions& options, const Console& console) {
+  const SweepRuns sweep = load_sweep(options);
+  const StudyFolder folder = StudyFolder::open(sweep.study, options.dir(sweep.study));
+  const StudyCounts counts = collect_runs(folder, sweep.plan, sweep.runs);
+  console.say(counts_text(counts));
+  console.say("table: " + folder.path() + "/runs.csv");
+}
+
+// --- run ---
+
+struct RunOptionsOfSweep {
+  SweepOptions sweep;
+  int jobs = 1;
+  std::string shard;
+};
+
+/// A part of the runs: those whose place among the different runs is i modulo n.
+struct Shard {
+  std::size_t index = 0, count = 1;
+};
+
+/// "2/8" is the second of eight. Throws InputError.
+Shard parse_shard(const std::string& text) {
+  if (text.empty()) return {};
+  unsigned index = 0, count = 0;
+  char rest = 0;
+  const bool read = std::sscanf(text.c_str(), "%u/%u%c", &index, &count, &rest) == 2;
+  if (!read || count < 1 || index < 1 || index > count) {
+    throw InputError({}, "--shard", "found " + text, "expected i/n with i from 1 to n, for example 1/8");
+  }
+  return {index - 1, count};
+}
+
+/// The runs that are not done, each folder once.
+std::vector<std::size_t> runs_to_do(const SweepRuns& sweep, const StudyFolder& folder, const Shard& shard) {
+  std::vector<std::size_t> out;
+  std::set<std::string> seen;
+  for (std::size_t i = 0; i < sweep.runs.size(); ++i) {
+    const std::string& id = sweep.runs[i].id;
+    if (id.empty() || !seen.insert(id).second) continue;
+    if ((seen.size() - 1) % shard.count != shard.index) continue;
+    if (folder.state(id) != RunState::done) out.push_back(i);
+  }
+  return out;
+}
+
+/// Simulates what is missing. Returns whether all is done that could be.
+class StudyRun {
+ public:
+  StudyRun(const RunOptionsOfSweep& options, const Console& console)
+      : options_(options),
+        console_(console),
+        shard_(parse_shard(options.shard)),
+        sweep_(load_sweep(options.sweep)),
+        folder_(sweep_.study, options.sweep.dir(sweep_.study)) {}
+
+  void run() {
+    const std::vector<std::size_t> runs = runs_to_do(sweep_, folder_, shard_);
+    console_.say(fmt::format("{}: {} runs in the study, {} to simulate -> {}", sweep_.study.name, sweep_.runs.size(),
+                             runs.size(), folder_.path()));
+    note_wrong_scenarios();
+    for (const std::size_t i : runs) folder_.forget_failure(sweep_.runs[i].id);
+    Progress progress(console_, "sweep", "runs");
+    SweepWorkers workers(options_.sweep, folder_.path(), WorkerTask::simulate, options_.jobs);
+    const bool all = workers.work(sweep_, runs, [&](const WorkerAnswer& answer) {
+      note(answer);
+      progress.update(++answered_, static_cast<std::int64_t>(runs.size()));
+    });
+    progress.finish();
+    folder_.sync();
+    if (!all) throw Suspended("interrupted; the same command continues");
+    if (shard_.count == 1) collect();
+    report();
+  }
+
+ private:
+  void note_wrong_scenarios() {
+    for (std::size_t i = 0; i < sweep_.runs.size() && shard_.index == 0; ++i) {
+      if (sweep_.runs[i].id.empty()) failures_.add(sweep_.plan.runs[i].number, sweep_.runs[i].mistake);
+    }
+  }
+
+  void note(const WorkerAnswer& answer) {
+    const int number = sweep_.plan.runs[answer.run].number;
+    if (answer.outcome == WorkerAnswer::Outcome::failed) {
+      folder_.note_failure(sweep_.runs[answer.run].id, answer.text);
+      failures_.add(number, answer.text);
+    }
+    if (answer.outcome == WorkerAnswer::Outcome::busy) ++busy_;
+  }
+
+  void collect() const {
+    console_.say(counts_text(collect_runs(folder_, sweep_.plan, sweep_.runs)));
+    console_.say("table: " + folder_.path() + "/runs.csv");
+  }
+
+  void report() const {
+    if (busy_ > 0) console_.say(fmt::format("{} runs are being simulated by another process", busy_));
+    failures_.print(console_);
+    if (failures_.runs() > 0) {
+      throw RunError(fmt::format("{} runs failed; the others are complete; the same command repeats those that failed",
+                                 failures_.runs()));
+    }
+  }
+
+  const RunOptionsOfSweep& options_;
+  const Console& console_;
+  Shard shard_;
+  SweepRuns sweep_;
+  StudyFolder folder_;
+  MistakesOfRuns failures_;
+  std::int64_t answered_ = 0;
+  int busy_ = 0;
+};
+
+}  // namespace
+
+void add_sweep_plan(CLI::App& sweep, Console& console) {
+  auto* command = sweep.add_subcommand("plan", "Validate every run and estimate time, memory and disk; write nothing");
+  auto options = std::make_shared<PlanOptions>();
+  options->sweep.add_to(*command);
+  add_jobs(*command, options->jobs);
+  command->callback([options, &console] { plan_command(*options, console); });
+}
+
+void add_sweep_run(CLI::App& sweep, Console& console) {
+  auto* command = sweep.add_subcommand("run", "Simulate the runs that are not done yet, then collect them");
+  auto options = std::make_shared<RunOptionsOfSweep>();
+  options->sweep.add_to(*command);
+  add_jobs(*command, options->jobs);
+  command->add_option("--shard", options->shard, "Simulate part i of n only, and collect nothing")->type_name("i/n");
+  command->add_flag("--quiet", console.quiet, "Print only warnings and errors");
+  command->callback([options, &console] { StudyRun(*options, console).run(); });
+}
+
+void add_sweep_status(CLI::App& sweep, Console& console) {
+  auto* command = sweep.add_subcommand("status", "Count finished, failed and missing runs");
+  auto options = std::make_shared<SweepOptions>();
+  options->add_to(*command);
+  command->callback([options, &console] { status_command(*options, console); });
+}
+
+void add_sweep_collect(CLI::App& sweep, Console& console) {
+  auto* command = sweep.add_subcommand("collect", "Write runs.csv: a row per run with its parameters and results");
+  auto options = std::make_shared<SweepOptions>();
+  options->add_to(*command);
+  command->callback([options, &console] { collect_command(*options, console); });
+}
+
+void add_sweep_command(CLI::App& app, Console& console) {
+  auto* sweep = app.add_subcommand("sweep", "Simulate a study: many runs of one scenario from one file");
+  sweep->require_subcommand(1);
+  add_sweep_plan(*sweep, console);
+  add_sweep_run(*sweep, console);
+  add_sweep_status(*sweep, console);
+  add_sweep_collect(*sweep, console);
+  add_sweep_worker(*sweep);
+}
+
+}  // namespace reamsim

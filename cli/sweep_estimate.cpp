@@ -1,0 +1,68 @@
+#include "cli/sweep_estimate.h"
+
+#include <fmt/core.h>
+#include <algorithm>
+#include <sstream>
+
+#include "sim/base/error.h"
+#include "sim/base/mistake_list.h"
+#include "sim/base/stopwatch.h"
+#include "sim/plan/memory_plan.h"
+#include "sim/plan/time_plan.h"
+#include "sim/predict/clearance.h"
+#include "sim/predict/contact_forecast.h"
+#include "sim/run/simulation.h"
+#include "sim/scenario/passes.h"
+
+namespace reamsim {
+
+namespace {
+
+constexpr double kTiming_s = 0.1;
+
+}  // namespace
+
+std::string RunEstimate::text() const {
+  return fmt::format("{} {} {} {} {}", load_s, simulate_s, memory_bytes, frames, warnings);
+}
+
+RunEstimate RunEstimate::parse(const std::string& text) {
+  RunEstimate out;
+  std::istringstream in(text);
+  if (!(in >> out.load_s >> out.simulate_s >> out.memory_bytes >> out.frames >> out.warnings)) {
+    throw RunError("a worker gave no estimate: " + text);
+  }
+  return out;
+}
+
+RunEstimate RunEstimator::estimate(const Scenario& scenario, RunResources& resources) {
+  const Stopwatch watch;
+  Report report;
+  MistakeList mistakes;
+  ReamingScene scene = load_scene(scenario, report, mistakes, resources.bones);
+  mistakes.throw_if_any();
+  RunEstimate out{.load_s = watch.seconds(), .frames = scene.last_frame()};
+  const std::vector<ContactForecast> contacts = forecast_passes(scene);
+  warn_of_contact(scene, contacts, report);
+  if (const auto clearance = find_clearance(scene)) warn_of_clearance(*clearance, scene, report);
+  out.warnings = static_cast<int>(report.warnings.size());
+  do {
+    out.memory_bytes = std::max(out.memory_bytes, plan_memory(scene).process_bytes);
+    out.simulate_s += simulate_s(scene, resources);
+  } while (begin_next_pass(scene));
+  return out;
+}
+
+double RunEstimator::simulate_s(ReamingScene& scene, RunResources& resources) {
+  const auto frames = static_cast<double>(scene.motion.last_frame() - scene.motion.first_frame + 1);
+  const std::vector<PassSpec> passes = passes_of(scene.scenario);
+  const std::pair key{resources.bones->loaded(), passes[static_cast<std::size_t>(scene.motion.pass) - 1].tool.mesh};
+  const auto known = s_per_frame_.find(key);
+  if (known != s_per_frame_.end()) return known->second * frames;
+  const auto engine = load_engine(scene, resources.devices);  // also finds what does not fit the device
+  const double seconds = plan_time(scene, *engine, kTiming_s).simulate_s;
+  s_per_frame_[key] = seconds / std::max(1.0, frames);
+  return seconds;
+}
+
+}  // namespace reamsim

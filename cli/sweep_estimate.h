@@ -1,0 +1,39 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <string>
+#include <utility>
+
+#include "cli/scenario_run.h"
+#include "sim/scene/scene.h"
+
+namespace reamsim {
+
+/// What a run would take.
+struct RunEstimate {
+  double load_s = 0;
+  double simulate_s = 0;
+  std::size_t memory_bytes = 0;  ///< of the process, without pictures
+  std::int64_t frames = 0;
+  int warnings = 0;
+
+  /// On one line, and back. Throws RunError where the line is none.
+  [[nodiscard]] std::string text() const;
+  static RunEstimate parse(const std::string& text);
+};
+
+/// Validates runs as `reamsim check` does, and estimates their cost. Of runs with the same bone and tool only the first
+/// is timed.
+class RunEstimator {
+ public:
+  /// `resources` must have a cache of bones. Throws InputError with every mistake of the scenario.
+  RunEstimate estimate(const Scenario& scenario, RunResources& resources);
+
+ private:
+  double simulate_s(ReamingScene& scene, RunResources& resources);
+
+  std::map<std::pair<int, std::string>, double> s_per_frame_;  ///< by bone (BoneCache::loaded) and tool
+};
+
+}  // namespace reamsim

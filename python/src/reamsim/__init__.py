@@ -1,0 +1,26 @@
+"""Runs reamsim, an offline glenoid-reaming simulator, and reads its results.
+
+>>> import reamsim
+>>> run = reamsim.run("trajectories/default.yaml", "out/coarse", bone__voxel_mm=0.5)
+>>> run.forces["axial_force_n"].max()
+>>> run.plot_forces().savefig("forces.png")
+
+Lengths are in mm, times in s, forces in N, torques in N·mm, energies in mJ, densities in g/cm³.
+"""
+
+from .commands import run, sweep
+from .errors import (InputError, Interrupted, MissingPackage, ProgramError, ProgramNotFound, ReamsimError,
+                     ReamsimWarning, ResultsError, RunError)
+from .grid import DepthMap, Grid
+from .plots import plot_bands, plot_depth_map, plot_forces
+from .program import find_program
+from .results import Run, load
+from .surface import Surface
+from .sweeps import Sweep, load_sweep
+from .version import __version__
+
+__all__ = [
+    "DepthMap", "Grid", "InputError", "Interrupted", "MissingPackage", "ProgramError", "ProgramNotFound", "ReamsimError",
+    "ReamsimWarning", "ResultsError", "Run", "RunError", "Surface", "Sweep", "__version__", "find_program", "load",
+    "load_sweep", "plot_bands", "plot_depth_map", "plot_forces", "run", "sweep",
+]

@@ -1,0 +1,94 @@
+"""Runs scenarios and studies with the program."""
+
+from __future__ import annotations
+
+import os
+import pathlib
+import re
+import tempfile
+from collections.abc import Mapping
+from typing import Any
+
+from .errors import InputError, RunError
+from .program import call
+from .results import Run, load
+from .scenario_text import scenario_text, set_options
+from .sweeps import Sweep, load_sweep
+
+
+def run(scenario: str | os.PathLike[str] | Mapping[str, Any], output: str | os.PathLike[str] | None = None,
+        settings: Mapping[str, Any] | None = None, *, overwrite: bool = False, resume: bool = False,
+        device: str | None = None, show_output: bool = False, **overrides: Any) -> Run:
+    """Simulates a scenario and returns its results.
+
+    Args:
+        scenario: path of a YAML file, or the scenario as a dict. Paths in a dict are relative to the current folder.
+        output: results folder; without it ``output.dir`` of the scenario, otherwise ``out/NAME``.
+        settings: keys to change, by their dotted names: ``{"bone.voxel_mm": 0.4}``. None deletes a key.
+        overwrite: replace an existing results folder once the run succeeds.
+        resume: continue an interrupted run.
+        device: OpenCL device, or ``serial``.
+        show_output: print the program's progress.
+        **overrides: keys to change, with ``__`` for the dot: ``bone__voxel_mm=0.4``.
+
+    Raises:
+        InputError: the scenario is wrong; ``.lines`` has a line per mistake.
+        RunError: the run failed.
+        Interrupted: the run was interrupted, also by Ctrl-C; ``.resumable`` says whether it can be continued.
+        ProgramNotFound: the program reamsim was not found.
+    """
+    options = set_options(settings or {}, overrides)
+    if output is not None:
+        options += ["--output", os.fspath(output)]
+    if device is not None:
+        options += ["--device", device]
+    options += ["--overwrite"] * overwrite + ["--resume"] * resume
+    if not isinstance(scenario, Mapping):
+        return _run(os.fspath(scenario), options, show_output)
+    with tempfile.TemporaryDirectory(prefix="reamsim-") as folder:
+        path = pathlib.Path(folder, "scenario.yaml")
+        path.write_text(scenario_text(scenario, pathlib.Path.cwd()), encoding="utf-8")
+        try:
+            return _run(str(path), options, show_output)
+        except InputError as error:
+            # The file is the package's own, and so are its lines and columns.
+            lines = [re.sub(rf"^{re.escape(str(path))}(:\d+:\d+)?", "scenario", line) for line in error.lines]
+            raise InputError(lines, error.status) from None
+
+
+def _run(path: str, options: list[str], show_output: bool) -> Run:
+    said = call(["run", path, *options], show_output=show_output)
+    results = [line.removeprefix("results: ") for line in said.splitlines() if line.startswith("results: ")]
+    complete = [line.split(": ", 1)[1] for line in said.splitlines() if line.startswith("the results were complete: ")]
+    if not results + complete:
+        raise RunError(["the program did not say where its results are; is REAMSIM_PROGRAM another version?"], 0)
+    return load((results + complete)[-1])
+
+
+def sweep(study: str | os.PathLike[str], output: str | os.PathLike[str] | None = None, jobs: int | None = None, *,
+          show_output: bool = False) -> Sweep:
+    """Makes the runs of a study that are missing, and collects its table.
+
+    Args:
+        study: path of the study's YAML file.
+        output: folder of the study; without it ``out/NAME`` with the name of the file.
+        jobs: runs at the same time; without it the program's default.
+        show_output: print the program's progress.
+
+    Raises:
+        InputError, RunError, Interrupted, ProgramNotFound: as `run`. A run that fails is a row of ``.runs``
+            instead, with a warning.
+    """
+    path = pathlib.Path(study)
+    folder = pathlib.Path(output) if output is not None else pathlib.Path("out", path.stem)
+    parallel = [] if jobs is None else ["--jobs", str(jobs)]
+    failure = None
+    try:
+        call(["sweep", "run", str(path), "-o", str(folder), *parallel], show_output=show_output)
+    except RunError as error:  # some runs failed, or the study did: the table tells
+        failure = error
+    call(["sweep", "collect", str(path), "-o", str(folder)], show_output=show_output)
+    collected = load_sweep(folder)
+    if failure is not None and set(collected.statuses) != {"done", "failed"} and set(collected.statuses) != {"failed"}:
+        raise failure
+    return collected

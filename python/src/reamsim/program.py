@@ -1,0 +1,112 @@
+"""Finds the program `reamsim` and runs it."""
+
+from __future__ import annotations
+
+import os
+import pathlib
+import shutil
+import signal
+import subprocess
+import warnings
+from collections.abc import Sequence
+
+from .errors import InputError, Interrupted, ProgramError, ProgramNotFound, ReamsimWarning, RunError
+
+_ERROR, _WARNING = "reamsim: error: ", "reamsim: warning: "
+_INPUT_STATUS, _INTERRUPTED_STATUSES = 2, (75, 130)
+
+
+def find_program() -> str:
+    """Path of the program: that of the environment variable ``REAMSIM_PROGRAM``; otherwise ``bin/reamsim`` of the prefix
+    where this package is installed, or ``build/release/cli/reamsim`` of the checkout that it lies in; otherwise
+    ``reamsim`` on ``PATH``.
+
+    Raises:
+        ProgramNotFound: there is none, or ``REAMSIM_PROGRAM`` names no executable file.
+    """
+    named = os.environ.get("REAMSIM_PROGRAM")
+    if named:
+        found = shutil.which(named)
+        if found is None:
+            raise ProgramNotFound(f"REAMSIM_PROGRAM={named}: not an executable file; set it to the program reamsim")
+        return found
+    for folder in pathlib.Path(__file__).resolve().parents:
+        for candidate in (folder / "bin/reamsim", folder / "build/release/cli/reamsim"):
+            if candidate.is_file() and os.access(candidate, os.X_OK):
+                return str(candidate)
+    found = shutil.which("reamsim")
+    if found is None:
+        raise ProgramNotFound(
+            "the program reamsim was not found beside the Python package or on PATH; build it with ./run.sh, or set "
+            "the environment variable REAMSIM_PROGRAM to its path")
+    return found
+
+
+def call(arguments: Sequence[str], *, show_output: bool = False) -> str:
+    """Runs the program and returns its standard output.
+
+    Ctrl-C (``KeyboardInterrupt``) interrupts the program, which writes a checkpoint, and raises `Interrupted`.
+    Warnings of the program become `ReamsimWarning`.
+
+    Args:
+        arguments: command and options, without the program.
+        show_output: print the program's progress and results as well.
+
+    Raises:
+        InputError, RunError, Interrupted: by the exit status.
+        ProgramNotFound: there is no program.
+    """
+    program = find_program()
+    try:
+        child = subprocess.Popen([program, *arguments], stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
+                                 stderr=subprocess.PIPE, text=True, encoding="utf-8", errors="backslashreplace")
+    except OSError as error:
+        raise ProgramNotFound(f"{program}: cannot be started ({error.strerror}); set REAMSIM_PROGRAM to the program "
+                              "reamsim") from error
+    with child:
+        try:
+            out, err = _communicate(child, show_output)
+        except KeyboardInterrupt:
+            child.send_signal(signal.SIGINT)  # a notebook interrupts the kernel alone
+            out, err = child.communicate()
+            if child.returncode == 0:
+                raise
+    lines = err.splitlines()
+    for line in lines:
+        if line.startswith(_WARNING):
+            warnings.warn(line.removeprefix(_WARNING), ReamsimWarning, stacklevel=3)
+    if child.returncode != 0:
+        raise _error([line for line in lines if not line.startswith(_WARNING)], child.returncode)
+    return out
+
+
+def _communicate(child: subprocess.Popen[str], show_output: bool) -> tuple[str, str]:
+    if not show_output:
+        return child.communicate()
+    import threading  # standard error is read meanwhile, or a full pipe would stop the program
+
+    assert child.stdout is not None and child.stderr is not None
+    errors: list[str] = []
+    reader = threading.Thread(target=lambda: errors.extend(child.stderr), daemon=True)  # type: ignore[arg-type]
+    reader.start()
+    lines = []
+    for line in child.stdout:
+        print(line, end="", flush=True)
+        lines.append(line)
+    child.wait()
+    reader.join()
+    return "".join(lines), "".join(errors)
+
+
+def _error(lines: list[str], status: int) -> ProgramError:
+    lines = [line.removeprefix(_ERROR) for line in lines]
+    if status < 0:
+        name = signal.Signals(-status).name if -status in iter(signal.Signals) else str(-status)
+        lines.append(f"the program was ended by the signal {name}")
+    if not lines:
+        lines.append(f"the program ended with status {status}, without a message")
+    if status == _INPUT_STATUS:
+        return InputError(lines, status)
+    if status in _INTERRUPTED_STATUSES:
+        return Interrupted(lines, status)
+    return RunError(lines, status)

@@ -1,0 +1,100 @@
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <filesystem>
+#include <limits>
+#include <map>
+#include <set>
+
+#include "render/plots/compare.h"
+#include "sim/base/file.h"
+#include "sim/scenario/yaml_tree.h"
+
+namespace reamsim {
+namespace {
+
+constexpr double kNoNumber = std::numeric_limits<double>::quiet_NaN();
+
+/// Sections and keys that change no number of the results.
+constexpr std::array kWithoutEffect{"version", "name", "output", "render"};
+
+using KeyValues = std::vector<std::pair<std::string, std::string>>;
+
+std::string flow_text(const YamlNode& node) {
+  if (node.kind != YamlNode::Kind::sequence) return node.kind == YamlNode::Kind::null ? "null" : node.text;
+  std::string out = "[";
+  for (const YamlNodePtr& item : node.items) out += (out.size() > 1 ? ", " : "") + flow_text(*item);
+  return out + "]";
+}
+
+bool holds_maps(const YamlNode& node) {
+  return std::ranges::any_of(node.items, [](const YamlNodePtr& item) { return item->kind == YamlNode::Kind::map; });
+}
+
+/// Adds every value below `node`; a list of plain values is one value.
+void add_values(const YamlNode& node, const std::string& path, KeyValues& out) {
+  if (node.kind == YamlNode::Kind::map) {
+    for (const YamlEntry& entry : node.entries) {
+      const bool shown = !path.empty() || std::ranges::find(kWithoutEffect, entry.key) == kWithoutEffect.end();
+      if (shown) add_values(*entry.value, path.empty() ? entry.key : path + "." + entry.key, out);
+    }
+  } else if (node.kind == YamlNode::Kind::sequence && holds_maps(node)) {
+    for (std::size_t i = 0; i < node.items.size(); ++i) add_values(*node.items[i], path + "." + std::to_string(i), out);
+  } else {
+    out.emplace_back(path, flow_text(node));
+  }
+}
+
+double as_number(const std::string& text) {
+  double value = 0;
+  const char* end = text.data() + text.size();
+  const auto read = std::from_chars(text.data(), end, value);
+  return read.ec == std::errc() && read.ptr == end && std::isfinite(value) ? value : kNoNumber;
+}
+
+/// File names where they tell the paths apart.
+std::vector<std::string> shown_values(const std::vector<std::string>& values) {
+  std::map<std::string, std::set<std::string>> paths_of;
+  for (const std::string& value : values) {
+    if (value.find('/') == std::string::npos && !value.empty()) return values;
+    paths_of[std::filesystem::path(value).filename().string()].insert(value);
+  }
+  if (std::ranges::any_of(paths_of, [](const auto& name) { return name.second.size() > 1; })) return values;
+  std::vector<std::string> out;
+  for (const std::string& value : values) out.push_back(std::filesystem::path(value).filename().string());
+  return out;
+}
+
+}  // namespace
+
+bool ComparedParameter::is_number() const {
+  return std::ranges::none_of(numbers, [](double number) { return std::isnan(number); });
+}
+
+std::size_t ComparedParameter::distinct() const {
+  return std::set<std::string>(values.begin(), values.end()).size();
+}
+
+std::vector<ComparedParameter> compare_scenarios(const std::vector<ComparedRun>& runs) {
+  std::vector<ComparedParameter> all;
+  std::map<std::string, std::size_t> places;
+  for (std::size_t i = 0; i < runs.size(); ++i) {
+    const std::string path = runs[i].dir + "/scenario.yaml";
+    KeyValues found;
+    add_values(*parse_yaml(read_file(path, "expected the results folder of a finished run"), path), "", found);
+    for (const auto& [key, value] : found) {
+      const auto [place, is_new] = places.try_emplace(key, all.size());
+      if (is_new) all.push_back({key, std::vector<std::string>(runs.size()), {}, {}});
+      all[place->second].values[i] = value;
+    }
+  }
+  std::erase_if(all, [](const ComparedParameter& parameter) { return parameter.distinct() == 1; });
+  for (ComparedParameter& parameter : all) {
+    for (const std::string& value : parameter.values) parameter.numbers.push_back(as_number(value));
+    parameter.shown = shown_values(parameter.values);
+  }
+  return all;
+}
+
+}  // namespace reamsim

@@ -1,0 +1,269 @@
+#include "sim/engine/basis/exact_basis.h"
+
+#include <cmath>
+#include <optional>
+
+#include "kernels/reach.h"
+#include "sim/base/parallel.h"
+#include "sim/engine/common/energy_table.h"
+#include "sim/engine/common/teeth_table.h"
+#include "sim/engine/exact/list_bricks.h"
+
+namespace reamsim {
+
+/// The arguments at the nodes of a window of smooth motion.
+struct NodeUnits {
+  UnitArgs first, middle, last;
+};
+
+namespace {
+
+/// The grade of the edge force in a basis.
+constexpr int kEdge = 0;
+
+/// The block of 4×4×4 voxels of a voxel in its brick.
+int block_of(int offset) {
+  return (offset >> 2 & 1) | (offset >> 5 & 1) << 1 | (offset >> 8 & 1) << 2;
+}
+
+std::array<float, 3> corner_of(const SubstepArgs& args, const Vec3i& brick) {
+  std::array<float, 3> out{};
+  const Vec3i voxel = RS_BRICK_SIDE * brick;
+  rs_brick_in_tool(&args, voxel.x(), voxel.y(), voxel.z(), out.data());
+  return out;
+}
+
+/// A voxel's place in its brick.
+struct Place {
+  explicit Place(int offset)
+      : x(static_cast<float>(offset & 7)), y(static_cast<float>(offset >> 3 & 7)), z(static_cast<float>(offset >> 6)) {}
+  float x, y, z;
+};
+
+/// The line through the responses of a voxel at the three nodes that deviates least on average: as rs_fit_force().
+class ForceLine {
+ public:
+  ForceLine(const MotionWindow& w, const NodeUnits& units, const Clip& first, const Clip& middle, const Clip& last,
+            float volume_mm3) {
+    const BasisValues a = unit_response(units.first, first, volume_mm3),
+                      b = unit_response(units.middle, middle, volume_mm3),
+                      c = unit_response(units.last, last, volume_mm3);
+    const double t0 = double{w.first_time}, t2 = double{w.last_time};
+    for (std::size_t i = 0; i < kBasisValues; ++i) {
+      const double before = (a[i] - b[i]) / t0, after = (c[i] - b[i]) / t2, bend = (after - before) / (t2 - t0);
+      base_[i] = b[i] + bend / 3;
+      slope_[i] = before - bend * t0;
+    }
+  }
+
+  [[nodiscard]] BasisValues at(float time) const {
+    BasisValues out{};
+    for (std::size_t i = 0; i < kBasisValues; ++i) out[i] = base_[i] + slope_[i] * double{time};
+    return out;
+  }
+
+ private:
+  BasisValues base_{}, slope_{};
+};
+
+}  // namespace
+
+/// What the bricks of a visit share.
+struct ExactBasis::Visit {
+  const VisitPlan& plan;
+  std::span<const SubstepArgs> args;  ///< by slot
+  std::vector<UnitArgs> units;        ///< by substep of the visit
+  std::vector<NodeUnits> nodes;       ///< of the plan's motions
+
+  [[nodiscard]] int place(rs_u32 slot) const { return static_cast<int>(slot) - plan.first; }
+  [[nodiscard]] const UnitArgs& units_of(int place) const { return units[static_cast<std::size_t>(place)]; }
+};
+
+/// A brick in a visit.
+struct ExactBasis::BrickVisit {
+  const GradeBricks::Brick& grades;
+  Page& fill;
+  Vec3i at;
+  BrickBasis sums;
+  std::vector<std::array<float, 3>> corners;  ///< centre of its lowest voxel (T, mm), by substep of the visit
+  PieceList list{};                           ///< pieces of the outline that can be nearest in the current window
+
+  [[nodiscard]] const float* corner(int place) const { return corners[static_cast<std::size_t>(place)].data(); }
+};
+
+ExactBasis::ExactBasis(const Scenario& scenario, const BoneView& bone, const Tool& tool)
+    : tool_(&tool),
+      grades_(&bone.voxmap.grade),
+      fill_before_(bone.fill),
+      lattice_(BrickLattice::over(bone.voxmap.grid.dims)),
+      pages_(lattice_.count()),
+      extent_(bone_extent(bone.voxmap)),
+      outline_(make_outline_table(tool.profile, bone.voxmap.grid.voxel_mm)),
+      view_(view_of(outline_)),
+      tool_box_(tool.clip_bounds().expanded(outline_.bulge_mm)),
+      table_(brick_distances(tool.profile, bone.voxmap.grid.voxel_mm, tool.clip_slack_mm() + outline_.bulge_mm)),
+      coarse_(coarse_grid(table_)),
+      slack_mm_(static_cast<float>(tool.clip_slack_mm() + outline_.bulge_mm)),
+      volume_mm3_(static_cast<float>(bone.voxmap.grid.voxel_mm3())),
+      edges_per_turn_(0) {
+  if (tool.teeth) teeth_ = distance_lattice(*tool.teeth);
+  const EnergyTable table = make_energy_table(scenario.cutting, bone.voxmap.grid.voxel_mm);
+  std::ranges::transform(table.energy_mj, energy_mj_.begin(), [](double mj) { return static_cast<float>(mj); });
+  if (const auto& edge = scenario.cutting.edge_force)
+    edges_per_turn_ = static_cast<float>(edge->cutting_edges / (2 * M_PI));
+}
+
+std::vector<SubstepBasis> ExactBasis::cut(std::span<const SubstepArgs> args, const MotionsOfSlots& motions) {
+  std::vector<SubstepBasis> out;
+  for (int first = 0; first < static_cast<int>(args.size());) {
+    const VisitPlan plan = plan_visit(args, motions, first, RS_VISIT_SUBSTEPS, tool_box_, extent_);
+    Visit visit{plan, args, {}, {}};
+    for (int slot = plan.first; slot < plan.end; ++slot)
+      visit.units.emplace_back(args[static_cast<std::size_t>(slot)], edges_per_turn_);
+    for (const MotionWindow& w : plan.motions)
+      visit.nodes.push_back({UnitArgs(w.first, 0), UnitArgs(w.middle, 0), UnitArgs(w.last, 0)});
+    VisitBasis sums(plan.end - plan.first);
+    const std::vector<Vec3i> bricks = bricks_in_reach(args[static_cast<std::size_t>(first)], plan);
+    parallel_items(bricks.size(), [&](std::size_t i) { cut_brick(visit, bricks[i], sums); });
+    for (SubstepBasis& basis : sums.substeps()) out.push_back(std::move(basis));
+    first = plan.end;
+  }
+  return out;
+}
+
+/// As kernels/list_bricks.cl.
+std::vector<Vec3i> ExactBasis::bricks_in_reach(const SubstepArgs& args, const VisitPlan& plan) const {
+  std::vector<Vec3i> out;
+  if (plan.superbricks.empty()) return out;
+  const Vec3i first = 4 * plan.superbricks.first;
+  const Vec3i end = (4 * (plan.superbricks.last + Vec3i::Ones())).cwiseMin(lattice_.dims);
+  const float reach = RS_BRICK_RADIUS * args.voxel_mm + plan.shift_mm + slack_mm_;
+  Vec3i at;
+  for (at.z() = first.z(); at.z() < end.z(); ++at.z()) {
+    for (at.y() = first.y(); at.y() < end.y(); ++at.y()) {
+      for (at.x() = first.x(); at.x() < end.x(); ++at.x()) {
+        if (grades_->brick(at) == nullptr) continue;
+        float middle[3];
+        rs_box_middle(&args, 8 * at.x(), 8 * at.y(), 8 * at.z(), 8, middle);
+        if (rs_near_surface(&coarse_, table_.mm.data(), middle, reach) != 0) out.push_back(at);
+      }
+    }
+  }
+  return out;
+}
+
+ExactBasis::Page& ExactBasis::page_of(const Vec3i& brick) {
+  std::unique_ptr<Page>& page = pages_[lattice_.index(brick)];
+  if (page) return *page;
+  page = std::make_unique<Page>();
+  if (const FillBricks::Brick* fill = fill_before_.brick(brick)) {
+    std::ranges::copy(*fill, page->begin());
+  } else {
+    page->fill(FillBricks::kWhole);
+  }
+  return *page;
+}
+
+void ExactBasis::cut_brick(const Visit& visit, const Vec3i& at, VisitBasis& sums) {
+  BrickVisit brick{*grades_->brick(at), page_of(at), at, BrickBasis(visit.plan.end - visit.plan.first), {}, {}};
+  for (int slot = visit.plan.first; slot < visit.plan.end; ++slot)
+    brick.corners.push_back(corner_of(visit.args[static_cast<std::size_t>(slot)], at));
+  for (const SubstepWindow& window : visit.plan.windows) {
+    const SubstepArgs& args = visit.args[window.first];
+    const float* corner = brick.corner(visit.place(window.first));
+    float middle[3];
+    rs_brick_middle(&args, corner, middle);
+    brick.list = rs_pieces_near(&view_, RS_SQRT(middle[0] * middle[0] + middle[1] * middle[1]), middle[2]);
+    const float shift = window.shift_mm * args.per_voxel_mm;
+    const unsigned blocks = blocks_in_reach(args, shift, brick, corner);
+    for (int offset = 0; offset < RS_BRICK_VOXELS; ++offset) {
+      const auto i = static_cast<std::size_t>(offset);
+      if ((blocks >> block_of(offset) & 1U) == 0 || brick.grades[i] == 0 || brick.fill[i] == 0) continue;
+      if (!in_reach(args, shift, brick, corner, offset)) continue;
+      if (window.motion < 0 || !cut_smoothly(visit, window, brick, offset)) cut_by_frames(visit, window, brick, offset);
+    }
+  }
+  sums.add(brick.sums);
+}
+
+/// As list_places() of kernels/candidates.h.
+unsigned ExactBasis::blocks_in_reach(const SubstepArgs& args, float shift, const BrickVisit& brick,
+                                     const float* corner) const {
+  constexpr float kBlockRadius = 2.6F, kBulge = 0.1F;
+  const float near = RS_CLIP_REACH + kBlockRadius + kBulge + shift + teeth_.slack_mm * args.per_voxel_mm;
+  unsigned out = 0;
+  for (int block = 0; block < 8; ++block) {
+    const float x = static_cast<float>((block & 1) << 2) + 1.5F, y = static_cast<float>((block & 2) << 1) + 1.5F,
+                z = static_cast<float>(block & 4) + 1.5F;
+    const float distance = rs_clip_distance(&args, &view_, brick.list, corner, x, y, z);
+    if (distance * args.per_voxel_mm <= near) out |= 1U << block;
+  }
+  return out;
+}
+
+bool ExactBasis::in_reach(const SubstepArgs& args, float shift, const BrickVisit& brick, const float* corner,
+                          int offset) const {
+  const Place at(offset);
+  if (!tool_->teeth) return rs_distance_beyond_reach(&args, &view_, brick.list, corner, at.x, at.y, at.z, shift) <= 0;
+  const DistanceView teeth{&teeth_, tool_->teeth->slot_of_brick.data(), tool_->teeth->samples.data()};
+  const float slack = RS_CLIP_REACH + RS_GRID_STEEPEST * shift + RS_POSITION_SLACK * args.per_voxel_mm;
+  return rs_clip_grid_distance(&args, &teeth, corner, at.x, at.y, at.z) * args.per_voxel_mm <= slack;
+}
+
+/// The tool next to a voxel: the surface of resolved cutting edges, else the envelope.
+Clip ExactBasis::clip(const SubstepArgs& args, const BrickVisit& brick, const float* corner, int offset) const {
+  const Place at(offset);
+  if (!tool_->teeth) return rs_clip(&args, &view_, brick.list, corner, at.x, at.y, at.z);
+  const DistanceView teeth{&teeth_, tool_->teeth->slot_of_brick.data(), tool_->teeth->samples.data()};
+  return rs_clip_grid(&args, &teeth, corner, at.x, at.y, at.z);
+}
+
+/// Cuts a voxel in a window of smooth motion. Returns false where it must be cut frame by frame.
+bool ExactBasis::cut_smoothly(const Visit& visit, const SubstepWindow& window, BrickVisit& brick, int offset) const {
+  const auto i = static_cast<std::size_t>(offset), number = static_cast<std::size_t>(window.motion);
+  const MotionWindow& w = visit.plan.motions[number];
+  const Clip first = clip(w.first, brick, corner_of(w.first, brick.at).data(), offset),
+             middle = clip(w.middle, brick, corner_of(w.middle, brick.at).data(), offset),
+             last = clip(w.last, brick, corner_of(w.last, brick.at).data(), offset);
+  WindowVoxel fit;
+  rs_fit_voxel(&w, &first, &middle, &last, energy_mj_[brick.grades[i]], &fit);
+  if (fit.pieces == 0) return false;
+  std::optional<ForceLine> line;
+  rs_i32 fill = brick.fill[i];
+  for (rs_u32 slot = window.first; slot < window.end; ++slot) {
+    const SubstepArgs& args = visit.args[slot];
+    const int place = visit.place(slot);
+    const float time = rs_window_time(&w, args.frame);
+    const rs_i32 outside = rs_window_outside(&fit, time, RS_WINDOW_PIECES);
+    const rs_i32 lost = rs_clip_loss(&args, fill, outside);
+    fill -= lost;
+    if (rs_has_edge(&args) != 0) {
+      const Clip now = clip(args, brick, brick.corner(place), offset);
+      brick.sums.add(place, kEdge, 1, edge_response(visit.units_of(place), now, fill, outside));
+    }
+    if (lost == 0) continue;
+    if (!line) line.emplace(w, visit.nodes[number], first, middle, last, volume_mm3_);
+    brick.sums.add(place, brick.grades[i], lost, line->at(time));
+  }
+  brick.fill[i] = static_cast<std::uint16_t>(fill);
+  return true;
+}
+
+void ExactBasis::cut_by_frames(const Visit& visit, const SubstepWindow& window, BrickVisit& brick, int offset) const {
+  const auto i = static_cast<std::size_t>(offset);
+  for (rs_u32 slot = window.first; slot < window.end && brick.fill[i] > 0; ++slot) {
+    const SubstepArgs& args = visit.args[slot];
+    const int place = visit.place(slot);
+    Clip now = clip(args, brick, brick.corner(place), offset);
+    const rs_i32 outside = rs_fill_outside(&now), lost = rs_clip_loss(&args, brick.fill[i], outside);
+    brick.fill[i] = static_cast<std::uint16_t>(brick.fill[i] - lost);
+    if (args.law != RS_LAW_ENERGY) continue;
+    if (rs_has_edge(&args) != 0)
+      brick.sums.add(place, kEdge, 1, edge_response(visit.units_of(place), now, brick.fill[i], outside));
+    if (lost == 0) continue;
+    if (tool_->teeth) rs_use_envelope_normal(&view_, brick.list, &now);
+    brick.sums.add(place, brick.grades[i], lost, unit_response(visit.units_of(place), now, volume_mm3_));
+  }
+}
+
+}  // namespace reamsim

@@ -1,0 +1,58 @@
+#include "sim/record/force_rows.h"
+
+namespace reamsim {
+
+std::array<double, 26> force_row(const FrameResult& r) {
+  const Vec3 &p = r.pose.position_mm, &f = r.force_n, &t = r.torque_nmm;
+  const Quat& q = r.pose.orientation;
+  return {static_cast<double>(r.frame),
+          r.time_s,
+          p.x(),
+          p.y(),
+          p.z(),
+          q.w(),
+          q.x(),
+          q.y(),
+          q.z(),
+          r.pose.spin_rpm,
+          r.pose.spin_angle_rad,
+          r.depth_mm,
+          f.x(),
+          f.y(),
+          f.z(),
+          t.x(),
+          t.y(),
+          t.z(),
+          r.axial_force_n,
+          r.spin_torque_nmm,
+          static_cast<double>(r.contacts),
+          r.removed_mm3,
+          r.energy_mj,
+          r.floor_energy_mj,
+          r.balance,
+          static_cast<double>(r.pass)};
+}
+
+FrameResult result_of(std::span<const double> v) {
+  FrameResult out;
+  out.frame = static_cast<std::int64_t>(v[0]);
+  out.time_s = v[1];
+  out.pose = {.position_mm = Vec3(&v[2]),
+              .orientation = Quat(v[5], v[6], v[7], v[8]),
+              .spin_angle_rad = v[10],
+              .spin_rpm = v[9]};
+  out.depth_mm = v[11];
+  out.force_n = Vec3(&v[12]);
+  out.torque_nmm = Vec3(&v[15]);
+  out.axial_force_n = v[18];
+  out.spin_torque_nmm = v[19];
+  out.contacts = static_cast<std::int64_t>(v[20]);
+  out.removed_mm3 = v[21];
+  out.energy_mj = v[22];
+  out.floor_energy_mj = v[23];
+  out.balance = v[24];
+  out.pass = static_cast<int>(v[25]);
+  return out;
+}
+
+}  // namespace reamsim

@@ -1,0 +1,22 @@
+#pragma once
+
+#include <array>
+#include <span>
+
+#include "sim/record/results.h"
+
+namespace reamsim {
+
+/// The header of forces.csv.
+inline constexpr const char* kForceColumns =
+    "frame,time_s,tool_x_mm,tool_y_mm,tool_z_mm,tool_qw,tool_qx,tool_qy,tool_qz,spin_rpm,spin_angle_rad,depth_mm,"
+    "force_x_n,force_y_n,force_z_n,torque_x_nmm,torque_y_nmm,torque_z_nmm,axial_force_n,spin_torque_nmm,contacts,"
+    "removed_mm3,energy_mj,floor_energy_mj,balance,pass";
+
+/// The values of a row of forces.csv, in the order of its columns.
+std::array<double, 26> force_row(const FrameResult& result);
+
+/// The result in such a row.
+FrameResult result_of(std::span<const double> row);
+
+}  // namespace reamsim

@@ -1,0 +1,161 @@
+#include "sim/study/cohort_table.h"
+
+#include <algorithm>
+
+#include "sim/scenario/show.h"
+#include "sim/scenario/text_file.h"
+
+namespace reamsim {
+
+namespace {
+
+constexpr std::string_view kLabel = "label";
+constexpr std::size_t kMostRows = 1'000'000;
+constexpr std::size_t kMostTableBytes = 1 << 30;
+
+struct CsvLine {
+  int number = 0;  ///< of its first line in the file
+  std::vector<std::string> cells;
+};
+
+/// The lines of a CSV text (RFC 4180: quotes may hold commas, line ends and doubled quotes), without empty ones.
+class CsvLines {
+ public:
+  CsvLines(const std::string& text, const std::string& file) : text_(text), file_(file) {}
+
+  bool next(CsvLine& line) {
+    while (at_ < text_.size()) {
+      line = {.number = number_, .cells = {""}};
+      while (at_ < text_.size() && !end_of_line()) cell_character(line);
+      if (line.cells.size() > 1 || !line.cells[0].empty()) return true;
+    }
+    return false;
+  }
+
+ private:
+  bool end_of_line() {
+    const char c = text_[at_];
+    if (c == '\n') {
+      ++number_;
+      ++at_;
+    } else if (text_.compare(at_, 2, "\r\n") == 0) {
+      ++number_;
+      at_ += 2;
+    } else {
+      return false;
+    }
+    return true;
+  }
+
+  void cell_character(CsvLine& line) {
+    const char c = text_[at_++];
+    if (c == ',') {
+      line.cells.emplace_back();
+    } else if (c == '"' && line.cells.back().empty()) {
+      quoted(line);
+    } else {
+      line.cells.back() += c;
+    }
+  }
+
+  void quoted(CsvLine& line) {
+    for (;; ++at_) {
+      if (at_ >= text_.size()) {
+        throw InputError({file_, line.number, 0}, "", "a quotation mark that is not closed", "close it in the cell");
+      }
+      if (text_[at_] == '\n') ++number_;
+      if (text_[at_] != '"') {
+        line.cells.back() += text_[at_];
+      } else if (text_.compare(at_, 2, "\"\"") == 0) {
+        line.cells.back() += text_[at_++];
+      } else {
+        ++at_;
+        return;
+      }
+    }
+  }
+
+  const std::string& text_;
+  const std::string& file_;
+  std::size_t at_ = 0;
+  int number_ = 1;
+};
+
+std::string trimmed(const std::string& text) {
+  const std::size_t first = text.find_first_not_of(" \t"), last = text.find_last_not_of(" \t");
+  return first == std::string::npos ? "" : text.substr(first, last - first + 1);
+}
+
+class TableReader {
+ public:
+  TableReader(const std::string& path, const KeyValues& values, MistakeList& mistakes)
+      : file_(shown_path(path)), values_(values), mistakes_(mistakes) {}
+
+  CohortTable read(std::string text) {
+    if (text.starts_with("\xEF\xBB\xBF")) text.erase(0, 3);
+    CsvLines lines(text, file_);
+    CsvLine line;
+    if (!lines.next(line)) throw InputError({file_, 0, 0}, "", "is empty", "expected a header line of scenario keys");
+    const CsvLine header = line;
+    check_header(header);
+    while (lines.next(line)) {
+      if (table_.rows.levels.size() >= kMostRows) {
+        throw InputError({file_, line.number, 0}, "", "more than a million rows", "divide the study");
+      }
+      mistakes_.attempt([&] { add(header, line); });
+    }
+    if (table_.rows.levels.empty() && mistakes_.empty()) {
+      throw InputError({file_, 0, 0}, "", "has no rows", "expected a row per patient below the header");
+    }
+    return std::move(table_);
+  }
+
+ private:
+  void check_header(const CsvLine& header) {
+    for (const std::string& cell : header.cells) {
+      const std::string name = trimmed(cell);
+      const SourceLocation where{file_, header.number, 0};
+      if (name.empty()) throw InputError(where, "", "a column without a name", "name a key of the scenario, or label");
+      if (std::ranges::count(header.cells, cell) > 1) throw InputError(where, name, "a column given twice", "keep one");
+      if (name == kLabel) continue;
+      // Also finds unknown keys, once instead of in each row.
+      static_cast<void>(values_.of_cell(name, "", where));
+      table_.rows.keys.push_back(name);
+    }
+    if (table_.rows.keys.empty()) {
+      throw InputError({file_, header.number, 0}, "", "no column is a scenario key",
+                       "expected for example bone.ct.path");
+    }
+  }
+
+  void add(const CsvLine& header, const CsvLine& line) {
+    const SourceLocation where{file_, line.number, 0};
+    if (line.cells.size() != header.cells.size()) {
+      throw InputError(where, "", "found " + std::to_string(line.cells.size()) + " cells",
+                       "expected " + std::to_string(header.cells.size()) + ", as in the header");
+    }
+    std::vector<KeyValue> level;
+    for (std::size_t i = 0; i < line.cells.size(); ++i) {
+      const std::string name = trimmed(header.cells[i]);
+      if (name == kLabel) {
+        table_.labels.push_back(trimmed(line.cells[i]));
+      } else {
+        level.push_back(values_.of_cell(name, trimmed(line.cells[i]), where));
+      }
+    }
+    table_.rows.levels.push_back(std::move(level));
+  }
+
+  std::string file_;
+  const KeyValues& values_;
+  MistakeList& mistakes_;
+  CohortTable table_;
+};
+
+}  // namespace
+
+CohortTable read_cohort_table(const std::string& path, const KeyValues& values, MistakeList& mistakes) {
+  return TableReader(path, values, mistakes).read(read_scenario_text(path, kMostTableBytes));
+}
+
+}  // namespace reamsim

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <vector>
+
+#include "sim/study/identify.h"
+#include "sim/study/study_folder.h"
+
+namespace reamsim {
+
+/// Runs of a study by what became of them.
+struct StudyCounts {
+  int done = 0;
+  int failed = 0;       ///< also those whose scenario is wrong
+  int interrupted = 0;  ///< or being simulated
+  int missing = 0;
+
+  [[nodiscard]] int all() const { return done + failed + interrupted + missing; }
+};
+
+StudyCounts count_runs(const StudyFolder& folder, const std::vector<IdentifiedRun>& runs);
+
+/// Writes DIR/runs.csv, a row for each run of the plan: `run`, `id`, `status` (done, failed, interrupted, missing),
+/// `message`, the columns of the plan, and every number of summary.json but times and memory, which differ from run to
+/// run; nested names are joined by dots. A missing value is an empty cell. Reads one summary at a time. Throws
+/// RunError.
+StudyCounts collect_runs(const StudyFolder& folder, const StudyPlan& plan, const std::vector<IdentifiedRun>& runs);
+
+}  // namespace reamsim

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "sim/scenario/scenario.h"
+#include "sim/study/study_plan.h"
+
+namespace reamsim {
+
+/// A planned run with the name of its folder.
+struct IdentifiedRun {
+  std::string id;       ///< run_id(); "" where the scenario is wrong
+  std::string mistake;  ///< then why
+};
+
+/// Parses the scenario of every run, as a command does that runs it alone. `done`: called with the number of finished
+/// runs.
+std::vector<IdentifiedRun> identify_runs(const Study& study, const StudyPlan& plan,
+                                         const std::function<void(std::size_t)>& done = {});
+
+/// The scenario of a run. Throws InputError.
+Scenario scenario_of(const Study& study, const PlannedRun& run);
+
+}  // namespace reamsim

@@ -1,0 +1,153 @@
+#include "sim/study/reforce.h"
+
+#include <nlohmann/json.hpp>
+
+#include "sim/base/csv.h"
+#include "sim/base/error.h"
+#include "sim/base/file.h"
+#include "sim/record/force_basis_file.h"
+#include "sim/record/force_rows.h"
+#include "sim/record/result_json.h"
+#include "sim/record/summary.h"
+
+namespace reamsim {
+
+namespace {
+
+DensityMapping mapping_of(const DensitySettings& density) {
+  return {.ash_slope_g_cm3_per_hu = density.ash_slope_g_cm3_per_hu,
+          .ash_offset_g_cm3 = density.ash_offset_g_cm3,
+          .ash_fraction = density.ash_fraction};
+}
+
+bool same_calibration(const DensitySettings& a, const DensitySettings& b) {
+  return a.ash_slope_g_cm3_per_hu == b.ash_slope_g_cm3_per_hu && a.ash_offset_g_cm3 == b.ash_offset_g_cm3 &&
+         a.ash_fraction == b.ash_fraction;
+}
+
+double voxel_of(const std::string& dir) {
+  const std::string path = dir + "/summary.json";
+  const auto json = parse_result_json(read_file(path, "the summary of a run"));
+  const bool has = json.is_object() && json.contains("bone") && json["bone"].is_object() &&
+                   json["bone"].contains("voxel_mm") && json["bone"]["voxel_mm"].is_number();
+  if (!has || !(json["bone"]["voxel_mm"].get<double>() > 0)) {
+    throw InputError({path, 0, 0}, "bone.voxel_mm", "missing or not positive",
+                     "expected a file written by `reamsim run`");
+  }
+  return json["bone"]["voxel_mm"].get<double>();
+}
+
+[[noreturn]] void fail_for(const std::string& key, const std::string& why) {
+  throw InputError({}, "--set", key + " is part of the force basis" + why, "run the scenario again with it");
+}
+
+void require_same_size_effect(const CuttingSettings& was, const CuttingSettings& is) {
+  const auto &a = was.size_effect, &b = is.size_effect;
+  const bool same =
+      a.has_value() == b.has_value() &&
+      (!a || (a->exponent == b->exponent && a->reference_mm == b->reference_mm &&
+              a->cutting_edges == b->cutting_edges && a->least_mm == b->least_mm && a->most_mm == b->most_mm));
+  if (!same) fail_for("cutting.size_effect", ", and forces are not linear in it");
+}
+
+/// Throws InputError where the basis does not hold for `is`.
+void require_linear(const CuttingSettings& was, const CuttingSettings& is) {
+  if (was.law != is.law) fail_for("cutting.law", "");
+  if (was.erosion != is.erosion) fail_for("cutting.erosion", "");
+  if (was.speed_floor_mm_s != is.speed_floor_mm_s) fail_for("cutting.speed_floor_mm_s", "");
+  require_same_size_effect(was, is);
+  if (is.edge_force && !was.edge_force) {
+    throw InputError({}, "--set", "cutting.edge_force: the run had no edge force, so that its basis has no part for it",
+                     "run the scenario again with it");
+  }
+  if (is.edge_force && is.edge_force->cutting_edges != was.edge_force->cutting_edges)
+    fail_for("cutting.edge_force.cutting_edges", "");
+}
+
+}  // namespace
+
+BasisRun open_basis_run(const std::string& dir) {
+  LawSettings law = parse_law_settings(dir + "/scenario.yaml");
+  if (!law.force_basis) {
+    throw InputError({dir + "/scenario.yaml", 0, 0}, "output.force_basis", "is false: the run has no force basis",
+                     "run the scenario again with --set output.force_basis=true");
+  }
+  return {dir, std::move(law), ForceBasis(read_force_basis(dir + "/" + kForceBasisName)), voxel_of(dir)};
+}
+
+LawSettings changed_law(const BasisRun& run, const std::vector<std::string>& overrides) {
+  LawSettings law = parse_law_settings(run.dir + "/scenario.yaml", overrides);
+  require_linear(run.law.cutting, law.cutting);
+  if (!same_calibration(run.law.density, law.density) && law.bone_source != "ct") {
+    throw InputError({}, "--set", "bone.density: the bone is a " + law.bone_source + ", whose densities are given",
+                     "change the relation from HU to density of a run on a CT only");
+  }
+  return law;
+}
+
+std::optional<Recalibration> recalibration(const BasisRun& run, const LawSettings& law) {
+  if (same_calibration(run.law.density, law.density)) return std::nullopt;
+  return Recalibration{mapping_of(run.law.density), mapping_of(law.density)};
+}
+
+ClampedVolume clamped_volume(const BasisRun& run, const std::optional<Recalibration>& recalibration) {
+  ClampedVolume out;
+  const std::array<double, 256> volume = run.basis.volume_mm3();
+  for (std::size_t grade = 1; grade < volume.size(); ++grade) {
+    out.whole_mm3 += volume[grade];
+    const int g = static_cast<int>(grade);
+    if (g == DensityMapping::kMaxGrade) {
+      out.at_most_mm3 += volume[grade];
+    } else if (recalibration && recalibration->density(g) >= DensityMapping::kMaxDensity_g_cm3) {
+      out.beyond_mm3 += volume[grade];
+    }
+  }
+  return out;
+}
+
+void ReforcedRows::for_each(const std::function<void(const FrameResult&)>& visit) const {
+  const std::vector<std::string_view> columns = csv_cells(kForceColumns);
+  CsvReader log(run_.dir + "/forces.csv", columns, "the log of a run");
+  double work_mj = 0, floor_mj = 0, cut_mj = 0;
+  std::vector<double> row;
+  while (log.next(row)) {
+    FrameResult result = result_of(row);
+    const FrameForces now = run_.basis.forces(result.frame, constants_);
+    work_mj += now.work_mj;
+    floor_mj += now.floor_energy_mj;
+    cut_mj += now.energy_mj;
+    result.force_n = now.force_n;
+    result.torque_nmm = now.torque_nmm;
+    result.energy_mj = now.energy_mj;
+    result.floor_energy_mj = now.floor_energy_mj;
+    result.balance = cut_mj > 0 ? (work_mj + floor_mj - cut_mj) / cut_mj : 0;
+    const Vec3 tool_z = result.pose.orientation * Vec3::UnitZ();
+    result.axial_force_n = result.force_n.dot(tool_z);
+    result.spin_torque_nmm = result.torque_nmm.dot(tool_z);
+    visit(result);
+  }
+}
+
+RunTotals write_reforced(const BasisRun& run, const LawSettings& law, const std::string& to) {
+  const ForceConstants constants = force_constants(law.cutting, recalibration(run, law));
+  RunTotals totals(run.voxel_mm);
+  // Under another name until it is complete, because the rows are read from a file that this one may replace.
+  const std::string path = to + "/forces.csv.tmp";
+  {
+    CsvWriter forces(path, kForceColumns);
+    ReforcedRows(run, constants).for_each([&](const FrameResult& result) {
+      forces.row(force_row(result));
+      totals.add(result);
+    });
+    forces.sync();
+    forces.close();
+  }
+  const std::string summary = reforced_summary(run.dir, law.cutting, totals);
+  replace_file(to + "/forces.csv", read_file(path, "the forces"));
+  std::filesystem::remove(path);
+  replace_file(to + "/scenario.yaml", law.yaml);
+  replace_file(to + "/summary.json", summary);
+  return totals;
+}
+
+}  // namespace reamsim

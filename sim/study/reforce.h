@@ -1,0 +1,57 @@
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "sim/record/run_totals.h"
+#include "sim/scenario/parse.h"
+#include "sim/study/force_model.h"
+
+namespace reamsim {
+
+/// A finished run whose forces can be computed for other constants.
+struct BasisRun {
+  std::string dir;
+  LawSettings law;  ///< of the run
+  ForceBasis basis;
+  double voxel_mm = 0;
+};
+
+/// Reads scenario.yaml, summary.json and force_basis.npy. Throws InputError where one is missing or damaged, or the run
+/// has no force basis.
+BasisRun open_basis_run(const std::string& dir);
+
+/// The settings of the run with overrides. Throws InputError where the basis does not hold for them: its parts contain
+/// the speed floor and the size effect, and those of an edge force only where the run had one.
+LawSettings changed_law(const BasisRun& run, const std::vector<std::string>& overrides);
+
+/// The relation from HU to density of `law` where it differs from that of the run.
+std::optional<Recalibration> recalibration(const BasisRun& run, const LawSettings& law);
+
+/// Removed volume whose density is not known exactly after a recalibration: a voxel stores at most 2 g/cm³.
+struct ClampedVolume {
+  double at_most_mm3 = 0;  ///< voxels of 2 g/cm³ in the run, whose radiodensity may be higher
+  double beyond_mm3 = 0;   ///< voxels that would exceed 2 g/cm³ now, and count as 2
+  double whole_mm3 = 0;    ///< all
+};
+ClampedVolume clamped_volume(const BasisRun& run, const std::optional<Recalibration>& recalibration);
+
+/// The rows of the run's forces.csv with the forces of other constants.
+class ReforcedRows {
+ public:
+  ReforcedRows(const BasisRun& run, const ForceConstants& constants) : run_(run), constants_(constants) {}
+
+  /// Calls visit() with every row. Throws InputError where forces.csv is damaged.
+  void for_each(const std::function<void(const FrameResult&)>& visit) const;
+
+ private:
+  const BasisRun& run_;
+  const ForceConstants& constants_;
+};
+
+/// Writes forces.csv, scenario.yaml and summary.json of the run with other constants into `to`, which may be its own
+/// folder. Returns the totals. Throws RunError.
+RunTotals write_reforced(const BasisRun& run, const LawSettings& law, const std::string& to);
+
+}  // namespace reamsim

@@ -1,0 +1,14 @@
+#pragma once
+
+#include <string>
+
+#include "sim/base/mistake_list.h"
+#include "sim/scenario/yaml_tree.h"
+#include "sim/study/study.h"
+
+namespace reamsim {
+
+/// Reads the section `sample` of a study. Lists mistakes at their keys.
+SampleSettings read_sample(const YamlNode& node, const std::string& file, MistakeList& mistakes);
+
+}  // namespace reamsim

@@ -1,0 +1,96 @@
+#include "sim/study/sensitivity.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <stdexcept>
+
+namespace reamsim {
+
+namespace {
+
+/// The outputs of a sample: rows samples, columns outputs.
+Eigen::MatrixXd outputs_of(const Eigen::MatrixXd& inputs, const Model& model) {
+  Eigen::MatrixXd out;
+  for (Eigen::Index i = 0; i < inputs.rows(); ++i) {
+    const Eigen::VectorXd values = model(inputs.row(i).transpose());
+    if (i == 0) out.resize(inputs.rows(), values.size());
+    out.row(i) = values.transpose();
+  }
+  return out;
+}
+
+}  // namespace
+
+double quantile(std::vector<double> values, double q) {
+  if (values.empty()) return std::nan("");
+  const double at = q * static_cast<double>(values.size() - 1);
+  const auto below = static_cast<std::size_t>(at);
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(below);
+  std::nth_element(values.begin(), middle, values.end());
+  const double low = *middle;
+  if (below + 1 == values.size()) return low;
+  const double high = *std::min_element(middle + 1, values.end());
+  return low + (at - static_cast<double>(below)) * (high - low);
+}
+
+Bands bands_of(const Eigen::MatrixXd& samples) {
+  Bands out;
+  for (Eigen::Index column = 0; column < samples.cols(); ++column) {
+    const Eigen::VectorXd values = samples.col(column);
+    const std::vector<double> list(values.begin(), values.end());
+    out.low.push_back(quantile(list, 0.05));
+    out.median.push_back(quantile(list, 0.5));
+    out.high.push_back(quantile(list, 0.95));
+  }
+  return out;
+}
+
+std::vector<SobolIndices> sobol_indices(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b, const Model& model) {
+  if (a.rows() != b.rows() || a.cols() != b.cols() || a.rows() < 2)
+    throw std::invalid_argument("sobol_indices: two samples of the same size are needed");
+  const Eigen::MatrixXd of_a = outputs_of(a, model), of_b = outputs_of(b, model);
+  const auto count = static_cast<double>(a.rows());
+  // About the mean, because the estimators subtract large numbers otherwise.
+  const Eigen::RowVectorXd mean = 0.5 * (of_a.colwise().mean() + of_b.colwise().mean());
+  const Eigen::MatrixXd from_a = of_a.rowwise() - mean, from_b = of_b.rowwise() - mean;
+  const Eigen::RowVectorXd variance =
+      (from_a.colwise().squaredNorm() + from_b.colwise().squaredNorm()) / (2 * count - 1);
+  std::vector<SobolIndices> out(static_cast<std::size_t>(of_a.cols()));
+  for (Eigen::Index input = 0; input < a.cols(); ++input) {
+    Eigen::MatrixXd mixed = a;
+    mixed.col(input) = b.col(input);
+    const Eigen::MatrixXd of_mixed = outputs_of(mixed, model).rowwise() - mean;
+    for (Eigen::Index output = 0; output < of_a.cols(); ++output) {
+      SobolIndices& to = out[static_cast<std::size_t>(output)];
+      const double all = variance[output];
+      const double alone = from_b.col(output).dot(of_mixed.col(output) - from_a.col(output)) / count;
+      const double rest = 0.5 * (from_a.col(output) - of_mixed.col(output)).squaredNorm() / count;
+      to.first.push_back(all > 0 ? alone / all : 0);
+      to.total.push_back(all > 0 ? rest / all : 0);
+      to.mean = mean[output];
+      to.variance = all;
+    }
+  }
+  return out;
+}
+
+std::string dominant_inputs(const SobolIndices& indices, const std::vector<std::string>& names) {
+  if (!(indices.variance > 0)) return "the output does not vary";
+  std::vector<std::size_t> order(names.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::ranges::sort(order, std::greater(), [&](std::size_t i) { return indices.total[i]; });
+  const auto part = [&](std::size_t i) {
+    return fmt::format("{} ({:.0f} % of the variance alone, {:.0f} % in total)", names[i], 100 * indices.first[i],
+                       100 * indices.total[i]);
+  };
+  constexpr double kMatters = 0.1;
+  std::string out = part(order[0]) + " dominates";
+  for (std::size_t i = 1; i < order.size() && indices.total[order[i]] >= kMatters; ++i)
+    out += (i == 1 ? ", followed by " : ", ") + part(order[i]);
+  return out;
+}
+
+}  // namespace reamsim

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace reamsim {
+
+/// The quantile q (0…1) of values, linear between them (Hyndman and Fan 1996, type 7). NaN without values.
+double quantile(std::vector<double> values, double q);
+
+/// Quantiles over the samples (rows), by output (columns).
+struct Bands {
+  std::vector<double> low;     ///< 5 %
+  std::vector<double> median;  ///< 50 %
+  std::vector<double> high;    ///< 95 %
+};
+Bands bands_of(const Eigen::MatrixXd& samples);
+
+/// Fractions of the variance of an output (Sobol 2001). The first-order index of an input is what it explains alone,
+/// its total index what remains unexplained without it. Both are 0 where the output does not vary.
+struct SobolIndices {
+  std::vector<double> first;
+  std::vector<double> total;
+  double mean = 0;
+  double variance = 0;
+};
+
+/// The outputs of a model for the values of its inputs.
+using Model = std::function<Eigen::VectorXd(const Eigen::VectorXd&)>;
+
+/// The indices of each output from two independent samples of the inputs (rows: samples, columns: inputs), as two
+/// halves of one Sobol sequence of twice the inputs give them. Calls the model rows·(inputs + 2) times, in order. First
+/// order after Saltelli et al. (2010), eq. b of their Table 2; total after Jansen (1999), eq. f.
+std::vector<SobolIndices> sobol_indices(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b, const Model& model);
+
+/// Says in a sentence which inputs dominate. `names`: of the inputs.
+std::string dominant_inputs(const SobolIndices& indices, const std::vector<std::string>& names);
+
+}  // namespace reamsim

@@ -1,0 +1,76 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "sim/base/error.h"
+#include "sim/record/kept_files.h"
+
+namespace reamsim {
+
+/// The value of a scenario key: as the study has it, and as `--set` takes it.
+struct KeyValue {
+  std::string shown;    ///< for tables
+  std::string applied;  ///< YAML; input files are absolute. "": the base scenario's value stays
+};
+
+/// Keys that vary together, and their values, level by level: one key in a grid, several with `zip` and in a table.
+struct Variation {
+  std::vector<std::string> keys;
+  std::vector<std::vector<KeyValue>> levels;  ///< levels[i][k]: of keys[k]
+};
+
+/// How a sampled key is distributed. `a`, `b`: normal: mean, standard deviation; lognormal: median, standard deviation
+/// of the logarithm; uniform: ends; tilt_sd_deg: `a` is the standard deviation of two rotations, degrees, about axes
+/// across a direction; shift_sd_mm: `a` is that of each component of a position, mm.
+struct Distribution {
+  enum class Kind { normal, lognormal, uniform, tilt_sd_deg, shift_sd_mm };
+
+  Kind kind = Kind::normal;
+  double a = 0;
+  double b = 0;
+
+  /// How many independent variables it takes.
+  [[nodiscard]] int dimensions() const;
+};
+
+/// A key of the scenario with its distribution.
+struct SampledKey {
+  std::string key;
+  Distribution distribution;
+  SourceLocation where;
+};
+
+enum class SampleMethod { sobol, latin_hypercube, monte_carlo, saltelli };
+
+struct SampleSettings {
+  SampleMethod method = SampleMethod::sobol;
+  int n = 0;
+  std::uint64_t seed = 1;
+  std::vector<SampledKey> of;
+};
+
+/// A study: a base scenario and what varies. Every level of `vary` is combined with every row of the table and every
+/// sample.
+struct Study {
+  std::string file;              ///< absolute
+  std::string name;              ///< key `name`; without it the file's stem
+  std::string base;              ///< absolute path of the scenario
+  std::vector<std::string> set;  ///< "key=value", for every run
+  std::vector<Variation> vary;
+  std::optional<Variation> table;
+  std::vector<std::string> labels;  ///< column `label` of the table, by row; empty: it has none
+  std::optional<SampleSettings> sample;
+  KeptFiles keep{.forces = false, .grids = false, .pictures = false};
+};
+
+/// Reads and validates a study file. Throws InputError with all mistakes: file, line, column, key, what was found, what
+/// to do. Keys are those of scenarios; whether their values are valid is known only from each run's scenario.
+Study read_study(const std::string& path);
+
+/// assets/study.schema.json.
+std::string study_json_schema();
+
+}  // namespace reamsim

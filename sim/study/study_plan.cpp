@@ -1,0 +1,196 @@
+#include "sim/study/study_plan.h"
+
+#include <algorithm>
+#include <array>
+
+#include "sim/base/file.h"
+#include "sim/base/text.h"
+#include "sim/scenario/parse_steps.h"
+#include "sim/scenario/show.h"
+#include "sim/study/distribution.h"
+#include "sim/study/key_values.h"
+#include "sim/study/unit_points.h"
+
+namespace reamsim {
+
+namespace {
+
+constexpr std::size_t kMostRuns = 1'000'000;
+
+std::string vector_text(const Vec3& v) {
+  return "[" + number_text(v.x()) + ", " + number_text(v.y()) + ", " + number_text(v.z()) + "]";
+}
+
+/// The names of the independent parts of a tilt or shift.
+std::vector<std::string> part_columns(const SampledKey& sampled) {
+  if (sampled.distribution.kind == Distribution::Kind::tilt_sd_deg) {
+    return {sampled.key + ".tilt_1_deg", sampled.key + ".tilt_2_deg"};
+  }
+  if (sampled.distribution.kind != Distribution::Kind::shift_sd_mm) return {};
+  return {sampled.key + ".shift_x_mm", sampled.key + ".shift_y_mm", sampled.key + ".shift_z_mm"};
+}
+
+/// The node at a path of keys, or nullptr.
+const YamlNode* node_at(const YamlNode* node, std::string_view path) {
+  while (node != nullptr && !path.empty()) {
+    const std::size_t dot = path.find('.');
+    const std::string_view step = path.substr(0, dot);
+    path = dot == std::string_view::npos ? "" : path.substr(dot + 1);
+    if (node->kind == YamlNode::Kind::sequence) {
+      const auto index = parse_number(step);
+      const bool inside = index && *index >= 0 && *index < static_cast<double>(node->items.size());
+      node = inside ? node->items[static_cast<std::size_t>(*index)].get() : nullptr;
+    } else {
+      const YamlEntry* entry = node->find(step);
+      node = entry == nullptr ? nullptr : entry->value.get();
+    }
+  }
+  return node;
+}
+
+class Planner {
+ public:
+  Planner(const Study& study, const std::vector<std::string>& overrides) : study_(study), fixed_(study.set) {
+    fixed_.insert(fixed_.end(), overrides.begin(), overrides.end());
+  }
+
+  StudyPlan plan() {
+    make_columns();
+    make_samples();
+    require_few();
+    std::vector<const Variation*> variations;
+    for (const Variation& variation : study_.vary) variations.push_back(&variation);
+    if (study_.table) variations.push_back(&*study_.table);
+    combine(variations, 0, {.number = 0, .cells = {}, .overrides = fixed_});
+    return std::move(plan_);
+  }
+
+ private:
+  void make_columns() {
+    auto& columns = plan_.columns;
+    if (!study_.labels.empty()) columns.emplace_back("label");
+    for (const Variation& variation : study_.vary) {
+      columns.insert(columns.end(), variation.keys.begin(), variation.keys.end());
+    }
+    if (study_.table) columns.insert(columns.end(), study_.table->keys.begin(), study_.table->keys.end());
+    if (!study_.sample) return;
+    for (const SampledKey& sampled : study_.sample->of) {
+      // A vector that is varied has its column already.
+      if (std::ranges::find(columns, sampled.key) == columns.end()) columns.push_back(sampled.key);
+      for (const std::string& part : part_columns(sampled)) columns.push_back(part);
+    }
+  }
+
+  void make_samples() {
+    if (!study_.sample) return;
+    int dimensions = 0;
+    for (const SampledKey& sampled : study_.sample->of) dimensions += sampled.distribution.dimensions();
+    points_ = unit_points(study_.sample->method, study_.sample->n, dimensions, study_.sample->seed);
+    const bool changes_vectors = std::ranges::any_of(
+        study_.sample->of, [](const SampledKey& sampled) { return sampled.distribution.dimensions() > 1; });
+    if (changes_vectors) base_ = parse_yaml(read_file(study_.base, "expected a scenario"), shown_path(study_.base));
+  }
+
+  void require_few() const {
+    double runs = points_.empty() ? 1 : static_cast<double>(points_.size());
+    for (const Variation& variation : study_.vary) runs *= static_cast<double>(variation.levels.size());
+    if (study_.table) runs *= static_cast<double>(study_.table->levels.size());
+    if (runs <= static_cast<double>(kMostRuns)) return;
+    throw InputError({shown_path(study_.file), 0, 0}, "", "the study has " + rounded_text(runs) + " runs",
+                     "expected at most " + std::to_string(kMostRuns) + ": vary fewer keys, or sample them");
+  }
+
+  void combine(const std::vector<const Variation*>& variations, std::size_t depth, const PlannedRun& so_far) {
+    if (depth == variations.size()) return add_samples(so_far);
+    const Variation& variation = *variations[depth];
+    const bool labelled = &variation == (study_.table ? &*study_.table : nullptr) && !study_.labels.empty();
+    for (std::size_t i = 0; i < variation.levels.size(); ++i) {
+      PlannedRun run = so_far;
+      if (labelled) run.cells.insert(run.cells.begin(), study_.labels[i]);
+      for (std::size_t k = 0; k < variation.keys.size(); ++k) {
+        const KeyValue& value = variation.levels[i][k];
+        run.cells.push_back(value.shown);
+        if (!value.applied.empty()) run.overrides.push_back(variation.keys[k] + "=" + value.applied);
+      }
+      combine(variations, depth + 1, run);
+    }
+  }
+
+  void add_samples(const PlannedRun& combination) {
+    if (!study_.sample) return add(combination);
+    for (const std::vector<double>& point : points_) {
+      PlannedRun run = combination;
+      std::size_t at = 0;
+      for (const SampledKey& sampled : study_.sample->of) {
+        if (sampled.distribution.dimensions() == 1) {
+          add_number(sampled, point[at++], run);
+        } else {
+          add_vector(sampled, point, at, run);
+        }
+      }
+      add(std::move(run));
+    }
+  }
+
+  void add(PlannedRun run) {
+    run.number = static_cast<int>(plan_.runs.size()) + 1;
+    plan_.runs.push_back(std::move(run));
+  }
+
+  static void add_number(const SampledKey& sampled, double u, PlannedRun& run) {
+    const std::string value = number_text(sample_number(sampled.distribution, u));
+    run.cells.push_back(value);
+    run.overrides.push_back(sampled.key + "=" + value);
+  }
+
+  void add_vector(const SampledKey& sampled, const std::vector<double>& point, std::size_t& at, PlannedRun& run) {
+    const Vec3 before = vector_of(sampled, run);
+    std::array<double, 3> parts{};
+    const int dimensions = sampled.distribution.dimensions();
+    for (int d = 0; d < dimensions; ++d) {
+      parts[static_cast<std::size_t>(d)] = sampled.distribution.a * normal_quantile(point[at++]);
+    }
+    const bool tilt = sampled.distribution.kind == Distribution::Kind::tilt_sd_deg;
+    const Vec3 after = tilt ? tilted(before, parts[0], parts[1]) : before + Vec3(parts[0], parts[1], parts[2]);
+    const auto column = std::ranges::find(plan_.columns, sampled.key) - plan_.columns.begin();
+    if (column < static_cast<std::ptrdiff_t>(run.cells.size())) {
+      run.cells[static_cast<std::size_t>(column)] = vector_text(after);
+    } else {
+      run.cells.push_back(vector_text(after));
+    }
+    for (int d = 0; d < dimensions; ++d) run.cells.push_back(number_text(parts[static_cast<std::size_t>(d)]));
+    run.overrides.push_back(sampled.key + "=" + vector_text(after));
+  }
+
+  /// The vector of the run before the sample changes it.
+  [[nodiscard]] Vec3 vector_of(const SampledKey& sampled, const PlannedRun& run) const {
+    YamlNodePtr document = base_;
+    for (const std::string& assignment : run.overrides) document = apply_override(document, assignment);
+    const YamlNode* node = node_at(document.get(), sampled.key);
+    Vec3 out;
+    bool read = node != nullptr && node->items.size() == 3;
+    for (std::size_t i = 0; read && i < 3; ++i) {
+      const auto value = parse_number(node->items[i]->text);
+      read = value.has_value();
+      if (read) out[static_cast<int>(i)] = *value;
+    }
+    const bool tilt = sampled.distribution.kind == Distribution::Kind::tilt_sd_deg;
+    if (read && (!tilt || out.norm() > 0)) return out;
+    throw InputError(sampled.where, sampled.key, "has no vector that the sample could change",
+                     "give it in the base scenario, in set, vary or the table");
+  }
+
+  const Study& study_;
+  std::vector<std::string> fixed_;
+  StudyPlan plan_;
+  std::vector<std::vector<double>> points_;
+  YamlNodePtr base_;
+};
+
+}  // namespace
+
+StudyPlan make_plan(const Study& study, const std::vector<std::string>& overrides) {
+  return Planner(study, overrides).plan();
+}
+
+}  // namespace reamsim

@@ -1,0 +1,208 @@
+#include <algorithm>
+#include <filesystem>
+#include <set>
+
+#include "sim/scenario/find_key.h"
+#include "sim/scenario/paths.h"
+#include "sim/scenario/show.h"
+#include "sim/scenario/text_file.h"
+#include "sim/study/cohort_table.h"
+#include "sim/study/sample_reader.h"
+
+namespace reamsim {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kStudyVersion = 1;
+const std::vector<std::string_view> kStudyKeys{"version", "name", "base", "set", "vary", "table", "sample", "keep"};
+const std::vector<std::string_view> kKept{"summary", "forces", "pictures", "vdb"};
+
+class StudyReader {
+ public:
+  StudyReader(const std::string& path, MistakeList& mistakes)
+      : file_(shown_path(path)), values_(fs::absolute(path).parent_path().string()), mistakes_(mistakes) {
+    study_.file = fs::absolute(path).lexically_normal().string();
+    study_.name = fs::path(study_.file).stem().string();
+  }
+
+  Study read(const YamlNode& document) {
+    if (document.kind != YamlNode::Kind::map) {
+      throw InputError({file_, 1, 0}, "", "found " + shown(document),
+                       "expected a study with the keys version and base");
+    }
+    for (const YamlEntry& entry : document.entries) mistakes_.attempt([&] { read_entry(entry); });
+    for (const char* needed : {"version", "base"}) {
+      if (document.find(needed) == nullptr) mistakes_.add(InputError({file_, 1, 1}, needed, "missing", "add it"));
+    }
+    check_keys_vary_once();
+    return std::move(study_);
+  }
+
+ private:
+  void read_entry(const YamlEntry& entry) {
+    const YamlNode& value = *entry.value;
+    if (entry.key == "version") return read_version(value);
+    if (entry.key == "name") return read_name(value);
+    if (entry.key == "base") return read_base(value);
+    if (entry.key == "set") return read_set(value);
+    if (entry.key == "vary") return read_vary(value);
+    if (entry.key == "table") return read_table(value);
+    if (entry.key == "keep") return read_keep(value);
+    if (entry.key == "sample") {
+      study_.sample = read_sample(value, file_, mistakes_);
+      return;
+    }
+    throw InputError(entry.mark.in(file_), shown_key(entry.key), "unknown key", suggest_word(kStudyKeys, entry.key));
+  }
+
+  [[noreturn]] void reject(const YamlNode& node, const std::string& key, const std::string& expected) const {
+    throw InputError(node.mark.in(file_), key, "found " + shown(node), expected);
+  }
+
+  void read_version(const YamlNode& node) const {
+    if (node.text != std::to_string(kStudyVersion)) reject(node, "version", "this program reads version 1");
+  }
+
+  /// The name becomes that of a folder.
+  void read_name(const YamlNode& node) {
+    const bool plain = node.kind == YamlNode::Kind::scalar && !node.text.empty() && node.text.front() != '.' &&
+                       node.text.find('/') == std::string::npos;
+    if (!plain) reject(node, "name", "expected a name that a folder can have");
+    study_.name = node.text;
+  }
+
+  void read_base(const YamlNode& node) {
+    if (node.kind != YamlNode::Kind::scalar) reject(node, "base", "expected the path of a scenario");
+    const std::string folder = fs::path(study_.file).parent_path().string();
+    study_.base = resolve_path(node.text, TextKind::input_file, folder, node.mark.in(file_), "base");
+  }
+
+  void read_set(const YamlNode& node) {
+    if (node.kind != YamlNode::Kind::map) reject(node, "set", "expected \"key: value\" lines");
+    for (const YamlEntry& entry : node.entries) {
+      mistakes_.attempt([&] {
+        const KeyValue value = values_.of_node(entry.key, *entry.value, entry.mark.in(file_));
+        study_.set.push_back(entry.key + "=" + value.applied);
+        once(entry.key, entry.mark.in(file_));
+      });
+    }
+  }
+
+  void read_vary(const YamlNode& node) {
+    if (node.kind != YamlNode::Kind::sequence || node.items.empty()) {
+      reject(node, "vary", "expected a list such as \"- motion.plunge.depth_mm: [2, 3]\"");
+    }
+    for (const YamlNodePtr& item : node.items) mistakes_.attempt([&] { study_.vary.push_back(variation(*item)); });
+  }
+
+  Variation variation(const YamlNode& item) {
+    if (item.kind != YamlNode::Kind::map) reject(item, "vary", "expected \"key: [values]\", or \"zip: {...}\"");
+    const YamlEntry& entry = item.entries.front();
+    if (item.entries.size() > 1) {
+      throw InputError(item.entries[1].mark.in(file_), "vary", "two keys in one entry of the list",
+                       "begin the second with \"- \" to combine both, or write zip: {...} where they vary together");
+    }
+    if (entry.key != "zip") {
+      Variation out{.keys = {entry.key}, .levels = {}};
+      for (const KeyValue& value : values_of(entry)) out.levels.push_back({value});
+      return out;
+    }
+    return zipped(entry);
+  }
+
+  Variation zipped(const YamlEntry& zip) {
+    if (zip.value->kind != YamlNode::Kind::map || zip.value->entries.empty()) {
+      reject(*zip.value, "zip", "expected keys with lists of the same length");
+    }
+    Variation out;
+    for (const YamlEntry& entry : zip.value->entries) {
+      const std::vector<KeyValue> values = values_of(entry);
+      if (out.keys.empty()) out.levels.resize(values.size());
+      if (values.size() != out.levels.size()) {
+        throw InputError(
+            entry.value->mark.in(file_), entry.key, "a list of " + std::to_string(values.size()),
+            "expected " + std::to_string(out.levels.size()) + " values, as many as the first key of zip has");
+      }
+      out.keys.push_back(entry.key);
+      for (std::size_t i = 0; i < values.size(); ++i) out.levels[i].push_back(values[i]);
+    }
+    return out;
+  }
+
+  std::vector<KeyValue> values_of(const YamlEntry& entry) {
+    if (entry.value->kind != YamlNode::Kind::sequence || entry.value->items.empty()) {
+      find_key(entry.key, entry.mark.in(file_));
+      reject(*entry.value, entry.key, "expected a list of values");
+    }
+    once(entry.key, entry.mark.in(file_));
+    std::vector<KeyValue> out;
+    for (const YamlNodePtr& item : entry.value->items) {
+      out.push_back(values_.of_node(entry.key, *item, item->mark.in(file_)));
+    }
+    return out;
+  }
+
+  void read_table(const YamlNode& node) {
+    if (node.kind != YamlNode::Kind::scalar) reject(node, "table", "expected the path of a CSV file");
+    const std::string folder = fs::path(study_.file).parent_path().string();
+    const std::string path = resolve_path(node.text, TextKind::input_file, folder, node.mark.in(file_), "table");
+    CohortTable table = read_cohort_table(path, values_, mistakes_);
+    for (const std::string& key : table.rows.keys) once(key, node.mark.in(file_));
+    study_.table = std::move(table.rows);
+    study_.labels = std::move(table.labels);
+  }
+
+  void read_keep(const YamlNode& node) {
+    const auto keep = [&](const YamlNode& item) {
+      if (item.text == "forces") study_.keep.forces = true;
+      if (item.text == "pictures") study_.keep.pictures = true;
+      if (item.text == "vdb") study_.keep.grids = true;
+      const bool known = item.kind == YamlNode::Kind::scalar && std::ranges::find(kKept, item.text) != kKept.end();
+      if (!known) reject(item, "keep", suggest_word(kKept, item.text));
+    };
+    if (node.kind == YamlNode::Kind::scalar) return keep(node);
+    if (node.kind != YamlNode::Kind::sequence)
+      reject(node, "keep", "expected a list of summary, forces, pictures, vdb");
+    for (const YamlNodePtr& item : node.items) keep(*item);
+  }
+
+  void once(const std::string& key, const SourceLocation& where) {
+    if (!given_.insert(key).second) {
+      throw InputError(where, key, "is given twice in the study", "give it in one of set, vary and table");
+    }
+  }
+
+  /// A sampled key may be varied as well only where the sample is a change of it.
+  void check_keys_vary_once() {
+    if (!study_.sample) return;
+    std::set<std::string> sampled;
+    for (const SampledKey& key : study_.sample->of) {
+      const auto kind = key.distribution.kind;
+      const bool change = kind == Distribution::Kind::tilt_sd_deg || kind == Distribution::Kind::shift_sd_mm;
+      if (!sampled.insert(key.key).second || (!change && given_.contains(key.key))) {
+        mistakes_.add(InputError(key.where, key.key, "is given twice in the study",
+                                 "give it in one of set, vary, table and sample"));
+      }
+    }
+  }
+
+  std::string file_;
+  KeyValues values_;
+  MistakeList& mistakes_;
+  Study study_;
+  std::set<std::string> given_;
+};
+
+}  // namespace
+
+Study read_study(const std::string& path) {
+  const YamlNodePtr document = parse_yaml(read_scenario_text(path, YamlLimits::kMaxBytes), shown_path(path));
+  MistakeList mistakes;
+  Study study = StudyReader(path, mistakes).read(*document);
+  mistakes.throw_if_any();
+  return study;
+}
+
+}  // namespace reamsim

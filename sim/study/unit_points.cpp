@@ -1,0 +1,100 @@
+#include "sim/study/unit_points.h"
+
+#include <boost/random/sobol.hpp>
+#include <numeric>
+#include <stdexcept>
+#include <utility>
+
+#include "sim/base/error.h"
+
+namespace reamsim {
+
+namespace {
+
+using Points = std::vector<std::vector<double>>;
+
+/// The random number of a counter: SplitMix64 (Steele, Lea and Flood 2014). The same on every machine, unlike the
+/// distributions of the standard library.
+std::uint64_t mixed(std::uint64_t x) {
+  x += 0x9e3779b97f4a7c15U;
+  x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9U;
+  x = (x ^ (x >> 27)) * 0x94d049bb133111ebU;
+  return x ^ (x >> 31);
+}
+
+std::uint64_t random_bits(std::uint64_t seed, std::uint64_t dimension, std::uint64_t i) {
+  return mixed(mixed(mixed(seed) + dimension) + i);
+}
+
+/// A number in the open interval (0, 1) from 53 of 64 bits.
+double unit(std::uint64_t bits) {
+  return (static_cast<double>(bits >> 11) + 0.5) * 0x1p-53;
+}
+
+Points monte_carlo(int n, int dimensions, std::uint64_t seed) {
+  Points points(static_cast<std::size_t>(n), std::vector<double>(static_cast<std::size_t>(dimensions)));
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    for (std::size_t d = 0; d < points[i].size(); ++d) points[i][d] = unit(random_bits(seed, d, i));
+  }
+  return points;
+}
+
+Points latin_hypercube(int n, int dimensions, std::uint64_t seed) {
+  Points points = monte_carlo(n, dimensions, seed);  // the place within the interval
+  std::vector<std::size_t> order(points.size());
+  for (std::size_t d = 0; d < static_cast<std::size_t>(dimensions); ++d) {
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    for (std::size_t i = order.size(); i > 1; --i) {  // Fisher and Yates
+      std::swap(order[i - 1], order[random_bits(seed ^ 0x4c4853, d, i) % i]);
+    }
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      points[i][d] = (static_cast<double>(order[i]) + points[i][d]) / static_cast<double>(n);
+    }
+  }
+  return points;
+}
+
+Points sobol(int n, int dimensions, std::uint64_t seed) {
+  Points points(static_cast<std::size_t>(n), std::vector<double>(static_cast<std::size_t>(dimensions)));
+  try {
+    boost::random::sobol sequence(static_cast<std::size_t>(dimensions));
+    for (std::vector<double>& point : points) {
+      for (std::size_t d = 0; d < point.size(); ++d) point[d] = unit(sequence() ^ random_bits(seed, d, 0));
+    }
+  } catch (const std::range_error&) {
+    throw InputError({}, "sample.of", std::to_string(dimensions) + " sampled numbers", "use method: latin_hypercube");
+  }
+  return points;
+}
+
+Points saltelli(int n, int dimensions, std::uint64_t seed) {
+  const auto count = static_cast<std::size_t>(dimensions);
+  Points points;
+  for (const std::vector<double>& both : sobol(n, 2 * dimensions, seed)) {
+    const std::vector<double> a(both.begin(), both.begin() + dimensions), b(both.begin() + dimensions, both.end());
+    points.push_back(a);
+    points.push_back(b);
+    for (std::size_t d = 0; d < count; ++d) {
+      points.push_back(a);
+      points.back()[d] = b[d];
+    }
+  }
+  return points;
+}
+
+}  // namespace
+
+Points unit_points(SampleMethod method, int n, int dimensions, std::uint64_t seed) {
+  switch (method) {
+    case SampleMethod::sobol:
+      return sobol(n, dimensions, seed);
+    case SampleMethod::latin_hypercube:
+      return latin_hypercube(n, dimensions, seed);
+    case SampleMethod::monte_carlo:
+      return monte_carlo(n, dimensions, seed);
+    default:
+      return saltelli(n, dimensions, seed);
+  }
+}
+
+}  // namespace reamsim

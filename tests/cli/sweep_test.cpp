@@ -1,0 +1,161 @@
+// Studies: one command simulates what is missing, whatever happened before.
+#include <algorithm>
+#include <csignal>
+#include <sstream>
+
+#include "tests/cli/cli_fixture.h"
+
+namespace reamsim::test {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+namespace fs = std::filesystem;
+
+/// 8 runs of 40 frames.
+const std::string kStudy =
+    "version: 1\n"
+    "base: s.yaml\n"
+    "vary:\n"
+    "  - motion.plunge.depth_mm: [0.5, 1]\n"
+    "sample: {n: 4, seed: 3, of: {cutting.specific_energy_j_mm3: {lognormal: [0.15, 0.3]}}}\n"
+    "keep: [summary, forces]\n";
+
+class Sweep : public CliTest {
+ protected:
+  Sweep() {
+    write("s.yaml", with(kSmall, "    dwell_s: 0\n", "    dwell_s: 0\n    axis: [0, 0, -1]\n"));
+    write("study.yaml", kStudy);
+  }
+
+  ProgramResult sweep(std::vector<std::string> arguments, const std::function<bool()>& when = {},
+                      int signal = SIGTERM) const {
+    arguments.insert(arguments.begin(), "sweep");
+    ProgramCall call{.arguments = std::move(arguments), .environment = {}, .folder = "", .interrupt_when = when};
+    call.interrupt_signal = signal;
+    return reamsim(call);
+  }
+  /// Finished runs in a study's folder.
+  [[nodiscard]] std::ptrdiff_t finished(const std::string& dir) const {
+    if (!exists(dir + "/runs")) return 0;
+    return std::ranges::count_if(fs::directory_iterator(path(dir + "/runs")),
+                                 [](const fs::directory_entry& entry) { return !entry.path().has_extension(); });
+  }
+  [[nodiscard]] std::vector<std::string> lines(const std::string& file) const {
+    std::istringstream text(read(file));
+    std::vector<std::string> out;
+    for (std::string line; std::getline(text, line);) out.push_back(line);
+    return out;
+  }
+};
+
+TEST_F(Sweep, OneCommandSimulatesAndCollects) {
+  const ProgramResult result = sweep({"run", "study.yaml", "-o", "out", "--jobs", "2"});
+  ASSERT_EQ(result.status, 0) << result.err;
+  EXPECT_THAT(result.out, HasSubstr("8 runs: 8 done"));
+  EXPECT_EQ(finished("out"), 8);
+  const std::vector<std::string> table = lines("out/runs.csv");
+  ASSERT_EQ(table.size(), 9U);
+  EXPECT_THAT(table[0], HasSubstr("run,id,status,message,motion.plunge.depth_mm,cutting.specific_energy_j_mm3,"));
+  EXPECT_THAT(table[0], HasSubstr(",removed_mm3,"));
+  EXPECT_THAT(sweep({"status", "study.yaml", "-o", "out"}).out, HasSubstr("8 runs: 8 done, 0 failed"));
+  const ProgramResult again = sweep({"run", "study.yaml", "-o", "out"});
+  EXPECT_THAT(again.out, HasSubstr("0 to simulate"));
+  // A larger study simulates what is new.
+  write("study.yaml", with(kStudy, "n: 4", "n: 5"));
+  EXPECT_THAT(sweep({"run", "study.yaml", "-o", "out"}).out, HasSubstr("2 to simulate"));
+}
+
+TEST_F(Sweep, ARunHasTheForcesOfReamsimRun) {
+  ASSERT_EQ(sweep({"run", "study.yaml", "-o", "out"}).status, 0);
+  const std::string row = lines("out/runs.csv")[8];  // 8,ID,done,,1,ENERGY,...
+  std::istringstream cells(row);
+  std::vector<std::string> cell(6);
+  for (std::string& text : cell) std::getline(cells, text, ',');
+  const ProgramResult alone =
+      reamsim({.arguments = {"run", "s.yaml", "-o", "alone", "--set", "motion.plunge.depth_mm=" + cell[4], "--set",
+                             "cutting.specific_energy_j_mm3=" + cell[5]},
+               .environment = {},
+               .folder = "",
+               .interrupt_when = {}});
+  ASSERT_EQ(alone.status, 0) << alone.err;
+  EXPECT_EQ(read("out/runs/" + cell[1] + "/forces.csv"), read("alone/forces.csv"));
+}
+
+TEST_F(Sweep, AnInterruptedStudyGoesOnAndEndsTheSame) {
+  // Runs of a second, so that each signal finds one at work.
+  write("s.yaml", with(with(read("s.yaml"), "feed_mm_s: 5", "feed_mm_s: 0.02"), "engine:\n  device: serial\n",
+                       "engine:\n  batch_frames: 10\n  device: serial\noutput:\n  checkpoint_s: 0.05\n"));
+  ASSERT_EQ(sweep({"run", "study.yaml", "-o", "whole", "--jobs", "2"}).status, 0);
+  for (const int signal : {SIGTERM, SIGKILL}) {
+    const std::ptrdiff_t before = finished("out");
+    const ProgramResult result = sweep(
+        {"run", "study.yaml", "-o", "out", "--jobs", "2"}, [&] { return finished("out") > before; }, signal);
+    if (signal == SIGTERM) {
+      EXPECT_EQ(result.status, 75) << result.err;  // of an interrupted command that can continue
+      EXPECT_THAT(result.err, HasSubstr("interrupted; the same command continues"));
+    }
+  }
+  ProgramResult result;
+  for (int attempt = 0; attempt < 20; ++attempt) {  // workers of the killed command may not have ended yet
+    result = sweep({"run", "study.yaml", "-o", "out", "--jobs", "2"});
+    if (result.out.find("8 done") != std::string::npos) break;
+  }
+  EXPECT_EQ(result.status, 0) << result.err;
+  EXPECT_EQ(read("out/runs.csv"), read("whole/runs.csv"));
+  EXPECT_EQ(finished("out"), 8);
+}
+
+TEST_F(Sweep, ShardsMakeTheWholeStudy) {
+  ASSERT_EQ(sweep({"run", "study.yaml", "-o", "whole"}).status, 0);
+  for (const char* shard : {"1/3", "2/3", "3/3"}) {
+    const ProgramResult result = sweep({"run", "study.yaml", "-o", "out", "--shard", shard});
+    EXPECT_EQ(result.status, 0) << result.err;
+    EXPECT_FALSE(exists("out/runs.csv"));
+  }
+  EXPECT_EQ(sweep({"collect", "study.yaml", "-o", "out"}).status, 0);
+  EXPECT_EQ(read("out/runs.csv"), read("whole/runs.csv"));
+  const ProgramResult wrong = sweep({"run", "study.yaml", "-o", "out", "--shard", "4/3"});
+  EXPECT_EQ(wrong.status, 2);
+  EXPECT_THAT(wrong.err, HasSubstr("--shard: found 4/3; expected i/n"));
+}
+
+TEST_F(Sweep, AFailingRunIsOneRow) {
+  // A depth that is no number is known from the scenario; a tool that starts below the block only from the scene.
+  write("study.yaml",
+        "version: 1\nbase: s.yaml\nset: {motion.plunge.from: contact}\nvary:\n"
+        "  - zip: {motion.plunge.depth_mm: [0.5, deep, 0.5], motion.plunge.entry_mm: [[0, 0, 0], [0, 0, 0], [900, 0, "
+        "0]]}\n");
+  const ProgramResult plan = sweep({"plan", "study.yaml"});
+  EXPECT_EQ(plan.status, 2);
+  EXPECT_THAT(plan.err, AllOf(HasSubstr("run 2"), HasSubstr("run 3"), HasSubstr("2 of 3 runs are wrong")));
+  const ProgramResult result = sweep({"run", "study.yaml", "-o", "out"});
+  EXPECT_EQ(result.status, 1);
+  EXPECT_THAT(result.err, HasSubstr("2 runs failed; the others are complete"));
+  const std::vector<std::string> table = lines("out/runs.csv");
+  ASSERT_EQ(table.size(), 4U);
+  EXPECT_THAT(table[1], HasSubstr(",done,"));
+  EXPECT_THAT(table[2], AllOf(HasSubstr("2,,failed,"), HasSubstr("motion.plunge.depth_mm")));
+  EXPECT_THAT(table[3], AllOf(HasSubstr(",failed,"), HasSubstr("motion.plunge.entry_mm")));
+}
+
+TEST_F(Sweep, PlanWritesNothing) {
+  const ProgramResult result = sweep({"plan", "study.yaml"});
+  EXPECT_EQ(result.status, 0) << result.err;
+  EXPECT_THAT(result.out, AllOf(HasSubstr("8 runs of "), HasSubstr("time: about "), HasSubstr("memory: up to "),
+                                HasSubstr("disk: about ")));
+  EXPECT_FALSE(exists("out"));
+}
+
+TEST_F(Sweep, AFolderWithSomethingElseIsLeftAlone) {
+  fs::create_directory(path("out"));
+  write("out/thesis.txt", "x");
+  const ProgramResult result = sweep({"run", "study.yaml", "-o", "out"});
+  EXPECT_EQ(result.status, 2);
+  EXPECT_THAT(result.err, HasSubstr("is not the folder of a study"));
+  EXPECT_EQ(read("out/thesis.txt"), "x");
+  EXPECT_FALSE(exists("out/runs"));
+}
+
+}  // namespace
+}  // namespace reamsim::test

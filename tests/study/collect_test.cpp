@@ -1,0 +1,93 @@
+#include "sim/study/collect.h"
+
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "sim/base/csv.h"
+#include "sim/record/manifest.h"
+#include "tests/study/study_fixture.h"
+
+namespace reamsim::test {
+namespace {
+
+using ::testing::HasSubstr;
+
+class Collect : public StudyTest {
+ protected:
+  Collect()
+      : study_(study("vary: [{motion.plunge.depth_mm: [1, 2, 3, 4, -1]}]\n")),
+        plan_(make_plan(study_)),
+        runs_(identify_runs(study_, plan_)),
+        folder_(study_, path("out")) {}
+
+  /// A finished run with this summary.
+  void finish(std::size_t run, const std::string& summary) const {
+    const std::string dir = folder_.run_dir(runs_[run].id);
+    std::filesystem::create_directories(dir);
+    std::ofstream(dir + "/summary.json") << summary;
+    write_manifest(dir, {.kind = "run", .files = {"summary.json"}});
+  }
+  /// The lines of runs.csv.
+  [[nodiscard]] std::vector<std::string> table(StudyCounts& counts) const {
+    counts = collect_runs(folder_, plan_, runs_);
+    std::istringstream text(file_bytes(path("out/runs.csv")));
+    std::vector<std::string> lines;
+    for (std::string line; std::getline(text, line);) lines.push_back(line);
+    return lines;
+  }
+
+  Study study_;
+  StudyPlan plan_;
+  std::vector<IdentifiedRun> runs_;
+  StudyFolder folder_;
+};
+
+TEST_F(Collect, HasARowForEveryRun) {
+  finish(0, R"({"a": 1.5, "metrics": {"b": [2, null], "c": "text"}, "timings_s": {"load": 1}, "memory_mb": {"x": 1}})");
+  finish(1, R"({"a": null, "metrics": {"d": 1e5}})");
+  folder_.note_failure(runs_[2].id, "the disk, \"full\"");
+  StudyCounts counts;
+  const std::vector<std::string> lines = table(counts);
+  ASSERT_EQ(lines.size(), 6U);
+  EXPECT_EQ(lines[0], "run,id,status,message,motion.plunge.depth_mm,a,metrics.b.0,metrics.d");
+  EXPECT_EQ(lines[1], "1," + runs_[0].id + ",done,,1,1.5,2,");
+  EXPECT_EQ(lines[2], "2," + runs_[1].id + ",done,,2,,,100000");
+  EXPECT_EQ(lines[3], "3," + runs_[2].id + ",failed,\"the disk, \"\"full\"\"\",3,,,");
+  EXPECT_EQ(lines[4], "4," + runs_[3].id + ",missing,,4,,,");
+  EXPECT_THAT(lines[5], HasSubstr("5,,failed,"));
+  EXPECT_THAT(lines[5], HasSubstr("motion.plunge.depth_mm"));
+  EXPECT_EQ(counts.done, 2);
+  EXPECT_EQ(counts.failed, 2);
+  EXPECT_EQ(counts.missing, 1);
+}
+
+TEST_F(Collect, ADamagedResultIsNotDone) {
+  finish(0, R"({"a": 1})");
+  const std::string dir = folder_.run_dir(runs_[0].id);
+  EXPECT_EQ(folder_.state(runs_[0].id), RunState::done);
+  for (const std::uintmax_t bytes : {5U, 0U}) {
+    std::filesystem::resize_file(dir + "/summary.json", bytes);
+    EXPECT_EQ(folder_.state(runs_[0].id), RunState::missing);
+  }
+  finish(0, R"({"a": 1})");
+  std::filesystem::remove(dir + "/manifest.json");
+  EXPECT_EQ(folder_.state(runs_[0].id), RunState::missing);
+}
+
+TEST_F(Collect, ARunThatLacksWhatTheStudyKeepsIsNotDone) {
+  finish(0, R"({"a": 1})");
+  const StudyFolder keeps_forces(study("vary: [{motion.plunge.depth_mm: [1]}]\nkeep: [forces]\n"), path("out"));
+  EXPECT_EQ(keeps_forces.state(runs_[0].id), RunState::missing);
+}
+
+TEST_F(Collect, AnotherFolderIsNoStudy) {
+  std::filesystem::create_directory(path("mine"));
+  write("mine/thesis.txt", "x");
+  EXPECT_THROW(StudyFolder(study_, path("mine")), InputError);
+  EXPECT_THROW(StudyFolder::open(study_, path("none")), InputError);
+  EXPECT_THROW(StudyFolder(study_, path("base.yaml")), InputError);
+  EXPECT_TRUE(std::filesystem::exists(path("mine/thesis.txt")));
+}
+
+}  // namespace
+}  // namespace reamsim::test
