@@ -16,7 +16,7 @@ typedef struct {
   float padding;
 } MotionWindow;
 
-/* Forces, torques (T), energy, speed-floor energy: in the order of SubstepSums. */
+/* Forces, torques (T), speed-floor energy, energy. */
 #define RS_WINDOW_SUMS 8
 
 /* The polynomial c[0] + c[1] x + ... with x = y - at. */
@@ -243,7 +243,7 @@ RS_INLINE float rs_window_time(RS_GLOBAL const MotionWindow* w, rs_i32 frame) {
   return (float)(frame - w->middle.frame) * w->per_frame;
 }
 
-/* Force, torque, energy and speed-floor energy of a voxel that loses a unit of fill. `whole`: energy of a whole voxel,
+/* Force, torque, speed-floor energy and energy of a voxel that loses a unit of fill. `whole`: energy of a whole voxel,
  * mJ. */
 RS_INLINE void rs_window_response(RS_GLOBAL const SubstepArgs* a, const Clip* clip, rs_real whole, rs_real* out) {
   const rs_real *p = clip->p, energy = whole * (1.0f / (float)RS_WHOLE_FILL);
@@ -252,8 +252,8 @@ RS_INLINE void rs_window_response(RS_GLOBAL const SubstepArgs* a, const Clip* cl
   out[3] = p[1] * found.force[2] - p[2] * found.force[1];
   out[4] = p[2] * found.force[0] - p[0] * found.force[2];
   out[5] = p[0] * found.force[1] - p[1] * found.force[0];
-  out[6] = energy + found.added_energy;
-  out[7] = found.floor_energy;
+  out[6] = found.floor_energy;
+  out[7] = energy + found.added_energy;
 }
 
 /* The voxel in a window, from the tool next to it at the three nodes. `whole`: energy of a whole voxel, mJ. */
@@ -274,18 +274,11 @@ RS_INLINE void rs_fit_voxel(RS_GLOBAL const MotionWindow* w, const Clip* first, 
 
 /* Sums over the voxels of a brick in one frame, in ascending order of their places: constants, then linear parts. Adds
  * them at `time` to `total`. */
-RS_INLINE void rs_finish_window_sums(const float* sums, float time, SubstepSums* total) {
-  rs_i64 part[RS_WINDOW_SUMS];
+RS_INLINE void rs_finish_window_sums(const float* sums, float time, rs_i64* total) {
   for (int i = 0; i < RS_WINDOW_SUMS; ++i) {
     const double scale = i < 3 ? RS_FORCE_SCALE : i < 6 ? RS_TORQUE_SCALE : RS_ENERGY_SCALE;
-    part[i] = (rs_i64)(RS_FMA(time, sums[RS_WINDOW_SUMS + i], sums[i]) * (float)scale);
+    total[i] += (rs_i64)(RS_FMA(time, sums[RS_WINDOW_SUMS + i], sums[i]) * (float)scale);
   }
-  for (int i = 0; i < 3; ++i) {
-    total->force[i] += part[i];
-    total->torque[i] += part[3 + i];
-  }
-  total->energy += part[6];
-  total->floor_energy += part[7];
 }
 
 #endif
