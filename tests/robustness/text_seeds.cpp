@@ -88,6 +88,7 @@ class TextSeeds {
     Seed& all = add("scenario", {}, "");
     for (const auto& entry : fs::directory_iterator(REAMSIM_ROOT "/trajectories")) {
       const std::string name = entry.path().filename().string();
+      if (!entry.is_regular_file()) continue;                              // studies/
       if (name.starts_with("ct_") || name.starts_with("mesh_")) continue;  // their data may be absent
       std::string text = text_of(entry.path().string());
       for (std::size_t at; (at = text.find("../assets")) != std::string::npos;) {
