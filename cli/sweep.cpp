@@ -6,13 +6,13 @@
 #include <memory>
 
 #include "cli/commands.h"
+#include "cli/sweep_collect.h"
 #include "cli/sweep_commands.h"
 #include "cli/sweep_estimate.h"
 #include "cli/sweep_options.h"
 #include "cli/sweep_workers.h"
 #include "sim/base/error.h"
 #include "sim/base/text.h"
-#include "sim/study/collect.h"
 
 namespace reamsim {
 
@@ -51,11 +51,6 @@ namespace {
 
 /// Mistakes on standard error, at most.
 constexpr std::size_t kMostShown = 10;
-
-std::string counts_text(const StudyCounts& counts) {
-  return fmt::format("{} runs: {} done, {} failed, {} interrupted, {} missing", counts.all(), counts.done,
-                     counts.failed, counts.interrupted, counts.missing);
-}
 
 /// The mistakes of runs, each message once, with the first run that has it.
 class MistakesOfRuns {
@@ -172,10 +167,8 @@ void plan_command(const PlanOptions& options, const Console& console) {
 
 // --- status, collect ---
 
-void status_command(const SweepOptions& options, const Console& console) {
-  const SweepRuns sweep = load_sweep(options);
-  const StudyFolder folder = StudyFolder::open(sweep.study, options.dir(sweep.study));
-  console.say(counts_text(count_runs(folder, sweep.runs)));
+/// Why runs failed.
+MistakesOfRuns failures_of(const SweepRuns& sweep, const StudyFolder& folder) {
   MistakesOfRuns failures;
   for (std::size_t i = 0; i < sweep.runs.size(); ++i) {
     const IdentifiedRun& run = sweep.runs[i];
@@ -184,15 +177,21 @@ void status_command(const SweepOptions& options, const Console& console) {
       failures.add(sweep.plan.runs[i].number, folder.failure(run.id));
     }
   }
-  failures.print(console);
+  return failures;
+}
+
+void status_command(const SweepOptions& options, const Console& console) {
+  const SweepRuns sweep = load_sweep(options);
+  const StudyFolder folder = StudyFolder::open(sweep.study, options.dir(sweep.study));
+  console.say(counts_text(count_runs(folder, sweep.runs)));
+  failures_of(sweep, folder).print(console);
 }
 
 void collect_command(const SweepOptions& options, const Console& console) {
   const SweepRuns sweep = load_sweep(options);
   const StudyFolder folder = StudyFolder::open(sweep.study, options.dir(sweep.study));
-  const StudyCounts counts = collect_runs(folder, sweep.plan, sweep.runs);
-  console.say(counts_text(counts));
-  console.say("table: " + folder.path() + "/runs.csv");
+  collect_and_show(sweep, folder, console);
+  failures_of(sweep, folder).print(console);
 }
 
 // --- run ---
@@ -258,7 +257,7 @@ class StudyRun {
     progress.finish();
     folder_.sync();
     if (!all) throw Suspended("interrupted; the same command continues");
-    if (shard_.count == 1) collect();
+    if (shard_.count == 1) collect_and_show(sweep_, folder_, console_);
     report();
   }
   [[nodiscard]] const SweepRuns& runs() const { return sweep_; }
@@ -277,11 +276,6 @@ class StudyRun {
       failures_.add(number, answer.text);
     }
     if (answer.outcome == WorkerAnswer::Outcome::busy) ++busy_;
-  }
-
-  void collect() const {
-    console_.say(counts_text(collect_runs(folder_, sweep_.plan, sweep_.runs)));
-    console_.say("table: " + folder_.path() + "/runs.csv");
   }
 
   void report() const {
@@ -337,7 +331,8 @@ void add_sweep_status(CLI::App& sweep, Console& console) {
 }
 
 void add_sweep_collect(CLI::App& sweep, Console& console) {
-  auto* command = sweep.add_subcommand("collect", "Write runs.csv: a row per run with its parameters and results");
+  auto* command =
+      sweep.add_subcommand("collect", "Write the table of runs, plots of main effects and a page to look at them");
   auto options = std::make_shared<SweepOptions>();
   options->add_to(*command);
   command->callback([options, &console] { collect_command(*options, console); });

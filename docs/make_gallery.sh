@@ -41,3 +41,5 @@ for reamer in convex flat; do
 done
 "$reamsim" compare "$work/study_biconcave_convex" "$work/study_biconcave_flat" -o "$work/compare" --overwrite --quiet
 keep compare/compare.png biconcave_compare 900
+"$reamsim" sweep run "$root/trajectories/studies/reamers.yaml" -o "$work/reamers" --quiet
+ffmpeg -v error -y -i "$work/reamers/effects.png" -vf scale=1063:-1:flags=area "$root/docs/images/study_effects.png"  # docs/studies.md

@@ -1,8 +1,10 @@
 #include "sim/study/collect.h"
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <limits>
 #include <map>
 
 #include "sim/base/csv.h"
@@ -28,9 +30,18 @@ class NumberColumns {
     }
   }
   [[nodiscard]] const std::vector<std::string>& names() const { return names_; }
-  [[nodiscard]] std::vector<std::string> cells(const Numbers& numbers) const {
-    std::vector<std::string> out(names_.size());
-    for (const auto& [name, value] : numbers) out[places_.at(name)] = shortest_text(value);
+  /// By column; NaN where a number is missing.
+  [[nodiscard]] std::vector<double> values(const Numbers& numbers) const {
+    std::vector<double> out(names_.size(), std::numeric_limits<double>::quiet_NaN());
+    for (const auto& [name, value] : numbers) out[places_.at(name)] = value;
+    return out;
+  }
+  /// The places of those whose name is none of `parameters`.
+  [[nodiscard]] std::vector<std::size_t> other_than(const std::vector<std::string>& parameters) const {
+    std::vector<std::size_t> out;
+    for (std::size_t i = 0; i < names_.size(); ++i) {
+      if (std::ranges::find(parameters, names_[i]) == parameters.end()) out.push_back(i);
+    }
     return out;
   }
 
@@ -38,11 +49,6 @@ class NumberColumns {
   std::map<std::string, std::size_t> places_;
   std::vector<std::string> names_;
 };
-
-const char* name_of(RunState state) {
-  static const char* const names[] = {"missing", "interrupted", "failed", "done"};  // in the order of RunState
-  return names[static_cast<std::size_t>(state)];
-}
 
 RunState state_of(const StudyFolder& folder, const IdentifiedRun& run) {
   return run.id.empty() ? RunState::failed : folder.state(run.id);
@@ -68,10 +74,50 @@ std::string cell(const std::string& text) {
   return parse_number(text) ? text : csv_text(text);
 }
 
-void write_line(std::ofstream& out, const std::vector<std::string>& cells) {
-  for (std::size_t i = 0; i < cells.size(); ++i) out << (i == 0 ? "" : ",") << cells[i];
-  out << '\n';
+/// A run without its numbers.
+CollectedRun collected(const StudyFolder& folder, const PlannedRun& planned, const IdentifiedRun& run, RunState state) {
+  CollectedRun out{.number = planned.number,
+                   .id = run.id,
+                   .state = state,
+                   .message = run.mistake,
+                   .cells = planned.cells,
+                   .numbers = {}};
+  if (out.message.empty() && out.state == RunState::failed) out.message = folder.failure(run.id);
+  std::error_code error;
+  out.has_report = out.state == RunState::done && fs::exists(folder.run_dir(run.id) + "/report.html", error);
+  return out;
 }
+
+/// runs.csv, which replaces an older one when it is complete.
+class TableFile {
+ public:
+  explicit TableFile(const std::string& path)
+      : path_(path), unfinished_(path + ".tmp"), out_(unfinished_, std::ios::binary) {}
+
+  void header(const std::vector<std::string>& parameters, const std::vector<std::string>& numbers) {
+    out_ << "run,id,status,message";
+    for (const std::string& name : parameters) out_ << ',' << csv_text(name);
+    for (const std::string& name : numbers) out_ << ',' << name;
+    out_ << '\n';
+  }
+  void row(const CollectedRun& run) {
+    out_ << run.number << ',' << run.id << ',' << name_of(run.state) << ',' << csv_text(run.message);
+    for (const std::string& text : run.cells) out_ << ',' << cell(text);
+    for (const double value : run.numbers) out_ << ',' << (std::isnan(value) ? std::string() : shortest_text(value));
+    out_ << '\n';
+  }
+  void finish() {
+    close_file(out_, unfinished_);
+    sync_to_disk(unfinished_);
+    std::error_code error;
+    fs::rename(unfinished_, path_, error);
+    if (error) fail_to_write(path_);
+  }
+
+ private:
+  std::string path_, unfinished_;
+  std::ofstream out_;
+};
 
 }  // namespace
 
@@ -81,35 +127,33 @@ StudyCounts count_runs(const StudyFolder& folder, const std::vector<IdentifiedRu
   return counts;
 }
 
-StudyCounts collect_runs(const StudyFolder& folder, const StudyPlan& plan, const std::vector<IdentifiedRun>& runs) {
+CollectedStudy collect_runs(const StudyFolder& folder, const StudyPlan& plan, const std::vector<IdentifiedRun>& runs,
+                            std::size_t most_in_table) {
   NumberColumns columns;
+  std::vector<RunState> states;  // once: other processes may work on the study
   for (const IdentifiedRun& run : runs) {
-    if (state_of(folder, run) == RunState::done) columns.add(summary_numbers(folder.run_dir(run.id)));
+    states.push_back(state_of(folder, run));
+    if (states.back() == RunState::done) columns.add(summary_numbers(folder.run_dir(run.id)));
   }
-  const std::string path = folder.path() + "/runs.csv", unfinished = path + ".tmp";
-  std::ofstream out(unfinished, std::ios::binary);
-  std::vector<std::string> header{"run", "id", "status", "message"};
-  for (const std::string& column : plan.columns) header.push_back(csv_text(column));
-  header.insert(header.end(), columns.names().begin(), columns.names().end());
-  write_line(out, header);
-  StudyCounts counts;
+  CollectedStudy out{.counts = {}, .table = {plan.columns, {}, {}, runs.size()}};
+  const std::vector<std::size_t> results = columns.other_than(plan.columns);
+  for (const std::size_t place : results) out.table.results.push_back(columns.names()[place]);
+  const std::vector<bool> in_table = runs_of_table(runs.size(), most_in_table);
+  TableFile file(folder.path() + "/runs.csv");
+  file.header(plan.columns, columns.names());
   for (std::size_t i = 0; i < runs.size(); ++i) {
-    const RunState state = state_of(folder, runs[i]);
-    count(state, counts);
-    std::string message = runs[i].mistake;
-    if (message.empty() && state == RunState::failed) message = folder.failure(runs[i].id);
-    std::vector<std::string> cells{std::to_string(plan.runs[i].number), runs[i].id, name_of(state), csv_text(message)};
-    for (const std::string& text : plan.runs[i].cells) cells.push_back(cell(text));
-    const Numbers numbers = state == RunState::done ? summary_numbers(folder.run_dir(runs[i].id)) : Numbers();
-    for (std::string& text : columns.cells(numbers)) cells.push_back(std::move(text));
-    write_line(out, cells);
+    CollectedRun run = collected(folder, plan.runs[i], runs[i], states[i]);
+    count(run.state, out.counts);
+    run.numbers = columns.values(run.state == RunState::done ? summary_numbers(folder.run_dir(run.id)) : Numbers());
+    file.row(run);
+    if (!in_table[i]) continue;
+    std::vector<double> numbers;
+    for (const std::size_t place : results) numbers.push_back(run.numbers[place]);
+    run.numbers = std::move(numbers);
+    out.table.runs.push_back(std::move(run));
   }
-  close_file(out, unfinished);
-  sync_to_disk(unfinished);
-  std::error_code error;
-  fs::rename(unfinished, path, error);
-  if (error) fail_to_write(path);
-  return counts;
+  file.finish();
+  return out;
 }
 
 }  // namespace reamsim

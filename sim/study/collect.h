@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "sim/study/identify.h"
+#include "sim/study/run_table.h"
 #include "sim/study/study_folder.h"
 
 namespace reamsim {
@@ -19,10 +20,20 @@ struct StudyCounts {
 
 StudyCounts count_runs(const StudyFolder& folder, const std::vector<IdentifiedRun>& runs);
 
+/// Most runs of a table in memory.
+inline constexpr std::size_t kMostRunsOfTable = 50'000;
+
+/// What collect_runs() found.
+struct CollectedStudy {
+  StudyCounts counts;
+  RunTable table;
+};
+
 /// Writes DIR/runs.csv, a row for each run of the plan: `run`, `id`, `status` (done, failed, interrupted, missing),
 /// `message`, the columns of the plan, and every number of summary.json but times and memory, which differ from run to
-/// run; nested names are joined by dots. A missing value is an empty cell. Reads one summary at a time. Throws
-/// RunError.
-StudyCounts collect_runs(const StudyFolder& folder, const StudyPlan& plan, const std::vector<IdentifiedRun>& runs);
+/// run; nested names are joined by dots. A missing value is an empty cell. Reads one summary at a time. Returns the
+/// rows, at most `most_in_table` (runs_of_table()). Throws RunError.
+CollectedStudy collect_runs(const StudyFolder& folder, const StudyPlan& plan, const std::vector<IdentifiedRun>& runs,
+                            std::size_t most_in_table = kMostRunsOfTable);
 
 }  // namespace reamsim

@@ -48,6 +48,7 @@ LAYERS = [
     ("render", ["render"]),
     ("render/report", ["render_report"]),
     ("render/preview", ["render_preview"]),
+    ("render/study", ["render_study"]),
     ("cli", ["reamsim"]),
 ]
 RANK = {name: rank for rank, (folder, libraries) in enumerate(LAYERS) for name in [folder, *libraries]}

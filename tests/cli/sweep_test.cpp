@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "sim/base/text.h"
 #include "tests/cli/cli_fixture.h"
 
 namespace reamsim::test {
@@ -60,6 +61,16 @@ TEST_F(Sweep, OneCommandSimulatesAndCollects) {
   ASSERT_EQ(table.size(), 9U);
   EXPECT_THAT(table[0], HasSubstr("run,id,status,message,motion.plunge.depth_mm,cutting.specific_energy_j_mm3,"));
   EXPECT_THAT(table[0], HasSubstr(",removed_mm3,"));
+  for (const char* file : {"effects.csv", "effects.png", "effects.svg", "effects.pdf", "effects.gp", "sweep.html"}) {
+    EXPECT_TRUE(exists(std::string("out/") + file)) << file;
+  }
+  EXPECT_THAT(result.out, HasSubstr("page: " + path("out") + "/sweep.html"));
+  EXPECT_THAT(result.out, AllOf(HasSubstr("Plunge"), HasSubstr(" 8 done")));  // a row for each run
+  std::istringstream printed(result.out);
+  for (std::string line; std::getline(printed, line);) {
+    const bool has_path = line.find('/') != std::string::npos;
+    EXPECT_TRUE(has_path || text_width(line) <= 100) << line;
+  }
   EXPECT_THAT(sweep({"status", "study.yaml", "-o", "out"}).out, HasSubstr("8 runs: 8 done, 0 failed"));
   const ProgramResult again = sweep({"run", "study.yaml", "-o", "out"});
   EXPECT_THAT(again.out, HasSubstr("0 to simulate"));
@@ -139,6 +150,11 @@ TEST_F(Sweep, AFailingRunIsOneRow) {
   EXPECT_THAT(table[1], HasSubstr(",done,"));
   EXPECT_THAT(table[2], AllOf(HasSubstr("2,,failed,"), HasSubstr("motion.plunge.depth_mm")));
   EXPECT_THAT(table[3], AllOf(HasSubstr(",failed,"), HasSubstr("motion.plunge.entry_mm")));
+  EXPECT_THAT(read("out/sweep.html"), HasSubstr("motion.plunge.depth_mm"));
+  EXPECT_FALSE(exists("out/effects.png")) << "one run has no effects";
+  const ProgramResult collected = sweep({"collect", "study.yaml", "-o", "out"});
+  EXPECT_EQ(collected.status, 0);
+  EXPECT_THAT(collected.err, AllOf(HasSubstr("run 2"), HasSubstr("run 3")));
 }
 
 TEST_F(Sweep, PlanWritesNothing) {

@@ -1,6 +1,7 @@
 #include "sim/study/collect.h"
 
 #include <atomic>
+#include <cmath>
 #include <nlohmann/json.hpp>
 #include <sstream>
 #include <thread>
@@ -31,7 +32,7 @@ class Collect : public StudyTest {
   }
   /// The lines of runs.csv.
   [[nodiscard]] std::vector<std::string> table(StudyCounts& counts) const {
-    counts = collect_runs(folder_, plan_, runs_);
+    counts = collect_runs(folder_, plan_, runs_).counts;
     std::istringstream text(file_bytes(path("out/runs.csv")));
     std::vector<std::string> lines;
     for (std::string line; std::getline(text, line);) lines.push_back(line);
@@ -61,6 +62,24 @@ TEST_F(Collect, HasARowForEveryRun) {
   EXPECT_EQ(counts.done, 2);
   EXPECT_EQ(counts.failed, 2);
   EXPECT_EQ(counts.missing, 1);
+}
+
+TEST_F(Collect, TheTableHasTheRunsOfTheFile) {
+  finish(0, R"({"a": 1.5, "motion": {"plunge": {"depth_mm": 7}}})");
+  finish(1, R"({"a": null, "b": 2})");
+  folder_.note_failure(runs_[2].id, "full");
+  const RunTable table = collect_runs(folder_, plan_, runs_).table;
+  EXPECT_THAT(table.parameters, ::testing::ElementsAre("motion.plunge.depth_mm"));
+  EXPECT_THAT(table.results, ::testing::ElementsAre("a", "b")) << "a result with the name of a parameter is none";
+  ASSERT_EQ(table.runs.size(), 5U);
+  EXPECT_EQ(table.runs[0].numbers[0], 1.5);
+  EXPECT_TRUE(std::isnan(table.runs[0].numbers[1]));
+  EXPECT_EQ(table.runs[1].numbers[1], 2);
+  EXPECT_EQ(table.runs[2].message, "full");
+  EXPECT_FALSE(table.runs[0].has_report);
+  const RunTable part = collect_runs(folder_, plan_, runs_, 2).table;
+  EXPECT_EQ(part.runs.size(), 2U);
+  EXPECT_EQ(part.all, 5U);
 }
 
 TEST_F(Collect, ADamagedResultIsNotDone) {

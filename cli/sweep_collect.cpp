@@ -1,0 +1,60 @@
+#include "cli/sweep_collect.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <filesystem>
+
+#include "render/study/effects_plot.h"
+#include "render/study/effects_table.h"
+#include "render/study/study_page.h"
+#include "sim/base/file.h"
+
+namespace reamsim {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Characters of a line on the terminal.
+constexpr std::size_t kTerminalWidth = 100;
+
+/// Figures of runs that the study no longer has would contradict its table.
+void remove_effects(const std::string& dir) {
+  std::error_code ignored;
+  for (const char* ending : {"csv", "gp", "png", "svg", "pdf"}) fs::remove(dir + "/effects." + ending, ignored);
+}
+
+std::string effects_line(const std::string& dir, const MainEffects& effects) {
+  const std::size_t all = effects.parameters.size(), shown = std::min(all, kMostParametersOfFigure);
+  const std::string part =
+      shown < all ? fmt::format(" ({} of {} parameters, those that explain most)", shown, all) : std::string();
+  return "main effects: " + dir + "/effects.png" + part;
+}
+
+}  // namespace
+
+std::string counts_text(const StudyCounts& counts) {
+  return fmt::format("{} runs: {} done, {} failed, {} interrupted, {} missing", counts.all(), counts.done,
+                     counts.failed, counts.interrupted, counts.missing);
+}
+
+void collect_and_show(const SweepRuns& sweep, const StudyFolder& folder, const Console& console) {
+  const CollectedStudy collected = collect_runs(folder, sweep.plan, sweep.runs);
+  const MainEffects effects = main_effects(collected.table);
+  if (effects.empty()) {
+    remove_effects(folder.path());
+  } else {
+    write_main_effects(folder.path(), effects);
+  }
+  replace_file(folder.path() + "/sweep.html", study_page(sweep.study.name, collected.table));
+  const std::vector<std::string> table = study_table(collected.table, effects, kTerminalWidth);
+  for (const std::string& line : table) console.say(line);
+  if (!table.empty()) console.say("");
+  console.say(counts_text(collected.counts));
+  console.say("table: " + folder.path() + "/runs.csv");
+  if (!effects.empty()) console.say(effects_line(folder.path(), effects));
+  console.say("page: " + folder.path() + "/sweep.html");
+}
+
+}  // namespace reamsim
