@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace reamsim {
@@ -23,6 +24,12 @@ std::size_t text_width(const std::string& text);
 /// The lines of a table of text: the first column is left-aligned, the others right-aligned. No row has more cells than
 /// the first.
 std::vector<std::string> align_columns(const std::vector<std::vector<std::string>>& rows);
+
+/// The parts of a text between separators, empty ones too: at least one.
+std::vector<std::string> split(std::string_view text, char separator);
+
+/// Whether a text consists of digits: an index, a label.
+bool is_whole_number(std::string_view text);
 
 /// Whole megabytes, 10⁶ bytes, rounded up: "12 MB".
 std::string megabytes(std::size_t bytes);

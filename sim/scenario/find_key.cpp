@@ -6,6 +6,7 @@
 #include <optional>
 #include <ranges>
 
+#include "sim/base/text.h"
 #include "sim/scenario/show.h"
 
 namespace reamsim {
@@ -88,21 +89,10 @@ std::string_view name_of_key(const KeyNode& key) {
   return key.info.name;
 }
 
+/// Whether a step is an index that a list may have.
 bool is_index(const std::string& step) {
-  return !step.empty() && step.size() < 7 && step.find_first_not_of("0123456789") == std::string::npos;
-}
-
-/// The parts of a path between its dots.
-std::vector<std::string> steps_of(const std::string& path) {
-  std::vector<std::string> out{""};
-  for (const char c : path) {
-    if (c == '.') {
-      out.emplace_back();
-    } else {
-      out.back() += c;
-    }
-  }
-  return out;
+  constexpr std::size_t kMostDigits = 6;
+  return step.size() <= kMostDigits && is_whole_number(step);
 }
 
 }  // namespace
@@ -133,7 +123,7 @@ const KeyNode& find_key(const std::string& path, const SourceLocation& where) {
   const KeyNode* at = &key_tree();
   std::string so_far;
   bool in_list = false;
-  for (const std::string& step : steps_of(path)) {
+  for (const std::string& step : split(path, '.')) {
     const std::string name = so_far + (so_far.empty() ? "" : ".") + shown_key(step);
     if (at->kind == KeyNode::Kind::list && !in_list) {
       if (!is_index(step)) throw InputError(where, name, "unknown key", "expected an index into the list " + so_far);
@@ -148,10 +138,14 @@ const KeyNode& find_key(const std::string& path, const SourceLocation& where) {
     }
     so_far = name;
   }
-  if (at->kind == KeyNode::Kind::section || at->kind == KeyNode::Kind::list) {
+  const bool is_list = at->kind == KeyNode::Kind::list;
+  if (at->kind == KeyNode::Kind::section || is_list) {
     std::vector<std::string_view> names;
     for (const KeyNode& key : at->children) names.push_back(key.info.name);
-    throw InputError(where, so_far, "is a section", "name one of its keys: " + join_or(names));
+    const std::string remedy = is_list && !in_list
+                                   ? "name a key of an entry, as in " + so_far + ".0." + std::string(names[0])
+                                   : "name one of its keys: " + join_or(names);
+    throw InputError(where, so_far, is_list && !in_list ? "is a list" : "is a section", remedy);
   }
   return *at;
 }

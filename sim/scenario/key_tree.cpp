@@ -4,6 +4,7 @@
 #include <array>
 #include <utility>
 
+#include "sim/base/text.h"
 #include "sim/scenario/show.h"
 
 namespace reamsim {
@@ -58,7 +59,7 @@ class TreeBuilder : public KeyVisitor {
   }
   void names(const KeyInfo& info, std::vector<std::string>& values) override {
     const std::string& first = values.front();  // a default is one
-    const bool number = first.find_first_not_of("0123456789") == std::string::npos;
+    const bool number = is_whole_number(first);
     leaf(info, KeyNode::Kind::names, number ? first : json_string(first));
   }
   void vector(const KeyInfo& info, Vec3& value) override { leaf(info, KeyNode::Kind::vector, vector_json(value)); }

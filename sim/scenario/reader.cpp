@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "sim/base/printable.h"
+#include "sim/base/text.h"
 #include "sim/scenario/key_tree.h"
 #include "sim/scenario/paths.h"
 #include "sim/scenario/show.h"
@@ -182,7 +183,7 @@ void ScenarioReader::names(const KeyInfo& info, std::vector<std::string>& values
   const std::string expected = expectation(info, KeyNode::Kind::names);
   const auto add = [&](const YamlNode& item) {
     const bool plain_number = item.kind == YamlNode::Kind::scalar && !item.quoted && parse_number(item.text);
-    const bool whole = item.text.find_first_not_of("0123456789") == std::string::npos;
+    const bool whole = is_whole_number(item.text);
     if (plain_number && !whole) reject(info.name, item, "found " + shown(item), expected);
     KeyInfo name = info;
     name.number_too = true;

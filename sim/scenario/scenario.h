@@ -11,13 +11,12 @@
 
 namespace reamsim {
 
-// A scenario as plain, validated values. Nothing downstream of the parser reads YAML. Members have the names of the
-// YAML keys, with units; defaults here are the documented ones. Paths are absolute after parsing.
+// A scenario as plain, validated values. Only the parser reads YAML. Members have the names of the YAML keys, with
+// units; defaults here are the documented ones. Paths are absolute after parsing.
 
 // ---- bone ------------------------------------------------------------------------------------------------------
 
-/// HU to density; see DensityMapping.
-struct DensitySettings {
+struct DensitySettings {  ///< HU to density; see DensityMapping
   double ash_slope_g_cm3_per_hu = 0.0007;
   double ash_offset_g_cm3 = -0.009;
   double ash_fraction = 0.6;
@@ -293,8 +292,7 @@ struct AugmentSettings {
   double start_mm = 0;      ///< 0: half wedge
 };
 
-/// A peg, or with a second one beside it a keel: all points within diameter/2 of a line segment, in the frame of the
-/// implant.
+/// A peg, or with a second one beside it a keel: all points within diameter/2 of a segment, in the implant's frame.
 struct PegSettings {
   Vec3 from_mm = Vec3::Zero();
   Vec3 to_mm{0, 0, -10};
@@ -346,8 +344,9 @@ struct RenderSettings {
   int width_px = 1920;
   int height_px = 1080;
   int every_frames = 0;  ///< 0 = ten pictures over the run, and a film of 150
-  std::vector<CameraView> cameras{CameraView::oblique, CameraView::glenoid,
-                                  CameraView::section};  ///< the first names the files without a suffix
+  /// The first names the files without a suffix.
+  /// The first names the files without a suffix.
+  std::vector<CameraView> cameras{CameraView::oblique, CameraView::glenoid, CameraView::section};
   std::vector<UserCamera> user_cameras;
   bool before_after = true;
   bool contact_sheet = true;
@@ -372,7 +371,7 @@ struct OutputSettings {
   double checkpoint_s = 60;  ///< wall time between two checkpoints of a run; 0: none
 };
 
-/// Version of the scenario format that this program writes. It reads version 1 as well: see migrate().
+/// The version of the format that is written. Version 1 is read as well: see migrate().
 constexpr int kScenarioVersion = 2;
 
 struct Scenario {

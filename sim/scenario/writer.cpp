@@ -4,6 +4,7 @@
 #include <optional>
 #include <utility>
 
+#include "sim/base/text.h"
 #include "sim/scenario/key_visitor.h"
 #include "sim/scenario/parse.h"
 #include "sim/scenario/paths.h"
@@ -98,7 +99,7 @@ class YamlWriter : public KeyVisitor {
  private:
   /// A whole number stays one.
   static std::string name_scalar(const std::string& value) {
-    return value.find_first_not_of("0123456789") == std::string::npos ? value : yaml_scalar(value);
+    return is_whole_number(value) ? value : yaml_scalar(value);
   }
 
   using Level = std::map<std::string_view, std::string>;  // choices, sections and lists written so far

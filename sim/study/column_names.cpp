@@ -9,24 +9,13 @@
 #include <filesystem>
 #include <map>
 
+#include "sim/base/text.h"
 #include "sim/scenario/key_tree.h"
 #include "sim/scenario/show.h"
 
 namespace reamsim {
 
 namespace {
-
-std::vector<std::string> parts_of(const std::string& key) {
-  std::vector<std::string> out(1);
-  for (const char c : key) {
-    if (c == '.') {
-      out.emplace_back();
-    } else {
-      out.back() += c;
-    }
-  }
-  return out;
-}
 
 std::string words_of(std::string name) {
   std::ranges::replace(name, '_', ' ');
@@ -46,10 +35,6 @@ std::pair<std::string, std::string> name_and_unit(const std::string& part) {
   return {std::string(without_unit(part)), std::string(unit_of(part))};
 }
 
-bool is_index(const std::string& part) {
-  return !part.empty() && std::ranges::all_of(part, [](unsigned char c) { return std::isdigit(c) != 0; });
-}
-
 /// One word, or a part of a tilt or shift, says too little without what is before it.
 bool needs_parent(const std::string& name) {
   return name.find('_') == std::string::npos || name.starts_with("tilt_") || name.starts_with("shift_");
@@ -57,15 +42,15 @@ bool needs_parent(const std::string& name) {
 
 /// The name of a column by the last parts of its key: those that it needs, and `more`.
 ColumnName made_name(const std::string& key, std::size_t more) {
-  const std::vector<std::string> parts = parts_of(key);
+  const std::vector<std::string> parts = split(key, '.');
   std::size_t at = parts.size() - 1;
   std::string index;
-  while (at > 0 && is_index(parts[at])) index = " " + parts[at--] + index;
+  while (at > 0 && is_whole_number(parts[at])) index = " " + parts[at--] + index;
   const auto [name, unit] = name_and_unit(parts[at]);
   std::string text = words_of(name) + index;
   if (needs_parent(name)) ++more;
-  while (at > 0 && (more > 0 || is_index(parts[at]))) {
-    if (!is_index(parts[--at])) --more;
+  while (at > 0 && (more > 0 || is_whole_number(parts[at]))) {
+    if (!is_whole_number(parts[--at])) --more;
     text = words_of(name_and_unit(parts[at]).first) + " " + text;
   }
   return {key, text, unit};
@@ -143,8 +128,11 @@ std::pair<std::string, std::string> two_lines(const std::string& title) {
 std::string shown_cell(const std::string& cell) {
   if (cell.empty()) return "as in the base";
   if (const auto number = parse_number(cell)) return fmt::format("{:.4g}", *number);
-  if (cell.find('/') == std::string::npos) return cell;
-  const std::string stem = std::filesystem::path(cell).stem().string();
+  static constexpr std::array kInputs{".stl", ".obj", ".ply", ".nrrd", ".nii", ".mha", ".mhd", ".vdb", ".csv"};
+  const std::filesystem::path path(cell);
+  const bool is_file = std::ranges::find(kInputs, path.extension().string()) != kInputs.end();
+  if (!is_file && cell.find('/') == std::string::npos) return cell;
+  const std::string stem = path.stem().string();
   return stem.empty() ? cell : stem;
 }
 

@@ -20,8 +20,8 @@ class Checksums {
 
 /// The name of a run's folder in a study: 16 hex digits of the SHA-256 of the version of the program and the resolved
 /// scenario, in which the checksums of input files stand for their paths. The name of the scenario does not count; of
-/// the output section only force_basis does, and the render section only where pictures are kept. Throws InputError when
-/// an input cannot be read.
+/// the output section only force_basis does, and the render section only where pictures are kept. Throws InputError
+/// when an input cannot be read.
 std::string run_id(const Scenario& scenario, const KeptFiles& keep, Checksums& checksums);
 
 }  // namespace reamsim

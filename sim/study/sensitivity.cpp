@@ -24,30 +24,6 @@ Eigen::MatrixXd outputs_of(const Eigen::MatrixXd& inputs, const Model& model) {
 
 }  // namespace
 
-double quantile(std::vector<double> values, double q) {
-  if (values.empty()) return std::nan("");
-  const double at = q * static_cast<double>(values.size() - 1);
-  const auto below = static_cast<std::size_t>(at);
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(below);
-  std::nth_element(values.begin(), middle, values.end());
-  const double low = *middle;
-  if (below + 1 == values.size()) return low;
-  const double high = *std::min_element(middle + 1, values.end());
-  return low + (at - static_cast<double>(below)) * (high - low);
-}
-
-Bands bands_of(const Eigen::MatrixXd& samples) {
-  Bands out;
-  for (Eigen::Index column = 0; column < samples.cols(); ++column) {
-    const Eigen::VectorXd values = samples.col(column);
-    const std::vector<double> list(values.begin(), values.end());
-    out.low.push_back(quantile(list, 0.05));
-    out.median.push_back(quantile(list, 0.5));
-    out.high.push_back(quantile(list, 0.95));
-  }
-  return out;
-}
-
 std::vector<SobolIndices> sobol_indices(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b, const Model& model) {
   if (a.rows() != b.rows() || a.cols() != b.cols() || a.rows() < 2)
     throw std::invalid_argument("sobol_indices: two samples of the same size are needed");

@@ -7,17 +7,6 @@
 
 namespace reamsim {
 
-/// The quantile q (0…1) of values, linear between them (Hyndman and Fan 1996, type 7). NaN without values.
-double quantile(std::vector<double> values, double q);
-
-/// Quantiles over the samples (rows), by output (columns).
-struct Bands {
-  std::vector<double> low;     ///< 5 %
-  std::vector<double> median;  ///< 50 %
-  std::vector<double> high;    ///< 95 %
-};
-Bands bands_of(const Eigen::MatrixXd& samples);
-
 /// Fractions of the variance of an output (Sobol 2001). The first-order index of an input is what it explains alone,
 /// its total index what remains unexplained without it. Both are 0 where the output does not vary.
 struct SobolIndices {

@@ -3,6 +3,7 @@
 
 #include "sim/base/csv.h"
 #include "sim/base/printable.h"
+#include "sim/base/text.h"
 
 namespace reamsim::test {
 namespace {
@@ -29,6 +30,18 @@ TEST(Printable, ShowsControlCharactersAndBrokenUtf8AsBytes) {
     EXPECT_FALSE(is_printable(text)) << shown;
     EXPECT_EQ(printable(text), shown);
   }
+}
+
+TEST(Split, KeepsEmptyParts) {
+  using Parts = std::vector<std::string>;
+  EXPECT_EQ(split("a.b.0", '.'), (Parts{"a", "b", "0"}));
+  EXPECT_EQ(split("", '.'), Parts{""});
+  EXPECT_EQ(split(".a..", '.'), (Parts{"", "a", "", ""}));
+}
+
+TEST(IsWholeNumber, DigitsOnly) {
+  EXPECT_TRUE(is_whole_number("007"));
+  for (const char* text : {"", "-1", "1.0", "1 ", "x"}) EXPECT_FALSE(is_whole_number(text)) << text;
 }
 
 TEST(CsvText, QuotesAndNeverStartsAFormula) {

@@ -70,20 +70,6 @@ TEST(Sensitivity, AConstantHasNoIndices) {
   EXPECT_EQ(dominant_inputs(found[0], {"a", "b"}), "the output does not vary");
 }
 
-TEST(Sensitivity, Quantiles) {
-  EXPECT_EQ(quantile({3, 1, 2}, 0.5), 2);
-  EXPECT_EQ(quantile({3, 1, 2}, 0.25), 1.5);
-  EXPECT_EQ(quantile({3, 1, 2}, 0), 1);
-  EXPECT_EQ(quantile({3, 1, 2}, 1), 3);
-  EXPECT_TRUE(std::isnan(quantile({}, 0.5)));
-  Eigen::MatrixXd samples(101, 2);
-  for (int i = 0; i <= 100; ++i) samples.row(i) << i, 7;
-  const Bands bands = bands_of(samples);
-  EXPECT_THAT(bands.low, ::testing::ElementsAre(5, 7));
-  EXPECT_THAT(bands.median, ::testing::ElementsAre(50, 7));
-  EXPECT_THAT(bands.high, ::testing::ElementsAre(95, 7));
-}
-
 TEST(NonnegativeLeastSquares, KeepsNegativeUnknownsAtZero) {
   Eigen::MatrixXd a(4, 3);
   a << 1, 0, 1, 0, 1, 1, 1, 1, 0, 2, 1, 1;

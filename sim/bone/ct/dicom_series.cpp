@@ -8,6 +8,7 @@
 #include <tuple>
 
 #include "sim/base/error.h"
+#include "sim/base/text.h"
 #include "sim/bone/ct/dicom_files.h"
 #include "sim/bone/ct/words.h"
 
@@ -84,7 +85,7 @@ bool may_be_a_volume(const DicomSeries& series) {
 const DicomSeries& named_series(const std::vector<DicomSeries>& all, const std::string& name,
                                 const std::string& folder) {
   constexpr std::size_t kMaxDigits = 6;
-  const bool is_number = name.size() <= kMaxDigits && name.find_first_not_of("0123456789") == std::string::npos;
+  const bool is_number = name.size() <= kMaxDigits && is_whole_number(name);
   if (is_number) {
     const std::size_t number = std::stoul(name);
     if (number >= 1 && number <= all.size()) return all[number - 1];

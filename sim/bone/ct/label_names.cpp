@@ -8,6 +8,7 @@
 
 #include "sim/base/error.h"
 #include "sim/base/printable.h"
+#include "sim/base/text.h"
 #include "sim/bone/ct/quiet.h"
 #include "sim/isolation/read_in_child.h"
 
@@ -19,10 +20,6 @@ constexpr const char* kLabelMapPathKey = "bone.ct.label_map.path";
 constexpr const char* kLabelChoiceKey = "bone.ct.label_map.label";
 /// Names that a message lists; TotalSegmentator has 117.
 constexpr std::size_t kMaxNames = 40;
-
-bool is_whole_number(const std::string& text) {
-  return !text.empty() && text.find_first_not_of("0123456789") == std::string::npos;
-}
 
 std::string in_lower_case(std::string text) {
   std::ranges::transform(text, text.begin(), [](unsigned char c) { return std::tolower(c); });
