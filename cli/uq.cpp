@@ -11,7 +11,7 @@
 #include "sim/base/csv.h"
 #include "sim/base/error.h"
 #include "sim/base/file.h"
-#include "sim/study/sensitivity.h"
+#include "sim/base/statistics.h"
 #include "sim/study/study_folder.h"
 #include "sim/study/uq_outputs.h"
 
@@ -20,6 +20,9 @@ namespace reamsim {
 namespace {
 
 using Json = nlohmann::ordered_json;
+
+/// Fewer points than this give sensitivity indices with errors of tenths.
+constexpr int kTrusted = 64;
 
 struct UqOptions {
   std::string file;
@@ -100,6 +103,10 @@ void uq_command(const UqOptions& options, const Console& console) {
   const SweepOptions runs{.file = design.write_runs(marked), .output = marked, .overrides = {}};
   console.say(fmt::format("{}: {} uncertain inputs, {} evaluations of {} runs", study.name, design.inputs().size(),
                           design.points().size(), design.runs()));
+  if (study.sample->n < kTrusted) {
+    console.warn(fmt::format("sample.n is {}: with less than {}, sensitivity indices are a hint only", study.sample->n,
+                             kTrusted));
+  }
   const SweepRuns done = simulate_study(runs, options.jobs, console);
   const StudyFolder folder = StudyFolder::open(done.study, marked);
   std::vector<std::string> dirs;

@@ -1,6 +1,8 @@
 #include "sim/study/uq_design.h"
 
-#include <filesystem>
+#include <algorithm>
+#include <array>
+#include <string_view>
 
 #include "sim/base/csv.h"
 #include "sim/base/error.h"
@@ -14,12 +16,23 @@ namespace reamsim {
 
 namespace {
 
-/// Whether forces for other values of a key follow from the force basis of a run.
+/// The keys whose other values ForceBasis::forces() and Recalibration account for. Any other, such as the speed floor,
+/// changes the basis itself.
+constexpr std::array<std::string_view, 9> kConstants{"cutting.specific_energy_j_mm3",
+                                                     "cutting.reference_density_g_cm3",
+                                                     "cutting.density_exponent",
+                                                     "cutting.normal_ratio",
+                                                     "cutting.edge_force.tangential_n_mm",
+                                                     "cutting.edge_force.normal_n_mm",
+                                                     "bone.density.ash_slope_g_cm3_per_hu",
+                                                     "bone.density.ash_offset_g_cm3",
+                                                     "bone.density.ash_fraction"};
+
 bool is_constant(const SampledKey& sampled) {
-  return sampled.key.starts_with("cutting.") || sampled.key.starts_with("bone.density.");
+  return std::ranges::find(kConstants, sampled.key) != kConstants.end();
 }
 
-std::string names_of_parts(const SampledKey& sampled, int part) {
+std::string name_of_part(const SampledKey& sampled, int part) {
   static constexpr const char* kTilts[] = {".tilt_1_deg", ".tilt_2_deg"};
   static constexpr const char* kShifts[] = {".shift_x_mm", ".shift_y_mm", ".shift_z_mm"};
   if (sampled.distribution.kind == Distribution::Kind::tilt_sd_deg) return sampled.key + kTilts[part];
@@ -57,7 +70,7 @@ UqDesign::UqDesign(Study study) : study_(std::move(study)) {
   const SampleSettings& sample = *study_.sample;
   for (std::size_t key = 0; key < sample.of.size(); ++key) {
     for (int part = 0; part < sample.of[key].distribution.dimensions(); ++part) {
-      inputs_.push_back({names_of_parts(sample.of[key], part), key, is_constant(sample.of[key])});
+      inputs_.push_back({name_of_part(sample.of[key], part), key, is_constant(sample.of[key])});
     }
   }
   const auto count = static_cast<Eigen::Index>(inputs_.size());
@@ -112,13 +125,19 @@ std::vector<std::string> UqDesign::constants(const Eigen::VectorXd& point) const
   return out;
 }
 
+bool UqDesign::needs_basis() const {
+  return std::ranges::any_of(inputs_, &UncertainInput::constant);
+}
+
 std::string UqDesign::write_runs(const std::string& dir) const {
   Study runs = study_;
   std::erase_if(runs.sample->of, is_constant);
   std::string text = "# The runs of an uncertainty analysis; written by reamsim.\nversion: 1\nname: runs\nbase: " +
-                     json_string(recorded_path(study_.base)) + "\nset:\n  output.force_basis: true\n";
+                     json_string(recorded_path(study_.base)) +
+                     "\nset:\n  output.force_basis: " + (needs_basis() ? "true" : "false") + "\n";
   for (const std::string& assignment : study_.set) {
     const std::size_t equals = assignment.find('=');
+    if (assignment.substr(0, equals) == "output.force_basis") continue;  // written above
     text += "  " + assignment.substr(0, equals) + ": " + assignment.substr(equals + 1) + "\n";
   }
   text += "keep: [summary, forces]\n";

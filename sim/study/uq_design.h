@@ -13,7 +13,7 @@ namespace reamsim {
 struct UncertainInput {
   std::string name;       ///< the key; of parts as in the columns of a plan
   std::size_t key = 0;    ///< index in the sample of the study
-  bool constant = false;  ///< of the cutting law: forces follow from the force basis, without a run
+  bool constant = false;  ///< forces for other values follow from the force basis of a run, without another run
 };
 
 /// The points at which the outputs of a study are needed for bands and sensitivity indices, and the runs that they
@@ -35,8 +35,10 @@ class UqDesign {
   [[nodiscard]] std::size_t run_of(const Eigen::VectorXd& point) const;
   /// The constants at a point, "key=value".
   [[nodiscard]] std::vector<std::string> constants(const Eigen::VectorXd& point) const;
-  /// Writes DIR/runs.yaml, a study of the runs with their force basis, and its table. Returns its path. Throws
-  /// RunError.
+  /// Whether forces come from the force basis of the runs: some inputs are constants. Otherwise from their forces.csv.
+  [[nodiscard]] bool needs_basis() const;
+  /// Writes DIR/runs.yaml, a study of the runs, with their force basis where it is needed, and its table. Returns its
+  /// path. Throws RunError.
   [[nodiscard]] std::string write_runs(const std::string& dir) const;
 
  private:

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <optional>
 
 #include "sim/base/csv.h"
 #include "sim/record/force_rows.h"
@@ -17,21 +18,25 @@ constexpr std::size_t kMostIntervals = 400;
 constexpr std::size_t kForceOutputs = 3;
 const std::vector<std::string> kForceNames{"peak_axial_force_n", "peak_spin_torque_nmm", "energy_mj"};
 
-/// A row of forces.csv without its forces.
-struct FramePose {
+/// A row of forces.csv.
+struct LoggedFrame {
   std::int64_t frame = 0;
   double time_s = 0;
   Vec3 tool_z = Vec3::UnitZ();  ///< axis of the tool, B
+  double axial_force_n = 0;
+  double spin_torque_nmm = 0;
+  double energy_mj = 0;
 };
 
-std::vector<FramePose> read_poses(const std::string& dir) {
+std::vector<LoggedFrame> read_frames(const std::string& dir) {
   const std::vector<std::string_view> columns = csv_cells(kForceColumns);
   CsvReader log(dir + "/forces.csv", columns, "the log of a run");
-  std::vector<FramePose> out;
+  std::vector<LoggedFrame> out;
   std::vector<double> row;
   while (log.next(row)) {
     const FrameResult result = result_of(row);
-    out.push_back({result.frame, result.time_s, result.pose.orientation * Vec3::UnitZ()});
+    out.push_back({result.frame, result.time_s, result.pose.orientation * Vec3::UnitZ(), result.axial_force_n,
+                   result.spin_torque_nmm, result.energy_mj});
   }
   return out;
 }
@@ -45,10 +50,10 @@ struct Intervals {
     double last_s = 0;
     std::size_t frames = 1;
     for (const std::string& dir : run_dirs) {
-      const auto poses = read_poses(dir);
-      if (poses.empty() || poses.back().time_s <= last_s) continue;
-      last_s = poses.back().time_s;
-      frames = poses.size() - 1;
+      const auto frames_of_run = read_frames(dir);
+      if (frames_of_run.empty() || frames_of_run.back().time_s <= last_s) continue;
+      last_s = frames_of_run.back().time_s;
+      frames = frames_of_run.size() - 1;
     }
     count = std::clamp<std::size_t>(frames, 1, kMostIntervals);
     if (last_s > 0) length_s = last_s / static_cast<double>(count);
@@ -103,45 +108,60 @@ class RunNumbers {
 /// One run, evaluated for constants.
 class EvaluatedRun {
  public:
-  explicit EvaluatedRun(const std::string& dir) : run_(open_basis_run(dir)), poses_(read_poses(dir)) {}
-
-  [[nodiscard]] double last_s() const { return poses_.empty() ? 0 : poses_.back().time_s; }
+  EvaluatedRun(const std::string& dir, bool by_basis) : frames_(read_frames(dir)) {
+    if (by_basis) run_ = open_basis_run(dir);
+  }
 
   /// Peaks of axial force and spin torque, and the cutting energy. `history`, where it is given, gets the means over
-  /// the intervals.
+  /// the intervals. Without the basis there are no constants.
   std::array<double, kForceOutputs> outputs(const std::vector<std::string>& constants, const Intervals& intervals,
                                             ForceHistory* history) const {
-    const LawSettings law = changed_law(run_, constants);
-    const ForceConstants values = force_constants(law.cutting, recalibration(run_, law));
     std::array<double, kForceOutputs> out{};
     std::vector<int> counts(intervals.count);
     if (history != nullptr) {
       *history = {std::vector<double>(intervals.count), std::vector<double>(intervals.count)};
     }
-    for (const FramePose& pose : poses_) {
-      const FrameForces forces = run_.basis.forces(pose.frame, values);
-      const double axial_n = forces.force_n.dot(pose.tool_z), torque_nmm = forces.torque_nmm.dot(pose.tool_z);
-      out[0] = std::max(out[0], axial_n);
-      out[1] = std::max(out[1], torque_nmm);
-      out[2] += forces.energy_mj;
+    for (const LoggedFrame& frame : run_ ? frames_for(constants) : frames_) {
+      out[0] = std::max(out[0], frame.axial_force_n);
+      out[1] = std::max(out[1], frame.spin_torque_nmm);
+      out[2] += frame.energy_mj;
       if (history == nullptr) continue;
-      const std::size_t at = intervals.of(pose.time_s);
+      const std::size_t at = intervals.of(frame.time_s);
       ++counts[at];
-      history->axial_force_n[at] += (axial_n - history->axial_force_n[at]) / counts[at];
-      history->spin_torque_nmm[at] += (torque_nmm - history->spin_torque_nmm[at]) / counts[at];
+      history->axial_force_n[at] += (frame.axial_force_n - history->axial_force_n[at]) / counts[at];
+      history->spin_torque_nmm[at] += (frame.spin_torque_nmm - history->spin_torque_nmm[at]) / counts[at];
     }
-    // An interval without a frame has the force of the one before.
-    for (std::size_t i = 1; history != nullptr && i <= intervals.of(last_s()); ++i) {
-      if (counts[i] > 0) continue;
-      history->axial_force_n[i] = history->axial_force_n[i - 1];
-      history->spin_torque_nmm[i] = history->spin_torque_nmm[i - 1];
-    }
+    if (history != nullptr) fill_gaps(counts, intervals, *history);
     return out;
   }
 
  private:
-  BasisRun run_;
-  std::vector<FramePose> poses_;
+  /// With the forces of other constants.
+  [[nodiscard]] std::vector<LoggedFrame> frames_for(const std::vector<std::string>& constants) const {
+    const LawSettings law = changed_law(*run_, constants);
+    const ForceConstants values = force_constants(law.cutting, recalibration(*run_, law));
+    std::vector<LoggedFrame> out = frames_;
+    for (LoggedFrame& frame : out) {
+      const FrameForces forces = run_->basis.forces(frame.frame, values);
+      frame.axial_force_n = forces.force_n.dot(frame.tool_z);
+      frame.spin_torque_nmm = forces.torque_nmm.dot(frame.tool_z);
+      frame.energy_mj = forces.energy_mj;
+    }
+    return out;
+  }
+
+  /// An interval without a frame has the force of the one before.
+  void fill_gaps(const std::vector<int>& counts, const Intervals& intervals, ForceHistory& history) const {
+    const double last_s = frames_.empty() ? 0 : frames_.back().time_s;
+    for (std::size_t i = 1; i <= intervals.of(last_s); ++i) {
+      if (counts[i] > 0) continue;
+      history.axial_force_n[i] = history.axial_force_n[i - 1];
+      history.spin_torque_nmm[i] = history.spin_torque_nmm[i - 1];
+    }
+  }
+
+  std::optional<BasisRun> run_;
+  std::vector<LoggedFrame> frames_;
 };
 
 std::vector<double> key_of(const Eigen::VectorXd& point) {
@@ -193,7 +213,7 @@ UqResults evaluate_uq(const UqDesign& design, const std::vector<std::string>& ru
   out.samples.resize(static_cast<Eigen::Index>(independent), static_cast<Eigen::Index>(out.outputs.size()));
   out.histories.resize(independent);
   for (std::size_t run = 0; run < run_dirs.size(); ++run) {
-    const EvaluatedRun simulated(run_dirs[run]);
+    const EvaluatedRun simulated(run_dirs[run], design.needs_basis());
     for (const std::size_t i : points_of[run]) {
       ForceHistory* history = i < independent ? &out.histories[i] : nullptr;
       const auto forces = simulated.outputs(design.constants(points[i]), intervals, history);

@@ -21,12 +21,13 @@ struct UqResults {
   Eigen::MatrixXd samples;                    ///< of the two independent samples: rows points, columns outputs
   std::vector<Eigen::VectorXd> first, total;  ///< Sobol indices by output, over the inputs
   std::vector<std::string> dominant;          ///< in words, by output
-  std::vector<Eigen::VectorXd> low, high;  ///< means of an output in the lowest and highest fifth of each input
+  std::vector<Eigen::VectorXd> low, high;     ///< means of an output in the lowest and highest fifth of each input
   std::vector<double> time_s;                 ///< ends of the intervals of the histories
   std::vector<ForceHistory> histories;        ///< of the same points as `samples`
 };
 
-/// Evaluates all points of a design. `run_dirs`: finished runs with a force basis, in the order of the design. Outputs
+/// Evaluates all points of a design. `run_dirs`: finished runs, in the order of the design, with a force basis where it
+/// needs one. Outputs
 /// are the peaks of axial force and spin torque and the cutting energy, for the constants of each point, and every
 /// number of summary.json that differs between the runs and does not depend on the force law. Throws InputError.
 UqResults evaluate_uq(const UqDesign& design, const std::vector<std::string>& run_dirs);
