@@ -50,7 +50,8 @@ struct Comparison {
 std::vector<ComparedMetric> compare_summaries(const std::vector<ComparedRun>& runs);
 
 /// The keys of the runs' scenario.yaml that differ, in file order, without those that change no number: `version`,
-/// `name`, `output`, `render`. Throws InputError: missing or damaged.
+/// `name`, `output`, `render`. An input file that changed under one path is a parameter "KEY (contents)", the beginning
+/// of its SHA-256. Throws InputError: missing or damaged.
 std::vector<ComparedParameter> compare_scenarios(const std::vector<ComparedRun>& runs);
 
 /// What a colour ramp shows: a number per run.

@@ -6,9 +6,11 @@
 #include <limits>
 #include <map>
 #include <set>
+#include <sstream>
 
 #include "render/plots/compare.h"
 #include "sim/base/file.h"
+#include "sim/base/text.h"
 #include "sim/scenario/yaml_tree.h"
 
 namespace reamsim {
@@ -18,6 +20,9 @@ constexpr double kNoNumber = std::numeric_limits<double>::quiet_NaN();
 
 /// Sections and keys that change no number of the results.
 constexpr std::array kWithoutEffect{"version", "name", "output", "render"};
+
+/// Ends the name of a parameter: the contents of an input file.
+constexpr std::string_view kSumOfInput = " (contents)";
 
 using KeyValues = std::vector<std::pair<std::string, std::string>>;
 
@@ -44,6 +49,31 @@ void add_values(const YamlNode& node, const std::string& path, KeyValues& out) {
   } else {
     out.emplace_back(path, flow_text(node));
   }
+}
+
+/// Adds the checksums of input files, which are comments of scenario.yaml: "# sha256 SUM  KEY  PATH". Their beginnings
+/// tell files apart.
+void add_checksums(const std::string& text, KeyValues& out) {
+  constexpr std::string_view kBegin = "# sha256 ";
+  constexpr std::size_t kShown = 12;
+  for (const std::string& line : split(text, '\n')) {
+    if (!line.starts_with(kBegin)) continue;
+    std::istringstream words(line.substr(kBegin.size()));
+    std::string sum, key;
+    if (words >> sum >> key && key != "scenario")
+      out.emplace_back(key + std::string(kSumOfInput), "sha256:" + sum.substr(0, kShown));
+  }
+}
+
+/// Leaves out the checksums of inputs whose paths differ anyway, or that some runs do not have.
+void leave_out_sums(std::vector<ComparedParameter>& parameters) {
+  const std::vector<ComparedParameter> all = parameters;
+  std::erase_if(parameters, [&](const ComparedParameter& sums) {
+    if (!sums.key.ends_with(kSumOfInput)) return false;
+    const std::string path = sums.key.substr(0, sums.key.size() - kSumOfInput.size());
+    return std::ranges::find(all, path, &ComparedParameter::key) != all.end() ||
+           std::ranges::find(sums.values, "") != sums.values.end();
+  });
 }
 
 double as_number(const std::string& text) {
@@ -82,7 +112,9 @@ std::vector<ComparedParameter> compare_scenarios(const std::vector<ComparedRun>&
   for (std::size_t i = 0; i < runs.size(); ++i) {
     const std::string path = runs[i].dir + "/scenario.yaml";
     KeyValues found;
-    add_values(*parse_yaml(read_file(path, "expected the results folder of a finished run"), path), "", found);
+    const std::string text = read_file(path, "expected the results folder of a finished run");
+    add_values(*parse_yaml(text, path), "", found);
+    add_checksums(text, found);
     for (const auto& [key, value] : found) {
       const auto [place, is_new] = places.try_emplace(key, all.size());
       if (is_new) all.push_back({key, std::vector<std::string>(runs.size()), {}, {}});
@@ -90,6 +122,7 @@ std::vector<ComparedParameter> compare_scenarios(const std::vector<ComparedRun>&
     }
   }
   std::erase_if(all, [](const ComparedParameter& parameter) { return parameter.distinct() == 1; });
+  leave_out_sums(all);
   for (ComparedParameter& parameter : all) {
     for (const std::string& value : parameter.values) parameter.numbers.push_back(as_number(value));
     parameter.shown = shown_values(parameter.values);

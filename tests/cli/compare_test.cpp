@@ -164,6 +164,30 @@ TEST_F(Compare, AWrongKeyForColoursIsRefused) {
                  {"--color-by", "bone.voxle_mm", "runs.csv"});
 }
 
+TEST_F(Compare, AnInputThatChangedUnderOnePathIsAParameter) {
+  const std::string yaml = with(kSmall, REAMSIM_ROOT "/assets/reamer_flat.stl", path("tool.stl"));
+  for (const char* name : {"flat", "convex"}) {
+    std::filesystem::copy(std::string(REAMSIM_ROOT "/assets/reamer_") + name + ".stl", path("tool.stl"),
+                          std::filesystem::copy_options::overwrite_existing);
+    make_run(name, yaml);
+  }
+  make_run("other", with(kSmall, "reamer_flat", "reamer_hemispherical"));
+  ASSERT_EQ(compare({"flat", "convex"}).status, 0);
+  const std::string csv = read("out/runs.csv");
+  EXPECT_THAT(csv, HasSubstr("tool.mesh (contents)"));
+  const auto sum_of = [&](const std::string& name) {
+    const std::string scenario = read(name + "/scenario.yaml");
+    const std::size_t line = scenario.find("  tool.mesh  ");
+    return scenario.substr(scenario.rfind(' ', line - 1) + 1, 12);
+  };
+  EXPECT_NE(sum_of("flat"), sum_of("convex"));
+  EXPECT_THAT(csv, ::testing::AllOf(HasSubstr("sha256:" + sum_of("flat")), HasSubstr("sha256:" + sum_of("convex"))));
+  // Other paths say enough.
+  std::filesystem::remove_all(path("out"));
+  ASSERT_EQ(compare({"flat", "other"}).status, 0);
+  EXPECT_THAT(read("out/runs.csv"), ::testing::AllOf(HasSubstr("tool.mesh"), Not(HasSubstr("contents"))));
+}
+
 TEST_F(Compare, WrongFoldersAreRefusedAndNothingIsWritten) {
   make_run("one", kSmall);
   std::filesystem::create_directory(path("empty"));
