@@ -99,6 +99,7 @@ class TableReader {
     const CsvLine header = line;
     check_header(header);
     while (lines.next(line)) {
+      if (is_blank(line)) continue;  // spreadsheets leave such lines below a table
       if (table_.rows.levels.size() >= kMostRows) {
         throw InputError({file_, line.number, 0}, "", "more than a million rows", "divide the study");
       }
@@ -111,7 +112,17 @@ class TableReader {
   }
 
  private:
+  static bool is_blank(const CsvLine& line) {
+    return std::ranges::all_of(line.cells, [](const std::string& cell) { return trimmed(cell).empty(); });
+  }
+
   void check_header(const CsvLine& header) {
+    for (const char separator : {';', '\t'}) {
+      if (header.cells.size() > 1 || header.cells[0].find(separator) == std::string::npos) continue;
+      throw InputError({file_, header.number, 0}, "",
+                       separator == ';' ? "semicolons separate the columns" : "tabulators separate the columns",
+                       "save it with commas between columns and points in numbers, such as \"CSV UTF-8\"");
+    }
     for (const std::string& cell : header.cells) {
       const std::string name = trimmed(cell);
       const SourceLocation where{file_, header.number, 0};
@@ -144,6 +155,7 @@ class TableReader {
       }
     }
     table_.rows.levels.push_back(std::move(level));
+    table_.places.push_back(file_ + ":" + std::to_string(line.number));
   }
 
   std::string file_;

@@ -12,6 +12,7 @@ namespace reamsim {
 struct CohortTable {
   Variation rows;
   std::vector<std::string> labels;  ///< by row; empty: no such column
+  std::vector<std::string> places;  ///< by row: file and line
 };
 
 /// Reads a CSV file whose columns are scenario keys, and one row per patient. An empty cell leaves the value of the

@@ -25,7 +25,7 @@ std::vector<IdentifiedRun> identify_runs(const Study& study, const StudyPlan& pl
     try {
       out.push_back({run_id(scenario_of(study, run), study.keep, checksums), ""});
     } catch (const InputError& error) {
-      out.push_back({"", message_of(error)});
+      out.push_back({"", (run.place.empty() ? "" : run.place + ": ") + message_of(error)});
     }
     if (done) done(out.size());
   }

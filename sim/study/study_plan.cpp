@@ -61,7 +61,7 @@ class Planner {
     std::vector<const Variation*> variations;
     for (const Variation& variation : study_.vary) variations.push_back(&variation);
     if (study_.table) variations.push_back(&*study_.table);
-    combine(variations, 0, {.number = 0, .cells = {}, .overrides = fixed_});
+    combine(variations, 0, {.number = 0, .cells = {}, .overrides = fixed_, .place = ""});
     return std::move(plan_);
   }
 
@@ -106,10 +106,11 @@ class Planner {
   void combine(const std::vector<const Variation*>& variations, std::size_t depth, const PlannedRun& so_far) {
     if (depth == variations.size()) return add_samples(so_far);
     const Variation& variation = *variations[depth];
-    const bool labelled = &variation == (study_.table ? &*study_.table : nullptr) && !study_.labels.empty();
+    const bool is_table = &variation == (study_.table ? &*study_.table : nullptr);
     for (std::size_t i = 0; i < variation.levels.size(); ++i) {
       PlannedRun run = so_far;
-      if (labelled) run.cells.insert(run.cells.begin(), study_.labels[i]);
+      if (is_table) run.place = study_.table_places[i];
+      if (is_table && !study_.labels.empty()) run.cells.insert(run.cells.begin(), study_.labels[i]);
       for (std::size_t k = 0; k < variation.keys.size(); ++k) {
         const KeyValue& value = variation.levels[i][k];
         run.cells.push_back(value.shown);

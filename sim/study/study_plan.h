@@ -12,6 +12,7 @@ struct PlannedRun {
   int number = 0;                      ///< from 1, in the order of the plan
   std::vector<std::string> cells;      ///< by column of the plan
   std::vector<std::string> overrides;  ///< of the base scenario, "key=value"
+  std::string place;                   ///< of its row in the table, for messages; "": none
 };
 
 /// All runs of a study, and their parameters as a table.

@@ -152,6 +152,7 @@ class StudyReader {
     for (const std::string& key : table.rows.keys) once(key, node.mark.in(file_));
     study_.table = std::move(table.rows);
     study_.labels = std::move(table.labels);
+    study_.table_places = std::move(table.places);
   }
 
   void read_keep(const YamlNode& node) {

@@ -32,12 +32,29 @@ TEST_F(StudyReader, ReadsEveryKey) {
   EXPECT_TRUE(read.keep.forces && read.keep.grids && !read.keep.pictures);
 }
 
+TEST_F(StudyReader, ReadsTablesOfSpreadsheets) {
+  // A byte order mark, CRLF, quotes with a comma and a line end, blanks, empty cells, and blank lines below.
+  write("cohort.csv",
+        "\xEF\xBB\xBF\"label\", tool.mesh ,motion.plunge.entry_mm\r\n"
+        "\"Müller, A.\r\n(left)\",\"convex.stl\",\"[1, 2, 3]\"\r\n\r\n"
+        "  P02 ,,\"[0, 0.5, 0]\"\r\n,,\r\n ,,\r\n");
+  const Study read = study("table: cohort.csv\n");
+  EXPECT_THAT(read.table->keys, ElementsAre("tool.mesh", "motion.plunge.entry_mm"));
+  EXPECT_THAT(read.labels, ElementsAre("Müller, A.\r\n(left)", "P02"));
+  ASSERT_EQ(read.table->levels.size(), 2U);
+  EXPECT_THAT(read.table->levels[0][0].applied, HasSubstr("/convex.stl"));
+  EXPECT_EQ(read.table->levels[0][1].applied, "[1, 2, 3]");
+  EXPECT_EQ(read.table->levels[1][0].applied, "");
+}
+
 TEST_F(StudyReader, MistakesNameLineColumnAndRemedy) {
   EXPECT_THAT(mistakes("vari: []\n"),
               AllOf(HasSubstr("study.yaml:3:1: vari: unknown key"), HasSubstr("did you mean vary?")));
   EXPECT_THAT(mistakes("vary: [{motion.plunge.dept_mm: [1]}]\n"),
               AllOf(HasSubstr("motion.plunge.dept_mm: unknown key"), HasSubstr("did you mean depth_mm (mm)?")));
   EXPECT_THAT(mistakes("vary: [{motion.plunge: [1]}]\n"), HasSubstr("motion.plunge: is a section"));
+  EXPECT_THAT(mistakes("vary: [{motion.passes: [[]]}]\n"),
+              HasSubstr("motion.passes: is a list; name a key of an entry, as in motion.passes.0.tool"));
   EXPECT_THAT(mistakes("vary: [{motion.plunge.depth_mm: 1}]\n"), HasSubstr("found 1; expected a list of values"));
   EXPECT_THAT(mistakes("vary: [{motion.plunge.depth_mm: [1], motion.plunge.spin_rpm: [2]}]\n"),
               HasSubstr("two keys in one entry of the list"));
@@ -74,6 +91,9 @@ TEST_F(StudyReader, MistakesOfTablesNameTheirLine) {
   EXPECT_THAT(table("bone.voxel\n0.5\n"), AllOf(HasSubstr(":1: bone.voxel: unknown key"), HasSubstr("voxel_mm")));
   EXPECT_THAT(table("bone.voxel_mm,bone.voxel_mm\n1,1\n"), HasSubstr("a column given twice"));
   EXPECT_THAT(table("bone.voxel_mm,label\n\n\"1\n"), HasSubstr("a quotation mark that is not closed"));
+  EXPECT_THAT(table("label;bone.voxel_mm\na;0,5\n"), AllOf(HasSubstr(":1:"), HasSubstr("semicolons separate")));
+  EXPECT_THAT(table("label\tbone.voxel_mm\na\t0.5\n"), HasSubstr("tabulators separate"));
+  EXPECT_THAT(table("bone.voxel_mm,label\n,\n , \n"), HasSubstr("has no rows"));
   EXPECT_THAT(table("bone.voxel_mm,label\n0.5,a\n0.5\n"),
               AllOf(HasSubstr(":3:"), HasSubstr("found 1 cells; expected 2")));
 }
