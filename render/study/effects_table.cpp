@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "sim/base/printable.h"
+#include "sim/base/statistics.h"
 #include "sim/base/text.h"
 
 namespace reamsim {
@@ -112,6 +113,16 @@ EffectGroup all_of(const EffectResult& result) {
   return out;
 }
 
+/// The quantiles of a result, with the digits of its deviation.
+std::string quantile_text(const EffectResult& result, double fraction) {
+  std::vector<double> values = result.y;
+  std::erase_if(values, [](double y) { return std::isnan(y); });
+  EffectGroup group = all_of(result);
+  group.mean = quantile(std::move(values), fraction);
+  const std::string text = mean_text(group);
+  return text.substr(0, text.find(' '));
+}
+
 class MeansTable {
  public:
   explicit MeansTable(const MainEffects& effects) : effects_(effects) {
@@ -144,6 +155,13 @@ class MeansTable {
       out[0].push_back(upper);
       out[1].push_back(lower);
       out[2].push_back(mean_text(all_of(effects_.results[r])));
+    }
+    // Of distributions, what the means do not say.
+    const bool is_sampled = std::ranges::any_of(effects_.parameters, &EffectParameter::has_intervals);
+    for (const int percent : is_sampled ? std::vector{5, 50, 95} : std::vector<int>()) {
+      Row row{percent == 5 ? "quantiles" : "", fmt::format("{} %", percent), ""};
+      for (std::size_t r = 0; r < results; ++r) row.push_back(quantile_text(effects_.results[r], 0.01 * percent));
+      out.push_back(std::move(row));
     }
     for (std::size_t p = 0; p < parameters_; ++p) add_parameter(p, results, out);
     return out;

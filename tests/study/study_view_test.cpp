@@ -161,6 +161,17 @@ TEST(StudyTable, HasARowPerRunOrPerLevel) {
   EXPECT_THAT(lines, Contains(AllOf(HasSubstr("all"), HasSubstr(" 54 "), HasSubstr(" ± "))));
 }
 
+TEST(StudyTable, OfASampleHasQuantiles) {
+  TableMaker maker({"cutting.normal_ratio"}, {"removed_mm3"});
+  for (int i = 0; i <= 100; ++i) maker.done({std::to_string(0.001 * i)}, {1.0 * i});
+  const std::vector<std::string> lines = study_table(maker.table(), main_effects(maker.table()), 100);
+  // The deviation is 29.3: two digits of it leave no decimals.
+  for (const auto& [name, value] : {std::pair("quantiles", " 5"), {"50 %", " 50"}, {"95 %", " 95"}}) {
+    EXPECT_THAT(lines, Contains(AllOf(HasSubstr(name), ::testing::EndsWith(value))));
+  }
+  EXPECT_THAT(study_table(grid(1), main_effects(grid(1)), 100), Not(Contains(HasSubstr("quantiles"))));
+}
+
 TEST(StudyTable, IsEmptyWithoutResults) {
   TableMaker maker({"motion.plunge.depth_mm"}, {});
   const RunTable& table = maker.failed({"1"}, "no").table();
