@@ -19,8 +19,6 @@ class RunCheckpoints {
   void identify(const Scenario& scenario, const std::vector<InputSum>& inputs);
   /// Notes the device of the run. Warns where the checkpoint to continue is from another one.
   void use_device(const std::string& device, Report& report);
-  /// Whether a checkpoint is to be continued.
-  [[nodiscard]] bool resumes() const { return last_.has_value(); }
   /// Sets the fill of the bone, before the engine is made. Keeps a copy of the fill before the run.
   void restore(FillBricks& fill);
   /// The logs of the run, with its force basis where `force_basis`: new, or those of the checkpoint. `report` gets its warnings.

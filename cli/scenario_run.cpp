@@ -270,7 +270,7 @@ void finish_complete(OutputFolder& folder, const Scenario& scenario, const Conso
 
 }  // namespace
 
-void run_scenario(const RunRequest& request, RunResources& resources, const Console& console) {
+std::optional<std::int64_t> run_scenario(const RunRequest& request, RunResources& resources, const Console& console) {
   const Scenario& scenario = request.scenario;
   OutputFolder folder({.dir = request.dir,
                        .kind = ResultKind::run,
@@ -279,10 +279,14 @@ void run_scenario(const RunRequest& request, RunResources& resources, const Cons
                        .inputs = files_read(scenario),
                        .durable = request.durable});
   console.say("reamsim " REAMSIM_VERSION ": " + scenario.name + " -> " + folder.final_path());
-  if (folder.is_complete()) return finish_complete(folder, scenario, console);
+  if (folder.is_complete()) {
+    finish_complete(folder, scenario, console);
+    return std::nullopt;
+  }
   RunCheckpoints checkpoints(folder.path(), scenario.output.checkpoint_s, request.resume);
-  if (checkpoints.resumes()) {
-    console.say("continued after frame " + std::to_string(*checkpoints.saved_frame()));
+  const std::optional<std::int64_t> continued_after = checkpoints.saved_frame();
+  if (continued_after) {
+    console.say("continued after frame " + std::to_string(*continued_after));
     folder.keep();
   } else {
     folder.clear();
@@ -311,6 +315,7 @@ void run_scenario(const RunRequest& request, RunResources& resources, const Cons
     console.print(report);
   });
   console.say("results: " + folder.final_path());
+  return continued_after;
 }
 
 }  // namespace reamsim

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstdint>
+#include <optional>
 #include <string>
 
 #include "cli/console.h"
@@ -27,7 +29,7 @@ struct RunResources {
 };
 
 /// Loads, simulates, writes and renders. Throws InputError, RunError, Interrupted, and Suspended where a checkpoint is
-/// left; the message says what remains.
-void run_scenario(const RunRequest& request, RunResources& resources, const Console& console);
+/// left; the message says what remains. Returns the frame after which an interrupted run was continued.
+std::optional<std::int64_t> run_scenario(const RunRequest& request, RunResources& resources, const Console& console);
 
 }  // namespace reamsim

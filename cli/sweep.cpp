@@ -156,7 +156,7 @@ void plan_command(const PlanOptions& options, const Console& console) {
   const bool all = workers.work(sweep, valid, answered);
   progress.finish();
   if (!all) throw Interrupted();
-  print_estimate(console, sweep.study, estimate, valid.size(), options.jobs);
+  if (!valid.empty()) print_estimate(console, sweep.study, estimate, valid.size(), options.jobs);
   mistakes.print(console);
   if (mistakes.runs() > 0) {
     throw InputError({options.sweep.file, 0, 0}, "",
@@ -255,6 +255,7 @@ class StudyRun {
       progress.update(++answered_, static_cast<std::int64_t>(runs.size()));
     });
     progress.finish();
+    for (const std::string& line : continued_) console_.say(line);
     folder_.sync();
     if (!all) throw Suspended("interrupted; the same command continues");
     if (shard_.count == 1) collect_and_show(sweep_, folder_, console_);
@@ -276,6 +277,9 @@ class StudyRun {
       failures_.add(number, answer.text);
     }
     if (answer.outcome == WorkerAnswer::Outcome::busy) ++busy_;
+    if (answer.outcome == WorkerAnswer::Outcome::done && !answer.text.empty()) {
+      continued_.push_back(fmt::format("run {}: {}", number, answer.text));
+    }
   }
 
   void report() const {
@@ -293,6 +297,7 @@ class StudyRun {
   SweepRuns sweep_;
   StudyFolder folder_;
   MistakesOfRuns failures_;
+  std::vector<std::string> continued_;  ///< which runs, after which frame
   std::int64_t answered_ = 0;
   int busy_ = 0;
 };

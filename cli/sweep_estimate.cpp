@@ -56,7 +56,8 @@ RunEstimate RunEstimator::estimate(const Scenario& scenario, RunResources& resou
 double RunEstimator::simulate_s(ReamingScene& scene, RunResources& resources) {
   const auto frames = static_cast<double>(scene.motion.last_frame() - scene.motion.first_frame + 1);
   const std::vector<PassSpec> passes = passes_of(scene.scenario);
-  const std::pair key{resources.bones->loaded(), passes[static_cast<std::size_t>(scene.motion.pass) - 1].tool.mesh};
+  const std::tuple key{resources.bones->loaded(), passes[static_cast<std::size_t>(scene.motion.pass) - 1].tool.mesh,
+                       scene.scenario.output.force_basis};
   const auto known = s_per_frame_.find(key);
   if (known != s_per_frame_.end()) return known->second * frames;
   const auto engine = load_engine(scene, resources.devices);  // also finds what does not fit the device

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <map>
 #include <string>
-#include <utility>
+#include <tuple>
 
 #include "cli/scenario_run.h"
 #include "sim/scene/scene.h"
@@ -23,8 +23,8 @@ struct RunEstimate {
   static RunEstimate parse(const std::string& text);
 };
 
-/// Validates runs as `reamsim check` does, and estimates their cost. Of runs with the same bone and tool only the first
-/// is timed.
+/// Validates runs as `reamsim check` does, and estimates their cost. Of runs with the same bone, tool and force basis,
+/// only the first is timed.
 class RunEstimator {
  public:
   /// `resources` must have a cache of bones. Throws InputError with every mistake of the scenario.
@@ -33,7 +33,8 @@ class RunEstimator {
  private:
   double simulate_s(ReamingScene& scene, RunResources& resources);
 
-  std::map<std::pair<int, std::string>, double> s_per_frame_;  ///< by bone (BoneCache::loaded) and tool
+  /// By bone (BoneCache::loaded), tool, and whether a force basis is written, which takes longer than the frames.
+  std::map<std::tuple<int, std::string, bool>, double> s_per_frame_;
 };
 
 }  // namespace reamsim

@@ -99,8 +99,8 @@ class RunWorker {
     request.resume = true;
     request.keep = study_.keep;
     request.durable = false;
-    run_scenario(request, resources_, console_);
-    return "";
+    const auto continued_after = run_scenario(request, resources_, console_);
+    return continued_after ? "continued after frame " + std::to_string(*continued_after) : "";
   }
 
   Study study_;

@@ -18,7 +18,8 @@ struct WorkerAnswer {
 
   std::size_t run = 0;  ///< index in the plan
   Outcome outcome = Outcome::done;
-  std::string text;  ///< the message of a failure; of a check, its estimates (RunEstimate)
+  /// The message of a failure; of a check, its estimates (RunEstimate); of a run, whether it was continued, or "".
+  std::string text;
 };
 
 /// Distributes runs over processes of this program, each of which loads OpenCL and a bone that several runs share once.

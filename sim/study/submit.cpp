@@ -42,15 +42,17 @@ std::string slurm_array(const Submission& s) {
              kMark, plain_name(s.name), s.shards, s.jobs, s.time_limit, kBeforeLimit_s) +
          shell_functions(s) +
          "\n"
+         "shard=  # the signal may come at once; without a trap it would end this script\n"
+         "trap 'signalled=yes; if [ -n \"$shard\" ]; then kill -USR1 \"$shard\"; fi' USR1\n"
          "run_shard \"$SLURM_ARRAY_TASK_ID\" & shard=$!\n"
-         "trap 'signalled=yes; kill -USR1 \"$shard\"' USR1\n"
          "signalled=yes\n"
          "while [ -n \"$signalled\" ]; do  # a signal ends `wait` early\n"
          "  signalled=\n"
          "  wait \"$shard\"; status=$?\n"
          "done\n"
-         "# 75: checkpoints are saved, the same command continues.\n"
-         "if [ \"$status\" -eq 75 ]; then scontrol requeue \"${SLURM_ARRAY_JOB_ID}_$SLURM_ARRAY_TASK_ID\"; fi\n"
+         "# 75: checkpoints are saved, the same command continues. 138: the signal came before the program was ready.\n"
+         "if [ \"$status\" -eq 75 ] || [ \"$status\" -eq 138 ]; then scontrol requeue "
+         "\"${SLURM_ARRAY_JOB_ID}_$SLURM_ARRAY_TASK_ID\"; fi\n"
          "exit \"$status\"\n";
 }
 

@@ -128,6 +128,23 @@ TEST(Submit, SlurmScriptForwardsTheSignal) {
   EXPECT_EQ(read_all(dir.path() + "/requeued"), "requeue 7_2\n");
 }
 
+/// A signal that comes before the program handles it ends the program, and the task is requeued as well.
+TEST(Submit, SlurmScriptRequeuesAfterAnEarlySignal) {
+  const TempDir dir;
+  Submission submission = example();
+  submission.program = dir.path() + "/shard";
+  write_text(submission.program, "#!/bin/bash\nkill -USR1 $$\n");
+  write_text(dir.path() + "/scontrol", "#!/bin/sh\necho \"$@\" > requeued\n");
+  const std::string script = text_of(BatchSystem::slurm, submission);
+  EXPECT_LT(script.find("trap "), script.find("& shard=$!")) << "the script itself is not ended by it";
+  write_text(dir.path() + "/script", script);
+  EXPECT_NE(shell("cd " + shell_word(dir.path()) +
+                  " && chmod +x shard scontrol && export PATH=\"$PWD:$PATH\" SLURM_ARRAY_JOB_ID=7 "
+                  "SLURM_ARRAY_TASK_ID=2\nbash ./script"),
+            0);
+  EXPECT_EQ(read_all(dir.path() + "/requeued"), "requeue 7_2\n");
+}
+
 TEST(Submit, PythonReadsItsLiterals) {
   const TempDir dir;
   write_text(dir.path() + "/p.py", "import sys\nsys.stdout.write(" + python_literal(kHostile) + ")\n");
