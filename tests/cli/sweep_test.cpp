@@ -157,12 +157,38 @@ TEST_F(Sweep, AFailingRunIsOneRow) {
   EXPECT_THAT(collected.err, AllOf(HasSubstr("run 2"), HasSubstr("run 3")));
 }
 
+TEST_F(Sweep, AMistakeInATableNamesItsLine) {
+  write("cohort.csv", "label,motion.plunge.depth_mm\r\nP1,0.5\r\n,\r\nP2,\"0,7\"\r\n");
+  write("study.yaml", "version: 1\nbase: s.yaml\ntable: cohort.csv\n");
+  const ProgramResult plan = sweep({"plan", "study.yaml"});
+  EXPECT_EQ(plan.status, 2);
+  EXPECT_THAT(plan.err, AllOf(HasSubstr("run 2: cohort.csv:4: "), HasSubstr("motion.plunge.depth_mm: found the text"),
+                              HasSubstr("1 of 2 runs are wrong")));
+  EXPECT_EQ(sweep({"run", "study.yaml", "-o", "out"}).status, 1);
+  EXPECT_THAT(lines("out/runs.csv")[2], AllOf(HasSubstr("2,,failed,"), HasSubstr("cohort.csv:4: ")));
+}
+
 TEST_F(Sweep, PlanWritesNothing) {
   const ProgramResult result = sweep({"plan", "study.yaml"});
   EXPECT_EQ(result.status, 0) << result.err;
   EXPECT_THAT(result.out, AllOf(HasSubstr("8 runs of "), HasSubstr("time: about "), HasSubstr("memory: up to "),
                                 HasSubstr("disk: about ")));
   EXPECT_FALSE(exists("out"));
+}
+
+TEST_F(Sweep, EstimatesCountTheForceBasis) {
+  // It repeats the cut on the host, which takes several times as long as the simulation on the device.
+  const auto estimate_s = [&](const std::string& basis) {
+    write("study.yaml", "version: 1\nbase: " REAMSIM_ROOT
+                        "/trajectories/default.yaml\n"
+                        "set: {bone.voxel_mm: 0.5, output.force_basis: " +
+                            basis + "}\n");
+    const ProgramResult plan = sweep({"plan", "study.yaml", "--jobs", "1"});
+    EXPECT_EQ(plan.status, 0) << plan.err;
+    return number_after(plan.out, "time: about ");
+  };
+  // Both have the same loading time.
+  EXPECT_GT(estimate_s("true"), 1.3 * estimate_s("false"));
 }
 
 TEST_F(Sweep, AFolderWithSomethingElseIsLeftAlone) {
@@ -254,6 +280,19 @@ TEST_F(Uq, OtherInputsNeedRuns) {
             removed["inputs"]["motion.plunge.depth_mm"]["mean_in_lowest_fifth"].get<double>());
 }
 
+TEST_F(Uq, ConstantsInWhichForcesAreNotLinearNeedRuns) {
+  write("s.yaml", "output: {force_basis: true}\n" + read("s.yaml"));
+  // The small scenario cuts below this speed.
+  const auto json =
+      uq("{n: 8, of: {cutting.speed_floor_mm_s: {uniform: [1000, 4000]}, cutting.specific_energy_j_mm3: {lognormal: "
+         "[0.15, 0.3]}}}\nset: {output.force_basis: true}");
+  EXPECT_EQ(json["runs"], 16);
+  const auto& torque = json["outputs"]["peak_spin_torque_nmm"];
+  EXPECT_GT(torque["inputs"]["cutting.speed_floor_mm_s"]["total"].get<double>(), 0.1);
+  const std::string runs = read("uq/runs.yaml");
+  EXPECT_EQ(runs.find("force_basis"), runs.rfind("force_basis")) << runs;
+}
+
 TEST_F(Uq, StudiesThatAreNoUncertaintyAnalysisAreRefused) {
   const auto refused = [&](const std::string& lines) {
     write("uq.yaml", "version: 1\nbase: s.yaml\n" + lines);
@@ -268,6 +307,12 @@ TEST_F(Uq, StudiesThatAreNoUncertaintyAnalysisAreRefused) {
       refused(
           "vary: [{motion.plunge.depth_mm: [1]}]\nsample: {n: 8, of: {cutting.normal_ratio: {normal: [1, 0.1]}}}\n"),
       HasSubstr("vary: an uncertainty analysis has no such key"));
+  // Between 4 and 63, the analysis warns.
+  write("uq.yaml", "version: 1\nbase: s.yaml\nsample: {n: 4, of: {cutting.normal_ratio: {uniform: [0.4, 0.6]}}}\n");
+  const ProgramResult few =
+      reamsim({.arguments = {"uq", "uq.yaml", "-o", "few"}, .environment = {}, .folder = "", .interrupt_when = {}});
+  EXPECT_EQ(few.status, 0) << few.err;
+  EXPECT_THAT(few.err, HasSubstr("sample.n is 4: with less than 64"));
   EXPECT_THAT(refused("sample: {n: 2, of: {cutting.normal_ratio: {normal: [1, 0.1]}}}\n"),
               HasSubstr("expected 4 or more"));
 }
