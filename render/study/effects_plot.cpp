@@ -163,7 +163,7 @@ class EffectsFigure {
         range.add(group.mean + group.sd);
       }
     }
-    return {range.low - 0.05 * range.span(), range.high + 0.17 * range.span()};  // the fraction stands above the dots
+    return {range.low - 0.05 * range.span(), range.high + 0.26 * range.span()};  // the fraction stands above the dots
   }
 
   /// A block for each panel: position, mean, standard deviation, name of the level, fraction explained, blank.

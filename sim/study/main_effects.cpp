@@ -20,6 +20,8 @@ constexpr std::size_t kMostLevels = 40;
 constexpr std::size_t kMostIntervals = 8, kLeastValuesOfInterval = 8;
 /// A result whose values differ by less than this fraction of them does not vary: it is rounding.
 constexpr double kLeastVariation = 1e-9;
+/// Nor does an angle that differs by less than this, °: the fits of faces have errors of some hundredths.
+constexpr double kLeastVariation_deg = 0.1;
 
 /// Numbers of all runs, or nullopt where a cell is none.
 std::optional<std::vector<double>> numbers_of(const std::vector<std::string>& cells) {
@@ -128,14 +130,16 @@ std::vector<EffectParameter> varying_parameters(const RunTable& table, const std
   return out;
 }
 
-bool varies(const std::vector<double>& values) {
+bool varies(const std::vector<double>& values, const std::string& unit) {
   double least = std::numeric_limits<double>::infinity(), most = -least;
   for (const double value : values) {
     if (std::isnan(value)) continue;
     least = std::min(least, value);
     most = std::max(most, value);
   }
-  return most - least > kLeastVariation * std::max(std::abs(most), std::abs(least));
+  const double least_variation =
+      unit == "°" ? kLeastVariation_deg : kLeastVariation * std::max(std::abs(most), std::abs(least));
+  return most - least > least_variation;
 }
 
 std::vector<EffectResult> varying_results(const RunTable& table, const std::vector<std::size_t>& runs) {
@@ -146,7 +150,7 @@ std::vector<EffectResult> varying_results(const RunTable& table, const std::vect
     EffectResult result{name, {}};
     const auto place = static_cast<std::size_t>(found - table.results.begin());
     for (const std::size_t run : runs) result.y.push_back(table.runs[run].numbers[place]);
-    if (varies(result.y)) out.push_back(std::move(result));
+    if (varies(result.y, name.unit)) out.push_back(std::move(result));
   }
   return out;
 }

@@ -26,6 +26,7 @@ RUN_ELSEWHERE = {
     "./test.sh": "the tests are its",
     "cmake ": "the build; .ci/run",
     "time reamsim run": "the runs below",
+    "REAMSIM_DATA=... reamsim sweep run trajectories/studies/shoulder_errors.yaml": "e2e.shoulder_errors",
     "reamsim bench": "cli_test (Bench), bench tests",
     "reamsim verify": "cli_test (Verify), verify tests",
     "build/release/tests/": "tests BenchReference, ExactReference",

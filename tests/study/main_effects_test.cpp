@@ -110,6 +110,13 @@ TEST(MainEffects, RoundingIsNoVariation) {
   TableMaker maker({"motion.plunge.depth_mm"}, {kForce});
   maker.done({"1"}, {0.3}).done({"2"}, {0.1 + 0.2});
   EXPECT_TRUE(main_effects(maker.table()).empty());
+  // Nor are the hundredths of a degree of a fitted face.
+  TableMaker angles({"motion.plunge.depth_mm"},
+                    {"metrics.orientation.reamed.version_deg", "metrics.orientation.reamed.inclination_deg"});
+  angles.done({"1"}, {5.01, 6}).done({"2"}, {5.09, 7});
+  const MainEffects effects = main_effects(angles.table());
+  ASSERT_EQ(effects.results.size(), 1U);
+  EXPECT_EQ(effects.results[0].name.key, "metrics.orientation.reamed.inclination_deg");
 }
 
 TEST(RunsOfTable, AreAllOrDrawnAtRandom) {
@@ -145,6 +152,8 @@ TEST(ColumnNames, AreReadableAndUnique) {
 TEST(ColumnNames, OfCells) {
   EXPECT_EQ(shown_cell("../../assets/reamer_flat.stl"), "reamer_flat");
   EXPECT_EQ(shown_cell("0.123456"), "0.1235");
+  EXPECT_EQ(shown_cell("reamer_flat.stl"), "reamer_flat");
+  EXPECT_EQ(shown_cell("Miller, A."), "Miller, A.");
   EXPECT_EQ(shown_cell("left"), "left");
   EXPECT_EQ(shown_cell(""), "as in the base");
 }
