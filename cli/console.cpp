@@ -1,5 +1,6 @@
 #include "cli/console.h"
 
+#include <fmt/core.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -48,6 +49,7 @@ void Progress::update(std::int64_t done, std::int64_t total) {
   if (console_.quiet || total <= 0) return;
   const double fraction = static_cast<double>(done) / static_cast<double>(total), seconds = watch_.seconds();
   const double rate = seconds > 0 ? static_cast<double>(done) / seconds : 0;
+  const std::string rate_text = rate < 10 ? fmt::format("{:.2g}", rate) : fmt::format("{:.0f}", rate);
   const double left = rate > 0 ? static_cast<double>(total - done) / rate : 0;
   const auto d = static_cast<long long>(done), t = static_cast<long long>(total);
   if (terminal_) {
@@ -56,8 +58,8 @@ void Progress::update(std::int64_t done, std::int64_t total) {
     const int cells = static_cast<int>(fraction * kBarCells);
     const std::string bar = std::string(static_cast<std::size_t>(cells), '#') +
                             std::string(static_cast<std::size_t>(kBarCells - cells), '.');
-    std::printf("\r%s [%s] %lld/%lld %s  %.0f/s  %.0f s left \033[K", stage_.c_str(), bar.c_str(), d, t, unit_.c_str(),
-                rate, left);
+    std::printf("\r%s [%s] %lld/%lld %s  %s/s  %.0f s left \033[K", stage_.c_str(), bar.c_str(), d, t, unit_.c_str(),
+                rate_text.c_str(), left);
     std::fflush(stdout);
     open_ = true;
     return;
@@ -65,7 +67,8 @@ void Progress::update(std::int64_t done, std::int64_t total) {
   const int tenth = static_cast<int>(10 * fraction);
   if (tenth <= last_tenth_) return;
   last_tenth_ = tenth;
-  std::printf("%s %lld/%lld %s, %.0f per second, %.0f s left\n", stage_.c_str(), d, t, unit_.c_str(), rate, left);
+  std::printf("%s %lld/%lld %s, %s per second, %.0f s left\n", stage_.c_str(), d, t, unit_.c_str(), rate_text.c_str(),
+              left);
   std::fflush(stdout);
 }
 

@@ -43,3 +43,5 @@ done
 keep compare/compare.png biconcave_compare 900
 "$reamsim" sweep run "$root/trajectories/studies/reamers.yaml" -o "$work/reamers" --quiet
 ffmpeg -v error -y -i "$work/reamers/effects.png" -vf scale=1063:-1:flags=area "$root/docs/images/study_effects.png"  # docs/studies.md
+"$reamsim" sweep run "$root/trajectories/studies/shoulder_errors.yaml" -o "$work/shoulder_errors" --quiet
+ffmpeg -v error -y -i "$work/shoulder_errors/effects.png" -vf scale=1063:-1:flags=area "$root/docs/images/study_shoulder.png"

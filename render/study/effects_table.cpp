@@ -156,13 +156,6 @@ class MeansTable {
       out[1].push_back(lower);
       out[2].push_back(mean_text(all_of(effects_.results[r])));
     }
-    // Of distributions, what the means do not say.
-    const bool is_sampled = std::ranges::any_of(effects_.parameters, &EffectParameter::has_intervals);
-    for (const int percent : is_sampled ? std::vector{5, 50, 95} : std::vector<int>()) {
-      Row row{percent == 5 ? "quantiles" : "", fmt::format("{} %", percent), ""};
-      for (std::size_t r = 0; r < results; ++r) row.push_back(quantile_text(effects_.results[r], 0.01 * percent));
-      out.push_back(std::move(row));
-    }
     for (std::size_t p = 0; p < parameters_; ++p) add_parameter(p, results, out);
     return out;
   }
@@ -184,13 +177,39 @@ class MeansTable {
   std::size_t parameters_ = 0, levels_ = 0;
 };
 
+/// Of distributions, what the means do not say: quantiles of each result over all runs, and the parameter that explains
+/// most of it.
+std::vector<std::string> band_lines(const MainEffects& effects) {
+  std::vector<Row> rows{{"over all runs", "5 %", "50 %", "95 %", "explained most by"}};
+  for (std::size_t r = 0; r < effects.results.size(); ++r) {
+    const EffectResult& result = effects.results[r];
+    std::size_t most = 0;
+    for (std::size_t p = 1; p < effects.parameters.size(); ++p) {
+      if (effects.effects[p][r].explained > effects.effects[most][r].explained) most = p;
+    }
+    const MainEffect& effect = effects.effects[most][r];
+    rows.push_back(
+        {cut(result.name.title(), 34), quantile_text(result, 0.05), quantile_text(result, 0.5),
+         quantile_text(result, 0.95),
+         fmt::format("{} ({:.0f} %)", cut(effects.parameters[most].name.title(), 28), 100 * effect.explained)});
+  }
+  return align_columns(rows);
+}
+
 }  // namespace
 
 std::vector<std::string> study_table(const RunTable& table, const MainEffects& effects, std::size_t width) {
   const auto is_done = [](const CollectedRun& run) { return run.state == RunState::done; };
   if (std::ranges::none_of(table.runs, is_done)) return {};
   if (table.all <= kMostRunsInRows) return rows_of_runs(table, width);
-  return effects.empty() ? std::vector<std::string>() : MeansTable(effects).lines(width);
+  if (effects.empty()) return {};
+  std::vector<std::string> out = MeansTable(effects).lines(width);
+  if (std::ranges::any_of(effects.parameters, &EffectParameter::has_intervals)) {
+    const std::vector<std::string> bands = band_lines(effects);
+    out.emplace_back();
+    out.insert(out.end(), bands.begin(), bands.end());
+  }
+  return out;
 }
 
 }  // namespace reamsim

@@ -73,10 +73,10 @@ const std::vector<ColumnName>& headline_results() {
       {"energy_mj", "cutting energy", "mJ"},
       {"metrics.orientation.reamed.version_deg", "version, reamed face", "°"},
       {"metrics.orientation.reamed.inclination_deg", "inclination, reamed face", "°"},
+      {"metrics.seating.seated_percent", "backside seated", "%"},
       {"metrics.planning.planned.version_deg", "version, implant", "°"},
       {"metrics.planning.planned.inclination_deg", "inclination, implant", "°"},
       {"metrics.planning.medialization_mm", "medialization by the implant", "mm"},
-      {"metrics.seating.seated_percent", "backside seated", "%"},
       {"metrics.planning.vault.left_percent", "vault bone left", "%"}};
   return results;
 }
