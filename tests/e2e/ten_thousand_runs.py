@@ -66,7 +66,7 @@ def main():
         failed = [row for row in rows if row["status"] != "done"]
         assert [row["run"] for row in failed] == [str(runs // 2)] and "deep" in failed[0]["message"], failed
         assert peak < MOST_COLLECT_MB
-        assert runs / run_s >= LEAST_RUNS_PER_S or runs < 10_000
+        assert runs / run_s >= LEAST_RUNS_PER_S or runs < 10_000, "less than 20 runs/s: is the machine free?"
     print("passed")
 
 
