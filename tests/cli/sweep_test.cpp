@@ -162,8 +162,8 @@ TEST_F(Sweep, AMistakeInATableNamesItsLine) {
   write("study.yaml", "version: 1\nbase: s.yaml\ntable: cohort.csv\n");
   const ProgramResult plan = sweep({"plan", "study.yaml"});
   EXPECT_EQ(plan.status, 2);
-  EXPECT_THAT(plan.err, AllOf(HasSubstr("run 2: cohort.csv:4: "), HasSubstr("motion.plunge.depth_mm: found the text"),
-                              HasSubstr("1 of 2 runs are wrong")));
+  EXPECT_THAT(plan.err, AllOf(HasSubstr("run 2: "), HasSubstr("cohort.csv:4: "),
+                              HasSubstr("motion.plunge.depth_mm: found the text"), HasSubstr("1 of 2 runs are wrong")));
   EXPECT_EQ(sweep({"run", "study.yaml", "-o", "out"}).status, 1);
   EXPECT_THAT(lines("out/runs.csv")[2], AllOf(HasSubstr("2,,failed,"), HasSubstr("cohort.csv:4: ")));
 }
@@ -181,13 +181,16 @@ TEST_F(Sweep, EstimatesCountTheForceBasis) {
   const auto estimate_s = [&](const std::string& basis) {
     write("study.yaml", "version: 1\nbase: " REAMSIM_ROOT
                         "/trajectories/default.yaml\n"
-                        "set: {bone.voxel_mm: 0.5, output.force_basis: " +
+                        "set: {bone.voxel_mm: 0.5, motion.plunge.feed_mm_s: 0.05, output.force_basis: " +
                             basis + "}\n");
-    const ProgramResult plan = sweep({"plan", "study.yaml", "--jobs", "1"});
-    EXPECT_EQ(plan.status, 0) << plan.err;
-    return number_after(plan.out, "time: about ");
+    double least_s = 1e9;  // of two: other programs only make an estimate longer
+    for (int i = 0; i < 2; ++i) {
+      const ProgramResult plan = sweep({"plan", "study.yaml", "--jobs", "1"});
+      EXPECT_EQ(plan.status, 0) << plan.err;
+      least_s = std::min(least_s, number_after(plan.out, "time: about "));
+    }
+    return least_s;
   };
-  // Both have the same loading time.
   EXPECT_GT(estimate_s("true"), 1.3 * estimate_s("false"));
 }
 
