@@ -63,15 +63,6 @@ RS_INLINE float16 distance_beyond_reach(__global const SubstepArgs* a, const Out
 
 #endif
 
-/* The lanes that are true, as bits. */
-RS_INLINE uint bits_of(const int16 lanes) {
-  const int16 bit = lanes & (int16)(1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 1024, 2048, 4096, 8192, 16384, 32768);
-  const int8 eight = bit.lo | bit.hi;
-  const int4 four = eight.lo | eight.hi;
-  const int2 two = four.lo | four.hi;
-  return (uint)(two.x | two.y);
-}
-
 /* Pads the candidates, and finds the pieces that can be nearest while the tool moves by `shift` mm. `smooth`: of the
  * brick. */
 RS_INLINE void finish_candidates(__global const SubstepArgs* a, const OutlineView* outline, const Visit* v,
@@ -101,7 +92,7 @@ RS_INLINE int list_places(__global const SubstepArgs* a, const OutlineView* outl
   const float16 middle = rs_clip_distance(a, outline, v->list, v->corner, convert_float16((lane & 1) << 2) + 1.5f,
                                           convert_float16((lane & 2) << 1) + 1.5f, convert_float16(lane & 4) + 1.5f);
   const float near = RS_CLIP_REACH + 2.6f + 0.1f + shift + envelope_slack(v) * a->per_voxel_mm;
-  const uint blocks = bits_of(middle * a->per_voxel_mm <= near);
+  const uint blocks = rs_lane_bits(middle * a->per_voxel_mm <= near);
   for (int block = 0; block < 8; ++block) {
     if ((blocks >> block & 1u) == 0) continue;
     const float16 x = convert_float16((block & 1) << 2 | (lane & 3)), y = convert_float16((block & 2) << 1 | lane >> 2);
@@ -110,7 +101,7 @@ RS_INLINE int list_places(__global const SubstepArgs* a, const OutlineView* outl
       const uint bone = v->brick->bone[first >> 5] >> (first & 31) & 0xffffu;
       if (bone == 0) continue;
       const float16 z = (float16)(float)((block & 4) | layer);
-      uint rest = bone & bits_of(distance_beyond_reach(a, outline, v, smooth, x, y, z, shift) <= 0.0f);
+      uint rest = bone & rs_lane_bits(distance_beyond_reach(a, outline, v, smooth, x, y, z, shift) <= 0.0f);
       for (; rest != 0; rest &= rest - 1) places[count++] = (ushort)(first + (int)popcount((rest & -rest) - 1));
     }
   }

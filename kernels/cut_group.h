@@ -110,16 +110,9 @@ void add_window_sums(__global const SubstepArgs* args, const SubstepWindow* wind
     if (from->contacts[f] == 0) continue;
     float parts[2 * RS_WINDOW_SUMS];
     for (int i = 0; i < 2 * RS_WINDOW_SUMS; ++i) parts[i] = from->sums[2 * RS_WINDOW_SUMS * f + i];
-    long total[RS_WINDOW_SUMS] = {0};
-    rs_finish_window_sums(parts, rs_window_time(w, args[window->first + f].frame), total);
-    LaneSums law = zero_sums();
-    for (int i = 0; i < 3; ++i) {
-      law.force[i] = total[i];
-      law.torque[i] = total[3 + i];
-    }
-    law.floor_energy = total[6];
-    law.energy = total[7];
-    add_brick_sums(&sums[window->first + f], &law, 0, from->lost_fill[f], from->contacts[f]);
+    SubstepSums total = {{0}, {0}, 0, 0, from->lost_fill[f], from->contacts[f]};
+    rs_finish_window_sums(parts, rs_window_time(w, args[window->first + f].frame), &total);
+    add_substep_sums(&sums[window->first + f], &total);
   }
   barrier(CLK_LOCAL_MEM_FENCE | CLK_GLOBAL_MEM_FENCE);
 }
@@ -135,7 +128,7 @@ void cut_in_window(__global const SubstepArgs* args, const SubstepWindow* window
   if (smooth) {
     __global const MotionWindow* w = motions + window->motion;
     const NodeCorners corners = node_corners(w, v);
-    for (uint f = item; f < RS_VISIT_SUBSTEPS; f += items) {
+    for (uint f = item; f < RS_WINDOW_SUBSTEPS; f += items) {
       m->sums.lost_fill[f] = m->sums.contacts[f] = 0;
       for (int i = 0; i < 2 * RS_WINDOW_SUMS; ++i) m->sums.sums[2 * RS_WINDOW_SUMS * f + i] = 0.0f;
     }

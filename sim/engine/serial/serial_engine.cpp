@@ -246,14 +246,7 @@ class SerialEngine final : public Engine {
   /// Adds the sums of the last brick, when `brick` is another one.
   void finish_brick(const SubstepArgs& args, std::int64_t brick, SubstepSums& sums) {
     if (brick == brick_) return;
-    std::array<rs_i64, RS_WINDOW_SUMS> total{};
-    rs_finish_window_sums(brick_sums_.data(), rs_window_time(window_.get(), args.frame), total.data());
-    for (std::size_t i = 0; i < 3; ++i) {
-      sums.force[i] += total[i];
-      sums.torque[i] += total[3 + i];
-    }
-    sums.floor_energy += total[6];
-    sums.energy += total[7];
+    rs_finish_window_sums(brick_sums_.data(), rs_window_time(window_.get(), args.frame), &sums);
     brick_sums_ = {};
     brick_ = brick;
   }

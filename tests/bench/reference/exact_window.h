@@ -15,18 +15,16 @@ constexpr int kFramesAtOnce = kLanes / 2;          ///< sums that the registers 
 
 /// Sums of a thread over the voxels of its bricks, by slot.
 struct ThreadSums {
-  alignas(64) rs_i64 law[RS_VISIT_SUBSTEPS][RS_WINDOW_SUMS];  ///< force, torque, speed-floor energy, energy
-  rs_i64 removed[RS_VISIT_SUBSTEPS];                          ///< fill
-  rs_i64 contacts[RS_VISIT_SUBSTEPS];
+  alignas(64) SubstepSums of[RS_VISIT_SUBSTEPS];
 };
 
 /// A brick in a window.
 struct WindowWork {
-  alignas(64) float lost[RS_VISIT_SUBSTEPS * kLanes];         ///< by the voxels in the lanes, frame by frame
-  alignas(64) float basis[kLanes * kCoefficients];            ///< coefficients, voxel by voxel
-  alignas(64) float sums[RS_VISIT_SUBSTEPS * kCoefficients];  ///< losses times coefficients, frame by frame
-  alignas(64) rs_i32 removed[RS_VISIT_SUBSTEPS * kLanes];     ///< lost fill, lane by lane
-  rs_i32 contacts[RS_VISIT_SUBSTEPS];
+  alignas(64) float lost[RS_WINDOW_SUBSTEPS * kLanes];         ///< by the voxels in the lanes, frame by frame
+  alignas(64) float basis[kLanes * kCoefficients];             ///< coefficients, voxel by voxel
+  alignas(64) float sums[RS_WINDOW_SUBSTEPS * kCoefficients];  ///< losses times coefficients, frame by frame
+  alignas(64) rs_i32 removed[RS_WINDOW_SUBSTEPS * kLanes];     ///< lost fill, lane by lane
+  rs_i32 contacts[RS_WINDOW_SUBSTEPS];
   int removed_count;
   RemovedVoxel removed_voxels[RS_BRICK_VOXELS];
 };
@@ -163,11 +161,10 @@ inline void append_candidates(const Candidates& from, int i, rs_u32 lanes, Candi
 /// Adds the sums of a brick in a window, rounded to integers, to those of its substeps. `first`: slot of the first.
 inline void add_window_sums(const float* times, int count, rs_u32 first, WindowWork& work, ThreadSums& sums) {
   for (int f = 0; f < count; ++f) {
-    rs_finish_window_sums(work.sums + kCoefficients * f, times[f], sums.law[first + static_cast<rs_u32>(f)]);
-    sums.contacts[first + static_cast<rs_u32>(f)] += work.contacts[f];
-    rs_i64 removed = 0;
-    for (int lane = 0; lane < kLanes; ++lane) removed += work.removed[kLanes * f + lane];
-    sums.removed[first + static_cast<rs_u32>(f)] += removed;
+    SubstepSums& total = sums.of[first + static_cast<rs_u32>(f)];
+    rs_finish_window_sums(work.sums + kCoefficients * f, times[f], &total);
+    total.contacts += work.contacts[f];
+    for (int lane = 0; lane < kLanes; ++lane) total.removed += work.removed[kLanes * f + lane];
   }
 }
 
