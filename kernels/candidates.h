@@ -41,7 +41,7 @@ RS_INLINE float16 distance_beyond_reach(__global const SubstepArgs* a, const Out
                                         const bool smooth, const float16 x, const float16 y, const float16 z,
                                         const float shift) {
   const float slack = RS_CLIP_REACH + RS_GRID_STEEPEST * shift + RS_POSITION_SLACK * a->per_voxel_mm;
-  return rs_clip_grid_distance(a, &v->teeth, v->corner, x, y, z) * a->per_voxel_mm - slack;
+  return rs_clip_grid_distance(a, &v->teeth, &v->middle, x, y, z) * a->per_voxel_mm - slack;
 }
 
 #else
@@ -49,7 +49,7 @@ RS_INLINE float16 distance_beyond_reach(__global const SubstepArgs* a, const Out
 /* Whether the surface is a single piece near the brick while the tool moves by `shift` mm. */
 RS_INLINE bool brick_is_smooth(__global const SubstepArgs* a, const OutlineView* outline, const Visit* v,
                                const float shift) {
-  return rs_brick_is_smooth(a, outline, v->list, v->corner, shift) != 0;
+  return rs_brick_is_smooth(a, outline, v->list, &v->middle, shift) != 0;
 }
 
 /* Distance of a voxel's centre from the surface minus the reach while the tool moves by `shift`, voxels. `smooth`: of
@@ -57,8 +57,8 @@ RS_INLINE bool brick_is_smooth(__global const SubstepArgs* a, const OutlineView*
 RS_INLINE float16 distance_beyond_reach(__global const SubstepArgs* a, const OutlineView* outline, const Visit* v,
                                         const bool smooth, const float16 x, const float16 y, const float16 z,
                                         const float shift) {
-  if (smooth) return rs_distance_beyond_reach_of_piece(a, outline, v->list, v->corner, x, y, z, shift);
-  return rs_distance_beyond_reach(a, outline, v->list, v->corner, x, y, z, shift);
+  if (smooth) return rs_distance_beyond_reach_of_piece(a, outline, v->list, &v->middle, x, y, z, shift);
+  return rs_distance_beyond_reach(a, outline, v->list, &v->middle, x, y, z, shift);
 }
 
 #endif
@@ -76,7 +76,7 @@ RS_INLINE void finish_candidates(__global const SubstepArgs* a, const OutlineVie
     c->smooth[i >> 4] = smooth;
     if (smooth) continue;
     const int16 place = convert_int16(vload16(0, c->place + i));
-    c->smooth[i >> 4] = rs_find_nearest_pieces(a, outline, v->list, v->corner, offset_x(place), offset_y(place),
+    c->smooth[i >> 4] = rs_find_nearest_pieces(a, outline, v->list, &v->middle, offset_x(place), offset_y(place),
                                                offset_z(place), shift, c->near + (i >> 4));
   }
 #endif
@@ -89,7 +89,7 @@ RS_INLINE int list_places(__global const SubstepArgs* a, const OutlineView* outl
   const int16 lane = (int16)(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
   int count = 0;
   /* First the eight blocks of 4x4x4 voxels, by the envelope; then layers of 16 voxels in the near blocks. */
-  const float16 middle = rs_clip_distance(a, outline, v->list, v->corner, convert_float16((lane & 1) << 2) + 1.5f,
+  const float16 middle = rs_clip_distance(a, outline, v->list, &v->middle, convert_float16((lane & 1) << 2) + 1.5f,
                                           convert_float16((lane & 2) << 1) + 1.5f, convert_float16(lane & 4) + 1.5f);
   const float near = RS_CLIP_REACH + 2.6f + 0.1f + shift + envelope_slack(v) * a->per_voxel_mm;
   const uint blocks = rs_lane_bits(middle * a->per_voxel_mm <= near);

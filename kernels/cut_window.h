@@ -7,17 +7,17 @@
 #include "candidates.h"
 #include "window.h"
 
-/* Centres of a brick's lowest voxel at the nodes of a window, T. */
+/* The middle of a brick at the nodes of a window. */
 typedef struct {
-  float first[3], middle[3], last[3];
-} NodeCorners;
+  BrickMiddle first, middle, last;
+} NodeMiddles;
 
-RS_INLINE NodeCorners node_corners(__global const MotionWindow* w, const Visit* v) {
+RS_INLINE NodeMiddles node_middles(__global const MotionWindow* w, const Visit* v) {
   const int x = 8 * v->at.x, y = 8 * v->at.y, z = 8 * v->at.z;
-  NodeCorners out;
-  rs_brick_in_tool(&w->first, x, y, z, out.first);
-  rs_brick_in_tool(&w->middle, x, y, z, out.middle);
-  rs_brick_in_tool(&w->last, x, y, z, out.last);
+  NodeMiddles out;
+  rs_brick_in_tool(&w->first, x, y, z, &out.first);
+  rs_brick_in_tool(&w->middle, x, y, z, &out.middle);
+  rs_brick_in_tool(&w->last, x, y, z, &out.last);
   return out;
 }
 
@@ -44,22 +44,22 @@ typedef struct {
 } WindowSums;
 
 /* Fits sixteen voxels of the candidates from `first` on. */
-RS_INLINE void fit_sixteen(__global const MotionWindow* w, const OutlineView* outline, const NodeCorners* corners,
+RS_INLINE void fit_sixteen(__global const MotionWindow* w, const OutlineView* outline, const NodeMiddles* middles,
                            const Candidates* c, const int first, WindowVoxel* out) {
   const int16 place = convert_int16(vload16(0, c->place + first));
   const float16 x = offset_x(place), y = offset_y(place), z = offset_z(place), whole = vload16(0, c->energy + first);
   const PieceList near = c->near[first >> 4];
   if (c->smooth[first >> 4]) {
     __global const OutlinePiece* piece = outline->pieces + outline->numbers[near.first];
-    const Clip c0 = rs_clip_smooth(&w->first, piece, corners->first, x, y, z);
-    const Clip c1 = rs_clip_smooth(&w->middle, piece, corners->middle, x, y, z);
-    const Clip c2 = rs_clip_smooth(&w->last, piece, corners->last, x, y, z);
+    const Clip c0 = rs_clip_smooth(&w->first, piece, &middles->first, x, y, z);
+    const Clip c1 = rs_clip_smooth(&w->middle, piece, &middles->middle, x, y, z);
+    const Clip c2 = rs_clip_smooth(&w->last, piece, &middles->last, x, y, z);
     rs_fit_voxel(w, &c0, &c1, &c2, whole, out);
     return;
   }
-  const Clip c0 = rs_clip(&w->first, outline, near, corners->first, x, y, z);
-  const Clip c1 = rs_clip(&w->middle, outline, near, corners->middle, x, y, z);
-  const Clip c2 = rs_clip(&w->last, outline, near, corners->last, x, y, z);
+  const Clip c0 = rs_clip(&w->first, outline, near, &middles->first, x, y, z);
+  const Clip c1 = rs_clip(&w->middle, outline, near, &middles->middle, x, y, z);
+  const Clip c2 = rs_clip(&w->last, outline, near, &middles->last, x, y, z);
   rs_fit_voxel(w, &c0, &c1, &c2, whole, out);
 }
 
@@ -91,7 +91,7 @@ RS_INLINE void add_edge_forces(__global const SubstepArgs* args, const SubstepWi
     __global const SubstepArgs* a = args + window->first + f;
     set_substep(a, v);
     const Clip clip =
-        rs_clip(a, outline, c->near[first >> 4], v->corner, offset_x(place), offset_y(place), offset_z(place));
+        rs_clip(a, outline, c->near[first >> 4], &v->middle, offset_x(place), offset_y(place), offset_z(place));
     fill -= convert_int16(from->lost[f]);
     const int16 outside = rs_window_outside(fit, (float16)from->times[f], RS_WINDOW_PIECES);
     LaneSums edge = zero_sums();
@@ -200,7 +200,7 @@ bool cut_smooth(__global const SubstepArgs* args, const SubstepWindow* window, _
                 RemovedReport* report, SubstepSums* sums) {
   const int count = (int)(window->end - window->first);
   const int padded = (count + FRAMES_AT_ONCE - 1) / FRAMES_AT_ONCE * FRAMES_AT_ONCE;
-  const NodeCorners corners = node_corners(w, v);
+  const NodeMiddles middles = node_middles(w, v);
   for (int f = 0; f < count; ++f) work->times[f] = rs_window_time(w, args[window->first + f].frame);
   for (int f = 0; f < padded; ++f) {
     work->sums[f] = (float16)0.0f;
@@ -213,7 +213,7 @@ bool cut_smooth(__global const SubstepArgs* args, const SubstepWindow* window, _
   bool any_cut = false;
   for (int i = 0; i < c->count; i += 16) {
     WindowVoxel fit;
-    fit_sixteen(w, outline, &corners, c, i, &fit);
+    fit_sixteen(w, outline, &middles, c, i, &fit);
     const int16 before = vload16(0, c->fill + i), without = fit.pieces == 0.0f;
     append_candidates(c, i, without && before > 0, framed);
     const int16 start = without ? (int16)0 : before;
@@ -251,12 +251,12 @@ typedef struct {
  * are VOXELS_AT_ONCE apart. Returns false where it must be cut frame by frame. */
 RS_INLINE bool cut_smooth_voxel(__global const SubstepArgs* args, const SubstepWindow* window,
                                 __global const MotionWindow* w, const OutlineView* outline, Visit* v,
-                                const NodeCorners* corners, const int place, const float whole, __global ushort* page,
+                                const NodeMiddles* middles, const int place, const float whole, __global ushort* page,
                                 __local ushort* lost, __local float* basis, __global SubstepSums* sums) {
   const float x = (float)rs_offset_x(place), y = (float)rs_offset_y(place), z = (float)rs_offset_z(place);
-  const Clip c0 = rs_clip(&w->first, outline, v->list, corners->first, x, y, z);
-  const Clip c1 = rs_clip(&w->middle, outline, v->list, corners->middle, x, y, z);
-  const Clip c2 = rs_clip(&w->last, outline, v->list, corners->last, x, y, z);
+  const Clip c0 = rs_clip(&w->first, outline, v->list, &middles->first, x, y, z);
+  const Clip c1 = rs_clip(&w->middle, outline, v->list, &middles->middle, x, y, z);
+  const Clip c2 = rs_clip(&w->last, outline, v->list, &middles->last, x, y, z);
   WindowVoxel fit;
   rs_fit_voxel(w, &c0, &c1, &c2, whole, &fit);
   if (fit.pieces == 0.0f) return false;
@@ -269,7 +269,7 @@ RS_INLINE bool cut_smooth_voxel(__global const SubstepArgs* args, const SubstepW
     lost[VOXELS_AT_ONCE * (s - window->first)] = (ushort)loss;
     if (!rs_has_edge(a)) continue;
     set_substep(a, v);
-    const Clip clip = rs_clip(a, outline, v->list, v->corner, x, y, z);
+    const Clip clip = rs_clip(a, outline, v->list, &v->middle, x, y, z);
     LaneSums edge = zero_sums();
     rs_edge_force(a, &clip, fill, outside, &edge);
     add_brick_sums(sums + s, &edge, 0, 0, 0);

@@ -43,8 +43,8 @@ Clip clip_candidates(const SubstepArgs& a, const OutlineView& outline, const Bri
   const Ints place = ints_of(c.place + i);
   const Reals x = offset_x(place), y = offset_y(place), z = offset_z(place);
   const PieceList near = c.near[i / kLanes];
-  if (!c.smooth[i / kLanes]) return rs_clip(&a, &outline, near, b.corner, x, y, z);
-  return rs_clip_smooth(&a, outline.pieces + outline.numbers[near.first], b.corner, x, y, z);
+  if (!c.smooth[i / kLanes]) return rs_clip(&a, &outline, near, &b.middle, x, y, z);
+  return rs_clip_smooth(&a, outline.pieces + outline.numbers[near.first], &b.middle, x, y, z);
 }
 
 /// Cuts the candidates in one substep. Returns whether any voxel loses fill.
