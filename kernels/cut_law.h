@@ -56,8 +56,8 @@ typedef struct {
 /* The middle of the brick with voxel (x, y, z). */
 RS_INLINE void rs_brick_in_tool(RS_GLOBAL const SubstepArgs* a, rs_i32 x, rs_i32 y, rs_i32 z, BrickMiddle* brick) {
   const rs_i32 in_brick = RS_BRICK_SIDE - 1;
-  const double half = (double)RS_BRICK_MIDDLE;
-  const double bx = (x & ~in_brick) + half, by = (y & ~in_brick) + half, bz = (z & ~in_brick) + half;
+  const double middle = (double)RS_BRICK_MIDDLE;
+  const double bx = (x & ~in_brick) + middle, by = (y & ~in_brick) + middle, bz = (z & ~in_brick) + middle;
   for (int i = 0; i < 3; ++i) {
     RS_GLOBAL const double* row = a->tool_from_voxel + 3 * i;
     const double at = a->tool_origin[i] + row[0] * bx + row[1] * by + row[2] * bz;

@@ -21,9 +21,14 @@ typedef long16 rs_sum;
 #define RS_FMA(a, b, c) fma(a, b, c)
 
 /* The lanes in which a condition holds, as bits. PoCL's any() branches on each lane. */
-#ifdef __AVX512DQ__ /* a compiler for such a processor, as PoCL's */
+#if defined(__AVX512DQ__) /* a compiler for such a processor, as PoCL's */
 RS_INLINE rs_u32 rs_lane_bits(rs_int condition) {
   return (rs_u16)__builtin_ia32_cvtd2mask512(condition);
+}
+#elif defined(__AVX__)
+RS_INLINE rs_u32 rs_lane_bits(rs_int condition) {
+  return (rs_u32)__builtin_ia32_movmskps256(as_float8(condition.lo)) |
+         (rs_u32)__builtin_ia32_movmskps256(as_float8(condition.hi)) << 8;
 }
 #else
 RS_INLINE rs_u32 rs_lane_bits(rs_int condition) {
