@@ -59,7 +59,14 @@ LaneSums zero_sums(void) {
 #if defined(RS_LANES)
 long add_lanes(const long16 v) {
   const long8 a = v.lo + v.hi;
-  return a.s0 + a.s1 + a.s2 + a.s3 + a.s4 + a.s5 + a.s6 + a.s7;
+  const long4 b = a.lo + a.hi;
+  return b.x + b.y + b.z + b.w;
+}
+int add_int_lanes(const int16 v) {
+  const int8 a = v.lo + v.hi;
+  const int4 b = a.lo + a.hi;
+  const int2 c = b.lo + b.hi;
+  return c.x + c.y;
 }
 #else
 long add_lanes(const long v) {
@@ -67,19 +74,33 @@ long add_lanes(const long v) {
 }
 #endif
 
+/* Adds the lanes of the law's sums. */
+void add_law(const LaneSums* law, SubstepSums* sums) {
+  for (int c = 0; c < 3; ++c) {
+    sums->force[c] += add_lanes(law->force[c]);
+    sums->torque[c] += add_lanes(law->torque[c]);
+  }
+  sums->floor_energy += add_lanes(law->floor_energy);
+  sums->energy += add_lanes(law->energy);
+}
+
 /* Adds the sums of a work-item to those of its substep. */
+void add_substep_sums(__global SubstepSums* total, const SubstepSums* part) {
+  for (int c = 0; c < 3; ++c) {
+    if (part->force[c] != 0) atom_add(&total->force[c], part->force[c]);
+    if (part->torque[c] != 0) atom_add(&total->torque[c], part->torque[c]);
+  }
+  atom_add(&total->energy, part->energy);
+  if (part->floor_energy != 0) atom_add(&total->floor_energy, part->floor_energy);
+  atom_add(&total->removed, part->removed);
+  atom_add(&total->contacts, part->contacts);
+}
+
 void add_brick_sums(__global SubstepSums* total, const LaneSums* law, const long energy, const long removed,
                     const long contacts) {
-  for (int c = 0; c < 3; ++c) {
-    const long force = add_lanes(law->force[c]), torque = add_lanes(law->torque[c]);
-    if (force != 0) atom_add(&total->force[c], force);
-    if (torque != 0) atom_add(&total->torque[c], torque);
-  }
-  const long floor_energy = add_lanes(law->floor_energy);
-  atom_add(&total->energy, energy + add_lanes(law->energy));
-  if (floor_energy != 0) atom_add(&total->floor_energy, floor_energy);
-  atom_add(&total->removed, removed);
-  atom_add(&total->contacts, contacts);
+  SubstepSums part = {{0}, {0}, energy, 0, removed, contacts};
+  add_law(law, &part);
+  add_substep_sums(total, &part);
 }
 
 /* Position of a brick in the lattice of bricks. */

@@ -88,8 +88,10 @@ RS_INLINE int rs_list_would_overflow(rs_u32 records, rs_u32 per_substep, rs_u32 
   return before == RS_WAITING || before > records - most;
 }
 
-/* Exact erosion: the largest number of substeps that a brick passes through in one visit. */
-#define RS_VISIT_SUBSTEPS 64
+/* Exact erosion: the largest number of substeps that a brick passes through in one visit, and in one window of smooth
+ * motion. More per visit means fewer launches, and more bricks that only a part of the visit reaches. */
+#define RS_VISIT_SUBSTEPS 256
+#define RS_WINDOW_SUBSTEPS 64
 
 /* Substeps first…end-1, in which no point near the tool moves further than `shift_mm` from its place in the first.
  * `motion`: number of their MotionWindow (window.h), or -1 to cut frame by frame. */
@@ -105,6 +107,7 @@ typedef struct {
   rs_u32 listed;  /* bricks in reach of the tool */
   rs_u32 pages;   /* pages in use, each the fill of a partly removed brick */
   rs_u32 removed; /* records of removed blocks */
+  rs_u32 taken;   /* listed bricks that a work-item has taken */
 } VisitCounts;
 
 /* Coarse table of signed distances to the tool's surface, at the centres of cells of (r, z). */

@@ -41,7 +41,7 @@ RS_INLINE float16 distance_beyond_reach(__global const SubstepArgs* a, const Out
                                         const bool smooth, const float16 x, const float16 y, const float16 z,
                                         const float shift) {
   const float slack = RS_CLIP_REACH + RS_GRID_STEEPEST * shift + RS_POSITION_SLACK * a->per_voxel_mm;
-  return rs_clip_grid_distance(a, &v->teeth, v->corner, x, y, z) * a->per_voxel_mm - slack;
+  return rs_clip_grid_distance(a, &v->teeth, &v->middle, x, y, z) * a->per_voxel_mm - slack;
 }
 
 #else
@@ -49,7 +49,7 @@ RS_INLINE float16 distance_beyond_reach(__global const SubstepArgs* a, const Out
 /* Whether the surface is a single piece near the brick while the tool moves by `shift` mm. */
 RS_INLINE bool brick_is_smooth(__global const SubstepArgs* a, const OutlineView* outline, const Visit* v,
                                const float shift) {
-  return rs_brick_is_smooth(a, outline, v->list, v->corner, shift) != 0;
+  return rs_brick_is_smooth(a, outline, v->list, &v->middle, shift) != 0;
 }
 
 /* Distance of a voxel's centre from the surface minus the reach while the tool moves by `shift`, voxels. `smooth`: of
@@ -57,20 +57,11 @@ RS_INLINE bool brick_is_smooth(__global const SubstepArgs* a, const OutlineView*
 RS_INLINE float16 distance_beyond_reach(__global const SubstepArgs* a, const OutlineView* outline, const Visit* v,
                                         const bool smooth, const float16 x, const float16 y, const float16 z,
                                         const float shift) {
-  if (smooth) return rs_distance_beyond_reach_of_piece(a, outline, v->list, v->corner, x, y, z, shift);
-  return rs_distance_beyond_reach(a, outline, v->list, v->corner, x, y, z, shift);
+  if (smooth) return rs_distance_beyond_reach_of_piece(a, outline, v->list, &v->middle, x, y, z, shift);
+  return rs_distance_beyond_reach(a, outline, v->list, &v->middle, x, y, z, shift);
 }
 
 #endif
-
-/* The lanes that are true, as bits. */
-RS_INLINE uint bits_of(const int16 lanes) {
-  const int16 bit = lanes & (int16)(1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 1024, 2048, 4096, 8192, 16384, 32768);
-  const int8 eight = bit.lo | bit.hi;
-  const int4 four = eight.lo | eight.hi;
-  const int2 two = four.lo | four.hi;
-  return (uint)(two.x | two.y);
-}
 
 /* Pads the candidates, and finds the pieces that can be nearest while the tool moves by `shift` mm. `smooth`: of the
  * brick. */
@@ -85,7 +76,7 @@ RS_INLINE void finish_candidates(__global const SubstepArgs* a, const OutlineVie
     c->smooth[i >> 4] = smooth;
     if (smooth) continue;
     const int16 place = convert_int16(vload16(0, c->place + i));
-    c->smooth[i >> 4] = rs_find_nearest_pieces(a, outline, v->list, v->corner, offset_x(place), offset_y(place),
+    c->smooth[i >> 4] = rs_find_nearest_pieces(a, outline, v->list, &v->middle, offset_x(place), offset_y(place),
                                                offset_z(place), shift, c->near + (i >> 4));
   }
 #endif
@@ -98,10 +89,10 @@ RS_INLINE int list_places(__global const SubstepArgs* a, const OutlineView* outl
   const int16 lane = (int16)(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
   int count = 0;
   /* First the eight blocks of 4x4x4 voxels, by the envelope; then layers of 16 voxels in the near blocks. */
-  const float16 middle = rs_clip_distance(a, outline, v->list, v->corner, convert_float16((lane & 1) << 2) + 1.5f,
+  const float16 middle = rs_clip_distance(a, outline, v->list, &v->middle, convert_float16((lane & 1) << 2) + 1.5f,
                                           convert_float16((lane & 2) << 1) + 1.5f, convert_float16(lane & 4) + 1.5f);
   const float near = RS_CLIP_REACH + 2.6f + 0.1f + shift + envelope_slack(v) * a->per_voxel_mm;
-  const uint blocks = bits_of(middle * a->per_voxel_mm <= near);
+  const uint blocks = rs_lane_bits(middle * a->per_voxel_mm <= near);
   for (int block = 0; block < 8; ++block) {
     if ((blocks >> block & 1u) == 0) continue;
     const float16 x = convert_float16((block & 1) << 2 | (lane & 3)), y = convert_float16((block & 2) << 1 | lane >> 2);
@@ -110,7 +101,7 @@ RS_INLINE int list_places(__global const SubstepArgs* a, const OutlineView* outl
       const uint bone = v->brick->bone[first >> 5] >> (first & 31) & 0xffffu;
       if (bone == 0) continue;
       const float16 z = (float16)(float)((block & 4) | layer);
-      uint rest = bone & bits_of(distance_beyond_reach(a, outline, v, smooth, x, y, z, shift) <= 0.0f);
+      uint rest = bone & rs_lane_bits(distance_beyond_reach(a, outline, v, smooth, x, y, z, shift) <= 0.0f);
       for (; rest != 0; rest &= rest - 1) places[count++] = (ushort)(first + (int)popcount((rest & -rest) - 1));
     }
   }

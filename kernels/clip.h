@@ -28,6 +28,12 @@ RS_INLINE void rs_axis_direction(const rs_real* p, rs_real r, rs_real per_r, rs_
   *s = p[1] * per_r;
 }
 
+/* What the rounding of the brick's middle leaves out of the distance along the normal (`nr`, `nz`), mm; (`c`, `s`): the
+ * direction from the spin axis. */
+RS_INLINE rs_real rs_left_out(const BrickMiddle* brick, rs_real c, rs_real s, rs_real nr, rs_real nz) {
+  return nr * (c * brick->rest[0] + s * brick->rest[1]) + nz * brick->rest[2];
+}
+
 /* The plane with unit normal `n` (T), with a voxel's centre `away` voxels outside. */
 RS_INLINE ClipPlane rs_lattice_plane(RS_GLOBAL const SubstepArgs* a, const rs_real* n, rs_real away) {
   ClipPlane plane;
@@ -63,9 +69,9 @@ RS_INLINE void rs_select_plane(rs_real there, const ClipPlane* plane, ClipPlane*
 /* Sets both planes of the sharp corner between pieces `first` and `second`, in voxels in its reach whose nearest piece
  * is `mine`. A surface removes bone where it advances along its normal, so the force's normal is the mean of both,
  * weighted by their advance. `least`: squared distance of the nearest corner so far, mm2. */
-RS_INLINE void rs_apply_corner(RS_GLOBAL const SubstepArgs* a, const OutlineView* outline, const NearestPiece* nearest,
-                               rs_i32 mine, rs_i32 first, rs_i32 second, rs_real r, rs_real per_r, rs_real* least,
-                               Clip* clip) {
+RS_INLINE void rs_apply_corner(RS_GLOBAL const SubstepArgs* a, const OutlineView* outline, const BrickMiddle* brick,
+                               const NearestPiece* nearest, rs_i32 mine, rs_i32 first, rs_i32 second, rs_real r,
+                               rs_real per_r, rs_real* least, Clip* clip) {
   RS_GLOBAL const OutlinePiece *e = outline->pieces + first, *f = outline->pieces + second;
   /* Outward normals of both pieces at the corner, to the right of the direction of travel. */
   const float er = e->along_z1, ez = -e->along_r1, fr = f->along_z0, fz = -f->along_r0;
@@ -80,10 +86,10 @@ RS_INLINE void rs_apply_corner(RS_GLOBAL const SubstepArgs* a, const OutlineView
   clip->corner = there > 0.0f ? RS_REAL(bulges ? 1.0f : -1.0f) : clip->corner;
   rs_real c, s;
   rs_axis_direction(clip->p, r, per_r, &c, &s);
-  const ClipPlane one_side =
-      rs_clip_plane(a, c, s, RS_REAL(er), RS_REAL(ez), vr * er + vz * ez, RS_REAL(e->curvature), per_r);
-  const ClipPlane other_side =
-      rs_clip_plane(a, c, s, RS_REAL(fr), RS_REAL(fz), vr * fr + vz * fz, RS_REAL(f->curvature), per_r);
+  const rs_real e_away = vr * er + vz * ez + rs_left_out(brick, c, s, RS_REAL(er), RS_REAL(ez));
+  const rs_real f_away = vr * fr + vz * fz + rs_left_out(brick, c, s, RS_REAL(fr), RS_REAL(fz));
+  const ClipPlane one_side = rs_clip_plane(a, c, s, RS_REAL(er), RS_REAL(ez), e_away, RS_REAL(e->curvature), per_r);
+  const ClipPlane other_side = rs_clip_plane(a, c, s, RS_REAL(fr), RS_REAL(fz), f_away, RS_REAL(f->curvature), per_r);
   rs_select_plane(there, &one_side, &clip->plane);
   rs_select_plane(there, &other_side, &clip->other);
   const rs_real ne[3] = {c * er, s * er, RS_REAL(ez)}, nf[3] = {c * fr, s * fr, RS_REAL(fz)};
@@ -93,18 +99,17 @@ RS_INLINE void rs_apply_corner(RS_GLOBAL const SubstepArgs* a, const OutlineView
   for (int j = 0; j < 3; ++j) clip->n[j] = moves > 0.0f ? (we * ne[j] + wf * nf[j]) / both : clip->n[j];
 }
 
-/* Distance of the surface from voxel (x, y, z), counted within its brick, mm. `brick`: centre of the brick's lowest
- * voxel, T. */
+/* Distance of the surface from voxel (x, y, z), counted within its brick, mm. */
 RS_INLINE rs_real rs_clip_distance(RS_GLOBAL const SubstepArgs* a, const OutlineView* outline, PieceList list,
-                                   const float* brick, rs_real x, rs_real y, rs_real z) {
+                                   const BrickMiddle* brick, rs_real x, rs_real y, rs_real z) {
   rs_real p[3];
   rs_voxel_in_tool(a, brick, x, y, z, p);
   return rs_outline_nearest(outline, list, RS_SQRT(p[0] * p[0] + p[1] * p[1]), p[2]).distance;
 }
 
-/* The tool next to the voxel centre `p` (T, mm), from the nearest piece alone. */
-RS_INLINE Clip rs_clip_at(RS_GLOBAL const SubstepArgs* a, const NearestPiece* nearest, const rs_real* p, rs_real r,
-                          rs_real per_r) {
+/* The tool next to the voxel centre `p` (T, mm) of a brick, from the nearest piece alone. */
+RS_INLINE Clip rs_clip_at(RS_GLOBAL const SubstepArgs* a, const BrickMiddle* brick, const NearestPiece* nearest,
+                          const rs_real* p, rs_real r, rs_real per_r) {
   rs_real c, s;
   rs_axis_direction(p, r, per_r, &c, &s);
   Clip clip;
@@ -112,9 +117,8 @@ RS_INLINE Clip rs_clip_at(RS_GLOBAL const SubstepArgs* a, const NearestPiece* ne
   clip.n[0] = nearest->normal_r * c;
   clip.n[1] = nearest->normal_r * s;
   clip.n[2] = nearest->normal_z;
-  clip.distance = nearest->distance;
-  clip.plane =
-      rs_clip_plane(a, c, s, nearest->normal_r, nearest->normal_z, nearest->distance, nearest->curvature, per_r);
+  clip.distance = nearest->distance + rs_left_out(brick, c, s, nearest->normal_r, nearest->normal_z);
+  clip.plane = rs_clip_plane(a, c, s, nearest->normal_r, nearest->normal_z, clip.distance, nearest->curvature, per_r);
   clip.other = clip.plane;
   clip.corner = RS_REAL(0.0f);
   clip.piece = nearest->piece;
@@ -122,35 +126,35 @@ RS_INLINE Clip rs_clip_at(RS_GLOBAL const SubstepArgs* a, const NearestPiece* ne
 }
 
 /* The tool next to the voxel (x, y, z), counted within its brick. */
-RS_INLINE Clip rs_clip(RS_GLOBAL const SubstepArgs* a, const OutlineView* outline, PieceList list, const float* brick,
-                       rs_real x, rs_real y, rs_real z) {
+RS_INLINE Clip rs_clip(RS_GLOBAL const SubstepArgs* a, const OutlineView* outline, PieceList list,
+                       const BrickMiddle* brick, rs_real x, rs_real y, rs_real z) {
   rs_real p[3];
   rs_voxel_in_tool(a, brick, x, y, z, p);
   const rs_real r = RS_SQRT(p[0] * p[0] + p[1] * p[1]);
   const rs_real per_r = r > 0.0f ? RS_REAL(1.0f) / r : RS_REAL(0.0f);
   const NearestPiece nearest = rs_outline_nearest(outline, list, r, p[2]);
-  Clip clip = rs_clip_at(a, &nearest, p, r, per_r);
+  Clip clip = rs_clip_at(a, brick, &nearest, p, r, per_r);
   const float reach = RS_CLIP_REACH * a->voxel_mm;
   rs_real least = RS_REAL(reach * reach);
   for (rs_u32 i = 0; i < list.count; ++i) {
     const rs_i32 mine = outline->numbers[list.first + i];
     const rs_i32 before = outline->pieces[mine].before, after = outline->pieces[mine].after;
-    if (before >= 0) rs_apply_corner(a, outline, &nearest, mine, before, mine, r, per_r, &least, &clip);
-    if (after >= 0) rs_apply_corner(a, outline, &nearest, mine, mine, after, r, per_r, &least, &clip);
+    if (before >= 0) rs_apply_corner(a, outline, brick, &nearest, mine, before, mine, r, per_r, &least, &clip);
+    if (after >= 0) rs_apply_corner(a, outline, brick, &nearest, mine, mine, after, r, per_r, &least, &clip);
   }
   return clip;
 }
 
 /* The same for a voxel whose nearest piece is `piece`, with that piece's ends out of reach. */
-RS_INLINE Clip rs_clip_smooth(RS_GLOBAL const SubstepArgs* a, RS_GLOBAL const OutlinePiece* piece, const float* brick,
-                              rs_real x, rs_real y, rs_real z) {
+RS_INLINE Clip rs_clip_smooth(RS_GLOBAL const SubstepArgs* a, RS_GLOBAL const OutlinePiece* piece,
+                              const BrickMiddle* brick, rs_real x, rs_real y, rs_real z) {
   rs_real p[3];
   rs_voxel_in_tool(a, brick, x, y, z, p);
   const rs_real r = RS_SQRT(p[0] * p[0] + p[1] * p[1]);
   const rs_real per_r = r > 0.0f ? RS_REAL(1.0f) / r : RS_REAL(0.0f);
   const PieceDistance away = rs_circle_distance(piece, r, p[2]);
   const NearestPiece nearest = rs_nearest_piece(&away, RS_REAL(piece->curvature), RS_INT(0));
-  return rs_clip_at(a, &nearest, p, r, per_r);
+  return rs_clip_at(a, brick, &nearest, p, r, per_r);
 }
 
 /* Fraction of a voxel outside the tool when its planes have advanced by `ahead` and `other_ahead`, voxels. */

@@ -181,17 +181,16 @@ void remove_from_brick(const CutBrick* cut, const uint16 removed_voxels, const u
 void accumulate_cut_forces(__global const SubstepArgs* a, const OutlineView* outline, const CutBrick* cut,
                            const int4 bricks, const ushort* places, const float* energies, LaneSums* sums) {
   const int3 at = brick_position(cut->lattice, bricks);
-  float corner[3], middle[3];
-  rs_brick_in_tool(a, 8 * at.x, 8 * at.y, 8 * at.z, corner);
-  rs_brick_middle(a, corner, middle);
-  const PieceList list = rs_pieces_near(outline, sqrt(middle[0] * middle[0] + middle[1] * middle[1]), middle[2]);
+  BrickMiddle middle;
+  rs_brick_in_tool(a, 8 * at.x, 8 * at.y, 8 * at.z, &middle);
+  const PieceList list = rs_pieces_near_brick(outline, &middle);
   for (int i = 0; i < cut->count; i += 16) {
     const int16 place = convert_int16(vload16(0, places + i));
     const float16 lx = convert_float16((place >> 6 & 1) << 2 | (place & 3));
     const float16 ly = convert_float16((place >> 7 & 1) << 2 | (place >> 2 & 3));
     const float16 lz = convert_float16((place >> 8 & 1) << 2 | (place >> 4 & 3));
     float16 p[3], n[3];
-    rs_voxel_in_tool(a, corner, lx, ly, lz, p);
+    rs_voxel_in_tool(a, &middle, lx, ly, lz, p);
     rs_outline_normal(outline, list, p, n);
     rs_cut_force(a, n, p, vload16(0, energies + i), sums);
   }

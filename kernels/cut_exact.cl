@@ -11,7 +11,6 @@
 #include "cut_lanes.h"
 #else
 #include "cut_group.h"
-typedef long SubstepLanes; /* no work-item has sums of its own */
 #endif
 
 #define PARAMETERS                                                                                                     \
@@ -21,7 +20,7 @@ typedef long SubstepLanes; /* no work-item has sums of its own */
       __global VisitCounts *counts, __global const uint *lattice_of_slot, __global uint *occupancy, const int4 bricks, \
       __global SubstepSums *sums, __global const float *energy_of_grade, __global const OutlinePiece *pieces,          \
       __global const ushort *numbers, __global const PieceList *lists, __global const OutlineGrid *grid,               \
-      __global SubstepLanes *lanes_of_item, RS_POOL_PARAMETERS TEETH_PARAMETERS
+      RS_POOL_PARAMETERS TEETH_PARAMETERS
 
 #if defined(RS_LANES)
 
@@ -29,16 +28,17 @@ __kernel void cut_exact(PARAMETERS) {
   const OutlineView outline = {pieces, numbers, lists, grid};
   const DistanceView teeth = TEETH_VIEW;
   __global Brick* pools[RS_POOLS] = RS_POOL_ARRAY;
-  const uint end = windows[window_count - 1].end;
-  __global SubstepLanes* lanes = lanes_of_item + get_global_id(0) * RS_VISIT_SUBSTEPS;
-  const SubstepLanes zero = {zero_sums(), (long16)0, (long16)0, {0}};
-  for (uint s = 0; s < end - first; ++s) lanes[s] = zero;
+  const uint end = windows[window_count - 1].end, listed_count = counts->listed;
   RemovedReport report;
   begin_report(&report, removed, &counts->removed);
   Workspace work;
-  for (uint t = get_global_id(0); t < counts->listed; t += get_global_size(0)) {
-    const uint slot = listed[t], following = t + (uint)get_global_size(0);
-    if (following < counts->listed) {
+  const SubstepSums zero = {{0}, {0}, 0, 0, 0, 0};
+  for (uint s = 0; s < end - first; ++s) work.sums[s] = zero;
+  uint following;
+  for (uint t = atomic_inc(&counts->taken); t < listed_count; t = following) {
+    const uint slot = listed[t];
+    following = atomic_inc(&counts->taken);
+    if (following < listed_count) {
       const uint next = listed[following];
       prefetch_brick(pools[next >> RS_POOL_BITS] + (next & RS_POOL_MASK), page_of_slot[next], pages);
     }
@@ -48,16 +48,13 @@ __kernel void cut_exact(PARAMETERS) {
     v.at = brick_position(report.brick, bricks);
     v.teeth = teeth;
     if (cut_brick(args, windows, window_count, motions, &outline, slot, page_of_slot, slot_of_page, pages, counts,
-                  energy_of_grade, &v, &work, &report, lanes))
+                  energy_of_grade, &v, &work, &report))
       clear_if_empty(v.brick, occupancy, v.at, bricks);
   }
   flush_report(&report);
   for (uint s = first; s < end; ++s) {
-    SubstepLanes total = lanes[s - first];
-    add_window_lanes(total.window, &total.sums);
-    const long contacts = add_lanes(total.contacts);
-    if (contacts != 0 || rs_has_edge(args + s))
-      add_brick_sums(&sums[s], &total.sums, 0, add_lanes(total.removed), contacts);
+    const SubstepSums* part = work.sums + (s - first);
+    if (part->contacts != 0 || rs_has_edge(args + s)) add_substep_sums(&sums[s], part);
   }
 }
 

@@ -63,7 +63,7 @@ void cut_framed(__global const SubstepArgs* args, const SubstepWindow* window, c
 
 /* Fits and cuts 64 voxels from `first` on, and notes those that must be cut frame by frame. */
 void cut_smooth_voxels(__global const SubstepArgs* args, const SubstepWindow* window, __global const MotionWindow* w,
-                       const OutlineView* outline, Visit* v, const NodeCorners* corners, const uint first,
+                       const OutlineView* outline, Visit* v, const NodeMiddles* middles, const uint first,
                        __global ushort* page, __global const float* energy_of_grade, __local GroupMemory* m,
                        __global SubstepSums* sums) {
   const uint item = get_local_id(0), items = get_local_size(0), count = window->end - window->first;
@@ -72,7 +72,7 @@ void cut_smooth_voxels(__global const SubstepArgs* args, const SubstepWindow* wi
     __local ushort* lost = m->sums.lost + i;
     const bool bone = (v->brick->bone[place >> 5] >> (place & 31u) & 1u) != 0;
     const float whole = energy_of_grade[v->brick->grade[place]];
-    if (bone && cut_smooth_voxel(args, window, w, outline, v, corners, (int)place, whole, page, lost,
+    if (bone && cut_smooth_voxel(args, window, w, outline, v, middles, (int)place, whole, page, lost,
                                  m->sums.basis + 2 * RS_WINDOW_SUMS * i, sums))
       continue;
     if (bone) atomic_or(&m->framed[place >> 5], 1u << (place & 31u));
@@ -110,16 +110,9 @@ void add_window_sums(__global const SubstepArgs* args, const SubstepWindow* wind
     if (from->contacts[f] == 0) continue;
     float parts[2 * RS_WINDOW_SUMS];
     for (int i = 0; i < 2 * RS_WINDOW_SUMS; ++i) parts[i] = from->sums[2 * RS_WINDOW_SUMS * f + i];
-    long total[RS_WINDOW_SUMS] = {0};
-    rs_finish_window_sums(parts, rs_window_time(w, args[window->first + f].frame), total);
-    LaneSums law = zero_sums();
-    for (int i = 0; i < 3; ++i) {
-      law.force[i] = total[i];
-      law.torque[i] = total[3 + i];
-    }
-    law.floor_energy = total[6];
-    law.energy = total[7];
-    add_brick_sums(&sums[window->first + f], &law, 0, from->lost_fill[f], from->contacts[f]);
+    SubstepSums total = {{0}, {0}, 0, 0, from->lost_fill[f], from->contacts[f]};
+    rs_finish_window_sums(parts, rs_window_time(w, args[window->first + f].frame), &total);
+    add_substep_sums(&sums[window->first + f], &total);
   }
   barrier(CLK_LOCAL_MEM_FENCE | CLK_GLOBAL_MEM_FENCE);
 }
@@ -134,15 +127,15 @@ void cut_in_window(__global const SubstepArgs* args, const SubstepWindow* window
 #ifndef RS_DISTANCE_GRID
   if (smooth) {
     __global const MotionWindow* w = motions + window->motion;
-    const NodeCorners corners = node_corners(w, v);
-    for (uint f = item; f < RS_VISIT_SUBSTEPS; f += items) {
+    const NodeMiddles middles = node_middles(w, v);
+    for (uint f = item; f < RS_WINDOW_SUBSTEPS; f += items) {
       m->sums.lost_fill[f] = m->sums.contacts[f] = 0;
       for (int i = 0; i < 2 * RS_WINDOW_SUMS; ++i) m->sums.sums[2 * RS_WINDOW_SUMS * f + i] = 0.0f;
     }
     barrier(CLK_LOCAL_MEM_FENCE | CLK_GLOBAL_MEM_FENCE);
     set_window(&w->middle, outline, v);
     for (uint first = 0; first < RS_BRICK_VOXELS; first += VOXELS_AT_ONCE) {
-      cut_smooth_voxels(args, window, w, outline, v, &corners, first, page, energy_of_grade, m, sums);
+      cut_smooth_voxels(args, window, w, outline, v, &middles, first, page, energy_of_grade, m, sums);
       remove_smooth(window, v, first, m, page, report);
     }
     add_window_sums(args, window, w, &m->sums, sums);

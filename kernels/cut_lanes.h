@@ -7,7 +7,7 @@
 
 /* Marks the candidates without fill, of the sixteen from `first` on. */
 void mark_removed(const Candidates* c, const int first, const int16 removed, uint* removed_words) {
-  for (uint rest = bits_of(removed); rest != 0; rest &= rest - 1) {
+  for (uint rest = rs_lane_bits(removed); rest != 0; rest &= rest - 1) {
     const int at = c->place[first + (int)popcount((rest & -rest) - 1)];
     removed_words[at >> 5] |= 1u << (at & 31);
   }
@@ -22,7 +22,7 @@ Clip clip_sixteen(__global const SubstepArgs* a, const OutlineView* outline, con
 #ifndef RS_DISTANCE_GRID
   if (c->smooth[first >> 4]) {
     /* Here the compiler knows that there is no corner. */
-    clip = rs_clip_smooth(a, outline->pieces + outline->numbers[c->near[first >> 4].first], v->corner, x, y, z);
+    clip = rs_clip_smooth(a, outline->pieces + outline->numbers[c->near[first >> 4].first], &v->middle, x, y, z);
     *outside = rs_fill_outside(&clip);
     return clip;
   }
@@ -35,86 +35,85 @@ Clip clip_sixteen(__global const SubstepArgs* a, const OutlineView* outline, con
 /* Cuts the candidates in one substep, and adds the forces of cutting edges in contact. Returns whether any voxel loses
  * fill. */
 bool cut_candidates(__global const SubstepArgs* a, const OutlineView* outline, const Visit* v, const uint substep,
-                    Candidates* c, RemovedReport* report, __global SubstepLanes* total) {
-  SubstepLanes lanes = *total;
+                    Candidates* c, RemovedReport* report, SubstepSums* total) {
+  LaneSums law = zero_sums();
   int16 lost_sum = 0, contacts = 0, any_removed = 0;
   uint removed_words[RS_BRICK_WORDS] = {0};
   for (int i = 0; i < c->count; i += 16) {
     int16 outside;
     Clip clip = clip_sixteen(a, outline, v, c, i, &outside);
     const int16 before = vload16(0, c->fill + i), lost = rs_clip_loss(a, before, outside);
-    if (rs_has_edge(a)) rs_edge_force(a, &clip, before - lost, outside, &lanes.sums);
+    if (rs_has_edge(a)) rs_edge_force(a, &clip, before - lost, outside, &law);
     set_force_normal(outline, v->list, &clip);
-    rs_clip_force(a, &clip, vload16(0, c->energy + i), lost, &lanes.sums);
+    rs_clip_force(a, &clip, vload16(0, c->energy + i), lost, &law);
     lost_sum += lost;
     contacts -= lost > 0;
     vstore16(before - lost, 0, c->fill + i);
     const int16 removed = lost > 0 && before == lost;
     any_removed |= removed;
-    if (any(removed)) mark_removed(c, i, removed, removed_words);
+    if (RS_ANY(removed)) mark_removed(c, i, removed, removed_words);
   }
-  lanes.removed += convert_long16(lost_sum);
-  lanes.contacts += convert_long16(contacts);
-  *total = lanes;
-  if (any(any_removed)) {
+  const int contact_count = add_int_lanes(contacts);
+  if (contact_count == 0 && !rs_has_edge(a)) return false;
+  add_law(&law, total);
+  total->removed += add_int_lanes(lost_sum);
+  total->contacts += contact_count;
+  if (RS_ANY(any_removed)) {
     for (int block = 0; block < RS_BRICK_WORDS / 2; ++block)
       remove_voxels(v->brick, substep, block, removed_words[2 * block], removed_words[2 * block + 1], report);
   }
-  return any(contacts > 0);
+  return contact_count != 0;
 }
 
 /* Adds the sums of a brick in a window to those of its substeps. */
-void add_window_sums(__global const SubstepArgs* args, const SubstepWindow* window, __global const MotionWindow* w,
-                     const WindowSums* sums, __global SubstepLanes* lanes) {
-  for (uint f = 0; f < window->end - window->first; ++f) {
-    long total[RS_WINDOW_SUMS] = {0};
-    rs_finish_window_sums((const float*)(sums->sums + f), rs_window_time(w, args[window->first + f].frame), total);
-    for (int i = 0; i < RS_WINDOW_SUMS; ++i) lanes[f].window[i] += total[i];
-    lanes[f].removed += convert_long16(sums->lost_fill[f]);
-    lanes[f].contacts += convert_long16(sums->contacts[f]);
+void add_window_sums(const int count, const WindowSums* from, SubstepSums* sums) {
+  for (int f = 0; f < count; ++f) {
+    rs_finish_window_sums((const float*)(from->sums + f), from->times[f], sums + f);
+    sums[f].removed += add_int_lanes(from->lost_fill[f] & (CONTACT_UNIT - 1));
+    sums[f].contacts += add_int_lanes(from->lost_fill[f] >> 21);
   }
 }
 
 /* Cuts the candidates frame by frame. Returns whether any voxel loses fill. */
 bool cut_framed(__global const SubstepArgs* args, const SubstepWindow* window, const OutlineView* outline, Visit* v,
-                Candidates* c, RemovedReport* report, __global SubstepLanes* lanes) {
+                Candidates* c, RemovedReport* report, SubstepSums* sums) {
   bool cut = false;
   for (uint s = window->first; s < window->end; ++s) {
     set_substep(args + s, v);
-    cut |= cut_candidates(args + s, outline, v, s, c, report, lanes + (s - window->first));
+    cut |= cut_candidates(args + s, outline, v, s, c, report, sums + (s - window->first));
   }
   return cut;
 }
 
-/* Room for a brick in a visit. */
+/* Memory of a work-item: for a brick in a window, and its sums of the substeps of the visit. */
 typedef struct {
   Candidates candidates, framed;
-  WindowSums sums;
+  WindowSums window;
+  SubstepSums sums[RS_VISIT_SUBSTEPS];
 } Workspace;
 
 void write_fill(const Candidates* c, __global ushort* fills) {
   for (int i = 0; i < c->count; ++i) fills[c->place[i]] = (ushort)c->fill[i];
 }
 
-/* Takes a brick through a window. `lanes`: of the window's first substep. Returns whether any voxel loses fill. */
+/* Takes a brick through a window. `sums`: of the window's first substep. Returns whether any voxel loses fill. */
 bool cut_in_window(__global const SubstepArgs* args, const SubstepWindow* window, __global const MotionWindow* motions,
-                   const OutlineView* outline, Visit* v, Workspace* work, RemovedReport* report,
-                   __global SubstepLanes* lanes) {
+                   const OutlineView* outline, Visit* v, Workspace* work, RemovedReport* report, SubstepSums* sums) {
 #ifndef RS_DISTANCE_GRID
   if (window->motion >= 0) {
     __global const MotionWindow* w = motions + window->motion;
-    bool cut = cut_smooth(args, window, w, outline, v, &work->candidates, &work->framed, &work->sums, report, lanes);
-    if (cut) add_window_sums(args, window, w, &work->sums, lanes);
+    bool cut = cut_smooth(args, window, w, outline, v, &work->candidates, &work->framed, &work->window, report, sums);
+    if (cut) add_window_sums((int)(window->end - window->first), &work->window, sums);
     if (work->framed.count > 0) {
       const bool smooth = brick_is_smooth(args + window->first, outline, v, window->shift_mm);
       finish_candidates(args + window->first, outline, v, smooth, window->shift_mm, &work->framed);
-      cut |= cut_framed(args, window, outline, v, &work->framed, report, lanes);
+      cut |= cut_framed(args, window, outline, v, &work->framed, report, sums);
     }
     return cut;
   }
 #endif
   work->framed.count = 0;
-  return cut_framed(args, window, outline, v, &work->candidates, report, lanes);
+  return cut_framed(args, window, outline, v, &work->candidates, report, sums);
 }
 
 /* Takes a brick through all windows of a visit. Returns whether any voxel loses fill. */
@@ -122,7 +121,7 @@ bool cut_brick(__global const SubstepArgs* args, __global const SubstepWindow* w
                __global const MotionWindow* motions, const OutlineView* outline, const uint slot,
                __global int* page_of_slot, __global uint* slot_of_page, __global ushort* pages,
                __global VisitCounts* counts, __global const float* energy_of_grade, Visit* v, Workspace* work,
-               RemovedReport* report, __global SubstepLanes* lanes) {
+               RemovedReport* report) {
   bool any_cut = false;
   for (uint w = 0; w < window_count; ++w) {
     const SubstepWindow window = windows[w];
@@ -131,7 +130,8 @@ bool cut_brick(__global const SubstepArgs* args, __global const SubstepWindow* w
     find_candidates(args + window.first, outline, v, window.shift_mm * args->per_voxel_mm,
                     page < 0 ? 0 : pages + (ulong)page * RS_BRICK_VOXELS, energy_of_grade, &work->candidates);
     if (work->candidates.count == 0) continue;
-    if (!cut_in_window(args, &window, motions, outline, v, work, report, lanes + (window.first - windows[0].first)))
+    if (!cut_in_window(args, &window, motions, outline, v, work, report,
+                       work->sums + (window.first - windows[0].first)))
       continue;
     any_cut = true;
     __global ushort* fills = find_or_add_page(slot, page_of_slot, slot_of_page, pages, counts);
@@ -153,16 +153,6 @@ RS_INLINE void prefetch_brick(__global const Brick* brick, const int page, __glo
   prefetch_lines(brick->bone, sizeof brick->bone);
   prefetch_lines(brick->grade, sizeof brick->grade);
   if (page >= 0) prefetch_lines(pages + (ulong)page * RS_BRICK_VOXELS, RS_BRICK_VOXELS * sizeof(ushort));
-}
-
-/* Adds the sums of windows to lane 0. */
-void add_window_lanes(const long* window, LaneSums* sums) {
-  for (int i = 0; i < 3; ++i) {
-    sums->force[i].s0 += window[i];
-    sums->torque[i].s0 += window[3 + i];
-  }
-  sums->floor_energy.s0 += window[6];
-  sums->energy.s0 += window[7];
 }
 
 #endif

@@ -43,29 +43,43 @@ RS_INLINE void rs_add_force(LaneSums* sums, const rs_real* f, const rs_real* p) 
   sums->torque[2] += RS_TO_SUM((p[0] * f[1] - p[1] * f[0]) * torque);
 }
 
-/* Centre in T of the lowest voxel of the brick with voxel (x, y, z), mm. */
-RS_INLINE void rs_brick_in_tool(RS_GLOBAL const SubstepArgs* a, rs_i32 x, rs_i32 y, rs_i32 z, float* p) {
-  const rs_i32 bx = x & ~(RS_BRICK_SIDE - 1), by = y & ~(RS_BRICK_SIDE - 1), bz = z & ~(RS_BRICK_SIDE - 1);
-  for (int i = 0; i < 3; ++i)
-    p[i] = (float)(a->tool_origin[i] + a->tool_from_voxel[3 * i] * bx + a->tool_from_voxel[3 * i + 1] * by +
-                   a->tool_from_voxel[3 * i + 2] * bz);
-}
+/* From the middle of a brick's lowest voxel to that of the brick, voxels. */
+#define RS_BRICK_MIDDLE (0.5f * (RS_BRICK_SIDE - 1))
 
-/* Middle of the brick whose lowest voxel's centre is `corner` (T, mm). */
-RS_INLINE void rs_brick_middle(RS_GLOBAL const SubstepArgs* a, const float* corner, float* p) {
+/* Middle of a brick, T, mm: `p`, and what its rounding to single precision leaves out, `rest`. All voxels of the brick
+ * have that error in common, so it does not average out in the force of a frame; errors of tool_step do, counted from
+ * the middle. */
+typedef struct {
+  float p[3], rest[3];
+} BrickMiddle;
+
+/* The middle of the brick with voxel (x, y, z). */
+RS_INLINE void rs_brick_in_tool(RS_GLOBAL const SubstepArgs* a, rs_i32 x, rs_i32 y, rs_i32 z, BrickMiddle* brick) {
+  const rs_i32 in_brick = RS_BRICK_SIDE - 1;
+  const double middle = (double)RS_BRICK_MIDDLE;
+  const double bx = (x & ~in_brick) + middle, by = (y & ~in_brick) + middle, bz = (z & ~in_brick) + middle;
   for (int i = 0; i < 3; ++i) {
     RS_GLOBAL const double* row = a->tool_from_voxel + 3 * i;
-    p[i] = corner[i] + (float)(3.5 * (row[0] + row[1] + row[2]));
+    const double at = a->tool_origin[i] + row[0] * bx + row[1] * by + row[2] * bz;
+    brick->p[i] = (float)at;
+    brick->rest[i] = (float)(at - (double)brick->p[i]);
   }
 }
 
-/* Centre in T of the voxel (x, y, z), counted within its brick; `brick`: centre of the brick's lowest voxel. Single
- * precision, with an error of at most 10^-5 mm. */
-RS_INLINE void rs_voxel_in_tool(RS_GLOBAL const SubstepArgs* a, const float* brick, rs_real x, rs_real y, rs_real z,
-                                rs_real* p) {
-  p[0] = brick[0] + (a->tool_step[0] * x + a->tool_step[1] * y + a->tool_step[2] * z);
-  p[1] = brick[1] + (a->tool_step[3] * x + a->tool_step[4] * y + a->tool_step[5] * z);
-  p[2] = brick[2] + (a->tool_step[6] * x + a->tool_step[7] * y + a->tool_step[8] * z);
+/* The pieces that can be nearest to any voxel of the brick. */
+RS_INLINE PieceList rs_pieces_near_brick(const OutlineView* outline, const BrickMiddle* brick) {
+  const float* p = brick->p;
+  return rs_pieces_near(outline, RS_SQRT(p[0] * p[0] + p[1] * p[1]), p[2]);
+}
+
+/* Centre in T of the voxel (x, y, z), counted within its brick, without the brick's `rest`. Single precision, with an
+ * error of at most 10^-5 mm. */
+RS_INLINE void rs_voxel_in_tool(RS_GLOBAL const SubstepArgs* a, const BrickMiddle* brick, rs_real x, rs_real y,
+                                rs_real z, rs_real* p) {
+  const rs_real dx = x - RS_BRICK_MIDDLE, dy = y - RS_BRICK_MIDDLE, dz = z - RS_BRICK_MIDDLE;
+  p[0] = brick->p[0] + (a->tool_step[0] * dx + a->tool_step[1] * dy + a->tool_step[2] * dz);
+  p[1] = brick->p[1] + (a->tool_step[3] * dx + a->tool_step[4] * dy + a->tool_step[5] * dz);
+  p[2] = brick->p[2] + (a->tool_step[6] * dx + a->tool_step[7] * dy + a->tool_step[8] * dz);
 }
 
 /* Velocity of the tool at a point, mm/s, T; its magnitude; and the inverse of that, or 0 at rest, where the force is
@@ -162,9 +176,10 @@ RS_INLINE void rs_add_lanes(SubstepSums* sums, const LaneSums* lanes) {
 /* rs_cut_force() for voxel (x, y, z) of the lattice. */
 RS_INLINE void rs_voxel_force(RS_GLOBAL const SubstepArgs* a, const OutlineView* outline, rs_i32 x, rs_i32 y, rs_i32 z,
                               float energy, LaneSums* sums) {
-  float brick[3], p[3];
-  rs_brick_in_tool(a, x, y, z, brick);
-  rs_voxel_in_tool(a, brick, (float)(x & 7), (float)(y & 7), (float)(z & 7), p);
+  BrickMiddle brick;
+  float p[3];
+  rs_brick_in_tool(a, x, y, z, &brick);
+  rs_voxel_in_tool(a, &brick, (float)(x & 7), (float)(y & 7), (float)(z & 7), p);
   float n[3];
   rs_outline_normal(outline, rs_pieces_near(outline, RS_SQRT(p[0] * p[0] + p[1] * p[1]), p[2]), p, n);
   rs_cut_force(a, n, p, energy, sums);
@@ -173,9 +188,10 @@ RS_INLINE void rs_voxel_force(RS_GLOBAL const SubstepArgs* a, const OutlineView*
 /* Whether the centre of voxel (x, y, z) lies in the tool's solid of revolution. */
 RS_INLINE int rs_contains_voxel(RS_GLOBAL const SubstepArgs* a, const OutlineView* outline, rs_i32 x, rs_i32 y,
                                 rs_i32 z) {
-  float brick[3], p[3];
-  rs_brick_in_tool(a, x, y, z, brick);
-  rs_voxel_in_tool(a, brick, (float)(x & 7), (float)(y & 7), (float)(z & 7), p);
+  BrickMiddle brick;
+  float p[3];
+  rs_brick_in_tool(a, x, y, z, &brick);
+  rs_voxel_in_tool(a, &brick, (float)(x & 7), (float)(y & 7), (float)(z & 7), p);
   return rs_inside_outline(outline, RS_SQRT(p[0] * p[0] + p[1] * p[1]), p[2]);
 }
 

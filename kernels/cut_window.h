@@ -7,17 +7,17 @@
 #include "candidates.h"
 #include "window.h"
 
-/* Centres of a brick's lowest voxel at the nodes of a window, T. */
+/* The middle of a brick at the nodes of a window. */
 typedef struct {
-  float first[3], middle[3], last[3];
-} NodeCorners;
+  BrickMiddle first, middle, last;
+} NodeMiddles;
 
-RS_INLINE NodeCorners node_corners(__global const MotionWindow* w, const Visit* v) {
+RS_INLINE NodeMiddles node_middles(__global const MotionWindow* w, const Visit* v) {
   const int x = 8 * v->at.x, y = 8 * v->at.y, z = 8 * v->at.z;
-  NodeCorners out;
-  rs_brick_in_tool(&w->first, x, y, z, out.first);
-  rs_brick_in_tool(&w->middle, x, y, z, out.middle);
-  rs_brick_in_tool(&w->last, x, y, z, out.last);
+  NodeMiddles out;
+  rs_brick_in_tool(&w->first, x, y, z, &out.first);
+  rs_brick_in_tool(&w->middle, x, y, z, &out.middle);
+  rs_brick_in_tool(&w->last, x, y, z, &out.last);
   return out;
 }
 
@@ -25,44 +25,41 @@ RS_INLINE NodeCorners node_corners(__global const MotionWindow* w, const Visit* 
 
 #define FRAMES_AT_ONCE 8
 
-/* Sums of a substep in a work-item, lane by lane; those of windows, by component. */
-typedef struct {
-  LaneSums sums;
-  long16 removed, contacts;
-  long window[RS_WINDOW_SUMS];
-} SubstepLanes;
+/* A lane counts its voxels that lose fill in a substep in units of this, and adds what they lose: at most 32 voxels of
+ * a brick, which lose less than a unit. */
+#define CONTACT_UNIT (1 << 21)
 
 /* A brick in a window: the losses of sixteen voxels, frame by frame; their coefficients, voxel by voxel; sums of
  * frames. */
 typedef struct {
-  float times[RS_VISIT_SUBSTEPS]; /* of the substeps in the window */
-  float lost[RS_VISIT_SUBSTEPS * 16];
+  float times[RS_WINDOW_SUBSTEPS];  /* of the substeps in the window */
+  float16 lost[RS_WINDOW_SUBSTEPS]; /* vectors: PoCL divides vstore16 into four */
   float16 basis[16];
-  float16 sums[RS_VISIT_SUBSTEPS];
-  int16 lost_fill[RS_VISIT_SUBSTEPS], contacts[RS_VISIT_SUBSTEPS];
-  ulong removing; /* a bit per frame in which a voxel is removed */
+  float16 sums[RS_WINDOW_SUBSTEPS];
+  int16 lost_fill[RS_WINDOW_SUBSTEPS]; /* and contacts, in units of CONTACT_UNIT */
+  ulong removing;                      /* a bit per frame in which a voxel is removed */
   int removed_count;
   ushort removed_place[RS_BRICK_VOXELS];
   uchar removed_frame[RS_BRICK_VOXELS];
 } WindowSums;
 
 /* Fits sixteen voxels of the candidates from `first` on. */
-RS_INLINE void fit_sixteen(__global const MotionWindow* w, const OutlineView* outline, const NodeCorners* corners,
+RS_INLINE void fit_sixteen(__global const MotionWindow* w, const OutlineView* outline, const NodeMiddles* middles,
                            const Candidates* c, const int first, WindowVoxel* out) {
   const int16 place = convert_int16(vload16(0, c->place + first));
   const float16 x = offset_x(place), y = offset_y(place), z = offset_z(place), whole = vload16(0, c->energy + first);
   const PieceList near = c->near[first >> 4];
   if (c->smooth[first >> 4]) {
     __global const OutlinePiece* piece = outline->pieces + outline->numbers[near.first];
-    const Clip c0 = rs_clip_smooth(&w->first, piece, corners->first, x, y, z);
-    const Clip c1 = rs_clip_smooth(&w->middle, piece, corners->middle, x, y, z);
-    const Clip c2 = rs_clip_smooth(&w->last, piece, corners->last, x, y, z);
+    const Clip c0 = rs_clip_smooth(&w->first, piece, &middles->first, x, y, z);
+    const Clip c1 = rs_clip_smooth(&w->middle, piece, &middles->middle, x, y, z);
+    const Clip c2 = rs_clip_smooth(&w->last, piece, &middles->last, x, y, z);
     rs_fit_voxel(w, &c0, &c1, &c2, whole, out);
     return;
   }
-  const Clip c0 = rs_clip(&w->first, outline, near, corners->first, x, y, z);
-  const Clip c1 = rs_clip(&w->middle, outline, near, corners->middle, x, y, z);
-  const Clip c2 = rs_clip(&w->last, outline, near, corners->last, x, y, z);
+  const Clip c0 = rs_clip(&w->first, outline, near, &middles->first, x, y, z);
+  const Clip c1 = rs_clip(&w->middle, outline, near, &middles->middle, x, y, z);
+  const Clip c2 = rs_clip(&w->last, outline, near, &middles->last, x, y, z);
   rs_fit_voxel(w, &c0, &c1, &c2, whole, out);
 }
 
@@ -72,16 +69,15 @@ __attribute__((always_inline)) RS_INLINE int16 lower_fill(__global const Substep
                                                           const WindowVoxel* voxels, const int pieces, int16 fill,
                                                           WindowSums* sums) {
   const WindowVoxel v = *voxels;
-  const int16 min_loss = a->min_loss, one = 1;
+  const int16 more = a->min_loss - 1;
   for (int f = 0; f < count; ++f) {
     const int16 outside = rs_window_outside(&v, (float16)sums->times[f], pieces);
     /* As rs_clip_loss(), written so that only a comparison and a choice wait for the frame before. */
-    const int16 least_cut = outside + (outside == 0 ? one : min_loss), before = fill;
-    fill = least_cut <= fill ? outside : fill;
+    const int16 most_kept = outside + (more & (outside != 0)), before = fill;
+    fill = fill > most_kept ? outside : fill;
     const int16 lost = before - fill;
-    sums->lost_fill[f] += lost;
-    sums->contacts[f] -= lost > 0;
-    vstore16(convert_float16(lost), f, sums->lost);
+    sums->lost_fill[f] += lost + (lost > 0 ? (int16)CONTACT_UNIT : (int16)0);
+    sums->lost[f] = convert_float16(lost);
   }
   return fill;
 }
@@ -89,19 +85,18 @@ __attribute__((always_inline)) RS_INLINE int16 lower_fill(__global const Substep
 /* Adds the forces of cutting edges in contact with sixteen voxels that had `fill` before the window. */
 RS_INLINE void add_edge_forces(__global const SubstepArgs* args, const SubstepWindow* window,
                                const OutlineView* outline, Visit* v, const Candidates* c, const int first,
-                               const WindowVoxel* fit, int16 fill, const WindowSums* sums,
-                               __global SubstepLanes* lanes) {
+                               const WindowVoxel* fit, int16 fill, const WindowSums* from, SubstepSums* sums) {
   const int16 place = convert_int16(vload16(0, c->place + first));
   for (uint f = 0; f < window->end - window->first; ++f) {
     __global const SubstepArgs* a = args + window->first + f;
     set_substep(a, v);
     const Clip clip =
-        rs_clip(a, outline, c->near[first >> 4], v->corner, offset_x(place), offset_y(place), offset_z(place));
-    fill -= convert_int16(vload16(f, sums->lost));
-    const int16 outside = rs_window_outside(fit, (float16)sums->times[f], RS_WINDOW_PIECES);
-    LaneSums edge = lanes[f].sums;
+        rs_clip(a, outline, c->near[first >> 4], &v->middle, offset_x(place), offset_y(place), offset_z(place));
+    fill -= convert_int16(from->lost[f]);
+    const int16 outside = rs_window_outside(fit, (float16)from->times[f], RS_WINDOW_PIECES);
+    LaneSums edge = zero_sums();
     rs_edge_force(a, &clip, fill, outside, &edge);
-    lanes[f].sums = edge;
+    add_law(&edge, sums + f);
   }
   set_substep(args + window->first, v);
 }
@@ -109,7 +104,7 @@ RS_INLINE void add_edge_forces(__global const SubstepArgs* args, const SubstepWi
 /* Adds the losses times the coefficients, voxel by voxel, so that the order does not depend on anything else. */
 RS_INLINE void add_products(const int count, WindowSums* sums) {
   for (int f = 0; f < count; f += FRAMES_AT_ONCE) {
-    const float* lost = sums->lost + 16 * f;
+    const float* lost = (const float*)(sums->lost + f);
     float16* s = sums->sums + f;
     float16 s0 = s[0], s1 = s[1], s2 = s[2], s3 = s[3], s4 = s[4], s5 = s[5], s6 = s[6], s7 = s[7];
     for (int v = 0; v < 16; ++v) {
@@ -130,10 +125,10 @@ RS_INLINE void add_products(const int count, WindowSums* sums) {
 /* Notes the voxels that have lost all of their fill, and the frames in which they did. */
 RS_INLINE void note_removed(const Candidates* c, const int first, const int16 removed, const int count,
                             WindowSums* sums) {
-  for (uint rest = bits_of(removed); rest != 0; rest &= rest - 1) {
+  for (uint rest = rs_lane_bits(removed); rest != 0; rest &= rest - 1) {
     const int lane = (int)popcount((rest & -rest) - 1);
     int f = count - 1;
-    while (sums->lost[16 * f + lane] == 0.0f) --f;
+    while (((const float*)(sums->lost + f))[lane] == 0.0f) --f;
     sums->removing |= 1ul << f;
     sums->removed_place[sums->removed_count] = c->place[first + lane];
     sums->removed_frame[sums->removed_count++] = (uchar)f;
@@ -157,7 +152,7 @@ RS_INLINE void remove_noted(const SubstepWindow* window, const Visit* v, const W
 
 /* Appends the voxels in the lanes of `which` to `to`. */
 RS_INLINE void append_candidates(const Candidates* from, const int first, const int16 which, Candidates* to) {
-  for (uint rest = bits_of(which); rest != 0; rest &= rest - 1) {
+  for (uint rest = rs_lane_bits(which); rest != 0; rest &= rest - 1) {
     const int i = first + (int)popcount((rest & -rest) - 1);
     to->place[to->count] = from->place[i];
     to->fill[to->count] = from->fill[i];
@@ -201,41 +196,41 @@ RS_INLINE void set_basis(const WindowVoxel* v, const int16 without, WindowSums* 
 /* Cuts the candidates in the window, except those that must be cut frame by frame, which are moved to `framed`. Returns
  * whether any voxel loses fill. */
 bool cut_smooth(__global const SubstepArgs* args, const SubstepWindow* window, __global const MotionWindow* w,
-                const OutlineView* outline, Visit* v, Candidates* c, Candidates* framed, WindowSums* sums,
-                RemovedReport* report, __global SubstepLanes* lanes) {
+                const OutlineView* outline, Visit* v, Candidates* c, Candidates* framed, WindowSums* work,
+                RemovedReport* report, SubstepSums* sums) {
   const int count = (int)(window->end - window->first);
   const int padded = (count + FRAMES_AT_ONCE - 1) / FRAMES_AT_ONCE * FRAMES_AT_ONCE;
-  const NodeCorners corners = node_corners(w, v);
-  for (int f = 0; f < count; ++f) sums->times[f] = rs_window_time(w, args[window->first + f].frame);
+  const NodeMiddles middles = node_middles(w, v);
+  for (int f = 0; f < count; ++f) work->times[f] = rs_window_time(w, args[window->first + f].frame);
   for (int f = 0; f < padded; ++f) {
-    sums->sums[f] = (float16)0.0f;
-    sums->lost_fill[f] = sums->contacts[f] = (int16)0;
-    vstore16((float16)0.0f, f, sums->lost);
+    work->sums[f] = (float16)0.0f;
+    work->lost_fill[f] = (int16)0;
+    work->lost[f] = (float16)0.0f;
   }
-  sums->removing = 0;
-  sums->removed_count = 0;
+  work->removing = 0;
+  work->removed_count = 0;
   framed->count = 0;
   bool any_cut = false;
   for (int i = 0; i < c->count; i += 16) {
     WindowVoxel fit;
-    fit_sixteen(w, outline, &corners, c, i, &fit);
+    fit_sixteen(w, outline, &middles, c, i, &fit);
     const int16 before = vload16(0, c->fill + i), without = fit.pieces == 0.0f;
     append_candidates(c, i, without && before > 0, framed);
     const int16 start = without ? (int16)0 : before;
     __global const SubstepArgs* a = args + window->first;
-    const int16 fill = any(fit.pieces > 2.0f)   ? lower_fill(a, count, &fit, 3, start, sums)
-                       : any(fit.pieces > 1.0f) ? lower_fill(a, count, &fit, 2, start, sums)
-                                                : lower_fill(a, count, &fit, 1, start, sums);
-    if (rs_has_edge(args)) add_edge_forces(args, window, outline, v, c, i, &fit, start, sums, lanes);
-    if (!any(fill < start)) continue;
+    const int16 fill = RS_ANY(fit.pieces > 2.0f)   ? lower_fill(a, count, &fit, 3, start, work)
+                       : RS_ANY(fit.pieces > 1.0f) ? lower_fill(a, count, &fit, 2, start, work)
+                                                   : lower_fill(a, count, &fit, 1, start, work);
+    if (rs_has_edge(args)) add_edge_forces(args, window, outline, v, c, i, &fit, start, work, sums);
+    if (!RS_ANY(fill < start)) continue;
     any_cut = true;
-    set_basis(&fit, without, sums);
-    add_products(padded, sums);
+    set_basis(&fit, without, work);
+    add_products(padded, work);
     vstore16(without ? before : fill, 0, c->fill + i);
     const int16 removed = start > 0 && fill == 0;
-    if (any(removed)) note_removed(c, i, removed, count, sums);
+    if (RS_ANY(removed)) note_removed(c, i, removed, count, work);
   }
-  remove_noted(window, v, sums, report);
+  remove_noted(window, v, work, report);
   return any_cut;
 }
 
@@ -246,22 +241,22 @@ bool cut_smooth(__global const SubstepArgs* args, const SubstepWindow* window, _
 
 /* A work-group in a window: losses and coefficients of some voxels, and sums of frames over all of the brick. */
 typedef struct {
-  ushort lost[RS_VISIT_SUBSTEPS * VOXELS_AT_ONCE];
+  ushort lost[RS_WINDOW_SUBSTEPS * VOXELS_AT_ONCE];
   float basis[VOXELS_AT_ONCE * 2 * RS_WINDOW_SUMS];
-  float sums[RS_VISIT_SUBSTEPS * 2 * RS_WINDOW_SUMS];
-  int lost_fill[RS_VISIT_SUBSTEPS], contacts[RS_VISIT_SUBSTEPS];
+  float sums[RS_WINDOW_SUBSTEPS * 2 * RS_WINDOW_SUMS];
+  int lost_fill[RS_WINDOW_SUBSTEPS], contacts[RS_WINDOW_SUBSTEPS];
 } WindowSums;
 
 /* Fits a voxel, and lowers its fill through the frames. `lost`, `basis`: of the voxel; the losses of consecutive frames
  * are VOXELS_AT_ONCE apart. Returns false where it must be cut frame by frame. */
 RS_INLINE bool cut_smooth_voxel(__global const SubstepArgs* args, const SubstepWindow* window,
                                 __global const MotionWindow* w, const OutlineView* outline, Visit* v,
-                                const NodeCorners* corners, const int place, const float whole, __global ushort* page,
+                                const NodeMiddles* middles, const int place, const float whole, __global ushort* page,
                                 __local ushort* lost, __local float* basis, __global SubstepSums* sums) {
   const float x = (float)rs_offset_x(place), y = (float)rs_offset_y(place), z = (float)rs_offset_z(place);
-  const Clip c0 = rs_clip(&w->first, outline, v->list, corners->first, x, y, z);
-  const Clip c1 = rs_clip(&w->middle, outline, v->list, corners->middle, x, y, z);
-  const Clip c2 = rs_clip(&w->last, outline, v->list, corners->last, x, y, z);
+  const Clip c0 = rs_clip(&w->first, outline, v->list, &middles->first, x, y, z);
+  const Clip c1 = rs_clip(&w->middle, outline, v->list, &middles->middle, x, y, z);
+  const Clip c2 = rs_clip(&w->last, outline, v->list, &middles->last, x, y, z);
   WindowVoxel fit;
   rs_fit_voxel(w, &c0, &c1, &c2, whole, &fit);
   if (fit.pieces == 0.0f) return false;
@@ -274,7 +269,7 @@ RS_INLINE bool cut_smooth_voxel(__global const SubstepArgs* args, const SubstepW
     lost[VOXELS_AT_ONCE * (s - window->first)] = (ushort)loss;
     if (!rs_has_edge(a)) continue;
     set_substep(a, v);
-    const Clip clip = rs_clip(a, outline, v->list, v->corner, x, y, z);
+    const Clip clip = rs_clip(a, outline, v->list, &v->middle, x, y, z);
     LaneSums edge = zero_sums();
     rs_edge_force(a, &clip, fill, outside, &edge);
     add_brick_sums(sums + s, &edge, 0, 0, 0);

@@ -90,8 +90,8 @@ RS_INLINE void rs_rotate_to_teeth(RS_GLOBAL const SubstepArgs* a, const rs_real*
 }
 
 /* Distance of voxel (x, y, z), counted as in rs_clip(), from the surface, mm. */
-RS_INLINE rs_real rs_clip_grid_distance(RS_GLOBAL const SubstepArgs* a, const DistanceView* teeth, const float* brick,
-                                        rs_real x, rs_real y, rs_real z) {
+RS_INLINE rs_real rs_clip_grid_distance(RS_GLOBAL const SubstepArgs* a, const DistanceView* teeth,
+                                        const BrickMiddle* brick, rs_real x, rs_real y, rs_real z) {
   rs_real p[3], q[3], rise[3];
   rs_voxel_in_tool(a, brick, x, y, z, p);
   rs_rotate_to_teeth(a, p, q);
@@ -100,8 +100,8 @@ RS_INLINE rs_real rs_clip_grid_distance(RS_GLOBAL const SubstepArgs* a, const Di
 
 /* As rs_clip(), by the distance grid: the plane's normal is the gradient of the distance. `n` is the plane's normal,
  * and not yet that of the force. */
-RS_INLINE Clip rs_clip_grid(RS_GLOBAL const SubstepArgs* a, const DistanceView* teeth, const float* brick, rs_real x,
-                            rs_real y, rs_real z) {
+RS_INLINE Clip rs_clip_grid(RS_GLOBAL const SubstepArgs* a, const DistanceView* teeth, const BrickMiddle* brick,
+                            rs_real x, rs_real y, rs_real z) {
   const rs_real zero = RS_REAL(0.0f), one = RS_REAL(1.0f);
   Clip clip;
   rs_real q[3], g[3];
@@ -113,6 +113,7 @@ RS_INLINE Clip rs_clip_grid(RS_GLOBAL const SubstepArgs* a, const DistanceView* 
   clip.n[0] = (g[0] * a->spin_cos + g[1] * a->spin_sin) * per_length;
   clip.n[1] = (g[1] * a->spin_cos - g[0] * a->spin_sin) * per_length;
   clip.n[2] = length > 0.0f ? g[2] * per_length : one;
+  clip.distance += clip.n[0] * brick->rest[0] + clip.n[1] * brick->rest[1] + clip.n[2] * brick->rest[2];
   clip.plane = rs_lattice_plane(a, clip.n, clip.distance * a->per_voxel_mm);
   clip.other = clip.plane;
   clip.corner = zero;

@@ -18,8 +18,28 @@ typedef long16 rs_sum;
 #define RS_TO_REAL(value) convert_float16(value)
 #define RS_BITS_OF(real) as_int16(real)
 #define RS_REAL_OF(bits) as_float16(bits)
-#define RS_ANY(condition) any(condition)
 #define RS_FMA(a, b, c) fma(a, b, c)
+
+/* The lanes in which a condition holds, as bits. PoCL's any() branches on each lane. */
+#if defined(__AVX512DQ__) /* a compiler for such a processor, as PoCL's */
+RS_INLINE rs_u32 rs_lane_bits(rs_int condition) {
+  return (rs_u16)__builtin_ia32_cvtd2mask512(condition);
+}
+#elif defined(__AVX__)
+RS_INLINE rs_u32 rs_lane_bits(rs_int condition) {
+  return (rs_u32)__builtin_ia32_movmskps256(as_float8(condition.lo)) |
+         (rs_u32)__builtin_ia32_movmskps256(as_float8(condition.hi)) << 8;
+}
+#else
+RS_INLINE rs_u32 rs_lane_bits(rs_int condition) {
+  const int16 bit = condition & (int16)(1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 1024, 2048, 4096, 8192, 16384, 32768);
+  const int8 eight = bit.lo | bit.hi;
+  const int4 four = eight.lo | eight.hi;
+  const int2 two = four.lo | four.hi;
+  return (rs_u32)(two.x | two.y);
+}
+#endif
+#define RS_ANY(condition) (rs_lane_bits(condition) != 0)
 #elif defined(RS_LANES)
 #include "host_lanes.h"
 #else

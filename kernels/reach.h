@@ -43,9 +43,9 @@ RS_INLINE rs_real rs_half_width(RS_GLOBAL const SubstepArgs* a, const OutlineVie
 }
 
 /* Distance of the centre of voxel (x, y, z), counted within its brick, from the surface minus the reach while the tool
- * moves by `shift`, voxels. `brick`: centre of the brick's lowest voxel, T. */
+ * moves by `shift`, voxels. */
 RS_INLINE rs_real rs_distance_beyond_reach(RS_GLOBAL const SubstepArgs* a, const OutlineView* outline, PieceList list,
-                                           const float* brick, rs_real x, rs_real y, rs_real z, float shift) {
+                                           const BrickMiddle* brick, rs_real x, rs_real y, rs_real z, float shift) {
   rs_real p[3];
   rs_voxel_in_tool(a, brick, x, y, z, p);
   const rs_real r = RS_SQRT(p[0] * p[0] + p[1] * p[1]);
@@ -55,13 +55,12 @@ RS_INLINE rs_real rs_distance_beyond_reach(RS_GLOBAL const SubstepArgs* a, const
 }
 
 /* Whether one piece alone is nearest to all voxels of a brick, with its ends out of reach, while the tool moves by
- * `shift` mm. `brick`: centre of the brick's lowest voxel, T; `list`: the pieces that can be nearest. */
+ * `shift` mm. `list`: the pieces that can be nearest. */
 RS_INLINE int rs_brick_is_smooth(RS_GLOBAL const SubstepArgs* a, const OutlineView* outline, PieceList list,
-                                 const float* brick, float shift) {
+                                 const BrickMiddle* brick, float shift) {
   if (list.count != 1) return 0;
   RS_GLOBAL const OutlinePiece* e = outline->pieces + outline->numbers[list.first];
-  float p[3];
-  rs_brick_middle(a, brick, p);
+  const float* p = brick->p;
   const float r = RS_SQRT(p[0] * p[0] + p[1] * p[1]);
   const float past = (r - e->r1) * e->along_r1 + (p[2] - e->z1) * e->along_z1;
   const float short_of = -((r - e->r0) * e->along_r0 + (p[2] - e->z0) * e->along_z0);
@@ -71,8 +70,8 @@ RS_INLINE int rs_brick_is_smooth(RS_GLOBAL const SubstepArgs* a, const OutlineVi
 
 /* rs_distance_beyond_reach() in such a brick. The width of the voxels is found only where it decides. */
 RS_INLINE rs_real rs_distance_beyond_reach_of_piece(RS_GLOBAL const SubstepArgs* a, const OutlineView* outline,
-                                                    PieceList list, const float* brick, rs_real x, rs_real y, rs_real z,
-                                                    float shift) {
+                                                    PieceList list, const BrickMiddle* brick, rs_real x, rs_real y,
+                                                    rs_real z, float shift) {
   const float narrowest = 0.5f, slack = shift + RS_POSITION_SLACK * a->per_voxel_mm;
   RS_GLOBAL const OutlinePiece* piece = outline->pieces + outline->numbers[list.first];
   rs_real p[3];
@@ -89,7 +88,7 @@ RS_INLINE rs_real rs_distance_beyond_reach_of_piece(RS_GLOBAL const SubstepArgs*
 /* For the voxels in the lanes: the section of the brick's list with all pieces that can be nearest to any of them while
  * the tool moves by `shift` mm. Returns whether it is a single piece with its ends out of reach. */
 RS_INLINE int rs_find_nearest_pieces(RS_GLOBAL const SubstepArgs* a, const OutlineView* outline, PieceList list,
-                                     const float* brick, rs_real x, rs_real y, rs_real z, float shift,
+                                     const BrickMiddle* brick, rs_real x, rs_real y, rs_real z, float shift,
                                      PieceList* near) {
   rs_real p[3];
   rs_voxel_in_tool(a, brick, x, y, z, p);

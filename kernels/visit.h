@@ -21,30 +21,28 @@
 typedef struct {
   __global Brick* brick;
   int3 at;            /* position in the lattice of bricks */
-  float corner[3];    /* centre of its lowest voxel in the current substep, T */
+  BrickMiddle middle; /* in the current substep */
   PieceList list;     /* pieces of the outline that can be nearest in the current window */
   DistanceView teeth; /* with RS_DISTANCE_GRID */
 } Visit;
 
 RS_INLINE void set_substep(__global const SubstepArgs* a, Visit* v) {
-  rs_brick_in_tool(a, 8 * v->at.x, 8 * v->at.y, 8 * v->at.z, v->corner);
+  rs_brick_in_tool(a, 8 * v->at.x, 8 * v->at.y, 8 * v->at.z, &v->middle);
 }
 
 /* set_substep() for the first substep of a window. */
 RS_INLINE void set_window(__global const SubstepArgs* a, const OutlineView* outline, Visit* v) {
   set_substep(a, v);
-  float p[3];
-  rs_brick_middle(a, v->corner, p);
-  v->list = rs_pieces_near(outline, sqrt(p[0] * p[0] + p[1] * p[1]), p[2]);
+  v->list = rs_pieces_near_brick(outline, &v->middle);
 }
 
 /* The tool next to voxel (x, y, z) of the brick, by the pieces in `list`. */
 RS_INLINE Clip clip_voxel(__global const SubstepArgs* a, const OutlineView* outline, const Visit* v,
                           const PieceList list, const rs_real x, const rs_real y, const rs_real z) {
 #ifdef RS_DISTANCE_GRID
-  return rs_clip_grid(a, &v->teeth, v->corner, x, y, z);
+  return rs_clip_grid(a, &v->teeth, &v->middle, x, y, z);
 #else
-  return rs_clip(a, outline, list, v->corner, x, y, z);
+  return rs_clip(a, outline, list, &v->middle, x, y, z);
 #endif
 }
 

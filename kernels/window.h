@@ -16,8 +16,11 @@ typedef struct {
   float padding;
 } MotionWindow;
 
-/* Forces, torques (T), speed-floor energy, energy. */
+/* Forces, torques (T), energy, speed-floor energy: in the order of SubstepSums. */
 #define RS_WINDOW_SUMS 8
+#define RS_SUM_OF_TORQUE 3
+#define RS_SUM_OF_ENERGY 6
+#define RS_SUM_OF_FLOOR 7
 
 /* The polynomial c[0] + c[1] x + ... with x = y - at. */
 typedef struct {
@@ -231,7 +234,7 @@ RS_INLINE void rs_fit_force(RS_GLOBAL const MotionWindow* w, const rs_real* firs
     rs_quadratic(w, first[i] - middle[i], last[i] - middle[i], &c1, &c2);
     v->base[i] = middle[i] + c2 * (1.0f / 3.0f);
     v->slope[i] = c1;
-    if (i >= 3) continue;
+    if (i >= RS_SUM_OF_TORQUE) continue;
     bend = rs_max(bend, rs_abs(c2));
     size = rs_max(size, rs_abs(middle[i]));
   }
@@ -243,17 +246,18 @@ RS_INLINE float rs_window_time(RS_GLOBAL const MotionWindow* w, rs_i32 frame) {
   return (float)(frame - w->middle.frame) * w->per_frame;
 }
 
-/* Force, torque, speed-floor energy and energy of a voxel that loses a unit of fill. `whole`: energy of a whole voxel,
+/* Force, torque, energy and speed-floor energy of a voxel that loses a unit of fill. `whole`: energy of a whole voxel,
  * mJ. */
 RS_INLINE void rs_window_response(RS_GLOBAL const SubstepArgs* a, const Clip* clip, rs_real whole, rs_real* out) {
   const rs_real *p = clip->p, energy = whole * (1.0f / (float)RS_WHOLE_FILL);
   const CutResponse found = rs_cut_response(a, clip->n, p, energy);
   for (int i = 0; i < 3; ++i) out[i] = found.force[i];
-  out[3] = p[1] * found.force[2] - p[2] * found.force[1];
-  out[4] = p[2] * found.force[0] - p[0] * found.force[2];
-  out[5] = p[0] * found.force[1] - p[1] * found.force[0];
-  out[6] = found.floor_energy;
-  out[7] = energy + found.added_energy;
+  rs_real* torque = out + RS_SUM_OF_TORQUE;
+  torque[0] = p[1] * found.force[2] - p[2] * found.force[1];
+  torque[1] = p[2] * found.force[0] - p[0] * found.force[2];
+  torque[2] = p[0] * found.force[1] - p[1] * found.force[0];
+  out[RS_SUM_OF_ENERGY] = energy + found.added_energy;
+  out[RS_SUM_OF_FLOOR] = found.floor_energy;
 }
 
 /* The voxel in a window, from the tool next to it at the three nodes. `whole`: energy of a whole voxel, mJ. */
@@ -274,11 +278,20 @@ RS_INLINE void rs_fit_voxel(RS_GLOBAL const MotionWindow* w, const Clip* first, 
 
 /* Sums over the voxels of a brick in one frame, in ascending order of their places: constants, then linear parts. Adds
  * them at `time` to `total`. */
-RS_INLINE void rs_finish_window_sums(const float* sums, float time, rs_i64* total) {
+RS_INLINE void rs_finish_window_sums(const float* sums, float time, SubstepSums* total) {
+  rs_i64 part[RS_WINDOW_SUMS];
   for (int i = 0; i < RS_WINDOW_SUMS; ++i) {
-    const double scale = i < 3 ? RS_FORCE_SCALE : i < 6 ? RS_TORQUE_SCALE : RS_ENERGY_SCALE;
-    total[i] += (rs_i64)(RS_FMA(time, sums[RS_WINDOW_SUMS + i], sums[i]) * (float)scale);
+    const double scale = i < RS_SUM_OF_TORQUE   ? RS_FORCE_SCALE
+                         : i < RS_SUM_OF_ENERGY ? RS_TORQUE_SCALE
+                                                : RS_ENERGY_SCALE;
+    part[i] = (rs_i64)(RS_FMA(time, sums[RS_WINDOW_SUMS + i], sums[i]) * (float)scale);
   }
+  for (int i = 0; i < 3; ++i) {
+    total->force[i] += part[i];
+    total->torque[i] += part[RS_SUM_OF_TORQUE + i];
+  }
+  total->energy += part[RS_SUM_OF_ENERGY];
+  total->floor_energy += part[RS_SUM_OF_FLOOR];
 }
 
 #endif

@@ -106,7 +106,8 @@ TEST(ContactForecast, MeetsWhatItTouches) {
   EXPECT_TRUE(forecast_contact(plunge()).touches);
 }
 
-/// The first and the last frame that removes bone.
+/// The first and the last frame that removes bone: more than the units of fill by which windows of smooth motion and
+/// single frames can differ on a surface that slides along itself.
 FrameSpan removing_frames(ReamingScene scene) {
   const TempDir dir;
   Recorder recorder(dir.path(), scene.bone.voxmap->grid.voxel_mm);
@@ -122,7 +123,7 @@ FrameSpan removing_frames(ReamingScene scene) {
     std::vector<std::string> cells;
     std::istringstream row(line);
     for (std::string cell; std::getline(row, cell, ',');) cells.push_back(cell);
-    if (std::stod(cells.at(21)) <= 0) continue;
+    if (std::stod(cells.at(21)) <= 1e-3 * scene.bone.voxmap->grid.voxel_mm3()) continue;
     out = FrameSpan{out ? out->first : frame, frame};
   }
   return out.value_or(FrameSpan{-1, -1});

@@ -173,8 +173,9 @@ TEST(Clip, OnTheAxisABoresWallHasADirection) {
   SubstepArgs args{};
   args.voxel_mm = args.per_voxel_mm = 1;
   for (int i = 0; i < 3; ++i) args.tool_step[4 * i] = args.lattice_from_tool[4 * i] = 1;
-  const float axis[3] = {0, 0, 4};
-  const Clip clip = rs_clip(&args, &outline, outline.lists[0], axis, 0, 0, 0);
+  const BrickMiddle brick = {{0, 0, 4}, {0, 0, 0}};
+  const Clip clip =
+      rs_clip(&args, &outline, outline.lists[0], &brick, RS_BRICK_MIDDLE, RS_BRICK_MIDDLE, RS_BRICK_MIDDLE);
   EXPECT_FLOAT_EQ(clip.distance, 0.4F);
   EXPECT_NEAR(rs_clip_fraction(&clip, 0, 0), 0.9, 1e-6);
 }

@@ -26,10 +26,10 @@ int block_of(int offset) {
   return (offset >> 2 & 1) | (offset >> 5 & 1) << 1 | (offset >> 8 & 1) << 2;
 }
 
-std::array<float, 3> corner_of(const SubstepArgs& args, const Vec3i& brick) {
-  std::array<float, 3> out{};
+BrickMiddle middle_of(const SubstepArgs& args, const Vec3i& brick) {
+  BrickMiddle out;
   const Vec3i voxel = RS_BRICK_SIDE * brick;
-  rs_brick_in_tool(&args, voxel.x(), voxel.y(), voxel.z(), out.data());
+  rs_brick_in_tool(&args, voxel.x(), voxel.y(), voxel.z(), &out);
   return out;
 }
 
@@ -85,10 +85,10 @@ struct ExactBasis::BrickVisit {
   Page& fill;
   Vec3i at;
   BrickBasis sums;
-  std::vector<std::array<float, 3>> corners;  ///< centre of its lowest voxel (T, mm), by substep of the visit
-  PieceList list{};                           ///< pieces of the outline that can be nearest in the current window
+  std::vector<BrickMiddle> middles;  ///< by substep of the visit
+  PieceList list{};                  ///< pieces of the outline that can be nearest in the current window
 
-  [[nodiscard]] const float* corner(int place) const { return corners[static_cast<std::size_t>(place)].data(); }
+  [[nodiscard]] const BrickMiddle& middle(int place) const { return middles[static_cast<std::size_t>(place)]; }
 };
 
 ExactBasis::ExactBasis(const Scenario& scenario, const BoneView& bone, const Tool& tool)
@@ -167,19 +167,17 @@ ExactBasis::Page& ExactBasis::page_of(const Vec3i& brick) {
 void ExactBasis::cut_brick(const Visit& visit, const Vec3i& at, VisitBasis& sums) {
   BrickVisit brick{*grades_->brick(at), page_of(at), at, BrickBasis(visit.plan.end - visit.plan.first), {}, {}};
   for (int slot = visit.plan.first; slot < visit.plan.end; ++slot)
-    brick.corners.push_back(corner_of(visit.args[static_cast<std::size_t>(slot)], at));
+    brick.middles.push_back(middle_of(visit.args[static_cast<std::size_t>(slot)], at));
   for (const SubstepWindow& window : visit.plan.windows) {
     const SubstepArgs& args = visit.args[window.first];
-    const float* corner = brick.corner(visit.place(window.first));
-    float middle[3];
-    rs_brick_middle(&args, corner, middle);
-    brick.list = rs_pieces_near(&view_, RS_SQRT(middle[0] * middle[0] + middle[1] * middle[1]), middle[2]);
+    const BrickMiddle& middle = brick.middle(visit.place(window.first));
+    brick.list = rs_pieces_near_brick(&view_, &middle);
     const float shift = window.shift_mm * args.per_voxel_mm;
-    const unsigned blocks = blocks_in_reach(args, shift, brick, corner);
+    const unsigned blocks = blocks_in_reach(args, shift, brick, middle);
     for (int offset = 0; offset < RS_BRICK_VOXELS; ++offset) {
       const auto i = static_cast<std::size_t>(offset);
       if ((blocks >> block_of(offset) & 1U) == 0 || brick.grades[i] == 0 || brick.fill[i] == 0) continue;
-      if (!in_reach(args, shift, brick, corner, offset)) continue;
+      if (!in_reach(args, shift, brick, middle, offset)) continue;
       if (window.motion < 0 || !cut_smoothly(visit, window, brick, offset)) cut_by_frames(visit, window, brick, offset);
     }
   }
@@ -188,43 +186,43 @@ void ExactBasis::cut_brick(const Visit& visit, const Vec3i& at, VisitBasis& sums
 
 /// As list_places() of kernels/candidates.h.
 unsigned ExactBasis::blocks_in_reach(const SubstepArgs& args, float shift, const BrickVisit& brick,
-                                     const float* corner) const {
+                                     const BrickMiddle& middle) const {
   constexpr float kBlockRadius = 2.6F, kBulge = 0.1F;
   const float near = RS_CLIP_REACH + kBlockRadius + kBulge + shift + teeth_.slack_mm * args.per_voxel_mm;
   unsigned out = 0;
   for (int block = 0; block < 8; ++block) {
     const float x = static_cast<float>((block & 1) << 2) + 1.5F, y = static_cast<float>((block & 2) << 1) + 1.5F,
                 z = static_cast<float>(block & 4) + 1.5F;
-    const float distance = rs_clip_distance(&args, &view_, brick.list, corner, x, y, z);
+    const float distance = rs_clip_distance(&args, &view_, brick.list, &middle, x, y, z);
     if (distance * args.per_voxel_mm <= near) out |= 1U << block;
   }
   return out;
 }
 
-bool ExactBasis::in_reach(const SubstepArgs& args, float shift, const BrickVisit& brick, const float* corner,
+bool ExactBasis::in_reach(const SubstepArgs& args, float shift, const BrickVisit& brick, const BrickMiddle& middle,
                           int offset) const {
   const Place at(offset);
-  if (!tool_->teeth) return rs_distance_beyond_reach(&args, &view_, brick.list, corner, at.x, at.y, at.z, shift) <= 0;
+  if (!tool_->teeth) return rs_distance_beyond_reach(&args, &view_, brick.list, &middle, at.x, at.y, at.z, shift) <= 0;
   const DistanceView teeth{&teeth_, tool_->teeth->slot_of_brick.data(), tool_->teeth->samples.data()};
   const float slack = RS_CLIP_REACH + RS_GRID_STEEPEST * shift + RS_POSITION_SLACK * args.per_voxel_mm;
-  return rs_clip_grid_distance(&args, &teeth, corner, at.x, at.y, at.z) * args.per_voxel_mm <= slack;
+  return rs_clip_grid_distance(&args, &teeth, &middle, at.x, at.y, at.z) * args.per_voxel_mm <= slack;
 }
 
 /// The tool next to a voxel: the surface of resolved cutting edges, else the envelope.
-Clip ExactBasis::clip(const SubstepArgs& args, const BrickVisit& brick, const float* corner, int offset) const {
+Clip ExactBasis::clip(const SubstepArgs& args, const BrickVisit& brick, const BrickMiddle& middle, int offset) const {
   const Place at(offset);
-  if (!tool_->teeth) return rs_clip(&args, &view_, brick.list, corner, at.x, at.y, at.z);
+  if (!tool_->teeth) return rs_clip(&args, &view_, brick.list, &middle, at.x, at.y, at.z);
   const DistanceView teeth{&teeth_, tool_->teeth->slot_of_brick.data(), tool_->teeth->samples.data()};
-  return rs_clip_grid(&args, &teeth, corner, at.x, at.y, at.z);
+  return rs_clip_grid(&args, &teeth, &middle, at.x, at.y, at.z);
 }
 
 /// Cuts a voxel in a window of smooth motion. Returns false where it must be cut frame by frame.
 bool ExactBasis::cut_smoothly(const Visit& visit, const SubstepWindow& window, BrickVisit& brick, int offset) const {
   const auto i = static_cast<std::size_t>(offset), number = static_cast<std::size_t>(window.motion);
   const MotionWindow& w = visit.plan.motions[number];
-  const Clip first = clip(w.first, brick, corner_of(w.first, brick.at).data(), offset),
-             middle = clip(w.middle, brick, corner_of(w.middle, brick.at).data(), offset),
-             last = clip(w.last, brick, corner_of(w.last, brick.at).data(), offset);
+  const Clip first = clip(w.first, brick, middle_of(w.first, brick.at), offset),
+             middle = clip(w.middle, brick, middle_of(w.middle, brick.at), offset),
+             last = clip(w.last, brick, middle_of(w.last, brick.at), offset);
   WindowVoxel fit;
   rs_fit_voxel(&w, &first, &middle, &last, energy_mj_[brick.grades[i]], &fit);
   if (fit.pieces == 0) return false;
@@ -238,7 +236,7 @@ bool ExactBasis::cut_smoothly(const Visit& visit, const SubstepWindow& window, B
     const rs_i32 lost = rs_clip_loss(&args, fill, outside);
     fill -= lost;
     if (rs_has_edge(&args) != 0) {
-      const Clip now = clip(args, brick, brick.corner(place), offset);
+      const Clip now = clip(args, brick, brick.middle(place), offset);
       brick.sums.add(place, kEdge, 1, edge_response(visit.units_of(place), now, fill, outside));
     }
     if (lost == 0) continue;
@@ -254,7 +252,7 @@ void ExactBasis::cut_by_frames(const Visit& visit, const SubstepWindow& window, 
   for (rs_u32 slot = window.first; slot < window.end && brick.fill[i] > 0; ++slot) {
     const SubstepArgs& args = visit.args[slot];
     const int place = visit.place(slot);
-    Clip now = clip(args, brick, brick.corner(place), offset);
+    Clip now = clip(args, brick, brick.middle(place), offset);
     const rs_i32 outside = rs_fill_outside(&now), lost = rs_clip_loss(&args, brick.fill[i], outside);
     brick.fill[i] = static_cast<std::uint16_t>(brick.fill[i] - lost);
     if (args.law != RS_LAW_ENERGY) continue;

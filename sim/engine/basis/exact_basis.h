@@ -8,8 +8,8 @@
 #include "sim/engine/common/outline_table.h"
 #include "sim/engine/exact/visit_plan.h"
 #include "sim/scenario/scenario.h"
-#include "sim/tool/tool.h"
 #include "sim/tool/distance_table.h"
+#include "sim/tool/tool.h"
 
 namespace reamsim {
 
@@ -34,11 +34,12 @@ class ExactBasis {
   /// The blocks of 4×4×4 voxels of a brick that the surface can reach while the tool moves by `shift` voxels, a bit
   /// each.
   [[nodiscard]] unsigned blocks_in_reach(const SubstepArgs& args, float shift, const BrickVisit& brick,
-                                         const float* corner) const;
+                                         const BrickMiddle& middle) const;
   /// Whether the surface can intersect a voxel, or contains it, meanwhile.
-  [[nodiscard]] bool in_reach(const SubstepArgs& args, float shift, const BrickVisit& brick, const float* corner,
+  [[nodiscard]] bool in_reach(const SubstepArgs& args, float shift, const BrickVisit& brick, const BrickMiddle& middle,
                               int offset) const;
-  [[nodiscard]] Clip clip(const SubstepArgs& args, const BrickVisit& brick, const float* corner, int offset) const;
+  [[nodiscard]] Clip clip(const SubstepArgs& args, const BrickVisit& brick, const BrickMiddle& middle,
+                          int offset) const;
   [[nodiscard]] bool cut_smoothly(const Visit& visit, const SubstepWindow& window, BrickVisit& brick, int offset) const;
   void cut_by_frames(const Visit& visit, const SubstepWindow& window, BrickVisit& brick, int offset) const;
 

@@ -10,10 +10,10 @@ namespace reamsim {
 BasisValues TouchedBasis::response(const UnitArgs& args, const Vec3i& voxel) const {
   const OutlineView outline = view_of(outline_);
   const SubstepArgs& a = args.without_normal;
-  float brick[3];
-  rs_brick_in_tool(&a, voxel.x(), voxel.y(), voxel.z(), brick);
+  BrickMiddle brick;
+  rs_brick_in_tool(&a, voxel.x(), voxel.y(), voxel.z(), &brick);
   Clip clip{};
-  rs_voxel_in_tool(&a, brick, static_cast<float>(voxel.x() & 7), static_cast<float>(voxel.y() & 7),
+  rs_voxel_in_tool(&a, &brick, static_cast<float>(voxel.x() & 7), static_cast<float>(voxel.y() & 7),
                    static_cast<float>(voxel.z() & 7), clip.p);
   const float r = RS_SQRT(clip.p[0] * clip.p[0] + clip.p[1] * clip.p[1]);
   rs_outline_normal(&outline, rs_pieces_near(&outline, r, clip.p[2]), clip.p, clip.n);

@@ -28,12 +28,12 @@ BasisValues unit_response(const UnitArgs& args, const Clip& clip, float volume_m
   rs_window_response(&args.without_normal, &clip, volume_mm3, without);
   rs_window_response(&args.with_normal, &clip, volume_mm3, with);
   BasisValues out{};
-  for (std::size_t i = 0; i < 6; ++i) {
+  for (std::size_t i = 0; i < RS_SUM_OF_ENERGY; ++i) {
     out[i] = double{without[i]};
     out[6 + i] = double{with[i]} - double{without[i]};
   }
-  out[12] = double{without[7]};
-  out[13] = double{without[6]};
+  out[12] = double{without[RS_SUM_OF_ENERGY]};
+  out[13] = double{without[RS_SUM_OF_FLOOR]};
   return out;
 }
 

@@ -13,7 +13,7 @@ static_assert(sizeof(MotionWindow) == 3 * sizeof(SubstepArgs) + 16);
 
 namespace {
 
-constexpr std::int64_t kBlock = RS_VISIT_SUBSTEPS;
+constexpr std::int64_t kBlock = RS_WINDOW_SUBSTEPS;
 /// Fewer frames do not repay the fit.
 constexpr std::int64_t kFewestFrames = 8;
 /// Largest deviation of a frame's motion and velocity from the polynomials through the nodes, as a fraction; the loss

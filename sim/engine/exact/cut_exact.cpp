@@ -13,21 +13,11 @@ namespace {
 /// Number of the first argument that all visits share; those before it are set by enqueue().
 constexpr cl_uint kAfterPlan = 6;
 
-/// SubstepLanes of kernels/cut_exact.cl: sums in the lanes of a vector.
-constexpr std::size_t kLanesOfSubstep = 11 * 16;
-
-/// On a CPU the items of a group run one after another, each with some 50 KB on the stack.
+/// On a CPU the items of a group run one after another, each with some 60 KB on the stack.
 constexpr std::size_t kMostItemsOnStack = 16;
 
 std::size_t group_size(const KernelOptions& options) {
   return options.shape == KernelShape::cpu ? std::min(options.work_group, kMostItemsOnStack) : options.work_group;
-}
-
-/// Every work-item of a launch, which has whole groups, keeps sums for the substeps of a visit.
-std::size_t lane_count(std::size_t items, const KernelOptions& options) {
-  if (options.shape != KernelShape::cpu) return 1;
-  const std::size_t groups = (items + group_size(options) - 1) / group_size(options);
-  return groups * group_size(options) * RS_VISIT_SUBSTEPS * kLanesOfSubstep;
 }
 
 }  // namespace
@@ -36,12 +26,13 @@ CutExact::CutExact(const cl::Device& device, const DeviceBricks& bone, const Dev
                    const OutlineTable& outline, const EnergyTable& table, const KernelOptions& options,
                    const DeviceTeeth* teeth)
     : device_(device),
-      items_(cut_items(device.info(), options)),
+      // On a CPU a work-item takes bricks until none is left.
+      items_(options.shape == KernelShape::cpu ? device.info().compute_units * group_size(options)
+                                               : cut_items(device.info(), options)),
       energy_(
           cl::upload(device, std::vector<float>(table.energy_mj.begin(), table.energy_mj.end()), "the energy table")),
       windows_(device, RS_VISIT_SUBSTEPS, "the windows of a visit"),
       motions_(device, RS_VISIT_SUBSTEPS, "the windows of a visit"),
-      lanes_(device, lane_count(items_, options), "the sums of a visit"),
       outline_(device, outline),
       kernel_(device,
               device.build("cut_exact.cl", embedded::kernel_cut_exact,
@@ -50,8 +41,7 @@ CutExact::CutExact(const cl::Device& device, const DeviceBricks& bone, const Dev
   const std::vector<cl_mem> pools = bone.pool_arguments();
   const auto set_constant = [&](const auto&... teeth_arguments) {
     kernel_.set_from(kAfterPlan, batch.args(), windows_, motions_, list.listed(), list.counts(), bone.lattice_of_slot,
-                     bone.occupancy, bone.dims, batch.sums(), energy_, outline_.arguments(), lanes_, pools,
-                     teeth_arguments...);
+                     bone.occupancy, bone.dims, batch.sums(), energy_, outline_.arguments(), pools, teeth_arguments...);
   };
   teeth != nullptr ? set_constant(teeth->arguments()) : set_constant();
 }

@@ -30,7 +30,6 @@ class CutExact {
   cl::Buffer<float> energy_;
   cl::Buffer<SubstepWindow> windows_;
   cl::Buffer<MotionWindow> motions_;
-  cl::Buffer<cl_long> lanes_;
   DeviceOutline outline_;
   cl::SlotKernel kernel_;
 };

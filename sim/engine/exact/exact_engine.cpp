@@ -92,7 +92,7 @@ class ExactEngine final : public Engine {
   /// Cuts the bricks in reach in as many substeps from `first` on as one visit can have. Returns the visit.
   VisitPlan visit(int first) {
     VisitPlan plan = plan_visit(batch_.args_used(), motions_, first, RS_VISIT_SUBSTEPS, tool_box_, extent_);
-    VisitCounts counts{.listed = 0, .pages = static_cast<rs_u32>(fill_.used), .removed = 0};
+    VisitCounts counts{.listed = 0, .pages = static_cast<rs_u32>(fill_.used), .removed = 0, .taken = 0};
     std::size_t listed = list_.list(plan, counts);
     while (CutExact::max_records(listed, plan.end - first) > kMaxRecords && plan.end - first > 1) {
       plan = plan_visit(batch_.args_used(), motions_, first, (plan.end - first) / 2, tool_box_, extent_);

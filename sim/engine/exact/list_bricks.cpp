@@ -12,7 +12,7 @@ extern const char* const kernel_list_bricks;
 
 // The structs have the same layout on host and device.
 static_assert(sizeof(SubstepWindow) == 16);
-static_assert(sizeof(VisitCounts) == 12);
+static_assert(sizeof(VisitCounts) == 16);
 static_assert(sizeof(CoarseGrid) == 20);
 
 DistanceTable brick_distances(const Profile& profile, double voxel_mm, double slack_mm) {

@@ -135,14 +135,14 @@ rs_i32 cut_touched(const SerialState& state, const EnergyTable& table, const Sub
 
 /// The tool's surface next to a voxel: that of the resolved cutting edges, else the envelope.
 Clip clip_voxel(const SerialState& state, const SubstepArgs& args, const OutlineView& outline, const Vec3i& voxel) {
-  float corner[3];
-  rs_brick_in_tool(&args, voxel.x(), voxel.y(), voxel.z(), corner);
+  BrickMiddle middle;
+  rs_brick_in_tool(&args, voxel.x(), voxel.y(), voxel.z(), &middle);
   const auto x = static_cast<float>(voxel.x() & 7), y = static_cast<float>(voxel.y() & 7),
              z = static_cast<float>(voxel.z() & 7);
-  if (!state.tool->teeth) return rs_clip(&args, &outline, outline.lists[0], corner, x, y, z);
+  if (!state.tool->teeth) return rs_clip(&args, &outline, outline.lists[0], &middle, x, y, z);
   const DistanceGrid& grid = *state.tool->teeth;
   const DistanceView teeth{&state.lattice, grid.slot_of_brick.data(), grid.samples.data()};
-  return rs_clip_grid(&args, &teeth, corner, x, y, z);
+  return rs_clip_grid(&args, &teeth, &middle, x, y, z);
 }
 
 /// A voxel in a window, from the tool next to it at the three nodes.
@@ -246,14 +246,7 @@ class SerialEngine final : public Engine {
   /// Adds the sums of the last brick, when `brick` is another one.
   void finish_brick(const SubstepArgs& args, std::int64_t brick, SubstepSums& sums) {
     if (brick == brick_) return;
-    std::array<rs_i64, RS_WINDOW_SUMS> total{};
-    rs_finish_window_sums(brick_sums_.data(), rs_window_time(window_.get(), args.frame), total.data());
-    for (std::size_t i = 0; i < 3; ++i) {
-      sums.force[i] += total[i];
-      sums.torque[i] += total[3 + i];
-    }
-    sums.floor_energy += total[6];
-    sums.energy += total[7];
+    rs_finish_window_sums(brick_sums_.data(), rs_window_time(window_.get(), args.frame), &sums);
     brick_sums_ = {};
     brick_ = brick;
   }

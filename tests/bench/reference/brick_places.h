@@ -52,13 +52,6 @@ inline BrickPosition position_of(const BoneArrays& bone, rs_u32 slot) {
   return {static_cast<rs_i32>(index % nx), static_cast<rs_i32>(row % ny), static_cast<rs_i32>(row / ny)};
 }
 
-/// The pieces that can be nearest to any voxel of the brick whose lowest voxel's centre is `corner` (T, mm).
-inline PieceList pieces_near_brick(const SubstepArgs& a, const OutlineView& outline, const float* corner) {
-  float p[3];
-  rs_brick_middle(&a, corner, p);
-  return rs_pieces_near(&outline, RS_SQRT(p[0] * p[0] + p[1] * p[1]), p[2]);
-}
-
 /// Clears the occupancy bit of an empty brick.
 inline void clear_if_empty(const BoneArrays& bone, const Brick& brick, const BrickPosition& at) {
   rs_u32 remaining = 0;

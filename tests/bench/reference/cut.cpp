@@ -75,14 +75,14 @@ void remove_listed(Frame& f, rs_u32 slot, const rs_u16* places, int count, float
 void accumulate_cut_forces(const Frame& f, const rs_i32* voxel, const rs_u16* places, const float* energies, int count,
                            Tally& tally) {
   const SubstepArgs& a = *f.args;
-  float corner[3];
-  rs_brick_in_tool(&a, voxel[0], voxel[1], voxel[2], corner);
-  const PieceList list = pieces_near_brick(a, f.outline, corner);
+  BrickMiddle middle;
+  rs_brick_in_tool(&a, voxel[0], voxel[1], voxel[2], &middle);
+  const PieceList list = rs_pieces_near_brick(&f.outline, &middle);
   for (int i = 0; i < count; i += kLanes) {
     const Ints place = ints_of(places + i);
     const Reals x = offset_x(place), y = offset_y(place), z = offset_z(place);
     Reals p[3];
-    rs_voxel_in_tool(&a, corner, x, y, z, p);
+    rs_voxel_in_tool(&a, &middle, x, y, z, p);
     cut_force(a, f.outline, list, p, load<Reals>(energies + i), tally);
   }
 }

@@ -14,9 +14,9 @@ struct BrickVisit {
   Brick* brick;
   rs_u32 slot;
   BrickPosition at;
-  float corner[3];  ///< centre of its lowest voxel in the current substep, T, mm
-  PieceList list;   ///< pieces of the outline that can be nearest in the current window
-  bool smooth;      ///< a single one, with its ends out of reach
+  BrickMiddle middle;  ///< in the current substep
+  PieceList list;      ///< pieces of the outline that can be nearest in the current window
+  bool smooth;         ///< a single one, with its ends out of reach
 };
 
 /// Candidates, padded to a multiple of the lanes with voxels without fill.
@@ -36,14 +36,14 @@ inline Ints first_numbers() {
 }
 
 inline void set_substep(const SubstepArgs& a, BrickVisit& b) {
-  rs_brick_in_tool(&a, RS_BRICK_SIDE * b.at.x, RS_BRICK_SIDE * b.at.y, RS_BRICK_SIDE * b.at.z, b.corner);
+  rs_brick_in_tool(&a, RS_BRICK_SIDE * b.at.x, RS_BRICK_SIDE * b.at.y, RS_BRICK_SIDE * b.at.z, &b.middle);
 }
 
 /// set_substep() for the first substep of a window.
 inline void set_window(const SubstepArgs& a, const OutlineView& outline, float shift_mm, BrickVisit& b) {
   set_substep(a, b);
-  b.list = pieces_near_brick(a, outline, b.corner);
-  b.smooth = rs_brick_is_smooth(&a, &outline, b.list, b.corner, shift_mm) != 0;
+  b.list = rs_pieces_near_brick(&outline, &b.middle);
+  b.smooth = rs_brick_is_smooth(&a, &outline, b.list, &b.middle, shift_mm) != 0;
 }
 
 /// The blocks of 4×4×4 voxels that the surface can reach, as bits. `shift`: motion of the tool, voxels.
@@ -53,7 +53,7 @@ inline rs_u32 near_blocks(const SubstepArgs& a, const OutlineView& outline, cons
   rs_u32 out = 0;
   for (int first = 0; first < RS_BRICK_WORDS / 2; first += kLanes) {
     const Ints block = (first_numbers() + first) << 6;
-    const Reals distance = rs_clip_distance(&a, &outline, b.list, b.corner, offset_x(block) + 1.5F,
+    const Reals distance = rs_clip_distance(&a, &outline, b.list, &b.middle, offset_x(block) + 1.5F,
                                             offset_y(block) + 1.5F, offset_z(block) + 1.5F);
     out |= rs_lane_bits(distance * a.per_voxel_mm <= near) << first;
   }
@@ -71,7 +71,7 @@ inline void finish_candidates(const SubstepArgs& a, const OutlineView& outline, 
     c.smooth[i / kLanes] = b.smooth;
     if (b.smooth) continue;
     const Ints place = ints_of(c.place + i);
-    c.smooth[i / kLanes] = rs_find_nearest_pieces(&a, &outline, b.list, b.corner, offset_x(place), offset_y(place),
+    c.smooth[i / kLanes] = rs_find_nearest_pieces(&a, &outline, b.list, &b.middle, offset_x(place), offset_y(place),
                                                   offset_z(place), shift, c.near + i / kLanes) != 0;
   }
 }
@@ -93,7 +93,7 @@ inline rs_u32 voxels_in_reach_of_piece(const SubstepArgs& a, const OutlineView& 
   const float narrowest = 0.5F, slack = shift + RS_POSITION_SLACK * a.per_voxel_mm;
   const OutlinePiece* piece = outline.pieces + outline.numbers[b.list.first];
   Reals p[3];
-  rs_voxel_in_tool(&a, b.corner, offset_x(place), offset_y(place), offset_z(place), p);
+  rs_voxel_in_tool(&a, &b.middle, offset_x(place), offset_y(place), offset_z(place), p);
   const Reals r = RS_SQRT(p[0] * p[0] + p[1] * p[1]);
   const PieceDistance away = rs_circle_distance(piece, r, p[2]);
   const Reals distance = away.distance * a.per_voxel_mm - slack;
@@ -116,7 +116,7 @@ inline void find_candidates(const ExactVisit& v, const SubstepWindow& window, co
     const Ints place = first_numbers() + first;
     const rs_u32 near = b.smooth
                             ? voxels_in_reach_of_piece(a, v.outline, b, place, shift)
-                            : rs_lane_bits(rs_distance_beyond_reach(&a, &v.outline, b.list, b.corner, offset_x(place),
+                            : rs_lane_bits(rs_distance_beyond_reach(&a, &v.outline, b.list, &b.middle, offset_x(place),
                                                                     offset_y(place), offset_z(place), shift) <= 0.0F);
     words[first >> 5] |= (bone & near) << (first & 31);
   }

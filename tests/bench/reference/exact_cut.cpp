@@ -22,13 +22,13 @@ void add_lanes(const rs_sum& lanes, rs_i64& total) {
 }
 
 /// Adds the sums of a substep over candidates.
-void add_law(const LaneSums& law, rs_i64* total) {
+void add_law(const LaneSums& law, SubstepSums& total) {
   for (int i = 0; i < 3; ++i) {
-    add_lanes(law.force[i], total[i]);
-    add_lanes(law.torque[i], total[3 + i]);
+    add_lanes(law.force[i], total.force[i]);
+    add_lanes(law.torque[i], total.torque[i]);
   }
-  add_lanes(law.floor_energy, total[6]);
-  add_lanes(law.energy, total[7]);
+  add_lanes(law.floor_energy, total.floor_energy);
+  add_lanes(law.energy, total.energy);
 }
 
 /// Lists the voxels in `lanes` (a bit each) of the candidates from `i` on as removed.
@@ -43,8 +43,8 @@ Clip clip_candidates(const SubstepArgs& a, const OutlineView& outline, const Bri
   const Ints place = ints_of(c.place + i);
   const Reals x = offset_x(place), y = offset_y(place), z = offset_z(place);
   const PieceList near = c.near[i / kLanes];
-  if (!c.smooth[i / kLanes]) return rs_clip(&a, &outline, near, b.corner, x, y, z);
-  return rs_clip_smooth(&a, outline.pieces + outline.numbers[near.first], b.corner, x, y, z);
+  if (!c.smooth[i / kLanes]) return rs_clip(&a, &outline, near, &b.middle, x, y, z);
+  return rs_clip_smooth(&a, outline.pieces + outline.numbers[near.first], &b.middle, x, y, z);
 }
 
 /// Cuts the candidates in one substep. Returns whether any voxel loses fill.
@@ -60,13 +60,13 @@ bool cut_in_substep(const ExactVisit& v, rs_u32 substep, const BrickVisit& b, Ca
     contacts += __builtin_popcount(cut);
     rs_clip_force(&a, &clip, load<Reals>(c.energy + i), lost, &law);
     store(before - lost, c.fill + i);
-    for (int lane = 0; lane < kLanes; ++lane) work.sums.removed[substep] += lost[lane];
+    for (int lane = 0; lane < kLanes; ++lane) work.sums.of[substep].removed += lost[lane];
     list_removed_in(substep, v.bone.lattice_of_slot[b.slot], c, i, rs_lane_bits((lost > 0) & (lost == before)),
                     work.window);
   }
   if (contacts == 0) return false;
-  work.sums.contacts[substep] += contacts;
-  add_law(law, work.sums.law[substep]);
+  work.sums.of[substep].contacts += contacts;
+  add_law(law, work.sums.of[substep]);
   return true;
 }
 
@@ -154,14 +154,15 @@ void add_atomically(rs_i64& total, rs_i64 part) {
 void add_to_visit(ExactVisit& v, const ThreadSums& sums) {
   for (rs_u32 s = 0; s < v.windows[v.window_count - 1].end; ++s) {
     SubstepSums& total = v.sums[s];
+    const SubstepSums& part = sums.of[s];
     for (int i = 0; i < 3; ++i) {
-      add_atomically(total.force[i], sums.law[s][i]);
-      add_atomically(total.torque[i], sums.law[s][3 + i]);
+      add_atomically(total.force[i], part.force[i]);
+      add_atomically(total.torque[i], part.torque[i]);
     }
-    add_atomically(total.floor_energy, sums.law[s][6]);
-    add_atomically(total.energy, sums.law[s][7]);
-    add_atomically(total.removed, sums.removed[s]);
-    add_atomically(total.contacts, sums.contacts[s]);
+    add_atomically(total.floor_energy, part.floor_energy);
+    add_atomically(total.energy, part.energy);
+    add_atomically(total.removed, part.removed);
+    add_atomically(total.contacts, part.contacts);
   }
 }
 

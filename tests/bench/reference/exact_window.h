@@ -15,53 +15,51 @@ constexpr int kFramesAtOnce = kLanes / 2;          ///< sums that the registers 
 
 /// Sums of a thread over the voxels of its bricks, by slot.
 struct ThreadSums {
-  alignas(64) rs_i64 law[RS_VISIT_SUBSTEPS][RS_WINDOW_SUMS];  ///< force, torque, speed-floor energy, energy
-  rs_i64 removed[RS_VISIT_SUBSTEPS];                          ///< fill
-  rs_i64 contacts[RS_VISIT_SUBSTEPS];
+  alignas(64) SubstepSums of[RS_VISIT_SUBSTEPS];
 };
 
 /// A brick in a window.
 struct WindowWork {
-  alignas(64) float lost[RS_VISIT_SUBSTEPS * kLanes];         ///< by the voxels in the lanes, frame by frame
-  alignas(64) float basis[kLanes * kCoefficients];            ///< coefficients, voxel by voxel
-  alignas(64) float sums[RS_VISIT_SUBSTEPS * kCoefficients];  ///< losses times coefficients, frame by frame
-  alignas(64) rs_i32 removed[RS_VISIT_SUBSTEPS * kLanes];     ///< lost fill, lane by lane
-  rs_i32 contacts[RS_VISIT_SUBSTEPS];
+  alignas(64) float lost[RS_WINDOW_SUBSTEPS * kLanes];         ///< by the voxels in the lanes, frame by frame
+  alignas(64) float basis[kLanes * kCoefficients];             ///< coefficients, voxel by voxel
+  alignas(64) float sums[RS_WINDOW_SUBSTEPS * kCoefficients];  ///< losses times coefficients, frame by frame
+  alignas(64) rs_i32 removed[RS_WINDOW_SUBSTEPS * kLanes];     ///< lost fill, lane by lane
+  rs_i32 contacts[RS_WINDOW_SUBSTEPS];
   int removed_count;
   RemovedVoxel removed_voxels[RS_BRICK_VOXELS];
 };
 
-/// Centres of a brick's lowest voxel at the nodes of a window, T, mm.
-struct NodeCorners {
-  float first[3], middle[3], last[3];
+/// The middle of a brick at the nodes of a window.
+struct NodeMiddles {
+  BrickMiddle first, middle, last;
 };
 
-inline NodeCorners node_corners(const MotionWindow& w, const BrickPosition& at) {
+inline NodeMiddles node_middles(const MotionWindow& w, const BrickPosition& at) {
   const rs_i32 x = RS_BRICK_SIDE * at.x, y = RS_BRICK_SIDE * at.y, z = RS_BRICK_SIDE * at.z;
-  NodeCorners out;
-  rs_brick_in_tool(&w.first, x, y, z, out.first);
-  rs_brick_in_tool(&w.middle, x, y, z, out.middle);
-  rs_brick_in_tool(&w.last, x, y, z, out.last);
+  NodeMiddles out;
+  rs_brick_in_tool(&w.first, x, y, z, &out.first);
+  rs_brick_in_tool(&w.middle, x, y, z, &out.middle);
+  rs_brick_in_tool(&w.last, x, y, z, &out.last);
   return out;
 }
 
 /// Fits the candidates from `i` on.
-inline void fit_candidates(const MotionWindow& w, const OutlineView& outline, const NodeCorners& corners,
+inline void fit_candidates(const MotionWindow& w, const OutlineView& outline, const NodeMiddles& middles,
                            const Candidates& c, int i, WindowVoxel& out) {
   const Ints place = ints_of(c.place + i);
   const Reals x = offset_x(place), y = offset_y(place), z = offset_z(place), whole = load<Reals>(c.energy + i);
   const PieceList near = c.near[i / kLanes];
   if (c.smooth[i / kLanes]) {
     const OutlinePiece* piece = outline.pieces + outline.numbers[near.first];
-    const Clip first = rs_clip_smooth(&w.first, piece, corners.first, x, y, z);
-    const Clip middle = rs_clip_smooth(&w.middle, piece, corners.middle, x, y, z);
-    const Clip last = rs_clip_smooth(&w.last, piece, corners.last, x, y, z);
+    const Clip first = rs_clip_smooth(&w.first, piece, &middles.first, x, y, z);
+    const Clip middle = rs_clip_smooth(&w.middle, piece, &middles.middle, x, y, z);
+    const Clip last = rs_clip_smooth(&w.last, piece, &middles.last, x, y, z);
     rs_fit_voxel(&w, &first, &middle, &last, whole, &out);
     return;
   }
-  const Clip first = rs_clip(&w.first, &outline, near, corners.first, x, y, z);
-  const Clip middle = rs_clip(&w.middle, &outline, near, corners.middle, x, y, z);
-  const Clip last = rs_clip(&w.last, &outline, near, corners.last, x, y, z);
+  const Clip first = rs_clip(&w.first, &outline, near, &middles.first, x, y, z);
+  const Clip middle = rs_clip(&w.middle, &outline, near, &middles.middle, x, y, z);
+  const Clip last = rs_clip(&w.last, &outline, near, &middles.last, x, y, z);
   rs_fit_voxel(&w, &first, &middle, &last, whole, &out);
 }
 
@@ -163,11 +161,10 @@ inline void append_candidates(const Candidates& from, int i, rs_u32 lanes, Candi
 /// Adds the sums of a brick in a window, rounded to integers, to those of its substeps. `first`: slot of the first.
 inline void add_window_sums(const float* times, int count, rs_u32 first, WindowWork& work, ThreadSums& sums) {
   for (int f = 0; f < count; ++f) {
-    rs_finish_window_sums(work.sums + kCoefficients * f, times[f], sums.law[first + static_cast<rs_u32>(f)]);
-    sums.contacts[first + static_cast<rs_u32>(f)] += work.contacts[f];
-    rs_i64 removed = 0;
-    for (int lane = 0; lane < kLanes; ++lane) removed += work.removed[kLanes * f + lane];
-    sums.removed[first + static_cast<rs_u32>(f)] += removed;
+    SubstepSums& total = sums.of[first + static_cast<rs_u32>(f)];
+    rs_finish_window_sums(work.sums + kCoefficients * f, times[f], &total);
+    total.contacts += work.contacts[f];
+    for (int lane = 0; lane < kLanes; ++lane) total.removed += work.removed[kLanes * f + lane];
   }
 }
 
@@ -180,7 +177,7 @@ inline bool cut_smooth(const ExactVisit& v, const SubstepWindow& window, const B
   const float* times = v.times + window.first;
   const int count = static_cast<int>(window.end - window.first);
   const int padded = (count + kFramesAtOnce - 1) / kFramesAtOnce * kFramesAtOnce;
-  const NodeCorners corners = node_corners(w, b.at);
+  const NodeMiddles middles = node_middles(w, b.at);
   const rs_u32 brick = v.bone.lattice_of_slot[b.slot];
   __builtin_memset(work.sums, 0, sizeof(float) * kCoefficients * static_cast<unsigned>(padded));
   __builtin_memset(work.removed, 0, sizeof(rs_i32) * kLanes * static_cast<unsigned>(count));
@@ -189,7 +186,7 @@ inline bool cut_smooth(const ExactVisit& v, const SubstepWindow& window, const B
   bool any_cut = false;
   for (int i = 0; i < c.count; i += kLanes) {
     WindowVoxel fit;
-    fit_candidates(w, v.outline, corners, c, i, fit);
+    fit_candidates(w, v.outline, middles, c, i, fit);
     const Ints before = load<Ints>(c.fill + i), without = fit.pieces == 0.0F;
     append_candidates(c, i, rs_lane_bits(without & (before > 0)), framed);
     const Ints start = without ? Ints{} : before;
