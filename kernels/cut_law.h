@@ -53,7 +53,8 @@ typedef struct {
   float p[3], rest[3];
 } BrickMiddle;
 
-/* The middle of the brick with voxel (x, y, z). */
+/* The middle of the brick with voxel (x, y, z). Rounded to the 24 bits of single precision by arithmetic (Dekker 1971,
+ * eq. 5.7: the factor is 2^29 + 1), because GCC 12 takes x for (double)(float)x where it vectorises. */
 RS_INLINE void rs_brick_in_tool(RS_GLOBAL const SubstepArgs* a, rs_i32 x, rs_i32 y, rs_i32 z, BrickMiddle* brick) {
   const rs_i32 in_brick = RS_BRICK_SIDE - 1;
   const double middle = (double)RS_BRICK_MIDDLE;
@@ -61,8 +62,9 @@ RS_INLINE void rs_brick_in_tool(RS_GLOBAL const SubstepArgs* a, rs_i32 x, rs_i32
   for (int i = 0; i < 3; ++i) {
     RS_GLOBAL const double* row = a->tool_from_voxel + 3 * i;
     const double at = a->tool_origin[i] + row[0] * bx + row[1] * by + row[2] * bz;
-    brick->p[i] = (float)at;
-    brick->rest[i] = (float)(at - (double)brick->p[i]);
+    const double scaled = 536870913.0 * at, high = scaled - (scaled - at);
+    brick->p[i] = (float)high;
+    brick->rest[i] = (float)(at - high);
   }
 }
 
