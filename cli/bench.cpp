@@ -4,6 +4,7 @@
 #include <fstream>
 #include <memory>
 
+#include "cli/bench_latency.h"
 #include "cli/commands.h"
 #include "cli/environment.h"
 #include "render/plots/bench_plot.h"
@@ -26,6 +27,7 @@ struct BenchOptions {
   std::string device = "auto";
   bool overwrite = false;
   std::vector<std::string> engines;
+  std::vector<std::string> latency;  ///< scenarios
 };
 
 bench::Plan plan_of(const BenchOptions& options) {
@@ -104,6 +106,7 @@ void measure_with_figure(const bench::Plan& plan, const BenchOptions& options, c
 }
 
 void bench_command(const BenchOptions& options, const Console& console) {
+  if (!options.latency.empty()) return bench_latency(options.latency, options.device, console);
   const auto kernels = prepare_opencl(options.device, console);
   const bench::Plan plan = plan_of(options);
   bench::check_plan(plan);
@@ -131,6 +134,13 @@ void add_bench_command(CLI::App& app, Console& console) {
       command
           ->add_flag("--exact", options->exact, "Only the plunged sphere with exact erosion, half a minute, no figure")
           ->excludes(quick);
+  command
+      ->add_option(
+          "--latency", options->latency,
+          "Only the wall time of single frames of these scenarios, pose in and force out: median, 99 and 99.9 %")
+      ->type_name("SCENARIO...")
+      ->excludes(quick)
+      ->excludes(exact);
   command->add_option("--json", options->json, "Write the measurements as JSON")
       ->check(refuse_empty)
       ->type_name("FILE");

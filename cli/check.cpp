@@ -36,6 +36,12 @@ constexpr double kPicture_s = 0.4;
 
 void note_cost(const ReamingScene& scene, Report& report) {
   const RunCost cost = estimate_cost(scene);
+  if (const auto& push = scene.motion.push) {
+    report.note(fmt::format(
+        "motion: a push of at most {} frames ({:g} s at {:g} Hz); its feed is known only when it is run, and contact, "
+        "memory and time are estimated for the way of a push without resistance",
+        push->last_frame(), push->settings().time_s, scene.motion.frame_rate_hz));
+  }
   const VoxelGrid& grid = scene.bone.voxmap->grid;
   report.note(fmt::format("motion: {} frames ({:.3f} s at {:g} Hz), {} substeps", cost.frames,
                           static_cast<double>(cost.frames) * scene.motion.frame_s(), scene.motion.frame_rate_hz,
@@ -102,6 +108,10 @@ void note_plans(ReamingScene& scene, double load_s, MistakeList& mistakes, Repor
               megabytes(plans.memory.process_bytes) + " in total, plus rendering");
   if (no_time == "-") return;
   if (!no_time.empty()) return report.warn("no time estimate: the engine cannot start: " + no_time);
+  if (scene.motion.push) {
+    report.note("time: not estimated: a push is as long as the bone makes it");
+    return;
+  }
   report.note(fmt::format("time: about {:.2g} s for the simulation ({} frames in {} windows timed on {})",
                           plans.time.simulate_s, plans.time.timed_frames, plans.time.windows, plans.device));
   report.note(picture_time(scene, load_s + plans.load_s));

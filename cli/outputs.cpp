@@ -80,6 +80,10 @@ RunData open_run(const std::string& dir) {
   if (!checkpoint) return {dir};
   Report report;
   ReamingScene scene = load_scene(parse_scenario(dir + "/scenario.yaml", {}), report);
+  if (scene.motion.push) {
+    throw InputError({dir, 0, 0}, "", "holds an unfinished run of motion.push, whose path is not known yet",
+                     "finish it with `reamsim run --resume` first");
+  }
   scene.contact = contact_frames(forecast_passes(scene));
   RunInputs inputs = inputs_of(scene, dir);  // with the poses to come, so that views and legend are those of the run
   std::erase_if(inputs.frames, [&](std::int64_t frame) { return frame > checkpoint->simulation.frame; });
@@ -110,6 +114,10 @@ Outputs::Outputs(const ReamingScene& scene, const std::string& dir)
   if (options_.render) render_thread_ = std::make_unique<RenderThread>(run_, options_.pictures);
 }
 
+Outputs Outputs::of_finished(const ReamingScene& scene, const std::string& dir) {
+  return {RunData(dir), options_of(scene)};
+}
+
 void Outputs::snapshots_written(std::int64_t frame) {
   if (render_thread_) render_thread_->snapshots_written(frame);
 }
@@ -129,6 +137,7 @@ void Outputs::make_figures(Report& report) const {
   if (options_.meshes && options_.finished) write_meshes(run_, options_.pictures.settings.depth_max_mm, report);
   if (!options_.all_plots) return;
   write_depth_and_energy_plots(dir, log_with_means());
+  if (std::filesystem::exists(dir + "/events.csv")) write_push_plot(dir);  // only a push has events
   write_removed_density(dir, run_.voxmap(), run_.inputs().fill, run_.last_fill());
   if (options_.torque_spectrum && !write_torque_spectrum(dir)) report.warn(kNoSpectrum);
 }

@@ -39,6 +39,9 @@ class Outputs {
   /// Of a run that is about to begin. DIR/snapshots/tool.stl must exist.
   Outputs(const ReamingScene& scene, const std::string& dir);
 
+  /// Of a run that has just ended in DIR, with all outputs that its scenario asks for.
+  static Outputs of_finished(const ReamingScene& scene, const std::string& dir);
+
   /// All snapshots up to and including this frame's are on disk.
   void snapshots_written(std::int64_t frame);
   /// Fill of the bone before the run.

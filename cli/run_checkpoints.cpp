@@ -35,10 +35,11 @@ void RunCheckpoints::restore(FillBricks& fill) {
   last_->fill.clear();
 }
 
-Recorder RunCheckpoints::open_logs(double voxel_mm, bool force_basis, Report& report) {
-  if (!last_) return {dir_, voxel_mm, force_basis};
+Recorder RunCheckpoints::open_logs(double voxel_mm, const Scenario& scenario, Report& report) {
+  const bool pushed = scenario.motion.push.has_value();
+  if (!last_) return {dir_, voxel_mm, scenario.output.force_basis, pushed};
   for (const std::string& warning : last_->warnings) report.warn(warning);
-  return {dir_, voxel_mm, last_->simulation.frame, last_->logs, std::move(last_->removed)};
+  return {dir_, voxel_mm, last_->simulation.frame, last_->logs, std::move(last_->removed), pushed};
 }
 
 std::optional<SimulationState> RunCheckpoints::state() const {

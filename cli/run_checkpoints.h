@@ -21,9 +21,8 @@ class RunCheckpoints {
   void use_device(const std::string& device, Report& report);
   /// Sets the fill of the bone, before the engine is made. Keeps a copy of the fill before the run.
   void restore(FillBricks& fill);
-  /// The logs of the run, with its force basis where `force_basis`: new, or those of the checkpoint. `report` gets its
-  /// warnings.
-  Recorder open_logs(double voxel_mm, bool force_basis, Report& report);
+  /// The logs of the run, new or those of the checkpoint, with what its scenario asks for. `report` gets its warnings.
+  Recorder open_logs(double voxel_mm, const Scenario& scenario, Report& report);
   /// The state to go on from; nullopt at the start.
   [[nodiscard]] std::optional<SimulationState> state() const;
 

@@ -64,8 +64,7 @@ class ScenarioRun {
 
   void run() {
     load();
-    Recorder recorder =
-        checkpoints_.open_logs(scene_.bone.voxmap->grid.voxel_mm, scenario_.output.force_basis, report_);
+    Recorder recorder = checkpoints_.open_logs(scene_.bone.voxmap->grid.voxel_mm, scenario_, report_);
     simulate_frames(recorder);
     write(recorder);
     if (outputs_) {
@@ -95,6 +94,8 @@ class ScenarioRun {
     facts_.bone_before_mm3 = scene_.bone.view().bone_mm3();
     if (keep_.pictures) {
       write_tools(dir_, scene_);
+    }
+    if (keep_.pictures && !scene_.motion.push) {
       outputs_.emplace(scene_, dir_);
     } else {
       fill_before_ = scene_.bone.fill;
@@ -112,7 +113,7 @@ class ScenarioRun {
   /// A run that continues begins with the pass of its checkpoint.
   void skip_finished_passes() {
     const auto state = checkpoints_.state();
-    while (state && state->frame >= scene_.motion.last_frame() && begin_next_pass(scene_)) {
+    while (state && !scene_.motion.push && state->frame >= scene_.motion.last_frame() && begin_next_pass(scene_)) {
     }
   }
 
@@ -182,6 +183,8 @@ class ScenarioRun {
     return_free_memory();
     facts_.write_s = watch.seconds();
     if (outputs_) outputs_->finish_run(scene_.bone.fill);
+    // The path of a push, and so its pictures, are known only now.
+    if (keep_.pictures && scene_.motion.push) outputs_.emplace(Outputs::of_finished(scene_, dir_));
   }
 
   /// Makes pictures, plots and meshes, and writes summary.json, also where those fail.

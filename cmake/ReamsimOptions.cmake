@@ -8,7 +8,7 @@ target_compile_options(reamsim_options INTERFACE
   -ffp-contract=off
   # Some libraries ask for it; precompiled headers want it everywhere or nowhere.
   -pthread)
-target_include_directories(reamsim_options INTERFACE ${PROJECT_SOURCE_DIR})
+target_include_directories(reamsim_options INTERFACE $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>)
 target_compile_definitions(reamsim_options INTERFACE REAMSIM_VERSION="${PROJECT_VERSION}")
 
 if(REAMSIM_SANITIZE)
@@ -40,7 +40,7 @@ function(reamsim_library name)
   add_library(${name} STATIC ${ARG_SOURCES})
   set_property(GLOBAL APPEND PROPERTY REAMSIM_LIBRARIES ${name})
   target_link_libraries(${name} PUBLIC ${ARG_LINK} PRIVATE reamsim_options ${ARG_PRIVATE})
-  target_include_directories(${name} PUBLIC ${PROJECT_SOURCE_DIR})
+  target_include_directories(${name} PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>)
   reamsim_precompile(${name} common_headers)
 endfunction()
 

@@ -186,6 +186,11 @@ RS_INLINE rs_int rs_clip_loss(RS_GLOBAL const SubstepArgs* a, rs_int fill, rs_in
   return lost >= enough ? lost : RS_INT(0);
 }
 
+/* Whether voxels keep what they lose, because the motion is only tried. */
+RS_INLINE int rs_is_trial(RS_GLOBAL const SubstepArgs* a) {
+  return a->erosion == RS_EROSION_TRIAL;
+}
+
 /* Adds energy and force of a voxel that loses `lost` of its fill. `whole`: energy of a whole voxel, mJ. */
 RS_INLINE void rs_clip_force(RS_GLOBAL const SubstepArgs* a, const Clip* clip, rs_real whole, rs_int lost,
                              LaneSums* sums) {

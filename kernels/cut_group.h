@@ -21,9 +21,10 @@ void cut_voxels(__global const SubstepArgs* a, const OutlineView* outline, const
     if (lost == 0) continue;
     set_force_normal(outline, v->list, &clip);
     rs_clip_force(a, &clip, energy_of_grade[v->brick->grade[place]], lost, &law);
-    page[place] = (ushort)(before - lost);
     removed += lost;
     contacts += 1;
+    if (rs_is_trial(a)) continue;
+    page[place] = (ushort)(before - lost);
     if (lost == before) atomic_or(&removed_words[place >> 5], 1u << (place & 31u));
   }
   if (contacts != 0 || rs_has_edge(a)) add_brick_sums(total, &law, 0, removed, contacts);

@@ -48,6 +48,7 @@ bool cut_candidates(__global const SubstepArgs* a, const OutlineView* outline, c
     rs_clip_force(a, &clip, vload16(0, c->energy + i), lost, &law);
     lost_sum += lost;
     contacts -= lost > 0;
+    if (rs_is_trial(a)) continue;
     vstore16(before - lost, 0, c->fill + i);
     const int16 removed = lost > 0 && before == lost;
     any_removed |= removed;
@@ -62,7 +63,7 @@ bool cut_candidates(__global const SubstepArgs* a, const OutlineView* outline, c
     for (int block = 0; block < RS_BRICK_WORDS / 2; ++block)
       remove_voxels(v->brick, substep, block, removed_words[2 * block], removed_words[2 * block + 1], report);
   }
-  return contact_count != 0;
+  return contact_count != 0 && !rs_is_trial(a);
 }
 
 /* Adds the sums of a brick in a window to those of its substeps. */

@@ -47,6 +47,7 @@ typedef uint8_t rs_u8;
 #define RS_EROSION_REMOVE 0
 #define RS_EROSION_WEAR 1
 #define RS_EROSION_EXACT 2
+#define RS_EROSION_TRIAL 3 /* as exact, but nothing is removed: the sums of a motion that is only tried */
 
 /* The arguments of one substep, written to the device in one piece before detect (paper §3.5). Lengths in mm;
  * velocities and levers in the tool frame T without spin, so that the law needs one rotation. */

@@ -12,6 +12,7 @@ extern const char* const plot_style;
 extern const char* const plot_script;
 extern const char* const depth_plot_script;
 extern const char* const energy_plot_script;
+extern const char* const push_plot_script;
 }  // namespace embedded
 namespace {
 
@@ -162,6 +163,10 @@ void write_depth_and_energy_plots(const std::string& dir, const ForceLog& log) {
   const std::string data = data_of(dir, log);
   draw_plot(dir, "plots/forces_depth", data, embedded::depth_plot_script);
   draw_plot(dir, "plots/energy", data, embedded::energy_plot_script);
+}
+
+void write_push_plot(const std::string& dir) {
+  draw_plot(dir, "plots/push", "csv = \"forces.csv\"\n\n", embedded::push_plot_script);
 }
 
 }  // namespace reamsim

@@ -24,6 +24,10 @@ void write_force_plots(const std::string& dir, const ForceLog& log);
 /// Draws DIR/plots/forces_depth and DIR/plots/energy. Arguments and exceptions as for write_force_plots().
 void write_depth_and_energy_plots(const std::string& dir, const ForceLog& log);
 
+/// Draws DIR/plots/push: feed over depth; depth, forces of the hand and power over time. DIR/forces.csv must have the
+/// columns of a push. Throws RunError when gnuplot fails.
+void write_push_plot(const std::string& dir);
+
 /// Writes the removed volume per density class as DIR/plots/removed_density.csv and draws it. `before`, `after`: the
 /// fill. Throws RunError when gnuplot fails.
 void write_removed_density(const std::string& dir, const Voxmap& voxmap, const FillBricks& before,

@@ -131,6 +131,10 @@ Json motion_json(const MotionSettings& settings, std::vector<Mistake>& mistakes,
   if (plunge && plunge->from == PlungeStart::contact) {
     json["contact"] = {{"along", point_json(plunge->axis.normalized())}, {"approach_mm", plunge->approach_mm}};
   }
+  const auto& push = settings.push;
+  if (push && push->from == PlungeStart::contact) {
+    json["contact"] = {{"along", point_json(push->axis.normalized())}, {"approach_mm", push->approach_mm}};
+  }
   attempt(mistakes, [&] {
     const Motion motion = build_motion(settings, GlenoidFrame{}, report);
     for (const std::size_t k : evenly_spaced(motion.poses.size(), kMaxPoses)) {

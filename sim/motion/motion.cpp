@@ -69,7 +69,8 @@ std::vector<KeyPose> read_key_poses(const MotionSettings& settings, Report& repo
   if (settings.plunge) return plunge_poses(*settings.plunge);
   if (settings.csv) return {};
   if (!settings.keyframes.empty()) return keyframe_poses(settings.keyframes, report);
-  throw InputError(SourceLocation{}, "motion", "the motion is missing", "give plunge, keyframes or csv");
+  throw InputError(SourceLocation{}, "motion", "the motion is missing",
+                   "give plunge, push, keyframes or csv");
 }
 
 std::vector<KeyPose> integrated(std::vector<KeyPose> keys, const std::optional<Rigid>& to_bone, Report& report) {
@@ -96,6 +97,14 @@ void warn_of_missed_keys(const std::vector<KeyPose>& keys, const Motion& motion,
   }
 }
 
+Motion pushed_motion(const MotionSettings& settings, const std::optional<Rigid>& to_bone) {
+  count_frames(settings.push->time_s, settings.frame_rate_hz);  // refuses too many
+  auto plan = std::make_shared<const PushPlan>(*settings.push, settings.frame_rate_hz, to_bone);
+  Motion motion{settings.frame_rate_hz, unresisted_poses(plan, settings.frame_rate_hz)};
+  motion.push = std::move(plan);
+  return motion;
+}
+
 }  // namespace
 
 std::optional<Rigid> bone_from_frame(PoseFrame frame, const std::optional<GlenoidFrame>& glenoid) {
@@ -108,8 +117,9 @@ std::optional<Rigid> bone_from_frame(PoseFrame frame, const std::optional<Glenoi
 }
 
 Motion build_motion(const MotionSettings& settings, const std::optional<GlenoidFrame>& glenoid, Report& report) {
-  std::vector<KeyPose> keys = read_key_poses(settings, report);
   const std::optional<Rigid> to_bone = bone_from_frame(settings.frame, glenoid);
+  if (settings.push) return pushed_motion(settings, to_bone);
+  std::vector<KeyPose> keys = read_key_poses(settings, report);
   if (!settings.csv) keys = integrated(std::move(keys), to_bone, report);
   std::unique_ptr<const KeyTrack> track =
       settings.csv ? open_csv_track(*settings.csv, to_bone, report) : store_track(keys);

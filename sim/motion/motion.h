@@ -6,6 +6,7 @@
 
 #include "sim/base/report.h"
 #include "sim/motion/pose_sequence.h"
+#include "sim/motion/push_plan.h"
 #include "sim/scenario/scenario.h"
 
 namespace reamsim {
@@ -16,6 +17,9 @@ struct Motion {
   PoseSequence poses;
   std::int64_t first_frame = 0;  ///< not 0 in later passes of a run
   int pass = 1;                  ///< number of the pass
+  /// Of a tool that a hand pushes: `poses` are then those of a push without resistance (unresisted_poses()), and the run
+  /// has others.
+  std::shared_ptr<const PushPlan> push = {};
 
   [[nodiscard]] double frame_s() const { return 1.0 / frame_rate_hz; }
   [[nodiscard]] std::int64_t last_frame() const { return first_frame + std::ssize(poses) - 1; }

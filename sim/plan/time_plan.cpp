@@ -97,6 +97,7 @@ TimePlan plan_time(ReamingScene& scene, Engine& engine, double budget_s) {
   const PoseSequence& poses = motion.poses;
   std::vector<Pass> later_passes = std::exchange(scene.later_passes, {});
   scene.motion.first_frame = 0;
+  scene.motion.push.reset();  // its way without resistance is timed
   const Scenario original = scene.scenario;
   scene.scenario.render.every_frames = std::numeric_limits<int>::max();  // no snapshots in between
   if (original.engine.device == "serial") scene.scenario.engine.batch_frames = kSerialBatch;

@@ -2,35 +2,44 @@
 
 namespace reamsim {
 
-std::array<double, 26> force_row(const FrameResult& r) {
+std::string force_columns(bool pushed) {
+  return std::string(kForceColumns) + (pushed ? kPushColumns : "");
+}
+
+std::vector<double> force_row(const FrameResult& r) {
   const Vec3 &p = r.pose.position_mm, &f = r.force_n, &t = r.torque_nmm;
   const Quat& q = r.pose.orientation;
-  return {static_cast<double>(r.frame),
-          r.time_s,
-          p.x(),
-          p.y(),
-          p.z(),
-          q.w(),
-          q.x(),
-          q.y(),
-          q.z(),
-          r.pose.spin_rpm,
-          r.pose.spin_angle_rad,
-          r.depth_mm,
-          f.x(),
-          f.y(),
-          f.z(),
-          t.x(),
-          t.y(),
-          t.z(),
-          r.axial_force_n,
-          r.spin_torque_nmm,
-          static_cast<double>(r.contacts),
-          r.removed_mm3,
-          r.energy_mj,
-          r.floor_energy_mj,
-          r.balance,
-          static_cast<double>(r.pass)};
+  std::vector<double> out{static_cast<double>(r.frame),
+                          r.time_s,
+                          p.x(),
+                          p.y(),
+                          p.z(),
+                          q.w(),
+                          q.x(),
+                          q.y(),
+                          q.z(),
+                          r.pose.spin_rpm,
+                          r.pose.spin_angle_rad,
+                          r.depth_mm,
+                          f.x(),
+                          f.y(),
+                          f.z(),
+                          t.x(),
+                          t.y(),
+                          t.z(),
+                          r.axial_force_n,
+                          r.spin_torque_nmm,
+                          static_cast<double>(r.contacts),
+                          r.removed_mm3,
+                          r.energy_mj,
+                          r.floor_energy_mj,
+                          r.balance,
+                          static_cast<double>(r.pass)};
+  if (const auto& push = r.push) {
+    out.insert(out.end(), {push->feed_mm_s, push->velocity_mm_s, push->thrust_n, push->hand_force_n, push->hand_power_w,
+                           push->drill_power_w});
+  }
+  return out;
 }
 
 FrameResult result_of(std::span<const double> v) {
@@ -52,6 +61,7 @@ FrameResult result_of(std::span<const double> v) {
   out.floor_energy_mj = v[23];
   out.balance = v[24];
   out.pass = static_cast<int>(v[25]);
+  if (v.size() > 26) out.push = PushResult{v[26], v[27], v[28], v[29], v[30], v[31]};
   return out;
 }
 

@@ -1,7 +1,8 @@
 #pragma once
 
-#include <array>
 #include <span>
+#include <string>
+#include <vector>
 
 #include "sim/record/results.h"
 
@@ -13,10 +14,16 @@ inline constexpr const char* kForceColumns =
     "force_x_n,force_y_n,force_z_n,torque_x_nmm,torque_y_nmm,torque_z_nmm,axial_force_n,spin_torque_nmm,contacts,"
     "removed_mm3,energy_mj,floor_energy_mj,balance,pass";
 
-/// The values of a row of forces.csv, in the order of its columns.
-std::array<double, 26> force_row(const FrameResult& result);
+/// The columns that follow in a run whose tool a hand pushes.
+inline constexpr const char* kPushColumns = ",feed_mm_s,velocity_mm_s,thrust_n,hand_force_n,hand_power_w,drill_power_w";
 
-/// The result in such a row.
+/// The header of the forces.csv of a run.
+std::string force_columns(bool pushed);
+
+/// The values of a row of forces.csv, in the order of its columns.
+std::vector<double> force_row(const FrameResult& result);
+
+/// The result in such a row; without those columns it is that of a run with a prescribed motion.
 FrameResult result_of(std::span<const double> row);
 
 }  // namespace reamsim

@@ -14,18 +14,20 @@ constexpr const char* kTimingColumns = "frame,broad_phase_ms,detect_ms,cut_ms";
 
 }  // namespace
 
-Recorder::Recorder(const std::string& dir, double voxel_mm, bool force_basis)
+Recorder::Recorder(const std::string& dir, double voxel_mm, bool force_basis, bool pushed)
     : dir_(dir),
-      forces_(dir + "/forces.csv", kForceColumns),
+      columns_(force_columns(pushed)),
+      forces_(dir + "/forces.csv", columns_),
       timings_(dir + "/timings.csv", kTimingColumns),
       totals_(voxel_mm) {
   if (force_basis) basis_.emplace(dir + "/" + kForceBasisName);
 }
 
 Recorder::Recorder(const std::string& dir, double voxel_mm, std::int64_t frame, const LogLengths& logs,
-                   RemovedFrames removed)
+                   RemovedFrames removed, bool pushed)
     : dir_(dir),
-      forces_(dir + "/forces.csv", kForceColumns, logs.forces_bytes),
+      columns_(force_columns(pushed)),
+      forces_(dir + "/forces.csv", columns_, logs.forces_bytes),
       timings_(dir + "/timings.csv", kTimingColumns, logs.timings_bytes),
       totals_(voxel_mm),
       removed_(std::move(removed)) {
@@ -35,7 +37,7 @@ Recorder::Recorder(const std::string& dir, double voxel_mm, std::int64_t frame, 
 }
 
 void Recorder::add_rows_again() {
-  const std::vector<std::string_view> forces = csv_cells(kForceColumns), timings = csv_cells(kTimingColumns);
+  const std::vector<std::string_view> forces = csv_cells(columns_), timings = csv_cells(kTimingColumns);
   std::vector<double> row;
   for (CsvReader log(dir_ + "/forces.csv", forces, "the log of a run"); log.next(row);) totals_.add(result_of(row));
   for (CsvReader log(dir_ + "/timings.csv", timings, "the log of a run"); log.next(row);) {

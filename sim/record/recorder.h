@@ -25,10 +25,12 @@ struct LogLengths {
 class Recorder final : public FrameSink {
  public:
   /// Opens the files in `dir`. `voxel_mm`: of the bone. Throws RunError when they cannot be written.
-  Recorder(const std::string& dir, double voxel_mm, bool force_basis = false);
+  /// `pushed`: rows have the columns of a push.
+  Recorder(const std::string& dir, double voxel_mm, bool force_basis = false, bool pushed = false);
   /// Continues the files after `frame`: removes what was written later, and adds up the rows again. Throws InputError
   /// where they are damaged, RunError where they cannot be written.
-  Recorder(const std::string& dir, double voxel_mm, std::int64_t frame, const LogLengths& logs, RemovedFrames removed);
+  Recorder(const std::string& dir, double voxel_mm, std::int64_t frame, const LogLengths& logs, RemovedFrames removed,
+           bool pushed = false);
 
   void frame(const FrameResult& result, const FrameTimes& times) override;
   void basis(const std::vector<BasisRow>& rows) override;
@@ -47,6 +49,7 @@ class Recorder final : public FrameSink {
   void add_rows_again();
 
   std::string dir_;
+  std::string columns_;  ///< of forces.csv
   CsvWriter forces_;
   CsvWriter timings_;
   std::optional<ForceBasisWriter> basis_;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "sim/bone/vdb/bone_vdb.h"
@@ -8,6 +9,16 @@
 #include "sim/motion/motion.h"
 
 namespace reamsim {
+
+/// The hand in a frame of a push.
+struct PushResult {
+  double feed_mm_s = 0;      ///< mean over the frame
+  double velocity_mm_s = 0;  ///< at its end
+  double thrust_n = 0;       ///< that the hand aims at
+  double hand_force_n = 0;   ///< that it exerts: less where the feed is limited or the tool stands
+  double hand_power_w = 0;
+  double drill_power_w = 0;  ///< against the spin torque
+};
 
 /// The results of frame k, over the time (k−1, k]. Forces are those of the bone on the tool, in B.
 struct FrameResult {
@@ -25,6 +36,7 @@ struct FrameResult {
   double energy_mj = 0;
   double floor_energy_mj = 0;
   double balance = 0;  ///< (work done − energy cut)/energy cut, cumulative; 0 before contact
+  std::optional<PushResult> push = {};  ///< of a tool that a hand pushes
 };
 
 /// What the voxels of one grade exert on the tool in a frame, per specific energy of 1 N/mm²; a row of force_basis.npy

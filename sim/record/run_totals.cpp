@@ -36,6 +36,10 @@ void RunTotals::add(const FrameResult& row) {
   const auto layer = layer_.add(row.pose.position_mm, row.axial_force_n, row.spin_torque_nmm);
   peak_layer_axial_force_n = std::max(peak_layer_axial_force_n, layer.axial_force_n);
   peak_layer_spin_torque_nmm = std::max(peak_layer_spin_torque_nmm, layer.spin_torque_nmm);
+  if (row.push) {
+    if (!push) push.emplace();
+    push->add(row);
+  }
   if (row.contacts == 0) return;
   ++contact_frames;
   if (first_contact_frame < 0) first_contact_frame = row.frame;

@@ -5,6 +5,7 @@
 
 #include "sim/record/headline.h"
 #include "sim/record/layer_mean.h"
+#include "sim/record/push_totals.h"
 #include "sim/record/results.h"
 
 namespace reamsim {
@@ -47,6 +48,7 @@ class RunTotals {
   double peak_axial_force_n = 0;
   double peak_torque_nmm = 0;
   double peak_spin_torque_nmm = 0;
+  std::optional<PushTotals> push;  ///< of a tool that a hand pushes
   double broad_phase_s = 0;
   double detect_s = 0;
   double cut_s = 0;

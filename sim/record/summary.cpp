@@ -210,6 +210,7 @@ void write_results(const std::string& dir, const ReamingScene& scene, const Reco
   write_bone_vdb(dir + "/reamed.vdb", scene.bone, recorder.removed_frames(), provenance(scene, facts));
   if (scene.scenario.output.vti) write_vti(dir + "/reamed.vti", scene.bone);
   write_depth_map(dir + "/depth_map.csv", facts.depth_map);
+  if (recorder.totals().push) write_push_events(dir, *recorder.totals().push);
 }
 
 namespace {
@@ -240,6 +241,23 @@ nlohmann::ordered_json passes_json(const ReamingScene& scene, const RunTotals& t
   return json;
 }
 
+nlohmann::ordered_json push_json(const PushTotals& push) {
+  nlohmann::ordered_json events = nlohmann::ordered_json::array();
+  for (const PushEvent& e : push.events()) {
+    events.push_back(
+        {{"frame", e.frame}, {"time_s", e.time_s}, {"depth_mm", e.depth_mm}, {"event", e.event}, {"value", e.value}});
+  }
+  nlohmann::ordered_json json{{"mean_feed_mm_s", push.mean_feed_mm_s()},
+                              {"peak_feed_mm_s", push.peak_feed_mm_s},
+                              {"hand_work_mj", push.hand_mj},
+                              {"drill_work_mj", push.drill_mj},
+                              {"peak_hand_power_w", push.peak_hand_power_w},
+                              {"peak_drill_power_w", push.peak_drill_power_w}};
+  if (const auto overshoot = push.overshoot_mm()) json["overshoot_mm"] = *overshoot;
+  json["events"] = std::move(events);
+  return json;
+}
+
 /// What is known after every frame.
 nlohmann::ordered_json totals_json(const ReamingScene& scene, const RunTotals& totals, const RunFacts& facts) {
   nlohmann::ordered_json json;
@@ -267,6 +285,7 @@ nlohmann::ordered_json totals_json(const ReamingScene& scene, const RunTotals& t
   }
   json["balance"] = totals.balance;
   json["forces"] = forces_json(totals);
+  if (totals.push) json["push"] = push_json(*totals.push);
   if (!scene.scenario.motion.passes.empty()) {
     json["passes"] = passes_json(scene, totals);
   } else if (const auto contact = scene.first_contact()) {

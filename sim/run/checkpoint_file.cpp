@@ -14,7 +14,7 @@ namespace reamsim {
 
 namespace {
 
-constexpr std::string_view kMagic = "reamsim checkpoint 2\n";
+constexpr std::string_view kMagic = "reamsim checkpoint 3\n";
 
 /// A damaged file.
 struct Damaged : std::runtime_error {
@@ -135,6 +135,7 @@ void visit_values(Visit& visit, State& c) {
   visit(c.simulation.ledger.first_contact_mm);
   visit(c.simulation.touched);
   visit(c.simulation.warned_of_no_spin);
+  visit(c.simulation.hand);
   visit(c.logs.forces_bytes);
   visit(c.logs.timings_bytes);
   visit(c.logs.basis_bytes);

@@ -1,8 +1,12 @@
 #include "sim/run/frame_ledger.h"
 
+#include <numbers>
+
 namespace reamsim {
 
 namespace {
+
+constexpr double kRadPerRpm_s = 2 * std::numbers::pi / 60;
 
 Vec3 scaled(const rs_i64* sums, double scale) {
   return Vec3(static_cast<double>(sums[0]), static_cast<double>(sums[1]), static_cast<double>(sums[2])) / scale;
@@ -14,7 +18,8 @@ FrameResult FrameLedger::close(const PendingFrame& frame, const std::vector<Subs
   FrameResult out;
   out.frame = frame.frame;
   out.pass = frame.pass;
-  out.time_s = static_cast<double>(frame.frame) * frame_s_;
+  out.time_s = frame.time_s;
+  out.push = frame.push;
   out.pose = frame.pose;
   rs_i64 removed = 0;
   for (const auto& [slot, substep] : frame.cut) {
@@ -40,6 +45,7 @@ FrameResult FrameLedger::close(const PendingFrame& frame, const std::vector<Subs
   out.axial_force_n = out.force_n.dot(tool_z);
   // The tool spins about −z of T, so the torque of the bone on it is about +z.
   out.spin_torque_nmm = out.torque_nmm.dot(tool_z);
+  if (out.push) out.push->drill_power_w = 1e-3 * out.spin_torque_nmm * out.pose.spin_rpm * kRadPerRpm_s;
   if (out.contacts > 0 && !run_.first_contact_mm)
     run_.first_contact_mm = contact_mm_.value_or(frame.before.position_mm);
   if (run_.first_contact_mm) out.depth_mm = -(frame.pose.position_mm - *run_.first_contact_mm).dot(tool_z);

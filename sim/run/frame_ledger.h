@@ -15,6 +15,8 @@ struct PendingFrame {
   ToolPose before;  ///< pose at the start of the frame
   ToolPose pose;    ///< pose at its end
   int substeps = 1;
+  double time_s = 0;  ///< at its end
+  std::optional<PushResult> push = {};
   std::vector<std::pair<std::size_t, Substep>>
       cut;  ///< (index in the batch, substep) of those that passed the broad phase
   double broad_phase_s = 0;
@@ -35,8 +37,8 @@ class FrameLedger {
   /// `sums_rotate`: sums are in the shell's frame, which rotates with resolved cutting edges (law per_point), and not
   /// in the tool's frame without spin.
   /// `contact_mm`: the tool's origin at the first contact (B), where that has been found before the run.
-  FrameLedger(double voxel_mm3, double frame_s, bool sums_rotate, const std::optional<Vec3>& contact_mm = {})
-      : voxel_mm3_(voxel_mm3), frame_s_(frame_s), sums_rotate_(sums_rotate), contact_mm_(contact_mm) {}
+  FrameLedger(double voxel_mm3, bool sums_rotate, const std::optional<Vec3>& contact_mm = {})
+      : voxel_mm3_(voxel_mm3), sums_rotate_(sums_rotate), contact_mm_(contact_mm) {}
 
   FrameResult close(const PendingFrame& frame, const std::vector<SubstepSums>& sums);
 
@@ -52,7 +54,6 @@ class FrameLedger {
 
  private:
   double voxel_mm3_;
-  double frame_s_;
   bool sums_rotate_;
   std::optional<Vec3> contact_mm_;
   LedgerSums run_;

@@ -7,17 +7,15 @@
 
 #include "sim/engine/make_engine.h"
 #include "sim/record/results.h"
-#include "sim/run/frame_ledger.h"
+#include "sim/run/frame_stepper.h"
+#include "sim/run/hand.h"
 #include "sim/scene/scene.h"
 
 namespace reamsim {
 
 /// What a simulation has to know to go on after a frame, besides the fill of the bone.
-struct SimulationState {
-  std::int64_t frame = 0;  ///< the last one that is recorded
-  LedgerSums ledger;
-  bool touched = false;  ///< the tool has been in contact
-  bool warned_of_no_spin = false;
+struct SimulationState : StepState {
+  HandState hand = {};  ///< of a push
 };
 
 /// Callbacks of a run.
@@ -30,8 +28,8 @@ struct RunControl {
   std::function<bool()> save_due = [] { return false; };
   /// Receives the state after a batch. The fill of the bone is up to date.
   std::function<void(const SimulationState&)> save = [](const SimulationState&) {};
-  /// Continues after this state, which `save` received or the pass before returned; the fill of the bone must be that of
-  /// the state as well.
+  /// Continues after this state, which `save` received or the pass before returned; the fill of the bone must be that
+  /// of the state as well.
   std::optional<SimulationState> from = {};
   /// The user has been warned already that the tool will never touch the bone (contact_forecast.h).
   bool warned_of_no_contact = false;
@@ -42,7 +40,8 @@ std::unique_ptr<Engine> load_engine(const ReamingScene& scene, EngineDevices& de
 /// The same on a device of its own.
 std::unique_ptr<Engine> load_engine(const ReamingScene& scene);
 
-/// Runs the present pass: per substep broad phase → enqueue, per batch collect → record. `scene.bone` is reamed; `sink`
+/// Runs the present pass: per substep broad phase → enqueue, per batch collect → record. A push decides its poses frame
+/// by frame (push_run.h). `scene.bone` is reamed; `sink`
 /// receives rows, snapshots and timings. Warns when the tool never touches, starts inside bone, or cuts without spin.
 /// Returns the state after the last frame. The same results whether a run is one or continues another.
 SimulationState simulate(ReamingScene& scene, Engine& engine, FrameSink& sink, const RunControl& control,

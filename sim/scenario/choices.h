@@ -74,6 +74,11 @@ enum class PlungeStart { entry, contact };
 template <>
 inline constexpr auto kChoiceNames<PlungeStart> = name_list("entry", "contact");
 
+/// What is meant to end a push.
+enum class PushEnd { depth, time, stall };
+template <>
+inline constexpr auto kChoiceNames<PushEnd> = name_list("depth", "time", "stall");
+
 enum class EngineKind { automatic, exact, bricked, direct, octree, implicit };
 template <>
 inline constexpr auto kChoiceNames<EngineKind> = name_list("auto", "exact", "bricked", "direct", "octree", "implicit");

@@ -33,6 +33,49 @@ void describe_plunge(KeyVisitor& v, PlungeSettings& plunge) {
            plunge.spin_rpm);
 }
 
+void describe_push(KeyVisitor& v, PushSettings& push) {
+  v.vector({.name = "entry_mm",
+            .doc = "A point of the line of the push, through which the origin of the tool passes",
+            .range = kPosition},
+           push.entry_mm);
+  v.vector({.name = "axis",
+            .doc = "Direction of the push; the opposite of +z of the tool",
+            .range = kComponent,
+            .nonzero = true},
+           push.axis);
+  v.choice({.name = "from", .doc = "Where the depth begins, as for a plunge"}, push.from);
+  v.number({.name = "approach_mm", .doc = "Distance before the point where the depth begins", .range = between(0, 500)},
+           push.approach_mm);
+  v.number({.name = "thrust_n", .doc = "Force of the hand along axis, N", .range = between(0, 10000)}, push.thrust_n);
+  v.text({.name = "profile",
+          .doc = "CSV of the thrust over time, with the columns time_s and thrust_n; it replaces thrust_n",
+          .text = TextKind::input_file},
+         push.profile);
+  v.number({.name = "max_feed_mm_s",
+            .doc = "The hand lets the tool go no faster, in air as in bone that gives way",
+            .range = kFeed},
+           push.max_feed_mm_s);
+  v.number({.name = "spin_rpm", .doc = "Spindle speed, positive clockwise seen from the drive", .range = kSpin},
+           push.spin_rpm);
+  v.choice(
+      {.name = "until",
+       .doc = "What ends the push. depth: depth_mm. time: time_s. stall: the tool stands still in the bone. time_s "
+              "ends it in any case"},
+      push.until);
+  v.number({.name = "depth_mm",
+            .doc = "With until: depth, the distance beyond the point where the depth begins; else it only spaces the "
+                   "pictures",
+            .range = between(1e-3, 500)},
+           push.depth_mm);
+  v.number({.name = "time_s", .doc = "The longest duration", .range = between(1e-3, 36000)}, push.time_s);
+  v.number({.name = "mass_kg",
+            .doc = "Mass of drill and arm that moves with the tool; 0: forces balance in every frame",
+            .range = between(0, 100)},
+           push.mass_kg);
+  v.number({.name = "damping_n_s_mm", .doc = "Force of the hand against the feed, per feed", .range = between(0, 1000)},
+           push.damping_n_s_mm);
+}
+
 void describe_keyframe(KeyVisitor& v, KeyframeSettings& key) {
   v.number({.name = "time_s",
             .doc = "Time; later than that of the previous keyframe",
@@ -96,6 +139,11 @@ void describe_motion(KeyVisitor& v, MotionSettings& motion) {
            motion.frame_rate_hz);
   v.optional_section({.name = "plunge", .doc = "Straight motion in, dwell, straight motion out"}, motion.plunge,
                      describe_plunge);
+  v.optional_section(
+      {.name = "push",
+       .doc = "A hand pushes the tool along a line; the feed follows from the balance of forces in every "
+              "frame. Needs erosion exact"},
+      motion.push, describe_push);
   v.list(
       {.name = "passes",
        .doc = "Plunges one after another on the same bone, each with a tool of its own: reaming in increasing sizes. "
@@ -105,7 +153,7 @@ void describe_motion(KeyVisitor& v, MotionSettings& motion) {
           .doc = "Two or more poses; position and spindle speed are interpolated linearly, orientation spherically"},
          motion.keyframes, describe_keyframe);
   v.optional_section({.name = "csv", .doc = "Poses from a file"}, motion.csv, describe_csv);
-  v.group({.names = {"plunge", "passes", "keyframes", "csv"}});
+  v.group({.names = {"plunge", "push", "passes", "keyframes", "csv"}});
 }
 
 }  // namespace reamsim

@@ -168,6 +168,8 @@ std::vector<std::pair<std::string, std::string>> input_files(const Scenario& sce
   }
   if (scenario.clearance.envelope) files.emplace_back("clearance.envelope.path", scenario.clearance.envelope->path);
   if (scenario.motion.csv) files.emplace_back("motion.csv.path", scenario.motion.csv->path);
+  if (scenario.motion.push && !scenario.motion.push->profile.empty())
+    files.emplace_back("motion.push.profile", scenario.motion.push->profile);
   return files;
 }
 

@@ -45,4 +45,7 @@ void check_implant(const ImplantSettings& implant, const KeyLocations& locations
 /// The rules of bone.glenoid.rim_mm: the size of a joint face, not on a line, in order around it. Throws InputError.
 void check_rim(const std::vector<Vec3>& rim_mm, const KeyLocations& locations);
 
+/// The rules of motion.push: what the balance of forces in every frame needs. Throws InputError.
+void check_push(const Scenario& scenario, const KeyLocations& locations);
+
 }  // namespace reamsim

@@ -36,6 +36,7 @@ class Rules {
     rule({"tool.holder", "motion.passes", "clearance"}, &Rules::check_clearance);
     rule({"motion"}, &Rules::check_keyframes);
     rule({"motion"}, &Rules::check_frame_count);
+    rule({"motion", "cutting", "engine", "tool", "output"}, &Rules::check_push_rules);
     rule({"engine.type", "tool.spin", "motion.passes"}, &Rules::check_spin_of_implicit);
     rule({"engine.type", "cutting.law"}, &Rules::check_law_of_implicit);
     rule({"metrics.implant"}, &Rules::check_implant);
@@ -83,6 +84,7 @@ class Rules {
   void check_clearance() const;
   void check_keyframes() const;
   void check_frame_count() const;
+  void check_push_rules() const { check_push(s_, at_); }
   void require_envelope(const std::string& because) const;
   void check_spin_of_implicit() const;
   void check_law_of_implicit() const;
@@ -250,6 +252,10 @@ void Rules::check_frame_count() const {
     const auto& p = pass.motion.plunge;
     if (!p) continue;
     duration_s += (p->approach_mm + p->depth_mm) / p->feed_mm_s + p->dwell_s + p->retract_mm / p->retract_mm_s;
+  }
+  if (s_.motion.push) {
+    key = "motion.push.time_s";
+    duration_s = s_.motion.push->time_s;
   }
   if (!s_.motion.keyframes.empty()) {
     key = "motion.keyframes";

@@ -8,6 +8,7 @@
 #include "sim/base/geometry.h"
 #include "sim/scenario/choices.h"
 #include "sim/scenario/key_locations.h"
+#include "sim/scenario/motion_settings.h"
 
 namespace reamsim {
 
@@ -142,79 +143,6 @@ struct BoneSettings {
   MeshBoneSettings mesh;
   VdbBoneSettings vdb;
   std::optional<PilotHoleSettings> pilot_hole;
-};
-
-// ---- tool ------------------------------------------------------------------------------------------------------
-
-/// A part of shaft or holder, which does not cut and must not touch: a cylinder or cone about z of T.
-struct HolderPartSettings {
-  std::string name;  ///< for messages; "": its number
-  double from_z_mm = 0;
-  double to_z_mm = 0;
-  double diameter_mm = 0;      ///< at from_z_mm
-  double end_diameter_mm = 0;  ///< at to_z_mm; 0: the same
-};
-
-struct ToolSettings {
-  std::string mesh;  ///< STL, OBJ or PLY in the tool frame T
-  double scale = 1;
-  int shell_resolution = 0;            ///< M of the M³ grid; 0 = spacing of 0.47 voxel, which leaks nothing
-  ToolSpin spin = ToolSpin::envelope;  ///< envelope of revolution | resolved cutting edges
-  std::vector<HolderPartSettings> holder;
-};
-
-/// Soft tissue from which a holder is kept clear, as a mesh in B.
-struct ClearanceEnvelopeSettings {
-  std::string path;
-  double scale = 1;
-};
-
-struct ClearanceSettings {
-  double least_mm = 0;  ///< of the holder; less is warned of
-  std::optional<ClearanceEnvelopeSettings> envelope{};
-};
-
-// ---- motion ----------------------------------------------------------------------------------------------------
-
-struct PlungeSettings {
-  Vec3 entry_mm = Vec3::Zero();
-  Vec3 axis{0, 0, -1};                    ///< direction of the feed, opposite to +z of T
-  PlungeStart from = PlungeStart::entry;  ///< where depth and approach begin
-  double approach_mm = 2;
-  double feed_mm_s = 1;
-  double depth_mm = 4;
-  double dwell_s = 0.2;
-  double retract_mm = 6;
-  double retract_mm_s = 10;
-  double spin_rpm = 250;
-};
-
-struct KeyframeSettings {
-  double time_s = 0;
-  Vec3 position_mm = Vec3::Zero();
-  std::optional<Vec3> axis;        ///< +z of T; or
-  std::optional<Quat> quaternion;  ///< w, x, y, z of bone_from_tool
-  double spin_rpm = 0;
-};
-
-struct CsvMotionSettings {
-  std::string path;
-  double spin_rpm = 250;  ///< where the file has no such column
-};
-
-/// A plunge of a procedure with several reamers.
-struct PassSettings {
-  std::optional<ToolSettings> tool;  ///< without it that of the scenario
-  PlungeSettings plunge;
-};
-
-struct MotionSettings {
-  PoseFrame frame = PoseFrame::bone;
-  double frame_rate_hz = 1000;
-  std::optional<PlungeSettings> plunge;
-  std::vector<PassSettings> passes;
-  std::vector<KeyframeSettings> keyframes;
-  std::optional<CsvMotionSettings> csv;
 };
 
 // ---- engine, cutting ---------------------------------------------------------------------------------------------

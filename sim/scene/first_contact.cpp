@@ -170,13 +170,14 @@ std::optional<FirstContact> find_first_contact(const BoneView& bone, const Profi
   return FirstContact{first.travel_mm, through_mm + first.travel_mm * direction, rays.bone_mm(first)};
 }
 
-FirstContact find_first_contact(const Bone& bone, const Tool& tool, const PlungeSettings& plunge, PoseFrame frame) {
+FirstContact find_first_contact(const Bone& bone, const Tool& tool, const PlungeSettings& plunge, PoseFrame frame,
+                                const std::string& section) {
   const std::optional<Rigid> to_bone = bone_from_frame(frame, bone.glenoid);
   const Rigid bone_from_poses = to_bone ? *to_bone : Rigid::Identity();
   const std::optional<FirstContact> found = find_first_contact(bone, tool.profile, bone_from_poses * plunge.entry_mm,
                                                                (bone_from_poses.linear() * plunge.axis).normalized());
   if (found) return *found;
-  throw InputError({}, "motion.plunge.entry_mm", "the tool meets no bone on the line of the plunge",
+  throw InputError({}, section + ".entry_mm", "the tool meets no bone on the line of the " + section.substr(section.rfind('.') + 1),
                    "give a point from which axis leads to the bone, or use from: entry");
 }
 

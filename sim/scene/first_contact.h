@@ -24,8 +24,9 @@ std::optional<FirstContact> find_first_contact(const BoneView& bone, const Profi
                                                const Vec3& direction);
 
 /// First contact of a plunge, of which only entry_mm and axis count; `bone` is as it is before any reaming. Throws
-/// InputError at motion.plunge.entry_mm where the tool meets no bone.
-FirstContact find_first_contact(const Bone& bone, const Tool& tool, const PlungeSettings& plunge, PoseFrame frame);
+/// InputError at entry_mm of `section` where the tool meets no bone.
+FirstContact find_first_contact(const Bone& bone, const Tool& tool, const PlungeSettings& plunge, PoseFrame frame,
+                                const std::string& section = "motion.plunge");
 
 /// For users, one line.
 std::string sentence_of(const FirstContact& contact);

@@ -30,6 +30,16 @@ Tool load_tool_for(const Scenario& scenario, const ToolSettings& settings, doubl
 MotionSettings counted_motion(ReamingScene& scene, const PassSpec& spec, const Tool& tool, Report& report) {
   std::optional<FirstContact>& contact = scene.first_contacts.emplace_back();
   MotionSettings motion = spec.motion;
+  if (motion.push && motion.push->from == PlungeStart::contact) {
+    PlungeSettings line;
+    line.entry_mm = motion.push->entry_mm;
+    line.axis = motion.push->axis;
+    contact = find_first_contact(scene.bone, tool, line, motion.frame, "motion.push");
+    motion.push->entry_mm = counted_from(*contact, line).entry_mm;
+    motion.push->from = PlungeStart::entry;
+    report.note(sentence_of(*contact));
+    return motion;
+  }
   if (!motion.plunge || motion.plunge->from != PlungeStart::contact) return motion;
   contact = find_first_contact(scene.bone, tool, *motion.plunge, motion.frame);
   motion.plunge = counted_from(*contact, *motion.plunge);
@@ -51,7 +61,8 @@ Pass load_pass(ReamingScene& scene, const PassSpec& spec, bool bone, MistakeList
     });
   };
   const bool tool = attempt([&] { pass.tool = load_tool_for(scene.scenario, spec.tool, voxel_mm, report); });
-  const bool from_contact = spec.motion.plunge && spec.motion.plunge->from == PlungeStart::contact;
+  const bool from_contact = (spec.motion.plunge && spec.motion.plunge->from == PlungeStart::contact) ||
+                            (spec.motion.push && spec.motion.push->from == PlungeStart::contact);
   if (from_contact ? bone && tool : bone || spec.motion.frame != PoseFrame::glenoid) {
     attempt([&] {
       pass.motion = build_motion(counted_motion(scene, spec, pass.tool, report), scene.bone.glenoid, report);

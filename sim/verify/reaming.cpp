@@ -32,8 +32,8 @@ Reamed ream(ReamingScene scene, const Setting& setting) {
   Report report;
   RunControl control;
   control.stop = setting.stop;
-  simulate(scene, *engine, sink, control, report);
-  return {std::move(sink.rows), std::move(scene.bone)};
+  const SimulationState end = simulate(scene, *engine, sink, control, report);
+  return {std::move(sink.rows), std::move(scene.bone), end.hand};
 }
 
 MeanLoads mean_loads(std::span<const FrameResult> rows) {

@@ -4,6 +4,7 @@
 #include <span>
 
 #include "sim/engine/make_engine.h"
+#include "sim/run/hand.h"
 #include "sim/verify/scene.h"
 
 namespace reamsim::verify {
@@ -24,6 +25,7 @@ struct Setting {
 struct Reamed {
   std::vector<FrameResult> rows;  ///< rows[k] is frame k
   Bone bone;                      ///< after reaming
+  HandState hand = {};            ///< after a push
 
   [[nodiscard]] double removed_mm3() const;
   /// Rows of the frames after `frame`.

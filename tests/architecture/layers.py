@@ -36,6 +36,7 @@ LAYERS = [
     ("sim/predict", ["sim_predict"]),
     ("sim/record", ["sim_record"]),
     ("sim/run", ["sim_run"]),
+    ("sim/api", ["sim_api"]),
     ("sim/plan", ["sim_plan"]),
     ("sim/study", ["sim_study", "sim_study_forces"]),
     ("sim/bench", ["sim_bench"]),

@@ -213,10 +213,10 @@ TEST_F(Rules, ValuesOfMetrics) {
 
 TEST_F(Rules, OneMotion) {
   EXPECT_EQ(changed("motion:\n", "motion:\n  plunge: {feed_mm_s: 1}\n"),
-            "s.yaml:12:3: motion.keyframes: given together with plunge; expected one of plunge, passes, keyframes or "
-            "csv");
+            "s.yaml:12:3: motion.keyframes: given together with plunge; expected one of plunge, push, passes, "
+            "keyframes or csv");
   EXPECT_EQ(complaint(kValid.substr(0, kValid.find("motion:")) + "motion: {frame: bone}\n"),
-            "s.yaml:10:1: motion: needs either plunge, passes, keyframes or csv");
+            "s.yaml:10:1: motion: needs either plunge, push, passes, keyframes or csv");
 }
 
 TEST_F(Rules, Keyframes) {

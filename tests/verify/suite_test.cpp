@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <iostream>
 #include <set>
 
 #include "sim/base/error.h"
@@ -35,6 +36,18 @@ TEST_P(QuickCase, HoldsItsTolerances) {
 
 INSTANTIATE_TEST_SUITE_P(Verify, QuickCase, ::testing::ValuesIn(ids()),
                          [](const auto& chosen) { return chosen.param; });
+
+/// The whole way of the pushed ball, which the quick suite leaves early.
+TEST(Suite, PushedBallToFourMillimetres) {
+  const CaseFindings found = run_case("push_ball", {.quick = false});
+  ASSERT_EQ(found.checks.size(), 2U);
+  EXPECT_NEAR(found.checks[0].expected, 1.793, 1e-3);
+  EXPECT_NEAR(found.checks[1].expected, 13.80, 5e-3);
+  for (const Check& check : found.checks) {
+    EXPECT_TRUE(check.passed()) << check.quantity << ": expected " << check.expected << ", found " << check.found;
+    std::cout << check.quantity << ": expected " << check.expected << ", found " << check.found << '\n';
+  }
+}
 
 TEST(Suite, EveryCaseOnce) {
   const auto all = ids();

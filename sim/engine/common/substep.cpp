@@ -30,12 +30,6 @@ rs_i32 erosion_of(const CuttingSettings& cutting) {
   return cutting.erosion == ErosionMode::wear ? RS_EROSION_WEAR : RS_EROSION_REMOVE;
 }
 
-/// The fill that a tool at rest could remove because of the error of positions in single precision.
-rs_i32 min_loss(double voxel_mm) {
-  constexpr double kPositionMm = 1e-5;
-  return 1 + static_cast<rs_i32>(std::ceil(RS_WHOLE_FILL * kPositionMm / voxel_mm));
-}
-
 /// The parameters of force law and erosion; zeros for options that are off. `spin_rate`: rad/s, unsigned.
 void set_law(const CuttingSettings& cutting, double duration_s, double spin_rate, SubstepArgs& args) {
   constexpr double kTurn = 2 * M_PI;
@@ -66,6 +60,11 @@ void set_law(const CuttingSettings& cutting, double duration_s, double spin_rate
 }
 
 }  // namespace
+
+rs_i32 least_loss(double voxel_mm) {
+  constexpr double kPositionMm = 1e-5;
+  return 1 + static_cast<rs_i32>(std::ceil(RS_WHOLE_FILL * kPositionMm / voxel_mm));
+}
 
 int count_substeps(const ToolPose& a, const ToolPose& b, const Tool& tool, bool spin_resolved, double max_step_mm) {
   double step = motion_bound_mm(a, b, tool.reach_mm);
@@ -125,7 +124,7 @@ SubstepArgs make_args(const Substep& substep, const Aabb& voi, const PointShell&
   args.cell_mm = shell.cell_mm;
   args.voxel_mm = static_cast<float>(grid.voxel_mm);
   args.per_voxel_mm = static_cast<float>(1 / grid.voxel_mm);
-  args.min_loss = min_loss(grid.voxel_mm);
+  args.min_loss = least_loss(grid.voxel_mm);
   args.frame = static_cast<std::int32_t>(substep.frame);
   const double spin = spin_resolved ? substep.pose.spin_angle_rad : 0;
   args.spin_cos = static_cast<float>(std::cos(spin));

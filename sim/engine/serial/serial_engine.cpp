@@ -211,6 +211,7 @@ class SerialEngine final : public Engine {
       if (lost == 0) continue;
       sums.contacts += 1;
       sums.removed += lost;
+      if (rs_is_trial(&args)) continue;
       state_.fill[i] = static_cast<std::uint16_t>(state_.fill[i] - lost);
       if (state_.fill[i] > 0) continue;
       state_.bone[i] = 0;

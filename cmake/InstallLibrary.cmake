@@ -1,0 +1,40 @@
+# The installed library: reamsim/simulation.h, the static libraries behind it, and what CMake (`find_package(reamsim)`, target
+# reamsim::simulation) and pkg-config (`reamsim`) need to link them. docs/library.md.
+set(REAMSIM_LIBRARY_PARTS
+  kernels sim_base sim_isolation sim_scenario sim_device sim_mesh sim_mesh_distance sim_voxmap sim_bone_vdb sim_bone_ct
+  sim_bone sim_motion sim_tool sim_engine_common sim_engine_dense sim_engine_bricked sim_engine_exact sim_engine_serial
+  sim_engine_basis sim_engine sim_scene sim_metrics sim_predict sim_record sim_run sim_api)
+set(REAMSIM_CMAKE_DIR ${CMAKE_INSTALL_LIBDIR}/cmake/reamsim)
+
+set_target_properties(sim_api PROPERTIES EXPORT_NAME simulation)
+install(TARGETS reamsim_options ${REAMSIM_LIBRARY_PARTS} EXPORT reamsimTargets
+        ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR}/reamsim)
+install(EXPORT reamsimTargets NAMESPACE reamsim:: DESTINATION ${REAMSIM_CMAKE_DIR})
+install(FILES sim/api/reamsim/simulation.h DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/reamsim)
+
+include(CMakePackageConfigHelpers)
+configure_package_config_file(cmake/reamsimConfig.cmake.in reamsimConfig.cmake INSTALL_DESTINATION ${REAMSIM_CMAKE_DIR})
+write_basic_package_version_file(reamsimConfigVersion.cmake COMPATIBILITY SameMinorVersion)
+install(FILES ${CMAKE_CURRENT_BINARY_DIR}/reamsimConfig.cmake ${CMAKE_CURRENT_BINARY_DIR}/reamsimConfigVersion.cmake
+        DESTINATION ${REAMSIM_CMAKE_DIR})
+
+# For pkg-config: the libraries of others by their files; those that they need themselves are found by the linker.
+set(others ${ITK_LIBRARIES} ITKniftiio gdcmDSED OpenVDB::openvdb TBB::tbb yaml-cpp assimp::assimp OpenCL::OpenCL
+  OpenSSL::Crypto ZLIB::ZLIB fmt::fmt)
+list(REMOVE_DUPLICATES others)
+set(REAMSIM_OTHERS "")
+foreach(other ${others})
+  if(IS_ABSOLUTE ${other})
+    string(APPEND REAMSIM_OTHERS " ${other}")
+    continue()
+  endif()
+  get_target_property(type ${other} TYPE)
+  if(NOT type STREQUAL "INTERFACE_LIBRARY")
+    string(APPEND REAMSIM_OTHERS " $<TARGET_LINKER_FILE:${other}>")
+  endif()
+endforeach()
+list(TRANSFORM REAMSIM_LIBRARY_PARTS PREPEND "-l" OUTPUT_VARIABLE parts)
+list(JOIN parts " " REAMSIM_PARTS)
+configure_file(cmake/reamsim.pc.in reamsim.pc.configured @ONLY)
+file(GENERATE OUTPUT ${CMAKE_CURRENT_BINARY_DIR}/reamsim.pc INPUT ${CMAKE_CURRENT_BINARY_DIR}/reamsim.pc.configured)
+install(FILES ${CMAKE_CURRENT_BINARY_DIR}/reamsim.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)

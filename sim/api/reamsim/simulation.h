@@ -1,0 +1,122 @@
+/// The simulator as a library: the tool moves frame by frame where the caller puts it, and the bone answers.
+///
+/// Frames and units are those of docs/formats.md: mm, s, N, N·mm, mJ; B is the bone's frame, T the tool's without its
+/// spin. Every error is a reamsim::Error; no other exception leaves the library. A Simulation may be used by one thread
+/// at a time.
+#ifndef REAMSIM_SIMULATION_H
+#define REAMSIM_SIMULATION_H
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace reamsim {
+
+/// Changes with every change of this header that a program could notice.
+inline constexpr int kLibraryVersion = 1;
+
+class Error : public std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+/// Wrong input: the message has file, line, column and key, what was found, and what to do.
+class BadInput : public Error {
+  using Error::Error;
+};
+/// The device, the memory or a file failed.
+class RunFailure : public Error {
+  using Error::Error;
+};
+
+/// A pose of the tool in B.
+struct Pose {
+  std::array<double, 3> position_mm{};           ///< of the tool's origin
+  std::array<double, 4> quaternion{1, 0, 0, 0};  ///< w, x, y, z of the rotation from T to B; of length 1
+  double spin_rpm = 0;                           ///< positive clockwise seen from the drive
+  /// Rotation so far. Without it the integral of the speed over the steps.
+  std::optional<double> spin_angle_rad{};
+};
+
+/// What a step did: a row of forces.csv.
+struct StepResult {
+  std::int64_t frame = 0;
+  double time_s = 0;
+  std::array<double, 3> force_n{};     ///< of the bone on the tool, in B, mean over the step
+  std::array<double, 3> torque_nmm{};  ///< about the tool's origin, in B
+  double axial_force_n = 0;            ///< along +z of T
+  double spin_torque_nmm = 0;          ///< resistance to the spin
+  double depth_mm = 0;                 ///< travel along −z of T since first contact
+  std::int64_t contacts = 0;           ///< voxels that lost bone
+  double removed_mm3 = 0;
+  double energy_mj = 0;
+  double floor_energy_mj = 0;
+  double balance = 0;
+};
+
+/// A value per voxel, x fastest.
+struct Volume {
+  std::array<int, 3> dims{};
+  double voxel_mm = 0;
+  std::array<double, 3> origin_mm{};  ///< corner of voxel (0, 0, 0), B
+  std::vector<float> values;
+};
+
+class Simulation {
+ public:
+  /// Loads bone and tool of a scenario and prepares the engine. `set`: overrides as of `reamsim run --set`, such as
+  /// "bone.voxel_mm=0.4". Throws BadInput, RunFailure.
+  explicit Simulation(const std::string& scenario, const std::vector<std::string>& set = {});
+  Simulation(Simulation&&) noexcept;
+  Simulation& operator=(Simulation&&) noexcept;
+  ~Simulation();
+
+  /// 1/motion.frame_rate_hz.
+  [[nodiscard]] double frame_s() const;
+  /// The poses of the scenario's motion, one per frame.
+  [[nodiscard]] std::vector<Pose> planned_poses() const;
+  [[nodiscard]] std::vector<std::string> warnings() const;
+
+  /// Frame 0: puts the tool somewhere. With erosion exact, bone inside it is removed without force.
+  StepResult start(const Pose& pose);
+  /// Moves the tool to `pose` in `dt` seconds, frame_s() unless given. Throws BadInput before start(), for a quaternion
+  /// that is no rotation, a value that is not finite, and dt of 0 or less.
+  StepResult step(const Pose& pose, std::optional<double> dt = {});
+  /// The same for poses that are known ahead, frame_s() apart, in batches: faster, and where the motion is smooth with
+  /// one fit for many frames (docs/physics.md, 3), as `reamsim run` does.
+  std::vector<StepResult> run(std::span<const Pose> poses);
+  /// Force and torque that step() would give, without removing bone. Only for erosion exact.
+  [[nodiscard]] StepResult peek(const Pose& pose, std::optional<double> dt = {});
+
+  /// The part of each voxel that is left, 0 to 1.
+  [[nodiscard]] Volume fill();
+  /// g/cm³, without fill.
+  [[nodiscard]] Volume density() const;
+  [[nodiscard]] double removed_mm3() const;
+
+  /// The simulation after a step: bone, pose and sums.
+  class State {
+   public:
+    struct Parts;
+    explicit State(std::shared_ptr<const Parts> parts) : parts_(std::move(parts)) {}
+    [[nodiscard]] const Parts& parts() const { return *parts_; }
+
+   private:
+    std::shared_ptr<const Parts> parts_;
+  };
+  [[nodiscard]] State state();
+  /// Goes back to a state of this simulation, or of another one of the same scenario. Throws BadInput for one of
+  /// another bone.
+  void restore(const State& state);
+
+ private:
+  struct Core;
+  std::unique_ptr<Core> core_;
+};
+
+}  // namespace reamsim
+
+#endif

@@ -1,0 +1,244 @@
+#include "sim/run/frame_stepper.h"
+
+#include <fmt/core.h>
+#include <algorithm>
+#include <stdexcept>
+#include <utility>
+
+#include "sim/engine/common/broad_phase.h"
+#include "sim/run/frame_basis.h"
+#include "sim/tool/outline.h"
+
+namespace reamsim {
+
+namespace {
+
+/// The box of the voxels with bone, B, mm.
+Aabb bone_box(const Voxmap& voxmap) {
+  const VoxelBox voxels = bone_extent(voxmap);
+  const Vec3 corner = voxmap.grid.origin_mm;
+  return {corner + voxmap.grid.voxel_mm * voxels.first.cast<double>(),
+          corner + voxmap.grid.voxel_mm * (voxels.last + Vec3i::Ones()).cast<double>()};
+}
+
+/// The box of the shell's points, which may lie half a cell outside the surface.
+Aabb shell_box(const Tool& tool) {
+  const Vec3 margin = Vec3::Constant(0.5 * tool.shell.cell_mm);
+  return {tool.bounds.min - margin, tool.bounds.max + margin};
+}
+
+/// The box of the shell's points, or of the surface where it clips voxels.
+Aabb cutting_box(const ReamingScene& scene) {
+  if (scene.scenario.cutting.erosion != ErosionMode::exact) return shell_box(scene.tool);
+  return scene.tool.clip_bounds().expanded(fit_outline(scene.tool.profile).bulge_mm);
+}
+
+/// The tool's origin at the first contact of a plunge that counts from it, B.
+std::optional<Vec3> contact_of(const ReamingScene& scene) {
+  const std::optional<FirstContact> contact = scene.first_contact();
+  return contact ? std::optional(contact->origin_mm) : std::nullopt;
+}
+
+}  // namespace
+
+bool is_moved_by_spin(const Scenario& scenario, const Tool& tool) {
+  if (scenario.cutting.erosion == ErosionMode::exact) return tool.teeth.has_value();
+  return tool.spin == ToolSpin::resolved;
+}
+
+FrameStepper::FrameStepper(ReamingScene& scene, Engine& engine, FrameSink& sink, Report& report)
+    : scene_(scene),
+      engine_(engine),
+      sink_(sink),
+      report_(report),
+      tool_box_(cutting_box(scene)),
+      bone_box_(bone_box(*scene.bone.voxmap)),
+      ledger_(scene.bone.voxmap->grid.voxel_mm3(),
+              scene.scenario.cutting.law == CuttingLaw::per_point && scene.tool.spin == ToolSpin::resolved,
+              contact_of(scene)),
+      resolved_(is_moved_by_spin(scene.scenario, scene.tool)),
+      exact_(scene.scenario.cutting.erosion == ErosionMode::exact),
+      max_step_mm_(scene.scenario.engine.max_step_voxels * scene.bone.voxmap->grid.voxel_mm) {}
+
+void FrameStepper::start(const FrameMotion& motion, const std::optional<PushResult>& push) {
+  ledger_.begin_pass();
+  state_.touched = false;
+  PendingFrame& pending = open(motion);
+  pending.push = push;
+  const Substep rest{.pose = motion.pose, .duration_s = motion.duration_s};
+  if (exact_) {
+    if (const auto voi = broad_phase(rest, pending)) {
+      SubstepArgs args = args_of(rest, *voi);
+      args.law = RS_LAW_NONE;
+      enqueue(rest, args, nullptr, pending);
+    }
+  }
+  finish_batch();
+}
+
+void FrameStepper::add(const FrameMotion& motion, const std::shared_ptr<const MotionWindow>& window,
+                       const std::optional<PushResult>& push) {
+  PendingFrame& pending = open(motion);
+  pending.push = push;
+  const int n = count_substeps(motion.before, motion.pose, scene_.tool, resolved_, max_step_mm_);
+  pending.substeps = n;
+  for (int i = 0; i < n; ++i) {
+    const Substep substep =
+        make_substep(motion.before, motion.pose, double(i) / n, double(i + 1) / n, motion.duration_s, motion.frame);
+    if (const auto voi = broad_phase(substep, pending)) enqueue(substep, args_of(substep, *voi), window, pending);
+  }
+}
+
+void FrameStepper::finish_batch() {
+  collect();
+  record();
+}
+
+void FrameStepper::snapshot(std::int64_t frame) {
+  read_fill();
+  sink_.snapshot(frame, scene_.bone.fill);
+}
+
+void FrameStepper::read_fill() {
+  engine_.read_fill(*scene_.bone.voxmap, scene_.bone.fill);
+}
+
+std::vector<SubstepSums> FrameStepper::evaluate(const std::vector<FrameMotion>& motions) {
+  if (!pending_.empty()) throw std::logic_error("a batch has begun");
+  std::vector<SubstepSums> out(motions.size());
+  std::vector<std::size_t> reached;
+  for (std::size_t i = 0; i < motions.size(); ++i) {
+    PendingFrame timed;
+    const FrameMotion& m = motions[i];
+    const Substep substep = make_substep(m.before, m.pose, 0, 1, m.duration_s, m.frame);
+    const auto voi = broad_phase(substep, timed);
+    if (!voi) continue;
+    SubstepArgs args = args_of(substep, *voi);
+    args.erosion = RS_EROSION_TRIAL;
+    engine_.enqueue(args);
+    reached.push_back(i);
+  }
+  if (reached.empty()) return out;
+  const Batch batch = engine_.collect();
+  for (std::size_t i = 0; i < reached.size(); ++i) out[reached[i]] = batch.sums[i];
+  return out;
+}
+
+FrameResult FrameStepper::peek(const FrameMotion& m) {
+  const std::vector<SubstepSums> sums = evaluate({m});
+  const PendingFrame frame{.frame = m.frame,
+                           .pass = scene_.motion.pass,
+                           .before = m.before,
+                           .pose = m.pose,
+                           .time_s = m.time_s,
+                           .cut = {{0, make_substep(m.before, m.pose, 0, 1, m.duration_s, m.frame)}}};
+  FrameLedger as_it_would_be = ledger_;
+  return as_it_would_be.close(frame, sums);
+}
+
+std::optional<SubstepArgs> FrameStepper::single_args(const FrameMotion& m) const {
+  if (count_substeps(m.before, m.pose, scene_.tool, resolved_, max_step_mm_) != 1) return std::nullopt;
+  return args_of(make_substep(m.before, m.pose, 0, 1, m.duration_s, m.frame), tool_box_);
+}
+
+StepState FrameStepper::state() const {
+  StepState out = state_;
+  out.ledger = ledger_.sums();
+  return out;
+}
+
+void FrameStepper::resume(const StepState& from) {
+  state_ = from;
+  ledger_.restore(from.ledger);
+}
+
+std::string FrameStepper::name_of_pass() const {
+  const bool several = scene_.motion.pass > 1 || !scene_.later_passes.empty();
+  return several ? "pass " + std::to_string(scene_.motion.pass) + ": " : "";
+}
+
+PendingFrame& FrameStepper::open(const FrameMotion& motion) {
+  return pending_.emplace_back(PendingFrame{.frame = motion.frame,
+                                            .pass = scene_.motion.pass,
+                                            .before = motion.before,
+                                            .pose = motion.pose,
+                                            .time_s = motion.time_s,
+                                            .cut = {}});
+}
+
+/// The volume of interest in the shell's frame; nullopt where the tool cannot touch bone.
+std::optional<Aabb> FrameStepper::broad_phase(const Substep& substep, PendingFrame& pending) const {
+  const Stopwatch watch;
+  const Rigid shell_from_bone = bone_from_shell(substep.pose, resolved_).inverse();
+  const std::optional<Aabb> voi = reamsim::broad_phase(tool_box_, bone_box_, shell_from_bone);
+  pending.broad_phase_s += watch.seconds();
+  return voi;
+}
+
+SubstepArgs FrameStepper::args_of(const Substep& substep, const Aabb& voi) const {
+  return make_args(substep, voi, scene_.tool.shell, scene_.bone.voxmap->grid, scene_.scenario.cutting, resolved_);
+}
+
+void FrameStepper::enqueue(const Substep& substep, const SubstepArgs& args, std::shared_ptr<const MotionWindow> window,
+                           PendingFrame& pending) {
+  if (engine_.full()) collect();
+  engine_.enqueue(args, std::move(window));
+  pending.cut.emplace_back(enqueued_++, substep);
+}
+
+/// Appends the engine's results of the enqueued substeps.
+void FrameStepper::collect() {
+  const Batch part = engine_.collect();
+  const auto append = [](auto& to, const auto& from) { to.insert(to.end(), from.begin(), from.end()); };
+  append(batch_.sums, part.sums);
+  append(batch_.times, part.times);
+  append(batch_.basis, part.basis);
+  append(removed_, engine_.take_removed());
+}
+
+void FrameStepper::record() {
+  // Exact erosion: read_fill() includes the removed voxels.
+  for (const auto& [voxel, frame] : removed_) {
+    if (!exact_) scene_.bone.fill.set(scene_.bone.voxmap->grid.coord(voxel), 0);
+  }
+  sink_.removed(removed_);
+  for (const PendingFrame& pending : pending_) {
+    const FrameResult result = ledger_.close(pending, batch_.sums);
+    FrameTimes times{.broad_phase_s = pending.broad_phase_s};
+    for (const auto& [place, substep] : pending.cut) {
+      times.detect_s += batch_.times[place].detect_s;
+      times.cut_s += batch_.times[place].cut_s;
+    }
+    warn_of(result);
+    sink_.frame(result, times);
+    if (!batch_.basis.empty()) sink_.basis(basis_rows(pending, batch_.basis));
+    state_.frame = pending.frame;
+    last_ = result;
+  }
+  frame_wall_s_ = batch_watch_.seconds() / static_cast<double>(std::max<std::size_t>(pending_.size(), 1));
+  pending_.clear();
+  batch_ = {};
+  enqueued_ = 0;
+  removed_.clear();
+}
+
+/// Warns once of conditions that the user may not intend.
+void FrameStepper::warn_of(const FrameResult& result) {
+  if (result.contacts == 0) return;
+  const std::string at = "frame " + std::to_string(result.frame);
+  const std::int64_t first = scene_.motion.first_frame;
+  if (result.frame == first) {
+    report_.warn(fmt::format("the tool starts in the bone: {:.3g} mm3 were removed at {}, without force",
+                             result.removed_mm3, at));
+  }
+  if (!state_.touched && result.frame == first + 1 && !exact_) {
+    report_.warn("the tool starts in contact with the bone: the force of the first frames is not meaningful");
+  }
+  if (!state_.warned_of_no_spin && result.frame > first && result.pose.spin_rpm == 0) {
+    report_.warn(at + ": spindle speed is zero: forces are those of a non-rotating tool");
+    state_.warned_of_no_spin = true;
+  }
+  state_.touched = true;
+}
+
+}  // namespace reamsim

@@ -1,0 +1,113 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "sim/base/stopwatch.h"
+#include "sim/engine/make_engine.h"
+#include "sim/run/frame_ledger.h"
+#include "sim/scene/scene.h"
+
+namespace reamsim {
+
+/// What a simulation has to know to go on after a frame, besides the fill of the bone and the hand that pushes.
+struct StepState {
+  std::int64_t frame = 0;  ///< the last one that is recorded
+  LedgerSums ledger;
+  bool touched = false;  ///< the tool has been in contact
+  bool warned_of_no_spin = false;
+};
+
+/// A frame of the tool: from one pose to the next.
+struct FrameMotion {
+  std::int64_t frame = 0;
+  ToolPose before;  ///< at the start of the frame
+  ToolPose pose;    ///< at its end
+  double duration_s = 1e-3;
+  double time_s = 0;  ///< at its end
+};
+
+/// Moves the tool of the present pass frame by frame: broad phase → enqueue for the frames of a batch, collect → record
+/// for all of them. Who calls it decides the poses: of a prescribed motion many frames ahead, of a hand that pushes
+/// when the frame is reached. Results do not depend on batches.
+class FrameStepper {
+ public:
+  /// All must outlive the stepper. `scene.bone` is reamed; `sink` receives rows, snapshots and timings.
+  FrameStepper(ReamingScene& scene, Engine& engine, FrameSink& sink, Report& report);
+
+  /// The first frame of a pass. Where voxels are clipped, bone in the tool's first pose is removed without force.
+  void start(const FrameMotion& rest, const std::optional<PushResult>& push = {});
+  /// Adds a frame to the batch. `window`: of smooth motion that it belongs to; nullptr: none.
+  /// `push`: of a frame that a hand decided.
+  void add(const FrameMotion& motion, const std::shared_ptr<const MotionWindow>& window = nullptr,
+           const std::optional<PushResult>& push = {});
+  /// Ends the batch: fill of the bone, rows, and removed voxels.
+  void finish_batch();
+  /// Number of frames in the batch, and the wall time of one in the last batch.
+  [[nodiscard]] std::size_t batch_frames() const { return pending_.size(); }
+  [[nodiscard]] double frame_wall_s() const { return frame_wall_s_; }
+  /// The time of the caller between two batches does not count.
+  void begin_batch() { batch_watch_ = Stopwatch(); }
+
+  /// Gives the fill of the bone to the sink, as a snapshot of `frame`.
+  void snapshot(std::int64_t frame);
+  /// Updates the fill of the scene's bone.
+  void read_fill();
+
+  /// The sums of motions from the present fill, which they leave as it is: each begins at that fill. A motion that
+  /// needs several substeps is an error of the caller. Only for the engine `exact`; the batch must be empty.
+  std::vector<SubstepSums> evaluate(const std::vector<FrameMotion>& motions);
+
+  /// The row that a motion would have, from evaluate().
+  FrameResult peek(const FrameMotion& motion);
+
+  /// The arguments of a frame that has a single substep; nullopt for others.
+  [[nodiscard]] std::optional<SubstepArgs> single_args(const FrameMotion& motion) const;
+  [[nodiscard]] const Aabb& tool_box() const { return tool_box_; }
+  /// Whether the engine can use windows of smooth motion.
+  [[nodiscard]] bool can_use_windows() const { return exact_ && !resolved_; }
+
+  /// The last row.
+  [[nodiscard]] const FrameResult& last() const { return last_; }
+
+  [[nodiscard]] StepState state() const;
+  void resume(const StepState& from);
+
+  /// "pass 2: " in a run of several.
+  [[nodiscard]] std::string name_of_pass() const;
+
+ private:
+  PendingFrame& open(const FrameMotion& motion);
+  std::optional<Aabb> broad_phase(const Substep& substep, PendingFrame& pending) const;
+  [[nodiscard]] SubstepArgs args_of(const Substep& substep, const Aabb& voi) const;
+  void enqueue(const Substep& substep, const SubstepArgs& args, std::shared_ptr<const MotionWindow> window,
+               PendingFrame& pending);
+  void collect();
+  void record();
+  void warn_of(const FrameResult& result);
+
+  ReamingScene& scene_;
+  Engine& engine_;
+  FrameSink& sink_;
+  Report& report_;
+  Aabb tool_box_;
+  Aabb bone_box_;
+  FrameLedger ledger_;
+  bool resolved_;
+  bool exact_;
+  double max_step_mm_;
+  std::vector<PendingFrame> pending_;
+  Batch batch_;               ///< of the pending frames
+  std::size_t enqueued_ = 0;  ///< substeps of these frames
+  RemovedFrames removed_;
+  Stopwatch batch_watch_;
+  double frame_wall_s_ = 0;
+  StepState state_;  ///< without the ledger's sums
+  FrameResult last_;
+};
+
+/// Whether the spin moves the cutting surface. A surface of revolution that clips voxels is its own envelope.
+bool is_moved_by_spin(const Scenario& scenario, const Tool& tool);
+
+}  // namespace reamsim

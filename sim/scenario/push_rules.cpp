@@ -1,0 +1,45 @@
+#include "sim/scenario/parse_steps.h"
+#include "sim/scenario/show.h"
+
+namespace reamsim {
+
+namespace {
+
+/// A mistake where the balance of forces cannot be tried with these settings.
+void check_balance(const Scenario& s, const KeyLocations& at) {
+  const auto fail = [&](const std::string& key, const std::string& found, const std::string& expected) {
+    throw InputError(at.of(key), key, found, "expected " + expected + ", because motion.push is given");
+  };
+  if (s.cutting.erosion != ErosionMode::exact) fail("cutting.erosion", "found " + name_of(s.cutting.erosion), "exact");
+  if (s.tool.spin != ToolSpin::envelope) fail("tool.spin", "found " + name_of(s.tool.spin), "envelope");
+  if (s.output.force_basis) fail("output.force_basis", "found true", "false");
+  if (!s.tool.holder.empty()) {
+    fail("tool.holder", "found a list of " + std::to_string(s.tool.holder.size()),
+         "none: the clearance of a holder needs a prescribed path");
+  }
+}
+
+}  // namespace
+
+void check_push(const Scenario& scenario, const KeyLocations& locations) {
+  if (!scenario.motion.push) return;
+  const PushSettings& push = *scenario.motion.push;
+  check_balance(scenario, locations);
+  const auto fail = [&](const std::string& name, const std::string& found, const std::string& expected) {
+    const std::string key = "motion.push." + name;
+    throw InputError(locations.of(key), key, found, "expected " + expected);
+  };
+  if (!push.profile.empty() && locations.given("motion.push.thrust_n"))
+    fail("profile", "found beside thrust_n", "one of both");
+  if (push.profile.empty() && push.thrust_n <= 0) fail("thrust_n", "found 0", "a thrust above 0");
+  // A frame of the fastest feed is one substep, so that its balance is that of its cut.
+  const double step_mm = push.max_feed_mm_s / scenario.motion.frame_rate_hz;
+  const double most_mm = scenario.engine.max_step_voxels * scenario.bone.voxel_mm;
+  if (step_mm > most_mm) {
+    fail("max_feed_mm_s", "found " + number_text(push.max_feed_mm_s),
+         "at most " + number_text(most_mm * scenario.motion.frame_rate_hz) +
+             ": a frame of it is longer than engine.max_step_voxels; raise frame_rate_hz or lower it");
+  }
+}
+
+}  // namespace reamsim

@@ -1,0 +1,260 @@
+// Feeds that follow from the balance of forces (docs/physics.md, 10), against closed forms.
+#include <fmt/core.h>
+#include <cmath>
+#include <limits>
+#include <memory>
+
+#include "sim/verify/case_parts.h"
+#include "sim/verify/plunge.h"
+#include "sim/verify/push_forms.h"
+
+namespace reamsim::verify {
+
+namespace {
+
+constexpr double kLimit = 5e-3;
+const char* const kLimitReason = "limit set by this project";
+constexpr double kHead_mm = 8, kEdge_mm = 0.1;
+
+/// A push straight down on a block, with the head in the bone by `begin_mm` at its start.
+struct Push {
+  Profile head;
+  DensityField density = [](const Vec3&) { return 1.8; };
+  double voxel_mm = 0.25;
+  double rate_hz = 200;
+  double begin_mm = 0;   ///< what it contains there is removed without force
+  double block_mm = 6;   ///< height
+  double width_mm = 33;  ///< of the block
+  PushSettings settings = {};
+  std::optional<EdgeForceSettings> edge = {};
+  double energy_factor = 1;  ///< of the specific energy
+};
+
+ReamingScene scene_of_push(const Push& push) {
+  PushSettings settings = push.settings;
+  settings.entry_mm = {0.12 * push.voxel_mm, 0.21 * push.voxel_mm, -push.begin_mm};
+  const Vec3 size(push.width_mm, push.width_mm, push.block_mm);
+  ReamingScene scene = scene_of(block(size, push.voxel_mm, push.density), make_tool(push.head), {});
+  auto plan = std::make_shared<const PushPlan>(settings, push.rate_hz, std::nullopt);
+  scene.motion.frame_rate_hz = push.rate_hz;
+  scene.motion.poses = unresisted_poses(plan, push.rate_hz);
+  scene.motion.push = std::move(plan);
+  scene.scenario.cutting.edge_force = push.edge;
+  scene.scenario.cutting.specific_energy_j_mm3 *= push.energy_factor;
+  return scene;
+}
+
+Reamed pushed(const Push& push, const Setting& setting) {
+  return ream(scene_of_push(push), setting);
+}
+
+double depth_of(const FrameResult& row) {
+  return -row.pose.position_mm.z();
+}
+
+/// The time at which the tool's apex is at a depth; NaN where it does not come there.
+double time_at(const Reamed& reamed, double depth_mm) {
+  for (std::size_t k = 1; k < reamed.rows.size(); ++k) {
+    const FrameResult &a = reamed.rows[k - 1], &b = reamed.rows[k];
+    if (depth_of(b) < depth_mm) continue;
+    return a.time_s + (b.time_s - a.time_s) * (depth_mm - depth_of(a)) / (depth_of(b) - depth_of(a));
+  }
+  return std::numeric_limits<double>::quiet_NaN();
+}
+
+/// Mean feed between two depths of the apex.
+double mean_feed(const Reamed& reamed, double from_mm, double to_mm) {
+  return (to_mm - from_mm) / (time_at(reamed, to_mm) - time_at(reamed, from_mm));
+}
+
+/// Where the steady feed is measured: over a voxel, after another part of the first.
+double steady_feed(const SteadyPlunge& head, double thrust_n, double voxel_mm, const Setting& setting) {
+  const double begin = head.full_contact_mm() + 0.3 + 0.37 * voxel_mm;
+  Push push{.head = head_of(head), .voxel_mm = voxel_mm, .rate_hz = 50, .begin_mm = begin};
+  push.density = [density = head.density_g_cm3](const Vec3&) { return density; };
+  push.block_mm = begin + 2 * voxel_mm + 1;
+  push.settings.approach_mm = 0;
+  push.settings.thrust_n = thrust_n;
+  push.settings.depth_mm = 1.1 * voxel_mm;
+  const Reamed reamed = pushed(push, setting);
+  return mean_feed(reamed, begin + 0.05 * voxel_mm, begin + 1.05 * voxel_mm);
+}
+
+}  // namespace
+
+CaseFindings push_steady_case(const Setting& setting) {
+  CaseFindings out;
+  out.title = "Feed under a constant thrust";
+  out.scene =
+      "cannulated reamer (R 29, a 15, r₀ 1.25 mm, 250 rpm) in full contact in ρ 1.8 g/cm³, pushed with 20, 50 and 100 "
+      "N; "
+      "mean feed over a voxel; flat head through layers of 1.8 and 0.4 g/cm³";
+  out.form = "A·v + B·v² = F with A = 2πk_n·(u/ω)·[C(a) − C(r₀)], B = 2πu·ln(a/r₀)/ω²";
+  for (const double thrust_n : {20.0, 50.0, 100.0}) {
+    const double found = steady_feed(kExample, thrust_n, setting.quick ? 0.5 : 0.25, setting);
+    out.checks.push_back(relative_check(fmt::format("feed at {:g} N", thrust_n), "mm/s",
+                                        quadratic_feed(kExample, thrust_n), found, kLimit, kLimitReason));
+  }
+  const SteadyPlunge flat = example_with(&SteadyPlunge::radius_mm, std::nullopt);
+  constexpr double kLayer_mm = 1.5, kVoxel_mm = 0.5, kThrust_n = 50;
+  Push push{.head = head_of(flat), .voxel_mm = kVoxel_mm, .rate_hz = 100, .begin_mm = 0.3, .block_mm = 4};
+  push.density = [](const Vec3& p) { return p.z() > -kLayer_mm ? 1.8 : 0.4; };
+  push.settings.approach_mm = 0;
+  push.settings.thrust_n = kThrust_n;
+  push.settings.max_feed_mm_s = 20;
+  push.settings.depth_mm = 2.5;
+  const Reamed reamed = pushed(push, setting);
+  const auto feed_in = [&](double density) {
+    SteadyPlunge layer = flat;
+    layer.density_g_cm3 = density;
+    return balanced_feed_of(layer, kThrust_n);
+  };
+  out.checks.push_back(relative_check("feed in the upper layer, flat head", "mm/s", feed_in(1.8),
+                                      mean_feed(reamed, 0.6, 1.1), kLimit, kLimitReason));
+  out.checks.push_back(relative_check("feed in the lower layer, flat head", "mm/s", feed_in(0.4),
+                                      mean_feed(reamed, 1.8, 2.3), kLimit, kLimitReason));
+  SteadyPlunge soft = flat;
+  soft.density_g_cm3 = 0.4;
+  out.checks.push_back({"ratio of the linear parts", "", Measure::relative, 20.25,
+                        linear_resistance(flat) / linear_resistance(soft), 1e-9, "(1.8/0.4)²"});
+  return out;
+}
+
+CaseFindings push_ball_case(const Setting& setting) {
+  CaseFindings out;
+  out.title = "Time to a depth under a constant thrust";
+  out.scene = "head without bore (R 29, a 15 mm, 250 rpm) from first contact in ρ 1.8 g/cm³ under 50 N, at most 5 mm/s";
+  out.form = "t(d) = ∫dδ/v(δ), where the force on the cap of depth δ at feed v, with the speed floor, is the thrust";
+  SteadyPlunge head = kExample;
+  head.bore_mm = 0;
+  const double deepest = setting.quick ? 1 : 4;
+  Push push{.head = convex_profile(29, 15, 0, kHead_mm, kEdge_mm),
+            .voxel_mm = 0.25,
+            .rate_hz = 500,
+            .block_mm = deepest + 1,
+            .width_mm = setting.quick ? 20.0 : 33.0};
+  push.settings.approach_mm = 0.2;
+  push.settings.depth_mm = deepest + 0.02;
+  const Reamed reamed = pushed(push, setting);
+  const double contact_s = time_at(reamed, 0);
+  const auto add = [&](double depth_mm) {
+    out.checks.push_back(relative_check(fmt::format("time from contact to {:g} mm", depth_mm), "s",
+                                        time_to_depth_s(head, 50, 5, depth_mm), time_at(reamed, depth_mm) - contact_s,
+                                        kLimit, kLimitReason));
+  };
+  add(1);
+  if (!setting.quick) add(4);
+  return out;
+}
+
+namespace {
+
+/// Grades of density are too coarse for 0.1 g/cm³, so the bone has another density and the specific energy of that.
+constexpr double kGraded_g_cm3 = 0.8, kSoft_g_cm3 = 0.1;
+
+/// A heavy hand on soft bone, from rest in full contact. `thrust_n` sets how much of the resistance is not linear.
+Push heavy(double thrust_n, double rate_hz, double time_s) {
+  SteadyPlunge head = kExample;
+  const double begin = head.full_contact_mm() + 0.3;
+  Push push{.head = head_of(head), .voxel_mm = 0.5, .rate_hz = rate_hz, .begin_mm = begin, .block_mm = begin + 6};
+  push.density = [](const Vec3&) { return kGraded_g_cm3; };
+  push.energy_factor = std::pow(kSoft_g_cm3 / kGraded_g_cm3, kDensityExponent);
+  push.settings.approach_mm = 0;
+  push.settings.thrust_n = thrust_n;
+  push.settings.max_feed_mm_s = 100;
+  push.settings.mass_kg = 10;
+  push.settings.until = PushEnd::time;
+  push.settings.time_s = time_s;
+  return push;
+}
+
+/// The time constant of the approach to the steady feed, from the velocities at two times.
+double time_constant_s(const Reamed& reamed, double steady_mm_s, std::size_t a, std::size_t b) {
+  const auto missing = [&](std::size_t k) { return 1 - reamed.rows[k].push->velocity_mm_s / steady_mm_s; };
+  return (reamed.rows[b].time_s - reamed.rows[a].time_s) / std::log(missing(a) / missing(b));
+}
+
+}  // namespace
+
+CaseFindings push_mass_case(const Setting& setting) {
+  CaseFindings out;
+  out.title = "Mass of the hand";
+  out.scene = "the reamer in full contact in ρ 0.1 g/cm³, pushed from rest with a mass of 10 kg";
+  out.form = "M·dv/dt = F − A·v − B·v²; for a small thrust v = F/A·(1 − exp(−t/τ)) with τ = M/A";
+  SteadyPlunge soft = kExample;
+  soft.density_g_cm3 = kSoft_g_cm3;
+  constexpr double kSmall_n = 0.2;
+  const Reamed slow = pushed(heavy(kSmall_n, 1000, 0.06), setting);
+  const double steady = quadratic_feed(soft, kSmall_n);
+  out.checks.push_back(relative_check("τ from the velocities at 5 and 30 ms", "ms", 10 / linear_resistance(soft),
+                                      1e3 * time_constant_s(slow, steady, 5, 30), 0.02, kLimitReason));
+  constexpr double kThrust_n = 2;
+  Refinement travel{"travel in 32 ms under 2 N", "mm", "frame, s", travel_of_mass_mm(soft, kThrust_n, 10, 0.032)};
+  for (const double frame_s : {8e-3, 4e-3, 2e-3, 1e-3}) {
+    const Reamed reamed = pushed(heavy(kThrust_n, 1 / frame_s, 0.032), setting);
+    add_level(travel, frame_s, depth_of(reamed.rows.back()) - depth_of(reamed.rows.front()));
+  }
+  add_refinement(out, std::move(travel), kLimit, kLimitReason);
+  return out;
+}
+
+CaseFindings push_stall_case(const Setting& setting) {
+  CaseFindings out;
+  out.title = "Stall below the edge force";
+  out.scene = "flat cannulated head in contact (a 15, r₀ 1.25 mm, 250 rpm), one cutting edge of 1 N/mm normal force";
+  out.form = "no feed below F_edge = K_n·(a − r₀); above, the feed of F − F_edge";
+  const SteadyPlunge flat = example_with(&SteadyPlunge::radius_mm, std::nullopt);
+  constexpr double kMore_n = 100;
+  const double edge_n = flat.outer_mm - flat.bore_mm;
+  const auto run = [&](double thrust_n) {
+    Push push{.head = head_of(flat), .voxel_mm = 0.5, .rate_hz = 100, .begin_mm = 0.3, .block_mm = 3};
+    push.edge = EdgeForceSettings{.tangential_n_mm = 1e-6, .normal_n_mm = 1};
+    push.settings.approach_mm = 0;
+    push.settings.thrust_n = thrust_n;
+    push.settings.until = PushEnd::stall;
+    push.settings.time_s = 2;
+    return pushed(push, setting);
+  };
+  const Reamed below = run(0.95 * edge_n), above = run(edge_n + kMore_n);
+  out.checks.push_back({"travel below the edge force", "mm", Measure::absolute, 0,
+                        depth_of(below.rows.back()) - depth_of(below.rows.front()), 1e-12,
+                        "the bone holds the thrust"});
+  out.checks.push_back({"the stall ends the push", "s", Measure::at_most, 0.2, below.rows.back().time_s, 0, "0.1 s"});
+  out.checks.push_back(relative_check("feed 100 N above it", "mm/s", balanced_feed_of(flat, kMore_n),
+                                      mean_feed(above, 0.35, 0.85), kLimit, kLimitReason));
+  return out;
+}
+
+CaseFindings push_energy_case(const Setting& setting) {
+  CaseFindings out;
+  out.title = "Energy of a push";
+  out.scene =
+      "head without bore from first contact through two layers (1.8 and 0.4 g/cm³) with 0.5 kg and 0.5 N·s/mm, to 1.5 "
+      "mm";
+  out.form = "work of the hand + work of the drill + E_floor = E_cut + kinetic + damping energy + loss within frames";
+  Push push{.head = convex_profile(12, 5, 0, kHead_mm, 0.05), .voxel_mm = 0.25, .rate_hz = 500, .block_mm = 3};
+  push.width_mm = 13;
+  push.density = [](const Vec3& p) { return p.z() > -1 ? 1.8 : 0.4; };
+  push.settings.approach_mm = 0.2;
+  push.settings.thrust_n = 40;
+  push.settings.depth_mm = 1.5;
+  push.settings.mass_kg = 0.5;
+  push.settings.damping_n_s_mm = 0.5;
+  const Reamed reamed = pushed(push, setting);
+  double floor = 0, cut = 0;
+  for (const FrameResult& row : reamed.after(0)) {
+    floor += row.floor_energy_mj;
+    cut += row.energy_mj;
+  }
+  const HandState& hand = reamed.hand;
+  const double given = hand.hand_mj + hand.drill_mj + floor;
+  const double taken = cut + hand.kinetic_mj + hand.damping_mj + hand.lost_mj;
+  out.checks.push_back({"work of the hand", "mJ", Measure::reported, 0, hand.hand_mj, 0, ""});
+  out.checks.push_back({"work of the drill", "mJ", Measure::reported, 0, hand.drill_mj, 0, ""});
+  out.checks.push_back({"damping energy", "mJ", Measure::reported, 0, hand.damping_mj, 0, ""});
+  out.checks.push_back({"loss within frames", "mJ", Measure::reported, 0, hand.lost_mj, 0, ""});
+  out.checks.push_back(relative_check("both sides", "mJ", taken, given, 1e-4, kLimitReason));
+  return out;
+}
+
+}  // namespace reamsim::verify

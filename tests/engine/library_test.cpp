@@ -1,0 +1,159 @@
+// reamsim/simulation.h gives what `reamsim run` gives.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <reamsim/simulation.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+
+#include "sim/run/simulation.h"
+#include "sim/scenario/parse.h"
+#include "tests/support/temp_dir.h"
+
+namespace reamsim::library_tests {
+namespace {
+
+/// Collects rows of the program's main loop.
+class Rows final : public FrameSink {
+ public:
+  std::vector<FrameResult> rows;
+  void frame(const FrameResult& result, const FrameTimes&) override { rows.push_back(result); }
+  void snapshot(std::int64_t, FillBricks&) override {}
+  void removed(const RemovedFrames&) override {}
+};
+
+class Library : public ::testing::Test {
+ protected:
+  Library() {
+    std::ofstream(scenario()) << R"(version: 2
+bone: {source: phantom, voxel_mm: 0.5, phantom: {shape: half_space, density_g_cm3: 0.6, size_mm: [36, 36, 6]}}
+tool: {mesh: )" REAMSIM_ASSETS R"(/reamer_convex.stl}
+motion:
+  frame_rate_hz: 500
+  plunge: {approach_mm: 0.2, depth_mm: 1, feed_mm_s: 2, dwell_s: 0.05, retract_mm: 2, retract_mm_s: 20}
+)";
+  }
+  [[nodiscard]] std::string scenario() const { return dir_.path() + "/s.yaml"; }
+
+  /// The rows of the main loop.
+  [[nodiscard]] std::vector<FrameResult> rows_of_run(bool windows) const {
+    Report report;
+    ReamingScene scene = load_scene(parse_scenario(scenario(), {}), report);
+    scene.scenario.engine.tuning.windows = windows;
+    const auto engine = load_engine(scene);
+    Rows sink;
+    simulate(scene, *engine, sink, {}, report);
+    return sink.rows;
+  }
+
+  static void expect_same(const std::vector<StepResult>& steps, const std::vector<FrameResult>& rows) {
+    ASSERT_EQ(steps.size(), rows.size());
+    for (std::size_t k = 0; k < rows.size(); ++k) {
+      const StepResult& a = steps[k];
+      const FrameResult& b = rows[k];
+      ASSERT_EQ(a.frame, b.frame);
+      ASSERT_EQ(a.time_s, b.time_s) << k;
+      ASSERT_EQ(a.axial_force_n, b.axial_force_n) << k;
+      ASSERT_EQ(Vec3(a.torque_nmm.data()), b.torque_nmm) << k;
+      ASSERT_EQ(a.removed_mm3, b.removed_mm3) << k;
+      ASSERT_EQ(a.depth_mm, b.depth_mm) << k;
+      ASSERT_EQ(a.balance, b.balance) << k;
+    }
+  }
+
+  test::TempDir dir_;
+};
+
+TEST_F(Library, StepsGiveTheRowsOfARunWithoutWindows) {
+  Simulation simulation(scenario());
+  const std::vector<Pose> poses = simulation.planned_poses();
+  std::vector<StepResult> steps{simulation.start(poses.front())};
+  for (std::size_t k = 1; k < poses.size(); ++k) steps.push_back(simulation.step(poses[k]));
+  expect_same(steps, rows_of_run(false));
+  EXPECT_GT(simulation.removed_mm3(), 10);
+}
+
+TEST_F(Library, RunOfPosesGivesTheRowsOfARun) {
+  Simulation simulation(scenario());
+  const std::vector<Pose> poses = simulation.planned_poses();
+  std::vector<StepResult> steps{simulation.start(poses.front())};
+  const auto more = simulation.run(std::span(poses).subspan(1));
+  steps.insert(steps.end(), more.begin(), more.end());
+  expect_same(steps, rows_of_run(true));
+}
+
+TEST_F(Library, StateGoesBackInTime) {
+  Simulation simulation(scenario());
+  const std::vector<Pose> poses = simulation.planned_poses();
+  simulation.start(poses.front());
+  simulation.run(std::span(poses).subspan(1, 150));
+  const Simulation::State state = simulation.state();
+  const auto first = simulation.run(std::span(poses).subspan(151, 100));
+  const Volume after = simulation.fill();
+  simulation.restore(state);
+  const auto again = simulation.run(std::span(poses).subspan(151, 100));
+  ASSERT_EQ(first.size(), again.size());
+  for (std::size_t k = 0; k < first.size(); ++k) {
+    EXPECT_EQ(first[k].axial_force_n, again[k].axial_force_n);
+    EXPECT_EQ(first[k].balance, again[k].balance);
+    EXPECT_EQ(first[k].frame, again[k].frame);
+  }
+  EXPECT_EQ(simulation.fill().values, after.values);
+  Simulation other(scenario());
+  other.restore(state);
+  EXPECT_EQ(other.run(std::span(poses).subspan(151, 1))[0].axial_force_n, first[0].axial_force_n);
+}
+
+TEST_F(Library, PeekIsTheStepThatFollowsAndRemovesNothing) {
+  Simulation simulation(scenario());
+  const std::vector<Pose> poses = simulation.planned_poses();
+  simulation.start(poses.front());
+  simulation.run(std::span(poses).subspan(1, 200));
+  const Volume before = simulation.fill();
+  const StepResult peeked = simulation.peek(poses[201]);
+  EXPECT_EQ(simulation.fill().values, before.values);
+  const StepResult done = simulation.step(poses[201]);
+  EXPECT_GT(done.removed_mm3, 0);
+  EXPECT_EQ(peeked.axial_force_n, done.axial_force_n);
+  EXPECT_EQ(peeked.removed_mm3, done.removed_mm3);
+}
+
+TEST_F(Library, FillAndDensityCoverTheBone) {
+  Simulation simulation(scenario());
+  const Volume fill = simulation.fill(), density = simulation.density();
+  ASSERT_EQ(fill.values.size(), density.values.size());
+  double mm3 = 0;
+  for (const float f : fill.values) mm3 += f * fill.voxel_mm * fill.voxel_mm * fill.voxel_mm;
+  EXPECT_NEAR(mm3, 36 * 36 * 6, 1);
+  EXPECT_NEAR(*std::max_element(density.values.begin(), density.values.end()), 0.6, 0.008);
+}
+
+TEST_F(Library, MistakesAreTyped) {
+  EXPECT_THROW(Simulation("no such file.yaml"), BadInput);
+  EXPECT_THROW(Simulation(scenario(), {"bone.voxel_mm=-1"}), BadInput);
+  Simulation simulation(scenario());
+  const Pose start = simulation.planned_poses().front();
+  EXPECT_THROW(simulation.step(start), BadInput);
+  simulation.start(start);
+  EXPECT_THROW(simulation.start(start), BadInput);
+  Pose wrong = start;
+  wrong.quaternion = {0, 0, 0, 0};
+  EXPECT_THROW(simulation.step(wrong), BadInput);
+  wrong = start;
+  wrong.position_mm[1] = std::nan("");
+  EXPECT_THROW(simulation.step(wrong), BadInput);
+  EXPECT_THROW(simulation.step(start, 0.0), BadInput);
+  Simulation other(scenario(), {"bone.voxel_mm=0.6"});
+  EXPECT_THROW(other.restore(simulation.state()), BadInput);
+  try {
+    Simulation(scenario(), {"motion.plunge.feed_mm_s=fast"});
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_THAT(error.what(), ::testing::HasSubstr("motion.plunge.feed_mm_s"));
+  }
+}
+
+}  // namespace
+}  // namespace reamsim::library_tests
