@@ -31,7 +31,6 @@ void check_push(const Scenario& scenario, const KeyLocations& locations) {
   };
   if (!push.profile.empty() && locations.given("motion.push.thrust_n"))
     fail("profile", "found beside thrust_n", "one of both");
-  if (push.profile.empty() && push.thrust_n <= 0) fail("thrust_n", "found 0", "a thrust above 0");
   // A frame of the fastest feed is one substep, so that its balance is that of its cut.
   const double step_mm = push.max_feed_mm_s / scenario.motion.frame_rate_hz;
   const double most_mm = scenario.engine.max_step_voxels * scenario.bone.voxel_mm;

@@ -149,7 +149,7 @@ TEST(Keyframes, WrongOnesNameTheKey) {
   EXPECT_THAT(error_of(keyframes({a, none})), HasSubstr("motion.keyframes[1].quaternion: the quaternion has length 0"));
   EXPECT_THAT(error_of(keyframes({a, keyframe(1, Vec3::Zero(), Vec3::Zero(), 0)})),
               HasSubstr("motion.keyframes[1].axis: no direction"));
-  EXPECT_THAT(error_of({}), HasSubstr("plunge, keyframes or csv"));
+  EXPECT_THAT(error_of({}), HasSubstr("plunge, push, keyframes or csv"));
 }
 
 TEST(Keyframes, AQuaternionThatIsNoUnitIsNormalisedWithAWarning) {

@@ -80,6 +80,12 @@ def plunge(rate_hz, **more):
     return {"motion": {"frame_rate_hz": rate_hz, "plunge": more}}
 
 
+def push(**more):
+    """A push that ends after a tenth of a second at the latest."""
+    hand = {"approach_mm": 0.1, "thrust_n": 20, "max_feed_mm_s": 10, "until": "time", "time_s": 0.1, "spin_rpm": 250, **more}
+    return {"motion": {"plunge": None, "push": hand}}
+
+
 def keyframes(first, last, rate_hz=100):
     keys = [{"time_s": 0, "position_mm": [0, 0, 0.5], "axis": [0, 0, 1], **first}]
     keys += [{"time_s": 0.2, "position_mm": [0, 0, -0.5], "axis": [0, 0, 1], **last}]
@@ -142,6 +148,7 @@ SECTIONS = {
     "clearance.envelope": merged(holder(), SKIN),
     "motion": {},
     "motion.plunge": {},
+    "motion.push": push(),
     "motion.keyframes": keyframes({}, {}),
     "motion.csv": {"motion": {"plunge": None, "csv": {"path": "poses.csv"}}},
     "engine": {},
@@ -210,6 +217,7 @@ KEYS = {
     "motion.frame_rate_hz@max": plunge(1e5, approach_mm=0.05, depth_mm=0.05, retract_mm=0.05, feed_mm_s=500, retract_mm_s=500),
     "motion.plunge.approach_mm@max": plunge(100, feed_mm_s=1000),
     "motion.plunge.depth_mm@max": plunge(100, feed_mm_s=1000),
+    "motion.push.max_feed_mm_s@max": merged(push(time_s=0.01), {"motion": {"frame_rate_hz": 5000}}),
     "motion.plunge.feed_mm_s@min": plunge(1, **SLOW),
     "motion.plunge.retract_mm_s@min": plunge(1, **SLOW),
     "motion.plunge.dwell_s@max": plunge(1),
