@@ -46,7 +46,8 @@ void describe_push(KeyVisitor& v, PushSettings& push) {
   v.choice({.name = "from", .doc = "Where the depth begins, as for a plunge"}, push.from);
   v.number({.name = "approach_mm", .doc = "Distance before the point where the depth begins", .range = between(0, 500)},
            push.approach_mm);
-  v.number({.name = "thrust_n", .doc = "Force of the hand along axis, N", .range = between(1e-3, 10000)}, push.thrust_n);
+  v.number({.name = "thrust_n", .doc = "Force of the hand along axis, N", .range = between(1e-3, 10000)},
+           push.thrust_n);
   v.text({.name = "profile",
           .doc = "CSV of the thrust over time, with the columns time_s and thrust_n; it replaces thrust_n",
           .text = TextKind::input_file},
