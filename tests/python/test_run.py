@@ -50,7 +50,7 @@ def test_every_path_key_of_a_dict_is_known(tmp_path):
     keys = [line.split("|")[1].strip().strip("`") for line in table.splitlines()
             if line.startswith("| `") and line.count("|") >= 6 and line.split("|")[2].strip() in ("path", "folder")]
     assert len(keys) >= 7, keys
-    assert all(key.endswith((".path", ".mesh")) or key == "output.dir" for key in keys), keys
+    assert all(key.endswith((".path", ".mesh", ".profile")) or key == "output.dir" for key in keys), keys
     text = scenario_text({"bone": {"ct": {"path": "a"}, "mesh": {"path": pathlib.Path("b")}}, "output": {"dir": "c"},
                           "motion": {"passes": [{"tool": {"mesh": "d"}}]}, "tool": {"mesh": "${HOME}/e"}}, tmp_path)
     scenario = load_yaml(text)
