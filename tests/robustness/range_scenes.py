@@ -217,6 +217,7 @@ KEYS = {
     "motion.frame_rate_hz@max": plunge(1e5, approach_mm=0.05, depth_mm=0.05, retract_mm=0.05, feed_mm_s=500, retract_mm_s=500),
     "motion.plunge.approach_mm@max": plunge(100, feed_mm_s=1000),
     "motion.plunge.depth_mm@max": plunge(100, feed_mm_s=1000),
+    "motion.push.time_s@max": push(until="depth", depth_mm=0.05),
     "motion.push.max_feed_mm_s@max": merged(push(time_s=0.01), {"motion": {"frame_rate_hz": 5000}}),
     "motion.plunge.feed_mm_s@min": plunge(1, **SLOW),
     "motion.plunge.retract_mm_s@min": plunge(1, **SLOW),
