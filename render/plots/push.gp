@@ -11,7 +11,6 @@ do for [format in "png svg pdf"] {
   eval "set terminal " . terminal(format, 170, 190)
   set output "plots/push." . format
   set multiplot layout 4,1 margins char 11, char 2, char 3.5, char 1 spacing char 1.8, char 3.2
-  set key top right
 
   set xlabel "Tool depth (mm)" offset 0, 0.6
   set ylabel "Feed (mm/s)" offset -0.4
@@ -26,11 +25,13 @@ do for [format in "png svg pdf"] {
   plot csv using "time_s":"depth_mm" every step with lines lw 1.5 lc rgb purple notitle
 
   set ylabel "Force (N)"
+  set key bottom right
   set yrange [0:high(0, F_max)]
-  plot csv using "time_s":"thrust_n" every step with lines lw 1.5 lc rgb light_blue title "thrust aimed at", \
+  plot csv using "time_s":"thrust_n" every step with lines lw 1.5 lc rgb light_blue title "thrust", \
        csv using "time_s":"hand_force_n" every step with lines lw 1.2 lc rgb dark_blue title "hand"
 
   set ylabel "Power (W)"
+  set key center right
   set yrange [0:high(0, max(H_max, P_max))]
   plot csv using "time_s":"drill_power_w" every step with lines lw 1.2 lc rgb dark_red title "drill", \
        csv using "time_s":"hand_power_w" every step with lines lw 1.5 lc rgb dark_blue title "hand"

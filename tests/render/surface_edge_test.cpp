@@ -112,7 +112,7 @@ TEST(BoneSurfaceTest, TheEdgeOfTheReamedFaceHasNoTeeth) {
   const Cut& cut = kCuts[3];
   const auto [voxmap, before] = reamed_ball(smooth_ball(), cut.kept);
   const Vec2 edge(cut.rim_mm, std::sqrt(100 - cut.rim_mm * cut.rim_mm));
-  // From the wall, which goes down, to the ball, which falls off by 30 degrees.
+  // From the wall, which is vertical, to the ball, which slopes by 30 degrees.
   const double uneven = uneven_normals(surface_of(voxmap, before), edge, {std::sqrt(0.75), 0.5}, voxmap.grid.voxel_mm);
   std::cout << "normals at the edge uneven by " << uneven << "\n";
   EXPECT_LT(uneven, 0.065);
