@@ -9,6 +9,7 @@
 #include "render/report/report.h"
 #include "sim/base/error.h"
 #include "sim/predict/contact_forecast.h"
+#include "sim/record/snapshot.h"
 #include "sim/run/checkpoint.h"
 #include "sim/scenario/parse.h"
 #include "sim/scenario/picture_frames.h"
@@ -32,12 +33,19 @@ ToolPose as_logged(ToolPose pose) {
   return pose;
 }
 
-}  // namespace
+/// The poses of a motion, which are known before the run.
+void add_planned_path(const ReamingScene& scene, RunPath& path) {
+  const auto add = [&](const Motion& motion) {
+    std::int64_t frame = motion.first_frame;
+    for (const ToolPose& pose : motion.poses) path.add(as_logged(pose), frame++, motion.pass);
+  };
+  add(scene.motion);
+  for (const Pass& pass : scene.later_passes) add(pass.motion);
+}
 
-namespace {
-
+template <class AddPath>
 RunInputs inputs_with(const ReamingScene& scene, const std::string& dir, std::vector<ToolPass> tools,
-                      std::vector<std::int64_t> frames) {
+                      std::vector<std::int64_t> frames, const AddPath& add_path) {
   RunInputs run;
   run.dir = dir;
   run.voxmap = scene.bone.voxmap;
@@ -48,27 +56,32 @@ RunInputs inputs_with(const ReamingScene& scene, const std::string& dir, std::ve
   run.frames = std::move(frames);
   run.passes = std::move(tools);
   RunPath path(run);
-  const auto add = [&](const Motion& motion) {
-    std::int64_t frame = motion.first_frame;
-    for (const ToolPose& pose : motion.poses) path.add(as_logged(pose), frame++, motion.pass);
-  };
-  add(scene.motion);
-  for (const Pass& pass : scene.later_passes) add(pass.motion);
+  add_path(path);
   path.give(run);
   return run;
+}
+
+/// The inputs of a push up to `last_frame`: what the tool has not yet done is not known.
+RunInputs inputs_so_far(const ReamingScene& scene, const std::string& dir, std::int64_t last_frame) {
+  return inputs_with(scene, dir, read_tools(dir), snapshot_frames(dir), [&](RunPath& path) {
+    for_each_force_row(dir + "/forces.csv", [&](const ForceRow& row) {
+      if (row.frame <= last_frame) path.add(row.pose, row.frame, row.pass);
+    });
+  });
 }
 
 }  // namespace
 
 RunInputs inputs_of(const ReamingScene& scene, const std::string& dir) {
   return inputs_with(scene, dir, read_tools(dir),
-                     picture_frames(scene.scenario.render, scene.last_frame(), scene.contact));
+                     picture_frames(scene.scenario.render, scene.last_frame(), scene.contact),
+                     [&](RunPath& path) { add_planned_path(scene, path); });
 }
 
 RunInputs inputs_without_folder(const ReamingScene& scene) {
   std::vector<ToolPass> tools{{.tool = scene.tool.mesh}};
   for (const Pass& pass : scene.later_passes) tools.push_back({.tool = pass.tool.mesh});
-  return inputs_with(scene, "", std::move(tools), {0});
+  return inputs_with(scene, "", std::move(tools), {0}, [&](RunPath& path) { add_planned_path(scene, path); });
 }
 
 bool is_unfinished(const std::string& dir) {
@@ -80,13 +93,11 @@ RunData open_run(const std::string& dir) {
   if (!checkpoint) return {dir};
   Report report;
   ReamingScene scene = load_scene(parse_scenario(dir + "/scenario.yaml", {}), report);
-  if (scene.motion.push) {
-    throw InputError({dir, 0, 0}, "", "holds an unfinished run of motion.push, whose path is not known yet",
-                     "finish it with `reamsim run --resume` first");
-  }
+  const std::int64_t last = checkpoint->simulation.frame;
   scene.contact = contact_frames(forecast_passes(scene));
-  RunInputs inputs = inputs_of(scene, dir);  // with the poses to come, so that views and legend are those of the run
-  std::erase_if(inputs.frames, [&](std::int64_t frame) { return frame > checkpoint->simulation.frame; });
+  // With the poses to come, where they are known, so that views and legend are those of the run.
+  RunInputs inputs = scene.motion.push ? inputs_so_far(scene, dir, last) : inputs_of(scene, dir);
+  std::erase_if(inputs.frames, [&](std::int64_t frame) { return frame > last; });
   RunData run(std::move(inputs));
   restore_fill(*checkpoint, scene.bone.fill, dir);
   run.finish(std::move(scene.bone.fill));

@@ -36,9 +36,16 @@ ForcePanel::ForcePanel(const ForceLog& log, const std::string& mean, int width_p
       last_s_(std::max(log.rows.back().time_s, log.rows.front().time_s + 1e-6)),
       background_(plain_image(width_px, height_px, kColumnRgb)) {
   // Blue and vermilion of Okabe and Ito (2008), as in the plots: safe for colour-blind readers.
-  curves_.push_back({mean + "axial force", "N", &ForceRow::layer_axial_force_n, 1, 0x0072b2, {}});
-  curves_.push_back({mean + "spin torque", "N·mm", &ForceRow::layer_spin_torque_nmm, 0, 0xd55e00, {}});
-  const double height = (height_px - (kTop + kBetween + kBottom) * unit) / 2;
+  curves_.push_back(
+      {mean + "axial force", "N", [](const ForceRow& row) { return row.layer_axial_force_n; }, 1, 0x0072b2, {}});
+  curves_.push_back(
+      {mean + "spin torque", "N·mm", [](const ForceRow& row) { return row.layer_spin_torque_nmm; }, 0, 0xd55e00, {}});
+  if (log.rows.back().push) {
+    curves_.push_back(
+        {"feed rate", "mm/s", [](const ForceRow& row) { return row.push ? row.push->feed_mm_s : 0; }, 2, 0x009e73, {}});
+  }
+  const auto curves = static_cast<double>(curves_.size());
+  const double height = (height_px - (kTop + (curves - 1) * kBetween + kBottom) * unit) / curves;
   double y = kTop * unit;
   for (Curve& curve : curves_) {
     curve.title.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(curve.title.front())));
@@ -68,7 +75,7 @@ void ForcePanel::compute_envelope(Curve& curve) const {
   curve.high.assign(columns, std::numeric_limits<double>::lowest());
   double least = 0, most = 0;
   for (const ForceRow& row : log_.rows) {
-    const double value = row.*curve.value;
+    const double value = curve.value(row);
     const double place = (x_of(row.time_s) - curve.box.x) / curve.box.width * static_cast<double>(columns);
     const auto column = std::min(columns - 1, static_cast<std::size_t>(std::max(0.0, place)));
     curve.low[column] = std::min(curve.low[column], value);
@@ -155,12 +162,12 @@ PixelImage ForcePanel::at(const ForceRow& row) const {
     cairo_set_line_width(c, std::max(1.0, 1.6 * unit_));
     canvas.set_color(kFaintTextColor);
     canvas.line({x, box.y}, {x, box.y + box.height});
-    cairo_arc(c, x, y_of(curve, row.*curve.value), 7 * unit_, 0, 6.2832);
+    cairo_arc(c, x, y_of(curve, curve.value(row)), 7 * unit_, 0, 6.2832);
     canvas.set_color(rgba_of(curve.rgb, 1));
     cairo_fill_preserve(c);
     canvas.set_color({1, 1, 1, 1});
     cairo_stroke(c);
-    const TextLine number(canvas, fixed_text(row.*curve.value, curve.decimals), kTitle * unit_, true);
+    const TextLine number(canvas, fixed_text(curve.value(row), curve.decimals), kTitle * unit_, true);
     canvas.set_color(rgba_of(curve.rgb, 1));
     number.draw(box.x + box.width - number.width, box.y - number.height - 16 * unit_);
   }

@@ -8,7 +8,7 @@
 
 namespace reamsim {
 
-/// Axial force and spin torque against time, beside a film's pictures: the whole run pale, the past opaque, and a
+/// Axial force and spin torque against time, and the feed rate of a push, beside a film's pictures: the whole run pale, the past opaque, and a
 /// cursor. The axes span the whole run.
 class ForcePanel {
  public:
@@ -19,7 +19,7 @@ class ForcePanel {
   /// The panel at the time of a row of the log. Throws RunError.
   [[nodiscard]] PixelImage at(const ForceRow& row) const;
 
-  /// The plot area of a curve: 0 force, 1 torque.
+  /// The plot area of a curve: 0 force, 1 torque, 2 feed rate.
   [[nodiscard]] const Box& plot(int curve) const { return curves_.at(static_cast<std::size_t>(curve)).box; }
   /// Pixels from the panel's left edge.
   [[nodiscard]] double x_of(double time_s) const;
@@ -27,7 +27,7 @@ class ForcePanel {
  private:
   struct Curve {
     std::string title, unit;
-    double ForceRow::*value;
+    double (*value)(const ForceRow&);
     int decimals;
     std::uint32_t rgb;
     Box box;

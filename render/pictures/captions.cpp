@@ -22,11 +22,13 @@ Captions::Captions(ForceLog log, double mean_travel_mm, bool arrows)
 
 Captions::Values Captions::at(const ForceRow& row) const {
   const bool several = log_.rows.back().pass > 1;
-  return {{several ? "pass " + std::to_string(row.pass) + ", time" : "time", fixed_text(row.time_s, 3) + " s"},
-          {"tool depth", depth_text(row.depth_mm)},
-          {mean_ + "axial force", fixed_text(row.layer_axial_force_n, 1) + " N"},
-          {mean_ + "spin torque", fixed_text(row.layer_spin_torque_nmm, 0) + " N·mm"},
-          {"removed", fixed_text(row.removed_mm3, 1) + " mm³"}};
+  Values out{{several ? "pass " + std::to_string(row.pass) + ", time" : "time", fixed_text(row.time_s, 3) + " s"},
+             {"tool depth", depth_text(row.depth_mm)},
+             {mean_ + "axial force", fixed_text(row.layer_axial_force_n, 1) + " N"},
+             {mean_ + "spin torque", fixed_text(row.layer_spin_torque_nmm, 0) + " N·mm"},
+             {"removed", fixed_text(row.removed_mm3, 1) + " mm³"}};
+  if (row.push) out.insert(out.begin() + 2, {"feed rate", fixed_text(row.push->feed_mm_s, 2) + " mm/s"});
+  return out;
 }
 
 Captions::Values Captions::after(double deepest_mm) const {

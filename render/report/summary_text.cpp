@@ -104,6 +104,17 @@ constexpr std::array kMotion{Line{"/simulated_s", "Simulated time", "s"},
                              Line{"/contact_frames", "Frames in contact", ""},
                              Line{"/first_contact_frame", "First frame in contact", ""}};
 
+constexpr std::array kPush{Line{"/push/mean_feed_mm_s", "Feed rate from first contact on, mean", "mm/s"},
+                           Line{"/push/peak_feed_mm_s", "Feed rate in contact, peak", "mm/s"},
+                           Line{"/push/hand_work_mj", "Work of the hand", "mJ"},
+                           Line{"/push/drill_work_mj", "Work of the drill", "mJ"},
+                           Line{"/push/peak_hand_power_w", "Power of the hand, peak", "W"},
+                           Line{"/push/peak_drill_power_w", "Power of the drill, peak", "W"},
+                           Line{"/push/overshoot_mm", "Travel in 0.2 s after breakthrough", "mm"}};
+constexpr std::array kEventColumns{ListColumn{"event", "Event", kTextColumn}, ListColumn{"time_s", "Time, s", 3},
+                                   ListColumn{"depth_mm", "Tool depth, mm", 2}, ListColumn{"frame", "Frame", 0}};
+constexpr ListTable kEvents{"/push/events", "Events", "No.", kEventColumns};
+
 constexpr std::array kPassColumns{ListColumn{"tool", "Reamer", kTextColumn}, ListColumn{"removed_mm3", "Removed, mm³"},
                                   ListColumn{"max_depth_mm", "Tool depth, mm", 2},
                                   ListColumn{"peak_axial_force_n", "Peak axial force, N"},
@@ -126,6 +137,7 @@ const std::array kTables{Table{"Bone", kBone},
                          Table{"Force and torque", kLoads},
                          Table{"Energy", kEnergy},
                          Table{"Motion", kMotion},
+                         Table{"Push", kPush},
                          Table{"Clearance", kClearance}};
 
 InputError wrong(const std::string& path, const std::string& key, const std::string& expected) {
@@ -231,7 +243,7 @@ std::string summary_table_html(const Json& summary, const char* title, std::span
 std::string summary_tables_html(const Json& summary, const std::string& path) {
   std::string out;
   for (const Table& table : kTables) out += summary_table_html(summary, table.title, table.lines, path);
-  return out + list_table_html(summary, kPasses, path);
+  return out + list_table_html(summary, kEvents, path) + list_table_html(summary, kPasses, path);
 }
 
 std::string provenance_html(const Json& summary, const std::string& path) {

@@ -45,16 +45,17 @@ std::vector<std::string_view> csv_cells(std::string_view line) {
 }
 
 CsvReader::CsvReader(const std::string& path, std::span<const std::string_view> names, const std::string& expected,
-                     std::string_view optional)
+                     std::span<const std::string_view> optional)
     : path_(path), names_(names.begin(), names.end()), in_(path, std::ios::binary) {
   std::string header;
   if (!in_ || !std::getline(in_, header)) throw InputError({path, 0, 0}, "", "cannot be read", expected);
   const auto found_names = csv_cells(header);
-  if (!optional.empty()) names_.push_back(optional);
+  names_.insert(names_.end(), optional.begin(), optional.end());
   for (const std::string_view name : names_) {
     const auto found = std::find(found_names.begin(), found_names.end(), name);
     const bool missing = found == found_names.end();
-    if (missing && name != optional) throw InputError({path, 1, 0}, std::string(name), "no such column", expected);
+    if (missing && places_.size() < names.size())
+      throw InputError({path, 1, 0}, std::string(name), "no such column", expected);
     places_.push_back(missing ? kMissing : static_cast<std::size_t>(found - found_names.begin()));
   }
 }

@@ -15,10 +15,10 @@ namespace reamsim {
 /// Reads the named columns of a CSV file with a header line, in any order, and skips the others.
 class CsvReader {
  public:
-  /// `expected` says what file this should be, for messages. `optional`: a column after the others that may be missing;
-  /// "": none. Throws InputError: unreadable, a column missing.
+  /// `expected` says what file this should be, for messages. `optional`: columns after the others that may be missing.
+  /// Throws InputError: unreadable, a column missing.
   CsvReader(const std::string& path, std::span<const std::string_view> names, const std::string& expected,
-            std::string_view optional = {});
+            std::span<const std::string_view> optional = {});
 
   /// Reads the next row that is not empty into `values`, in the order of the names; false at the end. An empty cell is
   /// NaN in the column `may_be_empty`, and so is a column that is missing. Throws InputError with file and line: a cell

@@ -37,12 +37,13 @@ constexpr std::array<std::string_view, kColumns> kNames{
     "tool_qy",       "tool_qz",         "spin_angle_rad", "depth_mm",  "force_x_n",       "force_y_n", "force_z_n",
     "axial_force_n", "spin_torque_nmm", "removed_mm3",    "energy_mj", "floor_energy_mj", "balance"};
 
-/// Logs of older versions do not have it.
-constexpr std::string_view kPassName = "pass";
+/// Logs of older versions have no passes; only a tool that a hand pushes has the others.
+constexpr std::array<std::string_view, 7> kOptionalNames{"pass",         "feed_mm_s",    "velocity_mm_s", "thrust_n",
+                                                         "hand_force_n", "hand_power_w", "drill_power_w"};
 /// More passes are a damaged file.
 constexpr double kMostPasses = 1e4;
 
-/// `v`: the values of a row, in the order of kNames, and the pass.
+/// `v`: the values of a row, in the order of kNames and kOptionalNames.
 ForceRow make_row(const SourceLocation& where, const std::vector<double>& v) {
   ForceRow row;
   if (v[kFrame] < 0 || v[kFrame] > 1e15) throw InputError(where, "frame", "out of range", "expected 0 or more");
@@ -66,6 +67,10 @@ ForceRow make_row(const SourceLocation& where, const std::vector<double>& v) {
   row.cumulative_energy_mj = v[kEnergy];
   row.cumulative_floor_mj = v[kFloorEnergy];
   row.balance = v[kBalance];
+  const double* const push = &v[kColumns + 1];
+  if (std::all_of(push, push + 6, [](double value) { return std::isfinite(value); })) {
+    row.push = PushResult{push[0], push[1], push[2], push[3], push[4], push[5]};
+  }
   return row;
 }
 
@@ -121,7 +126,7 @@ const ForceRow& ForceLog::at(std::int64_t frame, const std::string& path) const 
 }
 
 void for_each_force_row(const std::string& path, const std::function<void(const ForceRow&)>& visit) {
-  CsvReader table(path, kNames, "the forces.csv of a run", kPassName);
+  CsvReader table(path, kNames, "the forces.csv of a run", kOptionalNames);
   double removed_mm3 = 0, energy_mj = 0, floor_mj = 0;
   std::int64_t before = -1;
   for (std::vector<double> values; table.next(values);) {

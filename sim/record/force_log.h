@@ -2,11 +2,13 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "sim/motion/tool_pose.h"
 #include "sim/record/headline.h"
+#include "sim/record/results.h"
 
 namespace reamsim {
 
@@ -37,6 +39,7 @@ struct ForceRow {
   Vec3 layer_force_n = Vec3::Zero();   ///< of a mean, the component along the tool's axis
   std::size_t layer_frames = 0;        ///< number of frames in these means
   RowPoint layer_middle, layer_begin;  ///< in the middle and before the first of these frames
+  std::optional<PushResult> push;      ///< of a tool that a hand pushes
 };
 
 /// DIR/forces.csv, in ascending frames. A long log is decimated.

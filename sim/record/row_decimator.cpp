@@ -22,6 +22,8 @@ constexpr double (*kQuantities[])(const ForceRow&) = {
     [](const ForceRow& row) { return row.layer_spin_torque_nmm; },
     [](const ForceRow& row) { return row.layer_force_n.norm(); },
     [](const ForceRow& row) { return std::abs(row.balance); },
+    [](const ForceRow& row) { return row.push ? row.push->feed_mm_s : 0; },
+    [](const ForceRow& row) { return row.push ? row.push->drill_power_w : 0; },
 };
 
 }  // namespace

@@ -118,6 +118,8 @@ TEST_F(PushCommand, ContinuesWithTheSameBytes) {
   call.interrupt_signal = SIGINT;
   const ProgramResult cut = reamsim(call);
   EXPECT_EQ(cut.status, 75) << cut.err;
+  expect_done(reamsim({.arguments = {"render", "out.partial"}, .environment = {}, .folder = "", .interrupt_when = {}}));
+  EXPECT_TRUE(exists("out.partial/frames/000000.png"));
   expect_done(run(yaml, {"--resume"}));
   EXPECT_EQ(read("out/forces.csv"), forces);
   EXPECT_EQ(read("out/events.csv"), events);

@@ -18,9 +18,11 @@ from local_slurm import call, squeue, wait_until
 
 SHARDS = 4
 CPUS = 2
-# More frames make a run take ten seconds and a shard more than a minute, so that the signal before the time limit, which
+# More frames and smaller voxels make a shard take longer than a minute, so that the signal before the time limit, which
 # Slurm looks for every 30 s only, comes in the middle of a run.
-SLOW = ["--set", "motion.frame_rate_hz=24000"]
+SHARD_S = 110
+FRAMES = ["--set", "motion.frame_rate_hz=96000"]
+VOXEL_MM = 0.5
 
 
 class Study:
@@ -28,6 +30,17 @@ class Study:
         self.program, self.work, self.settings = program, work, list(settings)
         self.file = root / "trajectories/studies/reamers.yaml"
         self.output = work / "out of shards"
+
+    def slow_down(self):
+        """Makes a shard take SHARD_S or more on this machine."""
+        self.settings = FRAMES
+        begin = time.monotonic()
+        self.sweep("run", "--jobs", 1, "--shard", f"1/{3 * SHARDS}", "-o", self.work / "trial")
+        shard_s = 3 * (time.monotonic() - begin)
+        # Time grows with the voxels of the tool's surface.
+        voxel_mm = round(VOXEL_MM * min(1, shard_s / SHARD_S) ** 0.5, 2)
+        print(f"a shard takes {shard_s:.0f} s at {VOXEL_MM} mm: this test takes {voxel_mm} mm")
+        self.settings = [*FRAMES, "--set", f"bone.voxel_mm={voxel_mm}"]
 
     def sweep(self, command, *more):
         return call(self.program, "sweep", command, self.file, *self.settings, *more)
@@ -84,6 +97,7 @@ def continued(log):
 
 
 def slurm(study):
+    study.slow_down()
     scripts = study.submit("slurm", "--time-limit", "00:02:00")
     os.chdir(scripts)
     overhead(study.work)
@@ -167,7 +181,7 @@ def main():
         local_slurm.enter()
     with tempfile.TemporaryDirectory(prefix="reamsim-") as name:
         work = pathlib.Path(name)
-        study = Study(program, root, work, SLOW if system == "slurm" else [])
+        study = Study(program, root, work)
         if system == "parallel":
             parallel(study)
         else:

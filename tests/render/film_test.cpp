@@ -114,6 +114,25 @@ TEST(ForcePanelTest, TheCursorStandsAtTheTimeAndTheCurveIsStrongUpToIt) {
   }
 }
 
+TEST(ForcePanelTest, APushHasItsFeedRateBelowForceAndTorque) {
+  ForceLog log = ramp(500);
+  for (ForceRow& row : log.rows) row.push = PushResult{.feed_mm_s = row.frame < 250 ? 5.0 : 1.0};
+  const ForcePanel panel(log, "", 640, 720, 0.8);
+  const Box& feed = panel.plot(2);
+  EXPECT_GT(feed.y, panel.plot(1).y + panel.plot(1).height);
+  EXPECT_LT(feed.y + feed.height, 720);
+  EXPECT_EQ(feed.height, panel.plot(0).height);
+  const Picture seen = as_seen(panel.at(log.rows.back()));
+  const auto green = [&](double time_s) {
+    for (int y = static_cast<int>(feed.y); y < feed.y + feed.height; ++y) {
+      if (seen.at(static_cast<int>(panel.x_of(time_s)), y).x() < 60) return (y - feed.y) / feed.height;
+    }
+    return -1.0;
+  };
+  EXPECT_NEAR(green(1), 0, 0.05) << "5 mm/s, the top of the axis";
+  EXPECT_NEAR(green(4), 0.8, 0.05) << "1 mm/s";
+}
+
 TEST(ForcePanelTest, ALogOfZerosOrOfOneRowHasAxesToo) {
   ForceLog log = ramp(1);
   EXPECT_EQ(ForcePanel(log, "", 300, 300, 0.4).at(log.rows[0]).width_px, 300);

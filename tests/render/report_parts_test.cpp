@@ -127,6 +127,22 @@ TEST(PlotData, KeepsTheSpikesOfALongRun) {
   EXPECT_EQ(plot_data(log, 0.25)["mean_axial_force_n"].size(), frames.size());
 }
 
+TEST(PlotData, APushHasFeedAndPowerWithTheirExtremes) {
+  ForceLog log;
+  for (int i = 0; i < 20'000; ++i) {
+    ForceRow row;
+    row.frame = i;
+    row.push = PushResult{.feed_mm_s = i == 12'345 ? 4.5 : 0.5, .drill_power_w = 20};
+    log.rows.push_back(row);
+  }
+  const auto json = plot_data(log, 0);
+  ASSERT_EQ(json["feed_mm_s"].size(), json["frame"].size());
+  EXPECT_EQ(*std::ranges::max_element(json["feed_mm_s"].get<std::vector<double>>()), 4.5);
+  EXPECT_EQ(json["drill_power_w"][0], 20);
+  for (ForceRow& row : log.rows) row.push.reset();
+  EXPECT_FALSE(plot_data(log, 0).contains("feed_mm_s"));
+}
+
 TEST(PlanningHtml, IsThereWithAnImplantOnly) {
   using nlohmann::ordered_json;
   EXPECT_EQ(planning_html(ordered_json{{"metrics", {{"seating", nullptr}, {"planning", nullptr}}}}, "s.json"), "");

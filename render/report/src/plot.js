@@ -1,4 +1,4 @@
-// The plot: four panels over one time axis, with one cursor.
+// The plot: panels over one time axis, with one cursor.
 import uPlot from "uplot";
 
 // Okabe and Ito's colours, as in forces.gp.
@@ -7,6 +7,8 @@ const panels = [
   { label: "Spin torque", unit: "N·mm", column: "spin_torque_nmm", color: "#d55e00", light: "#f3c9ab", mean: "mean_spin_torque_nmm" },
   { label: "Removed", unit: "mm³", column: "removed_mm3", color: "#009e73" },
   { label: "Tool depth", unit: "mm", column: "depth_mm", color: "#8c4f86" },
+  { label: "Feed rate", unit: "mm/s", column: "feed_mm_s", color: "#0072b2" },  // of a push only
+  { label: "Drill power", unit: "W", column: "drill_power_w", color: "#d55e00" },
 ];
 
 // As in the tables: a true minus, thin spaces between thousands from five digits on.
@@ -79,7 +81,7 @@ function drawTicks(u, times) {
 export class Plots {
   constructor(place, data, pictureTimes, onMove) {
     this.data = data;
-    this.charts = panels.map((panel) => {
+    this.charts = panels.filter((panel) => data[panel.column]).map((panel) => {
       const title = Object.assign(document.createElement("div"), { className: "panel-title" });
       const means = data[panel.mean] ? `; dark: mean over ${data.mean_travel_mm} mm of travel` : "";
       title.textContent = `${panel.label}, ${panel.unit}${means}`;
