@@ -137,7 +137,8 @@ TEST(PlotData, APushHasFeedAndPowerWithTheirExtremes) {
   }
   const auto json = plot_data(log, 0);
   ASSERT_EQ(json["feed_mm_s"].size(), json["frame"].size());
-  EXPECT_EQ(*std::ranges::max_element(json["feed_mm_s"].get<std::vector<double>>()), 4.5);
+  const auto feeds = json["feed_mm_s"].get<std::vector<double>>();
+  EXPECT_EQ(*std::ranges::max_element(feeds), 4.5);
   EXPECT_EQ(json["drill_power_w"][0], 20);
   for (ForceRow& row : log.rows) row.push.reset();
   EXPECT_FALSE(plot_data(log, 0).contains("feed_mm_s"));
