@@ -88,6 +88,7 @@ bool cut_framed(__global const SubstepArgs* args, const SubstepWindow* window, c
 
 /* Memory of a work-item: for a brick in a window, and its sums of the substeps of the visit. */
 typedef struct {
+  BlockPieces blocks;
   Candidates candidates, framed;
   WindowSums window;
   SubstepSums sums[RS_VISIT_SUBSTEPS];
@@ -106,8 +107,7 @@ bool cut_in_window(__global const SubstepArgs* args, const SubstepWindow* window
     bool cut = cut_smooth(args, window, w, outline, v, &work->candidates, &work->framed, &work->window, report, sums);
     if (cut) add_window_sums((int)(window->end - window->first), &work->window, sums);
     if (work->framed.count > 0) {
-      const bool smooth = brick_is_smooth(args + window->first, outline, v, window->shift_mm);
-      finish_candidates(args + window->first, outline, v, smooth, window->shift_mm, &work->framed);
+      finish_candidates(args + window->first, outline, v, &work->blocks, window->shift_mm, &work->framed);
       cut |= cut_framed(args, window, outline, v, &work->framed, report, sums);
     }
     return cut;
@@ -129,7 +129,8 @@ bool cut_brick(__global const SubstepArgs* args, __global const SubstepWindow* w
     set_window(args + window.first, outline, v);
     const int page = page_of_slot[slot];
     find_candidates(args + window.first, outline, v, window.shift_mm * args->per_voxel_mm,
-                    page < 0 ? 0 : pages + (ulong)page * RS_BRICK_VOXELS, energy_of_grade, &work->candidates);
+                    page < 0 ? 0 : pages + (ulong)page * RS_BRICK_VOXELS, energy_of_grade, &work->blocks,
+                    &work->candidates);
     if (work->candidates.count == 0) continue;
     if (!cut_in_window(args, &window, motions, outline, v, work, report,
                        work->sums + (window.first - windows[0].first)))
