@@ -33,6 +33,12 @@ keep ct_shoulder/forces.png ct_forces 900
 draw ct_shoulder --only pictures --set render.background=white --set render.supersampling=2 \
   --camera '{name: hero, frame: glenoid, position_mm: [45, 25, 85], fov_deg: 32}'
 keep ct_shoulder/reamed_hero.png ct_hero
+make ct_shoulder_push --set render.film=mp4
+keep ct_shoulder_push/plots/push.png ct_push 900
+ffmpeg -v error -y -ss 3 -i "$work/ct_shoulder_push/reamed.mp4" -frames:v 1 "$work/push_film.png"
+keep push_film.png ct_push_film
+"$reamsim" compare "$work/ct_shoulder" "$work/ct_shoulder_push" -o "$work/push_compare" --overwrite --quiet
+keep push_compare/compare.png ct_push_compare 900
 make mesh_scapula --set 'render.cameras=[overview, section]'
 keep mesh_scapula/reamed.png mesh_overview
 for reamer in convex flat; do

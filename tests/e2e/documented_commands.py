@@ -12,6 +12,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
+import time
 
 import yaml
 
@@ -135,10 +136,11 @@ class Place:
         (self.folder / "run.sh").chmod(0o755)
 
     def run(self, command, where=".", expected=0):
-        print("$", command, flush=True)
+        begin = time.monotonic()
         done = subprocess.run(["bash", "-c", command], cwd=self.folder / where, env=self.environment, capture_output=True,
                               text=True, timeout=300)
         assert done.returncode == expected, f"{command}\nended with {done.returncode}\n{done.stdout[-2000:]}{done.stderr}"
+        print(f"{time.monotonic() - begin:6.1f} s $ {command}", flush=True)
         return done.stdout
 
     def run_documented(self, command):
