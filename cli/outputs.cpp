@@ -8,6 +8,7 @@
 #include "render/render.h"
 #include "render/report/report.h"
 #include "sim/base/error.h"
+#include "sim/base/file.h"
 #include "sim/predict/contact_forecast.h"
 #include "sim/run/checkpoint.h"
 #include "sim/scenario/parse.h"
@@ -80,8 +81,9 @@ RunData open_run(const std::string& dir) {
   if (!checkpoint) return {dir};
   Report report;
   ReamingScene scene = load_scene(parse_scenario(dir + "/scenario.yaml", {}), report);
-  if (scene.motion.push) {
-    throw InputError({dir, 0, 0}, "", "holds an unfinished run of motion.push, whose path is not known yet",
+  if (const MotionSettings& motion = scene.scenario.motion; !motion.is_prescribed()) {
+    const std::string section = motion.push ? "motion.push" : "motion.compliance";
+    throw InputError({dir, 0, 0}, "", "holds an unfinished run of " + section + ", whose path is not known yet",
                      "finish it with `reamsim run --resume` first");
   }
   scene.contact = contact_frames(forecast_passes(scene));
@@ -104,6 +106,13 @@ OutputOptions options_of(const ReamingScene& scene) {
           .torque_spectrum = scenario.tool.spin == ToolSpin::resolved,
           .meshes = scenario.output.meshes,
           .report = scenario.render.enabled && scenario.render.report};
+}
+
+/// Whether forces.csv has the columns of a tool on springs.
+bool has_deflections(const std::string& dir) {
+  constexpr std::uintmax_t kHeader = 4096;
+  const std::string start = read_file_start(dir + "/forces.csv", kHeader);
+  return start.substr(0, start.find('\n')).find("deflection_x_mm") != std::string::npos;
 }
 
 }  // namespace
@@ -138,6 +147,7 @@ void Outputs::make_figures(Report& report) const {
   if (!options_.all_plots) return;
   write_depth_and_energy_plots(dir, log_with_means());
   if (std::filesystem::exists(dir + "/events.csv")) write_push_plot(dir);  // only a push has events
+  if (has_deflections(dir)) write_deflection_plot(dir);
   write_removed_density(dir, run_.voxmap(), run_.inputs().fill, run_.last_fill());
   if (options_.torque_spectrum && !write_torque_spectrum(dir)) report.warn(kNoSpectrum);
 }
