@@ -220,8 +220,8 @@ class CompliantRun {
     }
     if (springs_.unbalanced_frames > 0) {
       report_.warn(fmt::format(
-          "motion.compliance: in {} frames the force of the bone jumps across the balance, by up to {:.3g} N; raise "
-          "motion.frame_rate_hz or add damping_n_s_mm if that matters",
+          "motion.compliance: in {} frames spring and bone are out of balance, by up to {:.3g} N, because the force "
+          "jumps: the tool chatters or loses contact; raise damping_n_s_mm, or motion.frame_rate_hz",
           springs_.unbalanced_frames, springs_.unbalanced_n));
     }
   }

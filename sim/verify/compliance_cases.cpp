@@ -128,6 +128,7 @@ CaseFindings compliance_stiff_case(const Setting& setting) {
   constexpr std::size_t kLast = 20;
   const auto force = [&](std::optional<double> stiffness) {
     ReamingScene scene = ball_on_edge(1, 0.5, 500);
+    scene.scenario.engine.tuning.windows = false;  // as with springs
     if (stiffness) scene.scenario.motion.compliance = {Vec3::Constant(*stiffness), 0};
     const Reamed reamed = ream(std::move(scene), setting);
     return mean_loads(std::span(reamed.rows).last(kLast)).force_n;
@@ -135,7 +136,7 @@ CaseFindings compliance_stiff_case(const Setting& setting) {
   const Vec3 rigid = force({});
   constexpr double kFactor = 4;
   std::vector<double> differences;
-  for (const double k : {1000.0, 4000.0, 16000.0}) {
+  for (const double k : {4000.0, 16000.0, 64000.0}) {
     differences.push_back((force(k) - rigid).norm());
     out.checks.push_back(
         {fmt::format("difference at {:g} N/mm", k), "N", Measure::reported, 0, differences.back(), 0, ""});
