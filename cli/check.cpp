@@ -34,6 +34,16 @@ constexpr double kTiming_s = 1;
 /// Time of a picture of 1920 × 1080, measured on two cores as docs/formats.md describes.
 constexpr double kPicture_s = 0.4;
 
+void note_compliance(const ComplianceSettings& springs, Report& report) {
+  const Vec3& k = springs.stiffness_n_mm;
+  report.note(
+      fmt::format("compliance: {:g}, {:g} and {:g} N/mm along x, y and z of the tool{}, damping {:g} N s/mm; the "
+                  "deflection is known "
+                  "only when it is run, and contact and memory are those of the planned path",
+                  k.x(), k.y(), k.z(), k.maxCoeff() < ComplianceSettings::kRigid_n_mm ? "" : " (1e+06: rigid)",
+                  springs.damping_n_s_mm));
+}
+
 void note_cost(const ReamingScene& scene, Report& report) {
   const RunCost cost = estimate_cost(scene);
   if (const auto& push = scene.motion.push) {
@@ -42,6 +52,7 @@ void note_cost(const ReamingScene& scene, Report& report) {
         "memory and time are estimated for the way of a push without resistance",
         push->last_frame(), push->settings().time_s, scene.motion.frame_rate_hz));
   }
+  if (const auto& springs = scene.scenario.motion.compliance) note_compliance(*springs, report);
   const VoxelGrid& grid = scene.bone.voxmap->grid;
   report.note(fmt::format("motion: {} frames ({:.3f} s at {:g} Hz), {} substeps", cost.frames,
                           static_cast<double>(cost.frames) * scene.motion.frame_s(), scene.motion.frame_rate_hz,

@@ -8,6 +8,7 @@
 #include "render/render.h"
 #include "render/report/report.h"
 #include "sim/base/error.h"
+#include "sim/base/file.h"
 #include "sim/predict/contact_forecast.h"
 #include "sim/record/snapshot.h"
 #include "sim/run/checkpoint.h"
@@ -61,7 +62,7 @@ RunInputs inputs_with(const ReamingScene& scene, const std::string& dir, std::ve
   return run;
 }
 
-/// The inputs of a push up to `last_frame`: what the tool has not yet done is not known.
+/// The inputs of a push or a tool on springs up to `last_frame`: what the tool has not yet done is not known.
 RunInputs inputs_so_far(const ReamingScene& scene, const std::string& dir, std::int64_t last_frame) {
   return inputs_with(scene, dir, read_tools(dir), snapshot_frames(dir), [&](RunPath& path) {
     for_each_force_row(dir + "/forces.csv", [&](const ForceRow& row) {
@@ -96,7 +97,7 @@ RunData open_run(const std::string& dir) {
   const std::int64_t last = checkpoint->simulation.frame;
   scene.contact = contact_frames(forecast_passes(scene));
   // With the poses to come, where they are known, so that views and legend are those of the run.
-  RunInputs inputs = scene.motion.push ? inputs_so_far(scene, dir, last) : inputs_of(scene, dir);
+  RunInputs inputs = scene.scenario.motion.is_prescribed() ? inputs_of(scene, dir) : inputs_so_far(scene, dir, last);
   std::erase_if(inputs.frames, [&](std::int64_t frame) { return frame > last; });
   RunData run(std::move(inputs));
   restore_fill(*checkpoint, scene.bone.fill, dir);
@@ -115,6 +116,13 @@ OutputOptions options_of(const ReamingScene& scene) {
           .torque_spectrum = scenario.tool.spin == ToolSpin::resolved,
           .meshes = scenario.output.meshes,
           .report = scenario.render.enabled && scenario.render.report};
+}
+
+/// Whether forces.csv has the columns of a tool on springs.
+bool has_deflections(const std::string& dir) {
+  constexpr std::uintmax_t kHeader = 4096;
+  const std::string start = read_file_start(dir + "/forces.csv", kHeader);
+  return start.substr(0, start.find('\n')).find("deflection_x_mm") != std::string::npos;
 }
 
 }  // namespace
@@ -149,6 +157,7 @@ void Outputs::make_figures(Report& report) const {
   if (!options_.all_plots) return;
   write_depth_and_energy_plots(dir, log_with_means());
   if (std::filesystem::exists(dir + "/events.csv")) write_push_plot(dir);  // only a push has events
+  if (has_deflections(dir)) write_deflection_plot(dir);
   write_removed_density(dir, run_.voxmap(), run_.inputs().fill, run_.last_fill());
   if (options_.torque_spectrum && !write_torque_spectrum(dir)) report.warn(kNoSpectrum);
 }

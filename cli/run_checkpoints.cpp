@@ -36,10 +36,11 @@ void RunCheckpoints::restore(FillBricks& fill) {
 }
 
 Recorder RunCheckpoints::open_logs(double voxel_mm, const Scenario& scenario, Report& report) {
-  const bool pushed = scenario.motion.push.has_value();
-  if (!last_) return {dir_, voxel_mm, scenario.output.force_basis, pushed};
+  const PoseFeedback feedback{.push = scenario.motion.push.has_value(),
+                              .springs = scenario.motion.compliance.has_value()};
+  if (!last_) return {dir_, voxel_mm, scenario.output.force_basis, feedback};
   for (const std::string& warning : last_->warnings) report.warn(warning);
-  return {dir_, voxel_mm, last_->simulation.frame, last_->logs, std::move(last_->removed), pushed};
+  return {dir_, voxel_mm, last_->simulation.frame, last_->logs, std::move(last_->removed), feedback};
 }
 
 std::optional<SimulationState> RunCheckpoints::state() const {

@@ -95,7 +95,7 @@ class ScenarioRun {
     if (keep_.pictures) {
       write_tools(dir_, scene_);
     }
-    if (keep_.pictures && !scene_.motion.push) {
+    if (keep_.pictures && scenario_.motion.is_prescribed()) {
       outputs_.emplace(scene_, dir_);
     } else {
       fill_before_ = scene_.bone.fill;
@@ -183,8 +183,8 @@ class ScenarioRun {
     return_free_memory();
     facts_.write_s = watch.seconds();
     if (outputs_) outputs_->finish_run(scene_.bone.fill);
-    // The path of a push, and so its pictures, are known only now.
-    if (keep_.pictures && scene_.motion.push) outputs_.emplace(Outputs::of_finished(scene_, dir_));
+    // The path of a push or of a tool on springs, and so its pictures, are known only now.
+    if (keep_.pictures && !scenario_.motion.is_prescribed()) outputs_.emplace(Outputs::of_finished(scene_, dir_));
   }
 
   /// Makes pictures, plots and meshes, and writes summary.json, also where those fail.

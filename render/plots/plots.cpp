@@ -13,6 +13,7 @@ extern const char* const plot_script;
 extern const char* const depth_plot_script;
 extern const char* const energy_plot_script;
 extern const char* const push_plot_script;
+extern const char* const deflection_plot_script;
 }  // namespace embedded
 namespace {
 
@@ -167,6 +168,10 @@ void write_depth_and_energy_plots(const std::string& dir, const ForceLog& log) {
 
 void write_push_plot(const std::string& dir) {
   draw_plot(dir, "plots/push", "csv = \"forces.csv\"\n\n", embedded::push_plot_script);
+}
+
+void write_deflection_plot(const std::string& dir) {
+  draw_plot(dir, "plots/deflection", "csv = \"forces.csv\"\n\n", embedded::deflection_plot_script);
 }
 
 }  // namespace reamsim

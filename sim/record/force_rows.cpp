@@ -2,8 +2,15 @@
 
 namespace reamsim {
 
-std::string force_columns(bool pushed) {
-  return std::string(kForceColumns) + (pushed ? kPushColumns : "");
+namespace {
+
+constexpr std::size_t kPlannedColumns = 26, kDeflectedColumns = kPlannedColumns + 3;
+
+}  // namespace
+
+std::string force_columns(PoseFeedback feedback) {
+  return std::string(kForceColumns) + (feedback.push ? kPushColumns : "") +
+         (feedback.springs ? kDeflectionColumns : "");
 }
 
 std::vector<double> force_row(const FrameResult& r) {
@@ -39,6 +46,7 @@ std::vector<double> force_row(const FrameResult& r) {
     out.insert(out.end(), {push->feed_mm_s, push->velocity_mm_s, push->thrust_n, push->hand_force_n, push->hand_power_w,
                            push->drill_power_w});
   }
+  if (r.deflection_mm) out.insert(out.end(), r.deflection_mm->begin(), r.deflection_mm->end());
   return out;
 }
 
@@ -61,7 +69,11 @@ FrameResult result_of(std::span<const double> v) {
   out.floor_energy_mj = v[23];
   out.balance = v[24];
   out.pass = static_cast<int>(v[25]);
-  if (v.size() > 26) out.push = PushResult{v[26], v[27], v[28], v[29], v[30], v[31]};
+  if (v.size() == kDeflectedColumns) {
+    out.deflection_mm = Vec3(&v[kPlannedColumns]);
+  } else if (v.size() > kPlannedColumns) {
+    out.push = PushResult{v[26], v[27], v[28], v[29], v[30], v[31]};
+  }
   return out;
 }
 

@@ -17,8 +17,17 @@ inline constexpr const char* kForceColumns =
 /// The columns that follow in a run whose tool a hand pushes.
 inline constexpr const char* kPushColumns = ",feed_mm_s,velocity_mm_s,thrust_n,hand_force_n,hand_power_w,drill_power_w";
 
+/// Those of a tool on springs.
+inline constexpr const char* kDeflectionColumns = ",deflection_x_mm,deflection_y_mm,deflection_z_mm";
+
+/// What decides the poses of a run, beside the planned motion.
+struct PoseFeedback {
+  bool push = false;     ///< motion.push
+  bool springs = false;  ///< motion.compliance; not with a push
+};
+
 /// The header of the forces.csv of a run.
-std::string force_columns(bool pushed);
+std::string force_columns(PoseFeedback feedback);
 
 /// The values of a row of forces.csv, in the order of its columns.
 std::vector<double> force_row(const FrameResult& result);

@@ -3,7 +3,6 @@
 #include <utility>
 
 #include "sim/base/file.h"
-#include "sim/record/force_rows.h"
 #include "sim/record/snapshot.h"
 
 namespace reamsim {
@@ -14,9 +13,9 @@ constexpr const char* kTimingColumns = "frame,broad_phase_ms,detect_ms,cut_ms";
 
 }  // namespace
 
-Recorder::Recorder(const std::string& dir, double voxel_mm, bool force_basis, bool pushed)
+Recorder::Recorder(const std::string& dir, double voxel_mm, bool force_basis, PoseFeedback feedback)
     : dir_(dir),
-      columns_(force_columns(pushed)),
+      columns_(force_columns(feedback)),
       forces_(dir + "/forces.csv", columns_),
       timings_(dir + "/timings.csv", kTimingColumns),
       totals_(voxel_mm) {
@@ -24,9 +23,9 @@ Recorder::Recorder(const std::string& dir, double voxel_mm, bool force_basis, bo
 }
 
 Recorder::Recorder(const std::string& dir, double voxel_mm, std::int64_t frame, const LogLengths& logs,
-                   RemovedFrames removed, bool pushed)
+                   RemovedFrames removed, PoseFeedback feedback)
     : dir_(dir),
-      columns_(force_columns(pushed)),
+      columns_(force_columns(feedback)),
       forces_(dir + "/forces.csv", columns_, logs.forces_bytes),
       timings_(dir + "/timings.csv", kTimingColumns, logs.timings_bytes),
       totals_(voxel_mm),

@@ -8,6 +8,7 @@
 
 #include "sim/base/csv.h"
 #include "sim/record/force_basis_file.h"
+#include "sim/record/force_rows.h"
 #include "sim/record/results.h"
 #include "sim/record/run_totals.h"
 
@@ -25,12 +26,12 @@ struct LogLengths {
 class Recorder final : public FrameSink {
  public:
   /// Opens the files in `dir`. `voxel_mm`: of the bone. Throws RunError when they cannot be written.
-  /// `pushed`: rows have the columns of a push.
-  Recorder(const std::string& dir, double voxel_mm, bool force_basis = false, bool pushed = false);
+  /// `feedback`: rows have its columns.
+  Recorder(const std::string& dir, double voxel_mm, bool force_basis = false, PoseFeedback feedback = {});
   /// Continues the files after `frame`: removes what was written later, and adds up the rows again. Throws InputError
   /// where they are damaged, RunError where they cannot be written.
   Recorder(const std::string& dir, double voxel_mm, std::int64_t frame, const LogLengths& logs, RemovedFrames removed,
-           bool pushed = false);
+           PoseFeedback feedback = {});
 
   void frame(const FrameResult& result, const FrameTimes& times) override;
   void basis(const std::vector<BasisRow>& rows) override;

@@ -28,7 +28,7 @@ Names names_of_run() {
       "forces\\.(csv|gp|png|svg|pdf)|force_basis\\.npy|events\\.csv|depth_map\\.(csv|png)|clearance\\.csv|reamed\\.("
       "vdb|vti|glb|stl)|"
       "(reamed|turntable)\\.(mp4|webp|apng)|snapshots/([0-9]+\\.vdb|tool(_[0-9]+)?\\.stl)|turntable/[0-9]+\\.png|"
-      "plots/(forces_decimated|forces_depth|energy|removed_density|spectrum|push)\\.(csv|gp|png|svg|pdf)";
+      "plots/(forces_decimated|forces_depth|energy|removed_density|spectrum|push|deflection)\\.(csv|gp|png|svg|pdf)";
   const std::string pictures = "(reamed|before_after|frames/[0-9]+)" + camera + "\\.png";
   return {std::regex("(" + files + "|" + pictures + ")" + unfinished), {"scenario.yaml", "summary.json"}};
 }

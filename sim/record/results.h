@@ -35,8 +35,10 @@ struct FrameResult {
   double removed_mm3 = 0;
   double energy_mj = 0;
   double floor_energy_mj = 0;
-  double balance = 0;  ///< (work done − energy cut)/energy cut, cumulative; 0 before contact
+  double balance = 0;                   ///< (work done − energy cut)/energy cut, cumulative; 0 before contact
   std::optional<PushResult> push = {};  ///< of a tool that a hand pushes
+  /// Of a tool on springs, from the planned position, in T.
+  std::optional<Vec3> deflection_mm = {};
 };
 
 /// What the voxels of one grade exert on the tool in a frame, per specific energy of 1 N/mm²; a row of force_basis.npy

@@ -16,12 +16,24 @@ void PassTotals::add(const FrameResult& row) {
   peak_spin_torque_nmm = std::max(peak_spin_torque_nmm, row.spin_torque_nmm);
 }
 
+void DeflectionTotals::add(const FrameResult& row, bool deepest) {
+  const Vec3& mm = *row.deflection_mm;
+  if (mm.norm() > peak_mm) {
+    peak_mm = mm.norm();
+    peak_time_s = row.time_s;
+  }
+  peak_lateral_mm = std::max(peak_lateral_mm, mm.head<2>().norm());
+  if (deepest) at_depth_mm = mm;
+  at_end_mm = mm;
+}
+
 void RunTotals::add(const FrameResult& row) {
   ++frames;
   if (std::ssize(passes) < row.pass) passes.push_back({.first_frame = row.frame});
   PassTotals& pass = passes.back();
   const bool first_contact = row.contacts > 0 && pass.first_contact_frame < 0;
-  if (first_contact || row.depth_mm > pass.max_depth_mm) deepest_pose = row.pose;
+  const bool deepest = first_contact || row.depth_mm > pass.max_depth_mm;
+  if (deepest) deepest_pose = row.pose;
   pass.add(row);
   simulated_s = row.time_s;
   removed_mm3 += row.removed_mm3;
@@ -39,6 +51,10 @@ void RunTotals::add(const FrameResult& row) {
   if (row.push) {
     if (!push) push.emplace();
     push->add(row);
+  }
+  if (row.deflection_mm) {
+    if (!deflection) deflection.emplace();
+    deflection->add(row, deepest);
   }
   if (row.contacts == 0) return;
   ++contact_frames;

@@ -24,6 +24,17 @@ struct PassTotals {
   void add(const FrameResult& row);
 };
 
+/// Deflections of a tool on springs, T.
+struct DeflectionTotals {
+  double peak_mm = 0;               ///< length
+  double peak_time_s = 0;           ///< first row with it
+  double peak_lateral_mm = 0;       ///< of the part across the spin axis
+  Vec3 at_depth_mm = Vec3::Zero();  ///< at deepest_pose
+  Vec3 at_end_mm = Vec3::Zero();
+
+  void add(const FrameResult& row, bool deepest);
+};
+
 /// Sums and extremes over a run, for summary.json.
 class RunTotals {
  public:
@@ -48,7 +59,8 @@ class RunTotals {
   double peak_axial_force_n = 0;
   double peak_torque_nmm = 0;
   double peak_spin_torque_nmm = 0;
-  std::optional<PushTotals> push;  ///< of a tool that a hand pushes
+  std::optional<PushTotals> push;              ///< of a tool that a hand pushes
+  std::optional<DeflectionTotals> deflection;  ///< of a tool on springs
   double broad_phase_s = 0;
   double detect_s = 0;
   double cut_s = 0;

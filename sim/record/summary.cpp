@@ -258,6 +258,16 @@ nlohmann::ordered_json push_json(const PushTotals& push) {
   return json;
 }
 
+nlohmann::ordered_json deflection_json(const DeflectionTotals& deflection) {
+  const auto list = [](const Vec3& v) { return nlohmann::ordered_json{v.x(), v.y(), v.z()}; };
+  return {{"peak_mm", deflection.peak_mm},
+          {"peak_time_s", deflection.peak_time_s},
+          {"peak_lateral_mm", deflection.peak_lateral_mm},
+          {"at_depth_mm", list(deflection.at_depth_mm)},
+          {"lateral_at_depth_mm", deflection.at_depth_mm.head<2>().norm()},
+          {"at_end_mm", list(deflection.at_end_mm)}};
+}
+
 /// What is known after every frame.
 nlohmann::ordered_json totals_json(const ReamingScene& scene, const RunTotals& totals, const RunFacts& facts) {
   nlohmann::ordered_json json;
@@ -286,6 +296,7 @@ nlohmann::ordered_json totals_json(const ReamingScene& scene, const RunTotals& t
   json["balance"] = totals.balance;
   json["forces"] = forces_json(totals);
   if (totals.push) json["push"] = push_json(*totals.push);
+  if (totals.deflection) json["deflection"] = deflection_json(*totals.deflection);
   if (!scene.scenario.motion.passes.empty()) {
     json["passes"] = passes_json(scene, totals);
   } else if (const auto contact = scene.first_contact()) {

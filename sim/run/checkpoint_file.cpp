@@ -14,7 +14,7 @@ namespace reamsim {
 
 namespace {
 
-constexpr std::string_view kMagic = "reamsim checkpoint 3\n";
+constexpr std::string_view kMagic = "reamsim checkpoint 4\n";
 
 /// A damaged file.
 struct Damaged : std::runtime_error {
@@ -136,6 +136,7 @@ void visit_values(Visit& visit, State& c) {
   visit(c.simulation.touched);
   visit(c.simulation.warned_of_no_spin);
   visit(c.simulation.hand);
+  visit(c.simulation.springs);
   visit(c.logs.forces_bytes);
   visit(c.logs.timings_bytes);
   visit(c.logs.basis_bytes);

@@ -20,6 +20,7 @@ FrameResult FrameLedger::close(const PendingFrame& frame, const std::vector<Subs
   out.pass = frame.pass;
   out.time_s = frame.time_s;
   out.push = frame.push;
+  out.deflection_mm = frame.deflection_mm;
   out.pose = frame.pose;
   rs_i64 removed = 0;
   for (const auto& [slot, substep] : frame.cut) {

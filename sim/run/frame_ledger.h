@@ -17,6 +17,7 @@ struct PendingFrame {
   int substeps = 1;
   double time_s = 0;  ///< at its end
   std::optional<PushResult> push = {};
+  std::optional<Vec3> deflection_mm = {};
   std::vector<std::pair<std::size_t, Substep>>
       cut;  ///< (index in the batch, substep) of those that passed the broad phase
   double broad_phase_s = 0;

@@ -60,11 +60,13 @@ FrameStepper::FrameStepper(ReamingScene& scene, Engine& engine, FrameSink& sink,
       exact_(scene.scenario.cutting.erosion == ErosionMode::exact),
       max_step_mm_(scene.scenario.engine.max_step_voxels * scene.bone.voxmap->grid.voxel_mm) {}
 
-void FrameStepper::start(const FrameMotion& motion, const std::optional<PushResult>& push) {
+void FrameStepper::start(const FrameMotion& motion, const std::optional<PushResult>& push,
+                         const std::optional<Vec3>& deflection_mm) {
   ledger_.begin_pass();
   state_.touched = false;
   PendingFrame& pending = open(motion);
   pending.push = push;
+  pending.deflection_mm = deflection_mm;
   const Substep rest{.pose = motion.pose, .duration_s = motion.duration_s};
   if (exact_) {
     if (const auto voi = broad_phase(rest, pending)) {
@@ -89,6 +91,19 @@ void FrameStepper::add(const FrameMotion& motion, const std::shared_ptr<const Mo
   }
 }
 
+SubstepSums FrameStepper::add_part(const FrameMotion& part, int i, int parts) {
+  if (i == 0) open(part).substeps = parts;
+  PendingFrame& pending = pending_.back();
+  pending.pose = part.pose;
+  pending.time_s = part.time_s;
+  const Substep substep = make_substep(part.before, part.pose, 0, 1, part.duration_s, part.frame);
+  const auto voi = broad_phase(substep, pending);
+  if (!voi) return {};
+  enqueue(substep, args_of(substep, *voi), nullptr, pending);
+  collect();
+  return batch_.sums.back();
+}
+
 void FrameStepper::finish_batch() {
   collect();
   record();
@@ -104,7 +119,7 @@ void FrameStepper::read_fill() {
 }
 
 std::vector<SubstepSums> FrameStepper::evaluate(const std::vector<FrameMotion>& motions) {
-  if (!pending_.empty()) throw std::logic_error("a batch has begun");
+  if (uncut_) throw std::logic_error("a part of the batch has not been cut");
   std::vector<SubstepSums> out(motions.size());
   std::vector<std::size_t> reached;
   for (std::size_t i = 0; i < motions.size(); ++i) {
@@ -183,11 +198,13 @@ void FrameStepper::enqueue(const Substep& substep, const SubstepArgs& args, std:
                            PendingFrame& pending) {
   if (engine_.full()) collect();
   engine_.enqueue(args, std::move(window));
+  uncut_ = true;
   pending.cut.emplace_back(enqueued_++, substep);
 }
 
 /// Appends the engine's results of the enqueued substeps.
 void FrameStepper::collect() {
+  if (!std::exchange(uncut_, false)) return;
   const Batch part = engine_.collect();
   const auto append = [](auto& to, const auto& from) { to.insert(to.end(), from.begin(), from.end()); };
   append(batch_.sums, part.sums);

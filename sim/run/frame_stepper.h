@@ -37,11 +37,17 @@ class FrameStepper {
   FrameStepper(ReamingScene& scene, Engine& engine, FrameSink& sink, Report& report);
 
   /// The first frame of a pass. Where voxels are clipped, bone in the tool's first pose is removed without force.
-  void start(const FrameMotion& rest, const std::optional<PushResult>& push = {});
+  void start(const FrameMotion& rest, const std::optional<PushResult>& push = {},
+             const std::optional<Vec3>& deflection_mm = {});
   /// Adds a frame to the batch. `window`: of smooth motion that it belongs to; nullptr: none.
   /// `push`: of a frame that a hand decided.
   void add(const FrameMotion& motion, const std::shared_ptr<const MotionWindow>& window = nullptr,
            const std::optional<PushResult>& push = {});
+  /// Adds part `i` of `parts` of a frame that is decided part by part, each of a single substep and the same time, to
+  /// an empty batch, and cuts at once. Returns the sums of the part.
+  SubstepSums add_part(const FrameMotion& part, int i, int parts);
+  /// The row of the frame in the batch will have this deflection of the tool, in T.
+  void set_deflection(const Vec3& mm) { pending_.back().deflection_mm = mm; }
   /// Ends the batch: fill of the bone, rows, and removed voxels.
   void finish_batch();
   /// Number of frames in the batch, and the wall time of one in the last batch.
@@ -56,7 +62,8 @@ class FrameStepper {
   void read_fill();
 
   /// The sums of motions from the present fill, which they leave as it is: each begins at that fill. A motion that
-  /// needs several substeps is an error of the caller. Only for the engine `exact`; the batch must be empty.
+  /// needs several substeps is an error of the caller. Only for the engine `exact`; all of the batch must have been
+  /// cut.
   std::vector<SubstepSums> evaluate(const std::vector<FrameMotion>& motions);
 
   /// The row that a motion would have, from evaluate().
@@ -100,6 +107,7 @@ class FrameStepper {
   std::vector<PendingFrame> pending_;
   Batch batch_;               ///< of the pending frames
   std::size_t enqueued_ = 0;  ///< substeps of these frames
+  bool uncut_ = false;        ///< some of them wait in the engine
   RemovedFrames removed_;
   Stopwatch batch_watch_;
   double frame_wall_s_ = 0;

@@ -4,16 +4,12 @@
 #include <cmath>
 
 #include "sim/base/error.h"
+#include "sim/run/slow_trial.h"
 #include "sim/scenario/picture_frames.h"
 
 namespace reamsim {
 
 namespace {
-
-/// The force of a slow feed is that between two advances, in smallest losses: the first takes what earlier frames have
-/// left; up to the second the rounding of voxels, which is the same for all on a face along the lattice, is about 0.2
-/// %.
-constexpr double kFirstLosses = 8, kSecondLosses = 64;
 
 class PushRun {
  public:
@@ -24,7 +20,7 @@ class PushRun {
         stepper_(scene, engine, sink, report),
         frame_s_(scene.motion.frame_s()),
         pictures_(scene.scenario.render, plan_),
-        loss_mm_(least_loss(scene.bone.voxmap->grid.voxel_mm) * scene.bone.voxmap->grid.voxel_mm / RS_WHOLE_FILL) {}
+        loss_mm_(smallest_advance_mm(scene.bone.voxmap->grid.voxel_mm)) {}
 
   SimulationState run(const RunControl& control) {
     if (control.from) {

@@ -5,6 +5,7 @@
 #include "sim/base/error.h"
 #include "sim/engine/common/motion_windows.h"
 #include "sim/engine/make_engine.h"
+#include "sim/run/compliant_run.h"
 #include "sim/run/push_run.h"
 #include "sim/scenario/picture_frames.h"
 
@@ -112,6 +113,7 @@ std::unique_ptr<Engine> load_engine(const ReamingScene& scene) {
 SimulationState simulate(ReamingScene& scene, Engine& engine, FrameSink& sink, const RunControl& control,
                          Report& report) {
   if (scene.motion.push) return run_push(scene, engine, sink, control, report);
+  if (scene.scenario.motion.compliance) return run_compliant(scene, engine, sink, control, report);
   return PrescribedRun(scene, engine, sink, report).run(control);
 }
 

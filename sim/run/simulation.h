@@ -9,13 +9,15 @@
 #include "sim/record/results.h"
 #include "sim/run/frame_stepper.h"
 #include "sim/run/hand.h"
+#include "sim/run/springs.h"
 #include "sim/scene/scene.h"
 
 namespace reamsim {
 
 /// What a simulation has to know to go on after a frame, besides the fill of the bone.
 struct SimulationState : StepState {
-  HandState hand = {};  ///< of a push
+  HandState hand = {};       ///< of a push
+  SpringState springs = {};  ///< of a tool on springs
 };
 
 /// Callbacks of a run.
@@ -41,7 +43,7 @@ std::unique_ptr<Engine> load_engine(const ReamingScene& scene, EngineDevices& de
 std::unique_ptr<Engine> load_engine(const ReamingScene& scene);
 
 /// Runs the present pass: per substep broad phase → enqueue, per batch collect → record. A push decides its poses frame
-/// by frame (push_run.h). `scene.bone` is reamed; `sink`
+/// by frame (push_run.h), and so do springs (compliant_run.h). `scene.bone` is reamed; `sink`
 /// receives rows, snapshots and timings. Warns when the tool never touches, starts inside bone, or cuts without spin.
 /// Returns the state after the last frame. The same results whether a run is one or continues another.
 SimulationState simulate(ReamingScene& scene, Engine& engine, FrameSink& sink, const RunControl& control,

@@ -77,6 +77,18 @@ void describe_push(KeyVisitor& v, PushSettings& push) {
            push.damping_n_s_mm);
 }
 
+void describe_compliance(KeyVisitor& v, ComplianceSettings& compliance) {
+  v.vector({.name = "stiffness_n_mm",
+            .doc = "Stiffness in the directions x, y and z of the tool; 1e6 is rigid: no deflection in that direction",
+            .required = true,
+            .range = between(1e-3, ComplianceSettings::kRigid_n_mm)},
+           compliance.stiffness_n_mm);
+  v.number({.name = "damping_n_s_mm",
+            .doc = "Force of a damper beside each spring, per speed of the deflection",
+            .range = between(0, 1000)},
+           compliance.damping_n_s_mm);
+}
+
 void describe_keyframe(KeyVisitor& v, KeyframeSettings& key) {
   v.number({.name = "time_s",
             .doc = "Time; later than that of the previous keyframe",
@@ -155,6 +167,12 @@ void describe_motion(KeyVisitor& v, MotionSettings& motion) {
          motion.keyframes, describe_keyframe);
   v.optional_section({.name = "csv", .doc = "Poses from a file"}, motion.csv, describe_csv);
   v.group({.names = {"plunge", "push", "passes", "keyframes", "csv"}});
+  v.optional_section(
+      {.name = "compliance",
+       .doc =
+           "Springs between the planned pose and the tool, which the force of the bone deflects; not for push. Needs "
+           "erosion exact"},
+      motion.compliance, describe_compliance);
 }
 
 }  // namespace reamsim

@@ -73,6 +73,14 @@ struct PushSettings {
   double damping_n_s_mm = 0;  ///< of the hand: force per feed
 };
 
+/// Springs between the planned pose and the tool, along the axes of the planned T. The tool does not tilt.
+struct ComplianceSettings {
+  static constexpr double kRigid_n_mm = 1e6;  ///< from here on the tool does not deflect in that direction
+
+  Vec3 stiffness_n_mm{50, 50, kRigid_n_mm};
+  double damping_n_s_mm = 0;  ///< of the viscous damper beside each spring
+};
+
 struct KeyframeSettings {
   double time_s = 0;
   Vec3 position_mm = Vec3::Zero();
@@ -100,6 +108,10 @@ struct MotionSettings {
   std::vector<PassSettings> passes;
   std::vector<KeyframeSettings> keyframes;
   std::optional<CsvMotionSettings> csv;
+  std::optional<ComplianceSettings> compliance;
+
+  /// Whether the poses are known before the run.
+  [[nodiscard]] bool is_prescribed() const { return !push && !compliance; }
 };
 
 }  // namespace reamsim

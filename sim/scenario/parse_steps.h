@@ -12,7 +12,8 @@ namespace reamsim {
 
 // The steps of parse_scenario() before and after the reader, in their order. Each has a file of its own.
 
-/// The file's document, with overrides, in the present version of the format. `notes`: see migrate(). Throws InputError.
+/// The file's document, with overrides, in the present version of the format. `notes`: see migrate(). Throws
+/// InputError.
 YamlNodePtr read_document(const std::string& path, const std::vector<std::string>& overrides,
                           std::vector<std::string>& notes);
 
@@ -47,5 +48,8 @@ void check_rim(const std::vector<Vec3>& rim_mm, const KeyLocations& locations);
 
 /// The rules of motion.push: what the balance of forces in every frame needs. Throws InputError.
 void check_push(const Scenario& scenario, const KeyLocations& locations);
+
+/// The rules of motion.compliance: likewise. Throws InputError.
+void check_compliance(const Scenario& scenario, const KeyLocations& locations);
 
 }  // namespace reamsim

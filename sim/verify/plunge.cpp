@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "sim/bone/voxmap/cube_fraction.h"
 
@@ -68,7 +69,9 @@ std::vector<FrameResult> steady_rows(const PlungeRun& run, const Setting& settin
   const FilledVoxmap bone = bone_of(run, {width, width, end + slant + 1 + voxel_mm});
   const Tool tool = run.erosion == ErosionMode::exact ? make_tool(head_of(plunge))
                                                       : make_tool(head_of(plunge), kShellVoxels * voxel_mm);
-  const Reamed reamed = ream(scene_of(bone, tool, motion, run.erosion), setting);
+  ReamingScene scene = scene_of(bone, tool, motion, run.erosion);
+  scene.scenario.motion.compliance = run.compliance;
+  const Reamed reamed = ream(std::move(scene), setting);
   const auto steady = reamed.after(reamed.rows.size() - 1 - static_cast<std::size_t>(run.frames));
   return {steady.begin(), steady.end()};
 }

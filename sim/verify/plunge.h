@@ -36,6 +36,7 @@ struct PlungeRun {
   /// Bone on one side only of a plane through the axis: the side of (cos, sin) of this angle in the tool's x and y.
   /// nullopt: bone under the whole face.
   std::optional<double> half_toward_deg = {};
+  std::optional<ComplianceSettings> compliance = {};
 };
 
 /// Rows over one voxel of feed, the face in contact out to its rim.

@@ -26,6 +26,7 @@ struct Reamed {
   std::vector<FrameResult> rows;  ///< rows[k] is frame k
   Bone bone;                      ///< after reaming
   HandState hand = {};            ///< after a push
+  SpringState springs = {};       ///< after a run of a tool on springs
 
   [[nodiscard]] double removed_mm3() const;
   /// Rows of the frames after `frame`.

@@ -149,6 +149,7 @@ SECTIONS = {
     "motion": {},
     "motion.plunge": {},
     "motion.push": push(),
+    "motion.compliance": {"motion": {"compliance": {"stiffness_n_mm": [100, 100, 100]}}},
     "motion.keyframes": keyframes({}, {}),
     "motion.csv": {"motion": {"plunge": None, "csv": {"path": "poses.csv"}}},
     "engine": {},

@@ -1,0 +1,247 @@
+#include "sim/run/compliant_run.h"
+
+#include <fmt/core.h>
+#include <algorithm>
+#include <cmath>
+
+#include "sim/base/error.h"
+#include "sim/motion/tool_path.h"
+#include "sim/run/slow_trial.h"
+#include "sim/scenario/picture_frames.h"
+
+namespace reamsim {
+
+namespace {
+
+/// The part of engine.max_step_voxels that is left for the change of the deflection in a substep.
+constexpr double kStepOfDeflection = 0.5;
+
+Vec3 force_of(const SubstepSums& sums) {
+  return Vec3(static_cast<double>(sums.force[0]), static_cast<double>(sums.force[1]),
+              static_cast<double>(sums.force[2])) /
+         RS_FORCE_SCALE;
+}
+
+Vec3 torque_of(const SubstepSums& sums) {
+  return Vec3(static_cast<double>(sums.torque[0]), static_cast<double>(sums.torque[1]),
+              static_cast<double>(sums.torque[2])) /
+         RS_TORQUE_SCALE;
+}
+
+/// The motion over `times` its time at the same velocity.
+FrameMotion prolonged(const FrameMotion& m, double times) {
+  FrameMotion out = m;
+  const Vec3 turn = times * rotation_vector(m.before.orientation, m.pose.orientation);
+  out.pose.position_mm = m.before.position_mm + times * (m.pose.position_mm - m.before.position_mm);
+  if (!turn.isZero()) {
+    out.pose.orientation = Quat(Eigen::AngleAxisd(turn.norm(), turn.normalized())) * m.before.orientation;
+  }
+  out.pose.spin_angle_rad = m.before.spin_angle_rad + times * (m.pose.spin_angle_rad - m.before.spin_angle_rad);
+  out.duration_s = times * m.duration_s;
+  return out;
+}
+
+class CompliantRun {
+ public:
+  CompliantRun(ReamingScene& scene, Engine& engine, FrameSink& sink, Report& report)
+      : scene_(scene),
+        settings_(*scene.scenario.motion.compliance),
+        report_(report),
+        stepper_(scene, engine, sink, report),
+        frame_s_(scene.motion.frame_s()),
+        resolved_(is_moved_by_spin(scene.scenario, scene.tool)),
+        step_mm_(scene.scenario.engine.max_step_voxels * scene.bone.voxmap->grid.voxel_mm),
+        loss_mm_(smallest_advance_mm(scene.bone.voxmap->grid.voxel_mm)) {}
+
+  SimulationState run(const RunControl& control) {
+    const std::int64_t last = scene_.motion.last_frame();
+    const std::vector<std::int64_t> pictures =
+        picture_frames(scene_.scenario.render, scene_.last_frame(), scene_.contact);
+    const bool had_ended = control.from && control.from->frame == last;
+    begin(control, pictures);
+    for (std::int64_t frame = stepper_.state().frame + 1; frame <= last; ++frame) {
+      advance(frame);
+      if (std::ranges::binary_search(pictures, frame)) stepper_.snapshot(frame);
+      control.progress(frame, scene_.last_frame());
+      finish_frame(control);
+    }
+    if (!had_ended) warn_at_end(control);
+    stepper_.read_fill();
+    return state();
+  }
+
+ private:
+  [[nodiscard]] SimulationState state() const {
+    SimulationState out{stepper_.state()};
+    out.springs = springs_;
+    return out;
+  }
+
+  /// Continues, or removes the bone in the first pose of the pass.
+  void begin(const RunControl& control, const std::vector<std::int64_t>& pictures) {
+    const std::int64_t first = scene_.motion.first_frame;
+    if (control.from) {
+      stepper_.resume(*control.from);
+      springs_ = control.from->springs;
+    }
+    if (first == 0 && !control.from) stepper_.snapshot(0);
+    if (control.from && control.from->frame >= first) return;
+    release();
+    const ToolPose pose = scene_.motion.pose_of(first);
+    stepper_.start({.frame = first,
+                    .before = pose,
+                    .pose = pose,
+                    .duration_s = frame_s_,
+                    .time_s = static_cast<double>(first) * frame_s_},
+                   {}, Vec3(Vec3::Zero()));
+    if (first > 0 && std::ranges::binary_search(pictures, first)) stepper_.snapshot(first);
+  }
+
+  /// The tool of a pass begins without deflection.
+  void release() {
+    springs_.lost_mj += springs_.spring_mj;
+    springs_.spring_mj = 0;
+    springs_.deflection_mm = springs_.bone_n = springs_.tool_mm_s = {};
+    springs_.bone_n_s_mm = {};
+  }
+
+  [[nodiscard]] Vec3 deflection_mm() const { return Vec3(springs_.deflection_mm.data()); }
+
+  /// Bound of the motion between two poses of the tool or, with the deflection as a lever, of the plan.
+  [[nodiscard]] double bound_mm(const ToolPose& a, const ToolPose& b, double lever_mm) const {
+    const double spin_mm =
+        resolved_ ? std::abs(b.spin_angle_rad - a.spin_angle_rad) * scene_.tool.profile.max_radius_mm() : 0;
+    return motion_bound_mm(a, b, scene_.tool.reach_mm + lever_mm) + spin_mm;
+  }
+
+  static ToolPose deflected(const ToolPose& plan, const Vec3& deflection_mm) {
+    ToolPose out = plan;
+    out.position_mm += plan.orientation * deflection_mm;
+    return out;
+  }
+
+  void advance(std::int64_t frame) {
+    const ToolPose begin = scene_.motion.pose_of(frame - 1), end = scene_.motion.pose_of(frame);
+    const double planned_mm = bound_mm(begin, end, deflection_mm().norm());
+    const int parts = std::max(1, static_cast<int>(std::ceil(planned_mm / ((1 - kStepOfDeflection) * step_mm_))));
+    bool limited = false, balanced = true;
+    for (int i = 0; i < parts; ++i) {
+      const FrameMotion plan{.frame = frame,
+                             .before = interpolate(begin, end, static_cast<double>(i) / parts),
+                             .pose = interpolate(begin, end, static_cast<double>(i + 1) / parts),
+                             .duration_s = frame_s_ / parts,
+                             .time_s = static_cast<double>(frame) * frame_s_};
+      const Deflection found = cut_part(plan, i, parts);
+      limited |= found.limited;
+      balanced &= found.balanced;
+    }
+    springs_.limited_frames += limited ? 1 : 0;
+    springs_.unbalanced_frames += balanced ? 0 : 1;
+    stepper_.set_deflection(deflection_mm());
+    stepper_.finish_batch();
+  }
+
+  /// Finds the deflection at the end of a part of a frame, and cuts.
+  Deflection cut_part(const FrameMotion& plan, int i, int parts) {
+    const Mat3 tool_from_bone = plan.pose.orientation.toRotationMatrix().transpose();
+    const Vec3 before_mm = deflection_mm();
+    const SpringBalance balance{.stiffness_n_mm = settings_.stiffness_n_mm,
+                                .damping_n_s_mm = settings_.damping_n_s_mm,
+                                .planned_mm = tool_from_bone * (plan.pose.position_mm - plan.before.position_mm),
+                                .duration_s = plan.duration_s,
+                                .most_mm = step_mm_ - bound_mm(plan.before, plan.pose, before_mm.norm()),
+                                .least_mm = loss_mm_};
+    const auto motion = [&](const Vec3& mm) {
+      FrameMotion out = plan;
+      out.before = deflected(plan.before, before_mm);
+      out.pose = deflected(plan.pose, mm);
+      return out;
+    };
+    const Deflection found = balanced_deflection(
+        balance, [&](const std::vector<Vec3>& tried) { return bone_forces(tried, motion); }, springs_);
+    const SubstepSums cut = stepper_.add_part(motion(found.mm), i, parts);
+    add_spring_energies(balance, found,
+                        {.bone_n = force_of(cut),
+                         .torque_nmm = torque_of(cut),
+                         .tilt_rad = tool_from_bone * rotation_vector(plan.before.orientation, plan.pose.orientation),
+                         .spin_rad = plan.pose.spin_angle_rad - plan.before.spin_angle_rad},
+                        springs_);
+    return found;
+  }
+
+  /// Mean forces of the bone in a part of a frame that ends at these deflections, T. One call of the engine.
+  template <class MotionOf>
+  std::vector<Vec3> bone_forces(const std::vector<Vec3>& deflections_mm, const MotionOf& motion_of) {
+    std::vector<FrameMotion> motions;
+    std::vector<std::optional<SlowTrial>> slow;
+    for (const Vec3& mm : deflections_mm) {
+      const FrameMotion motion = motion_of(mm);
+      slow.push_back(slow_trial(bound_mm(motion.before, motion.pose, 0), loss_mm_));
+      if (!slow.back()) {
+        motions.push_back(motion);
+      } else {
+        motions.push_back(prolonged(motion, slow.back()->first));
+        motions.push_back(prolonged(motion, slow.back()->second));
+      }
+    }
+    const std::vector<SubstepSums> sums = stepper_.evaluate(motions);
+    std::vector<Vec3> out;
+    std::size_t next = 0;
+    for (const std::optional<SlowTrial>& times : slow) {
+      const Vec3 force = force_of(sums[next++]);
+      out.push_back(
+          times ? Vec3((times->second * force_of(sums[next++]) - times->first * force) / (times->second - times->first))
+                : force);
+    }
+    return out;
+  }
+
+  void finish_frame(const RunControl& control) {
+    stepper_.begin_batch();
+    const bool stop = control.stop();
+    if (stop || control.save_due()) {
+      stepper_.read_fill();
+      control.save(state());
+    }
+    if (stop) throw Interrupted();
+  }
+
+  void warn_at_end(const RunControl& control) {
+    const std::string pass = stepper_.name_of_pass();
+    if (!stepper_.state().touched && !control.warned_of_no_contact) {
+      report_.warn(pass + "the tool never touches the bone: check motion and, if it is used, the glenoid frame");
+    }
+    if (!scene_.later_passes.empty()) return;
+    if (springs_.limited_frames > 0) {
+      report_.warn(
+          fmt::format("motion.compliance: in {} frames the springs move the tool by engine.max_step_voxels and no "
+                      "further; add damping_n_s_mm for a slower return",
+                      springs_.limited_frames));
+    }
+    if (springs_.unbalanced_frames > 0) {
+      report_.warn(fmt::format(
+          "motion.compliance: in {} frames spring and bone are out of balance, by up to {:.3g} N, because the force "
+          "jumps: the tool chatters or loses contact; raise damping_n_s_mm, or motion.frame_rate_hz",
+          springs_.unbalanced_frames, springs_.unbalanced_n));
+    }
+  }
+
+  ReamingScene& scene_;
+  const ComplianceSettings& settings_;
+  Report& report_;
+  FrameStepper stepper_;
+  double frame_s_;
+  bool resolved_;
+  double step_mm_;  ///< the longest of a substep
+  double loss_mm_;  ///< advance of a smallest loss
+  SpringState springs_;
+};
+
+}  // namespace
+
+SimulationState run_compliant(ReamingScene& scene, Engine& engine, FrameSink& sink, const RunControl& control,
+                              Report& report) {
+  return CompliantRun(scene, engine, sink, report).run(control);
+}
+
+}  // namespace reamsim
