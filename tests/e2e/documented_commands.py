@@ -1,6 +1,6 @@
 """documented_commands.py REAMSIM ROOT BUILD: every command in README and docs works as it is written.
 
-A command without placeholders runs in a copy of the project's folders, where small pictures save time. Of a synopsis,
+A command without placeholders runs in a copy of the project's folders, where small pictures and coarse voxels save time. Of a synopsis,
 such as `reamsim run SCENARIO [-o DIR]`, every option must be one of the program, and an example of it runs. The filters of
 ctest must select tests. What takes minutes is named in RUN_ELSEWHERE with the test that runs it. With the shoulder of
 REAMSIM_DATA the README's scenario is that of the README; without it a phantom takes its place."""
@@ -20,6 +20,7 @@ import dicom_folder
 import documented
 
 SMALL = {"width_px": 160, "height_px": 120}
+COARSER = 2  # voxels of the scenarios, of which other tests run those that ship
 
 # Commands, by how they begin, that other tests or the build itself run.
 RUN_ELSEWHERE = {
@@ -104,6 +105,8 @@ class Place:
         for path in (self.folder / "trajectories").glob("*.yaml"):
             scenario = yaml.safe_load(path.read_text())
             scenario["render"] = {**(scenario.get("render") or {}), **SMALL}
+            if "voxel_mm" in scenario["bone"]:
+                scenario["bone"]["voxel_mm"] *= COARSER
             self.write(f"trajectories/{path.name}", scenario)
 
     def add_users_scan(self):
@@ -114,6 +117,7 @@ class Place:
             dicom_folder.write(nrrd, self.folder / "home/scans/shoulder")
             scenario = yaml.safe_load(documented.blocks((self.root / "README.md").read_text(), "yaml")[0])
             scenario["render"] = SMALL
+            scenario["bone"]["voxel_mm"] *= COARSER
             self.write("trajectories/my.yaml", scenario)
             self.example = {"scan": "~/scans/shoulder", "near": ",".join(map(str, scenario["bone"]["glenoid"]["center_mm"]))}
         else:
