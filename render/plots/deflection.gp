@@ -32,7 +32,7 @@ do for [format in "png svg pdf"] {
   set xlabel "Lateral deflection (mm)" offset 0, 0.6
   set xrange [0:high(0, max(lateral(X_max, Y_max), lateral(X_min, Y_min)))]
   set ylabel "Tool depth (mm)"
-  set yrange [high(0, D_max):min(D_min, 0)]
+  set yrange [high(0, max(D_max, 0)):0]
   plot csv using (lateral(column("deflection_x_mm"), column("deflection_y_mm"))):"depth_mm" every step with lines lw 1.5 lc rgb purple notitle
   unset multiplot
   unset output

@@ -12,9 +12,10 @@ namespace reamsim {
 namespace {
 
 /// Units as they end a name, longest first.
-constexpr std::array<std::pair<std::string_view, std::string_view>, 13> kUnits{{
+constexpr std::array<std::pair<std::string_view, std::string_view>, 15> kUnits{{
     {"_g_cm3_per_hu", "g/cm³ per HU"},
     {"_g_cm3_per_s", "g/cm³ per s"},
+    {"_n_s_mm", "N·s/mm"},
     {"_j_mm3", "J/mm³"},
     {"_g_cm3", "g/cm³"},
     {"_mm_s", "mm/s"},
@@ -23,6 +24,7 @@ constexpr std::array<std::pair<std::string_view, std::string_view>, 13> kUnits{{
     {"_deg", "°"},
     {"_mm", "mm"},
     {"_hu", "HU"},
+    {"_kg", "kg"},
     {"_hz", "Hz"},
     {"_px", "px"},
     {"_s", "s"},

@@ -50,36 +50,31 @@ TEST_F(ComplianceCommand, ColumnsFollowTheOthersOnlyWhereSpringsAre) {
   EXPECT_NEAR(peak, deflection["peak_mm"].get<double>(), 1e-12);
 }
 
-TEST_F(ComplianceCommand, PlotOfTheDeflectionIsMadeAndMadeAgain) {
+TEST_F(ComplianceCommand, PlotOfTheDeflectionIsMade) {
   const std::string yaml =
       with(sprung(kSprings), "  enabled: false\n", "  width_px: 64\n  height_px: 64\n  report: false\n");
   expect_done(run(yaml));
   EXPECT_TRUE(exists("out/plots/deflection.png"));
   EXPECT_TRUE(exists("out/plots/deflection.pdf"));
-  std::filesystem::remove(path("out/plots/deflection.png"));
-  const ProgramResult again =
-      reamsim({.arguments = {"render", "out"}, .environment = {}, .folder = "", .interrupt_when = {}});
-  EXPECT_EQ(again.status, 0) << again.err;
-  EXPECT_TRUE(exists("out/plots/deflection.png"));
 }
 
 TEST_F(ComplianceCommand, ContinuesWithTheSameBytes) {
   const std::string yaml = with(sprung(kSprings), "engine:\n  device: serial\n", "output:\n  checkpoint_s: 0.02\n");
   const std::string slow = with(yaml, "  enabled: false\n", "  enabled: false\n  every_frames: 9999\n");
-  expect_done(run(slow, {"--set", "motion.frame_rate_hz=1000"}));
+  expect_done(run(slow, {"--set", "motion.frame_rate_hz=500"}));
   const std::string forces = read("out/forces.csv"), vdb = read("out/reamed.vdb");
   std::filesystem::remove_all(path("out"));
   const auto lines = [this] {
     return exists("out.partial/forces.csv") ? std::ranges::count(read("out.partial/forces.csv"), '\n') : 0;
   };
-  ProgramCall call{.arguments = {"run", "s.yaml", "-o", "out", "--quiet", "--set", "motion.frame_rate_hz=1000"},
+  ProgramCall call{.arguments = {"run", "s.yaml", "-o", "out", "--quiet", "--set", "motion.frame_rate_hz=500"},
                    .environment = {},
                    .folder = "",
-                   .interrupt_when = [&] { return lines() > 400; }};
+                   .interrupt_when = [&] { return lines() > 200; }};
   call.interrupt_signal = SIGINT;
   const ProgramResult cut = reamsim(call);
   EXPECT_EQ(cut.status, 75) << cut.err;
-  expect_done(run(slow, {"--resume", "--set", "motion.frame_rate_hz=1000"}));
+  expect_done(run(slow, {"--resume", "--set", "motion.frame_rate_hz=500"}));
   EXPECT_EQ(read("out/forces.csv"), forces);
   EXPECT_EQ(read("out/reamed.vdb"), vdb);
 }

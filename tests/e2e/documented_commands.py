@@ -29,6 +29,7 @@ RUN_ELSEWHERE = {
     "cmake ": "the build; .ci/run",
     "time reamsim run": "the runs below",
     "REAMSIM_DATA=... reamsim sweep run trajectories/studies/shoulder_errors.yaml": "e2e.shoulder_errors",
+    "REAMSIM_DATA=... reamsim sweep run trajectories/studies/breakthrough.yaml": "a developer: it takes minutes; cli_test (Push) has a plate",
     "reamsim bench": "cli_test (Bench), bench tests",
     "reamsim verify": "cli_test (Verify), verify tests",
     "build/release/tests/": "tests BenchReference, ExactReference",
@@ -60,6 +61,8 @@ EXAMPLES = {
     "reamsim sweep status": "reamsim sweep status trajectories/studies/reamers.yaml -o out/swept",
     "reamsim import": "reamsim import s.yaml -o bone.vdb",
     "reamsim run trajectories/mesh_scapula.yaml --set bone.voxel_mm=V": "",  # its data: e2e.mesh_scapula
+    "reamsim run trajectories/compliance.yaml --set": "reamsim run trajectories/compliance.yaml -o out/springs --set motion.plunge.depth_mm=0.2 "
+                                                      "--set motion.plunge.dwell_s=0 --set render.enabled=false --set output.meshes=false",
     "reamsim run trajectories/study_X.yaml": "reamsim run trajectories/study_eccentric_10deg.yaml",
 }
 PLACEHOLDER = re.compile(r"\b(STUDY|SCENARIO|DIR|BONE|CT|MESH|FILE|PAGE|SCAN_OR_SCENARIO)\b|=[VK]\b|_X\b|\[-")

@@ -164,7 +164,10 @@ TEST_P(WindowsAgree, WithFrameByFrame) {
 
 std::vector<std::string> case_ids() {
   std::vector<std::string> out;
-  for (const Case& c : cases()) out.emplace_back(c.id);
+  for (const Case& c : cases()) {
+    const std::string id = c.id;
+    if (!id.starts_with("compliance_")) out.push_back(id);  // a tool on springs never has windows
+  }
   return out;
 }
 
