@@ -111,6 +111,10 @@ constexpr std::array kPush{Line{"/push/mean_feed_mm_s", "Feed rate from first co
                            Line{"/push/peak_hand_power_w", "Power of the hand, peak", "W"},
                            Line{"/push/peak_drill_power_w", "Power of the drill, peak", "W"},
                            Line{"/push/overshoot_mm", "Travel in 0.2 s after breakthrough", "mm"}};
+constexpr std::array kDeflection{
+    Line{"/deflection/peak_mm", "Deflection of the springs, peak", "mm"},
+    Line{"/deflection/peak_lateral_mm", "Across the axis, peak", "mm"},
+    Line{"/deflection/lateral_at_depth_mm", "Across the axis, at the greatest depth", "mm"}};
 constexpr std::array kEventColumns{ListColumn{"event", "Event", kTextColumn}, ListColumn{"time_s", "Time, s", 3},
                                    ListColumn{"depth_mm", "Tool depth, mm", 2}, ListColumn{"frame", "Frame", 0}};
 constexpr ListTable kEvents{"/push/events", "Events", "No.", kEventColumns};
@@ -138,6 +142,7 @@ const std::array kTables{Table{"Bone", kBone},
                          Table{"Energy", kEnergy},
                          Table{"Motion", kMotion},
                          Table{"Push", kPush},
+                         Table{"Deflection", kDeflection},
                          Table{"Clearance", kClearance}};
 
 InputError wrong(const std::string& path, const std::string& key, const std::string& expected) {

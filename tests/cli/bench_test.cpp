@@ -30,5 +30,19 @@ TEST_F(BenchCommand, FolderThatCannotBeMade) {
   expect_refused(result, 2, {"file/out", "output folder"});
 }
 
+TEST_F(BenchCommand, LatencyIsThatOfFramesInContact) {
+  write("s.yaml", kSmall);
+  write("away.yaml", with(kSmall, "  plunge:\n", "  plunge:\n    entry_mm: [90, 0, 0]\n"));
+  const auto latency = [&](const char* scenario) {
+    return reamsim(
+        {.arguments = {"bench", "--latency", scenario}, .environment = {}, .folder = "", .interrupt_when = {}});
+  };
+  const ProgramResult result = latency("s.yaml");
+  EXPECT_EQ(result.status, 0) << result.err;
+  EXPECT_THAT(result.out,
+              ::testing::ContainsRegex("[1-9][0-9]* frames in contact, median [0-9.]+ ms, 99 % [0-9.]+ ms"));
+  expect_refused(latency("away.yaml"), 2, {"away.yaml", "motion", "no frame is in contact"});
+}
+
 }  // namespace
 }  // namespace reamsim::test
