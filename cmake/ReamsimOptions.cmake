@@ -11,6 +11,12 @@ target_compile_options(reamsim_options INTERFACE
 target_include_directories(reamsim_options INTERFACE $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>)
 target_compile_definitions(reamsim_options INTERFACE REAMSIM_VERSION="${PROJECT_VERSION}")
 
+# All code can become part of the Python module, a shared object. The property POSITION_INDEPENDENT_CODE would give
+# programs another flag (-fPIE), and precompiled headers want one everywhere. No symbol is replaced at run time, so calls can
+# be inlined. -fvisibility=hidden would do that too, but it splits the templates of OpenVDB: std::call_once stays visible, and
+# libopenvdb then initializes the program's copy of a type's name instead of its own.
+add_compile_options(-fPIC -fno-semantic-interposition)
+
 if(REAMSIM_SANITIZE)
   add_compile_options(-fsanitize=${REAMSIM_SANITIZE} -fno-omit-frame-pointer)
   add_link_options(-fsanitize=${REAMSIM_SANITIZE})

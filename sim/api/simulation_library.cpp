@@ -1,9 +1,9 @@
 #include <cmath>
-#include <new>
 #include <utility>
 
+#include "sim/api/guarded.h"
 #include "sim/api/reamsim/simulation.h"
-#include "sim/base/error.h"
+#include "sim/api/state_parts.h"
 #include "sim/engine/common/motion_windows.h"
 #include "sim/motion/key_track.h"
 #include "sim/run/frame_stepper.h"
@@ -13,22 +13,6 @@
 namespace reamsim {
 
 namespace {
-
-/// Calls work(), and turns its exceptions into those of the library.
-template <class Work>
-auto guarded(const Work& work) {
-  try {
-    return work();
-  } catch (const Error&) {
-    throw;
-  } catch (const InputError& error) {
-    throw BadInput(error.what());
-  } catch (const std::bad_alloc&) {
-    throw RunFailure("not enough memory");
-  } catch (const std::exception& error) {
-    throw RunFailure(error.what());
-  }
-}
 
 std::array<double, 3> array_of(const Vec3& v) {
   return {v.x(), v.y(), v.z()};
@@ -51,11 +35,15 @@ StepResult result_of(const FrameResult& r) {
           .removed_mm3 = r.removed_mm3,
           .energy_mj = r.energy_mj,
           .floor_energy_mj = r.floor_energy_mj,
-          .balance = r.balance};
+          .balance = r.balance,
+          .pose = pose_of(r.pose)};
 }
 
 /// The simulation has not been given its first pose.
-constexpr const char* kNotStarted = "call start() before step(), run() and peek()";
+constexpr const char* kNotStarted = "call start() before step() and peek()";
+constexpr const char* kFailed = "an earlier step failed: make a new simulation";
+/// Of the wall clock, between two calls of stop().
+constexpr double kMostSeconds = 0.2;
 
 }  // namespace
 
@@ -72,21 +60,13 @@ class Rows final : public FrameSink {
 
 }  // namespace library
 
-struct Simulation::State::Parts {
-  StepState step;
-  std::optional<ToolPose> pose;
-  double time_s = 0;
-  double removed_mm3 = 0;
-  bool uneven = false;
-  VoxelGrid grid;
-  FillBricks fill;
-};
-
 struct Simulation::Core {
   explicit Core(const std::string& path, const std::vector<std::string>& set)
       : scene(load(parse_scenario(path, set), report)),
         engine(load_engine(scene)),
-        stepper(scene, *engine, rows, report) {}
+        stepper(scene, *engine, rows, report),
+        identity(identity_of(scene.bone)),
+        fill_before(scene.bone.fill) {}
 
   static ReamingScene load(const Scenario& scenario, Report& report) {
     ReamingScene out = load_scene(scenario, report);
@@ -112,26 +92,97 @@ struct Simulation::Core {
   }
 
   [[nodiscard]] FrameMotion motion_to(const Pose& pose, std::optional<double> dt) const {
-    if (!at) throw BadInput(kNotStarted);
+    if (!progress.pose) throw BadInput(kNotStarted);
     const double duration_s = dt.value_or(scene.motion.frame_s());
     if (!(duration_s > 0) || !std::isfinite(duration_s)) throw BadInput("dt: a time above 0 s is needed");
     const std::int64_t frame = stepper.state().frame + 1;
     // Equal steps have the times of a run, without accumulated rounding.
-    const bool even = !dt && !uneven;
+    const bool even = !dt && !progress.uneven;
     return {.frame = frame,
-            .before = *at,
-            .pose = checked(pose, at, duration_s),
+            .before = *progress.pose,
+            .pose = checked(pose, progress.pose, duration_s),
             .duration_s = duration_s,
-            .time_s = even ? static_cast<double>(frame) * duration_s : time_s + duration_s};
+            .time_s = even ? static_cast<double>(frame) * duration_s : progress.time_s + duration_s};
   }
 
-  /// Takes the rows since the last call.
-  std::vector<StepResult> take(const FrameMotion& last) {
-    at = last.pose;
-    time_s = last.time_s;
-    std::vector<StepResult> out = std::exchange(rows.rows, {});
-    for (const StepResult& row : out) removed_mm3 += row.removed_mm3;
+  /// The motions to poses that follow one another.
+  [[nodiscard]] std::vector<FrameMotion> motions_to(std::span<const Pose> poses) const {
+    std::vector<FrameMotion> out{motion_to(poses.front(), {})};
+    for (const Pose& pose : poses.subspan(1)) {
+      FrameMotion next = out.back();
+      next.before = next.pose;
+      next.pose = checked(pose, next.before, next.duration_s);
+      ++next.frame;
+      next.time_s = progress.uneven ? next.time_s + next.duration_s : static_cast<double>(next.frame) * next.duration_s;
+      out.push_back(next);
+    }
     return out;
+  }
+
+  /// Throws BadInput for a wrong pose after `before`.
+  void require_poses(std::span<const Pose> poses, std::optional<ToolPose> before) const {
+    for (const Pose& pose : poses) before = checked(pose, before, scene.motion.frame_s());
+  }
+
+  [[nodiscard]] FrameMotion first_motion(const Pose& pose) const {
+    const ToolPose first = checked(pose, std::nullopt, 0);
+    return {.before = first, .pose = first, .duration_s = scene.motion.frame_s()};
+  }
+
+  /// Calls work(), which computes. A failure in it leaves bone and sums of different steps.
+  template <class Work>
+  void compute(const Work& work) {
+    if (std::exchange(failed, true)) throw RunFailure(kFailed);
+    rows.rows.clear();
+    work();
+    failed = false;
+  }
+
+  /// Takes the rows since compute() began; the last one is that of `last`.
+  std::vector<StepResult> take(const FrameMotion& last) {
+    progress.pose = last.pose;
+    progress.time_s = last.time_s;
+    std::vector<StepResult> out = std::exchange(rows.rows, {});
+    for (const StepResult& row : out) progress.removed_mm3 += row.removed_mm3;
+    return out;
+  }
+
+  std::vector<StepResult> start(const FrameMotion& rest) {
+    compute([&] { stepper.start(rest); });
+    return take(rest);
+  }
+
+  /// Takes steps until the last one or, after a batch, stop().
+  std::vector<StepResult> run(const std::vector<FrameMotion>& motions, const std::function<bool()>& stop) {
+    const std::int64_t first = motions.front().frame;
+    const auto args_of = [&](std::int64_t frame) -> std::optional<SubstepArgs> {
+      const std::int64_t i = frame - first;
+      if (i < 0 || i >= std::ssize(motions)) return std::nullopt;
+      return stepper.single_args(motions[static_cast<std::size_t>(i)]);
+    };
+    MotionWindows windows(args_of, motions.back().frame, stepper.tool_box());
+    const bool windowed = stepper.can_use_windows();
+    const FrameMotion* last = nullptr;
+    compute([&] {
+      stepper.begin_batch();
+      for (const FrameMotion& motion : motions) {
+        stepper.add(motion, windowed ? windows.of(motion.frame) : nullptr);
+        last = &motion;
+        if (!is_batch()) continue;
+        stepper.finish_batch();
+        stepper.begin_batch();
+        if (stop && stop()) break;
+      }
+      stepper.finish_batch();
+    });
+    return take(*last);
+  }
+
+  /// Whether the pending frames are a batch. Results do not depend on batches.
+  [[nodiscard]] bool is_batch() const {
+    const std::size_t count = stepper.batch_frames();
+    return count >= static_cast<std::size_t>(scene.scenario.engine.batch_frames) ||
+           static_cast<double>(count) * stepper.frame_wall_s() > kMostSeconds;
   }
 
   Report report;
@@ -139,10 +190,10 @@ struct Simulation::Core {
   std::unique_ptr<Engine> engine;
   library::Rows rows;
   FrameStepper stepper;
-  std::optional<ToolPose> at;
-  double time_s = 0;
-  double removed_mm3 = 0;
-  bool uneven = false;  ///< steps had a time of their own
+  BoneIdentity identity;
+  FillBricks fill_before;  ///< the first step
+  Progress progress;       ///< but for `step`, which the stepper has
+  bool failed = false;     ///< a step did not end
 };
 
 Simulation::Simulation(const std::string& scenario, const std::vector<std::string>& set)
@@ -169,52 +220,38 @@ std::vector<std::string> Simulation::warnings() const {
 
 StepResult Simulation::start(const Pose& pose) {
   return guarded([&] {
-    if (core_->at) throw BadInput("start() has been called; restore() an earlier state");
-    const ToolPose first = core_->checked(pose, std::nullopt, 0);
-    const FrameMotion rest{.before = first, .pose = first, .duration_s = frame_s()};
-    core_->stepper.start(rest);
-    return core_->take(rest).back();
+    if (core_->progress.pose) throw BadInput("start() has been called; restore() an earlier state");
+    return core_->start(core_->first_motion(pose)).back();
   });
 }
 
 StepResult Simulation::step(const Pose& pose, std::optional<double> dt) {
   return guarded([&] {
     const FrameMotion motion = core_->motion_to(pose, dt);
-    core_->uneven = core_->uneven || dt.has_value();
-    core_->stepper.add(motion);
-    core_->stepper.finish_batch();
+    core_->compute([&] {
+      core_->stepper.add(motion);
+      core_->stepper.finish_batch();
+    });
+    core_->progress.uneven = core_->progress.uneven || dt.has_value();
     return core_->take(motion).back();
   });
 }
 
-std::vector<StepResult> Simulation::run(std::span<const Pose> poses) {
+std::vector<StepResult> Simulation::run(std::span<const Pose> poses, const std::function<bool()>& stop) {
   return guarded([&] {
-    if (poses.empty()) return std::vector<StepResult>{};
+    std::vector<StepResult> out;
+    if (poses.empty()) return out;
     Core& core = *core_;
-    const std::int64_t first = core.stepper.state().frame + 1;
-    std::vector<FrameMotion> motions{core.motion_to(poses.front(), {})};
-    for (const Pose& pose : poses.subspan(1)) {
-      FrameMotion next = motions.back();
-      next.before = next.pose;
-      next.pose = core.checked(pose, next.before, next.duration_s);
-      ++next.frame;
-      next.time_s = core.uneven ? next.time_s + next.duration_s : static_cast<double>(next.frame) * next.duration_s;
-      motions.push_back(next);
+    if (!core.progress.pose) {
+      const FrameMotion rest = core.first_motion(poses.front());
+      core.require_poses(poses.subspan(1), rest.pose);
+      out = core.start(rest);
+      poses = poses.subspan(1);
     }
-    const auto args_of = [&](std::int64_t frame) -> std::optional<SubstepArgs> {
-      const std::int64_t i = frame - first;
-      if (i < 0 || i >= std::ssize(motions)) return std::nullopt;
-      return core.stepper.single_args(motions[static_cast<std::size_t>(i)]);
-    };
-    MotionWindows windows(args_of, motions.back().frame, core.stepper.tool_box());
-    const bool windowed = core.stepper.can_use_windows();
-    for (const FrameMotion& motion : motions) {
-      core.stepper.add(motion, windowed ? windows.of(motion.frame) : nullptr);
-      if (core.stepper.batch_frames() >= static_cast<std::size_t>(core.scene.scenario.engine.batch_frames))
-        core.stepper.finish_batch();
-    }
-    core.stepper.finish_batch();
-    return core.take(motions.back());
+    if (poses.empty()) return out;
+    const std::vector<StepResult> more = core.run(core.motions_to(poses), stop);
+    out.insert(out.end(), more.begin(), more.end());
+    return out;
   });
 }
 
@@ -254,33 +291,40 @@ Volume Simulation::density() const {
 }
 
 double Simulation::removed_mm3() const {
-  return core_->removed_mm3;
+  return core_->progress.removed_mm3;
+}
+
+std::optional<Pose> Simulation::pose() const {
+  const std::optional<ToolPose>& pose = core_->progress.pose;
+  return pose ? std::optional(pose_of(*pose)) : std::nullopt;
+}
+
+std::int64_t Simulation::frame() const {
+  return core_->stepper.state().frame;
 }
 
 Simulation::State Simulation::state() {
   return guarded([&] {
+    if (core_->failed) throw RunFailure(kFailed);
     core_->stepper.read_fill();
-    return State(std::make_shared<State::Parts>(State::Parts{core_->stepper.state(), core_->at, core_->time_s,
-                                                             core_->removed_mm3, core_->uneven,
-                                                             core_->scene.bone.voxmap->grid, core_->scene.bone.fill}));
+    auto parts = std::make_shared<State::Parts>(State::Parts{.bone = core_->identity,
+                                                             .progress = core_->progress,
+                                                             .before = core_->fill_before,
+                                                             .fill = core_->scene.bone.fill});
+    parts->progress.step = core_->stepper.state();
+    return State(std::move(parts));
   });
 }
 
 void Simulation::restore(const State& state) {
   guarded([&] {
+    if (core_->failed) throw RunFailure(kFailed);
     const State::Parts& saved = state.parts();
-    const VoxelGrid& grid = core_->scene.bone.voxmap->grid;
-    if (saved.grid.dims != grid.dims || saved.grid.voxel_mm != grid.voxel_mm ||
-        saved.grid.origin_mm != grid.origin_mm) {
-      throw BadInput("the state is one of another bone");
-    }
-    core_->scene.bone.fill = saved.fill;
+    if (saved.bone != core_->identity) throw BadInput("the state is one of another bone");
+    core_->scene.bone.fill = saved.fill_on(core_->fill_before);
     core_->engine->restore(core_->scene.bone);
-    core_->stepper.resume(saved.step);
-    core_->at = saved.pose;
-    core_->time_s = saved.time_s;
-    core_->removed_mm3 = saved.removed_mm3;
-    core_->uneven = saved.uneven;
+    core_->stepper.resume(saved.progress.step);
+    core_->progress = saved.progress;
   });
 }
 

@@ -60,6 +60,8 @@ motion:
       ASSERT_EQ(a.removed_mm3, b.removed_mm3) << k;
       ASSERT_EQ(a.depth_mm, b.depth_mm) << k;
       ASSERT_EQ(a.balance, b.balance) << k;
+      ASSERT_EQ(Vec3(a.pose.position_mm.data()), b.pose.position_mm) << k;
+      ASSERT_EQ(a.pose.spin_angle_rad, b.pose.spin_angle_rad) << k;
     }
   }
 
@@ -106,6 +108,45 @@ TEST_F(Library, StateGoesBackInTime) {
   EXPECT_EQ(other.run(std::span(poses).subspan(151, 1))[0].axial_force_n, first[0].axial_force_n);
 }
 
+TEST_F(Library, StateGoesThroughAFile) {
+  Simulation simulation(scenario());
+  const std::vector<Pose> poses = simulation.planned_poses();
+  simulation.run(std::span(poses).first(151));
+  const std::string path = dir_.path() + "/a.state";
+  simulation.state().save(path);
+  const auto first = simulation.run(std::span(poses).subspan(151, 100));
+  Simulation other(scenario());
+  other.restore(Simulation::State::load(path));
+  EXPECT_EQ(other.frame(), 150);
+  EXPECT_EQ(other.pose()->position_mm, poses[150].position_mm);
+  const auto again = other.run(std::span(poses).subspan(151, 100));
+  for (std::size_t k = 0; k < first.size(); ++k) ASSERT_EQ(first[k].axial_force_n, again[k].axial_force_n);
+  EXPECT_EQ(other.fill().values, simulation.fill().values);
+  EXPECT_EQ(other.removed_mm3(), simulation.removed_mm3());
+
+  std::filesystem::resize_file(path, std::filesystem::file_size(path) - 1);
+  EXPECT_THROW(Simulation::State::load(path), BadInput);
+  EXPECT_THROW(Simulation::State::load(dir_.path() + "/none"), BadInput);
+  EXPECT_THROW(simulation.state().save(dir_.path() + "/none/a.state"), RunFailure);
+}
+
+TEST_F(Library, ARunBeginsWithItsFirstPoseAndEndsWhereItIsAskedTo) {
+  Simulation simulation(scenario());
+  const std::vector<Pose> poses = simulation.planned_poses();
+  const auto steps = simulation.run(poses);
+  expect_same(steps, rows_of_run(true));
+  Simulation stopped(scenario());
+  int batches = 0;
+  const auto some = stopped.run(poses, [&batches] { return ++batches == 2; });
+  ASSERT_LT(some.size(), poses.size());
+  ASSERT_GT(some.size(), 1U);
+  EXPECT_EQ(stopped.frame(), std::ssize(some) - 1);
+  for (std::size_t k = 0; k < some.size(); ++k) ASSERT_EQ(some[k].axial_force_n, steps[k].axial_force_n) << k;
+  const StepResult next = stopped.step(poses[some.size()]);
+  EXPECT_EQ(next.frame, std::ssize(some));
+  EXPECT_EQ(next.pose.position_mm, poses[some.size()].position_mm);
+}
+
 TEST_F(Library, PeekIsTheStepThatFollowsAndRemovesNothing) {
   Simulation simulation(scenario());
   const std::vector<Pose> poses = simulation.planned_poses();
@@ -145,8 +186,10 @@ TEST_F(Library, MistakesAreTyped) {
   wrong.position_mm[1] = std::nan("");
   EXPECT_THROW(simulation.step(wrong), BadInput);
   EXPECT_THROW(simulation.step(start, 0.0), BadInput);
-  Simulation other(scenario(), {"bone.voxel_mm=0.6"});
-  EXPECT_THROW(other.restore(simulation.state()), BadInput);
+  for (const char* change : {"bone.voxel_mm=0.6", "bone.phantom.density_g_cm3=0.7"}) {
+    Simulation other(scenario(), {change});
+    EXPECT_THROW(other.restore(simulation.state()), BadInput) << change;
+  }
   try {
     Simulation(scenario(), {"motion.plunge.feed_mm_s=fast"});
     FAIL();

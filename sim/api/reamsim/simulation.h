@@ -8,6 +8,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -18,7 +19,7 @@
 namespace reamsim {
 
 /// Changes with every change of this header that a program could notice.
-inline constexpr int kLibraryVersion = 1;
+inline constexpr int kLibraryVersion = 2;
 
 class Error : public std::runtime_error {
   using std::runtime_error::runtime_error;
@@ -55,6 +56,7 @@ struct StepResult {
   double energy_mj = 0;
   double floor_energy_mj = 0;
   double balance = 0;
+  Pose pose{};  ///< at the end of the step, with its spin angle
 };
 
 /// A value per voxel, x fastest.
@@ -86,8 +88,10 @@ class Simulation {
   /// that is no rotation, a value that is not finite, and dt of 0 or less.
   StepResult step(const Pose& pose, std::optional<double> dt = {});
   /// The same for poses that are known ahead, frame_s() apart, in batches: faster, and where the motion is smooth with
-  /// one fit for many frames (docs/physics.md, 3), as `reamsim run` does.
-  std::vector<StepResult> run(std::span<const Pose> poses);
+  /// one fit for many frames (docs/physics.md, 3), as `reamsim run` does. Before start(), the first pose is that of
+  /// start(). `stop` is called several times a second; where it returns true, the steps end early: as many as results.
+  /// Wrong poses are found before the first step.
+  std::vector<StepResult> run(std::span<const Pose> poses, const std::function<bool()>& stop = {});
   /// Force and torque that step() would give, without removing bone. Only for erosion exact.
   [[nodiscard]] StepResult peek(const Pose& pose, std::optional<double> dt = {});
 
@@ -96,6 +100,10 @@ class Simulation {
   /// g/cm³, without fill.
   [[nodiscard]] Volume density() const;
   [[nodiscard]] double removed_mm3() const;
+  /// The present pose; none before start().
+  [[nodiscard]] std::optional<Pose> pose() const;
+  /// The frame of the last step; 0 after start() and before it.
+  [[nodiscard]] std::int64_t frame() const;
 
   /// The simulation after a step: bone, pose and sums.
   class State {
@@ -103,6 +111,11 @@ class Simulation {
     struct Parts;
     explicit State(std::shared_ptr<const Parts> parts) : parts_(std::move(parts)) {}
     [[nodiscard]] const Parts& parts() const { return *parts_; }
+
+    /// Writes the state to a file, in one piece: the path has the old or the new content. Throws RunFailure.
+    void save(const std::string& path) const;
+    /// Reads such a file. Throws BadInput where it is missing, damaged or another file.
+    static State load(const std::string& path);
 
    private:
     std::shared_ptr<const Parts> parts_;

@@ -1,0 +1,131 @@
+// States of a simulation, in memory and in files.
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+
+#include "sim/api/guarded.h"
+#include "sim/api/state_parts.h"
+#include "sim/base/file.h"
+#include "sim/run/value_file.h"
+
+namespace reamsim {
+
+namespace {
+
+constexpr std::string_view kMagic = "reamsim state 1\n";
+/// What the formats of all versions begin with.
+constexpr std::string_view kAnyMagic = "reamsim state ";
+
+using PoseValues = std::array<double, 9>;
+
+PoseValues values_of_pose(const ToolPose& pose) {
+  const Vec3& p = pose.position_mm;
+  const Quat& q = pose.orientation;
+  return {p.x(), p.y(), p.z(), q.w(), q.x(), q.y(), q.z(), pose.spin_angle_rad, pose.spin_rpm};
+}
+
+ToolPose pose_of_values(const PoseValues& v) {
+  if (!std::ranges::all_of(v, [](double value) { return std::isfinite(value); })) throw DamagedValues();
+  return {.position_mm = Vec3(v.data()),
+          .orientation = Quat(v[3], v[4], v[5], v[6]),
+          .spin_angle_rad = v[7],
+          .spin_rpm = v[8]};
+}
+
+/// Calls visit() for the values of a state, in the order of the file, but for pose and fill.
+template <class Visit, class Bone, class Standing>
+void visit_values(Visit& visit, Bone& bone, Standing& progress) {
+  visit(bone.dims);
+  visit(bone.voxel_mm);
+  visit(bone.origin_mm);
+  visit(bone.crc);
+  visit(progress.step.frame);
+  visit(progress.step.ledger.work_mj);
+  visit(progress.step.ledger.floor_mj);
+  visit(progress.step.ledger.cut_mj);
+  visit(progress.step.ledger.first_contact_mm);
+  visit(progress.step.touched);
+  visit(progress.step.warned_of_no_spin);
+  visit(progress.time_s);
+  visit(progress.removed_mm3);
+  visit(progress.uneven);
+}
+
+std::vector<PlacedBrick> changed_bricks(const Simulation::State::Parts& parts) {
+  if (const auto* bricks = std::get_if<std::vector<PlacedBrick>>(&parts.fill)) return *bricks;
+  return reamed_bricks(parts.before, std::get<FillBricks>(parts.fill));
+}
+
+Simulation::State::Parts read_values(std::string_view text) {
+  ValueReader reader(values_of(text, kMagic));
+  Simulation::State::Parts out;
+  visit_values(reader, out.bone, out.progress);
+  bool started = false;
+  reader(started);
+  if (started) {
+    PoseValues pose{};
+    reader(pose);
+    out.progress.pose = pose_of_values(pose);
+  }
+  reader(out.fill.emplace<std::vector<PlacedBrick>>());
+  return out;
+}
+
+}  // namespace
+
+BoneIdentity identity_of(const Bone& bone) {
+  const VoxelGrid& grid = bone.voxmap->grid;
+  BoneIdentity out{.dims = grid.dims, .voxel_mm = grid.voxel_mm, .origin_mm = {}};
+  std::copy(grid.origin_mm.begin(), grid.origin_mm.end(), out.origin_mm.begin());
+  const auto add = [&out](const Vec3i& coord, const auto& brick) {
+    const auto bytes_of = [](const auto& value) {
+      return std::string_view(reinterpret_cast<const char*>(&value), sizeof value);
+    };
+    const std::array<int, 3> place{coord.x(), coord.y(), coord.z()};
+    out.crc = crc_of(bytes_of(brick), crc_of(bytes_of(place), out.crc));
+  };
+  bone.voxmap->grade.for_each_brick(add);
+  bone.fill.for_each_brick(add);
+  return out;
+}
+
+FillBricks Simulation::State::Parts::fill_on(const FillBricks& start) const {
+  if (const auto* copy = std::get_if<FillBricks>(&fill)) return *copy;
+  FillBricks out = start;
+  for (const auto& [coord, brick] : std::get<std::vector<PlacedBrick>>(fill)) {
+    if ((coord.array() < 0).any() || (coord.array() >= out.brick_dims().array()).any())
+      throw InputError("the state does not fit its bone: it is damaged");
+    out.put(coord, brick);
+  }
+  return out;
+}
+
+void Simulation::State::save(const std::string& path) const {
+  guarded([&] {
+    ValueWriter writer(kMagic);
+    visit_values(writer, parts_->bone, parts_->progress);
+    writer(parts_->progress.pose.has_value());
+    if (parts_->progress.pose) writer(values_of_pose(*parts_->progress.pose));
+    writer(changed_bricks(*parts_));
+    replace_file(path, writer.finish());
+  });
+}
+
+Simulation::State Simulation::State::load(const std::string& path) {
+  return guarded([&] {
+    const auto wrong = [&path](const std::string& found) {
+      return InputError({path, 0, 0}, "", found, "expected a state that save() wrote");
+    };
+    const std::optional<std::string> text = read_whole_file(path);
+    if (!text) throw wrong(std::filesystem::exists(path) ? "cannot be read" : "no such file");
+    if (!text->starts_with(kAnyMagic)) throw wrong("is no state of a simulation");
+    if (!text->starts_with(kMagic)) throw wrong("is a state of another version of reamsim");
+    try {
+      return State(std::make_shared<Parts>(read_values(*text)));
+    } catch (const DamagedValues&) {
+      throw wrong("is damaged: its checksum or length does not fit");
+    }
+  });
+}
+
+}  // namespace reamsim

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <optional>
+#include <variant>
+#include <vector>
+
+#include "sim/api/reamsim/simulation.h"
+#include "sim/bone/bone.h"
+#include "sim/run/checkpoint.h"
+#include "sim/run/frame_stepper.h"
+
+namespace reamsim {
+
+/// What tells one bone from another, before the first step.
+struct BoneIdentity {
+  Vec3i dims = Vec3i::Zero();
+  double voxel_mm = 0;
+  std::array<double, 3> origin_mm{};
+  std::uint32_t crc = 0;  ///< of densities and fill
+
+  bool operator==(const BoneIdentity&) const = default;
+};
+
+BoneIdentity identity_of(const Bone& bone);
+
+/// Where a simulation stands, besides the fill of its bone.
+struct Progress {
+  StepState step;
+  std::optional<ToolPose> pose;  ///< none before the first one
+  double time_s = 0;
+  double removed_mm3 = 0;
+  bool uneven = false;  ///< steps had a time of their own
+};
+
+/// In memory a copy of the fill, which shares what has not changed; of a file the bricks that steps have changed.
+using SavedFill = std::variant<FillBricks, std::vector<PlacedBrick>>;
+
+struct Simulation::State::Parts {
+  BoneIdentity bone;
+  Progress progress;
+  FillBricks before;  ///< the fill before the first step; empty in a state from a file
+  SavedFill fill;
+
+  /// Of the bone whose fill before the first step is `start`. Throws InputError where a brick lies outside.
+  [[nodiscard]] FillBricks fill_on(const FillBricks& start) const;
+};
+
+}  // namespace reamsim
