@@ -71,6 +71,8 @@ struct Simulation::Core {
   static ReamingScene load(const Scenario& scenario, Report& report) {
     ReamingScene out = load_scene(scenario, report);
     if (!out.later_passes.empty()) throw InputError("motion.passes: a simulation has one tool; use motion.plunge");
+    if (scenario.motion.compliance)
+      report.warn("motion.compliance: without springs here, the tool is where step() puts it");
     return out;
   }
 

@@ -171,6 +171,12 @@ TEST_F(Library, FillAndDensityCoverTheBone) {
   EXPECT_NEAR(*std::max_element(density.values.begin(), density.values.end()), 0.6, 0.008);
 }
 
+TEST_F(Library, SpringsAreLeftOutWithAWarning) {
+  const Simulation rigid(scenario()), springs(scenario(), {"motion.compliance={stiffness_n_mm: [10, 10, 10]}"});
+  EXPECT_THAT(rigid.warnings(), ::testing::Not(::testing::Contains(::testing::HasSubstr("motion.compliance"))));
+  EXPECT_THAT(springs.warnings(), ::testing::Contains(::testing::HasSubstr("motion.compliance")));
+}
+
 TEST_F(Library, MistakesAreTyped) {
   EXPECT_THROW(Simulation("no such file.yaml"), BadInput);
   EXPECT_THROW(Simulation(scenario(), {"bone.voxel_mm=-1"}), BadInput);
