@@ -9,7 +9,7 @@ build_packages=(
   ocl-icd-opencl-dev opencl-headers pocl-opencl-icd libeigen3-dev libosmesa6-dev libegl-dev libgl-dev
   libopenvdb-dev libtbb-dev libboost-dev libboost-iostreams-dev libassimp-dev libfmt-dev libyaml-cpp-dev libinsighttoolkit5-dev
   libcli11-dev nlohmann-json3-dev libpango1.0-dev libssl-dev zlib1g-dev libjpeg-dev libpng-dev libmeshoptimizer-dev
-  libseccomp-dev
+  libseccomp-dev python3-dev pybind11-dev
   gnuplot-nox fonts-dejavu-core)
 test_packages=(ffmpeg libgtest-dev libgmock-dev libbenchmark-dev python3-openvdb python3-jsonschema libopenvdb-tools oclgrind
   python3-numpy python3-yaml python3-pandas python3-matplotlib python3-pil python3-pytest jupyter-nbconvert python3-ipykernel

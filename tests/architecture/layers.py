@@ -51,17 +51,19 @@ LAYERS = [
     ("render/preview", ["render_preview"]),
     ("render/study", ["render_study"]),
     ("cli", ["reamsim"]),
+    ("python/native", []),
 ]
 RANK = {name: rank for rank, (folder, libraries) in enumerate(LAYERS) for name in [folder, *libraries]}
 
-# Standing before is not enough for these: a picture needs no engine, an engine no file format, and nothing but the
-# command line needs the benchmark or the verification.
+# Standing before is not enough for these: a picture needs no engine, an engine no file format, nothing but the
+# command line needs the benchmark or the verification, and Python has the library of docs/library.md alone.
 ENGINES = re.compile(r"sim[_/](engine|run|plan|bench|verify)")
 FORBIDDEN = [
     (re.compile(r"render"), ENGINES),
     (re.compile(r"sim[_/]engine"), re.compile(r"sim[_/](record|scene|metrics|bone_ct|bone/ct)")),
     (re.compile(r"(sim|render)(?![_/](bench|verify))"), re.compile(r"sim[_/](bench|verify)")),
     (re.compile(r"sim"), re.compile(r"render|cli")),
+    (re.compile(r"python"), re.compile(r"(?!sim/api|python)")),
 ]
 
 
@@ -84,7 +86,7 @@ def link_graph(path):
 def include_graph(source):
     """Folder -> folders whose headers it includes, each with a place where it does."""
     graph = collections.defaultdict(dict)
-    for top in ("sim", "render", "kernels", "assets", "cli"):
+    for top in ("sim", "render", "kernels", "assets", "cli", "python"):
         for path in sorted((source / top).rglob("*")):
             if path.suffix not in (".h", ".cpp"):
                 continue

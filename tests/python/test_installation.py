@@ -25,12 +25,26 @@ run = reamsim.run({"bone": {"source": "phantom", "voxel_mm": 0.5, "phantom": {"s
 print(run.summary["removed_mm3"] > 50, run.fill.values.shape)
 """
 
+IN_PROCESS = """
+import sys, reamsim
+try:
+    simulation = reamsim.Simulation(
+        {"bone": {"source": "phantom", "voxel_mm": 0.5, "phantom": {"shape": "half_space", "size_mm": [9, 9, 6]}},
+         "tool": {"mesh": sys.argv[1]}, "motion": {"frame_rate_hz": 50, "plunge": {"feed_mm_s": 9, "depth_mm": 1}},
+         "engine": {"device": "serial"}})
+    simulation.run(simulation.planned_poses())
+    print(simulation.removed_mm3 > 50)
+    print(sys.modules["reamsim._simulation"].__file__)
+except reamsim.ProgramNotFound as error:
+    print(error)
+"""
 
-def used(python, folder, environment):
+
+def used(python, folder, environment, code=USE):
     """What the package says of itself in another folder."""
-    (folder / "elsewhere").mkdir()
+    (folder / "elsewhere").mkdir(exist_ok=True)
     clean = {name: value for name, value in os.environ.items() if not name.startswith(("PYTHON", "REAMSIM"))}
-    done = subprocess.run([python, "-c", USE, str(ROOT / "assets/reamer_flat.stl")], cwd=folder / "elsewhere",
+    done = subprocess.run([python, "-c", code, str(ROOT / "assets/reamer_flat.stl")], cwd=folder / "elsewhere",
                           env={**clean, **environment}, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
     return done.stdout.splitlines()
@@ -45,6 +59,8 @@ def test_cmake_installs_the_package_beside_the_program(tmp_path):
     assert said[1] == f"{VERSION} {VERSION}"
     assert said[2] == str(prefix / "bin/reamsim"), "the program of the same prefix"
     assert said[3] == "True" and said[4].startswith("True")
+    installed, path = used(sys.executable, tmp_path, {"PYTHONPATH": str(package)}, IN_PROCESS)
+    assert installed == "True" and pathlib.Path(path).parent == package / "reamsim"
     assert not list(prefix.rglob("__pycache__")) or not list((ROOT / "python").rglob("__pycache__"))
 
 
@@ -74,3 +90,13 @@ def test_pip_installs_the_package_without_a_network(tmp_path):
     assert said[0].startswith(str(tmp_path / "venv/lib"))
     assert said[1] == f"{VERSION} {VERSION}"
     assert said[3] == "True" and said[4].startswith("True")
+    python = str(tmp_path / "venv/bin/python")
+    built, path = used(python, tmp_path, {"REAMSIM_PROGRAM": os.environ["REAMSIM_PROGRAM"]}, IN_PROCESS)
+    assert built == "True" and pathlib.Path(path).parent == pathlib.Path(BUILD, "python"), "the one built with the program"
+    other = tmp_path / "cli/reamsim"
+    other.parent.mkdir()
+    other.write_text("#!/bin/sh\n")
+    other.chmod(0o755)
+    (message,) = used(python, tmp_path, {"REAMSIM_PROGRAM": str(other)}, IN_PROCESS)
+    assert message.startswith("reamsim.Simulation needs the module _simulation") and "./run.sh" in message
+    assert str(tmp_path / "python") in message, "it says where it searched"

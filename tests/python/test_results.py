@@ -65,6 +65,17 @@ def test_index_and_world(small_run):
     assert fill.world_from_index(bone.max(axis=0))[2] + 0.25 == pytest.approx(0)
 
 
+def test_interpolation_is_exact_for_linear_values():
+    x, y, z = numpy.meshgrid(numpy.arange(4.0), numpy.arange(5.0), numpy.arange(3.0), indexing="ij")
+    grid = reamsim.Grid(1 + 2 * x - 3 * y + z, numpy.array([10.0, 20, 30]), 0.5)
+    index = numpy.random.default_rng(1).uniform(0, [3, 4, 2], (50, 3))
+    expected = 1 + index @ [2, -3, 1]
+    assert grid.interpolated(grid.world_from_index(index)) == pytest.approx(expected)
+    assert grid.interpolated(grid.world_from_index([3, 4, 2])) == pytest.approx(-3.0), "the last centre is inside"
+    assert grid.interpolated(grid.world_from_index([0, 0, 0])) == 1
+    assert numpy.isnan(grid.interpolated(grid.world_from_index([[-0.01, 0, 0], [0, 4.01, 0], [0, 0, 5]]))).all()
+
+
 def test_grids_of_unequal_sides_keep_their_axes(small, tmp_path):
     """Read by two readers that share no code: OpenVDB, and this package's of the VTK file."""
     run = reamsim.run(small, tmp_path / "out", bone__phantom__size_mm=[10, 14, 30])

@@ -15,12 +15,14 @@ from .grid import DepthMap, Grid
 from .plots import plot_bands, plot_depth_map, plot_forces
 from .program import find_program
 from .results import Run, load
+from .simulation import Simulation, State
+from .steps import POSE, Step
 from .surface import Surface
 from .sweeps import Sweep, load_sweep
 from .version import __version__
 
 __all__ = [
-    "DepthMap", "Grid", "InputError", "Interrupted", "MissingPackage", "ProgramError", "ProgramNotFound", "ReamsimError",
-    "ReamsimWarning", "ResultsError", "Run", "RunError", "Surface", "Sweep", "__version__", "find_program", "load",
-    "load_sweep", "plot_bands", "plot_depth_map", "plot_forces", "run", "sweep",
+    "POSE", "DepthMap", "Grid", "InputError", "Interrupted", "MissingPackage", "ProgramError", "ProgramNotFound",
+    "ReamsimError", "ReamsimWarning", "ResultsError", "Run", "RunError", "Simulation", "State", "Step", "Surface", "Sweep",
+    "__version__", "find_program", "load", "load_sweep", "plot_bands", "plot_depth_map", "plot_forces", "run", "sweep",
 ]

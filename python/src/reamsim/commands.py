@@ -4,15 +4,13 @@ from __future__ import annotations
 
 import os
 import pathlib
-import re
-import tempfile
 from collections.abc import Mapping
 from typing import Any
 
-from .errors import InputError, RunError
+from .errors import RunError
 from .program import call
 from .results import Run, load
-from .scenario_text import scenario_text, set_options
+from .scenario_text import assignments, scenario_file
 from .sweeps import Sweep, load_sweep
 
 
@@ -37,23 +35,14 @@ def run(scenario: str | os.PathLike[str] | Mapping[str, Any], output: str | os.P
         Interrupted: the run was interrupted, also by Ctrl-C; ``.resumable`` says whether it can be continued.
         ProgramNotFound: the program reamsim was not found.
     """
-    options = set_options(settings or {}, overrides)
+    options = [option for text in assignments(settings or {}, overrides) for option in ("--set", text)]
     if output is not None:
         options += ["--output", os.fspath(output)]
     if device is not None:
         options += ["--device", device]
     options += ["--overwrite"] * overwrite + ["--resume"] * resume
-    if not isinstance(scenario, Mapping):
-        return _run(os.fspath(scenario), options, show_output)
-    with tempfile.TemporaryDirectory(prefix="reamsim-") as folder:
-        path = pathlib.Path(folder, "scenario.yaml")
-        path.write_text(scenario_text(scenario, pathlib.Path.cwd()), encoding="utf-8")
-        try:
-            return _run(str(path), options, show_output)
-        except InputError as error:
-            # The file is the package's own, and so are its lines and columns.
-            lines = [re.sub(rf"^{re.escape(str(path))}(:\d+:\d+)?", "scenario", line) for line in error.lines]
-            raise InputError(lines, error.status) from None
+    with scenario_file(scenario) as path:
+        return _run(path, options, show_output)
 
 
 def _run(path: str, options: list[str], show_output: bool) -> Run:

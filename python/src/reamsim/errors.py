@@ -10,11 +10,12 @@ class ReamsimError(Exception):
 
 
 class ProgramError(ReamsimError):
-    """The program ended with an error.
+    """The program, or a `Simulation`, ended with an error.
 
     Attributes:
         lines: the program's error messages, one for each mistake, without the prefix ``reamsim: error:``.
-        status: its exit status; negative: the number of the signal that ended it.
+        status: its exit status, of a `Simulation` that of the program for the same error; negative: the number of the
+            signal that ended it.
     """
 
     def __init__(self, lines: Sequence[str], status: int) -> None:
@@ -24,7 +25,8 @@ class ProgramError(ReamsimError):
 
 
 class InputError(ProgramError):
-    """The scenario, study or an option is wrong (exit status 2). Each line has file, line, column and key."""
+    """The scenario, study, an option or an argument is wrong (exit status 2). Each line of a scenario's mistake has file,
+    line, column and key."""
 
 
 class RunError(ProgramError):
@@ -44,7 +46,7 @@ class Interrupted(ProgramError):
 
 
 class ProgramNotFound(ReamsimError):
-    """The program `reamsim` was not found."""
+    """The program `reamsim` was not found, or the module of `Simulation` that is built with it."""
 
 
 class ResultsError(ReamsimError):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import itertools
 
 import numpy
 from numpy.typing import ArrayLike
@@ -41,6 +42,22 @@ class Grid:
         inside = numpy.all((index >= 0) & (index < self.values.shape), axis=-1)
         found = self.values[tuple(numpy.where(inside[..., None], index, 0).T)].T.astype(float)
         return numpy.where(inside, found, numpy.nan)
+
+    def interpolated(self, position_mm: ArrayLike) -> numpy.ndarray:
+        """Values between the centres of voxels, linear along each axis; NaN outside of the outermost centres."""
+        index = self.index_from_world(position_mm)
+        first = numpy.floor(index).astype(int)
+        # On the last centre the cell before it serves.
+        last = numpy.array(self.values.shape) - 1
+        first = numpy.where(index == last, last - 1, first)
+        inside = numpy.all((first >= 0) & (first < last), axis=-1)
+        part = index - first
+        out = numpy.zeros(index.shape[:-1])
+        for corner in itertools.product((0, 1), repeat=self.values.ndim):
+            weight = numpy.prod(numpy.where(corner, part, 1 - part), axis=-1)
+            cell = numpy.where(inside[..., None], first + corner, 0)
+            out += weight * self.values[tuple(numpy.moveaxis(cell, -1, 0))]
+        return numpy.where(inside, out, numpy.nan)
 
     def centers_mm(self, axis: int) -> numpy.ndarray:
         """Positions (mm) of the voxel centres along one axis (0 is x)."""

@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+import contextlib
+import os
 import pathlib
 import re
-from collections.abc import Mapping
+import tempfile
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 import numpy
 import yaml
+
+from .errors import InputError
 
 
 class _Loader(yaml.SafeLoader):
@@ -53,10 +58,26 @@ def flow_text(value: Any) -> str:
         "...\n").strip()
 
 
-def set_options(overrides: Mapping[str, Any], keywords: Mapping[str, Any]) -> list[str]:
-    """``--set`` for each key. In `keywords`, ``__`` stands for the dot between two keys."""
+def assignments(overrides: Mapping[str, Any], keywords: Mapping[str, Any]) -> list[str]:
+    """``KEY=VALUE`` for each key, as of ``--set``. In `keywords`, ``__`` stands for the dot between two keys."""
     keys = {**overrides, **{name.replace("__", "."): value for name, value in keywords.items()}}
-    return [option for key, value in keys.items() for option in ("--set", f"{key}={flow_text(value)}")]
+    return [f"{key}={flow_text(value)}" for key, value in keys.items()]
+
+
+@contextlib.contextmanager
+def scenario_file(scenario: str | os.PathLike[str] | Mapping[str, Any]) -> Iterator[str]:
+    """The path of a scenario; of one that is a dict, a temporary file, whose place no `InputError` shows."""
+    if not isinstance(scenario, Mapping):
+        yield os.fspath(scenario)
+        return
+    with tempfile.TemporaryDirectory(prefix="reamsim-") as folder:
+        path = pathlib.Path(folder, "scenario.yaml")
+        path.write_text(scenario_text(scenario, pathlib.Path.cwd()), encoding="utf-8")
+        try:
+            yield str(path)
+        except InputError as error:
+            lines = [re.sub(rf"^{re.escape(str(path))}(:\d+:\d+)?", "scenario", line) for line in error.lines]
+            raise InputError(lines, error.status) from None
 
 
 def scenario_text(scenario: Mapping[str, Any], folder: pathlib.Path) -> str:

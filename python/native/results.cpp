@@ -1,0 +1,89 @@
+#include "python/native/results.h"
+
+#include <algorithm>
+#include <memory>
+
+namespace reamsim::python {
+
+namespace {
+
+using Row = std::array<double, kStepColumns>;
+
+constexpr std::size_t kFrame = 0, kContacts = 20, kPass = 25, kPoseColumns = 9;
+
+std::array<double, kPoseColumns> values_of(const Pose& pose) {
+  const auto& [x, y, z] = pose.position_mm;
+  const auto& [qw, qx, qy, qz] = pose.quaternion;
+  return {x, y, z, qw, qx, qy, qz, pose.spin_rpm, pose.spin_angle_rad.value_or(0)};
+}
+
+/// In the order of forces.csv (docs/formats.md).
+Row row_of(const StepResult& s) {
+  Row out{static_cast<double>(s.frame), s.time_s};
+  std::ranges::copy(values_of(s.pose), out.begin() + 2);
+  constexpr std::size_t kAfterPose = 11;
+  const auto& [fx, fy, fz] = s.force_n;
+  const auto& [tx, ty, tz] = s.torque_nmm;
+  constexpr double kOnlyPass = 1;
+  const std::array<double, kStepColumns - kAfterPose> rest{s.depth_mm,
+                                                           fx,
+                                                           fy,
+                                                           fz,
+                                                           tx,
+                                                           ty,
+                                                           tz,
+                                                           s.axial_force_n,
+                                                           s.spin_torque_nmm,
+                                                           static_cast<double>(s.contacts),
+                                                           s.removed_mm3,
+                                                           s.energy_mj,
+                                                           s.floor_energy_mj,
+                                                           s.balance,
+                                                           kOnlyPass};
+  std::ranges::copy(rest, out.begin() + kAfterPose);
+  return out;
+}
+
+}  // namespace
+
+py::tuple tuple_of(const StepResult& step) {
+  const Row row = row_of(step);
+  py::tuple out(kStepColumns);
+  for (std::size_t i = 0; i < kStepColumns; ++i) {
+    const bool whole = i == kFrame || i == kContacts || i == kPass;
+    PyObject* value = whole ? PyLong_FromLongLong(static_cast<long long>(row[i])) : PyFloat_FromDouble(row[i]);
+    if (value == nullptr) throw py::error_already_set();
+    PyTuple_SET_ITEM(out.ptr(), static_cast<py::ssize_t>(i), value);
+  }
+  return out;
+}
+
+py::array_t<double> array_of(const std::vector<StepResult>& steps) {
+  py::array_t<double> out({steps.size(), kStepColumns});
+  double* at = out.mutable_data();
+  for (const StepResult& step : steps) at = std::ranges::copy(row_of(step), at).out;
+  return out;
+}
+
+py::array_t<double> array_of(const std::vector<Pose>& poses) {
+  py::array_t<double> out({poses.size(), kPoseColumns});
+  double* at = out.mutable_data();
+  for (const Pose& pose : poses) at = std::ranges::copy(values_of(pose), at).out;
+  return out;
+}
+
+py::tuple grid_of(Volume volume) {
+  auto owned = std::make_unique<std::vector<float>>(std::move(volume.values));
+  const float* data = owned->data();
+  const py::capsule owner(owned.get(), [](void* values) { delete static_cast<std::vector<float>*>(values); });
+  owned.release();  // NOLINT: the capsule owns it
+  const auto [nx, ny, nz] = volume.dims;
+  constexpr py::ssize_t kBytes = sizeof(float);
+  const py::array_t<float> values({nx, ny, nz}, {kBytes, kBytes * nx, kBytes * nx * ny}, data, owner);
+  values.attr("flags").attr("writeable") = false;
+  std::array<double, 3> center = volume.origin_mm;
+  for (double& x : center) x += 0.5 * volume.voxel_mm;
+  return py::make_tuple(values, py::make_tuple(center[0], center[1], center[2]), volume.voxel_mm);
+}
+
+}  // namespace reamsim::python

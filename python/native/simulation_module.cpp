@@ -1,0 +1,197 @@
+// The module reamsim._simulation: what python/src/reamsim/simulation.py needs of reamsim/simulation.h.
+#include <pthread.h>
+#include <pybind11/functional.h>
+#include <pybind11/stl.h>
+
+#include <atomic>
+#include <optional>
+
+#include "python/native/arguments.h"
+#include "python/native/results.h"
+
+namespace reamsim::python {
+
+namespace {
+
+// Global: a fork concerns the whole process. The threads of OpenCL and TBB do not exist in it, and a wait for them
+// never ends.
+std::atomic<bool> used = false, forked = false;
+
+/// Converts a message to text, whatever its bytes.
+py::object text_of(const std::string& message) {
+  PyObject* text = PyUnicode_DecodeUTF8(message.data(), static_cast<py::ssize_t>(message.size()), "backslashreplace");
+  if (text == nullptr) throw py::error_already_set();
+  return py::reinterpret_steal<py::object>(text);
+}
+
+/// Raises an exception of reamsim.errors. `status`: the exit status of the program for the same error.
+void raise_python(const char* name, const std::string& message, int status) {
+  const py::object type = py::module_::import("reamsim.errors").attr(name);
+  const py::object error = type(text_of(message).attr("splitlines")(), status);
+  PyErr_SetObject(type.ptr(), error.ptr());
+}
+
+void translate(std::exception_ptr thrown) {
+  constexpr int kFailed = 1, kWrongInput = 2;
+  try {
+    if (thrown) std::rethrow_exception(thrown);
+  } catch (const BadInput& error) {
+    raise_python("InputError", error.what(), kWrongInput);
+  } catch (const RunFailure& error) {
+    raise_python("RunError", error.what(), kFailed);
+  }
+}
+
+/// Calls work() without the GIL. An interrupt of the user comes before the error that it caused.
+template <class Work>
+auto without_gil(const Work& work) {
+  try {
+    const py::gil_scoped_release release;
+    return work();
+  } catch (const Error&) {
+    if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+    throw;
+  }
+}
+
+/// A simulation that several threads of Python can reach. The GIL is released while it computes.
+class Guarded {
+ public:
+  Guarded(const std::string& path, const std::vector<std::string>& set) {
+    require_process();
+    used = true;
+    without_gil([&] { simulation_.emplace(path, set); });
+    warn();
+  }
+  Guarded(const Guarded&) = delete;
+  Guarded& operator=(const Guarded&) = delete;
+  ~Guarded() {
+    // Its device cannot be released in a fork.
+    if (forked) new std::optional<Simulation>(std::move(simulation_));  // NOLINT: stays until the process ends
+  }
+
+  /// Calls work(simulation) with the GIL, so that no other thread can meet it. For what takes no time.
+  template <class Work>
+  auto look(const Work& work) {
+    require_free();
+    return work(*simulation_);
+  }
+
+  /// Calls work(simulation) without the GIL.
+  template <class Work>
+  auto compute(const Work& work) {
+    require_free();
+    busy_ = true;
+    const Release release{busy_};
+    return without_gil([&] { return work(*simulation_); });
+  }
+
+  /// The same for steps, whose warnings become warnings of Python.
+  template <class Work>
+  auto step(const Work& work) {
+    auto out = compute(work);
+    warn();
+    return out;
+  }
+
+  /// Gives Python the warnings since the last call.
+  void warn() {
+    const std::vector<std::string> all = simulation_->warnings();
+    while (warned_ < all.size()) {
+      const py::object type = py::module_::import("reamsim.errors").attr("ReamsimWarning");
+      constexpr int kCaller = 2;  // of the function in simulation.py
+      const py::object text = text_of(all[warned_++]);
+      const char* bytes = PyUnicode_AsUTF8(text.ptr());
+      if (bytes == nullptr || PyErr_WarnEx(type.ptr(), bytes, kCaller) != 0) throw py::error_already_set();
+    }
+  }
+
+ private:
+  struct Release {
+    bool& busy;
+    ~Release() { busy = false; }
+  };
+
+  static void require_process() {
+    if (!forked) return;
+    throw RunFailure(
+        "this process is a fork of one that has used the simulator, whose threads it does not have: start processes "
+        "with multiprocessing.get_context(\"spawn\")");
+  }
+
+  void require_free() const {
+    require_process();
+    if (busy_) throw BadInput("the simulation computes in another thread: use one thread at a time");
+  }
+
+  std::optional<Simulation> simulation_;
+  bool busy_ = false;  ///< the GIL guards it
+  std::size_t warned_ = 0;
+};
+
+/// Simulation::step and peek.
+template <auto kMember>
+py::tuple move(Guarded& guarded, const py::object& position, const py::object& quaternion, const py::object& spin,
+               const py::object& angle, const py::object& dt) {
+  const Pose pose = pose_of(position, quaternion, spin, angle);
+  const std::optional<double> dt_s = optional_number_of(dt, "dt_s");
+  return tuple_of(guarded.step([&](Simulation& s) { return (s.*kMember)(pose, dt_s); }));
+}
+
+py::tuple start(Guarded& guarded, const py::object& position, const py::object& quaternion, const py::object& spin,
+                const py::object& angle) {
+  const Pose pose = pose_of(position, quaternion, spin, angle);
+  return tuple_of(guarded.step([&](Simulation& s) { return s.start(pose); }));
+}
+
+/// A signal of the user, such as Ctrl-C, ends the steps and is raised.
+py::array_t<double> run(Guarded& guarded, const py::array_t<double, py::array::c_style>& rows) {
+  const std::vector<Pose> poses = poses_of(rows);
+  bool interrupted = false;
+  const auto stop = [&interrupted] {
+    const py::gil_scoped_acquire acquire;
+    return interrupted = PyErr_CheckSignals() != 0;
+  };
+  const auto steps = guarded.compute([&](Simulation& s) { return s.run(poses, stop); });
+  if (interrupted) throw py::error_already_set();
+  guarded.warn();
+  return array_of(steps);
+}
+
+void add_simulation(py::module_& module) {
+  using State = Simulation::State;
+  py::class_<State>(module, "State")
+      .def("save", [](const State& state, const std::string& path) { without_gil([&] { state.save(path); }); })
+      .def_static("load", [](const std::string& path) { return without_gil([&] { return State::load(path); }); });
+  py::class_<Guarded>(module, "Simulation")
+      .def(py::init<const std::string&, const std::vector<std::string>&>())
+      .def("start", start)
+      .def("step", move<&Simulation::step>)
+      .def("peek", move<&Simulation::peek>)
+      .def("run", run)
+      .def("planned_poses",
+           [](Guarded& g) { return array_of(g.compute([](Simulation& s) { return s.planned_poses(); })); })
+      .def("pose",
+           [](Guarded& g) -> py::object {
+             const std::optional<Pose> pose = g.look([](Simulation& s) { return s.pose(); });
+             return pose ? py::object(array_of(std::vector{*pose})) : py::none();
+           })
+      .def("fill", [](Guarded& g) { return grid_of(g.compute([](Simulation& s) { return s.fill(); })); })
+      .def("density", [](Guarded& g) { return grid_of(g.compute([](Simulation& s) { return s.density(); })); })
+      .def("frame_s", [](Guarded& g) { return g.look([](Simulation& s) { return s.frame_s(); }); })
+      .def("frame", [](Guarded& g) { return g.look([](Simulation& s) { return s.frame(); }); })
+      .def("removed_mm3", [](Guarded& g) { return g.look([](Simulation& s) { return s.removed_mm3(); }); })
+      .def("state", [](Guarded& g) { return g.compute([](Simulation& s) { return s.state(); }); })
+      .def("restore", [](Guarded& g, const State& state) { g.compute([&](Simulation& s) { s.restore(state); }); });
+}
+
+}  // namespace
+}  // namespace reamsim::python
+
+PYBIND11_MODULE(_simulation, module) {
+  using namespace reamsim::python;
+  module.attr("__version__") = REAMSIM_VERSION;
+  py::register_exception_translator(translate);
+  add_simulation(module);
+  pthread_atfork(nullptr, nullptr, [] { forked = used.load(); });
+}

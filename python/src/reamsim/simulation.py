@@ -1,0 +1,176 @@
+"""The simulator in this process: the caller moves the tool step by step."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from typing import Any
+
+import numpy
+from numpy.typing import ArrayLike
+
+from .grid import Grid
+from .native import simulation_module
+from .scenario_text import assignments, scenario_file
+from .steps import Step, array_of_poses, poses_of_array, table_of_steps
+
+_make_step = Step._make
+
+
+class State:
+    """Where a `Simulation` stood: bone, pose and sums."""
+
+    def __init__(self, native: Any) -> None:
+        self._native = native
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Writes the state to a file, in one piece: the path has the old or the new content.
+
+        Raises:
+            RunError: the file cannot be written.
+        """
+        self._native.save(os.fsencode(path))
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str]) -> State:
+        """Reads a file of `save`.
+
+        Raises:
+            InputError: the file is missing, damaged or another one.
+        """
+        return cls(simulation_module().State.load(os.fsencode(path)))
+
+
+class Simulation:
+    """Bone and tool of a scenario; the caller puts the tool somewhere, and the bone answers.
+
+    Positions are in mm in the bone frame, quaternions w, x, y, z from the tool to the bone. One thread at a time; the GIL is
+    released while it computes. Several simulations may exist at a time, but none in a process that was forked from one with
+    a simulation (``multiprocessing``: use ``spawn``).
+
+    Args:
+        scenario: path of a YAML file, or the scenario as a dict. Paths in a dict are relative to the current folder. Its
+            motion gives `planned_poses` and `frame_s`.
+        settings: keys to change, by their dotted names: ``{"bone.voxel_mm": 0.4}``. None deletes a key.
+        device: OpenCL device, or ``serial``.
+        **overrides: keys to change, with ``__`` for the dot: ``bone__voxel_mm=0.4``.
+
+    Raises:
+        InputError: the scenario is wrong; ``.lines`` has a line per mistake.
+        RunError: a device or the memory failed.
+        ProgramNotFound: the module behind this class is missing; the message says how to get it.
+    """
+
+    def __init__(self, scenario: str | os.PathLike[str] | Mapping[str, Any], settings: Mapping[str, Any] | None = None, *,
+                 device: str | None = None, **overrides: Any) -> None:
+        keys = dict(settings or {}) | ({} if device is None else {"engine.device": device})
+        with scenario_file(scenario) as path:
+            self._native = simulation_module().Simulation(
+                os.fsencode(path), [text.encode() for text in assignments(keys, overrides)])
+        self._step, self._peek = self._native.step, self._native.peek
+        self._fill: Grid | None = None
+        self._density: Grid | None = None
+
+    def start(self, position_mm: ArrayLike, quaternion: ArrayLike, spin_rpm: float,
+              spin_angle_rad: float | None = None) -> Step:
+        """Frame 0: puts the tool somewhere. With ``cutting.erosion: exact``, bone inside it is removed without force.
+
+        Raises:
+            InputError: the pose is wrong, or the simulation has started.
+        """
+        self._fill = None
+        return _make_step(self._native.start(position_mm, quaternion, spin_rpm, spin_angle_rad))
+
+    def step(self, position_mm: ArrayLike, quaternion: ArrayLike, spin_rpm: float, spin_angle_rad: float | None = None,
+             dt_s: float | None = None) -> Step:
+        """Moves the tool to a pose in `dt_s` seconds, without it `frame_s`. Without `spin_angle_rad` the spin angle is the
+        integral of the speed.
+
+        Raises:
+            InputError: a pose or time is wrong, or `start` has not been called. Nothing has changed then.
+        """
+        self._fill = None
+        return _make_step(self._step(position_mm, quaternion, spin_rpm, spin_angle_rad, dt_s))
+
+    def peek(self, position_mm: ArrayLike, quaternion: ArrayLike, spin_rpm: float, spin_angle_rad: float | None = None,
+             dt_s: float | None = None) -> Step:
+        """What `step` would return, without removing bone. With ``cutting.erosion: exact`` only."""
+        return _make_step(self._peek(position_mm, quaternion, spin_rpm, spin_angle_rad, dt_s))
+
+    def run(self, poses: Any) -> Any:
+        """Steps to poses that are known ahead, `frame_s` apart, in batches: faster, and with windows of smooth motion as
+        `reamsim.run` (docs/physics.md, 3). Before `start`, the first pose is that of `start`.
+
+        Args:
+            poses: poses as of `planned_poses`; a table with the columns of forces.csv, such as `Run.forces`; or an array of
+                shape (n, 8), position, quaternion, spindle speed, or (n, 9), with the spin angle.
+
+        Returns:
+            A row per pose, with the columns of `Run.forces`: a pandas DataFrame, or a numpy record array without pandas.
+
+        Raises:
+            InputError: a pose is wrong. Nothing has changed then.
+            KeyboardInterrupt: Ctrl-C. The simulation stands after the frame `frame`, and can go on.
+        """
+        rows = array_of_poses(poses)
+        self._fill = None
+        return table_of_steps(self._native.run(rows))
+
+    def planned_poses(self) -> numpy.ndarray:
+        """The poses of the scenario's motion, one per frame: a record array with the fields ``position_mm`` (3 numbers),
+        ``quaternion`` (4), ``spin_rpm`` and ``spin_angle_rad``. ``simulation.step(*pose)`` takes one of them."""
+        return poses_of_array(self._native.planned_poses())
+
+    @property
+    def pose(self) -> numpy.record | None:
+        """The present pose, as one of `planned_poses`; None before `start`."""
+        pose = self._native.pose()
+        return None if pose is None else poses_of_array(pose)[0]
+
+    @property
+    def frame(self) -> int:
+        """The frame of the last step."""
+        return self._native.frame()
+
+    @property
+    def frame_s(self) -> float:
+        """Duration of a step, 1/``motion.frame_rate_hz``."""
+        return self._native.frame_s()
+
+    @property
+    def removed_mm3(self) -> float:
+        """Bone removed so far, mm³."""
+        return self._native.removed_mm3()
+
+    @property
+    def fill(self) -> Grid:
+        """Remaining fraction of each voxel: 1 whole, 0 removed or without bone. `Grid.values` is read-only, and never
+        changes: after a step the property gives a new array, and until then the same one."""
+        if self._fill is None:
+            self._fill = _grid(self._native.fill(), "")
+        return self._fill
+
+    @property
+    def density(self) -> Grid:
+        """Density of the bone before reaming, g/cm³; 0 without bone. Read-only."""
+        if self._density is None:
+            self._density = _grid(self._native.density(), "g/cm³")
+        return self._density
+
+    def state(self) -> State:
+        """The present state. It shares the memory of bone that no later step changes."""
+        return State(self._native.state())
+
+    def restore(self, state: State) -> None:
+        """Goes back to a state of this simulation, or of another one with the same bone.
+
+        Raises:
+            InputError: the state is one of another bone.
+        """
+        self._fill = None
+        self._native.restore(state._native)
+
+
+def _grid(parts: tuple[numpy.ndarray, tuple[float, ...], float], unit: str) -> Grid:
+    values, center_mm, voxel_mm = parts
+    return Grid(values, numpy.array(center_mm), voxel_mm, unit=unit)
