@@ -19,10 +19,27 @@ SMALL = {
     "engine": {"device": "serial"},
 }
 
+# A convex reamer in a block; slow enough for windows of smooth motion.
+BLOCK = {
+    "bone": {"source": "phantom", "voxel_mm": 0.5,
+             "phantom": {"shape": "half_space", "density_g_cm3": 0.6, "size_mm": [20, 20, 6]}},
+    "tool": {"mesh": str(ROOT / "assets/reamer_convex.stl")},
+    "motion": {"frame_rate_hz": 500,
+               "plunge": {"approach_mm": 0.2, "depth_mm": 1, "feed_mm_s": 2, "dwell_s": 0.05, "retract_mm": 2,
+                          "retract_mm_s": 20}},
+    "render": {"enabled": False},
+    "output": {"meshes": False, "vti": False},
+}
+
 
 @pytest.fixture
 def small():
     return copy.deepcopy(SMALL)
+
+
+@pytest.fixture
+def block():
+    return copy.deepcopy(BLOCK)
 
 
 @pytest.fixture(scope="session")
