@@ -25,7 +25,11 @@ void bench_latency(const std::vector<std::string>& scenarios, const std::string&
     ReamingScene scene = load_scene(scenario, report);
     const auto engine = load_engine(scene);
     const bench::Latency found = bench::frame_latency(scene, *engine, kMostFrames, stop_requested);
-    if (found.frames == 0) throw InputError({file, 0, 0}, "motion", "no frame is in contact", "a motion that reams");
+    if (found.frames == 0)
+      throw InputError(
+          {file, 0, 0}, "motion",
+          fmt::format("no more than {} frames are in contact, which the measurement leaves out", bench::kWarmUpFrames),
+          "a motion that reams for longer");
     console.say(
         fmt::format("{}, {:g} mm, {} on {}: {} frames in contact, median {:.3f} ms, 99 % {:.3f} ms, 99.9 % {:.3f} ms, "
                     "most {:.3f} ms",

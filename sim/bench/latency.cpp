@@ -11,8 +11,6 @@ namespace reamsim::bench {
 
 namespace {
 
-constexpr std::size_t kWarmUp = 20;
-
 /// Keeps nothing: what becomes of the rows is no part of the latency.
 class NoSink final : public FrameSink {
  public:
@@ -46,7 +44,7 @@ Latency frame_latency(ReamingScene& scene, Engine& engine, std::int64_t most, co
     const double frame_ms = 1e3 * watch.seconds();
     if (stepper.last().contacts > 0) ms.push_back(frame_ms);
   }
-  ms.erase(ms.begin(), ms.begin() + static_cast<std::ptrdiff_t>(std::min(kWarmUp, ms.size())));
+  ms.erase(ms.begin(), ms.begin() + static_cast<std::ptrdiff_t>(std::min(kWarmUpFrames, ms.size())));
   if (ms.empty()) return {};
   return {.frames = std::ssize(ms),
           .median_ms = quantile(ms, 0.5),

@@ -7,6 +7,9 @@
 
 namespace reamsim::bench {
 
+/// The first frames in contact are left out: caches and clocks of the processor are not as they will be.
+inline constexpr std::size_t kWarmUpFrames = 20;
+
 /// Wall time of a frame alone: pose in, force out, nothing batched and no windows, as a haptic device needs it.
 struct Latency {
   std::int64_t frames = 0;  ///< in contact, that were timed
