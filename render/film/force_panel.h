@@ -8,8 +8,8 @@
 
 namespace reamsim {
 
-/// Axial force and spin torque against time, and the feed rate of a push, beside a film's pictures: the whole run pale, the past opaque, and a
-/// cursor. The axes span the whole run.
+/// Axial force and spin torque against time, and the feed rate of a push, beside a film's pictures: the whole run pale,
+/// the past opaque, and a cursor. The axes span the whole run.
 class ForcePanel {
  public:
   /// Draws the static background. `mean`: prefix of the names of averaged forces. Sizes in pixels; `unit`: pixels per

@@ -28,8 +28,8 @@ void write_depth_and_energy_plots(const std::string& dir, const ForceLog& log);
 /// columns of a push. Throws RunError when gnuplot fails.
 void write_push_plot(const std::string& dir);
 
-/// Draws DIR/plots/deflection: deflection of a tool on springs and force over time. DIR/forces.csv must have the columns
-/// of the deflection. Throws RunError when gnuplot fails.
+/// Draws DIR/plots/deflection: deflection of a tool on springs and force over time. DIR/forces.csv must have the
+/// columns of the deflection. Throws RunError when gnuplot fails.
 void write_deflection_plot(const std::string& dir);
 
 /// Writes the removed volume per density class as DIR/plots/removed_density.csv and draws it. `before`, `after`: the

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sim/base/error.h"
 #include "sim/motion/tool_path.h"
+#include "sim/run/end_batch.h"
 #include "sim/run/slow_trial.h"
 #include "sim/scenario/picture_frames.h"
 
@@ -63,7 +63,7 @@ class CompliantRun {
       advance(frame);
       if (std::ranges::binary_search(pictures, frame)) stepper_.snapshot(frame);
       control.progress(frame, scene_.last_frame());
-      finish_frame(control);
+      end_batch(stepper_, control, [&] { return state(); });
     }
     if (!had_ended) warn_at_end(control);
     stepper_.read_fill();
@@ -194,16 +194,6 @@ class CompliantRun {
                 : force);
     }
     return out;
-  }
-
-  void finish_frame(const RunControl& control) {
-    stepper_.begin_batch();
-    const bool stop = control.stop();
-    if (stop || control.save_due()) {
-      stepper_.read_fill();
-      control.save(state());
-    }
-    if (stop) throw Interrupted();
   }
 
   void warn_at_end(const RunControl& control) {

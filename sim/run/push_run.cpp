@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sim/base/error.h"
+#include "sim/run/end_batch.h"
 #include "sim/run/slow_trial.h"
 #include "sim/scenario/picture_frames.h"
 
@@ -39,7 +39,7 @@ class PushRun {
       advance(frame);
       if (has_ended() || pictures_.due(frame, before_mm, hand_.travel_mm)) stepper_.snapshot(frame);
       control.progress(frame, plan_.last_frame());
-      finish_frame(control);
+      end_batch(stepper_, control, [&] { return SimulationState{stepper_.state(), hand_}; });
     }
     if (!had_ended) warn_at_end(control);
     stepper_.read_fill();
@@ -134,16 +134,6 @@ class PushRun {
     hand_.velocity_mm_s = feed.end_mm_s;
     hand_.bone_n_s_mm = feed.bone_n_s_mm;
     hand_.still_frames = feed.mm_s < kStill_mm_s && forces.thrust_n > 0 ? hand_.still_frames + 1 : 0;
-  }
-
-  void finish_frame(const RunControl& control) {
-    stepper_.begin_batch();
-    const bool stop = control.stop();
-    if (stop || control.save_due()) {
-      stepper_.read_fill();
-      control.save({stepper_.state(), hand_});
-    }
-    if (stop) throw Interrupted();
   }
 
   void warn_at_end(const RunControl& control) {

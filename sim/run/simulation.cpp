@@ -6,6 +6,7 @@
 #include "sim/engine/common/motion_windows.h"
 #include "sim/engine/make_engine.h"
 #include "sim/run/compliant_run.h"
+#include "sim/run/end_batch.h"
 #include "sim/run/push_run.h"
 #include "sim/scenario/picture_frames.h"
 
@@ -43,7 +44,7 @@ class PrescribedRun {
       stepper_.finish_batch();
       if (picture) stepper_.snapshot(frame);
       control.progress(frame, scene_.last_frame());
-      end_batch(control);
+      end_batch(stepper_, control, [&] { return SimulationState{stepper_.state()}; });
     }
     if (!had_ended && !stepper_.state().touched && !control.warned_of_no_contact) {
       report_.warn(stepper_.name_of_pass() +
@@ -75,17 +76,6 @@ class PrescribedRun {
     constexpr double kMostSeconds = 0.2;
     const auto count = static_cast<double>(stepper_.batch_frames());
     return (frame + 1) % scene_.scenario.engine.batch_frames == 0 || count * stepper_.frame_wall_s() > kMostSeconds;
-  }
-
-  /// Saves the state where that is due, and ends the run where that is asked for.
-  void end_batch(const RunControl& control) {
-    stepper_.begin_batch();
-    const bool stop = control.stop();
-    if (stop || control.save_due()) {
-      stepper_.read_fill();
-      control.save({stepper_.state()});
-    }
-    if (stop) throw Interrupted();
   }
 
   ReamingScene& scene_;

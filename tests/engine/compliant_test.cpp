@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "sim/base/error.h"
+#include "tests/engine/frame_rows.h"
 #include "tests/engine/outcome.h"
 
 namespace reamsim::test::compliant_tests {
@@ -33,17 +34,7 @@ ReamingScene scene_of(const ComplianceSettings& springs, const std::string& devi
 
 const ComplianceSettings kSoft{{30, 40, 60}, 1};
 
-/// Collects the rows, and can be continued.
-class Rows final : public FrameSink {
- public:
-  std::vector<FrameResult> rows;
-
-  void frame(const FrameResult& result, const FrameTimes&) override { rows.push_back(result); }
-  void snapshot(std::int64_t, FillBricks&) override {}
-  void removed(const RemovedFrames&) override {}
-};
-
-std::vector<double> values_of(const Rows& sink) {
+std::vector<double> values_of(const FrameRows& sink) {
   std::vector<double> out;
   for (const FrameResult& r : sink.rows) {
     for (const Vec3& v : {r.pose.position_mm, r.force_n, r.torque_nmm, r.deflection_mm.value_or(Vec3(9, 9, 9))})
@@ -53,16 +44,8 @@ std::vector<double> values_of(const Rows& sink) {
   return out;
 }
 
-Rows run_rows(ReamingScene scene) {
-  const auto engine = make_engine(scene.scenario, scene.bone, scene.tool);
-  Rows sink;
-  Report report;
-  simulate(scene, *engine, sink, {}, report);
-  return sink;
-}
-
 TEST(Compliance, SameOnSerialAndBothShapesOfKernels) {
-  const Rows serial = run_rows(scene_of(kSoft, "serial"));
+  const FrameRows serial = run_rows(scene_of(kSoft, "serial"));
   ASSERT_EQ(serial.rows.size(), 71U);
   for (const KernelShape shape : {KernelShape::cpu, KernelShape::gpu}) {
     ReamingScene scene = scene_of(kSoft, "auto");
@@ -74,7 +57,7 @@ TEST(Compliance, SameOnSerialAndBothShapesOfKernels) {
 TEST(Compliance, BonePushesTheToolAwayAndTheSpringHoldsTheForce) {
   // Bone on the side of −x only: the normal force points to +x, and cutting edges that go clockwise press against bone
   // towards +y there, so that it pushes to −y.
-  const Rows sink = run_rows(scene_of(kSoft, "auto"));
+  const FrameRows sink = run_rows(scene_of(kSoft, "auto"));
   const FrameResult& last = sink.rows.back();
   const Vec3 d = *last.deflection_mm;
   EXPECT_GT(d.x(), 0.01);
@@ -88,10 +71,10 @@ TEST(Compliance, BonePushesTheToolAwayAndTheSpringHoldsTheForce) {
 }
 
 TEST(Compliance, InterruptedAndContinuedIsTheSame) {
-  const Rows whole = run_rows(scene_of(kSoft, "auto"));
+  const FrameRows whole = run_rows(scene_of(kSoft, "auto"));
   ReamingScene scene = scene_of(kSoft, "auto");
   auto engine = make_engine(scene.scenario, scene.bone, scene.tool);
-  Rows sink;
+  FrameRows sink;
   Report report;
   std::optional<SimulationState> saved;
   RunControl control;
@@ -107,7 +90,7 @@ TEST(Compliance, InterruptedAndContinuedIsTheSame) {
 }
 
 TEST(Compliance, StandsWithinContactAtRest) {
-  // Fed, then held: the spring presses the tool on until its force is nearly gone, and it does not chatter.
+  // Fed, then held: the spring presses the tool on until its force is nearly zero, without chatter.
   ReamingScene scene = scene_of({{400, 400, 400}, 2}, "auto", 1000);
   std::vector<ToolPose> poses(scene.motion.poses.begin(), scene.motion.poses.end());
   const std::size_t fed = poses.size();
@@ -116,7 +99,7 @@ TEST(Compliance, StandsWithinContactAtRest) {
     poses.back().spin_angle_rad += 250 * 2 * M_PI / 60 * 1e-3;
   }
   scene.motion.poses = PoseSequence(std::move(poses));
-  const Rows sink = run_rows(std::move(scene));
+  const FrameRows sink = run_rows(std::move(scene));
   double before = sink.rows[fed].deflection_mm->norm();
   EXPECT_GT(before, 0.005);
   for (std::size_t k = fed + 1; k < sink.rows.size(); ++k) {

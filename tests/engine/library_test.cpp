@@ -10,19 +10,11 @@
 
 #include "sim/run/simulation.h"
 #include "sim/scenario/parse.h"
+#include "tests/engine/frame_rows.h"
 #include "tests/support/temp_dir.h"
 
 namespace reamsim::library_tests {
 namespace {
-
-/// Collects rows of the program's main loop.
-class Rows final : public FrameSink {
- public:
-  std::vector<FrameResult> rows;
-  void frame(const FrameResult& result, const FrameTimes&) override { rows.push_back(result); }
-  void snapshot(std::int64_t, FillBricks&) override {}
-  void removed(const RemovedFrames&) override {}
-};
 
 class Library : public ::testing::Test {
  protected:
@@ -43,7 +35,7 @@ motion:
     ReamingScene scene = load_scene(parse_scenario(scenario(), {}), report);
     scene.scenario.engine.tuning.windows = windows;
     const auto engine = load_engine(scene);
-    Rows sink;
+    test::FrameRows sink;
     simulate(scene, *engine, sink, {}, report);
     return sink.rows;
   }

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "sim/base/error.h"
+#include "tests/engine/frame_rows.h"
 #include "tests/engine/outcome.h"
 
 namespace reamsim::test::push_tests {
@@ -30,18 +31,7 @@ ReamingScene scene_of(const PushSettings& push, const std::string& device, doubl
   return scene;
 }
 
-/// Collects the rows, and can be continued.
-class Rows final : public FrameSink {
- public:
-  std::vector<FrameResult> rows;
-  std::vector<std::int64_t> pictures;
-
-  void frame(const FrameResult& result, const FrameTimes&) override { rows.push_back(result); }
-  void snapshot(std::int64_t frame, FillBricks&) override { pictures.push_back(frame); }
-  void removed(const RemovedFrames&) override {}
-};
-
-std::vector<double> values_of(const Rows& sink) {
+std::vector<double> values_of(const FrameRows& sink) {
   std::vector<double> out;
   for (const FrameResult& r : sink.rows) {
     for (const double v : {r.pose.position_mm.z(), r.axial_force_n, r.spin_torque_nmm, r.removed_mm3, r.energy_mj,
@@ -51,16 +41,8 @@ std::vector<double> values_of(const Rows& sink) {
   return out;
 }
 
-Rows run_rows(ReamingScene scene) {
-  const auto engine = make_engine(scene.scenario, scene.bone, scene.tool);
-  Rows sink;
-  Report report;
-  simulate(scene, *engine, sink, {}, report);
-  return sink;
-}
-
 TEST(Push, SameOnSerialAndBothShapesOfKernels) {
-  const Rows serial = run_rows(scene_of(pushed_with(20), "serial"));
+  const FrameRows serial = run_rows(scene_of(pushed_with(20), "serial"));
   ASSERT_GT(serial.rows.size(), 20U);
   for (const KernelShape shape : {KernelShape::cpu, KernelShape::gpu}) {
     ReamingScene scene = scene_of(pushed_with(20), "auto");
@@ -70,10 +52,10 @@ TEST(Push, SameOnSerialAndBothShapesOfKernels) {
 }
 
 TEST(Push, InterruptedAndContinuedIsTheSame) {
-  const Rows whole = run_rows(scene_of(pushed_with(20), "auto"));
+  const FrameRows whole = run_rows(scene_of(pushed_with(20), "auto"));
   ReamingScene scene = scene_of(pushed_with(20), "auto");
   auto engine = make_engine(scene.scenario, scene.bone, scene.tool);
-  Rows sink;
+  FrameRows sink;
   Report report;
   std::optional<SimulationState> saved;
   RunControl control;
@@ -93,7 +75,7 @@ TEST(Push, TrialsLeaveTheBoneAsItIs) {
   for (const std::string device : {"serial", "auto"}) {
     ReamingScene scene = scene_of(pushed_with(20), device);
     const auto engine = make_engine(scene.scenario, scene.bone, scene.tool);
-    Rows sink;
+    FrameRows sink;
     Report report;
     FrameStepper stepper(scene, *engine, sink, report);
     const PushPlan& plan = *scene.motion.push;
@@ -117,7 +99,7 @@ TEST(Push, SlowFeedIsSmoothBelowTheSmallestLoss) {
   push.approach_mm = 0;
   push.until = PushEnd::time;
   push.time_s = 0.4;
-  const Rows sink = run_rows(scene_of(push, "auto", 1000));
+  const FrameRows sink = run_rows(scene_of(push, "auto", 1000));
   double sum = 0, least = 1e9, most = 0, force = 0;
   std::size_t count = 0;
   for (std::size_t k = 50; k < sink.rows.size(); ++k, ++count) {
@@ -135,13 +117,13 @@ TEST(Push, SlowFeedIsSmoothBelowTheSmallestLoss) {
 }
 
 TEST(Push, EndsAtItsDepthOrItsTime) {
-  const Rows deep = run_rows(scene_of(pushed_with(20), "serial"));
+  const FrameRows deep = run_rows(scene_of(pushed_with(20), "serial"));
   EXPECT_LE(deep.rows.back().pose.position_mm.z(), -0.3 + 1e-9);
   EXPECT_GT(deep.rows[deep.rows.size() - 2].pose.position_mm.z(), -0.3);
   EXPECT_EQ(deep.pictures.back(), deep.rows.back().frame);
   PushSettings push = pushed_with(20);
   push.time_s = 0.05;
-  const Rows late = run_rows(scene_of(push, "serial"));
+  const FrameRows late = run_rows(scene_of(push, "serial"));
   EXPECT_EQ(late.rows.back().frame, 10);
 }
 
