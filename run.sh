@@ -5,7 +5,7 @@ start=$PWD
 cd "$(dirname "${BASH_SOURCE[0]}")"
 source cmake/setup.sh
 install_missing "${build_packages[@]}"
-build_release OFF reamsim
+build_release OFF all
 cd "$start"
 
 [ $# -gt 0 ] || set -- "$root/trajectories/default.yaml"
