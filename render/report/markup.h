@@ -18,7 +18,7 @@ std::string base64(std::span<const std::uint8_t> bytes);
 /// Bytes compressed by zlib (RFC 1950), in base 64.
 std::string compressed_base64(std::span<const std::uint8_t> bytes);
 
-/// JSON escaped for a <script> element: it cannot end the element or open a comment. Invalid UTF-8 is replaced.
+/// JSON escaped for an element `script`: it cannot end the element or open a comment. Invalid UTF-8 is replaced.
 std::string json_for_script(const nlohmann::ordered_json& json);
 
 /// A value rounded to six significant digits, for short JSON.

@@ -13,7 +13,7 @@ std::size_t utf8_length(std::string_view text, std::size_t at);
 /// direction, with which a name could pass for something else on a terminal.
 bool is_printable(std::string_view text);
 
-/// `text` with every byte that is_printable() excludes as \xNN.
+/// `text` with every byte that is_printable() excludes as `\xNN`.
 std::string printable(std::string_view text);
 
 }  // namespace reamsim

@@ -292,7 +292,7 @@ struct RenderSettings {
 };
 
 struct OutputSettings {
-  std::string dir;  ///< "" = out/<scenario name> below the working folder
+  std::string dir;  ///< "" = out/NAME, with the name of the scenario, below the working folder
   bool vti = true;
   bool meshes = true;
   bool force_basis = false;

@@ -14,6 +14,7 @@
 #include <span>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace reamsim {
@@ -21,6 +22,7 @@ namespace reamsim {
 /// Changes with every change of this header that a program could notice.
 inline constexpr int kLibraryVersion = 2;
 
+/// The base of every exception that leaves the library.
 class Error : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
@@ -44,35 +46,38 @@ struct Pose {
 
 /// What a step did: a row of forces.csv.
 struct StepResult {
-  std::int64_t frame = 0;
-  double time_s = 0;
+  std::int64_t frame = 0;              ///< counted from start(), which is 0
+  double time_s = 0;                   ///< at the end of the step
   std::array<double, 3> force_n{};     ///< of the bone on the tool, in B, mean over the step
   std::array<double, 3> torque_nmm{};  ///< about the tool's origin, in B
   double axial_force_n = 0;            ///< along +z of T
   double spin_torque_nmm = 0;          ///< resistance to the spin
   double depth_mm = 0;                 ///< travel along −z of T since first contact
   std::int64_t contacts = 0;           ///< voxels that lost bone
-  double removed_mm3 = 0;
-  double energy_mj = 0;
-  double floor_energy_mj = 0;
-  double balance = 0;
-  Pose pose{};  ///< at the end of the step, with its spin angle
+  double removed_mm3 = 0;              ///< in this step
+  double energy_mj = 0;                ///< of cutting, in this step
+  double floor_energy_mj = 0;          ///< the part of it below the least speed (docs/physics.md, 4)
+  double balance = 0;                  ///< of energy, so far, relative
+  Pose pose{};                         ///< at the end of the step, with its spin angle
 };
 
 /// A value per voxel, x fastest.
 struct Volume {
-  std::array<int, 3> dims{};
-  double voxel_mm = 0;
+  std::array<int, 3> dims{};          ///< voxels along x, y and z
+  double voxel_mm = 0;                ///< edge of a voxel
   std::array<double, 3> origin_mm{};  ///< corner of voxel (0, 0, 0), B
-  std::vector<float> values;
+  std::vector<float> values;          ///< of voxel (x, y, z) at x + dims[0]·(y + dims[1]·z)
 };
 
+/// Bone, tool and engine of a scenario, between two steps.
 class Simulation {
  public:
   /// Loads bone and tool of a scenario and prepares the engine. `set`: overrides as of `reamsim run --set`, such as
   /// "bone.voxel_mm=0.4". Throws BadInput, RunFailure.
   explicit Simulation(const std::string& scenario, const std::vector<std::string>& set = {});
+  /// The other one may only be destroyed or assigned to.
   Simulation(Simulation&&) noexcept;
+  /// The other one may only be destroyed or assigned to.
   Simulation& operator=(Simulation&&) noexcept;
   ~Simulation();
 
@@ -80,6 +85,7 @@ class Simulation {
   [[nodiscard]] double frame_s() const;
   /// The poses of the scenario's motion, one per frame.
   [[nodiscard]] std::vector<Pose> planned_poses() const;
+  /// What `reamsim check` would warn of, one text per warning.
   [[nodiscard]] std::vector<std::string> warnings() const;
 
   /// Frame 0: puts the tool somewhere. With erosion exact, bone inside it is removed without force.
@@ -99,6 +105,7 @@ class Simulation {
   [[nodiscard]] Volume fill();
   /// g/cm³, without fill.
   [[nodiscard]] Volume density() const;
+  /// The sum over start() and all steps.
   [[nodiscard]] double removed_mm3() const;
   /// The present pose; none before start().
   [[nodiscard]] std::optional<Pose> pose() const;
@@ -108,8 +115,11 @@ class Simulation {
   /// The simulation after a step: bone, pose and sums.
   class State {
    public:
+    /// What a state holds; of the library alone.
     struct Parts;
+    /// Made by Simulation::state().
     explicit State(std::shared_ptr<const Parts> parts) : parts_(std::move(parts)) {}
+    /// For Simulation::restore().
     [[nodiscard]] const Parts& parts() const { return *parts_; }
 
     /// Writes the state to a file, in one piece: the path has the old or the new content. Throws RunFailure.
@@ -120,6 +130,7 @@ class Simulation {
    private:
     std::shared_ptr<const Parts> parts_;
   };
+  /// The present state.
   [[nodiscard]] State state();
   /// Goes back to a state of this simulation, or of another one of the same scenario. Throws BadInput for one of
   /// another bone.

@@ -21,7 +21,7 @@ struct NamedSegment {
 /// without these keys have one segment per layer, of value 1.
 std::vector<NamedSegment> segments_of_nrrd(const std::map<std::string, std::string>& metadata, int layers);
 
-/// The named labels in an XML extension of a NIfTI file: <Label Key="7" ...>name</Label>, as TotalSegmentator writes.
+/// The named labels in an XML extension of a NIfTI file, `<Label Key="7" ...>name</Label>`, as TotalSegmentator writes.
 std::vector<NamedSegment> segments_of_nifti(const std::string& path);
 
 /// The labels for `wanted`: a whole number is a value, anything else a name (case-insensitive).
