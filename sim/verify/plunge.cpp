@@ -54,17 +54,18 @@ std::string text_of(const SteadyPlunge& p) {
 std::vector<FrameResult> steady_rows(const PlungeRun& run, const Setting& setting) {
   constexpr double kShellVoxels = 0.4721, kPast_mm = 0.3;
   const SteadyPlunge& plunge = run.plunge;
-  const double voxel_mm = run.voxel_mm, travel_mm = voxel_mm;
+  const double voxel_mm = run.voxel_mm, travel_mm = run.voxels * voxel_mm;
+  const int frames = run.voxels * run.frames;
   const Vec3 entry = entry_mm(voxel_mm);
   const double tilt = run.tilt_deg * std::numbers::pi / 180, slant = plunge.outer_mm * std::tan(tilt);
   const Quat turned = rotation({1, 0.3, 0}, run.tilt_deg);
   const Vec3 axis = turned * Vec3(0, 0, 1);
   const double begin = plunge.full_contact_mm() + slant + kPast_mm + 0.37 * voxel_mm, end = begin + travel_mm;
-  const double rate = plunge.feed_mm_s * run.frames / travel_mm, above = slant + kClear_mm;
+  const double rate = plunge.feed_mm_s * run.frames / voxel_mm, above = slant + kClear_mm;
   const Motion motion =
       path(rate, entry + above * axis,
            {{entry - begin * axis, static_cast<int>(std::ceil(10 * (begin + above))), plunge.rpm, turned},
-            {entry - end * axis, run.frames, plunge.rpm, turned}});
+            {entry - end * axis, frames, plunge.rpm, turned}});
   const double width = 2 * (plunge.outer_mm + end * std::tan(tilt)) + 2 + 2 * voxel_mm;
   const FilledVoxmap bone = bone_of(run, {width, width, end + slant + 1 + voxel_mm});
   const Tool tool = run.erosion == ErosionMode::exact ? make_tool(head_of(plunge))
@@ -72,7 +73,7 @@ std::vector<FrameResult> steady_rows(const PlungeRun& run, const Setting& settin
   ReamingScene scene = scene_of(bone, tool, motion, run.erosion);
   scene.scenario.motion.compliance = run.compliance;
   const Reamed reamed = ream(std::move(scene), setting);
-  const auto steady = reamed.after(reamed.rows.size() - 1 - static_cast<std::size_t>(run.frames));
+  const auto steady = reamed.after(reamed.rows.size() - 1 - static_cast<std::size_t>(frames));
   return {steady.begin(), steady.end()};
 }
 

@@ -31,6 +31,7 @@ struct PlungeRun {
   SteadyPlunge plunge = {};
   double voxel_mm = 0.25;
   int frames = 32;  ///< over one voxel of feed
+  int voxels = 1;   ///< of feed, with the face in contact out to its rim
   ErosionMode erosion = ErosionMode::exact;
   double tilt_deg = 0;  ///< of the axis against the lattice
   /// Bone on one side only of a plane through the axis: the side of (cos, sin) of this angle in the tool's x and y.
@@ -39,7 +40,7 @@ struct PlungeRun {
   std::optional<ComplianceSettings> compliance = {};
 };
 
-/// Rows over one voxel of feed, the face in contact out to its rim.
+/// Rows over the voxels of feed with the face in contact out to its rim.
 std::vector<FrameResult> steady_rows(const PlungeRun& run, const Setting& setting);
 
 }  // namespace reamsim::verify
