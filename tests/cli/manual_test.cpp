@@ -104,20 +104,29 @@ TEST_F(Manual, ZshCompletes) {
   std::filesystem::create_directory(path("functions"));
   write("functions/_reamsim", out_of({"help", "--format", "zsh"}));
   EXPECT_EQ(shell(zsh, "zsh -n functions/_reamsim"), "");
-  // An interactive zsh on a terminal of its own, in which Tab is pressed.
-  const auto tab = [&](const std::string& line) {
-    return shell(
-        zsh,
-        "zmodload zsh/zpty; zpty z 'zsh -f -i'; zpty -w z 'PS1=; fpath=($PWD/functions $fpath); autoload -U compinit; "
-        "compinit -u -D; zstyle \":completion:*\" list-colors; LISTMAX=10000; echo re\"\"ady'; "
-        "zpty -r z text '*ready*'; zpty -n -w z '" +
-            line +
-            "'$'\\t'; sleep 1; zpty -w z ''; zpty -w z 'echo do\"\"ne'; "
-            "zpty -r z text '*done*'; print -r -- $text");
+  // An interactive zsh on a terminal of its own, in which Tab is pressed; what the terminal shows, for 20 s at most.
+  write("tab.zsh", R"(zmodload zsh/zpty
+typeset -F SECONDS
+until_shown() {
+  local part all=; local -F end=$(( SECONDS + 20 ))
+  while (( SECONDS < end )) && [[ $all != *$1* ]]; do
+    if zpty -r -t z part; then all+=$part; else sleep 0.05; fi
+  done
+  print -r -- "$all"
+}
+zpty -b z 'TERM=vt100 zsh -f -i'
+zpty -w z 'PS1=; fpath=($PWD/functions $fpath); autoload -U compinit; compinit -u -D; bindkey "^I" complete-word; echo rea""dy'
+until_shown ready >/dev/null
+zpty -n -w z "$1"$'\t'
+until_shown "$2"
+zpty -d z
+)");
+  const auto tab = [&](const std::string& line, const std::string& word) {
+    return shell(zsh, "zsh tab.zsh '" + line + "' '" + word + "'");
   };
-  EXPECT_THAT(tab("reamsim ver"), HasSubstr("verify"));
-  EXPECT_THAT(tab("reamsim run --res"), HasSubstr("--resume"));
-  EXPECT_THAT(tab("reamsim sweep subm"), HasSubstr("submit"));
+  EXPECT_THAT(tab("reamsim ver", "verify"), HasSubstr("verify"));
+  EXPECT_THAT(tab("reamsim run --res", "--resume"), HasSubstr("--resume"));
+  EXPECT_THAT(tab("reamsim sweep subm", "submit"), HasSubstr("submit"));
 }
 
 }  // namespace
