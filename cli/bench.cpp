@@ -12,6 +12,7 @@
 #include "sim/base/file.h"
 #include "sim/bench/paper.h"
 #include "sim/bench/suite.h"
+#include "sim/record/citation.h"
 #include "sim/record/output_folder.h"
 
 namespace reamsim {
@@ -81,9 +82,11 @@ void add_voi(const bench::Findings& findings, BenchPlot& plot) {
 /// Measures, prints the tables and writes the JSON.
 bench::Findings measure(const bench::Plan& plan, const BenchOptions& options, const Console& console) {
   bench::BenchControl control;
-  control.progress = [&](const std::string& stage) { console.say("... " + stage); };
+  Progress progress(console, "bench", "steps");
+  control.part = [&](double fraction, const std::string& step) { progress.update_part(fraction, step); };
   control.stop = stop_requested;
   bench::Findings findings = bench::run_bench(plan, control);
+  progress.finish();
   console.say_lines("\n" + bench::text_of(findings));
   if (!options.json.empty()) write_file(options.json, bench::json_of(findings));
   return findings;
@@ -101,6 +104,7 @@ void measure_with_figure(const bench::Plan& plan, const BenchOptions& options, c
   add_voi(findings, plot);
   if (plot.severe.empty()) return console.warn("no engine could be measured: no figure written");
   write_bench_plot(folder.path(), plot);
+  write_citation(folder.path());
   finish(folder, console);
   console.say("figure: " + folder.final_path() + "/bench.png");
 }
@@ -147,6 +151,7 @@ void add_bench_command(CLI::App& app, Console& console) {
   command
       ->add_option("-o,--output", options->output,
                    "Output folder for bench.png, bench.svg and bench.gp (default: out/bench)")
+      ->type_name("DIR")
       ->check(refuse_empty)
       ->excludes(exact);
   command->add_flag("--overwrite", options->overwrite, "Replace an existing figure and JSON file");

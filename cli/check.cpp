@@ -8,6 +8,7 @@
 
 #include "cli/commands.h"
 #include "cli/input_kind.h"
+#include "cli/json_output.h"
 #include "cli/outputs.h"
 #include "render/frame_schedule.h"
 #include "render/pictures/setup_picture.h"
@@ -44,7 +45,10 @@ void note_compliance(const ComplianceSettings& springs, Report& report) {
                   springs.damping_n_s_mm));
 }
 
-void note_cost(const ReamingScene& scene, Report& report) {
+/// Figures of --json; the notes have the same.
+using Json = nlohmann::ordered_json;
+
+void note_cost(const ReamingScene& scene, Report& report, Json& figures) {
   const RunCost cost = estimate_cost(scene);
   if (const auto& push = scene.motion.push) {
     report.note(fmt::format(
@@ -64,16 +68,28 @@ void note_cost(const ReamingScene& scene, Report& report) {
     report.note(fmt::format("tool: {} shell points, spacing {:g} mm", shell.codes.size(), shell.cell_mm));
   }
   report.note("engine: " + name_of(engine_of(scene.scenario)));
+  figures["engine"] = name_of(engine_of(scene.scenario));
+  figures["frames"] = cost.frames;
+  figures["frame_rate_hz"] = scene.motion.frame_rate_hz;
+  figures["substeps"] = cost.substeps;
+  figures["voxel_mm"] = grid.voxel_mm;
+  figures["dims"] = {grid.dims.x(), grid.dims.y(), grid.dims.z()};
+  figures["bone_voxels"] = scene.bone.view().count_bone();
+  figures["bone_mm3"] = scene.bone.view().bone_mm3();
 }
 
 /// The pictures of a run, and their time.
-std::string picture_time(const ReamingScene& scene, double load_s) {
+std::string picture_time(const ReamingScene& scene, double load_s, Json& figures) {
   const RenderSettings& render = scene.scenario.render;
   const std::vector<std::int64_t> frames = picture_frames(render, scene.last_frame(), scene.contact);
   const int pictures = render.enabled ? count_pictures({render}, frames, scene.contact) : 0;
   const double pixels = double(render.width_px) * render.height_px * render.supersampling * render.supersampling;
+  const double pictures_s = pictures * kPicture_s * pixels / (1920 * 1080);
+  figures["pictures"] = pictures;
+  figures["pictures_s"] = pictures_s;
+  figures["load_s"] = load_s;
   return fmt::format("time: about {:.2g} s for {} pictures, rendered during and after the simulation; {:.2g} s to load",
-                     pictures * kPicture_s * pixels / (1920 * 1080), pictures, load_s);
+                     pictures_s, pictures, load_s);
 }
 
 /// Estimates of all passes.
@@ -101,7 +117,7 @@ void add_pass(ReamingScene& scene, double budget_s, PassPlans& plans) {
 
 /// Estimates memory and time. Also collects the mistakes that the engine finds. No pass is left in the scene but the
 /// last.
-void note_plans(ReamingScene& scene, double load_s, MistakeList& mistakes, Report& report) {
+void note_plans(ReamingScene& scene, double load_s, MistakeList& mistakes, Report& report, Json& figures) {
   PassPlans plans;
   std::string no_time;
   const double budget_s = kTiming_s / static_cast<double>(1 + scene.later_passes.size());
@@ -117,6 +133,8 @@ void note_plans(ReamingScene& scene, double load_s, MistakeList& mistakes, Repor
   }
   report.note("memory: " + megabytes(plans.memory.device_bytes) + " on the device, up to " +
               megabytes(plans.memory.process_bytes) + " in total, plus rendering");
+  figures["device_bytes"] = plans.memory.device_bytes;
+  figures["process_bytes"] = plans.memory.process_bytes;
   if (no_time == "-") return;
   if (!no_time.empty()) return report.warn("no time estimate: the engine cannot start: " + no_time);
   if (scene.motion.push) {
@@ -125,7 +143,9 @@ void note_plans(ReamingScene& scene, double load_s, MistakeList& mistakes, Repor
   }
   report.note(fmt::format("time: about {:.2g} s for the simulation ({} frames in {} windows timed on {})",
                           plans.time.simulate_s, plans.time.timed_frames, plans.time.windows, plans.device));
-  report.note(picture_time(scene, load_s + plans.load_s));
+  figures["device"] = plans.device;
+  figures["simulate_s"] = plans.time.simulate_s;
+  report.note(picture_time(scene, load_s + plans.load_s, figures));
 }
 
 void warn_of_settings(const ReamingScene& scene, Report& report) {
@@ -150,10 +170,24 @@ void print_findings(const Report& report, const Console& console) {
   for (const std::string& note : report.notes) console.say("# " + note);
 }
 
+/// What --json prints of a scenario without mistakes.
+Json json_of(const Scenario& scenario, const Report& report, const Json& figures) {
+  return {{"program", "reamsim " REAMSIM_VERSION},
+          {"scenario", scenario.name},
+          {"ok", true},
+          {"mistakes", Json::array()},
+          {"warnings", report.warnings},
+          {"listings", report.listings},
+          {"notes", report.notes},
+          {"estimate", figures},
+          {"resolved", to_yaml(scenario)}};
+}
+
 struct CheckOptions {
   ScenarioOptions scenario;
   std::string picture;
   bool overwrite = false;
+  bool json = false;
 };
 
 /// Throws InputError for a file that is no PNG, or that must not be replaced.
@@ -201,8 +235,9 @@ void check_command(const CheckOptions& options, const Console& console) {
   draw_setup(options, scene, contact, found);  // before a mistake of the pose ends the command: it shows there
   Report report;
   report.warnings = found.warnings;
-  note_cost(scene, report);
-  note_plans(scene, load_s, mistakes, report);
+  Json figures;
+  note_cost(scene, report, figures);
+  note_plans(scene, load_s, mistakes, report, figures);
   if (clearance) report.note(sentence_of(*clearance, scene));
   if (scene.bone.segmentation) report.note(sentence_of(*scene.bone.segmentation));
   report.listings = std::move(found.listings);
@@ -210,6 +245,10 @@ void check_command(const CheckOptions& options, const Console& console) {
   // On a terminal, standard error would repeat them.
   if (isatty(STDOUT_FILENO) == 0 || console.quiet) {
     for (const std::string& warning : report.warnings) console.warn(warning);
+  }
+  if (options.json) {
+    mistakes.throw_if_any();
+    return print_json(json_of(scene.scenario, report, figures));
   }
   print_findings(report, console);
   mistakes.throw_if_any();
@@ -230,7 +269,12 @@ void add_check_command(CLI::App& app, Console& console) {
       ->type_name("FILE.png")
       ->check(refuse_empty);
   command->add_flag("--overwrite", options->overwrite, "Replace the picture");
-  command->callback([options, &console] { check_command(*options, console); });
+  command->add_flag("--json", options->json,
+                    "Print one JSON document: mistakes, warnings, estimates, resolved scenario");
+  command->callback([options, &console] {
+    if (!options->json) return check_command(*options, console);
+    run_with_json(console, [&](const Console& silent) { check_command(*options, silent); });
+  });
 }
 
 }  // namespace reamsim

@@ -14,6 +14,7 @@
 #include "sim/base/error.h"
 #include "sim/base/printable.h"
 #include "sim/base/text.h"
+#include "sim/record/citation.h"
 #include "sim/record/output_folder.h"
 #include "sim/scenario/parse.h"
 #include "sim/scenario/paths.h"
@@ -135,6 +136,7 @@ void compare_command(const CompareOptions& options, const Console& console) {
       {.dir = options.output, .kind = ResultKind::comparison, .overwrite = options.overwrite, .inputs = options.dirs});
   const ForcedStop forced = abandoning(folder);
   write_comparison(folder.path(), comparison);
+  write_citation(folder.path());
   finish(folder, console);
   print_table(console, comparison);
   if (comparison.runs.size() <= kMostWithDifferences)
@@ -150,7 +152,9 @@ void add_compare_command(CLI::App& app, Console& console) {
   auto options = std::make_shared<CompareOptions>();
   command->add_option("DIR", options->dirs, "Results folders of finished runs; differences are relative to the first")
       ->required();
-  command->add_option("-o,--output", options->output, "Output folder (default: out/compare)")->check(refuse_empty);
+  command->add_option("-o,--output", options->output, "Output folder (default: out/compare)")
+      ->type_name("DIR")
+      ->check(refuse_empty);
   command
       ->add_option("--color-by", options->color_by,
                    "Colour the curves by a number: a differing key of the scenario, or a key of summary.json")

@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <cstdlib>
+#include <cstring>
 
 #include "sim/base/printable.h"
 
@@ -30,7 +32,8 @@ void Console::say_lines(std::string_view text) const {
 }
 
 void Console::warn(const std::string& line) const {
-  std::fprintf(stderr, "reamsim: warning: %s\n", printable(line).c_str());
+  const char* const label = has_colors() ? "\033[33mreamsim: warning:\033[0m" : "reamsim: warning:";
+  std::fprintf(stderr, "%s %s\n", label, printable(line).c_str());
 }
 
 void Console::print(Report& report) const {
@@ -42,34 +45,64 @@ void Console::print(Report& report) const {
   report = {};
 }
 
+bool is_terminal(int descriptor) {
+  const char* const kind = std::getenv("TERM");
+  return isatty(descriptor) == 1 && kind != nullptr && std::strcmp(kind, "dumb") != 0;
+}
+
+bool has_colors() {
+  const char* const refused = std::getenv("NO_COLOR");
+  return is_terminal(STDERR_FILENO) && (refused == nullptr || *refused == '\0');
+}
+
 Progress::Progress(const Console& console, std::string stage, std::string unit)
-    : console_(console), stage_(std::move(stage)), unit_(std::move(unit)), terminal_(isatty(STDOUT_FILENO) == 1) {}
+    : console_(console), stage_(std::move(stage)), unit_(std::move(unit)), terminal_(is_terminal(STDOUT_FILENO)) {}
+
+/// On a terminal ten times a second, elsewhere at every tenth.
+bool Progress::is_due(double fraction) {
+  if (terminal_) {
+    const double seconds = watch_.seconds();
+    if (fraction < 1 && last_drawn_s_ >= 0 && seconds - last_drawn_s_ < kRedrawSeconds) return false;
+    last_drawn_s_ = seconds;
+    return true;
+  }
+  const int tenth = static_cast<int>(10 * fraction);
+  if (tenth <= last_tenth_) return false;
+  last_tenth_ = tenth;
+  return true;
+}
+
+void Progress::draw(double fraction, const std::string& text) {
+  if (terminal_) {
+    const int cells = static_cast<int>(fraction * kBarCells);
+    const std::string bar = std::string(static_cast<std::size_t>(cells), '#') +
+                            std::string(static_cast<std::size_t>(kBarCells - cells), '.');
+    std::printf("\r%s [%s] %s \033[K", stage_.c_str(), bar.c_str(), text.c_str());
+    open_ = true;
+  } else {
+    std::printf("%s %s\n", stage_.c_str(), text.c_str());
+  }
+  std::fflush(stdout);
+}
 
 void Progress::update(std::int64_t done, std::int64_t total) {
   if (console_.quiet || total <= 0) return;
   const double fraction = static_cast<double>(done) / static_cast<double>(total), seconds = watch_.seconds();
+  if (!is_due(fraction)) return;
   const double rate = seconds > 0 ? static_cast<double>(done) / seconds : 0;
   const std::string rate_text = rate < 10 ? fmt::format("{:.2g}", rate) : fmt::format("{:.0f}", rate);
   const double left = rate > 0 ? static_cast<double>(total - done) / rate : 0;
-  const auto d = static_cast<long long>(done), t = static_cast<long long>(total);
-  if (terminal_) {
-    if (done < total && seconds - last_drawn_s_ < kRedrawSeconds) return;
-    last_drawn_s_ = seconds;
-    const int cells = static_cast<int>(fraction * kBarCells);
-    const std::string bar = std::string(static_cast<std::size_t>(cells), '#') +
-                            std::string(static_cast<std::size_t>(kBarCells - cells), '.');
-    std::printf("\r%s [%s] %lld/%lld %s  %s/s  %.0f s left \033[K", stage_.c_str(), bar.c_str(), d, t, unit_.c_str(),
-                rate_text.c_str(), left);
-    std::fflush(stdout);
-    open_ = true;
-    return;
-  }
-  const int tenth = static_cast<int>(10 * fraction);
-  if (tenth <= last_tenth_) return;
-  last_tenth_ = tenth;
-  std::printf("%s %lld/%lld %s, %s per second, %.0f s left\n", stage_.c_str(), d, t, unit_.c_str(), rate_text.c_str(),
-              left);
-  std::fflush(stdout);
+  const char* const form = terminal_ ? "{}/{} {}  {}/s  {:.0f} s left" : "{}/{} {}, {} per second, {:.0f} s left";
+  draw(fraction, fmt::format(fmt::runtime(form), done, total, unit_, rate_text, left));
+}
+
+void Progress::update_part(double fraction, const std::string& what) {
+  if (console_.quiet) return;
+  fraction = std::clamp(fraction, 0.0, 1.0);
+  if (!is_due(fraction)) return;
+  const double left = fraction > 0 ? watch_.seconds() * (1 - fraction) / fraction : 0;
+  draw(fraction, fmt::format("{:.0f} %{}{}", 100 * fraction, what.empty() ? "" : ": " + what,
+                             fraction > 0 ? fmt::format(", {:.0f} s left", left) : ""));
 }
 
 void Progress::finish() {

@@ -1,8 +1,10 @@
 #include <fmt/core.h>
 #include <CLI/CLI.hpp>
+#include <memory>
 
 #include "cli/commands.h"
 #include "cli/environment.h"
+#include "cli/json_output.h"
 #include "sim/base/error.h"
 #include "sim/device/opencl.h"
 
@@ -19,6 +21,24 @@ std::string line(const cl::DeviceInfo& device, cl_device_id chosen) {
   return out;
 }
 
+/// The device that `auto` selects, and why; no device where none is usable.
+struct Choice {
+  cl_device_id id = nullptr;
+  std::string name;
+  std::string why;
+};
+
+Choice automatic_choice() {
+  try {
+    const cl::DeviceInfo device = cl::choose_device("auto");
+    return {device.id, device.name,
+            std::string("the first ") + (device.gpu ? "GPU" : "CPU") +
+                " with 64-bit floats and 64-bit atomics; GPUs are preferred to CPUs"};
+  } catch (const RunError& error) {
+    return {nullptr, "", error.what()};
+  }
+}
+
 void devices_command(const Console& console) {
   const auto kernels = prepare_opencl("auto", console);
   const auto devices = cl::list_devices();
@@ -26,26 +46,46 @@ void devices_command(const Console& console) {
     console.say("no OpenCL device found: install a driver (Debian: pocl-opencl-icd), or use --device serial (slow)");
     return;
   }
-  std::string why;
-  cl_device_id chosen = nullptr;
-  try {
-    const cl::DeviceInfo device = cl::choose_device("auto");
-    chosen = device.id;
-    why = device.name + ": the first " + (device.gpu ? "GPU" : "CPU") +
-          " with 64-bit floats and 64-bit atomics; GPUs are preferred to CPUs";
-  } catch (const RunError& error) {
-    why = error.what();
-  }
-  for (const auto& device : devices) console.say(line(device, chosen));
-  console.say("auto selects " + why);
+  const Choice choice = automatic_choice();
+  for (const auto& device : devices) console.say(line(device, choice.id));
+  console.say("auto selects " + (choice.name.empty() ? "" : choice.name + ": ") + choice.why);
   console.say("serial is always available: the reference in plain C++ (slow)");
+}
+
+using Json = nlohmann::ordered_json;
+
+Json json_of(const cl::DeviceInfo& device, const Choice& choice) {
+  return {{"name", device.name},
+          {"platform", device.platform_name},
+          {"driver", device.driver},
+          {"type", device.gpu ? "gpu" : "cpu"},
+          {"compute_units", device.compute_units},
+          {"memory_bytes", device.global_memory_bytes},
+          {"largest_allocation_bytes", device.max_allocation_bytes},
+          {"missing", device.missing},
+          {"selected", device.id == choice.id}};
+}
+
+void devices_command_with_json(const Console& console) {
+  run_with_json(console, [](const Console& silent) {
+    const auto kernels = prepare_opencl("auto", silent);
+    const Choice choice = automatic_choice();
+    Json out{{"program", "reamsim " REAMSIM_VERSION}, {"ok", true}, {"mistakes", Json::array()}};
+    out["auto"] = choice.name.empty() ? Json() : Json(choice.name);
+    out["why"] = choice.why;
+    out["devices"] = Json::array();
+    for (const auto& device : cl::list_devices()) out["devices"].push_back(json_of(device, choice));
+    print_json(out);
+  });
 }
 
 }  // namespace
 
 void add_devices_command(CLI::App& app, Console& console) {
   auto* command = app.add_subcommand("devices", "List OpenCL devices and mark the one that `auto` selects");
-  command->callback([&console] { devices_command(console); });
+  auto json = std::make_shared<bool>(false);
+  command->add_flag("--json", *json, "Print one JSON document");
+  command->callback([json, &console] { *json ? devices_command_with_json(console) : devices_command(console); });
 }
 
 }  // namespace reamsim

@@ -186,8 +186,10 @@ void add_fit_command(CLI::App& app, Console& console) {
       ->delimiter(',');
   command->add_flag("--fixed-normal-ratio", options->fixed_normal_ratio, "Keep the normal ratio k_n of the run");
   command->add_option("-o,--output", options->output, "Write constants, covariance and residuals to this JSON file")
+      ->type_name("FILE.json")
       ->check(refuse_empty);
   command->add_option("--residuals", options->residuals, "Write measured and fitted values to this CSV file")
+      ->type_name("FILE.csv")
       ->check(refuse_empty);
   command->add_flag("--overwrite", options->overwrite, "Replace existing files of an earlier fit");
   command->add_flag("--quiet", console.quiet, "Print only warnings and errors");

@@ -68,10 +68,12 @@ void import_command(const ImportOptions& options, const Console& console) {
     return StopOutcome{};
   });
   Report report;
+  console.say("import: reading " + options.input + " and making voxels");
   const Bone bone = load_checked(scenario, report);
   for (const auto& note : report.notes) console.say(note);
   report.notes.clear();
   console.print(report);
+  console.say("import: writing " + options.output);
   Metadata metadata{{"source", fs::path(options.input).filename().string()}, {"sha256", sha256_of(options.input)}};
   const Metadata anatomy = metadata_of({bone.glenoid, bone.landmarks, bone.side});
   metadata.insert(metadata.end(), anatomy.begin(), anatomy.end());
@@ -89,7 +91,10 @@ void add_import_command(CLI::App& app, Console& console) {
           "INPUT", options->input,
           "CT (DICOM folder, NRRD, NIfTI, MetaImage), mesh (STL, OBJ, PLY), or a scenario whose bone is imported")
       ->required();
-  command->add_option("-o,--output", options->output, "VDB file to write")->required()->check(refuse_empty);
+  command->add_option("-o,--output", options->output, "VDB file to write")
+      ->type_name("FILE.vdb")
+      ->required()
+      ->check(refuse_empty);
   command
       ->add_option("--set", options->overrides,
                    "Override a key of the bone section, for example bone.ct.threshold_hu=250; repeatable")

@@ -155,7 +155,10 @@ void add_init_command(CLI::App& app, Console& console) {
   auto options = std::make_shared<InitOptions>();
   command->add_option("INPUT", options->input, "CT (DICOM folder, NRRD, NIfTI, MetaImage) or mesh (STL, OBJ, PLY)")
       ->required();
-  command->add_option("-o,--output", options->output, "Scenario to write (YAML)")->required()->check(refuse_empty);
+  command->add_option("-o,--output", options->output, "Scenario to write (YAML)")
+      ->type_name("FILE.yaml")
+      ->required()
+      ->check(refuse_empty);
   command
       ->add_option("--near", options->near_mm,
                    "A point within 8 mm of the centre of the glenoid's face, mm: LPS of a CT, the frame of a mesh "
@@ -165,7 +168,8 @@ void add_init_command(CLI::App& app, Console& console) {
       ->expected(3);
   command->add_option("--side", options->side, "left or right; of a CT without it by the normal of the face")
       ->check(CLI::IsMember({"left", "right"}));
-  command->add_option("--tool", options->tool, "Mesh of the reamer; without it the convex reamer of reamsim");
+  command->add_option("--tool", options->tool, "Mesh of the reamer; without it the convex reamer of reamsim")
+      ->type_name("MESH");
   command->add_option("--scale", options->scale, "Of a mesh: file units to mm")->check(CLI::Range(1e-6, 1e6));
   command->add_option("--threshold-hu", options->threshold_hu, "Of a CT: least radiodensity of bone");
   command->add_option("--voxel-mm", options->voxel_mm, "Edge length of a voxel")->check(CLI::Range(0.01, 5.0));

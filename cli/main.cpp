@@ -6,9 +6,12 @@
 #include <exception>
 #include <new>
 
+#include "cli/command_line.h"
 #include "cli/commands.h"
 #include "cli/environment.h"
+#include "cli/manual_text.h"
 #include "cli/stop.h"
+#include "cli/version.h"
 #include "sim/base/error.h"
 #include "sim/base/printable.h"
 #include "sim/isolation/reader_server.h"
@@ -19,7 +22,8 @@ constexpr int kFailed = 1, kWrongInput = 2;
 
 /// `message`: printable(). No std::string: memory may be exhausted.
 int complain(const char* message, int status) {
-  std::fprintf(stderr, "reamsim: error: %s\n", message);
+  const char* const label = reamsim::has_colors() ? "\033[31mreamsim: error:\033[0m" : "reamsim: error:";
+  std::fprintf(stderr, "%s %s\n", label, message);
   return status;
 }
 
@@ -31,14 +35,10 @@ int complain(const char* message, int status) {
   _exit(kFailed);
 }
 
-/// Parses the arguments, which calls the command.
-int run(int argc, char** argv) {
-  CLI::App app{
-      "reamsim simulates glenoid reaming: it turns a scenario into cutting forces, pictures and an OpenVDB grid."};
-  app.set_version_flag("--version", "reamsim " REAMSIM_VERSION
-                                    "\nLicensed under the Apache License, Version 2.0. Copyright the reamsim authors.");
+void add_commands(CLI::App& app, reamsim::Console& console) {
   app.require_subcommand(1);
-  reamsim::Console console;
+  app.footer(reamsim::help_footer());
+  app.set_version_flag("-V,--version", reamsim::version_text, "Print version, commit, build and libraries");
   reamsim::add_run_command(app, console);
   reamsim::add_check_command(app, console);
   reamsim::add_render_command(app, console);
@@ -55,19 +55,32 @@ int run(int argc, char** argv) {
   reamsim::add_verify_command(app, console);
 #endif
   reamsim::add_devices_command(app, console);
+  reamsim::add_cite_command(app);
+  reamsim::add_help_command(app);
+}
+
+/// Parses the arguments, which calls the command.
+int run(int argc, char** argv) {
+  CLI::App app{std::string(reamsim::kDescription), "reamsim"};
+  reamsim::Console console;
+  add_commands(app, console);
+  if (argc == 1) {  // as git and others do: help for a person, a status for a script whose command is missing
+    std::fputs(reamsim::help_of({"", &app}).c_str(), stderr);
+    return kWrongInput;
+  }
   // CLI11 would only report a missing command.
-  const auto named = [&](const CLI::App* command) { return argc > 1 && command->get_name() == argv[1]; };
-  if (argc > 1 && argv[1][0] != '-' && app.get_subcommands(named).empty()) {
-    const std::string found = std::string(argv[1]) +
-                              ": unknown command; expected run, check, render, compare, reforce, fit, sweep, uq, import, "
-                              "init, preview, bench, verify or devices";
+  const auto named = [&](const CLI::App* command) { return command->get_name() == argv[1]; };
+  const bool known = !app.get_subcommands(named).empty();
+  if (argv[1][0] != '-' && !known) {
+    const std::string found = std::string(argv[1]) + ": unknown command; expected " + reamsim::command_names(app);
     return complain(reamsim::printable(found).c_str(), kWrongInput);
   }
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return app.exit(error);  // --help, --version
-    return complain((reamsim::printable(error.what()) + "; see reamsim --help").c_str(), kWrongInput);
+    const std::string where = known ? "; see reamsim " + std::string(argv[1]) + " --help" : "; see reamsim --help";
+    return complain((reamsim::printable(error.what()) + where).c_str(), kWrongInput);
   }
   return 0;
 }

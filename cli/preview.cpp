@@ -135,7 +135,10 @@ void add_preview_command(CLI::App& app, Console& console) {
       ->add_option("INPUT", options->input,
                    "Scenario (YAML), CT (DICOM folder, NRRD, NIfTI, MetaImage), mesh (STL, OBJ, PLY), or VDB")
       ->required();
-  command->add_option("-o,--output", options->output, "HTML file to write")->required()->check(refuse_empty);
+  command->add_option("-o,--output", options->output, "HTML file to write")
+      ->type_name("FILE.html")
+      ->required()
+      ->check(refuse_empty);
   command->add_option("--tool", options->tool, "Reamer of a bone without a scenario (default: the convex one)")
       ->type_name("MESH");
   command->add_option("--scale", options->scale, "Millimetres per unit of a mesh without a scenario");

@@ -8,6 +8,7 @@
 #include "cli/commands.h"
 #include "cli/environment.h"
 #include "sim/base/error.h"
+#include "sim/record/citation.h"
 #include "sim/record/output_folder.h"
 
 namespace reamsim {
@@ -74,6 +75,7 @@ void reforce_command(const ReforceOptions& options, const Console& console) {
     folder.clear();
     const ForcedStop forced = abandoning(folder);
     totals = write_reforced(run, law, folder.path());
+    write_citation(folder.path());
     finish(folder, console);
     console.say("forces, summary and scenario: " + folder.final_path());
   }
@@ -94,6 +96,7 @@ void add_reforce_command(CLI::App& app, Console& console) {
       ->expected(1)
       ->take_all();
   command->add_option("-o,--output", options->output, "Folder for forces.csv, summary.json and scenario.yaml")
+      ->type_name("DIR")
       ->check(refuse_empty);
   command->add_flag("--overwrite", options->overwrite,
                     "Replace the forces of DIR, or with -o an existing results folder");

@@ -54,7 +54,8 @@ void ScenarioOptions::add_to(CLI::App& command) {
       ->expected(1)
       ->take_all();
   command.add_option("--device", device, "auto, serial, or part of the name of an OpenCL device")->type_name("NAME");
-  command.add_option("--engine", engine, "Engine: auto, exact, bricked, direct, octree or implicit")->type_name("TYPE");
+  command.add_option("--engine", engine, "Engine (default: that of the scenario)")
+      ->type_name("auto|exact|bricked|direct|octree|implicit");
 }
 
 Scenario ScenarioOptions::parse() const {

@@ -15,6 +15,7 @@
 #include "sim/base/error.h"
 #include "sim/base/memory.h"
 #include "sim/predict/contact_forecast.h"
+#include "sim/record/citation.h"
 #include "sim/record/clearance_file.h"
 #include "sim/record/output_folder.h"
 #include "sim/record/summary.h"
@@ -271,6 +272,12 @@ void finish_complete(OutputFolder& folder, const Scenario& scenario, const Conso
   console.say("the results were complete: " + folder.final_path());
 }
 
+/// The last line of a run.
+void say_where_to_look(const std::string& dir, const Console& console) {
+  const char* const first = fs::exists(dir + "/report.html") ? "report.html" : "summary.json";
+  console.say("results: " + dir + "; look first at " + dir + "/" + first);
+}
+
 }  // namespace
 
 std::optional<std::int64_t> run_scenario(const RunRequest& request, RunResources& resources, const Console& console) {
@@ -312,12 +319,13 @@ std::optional<std::int64_t> run_scenario(const RunRequest& request, RunResources
     folder.keep();
     throw RunError(message_of(error) + "; finished frames are kept in " + folder.path());
   }
+  if (request.keep.pictures) write_citation(folder.path());  // else the folder of the study has it
   finish(folder, console, [&] {
     Report report;
     checkpoints.remove(report);
     console.print(report);
   });
-  console.say("results: " + folder.final_path());
+  say_where_to_look(folder.final_path(), console);
   return continued_after;
 }
 

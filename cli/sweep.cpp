@@ -18,7 +18,9 @@ namespace reamsim {
 
 void SweepOptions::add_to(CLI::App& command) {
   command.add_option("STUDY", file, "Study file (YAML)")->required();
-  command.add_option("-o,--output", output, "Folder of the study (default: out/NAME)")->check(refuse_empty);
+  command.add_option("-o,--output", output, "Folder of the study (default: out/NAME)")
+      ->type_name("DIR")
+      ->check(refuse_empty);
   command.add_option("--set", overrides, "Override a key of every run, for example engine.device=serial; repeatable")
       ->type_name("KEY.PATH=VALUE")
       ->expected(1)

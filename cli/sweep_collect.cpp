@@ -9,6 +9,7 @@
 #include "render/study/effects_table.h"
 #include "render/study/study_page.h"
 #include "sim/base/file.h"
+#include "sim/record/citation.h"
 
 namespace reamsim {
 
@@ -47,6 +48,7 @@ void collect_and_show(const SweepRuns& sweep, const StudyFolder& folder, const C
   } else {
     write_main_effects(folder.path(), effects);
   }
+  write_citation(folder.path());
   replace_file(folder.path() + "/sweep.html", study_page(sweep.study.name, collected.table));
   const std::vector<std::string> table = study_table(collected.table, effects, kTerminalWidth);
   for (const std::string& line : table) console.say(line);

@@ -12,6 +12,7 @@
 #include "sim/base/error.h"
 #include "sim/base/file.h"
 #include "sim/base/statistics.h"
+#include "sim/record/citation.h"
 #include "sim/study/study_folder.h"
 #include "sim/study/uq_outputs.h"
 
@@ -115,6 +116,7 @@ void uq_command(const UqOptions& options, const Console& console) {
   write_bands(marked, results);
   write_indices(marked, results, dirs.size());
   write_uq_plot(marked, tornado(results, 0), tornado(results, 1));
+  write_citation(marked);
   print_results(console, results);
   console.say("bands and indices: " + marked + "/uq.csv, uq.json, uq.png");
 }
@@ -126,7 +128,9 @@ void add_uq_command(CLI::App& app, Console& console) {
       app.add_subcommand("uq", "Propagate uncertain inputs: bands of force and torque, sensitivity indices");
   auto options = std::make_shared<UqOptions>();
   command->add_option("STUDY", options->file, "Study file (YAML) with a sample")->required();
-  command->add_option("-o,--output", options->output, "Folder of the study (default: out/NAME)")->check(refuse_empty);
+  command->add_option("-o,--output", options->output, "Folder of the study (default: out/NAME)")
+      ->type_name("DIR")
+      ->check(refuse_empty);
   add_jobs(*command, options->jobs);
   command->add_flag("--quiet", console.quiet, "Print only warnings and errors");
   command->callback([options, &console] { uq_command(*options, console); });

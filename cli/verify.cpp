@@ -1,11 +1,15 @@
 #include <CLI/CLI.hpp>
+#include <cstdio>
 #include <memory>
+#include <utility>
 
 #include "cli/commands.h"
 #include "cli/environment.h"
+#include "cli/json_output.h"
 #include "render/report/verify_report.h"
 #include "sim/base/error.h"
 #include "sim/device/opencl.h"
+#include "sim/record/citation.h"
 #include "sim/record/output_folder.h"
 #include "sim/verify/suite.h"
 
@@ -18,6 +22,7 @@ struct VerifyOptions {
   std::string output = "out/verify";
   std::string device = "auto";
   bool overwrite = false;
+  bool json = false;
 };
 
 /// The figures that failed, one per line.
@@ -29,7 +34,8 @@ void print_failures(const verify::Findings& findings, const Console& console) {
   }
 }
 
-void verify_command(const VerifyOptions& options, const Console& console) {
+/// Runs the suite and writes the report. Returns what was found, and where the report is.
+std::pair<verify::Findings, std::string> verify_into_folder(const VerifyOptions& options, const Console& console) {
   const auto kernels = prepare_opencl(options.device, console);
   // Fail early where there is no such device or the report cannot be written.
   const std::string device = options.device == "serial" ? "serial" : cl::choose_device(options.device).name;
@@ -39,20 +45,40 @@ void verify_command(const VerifyOptions& options, const Console& console) {
   verify::Setting setting;
   setting.quick = options.quick;
   setting.device = options.device;
-  setting.progress = [&](const std::string& stage) { console.say("... " + stage); };
+  Progress progress(console, "verify", "cases");
+  setting.part = [&](double fraction, const std::string& name) { progress.update_part(fraction, name); };
   setting.stop = stop_requested;
   verify::Findings findings = verify::run_suite(setting);
+  progress.finish();
   findings.device = device;
   write_verification(folder.path(), findings);
+  write_citation(folder.path());
   finish(folder, console);
-  for (const verify::CaseFindings& found : findings.cases) {
-    console.say((found.passed() ? "pass  " : "FAIL  ") + found.title);
-  }
-  const std::string report = folder.final_path() + "/verification.md";
-  console.say("report: " + report);
+  return {std::move(findings), folder.final_path() + "/verification.md"};
+}
+
+/// Throws RunError where a figure exceeds its tolerance.
+void conclude(const verify::Findings& findings, const std::string& report, const Console& console) {
   if (findings.passed()) return;
   print_failures(findings, console);
   throw RunError(std::to_string(findings.failed_checks()) + " figures exceed their tolerance; see " + report);
+}
+
+void verify_command(const VerifyOptions& options, const Console& console) {
+  const auto [findings, report] = verify_into_folder(options, console);
+  for (const verify::CaseFindings& found : findings.cases) {
+    console.say((found.passed() ? "pass  " : "FAIL  ") + found.title);
+  }
+  console.say("report: " + report);
+  conclude(findings, report, console);
+}
+
+/// Prints verification.json, also where a figure exceeds its tolerance.
+void verify_command_with_json(const VerifyOptions& options, const Console& console) {
+  std::pair<verify::Findings, std::string> done;
+  run_with_json(console, [&](const Console& silent) { done = verify_into_folder(options, silent); });
+  std::fputs(verification_json(done.first).c_str(), stdout);
+  conclude(done.first, done.second, console);
 }
 
 }  // namespace
@@ -65,12 +91,16 @@ void add_verify_command(CLI::App& app, Console& console) {
   command
       ->add_option("-o,--output", options->output,
                    "Output folder for verification.md, .json, .png and .svg (default: out/verify)")
+      ->type_name("DIR")
       ->check(refuse_empty);
   command->add_flag("--overwrite", options->overwrite, "Replace an existing report once the new one is complete");
   command->add_option("--device", options->device, "auto, serial, or part of the name of an OpenCL device")
       ->type_name("NAME");
   command->add_flag("--quiet", console.quiet, "Print only warnings and errors");
-  command->callback([options, &console] { verify_command(*options, console); });
+  command->add_flag("--json", options->json, "Print the verification.json of the report");
+  command->callback([options, &console] {
+    options->json ? verify_command_with_json(*options, console) : verify_command(*options, console);
+  });
 }
 
 }  // namespace reamsim

@@ -115,6 +115,13 @@ class Bench {
   std::map<int, Tool> tools_;
 };
 
+/// How often a run of the plan calls progress().
+double count_steps(const Plan& plan) {
+  const std::size_t spheres = plan.sphere_voxels_mm.size() * plan.engines.size();
+  const std::size_t voxmaps = plan.sizes.empty() ? 0 : 1 + plan.sizes.size() + (plan.details ? 3 : 0);
+  return static_cast<double>(std::max<std::size_t>(1, spheres + voxmaps));
+}
+
 }  // namespace
 
 Plan full_plan() {
@@ -158,7 +165,14 @@ void check_plan(const Plan& plan) {
 }
 
 Findings run_bench(const Plan& plan, const BenchControl& control) {
-  return Bench(plan, control).run();
+  const double steps = count_steps(plan);
+  double begun = 0;
+  BenchControl counted = control;
+  counted.progress = [&](const std::string& step) {
+    control.progress(step);
+    control.part(std::min(1.0, begun++ / steps), step);
+  };
+  return Bench(plan, counted).run();
 }
 
 std::string find_depths(int voxmap, int shell) {

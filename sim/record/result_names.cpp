@@ -23,7 +23,8 @@ Names names_of_run() {
   const std::string camera = "(_[a-z0-9_-]+)?";           // the names that render.user_cameras may have
   const std::string unfinished = "(\\.tmp|\\.partial)?";  // of an interrupted write
   const std::string files =
-      "scenario\\.yaml|summary\\.json|verification\\.json|timings\\.csv|report\\.html|segmentation\\.png|contact_"
+      "CITATION\\.txt|scenario\\.yaml|summary\\.json|verification\\.json|timings\\.csv|report\\.html|segmentation\\."
+      "png|contact_"
       "sheet\\.png|"
       "forces\\.(csv|gp|png|svg|pdf)|force_basis\\.npy|events\\.csv|depth_map\\.(csv|png)|clearance\\.csv|reamed\\.("
       "vdb|vti|glb|stl)|"
@@ -36,9 +37,9 @@ Names names_of_run() {
 const Names& names_of(ResultKind kind) {
   static const Names names[] = {
       names_of_run(),
-      {std::regex("compare\\.(csv|gp|png|svg|pdf)|(curves|runs)\\.csv"), {"compare.csv"}},
-      {std::regex("verification\\.(md|json|gp|png|svg)"), {"verification.json"}},
-      {std::regex("bench\\.(json|gp|png|svg)"), {"bench.gp"}},
+      {std::regex("CITATION\\.txt|compare\\.(csv|gp|png|svg|pdf)|(curves|runs)\\.csv"), {"compare.csv"}},
+      {std::regex("CITATION\\.txt|verification\\.(md|json|gp|png|svg)"), {"verification.json"}},
+      {std::regex("CITATION\\.txt|bench\\.(json|gp|png|svg)"), {"bench.gp"}},
   };  // in the order of ResultKind
   return names[static_cast<std::size_t>(kind)];
 }

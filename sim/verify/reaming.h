@@ -18,6 +18,8 @@ struct Setting {
   /// Tests of the suite put an engine with a wrong constant here.
   EngineMaker engine = make_engine;
   std::function<void(const std::string&)> progress = [](const std::string&) {};
+  /// Called before each case of the suite, with the fraction of the expected time that lies behind, and at the end.
+  std::function<void(double, const std::string&)> part = [](double, const std::string&) {};
   std::function<bool()> stop = [] { return false; };
 };
 

@@ -21,37 +21,37 @@ CaseFindings timed(const Case& chosen, const Setting& setting) {
 
 const std::vector<Case>& cases() {
   static const std::vector<Case> all = {
-      {"half_space", half_space_case},
-      {"tilted_cap", tilted_cap_case},
-      {"cylinder", cylinder_case},
-      {"sweep", sweep_case},
-      {"layered", layered_case},
-      {"steady", steady_case},
-      {"ratio", ratio_case},
-      {"half_face", half_face_case},
-      {"ripple", ripple_case},
-      {"zero_feed", zero_feed_case},
-      {"retraction", retraction_case},
-      {"second_pass", second_pass_case},
-      {"mirrored", mirrored_case},
-      {"moved", moved_case},
-      {"rotated", rotated_case},
-      {"time_step", time_step_case},
-      {"voxel", voxel_case},
-      {"energy", energy_case},
-      {"push_steady", push_steady_case},
-      {"push_ball", push_ball_case},
-      {"push_mass", push_mass_case},
-      {"push_stall", push_stall_case},
-      {"push_energy", push_energy_case},
-      {"compliance_steady", compliance_steady_case},
-      {"compliance_half", compliance_half_case},
-      {"compliance_stiff", compliance_stiff_case},
-      {"compliance_energy", compliance_energy_case},
-      {"ct_uniform", ct_uniform_case},
-      {"ct_ramp", ct_ramp_case},
-      {"ct_plate", ct_plate_case},
-      {"ct_force", ct_force_case},
+      {"half_space", half_space_case, 1.8},
+      {"tilted_cap", tilted_cap_case, 6.3},
+      {"cylinder", cylinder_case, 3.7},
+      {"sweep", sweep_case, 0.6},
+      {"layered", layered_case, 1.1},
+      {"steady", steady_case, 1.9},
+      {"ratio", ratio_case, 0.9},
+      {"half_face", half_face_case, 1.1},
+      {"ripple", ripple_case, 2.0},
+      {"zero_feed", zero_feed_case, 0.1},
+      {"retraction", retraction_case, 0.2},
+      {"second_pass", second_pass_case, 0.2},
+      {"mirrored", mirrored_case, 0.3},
+      {"moved", moved_case, 0.2},
+      {"rotated", rotated_case, 0.7},
+      {"time_step", time_step_case, 1.1},
+      {"voxel", voxel_case, 0.7},
+      {"energy", energy_case, 0.1},
+      {"push_steady", push_steady_case, 8.7},
+      {"push_ball", push_ball_case, 1.5},
+      {"push_mass", push_mass_case, 0.8},
+      {"push_stall", push_stall_case, 3.3},
+      {"push_energy", push_energy_case, 2.2},
+      {"compliance_steady", compliance_steady_case, 1.2},
+      {"compliance_half", compliance_half_case, 0.4},
+      {"compliance_stiff", compliance_stiff_case, 1.0},
+      {"compliance_energy", compliance_energy_case, 0.7},
+      {"ct_uniform", ct_uniform_case, 1.8},
+      {"ct_ramp", ct_ramp_case, 3.3},
+      {"ct_plate", ct_plate_case, 2.9},
+      {"ct_force", ct_force_case, 1.1},
   };
   return all;
 }
@@ -67,10 +67,15 @@ Findings run_suite(const Setting& setting) {
   const Stopwatch watch;
   Findings out;
   out.quick = setting.quick;
+  double all = 0, past = 0;
+  for (const Case& known : cases()) all += known.seconds;
   for (const Case& known : cases()) {
     setting.progress(known.id);
+    setting.part(past / all, known.id);
     out.cases.push_back(timed(known, setting));
+    past += known.seconds;
   }
+  setting.part(1, "");
   out.seconds = watch.seconds();
   return out;
 }

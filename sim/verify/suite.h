@@ -9,6 +9,7 @@ namespace reamsim::verify {
 struct Case {
   const char* id;
   CaseFindings (*run)(const Setting&);
+  double seconds = 1;  ///< of the quick suite on two cores; only their ratios count
 };
 
 /// All cases, in the order of the report.

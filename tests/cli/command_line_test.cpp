@@ -12,8 +12,14 @@ class CommandLine : public CliTest {
   }
 };
 
-TEST_F(CommandLine, NoCommand) {
-  expect_refused(call({}), 2, {"--help"});
+TEST_F(CommandLine, NoCommandPrintsTheHelpAndFails) {
+  const ProgramResult nothing = call({});
+  EXPECT_EQ(nothing.status, 2);
+  EXPECT_EQ(nothing.out, "") << "a script that lacks a command must not take the help for a result";
+  EXPECT_EQ(nothing.err, call({"--help"}).out);
+  for (const char* text : {"Usage: reamsim", "  run ", "Exit status:", "  75 "})
+    EXPECT_THAT(nothing.err, HasSubstr(text));
+  expect_refused(call({"sweep"}), 2, {"see reamsim sweep --help"});
 }
 
 TEST_F(CommandLine, UnknownCommand) {
@@ -48,6 +54,37 @@ TEST_F(CommandLine, HelpAndVersion) {
   EXPECT_THAT(version.out, HasSubstr("reamsim "));
   EXPECT_THAT(version.out, HasSubstr("Apache License, Version 2.0"));
   EXPECT_THAT(version.out, HasSubstr("Copyright the reamsim authors"));
+  for (const char* part : {"OpenVDB 1", "Eigen 3.", "ITK 5.", "yaml-cpp 0.", "assimp 5.", "OSMesa 8", "OpenCL: "}) {
+    EXPECT_THAT(version.out, HasSubstr(part));
+  }
+  EXPECT_EQ(call({"-V"}).out, version.out);
+}
+
+TEST_F(CommandLine, ARunSaysWhereToLook) {
+  const ProgramResult plain = run(kSmall);
+  EXPECT_THAT(plain.out, HasSubstr("results: " + path("out") + "; look first at " + path("out/summary.json\n")));
+}
+
+/// A program on a terminal of its own; what it wrote there.
+std::string on_terminal(const std::string& command, const std::string& folder, const std::string& setting) {
+  const ProgramResult result = run_program(
+      "/bin/sh",
+      {.arguments = {"-c", "script -qec '" + setting + " " REAMSIM_PROGRAM " " + command + "' /dev/null; true"},
+       .environment = {{"TERM", "xterm"}},
+       .folder = folder,
+       .interrupt_when = {}});
+  return result.out;
+}
+
+TEST_F(CommandLine, ColoursOnATerminalOnly) {
+  EXPECT_THAT(on_terminal("run nix.yaml", dir_, "env"), HasSubstr("\033[31mreamsim: error:\033[0m nix.yaml"));
+  for (const char* setting : {"env NO_COLOR=1", "env TERM=dumb"}) {
+    const std::string plain = on_terminal("run nix.yaml", dir_, setting);
+    EXPECT_THAT(plain, HasSubstr("reamsim: error: nix.yaml")) << setting;
+    EXPECT_THAT(plain, ::testing::Not(HasSubstr("\033"))) << setting;
+  }
+  EXPECT_THAT(on_terminal("run nix.yaml", dir_, "env NO_COLOR="), HasSubstr("\033[31m")) << "empty is not set";
+  EXPECT_THAT(call({"run", "nix.yaml"}).err, ::testing::Not(HasSubstr("\033")));
 }
 
 TEST_F(CommandLine, Devices) {

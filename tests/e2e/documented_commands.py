@@ -60,12 +60,14 @@ EXAMPLES = {
     "reamsim sweep submit": "reamsim sweep submit trajectories/studies/reamers.yaml --slurm --to out/scripts",
     "reamsim sweep status": "reamsim sweep status trajectories/studies/reamers.yaml -o out/swept",
     "reamsim import": "reamsim import s.yaml -o bone.vdb",
+    "reamsim cite": "reamsim cite out/s",
+    "reamsim help": "reamsim help sweep run",
     "reamsim run trajectories/mesh_scapula.yaml --set bone.voxel_mm=V": "",  # its data: e2e.mesh_scapula
     "reamsim run trajectories/compliance.yaml --set": "reamsim run trajectories/compliance.yaml -o out/springs --set motion.plunge.depth_mm=0.2 "
                                                       "--set motion.plunge.dwell_s=0 --set render.enabled=false --set output.meshes=false",
     "reamsim run trajectories/study_X.yaml": "reamsim run trajectories/study_eccentric_10deg.yaml",
 }
-PLACEHOLDER = re.compile(r"\b(STUDY|SCENARIO|DIR|BONE|CT|MESH|FILE|PAGE|SCAN_OR_SCENARIO)\b|=[VK]\b|_X\b|\[-")
+PLACEHOLDER = re.compile(r"\b(COMMAND|STUDY|SCENARIO|DIR|BONE|CT|MESH|FILE|PAGE|SCAN_OR_SCENARIO)\b|=[VK]\b|_X\b|\[-")
 # Interrupted runs and such: the words of a sentence, not a command on its own.
 IN_A_SENTENCE = re.compile(r"^(build/release/cli/)?reamsim( \w+)?$|^gnuplot$|^ctest$|^\./run\.sh$")
 MOTION = {

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace CLI {
+class App;
+class Option;
+}  // namespace CLI
+
+namespace reamsim {
+
+// What the commands and their options say of themselves. Help, man page and completion are made from it.
+
+/// A command that users may call: "sweep run" and its parser.
+struct ListedCommand {
+  std::string name;
+  const CLI::App* app;
+};
+
+/// The commands of `root` in the order of its help, each followed by its own.
+std::vector<ListedCommand> listed_commands(const CLI::App& root);
+
+/// "run, check, ... or devices": the commands directly below `root`.
+std::string command_names(const CLI::App& root);
+
+/// What an option or argument of a command takes.
+struct ArgumentText {
+  std::vector<std::string> flags;  ///< "-o", "--output"; of an argument by position none
+  std::string value;               ///< "DIR"; of a flag ""
+  std::vector<std::string> choices;
+  std::string description;
+  bool required = false;
+  bool repeats = false;
+};
+
+/// The options of a command, also those of its groups.
+std::vector<ArgumentText> options_of(const CLI::App& command);
+/// Its arguments by position.
+std::vector<ArgumentText> positionals_of(const CLI::App& command);
+
+/// "reamsim sweep run [OPTIONS] STUDY", and a note of the subcommand that is needed.
+std::string synopsis_of(const ListedCommand& command);
+/// What `reamsim COMMAND --help` prints; of the program where `command.name` is "".
+std::string help_of(const ListedCommand& command);
+/// The end of the help of the program: exit statuses and where to read on.
+std::string help_footer();
+
+}  // namespace reamsim

@@ -1,0 +1,14 @@
+#pragma once
+
+#include <string>
+
+namespace CLI {
+class App;
+}
+
+namespace reamsim {
+
+/// reamsim(1) for man(7): all commands and options of `root`.
+std::string man_page(const CLI::App& root);
+
+}  // namespace reamsim

@@ -1,0 +1,118 @@
+#include <CLI/CLI.hpp>
+#include <algorithm>
+
+#include "cli/completion.h"
+#include "cli/completion_kind.h"
+
+namespace reamsim {
+
+namespace {
+
+/// Text within single quotes, where zsh's _arguments gives [, ] and : a meaning.
+std::string quoted(const std::string& text) {
+  std::string out;
+  for (const char c : text) {
+    if (c == '\'') {
+      out += "'\\''";
+    } else if (c == '[' || c == ']' || c == ':' || c == '\\') {
+      out += std::string("\\") + c;
+    } else {
+      out += c;
+    }
+  }
+  return out;
+}
+
+std::string action_of(const ArgumentText& argument) {
+  std::string words;
+  for (const std::string& choice : argument.choices) words += (words.empty() ? "" : " ") + choice;
+  switch (completed_by(argument)) {
+    case Completed::choices:
+      return "(" + words + ")";
+    case Completed::commands:
+      return "_reamsim_commands";
+    case Completed::scenarios:
+      return "_reamsim_scenarios";
+    case Completed::studies:
+      return "_files -g \"*.y(|a)ml\"";
+    case Completed::folders:
+      return "_files -/";
+    case Completed::files:
+      return "_files";
+    case Completed::nothing:
+      break;
+  }
+  return " ";
+}
+
+/// '(-o --output)'{-o,--output}'[...]:DIR:_files -/' for each option.
+std::string spec_of(const ArgumentText& option) {
+  std::string all, braces;
+  for (const std::string& flag : option.flags) {
+    all += (all.empty() ? "" : " ") + flag;
+    braces += (braces.empty() ? "" : ",") + flag + (option.value.empty() ? "" : flag.starts_with("--") ? "=" : "+");
+  }
+  const std::string names = option.flags.size() > 1 ? "'{" + braces + "}'" : braces;
+  const std::string first = option.repeats ? "*" : "(" + all + ")";
+  const std::string value = option.value.empty() ? "" : ":" + quoted(option.value) + ":" + action_of(option);
+  return "    '" + first + names + "[" + quoted(option.description) + "]" + value + "'";
+}
+
+std::string options_text(const CLI::App& app) {
+  std::string out;
+  for (const ArgumentText& option : options_of(app)) out += " \\\n" + spec_of(option);
+  return out;
+}
+
+std::string function_name(const std::string& path) {
+  std::string out = path.empty() ? "_reamsim" : "_reamsim_" + path;
+  std::ranges::replace(out, ' ', '_');
+  return out;
+}
+
+/// The function of a command that takes arguments.
+std::string leaf(const ListedCommand& command) {
+  std::string out = function_name(command.name) + "() {\n  _arguments" + options_text(*command.app);
+  for (const ArgumentText& argument : positionals_of(*command.app)) {
+    out += std::string(" \\\n    '") + (argument.repeats ? "*" : "") + ":" + quoted(argument.value) + ":" +
+           action_of(argument) + "'";
+  }
+  return out + "\n}\n\n";
+}
+
+/// The function of a command that has commands.
+std::string branch(const ListedCommand& command) {
+  std::string list, cases;
+  for (const ListedCommand& below : listed_commands(*command.app)) {
+    if (below.name.find(' ') != std::string::npos) continue;
+    list += "    '" + below.name + ":" + quoted(below.app->get_description()) + "'\n";
+    const std::string path = command.name.empty() ? below.name : command.name + " " + below.name;
+    cases += "        " + below.name + ") " + function_name(path) + " ;;\n";
+  }
+  const std::string name = function_name(command.name);
+  return name + "_commands() {\n  local -a commands\n  commands=(\n" + list +
+         "  )\n  _describe -t commands command commands\n}\n\n" + name +
+         "() {\n  local curcontext=$curcontext state line\n" + "  typeset -A opt_args\n  _arguments -C" +
+         options_text(*command.app) + " \\\n    '1:command:" + name +
+         "_commands' \\\n    '*::argument:->argument'\n  if [[ $state == argument ]]; then\n    case $line[1] in\n" +
+         cases + "    esac\n  fi\n}\n\n";
+}
+
+}  // namespace
+
+std::string zsh_completion(const CLI::App& root) {
+  std::string out =
+      "#compdef reamsim\n# zsh completion for reamsim; written by: reamsim help --format zsh\n\n"
+      "# Scenario files; a package may add names of scenarios that are no files.\n"
+      "_reamsim_scenarios() { _files -g \"*.y(|a)ml\" }\n\n";
+  std::vector<ListedCommand> commands = listed_commands(root);
+  commands.push_back({"", &root});
+  for (const ListedCommand& command : commands) {
+    out += command.app->get_subcommands([](const CLI::App* sub) { return !sub->get_name().empty(); }).empty()
+               ? leaf(command)
+               : branch(command);
+  }
+  return out + "_reamsim \"$@\"\n";
+}
+
+}  // namespace reamsim

@@ -1,0 +1,212 @@
+#include "sim/record/citation.h"
+
+#include <filesystem>
+
+#include "sim/base/error.h"
+#include "sim/base/file.h"
+#include "sim/record/result_json.h"
+#include "sim/scenario/scenario.h"
+#include "sim/scenario/yaml_tree.h"
+
+namespace reamsim {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Reference program_reference(const std::string& version) {
+  return {.key = "reamsim",
+          .type = "software",
+          .authors = {"the reamsim authors"},
+          .title = "reamsim: an offline glenoid-reaming simulator",
+          .version = version,
+          .note = "Apache-2.0"};
+}
+
+std::string word_of(const Json& json, const char* key) {
+  return json.contains(key) && json[key].is_string() ? json[key].get<std::string>() : "";
+}
+
+/// "1.0.0" of "reamsim 1.0.0".
+std::string version_of(const Json& summary) {
+  const std::string program = word_of(summary, "program");
+  return program.substr(std::min(program.size(), program.find(' ') + 1));
+}
+
+/// The scalar below `section.key` of a resolved scenario; "" where there is none.
+std::string scalar_at(YamlNodePtr node, std::initializer_list<const char*> path) {
+  for (const char* key : path) {
+    const YamlEntry* entry = node->kind == YamlNode::Kind::map ? node->find(key) : nullptr;
+    if (entry == nullptr) return "";
+    node = entry->value;
+  }
+  return node->text;
+}
+
+/// Whether the relation of density and HU is the default of reamsim.
+bool has_default_density(const YamlNodePtr& scenario) {
+  const DensitySettings usual;
+  const auto is = [&](const char* key, double value) {
+    const std::string text = scalar_at(scenario, {"bone", "density", key});
+    return text.empty() || std::abs(std::strtod(text.c_str(), nullptr) - value) < 1e-12;
+  };
+  return is("ash_slope_g_cm3_per_hu", usual.ash_slope_g_cm3_per_hu) && is("ash_offset_g_cm3", usual.ash_offset_g_cm3) &&
+         is("ash_fraction", usual.ash_fraction);
+}
+
+void add_density(const YamlNodePtr& scenario, Citation& out) {
+  if (has_default_density(scenario)) {
+    out.method.push_back(
+        known_reference("pmc5234499", "density from radiodensity: the default, of a femur; docs/physics.md, 1"));
+  } else {
+    out.method.push_back({.key = "density",
+                          .type = "document",
+                          .authors = {},
+                          .title = "the source of your relation of density and radiodensity",
+                          .note = "bone.density differs from the default"});
+  }
+}
+
+void add_method(const Json& summary, const YamlNodePtr& scenario, Citation& out) {
+  const std::string engine = word_of(summary, "engine");
+  std::string rebuilt;
+  if (engine == "octree") rebuilt = "; the engine is that of Zheng et al., its reference 33, as rebuilt there";
+  if (engine == "implicit") rebuilt = "; the engine is that of Yau et al., its reference 32, as rebuilt there";
+  out.method.push_back(known_reference("faieghi2020", "voxmap, broad phase and contact" + rebuilt));
+  if (word_of(summary, "erosion") == "exact") {
+    out.method.push_back(known_reference("scardovelli2000", "volumes of clipped voxels; docs/physics.md, 1 and 3"));
+  }
+  if (summary.contains("segmentation")) {
+    out.method.push_back(known_reference("aslam2004", "density of boundary voxels; docs/physics.md, 1"));
+    add_density(scenario, out);
+  }
+  if (summary.contains("deflection")) {
+    out.method.push_back(known_reference("broyden1965", "balance of a tool on springs; docs/physics.md, 11"));
+  }
+}
+
+/// Everything that the run read and reamsim does not ship: bones, label maps, recordings.
+void add_data(const Json& summary, Citation& out) {
+  if (!summary.contains("inputs") || !summary["inputs"].is_array()) return;
+  for (const Json& input : summary["inputs"]) {
+    const std::string role = word_of(input, "role"), sha256 = word_of(input, "sha256");
+    if (role == "scenario" || role.find("tool") != std::string::npos) continue;
+    Reference data = known_data(sha256);
+    if (data.key.empty()) {
+      data = {.key = "data" + std::to_string(out.data.size() + 1),
+              .type = "dataset",
+              .authors = {},
+              .title = role + ", " + std::filesystem::path(word_of(input, "path")).filename().string(),
+              .note = "not a data set that reamsim knows: cite its source; SHA-256 " + sha256};
+    }
+    out.data.push_back(data);
+  }
+}
+
+void add_libraries(const Json& summary, Citation& out) {
+  out.libraries.push_back(known_reference("museth2013", "OpenVDB: grids"));
+  out.libraries.push_back(known_reference("eigen", "linear algebra"));
+  if (summary.contains("segmentation")) out.libraries.push_back(known_reference("mccormick2014", "reading of the CT"));
+  const std::string device = word_of(summary, "device");
+  if (device.starts_with("pthread") || device.starts_with("cpu") || device.starts_with("basic")) {
+    out.libraries.push_back(known_reference("jaaskelainen2015", "OpenCL on the processor"));
+  }
+}
+
+Citation cite_run(const std::string& dir) {
+  const std::string path = dir + "/summary.json";
+  const Json summary = parse_result_json(read_file(path, "the summary of a run"));
+  if (!summary.is_object()) throw InputError({path, 0, 0}, "", "is damaged", "expected the summary of a run");
+  const std::string file = dir + "/scenario.yaml";
+  const YamlNodePtr scenario = parse_yaml(read_file(file, "the scenario.yaml of a run"), file);
+  Citation out{.program = {program_reference(version_of(summary))}, .method = {}, .data = {}, .libraries = {}};
+  add_method(summary, scenario, out);
+  add_data(summary, out);
+  add_libraries(summary, out);
+  return out;
+}
+
+void add_section(const char* title, const std::vector<Reference>& list, std::string& out) {
+  if (list.empty()) return;
+  out += std::string("\n") + title + "\n";
+  for (const Reference& reference : list) out += "  " + text_of(reference) + "\n";
+}
+
+/// "Faieghi, M." and a group, as CSL names them.
+Json csl_author(const std::string& author) {
+  const std::size_t comma = author.find(", ");
+  if (comma == std::string::npos) return {{"literal", author == "others" ? "et al." : author}};
+  return {{"family", author.substr(0, comma)}, {"given", author.substr(comma + 2)}};
+}
+
+Json csl_of(const Reference& reference) {
+  Json item{{"id", reference.key}, {"type", reference.type}, {"title", reference.title}};
+  for (const std::string& author : reference.authors) item["author"].push_back(csl_author(author));
+  if (reference.year > 0) item["issued"]["date-parts"] = Json::array({Json::array({reference.year})});
+  const auto set = [&](const char* key, const std::string& value) {
+    if (!value.empty()) item[key] = value;
+  };
+  set(reference.type == "article-journal" ? "container-title" : "publisher", reference.journal);
+  set("volume", reference.volume);
+  set("page", reference.pages);
+  set("version", reference.version);
+  set("DOI", reference.doi);
+  set("URL", reference.url);
+  set("note", reference.note);
+  return item;
+}
+
+}  // namespace
+
+std::vector<Reference> Citation::all() const {
+  std::vector<Reference> out = program;
+  for (const auto* list : {&method, &data, &libraries}) out.insert(out.end(), list->begin(), list->end());
+  return out;
+}
+
+Citation cite_program() {
+  Citation out{.program = {program_reference(REAMSIM_VERSION)}, .method = {}, .data = {}, .libraries = {}};
+  out.method.push_back(known_reference("faieghi2020", "voxmap, broad phase and contact"));
+  out.libraries.push_back(known_reference("museth2013", "OpenVDB: grids"));
+  out.libraries.push_back(known_reference("eigen", "linear algebra"));
+  return out;
+}
+
+Citation cite_results(const std::string& dir) {
+  if (std::filesystem::exists(dir + "/summary.json")) return cite_run(dir);
+  Citation out = cite_program();
+  if (std::filesystem::exists(dir + "/uq.json")) {
+    out.method.push_back(known_reference("sobol2001", "sensitivity indices"));
+    out.method.push_back(known_reference("saltelli2010", "estimator of the first-order index"));
+    out.method.push_back(known_reference("jansen1999", "estimator of the total index"));
+  }
+  return out;
+}
+
+std::string text_of(const Citation& citation) {
+  std::string out = "What a publication of these results should cite\n";
+  add_section("Program", citation.program, out);
+  add_section("Method", citation.method, out);
+  add_section("Data", citation.data, out);
+  add_section("Libraries", citation.libraries, out);
+  return out;
+}
+
+std::string bibtex_of(const Citation& citation) {
+  std::string out;
+  for (const Reference& reference : citation.all()) out += (out.empty() ? "" : "\n") + bibtex_of(reference);
+  return out;
+}
+
+std::string csl_json_of(const Citation& citation) {
+  Json list = Json::array();
+  for (const Reference& reference : citation.all()) list.push_back(csl_of(reference));
+  return list.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+void write_citation(const std::string& dir) {
+  const Citation citation = cite_results(dir);
+  replace_file(dir + "/" + kCitationName, text_of(citation) + "\nBibTeX\n\n" + bibtex_of(citation));
+}
+
+}  // namespace reamsim

@@ -1,0 +1,117 @@
+#include <gmock/gmock.h>
+
+#include <nlohmann/json.hpp>
+
+#include "tests/cli/cli_fixture.h"
+
+namespace reamsim::test {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+using Json = nlohmann::ordered_json;
+
+class Cite : public CliTest {
+ protected:
+  ProgramResult call(const std::vector<std::string>& arguments) const {
+    return reamsim({.arguments = arguments, .environment = {}, .folder = "", .interrupt_when = {}});
+  }
+  static int count(const std::string& text, const std::string& part) {
+    int n = 0;
+    for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++n;
+    return n;
+  }
+};
+
+TEST_F(Cite, TheProgramWithoutARun) {
+  const ProgramResult text = call({"cite"});
+  EXPECT_EQ(text.status, 0) << text.err;
+  for (const char* part : {"the reamsim authors", "Faieghi, M.", "10.1016/j.cmpb.2019.105263", "OpenVDB"}) {
+    EXPECT_THAT(text.out, HasSubstr(part));
+  }
+  EXPECT_THAT(text.out, Not(HasSubstr("\nData")));
+}
+
+TEST_F(Cite, ARunHasWhatItUsed) {
+  expect_done(run(kSmall));
+  const std::string text = call({"cite", "out"}).out;
+  EXPECT_THAT(text, HasSubstr("Scardovelli")) << "exact erosion";
+  EXPECT_THAT(text, Not(HasSubstr("Aslam"))) << "no scan";
+  EXPECT_THAT(text, Not(HasSubstr("pocl"))) << "the serial engine";
+  EXPECT_THAT(read("out/CITATION.txt"), HasSubstr(text));
+  EXPECT_THAT(read("out/manifest.json"), HasSubstr("CITATION.txt"));
+  EXPECT_EQ(run(kSmall, {"--overwrite"}).status, 0) << "the file is one of reamsim's";
+}
+
+TEST_F(Cite, TheEngineOfTheRun) {
+  const std::string old = REAMSIM_ROOT "/tests/cli/results_0_1_0/results/";
+  std::filesystem::create_directory(path("octree"));
+  std::filesystem::copy(old + "scenario.yaml", path("octree/scenario.yaml"));
+  const std::string summary = with(file_bytes(old + "summary.json"), "\"engine\": \"exact\"", "\"engine\": \"octree\"");
+  write("octree/summary.json", with(summary, "\"erosion\": \"exact\"", "\"erosion\": \"remove\""));
+  const std::string text = call({"cite", "octree"}).out;
+  EXPECT_THAT(text, HasSubstr("Zheng et al., its reference 33"));
+  EXPECT_THAT(text, Not(HasSubstr("Scardovelli")));
+}
+
+TEST_F(Cite, APublicScanByItsSum) {
+  const std::string old = REAMSIM_ROOT "/tests/cli/results_0_1_0/results/";
+  std::filesystem::create_directory(path("ct"));
+  std::filesystem::copy(old + "scenario.yaml", path("ct/scenario.yaml"));
+  Json summary = Json::parse(file_bytes(old + "summary.json"));
+  summary["segmentation"] = {{"method", "threshold"}};
+  summary["inputs"].push_back({{"role", "bone.ct.path"},
+                               {"path", "scan.nrrd"},
+                               {"sha256", "67e5af7b99fbdeb342fb9b01b5c3e4e0f07da4fa79614dbdc76838baed767c96"}});
+  write("ct/summary.json", summary.dump());
+  const std::string text = call({"cite", "ct"}).out;
+  for (const char* part :
+       {"LIDC-IDRI", "10.7937/K9/TCIA.2015.LO9QL9SX", "CC BY 3.0", "Aslam", "PMC5234499", "McCormick"}) {
+    EXPECT_THAT(text, HasSubstr(part));
+  }
+  EXPECT_THAT(text, Not(HasSubstr("scan.nrrd")));
+  write("ct/scenario.yaml", with(read("ct/scenario.yaml"), "ash_fraction: 0.6", "ash_fraction: 0.5"));
+  const std::string own = call({"cite", "ct"}).out;
+  EXPECT_THAT(own, Not(HasSubstr("PMC5234499")));
+  EXPECT_THAT(own, HasSubstr("the source of your relation"));
+}
+
+TEST_F(Cite, AnUnknownInputByItsSum) {
+  write("poses.csv", "time_s,x_mm,y_mm,z_mm,qw,qx,qy,qz\n0,0,0,1,1,0,0,0\n0.2,0,0,-1,1,0,0,0\n");
+  expect_done(run(kSmall, {"--set", "motion.plunge=null", "--set", "motion.csv.path=poses.csv"}));
+  const Json summary = Json::parse(read("out/summary.json"));
+  const std::string text = call({"cite", "out"}).out;
+  EXPECT_THAT(text, HasSubstr("motion.csv.path, poses.csv"));
+  EXPECT_THAT(text, HasSubstr("SHA-256 " + summary["inputs"].back()["sha256"].get<std::string>()));
+}
+
+TEST_F(Cite, BibtexAndJsonHaveTheSameEntries) {
+  const std::string old = REAMSIM_ROOT "/tests/cli/results_0_1_0/results";
+  const std::string bibtex = call({"cite", old, "--bibtex"}).out;
+  const Json items = Json::parse(call({"cite", old, "--json"}).out);
+  ASSERT_GE(items.size(), 4U);
+  for (const Json& item : items) {
+    EXPECT_THAT(bibtex, HasSubstr("{" + item["id"].get<std::string>() + ",\n"));
+    EXPECT_TRUE(item.contains("type") && item.contains("title")) << item;
+  }
+  EXPECT_EQ(count(bibtex, "\n@") + 1, static_cast<int>(items.size()));
+  EXPECT_EQ(count(bibtex, "{"), count(bibtex, "}"));
+  EXPECT_EQ(items[1]["author"][1]["family"], "Tutunea-Fatan");
+  EXPECT_EQ(items[1]["issued"]["date-parts"][0][0], 2020);
+}
+
+TEST_F(Cite, NoResults) {
+  expect_refused(call({"cite", "nix"}), 2, {"nix", "not found"});
+  std::filesystem::create_directory(path("empty"));
+  expect_refused(call({"cite", "empty"}), 2, {"empty", "holds no results"});
+  expect_refused(call({"cite", "--json", "--bibtex"}), 2, {"--json"});
+}
+
+TEST_F(Cite, DamagedSummary) {
+  std::filesystem::create_directory(path("damaged"));
+  write("damaged/summary.json", "{");
+  expect_refused(call({"cite", "damaged"}), 2, {"damaged/summary.json", "is damaged"});
+}
+
+}  // namespace
+}  // namespace reamsim::test

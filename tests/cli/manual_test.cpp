@@ -1,0 +1,133 @@
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <sstream>
+
+#include "tests/cli/cli_fixture.h"
+
+namespace reamsim::test {
+namespace {
+
+using ::testing::Contains;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::Not;
+using ::testing::UnorderedElementsAre;
+
+/// Help, man page and completion, which are made of the same texts.
+class Manual : public CliTest {
+ protected:
+  std::string out_of(const std::vector<std::string>& arguments) const {
+    const ProgramResult result =
+        reamsim({.arguments = arguments, .environment = {}, .folder = "", .interrupt_when = {}});
+    EXPECT_EQ(result.status, 0) << result.err;
+    EXPECT_EQ(result.err, "");
+    return result.out;
+  }
+  /// A shell in the folder.
+  std::string shell(const std::string& program, const std::string& script) const {
+    const ProgramResult result = run_program(
+        program,
+        {.arguments = {"-c", script}, .environment = {{"LC_ALL", "C.UTF-8"}}, .folder = dir_, .interrupt_when = {}});
+    EXPECT_EQ(result.status, 0) << result.err;
+    EXPECT_EQ(result.err, "");
+    return result.out;
+  }
+  /// What bash completes at the end of these words, by its own completion of programs.
+  std::vector<std::string> completed(const std::string& words) {
+    if (!exists("completion")) write("completion", out_of({"help", "--format", "bash"}));
+    std::istringstream lines(
+        shell("/bin/bash", "source ./completion; COMP_WORDS=(" + words +
+                               "); COMP_CWORD=$((${#COMP_WORDS[@]} - 1)); _reamsim; "
+                               "[ ${#COMPREPLY[@]} -eq 0 ] || printf '%s\\n' \"${COMPREPLY[@]}\""));
+    std::vector<std::string> out;
+    for (std::string line; std::getline(lines, line);) out.push_back(line);
+    std::ranges::sort(out);
+    out.erase(std::unique(out.begin(), out.end()), out.end());
+    return out;
+  }
+};
+
+TEST_F(Manual, HelpOfACommand) {
+  EXPECT_EQ(out_of({"help", "run"}), out_of({"run", "--help"}));
+  EXPECT_EQ(out_of({"help", "sweep", "submit"}), out_of({"sweep", "submit", "--help"}));
+  EXPECT_EQ(out_of({"help"}), out_of({"--help"}));
+  expect_refused(reamsim({.arguments = {"help", "polish"}, .environment = {}, .folder = "", .interrupt_when = {}}), 2,
+                 {"polish: unknown command; expected run,", " or help"});
+}
+
+TEST_F(Manual, TheManPageIsCleanAndHasEveryCommandAndOption) {
+  write("reamsim.1", out_of({"help", "--format", "man"}));
+  const std::string warnings = "man --warnings -l ./reamsim.1 2>&1 >/dev/null";
+  EXPECT_EQ(shell("/bin/bash", warnings), "");
+  const std::string page = shell("/bin/bash", "MANWIDTH=200 man -l ./reamsim.1 | col -b");
+  for (const char* text :
+       {"reamsim sweep submit [OPTIONS] STUDY", "--time-limit HH:MM:SS", "--parallel", "-V, --version",
+        "--picture FILE.png", "auto|exact|bricked|direct|octree|implicit", "EXIT STATUS", "NO_COLOR"}) {
+    EXPECT_THAT(page, HasSubstr(text));
+  }
+  EXPECT_THAT(page, Not(HasSubstr("worker"))) << "which only reamsim starts";
+  // A planted mistake shows that the check can fail.
+  write("reamsim.1", read("reamsim.1") + ".SOMETHING\n");
+  EXPECT_THAT(shell("/bin/bash", warnings), HasSubstr("SOMETHING"));
+}
+
+TEST_F(Manual, BashCompletesCommandsOptionsAndValues) {
+  EXPECT_THAT(completed("reamsim r"), UnorderedElementsAre("reforce", "render", "run"));
+  EXPECT_THAT(completed("reamsim sweep s"), UnorderedElementsAre("status", "submit"));
+  EXPECT_THAT(completed("reamsim check --p"), UnorderedElementsAre("--picture"));
+  EXPECT_THAT(completed("reamsim sweep submit --s"),
+              UnorderedElementsAre("--set", "--shards", "--slurm", "--snakemake"));
+  EXPECT_THAT(completed("reamsim run --engine ''"), Contains("octree"));
+  EXPECT_THAT(completed("reamsim render --only p"), UnorderedElementsAre("pictures", "plots"));
+  EXPECT_THAT(completed("reamsim help sw"), UnorderedElementsAre("sweep"));
+  EXPECT_THAT(completed("reamsim run --set ''"), IsEmpty()) << "a key, not a file";
+  EXPECT_THAT(completed("reamsim -"), UnorderedElementsAre("--help", "--version", "-V", "-h"));
+  EXPECT_EQ(shell("/bin/bash", "bash -n ./completion"), "");
+  EXPECT_THAT(shell("/bin/bash", "source ./completion; complete -p reamsim"), HasSubstr("_reamsim"));
+}
+
+TEST_F(Manual, BashCompletesFiles) {
+  write("my.yaml", "");
+  write("my scan.nrrd", "");
+  std::filesystem::create_directory(path("mydir"));
+  EXPECT_THAT(completed("reamsim run m"), UnorderedElementsAre("my.yaml", "mydir"));
+  EXPECT_THAT(completed("reamsim render m"), UnorderedElementsAre("mydir"));
+  EXPECT_THAT(completed("reamsim import m"), UnorderedElementsAre("my scan.nrrd", "my.yaml", "mydir"));
+  EXPECT_THAT(completed("reamsim run my.yaml -o m"), UnorderedElementsAre("mydir"));
+  EXPECT_THAT(completed("reamsim check --picture m"), Contains("my.yaml"));
+}
+
+TEST_F(Manual, ZshCompletes) {
+  const std::string zsh = "/usr/bin/zsh";
+  if (!std::filesystem::exists(zsh)) GTEST_SKIP() << "zsh is not installed";
+  std::filesystem::create_directory(path("functions"));
+  write("functions/_reamsim", out_of({"help", "--format", "zsh"}));
+  EXPECT_EQ(shell(zsh, "zsh -n functions/_reamsim"), "");
+  // An interactive zsh on a terminal of its own, in which Tab is pressed; what the terminal shows, for 20 s at most.
+  write("tab.zsh", R"(zmodload zsh/zpty
+typeset -F SECONDS
+until_shown() {
+  local part all=; local -F end=$(( SECONDS + 20 ))
+  while (( SECONDS < end )) && [[ $all != *$1* ]]; do
+    if zpty -r -t z part; then all+=$part; else sleep 0.05; fi
+  done
+  print -r -- "$all"
+}
+zpty -b z 'TERM=vt100 zsh -f -i'
+zpty -w z 'PS1=; fpath=($PWD/functions $fpath); autoload -U compinit; compinit -u -D; bindkey "^I" complete-word; echo rea""dy'
+until_shown ready >/dev/null
+zpty -n -w z "$1"$'\t'
+until_shown "$2"
+zpty -d z
+)");
+  const auto tab = [&](const std::string& line, const std::string& word) {
+    return shell(zsh, "zsh tab.zsh '" + line + "' '" + word + "'");
+  };
+  EXPECT_THAT(tab("reamsim ver", "verify"), HasSubstr("verify"));
+  EXPECT_THAT(tab("reamsim run --res", "--resume"), HasSubstr("--resume"));
+  EXPECT_THAT(tab("reamsim sweep subm", "submit"), HasSubstr("submit"));
+}
+
+}  // namespace
+}  // namespace reamsim::test

@@ -1,0 +1,61 @@
+"""licences.py ROOT: every file of the repository says its licence, and the lint that says so finds a file that does not."""
+
+import os
+import pathlib
+import shutil
+import subprocess
+import sys
+import tempfile
+
+# In parts, so that they are not taken for those of this file.
+HEADER = "# SPDX-" "FileCopyrightText: the reamsim authors\n# SPDX-" "License-Identifier: {}\n"
+
+
+def lint(root):
+    done = subprocess.run(["reuse", "--root", str(root), "lint"], capture_output=True, text=True,
+                          env={**os.environ, "LC_ALL": "C.UTF-8"})
+    return done.returncode, done.stdout + done.stderr
+
+
+def check_that_lint_finds(root, folder):
+    """A folder with one good file is accepted, one with a file without a licence or of an unknown one is not."""
+    (folder / "LICENSES").mkdir()
+    shutil.copy(root / "LICENSES/Apache-2.0.txt", folder / "LICENSES")
+    (folder / "good.py").write_text(HEADER.format("Apache-2.0"))
+    assert lint(folder)[0] == 0, lint(folder)[1]
+    (folder / "bare.py").write_text("print('no licence')\n")
+    status, text = lint(folder)
+    assert status != 0 and "bare.py" in text, text
+    (folder / "bare.py").write_text(HEADER.format("Apache-2.00"))
+    assert lint(folder)[0] != 0
+
+
+def check_licences_of_pictures(root):
+    """Pictures of public data have the licence of the data; the last paragraph that names a file counts."""
+    text = subprocess.run(["reuse", "--root", str(root), "spdx"], capture_output=True, text=True, check=True).stdout
+    licence = {}
+    for block in text.split("\n\n"):
+        lines = dict(line.split(": ", 1) for line in block.splitlines() if ": " in line)
+        if "FileName" in lines:
+            licence[lines["FileName"]] = [line.split(": ")[1] for line in block.splitlines() if "LicenseInfoInFile" in line]
+    assert licence["./docs/images/gallery/ct_hero.jpg"] == ["CC-BY-3.0"], licence["./docs/images/gallery/ct_hero.jpg"]
+    assert licence["./docs/images/gallery/mesh_overview.jpg"] == ["CC-BY-SA-3.0"]
+    assert licence["./docs/images/gallery/default_steel.jpg"] == ["Apache-2.0"]
+    assert licence["./tests/browser/axe.min.js"] == ["MPL-2.0"]
+    assert sorted(licence["./render/report/dist/report.js"]) == ["Apache-2.0", "MIT"]
+
+
+def main():
+    root = pathlib.Path(sys.argv[1])
+    if not (root / ".git").exists():
+        print("no clone: files of the build cannot be told from those of the repository")
+        sys.exit(77)
+    status, text = lint(root)
+    assert status == 0, text
+    check_licences_of_pictures(root)
+    assert (root / "LICENSE").read_text().split() == (root / "LICENSES/Apache-2.0.txt").read_text().split()
+    with tempfile.TemporaryDirectory() as folder:
+        check_that_lint_finds(root, pathlib.Path(folder))
+
+
+main()
