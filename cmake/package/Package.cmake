@@ -21,6 +21,8 @@ set(CPACK_DEBIAN_PACKAGE_RELEASE 1)
 set(CPACK_DEBIAN_PACKAGE_MAINTAINER "${REAMSIM_MAINTAINER}")
 set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION TRUE)
 set(CPACK_DEBIAN_COMPRESSION_TYPE xz)
+# CPack puts another summary before each description, whose first line is the package's own.
+set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "${PROJECT_NAME} built using CMake")
 set(same_version "(= ${PROJECT_VERSION}-${CPACK_DEBIAN_PACKAGE_RELEASE})")
 
 # What the program opens or starts at run time, beside the libraries that it is linked with: an OpenCL device, off-screen OpenGL,
@@ -33,10 +35,10 @@ set(CPACK_DEBIAN_PROGRAM_PACKAGE_DEPENDS
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_RECOMMENDS "libosmesa6")
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_SUGGESTS "ffmpeg, python3-reamsim")
 set(CPACK_DEBIAN_PROGRAM_DESCRIPTION "simulator of glenoid reaming
- reamsim removes bone from a CT scan, a surface mesh or a generated phantom
- along the motion of a reamer, on an OpenCL device, and writes the cutting
- force over time, pictures, and the reamed bone as an OpenVDB grid and as
- meshes. It needs no display and no GPU. A film of a run needs ffmpeg.")
+reamsim removes bone from a CT scan, a surface mesh or a generated phantom
+along the motion of a reamer, on an OpenCL device, and writes the cutting
+force over time, pictures, and the reamed bone as an OpenVDB grid and as
+meshes. It needs no display and no GPU. A film of a run needs ffmpeg.")
 
 # Who links the static libraries needs the libraries behind them.
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_NAME libreamsim-dev)
@@ -46,9 +48,9 @@ set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_RECOMMENDS "pkg-config, pocl-opencl-icd | opencl-icd")
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SUGGESTS "reamsim ${same_version}")
 set(CPACK_DEBIAN_DEVELOPMENT_DESCRIPTION "simulator of glenoid reaming - C++ library
- The header reamsim/simulation.h moves a reamer through bone step by step where
- a program puts it: a controller, a haptic device, a search. The package has the
- static libraries behind it, and what CMake and pkg-config need.")
+The header reamsim/simulation.h moves a reamer through bone step by step where
+a program puts it: a controller, a haptic device, a search. The package has
+the static libraries behind it, and what CMake and pkg-config need.")
 
 # The module is built for one version of Python.
 execute_process(COMMAND ${REAMSIM_PYTHON} -c "import sys; x, y = sys.version_info[:2]; print(f'python3 (>= {x}.{y}), python3 (<< {x}.{y + 1})')"
@@ -62,7 +64,7 @@ set(CPACK_DEBIAN_PYTHON_PACKAGE_SUGGESTS "python3-pandas, python3-openvdb")
 set(CPACK_DEBIAN_PYTHON_PACKAGE_CONTROL_EXTRA
   ${CMAKE_CURRENT_LIST_DIR}/postinst ${CMAKE_CURRENT_LIST_DIR}/prerm)
 set(CPACK_DEBIAN_PYTHON_DESCRIPTION "simulator of glenoid reaming - Python package
- The package reamsim runs scenarios and studies, reads their results as numpy
- arrays and tables, plots them, and has the simulator in process, step by step.")
+The package reamsim runs scenarios and studies, reads their results as numpy
+arrays and tables, plots them, and has the simulator in process, step by step.")
 
 include(CPack)
