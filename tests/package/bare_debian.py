@@ -32,13 +32,13 @@ def install(root, *files):
         if isinstance(path, pathlib.Path):
             roots.run(["cp", path, root / "var/tmp"])
     before, begin = roots.size_mb(root), time.monotonic()
-    roots.enter(root, "apt-get", "install", "-y", "-q", *names)
-    print(f"apt install {' '.join(name.split('/')[-1] for name in names)}: {time.monotonic() - begin:.0f} s, "
+    roots.enter(root, "apt-get", "install", "-y", "-q", "--no-install-recommends", *names)
+    print(f"apt install --no-install-recommends {' '.join(name.split('/')[-1] for name in names)}: {time.monotonic() - begin:.0f} s, "
           f"{roots.size_mb(root) - before:.0f} MB", flush=True)
 
 
 def pictures(root, files):
-    """From nothing to the pictures of the first run."""
+    """From nothing to the pictures of the first run: seconds."""
     begin = time.monotonic()
     roots.bootstrap(root)
     roots.enter(root, "sh", "-c", COMPILERS)
@@ -49,9 +49,9 @@ def pictures(root, files):
     taken = time.monotonic() - begin
     assert (root / "root/out/default/reamed.png").stat().st_size > 10_000
     print(f"reamsim run default: {time.monotonic() - started:.1f} s; from nothing to all its pictures: {taken:.0f} s", flush=True)
-    assert taken < LIMIT_S, f"{taken:.0f} s from nothing to pictures"
     message = roots.enter(root, "sh", "-c", "reamsim run nonsense 2>&1; test $? = 2")
     assert "compliance, " in message and "several_passes" in message, message
+    return taken
 
 
 def ordinary_user(root):
@@ -91,7 +91,8 @@ roots.require("mmdebstrap", "unshare", "setpriv", "cpack")
 with tempfile.TemporaryDirectory() as temporary:
     made = roots.packages(build, temporary)
     debian = pathlib.Path(temporary, "debian")
-    pictures(debian, made)
+    first_pictures_s = pictures(debian, made)
     ordinary_user(debian)
     python(debian, made)
     library(debian, made)
+assert first_pictures_s < LIMIT_S, f"{first_pictures_s:.0f} s from nothing to pictures; the limit is {LIMIT_S} s on a free machine"
