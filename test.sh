@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Installs what is missing, builds, and runs the tests: ./test.sh [--all] [ctest arguments]. --all adds those that need a
-# browser (label browser), and installs one. Campaigns of minutes to hours (label long), and those
-# that need a cluster (label cluster), are left out: ctest --test-dir build/release -L 'long|cluster'
+# browser (label browser), and installs one. Campaigns of minutes to hours (label long), and those that need a cluster (label
+# cluster) or make roots of Debian and a container (label container), are left out: ctest --test-dir build/release -L 'long|cluster|container'
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")"
 source cmake/setup.sh
@@ -16,4 +16,4 @@ fi
 install_missing "${build_packages[@]}" "${test_packages[@]}"
 build_release ON all "-DREAMSIM_BROWSER_TESTS=$browser"
 say "testing"
-ctest --test-dir "$build" --output-on-failure --parallel "$(nproc)" --label-exclude '^(long|cluster)$' "$@"
+ctest --test-dir "$build" --output-on-failure --parallel "$(nproc)" --label-exclude '^(long|cluster|container)$' "$@"

@@ -7,6 +7,7 @@
 #include "cli/bench_latency.h"
 #include "cli/commands.h"
 #include "cli/environment.h"
+#include "cli/shipped.h"
 #include "render/plots/bench_plot.h"
 #include "sim/base/error.h"
 #include "sim/base/file.h"
@@ -143,6 +144,7 @@ void add_bench_command(CLI::App& app, Console& console) {
           "--latency", options->latency,
           "Only the wall time of single frames of these scenarios, pose in and force out: median, 99 and 99.9 %")
       ->type_name("SCENARIO...")
+      ->transform([](const std::string& argument) { return shipped_or_path(argument, ShippedKind::scenario); }, "")
       ->excludes(quick)
       ->excludes(exact);
   command->add_option("--json", options->json, "Write the measurements as JSON")

@@ -92,7 +92,7 @@ int flush_standard_output(int status) {
 std::unique_ptr<cl::KernelCache> prepare_opencl(const std::string& device, const Console& console) {
   if (device == "serial") return nullptr;
   auto cache = std::make_unique<cl::KernelCache>();
-  if (!cache->warning().empty()) console.warn(cache->warning());
+  if (console.verbose && !cache->note().empty()) console.say(cache->note());
   if (!address_space_note().empty()) {
     cl::list_devices();  // loads the drivers, whose compilers set handlers of their own
     explain_fatal_signals();

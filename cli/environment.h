@@ -22,7 +22,8 @@ void explain_fatal_signals();
 /// command succeeded. A reader that has closed its end of a pipe (`| head`) is no error.
 int flush_standard_output(int status);
 
-/// The folder for compiled kernels of a command that uses `device`; none for "serial". Warns where it is temporary.
+/// The folder for compiled kernels of a command that uses `device`; none for "serial". Says where it is not the usual
+/// one and the command is verbose.
 std::unique_ptr<cl::KernelCache> prepare_opencl(const std::string& device, const Console& console);
 
 }  // namespace reamsim

@@ -4,6 +4,7 @@
 #include <filesystem>
 
 #include "cli/input_kind.h"
+#include "cli/shipped.h"
 #include "sim/base/text.h"
 #include "sim/scenario/parse.h"
 
@@ -90,13 +91,9 @@ std::string motion_text(const PlungeSettings& plunge) {
 }  // namespace
 
 std::string own_reamer() {
+  const fs::path path = fs::path(shipped_folder("assets")) / "reamer_convex.stl";
   std::error_code ignored;
-  const fs::path folder = fs::read_symlink("/proc/self/exe", ignored).parent_path();
-  for (const char* assets : {"../share/reamsim/assets", "../../../assets", "assets"}) {
-    const fs::path path = (folder / assets / "reamer_convex.stl").lexically_normal();
-    if (fs::exists(path, ignored)) return path.string();
-  }
-  return "";
+  return fs::exists(path, ignored) ? path.string() : "";
 }
 
 BoneSettings first_bone(const std::string& path, double voxel_mm, double scale, double threshold_hu,

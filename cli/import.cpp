@@ -4,6 +4,7 @@
 
 #include "cli/commands.h"
 #include "cli/input_kind.h"
+#include "cli/shipped.h"
 #include "sim/base/error.h"
 #include "sim/bone/bone.h"
 #include "sim/bone/frame_check.h"
@@ -89,8 +90,10 @@ void add_import_command(CLI::App& app, Console& console) {
   command
       ->add_option(
           "INPUT", options->input,
-          "CT (DICOM folder, NRRD, NIfTI, MetaImage), mesh (STL, OBJ, PLY), or a scenario whose bone is imported")
-      ->required();
+          "CT (DICOM folder, NRRD, NIfTI, MetaImage), mesh (STL, OBJ, PLY), or a scenario (YAML, or the name of a "
+          "shipped one) whose bone is imported")
+      ->required()
+      ->transform(shipped_scenario_or_path, "");
   command->add_option("-o,--output", options->output, "VDB file to write")
       ->type_name("FILE.vdb")
       ->required()

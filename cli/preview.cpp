@@ -10,6 +10,7 @@
 #include "cli/commands.h"
 #include "cli/first_scenario.h"
 #include "cli/input_kind.h"
+#include "cli/shipped.h"
 #include "sim/base/error.h"
 #include "sim/base/file.h"
 #include "sim/base/text.h"
@@ -132,9 +133,12 @@ void add_preview_command(CLI::App& app, Console& console) {
       "preview", "Write an HTML page to look at a bone, place the glenoid and see the reamer before a run");
   auto options = std::make_shared<PreviewOptions>();
   command
-      ->add_option("INPUT", options->input,
-                   "Scenario (YAML), CT (DICOM folder, NRRD, NIfTI, MetaImage), mesh (STL, OBJ, PLY), or VDB")
-      ->required();
+      ->add_option(
+          "INPUT", options->input,
+          "Scenario (YAML, or the name of a shipped one), CT (DICOM folder, NRRD, NIfTI, MetaImage), mesh (STL, "
+          "OBJ, PLY), or VDB")
+      ->required()
+      ->transform(shipped_scenario_or_path, "");
   command->add_option("-o,--output", options->output, "HTML file to write")
       ->type_name("FILE.html")
       ->required()

@@ -4,6 +4,7 @@
 #include <sstream>
 
 #include "cli/commands.h"
+#include "cli/shipped.h"
 #include "sim/base/error.h"
 #include "sim/scenario/parse.h"
 
@@ -48,7 +49,9 @@ EngineTuning tuning_of_environment() {
 }  // namespace
 
 void ScenarioOptions::add_to(CLI::App& command) {
-  command.add_option("SCENARIO", file, "Scenario file (YAML)")->required();
+  take_shipped_names(
+      *command.add_option("SCENARIO", file, "Scenario file (YAML), or the name of a shipped one")->required(),
+      ShippedKind::scenario);
   command.add_option("--set", overrides, "Override a key of the scenario, for example bone.voxel_mm=0.4; repeatable")
       ->type_name("KEY.PATH=VALUE")
       ->expected(1)

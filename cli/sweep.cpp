@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "cli/commands.h"
+#include "cli/shipped.h"
 #include "cli/sweep_collect.h"
 #include "cli/sweep_commands.h"
 #include "cli/sweep_estimate.h"
@@ -17,7 +18,8 @@
 namespace reamsim {
 
 void SweepOptions::add_to(CLI::App& command) {
-  command.add_option("STUDY", file, "Study file (YAML)")->required();
+  take_shipped_names(*command.add_option("STUDY", file, "Study file (YAML), or the name of a shipped one")->required(),
+                     ShippedKind::study);
   command.add_option("-o,--output", output, "Folder of the study (default: out/NAME)")
       ->type_name("DIR")
       ->check(refuse_empty);

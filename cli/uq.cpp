@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/commands.h"
+#include "cli/shipped.h"
 #include "cli/sweep_options.h"
 #include "render/plots/uq_plot.h"
 #include "sim/base/csv.h"
@@ -127,7 +128,10 @@ void add_uq_command(CLI::App& app, Console& console) {
   auto* command =
       app.add_subcommand("uq", "Propagate uncertain inputs: bands of force and torque, sensitivity indices");
   auto options = std::make_shared<UqOptions>();
-  command->add_option("STUDY", options->file, "Study file (YAML) with a sample")->required();
+  take_shipped_names(
+      *command->add_option("STUDY", options->file, "Study file (YAML) with a sample, or the name of a shipped one")
+           ->required(),
+      ShippedKind::study);
   command->add_option("-o,--output", options->output, "Folder of the study (default: out/NAME)")
       ->type_name("DIR")
       ->check(refuse_empty);

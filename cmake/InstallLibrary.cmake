@@ -4,19 +4,21 @@ set(REAMSIM_LIBRARY_PARTS
   kernels sim_base sim_isolation sim_scenario sim_device sim_mesh sim_mesh_distance sim_voxmap sim_bone_vdb sim_bone_ct
   sim_bone sim_motion sim_tool sim_engine_common sim_engine_dense sim_engine_bricked sim_engine_exact sim_engine_serial
   sim_engine_basis sim_engine sim_scene sim_metrics sim_predict sim_record sim_run sim_api)
-set(REAMSIM_CMAKE_DIR ${CMAKE_INSTALL_LIBDIR}/cmake/reamsim)
+# As GNUInstallDirs has it for the prefix /usr of Debian, which its package needs; CMake searches it below every prefix.
+set(REAMSIM_LIBRARY_DIR lib/${CMAKE_LIBRARY_ARCHITECTURE})
+set(REAMSIM_CMAKE_DIR ${REAMSIM_LIBRARY_DIR}/cmake/reamsim)
 
 set_target_properties(sim_api PROPERTIES EXPORT_NAME simulation)
 install(TARGETS reamsim_options ${REAMSIM_LIBRARY_PARTS} EXPORT reamsimTargets
-        ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR}/reamsim)
-install(EXPORT reamsimTargets NAMESPACE reamsim:: DESTINATION ${REAMSIM_CMAKE_DIR})
-install(FILES sim/api/reamsim/simulation.h DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/reamsim)
+        ARCHIVE DESTINATION ${REAMSIM_LIBRARY_DIR}/reamsim COMPONENT development)
+install(EXPORT reamsimTargets NAMESPACE reamsim:: DESTINATION ${REAMSIM_CMAKE_DIR} COMPONENT development)
+install(FILES sim/api/reamsim/simulation.h DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/reamsim COMPONENT development)
 
 include(CMakePackageConfigHelpers)
 configure_package_config_file(cmake/reamsimConfig.cmake.in reamsimConfig.cmake INSTALL_DESTINATION ${REAMSIM_CMAKE_DIR})
 write_basic_package_version_file(reamsimConfigVersion.cmake COMPATIBILITY SameMinorVersion)
 install(FILES ${CMAKE_CURRENT_BINARY_DIR}/reamsimConfig.cmake ${CMAKE_CURRENT_BINARY_DIR}/reamsimConfigVersion.cmake
-        DESTINATION ${REAMSIM_CMAKE_DIR})
+        DESTINATION ${REAMSIM_CMAKE_DIR} COMPONENT development)
 
 # For pkg-config: the libraries of others by their files; those that they need themselves are found by the linker.
 set(others ${ITK_LIBRARIES} ITKniftiio gdcmDSED OpenVDB::openvdb TBB::tbb yaml-cpp assimp::assimp OpenCL::OpenCL
@@ -35,6 +37,7 @@ foreach(other ${others})
 endforeach()
 list(TRANSFORM REAMSIM_LIBRARY_PARTS PREPEND "-l" OUTPUT_VARIABLE parts)
 list(JOIN parts " " REAMSIM_PARTS)
+file(RELATIVE_PATH REAMSIM_PC_PREFIX /${REAMSIM_LIBRARY_DIR}/pkgconfig /)
 configure_file(cmake/reamsim.pc.in reamsim.pc.configured @ONLY)
 file(GENERATE OUTPUT ${CMAKE_CURRENT_BINARY_DIR}/reamsim.pc INPUT ${CMAKE_CURRENT_BINARY_DIR}/reamsim.pc.configured)
-install(FILES ${CMAKE_CURRENT_BINARY_DIR}/reamsim.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
+install(FILES ${CMAKE_CURRENT_BINARY_DIR}/reamsim.pc DESTINATION ${REAMSIM_LIBRARY_DIR}/pkgconfig COMPONENT development)

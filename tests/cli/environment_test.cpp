@@ -30,6 +30,8 @@ class Environment : public CliTest {
     std::filesystem::remove_all(path("out"));
     std::filesystem::remove_all(path("out.partial"));
   }
+  /// The folder for compiled kernels where TMPDIR is the folder of the test.
+  std::string private_kernels() const { return path("reamsim-kernels-" + std::to_string(geteuid())); }
   bool has_opencl() const { return shell("reamsim devices").out.find("* ") != std::string::npos; }
 };
 
@@ -74,16 +76,50 @@ TEST_F(Environment, KernelCacheThatCannotBeWritten) {
            {"POCL_CACHE_DIR", "/proc/cache"}, {"XDG_CACHE_HOME", "/proc"}, {"HOME", "/proc"}}) {
     auto environment = none;
     environment[name] = value;
-    const ProgramResult result = shell("reamsim run --quiet -o out opencl.yaml", environment);
+    const ProgramResult result = shell("reamsim run --verbose -o out opencl.yaml", environment);
     expect_done(result);
-    EXPECT_THAT(result.err, HasSubstr("reamsim: warning: /proc/"));
-    EXPECT_THAT(result.err, HasSubstr("(" + name + ") cannot be written"));
-    EXPECT_THAT(result.err, HasSubstr("set POCL_CACHE_DIR to a writable folder"));
+    EXPECT_THAT(result.err, Not(HasSubstr("reamsim: "))) << "nothing of it matters to the user of a run";
+    EXPECT_THAT(result.out, HasSubstr("/proc/"));
+    EXPECT_THAT(result.out, HasSubstr("(" + name + ") cannot be written"));
+    EXPECT_THAT(result.out, HasSubstr("compiled kernels are in " + private_kernels()));
+    EXPECT_FALSE(std::filesystem::is_empty(private_kernels()));
     remove_results();
   }
-  for (const auto& entry : std::filesystem::directory_iterator(dir_)) {
-    EXPECT_THAT(entry.path().filename().string(), Not(HasSubstr("reamsim-kernels"))) << "the temporary cache remains";
+}
+
+TEST_F(Environment, WithoutHomeKernelsAreInAFolderOfTheUser) {
+  if (!has_opencl()) GTEST_SKIP() << "no OpenCL device here";
+  const std::map<std::string, std::string> none{{"POCL_CACHE_DIR", ""}, {"XDG_CACHE_HOME", ""}, {"TMPDIR", dir_}};
+  const ProgramResult result = shell("unset HOME; reamsim run --verbose -o out opencl.yaml", none);
+  expect_done(result);
+  EXPECT_THAT(result.out, HasSubstr("HOME is not set; compiled kernels are in " + private_kernels()));
+  using std::filesystem::perms;
+  EXPECT_EQ(std::filesystem::status(private_kernels()).permissions(), perms::owner_all) << "nobody else may add code";
+  EXPECT_FALSE(std::filesystem::is_empty(private_kernels()));
+}
+
+TEST_F(Environment, KernelsOfSomebodyElseAreNotRun) {
+  if (!has_opencl()) GTEST_SKIP() << "no OpenCL device here";
+  const std::map<std::string, std::string> none{{"POCL_CACHE_DIR", ""}, {"XDG_CACHE_HOME", ""}, {"TMPDIR", dir_}};
+  // What others may write, and a link to elsewhere, in place of the folder.
+  std::filesystem::create_directory(path("elsewhere"));
+  for (const bool link : {false, true}) {
+    std::filesystem::remove_all(private_kernels());
+    if (link) std::filesystem::create_directory_symlink("elsewhere", private_kernels());
+    if (!link) std::filesystem::create_directory(private_kernels());
+    if (!link) std::filesystem::permissions(private_kernels(), std::filesystem::perms::all);
+    const ProgramResult result = shell("unset HOME; reamsim run --verbose -o out opencl.yaml", none);
+    expect_done(result);
+    EXPECT_THAT(result.out, HasSubstr("compiled kernels are in " + path("reamsim-kernels-")));
+    EXPECT_THAT(result.out, Not(HasSubstr("in " + private_kernels() + ":")));
+    EXPECT_TRUE(std::filesystem::is_empty(private_kernels()));
+    remove_results();
   }
+  int left = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(dir_)) {
+    left += entry.path().filename().string().starts_with("reamsim-kernels") ? 1 : 0;
+  }
+  EXPECT_EQ(left, 1) << "the temporary folder of a run remains";
 }
 
 TEST_F(Environment, NoHomeAndNoTemporaryFolder) {

@@ -3,7 +3,7 @@
 import re
 
 PAGES = ["README.md", "SECURITY.md", "CONTRIBUTING.md", *(f"docs/{name}.md" for name in (
-    "architecture", "cluster", "engines", "formats", "gallery", "glossary", "library", "physics", "preview", "reliability", "stability", "studies", "validation", "verification"))]
+    "architecture", "cluster", "engines", "formats", "gallery", "glossary", "install", "library", "physics", "preview", "reliability", "stability", "studies", "validation", "verification"))]
 # What a line of a shell begins with; else it is data or a figure.
 PROGRAM = r"(?:[A-Z_]+=\S+ )?(?:time )?(?:reamsim(?!/|::|\.)|build/release/\S+|\./\w+\.sh|gnuplot|ctest|cmake|git|sbatch)\b"
 

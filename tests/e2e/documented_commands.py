@@ -35,6 +35,9 @@ RUN_ELSEWHERE = {
     "build/release/tests/": "tests BenchReference, ExactReference",
     "reamsim check S.yaml | head": "cli_test (Environment)",
     "reamsim run <(command)": "cli_test (Environment)",
+    "reamsim run default": "package.moved_prefix, container.bare_debian, cli_test (Shipped)",
+    "reamsim sweep run reamers": "cli_test (Shipped)",
+    "cmake/package/": "container.image",
     "REAMSIM_LONG_TESTS=1 ctest": "a developer: it takes hours",
 }
 # What stands for something of the user's. `{scan}` and `{near}` are those of the bone at hand.

@@ -20,7 +20,7 @@ def run(scenario: str | os.PathLike[str] | Mapping[str, Any], output: str | os.P
     """Simulates a scenario and returns its results.
 
     Args:
-        scenario: path of a YAML file, or the scenario as a dict. Paths in a dict are relative to the current folder.
+        scenario: path of a YAML file, name of a shipped scenario (``"default"``), or the scenario as a dict. Paths in a dict are relative to the current folder.
         output: results folder; without it ``output.dir`` of the scenario, otherwise ``out/NAME``.
         settings: keys to change, by their dotted names: ``{"bone.voxel_mm": 0.4}``. None deletes a key.
         overwrite: replace an existing results folder once the run succeeds.
@@ -59,7 +59,7 @@ def sweep(study: str | os.PathLike[str], output: str | os.PathLike[str] | None =
     """Makes the runs of a study that are missing, and collects its table.
 
     Args:
-        study: path of the study's YAML file.
+        study: path of the study's YAML file, or name of a shipped study.
         output: folder of the study; without it ``out/NAME`` with the name of the file.
         jobs: runs at the same time; without it the program's default.
         show_output: print the program's progress.

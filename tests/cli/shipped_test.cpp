@@ -1,0 +1,81 @@
+// Shipped scenarios and studies by their names; the place of the installation is tested by tests/package.
+#include "tests/cli/cli_fixture.h"
+
+namespace reamsim::test {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+class Shipped : public CliTest {
+ protected:
+  ProgramResult call(std::vector<std::string> arguments) const {
+    return reamsim({.arguments = std::move(arguments), .environment = {}, .folder = "", .interrupt_when = {}});
+  }
+  /// run of half_space in a fraction of a second.
+  ProgramResult run_quickly(const std::string& scenario) const {
+    return call({"run", scenario, "--device", "serial", "--set", "bone.voxel_mm=1", "--set", "motion.frame_rate_hz=50",
+                 "--set", "motion.plunge.feed_mm_s=5", "--set", "render.enabled=false", "--set",
+                 "output.meshes=false"});
+  }
+};
+
+TEST_F(Shipped, ScenarioByNameGivesTheBytesOfItsFile) {
+  const ProgramResult named = run_quickly("half_space");
+  EXPECT_EQ(named.status, 0) << named.err;
+  const std::string forces = read("out/half_space/forces.csv"), scenario = read("out/half_space/scenario.yaml");
+  std::filesystem::remove_all(path("out"));
+  EXPECT_EQ(run_quickly(REAMSIM_ROOT "/trajectories/half_space.yaml").status, 0);
+  EXPECT_TRUE(read("out/half_space/forces.csv") == forces);
+  EXPECT_EQ(read("out/half_space/scenario.yaml"), scenario);
+}
+
+TEST_F(Shipped, UnknownNameListsTheNamesThereAre) {
+  for (const char* command : {"run", "check"}) {
+    expect_refused(call({command, "nonsense"}), 2,
+                   {"nonsense: no such file, and no shipped scenario of this name", "compliance, ct_shoulder, ",
+                    "default, ", "half_space", "study_uniconcave_flat"});
+  }
+  for (const std::vector<std::string>& command :
+       {std::vector<std::string>{"sweep", "plan"}, {"sweep", "run"}, {"uq"}}) {
+    std::vector<std::string> arguments = command;
+    arguments.emplace_back("nonsense");
+    expect_refused(call(arguments), 2, {"no shipped study of this name", "breakthrough, reamers, shoulder_errors"});
+  }
+}
+
+TEST_F(Shipped, StudyIsNoScenario) {
+  expect_refused(call({"run", "reamers"}), 2, {"reamers: is a shipped study, not a scenario; use reamsim sweep"});
+  expect_refused(call({"sweep", "plan", "default"}), 2,
+                 {"default: is a shipped scenario, not a study; use reamsim run"});
+}
+
+TEST_F(Shipped, WhatExistsIsAPath) {
+  write("default", with(kSmall, "version: 2", "version: 2\nname: own"));
+  EXPECT_THAT(call({"check", "default"}).out, HasSubstr("own"));
+  std::filesystem::create_directory(path("half_space"));
+  expect_refused(call({"check", "half_space"}), 2, {"half_space: is a folder"});
+}
+
+TEST_F(Shipped, PathsAreNoNames) {
+  for (const char* missing : {"./default", "trajectories/default", "default.yaml", "/default"}) {
+    const ProgramResult result = call({"check", missing});
+    expect_refused(result, 2, {"no such file"});
+    EXPECT_THAT(result.err, Not(HasSubstr("shipped"))) << missing;
+  }
+}
+
+TEST_F(Shipped, StudyByName) {
+  const ProgramResult status = call({"sweep", "submit", "reamers", "--parallel", "--to", "scripts"});
+  EXPECT_EQ(status.status, 0) << status.err;
+  EXPECT_THAT(read("scripts/reamers.parallel.sh"), HasSubstr("/trajectories/studies/reamers.yaml"));
+}
+
+TEST_F(Shipped, BonesAndScenariosOfImportAndPreview) {
+  EXPECT_EQ(call({"import", "half_space", "-o", "bone.vdb", "--set", "bone.voxel_mm=1"}).status, 0);
+  EXPECT_EQ(call({"preview", "half_space", "-o", "page.html"}).status, 0);
+  expect_refused(call({"import", "nonsense", "-o", "other.vdb"}), 2, {"nonsense", "no such file"});
+}
+
+}  // namespace
+}  // namespace reamsim::test

@@ -1,0 +1,63 @@
+"""debian_packages.py BUILD ROOT: `cpack -G DEB` makes three packages that lintian finds nothing in, with files at the places of
+the FHS and with what is needed at run time. Skipped (77) without lintian."""
+
+import pathlib
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+
+BUILD, ROOT = (pathlib.Path(argument).resolve() for argument in sys.argv[1:3])
+VERSION = re.search(r"project\(reamsim VERSION (\S+)", (ROOT / "CMakeLists.txt").read_text())[1] + "-1"
+# A file of each kind, as a pattern of its whole path.
+PLACES = {
+    "reamsim": ["usr/bin/reamsim", "usr/share/reamsim/assets/reamer_convex.stl", "usr/share/reamsim/assets/scenario.schema.json",
+                "usr/share/reamsim/trajectories/default.yaml", "usr/share/reamsim/trajectories/studies/reamers.yaml",
+                "usr/share/doc/reamsim/docs/formats.md", "usr/share/doc/reamsim/docs/examples/library/impedance.cpp"],
+    "libreamsim-dev": ["usr/include/reamsim/simulation.h", r"usr/lib/[^/]+-linux-gnu/reamsim/libsim_api\.a",
+                       r"usr/lib/[^/]+-linux-gnu/cmake/reamsim/reamsimConfig\.cmake", r"usr/lib/[^/]+-linux-gnu/pkgconfig/reamsim\.pc"],
+    "python3-reamsim": [r"usr/lib/python3/dist-packages/reamsim/__init__\.py",
+                        r"usr/lib/python3/dist-packages/reamsim/_simulation\.cpython-3\d+-\S+\.so"],
+}
+NEEDS = {
+    "reamsim": ["libc6", "libopenvdb", "libinsighttoolkit5", "pocl-opencl-icd | opencl-icd", "gnuplot-nox | gnuplot",
+                "fonts-dejavu-core", "libegl1", "libgl1-mesa-dri"],
+    "libreamsim-dev": ["libopenvdb-dev", "libinsighttoolkit5-dev", "libseccomp-dev"],
+    "python3-reamsim": ["python3-numpy", "python3-yaml", f"reamsim (= {VERSION})", "python3 (<< 3."],
+}
+
+
+def output_of(*command):
+    done = subprocess.run([str(part) for part in command], capture_output=True, text=True)
+    assert done.returncode == 0, f"{command}\n{done.stdout}{done.stderr}"
+    return done.stdout
+
+
+def check(package, file):
+    listed = [line.split(maxsplit=5) for line in output_of("dpkg-deb", "-c", file).splitlines()]
+    names = [fields[5].removeprefix("./") for fields in listed]
+    documents = f"usr/share/doc/{package}"
+    for place in [*PLACES[package], *(f"{documents}/{name}" for name in ("copyright", "changelog.gz", "changelog.Debian.gz"))]:
+        assert any(re.fullmatch(place, name) for name in names), f"{package} has no {place}"
+    assert not [name for name in names if name and not name.startswith("usr")], names
+    assert {fields[1] for fields in listed} == {"root/root"}
+    assert not [fields for fields in listed if fields[0][8] == "w" and not fields[0].startswith("l")], "others could write"
+    needs = output_of("dpkg-deb", "-f", file, "Depends")
+    for need in NEEDS[package]:
+        assert need in needs, f"{package} needs no {need}: {needs}"
+    assert not re.search(r"\bg\+\+|gcc|clang|cmake|ninja", needs), needs
+
+
+if shutil.which("lintian") is None:
+    print("lintian is not installed (apt-get install lintian)")
+    sys.exit(77)
+with tempfile.TemporaryDirectory() as folder:
+    output_of("cpack", "--config", BUILD / "CPackConfig.cmake", "-B", folder, "-G", "DEB")
+    files = {package: next(pathlib.Path(folder).glob(f"{package}_{VERSION}_*.deb")) for package in PLACES}
+    for name, path in files.items():
+        check(name, path)
+    found = subprocess.run(["lintian", "--allow-root", "--fail-on", "error,warning", "--tag-display-limit", "0", *files.values()],
+                           capture_output=True, text=True)
+    assert found.returncode == 0 and not found.stdout.strip(), found.stdout + found.stderr
+    print(*(f"{path.name}: {path.stat().st_size / 1e6:.1f} MB" for path in files.values()), sep="\n")
