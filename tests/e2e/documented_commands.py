@@ -30,6 +30,10 @@ RUN_ELSEWHERE = {
     "time reamsim run": "the runs below",
     "REAMSIM_DATA=... reamsim sweep run trajectories/studies/shoulder_errors.yaml": "e2e.shoulder_errors",
     "REAMSIM_DATA=... reamsim sweep run trajectories/studies/breakthrough.yaml": "a developer: it takes minutes; cli_test (Push) has a plate",
+    "REAMSIM_DATA=... reamsim init ${REAMSIM_DATA}/scapula_mesh": "test LocateGlenoid; some ten seconds",
+    "reamsim check trajectories/mesh_scapula.yaml": "e2e.mesh_scapula; its data",
+    "reamsim run trajectories/mesh_scapula.yaml": "e2e.mesh_scapula; its data",
+    "reamsim sweep run trajectories/studies/resolution.yaml": "convergence.yaml, which is smaller",
     "reamsim bench": "cli_test (Bench), bench tests",
     "reamsim verify": "cli_test (Verify), verify tests",
     "build/release/tests/": "tests BenchReference, ExactReference",
@@ -68,6 +72,7 @@ EXAMPLES = {
 PLACEHOLDER = re.compile(r"\b(STUDY|SCENARIO|DIR|BONE|CT|MESH|FILE|PAGE|SCAN_OR_SCENARIO)\b|=[VK]\b|_X\b|\[-")
 # Interrupted runs and such: the words of a sentence, not a command on its own.
 IN_A_SENTENCE = re.compile(r"^(build/release/cli/)?reamsim( \w+)?$|^gnuplot$|^ctest$|^\./run\.sh$")
+NEEDS_SCAN = re.compile(r"~/scans|\bglenoid\.yaml")
 MOTION = {
     "plunge": {"approach_mm": 0.5, "feed_mm_s": 5, "depth_mm": 1, "retract_mm": 2},
     "keyframes": [{"time_s": 0, "position_mm": [0, 0, 1], "axis": [0, 0, 1]},
@@ -99,7 +104,18 @@ class Place:
         self.write("scenario.yaml", yaml.safe_load((folder / "s.yaml").read_text()))
         self.write("uq.yaml", {"version": 1, "base": "s.yaml",
                                "sample": {"n": 8, "of": {"cutting.normal_ratio": {"uniform": [0.4, 0.6]}}}})
+        self.write_studies()
         self.write_run_sh()
+
+    def write_studies(self):
+        """The studies of the guide, at fewer and coarser levels."""
+        for page, name, keys in (("resolution", "convergence.yaml", {"bone.voxel_mm": [1, 0.5]}), ("push", "thrusts.yaml", {"motion.push.thrust_n": [40, 80]})):
+            study, = [block for block in map(yaml.safe_load, documented.blocks((self.root / f"docs/guide/{page}.md").read_text(), "yaml")) if "base" in block]
+            study["vary"] = [{key: keys.get(key, values[:1]) for key, values in entry.items()} for entry in study["vary"]]
+            study["set"] = {**study.get("set", {}), "bone.voxel_mm": 1} if page == "push" else study.get("set", {})
+            self.write(name, study)
+        study = yaml.safe_load(documented.blocks((self.root / "docs/guide/uncertainty.md").read_text(), "yaml")[1])
+        self.write("trajectories/uncertain.yaml", {**study, "sample": {**study["sample"], "n": 4}})
 
     def write(self, name, scenario):
         (self.folder / name).write_text(yaml.safe_dump(scenario, sort_keys=False))
@@ -162,6 +178,11 @@ class Place:
             scenario = re.search(r"(\w+)\.yaml", command)
             shutil.rmtree(self.folder / (named[1] if named else f"out/{scenario[1]}"), ignore_errors=True)
         self.run(command, where)
+        written = re.search(r"reamsim init .*-o (\S+)", command)
+        if written:
+            scenario = yaml.safe_load((self.folder / written[1]).read_text())
+            scenario["bone"]["voxel_mm"] *= COARSER
+            self.write(written[1], {**scenario, "render": SMALL})
 
 
 def check_options(place, command):
@@ -209,7 +230,7 @@ def check_page(place, build, commands):
                     (place.folder / made).unlink(missing_ok=True)
                 shutil.rmtree(place.folder / "out/compared", ignore_errors=True)
                 place.run_documented(example)
-        elif "~/scans" not in command or place.example:
+        elif place.example or not NEEDS_SCAN.search(command):
             place.run_documented(command)
 
 
@@ -242,7 +263,7 @@ def check_batch_script(place, text):
 
 def main():
     program, root, build = sys.argv[1:]
-    root = pathlib.Path(root)
+    root = pathlib.Path(root).resolve()
     found = documented.all_commands(root)
     assert sum(map(len, found.values())) > 60, found
     for wanted in ("reamsim init", "reamsim preview", "reamsim check", "reamsim render"):
@@ -254,9 +275,9 @@ def main():
         for page, commands in found.items():
             print(f"-- {page}")
             check_page(place, build, commands)
-            if page == "README.md":
+            if page == "docs/guide/pictures.md":
                 check_fragments(place, (root / page).read_text())
-            if page in ("README.md", "docs/studies.md"):
+            if page in ("README.md", "docs/studies.md", "docs/guide/pictures.md"):
                 check_python(place, (root / page).read_text())
         check_batch_script(place, (root / "docs/formats.md").read_text())
 

@@ -1,4 +1,4 @@
-"""site.py ROOT: the site of docs/ builds strictly, and a reader without network finds everything in it.
+"""mkdocs_site.py ROOT: the site of docs/ builds strictly, and a reader without network finds everything in it.
 
 Checks of the pages as they are built: every page is in the navigation; every link has its page and its anchor, every picture is there;
 scripts, styles and pictures come from the site; no table, list or fence is left as plain text. Then the links of the Markdown files beside
