@@ -41,7 +41,7 @@ RUN_ELSEWHERE = {
     "reamsim run <(command)": "cli_test (Environment)",
     "REAMSIM_LONG_TESTS=1 ctest": "a developer: it takes hours",
 }
-# What stands for something of the user's. `{scan}` and `{near}` are those of the bone at hand.
+# What stands for something of the user's. `{scan}` is the scan at hand.
 EXAMPLES = {
     "reamsim run SCENARIO": "reamsim run s.yaml -o out/s --device serial",
     "reamsim run SCENARIO -o DIR --resume": "reamsim run s.yaml -o out/resumed --resume",
@@ -54,9 +54,8 @@ EXAMPLES = {
     "reamsim reforce DIR": "",  # cli_test (Reforce); the how-to names others
     "reamsim fit DIR": "",
     "reamsim compare": "reamsim compare out/s out/plain -o out/compared",
-    "build/release/cli/reamsim preview SCAN_OR_SCENARIO": "build/release/cli/reamsim preview {scan} -o page.html",
     "reamsim preview BONE": "reamsim preview {scan} -o bone.html --tool assets/reamer_convex.stl",
-    "reamsim init": "reamsim init {scan} --near {near} -o first.yaml",
+    "reamsim init": "",  # docs/guide/ct.md, with and without a point
     "reamsim uq": "reamsim uq uq.yaml -o out/uq",
     "reamsim sweep": "reamsim sweep run trajectories/studies/reamers.yaml -o out/swept --set motion.frame_rate_hz=50",
     "reamsim sweep run STUDY.yaml --shard": "reamsim sweep run trajectories/studies/reamers.yaml -o out/swept --shard 2/8",
@@ -138,7 +137,7 @@ class Place:
             scenario["render"] = SMALL
             scenario["bone"]["voxel_mm"] *= COARSER
             self.write("trajectories/my.yaml", scenario)
-            self.example = {"scan": "~/scans/shoulder", "near": ",".join(map(str, scenario["bone"]["glenoid"]["center_mm"]))}
+            self.example = {"scan": "~/scans/shoulder"}
         else:
             print("without REAMSIM_DATA: a phantom for the README's scan")
             shutil.copy(self.folder / "trajectories/default.yaml", mine)
