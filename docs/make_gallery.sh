@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Makes docs/images/gallery again, the pictures of docs/gallery.md: docs/make_gallery.sh [WORK FOLDER]. Takes a built reamsim
+# Makes docs/images/gallery again, the pictures of docs/gallery.md, and those of the guide: docs/make_gallery.sh [WORK FOLDER]. Takes a built reamsim
 # (./run.sh), ffmpeg, and REAMSIM_DATA, the folder that holds the CT and the mesh. Some five minutes on two cores.
 set -euo pipefail
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
@@ -15,6 +15,10 @@ make() { "$reamsim" run "$root/trajectories/$1.yaml" -o "$work/$1" --overwrite -
 draw() { "$reamsim" render "$work/$1" --quiet "${@:2}"; }
 # keep FILE NAME [WIDTH]: shrinks a picture into the gallery.
 keep() { ffmpeg -v error -y -i "$work/$1" -vf "scale=${3:-1200}:-1:flags=area" -q:v 4 "$to/$2.jpg"; }
+# guide FILE NAME WIDTH: shrinks a picture into those of the guide, with a palette.
+guide() {
+  ffmpeg -v error -y -i "$work/$1" -vf "scale=$3:-1:flags=area,split[a][b];[a]palettegen[p];[b][p]paletteuse=dither=none" "$to/../guide/$2.png"
+}
 # frame SCENARIO N [SUFFIX]: the N-th picture along the run.
 frame() { (cd "$work" && find "$1/frames" -regex '.*/[0-9]+'"${3-}"'\.png' | sort | sed -n "$2p"); }
 
@@ -25,6 +29,12 @@ ffmpeg -v error -y -i "$work/default/reamed.png" -vf scale=1280:-1:flags=area "$
 keep "$(frame default 8 _section)" default_section
 draw default --only pictures --camera oblique --set render.tool_look=steel --set render.supersampling=2
 keep "$(frame default 8)" default_steel
+"$reamsim" run "$root/trajectories/default.yaml" -o "$work/deeper" --overwrite --quiet --set motion.plunge.depth_mm=2.5 --set render.enabled=false
+"$reamsim" compare "$work/default" "$work/deeper" -o "$work/deeper_compare" --overwrite --quiet
+guide deeper_compare/compare.png compare 1000                                                       # docs/guide/first-run.md
+"$reamsim" init "$REAMSIM_DATA/shoulder_ct/shoulder_left.nrrd" -o "$work/glenoid.yaml" --overwrite --quiet
+"$reamsim" check "$work/glenoid.yaml" --picture "$work/glenoid.png" --overwrite >"$work/glenoid.txt"  # docs/guide/ct.md
+guide glenoid.png ct_check 1200
 make ct_shoulder
 keep "$(frame ct_shoulder 8 _section)" ct_section
 keep ct_shoulder/before_after.png ct_before_after

@@ -69,7 +69,7 @@ def main():
     bpy.ops.import_mesh.stl(filepath=str(results / "reamed.stl"), axis_forward="Y", axis_up="Z")
     bone = Mesh(bpy.context.object)
     expect_near("volume of reamed.stl, mm3", bone.volume(), bone_mm3, 0.005 * bone_mm3)
-    # As the README says: with another shading, Debian 12's Blender 3.4.1 asks its NumPy 1.24 for a name that it no
+    # As docs/guide/pictures.md says: with another shading, Debian 12's Blender 3.4.1 asks its NumPy 1.24 for a name that it no
     # longer has, and imports no glTF at all.
     bpy.ops.import_scene.gltf(filepath=str(results / "reamed.glb"), import_shading="SMOOTH")
     colors = [thing for thing in bpy.context.selected_objects if thing.type == "MESH"][0].data.color_attributes

@@ -30,6 +30,10 @@ RUN_ELSEWHERE = {
     "time reamsim run": "the runs below",
     "REAMSIM_DATA=... reamsim sweep run trajectories/studies/shoulder_errors.yaml": "e2e.shoulder_errors",
     "REAMSIM_DATA=... reamsim sweep run trajectories/studies/breakthrough.yaml": "a developer: it takes minutes; cli_test (Push) has a plate",
+    "REAMSIM_DATA=... reamsim init ${REAMSIM_DATA}/scapula_mesh": "test LocateGlenoid; some ten seconds",
+    "reamsim check trajectories/mesh_scapula.yaml": "e2e.mesh_scapula; its data",
+    "reamsim run trajectories/mesh_scapula.yaml": "e2e.mesh_scapula; its data",
+    "reamsim sweep run trajectories/studies/resolution.yaml": "convergence.yaml, which is smaller",
     "reamsim bench": "cli_test (Bench), bench tests",
     "reamsim verify": "cli_test (Verify), verify tests",
     "build/release/tests/": "tests BenchReference, ExactReference",
@@ -40,7 +44,7 @@ RUN_ELSEWHERE = {
     "cmake/package/": "container.image",
     "REAMSIM_LONG_TESTS=1 ctest": "a developer: it takes hours",
 }
-# What stands for something of the user's. `{scan}` and `{near}` are those of the bone at hand.
+# What stands for something of the user's. `{scan}` is the scan at hand.
 EXAMPLES = {
     "reamsim run SCENARIO": "reamsim run s.yaml -o out/s --device serial",
     "reamsim run SCENARIO -o DIR --resume": "reamsim run s.yaml -o out/resumed --resume",
@@ -53,9 +57,8 @@ EXAMPLES = {
     "reamsim reforce DIR": "",  # cli_test (Reforce); the how-to names others
     "reamsim fit DIR": "",
     "reamsim compare": "reamsim compare out/s out/plain -o out/compared",
-    "build/release/cli/reamsim preview SCAN_OR_SCENARIO": "build/release/cli/reamsim preview {scan} -o page.html",
     "reamsim preview BONE": "reamsim preview {scan} -o bone.html --tool assets/reamer_convex.stl",
-    "reamsim init": "reamsim init {scan} --near {near} -o first.yaml",
+    "reamsim init": "",  # docs/guide/ct.md, with and without a point
     "reamsim uq": "reamsim uq uq.yaml -o out/uq",
     "reamsim sweep": "reamsim sweep run trajectories/studies/reamers.yaml -o out/swept --set motion.frame_rate_hz=50",
     "reamsim sweep run STUDY.yaml --shard": "reamsim sweep run trajectories/studies/reamers.yaml -o out/swept --shard 2/8",
@@ -73,6 +76,7 @@ EXAMPLES = {
 PLACEHOLDER = re.compile(r"\b(COMMAND|STUDY|SCENARIO|DIR|BONE|CT|MESH|FILE|PAGE|SCAN_OR_SCENARIO)\b|=[VK]\b|_X\b|\[-")
 # Interrupted runs and such: the words of a sentence, not a command on its own.
 IN_A_SENTENCE = re.compile(r"^(build/release/cli/)?reamsim( \w+)?$|^gnuplot$|^ctest$|^\./run\.sh$")
+NEEDS_SCAN = re.compile(r"~/scans|\bglenoid\.yaml")
 MOTION = {
     "plunge": {"approach_mm": 0.5, "feed_mm_s": 5, "depth_mm": 1, "retract_mm": 2},
     "keyframes": [{"time_s": 0, "position_mm": [0, 0, 1], "axis": [0, 0, 1]},
@@ -104,7 +108,18 @@ class Place:
         self.write("scenario.yaml", yaml.safe_load((folder / "s.yaml").read_text()))
         self.write("uq.yaml", {"version": 1, "base": "s.yaml",
                                "sample": {"n": 8, "of": {"cutting.normal_ratio": {"uniform": [0.4, 0.6]}}}})
+        self.write_studies()
         self.write_run_sh()
+
+    def write_studies(self):
+        """The studies of the guide, at fewer and coarser levels."""
+        for page, name, keys in (("resolution", "convergence.yaml", {"bone.voxel_mm": [1, 0.5]}), ("push", "thrusts.yaml", {"motion.push.thrust_n": [40, 80]})):
+            study, = [block for block in map(yaml.safe_load, documented.blocks((self.root / f"docs/guide/{page}.md").read_text(), "yaml")) if "base" in block]
+            study["vary"] = [{key: keys.get(key, values[:1]) for key, values in entry.items()} for entry in study["vary"]]
+            study["set"] = {**study.get("set", {}), "bone.voxel_mm": 1} if page == "push" else study.get("set", {})
+            self.write(name, study)
+        study = yaml.safe_load(documented.blocks((self.root / "docs/guide/uncertainty.md").read_text(), "yaml")[1])
+        self.write("trajectories/uncertain.yaml", {**study, "sample": {**study["sample"], "n": 4}})
 
     def write(self, name, scenario):
         (self.folder / name).write_text(yaml.safe_dump(scenario, sort_keys=False))
@@ -127,7 +142,7 @@ class Place:
             scenario["render"] = SMALL
             scenario["bone"]["voxel_mm"] *= COARSER
             self.write("trajectories/my.yaml", scenario)
-            self.example = {"scan": "~/scans/shoulder", "near": ",".join(map(str, scenario["bone"]["glenoid"]["center_mm"]))}
+            self.example = {"scan": "~/scans/shoulder"}
         else:
             print("without REAMSIM_DATA: a phantom for the README's scan")
             shutil.copy(self.folder / "trajectories/default.yaml", mine)
@@ -167,6 +182,11 @@ class Place:
             scenario = re.search(r"(\w+)\.yaml", command)
             shutil.rmtree(self.folder / (named[1] if named else f"out/{scenario[1]}"), ignore_errors=True)
         self.run(command, where)
+        written = re.search(r"reamsim init .*-o (\S+)", command)
+        if written:
+            scenario = yaml.safe_load((self.folder / written[1]).read_text())
+            scenario["bone"]["voxel_mm"] *= COARSER
+            self.write(written[1], {**scenario, "render": SMALL})
 
 
 def check_options(place, command):
@@ -214,7 +234,7 @@ def check_page(place, build, commands):
                     (place.folder / made).unlink(missing_ok=True)
                 shutil.rmtree(place.folder / "out/compared", ignore_errors=True)
                 place.run_documented(example)
-        elif "~/scans" not in command or place.example:
+        elif place.example or not NEEDS_SCAN.search(command):
             place.run_documented(command)
 
 
@@ -247,7 +267,7 @@ def check_batch_script(place, text):
 
 def main():
     program, root, build = sys.argv[1:]
-    root = pathlib.Path(root)
+    root = pathlib.Path(root).resolve()
     found = documented.all_commands(root)
     assert sum(map(len, found.values())) > 60, found
     for wanted in ("reamsim init", "reamsim preview", "reamsim check", "reamsim render"):
@@ -259,9 +279,9 @@ def main():
         for page, commands in found.items():
             print(f"-- {page}")
             check_page(place, build, commands)
-            if page == "README.md":
+            if page == "docs/guide/pictures.md":
                 check_fragments(place, (root / page).read_text())
-            if page in ("README.md", "docs/studies.md"):
+            if page in ("README.md", "docs/studies.md", "docs/guide/pictures.md"):
                 check_python(place, (root / page).read_text())
         check_batch_script(place, (root / "docs/formats.md").read_text())
 

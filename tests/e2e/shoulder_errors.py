@@ -1,4 +1,4 @@
-"""shoulder_errors.py REAMSIM ROOT: some runs of the study of errors on a real shoulder (docs/studies.md) are like the
+"""shoulder_errors.py REAMSIM ROOT: some runs of the study of errors on a real shoulder (docs/guide/uncertainty.md) are like the
 scenario without errors. Exits with 77 (skipped) without the data."""
 
 import csv
