@@ -1,4 +1,7 @@
 #!/usr/bin/env bash
+# SPDX-FileCopyrightText: the reamsim authors
+# SPDX-License-Identifier: Apache-2.0
+
 # Installs what is missing, builds, and runs scenarios: ./run.sh [SCENARIO.yaml ...]; the default one without arguments.
 set -euo pipefail
 start=$PWD

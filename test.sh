@@ -1,4 +1,7 @@
 #!/usr/bin/env bash
+# SPDX-FileCopyrightText: the reamsim authors
+# SPDX-License-Identifier: Apache-2.0
+
 # Installs what is missing, builds, and runs the tests: ./test.sh [--all] [ctest arguments]. --all adds those that need a
 # browser (label browser), and installs one. Campaigns of minutes to hours (label long), and those that need a cluster (label
 # cluster) or make roots of Debian and a container (label container), are left out: ctest --test-dir build/release -L 'long|cluster|container'

@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 // Writes the reamers of assets/ as binary STL: `generate_reamers DIR`. assets/README.md says how each is made.
 #include <exception>
 #include <filesystem>

@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 #include "cli/run_checkpoints.h"
 
 #include <fmt/core.h>

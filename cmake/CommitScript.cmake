@@ -1,3 +1,6 @@
+# SPDX-FileCopyrightText: the reamsim authors
+# SPDX-License-Identifier: Apache-2.0
+
 # Writes OUTPUT, a header with the commit that ROOT has checked out; "" where it is no clone.
 cmake_minimum_required(VERSION 3.25)
 set(commit "")

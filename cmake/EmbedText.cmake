@@ -1,3 +1,6 @@
+# SPDX-FileCopyrightText: the reamsim authors
+# SPDX-License-Identifier: Apache-2.0
+
 # reamsim_embed_text(TARGET VARIABLE FILE [DEPENDS FILE...]): compiles the text of FILE into TARGET as
 # `extern const char* const reamsim::embedded::VARIABLE` (declare it where it is used). Lines `#include "..."` are replaced
 # by the file beside it that they name, once each; name these files after DEPENDS.

@@ -1,3 +1,6 @@
+# SPDX-FileCopyrightText: the reamsim authors
+# SPDX-License-Identifier: Apache-2.0
+
 cmake_minimum_required(VERSION 3.25)
 file(READ "${INPUT}" text)
 get_filename_component(folder "${INPUT}" DIRECTORY)

@@ -1,3 +1,6 @@
+# SPDX-FileCopyrightText: the reamsim authors
+# SPDX-License-Identifier: Apache-2.0
+
 # The installed library: reamsim/simulation.h, the static libraries behind it, and what CMake (`find_package(reamsim)`, target
 # reamsim::simulation) and pkg-config (`reamsim`) need to link them. docs/library.md.
 set(REAMSIM_LIBRARY_PARTS

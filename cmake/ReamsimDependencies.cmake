@@ -1,3 +1,6 @@
+# SPDX-FileCopyrightText: the reamsim authors
+# SPDX-License-Identifier: Apache-2.0
+
 # Third-party libraries, all from Debian 12 packages (see run.sh for the list). Their headers count as system headers.
 find_package(PkgConfig REQUIRED)
 find_package(Threads REQUIRED)

@@ -1,3 +1,6 @@
+# SPDX-FileCopyrightText: the reamsim authors
+# SPDX-License-Identifier: Apache-2.0
+
 # Flags that every target of this project is compiled with.
 add_library(reamsim_options INTERFACE)
 target_compile_options(reamsim_options INTERFACE

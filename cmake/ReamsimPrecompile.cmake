@@ -1,3 +1,6 @@
+# SPDX-FileCopyrightText: the reamsim authors
+# SPDX-License-Identifier: Apache-2.0
+
 # Headers that most files include anyway, parsed once: they are half of what compiling a file costs. The debug preset does
 # without, so that a file that forgets an include of its own is found.
 option(REAMSIM_PRECOMPILE "Precompile common headers" ON)

@@ -1,3 +1,6 @@
+# SPDX-FileCopyrightText: the reamsim authors
+# SPDX-License-Identifier: Apache-2.0
+
 # Sourced by run.sh and test.sh: installs what is missing and builds a release in build/release.
 # Needs Debian 12 (or a system whose apt has the same packages); sudo only when not root.
 

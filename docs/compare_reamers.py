@@ -1,4 +1,7 @@
 #!/usr/bin/env python3
+# SPDX-FileCopyrightText: the reamsim authors
+# SPDX-License-Identifier: Apache-2.0
+
 """Flat against convex reamers on glenoids of uniform foam, to several end points (docs/validation.md).
 
     python3 docs/compare_reamers.py build/release/cli/reamsim [VOXEL_MM]

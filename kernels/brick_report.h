@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 /* Sums and removed voxels of the kernels that cut bricks. For kernels only. */
 #ifndef REAMSIM_KERNELS_BRICK_REPORT_H
 #define REAMSIM_KERNELS_BRICK_REPORT_H

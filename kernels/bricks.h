@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 /* Bricks of 8x8x8 voxels, stored only where there is bone, and the cells of shell points. */
 #ifndef REAMSIM_KERNELS_BRICKS_H
 #define REAMSIM_KERNELS_BRICKS_H

@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 /* Exact erosion on a CPU: the voxels of a brick that the tool's surface can intersect in a window of substeps.
  * Conservative: an extra voxel costs time and changes nothing. */
 #ifndef REAMSIM_KERNELS_CANDIDATES_H

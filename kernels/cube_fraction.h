@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 /* The fraction of a unit cube that lies outside one plane, and outside two. */
 #ifndef REAMSIM_KERNELS_CUBE_FRACTION_H
 #define REAMSIM_KERNELS_CUBE_FRACTION_H

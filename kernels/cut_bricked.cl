@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 /* Cut over bricks: every touched voxel loses fill, takes energy and exerts a force (docs/physics.md, 4). Work-items, or
  * work-groups on a GPU, divide the list of touched bricks, whose length only the device knows. On a CPU (RS_LANES 16)
  * the law is evaluated for sixteen voxels in the lanes of a vector; on a GPU a work-item takes one voxel.

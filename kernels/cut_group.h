@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 /* Exact erosion of a brick on a GPU: a work-group takes a brick, and its work-items stride over the voxels. */
 #ifndef REAMSIM_KERNELS_CUT_GROUP_H
 #define REAMSIM_KERNELS_CUT_GROUP_H

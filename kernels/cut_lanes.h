@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 /* Exact erosion of a brick on a CPU (RS_LANES 16): a work-item takes a brick, with sixteen voxels in the lanes of a
  * vector. */
 #ifndef REAMSIM_KERNELS_CUT_LANES_H

@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 /* The force law: the force on the tool of a voxel that loses volume (docs/physics.md, 4). Host and kernels share it. */
 #ifndef REAMSIM_KERNELS_CUT_LAW_H
 #define REAMSIM_KERNELS_CUT_LAW_H

@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 /* Cut: every listed voxel loses fill, takes energy and exerts a force (docs/physics.md, 4). Work-items stride over the
  * list, whose length only the device knows. */
 #include "cut_law.h"

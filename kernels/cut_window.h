@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 /* Exact erosion of a brick in a window of smooth motion (window.h). On a CPU sixteen voxels lie in the lanes of a
  * vector while their losses are found frame by frame, and the sixteen coefficients of a voxel's force while these are
  * summed: the sums of all frames are one product of matrices. */

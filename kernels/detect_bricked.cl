@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 /* Narrow phase over bricks. The shell's points are grouped in cells with bounds; a cell outside the VOI, or over bricks
  * without bone, is culled as a whole. Points of other cells are transformed with 32-bit integers relative to a window
  * of 32x32x32 voxels around the cell, and collected there as bits. A brick then needs a few atomic operations instead

@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 /* Narrow phase of the paper (§3.5): one work-item per shell point. Decode, cull against the VOI, transform, look up. A
  * touched voxel is claimed once, by a bit, and listed. Results do not depend on the order of the list. */
 #include "cut_law.h"

@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 /* Narrow phase of Yau et al. as Faieghi et al. rebuilt it (2020, §4.3.2): no shell; one work-item per voxel of the VOI,
  * a box of voxels, against the surface of revolution that the cutting edges sweep. A voxel is touched when its centre
  * lies in the solid or on its surface. No voxel is tested twice, so claims are not needed. */

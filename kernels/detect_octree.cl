@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 /* Narrow phase of Zheng et al. as Faieghi et al. rebuilt it (2020, §4.3.1): one work-item per shell point, an
  * octree-like descent of the 3D grid through look-up tables, voxels of a float HU and a collision flag, points of three
  * floats, and a parallel reduction over the forces of all points, including those outside the bone. There is no VOI.

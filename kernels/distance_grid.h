@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 /* The signed distance to a tool with resolved cutting edges, sampled on a lattice that rotates with them. Bricks of
  * 8x8x8 cells are stored next to the surface only; in a cell the distance is trilinear. The same code serves host,
  * work-item and lanes, as in lanes.h. */

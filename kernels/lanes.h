@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 /* Arithmetic that is the same for the host, a single work-item, and voxels in the lanes of a vector (RS_LANES of them:
  * 16 in a kernel; 4, 8 or 16 in C++, as wide as the instruction set): the same operations in the same order, and so the
  * same bits. */

@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 /* Broad phase of exact erosion: lists the bricks with bone that the tool's surface can intersect in a visit. A
  * work-item takes a superbrick of 4x4x4 bricks, which is culled as a whole where it has no bone or lies far from the
  * surface. */

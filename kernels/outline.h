@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 /* The outline of the tool's envelope of revolution in (r, z) of T, as lines and arcs. The same code serves host,
  * work-item and lanes (lanes.h). */
 #ifndef REAMSIM_KERNELS_OUTLINE_H

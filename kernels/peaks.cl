@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 /* What the machine can do at most, for the benchmark: fused multiply-adds in registers, and a copy of memory. */
 
 /* `rounds` times eight independent chains of fused multiply-adds of sixteen lanes: 256 operations. */

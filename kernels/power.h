@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 /* x^y from correctly rounded operations; the rounding of the built-in pow() depends on the device. */
 #ifndef REAMSIM_KERNELS_POWER_H
 #define REAMSIM_KERNELS_POWER_H

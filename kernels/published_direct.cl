@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 /* The paper's narrow phase as published (§3.5), for `reamsim bench` only: one pass in float, with races. A work-item
  * per point decodes, culls, transforms, looks up, clears the voxel and adds its elemental force. Two points in one
  * voxel race: it depends on timing whether both exert a force or only the first. */

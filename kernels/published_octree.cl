@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 /* Zheng et al. as the paper rebuilt it (§4.3.1), for `reamsim bench` only: points of three floats, voxels of a float HU
  * and a collision flag. A work-item per point descends from the whole grid to its voxel, one octant per level. The
  * forces of all points, including those outside the bone, are stored and then summed by a parallel reduction. */

@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 /* Exact erosion: what the tool's surface can reach. Bricks are culled by a coarse table of distances, voxels by their
  * width along the surface's normal. Conservative: an extra voxel costs time and changes nothing. */
 #ifndef REAMSIM_KERNELS_REACH_H

@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 /* Restores removed voxels from a list of (voxel, value), for benchmarks that repeat a frame on the same bone. */
 #include "shared.h"
 

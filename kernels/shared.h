@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 /* Types and arithmetic that host and kernels share, in plain C for C++ and OpenCL C compilers. The serial engine and
  * all devices compute the same bits: positions are fixed-point integers, sums are 64-bit integers, and floating-point
  * expressions use correctly rounded operations only (no contraction). The cutting law is in single precision, which is

@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 /* Exact erosion: a brick during a visit of many substeps. With RS_DISTANCE_GRID the cutting edges are resolved, and the
  * grid of distances to them is part of it. */
 #ifndef REAMSIM_KERNELS_VISIT_H

@@ -1,3 +1,6 @@
+# SPDX-FileCopyrightText: the reamsim authors
+# SPDX-License-Identifier: Apache-2.0
+
 """The version of the package is that of the program: project(reamsim VERSION ...) in ../CMakeLists.txt."""
 
 import pathlib

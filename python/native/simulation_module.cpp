@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 // The module reamsim._simulation: what python/src/reamsim/simulation.py needs of reamsim/simulation.h.
 #include <pthread.h>
 #include <pybind11/functional.h>

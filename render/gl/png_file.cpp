@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 // Not Cairo, whose PNG compression is slow: it took a fifth of the time of a run.
 #include <png.h>
 

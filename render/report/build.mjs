@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 // Bundles src/ with its libraries into dist/, which is committed: npm ci && npm run build.
 import { bundle } from "./bundle.mjs";
 import { copyFileSync } from "node:fs";

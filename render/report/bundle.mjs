@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 // Bundles the script and the style of a page with their libraries.
 import { build } from "esbuild";
 import { readFileSync, writeFileSync } from "node:fs";

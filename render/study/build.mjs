@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 // Bundles src/ into dist/, which is committed. The libraries are those of render/report: (cd ../report && npm ci && npm run build).
 import { bundle } from "../report/bundle.mjs";
 import { fileURLToPath } from "node:url";

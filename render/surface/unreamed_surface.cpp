@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 #include "render/surface/unreamed_surface.h"
 
 #include <openvdb/tools/MeshToVolume.h>

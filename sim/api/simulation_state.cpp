@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 // States of a simulation, in memory and in files.
 #include <algorithm>
 #include <cmath>

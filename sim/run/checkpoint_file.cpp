@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 // The format of a checkpoint: that of value_file.h.
 #include <filesystem>
 

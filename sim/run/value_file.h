@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 #pragma once
 
 // Files of values, for checkpoints and states: a line that names the format, numbers as the processor has them, each

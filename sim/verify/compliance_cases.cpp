@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 // A tool on springs (docs/physics.md, 11), against closed forms.
 #include <fmt/core.h>
 #include <algorithm>

@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 // The ratio of torque to thrust, which does not depend on the bone, and the loads on a face half over bone.
 #include <fmt/core.h>
 #include <cmath>

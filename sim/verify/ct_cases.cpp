@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 // Bone from a CT: the partial volume at its surface must not affect energy or force at any voxel size.
 #include <fmt/core.h>
 #include <cmath>

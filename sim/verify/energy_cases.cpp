@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 // The energy balance (docs/physics.md, 5) from separate sums of its two sides, and the energy of the removed bone.
 #include <cmath>
 

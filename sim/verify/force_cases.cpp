@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 // Forces of a cannulated reamer in full contact against closed forms.
 #include <cmath>
 #include <limits>

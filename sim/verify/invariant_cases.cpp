@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 // Invariants: no load without a cut, and the same loads under symmetries.
 #include <algorithm>
 #include <cmath>

@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 // Feeds that follow from the balance of forces (docs/physics.md, 10), against closed forms.
 #include <fmt/core.h>
 #include <cmath>

@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 // Refinement in time and space, and settings that must not change the result.
 #include <cmath>
 

@@ -1,3 +1,6 @@
+# SPDX-FileCopyrightText: the reamsim authors
+# SPDX-License-Identifier: Apache-2.0
+
 """layers.py SOURCE LINKS: dependencies point one way, in links and in includes.
 
 LINKS has what each library links, as CMake knows it; includes are read from the sources. Every

@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 // Two ranges write one variable: the thread sanitizer must say so, or it watches nothing.
 #include <chrono>
 #include <thread>

@@ -1,3 +1,6 @@
+# SPDX-FileCopyrightText: the reamsim authors
+# SPDX-License-Identifier: Apache-2.0
+
 """compare_speed.py OLD NEW [ROUNDS] [--scenario FILE] [--set KEY=VALUE]...: two builds of reamsim side by side on a
 scenario (default: frozen.yaml).
 

@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 // The C++ visits that `exact` is measured against compute the same: sums, removed voxels and fill, on every instruction
 // set that this processor has.
 #include <gtest/gtest.h>

@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 // How long pictures of 1920 x 1080 take, each with its labels: of the states along a run, for a film and as pictures
 // (the bone changes, is meshed where it changed, and drawn), of the last state, supersampled, and written as PNG.
 //

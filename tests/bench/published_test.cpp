@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 // The published programs against the engine: same contacts, same force where each point has a voxel to itself.
 #include <gtest/gtest.h>
 

@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 // The C++ frame that `bricked` is measured against computes the same: sums and voxels, on every instruction set that
 // this processor has.
 #include "tests/bench/reference/reference.h"

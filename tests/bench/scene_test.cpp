@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 // The benchmark's scene: sizes of the shells, the bone at several resolutions, and what the stored poses touch.
 #include <gtest/gtest.h>
 

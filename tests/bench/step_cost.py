@@ -1,3 +1,6 @@
+# SPDX-FileCopyrightText: the reamsim authors
+# SPDX-License-Identifier: Apache-2.0
+
 """step_cost.py [STEPS]: what a step of reamsim.Simulation costs, in and out of the bone. Out of the bone the simulator has
 next to nothing to do, so a step costs there what the call from Python costs. Prints microseconds."""
 

@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 // A whole run at a small size: every row is there, and the JSON has the keys that docs/formats.md promises.
 #include "sim/bench/suite.h"
 

@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 // The glenoid from one point: phantoms of every Walch type, and bones without a face.
 #include "sim/bone/find_glenoid.h"
 

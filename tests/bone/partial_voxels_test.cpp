@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 // Voxels that the bone's surface passes through hold the part of them that is bone: volumes against closed forms.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 // The glenoid from one point on phantoms of every Walch type, turned at random: 2 of each, or REAMSIM_TURNED_GLENOIDS.
 #include <cstdlib>
 #include <iostream>

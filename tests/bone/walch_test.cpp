@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 // The worn and dysplastic faces of the glenoid phantom against their closed forms (docs/physics.md).
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,3 +1,6 @@
+# SPDX-FileCopyrightText: the reamsim authors
+# SPDX-License-Identifier: Apache-2.0
+
 """blender -b --factory-startup --python-exit-code 1 --python blender_results.py -- RESULTS: what Blender makes of
 RESULTS/reamed.vdb, reamed.stl and reamed.glb: grids, sizes and places, in mm in the bone's frame."""
 

@@ -1,3 +1,6 @@
+# SPDX-FileCopyrightText: the reamsim authors
+# SPDX-License-Identifier: Apache-2.0
+
 """A headless Chromium without a way out of this machine, and the driver that steers it."""
 
 import subprocess

@@ -1,3 +1,6 @@
+# SPDX-FileCopyrightText: the reamsim authors
+# SPDX-License-Identifier: Apache-2.0
+
 """A scan whose bodies are known, its scenario, and changes of YAML texts: the cases of preview_page.py."""
 
 import numpy

@@ -1,3 +1,6 @@
+# SPDX-FileCopyrightText: the reamsim authors
+# SPDX-License-Identifier: Apache-2.0
+
 """preview_page.py CHROMIUM CHROMEDRIVER REAMSIM ASSETS: opens the page of `reamsim preview` in a headless Chromium, places
 points in it as a user would, compares them with a scan whose bodies are known, and runs the scenario that it saves.
 

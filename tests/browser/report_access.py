@@ -1,3 +1,6 @@
+# SPDX-FileCopyrightText: the reamsim authors
+# SPDX-License-Identifier: Apache-2.0
+
 """Whether everybody can use report.html: the rules of axe-core, the keyboard, reduced motion, paper."""
 
 import base64

@@ -1,3 +1,6 @@
+# SPDX-FileCopyrightText: the reamsim authors
+# SPDX-License-Identifier: Apache-2.0
+
 """report_page.py CHROMIUM CHROMEDRIVER RESULTS: opens RESULTS/report.html in a headless Chromium and uses it as a reader would."""
 
 import csv

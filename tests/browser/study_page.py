@@ -1,3 +1,6 @@
+# SPDX-FileCopyrightText: the reamsim authors
+# SPDX-License-Identifier: Apache-2.0
+
 """study_page.py CHROMIUM CHROMEDRIVER REAMSIM ASSETS: opens sweep.html of a study in a headless Chromium: of a real one
 whose runs keep their reports, and of one with 10,000 runs that this test writes. Sorts, filters, chooses columns, opens
 runs and reports; compares what the page computes with runs.csv and effects.csv; keyboard, screen reader, 400 px.

@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 // `check` and `run` say every mistake that they can find, each in one line.
 #include <sstream>
 

@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 // The picture of `reamsim check --picture`: what it shows, and what it refuses.
 #include "tests/cli/cli_fixture.h"
 #include "tests/render/picture_file.h"

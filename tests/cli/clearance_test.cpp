@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 // tool.holder and clearance, from the command line.
 #include "tests/cli/cli_fixture.h"
 #include "tests/support/real_data.h"

@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 // motion.compliance from the command line: columns, summary, plot, interruption, passes, mistakes.
 #include <csignal>
 #include <nlohmann/json.hpp>

@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 // One force, one torque and one depth: what a run prints of them, wherever it does.
 #include <nlohmann/json.hpp>
 

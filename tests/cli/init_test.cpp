@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 // reamsim init: a first scenario with or without a point on the glenoid, which runs.
 #include <array>
 #include <cmath>

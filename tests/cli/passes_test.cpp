@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 // Several plunges with tools of their own, one after another on the same bone.
 #include <cmath>
 #include <nlohmann/json.hpp>

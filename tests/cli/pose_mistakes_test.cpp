@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 // Mistakes of a pose and a side: said by `check` and by `run`, with the number, before anything is simulated.
 #include <cstring>
 

@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 // The page of `reamsim preview` and what it refuses; tests/browser/preview_page.py uses it.
 #include "tests/cli/cli_fixture.h"
 #include "tests/cli/data_files.h"

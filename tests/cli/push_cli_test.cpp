@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 // motion.push from the command line: columns, events, interruption, mistakes.
 #include <csignal>
 #include <nlohmann/json.hpp>

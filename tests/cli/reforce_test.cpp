@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 // Forces for other constants from the force basis of a run, and fits to measured forces.
 #include <cmath>
 #include <map>

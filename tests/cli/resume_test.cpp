@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 // Runs that are interrupted and continued end with the bytes of a run without interruption.
 #include <chrono>
 #include <csignal>

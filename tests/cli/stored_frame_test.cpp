@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 // A bone that goes on in a second run, from the VDB of the first or of `reamsim import`.
 #include "tests/cli/cli_fixture.h"
 #include "tests/cli/data_files.h"

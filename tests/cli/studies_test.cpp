@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 // The studies of trajectories/ run as they are; here coarsely, for what they claim to show.
 #include <cmath>
 #include <nlohmann/json.hpp>

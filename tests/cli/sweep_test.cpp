@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 // Studies: one command simulates what is missing, whatever happened before.
 #include <algorithm>
 #include <cmath>

@@ -1,3 +1,6 @@
+# SPDX-FileCopyrightText: the reamsim authors
+# SPDX-License-Identifier: Apache-2.0
+
 """batch_systems.py slurm|snakemake|parallel REAMSIM ROOT: the study of 36 runs, submitted in 4 shards, has the table of
 a plain `sweep run`. `measure` prints the times of docs/cluster.md instead.
 

@@ -1,3 +1,6 @@
+# SPDX-FileCopyrightText: the reamsim authors
+# SPDX-License-Identifier: Apache-2.0
+
 """A Slurm cluster of one node on this machine: munged, slurmctld and slurmd, in namespaces of their own.
 
 `enter()` starts the program again in new network, mount, process and host name namespaces, which needs root; when it

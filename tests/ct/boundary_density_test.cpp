@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 // The density of bone at its surface, where a CT's voxels mix it with what lies beside it, against blocks whose density
 // is known. Specific cutting energy goes with the square of density, so that is what is compared.
 #include <gmock/gmock.h>

@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 // bone.ct.separate: humerus, on a joint with closed forms and on a real scan.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 // A CT's voxels at the surface hold bone and what is beside it: their fill says how much, their density is the bone's.
 #include <gtest/gtest.h>
 

@@ -1,3 +1,6 @@
+# SPDX-FileCopyrightText: the reamsim authors
+# SPDX-License-Identifier: Apache-2.0
+
 """check_results.py DIR: is the output folder complete, and do its files agree with each other?"""
 
 import csv

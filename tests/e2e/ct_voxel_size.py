@@ -1,3 +1,6 @@
+# SPDX-FileCopyrightText: the reamsim authors
+# SPDX-License-Identifier: Apache-2.0
+
 """ct_voxel_size.py REAMSIM SCENARIO: force and energy on a real CT do not depend on the voxel size. Exits with 77
 (skipped) without the data."""
 

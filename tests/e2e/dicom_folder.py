@@ -1,3 +1,6 @@
+# SPDX-FileCopyrightText: the reamsim authors
+# SPDX-License-Identifier: Apache-2.0
+
 """A DICOM folder of an NRRD scan, one file per slice: explicit VR, little endian, uncompressed."""
 
 import gzip

@@ -1,3 +1,6 @@
+# SPDX-FileCopyrightText: the reamsim authors
+# SPDX-License-Identifier: Apache-2.0
+
 """documented_commands.py REAMSIM ROOT BUILD: every command in README and docs works as it is written.
 
 A command without placeholders runs in a copy of the project's folders, where small pictures and coarse voxels save time. Of a synopsis,

@@ -1,3 +1,6 @@
+# SPDX-FileCopyrightText: the reamsim authors
+# SPDX-License-Identifier: Apache-2.0
+
 """Reads the grids of reamed.vdb with OpenVDB's own Python module: a second program that opens what reamsim writes."""
 
 import pyopenvdb as vdb

@@ -1,3 +1,6 @@
+# SPDX-FileCopyrightText: the reamsim authors
+# SPDX-License-Identifier: Apache-2.0
+
 """host_threads.py REAMSIM SCENARIO: a whole run with the serial engine, for the thread sanitizer to watch.
 
 Coarser than the scenario is and with a picture or two, because the sanitizer is slow. Exits with 77 (skipped) where the

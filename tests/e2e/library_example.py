@@ -1,3 +1,6 @@
+# SPDX-FileCopyrightText: the reamsim authors
+# SPDX-License-Identifier: Apache-2.0
+
 """library_example.py BUILD EXAMPLE SCENARIO: the installed library builds a program outside the tree, with CMake and with
 pkg-config, and the program reams."""
 

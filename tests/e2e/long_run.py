@@ -1,3 +1,6 @@
+# SPDX-FileCopyrightText: the reamsim authors
+# SPDX-License-Identifier: Apache-2.0
+
 """long_run.py REAMSIM SCENARIO growth|ten_million|ten_million_rows: memory of long runs.
 
 growth: a run of 400,000 frames needs hardly more memory than one of 100,000.

@@ -1,3 +1,6 @@
+# SPDX-FileCopyrightText: the reamsim authors
+# SPDX-License-Identifier: Apache-2.0
+
 """oclgrind.py OCLGRIND REAMSIM SCENARIO KERNELS ENGINE...: the kernels neither race nor read or write astray.
 
 Runs the scenario on oclgrind, a simulator of an OpenCL device that interprets kernels and watches every access, for each

@@ -1,3 +1,6 @@
+# SPDX-FileCopyrightText: the reamsim authors
+# SPDX-License-Identifier: Apache-2.0
+
 """real_bone.py REAMSIM SCENARIO: a ream of real bone behaves like one. Exits with 77 (skipped) without the data."""
 
 import csv

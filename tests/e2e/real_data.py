@@ -1,3 +1,6 @@
+# SPDX-FileCopyrightText: the reamsim authors
+# SPDX-License-Identifier: Apache-2.0
+
 """The public CT and meshes, in the folder that REAMSIM_DATA names."""
 
 import os

@@ -1,3 +1,6 @@
+# SPDX-FileCopyrightText: the reamsim authors
+# SPDX-License-Identifier: Apache-2.0
+
 """render_neutral.py REAMSIM SCENARIO: pictures or none, of any size and number, change neither forces.csv nor reamed.vdb."""
 
 import pathlib

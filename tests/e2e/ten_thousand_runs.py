@@ -1,3 +1,6 @@
+# SPDX-FileCopyrightText: the reamsim authors
+# SPDX-License-Identifier: Apache-2.0
+
 """ten_thousand_runs.py REAMSIM ROOT [RUNS]: a study of ten thousand runs of a small block, without pictures, one of which
 fails: the rate, and what `collect` takes. The figures of docs/studies.md."""
 

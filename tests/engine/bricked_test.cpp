@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 // What is particular to `bricked`: its memory plan, pools, cells and lists.
 #include <array>
 #include <iostream>

@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 // The clearance of a holder that does not cut, against closed forms.
 #include "sim/predict/clearance.h"
 

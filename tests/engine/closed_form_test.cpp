@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 // Analytic truth: a cannulated convex reamer plunged into a uniform half-space (docs/physics.md, 6).
 #include <gtest/gtest.h>
 

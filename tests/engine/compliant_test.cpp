@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 // A tool on springs on voxels: the same on every device and however it is interrupted; passes, teeth and edge forces.
 #include <gtest/gtest.h>
 

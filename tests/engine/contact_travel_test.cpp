@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 // The first contact of a plunge, found beforehand, against closed forms and against the log of a run.
 #include <gmock/gmock.h>
 

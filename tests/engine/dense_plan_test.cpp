@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 // The published memory layouts, and what happens when they do not fit.
 #include "sim/engine/dense/dense_plan.h"
 #include "sim/engine/make_engine.h"

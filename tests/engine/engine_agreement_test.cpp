@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 // Each OpenCL engine against its serial reference: same voxels, same forces, same bytes.
 #include <gtest/gtest.h>
 

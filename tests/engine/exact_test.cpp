@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 // `erosion: exact` against closed forms and against its serial reference.
 #include <iostream>
 #include <sstream>

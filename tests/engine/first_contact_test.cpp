@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 // The first contact of a tool with a bone that lies askew to its voxels.
 #include <iostream>
 #include <sstream>

@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 // Options of the force law: what each adds, in closed form; the energy account; and the serial reference's bytes.
 #include <iostream>
 #include <sstream>

@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 // What `check` says that exact erosion will take, against what it takes.
 #include <gmock/gmock.h>
 

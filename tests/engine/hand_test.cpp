@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 // The balance of a hand (sim/run/hand.h) on bones that are functions.
 #include "sim/run/hand.h"
 

@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 // The geometry of `implicit`: which voxels the solid of revolution holds, where it looks for them, and how far its
 // result may be from that of the shell.
 #include <gtest/gtest.h>

@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 // What a point shell leaves behind: nothing at a spacing of half a voxel, and about what is warned of beyond.
 #include <gtest/gtest.h>
 

@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 // reamsim/simulation.h gives what `reamsim run` gives.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 // The tool's outline of lines and arcs, which exact erosion clips voxels by.
 #include <iostream>
 

@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 // A push on voxels: the same on every device and however it is interrupted, and smooth at feeds whose frames are below
 // the smallest loss.
 #include <gtest/gtest.h>

@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 // `erosion: exact` with `spin: resolved`: teeth that are clipped by their distance grid.
 #include <complex>
 #include <numeric>

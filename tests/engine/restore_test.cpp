@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 // Engine::restore: a run on restored bone is the first run again.
 #include <tuple>
 

@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 // The balance of springs (sim/run/springs.h) on bones that are functions.
 #include "sim/run/springs.h"
 

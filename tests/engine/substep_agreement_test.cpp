@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 // Substep by substep: which voxels each engine touches, and what they give.
 #include <gtest/gtest.h>
 

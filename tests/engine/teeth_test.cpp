@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 // `spin: resolved`: the teeth themselves turn through the bone, and push back as the surface that they sweep.
 #include <gtest/gtest.h>
 

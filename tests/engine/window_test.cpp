@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 // Windows of smooth motion: the polynomials of kernels/window.h against the fractions that they replace.
 #include <gtest/gtest.h>
 

@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 // Fit of implants of several shapes and poses, against closed forms: within a tenth of a voxel or 1 %.
 #include "tests/metrics/implant_fixture.h"
 

@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 // Orientation and place of the joint face, before and after reaming, against what the phantoms are made of.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

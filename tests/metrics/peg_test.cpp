@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 // Walls and perforations of pegs in bones with closed forms: within a tenth of a voxel.
 #include "tests/metrics/implant_fixture.h"
 

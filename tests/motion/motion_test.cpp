@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 // Motions against what can be worked out by hand: lines, great circles, integrals of the spin speed.
 #include "sim/motion/motion.h"
 

@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 // Recorded poses: what is read, what is tolerated, and what is refused with file and line.
 #include "sim/motion/pose_csv.h"
 

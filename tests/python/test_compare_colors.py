@@ -1,3 +1,6 @@
+# SPDX-FileCopyrightText: the reamsim authors
+# SPDX-License-Identifier: Apache-2.0
+
 """Colours of `reamsim compare`: how far apart they are for readers with each kind of colour vision.
 
 Differences are Euclidean in CIE 1976 L*a*b* (D65). Dichromacy is simulated by the matrices of Machado, Oliveira and

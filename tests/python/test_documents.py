@@ -1,3 +1,6 @@
+# SPDX-FileCopyrightText: the reamsim authors
+# SPDX-License-Identifier: Apache-2.0
+
 """docs/python.md and the notebooks: every block and cell runs, from top to bottom."""
 
 import json

@@ -1,3 +1,6 @@
+# SPDX-FileCopyrightText: the reamsim authors
+# SPDX-License-Identifier: Apache-2.0
+
 """The programs in docs/examples/python, against closed forms, and what a step costs."""
 
 import math

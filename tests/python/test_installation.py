@@ -1,3 +1,6 @@
+# SPDX-FileCopyrightText: the reamsim authors
+# SPDX-License-Identifier: Apache-2.0
+
 """The package as `cmake --install` and pip install it: used from elsewhere, without this checkout."""
 
 import os

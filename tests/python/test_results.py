@@ -1,3 +1,6 @@
+# SPDX-FileCopyrightText: the reamsim authors
+# SPDX-License-Identifier: Apache-2.0
+
 """reamsim.load(): what a folder holds, against what the run must give."""
 
 import math

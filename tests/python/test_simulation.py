@@ -1,3 +1,6 @@
+# SPDX-FileCopyrightText: the reamsim authors
+# SPDX-License-Identifier: Apache-2.0
+
 """reamsim.Simulation gives what `reamsim run` gives, and no input or interruption harms the process."""
 
 import os

@@ -1,3 +1,6 @@
+# SPDX-FileCopyrightText: the reamsim authors
+# SPDX-License-Identifier: Apache-2.0
+
 """reamsim.sweep() and the folder of a study: DIR/runs.csv and DIR/runs/ID/."""
 
 import shutil

@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 // Snapshots: what they bring back, and what becomes of damaged ones.
 #include "sim/record/snapshot.h"
 

@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 // Jagged edges of known shapes, smoothed, against the fraction of each pixel that the shape covers.
 #include "render/gl/pixel_image.h"
 

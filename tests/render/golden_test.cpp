@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 // Pictures of a small run against those in golden/, by what an eye would notice. After a wanted change of the look:
 //   REAMSIM_NEW_GOLDEN=1 build/release/tests/render/render_test --gtest_filter='Golden.*'
 // then look at each of them at full size before it is committed.

@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 // Labels beside the bone: none covers it, and on a transparent background they are legible on any slide.
 #include "render/pictures/page_layout.h"
 

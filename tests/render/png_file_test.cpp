@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 // What write_png() writes, read back by Cairo.
 #include <gtest/gtest.h>
 

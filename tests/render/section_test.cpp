@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 // Sections through bone and tool: what lies in the cut plane is seen, without voxel steps.
 #include <gtest/gtest.h>
 

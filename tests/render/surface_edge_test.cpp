@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 // The edge of a reamed face, and the smoothing that makes it even.
 #include <gtest/gtest.h>
 

@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 // The surface of a bone: its form, the depth of what was reamed, and its tiles.
 #include <gtest/gtest.h>
 

@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 // Which parts of a surface are left out of a picture, against each of their triangles.
 #include "render/gl/tile_bounds.h"
 

@@ -1,3 +1,6 @@
+# SPDX-FileCopyrightText: the reamsim authors
+# SPDX-License-Identifier: Apache-2.0
+
 """citation_file.py ROOT VERSION: CITATION.cff is what the Citation File Format 1.2.0 asks for (its guide to the schema: required keys,
 types, patterns), names the version of the program and the paper, and the other places name that version too."""
 

@@ -1,3 +1,6 @@
+# SPDX-FileCopyrightText: the reamsim authors
+# SPDX-License-Identifier: Apache-2.0
+
 """licences.py ROOT: every file of the repository says its licence, and the lint that says so finds a file that does not."""
 
 import os

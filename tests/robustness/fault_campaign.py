@@ -1,3 +1,6 @@
+# SPDX-FileCopyrightText: the reamsim authors
+# SPDX-License-Identifier: Apache-2.0
+
 """Runs in which a call fails: writing, renaming and removing files, memory.
 
     fault_campaign.py REAMSIM LIBRARY ROOT short|long [CAMPAIGN] [FIRST] [LAST]

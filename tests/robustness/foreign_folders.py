@@ -1,3 +1,6 @@
+# SPDX-FileCopyrightText: the reamsim authors
+# SPDX-License-Identifier: Apache-2.0
+
 """Aims `reamsim run --overwrite` at folders that are not its own, and starts pairs of runs into one folder.
 
     foreign_folders.py REAMSIM ROOT PAIRS

@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 // fuzz_readers INPUTS SEED [texts|files [FOLDER]]: reads INPUTS damaged files and prints a table. Files with a
 // complaint are kept in FOLDER. `texts` are what reamsim itself parses; `files`, the default, come from elsewhere.
 // Exits with 1 if there are complaints.

@@ -1,3 +1,6 @@
+# SPDX-FileCopyrightText: the reamsim authors
+# SPDX-License-Identifier: Apache-2.0
+
 """Runs every numeric key of the schema at both ends of its range, each component of a vector by itself.
 
     key_ranges.py REAMSIM SCHEMA SECTIONS [--full] [--no-limits] [--only TEXT] [--verbose]

@@ -1,3 +1,6 @@
+# SPDX-FileCopyrightText: the reamsim authors
+# SPDX-License-Identifier: Apache-2.0
+
 """Kills runs at random moments and continues them: each must end with the bytes of a run without interruption.
 
     kill_campaign.py REAMSIM ROOT KILLS

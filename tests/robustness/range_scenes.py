@@ -1,3 +1,6 @@
+# SPDX-FileCopyrightText: the reamsim authors
+# SPDX-License-Identifier: Apache-2.0
+
 """For each numeric key of the schema, a scenario of few voxels and frames in which it applies.
 
 SECTIONS: what a section of the schema needs, beside BASE. A section that is not listed fails the test: list it.

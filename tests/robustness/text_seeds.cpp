@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 // Seeds of what reamsim itself parses: scenarios, recorded poses, results folders and checkpoints.
 #include <zlib.h>
 

@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 // The section `cutting`: presets, the table of specific energy, and the options of the force law.
 #include <gmock/gmock.h>
 

@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 // Constants of the force law from simulated measurements of a block of two layers.
 #include <gmock/gmock.h>
 

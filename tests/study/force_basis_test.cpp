@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 // The force basis of a run gives the forces of a run with other constants.
 #include <iostream>
 

@@ -1,3 +1,6 @@
+# SPDX-FileCopyrightText: the reamsim authors
+# SPDX-License-Identifier: Apache-2.0
+
 """schema_test.py SCHEMA STUDY...: the schema of studies accepts the shipped ones and refuses mistakes."""
 
 import copy

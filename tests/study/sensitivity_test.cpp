@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 // Sobol indices, quantiles and bands against closed forms.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

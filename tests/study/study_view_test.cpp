@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 // What people see of a study: figure, page, table on the terminal.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

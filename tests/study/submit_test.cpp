@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 // Scripts for batch systems: what they hold, and that no name breaks out of its quotes.
 #include "sim/study/submit.h"
 

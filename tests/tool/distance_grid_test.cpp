@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 // The distance grid of a tool whose teeth are resolved, and the walls that are too thin to be clipped.
 #include <gtest/gtest.h>
 

@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 // The envelope of revolution: generating polygons come back, and a toothed mesh sweeps what its teeth reach.
 #include <gtest/gtest.h>
 

@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 // load_tool: what it builds from a scenario, and what it says about tools that cannot be right.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

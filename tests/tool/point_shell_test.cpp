@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 // Morton codes, the triangle-box test, and what a point shell promises about the surface it samples.
 #include <gtest/gtest.h>
 

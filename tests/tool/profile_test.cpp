@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 // Signed distance, normal and volume of a profile against shapes with closed forms.
 #include <gtest/gtest.h>
 

@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 // The shipped reamers: made again they are the committed bytes; they are closed and have the sizes of assets/README.md.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 // Order and grid convergence index against series whose order and limit are known.
 #include "sim/verify/convergence.h"
 

@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 // The suite's closed forms against the figures of docs/physics.md, 6, and against plain numerical integrals.
 #include "sim/verify/forms.h"
 

@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 // The quick suite, case by case: every figure within its tolerance.
 #include "sim/verify/suite.h"
 

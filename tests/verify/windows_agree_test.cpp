@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 // Windows of smooth motion against exact erosion frame by frame: the largest differences over the verification scenes
 // and a tool that tilts.
 #include <gtest/gtest.h>

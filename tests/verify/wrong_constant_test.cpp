@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 // The suite must fail where the program is wrong: engines with one wrong constant each, and the cases that find them.
 #include <gtest/gtest.h>
 

@@ -1,3 +1,6 @@
+# SPDX-FileCopyrightText: the reamsim authors
+# SPDX-License-Identifier: Apache-2.0
+
 """Reams with a constant axial force: a controller sets the feed rate of every step, as a thrust-controlled drive does.
 Usage: constant_force.py SCENARIO FORCE_N DEPTH_MM"""
 import sys

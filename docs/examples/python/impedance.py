@@ -1,3 +1,6 @@
+# SPDX-FileCopyrightText: the reamsim authors
+# SPDX-License-Identifier: Apache-2.0
+
 """A robot holds the reamer with an impedance controller: a virtual mass on a spring and a damper follows the scenario's
 motion, and the bone pushes it off. Usage: impedance.py SCENARIO STIFFNESS_N_MM MASS_KG"""
 import sys

@@ -1,3 +1,6 @@
+# SPDX-FileCopyrightText: the reamsim authors
+# SPDX-License-Identifier: Apache-2.0
+
 """Searches the axis along which a reamer removes least bone until the back of an implant, a sphere like the reamer's, is
 seated on all of its footprint. Seated is what lies at most 0.5 mm above bone, as in metrics.seating (docs/physics.md, 7).
 Usage: least_bone.py SCENARIO AXES SEED"""

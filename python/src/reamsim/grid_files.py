@@ -1,3 +1,6 @@
+# SPDX-FileCopyrightText: the reamsim authors
+# SPDX-License-Identifier: Apache-2.0
+
 """Reads reamed.vdb, reamed.vti and depth_map.csv."""
 
 from __future__ import annotations

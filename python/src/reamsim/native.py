@@ -1,3 +1,6 @@
+# SPDX-FileCopyrightText: the reamsim authors
+# SPDX-License-Identifier: Apache-2.0
+
 """Finds the module `reamsim._simulation`, which is built with the program."""
 
 from __future__ import annotations

@@ -1,3 +1,6 @@
+# SPDX-FileCopyrightText: the reamsim authors
+# SPDX-License-Identifier: Apache-2.0
+
 """Figures with matplotlib. Each function returns a Figure: save it with ``figure.savefig("name.png")``."""
 
 from __future__ import annotations

@@ -1,3 +1,6 @@
+# SPDX-FileCopyrightText: the reamsim authors
+# SPDX-License-Identifier: Apache-2.0
+
 """Finds the program `reamsim` and runs it."""
 
 from __future__ import annotations

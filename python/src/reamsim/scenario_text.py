@@ -1,3 +1,6 @@
+# SPDX-FileCopyrightText: the reamsim authors
+# SPDX-License-Identifier: Apache-2.0
+
 """Scenarios as YAML: what the program writes and reads."""
 
 from __future__ import annotations

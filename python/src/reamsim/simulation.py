@@ -1,3 +1,6 @@
+# SPDX-FileCopyrightText: the reamsim authors
+# SPDX-License-Identifier: Apache-2.0
+
 """The simulator in this process: the caller moves the tool step by step."""
 
 from __future__ import annotations

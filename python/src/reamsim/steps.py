@@ -1,3 +1,6 @@
+# SPDX-FileCopyrightText: the reamsim authors
+# SPDX-License-Identifier: Apache-2.0
+
 """Poses of the tool and the rows that steps give."""
 
 from __future__ import annotations

@@ -1,3 +1,6 @@
+# SPDX-FileCopyrightText: the reamsim authors
+# SPDX-License-Identifier: Apache-2.0
+
 """The surface of the reamed bone: reamed.glb and reamed.stl."""
 
 from __future__ import annotations

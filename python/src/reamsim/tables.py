@@ -1,3 +1,6 @@
+# SPDX-FileCopyrightText: the reamsim authors
+# SPDX-License-Identifier: Apache-2.0
+
 """Tables: CSV files as pandas DataFrames, or as numpy record arrays without pandas."""
 
 from __future__ import annotations

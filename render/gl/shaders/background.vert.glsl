@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 #version 450 core
 // One triangle that covers the picture; no vertex buffer.
 out vec2 picture;

@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 #version 450 core
 layout(location = 0) in vec3 position_mm;
 layout(location = 1) in vec3 normal_in_bone;

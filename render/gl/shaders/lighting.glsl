@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 // Shared by all fragment shaders: light in eye space (x right, y up, z towards the viewer), linear colours.
 #version 450 core
 

@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 out vec4 color;
 
 const vec3 kCutSteel = vec3(0.42, 0.50, 0.60);

@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 #version 450 core
 // One triangle in the cut plane that covers the picture; no vertex buffer.
 uniform vec4 plane_in_clip;  // zero on the cut plane, clip coordinates

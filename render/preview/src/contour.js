@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 // Lines where a function on a grid is `level`, by marching squares.
 
 // `value(column, row)`; `segment(x0, y0, x1, y1)` gets the ends of each piece in columns and rows.

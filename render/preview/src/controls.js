@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 // The controls beside the views.
 import { colors } from "./looks.js";
 import { same, text } from "./vector.js";

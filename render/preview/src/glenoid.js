@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 // What the surface of the bone says about a glenoid frame.
 import { add, dot, length, minus, scaled, unit } from "./vector.js";
 

@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 // Colours and short names of what both slices and 3D view draw; after Okabe and Ito, which colour-blind readers tell apart.
 export const colors = {
   bone: "#E69F00", live: "#56B4E9", reamer: "#2fd6a4", sphere: "#CC79A7", cross: "#ffffff",

@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 import { Controls } from "./controls.js";
 import { Model } from "./model.js";
 import { ScenarioView } from "./scenario_view.js";

@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 // What threshold, cuts and seed would segment, on a coarse copy of the scan. As sim/bone/ct/segment.cpp: threshold, cuts,
 // the piece with the seed, closing, holes filled.
 

@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 // What the page edits, and what follows from it. Views listen for changes.
 import { faceNormal } from "./glenoid.js";
 import { liveMask } from "./mask.js";

@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 // The reamer's envelope of revolution, its poses, and its distance from bone.
 import { add, cross, dot, length, minus, scaled, unit } from "./vector.js";
 

@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 // The scenario's text with the keys that the page has changed.
 import { inOrder } from "./glenoid.js";
 import { same } from "./vector.js";

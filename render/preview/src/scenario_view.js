@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 // The scenario's text with its changed lines marked, to copy or to save.
 import { scenarioText } from "./scenario_text.js";
 

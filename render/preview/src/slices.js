@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 // A slice across an axis: image, outlines, reamer, points, cross; in the radiological convention where axes are a patient's.
 import { contour } from "./contour.js";
 import { colors, marksOf } from "./looks.js";

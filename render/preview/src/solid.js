@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 // The 3D view: bone, reamer, points, cut spheres, glenoid frame. Draws on request only.
 import {
   AmbientLight, ArrowHelper, BufferAttribute, BufferGeometry, DirectionalLight, DoubleSide, FrontSide, GLSL3, Group, LatheGeometry,

@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 // The isosurface of a byte field at 128, by surface nets (Gibson 1998, doi:10.1007/BFb0056277): one vertex per cell that
 // the surface crosses, at the mean of the crossings of its edges.
 const kLevel = 127.5;

@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 // Voxels on a lattice along the axes of the bone frame. Points are [x, y, z] in mm.
 import { unpacked } from "../../report/src/decode.js";
 

@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 // What would go wrong in a run, from the coarse bone. Each message has a `level`: problem or note.
 import { dot } from "./vector.js";
 import { nearbyBone, nearestSurface } from "./glenoid.js";

@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 // Changes single keys of a YAML text in place, line by line; every other byte stays. It knows the YAML that scenarios
 // are written in: block mappings and sequences, flow collections, comments. What else it meets, it refuses.
 

@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 // Decodes what render/report/mesh_data.cpp and markup.cpp encode.
 import { unzlibSync } from "fflate";
 

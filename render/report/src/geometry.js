@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 // Meshes of the page's data for three.js.
 import { BufferAttribute, BufferGeometry } from "three";
 import { meshOf } from "./decode.js";

@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 import { showBone } from "./bone.js";
 import { showPictures } from "./pictures.js";
 import { showRun } from "./run.js";

@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 // Decorations of the 3D view: directions, scale bar, legends.
 import { Vector3 } from "three";
 

@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 // Pictures open at full size, where their text is readable on small screens.
 const byId = (id) => document.getElementById(id);
 

@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 // The plot: panels over one time axis, with one cursor.
 import uPlot from "uplot";
 

@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 // The bone during the run: the reamed vertices of the bone after it, lifted by the bone that was still there.
 import { BufferAttribute } from "three";
 import { liftsOf } from "./decode.js";

@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 // Reamer, readings, curves and picture at one time of the run.
 import { Plots } from "./plot.js";
 import { bytesOf } from "./decode.js";

@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 // The bone before, during and after reaming and the reamer, with an optional section. Draws on request only.
 import {
   BackSide, Data3DTexture, DecrementWrapStencilOp, AlwaysStencilFunc, FrontSide, DoubleSide, GLSL3,

@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 // The shading of render/gl/shaders for WebGL 2. Light is in eye space; colours are linear until output.
 const common = `
 precision highp float;

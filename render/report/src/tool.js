@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 // The reamer of the 3D view: see-through as in the pictures, or of steel.
 import { DoubleSide, GLSL3, Group, LessEqualDepth, Mesh, Quaternion, ShaderMaterial, Vector3 } from "three";
 import { toolFragment, toolVertex } from "./shaders.js";

@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 // The runs of the study: decodes what render/study/study_page.cpp encodes.
 import { unpacked } from "../../report/src/decode.js";
 

@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 // Main effects of the runs that are shown: as sim/study/main_effects.cpp computes them.
 import { numberText } from "./data.js";
 import { find, part, stepsOf, svgPart } from "./parts.js";

@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 // The filters: text, status, levels of parameters, ranges of any column.
 import { STATES } from "./data.js";
 import { fillColumns, find, part } from "./parts.js";

@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 import { numberText, readStudy } from "./data.js";
 import { Effects } from "./effects.js";
 import { Filters } from "./filters.js";

@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 // A scatter plot of one column over another, coloured by a third.
 import { numberText } from "./data.js";
 import { fillColumns, find, part, stepsOf } from "./parts.js";

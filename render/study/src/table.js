@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 // The table of runs. Only the rows in sight, and some around them, are in the document.
 import { find, part } from "./parts.js";
 

@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 /// The simulator as a library: the tool moves frame by frame where the caller puts it, and the bone answers.
 ///
 /// Frames and units are those of docs/formats.md: mm, s, N, N·mm, mJ; B is the bone's frame, T the tool's without its

@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 #include "sim/bone/ct/ct_import.h"
 
 #include <fmt/core.h>

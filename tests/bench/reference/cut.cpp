@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 // The cut of `bricked` in C++: cut_bricked.cl as it runs on a CPU, over the same structures, with the cutting law of
 // kernels/cut_law.h for vectors of the compiler.
 #include "kernels/cut_law.h"

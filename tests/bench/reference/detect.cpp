@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 // The narrow phase of `bricked` in C++: detect_bricked.cl as it runs on a CPU, over the same structures and with the
 // same operations. Points of cells that can meet bone are gathered as bits of a window of 32×32×32 voxels, sixteen
 // points in the lanes of a vector where the instruction set has them, and then handed to the bricks.

@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 // The cut of `exact` in C++: cut_exact.cl as it runs on a CPU, over the same structures.
 #include "tests/bench/reference/exact_candidates.h"
 #include "tests/bench/reference/exact_visit.h"

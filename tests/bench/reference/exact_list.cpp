@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 // The broad phase of `exact` in C++: list_bricks.cl over the same structures.
 #include "kernels/reach.h"
 #include "tests/bench/reference/exact_visit.h"

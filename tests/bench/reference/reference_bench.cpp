@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 // The engines against the same frames in C++ without OpenCL. `bricked` at 1024³ × 1024³: severe contact, light contact,
 // none. A frame is broad phase, arguments, narrow phase, cut, and the sums read; the bone is restored after it, which
 // is not timed. `exact` on the plunged sphere: see sphere_bench.h.

@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 // The input is a checkpoint without its CRC-32, which would hide the reader from the fuzzer.
 #include "sim/run/checkpoint.h"
 

@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 // A library for LD_PRELOAD, which makes a call fail in the program that it is loaded into, not in its children.
 //   REAMSIM_FAULT         write, rename or allocation
 //   REAMSIM_FAULT_AT      the number of the call that fails, from 1; 0: calls are only counted

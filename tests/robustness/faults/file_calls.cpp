@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 // Calls that change files. libstdc++ writes through open, fopen, write, writev, close and fclose; libpng through
 // fwrite.
 #include <fcntl.h>

@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 // Allocations: operator new, wherever it is called, and malloc() and the like where the program itself, zlib or libpng
 // calls them. Eigen is part of the program.
 #include <dlfcn.h>
