@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 #include "cli/shipped.h"
 
 #include <fmt/format.h>

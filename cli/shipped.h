@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 #pragma once
 
 #include <string>

@@ -1,4 +1,7 @@
 #!/usr/bin/env bash
+# SPDX-FileCopyrightText: the reamsim authors
+# SPDX-License-Identifier: Apache-2.0
+
 # Makes docs/images/gallery again, the pictures of docs/gallery.md, and those of the guide: docs/make_gallery.sh [WORK FOLDER]. Takes a built reamsim
 # (./run.sh), ffmpeg, and REAMSIM_DATA, the folder that holds the CT and the mesh. Some five minutes on two cores.
 set -euo pipefail

@@ -1,3 +1,6 @@
+# SPDX-FileCopyrightText: the reamsim authors
+# SPDX-License-Identifier: Apache-2.0
+
 # The Debian packages: `cpack -G DEB` in a build folder in which everything is built (docs/install.md). An install rule belongs to
 # one of the components program, development and python; one without COMPONENT, as of a man page, belongs to program.
 set(REAMSIM_MAINTAINER "reamsim authors <reamsim@example.org>" CACHE STRING

@@ -1,3 +1,6 @@
+# SPDX-FileCopyrightText: the reamsim authors
+# SPDX-License-Identifier: Apache-2.0
+
 # Sourced: what another root needs to install from the mirror that apt of this machine uses.
 
 # The lines of a sources.list: Debian's main, as this machine has it.

@@ -1,4 +1,7 @@
 #!/usr/bin/env bash
+# SPDX-FileCopyrightText: the reamsim authors
+# SPDX-License-Identifier: Apache-2.0
+
 # Makes the container image of reamsim from its Debian packages, with no other network than the mirror of Debian's packages that
 # apt of this machine uses: build_image.sh FOLDER reamsim_*.deb [python3-reamsim_*.deb]
 #

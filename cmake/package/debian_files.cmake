@@ -1,3 +1,6 @@
+# SPDX-FileCopyrightText: the reamsim authors
+# SPDX-License-Identifier: Apache-2.0
+
 # CPack runs it when the components are staged, before they become packages: adds what only a Debian package has.
 # Staged: CPACK_TEMPORARY_INSTALL_DIRECTORY/COMPONENT/usr.
 cmake_minimum_required(VERSION 3.25)

@@ -4,7 +4,6 @@
 #include "sim/study/fit_forces.h"
 
 #include <fmt/core.h>
-
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>

@@ -1,3 +1,6 @@
+# SPDX-FileCopyrightText: the reamsim authors
+# SPDX-License-Identifier: Apache-2.0
+
 # api_documentation.sh DOXYGEN FOLDER: the comments of all headers without a warning, and everything in the library's
 # header described. From the root of the checkout.
 set -eu

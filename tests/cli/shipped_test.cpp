@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
 // Shipped scenarios and studies by their names; the place of the installation is tested by tests/package.
 #include "tests/cli/cli_fixture.h"
 

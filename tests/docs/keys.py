@@ -1,3 +1,6 @@
+# SPDX-FileCopyrightText: the reamsim authors
+# SPDX-License-Identifier: Apache-2.0
+
 """keys.py REAMSIM ROOT: every key of summary.json and every column of each CSV that runs write is in docs/formats.md, and the
 page names no key of summary.json that no run has.
 

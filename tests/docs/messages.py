@@ -1,3 +1,6 @@
+# SPDX-FileCopyrightText: the reamsim authors
+# SPDX-License-Identifier: Apache-2.0
+
 """messages.py REAMSIM ROOT: every message of docs/guide/troubleshooting.md still occurs, and every mistake here is on that page.
 
 Each case makes a mistake of its kind. Its message has to match one of the page, in which … stands for anything."""

@@ -1,3 +1,6 @@
+# SPDX-FileCopyrightText: the reamsim authors
+# SPDX-License-Identifier: Apache-2.0
+
 """mkdocs_site.py ROOT: the site of docs/ builds strictly, and a reader without network finds everything in it.
 
 Checks of the pages as they are built: every page is in the navigation; every link has its page and its anchor, every picture is there;

@@ -1,3 +1,6 @@
+# SPDX-FileCopyrightText: the reamsim authors
+# SPDX-License-Identifier: Apache-2.0
+
 """Small scans, label maps and meshes for the tests of the documents: a ball of bone in air."""
 
 import struct

@@ -1,3 +1,6 @@
+# SPDX-FileCopyrightText: the reamsim authors
+# SPDX-License-Identifier: Apache-2.0
+
 """yaml_blocks.py ROOT: every YAML block of the documents is valid by the schema of scenarios or of studies.
 
 A block with `base` is a study, one with `version` a whole scenario. Any other is a part of a scenario: its sections replace those of a

@@ -1,3 +1,6 @@
+# SPDX-FileCopyrightText: the reamsim authors
+# SPDX-License-Identifier: Apache-2.0
+
 """determinism.py REAMSIM SCENARIO BLOCK EROSION [--full]: the same scenario gives the same bytes and grids, whatever runs it.
 
 The block, which is the smaller one, in every way; the scenario in the ways that differ most. Without --full the block is

@@ -1,3 +1,6 @@
+# SPDX-FileCopyrightText: the reamsim authors
+# SPDX-License-Identifier: Apache-2.0
+
 """shoulder_errors.py REAMSIM ROOT: some runs of the study of errors on a real shoulder (docs/guide/uncertainty.md) are like the
 scenario without errors. Exits with 77 (skipped) without the data."""
 

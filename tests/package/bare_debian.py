@@ -1,3 +1,6 @@
+# SPDX-FileCopyrightText: the reamsim authors
+# SPDX-License-Identifier: Apache-2.0
+
 """bare_debian.py BUILD: the packages in a Debian 12 without compilers, from nothing to pictures, to Python and to a program that uses
 the library; and a run by an ordinary user without a home and with a read-only root. Prints times and sizes (docs/install.md).
 Needs root and the mirror of Debian's packages; skipped (77) otherwise."""

@@ -1,3 +1,6 @@
+# SPDX-FileCopyrightText: the reamsim authors
+# SPDX-License-Identifier: Apache-2.0
+
 """debian_packages.py BUILD ROOT: `cpack -G DEB` makes three packages that lintian finds nothing in, with files at the places of
 the FHS and with what is needed at run time. Skipped (77) without lintian."""
 

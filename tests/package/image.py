@@ -1,3 +1,6 @@
+# SPDX-FileCopyrightText: the reamsim authors
+# SPDX-License-Identifier: Apache-2.0
+
 """image.py BUILD: cmake/package/build_image.sh makes an image whose runs, by an ordinary user without a home, with a read-only root,
 without network and with one volume, have the bytes of a run outside. With podman, where it can run; where it cannot, the test says
 why, and enters the image's root with the settings of the Containerfile instead. Needs root and the mirror of Debian's packages;

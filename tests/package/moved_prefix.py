@@ -1,3 +1,6 @@
+# SPDX-FileCopyrightText: the reamsim authors
+# SPDX-License-Identifier: Apache-2.0
+
 """moved_prefix.py REAMSIM BUILD ROOT: what `cmake --install` puts below a prefix works after the prefix was moved, without the
 checkout: shipped scenarios by name, their reamers, the Python package."""
 

@@ -1,3 +1,6 @@
+# SPDX-FileCopyrightText: the reamsim authors
+# SPDX-License-Identifier: Apache-2.0
+
 """Roots of Debian for the tests of packages and image: made with mmdebstrap from the mirror that apt of this machine uses, and
 entered in a mount namespace of their own, whose mounts end with it."""
 
