@@ -162,8 +162,7 @@ void DepthField::compute_totals() {
 }
 
 const DepthField::Cell& DepthField::cell(int i, int j) const {
-  static const Cell outside;
-  return raster_.contains(i, j) ? cells_[raster_.index(i, j)] : outside;
+  return raster_.contains(i, j) ? cells_[raster_.index(i, j)] : outside_;
 }
 
 void DepthField::compute_normals() {
@@ -182,22 +181,25 @@ void DepthField::compute_normals() {
   }
 }
 
-std::array<DepthField::Corner, 4> DepthField::corners(const Vec2& place_mm) const {
-  const Vec2 index = (place_mm - corner_mm_) / spacing_mm_;
-  const Vec2 lower = index.array().floor();
-  const Vec2 high = index - lower;
-  const Vec2 low = Vec2::Ones() - high;
-  const int i = static_cast<int>(lower.x()), j = static_cast<int>(lower.y());
-  return {{{cell(i, j), low.x() * low.y()},
-           {cell(i + 1, j), high.x() * low.y()},
-           {cell(i, j + 1), low.x() * high.y()},
-           {cell(i + 1, j + 1), high.x() * high.y()}}};
+DepthField::Along DepthField::along(int axis, double place_mm) const {
+  const double index = (place_mm - corner_mm_[axis]) / spacing_mm_;
+  const double lower = std::floor(index);
+  const double high = index - lower;
+  return {static_cast<int>(lower), 1 - high, high};
 }
 
-DepthField::Sample DepthField::at(const Vec2& place_mm) const {
+std::array<DepthField::Corner, 4> DepthField::corners(const Along& x, const Along& y) const {
+  const int i = x.column, j = y.column;
+  return {{{cell(i, j), x.low * y.low},
+           {cell(i + 1, j), x.high * y.low},
+           {cell(i, j + 1), x.low * y.high},
+           {cell(i + 1, j + 1), x.high * y.high}}};
+}
+
+DepthField::Sample DepthField::at(const Along& x, const Along& y) const {
   Sample out;
   double reamed = 0, near = 0, near_mm = 0;
-  for (const auto& [c, weight] : corners(place_mm)) {
+  for (const auto& [c, weight] : corners(x, y)) {
     out.bone += weight * c.bone_fraction;
     out.reamed += weight * c.reamed_fraction;
     if (c.perforated) out.perforated += weight;  // not smoothed: the smallest hole counts
@@ -219,9 +221,9 @@ DepthField::Sample DepthField::at(const Vec2& place_mm) const {
   return out;
 }
 
-Vec3 DepthField::normal_before(const Vec2& place_mm) const {
+Vec3 DepthField::normal_before(const Along& x, const Along& y) const {
   Vec3 sum = Vec3::Zero();
-  for (const auto& [c, weight] : corners(place_mm)) {
+  for (const auto& [c, weight] : corners(x, y)) {
     if (c.bone) sum += weight * c.normal;
   }
   return sum.isZero() ? Vec3(Vec3::UnitZ()) : Vec3(sum.normalized());

@@ -25,10 +25,21 @@ class DepthField {
     double depth_mm = 0;    ///< of the reamed columns
     double smooth_mm = 0;   ///< their smoothed depth, for colours and contour lines
   };
+  /// Where a point lies along an axis of the raster: the column before it, and the weights of that and of the next one.
+  /// A picture computes it once for all samples with the same coordinate.
+  struct Along {
+    int column;
+    double low, high;
+  };
+  [[nodiscard]] Along along(int axis, double place_mm) const;
+  [[nodiscard]] Sample at(const Along& x, const Along& y) const;
   /// `place_mm` in the map's frame.
-  [[nodiscard]] Sample at(const Vec2& place_mm) const;
+  [[nodiscard]] Sample at(const Vec2& place_mm) const { return at(along(0, place_mm.x()), along(1, place_mm.y())); }
   /// Normal of the unreamed surface; +z without bone.
-  [[nodiscard]] Vec3 normal_before(const Vec2& place_mm) const;
+  [[nodiscard]] Vec3 normal_before(const Along& x, const Along& y) const;
+  [[nodiscard]] Vec3 normal_before(const Vec2& place_mm) const {
+    return normal_before(along(0, place_mm.x()), along(1, place_mm.y()));
+  }
 
   /// The smoothed depth with negative values outside the rim, for contour lines.
   [[nodiscard]] const RasterField& signed_depth_mm() const { return signed_depth_; }
@@ -76,12 +87,13 @@ class DepthField {
   void compute_normals();
   void compute_totals();
   [[nodiscard]] const Cell& cell(int i, int j) const;
-  [[nodiscard]] std::array<Corner, 4> corners(const Vec2& place_mm) const;
+  [[nodiscard]] std::array<Corner, 4> corners(const Along& x, const Along& y) const;
 
   double spacing_mm_ = 1;
   Vec2 corner_mm_ = Vec2::Zero();
   Raster raster_;
   std::vector<Cell> cells_;
+  Cell outside_;  ///< stands for all that are not in the raster
   RasterField signed_depth_;
   double deepest_mm_ = 0, mean_mm_ = 0, area_mm2_ = 0, perforated_mm2_ = 0;
 };

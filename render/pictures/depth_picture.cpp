@@ -44,46 +44,72 @@ Camera map_camera(const DepthField& field, const PageLayout& page) {
 class DepthPainter {
  public:
   DepthPainter(const DepthField& field, const Camera& camera, const Scale& scale)
-      : field_(field),
-        camera_(camera),
-        map_from_eye_(camera.eye_from_bone.inverse()),
-        scale_(scale),
-        colors_(depth_colors()) {}
+      : field_(field), camera_(camera), scale_(scale), colors_(depth_colors()) {
+    const Vec3 middle = camera.eye_from_bone.inverse().translation();
+    for (int n = 0; n < kMapSamples * camera.width_px; ++n) {
+      columns_.push_back(field.along(0, (sample_px(n) - 0.5 * camera.width_px) * camera.mm_per_px + middle.x()));
+    }
+    for (int n = 0; n < kMapSamples * camera.height_px; ++n) {
+      rows_.push_back(field.along(1, (0.5 * camera.height_px - sample_px(n)) * camera.mm_per_px + middle.y()));
+    }
+  }
 
   [[nodiscard]] PixelImage paint() const {
     PixelImage page = plain_image(camera_.width_px, camera_.height_px, packed(kPaperRgb));
     const Canvas canvas(page);
-    fill(canvas, field_.bone_outlines(), image_of([&](const Vec2& at) { return bone_color(at); }));
+    const std::vector<ContourLine> bone = field_.bone_outlines(), reamed = field_.reamed_outlines();
+    fill(canvas, bone, image_of(bone, [&](const Along& x, const Along& y) { return bone_color(x, y); }));
     cairo_save(canvas.get());
-    trace(canvas, field_.bone_outlines());
+    trace(canvas, bone);
     cairo_clip(canvas.get());
-    fill(canvas, field_.reamed_outlines(), image_of([&](const Vec2& at) { return depth_color(at); }));
+    fill(canvas, reamed, image_of(reamed, [&](const Along& x, const Along& y) { return depth_color(x, y); }));
     cairo_restore(canvas.get());
     canvas.finish();
     return page;
   }
 
  private:
-  [[nodiscard]] Vec2 place(double x_px, double y_px) const {
-    const Vec3 eye((x_px - 0.5 * camera_.width_px) * camera_.mm_per_px,
-                   (0.5 * camera_.height_px - y_px) * camera_.mm_per_px, 0);
-    return (map_from_eye_ * eye).head<2>();
+  using Along = DepthField::Along;
+  /// Pixels of a row, from first to last − 1.
+  struct Span {
+    int first, last;
+  };
+
+  /// The middle of the n-th sample along an axis of the picture.
+  static double sample_px(int n) { return n / kMapSamples + (n % kMapSamples + 0.5) / kMapSamples; }
+
+  /// For each row of pixels those that lie within outlines, with a margin of a pixel for smooth edges.
+  [[nodiscard]] std::vector<Span> spans_of(const std::vector<ContourLine>& outlines) const {
+    std::vector<Span> spans(static_cast<std::size_t>(camera_.height_px), {camera_.width_px, 0});
+    for (const ContourLine& line : outlines) {
+      for (std::size_t n = 0; n < line.points_mm.size(); ++n) {
+        const Vec2 &p = line.points_mm[n], &q = line.points_mm[(n + 1) % line.points_mm.size()];
+        const Vec2 a = camera_.pixel({p.x(), p.y(), 0}), b = camera_.pixel({q.x(), q.y(), 0});
+        const Vec2 low = a.cwiseMin(b).array().floor() - 1, high = a.cwiseMax(b).array().floor() + 2;
+        const auto last_row = static_cast<int>(std::min(high.y(), 1.0 * camera_.height_px));
+        for (int row = static_cast<int>(std::max(low.y(), 0.0)); row < last_row; ++row) {
+          Span& span = spans[static_cast<std::size_t>(row)];
+          span.first = std::max(0, std::min(span.first, static_cast<int>(low.x())));
+          span.last = std::min(camera_.width_px, std::max(span.last, static_cast<int>(high.x())));
+        }
+      }
+    }
+    return spans;
   }
 
-  /// A layer of the map: the mean colour of the samples of each pixel.
+  /// A layer of the map within outlines: the mean colour of the samples of each pixel.
   template <class Color>
-  [[nodiscard]] PixelImage image_of(const Color& color) const {
+  [[nodiscard]] PixelImage image_of(const std::vector<ContourLine>& outlines, const Color& color) const {
     PixelImage image = plain_image(camera_.width_px, camera_.height_px, 0);
-    const auto width = static_cast<std::size_t>(camera_.width_px);
-    parallel_items(static_cast<std::size_t>(camera_.height_px), [&](std::size_t y) {
-      for (std::size_t x = 0; x < width; ++x) {
+    const std::vector<Span> spans = spans_of(outlines);
+    parallel_items(spans.size(), [&](std::size_t y) {
+      for (int column = spans[y].first; column < spans[y].last; ++column) {
+        const auto x = static_cast<std::size_t>(column);
         Rgb sum = Rgb::Zero();
-        for (int n = 0; n < kMapSamples * kMapSamples; ++n) {
-          const double across = static_cast<double>(x) + (n % kMapSamples + 0.5) / kMapSamples;
-          const double down = static_cast<double>(y) + (n / kMapSamples + 0.5) / kMapSamples;
-          sum += color(place(across, down));
+        for (std::size_t n = 0; n < kMapSamples * kMapSamples; ++n) {
+          sum += color(columns_[kMapSamples * x + n % kMapSamples], rows_[kMapSamples * y + n / kMapSamples]);
         }
-        image.pixels[x + width * y] = packed(sum / (kMapSamples * kMapSamples));
+        image.pixels[x + static_cast<std::size_t>(camera_.width_px) * y] = packed(sum / (kMapSamples * kMapSamples));
       }
     });
     return image;
@@ -109,15 +135,15 @@ class DepthPainter {
     cairo_fill(canvas.get());
   }
 
-  [[nodiscard]] Rgb depth_color(const Vec2& at) const {
-    const DepthField::Sample sample = field_.at(at);
+  [[nodiscard]] Rgb depth_color(const Along& x, const Along& y) const {
+    const DepthField::Sample sample = field_.at(x, y);
     if (sample.perforated > 0.5 * sample.reamed && sample.reamed > 0) return kHoleRgb;
     return colors_.at(sample.smooth_mm / scale_.max).cast<double>();
   }
 
   /// Unreamed bone, lit from the upper left.
-  [[nodiscard]] Rgb bone_color(const Vec2& at) const {
-    const double light = field_.normal_before(at).dot(Vec3(-0.4, 0.5, 0.77).normalized());
+  [[nodiscard]] Rgb bone_color(const Along& x, const Along& y) const {
+    const double light = field_.normal_before(x, y).dot(Vec3(-0.4, 0.5, 0.77).normalized());
     return kBoneRgb * std::clamp(0.55 + 0.45 * light, 0.35, 1.0);
   }
 
@@ -130,9 +156,9 @@ class DepthPainter {
 
   const DepthField& field_;
   const Camera& camera_;
-  Rigid map_from_eye_;
   const Scale& scale_;
   ColorMap colors_;
+  std::vector<Along> columns_, rows_;  ///< of the samples
 };
 
 /// The contour lines as seen by the camera, all of them visible.
