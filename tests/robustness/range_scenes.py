@@ -197,7 +197,7 @@ KEYS = {
             "subchondral_density_g_cm3", "subchondral_mm", "trabecular_gradient", "texture", "seed",
         )
     },
-    "bone.ct.median_radius_voxels": merged(ct_bone(filter="median"), {"files": {"scan.nrrd": scan(side=60)}}),
+    "bone.ct.median_radius_voxels": merged(ct_bone(filter="median"), {"files": {"scan.nrrd": scan(side=48)}}),
     "bone.ct.anisotropic_iterations": ct_bone(filter="curvature_anisotropic"),
     "bone.ct.anisotropic_conductance": ct_bone(filter="curvature_anisotropic"),
     "bone.ct.threshold_hu@min": ct_bone(air=-3000),
