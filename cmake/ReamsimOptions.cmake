@@ -50,11 +50,12 @@ function(reamsim_library name)
   reamsim_precompile(${name} common_headers)
 endfunction()
 
-# reamsim_test(NAME SOURCES ... LINK ... [SHARED ...] [HOST_THREADS]): a GoogleTest program whose cases CTest lists one by
+# reamsim_test(NAME SOURCES ... LINK ... [SHARED ...] [HOST_THREADS] [COST n]): a GoogleTest program whose cases CTest lists one by
 # one, each a process of its own. SHARED: suites whose cases share something that takes long to make; CTest runs each of
 # them as one test. HOST_THREADS: they use the host's threads and no OpenCL, so that the thread sanitizer can judge them.
+# COST: tests of a higher one begin earlier, so that short ones are left for the end, when cores become free.
 function(reamsim_test name)
-  cmake_parse_arguments(ARG "HOST_THREADS" "" "SOURCES;LINK;SHARED" ${ARGN})
+  cmake_parse_arguments(ARG "HOST_THREADS" "COST" "SOURCES;LINK;SHARED" ${ARGN})
   add_executable(${name} ${ARG_SOURCES})
   target_link_libraries(${name} PRIVATE reamsim_options ${ARG_LINK} GTest::gmock GTest::gtest_main)
   target_compile_options(${name} PRIVATE ${REAMSIM_QUICK_TO_COMPILE})
@@ -62,6 +63,9 @@ function(reamsim_test name)
   set(properties TIMEOUT ${REAMSIM_TEST_TIMEOUT_S})
   if(ARG_HOST_THREADS)
     list(APPEND properties LABELS host_threads)
+  endif()
+  if(ARG_COST)
+    list(APPEND properties COST ${ARG_COST})
   endif()
   foreach(suite ${ARG_SHARED})
     add_test(NAME ${suite} COMMAND ${name} --gtest_filter=${suite}.*)
