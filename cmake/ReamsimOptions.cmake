@@ -72,7 +72,8 @@ function(reamsim_test name)
   endif()
   foreach(suite ${ARG_SHARED})
     add_test(NAME ${suite} COMMAND ${name} --gtest_filter=${suite}.*)
-    set_tests_properties(${suite} PROPERTIES ${properties} SKIP_REGULAR_EXPRESSION "\\[  SKIPPED \\]")
+    set_tests_properties(${suite} PROPERTIES ${properties}
+      SKIP_REGULAR_EXPRESSION "\\[  SKIPPED \\]" FAIL_REGULAR_EXPRESSION "\\[  FAILED  \\]")  # else a skipped case hides a failed one
   endforeach()
   list(TRANSFORM ARG_SHARED APPEND ".*")
   list(JOIN ARG_SHARED ":" shared)
