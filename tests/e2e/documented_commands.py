@@ -70,7 +70,7 @@ EXAMPLES = {
 }
 PLACEHOLDER = re.compile(r"\b(STUDY|SCENARIO|DIR|BONE|CT|MESH|FILE|PAGE|SCAN_OR_SCENARIO)\b|=[VK]\b|_X\b|\[-")
 # Interrupted runs and such: the words of a sentence, not a command on its own.
-IN_A_SENTENCE = re.compile(r"^(build/release/cli/)?reamsim( \w+){0,2}$|^gnuplot$|^ctest$|^\./run\.sh$")
+IN_A_SENTENCE = re.compile(r"^(build/release/cli/)?reamsim( sweep)?( \w+)?$|^gnuplot$|^ctest$|^\./run\.sh$")
 NEEDS_SCAN = re.compile(r"~/scans|\bglenoid\.yaml")
 MOTION = {
     "plunge": {"approach_mm": 0.5, "feed_mm_s": 5, "depth_mm": 1, "retract_mm": 2},
