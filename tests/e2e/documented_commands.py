@@ -233,14 +233,6 @@ def check_page(place, build, commands):
             place.run_documented(command)
 
 
-def check_fragments(place, text):
-    """Options alone, as in "a figure for a paper"."""
-    for fragment in re.findall(r"`(--set [^`]+)`", text):
-        if PLACEHOLDER.search(fragment) or "KEY" in fragment:
-            continue
-        place.run(f"reamsim {'render out/my --only pictures' if '--set render.' in fragment else 'check s.yaml'} {fragment}")
-
-
 def check_python(place, text):
     for block in documented.blocks(text, "python"):
         if "bpy." in block:
@@ -274,8 +266,6 @@ def main():
         for page, commands in found.items():
             print(f"-- {page}")
             check_page(place, build, commands)
-            if page == "docs/guide/pictures.md":
-                check_fragments(place, (root / page).read_text())
             if page in ("README.md", "docs/studies.md", "docs/guide/pictures.md"):
                 check_python(place, (root / page).read_text())
         check_batch_script(place, (root / "docs/formats.md").read_text())
