@@ -78,7 +78,7 @@ EXAMPLES = {
 }
 PLACEHOLDER = re.compile(r"\b(COMMAND|STUDY|SCENARIO|DIR|BONE|CT|MESH|FILE|PAGE|SCAN_OR_SCENARIO)\b|=[VK]\b|_X\b|\[-")
 # Interrupted runs and such: the words of a sentence, not a command on its own.
-IN_A_SENTENCE = re.compile(r"^(build/release/cli/)?reamsim( \w+){0,2}$|^gnuplot$|^ctest$|^\./run\.sh$")
+IN_A_SENTENCE = re.compile(r"^(build/release/cli/)?reamsim( sweep)?( \w+)?$|^gnuplot$|^ctest$|^\./run\.sh$")
 NEEDS_SCAN = re.compile(r"~/scans|\bglenoid\.yaml")
 MOTION = {
     "plunge": {"approach_mm": 0.5, "feed_mm_s": 5, "depth_mm": 1, "retract_mm": 2},
@@ -241,14 +241,6 @@ def check_page(place, build, commands):
             place.run_documented(command)
 
 
-def check_fragments(place, text):
-    """Options alone, as in "a figure for a paper"."""
-    for fragment in re.findall(r"`(--set [^`]+)`", text):
-        if PLACEHOLDER.search(fragment) or "KEY" in fragment:
-            continue
-        place.run(f"reamsim {'render out/my --only pictures' if '--set render.' in fragment else 'check s.yaml'} {fragment}")
-
-
 def check_python(place, text):
     for block in documented.blocks(text, "python"):
         if "bpy." in block:
@@ -282,8 +274,6 @@ def main():
         for page, commands in found.items():
             print(f"-- {page}")
             check_page(place, build, commands)
-            if page == "docs/guide/pictures.md":
-                check_fragments(place, (root / page).read_text())
             if page in ("README.md", "docs/studies.md", "docs/guide/pictures.md"):
                 check_python(place, (root / page).read_text())
         check_batch_script(place, (root / "docs/formats.md").read_text())
