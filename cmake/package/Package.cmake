@@ -34,8 +34,8 @@ set(CPACK_DEBIAN_PROGRAM_PACKAGE_NAME reamsim)
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_DEPENDS
-  "pocl-opencl-icd | opencl-icd, libegl1, libgl1-mesa-dri, gnuplot-nox | gnuplot, fonts-dejavu-core")
-set(CPACK_DEBIAN_PROGRAM_PACKAGE_RECOMMENDS "libosmesa6")
+  "pocl-opencl-icd | opencl-icd, libosmesa6, gnuplot-nox | gnuplot, fonts-dejavu-core")
+set(CPACK_DEBIAN_PROGRAM_PACKAGE_RECOMMENDS "libegl1, libgl1-mesa-dri")  # render.context: egl
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_SUGGESTS "ffmpeg, python3-reamsim")
 set(CPACK_DEBIAN_PROGRAM_DESCRIPTION "simulator of glenoid reaming
 reamsim removes bone from a CT scan, a surface mesh or a generated phantom

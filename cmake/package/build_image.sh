@@ -31,7 +31,7 @@ trap 'rm -rf "$packages"' EXIT
 cp "$@" "$packages"
 chmod 755 "$packages"
 
-# The packages are installed by the apt of this machine into the new root. Pages, translations and lists of packages are for
+# The packages are installed by the apt of the new root, which cannot touch this machine. Pages, translations and lists of packages are for
 # people who work in a system, not for an image.
 mmdebstrap --variant=apt --format=tar "${settings[@]}" \
   --aptopt='APT::Install-Recommends "false"' \
@@ -40,13 +40,13 @@ mmdebstrap --variant=apt --format=tar "${settings[@]}" \
   --dpkgopt='path-exclude=/usr/share/doc/*' \
   --dpkgopt='path-include=/usr/share/doc/*/copyright' \
   --customize-hook="mkdir -p \"\$1/packages\" && cp '$packages'/*.deb \"\$1/packages\"" \
-  --customize-hook='APT_CONFIG=$MMDEBSTRAP_APT_CONFIG apt-get install --yes -oAPT::Sandbox::User=root "$1"/packages/*.deb' \
+  --customize-hook='chroot "$1" sh -c "apt-get install --yes /packages/*.deb"' \
   --customize-hook='rm -rf "$1/packages"; mkdir -m 1777 "$1/results"' \
   bookworm "$folder/rootfs.tar" - <<<"$sources"
 cp "$here/../../Containerfile" "$folder"
 
 if command -v podman >/dev/null; then
-  podman build --tag reamsim "$folder"
+  podman build --layers=false --tag reamsim "$folder"
 else
   echo "podman is not installed; with it or docker: podman build --tag reamsim $folder"
 fi

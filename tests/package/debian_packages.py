@@ -25,7 +25,7 @@ PLACES = {
 }
 NEEDS = {
     "reamsim": ["libc6", "libopenvdb", "libinsighttoolkit5", "pocl-opencl-icd | opencl-icd", "gnuplot-nox | gnuplot",
-                "fonts-dejavu-core", "libegl1", "libgl1-mesa-dri"],
+                "fonts-dejavu-core", "libosmesa6"],
     "libreamsim-dev": ["libopenvdb-dev", "libinsighttoolkit5-dev", "libseccomp-dev"],
     "python3-reamsim": ["python3-numpy", "python3-yaml", f"reamsim (= {VERSION})", "python3 (<< 3."],
 }
