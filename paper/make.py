@@ -33,6 +33,8 @@ RUNS = {
 def percent(value, digits=1):
     """0.00012 as '0.012 %'; a power of ten below 0.001 %."""
     value = abs(100 * value)
+    if value >= 100:
+        return f"{value:.0f} %"
     if value >= 1e-3:
         return f"{value:.{digits + 1}g} %"
     mantissa, exponent = f"{value:.{digits}e}".split("e")
@@ -84,8 +86,9 @@ def rows(folder):
 
 def steady_torque(folder):
     """Time and torque of the last second before the reamer retracts."""
-    feeding = [r for r in rows(folder) if float(r["contacts"]) > 0]
-    last = feeding[-1001:-1]
+    all_rows = rows(folder)
+    end = max(i for i, row in enumerate(all_rows) if float(row["contacts"]) > 0)
+    last = all_rows[end - 1000:end]
     return [float(r["time_s"]) for r in last], [float(r["spin_torque_nmm"]) for r in last]
 
 
@@ -136,6 +139,12 @@ def draw_torque(folder, path):
     figure.savefig(path, dpi=200, metadata={"Software": None})
 
 
+def shrink(picture, path):
+    from PIL import Image
+    with Image.open(picture) as image:
+        image.convert("RGB").resize((960, image.height * 960 // image.width), Image.LANCZOS).save(path, optimize=True)
+
+
 def fill(template, numbers):
     def text(match):
         run, name = match[1].split(".")
@@ -181,7 +190,7 @@ def main():
         if {"exact", "remove"} <= set(names):
             draw_torque(folder, HERE / "figures/torque.png")
         if "ct" in names:
-            (HERE / "figures/ct_glenoid.png").write_bytes((folder / "ct/reamed_glenoid.png").read_bytes())
+            shrink(folder / "ct/reamed.png", HERE / "figures/ct_glenoid.png")
     file.write_text(json.dumps(numbers, indent=1, ensure_ascii=False) + "\n")
     (HERE / "paper.md").write_text(fill((HERE / "paper.in.md").read_text(), numbers))
 
