@@ -275,10 +275,11 @@ void finish_complete(OutputFolder& folder, const Scenario& scenario, const Conso
   console.say("the results were complete: " + folder.final_path());
 }
 
-/// The last line of a run.
+/// The last lines of a run. Scripts and the Python package take the folder from the first one.
 void say_where_to_look(const std::string& dir, const Console& console) {
   const char* const first = fs::exists(dir + "/report.html") ? "report.html" : "summary.json";
-  console.say("results: " + dir + "; look first at " + dir + "/" + first);
+  console.say("results: " + dir);
+  console.say("look first at " + dir + "/" + first);
 }
 
 }  // namespace

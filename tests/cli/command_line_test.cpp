@@ -65,7 +65,7 @@ TEST_F(CommandLine, HelpAndVersion) {
 
 TEST_F(CommandLine, ARunSaysWhereToLook) {
   const ProgramResult plain = run(kSmall);
-  EXPECT_THAT(plain.out, HasSubstr("results: " + path("out") + "; look first at " + path("out/summary.json\n")));
+  EXPECT_THAT(plain.out, HasSubstr("results: " + path("out") + "\nlook first at " + path("out/summary.json\n")));
 }
 
 /// A program on a terminal of its own; what it wrote there.
