@@ -33,7 +33,7 @@ RUN_ELSEWHERE = {
     "time reamsim run": "the runs below",
     "REAMSIM_DATA=... reamsim sweep run trajectories/studies/shoulder_errors.yaml": "e2e.shoulder_errors",
     "REAMSIM_DATA=... reamsim sweep run trajectories/studies/breakthrough.yaml": "a developer: it takes minutes; cli_test (Push) has a plate",
-    "REAMSIM_DATA=... reamsim init ${REAMSIM_DATA}/scapula_mesh": "test LocateGlenoid; some ten seconds",
+    "reamsim init scapula_left.stl": "test LocateGlenoid; some ten seconds",
     "reamsim check trajectories/mesh_scapula.yaml": "e2e.mesh_scapula; its data",
     "reamsim run trajectories/mesh_scapula.yaml": "e2e.mesh_scapula; its data",
     "reamsim sweep run trajectories/studies/resolution.yaml": "convergence.yaml, which is smaller",
