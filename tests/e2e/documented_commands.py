@@ -102,8 +102,9 @@ class Place:
         (folder / "python").symlink_to(root / "python")
         shutil.copytree(root / "trajectories", folder / "trajectories")
         (folder / "poses.csv").write_text("time_s,x_mm,y_mm,z_mm,qw,qx,qy,qz\n0,0,0,1,1,0,0,0\n0.5,0,0,-1,1,0,0,0\n")
-        (folder / "measured.csv").write_text("time_s,axial_force_n,spin_torque_nmm\n" +
-                                             "".join(f"{i / 10},20,300\n" for i in range(300)))
+        tables = documented.blocks((root / "docs/guide/uncertainty.md").read_text(), "text")
+        measured, = [table for table in tables if table.startswith("time_s,")]
+        (folder / "measured.csv").write_text(measured)
         self.environment = dict(os.environ, HOME=str(folder / "home"), PATH=f"{folder}/bin:{os.environ['PATH']}")
         self.shrink_scenarios()
         self.add_users_scan()
