@@ -2,7 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 
 """citation_file.py ROOT VERSION: CITATION.cff is what the Citation File Format 1.2.0 asks for (its guide to the schema: required keys,
-types, patterns), names the version of the program and the paper, and the other places name that version too."""
+types, patterns), names the version of the program and the paper, and the other places name that version too. The references of the
+program and of paper/paper.bib that have the same key are the same work."""
 
 import pathlib
 import re
@@ -63,6 +64,29 @@ def check_that_mistakes_are_found(cff):
         raise SystemExit(f"not found: {change}")
 
 
+def fields_of(text, entry, field):
+    """Per key of an entry, what its fields say, in one spelling: without braces, dashes and case."""
+    found = {}
+    for key, body in re.findall(entry, text, re.S):
+        fields = dict(re.findall(field, body))
+        found[key] = {name: re.sub(r"[{}]", "", value).replace("--", "-").lower() for name, value in fields.items()}
+    return found
+
+
+def check_references(root):
+    """`reamsim cite` and the paper must not name different works by the same key. Pages may be more exact in one of them."""
+    program = fields_of((root / "sim/record/references.cpp").read_text(), r'\.key = "(\w+)",(.*?)(?=\.key = |std::string joined)',
+                        r'\.(title|year|journal|volume|doi) =\s+"?((?<=")[^"]*|\d+)')
+    paper = fields_of((root / "paper/paper.bib").read_text(), r"@\w+\{(\w+),(.*?)\n\}",
+                      r"(title|year|journal|volume|doi) *= \{(.*)\}")
+    common = set(program) & set(paper)
+    assert {"faieghi2020", "museth2013", "jaaskelainen2015", "armato2015"} <= common, common
+    for key in common:
+        for name in set(program[key]) & set(paper[key]):
+            assert program[key][name] == paper[key][name], f"{key}: {program[key][name]} and {paper[key][name]}"
+        assert {"title", "year", "doi"} <= set(program[key]) & set(paper[key]), key
+
+
 def main():
     root, version = pathlib.Path(sys.argv[1]), sys.argv[2]
     cff = yaml.safe_load((root / "CITATION.cff").read_text())
@@ -74,6 +98,7 @@ def main():
     doi = cff["references"][0]["doi"]
     for place in ("sim/record/references.cpp", "README.md"):
         assert doi in (root / place).read_text(), place
+    check_references(root)
     assert f"## [{version}]" in (root / "CHANGELOG.md").read_text()
 
 
