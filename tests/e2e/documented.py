@@ -7,7 +7,7 @@ import re
 
 PAGES = ["README.md", "SECURITY.md", "CONTRIBUTING.md", *(f"docs/{name}.md" for name in (
     *(f"guide/{name}" for name in ("first-run", "ct", "mesh", "resolution", "forces", "push", "uncertainty", "pictures", "how-it-works")),
-    "architecture", "cluster", "commands", "engines", "formats", "gallery", "glossary", "install", "library", "physics", "preview", "reliability", "stability", "studies", "validation", "verification"))]
+    "architecture", "cluster", "commands", "engines", "formats", "gallery", "glossary", "install", "library", "physics", "preview", "release", "reliability", "stability", "studies", "validation", "verification"))]
 # What a line of a shell begins with; else it is data or a figure.
 PROGRAM = r"(?:[A-Z_]+=\S+ )?(?:time )?(?:reamsim(?!/|::|\.)|build/release/\S+|\./\w+\.sh|gnuplot|ctest|cmake|git|sbatch)\b"
 
