@@ -5,7 +5,7 @@
 
 REAMSIM_DATA names the folder of the public scan. make.py --check compares paper.md with the template and the numbers;
 make.py REAMSIM --check [--only RUN...] runs again, and compares every number of these runs with the one in numbers.json.
-Times are not compared: they belong to the machine that the number names. The benchmark takes eleven minutes of an idle machine;
+Times are not compared: they belong to the machine that the number names. The benchmark takes eleven to seventeen minutes of an idle machine;
 --bench FILE takes its numbers from a file that `reamsim bench --json FILE` wrote before."""
 
 import argparse
