@@ -35,7 +35,7 @@ RUNS = {
 LADDERS = (
     ("volume", "tilted_cap", "removed volume", "volume of a cap, tilted"),
     ("torque", "voxel", "torque", "torque, steady plunge, tilted"),
-    ("axial", "voxel", "thrust", "axial force, likewise"),
+    ("axial", "voxel", "axial force", "axial force, likewise"),
 )
 
 
@@ -79,7 +79,7 @@ def verify_numbers(folder):
         "tilted_volume": percent(check("tilted_cap", "RMS volume error at 0.25 mm, exact")["found"]),
         "tilted_remove": percent(check("tilted_cap", "RMS volume error at 0.25 mm, remove")["found"]),
         "torque": percent(check("steady", "torque, R 29, a 15 mm, 250 rpm, 0.2 mm/s")["error"]),
-        "axial_force": percent(check("steady", "thrust, R 29, a 15 mm, 250 rpm, 0.2 mm/s")["error"]),
+        "axial_force": percent(check("steady", "axial force, R 29, a 15 mm, 250 rpm, 0.2 mm/s")["error"]),
         "ripple": percent(check("ripple", "convex along the lattice, exact")["found"]),
         "ripple_remove": percent(check("ripple", "convex along the lattice, remove")["found"]),
         "energy": power(check("energy", "left side against right side")["error"]),

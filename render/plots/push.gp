@@ -33,7 +33,7 @@ do for [format in "png svg pdf"] {
   set ylabel "Power (W)"
   set key center right
   set yrange [0:high(0, max(H_max, P_max))]
-  plot csv using "time_s":"drill_power_w" every step with lines lw 1.2 lc rgb dark_red title "drill", \
+  plot csv using "time_s":"drill_power_w" every step with lines lw 1.2 lc rgb dark_red title "drive", \
        csv using "time_s":"hand_power_w" every step with lines lw 1.5 lc rgb dark_blue title "hand"
   unset multiplot
   unset output

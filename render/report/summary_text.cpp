@@ -110,9 +110,9 @@ constexpr std::array kMotion{Line{"/simulated_s", "Simulated time", "s"},
 constexpr std::array kPush{Line{"/push/mean_feed_mm_s", "Feed rate from first contact on, mean", "mm/s"},
                            Line{"/push/peak_feed_mm_s", "Feed rate in contact, peak", "mm/s"},
                            Line{"/push/hand_work_mj", "Work of the hand", "mJ"},
-                           Line{"/push/drill_work_mj", "Work of the drill", "mJ"},
+                           Line{"/push/drill_work_mj", "Work of the drive", "mJ"},
                            Line{"/push/peak_hand_power_w", "Power of the hand, peak", "W"},
-                           Line{"/push/peak_drill_power_w", "Power of the drill, peak", "W"},
+                           Line{"/push/peak_drill_power_w", "Power of the drive, peak", "W"},
                            Line{"/push/overshoot_mm", "Travel in 0.2 s after breakthrough", "mm"}};
 constexpr std::array kDeflection{
     Line{"/deflection/peak_mm", "Deflection of the springs, peak", "mm"},

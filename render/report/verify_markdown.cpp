@@ -85,7 +85,8 @@ std::string checks_table(const CaseFindings& findings) {
 }
 
 std::string order_text(const std::optional<double>& order) {
-  return order ? fmt::format("{:.2f}", *order) : "none";
+  if (!order) return "none";
+  return *order > 0 ? fmt::format("{:.2f}", *order) : "none, the error does not decrease with the step";
 }
 
 std::string refinement_table(const Refinement& refinement) {

@@ -15,7 +15,7 @@ struct HandState {
   double bone_n_s_mm = 0;         ///< resistance of the bone per feed, without edge forces, in the last frame
   std::int64_t still_frames = 0;  ///< up to the last one, in which the tool stood still under thrust
   double hand_mj = 0;             ///< work of the hand
-  double drill_mj = 0;            ///< work of the drill against the spin torque
+  double drill_mj = 0;            ///< work of the drive against the spin torque
   double damping_mj = 0;
   double kinetic_mj = 0;
   double lost_mj = 0;  ///< kinetic energy that bone took within frames beside the mean force (docs/physics.md, 10)

@@ -19,7 +19,7 @@ struct SpringState {
   std::array<double, 3> tool_mm_s{};    ///< velocity of the tool's origin in it
   std::array<double, 9> bone_n_s_mm{};  ///< resistance −∂F/∂v there; zeros: not known
   double carriage_mj = 0;               ///< work of what moves the planned pose
-  double drill_mj = 0;                  ///< work of the drill against the spin torque
+  double drill_mj = 0;                  ///< work of the drive against the spin torque
   double spring_mj = 0;
   double damping_mj = 0;
   double lost_mj = 0;        ///< ½·k·Δd² of every substep: of the step in time (docs/physics.md, 11)

@@ -73,7 +73,7 @@ void describe_push(KeyVisitor& v, PushSettings& push) {
            push.depth_mm);
   v.number({.name = "time_s", .doc = "The longest duration", .range = between(1e-3, 36000)}, push.time_s);
   v.number({.name = "mass_kg",
-            .doc = "Mass of drill and arm that moves with the tool; 0: forces balance in every frame",
+            .doc = "Mass of handpiece and arm that moves with the tool; 0: forces balance in every frame",
             .range = between(0, 100)},
            push.mass_kg);
   v.number({.name = "damping_n_s_mm", .doc = "Force of the hand against the feed, per feed", .range = between(0, 1000)},

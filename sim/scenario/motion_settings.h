@@ -72,7 +72,7 @@ struct PushSettings {
   PushEnd until = PushEnd::depth;
   double depth_mm = 4;        ///< until: depth
   double time_s = 60;         ///< ends the push in any case
-  double mass_kg = 0;         ///< of hand and drill; 0: the forces balance in every frame
+  double mass_kg = 0;         ///< of hand and handpiece; 0: the forces balance in every frame
   double damping_n_s_mm = 0;  ///< of the hand: force per feed
 };
 

@@ -82,18 +82,19 @@ inline std::vector<double> four_voxels(double finest_mm) {
 /// The finest level against its closed form; of several runs the root mean square of their errors.
 inline Check finest_check(const Refinement& refinement, double tolerance, const std::string& reason) {
   const Level& finest = refinement.levels.back();
-  const std::string where = refinement.quantity + ", finest voxels";
+  const std::string where =
+      refinement.quantity + (refinement.step.starts_with("voxel") ? ", finest voxels" : ", shortest frames");
   if (finest.runs == 1) {
     return {where, refinement.unit, Measure::relative, *refinement.expected, finest.found, tolerance, reason};
   }
   return {"RMS error of the " + where, "", Measure::at_most, tolerance, *finest.error, 0, reason};
 }
 
-/// Torque, thrust and removal rate of a steady plunge, without levels.
+/// Torque, axial force and removal rate of a steady plunge, without levels.
 inline std::vector<Refinement> load_refinements(const SteadyPlunge& plunge) {
   const PlungeLoads loads = plunge.full_loads();
   return {{"torque", "N·mm", "voxel, mm", loads.torque_nmm},
-          {"thrust", "N", "voxel, mm", loads.thrust_n},
+          {"axial force", "N", "voxel, mm", loads.axial_force_n},
           {"removal rate", "mm³/s", "voxel, mm", plunge.removal_mm3_s()}};
 }
 

@@ -84,7 +84,7 @@ CaseFindings compliance_steady_case(const Setting& setting) {
   for (const double k : {1000.0, 4000.0}) {
     const Vec3 found =
         steady_deflection_mm({.plunge = kExample, .voxel_mm = voxel_mm}, {{kRigid_n_mm, kRigid_n_mm, k}, 0}, setting);
-    out.checks.push_back(relative_check(fmt::format("d at {:g} N/mm", k), "mm", kExample.thrust_n() / k, found.z(),
+    out.checks.push_back(relative_check(fmt::format("d at {:g} N/mm", k), "mm", kExample.axial_force_n() / k, found.z(),
                                         kLimit, kLimitReason));
   }
   constexpr double kStiffness_n_mm = 4000;
@@ -95,7 +95,7 @@ CaseFindings compliance_steady_case(const Setting& setting) {
     const auto frame = [&](double taus) { return static_cast<std::size_t>(std::lround(1e3 * taus * tau)); };
     out.checks.push_back(
         relative_check(fmt::format("τ with c = {:g} N·s/mm", damping), "ms", 1e3 * tau,
-                       1e3 * time_constant_s(reamed, kExample.thrust_n() / kStiffness_n_mm, frame(0.2), frame(2)),
+                       1e3 * time_constant_s(reamed, kExample.axial_force_n() / kStiffness_n_mm, frame(0.2), frame(2)),
                        kTimeLimit, kLimitReason));
   }
   return out;
@@ -158,7 +158,7 @@ CaseFindings compliance_energy_case(const Setting& setting) {
   CaseFindings out;
   out.title = "Energy of a tool on springs";
   out.scene = "the ball of compliance_stiff fed 1 mm down, on springs of 30, 60 and 100 N/mm with 0.5 N·s/mm";
-  out.form = "work of the feed + work of the drill + E_floor = E_cut + spring + damping energy + ½Σk·Δd²";
+  out.form = "work of the feed + work of the drive + E_floor = E_cut + spring + damping energy + ½Σk·Δd²";
   ReamingScene scene = ball_on_edge(1, 1, 500);
   scene.scenario.motion.compliance = {{30, 60, 100}, 0.5};
   const Reamed reamed = ream(std::move(scene), setting);
@@ -172,7 +172,7 @@ CaseFindings compliance_energy_case(const Setting& setting) {
     out.checks.push_back({name, "mJ", Measure::reported, 0, mj, 0, ""});
   };
   report("work of the feed", s.carriage_mj);
-  report("work of the drill", s.drill_mj);
+  report("work of the drive", s.drill_mj);
   report("spring energy at the end", s.spring_mj);
   report("damping energy", s.damping_mj);
   report("½Σk·Δd²", s.lost_mj);

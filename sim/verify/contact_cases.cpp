@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-// The ratio of torque to thrust, which does not depend on the bone, and the loads on a face half over bone.
+// The ratio of torque to axial force, which does not depend on the bone, and the loads on a face half over bone.
 #include <fmt/core.h>
 #include <cmath>
 #include <numbers>
@@ -61,7 +61,7 @@ struct HalfLoad {
   double HalfFaceLoads::*member;
 };
 constexpr HalfLoad kHalfLoads[] = {
-    {"torque", "N·mm", &HalfFaceLoads::torque_nmm}, {"thrust", "N", &HalfFaceLoads::thrust_n},
+    {"torque", "N·mm", &HalfFaceLoads::torque_nmm}, {"axial force", "N", &HalfFaceLoads::axial_force_n},
     {"F·e", "N", &HalfFaceLoads::along_e_n},        {"F·t", "N", &HalfFaceLoads::along_t_n},
     {"M·e", "N·mm", &HalfFaceLoads::about_e_nmm},   {"M·t", "N·mm", &HalfFaceLoads::about_t_nmm}};
 
@@ -115,14 +115,16 @@ CaseFindings ratio_case(const Setting& setting) {
   for (const SteadyPlunge& plunge : ratio_plunges(setting.quick)) {
     setting.progress("ratio, " + with_density(plunge));
     const double found = measured_ratio_mm({.plunge = plunge}, setting);
-    out.checks.push_back(relative_check("T/F_z, " + with_density(plunge), "mm", plunge.torque_nmm() / plunge.thrust_n(),
-                                        found, kForceLimit, kLimitReason));
+    out.checks.push_back(relative_check("T/F_z, " + with_density(plunge), "mm",
+                                        plunge.torque_nmm() / plunge.axial_force_n(), found, kForceLimit,
+                                        kLimitReason));
     out.checks.push_back({"T/F_z in the limit of slow feed, " + with_density(plunge), "mm", Measure::reported,
                           plunge.ratio_mm(), found, 0, "beside it"});
   }
   const double tilted = measured_ratio_mm({.plunge = kExample, .tilt_deg = 17}, setting);
-  out.checks.push_back(relative_check("T/F_z, axis tilted by 17°", "mm", kExample.torque_nmm() / kExample.thrust_n(),
-                                      tilted, kForceLimit, kLimitReason));
+  out.checks.push_back(relative_check("T/F_z, axis tilted by 17°", "mm",
+                                      kExample.torque_nmm() / kExample.axial_force_n(), tilted, kForceLimit,
+                                      kLimitReason));
   return out;
 }
 

@@ -193,7 +193,7 @@ CaseFindings ct_force_case(const Setting& setting) {
   const Tool tool = make_tool(convex_profile(29, 4, 1.25, 8, 0.1));
   const Vec3 n = slab.outward();
   Refinement torque{"mean spin torque", "N·mm", "voxel, mm", expected.torque_nmm};
-  Refinement thrust{"mean thrust", "N", "voxel, mm", expected.thrust_n};
+  Refinement axial_force{"mean axial force", "N", "voxel, mm", expected.axial_force_n};
   for (const double voxel_mm : four_voxels(0.25)) {
     constexpr int kDown = 100, kSteady = 400;
     const Motion motion =
@@ -202,9 +202,9 @@ CaseFindings ct_force_case(const Setting& setting) {
     const Reamed reamed = ream(scene_of(scan_and_import(slab, voxel_mm), tool, motion), setting);
     const MeanLoads loads = mean_loads(reamed.after(kDown));
     add_level(torque, voxel_mm, loads.spin_torque_nmm);
-    add_level(thrust, voxel_mm, loads.axial_force_n);
+    add_level(axial_force, voxel_mm, loads.axial_force_n);
   }
-  for (const Refinement& refinement : {torque, thrust}) {
+  for (const Refinement& refinement : {torque, axial_force}) {
     add_refinement(out, refinement, 0.01, "the grade of the slab is rounded to 0.4 %");
   }
   return out;

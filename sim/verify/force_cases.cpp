@@ -17,7 +17,7 @@ constexpr double kClear_mm = 0.1;
 constexpr double kForceLimit = 5e-3, kRippleLimit = 2e-3;
 const char* const kLimitReason = "limit set by this project";
 
-/// Torque, thrust and removal rate as refinements over the voxel size.
+/// Torque, axial force and removal rate as refinements over the voxel size.
 std::vector<Refinement> steady_refinements(const SteadyPlunge& plunge, const Setting& setting) {
   std::vector<Refinement> refinements = load_refinements(plunge);
   constexpr int kFrames = 64;
@@ -63,7 +63,7 @@ CaseFindings steady_case(const Setting& setting) {
       "refinements: R 29, a 15 mm, 250 rpm, 0.2 mm/s";
   out.form = "T = π·u·(a² − r₀²)·v_f/ω; F_z = 2π·k_n·u·(v_f/ω)·[C(a) − C(r₀)] + 2π·u·(v_f/ω)²·ln(a/r₀)";
   out.refinements = steady_refinements(kExample, setting);
-  const double simple[] = {kExample.torque_nmm(), kExample.thrust_n(), kExample.removal_mm3_s()};
+  const double simple[] = {kExample.torque_nmm(), kExample.axial_force_n(), kExample.removal_mm3_s()};
   for (std::size_t i = 0; i < out.refinements.size(); ++i) {
     const Refinement& refinement = out.refinements[i];
     out.checks.push_back(relative_check(refinement.quantity + ", " + text_of(kExample), refinement.unit, simple[i],
@@ -74,8 +74,8 @@ CaseFindings steady_case(const Setting& setting) {
     const MeanLoads mean = mean_loads(steady_rows({.plunge = plunge}, setting));
     out.checks.push_back(relative_check("torque, " + text_of(plunge), "N·mm", plunge.torque_nmm(), mean.spin_torque_nmm,
                                         kForceLimit, kLimitReason));
-    out.checks.push_back(relative_check("thrust, " + text_of(plunge), "N", plunge.thrust_n(), mean.axial_force_n,
-                                        kForceLimit, kLimitReason));
+    out.checks.push_back(relative_check("axial force, " + text_of(plunge), "N", plunge.axial_force_n(),
+                                        mean.axial_force_n, kForceLimit, kLimitReason));
   }
   return out;
 }

@@ -55,7 +55,7 @@ double SteadyPlunge::torque_nmm() const {
   return specific_energy(density_g_cm3) * removal_mm3_s() / angular_speed(rpm);
 }
 
-double SteadyPlunge::thrust_n() const {
+double SteadyPlunge::axial_force_n() const {
   const double u = specific_energy(density_g_cm3), per_radian = feed_mm_s / angular_speed(rpm);
   return 2 * pi * kNormalRatio * u * per_radian * (face_integral(*this, outer_mm) - face_integral(*this, bore_mm)) +
          2 * pi * u * per_radian * per_radian * std::log(outer_mm / bore_mm);
@@ -68,7 +68,7 @@ double SteadyPlunge::ratio_mm() const {
 
 PlungeLoads SteadyPlunge::full_loads() const {
   const HalfFaceLoads half = full_half_face();
-  return {2 * half.torque_nmm, 2 * half.thrust_n};
+  return {2 * half.torque_nmm, 2 * half.axial_force_n};
 }
 
 HalfFaceLoads SteadyPlunge::half_face() const {
@@ -77,7 +77,7 @@ HalfFaceLoads SteadyPlunge::half_face() const {
   const double flat = outer_mm - bore_mm, bent = face_integral(*this, outer_mm) - face_integral(*this, bore_mm);
   HalfFaceLoads out;
   out.torque_nmm = torque_nmm() / 2;
-  out.thrust_n = thrust_n() / 2;
+  out.axial_force_n = axial_force_n() / 2;
   out.along_e_n = radius_mm ? -kNormalRatio * per_mm * squares / *radius_mm : 0;
   out.along_t_n = 2 * per_mm * flat;
   out.about_e_nmm = radius_mm ? -2 * per_mm * *radius_mm * (flat - bent) : 0;
@@ -102,7 +102,7 @@ HalfFaceLoads SteadyPlunge::full_half_face() const {
     const double axial = per_radian * (feed_mm_s / speed + kNormalRatio * (slope - into * feed_mm_s / speed));
     const double weight = i == 0 || i == kParts ? 1 : i % 2 == 1 ? 4 : 2;
     sum.torque_nmm += weight * pi * r * spin;
-    sum.thrust_n += weight * pi * axial;
+    sum.axial_force_n += weight * pi * axial;
     // ∫cos φ dφ = 2 over the half; the same with sin is 0.
     sum.along_e_n += weight * 2 * outward;
     sum.along_t_n += weight * 2 * spin;
@@ -111,7 +111,7 @@ HalfFaceLoads SteadyPlunge::full_half_face() const {
   }
   const double third = (outer_mm - bore_mm) / kParts / 3;
   for (double* load :
-       {&sum.torque_nmm, &sum.thrust_n, &sum.along_e_n, &sum.along_t_n, &sum.about_e_nmm, &sum.about_t_nmm}) {
+       {&sum.torque_nmm, &sum.axial_force_n, &sum.along_e_n, &sum.along_t_n, &sum.about_e_nmm, &sum.about_t_nmm}) {
     *load *= third;
   }
   return sum;

@@ -29,20 +29,20 @@ double cap_mm3(double radius_mm, double depth_mm);
 /// Area of a disc of radius R beyond a chord at R − d from its centre.
 double segment_mm2(double radius_mm, double depth_mm);
 
-/// Torque against the rotation, and thrust out of the bone.
+/// Torque against the rotation, and axial force out of the bone.
 struct PlungeLoads {
   double torque_nmm = 0;
-  double thrust_n = 0;
+  double axial_force_n = 0;
 };
 
 /// Loads of a face with bone under one half: towards e, perpendicular to the axis. t is e rotated by 90°,
 /// counter-clockwise seen from the drive; the tool rotates clockwise (docs/formats.md).
 struct HalfFaceLoads {
-  double torque_nmm = 0;   ///< against the rotation
-  double thrust_n = 0;     ///< out of the bone
-  double along_e_n = 0;    ///< of the normal parts: away from the bone, so negative
-  double along_t_n = 0;    ///< of the tangential parts
-  double about_e_nmm = 0;  ///< moment about the tool's origin
+  double torque_nmm = 0;     ///< against the rotation
+  double axial_force_n = 0;  ///< out of the bone
+  double along_e_n = 0;      ///< of the normal parts: away from the bone, so negative
+  double along_t_n = 0;      ///< of the tangential parts
+  double about_e_nmm = 0;    ///< moment about the tool's origin
   double about_t_nmm = 0;
 };
 
@@ -58,13 +58,13 @@ struct SteadyPlunge {
   /// π·u·(a² − r₀²)·v_f/ω, N·mm.
   [[nodiscard]] double torque_nmm() const;
   /// 2π·k_n·u·(v_f/ω)·[C(a) − C(r₀)] + 2π·u·(v_f/ω)²·ln(a/r₀), N.
-  [[nodiscard]] double thrust_n() const;
+  [[nodiscard]] double axial_force_n() const;
   /// The law's integral over the face by quadrature, which both approach for v_f ≪ ωr. The work of the rotation is less
-  /// by that of the feed, thrust·v_f.
+  /// by that of the feed, F_z·v_f.
   [[nodiscard]] PlungeLoads full_loads() const;
-  /// Torque over thrust for v_f ≪ ωr, mm: (a² − r₀²)/(2·k_n·[C(a) − C(r₀)]). Independent of density and energy.
+  /// Torque over axial force for v_f ≪ ωr, mm: (a² − r₀²)/(2·k_n·[C(a) − C(r₀)]). Independent of density and energy.
   [[nodiscard]] double ratio_mm() const;
-  /// With bone under half of the face: torque and thrust are half of the above;
+  /// With bone under half of the face: torque and axial force are half of the above;
   /// F·e = −k_n·u·(v_f/ω)·(a² − r₀²)/R (flat: 0), F·t = 2u·(v_f/ω)·(a − r₀);
   /// M·e = −2u·(v_f/ω)·R·[(a − r₀) − (C(a) − C(r₀))] (flat: 0), M·t = −k_n·u·(v_f/ω)·(a² − r₀²).
   [[nodiscard]] HalfFaceLoads half_face() const;

@@ -234,7 +234,7 @@ CaseFindings push_energy_case(const Setting& setting) {
   out.scene =
       "head without bore from first contact through two layers (1.8 and 0.4 g/cm³) with 0.5 kg and 0.5 N·s/mm, to 1.5 "
       "mm";
-  out.form = "work of the hand + work of the drill + E_floor = E_cut + kinetic + damping energy + loss within frames";
+  out.form = "work of the hand + work of the drive + E_floor = E_cut + kinetic + damping energy + loss within frames";
   Push push{.head = convex_profile(12, 5, 0, kHead_mm, 0.05), .voxel_mm = 0.25, .rate_hz = 500, .block_mm = 3};
   push.width_mm = 13;
   push.density = [](const Vec3& p) { return p.z() > -1 ? 1.8 : 0.4; };
@@ -253,7 +253,7 @@ CaseFindings push_energy_case(const Setting& setting) {
   const double given = hand.hand_mj + hand.drill_mj + floor;
   const double taken = cut + hand.kinetic_mj + hand.damping_mj + hand.lost_mj;
   out.checks.push_back({"work of the hand", "mJ", Measure::reported, 0, hand.hand_mj, 0, ""});
-  out.checks.push_back({"work of the drill", "mJ", Measure::reported, 0, hand.drill_mj, 0, ""});
+  out.checks.push_back({"work of the drive", "mJ", Measure::reported, 0, hand.drill_mj, 0, ""});
   out.checks.push_back({"damping energy", "mJ", Measure::reported, 0, hand.damping_mj, 0, ""});
   out.checks.push_back({"loss within frames", "mJ", Measure::reported, 0, hand.lost_mj, 0, ""});
   out.checks.push_back(relative_check("both sides", "mJ", taken, given, 1e-4, kLimitReason));

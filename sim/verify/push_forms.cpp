@@ -60,7 +60,7 @@ double thrust_within(const SteadyPlunge& head, double feed, double radius_mm) {
 double linear_resistance(const SteadyPlunge& head) {
   // The thrust at a feed is A·v + B·v².
   const double feed = 1;
-  return with_feed(head, feed).thrust_n() / feed - square_resistance(head) * feed;
+  return with_feed(head, feed).axial_force_n() / feed - square_resistance(head) * feed;
 }
 
 double quadratic_feed(const SteadyPlunge& head, double thrust_n) {

@@ -55,6 +55,13 @@ TEST(VerifyReport, MarkdownHasEveryFigureWithItsReason) {
   EXPECT_THAT(text, Not(HasSubstr("FAIL")));
 }
 
+TEST(VerifyReport, AnErrorThatDoesNotDecreaseHasNoOrder) {
+  verify::Findings findings = some_findings();
+  findings.cases[0].refinements[0].order = -0.8;
+  EXPECT_THAT(verification_markdown(findings),
+              HasSubstr("Order of the error: none, the error does not decrease with the step;"));
+}
+
 TEST(VerifyReport, AFailureIsSaidInTheHeadAndInItsRow) {
   verify::Findings findings = some_findings();
   findings.cases[0].checks[0].found = 101;

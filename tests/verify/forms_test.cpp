@@ -18,7 +18,7 @@ constexpr SteadyPlunge kExample{29, 15, 1.25, 250, 0.2, 1.8};
 
 TEST(Forms, TheDesignsExample) {
   EXPECT_NEAR(kExample.torque_nmm(), 804.4, 0.05);
-  EXPECT_NEAR(kExample.thrust_n(), 47.1, 0.05);
+  EXPECT_NEAR(kExample.axial_force_n(), 47.1, 0.05);
   EXPECT_NEAR(kExample.full_contact_mm(), 4.18, 0.005);
 }
 
@@ -27,7 +27,7 @@ TEST(Forms, TheWorkOfSpinAndFeedIsTheCutsEnergy) {
     SteadyPlunge plunge = kExample;
     plunge.feed_mm_s = feed;
     const PlungeLoads loads = plunge.full_loads();
-    const double power = loads.torque_nmm * angular_speed(plunge.rpm) + loads.thrust_n * feed;
+    const double power = loads.torque_nmm * angular_speed(plunge.rpm) + loads.axial_force_n * feed;
     EXPECT_NEAR(power / (specific_energy(1.8) * plunge.removal_mm3_s()), 1, 1e-9);
   }
 }
@@ -36,9 +36,9 @@ TEST(Forms, TheFullIntegralTendsToTheClosedForms) {
   SteadyPlunge slow = kExample;
   slow.feed_mm_s = 1e-4;
   EXPECT_NEAR(slow.full_loads().torque_nmm / slow.torque_nmm(), 1, 1e-6);
-  EXPECT_NEAR(slow.full_loads().thrust_n / slow.thrust_n(), 1, 1e-6);
+  EXPECT_NEAR(slow.full_loads().axial_force_n / slow.axial_force_n(), 1, 1e-6);
   slow.radius_mm = std::nullopt;
-  EXPECT_NEAR(slow.full_loads().thrust_n / slow.thrust_n(), 1, 1e-6);
+  EXPECT_NEAR(slow.full_loads().axial_force_n / slow.axial_force_n(), 1, 1e-6);
 }
 
 TEST(Forms, TorqueOverThrustHasNoDensityInIt) {
@@ -48,7 +48,7 @@ TEST(Forms, TorqueOverThrustHasNoDensityInIt) {
     slow.density_g_cm3 = density;
     slow.feed_mm_s = 1e-4;
     const PlungeLoads loads = slow.full_loads();
-    EXPECT_NEAR(loads.torque_nmm / loads.thrust_n / kExample.ratio_mm(), 1, 1e-4) << density;
+    EXPECT_NEAR(loads.torque_nmm / loads.axial_force_n / kExample.ratio_mm(), 1, 1e-4) << density;
   }
 }
 
@@ -75,7 +75,7 @@ TEST(Forms, HalfAFaceByElements) {
   const HalfFaceLoads half = plunge.full_half_face();
   EXPECT_NEAR(half.along_e_n / force.x(), 1, 1e-4);
   EXPECT_NEAR(half.along_t_n / force.y(), 1, 1e-4);
-  EXPECT_NEAR(half.thrust_n / force.z(), 1, 1e-4);
+  EXPECT_NEAR(half.axial_force_n / force.z(), 1, 1e-4);
   EXPECT_NEAR(half.about_e_nmm / moment.x(), 1, 1e-4);
   EXPECT_NEAR(half.about_t_nmm / moment.y(), 1, 1e-4);
   EXPECT_NEAR(half.torque_nmm / moment.z(), 1, 1e-4) << "the bone turns the tool back, about +z";
@@ -86,7 +86,7 @@ TEST(Forms, TheHalfFacesIntegralTendsToItsClosedForms) {
   slow.feed_mm_s = 1e-4;
   const HalfFaceLoads half = slow.half_face(), full = slow.full_half_face();
   EXPECT_NEAR(full.torque_nmm / half.torque_nmm, 1, 1e-4);
-  EXPECT_NEAR(full.thrust_n / half.thrust_n, 1, 1e-4);
+  EXPECT_NEAR(full.axial_force_n / half.axial_force_n, 1, 1e-4);
   EXPECT_NEAR(full.along_e_n / half.along_e_n, 1, 1e-4);
   EXPECT_NEAR(full.along_t_n / half.along_t_n, 1, 1e-4);
   EXPECT_NEAR(full.about_e_nmm / half.about_e_nmm, 1, 1e-4);

@@ -98,13 +98,14 @@ TEST(WrongConstant, ForcesATenthOfAPerCentTooLarge) {
 }
 
 TEST(WrongConstant, NormalRatioTwoPerCentTooLarge) {
-  // It does no work, so that only the thrust shows it.
+  // It does no work, so that only the axial force shows it.
   Fault fault;
   fault.args = [](SubstepArgs& args) { args.normal_ratio *= 1.02F; };
   EXPECT_TRUE(failures("energy", fault).empty());
   const auto failed = failures("steady", fault);
   EXPECT_FALSE(failed.empty());
-  EXPECT_TRUE(std::all_of(failed.begin(), failed.end(), [](const auto& what) { return what.starts_with("thrust"); }));
+  EXPECT_TRUE(
+      std::all_of(failed.begin(), failed.end(), [](const auto& what) { return what.starts_with("axial force"); }));
   EXPECT_FALSE(failures("ratio", fault).empty());
 }
 
