@@ -70,9 +70,6 @@ std::vector<FacePlace> places_of(const BoneSettings& settings, Report& report) {
     }
   }
   if (out.empty()) out = places_on_surface(settings, ignored);
-  if (settings.source == BoneSource::ct) {
-    std::erase_if(out, [&](const FacePlace& place) { return is_of_other_side(place, settings.side); });
-  }
   std::ranges::stable_sort(out, {}, [](const FacePlace& place) { return -place.confidence; });
   return out;
 }
@@ -89,7 +86,14 @@ std::vector<FacePlace> places_of(const BoneSettings& settings, Report& report) {
 Vec3 locate_glenoid(const BoneSettings& given, Report& report) {
   BoneSettings settings = given;
   settings.voxel_mm = kSearchVoxel_mm;
-  const std::vector<FacePlace> places = places_of(settings, report);
+  std::vector<FacePlace> places = places_of(settings, report);
+  if (settings.source == BoneSource::ct) {
+    const auto of_other_side = [&](const FacePlace& place) { return is_of_other_side(place, settings.side); };
+    const std::size_t others = std::erase_if(places, of_other_side);
+    if (others > 0 && places.empty()) {
+      refuse(settings, "the search found a glenoid of the other side only: check --side, and that the file is in LPS");
+    }
+  }
   if (places.empty()) refuse(settings, "the search found no face of a glenoid");
   const FacePlace& best = places.front();
   if (best.confidence < kLeastConfidence) {

@@ -82,7 +82,7 @@ void write_indices(const std::string& dir, const UqResults& results, std::size_t
 }
 
 TornadoPlot tornado(const UqResults& results, std::size_t output) {
-  TornadoPlot plot{.rows = {}, .median = quantile(column_of(results.samples, static_cast<Eigen::Index>(output)), 0.5)};
+  TornadoPlot plot{.rows = {}, .mean = results.samples.col(static_cast<Eigen::Index>(output)).mean()};
   for (std::size_t d = 0; d < results.inputs.size(); ++d) {
     const auto at = static_cast<Eigen::Index>(d);
     plot.rows.push_back({results.inputs[d], results.low[output][at], results.high[output][at]});

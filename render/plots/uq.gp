@@ -39,10 +39,10 @@ do for [format in "png svg pdf"] {
     set xlabel peak_of[panel] offset 0,0.3
     set xtics tic(span_of[panel])
     if (panel == 1) {
-      set arrow 1 from median_of[1], graph 0 to median_of[1], graph 1 nohead lc rgb grey dt 2
+      set arrow 1 from mean_of[1], graph 0 to mean_of[1], graph 1 nohead lc rgb grey dt 2
       plot $axial using 2:1:2:3:($1 - 0.33):($1 + 0.33):ytic(4) with boxxyerror lc rgb color_of[1]
     } else {
-      set arrow 1 from median_of[2], graph 0 to median_of[2], graph 1 nohead lc rgb grey dt 2
+      set arrow 1 from mean_of[2], graph 0 to mean_of[2], graph 1 nohead lc rgb grey dt 2
       plot $torque using 2:1:2:3:($1 - 0.33):($1 + 0.33):ytic(4) with boxxyerror lc rgb color_of[2]
     }
     unset arrow 1

@@ -33,7 +33,7 @@ std::string block_of(const std::string& name, TornadoPlot& plot) {
 
 /// The length of the axis.
 double span_of(const TornadoPlot& plot) {
-  double least = plot.median, most = plot.median;
+  double least = plot.mean, most = plot.mean;
   for (const TornadoRow& row : plot.rows) {
     least = std::min({least, row.low, row.high});
     most = std::max({most, row.low, row.high});
@@ -47,8 +47,8 @@ void write_uq_plot(const std::string& dir, const TornadoPlot& axial_force, const
   TornadoPlot axial = axial_force, torque = spin_torque;
   std::string data = block_of("axial", axial) + block_of("torque", torque);
   data +=
-      fmt::format("array rows[2] = [{}, {}]\narray median_of[2] = [{}, {}]\narray span_of[2] = [{}, {}]\n",
-                  axial.rows.size(), torque.rows.size(), axial.median, torque.median, span_of(axial), span_of(torque));
+      fmt::format("array rows[2] = [{}, {}]\narray mean_of[2] = [{}, {}]\narray span_of[2] = [{}, {}]\n",
+                  axial.rows.size(), torque.rows.size(), axial.mean, torque.mean, span_of(axial), span_of(torque));
   draw_plot(dir, "uq", data, embedded::uq_plot_script);
 }
 

@@ -4,14 +4,16 @@ panel_height = results > 6 ? 27.0 : 31.0
 gap = 3.5
 wide = 180.0
 left_edge = 23.0
-top_edge = 9.0
 bottom_edge = label_mm + 9.0
-tall = top_edge + results * panel_height + (results - 1) * gap + bottom_edge
 step = (wide - left_edge - 3.0) / parameters
 # A few parameters do not make panels wider than high enough to read.
 step = step > 62 ? 62.0 : step
 wide = left_edge + parameters * step + 3.0
 wide = wide < 110 ? 110.0 : wide
+narrow = wide < 165  # the heading takes two lines
+heading = "Mean ± SD over all other parameters; grey: single runs" . (narrow ? "\n" : "; ") . "%: fraction of the variance explained"
+top_edge = narrow ? 13.0 : 9.0
+tall = top_edge + results * panel_height + (results - 1) * gap + bottom_edge
 from_top(mm) = 1 - mm / tall
 # Two to five tics.
 decade(span) = 10 ** floor(log10(span / 3))
@@ -49,7 +51,7 @@ do for [format in "png svg pdf"] {
         set label 3 x_title[p] at screen (left_edge + (p - 0.5) * step - 1.2) / wide, screen 6.0 / tall center
       }
       if (r == 1 && p == 1) {
-        set label 2 "Mean ± SD over all other parameters; grey: single runs; %: fraction of the variance explained" \
+        set label 2 heading \
           at screen left_edge / wide, from_top(4.5) left textcolor rgb grey
       }
       if (named[p]) {

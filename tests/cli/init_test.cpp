@@ -171,5 +171,13 @@ TEST_F(InitTest, SeparatesTheHumerusOfAScan) {
   EXPECT_THAT(checked.out, Not(HasSubstr("# warning: the tool")));
 }
 
+TEST_F(InitTest, AScanOfTheOtherSideNamesTheSide) {
+  const std::string scan = data_file("shoulder_ct/shoulder_left.nrrd");
+  if (!std::filesystem::exists(scan)) GTEST_SKIP() << "no " << scan << "; set REAMSIM_DATA";
+  const ProgramResult refused = call({"init", scan, "-o", "my.yaml", "--side", "right", "--voxel-mm", "0.8"});
+  EXPECT_EQ(refused.status, 2);
+  EXPECT_THAT(refused.err, HasSubstr("the search found a glenoid of the other side only: check --side"));
+}
+
 }  // namespace
 }  // namespace reamsim::test
