@@ -17,6 +17,7 @@
 #include "cli/sweep_workers.h"
 #include "sim/base/error.h"
 #include "sim/base/text.h"
+#include "sim/base/whole_number.h"
 
 namespace reamsim {
 
@@ -211,16 +212,15 @@ struct RunOptionsOfSweep {
 
 /// A part of the runs: those whose place among the different runs is i modulo n.
 struct Shard {
-  std::size_t index = 0, count = 1;
+  std::uint64_t index = 0, count = 1;
 };
 
 /// "2/8" is the second of eight. Throws InputError.
 Shard parse_shard(const std::string& text) {
   if (text.empty()) return {};
-  unsigned index = 0, count = 0;
-  char rest = 0;
-  const bool read = std::sscanf(text.c_str(), "%u/%u%c", &index, &count, &rest) == 2;
-  if (!read || count < 1 || index < 1 || index > count) {
+  const std::vector<std::string> parts = split(text, '/');
+  const std::uint64_t index = whole_number(parts.front()).value_or(0), count = whole_number(parts.back()).value_or(0);
+  if (parts.size() != 2 || index < 1 || index > count) {
     throw InputError({}, "--shard", "found " + text, "expected i/n with i from 1 to n, for example 1/8");
   }
   return {index - 1, count};

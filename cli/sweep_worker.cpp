@@ -21,6 +21,8 @@
 #include "cli/sweep_options.h"
 #include "sim/base/error.h"
 #include "sim/base/printable.h"
+#include "sim/base/text.h"
+#include "sim/base/whole_number.h"
 #include "sim/record/folder_lock.h"
 #include "sim/study/run_id.h"
 #include "sim/study/study_folder.h"
@@ -38,8 +40,10 @@ struct WorkerOptions {
 
 /// Leaves this process its part of the processors it may use.
 void take_processors(const std::string& part) {
-  int index = 0, count = 1;
-  if (std::sscanf(part.c_str(), "%d/%d", &index, &count) != 2 || count < 2) return;
+  const std::vector<std::string> parts = split(part, '/');
+  const int index = static_cast<int>(whole_number(parts.front()).value_or(0));
+  const int count = static_cast<int>(whole_number(parts.back()).value_or(0));
+  if (count < 2) return;
   cpu_set_t all, own;
   if (sched_getaffinity(0, sizeof all, &all) != 0) return;
   CPU_ZERO(&own);

@@ -247,7 +247,7 @@ void divide_processors(int jobs) {
 SweepWorkers::SweepWorkers(const SweepOptions& options, std::string dir, WorkerTask task, int jobs)
     : options_(options), dir_(std::move(dir)), task_(task), jobs_(jobs) {}
 
-bool SweepWorkers::work(const SweepRuns& sweep, std::vector<std::size_t> runs,
+bool SweepWorkers::work(const SweepRuns& sweep, const std::vector<std::size_t>& runs,
                         const std::function<void(const WorkerAnswer&)>& answered) {
   if (runs.empty()) return true;
   const int jobs = std::min(jobs_, static_cast<int>(runs.size()));

@@ -34,7 +34,7 @@ class SweepWorkers {
   /// Has these runs (indices in the plan) done, and calls `answered` for each. A worker that ends by itself fails its
   /// run and is replaced. Returns false where stop_requested() ended the work; workers have then ended, and saved what
   /// they could. Throws RunError where no worker can be started.
-  bool work(const SweepRuns& sweep, std::vector<std::size_t> runs,
+  bool work(const SweepRuns& sweep, const std::vector<std::size_t>& runs,
             const std::function<void(const WorkerAnswer&)>& answered);
 
  private:

@@ -7,6 +7,9 @@ target_compile_options(reamsim_options INTERFACE
   -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion -Werror
   # GCC 12 sees overlaps in std::string's operator+ that cannot happen (GCC bug 105329).
   $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict>
+  # Clang warns of members that a designated initializer leaves to their default, of macros of libseccomp, and of the length
+  # of embedded texts.
+  $<$<CXX_COMPILER_ID:Clang>:-Wno-missing-field-initializers;-Wno-c99-extensions;-Wno-overlength-strings>
   # Host and kernels must round alike, so no fused multiply-add that the source does not write.
   -ffp-contract=off
   # Some libraries ask for it; precompiled headers want it everywhere or nowhere.

@@ -34,7 +34,7 @@ void raise_python(const char* name, const std::string& message, int status) {
   PyErr_SetObject(type.ptr(), error.ptr());
 }
 
-void translate(std::exception_ptr thrown) {
+void translate(std::exception_ptr thrown) {  // NOLINT(performance-unnecessary-value-param): as pybind11 calls it
   constexpr int kFailed = 1, kWrongInput = 2;
   try {
     if (thrown) std::rethrow_exception(thrown);
@@ -111,8 +111,11 @@ class Guarded {
 
  private:
   struct Release {
-    bool& busy;
+    explicit Release(bool& flag) : busy(flag) {}
     ~Release() { busy = false; }
+    Release(const Release&) = delete;
+    Release& operator=(const Release&) = delete;
+    bool& busy;
   };
 
   static void require_process() {

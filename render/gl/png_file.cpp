@@ -57,10 +57,10 @@ bool compress(std::FILE* file, const PixelImage& image, const Rows& rows, std::s
   const auto width = static_cast<png_uint_32>(image.width_px), height = static_cast<png_uint_32>(image.height_px);
   png_set_IHDR(png, info, width, height, 8, rows.channels == 3 ? PNG_COLOR_TYPE_RGB : PNG_COLOR_TYPE_RGBA,
                PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
-  std::string key = "Software";
+  char key[] = "Software";  // no std::string, whose destructor the jump would leave out
   png_text text{};
   text.compression = PNG_TEXT_COMPRESSION_NONE;
-  text.key = key.data();
+  text.key = key;
   text.text = software.data();
   text.text_length = software.size();
   if (!software.empty()) png_set_text(png, info, &text, 1);

@@ -16,6 +16,7 @@ std::optional<Manifest> read_manifest(const std::string& dir) {
   const Json json = parse_result_json(text);
   if (!json.is_object() || !json.contains("kind") || !json["kind"].is_string()) return std::nullopt;
   if (!json.contains("files") || !json["files"].is_array()) return std::nullopt;
+  if (json.contains("complete") && !json["complete"].is_boolean()) return std::nullopt;
   Manifest out{.kind = json["kind"], .files = {}, .complete = json.value("complete", true)};
   for (const Json& file : json["files"]) {
     if (!file.is_string()) return std::nullopt;

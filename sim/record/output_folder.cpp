@@ -135,10 +135,10 @@ void move_without_replacing(const std::string& partial, const std::string& dir) 
 }
 
 /// Removes what reamsim wrote into `dir`. Returns false where anything remains, also for want of memory.
-bool removed(const std::string& dir, ResultKind kind) {
+bool removed(const std::string& dir, ResultKind kind) noexcept {
   try {
     return remove_results(dir, kind);
-  } catch (const std::bad_alloc&) {  // the next command with --overwrite or --resume removes it
+  } catch (const std::exception&) {  // the next command with --overwrite or --resume removes it
     return false;
   }
 }

@@ -17,8 +17,7 @@ constexpr std::int64_t kMarginParts = 20;
 
 void sort_once(std::vector<std::int64_t>& frames) {
   std::ranges::sort(frames);
-  const auto repeated = std::ranges::unique(frames);
-  frames.erase(repeated.begin(), repeated.end());
+  frames.erase(std::unique(frames.begin(), frames.end()), frames.end());
 }
 
 /// The i-th of the frames of all spans.

@@ -59,7 +59,7 @@ std::vector<Ring> rings_of(const Profile& profile, double spacing_mm) {
   const int count = static_cast<int>(std::ceil(last_mm / spacing_mm));
   for (int i = 0; i <= count; ++i) radii.push_back(last_mm * i / count);
   std::ranges::sort(radii);
-  radii.erase(std::ranges::unique(radii).begin(), radii.end());
+  radii.erase(std::unique(radii.begin(), radii.end()), radii.end());
   std::vector<Ring> out;
   for (const double r : radii) {
     if (const double z = lowest_z(profile, r); z < kNever) out.push_back({r, z});

@@ -47,7 +47,7 @@ struct FittedConstant {
 
 /// The part of a measured column that the fit does not explain.
 struct ChannelResidual {
-  ForceChannel channel;
+  ForceChannel channel{};
   std::size_t samples = 0;
   double rms_measured = 0;
   double rms = 0;

@@ -38,8 +38,8 @@ ForceConstants force_constants(const CuttingSettings& cutting, const std::option
 }
 
 std::span<const BasisRow> ForceBasis::of(std::int64_t frame) const {
-  const auto [begin, end] = std::ranges::equal_range(rows_, frame, {}, &BasisRow::frame);
-  return {begin, end};
+  const auto begin = std::ranges::lower_bound(rows_, frame, {}, &BasisRow::frame);
+  return {begin, std::ranges::upper_bound(begin, rows_.end(), frame, {}, &BasisRow::frame)};
 }
 
 FrameForces ForceBasis::forces(std::int64_t frame, const ForceConstants& constants) const {

@@ -187,6 +187,7 @@ int seconds_of_time_limit(const std::string& text) {
   int hours = 0, minutes = 0, seconds = 0;
   char rest = 0;
   if (text.find_first_not_of("0123456789:") != std::string::npos) return -1;
+  // NOLINTNEXTLINE(cert-err34-c): the widths leave no number that an int cannot hold
   if (std::sscanf(text.c_str(), "%4d:%2d:%2d%c", &hours, &minutes, &seconds, &rest) != 3) return -1;
   if (minutes > 59 || seconds > 59) return -1;
   return (hours * 60 + minutes) * 60 + seconds;

@@ -4,9 +4,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <limits>
+
 #include "sim/base/csv.h"
 #include "sim/base/printable.h"
 #include "sim/base/text.h"
+#include "sim/base/whole_number.h"
 
 namespace reamsim::test {
 namespace {
@@ -45,6 +48,15 @@ TEST(Split, KeepsEmptyParts) {
 TEST(IsWholeNumber, DigitsOnly) {
   EXPECT_TRUE(is_whole_number("007"));
   for (const char* text : {"", "-1", "1.0", "1 ", "x"}) EXPECT_FALSE(is_whole_number(text)) << text;
+}
+
+TEST(WholeNumber, SixtyFourBitsOfDigitsOnly) {
+  EXPECT_EQ(whole_number("007"), 7U);
+  EXPECT_EQ(whole_number("4294967297"), 4294967297U);
+  EXPECT_EQ(whole_number("18446744073709551615"), std::numeric_limits<std::uint64_t>::max());
+  for (const char* text : {"", "18446744073709551616", "-1", "+1", " 1", "1 ", "1.0", "x"}) {
+    EXPECT_FALSE(whole_number(text).has_value()) << text;
+  }
 }
 
 TEST(CsvText, QuotesAndNeverStartsAFormula) {

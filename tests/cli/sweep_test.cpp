@@ -131,9 +131,22 @@ TEST_F(Sweep, ShardsMakeTheWholeStudy) {
   }
   EXPECT_EQ(sweep({"collect", "study.yaml", "-o", "out"}).status, 0);
   EXPECT_EQ(read("out/runs.csv"), read("whole/runs.csv"));
-  const ProgramResult wrong = sweep({"run", "study.yaml", "-o", "out", "--shard", "4/3"});
-  EXPECT_EQ(wrong.status, 2);
-  EXPECT_THAT(wrong.err, HasSubstr("--shard: found 4/3; expected i/n"));
+  // No numbers of 32 bits: the first would be 1/1, the second 1/1 as well.
+  for (const std::string wrong :
+       {"-4294967295/1", "4294967297/1", "4/3", "0/3", "1/", "1/3/3", "1/18446744073709551616"}) {
+    const ProgramResult result = sweep({"run", "study.yaml", "-o", "out", "--shard=" + wrong});
+    EXPECT_EQ(result.status, 2) << wrong;
+    EXPECT_THAT(result.err, HasSubstr("--shard: found " + wrong + "; expected i/n"));
+  }
+}
+
+TEST_F(Sweep, AShardOfMoreThan32BitsHasNoRunOfAnother) {
+  const ProgramResult last = sweep({"run", "study.yaml", "-o", "out", "--shard", "4294967298/4294967298"});
+  EXPECT_EQ(last.status, 0) << last.err;
+  EXPECT_EQ(finished("out"), 0);
+  const ProgramResult first = sweep({"run", "study.yaml", "-o", "out", "--shard", "1/4294967297"});
+  EXPECT_EQ(first.status, 0) << first.err;
+  EXPECT_EQ(finished("out"), 1);
 }
 
 TEST_F(Sweep, AFailingRunIsOneRow) {

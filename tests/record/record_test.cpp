@@ -215,13 +215,24 @@ TEST(OutputFolder, FoldersOfADamagedOrOlderManifestAreRecognizedByTheirNames) {
   const std::string out = dir.path() + "/run";
   fs::create_directory(out);
   std::ofstream(out + "/summary.json") << "1";
-  for (const char* text : {"", "{", "[]", "{\"kind\": 7}", "{\"kind\": \"run\", \"files\": [1]}"}) {
+  for (const char* text : {"", "{", "[]", "{\"kind\": 7}", "{\"kind\": \"run\", \"files\": [1]}",
+                           "{\"kind\": \"run\", \"files\": [], \"complete\": \"yes\"}"}) {
     std::ofstream(out + "/manifest.json") << text;
     EXPECT_THROW(OutputFolder(request(out, true)), InputError) << text;
   }
   fs::remove(out + "/manifest.json");
   OutputFolder(request(out, true)).finish();
   EXPECT_FALSE(fs::exists(out + "/summary.json"));
+}
+
+TEST(OutputFolder, ADamagedManifestDoesNotEndTheProgramThatRemovesAnUnfinishedFolder) {
+  const TempDir dir;
+  {
+    const OutputFolder folder(request(dir.path() + "/run", false));
+    std::ofstream(folder.path() + "/manifest.json") << "{\"kind\": \"run\", \"files\": [], \"complete\": 1}";
+    std::ofstream(folder.path() + "/summary.json") << "1";
+  }
+  EXPECT_FALSE(fs::exists(dir.path() + "/run.partial/summary.json"));
 }
 
 TEST(OutputFolder, AFailureLeavesNoEmptyFoldersBehind) {

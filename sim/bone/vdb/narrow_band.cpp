@@ -340,7 +340,7 @@ std::vector<openvdb::Coord> leaves_in_reach(const openvdb::FloatTree& occupancy)
     });
   }
   std::ranges::sort(out);
-  out.erase(std::ranges::unique(out).begin(), out.end());
+  out.erase(std::unique(out.begin(), out.end()), out.end());
   return out;
 }
 

@@ -28,8 +28,9 @@ std::vector<SubstepBasis> TouchedBasis::of(std::span<const SubstepArgs> args, co
   std::ranges::sort(ordered, {}, [](const auto& voxel) { return std::pair(voxel.second, voxel.first); });
   std::vector<SubstepBasis> out(args.size());
   parallel_items(args.size(), [&](std::size_t slot) {
-    const auto [begin, end] = std::ranges::equal_range(ordered, static_cast<std::int32_t>(slot), {},
-                                                       [](const auto& voxel) { return voxel.second; });
+    const auto slot_of = [](const auto& voxel) { return voxel.second; };
+    const auto begin = std::ranges::lower_bound(ordered, static_cast<std::int32_t>(slot), {}, slot_of);
+    const auto end = std::ranges::upper_bound(begin, ordered.end(), static_cast<std::int32_t>(slot), {}, slot_of);
     if (begin == end) return;
     const UnitArgs units(args[slot], 0);
     BrickBasis sums(1);

@@ -190,7 +190,7 @@ void upload_bricks_of(const cl::Device& device, const BoneView& bone, const Remo
     touched.push_back(lattice.index(BrickLattice::brick_of(bone.voxmap.grid.coord(voxel))));
   }
   std::ranges::sort(touched);
-  touched.erase(std::ranges::unique(touched).begin(), touched.end());
+  touched.erase(std::unique(touched.begin(), touched.end()), touched.end());
 
   const std::size_t bytes = out.layout.brick_bytes;
   const Vec3i superbricks = (lattice.dims.array() + 3) / 4;

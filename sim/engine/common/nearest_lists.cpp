@@ -66,7 +66,7 @@ std::vector<rs_u16> nearest_by_parts(const Distance& distance, const std::vector
     const Vec2 at = center + part * Vec2(i % kParts + 0.5, i / kParts + 0.5) - Vec2::Constant(reach_mm);
     for (const rs_u16 edge : nearest_within(distance, coarse, at, std::sqrt(0.5) * part)) out.push_back(edge);
     std::ranges::sort(out);
-    out.erase(std::ranges::unique(out).begin(), out.end());
+    out.erase(std::unique(out.begin(), out.end()), out.end());
   }
   return out;
 }
