@@ -31,6 +31,8 @@ class EglContext final : public OffscreenContext {
   }
 
   ~EglContext() override { release(); }
+  EglContext(const EglContext&) = delete;
+  EglContext& operator=(const EglContext&) = delete;
 
   void make_current() override {
     // The bound API is per thread, and OpenGL ES is the default.
@@ -124,6 +126,8 @@ class OsmesaContext final : public OffscreenContext {
     }
   }
 
+  OsmesaContext(const OsmesaContext&) = delete;
+  OsmesaContext& operator=(const OsmesaContext&) = delete;
   ~OsmesaContext() override {
     make_current_(nullptr, nullptr, GL_UNSIGNED_BYTE, 0, 0);
     destroy_(context_);
@@ -143,7 +147,7 @@ class OsmesaContext final : public OffscreenContext {
   MakeCurrent make_current_;
   DestroyContext destroy_;
   OSMesaContext context_ = nullptr;
-  std::array<unsigned char, 4 * kBackingSide * kBackingSide> backing_{};
+  std::array<unsigned char, std::size_t{4} * kBackingSide * kBackingSide> backing_{};
 };
 
 }  // namespace

@@ -26,6 +26,7 @@ std::string error_name(GLenum code) {
 }  // namespace
 
 void Gl::load(const std::function<void*(const char*)>& address) {
+// NOLINTNEXTLINE(bugprone-macro-parentheses): a member's name
 #define REAMSIM_GL_LOAD(name)                                   \
   name = reinterpret_cast<decltype(name)>(address("gl" #name)); \
   if (name == nullptr) throw RunError("this OpenGL has no function gl" #name);

@@ -27,7 +27,8 @@ namespace reamsim {
 
 /// The functions of one OpenGL context, by their names without the prefix gl.
 struct Gl {
-#define REAMSIM_GL_MEMBER(name) decltype(&::gl##name) name = nullptr;
+#define REAMSIM_GL_MEMBER(name) \
+  decltype(&::gl##name) name = nullptr;  // NOLINT(bugprone-macro-parentheses): a member's name
   REAMSIM_GL_FUNCTIONS(REAMSIM_GL_MEMBER)
 #undef REAMSIM_GL_MEMBER
 

@@ -48,6 +48,8 @@ class Scene {
   /// Throws RunError when a shader does not compile.
   Scene(const Gl& gl, const std::vector<ToolSurface>& tools);
   ~Scene();
+  Scene(const Scene&) = delete;
+  Scene& operator=(const Scene&) = delete;
 
   /// Uploads the changed tiles of the bone.
   void set_bone(const std::vector<BoneSurface>& tiles, const std::vector<std::size_t>& changed);

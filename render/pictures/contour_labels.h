@@ -30,7 +30,7 @@ constexpr double kContourWidth_px = 2.2;
 /// Contours without such a place have no number.
 /// `unit`: pixels per pixel of a picture 1080 high.
 struct ContourNumber {
-  std::size_t contour;
+  std::size_t contour = 0;
   Box box;
 };
 std::vector<ContourNumber> place_contour_numbers(const std::vector<SeenContour>& contours, const Camera& camera,

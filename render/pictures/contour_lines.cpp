@@ -44,7 +44,7 @@ class Squares {
  private:
   struct Step {
     Vec2 from;
-    std::size_t to;
+    std::size_t to = 0;
   };
   struct Crossing {
     std::size_t key;

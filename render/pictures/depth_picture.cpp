@@ -79,7 +79,10 @@ class DepthPainter {
   };
 
   /// The middle of the n-th sample along an axis of the picture.
-  static double sample_px(int n) { return n / kMapSamples + (n % kMapSamples + 0.5) / kMapSamples; }
+  static double sample_px(int n) {
+    const int pixel = n / kMapSamples;
+    return pixel + (n % kMapSamples + 0.5) / kMapSamples;
+  }
 
   /// For each row of pixels those that lie within outlines, with a margin of a pixel for smooth edges.
   [[nodiscard]] std::vector<Span> spans_of(const std::vector<ContourLine>& outlines) const {
@@ -109,7 +112,7 @@ class DepthPainter {
       for (int column = spans[y].first; column < spans[y].last; ++column) {
         const auto x = static_cast<std::size_t>(column);
         Rgb sum = Rgb::Zero();
-        for (std::size_t n = 0; n < kMapSamples * kMapSamples; ++n) {
+        for (std::size_t n = 0; n < std::size_t{kMapSamples} * kMapSamples; ++n) {
           sum += color(columns_[kMapSamples * x + n % kMapSamples], rows_[kMapSamples * y + n / kMapSamples]);
         }
         image.pixels[x + static_cast<std::size_t>(camera_.width_px) * y] = packed(sum / (kMapSamples * kMapSamples));

@@ -13,15 +13,15 @@
 namespace reamsim {
 namespace {
 
-constexpr double kSigma_mm = 0.7;      // of the weights in known columns
-constexpr double kValueSigma = 0.3;    // of the values: columns across a steep rim hardly count
-constexpr double kLeastSigma = 1.6;    // columns
-constexpr int kMaxReach = 10;          // columns
-constexpr double kOutsideSigma = 1.5;  // columns; of the plane beyond the known ones
-constexpr int kOutsideReach = 4;       // columns
-constexpr int kMinKnown = 4;           // columns for a plane
-constexpr double kRidge = 1e-3;        // of the weight; keeps the fit to few columns defined
-constexpr double kLeastMargin = 0.1;   // of the spacing: the least value below zero outside the rim
+constexpr double kWeightSigma_mm = 0.7;  // of the weights in known columns
+constexpr double kValueSigma = 0.3;      // of the values: columns across a steep rim hardly count
+constexpr double kLeastSigma = 1.6;      // columns
+constexpr int kMaxReach = 10;            // columns
+constexpr double kOutsideSigma = 1.5;    // columns; of the plane beyond the known ones
+constexpr int kOutsideReach = 4;         // columns
+constexpr int kMinKnown = 4;             // columns for a plane
+constexpr double kRidge = 1e-3;          // of the weight; keeps the fit to few columns defined
+constexpr double kLeastMargin = 0.1;     // of the spacing: the least value below zero outside the rim
 
 /// Weights of the columns around one.
 struct Window {
@@ -66,9 +66,9 @@ std::pair<double, int> fit_in(const RasterField& field, const std::vector<std::u
 
 }  // namespace
 
-double RasterField::at(const Vec2& at_mm) const {
+double RasterField::at(const Vec2& place_mm) const {
   const Vec2 last(raster.nx - 1, raster.ny - 1);
-  const Vec2 index = ((at_mm - corner_mm) / spacing_mm).cwiseMax(Vec2::Zero()).cwiseMin(last);
+  const Vec2 index = ((place_mm - corner_mm) / spacing_mm).cwiseMax(Vec2::Zero()).cwiseMin(last);
   const int i = std::min(static_cast<int>(index.x()), std::max(0, raster.nx - 2));
   const int j = std::min(static_cast<int>(index.y()), std::max(0, raster.ny - 2));
   const int next_i = std::min(i + 1, raster.nx - 1), next_j = std::min(j + 1, raster.ny - 1);
@@ -79,7 +79,7 @@ double RasterField::at(const Vec2& at_mm) const {
 
 RasterField local_fit(const RasterField& field, const std::vector<std::uint8_t>& known,
                       std::vector<std::uint8_t>& reached) {
-  const double sigma = std::max(kLeastSigma, kSigma_mm / field.spacing_mm);
+  const double sigma = std::max(kLeastSigma, kWeightSigma_mm / field.spacing_mm);
   const Window inside(sigma, std::min(kMaxReach, static_cast<int>(std::ceil(2.2 * sigma))));
   const Window outside(kOutsideSigma, kOutsideReach);
   RasterField out = field;

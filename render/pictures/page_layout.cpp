@@ -13,7 +13,7 @@ namespace {
 
 // Lengths in pixels of a picture 1080 high.
 constexpr double kColumn = 388;
-constexpr double kMargin = 24;
+constexpr double kPageMargin = 24;
 constexpr double kTitleLine = 46;
 constexpr double kLegendTop = 524;  // of the colour bar, below its title: six values fit above
 constexpr double kLegendMax = 420;
@@ -36,7 +36,7 @@ PageLayout page_layout(int width_px, int height_px) {
 }
 
 Box PageLayout::labels() const {
-  const double margin = kMargin * unit;
+  const double margin = kPageMargin * unit;
   return {view_width_px + margin, margin, width_px - view_width_px - 2 * margin, height_px - 2 * margin};
 }
 

@@ -22,6 +22,8 @@ class Renderer {
   /// context.
   explicit Renderer(const RunView& view);
   ~Renderer();
+  Renderer(const Renderer&) = delete;
+  Renderer& operator=(const Renderer&) = delete;
 
   /// Applies all snapshots up to this frame to the bone.
   void advance_to(std::int64_t frame);

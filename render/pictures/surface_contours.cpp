@@ -12,12 +12,12 @@
 namespace reamsim {
 namespace {
 
-constexpr float kReamedFrom = 0.5F;    // certainty of removal
-constexpr int kBorder = 3;             // columns around the reamed face
-constexpr double kMaxColumns = 4e6;    // against a huge face with small voxels
-constexpr double kClear_voxels = 2;    // bone this near the face does not hide a line
-constexpr double kCutMargin_mm = 0.8;  // nearer to the cut a line has no number
-constexpr int kHeightReach = 4;        // points of a line over which its height is smoothed, to each side
+constexpr float kReamedFrom = 0.5F;      // certainty of removal
+constexpr int kBorder = 3;               // columns around the reamed face
+constexpr double kMaxColumns = 4e6;      // against a huge face with small voxels
+constexpr double kClear_voxels = 2;      // bone this near the face does not hide a line
+constexpr double kCutMargin_mm = 0.8;    // nearer to the cut a line has no number
+constexpr std::size_t kHeightReach = 4;  // points of a line over which its height is smoothed, to each side
 constexpr int kHeightRounds = 2;
 constexpr double kMaxHiding_mm = 60;  // bone farther in front of the face is not looked for
 

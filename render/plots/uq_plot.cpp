@@ -16,13 +16,13 @@ extern const char* const uq_plot_script;
 }
 namespace {
 
-constexpr std::size_t kMostRows = 10;
+constexpr std::size_t kMostInputs = 10;
 
 /// The rows as a data block of gnuplot.
 std::string block_of(const std::string& name, TornadoPlot& plot) {
   const auto effect = [](const TornadoRow& row) { return -std::abs(row.high - row.low); };
   std::ranges::stable_sort(plot.rows, {}, effect);
-  plot.rows.resize(std::min(plot.rows.size(), kMostRows));
+  plot.rows.resize(std::min(plot.rows.size(), kMostInputs));
   std::string out = "$" + name + " << END\n";
   for (std::size_t i = 0; i < plot.rows.size(); ++i) {
     const TornadoRow& row = plot.rows[i];
@@ -46,9 +46,8 @@ double span_of(const TornadoPlot& plot) {
 void write_uq_plot(const std::string& dir, const TornadoPlot& axial_force, const TornadoPlot& spin_torque) {
   TornadoPlot axial = axial_force, torque = spin_torque;
   std::string data = block_of("axial", axial) + block_of("torque", torque);
-  data +=
-      fmt::format("array rows[2] = [{}, {}]\narray mean_of[2] = [{}, {}]\narray span_of[2] = [{}, {}]\n",
-                  axial.rows.size(), torque.rows.size(), axial.mean, torque.mean, span_of(axial), span_of(torque));
+  data += fmt::format("array rows[2] = [{}, {}]\narray mean_of[2] = [{}, {}]\narray span_of[2] = [{}, {}]\n",
+                      axial.rows.size(), torque.rows.size(), axial.mean, torque.mean, span_of(axial), span_of(torque));
   draw_plot(dir, "uq", data, embedded::uq_plot_script);
 }
 

@@ -153,13 +153,12 @@ Json motion_json(const MotionSettings& settings, std::vector<Mistake>& mistakes,
 }
 
 /// The frame of the scenario; a face round `near_mm` is found on the voxels as a run finds it.
-std::optional<GlenoidFrame> glenoid_of_scan(const BoneSettings& settings, std::optional<FilledVoxmap> voxels,
+std::optional<GlenoidFrame> glenoid_of_scan(const BoneSettings& settings, const std::optional<FilledVoxmap>& voxels,
                                             Report& report) {
   if (!settings.glenoid.near_mm) return glenoid_frame(settings.glenoid, settings.side);
   if (!voxels) return std::nullopt;  // the segmentation failed, which is said
   if (settings.side == BodySide::unknown) return std::nullopt;
-  const FoundGlenoid found =
-      find_glenoid(fit_to_bone(std::move(*voxels), kMarginVoxels), settings.glenoid, settings.side);
+  const FoundGlenoid found = find_glenoid(fit_to_bone(*voxels, kMarginVoxels), settings.glenoid, settings.side);
   report.note(sentence_of(found));
   for (const std::string& doubt : doubts_of(found)) report.warn(doubt);
   return found.frame;

@@ -57,7 +57,7 @@ std::vector<double> components(const BoneSurface& surface, std::size_t component
 
 /// Normal and attributes of a vertex except depth, quantized.
 std::array<std::uint8_t, 6> attribute_bytes(const float* vertex) {
-  std::array<std::uint8_t, 6> out;
+  std::array<std::uint8_t, 6> out{};
   for (std::size_t axis = 0; axis < 3; ++axis) {
     out[axis] =
         static_cast<std::uint8_t>(std::lround(127 * std::clamp(vertex[BoneSurface::kNormal + axis], -1.0F, 1.0F)));

@@ -47,8 +47,8 @@ Image scaled(const Image& image, int most_px) {
   const int width = cairo_image_surface_get_width(image.get());
   const int height = cairo_image_surface_get_height(image.get());
   const double scale = std::min(1.0, static_cast<double>(most_px) / width);
-  const int new_width = std::max(1, static_cast<int>(width * scale + 0.5));
-  const int new_height = std::max(1, static_cast<int>(height * scale + 0.5));
+  const int new_width = std::max(1, static_cast<int>(std::lround(width * scale)));
+  const int new_height = std::max(1, static_cast<int>(std::lround(height * scale)));
   Image out(cairo_image_surface_create(CAIRO_FORMAT_RGB24, new_width, new_height), &cairo_surface_destroy);
   cairo_t* pen = cairo_create(out.get());
   cairo_set_source_rgb(pen, 1, 1, 1);
@@ -64,8 +64,8 @@ Image scaled(const Image& image, int most_px) {
 }
 
 std::string jpeg_base64(const Image& image) {
-  jpeg_compress_struct jpeg;
-  jpeg_error_mgr errors;
+  jpeg_compress_struct jpeg{};
+  jpeg_error_mgr errors{};
   jpeg.err = jpeg_std_error(&errors);
   jpeg_create_compress(&jpeg);
   unsigned char* bytes = nullptr;

@@ -11,9 +11,9 @@ namespace reamsim {
 
 /// A row of a table, with the JSON pointer of its value in summary.json.
 struct SummaryLine {
-  const char* pointer;
-  const char* label;
-  const char* unit;
+  const char* pointer = nullptr;
+  const char* label = nullptr;
+  const char* unit = nullptr;
   const char* only_with = "";  ///< pointer of a value without which the row is left out
 };
 
@@ -24,8 +24,8 @@ std::string summary_table_html(const nlohmann::ordered_json& summary, const char
 
 /// A column of a table with a row for each item of a list.
 struct ListColumn {
-  const char* key;  ///< in the item
-  const char* title;
+  const char* key = nullptr;  ///< in the item
+  const char* title = nullptr;
   int decimals = 1;  ///< kTextColumn: a text, of a path its last part
 };
 constexpr int kTextColumn = -1;

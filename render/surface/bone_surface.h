@@ -31,6 +31,7 @@ struct BoneFields {
   BoneFields(const Voxmap& bone, FillBricks fill_now, const UnreamedSurface& unreamed_surface);
   BoneFields(const BoneFields&) = delete;
   BoneFields& operator=(const BoneFields&) = delete;
+  ~BoneFields() = default;
 
   /// Updates the fields after changes of `fill`. Returns the changed bricks.
   std::vector<Vec3i> update();

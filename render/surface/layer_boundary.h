@@ -16,6 +16,8 @@ class LayerBoundary {
   /// For points in the plane through three points, in voxel index space. All must outlive this.
   LayerBoundary(const Voxmap& voxmap, const UnreamedSurface& unreamed, const Vec3& a, const Vec3& b, const Vec3& c);
   ~LayerBoundary();
+  LayerBoundary(const LayerBoundary&) = delete;
+  LayerBoundary& operator=(const LayerBoundary&) = delete;
 
   /// Whether the eight voxels nearest to a point (voxel index space) are of both layers.
   [[nodiscard]] bool near(const Vec3& point) const;

@@ -39,7 +39,7 @@ MemoryFile::~MemoryFile() {
 
 std::string MemoryFile::contents() const {
   std::string text;
-  std::array<char, 4096> buffer;
+  std::array<char, 4096> buffer{};
   for (ssize_t got; (got = pread(descriptor_, buffer.data(), buffer.size(), static_cast<off_t>(text.size()))) > 0;) {
     text.append(buffer.data(), static_cast<std::size_t>(got));
   }

@@ -113,7 +113,7 @@ class ResultReader {
 
   template <PlainValue T>
   T get() {
-    std::array<std::byte, sizeof(T)> bytes;
+    std::array<std::byte, sizeof(T)> bytes{};
     std::memcpy(bytes.data(), take(sizeof(T), 1), sizeof(T));
     return std::bit_cast<T>(bytes);
   }

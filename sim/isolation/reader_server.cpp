@@ -39,6 +39,7 @@ struct Message {
   }
   Message(const Message&) = delete;
   Message& operator=(const Message&) = delete;
+  ~Message() = default;
 
   alignas(cmsghdr) std::array<char, CMSG_SPACE(sizeof(int))> control{};
   iovec data;

@@ -91,7 +91,7 @@ void check_stl(const std::string& path, std::uintmax_t size) {
 
 /// Checks the counts in a PLY header, for which assimp reserves memory.
 void check_ply(const std::string& path, std::uintmax_t size) {
-  std::istringstream header(read_file_start(path, 64 * 1024));
+  std::istringstream header(read_file_start(path, std::size_t{64} * 1024));
   std::string line;
   bool ended = false;
   std::getline(header, line);

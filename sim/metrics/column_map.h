@@ -94,6 +94,8 @@ class SurfaceProbe {
  public:
   SurfaceProbe(const ReamedBone& bone, const Rigid& bone_from_map, double top_mm, double bottom_mm);
   ~SurfaceProbe();
+  SurfaceProbe(const SurfaceProbe&) = delete;
+  SurfaceProbe& operator=(const SurfaceProbe&) = delete;
   /// nullopt where the line meets no bone, or starts inside bone.
   [[nodiscard]] std::optional<SurfaceColumn> at(const Vec2& place_mm);
 

@@ -18,7 +18,7 @@ namespace reamsim {
 struct DistanceGrid {
   static constexpr int kSide = 8;         ///< cells of a brick along an axis
   static constexpr int kRow = kSide + 1;  ///< samples
-  static constexpr std::size_t kSamples = kRow * kRow * kRow;
+  static constexpr std::size_t kSamples = std::size_t{kRow} * kRow * kRow;
   static constexpr std::uint32_t kOutside = 0, kInside = 1;  ///< slots of bricks far from the surface
 
   Vec3 origin_mm = Vec3::Zero();  ///< sample (0,0,0)

@@ -10,8 +10,8 @@ namespace reamsim::verify {
 
 /// A scene with a closed-form solution or an invariant.
 struct Case {
-  const char* id;
-  CaseFindings (*run)(const Setting&);
+  const char* id = nullptr;
+  CaseFindings (*run)(const Setting&) = nullptr;
   double seconds = 1;  ///< of the quick suite on two cores; only their ratios count
 };
 

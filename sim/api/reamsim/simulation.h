@@ -82,6 +82,8 @@ class Simulation {
   Simulation(Simulation&&) noexcept;
   /// The other one may only be destroyed or assigned to.
   Simulation& operator=(Simulation&&) noexcept;
+  Simulation(const Simulation&) = delete;
+  Simulation& operator=(const Simulation&) = delete;
   ~Simulation();
 
   /// 1/motion.frame_rate_hz.

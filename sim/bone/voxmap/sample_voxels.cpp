@@ -47,7 +47,8 @@ struct ChangedBrick {
 };
 
 std::size_t padded_index(const Vec3i& v) {
-  return static_cast<std::size_t>(v.x() + kPaddedSide * (v.y() + kPaddedSide * v.z()));
+  const int index = v.x() + kPaddedSide * (v.y() + kPaddedSide * v.z());
+  return static_cast<std::size_t>(index);
 }
 
 /// Which voxels of a brick, and of a layer of one voxel around it, are bone. Outside the lattice there is air.
@@ -74,7 +75,7 @@ class PaddedBone {
   }
 
  private:
-  using Marks = std::array<std::uint8_t, kPaddedSide * kPaddedSide * kPaddedSide>;
+  using Marks = std::array<std::uint8_t, std::size_t{kPaddedSide} * kPaddedSide * kPaddedSide>;
 
   void copy_from_neighbour(const GradeBricks::Brick& from, const Vec3i& step) {
     const Vec3i low = step.unaryExpr([](int s) { return s < 0 ? kSide - 1 : 0; });
