@@ -7,9 +7,9 @@
 #include <filesystem>
 
 #include "cli/input_kind.h"
-#include "cli/shipped.h"
 #include "sim/base/text.h"
 #include "sim/scenario/parse.h"
+#include "sim/scenario/shipped.h"
 
 namespace reamsim {
 

@@ -7,7 +7,6 @@
 
 #include "cli/commands.h"
 #include "cli/input_kind.h"
-#include "cli/shipped.h"
 #include "sim/base/error.h"
 #include "sim/bone/bone.h"
 #include "sim/bone/frame_check.h"
@@ -16,6 +15,7 @@
 #include "sim/record/checksum.h"
 #include "sim/record/output_folder.h"
 #include "sim/scenario/parse.h"
+#include "sim/scenario/shipped.h"
 
 namespace reamsim {
 

@@ -13,13 +13,13 @@
 #include "cli/commands.h"
 #include "cli/first_scenario.h"
 #include "cli/input_kind.h"
-#include "cli/shipped.h"
 #include "sim/base/error.h"
 #include "sim/base/file.h"
 #include "sim/base/text.h"
 #include "sim/record/output_folder.h"
 #include "sim/scenario/parse.h"
 #include "sim/scenario/paths.h"
+#include "sim/scenario/shipped.h"
 
 namespace reamsim {
 

@@ -9,7 +9,7 @@
 #include <memory>
 
 #include "cli/commands.h"
-#include "cli/shipped.h"
+#include "cli/input_kind.h"
 #include "cli/sweep_collect.h"
 #include "cli/sweep_commands.h"
 #include "cli/sweep_estimate.h"
