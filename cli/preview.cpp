@@ -49,6 +49,7 @@ PreviewRequest starting_request(const PreviewOptions& options, const std::string
                             .bone = first_bone(options.input, kVoxel_mm, options.scale, CtSettings().threshold_hu),
                             .bone_path = absolute_path(options.input),
                             .tool_path = absolute_path(tool),
+                            .scale_note = "",
                             .glenoid = std::nullopt,
                             .plunge = first_plunge()};
   PreviewRequest out;
