@@ -10,10 +10,16 @@ namespace reamsim {
 
 namespace {
 
-constexpr const char* kHead = R"(# bash completion for reamsim; written by: reamsim help --format bash
+constexpr const char* kHead = R"bash(# bash completion for reamsim; written by: reamsim help --format bash
 
-# Names of scenarios that are no files. A package may replace this function.
-_reamsim_scenario_names() { :; }
+# _reamsim_names KIND WORD: names of shipped scenarios or studies, which the program on the command line itself knows.
+# A word with a slash is a path.
+_reamsim_names()
+{
+    case $2 in */*) return ;; esac
+    local program=${COMP_WORDS[0]/#\~\//$HOME/}
+    COMPREPLY+=( $(compgen -W "$("$program" help --format "$1" 2>/dev/null)" -- "$2") )
+}
 
 # _reamsim_paths ENDING WORD: folders and files with this ending ("": all files; "/": folders only).
 _reamsim_paths()
@@ -33,7 +39,7 @@ _reamsim()
     COMPREPLY=()
     for ((i = 1; i < COMP_CWORD; i++)); do
         case "$command/${COMP_WORDS[i]}" in
-)";
+)bash";
 
 std::string words_of(const std::vector<std::string>& words) {
   std::string out;
@@ -59,20 +65,22 @@ std::vector<std::string> names_below(const CLI::App& app) {
 /// What completes the present word; "" where nothing can.
 std::string action_of(const ArgumentText& argument, const CLI::App& root) {
   const auto words = [](const std::string& list) { return "_reamsim_words \"" + list + "\" \"$current\""; };
+  const auto names = [](const std::string& kind) { return "_reamsim_names " + kind + " \"$current\"; "; };
   switch (completed_by(argument)) {
     case Completed::choices:
       return words(words_of(argument.choices));
     case Completed::commands:
       return words(words_of(names_below(root)));
     case Completed::scenarios:
-      return words("$(_reamsim_scenario_names)") +
-             "; _reamsim_paths .yaml \"$current\"; _reamsim_paths .yml \"$current\"";
+      return names("scenarios") + "_reamsim_paths .yaml \"$current\"; _reamsim_paths .yml \"$current\"";
     case Completed::studies:
-      return "_reamsim_paths .yaml \"$current\"";
+      return names("studies") + "_reamsim_paths .yaml \"$current\"";
     case Completed::folders:
       return "_reamsim_paths / \"$current\"";
     case Completed::files:
       return "_reamsim_paths \"\" \"$current\"";
+    case Completed::files_and_scenarios:
+      return names("scenarios") + "_reamsim_paths \"\" \"$current\"";
     case Completed::nothing:
       break;
   }

@@ -10,7 +10,6 @@
 #include "cli/bench_latency.h"
 #include "cli/commands.h"
 #include "cli/environment.h"
-#include "cli/shipped.h"
 #include "render/plots/bench_plot.h"
 #include "sim/base/error.h"
 #include "sim/base/file.h"
@@ -18,6 +17,7 @@
 #include "sim/bench/suite.h"
 #include "sim/record/citation.h"
 #include "sim/record/output_folder.h"
+#include "sim/scenario/shipped.h"
 
 namespace reamsim {
 

@@ -4,6 +4,7 @@
 #include "cli/command_line.h"
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 
 #include "cli/manual_text.h"
 #include "sim/base/text.h"
@@ -62,6 +63,29 @@ void add_commands_below(const CLI::App& app, const std::string& path, std::vecto
   }
 }
 
+/// The exit statuses of a command; of the program where `name` is "".
+std::vector<Entry> exit_statuses_of(const std::string& name) {
+  std::vector<Entry> out(kExitStatuses.begin(), kExitStatuses.end());
+  if (name.empty()) return out;
+  const auto suspended = std::ranges::find(out, kSuspended, &Entry::term);
+  const auto own = std::ranges::find(kSuspendable, name, &Entry::term);
+  if (own == kSuspendable.end()) {
+    out.erase(suspended);
+  } else {
+    suspended->meaning = own->meaning;
+  }
+  return out;
+}
+
+std::string footer_of(const std::string& name) {
+  std::string out = "Exit status:\n";
+  for (const Entry& status : exit_statuses_of(name)) {
+    out += "  " + std::string(status.term) + std::string(28 - status.term.size(), ' ') + std::string(status.meaning) +
+           "\n";
+  }
+  return out + "\nreamsim help COMMAND prints the options of a command, reamsim help --format man the man page.";
+}
+
 }  // namespace
 
 std::vector<ListedCommand> listed_commands(const CLI::App& root) {
@@ -116,13 +140,11 @@ std::string help_of(const ListedCommand& command) {
   return command.app->get_formatter()->make_help(command.app, name, CLI::AppFormatMode::Normal);
 }
 
-std::string help_footer() {
-  std::string out = "Exit status:\n";
-  for (const Entry& status : kExitStatuses) {
-    out += "  " + std::string(status.term) + std::string(28 - status.term.size(), ' ') + std::string(status.meaning) +
-           "\n";
+void add_footers(CLI::App& app, const std::string& name) {
+  app.footer(footer_of(name));
+  for (CLI::App* below : app.get_subcommands([](const CLI::App* sub) { return !sub->get_name().empty(); })) {
+    add_footers(*below, name.empty() ? below->get_name() : name + " " + below->get_name());
   }
-  return out + "\nreamsim help COMMAND prints the options of a command, reamsim help --format man the man page.";
 }
 
 }  // namespace reamsim

@@ -19,6 +19,10 @@ namespace {
 
 constexpr int kBarCells = 30;
 constexpr double kRedrawSeconds = 0.1;
+/// A log has a line at once where more time is left: a silent first tenth would look like a program that hangs.
+constexpr double kLongSeconds = 60;
+/// Of parts: the time of less than that says nothing of the rest.
+constexpr double kLeastFraction = 0.02;
 
 }  // namespace
 
@@ -61,8 +65,8 @@ bool has_colors() {
 Progress::Progress(const Console& console, std::string stage, std::string unit)
     : console_(console), stage_(std::move(stage)), unit_(std::move(unit)), terminal_(is_terminal(STDOUT_FILENO)) {}
 
-/// On a terminal ten times a second, elsewhere at every tenth.
-bool Progress::is_due(double fraction) {
+/// On a terminal ten times a second, elsewhere at every tenth, and at once where it takes long.
+bool Progress::is_due(double fraction, double left_s) {
   if (terminal_) {
     const double seconds = watch_.seconds();
     if (fraction < 1 && last_drawn_s_ >= 0 && seconds - last_drawn_s_ < kRedrawSeconds) return false;
@@ -70,8 +74,10 @@ bool Progress::is_due(double fraction) {
     return true;
   }
   const int tenth = static_cast<int>(10 * fraction);
-  if (tenth <= last_tenth_) return false;
-  last_tenth_ = tenth;
+  const bool first_of_many = !named_ && left_s > kLongSeconds;
+  if (tenth <= last_tenth_ && !first_of_many) return false;
+  last_tenth_ = std::max(tenth, last_tenth_);
+  named_ = true;
   return true;
 }
 
@@ -91,21 +97,32 @@ void Progress::draw(double fraction, const std::string& text) {
 void Progress::update(std::int64_t done, std::int64_t total) {
   if (console_.quiet || total <= 0) return;
   const double fraction = static_cast<double>(done) / static_cast<double>(total), seconds = watch_.seconds();
-  if (!is_due(fraction)) return;
   const double rate = seconds > 0 ? static_cast<double>(done) / seconds : 0;
-  const std::string rate_text = rate < 10 ? fmt::format("{:.2g}", rate) : fmt::format("{:.0f}", rate);
   const double left = rate > 0 ? static_cast<double>(total - done) / rate : 0;
+  if (!is_due(fraction, left)) return;
+  const std::string rate_text = rate < 10 ? fmt::format("{:.2g}", rate) : fmt::format("{:.0f}", rate);
   const char* const form = terminal_ ? "{}/{} {}  {}/s  {:.0f} s left" : "{}/{} {}, {} per second, {:.0f} s left";
   draw(fraction, fmt::format(fmt::runtime(form), done, total, unit_, rate_text, left));
 }
 
-void Progress::update_part(double fraction, const std::string& what) {
-  if (console_.quiet) return;
-  fraction = std::clamp(fraction, 0.0, 1.0);
-  if (!is_due(fraction)) return;
-  const double left = fraction > 0 ? watch_.seconds() * (1 - fraction) / fraction : 0;
+std::optional<double> Progress::left_s(double fraction) const {
+  if (fraction < kLeastFraction) return std::nullopt;
+  return watch_.seconds() * (1 - fraction) / fraction;
+}
+
+void Progress::draw_part(double fraction, const std::string& what) {
+  const std::optional<double> left = left_s(fraction);
   draw(fraction, fmt::format("{:.0f} %{}{}", 100 * fraction, what.empty() ? "" : ": " + what,
-                             fraction > 0 ? fmt::format(", {:.0f} s left", left) : ""));
+                             left ? fmt::format(", {:.0f} s left", *left) : ""));
+}
+
+void Progress::update_part(double fraction, const std::string& what) {
+  fraction = std::clamp(fraction, 0.0, 1.0);
+  if (!console_.quiet && is_due(fraction, left_s(fraction).value_or(0))) draw_part(fraction, what);
+}
+
+void Progress::begin_part(double fraction, const std::string& what) {
+  if (!console_.quiet) draw_part(std::clamp(fraction, 0.0, 1.0), what);
 }
 
 void Progress::finish() {

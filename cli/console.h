@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -34,14 +35,19 @@ bool is_terminal(int descriptor);
 /// Whether messages on standard error have colours: a terminal, and NO_COLOR (no-color.org) is not set.
 bool has_colors();
 
-/// Progress of one stage: a bar with rate and time left on a terminal, a line every tenth elsewhere, nothing when
-/// quiet.
+/// Progress of one stage: a bar with rate and time left on a terminal, a line every tenth elsewhere, and one at once
+/// where it takes more than a minute; nothing when quiet.
 class Progress {
  public:
   Progress(const Console& console, std::string stage, std::string unit);
+  ~Progress() { finish(); }  // an error message begins on a line of its own
+  Progress(const Progress&) = delete;
+  Progress& operator=(const Progress&) = delete;
   void update(std::int64_t done, std::int64_t total);
   /// `fraction` of the expected time has passed, and `what` begins: for stages whose parts take different times.
   void update_part(double fraction, const std::string& what);
+  /// The same for a part that a log names as well, however short it is.
+  void begin_part(double fraction, const std::string& what);
   /// Ends the bar's line.
   void finish();
 
@@ -51,10 +57,14 @@ class Progress {
   std::string unit_;
   bool terminal_;
   bool open_ = false;
-  [[nodiscard]] bool is_due(double fraction);
+  [[nodiscard]] bool is_due(double fraction, double left_s);
+  /// By the time that the fraction took; nullopt where it is too small for that.
+  [[nodiscard]] std::optional<double> left_s(double fraction) const;
   void draw(double fraction, const std::string& text);
+  void draw_part(double fraction, const std::string& what);
 
   int last_tenth_ = 0;
+  bool named_ = false;  ///< a log has a line
   double last_drawn_s_ = -1;
   Stopwatch watch_;
 };

@@ -7,9 +7,9 @@
 #include <filesystem>
 
 #include "cli/input_kind.h"
-#include "cli/shipped.h"
 #include "sim/base/text.h"
 #include "sim/scenario/parse.h"
+#include "sim/scenario/shipped.h"
 
 namespace reamsim {
 
@@ -44,13 +44,13 @@ std::string ct_text(const CtSettings& ct) {
   return out;
 }
 
-std::string mesh_text(const MeshBoneSettings& mesh) {
+std::string mesh_text(const MeshBoneSettings& mesh, const std::string& scale_note) {
   return fmt::format(
-      "    scale: {}                  # file units to mm\n"
+      "    scale: {}                  # file units to mm{}\n"
       "    cortical_mm: {}          # a mesh has no density: a shell of cortical bone on trabecular bone\n"
       "    cortical_hu: {}\n    trabecular_hu: {}\n",
-      shortest_text(mesh.scale), shortest_text(mesh.cortical_mm), shortest_text(mesh.cortical_hu),
-      shortest_text(mesh.trabecular_hu));
+      shortest_text(mesh.scale), scale_note.empty() ? "" : ": " + scale_note, shortest_text(mesh.cortical_mm),
+      shortest_text(mesh.cortical_hu), shortest_text(mesh.trabecular_hu));
 }
 
 std::string glenoid_text(const FirstScenario& first) {
@@ -74,7 +74,7 @@ std::string bone_text(const FirstScenario& first) {
   if (bone.source != BoneSource::vdb) out += fmt::format("  voxel_mm: {}\n", shortest_text(bone.voxel_mm));
   out += fmt::format("  {}:\n    path: {}\n", name_of(bone.source), quoted(first.bone_path));
   if (bone.source == BoneSource::ct) out += ct_text(bone.ct);
-  if (bone.source == BoneSource::mesh) out += mesh_text(bone.mesh);
+  if (bone.source == BoneSource::mesh) out += mesh_text(bone.mesh, first.scale_note);
   return out + glenoid_text(first);
 }
 

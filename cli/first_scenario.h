@@ -32,6 +32,7 @@ struct FirstScenario {
   BoneSettings bone;       ///< a side that is unknown, a crop that is open, and a near_mm that is missing: left out
   std::string bone_path;   ///< as it stands in the file
   std::string tool_path;   ///< likewise
+  std::string scale_note;  ///< of a mesh: why its scale is what it is; "": nothing is known of it
   std::optional<Rigid> glenoid;  ///< bone_from_glenoid that was found
   PlungeSettings plunge;
 };

@@ -11,6 +11,7 @@
 #include "cli/completion.h"
 #include "cli/man_page.h"
 #include "sim/base/error.h"
+#include "sim/scenario/shipped.h"
 
 namespace reamsim {
 
@@ -32,10 +33,18 @@ ListedCommand named_command(const CLI::App& root, const std::vector<std::string>
   throw InputError({}, "", name + ": unknown command", "expected " + command_names(root));
 }
 
+std::string lines_of(const std::vector<std::string>& names) {
+  std::string out;
+  for (const std::string& name : names) out += name + "\n";
+  return out;
+}
+
 std::string text_of(const CLI::App& root, const HelpOptions& options) {
   if (options.format == "man") return man_page(root);
   if (options.format == "bash") return bash_completion(root);
   if (options.format == "zsh") return zsh_completion(root);
+  if (options.format == "scenarios") return lines_of(shipped_names(ShippedKind::scenario));
+  if (options.format == "studies") return lines_of(shipped_names(ShippedKind::study));
   return help_of(named_command(root, options.words));
 }
 
@@ -47,8 +56,9 @@ void add_help_command(CLI::App& app) {
   command->add_option("COMMAND", options->words, "A command, for example run, or sweep run");
   command
       ->add_option("--format", options->format,
-                   "text, or of the whole program: man page, completion for bash, completion for zsh")
-      ->check(CLI::IsMember({"text", "man", "bash", "zsh"}));
+                   "text, or of the whole program: man page, completion for bash, completion for zsh, names of shipped "
+                   "scenarios, names of shipped studies")
+      ->check(CLI::IsMember({"text", "man", "bash", "zsh", "scenarios", "studies"}));
   command->callback([options, &app] { std::fputs(text_of(app, *options).c_str(), stdout); });
 }
 

@@ -7,15 +7,17 @@
 
 #include "cli/commands.h"
 #include "cli/input_kind.h"
-#include "cli/shipped.h"
 #include "sim/base/error.h"
 #include "sim/bone/bone.h"
+#include "sim/bone/bone_stages.h"
 #include "sim/bone/frame_check.h"
+#include "sim/bone/import_progress.h"
 #include "sim/bone/vdb/bone_vdb.h"
 #include "sim/bone/vdb/vdb_archive.h"
 #include "sim/record/checksum.h"
 #include "sim/record/output_folder.h"
 #include "sim/scenario/parse.h"
+#include "sim/scenario/shipped.h"
 
 namespace reamsim {
 
@@ -45,9 +47,9 @@ Scenario scenario_of(const ImportOptions& options) {
 }
 
 /// Throws InputError also for a glenoid frame that contradicts the bone, because the file would store it.
-Bone load_checked(const Scenario& scenario, Report& report) {
+Bone load_checked(const Scenario& scenario, Report& report, const StageSink& stages) {
   try {
-    Bone bone = load_bone(scenario.bone, report);
+    Bone bone = load_bone(scenario.bone, report, stages);
     MistakeList mistakes;
     check_glenoid_frame(bone, scenario.bone, mistakes, report);
     mistakes.throw_if_any();
@@ -71,17 +73,21 @@ void import_command(const ImportOptions& options, const Console& console) {
     fs::remove(unfinished, ignored);
     return StopOutcome{};
   });
+  Progress bar(console, "import", "");
+  ImportProgress progress(settings,
+                          [&](double fraction, const std::string& stage) { bar.begin_part(fraction, stage); });
   Report report;
-  console.say("import: reading " + options.input + " and making voxels");
-  const Bone bone = load_checked(scenario, report);
-  for (const auto& note : report.notes) console.say(note);
-  report.notes.clear();
-  console.print(report);
-  console.say("import: writing " + options.output);
+  const Bone bone = load_checked(scenario, report, [&](BoneStage stage) { progress.begin(stage); });
+  progress.begin(BoneStage::write);
   Metadata metadata{{"source", fs::path(options.input).filename().string()}, {"sha256", sha256_of(options.input)}};
   const Metadata anatomy = metadata_of({bone.glenoid, bone.landmarks, bone.side});
   metadata.insert(metadata.end(), anatomy.begin(), anatomy.end());
   write_bone_vdb(options.output, bone, {}, metadata);
+  progress.finish();
+  bar.finish();
+  for (const auto& note : report.notes) console.say(note);
+  report.notes.clear();
+  console.print(report);
   console.say("wrote " + options.output);
 }
 

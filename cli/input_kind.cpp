@@ -3,6 +3,7 @@
 
 #include "cli/input_kind.h"
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
 #include <cctype>
@@ -16,16 +17,15 @@ std::string lower_extension(const std::string& path) {
   return text;
 }
 
-bool is_scenario_name(const std::string& path) {
-  const std::string kind = lower_extension(path);
-  return kind == ".yaml" || kind == ".yml";
-}
-
 BoneSource source_by_name(const std::string& path) {
   constexpr std::array kMeshes{".stl", ".obj", ".ply", ".vtp", ".vtk"};
   const std::string kind = lower_extension(path);
   if (kind == ".vdb") return BoneSource::vdb;
   return std::ranges::find(kMeshes, kind) != kMeshes.end() ? BoneSource::mesh : BoneSource::ct;
+}
+
+void take_shipped_names(CLI::Option& option, ShippedKind kind) {
+  option.transform([kind](const std::string& argument) { return shipped_or_path(argument, kind); }, "");
 }
 
 }  // namespace reamsim

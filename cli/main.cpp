@@ -40,7 +40,6 @@ int complain(const char* message, int status) {
 
 void add_commands(CLI::App& app, reamsim::Console& console) {
   app.require_subcommand(1);
-  app.footer(reamsim::help_footer());
   app.set_version_flag("-V,--version", reamsim::version_text, "Print version, commit, build and libraries");
   reamsim::add_run_command(app, console);
   reamsim::add_check_command(app, console);
@@ -60,6 +59,7 @@ void add_commands(CLI::App& app, reamsim::Console& console) {
   reamsim::add_devices_command(app, console);
   reamsim::add_cite_command(app);
   reamsim::add_help_command(app);
+  reamsim::add_footers(app);
 }
 
 /// Parses the arguments, which calls the command.

@@ -24,8 +24,16 @@ inline constexpr std::array<Entry, 5> kExitStatuses{
     {{"0", "done"},
      {"1", "the run failed"},
      {"2", "the input is wrong, or no command was given; the message says what, where, and what to do"},
-     {"75", "interrupted, with a checkpoint: the same command with --resume continues"},
+     {"75",
+      "of run, sweep run and uq: interrupted, with a checkpoint; the same command continues, of run with --resume"},
      {"130", "interrupted"}}};
+
+/// The commands that can end with status 75, and what it means there.
+inline constexpr std::string_view kSuspended = "75";
+inline constexpr std::array<Entry, 3> kSuspendable{
+    {{"run", "interrupted, with a checkpoint: the same command with --resume continues"},
+     {"sweep run", "interrupted; the same command continues"},
+     {"uq", "interrupted; the same command continues"}}};
 
 inline constexpr std::array<Entry, 6> kVariables{
     {{"NO_COLOR", "If set to anything but nothing, messages on a terminal have no colours. Elsewhere they never have."},

@@ -13,13 +13,13 @@
 #include "cli/commands.h"
 #include "cli/first_scenario.h"
 #include "cli/input_kind.h"
-#include "cli/shipped.h"
 #include "sim/base/error.h"
 #include "sim/base/file.h"
 #include "sim/base/text.h"
 #include "sim/record/output_folder.h"
 #include "sim/scenario/parse.h"
 #include "sim/scenario/paths.h"
+#include "sim/scenario/shipped.h"
 
 namespace reamsim {
 
@@ -49,6 +49,7 @@ PreviewRequest starting_request(const PreviewOptions& options, const std::string
                             .bone = first_bone(options.input, kVoxel_mm, options.scale, CtSettings().threshold_hu),
                             .bone_path = absolute_path(options.input),
                             .tool_path = absolute_path(tool),
+                            .scale_note = "",
                             .glenoid = std::nullopt,
                             .plunge = first_plunge()};
   PreviewRequest out;

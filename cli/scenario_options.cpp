@@ -7,7 +7,7 @@
 #include <sstream>
 
 #include "cli/commands.h"
-#include "cli/shipped.h"
+#include "cli/input_kind.h"
 #include "sim/base/error.h"
 #include "sim/scenario/parse.h"
 

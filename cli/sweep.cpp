@@ -9,7 +9,7 @@
 #include <memory>
 
 #include "cli/commands.h"
-#include "cli/shipped.h"
+#include "cli/input_kind.h"
 #include "cli/sweep_collect.h"
 #include "cli/sweep_commands.h"
 #include "cli/sweep_estimate.h"
@@ -18,6 +18,7 @@
 #include "sim/base/error.h"
 #include "sim/base/text.h"
 #include "sim/base/whole_number.h"
+#include "sim/study/other_plan.h"
 
 namespace reamsim {
 
@@ -188,11 +189,19 @@ MistakesOfRuns failures_of(const SweepRuns& sweep, const StudyFolder& folder) {
   return failures;
 }
 
+/// Says where results of another plan explain runs that are missing.
+void warn_of_other_plan(const SweepRuns& sweep, const StudyFolder& folder, const Console& console) {
+  if (count_runs(folder, sweep.runs).missing == 0) return;
+  const OtherRuns others = find_other_runs(sweep.study, sweep.plan, sweep.runs, folder);
+  if (others.count > 0) console.warn(sentence_of(others, folder.path() + "/runs"));
+}
+
 void status_command(const SweepOptions& options, const Console& console) {
   const SweepRuns sweep = load_sweep(options);
   const StudyFolder folder = StudyFolder::open(sweep.study, options.dir(sweep.study));
   console.say(counts_text(count_runs(folder, sweep.runs)));
   failures_of(sweep, folder).print(console);
+  warn_of_other_plan(sweep, folder, console);
 }
 
 void collect_command(const SweepOptions& options, const Console& console) {
@@ -200,6 +209,7 @@ void collect_command(const SweepOptions& options, const Console& console) {
   const StudyFolder folder = StudyFolder::open(sweep.study, options.dir(sweep.study));
   collect_and_show(sweep, folder, console);
   failures_of(sweep, folder).print(console);
+  warn_of_other_plan(sweep, folder, console);
 }
 
 // --- run ---

@@ -9,7 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/commands.h"
-#include "cli/shipped.h"
+#include "cli/input_kind.h"
 #include "cli/sweep_options.h"
 #include "render/plots/uq_plot.h"
 #include "sim/base/csv.h"

@@ -11,6 +11,23 @@ namespace reamsim {
 
 namespace {
 
+constexpr const char* kHead = R"zsh(#compdef reamsim
+# zsh completion for reamsim; written by: reamsim help --format zsh
+
+# _reamsim_names [OPTIONS OF compadd] KIND: names of shipped scenarios or studies, from the program on the command line.
+_reamsim_names() {
+  local kind=${@[-1]}
+  local -a names
+  names=(${(f)"$(_call_program $kind $_reamsim_program help --format $kind 2>/dev/null)"})
+  compadd "${@[1,-2]}" -a names
+}
+
+_reamsim_scenarios() { _alternative 'names:shipped scenario:_reamsim_names scenarios' 'files:file:_files -g "*.y(|a)ml"' }
+_reamsim_studies() { _alternative 'names:shipped study:_reamsim_names studies' 'files:file:_files -g "*.y(|a)ml"' }
+_reamsim_inputs() { _alternative 'names:shipped scenario:_reamsim_names scenarios' 'files:file:_files' }
+
+)zsh";
+
 /// Text within single quotes, where zsh's _arguments gives [, ] and : a meaning.
 std::string quoted(const std::string& text) {
   std::string out;
@@ -37,11 +54,13 @@ std::string action_of(const ArgumentText& argument) {
     case Completed::scenarios:
       return "_reamsim_scenarios";
     case Completed::studies:
-      return "_files -g \"*.y(|a)ml\"";
+      return "_reamsim_studies";
     case Completed::folders:
       return "_files -/";
     case Completed::files:
       return "_files";
+    case Completed::files_and_scenarios:
+      return "_reamsim_inputs";
     case Completed::nothing:
       break;
   }
@@ -95,7 +114,8 @@ std::string branch(const ListedCommand& command) {
   const std::string name = function_name(command.name);
   return name + "_commands() {\n  local -a commands\n  commands=(\n" + list +
          "  )\n  _describe -t commands command commands\n}\n\n" + name +
-         "() {\n  local curcontext=$curcontext state line\n" + "  typeset -A opt_args\n  _arguments -C" +
+         "() {\n  local curcontext=$curcontext state line" +
+         (command.name.empty() ? " _reamsim_program=$words[1]" : "") + "\n" + "  typeset -A opt_args\n  _arguments -C" +
          options_text(*command.app) + " \\\n    '1:command:" + name +
          "_commands' \\\n    '*::argument:->argument'\n  if [[ $state == argument ]]; then\n    case $line[1] in\n" +
          cases + "    esac\n  fi\n}\n\n";
@@ -104,10 +124,7 @@ std::string branch(const ListedCommand& command) {
 }  // namespace
 
 std::string zsh_completion(const CLI::App& root) {
-  std::string out =
-      "#compdef reamsim\n# zsh completion for reamsim; written by: reamsim help --format zsh\n\n"
-      "# Scenario files; a package may add names of scenarios that are no files.\n"
-      "_reamsim_scenarios() { _files -g \"*.y(|a)ml\" }\n\n";
+  std::string out = kHead;
   std::vector<ListedCommand> commands = listed_commands(root);
   commands.push_back({"", &root});
   for (const ListedCommand& command : commands) {

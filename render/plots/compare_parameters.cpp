@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 
 #include <algorithm>
-#include <array>
 #include <charconv>
 #include <cmath>
 #include <filesystem>
@@ -14,49 +13,19 @@
 #include "render/plots/compare.h"
 #include "sim/base/file.h"
 #include "sim/base/text.h"
-#include "sim/scenario/yaml_tree.h"
+#include "sim/scenario/scenario_values.h"
 
 namespace reamsim {
 namespace {
 
 constexpr double kNoNumber = std::numeric_limits<double>::quiet_NaN();
 
-/// Sections and keys that change no number of the results.
-constexpr std::array kWithoutEffect{"version", "name", "output", "render"};
-
 /// Ends the name of a parameter: the contents of an input file.
 constexpr std::string_view kSumOfInput = " (contents)";
 
-using KeyValues = std::vector<std::pair<std::string, std::string>>;
-
-std::string flow_text(const YamlNode& node) {
-  if (node.kind != YamlNode::Kind::sequence) return node.kind == YamlNode::Kind::null ? "null" : node.text;
-  std::string out = "[";
-  for (const YamlNodePtr& item : node.items) out += (out.size() > 1 ? ", " : "") + flow_text(*item);
-  return out + "]";
-}
-
-bool holds_maps(const YamlNode& node) {
-  return std::ranges::any_of(node.items, [](const YamlNodePtr& item) { return item->kind == YamlNode::Kind::map; });
-}
-
-/// Adds every value below `node`; a list of plain values is one value.
-void add_values(const YamlNode& node, const std::string& path, KeyValues& out) {
-  if (node.kind == YamlNode::Kind::map) {
-    for (const YamlEntry& entry : node.entries) {
-      const bool shown = !path.empty() || std::ranges::find(kWithoutEffect, entry.key) == kWithoutEffect.end();
-      if (shown) add_values(*entry.value, path.empty() ? entry.key : path + "." + entry.key, out);
-    }
-  } else if (node.kind == YamlNode::Kind::sequence && holds_maps(node)) {
-    for (std::size_t i = 0; i < node.items.size(); ++i) add_values(*node.items[i], path + "." + std::to_string(i), out);
-  } else {
-    out.emplace_back(path, flow_text(node));
-  }
-}
-
 /// Adds the checksums of input files, which are comments of scenario.yaml: "# sha256 SUM  KEY  PATH". Their beginnings
 /// tell files apart.
-void add_checksums(const std::string& text, KeyValues& out) {
+void add_checksums(const std::string& text, ScenarioValues& out) {
   constexpr std::string_view kBegin = "# sha256 ";
   constexpr std::size_t kShown = 12;
   for (const std::string& line : split(text, '\n')) {
@@ -114,9 +83,8 @@ std::vector<ComparedParameter> compare_scenarios(const std::vector<ComparedRun>&
   std::map<std::string, std::size_t> places;
   for (std::size_t i = 0; i < runs.size(); ++i) {
     const std::string path = runs[i].dir + "/scenario.yaml";
-    KeyValues found;
     const std::string text = read_file(path, "expected the results folder of a finished run");
-    add_values(*parse_yaml(text, path), "", found);
+    ScenarioValues found = values_of_scenario(*parse_yaml(text, path));
     add_checksums(text, found);
     for (const auto& [key, value] : found) {
       const auto [place, is_new] = places.try_emplace(key, all.size());

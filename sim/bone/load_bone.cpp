@@ -7,6 +7,7 @@
 
 #include "sim/base/error.h"
 #include "sim/bone/bone.h"
+#include "sim/bone/bone_stages.h"
 #include "sim/bone/ct/ct_import.h"
 #include "sim/bone/find_glenoid.h"
 #include "sim/bone/vdb/bone_vdb.h"
@@ -130,8 +131,11 @@ Bone bone_from_vdb(const BoneSettings& settings, Report& report) {
   return bone;
 }
 
-Bone bone_from_source(const BoneSettings& settings, Report& report) {
+namespace {
+
+Bone bone_from_source(const BoneSettings& settings, Report& report, const StageSink& stages) {
   if (settings.source == BoneSource::phantom) {
+    begin_stage(stages, BoneStage::voxels);
     Bone bone = bone_from_phantom(settings, report);
     bone.set_voxels(fit_to_bone(bone.take_voxels(), kMarginVoxels));
     return bone;
@@ -139,15 +143,29 @@ Bone bone_from_source(const BoneSettings& settings, Report& report) {
   if (settings.source == BoneSource::ct) {
     Bone bone;
     bone.segmentation.emplace();
-    bone.set_voxels(fit_to_bone(voxmap_from_ct(settings, report, &*bone.segmentation), kMarginVoxels));
+    bone.set_voxels(fit_to_bone(voxmap_from_ct(settings, report, &*bone.segmentation, stages), kMarginVoxels));
     return bone;
   }
-  if (settings.source == BoneSource::mesh) return Bone(fit_to_bone(voxmap_from_mesh(settings, report), kMarginVoxels));
+  if (settings.source == BoneSource::mesh)
+    return Bone(fit_to_bone(voxmap_from_mesh(settings, report, stages), kMarginVoxels));
+  begin_stage(stages, BoneStage::read);
   return bone_from_vdb(settings, report);
 }
 
+}  // namespace
+
+Bone bone_from_source(const BoneSettings& settings, Report& report) {
+  return bone_from_source(settings, report, {});
+}
+
 Bone load_bone(const BoneSettings& settings, Report& report) {
-  return with_anatomy(bone_from_source(settings, report), settings, report);
+  return load_bone(settings, report, {});
+}
+
+Bone load_bone(const BoneSettings& settings, Report& report, const StageSink& stages) {
+  Bone bone = bone_from_source(settings, report, stages);
+  begin_stage(stages, BoneStage::anatomy);
+  return with_anatomy(std::move(bone), settings, report);
 }
 
 Bone with_anatomy(Bone bone, const BoneSettings& settings, Report& report) {

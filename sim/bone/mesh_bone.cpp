@@ -8,6 +8,7 @@
 
 #include "sim/base/error.h"
 #include "sim/bone/bone.h"
+#include "sim/bone/bone_stages.h"
 #include "sim/bone/mesh_depth.h"
 #include "sim/bone/mesh_unit.h"
 #include "sim/bone/sample_phantom.h"
@@ -160,15 +161,22 @@ void check_volume(const MeshBoneSettings& settings, double voxels_mm3, double me
 }  // namespace
 
 FilledVoxmap voxmap_from_mesh(const BoneSettings& settings, Report& report) {
+  return voxmap_from_mesh(settings, report, {});
+}
+
+FilledVoxmap voxmap_from_mesh(const BoneSettings& settings, Report& report, const StageSink& stages) {
   const MeshBoneSettings& bone = settings.mesh;
+  begin_stage(stages, BoneStage::read);
   const TriangleMesh mesh = checked_mesh(bone, report);
   const bool has_glenoid = settings.glenoid.center_mm || settings.glenoid.landmarks || settings.glenoid.near_mm;
   check_mesh_unit(bone.path, mesh.bounds(), bone.scale, has_glenoid, report);
   const VoxelGrid grid = lattice_around(bone.path, mesh.bounds(), settings.voxel_mm, kMarginVoxels,
                                         {bone_fraction(mesh, settings.voxel_mm), kMeshBytesPerVoxel});
+  begin_stage(stages, BoneStage::distances);
   const double cortical_voxels = bone.cortical_mm / settings.voxel_mm;
   const MeshDepth depth(bone.path, mesh, grid, cortical_voxels);
 
+  begin_stage(stages, BoneStage::voxels);
   const DensityMapping mapping = mapping_from(settings.density);
   const auto grade = [&mapping](double hu) { return DensityMapping::grade_from_density(mapping.density_from_hu(hu)); };
   const GradesByDepth by_depth{cortical_voxels, grade(bone.cortical_hu), grade(bone.trabecular_hu)};

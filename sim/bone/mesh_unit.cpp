@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "sim/base/error.h"
+#include "sim/mesh/mesh_io.h"
 
 namespace reamsim {
 
@@ -48,7 +49,7 @@ std::vector<LengthUnit> units_that_fit(double file_length, const LengthRange& ra
 }
 
 /// The scales that would fit, the most likely first: that of a unit, or else the estimate from a scapula.
-std::string scale_advice(double file_length) {
+std::string scale_advice(double file_length, const std::string& what_to_set = "set bone.mesh.scale") {
   std::vector<std::string> scales;
   const std::vector<LengthUnit> units = units_that_fit(file_length, kBoneWithGlenoid);
   for (const LengthUnit& unit : units) {
@@ -58,7 +59,7 @@ std::string scale_advice(double file_length) {
       fmt::format("about {:.2g} for a scapula of {:.0f} mm", kScapula_mm / file_length, kScapula_mm);
   const bool unit_is_likely = !units.empty() && kScapulas.contains(units.front().mm * file_length);
   scales.insert(unit_is_likely ? scales.end() : scales.begin(), estimate);
-  std::string out = "set bone.mesh.scale: ";
+  std::string out = what_to_set + ": ";
   for (std::size_t n = 0; n < scales.size(); ++n) {
     out += (n == 0 ? "" : n + 1 < scales.size() ? ", " : " or ") + scales[n];
   }
@@ -66,6 +67,28 @@ std::string scale_advice(double file_length) {
 }
 
 }  // namespace
+
+std::optional<FoundScale> find_scale(double file_length) {
+  const FoundScale in_mm{.scale = 1, .unit = "mm", .length_mm = file_length};
+  if (kScapulas.contains(file_length)) return in_mm;
+  if (kBoneWithGlenoid.contains(file_length)) {
+    FoundScale out = in_mm;
+    out.assumed = true;
+    return out;
+  }
+  const std::vector<LengthUnit> units = units_that_fit(file_length, kScapulas);
+  if (units.size() != 1) return std::nullopt;
+  return FoundScale{.scale = units.front().mm, .unit = units.front().name, .length_mm = units.front().mm * file_length};
+}
+
+FoundScale find_scale_of(const std::string& path, const std::string& what_to_set) {
+  const Aabb bounds = read_mesh(path, 1).bounds();
+  const double length = (bounds.max - bounds.min).maxCoeff();
+  if (const auto found = find_scale(length)) return *found;
+  throw InputError({path, 0, 0}, "bone.mesh.scale",
+                   fmt::format("the mesh is {:.3g} long, in a unit that is unknown", length),
+                   scale_advice(length, what_to_set));
+}
 
 void check_mesh_unit(const std::string& path, const Aabb& bounds_mm, double scale, bool has_glenoid, Report& report) {
   const double length_mm = (bounds_mm.max - bounds_mm.min).maxCoeff();

@@ -7,6 +7,7 @@
 #include <fmt/core.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <random>
 
@@ -112,6 +113,16 @@ RunState StudyFolder::state(const std::string& id) const {
   }
   if (fs::exists(run_dir(id) + ".partial", error)) return RunState::interrupted;
   return fs::exists(dir_ + "/failed/" + id + ".json", error) ? RunState::failed : RunState::missing;
+}
+
+std::vector<std::string> StudyFolder::run_names() const {
+  std::vector<std::string> out;
+  std::error_code error;
+  for (fs::directory_iterator entry(dir_ + "/runs", error), end; !error && entry != end; entry.increment(error)) {
+    if (entry->path().extension().empty()) out.push_back(entry->path().filename().string());
+  }
+  std::ranges::sort(out);
+  return out;
 }
 
 std::string StudyFolder::failure(const std::string& id) const {

@@ -6,6 +6,7 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <vector>
 
 #include "sim/record/kept_files.h"
 #include "sim/study/study.h"
@@ -33,6 +34,8 @@ class StudyFolder {
   [[nodiscard]] std::string run_dir(const std::string& id) const { return dir_ + "/runs/" + id; }
   /// A run is done where it has all files that the study keeps.
   [[nodiscard]] RunState state(const std::string& id) const;
+  /// The names of the folders of runs, whatever plan they belong to, in order; not those of unfinished runs.
+  [[nodiscard]] std::vector<std::string> run_names() const;
   /// The message of a run that failed; "" where it did not.
   [[nodiscard]] std::string failure(const std::string& id) const;
   /// Notes that a run failed. Throws RunError.

@@ -7,6 +7,7 @@
 
 #include "sim/scenario/find_key.h"
 #include "sim/scenario/paths.h"
+#include "sim/scenario/shipped.h"
 #include "sim/scenario/show.h"
 #include "sim/scenario/text_file.h"
 #include "sim/study/cohort_table.h"
@@ -77,9 +78,14 @@ class StudyReader {
   }
 
   void read_base(const YamlNode& node) {
-    if (node.kind != YamlNode::Kind::scalar) reject(node, "base", "expected the path of a scenario");
+    if (node.kind != YamlNode::Kind::scalar)
+      reject(node, "base", "expected a scenario: its path, or the name of a shipped one");
     const std::string folder = fs::path(study_.file).parent_path().string();
-    study_.base = resolve_path(node.text, TextKind::input_file, folder, node.mark.in(file_), "base");
+    const SourceLocation where = node.mark.in(file_);
+    const std::string scenario = shipped_scenario_of_key(node.text, folder, where, "base");
+    // A folder of the program may have ${ in its name, which only a text of the study replaces.
+    study_.base =
+        scenario == node.text ? resolve_path(scenario, TextKind::input_file, folder, where, "base") : scenario;
   }
 
   void read_set(const YamlNode& node) {

@@ -95,7 +95,7 @@ std::string study_json_schema() {
   keys["version"] = {{"description", "Version of this format"}, {"const", 1}};
   keys["name"] = {{"description", "Name of the study and of its folder; without it that of the file"},
                   {"type", "string"}};
-  keys["base"] = {{"description", "The scenario"}, {"type", "string"}};
+  keys["base"] = {{"description", "The scenario: its path, or the name of a shipped one"}, {"type", "string"}};
   keys["set"] = map_of(Json::object());
   keys["set"]["description"] = "Keys that every run changes";
   keys["vary"] = {{"description", "Every combination of the entries; keys of a zip vary together"},

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 #include "tests/cli/cli_fixture.h"
+#include "tests/cli/data_files.h"
 
 namespace reamsim::test {
 namespace {
@@ -88,6 +89,13 @@ TEST_F(CommandLine, ColoursOnATerminalOnly) {
   }
   EXPECT_THAT(on_terminal("run nix.yaml", dir_, "env NO_COLOR="), HasSubstr("\033[31m")) << "empty is not set";
   EXPECT_THAT(call({"run", "nix.yaml"}).err, ::testing::Not(HasSubstr("\033")));
+}
+
+TEST_F(CommandLine, ImportDrawsABarOnATerminal) {
+  write("cube.stl", cube_stl(30));
+  const std::string drawn = on_terminal("import cube.stl -o bone.vdb --set bone.voxel_mm=1", dir_, "env");
+  EXPECT_THAT(drawn, HasSubstr("\rimport [" + std::string(30, '.') + "] 0 %: reading the mesh"));
+  EXPECT_THAT(drawn, HasSubstr("\rimport [" + std::string(30, '#') + "] 100 %, 0 s left"));
 }
 
 TEST_F(CommandLine, Devices) {

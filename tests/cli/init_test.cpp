@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 // reamsim init: a first scenario with or without a point on the glenoid, which runs.
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -48,6 +49,83 @@ TEST_F(InitTest, WritesAScenarioOfAMeshThatRuns) {
                                    "--set", "motion.frame_rate_hz=100"});
   ASSERT_EQ(done.status, 0) << done.err;
   EXPECT_GT(number_after(read("out/summary.json"), "\"removed_mm3\": "), 300);
+}
+
+/// The binary STL of write_glenoid_mesh(), with all lengths multiplied.
+std::string scaled_stl(std::string stl, double factor) {
+  for (std::size_t facet = 84; facet + 50 <= stl.size(); facet += 50) {
+    for (std::size_t at = facet + 12; at < facet + 48; at += 4) {
+      float x = 0;
+      std::memcpy(&x, stl.data() + at, 4);
+      x *= static_cast<float>(factor);
+      std::memcpy(stl.data() + at, &x, 4);
+    }
+  }
+  return stl;
+}
+
+TEST_F(InitTest, SaysWhichUnitOfAMeshWasFoundOrAssumed) {
+  write_glenoid_mesh();
+  const std::string mesh = read("bone.stl");
+  float least = 1e9F, most = -1e9F;  // along its longest side, x, y or z
+  double length_mm = 0;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    least = 1e9F, most = -1e9F;
+    for (std::size_t facet = 84; facet + 50 <= mesh.size(); facet += 50) {
+      for (std::size_t corner = 1; corner <= 3; ++corner) {
+        float x = 0;
+        std::memcpy(&x, mesh.data() + facet + 12 * corner + 4 * axis, 4);
+        least = std::min(least, x);
+        most = std::max(most, x);
+      }
+    }
+    length_mm = std::max(length_mm, double{most} - double{least});
+  }
+  ASSERT_LT(length_mm, 100) << "a glenoid, not a scapula";
+  // A scapula is 150 mm long: the same shape that large, in several units.
+  const double to_scapula = 150 / length_mm;
+  const auto init = [&](double factor, const std::vector<std::string>& more) {
+    write("unit.stl", scaled_stl(mesh, factor));
+    std::vector<std::string> arguments{"init", "unit.stl",   "-o",  "my.yaml",    "--side",
+                                       "left", "--voxel-mm", "0.8", "--overwrite"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return call(arguments);
+  };
+  struct Unit {
+    double mm;
+    std::string scale, name;
+  };
+  for (const Unit& unit : {Unit{1000, "1000", "metres"}, {10, "10", "centimetres"}, {25.4, "25.4", "inches"}}) {
+    const ProgramResult made = init(to_scapula / unit.mm, {"--near=0,0,0"});
+    EXPECT_THAT(made.err, HasSubstr("bone.mesh.scale: " + unit.scale + ": the file is in " + unit.name +
+                                    "; the mesh is then 150 mm long, as a scapula; if that is wrong, give --scale"));
+  }
+  // Small enough to be found: its own size.
+  ProgramResult made = init(1, {});
+  ASSERT_EQ(made.status, 0) << made.err;
+  EXPECT_THAT(made.err, HasSubstr("bone.mesh.scale: 1: mm is assumed; the mesh is then "));
+  EXPECT_THAT(read("my.yaml"),
+              HasSubstr("scale: 1                  # file units to mm: mm is assumed; the mesh is then "));
+  made = init(0.001, {"--scale", "1000"});
+  ASSERT_EQ(made.status, 0) << made.err;
+  EXPECT_THAT(made.err, Not(HasSubstr("bone.mesh.scale")));
+  EXPECT_THAT(read("my.yaml"), HasSubstr("scale: 1000                  # file units to mm: of --scale"));
+  made = init(0.0001, {});
+  EXPECT_EQ(made.status, 2);
+  EXPECT_THAT(made.err, AllOf(HasSubstr("bone.mesh.scale: the mesh is "),
+                              HasSubstr("in a unit that is unknown; give --scale: ")));
+}
+
+TEST_F(InitTest, FindsTheUnitOfARealScapula) {
+  const std::string file = data_file("scapula_mesh/scapula_left.stl");
+  if (!std::filesystem::exists(file)) GTEST_SKIP() << "no " << file << "; set REAMSIM_DATA";
+  write("metres.stl", scaled_stl(file_bytes(file), 0.055));  // that of the file gives 153 mm with 55
+  const ProgramResult made = call({"init", "metres.stl", "-o", "my.yaml", "--side", "left", "--voxel-mm", "0.8"});
+  ASSERT_EQ(made.status, 0) << made.err;
+  EXPECT_THAT(made.err, HasSubstr("bone.mesh.scale: 1000: the file is in metres; the mesh is then 153 mm long"));
+  EXPECT_THAT(read("my.yaml"),
+              HasSubstr("scale: 1000                  # file units to mm: the file is in metres; the mesh "
+                        "is then 153 mm long, as a scapula"));
 }
 
 /// The numbers of "# Found: center_mm: [x, y, z]".

@@ -43,7 +43,8 @@ TEST_F(Shipped, UnknownNameListsTheNamesThereAre) {
        {std::vector<std::string>{"sweep", "plan"}, {"sweep", "run"}, {"uq"}}) {
     std::vector<std::string> arguments = command;
     arguments.emplace_back("nonsense");
-    expect_refused(call(arguments), 2, {"no shipped study of this name", "breakthrough, reamers, resolution, shoulder_errors"});
+    expect_refused(call(arguments), 2,
+                   {"no shipped study of this name", "breakthrough, reamers, resolution, shoulder_errors"});
   }
 }
 
@@ -72,6 +73,24 @@ TEST_F(Shipped, StudyByName) {
   const ProgramResult status = call({"sweep", "submit", "reamers", "--parallel", "--to", "scripts"});
   EXPECT_EQ(status.status, 0) << status.err;
   EXPECT_THAT(read("scripts/reamers.parallel.sh"), HasSubstr("/trajectories/studies/reamers.yaml"));
+}
+
+/// `sweep plan` of a study in the folder `part`.
+TEST_F(Shipped, BaseOfAStudy) {
+  std::filesystem::create_directory(path("part"));
+  const auto plan = [&](const std::string& base) {
+    write("part/study.yaml", "version: 1\nbase: " + base + "\nset: {bone.voxel_mm: 1}\n");
+    return call({"sweep", "plan", "part/study.yaml", "--set", "engine.device=serial"});
+  };
+  write("half_space", "not beside the study\n");
+  EXPECT_THAT(plan("half_space").out, HasSubstr("1 runs of " REAMSIM_ROOT "/trajectories/half_space.yaml"));
+  write("part/half_space", kSmall);
+  EXPECT_THAT(plan("half_space").out, HasSubstr("1 runs of " + path("part/half_space")));
+  expect_refused(plan("nonsense"), 2,
+                 {"part/study.yaml:2:7: base: nonsense: no such file, and no shipped scenario of this name; expected a "
+                  "file (YAML) or one of compliance, ct_shoulder, ",
+                  "study_uniconcave_flat"});
+  expect_refused(plan("./default"), 2, {"part/study.yaml:2:7: base: no such file: ", "part/default; expected a file"});
 }
 
 TEST_F(Shipped, BonesAndScenariosOfImportAndPreview) {

@@ -82,6 +82,39 @@ TEST_F(Sweep, OneCommandSimulatesAndCollects) {
   EXPECT_THAT(sweep({"run", "study.yaml", "-o", "out"}).out, HasSubstr("2 to simulate"));
 }
 
+TEST_F(Sweep, ResultsOfAnotherPlanAreNamed) {
+  const auto call = [&](const std::string& command, std::vector<std::string> more) {
+    more.insert(more.begin(), {command, "study.yaml", "-o", "out"});
+    return sweep(std::move(more));
+  };
+  const std::vector<std::string> set{"--set", "motion.plunge.feed_mm_s=10", "--set", "bone.voxel_mm=1"};
+  ASSERT_EQ(call("run", set).status, 0);
+  for (const char* command : {"status", "collect"}) {
+    const ProgramResult same = call(command, set);
+    EXPECT_THAT(same.out, HasSubstr("8 runs: 8 done"));
+    EXPECT_EQ(same.err, "") << command;
+    const ProgramResult other = call(command, {});
+    EXPECT_EQ(other.status, 0);
+    EXPECT_THAT(other.out, HasSubstr("8 missing"));
+    EXPECT_EQ(other.err, "reamsim: warning: 8 results in " + path("out") +
+                             "/runs belong to another plan of this study: bone.voxel_mm is 1 there and 0.5 in this "
+                             "plan, motion.plunge.feed_mm_s is 10 there and 5 in this plan; give the same --set as for "
+                             "sweep run, or the same study\n")
+        << command;
+  }
+  // Runs that the study no longer has explain nothing where none is missing.
+  write("study.yaml", with(kStudy, "[0.5, 1]", "[1]"));
+  EXPECT_EQ(call("status", set).err, "");
+}
+
+TEST_F(Sweep, ALogSaysAtOnceThatAStudyTakesLong) {
+  write("study.yaml", with(kStudy, "n: 4", "n: 1024"));
+  const ProgramResult result =
+      sweep({"run", "study.yaml", "-o", "out", "--jobs", "1"}, [&] { return finished("out") > 2; });
+  EXPECT_EQ(result.status, 75) << result.err;
+  EXPECT_THAT(result.out, HasSubstr("\nsweep 1/2048 runs, "));
+}
+
 TEST_F(Sweep, ARunHasTheForcesOfReamsimRun) {
   ASSERT_EQ(sweep({"run", "study.yaml", "-o", "out"}).status, 0);
   const std::string row = lines("out/runs.csv")[8];  // 8,ID,done,,1,ENERGY,...

@@ -18,6 +18,7 @@ import reamsim
 print(reamsim.find_program())
 print(reamsim.run("half_space", "from python", device="serial", bone__voxel_mm=1, motion__frame_rate_hz=50,
                   motion__plunge__feed_mm_s=5, render__enabled=False).summary["removed_mm3"])
+print(reamsim.Simulation("half_space", device="serial", bone__voxel_mm=1, motion__frame_rate_hz=50).frame_s)
 """
 
 
@@ -73,6 +74,7 @@ def check_python(installed):
     said = installed.call("-c", PYTHON, program="/usr/bin/python3", PYTHONPATH=str(package)).splitlines()
     assert said[0] == str(installed.prefix / "bin/reamsim"), said
     assert float(said[1]) > 50, said
+    assert float(said[2]) == 0.02, said
 
 
 PROGRAM, BUILD, ROOT = (pathlib.Path(argument).resolve() for argument in sys.argv[1:4])

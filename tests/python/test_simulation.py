@@ -4,6 +4,7 @@
 """reamsim.Simulation gives what `reamsim run` gives, and no input or interruption harms the process."""
 
 import os
+import pathlib
 import signal
 import subprocess
 import sys
@@ -63,6 +64,19 @@ def test_a_run_of_poses_gives_the_forces_of_a_run(block, block_run):
     assert table["frame"].dtype == numpy.int64
     replayed = reamsim.Simulation(block).run(block_run.forces)
     assert numpy.array_equal(values_of(replayed), values_of(table))
+
+
+def test_a_shipped_scenario_by_its_name(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    keys = {"device": "serial", "bone__voxel_mm": 1, "motion__frame_rate_hz": 50}
+    named = reamsim.Simulation("half_space", **keys)
+    given = reamsim.Simulation(ROOT / "trajectories/half_space.yaml", **keys)
+    assert numpy.array_equal(values_of(named.run(named.planned_poses())), values_of(given.run(given.planned_poses())))
+    message = message_of(reamsim.Simulation, "nonsense")
+    assert message.startswith("nonsense: no such file, and no shipped scenario of this name; expected a file (YAML) or one of")
+    assert "default" in message
+    pathlib.Path("half_space").write_text("version: 2\n")
+    assert "bone: missing" in message_of(reamsim.Simulation, "half_space"), "what exists is a path"
 
 
 def test_all_forms_of_poses_are_the_same(block):

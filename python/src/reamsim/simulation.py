@@ -52,8 +52,8 @@ class Simulation:
     a simulation (``multiprocessing``: use ``spawn``).
 
     Args:
-        scenario: path of a YAML file, or the scenario as a dict. Paths in a dict are relative to the current folder. Its
-            motion gives `planned_poses` and `frame_s`.
+        scenario: path of a YAML file, name of a shipped scenario (``"default"``), or the scenario as a dict. Paths in a dict
+            are relative to the current folder. Its motion gives `planned_poses` and `frame_s`.
         settings: keys to change, by their dotted names: ``{"bone.voxel_mm": 0.4}``. None deletes a key.
         device: OpenCL device, or ``serial``.
         **overrides: keys to change, with ``__`` for the dot: ``bone__voxel_mm=0.4``.

@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "sim/base/error.h"
+#include "sim/bone/bone_stages.h"
 #include "sim/bone/ct/aligned_image.h"
 #include "sim/bone/ct/boundary_density.h"
 #include "sim/bone/ct/label_map.h"
@@ -255,7 +256,8 @@ auto with_open_scan(const CtSettings& settings, Report& report, const Use& use) 
 
 /// Corrects the density at the boundary and resamples.
 FilledVoxmap voxels_of(ct::AlignedImage hu, const ct::BoneField& bone, const BoneSettings& settings, Report& report,
-                       Segmentation* segmentation) {
+                       Segmentation* segmentation, const StageSink& stages = {}) {
+  begin_stage(stages, BoneStage::correct_density);
   const ct::BoundaryDensity boundary =
       ct::correct_boundary(hu, bone, settings.ct.psf_mm, ct::resampling_reach(hu.lattice, settings.voxel_mm));
   note_boundary(boundary, report);
@@ -263,28 +265,42 @@ FilledVoxmap voxels_of(ct::AlignedImage hu, const ct::BoneField& bone, const Bon
     segmentation->lower_bound_fraction = boundary.unresolved_fraction();
     segmentation->noise_hu = boundary.noise_hu;
   }
+  begin_stage(stages, BoneStage::voxels);
   return ct::voxelize(hu, bone, settings, report);
 }
 
-}  // namespace
-
 FilledVoxmap voxmap_from_scan(const ct::ScanSource& source, const BoneSettings& given, Report& report,
-                              Segmentation* segmentation) {
+                              Segmentation* segmentation, const StageSink& stages) {
   const ct::IndexBox box = cropped_box(source, given.ct);
   ct::AlignedImage hu = read_cropped(source, box, given.ct, report);
   note_crop(hu, source, report);
+  begin_stage(stages, BoneStage::filter);
   filter(hu, given.ct, report);
+  begin_stage(stages, BoneStage::segment);
   const BoneSettings settings = with_cuts(hu, given, report);
   const CtSettings& ct_settings = settings.ct;
   const ct::BoneField bone = segment(source, box, hu, ct_settings, report);
   note_trabecular(bone, ct_settings.threshold_hu, report);
   if (segmentation != nullptr) *segmentation = segmentation_of(hu, bone, settings);
-  return voxels_of(std::move(hu), bone, settings, report, segmentation);
+  return voxels_of(std::move(hu), bone, settings, report, segmentation, stages);
+}
+
+}  // namespace
+
+FilledVoxmap voxmap_from_scan(const ct::ScanSource& source, const BoneSettings& settings, Report& report,
+                              Segmentation* segmentation) {
+  return voxmap_from_scan(source, settings, report, segmentation, {});
 }
 
 FilledVoxmap voxmap_from_ct(const BoneSettings& settings, Report& report, Segmentation* segmentation) {
+  return voxmap_from_ct(settings, report, segmentation, {});
+}
+
+FilledVoxmap voxmap_from_ct(const BoneSettings& settings, Report& report, Segmentation* segmentation,
+                            const StageSink& stages) {
+  begin_stage(stages, BoneStage::read);
   return with_open_scan(settings.ct, report, [&](const ct::ScanSource& source) {
-    return voxmap_from_scan(source, settings, report, segmentation);
+    return voxmap_from_scan(source, settings, report, segmentation, stages);
   });
 }
 

@@ -1,17 +1,18 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "cli/shipped.h"
+#include "sim/scenario/shipped.h"
 
+#include <dlfcn.h>
 #include <fmt/format.h>
+#include <link.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
+#include <array>
+#include <cctype>
 #include <filesystem>
 #include <system_error>
 
-#include "cli/input_kind.h"
-#include "sim/base/error.h"
 #include "sim/scenario/show.h"
 
 namespace reamsim {
@@ -20,9 +21,21 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Places of the shipped folders, from the folder of the executable: an install prefix, BUILD/cli of a checkout with
-/// build/NAME, and beside the program.
-constexpr const char* kPlaces[] = {"../share/reamsim", "../../..", "."};
+/// Places of the shipped folders, from the folder of own_file(): an install prefix with bin/reamsim, a checkout with
+/// build/NAME/cli and build/NAME/python, beside the program, and a prefix with
+/// lib/python3/dist-packages/reamsim/_simulation.so.
+constexpr std::array kPlaces{"../share/reamsim", "../../..", ".", "../../../../share/reamsim"};
+
+/// The file that holds this code: the executable, or a module that it loaded. "" where that is unknown.
+fs::path own_file() {
+  static const char here = 0;
+  Dl_info info{};
+  void* found = nullptr;
+  std::error_code error;
+  const bool known = dladdr1(&here, &info, &found, RTLD_DL_LINKMAP) != 0 && found != nullptr;
+  const std::string module = known ? static_cast<const link_map*>(found)->l_name : "";  // "": the executable
+  return fs::canonical(module.empty() ? "/proc/self/exe" : module, error);
+}
 
 std::string folder_of(ShippedKind kind) {
   const std::string scenarios = shipped_folder("trajectories");
@@ -33,17 +46,25 @@ const char* text_of(ShippedKind kind) {
   return kind == ShippedKind::scenario ? "scenario" : "study";
 }
 
-/// A word that could be a name, and is no path of something that exists.
-bool may_be_name(const std::string& argument) {
+/// A word that could be a name, and is no path of something that exists in `folder`.
+bool may_be_name(const std::string& argument, const std::string& folder = "") {
   std::error_code ignored;
   return !argument.empty() && argument.find('/') == std::string::npos && !is_scenario_name(argument) &&
-         fs::symlink_status(argument, ignored).type() == fs::file_type::not_found;
+         fs::symlink_status(fs::path(folder) / argument, ignored).type() == fs::file_type::not_found;
 }
 
 /// The file of this name; "" where there is none.
 std::string file_of(const std::string& name, ShippedKind kind) {
   const std::vector<std::string> names = shipped_names(kind);
   return std::ranges::find(names, name) == names.end() ? "" : folder_of(kind) + "/" + name + ".yaml";
+}
+
+std::string no_such_name(ShippedKind kind) {
+  return fmt::format("no such file, and no shipped {} of this name", text_of(kind));
+}
+
+std::string list_of(const std::vector<std::string>& names) {
+  return fmt::format("expected a file (YAML) or one of {}", fmt::join(names, ", "));
 }
 
 [[noreturn]] void refuse(const std::string& name, ShippedKind kind, const std::vector<std::string>& names) {
@@ -53,16 +74,15 @@ std::string file_of(const std::string& name, ShippedKind kind) {
     throw InputError(where, "", fmt::format("is a shipped {}, not a {}", text_of(other), text_of(kind)),
                      kind == ShippedKind::scenario ? "use reamsim sweep" : "use reamsim run");
   }
-  throw InputError(where, "", fmt::format("no such file, and no shipped {} of this name", text_of(kind)),
-                   fmt::format("expected a file (YAML) or one of {}", fmt::join(names, ", ")));
+  throw InputError(where, "", no_such_name(kind), list_of(names));
 }
 
 }  // namespace
 
 std::string shipped_folder(const std::string& name) {
+  const fs::path own = own_file().parent_path();
+  if (own.empty()) return "";
   std::error_code error;
-  const fs::path own = fs::read_symlink("/proc/self/exe", error).parent_path();
-  if (error) return "";
   for (const char* place : kPlaces) {
     const fs::path folder = (own / place / name).lexically_normal();
     if (fs::is_directory(folder, error)) return folder.string();
@@ -80,6 +100,12 @@ std::vector<std::string> shipped_names(ShippedKind kind) {
   return names;
 }
 
+bool is_scenario_name(const std::string& path) {
+  std::string ending = fs::path(path).extension().string();
+  std::ranges::transform(ending, ending.begin(), [](unsigned char c) { return std::tolower(c); });
+  return ending == ".yaml" || ending == ".yml";
+}
+
 std::string shipped_or_path(const std::string& argument, ShippedKind kind) {
   if (!may_be_name(argument)) return argument;
   const std::vector<std::string> names = shipped_names(kind);
@@ -94,8 +120,15 @@ std::string shipped_scenario_or_path(const std::string& argument) {
   return file.empty() ? argument : file;
 }
 
-void take_shipped_names(CLI::Option& option, ShippedKind kind) {
-  option.transform([kind](const std::string& argument) { return shipped_or_path(argument, kind); }, "");
+std::string shipped_scenario_of_key(const std::string& text, const std::string& folder, const SourceLocation& where,
+                                    const std::string& key) {
+  if (text.find('$') != std::string::npos || !may_be_name(text, folder)) return text;  // ${NAME} becomes a path
+  const std::vector<std::string> names = shipped_names(ShippedKind::scenario);
+  if (names.empty()) return text;
+  const std::string file = file_of(text, ShippedKind::scenario);
+  if (file.empty())
+    throw InputError(where, key, shown_path(text) + ": " + no_such_name(ShippedKind::scenario), list_of(names));
+  return file;
 }
 
 }  // namespace reamsim
