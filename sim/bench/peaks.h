@@ -16,6 +16,6 @@ inline constexpr double kExactOperations = 68;
 inline constexpr double kExactBytes = 5.0 / 64;
 
 /// Measures the device: fused multiply-adds in registers, and a copy of 256 MB. The best of some repetitions.
-MachinePeaks measure_peaks(const cl::DeviceInfo& device);
+MachinePeaks measure_peaks(const cl::DeviceInfo& info);
 
 }  // namespace reamsim::bench

@@ -61,7 +61,7 @@ class PublishedOctree final : public PublishedProgram {
   void upload_bone() {
     // A layer at a time, so that the host needs no second copy of the bone.
     const DensityMapping mapping;
-    std::array<float, 256> hu_of_grade;
+    std::array<float, 256> hu_of_grade{};
     for (int grade = 0; grade < 256; ++grade) {
       const double density = DensityMapping::density_from_grade(static_cast<std::uint8_t>(grade));
       hu_of_grade[static_cast<std::size_t>(grade)] =

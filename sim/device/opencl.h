@@ -177,6 +177,7 @@ class Kernel {
 
   template <class T>
   void set(cl_uint argument, const T& value) {
+    // NOLINTNEXTLINE(bugprone-sizeof-expression): the argument is the handle of a buffer itself
     check(clSetKernelArg(kernel_.get(), argument, sizeof(T), &value), "clSetKernelArg");
   }
   template <class T>
