@@ -62,7 +62,7 @@ struct FacePoints {
 /// The surface through the points. It is a sphere where an F test rejects the plane (error probability 1:10,000) and
 /// the residual of the plane exceeds kFlatVoxels; otherwise a plane. nullopt for points on a line, or fewer than
 /// kMinFacePoints.
-std::optional<FaceSurface> fit_face(const FacePoints& points, const Vec3& outward);
+std::optional<FaceSurface> fit_face(const FacePoints& face, const Vec3& outward);
 
 inline constexpr std::size_t kMinFacePoints = 25;
 /// With a smaller fraction of inliers a face is not one surface.

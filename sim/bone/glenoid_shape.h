@@ -53,8 +53,9 @@ class GlenoidShape {
   void place_stumps();
   [[nodiscard]] std::vector<Vec3> rim_where(const std::function<double(const Vec3&)>& rounding_mm) const;
   [[nodiscard]] Vec3 in_face(const Vec3& point) const;
-  [[nodiscard]] double vault(const Vec3& in_face) const;
-  [[nodiscard]] double rim_blend_mm(const Vec3& in_face) const;
+  /// q: in the frame of the face.
+  [[nodiscard]] double vault(const Vec3& q) const;
+  [[nodiscard]] double rim_blend_mm(const Vec3& q) const;
   [[nodiscard]] double stumps(const Vec3& point) const;
   [[nodiscard]] double blade(const Vec3& point) const;
   [[nodiscard]] double spine(const Vec3& point) const;

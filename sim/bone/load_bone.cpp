@@ -107,7 +107,7 @@ void Bone::set_voxels(FilledVoxmap&& voxels) {
 
 FilledVoxmap Bone::take_voxels() {
   FilledVoxmap out;
-  // set_voxels() created it as a mutable Voxmap.
+  // set_voxels() created it as a mutable Voxmap. NOLINTNEXTLINE(cppcoreguidelines-pro-type-const-cast)
   static_cast<Voxmap&>(out) = std::move(const_cast<Voxmap&>(*voxmap));
   out.fill = std::move(fill);
   voxmap.reset();
