@@ -34,7 +34,7 @@ bool inside(const Aabb& box, const Vec3& point) {
   return (point.array() >= box.min.array()).all() && (point.array() <= box.max.array()).all();
 }
 
-GlenoidFrame frame_at(const Vec3& origin_mm) {
+GlenoidFrame frame_of_block(const Vec3& origin_mm) {
   GlenoidFrame frame;
   frame.bone_from_glenoid.translation() = origin_mm;
   return frame;
@@ -56,7 +56,7 @@ Bone make_block(const BoneSettings& settings, const DensityField& density_in_blo
               density_in_block(center.cwiseMax(box.min).cwiseMin(box.max))};
     };
   }
-  return Bone(sample_phantom(grid, settings.density, density, partial), frame_at(Vec3::Zero()));
+  return Bone(sample_phantom(grid, settings.density, density, partial), frame_of_block(Vec3::Zero()));
 }
 
 }  // namespace
@@ -116,7 +116,7 @@ Bone sphere_phantom(const BoneSettings& settings) {
       return {fraction_inside(distance, voxel, grid.voxel_mm), density};
     };
   }
-  return Bone(sample_phantom(grid, settings.density, field, partial), frame_at({0, 0, radius}));
+  return Bone(sample_phantom(grid, settings.density, field, partial), frame_of_block({0, 0, radius}));
 }
 
 Bone bone_from_phantom(const BoneSettings& settings, Report& report) {

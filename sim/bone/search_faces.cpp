@@ -95,13 +95,14 @@ std::vector<FacePlace> best_places(const BoneProbe& probe, const std::vector<Set
   for (const SettledFace& face : faces) all.emplace_back(place_of(probe, face), &face);
   std::ranges::stable_sort(all, {}, [](const auto& entry) { return -entry.first.confidence; });
   std::vector<FacePlace> out;
-  for (const auto& [place, face] : all) {
+  for (const auto& entry : all) {
+    const FacePlace& place = entry.first;
     const auto same = [&](const FacePlace& other) {
       return (other.center_mm - place.center_mm).norm() < kPlacesApart_mm;
     };
     if (place.confidence <= 0 || std::ranges::any_of(out, same)) continue;
     out.push_back(place);
-    if (of != nullptr) of->push_back(*face);
+    if (of != nullptr) of->push_back(*entry.second);
   }
   return out;
 }

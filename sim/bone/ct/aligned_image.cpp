@@ -166,7 +166,7 @@ IndexBox voxels_in_crop(const ScanGeometry& geometry, const Crop& crop) {
   return out;
 }
 
-AlignedImage align_to_lps(Scan scan, const Crop& crop, float outside) {
+AlignedImage align_to_lps(const Scan& scan, const Crop& crop, float outside) {
   return is_axis_aligned(scan.geometry) ? permute(scan) : resample_oblique(scan, crop, outside);
 }
 

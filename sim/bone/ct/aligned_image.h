@@ -72,6 +72,6 @@ IndexBox voxels_in_crop(const ScanGeometry& geometry, const Crop& crop);
 /// Brings an image to LPS axes. An axis-aligned image is permuted and flipped without changing values. An oblique image
 /// is interpolated trilinearly on a lattice of the same spacing within the crop box, with `outside` beyond the image.
 /// Throws std::length_error for an absurdly large lattice.
-AlignedImage align_to_lps(Scan scan, const Crop& crop, float outside);
+AlignedImage align_to_lps(const Scan& scan, const Crop& crop, float outside);
 
 }  // namespace reamsim::ct

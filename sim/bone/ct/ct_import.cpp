@@ -77,7 +77,7 @@ ct::AlignedImage read_cropped(const ct::ScanSource& source, const ct::IndexBox& 
                               Report& report) {
   ct::Scan scan = source.read(box);
   const float least = replace_non_finite(scan.value, settings.path, kPathKey, report);
-  return ct::align_to_lps(std::move(scan), {settings.crop_min_mm, settings.crop_max_mm}, least);
+  return ct::align_to_lps(scan, {settings.crop_min_mm, settings.crop_max_mm}, least);
 }
 
 void note_crop(const ct::AlignedImage& image, const ct::ScanSource& source, Report& report) {

@@ -247,7 +247,7 @@ std::vector<Sphere> sphere_peaks(const AlignedImage& hu, double threshold_hu) {
   std::vector<Sphere> out;
   for (const Peak& peak : peaks) {
     const auto near = [&](const Sphere& other) {
-      return (other.center_mm - peak.sphere.center_mm).norm() < kLeastRadius_mm / 2;
+      return (other.center_mm - peak.sphere.center_mm).norm() < 0.5 * kLeastRadius_mm;
     };
     if (out.size() == kMostPeaks) break;
     if (std::none_of(out.begin(), out.end(), near)) out.push_back(peak.sphere);

@@ -84,7 +84,7 @@ Mask extreme_in_box(Mask mask, const Lattice& lattice, const Vec3i& radius, bool
 template <unsigned Dimensions>
 std::vector<std::uint32_t> label_background(std::vector<std::uint8_t>& background,
                                             const std::array<int, Dimensions>& dims, std::uint32_t& count) {
-  std::array<double, Dimensions> spacing;
+  std::array<double, Dimensions> spacing{};
   spacing.fill(1);
   const auto label = itk::ConnectedComponentImageFilter<itk::Image<std::uint8_t, Dimensions>,
                                                         itk::Image<std::uint32_t, Dimensions>>::New();

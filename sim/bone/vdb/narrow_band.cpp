@@ -43,7 +43,8 @@ bool inside(float occupancy) {
 /// below the axes are in the order z, y, x, because z varies fastest in a leaf.
 class Block {
  public:
-  Block(const openvdb::FloatTree& occupancy, const openvdb::Coord& corner) : values_(kSamples * kSamples * kSamples) {
+  Block(const openvdb::FloatTree& occupancy, const openvdb::Coord& corner)
+      : values_(std::size_t{kSamples} * kSamples * kSamples) {
     for_each_voxel(Vec3i::Constant(-1), Vec3i::Ones(), [&](const Vec3i& step) {
       const openvdb::Coord from = corner.offsetBy(kSide * step.z(), kSide * step.y(), kSide * step.x());
       const Leaf* leaf = occupancy.probeConstLeaf(from);
@@ -85,7 +86,7 @@ class Block {
   using Corners = std::array<float, 8>;
   [[nodiscard]] Corners corners(const Vec3i& cell) const {
     const float* v = values_.data() + place(cell.x(), cell.y(), cell.z());
-    constexpr std::size_t kRow = kSamples, kLayer = kSamples * kSamples;
+    constexpr std::size_t kRow = kSamples, kLayer = kRow * kSamples;
     return {v[0], v[1], v[kRow], v[kRow + 1], v[kLayer], v[kLayer + 1], v[kLayer + kRow], v[kLayer + kRow + 1]};
   }
 
@@ -109,7 +110,7 @@ class Block {
   static std::size_t place(int x, int y, int z) { return static_cast<std::size_t>(x + kSamples * (y + kSamples * z)); }
 
   std::vector<float> values_;
-  std::array<std::uint32_t, kSamples * kSamples> inside_{};  ///< of a row along x, a bit per sample
+  std::array<std::uint32_t, std::size_t{kSamples} * kSamples> inside_{};  ///< of a row along x, a bit per sample
 };
 
 /// A point of the surface in a cell that it intersects, with the occupancy there and its gradient.

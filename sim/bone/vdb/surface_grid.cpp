@@ -66,7 +66,7 @@ class PaddedBrick {
   }
   int& at(int x, int y, int z) { return values_[static_cast<std::size_t>(x + kPadded * (y + kPadded * z))]; }
 
-  std::array<int, kPadded * kPadded * kPadded> values_{};
+  std::array<int, std::size_t{kPadded} * kPadded * kPadded> values_{};
   bool empty_ = true;
   bool whole_ = true;
 };
