@@ -129,7 +129,7 @@ void MotionWindows::split(std::int64_t first, std::int64_t end) {
       smooth = is_smooth(*window, frames, corner, longest_mm);
     }
     if (smooth) {
-      std::fill(windows_.begin() + begin, windows_.begin() + stop, std::move(window));
+      std::fill(windows_.begin() + begin, windows_.begin() + stop, window);
       return;
     }
   }

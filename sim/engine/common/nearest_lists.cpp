@@ -63,7 +63,8 @@ std::vector<rs_u16> nearest_by_parts(const Distance& distance, const std::vector
   const double part = 2 * reach_mm / kParts;
   std::vector<rs_u16> out;
   for (int i = 0; i < kParts * kParts && out.size() < coarse.size(); ++i) {
-    const Vec2 at = center + part * Vec2(i % kParts + 0.5, i / kParts + 0.5) - Vec2::Constant(reach_mm);
+    const int column = i % kParts, row = i / kParts;
+    const Vec2 at = center + part * Vec2(column + 0.5, row + 0.5) - Vec2::Constant(reach_mm);
     for (const rs_u16 edge : nearest_within(distance, coarse, at, std::sqrt(0.5) * part)) out.push_back(edge);
     std::ranges::sort(out);
     out.erase(std::unique(out.begin(), out.end()), out.end());

@@ -85,7 +85,7 @@ DenseStage make_cut_kernel(const cl::Device& device, const DensePlan& plan, cons
   const char* defines = hu ? "-DREAMSIM_FLAGGED_HU" : "";
   if (plan.layout == VoxelLayout::bare_grade) defines = "-DREAMSIM_BARE_GRADE";
   // Enough work-items to fill the device: few long ones on a CPU, many on a GPU.
-  const std::size_t items = device.info().compute_units * (device.info().gpu ? 1024 : 64);
+  const std::size_t items = std::size_t{device.info().compute_units} * (device.info().gpu ? 1024 : 64);
   DenseStage out{
       {device, device.build("cut_voxels.cl", embedded::kernel_cut_voxels, defines), "cut_voxels", work_group},
       always(items)};

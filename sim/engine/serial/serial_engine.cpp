@@ -259,9 +259,9 @@ class SerialEngine final : public Engine {
   FindContacts find_;
   EnergyTable energy_;
   bool exact_;
-  std::shared_ptr<const MotionWindow> window_;          ///< of the current substep
-  std::unordered_map<std::int64_t, WindowVoxel> fits_;  ///< of its voxels
-  std::array<float, 2 * RS_WINDOW_SUMS> brick_sums_{};  ///< of the current brick
+  std::shared_ptr<const MotionWindow> window_;                       ///< of the current substep
+  std::unordered_map<std::int64_t, WindowVoxel> fits_;               ///< of its voxels
+  std::array<float, std::size_t{2} * RS_WINDOW_SUMS> brick_sums_{};  ///< of the current brick
   std::int64_t brick_ = -1;
   Batch batch_;
 };
