@@ -15,7 +15,7 @@ namespace {
 constexpr double kStepVoxels = 0.5;
 constexpr double kFaceBandVoxels = 1.5;  // uncertainty of the face
 constexpr double kHalfFraction = 0.5;
-constexpr double kNothing = 1e-6;
+constexpr double kNoBone = 1e-6;
 constexpr double kStepDownVoxels = 1;  // uncertainty of heights beside a wall
 
 /// Length of dense bone below `face`, mm: the integral of its fraction, which includes partly filled voxels.
@@ -28,13 +28,13 @@ double dense_length(BoneFractions& fractions, const Vec3& face, const Vec3& inwa
     const double fraction = fractions.at(face + along_mm * inward).dense;
     inside |= fraction >= kHalfFraction;
     if (!inside && along_mm > band_mm) return 0;
-    if (!inside && fraction < kNothing) length_mm = 0;
+    if (!inside && fraction < kNoBone) length_mm = 0;
     length_mm += fraction * step_mm;
     if (inside && fraction < kHalfFraction) {
       // Beyond the lower end, interpolation spreads the fraction over two voxels.
       for (double tail_mm = along_mm + step_mm; tail_mm < along_mm + 2 * voxel_mm; tail_mm += step_mm) {
         const double rest = fractions.at(face + tail_mm * inward).dense;
-        if (rest >= kHalfFraction || rest < kNothing) break;
+        if (rest >= kHalfFraction || rest < kNoBone) break;
         length_mm += rest * step_mm;
       }
       return length_mm;

@@ -27,6 +27,9 @@ class PoseCsv {
 
   PoseCsv(const CsvMotionSettings& settings, Report& report);
   PoseCsv(PoseCsv&&) noexcept;
+  PoseCsv(const PoseCsv&) = delete;
+  PoseCsv& operator=(const PoseCsv&) = delete;
+  PoseCsv& operator=(PoseCsv&&) = delete;
   ~PoseCsv();
 
   /// Reads the next row; false at the end. `row_report` gets a warning about a quaternion that is no rotation.

@@ -24,7 +24,7 @@ namespace {
 
 constexpr std::string_view kBegin = "reamsim ";
 
-[[noreturn]] void refuse(const std::string& path, const std::string& found, const std::string& expected) {
+[[noreturn]] void refuse_lock(const std::string& path, const std::string& found, const std::string& expected) {
   throw InputError({path, 0, 0}, "output folder", found, expected);
 }
 
@@ -65,11 +65,11 @@ std::string host_name() {
 FolderLock::FolderLock(const std::string& dir) : path_(dir + ".lock") {
   while (descriptor_ < 0) {
     const int opened = open(path_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0666);
-    if (opened < 0) refuse(path_, "cannot be created", "choose a writable place with -o");
+    if (opened < 0) refuse_lock(path_, "cannot be created", "choose a writable place with -o");
     const std::string holder = holder_of(opened);
     if (!holder.empty() && !holder.starts_with(kBegin)) {
       close(opened);
-      refuse(path_, "is not a lock of reamsim", "choose another folder with -o");
+      refuse_lock(path_, "is not a lock of reamsim", "choose another folder with -o");
     }
     if (flock(opened, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
       const std::string name = wait_for_holder(opened);
