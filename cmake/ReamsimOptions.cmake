@@ -37,10 +37,16 @@ if(REAMSIM_FUZZ)
   add_link_options(-fsanitize=address,undefined)
 endif()
 
+# Lines of the project's own files only; threads count them together.
+if(REAMSIM_COVERAGE)
+  add_compile_options(--coverage -fprofile-update=atomic -fprofile-exclude-files=^/usr/)
+  add_link_options(--coverage)
+endif()
+
 # How long a test, and a program that a test starts, may take; sanitizers slow everything down.
 set(REAMSIM_TEST_TIMEOUT_S 600)
 set(REAMSIM_PROGRAM_TIMEOUT_S 60)
-if(REAMSIM_SANITIZE)
+if(REAMSIM_SANITIZE OR REAMSIM_COVERAGE)
   set(REAMSIM_TEST_TIMEOUT_S 6000)
   set(REAMSIM_PROGRAM_TIMEOUT_S 600)
 endif()
