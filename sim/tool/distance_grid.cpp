@@ -130,7 +130,8 @@ double inside_fraction(const float* lowest) {
   if (most < 0) return 1;
   double sum = 0;
   for (int i = 0; i < kLines * kLines; ++i) {
-    const double y = (i % kLines + 0.5) / kLines, z = (i / kLines + 0.5) / kLines;
+    const int column = i % kLines, row = i / kLines;
+    const double y = (column + 0.5) / kLines, z = (row + 0.5) / kLines;
     const double weights[4] = {(1 - y) * (1 - z), y * (1 - z), (1 - y) * z, y * z};
     double begin = 0, end = 0;
     for (int k = 0; k < 4; ++k) {
@@ -146,7 +147,8 @@ double inside_fraction(const float* lowest) {
 double inside_cells(const float* samples) {
   double sum = 0;
   for (int i = 0; i < kSide * kSide * kSide; ++i) {
-    sum += inside_fraction(samples + i % kSide + kRow * (i / kSide % kSide + kRow * (i / (kSide * kSide))));
+    const int x = i % kSide, y = i / kSide % kSide, z = i / (kSide * kSide);
+    sum += inside_fraction(samples + x + std::ptrdiff_t{kRow} * (y + kRow * z));
   }
   return sum;
 }

@@ -60,7 +60,7 @@ std::optional<OutlineArc> arc_through(std::span<const Vec2> points) {
   // Away from the centre where the outline is convex, towards it where it is concave.
   const auto normal_at = [&](const Vec2& p) -> Vec2 { return side * (p - circle->center).normalized(); };
   const auto along_at = [&](const Vec2& p) -> Vec2 { return -right_of(normal_at(p)); };
-  const Vec2 a = points.front(), b = points.back();
+  const Vec2 &a = points.front(), &b = points.back();
   const Vec2 normal = (normal_at(a) + normal_at(b)).normalized();
   return OutlineArc{a, b, along_at(a), along_at(b), circle->center + side * radius * normal, normal, circle->curvature};
 }

@@ -27,7 +27,7 @@ class TriangleCells {
  public:
   TriangleCells(const std::vector<Triangle>& triangles, double cell_mm) : triangles_(triangles), cell_mm_(cell_mm) {
     for (std::size_t t = 0; t < triangles.size(); ++t) {
-      const auto& [a, b, c] = triangles[t];
+      const Vec3 &a = triangles[t][0], &b = triangles[t][1], &c = triangles[t][2];
       each_cell(a.cwiseMin(b).cwiseMin(c), a.cwiseMax(b).cwiseMax(c), [&](const Vec3i& cell) {
         const Vec3 center = cell_mm_ * (cell.cast<double>().array() + 0.5).matrix();
         if (!triangle_touches_box(a, b, c, center, Vec3::Constant(0.5 * cell_mm_ * (1 + kSkin)))) return;

@@ -56,7 +56,8 @@ class SlabScan final : public ct::ScanSource {
     if (!crossed(0) && std::ranges::none_of(slab_.breaks_mm, crossed)) return hu_at(depth);
     double sum = 0;
     for (int n = 0; n < kAcross * kAcross * kAlong; ++n) {
-      const Vec3 at(n % kAcross + 0.5, n / kAcross % kAcross + 0.5, n / kAcross / kAcross + 0.5);
+      const Vec3i cell(n % kAcross, n / kAcross % kAcross, n / kAcross / kAcross);
+      const Vec3 at = cell.cast<double>() + Vec3::Constant(0.5);
       const Vec3 part = at.cwiseQuotient(Vec3(kAcross, kAcross, kAlong)) - Vec3::Constant(0.5);
       sum += hu_at(depth_of(center + slab_.spacing_mm * part));
     }
