@@ -70,7 +70,7 @@ double quadratic_feed(const SteadyPlunge& head, double thrust_n) {
 
 double balanced_feed_of(const SteadyPlunge& head, double thrust_n) {
   constexpr double kMost_mm_s = 100;
-  return root([&](double feed) { return with_feed(head, feed).full_loads().thrust_n; }, thrust_n, kMost_mm_s);
+  return root([&](double feed) { return with_feed(head, feed).full_loads().axial_force_n; }, thrust_n, kMost_mm_s);
 }
 
 double time_to_depth_s(const SteadyPlunge& head, double thrust_n, double max_feed_mm_s, double depth_mm) {
