@@ -104,8 +104,9 @@ void Scene::set_bone(const std::vector<BoneSurface>& tiles, const std::vector<st
     const BoneSurface& surface = tiles[tile];
     bone_[tile].reset();
     if (surface.indices.empty()) continue;
-    bone_[tile] = std::make_unique<Tile>(
-        Tile{{gl_, surface.vertices, BoneSurface::kAttributeSizes, surface.indices}, tile_bounds(surface)});
+    // NOLINTNEXTLINE(modernize-make-unique): a tile is neither moved nor copied
+    bone_[tile] = std::unique_ptr<Tile>(
+        new Tile{{gl_, surface.vertices, BoneSurface::kAttributeSizes, surface.indices}, tile_bounds(surface)});
   }
 }
 
