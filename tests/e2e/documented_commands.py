@@ -34,6 +34,7 @@ RUN_ELSEWHERE = {
     "REAMSIM_DATA=... reamsim sweep run trajectories/studies/shoulder_errors.yaml": "e2e.shoulder_errors",
     "REAMSIM_DATA=... reamsim sweep run trajectories/studies/breakthrough.yaml": "a developer: it takes minutes; cli_test (Push) has a plate",
     "reamsim init scapula_left.stl": "test LocateGlenoid; some ten seconds",
+    "reamsim preview scapula.yaml": "browser.preview; the scenario that this init writes",
     "reamsim check trajectories/mesh_scapula.yaml": "e2e.mesh_scapula; its data",
     "reamsim run trajectories/mesh_scapula.yaml": "e2e.mesh_scapula; its data",
     "reamsim sweep run trajectories/studies/resolution.yaml": "convergence.yaml, which is smaller",
