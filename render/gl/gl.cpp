@@ -26,12 +26,13 @@ std::string error_name(GLenum code) {
 }  // namespace
 
 void Gl::load(const std::function<void*(const char*)>& address) {
-// NOLINTNEXTLINE(bugprone-macro-parentheses): a member's name
+// NOLINTBEGIN(bugprone-macro-parentheses): a member's name
 #define REAMSIM_GL_LOAD(name)                                   \
   name = reinterpret_cast<decltype(name)>(address("gl" #name)); \
   if (name == nullptr) throw RunError("this OpenGL has no function gl" #name);
   REAMSIM_GL_FUNCTIONS(REAMSIM_GL_LOAD)
 #undef REAMSIM_GL_LOAD
+  // NOLINTEND(bugprone-macro-parentheses)
 }
 
 void Gl::check(const char* doing) const {

@@ -177,7 +177,7 @@ PreviewBone load_preview_bone(const Scenario& scenario, Report& report) {
     out.mistakes = out.scan.mistakes;
     out.landmarks = settings.glenoid.landmarks;
     out.rim_mm = settings.glenoid.rim_mm;
-    attempt(out.mistakes, [&] { out.glenoid = glenoid_of_scan(settings, std::move(voxels), report); });
+    attempt(out.mistakes, [&] { out.glenoid = glenoid_of_scan(settings, voxels, report); });
     return out;
   }
   // A rim that lies beside the bone is what the preview is for: it must not stop it.
