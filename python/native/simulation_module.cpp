@@ -11,8 +11,6 @@
 
 #include "python/native/arguments.h"
 #include "python/native/results.h"
-#include "sim/api/guarded.h"
-#include "sim/scenario/shipped.h"
 
 namespace reamsim::python {
 
@@ -65,10 +63,7 @@ class Guarded {
   Guarded(const std::string& path, const std::vector<std::string>& set) {
     require_process();
     used = true;
-    without_gil([&] {
-      const std::string file = guarded([&] { return shipped_or_path(path, ShippedKind::scenario); });
-      simulation_.emplace(file, set);
-    });
+    without_gil([&] { simulation_.emplace(path, set); });
     warn();
   }
   Guarded(const Guarded&) = delete;

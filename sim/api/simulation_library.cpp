@@ -12,6 +12,7 @@
 #include "sim/run/frame_stepper.h"
 #include "sim/run/simulation.h"
 #include "sim/scenario/parse.h"
+#include "sim/scenario/shipped.h"
 
 namespace reamsim {
 
@@ -202,7 +203,7 @@ struct Simulation::Core {
 };
 
 Simulation::Simulation(const std::string& scenario, const std::vector<std::string>& set)
-    : core_(guarded([&] { return std::make_unique<Core>(scenario, set); })) {}
+    : core_(guarded([&] { return std::make_unique<Core>(shipped_or_path(scenario, ShippedKind::scenario), set); })) {}
 Simulation::Simulation(Simulation&&) noexcept = default;
 Simulation& Simulation::operator=(Simulation&&) noexcept = default;
 Simulation::~Simulation() = default;

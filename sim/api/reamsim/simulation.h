@@ -75,8 +75,9 @@ struct Volume {
 /// Bone, tool and engine of a scenario, between two steps.
 class Simulation {
  public:
-  /// Loads bone and tool of a scenario and prepares the engine. `set`: overrides as of `reamsim run --set`, such as
-  /// "bone.voxel_mm=0.4". Throws BadInput, RunFailure.
+  /// Loads bone and tool of a scenario and prepares the engine. `scenario`: its file; the name of a shipped one, such
+  /// as "default", where the program or the Python module stands beside them. `set`: overrides as of `reamsim run
+  /// --set`, such as "bone.voxel_mm=0.4". Throws BadInput, RunFailure.
   explicit Simulation(const std::string& scenario, const std::vector<std::string>& set = {});
   /// The other one may only be destroyed or assigned to.
   Simulation(Simulation&&) noexcept;

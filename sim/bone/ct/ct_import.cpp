@@ -12,7 +12,6 @@
 #include <utility>
 
 #include "sim/base/error.h"
-#include "sim/bone/bone_stages.h"
 #include "sim/bone/ct/aligned_image.h"
 #include "sim/bone/ct/boundary_density.h"
 #include "sim/bone/ct/label_map.h"
@@ -290,10 +289,6 @@ FilledVoxmap voxmap_from_scan(const ct::ScanSource& source, const BoneSettings& 
 FilledVoxmap voxmap_from_scan(const ct::ScanSource& source, const BoneSettings& settings, Report& report,
                               Segmentation* segmentation) {
   return voxmap_from_scan(source, settings, report, segmentation, {});
-}
-
-FilledVoxmap voxmap_from_ct(const BoneSettings& settings, Report& report, Segmentation* segmentation) {
-  return voxmap_from_ct(settings, report, segmentation, {});
 }
 
 FilledVoxmap voxmap_from_ct(const BoneSettings& settings, Report& report, Segmentation* segmentation,

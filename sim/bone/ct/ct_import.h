@@ -9,6 +9,7 @@
 #include "sim/bone/ct/humeral_head.h"
 #include "sim/bone/ct/scan.h"
 #include "sim/bone/ct/segmentation.h"
+#include "sim/bone/voxmap/bone_stage.h"
 #include "sim/bone/voxmap/voxmap.h"
 #include "sim/scenario/scenario.h"
 
@@ -18,7 +19,8 @@ namespace reamsim {
 /// hole filling, cuts, the piece with the seed; or a label map. HU are resampled to `settings.voxel_mm` by averages or
 /// by trilinear interpolation (paper §3.2), then mapped to grades. `segmentation`, if not null, is filled. Throws
 /// InputError: unreadable, truncated, absurdly large, no bone in the crop, seed outside bone.
-FilledVoxmap voxmap_from_ct(const BoneSettings& settings, Report& report, Segmentation* segmentation = nullptr);
+FilledVoxmap voxmap_from_ct(const BoneSettings& settings, Report& report, Segmentation* segmentation = nullptr,
+                            const StageSink& stages = {});
 
 /// The same for an open scan; `settings.ct.path` is its name in messages.
 FilledVoxmap voxmap_from_scan(const ct::ScanSource& source, const BoneSettings& settings, Report& report,
