@@ -80,7 +80,7 @@ void AmbientOcclusion::average_brick(const Occupancy& occupancy, const Vec3i& br
   const Occupancy::Kind kind = occupancy.kind(brick);
   if (kind == Occupancy::Kind::kFull) sums.fill(1);
   if (kind == Occupancy::Kind::kMixed) {
-    std::array<float, FillBricks::kVoxels> fractions;
+    std::array<float, FillBricks::kVoxels> fractions{};
     occupancy.gather(brick * kSide, kSide, fractions.data());
     constexpr float kEach = 1.0F / (kFinestCell * kFinestCell * kFinestCell);
     for (int i = 0; i < FillBricks::kVoxels; ++i) {

@@ -31,7 +31,7 @@ using Kernel = std::array<float, 2 * kReach + 1>;
 using Leaf = openvdb::FloatTree::LeafNodeType;
 
 Kernel smoothing_kernel() {
-  Kernel kernel;
+  Kernel kernel{};
   std::ranges::transform(gaussian_weights(SolidField::kSmoothing_voxels, kReach), kernel.begin(),
                          [](double weight) { return static_cast<float>(weight); });
   return kernel;
@@ -56,11 +56,11 @@ openvdb::Coord origin_of(const Vec3i& brick) {
 
 /// The field of one brick.
 std::unique_ptr<Leaf> smoothed_leaf(const Occupancy& occupancy, const Kernel& kernel, const Vec3i& brick) {
-  std::array<float, kGathered * kGathered * kGathered> fractions;
+  std::array<float, kGathered * kGathered * kGathered> fractions{};
   occupancy.gather(brick * kBrickSide - Vec3i::Constant(kReach), kGathered, fractions.data());
-  std::array<float, kBrickSide * kGathered * kGathered> after_z;
+  std::array<float, kBrickSide * kGathered * kGathered> after_z{};
   smooth_rows(kernel, kGathered * kGathered, fractions.data(), after_z.data());
-  std::array<float, kBrickSide * kBrickSide * kGathered> after_y;
+  std::array<float, kBrickSide * kBrickSide * kGathered> after_y{};
   for (int z = 0; z < kBrickSide; ++z) {
     smooth_rows(kernel, kGathered, after_z.data() + z * kGathered * kGathered,
                 after_y.data() + z * kBrickSide * kGathered);
@@ -68,7 +68,7 @@ std::unique_ptr<Leaf> smoothed_leaf(const Occupancy& occupancy, const Kernel& ke
   auto leaf = std::make_unique<Leaf>(origin_of(brick), kAir, true);
   for (int z = 0; z < kBrickSide; ++z) {
     for (int y = 0; y < kBrickSide; ++y) {
-      std::array<float, kBrickSide> row;
+      std::array<float, kBrickSide> row{};
       smooth_rows(kernel, 1, after_y.data() + kGathered * (y + kBrickSide * z), row.data());
       for (int x = 0; x < kBrickSide; ++x) {
         leaf->setValueOnly(Leaf::coordToOffset(openvdb::Coord(x, y, z)), 0.5F - row[static_cast<std::size_t>(x)]);
