@@ -18,6 +18,8 @@ import tempfile
 
 FINDING = re.compile(r"^\S+:\d+:\d+: (?:warning|error): .*\[\S+\]$", re.MULTILINE)
 SKIPPED = 77
+# Debian's ITK says this to every compiler but GCC, and can be read all the same.
+ITK_ON_CLANG = "itk_compiler_detection.h"
 
 
 def configure(root):
@@ -41,6 +43,8 @@ def findings_of(root, build, folders, unit):
                           capture_output=True, text=True)
     starts = [found.start() for found in FINDING.finditer(done.stdout)]
     texts = [done.stdout[begin:end].rstrip() for begin, end in zip(starts, starts[1:] + [None])]
+    if texts and ITK_ON_CLANG in texts[0] and "Unsupported compiler" in texts[0]:
+        return texts[1:]
     if done.returncode != 0 and not texts:
         texts = [f"{unit}: clang-tidy ended with {done.returncode}\n{done.stdout}{done.stderr}"]
     return texts
