@@ -11,14 +11,14 @@ namespace reamsim {
 
 namespace {
 
-constexpr double kHalf = 0.5;           // fraction at the surface of the bone
-constexpr int kDirections = 72;         // around the axis
-constexpr int kLatitudes = 18;          // of the hemisphere at an end
-constexpr double kStationVoxels = 0.1;  // between circumferences
-constexpr int kStationsPerFan = 5;      // rays start at every fifth circumference
-constexpr double kRayVoxels = 0.5;      // step along a ray
-constexpr int kHalvings = 12;           // of the last step
-constexpr double kFaceCosine = 0.7071;  // a surface steeper than 45° against the implant is a wall
+constexpr double kSurfaceFraction = 0.5;  // fraction at the surface of the bone
+constexpr int kDirections = 72;           // around the axis
+constexpr int kLatitudes = 18;            // of the hemisphere at an end
+constexpr double kStationVoxels = 0.1;    // between circumferences
+constexpr int kStationsPerFan = 5;        // rays start at every fifth circumference
+constexpr double kRayVoxels = 0.5;        // step along a ray
+constexpr int kHalvings = 12;             // of the last step
+constexpr double kFaceCosine = 0.7071;    // a surface steeper than 45° against the implant is a wall
 /// A gap between back and bone begins this far above the bone.
 constexpr double kSurfaceVoxels = 0.5;
 
@@ -38,7 +38,7 @@ class BoneAround {
 
   [[nodiscard]] double voxel_mm() const { return voxel_mm_; }
   [[nodiscard]] bool below_back(const Vec3& point) const { return point.z() < shape_.level_mm(point.head<2>()); }
-  [[nodiscard]] bool in_bone(const Vec3& point) { return fraction_at(point) >= kHalf; }
+  [[nodiscard]] bool in_bone(const Vec3& point) { return fraction_at(point) >= kSurfaceFraction; }
   /// Air below the back that is not the gap between back and bone. The voxel under the back is left out, because the
   /// interpolation rounds the edge of the face there.
   [[nodiscard]] bool outside(const Vec3& point) {

@@ -218,6 +218,7 @@ std::string OutputFolder::finish(const std::function<void()>& remove_unfinished)
   const std::string complete = "the results are complete in " + partial_;
   const std::string in_place = "the results are in " + dir_ + ", but a power failure may undo that";
   const std::string safe = "the results are in " + dir_;
+  // NOLINTBEGIN(clang-analyzer-deadcode.DeadStores): read after an exception
   const std::string* where = &unlisted;
   std::string why;
   try {
@@ -239,6 +240,7 @@ std::string OutputFolder::finish(const std::function<void()>& remove_unfinished)
   } catch (const std::bad_alloc& error) {
     why = message_of(error);
   }
+  // NOLINTEND(clang-analyzer-deadcode.DeadStores)
   throw RunError(why + "; " + *where);
 }
 
