@@ -79,7 +79,7 @@ FoundScale scale_of(const InitOptions& options) {
 std::string scale_note(const InitOptions& options) {
   const FoundScale& found = options.found_scale;
   if (!is_mesh(options.input)) return "";
-  if (options.scale) return "of --scale";
+  if (options.scale) return "given by --scale";
   const std::string length = fmt::format("the mesh is then {:.0f} mm long", found.length_mm);
   if (found.assumed) return "mm is assumed; " + length + ", and a scapula 100 to 220 mm";
   return "the file is in " + found.unit + "; " + length + ", as a scapula";

@@ -91,7 +91,7 @@ Vec3 locate_glenoid(const BoneSettings& given, Report& report) {
     const auto of_other_side = [&](const FacePlace& place) { return is_of_other_side(place, settings.side); };
     const std::size_t others = std::erase_if(places, of_other_side);
     if (others > 0 && places.empty()) {
-      refuse(settings, "the search found a glenoid of the other side only: check --side, and that the file is in LPS");
+      refuse(settings, "the search found a glenoid of the other side only: check --side");
     }
   }
   if (places.empty()) refuse(settings, "the search found no face of a glenoid");

@@ -84,7 +84,9 @@ OtherRuns find_other_runs(const Study& study, const StudyPlan& plan, const std::
 
 std::string sentence_of(const OtherRuns& others, const std::string& dir) {
   if (others.count == 0) return "";
-  const std::string begin = fmt::format("{} results in {} belong to another plan of this study", others.count, dir);
+  const std::string begin =
+      others.count == 1 ? fmt::format("1 result in {} belongs to another plan of this study", dir)
+                        : fmt::format("{} results in {} belong to another plan of this study", others.count, dir);
   if (others.differences.empty()) {
     return begin + ": the version of the program, the contents of an input file or a key of output or render differs";
   }

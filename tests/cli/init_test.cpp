@@ -109,7 +109,7 @@ TEST_F(InitTest, SaysWhichUnitOfAMeshWasFoundOrAssumed) {
   made = init(0.001, {"--scale", "1000"});
   ASSERT_EQ(made.status, 0) << made.err;
   EXPECT_THAT(made.err, Not(HasSubstr("bone.mesh.scale")));
-  EXPECT_THAT(read("my.yaml"), HasSubstr("scale: 1000                  # file units to mm: of --scale"));
+  EXPECT_THAT(read("my.yaml"), HasSubstr("scale: 1000                  # file units to mm: given by --scale"));
   made = init(0.0001, {});
   EXPECT_EQ(made.status, 2);
   EXPECT_THAT(made.err, AllOf(HasSubstr("bone.mesh.scale: the mesh is "),
