@@ -22,7 +22,7 @@ def measured(build, pages):
     with tempfile.TemporaryDirectory() as temporary:
         summary = pathlib.Path(temporary) / "summary.json"
         command = ["gcovr", f"--root={SOURCE}", f"--object-directory={build}", "--json-summary", summary, "-j", "2",
-                   "--exclude-throw-branches", "--merge-mode-functions=merge-use-line-min"]
+                   "--exclude-throw-branches"]
         command += [f"--filter={SOURCE}/{folder}/" for folder in FOLDERS]
         if pages:
             pages.mkdir(parents=True, exist_ok=True)
