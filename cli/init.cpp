@@ -12,11 +12,11 @@
 #include "cli/first_scenario.h"
 #include "cli/input_kind.h"
 #include "cli/locate_glenoid.h"
+#include "cli/mesh_scale.h"
 #include "sim/base/error.h"
 #include "sim/base/file.h"
 #include "sim/base/text.h"
 #include "sim/bone/bone.h"
-#include "sim/bone/mesh_unit.h"
 #include "sim/predict/contact_forecast.h"
 #include "sim/scenario/parse.h"
 
@@ -35,7 +35,7 @@ struct InitOptions {
   std::string side;
   std::string tool;
   std::optional<double> scale;
-  FoundScale found_scale;  ///< of a mesh
+  MeshScale used_scale;
   double threshold_hu = 200;
   double voxel_mm = 0.4;
   bool overwrite = false;
@@ -65,34 +65,7 @@ std::string beside(const std::string& path, const std::string& scenario) {
 BoneSettings settings_of(const InitOptions& options) {
   std::vector<std::string> more{"bone.surface_voxels=partial"};
   if (!options.side.empty()) more.push_back("bone.side=" + options.side);
-  return first_bone(options.input, options.voxel_mm, options.found_scale.scale, options.threshold_hu, more);
-}
-
-/// The scale of a mesh: of --scale, or by its length.
-FoundScale scale_of(const InitOptions& options) {
-  if (!is_mesh(options.input)) return {};
-  if (options.scale) return {.scale = *options.scale, .unit = "", .length_mm = 0};
-  return find_scale_of(options.input, "give --scale");
-}
-
-/// Why the scale is what it is, for a comment and a message.
-std::string scale_note(const InitOptions& options) {
-  const FoundScale& found = options.found_scale;
-  if (!is_mesh(options.input)) return "";
-  if (options.scale) return "given by --scale";
-  const std::string length = fmt::format("the mesh is then {:.0f} mm long", found.length_mm);
-  if (found.assumed) return "mm is assumed; " + length + ", and a scapula 100 to 220 mm";
-  return "the file is in " + found.unit + "; " + length + ", as a scapula";
-}
-
-/// At once: what follows may fail because the scale is wrong.
-void say_scale(const InitOptions& options, const Console& console) {
-  if (!is_mesh(options.input) || options.scale) return;
-  const FoundScale& found = options.found_scale;
-  const std::string text = fmt::format("bone.mesh.scale: {}: {}", shortest_text(found.scale), scale_note(options));
-  const bool is_plain = found.scale == 1 && !found.assumed;
-  if (is_plain) return console.say(text);
-  console.warn(text + "; if that is wrong, give --scale");
+  return first_bone(options.input, options.voxel_mm, options.used_scale.scale, options.threshold_hu, more);
 }
 
 /// The point of the options; without one it is searched.
@@ -163,15 +136,14 @@ void init_command(InitOptions options, const Console& console) {
   }
   require_replaceable_file(options.output, "-o", options.overwrite, is_first_scenario, {options.input, options.tool});
   const std::string tool = tool_of(options);
-  options.found_scale = scale_of(options);
-  say_scale(options, console);
+  options.used_scale = mesh_scale(options.input, options.scale, console);
   Report report;
   LoadedBone loaded = load(options, near_of(options, report), report);
   FirstScenario first{.first_line = std::string(kFirstLine) + " docs/formats.md lists all keys.",
                       .bone = loaded.settings,
                       .bone_path = beside(options.input, options.output),
                       .tool_path = beside(tool, options.output),
-                      .scale_note = scale_note(options),
+                      .scale_note = options.used_scale.why,
                       .glenoid = loaded.bone.glenoid->bone_from_glenoid,
                       .plunge = first_plunge()};
   check_plunge(loaded, first.plunge, tool, report);

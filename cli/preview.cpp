@@ -9,10 +9,12 @@
 #include <algorithm>
 #include <filesystem>
 #include <memory>
+#include <optional>
 
 #include "cli/commands.h"
 #include "cli/first_scenario.h"
 #include "cli/input_kind.h"
+#include "cli/mesh_scale.h"
 #include "sim/base/error.h"
 #include "sim/base/file.h"
 #include "sim/base/text.h"
@@ -33,7 +35,7 @@ struct PreviewOptions {
   std::string input;
   std::string output;
   std::string tool;
-  double scale = 1;
+  std::optional<double> scale;
   bool overwrite = false;
 };
 
@@ -44,12 +46,13 @@ std::string absolute_path(const std::string& path) {
 
 /// A first scenario for the bone in `options.input`: its file, the reamer `tool`, and a plunge along the normal of a
 /// glenoid that is still to be placed.
-PreviewRequest starting_request(const PreviewOptions& options, const std::string& tool) {
+PreviewRequest starting_request(const PreviewOptions& options, const std::string& tool, const Console& console) {
+  const MeshScale scale = mesh_scale(options.input, options.scale, console);
   const FirstScenario first{.first_line = "# A first scenario, put together by reamsim preview.",
-                            .bone = first_bone(options.input, kVoxel_mm, options.scale, CtSettings().threshold_hu),
+                            .bone = first_bone(options.input, kVoxel_mm, scale.scale, CtSettings().threshold_hu),
                             .bone_path = absolute_path(options.input),
                             .tool_path = absolute_path(tool),
-                            .scale_note = "",
+                            .scale_note = scale.why,
                             .glenoid = std::nullopt,
                             .plunge = first_plunge()};
   PreviewRequest out;
@@ -86,16 +89,16 @@ Scenario parse_for_preview(const std::string& file) {
   }
 }
 
-PreviewRequest request_of(const PreviewOptions& options) {
+PreviewRequest request_of(const PreviewOptions& options, const Console& console) {
   if (!is_scenario_name(options.input)) {
     const std::string tool = options.tool.empty() ? own_reamer() : options.tool;
     if (tool.empty() || !fs::is_regular_file(tool)) {
       throw InputError({tool, 0, 0}, "--tool", "there is no such reamer", "give a mesh with --tool MESH");
     }
-    return starting_request(options, tool);
+    return starting_request(options, tool, console);
   }
   if (!options.tool.empty()) throw InputError({}, "--tool", "the scenario names the reamer", "change tool.mesh there");
-  if (options.scale != 1) throw InputError({}, "--scale", "the scenario has a scale", "change bone.mesh.scale there");
+  if (options.scale) throw InputError({}, "--scale", "the scenario has a scale", "change bone.mesh.scale there");
   const Scenario scenario = parse_for_preview(options.input);
   return {.scenario = scenario,
           .text = read_file(options.input, "a scenario"),
@@ -117,7 +120,7 @@ void preview_command(const PreviewOptions& options, const Console& console) {
     throw InputError({options.output, 0, 0}, "", "output file does not end in .html", "use -o NAME.html");
   }
   require_replaceable_file(options.output, "-o", options.overwrite, is_preview_page, {options.input});
-  const PreviewRequest request = request_of(options);
+  const PreviewRequest request = request_of(options, console);
   const ForcedStop forced([unfinished = options.output + ".tmp"] {
     std::error_code ignored;
     fs::remove(unfinished, ignored);
@@ -149,7 +152,8 @@ void add_preview_command(CLI::App& app, Console& console) {
       ->check(refuse_empty);
   command->add_option("--tool", options->tool, "Reamer of a bone without a scenario (default: the convex one)")
       ->type_name("MESH");
-  command->add_option("--scale", options->scale, "Millimetres per unit of a mesh without a scenario");
+  command->add_option("--scale", options->scale,
+                      "Of a mesh without a scenario: file units to mm (default: by its length)");
   command->add_flag("--overwrite", options->overwrite, "Replace the output file");
   command->add_flag("--quiet", console.quiet, "Print only warnings and errors");
   command->callback([options, &console] { preview_command(*options, console); });

@@ -30,6 +30,11 @@ constexpr LengthRange kAnySolid{10, 400};
 /// Superior to inferior, of an adult; for the estimate of a scale if no unit fits.
 constexpr double kScapula_mm = 150;
 constexpr LengthRange kScapulas{100, 220};
+constexpr const char* kSetScale = "set bone.mesh.scale";
+
+double length_of(const Aabb& bounds) {
+  return (bounds.max - bounds.min).maxCoeff();
+}
 
 struct LengthUnit {
   const char* name;
@@ -49,7 +54,7 @@ std::vector<LengthUnit> units_that_fit(double file_length, const LengthRange& ra
 }
 
 /// The scales that would fit, the most likely first: that of a unit, or else the estimate from a scapula.
-std::string scale_advice(double file_length, const std::string& what_to_set = "set bone.mesh.scale") {
+std::string scale_advice(double file_length, const std::string& what_to_set) {
   std::vector<std::string> scales;
   const std::vector<LengthUnit> units = units_that_fit(file_length, kBoneWithGlenoid);
   for (const LengthUnit& unit : units) {
@@ -64,6 +69,15 @@ std::string scale_advice(double file_length, const std::string& what_to_set = "s
     out += (n == 0 ? "" : n + 1 < scales.size() ? ", " : " or ") + scales[n];
   }
   return out;
+}
+
+void require_length(const std::string& path, double length_mm, double scale, const std::string& what_to_set) {
+  if (kBoneWithGlenoid.contains(length_mm)) return;
+  throw InputError(
+      {path, 0, 0}, "bone.mesh.scale",
+      fmt::format("the mesh is {:.3g} mm long, expected {:.0f} to {:.0f} mm for a bone with a glenoid frame", length_mm,
+                  kBoneWithGlenoid.least_mm, kBoneWithGlenoid.most_mm),
+      scale_advice(length_mm / scale, what_to_set));
 }
 
 }  // namespace
@@ -82,24 +96,23 @@ std::optional<FoundScale> find_scale(double file_length) {
 }
 
 FoundScale find_scale_of(const std::string& path, const std::string& what_to_set) {
-  const Aabb bounds = read_mesh(path, 1).bounds();
-  const double length = (bounds.max - bounds.min).maxCoeff();
+  const double length = length_of(read_mesh(path, 1).bounds());
   if (const auto found = find_scale(length)) return *found;
   throw InputError({path, 0, 0}, "bone.mesh.scale",
                    fmt::format("the mesh is {:.3g} long, in a unit that is unknown", length),
                    scale_advice(length, what_to_set));
 }
 
+void require_scale(const std::string& path, double scale, const std::string& what_to_set) {
+  require_length(path, length_of(read_mesh(path, scale).bounds()), scale, what_to_set);
+}
+
 void check_mesh_unit(const std::string& path, const Aabb& bounds_mm, double scale, bool has_glenoid, Report& report) {
-  const double length_mm = (bounds_mm.max - bounds_mm.min).maxCoeff();
-  if ((has_glenoid ? kBoneWithGlenoid : kAnySolid).contains(length_mm)) return;
-  const std::string found = fmt::format("the mesh is {:.3g} mm long", length_mm);
-  const std::string advice = scale_advice(length_mm / scale);
-  if (!has_glenoid) return report.warn(path + ": " + found + "; if that is wrong, " + advice);
-  throw InputError({path, 0, 0}, "bone.mesh.scale",
-                   found + fmt::format(", expected {:.0f} to {:.0f} mm for a bone with a glenoid frame",
-                                       kBoneWithGlenoid.least_mm, kBoneWithGlenoid.most_mm),
-                   advice);
+  const double length_mm = length_of(bounds_mm);
+  if (has_glenoid) return require_length(path, length_mm, scale, kSetScale);
+  if (kAnySolid.contains(length_mm)) return;
+  report.warn(fmt::format("{}: the mesh is {:.3g} mm long; if that is wrong, {}", path, length_mm,
+                          scale_advice(length_mm / scale, kSetScale)));
 }
 
 }  // namespace reamsim

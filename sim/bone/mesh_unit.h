@@ -32,4 +32,8 @@ std::optional<FoundScale> find_scale(double file_length);
 /// after the words `what_to_set`.
 FoundScale find_scale_of(const std::string& path, const std::string& what_to_set);
 
+/// Throws InputError where, with this scale, the mesh is not 20 to 400 mm long, as a bone with a glenoid is; with the
+/// scales that would fit, after the words `what_to_set`.
+void require_scale(const std::string& path, double scale, const std::string& what_to_set);
+
 }  // namespace reamsim

@@ -114,6 +114,15 @@ TEST_F(InitTest, SaysWhichUnitOfAMeshWasFoundOrAssumed) {
   EXPECT_EQ(made.status, 2);
   EXPECT_THAT(made.err, AllOf(HasSubstr("bone.mesh.scale: the mesh is "),
                               HasSubstr("in a unit that is unknown; give --scale: ")));
+  // A wrong scale, with and without a point: not hours of search in a bone of metres.
+  for (const std::vector<std::string>& more : {std::vector<std::string>{}, {"--near=0,0,0"}}) {
+    std::vector<std::string> arguments{"--scale", "1000"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    made = init(to_scapula, arguments);
+    EXPECT_EQ(made.status, 2);
+    EXPECT_THAT(made.err, AllOf(HasSubstr("bone.mesh.scale: the mesh is 1.5e+05 mm long, expected 20 to 400 mm"),
+                                HasSubstr("give --scale: ")));
+  }
 }
 
 TEST_F(InitTest, FindsTheUnitOfARealScapula) {

@@ -68,19 +68,28 @@ TEST_F(Preview, AcceptsAScenarioWhoseGlenoidIsStillToBePlaced) {
 
 TEST_F(Preview, PutsAScenarioTogetherForABareBone) {
   write("block.nrrd", block_nrrd());
-  write("cube.stl", cube_stl(12));
+  write("cube.stl", cube_stl(30));
   for (const char* bone : {"block.nrrd", "cube.stl"}) {
     const ProgramResult result = preview({bone, "-o", "p.html", "--overwrite"});
     EXPECT_EQ(result.status, 0) << result.err;
     EXPECT_THAT(read("p.html"), HasSubstr("reamer_convex.stl"));
   }
   EXPECT_THAT(read("p.html"), HasSubstr("\"file_name\":\"cube.yaml\""));
-  // In centimetres: the page says what the terminal does.
+}
+
+TEST_F(Preview, FindsTheUnitOfAMeshAsInitDoes) {
+  write("cube.stl", cube_stl(12));  // centimetres
+  const ProgramResult found = preview({"cube.stl", "-o", "p.html"});
+  EXPECT_EQ(found.status, 0) << found.err;
+  EXPECT_THAT(found.err, HasSubstr("bone.mesh.scale: 10: the file is in centimetres; the mesh is then 120 mm long"));
+  EXPECT_THAT(read("p.html"), HasSubstr("scale: 10 "));
+  EXPECT_EQ(preview({"cube.stl", "-o", "p.html", "--scale", "3", "--overwrite"}).status, 0);
+  EXPECT_THAT(read("p.html"), HasSubstr("scale: 3 "));
+  expect_refused(preview({"cube.stl", "-o", "q.html", "--scale", "1000"}), 2, {"1.2e+04 mm long", "give --scale"});
   write("cube.stl", cube_stl(1.2));
-  EXPECT_THAT(preview({"cube.stl", "-o", "q.html"}).err, HasSubstr("set bone.mesh.scale"));
-  EXPECT_THAT(read("q.html"), HasSubstr("the mesh is 1.2 mm long"));
-  EXPECT_EQ(preview({"cube.stl", "-o", "q.html", "--scale", "10", "--overwrite"}).status, 0);
-  EXPECT_THAT(read("q.html"), HasSubstr("scale: 10 "));
+  expect_refused(preview({"cube.stl", "-o", "q.html"}), 2, {"a unit that is unknown", "give --scale"});
+  write("block.nrrd", block_nrrd());
+  expect_refused(preview({"block.nrrd", "-o", "q.html", "--scale", "1"}), 2, {"block.nrrd", "only a mesh has a scale"});
 }
 
 TEST_F(Preview, RefusesWrongInputBeforeAnyWork) {
