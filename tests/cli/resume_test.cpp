@@ -18,7 +18,7 @@ constexpr int kSuspended = 75;
 
 /// Some seconds of reaming, with snapshots.
 const std::string kLong =
-    with(with(with(kSmall, "feed_mm_s: 5", "feed_mm_s: 0.03"), "  enabled: false\n",
+    with(with(with(kSmall, "feed_mm_s: 5", "feed_mm_s: 0.06"), "  enabled: false\n",
               "  enabled: false\n  every_frames: 999\n"),
          "engine:\n  device: serial\n", "engine:\n  batch_frames: 10\noutput:\n  checkpoint_s: 0.05\n");
 
@@ -98,10 +98,10 @@ TEST_F(Resume, EndsWithTheSameBytesForEveryErosionAndEngine) {
       with(kLong, "/assets/reamer_flat.stl\n", "/assets/reamer_convex_lips.stl\n  spin: resolved\n");
   const std::string passes = kLong.substr(0, kLong.find("  plunge:\n")) +
                              "  passes:\n"
-                             "  - plunge: {approach_mm: 0.3, feed_mm_s: 0.03, depth_mm: 0.4, retract_mm: 2}\n"
+                             "  - plunge: {approach_mm: 0.3, feed_mm_s: 0.06, depth_mm: 0.4, retract_mm: 2}\n"
                              "  - tool: {mesh: " REAMSIM_ROOT
                              "/assets/reamer_hemispherical.stl, scale: 0.3}\n"
-                             "    plunge: {approach_mm: 0, feed_mm_s: 0.03, depth_mm: 0.8, retract_mm: 2}\n" +
+                             "    plunge: {approach_mm: 0, feed_mm_s: 0.06, depth_mm: 0.8, retract_mm: 2}\n" +
                              kLong.substr(kLong.find("render:\n"));
   const std::vector<std::pair<std::string, std::string>> cases{
       {"exact", kLong},

@@ -23,7 +23,7 @@ import dicom_folder
 import documented
 
 SMALL = {"width_px": 160, "height_px": 120}
-COARSER = 2  # voxels of the scenarios, of which other tests run those that ship
+COARSE_MM = 1  # voxels of the scenarios, of which other tests run those that ship
 
 # Commands, by how they begin, that other tests or the build itself run.
 RUN_ELSEWHERE = {
@@ -134,7 +134,7 @@ class Place:
             scenario = yaml.safe_load(path.read_text())
             scenario["render"] = {**(scenario.get("render") or {}), **SMALL}
             if "voxel_mm" in scenario["bone"]:
-                scenario["bone"]["voxel_mm"] *= COARSER
+                scenario["bone"]["voxel_mm"] = COARSE_MM
             self.write(f"trajectories/{path.name}", scenario)
 
     def add_users_scan(self):
@@ -145,7 +145,7 @@ class Place:
             dicom_folder.write(nrrd, self.folder / "home/scans/shoulder")
             scenario = yaml.safe_load(documented.blocks((self.root / "README.md").read_text(), "yaml")[0])
             scenario["render"] = SMALL
-            scenario["bone"]["voxel_mm"] *= COARSER
+            scenario["bone"]["voxel_mm"] = COARSE_MM
             self.write("trajectories/my.yaml", scenario)
             self.example = {"scan": "~/scans/shoulder"}
         else:
@@ -190,7 +190,7 @@ class Place:
         written = re.search(r"reamsim init .*-o (\S+)", command)
         if written:
             scenario = yaml.safe_load((self.folder / written[1]).read_text())
-            scenario["bone"]["voxel_mm"] *= COARSER
+            scenario["bone"]["voxel_mm"] = COARSE_MM
             self.write(written[1], {**scenario, "render": SMALL})
 
 
