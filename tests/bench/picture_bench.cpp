@@ -43,7 +43,7 @@ PixelImage picture(OpenedRun& run, const Camera& camera, const ForceRow& row, bo
 
 /// From the results on disk to the first picture.
 void opening(benchmark::State& state, const std::string& dir) {
-  for (auto _ : state) {
+  while (state.KeepRunning()) {
     OpenedRun run(dir, settings_with(1));
     benchmark::DoNotOptimize(run.renderer.render(run.camera("oblique"), std::nullopt));
   }
@@ -55,7 +55,7 @@ void frame_of_a_run(benchmark::State& state, const std::string& dir, bool for_fi
   const Camera camera = run->camera("oblique");
   const std::vector<std::int64_t> frames = run->view.frames();
   std::size_t next = 1;
-  for (auto _ : state) {
+  while (state.KeepRunning()) {
     if (next == frames.size()) {
       state.PauseTiming();
       run.reset();
@@ -74,14 +74,14 @@ void last_state(benchmark::State& state, const std::string& dir, const std::stri
   OpenedRun run(dir, settings_with(supersampling));
   run.renderer.advance_to_last();
   const Camera camera = run.camera(camera_name);
-  for (auto _ : state) benchmark::DoNotOptimize(picture(run, camera, run.last_row(), for_film));
+  while (state.KeepRunning()) benchmark::DoNotOptimize(picture(run, camera, run.last_row(), for_film));
 }
 
 void written(benchmark::State& state, const std::string& dir, const std::string& to) {
   OpenedRun run(dir, settings_with(1));
   run.renderer.advance_to_last();
   PixelImage image = picture(run, run.camera("oblique"), run.last_row());
-  for (auto _ : state) write_png(to + "/picture.png", image);
+  while (state.KeepRunning()) write_png(to + "/picture.png", image);
 }
 
 void register_all(const std::string& dir, const std::string& scratch) {

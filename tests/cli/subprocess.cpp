@@ -34,7 +34,7 @@ class Capture {
   Capture() : file_(std::tmpfile()) {
     if (file_ == nullptr) throw std::runtime_error("cannot make a temporary file");
   }
-  ~Capture() { std::fclose(file_); }
+  ~Capture() { (void)std::fclose(file_); }
   Capture(const Capture&) = delete;
   Capture& operator=(const Capture&) = delete;
 

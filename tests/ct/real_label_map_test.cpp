@@ -100,7 +100,7 @@ TEST_F(RealLabelMap, FlippedCroppedLayeredAndNamedMapsGiveTheSameBytes) {
 TEST_F(RealLabelMap, HalfTheResolutionGivesTheVolumeWithinAPercent) {
   const TestImage& labels = shared_->labels;
   // Each coarse voxel takes the label that most of its eight voxels have; every other one of an even split takes it.
-  TestImage half = cropped(labels, {0, 0, 0}, {labels.dims / 2});
+  TestImage half = cropped(labels, {0, 0, 0}, labels.dims / 2);
   half.spacing_mm *= 2;
   half.origin_mm = labels.point_mm(0, 0, 0) + 0.5 * labels.direction * labels.spacing_mm;
   std::size_t at = 0;

@@ -192,7 +192,7 @@ TEST_F(Library, MistakesAreTyped) {
     EXPECT_THROW(other.restore(simulation.state()), BadInput) << change;
   }
   try {
-    Simulation(scenario(), {"motion.plunge.feed_mm_s=fast"});
+    const Simulation wrong_feed(scenario(), {"motion.plunge.feed_mm_s=fast"});
     FAIL();
   } catch (const Error& error) {
     EXPECT_THAT(error.what(), ::testing::HasSubstr("motion.plunge.feed_mm_s"));

@@ -111,7 +111,7 @@ TEST(ResolvedTeeth, AGridCutsWhatTheProfileCuts) {
 
 constexpr int kTeeth = 6;
 constexpr double kRpm = 500, kRateHz = 1000;  // 120 frames a turn
-constexpr int kTurn = static_cast<int>(kRateHz * 60 / kRpm + 0.5);
+constexpr int kTurn = static_cast<int>(kRateHz * 60 / kRpm);
 constexpr double kInner = 4, kOuter = 6, kVoxel = 0.5, kFeedPerTurn = 0.25;
 
 /// The gear goes straight down for `turns` turns into a block that begins at x = `from_x`.

@@ -46,7 +46,7 @@ int worst_error(const float* n, float from, float to) {
   if (v.pieces == 0) return -1;
   int worst = 0;
   for (rs_i32 frame = w.first.frame; frame <= w.last.frame; ++frame) {
-    const int expected = static_cast<int>(rs_outside_fraction(n, at(frame)) * RS_WHOLE_FILL + 0.5F);
+    const int expected = static_cast<int>(std::floor(rs_outside_fraction(n, at(frame)) * RS_WHOLE_FILL + 0.5F));
     const int found = rs_window_outside(&v, rs_window_time(&w, frame), RS_WINDOW_PIECES);
     worst = std::max(worst, std::abs(found - expected));
   }
@@ -75,7 +75,8 @@ TEST(Window, TheFractionIsThatOfThePlane) {
         std::cout << n[0] << ' ' << n[1] << ' ' << n[2] << " from " << from << " way " << way << ": " << error << '\n';
       worst = std::max(worst, error);
     }
-    std::cout << "way " << way << ": worst " << worst << " of 65535, frame by frame " << 100.0 * framed / kTrials << " %\n";
+    std::cout << "way " << way << ": worst " << worst << " of 65535, frame by frame " << 100.0 * framed / kTrials
+              << " %\n";
     EXPECT_LE(worst, 4) << way;
   }
 }

@@ -199,7 +199,7 @@ TEST(OutputFolder, FilesThatTheManifestDoesNotListAreForeign) {
     update.finish();
   }
   try {
-    OutputFolder(request(out, true));
+    const OutputFolder foreign(request(out, true));
     FAIL() << "expected an error";
   } catch (const InputError& error) {
     EXPECT_THAT(error.what(), ::testing::HasSubstr("holds reamed_side.png"));

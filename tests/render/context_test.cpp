@@ -65,7 +65,7 @@ TEST(ContextTest, ChosenByName) {
 
 TEST(DynamicLibraryTest, AMissingLibraryIsARunErrorThatNamesIt) {
   try {
-    DynamicLibrary({"libnowhere.so.1"}, "Nowhere");
+    const DynamicLibrary missing({"libnowhere.so.1"}, "Nowhere");
     ADD_FAILURE();
   } catch (const RunError& error) {
     EXPECT_NE(std::string(error.what()).find("libnowhere.so.1"), std::string::npos);

@@ -141,13 +141,13 @@ TEST(BoneSurfaceTest, FollowingChangesGivesTheSameSurfaceAsStartingAfresh) {
 std::vector<std::array<long, 9>> triangles_of(const BoneSurface& surface) {
   std::vector<std::array<long, 9>> out;
   for (std::size_t i = 0; i < surface.indices.size(); i += 3) {
-    std::array<std::array<long, 3>, 3> corners;
+    std::array<std::array<long, 3>, 3> corners{};
     for (std::size_t corner = 0; corner < 3; ++corner) {
       const float* v = surface.vertices.data() + BoneSurface::kStride * surface.indices[i + corner];
       for (std::size_t axis = 0; axis < 3; ++axis) corners[corner][axis] = std::lround(1000 * v[axis]);
     }
     std::rotate(corners.begin(), std::min_element(corners.begin(), corners.end()), corners.end());
-    std::array<long, 9> flat;
+    std::array<long, 9> flat{};
     for (std::size_t k = 0; k < 9; ++k) flat[k] = corners[k / 3][k % 3];
     out.push_back(flat);
   }

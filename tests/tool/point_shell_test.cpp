@@ -85,7 +85,9 @@ TEST(TriangleBox, AgreesWithBruteForceSampling) {
 
 TEST(TriangleBox, KnowsTheHardCases) {
   const Vec3 half = Vec3::Constant(0.5);
-  const auto touches = [&](Vec3 a, Vec3 b, Vec3 c) { return triangle_touches_box(a, b, c, Vec3::Zero(), half); };
+  const auto touches = [&](const Vec3& a, const Vec3& b, const Vec3& c) {
+    return triangle_touches_box(a, b, c, Vec3::Zero(), half);
+  };
   EXPECT_TRUE(touches({-9, -9, 0.1}, {9, -9, 0.1}, {0, 9, 0.1})) << "no corner inside, the box pierces it";
   EXPECT_TRUE(touches({0.5, -1, -1}, {0.5, 1, -1}, {0.5, 0, 2})) << "in the plane of a face";
   EXPECT_TRUE(touches({0.5, 0.5, 0.5}, {2, 2, 0.5}, {2, 2, 2})) << "one corner";

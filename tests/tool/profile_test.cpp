@@ -33,7 +33,7 @@ Profile sphere(double radius, int edges) {
 
 TEST(Profile, DistanceToACylinderIsExact) {
   const Profile p = cylinder(5, 10);
-  const auto expect = [&](Vec2 at, double distance, Vec2 normal) {
+  const auto expect = [&](const Vec2& at, double distance, const Vec2& normal) {
     const auto n = p.nearest(at);
     EXPECT_NEAR(n.distance_mm, distance, 1e-12) << at.transpose();
     EXPECT_NEAR((n.normal - normal).norm(), 0, 1e-12) << at.transpose() << " gave " << n.normal.transpose();

@@ -20,6 +20,8 @@ class ExactReference final : public Engine {
   ExactReference(const BoneView& bone, const Tool& tool, const CuttingSettings& cutting, Target target,
                  unsigned threads);
   ~ExactReference() override;
+  ExactReference(const ExactReference&) = delete;
+  ExactReference& operator=(const ExactReference&) = delete;
 
   using Engine::enqueue;
   void enqueue(const SubstepArgs& args, std::shared_ptr<const MotionWindow> window) override;

@@ -22,6 +22,8 @@ class Reference {
   /// removed.
   Reference(const BoneView& bone, const Tool& tool, const CuttingSettings& cutting, Target target, unsigned threads);
   ~Reference();
+  Reference(const Reference&) = delete;
+  Reference& operator=(const Reference&) = delete;
 
   /// Collides and cuts; the sums are those that the engine's batch gives for the substep.
   SubstepSums run(const SubstepArgs& args);
