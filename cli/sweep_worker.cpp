@@ -124,7 +124,7 @@ class RunWorker {
 
 void worker_command(const WorkerOptions& options) {
   prctl(PR_SET_PDEATHSIG, SIGTERM);  // where the command that gives it runs is killed
-  prctl(PR_SET_NAME, "reamsim");  // it was started by way of /proc/self/exe, and would be listed as "exe"
+  prctl(PR_SET_NAME, "reamsim");     // it was started by way of /proc/self/exe, and would be listed as "exe"
   take_processors(options.part);
   RunWorker(options).work();
 }

@@ -198,7 +198,8 @@ std::vector<SetupView> views_with_contact(const RunSetup& setup, const ViewTarge
           {target.bone_from_glenoid ? "Greatest depth, en face" : "Greatest depth, along the tool axis",
            "with the rim of the tool; bone as it is left: removed to a depth of " + fixed_text(depth_mm, 2) + " mm",
            square_camera(CameraView::glenoid, target), deepest},
-          {"Greatest depth, section along the tool axis", "density from dark (0) to light (2 g/cm³)", square_camera(CameraView::section, target), deepest}};
+          {"Greatest depth, section along the tool axis", "density from dark (0) to light (2 g/cm³)",
+           square_camera(CameraView::section, target), deepest}};
 }
 
 /// The unreamed bone at the start, or where no bone is removed; else the bone after the sweep.

@@ -18,7 +18,7 @@ struct TornadoRow {
 /// The peaks of an uncertainty analysis.
 struct TornadoPlot {
   std::vector<TornadoRow> rows;  ///< drawn by decreasing effect, the greatest ten
-  double mean = 0;              ///< of all samples
+  double mean = 0;               ///< of all samples
 };
 
 /// Draws DIR/uq .png, .svg and .pdf by the script uq.gp: bands over time from DIR/uq.csv, and the effects of the

@@ -72,8 +72,7 @@ std::vector<KeyPose> read_key_poses(const MotionSettings& settings, Report& repo
   if (settings.plunge) return plunge_poses(*settings.plunge);
   if (settings.csv) return {};
   if (!settings.keyframes.empty()) return keyframe_poses(settings.keyframes, report);
-  throw InputError(SourceLocation{}, "motion", "the motion is missing",
-                   "give plunge, push, keyframes or csv");
+  throw InputError(SourceLocation{}, "motion", "the motion is missing", "give plunge, push, keyframes or csv");
 }
 
 std::vector<KeyPose> integrated(std::vector<KeyPose> keys, const std::optional<Rigid>& to_bone, Report& report) {

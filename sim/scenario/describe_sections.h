@@ -19,8 +19,8 @@ constexpr Range kFileUnit = between(1e-6, 1e6);
 /// Range of radiodensities.
 constexpr Range kHu = between(-2000, 10000);
 
-// The parts of describe_scenario(), one per top-level section; describe_ct() and describe_density() belong to describe_bone(),
-// describe_implant() to describe_metrics().
+// The parts of describe_scenario(), one per top-level section; describe_ct() and describe_density() belong to
+// describe_bone(), describe_implant() to describe_metrics().
 
 void describe_ct(KeyVisitor& v, CtSettings& ct);
 void describe_density(KeyVisitor& v, DensitySettings& density);

@@ -180,7 +180,8 @@ FirstContact find_first_contact(const Bone& bone, const Tool& tool, const Plunge
   const std::optional<FirstContact> found = find_first_contact(bone, tool.profile, bone_from_poses * plunge.entry_mm,
                                                                (bone_from_poses.linear() * plunge.axis).normalized());
   if (found) return *found;
-  throw InputError({}, section + ".entry_mm", "the tool meets no bone on the line of the " + section.substr(section.rfind('.') + 1),
+  throw InputError({}, section + ".entry_mm",
+                   "the tool meets no bone on the line of the " + section.substr(section.rfind('.') + 1),
                    "give a point from which axis leads to the bone, or use from: entry");
 }
 

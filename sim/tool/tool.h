@@ -24,7 +24,7 @@ struct Tool {
   Aabb bounds;          ///< of the shell's surface, T, mm
   double reach_mm = 0;  ///< farthest point of the shell, or of the surface without one, from T's origin
   ToolSpin spin = ToolSpin::envelope;
-  bool revolved = false;              ///< the mesh is the surface of revolution of the profile
+  bool revolved = false;                     ///< the mesh is the surface of revolution of the profile
   std::vector<HolderPartSettings> holder{};  ///< shaft and holder, which do not cut
   std::optional<DistanceGrid> teeth;  ///< distance to resolved cutting edges, for `erosion: exact` (clipped_tool.h)
 

@@ -29,8 +29,8 @@ TEST_F(Clearance, IsReportedAndWarnedOf) {
       << "the core that the bore of the reamer leaves, 1 mm over the floor of the hole";
   EXPECT_THAT(summary, AllOf(HasSubstr("\"part\": \"shaft\""), HasSubstr("\"obstacle\": \"bone\""),
                              HasSubstr("\"first_frame_below\": null")));
-  EXPECT_TRUE(
-      read("out/clearance.csv").starts_with("frame,time_s,clearance_mm,part,envelope,x_mm,y_mm,z_mm,pass\n0,0,12.5,1,0,"));
+  EXPECT_TRUE(read("out/clearance.csv")
+                  .starts_with("frame,time_s,clearance_mm,part,envelope,x_mm,y_mm,z_mm,pass\n0,0,12.5,1,0,"));
   EXPECT_THAT(read("out/manifest.json"), HasSubstr("clearance.csv"));
   write("s.yaml", with(kWithHolder, "least_mm: 10.9", "least_mm: 11.22"));
   const ProgramResult checked =

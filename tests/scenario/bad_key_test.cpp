@@ -33,8 +33,9 @@ TEST_F(BadKey, UnknownNearestIsSuggested) {
 }
 
 TEST_F(BadKey, UnknownFarFromEverythingListsWhatThereIs) {
-  EXPECT_EQ(changed("  mesh: tool.stl", "  mesh: tool.stl\n  colour_of_handle: red"),
-            "s.yaml:10:3: tool.colour_of_handle: unknown key; expected one of mesh, scale, shell_resolution, spin or holder");
+  EXPECT_EQ(
+      changed("  mesh: tool.stl", "  mesh: tool.stl\n  colour_of_handle: red"),
+      "s.yaml:10:3: tool.colour_of_handle: unknown key; expected one of mesh, scale, shell_resolution, spin or holder");
 }
 
 TEST_F(BadKey, UnknownButRightElsewhere) {
