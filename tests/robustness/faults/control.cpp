@@ -120,7 +120,7 @@ void report_fault(const char* call, const char* path, void* const* frames, int c
 /// Whether this allocation may fail: no frame of the stack is in a fragile library.
 bool strikes(FaultKind kind, const char* call, const char* path) {
   inside = true;
-  std::array<void*, kMostFrames> frames;
+  std::array<void*, kMostFrames> frames{};
   const int count = backtrace(frames.data(), kMostFrames);
   const bool out = kind != FaultKind::allocation || !is_fragile(frames.data(), count);
   if (out && !struck.exchange(true)) report_fault(call, path, frames.data(), count);

@@ -58,7 +58,7 @@ void set_error(std::FILE* stream) {
 }  // namespace
 
 // The function `name` with the same arguments, unless `fails`.
-#define REAMSIM_NEXT(name) static const auto real = next(#name, &name)
+#define REAMSIM_NEXT(name) static const auto real = next(#name, &(name))
 
 extern "C" {
 
