@@ -19,7 +19,7 @@ install(FILES sim/api/reamsim/simulation.h DESTINATION ${CMAKE_INSTALL_INCLUDEDI
 
 include(CMakePackageConfigHelpers)
 configure_package_config_file(cmake/reamsimConfig.cmake.in reamsimConfig.cmake INSTALL_DESTINATION ${REAMSIM_CMAKE_DIR})
-write_basic_package_version_file(reamsimConfigVersion.cmake COMPATIBILITY SameMinorVersion)
+write_basic_package_version_file(reamsimConfigVersion.cmake COMPATIBILITY SameMajorVersion)
 install(FILES ${CMAKE_CURRENT_BINARY_DIR}/reamsimConfig.cmake ${CMAKE_CURRENT_BINARY_DIR}/reamsimConfigVersion.cmake
         DESTINATION ${REAMSIM_CMAKE_DIR} COMPONENT development)
 

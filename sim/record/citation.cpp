@@ -17,10 +17,13 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+constexpr int kReleaseYear = 2026;  // of this version
+
 Reference program_reference(const std::string& version) {
   return {.key = "reamsim",
           .type = "software",
           .authors = {"the reamsim authors"},
+          .year = version == REAMSIM_VERSION ? kReleaseYear : 0,
           .title = "reamsim: an offline glenoid-reaming simulator",
           .version = version,
           .note = "Apache-2.0"};

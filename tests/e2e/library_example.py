@@ -29,6 +29,18 @@ def removed_by(program):
     return removed
 
 
+def accepts(version_file, own, wanted):
+    """Whether an installed library of a version is one that find_package(reamsim WANTED) takes."""
+    (folder / "version.cmake").write_text(re.sub(r"(?<![\d.])\d+\.\d+\.\d+(?![\d.])", own, version_file.read_text()))
+    (folder / "ask.cmake").write_text(f"""set(PACKAGE_FIND_VERSION {wanted})
+string(REGEX MATCH "^([0-9]+)" PACKAGE_FIND_VERSION_MAJOR {wanted})
+set(CMAKE_SIZEOF_VOID_P 8)
+include({folder}/version.cmake)
+message(STATUS "compatible: ${{PACKAGE_VERSION_COMPATIBLE}}")
+""")
+    return "compatible: TRUE" in output_of("cmake", "-P", folder / "ask.cmake")
+
+
 with tempfile.TemporaryDirectory() as folder:
     folder = pathlib.Path(folder)
     prefix = folder / "prefix"
@@ -40,6 +52,10 @@ with tempfile.TemporaryDirectory() as folder:
     flags = output_of("pkg-config", "--cflags", "--libs", "reamsim", env={**os.environ, "PKG_CONFIG_PATH": str(pc.parent)})
     output_of("c++", "-std=c++20", "-O1", EXAMPLE / "impedance.cpp", "-o", folder / "by_pkg_config", *flags.split())
     assert removed_by(folder / "by_pkg_config") == by_cmake
+    # What docs/stability.md promises: the same major version.
+    (version_file,) = prefix.rglob("reamsimConfigVersion.cmake")
+    assert accepts(version_file, "1.7.2", "1.0") and accepts(version_file, "1.0.0", "1.0.0")
+    assert not accepts(version_file, "2.0.0", "1.0") and not accepts(version_file, "1.0.0", "1.1")
     mistake = subprocess.run([str(folder / "built/impedance"), "none.yaml", "1"], capture_output=True, text=True)
     assert mistake.returncode == 1 and "none.yaml" in mistake.stderr, mistake.stderr
 print(f"removed {by_cmake} mm3")

@@ -94,6 +94,7 @@ def main():
     check_that_mistakes_are_found(cff)
     assert cff["version"] == version, f"CITATION.cff has {cff['version']}, the program {version}"
     assert cff["license"] in (root / ".reuse/dep5").read_text()
+    assert f'.title = "{cff["title"]}"' in (root / "sim/record/citation.cpp").read_text()
     # The same work as in the program and in README.
     doi = cff["references"][0]["doi"]
     for place in ("sim/record/references.cpp", "README.md"):

@@ -42,6 +42,7 @@ def check_licences_of_pictures(root):
         if "FileName" in lines:
             licence[lines["FileName"]] = [line.split(": ")[1] for line in block.splitlines() if "LicenseInfoInFile" in line]
     assert licence["./docs/images/gallery/ct_hero.jpg"] == ["CC-BY-3.0"], licence["./docs/images/gallery/ct_hero.jpg"]
+    assert licence["./paper/figures/ct_glenoid.png"] == ["CC-BY-3.0"], licence["./paper/figures/ct_glenoid.png"]
     assert licence["./docs/images/gallery/mesh_overview.jpg"] == ["CC-BY-SA-3.0"]
     assert licence["./docs/images/gallery/default_steel.jpg"] == ["Apache-2.0"]
     assert licence["./tests/browser/axe.min.js"] == ["MPL-2.0"]
