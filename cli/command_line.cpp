@@ -5,6 +5,8 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <memory>
+#include <utility>
 
 #include "cli/manual_text.h"
 #include "sim/base/text.h"
@@ -40,6 +42,25 @@ void set_value(const std::string& type, ArgumentText& out) {
   for (const std::string& choice : out.choices) out.value += (out.value.empty() ? "" : "|") + choice;
 }
 
+/// "1 to 1024" of CLI11's "INT:INT in [1 - 1024]"; "" without a range.
+std::string range_of(const std::string& type) {
+  const std::size_t bracket = type.find(" in [");
+  if (bracket == std::string::npos) return "";
+  const std::string range = type.substr(bracket + 5, type.size() - bracket - 6);
+  const std::size_t dash = range.find(" - ");
+  return range.substr(0, dash) + " to " + range.substr(dash + 3);
+}
+
+/// The options that cannot be given beside this one, sorted.
+std::string others_of(const CLI::Option& option) {
+  std::vector<std::string> names;
+  for (const CLI::Option* other : option.get_excludes()) names.push_back("--" + other->get_lnames().front());
+  std::ranges::sort(names);
+  std::string out;
+  for (const std::string& name : names) out += (out.empty() ? "" : ", ") + name;
+  return out;
+}
+
 ArgumentText text_of(const CLI::Option& option) {
   ArgumentText out;
   for (const std::string& name : option.get_snames()) out.flags.push_back("-" + name);
@@ -48,6 +69,10 @@ ArgumentText text_of(const CLI::Option& option) {
   if (option.get_expected_min() > 0) set_value(option.get_type_name(), out);
   if (option.get_positional()) out.value = option.get_name(true, false);
   out.description = option.get_description();
+  for (const auto& [begin, more] :
+       {std::pair{" (", range_of(option.get_type_name())}, {" (not with ", others_of(option)}}) {
+    if (!more.empty()) out.description += begin + more + ")";
+  }
   out.required = option.get_required();
   out.repeats = option.get_expected_max() >= CLI::detail::expected_max_vector_size ||
                 option.get_multi_option_policy() == CLI::MultiOptionPolicy::TakeAll;
@@ -63,17 +88,45 @@ void add_commands_below(const CLI::App& app, const std::string& path, std::vecto
   }
 }
 
+/// Help without the notation of CLI11, "INT:INT in [1 - 9]" or "--film{mp4}".
+class HelpFormatter : public CLI::Formatter {
+ public:
+  std::string make_option_name(const CLI::Option* option, bool is_positional) const override {
+    if (is_positional) return option->get_name(true, false);
+    std::string out;
+    for (const std::string& flag : text_of(*option).flags) out += (out.empty() ? "" : ",") + flag;
+    const bool takes_value = option->get_expected_min() == 0 && option->get_name(false, true).find('{') != out.npos;
+    return takes_value ? out + "[=VALUE]" : out;
+  }
+  std::string make_option_opts(const CLI::Option* option) const override {
+    if (option->get_positional()) return "";
+    const ArgumentText text = text_of(*option);
+    return (text.value.empty() ? "" : " " + text.value) + (text.required ? " (required)" : "");
+  }
+  std::string make_option_desc(const CLI::Option* option) const override { return text_of(*option).description; }
+  /// A group of options, one of which is needed.
+  std::string make_expanded(const CLI::App* group) const override { return "\nOne of these:\n" + make_options(*group); }
+
+ private:
+  [[nodiscard]] std::string make_options(const CLI::App& group) const {
+    std::string out;
+    for (const CLI::Option* option : group.get_options()) out += make_option(option, false);
+    return out;
+  }
+};
+
 /// The exit statuses of a command; of the program where `name` is "".
 std::vector<Entry> exit_statuses_of(const std::string& name) {
   std::vector<Entry> out(kExitStatuses.begin(), kExitStatuses.end());
   if (name.empty()) return out;
-  const auto suspended = std::ranges::find(out, kSuspended, &Entry::term);
-  const auto own = std::ranges::find(kSuspendable, name, &Entry::term);
-  if (own == kSuspendable.end()) {
-    out.erase(suspended);
-  } else {
-    suspended->meaning = own->meaning;
+  std::ranges::find(out, kFailed, &Entry::term)->meaning = kPlainFailure;
+  bool may_be_suspended = false;
+  for (const OwnStatus& own : kOwnStatuses) {
+    if (own.command != name) continue;
+    *std::ranges::find(out, own.entry.term, &Entry::term) = own.entry;
+    may_be_suspended |= own.entry.term == kSuspended;
   }
+  if (!may_be_suspended) out.erase(std::ranges::find(out, kSuspended, &Entry::term));
   return out;
 }
 
@@ -140,10 +193,11 @@ std::string help_of(const ListedCommand& command) {
   return command.app->get_formatter()->make_help(command.app, name, CLI::AppFormatMode::Normal);
 }
 
-void add_footers(CLI::App& app, const std::string& name) {
+void set_help(CLI::App& app, const std::string& name) {
+  app.formatter(std::make_shared<HelpFormatter>());
   app.footer(footer_of(name));
   for (CLI::App* below : app.get_subcommands([](const CLI::App* sub) { return !sub->get_name().empty(); })) {
-    add_footers(*below, name.empty() ? below->get_name() : name + " " + below->get_name());
+    set_help(*below, name.empty() ? below->get_name() : name + " " + below->get_name());
   }
 }
 

@@ -46,8 +46,8 @@ std::vector<ArgumentText> positionals_of(const CLI::App& command);
 std::string synopsis_of(const ListedCommand& command);
 /// What `reamsim COMMAND --help` prints; of the program where `command.name` is "".
 std::string help_of(const ListedCommand& command);
-/// Ends the help of `app` and of the commands below it with the exit statuses that each can return, and where to read
-/// on. `name`: as of ListedCommand.
-void add_footers(CLI::App& app, const std::string& name = "");
+/// Sets the form of the help of `app` and of the commands below it; it ends with the exit statuses that each can
+/// return, and where to read on. `name`: as of ListedCommand.
+void set_help(CLI::App& app, const std::string& name = "");
 
 }  // namespace reamsim

@@ -59,7 +59,7 @@ void add_commands(CLI::App& app, reamsim::Console& console) {
   reamsim::add_devices_command(app, console);
   reamsim::add_cite_command(app);
   reamsim::add_help_command(app);
-  reamsim::add_footers(app);
+  reamsim::set_help(app);
 }
 
 /// Parses the arguments, which calls the command.

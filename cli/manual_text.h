@@ -22,24 +22,32 @@ inline constexpr std::string_view kDescription =
 
 inline constexpr std::array<Entry, 5> kExitStatuses{
     {{"0", "done"},
-     {"1", "the run failed"},
-     {"2", "the input is wrong, or no command was given; the message says what, where, and what to do"},
+     {"1", "the command failed; of verify: a figure exceeds its tolerance; of sweep run and collect: a run failed"},
+     {"2", "the input is wrong; the message says what, where, and what to do"},
      {"75",
       "of run, sweep run and uq: interrupted, with a checkpoint; the same command continues, of run with --resume"},
      {"130", "interrupted"}}};
 
-/// The commands that can end with status 75, and what it means there.
-inline constexpr std::string_view kSuspended = "75";
-inline constexpr std::array<Entry, 3> kSuspendable{
-    {{"run", "interrupted, with a checkpoint: the same command with --resume continues"},
-     {"sweep run", "interrupted; the same command continues"},
-     {"uq", "interrupted; the same command continues"}}};
+/// What statuses 1 and 75 mean for one command. No other command ends with 75.
+struct OwnStatus {
+  std::string_view command;
+  Entry entry;
+};
+inline constexpr std::string_view kFailed = "1", kSuspended = "75", kPlainFailure = "the command failed";
+inline constexpr std::array<OwnStatus, 7> kOwnStatuses{
+    {{"run", {"1", "the run failed"}},
+     {"run", {"75", "interrupted, with a checkpoint: the same command with --resume continues"}},
+     {"sweep run", {"1", "the command failed, or a run of the study did"}},
+     {"sweep run", {"75", "interrupted; the same command continues"}},
+     {"sweep collect", {"1", "the command failed, or a run of the study did"}},
+     {"uq", {"75", "interrupted; the same command continues"}},
+     {"verify", {"1", "the command failed, or a figure exceeds its tolerance"}}}};
 
 inline constexpr std::array<Entry, 6> kVariables{
-    {{"NO_COLOR", "If set to anything but nothing, messages on a terminal have no colours. Elsewhere they never have."},
+    {{"NO_COLOR", "If set and not empty, messages on a terminal have no colours. Elsewhere they never have."},
      {"TERM", "With dumb, progress is printed as lines and messages have no colours."},
      {"POCL_CACHE_DIR", "Folder for compiled OpenCL kernels; otherwise XDG_CACHE_HOME or .cache in the home folder."},
-     {"POCL_MAX_PTHREAD_COUNT", "Most threads of the OpenCL device PoCL."},
+     {"POCL_MAX_PTHREAD_COUNT", "Maximum number of threads of the OpenCL device PoCL."},
      {"POCL_AFFINITY", "1, the default of reamsim, binds the threads of PoCL to processors; 0 does not."},
      {"HOME", "Replaces ${HOME} in a scenario, as any variable ${NAME} is replaced there."}}};
 
