@@ -23,8 +23,8 @@ Reference program_reference(const std::string& version) {
   return {.key = "reamsim",
           .type = "software",
           .authors = {"the reamsim authors"},
-          .year = version == REAMSIM_VERSION ? kReleaseYear : 0,
           .title = "reamsim: an offline glenoid-reaming simulator",
+          .year = version == REAMSIM_VERSION ? kReleaseYear : 0,
           .version = version,
           .note = "Apache-2.0"};
 }
