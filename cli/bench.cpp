@@ -128,6 +128,7 @@ void bench_command(const BenchOptions& options, const Console& console) {
   } else {
     measure_with_figure(plan, options, console);
   }
+  if (!options.json.empty()) console.say("measurements: " + options.json);
 }
 
 }  // namespace

@@ -110,7 +110,9 @@ class HelpFormatter : public CLI::Formatter {
  private:
   [[nodiscard]] std::string make_options(const CLI::App& group) const {
     std::string out;
-    for (const CLI::Option* option : group.get_options()) out += make_option(option, false);
+    for (const CLI::Option* option : group.get_options()) {
+      if (option != group.get_help_ptr()) out += make_option(option, false);
+    }
     return out;
   }
 };

@@ -144,6 +144,7 @@ void compare_command(const CompareOptions& options, const Console& console) {
   print_table(console, comparison);
   if (comparison.runs.size() <= kMostWithDifferences)
     console.say("differences are relative to " + comparison.runs[0].label);
+  console.say("figure: " + folder.final_path() + "/compare.png");
   console.say("all numbers: " + folder.final_path() + "/runs.csv, and differences: compare.csv");
 }
 

@@ -166,6 +166,8 @@ void fit_command(const FitCommandOptions& options, const Console& console) {
   print_constants(fit, model, console);
   print_residuals(fit, console);
   for (const std::string& statement : fit.statements) console.say(statement);
+  if (!options.output.empty()) console.say("constants: " + options.output);
+  if (!options.residuals.empty()) console.say("measured and fitted values: " + options.residuals);
 }
 
 }  // namespace

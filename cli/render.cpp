@@ -152,6 +152,14 @@ void require_drawable(const RenderOptions& options, const PictureOptions& pictur
   require_film_program(own.settings);
 }
 
+/// What was made, and where it is.
+std::string where_to_look(const RenderOptions& options, bool has_report) {
+  std::string made;
+  for (const std::string& kind : options.only) made += (made.empty() ? "" : ", ") + kind;
+  if (!made.empty()) return made + ": " + options.dir;
+  return has_report ? "report: " + options.dir + "/report.html" : "pictures and plots: " + options.dir;
+}
+
 void render_command(const RenderOptions& options, const Console& console) {
   if (!std::filesystem::is_directory(options.dir)) {
     throw InputError({options.dir, 0, 0}, "", "folder not found", "expected the results folder of a finished run");
@@ -179,7 +187,7 @@ void render_command(const RenderOptions& options, const Console& console) {
   outputs.make_report();
   update.finish();
   console.print(report);
-  console.say("pictures: " + options.dir);
+  console.say(where_to_look(options, pictures.settings.report && !is_unfinished(options.dir)));
 }
 
 }  // namespace
