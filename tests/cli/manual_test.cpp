@@ -86,6 +86,34 @@ TEST_F(Manual, Status75OnlyWhereACommandCanEndSo) {
   }
 }
 
+TEST_F(Manual, StatusOneIsWhatItMeansForTheCommand) {
+  const auto status_one = [&](const std::vector<std::string>& command) {
+    const std::string text = out_of(command);
+    const std::size_t begin = text.find("\n  1 ") + 1;
+    return text.substr(begin, text.find('\n', begin) - begin);
+  };
+  EXPECT_THAT(status_one({"help", "run"}), HasSubstr("the run failed"));
+  EXPECT_THAT(status_one({"help", "verify"}), HasSubstr("a figure exceeds its tolerance"));
+  EXPECT_THAT(status_one({"help", "sweep", "run"}), HasSubstr("a run of the study did"));
+  EXPECT_THAT(status_one({"help", "check"}), Not(HasSubstr("run")));
+}
+
+TEST_F(Manual, HelpHasNoNotationOfTheParser) {
+  for (const std::string command : {"run", "check", "render", "compare", "reforce", "fit", "sweep run", "sweep plan",
+                                    "sweep submit", "uq", "import", "init", "preview", "bench", "verify", "cite"}) {
+    const std::size_t space = command.find(' ');
+    std::vector<std::string> words{"help", command.substr(0, space)};
+    if (space != std::string::npos) words.push_back(command.substr(space + 1));
+    const std::string text = out_of(words);
+    for (const char* notation : {":INT", ":FLOAT", "TEXT:", "Excludes", "Needs", " x 3", "[Option", "{mp4}", " ..."}) {
+      EXPECT_THAT(text, Not(HasSubstr(notation))) << command;
+    }
+  }
+  EXPECT_THAT(out_of({"help", "sweep", "run"}), HasSubstr("(1 to 1024)"));
+  EXPECT_THAT(out_of({"help", "bench"}), HasSubstr("(not with --exact, --latency)"));
+  EXPECT_THAT(out_of({"help", "render"}), HasSubstr("  --film[=VALUE]  "));
+}
+
 TEST_F(Manual, TheManPageIsCleanAndHasEveryCommandAndOption) {
   write("reamsim.1", out_of({"help", "--format", "man"}));
   const std::string warnings = "man --warnings -l ./reamsim.1 2>&1 >/dev/null";
