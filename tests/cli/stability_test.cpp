@@ -86,6 +86,17 @@ TEST_F(Stability, ResultsOfAnOlderVersionAreRead) {
   const double was = json("old/results/summary.json")["forces"]["peak_axial_force_n"];
   EXPECT_NEAR(json("twice/summary.json")["forces"]["peak_axial_force_n"].get<double>(), 2 * was, 1e-6 * was)
       << "0.15 J/mm3 is the default";
+  // Its own forces, as if they had been measured: the constant of the law is found again.
+  const auto old = columns("old/results/forces.csv");
+  std::ofstream measured(path("measured.csv"));
+  measured << "time_s,axial_force_n\n";
+  for (std::size_t i = 0; i < old.at("time_s").size(); ++i) {
+    measured << old.at("time_s")[i] << "," << old.at("axial_force_n")[i] << "\n";
+  }
+  measured.close();
+  EXPECT_THAT(call({"fit", "old/results", "measured.csv", "--fixed-normal-ratio", "-o", "fit.json"}).out,
+              HasSubstr("constants: fit.json"));
+  EXPECT_TRUE(exists("fit.json"));
   EXPECT_THAT(call({"cite", "old/results"}).out, HasSubstr("version 0.1.0"));
   EXPECT_THAT(call({"compare", "old/results", "twice", "-o", "compared"}).out, HasSubstr("peak"));
   EXPECT_TRUE(exists("compared/runs.csv"));

@@ -120,6 +120,14 @@ def test_surface(glenoid_run, tmp_path):
     assert of_stl.vertices.max(axis=0) == pytest.approx(surface.vertices.max(axis=0))
 
 
+def test_results_of_an_older_version_are_read():
+    old = reamsim.load(ROOT / "tests/cli/results_0_1_0/results")
+    assert old.summary["program"] == "reamsim 0.1.0"
+    assert old.force_array["removed_mm3"].sum() == pytest.approx(old.summary["removed_mm3"], rel=1e-9)
+    assert (old.removed_frame.values > 0).any() and old.depth_map.values.size == 100
+    assert old.scenario["cutting"]["friction_share"] is not None
+
+
 def test_the_scenario_runs_again(small_run, tmp_path):
     again = reamsim.run(small_run.scenario, tmp_path / "again")
     assert numpy.array_equal(again.force_array, small_run.force_array)
