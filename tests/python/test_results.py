@@ -125,7 +125,6 @@ def test_results_of_an_older_version_are_read():
     assert old.summary["program"] == "reamsim 0.1.0"
     assert old.force_array["removed_mm3"].sum() == pytest.approx(old.summary["removed_mm3"], rel=1e-9)
     assert (old.removed_frame.values > 0).any() and old.depth_map.values.size == 100
-    assert old.scenario["cutting"]["friction_share"] is not None
 
 
 def test_the_scenario_runs_again(small_run, tmp_path):
