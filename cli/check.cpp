@@ -64,9 +64,6 @@ void note_cost(const ReamingScene& scene, Report& report, Json& figures) {
   report.note(fmt::format("motion: {} frames ({:.3f} s at {:g} Hz), {} substeps", cost.frames,
                           static_cast<double>(cost.frames) * scene.motion.frame_s(), scene.motion.frame_rate_hz,
                           cost.substeps));
-  report.note(fmt::format("bone: {} x {} x {} voxels of {:g} mm, {} contain bone ({:.1f} mm3)", grid.dims.x(),
-                          grid.dims.y(), grid.dims.z(), grid.voxel_mm, scene.bone.view().count_bone(),
-                          scene.bone.view().bone_mm3()));
   if (const PointShell& shell = scene.tool.shell; !shell.codes.empty()) {
     report.note(fmt::format("tool: {} shell points, spacing {:g} mm", shell.codes.size(), shell.cell_mm));
   }

@@ -50,7 +50,7 @@ void drill(Bone& bone, const PilotHoleSettings& hole, bool partial, Report& repo
   const double drilled_mm3 = drill_pilot_hole(voxels, hole, bone.glenoid, partial);
   bone.set_voxels(std::move(voxels));
   const std::string text =
-      fmt::format("pilot hole: diameter {:.4g} mm, {:.1f} mm^3 of bone removed", hole.diameter_mm, drilled_mm3);
+      fmt::format("pilot hole: diameter {:.4g} mm, {:.1f} mm3 of bone removed", hole.diameter_mm, drilled_mm3);
   if (drilled_mm3 > 0) {
     report.note(text);
   } else {
@@ -180,7 +180,7 @@ Bone with_anatomy(Bone bone, const BoneSettings& settings, Report& report) {
   set_scapula(bone);
   if (settings.pilot_hole) drill(bone, *settings.pilot_hole, settings.surface_voxels == SurfaceVoxels::partial, report);
   const VoxelGrid& grid = bone.voxmap->grid;
-  report.note(fmt::format("bone: {} x {} x {} voxels of {:.4g} mm, {} contain bone, {:.0f} mm^3, frame {}",
+  report.note(fmt::format("bone: {} x {} x {} voxels of {:.4g} mm, {} contain bone, {:.0f} mm3, frame {}",
                           grid.dims.x(), grid.dims.y(), grid.dims.z(), grid.voxel_mm, bone.view().count_bone(),
                           bone.view().bone_mm3(), bone.voxmap->frame));
   return bone;

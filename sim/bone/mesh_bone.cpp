@@ -146,10 +146,10 @@ double bone_fraction(const TriangleMesh& mesh, double voxel_mm) {
 /// Compares the volume of the voxels with that of the mesh, to detect leaks and filled cavities.
 void check_volume(const MeshBoneSettings& settings, double voxels_mm3, double mesh_mm3, Report& report) {
   const double error = std::abs(voxels_mm3 - mesh_mm3) / mesh_mm3;
-  report.note(fmt::format("bone volume: {:.0f} mm^3 in voxels, {:.0f} mm^3 in the mesh", voxels_mm3, mesh_mm3));
+  report.note(fmt::format("bone volume: {:.0f} mm3 in voxels, {:.0f} mm3 in the mesh", voxels_mm3, mesh_mm3));
   if (error <= kMaxVolumeError) return;
   const std::string found =
-      fmt::format("the bone has {:.0f} mm^3 in voxels but {:.0f} mm^3 in the mesh", voxels_mm3, mesh_mm3);
+      fmt::format("the bone has {:.0f} mm3 in voxels but {:.0f} mm3 in the mesh", voxels_mm3, mesh_mm3);
   if (settings.repair) {
     throw InputError(
         {settings.path, 0, 0}, "", "the repair failed: " + found,

@@ -80,7 +80,7 @@ const std::vector<ColumnName>& headline_results() {
       {"metrics.planning.planned.version_deg", "version, implant", "°"},
       {"metrics.planning.planned.inclination_deg", "inclination, implant", "°"},
       {"metrics.planning.medialization_mm", "medialization by the implant", "mm"},
-      {"metrics.planning.vault.left_percent", "vault bone left", "%"}};
+      {"metrics.planning.vault.left_percent", "remaining vault bone", "%"}};
   return results;
 }
 

@@ -26,8 +26,8 @@ void warn_of_thin_walls(const Tool& tool, bool teeth, double voxel_mm, Report& r
 
 void report_volume(const DistanceGrid& grid, Report& report) {
   const std::string text = fmt::format(
-      "tool: the distance grid has {} bricks, sample spacing {:.3g} mm, volume {:.2f} mm^3; the mesh has {:.2f} "
-      "mm^3 ({:+.3f} %)",
+      "tool: the distance grid has {} bricks, sample spacing {:.3g} mm, volume {:.2f} mm3; the mesh has {:.2f} "
+      "mm3 ({:+.3f} %)",
       grid.stored_bricks(), grid.spacing_mm, grid.volume_mm3, grid.mesh_mm3, 100 * grid.volume_error());
   if (std::abs(grid.volume_error()) <= kGridVolumeTolerance) return report.note(text);
   report.warn(text + fmt::format("; the difference exceeds {:.1f} %: use smaller voxels", 100 * kGridVolumeTolerance));
