@@ -8,7 +8,7 @@ minutes of an idle machine. `reamsim bench --json paper/bench.json --overwrite`,
 
 make.py --check compares paper.md with the template and the numbers, and those of the benchmark with bench.json.
 make.py REAMSIM --check [--only RUN...] runs again, and compares every number of these runs with the one in numbers.json. Times are not compared:
-they belong to the machine that the number names. Counts of the benchmark (contacts, points, voxels, memory) are the same on every machine: `bench`
+they belong to the machine that the number names. Counts of the benchmark (contacts, points, memory) are deterministic: `bench`
 runs the short suite, and compares its counts with those of bench.json."""
 
 import argparse
@@ -112,7 +112,7 @@ def points_text(report):
 
 
 def bench_counts(report):
-    """What is the same on every machine: contacts of the deterministic programs, points of poses and shells, memory; by name."""
+    """What every run of the benchmark finds alike: contacts of the deterministic programs, points of poses and shells, memory; by name."""
     def name(row, *keys):
         return " ".join(str(row[key]) for key in keys)
     return {
