@@ -1,12 +1,15 @@
 # SPDX-FileCopyrightText: the reamsim authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""make.py REAMSIM [--only RUN...]: makes the numbers, the figures and the text of the paper, from the root of the checkout.
+"""make.py [REAMSIM [--only RUN...]]: makes the numbers, the figures and the text of the paper.
 
-REAMSIM_DATA names the folder of the public scan. make.py --check compares paper.md with the template and the numbers;
-make.py REAMSIM --check [--only RUN...] runs again, and compares every number of these runs with the one in numbers.json.
-Times are not compared: they belong to the machine that the number names. The benchmark takes eleven to seventeen minutes of an idle machine;
---bench FILE takes its numbers from a file that `reamsim bench --json FILE` wrote before."""
+REAMSIM_DATA names the folder of the public scan. Numbers of the benchmark come from bench.json beside this file: the run `bench` makes it in eleven to seventeen
+minutes of an idle machine. `reamsim bench --json paper/bench.json --overwrite`, and then make.py without a program, does the same.
+
+make.py --check compares paper.md with the template and the numbers, and those of the benchmark with bench.json.
+make.py REAMSIM --check [--only RUN...] runs again, and compares every number of these runs with the one in numbers.json. Times are not compared:
+they belong to the machine that the number names. Counts of the benchmark (contacts, points, memory) are deterministic: `bench`
+runs the short suite, and compares its counts with those of bench.json."""
 
 import argparse
 import csv
@@ -14,12 +17,14 @@ import json
 import math
 import pathlib
 import re
+import shutil
 import subprocess
 import sys
 import tempfile
 
 HERE = pathlib.Path(__file__).resolve().parent
 ROOT = HERE.parent
+BENCH = HERE / "bench.json"
 PLAIN = ["--set", "render.enabled=false", "--set", "output.meshes=false", "--set", "output.vti=false"]
 HALF_SPACE = ["run", "trajectories/half_space.yaml", *PLAIN]
 # What makes the numbers: a command of reamsim, without the folder or file that it writes.
@@ -87,8 +92,51 @@ def verify_numbers(folder):
     }
 
 
+# PoCL names a processor pthread-TARGET-MODEL, where the target is the compiler's name of what the processor can do.
+TARGETS = {"haswell": "AVX2", "skylake-avx512": "AVX-512"}
+CORES = {1: "one", 2: "two", 4: "four", 8: "eight", 16: "sixteen"}
+
+
+def device_text(device):
+    """pthread-haswell-AMD EPYC as 'AMD EPYC, AVX2'."""
+    for target, instructions in TARGETS.items():
+        if device.startswith(f"pthread-{target}-"):
+            return f"{device.removeprefix(f'pthread-{target}-')}, {instructions}"
+    return device.removeprefix("pthread-")
+
+
+def points_text(report):
+    """Points of the shell in contact, in thousands: 102959.75 as '103,000'."""
+    direct = next(r for r in report["results"] if (r["engine"], r["case"], r["voxmap"], r["shell"]) == ("direct", "severe", 1024, 1024))
+    return f"{direct['contacts'] / 1000:.0f},000"
+
+
+def bench_counts(report):
+    """What every run of the benchmark finds alike: contacts of the deterministic programs, points of poses and shells, memory; by name."""
+    def name(row, *keys):
+        return " ".join(str(row[key]) for key in keys)
+    return {
+        **{"contacts of " + name(r, "engine", "voxmap", "shell", "case"): r["contacts"]
+           for r in report["results"] if r["variant"] == "deterministic"},
+        **{"points of pose " + name(r, "case", "pose"): r["points"] for r in report["poses"]},
+        **{"points of shell " + name(r, "shell"): r["points"] for r in report["shells"]},
+        **{f"{key} of " + name(r, "engine", "voxmap", "shell"): r[key] for r in report["memory"] for key in ("voxmap_mb", "shell_mb")},
+    }
+
+
+def check_counts(now, committed):
+    """Counts of the short suite against those of bench.json, which has all of them and more."""
+    found, wanted = bench_counts(now), bench_counts(committed)
+    wrong = [f"bench: {name}: {wanted.get(name, 'missing')} in bench.json, {count} now"
+             for name, count in found.items() if wanted.get(name) != count]
+    if wrong:
+        sys.exit("\n".join(wrong))
+
+
 def bench_numbers(file):
     report = json.loads(file.read_text())
+    if not report["spheres"] or not report["voi"]:
+        sys.exit(f"{file} is not of the whole benchmark: make it again without --quick and --exact")
     exact = {s["voxel_mm"]: s for s in report["spheres"] if s["erosion"] == "exact"}
     frames = {(r["engine"], r["case"]): r for r in report["results"]
               if (r["voxmap"], r["shell"], r["variant"]) == (1024, 1024, "deterministic")}
@@ -97,9 +145,10 @@ def bench_numbers(file):
     return {
         "times_025": f"{exact[0.25]['times_real_time']:.0f}",
         "times_010": f"{exact[0.1]['times_real_time']:.1f}",
-        "device": report["device"].removeprefix("pthread-"),
+        "device": device_text(report["device"]),
+        "cores": CORES.get(report["compute_units"], str(report["compute_units"])),
         "direct_ms": f"{direct['median_ms']:.0f}",
-        "points": f"{direct['contacts'] / 1000:.0f},000",
+        "points": points_text(report),
         **{f"{engine}_{case}": f"{frames[engine, case]['ratio_to_direct']:.0f}"
            for engine in ("bricked", "exact") for case in ("severe", "light")},
     }
@@ -149,10 +198,19 @@ def make_runs(program, names, folder):
     """The numbers of some runs, as {run: {name: text}}."""
     found = {}
     for name in names:
-        out = folder / (name + ".json" if name == "bench" else name)
-        subprocess.run([program, *RUNS[name], str(out)], cwd=ROOT, check=True, stdout=subprocess.DEVNULL)
+        out = folder / name
+        if name == "bench":
+            out = folder / "bench.json"
+            run(program, *RUNS[name], out, "-o", folder / "bench")
+            shutil.copy(out, BENCH)
+        else:
+            run(program, *RUNS[name], out)
         found[name] = numbers_of(name, out)
     return found
+
+
+def run(program, *arguments):
+    subprocess.run([program, *map(str, arguments)], cwd=ROOT, check=True, stdout=subprocess.DEVNULL)
 
 
 def numbers_of(name, out):
@@ -217,9 +275,28 @@ def check_text(numbers):
         sys.exit(f"cited but not in paper.bib, or the reverse: {sorted(used ^ known)}")
 
 
+def check_bench(numbers):
+    """The numbers of the benchmark against the file that they come from."""
+    if BENCH.exists():
+        check_numbers(numbers, {"bench": numbers_of("bench", BENCH)})
+    else:
+        print("paper/bench.json is missing: the numbers of the benchmark are compared with numbers.json alone. On an idle machine:\n"
+              "reamsim bench --json paper/bench.json && python3 paper/make.py")
+
+
+def check_bench_again(program, folder, numbers):
+    """The short suite on this machine: its counts, not its times."""
+    out = folder / "bench.json"
+    run(program, "bench", "--quick", "--json", out, "-o", folder / "bench")
+    now = json.loads(out.read_text())
+    check_numbers(numbers, {"bench": {"points": points_text(now)}})
+    if BENCH.exists():
+        check_counts(now, json.loads(BENCH.read_text()))
+
+
 def check_numbers(numbers, again):
-    wrong = [f"{run}.{name}: {numbers[run][name]} in numbers.json, {text} now"
-             for run, values in again.items() for name, text in values.items() if numbers[run][name] != text]
+    wrong = [f"{run}.{name}: {numbers[run].get(name, 'missing')} in numbers.json, {text} now"
+             for run, values in again.items() for name, text in values.items() if numbers[run].get(name) != text]
     if wrong:
         sys.exit("\n".join(wrong))
 
@@ -242,27 +319,29 @@ def main():
     parser.add_argument("program", nargs="?", type=pathlib.Path)
     parser.add_argument("--check", action="store_true")
     parser.add_argument("--only", nargs="+", choices=RUNS)
-    parser.add_argument("--bench", type=pathlib.Path)
     options = parser.parse_args()
     file = HERE / "numbers.json"
     numbers = json.loads(file.read_text()) if file.exists() else {}
     names = list(options.only or RUNS) if options.program else []
-    if options.check:
-        check_text(numbers)
-    if "bench" in names and (options.check or options.bench):
-        names.remove("bench")
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
+        if options.check:
+            check_text(numbers)
+            check_bench(numbers)
+            if "bench" in names:
+                names.remove("bench")
+                check_bench_again(options.program.resolve(), folder, numbers)
         again = make_runs(options.program.resolve(), names, folder) if names else {}
         if options.check:
             check_numbers(numbers, again)
             return
         draw(folder, names)
     numbers.update(again)
-    if options.bench:
-        numbers["bench"] = numbers_of("bench", options.bench)
+    if BENCH.exists():
+        numbers["bench"] = numbers_of("bench", BENCH)
     file.write_text(json.dumps(numbers, indent=1, ensure_ascii=False) + "\n")
     (HERE / "paper.md").write_text(fill((HERE / "paper.in.md").read_text(), numbers))
 
 
-main()
+if __name__ == "__main__":
+    main()
