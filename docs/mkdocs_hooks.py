@@ -3,7 +3,19 @@
 
 """What mkdocs calls while it builds the site (`hooks` in mkdocs.yml)."""
 
+import json
+import pathlib
 import re
+
+
+def on_page_markdown(markdown, page, **_):
+    """The page of a notebook has its cells; a browser cannot show the file itself."""
+    notebook = pathlib.Path(page.file.abs_src_path).with_suffix(".ipynb")
+    if not notebook.exists():
+        return markdown
+    cells = [(cell["cell_type"], "".join(cell["source"])) for cell in json.loads(notebook.read_text())["cells"]]
+    shown = [text if kind == "markdown" else f"```python\n{text}\n```" for kind, text in cells]
+    return "\n\n".join([shown[0], markdown, *shown[1:]])
 
 
 def on_page_content(html, **_):

@@ -43,7 +43,6 @@ RUN_ELSEWHERE = {
     "build/release/tests/": "tests BenchReference, ExactReference",
     "reamsim check S.yaml | head": "cli_test (Environment)",
     "reamsim run <(command)": "cli_test (Environment)",
-    "reamsim run default": "package.moved_prefix, container.bare_debian, cli_test (Shipped)",
     "reamsim sweep run reamers": "cli_test (Shipped)",
     "cmake/package/": "container.image",
     "REAMSIM_LONG_TESTS=1 ctest": "a developer: it takes hours",
@@ -70,6 +69,7 @@ EXAMPLES = {
     "reamsim sweep submit": "reamsim sweep submit trajectories/studies/reamers.yaml --slurm --to out/scripts",
     "reamsim sweep status": "reamsim sweep status trajectories/studies/reamers.yaml -o out/swept",
     "reamsim import": "reamsim import s.yaml -o bone.vdb",
+    "reamsim devices": "reamsim devices --json",
     "reamsim cite": "reamsim cite out/s",
     "reamsim help": "reamsim help sweep run",
     "reamsim run trajectories/mesh_scapula.yaml --set bone.voxel_mm=V": "",  # its data: e2e.mesh_scapula
@@ -95,8 +95,9 @@ class Place:
         self.root, self.folder, self.done = root, folder, set()
         for name in ("build/release/cli", "bin", "home/scans"):
             (folder / name).mkdir(parents=True)
-        (folder / "build/release/cli/reamsim").symlink_to(program)
-        (folder / "bin/reamsim").symlink_to(program)
+        # A copy, so that the names of shipped scenarios are those of this folder.
+        shutil.copy(program, folder / "build/release/cli/reamsim")
+        (folder / "bin/reamsim").symlink_to(folder / "build/release/cli/reamsim")
         (folder / "bin/scontrol").write_text("#!/bin/sh\nexit 9\n")
         (folder / "bin/scontrol").chmod(0o755)
         (folder / "assets").symlink_to(root / "assets")
@@ -124,7 +125,7 @@ class Place:
             study["set"] = {**study.get("set", {}), "bone.voxel_mm": 1} if page == "push" else study.get("set", {})
             self.write(name, study)
         study = yaml.safe_load(documented.blocks((self.root / "docs/guide/uncertainty.md").read_text(), "yaml")[1])
-        self.write("trajectories/uncertain.yaml", {**study, "sample": {**study["sample"], "n": 4}})
+        self.write("uncertain.yaml", {**study, "sample": {**study["sample"], "n": 4}})
 
     def write(self, name, scenario):
         (self.folder / name).write_text(yaml.safe_dump(scenario, sort_keys=False))
@@ -184,7 +185,7 @@ class Place:
         if re.match(r"(build/release/cli/)?reamsim run ", command):
             self.set_motion("keyframes" if "keyframes" in command else "plunge")
             named = re.search(r"-o (\S+)", command)
-            scenario = re.search(r"(\w+)\.yaml", command)
+            scenario = re.search(r"reamsim run (?:\S*/)?(\w+)", command)
             shutil.rmtree(self.folder / (named[1] if named else f"out/{scenario[1]}"), ignore_errors=True)
         self.run(command, where)
         written = re.search(r"reamsim init .*-o (\S+)", command)
@@ -270,7 +271,7 @@ def main():
         assert any(wanted in command for command in found["README.md"]), wanted
     with tempfile.TemporaryDirectory() as folder:
         place = Place(program, root, pathlib.Path(folder))
-        for name in ("trajectories/default.yaml", "s.yaml -o out/s", "s.yaml -o out/plain"):  # results that commands name
+        for name in ("default", "s.yaml -o out/s", "s.yaml -o out/plain"):  # results that commands name
             place.run_documented(f"reamsim run {name}")
         for page, commands in found.items():
             print(f"-- {page}")
