@@ -49,15 +49,12 @@ void describe_push(KeyVisitor& v, PushSettings& push) {
   v.choice({.name = "from", .doc = "Where the depth begins, as for a plunge"}, push.from);
   v.number({.name = "approach_mm", .doc = "Distance before the point where the depth begins", .range = between(0, 500)},
            push.approach_mm);
-  v.number({.name = "thrust_n", .doc = "Force of the hand along axis, N", .range = between(1e-3, 10000)},
-           push.thrust_n);
+  v.number({.name = "thrust_n", .doc = "Thrust along axis, N", .range = between(1e-3, 10000)}, push.thrust_n);
   v.text({.name = "profile",
           .doc = "CSV of the thrust over time, with the columns time_s and thrust_n; it replaces thrust_n",
           .text = TextKind::input_file},
          push.profile);
-  v.number({.name = "max_feed_mm_s",
-            .doc = "The hand lets the tool go no faster, in air as in bone that gives way",
-            .range = kFeed},
+  v.number({.name = "max_feed_mm_s", .doc = "Greatest feed rate, in air and where bone breaks through", .range = kFeed},
            push.max_feed_mm_s);
   v.number({.name = "spin_rpm", .doc = "Spindle speed, positive clockwise seen from the drive", .range = kSpin},
            push.spin_rpm);
@@ -76,7 +73,7 @@ void describe_push(KeyVisitor& v, PushSettings& push) {
             .doc = "Mass of handpiece and arm that moves with the tool; 0: forces balance in every frame",
             .range = between(0, 100)},
            push.mass_kg);
-  v.number({.name = "damping_n_s_mm", .doc = "Force of the hand against the feed, per feed", .range = between(0, 1000)},
+  v.number({.name = "damping_n_s_mm", .doc = "Damping force against the feed, per feed", .range = between(0, 1000)},
            push.damping_n_s_mm);
 }
 
@@ -157,7 +154,7 @@ void describe_motion(KeyVisitor& v, MotionSettings& motion) {
                      describe_plunge);
   v.optional_section(
       {.name = "push",
-       .doc = "A hand pushes the tool along a line; the feed follows from the balance of forces in every "
+       .doc = "A thrust moves the tool along a line; the feed follows from the balance of forces in every "
               "frame. Needs erosion exact"},
       motion.push, describe_push);
   v.list(
