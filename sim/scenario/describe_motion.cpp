@@ -54,7 +54,7 @@ void describe_push(KeyVisitor& v, PushSettings& push) {
           .doc = "CSV of the thrust over time, with the columns time_s and thrust_n; it replaces thrust_n",
           .text = TextKind::input_file},
          push.profile);
-  v.number({.name = "max_feed_mm_s", .doc = "Greatest feed rate, in air and where bone breaks through", .range = kFeed},
+  v.number({.name = "max_feed_mm_s", .doc = "Greatest feed rate, also in air and after breakthrough", .range = kFeed},
            push.max_feed_mm_s);
   v.number({.name = "spin_rpm", .doc = "Spindle speed, positive clockwise seen from the drive", .range = kSpin},
            push.spin_rpm);
