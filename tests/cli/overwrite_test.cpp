@@ -227,7 +227,7 @@ TEST_F(Overwrite, EveryFileOfARunWithEverythingIsKnown) {
                                "  user_cameras: [{name: rim-2_b, position_mm: [60, 35, 70]}]\n") +
                           "cutting: {erosion: remove}\n";
   const std::string resolved = with(all, "plunge:\n", "plunge:\n    spin_rpm: 3000\n");
-  expect_done(run(with(resolved, "/assets/reamer_flat.stl\n", "/assets/reamer_convex_lips.stl\n  spin: resolved\n")));
+  expect_done(run(with(resolved, "/assets/reamer_flat.stl\n", "/assets/reamer_convex_edges.stl\n  spin: resolved\n")));
   fs::copy(path("out/scenario.yaml"), path("out/verification.json"));  // as docs/formats.md suggests
   expect_done(run(resolved, {"--overwrite"}));
 }

@@ -149,7 +149,7 @@ TEST_F(Passes, MistakesAreNamedAtTheirKeys) {
   refused(with(kSmall, "  plunge:\n", "  passes:\n  - plunge: {}\n  plunge:\n"), "motion");
   refused(with_passes("  []\n"), "motion");
   refused(with(with_passes("  - plunge: {}\n  - plunge: {}\n    tool: {mesh: " REAMSIM_ROOT
-                           "/assets/reamer_convex_lips.stl, spin: resolved}\n"),
+                           "/assets/reamer_convex_edges.stl, spin: resolved}\n"),
                "engine:\n", "cutting: {edge_force: {tangential_n_mm: 1, normal_n_mm: 0, cutting_edges: 6}}\nengine:\n"),
           "motion.passes.1.tool.spin: found resolved; expected envelope");
 }

@@ -95,7 +95,7 @@ TEST_F(Resume, ResultsThatWereCompleteWhenTheirProcessWasKilledAreMoved) {
 
 TEST_F(Resume, EndsWithTheSameBytesForEveryErosionAndEngine) {
   const std::string teeth =
-      with(kLong, "/assets/reamer_flat.stl\n", "/assets/reamer_convex_lips.stl\n  spin: resolved\n");
+      with(kLong, "/assets/reamer_flat.stl\n", "/assets/reamer_convex_edges.stl\n  spin: resolved\n");
   const std::string passes = kLong.substr(0, kLong.find("  plunge:\n")) +
                              "  passes:\n"
                              "  - plunge: {approach_mm: 0.3, feed_mm_s: 0.06, depth_mm: 0.4, retract_mm: 2}\n"

@@ -82,7 +82,7 @@ def is_documented(key, rows):
 
 
 def simulate(program, folder, root):
-    for name, mesh in (("reamer.stl", "reamer_convex.stl"), ("flat.stl", "reamer_flat.stl"), ("edges.stl", "reamer_convex_lips.stl")):
+    for name, mesh in (("reamer.stl", "reamer_convex.stl"), ("flat.stl", "reamer_flat.stl"), ("edges.stl", "reamer_convex_edges.stl")):
         (folder / name).symlink_to(root / "assets" / mesh)
     scans.write_scan(folder / "ball.nrrd")
     for name, text in RUNS.items():

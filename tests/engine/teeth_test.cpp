@@ -15,11 +15,11 @@
 namespace reamsim::test::teeth_tests {
 namespace {
 
-constexpr double kRadius = 29;  // of the face of reamer_convex_lips: six lips, a slot before each
+constexpr double kRadius = 29;  // of the face of reamer_convex_edges: six lips, a slot before each
 
 Tool toothed_reamer(double voxel_mm) {
   ToolSettings settings;
-  settings.mesh = REAMSIM_ASSETS "/reamer_convex_lips.stl";
+  settings.mesh = REAMSIM_ASSETS "/reamer_convex_edges.stl";
   settings.spin = ToolSpin::resolved;
   Report report;
   Tool tool = load_tool(settings, voxel_mm, ShellUse::touches_voxels, report);

@@ -45,7 +45,7 @@ def scenarios(root):
     block = {"root": root, "voxel": 0.2, "tool": "reamer_flat.stl", "more_tool": "", "more": "", "render": "enabled: false"}
     yield "phantom", BLOCK.format(**block)
     yield "pictures", BLOCK.format(**block | {"render": "width_px: 160, height_px: 120, every_frames: 1000"})
-    teeth = {"tool": "reamer_convex_lips.stl", "more_tool": ", spin: resolved", "voxel": 0.5}
+    teeth = {"tool": "reamer_convex_edges.stl", "more_tool": ", spin: resolved", "voxel": 0.5}
     yield "teeth", BLOCK.format(**block | teeth)
     yield "remove", BLOCK.format(**block | {"voxel": 0.4, "more": "cutting: {erosion: remove}\n"})
     if os.environ.get("REAMSIM_DATA"):

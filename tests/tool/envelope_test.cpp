@@ -63,7 +63,7 @@ TEST(Generatrix, OfAShippedReamerIsAccurateToAMicrometre) {
 
 TEST(Generatrix, OfAnythingElseIsNone) {
   EXPECT_FALSE(recover_generatrix(box({-5, -5, 0}, {5, 5, 3})));
-  EXPECT_FALSE(recover_generatrix(reamer("convex_lips")));
+  EXPECT_FALSE(recover_generatrix(reamer("convex_edges")));
   EXPECT_FALSE(recover_generatrix(revolve(kTube, 12))) << "twelve facets are no circle";
   TriangleMesh shifted = revolve(kTube, 180);
   for (Vec3& p : shifted.vertices) p.x() += 0.1;
@@ -124,7 +124,7 @@ TEST(SweepOutline, KeepsAHollowOnTheAxis) {
 }
 
 TEST(Envelope, OfTheLipsIsTheConvexReamer) {
-  const Envelope lips = envelope_of_revolution(reamer("convex_lips"));
+  const Envelope lips = envelope_of_revolution(reamer("convex_edges"));
   const Envelope convex = envelope_of_revolution(reamer("convex"));
   EXPECT_TRUE(convex.revolved);
   EXPECT_FALSE(lips.revolved);

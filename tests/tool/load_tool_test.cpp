@@ -63,7 +63,7 @@ TEST_F(LoadTool, ChoosesAResolutionWithoutALeak) {
 }
 
 TEST_F(LoadTool, EnvelopeFillsTheChipSlotsAndResolvedKeepsThem) {
-  ToolSettings settings = shipped("convex_lips", 128);
+  ToolSettings settings = shipped("convex_edges", 128);
   const Tool envelope = load_tool(settings, 0.5, ShellUse::touches_voxels, report_);
   settings.spin = ToolSpin::resolved;
   const Tool resolved = load_tool(settings, 0.5, ShellUse::touches_voxels, report_);

@@ -98,7 +98,7 @@ TEST(TriangleBox, KnowsTheHardCases) {
 
 class ShellOf : public testing::TestWithParam<const char*> {};
 
-INSTANTIATE_TEST_SUITE_P(Reamers, ShellOf, testing::Values("convex", "convex_lips", "flat"),
+INSTANTIATE_TEST_SUITE_P(Reamers, ShellOf, testing::Values("convex", "convex_edges", "flat"),
                          [](const auto& reamer_name) { return std::string(reamer_name.param); });
 
 /// Codes as a set: whether a cell is in the shell.

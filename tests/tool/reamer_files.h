@@ -10,7 +10,7 @@
 
 namespace reamsim::test {
 
-/// Path of a shipped reamer: "convex", "convex_lips", "flat", "hemispherical".
+/// Path of a shipped reamer: "convex", "convex_edges", "flat", "hemispherical".
 inline std::string reamer_path(const std::string& name) {
   return std::string(REAMSIM_ASSETS) + "/reamer_" + name + ".stl";
 }

@@ -32,7 +32,7 @@ class Reamer : public testing::TestWithParam<Expected> {
 };
 
 INSTANTIATE_TEST_SUITE_P(Assets, Reamer,
-                         testing::Values(Expected{"convex", 15, 30}, Expected{"convex_lips", 15, 30},
+                         testing::Values(Expected{"convex", 15, 30}, Expected{"convex_edges", 15, 30},
                                          Expected{"flat", 13.5, 27}, Expected{"hemispherical", 14, 34}),
                          [](const auto& expected) { return expected.param.name; });
 
@@ -142,7 +142,7 @@ TEST(ReamerVolume, AgreesWithPappusLessTheFacets) {
 }
 
 TEST(ReamerLips, HaveSixLipsAndLessVolumeThanTheConvexOne) {
-  const TriangleMesh lips = reamer("convex_lips");
+  const TriangleMesh lips = reamer("convex_edges");
   EXPECT_LT(lips.volume_mm3(), 0.9 * reamer("convex").volume_mm3());
   // Genus from Euler's number: the bore and six chip slots.
   std::set<std::pair<std::int32_t, std::int32_t>> edges;
@@ -161,7 +161,7 @@ TEST(ReamerGenerator, MakesTheCommittedBytes) {
   const TempDir dir;
   const std::string command = std::string("\"") + REAMSIM_GENERATE_REAMERS + "\" \"" + dir.path() + "\"";
   ASSERT_EQ(std::system(command.c_str()), 0);
-  for (const char* name : {"convex", "convex_lips", "flat", "hemispherical"}) {
+  for (const char* name : {"convex", "convex_edges", "flat", "hemispherical"}) {
     const std::string made = file_bytes(dir.path() + "/reamer_" + name + ".stl");
     EXPECT_FALSE(made.empty()) << name;
     EXPECT_TRUE(made == file_bytes(reamer_path(name))) << name << ": run generate_reamers on assets/ and commit";
