@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <csignal>
+#include <fstream>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
@@ -204,6 +205,35 @@ TEST_F(Sweep, AFailingRunIsOneRow) {
   const ProgramResult collected = sweep({"collect", "study.yaml", "-o", "out"});
   EXPECT_EQ(collected.status, 0);
   EXPECT_THAT(collected.err, AllOf(HasSubstr("run 2"), HasSubstr("run 3")));
+}
+
+/// Ends a process of `reamsim sweep worker` that works in the folder. Returns whether there was one.
+bool kill_worker_in(const std::string& folder) {
+  for (const fs::directory_entry& process : fs::directory_iterator("/proc")) {
+    std::error_code gone;
+    if (fs::read_symlink(process.path() / "cwd", gone) != folder || gone) continue;
+    std::ifstream file(process.path() / "cmdline", std::ios::binary);
+    const std::string command(std::istreambuf_iterator<char>(file), {});
+    if (command.find("worker") == std::string::npos) continue;
+    return kill(std::stoi(process.path().filename().string()), SIGKILL) == 0;
+  }
+  return false;
+}
+
+TEST_F(Sweep, AWorkerThatTheSystemEndsFailsItsRunOnly) {
+  bool killed = false;
+  const ProgramResult result = sweep({"run", "study.yaml", "-o", "out", "--jobs", "1"}, [&] {
+    killed = killed || (finished("out") > 0 && kill_worker_in(fs::canonical(dir_).string()));
+    return false;
+  });
+  ASSERT_TRUE(killed);
+  EXPECT_EQ(result.status, 1);
+  EXPECT_THAT(result.out, HasSubstr("8 runs: 7 done, 1 failed"));
+  EXPECT_THAT(read("out/runs.csv"), HasSubstr("its process was ended by signal 9"));
+  EXPECT_THAT(read("out/runs.csv"), HasSubstr("use fewer --jobs"));
+  const ProgramResult again = sweep({"run", "study.yaml", "-o", "out"});
+  EXPECT_EQ(again.status, 0) << again.err;
+  EXPECT_THAT(again.out, HasSubstr("8 runs: 8 done"));
 }
 
 TEST_F(Sweep, AMistakeInATableNamesItsLine) {
