@@ -207,15 +207,27 @@ TEST_F(Sweep, AFailingRunIsOneRow) {
   EXPECT_THAT(collected.err, AllOf(HasSubstr("run 2"), HasSubstr("run 3")));
 }
 
-/// Ends a process of `reamsim sweep worker` that works in the folder. Returns whether there was one.
+/// What /proc knows of a process; "" once it has ended.
+std::string process_file(const std::string& process, const char* name) {
+  std::ifstream file("/proc/" + process + "/" + name, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+/// Ends a worker of `reamsim sweep run` that works in the folder, not the process in which it reads files. Returns
+/// whether there was one.
 bool kill_worker_in(const std::string& folder) {
-  for (const fs::directory_entry& process : fs::directory_iterator("/proc")) {
+  for (const fs::directory_entry& entry : fs::directory_iterator("/proc")) {
+    const std::string process = entry.path().filename().string();
     std::error_code gone;
-    if (fs::read_symlink(process.path() / "cwd", gone) != folder || gone) continue;
-    std::ifstream file(process.path() / "cmdline", std::ios::binary);
-    const std::string command(std::istreambuf_iterator<char>(file), {});
-    if (command.find("worker") == std::string::npos) continue;
-    return kill(std::stoi(process.path().filename().string()), SIGKILL) == 0;
+    if (fs::read_symlink(entry.path() / "cwd", gone) != folder || gone) continue;
+    if (process_file(process, "cmdline").find("worker") == std::string::npos) continue;
+    const std::string stat = process_file(process, "stat");  // NUMBER (NAME) STATE PARENT ...
+    const std::size_t end_of_name = stat.rfind(')');
+    if (end_of_name == std::string::npos) continue;
+    std::string state, parent;
+    std::istringstream(stat.substr(end_of_name + 1)) >> state >> parent;
+    if (process_file(parent, "cmdline").find("worker") != std::string::npos) continue;
+    return kill(std::stoi(process), SIGKILL) == 0;
   }
   return false;
 }
