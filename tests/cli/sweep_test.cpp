@@ -48,6 +48,12 @@ class Sweep : public CliTest {
     return std::ranges::count_if(fs::directory_iterator(path(dir + "/runs")),
                                  [](const fs::directory_entry& entry) { return !entry.path().has_extension(); });
   }
+  /// Whether a run has begun and not ended.
+  [[nodiscard]] bool is_running(const std::string& dir) const {
+    return exists(dir + "/runs") &&
+           std::ranges::any_of(fs::directory_iterator(path(dir + "/runs")),
+                               [](const fs::directory_entry& entry) { return entry.path().extension() == ".partial"; });
+  }
   [[nodiscard]] std::vector<std::string> lines(const std::string& file) const {
     std::istringstream text(read(file));
     std::vector<std::string> out;
@@ -235,7 +241,7 @@ bool kill_worker_in(const std::string& folder) {
 TEST_F(Sweep, AWorkerThatTheSystemEndsFailsItsRunOnly) {
   bool killed = false;
   const ProgramResult result = sweep({"run", "study.yaml", "-o", "out", "--jobs", "1"}, [&] {
-    killed = killed || (finished("out") > 0 && kill_worker_in(fs::canonical(dir_).string()));
+    killed = killed || (finished("out") > 0 && is_running("out") && kill_worker_in(fs::canonical(dir_).string()));
     return false;
   });
   ASSERT_TRUE(killed);
