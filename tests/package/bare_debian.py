@@ -35,8 +35,8 @@ def install(root, *files):
         if isinstance(path, pathlib.Path):
             roots.run(["cp", path, root / "var/tmp"])
     before, begin = roots.size_mb(root), time.monotonic()
-    roots.enter(root, "apt-get", "install", "-y", "-q", *names)
-    print(f"apt install {' '.join(name.split('/')[-1] for name in names)}: {time.monotonic() - begin:.0f} s, "
+    roots.enter(root, "apt-get", "install", "-y", "-q", "--no-install-recommends", *names)
+    print(f"apt install --no-install-recommends {' '.join(name.split('/')[-1] for name in names)}: {time.monotonic() - begin:.0f} s, "
           f"{roots.size_mb(root) - before:.0f} MB", flush=True)
 
 
