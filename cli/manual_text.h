@@ -22,7 +22,7 @@ inline constexpr std::string_view kDescription =
 
 inline constexpr std::array<Entry, 5> kExitStatuses{
     {{"0", "done"},
-     {"1", "the command failed; of verify: a figure exceeds its tolerance; of sweep run and collect: a run failed"},
+     {"1", "the command failed; of verify: a figure exceeds its tolerance; of sweep run: a run failed"},
      {"2", "the input is wrong; the message says what, where, and what to do"},
      {"75",
       "of run, sweep run and uq: interrupted, with a checkpoint; the same command continues, of run with --resume"},
@@ -34,12 +34,11 @@ struct OwnStatus {
   Entry entry;
 };
 inline constexpr std::string_view kFailed = "1", kSuspended = "75", kPlainFailure = "the command failed";
-inline constexpr std::array<OwnStatus, 7> kOwnStatuses{
+inline constexpr std::array<OwnStatus, 6> kOwnStatuses{
     {{"run", {"1", "the run failed"}},
      {"run", {"75", "interrupted, with a checkpoint: the same command with --resume continues"}},
      {"sweep run", {"1", "the command failed, or a run of the study did"}},
      {"sweep run", {"75", "interrupted; the same command continues"}},
-     {"sweep collect", {"1", "the command failed, or a run of the study did"}},
      {"uq", {"75", "interrupted; the same command continues"}},
      {"verify", {"1", "the command failed, or a figure exceeds its tolerance"}}}};
 

@@ -8,7 +8,7 @@ root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 build="$root/build/release"
 
 build_packages=(
-  build-essential cmake ninja-build pkg-config
+  build-essential cmake ninja-build pkg-config file
   ocl-icd-opencl-dev opencl-headers pocl-opencl-icd libeigen3-dev libosmesa6-dev libegl-dev libgl-dev
   libopenvdb-dev libtbb-dev libboost-dev libboost-iostreams-dev libassimp-dev libfmt-dev libyaml-cpp-dev libinsighttoolkit5-dev
   libcli11-dev nlohmann-json3-dev libpango1.0-dev libssl-dev zlib1g-dev libjpeg-dev libpng-dev libmeshoptimizer-dev

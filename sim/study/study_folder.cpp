@@ -111,8 +111,9 @@ RunState StudyFolder::state(const std::string& id) const {
       (!keep_.pictures || has("forces.png"))) {
     return RunState::done;
   }
-  if (fs::exists(run_dir(id) + ".partial", error)) return RunState::interrupted;
-  return fs::exists(dir_ + "/failed/" + id + ".json", error) ? RunState::failed : RunState::missing;
+  // Before the unfinished folder, which a process that the system ended leaves as well.
+  if (fs::exists(dir_ + "/failed/" + id + ".json", error)) return RunState::failed;
+  return fs::exists(run_dir(id) + ".partial", error) ? RunState::interrupted : RunState::missing;
 }
 
 std::vector<std::string> StudyFolder::run_names() const {

@@ -15,7 +15,7 @@
 namespace reamsim::test::teeth_tests {
 namespace {
 
-constexpr double kRadius = 29;  // of the face of reamer_convex_edges: six lips, a slot before each
+constexpr double kRadius = 29;  // of the face of reamer_convex_edges: six cutting edges, a slot before each
 
 Tool toothed_reamer(double voxel_mm) {
   ToolSettings settings;

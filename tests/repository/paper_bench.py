@@ -31,7 +31,7 @@ def benchmark():
 
 
 def stopped_by(call, *arguments):
-    """The message with which make.py ends, or "" where it goes on."""
+    """The message with which make.py ends, or "" where it succeeds."""
     try:
         call(*arguments)
     except SystemExit as end:

@@ -124,16 +124,16 @@ TEST(SweepOutline, KeepsAHollowOnTheAxis) {
 }
 
 TEST(Envelope, OfTheLipsIsTheConvexReamer) {
-  const Envelope lips = envelope_of_revolution(reamer("convex_edges"));
+  const Envelope toothed = envelope_of_revolution(reamer("convex_edges"));
   const Envelope convex = envelope_of_revolution(reamer("convex"));
   EXPECT_TRUE(convex.revolved);
-  EXPECT_FALSE(lips.revolved);
-  EXPECT_LT(mismatch_mm(lips.profile, convex.profile), 0.02);
-  for (const Vec2& p : lips.profile.points)
+  EXPECT_FALSE(toothed.revolved);
+  EXPECT_LT(mismatch_mm(toothed.profile, convex.profile), 0.02);
+  for (const Vec2& p : toothed.profile.points)
     if (p.y() < 4.15) {
       EXPECT_NEAR((p - Vec2(0, 29)).norm(), 29, 0.02) << "the face of the envelope is the sphere";
     }
-  RecordProperty("mismatch_um", static_cast<int>(1000 * mismatch_mm(lips.profile, convex.profile)));
+  RecordProperty("mismatch_um", static_cast<int>(1000 * mismatch_mm(toothed.profile, convex.profile)));
 }
 
 TEST(Polyline, SimplifyKeepsWithinTolerance) {

@@ -70,7 +70,8 @@ TEST_F(LoadTool, EnvelopeFillsTheChipSlotsAndResolvedKeepsThem) {
   const Tool convex = load_tool(shipped("convex", 128), 0.5, ShellUse::touches_voxels, report_);
   EXPECT_NEAR(static_cast<double>(envelope.shell.codes.size()) / static_cast<double>(convex.shell.codes.size()), 1,
               0.02);
-  // Shell points within the slots' radii just above the face: all round in the envelope, on the lips otherwise.
+  // Shell points within the slots' radii just above the face: everywhere in the envelope, on the cutting edges
+  // otherwise.
   const auto near_face = [](const Tool& tool) {
     int count = 0;
     for (const std::uint64_t code : tool.shell.codes) {

@@ -142,18 +142,18 @@ TEST(ReamerVolume, AgreesWithPappusLessTheFacets) {
 }
 
 TEST(ReamerLips, HaveSixLipsAndLessVolumeThanTheConvexOne) {
-  const TriangleMesh lips = reamer("convex_edges");
-  EXPECT_LT(lips.volume_mm3(), 0.9 * reamer("convex").volume_mm3());
+  const TriangleMesh toothed = reamer("convex_edges");
+  EXPECT_LT(toothed.volume_mm3(), 0.9 * reamer("convex").volume_mm3());
   // Genus from Euler's number: the bore and six chip slots.
   std::set<std::pair<std::int32_t, std::int32_t>> edges;
   std::set<std::int32_t> used;
-  for (const auto& t : lips.triangles)
+  for (const auto& t : toothed.triangles)
     for (std::size_t k = 0; k < 3; ++k) {
       edges.insert(std::minmax(t[k], t[(k + 1) % 3]));
       used.insert(t[k]);
     }
   const auto euler =
-      static_cast<long>(used.size()) - static_cast<long>(edges.size()) + static_cast<long>(lips.triangles.size());
+      static_cast<long>(used.size()) - static_cast<long>(edges.size()) + static_cast<long>(toothed.triangles.size());
   EXPECT_EQ((2 - euler) / 2, 7);
 }
 

@@ -1,0 +1,106 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
+// Uncertainty: reruns only where forces do not follow from one run.
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "tests/cli/sweep_fixture.h"
+
+namespace reamsim::test {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+
+class Uq : public Sweep {
+ protected:
+  Uq() { write("s.yaml", with(read("s.yaml"), "engine:\n", "cutting: {specific_energy_j_mm3: 0.15}\nengine:\n")); }
+
+  nlohmann::json uq(const std::string& sample) const {
+    write("uq.yaml", "version: 1\nbase: s.yaml\nsample: " + sample + "\n");
+    const ProgramResult result = reamsim({.arguments = {"uq", "uq.yaml", "-o", "uq", "--jobs", "2"},
+                                          .environment = {},
+                                          .folder = "",
+                                          .interrupt_when = {}});
+    EXPECT_EQ(result.status, 0) << result.err;
+    return nlohmann::json::parse(read("uq/uq.json"));
+  }
+};
+
+TEST_F(Uq, ConstantsOfTheLawNeedOneRun) {
+  const auto json =
+      uq("{n: 256, of: {cutting.specific_energy_j_mm3: {lognormal: [0.15, 0.3]}, cutting.normal_ratio: {uniform: [0.4, "
+         "0.6]}}}");
+  EXPECT_EQ(json["runs"], 1);
+  expect_done(run(read("s.yaml")));
+  const auto summary = nlohmann::json::parse(read("out/summary.json"));
+  // Energy and torque are proportional to the specific energy; its quantiles are 0.15·exp(±0.3·1.645).
+  const auto& energy = json["outputs"]["energy_mj"];
+  const double median_mj = summary["energy_mj"];
+  EXPECT_NEAR(energy["p50"].get<double>() / median_mj, 1, 0.01);
+  EXPECT_NEAR(energy["p95"].get<double>() / median_mj, std::exp(0.3 * 1.645), 0.03);
+  EXPECT_NEAR(energy["p05"].get<double>() / median_mj, std::exp(-0.3 * 1.645), 0.02);
+  EXPECT_NEAR(energy["inputs"]["cutting.specific_energy_j_mm3"]["total"].get<double>(), 1, 0.05);
+  EXPECT_NEAR(energy["inputs"]["cutting.normal_ratio"]["total"].get<double>(), 0, 1e-9);
+  // The axial force depends on the ratio as well.
+  const auto& force = json["outputs"]["peak_axial_force_n"];
+  EXPECT_GT(force["inputs"]["cutting.normal_ratio"]["total"].get<double>(), 0.02);
+  const std::vector<std::string> bands = lines("uq/uq.csv");
+  EXPECT_THAT(bands[0], HasSubstr("time_s,axial_force_n_p05"));
+  EXPECT_GT(bands.size(), 20U);
+  for (const char* file : {"uq/uq.png", "uq/uq.svg", "uq/uq.pdf", "uq/uq.gp"}) EXPECT_TRUE(exists(file)) << file;
+}
+
+TEST_F(Uq, OtherInputsNeedRuns) {
+  const auto json =
+      uq("{n: 8, of: {motion.plunge.depth_mm: {uniform: [0.5, 1]}, cutting.specific_energy_j_mm3: {lognormal: [0.15, "
+         "0.3]}}}");
+  EXPECT_EQ(json["runs"], 16) << "the constant needs no run of its own";
+  EXPECT_EQ(json["samples"], 16);
+  const auto& removed = json["outputs"]["removed_mm3"];
+  EXPECT_GT(removed["inputs"]["motion.plunge.depth_mm"]["total"].get<double>(), 0.5);
+  EXPECT_EQ(removed["inputs"]["cutting.specific_energy_j_mm3"]["total"], 0);
+  EXPECT_GT(removed["inputs"]["motion.plunge.depth_mm"]["mean_in_highest_fifth"].get<double>(),
+            removed["inputs"]["motion.plunge.depth_mm"]["mean_in_lowest_fifth"].get<double>());
+}
+
+TEST_F(Uq, ConstantsInWhichForcesAreNotLinearNeedRuns) {
+  write("s.yaml", "output: {force_basis: true}\n" + read("s.yaml"));
+  // The small scenario cuts below this speed.
+  const auto json =
+      uq("{n: 8, of: {cutting.speed_floor_mm_s: {uniform: [1000, 4000]}, cutting.specific_energy_j_mm3: {lognormal: "
+         "[0.15, 0.3]}}}\nset: {output.force_basis: true}");
+  EXPECT_EQ(json["runs"], 16);
+  const auto& torque = json["outputs"]["peak_spin_torque_nmm"];
+  EXPECT_GT(torque["inputs"]["cutting.speed_floor_mm_s"]["total"].get<double>(), 0.1);
+  const std::string runs = read("uq/runs.yaml");
+  EXPECT_EQ(runs.find("force_basis"), runs.rfind("force_basis")) << runs;
+}
+
+TEST_F(Uq, StudiesThatAreNoUncertaintyAnalysisAreRefused) {
+  const auto refused = [&](const std::string& lines) {
+    write("uq.yaml", "version: 1\nbase: s.yaml\n" + lines);
+    const ProgramResult result =
+        reamsim({.arguments = {"uq", "uq.yaml", "-o", "uq"}, .environment = {}, .folder = "", .interrupt_when = {}});
+    EXPECT_EQ(result.status, 2);
+    EXPECT_FALSE(exists("uq"));
+    return result.err;
+  };
+  EXPECT_THAT(refused("keep: forces\n"), HasSubstr("sample: missing"));
+  EXPECT_THAT(
+      refused(
+          "vary: [{motion.plunge.depth_mm: [1]}]\nsample: {n: 8, of: {cutting.normal_ratio: {normal: [1, 0.1]}}}\n"),
+      HasSubstr("vary: an uncertainty analysis has no such key"));
+  // Between 4 and 63, the analysis warns.
+  write("uq.yaml", "version: 1\nbase: s.yaml\nsample: {n: 4, of: {cutting.normal_ratio: {uniform: [0.4, 0.6]}}}\n");
+  const ProgramResult few =
+      reamsim({.arguments = {"uq", "uq.yaml", "-o", "few"}, .environment = {}, .folder = "", .interrupt_when = {}});
+  EXPECT_EQ(few.status, 0) << few.err;
+  EXPECT_THAT(few.err, HasSubstr("sample.n is 4: with less than 64"));
+  EXPECT_THAT(refused("sample: {n: 2, of: {cutting.normal_ratio: {normal: [1, 0.1]}}}\n"),
+              HasSubstr("expected 4 or more"));
+}
+
+}  // namespace
+}  // namespace reamsim::test
