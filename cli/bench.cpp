@@ -143,31 +143,36 @@ void add_bench_command(CLI::App& app, Console& console) {
       command
           ->add_flag("--exact", options->exact, "Only the plunged sphere with exact erosion, half a minute, no figure")
           ->excludes(quick);
-  command
-      ->add_option(
-          "--latency", options->latency,
-          "Only the wall time of single frames of these scenarios, pose in and force out: median, 99 and 99.9 %")
-      ->type_name("SCENARIO...")
-      ->transform([](const std::string& argument) { return shipped_or_path(argument, ShippedKind::scenario); }, "")
-      ->excludes(quick)
-      ->excludes(exact);
+  auto* latency =
+      command
+          ->add_option(
+              "--latency", options->latency,
+              "Only the wall time of single frames of these scenarios, pose in and force out: median, 99 and 99.9 %; "
+              "writes no file")
+          ->type_name("SCENARIO...")
+          ->transform([](const std::string& argument) { return shipped_or_path(argument, ShippedKind::scenario); }, "")
+          ->excludes(quick)
+          ->excludes(exact);
   command->add_option("--json", options->json, "Write the measurements as JSON")
       ->check(refuse_empty)
-      ->type_name("FILE");
+      ->type_name("FILE")
+      ->excludes(latency);
   command
       ->add_option("-o,--output", options->output,
                    "Output folder for bench.png, bench.svg and bench.gp (default: out/bench)")
       ->type_name("DIR")
       ->check(refuse_empty)
-      ->excludes(exact);
-  command->add_flag("--overwrite", options->overwrite, "Replace an existing figure and JSON file");
+      ->excludes(exact)
+      ->excludes(latency);
+  command->add_flag("--overwrite", options->overwrite, "Replace an existing figure and JSON file")->excludes(latency);
   command->add_option("--device", options->device, "auto, or part of the name of an OpenCL device")->type_name("NAME");
   command
       ->add_option("--engines", options->engines,
                    "Engines to measure: exact, bricked, direct, octree, implicit (default: all)")
       ->delimiter(',')
       ->type_name("E,E")
-      ->excludes(exact);
+      ->excludes(exact)
+      ->excludes(latency);
   command->add_flag("--quiet", console.quiet, "Print only warnings and errors");
   // For developers who change the scene: recomputes the depths in sim/bench/poses.cpp.
   command->add_flag("--find-depths", options->find_depths)->group("");

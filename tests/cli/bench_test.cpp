@@ -47,5 +47,16 @@ TEST_F(BenchCommand, LatencyIsThatOfFramesInContact) {
   expect_refused(latency("away.yaml"), 2, {"away.yaml", "motion", "no more than 20 frames are in contact"});
 }
 
+TEST_F(BenchCommand, LatencyWritesNoFileAndSaysSo) {
+  for (const std::vector<std::string>& option :
+       {std::vector<std::string>{"--json", "latency.json"}, {"-o", "out"}, {"--overwrite"}, {"--engines", "exact"}}) {
+    std::vector<std::string> arguments{"bench", "--latency", "default"};
+    arguments.insert(arguments.end(), option.begin(), option.end());
+    const ProgramResult result =
+        reamsim({.arguments = arguments, .environment = {}, .folder = "", .interrupt_when = {}});
+    expect_refused(result, 2, {"--latency"});
+  }
+}
+
 }  // namespace
 }  // namespace reamsim::test

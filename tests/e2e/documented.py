@@ -41,5 +41,19 @@ def commands(text):
     return list(dict.fromkeys(command for command in found if re.match(PROGRAM, command)))
 
 
+# What differs from machine to machine and from run to run.
+OF_THE_MACHINE = re.compile(r"simulated in|^(results|look first|time|memory|disk)\b")
+
+
+def printed(text):
+    """What a page says that a command prints, by command: the lines of a `text` block that follows the block of the command."""
+    fenced, out = parts(text)[0], {}
+    for (language, block), (next_language, output) in zip(fenced, fenced[1:]):
+        command = block.strip()
+        if language in ("", "sh") and next_language == "text" and re.match(r"reamsim [^\n]*$", command):
+            out[command] = [line for line in output.splitlines() if line and not OF_THE_MACHINE.search(line)]
+    return out
+
+
 def all_commands(root):
     return {page: commands((root / page).read_text()) for page in PAGES}

@@ -4,8 +4,8 @@
 """documented_commands.py REAMSIM ROOT BUILD: every command in README and docs works as it is written.
 
 A command without placeholders runs in a copy of the project's folders, where small pictures and coarse voxels save time. Of a synopsis,
-such as `reamsim run SCENARIO [-o DIR]`, every option must be one of the program, and an example of it runs. A command of
-ctest works from the root of the checkout and selects tests. What takes minutes is named in RUN_ELSEWHERE with the test that runs it. With the
+such as `reamsim run SCENARIO [-o DIR]`, every option must be one of the program, and an example of it runs. What a page says
+that a command prints is compared, but for times and memory. A command of ctest works from the root of the checkout and selects tests. What takes minutes is named in RUN_ELSEWHERE with the test that runs it. With the
 shoulder of REAMSIM_DATA the README's scenario is that of the README; without it a phantom takes its place."""
 
 import os
@@ -24,6 +24,8 @@ import documented
 
 SMALL = {"width_px": 160, "height_px": 120}
 COARSE_MM = 1  # voxels of the scenarios, of which other tests run those that ship
+# Those of which pages print results.
+AS_WRITTEN = {"default", "push", "glenoid"}
 
 # Commands, by how they begin, that other tests or the build itself run.
 RUN_ELSEWHERE = {
@@ -33,8 +35,6 @@ RUN_ELSEWHERE = {
     "time reamsim run": "the runs below",
     "REAMSIM_DATA=... reamsim sweep run trajectories/studies/shoulder_errors.yaml": "e2e.shoulder_errors",
     "REAMSIM_DATA=... reamsim sweep run trajectories/studies/breakthrough.yaml": "a developer: it takes minutes; cli_test (Push) has a plate",
-    "reamsim init scapula_left.stl": "test LocateGlenoid; some ten seconds",
-    "reamsim preview scapula.yaml": "browser.preview; the scenario that this init writes",
     "reamsim check trajectories/mesh_scapula.yaml": "e2e.mesh_scapula; its data",
     "reamsim run trajectories/mesh_scapula.yaml": "e2e.mesh_scapula; its data",
     "reamsim sweep run trajectories/studies/resolution.yaml": "convergence.yaml, which is smaller",
@@ -80,7 +80,7 @@ EXAMPLES = {
 PLACEHOLDER = re.compile(r"\b(COMMAND|STUDY|SCENARIO|DIR|BONE|CT|MESH|FILE|PAGE|SCAN_OR_SCENARIO)\b|=[VK]\b|_X\b|\[-")
 # Interrupted runs and such: the words of a sentence, not a command on its own.
 IN_A_SENTENCE = re.compile(r"^(build/release/cli/)?reamsim( sweep)?( \w+)?$|^gnuplot$|^\./run\.sh$")
-NEEDS_SCAN = re.compile(r"~/scans|\bglenoid\.yaml")
+NEEDS_SCAN = re.compile(r"~/scans|\bglenoid\.yaml|\bscapula")
 MOTION = {
     "plunge": {"approach_mm": 0.5, "feed_mm_s": 5, "depth_mm": 1, "retract_mm": 2},
     "keyframes": [{"time_s": 0, "position_mm": [0, 0, 1], "axis": [0, 0, 1]},
@@ -93,6 +93,9 @@ class Place:
 
     def __init__(self, program, root, folder):
         self.root, self.folder, self.done = root, folder, set()
+        self.printed = {}  # the output that pages show, by command
+        for page in documented.PAGES:
+            self.printed.update(documented.printed((root / page).read_text()))
         for name in ("build/release/cli", "bin", "home/scans"):
             (folder / name).mkdir(parents=True)
         # A copy, so that the names of shipped scenarios are those of this folder.
@@ -104,8 +107,7 @@ class Place:
         (folder / "python").symlink_to(root / "python")
         shutil.copytree(root / "trajectories", folder / "trajectories")
         (folder / "poses.csv").write_text("time_s,x_mm,y_mm,z_mm,qw,qx,qy,qz\n0,0,0,1,1,0,0,0\n0.5,0,0,-1,1,0,0,0\n")
-        tables = documented.blocks((root / "docs/guide/uncertainty.md").read_text(), "text")
-        measured, = [table for table in tables if table.startswith("time_s,")]
+        measured, = documented.blocks((root / "docs/guide/uncertainty.md").read_text(), "csv")
         (folder / "measured.csv").write_text(measured)
         self.environment = dict(os.environ, HOME=str(folder / "home"), PATH=f"{folder}/bin:{os.environ['PATH']}")
         self.shrink_scenarios()
@@ -134,7 +136,7 @@ class Place:
         for path in (self.folder / "trajectories").glob("*.yaml"):
             scenario = yaml.safe_load(path.read_text())
             scenario["render"] = {**(scenario.get("render") or {}), **SMALL}
-            if "voxel_mm" in scenario["bone"]:
+            if "voxel_mm" in scenario["bone"] and path.stem not in AS_WRITTEN:
                 scenario["bone"]["voxel_mm"] = COARSE_MM
             self.write(f"trajectories/{path.name}", scenario)
 
@@ -149,6 +151,7 @@ class Place:
             scenario["bone"]["voxel_mm"] = COARSE_MM
             self.write("trajectories/my.yaml", scenario)
             self.example = {"scan": "~/scans/shoulder"}
+            (self.folder / "scapula_left.stl").symlink_to(nrrd.parents[1] / "scapula_mesh/scapula_left.stl")
         else:
             print("without REAMSIM_DATA: a phantom for the README's scan")
             shutil.copy(self.folder / "trajectories/default.yaml", mine)
@@ -174,10 +177,11 @@ class Place:
                               text=True, timeout=300)
         assert done.returncode == expected, f"{command}\nended with {done.returncode}\n{done.stdout[-2000:]}{done.stderr}"
         print(f"{time.monotonic() - begin:6.1f} s $ {command}", flush=True)
-        return done.stdout
+        return done.stdout + done.stderr
 
     def run_documented(self, command):
-        """Runs a command of a user, who has no results of that name yet. Once, however often pages name it."""
+        """Runs a command of a user, who has no results of that name yet, and expects the lines that a page says it prints. Once,
+        however often pages name it."""
         if command in self.done:
             return
         self.done.add(command)
@@ -187,11 +191,15 @@ class Place:
             named = re.search(r"-o (\S+)", command)
             scenario = re.search(r"reamsim run (?:\S*/)?(\w+)", command)
             shutil.rmtree(self.folder / (named[1] if named else f"out/{scenario[1]}"), ignore_errors=True)
-        self.run(command, where)
+        printed = self.printed.get(command, [])
+        said = self.run(command, where, expected=2 if any("error:" in line for line in printed) else 0)
+        for line in printed:
+            assert line in said, f"{command}: the page says that it prints\n{line}\nbut it printed\n{said}"
         written = re.search(r"reamsim init .*-o (\S+)", command)
         if written:
             scenario = yaml.safe_load((self.folder / written[1]).read_text())
-            scenario["bone"]["voxel_mm"] = COARSE_MM
+            if pathlib.Path(written[1]).stem not in AS_WRITTEN:
+                scenario["bone"]["voxel_mm"] = COARSE_MM
             self.write(written[1], {**scenario, "render": SMALL})
 
 

@@ -1,11 +1,13 @@
 # SPDX-FileCopyrightText: the reamsim authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""bare_debian.py BUILD: the packages in a Debian 12 without compilers, from nothing to pictures, to Python and to a program that uses
-the library; and a run by an ordinary user without a home and with a read-only root. Prints times and sizes (docs/install.md).
+"""bare_debian.py BUILD: the packages in a Debian 12 without compilers, from nothing to pictures, with recommended packages and without;
+without them also Python, a program that uses the library, and a run by an ordinary user without a home and with a read-only
+root. Prints times and sizes (docs/install.md).
 Needs root and the mirror of Debian's packages; skipped (77) otherwise."""
 
 import pathlib
+import shutil
 import sys
 import tempfile
 import time
@@ -29,24 +31,28 @@ mount -o remount,bind,ro "$root"
 """
 
 
-def install(root, *files):
+NO_RECOMMENDED = "--no-install-recommends"
+
+
+def install(root, *files, option=NO_RECOMMENDED):
     names = [f"/var/tmp/{path.name}" if isinstance(path, pathlib.Path) else path for path in files]
     for path in files:
         if isinstance(path, pathlib.Path):
             roots.run(["cp", path, root / "var/tmp"])
     before, begin = roots.size_mb(root), time.monotonic()
-    roots.enter(root, "apt-get", "install", "-y", "-q", "--no-install-recommends", *names)
-    print(f"apt install --no-install-recommends {' '.join(name.split('/')[-1] for name in names)}: {time.monotonic() - begin:.0f} s, "
-          f"{roots.size_mb(root) - before:.0f} MB", flush=True)
+    options = [option] if option else []
+    roots.enter(root, "apt-get", "install", "-y", "-q", *options, *names)
+    words = " ".join(["apt install", *options, *(name.split("/")[-1] for name in names)])
+    print(f"{words}: {time.monotonic() - begin:.0f} s, {roots.size_mb(root) - before:.0f} MB", flush=True)
 
 
-def pictures(root, files):
+def pictures(root, files, option):
     """From nothing to the pictures of the first run: seconds."""
     begin = time.monotonic()
     roots.bootstrap(root)
     roots.enter(root, "sh", "-c", COMPILERS)
     roots.enter(root, "apt-get", "update", "-q")
-    install(root, files["reamsim"])
+    install(root, files["reamsim"], option=option)
     started = time.monotonic()
     roots.enter(root, "sh", "-c", "cd && reamsim run default")
     taken = time.monotonic() - begin
@@ -93,9 +99,11 @@ build = pathlib.Path(sys.argv[1]).resolve()
 roots.require("mmdebstrap", "unshare", "setpriv", "cpack")
 with tempfile.TemporaryDirectory() as temporary:
     made = roots.packages(build, temporary)
+    taken_s = [pictures(pathlib.Path(temporary, "recommended"), made, "")]
+    shutil.rmtree(pathlib.Path(temporary, "recommended"))
     debian = pathlib.Path(temporary, "debian")
-    first_pictures_s = pictures(debian, made)
+    taken_s.append(pictures(debian, made, NO_RECOMMENDED))
     ordinary_user(debian)
     python(debian, made)
     library(debian, made)
-assert first_pictures_s < LIMIT_S, f"{first_pictures_s:.0f} s from nothing to pictures; the limit is {LIMIT_S} s on a free machine"
+assert max(taken_s) < LIMIT_S, f"{max(taken_s):.0f} s from nothing to pictures; the limit is {LIMIT_S} s on a free machine"
