@@ -108,7 +108,7 @@ void measure_with_figure(const bench::Plan& plan, const BenchOptions& options, c
   add_voi(findings, plot);
   if (plot.severe.empty()) return console.warn("no engine could be measured: no figure written");
   write_bench_plot(folder.path(), plot);
-  write_citation(folder.path());
+  write_citation(folder.path(), cite_program());
   finish(folder, console);
   console.say("figure: " + folder.final_path() + "/bench.png");
 }
@@ -173,7 +173,7 @@ void add_bench_command(CLI::App& app, Console& console) {
       ->type_name("E,E")
       ->excludes(exact)
       ->excludes(latency);
-  command->add_flag("--quiet", console.quiet, "Print only warnings and errors");
+  command->add_flag("--quiet", console.quiet, "Print only warnings and errors")->excludes(latency);
   // For developers who change the scene: recomputes the depths in sim/bench/poses.cpp.
   command->add_flag("--find-depths", options->find_depths)->group("");
   command->callback([options, &console] { bench_command(*options, console); });

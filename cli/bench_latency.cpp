@@ -22,9 +22,11 @@ constexpr std::int64_t kMostFrames = 5000;
 
 void bench_latency(const std::vector<std::string>& scenarios, const std::string& device, const Console& console) {
   const auto kernels = prepare_opencl(device, console);
+  std::vector<std::string> overrides;
+  if (device != "auto") overrides.push_back("engine.device=" + device);
   for (const std::string& file : scenarios) {
     Report report;
-    const Scenario scenario = parse_scenario(file, {"engine.device=" + device});
+    const Scenario scenario = parse_scenario(file, overrides);
     ReamingScene scene = load_scene(scenario, report);
     const auto engine = load_engine(scene);
     const bench::Latency found = bench::frame_latency(scene, *engine, kMostFrames, stop_requested);

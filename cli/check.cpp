@@ -263,12 +263,14 @@ void add_check_command(CLI::App& app, Console& console) {
                                      "write nothing but a picture on request");
   auto options = std::make_shared<CheckOptions>();
   options->scenario.add_to(*command);
-  command
-      ->add_option("--picture", options->picture,
-                   "Draw bone, reamer and path as three views in this PNG file: at the start and at the greatest depth")
-      ->type_name("FILE.png")
-      ->check(refuse_empty);
-  command->add_flag("--overwrite", options->overwrite, "Replace the picture");
+  auto* picture =
+      command
+          ->add_option(
+              "--picture", options->picture,
+              "Draw bone, reamer and path as three views in this PNG file: at the start and at the greatest depth")
+          ->type_name("FILE.png")
+          ->check(refuse_empty);
+  command->add_flag("--overwrite", options->overwrite, "Replace the picture")->needs(picture);
   command->add_flag("--json", options->json,
                     "Print one JSON document: mistakes, warnings, estimates, resolved scenario");
   command->callback([options, &console] {

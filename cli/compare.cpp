@@ -139,7 +139,7 @@ void compare_command(const CompareOptions& options, const Console& console) {
       {.dir = options.output, .kind = ResultKind::comparison, .overwrite = options.overwrite, .inputs = options.dirs});
   const ForcedStop forced = abandoning(folder);
   write_comparison(folder.path(), comparison);
-  write_citation(folder.path());
+  write_citation(folder.path(), cite_runs(options.dirs));
   finish(folder, console);
   print_table(console, comparison);
   if (comparison.runs.size() <= kMostWithDifferences)

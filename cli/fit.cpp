@@ -149,7 +149,23 @@ bool is_residuals(const std::string& path) {
   return read_file_start(path, 4096).find(",residual_") != std::string::npos;
 }
 
+/// Throws InputError for options that contradict each other.
+void check_options(const FitCommandOptions& options) {
+  if (!options.edges.empty() && options.model != "classes") {
+    throw InputError({}, "--class-edges", "has no effect with --model " + options.model, "add --model classes");
+  }
+  for (std::size_t i = 0; i < options.edges.size(); ++i) {
+    if (options.edges[i] > (i == 0 ? 0 : options.edges[i - 1])) continue;
+    throw InputError({}, "--class-edges", fmt::format("found {:g}", options.edges[i]),
+                     "expected densities above 0, in ascending order");
+  }
+  if (!options.output.empty() && options.output == options.residuals) {
+    throw InputError({}, "--residuals", "is the file of -o", "give each a file of its own");
+  }
+}
+
 void fit_command(const FitCommandOptions& options, const Console& console) {
+  check_options(options);
   const std::vector<std::string> inputs{options.dir, options.measured};
   if (!options.output.empty()) require_replaceable_file(options.output, "-o", options.overwrite, is_fit, inputs);
   if (!options.residuals.empty())

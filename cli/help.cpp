@@ -40,6 +40,9 @@ std::string lines_of(const std::vector<std::string>& names) {
 }
 
 std::string text_of(const CLI::App& root, const HelpOptions& options) {
+  if (options.format != "text" && !options.words.empty()) {
+    throw InputError({}, "--format", options.format + " is of the whole program", "leave the command out");
+  }
   if (options.format == "man") return man_page(root);
   if (options.format == "bash") return bash_completion(root);
   if (options.format == "zsh") return zsh_completion(root);

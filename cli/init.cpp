@@ -26,6 +26,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr double kThreshold_hu = 200;
 constexpr const char* kFirstLine = "# Written by reamsim init.";
 
 struct InitOptions {
@@ -36,14 +37,10 @@ struct InitOptions {
   std::string tool;
   std::optional<double> scale;
   MeshScale used_scale;
-  double threshold_hu = 200;
+  std::optional<double> threshold_hu;
   double voxel_mm = 0.4;
   bool overwrite = false;
 };
-
-bool is_mesh(const std::string& path) {
-  return source_by_name(path) == BoneSource::mesh;
-}
 
 bool is_first_scenario(const std::string& path) {
   return read_file_start(path, std::string_view(kFirstLine).size()) == kFirstLine;
@@ -65,7 +62,8 @@ std::string beside(const std::string& path, const std::string& scenario) {
 BoneSettings settings_of(const InitOptions& options) {
   std::vector<std::string> more{"bone.surface_voxels=partial"};
   if (!options.side.empty()) more.push_back("bone.side=" + options.side);
-  return first_bone(options.input, options.voxel_mm, options.used_scale.scale, options.threshold_hu, more);
+  return first_bone(options.input, options.voxel_mm, options.used_scale.scale,
+                    options.threshold_hu.value_or(kThreshold_hu), more);
 }
 
 /// The point of the options; without one it is searched.
@@ -130,10 +128,22 @@ void check_plunge(const LoadedBone& loaded, const PlungeSettings& plunge, const 
   warn_of_contact(scene, forecast_contact(scene), report);
 }
 
-void init_command(InitOptions options, const Console& console) {
-  if (is_mesh(options.input) && options.side.empty()) {
+/// Throws InputError for an input that is neither scan nor mesh, and for options that it cannot use.
+void check_input(const InitOptions& options) {
+  const BoneSource source = source_by_name(options.input);
+  if (source == BoneSource::vdb) {
+    throw InputError({options.input, 0, 0}, "", "is a VDB file", "expected a CT or a mesh");
+  }
+  if (source == BoneSource::mesh && options.threshold_hu) {
+    throw InputError({}, "--threshold-hu", "has no effect on a mesh", "leave it out");
+  }
+  if (source == BoneSource::mesh && options.side.empty()) {
     throw InputError({}, "--side", "missing", "left or right: a mesh does not say which");
   }
+}
+
+void init_command(InitOptions options, const Console& console) {
+  check_input(options);
   require_replaceable_file(options.output, "-o", options.overwrite, is_first_scenario, {options.input, options.tool});
   const std::string tool = tool_of(options);
   options.used_scale = mesh_scale(options.input, options.scale, console);
@@ -181,7 +191,7 @@ void add_init_command(CLI::App& app, Console& console) {
       ->type_name("MESH");
   command->add_option("--scale", options->scale, "Of a mesh: file units to mm (default: by its length)")
       ->check(CLI::Range(1e-6, 1e6));
-  command->add_option("--threshold-hu", options->threshold_hu, "Of a CT: least radiodensity of bone");
+  command->add_option("--threshold-hu", options->threshold_hu, "Of a CT: least radiodensity of bone (default: 200)");
   command->add_option("--voxel-mm", options->voxel_mm, "Edge length of a voxel")->check(CLI::Range(0.01, 5.0));
   command->add_flag("--overwrite", options->overwrite, "Replace a scenario that init wrote");
   command->add_flag("--quiet", console.quiet, "Print only warnings and errors");

@@ -78,7 +78,7 @@ void reforce_command(const ReforceOptions& options, const Console& console) {
     folder.clear();
     const ForcedStop forced = abandoning(folder);
     totals = write_reforced(run, law, folder.path());
-    write_citation(folder.path());
+    write_citation(folder.path(), cite_results(folder.path()));
     finish(folder, console);
     console.say("forces, summary and scenario: " + folder.final_path());
   }

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -29,10 +30,10 @@ struct RenderOptions {
   std::vector<std::string> overrides;
   std::string context;
   std::string film;
-  int film_rate_hz = 0;
-  int turntable_pictures = 0;
-  int width_px = 0;
-  int height_px = 0;
+  std::optional<int> film_rate_hz;
+  std::optional<int> turntable_pictures;
+  std::optional<int> width_px;
+  std::optional<int> height_px;
 
   [[nodiscard]] bool wants(const char* kind) const {
     return only.empty() || std::ranges::find(only, kind) != only.end();
@@ -54,12 +55,12 @@ ResultSettings settings_of(const RenderOptions& options, const std::string& own_
   const auto set = [&](const std::string& key, const std::string& value) {
     overrides.push_back("render." + key + "=" + value);
   };
-  if (options.width_px != 0) set("width_px", std::to_string(options.width_px));
-  if (options.height_px != 0) set("height_px", std::to_string(options.height_px));
+  if (options.width_px) set("width_px", std::to_string(*options.width_px));
+  if (options.height_px) set("height_px", std::to_string(*options.height_px));
   if (!options.context.empty()) set("context", options.context);
   if (!options.film.empty()) set("film", options.film);
-  if (options.film_rate_hz != 0) set("film_rate_hz", std::to_string(options.film_rate_hz));
-  if (options.turntable_pictures != 0) set("turntable_pictures", std::to_string(options.turntable_pictures));
+  if (options.film_rate_hz) set("film_rate_hz", std::to_string(*options.film_rate_hz));
+  if (options.turntable_pictures) set("turntable_pictures", std::to_string(*options.turntable_pictures));
   if (!own_cameras.empty()) set("user_cameras", own_cameras);
   return parse_result_settings(options.dir + "/scenario.yaml", overrides);
 }
@@ -105,10 +106,39 @@ void choose_cameras(const RenderOptions& options, RenderSettings& settings) {
   }
 }
 
-/// Keeps what `--only` names. A film or a turntable that it names is made even if the run had none.
+/// Throws InputError for an option that has no effect beside those of `--only`, and for a film's rate without a film.
+void require_effects(const RenderOptions& options, const RenderSettings& settings) {
+  const auto require = [&](bool given, const char* option, const std::vector<const char*>& kinds) {
+    if (!given || std::ranges::any_of(kinds, [&](const char* kind) { return options.wants(kind); })) return;
+    throw InputError({}, option, "has no effect on what --only names", std::string("add --only ") + kinds.front());
+  };
+  const std::vector<const char*> pictures{"pictures", "before_after", "contact_sheet", "turntable", "film"};
+  require(!options.cameras.empty(), "--camera", pictures);
+  require(options.width_px.has_value(), "--width", pictures);
+  require(options.height_px.has_value(), "--height", pictures);
+  require(!options.context.empty(), "--context", pictures);
+  require(!options.film.empty(), "--film", {"film", "turntable"});
+  require(options.turntable_pictures.has_value(), "--turntable", {"turntable"});
+  if (options.film_rate_hz && settings.film == FilmFormat::none) {
+    throw InputError({}, "--film-rate", "has no effect: no film is made", "add --film");
+  }
+}
+
+/// Throws InputError where `--only` names what a run with a checkpoint only cannot give.
+void require_finished(const RenderOptions& options) {
+  if (!is_unfinished(options.dir)) return;
+  for (const char* kind : {"meshes", "report"}) {
+    if (options.only.empty() || !options.wants(kind)) continue;
+    throw InputError({options.dir, 0, 0}, std::string("--only ") + kind, "the run is not finished",
+                     "continue it with `reamsim run SCENARIO --resume`");
+  }
+}
+
+/// Keeps what `--only` names. A film, turntable or report that it names is made even if the run had none.
 void choose_kinds(const RenderOptions& options, PictureOptions& pictures) {
   if (options.only.empty()) return;
   RenderSettings& settings = pictures.settings;
+  settings.report = options.wants("report");
   pictures.stills = options.wants("pictures");
   settings.before_after = options.wants("before_after");
   settings.contact_sheet = options.wants("contact_sheet");
@@ -129,7 +159,7 @@ constexpr double kShortestFilm_s = 2;
 /// Throws InputError for a film that would show only a few states, and says what would give more.
 void require_states_for_film(const RenderOptions& options, const PictureOptions& pictures, std::size_t states) {
   const RenderSettings& settings = pictures.settings;
-  if (!pictures.film || settings.film == FilmFormat::none || options.film_rate_hz != 0) return;
+  if (!pictures.film || settings.film == FilmFormat::none || options.film_rate_hz) return;
   const double film_s = static_cast<double>(states) / settings.film_rate_hz;
   if (film_s >= kShortestFilm_s) return;
   const std::string rate = std::to_string(std::max(1, static_cast<int>(static_cast<double>(states) / kShortestFilm_s)));
@@ -169,6 +199,8 @@ void render_command(const RenderOptions& options, const Console& console) {
                           .camera_without_suffix = name_of(settings.render.cameras.front())};
   if (!options.cameras.empty()) choose_cameras(options, pictures.settings);
   choose_kinds(options, pictures);
+  require_effects(options, pictures.settings);
+  require_finished(options);
   pictures.settings.enabled = true;
   const RunData run = open_run(options.dir);
   require_drawable(options, pictures, run);
@@ -177,8 +209,8 @@ void render_command(const RenderOptions& options, const Console& console) {
                         .force_plots = options.wants("plots"),
                         .all_plots = options.wants("plots"),
                         .torque_spectrum = settings.tool_spin == ToolSpin::resolved,
-                        .meshes = options.wants("meshes") && settings.output.meshes,
-                        .report = options.wants("report") && pictures.settings.report,
+                        .meshes = options.wants("meshes") && (settings.output.meshes || !options.only.empty()),
+                        .report = pictures.settings.report,
                         .report_cameras = settings.render.cameras,
                         .finished = !is_unfinished(options.dir)});
   ResultUpdate update(options.dir, ResultKind::run);

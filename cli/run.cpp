@@ -49,8 +49,8 @@ void add_run_command(CLI::App& app, Console& console) {
   command->add_flag("--overwrite", options->overwrite, "Replace an existing results folder once the run succeeds");
   command->add_flag("--resume", options->resume,
                     "Continue an interrupted run from its last checkpoint; without one, start at the first frame");
-  command->add_flag("--quiet", console.quiet, "Print only warnings and errors");
-  command->add_flag("--verbose", console.verbose, "Print what each stage did");
+  auto* quiet = command->add_flag("--quiet", console.quiet, "Print only warnings and errors");
+  command->add_flag("--verbose", console.verbose, "Print what each stage did")->excludes(quiet);
   command->callback([options, &console] { run_command(*options, console); });
 }
 

@@ -2,9 +2,11 @@
 // SPDX-License-Identifier: Apache-2.0
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <charconv>
 #include <cstdlib>
 #include <sstream>
+#include <tuple>
 
 #include "cli/commands.h"
 #include "cli/input_kind.h"
@@ -66,6 +68,12 @@ void ScenarioOptions::add_to(CLI::App& command) {
 
 Scenario ScenarioOptions::parse() const {
   std::vector<std::string> all = overrides;
+  for (const auto& [option, value, key] :
+       {std::tuple{"--device", &device, "engine.device="}, std::tuple{"--engine", &engine, "engine.type="}}) {
+    const bool twice =
+        !value->empty() && std::ranges::any_of(overrides, [&](const std::string& set) { return set.starts_with(key); });
+    if (twice) throw InputError({}, option, std::string("given beside --set ") + key + "...", "give one of them");
+  }
   if (!device.empty()) all.push_back("engine.device=" + device);
   if (!engine.empty()) all.push_back("engine.type=" + engine);
   Scenario scenario = parse_scenario(file, all);

@@ -323,7 +323,8 @@ std::optional<std::int64_t> run_scenario(const RunRequest& request, RunResources
     folder.keep();
     throw RunError(message_of(error) + "; finished frames are kept in " + folder.path());
   }
-  if (request.keep.pictures) write_citation(folder.path());  // else the folder of the study has it
+  if (request.keep.pictures)
+    write_citation(folder.path(), cite_results(folder.path()));  // else the folder of the study has it
   finish(folder, console, [&] {
     Report report;
     checkpoints.remove(report);

@@ -275,7 +275,11 @@ class StudyRun {
     for (const std::string& line : continued_) console_.say(line);
     folder_.sync();
     if (!all) throw Suspended("interrupted; the same command continues");
-    if (shard_.count == 1) collect_and_show(sweep_, folder_, console_);
+    if (options_.shard.empty()) {
+      collect_and_show(sweep_, folder_, console_);
+    } else {
+      console_.say("results: " + folder_.path() + "; when all shards are done: reamsim sweep collect");
+    }
     report();
   }
   [[nodiscard]] const SweepRuns& runs() const { return sweep_; }

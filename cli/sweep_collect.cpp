@@ -51,7 +51,7 @@ void collect_and_show(const SweepRuns& sweep, const StudyFolder& folder, const C
   } else {
     write_main_effects(folder.path(), effects);
   }
-  write_citation(folder.path());
+  write_citation(folder.path(), cite_results(folder.path()));
   replace_file(folder.path() + "/sweep.html", study_page(sweep.study.name, collected.table));
   const std::vector<std::string> table = study_table(collected.table, effects, kTerminalWidth);
   for (const std::string& line : table) console.say(line);

@@ -117,7 +117,7 @@ void add_sweep_submit(CLI::App& sweep, Console& console) {
   auto* system = command->add_option_group("system");
   system->add_flag("--slurm", options->slurm, "A Slurm job array, which is requeued before its time limit");
   system->add_flag("--snakemake", options->snakemake, "A Snakemake 7 workflow with a profile for Slurm");
-  system->add_flag("--parallel", options->parallel, "A script of GNU parallel for one machine");
+  auto* parallel = system->add_flag("--parallel", options->parallel, "A script of GNU parallel for one machine");
   system->require_option(1);
   command->add_option("--shards", options->shards, "Parts of the study (default: 10, at most a run each)")
       ->check(CLI::Range(1, 1'000'000));
@@ -126,7 +126,8 @@ void add_sweep_submit(CLI::App& sweep, Console& console) {
   command
       ->add_option("--time-limit", options->time_limit,
                    "Time limit of a shard (default: 01:00:00); 60 s before it checkpoints are saved")
-      ->type_name("HH:MM:SS");
+      ->type_name("HH:MM:SS")
+      ->excludes(parallel);
   command->add_option("--to", options->to, "Folder for the scripts")->type_name("DIR")->required()->check(refuse_empty);
   command->add_flag("--overwrite", options->overwrite, "Replace scripts of an earlier submit");
   command->callback([options, &console] { submit_command(*options, console); });

@@ -120,7 +120,7 @@ void uq_command(const UqOptions& options, const Console& console) {
   write_bands(marked, results);
   write_indices(marked, results, dirs.size());
   write_uq_plot(marked, tornado(results, 0), tornado(results, 1));
-  write_citation(marked);
+  write_citation(marked, cite_results(marked));
   print_results(console, results);
   console.say("bands and indices: " + marked + "/uq.csv, uq.json, uq.png");
 }

@@ -55,7 +55,7 @@ std::pair<verify::Findings, std::string> verify_into_folder(const VerifyOptions&
   progress.finish();
   findings.device = device;
   write_verification(folder.path(), findings);
-  write_citation(folder.path());
+  write_citation(folder.path(), cite_program());
   finish(folder, console);
   return {std::move(findings), folder.final_path() + "/verification.md"};
 }

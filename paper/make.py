@@ -277,11 +277,7 @@ def check_text(numbers):
 
 def check_bench(numbers):
     """The numbers of the benchmark against the file that they come from."""
-    if BENCH.exists():
-        check_numbers(numbers, {"bench": numbers_of("bench", BENCH)})
-    else:
-        print("paper/bench.json is missing: the numbers of the benchmark are compared with numbers.json alone. On an idle machine:\n"
-              "reamsim bench --json paper/bench.json && python3 paper/make.py")
+    check_numbers(numbers, {"bench": numbers_of("bench", BENCH)})
 
 
 def check_bench_again(program, folder, numbers):
@@ -290,8 +286,7 @@ def check_bench_again(program, folder, numbers):
     run(program, "bench", "--quick", "--json", out, "-o", folder / "bench")
     now = json.loads(out.read_text())
     check_numbers(numbers, {"bench": {"points": points_text(now)}})
-    if BENCH.exists():
-        check_counts(now, json.loads(BENCH.read_text()))
+    check_counts(now, json.loads(BENCH.read_text()))
 
 
 def check_numbers(numbers, again):

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numeric>
 #include <optional>
 
 #include "sim/base/error.h"
@@ -118,11 +119,21 @@ class Bench {
   std::map<int, Tool> tools_;
 };
 
-/// How often a run of the plan calls progress().
-double count_steps(const Plan& plan) {
-  const std::size_t spheres = plan.sphere_voxels_mm.size() * plan.engines.size();
-  const std::size_t voxmaps = plan.sizes.empty() ? 0 : 1 + plan.sizes.size() + (plan.details ? 3 : 0);
-  return static_cast<double>(std::max<std::size_t>(1, spheres + voxmaps));
+/// Usual seconds of the steps of a plan on two cores, in the order in which they call progress(). Only ratios matter.
+std::vector<double> usual_seconds(const Plan& plan) {
+  std::vector<double> out;
+  if (!plan.sizes.empty()) out.push_back(3);  // the bone
+  for (const SizePair& size : plan.sizes) out.push_back(30 * std::pow(size.voxmap / 1024.0, 2));
+  if (!plan.sizes.empty() && plan.details) {
+    out.back() += 300;                           // of the last size every case, and scatter
+    out.insert(out.end(), {60.0, 10.0, 150.0});  // VOI, batches, plunge
+  }
+  for (const double voxel_mm : plan.sphere_voxels_mm) {
+    for (const std::string& engine : plan.engines) {
+      out.push_back(0.2 + (engine == "implicit" ? 55 : 10) * std::pow(0.04 / voxel_mm, 3));
+    }
+  }
+  return out;
 }
 
 }  // namespace
@@ -168,12 +179,15 @@ void check_plan(const Plan& plan) {
 }
 
 Findings run_bench(const Plan& plan, const BenchControl& control) {
-  const double steps = count_steps(plan);
-  double begun = 0;
+  const std::vector<double> steps = usual_seconds(plan);
+  const double total = std::accumulate(steps.begin(), steps.end(), 0.0);
+  std::size_t begun = 0;
+  double behind = 0;
   BenchControl counted = control;
   counted.progress = [&](const std::string& step) {
     control.progress(step);
-    control.part(std::min(1.0, begun++ / steps), step);
+    control.part(total > 0 ? behind / total : 0, step);
+    if (begun < steps.size()) behind += steps[begun++];
   };
   return Bench(plan, counted).run();
 }

@@ -44,7 +44,7 @@ Plan sphere_plan();
 /// Progress messages and the request to stop.
 struct BenchControl {
   std::function<void(const std::string&)> progress = [](const std::string&) {};
-  /// Called with progress(): the fraction of the steps that lies behind. The steps take different times.
+  /// Called with progress(): the fraction of the usual time that lies behind.
   std::function<void(double, const std::string&)> part = [](double, const std::string&) {};
   std::function<bool()> stop = [] { return false; };
 };

@@ -3,6 +3,8 @@
 
 #include "sim/record/citation.h"
 
+#include <algorithm>
+#include <cmath>
 #include <filesystem>
 
 #include "sim/base/error.h"
@@ -15,12 +17,14 @@ namespace reamsim {
 
 namespace {
 
+namespace fs = std::filesystem;
+
 using Json = nlohmann::ordered_json;
 
 constexpr int kReleaseYear = 2026;  // of this version
 
 Reference program_reference(const std::string& version) {
-  return {.key = "reamsim",
+  return {.key = version == REAMSIM_VERSION ? "reamsim" : "reamsim-" + version,
           .type = "software",
           .authors = {"the reamsim authors"},
           .title = "reamsim: an offline glenoid-reaming simulator",
@@ -60,34 +64,47 @@ bool has_default_density(const YamlNodePtr& scenario) {
          is("ash_fraction", usual.ash_fraction);
 }
 
-void add_density(const YamlNodePtr& scenario, Citation& out) {
-  if (has_default_density(scenario)) {
-    out.method.push_back(
-        known_reference("pmc5234499", "density from radiodensity: the default, of a femur; docs/physics.md, 1"));
-  } else {
-    out.method.push_back({.key = "density",
-                          .type = "document",
-                          .authors = {},
-                          .title = "the source of your relation of density and radiodensity",
-                          .note = "bone.density differs from the default"});
+/// Each work once, whatever it is cited for.
+void add(const Reference& reference, std::vector<Reference>& list) {
+  const auto known = std::ranges::find(list, reference.key, &Reference::key);
+  if (known == list.end()) {
+    list.push_back(reference);
+  } else if (known->note.find(reference.note) == std::string::npos) {
+    known->note += "; " + reference.note;
   }
 }
 
-void add_method(const Json& summary, const YamlNodePtr& scenario, Citation& out) {
+void add_density(const YamlNodePtr& scenario, Citation& out) {
+  if (has_default_density(scenario)) {
+    add(known_reference("pmc5234499", "density from radiodensity: the default, of a femur; docs/physics.md, 1"),
+        out.method);
+  } else {
+    add({.key = "density",
+         .type = "document",
+         .authors = {},
+         .title = "the source of your relation of density and radiodensity",
+         .note = "bone.density differs from the default"},
+        out.method);
+  }
+}
+
+/// Reads the resolved scenario of the run where a citation depends on it.
+void add_method(const Json& summary, const std::string& dir, Citation& out) {
   const std::string engine = word_of(summary, "engine");
   std::string rebuilt;
   if (engine == "octree") rebuilt = "; the engine is that of Zheng et al., its reference 33, as rebuilt there";
   if (engine == "implicit") rebuilt = "; the engine is that of Yau et al., its reference 32, as rebuilt there";
-  out.method.push_back(known_reference("faieghi2020", "voxmap, broad phase and contact" + rebuilt));
+  add(known_reference("faieghi2020", "voxmap, broad phase and contact" + rebuilt), out.method);
   if (word_of(summary, "erosion") == "exact") {
-    out.method.push_back(known_reference("scardovelli2000", "volumes of clipped voxels; docs/physics.md, 1 and 3"));
+    add(known_reference("scardovelli2000", "volumes of clipped voxels; docs/physics.md, 1 and 3"), out.method);
   }
   if (summary.contains("segmentation")) {
-    out.method.push_back(known_reference("aslam2004", "density of boundary voxels; docs/physics.md, 1"));
-    add_density(scenario, out);
+    add(known_reference("aslam2004", "density of boundary voxels; docs/physics.md, 1"), out.method);
+    const std::string file = dir + "/scenario.yaml";
+    add_density(parse_yaml(read_file(file, "the scenario.yaml of a run"), file), out);
   }
   if (summary.contains("deflection")) {
-    out.method.push_back(known_reference("broyden1965", "balance of a tool on springs; docs/physics.md, 11"));
+    add(known_reference("broyden1965", "balance of a tool on springs; docs/physics.md, 11"), out.method);
   }
 }
 
@@ -98,37 +115,52 @@ void add_data(const Json& summary, Citation& out) {
     const std::string role = word_of(input, "role"), sha256 = word_of(input, "sha256");
     if (role == "scenario" || role.find("tool") != std::string::npos) continue;
     Reference data = known_data(sha256);
+    const auto has_sum = [&](const Reference& known) { return known.note.ends_with(sha256); };
+    if (data.key.empty() && std::ranges::any_of(out.data, has_sum)) continue;
     if (data.key.empty()) {
       data = {.key = "data" + std::to_string(out.data.size() + 1),
               .type = "dataset",
               .authors = {},
-              .title = role + ", " + std::filesystem::path(word_of(input, "path")).filename().string(),
+              .title = role + ", " + fs::path(word_of(input, "path")).filename().string(),
               .note = "not a data set that reamsim knows: cite its source; SHA-256 " + sha256};
     }
-    out.data.push_back(data);
+    add(data, out.data);
   }
 }
 
 void add_libraries(const Json& summary, Citation& out) {
-  out.libraries.push_back(known_reference("museth2013", "OpenVDB: grids"));
-  out.libraries.push_back(known_reference("eigen", "linear algebra"));
-  if (summary.contains("segmentation")) out.libraries.push_back(known_reference("mccormick2014", "reading of the CT"));
+  add(known_reference("museth2013", "OpenVDB: grids"), out.libraries);
+  add(known_reference("eigen", "linear algebra"), out.libraries);
+  if (summary.contains("segmentation")) add(known_reference("mccormick2014", "reading of the CT"), out.libraries);
   const std::string device = word_of(summary, "device");
   if (device.starts_with("pthread") || device.starts_with("cpu") || device.starts_with("basic")) {
-    out.libraries.push_back(known_reference("jaaskelainen2015", "OpenCL on the processor"));
+    add(known_reference("jaaskelainen2015", "OpenCL on the processor"), out.libraries);
   }
 }
 
-Citation cite_run(const std::string& dir) {
-  const std::string path = dir + "/summary.json";
-  const Json summary = parse_result_json(read_file(path, "the summary of a run"));
-  if (!summary.is_object()) throw InputError({path, 0, 0}, "", "is damaged", "expected the summary of a run");
-  const std::string file = dir + "/scenario.yaml";
-  const YamlNodePtr scenario = parse_yaml(read_file(file, "the scenario.yaml of a run"), file);
-  Citation out{.program = {program_reference(version_of(summary))}, .method = {}, .data = {}, .libraries = {}};
-  add_method(summary, scenario, out);
+Json summary_of(const std::string& dir) {
+  return parse_result_json(read_file(dir + "/summary.json", "the summary of a run"));
+}
+
+void add_run(const Json& summary, const std::string& dir, Citation& out) {
+  add(program_reference(version_of(summary)), out.program);
+  add_method(summary, dir, out);
   add_data(summary, out);
   add_libraries(summary, out);
+}
+
+/// The runs of a study that have a readable summary: the others are simulated again.
+Citation cite_study(const std::string& dir) {
+  std::vector<std::string> runs;
+  std::error_code error;
+  for (fs::directory_iterator entry(dir + "/runs", error), end; !error && entry != end; entry.increment(error)) {
+    if (fs::exists(entry->path() / "summary.json", error)) runs.push_back(entry->path().string());
+  }
+  std::ranges::sort(runs);
+  Citation out;
+  for (const std::string& run : runs) {
+    if (const Json summary = summary_of(run); summary.is_object()) add_run(summary, run, out);
+  }
   return out;
 }
 
@@ -178,10 +210,27 @@ Citation cite_program() {
   return out;
 }
 
+Citation cite_runs(const std::vector<std::string>& dirs) {
+  Citation out;
+  for (const std::string& dir : dirs) {
+    const Json summary = summary_of(dir);
+    if (!summary.is_object()) {
+      throw InputError({dir + "/summary.json", 0, 0}, "", "is damaged", "expected the summary of a run");
+    }
+    add_run(summary, dir, out);
+  }
+  return out;
+}
+
 Citation cite_results(const std::string& dir) {
-  if (std::filesystem::exists(dir + "/summary.json")) return cite_run(dir);
-  Citation out = cite_program();
-  if (std::filesystem::exists(dir + "/uq.json")) {
+  if (fs::exists(dir + "/summary.json")) return cite_runs({dir});
+  if (fs::exists(dir + "/compare.csv")) {
+    throw InputError({dir, 0, 0}, "", "holds a comparison, which does not know the folders of its runs",
+                     std::string("read its ") + kCitationName + ", or give the folders of its runs, one at a time");
+  }
+  Citation out = cite_study(dir);
+  if (out.program.empty()) out = cite_program();
+  if (fs::exists(dir + "/uq.json")) {
     out.method.push_back(known_reference("sobol2001", "sensitivity indices"));
     out.method.push_back(known_reference("saltelli2010", "estimator of the first-order index"));
     out.method.push_back(known_reference("jansen1999", "estimator of the total index"));
@@ -210,8 +259,7 @@ std::string csl_json_of(const Citation& citation) {
   return list.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
-void write_citation(const std::string& dir) {
-  const Citation citation = cite_results(dir);
+void write_citation(const std::string& dir, const Citation& citation) {
   replace_file(dir + "/" + kCitationName, text_of(citation) + "\nBibTeX\n\n" + bibtex_of(citation));
 }
 

@@ -25,8 +25,12 @@ struct Citation {
 
 /// Of the program itself.
 Citation cite_program();
-/// Of the results in DIR: of a run by its summary.json and scenario.yaml, of a study with uq.json its estimators as
-/// well, of other results the program. Throws InputError where a file of a run is damaged.
+/// Of runs: each work once. Reads summary.json of each folder, and scenario.yaml where it matters. Throws InputError
+/// where a file is damaged.
+Citation cite_runs(const std::vector<std::string>& dirs);
+/// Of the results in DIR: of a run; of a study all its runs that have a summary, with uq.json the estimators as well;
+/// of a benchmark or verification the program. Throws InputError where a file of a run is damaged, or DIR is a
+/// comparison.
 Citation cite_results(const std::string& dir);
 
 /// For people, with the entries of BibTeX below.
@@ -36,6 +40,6 @@ std::string bibtex_of(const Citation& citation);
 std::string csl_json_of(const Citation& citation);
 
 /// Writes DIR/CITATION.txt. Throws RunError.
-void write_citation(const std::string& dir);
+void write_citation(const std::string& dir, const Citation& citation);
 
 }  // namespace reamsim

@@ -59,6 +59,14 @@ void require_samples_alone(const Study& study) {
     throw InputError({study.file, 0, 0}, study.table ? "table" : "vary", "an uncertainty analysis has no such key",
                      "remove it, or use `reamsim sweep`");
   }
+  if (study.sample->method != SampleMethod::sobol) {
+    throw InputError({study.file, 0, 0}, "sample.method", "found a method other than sobol",
+                     "expected sobol: the estimators of the indices need its pairs of samples");
+  }
+  if (study.keep.pictures || study.keep.grids) {
+    throw InputError({study.file, 0, 0}, "keep", "found pictures or vdb",
+                     "an uncertainty analysis keeps summary and forces of its runs; remove it, or use `reamsim sweep`");
+  }
   constexpr int kFewest = 4;
   if (study.sample->n < kFewest) {
     throw InputError({study.file, 0, 0}, "sample.n", "found " + std::to_string(study.sample->n),

@@ -47,7 +47,14 @@ TEST(BenchSuite, SpreadIsMedianAndExtremes) {
 }
 
 TEST(BenchSuite, SmallRunHasEveryRowAndKey) {
-  const Findings findings = run_bench(small_plan(), {});
+  std::vector<double> behind;
+  BenchControl control;
+  control.part = [&](double fraction, const std::string&) { behind.push_back(fraction); };
+  const Findings findings = run_bench(small_plan(), control);
+  ASSERT_FALSE(behind.empty());
+  EXPECT_EQ(std::ranges::adjacent_find(behind, std::ranges::greater_equal{}), behind.end()) << "each step has its time";
+  EXPECT_EQ(behind.front(), 0);
+  EXPECT_LT(behind.back(), 1);
   const auto json = nlohmann::json::parse(json_of(findings));
   EXPECT_FALSE(json["device"].get<std::string>().empty());
   expect_keys(json["results"], {"engine", "variant", "voxmap", "shell", "case", "contacts", "median_ms", "min_ms",

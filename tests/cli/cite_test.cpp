@@ -103,6 +103,42 @@ TEST_F(Cite, BibtexAndJsonHaveTheSameEntries) {
   EXPECT_EQ(items[1]["issued"]["date-parts"][0][0], 2020);
 }
 
+TEST_F(Cite, AStudyAndAComparisonHaveWhatTheirRunsUsed) {
+  const std::string old = REAMSIM_ROOT "/tests/cli/results_0_1_0/results/";
+  for (const std::string run : {"phantom", "ct", "broken"}) {
+    std::filesystem::create_directories(path("study/runs/" + run));
+    std::filesystem::copy(old + "scenario.yaml", path("study/runs/" + run + "/scenario.yaml"));
+  }
+  write("study/study.json", "{}");
+  write("study/runs/broken/summary.json", "{");
+  std::filesystem::copy(old + "summary.json", path("study/runs/phantom/summary.json"));
+  Json summary = Json::parse(file_bytes(old + "summary.json"));
+  summary["program"] = "reamsim " REAMSIM_VERSION;
+  summary["segmentation"] = {{"method", "threshold"}};
+  const std::string sum(64, 'a');
+  for (int i = 0; i < 2; ++i)
+    summary["inputs"].push_back({{"role", "bone.ct.path"}, {"path", "s.nrrd"}, {"sha256", sum}});
+  write("study/runs/ct/summary.json", summary.dump());
+  const std::string text = call({"cite", "study"}).out;
+  for (const char* part : {"Scardovelli", "Aslam", "0.1.0", REAMSIM_VERSION, "s.nrrd"}) {
+    EXPECT_THAT(text, HasSubstr(part));
+  }
+  EXPECT_EQ(count(text, "10.1016/j.cmpb.2019.105263"), 1) << "each work once";
+  EXPECT_EQ(count(text, sum), 1);
+
+  expect_done(run(kSmall));
+  ASSERT_EQ(
+      reamsim({.arguments = {"run", "s.yaml", "-o", "slow", "--set", "motion.plunge.feed_mm_s=4", "--device", "serial"},
+               .environment = {},
+               .folder = "",
+               .interrupt_when = {}})
+          .status,
+      0);
+  ASSERT_EQ(call({"compare", "out", "slow", "-o", "compared"}).status, 0);
+  EXPECT_THAT(read("compared/CITATION.txt"), HasSubstr("Scardovelli")) << "exact erosion";
+  expect_refused(call({"cite", "compared"}), 2, {"compared", "CITATION.txt"});
+}
+
 TEST_F(Cite, NoResults) {
   expect_refused(call({"cite", "nix"}), 2, {"nix", "not found"});
   std::filesystem::create_directory(path("empty"));
