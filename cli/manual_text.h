@@ -42,10 +42,13 @@ inline constexpr std::array<OwnStatus, 6> kOwnStatuses{
      {"uq", {"75", "interrupted; the same command continues"}},
      {"verify", {"1", "the command failed, or a figure exceeds its tolerance"}}}};
 
-inline constexpr std::array<Entry, 6> kVariables{
+inline constexpr std::array<Entry, 8> kVariables{
     {{"NO_COLOR", "If set and not empty, messages on a terminal have no colours. Elsewhere they never have."},
      {"TERM", "With dumb, progress is printed as lines and messages have no colours."},
-     {"POCL_CACHE_DIR", "Folder for compiled OpenCL kernels; otherwise XDG_CACHE_HOME or .cache in the home folder."},
+     {"POCL_CACHE_DIR", "Folder for compiled OpenCL kernels."},
+     {"XDG_CACHE_HOME",
+      "Without POCL_CACHE_DIR, kernels are in its folder pocl/kcache; without both, in .cache/pocl/kcache of HOME."},
+     {"TMPDIR", "Folder for compiled kernels where none of these can be written; otherwise /tmp."},
      {"POCL_MAX_PTHREAD_COUNT", "Maximum number of threads of the OpenCL device PoCL."},
      {"POCL_AFFINITY", "1, the default of reamsim, binds the threads of PoCL to processors; 0 does not."},
      {"HOME", "Replaces ${HOME} in a scenario, as any variable ${NAME} is replaced there."}}};

@@ -15,6 +15,7 @@ import argparse
 import csv
 import json
 import math
+import os
 import pathlib
 import re
 import shutil
@@ -309,6 +310,14 @@ def draw(folder, names):
         shrink(folder / "ct/reamed.png", figures / "ct_glenoid.png")
 
 
+def require_scan():
+    """Exits with 77 (skipped, to a test) where the scan of the run `ct` is missing."""
+    scan = pathlib.Path(os.environ.get("REAMSIM_DATA", "")) / "shoulder_ct/shoulder_left.nrrd"
+    if not scan.exists():
+        print(f"skipped: no {scan}; set REAMSIM_DATA to the folder that holds the public data, or name other runs with --only")
+        sys.exit(77)
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("program", nargs="?", type=pathlib.Path)
@@ -318,6 +327,8 @@ def main():
     file = HERE / "numbers.json"
     numbers = json.loads(file.read_text()) if file.exists() else {}
     names = list(options.only or RUNS) if options.program else []
+    if "ct" in names:
+        require_scan()
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
         if options.check:

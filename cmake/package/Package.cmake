@@ -47,8 +47,8 @@ meshes. It needs no display and no GPU. A film of a run needs ffmpeg.")
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_NAME libreamsim-dev)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS
-  "libinsighttoolkit5-dev, libopenvdb-dev, libtbb-dev, libboost-dev, libboost-iostreams-dev, libassimp-dev, libfmt-dev, libyaml-cpp-dev, libeigen3-dev, nlohmann-json3-dev, ocl-icd-opencl-dev, opencl-headers, libssl-dev, zlib1g-dev, libseccomp-dev")
-set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_RECOMMENDS "pkg-config, pocl-opencl-icd | opencl-icd")
+  "libinsighttoolkit5-dev, libopenvdb-dev, libtbb-dev, libboost-dev, libboost-iostreams-dev, libassimp-dev, libfmt-dev, libyaml-cpp-dev, libeigen3-dev, nlohmann-json3-dev, ocl-icd-opencl-dev, opencl-headers, libssl-dev, zlib1g-dev, libseccomp-dev, pkgconf | pkg-config")
+set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_RECOMMENDS "pocl-opencl-icd | opencl-icd")
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SUGGESTS "reamsim ${same_version}")
 set(CPACK_DEBIAN_DEVELOPMENT_DESCRIPTION "simulator of glenoid reaming - C++ library
 The header reamsim/simulation.h moves a reamer through bone step by step where

@@ -48,5 +48,5 @@ cp "$here/../../Containerfile" "$folder"
 if command -v podman >/dev/null; then
   podman build --layers=false --tag reamsim "$folder"
 else
-  echo "podman is not installed; with it or docker: podman build --tag reamsim $folder"
+  echo "podman is not installed; with it: podman build --tag reamsim $folder"
 fi

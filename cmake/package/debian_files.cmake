@@ -18,8 +18,15 @@ function(add_documents usr package)
   configure_file(${CPACK_REAMSIM_SOURCES}/changelog.Debian.in ${folder}/changelog.Debian @ONLY)
   compress(${folder}/changelog.Debian ${folder}/changelog.Debian.gz)
   compress(${CPACK_REAMSIM_CHANGELOG} ${folder}/changelog.gz)
-  # The licence is in `copyright`, and the log of changes compressed.
+  # The licence is in `copyright`, and the log of changes compressed: links lead there.
   file(REMOVE ${folder}/changelog.Debian ${folder}/CHANGELOG.md ${folder}/LICENSE)
+  file(GLOB pages ${folder}/*.md)
+  foreach(page ${pages})
+    file(READ ${page} text)
+    string(REPLACE "](LICENSE)" "](copyright)" text "${text}")
+    string(REPLACE "](CHANGELOG.md)" "](changelog.gz)" text "${text}")
+    file(WRITE ${page} "${text}")
+  endforeach()
 endfunction()
 
 function(add_overrides usr package)

@@ -126,7 +126,7 @@ struct KnownFile {
   Reference reference;
 };
 
-// The files that README, Data, names.
+// The files that docs/commands.md names under "Data".
 const std::vector<KnownFile>& public_files() {
   static const std::vector<KnownFile> all{
       {"67e5af7b99fbdeb342fb9b01b5c3e4e0f07da4fa79614dbdc76838baed767c96",
@@ -143,7 +143,8 @@ const std::vector<KnownFile>& public_files() {
         .type = "dataset",
         .authors = {"HandOT"},
         .title = "Upper Limb Bones (Left)",
-        .note = "surface of the scapula; CC BY-SA 3.0"}},
+        .url = "https://github.com/devonjones/openforge-components",
+        .note = "surface of the scapula, commit 564605bc; CC BY-SA 3.0"}},
   };
   return all;
 }

@@ -58,7 +58,7 @@ struct Deflection {
 
 /// The deflection at which the forces balance.
 ///
-/// The bone answers like a damper, F ≈ −A·v, and A/Δt exceeds the stiffness by orders of magnitude. The first guess
+/// The bone resists as a damper, F ≈ −A·v, and A/Δt exceeds the stiffness by orders of magnitude. The first guess
 /// takes force, velocity and resistance of the substep before; steps of Newton with Broyden's update of the resistance
 /// follow (Broyden 1965, doi:10.1090/S0025-5718-1965-0198670-6). Where a step does not halve what is missing, one call
 /// evaluates differences for a new resistance and shorter steps. Where the force jumps across the balance, the best

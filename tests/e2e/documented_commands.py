@@ -2,10 +2,12 @@
 # SPDX-License-Identifier: Apache-2.0
 
 """documented_commands.py REAMSIM ROOT BUILD: every command in README and docs works as it is written.
+documented_commands.py --list ROOT: what is done with each, without running any.
 
 A command without placeholders runs in a copy of the project's folders, where small pictures and coarse voxels save time. Of a synopsis,
 such as `reamsim run SCENARIO [-o DIR]`, every option must be one of the program, and an example of it runs. What a page says
-that a command prints is compared, but for times and memory. A command of ctest works from the root of the checkout and selects tests. What takes minutes is named in RUN_ELSEWHERE with the test that runs it. With the
+that a command prints is compared, but for times and memory. A command of ctest works from the root of the checkout and selects tests.
+What other tests or people run is named in run_elsewhere.yaml. Any other line of a shell fails the test. With the
 shoulder of REAMSIM_DATA the README's scenario is that of the README; without it a phantom takes its place."""
 
 import os
@@ -27,26 +29,8 @@ COARSE_MM = 1  # voxels of the scenarios, of which other tests run those that sh
 # Those of which pages print results.
 AS_WRITTEN = {"default", "push", "glenoid"}
 
-# Commands, by how they begin, that other tests or the build itself run.
-RUN_ELSEWHERE = {
-    "git clone": "a developer",
-    "./test.sh": "the tests are its",
-    "cmake ": "the build; .ci/run",
-    "time reamsim run": "the runs below",
-    "REAMSIM_DATA=... reamsim sweep run trajectories/studies/shoulder_errors.yaml": "e2e.shoulder_errors",
-    "REAMSIM_DATA=... reamsim sweep run trajectories/studies/breakthrough.yaml": "a developer: it takes minutes; cli_test (Push) has a plate",
-    "reamsim check trajectories/mesh_scapula.yaml": "e2e.mesh_scapula; its data",
-    "reamsim run trajectories/mesh_scapula.yaml": "e2e.mesh_scapula; its data",
-    "reamsim sweep run trajectories/studies/resolution.yaml": "convergence.yaml, which is smaller",
-    "reamsim bench": "cli_test (Bench), bench tests",
-    "reamsim verify": "cli_test (Verify), verify tests",
-    "build/release/tests/": "tests BenchReference, ExactReference",
-    "reamsim check S.yaml | head": "cli_test (Environment)",
-    "reamsim run <(command)": "cli_test (Environment)",
-    "reamsim sweep run reamers": "cli_test (Shipped)",
-    "cmake/package/": "container.image",
-    "REAMSIM_LONG_TESTS=1 ctest": "a developer: it takes hours",
-}
+RUN_ELSEWHERE = yaml.safe_load(pathlib.Path(__file__).with_name("run_elsewhere.yaml").read_text())
+REASON = {command: reason for reason, commands in RUN_ELSEWHERE.items() for command in commands}
 # What stands for something of the user's. `{scan}` is the scan at hand.
 EXAMPLES = {
     "reamsim run SCENARIO": "reamsim run s.yaml -o out/s --device serial",
@@ -72,14 +56,17 @@ EXAMPLES = {
     "reamsim devices": "reamsim devices --json",
     "reamsim cite": "reamsim cite out/s",
     "reamsim help": "reamsim help sweep run",
+    "reamsim bench": "",  # cli_test (Bench)
+    "reamsim verify": "",  # cli_test (Verify)
     "reamsim run trajectories/mesh_scapula.yaml --set bone.voxel_mm=V": "",  # its data: e2e.mesh_scapula
     "reamsim run trajectories/compliance.yaml --set": "reamsim run trajectories/compliance.yaml -o out/springs --set motion.plunge.depth_mm=0.2 "
                                                       "--set motion.plunge.dwell_s=0 --set render.enabled=false --set output.meshes=false",
     "reamsim run trajectories/study_X.yaml": "reamsim run trajectories/study_eccentric_10deg.yaml",
 }
 PLACEHOLDER = re.compile(r"\b(COMMAND|STUDY|SCENARIO|DIR|BONE|CT|MESH|FILE|PAGE|SCAN_OR_SCENARIO)\b|=[VK]\b|_X\b|\[-")
-# Interrupted runs and such: the words of a sentence, not a command on its own.
-IN_A_SENTENCE = re.compile(r"^(build/release/cli/)?reamsim( sweep)?( \w+)?$|^gnuplot$|^\./run\.sh$")
+# The name of a command, perhaps with an option: the words of a sentence, not a command on its own.
+IN_A_SENTENCE = re.compile(r"^(build/release/cli/)?reamsim( sweep)?( \w+)?$|^(?!reamsim)([A-Z_]+=\S+ )?[\w-]+( --?\w[\w-]*)?$|^\./run\.sh$")
+RUN_HERE = re.compile(r"(build/release/cli/)?reamsim |\./run\.sh |gnuplot |cd out/default; ")
 NEEDS_SCAN = re.compile(r"~/scans|\bglenoid\.yaml|\bscapula")
 MOTION = {
     "plunge": {"approach_mm": 0.5, "feed_mm_s": 5, "depth_mm": 1, "retract_mm": 2},
@@ -94,7 +81,7 @@ class Place:
     def __init__(self, program, root, folder):
         self.root, self.folder, self.done = root, folder, set()
         self.printed = {}  # the output that pages show, by command
-        for page in documented.PAGES:
+        for page in documented.pages(root):
             self.printed.update(documented.printed((root / page).read_text()))
         for name in ("build/release/cli", "bin", "home/scans"):
             (folder / name).mkdir(parents=True)
@@ -194,7 +181,8 @@ class Place:
         printed = self.printed.get(command, [])
         said = self.run(command, where, expected=2 if any("error:" in line for line in printed) else 0)
         for line in printed:
-            assert line in said, f"{command}: the page says that it prints\n{line}\nbut it printed\n{said}"
+            shown = line.replace("/usr/share/reamsim", str(self.folder.resolve()))
+            assert shown in said, f"{command}: the page says that it prints\n{line}\nbut it printed\n{said}"
         written = re.search(r"reamsim init .*-o (\S+)", command)
         if written:
             scenario = yaml.safe_load((self.folder / written[1]).read_text())
@@ -227,18 +215,28 @@ def example_of(command):
     return EXAMPLES[max(starts, key=len)]
 
 
+def treatment(command):
+    """What is done with a command, and by what."""
+    if command in REASON:
+        return "elsewhere", REASON[command]
+    if command.startswith("ctest"):
+        return "filter", "selects tests"
+    if IN_A_SENTENCE.match(command):
+        return "sentence", "--help" if "reamsim" in command else ""
+    if PLACEHOLDER.search(command) or "..." in command or re.match(r"reamsim run --", command):
+        return "example", example_of(command)
+    assert RUN_HERE.match(command), f"{command}: this test cannot run it: name in run_elsewhere.yaml what does"
+    return "run", ""
+
+
 def check_page(place, build, commands):
-    for command in commands:
-        if any(command.startswith(start) for start in RUN_ELSEWHERE):
-            continue
-        if command.startswith("ctest"):
+    for command, kind, example in commands:
+        if kind == "filter":
             check_filter(build, command)
-        elif IN_A_SENTENCE.match(command):
-            if "reamsim" in command:
-                place.run(f"{command} --help")
-        elif PLACEHOLDER.search(command) or "..." in command or re.match(r"reamsim run --", command):
+        elif kind == "sentence" and "reamsim" in command:
+            place.run(f"{command} --help")
+        elif kind == "example":
             check_options(place, command)
-            example = example_of(command)
             if "{scan}" in example and place.example is None:
                 continue
             if example:
@@ -247,8 +245,16 @@ def check_page(place, build, commands):
                     (place.folder / made).unlink(missing_ok=True)
                 shutil.rmtree(place.folder / "out/compared", ignore_errors=True)
                 place.run_documented(example)
-        elif place.example or not NEEDS_SCAN.search(command):
+        elif kind == "run" and (place.example or not NEEDS_SCAN.search(command)):
             place.run_documented(command)
+
+
+def known_commands(root):
+    """(command, kind, example) of each page. Every command is known, and every one of run_elsewhere.yaml is on a page."""
+    found = documented.all_commands(root)
+    stale = REASON.keys() - {command for commands in found.values() for command in commands}
+    assert not stale, f"on no page: {sorted(stale)}"
+    return {page: [(command, *treatment(command)) for command in commands] for page, commands in found.items()}
 
 
 def check_python(place, text):
@@ -271,12 +277,15 @@ def check_batch_script(place, text):
 
 
 def main():
-    program, root, build = sys.argv[1:]
-    root = pathlib.Path(root).resolve()
-    found = documented.all_commands(root)
+    root = pathlib.Path(sys.argv[2]).resolve()
+    found = known_commands(root)
+    if sys.argv[1] == "--list":
+        print(*(f"{page}: {kind}: {command}  # {what}" for page, commands in found.items() for command, kind, what in commands), sep="\n")
+        return
+    program, _, build = sys.argv[1:]
     assert sum(map(len, found.values())) > 60, found
     for wanted in ("reamsim init", "reamsim preview", "reamsim check", "reamsim render"):
-        assert any(wanted in command for command in found["README.md"]), wanted
+        assert any(wanted in command for command, *_ in found["README.md"]), wanted
     with tempfile.TemporaryDirectory() as folder:
         place = Place(program, root, pathlib.Path(folder))
         for name in ("default", "s.yaml -o out/s", "s.yaml -o out/plain"):  # results that commands name

@@ -25,7 +25,7 @@ PLACES = {
 NEEDS = {
     "reamsim": ["libc6", "libopenvdb", "libinsighttoolkit5", "pocl-opencl-icd | opencl-icd", "gnuplot-nox | gnuplot",
                 "fonts-dejavu-core", "libosmesa6"],
-    "libreamsim-dev": ["libopenvdb-dev", "libinsighttoolkit5-dev", "libseccomp-dev"],
+    "libreamsim-dev": ["libopenvdb-dev", "libinsighttoolkit5-dev", "libseccomp-dev", "pkgconf | pkg-config"],
     "python3-reamsim": ["python3-numpy", "python3-yaml", f"reamsim (= {VERSION})", "python3 (<< 3."],
 }
 
@@ -34,6 +34,14 @@ def output_of(*command):
     done = subprocess.run([str(part) for part in command], capture_output=True, text=True)
     assert done.returncode == 0, f"{command}\n{done.stdout}{done.stderr}"
     return done.stdout
+
+
+def check_links(file, folder):
+    """Links of the documents lead to files of the package; pictures are left out of it."""
+    output_of("dpkg-deb", "-x", file, folder)
+    for page in folder.rglob("*.md"):
+        for link in re.findall(r"(?<!!)\[[^\]]*\]\(([^)#\s]+)", page.read_text()):
+            assert "://" in link or (page.parent / link).exists(), f"{page}: {link}"
 
 
 def check(package, file):
@@ -56,6 +64,7 @@ with tempfile.TemporaryDirectory() as folder:
     files = {package: next(pathlib.Path(folder).glob(f"{package}_{VERSION}_*.deb")) for package in PLACES}
     for name, path in files.items():
         check(name, path)
+    check_links(files["reamsim"], pathlib.Path(folder) / "reamsim")
     found = subprocess.run(["lintian", "--allow-root", "--fail-on", "error,warning", "--tag-display-limit", "0", *files.values()],
                            capture_output=True, text=True)
     assert found.returncode == 0 and not found.stdout.strip(), found.stdout + found.stderr

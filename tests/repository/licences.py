@@ -1,10 +1,12 @@
 # SPDX-FileCopyrightText: the reamsim authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""licences.py ROOT: every file of the repository says its licence, and the lint that says so finds a file that does not."""
+"""licences.py ROOT: every file of the repository says its licence, and the lint that says so finds a file that does not. Every
+package that cmake/setup.sh installs is named in docs/third-party.md."""
 
 import os
 import pathlib
+import re
 import shutil
 import subprocess
 import sys
@@ -49,6 +51,15 @@ def check_licences_of_pictures(root):
     assert sorted(licence["./render/report/dist/report.js"]) == ["Apache-2.0", "MIT"]
 
 
+def check_packages(root):
+    arrays = re.findall(r"_packages=\(([^)]*)\)", (root / "cmake/setup.sh").read_text())
+    packages = " ".join(arrays).split()
+    assert len(packages) > 50, packages
+    page = (root / "docs/third-party.md").read_text()
+    missing = [package for package in packages if f"`{package}`" not in page]
+    assert not missing, f"not in docs/third-party.md: {missing}"
+
+
 def outputs(folder, names):
     """Folders that a build or a run leaves in the checkout, as .gitignore names them."""
     return [name for name in names if (pathlib.Path(folder) / name).is_dir()
@@ -64,6 +75,7 @@ def main():
         status, text = lint(root)
         assert status == 0, text
         check_licences_of_pictures(root)
+        check_packages(root)
         assert (root / "LICENSE").read_text().split() == (root / "LICENSES/Apache-2.0.txt").read_text().split()
         (folder / "small").mkdir()
         check_that_lint_finds(root, folder / "small")

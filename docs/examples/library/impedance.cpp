@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-// A robot's impedance controller: a spring pulls the reamer along its axis to a goal beyond the face of the bone, and
-// the bone answers. Usage: impedance SCENARIO GOAL_MM
+// A robot's impedance controller: a spring pulls the reamer along its axis to a goal beyond the face of the bone.
+// Usage: impedance SCENARIO GOAL_MM
 #include <reamsim/simulation.h>
 
 #include <cmath>

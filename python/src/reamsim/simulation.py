@@ -45,7 +45,7 @@ class State:
 
 
 class Simulation:
-    """Bone and tool of a scenario; the caller puts the tool somewhere, and the bone answers.
+    """Bone and tool of a scenario; the caller gives the poses of the tool and gets the forces.
 
     Positions are in mm in the bone frame, quaternions w, x, y, z from the tool to the bone. One thread at a time; the GIL is
     released while it computes. Several simulations may exist at a time, but none in a process that was forked from one with

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-/// The simulator as a library: the tool moves frame by frame where the caller puts it, and the bone answers.
+/// The simulator as a library: the caller gives the pose of the tool frame by frame, and gets the force.
 ///
 /// Frames and units are those of docs/formats.md: mm, s, N, N·mm, mJ; B is the bone's frame, T the tool's without its
 /// spin. Every error is a reamsim::Error; no other exception leaves the library. A Simulation may be used by one thread
