@@ -166,6 +166,21 @@ TEST_F(Resume, AnUnfinishedRunCanBeRenderedAndCompared) {
   expect_same_results("whole", "cut");
 }
 
+// As an attempt leaves it that is killed after its simulation; the next one continues from a checkpoint before that.
+TEST_F(Resume, AGridOfAnEarlierAttemptDoesNotMakeARunLookFinished) {
+  write("s.yaml", kLong);
+  ASSERT_EQ(call({"-o", "cut"}, has_rows("cut.partial", 1500)).status, kSuspended);
+  write("cut.partial/reamed.vdb", "of an earlier attempt");
+  const auto has_begun = [this] { return !exists("cut.partial/reamed.vdb"); };
+  ASSERT_NE(call({"-o", "cut", "--resume"}, has_begun, SIGKILL).status, 0) << "the grid stayed until it was replaced";
+  const ProgramResult render =
+      reamsim({.arguments = {"render", "cut.partial", "--only", "pictures", "--width", "96", "--height", "72"},
+               .environment = {},
+               .folder = "",
+               .interrupt_when = {}});
+  EXPECT_EQ(render.status, 0) << render.err;
+}
+
 TEST_F(Resume, ADamagedCheckpointFallsBackToTheOther) {
   write("s.yaml", kLong);
   ASSERT_EQ(call({"-o", "whole"}).status, 0);

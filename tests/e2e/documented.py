@@ -65,7 +65,7 @@ def commands(text):
 
 
 # What differs from machine to machine and from run to run.
-OF_THE_MACHINE = re.compile(r"simulated in|^(results|look first|time|memory|disk)\b")
+OF_THE_MACHINE = re.compile(r"simulated in|^(results|look first|time|memory|disk|table|main effects|page)\b")
 
 
 def printed(text):
