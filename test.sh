@@ -19,4 +19,5 @@ fi
 install_missing "${build_packages[@]}" "${test_packages[@]}"
 build_release ON all "-DREAMSIM_BROWSER_TESTS=$browser"
 say "testing"
-ctest --test-dir "$build" --output-on-failure --parallel "$(nproc)" --label-exclude '^(long|cluster|container)$' "$@"
+# One more than processors: many tests wait for a browser, a limit of time, or a signal.
+ctest --test-dir "$build" --output-on-failure --parallel "$(($(nproc) + 1))" --label-exclude '^(long|cluster|container)$' "$@"
