@@ -64,9 +64,20 @@ class PictureComposer {
         before_(schedule_.halves.size()),
         writer_(progress, count_pictures(options, view_.frames(), run.contact())) {
     std::filesystem::create_directories(dir_ + "/frames");
-    if (!schedule_.turntable.empty()) std::filesystem::create_directories(dir_ + "/turntable");
+    if (!schedule_.turntable.empty()) make_turntable_folder();
     if (schedule_.sheet) sheet_.emplace(view_, *schedule_.sheet);
     if (schedule_.film) film_.emplace(film_path("reamed"), view_, captions_, *schedule_.film);
+  }
+
+  /// Without the pictures that a longer turntable left behind the last one of this.
+  void make_turntable_folder() const {
+    std::filesystem::create_directories(dir_ + "/turntable");
+    for (std::size_t i = schedule_.turntable.size(); std::filesystem::remove(turntable_path(i)); ++i) {
+    }
+  }
+
+  [[nodiscard]] std::string turntable_path(std::size_t place) const {
+    return fmt::format("{}/turntable/{:03}.png", dir_, place);
   }
 
   void add(RenderedFrame frame) {
@@ -141,7 +152,7 @@ class PictureComposer {
       turntable_film_->add(page);
       if (frame.camera + 1 == schedule_.turntable.size()) turntable_film_->finish();
     }
-    writer_.write(fmt::format("{}/turntable/{:03}.png", dir_, frame.camera), std::move(picture));
+    writer_.write(turntable_path(frame.camera), std::move(picture));
   }
 
   [[nodiscard]] PixelImage page_with(PixelImage view, const Camera& camera, const Labels& labels) const {

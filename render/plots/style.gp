@@ -17,7 +17,7 @@ terminal(format, width, height) = \
   format eq "png" ? sprintf("pngcairo size %d,%d background rgb 'white' font 'DejaVu Sans,8' fontscale 3.125 linewidth 3.2", \
                             pixels(width, 300), pixels(height, 300)) : \
   format eq "pdf" ? sprintf("pdfcairo size %gcm,%gcm background rgb 'white' font 'DejaVu Sans,8' fontscale 1 linewidth 1", \
-                            width / 10, height / 10) : \
+                            width / 10.0, height / 10.0) : \
   sprintf("svg size %d,%d fixed background rgb 'white' font 'DejaVu Sans,10.67' linewidth 1", \
           pixels(width, 96), pixels(height, 96))
 

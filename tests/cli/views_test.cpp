@@ -132,17 +132,22 @@ TEST_F(ViewsOfARun, AllOutputsOfADescribedCameraAlone) {
   EXPECT_EQ(render({"--camera", "{name: rim, position_mm: [60, 35, 70]}"}).status, 0);
   EXPECT_TRUE(exists("out/reamed_rim.png"));
   EXPECT_THAT(read("out/report.html"), HasSubstr("\"name\":\"oblique\""));
+  EXPECT_THAT(read("out/plots/forces_depth.pdf"), HasSubstr("/MediaBox [ 0 0 240 ")) << "a column of 85 mm";
 }
 
 TEST_F(ViewsOfARun, OnlyWhatIsNamedIsMadeAgain) {
   expect_done(run(kSmall));
+  const auto turntable = {"--only", "turntable", "--turntable", "4", "--width", "96", "--height", "72"};
+  EXPECT_EQ(render({turntable.begin(), turntable.end()}).status, 0);
+  EXPECT_TRUE(exists("out/turntable/003.png"));
   EXPECT_EQ(
       render({"--only", "before_after", "--only", "turntable", "--turntable", "2", "--width", "160", "--height", "120"})
           .status,
       0);
   EXPECT_TRUE(exists("out/before_after_section.png"));
   EXPECT_TRUE(exists("out/turntable/001.png"));
-  EXPECT_FALSE(exists("out/turntable/002.png"));
+  EXPECT_FALSE(exists("out/turntable/002.png")) << "of the longer turntable before";
+  EXPECT_FALSE(exists("out/turntable/003.png"));
   EXPECT_FALSE(exists("out/reamed.png"));
   EXPECT_FALSE(exists("out/contact_sheet.png"));
 }
