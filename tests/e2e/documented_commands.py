@@ -26,8 +26,8 @@ import documented
 
 SMALL = {"width_px": 160, "height_px": 120}
 COARSE_MM = 1  # voxels of the scenarios, of which other tests run those that ship
-# Those of which pages print results.
-AS_WRITTEN = {"default", "push", "glenoid"}
+# What a page prints is compared with a run as it ships, or as init wrote it, without pictures.
+PLAIN = "--overwrite --set render.enabled=false --set output.meshes=false --set output.vti=false"
 
 RUN_ELSEWHERE = yaml.safe_load(pathlib.Path(__file__).with_name("run_elsewhere.yaml").read_text())
 REASON = {command: reason for reason, commands in RUN_ELSEWHERE.items() for command in commands}
@@ -123,7 +123,7 @@ class Place:
         for path in (self.folder / "trajectories").glob("*.yaml"):
             scenario = yaml.safe_load(path.read_text())
             scenario["render"] = {**(scenario.get("render") or {}), **SMALL}
-            if "voxel_mm" in scenario["bone"] and path.stem not in AS_WRITTEN:
+            if "voxel_mm" in scenario["bone"]:
                 scenario["bone"]["voxel_mm"] = COARSE_MM
             self.write(f"trajectories/{path.name}", scenario)
 
@@ -166,6 +166,17 @@ class Place:
         print(f"{time.monotonic() - begin:6.1f} s $ {command}", flush=True)
         return done.stdout + done.stderr
 
+    def at_full_resolution(self, command):
+        """The command that gives the results of a page, of which this test runs a coarse form."""
+        if "sweep" in command:
+            return f"{command} -o out/full_study --set bone.voxel_mm=0.25"  # of default.yaml
+        if command.startswith("reamsim fit"):
+            default = self.root / "trajectories/default.yaml"
+            return f"reamsim run {default} -o out/full {PLAIN} --set output.force_basis=true && {command.replace('out/basis', 'out/full')} --overwrite"
+        name = command.split()[2]
+        path = f"as_written_{name}" if name.endswith(".yaml") else self.root / f"trajectories/{name}.yaml"
+        return f"reamsim run {path} -o out/full {PLAIN}"
+
     def run_documented(self, command):
         """Runs a command of a user, who has no results of that name yet, and expects the lines that a page says it prints. Once,
         however often pages name it."""
@@ -180,14 +191,16 @@ class Place:
             shutil.rmtree(self.folder / (named[1] if named else f"out/{scenario[1]}"), ignore_errors=True)
         printed = self.printed.get(command, [])
         said = self.run(command, where, expected=2 if any("error:" in line for line in printed) else 0)
+        if printed and command.startswith(("reamsim run", "reamsim sweep run", "reamsim fit")):
+            said = self.run(self.at_full_resolution(command))
         for line in printed:
             shown = line.replace("/usr/share/reamsim", str(self.folder.resolve()))
             assert shown in said, f"{command}: the page says that it prints\n{line}\nbut it printed\n{said}"
         written = re.search(r"reamsim init .*-o (\S+)", command)
         if written:
             scenario = yaml.safe_load((self.folder / written[1]).read_text())
-            if pathlib.Path(written[1]).stem not in AS_WRITTEN:
-                scenario["bone"]["voxel_mm"] = COARSE_MM
+            self.write(f"as_written_{written[1]}", scenario)
+            scenario["bone"]["voxel_mm"] = COARSE_MM
             self.write(written[1], {**scenario, "render": SMALL})
 
 
