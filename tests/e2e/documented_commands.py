@@ -168,8 +168,6 @@ class Place:
 
     def at_full_resolution(self, command):
         """The command that gives the results of a page, of which this test runs a coarse form."""
-        if "sweep" in command:
-            return f"{command} -o out/full_study --set bone.voxel_mm=0.25"  # of default.yaml
         if command.startswith("reamsim fit"):
             default = self.root / "trajectories/default.yaml"
             return f"reamsim run {default} -o out/full {PLAIN} --set output.force_basis=true && {command.replace('out/basis', 'out/full')} --overwrite"
@@ -191,7 +189,7 @@ class Place:
             shutil.rmtree(self.folder / (named[1] if named else f"out/{scenario[1]}"), ignore_errors=True)
         printed = self.printed.get(command, [])
         said = self.run(command, where, expected=2 if any("error:" in line for line in printed) else 0)
-        if printed and command.startswith(("reamsim run", "reamsim sweep run", "reamsim fit")):
+        if printed and command.startswith(("reamsim run", "reamsim fit")):
             said = self.run(self.at_full_resolution(command))
         for line in printed:
             shown = line.replace("/usr/share/reamsim", str(self.folder.resolve()))
