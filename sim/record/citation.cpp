@@ -69,6 +69,8 @@ void add(const Reference& reference, std::vector<Reference>& list) {
   const auto known = std::ranges::find(list, reference.key, &Reference::key);
   if (known == list.end()) {
     list.push_back(reference);
+  } else if (reference.note.find(known->note) != std::string::npos) {
+    known->note = reference.note;
   } else if (known->note.find(reference.note) == std::string::npos) {
     known->note += "; " + reference.note;
   }
@@ -115,14 +117,18 @@ void add_data(const Json& summary, Citation& out) {
     const std::string role = word_of(input, "role"), sha256 = word_of(input, "sha256");
     if (role == "scenario" || role.find("tool") != std::string::npos) continue;
     Reference data = known_data(sha256);
-    const auto has_sum = [&](const Reference& known) { return known.note.ends_with(sha256); };
-    if (data.key.empty() && std::ranges::any_of(out.data, has_sum)) continue;
     if (data.key.empty()) {
+      const std::string title = role + ", " + fs::path(word_of(input, "path")).filename().string();
+      const auto is_same = [&](const Reference& known) {
+        return sha256.empty() ? known.title == title : known.note.ends_with(sha256);
+      };
+      if (std::ranges::any_of(out.data, is_same)) continue;
       data = {.key = "data" + std::to_string(out.data.size() + 1),
               .type = "dataset",
               .authors = {},
-              .title = role + ", " + fs::path(word_of(input, "path")).filename().string(),
-              .note = "not a data set that reamsim knows: cite its source; SHA-256 " + sha256};
+              .title = title,
+              .note = "not a data set that reamsim knows: cite its source" +
+                      (sha256.empty() ? std::string() : "; SHA-256 " + sha256)};
     }
     add(data, out.data);
   }

@@ -119,9 +119,10 @@ TEST_F(Cite, AStudyAndAComparisonHaveWhatTheirRunsUsed) {
   const std::string sum(64, 'a');
   for (int i = 0; i < 2; ++i)
     summary["inputs"].push_back({{"role", "bone.ct.path"}, {"path", "s.nrrd"}, {"sha256", sum}});
+  summary["inputs"].push_back({{"role", "bone.ct.label_map.path"}, {"path", "without_a_sum.nrrd"}});
   write("study/runs/ct/summary.json", summary.dump());
   const std::string text = call({"cite", "study"}).out;
-  for (const char* part : {"Scardovelli", "Aslam", "0.1.0", REAMSIM_VERSION, "s.nrrd"}) {
+  for (const char* part : {"Scardovelli", "Aslam", "0.1.0", REAMSIM_VERSION, "s.nrrd", "without_a_sum.nrrd"}) {
     EXPECT_THAT(text, HasSubstr(part));
   }
   EXPECT_EQ(count(text, "10.1016/j.cmpb.2019.105263"), 1) << "each work once";
