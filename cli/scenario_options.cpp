@@ -70,8 +70,9 @@ Scenario ScenarioOptions::parse() const {
   std::vector<std::string> all = overrides;
   for (const auto& [option, value, key] :
        {std::tuple{"--device", &device, "engine.device="}, std::tuple{"--engine", &engine, "engine.type="}}) {
-    const bool twice =
-        !value->empty() && std::ranges::any_of(overrides, [&](const std::string& set) { return set.starts_with(key); });
+    const bool twice = !value->empty() && std::ranges::any_of(overrides, [prefix = key](const std::string& set) {
+      return set.starts_with(prefix);
+    });
     if (twice) throw InputError({}, option, std::string("given beside --set ") + key + "...", "give one of them");
   }
   if (!device.empty()) all.push_back("engine.device=" + device);
