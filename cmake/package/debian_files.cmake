@@ -10,10 +10,22 @@ function(compress from to)
   execute_process(COMMAND gzip -9nc ${from} OUTPUT_FILE ${to} COMMAND_ERROR_IS_FATAL ANY)
 endfunction()
 
+# The text of a licence as a paragraph of `copyright`: lines begin with a space, and empty ones have a full stop.
+function(append_licence name to)
+  file(READ ${CPACK_REAMSIM_LICENCES}/${name}.txt text)
+  string(STRIP "${text}" text)
+  string(REGEX REPLACE "\n[ \t]*\n" "\n.\n" text "${text}")
+  string(REGEX REPLACE "\n[ \t]*\n" "\n.\n" text "${text}")  # every second of several empty lines
+  string(REPLACE "\n" "\n " text "${text}")
+  file(APPEND ${to} "\nLicense: ${name}\n ${text}\n")
+endfunction()
+
 function(add_documents usr package)
   set(folder ${usr}/share/doc/${package})
   file(MAKE_DIRECTORY ${folder})
   configure_file(${CPACK_REAMSIM_SOURCES}/copyright ${folder}/copyright COPYONLY)
+  append_licence(CC-BY-3.0 ${folder}/copyright)
+  append_licence(CC-BY-SA-3.0 ${folder}/copyright)
   string(TIMESTAMP date "%a, %d %b %Y %H:%M:%S +0000" UTC)  # SOURCE_DATE_EPOCH, where it is set
   configure_file(${CPACK_REAMSIM_SOURCES}/changelog.Debian.in ${folder}/changelog.Debian @ONLY)
   compress(${folder}/changelog.Debian ${folder}/changelog.Debian.gz)

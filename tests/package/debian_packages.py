@@ -37,11 +37,24 @@ def output_of(*command):
 
 
 def check_links(file, folder):
-    """Links of the documents lead to files of the package; pictures are left out of it."""
+    """Links of the documents lead to files of the package, pictures too."""
     output_of("dpkg-deb", "-x", file, folder)
-    for page in folder.rglob("*.md"):
-        for link in re.findall(r"(?<!!)\[[^\]]*\]\(([^)#\s]+)", page.read_text()):
-            assert "://" in link or (page.parent / link).exists(), f"{page}: {link}"
+    links = [(page, link) for page in folder.rglob("*.md")
+             for link in re.findall(r"\]\(([^)#\s]+)|(?<=src=\")([^\"]+)", page.read_text()) for link in link if link]
+    assert any(link.endswith(".png") for _, link in links) and any(link.endswith(".md") for _, link in links), links
+    for page, link in links:
+        assert "://" in link or (page.parent / link).exists(), f"{page}: {link}"
+
+
+def check_licences(folder):
+    """The pictures of public data have licences of their own, whose whole texts `copyright` contains, in its format."""
+    text = (folder / "usr/share/doc/reamsim/copyright").read_text()
+    for name in ("CC-BY-3.0", "CC-BY-SA-3.0"):
+        found, = [part for part in text.split("\n\n") if part.startswith(f"License: {name}\n")]
+        lines = found.rstrip().split("\n")[1:]
+        assert all(line.startswith(" ") for line in lines), lines
+        said = " ".join(line for line in lines if line != " .").split()
+        assert said == (ROOT / f"LICENSES/{name}.txt").read_text().split(), name
 
 
 def check(package, file):
@@ -65,6 +78,7 @@ with tempfile.TemporaryDirectory() as folder:
     for name, path in files.items():
         check(name, path)
     check_links(files["reamsim"], pathlib.Path(folder) / "reamsim")
+    check_licences(pathlib.Path(folder) / "reamsim")
     found = subprocess.run(["lintian", "--allow-root", "--fail-on", "error,warning", "--tag-display-limit", "0", *files.values()],
                            capture_output=True, text=True)
     assert found.returncode == 0 and not found.stdout.strip(), found.stdout + found.stderr
