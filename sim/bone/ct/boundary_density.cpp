@@ -17,6 +17,9 @@ namespace reamsim::ct {
 namespace {
 
 constexpr double kStep = 0.25;  // along the normal, voxels
+/// Every second step ends on a face of a voxel. Such a point belongs to the inner voxel, whatever the sense of the
+/// axes: it is moved inwards by so many voxels, more than rounding and far less than a step.
+constexpr double kInwards = 1e-6;
 /// Measured values count for the boundary if they lie at most this far below it, voxels.
 constexpr double kWindow = 2;
 /// A measured value exceeds another only by so many standard deviations of the noise, and by more than rounding.
@@ -94,16 +97,17 @@ class BoundaryEstimator {
     const Vec3i voxel = (place + Vec3::Constant(0.5)).array().floor().cast<int>();
     return voxel.cwiseMax(0).cwiseMin(hu_.lattice.dims - Vec3i::Ones());
   }
+  [[nodiscard]] Vec3i voxel_at(const Ray& ray, double t) const { return nearest(ray.at(t + kInwards)); }
   [[nodiscard]] bool is_bone(const Vec3i& v) const { return bone_[hu_.lattice.index(v)] != 0; }
 
   /// Where bone begins on the ray: outwards from a voxel of bone, inwards from a voxel outside.
   [[nodiscard]] std::optional<double> boundary_on(const Ray& ray, const Vec3i& voxel) const {
     double t = 0;
     if (is_bone(voxel)) {
-      while (t > -search_ && is_bone(nearest(ray.at(t - kStep)))) t -= kStep;
+      while (t > -search_ && is_bone(voxel_at(ray, t - kStep))) t -= kStep;
       return t;
     }
-    while (t < search_ && !is_bone(nearest(ray.at(t)))) t += kStep;
+    while (t < search_ && !is_bone(voxel_at(ray, t))) t += kStep;
     return t < search_ ? std::optional(t) : std::nullopt;
   }
 
@@ -111,7 +115,7 @@ class BoundaryEstimator {
   template <class Visit>
   void visit_window(const Ray& ray, double boundary, const Visit& visit) const {
     for (double t = boundary; t <= boundary + kWindow; t += kStep) {
-      const Vec3i voxel = nearest(ray.at(t));
+      const Vec3i voxel = voxel_at(ray, t);
       if (!is_bone(voxel)) return;
       visit(voxel);
     }
@@ -165,7 +169,7 @@ class BoundaryEstimator {
 
   [[nodiscard]] std::optional<Line> trusted_line(const Ray& ray, double from) const {
     for (double t = from; t <= from + search_; t += kStep) {
-      if (!is_bone(nearest(ray.at(t)))) return std::nullopt;
+      if (!is_bone(voxel_at(ray, t))) return std::nullopt;
       const std::optional<double> first = trusted_mean(ray, t);
       if (!first) continue;
       Line line{t, *first, 0};

@@ -67,12 +67,17 @@ void put_part(ResultWriter& out, const std::string& path, const std::string& key
 /// An NRRD, NIfTI or MetaImage file. A child process reads its header, and another one its voxels.
 class FileScan : public LabelSource {
  public:
-  FileScan(const std::string& path, const std::string& key, bool allow_layers) : path_(path), key_(key) {
+  FileScan(const std::string& path, const std::string& key, bool allow_layers, Report& report)
+      : path_(path), key_(key) {
     const ReadLimits limits = ReadLimits().with(bytes_of_file(path), 0);
     ChildResult result = read_in_child<put_header>({path, key}, limits, path, key, allow_layers);
     facts_ = take_facts(result.reader());
     metadata_ = take_texts(result.reader());
     check_fits_in_memory(static_cast<double>(facts_.geometry.size()), facts_.bytes_per_voxel, path, key);
+    if (facts_.says_orientation) return;
+    report.warn(path +
+                ": the header does not say how the axes lie in the body; left, posterior, superior are assumed. " +
+                "Check side and glenoid, or export the file with its orientation");
   }
 
   [[nodiscard]] const ScanGeometry& geometry() const override { return facts_.geometry; }
@@ -139,7 +144,7 @@ std::unique_ptr<ScanSource> open_scan(const std::string& path, const std::string
     // DICOMDIR is the index file beside the folders of a study.
     if (lower_file_name(path) == "dicomdir")
       return open_dicom_folder(fs::path(path).parent_path().string(), key, choice, report);
-    auto scan = std::make_unique<FileScan>(path, key, false);
+    auto scan = std::make_unique<FileScan>(path, key, false, report);
     if (choice.series.empty()) return scan;
     throw InputError({path}, "bone.ct.series", "given for a file that is not a DICOM folder", "remove it");
   } catch (const fs::filesystem_error&) {
@@ -147,11 +152,11 @@ std::unique_ptr<ScanSource> open_scan(const std::string& path, const std::string
   }
 }
 
-std::unique_ptr<LabelSource> open_labels(const std::string& path, const std::string& key) {
+std::unique_ptr<LabelSource> open_labels(const std::string& path, const std::string& key, Report& report) {
   const char* expected = "give a label map: NRRD, NIfTI or MetaImage";
   if (fs::is_directory(checked_status(path, key, expected))) throw InputError({path}, key, "a folder", expected);
   try {
-    return std::make_unique<FileScan>(path, key, true);
+    return std::make_unique<FileScan>(path, key, true, report);
   } catch (const fs::filesystem_error&) {
     throw InputError({path}, key, "cannot be opened", "check its permissions");
   }

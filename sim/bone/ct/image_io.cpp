@@ -8,7 +8,6 @@
 #include <itkMetaImageIO.h>
 #include <itkNiftiImageIO.h>
 #include <itkNrrdImageIO.h>
-#include <nifti1_io.h>
 #include <zlib.h>
 
 #include <algorithm>
@@ -23,6 +22,8 @@
 
 #include "sim/base/error.h"
 #include "sim/base/file.h"
+#include "sim/bone/ct/image_conventions.h"
+#include "sim/bone/ct/nifti_header.h"
 #include "sim/bone/ct/quiet.h"
 
 namespace reamsim::ct {
@@ -144,22 +145,25 @@ std::string printable_start(const std::string& line) {
   return out;
 }
 
-/// MetaIO reads as many numbers as the header has dimensions, without end.
+/// MetaIO reads as many numbers as the header has dimensions, without end, and takes the header for compressed voxels
+/// where these follow it and have no size.
 void check_meta_image(const std::string& path, const std::string& key) {
   static const std::regex few_dimensions(R"(NDims\s*[=:]\s*[1-9]\s*)");
   std::istringstream header(read_file_start(path, 1 << 16));
+  bool compressed = false;
+  bool sized = false;
   for (std::string line; std::getline(header, line);) {
-    if (line == "ElementDataFile = LOCAL") return;  // voxels follow
+    compressed = compressed || line.starts_with("CompressedData = T");
+    sized = sized || line.starts_with("CompressedDataSize");
+    if (line == "ElementDataFile = LOCAL") {  // voxels follow
+      if (!compressed || sized) return;
+      throw InputError({path}, key, "the MetaImage header has no CompressedDataSize",
+                       "add it, or save the image without compression");
+    }
     if (line.find("NDims") == std::string::npos || std::regex_match(line.substr(0, kLongestLine), few_dimensions))
       continue;
     throw InputError({path}, key, "the MetaImage header says \"" + printable_start(line) + "\"", "expected NDims = 3");
   }
-}
-
-using NiftiHeader = std::unique_ptr<nifti_image, decltype(&nifti_image_free)>;
-
-NiftiHeader read_nifti_header(const std::string& path) {
-  return {nifti_image_read(path.c_str(), 0), &nifti_image_free};
 }
 
 /// ITK ends the program where the axes of a NIfTI are not numbers.
@@ -252,6 +256,7 @@ ImageFacts check_image(itk::ImageIOBase& io, const std::string& path, const std:
   out.pixel_type = pixel_type_of(io);
   out.layers = static_cast<int>(io.GetNumberOfComponents());
   out.bytes_per_voxel = static_cast<double>(io.GetComponentSize()) * io.GetNumberOfComponents();
+  out.says_orientation = says_orientation(io);
   check_fits_in_memory(static_cast<double>(out.geometry.size()), out.bytes_per_voxel, path, key);
   check_file_length(path, key, out.geometry.size(), out.bytes_per_voxel);
   const QuietLibraries quiet;
@@ -307,6 +312,7 @@ ScanGeometry geometry_of(const itk::ImageIOBase& io, const std::string& path, co
     }
     geometry.origin_mm[axis] = io.GetOrigin(axis);
   }
+  geometry = as_the_file_means(io, geometry);
   if (!is_plausible(geometry)) {
     throw InputError({path}, key, "voxel spacing, axes or origin are zero, not finite or degenerate",
                      fmt::format("expected a spacing above {:g} mm and three independent axes", kLeastStep_mm));
@@ -328,7 +334,7 @@ std::string pixel_type_of(const itk::ImageIOBase& io) {
 void read_voxels(itk::ImageIOBase& io, const IndexBox& box, int layer, const std::string& path, const std::string& key,
                  float* out) {
   const QuietLibraries quiet;
-  io.SetUseStreamedReading(true);
+  io.SetUseStreamedReading(can_be_read_in_part(io));
   try {
     const itk::ImageIORegion held = io.GenerateStreamableReadRegionFromRequestedRegion(io_region(io, box));
     // Not initialized, so that a header with false dimensions uses no memory before the file proves to be truncated.
@@ -340,6 +346,9 @@ void read_voxels(itk::ImageIOBase& io, const IndexBox& box, int layer, const std
     const Layer wanted{layer, static_cast<int>(io.GetNumberOfComponents())};
     copy_as_float<unsigned char, signed char, unsigned short, short, unsigned, int, unsigned long, long,
                   unsigned long long, long long, float, double>(io, raw.get(), held, box, wanted, out);
+    if (const double offset = offset_in_error(io); offset != 0) {
+      for (float* value = out; value != out + box.voxels(); ++value) *value -= static_cast<float>(offset);
+    }
   } catch (const std::bad_alloc&) {
     throw InputError({path}, key, "the voxels exceed the memory of this machine", "use a smaller image, or a crop");
   } catch (const std::exception&) {

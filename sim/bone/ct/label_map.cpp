@@ -127,7 +127,7 @@ class LabelReader {
         part_(part_of(image, box)),
         hu_(hu),
         report_(report),
-        source_(open_labels(map_.path, kLabelPathKey)) {}
+        source_(open_labels(map_.path, kLabelPathKey, report)) {}
 
   LabelImages read() {
     const std::vector<LabelValue> labels = wanted();

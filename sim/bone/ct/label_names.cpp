@@ -3,8 +3,6 @@
 
 #include "sim/bone/ct/label_names.h"
 
-#include <nifti1_io.h>
-
 #include <algorithm>
 #include <cstdlib>
 #include <memory>
@@ -12,6 +10,7 @@
 #include "sim/base/error.h"
 #include "sim/base/printable.h"
 #include "sim/base/text.h"
+#include "sim/bone/ct/nifti_header.h"
 #include "sim/bone/ct/quiet.h"
 #include "sim/isolation/read_in_child.h"
 
@@ -139,8 +138,7 @@ std::vector<NamedSegment> read_nifti_segments(const std::string& path) {
   const QuietLibraries quiet;
   std::vector<NamedSegment> out;
   if (!is_nifti_file(path.c_str())) return out;
-  const std::unique_ptr<nifti_image, decltype(&nifti_image_free)> header(nifti_image_read(path.c_str(), 0),
-                                                                         &nifti_image_free);
+  const NiftiHeader header = read_nifti_header(path);
   if (!header) return out;
   for (int n = 0; n < header->num_ext; ++n) {
     const nifti1_extension& extension = header->ext_list[n];

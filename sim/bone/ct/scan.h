@@ -87,7 +87,7 @@ std::unique_ptr<ScanSource> open_scan(const std::string& path, const std::string
                                       Report& report);
 
 /// Opens an NRRD, NIfTI or MetaImage. Throws InputError as open_scan() does.
-std::unique_ptr<LabelSource> open_labels(const std::string& path, const std::string& key);
+std::unique_ptr<LabelSource> open_labels(const std::string& path, const std::string& key, Report& report);
 
 /// Throws InputError when `voxels` voxels of `bytes_per_voxel` are more than half of this machine's memory.
 void check_fits_in_memory(double voxels, double bytes_per_voxel, const std::string& path, const std::string& key);

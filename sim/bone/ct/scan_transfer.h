@@ -22,6 +22,7 @@ struct ImageFacts {
   ScanGeometry geometry;
   int layers = 1;
   double bytes_per_voxel = 0;  ///< of all layers
+  bool says_orientation = true;
 };
 
 /// A DICOM file of a folder.

@@ -1,0 +1,87 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
+#include "sim/bone/ct/image_conventions.h"
+
+#include <itkMetaImageIO.h>
+#include <itkNiftiImageIO.h>
+#include <itkNrrdImageIO.h>
+
+#include <cctype>
+#include <sstream>
+#include <string>
+
+#include "sim/base/file.h"
+#include "sim/bone/ct/nifti_header.h"
+
+namespace reamsim::ct {
+
+namespace {
+
+/// The value of the field `space` of an NRRD header in lower case, without hyphens and spaces; empty without one. ITK
+/// names the space into which it converted.
+std::string nrrd_space(const std::string& path) {
+  std::istringstream header(read_file_start(path, 1 << 16));
+  for (std::string line; std::getline(header, line) && !line.empty() && line != "\r";) {
+    if (!line.starts_with("space:")) continue;
+    std::string space;
+    for (const char c : line.substr(6)) {
+      if (std::isalnum(static_cast<unsigned char>(c)) != 0) space += static_cast<char>(std::tolower(c));
+    }
+    return space;
+  }
+  return "";
+}
+
+bool is_anatomical(const std::string& space) {
+  return space.find("superior") != std::string::npos || space.starts_with("lps") || space.starts_with("ras") ||
+         space.starts_with("las");
+}
+
+bool is_las(const std::string& space) {
+  return space.starts_with("leftanterior") || space.starts_with("las");
+}
+
+bool is_nrrd(const itk::ImageIOBase& io) {
+  return dynamic_cast<const itk::NrrdImageIO*>(&io) != nullptr;
+}
+bool is_nifti(const itk::ImageIOBase& io) {
+  return dynamic_cast<const itk::NiftiImageIO*>(&io) != nullptr;
+}
+
+double mm_of(int nifti_units) {
+  return nifti_units == NIFTI_UNITS_METER ? 1e3 : nifti_units == NIFTI_UNITS_MICRON ? 1e-3 : 1.0;
+}
+
+}  // namespace
+
+ScanGeometry as_the_file_means(const itk::ImageIOBase& io, ScanGeometry geometry) {
+  if (is_nrrd(io) && is_las(nrrd_space(io.GetFileName()))) {
+    geometry.step_mm.topRows(2) *= -1;
+    geometry.origin_mm.head(2) *= -1;
+  }
+  if (is_nifti(io)) {
+    if (const NiftiHeader header = read_nifti_header(io.GetFileName())) geometry.origin_mm *= mm_of(header->xyz_units);
+  }
+  return geometry;
+}
+
+double offset_in_error(const itk::ImageIOBase& io) {
+  if (!is_nifti(io)) return 0;
+  const NiftiHeader header = read_nifti_header(io.GetFileName());
+  return header && header->scl_slope == 0 ? header->scl_inter : 0;
+}
+
+bool says_orientation(const itk::ImageIOBase& io) {
+  if (is_nrrd(io)) return is_anatomical(nrrd_space(io.GetFileName()));
+  if (!is_nifti(io)) return true;
+  const NiftiHeader header = read_nifti_header(io.GetFileName());
+  return header && (header->qform_code > 0 || header->sform_code > 0);
+}
+
+bool can_be_read_in_part(itk::ImageIOBase& io) {
+  auto* meta = dynamic_cast<itk::MetaImageIO*>(&io);
+  return meta == nullptr || !meta->GetMetaImagePointer()->CompressedData();
+}
+
+}  // namespace reamsim::ct
