@@ -4,6 +4,7 @@
 #include "render/plots/plots.h"
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <sstream>
 
@@ -73,7 +74,7 @@ std::vector<CuttingPass> cutting_passes(const ForceLog& log) {
     CuttingPass& pass = out.back();
     pass.last = &row;
     pass.peak_force_n = std::max(pass.peak_force_n, row.layer_axial_force_n);
-    pass.peak_torque_nmm = std::max(pass.peak_torque_nmm, row.layer_spin_torque_nmm);
+    pass.peak_torque_nmm = std::max(pass.peak_torque_nmm, std::abs(row.layer_spin_torque_nmm));
   }
   return out;
 }

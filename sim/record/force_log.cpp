@@ -170,7 +170,7 @@ Headline headline_of(const ForceLog& log, bool means) {
   Headline out{.means = means};
   for (const ForceRow& row : log.rows) {
     out.peak_axial_force_n = std::max(out.peak_axial_force_n, row.layer_axial_force_n);
-    out.peak_spin_torque_nmm = std::max(out.peak_spin_torque_nmm, row.layer_spin_torque_nmm);
+    out.peak_spin_torque_nmm = std::max(out.peak_spin_torque_nmm, std::abs(row.layer_spin_torque_nmm));
     out.tool_depth_mm = std::max(out.tool_depth_mm, row.depth_mm);
   }
   return out;

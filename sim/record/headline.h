@@ -14,8 +14,8 @@ namespace reamsim {
 struct Headline {
   bool means = false;  ///< force and torque are means over a voxel of travel; otherwise of single frames
   double peak_axial_force_n = 0;
-  double peak_spin_torque_nmm = 0;
-  double tool_depth_mm = 0;  ///< greatest travel along the tool's axis since first contact
+  double peak_spin_torque_nmm = 0;  ///< magnitude
+  double tool_depth_mm = 0;         ///< greatest travel along the tool's axis since first contact
 
   static constexpr const char* kDepthName = "tool depth";
   [[nodiscard]] std::string force_name() const { return means ? "peak mean axial force" : "peak axial force"; }

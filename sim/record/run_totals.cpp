@@ -16,7 +16,7 @@ void PassTotals::add(const FrameResult& row) {
   energy_mj += row.energy_mj;
   max_depth_mm = std::max(max_depth_mm, row.depth_mm);
   peak_axial_force_n = std::max(peak_axial_force_n, row.axial_force_n);
-  peak_spin_torque_nmm = std::max(peak_spin_torque_nmm, row.spin_torque_nmm);
+  peak_spin_torque_nmm = std::max(peak_spin_torque_nmm, std::abs(row.spin_torque_nmm));
 }
 
 void DeflectionTotals::add(const FrameResult& row, bool deepest) {
@@ -47,10 +47,10 @@ void RunTotals::add(const FrameResult& row) {
   peak_force_n = std::max(peak_force_n, row.force_n.norm());
   peak_axial_force_n = std::max(peak_axial_force_n, row.axial_force_n);
   peak_torque_nmm = std::max(peak_torque_nmm, row.torque_nmm.norm());
-  peak_spin_torque_nmm = std::max(peak_spin_torque_nmm, row.spin_torque_nmm);
+  peak_spin_torque_nmm = std::max(peak_spin_torque_nmm, std::abs(row.spin_torque_nmm));
   const auto layer = layer_.add(row.pose.position_mm, row.axial_force_n, row.spin_torque_nmm);
   peak_layer_axial_force_n = std::max(peak_layer_axial_force_n, layer.axial_force_n);
-  peak_layer_spin_torque_nmm = std::max(peak_layer_spin_torque_nmm, layer.spin_torque_nmm);
+  peak_layer_spin_torque_nmm = std::max(peak_layer_spin_torque_nmm, std::abs(layer.spin_torque_nmm));
   if (row.push) {
     if (!push) push.emplace();
     push->add(row);

@@ -21,7 +21,7 @@ struct PassTotals {
   double removed_mm3 = 0;
   double energy_mj = 0;
   double max_depth_mm = 0;        ///< since first contact of the pass
-  double peak_axial_force_n = 0;  ///< of single frames, like the torque
+  double peak_axial_force_n = 0;  ///< of single frames, like the magnitude of the torque
   double peak_spin_torque_nmm = 0;
 
   void add(const FrameResult& row);
@@ -57,7 +57,7 @@ class RunTotals {
   double floor_energy_mj = 0;
   double balance = 0;
   double peak_layer_axial_force_n = 0;    ///< of the means over a voxel of travel
-  double peak_layer_spin_torque_nmm = 0;  ///< likewise
+  double peak_layer_spin_torque_nmm = 0;  ///< likewise, of its magnitude
   double peak_force_n = 0;                ///< of single frames, like those below
   double peak_axial_force_n = 0;
   double peak_torque_nmm = 0;

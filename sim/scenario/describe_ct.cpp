@@ -48,10 +48,13 @@ void describe_cut_plane(KeyVisitor& v, CutPlaneSettings& plane) {
 constexpr std::string_view kLabels = "label_map";
 
 void describe_point_spread(KeyVisitor& v, CtSettings& ct) {
-  v.number({.name = "psf_mm",
-            .doc = "Full width of the point spread function (PSF) of the scanner; 0: the voxel spacing along each axis",
-            .range = between(0, 10)},
-           ct.psf_mm);
+  v.number(
+      {.name = "psf_mm",
+       .doc =
+           "Full width of the point spread function (PSF) of the scanner; 0: the voxel spacing along each axis, or of "
+           "an oblique scan 1.5 times the largest spacing",
+       .range = between(0, 10)},
+      ct.psf_mm);
 }
 
 /// What a label map replaces.

@@ -126,7 +126,7 @@ class EvaluatedRun {
     }
     for (const LoggedFrame& frame : run_ ? frames_for(constants) : frames_) {
       out[0] = std::max(out[0], frame.axial_force_n);
-      out[1] = std::max(out[1], frame.spin_torque_nmm);
+      out[1] = std::max(out[1], std::abs(frame.spin_torque_nmm));
       out[2] += frame.energy_mj;
       if (history == nullptr) continue;
       const std::size_t at = intervals.of(frame.time_s);

@@ -90,6 +90,18 @@ TEST_P(HeadlineTest, IsTheSameEverywhere) {
   EXPECT_THAT(report, HasSubstr(figure(depth_name, depth)));
 }
 
+TEST_F(CliTest, HeadlineTorqueDoesNotDependOnTheSenseOfTheSpin) {
+  const auto headline = [&](const std::string& spin_rpm) {
+    expect_done(run(with(kSmall, "    depth_mm: 1\n", "    depth_mm: 1\n    spin_rpm: " + spin_rpm + "\n")));
+    std::filesystem::remove_all(path("before"));
+    std::filesystem::rename(path("out"), path("before"));
+    return nlohmann::json::parse(read("before/summary.json"))["headline"];
+  };
+  const auto clockwise = headline("200");
+  EXPECT_GT(clockwise["peak_spin_torque_nmm"].get<double>(), 10);
+  EXPECT_EQ(headline("-200"), clockwise);
+}
+
 INSTANTIATE_TEST_SUITE_P(Erosion, HeadlineTest, ::testing::Values("exact", "remove"));
 
 }  // namespace

@@ -33,8 +33,9 @@ struct Block {
   unsigned seed = 0;
   double extent_mm = 26;
   double thickness_mm = 22;
-  double step_mm = 22;         ///< where the profile is not straight
-  Vec3 mirror = Vec3::Ones();  ///< 1, or -1 where the scene is mirrored along that axis
+  double step_mm = 22;           ///< where the profile is not straight
+  Vec3 mirror = Vec3::Ones();    ///< 1, or -1 where the scene is mirrored along that axis
+  Mat3 axes = Mat3::Identity();  ///< of the scan
 
   [[nodiscard]] Vec3 outward() const {
     const double tilt = tilt_deg * std::numbers::pi / 180;
@@ -46,7 +47,7 @@ struct Block {
 
 /// Mean over the voxel.
 double voxel_mean(const Block& block, const Vec3& center) {
-  const double reach = 0.5 * block.outward().cwiseAbs().dot(block.spacing_mm);
+  const double reach = 0.5 * (block.axes.transpose() * block.outward()).cwiseAbs().dot(block.spacing_mm);
   const double depth = block.depth_mm(center);
   const auto crosses = [&](double mm) { return std::abs(depth - mm) < reach + 1e-9; };
   if (!crosses(0) && !crosses(block.step_mm) && !crosses(block.thickness_mm)) {  // straight over the voxel
@@ -57,7 +58,7 @@ double voxel_mean(const Block& block, const Vec3& center) {
   for (int n = 0; n < kPerAxis * kPerAxis * kAcross; ++n) {
     const Vec3 step((n % kPerAxis + 0.5) / kPerAxis - 0.5, (n / kPerAxis % kPerAxis + 0.5) / kPerAxis - 0.5,
                     (n / kPerAxis / kPerAxis + 0.5) / kAcross - 0.5);
-    const double at = block.depth_mm(center + block.spacing_mm.cwiseProduct(step));
+    const double at = block.depth_mm(center + block.axes * block.spacing_mm.cwiseProduct(step));
     sum += at < 0 || at > block.thickness_mm ? block.outside_hu : block.hu(at);
   }
   return sum / (kPerAxis * kPerAxis * kAcross);
@@ -73,6 +74,8 @@ class BoundaryDensity : public ::testing::Test {
     image.dims = (block.extent_mm * block.spacing_mm.cwiseInverse()).array().round().cast<int>();
     const Vec3 last = (image.dims - Vec3i::Ones()).cast<double>().cwiseProduct(block.spacing_mm) - Vec3::Constant(half);
     for (int axis = 0; axis < 3; ++axis) image.origin_mm[axis] = block.mirror[axis] > 0 ? -half : -last[axis];
+    image.origin_mm = block.axes * image.origin_mm;
+    image.direction = block.axes;
     std::mt19937 random(block.seed);
     std::normal_distribution<double> noise(0, 1);
     image.sample([&](const Vec3& p) {
@@ -167,6 +170,27 @@ TEST_F(BoundaryDensity, HoldsOnVoxelsThatAreNoCubes) {
     EXPECT_NEAR(error(block, 0.25, 1), 0, 0.02) << offset_mm;
     block.tilt_deg = 50;
     EXPECT_NEAR(error(block, 0.25, 1), 0, 0.02) << offset_mm << ", tilted";
+  }
+}
+
+TEST_F(BoundaryDensity, HoldsOnObliqueScans) {
+  for (const double slice_mm : {0.5, 1.25, 2.5}) {
+    for (const Vec3& degrees : {Vec3(15, 0, 0), Vec3(20, -30, 40)}) {
+      for (const double threshold_hu : {200.0, 750.0}) {
+        const Vec3 angle = degrees * std::numbers::pi / 180;
+        Block block;
+        block.hu = [](double) { return 1500.0; };
+        block.threshold_hu = threshold_hu;
+        block.spacing_mm = Vec3(0.5, 0.5, slice_mm);
+        block.offset_mm = 0.3 * slice_mm;
+        block.extent_mm = 40;
+        block.axes = (Eigen::AngleAxisd(angle.z(), Vec3::UnitZ()) * Eigen::AngleAxisd(angle.y(), Vec3::UnitY()) *
+                      Eigen::AngleAxisd(angle.x(), Vec3::UnitX()))
+                         .toRotationMatrix();
+        EXPECT_NEAR(error(block, 0.5, 1), 0, 0.02) << "slices of " << slice_mm << " mm, turned by "
+                                                   << degrees.transpose() << " deg, threshold " << threshold_hu;
+      }
+    }
   }
 }
 

@@ -253,12 +253,20 @@ auto with_open_scan(const CtSettings& settings, Report& report, const Use& use) 
   }
 }
 
+/// The width of the point spread, mm; 0: the spacing of the lattice along each axis. An oblique scan is interpolated on
+/// a lattice with its finest spacing. Its values are as wide as its voxels are long, and interpolation widens them.
+double psf_of(const ct::ScanGeometry& scan, const CtSettings& settings) {
+  constexpr double kInterpolated = 1.5;  // the least at which uniform blocks are right, whatever their threshold
+  if (settings.psf_mm > 0 || ct::is_axis_aligned(scan)) return settings.psf_mm;
+  return kInterpolated * scan.spacing_mm().maxCoeff();
+}
+
 /// Corrects the density at the boundary and resamples.
-FilledVoxmap voxels_of(ct::AlignedImage hu, const ct::BoneField& bone, const BoneSettings& settings, Report& report,
-                       Segmentation* segmentation, const StageSink& stages = {}) {
+FilledVoxmap voxels_of(ct::AlignedImage hu, const ct::BoneField& bone, const BoneSettings& settings, double psf_mm,
+                       Report& report, Segmentation* segmentation, const StageSink& stages = {}) {
   begin_stage(stages, BoneStage::correct_density);
   const ct::BoundaryDensity boundary =
-      ct::correct_boundary(hu, bone, settings.ct.psf_mm, ct::resampling_reach(hu.lattice, settings.voxel_mm));
+      ct::correct_boundary(hu, bone, psf_mm, ct::resampling_reach(hu.lattice, settings.voxel_mm));
   note_boundary(boundary, report);
   if (segmentation != nullptr) {
     segmentation->lower_bound_fraction = boundary.unresolved_fraction();
@@ -281,7 +289,7 @@ FilledVoxmap voxmap_from_scan(const ct::ScanSource& source, const BoneSettings& 
   const ct::BoneField bone = segment(source, box, hu, ct_settings, report);
   note_trabecular(bone, ct_settings.threshold_hu, report);
   if (segmentation != nullptr) *segmentation = segmentation_of(hu, bone, settings);
-  return voxels_of(std::move(hu), bone, settings, report, segmentation, stages);
+  return voxels_of(std::move(hu), bone, settings, psf_of(source.geometry(), ct_settings), report, segmentation, stages);
 }
 
 }  // namespace
@@ -309,7 +317,9 @@ SegmentedScan segmented_scan(const BoneSettings& given, Report& report, std::opt
       const BoneSettings settings = with_cuts(out.hu, given, report);
       out.settings = settings.ct;
       ct::BoneField bone = segment(source, box, out.hu, out.settings, report);
-      if (voxmap != nullptr) *voxmap = voxels_of(out.hu, bone, settings, report, nullptr);
+      if (voxmap != nullptr) {
+        *voxmap = voxels_of(out.hu, bone, settings, psf_of(source.geometry(), settings.ct), report, nullptr);
+      }
       out.field = std::move(bone.field.value);
     } catch (const InputError& error) {
       out.mistakes = error.mistakes();
