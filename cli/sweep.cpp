@@ -10,6 +10,7 @@
 
 #include "cli/commands.h"
 #include "cli/input_kind.h"
+#include "cli/study_results.h"
 #include "cli/sweep_collect.h"
 #include "cli/sweep_commands.h"
 #include "cli/sweep_estimate.h"
@@ -206,6 +207,7 @@ void status_command(const SweepOptions& options, const Console& console) {
 
 void collect_command(const SweepOptions& options, const Console& console) {
   const SweepRuns sweep = load_sweep(options);
+  keep_results_of_uq(options, options.dir(sweep.study));
   const StudyFolder folder = StudyFolder::open(sweep.study, options.dir(sweep.study));
   collect_and_show(sweep, folder, console);
   failures_of(sweep, folder).print(console);
@@ -249,6 +251,11 @@ std::vector<std::size_t> runs_to_do(const SweepRuns& sweep, const StudyFolder& f
   return out;
 }
 
+StudyFolder folder_to_run(const SweepOptions& options, const Study& study) {
+  keep_results_of_uq(options, options.dir(study));
+  return {study, options.dir(study)};
+}
+
 /// Simulates what is missing. Returns whether all is done that could be.
 class StudyRun {
  public:
@@ -257,7 +264,7 @@ class StudyRun {
         console_(console),
         shard_(parse_shard(options_.shard)),
         sweep_(load_sweep(options_.sweep)),
-        folder_(sweep_.study, options_.sweep.dir(sweep_.study)) {}
+        folder_(folder_to_run(options_.sweep, sweep_.study)) {}
 
   void run() {
     const std::vector<std::size_t> runs = runs_to_do(sweep_, folder_, shard_);

@@ -10,6 +10,7 @@
 
 #include "cli/commands.h"
 #include "cli/input_kind.h"
+#include "cli/study_results.h"
 #include "cli/sweep_options.h"
 #include "render/plots/uq_plot.h"
 #include "sim/base/csv.h"
@@ -104,6 +105,7 @@ void uq_command(const UqOptions& options, const Console& console) {
   const Study study = read_study(options.file);
   const UqDesign design(study);
   const std::string dir = options.output.empty() ? "out/" + study.name : options.output;
+  keep_results_of_sweep(dir);
   const std::string marked = StudyFolder(study, dir).path();
   const SweepOptions runs{.file = design.write_runs(marked), .output = marked, .overrides = {}};
   console.say(fmt::format("{}: {} uncertain inputs, {} evaluations of {} runs", study.name, design.inputs().size(),

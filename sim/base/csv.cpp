@@ -11,6 +11,7 @@
 #include <filesystem>
 #include <limits>
 #include <stdexcept>
+#include <utility>
 
 #include "sim/base/file.h"
 #include "sim/base/printable.h"
@@ -36,6 +37,20 @@ double number(const SourceLocation& where, std::string_view name, std::string_vi
 
 }  // namespace
 
+std::string csv_header(std::string line, const SourceLocation& where) {
+  if (line.starts_with("\xEF\xBB\xBF")) line.erase(0, 3);
+  refuse_other_separator(line, where);
+  return line;
+}
+
+void refuse_other_separator(std::string_view line, const SourceLocation& where) {
+  if (line.find(',') != std::string_view::npos) return;
+  const bool semicolons = line.find(';') != std::string_view::npos;
+  if (!semicolons && line.find('\t') == std::string_view::npos) return;
+  throw InputError(where, "", semicolons ? "semicolons separate the columns" : "tabulators separate the columns",
+                   "save it with commas between columns and points in numbers, such as \"CSV UTF-8\"");
+}
+
 std::vector<std::string_view> csv_cells(std::string_view line) {
   if (!line.empty() && line.back() == '\r') line.remove_suffix(1);
   std::vector<std::string_view> cells;
@@ -52,6 +67,7 @@ CsvReader::CsvReader(const std::string& path, std::span<const std::string_view> 
     : path_(path), names_(names.begin(), names.end()), in_(path, std::ios::binary) {
   std::string header;
   if (!in_ || !std::getline(in_, header)) throw InputError({path, 0, 0}, "", "cannot be read", expected);
+  header = csv_header(std::move(header), {path, 1, 0});
   const auto found_names = csv_cells(header);
   names_.insert(names_.end(), optional.begin(), optional.end());
   for (const std::string_view name : names_) {
@@ -75,6 +91,7 @@ bool CsvReader::next(std::vector<double>& values, std::string_view may_be_empty)
     ++line_;
   } while (line.empty());
   const auto cells = csv_cells(line);
+  if (cells.size() == 1) refuse_other_separator(line, where());
   values.clear();
   for (std::size_t i = 0; i < names_.size(); ++i) {
     if (places_[i] == kMissing) {

@@ -39,6 +39,14 @@ class CsvReader {
   int line_ = 1;
 };
 
+/// The header line of a file, without the byte order mark that spreadsheets write. Throws InputError as
+/// refuse_other_separator().
+std::string csv_header(std::string line, const SourceLocation& where);
+
+/// Throws InputError where semicolons or tabulators separate the cells of a line, as spreadsheets of many countries
+/// write them: it has no comma.
+void refuse_other_separator(std::string_view line, const SourceLocation& where);
+
 /// The cells of a line, without quotes; a carriage return at its end is no part of it.
 std::vector<std::string_view> csv_cells(std::string_view line);
 

@@ -13,6 +13,7 @@
 #include <string>
 #include <string_view>
 
+#include "sim/base/csv.h"
 #include "sim/base/error.h"
 #include "sim/base/text.h"
 
@@ -127,6 +128,7 @@ struct Layout {
 
 Layout read_header(LineReader& lines, Report& report) {
   if (!lines.next()) lines.fail("the file is empty", "a header is needed: " + std::string(kHeader));
+  refuse_other_separator(lines.line(), lines.here());
   Layout layout;
   layout.at.fill(-1);
   const auto names = split(lines.line());
@@ -169,6 +171,7 @@ void check_range(const LineReader& lines, Column column, double value, double mo
 
 KeyPose read_row(const LineReader& lines, const Layout& layout, double default_spin_rpm, Report& row_report) {
   const auto fields = split(lines.line());
+  if (fields.size() == 1) refuse_other_separator(lines.line(), lines.here());
   if (fields.size() != layout.fields)
     lines.fail(std::to_string(fields.size()) + " fields", "the header has " + std::to_string(layout.fields));
   std::array<double, kColumns> value{};

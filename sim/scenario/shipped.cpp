@@ -46,11 +46,16 @@ const char* text_of(ShippedKind kind) {
   return kind == ShippedKind::scenario ? "scenario" : "study";
 }
 
+/// A word that is no path of something that exists in `folder`.
+bool is_missing_word(const std::string& argument, const std::string& folder) {
+  std::error_code ignored;
+  return !argument.empty() && argument.find('/') == std::string::npos &&
+         fs::symlink_status(fs::path(folder) / argument, ignored).type() == fs::file_type::not_found;
+}
+
 /// A word that could be a name, and is no path of something that exists in `folder`.
 bool may_be_name(const std::string& argument, const std::string& folder = "") {
-  std::error_code ignored;
-  return !argument.empty() && argument.find('/') == std::string::npos && !is_scenario_name(argument) &&
-         fs::symlink_status(fs::path(folder) / argument, ignored).type() == fs::file_type::not_found;
+  return !is_scenario_name(argument) && is_missing_word(argument, folder);
 }
 
 /// The file of this name; "" where there is none.
@@ -75,6 +80,23 @@ std::string list_of(const std::vector<std::string>& names) {
                      kind == ShippedKind::scenario ? "use reamsim sweep" : "use reamsim run");
   }
   throw InputError(where, "", no_such_name(kind), list_of(names));
+}
+
+/// Refuses "default.yaml" where there is no such file in `folder`, but a shipped name without the ending.
+void refuse_name_with_ending(const std::string& argument, const std::string& folder, ShippedKind kind,
+                             const SourceLocation& where, const std::string& key) {
+  if (!is_scenario_name(argument) || !is_missing_word(argument, folder)) return;
+  const fs::path path(argument);
+  const std::string name = path.stem().string();
+  if (file_of(name, kind).empty()) return;
+  throw InputError(where, key, key.empty() ? "no such file" : "no such file: " + shown_path(argument),
+                   fmt::format("use `{}` (without {}), the shipped {}, or give a file that exists", name,
+                               path.extension().string(), text_of(kind)));
+}
+
+/// The same for an argument of the command line.
+void refuse_name_with_ending(const std::string& argument, ShippedKind kind) {
+  refuse_name_with_ending(argument, "", kind, {shown_path(argument), 0, 0}, "");
 }
 
 }  // namespace
@@ -107,6 +129,7 @@ bool is_scenario_name(const std::string& path) {
 }
 
 std::string shipped_or_path(const std::string& argument, ShippedKind kind) {
+  refuse_name_with_ending(argument, kind);
   if (!may_be_name(argument)) return argument;
   const std::vector<std::string> names = shipped_names(kind);
   if (names.empty()) return argument;
@@ -116,13 +139,16 @@ std::string shipped_or_path(const std::string& argument, ShippedKind kind) {
 }
 
 std::string shipped_scenario_or_path(const std::string& argument) {
+  refuse_name_with_ending(argument, ShippedKind::scenario);
   const std::string file = may_be_name(argument) ? file_of(argument, ShippedKind::scenario) : "";
   return file.empty() ? argument : file;
 }
 
 std::string shipped_scenario_of_key(const std::string& text, const std::string& folder, const SourceLocation& where,
                                     const std::string& key) {
-  if (text.find('$') != std::string::npos || !may_be_name(text, folder)) return text;  // ${NAME} becomes a path
+  if (text.find('$') != std::string::npos) return text;  // ${NAME} becomes a path
+  refuse_name_with_ending(text, folder, ShippedKind::scenario, where, key);
+  if (!may_be_name(text, folder)) return text;
   const std::vector<std::string> names = shipped_names(ShippedKind::scenario);
   if (names.empty()) return text;
   const std::string file = file_of(text, ShippedKind::scenario);

@@ -26,10 +26,12 @@ bool is_scenario_name(const std::string& path);
 
 /// The file that an argument means. A word without slash and without ".yaml" that is no existing file or folder is the
 /// name of a shipped scenario or study; anything else is a path and returned as it is. Throws InputError for an unknown
-/// name, with the names there are; without shipped files such a word is a path as well.
+/// name, with the names there are, and for "default.yaml" where only the name without ending is known; without shipped
+/// files such a word is a path as well.
 std::string shipped_or_path(const std::string& argument, ShippedKind kind);
 
-/// The same for an argument that may also be a bone: an unknown name is a path.
+/// The same for an argument that may also be a bone: an unknown name is a path. Throws InputError for "default.yaml" as
+/// well.
 std::string shipped_scenario_or_path(const std::string& argument);
 
 /// The same for the value of a key that names a scenario: a file of this name in `folder` is a path. An unknown name is

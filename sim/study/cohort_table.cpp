@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "sim/base/csv.h"
 #include "sim/scenario/show.h"
 #include "sim/scenario/text_file.h"
 
@@ -120,12 +121,7 @@ class TableReader {
   }
 
   void check_header(const CsvLine& header) {
-    for (const char separator : {';', '\t'}) {
-      if (header.cells.size() > 1 || header.cells[0].find(separator) == std::string::npos) continue;
-      throw InputError({file_, header.number, 0}, "",
-                       separator == ';' ? "semicolons separate the columns" : "tabulators separate the columns",
-                       "save it with commas between columns and points in numbers, such as \"CSV UTF-8\"");
-    }
+    if (header.cells.size() == 1) refuse_other_separator(header.cells[0], {file_, header.number, 0});
     for (const std::string& cell : header.cells) {
       const std::string name = trimmed(cell);
       const SourceLocation where{file_, header.number, 0};
@@ -145,6 +141,7 @@ class TableReader {
   void add(const CsvLine& header, const CsvLine& line) {
     const SourceLocation where{file_, line.number, 0};
     if (line.cells.size() != header.cells.size()) {
+      if (line.cells.size() == 1) refuse_other_separator(line.cells[0], where);
       throw InputError(where, "", "found " + std::to_string(line.cells.size()) + " cells",
                        "expected " + std::to_string(header.cells.size()) + ", as in the header");
     }

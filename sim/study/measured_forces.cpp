@@ -22,11 +22,11 @@ constexpr std::array<std::string_view, kForceChannels> kChannelColumns{
 
 constexpr const char* kExpected = "a CSV file with time_s and any of axial_force_n, spin_torque_nmm, force_x_n, ...";
 
-/// The header line of a file.
+/// The header line of a file. Throws InputError where something other than commas separates its columns.
 std::string header_line(const std::string& path) {
   constexpr std::size_t kMostBytes = 65536;
   const std::string start = read_file_start(path, kMostBytes);
-  return start.substr(0, start.find('\n'));
+  return csv_header(start.substr(0, start.find('\n')), {path, 1, 0});
 }
 
 std::vector<ForceChannel> channels_in(const std::string& path) {
@@ -84,6 +84,7 @@ MeasuredForces read_measured_forces(const std::string& path) {
     const std::vector<std::string_view> cells = csv_cells(line);
     if (line.empty() || line == "\r") continue;
     const SourceLocation where{path, number, 0};
+    if (cells.size() == 1) refuse_other_separator(line, where);
     if (cells.size() < names.size())
       throw InputError(where, "", "has fewer cells than the header", "expected a cell for each column");
     const double t = cell_value(cells[time], where, "time_s");

@@ -31,6 +31,13 @@ constexpr std::array<std::string_view, 9> kConstants{"cutting.specific_energy_j_
                                                      "bone.density.ash_offset_g_cm3",
                                                      "bone.density.ash_fraction"};
 
+/// The first line of the study of the runs, by which a folder is known as that of an analysis.
+constexpr std::string_view kRunsMark = "# The runs of an uncertainty analysis; written by reamsim.\n";
+
+std::string runs_file(const std::string& dir) {
+  return dir + "/runs.yaml";
+}
+
 bool is_constant(const SampledKey& sampled) {
   return std::ranges::find(kConstants, sampled.key) != kConstants.end();
 }
@@ -75,6 +82,10 @@ void require_samples_alone(const Study& study) {
 }
 
 }  // namespace
+
+bool holds_uq_runs(const std::string& dir) {
+  return read_file_start(runs_file(dir), kRunsMark.size()) == kRunsMark;
+}
 
 UqDesign::UqDesign(Study study) : study_(std::move(study)) {
   require_samples_alone(study_);
@@ -143,8 +154,8 @@ bool UqDesign::needs_basis() const {
 std::string UqDesign::write_runs(const std::string& dir) const {
   Study runs = study_;
   std::erase_if(runs.sample->of, is_constant);
-  std::string text = "# The runs of an uncertainty analysis; written by reamsim.\nversion: 1\nname: runs\nbase: " +
-                     json_string(recorded_path(study_.base)) +
+  std::string text = std::string(kRunsMark) +
+                     "version: 1\nname: runs\nbase: " + json_string(recorded_path(study_.base)) +
                      "\nset:\n  output.force_basis: " + (needs_basis() ? "true" : "false") + "\n";
   for (const std::string& assignment : study_.set) {
     const std::size_t equals = assignment.find('=');
@@ -170,7 +181,7 @@ std::string UqDesign::write_runs(const std::string& dir) const {
     replace_file(dir + "/runs_table.csv", table);
     text += "table: runs_table.csv\n";
   }
-  const std::string path = dir + "/runs.yaml";
+  const std::string path = runs_file(dir);
   replace_file(path, text);
   return path;
 }

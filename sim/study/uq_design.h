@@ -19,6 +19,9 @@ struct UncertainInput {
   bool constant = false;  ///< forces for other values follow from the force basis of a run, without another run
 };
 
+/// Whether a folder holds the runs of an uncertainty analysis, as UqDesign::write_runs() names them.
+bool holds_uq_runs(const std::string& dir);
+
 /// The points at which the outputs of a study are needed for bands and sensitivity indices, and the runs that they
 /// need.
 class UqDesign {

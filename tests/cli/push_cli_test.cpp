@@ -102,6 +102,10 @@ TEST_F(PushCommand, ProfileSetsTheThrust) {
   write("thrust.csv", "time_s,thrust_n\n0,20\n0,30\n");
   std::filesystem::remove_all(path("out"));
   expect_refused(run(yaml), 2, {"thrust.csv:3", "time_s", "later"});
+  write("thrust.csv", "time_s;thrust_n\n0;20\n1;30\n");
+  expect_refused(run(yaml), 2, {"thrust.csv:1: semicolons separate the columns; save it with commas"});
+  write("thrust.csv", "time_s,thrust_n\n0;20\n1;30\n");
+  expect_refused(run(yaml), 2, {"thrust.csv:2: semicolons separate the columns"});
 }
 
 TEST_F(PushCommand, ContinuesWithTheSameBytes) {

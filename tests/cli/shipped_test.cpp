@@ -62,11 +62,27 @@ TEST_F(Shipped, WhatExistsIsAPath) {
 }
 
 TEST_F(Shipped, PathsAreNoNames) {
-  for (const char* missing : {"./default", "trajectories/default", "default.yaml", "/default"}) {
+  for (const char* missing :
+       {"./default", "trajectories/default", "trajectories/default.yaml", "nix.yaml", "/default"}) {
     const ProgramResult result = call({"check", missing});
     expect_refused(result, 2, {"no such file"});
     EXPECT_THAT(result.err, Not(HasSubstr("shipped"))) << missing;
   }
+}
+
+TEST_F(Shipped, FileThatIsMissingMayBeMeantAsAName) {
+  for (const char* command : {"run", "import", "preview"}) {
+    expect_refused(call({command, "default.yaml", "-o", "out"}), 2,
+                   {"default.yaml: no such file; use `default` (without .yaml), the shipped scenario"});
+  }
+  expect_refused(call({"check", "half_space.yml"}), 2, {"use `half_space` (without .yml), the shipped scenario"});
+  expect_refused(call({"sweep", "plan", "reamers.yaml"}), 2,
+                 {"reamers.yaml: no such file; use `reamers` (without .yaml), the shipped study"});
+  write("study.yaml", "version: 1\nbase: default.yaml\nset: {bone.voxel_mm: 1}\n");
+  expect_refused(call({"sweep", "plan", "study.yaml"}), 2,
+                 {"study.yaml:2:7: base: no such file: default.yaml; use `default` (without .yaml)"});
+  write("default.yaml", with(kSmall, "version: 2", "version: 2\nname: own"));
+  EXPECT_THAT(call({"check", "default.yaml"}).out, HasSubstr("own"));
 }
 
 TEST_F(Shipped, StudyByName) {

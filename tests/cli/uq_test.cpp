@@ -78,6 +78,39 @@ TEST_F(Uq, ConstantsInWhichForcesAreNotLinearNeedRuns) {
   EXPECT_EQ(runs.find("force_basis"), runs.rfind("force_basis")) << runs;
 }
 
+TEST_F(Uq, SweepAndAnalysisLeaveTheFolderOfTheOtherAlone) {
+  uq("{n: 4, of: {motion.plunge.depth_mm: {uniform: [0.5, 1]}}}");
+  const std::vector<std::string> files{"uq/study.json", "uq/runs.csv", "uq/sweep.html", "uq/uq.json"};
+  const auto contents = [&] {
+    std::vector<std::string> out;
+    for (const std::string& file : files) out.push_back(read(file));
+    return out;
+  };
+  const std::vector<std::string> before = contents();
+  for (const char* command : {"run", "collect"}) {
+    for (const char* study : {"uq.yaml", "study.yaml"}) {
+      expect_refused(sweep({command, study, "-o", "uq"}), 2,
+                     {"uq: output folder: holds the results of `reamsim uq`", "choose another with -o"});
+    }
+    expect_refused(sweep({command, "uq/runs.yaml", "-o", "uq", "--set", "bone.voxel_mm=0.6"}), 2, {"`reamsim uq`"});
+    EXPECT_EQ(contents(), before) << command;
+  }
+  EXPECT_EQ(sweep({"status", "uq.yaml", "-o", "uq"}).status, 0) << "it only reads";
+  for (const char* command : {"run", "collect"}) {
+    const ProgramResult own = sweep({command, "uq/runs.yaml", "-o", "uq"});
+    EXPECT_EQ(own.status, 0) << own.err;
+  }
+  EXPECT_EQ(contents(), before) << "the study of its own runs";
+  uq("{n: 4, of: {motion.plunge.depth_mm: {uniform: [0.5, 1]}}}");
+  EXPECT_EQ(sweep({"run", "study.yaml", "-o", "swept"}).status, 0);
+  const std::string table = read("swept/runs.csv");
+  expect_refused(
+      reamsim({.arguments = {"uq", "uq.yaml", "-o", "swept"}, .environment = {}, .folder = "", .interrupt_when = {}}),
+      2, {"swept: output folder: holds the results of `reamsim sweep run`", "choose another with -o"});
+  EXPECT_EQ(read("swept/runs.csv"), table);
+  EXPECT_FALSE(exists("swept/runs.yaml"));
+}
+
 TEST_F(Uq, StudiesThatAreNoUncertaintyAnalysisAreRefused) {
   const auto refused = [&](const std::string& lines) {
     write("uq.yaml", "version: 1\nbase: s.yaml\n" + lines);

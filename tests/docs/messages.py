@@ -54,6 +54,7 @@ CASES = [
     "check mesh.yaml --set bone.glenoid.normal=[0,0,-1] --set motion.plunge.from=contact",
     "check mesh.yaml --set bone.glenoid.center_mm=[15,15,60] --set motion.plunge.from=contact",
     "check phantom.yaml --set motion.push.thrust_n=10",
+    "check phantom.yaml --set motion.plunge=null --set motion.csv.path=semicolons.csv",
     "check phantom.yaml --device nvidia",
     "check mesh.yaml --set bone.voxel_mm=0.01",
     "run phantom.yaml -o done",
@@ -69,6 +70,7 @@ def write_inputs(folder, root):
     (folder / "tab.yaml").write_text("version: 2\nbone:\n\tsource: phantom\n")
     (folder / "short.yaml").write_text("bone: {source: phantom}\n")
     (folder / "empty_study.yaml").write_text("version: 1\n")
+    (folder / "semicolons.csv").write_text("time_s;x_mm;y_mm;z_mm;qw;qx;qy;qz\n0;0;0;0;1;0;0;0\n")
     (folder / "nothing").mkdir()
     (folder / "nothing/readme.txt").write_text("no scan")
     (folder / "reamer.stl").symlink_to(root / "assets/reamer_convex.stl")

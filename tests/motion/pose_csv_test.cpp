@@ -7,6 +7,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <fstream>
 #include <numbers>
 
@@ -110,7 +111,8 @@ TEST_F(PoseCsv, NamesFileLineAndFault) {
   expect("1,0,0,0,0,0,0,0", "the quaternion has length 0");
   expect("1,0,0,0,1,0,0", "7 fields; the header has 8");
   expect("1,0,0,0,1,0,0,0,5", "9 fields");
-  expect("1;0;0;0;1;0;0;0", "1 fields");
+  expect("1;0;0;0;1;0;0;0", "semicolons separate the columns; save it with commas");
+  expect("1", "1 fields");
 }
 
 TEST_F(PoseCsv, RefusesWrongHeaders) {
@@ -118,6 +120,18 @@ TEST_F(PoseCsv, RefusesWrongHeaders) {
   EXPECT_THAT(error_of("0,0,0,0,1,0,0,0\n1,0,0,0,1,0,0,0\n"), HasSubstr("no column time_s"));
   EXPECT_THAT(error_of(kHeader + ",qx\n"), HasSubstr("column qx stands twice"));
   EXPECT_THAT(error_of("time_s,x_cm,y_mm,z_mm,qw,qx,qy,qz\n"), HasSubstr("no column x_mm"));
+}
+
+TEST_F(PoseCsv, NamesTheSeparatorThatIsNoComma) {
+  const auto separated = [](char separator) {
+    std::string bytes = with_row("1,0,0,0,1,0,0,0");
+    std::ranges::replace(bytes, ',', separator);
+    return bytes;
+  };
+  EXPECT_THAT(error_of(separated(';')),
+              AllOf(HasSubstr("poses.csv:1: semicolons separate the columns"), HasSubstr("save it with commas")));
+  EXPECT_THAT(error_of("\xef\xbb\xbf\r\n" + separated(';')), HasSubstr("poses.csv:2: semicolons separate"));
+  EXPECT_THAT(error_of(separated('\t')), HasSubstr("poses.csv:1: tabulators separate the columns"));
 }
 
 TEST_F(PoseCsv, RefusesFilesThatHoldNoMotion) {

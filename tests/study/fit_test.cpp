@@ -235,5 +235,25 @@ TEST(MeasuredForcesFile, IsReadWithTheColumnsThatItHas) {
   }
 }
 
+TEST(MeasuredForcesFile, NamesTheSeparatorThatIsNoComma) {
+  const TempDir dir;
+  const std::string path = dir.path() + "/measured.csv";
+  const auto expect_complaint = [&](const char* text, const char* complaint) {
+    std::ofstream(path, std::ios::trunc) << text;
+    try {
+      read_measured_forces(path);
+      ADD_FAILURE() << text;
+    } catch (const InputError& error) {
+      EXPECT_THAT(error.what(), HasSubstr(complaint));
+    }
+  };
+  expect_complaint("time_s;axial_force_n\n1;2\n",
+                   "measured.csv:1: semicolons separate the columns; save it with commas");
+  expect_complaint("time_s\taxial_force_n\n1\t2\n", "measured.csv:1: tabulators separate the columns");
+  expect_complaint("time_s,axial_force_n\n1;2\n", "measured.csv:2: semicolons separate the columns");
+  std::ofstream(path, std::ios::trunc) << "\xef\xbb\xbftime_s,axial_force_n\r\n1,2\r\n";
+  EXPECT_EQ(read_measured_forces(path).time_s, (std::vector{1.0})) << "what \"CSV UTF-8\" of a spreadsheet is";
+}
+
 }  // namespace
 }  // namespace reamsim::test::fit_tests

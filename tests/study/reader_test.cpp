@@ -96,6 +96,7 @@ TEST_F(StudyReader, MistakesOfTablesNameTheirLine) {
   EXPECT_THAT(table("bone.voxel_mm,label\n\n\"1\n"), HasSubstr("a quotation mark that is not closed"));
   EXPECT_THAT(table("label;bone.voxel_mm\na;0,5\n"), AllOf(HasSubstr(":1:"), HasSubstr("semicolons separate")));
   EXPECT_THAT(table("label\tbone.voxel_mm\na\t0.5\n"), HasSubstr("tabulators separate"));
+  EXPECT_THAT(table("label,bone.voxel_mm\na;0.5\n"), AllOf(HasSubstr(":2:"), HasSubstr("semicolons separate")));
   EXPECT_THAT(table("bone.voxel_mm,label\n,\n , \n"), HasSubstr("has no rows"));
   EXPECT_THAT(table("bone.voxel_mm,label\n0.5,a\n0.5\n"),
               AllOf(HasSubstr(":3:"), HasSubstr("found 1 cells; expected 2")));
