@@ -66,10 +66,13 @@ BoneSettings settings_of(const InitOptions& options) {
                     options.threshold_hu.value_or(kThreshold_hu), more);
 }
 
-/// The point of the options; without one it is searched.
+/// The point of the options; without one it is searched. Rounded as it is written, so that a run of the scenario finds
+/// what is found here: on some bones the face depends on the last digit.
 Vec3 near_of(const InitOptions& options, Report& report) {
-  if (!options.near_mm.empty()) return {options.near_mm.at(0), options.near_mm.at(1), options.near_mm.at(2)};
-  return locate_glenoid(settings_of(options), report);
+  const Vec3 near_mm = options.near_mm.empty()
+                           ? locate_glenoid(settings_of(options), report)
+                           : Vec3(options.near_mm.at(0), options.near_mm.at(1), options.near_mm.at(2));
+  return (near_mm * 100).array().round() / 100;
 }
 
 BoneSettings settings_near(const InitOptions& options, const Vec3& near_mm) {

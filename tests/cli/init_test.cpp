@@ -163,6 +163,23 @@ TEST_F(InitTest, SearchesTheGlenoidOfAMesh) {
   EXPECT_LE(distance(found_center(read("searched.yaml")), found_center(read("near.yaml"))), 0.3);
 }
 
+TEST_F(InitTest, ARunFindsTheGlenoidThatInitSays) {
+  write_glenoid_mesh();
+  // The written point has two digits behind the point, these have more.
+  for (const std::string near : {"3.00499,-2.00499,4.00499", "2.12345,-1.98765,3.54321"}) {
+    const ProgramResult made = call(
+        {"init", "bone.stl", "-o", "my.yaml", "--side", "left", "--voxel-mm", "0.8", "--near=" + near, "--overwrite"});
+    ASSERT_EQ(made.status, 0) << made.err;
+    const ProgramResult checked = call({"check", "my.yaml"});
+    const auto found = [](const std::string& text) {
+      const auto at = text.find("glenoid found: ");
+      EXPECT_NE(at, std::string::npos) << text;
+      return text.substr(at, text.find(", superior", at) - at);
+    };
+    EXPECT_EQ(found(made.out), found(checked.out));
+  }
+}
+
 TEST_F(InitTest, SaysWhyTheSearchForTheGlenoidFoundNone) {
   write_glenoid_mesh();
   // The same bone twice, 200 mm apart: a binary STL has 84 bytes and 50 for each triangle, with three corners.
