@@ -40,6 +40,7 @@ CASES = [
     "check phantom.yaml --set tool.mesh='${NOWHERE}/x.stl'",
     "sweep plan empty_study.yaml",
     "init nothing -o new.yaml",
+    "check ct.yaml --set bone.ct.path=unoriented.nrrd",
     "check ct.yaml --set bone.ct.seed_mm=[1,1,1]",
     f"check ct.yaml {NEAR} --set bone.ct.separate=humerus",
     f"check ct.yaml {NEAR}",
@@ -75,6 +76,7 @@ def write_inputs(folder, root):
     (folder / "nothing/readme.txt").write_text("no scan")
     (folder / "reamer.stl").symlink_to(root / "assets/reamer_convex.stl")
     scans.write_scan(folder / "ball.nrrd")
+    scans.write_scan(folder / "unoriented.nrrd", space="space dimension: 3")
     scans.write_label_map(folder / "ball.seg.nrrd")
     scans.write_box(folder / "box.stl", 30)
     scans.write_box(folder / "open.stl", 30, open_side=True)

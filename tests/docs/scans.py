@@ -10,7 +10,7 @@ import numpy
 HEAD = """NRRD0004
 type: {kind}
 dimension: 3
-space: left-posterior-superior
+{space}
 sizes: {n} {n} {n}
 space directions: (1,0,0) (0,1,0) (0,0,1)
 kinds: domain domain domain
@@ -19,6 +19,7 @@ encoding: raw
 space origin: (0,0,0)
 {more}
 """
+LPS = "space: left-posterior-superior"
 SIZE, RADIUS_MM = 40, 14
 
 
@@ -28,16 +29,16 @@ def ball():
     return x * x + y * y + z * z < RADIUS_MM**2
 
 
-def write_scan(path):
+def write_scan(path, space=LPS):
     """A ball of 800 HU in air; its centre is at 19.5 mm along each axis, LPS."""
     hu = numpy.where(ball(), 800, -1000).astype("<i2")
-    path.write_bytes(HEAD.format(kind="int16", n=SIZE, more="").encode() + hu.tobytes())
+    path.write_bytes(HEAD.format(kind="int16", space=space, n=SIZE, more="").encode() + hu.tobytes())
 
 
 def write_label_map(path):
     """The same ball as 3D Slicer writes a segment."""
     more = "Segment0_ID:=Segment_1\nSegment0_LabelValue:=1\nSegment0_Layer:=0\nSegment0_Name:=scapula_left\n"
-    head = HEAD.format(kind="unsigned char", n=SIZE, more=more)
+    head = HEAD.format(kind="unsigned char", space=LPS, n=SIZE, more=more)
     path.write_bytes(head.encode() + ball().astype("u1").tobytes())
 
 
