@@ -67,8 +67,8 @@ std::vector<KeyPose> plunge_poses(const PlungeSettings& plunge) {
   double time = 0;
   const auto add = [&](double duration_s, double travel_mm) {
     time += duration_s;
-    // A phase without duration adds no pose, so that times keep increasing.
-    if (!poses.empty() && !(duration_s > 0)) return;
+    // A phase without duration, or too short to change the time, adds no pose, so that times keep increasing.
+    if (!poses.empty() && !(time > poses.back().time_s)) return;
     poses.push_back({time, {plunge.entry_mm + travel_mm * axis, orientation, 0, plunge.spin_rpm}});
   };
   add(0, -plunge.approach_mm);

@@ -206,6 +206,21 @@ TEST(Plunge, WithoutDwellOrRetraction) {
   EXPECT_NEAR(m.poses.back().position_mm.z(), -1, 1e-12);
 }
 
+TEST(Plunge, PhasesTooShortToChangeTheTimeAreLeftOut) {
+  for (const double tiny : {1e-308, 1e-20, 1e-16}) {
+    PlungeSettings p;
+    p.dwell_s = tiny;
+    p.retract_mm = tiny;
+    p.depth_mm = 1;
+    const Motion m = build(plunge(p));
+    for (const ToolPose& pose : m.poses) {
+      ASSERT_TRUE(pose.position_mm.allFinite() && pose.orientation.coeffs().allFinite()) << tiny;
+      ASSERT_TRUE(std::isfinite(pose.spin_angle_rad) && std::isfinite(pose.spin_rpm)) << tiny;
+    }
+    EXPECT_NEAR(m.poses.back().position_mm.z(), -1, 1e-12) << tiny;
+  }
+}
+
 TEST(Plunge, FasterThanTheFramesIsWarnedOf) {
   PlungeSettings p;
   p.approach_mm = 5;
