@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
+#include <fmt/core.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -59,17 +60,19 @@ class Conventions : public ::testing::Test {
     return out;
   }
 
-  /// Writes the image as an NRRD whose space has the axes of LPS times `signs`.
+  /// Writes the image as an NRRD whose space has the axes of LPS times `signs`; a space with time has a fourth axis.
   std::string nrrd(const std::string& name, const std::string& space, const Vec3& signs) {
+    const bool time = space.ends_with("time") || space.ends_with("ST");
+    const auto vector = [&](const Vec3& v) {
+      return fmt::format("({},{},{}{})", v.x(), v.y(), v.z(), time ? ",0" : "");
+    };
     std::ostringstream out;
-    out << "NRRD0004\ntype: int16\ndimension: 3\n" << space << "\nsizes: " << egg_.dims.transpose();
-    out << "\nendian: little\nencoding: raw\nspace directions:";
+    out << "NRRD0004\ntype: int16\ndimension: " << (time ? 4 : 3) << "\n" << space << "\nsizes: ";
+    out << egg_.dims.transpose() << (time ? " 1" : "") << "\nendian: little\nencoding: raw\nspace directions:";
     for (int axis = 0; axis < 3; ++axis) {
-      const Vec3 step = signs.cwiseProduct(egg_.direction.col(axis)) * egg_.spacing_mm[axis];
-      out << " (" << step.x() << "," << step.y() << "," << step.z() << ")";
+      out << " " << vector(signs.cwiseProduct(egg_.direction.col(axis)) * egg_.spacing_mm[axis]);
     }
-    const Vec3 origin = signs.cwiseProduct(egg_.origin_mm);
-    out << "\nspace origin: (" << origin.x() << "," << origin.y() << "," << origin.z() << ")\n\n";
+    out << (time ? " (0,0,0,1)" : "") << "\nspace origin: " << vector(signs.cwiseProduct(egg_.origin_mm)) << "\n\n";
     for (const double value : egg_.value) {
       const auto stored = static_cast<std::int16_t>(value);
       out.write(reinterpret_cast<const char*>(&stored), sizeof stored);
@@ -105,9 +108,17 @@ class Conventions : public ::testing::Test {
 };
 
 TEST_F(Conventions, EveryAnatomicalSpaceOfNrrdGivesTheSameVoxmap) {
-  const std::pair<const char*, Vec3> spaces[] = {{"left-posterior-superior", {1, 1, 1}},   {"LPS", {1, 1, 1}},
-                                                 {"right-anterior-superior", {-1, -1, 1}}, {"RAS", {-1, -1, 1}},
-                                                 {"left-anterior-superior", {1, -1, 1}},   {"LAS", {1, -1, 1}}};
+  const std::pair<const char*, Vec3> spaces[] = {{"left-posterior-superior", {1, 1, 1}},
+                                                 {"LPS", {1, 1, 1}},
+                                                 {"left-posterior-superior-time", {1, 1, 1}},
+                                                 {"right-anterior-superior", {-1, -1, 1}},
+                                                 {"RAS", {-1, -1, 1}},
+                                                 {"right-anterior-superior-time", {-1, -1, 1}},
+                                                 {"RAST", {-1, -1, 1}},
+                                                 {"left-anterior-superior", {1, -1, 1}},
+                                                 {"LAS", {1, -1, 1}},
+                                                 {"left-anterior-superior-time", {1, -1, 1}},
+                                                 {"LAST", {1, -1, 1}}};
   for (const auto& [space, signs] : spaces) {
     expect_same(import(nrrd("space.nrrd", std::string("space: ") + space, signs)), reference_, space);
     EXPECT_THAT(warnings_, IsEmpty()) << space;

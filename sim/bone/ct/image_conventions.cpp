@@ -38,8 +38,12 @@ bool is_anatomical(const std::string& space) {
          space.starts_with("las");
 }
 
-bool is_las(const std::string& space) {
-  return space.starts_with("leftanterior") || space.starts_with("las");
+/// By what ITK's axes differ from LPS: of LAS it mirrors x instead of y, and spaces with time it leaves as they are.
+Vec3 signs_of(const std::string& space) {
+  if (space == "leftanteriorsuperior" || space == "las") return {-1, -1, 1};
+  if (space == "leftanteriorsuperiortime" || space == "last") return {1, -1, 1};
+  if (space == "rightanteriorsuperiortime" || space == "rast") return {-1, -1, 1};
+  return Vec3::Ones();
 }
 
 bool is_nrrd(const itk::ImageIOBase& io) {
@@ -56,9 +60,10 @@ double mm_of(int nifti_units) {
 }  // namespace
 
 ScanGeometry as_the_file_means(const itk::ImageIOBase& io, ScanGeometry geometry) {
-  if (is_nrrd(io) && is_las(nrrd_space(io.GetFileName()))) {
-    geometry.step_mm.topRows(2) *= -1;
-    geometry.origin_mm.head(2) *= -1;
+  if (is_nrrd(io)) {
+    const Vec3 signs = signs_of(nrrd_space(io.GetFileName()));
+    geometry.step_mm = signs.asDiagonal() * geometry.step_mm;
+    geometry.origin_mm = signs.cwiseProduct(geometry.origin_mm);
   }
   if (is_nifti(io)) {
     if (const NiftiHeader header = read_nifti_header(io.GetFileName())) geometry.origin_mm *= mm_of(header->xyz_units);
