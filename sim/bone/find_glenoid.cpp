@@ -22,8 +22,7 @@ constexpr double kApart_mm = 3;  // starts nearer to each other count as one
 constexpr std::size_t kFineSearches = 4;
 /// A face is refused below these.
 constexpr double kLeastScore = 0.35, kDoubtfulScore = 0.5;
-constexpr double kLeastRim = 0.5;   // of the directions
-constexpr double kWholeRim = 0.95;  // a larger fraction has no gap
+constexpr double kLeastRim = 0.5;  // of the directions
 
 /// Points of the surface round a point, with directions out of the bone.
 std::vector<Rigid> starts_round(const BoneView& bone, const BoneProbe& probe, const Vec3& near_mm) {
@@ -101,15 +100,15 @@ std::optional<SettledFace> best_from(const BoneProbe& probe, const std::vector<R
 }
 
 /// Replaces a face by a better one. A doubtful one by starts all over the surface, because rays from a point beside a
-/// deep face may meet its walls only. One whose rim has a gap by starts towards both of its ends: the search rests in
-/// more than one outline where the rim passes into the base of the coracoid.
+/// deep face may meet its walls only. Then any by starts towards both of its ends, because the search rests in more
+/// than one outline, above all where the rim passes into the base of the coracoid, and which one depended on the point.
 void improve(const BoneView& bone, const BoneProbe& probe, const Vec3& near_mm, std::optional<SettledFace>& best) {
   if (!best || score_of(*best, near_mm) < kDoubtfulScore) {
     const auto face = best_from(probe, starts_on_surface(bone, probe, {near_mm, kFarthestStart_mm}), near_mm);
     const bool clear = face && place_of(probe, *face).confidence >= kDoubtfulScore;
     if (clear && (!best || score_of(*face, near_mm) > score_of(*best, near_mm))) best = face;
   }
-  if (!best || best->rim_fraction() > kWholeRim) return;
+  if (!best) return;
   for (const SettledFace& beside : faces_beside(probe, *best)) {
     // These are outlines of the same joint: the distance from the point does not count.
     if (score_of(beside, near_mm) > 0 && face_score(beside) > face_score(*best)) best = beside;
