@@ -83,6 +83,23 @@ VaultColumn vault_column(ColumnBone& bone, const SeatedImplant& implant, const F
   return out;
 }
 
+/// The vault behind the back of the implant on its axis: the mean of the columns around it, which lies between four.
+std::optional<double> axis_depth(const ReamedBone& bone, const SeatedImplant& implant, const ImplantShape& shape,
+                                 const MetricSettings& settings) {
+  const ColumnPlace first = (-implant.map.corner_mm / implant.map.pitch_mm).array().floor().cast<int>();
+  const double back_mm = shape.back_mm(Vec2::Zero()).value_or(0);
+  ColumnBone lengths(bone, implant.map, settings.dense_g_cm3);
+  double sum_mm = 0;
+  int columns = 0;
+  for (const ColumnPlace& step : {ColumnPlace(0, 0), ColumnPlace(1, 0), ColumnPlace(0, 1), ColumnPlace(1, 1)}) {
+    const FootprintColumn column{.place = first + step, .back_mm = back_mm};
+    if (!implant.map.contains(column.place) || implant.map.at(column.place).state == ColumnState::air) continue;
+    sum_mm += vault_column(lengths, implant, column, settings.implant->vault_depth_mm).left_mm;
+    ++columns;
+  }
+  return columns > 0 ? std::optional(sum_mm / columns) : std::nullopt;
+}
+
 Vault measure_vault(const ReamedBone& bone, const SeatedImplant& implant, const ImplantShape& shape,
                     const MetricSettings& settings) {
   const double depth_mm = settings.implant->vault_depth_mm;
@@ -103,13 +120,7 @@ Vault measure_vault(const ReamedBone& bone, const SeatedImplant& implant, const 
     area_mm2 += column_mm2;
   }
   out.mean_depth_mm = out.left_mm3 / area_mm2;
-  const Vec2 at = -implant.map.corner_mm / implant.map.pitch_mm;
-  const ColumnPlace middle(static_cast<int>(std::lround(at.x())), static_cast<int>(std::lround(at.y())));
-  if (implant.map.contains(middle) && implant.map.at(middle).state != ColumnState::air) {
-    ColumnBone lengths(bone, implant.map, settings.dense_g_cm3);
-    const double back_mm = shape.back_mm(Vec2::Zero()).value_or(0);
-    out.axis_depth_mm = vault_column(lengths, implant, {.place = middle, .back_mm = back_mm}, depth_mm).left_mm;
-  }
+  out.axis_depth_mm = axis_depth(bone, implant, shape, settings);
   return out;
 }
 

@@ -238,6 +238,15 @@ TEST(ImplantFit, TheVaultEndsAtTheFirstAirOfABall) {
   EXPECT_NEAR(found.axis_depth_mm.value_or(0), 32, kTenthVoxel);
 }
 
+TEST(ImplantFit, TheAxisLiesBetweenTheColumnsOverASteepBottom) {
+  for (const Vec3& down : {Vec3(0.6, 0.4, -1), Vec3(-0.6, 0.4, -1), Vec3(0.6, -0.4, -1), Vec3(-0.6, -0.4, -1)}) {
+    Block block({40, 40, 30}, kVoxel, 1.8);
+    carve(block, above_plane({0, 0, -15}, down));
+    block.ream(above_plane({0, 0, -3}, Vec3::UnitZ()));
+    EXPECT_NEAR(plan(block, disc(10)).vault.axis_depth_mm.value_or(0), 12, kTenthVoxel) << down.transpose();
+  }
+}
+
 TEST(ImplantFit, AnglesOfATiltedImplant) {
   BoneAxes axes;
   axes.scapula = ScapularAxes{.lateral = Vec3::UnitZ(), .superior = Vec3::UnitY(), .anterior = Vec3::UnitX()};
