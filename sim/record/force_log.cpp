@@ -3,6 +3,8 @@
 
 #include "sim/record/force_log.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -45,6 +47,8 @@ constexpr std::array<std::string_view, 7> kOptionalNames{"pass",         "feed_m
                                                          "hand_force_n", "hand_power_w", "drill_power_w"};
 /// More passes are a damaged file.
 constexpr double kMostPasses = 1e4;
+/// So is a tool farther away: recorded poses reach 1e6 mm in the frame of the motion.
+constexpr double kFarthest_mm = 1.1e6;
 
 /// `v`: the values of a row, in the order of kNames and kOptionalNames.
 ForceRow make_row(const SourceLocation& where, const std::vector<double>& v) {
@@ -56,6 +60,10 @@ ForceRow make_row(const SourceLocation& where, const std::vector<double>& v) {
   row.pass = static_cast<int>(pass);
   row.time_s = v[kTime];
   row.pose.position_mm = Vec3(&v[kPosition]);
+  if (!(row.pose.position_mm.cwiseAbs().maxCoeff() <= kFarthest_mm)) {
+    throw InputError(where, "tool_x_mm", "the position of the tool is out of range",
+                     fmt::format("expected at most {:g} mm", kFarthest_mm));
+  }
   row.pose.orientation = Quat(v[kOrientation], v[kOrientation + 1], v[kOrientation + 2], v[kOrientation + 3]);
   if (std::abs(row.pose.orientation.norm() - 1) > 1e-3) {
     throw InputError(where, "tool_qw", "the quaternion does not have length 1", "expected a rotation");

@@ -77,6 +77,8 @@ TEST_F(ForceLogFile, MistakesAreNamedWithTheirLine) {
   expect_complaint(good + "2,0,0,0\n", "forces.csv:3");
   expect_complaint(good + "1,0,0,0,0,1,0,0,0,0,0,0,0,0,0,0,0,0,0,0\n", "ascend");
   expect_complaint(good + "2,0,0,0,0,1,1,0,0,0,0,0,0,0,0,0,0,0,0,0\n", "quaternion");
+  // Steps along a path of this length are below the resolution of a double: a search along it never ended.
+  expect_complaint(good + "2,0,0,1e17,0,1,0,0,0,0,0,0,0,0,0,0,0,0,0,0\n", "forces.csv:3: tool_x_mm: the position");
 }
 
 }  // namespace
