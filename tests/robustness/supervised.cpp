@@ -10,6 +10,7 @@
 
 #include <cerrno>
 #include <chrono>
+#include <csignal>
 #include <cstring>
 #include <new>
 #include <stdexcept>
@@ -52,6 +53,7 @@ class SharedNote {
 };
 
 [[noreturn]] void do_and_exit(const std::function<void()>& work, SharedNote& note) {
+  setpgid(0, 0);  // with the programs that the work starts, which must not outlive it
   const rlimit memory{kMostMemory, kMostMemory};
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)  // their shadow memory is larger
   setrlimit(RLIMIT_AS, &memory);
@@ -84,6 +86,7 @@ Verdict supervised(const std::function<void()>& work) {
   rusage usage{};
   while (wait4(child, &status, 0, &usage) < 0 && errno == EINTR) {
   }
+  kill(-child, SIGKILL);
   Verdict out;
   out.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
   out.peak_mb = static_cast<double>(usage.ru_maxrss) * 1024 / 1e6;  // Linux counts KiB
