@@ -41,7 +41,7 @@ std::vector<FrameTime> frames_of(const std::string& dir) {
   CsvReader log(dir + "/forces.csv", columns, "the log of a run");
   std::vector<FrameTime> out;
   for (std::vector<double> row; log.next(row);) {
-    const FrameResult result = result_of(row);
+    const FrameResult result = result_of(row, log.where());
     out.push_back({result.time_s, result.frame, result.pose.orientation * Vec3::UnitZ()});
   }
   return out;

@@ -16,6 +16,7 @@
 #include "sim/bone/voxmap/lattice.h"
 #include "sim/bone/voxmap/sample_voxels.h"
 #include "sim/mesh/mesh_check.h"
+#include "sim/mesh/mesh_file.h"
 #include "sim/mesh/mesh_io.h"
 #include "sim/mesh/mesh_repair.h"
 
@@ -106,6 +107,7 @@ void set_fill_at_surface(const openvdb::FloatTree& distance, const GradesByDepth
 
 /// The mesh of the scenario, repaired if requested. Throws InputError if meshToVolume cannot use it.
 TriangleMesh checked_mesh(const MeshBoneSettings& settings, Report& report) {
+  require_mesh_name(settings.path, "bone.mesh.path");
   TriangleMesh mesh = read_mesh(settings.path, settings.scale);
   const MeshDiagnosis found = diagnose(mesh);
   if (!found.closed_manifold() && !settings.repair) {

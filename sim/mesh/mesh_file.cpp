@@ -115,6 +115,14 @@ void check_ply(const std::string& path, std::uintmax_t size) {
 
 }  // namespace
 
+void require_mesh_name(const std::string& path, const std::string& key) {
+  try {
+    checked_extension(path);
+  } catch (const InputError& error) {
+    throw InputError({}, key, error.what(), "");
+  }
+}
+
 MeshFile check_mesh_file(const std::string& path) {
   const std::string extension = checked_extension(path);
   const std::uintmax_t size = checked_size(path);

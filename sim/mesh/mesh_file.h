@@ -19,6 +19,9 @@ struct MeshFile {
   std::uintmax_t bytes = 0;
 };
 
+/// Throws InputError at a key of the scenario unless the name of the file ends as that of a mesh.
+void require_mesh_name(const std::string& path, const std::string& key);
+
 /// Checks the name, size and header of a mesh file, whose counts the library that reads it trusts. Throws InputError.
 MeshFile check_mesh_file(const std::string& path);
 

@@ -14,6 +14,7 @@
 
 #include "sim/bone/surface_patch.h"
 #include "sim/bone/voxel_surface.h"
+#include "sim/mesh/mesh_file.h"
 #include "sim/mesh/mesh_io.h"
 #include "sim/motion/bounded_path.h"
 #include "sim/predict/predicted_passes.h"
@@ -116,6 +117,7 @@ class Surfaces {
   }
 
   void add_envelope(const ClearanceEnvelopeSettings& settings, double cell_mm) {
+    require_mesh_name(settings.path, "clearance.envelope.path");
     const TriangleMesh mesh = read_mesh(settings.path, settings.scale);
     std::map<std::tuple<int, int, int>, std::vector<SurfacePatch>> cells;
     for (const auto& triangle : mesh.triangles) {

@@ -8,6 +8,14 @@ namespace reamsim {
 namespace {
 
 constexpr std::size_t kPlannedColumns = 26, kDeflectedColumns = kPlannedColumns + 3;
+constexpr std::size_t kFrame = 0, kContacts = 20, kPass = 25;
+/// Counts up to here are whole numbers of a double.
+constexpr double kMostCounted = 1e15, kMostPasses = 1e4;
+
+std::int64_t count_in(double value, double least, double most, const char* column, const SourceLocation& where) {
+  if (value >= least && value <= most) return static_cast<std::int64_t>(value);
+  throw InputError(where, column, "out of range", "expected a forces.csv as reamsim wrote it");
+}
 
 }  // namespace
 
@@ -53,9 +61,9 @@ std::vector<double> force_row(const FrameResult& r) {
   return out;
 }
 
-FrameResult result_of(std::span<const double> v) {
+FrameResult result_of(std::span<const double> v, const SourceLocation& where) {
   FrameResult out;
-  out.frame = static_cast<std::int64_t>(v[0]);
+  out.frame = count_in(v[kFrame], 0, kMostCounted, "frame", where);
   out.time_s = v[1];
   out.pose = {.position_mm = Vec3(&v[2]),
               .orientation = Quat(v[5], v[6], v[7], v[8]),
@@ -66,12 +74,12 @@ FrameResult result_of(std::span<const double> v) {
   out.torque_nmm = Vec3(&v[15]);
   out.axial_force_n = v[18];
   out.spin_torque_nmm = v[19];
-  out.contacts = static_cast<std::int64_t>(v[20]);
+  out.contacts = count_in(v[kContacts], 0, kMostCounted, "contacts", where);
   out.removed_mm3 = v[21];
   out.energy_mj = v[22];
   out.floor_energy_mj = v[23];
   out.balance = v[24];
-  out.pass = static_cast<int>(v[25]);
+  out.pass = static_cast<int>(count_in(v[kPass], 1, kMostPasses, "pass", where));
   if (v.size() == kDeflectedColumns) {
     out.deflection_mm = Vec3(&v[kPlannedColumns]);
   } else if (v.size() > kPlannedColumns) {

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "sim/base/error.h"
 #include "sim/record/results.h"
 
 namespace reamsim {
@@ -35,7 +36,8 @@ std::string force_columns(PoseFeedback feedback);
 /// The values of a row of forces.csv, in the order of its columns.
 std::vector<double> force_row(const FrameResult& result);
 
-/// The result in such a row; without those columns it is that of a run with a prescribed motion.
-FrameResult result_of(std::span<const double> row);
+/// The result in such a row; without those columns it is that of a run with a prescribed motion. `where`: the place of
+/// the row, for the InputError of a frame, pass or number of contacts that no run writes.
+FrameResult result_of(std::span<const double> row, const SourceLocation& where);
 
 }  // namespace reamsim

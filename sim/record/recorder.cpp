@@ -41,7 +41,9 @@ Recorder::Recorder(const std::string& dir, double voxel_mm, std::int64_t frame, 
 void Recorder::add_rows_again() {
   const std::vector<std::string_view> forces = csv_cells(columns_), timings = csv_cells(kTimingColumns);
   std::vector<double> row;
-  for (CsvReader log(dir_ + "/forces.csv", forces, "the log of a run"); log.next(row);) totals_.add(result_of(row));
+  for (CsvReader log(dir_ + "/forces.csv", forces, "the log of a run"); log.next(row);) {
+    totals_.add(result_of(row, log.where()));
+  }
   for (CsvReader log(dir_ + "/timings.csv", timings, "the log of a run"); log.next(row);) {
     totals_.broad_phase_s += row[1] / 1e3;
     totals_.detect_s += row[2] / 1e3;

@@ -114,7 +114,7 @@ void ReforcedRows::for_each(const std::function<void(const FrameResult&)>& visit
   double work_mj = 0, floor_mj = 0, cut_mj = 0;
   std::vector<double> row;
   while (log.next(row)) {
-    FrameResult result = result_of(row);
+    FrameResult result = result_of(row, log.where());
     const FrameForces now = run_.basis.forces(result.frame, constants_);
     work_mj += now.work_mj;
     floor_mj += now.floor_energy_mj;

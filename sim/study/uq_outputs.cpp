@@ -37,7 +37,7 @@ std::vector<LoggedFrame> read_frames(const std::string& dir) {
   std::vector<LoggedFrame> out;
   std::vector<double> row;
   while (log.next(row)) {
-    const FrameResult result = result_of(row);
+    const FrameResult result = result_of(row, log.where());
     out.push_back({result.frame, result.time_s, result.pose.orientation * Vec3::UnitZ(), result.axial_force_n,
                    result.spin_torque_nmm, result.energy_mj});
   }

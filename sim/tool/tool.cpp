@@ -11,6 +11,7 @@
 
 #include "sim/base/error.h"
 #include "sim/mesh/mesh_check.h"
+#include "sim/mesh/mesh_file.h"
 #include "sim/mesh/mesh_io.h"
 #include "sim/tool/envelope.h"
 #include "sim/tool/leak.h"
@@ -63,6 +64,7 @@ Vec3 centroid(const TriangleMesh& mesh) {
 }
 
 TriangleMesh read_closed_mesh(const ToolSettings& settings, double voxel_mm, Report& report) {
+  require_mesh_name(settings.mesh, "tool.mesh");
   TriangleMesh mesh = read_mesh(settings.mesh, settings.scale);
   const MeshDiagnosis diagnosis = diagnose(mesh);
   if (!diagnosis.closed_manifold()) throw tool_error(settings, diagnosis.text(), "give a closed two-manifold surface");

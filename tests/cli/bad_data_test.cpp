@@ -88,6 +88,15 @@ TEST_F(BadData, MeshDegenerate) {
   expect_mesh_refused("flat.stl", stl + "endsolid\n", {"flat.stl"});
 }
 
+TEST_F(BadData, MeshOfAnotherFormatIsSaidAtItsKey) {
+  for (const char* file : {"part.step", "cube", "cube.stl.gz"}) {
+    write(file, cube_stl(10));
+    expect_refused(run(mesh_bone(file)), 2,
+                   {"s.yaml:", "bone.mesh.path: ", file, "expected a mesh in .stl, .obj or .ply"});
+    expect_refused(run(with_tool(file)), 2, {"s.yaml:", "tool.mesh: ", file, "expected a mesh in .stl, .obj or .ply"});
+  }
+}
+
 TEST_F(BadData, MeshWithNaN) {
   expect_mesh_refused("nan.stl", with(cube_stl(10), "vertex 10 0 0", "vertex nan 0 0"), {"nan.stl"});
 }

@@ -199,6 +199,17 @@ TEST_F(Resume, ADamagedCheckpointFallsBackToTheOther) {
   }
 }
 
+TEST_F(Resume, ALogWithAPassThatNoRunHasIsRefused) {
+  write("s.yaml", kLong);
+  ASSERT_EQ(call({"-o", "cut"}, has_rows("cut.partial", 100)).status, kSuspended);
+  std::string log = read("cut.partial/forces.csv");
+  const std::size_t end = log.find('\n', log.find('\n') + 1);  // of the first row, whose last column is the pass
+  ASSERT_EQ(log.substr(end - 2, 2), ",1");
+  log[end - 1] = '0';
+  write("cut.partial/forces.csv", log);
+  expect_refused(call({"-o", "cut", "--resume"}), 2, {"forces.csv:2: pass: out of range"});
+}
+
 TEST_F(Resume, AnotherScenarioOrInputIsRefusedByName) {
   fs::copy(REAMSIM_ROOT "/assets/reamer_flat.stl", path("tool.stl"));
   const std::string yaml = with(kLong, REAMSIM_ROOT "/assets/reamer_flat.stl", "tool.stl");

@@ -37,6 +37,7 @@ CASES = [
     "check ct.yaml --set motion.frame=glenoid",
     "check mesh.yaml --set bone.side=null",
     "check mesh.yaml --set bone.mesh.path=nofile.stl",
+    "check phantom.yaml --set tool.mesh=part.step",
     "check phantom.yaml --set tool.mesh='${NOWHERE}/x.stl'",
     "sweep plan empty_study.yaml",
     "init nothing -o new.yaml",
@@ -72,6 +73,7 @@ def write_inputs(folder, root):
     (folder / "short.yaml").write_text("bone: {source: phantom}\n")
     (folder / "empty_study.yaml").write_text("version: 1\n")
     (folder / "semicolons.csv").write_text("time_s;x_mm;y_mm;z_mm;qw;qx;qy;qz\n0;0;0;0;1;0;0;0\n")
+    (folder / "part.step").write_text("ISO-10303-21;\n")
     (folder / "nothing").mkdir()
     (folder / "nothing/readme.txt").write_text("no scan")
     (folder / "reamer.stl").symlink_to(root / "assets/reamer_convex.stl")
