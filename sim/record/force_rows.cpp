@@ -8,9 +8,9 @@ namespace reamsim {
 namespace {
 
 constexpr std::size_t kPlannedColumns = 26, kDeflectedColumns = kPlannedColumns + 3;
-constexpr std::size_t kFrame = 0, kContacts = 20, kPass = 25;
+constexpr std::size_t kFrameColumn = 0, kContactsColumn = 20, kPassColumn = 25;
 /// Counts up to here are whole numbers of a double.
-constexpr double kMostCounted = 1e15, kMostPasses = 1e4;
+constexpr double kLargestCount = 1e15, kLargestPass = 1e4;
 
 std::int64_t count_in(double value, double least, double most, const char* column, const SourceLocation& where) {
   if (value >= least && value <= most) return static_cast<std::int64_t>(value);
@@ -63,7 +63,7 @@ std::vector<double> force_row(const FrameResult& r) {
 
 FrameResult result_of(std::span<const double> v, const SourceLocation& where) {
   FrameResult out;
-  out.frame = count_in(v[kFrame], 0, kMostCounted, "frame", where);
+  out.frame = count_in(v[kFrameColumn], 0, kLargestCount, "frame", where);
   out.time_s = v[1];
   out.pose = {.position_mm = Vec3(&v[2]),
               .orientation = Quat(v[5], v[6], v[7], v[8]),
@@ -74,12 +74,12 @@ FrameResult result_of(std::span<const double> v, const SourceLocation& where) {
   out.torque_nmm = Vec3(&v[15]);
   out.axial_force_n = v[18];
   out.spin_torque_nmm = v[19];
-  out.contacts = count_in(v[kContacts], 0, kMostCounted, "contacts", where);
+  out.contacts = count_in(v[kContactsColumn], 0, kLargestCount, "contacts", where);
   out.removed_mm3 = v[21];
   out.energy_mj = v[22];
   out.floor_energy_mj = v[23];
   out.balance = v[24];
-  out.pass = static_cast<int>(count_in(v[kPass], 1, kMostPasses, "pass", where));
+  out.pass = static_cast<int>(count_in(v[kPassColumn], 1, kLargestPass, "pass", where));
   if (v.size() == kDeflectedColumns) {
     out.deflection_mm = Vec3(&v[kPlannedColumns]);
   } else if (v.size() > kPlannedColumns) {
