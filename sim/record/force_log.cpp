@@ -13,6 +13,7 @@
 
 #include "sim/base/csv.h"
 #include "sim/base/error.h"
+#include "sim/record/force_rows.h"
 #include "sim/record/layer_mean.h"
 #include "sim/record/row_decimator.h"
 
@@ -45,19 +46,15 @@ constexpr std::array<std::string_view, kColumns> kNames{
 /// Logs of older versions have no passes; only a tool that a hand pushes has the others.
 constexpr std::array<std::string_view, 7> kOptionalNames{"pass",         "feed_mm_s",    "velocity_mm_s", "thrust_n",
                                                          "hand_force_n", "hand_power_w", "drill_power_w"};
-/// More passes are a damaged file.
-constexpr double kMostPasses = 1e4;
-/// So is a tool farther away: recorded poses reach 1e6 mm in the frame of the motion.
-constexpr double kFarthest_mm = 1.1e6;
+/// A tool farther away is a damaged file: recorded poses reach 1e6 mm along each axis of the motion's frame, which may
+/// be rotated.
+constexpr double kFarthest_mm = 2e6;
 
 /// `v`: the values of a row, in the order of kNames and kOptionalNames.
 ForceRow make_row(const SourceLocation& where, const std::vector<double>& v) {
   ForceRow row;
-  if (v[kFrame] < 0 || v[kFrame] > 1e15) throw InputError(where, "frame", "out of range", "expected 0 or more");
-  row.frame = static_cast<std::int64_t>(v[kFrame]);
-  const double pass = std::isnan(v[kColumns]) ? 1 : v[kColumns];
-  if (!(pass >= 1 && pass <= kMostPasses)) throw InputError(where, "pass", "out of range", "expected 1 or more");
-  row.pass = static_cast<int>(pass);
+  row.frame = frame_number(v[kFrame], where);
+  row.pass = std::isnan(v[kColumns]) ? 1 : pass_number(v[kColumns], where);
   row.time_s = v[kTime];
   row.pose.position_mm = Vec3(&v[kPosition]);
   if (!(row.pose.position_mm.cwiseAbs().maxCoeff() <= kFarthest_mm)) {

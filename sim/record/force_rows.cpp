@@ -19,6 +19,14 @@ std::int64_t count_in(double value, double least, double most, const char* colum
 
 }  // namespace
 
+std::int64_t frame_number(double value, const SourceLocation& where) {
+  return count_in(value, 0, kLargestCount, "frame", where);
+}
+
+int pass_number(double value, const SourceLocation& where) {
+  return static_cast<int>(count_in(value, 1, kLargestPass, "pass", where));
+}
+
 std::string force_columns(PoseFeedback feedback) {
   return std::string(kForceColumns) + (feedback.push ? kPushColumns : "") +
          (feedback.springs ? kDeflectionColumns : "");
@@ -63,7 +71,7 @@ std::vector<double> force_row(const FrameResult& r) {
 
 FrameResult result_of(std::span<const double> v, const SourceLocation& where) {
   FrameResult out;
-  out.frame = count_in(v[kFrameColumn], 0, kLargestCount, "frame", where);
+  out.frame = frame_number(v[kFrameColumn], where);
   out.time_s = v[1];
   out.pose = {.position_mm = Vec3(&v[2]),
               .orientation = Quat(v[5], v[6], v[7], v[8]),
@@ -79,7 +87,7 @@ FrameResult result_of(std::span<const double> v, const SourceLocation& where) {
   out.energy_mj = v[22];
   out.floor_energy_mj = v[23];
   out.balance = v[24];
-  out.pass = static_cast<int>(count_in(v[kPassColumn], 1, kLargestPass, "pass", where));
+  out.pass = pass_number(v[kPassColumn], where);
   if (v.size() == kDeflectedColumns) {
     out.deflection_mm = Vec3(&v[kPlannedColumns]);
   } else if (v.size() > kPlannedColumns) {

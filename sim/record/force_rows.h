@@ -33,6 +33,10 @@ struct PoseFeedback {
 /// The header of the forces.csv of a run.
 std::string force_columns(PoseFeedback feedback);
 
+/// The number of a frame or pass in forces.csv. Throw InputError for one that no run writes.
+std::int64_t frame_number(double value, const SourceLocation& where);
+int pass_number(double value, const SourceLocation& where);
+
 /// The values of a row of forces.csv, in the order of its columns.
 std::vector<double> force_row(const FrameResult& result);
 
