@@ -29,6 +29,11 @@ constexpr int kHalvings = 5;
 constexpr double kMargin_voxels = 1;
 /// A ray ends this far behind the travel that another one has found, because of rounding.
 constexpr double kSlack_voxels = 1e-3;
+/// The outermost circles of an envelope, and those beside its bore, pass along the wall of a hole that the same reamer
+/// has left, whose place is known to parts of a voxel. Bone that they meet counts if the envelope also meets bone this
+/// much farther from its edge, at most so much later; or if it meets no other.
+constexpr double kRim_voxels = 0.75;
+constexpr double kLater_voxels = 1;
 
 /// Lowest z of a closed profile at a radius, the points of its outline included; infinite where it has none.
 double lowest_z(const Profile& profile, double r) {
@@ -77,11 +82,14 @@ struct Meeting {
 /// Meetings of the envelope with the bone on rays along the line.
 class ContactRays {
  public:
-  ContactRays(const BoneView& bone, const Profile& envelope, const Vec3& through_mm, const Vec3& direction)
+  ContactRays(const BoneView& bone, const Profile& envelope, const Vec3& through_mm, const Vec3& direction,
+              double rim_mm)
       : bone_(bone),
         envelope_(envelope),
         through_mm_(through_mm),
-        axes_(orientation_from_axis(direction).toRotationMatrix()) {
+        axes_(orientation_from_axis(direction).toRotationMatrix()),
+        bore_mm_(std::ranges::min_element(envelope.points, {}, [](const Vec2& p) { return p.x(); })->x()),
+        rim_mm_(rim_mm) {
     const VoxelGrid& grid = bone.voxmap.grid;
     const Aabb box = grid.bounds_mm().expanded(kMargin_voxels * grid.voxel_mm);
     start_mm_ = kNever;
@@ -93,6 +101,19 @@ class ContactRays {
     }
   }
 
+  /// The least travel of all.
+  [[nodiscard]] Meeting first() const {
+    const double voxel_mm = bone_.voxmap.grid.voxel_mm, fine_mm = kFine_voxels * voxel_mm;
+    const Meeting coarse = least(kCoarse_voxels * voxel_mm, kNever);
+    if (coarse.travel_mm == kNever) return coarse;
+    const Meeting fine = least(fine_mm, coarse.travel_mm + kSlack_voxels * voxel_mm);
+    // The fine rays are others: a spike of bone may lie between them.
+    return refined(fine.travel_mm <= coarse.travel_mm ? fine : coarse, fine_mm);
+  }
+
+  [[nodiscard]] Vec3 bone_mm(const Meeting& meeting) const { return point_mm(meeting.place_mm, meeting.bone_mm); }
+
+ private:
   /// The least travel on rays `spacing_mm` apart, if it is at most `most_mm`.
   [[nodiscard]] Meeting least(double spacing_mm, double most_mm) const {
     const std::vector<Ring> rings = rings_of(envelope_, spacing_mm);
@@ -119,9 +140,6 @@ class ContactRays {
     return best;
   }
 
-  [[nodiscard]] Vec3 bone_mm(const Meeting& meeting) const { return point_mm(meeting.place_mm, meeting.bone_mm); }
-
- private:
   [[nodiscard]] Vec3 point_mm(const Vec2& place_mm, double along_mm) const {
     return through_mm_ + axes_ * Vec3(place_mm.x(), place_mm.y(), along_mm);
   }
@@ -149,13 +167,30 @@ class ContactRays {
     const auto met = first_bone_mm(bone_, point_mm(place_mm, start_mm_), axes_.col(2), ray_mm);
     if (!met) return {};
     const double bone_mm = start_mm_ + *met;
-    return {bone_mm + low_mm, place_mm, bone_mm};
+    const Meeting here{bone_mm + low_mm, place_mm, bone_mm};
+    return is_wall(here) ? Meeting{} : here;
+  }
+
+  /// Whether only the rim of the envelope, or that of its bore, meets bone here.
+  [[nodiscard]] bool is_wall(const Meeting& meeting) const {
+    const double radius_mm = meeting.place_mm.norm(), first_mm = bore_mm_ + rim_mm_;
+    const double last_mm = envelope_.max_radius_mm() - rim_mm_;
+    if (rim_mm_ == 0 || last_mm < first_mm + rim_mm_) return false;  // a narrow ring is all rim
+    double further_mm = radius_mm;
+    if (radius_mm > last_mm) further_mm = radius_mm - rim_mm_;
+    if (bore_mm_ > 0 && radius_mm < first_mm) further_mm = radius_mm + rim_mm_;
+    if (further_mm == radius_mm) return false;
+    const Vec2 place_mm = further_mm / radius_mm * meeting.place_mm;
+    const double later_mm = kLater_voxels * bone_.voxmap.grid.voxel_mm;
+    return at(place_mm, lowest_z(envelope_, further_mm), meeting.travel_mm + later_mm).travel_mm == kNever;
   }
 
   BoneView bone_;
   const Profile& envelope_;
   Vec3 through_mm_;
-  Mat3 axes_;  ///< of the line; z is its direction
+  Mat3 axes_;       ///< of the line; z is its direction
+  double bore_mm_;  ///< radius
+  double rim_mm_;   ///< 0: bone that only a rim meets counts
   double start_mm_;
   double end_mm_;
 };
@@ -164,13 +199,13 @@ class ContactRays {
 
 std::optional<FirstContact> find_first_contact(const BoneView& bone, const Profile& envelope, const Vec3& through_mm,
                                                const Vec3& direction) {
-  const double voxel_mm = bone.voxmap.grid.voxel_mm;
-  const ContactRays rays(bone, envelope, through_mm, direction);
-  const double bound_mm = rays.least(kCoarse_voxels * voxel_mm, kNever).travel_mm + kSlack_voxels * voxel_mm;
-  const double fine_mm = kFine_voxels * voxel_mm;
-  const Meeting first = rays.refined(rays.least(fine_mm, bound_mm), fine_mm);
-  if (first.travel_mm == kNever) return std::nullopt;
-  return FirstContact{first.travel_mm, through_mm + first.travel_mm * direction, rays.bone_mm(first)};
+  for (const double rim_mm : {kRim_voxels * bone.voxmap.grid.voxel_mm, 0.0}) {
+    const ContactRays rays(bone, envelope, through_mm, direction, rim_mm);
+    const Meeting first = rays.first();
+    if (first.travel_mm == kNever) continue;
+    return FirstContact{first.travel_mm, through_mm + first.travel_mm * direction, rays.bone_mm(first)};
+  }
+  return std::nullopt;
 }
 
 FirstContact find_first_contact(const Bone& bone, const Tool& tool, const PlungeSettings& plunge, PoseFrame frame,

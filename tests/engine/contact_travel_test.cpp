@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 
 #include <cmath>
+#include <iostream>
 
 #include "sim/base/error.h"
 #include "sim/scene/first_contact.h"
@@ -133,6 +134,45 @@ TEST(ContactTravel, OnTheGlenoidPhantom) {
   const double radius = 10;
   EXPECT_NEAR(find(flat(radius)), -(face - std::sqrt(face * face - radius * radius)), kTolerance_mm);
   EXPECT_NEAR(find(ball(12)), 0, kTolerance_mm);
+}
+
+/// A half space below z = 0 with a hole of the shape of a tool, `depth_mm` deep; the fractions are of 8³ points.
+Bone with_hole(const Profile& tool, double depth_mm) {
+  VoxelGrid grid{{56, 56, 30}, kVoxel_mm, {-14.1, -13.8, -11.9}};
+  FilledVoxmap voxmap(grid);
+  constexpr int kParts = 8;
+  const auto is_bone = [&](const Vec3& p) {
+    const double r = p.head<2>().norm();
+    double low = NAN;
+    for (std::size_t i = 0; i + 1 < tool.points.size() && std::isnan(low); ++i) {
+      const Vec2 &a = tool.points[i], &b = tool.points[i + 1];
+      if (b.x() > a.x() && r >= a.x() && r <= b.x()) low = a.y() + (b.y() - a.y()) * (r - a.x()) / (b.x() - a.x());
+    }
+    return p.z() < 0 && !(p.z() >= low - depth_mm);
+  };
+  for_each_voxel(grid.dims, [&](const Vec3i& voxel) {
+    int inside = 0;
+    for_each_voxel(Vec3i::Constant(kParts), [&](const Vec3i& part) {
+      const Vec3 off = (part.cast<double>() + Vec3::Constant(0.5)) / kParts - Vec3::Constant(0.5);
+      inside += is_bone(grid.center_mm(voxel) + kVoxel_mm * off) ? 1 : 0;
+    });
+    if (inside == 0) return;
+    voxmap.grade.set(voxel, 100);
+    voxmap.fill.set(voxel, static_cast<std::uint16_t>(std::lround(65535.0 * inside / (kParts * kParts * kParts))));
+  });
+  return Bone(std::move(voxmap));
+}
+
+TEST(ContactTravel, InAHoleOfTheSameReamerIsItsFloor) {
+  double most = 0;
+  for (const Profile& tool : {flat(7), ball(6), cap_profile(29, 11, 6, 0)}) {
+    for (const double depth : {1.3, 3.0}) {
+      const double found = travel(with_hole(tool, depth), tool, {0, 0, 2});
+      most = std::max(most, std::abs(found - (2 + depth)) / kVoxel_mm);
+    }
+  }
+  std::cout << "largest error " << most << " voxels\n";
+  EXPECT_LT(most, 1.1) << "the rim counts within a voxel of the floor";
 }
 
 TEST(ContactTravel, SeesWholeVoxelsAsCubesAndPilotHoles) {
