@@ -6,7 +6,12 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <fstream>
+#include <functional>
+#include <optional>
+#include <set>
 
+#include "sim/base/csv.h"
 #include "sim/base/error.h"
 #include "sim/base/file.h"
 #include "sim/record/result_json.h"
@@ -155,17 +160,45 @@ void add_run(const Json& summary, const std::string& dir, Citation& out) {
   add_libraries(summary, out);
 }
 
-/// The runs of a study that have a readable summary: the others are simulated again.
-Citation cite_study(const std::string& dir) {
-  std::vector<std::string> runs;
+/// The ids of the runs that the table of a study has as done; nothing where it has no table.
+std::optional<std::set<std::string, std::less<>>> runs_in_table(const std::string& dir) {
+  const std::string table = dir + "/runs.csv";
+  if (!fs::exists(table)) return std::nullopt;
+  std::ifstream in(table);
+  std::set<std::string, std::less<>> out;
+  for (std::string line; std::getline(in, line);) {
+    const std::vector<std::string_view> cells = csv_cells(line);  // run,id,status
+    if (cells.size() > 2 && cells[2] == "done") out.emplace(cells[1]);
+  }
+  return out;
+}
+
+/// The folders of the finished runs of a study. Those of an older plan are not in its table.
+std::vector<std::string> runs_of_study(const std::string& dir) {
+  const auto table = runs_in_table(dir);
+  std::vector<std::string> out;
   std::error_code error;
   for (fs::directory_iterator entry(dir + "/runs", error), end; !error && entry != end; entry.increment(error)) {
-    if (fs::exists(entry->path() / "summary.json", error)) runs.push_back(entry->path().string());
+    const fs::path& run = entry->path();
+    if (run.extension().empty() && (!table || table->contains(run.filename().string()))) out.push_back(run.string());
   }
-  std::ranges::sort(runs);
+  std::ranges::sort(out);
+  return out;
+}
+
+/// A damaged run is left out: the study writes its citation, and must not end with it.
+Citation cite_study(const std::string& dir) {
   Citation out;
-  for (const std::string& run : runs) {
-    if (const Json summary = summary_of(run); summary.is_object()) add_run(summary, run, out);
+  for (const std::string& run : runs_of_study(dir)) {
+    try {
+      const Json summary = summary_of(run);
+      if (!summary.is_object()) continue;
+      Citation with_run = out;
+      add_run(summary, run, with_run);
+      out = std::move(with_run);
+    } catch (const InputError&) {
+      continue;
+    }
   }
   return out;
 }

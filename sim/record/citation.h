@@ -28,9 +28,9 @@ Citation cite_program();
 /// Of runs: each work once. Reads summary.json of each folder, and scenario.yaml where it matters. Throws InputError
 /// where a file is damaged.
 Citation cite_runs(const std::vector<std::string>& dirs);
-/// Of the results in DIR: of a run; of a study all its runs that have a summary, with uq.json the estimators as well;
-/// of a benchmark or verification the program. Throws InputError where a file of a run is damaged, or DIR is a
-/// comparison.
+/// Of the results in DIR: of a run; of a study the runs that runs.csv has as done (without it all), but for damaged
+/// ones, with uq.json the estimators as well; of a benchmark or verification the program. Throws InputError where a
+/// file of a single run is damaged, or DIR is a comparison.
 Citation cite_results(const std::string& dir);
 
 /// For people, with the entries of BibTeX below.

@@ -106,7 +106,7 @@ RunState StudyFolder::state(const std::string& id) const {
   const auto has_whole_summary = [&] {
     return parse_result_json(read_file_start(run_dir(id) + "/summary.json", kMostBytes)).is_object();
   };
-  if (manifest && manifest->complete && has("summary.json") && has_whole_summary() &&
+  if (manifest && manifest->complete && has("summary.json") && has_whole_summary() && has("scenario.yaml") &&
       (!keep_.forces || has("forces.csv")) && (!keep_.grids || has("reamed.vdb")) &&
       (!keep_.pictures || has("forces.png"))) {
     return RunState::done;

@@ -104,6 +104,8 @@ TEST_F(Cite, BibtexAndJsonHaveTheSameEntries) {
   EXPECT_EQ(items[1]["issued"]["date-parts"][0][0], 2020);
 }
 
+constexpr auto overwrite = std::filesystem::copy_options::overwrite_existing;
+
 TEST_F(Cite, AStudyAndAComparisonHaveWhatTheirRunsUsed) {
   const std::string old = REAMSIM_ROOT "/tests/cli/results_0_1_0/results/";
   for (const std::string run : {"phantom", "ct", "broken"}) {
@@ -127,6 +129,18 @@ TEST_F(Cite, AStudyAndAComparisonHaveWhatTheirRunsUsed) {
   }
   EXPECT_EQ(count(text, "10.1016/j.cmpb.2019.105263"), 1) << "each work once";
   EXPECT_EQ(count(text, sum), 1);
+
+  // A run whose scenario is damaged is left out; so is one that is not in the table, or is not finished.
+  write("study/runs/ct/scenario.yaml", "[");
+  const std::string without_ct = call({"cite", "study"}).out;
+  EXPECT_THAT(without_ct, AllOf(HasSubstr("0.1.0"), Not(HasSubstr("Aslam")), Not(HasSubstr(REAMSIM_VERSION))));
+  std::filesystem::copy(old + "scenario.yaml", path("study/runs/ct/scenario.yaml"), overwrite);
+  EXPECT_EQ(call({"cite", "study"}).out, text);
+  std::filesystem::rename(path("study/runs/ct"), path("study/runs/ct.partial"));
+  EXPECT_EQ(call({"cite", "study"}).out, without_ct);
+  std::filesystem::rename(path("study/runs/ct.partial"), path("study/runs/ct"));
+  write("study/runs.csv", "run,id,status,message\n1,phantom,done,\n2,ct,failed,\"a, b\"\n");
+  EXPECT_EQ(call({"cite", "study"}).out, without_ct);
 
   expect_done(run(kSmall));
   ASSERT_EQ(

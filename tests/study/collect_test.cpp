@@ -31,7 +31,8 @@ class Collect : public StudyTest {
     const std::string dir = folder_.run_dir(runs_[run].id);
     std::filesystem::create_directories(dir);
     std::ofstream(dir + "/summary.json") << summary;
-    write_manifest(dir, {.kind = "run", .files = {"summary.json"}});
+    std::ofstream(dir + "/scenario.yaml") << "version: 2\n";
+    write_manifest(dir, {.kind = "run", .files = {"scenario.yaml", "summary.json"}});
   }
   /// The lines of runs.csv.
   [[nodiscard]] std::vector<std::string> table(StudyCounts& counts) const {
@@ -93,6 +94,9 @@ TEST_F(Collect, ADamagedResultIsNotDone) {
     std::filesystem::resize_file(dir + "/summary.json", bytes);
     EXPECT_EQ(folder_.state(runs_[0].id), RunState::missing);
   }
+  finish(0, R"({"a": 1})");
+  std::filesystem::resize_file(dir + "/scenario.yaml", 0);
+  EXPECT_EQ(folder_.state(runs_[0].id), RunState::missing);
   finish(0, R"({"a": 1})");
   std::filesystem::remove(dir + "/manifest.json");
   EXPECT_EQ(folder_.state(runs_[0].id), RunState::missing);
