@@ -52,7 +52,7 @@ void describe_point_spread(KeyVisitor& v, CtSettings& ct) {
       {.name = "psf_mm",
        .doc =
            "Full width of the point spread function (PSF) of the scanner; 0: the voxel spacing along each axis, or of "
-           "an oblique scan 1.5 times the largest spacing",
+           "an oblique scan 1.25 times the extent of its voxel along each axis of LPS",
        .range = between(0, 10)},
       ct.psf_mm);
 }

@@ -194,6 +194,33 @@ TEST_F(BoundaryDensity, HoldsOnObliqueScans) {
   }
 }
 
+TEST_F(BoundaryDensity, OfADensePlateInObliqueScansIsThatOfAnAlignedOne) {
+  double worst = 0;
+  for (const double plate_mm : {3.5, 5.0}) {
+    for (const double slice_mm : {0.5, 1.25}) {
+      for (const double degrees : {0.0, 0.05, 10.0, 25.0}) {
+        for (const double tilt_deg : {0.0, 60.0}) {
+          Block block;
+          block.hu = [=](double depth_mm) { return depth_mm < plate_mm ? 1200.0 : 400.0; };
+          block.step_mm = plate_mm;
+          block.noise_hu = 30;
+          block.seed = 1;
+          block.spacing_mm = Vec3(0.5, 0.5, slice_mm);
+          block.offset_mm = 0.3 * slice_mm;
+          block.extent_mm = 40;
+          block.tilt_deg = tilt_deg;
+          block.axes = Eigen::AngleAxisd(degrees * std::numbers::pi / 180, Vec3::UnitX()).toRotationMatrix();
+          const double found = error(block, 0.5, 2);
+          worst = std::max(worst, std::abs(found));
+          EXPECT_NEAR(found, 0, 0.035) << "plate of " << plate_mm << " mm, slices of " << slice_mm << " mm, turned by "
+                                       << degrees << " deg, face tilted by " << tilt_deg << " deg, seed 1";
+        }
+      }
+    }
+  }
+  std::cout << "worst " << 100 * worst << " %\n";
+}
+
 TEST_F(BoundaryDensity, HoldsWithALabelMapToo) {
   for (const double outside_hu : {-1000.0, 60.0}) {
     for (const double offset_mm : {0.0, 0.31, 0.74}) {

@@ -204,9 +204,9 @@ class BoundaryEstimator {
   double search_;  ///< steps along a ray
 };
 
-Vec3i spread_in_voxels(const Lattice& lattice, double psf_mm) {
+Vec3i spread_in_voxels(const Lattice& lattice, const Vec3& psf_mm) {
   constexpr double kWhole = 1e-6;
-  return (psf_mm * lattice.spacing_mm.cwiseInverse() - Vec3::Constant(kWhole)).array().ceil().cast<int>().cwiseMax(1);
+  return (psf_mm.cwiseQuotient(lattice.spacing_mm) - Vec3::Constant(kWhole)).array().ceil().cast<int>().cwiseMax(1);
 }
 
 bool has_face_outside(const Mask& bone, const Lattice& lattice, const Vec3i& voxel) {
@@ -227,7 +227,7 @@ AlignedImage part_of(const AlignedImage& image, const IndexBox& box) {
 }
 
 /// As correct_boundary(), for a whole image.
-BoundaryDensity correct(AlignedImage& hu, const Mask& mask, double psf_mm, int reach_voxels) {
+BoundaryDensity correct(AlignedImage& hu, const Mask& mask, const Vec3& psf_mm, int reach_voxels) {
   constexpr int kByRay = 2;  // layers outside whose values are estimated; further layers are means of neighbours
   const Lattice& lattice = hu.lattice;
   const Vec3i spread = spread_in_voxels(lattice, psf_mm);
@@ -258,7 +258,7 @@ BoundaryDensity correct(AlignedImage& hu, const Mask& mask, double psf_mm, int r
 
 }  // namespace
 
-BoundaryDensity correct_boundary(AlignedImage& hu, const BoneField& bone, double psf_mm, int reach_voxels) {
+BoundaryDensity correct_boundary(AlignedImage& hu, const BoneField& bone, const Vec3& psf_mm, int reach_voxels) {
   // The field extends up to two voxels beyond the kept bone where a cut passes; erosion needs another point spread.
   const Vec3i room = spread_in_voxels(hu.lattice, psf_mm) + Vec3i::Constant(reach_voxels + 3);
   IndexBox box;

@@ -35,8 +35,8 @@ struct BoundaryDensity {
 /// Voxels outside the bone get values as well, `reach_voxels` deep, for interpolation and averaging at the boundary.
 /// @param hu           the scan, HU; corrected in place
 /// @param bone         on the lattice of `hu`; above 0 in bone, including adjacent bone that a cut removed
-/// @param psf_mm       full width of the scanner's point spread, mm; 0: the voxel spacing along each axis
+/// @param psf_mm       full width of the scanner's point spread along each axis of LPS, mm; 0: the voxel spacing
 /// @param reach_voxels how far from the bone resampling reads, at least 2
-BoundaryDensity correct_boundary(AlignedImage& hu, const BoneField& bone, double psf_mm, int reach_voxels);
+BoundaryDensity correct_boundary(AlignedImage& hu, const BoneField& bone, const Vec3& psf_mm, int reach_voxels);
 
 }  // namespace reamsim::ct

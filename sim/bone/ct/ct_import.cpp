@@ -253,16 +253,16 @@ auto with_open_scan(const CtSettings& settings, Report& report, const Use& use) 
   }
 }
 
-/// The width of the point spread, mm; 0: the spacing of the lattice along each axis. An oblique scan is interpolated on
-/// a lattice with its finest spacing. Its values are as wide as its voxels are long, and interpolation widens them.
-double psf_of(const ct::ScanGeometry& scan, const CtSettings& settings) {
-  constexpr double kInterpolated = 1.5;  // the least at which uniform blocks are right, whatever their threshold
-  if (settings.psf_mm > 0 || ct::is_axis_aligned(scan)) return settings.psf_mm;
-  return kInterpolated * scan.spacing_mm().maxCoeff();
+/// The width of the point spread along each axis of LPS, mm; 0: the spacing of the lattice. A value of an oblique scan
+/// is as wide as its voxel reaches along the axis, and interpolation widens it.
+Vec3 psf_of(const ct::ScanGeometry& scan, const CtSettings& settings) {
+  constexpr double kInterpolated = 1.25;  // the least at which uniform blocks are right, whatever their threshold
+  if (settings.psf_mm > 0 || ct::is_axis_aligned(scan)) return Vec3::Constant(settings.psf_mm);
+  return kInterpolated * scan.step_mm.cwiseAbs().rowwise().sum();
 }
 
 /// Corrects the density at the boundary and resamples.
-FilledVoxmap voxels_of(ct::AlignedImage hu, const ct::BoneField& bone, const BoneSettings& settings, double psf_mm,
+FilledVoxmap voxels_of(ct::AlignedImage hu, const ct::BoneField& bone, const BoneSettings& settings, const Vec3& psf_mm,
                        Report& report, Segmentation* segmentation, const StageSink& stages = {}) {
   begin_stage(stages, BoneStage::correct_density);
   const ct::BoundaryDensity boundary =

@@ -18,17 +18,23 @@ namespace reamsim::ct {
 
 namespace {
 
-/// The value of the field `space` of an NRRD header in lower case, without hyphens and spaces; empty without one. ITK
-/// names the space into which it converted.
+/// Letters and digits in lower case.
+std::string plain(const std::string& text) {
+  std::string out;
+  for (const char c : text) {
+    if (std::isalnum(static_cast<unsigned char>(c)) != 0) out += static_cast<char>(std::tolower(c));
+  }
+  return out;
+}
+
+/// The value of the field `space` of an NRRD header, plain(); empty without one. Fields are written in any case, and
+/// `space:=value` is no field. ITK names the space into which it converted.
 std::string nrrd_space(const std::string& path) {
-  std::istringstream header(read_file_start(path, 1 << 16));
+  constexpr std::size_t kMostBytes = 1 << 24;  // of a header, which may hold any texts
+  std::istringstream header(read_file_start(path, kMostBytes));
   for (std::string line; std::getline(header, line) && !line.empty() && line != "\r";) {
-    if (!line.starts_with("space:")) continue;
-    std::string space;
-    for (const char c : line.substr(6)) {
-      if (std::isalnum(static_cast<unsigned char>(c)) != 0) space += static_cast<char>(std::tolower(c));
-    }
-    return space;
+    const std::size_t colon = line.find(": ");
+    if (colon != std::string::npos && plain(line.substr(0, colon)) == "space") return plain(line.substr(colon));
   }
   return "";
 }

@@ -149,13 +149,15 @@ std::string printable_start(const std::string& line) {
 /// where these follow it and have no size.
 void check_meta_image(const std::string& path, const std::string& key) {
   static const std::regex few_dimensions(R"(NDims\s*[=:]\s*[1-9]\s*)");
+  static const std::regex is_compressed(R"(CompressedData\s*[=:]\s*[Tt1].*\s*)");
+  static const std::regex is_local(R"(ElementDataFile\s*[=:]\s*(LOCAL|Local|local)\s*)");
   std::istringstream header(read_file_start(path, 1 << 16));
   bool compressed = false;
   bool sized = false;
   for (std::string line; std::getline(header, line);) {
-    compressed = compressed || line.starts_with("CompressedData = T");
+    compressed = compressed || std::regex_match(line.substr(0, kLongestLine), is_compressed);
     sized = sized || line.starts_with("CompressedDataSize");
-    if (line == "ElementDataFile = LOCAL") {  // voxels follow
+    if (std::regex_match(line.substr(0, kLongestLine), is_local)) {  // voxels follow
       if (!compressed || sized) return;
       throw InputError({path}, key, "the MetaImage header has no CompressedDataSize",
                        "add it, or save the image without compression");
