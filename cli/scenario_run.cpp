@@ -165,6 +165,7 @@ class ScenarioRun {
     facts_.checkpoints_s = checkpoints_.seconds();
     report_.note(checkpoints_.cost());
     recorder.close();
+    if (mean_travel_mm() == 0) warn_of_rounding(scene_, recorder.totals(), report_);
     if (outputs_) outputs_->snapshots_written(end.frame);  // also where that is frame 0
     print_report();
   }

@@ -45,7 +45,11 @@ void RunTotals::add(const FrameResult& row) {
   balance = row.balance;
   max_depth_mm = std::max(max_depth_mm, row.depth_mm);
   peak_force_n = std::max(peak_force_n, row.force_n.norm());
-  peak_axial_force_n = std::max(peak_axial_force_n, row.axial_force_n);
+  if (row.axial_force_n > peak_axial_force_n) {
+    peak_axial_force_n = row.axial_force_n;
+    peak_advance_mm = (row.pose.position_mm - last_position_mm_).norm();
+  }
+  last_position_mm_ = row.pose.position_mm;
   peak_torque_nmm = std::max(peak_torque_nmm, row.torque_nmm.norm());
   peak_spin_torque_nmm = std::max(peak_spin_torque_nmm, std::abs(row.spin_torque_nmm));
   const auto layer = layer_.add(row.pose.position_mm, row.axial_force_n, row.spin_torque_nmm);

@@ -60,6 +60,7 @@ class RunTotals {
   double peak_layer_spin_torque_nmm = 0;  ///< likewise, of its magnitude
   double peak_force_n = 0;                ///< of single frames, like those below
   double peak_axial_force_n = 0;
+  double peak_advance_mm = 0;  ///< of the tool in the frame with that force
   double peak_torque_nmm = 0;
   double peak_spin_torque_nmm = 0;
   std::optional<PushTotals> push;              ///< of a tool that a hand pushes
@@ -92,7 +93,8 @@ class RunTotals {
  private:
   double force_squares_ = 0;
   double torque_squares_ = 0;
-  Means sums_;  // rows without contact have no force, so these are sums over the reaming time
+  Means sums_;                            // rows without contact have no force, so these are sums over the reaming time
+  Vec3 last_position_mm_ = Vec3::Zero();  // of the row before
   LayerMean layer_;
 };
 
