@@ -159,7 +159,8 @@ void check_options(const FitCommandOptions& options) {
     throw InputError({}, "--class-edges", fmt::format("found {:g}", options.edges[i]),
                      "expected densities above 0, in ascending order");
   }
-  if (!options.output.empty() && options.output == options.residuals) {
+  const auto plain = [](const std::string& path) { return std::filesystem::absolute(path).lexically_normal(); };
+  if (!options.output.empty() && !options.residuals.empty() && plain(options.output) == plain(options.residuals)) {
     throw InputError({}, "--residuals", "is the file of -o", "give each a file of its own");
   }
 }

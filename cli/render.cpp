@@ -16,6 +16,7 @@
 #include "render/render.h"
 #include "sim/base/error.h"
 #include "sim/base/text.h"
+#include "sim/record/manifest.h"
 #include "sim/record/output_folder.h"
 #include "sim/scenario/parse.h"
 
@@ -119,9 +120,21 @@ void require_effects(const RenderOptions& options, const RenderSettings& setting
   require(!options.context.empty(), "--context", pictures);
   require(!options.film.empty(), "--film", {"film", "turntable"});
   require(options.turntable_pictures.has_value(), "--turntable", {"turntable"});
+  if (options.turntable_pictures == 0 && !options.only.empty() && options.wants("turntable")) {
+    throw InputError({}, "--turntable", "found 0", "give the number of pictures of --only turntable, or leave it out");
+  }
   if (options.film_rate_hz && settings.film == FilmFormat::none) {
     throw InputError({}, "--film-rate", "has no effect: no film is made", "add --film");
   }
+}
+
+/// Throws InputError for a finished run of a study that keeps nothing that pictures are made from.
+void require_kept(const std::string& dir) {
+  const std::optional<Manifest> manifest = read_manifest(dir);
+  if (!manifest || !manifest->complete) return;
+  if (manifest->files.contains("reamed.vdb") && std::filesystem::exists(dir + "/snapshots")) return;
+  throw InputError({dir, 0, 0}, "", "holds no grid and snapshots, from which pictures are made",
+                   "add `keep: [pictures]` to the study of this run, and run the study again");
 }
 
 /// Throws InputError where `--only` names what a run with a checkpoint only cannot give.
@@ -194,6 +207,7 @@ void render_command(const RenderOptions& options, const Console& console) {
   if (!std::filesystem::is_directory(options.dir)) {
     throw InputError({options.dir, 0, 0}, "", "folder not found", "expected the results folder of a finished run");
   }
+  require_kept(options.dir);
   const ResultSettings settings = settings_of(options, "");
   PictureOptions pictures{.settings = settings.render,
                           .camera_without_suffix = name_of(settings.render.cameras.front())};

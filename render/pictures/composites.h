@@ -25,10 +25,10 @@ PixelImage before_and_after(const RunView& view, const Camera& half, const Pixel
 
 /// The layout of a contact sheet.
 struct SheetGrid {
-  int columns, rows;
-  int cell_width_px, cell_height_px;
+  int columns = 0, rows = 0;
+  int cell_width_px = 0, cell_height_px = 0;
   Box area;  ///< of all cells, with the gaps between them
-  int gap_px;
+  int gap_px = 0;
 };
 /// The layout with the largest cells that leaves room for title, legend and scale.
 SheetGrid sheet_grid(int cells, int width_px, int height_px);

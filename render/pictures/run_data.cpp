@@ -74,7 +74,7 @@ RunInputs read_inputs(const std::string& dir, const std::shared_ptr<const Stored
   out.whole_voxels = bone->erosion == "remove" || bone->erosion == "wear";
   out.frames = snapshot_frames(dir);
   if (out.frames.empty()) {
-    throw InputError({dir + "/snapshots", 0, 0}, "", "contains no snapshot", "the output folder of a run");
+    throw InputError({dir + "/snapshots", 0, 0}, "", "contains no snapshot", "expected the results folder of a run");
   }
   out.fill = out.frames.front() == 0 ? fill_at(out, 0) : FillBricks(out.voxmap->grid.dims);
   out.passes = read_tools(dir);

@@ -27,7 +27,8 @@ struct Headline {
   [[nodiscard]] std::string depth_text() const { return fixed_text(tool_depth_mm, 2); }
 
   [[nodiscard]] std::string force_definition() const {
-    return std::string("maximum component of the force along the tool axis, and maximum torque about it, ") +
+    return std::string(
+               "maximum component of the force along the tool axis, and largest magnitude of the torque about it, ") +
            (means ? "of the means over one voxel of travel" : "of a single frame");
   }
   static constexpr const char* kDepthDefinition = "maximum travel of the tool along its axis since first contact";

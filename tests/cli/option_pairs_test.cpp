@@ -63,7 +63,7 @@ TEST_F(OptionPairs, OfAFit) {
   expect_named(fit({"--class-edges", "0.5,1"}), "--class-edges: has no effect with --model law");
   expect_named(fit({"--model", "classes", "--class-edges", "1,0.5"}), "--class-edges: found 0.5");
   expect_named(fit({"--model", "classes", "--class-edges", "0,1"}), "--class-edges: found 0");
-  expect_named(fit({"-o", "same", "--residuals", "same"}), "--residuals");
+  for (const char* same : {"same", "./same"}) expect_named(fit({"-o", "same", "--residuals", same}), "--residuals");
 }
 
 TEST_F(OptionPairs, OfPicturesDrawnAgain) {
@@ -74,6 +74,7 @@ TEST_F(OptionPairs, OfPicturesDrawnAgain) {
   };
   expect_named(render({"--only", "pictures", "--film"}), "--film: has no effect");
   expect_named(render({"--only", "pictures", "--turntable", "8"}), "--turntable: has no effect");
+  expect_named(render({"--only", "turntable", "--turntable", "0"}), "--turntable: found 0");
   expect_named(render({"--film-rate", "5"}), "--film-rate: has no effect");
   for (const char* size : {"--width", "--height"}) {
     expect_named(render({"--only", "plots", size, "200"}), std::string(size) + ": has no effect");
