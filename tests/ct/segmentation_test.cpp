@@ -61,6 +61,18 @@ TEST_F(Segmentation, TrabecularInsideStaysBone) {
   EXPECT_THAT(notes(), HasSubstr("are below 200 HU"));
 }
 
+TEST_F(Segmentation, ACutThatBoneEnclosesIsNotFilled) {
+  BoneSettings settings = write([](const Vec3& p) { return p.norm() < 9 ? 600.0 : 0.0; });
+  settings.ct.cut_spheres = {{Vec3::Zero(), 4}};
+  settings.ct.fill_holes = true;
+  reamsim::Segmentation facts;
+  const FilledVoxmap voxmap = voxmap_from_ct(settings, report_, &facts);
+  EXPECT_EQ(grade_at(voxmap, Vec3(0.1, 0.1, 0.1)), 0);
+  EXPECT_NEAR(facts.filled_mm3, 0, 1e-9);
+  EXPECT_NEAR(facts.bone_mm3 / (ball(9) - ball(4)), 1, 0.02);
+  EXPECT_THAT(notes(), HasSubstr("filled (0 voxels)"));
+}
+
 TEST_F(Segmentation, BoneDenserThanAGradeHoldsIsWarnedOf) {
   const auto warnings_with = [this](double hu) {
     report_ = {};
