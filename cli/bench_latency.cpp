@@ -26,6 +26,7 @@ void bench_latency(const std::vector<std::string>& scenarios, const std::string&
   if (device != "auto") overrides.push_back("engine.device=" + device);
   for (const std::string& file : scenarios) {
     Report report;
+    const PrintOnError warnings_of_error(report, console);
     const Scenario scenario = parse_scenario(file, overrides);
     ReamingScene scene = load_scene(scenario, report);
     const auto engine = load_engine(scene);

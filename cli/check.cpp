@@ -217,14 +217,23 @@ void draw_setup(const CheckOptions& options, const ReamingScene& scene, const Co
   report.note("picture: " + options.picture);
 }
 
-void check_command(const CheckOptions& options, const Console& console) {
-  const Stopwatch load_watch;
-  const Scenario scenario = options.scenario.parse();
-  require_picture_file(options, scenario);
+/// What `check` says of a scenario.
+struct Findings {
+  ReamingScene scene;
+  Report report;
+  MistakeList mistakes;  ///< of the glenoid frame
+  Json figures;
+};
+
+/// Loads the scenario and estimates its run. Warnings found before an error are printed.
+Findings examine(const CheckOptions& options, const Scenario& scenario, const Stopwatch& watch,
+                 const Console& console) {
+  Findings out;
   Report found;
-  MistakeList mistakes;
-  ReamingScene scene = load_scene(scenario, found, mistakes);
-  const double load_s = load_watch.seconds();
+  const PrintOnError warnings_of_error(found, console);
+  out.scene = load_scene(scenario, found, out.mistakes);
+  ReamingScene& scene = out.scene;
+  const double load_s = watch.seconds();
   const std::vector<ContactForecast> contacts = forecast_passes(scene);
   const ContactForecast contact = of_whole_run(contacts);
   scene.contact = contact_frames(contacts);
@@ -233,15 +242,22 @@ void check_command(const CheckOptions& options, const Console& console) {
   if (clearance) warn_of_clearance(*clearance, scene, found);
   warn_of_settings(scene, found);
   draw_setup(options, scene, contact, found);  // before a mistake of the pose ends the command: it shows there
-  Report report;
+  Report& report = out.report;
   report.warnings = found.warnings;
-  Json figures;
-  note_cost(scene, report, figures);
-  note_plans(scene, load_s, mistakes, report, figures);
+  note_cost(scene, report, out.figures);
+  note_plans(scene, load_s, out.mistakes, report, out.figures);
   if (clearance) report.note(sentence_of(*clearance, scene));
   if (scene.bone.segmentation) report.note(sentence_of(*scene.bone.segmentation));
   report.listings = std::move(found.listings);
   report.notes.insert(report.notes.end(), found.notes.begin(), found.notes.end());
+  return out;
+}
+
+void check_command(const CheckOptions& options, const Console& console) {
+  const Stopwatch load_watch;
+  const Scenario scenario = options.scenario.parse();
+  require_picture_file(options, scenario);
+  const auto [scene, report, mistakes, figures] = examine(options, scenario, load_watch, console);
   // On a terminal, standard error would repeat them.
   if (isatty(STDOUT_FILENO) == 0 || console.quiet) {
     for (const std::string& warning : report.warnings) console.warn(warning);

@@ -77,6 +77,7 @@ void import_command(const ImportOptions& options, const Console& console) {
   ImportProgress progress(settings,
                           [&](double fraction, const std::string& stage) { bar.begin_part(fraction, stage); });
   Report report;
+  const PrintOnError warnings_of_error(report, console);
   const Bone bone = load_checked(scenario, report, [&](BoneStage stage) { progress.begin(stage); });
   progress.begin(BoneStage::write);
   Metadata metadata{{"source", fs::path(options.input).filename().string()}, {"sha256", sha256_of(options.input)}};

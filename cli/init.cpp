@@ -151,6 +151,7 @@ void init_command(InitOptions options, const Console& console) {
   const std::string tool = tool_of(options);
   options.used_scale = mesh_scale(options.input, options.scale, console);
   Report report;
+  const PrintOnError warnings_of_error(report, console);
   LoadedBone loaded = load(options, near_of(options, report), report);
   FirstScenario first{.first_line = std::string(kFirstLine) + " docs/formats.md lists all keys.",
                       .bone = loaded.settings,

@@ -60,16 +60,16 @@ bool is_of_other_side(const FacePlace& place, BodySide side) {
   return side != BodySide::unknown && (place.normal.x() > 0) != (side == BodySide::left);
 }
 
-std::vector<FacePlace> places_of(const BoneSettings& settings, Report& report) {
+/// `of_bone` gets what is said of the bone.
+std::vector<FacePlace> places_of(const BoneSettings& settings, Report& of_bone, Report& report) {
   std::vector<FacePlace> out;
-  Report ignored;  // the bone is loaded once more where it was found
   if (settings.source == BoneSource::ct) {
-    out = places_at_heads(settings, ignored);
+    out = places_at_heads(settings, of_bone);
     if (out.empty()) {
       report.note("no head of a humerus with a joint in the scan: the whole surface of the bone is searched");
     }
   }
-  if (out.empty()) out = places_on_surface(settings, ignored);
+  if (out.empty()) out = places_on_surface(settings, of_bone);
   std::ranges::stable_sort(out, {}, [](const FacePlace& place) { return -place.confidence; });
   return out;
 }
@@ -81,12 +81,9 @@ std::vector<FacePlace> places_of(const BoneSettings& settings, Report& report) {
                        "shows coordinates");
 }
 
-}  // namespace
-
-Vec3 locate_glenoid(const BoneSettings& given, Report& report) {
-  BoneSettings settings = given;
-  settings.voxel_mm = kSearchVoxel_mm;
-  std::vector<FacePlace> places = places_of(settings, report);
+/// The centre of the only plausible face.
+Vec3 only_face(const BoneSettings& settings, Report& of_bone, Report& report) {
+  std::vector<FacePlace> places = places_of(settings, of_bone, report);
   if (settings.source == BoneSource::ct) {
     const auto of_other_side = [&](const FacePlace& place) { return is_of_other_side(place, settings.side); };
     const std::size_t others = std::erase_if(places, of_other_side);
@@ -108,6 +105,27 @@ Vec3 locate_glenoid(const BoneSettings& given, Report& report) {
   report.note("search for the glenoid: " + text_of(best) +
               (places.size() > 1 ? fmt::format("; the next best place has {:.2f}", places[1].confidence) : ""));
   return best.center_mm;
+}
+
+/// The scan may have been read more than once.
+void add_warnings_once(const Report& from, Report& to) {
+  for (const std::string& warning : from.warnings) {
+    if (std::ranges::find(to.warnings, warning) == to.warnings.end()) to.warn(warning);
+  }
+}
+
+}  // namespace
+
+Vec3 locate_glenoid(const BoneSettings& given, Report& report) {
+  BoneSettings settings = given;
+  settings.voxel_mm = kSearchVoxel_mm;
+  Report of_bone;  // where a face is found, the bone is loaded once more with it, and its warnings come then
+  try {
+    return only_face(settings, of_bone, report);
+  } catch (const InputError&) {
+    add_warnings_once(of_bone, report);
+    throw;
+  }
 }
 
 }  // namespace reamsim

@@ -127,6 +127,7 @@ void preview_command(const PreviewOptions& options, const Console& console) {
     return StopOutcome{};
   });
   Report report;
+  const PrintOnError warnings_of_error(report, console);
   const std::string page = page_of(request, report);
   console.print(report);
   replace_file(options.output, page);

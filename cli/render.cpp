@@ -229,6 +229,7 @@ void render_command(const RenderOptions& options, const Console& console) {
                         .finished = !is_unfinished(options.dir)});
   ResultUpdate update(options.dir, ResultKind::run);
   Report report;
+  const PrintOnError warnings_of_error(report, console);
   outputs.make(report, console);
   outputs.make_report();
   update.finish();

@@ -67,6 +67,7 @@ class ScenarioRun {
         console_(console) {}
 
   void run() {
+    const PrintOnError warnings_of_error(report_, console_);
     load();
     Recorder recorder = checkpoints_.open_logs(scene_.bone.voxmap->grid.voxel_mm, scenario_, report_);
     simulate_frames(recorder);

@@ -26,11 +26,10 @@ constexpr const char* kMark = "<meta name=\"generator\" content=\"reamsim previe
 }  // namespace
 
 std::string preview_page(const PreviewRequest& request, Report& report) {
-  Report loaded;
-  const PreviewBone bone = load_preview_bone(request.scenario, loaded);
+  const PreviewBone bone = load_preview_bone(request.scenario, report);
   // Noise does not compress, so the number of voxels alone does not bound the size.
   for (std::int64_t most_voxels = kMaxVoxels;; most_voxels /= 2) {
-    Report found = loaded;
+    Report found = report;
     const std::string page = fill_template(
         embedded::preview_page, {{"title", escape_html(request.source)},
                                  {"program", "reamsim preview " REAMSIM_VERSION},
@@ -38,7 +37,7 @@ std::string preview_page(const PreviewRequest& request, Report& report) {
                                  {"script", embedded::preview_script},
                                  {"data", json_for_script(preview_data(request, bone, most_voxels, found))}});
     if (page.size() > kMaxBytes && most_voxels > 1) continue;
-    report.warnings.insert(report.warnings.end(), found.warnings.begin(), found.warnings.end());
+    report = std::move(found);
     return page;
   }
 }

@@ -13,11 +13,13 @@
 #include "sim/bone/mesh_unit.h"
 #include "sim/bone/sample_phantom.h"
 #include "sim/bone/voxmap/cube_fraction.h"
+#include "sim/bone/voxmap/density_limit.h"
 #include "sim/bone/voxmap/lattice.h"
 #include "sim/bone/voxmap/sample_voxels.h"
 #include "sim/mesh/mesh_check.h"
 #include "sim/mesh/mesh_file.h"
 #include "sim/mesh/mesh_io.h"
+#include "sim/mesh/mesh_pieces.h"
 #include "sim/mesh/mesh_repair.h"
 
 namespace reamsim {
@@ -105,30 +107,43 @@ void set_fill_at_surface(const openvdb::FloatTree& distance, const GradesByDepth
   set_partial_fill(sample, voxmap);
 }
 
-/// The mesh of the scenario, repaired if requested. Throws InputError if meshToVolume cannot use it.
-TriangleMesh checked_mesh(const MeshBoneSettings& settings, Report& report) {
+InputError unrepaired(const std::string& path, const MeshDiagnosis& found) {
+  if (found.boundary_edges == 0 && found.nonmanifold_edges == 0) {
+    return {{path, 0, 0},
+            "",
+            "the triangles have no consistent orientation: " + found.text(),
+            "set bone.mesh.repair: true, which turns them, or export the mesh with consistent normals"};
+  }
+  return {{path, 0, 0},
+          "",
+          "not a closed surface: " + found.text(),
+          "give a closed, two-manifold mesh: repair it, or set bone.mesh.repair: true"};
+}
+
+/// The mesh of the scenario, and what it needed.
+struct CheckedMesh {
+  TriangleMesh mesh;
+  bool repaired = false;
+};
+
+/// The mesh, repaired if requested. Throws InputError if meshToVolume cannot use it.
+CheckedMesh checked_mesh(const MeshBoneSettings& settings, Report& report) {
   require_mesh_name(settings.path, "bone.mesh.path");
-  TriangleMesh mesh = read_mesh(settings.path, settings.scale);
+  CheckedMesh out{read_mesh(settings.path, settings.scale)};
+  TriangleMesh& mesh = out.mesh;
   const MeshDiagnosis found = diagnose(mesh);
-  if (!found.closed_manifold() && !settings.repair) {
-    throw InputError({settings.path, 0, 0}, "", "not a closed surface: " + found.text(),
-                     "give a closed, two-manifold mesh: repair it, or set bone.mesh.repair: true");
-  }
+  out.repaired = !found.closed_manifold();
+  if (out.repaired && !settings.repair) throw unrepaired(settings.path, found);
   report.note("mesh: " + std::to_string(mesh.triangles.size()) + " triangles, " + found.text());
-  if (!found.closed_manifold()) {
-    const RepairResult done = repair(mesh);
-    report.warn("mesh repaired: " + done.text());
-  } else if (found.components > 1) {
-    report.warn("the mesh has " + std::to_string(found.components) +
-                " separate surfaces; a surface inside another does not create a cavity");
-  }
+  if (out.repaired) report.warn("mesh repaired: " + repair(mesh).text());
   const double volume_mm3 = mesh.volume_mm3();
   const double box_mm3 = mesh.bounds().half().prod() * 8;
   if (std::abs(volume_mm3) <= 1e-9 * box_mm3) {
     throw InputError({settings.path, 0, 0}, "", "the mesh encloses no volume", "give the surface of a solid");
   }
+  for (const std::string& warning : warnings_of(pieces_of(mesh))) report.warn(warning);
   if (volume_mm3 < 0) report.warn("the triangles of the mesh face inwards; orientation flipped");
-  return mesh;
+  return out;
 }
 
 /// Upper bound of the fraction of the mesh's box in bricks with bone: the volume, and the bricks at the surface. A
@@ -145,17 +160,27 @@ double bone_fraction(const TriangleMesh& mesh, double voxel_mm) {
   return std::min(1.0, (std::abs(mesh.volume_mm3()) + kPassed * area_mm2 * brick_mm) / box_mm3);
 }
 
+/// What to do where the voxels of a repaired mesh differ from it.
+std::string remedy_for(const MeshDiagnosis& repaired) {
+  if (repaired.inconsistent_edges > 0) {
+    return fmt::format(
+        "orient the triangles of the mesh alike: {} between triangles with opposite orientation",
+        repaired.inconsistent_edges == 1 ? "1 edge lies" : fmt::format("{} edges lie", repaired.inconsistent_edges));
+  }
+  return "close the holes of the mesh, of which only those smaller than a voxel or with a single rim can be repaired, "
+         "and unite surfaces that overlap";
+}
+
 /// Compares the volume of the voxels with that of the mesh, to detect leaks and filled cavities.
-void check_volume(const MeshBoneSettings& settings, double voxels_mm3, double mesh_mm3, Report& report) {
+void check_volume(const std::string& path, const CheckedMesh& checked, double voxels_mm3, Report& report) {
+  const double mesh_mm3 = std::abs(checked.mesh.volume_mm3());
   const double error = std::abs(voxels_mm3 - mesh_mm3) / mesh_mm3;
   report.note(fmt::format("bone volume: {:.0f} mm3 in voxels, {:.0f} mm3 in the mesh", voxels_mm3, mesh_mm3));
   if (error <= kMaxVolumeError) return;
   const std::string found =
       fmt::format("the bone has {:.0f} mm3 in voxels but {:.0f} mm3 in the mesh", voxels_mm3, mesh_mm3);
-  if (settings.repair) {
-    throw InputError(
-        {settings.path, 0, 0}, "", "the repair failed: " + found,
-        "close the holes of the mesh: only holes smaller than a voxel or with a single rim can be repaired");
+  if (checked.repaired) {
+    throw InputError({path, 0, 0}, "", "the repair failed: " + found, remedy_for(diagnose(checked.mesh)));
   }
   report.warn(found + ": the mesh overlaps itself, is thinner than a voxel, or has the wrong scale (bone.mesh.scale)");
 }
@@ -169,7 +194,8 @@ FilledVoxmap voxmap_from_mesh(const BoneSettings& settings, Report& report) {
 FilledVoxmap voxmap_from_mesh(const BoneSettings& settings, Report& report, const StageSink& stages) {
   const MeshBoneSettings& bone = settings.mesh;
   begin_stage(stages, BoneStage::read);
-  const TriangleMesh mesh = checked_mesh(bone, report);
+  const CheckedMesh checked = checked_mesh(bone, report);
+  const TriangleMesh& mesh = checked.mesh;
   const bool has_glenoid = settings.glenoid.center_mm || settings.glenoid.landmarks || settings.glenoid.near_mm;
   check_mesh_unit(bone.path, mesh.bounds(), bone.scale, has_glenoid, report);
   const VoxelGrid grid = lattice_around(bone.path, mesh.bounds(), settings.voxel_mm, kMarginVoxels,
@@ -181,6 +207,8 @@ FilledVoxmap voxmap_from_mesh(const BoneSettings& settings, Report& report, cons
   begin_stage(stages, BoneStage::voxels);
   const DensityMapping mapping = mapping_from(settings.density);
   const auto grade = [&mapping](double hu) { return DensityMapping::grade_from_density(mapping.density_from_hu(hu)); };
+  warn_of_density_limit(mapping, "bone.mesh.cortical_hu", bone.cortical_hu, report);
+  warn_of_density_limit(mapping, "bone.mesh.trabecular_hu", bone.trabecular_hu, report);
   const GradesByDepth by_depth{cortical_voxels, grade(bone.cortical_hu), grade(bone.trabecular_hu)};
   FilledVoxmap voxmap = grades_from_depth(depth, grid, by_depth);
   voxmap.mapping = mapping;
@@ -192,7 +220,7 @@ FilledVoxmap voxmap_from_mesh(const BoneSettings& settings, Report& report, cons
                      "use smaller voxels, a larger bone.mesh.scale, or a closed mesh");
   }
   if (settings.surface_voxels == SurfaceVoxels::partial) set_fill_at_surface(depth.near_surface(), by_depth, voxmap);
-  check_volume(bone, voxmap.bone_mm3(), std::abs(mesh.volume_mm3()), report);
+  check_volume(bone.path, checked, voxmap.bone_mm3(), report);
   return voxmap;
 }
 

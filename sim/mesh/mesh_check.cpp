@@ -50,32 +50,6 @@ std::vector<Side> sorted_sides(const TriangleMesh& mesh) {
   return sides;
 }
 
-/// Components that are connected by shared vertices.
-std::size_t count_components(const TriangleMesh& mesh) {
-  std::vector<std::int32_t> parent(mesh.vertices.size());
-  std::iota(parent.begin(), parent.end(), 0);
-  const auto root = [&parent](std::int32_t v) {
-    while (parent[static_cast<std::size_t>(v)] != v) {
-      auto& up = parent[static_cast<std::size_t>(v)];
-      up = parent[static_cast<std::size_t>(up)];
-      v = up;
-    }
-    return v;
-  };
-  std::vector<bool> used(mesh.vertices.size(), false);
-  for (const Triangle& t : mesh.triangles) {
-    for (const std::int32_t v : t) {
-      used[static_cast<std::size_t>(v)] = true;
-      parent[static_cast<std::size_t>(root(v))] = root(t[0]);
-    }
-  }
-  std::size_t count = 0;
-  for (std::size_t v = 0; v < parent.size(); ++v) {
-    if (used[v] && parent[v] == static_cast<std::int32_t>(v)) ++count;
-  }
-  return count;
-}
-
 /// The midpoint of the edge with the smallest triangle index.
 struct FirstEdge {
   std::size_t triangle = SIZE_MAX;
@@ -100,6 +74,28 @@ std::string count_text(std::size_t count, const char* one, const char* many) {
 
 }  // namespace
 
+std::vector<std::size_t> components_of(const TriangleMesh& mesh) {
+  std::vector<std::size_t> parent(mesh.vertices.size());
+  std::iota(parent.begin(), parent.end(), 0);
+  const auto root = [&parent](std::int32_t vertex) {
+    auto v = static_cast<std::size_t>(vertex);
+    while (parent[v] != v) v = parent[v] = parent[parent[v]];
+    return v;
+  };
+  for (const Triangle& t : mesh.triangles) {
+    for (const std::int32_t v : t) parent[root(v)] = root(t[0]);
+  }
+  std::vector<std::size_t> number(mesh.vertices.size(), SIZE_MAX);
+  std::vector<std::size_t> out;
+  std::size_t count = 0;
+  for (const Triangle& t : mesh.triangles) {
+    std::size_t& component = number[root(t[0])];
+    if (component == SIZE_MAX) component = count++;
+    out.push_back(component);
+  }
+  return out;
+}
+
 MeshDiagnosis diagnose(const TriangleMesh& mesh) {
   MeshDiagnosis out;
   FirstEdge hole;
@@ -122,7 +118,8 @@ MeshDiagnosis diagnose(const TriangleMesh& mesh) {
   out.degenerate_triangles =
       static_cast<std::size_t>(std::count_if(mesh.triangles.begin(), mesh.triangles.end(),
                                              [&mesh](const Triangle& t) { return collapsed(t) || flat(mesh, t); }));
-  out.components = count_components(mesh);
+  const std::vector<std::size_t> components = components_of(mesh);
+  out.components = components.empty() ? 0 : 1 + *std::max_element(components.begin(), components.end());
   out.volume_mm3 = mesh.volume_mm3();
   out.first_hole_mm = hole.middle_mm;
   out.first_nonmanifold_mm = nonmanifold.middle_mm;

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "sim/mesh/triangle_mesh.h"
 
@@ -28,6 +29,9 @@ struct MeshDiagnosis {
   /// One line for an error message: counts and the position of the first defects.
   [[nodiscard]] std::string text() const;
 };
+
+/// The component of each triangle, from 0. Components are connected by shared vertices.
+std::vector<std::size_t> components_of(const TriangleMesh& mesh);
 
 MeshDiagnosis diagnose(const TriangleMesh& mesh);
 

@@ -238,8 +238,11 @@ void describe_mesh(KeyVisitor& v, MeshBoneSettings& mesh) {
            mesh.cortical_mm);
   v.number({.name = "cortical_hu", .doc = "HU of the shell", .range = kHu}, mesh.cortical_hu);
   v.number({.name = "trabecular_hu", .doc = "HU of the interior", .range = kHu}, mesh.trabecular_hu);
-  v.flag({.name = "repair", .doc = "Repair an open or non-manifold mesh as far as possible, and report what was done"},
-         mesh.repair);
+  v.flag(
+      {.name = "repair",
+       .doc =
+           "Repair an open, non-manifold or inconsistently oriented mesh as far as possible, and report what was done"},
+      mesh.repair);
 }
 
 void describe_vdb(KeyVisitor& v, VdbBoneSettings& vdb) {

@@ -15,7 +15,7 @@ void describe_label_map(KeyVisitor& v, LabelMapSettings& labels) {
        .text = TextKind::input_file},
       labels.path);
   v.names({.name = "label",
-           .doc = "Label of the bone: a number, or the name of a segment in the file (case-insensitive). Several in a "
+           .doc = "Label of the bone: a number, or the name of a segment in the file (a to z as A to Z). Several in a "
                   "list form one bone"},
           labels.label);
   v.number(

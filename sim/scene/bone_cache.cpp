@@ -6,6 +6,7 @@
 #include <fmt/core.h>
 #include <filesystem>
 
+#include "sim/base/error.h"
 #include "sim/scenario/parse.h"
 
 namespace reamsim {
@@ -46,6 +47,12 @@ bool is_apart_from_anatomy(const BoneSettings& settings) {
          !settings.pilot_hole;
 }
 
+void append(const Report& from, Report& to) {
+  to.notes.insert(to.notes.end(), from.notes.begin(), from.notes.end());
+  to.warnings.insert(to.warnings.end(), from.warnings.begin(), from.warnings.end());
+  to.listings.insert(to.listings.end(), from.listings.begin(), from.listings.end());
+}
+
 }  // namespace
 
 Bone BoneCache::load(const BoneSettings& settings, Report& report) {
@@ -56,13 +63,16 @@ Bone BoneCache::load(const BoneSettings& settings, Report& report) {
     key_.clear();
     bone_ = Bone();  // its memory is needed
     report_ = {};
-    bone_ = shared ? bone_from_source(settings, report_) : load_bone(settings, report_);
+    try {
+      bone_ = shared ? bone_from_source(settings, report_) : load_bone(settings, report_);
+    } catch (const InputError&) {
+      append(report_, report);
+      throw;
+    }
     key_ = std::move(key);
     ++loaded_;
   }
-  report.notes.insert(report.notes.end(), report_.notes.begin(), report_.notes.end());
-  report.warnings.insert(report.warnings.end(), report_.warnings.begin(), report_.warnings.end());
-  report.listings.insert(report.listings.end(), report_.listings.begin(), report_.listings.end());
+  append(report_, report);
   return shared ? with_anatomy(bone_, settings, report) : bone_;
 }
 

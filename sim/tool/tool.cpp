@@ -38,8 +38,11 @@ constexpr double kFacetCells = 0.02;
 /// an error, because the mesh is not in the tool frame.
 constexpr double kOffAxisWarn = 0.01;
 constexpr double kOffAxisError = 0.1;
-/// Distance of the lowest point from z = 0, relative to the tool's height, above which there is a warning.
+/// Distance of the lowest point from z = 0, relative to the tool's height, above which there is a warning: a cannula
+/// can lift it a little.
 constexpr double kOffOriginWarn = 0.1;
+/// No cannula puts it below z = 0 by more than the rounding of a mesh.
+constexpr double kBelowOriginWarn_mm = 0.01;
 
 std::string text(double value) {
   return fmt::format("{:.4g}", value);
@@ -89,7 +92,7 @@ void check_frame(const ToolSettings& settings, const TriangleMesh& mesh, const P
   if (off_axis > kOffAxisWarn * profile.max_radius_mm())
     report.warn("tool.mesh: " + found + "; rotation about z is assumed");
   const Aabb box = mesh.bounds();
-  if (std::abs(box.min.z()) > kOffOriginWarn * (box.max.z() - box.min.z()))
+  if (box.min.z() < -kBelowOriginWarn_mm || box.min.z() > kOffOriginWarn * (box.max.z() - box.min.z()))
     report.warn("tool.mesh: the tool's lowest point is at z = " + text(box.min.z()) +
                 " mm; it should be at z = 0, because poses refer to that point");
 }

@@ -123,6 +123,57 @@ TEST_F(MeshBone, OpenMeshIsRefusedUntilRepairIsAskedFor) {
   EXPECT_THAT(report_.warnings, Contains(HasSubstr("holes closed")));
 }
 
+TriangleMesh joined(TriangleMesh a, const TriangleMesh& b) {
+  const auto before = static_cast<std::int32_t>(a.vertices.size());
+  a.vertices.insert(a.vertices.end(), b.vertices.begin(), b.vertices.end());
+  for (const auto& [i, j, k] : b.triangles) a.triangles.push_back({i + before, j + before, k + before});
+  return a;
+}
+
+TEST_F(MeshBone, APieceBesidesTheBoneIsNamed) {
+  const TriangleMesh bone = box_mesh({0, 0, 0}, {10, 10, 10});
+  voxmap_from_mesh(settings_for(joined(box_mesh({20, 2, 4}, {22, 6, 6}), bone), 0.5), report_);
+  EXPECT_THAT(report_.warnings,
+              testing::ElementsAre("the mesh has a piece besides the largest: 16 mm3 at (21.0, 4.0, 5.0) mm; all are "
+                                   "kept as bone: remove in the mesh what is no bone"));
+  report_ = {};
+  voxmap_from_mesh(settings_for(joined(bone, box_mesh({3, 3, 3}, {6, 6, 6})), 0.5), report_);
+  EXPECT_THAT(report_.warnings,
+              testing::ElementsAre("the mesh has a surface inside another; a surface inside another does not create a "
+                                   "cavity"));
+}
+
+TEST_F(MeshBone, TrianglesOfMixedOrientationAreTurnedByTheRepair) {
+  TriangleMesh mesh = sphere_mesh({0, 0, 0}, 8, 3);
+  const double truth_mm3 = mesh.volume_mm3();
+  for (std::size_t i = 0; i < mesh.triangles.size(); i += 3) std::swap(mesh.triangles[i][1], mesh.triangles[i][2]);
+  BoneSettings settings = settings_for(mesh, 0.4);
+  EXPECT_THAT(input_error([&] { voxmap_from_mesh(settings, report_); }),
+              testing::AllOf(HasSubstr("no consistent orientation"), HasSubstr("bone.mesh.repair: true, which turns")));
+  settings.mesh.repair = true;
+  EXPECT_NEAR(voxmap_from_mesh(settings, report_).bone_mm3(), truth_mm3, 0.01 * truth_mm3);
+  EXPECT_THAT(report_.warnings, Contains(HasSubstr("triangles turned")));
+}
+
+TEST_F(MeshBone, OverlappingSurfacesAreNoHoles) {
+  TriangleMesh mesh = joined(sphere_mesh({0, 0, 0}, 8, 3), sphere_mesh({0.3, 0.2, 0.1}, 8, 3));
+  mesh.triangles.pop_back();  // the repair closes it
+  BoneSettings settings = settings_for(mesh, 0.5);
+  settings.mesh.repair = true;
+  EXPECT_THAT(input_error([&] { voxmap_from_mesh(settings, report_); }), HasSubstr("unite surfaces that overlap"));
+}
+
+TEST_F(MeshBone, RadiodensityAboveTheDensestGradeIsWarnedOf) {
+  BoneSettings settings = settings_for(box_mesh({0, 0, 0}, {10, 6, 4}), 0.5);
+  settings.mesh.cortical_hu = 1727;
+  voxmap_from_mesh(settings, report_);
+  EXPECT_THAT(report_.warnings, testing::IsEmpty());
+  settings.mesh.cortical_hu = 2500;
+  voxmap_from_mesh(settings, report_);
+  EXPECT_THAT(report_.warnings,
+              testing::ElementsAre(HasSubstr("bone.mesh.cortical_hu is 2500 HU, denser than 2 g/cm3 (1727 HU)")));
+}
+
 TEST_F(MeshBone, RepairThatCannotWorkIsAnError) {
   // Two fins that meet nowhere: nothing is enclosed.
   TriangleMesh mesh;

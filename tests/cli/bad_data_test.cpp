@@ -51,6 +51,25 @@ TEST_F(BadData, BoneAbsentFromTheCrop) {
   expect_refused(run(ct_bone("scan.nrrd", ", threshold_hu: 5000")), 2, {"scan.nrrd", "threshold_hu"});
 }
 
+TEST_F(BadData, WarningsBeforeAnErrorArePrintedWithIt) {
+  write("scan.nrrd", with(block_nrrd(), "type: short", "type: ushort"));
+  write("s.yaml", ct_bone("scan.nrrd", ", crop_min_mm: [50, 50, 50], crop_max_mm: [60, 60, 60]"));
+  const std::vector<std::vector<std::string>> commands{{"run", "s.yaml", "-o", "out"},
+                                                       {"check", "s.yaml"},
+                                                       {"check", "s.yaml", "--json"},
+                                                       {"import", "s.yaml", "-o", "bone.vdb"},
+                                                       {"preview", "s.yaml", "-o", "page.html"},
+                                                       {"init", "scan.nrrd", "-o", "first.yaml"}};
+  for (const std::vector<std::string>& command : commands) {
+    const ProgramResult result = reamsim({.arguments = command, .environment = {}, .folder = "", .interrupt_when = {}});
+    SCOPED_TRACE(command.front());
+    EXPECT_EQ(result.status, 2) << result.out << result.err;
+    const std::size_t warning = result.err.find("pixels are unsigned");
+    EXPECT_LT(warning, result.err.find("reamsim: error: ")) << result.err;
+    EXPECT_EQ(warning, result.err.rfind("pixels are unsigned")) << "once: " << result.err;
+  }
+}
+
 TEST_F(BadData, SeedOutsideBone) {
   write("scan.nrrd", block_nrrd());
   expect_refused(run(ct_bone("scan.nrrd", ", seed_mm: [1, 1, 1]")), 2, {"seed_mm"});

@@ -158,6 +158,18 @@ TEST_F(Conventions, ANiftiWithoutQformAndSformIsWarnedOf) {
   }
 }
 
+TEST_F(Conventions, UnitsOfNrrdCountForSpacingAndOrigin) {
+  const std::pair<const char*, double> units[] = {{"m", 1e3},   {"cm", 10},          {"mm", 1},
+                                                  {"um", 1e-3}, {"\xC2\xB5m", 1e-3}, {"furlong", 1}};
+  const TestImage in_mm = egg_;
+  for (const auto& [unit, mm] : units) {
+    egg_.spacing_mm = in_mm.spacing_mm / mm;
+    egg_.origin_mm = in_mm.origin_mm / mm;
+    const std::string lines = fmt::format("space: RAS\nspace units: \"{0}\" \"{0}\" \"{0}\"", unit);
+    expect_same(import(nrrd("units.nrrd", lines, {-1, -1, 1})), reference_, unit);
+  }
+}
+
 TEST_F(Conventions, UnitsOfNiftiCountForSpacingAndOrigin) {
   // NIFTI_UNITS_METER, NIFTI_UNITS_MICRON, NIFTI_UNITS_UNKNOWN.
   const std::pair<char, double> units[] = {{1, 1e3}, {3, 1e-3}, {0, 1}};

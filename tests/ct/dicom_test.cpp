@@ -161,6 +161,34 @@ TEST_F(Dicom, Monochrome1IsRefused) {
   EXPECT_THAT(error_of("cd"), AllOf(HasSubstr("slice001.dcm"), HasSubstr("MONOCHROME1"), HasSubstr("inverted")));
 }
 
+TEST_F(Dicom, ASliceWithoutRescaleAmongOthersIsRefused) {
+  write_dicom(egg_, folder_.file("scan"), -1, {.more = {{"0028|1052", "0"}, {"0028|1053", "1"}}});
+  expect_egg("scan");
+  const std::string slice = folder_.file("scan/slice005.dcm");
+  patch_file(slice, std::string("\x28\x00\x52\x10", 4), std::string("\x28\x00\x50\x10", 4));  // now a window
+  patch_file(slice, std::string("\x28\x00\x53\x10", 4), std::string("\x28\x00\x51\x10", 4));
+  EXPECT_THAT(error_of("scan"), AllOf(HasSubstr("slice005.dcm"), HasSubstr("no rescale intercept and slope")));
+}
+
+TEST_F(Dicom, ATubeVoltageThatTheDensityDoesNotHoldForIsWarnedOf) {
+  const std::pair<const char*, bool> voltages[] = {{"80", true}, {"140", true}, {"120", false}, {"110", false}};
+  for (const auto& [kvp, warns] : voltages) {
+    const std::string name = std::string("at") + kvp;
+    write_dicom(egg_, folder_.file(name), -1, {.more = {{"0018|0060", kvp}}});
+    report_ = {};
+    expect_egg(name);
+    EXPECT_EQ(
+        testing::Matches(testing::Contains(HasSubstr(std::string("scanned at ") + kvp + " kV")))(report_.warnings),
+        warns)
+        << kvp;
+  }
+  BoneSettings calibrated = settings("at80");
+  calibrated.density.ash_slope_g_cm3_per_hu = 0.0006;
+  report_ = {};
+  voxmap_from_ct(calibrated, report_);
+  EXPECT_THAT(report_.warnings, testing::IsEmpty()) << "the constants are the user's";
+}
+
 TEST_F(Dicom, MessagesNameTheSlice) {
   write_dicom(egg_, folder_.file("gap"), 9);
   EXPECT_THAT(error_of("gap"), AllOf(HasSubstr("slice spacing is 2.500 mm; most slices are 1.250 mm apart"),

@@ -78,5 +78,13 @@ TEST(LabelNames, NumbersThatTellNoLayer) {
   EXPECT_THAT(error_of({"d"}, {{"d", {5, 1}}}, 2), HasSubstr("'d' is in layer 5, but the label map has 2"));
 }
 
+TEST(LabelNames, ANumberThatIsAlsoTheNameOfAnotherSegmentIsRefused) {
+  const std::vector<NamedSegment> segments{{"humerus", {0, 1}}, {"1", {0, 7}}, {"2", {0, 2}}};
+  EXPECT_THAT(error_of({"1"}, segments, 1),
+              HasSubstr("'1' is ambiguous: label 1, or the segment named '1', whose label is 7"));
+  EXPECT_EQ(find_labels({"2"}, segments, 1, "m").front().value, 2) << "name and number agree";
+  EXPECT_EQ(find_labels({"7"}, segments, 1, "m").front().value, 7);
+}
+
 }  // namespace
 }  // namespace reamsim::ct

@@ -17,6 +17,7 @@ namespace {
 
 using ::testing::AllOf;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 /// Two balls along x, 9 mm and 7 mm in radius, dense (600) outside and trabecular (80, below the threshold) inside,
 /// with `gap` mm between them; the larger one is round the origin.
@@ -58,6 +59,30 @@ TEST_F(Segmentation, TrabecularInsideStaysBone) {
   // (0.0007·80 − 0.009)/0.6 = 0.0783 g/cm³, grade 10: kept, and kept as light as it is.
   EXPECT_EQ(grade_at(voxmap, Vec3(0.1, 0.1, 0.1)), 10);
   EXPECT_THAT(notes(), HasSubstr("are below 200 HU"));
+}
+
+TEST_F(Segmentation, ACutThatBoneEnclosesIsNotFilled) {
+  BoneSettings settings = write([](const Vec3& p) { return p.norm() < 9 ? 600.0 : 0.0; });
+  settings.ct.cut_spheres = {{Vec3::Zero(), 4}};
+  settings.ct.fill_holes = true;
+  reamsim::Segmentation facts;
+  const FilledVoxmap voxmap = voxmap_from_ct(settings, report_, &facts);
+  EXPECT_EQ(grade_at(voxmap, Vec3(0.1, 0.1, 0.1)), 0);
+  EXPECT_NEAR(facts.filled_mm3, 0, 1e-9);
+  EXPECT_NEAR(facts.bone_mm3 / (ball(9) - ball(4)), 1, 0.02);
+  EXPECT_THAT(notes(), HasSubstr("filled (0 voxels)"));
+}
+
+TEST_F(Segmentation, BoneDenserThanAGradeHoldsIsWarnedOf) {
+  const auto warnings_with = [this](double hu) {
+    report_ = {};
+    import(write([hu](const Vec3& p) { return p.norm() > 9 ? 0 : p.norm() < 4 ? hu : 600.0; }));
+  return testing::PrintToString(report_.warnings);
+};
+EXPECT_EQ(warnings_with(1700), "{}");
+EXPECT_THAT(warnings_with(2200), AllOf(HasSubstr("of the bone is denser than 2 g/cm3 (1727 HU)"),
+                                       HasSubstr("forces there are too small"), Not(HasSubstr("metal"))));
+EXPECT_THAT(warnings_with(3071), AllOf(HasSubstr("denser than 2 g/cm3"), HasSubstr("above 3000 HU: is it metal?")));
 }
 
 TEST_F(Segmentation, WithoutFillingTheInsideIsAir) {

@@ -42,6 +42,26 @@ TEST(MeshRepair, DropsRepeatedAndCollapsedTriangles) {
   EXPECT_TRUE(diagnose(mesh).closed_manifold());
 }
 
+TEST(MeshRepair, TurnsTheMinorityOfEachSurface) {
+  TriangleMesh mesh = sphere_mesh({0, 0, 0}, 10, 2);
+  const std::vector<std::array<std::int32_t, 3>> right = mesh.triangles;
+  for (const std::size_t i : {0U, 7U, 8U, 100U}) std::swap(mesh.triangles[i][1], mesh.triangles[i][2]);
+  EXPECT_EQ(repair(mesh).turned_triangles, 4U);
+  EXPECT_TRUE(diagnose(mesh).closed_manifold());
+  EXPECT_NEAR(mesh.volume_mm3(), sphere_mesh({0, 0, 0}, 10, 2).volume_mm3(), 1e-9);
+}
+
+TEST(MeshRepair, ASurfaceWithOneSideStaysSo) {
+  TriangleMesh strip;  // a Moebius strip of five quadrilaterals
+  strip.vertices.assign(10, Vec3::Zero());
+  for (std::int32_t i = 0; i < 5; ++i) {
+    const std::int32_t a = 2 * i, b = a + 1, c = i < 4 ? a + 2 : 1, d = i < 4 ? a + 3 : 0;
+    strip.triangles.insert(strip.triangles.end(), {{a, c, b}, {b, c, d}});
+  }
+  repair(strip);
+  EXPECT_GT(diagnose(strip).inconsistent_edges, 0U);
+}
+
 TEST(MeshRepair, LeavesAGoodMeshAlone) {
   TriangleMesh mesh = box_mesh({0, 0, 0}, {1, 1, 1});
   const RepairResult done = repair(mesh);

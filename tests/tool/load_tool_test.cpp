@@ -165,6 +165,14 @@ TEST_F(LoadTool, WarnsWhenTheOriginIsNotAtTheCuttingEnd) {
   EXPECT_THAT(report_.warnings, testing::ElementsAre(HasSubstr("lowest point is at z = 20 mm")));
 }
 
+TEST_F(LoadTool, WarnsOfAnyApexBelowTheOrigin) {
+  TriangleMesh low = reamer("hemispherical");
+  const double lowest = low.bounds().min.z();
+  for (Vec3& p : low.vertices) p.z() -= lowest + 0.1;
+  load_tool(saved(low), 0.5, ShellUse::touches_voxels, report_);
+  EXPECT_THAT(report_.warnings, testing::ElementsAre(HasSubstr("lowest point is at z = -0.1 mm")));
+}
+
 TEST_F(LoadTool, ScaleMakesMillimetres) {
   ToolSettings settings = shipped("flat");
   settings.scale = 2;

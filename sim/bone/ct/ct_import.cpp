@@ -44,6 +44,23 @@ void note_image(const ct::ScanSource& source, const std::string& path, Report& r
   }
 }
 
+bool is_default(const DensitySettings& density) {
+  const DensitySettings usual;
+  return density.ash_slope_g_cm3_per_hu == usual.ash_slope_g_cm3_per_hu &&
+         density.ash_offset_g_cm3 == usual.ash_offset_g_cm3 && density.ash_fraction == usual.ash_fraction;
+}
+
+/// The default relation from HU to density is that of one tube voltage.
+void warn_of_voltage(const ct::ScanSource& source, const BoneSettings& settings, Report& report) {
+  constexpr double kLeast_kv = 110, kMost_kv = 130;
+  const double kvp = source.kvp();
+  if (kvp <= 0 || (kvp >= kLeast_kv && kvp <= kMost_kv) || !is_default(settings.density)) return;
+  report.warn(fmt::format(
+      "{}: scanned at {:g} kV, where bone has {} HU than at 120 kV; the relation from HU to density is that of 120 kV: "
+      "give the constants of this scanner (bone.density)",
+      settings.ct.path, kvp, kvp < kLeast_kv ? "more" : "fewer"));
+}
+
 /// Replaces NaN and infinity by the least value (padding outside the field of view is often NaN); returns that value.
 float replace_non_finite(std::vector<float>& values, const std::string& path, const char* key, Report& report) {
   float least = std::numeric_limits<float>::infinity();
@@ -278,6 +295,7 @@ FilledVoxmap voxels_of(ct::AlignedImage hu, const ct::BoneField& bone, const Bon
 
 FilledVoxmap voxmap_from_scan(const ct::ScanSource& source, const BoneSettings& given, Report& report,
                               Segmentation* segmentation, const StageSink& stages) {
+  warn_of_voltage(source, given, report);
   const ct::IndexBox box = cropped_box(source, given.ct);
   ct::AlignedImage hu = read_cropped(source, box, given.ct, report);
   note_crop(hu, source, report);

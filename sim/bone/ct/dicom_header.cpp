@@ -82,6 +82,9 @@ void fill_header(const DicomValues& values, DicomHeader& header) {
   header.photometric = values.text(0x0028, 0x0004);
   header.series_number = values.integer(0x0020, 0x0011, 0);
   header.frames = values.integer(0x0028, 0x0008, 1);
+  header.rescales = !values.numbers(0x0028, 0x1052).empty() || !values.numbers(0x0028, 0x1053).empty();
+  const std::vector<double> kvp = values.numbers(0x0018, 0x0060);
+  if (!kvp.empty()) header.kvp = kvp[0];
   const std::vector<double> spacing = values.numbers(0x0028, 0x0030);
   if (spacing.size() >= 2) header.pixel_spacing_mm = Vec2(spacing[1], spacing[0]);
   const std::vector<double> position = values.numbers(0x0020, 0x0032);

@@ -24,6 +24,8 @@ struct DicomHeader {
   int frames = 1;  ///< above 1: a multi-frame file
   int columns = 0;
   int rows = 0;
+  bool rescales = false;  ///< says how its values become HU
+  double kvp = 0;         ///< tube voltage, kV; 0: unknown
   std::optional<Vec2> pixel_spacing_mm;
   std::optional<Vec3> position_mm;  ///< of the first pixel, LPS
   std::optional<Vec3> normal;       ///< across the slice

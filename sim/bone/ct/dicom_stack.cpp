@@ -45,6 +45,7 @@ struct DicomStack {
   std::vector<std::string> path;
   std::string pixel_type;
   ScanGeometry geometry;
+  double kvp = 0;  ///< of the first slice; 0: unknown
 };
 
 /// False for screenshots, dose reports and multi-frame files.
@@ -92,6 +93,17 @@ void check_grey_values(const Stack& stack, const std::string& key) {
     throw InputError({slice.path()}, key, "MONOCHROME1: its grey values are inverted and are not HU",
                      "expected MONOCHROME2, as CT slices have; export the original series");
   }
+}
+
+/// Slices without a rescale among slices with one would be read 1024 HU too dense, or so.
+void check_rescale(const Stack& stack, const std::string& key) {
+  const auto rescales = [](const Slice& slice) { return slice.header->rescales; };
+  if (std::ranges::none_of(stack, rescales)) return;
+  const auto without = std::ranges::find_if_not(stack, rescales);
+  if (without == stack.end()) return;
+  throw InputError({without->path()}, key,
+                   "has no rescale intercept and slope (0028,1052 and 0028,1053), as other slices of its series have",
+                   "export the original series: the values of this slice are not HU");
 }
 
 bool belong_together(const ScanGeometry& a, const ScanGeometry& b) {
@@ -275,6 +287,7 @@ DicomStack stack_slices(const DicomSeries& series, const DicomFolder& folder, co
   check_count(groups, key);
   Stack& stack = groups.front();
   check_grey_values(stack, key);
+  check_rescale(stack, key);
   const ScanGeometry first = stack.front().geometry;
   const Vec3 normal = first.step_mm.col(0).cross(first.step_mm.col(1)).normalized();
   for (Slice& slice : stack) slice.height_mm = normal.dot(slice.geometry.origin_mm);
@@ -293,6 +306,7 @@ DicomStack stack_slices(const DicomSeries& series, const DicomFolder& folder, co
   DicomStack out;
   for (const Slice& slice : stack) out.path.push_back(slice.path());
   out.pixel_type = stack.front().pixel_type;
+  out.kvp = stack.front().header->kvp;
   out.geometry = stack.front().geometry;
   out.geometry.dims.z() = static_cast<int>(stack.size());
   // From the positions, not the slice thickness in the header: a tilted gantry is a shear.
@@ -325,6 +339,7 @@ class DicomScan : public ScanSource {
     return "DICOM series" + name_ + " of " + std::to_string(stack_.path.size()) + " files, " + stack_.pixel_type;
   }
   [[nodiscard]] bool is_unsigned() const override { return stack_.pixel_type.starts_with("uint"); }
+  [[nodiscard]] double kvp() const override { return stack_.kvp; }
 
   [[nodiscard]] Scan read(const IndexBox& box) const override {
     const IndexBox in_slice{{box.start.x(), box.start.y(), 0}, {box.size.x(), box.size.y(), 1}};

@@ -52,6 +52,34 @@ Vec3 signs_of(const std::string& space) {
   return Vec3::Ones();
 }
 
+/// Millimetres in a length unit of NRRD; 1 for mm and for an unknown unit.
+double mm_of_unit(const std::string& unit) {
+  if (unit == "m" || unit == "meter" || unit == "meters" || unit == "metre" || unit == "metres") return 1e3;
+  if (unit == "cm" || unit == "centimeter" || unit == "centimeters") return 10;
+  // µ is U+00B5 or the Greek letter U+03BC.
+  if (unit == "um" || unit == "\xC2\xB5m" || unit == "\xCE\xBCm" || unit == "micron" || unit == "microns") return 1e-3;
+  return 1;
+}
+
+/// Millimetres in the units of the axes of the space of an NRRD, of its field `space units`: "cm" "cm" "cm".
+Vec3 mm_of_space_units(const std::string& path) {
+  Vec3 out = Vec3::Ones();
+  std::istringstream header(read_file_start(path, 1 << 16));
+  for (std::string line; std::getline(header, line) && !line.empty() && line != "\r";) {
+    if (!line.starts_with("space units:")) continue;
+    std::size_t at = 0;
+    for (int axis = 0; axis < 3; ++axis) {
+      const std::size_t open = line.find('"', at);
+      const std::size_t close = open == std::string::npos ? open : line.find('"', open + 1);
+      if (close == std::string::npos) return out;
+      out[axis] = mm_of_unit(line.substr(open + 1, close - open - 1));
+      at = close + 1;
+    }
+    return out;
+  }
+  return out;
+}
+
 bool is_nrrd(const itk::ImageIOBase& io) {
   return dynamic_cast<const itk::NrrdImageIO*>(&io) != nullptr;
 }
@@ -68,8 +96,9 @@ double mm_of(int nifti_units) {
 ScanGeometry as_the_file_means(const itk::ImageIOBase& io, ScanGeometry geometry) {
   if (is_nrrd(io)) {
     const Vec3 signs = signs_of(nrrd_space(io.GetFileName()));
-    geometry.step_mm = signs.asDiagonal() * geometry.step_mm;
-    geometry.origin_mm = signs.cwiseProduct(geometry.origin_mm);
+    const Vec3 to_mm = signs.cwiseProduct(mm_of_space_units(io.GetFileName()));
+    geometry.step_mm = to_mm.asDiagonal() * geometry.step_mm;
+    geometry.origin_mm = to_mm.cwiseProduct(geometry.origin_mm);
   }
   if (is_nifti(io)) {
     if (const NiftiHeader header = read_nifti_header(io.GetFileName())) geometry.origin_mm *= mm_of(header->xyz_units);

@@ -3,6 +3,8 @@
 
 #include "sim/bone/ct/label_names.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cstdlib>
 #include <memory>
@@ -67,12 +69,25 @@ LabelValue find_name(const std::string& wanted, const std::vector<NamedSegment>&
                    "expected one of " + names_of(segments) + ", or a label's number");
 }
 
+/// A number that is also the name of a segment with another number may mean either.
+void refuse_ambiguous(const std::string& wanted, const std::vector<NamedSegment>& segments, const std::string& path) {
+  const double value = std::strtod(wanted.c_str(), nullptr);
+  const auto other = std::ranges::find_if(
+      segments, [&](const NamedSegment& segment) { return segment.name == wanted && segment.label.value != value; });
+  if (other == segments.end()) return;
+  throw InputError({path}, kLabelChoiceKey,
+                   fmt::format("'{0}' is ambiguous: label {0}, or the segment named '{0}', whose label is {1:.0f}",
+                               wanted, other->label.value),
+                   "rename that segment");
+}
+
 LabelValue find_number(const std::string& wanted, const std::vector<NamedSegment>& segments, int layers,
                        const std::string& path) {
   const double value = std::strtod(wanted.c_str(), nullptr);
   if (value == 0) {
     throw InputError({path}, kLabelChoiceKey, "label 0 is the background", "expected a label above 0, or a name");
   }
+  refuse_ambiguous(wanted, segments, path);
   if (layers == 1) return {0, value};
   std::vector<NamedSegment> found;
   std::ranges::copy_if(segments, std::back_inserter(found),

@@ -27,7 +27,7 @@ std::vector<NamedSegment> segments_of_nrrd(const std::map<std::string, std::stri
 /// The named labels in an XML extension of a NIfTI file, `<Label Key="7" ...>name</Label>`, as TotalSegmentator writes.
 std::vector<NamedSegment> segments_of_nifti(const std::string& path);
 
-/// The labels for `wanted`: a whole number is a value, anything else a name (case-insensitive).
+/// The labels for `wanted`: a whole number is a value, anything else a name (a to z as A to Z).
 /// Throws InputError: an unknown name, a number that occurs in several layers.
 std::vector<LabelValue> find_labels(const std::vector<std::string>& wanted, const std::vector<NamedSegment>& segments,
                                     int layers, const std::string& path);

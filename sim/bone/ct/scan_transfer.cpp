@@ -95,6 +95,8 @@ void put_dicom_file(ResultWriter& out, const DicomFile& file) {
     out.put(*text);
   }
   for (const int number : {header.series_number, header.frames, header.columns, header.rows}) out.put(number);
+  out.put(header.rescales);
+  out.put(header.kvp);
   put_optional(out, header.pixel_spacing_mm);
   put_optional(out, header.position_mm);
   put_optional(out, header.normal);
@@ -110,6 +112,8 @@ DicomFile take_dicom_file(ResultReader& in) {
     *text = in.text();
   }
   for (int* number : {&header.series_number, &header.frames, &header.columns, &header.rows}) *number = in.get<int>();
+  header.rescales = in.get<unsigned char>() != 0;
+  header.kvp = in.get<double>();
   header.pixel_spacing_mm = take_optional<Vec2>(in);
   header.position_mm = take_optional<Vec3>(in);
   header.normal = take_optional<Vec3>(in);

@@ -80,7 +80,10 @@ SolidPiece solidify(const Pieces& pieces, const Piece& piece, const Lattice& lat
   close_mask(out.mask, out.lattice, settings.closing_mm);
   apply_cuts(out.mask, out.lattice, settings);
   out.closed = count(out.mask) - piece.voxels;
-  if (settings.fill_holes) out.filled = fill_holes(out.mask, out.lattice);
+  if (settings.fill_holes) {
+    out.filled = fill_holes(out.mask, out.lattice);
+    out.filled -= apply_cuts(out.mask, out.lattice, settings);  // a cut that bone encloses is no hole
+  }
   return out;
 }
 

@@ -14,6 +14,7 @@
 #include "sim/bone/ct/scan.h"
 #include "sim/bone/ct/words.h"
 #include "sim/bone/voxmap/cube_fraction.h"
+#include "sim/bone/voxmap/density_limit.h"
 #include "sim/bone/voxmap/sample_voxels.h"
 
 namespace reamsim::ct {
@@ -125,6 +126,7 @@ FilledVoxmap voxelize(const AlignedImage& hu, const BoneField& bone, const BoneS
   const InsideTest in_bone(bone.field, grid);
   const Aabb image = hu.lattice.bounds_mm();
   HuStatistics stats;
+  DensityLimit limit(voxmap.mapping);
   for (int k = 0; k < grid.dims.z(); ++k) {
     const std::vector<double>& slice = resampled.slice(k);
     for_each_voxel({0, 0, k}, {grid.dims.x() - 1, grid.dims.y() - 1, k}, [&](const Vec3i& voxel) {
@@ -132,6 +134,7 @@ FilledVoxmap voxelize(const AlignedImage& hu, const BoneField& bone, const BoneS
       const double value = slice[index_in(grid.dims, {voxel.x(), voxel.y(), 0})];
       voxmap.grade.set(voxel, grade_from_hu(value, voxmap.mapping));
       stats.add(value);
+      limit.add(value, grid.voxel_mm3());
     });
   }
   if (stats.voxels == 0) {
@@ -140,6 +143,7 @@ FilledVoxmap voxelize(const AlignedImage& hu, const BoneField& bone, const BoneS
   if (settings.surface_voxels == SurfaceVoxels::partial)
     set_fill_at_surface(bone, resampled, settings.ct, image, voxmap);
   note_voxmap(voxmap, stats, report);
+  limit.warn(settings.ct.path, report);
   return voxmap;
 }
 

@@ -1,0 +1,61 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
+#include "sim/mesh/mesh_pieces.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/support/mesh_shapes.h"
+
+namespace reamsim::test {
+namespace {
+
+using ::testing::HasSubstr;
+
+TriangleMesh joined(const std::vector<TriangleMesh>& parts) {
+  TriangleMesh out;
+  for (const TriangleMesh& part : parts) {
+    const auto before = static_cast<std::int32_t>(out.vertices.size());
+    out.vertices.insert(out.vertices.end(), part.vertices.begin(), part.vertices.end());
+    for (const auto& [a, b, c] : part.triangles) out.triangles.push_back({a + before, b + before, c + before});
+  }
+  return out;
+}
+
+TEST(MeshPieces, HaveVolumeAndCentreTheLargestFirst) {
+  const auto pieces =
+      pieces_of(joined({box_mesh({100, 0, 0}, {101, 2, 4}), inside_out(box_mesh({0, 0, 0}, {9, 9, 9}))}));
+  ASSERT_EQ(pieces.size(), 2U);
+  EXPECT_NEAR(pieces[0].volume_mm3, 729, 1e-9);
+  EXPECT_NEAR((pieces[0].centre_mm - Vec3(4.5, 4.5, 4.5)).norm(), 0, 1e-9);
+  EXPECT_NEAR(pieces[1].volume_mm3, 8, 1e-9);
+  EXPECT_NEAR((pieces[1].centre_mm - Vec3(100.5, 1, 2)).norm(), 0, 1e-9);
+}
+
+TEST(MeshPieces, InsideAnotherIsWhollyInside) {
+  const TriangleMesh outer = sphere_mesh({0, 0, 0}, 10, 3);
+  const auto is_inside = [&](const TriangleMesh& part) { return pieces_of(joined({part, outer}))[1].inside_another; };
+  EXPECT_TRUE(is_inside(sphere_mesh({1, 2, 3}, 4, 2)));
+  EXPECT_TRUE(is_inside(inside_out(sphere_mesh({0, 0, 0}, 4, 2)))) << "the wall of a cavity";
+  EXPECT_TRUE(is_inside(box_mesh({-1, -1, -1}, {1, 1, 1}))) << "aligned with vertices of the sphere";
+  EXPECT_FALSE(is_inside(sphere_mesh({9, 0, 0}, 4, 2))) << "overlapping";
+  EXPECT_FALSE(is_inside(sphere_mesh({0, 0, -20}, 4, 2))) << "below";
+  EXPECT_FALSE(is_inside(sphere_mesh({0, 0, 20}, 4, 2))) << "above";
+  EXPECT_FALSE(pieces_of(outer)[0].inside_another);
+}
+
+TEST(MeshPieces, ThreeAreNamedAndTheOthersCounted) {
+  std::vector<TriangleMesh> parts{box_mesh({0, 0, 0}, {9, 9, 9}), box_mesh({3, 3, 3}, {4, 4, 4})};
+  for (int i = 1; i <= 5; ++i) parts.push_back(box_mesh({20.0 * i, 0, 0}, {20.0 * i + i, 1, 1}));
+  const std::vector<std::string> warnings = warnings_of(pieces_of(joined(parts)));
+  ASSERT_EQ(warnings.size(), 2U);
+  EXPECT_THAT(warnings[0],
+              HasSubstr("5 pieces besides the largest: 5.00 mm3 at (102.5, 0.5, 0.5) mm, 4.00 mm3 at (82.0, "
+                        "0.5, 0.5) mm, 3.00 mm3 at (61.5, 0.5, 0.5) mm and 2 more; all are kept as bone"));
+  EXPECT_THAT(warnings[1], HasSubstr("a surface inside another"));
+  EXPECT_TRUE(warnings_of(pieces_of(parts[0])).empty());
+}
+
+}  // namespace
+}  // namespace reamsim::test
