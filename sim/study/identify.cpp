@@ -24,6 +24,14 @@ std::string numbers_text(const std::vector<std::size_t>& rows) {
          (shown + 1 == rows.size() ? std::to_string(rows.back() + 1) : std::to_string(rows.size() - shown) + " more");
 }
 
+IdentifiedRun identified(const Study& study, const PlannedRun& run, Checksums& checksums) {
+  try {
+    return {run_id(scenario_of(study, run), study.keep, checksums), ""};
+  } catch (const InputError& error) {
+    return {"", (run.place.empty() ? "" : run.place + ": ") + message_of(error)};
+  }
+}
+
 }  // namespace
 
 std::vector<std::size_t> rows_of_run(const std::vector<IdentifiedRun>& runs, std::size_t run) {
@@ -66,11 +74,7 @@ std::vector<IdentifiedRun> identify_runs(const Study& study, const StudyPlan& pl
   Checksums checksums;
   std::vector<IdentifiedRun> out;
   for (const PlannedRun& run : plan.runs) {
-    try {
-      out.push_back({run_id(scenario_of(study, run), study.keep, checksums), ""});
-    } catch (const InputError& error) {
-      out.push_back({"", (run.place.empty() ? "" : run.place + ": ") + message_of(error)});
-    }
+    out.push_back(run.mistake.empty() ? identified(study, run, checksums) : IdentifiedRun{"", run.mistake});
     if (done) done(out.size());
   }
   return out;

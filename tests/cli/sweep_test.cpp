@@ -256,6 +256,22 @@ TEST_F(Sweep, AMistakeInATableNamesItsLine) {
   EXPECT_THAT(lines("out/runs.csv")[2], AllOf(HasSubstr("2,,failed,"), HasSubstr("cohort.csv:4: ")));
 }
 
+TEST_F(Sweep, AMissingFileInATableFailsItsRow) {
+  write("cohort.csv", "label,tool.mesh,motion.plunge.depth_mm\nP1,,0.5\nP2,none.stl,0.5\nP3,,deep\n");
+  write("study.yaml", "version: 1\nbase: s.yaml\ntable: cohort.csv\n");
+  const ProgramResult plan = sweep({"plan", "study.yaml"});
+  EXPECT_EQ(plan.status, 2);
+  const auto named = AllOf(HasSubstr("run 2: "), HasSubstr("cohort.csv:3: tool.mesh: "), HasSubstr("none.stl"),
+                           HasSubstr("run 3: "), HasSubstr("cohort.csv:4: "));
+  EXPECT_THAT(plan.err, AllOf(named, HasSubstr("2 of 3 runs are wrong")));
+  const ProgramResult result = sweep({"run", "study.yaml", "-o", "out"});
+  EXPECT_EQ(result.status, 1);
+  EXPECT_THAT(result.err, named);
+  EXPECT_THAT(result.out, HasSubstr("3 runs: 1 done, 2 failed"));
+  EXPECT_THAT(lines("out/runs.csv")[2],
+              AllOf(HasSubstr("2,,failed,"), HasSubstr("cohort.csv:3: "), HasSubstr(",P2,none.stl,")));
+}
+
 TEST_F(Sweep, PlanWritesNothing) {
   const ProgramResult result = sweep({"plan", "study.yaml"});
   EXPECT_EQ(result.status, 0) << result.err;
