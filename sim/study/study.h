@@ -50,6 +50,7 @@ enum class SampleMethod { sobol, latin_hypercube, monte_carlo, saltelli };
 
 struct SampleSettings {
   SampleMethod method = SampleMethod::sobol;
+  SourceLocation method_where = {};  ///< where the study gives it
   int n = 0;
   std::uint64_t seed = 1;
   std::vector<SampledKey> of;
